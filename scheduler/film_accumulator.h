@@ -1,0 +1,54 @@
+// The merged image: per-pixel statistics in double, fed with work-unit results in pass order.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "kernels/host/sample_buffer.h"
+
+namespace penumbra {
+
+/// Running statistics of one pixel. `mean` and `m2` are radiance per channel; `m2` is the sum of squared deviations.
+struct PixelStatistics {
+  std::uint64_t count = 0;
+  double mean[3] = {0, 0, 0};
+  double m2[3] = {0, 0, 0};
+  double albedo[3] = {0, 0, 0};
+  double normal[3] = {0, 0, 0};
+  double depth = 0;
+};
+
+/// A rectangle of the film. Chan's merge is not associative in floating point, so the caller adds the passes of a
+/// pixel in pass order; then the result is the same bytes whatever the workers, the tiles and the arrival order.
+class FilmAccumulator {
+ public:
+  FilmAccumulator() = default;
+  /// The rectangle [x, x+width) x [y, y+height) of the film.
+  FilmAccumulator(int x, int y, int width, int height, bool has_features);
+
+  /// Merges a unit's result whose corner is film pixel (x, y), inside the rectangle.
+  void add(int x, int y, const SampleBuffer& result);
+
+  [[nodiscard]] int x() const { return x_; }
+  [[nodiscard]] int y() const { return y_; }
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+  [[nodiscard]] bool has_features() const { return has_features_; }
+  /// Pixel at film coordinates.
+  [[nodiscard]] const PixelStatistics& at(int film_x, int film_y) const;
+  [[nodiscard]] std::uint64_t nan_samples() const { return nan_samples_; }
+  [[nodiscard]] std::uint64_t infinite_samples() const { return infinite_samples_; }
+  /// Relative standard error of the image: sqrt(mean over pixels and channels of SE^2 / (mean^2 + .01)); NaN while
+  /// fewer than two samples are in.
+  [[nodiscard]] double relative_error() const;
+  /// XXH3-64 of all pixel statistics, for tests of reproducibility and for the report.
+  [[nodiscard]] std::uint64_t hash() const;
+
+ private:
+  int x_ = 0, y_ = 0, width_ = 0, height_ = 0;
+  bool has_features_ = false;
+  std::vector<PixelStatistics> pixels_;
+  std::uint64_t nan_samples_ = 0, infinite_samples_ = 0;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,66 @@
+// One image to render with local worker processes, and what came of it: the seam between the command line and the
+// scheduler proper.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kernels/host/device_scene.h"
+#include "kernels/host/error.h"
+#include "scheduler/film_accumulator.h"
+#include "worker/device.h"
+
+namespace penumbra {
+
+struct RenderJob {
+  DeviceScene scene;
+  int x = 0, y = 0, width = 0, height = 0;  ///< film rectangle to render
+  std::uint32_t spp = 16;
+  std::uint32_t samples_per_pass = 16;  ///< the image depends on it, see FilmAccumulator
+  int tile = 64;                        ///< the image does not depend on it
+  int workers = 1;                      ///< local worker processes
+  DeviceOptions device;
+  std::string worker_executable;        ///< path of penumbra-worker
+  std::string reproduce_command;        ///< the `penumbra render` command without a crop, quoted for a shell; a failed
+                                        ///< unit is named with it plus `--crop x0,y0,x1,y1`
+  std::optional<double> time_budget;    ///< seconds of rendering after which no further pass is begun
+};
+
+struct WorkerShare {
+  std::string name;  ///< host:pid
+  std::string device;
+  std::uint64_t units = 0;
+  std::uint64_t samples = 0;
+  double busy_seconds = 0;  ///< inside Device::render
+  std::uint64_t peak_memory_bytes = 0;
+  std::string ended;        ///< empty, or why it was lost
+};
+
+struct RenderProgress {
+  std::uint64_t samples_done = 0, samples_total = 0;
+  double elapsed_seconds = 0;
+  double relative_error = 0;  ///< see FilmAccumulator; NaN before it is known
+  int workers = 0;            ///< connected
+};
+
+struct RenderOutcome {
+  FilmAccumulator film;
+  bool complete = false;
+  std::vector<std::string> problems;  ///< every failed unit, lost worker, rejected result, in plain words
+  std::vector<WorkerShare> workers;
+  std::uint64_t units_done = 0, units_duplicated = 0, units_requeued = 0;
+  double seconds_to_first_tile = 0;   ///< from the call
+  double seconds = 0;
+};
+
+/// Renders with `job.workers` child processes over a Unix socket in a private directory. Blocks until the image is
+/// complete, `stop` becomes true (the outcome then holds what is merged), or nothing can go on. All children are
+/// reaped before it returns. `on_progress` is called a few times a second from one thread.
+Expected<RenderOutcome> run_render(const RenderJob& job, const std::atomic<bool>& stop,
+                                   const std::function<void(const RenderProgress&)>& on_progress);
+
+}  // namespace penumbra
