@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# From a fresh Debian 12 machine to a first picture: installs the packages, builds Penumbra and renders the Cornell
+# box with two worker processes.
+#
+#   scenes/quickstart.sh [OUTPUT_FOLDER]        (out/ in the project's folder by default)
+set -euo pipefail
+
+case "${1:-}" in
+  -h | --help)
+    sed -n '2,/^set /{s/^# \{0,1\}//p}' "${BASH_SOURCE[0]}"
+    exit 0
+    ;;
+esac
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+out=${1:-$root/out}
+mkdir -p "$out"
+out=$(cd "$out" && pwd)
+cd "$root"
+
+echo "1/3 Packages"
+bash .ci/install_packages.sh
+
+echo "2/3 Build, in build/release (some minutes the first time)"
+cmake --preset release >/dev/null
+cmake --build --preset release --target penumbra penumbra-worker
+
+echo "3/3 Render scenes/cornell/cornell.xml with two workers"
+build/release/penumbra render scenes/cornell/cornell.xml --workers 2 --spp 64 -o "$out/cornell.exr"
+
+for picture in "$out/cornell.exr" "$out/cornell.png"; do
+  if [[ ! -s $picture ]]; then
+    echo "quickstart: $picture is missing, although the renderer reported success" >&2
+    exit 1
+  fi
+done
+cat <<END
+
+The Cornell box is rendered:
+  $out/cornell.exr   linear radiance with variance, albedo, normal, depth and sample-count layers
+  $out/cornell.png   for looking at
+Next: build/release/penumbra render --help
+END
