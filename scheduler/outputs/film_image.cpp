@@ -1,0 +1,39 @@
+#include "scheduler/outputs/film_image.h"
+
+namespace penumbra {
+
+Image image_of_film(const FilmAccumulator& film, int film_width, int film_height) {
+  Image image;
+  image.data = {film.x(), film.y(), film.width(), film.height()};
+  image.display = {0, 0, film_width, film_height};
+  image.channels = {"R", "G", "B", "variance.R", "variance.G", "variance.B"};
+  if (film.has_features()) {
+    image.channels.insert(image.channels.end(), {"albedo.R", "albedo.G", "albedo.B", "normal.X", "normal.Y",
+                                                 "normal.Z", "depth.Z"});
+  }
+  image.channels.emplace_back("samples.count");
+  image.values.reserve(image.pixels() * image.channels.size());
+  const auto append = [&](const double(&values)[3]) {
+    for (const double value : values) image.values.push_back(float(value));
+  };
+  for (int y = film.y(); y < film.y() + film.height(); ++y) {
+    for (int x = film.x(); x < film.x() + film.width(); ++x) {
+      const PixelStatistics& pixel = film.at(x, y);
+      append(pixel.mean);
+      for (const double m2 : pixel.m2) image.values.push_back(float(variance_of_mean(pixel.count, m2)));
+      if (film.has_features()) {
+        append(pixel.albedo);
+        append(pixel.normal);
+        image.values.push_back(float(pixel.depth));
+      }
+      image.values.push_back(float(pixel.count));
+    }
+  }
+  return image;
+}
+
+double variance_of_mean(std::uint64_t count, double m2) {
+  return count < 2 ? 0.0 : m2 / (double(count) * double(count - 1));
+}
+
+}  // namespace penumbra

@@ -1,0 +1,21 @@
+// The merged film as an image with layers.
+#pragma once
+
+#include "scheduler/film_accumulator.h"
+#include "scheduler/outputs/image.h"
+
+namespace penumbra {
+
+/// M2 / (n (n - 1)), the unbiased estimate of the variance of a mean of `count` samples; 0 where it has none
+/// (n < 2).
+double variance_of_mean(std::uint64_t count, double m2);
+
+/// Layers, by OpenEXR's naming convention, the film's rectangle as data window in a film of `film_width` x
+/// `film_height`:
+///   R G B             mean radiance, linear Rec. 709
+///   variance.R/G/B    variance of that mean
+///   albedo.R/G/B, normal.X/Y/Z, depth.Z   as in SampleBufferPlane; only if the film has features
+///   samples.count     n; 0 where no pass has been merged, and everything else is 0 there
+Image image_of_film(const FilmAccumulator& film, int film_width, int film_height);
+
+}  // namespace penumbra

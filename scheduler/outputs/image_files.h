@@ -1,0 +1,19 @@
+// Image files as bytes. What is written depends on the image alone: no time, host or process id gets in, so
+// equal images give equal files.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "kernels/host/error.h"
+#include "scheduler/outputs/image.h"
+
+namespace penumbra {
+
+/// OpenEXR: all channels as 32-bit floats, ZIP compression, data and display window, every metadata entry.
+Expected<std::vector<std::uint8_t>> encode_exr(const Image& image);
+
+/// PNG: the beauty layer of the data window through `display_byte`, 8 bits a channel, no alpha.
+Expected<std::vector<std::uint8_t>> encode_png(const Image& image);
+
+}  // namespace penumbra

@@ -1,0 +1,178 @@
+#include "scheduler/outputs/render_record.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cctype>
+
+#include "scheduler/outputs/version.h"
+
+namespace penumbra {
+namespace {
+
+std::string_view bsdf_sampling_name(BsdfSampling sampling) {
+  switch (sampling) {
+    case BsdfSampling::kBsdf:
+      return "bsdf";
+    case BsdfSampling::kCosine:
+      return "cosine";
+    case BsdfSampling::kUniform:
+      return "uniform";
+  }
+  return "?";
+}
+
+std::string_view emitter_sampling_name(EmitterSampling sampling) {
+  switch (sampling) {
+    case EmitterSampling::kAuto:
+      return "auto";
+    case EmitterSampling::kArea:
+      return "area";
+    case EmitterSampling::kSolidAngle:
+      return "solid_angle";
+  }
+  return "?";
+}
+
+bool has_crop(const Film& film) {
+  return film.crop_x != 0 || film.crop_y != 0 || film.crop_width != film.width ||
+         film.crop_height != film.height;
+}
+
+}  // namespace
+
+std::string_view filter_name(FilterKind kind) {
+  switch (kind) {
+    case FilterKind::kBox:
+      return "box";
+    case FilterKind::kTent:
+      return "tent";
+    case FilterKind::kGaussian:
+      return "gaussian";
+    case FilterKind::kMitchell:
+      return "mitchell";
+  }
+  return "?";
+}
+
+std::string_view sampler_name(SamplerKind kind) {
+  switch (kind) {
+    case SamplerKind::kIndependent:
+      return "independent";
+    case SamplerKind::kStratified:
+      return "stratified";
+    case SamplerKind::kHalton:
+      return "halton";
+    case SamplerKind::kSobol:
+      return "sobol";
+  }
+  return "?";
+}
+
+std::string_view integrator_name(const IntegratorSettings& integrator) {
+  if (integrator.kind == IntegratorKind::kDirect) return "direct";
+  switch (integrator.direct_sampling) {
+    case DirectSampling::kBsdfOnly:
+      return "path_mats";
+    case DirectSampling::kEmitterOnly:
+      return "path_ems";
+    case DirectSampling::kMis:
+      return "path_mis";
+  }
+  return "?";
+}
+
+std::string shell_quoted(const std::string& word) {
+  const auto is_plain = [](unsigned char c) {
+    return std::isalnum(c) || std::string_view("_-./=,:+@%").find(char(c)) != std::string_view::npos;
+  };
+  bool plain = !word.empty();
+  for (const char c : word) plain = plain && is_plain((unsigned char)c);
+  if (plain) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
+
+std::string repeat_command(const RenderRecord& record, bool with_crop) {
+  std::string command = "penumbra render " + shell_quoted(record.scene);
+  const auto add = [&](const std::string& option, const std::string& value) {
+    command += " " + option + " " + shell_quoted(value);
+  };
+  for (const std::string& define : record.defines) add("-D", define);
+  for (const std::string& setting : record.settings) add("--set", setting);
+  if (record.lenient) command += " --lenient";
+  add("--integrator", std::string(integrator_name(record.integrator)));
+  add("--sampler", std::string(sampler_name(record.sampler.kind)));
+  add("--spp", fmt::to_string(record.sampler.spp));
+  add("--seed", fmt::to_string(record.sampler.seed));
+  add("--pass", fmt::to_string(record.samples_per_pass));
+  add("--intersector", record.embree ? "embree" : "portable");
+  if (!record.isa.empty()) add("--isa", record.isa);
+  if (record.backend == Backend::kOpenCl) add("--backend", "opencl");
+  if (!record.feature_layers) command += " --no-features";
+  const Film& film = record.film;
+  if (with_crop && has_crop(film)) {
+    add("--crop", fmt::format("{},{},{},{}", film.crop_x, film.crop_y, film.crop_x + film.crop_width,
+                              film.crop_y + film.crop_height));
+  }
+  return command;
+}
+
+std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRecord& record) {
+  const Film& film = record.film;
+  const IntegratorSettings& integrator = record.integrator;
+  std::vector<std::pair<std::string, MetadataValue>> entries;
+  const auto text = [&](const char* name, std::string_view value) {
+    entries.emplace_back(name, std::string(value));
+  };
+  const auto number = [&](const char* name, float value) {
+    entries.emplace_back(name, fmt::format("{}", value));
+  };
+  text("scene", record.scene);
+  text("integrator", integrator_name(integrator));
+  if (integrator.kind == IntegratorKind::kPath) {
+    entries.emplace_back("integrator.max_depth", integrator.max_depth);
+    entries.emplace_back("integrator.rr_depth", integrator.rr_depth);
+  } else {
+    entries.emplace_back("integrator.emitter_samples", integrator.emitter_samples);
+    entries.emplace_back("integrator.bsdf_samples", integrator.bsdf_samples);
+    text("integrator.bsdf_sampling", bsdf_sampling_name(integrator.bsdf_sampling));
+  }
+  text("integrator.emitter_sampling", emitter_sampling_name(integrator.emitter_sampling));
+  text("integrator.heuristic", integrator.heuristic == MisHeuristic::kPower ? "power" : "balance");
+  entries.emplace_back("integrator.hide_emitters", int(integrator.hide_emitters));
+  text("sampler", sampler_name(record.sampler.kind));
+  // Unsigned 32-bit values do not fit the format's int.
+  text("spp", fmt::to_string(record.sampler.spp));
+  text("seed", fmt::to_string(record.sampler.seed));
+  text("samples_per_pass", fmt::to_string(record.samples_per_pass));
+  text("filter", filter_name(film.filter));
+  number("filter.radius", film.filter_radius);
+  if (film.filter == FilterKind::kGaussian) number("filter.stddev", film.filter_stddev);
+  if (film.filter == FilterKind::kMitchell) {
+    number("filter.B", film.filter_b);
+    number("filter.C", film.filter_c);
+  }
+  text("intersector", record.embree ? "embree" : "portable");
+  text("backend", record.backend == Backend::kOpenCl ? "opencl" : "native");
+  if (!record.isa.empty()) text("isa", record.isa);
+  if (!record.defines.empty()) text("defines", fmt::format("{}", fmt::join(record.defines, "\n")));
+  if (!record.settings.empty()) text("set", fmt::format("{}", fmt::join(record.settings, "\n")));
+  return entries;
+}
+
+std::vector<std::pair<std::string, MetadataValue>> record_metadata(const RenderRecord& record,
+                                                                   std::uint64_t film_hash, bool complete) {
+  std::vector<std::pair<std::string, MetadataValue>> metadata;
+  metadata.emplace_back("penumbra:version", std::string(kVersion));
+  metadata.emplace_back("penumbra:command", repeat_command(record, true));
+  for (const auto& [name, value] : record_entries(record)) metadata.emplace_back("penumbra:" + name, value);
+  metadata.emplace_back("penumbra:film_hash", hash_text(film_hash));
+  if (!complete) metadata.emplace_back("penumbra:incomplete", 1);
+  return metadata;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,57 @@
+// What a render was asked to do: everything that its pixels depend on, and nothing else. It goes into the
+// EXR, where it repeats the render, so how many workers and threads there were, the time and the host have no
+// place here.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scenes/scene_description.h"
+#include "scheduler/outputs/image.h"
+#include "worker/device.h"
+
+namespace penumbra {
+
+struct RenderRecord {
+  std::string scene;                  ///< as named by the user
+  std::vector<std::string> defines;   ///< -D name=value
+  std::vector<std::string> settings;  ///< --set key=value
+  bool lenient = false;
+  Film film;  ///< with the crop that was rendered
+  SamplerSettings sampler;
+  IntegratorSettings integrator;
+  std::uint32_t samples_per_pass = 16;
+  bool feature_layers = true;
+  bool embree = false;  ///< else the portable intersector
+  Backend backend = Backend::kNative;
+  std::string isa;  ///< Embree's choices depend on the instruction set; empty where it makes no difference
+};
+
+/// The command that renders the same bytes again, quoted for a POSIX shell. Without `with_crop` it is the
+/// command for the whole film.
+std::string repeat_command(const RenderRecord& record, bool with_crop);
+
+/// Name and value of every setting, for people and for metadata; names are those of `--set` where it has
+/// them.
+std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRecord& record);
+
+/// Metadata of the EXR, all named penumbra:…; `film_hash` is FilmAccumulator::hash(). An image that misses
+/// samples is marked penumbra:incomplete = 1.
+std::vector<std::pair<std::string, MetadataValue>> record_metadata(const RenderRecord& record,
+                                                                   std::uint64_t film_hash, bool complete);
+
+/// The word in single quotes if a POSIX shell would read anything in it as special.
+std::string shell_quoted(const std::string& word);
+
+/// The hash as 16 hexadecimal digits.
+std::string hash_text(std::uint64_t hash);
+
+/// The names that scene files and `--set` use.
+std::string_view filter_name(FilterKind kind);
+std::string_view sampler_name(SamplerKind kind);
+/// One of direct, path_mats, path_ems, path_mis.
+std::string_view integrator_name(const IntegratorSettings& integrator);
+
+}  // namespace penumbra

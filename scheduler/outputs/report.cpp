@@ -1,0 +1,154 @@
+#include "scheduler/outputs/report.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "scheduler/outputs/version.h"
+
+namespace penumbra {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// JSON has no NaN or infinity; null stands for "not known".
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+std::string utc_now() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  std::tm parts{};
+  gmtime_r(&now, &parts);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text;
+}
+
+std::string host_name() {
+  char name[256] = {};
+  return gethostname(name, sizeof name - 1) == 0 ? name : "";
+}
+
+std::uint64_t own_peak_memory_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return std::uint64_t(usage.ru_maxrss) * 1024;  // Linux counts in KiB
+}
+
+Json settings_json(const RenderReport& report) {
+  Json settings;
+  for (const auto& [name, value] : record_entries(report.record)) {
+    std::visit([&, &key = name](const auto& v) { settings[key] = v; }, value);
+  }
+  settings["spp"] = report.record.sampler.spp;
+  settings["seed"] = report.record.sampler.seed;
+  settings["samples_per_pass"] = report.record.samples_per_pass;
+  settings["defines"] = report.record.defines;
+  settings["set"] = report.record.settings;
+  settings["tile"] = report.job->tile;
+  settings["workers"] = report.job->workers;
+  settings["threads_per_worker"] = report.job->device.threads;
+  settings["time_budget"] = report.job->time_budget ? Json(*report.job->time_budget) : Json(nullptr);
+  return settings;
+}
+
+Json samples_json(const FilmAccumulator& film) {
+  std::uint64_t total = 0, least = std::numeric_limits<std::uint64_t>::max(), most = 0;
+  for (int y = film.y(); y < film.y() + film.height(); ++y) {
+    for (int x = film.x(); x < film.x() + film.width(); ++x) {
+      const std::uint64_t count = film.at(x, y).count;
+      total += count;
+      least = std::min(least, count);
+      most = std::max(most, count);
+    }
+  }
+  return {{"total", total},
+          {"least_per_pixel", total == 0 ? 0 : least},
+          {"most_per_pixel", most},
+          {"nan", film.nan_samples()},
+          {"infinite", film.infinite_samples()}};
+}
+
+Json worker_json(const WorkerShare& worker, std::uint64_t all_samples) {
+  return {{"name", worker.name},
+          {"device", worker.device},
+          {"units", worker.units},
+          {"samples", worker.samples},
+          {"share", all_samples > 0 ? Json(double(worker.samples) / double(all_samples)) : Json(nullptr)},
+          {"busy_seconds", worker.busy_seconds},
+          {"peak_memory_bytes", worker.peak_memory_bytes},
+          {"ended", worker.ended.empty() ? Json(nullptr) : Json(worker.ended)}};
+}
+
+Json pairs_json(const std::vector<std::pair<std::string, std::string>>& pairs) {
+  Json json = Json::object();
+  for (const auto& [name, value] : pairs) json[name] = value;
+  return json;
+}
+
+}  // namespace
+
+double samples_per_second(const RenderOutcome& outcome) {
+  std::uint64_t samples = 0;
+  for (const WorkerShare& worker : outcome.workers) samples += worker.samples;
+  return outcome.seconds > 0 ? double(samples) / outcome.seconds : 0.0;
+}
+
+Json report_json(const RenderReport& report) {
+  const RenderJob& job = *report.job;
+  const RenderOutcome& outcome = *report.outcome;
+  const Film& film = report.record.film;
+  std::uint64_t worker_samples = 0, worker_memory = 0;
+  for (const WorkerShare& worker : outcome.workers) {
+    worker_samples += worker.samples;
+    worker_memory = std::max(worker_memory, worker.peak_memory_bytes);
+  }
+  Json workers = Json::array();
+  for (const WorkerShare& worker : outcome.workers) workers.push_back(worker_json(worker, worker_samples));
+  Json files = Json::array();
+  for (const auto& file : report.files) files.push_back(file.string());
+
+  return {
+      {"penumbra", kVersion},
+      {"complete", report.complete},
+      {"scene", report.record.scene},
+      {"files", files},
+      {"repeat_command", repeat_command(report.record, true)},
+      {"command_line", report.command_line},
+      {"host", host_name()},
+      {"finished", utc_now()},
+      {"film",
+       {{"width", film.width},
+        {"height", film.height},
+        {"crop", {film.crop_x, film.crop_y, film.crop_x + film.crop_width, film.crop_y + film.crop_height}}}},
+      {"settings", settings_json(report)},
+      {"samples", samples_json(outcome.film)},
+      {"relative_error", number(outcome.film.relative_error())},
+      {"film_hash", hash_text(outcome.film.hash())},
+      {"seconds",
+       {{"build", report.build_seconds},
+        {"to_first_tile", outcome.seconds_to_first_tile},
+        {"render", outcome.seconds},
+        {"write", report.write_seconds}}},
+      {"samples_per_second", samples_per_second(outcome)},
+      {"units",
+       {{"done", outcome.units_done},
+        {"duplicated", outcome.units_duplicated},
+        {"requeued", outcome.units_requeued}}},
+      {"workers", workers},
+      {"memory",
+       {{"device_scene_bytes", sizeof(SceneHeader) + job.scene.words.size() * sizeof(std::uint32_t)},
+        {"scheduler_peak_bytes", own_peak_memory_bytes()},
+        {"largest_worker_peak_bytes", worker_memory}}},
+      {"needs", pairs_json(report.needs)},
+      {"left_out", pairs_json(report.left_out)},
+      {"warnings", report.warnings},
+      {"problems", outcome.problems}};
+}
+
+}  // namespace penumbra

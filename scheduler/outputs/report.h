@@ -1,0 +1,34 @@
+// report.json: everything about a render that is not in its pixels.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scheduler/outputs/render_record.h"
+#include "scheduler/render_job.h"
+
+namespace penumbra {
+
+struct RenderReport {
+  RenderRecord record;
+  std::vector<std::string> command_line;  ///< as typed
+  const RenderJob* job = nullptr;
+  const RenderOutcome* outcome = nullptr;
+  bool complete = false;
+  std::vector<std::string> warnings;                                 ///< of the scene's reader
+  std::vector<std::pair<std::string, std::string>> needs, left_out;  ///< of the scene, see SceneSummary
+  double build_seconds = 0;                  ///< reading the scene and building its device form
+  double write_seconds = 0;                  ///< of the image files
+  std::vector<std::filesystem::path> files;  ///< images written
+};
+
+/// The report's fields and their units are explained in the README of this folder.
+nlohmann::ordered_json report_json(const RenderReport& report);
+
+/// Samples per second of rendering, all workers together.
+double samples_per_second(const RenderOutcome& outcome);
+
+}  // namespace penumbra

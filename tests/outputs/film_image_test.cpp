@@ -1,0 +1,69 @@
+#include "scheduler/outputs/film_image.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace penumbra {
+namespace {
+
+using ::testing::ElementsAre;
+
+/// Every plane p of pixel i is p + i / 8.
+SampleBuffer buffer_of(int width, int height, int planes, std::uint32_t samples) {
+  SampleBuffer buffer;
+  buffer.width = width;
+  buffer.height = height;
+  buffer.planes = planes;
+  buffer.sample_count = samples;
+  for (int p = 0; p < planes; ++p) {
+    for (int i = 0; i < width * height; ++i) buffer.values.push_back(float(p) + float(i) / 8);
+  }
+  return buffer;
+}
+
+TEST(FilmImage, PutsEveryStatisticInItsLayer) {
+  FilmAccumulator film(4, 6, 3, 2, true);
+  film.add(4, 6, buffer_of(3, 2, kSampleBufferPlanes, 5));
+  const Image image = image_of_film(film, 16, 12);
+  EXPECT_EQ(image.data, (PixelWindow{4, 6, 3, 2}));
+  EXPECT_EQ(image.display, (PixelWindow{0, 0, 16, 12}));
+  const std::vector<std::pair<std::string, int>> planes = {
+      {"R", kMeanR},          {"G", kMeanG},          {"B", kMeanB},          {"albedo.R", kAlbedoR},
+      {"albedo.G", kAlbedoG}, {"albedo.B", kAlbedoB}, {"normal.X", kNormalX}, {"normal.Y", kNormalY},
+      {"normal.Z", kNormalZ}, {"depth.Z", kDepth}};
+  for (int i = 0; i < 6; ++i) {
+    const int x = i % 3, y = i / 3;
+    for (const auto& [name, plane] : planes) {
+      EXPECT_EQ(image.at(x, y, *image.channel(name)), float(plane) + float(i) / 8) << name;
+    }
+    EXPECT_FLOAT_EQ(image.at(x, y, *image.channel("variance.G")), (float(kM2G) + float(i) / 8) / (5 * 4));
+    EXPECT_EQ(image.at(x, y, *image.channel("samples.count")), 5);
+  }
+}
+
+TEST(FilmImage, HasNoFeatureLayersWithoutFeatures) {
+  FilmAccumulator film(0, 0, 1, 1, false);
+  film.add(0, 0, buffer_of(1, 1, kRadiancePlanes, 2));
+  EXPECT_THAT(image_of_film(film, 1, 1).channels,
+              ElementsAre("R", "G", "B", "variance.R", "variance.G", "variance.B", "samples.count"));
+}
+
+TEST(FilmImage, WhatIsNotRenderedIsZeroWithCountZero) {
+  FilmAccumulator film(0, 0, 2, 1, false);
+  film.add(1, 0, buffer_of(1, 1, kRadiancePlanes, 1));
+  const Image image = image_of_film(film, 2, 1);
+  for (std::size_t c = 0; c < image.channels.size(); ++c) EXPECT_EQ(image.at(0, 0, c), 0);
+  EXPECT_EQ(image.at(1, 0, *image.channel("samples.count")), 1);
+  EXPECT_EQ(image.at(1, 0, *image.channel("G")), 1);
+  EXPECT_EQ(image.at(1, 0, *image.channel("variance.R")), 0) << "one sample has no variance";
+}
+
+TEST(VarianceOfMean, ByHand) {
+  // 1, 2, 3, 6: mean 3, M2 14, sample variance 14/3, of the mean 14/12.
+  EXPECT_DOUBLE_EQ(variance_of_mean(4, 14), 14.0 / 12);
+  EXPECT_EQ(variance_of_mean(1, 0), 0);
+  EXPECT_EQ(variance_of_mean(0, 0), 0);
+}
+
+}  // namespace
+}  // namespace penumbra
