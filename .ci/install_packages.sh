@@ -4,8 +4,8 @@
 set -euo pipefail
 
 packages=(
-  # Compilers: clang for every build, g++ for its warnings (and its C++ library), the sanitizers' runtime.
-  clang-19 libclang-rt-19-dev g++ cmake ninja-build ccache pkg-config git clang-format
+  # Compilers: clang for every build, g++ for its C++ library and its warnings, the sanitizers' runtime and symbolizer.
+  clang-19 libclang-rt-19-dev llvm-19 g++ cmake ninja-build ccache pkg-config git clang-format
   # Images, geometry, mathematics.
   libembree-dev libopenimageio-dev libopenexr-dev libglm-dev
   # OpenCL with a device for any CPU.
