@@ -19,7 +19,7 @@ packages=(
 )
 
 is_installed() { [[ $(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null) == installed ]]; }
-has_candidate() { apt-cache policy "$1" 2>/dev/null | grep -q 'Candidate: [^(]'; }
+has_candidate() { [[ $(apt-cache policy "$1" 2>/dev/null) =~ Candidate:\ [^\(] ]]; }
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   printf 'install_packages: this system has no apt-get. Install the counterparts of these Debian 12 packages:\n  %s\n' \
