@@ -8,7 +8,8 @@
 
 namespace penumbra {
 
-/// Running statistics of one pixel. `mean` and `m2` are radiance per channel; `m2` is the sum of squared deviations.
+/// Running statistics of one pixel. `mean` and `m2` are radiance per channel; `m2` is the sum of squared
+/// deviations.
 struct PixelStatistics {
   std::uint64_t count = 0;
   double mean[3] = {0, 0, 0};
@@ -18,8 +19,9 @@ struct PixelStatistics {
   double depth = 0;
 };
 
-/// A rectangle of the film. Chan's merge is not associative in floating point, so the caller adds the passes of a
-/// pixel in pass order; then the result is the same bytes whatever the workers, the tiles and the arrival order.
+/// A rectangle of the film. Chan's merge is not associative in floating point, so the caller adds the passes
+/// of a pixel in pass order; then the result is the same bytes whatever the workers, the tiles and the
+/// arrival order.
 class FilmAccumulator {
  public:
   FilmAccumulator() = default;
@@ -28,6 +30,9 @@ class FilmAccumulator {
 
   /// Merges a unit's result whose corner is film pixel (x, y), inside the rectangle.
   void add(int x, int y, const SampleBuffer& result);
+  /// Forgets all samples of a rectangle whose corner is film pixel (x, y), among them so many that were not
+  /// finite: for work that turned out to be untrustworthy and is done again.
+  void clear(int x, int y, int width, int height, std::uint64_t nan_samples, std::uint64_t infinite_samples);
 
   [[nodiscard]] int x() const { return x_; }
   [[nodiscard]] int y() const { return y_; }
@@ -38,8 +43,9 @@ class FilmAccumulator {
   [[nodiscard]] const PixelStatistics& at(int film_x, int film_y) const;
   [[nodiscard]] std::uint64_t nan_samples() const { return nan_samples_; }
   [[nodiscard]] std::uint64_t infinite_samples() const { return infinite_samples_; }
-  /// Relative standard error of the image: sqrt(mean over pixels and channels of SE^2 / (mean^2 + .01)); NaN while
-  /// fewer than two samples are in.
+  /// Relative standard error of the image: sqrt(mean over pixels and channels of SE^2 / (mean^2 + .01)), with
+  /// SE^2 = m2 / (n (n - 1)) the variance of a pixel's mean, over the pixels with two samples or more; NaN
+  /// while there are none.
   [[nodiscard]] double relative_error() const;
   /// XXH3-64 of all pixel statistics, for tests of reproducibility and for the report.
   [[nodiscard]] std::uint64_t hash() const;

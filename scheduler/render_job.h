@@ -1,5 +1,5 @@
-// One image to render with local worker processes, and what came of it: the seam between the command line and the
-// scheduler proper.
+// One image to render with local worker processes, and what came of it: the seam between the command line and
+// the scheduler proper.
 #pragma once
 
 #include <atomic>
@@ -12,6 +12,7 @@
 #include "kernels/host/device_scene.h"
 #include "kernels/host/error.h"
 #include "scheduler/film_accumulator.h"
+#include "scheduler/plan.h"
 #include "worker/device.h"
 
 namespace penumbra {
@@ -24,10 +25,13 @@ struct RenderJob {
   int tile = 64;                        ///< the image does not depend on it
   int workers = 1;                      ///< local worker processes
   DeviceOptions device;
-  std::string worker_executable;        ///< path of penumbra-worker
-  std::string reproduce_command;        ///< the `penumbra render` command without a crop, quoted for a shell; a failed
-                                        ///< unit is named with it plus `--crop x0,y0,x1,y1`
-  std::optional<double> time_budget;    ///< seconds of rendering after which no further pass is begun
+  std::string worker_executable;  ///< path of penumbra-worker
+  std::string reproduce_command;  ///< the `penumbra render` command without a crop, quoted for a shell; a
+                                  ///< failed unit is named with it plus `--crop x0,y0,x1,y1`
+  std::optional<double>
+      time_budget;   ///< seconds of rendering after which no further pass is begun; the first
+                     ///< pass is always rendered, and an image that ends so counts as complete
+  LeaseRule leases;  ///< when a worker counts as hung
 };
 
 struct WorkerShare {
@@ -37,7 +41,7 @@ struct WorkerShare {
   std::uint64_t samples = 0;
   double busy_seconds = 0;  ///< inside Device::render
   std::uint64_t peak_memory_bytes = 0;
-  std::string ended;        ///< empty, or why it was lost
+  std::string ended;  ///< empty, or why it was lost
 };
 
 struct RenderProgress {
@@ -53,13 +57,15 @@ struct RenderOutcome {
   std::vector<std::string> problems;  ///< every failed unit, lost worker, rejected result, in plain words
   std::vector<WorkerShare> workers;
   std::uint64_t units_done = 0, units_duplicated = 0, units_requeued = 0;
-  double seconds_to_first_tile = 0;   ///< from the call
+  std::uint32_t passes_finished = 0, passes_total = 0;  ///< merged in every tile; asked for
+  double seconds_to_first_tile = 0;                     ///< from the call
   double seconds = 0;
 };
 
-/// Renders with `job.workers` child processes over a Unix socket in a private directory. Blocks until the image is
-/// complete, `stop` becomes true (the outcome then holds what is merged), or nothing can go on. All children are
-/// reaped before it returns. `on_progress` is called a few times a second from one thread.
+/// Renders with `job.workers` child processes over a Unix socket in a private directory. Blocks until the
+/// image is complete, `stop` becomes true (the outcome then holds what is merged), or nothing can go on. All
+/// children are reaped before it returns. `on_progress` (which may be empty) is called a few times a second
+/// from the calling thread. Fails if the job makes no sense, or if no worker could be started or do the job.
 Expected<RenderOutcome> run_render(const RenderJob& job, const std::atomic<bool>& stop,
                                    const std::function<void(const RenderProgress&)>& on_progress);
 

@@ -1,0 +1,117 @@
+#include "scheduler/local_workers.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <linux/close_range.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+namespace penumbra {
+namespace {
+
+constexpr std::chrono::milliseconds kTimeToEnd{300};
+constexpr std::chrono::milliseconds kPollInterval{1};
+
+std::string describe(int status) {
+  if (WIFSIGNALED(status)) {
+    return fmt::format("killed by signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)));
+  }
+  return fmt::format("exit code {}", WEXITSTATUS(status));
+}
+
+/// Runs in the child between fork and exec, where only async-signal-safe functions are allowed.
+[[noreturn]] void become(char* const* arguments, pid_t parent, int error_pipe) {
+  // Survives exec. If the parent died before this line, the signal will not come: hence the check.
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(1);
+  setpgid(0, 0);
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  for (const int signal_number : {SIGINT, SIGTERM, SIGPIPE, SIGCHLD}) signal(signal_number, SIG_DFL);
+  const int nothing = open("/dev/null", O_RDONLY);
+  if (nothing >= 0) dup2(nothing, STDIN_FILENO);
+  dup2(STDERR_FILENO, STDOUT_FILENO);
+  // A leaked descriptor of another worker's connection would keep that connection open.
+  close_range(STDERR_FILENO + 1, ~0u, CLOSE_RANGE_CLOEXEC);
+  execv(arguments[0], arguments);
+  const int error = errno;
+  [[maybe_unused]] const ssize_t written = write(error_pipe, &error, sizeof error);
+  _exit(127);
+}
+
+}  // namespace
+
+LocalWorkers::LocalWorkers(std::string executable, std::vector<std::string> arguments)
+    : executable_(std::move(executable)), arguments_(std::move(arguments)) {}
+
+Expected<pid_t> LocalWorkers::start() {
+  std::vector<char*> arguments;
+  arguments.push_back(executable_.data());
+  for (std::string& argument : arguments_) arguments.push_back(argument.data());
+  arguments.push_back(nullptr);
+
+  int error_pipe[2];  // closed by a successful exec
+  if (pipe2(error_pipe, O_CLOEXEC) != 0) {
+    return fail(fmt::format("cannot start a worker: {}", std::strerror(errno)));
+  }
+  const pid_t parent = getpid();
+  const pid_t child = fork();
+  if (child == 0) become(arguments.data(), parent, error_pipe[1]);
+  const int fork_error = errno;
+  close(error_pipe[1]);
+  int exec_error = 0;
+  ssize_t got = 0;
+  while (child > 0 && (got = read(error_pipe[0], &exec_error, sizeof exec_error)) < 0 && errno == EINTR) {
+  }
+  close(error_pipe[0]);
+  if (child < 0) return fail(fmt::format("cannot start a worker: {}", std::strerror(fork_error)));
+  if (got == ssize_t(sizeof exec_error)) {
+    waitpid(child, nullptr, 0);
+    return fail(
+        fmt::format("cannot start the worker program '{}': {}", executable_, std::strerror(exec_error)));
+  }
+  running_.push_back(child);
+  return child;
+}
+
+std::vector<WorkerExit> LocalWorkers::reap() {
+  std::vector<WorkerExit> ended;
+  std::erase_if(running_, [&](pid_t pid) {
+    int status = 0;
+    const pid_t got = waitpid(pid, &status, WNOHANG);
+    if (got == pid) {
+      ended.push_back({pid, describe(status)});
+      return true;
+    }
+    return got < 0 && errno == ECHILD;  // somebody else in this process has reaped it
+  });
+  return ended;
+}
+
+void LocalWorkers::kill(pid_t pid) {
+  if (std::ranges::find(running_, pid) != running_.end()) ::kill(pid, SIGKILL);
+}
+
+void LocalWorkers::stop_all() {
+  for (const pid_t pid : running_) {
+    ::kill(pid, SIGTERM);
+    ::kill(pid, SIGCONT);  // a stopped process takes no other signal
+  }
+  const auto deadline = std::chrono::steady_clock::now() + kTimeToEnd;
+  while (reap(), !running_.empty() && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::sleep_for(kPollInterval);
+  }
+  for (const pid_t pid : running_) ::kill(pid, SIGKILL);
+  while (reap(), !running_.empty()) std::this_thread::sleep_for(kPollInterval);
+}
+
+}  // namespace penumbra

@@ -1,0 +1,172 @@
+#include "scheduler/protocol/wire.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <bit>
+#include <cstring>
+
+namespace penumbra {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "sample values travel as little-endian floats");
+
+std::uint64_t checksum_of(const std::string& values) { return XXH3_64bits(values.data(), values.size()); }
+
+}  // namespace
+
+std::string content_hash(std::span<const std::uint8_t> bytes) {
+  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
+
+std::string version_mismatch(std::uint32_t theirs, std::string_view peer) {
+  if (theirs == kProtocolVersion) return {};
+  return fmt::format(
+      "the {} speaks protocol version {}, this side version {}; use the same release of penumbra and "
+      "penumbra-worker",
+      peer, theirs, kProtocolVersion);
+}
+
+wire::Isa encode(Isa isa) {
+  switch (isa) {
+    case Isa::kSse2:
+      return wire::ISA_SSE2;
+    case Isa::kAvx2:
+      return wire::ISA_AVX2;
+    case Isa::kAvx512:
+      return wire::ISA_AVX512;
+  }
+  return wire::ISA_SSE2;
+}
+
+void encode(const DeviceOptions& options, wire::DeviceOptions& message) {
+  message.set_backend(options.backend == Backend::kOpenCl ? wire::BACKEND_OPENCL : wire::BACKEND_NATIVE);
+  message.set_isa(encode(options.isa));
+  message.set_threads(options.threads);
+  message.set_block_of_one(options.block_of_one);
+  message.set_opencl_device(options.opencl_device);
+}
+
+Expected<DeviceOptions> decode(const wire::DeviceOptions& message) {
+  DeviceOptions options;
+  switch (message.backend()) {
+    case wire::BACKEND_NATIVE:
+      options.backend = Backend::kNative;
+      break;
+    case wire::BACKEND_OPENCL:
+      options.backend = Backend::kOpenCl;
+      break;
+    default:
+      return fail(fmt::format("the job asks for the unknown backend {}", int(message.backend())));
+  }
+  switch (message.isa()) {
+    case wire::ISA_SSE2:
+      options.isa = Isa::kSse2;
+      break;
+    case wire::ISA_AVX2:
+      options.isa = Isa::kAvx2;
+      break;
+    case wire::ISA_AVX512:
+      options.isa = Isa::kAvx512;
+      break;
+    default:
+      return fail(fmt::format("the job asks for the unknown instruction set {}", int(message.isa())));
+  }
+  if (message.threads() < 1 || message.threads() > 4096) {
+    return fail(fmt::format("the job asks for {} threads; 1 to 4096 make sense", message.threads()));
+  }
+  options.threads = message.threads();
+  options.block_of_one = message.block_of_one();
+  options.opencl_device = message.opencl_device();
+  return options;
+}
+
+void encode(const UnitId& id, wire::UnitId& message) {
+  message.set_image(id.image);
+  message.set_pass(id.pass);
+  message.set_tile(id.tile);
+}
+
+UnitId decode(const wire::UnitId& message) {
+  return {.image = message.image(), .pass = message.pass(), .tile = message.tile()};
+}
+
+void encode(const RenderUnit& unit, wire::Unit& message) {
+  message.set_x(unit.x);
+  message.set_y(unit.y);
+  message.set_width(unit.width);
+  message.set_height(unit.height);
+  message.set_first_sample(unit.first_sample);
+  message.set_sample_count(unit.sample_count);
+}
+
+Expected<RenderUnit> decode(const wire::Unit& message) {
+  const auto side = [](int pixels) { return pixels >= 1 && pixels <= kMaxTile; };
+  if (!side(message.width()) || !side(message.height())) {
+    return fail(fmt::format("a unit of {} x {} pixels; 1 to {} a side make sense", message.width(),
+                            message.height(), kMaxTile));
+  }
+  if (message.sample_count() < 1 || message.sample_count() > kMaxSamplesPerUnit) {
+    return fail(
+        fmt::format("a unit of {} samples; 1 to {} make sense", message.sample_count(), kMaxSamplesPerUnit));
+  }
+  return RenderUnit{.x = message.x(),
+                    .y = message.y(),
+                    .width = message.width(),
+                    .height = message.height(),
+                    .first_sample = message.first_sample(),
+                    .sample_count = message.sample_count()};
+}
+
+void encode(const SampleBuffer& buffer, wire::UnitResult& message) {
+  message.set_width(buffer.width);
+  message.set_height(buffer.height);
+  message.set_planes(buffer.planes);
+  message.set_sample_count(buffer.sample_count);
+  message.set_nan_samples(buffer.nan_samples);
+  message.set_infinite_samples(buffer.infinite_samples);
+  message.set_values(buffer.values.data(), buffer.values.size() * sizeof(float));
+  message.set_checksum(checksum_of(message.values()));
+}
+
+Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit& unit, int planes) {
+  if (message.width() != unit.width || message.height() != unit.height || message.planes() != planes ||
+      message.sample_count() != unit.sample_count) {
+    return fail(
+        fmt::format("the result has {} x {} pixels, {} planes and {} samples instead of {} x {}, {} and {}",
+                    message.width(), message.height(), message.planes(), message.sample_count(), unit.width,
+                    unit.height, planes, unit.sample_count));
+  }
+  SampleBuffer buffer{.width = unit.width,
+                      .height = unit.height,
+                      .planes = planes,
+                      .sample_count = unit.sample_count,
+                      .nan_samples = message.nan_samples(),
+                      .infinite_samples = message.infinite_samples(),
+                      .values = {}};
+  const std::size_t count = buffer.pixels() * std::size_t(planes);
+  if (message.values().size() != count * sizeof(float)) {
+    return fail(fmt::format("the result has {} bytes of samples instead of {}", message.values().size(),
+                            count * sizeof(float)));
+  }
+  const std::uint64_t samples = buffer.pixels() * unit.sample_count;
+  if (buffer.nan_samples > samples || buffer.infinite_samples > samples) {
+    return fail(fmt::format("the result counts {} NaN and {} infinite samples among {}", buffer.nan_samples,
+                            buffer.infinite_samples, samples));
+  }
+  if (message.checksum() != checksum_of(message.values())) {
+    return fail("the result's checksum does not match its bytes");
+  }
+  buffer.values.resize(count);
+  std::memcpy(buffer.values.data(), message.values().data(), message.values().size());
+  return buffer;
+}
+
+std::uint64_t result_hash(const wire::UnitResult& message) {
+  const std::uint64_t parts[] = {checksum_of(message.values()), message.nan_samples(),
+                                 message.infinite_samples()};
+  return XXH3_64bits(parts, sizeof parts);
+}
+
+}  // namespace penumbra

@@ -1,0 +1,55 @@
+// Between the messages of penumbra.proto and the renderer's own types. What arrives is checked here, so that
+// nothing behind this file meets a nonsensical value.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "kernels/host/error.h"
+#include "kernels/host/sample_buffer.h"
+#include "penumbra.grpc.pb.h"
+#include "scheduler/work_unit.h"
+#include "worker/device.h"
+
+namespace penumbra {
+
+namespace wire = penumbra::v1;
+
+constexpr std::uint32_t kProtocolVersion = 1;
+constexpr std::size_t kAssetChunkBytes = std::size_t(1) << 20;
+
+/// Largest message that a peer accepts: a tile of 2048 x 2048 pixels with all planes, and some.
+constexpr int kMaxTile = 2048;
+constexpr int kMaxMessageBytes = kMaxTile * kMaxTile * kSampleBufferPlanes * 4 + (1 << 20);
+
+/// XXH3-128 of the bytes as 32 hexadecimal digits: the name of an asset.
+std::string content_hash(std::span<const std::uint8_t> bytes);
+
+/// Says how the peers' protocol versions differ; empty if they agree. `peer` is "worker" or "scheduler".
+std::string version_mismatch(std::uint32_t theirs, std::string_view peer);
+
+wire::Isa encode(Isa isa);
+
+void encode(const DeviceOptions& options, wire::DeviceOptions& message);
+/// Fails on an unknown backend or instruction set and on a thread count outside [1, 4096].
+Expected<DeviceOptions> decode(const wire::DeviceOptions& message);
+
+void encode(const UnitId& id, wire::UnitId& message);
+UnitId decode(const wire::UnitId& message);
+
+void encode(const RenderUnit& unit, wire::Unit& message);
+/// Fails unless the rectangle is not empty, at most kMaxTile a side and the sample count in [1,
+/// kMaxSamplesPerUnit].
+Expected<RenderUnit> decode(const wire::Unit& message);
+
+/// The buffer, its counts and the checksum.
+void encode(const SampleBuffer& buffer, wire::UnitResult& message);
+/// Fails, in words for the report, if the checksum does not match or the buffer is not one of `unit` with
+/// `planes` planes.
+Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit& unit, int planes);
+
+/// 64-bit hash over everything that must be equal in two results of one unit.
+std::uint64_t result_hash(const wire::UnitResult& message);
+
+}  // namespace penumbra

@@ -1,0 +1,402 @@
+#include "scheduler/render_job.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "kernels/features.h"
+#include "scheduler/local_workers.h"
+#include "scheduler/merge.h"
+#include "scheduler/private_socket.h"
+#include "scheduler/problem_text.h"
+#include "scheduler/protocol/wire.h"
+#include "scheduler/server.h"
+#include "scheduler/tile_grid.h"
+
+namespace penumbra {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kTickInterval{20};
+constexpr Seconds kProgressInterval = 0.2;
+// The error estimate goes over the whole film; on a large one it must not eat the scheduler's time.
+constexpr double kProgressShare = 0.02;
+// A pause of this very process (Ctrl-Z, a suspended machine) must not look like one of the workers.
+constexpr Seconds kLongestTick = 1;
+constexpr int kStartsInARow = 3;  // workers that end before they are ready; then no more are started
+// Deaths with no unit finished in between. A unit that kills its workers needs up to four of them to be found
+// out.
+constexpr int fruitless_deaths_allowed(int workers) { return 4 * workers + 4; }
+constexpr Seconds kTimeToDie = 2;        // from the end of a local worker's stream to the end of its process
+constexpr Seconds kTimeToBeReady = 300;  // from a local worker's start; it may have to compile kernels
+
+constexpr std::uint64_t kMostTiles = std::uint64_t(1) << 22;
+
+Seconds since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+Expected<void> check(const RenderJob& job) {
+  const auto within = [](int from, int size, int limit) {
+    return from >= 0 && size >= 1 && size <= limit - from;
+  };
+  if (!within(job.x, job.width, job.scene.header.film_width) ||
+      !within(job.y, job.height, job.scene.header.film_height)) {
+    return fail(fmt::format(
+        "the rectangle of {} x {} pixels at ({}, {}) is empty or not inside the film of {} x {}", job.width,
+        job.height, job.x, job.y, job.scene.header.film_width, job.scene.header.film_height));
+  }
+  if (job.tile < 1 || job.tile > kMaxTile) {
+    return fail(fmt::format("tiles of {} pixels; 1 to {} are possible", job.tile, kMaxTile));
+  }
+  const auto across = [&](int size) { return (std::uint64_t(size) + job.tile - 1) / job.tile; };
+  if (across(job.width) * across(job.height) > kMostTiles) {
+    return fail(
+        fmt::format("tiles of {} pixels cut {} x {} pixels into more than {} pieces; take larger tiles",
+                    job.tile, job.width, job.height, kMostTiles));
+  }
+  const std::uint64_t film_bytes =
+      std::uint64_t(job.width) * std::uint64_t(job.height) * sizeof(PixelStatistics);
+  const std::uint64_t memory = std::uint64_t(sysconf(_SC_PHYS_PAGES)) * std::uint64_t(sysconf(_SC_PAGESIZE));
+  if (film_bytes > memory) {
+    return fail(
+        fmt::format("{} x {} pixels need {:.1f} GB for their statistics; this machine has {:.1f} GB. Render "
+                    "the image in several crops",
+                    job.width, job.height, double(film_bytes) * 1e-9, double(memory) * 1e-9));
+  }
+  if (job.spp < 1) return fail("0 samples per pixel; at least 1 is needed");
+  if (job.samples_per_pass < 1 || job.samples_per_pass > kMaxSamplesPerUnit) {
+    return fail(
+        fmt::format("passes of {} samples; 1 to {} are possible", job.samples_per_pass, kMaxSamplesPerUnit));
+  }
+  if (job.workers < 1) return fail(fmt::format("{} workers; at least 1 is needed", job.workers));
+  return {};
+}
+
+/// One call of run_render: carries arrivals to the plan and the plan's orders to merge, workers and report.
+class RenderRun {
+ public:
+  RenderRun(const RenderJob& job, const std::atomic<bool>& stop,
+            const std::function<void(const RenderProgress&)>& on_progress)
+      : job_(job),
+        stop_(stop),
+        on_progress_(on_progress),
+        has_features_((job.scene.header.features & FEATURE_LAYERS) != 0),
+        grid_(job.x, job.y, job.width, job.height, job.tile, job.spp, job.samples_per_pass),
+        plan_({{.tiles = grid_.tiles(), .passes = grid_.passes()}}, job.leases),
+        merge_(FilmAccumulator(job.x, job.y, job.width, job.height, has_features_), grid_) {}
+
+  Expected<RenderOutcome> run();
+
+ private:
+  struct Worker {
+    WorkerShare share;
+    int pid = 0;
+    bool ready = false, dismissed = false, gone = false, ended = false;
+    Seconds gone_since = 0;
+  };
+
+  void on(const arrivals::Connected& arrival);
+  void on(const arrivals::Ready& arrival);
+  void on(const arrivals::JobFailed& arrival);
+  void on(arrivals::Result& arrival);
+  void on(const arrivals::BadResult& arrival);
+  void on(const arrivals::UnitFailed& arrival);
+  void on(const arrivals::Gone& arrival);
+
+  void tell_plan(const PlanEvent& event, arrivals::Result* result = nullptr);
+  void obey(const Assign& order, arrivals::Result*);
+  void obey(const MergeResult& order, arrivals::Result* result);
+  void obey(const DiscardResult&, arrivals::Result*) {}
+  void obey(const SetAside& order, arrivals::Result*);
+  void obey(const DismissWorker& order, arrivals::Result*);
+  void obey(const RedoTile& order, arrivals::Result*);
+  void obey(const GiveUp&, arrivals::Result*);
+
+  void start_workers();
+  void look_after_workers();
+  void worker_ended(const WorkerExit& exit);
+  void advance_clock();
+  void tick();
+  void report_progress();
+  RenderOutcome outcome() &&;
+
+  [[nodiscard]] bool can_go_on() const { return !local_->running().empty() && !plan_.gave_up(); }
+  [[nodiscard]] RenderUnit unit(const UnitId& id) const { return grid_.unit(id.tile, id.pass); }
+  [[nodiscard]] std::string detail(const UnitId& id) const {
+    const auto found = details_.find(id);
+    return found == details_.end() ? "" : found->second;
+  }
+  [[nodiscard]] WorkerName names() const {
+    return [this](WorkerId worker) { return workers_.at(worker).share.name; };
+  }
+  void problem(std::string text) { problems_.push_back(std::move(text)); }
+
+  const RenderJob& job_;
+  const std::atomic<bool>& stop_;
+  const std::function<void(const RenderProgress&)>& on_progress_;
+  const bool has_features_;
+  const TileGrid grid_;
+  const Clock::time_point started_ = Clock::now();
+
+  Plan plan_;
+  Merge merge_;
+  std::string scene_hash_;
+  std::map<WorkerId, Worker> workers_;
+  std::map<int, Seconds> starting_;        // local pids that are not ready yet, since when
+  std::map<UnitId, std::string> details_;  // what was said last about a unit that failed
+  std::set<std::string> job_failures_;
+  std::vector<std::string> problems_;
+  int failed_starts_ = 0, fruitless_deaths_ = 0;
+  bool budget_spent_ = false;
+  std::uint64_t samples_done_ = 0;
+  Seconds first_tile_ = 0;
+  Seconds now_ = 0, plan_time_ = 0, last_tick_ = 0;
+  Seconds next_progress_ = 0;
+  // The workers talk to the server through the socket, so they go first and the socket last.
+  std::optional<PrivateSocket> socket_;
+  std::unique_ptr<Server> server_;
+  std::optional<LocalWorkers> local_;
+};
+
+Expected<RenderOutcome> RenderRun::run() {
+  Expected<PrivateSocket> socket = PrivateSocket::create();
+  if (!socket) return std::unexpected(socket.error());
+  socket_.emplace(std::move(*socket));
+  Expected<std::unique_ptr<Server>> server = Server::listen(socket_->address());
+  if (!server) return std::unexpected(server.error());
+  server_ = std::move(*server);
+  local_.emplace(job_.worker_executable, std::vector<std::string>{"--connect", socket_->address()});
+  // They start up while the scene is being packed.
+  start_workers();
+  scene_hash_ = server_->add_asset(job_.scene.serialize());
+
+  while (!plan_.finished() && !stop_ && can_go_on()) {
+    std::chrono::milliseconds patience = kTickInterval;
+    while (std::optional<Arrival> arrival = server_->next(patience)) {
+      advance_clock();
+      std::visit([this](auto& a) { on(a); }, *arrival);
+      if (plan_.finished() || stop_ || plan_.gave_up() || now_ - last_tick_ > kProgressInterval) break;
+      patience = {};
+    }
+    advance_clock();
+    tick();
+    look_after_workers();
+    report_progress();
+  }
+  next_progress_ = 0;
+  report_progress();
+  local_->stop_all();
+  server_.reset();
+
+  const bool anyone_was_ready = std::ranges::any_of(workers_, [](const auto& w) { return w.second.ready; });
+  if (!anyone_was_ready && !stop_) {
+    std::string reasons;
+    for (const std::string& text : problems_) reasons += "\n  " + text;
+    return fail("no worker could be started:" + reasons);
+  }
+  return std::move(*this).outcome();
+}
+
+// --- What comes from workers
+
+void RenderRun::on(const arrivals::Connected& arrival) {
+  Worker& worker = workers_[arrival.worker];
+  worker.share.name = fmt::format("{}:{}", arrival.host, arrival.pid);
+  worker.pid = arrival.pid;
+  server_->send_job(arrival.worker, scene_hash_, job_.device);
+}
+
+void RenderRun::on(const arrivals::Ready& arrival) {
+  Worker& worker = workers_.at(arrival.worker);
+  worker.ready = true;
+  worker.share.device = arrival.device;
+  starting_.erase(worker.pid);
+  tell_plan(WorkerJoined{arrival.worker});
+}
+
+void RenderRun::on(const arrivals::JobFailed& arrival) {
+  Worker& worker = workers_.at(arrival.worker);
+  worker.dismissed = true;
+  worker.share.ended = arrival.message;
+  server_->dismiss(arrival.worker, arrival.message);
+  // Every worker says the same; once is enough.
+  if (job_failures_.insert(arrival.message).second) problem("no worker can do this job: " + arrival.message);
+}
+
+void RenderRun::on(arrivals::Result& arrival) {
+  WorkerShare& share = workers_.at(arrival.worker).share;
+  share.busy_seconds += arrival.busy_seconds;
+  share.peak_memory_bytes = std::max(share.peak_memory_bytes, arrival.peak_memory_bytes);
+  tell_plan(UnitDone{arrival.worker, arrival.unit, arrival.hash}, &arrival);
+}
+
+void RenderRun::on(const arrivals::BadResult& arrival) {
+  details_[arrival.unit] = arrival.why;
+  tell_plan(ResultCorrupt{arrival.worker, arrival.unit});
+}
+
+void RenderRun::on(const arrivals::UnitFailed& arrival) {
+  details_[arrival.unit] = arrival.message;
+  tell_plan(UnitFailed{arrival.worker, arrival.unit});
+}
+
+void RenderRun::on(const arrivals::Gone& arrival) {
+  Worker& worker = workers_.at(arrival.worker);
+  worker.gone = true;
+  worker.gone_since = since(started_);
+  tell_plan(WorkerLost{arrival.worker});
+}
+
+// --- What the plan orders
+
+void RenderRun::tell_plan(const PlanEvent& event, arrivals::Result* result) {
+  for (const PlanOrder& order : plan_.handle(event, plan_time_)) {
+    std::visit([&](const auto& o) { obey(o, result); }, order);
+  }
+}
+
+void RenderRun::obey(const Assign& order, arrivals::Result*) {
+  server_->send_unit(order.worker, order.unit, unit(order.unit),
+                     has_features_ ? kSampleBufferPlanes : kRadiancePlanes);
+}
+
+void RenderRun::obey(const MergeResult& order, arrivals::Result* result) {
+  if (first_tile_ == 0) first_tile_ = since(started_);
+  const std::uint64_t samples = result->buffer.pixels() * result->buffer.sample_count;
+  WorkerShare& share = workers_.at(order.worker).share;
+  ++share.units;
+  share.samples += samples;
+  samples_done_ += samples;
+  failed_starts_ = fruitless_deaths_ = 0;
+  merge_.add(order.unit.tile, order.unit.pass, std::move(result->buffer));
+}
+
+void RenderRun::obey(const SetAside& order, arrivals::Result*) {
+  merge_.skip(order.unit.tile, order.unit.pass);
+  problem(set_aside_text(order, unit(order.unit), detail(order.unit), job_.reproduce_command, names()));
+}
+
+void RenderRun::obey(const DismissWorker& order, arrivals::Result*) {
+  Worker& worker = workers_.at(order.worker);
+  const std::string why = dismissal_text(order, unit(order.unit), detail(order.unit), names());
+  worker.dismissed = true;
+  worker.share.ended = why;
+  problem(why);
+  server_->dismiss(order.worker, why);
+  local_->kill(worker.pid);
+}
+
+void RenderRun::obey(const RedoTile& order, arrivals::Result*) { samples_done_ -= merge_.redo(order.tile); }
+
+void RenderRun::obey(const GiveUp&, arrivals::Result*) {
+  problem(fmt::format(
+      "workers returned different results for the same unit {} times; none can be trusted, so the "
+      "render was given up",
+      kDisputesToGiveUp));
+}
+
+// --- Processes and time
+
+void RenderRun::start_workers() {
+  while (int(local_->running().size()) < job_.workers && failed_starts_ < kStartsInARow &&
+         fruitless_deaths_ < fruitless_deaths_allowed(job_.workers)) {
+    const Expected<pid_t> pid = local_->start();
+    if (pid) {
+      starting_[*pid] = since(started_);
+    } else {
+      problem(pid.error().message);
+      failed_starts_ = kStartsInARow;  // trying again would not help
+    }
+  }
+}
+
+void RenderRun::look_after_workers() {
+  const Seconds now = since(started_);
+  for (auto& [pid, start] : starting_) {
+    if (now - start < kTimeToBeReady) continue;
+    problem(fmt::format("the worker process {} was ended: not ready after {} s", pid, kTimeToBeReady));
+    local_->kill(pid);
+    start = now;
+  }
+  for (const auto& [id, worker] : workers_) {
+    if (worker.gone && !worker.ended && now - worker.gone_since > kTimeToDie) local_->kill(worker.pid);
+  }
+  for (const WorkerExit& exit : local_->reap()) worker_ended(exit);
+  start_workers();
+}
+
+void RenderRun::worker_ended(const WorkerExit& exit) {
+  const bool was_starting = starting_.erase(exit.pid) > 0;
+  ++(was_starting ? failed_starts_ : fruitless_deaths_);
+  const auto found = std::ranges::find_if(
+      workers_, [&](const auto& w) { return w.second.pid == exit.pid && !w.second.ended; });
+  if (found == workers_.end()) {
+    problem(fmt::format("a worker ended before it was connected: {}", exit.how));
+    return;
+  }
+  Worker& worker = found->second;
+  worker.ended = true;
+  if (worker.dismissed) return;  // said already
+  worker.share.ended = exit.how;
+  problem(fmt::format("worker {} was lost: {}", worker.share.name, exit.how));
+}
+
+void RenderRun::advance_clock() {
+  const Seconds now = since(started_);
+  plan_time_ += std::min(now - now_, kLongestTick);
+  now_ = now;
+}
+
+void RenderRun::tick() {
+  last_tick_ = now_;
+  if (job_.time_budget && !budget_spent_ && now_ > *job_.time_budget) {
+    budget_spent_ = true;
+    tell_plan(NoFurtherPasses{});
+  }
+  tell_plan(Tick{});
+}
+
+void RenderRun::report_progress() {
+  const Seconds now = since(started_);
+  if (!on_progress_ || now < next_progress_) return;
+  const double error = merge_.film().relative_error();
+  const Seconds cost = since(started_) - now;
+  next_progress_ = now + std::max(kProgressInterval, cost / kProgressShare);
+  on_progress_({.samples_done = samples_done_,
+                .samples_total = grid_.samples(plan_.passes(0)),
+                .elapsed_seconds = now,
+                .relative_error = error,
+                .workers = int(std::ranges::count_if(
+                    workers_, [](const auto& w) { return w.second.ready && !w.second.gone; }))});
+}
+
+RenderOutcome RenderRun::outcome() && {
+  RenderOutcome outcome;
+  outcome.complete = plan_.finished() && plan_.set_aside().empty();
+  outcome.problems = std::move(problems_);
+  for (const auto& [id, worker] : workers_) outcome.workers.push_back(worker.share);
+  outcome.units_done = plan_.units_done();
+  outcome.units_duplicated = plan_.units_duplicated();
+  outcome.units_requeued = plan_.units_requeued();
+  outcome.passes_finished = merge_.finished_passes();
+  outcome.passes_total = grid_.passes();
+  outcome.film = std::move(merge_).take_film();
+  outcome.seconds_to_first_tile = first_tile_;
+  outcome.seconds = since(started_);
+  return outcome;
+}
+
+}  // namespace
+
+Expected<RenderOutcome> run_render(const RenderJob& job, const std::atomic<bool>& stop,
+                                   const std::function<void(const RenderProgress&)>& on_progress) {
+  if (const Expected<void> checked = check(job); !checked) return std::unexpected(checked.error());
+  return RenderRun(job, stop, on_progress).run();
+}
+
+}  // namespace penumbra

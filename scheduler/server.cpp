@@ -1,0 +1,244 @@
+#include "scheduler/server.h"
+
+#include <fmt/format.h>
+#include <grpcpp/server_builder.h>
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "scheduler/protocol/mailbox.h"
+#include "scheduler/protocol/wire.h"
+
+namespace penumbra {
+namespace {
+
+constexpr std::uint32_t kJob = 1;  // one job a run, so far
+
+using WorkStream = grpc::ServerReaderWriter<wire::SchedulerMessage, wire::WorkerMessage>;
+
+/// One worker's stream: a single reader (the thread of its call), any number of writers.
+class Connection {
+ public:
+  Connection(WorkerId worker, WorkStream* stream) : worker_(worker), stream_(stream) {}
+
+  void send(const wire::SchedulerMessage& message) {
+    const std::lock_guard lock(mutex_);
+    if (stream_ != nullptr) stream_->Write(message);  // if it fails, the reader notices too
+  }
+
+  void send_unit(const UnitId& id, const RenderUnit& unit, int planes) {
+    wire::SchedulerMessage message;
+    message.mutable_unit()->set_job(kJob);
+    encode(id, *message.mutable_unit()->mutable_id());
+    encode(unit, *message.mutable_unit());
+    const std::lock_guard lock(mutex_);
+    expected_[id] = {unit, planes};
+    if (stream_ != nullptr) stream_->Write(message);
+  }
+
+  /// The call ends; the stream is about to be destroyed.
+  void close() {
+    const std::lock_guard lock(mutex_);
+    stream_ = nullptr;
+  }
+
+  Arrival decode_result(const wire::UnitResult& message) {
+    const UnitId id = decode(message.id());
+    const std::optional<Expectation> expected = fulfil(id);
+    if (!expected || message.job() != kJob) {
+      return arrivals::BadResult{worker_, id, "the worker was not asked for this unit"};
+    }
+    Expected<SampleBuffer> buffer = decode(message, expected->unit, expected->planes);
+    if (!buffer) return arrivals::BadResult{worker_, id, buffer.error().message};
+    return arrivals::Result{.worker = worker_,
+                            .unit = id,
+                            .buffer = std::move(*buffer),
+                            .hash = result_hash(message),
+                            .busy_seconds = message.busy_seconds(),
+                            .peak_memory_bytes = message.peak_memory_bytes()};
+  }
+
+  Arrival decode_failure(const wire::UnitFailed& message) {
+    const UnitId id = decode(message.id());
+    if (!fulfil(id)) return arrivals::BadResult{worker_, id, "the worker was not asked for this unit"};
+    return arrivals::UnitFailed{worker_, id, message.message()};
+  }
+
+ private:
+  struct Expectation {
+    RenderUnit unit;
+    int planes = 0;
+  };
+
+  std::optional<Expectation> fulfil(const UnitId& id) {
+    const std::lock_guard lock(mutex_);
+    const auto found = expected_.extract(id);
+    return found ? std::optional(found.mapped()) : std::nullopt;
+  }
+
+  const WorkerId worker_;
+  std::mutex mutex_;
+  WorkStream* stream_;
+  std::map<UnitId, Expectation> expected_;
+};
+
+/// What a worker says after its Hello; nothing for a message that is not its to send.
+std::optional<Arrival> understand(WorkerId worker, Connection& connection,
+                                  const wire::WorkerMessage& message) {
+  switch (message.content_case()) {
+    case wire::WorkerMessage::kReady:
+      return arrivals::Ready{worker, message.ready().device()};
+    case wire::WorkerMessage::kJobFailed:
+      return arrivals::JobFailed{worker, message.job_failed().message()};
+    case wire::WorkerMessage::kResult:
+      return connection.decode_result(message.result());
+    case wire::WorkerMessage::kUnitFailed:
+      return connection.decode_failure(message.unit_failed());
+    default:
+      return {};
+  }
+}
+
+class Service final : public wire::Farm::Service {
+ public:
+  Mailbox<Arrival> mailbox;
+
+  grpc::Status Work(grpc::ServerContext*, WorkStream* stream) override {
+    wire::WorkerMessage message;
+    if (!stream->Read(&message)) return grpc::Status::OK;
+    if (!message.has_hello()) {
+      return {grpc::StatusCode::INVALID_ARGUMENT, "the first message of a worker must be Hello"};
+    }
+    const wire::Hello hello = message.hello();
+    if (const std::string mismatch = version_mismatch(hello.protocol_version(), "worker");
+        !mismatch.empty()) {
+      wire::SchedulerMessage refusal;
+      refusal.mutable_refused()->set_reason(mismatch);
+      stream->Write(refusal);
+      return {grpc::StatusCode::FAILED_PRECONDITION, mismatch};
+    }
+
+    const auto [worker, connection] = open(stream);
+    mailbox.put(arrivals::Connected{worker, hello.host(), hello.pid()});
+    grpc::Status status = grpc::Status::OK;
+    while (stream->Read(&message)) {
+      std::optional<Arrival> arrival = understand(worker, *connection, message);
+      if (!arrival) {
+        status = {grpc::StatusCode::INVALID_ARGUMENT, "a message that a worker may not send here"};
+        break;
+      }
+      mailbox.put(std::move(*arrival));
+    }
+    connection->close();
+    {
+      const std::lock_guard lock(mutex_);
+      connections_.erase(worker);
+    }
+    mailbox.put(arrivals::Gone{worker});
+    return status;
+  }
+
+  grpc::Status Asset(grpc::ServerContext*, const wire::AssetRequest* request,
+                     grpc::ServerWriter<wire::AssetChunk>* writer) override {
+    const std::shared_ptr<const std::vector<std::uint8_t>> bytes = asset(request->hash());
+    if (bytes == nullptr) {
+      return {grpc::StatusCode::NOT_FOUND, fmt::format("there is no asset '{}'", request->hash())};
+    }
+    wire::AssetChunk chunk;
+    for (std::size_t at = 0; at < bytes->size(); at += kAssetChunkBytes) {
+      chunk.set_data(bytes->data() + at, std::min(kAssetChunkBytes, bytes->size() - at));
+      if (!writer->Write(chunk)) return grpc::Status::CANCELLED;
+    }
+    return grpc::Status::OK;
+  }
+
+  void add_asset(std::string hash, std::vector<std::uint8_t> bytes) {
+    const std::lock_guard lock(mutex_);
+    assets_[std::move(hash)] = std::make_shared<const std::vector<std::uint8_t>>(std::move(bytes));
+  }
+
+  std::shared_ptr<Connection> connection(WorkerId worker) {
+    const std::lock_guard lock(mutex_);
+    const auto found = connections_.find(worker);
+    return found == connections_.end() ? nullptr : found->second;
+  }
+
+ private:
+  std::pair<WorkerId, std::shared_ptr<Connection>> open(WorkStream* stream) {
+    const std::lock_guard lock(mutex_);
+    const WorkerId worker = next_worker_++;
+    return {worker, connections_[worker] = std::make_shared<Connection>(worker, stream)};
+  }
+
+  std::shared_ptr<const std::vector<std::uint8_t>> asset(const std::string& hash) {
+    const std::lock_guard lock(mutex_);
+    const auto found = assets_.find(hash);
+    return found == assets_.end() ? nullptr : found->second;
+  }
+
+  std::mutex mutex_;
+  WorkerId next_worker_ = 1;
+  std::map<WorkerId, std::shared_ptr<Connection>> connections_;
+  std::map<std::string, std::shared_ptr<const std::vector<std::uint8_t>>> assets_;
+};
+
+}  // namespace
+
+struct Server::State {
+  Service service;
+  std::unique_ptr<grpc::Server> server;
+};
+
+Server::Server(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+Expected<std::unique_ptr<Server>> Server::listen(const std::string& address) {
+  auto state = std::make_unique<State>();
+  grpc::ServerBuilder builder;
+  builder.AddListeningPort(address, grpc::InsecureServerCredentials());
+  builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
+  builder.RegisterService(&state->service);
+  state->server = builder.BuildAndStart();
+  if (state->server == nullptr) return fail(fmt::format("cannot listen on {}", address));
+  return std::unique_ptr<Server>(new Server(std::move(state)));
+}
+
+Server::~Server() {
+  state_->server->Shutdown(std::chrono::system_clock::now());
+  state_->server->Wait();
+}
+
+std::string Server::add_asset(std::vector<std::uint8_t> bytes) {
+  std::string hash = content_hash(bytes);
+  state_->service.add_asset(hash, std::move(bytes));
+  return hash;
+}
+
+void Server::send_job(WorkerId worker, const std::string& scene_hash, const DeviceOptions& device) {
+  const auto connection = state_->service.connection(worker);
+  if (connection == nullptr) return;
+  wire::SchedulerMessage message;
+  message.mutable_job()->set_id(kJob);
+  message.mutable_job()->set_scene(scene_hash);
+  encode(device, *message.mutable_job()->mutable_device());
+  connection->send(message);
+}
+
+void Server::send_unit(WorkerId worker, const UnitId& id, const RenderUnit& unit, int planes) {
+  if (const auto connection = state_->service.connection(worker)) connection->send_unit(id, unit, planes);
+}
+
+void Server::dismiss(WorkerId worker, const std::string& reason) {
+  const auto connection = state_->service.connection(worker);
+  if (connection == nullptr) return;
+  wire::SchedulerMessage message;
+  message.mutable_dismiss()->set_reason(reason);
+  connection->send(message);
+}
+
+std::optional<Arrival> Server::next(std::chrono::milliseconds patience) {
+  return state_->service.mailbox.take(patience);
+}
+
+}  // namespace penumbra

@@ -1,0 +1,88 @@
+// The scheduler's end of the wire: accepts workers, hands what they say to one consumer, sends them jobs and
+// units.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "kernels/host/error.h"
+#include "kernels/host/sample_buffer.h"
+#include "scheduler/work_unit.h"
+#include "worker/device.h"
+
+namespace penumbra {
+
+/// What comes from workers. The first arrival of a worker is Connected, the last is Gone.
+namespace arrivals {
+
+struct Connected {
+  WorkerId worker;
+  std::string host;
+  int pid;
+};
+struct Ready {
+  WorkerId worker;
+  std::string device;  ///< for people
+};
+struct JobFailed {  ///< the worker cannot do this job at all
+  WorkerId worker;
+  std::string message;
+};
+struct Result {  ///< checked: its size is the unit's, its checksum is right
+  WorkerId worker;
+  UnitId unit;
+  SampleBuffer buffer;
+  std::uint64_t hash;  ///< equal for results of equal content
+  double busy_seconds;
+  std::uint64_t peak_memory_bytes;
+};
+struct BadResult {
+  WorkerId worker;
+  UnitId unit;
+  std::string why;
+};
+struct UnitFailed {
+  WorkerId worker;
+  UnitId unit;
+  std::string message;
+};
+struct Gone {
+  WorkerId worker;
+};
+
+}  // namespace arrivals
+
+using Arrival = std::variant<arrivals::Connected, arrivals::Ready, arrivals::JobFailed, arrivals::Result,
+                             arrivals::BadResult, arrivals::UnitFailed, arrivals::Gone>;
+
+/// One thread for each connected worker reads, checks and decodes; `next` gives the arrivals to the one
+/// thread that drives the plan. Sending to a worker that is gone does nothing: its Gone is on the way.
+class Server {
+ public:
+  /// Listens on a gRPC address, e.g. "unix:/run/user/1000/penumbra-x/socket".
+  static Expected<std::unique_ptr<Server>> listen(const std::string& address);
+  /// Breaks all streams and waits for the threads.
+  ~Server();
+
+  /// Offers data to workers; the result is its content hash.
+  std::string add_asset(std::vector<std::uint8_t> bytes);
+  void send_job(WorkerId worker, const std::string& scene_hash, const DeviceOptions& device);
+  /// `planes`: how many the result must have, see SampleBuffer.
+  void send_unit(WorkerId worker, const UnitId& id, const RenderUnit& unit, int planes);
+  void dismiss(WorkerId worker, const std::string& reason);
+
+  /// The next arrival, waiting for it at most so long.
+  std::optional<Arrival> next(std::chrono::milliseconds patience);
+
+ private:
+  struct State;
+  explicit Server(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,237 @@
+#include "worker/worker_client.h"
+
+#include <fmt/format.h>
+#include <grpcpp/create_channel.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <exception>
+#include <thread>
+#include <utility>
+#include <variant>
+
+#include "scheduler/protocol/mailbox.h"
+#include "scheduler/protocol/wire.h"
+
+namespace penumbra {
+namespace {
+
+std::uint64_t peak_memory_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return std::uint64_t(usage.ru_maxrss) * 1024;
+}
+
+std::string host_name() {
+  char name[256] = {};
+  return gethostname(name, sizeof name - 1) == 0 ? name : "unknown";
+}
+
+std::shared_ptr<grpc::Channel> open_channel(const std::string& address) {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);
+  // A worker may be there a moment before its scheduler listens; gRPC's usual second of pause is an age here.
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 20);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 20);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 500);
+  // No detours: no proxy from the environment, no look-up of a service configuration.
+  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  arguments.SetInt(GRPC_ARG_SERVICE_CONFIG_DISABLE_RESOLUTION, 1);
+  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+}
+
+struct FinishedUnit {
+  UnitId id;
+  std::uint32_t job = 0;
+  Expected<SampleBuffer> result;
+  double busy_seconds = 0;
+};
+
+/// One connection to a scheduler, from Hello to the end of the stream.
+class Session {
+ public:
+  explicit Session(const WorkerClientOptions& options) : options_(options) {}
+
+  Expected<void> run();
+
+ private:
+  void read();
+  void write();
+  Expected<void> work();
+  Expected<void> take_job(const wire::Job& job);
+  Expected<void> fetch_scene(const std::string& hash);
+  void render(const wire::Unit& unit);
+  void say(wire::WorkerMessage message) { outbox_.put(std::move(message)); }
+
+  const WorkerClientOptions& options_;
+  std::unique_ptr<wire::Farm::Stub> stub_;
+  grpc::ClientContext context_;
+  std::unique_ptr<grpc::ClientReaderWriter<wire::WorkerMessage, wire::SchedulerMessage>> stream_;
+  Mailbox<wire::SchedulerMessage> inbox_;
+  Mailbox<std::variant<wire::WorkerMessage, FinishedUnit>> outbox_;
+  bool leaving_ = false;  // of the reading thread: the scheduler has said that it is over
+
+  DeviceScene scene_;
+  std::unique_ptr<Device> device_;  // after the scene that it renders
+};
+
+Expected<void> Session::run() {
+  const std::shared_ptr<grpc::Channel> channel = open_channel(options_.address);
+  const auto timeout = std::chrono::duration_cast<std::chrono::system_clock::duration>(
+      std::chrono::duration<double>(options_.connect_timeout));
+  if (!channel->WaitForConnected(std::chrono::system_clock::now() + timeout)) {
+    return fail(
+        fmt::format("no scheduler answers at {} (waited {} s)", options_.address, options_.connect_timeout));
+  }
+  stub_ = wire::Farm::NewStub(channel);
+  stream_ = stub_->Work(&context_);
+
+  wire::WorkerMessage hello;
+  hello.mutable_hello()->set_protocol_version(kProtocolVersion);
+  hello.mutable_hello()->set_host(host_name());
+  hello.mutable_hello()->set_pid(getpid());
+  for (const Isa isa : options_.isas) hello.mutable_hello()->add_isas(encode(isa));
+  say(std::move(hello));
+
+  std::thread reader([this] { read(); });
+  std::thread writer([this] { write(); });
+  Expected<void> worked = work();
+  outbox_.close();
+  writer.join();
+  stream_->WritesDone();
+  reader.join();
+  const grpc::Status status = stream_->Finish();
+  if (worked && !status.ok()) worked = fail("the scheduler broke the connection: " + status.error_message());
+  return worked;
+}
+
+void Session::read() {
+  wire::SchedulerMessage message;
+  while (stream_->Read(&message)) {
+    leaving_ |= message.has_dismiss() || message.has_refused();
+    inbox_.put(std::move(message));
+  }
+  inbox_.close();
+  if (!leaving_ && options_.on_connection_lost) {
+    options_.on_connection_lost(Error{"the connection to the scheduler broke"});
+  }
+}
+
+void Session::write() {
+  while (auto item = outbox_.take()) {
+    wire::WorkerMessage message;
+    if (auto* ready_made = std::get_if<wire::WorkerMessage>(&*item)) {
+      message = std::move(*ready_made);
+    } else {
+      const FinishedUnit& unit = std::get<FinishedUnit>(*item);
+      if (unit.result) {
+        wire::UnitResult& result = *message.mutable_result();
+        result.set_job(unit.job);
+        encode(unit.id, *result.mutable_id());
+        encode(*unit.result, result);
+        result.set_busy_seconds(unit.busy_seconds);
+        result.set_peak_memory_bytes(peak_memory_bytes());
+      } else {
+        message.mutable_unit_failed()->set_job(unit.job);
+        encode(unit.id, *message.mutable_unit_failed()->mutable_id());
+        message.mutable_unit_failed()->set_message(unit.result.error().message);
+      }
+    }
+    if (!stream_->Write(message)) return;  // broken; the reader says so
+  }
+}
+
+Expected<void> Session::work() {
+  while (std::optional<wire::SchedulerMessage> message = inbox_.take()) {
+    switch (message->content_case()) {
+      case wire::SchedulerMessage::kRefused:
+        return fail("the scheduler refuses this worker: " + message->refused().reason());
+      case wire::SchedulerMessage::kJob:
+        if (const Expected<void> taken = take_job(message->job()); !taken) {
+          wire::WorkerMessage failure;
+          failure.mutable_job_failed()->set_job(message->job().id());
+          failure.mutable_job_failed()->set_message(taken.error().message);
+          say(std::move(failure));
+          return taken;
+        }
+        break;
+      case wire::SchedulerMessage::kUnit:
+        render(message->unit());
+        break;
+      case wire::SchedulerMessage::kDismiss:
+        return {};
+      default:
+        return fail("the scheduler sent a message of an unknown kind");
+    }
+  }
+  return {};
+}
+
+Expected<void> Session::take_job(const wire::Job& job) {
+  device_.reset();
+  Expected<DeviceOptions> device_options = decode(job.device());
+  if (!device_options) return std::unexpected(device_options.error());
+  device_options->backend = options_.backend.value_or(device_options->backend);
+  device_options->isa = options_.isa.value_or(device_options->isa);
+  device_options->threads = options_.threads.value_or(device_options->threads);
+  device_options->opencl_device = options_.opencl_device.value_or(device_options->opencl_device);
+
+  if (const Expected<void> fetched = fetch_scene(job.scene()); !fetched) return fetched;
+  Expected<std::unique_ptr<Device>> device = options_.make_device(scene_, *device_options);
+  if (!device) return std::unexpected(device.error());
+  device_ = std::move(*device);
+
+  wire::WorkerMessage ready;
+  ready.mutable_ready()->set_job(job.id());
+  ready.mutable_ready()->set_device(device_->description());
+  say(std::move(ready));
+  return {};
+}
+
+Expected<void> Session::fetch_scene(const std::string& hash) {
+  grpc::ClientContext context;
+  wire::AssetRequest request;
+  request.set_hash(hash);
+  const auto reader = stub_->Asset(&context, request);
+  std::vector<std::uint8_t> bytes;
+  wire::AssetChunk chunk;
+  while (reader->Read(&chunk)) bytes.insert(bytes.end(), chunk.data().begin(), chunk.data().end());
+  if (const grpc::Status status = reader->Finish(); !status.ok()) {
+    return fail(fmt::format("cannot fetch the scene {}: {}", hash, status.error_message()));
+  }
+  if (content_hash(bytes) != hash) {
+    return fail(fmt::format("the scene that came is damaged: its hash is {} instead of {}",
+                            content_hash(bytes), hash));
+  }
+  Expected<DeviceScene> scene = DeviceScene::deserialize(bytes);
+  if (!scene) return fail("the scene that came cannot be used: " + scene.error().message);
+  scene_ = std::move(*scene);
+  return {};
+}
+
+void Session::render(const wire::Unit& message) {
+  FinishedUnit finished{
+      .id = decode(message.id()), .job = message.job(), .result = fail(""), .busy_seconds = 0};
+  const Expected<RenderUnit> unit = decode(message);
+  if (!unit) {
+    finished.result = std::unexpected(unit.error());
+  } else if (device_ == nullptr) {
+    finished.result = fail("a unit came before its job");
+  } else {
+    const auto start = std::chrono::steady_clock::now();
+    try {
+      finished.result = device_->render(*unit);
+    } catch (const std::exception& exception) {
+      finished.result = fail(exception.what());
+    }
+    finished.busy_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  }
+  outbox_.put(std::move(finished));
+}
+
+}  // namespace
+
+Expected<void> run_worker(const WorkerClientOptions& options) { return Session(options).run(); }
+
+}  // namespace penumbra

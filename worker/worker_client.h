@@ -1,0 +1,40 @@
+// The worker's end of the wire: connects to a scheduler, fetches the scene, renders the units it is given.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kernels/host/error.h"
+#include "worker/device.h"
+
+namespace penumbra {
+
+using DeviceFactory =
+    std::function<Expected<std::unique_ptr<Device>>(const DeviceScene& scene, const DeviceOptions& options)>;
+
+struct WorkerClientOptions {
+  std::string address;          ///< "unix:/path" or "host:port"
+  double connect_timeout = 10;  ///< seconds
+  std::vector<Isa> isas;        ///< what this machine has, for the scheduler's choice
+  // What this machine's owner wants instead of what the job says.
+  std::optional<Backend> backend;
+  std::optional<Isa> isa;
+  std::optional<int> threads;
+  std::optional<std::string> opencl_device;
+
+  DeviceFactory make_device;
+  /// Called from another thread when the connection breaks, perhaps in the middle of a unit, which cannot be
+  /// interrupted: a process wants to end here. May be empty; then `run_worker` returns after the unit.
+  std::function<void(const Error&)> on_connection_lost;
+};
+
+/// Works until the scheduler has no more work. Fails if the connection cannot be made or breaks, if the
+/// scheduler refuses this worker, or if the job cannot be done here (no such device, damaged scene). Results
+/// leave from a thread of their own, so that the next unit does not wait for the network.
+Expected<void> run_worker(const WorkerClientOptions& options);
+
+}  // namespace penumbra
