@@ -1,0 +1,115 @@
+// One scene, one image: the same bytes from every instruction set, from a block of one path, and from OpenCL,
+// with the portable intersector; with Embree the same image, and nearly all of it the same bits.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "tests/acceptance/scene_pieces.h"
+#include "tests/support/render_scene.h"
+
+namespace penumbra {
+namespace {
+
+struct SceneCase {
+  std::string name;
+  std::string file;  ///< below scenes/, or below the oracles
+  bool is_oracle = false;
+  bool is_diffuse = true;
+};
+
+const std::vector<SceneCase> kScenes{
+    {"Cornell", "cornell/cornell.xml"},
+    {"CornellSmall", "cornell-small/cornell-small.xml"},
+    {"VeachMis", "veach-mis/veach-mis.xml", false, false},
+    {"Furnace", "furnace/furnace.xml"},
+    {"PolygonLights", "polygon-lights/polygon-1.xml"},
+    {"BitterliCornellBox", "bitterli/cornell-box/scene.xml", true},
+    {"MitsubaCbox", "mitsuba/scenes/cbox/cbox-rgb.xml", true},
+};
+
+SceneDescription small_scene(const SceneCase& scene_case) {
+  const auto file =
+      scene_case.is_oracle ? *oracle_folder("") / scene_case.file : project_file("scenes/" + scene_case.file);
+  SceneDescription scene = read_or_throw(file);
+  resize_film(scene, 40, 30);  // no multiple of a block, a vector or a tile
+  scene.sampler.spp = 6;
+  return scene;
+}
+
+class BitIdentity : public testing::TestWithParam<SceneCase> {
+ protected:
+  void SetUp() override {
+    if (GetParam().is_oracle && !oracle_folder(GetParam().file)) {
+      GTEST_SKIP() << "the third-party scene " << GetParam().file << " is not here";
+    }
+  }
+};
+
+std::vector<Isa> machine_isas() {
+  std::vector<Isa> isas{Isa::kSse2, Isa::kAvx2, Isa::kAvx512};
+  std::erase_if(isas, [](Isa isa) { return isa > best_isa(); });
+  return isas;
+}
+
+/// The first pixel in which two films differ, for the message.
+std::string first_difference(const FilmAccumulator& a, const FilmAccumulator& b) {
+  for (int y = 0; y < a.height(); ++y) {
+    for (int x = 0; x < a.width(); ++x) {
+      const PixelStatistics &p = a.at(x, y), &q = b.at(x, y);
+      for (int c = 0; c < 3; ++c) {
+        if (p.mean[c] != q.mean[c] || p.m2[c] != q.m2[c]) {
+          return testing::PrintToString(std::tuple(x, y, c, p.mean[c], q.mean[c]));
+        }
+      }
+    }
+  }
+  return "only in features or counts";
+}
+
+TEST_P(BitIdentity, EveryBackendGivesTheSameBytes) {
+  const DeviceScene scene = build_or_throw(small_scene(GetParam()));
+  TestDevice device = native_device();
+  device.options.threads = 1;
+  device.options.isa = Isa::kSse2;
+  const FilmAccumulator reference = render_or_throw(scene, device);
+  ASSERT_GT(reference.at(20, 15).count, 0u);
+  const auto expect_same = [&](const TestDevice& other, const std::string& name) {
+    const FilmAccumulator film = render_or_throw(scene, other);
+    EXPECT_EQ(film.hash(), reference.hash()) << name << " differs: " << first_difference(reference, film);
+  };
+  for (Isa isa : machine_isas()) {
+    device.options.isa = isa;
+    for (int threads : {1, 2}) {
+      device.options.threads = threads;
+      expect_same(device, std::string(isa_name(isa)) + " with " + std::to_string(threads) + " threads");
+    }
+  }
+  device.options.block_of_one = true;
+  expect_same(device, "a block of one path");
+  expect_same(opencl_device(), "OpenCL");
+}
+
+TEST_P(BitIdentity, EmbreeGivesTheSameImage) {
+  const SceneDescription description = small_scene(GetParam());
+  const FilmAccumulator portable = render_or_throw(build_or_throw(description));
+  const FilmAccumulator embree = render_or_throw(build_or_throw(description, true));
+  int equal = 0;
+  for (int y = 0; y < portable.height(); ++y) {
+    for (int x = 0; x < portable.width(); ++x) {
+      equal += std::ranges::equal(portable.at(x, y).mean, embree.at(x, y).mean);
+    }
+  }
+  const double share = double(equal) / (portable.width() * portable.height());
+  RecordProperty("bit_equal_share", std::to_string(share));
+  EXPECT_GE(share, GetParam().is_diffuse ? 0.999 : 0.99);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, BitIdentity, testing::ValuesIn(kScenes),
+                         [](const auto& info) { return info.param.name; });
+
+}  // namespace
+}  // namespace penumbra

@@ -1,0 +1,117 @@
+// Disks, spheres, point lights and skies over a diffuse floor, in closed form.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/acceptance/scene_pieces.h"
+#include "tests/acceptance/strategies.h"
+#include "tests/support/render_scene.h"
+
+namespace penumbra {
+namespace {
+
+constexpr double kSignificance = 0.01;
+constexpr std::uint32_t kSamples = 100'000;
+constexpr double kRounding = 32.0 / (1 << 24);  ///< see furnace_test.cpp
+constexpr float kAlbedo = 0.5f;
+
+Shape disk(glm::dvec3 center, glm::dvec3 normal, double radius, int bsdf,
+           std::optional<float> radiance = std::nullopt) {
+  Shape shape;
+  shape.name = "disk";
+  shape.geometry = Disk{center, normal, radius};
+  shape.front_bsdf = shape.back_bsdf = bsdf;
+  if (radiance) shape.radiance = glm::vec3(*radiance);
+  return shape;
+}
+
+/// One pixel that sees the origin of a diffuse floor y = 0 from close above.
+SceneDescription diffuse_floor() {
+  SceneDescription scene = empty_scene(1, 1, kSamples, 1);
+  scene.camera = look_at(glm::dvec3(0, 0.01, 0), glm::dvec3(0), glm::dvec3(0, 0, 1), 1e-6);
+  scene.shapes.push_back(
+      parallelogram({-100, 0, -100}, {0, 0, 200}, {200, 0, 0}, add_diffuse(scene, kAlbedo)));
+  return scene;
+}
+
+void expect_radiance(SceneDescription scene, const IntegratorSettings& integrator, double expected) {
+  scene.integrator = integrator;
+  TestDevice device = native_device();
+  device.samples_per_pass = kMaxSamplesPerUnit;
+  const statistics::Sample sample = pixel_sample(render_or_throw(scene, device), 0, 0, 1);
+  ASSERT_EQ(sample.count(), scene.sampler.spp);
+  EXPECT_GT(statistics::t_test(sample, expected, expected * kRounding).p, kSignificance)
+      << sample.mean() << " +- " << sample.standard_error() << ", expected " << expected;
+}
+
+class ClosedForm : public testing::TestWithParam<Strategy> {};
+
+TEST_P(ClosedForm, DiskLightAboveTheFloor) {
+  // A disk of radius r, parallel to the floor at height d above the point: E = pi L r^2 / (r^2 + d^2).
+  for (const auto& [d, r] : {std::pair(2.0, 1.0), std::pair(1.0, 1.0), std::pair(0.5, 2.0)}) {
+    SceneDescription scene = diffuse_floor();
+    scene.shapes.push_back(disk({0, d, 0}, {0, -1, 0}, r, kBlackBsdf, 3));
+    SCOPED_TRACE(testing::Message() << "height " << d << ", radius " << r);
+    expect_radiance(scene, GetParam().integrator, kAlbedo * 3 * r * r / (r * r + d * d));
+  }
+}
+
+TEST_P(ClosedForm, DiskLightSeenFromBehindIsDark) {
+  SceneDescription scene = diffuse_floor();
+  scene.shapes.push_back(disk({0, 2, 0}, {0, 1, 0}, 1, kBlackBsdf, 3));
+  expect_radiance(scene, GetParam().integrator, 0);
+}
+
+TEST_P(ClosedForm, SphereLightAboveTheFloor) {
+  // A sphere at angle t from the normal, all above the horizon: E = pi L (r / d)^2 cos t.
+  const glm::dvec3 center(0.8, 1.5, -0.4);
+  const double radius = 0.7, distance = glm::length(center);
+  SceneDescription scene = diffuse_floor();
+  Shape sphere;
+  sphere.name = "sphere";
+  sphere.geometry = Sphere{center, radius};
+  sphere.radiance = glm::vec3(2);
+  scene.shapes.push_back(sphere);
+  expect_radiance(scene, GetParam().integrator,
+                  kAlbedo * 2 * radius * radius / (distance * distance) * center.y / distance);
+}
+
+TEST_P(ClosedForm, DiskHidesPartOfAConstantSky) {
+  // A black disk hides the directions within the angle t of the zenith, tan t = r / d: what is left of the
+  // irradiance pi L is cos^2 t. (cos t is the visible share of the hemisphere: .894427 and .707107.)
+  for (const auto& [d, r, visible] : {std::tuple(2.0, 1.0, 0.894427191), std::tuple(1.0, 1.0, 0.70710678118),
+                                      std::tuple(2.0, 2.0, 0.70710678118)}) {
+    SceneDescription scene = diffuse_floor();
+    scene.environment = ConstantEnvironment{glm::vec3(1)};
+    scene.shapes.push_back(disk({0, d, 0}, {0, -1, 0}, r, kBlackBsdf));
+    SCOPED_TRACE(testing::Message() << "height " << d << ", radius " << r);
+    expect_radiance(scene, GetParam().integrator, kAlbedo * visible * visible);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Strategies, ClosedForm, testing::ValuesIn(all_strategies()),
+                         [](const auto& info) { return strategy_name(info); });
+
+/// Two unit disks at y = -1 and y = 1 that face each other; the camera, between them, sees the middle of the
+/// lower.
+double between_disks(glm::dvec3 light, double power) {
+  SceneDescription scene = empty_scene(1, 1, 16, 1);
+  scene.camera = look_at(glm::dvec3(0), glm::dvec3(0, -1, 0), glm::dvec3(0, 0, 1), 1e-6);
+  const int grey = add_diffuse(scene, kAlbedo);
+  scene.shapes.push_back(disk({0, -1, 0}, {0, 1, 0}, 1, grey));
+  scene.shapes.push_back(disk({0, 1, 0}, {0, -1, 0}, 1, grey));
+  scene.point_lights.push_back({light, glm::vec3(float(power / (4 * std::numbers::pi)))});
+  scene.integrator = direct_integrator(1, 1);
+  return pixel_sample(render_or_throw(scene), 0, 0, 0).mean();
+}
+
+TEST(PointLight, BetweenTwoDisks) {
+  EXPECT_NEAR(between_disks({0, 0, 0}, 78.956835), 1, 1e-6);
+  EXPECT_NEAR(between_disks({0.5, 0.1, 0}, 8), 0.0631777, 1e-7);
+}
+
+TEST(PointLight, HiddenBehindADisk) { EXPECT_EQ(between_disks({0.5, 2, 0}, 8), 0); }
+
+}  // namespace
+}  // namespace penumbra

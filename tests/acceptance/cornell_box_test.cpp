@@ -1,0 +1,98 @@
+// Published Cornell boxes, read as they are, against images by other renderers.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "scheduler/outputs/image.h"
+#include "tests/support/render_scene.h"
+
+namespace penumbra {
+namespace {
+
+statistics::Image read_rgb(const std::filesystem::path& path) {
+  const auto file = read_image(path);
+  if (!file) throw std::runtime_error(file.error().message);
+  const auto channels = file->beauty_channels();
+  if (!channels) throw std::runtime_error(path.string() + " has no colour channels");
+  statistics::Image image(file->data.width, file->data.height, 3);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = file->at(x, y, (*channels)[c]);
+    }
+  }
+  return image;
+}
+
+struct BackendCase {
+  std::string name;
+  TestDevice (*device)();
+  int batches;
+  std::uint32_t spp;
+};
+
+class BitterliCornellBox : public testing::TestWithParam<BackendCase> {
+ protected:
+  void SetUp() override {
+    if (!oracle_folder("bitterli/cornell-box")) GTEST_SKIP() << "bitterli/cornell-box is not here";
+  }
+};
+
+TEST_P(BitterliCornellBox, AgreesWithTungstenAndMitsuba) {
+  const auto folder = *oracle_folder("bitterli/cornell-box");
+  const BackendCase& backend = GetParam();
+  SceneDescription scene = read_or_throw(folder / "scene.xml");
+  ASSERT_EQ(scene.film.width, 1024);
+  ASSERT_EQ(scene.film.height, 1024);
+  scene.sampler.spp = backend.spp;
+  const statistics::Estimate ours = block_estimate(scene, backend.batches, 1, 4, backend.device());
+
+  const statistics::Image tungsten = read_rgb(folder / "TungstenRender.exr");
+  // What 1024 to 1536 samples a pixel know of a block's standard error is exact beside our few batches.
+  const statistics::Estimate mitsuba{.mean = read_rgb(folder / "mitsuba_ref_4x4.exr"),
+                                     .standard_error = read_rgb(folder / "mitsuba_ref_4x4_stderr.exr"),
+                                     .dof = std::numeric_limits<double>::infinity()};
+  for (int channel = 0; channel < 3; ++channel) {
+    const double mean = channel_mean(ours.mean, channel);
+    const double by_tungsten = channel_mean(tungsten, channel),
+                 by_mitsuba = channel_mean(mitsuba.mean, channel);
+    EXPECT_NEAR(mean / by_tungsten, 1, 0.002) << "channel " << channel;
+    EXPECT_NEAR(mean / by_mitsuba, 1, 0.001) << "channel " << channel;
+  }
+  const auto result = statistics::z_test(ours, mitsuba);
+  EXPECT_TRUE(result.passed) << result.summary();
+  RecordProperty("z_test", result.summary());
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, BitterliCornellBox,
+                         testing::Values(BackendCase{"Native", native_device, 8, 4},
+                                         BackendCase{"OpenCl", opencl_device, 4, 2}),
+                         [](const auto& info) { return info.param.name; });
+
+TEST(MitsubaCornellBox, ReadsUneditedAndStrategiesAgree) {
+  const auto folder = oracle_folder("mitsuba/scenes/cbox");
+  if (!folder) GTEST_SKIP() << "mitsuba/scenes/cbox is not here";
+  SceneDescription scene = read_or_throw(*folder / "cbox-rgb.xml");
+  EXPECT_EQ(scene.film.width, 256);
+  EXPECT_EQ(scene.integrator.max_depth, 6);
+  EXPECT_TRUE(scene.warnings.empty());
+  resize_film(scene, 64, 64);
+  scene.sampler.spp = 256;
+  scene.integrator.direct_sampling = DirectSampling::kMis;
+  const statistics::Estimate mis = block_estimate(scene, 6, 10, 4);
+  scene.integrator.direct_sampling = DirectSampling::kEmitterOnly;
+  const statistics::Estimate ems = block_estimate(scene, 6, 20, 4);
+  const auto by_emitters = statistics::z_test(mis, ems);
+  EXPECT_TRUE(by_emitters.passed) << by_emitters.summary();
+  scene.integrator.direct_sampling = DirectSampling::kBsdfOnly;
+  scene.sampler.spp = 2048;  // small light: many more samples for the same noise
+  const statistics::Estimate mats = block_estimate(scene, 6, 30, 4);
+  const auto by_chance = statistics::z_test(mis, mats);
+  EXPECT_TRUE(by_chance.passed) << by_chance.summary();
+}
+
+}  // namespace
+}  // namespace penumbra

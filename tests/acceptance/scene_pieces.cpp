@@ -1,0 +1,87 @@
+#include "tests/acceptance/scene_pieces.h"
+
+#include <array>
+#include <cmath>
+
+namespace penumbra {
+
+PerspectiveCamera look_at(glm::dvec3 origin, glm::dvec3 target, glm::dvec3 up, double fov) {
+  const glm::dvec3 forward = glm::normalize(target - origin);
+  const glm::dvec3 left = glm::normalize(glm::cross(up, forward));
+  const glm::dvec3 above = glm::cross(forward, left);
+  PerspectiveCamera camera;
+  camera.to_world =
+      glm::dmat4(glm::dvec4(left, 0), glm::dvec4(above, 0), glm::dvec4(forward, 0), glm::dvec4(origin, 1));
+  camera.fov = fov;
+  camera.near_clip = 1e-4;
+  return camera;
+}
+
+int add_diffuse(SceneDescription& scene, float reflectance) {
+  scene.bsdfs.push_back({"grey", DiffuseBsdf{glm::vec3(reflectance)}});
+  return int(scene.bsdfs.size()) - 1;
+}
+
+Shape triangles(std::span<const glm::dvec3> positions, int bsdf, std::optional<float> radiance) {
+  Mesh mesh;
+  mesh.positions.assign(positions.begin(), positions.end());
+  for (unsigned i = 0; i + 2 < positions.size(); i += 3) mesh.triangles.emplace_back(i, i + 1, i + 2);
+  Shape shape;
+  shape.name = "triangles";
+  shape.geometry = std::move(mesh);
+  shape.front_bsdf = bsdf;
+  if (radiance) shape.radiance = glm::vec3(*radiance);
+  return shape;
+}
+
+Shape parallelogram(glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v, int bsdf, std::optional<float> radiance) {
+  return triangles(std::array{corner, corner + u, corner + u + v, corner, corner + u + v, corner + v}, bsdf,
+                   radiance);
+}
+
+Shape room(double half_width, int bsdf, float radiance) {
+  std::vector<glm::dvec3> positions;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (double side : {-1.0, 1.0}) {
+      glm::dvec3 normal(0), u(0), v(0);
+      normal[axis] = -side;
+      u[(axis + 1) % 3] = 1;
+      v = glm::cross(normal, u);
+      const auto corner = [&](double a, double b) { return half_width * (-normal + a * u + b * v); };
+      for (const glm::dvec3& p : {corner(-1, -1), corner(1, -1), corner(1, 1),  //
+                                  corner(-1, -1), corner(1, 1), corner(-1, 1)}) {
+        positions.push_back(p);
+      }
+    }
+  }
+  return triangles(positions, bsdf, radiance);
+}
+
+SceneDescription empty_scene(int width, int height, std::uint32_t spp, std::uint32_t seed) {
+  SceneDescription scene;
+  scene.source = "a test";
+  scene.film.width = scene.film.crop_width = width;
+  scene.film.height = scene.film.crop_height = height;
+  scene.film.filter = FilterKind::kBox;
+  scene.film.filter_radius = 0.5f;
+  scene.sampler = {.kind = SamplerKind::kIndependent, .spp = spp, .seed = seed};
+  scene.camera = look_at(glm::dvec3(0), glm::dvec3(0, 0, 1), glm::dvec3(0, 1, 0), 10);
+  return scene;
+}
+
+IntegratorSettings path_integrator(DirectSampling sampling) {
+  IntegratorSettings settings;
+  settings.direct_sampling = sampling;
+  return settings;
+}
+
+IntegratorSettings direct_integrator(int emitter_samples, int bsdf_samples, MisHeuristic heuristic) {
+  IntegratorSettings settings;
+  settings.kind = IntegratorKind::kDirect;
+  settings.emitter_samples = emitter_samples;
+  settings.bsdf_samples = bsdf_samples;
+  settings.heuristic = heuristic;
+  return settings;
+}
+
+}  // namespace penumbra

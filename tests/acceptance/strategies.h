@@ -1,0 +1,64 @@
+// Every way of finding direct light that the integrators have, under one name each.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scenes/scene_description.h"
+#include "tests/acceptance/scene_pieces.h"
+
+namespace penumbra {
+
+struct Strategy {
+  std::string name;
+  IntegratorSettings integrator;
+};
+
+inline std::vector<Strategy> direct_strategies() {
+  const auto emitter = [](EmitterSampling sampling) {
+    IntegratorSettings settings = direct_integrator(1, 0);
+    settings.emitter_sampling = sampling;
+    return settings;
+  };
+  const auto direction = [](BsdfSampling sampling) {
+    IntegratorSettings settings = direct_integrator(0, 1);
+    settings.bsdf_sampling = sampling;
+    return settings;
+  };
+  IntegratorSettings mis_uniform = direct_integrator(2, 1);
+  mis_uniform.bsdf_sampling = BsdfSampling::kUniform;
+  mis_uniform.emitter_sampling = EmitterSampling::kSolidAngle;
+  return {
+      {"EmitterArea", emitter(EmitterSampling::kArea)},
+      {"EmitterSolidAngle", emitter(EmitterSampling::kSolidAngle)},
+      {"DirectionBsdf", direction(BsdfSampling::kBsdf)},
+      {"DirectionCosine", direction(BsdfSampling::kCosine)},
+      {"DirectionUniform", direction(BsdfSampling::kUniform)},
+      {"MisBalance", direct_integrator(1, 1, MisHeuristic::kBalance)},
+      {"MisPower", direct_integrator(1, 1, MisHeuristic::kPower)},
+      {"MisManySamples", direct_integrator(3, 2, MisHeuristic::kPower)},
+      {"MisUniformAndSolidAngle", mis_uniform},
+  };
+}
+
+inline std::vector<Strategy> path_strategies() {
+  IntegratorSettings power = path_integrator(DirectSampling::kMis);
+  power.heuristic = MisHeuristic::kPower;
+  return {
+      {"PathMats", path_integrator(DirectSampling::kBsdfOnly)},
+      {"PathEms", path_integrator(DirectSampling::kEmitterOnly)},
+      {"PathMis", path_integrator(DirectSampling::kMis)},
+      {"PathMisPower", power},
+  };
+}
+
+inline std::vector<Strategy> all_strategies() {
+  std::vector<Strategy> all = direct_strategies();
+  for (Strategy& strategy : path_strategies()) all.push_back(std::move(strategy));
+  return all;
+}
+
+/// Names the parameterised tests.
+inline std::string strategy_name(const auto& info) { return info.param.name; }
+
+}  // namespace penumbra

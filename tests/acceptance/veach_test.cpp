@@ -1,0 +1,59 @@
+// Glossy plates under spheres of every size: light from BSDF samples, from emitter samples and from both must
+// be the same, and both together the least noisy.
+#include <gtest/gtest.h>
+
+#include "tests/acceptance/scene_pieces.h"
+#include "tests/support/render_scene.h"
+
+namespace penumbra {
+namespace {
+
+constexpr int kWidth = 96, kHeight = 64, kBlock = 4;
+
+SceneDescription veach(const IntegratorSettings& integrator, std::uint32_t spp) {
+  SceneDescription scene = read_or_throw(project_file("scenes/veach-mis/veach-mis.xml"));
+  resize_film(scene, kWidth, kHeight);
+  scene.sampler.kind = SamplerKind::kIndependent;
+  scene.sampler.spp = spp;
+  scene.integrator = integrator;
+  return scene;
+}
+
+struct Comparison {
+  const char* name;
+  IntegratorSettings integrator;
+};
+
+/// Two samples in all for each, so that variances compare at equal cost.
+const Comparison kBsdf{"BSDF samples", direct_integrator(0, 2)};
+const Comparison kEmitter{"emitter samples", direct_integrator(2, 0)};
+const Comparison kMis{"both", direct_integrator(1, 1, MisHeuristic::kBalance)};
+
+TEST(VeachScene, StrategiesAgree) {
+  const auto estimate = [](const Comparison& c, std::uint32_t seed) {
+    return block_estimate(veach(c.integrator, 512), 8, seed, kBlock);
+  };
+  const statistics::Estimate bsdf = estimate(kBsdf, 100), emitter = estimate(kEmitter, 200),
+                             mis = estimate(kMis, 300);
+  const auto bsdf_mis = statistics::z_test(bsdf, mis);
+  EXPECT_TRUE(bsdf_mis.passed) << "BSDF samples and both: " << bsdf_mis.summary();
+  const auto emitter_mis = statistics::z_test(emitter, mis);
+  EXPECT_TRUE(emitter_mis.passed) << "emitter samples and both: " << emitter_mis.summary();
+  const auto bsdf_emitter = statistics::z_test(bsdf, emitter);
+  EXPECT_TRUE(bsdf_emitter.passed) << "BSDF samples and emitter samples: " << bsdf_emitter.summary();
+}
+
+TEST(VeachScene, MultipleImportanceSamplingIsTheLeastNoisy) {
+  const auto variance = [](const Comparison& c) {
+    return mean_variance(render_or_throw(veach(c.integrator, 64)));
+  };
+  const double bsdf = variance(kBsdf), emitter = variance(kEmitter), mis = variance(kMis);
+  RecordProperty("bsdf", std::to_string(bsdf));
+  RecordProperty("emitter", std::to_string(emitter));
+  RecordProperty("mis", std::to_string(mis));
+  EXPECT_LT(mis, bsdf);
+  EXPECT_LT(mis, emitter);
+}
+
+}  // namespace
+}  // namespace penumbra
