@@ -142,19 +142,19 @@ std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRe
     text("integrator.bsdf_sampling", bsdf_sampling_name(integrator.bsdf_sampling));
   }
   text("integrator.emitter_sampling", emitter_sampling_name(integrator.emitter_sampling));
-  text("integrator.heuristic", integrator.heuristic == MisHeuristic::kPower ? "power" : "balance");
+  text("integrator.mis", integrator.heuristic == MisHeuristic::kPower ? "power" : "balance");
   entries.emplace_back("integrator.hide_emitters", int(integrator.hide_emitters));
   text("sampler", sampler_name(record.sampler.kind));
   // Unsigned 32-bit values do not fit the format's int.
   text("spp", fmt::to_string(record.sampler.spp));
   text("seed", fmt::to_string(record.sampler.seed));
   text("samples_per_pass", fmt::to_string(record.samples_per_pass));
-  text("filter", filter_name(film.filter));
-  number("filter.radius", film.filter_radius);
-  if (film.filter == FilterKind::kGaussian) number("filter.stddev", film.filter_stddev);
+  text("film.rfilter", filter_name(film.filter));
+  number("film.rfilter_radius", film.filter_radius);
+  if (film.filter == FilterKind::kGaussian) number("film.rfilter_stddev", film.filter_stddev);
   if (film.filter == FilterKind::kMitchell) {
-    number("filter.B", film.filter_b);
-    number("filter.C", film.filter_c);
+    number("film.rfilter_b", film.filter_b);
+    number("film.rfilter_c", film.filter_c);
   }
   text("intersector", record.embree ? "embree" : "portable");
   text("backend", record.backend == Backend::kOpenCl ? "opencl" : "native");

@@ -115,7 +115,7 @@ Json report_json(const RenderReport& report) {
 
   return {
       {"penumbra", kVersion},
-      {"complete", report.complete},
+      {"complete", outcome.complete},
       {"scene", report.record.scene},
       {"files", files},
       {"repeat_command", repeat_command(report.record, true)},
@@ -136,6 +136,7 @@ Json report_json(const RenderReport& report) {
         {"render", outcome.seconds},
         {"write", report.write_seconds}}},
       {"samples_per_second", samples_per_second(outcome)},
+      {"passes", {{"finished", outcome.passes_finished}, {"asked_for", outcome.passes_total}}},
       {"units",
        {{"done", outcome.units_done},
         {"duplicated", outcome.units_duplicated},

@@ -17,7 +17,6 @@ struct RenderReport {
   std::vector<std::string> command_line;  ///< as typed
   const RenderJob* job = nullptr;
   const RenderOutcome* outcome = nullptr;
-  bool complete = false;
   std::vector<std::string> warnings;                                 ///< of the scene's reader
   std::vector<std::pair<std::string, std::string>> needs, left_out;  ///< of the scene, see SceneSummary
   double build_seconds = 0;                  ///< reading the scene and building its device form

@@ -65,8 +65,8 @@ TEST(RecordMetadata, HoldsSettingsAndHash) {
   EXPECT_EQ(metadata.at("penumbra:seed"), MetadataValue("4000000000"));
   EXPECT_EQ(metadata.at("penumbra:integrator"), MetadataValue("path_mis"));
   EXPECT_EQ(metadata.at("penumbra:integrator.max_depth"), MetadataValue(-1));
-  EXPECT_EQ(metadata.at("penumbra:filter"), MetadataValue("gaussian"));
-  EXPECT_EQ(metadata.at("penumbra:filter.stddev"), MetadataValue("0.5"));
+  EXPECT_EQ(metadata.at("penumbra:film.rfilter"), MetadataValue("gaussian"));
+  EXPECT_EQ(metadata.at("penumbra:film.rfilter_stddev"), MetadataValue("0.5"));
   EXPECT_EQ(metadata.at("penumbra:film_hash"), MetadataValue("0000000000000abc"));
   EXPECT_EQ(metadata.at("penumbra:command"), MetadataValue(repeat_command(cornell(), true)));
   EXPECT_FALSE(metadata.contains("penumbra:isa")) << "the portable intersector does not depend on it";

@@ -1,0 +1,26 @@
+// The commands of `penumbra`: each adds itself to the command line, and runs once that is parsed.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "scheduler/cli/exit_code.h"
+
+namespace penumbra {
+
+/// What is to run, chosen by the parse: the command's body.
+using Command = std::function<ExitCode()>;
+
+/// `command_line` is argv; both outlive the parse and the run.
+void add_render_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen);
+void add_info_command(CLI::App& app, Command& chosen);
+void add_compare_command(CLI::App& app, Command& chosen);
+/// Listed for the help; `penumbra worker` itself never gets to the parser, see run_worker.
+void add_worker_command(CLI::App& app);
+
+/// Replaces this process by `penumbra-worker` with these arguments; returns only if there is no such program.
+ExitCode run_worker(const std::vector<std::string>& arguments);
+
+}  // namespace penumbra

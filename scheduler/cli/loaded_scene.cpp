@@ -1,0 +1,73 @@
+#include "scheduler/cli/loaded_scene.h"
+
+#include <chrono>
+
+#include "scenes/scene_reader.h"
+#include "scenes/settings.h"
+
+namespace penumbra {
+namespace {
+
+void override_integrator(const std::string& name, IntegratorSettings& integrator) {
+  integrator.kind = name == "direct" ? IntegratorKind::kDirect : IntegratorKind::kPath;
+  if (name == "path_mats") integrator.direct_sampling = DirectSampling::kBsdfOnly;
+  if (name == "path_ems") integrator.direct_sampling = DirectSampling::kEmitterOnly;
+  if (name == "path" || name == "path_mis") integrator.direct_sampling = DirectSampling::kMis;
+}
+
+SamplerKind sampler_of(const std::string& name) {
+  if (name == "independent") return SamplerKind::kIndependent;
+  if (name == "stratified") return SamplerKind::kStratified;
+  if (name == "halton") return SamplerKind::kHalton;
+  return SamplerKind::kSobol;
+}
+
+IntersectorChoice intersector_of(const std::string& name) {
+  if (name == "portable") return IntersectorChoice::kPortable;
+  if (name == "embree") return IntersectorChoice::kEmbree;
+  return IntersectorChoice::kAuto;
+}
+
+/// name=value each; the options' parser has checked that.
+std::vector<std::pair<std::string, std::string>> split_assignments(const std::vector<std::string>& assignments) {
+  std::vector<std::pair<std::string, std::string>> pairs;
+  for (const std::string& text : assignments) {
+    const std::size_t equals = text.find('=');
+    pairs.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+  }
+  return pairs;
+}
+
+}  // namespace
+
+Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) {
+  ReadOptions read;
+  read.defines = split_assignments(options.defines);
+  read.settings = split_assignments(options.settings);
+  read.lenient = options.lenient;
+  auto description = read_scene(options.scene, read);
+  if (!description) return description;
+  if (options.integrator) override_integrator(*options.integrator, description->integrator);
+  if (options.sampler) description->sampler.kind = sampler_of(*options.sampler);
+  if (options.spp) description->sampler.spp = *options.spp;
+  if (options.seed) description->sampler.seed = *options.seed;
+  if (auto checked = check_settings(*description); !checked) return std::unexpected(checked.error());
+  return description;
+}
+
+Expected<LoadedScene> load_scene(const SceneOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  auto description = read_scene_with_options(options);
+  if (!description) return std::unexpected(description.error());
+  DeviceSceneOptions device_options;
+  device_options.intersector = intersector_of(options.intersector);
+  device_options.feature_layers = !options.no_features;
+  auto device = build_device_scene(*description, device_options);
+  if (!device) return std::unexpected(device.error());
+  LoadedScene scene{std::move(*description), std::move(*device), {}, 0};
+  scene.summary = summarize(scene.device);
+  scene.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return scene;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,86 @@
+// penumbra: the one command.
+#include <fmt/format.h>
+
+#include <exception>
+#include <new>
+
+#include "scenes/diagnostic.h"
+#include "scheduler/cli/commands.h"
+#include "scheduler/outputs/version.h"
+
+namespace penumbra {
+namespace {
+
+constexpr const char* kExamples =
+    "Exit code: 0 all done, 1 something is incomplete or failed, 2 bad usage or bad input.\n\n"
+    "Examples:\n"
+    "  penumbra render scenes/cornell/scene.xml                    writes scene.exr, scene.png, scene.json "
+    "here\n"
+    "  penumbra render scene.xml -o out/a.exr --spp 256 --workers 4\n"
+    "  penumbra info scene.xml\n"
+    "  penumbra compare out/a.exr reference.exr";
+
+/// Names of everything that the command takes: its options if the unknown word is one, else its subcommands.
+std::vector<std::string> known_names(const CLI::App& command, const std::string& unknown) {
+  std::vector<std::string> names;
+  if (unknown.starts_with("-")) {
+    for (const CLI::Option* option : command.get_options()) {
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    }
+  } else {
+    for (const CLI::App* subcommand : command.get_subcommands([](const CLI::App*) { return true; })) {
+      names.push_back(subcommand->get_name());
+    }
+  }
+  return names;
+}
+
+/// What is wrong with the command line, and where help is.
+std::string usage_error(const CLI::App* app, const CLI::Error& error) {
+  const auto chosen = app->get_subcommands();
+  const CLI::App& command = chosen.empty() ? *app : *chosen.front();
+  const std::string called = chosen.empty() ? "penumbra" : "penumbra " + command.get_name();
+  std::string what = error.what();
+  if (const auto unknown = command.remaining(); !unknown.empty()) {
+    what = fmt::format("unexpected argument '{}'{}", unknown.front(),
+                       suggestion(unknown.front(), known_names(command, unknown.front())));
+  }
+  return fmt::format("{}: error: {}\nRun '{} --help' for what there is.\n", called, what, called);
+}
+
+ExitCode run(int argc, char** argv) {
+  const std::vector<std::string> command_line(argv, argv + argc);
+  if (argc > 1 && command_line[1] == "worker") {
+    return run_worker({command_line.begin() + 2, command_line.end()});
+  }
+  CLI::App app("Penumbra: a distributed tile-parallel batch renderer", "penumbra");
+  app.set_version_flag("--version", fmt::format("penumbra {}", kVersion));
+  app.require_subcommand(1);
+  app.footer(kExamples);
+  app.failure_message(usage_error);
+  Command chosen;
+  add_render_command(app, command_line, chosen);
+  add_info_command(app, chosen);
+  add_compare_command(app, chosen);
+  add_worker_command(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kAllDone : kBadInput;
+  }
+  return chosen();
+}
+
+}  // namespace
+}  // namespace penumbra
+
+int main(int argc, char** argv) {
+  try {
+    return penumbra::run(argc, argv);
+  } catch (const std::bad_alloc&) {
+    penumbra::print_error({"out of memory"});
+  } catch (const std::exception& error) {
+    penumbra::print_error({fmt::format("internal error: {}", error.what())});
+  }
+  return penumbra::kIncomplete;
+}

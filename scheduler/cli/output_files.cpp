@@ -1,0 +1,60 @@
+#include "scheduler/cli/output_files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "scheduler/outputs/atomic_file.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string lower_case(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  return text;
+}
+
+}  // namespace
+
+std::vector<fs::path> OutputFiles::all() const {
+  std::vector<fs::path> paths;
+  for (const auto& file : {exr, png, report}) {
+    if (file) paths.push_back(*file);
+  }
+  return paths;
+}
+
+Expected<OutputFiles> choose_output_files(const RenderOptions& options) {
+  OutputFiles files;
+  if (!options.report.empty()) files.report = options.report;
+  if (options.pixel && options.out.empty()) return files;
+
+  const fs::path named_after_scene = fs::path(options.scene.scene).stem().string() + ".exr";
+  fs::path out = options.out.empty() ? named_after_scene : fs::path(options.out);
+  std::error_code ignored;
+  if (!out.has_filename() || fs::is_directory(out, ignored)) out /= named_after_scene;
+  const std::string extension = lower_case(out.extension().string());
+  if (extension != ".exr" && extension != ".png") {
+    return fail(
+        fmt::format("-o {}: the name must end in .exr or .png, or be a folder that exists", options.out));
+  }
+  files.png = fs::path(out).replace_extension(extension == ".png" ? out.extension() : ".png");
+  if (extension == ".exr") files.exr = out;
+  if (!files.report && !options.no_report) files.report = fs::path(out).replace_extension(".json");
+  if (files.report && (files.report == files.png || files.report == files.exr)) {
+    return fail(fmt::format("--report {}: that is the image's own name", options.report));
+  }
+  return files;
+}
+
+Expected<void> check_writable(const OutputFiles& files) {
+  for (const fs::path& file : files.all()) {
+    if (auto writable = check_writable(file); !writable) return writable;
+  }
+  return {};
+}
+
+}  // namespace penumbra

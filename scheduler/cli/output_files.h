@@ -1,0 +1,27 @@
+// Which files a render writes.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "kernels/host/error.h"
+#include "scheduler/cli/render_options.h"
+
+namespace penumbra {
+
+struct OutputFiles {
+  std::optional<std::filesystem::path> exr, png, report;
+
+  /// Those that there are.
+  [[nodiscard]] std::vector<std::filesystem::path> all() const;
+};
+
+/// From -o, --report, --no-report and the scene's name. `--pixel` writes only what it is told to. Errors: an
+/// extension that is neither .exr nor .png, two outputs in one file.
+Expected<OutputFiles> choose_output_files(const RenderOptions& options);
+
+/// Whether all of them can be written, see check_writable.
+Expected<void> check_writable(const OutputFiles& files);
+
+}  // namespace penumbra

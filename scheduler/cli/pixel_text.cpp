@@ -1,0 +1,35 @@
+#include "scheduler/cli/pixel_text.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "scheduler/outputs/film_image.h"
+
+namespace penumbra {
+namespace {
+
+std::string decimal_row(const char* name, const double (&v)[3]) {
+  return fmt::format("{:<16}{:>17.9g}{:>17.9g}{:>17.9g}\n", name, v[0], v[1], v[2]);
+}
+
+}  // namespace
+
+std::string pixel_text(const FilmAccumulator& film, int x, int y) {
+  const PixelStatistics& pixel = film.at(x, y);
+  double standard_error[3];
+  for (int c = 0; c < 3; ++c) standard_error[c] = std::sqrt(variance_of_mean(pixel.count, pixel.m2[c]));
+  std::string text = fmt::format("pixel {},{}  {} samples\n", x, y, pixel.count);
+  text += decimal_row("radiance", pixel.mean);
+  text += fmt::format("{:<16}{:>17a}{:>17a}{:>17a}\n", "  exactly", float(pixel.mean[0]),
+                      float(pixel.mean[1]), float(pixel.mean[2]));
+  text += decimal_row("standard error", standard_error);
+  if (film.has_features()) {
+    text += decimal_row("albedo", pixel.albedo);
+    text += decimal_row("normal", pixel.normal);
+    text += fmt::format("{:<16}{:>17.9g}\n", "depth", pixel.depth);
+  }
+  return text;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,96 @@
+#include "scheduler/cli/progress.h"
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <string_view>
+
+namespace penumbra {
+namespace {
+
+constexpr int kWidestBar = 40;
+constexpr int kNarrowestBar = 5;
+
+double done_share(const RenderProgress& progress) {
+  if (progress.samples_total == 0) return 0.0;
+  return std::min(1.0, double(progress.samples_done) / double(progress.samples_total));
+}
+
+}  // namespace
+
+std::string duration_text(double seconds) {
+  const auto whole = (long long)(std::ceil(std::clamp(seconds, 0.0, 1e12)));
+  const long long hours = whole / 3600, minutes = whole / 60 % 60, rest = whole % 60;
+  if (hours > 0) return fmt::format("{}:{:02}:{:02}", hours, minutes, rest);
+  if (minutes > 0) return fmt::format("{}:{:02}", minutes, rest);
+  return fmt::format("{} s", rest);
+}
+
+std::string progress_text(const RenderProgress& progress) {
+  // Rounded down: 100% means that all of it is done.
+  std::string text = fmt::format("{:3d}%", int(std::floor(done_share(progress) * 100)));
+  if (progress.samples_done > 0 && progress.elapsed_seconds > 0) {
+    const double rate = double(progress.samples_done) / progress.elapsed_seconds;
+    text += fmt::format("  {:.2f} Msamples/s", rate * 1e-6);
+    if (progress.samples_done < progress.samples_total) {
+      text += fmt::format("  {} left",
+                          duration_text(double(progress.samples_total - progress.samples_done) / rate));
+    }
+  }
+  if (std::isfinite(progress.relative_error))
+    text += fmt::format("  error {:.2g}%", progress.relative_error * 100);
+  text += fmt::format("  {} worker{}", progress.workers, progress.workers == 1 ? "" : "s");
+  return text;
+}
+
+std::string progress_bar(const RenderProgress& progress, int columns) {
+  const std::string text = progress_text(progress);
+  const int room = columns - int(text.size()) - 3;  // brackets and a space
+  const int length = std::min(room, kWidestBar);
+  if (length < kNarrowestBar) return text.substr(0, std::size_t(std::max(columns, 0)));
+  const int filled = int(std::floor(done_share(progress) * length));
+  return fmt::format("[{}{}] {}", std::string(std::size_t(filled), '#'),
+                     std::string(std::size_t(length - filled), '.'), text);
+}
+
+ProgressPrinter::ProgressPrinter(std::FILE* stream, ProgressStyle style, int columns)
+    : stream_(stream), style_(style), columns_(columns) {}
+
+void ProgressPrinter::update(const RenderProgress& progress) {
+  if (style_ == ProgressStyle::kBar) {
+    // One column stays free: terminals wrap a line that fills the last one.
+    fmt::print(stream_, "\r\x1b[K{}", progress_bar(progress, columns_ - 1));
+    drawn_ = true;
+    std::fflush(stream_);
+  } else if (style_ == ProgressStyle::kLines &&
+             progress.elapsed_seconds - last_line_ >= kSecondsBetweenLines) {
+    fmt::print(stream_, "{}\n", progress_text(progress));
+    last_line_ = progress.elapsed_seconds;
+    std::fflush(stream_);
+  }
+}
+
+void ProgressPrinter::finish() {
+  if (!drawn_) return;
+  fmt::print(stream_, "\r\x1b[K");
+  std::fflush(stream_);
+  drawn_ = false;
+}
+
+ProgressStyle progress_style(std::FILE* stream) {
+  const char* terminal = std::getenv("TERM");
+  const bool can_redraw = terminal != nullptr && std::string_view(terminal) != "dumb";
+  return isatty(fileno(stream)) != 0 && can_redraw ? ProgressStyle::kBar : ProgressStyle::kLines;
+}
+
+int terminal_columns(std::FILE* stream) {
+  winsize size{};
+  if (ioctl(fileno(stream), TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
+  return 80;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,172 @@
+#include "scheduler/cli/render_options.h"
+
+#include <charconv>
+#include <limits>
+#include <span>
+
+#include "kernels/host/device_scene.h"
+
+namespace penumbra {
+namespace {
+
+constexpr int kMaxWorkers = 1024;
+constexpr int kMaxThreads = 1024;
+constexpr int kMaxTile = 2048;  // what fits one message between worker and scheduler
+
+/// Exactly `values.size()` non-negative integers with commas between.
+bool parse_integers(const std::string& text, std::span<int> values) {
+  const char* at = text.data();
+  const char* end = text.data() + text.size();
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (i > 0 && (at == end || *at++ != ',')) return false;
+    const auto [next, error] = std::from_chars(at, end, values[i]);
+    if (error != std::errc() || values[i] < 0) return false;
+    at = next;
+  }
+  return at == end;
+}
+
+/// Accepts NAME=VALUE, NAME not empty.
+std::string check_assignment(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals != std::string::npos && equals > 0) return {};
+  return "'" + text + "' is not of the form name=value";
+}
+
+}  // namespace
+
+std::optional<CropRectangle> parse_crop(const std::string& text) {
+  int v[4];
+  if (!parse_integers(text, v) || v[0] >= v[2] || v[1] >= v[3]) return std::nullopt;
+  return CropRectangle{v[0], v[1], v[2], v[3]};
+}
+
+std::optional<PixelPosition> parse_pixel(const std::string& text) {
+  int v[2];
+  if (!parse_integers(text, v)) return std::nullopt;
+  return PixelPosition{v[0], v[1]};
+}
+
+void add_scene_options(CLI::App& command, SceneOptions& options) {
+  constexpr auto kMaxUnsigned = std::numeric_limits<std::uint32_t>::max();
+  command.add_option("SCENE", options.scene, "Scene file (Mitsuba XML)")->required();
+  command
+      .add_option("-D", options.defines, "Fill $NAME of the scene file, as in -D albedo=0.5; may be repeated")
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false)
+      ->check(check_assignment);
+  command
+      .add_option(
+          "--set", options.settings,
+          "Override a parameter of integrator, sampler, film or camera, as in --set integrator.max_depth=3; "
+          "may be repeated")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false)
+      ->check(check_assignment);
+  command.add_flag("--lenient", options.lenient,
+                   "Stand-ins and a warning, not an error, for unknown plugins");
+  command
+      .add_option("--integrator", options.integrator, "Override the scene's integrator (path is path_mis)")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"path", "direct", "path_mats", "path_ems", "path_mis"}));
+  command.add_option("--sampler", options.sampler, "Override the scene's sampler")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"independent", "stratified", "halton", "sobol"}));
+  command.add_option("--spp", options.spp, "Samples per pixel (default: the scene's)")
+      ->type_name("N")
+      ->check(CLI::Range(std::uint32_t(1), kMaxUnsigned));
+  command
+      .add_option("--seed", options.seed,
+                  "Seed of all random numbers, 0 to 4294967295 (default: the scene's, or 0)")
+      ->type_name("S")
+      ->check(CLI::Range(std::uint32_t(0), kMaxUnsigned));
+  command
+      .add_option(
+          "--intersector", options.intersector,
+          "portable gives the same bits on every machine, embree is faster in large scenes, auto chooses by "
+          "the size of the scene")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"auto", "portable", "embree"}))
+      ->capture_default_str();
+  command.add_flag("--no-features", options.no_features, "Leave out the albedo, normal and depth layers");
+}
+
+void add_render_options(CLI::App& command, RenderOptions& options) {
+  add_scene_options(command, options.scene);
+  command
+      .add_option(
+          "-o,--out", options.out,
+          "x.exr writes x.exr and x.png, x.png only that; a folder: the scene's name in it (default: the "
+          "scene's name with .exr in the current folder)")
+      ->type_name("FILE");
+  auto* report =
+      command.add_option("--report", options.report, "JSON report (default: beside the image, .json)");
+  report->type_name("FILE");
+  command.add_flag("--no-report", options.no_report, "Write no report")->excludes(report);
+
+  auto* crop = command.add_option_function<std::string>(
+      "--crop",
+      [&options](const std::string& text) {
+        options.crop = parse_crop(text);
+        if (options.crop) return;
+        throw CLI::ValidationError("--crop",
+                                   "'" + text + "' is not x0,y0,x1,y1 with 0 <= x0 < x1, 0 <= y0 < y1");
+      },
+      "Render only these film pixels, x1 and y1 outside; they are those of the whole image");
+  crop->type_name("X0,Y0,X1,Y1");
+  command
+      .add_option_function<std::string>(
+          "--pixel",
+          [&options](const std::string& text) {
+            options.pixel = parse_pixel(text);
+            if (options.pixel) return;
+            throw CLI::ValidationError("--pixel", "'" + text + "' is not x,y with x and y from 0 up");
+          },
+          "Render one pixel, a path at a time, and print all its digits; writes files only with -o")
+      ->type_name("X,Y")
+      ->excludes(crop);
+  command
+      .add_option("--time-budget", options.time_budget,
+                  "Begin no further pass after this many seconds of rendering")
+      ->type_name("SECONDS")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("--pass", options.samples_per_pass,
+                  "Samples of a pixel in one work unit; the image's last bits depend on it")
+      ->type_name("N")
+      ->check(CLI::Range(std::uint32_t(1), kMaxSamplesPerUnit))
+      ->capture_default_str();
+  command
+      .add_option("--tile", options.tile,
+                  "Pixels along a side of a work unit; the image does not depend on it")
+      ->type_name("N")
+      ->check(CLI::Range(1, kMaxTile))
+      ->capture_default_str();
+
+  command
+      .add_option("--workers", options.workers,
+                  "Worker processes on this machine, each with a copy of the scene")
+      ->type_name("N")
+      ->check(CLI::Range(1, kMaxWorkers))
+      ->capture_default_str();
+  command.add_option("--threads", options.threads, "Threads of each worker (default: cores / workers)")
+      ->type_name("N")
+      ->check(CLI::Range(1, kMaxThreads));
+  command.add_option("--backend", options.backend, "What computes")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"native", "opencl"}))
+      ->capture_default_str();
+  command
+      .add_option(
+          "--opencl-device", options.opencl_device,
+          "Part of the name of an OpenCL platform or device (default: the first CPU device, else any)")
+      ->type_name("NAME");
+  command
+      .add_option("--isa", options.isa,
+                  "Instruction set of the native backend (default: the widest there is)")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"sse2", "avx2", "avx512"}));
+  command.add_flag("-q,--quiet", options.quiet, "No progress and no summary; warnings and errors only");
+}
+
+}  // namespace penumbra

@@ -1,0 +1,62 @@
+// The options of `penumbra render` as the user gave them.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace penumbra {
+
+/// What says which scene to read and how; `render` and `info` share it.
+struct SceneOptions {
+  std::string scene;
+  std::vector<std::string> defines;   ///< name=value
+  std::vector<std::string> settings;  ///< key=value
+  bool lenient = false;
+  std::optional<std::string> integrator;  ///< direct, path, path_mats, path_ems, path_mis
+  std::optional<std::string> sampler;
+  std::optional<std::uint32_t> spp;
+  std::optional<std::uint32_t> seed;
+  std::string intersector = "auto";
+  bool no_features = false;
+};
+
+/// A rectangle of film pixels, the end outside.
+struct CropRectangle {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+};
+
+struct PixelPosition {
+  int x = 0, y = 0;
+};
+
+struct RenderOptions {
+  SceneOptions scene;
+  std::string out;  ///< empty: named after the scene, in the current folder
+  std::string report;
+  bool no_report = false;
+  std::string backend = "native";
+  std::string opencl_device;
+  std::optional<std::string> isa;
+  int workers = 1;
+  int threads = 0;  ///< of each worker; 0: all cores shared out among the workers
+  int tile = 64;
+  std::uint32_t samples_per_pass = 16;
+  std::optional<double> time_budget;
+  std::optional<CropRectangle> crop;
+  std::optional<PixelPosition> pixel;
+  bool quiet = false;
+};
+
+/// Adds the options to a command; they are stored when it is parsed.
+void add_scene_options(CLI::App& command, SceneOptions& options);
+void add_render_options(CLI::App& command, RenderOptions& options);
+
+/// "x0,y0,x1,y1" with 0 <= x0 < x1 and 0 <= y0 < y1; nothing if it is anything else.
+std::optional<CropRectangle> parse_crop(const std::string& text);
+/// "x,y", neither negative.
+std::optional<PixelPosition> parse_pixel(const std::string& text);
+
+}  // namespace penumbra

@@ -1,0 +1,12 @@
+// Ctrl-C: the first asks for a clean end, the second ends the program at once.
+#pragma once
+
+#include <atomic>
+
+namespace penumbra {
+
+/// From now on the first SIGINT or SIGTERM sets the returned flag and restores the default action of both, so
+/// that a second one kills the process (worker processes end with it).
+const std::atomic<bool>& install_stop_signal();
+
+}  // namespace penumbra

@@ -1,0 +1,27 @@
+#include "scheduler/cli/pixel_text.h"
+
+#include <gtest/gtest.h>
+
+namespace penumbra {
+namespace {
+
+TEST(PixelText, ShowsEveryDigitAndTheExactBits) {
+  SampleBuffer buffer;
+  buffer.width = buffer.height = 1;
+  buffer.sample_count = 4;
+  buffer.planes = kSampleBufferPlanes;
+  buffer.values = {0.1f, 0.5f, 2, 0, 12, 48, 0.25f, 0.5f, 0.75f, 0, 0, -1, 3};
+  FilmAccumulator film(5, 6, 1, 1, true);
+  film.add(5, 6, buffer);
+  EXPECT_EQ(pixel_text(film, 5, 6),
+            "pixel 5,6  4 samples\n"
+            "radiance              0.100000001              0.5                2\n"
+            "  exactly           0x1.99999ap-4           0x1p-1           0x1p+1\n"
+            "standard error                  0                1                2\n"
+            "albedo                       0.25              0.5             0.75\n"
+            "normal                          0                0               -1\n"
+            "depth                           3\n");
+}
+
+}  // namespace
+}  // namespace penumbra

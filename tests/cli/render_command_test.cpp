@@ -1,0 +1,167 @@
+// `penumbra render`, from scene file to files.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "scheduler/outputs/image.h"
+#include "tests/cli/program.h"
+#include "tests/cli/small_scene.h"
+#include "tests/outputs/temporary_folder.h"
+
+namespace penumbra {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class RenderCommand : public ::testing::Test {
+ protected:
+  void SetUp() override { write_small_scene(folder_ / "s.xml"); }
+
+  ProgramResult render(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"render", "s.xml"});
+    ProgramResult result = run_penumbra(folder_.path(), arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result;
+  }
+  Image image(const std::string& name) {
+    auto read = read_image(folder_ / name);
+    EXPECT_TRUE(read) << read.error().message;
+    return read.value_or(Image{});
+  }
+  nlohmann::json report(const std::string& name) {
+    return nlohmann::json::parse(file_contents(folder_ / name));
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(RenderCommand, WritesImageAndReportBesideEachOther) {
+  const ProgramResult result = render({});
+  EXPECT_THAT(folder_.names(), ElementsAre("s.exr", "s.json", "s.png", "s.xml"));
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr("wrote s.exr, s.png, s.json"), HasSubstr("24 x 20 pixels, 8 samples")));
+  const Image exr = image("s.exr"), png = image("s.png");
+  EXPECT_EQ(exr.data, (PixelWindow{0, 0, 24, 20}));
+  EXPECT_EQ(exr.channels.size(), 14u);
+  EXPECT_EQ(png.data.width, 24);
+  EXPECT_EQ(exr.attribute("penumbra:spp"), MetadataValue("8"));
+  EXPECT_FALSE(exr.attribute("penumbra:incomplete"));
+  // The floor is lit and seen in the lower middle; its albedo is the file's.
+  EXPECT_GT(exr.at(12, 14, *exr.channel("G")), 0.01f);
+  EXPECT_FLOAT_EQ(exr.at(12, 14, *exr.channel("albedo.G")), 0.5f);
+  EXPECT_NEAR(exr.at(12, 14, *exr.channel("normal.Y")), 1.0f, 1e-6);
+  EXPECT_GT(exr.at(12, 14, *exr.channel("depth.Z")), 2.0f);
+  EXPECT_EQ(exr.at(12, 14, *exr.channel("samples.count")), 8.0f);
+
+  const nlohmann::json json = report("s.json");
+  EXPECT_EQ(json["complete"], true);
+  EXPECT_EQ(json["samples"]["total"], 24 * 20 * 8);
+  EXPECT_EQ(json["samples"]["nan"], 0);
+  EXPECT_EQ(MetadataValue(json["film_hash"].get<std::string>()), exr.attribute("penumbra:film_hash"));
+  EXPECT_GT(json["samples_per_second"], 0);
+  EXPECT_GT(json["memory"]["largest_worker_peak_bytes"], 0);
+  EXPECT_THAT(json["problems"], IsEmpty());
+}
+
+TEST_F(RenderCommand, FilesDoNotDependOnWorkersThreadsOrTiles) {
+  render({"-o", "a.exr", "--pass", "4", "--workers", "1", "--threads", "2"});
+  const std::string exr = file_contents(folder_ / "a.exr"), png = file_contents(folder_ / "a.png");
+  for (const char* workers : {"1", "2", "5"}) {
+    for (const char* tile : {"7", "16", "64"}) {
+      render({"-o", "b.exr", "--pass", "4", "--workers", workers, "--threads", "1", "--tile", tile});
+      EXPECT_EQ(file_contents(folder_ / "b.exr"), exr) << workers << " workers, tile " << tile;
+      EXPECT_EQ(file_contents(folder_ / "b.png"), png) << workers << " workers, tile " << tile;
+    }
+  }
+}
+
+TEST_F(RenderCommand, TheRecordedCommandGivesTheSameBytes) {
+  render({"-o", "a.exr", "-D", "albedo=0.25", "--set", "integrator.max_depth=3", "--seed", "7", "--spp", "5",
+          "--crop", "3,2,20,18", "--sampler", "sobol"});
+  const std::string command = std::get<std::string>(*image("a.exr").attribute("penumbra:command"));
+  // All of its words are plain, so that spaces separate them.
+  std::vector<std::string> words;
+  std::istringstream stream(command);
+  for (std::string word; stream >> word;) words.push_back(word);
+  ASSERT_GT(words.size(), 3u);
+  EXPECT_EQ(words[0], "penumbra");
+  std::vector<std::string> arguments(words.begin() + 1, words.end());
+  arguments.insert(arguments.end(), {"-o", "b.exr"});
+  EXPECT_EQ(run_penumbra(folder_.path(), arguments).exit_code, 0);
+  EXPECT_EQ(file_contents(folder_ / "a.exr"), file_contents(folder_ / "b.exr"));
+}
+
+TEST_F(RenderCommand, SeedChangesTheImage) {
+  render({"-o", "a.exr"});
+  render({"-o", "b.exr", "--seed", "1"});
+  EXPECT_NE(image("a.exr").values, image("b.exr").values);
+}
+
+TEST_F(RenderCommand, ACropIsThatPartOfTheWholeImage) {
+  render({"-o", "whole.exr"});
+  render({"-o", "part.exr", "--crop", "5,7,20,19"});
+  const Image whole = image("whole.exr"), part = image("part.exr");
+  EXPECT_EQ(part.data, (PixelWindow{5, 7, 15, 12}));
+  EXPECT_EQ(part.display, (PixelWindow{0, 0, 24, 20}));
+  ASSERT_EQ(part.channels, whole.channels);
+  for (int y = 0; y < 12; ++y) {
+    for (int x = 0; x < 15; ++x) {
+      for (std::size_t c = 0; c < part.channels.size(); ++c) {
+        EXPECT_EQ(part.at(x, y, c), whole.at(x + 5, y + 7, c)) << x << ',' << y << ' ' << part.channels[c];
+      }
+    }
+  }
+}
+
+TEST_F(RenderCommand, PixelPrintsTheImagesOwnBits) {
+  render({"-o", "whole.exr"});
+  const Image whole = image("whole.exr");
+  const ProgramResult result = render({"--pixel", "12,14"});
+  EXPECT_THAT(folder_.names(), ElementsAre("s.xml", "whole.exr", "whole.json", "whole.png"));
+  EXPECT_THAT(result.out, HasSubstr("pixel 12,14  8 samples"));
+  char expected[128];
+  std::snprintf(expected, sizeof expected, "%17a%17a%17a", whole.at(12, 14, *whole.channel("R")),
+                whole.at(12, 14, *whole.channel("G")), whole.at(12, 14, *whole.channel("B")));
+  EXPECT_THAT(result.out, HasSubstr(expected));
+}
+
+TEST_F(RenderCommand, WritesOnlyWhatIsAskedFor) {
+  const ProgramResult result = render({"-o", "p.png", "--no-report", "--quiet"});
+  EXPECT_THAT(folder_.names(), ElementsAre("p.png", "s.xml"));
+  EXPECT_THAT(result.out, IsEmpty());
+  EXPECT_THAT(result.err, IsEmpty());
+}
+
+TEST_F(RenderCommand, FeatureLayersCanBeLeftOut) {
+  render({"--no-features"});
+  EXPECT_THAT(image("s.exr").channels,
+              ElementsAre("R", "G", "B", "samples.count", "variance.B", "variance.G", "variance.R"));
+}
+
+TEST_F(RenderCommand, TimeBudgetEndsWithWholePasses) {
+  render({"--spp", "100000000", "--pass", "4", "--time-budget", "0.3"});
+  const Image exr = image("s.exr");
+  const std::size_t count = *exr.channel("samples.count");
+  EXPECT_GE(exr.at(0, 0, count), 4.0f);
+  for (int y = 0; y < 20; ++y) {
+    for (int x = 0; x < 24; ++x) EXPECT_EQ(exr.at(x, y, count), exr.at(0, 0, count));
+  }
+  EXPECT_EQ(exr.attribute("penumbra:spp"), MetadataValue(std::to_string(int(exr.at(0, 0, count)))));
+  EXPECT_EQ(report("s.json")["complete"], true);
+}
+
+TEST_F(RenderCommand, EmbreeRecordsItsInstructionSet) {
+  render({"--intersector", "embree", "--isa", "sse2"});
+  const Image exr = image("s.exr");
+  EXPECT_EQ(exr.attribute("penumbra:intersector"), MetadataValue("embree"));
+  EXPECT_EQ(exr.attribute("penumbra:isa"), MetadataValue("sse2"));
+}
+
+}  // namespace
+}  // namespace penumbra

@@ -1,0 +1,112 @@
+#include "scheduler/cli/render_options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace penumbra {
+namespace {
+
+using ::testing::ElementsAre;
+
+/// The options that a command line gives, or the parser's message.
+std::string parse(std::vector<std::string> words, RenderOptions& options) {
+  CLI::App app;
+  add_render_options(app, options);
+  std::ranges::reverse(words);  // CLI11 takes them from the back
+  try {
+    app.parse(words);
+  } catch (const CLI::ParseError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string parse(const std::vector<std::string>& words) {
+  RenderOptions options;
+  return parse(words, options);
+}
+
+TEST(RenderOptions, Defaults) {
+  RenderOptions options;
+  ASSERT_EQ(parse({"a.xml"}, options), "");
+  EXPECT_EQ(options.scene.scene, "a.xml");
+  EXPECT_EQ(options.workers, 1);
+  EXPECT_EQ(options.threads, 0);
+  EXPECT_EQ(options.tile, 64);
+  EXPECT_EQ(options.samples_per_pass, 16u);
+  EXPECT_EQ(options.backend, "native");
+  EXPECT_FALSE(options.scene.spp);
+  EXPECT_FALSE(options.scene.seed);
+  EXPECT_FALSE(options.crop);
+}
+
+TEST(RenderOptions, AssignmentsTakeOneWordEach) {
+  RenderOptions options;
+  ASSERT_EQ(parse({"-D", "a=1", "-Db=2", "a.xml", "--set", "film.width=3", "--set", "x=a=b"}, options), "");
+  EXPECT_EQ(options.scene.scene, "a.xml");
+  EXPECT_THAT(options.scene.defines, ElementsAre("a=1", "b=2"));
+  EXPECT_THAT(options.scene.settings, ElementsAre("film.width=3", "x=a=b"));
+}
+
+TEST(RenderOptions, CropAndPixel) {
+  RenderOptions options;
+  ASSERT_EQ(parse({"a.xml", "--crop", "1,2,30,40"}, options), "");
+  ASSERT_TRUE(options.crop);
+  EXPECT_EQ(options.crop->x0, 1);
+  EXPECT_EQ(options.crop->y0, 2);
+  EXPECT_EQ(options.crop->x1, 30);
+  EXPECT_EQ(options.crop->y1, 40);
+  ASSERT_EQ(parse({"a.xml", "--pixel", "7,0"}, options), "");
+  EXPECT_EQ(options.pixel->x, 7);
+  EXPECT_NE(parse({"a.xml", "--pixel", "7,0", "--crop", "0,0,1,1"}), "");
+}
+
+TEST(RenderOptions, RejectsWhatIsNoRectangle) {
+  for (const char* bad : {"", "1,2,3", "1,2,3,4,5", "3,0,3,1", "0,5,1,4", "a,b,c,d", "0,0,1,1 ",
+                          "0,0,1,9999999999", "-1,0,1,1", "0;0;1;1", "0,0,1.5,1"}) {
+    EXPECT_FALSE(parse_crop(bad)) << bad;
+  }
+  for (const char* bad : {"", "1", "1,", "1,2,3", "-1,0", "x,y"}) EXPECT_FALSE(parse_pixel(bad)) << bad;
+}
+
+TEST(RenderOptions, SeedCoversItsWholeRange) {
+  RenderOptions options;
+  ASSERT_EQ(parse({"a.xml", "--seed", "4294967295"}, options), "");
+  EXPECT_EQ(options.scene.seed, 4294967295u);
+  ASSERT_EQ(parse({"a.xml", "--seed", "0"}, options), "");
+  EXPECT_EQ(options.scene.seed, 0u);
+  EXPECT_NE(parse({"a.xml", "--seed", "4294967296"}), "");
+  EXPECT_NE(parse({"a.xml", "--seed", "-1"}), "");
+}
+
+TEST(RenderOptions, RejectsValuesOutOfRange) {
+  const std::vector<std::vector<std::string>> bad = {
+      {},
+      {"a.xml", "b.xml"},
+      {"a.xml", "--spp", "0"},
+      {"a.xml", "--spp", "many"},
+      {"a.xml", "--spp", "1.5"},
+      {"a.xml", "--tile", "0"},
+      {"a.xml", "--pass", "0"},
+      {"a.xml", "--pass", "4097"},
+      {"a.xml", "--workers", "0"},
+      {"a.xml", "--workers", "-2"},
+      {"a.xml", "--threads", "0"},
+      {"a.xml", "--time-budget", "0"},
+      {"a.xml", "--time-budget", "-1"},
+      {"a.xml", "--backend", "cuda"},
+      {"a.xml", "--isa", "neon"},
+      {"a.xml", "--intersector", "optix"},
+      {"a.xml", "--integrator", "bdpt"},
+      {"a.xml", "--sampler", "pmj"},
+      {"a.xml", "-D", "novalue"},
+      {"a.xml", "-D", "=1"},
+      {"a.xml", "--set", "key"},
+      {"a.xml", "--report", "r.json", "--no-report"},
+      {"a.xml", "--resume"},
+  };
+  for (const auto& words : bad) EXPECT_NE(parse(words), "") << (words.empty() ? "nothing" : words.back());
+}
+
+}  // namespace
+}  // namespace penumbra
