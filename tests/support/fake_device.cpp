@@ -1,0 +1,116 @@
+#include "tests/support/fake_device.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <thread>
+
+#include "kernels/features.h"
+#include "tests/support/fake_samples.h"
+
+namespace penumbra {
+namespace {
+
+/// Calls visit(variable, field) for every field.
+template <typename Behaviour, typename Visit>
+void for_each_field(Behaviour& behaviour, Visit visit) {
+  visit("PENUMBRA_FAKE_DELAY_MS", behaviour.delay_ms);
+  visit("PENUMBRA_FAKE_CRASH_AT", behaviour.crash_at);
+  visit("PENUMBRA_FAKE_FAIL_AT", behaviour.fail_at);
+  visit("PENUMBRA_FAKE_HANG_CLAIM", behaviour.hang_claim);
+  visit("PENUMBRA_FAKE_LIE_CLAIM", behaviour.lie_claim);
+  visit("PENUMBRA_FAKE_LIAR_DELAY_MS", behaviour.liar_delay_ms);
+  visit("PENUMBRA_FAKE_DAMAGE_CLAIM", behaviour.damage_claim);
+  visit("PENUMBRA_FAKE_DIE_AT_START", behaviour.die_at_start);
+  visit("PENUMBRA_FAKE_NO_DEVICE", behaviour.no_device);
+  visit("PENUMBRA_FAKE_FAIL_ALWAYS", behaviour.fail_always);
+}
+
+bool claim(const std::string& file) {
+  if (file.empty()) return false;
+  const int descriptor = open(file.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0600);
+  if (descriptor < 0) return false;
+  close(descriptor);
+  return true;
+}
+
+class FakeDevice final : public Device {
+ public:
+  FakeDevice(const DeviceScene& scene, FakeBehaviour behaviour)
+      : behaviour_(std::move(behaviour)),
+        planes_((scene.header.features & FEATURE_LAYERS) != 0 ? kSampleBufferPlanes : kRadiancePlanes),
+        hangs_(claim(behaviour_.hang_claim)),
+        lies_(claim(behaviour_.lie_claim)),
+        damages_(claim(behaviour_.damage_claim)) {}
+
+  [[nodiscard]] std::string description() const override { return "fake"; }
+
+  Expected<SampleBuffer> render(const RenderUnit& unit) override {
+    const std::string place = fmt::format("{},{},{}", unit.x, unit.y, unit.first_sample);
+    std::this_thread::sleep_for(std::chrono::milliseconds(behaviour_.delay_ms));
+    if (place == behaviour_.crash_at) kill(getpid(), SIGKILL);
+    if (place == behaviour_.fail_at || behaviour_.fail_always != 0)
+      return fail("the fake device was told to fail");
+    ++units_;
+    while (hangs_ && units_ == 2) pause();
+    if (lies_ && units_ == 1)
+      std::this_thread::sleep_for(std::chrono::milliseconds(behaviour_.liar_delay_ms));
+    SampleBuffer buffer = fake_samples(unit, planes_);
+    if (lies_) buffer.values[unit.sample_count % buffer.values.size()] += 0.25f;
+    if (damages_) buffer.values.pop_back();
+    return buffer;
+  }
+
+ private:
+  FakeBehaviour behaviour_;
+  int planes_;
+  bool hangs_, lies_, damages_;
+  int units_ = 0;
+};
+
+}  // namespace
+
+DeviceScene fake_scene(int film_width, int film_height, bool features) {
+  DeviceScene scene;
+  scene.header.features = features ? FEATURE_LAYERS : 0;
+  scene.header.intersector = INTERSECTOR_EMBREE;  // needs no search structure in the data
+  scene.header.film_width = film_width;
+  scene.header.film_height = film_height;
+  scene.header.spp = 1;
+  scene.header.environment = -1;
+  scene.header.material_count = 1;
+  scene.words.resize(1024);  // one record of every table, all zero
+  return scene;
+}
+
+void FakeBehaviour::to_environment() const {
+  for_each_field(*this, [](const char* variable, const auto& value) {
+    setenv(variable, fmt::format("{}", value).c_str(), 1);
+  });
+}
+
+FakeBehaviour FakeBehaviour::from_environment() {
+  FakeBehaviour behaviour;
+  for_each_field(behaviour, [](const char* variable, auto& value) {
+    const char* text = std::getenv(variable);
+    if (text == nullptr) return;
+    if constexpr (std::is_same_v<std::decay_t<decltype(value)>, int>) {
+      value = std::atoi(text);
+    } else {
+      value = text;
+    }
+  });
+  return behaviour;
+}
+
+Expected<std::unique_ptr<Device>> make_fake_device(const DeviceScene& scene, const DeviceOptions&,
+                                                   const FakeBehaviour& behaviour) {
+  if (behaviour.no_device != 0) return fail("there is no fake device today");
+  return std::make_unique<FakeDevice>(scene, behaviour);
+}
+
+}  // namespace penumbra

@@ -1,0 +1,20 @@
+// A process that does nothing but render with fake workers, to be killed: fake_scheduler WORKER_EXECUTABLE.
+#include <atomic>
+
+#include "scheduler/render_job.h"
+#include "tests/support/fake_device.h"
+
+int main(int argc, char** argv) {
+  using namespace penumbra;
+  if (argc != 2) return 2;
+  RenderJob job;
+  job.scene = fake_scene(256, 256, false);
+  job.width = job.height = 256;
+  job.tile = 16;
+  job.spp = 1000;
+  job.samples_per_pass = 1;
+  job.workers = 3;
+  job.worker_executable = argv[1];
+  const std::atomic<bool> stop = false;
+  return run_render(job, stop, {}) ? 0 : 1;
+}
