@@ -1,5 +1,7 @@
 #include "scheduler/cli/loaded_scene.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
 
 #include "scenes/scene_reader.h"
@@ -8,20 +10,6 @@
 namespace penumbra {
 namespace {
 
-void override_integrator(const std::string& name, IntegratorSettings& integrator) {
-  integrator.kind = name == "direct" ? IntegratorKind::kDirect : IntegratorKind::kPath;
-  if (name == "path_mats") integrator.direct_sampling = DirectSampling::kBsdfOnly;
-  if (name == "path_ems") integrator.direct_sampling = DirectSampling::kEmitterOnly;
-  if (name == "path" || name == "path_mis") integrator.direct_sampling = DirectSampling::kMis;
-}
-
-SamplerKind sampler_of(const std::string& name) {
-  if (name == "independent") return SamplerKind::kIndependent;
-  if (name == "stratified") return SamplerKind::kStratified;
-  if (name == "halton") return SamplerKind::kHalton;
-  return SamplerKind::kSobol;
-}
-
 IntersectorChoice intersector_of(const std::string& name) {
   if (name == "portable") return IntersectorChoice::kPortable;
   if (name == "embree") return IntersectorChoice::kEmbree;
@@ -29,7 +17,8 @@ IntersectorChoice intersector_of(const std::string& name) {
 }
 
 /// name=value each; the options' parser has checked that.
-std::vector<std::pair<std::string, std::string>> split_assignments(const std::vector<std::string>& assignments) {
+std::vector<std::pair<std::string, std::string>> split_assignments(
+    const std::vector<std::string>& assignments) {
   std::vector<std::pair<std::string, std::string>> pairs;
   for (const std::string& text : assignments) {
     const std::size_t equals = text.find('=');
@@ -47,10 +36,20 @@ Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) 
   read.lenient = options.lenient;
   auto description = read_scene(options.scene, read);
   if (!description) return description;
-  if (options.integrator) override_integrator(*options.integrator, description->integrator);
-  if (options.sampler) description->sampler.kind = sampler_of(*options.sampler);
-  if (options.spp) description->sampler.spp = *options.spp;
-  if (options.seed) description->sampler.seed = *options.seed;
+  const auto number = [](std::optional<std::uint32_t> value) {
+    return value ? std::optional(fmt::to_string(*value)) : std::nullopt;
+  };
+  const std::pair<const char*, std::optional<std::string>> overrides[] = {
+      {"integrator.type", options.integrator},
+      {"sampler.type", options.sampler},
+      {"sampler.sample_count", number(options.spp)},
+      {"sampler.seed", number(options.seed)},
+  };
+  for (const auto& [key, value] : overrides) {
+    if (!value) continue;
+    if (auto applied = apply_setting(*description, key, *value); !applied)
+      return std::unexpected(applied.error());
+  }
   if (auto checked = check_settings(*description); !checked) return std::unexpected(checked.error());
   return description;
 }

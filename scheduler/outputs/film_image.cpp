@@ -1,5 +1,7 @@
 #include "scheduler/outputs/film_image.h"
 
+#include <algorithm>
+
 namespace penumbra {
 
 Image image_of_film(const FilmAccumulator& film, int film_width, int film_height) {
@@ -30,6 +32,20 @@ Image image_of_film(const FilmAccumulator& film, int film_width, int film_height
     }
   }
   return image;
+}
+
+SampleRange sample_range(const FilmAccumulator& film) {
+  if (film.width() == 0 || film.height() == 0) return {};
+  SampleRange range{.least = film.at(film.x(), film.y()).count};
+  for (int y = film.y(); y < film.y() + film.height(); ++y) {
+    for (int x = film.x(); x < film.x() + film.width(); ++x) {
+      const std::uint64_t count = film.at(x, y).count;
+      range.least = std::min(range.least, count);
+      range.most = std::max(range.most, count);
+      range.total += count;
+    }
+  }
+  return range;
 }
 
 double variance_of_mean(std::uint64_t count, double m2) {

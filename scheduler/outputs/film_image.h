@@ -1,6 +1,8 @@
 // The merged film as an image with layers.
 #pragma once
 
+#include <cstdint>
+
 #include "scheduler/film_accumulator.h"
 #include "scheduler/outputs/image.h"
 
@@ -9,6 +11,13 @@ namespace penumbra {
 /// M2 / (n (n - 1)), the unbiased estimate of the variance of a mean of `count` samples; 0 where it has none
 /// (n < 2).
 double variance_of_mean(std::uint64_t count, double m2);
+
+/// How many samples the pixels of a film have.
+struct SampleRange {
+  std::uint64_t least = 0, most = 0;  ///< of a pixel
+  std::uint64_t total = 0;
+};
+SampleRange sample_range(const FilmAccumulator& film);
 
 /// Layers, by OpenEXR's naming convention, the film's rectangle as data window in a film of `film_width` x
 /// `film_height`:

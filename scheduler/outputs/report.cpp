@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
+#include "scheduler/outputs/film_image.h"
 #include "scheduler/outputs/version.h"
 
 namespace penumbra {
@@ -58,18 +58,10 @@ Json settings_json(const RenderReport& report) {
 }
 
 Json samples_json(const FilmAccumulator& film) {
-  std::uint64_t total = 0, least = std::numeric_limits<std::uint64_t>::max(), most = 0;
-  for (int y = film.y(); y < film.y() + film.height(); ++y) {
-    for (int x = film.x(); x < film.x() + film.width(); ++x) {
-      const std::uint64_t count = film.at(x, y).count;
-      total += count;
-      least = std::min(least, count);
-      most = std::max(most, count);
-    }
-  }
-  return {{"total", total},
-          {"least_per_pixel", total == 0 ? 0 : least},
-          {"most_per_pixel", most},
+  const SampleRange range = sample_range(film);
+  return {{"total", range.total},
+          {"least_per_pixel", range.least},
+          {"most_per_pixel", range.most},
           {"nan", film.nan_samples()},
           {"infinite", film.infinite_samples()}};
 }

@@ -58,6 +58,16 @@ TEST(FilmImage, WhatIsNotRenderedIsZeroWithCountZero) {
   EXPECT_EQ(image.at(1, 0, *image.channel("variance.R")), 0) << "one sample has no variance";
 }
 
+TEST(SampleRange, OfAPartlyRenderedFilm) {
+  FilmAccumulator film(0, 0, 2, 1, false);
+  EXPECT_EQ(sample_range(film).most, 0u);
+  film.add(0, 0, buffer_of(1, 1, kRadiancePlanes, 3));
+  film.add(1, 0, buffer_of(1, 1, kRadiancePlanes, 5));
+  EXPECT_EQ(sample_range(film).least, 3u);
+  EXPECT_EQ(sample_range(film).most, 5u);
+  EXPECT_EQ(sample_range(film).total, 8u);
+}
+
 TEST(VarianceOfMean, ByHand) {
   // 1, 2, 3, 6: mean 3, M2 14, sample variance 14/3, of the mean 14/12.
   EXPECT_DOUBLE_EQ(variance_of_mean(4, 14), 14.0 / 12);

@@ -1,0 +1,122 @@
+#include "scheduler/cli/render_preparation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <thread>
+
+namespace penumbra {
+namespace {
+
+/// The film with the rectangle that the options ask for as its crop.
+Expected<Film> cropped_film(const RenderOptions& options, Film film) {
+  std::optional<CropRectangle> crop = options.crop;
+  if (options.pixel) crop = {options.pixel->x, options.pixel->y, options.pixel->x + 1, options.pixel->y + 1};
+  if (!crop) return film;
+  if (crop->x1 > film.width || crop->y1 > film.height) {
+    const char* option = options.pixel ? "--pixel" : "--crop";
+    return fail(
+        fmt::format("{} reaches outside the film, which is {} x {} pixels", option, film.width, film.height));
+  }
+  film.crop_x = crop->x0;
+  film.crop_y = crop->y0;
+  film.crop_width = crop->x1 - crop->x0;
+  film.crop_height = crop->y1 - crop->y0;
+  return film;
+}
+
+Expected<Isa> choose_isa(const std::optional<std::string>& name) {
+  if (!name) return best_isa();
+  const auto isa = isa_from_name(*name);
+  if (isa && *isa > best_isa()) {
+    return fail(
+        fmt::format("--isa {}: this machine's widest instruction set is {}", *name, isa_name(best_isa())));
+  }
+  return isa;
+}
+
+Expected<DeviceOptions> device_options(const RenderOptions& options, const DeviceScene& scene) {
+  DeviceOptions device;
+  device.backend = options.backend == "opencl" ? Backend::kOpenCl : Backend::kNative;
+  if (device.backend == Backend::kOpenCl && scene.header.intersector == INTERSECTOR_EMBREE) {
+    return fail("this scene is rendered with Embree, which OpenCL has not: add --intersector portable");
+  }
+  const int cores = std::max(1, int(std::thread::hardware_concurrency()));
+  device.threads = options.threads > 0 ? options.threads : std::max(1, cores / options.workers);
+  device.opencl_device = options.opencl_device;
+  const auto isa = choose_isa(options.isa);
+  if (!isa) return std::unexpected(isa.error());
+  device.isa = *isa;
+  return device;
+}
+
+/// The one pixel is rendered as simply as can be: one worker, one thread, one path at a time.
+void simplify_for_a_pixel(RenderJob& job) {
+  job.workers = 1;
+  job.device.threads = 1;
+  job.device.block_of_one = job.device.backend == Backend::kNative;
+}
+
+RenderRecord make_record(const RenderOptions& options, const LoadedScene& scene, const Film& film,
+                         const DeviceOptions& device) {
+  RenderRecord record;
+  record.scene = options.scene.scene;
+  record.defines = options.scene.defines;
+  record.settings = options.scene.settings;
+  record.lenient = options.scene.lenient;
+  record.film = film;
+  record.sampler = scene.description.sampler;
+  record.integrator = scene.description.integrator;
+  record.samples_per_pass = options.samples_per_pass;
+  record.feature_layers = !options.scene.no_features;
+  record.embree = scene.device.header.intersector == INTERSECTOR_EMBREE;
+  record.backend = device.backend;
+  if (record.embree) record.isa = isa_name(device.isa);
+  return record;
+}
+
+RenderJob make_job(const RenderOptions& options, const RenderRecord& record, const DeviceOptions& device,
+                   DeviceScene scene) {
+  const Film& film = record.film;
+  RenderJob job;
+  job.scene = std::move(scene);
+  job.x = film.crop_x;
+  job.y = film.crop_y;
+  job.width = film.crop_width;
+  job.height = film.crop_height;
+  job.spp = record.sampler.spp;
+  job.samples_per_pass = options.samples_per_pass;
+  job.tile = options.tile;
+  job.workers = options.workers;
+  job.device = device;
+  job.reproduce_command = repeat_command(record, false);
+  job.time_budget = options.time_budget;
+  if (options.pixel) simplify_for_a_pixel(job);
+  return job;
+}
+
+}  // namespace
+
+Expected<PreparedRender> prepare_render(const RenderOptions& options) {
+  auto files = choose_output_files(options);
+  if (!files) return std::unexpected(files.error());
+  if (auto writable = check_writable(*files); !writable) return std::unexpected(writable.error());
+  auto scene = load_scene(options.scene);
+  if (!scene) return std::unexpected(scene.error());
+  const auto film = cropped_film(options, scene->description.film);
+  if (!film) return std::unexpected(film.error());
+  const auto device = device_options(options, scene->device);
+  if (!device) return std::unexpected(device.error());
+  if (options.time_budget && scene->description.sampler.kind == SamplerKind::kStratified) {
+    return fail(
+        "--time-budget: the stratified sampler has to know the number of samples; take another sampler");
+  }
+  PreparedRender prepared;
+  prepared.files = std::move(*files);
+  prepared.record = make_record(options, *scene, *film, *device);
+  prepared.job = make_job(options, prepared.record, *device, std::move(scene->device));
+  prepared.scene = std::move(*scene);
+  return prepared;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,24 @@
+// Everything that a render needs, checked before any of it is rendered.
+#pragma once
+
+#include "scheduler/cli/loaded_scene.h"
+#include "scheduler/cli/output_files.h"
+#include "scheduler/cli/render_options.h"
+#include "scheduler/outputs/render_record.h"
+#include "scheduler/render_job.h"
+
+namespace penumbra {
+
+struct PreparedRender {
+  OutputFiles files;
+  LoadedScene scene;  ///< its device form is in the job
+  RenderRecord record;
+  RenderJob job;  ///< all but the worker's executable
+};
+
+/// Chooses the files, reads the scene, applies the options. Errors, all of them of the input: an output that
+/// cannot be written, a bad scene, a crop outside the film, options that exclude each other or that this
+/// machine has not.
+Expected<PreparedRender> prepare_render(const RenderOptions& options);
+
+}  // namespace penumbra
