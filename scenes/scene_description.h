@@ -1,6 +1,7 @@
-// What to render, as plain values: the one form that every scene reader produces and that the device scene is built
-// from. No device types, no file formats. Colours are linear Rec. 709 RGB; lengths are in the scene's own unit; angles
-// in degrees; transforms are column vectors' (p' = M p), in double so that far-away scenes keep their precision.
+// What to render, as plain values: the one form that every scene reader produces and that the device scene is
+// built from. No device types, no file formats. Colours are linear Rec. 709 RGB; lengths are in the scene's
+// own unit; angles in degrees; transforms are column vectors' (p' = M p), in double so that far-away scenes
+// keep their precision.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +18,8 @@ struct DiffuseBsdf {
   glm::vec3 reflectance{0.5f};
 };
 
-/// Normalised Phong, f = diffuse / pi + specular (n + 2) / (2 pi) max(0, cos(alpha))^n, alpha being the angle between
-/// `wi` and the mirror direction of `wo`.
+/// Normalised Phong, f = diffuse / pi + specular (n + 2) / (2 pi) max(0, cos(alpha))^n, alpha being the angle
+/// between `wi` and the mirror direction of `wo`.
 struct PhongBsdf {
   glm::vec3 diffuse{0.5f};
   glm::vec3 specular{0.2f};
@@ -33,8 +34,8 @@ struct Bsdf {
 /// World-space triangles. The geometric normal of (a, b, c) is along (b - a) x (c - a).
 struct Mesh {
   std::vector<glm::dvec3> positions;
-  std::vector<glm::vec3> normals;      ///< one for each position, unit, or empty: faceted
-  std::vector<glm::vec2> texcoords;    ///< one for each position, or empty
+  std::vector<glm::vec3> normals;    ///< one for each position, unit, or empty: faceted
+  std::vector<glm::vec2> texcoords;  ///< one for each position, or empty
   std::vector<glm::uvec3> triangles;
 };
 
@@ -77,9 +78,10 @@ enum class FovAxis { kX, kY, kDiagonal, kSmaller, kLarger };
 /// Camera space looks along +z with +y up and +x to the left of the image (Mitsuba's convention).
 struct PerspectiveCamera {
   glm::dmat4 to_world{1.0};  ///< camera to world; a scale has no effect on directions
-  double fov = 50.0;         ///< full angle, degrees, in (0, 180), along `fov_axis`, of the whole film (not of the crop)
+  double fov =
+      50.0;  ///< full angle, degrees, in (0, 180), along `fov_axis`, of the whole film (not of the crop)
   FovAxis fov_axis = FovAxis::kX;
-  double near_clip = 1e-2;   ///< distances along +z; nothing outside is seen by the camera
+  double near_clip = 1e-2;  ///< distances along +z; nothing outside is seen by the camera
   double far_clip = 1e4;
 };
 
@@ -91,10 +93,10 @@ struct Film {
   int crop_x = 0, crop_y = 0;
   int crop_width = 768, crop_height = 576;
   FilterKind filter = FilterKind::kGaussian;
-  float filter_radius = 2.0f;         ///< half-width in pixels; box .5, tent 1, gaussian 4 stddev, Mitchell 2
-  float filter_stddev = 0.5f;         ///< Gaussian
-  float filter_b = 1.0f / 3.0f;       ///< Mitchell-Netravali B
-  float filter_c = 1.0f / 3.0f;       ///< Mitchell-Netravali C
+  float filter_radius = 2.0f;    ///< half-width in pixels; box .5, tent 1, gaussian 4 stddev, Mitchell 2
+  float filter_stddev = 0.5f;    ///< Gaussian
+  float filter_b = 1.0f / 3.0f;  ///< Mitchell-Netravali B
+  float filter_c = 1.0f / 3.0f;  ///< Mitchell-Netravali C
 };
 
 enum class SamplerKind { kIndependent, kStratified, kHalton, kSobol };
@@ -106,21 +108,22 @@ struct SamplerSettings {
 };
 
 enum class IntegratorKind { kDirect, kPath };
-enum class DirectSampling { kBsdfOnly, kEmitterOnly, kMis };     ///< path: "mats", "ems", "mis"
-enum class MisHeuristic { kBalance, kPower };                     ///< power: beta = 2
-enum class BsdfSampling { kBsdf, kCosine, kUniform };             ///< how direct's `bsdf_samples` choose directions
-enum class EmitterSampling { kAuto, kArea, kSolidAngle };         ///< how a point on an area light is chosen
+enum class DirectSampling { kBsdfOnly, kEmitterOnly, kMis };  ///< path: "mats", "ems", "mis"
+enum class MisHeuristic { kBalance, kPower };                 ///< power: beta = 2
+enum class BsdfSampling { kBsdf, kCosine, kUniform };      ///< how direct's `bsdf_samples` choose directions
+enum class EmitterSampling { kAuto, kArea, kSolidAngle };  ///< how a point on an area light is chosen
 
 struct IntegratorSettings {
   IntegratorKind kind = IntegratorKind::kPath;
-  int max_depth = -1;  ///< path: longest path in edges (1: emitters seen directly; 2: direct light); -1: no limit
-  int rr_depth = 5;    ///< path: Russian roulette from this depth on
+  int max_depth =
+      -1;  ///< path: longest path in edges (1: emitters seen directly; 2: direct light); -1: no limit
+  int rr_depth = 5;                                       ///< path: Russian roulette from this depth on
   DirectSampling direct_sampling = DirectSampling::kMis;  ///< path
-  int emitter_samples = 1;  ///< direct: n_g, shadow rays per camera ray
-  int bsdf_samples = 1;     ///< direct: n_f, BSDF-sampled rays per camera ray
-  BsdfSampling bsdf_sampling = BsdfSampling::kBsdf;            ///< direct
-  EmitterSampling emitter_sampling = EmitterSampling::kAuto;   ///< both
-  MisHeuristic heuristic = MisHeuristic::kBalance;             ///< both
+  int emitter_samples = 1;                                ///< direct: n_g, shadow rays per camera ray
+  int bsdf_samples = 1;                                   ///< direct: n_f, BSDF-sampled rays per camera ray
+  BsdfSampling bsdf_sampling = BsdfSampling::kBsdf;       ///< direct
+  EmitterSampling emitter_sampling = EmitterSampling::kAuto;  ///< both
+  MisHeuristic heuristic = MisHeuristic::kBalance;            ///< both
   bool hide_emitters = false;
 };
 
@@ -134,7 +137,8 @@ struct SceneDescription {
   Film film;
   SamplerSettings sampler;
   IntegratorSettings integrator;
-  std::vector<std::string> warnings;  ///< what the reader repaired or stood in for, each with its file position
+  std::vector<std::string>
+      warnings;  ///< what the reader repaired or stood in for, each with its file position
 };
 
 }  // namespace penumbra

@@ -1,0 +1,146 @@
+#include "scenes/diagnostic.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+namespace penumbra {
+namespace {
+
+constexpr std::size_t kMaxReportedErrors = 20;
+constexpr std::size_t kMaxShownColumns = 120;
+
+bool starts_code_point(char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }
+
+char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
+
+std::string_view line_at(const SourceFile& file, std::size_t offset, std::size_t& line_start) {
+  const std::string_view text = file.text;
+  line_start = offset == 0 ? 0 : text.rfind('\n', offset - 1) + 1;  // npos + 1 is 0
+  const std::size_t end = text.find('\n', line_start);
+  std::string_view line = text.substr(line_start, end == text.npos ? text.npos : end - line_start);
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  return line;
+}
+
+/// Printable on a terminal: tabs stay, other control characters become '?'.
+std::string printable(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) {
+    const auto byte = static_cast<unsigned char>(c);
+    if ((byte < 0x20 && c != '\t') || byte == 0x7F) c = '?';
+  }
+  return result;
+}
+
+/// Optimal string alignment distance, case ignored.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before(b.size() + 1), previous(b.size() + 1), current(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) previous[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    current[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const char x = lower(a[i - 1]), y = lower(b[j - 1]);
+      current[j] = std::min({previous[j] + 1, current[j - 1] + 1, previous[j - 1] + (x == y ? 0 : 1)});
+      if (i > 1 && j > 1 && x == lower(b[j - 2]) && lower(a[i - 2]) == y) {
+        current[j] = std::min(current[j], before[j - 2] + 1);
+      }
+    }
+    std::swap(before, previous);
+    std::swap(previous, current);
+  }
+  return previous[b.size()];
+}
+
+}  // namespace
+
+LineColumn line_and_column(SourceLocation location) {
+  const std::string_view text = location.file->text;
+  const std::size_t offset = std::min(location.offset, text.size());
+  LineColumn result;
+  result.line =
+      1 + static_cast<std::size_t>(std::count(text.begin(), text.begin() + std::ptrdiff_t(offset), '\n'));
+  std::size_t start = 0;
+  line_at(*location.file, offset, start);
+  const std::string_view before = text.substr(start, offset - start);
+  result.column =
+      1 + static_cast<std::size_t>(std::count_if(before.begin(), before.end(), starts_code_point));
+  return result;
+}
+
+std::string describe(SourceLocation location) {
+  const LineColumn at = line_and_column(location);
+  return fmt::format("{}:{}:{}", location.file->path.string(), at.line, at.column);
+}
+
+std::string format_diagnostic(SourceLocation location, std::string_view severity, std::string_view message) {
+  if (location.file == nullptr) return fmt::format("{}: {}", severity, message);
+  const std::size_t offset = std::min(location.offset, location.file->text.size());
+  std::size_t start = 0;
+  std::string_view line = line_at(*location.file, offset, start);
+  std::size_t caret = std::min(offset - start, line.size());
+  if (line.size() > kMaxShownColumns) {
+    std::size_t cut = caret < kMaxShownColumns / 2 ? 0 : caret - kMaxShownColumns / 2;
+    while (cut < caret && !starts_code_point(line[cut])) ++cut;
+    line = line.substr(cut, kMaxShownColumns);
+    caret -= cut;
+  }
+  std::string indent;
+  for (const char c : line.substr(0, caret)) {
+    if (starts_code_point(c)) indent += c == '\t' ? '\t' : ' ';
+  }
+  return fmt::format("{}: {}: {}\n  {}\n  {}^", describe(location), severity, message, printable(line),
+                     indent);
+}
+
+std::optional<std::string> nearest_name(std::string_view name, std::span<const std::string> candidates) {
+  constexpr std::size_t kLongestName = 64;  // longer ones are no misspelling of ours
+  if (name.empty() || name.size() > kLongestName) return std::nullopt;
+  std::optional<std::string> best;
+  std::size_t best_distance = std::max<std::size_t>(1, name.size() / 3) + 1;
+  for (const std::string& candidate : candidates) {
+    const std::size_t distance = edit_distance(name, candidate);
+    if (distance < best_distance) {
+      best_distance = distance;
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+std::string suggestion(std::string_view name, std::span<const std::string> candidates) {
+  const auto nearest = nearest_name(name, candidates);
+  return nearest ? fmt::format("; did you mean '{}'?", *nearest) : "";
+}
+
+std::string list_names(std::span<const std::string> names) {
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
+}
+
+void Diagnostics::error(SourceLocation location, std::string_view message) {
+  error_text(format_diagnostic(location, "error", message));
+}
+
+void Diagnostics::error_text(std::string text) {
+  if (std::find(errors_.begin(), errors_.end(), text) != errors_.end()) return;
+  ++error_count_;
+  if (errors_.size() < kMaxReportedErrors) errors_.push_back(std::move(text));
+}
+
+void Diagnostics::warn(SourceLocation location, std::string_view message) {
+  const std::string where = location.file ? describe(location) + ": " : "";
+  std::string text = fmt::format("{}warning: {}", where, message);
+  // An object that several others refer to is read for each of them.
+  if (std::find(warnings_.begin(), warnings_.end(), text) == warnings_.end())
+    warnings_.push_back(std::move(text));
+}
+
+Error Diagnostics::error() const {
+  std::string text = fmt::format("{}", fmt::join(errors_, "\n"));
+  if (error_count_ > errors_.size())
+    text += fmt::format("\n… and {} more errors", error_count_ - errors_.size());
+  return Error{std::move(text)};
+}
+
+}  // namespace penumbra

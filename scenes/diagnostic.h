@@ -1,0 +1,75 @@
+// How a scene reader tells people what is wrong: `file:line:column: error: …`, the source line, a caret, and
+// the nearest known name. Every reader reports through here, whatever its format.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <initializer_list>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kernels/host/error.h"
+
+namespace penumbra {
+
+/// A text file in memory, kept as long as anything may be reported about it.
+struct SourceFile {
+  std::filesystem::path path;  ///< as the user would write it
+  std::string text;
+};
+
+/// A place in a source file; without a file, nowhere in particular.
+struct SourceLocation {
+  const SourceFile* file = nullptr;
+  std::size_t offset = 0;  ///< in bytes
+};
+
+struct LineColumn {
+  std::size_t line = 1;    ///< from 1
+  std::size_t column = 1;  ///< from 1, in code points
+};
+
+/// Where `location` is in its file; past its end, the end.
+LineColumn line_and_column(SourceLocation location);
+
+/// "file:line:column".
+std::string describe(SourceLocation location);
+
+/// "file:line:column: severity: message", the source line and a caret under the place. Control characters of
+/// the source are shown as '?', long lines are cut to the part around the caret.
+std::string format_diagnostic(SourceLocation location, std::string_view severity, std::string_view message);
+
+/// The candidate with the fewest edits (insertions, deletions, replacements, swaps of neighbours; case
+/// ignored) to `name`, if it is near enough to be a likely misspelling.
+std::optional<std::string> nearest_name(std::string_view name, std::span<const std::string> candidates);
+
+/// "; did you mean 'x'?" or nothing.
+std::string suggestion(std::string_view name, std::span<const std::string> candidates);
+
+/// "a, b, c", or "none".
+std::string list_names(std::span<const std::string> names);
+
+/// Collects what a reader finds. An error does not stop the reading, so that several are shown at once; a
+/// reader that has had any returns `error()` and no scene.
+class Diagnostics {
+ public:
+  void error(SourceLocation location, std::string_view message);
+  /// An error that has its place in its text already.
+  void error_text(std::string text);
+  void warn(SourceLocation location, std::string_view message);
+
+  [[nodiscard]] bool failed() const { return error_count_ > 0; }
+  /// The errors, each once and the first few of many. Only after `failed()`.
+  [[nodiscard]] Error error() const;
+  [[nodiscard]] std::vector<std::string> take_warnings() { return std::move(warnings_); }
+
+ private:
+  std::vector<std::string> errors_;
+  std::vector<std::string> warnings_;
+  std::size_t error_count_ = 0;
+};
+
+}  // namespace penumbra

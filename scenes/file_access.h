@@ -1,0 +1,41 @@
+// Finding and reading the files that a scene names, optionally confined to one folder.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "kernels/host/error.h"
+#include "scenes/diagnostic.h"
+
+namespace penumbra {
+
+constexpr std::uint64_t kMaxSceneFileBytes = std::uint64_t{64} << 20;
+constexpr std::uint64_t kMaxMeshFileBytes = std::uint64_t{4} << 30;
+
+class FileAccess {
+ public:
+  /// With `confine_to`, nothing outside that folder is looked at: neither through "..", nor an absolute path,
+  /// nor a symbolic link.
+  explicit FileAccess(std::optional<std::filesystem::path> confine_to);
+
+  /// `name` itself if absolute, else the first of `folders` that has it. Errors: nowhere found (says where it
+  /// looked), outside the confinement.
+  [[nodiscard]] Expected<std::filesystem::path> find(std::string_view name,
+                                                     std::span<const std::filesystem::path> folders) const;
+
+  /// The whole file. Errors: not there, not a plain file, larger than `max_bytes`, unreadable.
+  [[nodiscard]] Expected<std::unique_ptr<SourceFile>> read(const std::filesystem::path& file,
+                                                           std::uint64_t max_bytes) const;
+
+  /// Whether the path, all symbolic links followed, lies inside the confinement.
+  [[nodiscard]] bool allows(const std::filesystem::path& file) const;
+
+ private:
+  std::optional<std::filesystem::path> root_;
+};
+
+}  // namespace penumbra

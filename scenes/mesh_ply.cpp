@@ -1,0 +1,356 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+
+#include "scenes/mesh_reader.h"
+#include "scenes/number.h"
+
+namespace penumbra {
+namespace {
+
+enum class Format { kAscii, kLittleEndian, kBigEndian };
+enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
+
+struct Property {
+  std::string name;
+  Type type = Type::kFloat;
+  std::optional<Type> count_type;  ///< of a list
+};
+
+struct Element {
+  std::string name;
+  std::uint64_t count = 0;
+  std::vector<Property> properties;
+  SourceLocation location;
+};
+
+std::size_t size_of(Type type) {
+  constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+  return kSizes[std::size_t(type)];
+}
+
+std::optional<Type> type_named(std::string_view name) {
+  struct Name {
+    std::string_view text;
+    Type type;
+  };
+  static constexpr Name kNames[] = {
+      {"char", Type::kInt8},     {"int8", Type::kInt8},     {"uchar", Type::kUint8},
+      {"uint8", Type::kUint8},   {"short", Type::kInt16},   {"int16", Type::kInt16},
+      {"ushort", Type::kUint16}, {"uint16", Type::kUint16}, {"int", Type::kInt32},
+      {"int32", Type::kInt32},   {"uint", Type::kUint32},   {"uint32", Type::kUint32},
+      {"float", Type::kFloat},   {"float32", Type::kFloat}, {"double", Type::kDouble},
+      {"float64", Type::kDouble}};
+  for (const Name& each : kNames) {
+    if (each.text == name) return each.type;
+  }
+  return std::nullopt;
+}
+
+/// Which of a vertex's numbers a property is; -1: none of interest.
+enum Field : int { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kU, kV, kFields };
+int field_named(std::string_view name) {
+  static constexpr std::pair<std::string_view, int> kNames[] = {
+      {"x", kX}, {"y", kY}, {"z", kZ},         {"nx", kNormalX}, {"ny", kNormalY}, {"nz", kNormalZ},
+      {"u", kU}, {"s", kU}, {"texture_u", kU}, {"v", kV},        {"t", kV},        {"texture_v", kV}};
+  for (const auto& [text, field] : kNames) {
+    if (text == name) return field;
+  }
+  return -1;
+}
+
+class PlyReader {
+ public:
+  explicit PlyReader(const SourceFile& file) : file_(file), text_(file.text) {}
+
+  Expected<Mesh> read() {
+    if (auto done = header(); !done) return std::unexpected(done.error());
+    for (const Element& element : elements_) {
+      if (auto done = body(element); !done) return std::unexpected(done.error());
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  std::unexpected<Error> wrong_at(std::size_t offset, std::string_view message) const {
+    return fail(format_diagnostic({&file_, offset}, "error", message));
+  }
+  /// In a binary body a place is an element's number, not a line.
+  std::unexpected<Error> wrong(const Element& element, std::uint64_t number, std::string_view message) const {
+    const std::string text = fmt::format("{} {}: {}", element.name, number, message);
+    if (format_ == Format::kAscii) return wrong_at(token_start_, text);
+    return fail(fmt::format("{}: error: {}", file_.path.string(), text));
+  }
+
+  std::string_view header_line() {
+    line_start_ = at_;
+    const std::size_t end = std::min(text_.find('\n', at_), text_.size());
+    std::string_view line = text_.substr(at_, end - at_);
+    at_ = std::min(end + 1, text_.size());
+    return trim(line);
+  }
+
+  Expected<void> header() {
+    if (header_line() != "ply") return wrong_at(0, "a PLY file starts with the line 'ply'");
+    bool has_format = false;
+    for (;;) {
+      if (at_ >= text_.size())
+        return wrong_at(at_, "the file ends inside its header: there is no 'end_header'");
+      const std::string_view line = header_line();
+      if (line == "end_header") break;
+      std::vector<std::string_view> words;
+      for (std::size_t i = 0; i < line.size();) {
+        const std::size_t end = std::min(line.find_first_of(" \t", i), line.size());
+        if (end > i) words.push_back(line.substr(i, end - i));
+        i = end + 1;
+      }
+      if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
+      Expected<void> done;
+      if (words[0] == "format") {
+        done = format(words);
+        has_format = true;
+      } else if (words[0] == "element") {
+        done = element(words);
+      } else if (words[0] == "property") {
+        done = property(words);
+      } else {
+        const std::vector<std::string> known = {"format",  "element",  "property",
+                                                "comment", "obj_info", "end_header"};
+        done = wrong_at(line_start_, fmt::format("'{}' is not a line of a PLY header{}",
+                                                 words[0].substr(0, 40), suggestion(words[0], known)));
+      }
+      if (!done) return done;
+    }
+    if (!has_format) return wrong_at(0, "the header has no 'format' line");
+    return check_elements();
+  }
+
+  Expected<void> format(const std::vector<std::string_view>& words) {
+    static constexpr std::pair<std::string_view, Format> kFormats[] = {
+        {"ascii", Format::kAscii},
+        {"binary_little_endian", Format::kLittleEndian},
+        {"binary_big_endian", Format::kBigEndian}};
+    for (const auto& [name, value] : kFormats) {
+      if (words.size() == 3 && words[1] == name && words[2] == "1.0") {
+        format_ = value;
+        return {};
+      }
+    }
+    return wrong_at(line_start_,
+                    "a format is 'ascii', 'binary_little_endian' or 'binary_big_endian', and 1.0");
+  }
+
+  Expected<void> element(const std::vector<std::string_view>& words) {
+    if (words.size() != 3) return wrong_at(line_start_, "an element has a name and a count");
+    const auto count = parse_integer(words[2], 0, std::numeric_limits<std::uint32_t>::max());
+    if (!count) return wrong_at(line_start_, count.error().message);
+    elements_.push_back({std::string(words[1]), std::uint64_t(*count), {}, {&file_, line_start_}});
+    return {};
+  }
+
+  Expected<void> property(const std::vector<std::string_view>& words) {
+    if (elements_.empty()) return wrong_at(line_start_, "a property must follow an element");
+    const bool list = words.size() == 5 && words[1] == "list";
+    if (!list && words.size() != 3) {
+      return wrong_at(line_start_,
+                      "a property is 'property TYPE NAME' or 'property list COUNT_TYPE TYPE NAME'");
+    }
+    Property result{std::string(words.back()), Type::kFloat, std::nullopt};
+    const auto type = type_named(words[words.size() - 2]);
+    if (list) result.count_type = type_named(words[2]);
+    const bool count_ok = !list || (result.count_type && *result.count_type != Type::kFloat &&
+                                    *result.count_type != Type::kDouble);
+    if (!type || !count_ok) {
+      return wrong_at(line_start_,
+                      "a property's type is one of char, uchar, short, ushort, int, uint, float, double "
+                      "(a list's count: an integer)");
+    }
+    result.type = *type;
+    elements_.back().properties.push_back(std::move(result));
+    return {};
+  }
+
+  [[nodiscard]] const Element* element_named(std::string_view name) const {
+    const auto found =
+        std::find_if(elements_.begin(), elements_.end(), [&](const Element& e) { return e.name == name; });
+    return found == elements_.end() ? nullptr : &*found;
+  }
+
+  /// Besides names, that the rest of the file can hold what the header promises: nothing is reserved on its
+  /// word.
+  Expected<void> check_elements() const {
+    const Element* vertex = element_named("vertex");
+    const Element* face = element_named("face");
+    if (vertex == nullptr || face == nullptr)
+      return wrong_at(0, "the header must have the elements vertex and face");
+    std::array<bool, kFields> has{};
+    for (const Property& each : vertex->properties) {
+      const int field = field_named(each.name);
+      if (field >= 0 && !each.count_type) has[std::size_t(field)] = true;
+    }
+    if (!has[kX] || !has[kY] || !has[kZ])
+      return wrong_at(vertex->location.offset, "a vertex must have x, y and z");
+    if (std::none_of(face->properties.begin(), face->properties.end(), is_indices)) {
+      return wrong_at(face->location.offset, "a face must have the list vertex_indices (or vertex_index)");
+    }
+    std::uint64_t least = 0;
+    for (const Element& each : elements_) {
+      std::uint64_t bytes = 0;
+      for (const Property& p : each.properties) {
+        bytes += format_ == Format::kAscii ? 2 : size_of(p.count_type.value_or(p.type));
+      }
+      least += each.count * bytes;
+    }
+    const std::uint64_t rest = text_.size() - at_ + 1;  // the last line of a text may lack its end
+    if (least > rest) {
+      return wrong_at(
+          at_, fmt::format("the file ends early: its header promises at least {} bytes more, {} are left",
+                           least, text_.size() - at_));
+    }
+    return {};
+  }
+
+  static bool is_indices(const Property& p) {
+    return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
+  }
+
+  /// The next value; nothing at the end of the file or where an ascii token is no number.
+  Expected<double> value(Type type, const Element& element, std::uint64_t number) {
+    if (format_ == Format::kAscii) {
+      while (at_ < text_.size() && std::strchr(" \t\r\n", text_[at_]) != nullptr && text_[at_] != '\0') ++at_;
+      token_start_ = at_;
+      while (at_ < text_.size() && (std::strchr(" \t\r\n", text_[at_]) == nullptr || text_[at_] == '\0'))
+        ++at_;
+      if (token_start_ == at_) return wrong(element, number, "the file ends early");
+      const auto result = parse_number(text_.substr(token_start_, at_ - token_start_));
+      if (!result) return wrong(element, number, result.error().message);
+      return *result;
+    }
+    const std::size_t size = size_of(type);
+    if (text_.size() - at_ < size) return wrong(element, number, "the file ends early");
+    std::array<char, 8> bytes{};
+    std::memcpy(bytes.data(), text_.data() + at_, size);
+    at_ += size;
+    const bool host_is_little = std::endian::native == std::endian::little;
+    if ((format_ == Format::kLittleEndian) != host_is_little)
+      std::reverse(bytes.begin(), bytes.begin() + size);
+    return decode(type, bytes);
+  }
+
+  template <typename T>
+  static double load(const std::array<char, 8>& bytes) {
+    T result;
+    std::memcpy(&result, bytes.data(), sizeof(T));
+    return static_cast<double>(result);
+  }
+
+  static double decode(Type type, const std::array<char, 8>& bytes) {
+    switch (type) {
+      case Type::kInt8:
+        return load<std::int8_t>(bytes);
+      case Type::kUint8:
+        return load<std::uint8_t>(bytes);
+      case Type::kInt16:
+        return load<std::int16_t>(bytes);
+      case Type::kUint16:
+        return load<std::uint16_t>(bytes);
+      case Type::kInt32:
+        return load<std::int32_t>(bytes);
+      case Type::kUint32:
+        return load<std::uint32_t>(bytes);
+      case Type::kFloat:
+        return load<float>(bytes);
+      case Type::kDouble:
+        return load<double>(bytes);
+    }
+    return 0.0;
+  }
+
+  Expected<void> body(const Element& element) {
+    for (std::uint64_t number = 0; number < element.count; ++number) {
+      std::array<double, kFields> fields{};
+      std::array<bool, kFields> has{};
+      polygon_.clear();
+      for (const Property& property : element.properties) {
+        const int field = element.name == "vertex" && !property.count_type ? field_named(property.name) : -1;
+        const bool indices = element.name == "face" && is_indices(property);
+        std::uint64_t count = 1;
+        if (property.count_type) {
+          const auto length = value(*property.count_type, element, number);
+          if (!length) return std::unexpected(length.error());
+          if (*length < 0.0 || *length != std::floor(*length) || *length > double(text_.size())) {
+            return wrong(element, number, fmt::format("{} cannot be the length of a list", *length));
+          }
+          count = std::uint64_t(*length);
+        }
+        for (std::uint64_t i = 0; i < count; ++i) {
+          const auto item = value(property.type, element, number);
+          if (!item) return std::unexpected(item.error());
+          if (field >= 0) {
+            if (!std::isfinite(*item)) {
+              return wrong(element, number,
+                           fmt::format("{} is {}, not a finite number", property.name, *item));
+            }
+            fields[std::size_t(field)] = *item;
+            has[std::size_t(field)] = true;
+          }
+          if (indices) polygon_.push_back(*item);
+        }
+      }
+      if (element.name == "vertex") add_vertex(fields, has);
+      if (element.name == "face") {
+        if (auto done = add_face(element, number); !done) return done;
+      }
+    }
+    return {};
+  }
+
+  void add_vertex(const std::array<double, kFields>& f, const std::array<bool, kFields>& has) {
+    mesh_.positions.push_back({f[kX], f[kY], f[kZ]});
+    if (has[kNormalX] && has[kNormalY] && has[kNormalZ]) {
+      mesh_.normals.push_back({float(f[kNormalX]), float(f[kNormalY]), float(f[kNormalZ])});
+    }
+    if (has[kU] && has[kV]) mesh_.texcoords.push_back({float(f[kU]), float(f[kV])});
+  }
+
+  Expected<void> add_face(const Element& element, std::uint64_t number) {
+    if (polygon_.size() < 3) {
+      return wrong(element, number, fmt::format("a face needs at least 3 corners, not {}", polygon_.size()));
+    }
+    const std::uint64_t vertices = element_named("vertex")->count;
+    for (const double index : polygon_) {
+      if (!(index >= 0.0) || index >= double(vertices) || index != std::floor(index)) {
+        return wrong(element, number,
+                     fmt::format("vertex index {} is out of range: there are {} vertices, counted from 0",
+                                 index, vertices));
+      }
+    }
+    const auto corner = [this](std::size_t i) { return std::uint32_t(polygon_[i]); };
+    for (std::size_t i = 1; i + 1 < polygon_.size(); ++i) {
+      mesh_.triangles.push_back({corner(0), corner(i), corner(i + 1)});
+    }
+    return {};
+  }
+
+  const SourceFile& file_;
+  std::string_view text_;
+  std::size_t at_ = 0;
+  std::size_t line_start_ = 0;
+  std::size_t token_start_ = 0;
+  Format format_ = Format::kAscii;
+  std::vector<Element> elements_;
+  std::vector<double> polygon_;
+  Mesh mesh_;
+};
+
+}  // namespace
+
+Expected<Mesh> read_ply(const SourceFile& file) { return PlyReader(file).read(); }
+
+}  // namespace penumbra

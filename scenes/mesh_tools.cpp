@@ -1,0 +1,159 @@
+#include "scenes/mesh_tools.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/transform.h"
+
+namespace penumbra {
+namespace {
+
+/// |(b - a) x (c - a)| over the square of the longest edge, at or below which a triangle has no area: far
+/// below the sliver of aspect 1e7, above the rounding of collinear points.
+constexpr double kFlatTriangle = 1e-14;
+/// The cosine's distance from 1 within which a vertex normal is the face's.
+constexpr double kSameNormal = 1e-9;
+
+glm::dvec3 face_vector(const Mesh& mesh, const glm::uvec3& t) {
+  const glm::dvec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
+  return glm::cross(b - a, c - a);
+}
+
+bool is_flat(const Mesh& mesh, const glm::uvec3& t) {
+  const glm::dvec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
+  const double longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
+  if (!(longest > 0.0)) return true;
+  // Divided before they are multiplied: tiny and huge scenes must not underflow or overflow.
+  return !(glm::length(glm::cross((b - a) / longest, (c - a) / longest)) > kFlatTriangle);
+}
+
+double angle(glm::dvec3 u, glm::dvec3 v) { return std::atan2(glm::length(glm::cross(u, v)), glm::dot(u, v)); }
+
+/// Angle-weighted sums of the unit normals of the faces about each vertex, not normalised.
+std::vector<glm::dvec3> summed_face_normals(const Mesh& mesh) {
+  std::vector<glm::dvec3> sums(mesh.positions.size(), glm::dvec3(0.0));
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3 p[3] = {mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]};
+    const glm::dvec3 edges[3] = {glm::normalize(p[1] - p[0]), glm::normalize(p[2] - p[1]),
+                                 glm::normalize(p[0] - p[2])};
+    const glm::dvec3 n = glm::normalize(glm::cross(edges[0], edges[1]));
+    for (int i = 0; i < 3; ++i) sums[t[i]] += angle(edges[i], -edges[(i + 2) % 3]) * n;
+  }
+  return sums;
+}
+
+void add_smooth_normals(Mesh& mesh) {
+  const std::vector<glm::dvec3> sums = summed_face_normals(mesh);
+  bool faceted = true;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3 n = glm::normalize(face_vector(mesh, t));
+    for (int i = 0; i < 3; ++i) {
+      faceted = faceted && glm::dot(sums[t[i]], n) >= (1.0 - kSameNormal) * glm::length(sums[t[i]]);
+    }
+  }
+  if (faceted) return;
+  mesh.normals.resize(sums.size());
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    // Where opposite faces meet there is no normal; any does, and vertices of no face are never seen.
+    const double length = glm::length(sums[i]);
+    mesh.normals[i] = length > 1e-12 ? glm::vec3(sums[i] / length) : glm::vec3(0.0f, 0.0f, 1.0f);
+  }
+}
+
+std::size_t transform_normals(Mesh& mesh, const glm::dmat3& matrix) {
+  std::vector<glm::dvec3> sums;
+  std::size_t bad = 0;
+  for (std::size_t i = 0; i < mesh.normals.size(); ++i) {
+    glm::dvec3 n = matrix * glm::dvec3(mesh.normals[i]);
+    if (!(glm::length(n) > 0.0) || !std::isfinite(glm::length(n))) {
+      if (sums.empty()) sums = summed_face_normals(mesh);
+      n = glm::length(sums[i]) > 1e-12 ? sums[i] : glm::dvec3(0.0, 0.0, 1.0);
+      ++bad;
+    }
+    mesh.normals[i] = glm::vec3(glm::normalize(n));
+  }
+  return bad;
+}
+
+void wind_with_normals(Mesh& mesh) {
+  for (glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3 mean =
+        glm::dvec3(mesh.normals[t.x]) + glm::dvec3(mesh.normals[t.y]) + glm::dvec3(mesh.normals[t.z]);
+    if (glm::dot(face_vector(mesh, t), mean) < 0.0) std::swap(t.y, t.z);
+  }
+}
+
+/// Quads (0, 1, 2, 3) of consecutive positions as triangles, wound so that their front stays where it was.
+void add_quads(Mesh& mesh, const glm::dmat4& to_world) {
+  const bool mirror = is_mirror(to_world);
+  for (glm::dvec3& p : mesh.positions) p = transform_point(to_world, p);
+  for (std::uint32_t i = 0; i < mesh.positions.size(); i += 4) {
+    for (const glm::uvec3 t : {glm::uvec3(i, i + 1, i + 2), glm::uvec3(i, i + 2, i + 3)}) {
+      mesh.triangles.push_back(mirror ? glm::uvec3(t.x, t.z, t.y) : t);
+    }
+  }
+}
+
+constexpr glm::vec2 kQuadTexcoords[4] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {1.0f, 1.0f}, {0.0f, 1.0f}};
+
+}  // namespace
+
+Expected<MeshCleaning> place_mesh(Mesh& mesh, const glm::dmat4& to_world, bool face_normals) {
+  MeshCleaning cleaning;
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    glm::dvec3& p = mesh.positions[i];
+    p = transform_point(to_world, p);
+    // The renderer's own coordinates are single precision; a little room keeps differences finite.
+    constexpr double kLargest = 1e37;
+    if (!(std::abs(p.x) < kLargest && std::abs(p.y) < kLargest && std::abs(p.z) < kLargest)) {
+      return fail(fmt::format("vertex {} is too far away: ({}, {}, {}) in the world", i + 1, p.x, p.y, p.z));
+    }
+  }
+  for (std::size_t i = 0; i < mesh.texcoords.size(); ++i) {
+    if (!std::isfinite(mesh.texcoords[i].x) || !std::isfinite(mesh.texcoords[i].y)) {
+      return fail(fmt::format("the texture coordinates of vertex {} are too large", i + 1));
+    }
+  }
+  cleaning.flat_triangles =
+      std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return is_flat(mesh, t); });
+  if (face_normals) mesh.normals.clear();
+  if (!mesh.normals.empty()) {
+    cleaning.bad_normals = transform_normals(mesh, normal_matrix(to_world));
+    wind_with_normals(mesh);
+  } else if (!face_normals) {
+    add_smooth_normals(mesh);
+  }
+  return cleaning;
+}
+
+Mesh make_rectangle(const glm::dmat4& to_world) {
+  Mesh mesh;
+  mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  mesh.texcoords.assign(std::begin(kQuadTexcoords), std::end(kQuadTexcoords));
+  add_quads(mesh, to_world);
+  return mesh;
+}
+
+Mesh make_cube(const glm::dmat4& to_world) {
+  Mesh mesh;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      // (u, v, axis) is right-handed; the far side runs the other way round.
+      const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+      for (const glm::vec2& corner : kQuadTexcoords) {
+        glm::dvec3 p;
+        p[axis] = side;
+        p[u] = side * (2.0 * double(corner.x) - 1.0);
+        p[v] = 2.0 * double(corner.y) - 1.0;
+        mesh.positions.push_back(p);
+        mesh.texcoords.push_back(corner);
+      }
+    }
+  }
+  add_quads(mesh, to_world);
+  return mesh;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,34 @@
+// What every mesh goes through between its file and the scene.
+#pragma once
+
+#include <cstddef>
+
+#include "kernels/host/error.h"
+#include "scenes/scene_description.h"
+
+namespace penumbra {
+
+struct MeshCleaning {
+  std::size_t flat_triangles = 0;  ///< left out: they have no area
+  std::size_t bad_normals = 0;     ///< of no length or an infinite one: replaced by computed ones
+};
+
+/// Takes a mesh from its own space to the world's and makes it fit to render:
+///  - without normals of its own, and unless `face_normals`, it gets smooth ones, weighted by the angle of
+///  each corner
+///    (Thürmer and Wüthrich 1998), as Mitsuba does; a mesh that is flat at every vertex stays faceted;
+///  - a triangle whose corners' normals point to its back is wound the other way, so that the geometric and
+///  the
+///    shading normal agree; one without normals keeps its winding, and so its front side turns with a mirror;
+///  - triangles without area are left out.
+/// `to_world` is not singular. Errors: a coordinate that overflows.
+Expected<MeshCleaning> place_mesh(Mesh& mesh, const glm::dmat4& to_world, bool face_normals);
+
+/// The square [-1, 1]² at z = 0 with its front towards +z, faceted, under a transform; the front follows the
+/// transformed normal.
+Mesh make_rectangle(const glm::dmat4& to_world);
+
+/// The cube [-1, 1]³ with its front outside, faceted, under a transform.
+Mesh make_cube(const glm::dmat4& to_world);
+
+}  // namespace penumbra

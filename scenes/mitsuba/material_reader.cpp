@@ -1,0 +1,103 @@
+#include "scenes/mitsuba/material_reader.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+namespace penumbra::mitsuba {
+namespace {
+
+const std::vector<std::string> kBsdfTypes = {"diffuse", "phong", "twosided"};
+
+std::string name_of(const Object& object) {
+  return object.id.empty() ? fmt::format("{} at {}", object.type, describe(object.location)) : object.id;
+}
+
+DiffuseBsdf read_diffuse(PluginReader& plugin) {
+  return {plugin.colour("reflectance", glm::vec3(0.5f), ColourRole::kReflectance)};
+}
+
+PhongBsdf read_phong(PluginReader& plugin) {
+  PhongBsdf phong;
+  phong.diffuse = plugin.colour("diffuse_reflectance", phong.diffuse, ColourRole::kReflectance);
+  phong.specular = plugin.colour("specular_reflectance", phong.specular, ColourRole::kReflectance);
+  const double exponent = plugin.number("exponent", double(phong.exponent));
+  if (!(exponent >= 0.0 && exponent <= double(std::numeric_limits<float>::max()))) {
+    plugin.wrong("exponent", fmt::format("a Phong exponent must be 0 or more, not {}", exponent));
+  } else {
+    phong.exponent = float(exponent);
+  }
+  return phong;
+}
+
+}  // namespace
+
+const SurfaceMaterial& MaterialReader::read(const Object& bsdf) {
+  const auto known = materials_.find(&bsdf);
+  if (known != materials_.end()) return known->second;
+  if (!reading_.insert(&bsdf).second) {
+    context_.diagnostics.error(bsdf.location,
+                               fmt::format("bsdf '{}' holds itself, through its references", name_of(bsdf)));
+    static const SurfaceMaterial kNothing;
+    return kNothing;
+  }
+  SurfaceMaterial material = read_new(bsdf);
+  reading_.erase(&bsdf);
+  return materials_.emplace(&bsdf, std::move(material)).first->second;
+}
+
+SurfaceMaterial MaterialReader::read_new(const Object& bsdf) {
+  PluginReader plugin(context_, bsdf);
+  SurfaceMaterial result;
+  if (bsdf.type == "diffuse") {
+    result.front = Bsdf{name_of(bsdf), read_diffuse(plugin)};
+  } else if (bsdf.type == "phong") {
+    result.front = Bsdf{name_of(bsdf), read_phong(plugin)};
+  } else if (bsdf.type == "twosided") {
+    result = read_two_sided(plugin);
+  } else {
+    context_.unknown_plugin(bsdf, kBsdfTypes, "a magenta diffuse stands in for it");
+    result.front = Bsdf{name_of(bsdf), DiffuseBsdf{kStandInColour}};
+    plugin.skip();
+  }
+  plugin.finish();
+  return result;
+}
+
+SurfaceMaterial MaterialReader::read_two_sided(PluginReader& plugin) {
+  const std::vector<const Object*> nested = plugin.nested("bsdf");
+  SurfaceMaterial result;
+  if (nested.empty() || nested.size() > 2) {
+    plugin.wrong(
+        fmt::format("a twosided bsdf holds one bsdf (for both sides) or two, not {}", nested.size()));
+    return result;
+  }
+  for (const Object* side : nested) {
+    if (side->type == "twosided") {
+      plugin.wrong("a twosided bsdf cannot hold another twosided one");
+      return result;
+    }
+  }
+  result.front = read(*nested[0]).front;
+  result.back = nested.size() == 2 ? read(*nested[1]).front : result.front;
+  result.same = nested.size() == 1;
+  return result;
+}
+
+std::pair<int, int> MaterialReader::install(const Object* bsdf, SceneDescription& scene) {
+  const auto known = installed_.find(bsdf);
+  if (known != installed_.end()) return known->second;
+  static const SurfaceMaterial kDefault{Bsdf{"default", DiffuseBsdf{}}, std::nullopt, false};
+  const SurfaceMaterial& material = bsdf != nullptr ? read(*bsdf) : kDefault;
+  const auto add = [&](const std::optional<Bsdf>& side) {
+    if (!side) return kBlackBsdf;
+    scene.bsdfs.push_back(*side);
+    return int(scene.bsdfs.size()) - 1;
+  };
+  const int front = add(material.front);
+  const std::pair<int, int> indices(front, material.same ? front : add(material.back));
+  installed_.emplace(bsdf, indices);
+  return indices;
+}
+
+}  // namespace penumbra::mitsuba

@@ -1,0 +1,11 @@
+// Mitsuba's XML scene format, versions 0.4 to 3.
+#pragma once
+
+#include "scenes/scene_reader.h"
+
+namespace penumbra::mitsuba {
+
+/// Reads a Mitsuba XML scene, all but `options.settings`.
+Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options);
+
+}  // namespace penumbra::mitsuba

@@ -1,0 +1,276 @@
+#include "scenes/mitsuba/plugin.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "scenes/settings.h"
+#include "scenes/transform.h"
+
+namespace penumbra::mitsuba {
+
+Object* Context::resolve(const Child& child) const {
+  if (child.object != nullptr) return child.object;
+  const auto found = tree.by_id.find(child.reference);
+  if (found != tree.by_id.end()) return found->second;
+  std::vector<std::string> known;
+  for (const auto& [id, object] : tree.by_id) known.push_back(id);
+  const std::string hint = suggestion(child.reference, known);
+  diagnostics.error(child.location,
+                    fmt::format("there is no object with the id '{}'{}", child.reference, hint));
+  return nullptr;
+}
+
+void Context::unknown_plugin(const Object& object, std::span<const std::string> known,
+                             std::string_view instead) const {
+  const std::string what =
+      fmt::format("{} type '{}' is not one that Penumbra reads", object.tag, object.type);
+  const std::string hint = suggestion(object.type, known);
+  const std::string reads = fmt::format("{} it reads: {}", hint.empty() ? ";" : hint, list_names(known));
+  if (lenient) {
+    diagnostics.warn(object.type_location, fmt::format("{}; {}", what, instead));
+  } else {
+    diagnostics.error(object.type_location, what + reads);
+  }
+}
+
+PluginReader::PluginReader(const Context& context, const Object& object)
+    : context_(context), object_(object), taken_(object.parameters.size(), false) {
+  for (const Child& child : object.children) {
+    if (const Object* nested = context.resolve(child)) {
+      nested_.push_back({nested, child.name, child.location});
+    }
+  }
+}
+
+std::string PluginReader::title() const { return fmt::format("{} '{}'", object_.tag, object_.type); }
+
+bool PluginReader::has(std::string_view name) const {
+  return std::any_of(object_.parameters.begin(), object_.parameters.end(),
+                     [&](const Parameter& p) { return p.name == name; });
+}
+
+const Parameter* PluginReader::take(std::string_view name) {
+  known_.emplace_back(name);
+  for (std::size_t i = 0; i < object_.parameters.size(); ++i) {
+    if (object_.parameters[i].name == name) {
+      taken_[i] = true;
+      return &object_.parameters[i];
+    }
+  }
+  return nullptr;
+}
+
+void PluginReader::wrong_kind(const Parameter& parameter, std::string_view wanted) const {
+  context_.diagnostics.error(parameter.location,
+                             fmt::format("the parameter '{}' of {} must be a {}, not a <{}>", parameter.name,
+                                         title(), wanted, parameter.tag));
+}
+
+template <typename T>
+const T* PluginReader::take_as(std::string_view name, std::string_view wanted) {
+  const Parameter* parameter = take(name);
+  if (parameter == nullptr) return nullptr;
+  const T* value = std::get_if<T>(&parameter->value);
+  if (value == nullptr) wrong_kind(*parameter, wanted);
+  return value;
+}
+
+double PluginReader::number(std::string_view name, double fallback) {
+  const Parameter* parameter = take(name);
+  if (parameter == nullptr) return fallback;
+  if (const auto* value = std::get_if<double>(&parameter->value)) return *value;
+  if (const auto* value = std::get_if<std::int64_t>(&parameter->value)) return double(*value);
+  wrong_kind(*parameter, "<float>");
+  return fallback;
+}
+
+bool PluginReader::boolean(std::string_view name, bool fallback) {
+  const bool* value = take_as<bool>(name, "<boolean>");
+  return value != nullptr ? *value : fallback;
+}
+
+std::string PluginReader::text(std::string_view name, std::string_view fallback) {
+  const std::string* value = take_as<std::string>(name, "<string>");
+  return value != nullptr ? *value : std::string(fallback);
+}
+
+std::optional<glm::dvec3> PluginReader::point(std::string_view name) {
+  const glm::dvec3* value = take_as<glm::dvec3>(name, "<point>");
+  return value != nullptr ? std::optional(*value) : std::nullopt;
+}
+
+glm::dmat4 PluginReader::transform(std::string_view name) {
+  const glm::dmat4* value = take_as<glm::dmat4>(name, "<transform>");
+  return value != nullptr ? *value : glm::dmat4(1.0);
+}
+
+const Object* PluginReader::colour_plugin(std::string_view name) {
+  for (Nested& each : nested_) {
+    const std::string& tag = each.object->tag;
+    if (each.name != name || (tag != "texture" && tag != "spectrum" && tag != "blackbody")) continue;
+    each.taken = true;
+    return each.object;
+  }
+  return nullptr;
+}
+
+std::optional<glm::vec3> PluginReader::colour_of(const Parameter& parameter, ColourRole role) const {
+  if (const auto* rgb = std::get_if<RgbValue>(&parameter.value)) return rgb->rgb;
+  if (const auto* grey = std::get_if<double>(&parameter.value)) return glm::vec3(*grey);
+  if (const auto* grey = std::get_if<std::int64_t>(&parameter.value)) return glm::vec3(float(*grey));
+  const auto* spectrum = std::get_if<SpectrumValue>(&parameter.value);
+  if (spectrum == nullptr) {
+    wrong_kind(parameter, "colour, such as <rgb>");
+    return std::nullopt;
+  }
+  const bool reflects = role == ColourRole::kReflectance;
+  if (spectrum->samples.empty()) {
+    return reflects ? glm::vec3(float(spectrum->constant)) : emission_to_rgb(spectrum->constant);
+  }
+  for (const SpectrumSample& sample : spectrum->samples) {
+    // Conversion clamps to the gamut, and would hide these.
+    if (sample.value < 0.0 || (reflects && sample.value > 1.0)) {
+      wrong(parameter.name, fmt::format("the value {} at {} nm is not {}", sample.value, sample.wavelength,
+                                        reflects ? "between 0 and 1" : "0 or more"));
+      return std::nullopt;
+    }
+  }
+  return reflects ? reflectance_to_rgb(spectrum->samples) : emission_to_rgb(spectrum->samples);
+}
+
+glm::vec3 PluginReader::colour(std::string_view name, glm::vec3 fallback, ColourRole role) {
+  const Parameter* parameter = take(name);
+  if (const Object* plugin = colour_plugin(name)) {
+    if (parameter != nullptr)
+      wrong(name, fmt::format("'{}' is there twice, once as <{}>", name, plugin->tag));
+    if (plugin->tag == "texture" && !context_.lenient) {
+      context_.diagnostics.error(
+          plugin->type_location,
+          fmt::format("texture type '{}' is not one that Penumbra reads; it reads colours only: "
+                      "rgb, srgb, spectrum",
+                      plugin->type));
+    } else {
+      const std::vector<std::string> known = {"rgb", "srgb", "spectrum with a value"};
+      context_.unknown_plugin(*plugin, known, "a plain magenta stands in for it");
+    }
+    return kStandInColour;
+  }
+  if (parameter == nullptr) return fallback;
+  const auto rgb = colour_of(*parameter, role);
+  if (!rgb) return fallback;
+  for (int i = 0; i < 3; ++i) {
+    const float value = (*rgb)[i];
+    if (role == ColourRole::kReflectance && !(value >= 0.0f && value <= 1.0f)) {
+      wrong(name, fmt::format("a reflectance must be between 0 and 1, not {}", value));
+      return fallback;
+    }
+    if (role == ColourRole::kEmission && !(value >= 0.0f && std::isfinite(value))) {
+      wrong(name, fmt::format("an emission must be 0 or more and finite, not {}", value));
+      return fallback;
+    }
+  }
+  return *rgb;
+}
+
+void PluginReader::settings(SceneDescription& scene, std::string_view group,
+                            std::span<const std::string> names, std::string_view prefix) {
+  for (const Setting& setting : all_settings()) {
+    for (const std::string& name : names) {
+      if (setting.key != fmt::format("{}.{}{}", group, prefix, name)) continue;
+      const Parameter* parameter = take(name);
+      if (parameter == nullptr) continue;
+      const bool is_integer = std::holds_alternative<std::int64_t>(parameter->value);
+      switch (setting.kind) {
+        case SettingKind::kInteger:
+          if (!is_integer) return wrong_kind(*parameter, "<integer>");
+          break;
+        case SettingKind::kNumber:
+          if (!is_integer && !std::holds_alternative<double>(parameter->value))
+            return wrong_kind(*parameter, "<float>");
+          break;
+        case SettingKind::kBoolean:
+          if (!std::holds_alternative<bool>(parameter->value)) return wrong_kind(*parameter, "<boolean>");
+          break;
+        case SettingKind::kText:
+          if (!std::holds_alternative<std::string>(parameter->value))
+            return wrong_kind(*parameter, "<string>");
+          break;
+      }
+      if (const auto done = setting.apply(scene, parameter->text); !done) {
+        wrong(name, fmt::format("{}: {}", name, done.error().message));
+      }
+    }
+  }
+}
+
+void PluginReader::accept(std::initializer_list<std::string_view> names) {
+  for (const std::string_view name : names) take(name);
+}
+
+std::vector<const Object*> PluginReader::nested(std::string_view tag) {
+  std::vector<const Object*> found;
+  for (Nested& each : nested_) {
+    if (each.object->tag != tag) continue;
+    each.taken = true;
+    found.push_back(each.object);
+  }
+  return found;
+}
+
+const Object* PluginReader::only_nested(std::string_view tag) {
+  const std::vector<const Object*> found = nested(tag);
+  if (found.size() > 1) {
+    const auto second =
+        std::find_if(nested_.begin(), nested_.end(), [&](const Nested& n) { return n.object == found[1]; });
+    context_.diagnostics.error(
+        second->location, fmt::format("{} has {} of <{}>; it takes one",
+                                      object_.tag == "scene" ? "the scene" : title(), found.size(), tag));
+  }
+  return found.empty() ? nullptr : found.front();
+}
+
+std::vector<const Object*> PluginReader::other_nested() {
+  std::vector<const Object*> found;
+  for (Nested& each : nested_) {
+    if (each.taken) continue;
+    each.taken = true;
+    found.push_back(each.object);
+  }
+  return found;
+}
+
+void PluginReader::finish() {
+  if (finished_) return;
+  finished_ = true;
+  for (std::size_t i = 0; i < object_.parameters.size(); ++i) {
+    if (taken_[i]) continue;
+    const Parameter& parameter = object_.parameters[i];
+    const std::string hint = suggestion(parameter.name, known_);
+    context_.diagnostics.error(parameter.location,
+                               fmt::format("{} has no parameter '{}'{} It has: {}", title(), parameter.name,
+                                           hint.empty() ? "." : hint, list_names(known_)));
+  }
+  for (const Nested& each : nested_) {
+    if (each.taken) continue;
+    context_.diagnostics.error(
+        each.location,
+        fmt::format("{} cannot hold {} <{}> of type '{}'{}", title(),
+                    each.object->tag == "emitter" || each.object->tag == "integrator" ? "an" : "a",
+                    each.object->tag, each.object->type,
+                    each.name.empty() ? "" : fmt::format(" named '{}'", each.name)));
+  }
+}
+
+void PluginReader::wrong(std::string_view parameter, std::string_view message) const {
+  for (const Parameter& each : object_.parameters) {
+    if (each.name == parameter) return context_.diagnostics.error(each.value_location, message);
+  }
+  wrong(message);
+}
+
+void PluginReader::wrong(std::string_view message) const {
+  context_.diagnostics.error(object_.location, message);
+}
+
+}  // namespace penumbra::mitsuba

@@ -1,0 +1,111 @@
+// Reading one plugin's parameters: every one must be asked for, so that a name that nobody asks for is an
+// error.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scenes/diagnostic.h"
+#include "scenes/mitsuba/object_tree.h"
+#include "scenes/scene_description.h"
+
+namespace penumbra::mitsuba {
+
+/// What the readers of plugins share.
+struct Context {
+  ObjectTree& tree;
+  Diagnostics& diagnostics;
+  bool lenient = false;
+
+  /// The object, or the one that is referred to; null, and an error, where there is none of that id.
+  Object* resolve(const Child& child) const;
+
+  /// "bsdf type 'x' is not one that Penumbra reads; …": an error, or with `lenient` a warning that ends in
+  /// `instead`, "it is left out" for example.
+  void unknown_plugin(const Object& object, std::span<const std::string> known,
+                      std::string_view instead) const;
+};
+
+/// How a colour is made from a spectrum, and what values it may have.
+enum class ColourRole {
+  kReflectance,  ///< in [0, 1]
+  kEmission,     ///< at least 0
+};
+
+class PluginReader {
+ public:
+  PluginReader(const Context& context, const Object& object);
+
+  /// The value of a parameter, or `fallback` where it is not given; an error where it is of another kind.
+  double number(std::string_view name, double fallback);
+  bool boolean(std::string_view name, bool fallback);
+  std::string text(std::string_view name, std::string_view fallback);
+  std::optional<glm::dvec3> point(std::string_view name);
+  glm::dmat4 transform(std::string_view name);
+  /// A colour, in linear Rec. 709. A texture is none that can be read.
+  glm::vec3 colour(std::string_view name, glm::vec3 fallback, ColourRole role);
+
+  /// Sets every parameter among `names` that is given, as "group.name" (see settings.h). `prefix` goes before
+  /// the parameter's name in the key.
+  void settings(SceneDescription& scene, std::string_view group, std::span<const std::string> names,
+                std::string_view prefix = "");
+
+  /// Known, but without effect on the image: how a file is written, for example.
+  void accept(std::initializer_list<std::string_view> names);
+
+  [[nodiscard]] bool has(std::string_view name) const;
+
+  /// The nested objects of that kind, in order, references followed.
+  std::vector<const Object*> nested(std::string_view tag);
+
+  /// The only nested object of that kind, if there is one; more are an error.
+  const Object* only_nested(std::string_view tag);
+
+  /// Every nested object that has not been asked for.
+  std::vector<const Object*> other_nested();
+
+  /// Reports parameters and nested objects that nobody has asked for.
+  void finish();
+  /// The same for a plugin that is not known: what it has goes unread.
+  void skip() { finished_ = true; }
+
+  /// At the parameter's value, or at the plugin if the parameter is not given.
+  void wrong(std::string_view parameter, std::string_view message) const;
+  void wrong(std::string_view message) const;
+
+  [[nodiscard]] const Object& object() const { return object_; }
+  /// "bsdf 'diffuse'".
+  [[nodiscard]] std::string title() const;
+
+ private:
+  const Parameter* take(std::string_view name);
+  template <typename T>
+  const T* take_as(std::string_view name, std::string_view wanted);
+  void wrong_kind(const Parameter& parameter, std::string_view wanted) const;
+  std::optional<glm::vec3> colour_of(const Parameter& parameter, ColourRole role) const;
+  [[nodiscard]] const Object* colour_plugin(std::string_view name);
+
+  struct Nested {
+    const Object* object;
+    std::string name;
+    SourceLocation location;
+    bool taken = false;
+  };
+
+  const Context& context_;
+  const Object& object_;
+  std::vector<bool> taken_;
+  std::vector<Nested> nested_;
+  std::vector<std::string> known_;
+  bool finished_ = false;
+};
+
+/// What stands in for a material, light colour or texture that is not read: nothing in nature has this
+/// colour.
+constexpr glm::vec3 kStandInColour(0.8f, 0.2f, 0.8f);
+
+}  // namespace penumbra::mitsuba

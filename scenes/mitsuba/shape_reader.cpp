@@ -1,0 +1,204 @@
+#include "scenes/mitsuba/shape_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "scenes/mesh_reader.h"
+#include "scenes/mesh_tools.h"
+#include "scenes/transform.h"
+
+namespace penumbra::mitsuba {
+namespace {
+
+const std::vector<std::string> kShapeTypes = {"obj", "ply", "rectangle", "cube", "sphere", "disk"};
+
+using Geometry = std::variant<Mesh, Sphere, Disk>;
+
+std::string name_of(const Object& object) {
+  return object.id.empty() ? fmt::format("{} at {}", object.type, describe(object.location)) : object.id;
+}
+
+void warn_about(const Context& context, const Object& object, const MeshCleaning& cleaning,
+                std::string_view file) {
+  const std::size_t flat = cleaning.flat_triangles, bad = cleaning.bad_normals;
+  if (flat > 0) {
+    context.diagnostics.warn(object.location, fmt::format("{}: left out {} {} without area", file, flat,
+                                                          flat == 1 ? "triangle" : "triangles"));
+  }
+  if (bad > 0) {
+    context.diagnostics.warn(object.location,
+                             fmt::format("{}: {} of no length; computed from the faces", file,
+                                         bad == 1 ? "1 normal is" : fmt::format("{} normals are", bad)));
+  }
+}
+
+/// The file a parameter names, as text.
+std::unique_ptr<SourceFile> open(const Context& context, const FileAccess& files, PluginReader& plugin,
+                                 const std::string& name) {
+  const SourceFile* named_in = plugin.object().location.file;
+  std::vector<std::filesystem::path> folders = {named_in->path.parent_path()};
+  folders.insert(folders.end(), context.tree.folders.begin(), context.tree.folders.end());
+  const auto path = files.find(name, folders);
+  if (!path) {
+    plugin.wrong("filename", path.error().message);
+    return nullptr;
+  }
+  auto file = files.read(*path, kMaxMeshFileBytes);
+  if (!file) {
+    plugin.wrong("filename", file.error().message);
+    return nullptr;
+  }
+  return std::move(*file);
+}
+
+std::optional<Geometry> read_mesh(const Context& context, const FileAccess& files, PluginReader& plugin) {
+  const bool is_obj = plugin.object().type == "obj";
+  const bool has_name = plugin.has("filename");
+  const std::string name = plugin.text("filename", "");
+  const glm::dmat4 to_world = plugin.transform("to_world");
+  const bool face_normals = plugin.boolean("face_normals", false);
+  const bool flip_texcoords = plugin.boolean("flip_tex_coords", is_obj);
+  if (!has_name) {
+    plugin.wrong(fmt::format("{} needs a <string name=\"filename\" …>", plugin.title()));
+    return std::nullopt;
+  }
+  const auto file = open(context, files, plugin, name);
+  if (!file) return std::nullopt;
+  auto mesh = is_obj ? read_obj(*file) : read_ply(*file);
+  if (!mesh) {
+    context.diagnostics.error_text(fmt::format("{}\n  (which is named at {})", mesh.error().message,
+                                               describe(plugin.object().location)));
+    return std::nullopt;
+  }
+  if (flip_texcoords) {
+    for (glm::vec2& uv : mesh->texcoords) uv.y = 1.0f - uv.y;
+  }
+  const auto cleaning = place_mesh(*mesh, to_world, face_normals);
+  if (!cleaning) {
+    plugin.wrong("filename", fmt::format("{}: {}", name, cleaning.error().message));
+    return std::nullopt;
+  }
+  warn_about(context, plugin.object(), *cleaning, name);
+  if (mesh->triangles.empty()) {
+    context.diagnostics.warn(plugin.object().location,
+                             fmt::format("{}: the shape has no triangles; it is left out", name));
+    return std::nullopt;
+  }
+  return std::move(*mesh);
+}
+
+bool is_finite(glm::dvec3 v, double radius) {
+  constexpr double kLargest = 1e37;  // see place_mesh
+  return std::abs(v.x) < kLargest && std::abs(v.y) < kLargest && std::abs(v.z) < kLargest &&
+         radius < kLargest;
+}
+
+std::optional<Geometry> read_sphere(PluginReader& plugin, bool& flip_normals) {
+  const glm::dvec3 center = plugin.point("center").value_or(glm::dvec3(0.0));
+  const double radius = plugin.number("radius", 1.0);
+  const glm::dmat4 to_world = plugin.transform("to_world");
+  if (!(radius > 0.0)) {
+    plugin.wrong("radius", fmt::format("a radius must be above 0, not {}", radius));
+    return std::nullopt;
+  }
+  const auto scale = uniform_scale(to_world);
+  if (!scale) {
+    plugin.wrong("to_world", "a sphere's transform must scale all directions alike");
+    return std::nullopt;
+  }
+  // As in Mitsuba 3, a mirror turns a sphere's normals inwards.
+  if (is_mirror(to_world)) flip_normals = !flip_normals;
+  const Sphere sphere{transform_point(to_world, center), radius * *scale};
+  if (!is_finite(sphere.center, sphere.radius) || !(sphere.radius > 0.0)) {
+    plugin.wrong("the sphere is too far away, or its radius too large or too small for a number");
+    return std::nullopt;
+  }
+  return sphere;
+}
+
+std::optional<Geometry> read_disk(PluginReader& plugin) {
+  const glm::dmat4 to_world = plugin.transform("to_world");
+  const auto radius = uniform_scale(to_world, 2);
+  if (!radius) {
+    plugin.wrong("to_world", "a disk's transform must scale all directions of its plane alike");
+    return std::nullopt;
+  }
+  const Disk disk{transform_point(to_world, glm::dvec3(0.0)),
+                  glm::normalize(normal_matrix(to_world) * glm::dvec3(0.0, 0.0, 1.0)), *radius};
+  if (!is_finite(disk.center, disk.radius)) {
+    plugin.wrong("the disk is too far away or too large");
+    return std::nullopt;
+  }
+  return disk;
+}
+
+/// Rectangle or cube.
+std::optional<Geometry> read_box(PluginReader& plugin) {
+  const glm::dmat4 to_world = plugin.transform("to_world");
+  Mesh mesh = plugin.object().type == "cube" ? make_cube(to_world) : make_rectangle(to_world);
+  for (const glm::dvec3& p : mesh.positions) {
+    if (is_finite(p, 0.0)) continue;
+    plugin.wrong("the shape is too far away or too large");
+    return std::nullopt;
+  }
+  return mesh;
+}
+
+std::optional<Geometry> read_geometry(const Context& context, const FileAccess& files, PluginReader& plugin,
+                                      bool& flip_normals) {
+  const std::string& type = plugin.object().type;
+  if (type == "sphere") return read_sphere(plugin, flip_normals);
+  if (type == "disk") return read_disk(plugin);
+  if (type == "rectangle" || type == "cube") return read_box(plugin);
+  return read_mesh(context, files, plugin);
+}
+
+}  // namespace
+
+std::optional<glm::vec3> read_area_light(const Context& context, const Object& emitter) {
+  PluginReader plugin(context, emitter);
+  if (emitter.type != "area") {
+    const std::vector<std::string> known = {"area"};
+    if (emitter.type == "point" || emitter.type == "constant") {
+      plugin.wrong(fmt::format("{} cannot belong to a shape; an area light can", plugin.title()));
+    } else {
+      context.unknown_plugin(emitter, known, "it is left out");
+    }
+    plugin.skip();
+    return std::nullopt;
+  }
+  const glm::vec3 radiance = plugin.colour("radiance", glm::vec3(1.0f), ColourRole::kEmission);
+  plugin.accept({"sampling_weight"});
+  plugin.finish();
+  return radiance;
+}
+
+void read_shape(const Context& context, const Object& object, const FileAccess& files,
+                MaterialReader& materials, SceneDescription& scene) {
+  if (std::find(kShapeTypes.begin(), kShapeTypes.end(), object.type) == kShapeTypes.end()) {
+    context.unknown_plugin(object, kShapeTypes, "it is left out");
+    return;
+  }
+  PluginReader plugin(context, object);
+  Shape shape;
+  shape.name = name_of(object);
+  shape.flip_normals = plugin.boolean("flip_normals", false);
+  auto geometry = read_geometry(context, files, plugin, shape.flip_normals);
+  const Object* bsdf = plugin.only_nested("bsdf");
+  const Object* emitter = plugin.only_nested("emitter");
+  for (const char* tag : {"medium", "subsurface"}) {
+    for (const Object* inside : plugin.nested(tag)) context.unknown_plugin(*inside, {}, "it is left out");
+  }
+  plugin.finish();
+  if (bsdf != nullptr) materials.read(*bsdf);
+  if (emitter != nullptr) shape.radiance = read_area_light(context, *emitter);
+  if (!geometry) return;
+  shape.geometry = std::move(*geometry);
+  std::tie(shape.front_bsdf, shape.back_bsdf) = materials.install(bsdf, scene);
+  scene.shapes.push_back(std::move(shape));
+}
+
+}  // namespace penumbra::mitsuba

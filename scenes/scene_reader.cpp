@@ -1,0 +1,93 @@
+#include "scenes/scene_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <span>
+
+#include "scenes/diagnostic.h"
+#include "scenes/file_access.h"
+#include "scenes/mitsuba/mitsuba_scene.h"
+#include "scenes/names.h"
+#include "scenes/settings.h"
+
+namespace penumbra {
+namespace {
+
+/// A format: a new one is one more row here.
+struct Format {
+  std::string name;
+  std::string extension;
+  char first_character;  ///< after white space, where the extension says nothing
+  std::function<Expected<SceneDescription>(const std::filesystem::path&, const ReadOptions&)> read;
+};
+
+std::span<const Format> formats() {
+  static const std::vector<Format> table = {{"Mitsuba XML", ".xml", '<', mitsuba::read_scene}};
+  return table;
+}
+
+char first_character(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  char c = '\0';
+  stream >> c;
+  return c;
+}
+
+const Format* format_of(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const Format& each : formats()) {
+    if (each.extension == extension) return &each;
+  }
+  const char first = first_character(file);
+  for (const Format& each : formats()) {
+    if (each.first_character == first) return &each;
+  }
+  return nullptr;
+}
+
+/// In the table's order, so that it does not matter in which they were given; of the same key the last
+/// counts.
+Expected<void> apply_all(SceneDescription& scene, const ReadOptions& options) {
+  std::map<std::ptrdiff_t, std::pair<std::string, std::string>> in_order;
+  for (const auto& [key, value] : options.settings) {
+    const Setting* found = find_setting(to_snake_case(key));
+    in_order[found != nullptr ? found - all_settings().data() : -1] = {key, value};
+  }
+  for (const auto& [position, setting] : in_order) {
+    if (auto done = apply_setting(scene, setting.first, setting.second); !done) return done;
+  }
+  return check_settings(scene);
+}
+
+}  // namespace
+
+Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options) {
+  // Whether it may be looked at, and is there, before anything is said about its format.
+  const FileAccess files(options.confine_to);
+  std::error_code ignored;
+  if (!files.allows(file) || !std::filesystem::is_regular_file(file, ignored)) {
+    const auto source = files.read(file, kMaxSceneFileBytes);
+    return std::unexpected(source ? Error{fmt::format("cannot read '{}'", file.string())} : source.error());
+  }
+  const Format* format = format_of(file);
+  if (format == nullptr) {
+    std::vector<std::string> known;
+    for (const Format& each : formats()) known.push_back(fmt::format("{} ({})", each.name, each.extension));
+    return fail(fmt::format("{}: not a scene in a format that Penumbra reads; it reads: {}", file.string(),
+                            list_names(known)));
+  }
+  auto scene = format->read(file, options);
+  if (!scene) return scene;
+  if (const auto done = apply_all(*scene, options); !done) {
+    return fail(fmt::format("{}: {}", file.string(), done.error().message));
+  }
+  return scene;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,32 @@
+// The way in: a scene file of any format that is read, as a scene description.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "kernels/host/error.h"
+#include "scenes/scene_description.h"
+
+namespace penumbra {
+
+struct ReadOptions {
+  /// -D name=value: fills `$name`, and beats the file's <default>. One that the scene has no use for is an
+  /// error.
+  std::vector<std::pair<std::string, std::string>> defines;
+  /// --set key=value (see settings.h), applied over what the file says.
+  std::vector<std::pair<std::string, std::string>> settings;
+  /// Plugins that are not read become a warning and something that can be seen in the picture, or are left
+  /// out.
+  bool lenient = false;
+  /// For scenes from elsewhere: every file must lie inside this folder, symbolic links followed.
+  std::optional<std::filesystem::path> confine_to;
+};
+
+/// Reads a scene; its format is told by the file's name, else by its first character. Errors: everything
+/// wrong with it, each with file, line, column, the source line and a caret.
+Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options);
+
+}  // namespace penumbra
