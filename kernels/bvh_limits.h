@@ -1,0 +1,8 @@
+// Sizes of the intersectors' fixed arrays, which the scene builder has to respect.
+#ifndef PENUMBRA_BVH_LIMITS_H
+#define PENUMBRA_BVH_LIMITS_H
+
+#define BVH_MAX_DEPTH 26        // each level leaves at most BVH_WIDTH - 1 entries on the stack
+#define MAX_WHOLE_VERTICES 128  // distinct vertices of a scene that is tested without a hierarchy
+
+#endif

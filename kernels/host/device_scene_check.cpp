@@ -1,0 +1,134 @@
+#include "kernels/host/device_scene_check.h"
+
+#include <cmath>
+
+#include "kernels/bvh_limits.h"
+
+namespace penumbra {
+namespace {
+
+class Checker {
+ public:
+  explicit Checker(const DeviceScene& scene) : scene_(scene), h_(scene.header) {}
+
+  Expected<void> run() {
+    check_header();
+    check_tables();
+    if (problem_.empty()) check_records();
+    if (problem_.empty()) check_search();
+    if (!problem_.empty()) return fail("device scene: " + problem_);
+    return {};
+  }
+
+ private:
+  void require(bool ok, const char* what) {
+    if (!ok && problem_.empty()) problem_ = what;
+  }
+  static bool in(int value, int low, int high) { return value >= low && value <= high; }
+
+  void check_header() {
+    require((h_.features & ~std::uint32_t(FEATURE_ALL)) == 0, "unknown feature bits");
+    require(in(h_.intersector, INTERSECTOR_PORTABLE, INTERSECTOR_EMBREE), "unknown intersector");
+    require(in(h_.sampler, SAMPLER_INDEPENDENT, SAMPLER_SOBOL), "unknown sampler");
+    require(in(h_.filter, FILTER_BOX, FILTER_TABULATED), "unknown filter");
+    require(in(h_.integrator, INTEGRATOR_DIRECT, INTEGRATOR_PATH), "unknown integrator");
+    require(h_.film_width > 0 && h_.film_height > 0, "empty film");
+    require(h_.spp > 0, "no samples per pixel");
+    require(h_.emitter_samples >= 0 && h_.bsdf_samples >= 0, "negative sample count");
+  }
+
+  template <typename T>
+  void check_table(std::uint32_t offset, int count, int least, const char* what) {
+    const std::uint64_t records = std::uint64_t(count > least ? count : least);
+    require(count >= 0 && std::uint64_t(offset) + records * (sizeof(T) / 4) <= scene_.words.size(), what);
+  }
+
+  void check_tables() {
+    // Kernels read record 0 of these for rays that miss, whatever the count.
+    check_table<Triangle>(h_.triangles, h_.triangle_count, 1, "triangles lie outside the data");
+    check_table<Material>(h_.materials, h_.material_count, 1, "materials lie outside the data");
+    check_table<Light>(h_.lights, h_.light_count, 1, "lights lie outside the data");
+    check_table<float>(h_.filter_table, 2 * FILTER_CELLS + 1, 0, "the filter's table lies outside the data");
+    check_table<VertexNormals>(h_.normals, h_.normals_count, has(FEATURE_SHADING_NORMALS), "normals lie outside the data");
+    check_table<Quadric>(h_.quadrics, h_.quadric_count, has(FEATURE_QUADRICS), "quadrics lie outside the data");
+    check_table<vec3>(h_.vertices, h_.vertex_count, 0, "vertices lie outside the data");
+    check_table<Corner>(h_.corners, h_.corner_count, 0, "corners lie outside the data");
+    check_table<BvhNode>(h_.nodes, h_.node_count, 0, "BVH nodes lie outside the data");
+    check_table<TriangleLeaf>(h_.triangle_leaves, h_.triangle_leaf_count, 0, "BVH leaves lie outside the data");
+    check_table<QuadricLeaf>(h_.quadric_leaves, h_.quadric_leaf_count, 0, "BVH leaves lie outside the data");
+  }
+
+  [[nodiscard]] int has(unsigned feature) const { return (h_.features & feature) != 0 ? 1 : 0; }
+  [[nodiscard]] bool is_material(int i) const { return in(i, 0, h_.material_count - 1); }
+  [[nodiscard]] bool is_light(int i) const { return in(i, -1, h_.light_count - 1); }
+
+  void check_records() {
+    require(h_.material_count >= 1, "no material");
+    require(in(h_.environment, -1, h_.light_count - 1), "the environment names no light");
+    for (const Triangle& t : table<Triangle>(scene_, h_.triangles, h_.triangle_count)) {
+      require(is_material(t.front) && is_material(t.back), "a triangle names a material that is not there");
+      require(is_light(t.light), "a triangle names a light that is not there");
+      require(in(t.normals, -1, h_.normals_count - 1), "a triangle names normals that are not there");
+    }
+    for (const Quadric& q : table<Quadric>(scene_, h_.quadrics, h_.quadric_count)) {
+      require(is_material(q.front) && is_material(q.back), "a quadric names a material that is not there");
+      require(is_light(q.light), "a quadric names a light that is not there");
+      require(in(q.kind, QUADRIC_SPHERE, QUADRIC_DISK), "a quadric of unknown kind");
+    }
+    for (const Light& l : table<Light>(scene_, h_.lights, h_.light_count)) {
+      require(in(l.alias, 0, h_.light_count - 1), "a light's alias is not there");
+      require(in(l.kind, LIGHT_TRIANGLE, LIGHT_ENVIRONMENT), "a light of unknown kind");
+    }
+    require(h_.quadric_count == 0 || has(FEATURE_QUADRICS), "quadrics without their feature bit");
+  }
+
+  void check_search() {
+    if (h_.intersector == INTERSECTOR_EMBREE) return;
+    if (has(FEATURE_BVH)) {
+      check_hierarchy();
+      return;
+    }
+    require(h_.vertex_count <= MAX_WHOLE_VERTICES, "too many vertices to be tested whole");
+    require(h_.corner_count == h_.triangle_count, "corners do not match the triangles");
+    for (const Corner& c : table<Corner>(scene_, h_.corners, h_.corner_count))
+      require(in(c.v0, 0, h_.vertex_count - 1) && in(c.v1, 0, h_.vertex_count - 1) && in(c.v2, 0, h_.vertex_count - 1),
+              "a corner names a vertex that is not there");
+  }
+
+  void check_hierarchy() {
+    require(h_.node_count > 0, "a hierarchy without a root");
+    const int leaves = h_.triangle_leaf_count + h_.quadric_leaf_count;
+    const auto nodes = table<BvhNode>(scene_, h_.nodes, h_.node_count);
+    // Children follow their parent, so there is no cycle, and depths are known in one pass.
+    std::vector<int> depth(nodes.size(), 1);
+    for (std::size_t i = 0; i < nodes.size() && problem_.empty(); ++i) {
+      require(depth[i] <= BVH_MAX_DEPTH, "the hierarchy is too deep");
+      for (int k = 0; k < BVH_WIDTH; ++k) {
+        const int child = nodes[i].child[k];
+        if (child >= 0 && nodes[i].low_x[k] <= nodes[i].high_x[k]) {
+          require(child > int(i) && child < h_.node_count, "a BVH node names a child that is not there");
+          if (problem_.empty()) depth[std::size_t(child)] = depth[i] + 1;
+        } else if (child < 0) {
+          require(~child < leaves, "a BVH node names a leaf that is not there");
+        }
+      }
+    }
+    for (const TriangleLeaf& leaf : table<TriangleLeaf>(scene_, h_.triangle_leaves, h_.triangle_leaf_count))
+      for (int primitive : leaf.primitive)
+        require(in(primitive, -1, h_.triangle_count - 1), "a BVH leaf names a triangle that is not there");
+    for (const QuadricLeaf& leaf : table<QuadricLeaf>(scene_, h_.quadric_leaves, h_.quadric_leaf_count))
+      for (int primitive : leaf.primitive)
+        require(primitive == -1 || in(primitive, h_.triangle_count, h_.triangle_count + h_.quadric_count - 1),
+                "a BVH leaf names a quadric that is not there");
+  }
+
+  const DeviceScene& scene_;
+  const SceneHeader& h_;
+  std::string problem_;
+};
+
+}  // namespace
+
+Expected<void> check_device_scene(const DeviceScene& scene) { return Checker(scene).run(); }
+
+}  // namespace penumbra

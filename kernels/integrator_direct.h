@@ -1,0 +1,94 @@
+// Direct light with n_g emitter samples and n_f direction samples for each camera ray, as a step function: step k traces
+// the k-th direction and asks for the k-th shadow ray, all from the surface that the camera ray hit.
+#ifndef PENUMBRA_INTEGRATOR_DIRECT_H
+#define PENUMBRA_INTEGRATOR_DIRECT_H
+#include "kernels/bsdf.h"
+#include "kernels/light.h"
+#include "kernels/mis.h"
+#include "kernels/sampler.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// Density of the scene's way of choosing directions about the surface's shading normal.
+FN float direction_pdf(int kind, vec3 n, vec3 wi, float bsdf_pdf) {
+  const float cosine = max_f(dot3(n, wi), 0.0f);
+  const float pdf = kind == DIRECTION_COSINE ? cosine * INV_PI_F : (cosine > 0.0f ? 0.5f * INV_PI_F : 0.0f);
+  return kind == DIRECTION_BSDF ? bsdf_pdf : pdf;
+}
+
+/// Keeps lane i's camera ray and its hit, before the first step.
+FN void keep_camera_ray(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity, int i) {
+  const vec3 origin = LOAD3(f, capacity, RAY_ORIGIN_X, i), direction = LOAD3(f, capacity, RAY_DIRECTION_X, i);
+  STORE3(f, capacity, CAMERA_ORIGIN_X, i, origin);
+  STORE3(f, capacity, CAMERA_DIRECTION_X, i, direction);
+  ints[CAMERA_HIT * capacity + i] = ints[HIT * capacity + i];
+}
+
+/// Lane i of the block after `step` earlier steps; u holds DRAWS * LANES numbers, those of lane i at j.
+FN void direct_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity,
+                    int step, int i, const PRIVATE float* u, int j) {
+  const int emitter_samples = scene->header.emitter_samples, bsdf_samples = scene->header.bsdf_samples;
+  const int kind = scene->header.bsdf_sampling, heuristic = scene->header.heuristic;
+  const bool first = ints[RAY_SKIP * capacity + i] < 0;  // a camera ray starts on no primitive
+  const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i);
+  const vec3 toward = LOAD3(f, capacity, RAY_DIRECTION_X, i);
+  const vec3 throughput = LOAD3(f, capacity, THROUGHPUT_X, i);
+  const float sampled_pdf = f[DIRECTION_PDF * capacity + i];
+  const int hit = ints[HIT * capacity + i];
+  const vec3 camera_origin = LOAD3(f, capacity, CAMERA_ORIGIN_X, i);
+  const vec3 camera_direction = LOAD3(f, capacity, CAMERA_DIRECTION_X, i);
+  const int primitive = ints[CAMERA_HIT * capacity + i];
+
+  // What the last ray found: at first the camera's, then one of the direction samples'.
+  const Surface found = surface_at(scene, hit, from, toward);
+  const Emission emission = emission_at(scene, found, from);
+  const float share = mis_weight(heuristic, (float)bsdf_samples * sampled_pdf, (float)emitter_samples * emission.pdf);
+  const float seen = scene->header.hide_emitters ? 0.0f : 1.0f;
+  const bool traced = f[RAY_TMAX * capacity + i] > 0.0f;
+  const float emission_weight = first ? seen : (traced ? share : 0.0f);
+  const vec3 before = LOAD3(f, capacity, RADIANCE_X, i);
+  const vec3 sum = add(before, mul(throughput, scale(emission.radiance, emission_weight)));
+  STORE3(f, capacity, RADIANCE_X, i, sum);
+
+  const Surface s = surface_at(scene, primitive, camera_origin, camera_direction);
+  GLOBAL const Material* material = scene->materials + s.material;
+
+  const LightSample light =
+      sample_light(scene, s, u[DRAW_LIGHT_CHOICE * LANES + j], u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_V * LANES + j]);
+  const BsdfValue value = eval_bsdf(material, s.shading, s.wo, light.wi);
+  const float other = direction_pdf(kind, s.shading, light.wi, value.pdf);
+  const float light_share = mis_weight(heuristic, (float)emitter_samples * light.pdf, (float)bsdf_samples * other);
+  const float light_weight =
+      (light.delta ? 1.0f : light_share) / ((float)emitter_samples * (light.pdf > 0.0f ? light.pdf : 1.0f));
+  const bool lit = s.valid & (step < emitter_samples) & (light.tmax > 0.0f) & (value.pdf > 0.0f);
+  const vec3 arriving = scale(mul(value.f_cos, light.radiance), light_weight);
+  STORE3(f, capacity, SHADOW_ORIGIN_X, i, light.origin);
+  STORE3(f, capacity, SHADOW_DIRECTION_X, i, light.wi);
+  STORE3(f, capacity, SHADOW_RADIANCE_X, i, arriving);
+  f[SHADOW_TMAX * capacity + i] = lit ? light.tmax : -1.0f;
+  ints[SHADOW_SKIP * capacity + i] = primitive;
+
+  const float du = u[DRAW_BSDF_U * LANES + j], dv = u[DRAW_BSDF_V * LANES + j];
+  const BsdfSample by_bsdf = sample_bsdf(material, s.shading, s.wo, du, dv, u[DRAW_LOBE_CHOICE * LANES + j]);
+  const vec3 by_cosine = sample_cosine_hemisphere(s.shading, du, dv);
+  const vec3 by_area = sample_uniform_hemisphere(s.shading, du, dv);
+  const vec3 wi = select3(kind == DIRECTION_BSDF, by_bsdf.wi, select3(kind == DIRECTION_COSINE, by_cosine, by_area));
+  const BsdfValue next = eval_bsdf(material, s.shading, s.wo, wi);
+  const float pdf = direction_pdf(kind, s.shading, wi, next.pdf);
+  const bool traces = s.valid & (step < bsdf_samples) & (pdf > 0.0f) & (next.pdf > 0.0f);
+  const vec3 by_quotient = scale(next.f_cos, 1.0f / (pdf > 0.0f ? pdf : 1.0f));
+  const vec3 weight = scale(select3(kind == DIRECTION_BSDF, by_bsdf.weight, by_quotient),
+                            1.0f / (float)(bsdf_samples > 0 ? bsdf_samples : 1));
+  const vec3 origin = leave_surface(s.p, s.geometric, s.error, wi);
+  STORE3(f, capacity, RAY_ORIGIN_X, i, origin);
+  STORE3(f, capacity, RAY_DIRECTION_X, i, wi);
+  STORE3(f, capacity, THROUGHPUT_X, i, weight);
+  f[RAY_TMAX * capacity + i] = traces ? NO_LIMIT : -1.0f;
+  f[DIRECTION_PDF * capacity + i] = pdf;
+  ints[RAY_SKIP * capacity + i] = primitive;
+  const int steps = emitter_samples > bsdf_samples + 1 ? emitter_samples : bsdf_samples + 1;
+  ints[ALIVE * capacity + i] = (s.valid & (step + 1 < steps)) ? 1 : 0;
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

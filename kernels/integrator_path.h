@@ -1,0 +1,71 @@
+// Path tracing with next-event estimation, as a step function: given the hit of a path's last ray, add what it found
+// and ask for at most one shadow ray and one next ray. It never traces.
+#ifndef PENUMBRA_INTEGRATOR_PATH_H
+#define PENUMBRA_INTEGRATOR_PATH_H
+#include "kernels/bsdf.h"
+#include "kernels/light.h"
+#include "kernels/mis.h"
+#include "kernels/sampler.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+// Russian roulette never keeps a path with more than this probability, so that albedo 1 ends too.
+#define ROULETTE_MAX 0.95f
+
+/// Lane i of the block after `step` earlier steps; u holds DRAWS * LANES numbers, those of lane i at j.
+FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity, int step,
+                  int i, const PRIVATE float* u, int j) {
+  const int sampling = scene->header.direct_sampling;
+  const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i);
+  const vec3 direction = LOAD3(f, capacity, RAY_DIRECTION_X, i);
+  vec3 throughput = LOAD3(f, capacity, THROUGHPUT_X, i);
+  const float direction_pdf = f[DIRECTION_PDF * capacity + i];
+  const int primitive = ints[HIT * capacity + i];
+  const Surface s = surface_at(scene, primitive, from, direction);
+
+  const Emission emission = emission_at(scene, s, from);
+  const float bsdf_weight = sampling == SAMPLING_MIS ? mis_weight(scene->header.heuristic, direction_pdf, emission.pdf)
+                                                     : (sampling == SAMPLING_BSDF_ONLY ? 1.0f : 0.0f);
+  const float seen = scene->header.hide_emitters ? 0.0f : 1.0f;
+  const float emission_weight = step > 0 ? bsdf_weight : seen;
+  const vec3 radiance = LOAD3(f, capacity, RADIANCE_X, i);
+  const vec3 found = add(radiance, mul(throughput, scale(emission.radiance, emission_weight)));
+  STORE3(f, capacity, RADIANCE_X, i, found);
+
+  GLOBAL const Material* material = scene->materials + s.material;
+  const bool scatters = s.valid & (step + 1 < scene->header.max_depth);
+
+  const LightSample light =
+      sample_light(scene, s, u[DRAW_LIGHT_CHOICE * LANES + j], u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_V * LANES + j]);
+  const BsdfValue value = eval_bsdf(material, s.shading, s.wo, light.wi);
+  const float shared = sampling == SAMPLING_MIS ? mis_weight(scene->header.heuristic, light.pdf, value.pdf) : 1.0f;
+  const float light_weight = (light.delta ? 1.0f : shared) / (light.pdf > 0.0f ? light.pdf : 1.0f);
+  const bool lit = scatters & (light.tmax > 0.0f) & (value.pdf > 0.0f) &
+                   ((sampling != SAMPLING_BSDF_ONLY) | light.delta);
+  const vec3 arriving = mul(throughput, scale(mul(value.f_cos, light.radiance), light_weight));
+  STORE3(f, capacity, SHADOW_ORIGIN_X, i, light.origin);
+  STORE3(f, capacity, SHADOW_DIRECTION_X, i, light.wi);
+  STORE3(f, capacity, SHADOW_RADIANCE_X, i, arriving);
+  f[SHADOW_TMAX * capacity + i] = lit ? light.tmax : -1.0f;
+  ints[SHADOW_SKIP * capacity + i] = primitive;
+
+  const BsdfSample next = sample_bsdf(material, s.shading, s.wo, u[DRAW_BSDF_U * LANES + j], u[DRAW_BSDF_V * LANES + j],
+                                      u[DRAW_LOBE_CHOICE * LANES + j]);
+  throughput = mul(throughput, next.weight);
+  const float strongest = max_component(throughput);
+  const bool roulette = step + 1 >= scene->header.rr_depth;
+  const float survival = roulette ? min_f(strongest, ROULETTE_MAX) : 1.0f;
+  const bool alive = scatters & (next.pdf > 0.0f) & (strongest > 0.0f) & (u[DRAW_ROULETTE * LANES + j] < survival);
+  throughput = scale(throughput, 1.0f / (alive ? survival : 1.0f));
+  const vec3 origin = leave_surface(s.p, s.geometric, s.error, next.wi);
+  STORE3(f, capacity, RAY_ORIGIN_X, i, origin);
+  STORE3(f, capacity, RAY_DIRECTION_X, i, next.wi);
+  STORE3(f, capacity, THROUGHPUT_X, i, throughput);
+  f[RAY_TMAX * capacity + i] = NO_LIMIT;
+  f[DIRECTION_PDF * capacity + i] = next.pdf;
+  ints[RAY_SKIP * capacity + i] = primitive;
+  ints[ALIVE * capacity + i] = alive ? 1 : 0;
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,38 @@
+// Portable kernel source compiled as C++: everything in which C++ and OpenCL C differ is a macro here or in
+// lang_opencl.h, under the same name.
+#pragma once
+
+#define PENUMBRA_NAMESPACE_BEGIN namespace penumbra {
+#define PENUMBRA_NAMESPACE_END }
+
+#define FN static inline __attribute__((always_inline, unused))
+// A function that holds lane loops: never inlined, so that RESTRICT holds and each is optimised by itself.
+#define STAGE static __attribute__((noinline, unused))
+#define GLOBAL
+#define PRIVATE
+#define RESTRICT __restrict
+
+// LANES rays are carried through one vectorised loop; 1 for debugging a single path.
+#ifndef LANES
+#define LANES 16
+#endif
+#define PENUMBRA_PRAGMA(x) _Pragma(#x)
+#if LANES > 1 && defined(__clang__)
+#define LANE_LOOP_WIDTH(n) PENUMBRA_PRAGMA(clang loop vectorize(assume_safety) vectorize_width(n))
+#else
+#define LANE_LOOP_WIDTH(n)
+#endif
+#define LANE_LOOP_(n) LANE_LOOP_WIDTH(n)
+#define LANE_LOOP LANE_LOOP_(LANES)
+
+#define SQRT(x) __builtin_sqrtf(x)
+#define FABS(x) __builtin_fabsf(x)
+#define FLOAT_BITS(x) __builtin_bit_cast(unsigned int, float(x))
+#define BITS_FLOAT(x) __builtin_bit_cast(float, (unsigned int)(x))
+#ifdef __clang__
+#define BIT_REVERSE(x) __builtin_bitreverse32(x)
+#endif
+
+PENUMBRA_NAMESPACE_BEGIN
+using uint = unsigned int;
+PENUMBRA_NAMESPACE_END

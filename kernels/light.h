@@ -1,0 +1,194 @@
+// Lights: choosing one, a point on it, and the densities that multiple importance sampling compares.
+#ifndef PENUMBRA_LIGHT_H
+#define PENUMBRA_LIGHT_H
+#include "kernels/frame.h"
+#include "kernels/spherical_triangle.h"
+#include "kernels/surface.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+// A shadow ray ends this much before the light.
+#define SHADOW_RAY_END (1.0f - 64.0f * HALF_EPSILON)
+// Below this solid angle a triangle's area sampling is as good and rounds better.
+#define SMALL_SOLID_ANGLE 3e-4f
+
+typedef struct {
+  vec3 origin;      ///< where the shadow ray starts
+  vec3 wi;          ///< unit
+  float tmax;       ///< of the shadow ray; negative: no contribution possible
+  float pdf;        ///< per solid angle, the choice of the light included; for a point light of the choice alone
+  bool delta;       ///< a point light: no other strategy finds it
+  vec3 radiance;    ///< arriving along wi, the inverse square law of a point light included
+} LightSample;
+
+/// Walker's alias method: which light `u` chooses.
+FN int choose_light(const PRIVATE Scene* scene, float u) {
+  const int count = scene->header.light_count;
+  const float position = u * (float)count;
+  const int first = min_i((int)position, count > 0 ? count - 1 : 0);
+  GLOBAL const Light* light = scene->lights + first;
+  const float threshold = light->alias_threshold;
+  const int alias = light->alias;  // read always: a conditional load would not vectorise
+  return position - (float)first < threshold ? first : alias;
+}
+
+/// Density per solid angle of a point at distance^2 `d2`, seen under `cosine` at the light, chosen uniformly by area.
+FN float area_to_solid_angle(float d2, float cosine, float area) {
+  return cosine > 0.0f ? d2 / (cosine * area) : 0.0f;
+}
+
+#if HAS(QUADRICS)
+/// 1 - cos of the half-angle of the cone about a sphere at distance^2 d2 > radius^2.
+FN float cone_versine(float d2, float radius2) {
+  const float sine2 = radius2 / d2;
+  return sine2 / (1.0f + safe_sqrt(1.0f - sine2));
+}
+#endif
+
+/// Density with which sample_light chooses the direction from `from` to a point of the light that is `distance` away and
+/// whose front is seen under `cosine`.
+FN float light_pdf(const PRIVATE Scene* scene, int index, vec3 from, float distance, float cosine) {
+  GLOBAL const Light* light = scene->lights + index;
+  float pdf = area_to_solid_angle(sqr(distance), cosine, light->area);
+#if HAS(SOLID_ANGLE)
+  {
+    SphericalTriangle t = spherical_triangle(sub(load3(&light->p0), from), sub(load3(&light->p1), from), sub(load3(&light->p2), from));
+    const bool use = (light->kind == LIGHT_TRIANGLE) & (t.solid_angle > SMALL_SOLID_ANGLE);
+    pdf = use ? 1.0f / t.solid_angle : pdf;
+  }
+#endif
+#if HAS(QUADRICS)
+  {
+    const vec3 to_center = sub(load3(&light->p0), from);
+    const float d2 = dot3(to_center, to_center), r2 = sqr(light->p2.x);
+    const bool cone = (light->kind == LIGHT_SPHERE) & (d2 > r2) & (scene->header.emitter_sampling != EMITTER_AREA);
+    const float versine = cone_versine(cone ? d2 : 1.0f, cone ? r2 : 0.5f);
+    pdf = cone ? 1.0f / (2.0f * PI_F * versine) : pdf;
+  }
+#endif
+#if HAS(ENVIRONMENT)
+  pdf = light->kind == LIGHT_ENVIRONMENT ? 0.25f * INV_PI_F : pdf;
+#endif
+  return pdf * light->pmf;
+}
+
+/// Chooses a light by `choice` and a point on it by (u, v), for lighting the surface.
+FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice, float u, float v) {
+  GLOBAL const Light* light = scene->lights + choose_light(scene, choice);
+  LightSample sample;
+  const float root = SQRT(u);
+  const float b0 = 1.0f - root, b1 = v * root, b2 = (1.0f - b0) - b1;
+  const vec3 p0 = load3(&light->p0), p1 = load3(&light->p1), p2 = load3(&light->p2);
+  const vec3 q0 = scale(p0, b0), q1 = scale(p1, b1), q2 = scale(p2, b2);
+  vec3 at = add(add(q0, q1), q2);
+  vec3 normal = normalize3(cross3(sub(p1, p0), sub(p2, p0)));
+  vec3 extent = add(add(abs3(q0), abs3(q1)), abs3(q2));
+  float direct_pdf = 0.0f;  // per solid angle, where the sampling is by direction
+#if HAS(SOLID_ANGLE)
+  {
+    const SphericalTriangle t = spherical_triangle(sub(p0, s.p), sub(p1, s.p), sub(p2, s.p));
+    const bool use = (light->kind == LIGHT_TRIANGLE) & (t.solid_angle > SMALL_SOLID_ANGLE);
+    const vec3 w = sample_spherical_triangle(t, u, v);
+    // The point of the light's plane in that direction.
+    const float along = dot3(w, normal);
+    const float distance = dot3(sub(p0, s.p), normal) / (along != 0.0f ? along : 1.0f);
+    at = select3(use, add_scaled(s.p, distance, w), at);
+    direct_pdf = use ? 1.0f / t.solid_angle : 0.0f;
+  }
+#endif
+#if HAS(QUADRICS)
+  {
+    const bool sphere = light->kind == LIGHT_SPHERE, disk = light->kind == LIGHT_DISK;
+    const float radius = p2.x, orientation = p2.y;
+    float sine, cosine;
+    sincos_2pi(v, &sine, &cosine);
+    const vec3 on_disk = from_frame(p1, radius * root * cosine, radius * root * sine, 0.0f);
+    const vec3 uniform = sample_uniform_sphere(u, v);
+    const vec3 to_center = sub(p0, s.p);
+    const float d2 = dot3(to_center, to_center), r2 = sqr(radius);
+    const bool cone = sphere & (d2 > r2) & (scene->header.emitter_sampling != EMITTER_AREA);
+    // A direction in the cone that the sphere subtends, and from it the angle at the sphere's centre.
+    const float versine_max = cone_versine(cone ? d2 : 1.0f, cone ? r2 : 0.5f);
+    const float versine = u * versine_max;
+    const float sine2 = versine * (2.0f - versine);
+    const float distance = SQRT(cone ? d2 : 1.0f);
+    const float ratio2 = r2 / (cone ? d2 : 1.0f);
+    const float half_chord = safe_sqrt(1.0f - sine2 / max_f(ratio2, 1e-30f));
+    const float cosine_center = sine2 / SQRT(max_f(ratio2, 1e-30f)) + (1.0f - versine) * half_chord;
+    const float sine_center = safe_sqrt(1.0f - sqr(cosine_center));
+    const vec3 toward = scale(to_center, -1.0f / (cone ? distance : 1.0f));
+    const vec3 in_cone = from_frame(select3(cone, toward, make_vec3(0.0f, 0.0f, 1.0f)), sine_center * cosine,
+                                    sine_center * sine, cosine_center);
+    const vec3 outward = select3(cone, in_cone, uniform);
+    at = select3(sphere, add_scaled(p0, radius, outward), select3(disk, add(p0, on_disk), at));
+    normal = select3(sphere, scale(outward, orientation), select3(disk, p1, normal));
+    extent = select3(sphere | disk, add(abs3(p0), make_vec3(radius, radius, radius)), extent);
+    direct_pdf = cone ? 1.0f / (2.0f * PI_F * versine_max) : direct_pdf;
+  }
+#endif
+  const float error = POSITION_ERROR * dot3(abs3(normal), extent);
+  vec3 target = leave_surface(at, normal, error, sub(s.p, at));
+#if HAS(POINT_LIGHTS)
+  const bool point = light->kind == LIGHT_POINT;
+  target = select3(point, p0, target);
+#endif
+  sample.origin = leave_surface(s.p, s.geometric, s.error, sub(target, s.p));
+  const vec3 way = sub(target, sample.origin);
+  const float d2 = dot3(way, way);
+  const float distance = SQRT(d2);
+  sample.wi = scale(way, 1.0f / max_f(distance, 1e-30f));
+  sample.tmax = distance * SHADOW_RAY_END;
+  const float cosine = -dot3(sample.wi, normal);
+  sample.pdf = direct_pdf > 0.0f ? direct_pdf : area_to_solid_angle(d2, cosine, light->area);
+  sample.delta = false;
+  sample.radiance = load3(&light->radiance);
+  bool possible = cosine > 0.0f;
+#if HAS(POINT_LIGHTS)
+  sample.delta = point;
+  sample.pdf = point ? 1.0f : sample.pdf;
+  sample.radiance = scale(sample.radiance, point ? 1.0f / d2 : 1.0f);
+  possible = possible | point;
+#endif
+#if HAS(ENVIRONMENT)
+  {
+    const bool environment = light->kind == LIGHT_ENVIRONMENT;
+    const vec3 direction = sample_uniform_sphere(u, v);
+    sample.origin = select3(environment, leave_surface(s.p, s.geometric, s.error, direction), sample.origin);
+    sample.wi = select3(environment, direction, sample.wi);
+    sample.tmax = environment ? NO_LIMIT : sample.tmax;
+    sample.pdf = environment ? 0.25f * INV_PI_F : sample.pdf;
+    possible = possible | environment;
+  }
+#endif
+  sample.pdf *= light->pmf;
+  possible = possible & (sample.pdf > 0.0f) & (distance > 0.0f);
+  sample.tmax = possible ? sample.tmax : -1.0f;
+  return sample;
+}
+
+/// Radiance that a ray brings when it ends on this surface, or leaves the scene; `pdf` is sample_light's density for
+/// the ray's direction from its origin (0 where no light is there).
+typedef struct {
+  vec3 radiance;
+  float pdf;
+} Emission;
+
+FN Emission emission_at(const PRIVATE Scene* scene, Surface s, vec3 from) {
+  Emission e;
+  int index = s.light;
+  float cosine = dot3(s.geometric, s.wo);
+  bool emits = (index >= 0) & s.front;
+#if HAS(ENVIRONMENT)
+  const bool escaped = !s.valid & (scene->header.environment >= 0);
+  index = escaped ? scene->header.environment : index;
+  emits = emits | escaped;
+#endif
+  const int safe = index >= 0 ? index : 0;
+  e.radiance = select3(emits, load3(&scene->lights[safe].radiance), make_vec3(0.0f, 0.0f, 0.0f));
+  e.pdf = light_pdf(scene, safe, from, s.distance, cosine);
+  e.pdf = emits ? e.pdf : 0.0f;
+  return e;
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,13 @@
+// Which feature masks native code is precompiled for. Each set names one object library of CMakeLists.txt.
+#pragma once
+
+#include "kernels/features.h"
+
+// What most scenes of diffuse triangle meshes need; and everything. Scenes are traced whole or through the BVH.
+#define NATIVE_FEATURES_core (FEATURE_PATH | FEATURE_LAYERS)
+#define NATIVE_FEATURES_core_bvh (NATIVE_FEATURES_core | FEATURE_BVH)
+#define NATIVE_FEATURES_all (FEATURE_ALL & ~FEATURE_BVH)
+#define NATIVE_FEATURES_all_bvh FEATURE_ALL
+
+/// X(set), the smallest first.
+#define NATIVE_FEATURE_SETS(X) X(core) X(core_bvh) X(all) X(all_bvh)

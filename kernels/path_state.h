@@ -1,0 +1,83 @@
+// A block: the state of many paths, one array per field. Field F of lane i is at f[F * capacity + i].
+#ifndef PENUMBRA_PATH_STATE_H
+#define PENUMBRA_PATH_STATE_H
+#include "kernels/vec3.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+// Fields that travel with a path when the block is compacted.
+#define PATH_FLOATS(F)                                              \
+  F(RAY_ORIGIN_X) F(RAY_ORIGIN_Y) F(RAY_ORIGIN_Z)                   \
+  F(RAY_DIRECTION_X) F(RAY_DIRECTION_Y) F(RAY_DIRECTION_Z) /* unit */ \
+  F(RAY_TMAX)                        /* negative: no ray this time */ \
+  F(THROUGHPUT_X) F(THROUGHPUT_Y) F(THROUGHPUT_Z)                   \
+  F(DIRECTION_PDF)                   /* of the ray's direction, per solid angle */ \
+  F(RADIANCE_X) F(RADIANCE_Y) F(RADIANCE_Z)
+
+// As above, used by the direct integrator alone: the camera ray, whose hit all its samples share.
+#define CAMERA_RAY_FLOATS(F)                               \
+  F(CAMERA_ORIGIN_X) F(CAMERA_ORIGIN_Y) F(CAMERA_ORIGIN_Z) \
+  F(CAMERA_DIRECTION_X) F(CAMERA_DIRECTION_Y) F(CAMERA_DIRECTION_Z)
+
+// Fields that live from a step to its occlusion test.
+#define SHADOW_FLOATS(F)                                        \
+  F(SHADOW_ORIGIN_X) F(SHADOW_ORIGIN_Y) F(SHADOW_ORIGIN_Z)      \
+  F(SHADOW_DIRECTION_X) F(SHADOW_DIRECTION_Y) F(SHADOW_DIRECTION_Z) \
+  F(SHADOW_TMAX)                 /* negative: no shadow ray */  \
+  F(SHADOW_RADIANCE_X) F(SHADOW_RADIANCE_Y) F(SHADOW_RADIANCE_Z) /* added if nothing is in the way */
+
+// Indexed by the path's slot, not its lane: they stay where they are. FILTER_WEIGHT multiplies the sample.
+#define SLOT_FLOATS(F)                                   \
+  F(FILTER_WEIGHT)                                       \
+  F(SAMPLE_X) F(SAMPLE_Y) F(SAMPLE_Z)                    \
+  F(ALBEDO_X) F(ALBEDO_Y) F(ALBEDO_Z)                    \
+  F(NORMAL_X) F(NORMAL_Y) F(NORMAL_Z)                    \
+  F(DEPTH)
+
+#define PATH_INTS(F)                                                 \
+  F(RAY_SKIP)        /* primitive that the ray starts on, or -1 */   \
+  F(SLOT)                                                            \
+  F(PIXEL_HASH)                                                      \
+  F(SAMPLE_INDEX)                                                    \
+  F(CAMERA_HIT)      /* direct: primitive that the camera sees */
+
+#define LANE_INTS(F)                                  \
+  F(HIT)             /* primitive hit, or -1 */       \
+  F(ALIVE)                                            \
+  F(SHADOW_SKIP)     /* primitive that the shadow ray starts on */ \
+  F(FILM_X) F(FILM_Y) /* the path's pixel, while its camera ray is made */
+
+#define ENUMERATE(name) name,
+// Each ..._COUNT is where the next list starts.
+enum {
+  PATH_FLOATS(ENUMERATE) PATH_FLOAT_COUNT,
+  BEFORE_CAMERA_RAY_ = PATH_FLOAT_COUNT - 1,
+  CAMERA_RAY_FLOATS(ENUMERATE) PATH_AND_CAMERA_RAY_COUNT,
+  BEFORE_SHADOW_ = PATH_AND_CAMERA_RAY_COUNT - 1,
+  SHADOW_FLOATS(ENUMERATE) STATE_FLOATS
+};
+enum { SLOT_FLOATS(ENUMERATE) SLOT_FLOAT_COUNT };
+enum { PATH_INTS(ENUMERATE) PATH_INT_COUNT, BEFORE_LANE_ = PATH_INT_COUNT - 1, LANE_INTS(ENUMERATE) STATE_INTS };
+#undef ENUMERATE
+
+typedef struct {
+  GLOBAL float* f;      ///< STATE_FLOATS * capacity
+  GLOBAL int* i;        ///< STATE_INTS * capacity
+  GLOBAL float* slots;  ///< SLOT_FLOAT_COUNT * slot_capacity
+  int capacity;         ///< paths under way at once, a multiple of LANES
+  int slot_capacity;    ///< samples of a block: at least those of one pixel
+} Block;
+
+// Read and write a vec3 whose x, y and z are consecutive fields.
+#define LOAD3(f, capacity, field, lane)                                                   \
+  make_vec3((f)[(field) * (capacity) + (lane)], (f)[((field) + 1) * (capacity) + (lane)], \
+            (f)[((field) + 2) * (capacity) + (lane)])
+#define STORE3(f, capacity, field, lane, v)              \
+  do {                                                   \
+    (f)[(field) * (capacity) + (lane)] = (v).x;          \
+    (f)[((field) + 1) * (capacity) + (lane)] = (v).y;    \
+    (f)[((field) + 2) * (capacity) + (lane)] = (v).z;    \
+  } while (0)
+
+PENUMBRA_NAMESPACE_END
+#endif

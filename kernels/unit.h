@@ -1,0 +1,16 @@
+// The part of an image that one work unit renders, and the memory that a block of it needs.
+#ifndef PENUMBRA_UNIT_H
+#define PENUMBRA_UNIT_H
+#include "kernels/path_state.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+typedef struct {
+  int x, y;           ///< film pixel of the corner
+  int width, height;
+  uint first_sample;
+  int sample_count;
+} Unit;
+
+PENUMBRA_NAMESPACE_END
+#endif

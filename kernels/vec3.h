@@ -1,0 +1,43 @@
+// Three floats, packed: the same 12 bytes in every language (OpenCL's float3 takes 16).
+#ifndef PENUMBRA_VEC3_H
+#define PENUMBRA_VEC3_H
+#include "kernels/lang.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+typedef struct {
+  float x, y, z;
+} vec3;
+
+FN vec3 make_vec3(float x, float y, float z) {
+  vec3 r;
+  r.x = x;
+  r.y = y;
+  r.z = z;
+  return r;
+}
+/// Reads component by component: a struct copy is a load that lane loops cannot vectorise.
+FN vec3 load3(GLOBAL const vec3* v) { return make_vec3(v->x, v->y, v->z); }
+FN vec3 add(vec3 a, vec3 b) { return make_vec3(a.x + b.x, a.y + b.y, a.z + b.z); }
+FN vec3 sub(vec3 a, vec3 b) { return make_vec3(a.x - b.x, a.y - b.y, a.z - b.z); }
+FN vec3 mul(vec3 a, vec3 b) { return make_vec3(a.x * b.x, a.y * b.y, a.z * b.z); }
+FN vec3 scale(vec3 a, float s) { return make_vec3(a.x * s, a.y * s, a.z * s); }
+FN vec3 negate(vec3 a) { return make_vec3(-a.x, -a.y, -a.z); }
+/// a + s b
+FN vec3 add_scaled(vec3 a, float s, vec3 b) { return add(a, scale(b, s)); }
+FN vec3 abs3(vec3 a) { return make_vec3(FABS(a.x), FABS(a.y), FABS(a.z)); }
+FN float dot3(vec3 a, vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+/// Exactly antisymmetric in its arguments, since nothing here is contracted to fma.
+FN vec3 cross3(vec3 a, vec3 b) {
+  return make_vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+FN float length3(vec3 a) { return SQRT(dot3(a, a)); }
+FN vec3 normalize3(vec3 a) { return scale(a, 1.0f / SQRT(dot3(a, a))); }
+FN vec3 select3(bool c, vec3 a, vec3 b) { return make_vec3(c ? a.x : b.x, c ? a.y : b.y, c ? a.z : b.z); }
+FN float max_component(vec3 a) {
+  float m = a.x > a.y ? a.x : a.y;
+  return m > a.z ? m : a.z;
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

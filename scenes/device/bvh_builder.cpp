@@ -1,0 +1,245 @@
+#include "scenes/device/bvh_builder.h"
+
+#include <embree3/rtcore.h>
+
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <memory>
+
+#include "kernels/bvh_limits.h"
+
+namespace penumbra {
+namespace {
+
+struct Box {
+  float low[3], high[3];
+};
+
+/// What Embree's builder hands back, before it is flattened.
+struct BuildNode {
+  Box bounds[BVH_WIDTH];
+  BuildNode* children[BVH_WIDTH];
+  int child_count = 0;
+  std::vector<int> primitives;  ///< a leaf's
+};
+
+using NodePool = std::deque<BuildNode>;  // stable addresses; the build runs on one thread
+
+BuildNode* new_node(void* pool) { return &static_cast<NodePool*>(pool)->emplace_back(); }
+
+void* create_node(RTCThreadLocalAllocator, unsigned count, void* pool) {
+  BuildNode* node = new_node(pool);
+  node->child_count = int(count);
+  return node;
+}
+
+void set_children(void* node, void** children, unsigned count, void*) {
+  for (unsigned i = 0; i < count; ++i) static_cast<BuildNode*>(node)->children[i] = static_cast<BuildNode*>(children[i]);
+}
+
+void set_bounds(void* node, const RTCBounds** bounds, unsigned count, void*) {
+  for (unsigned i = 0; i < count; ++i) {
+    const RTCBounds& b = *bounds[i];
+    static_cast<BuildNode*>(node)->bounds[i] = {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};
+  }
+}
+
+void* create_leaf(RTCThreadLocalAllocator, const RTCBuildPrimitive* primitives, size_t count, void* pool) {
+  BuildNode* node = new_node(pool);
+  for (size_t i = 0; i < count; ++i) node->primitives.push_back(int(primitives[i].primID));
+  return node;
+}
+
+void include(Box& box, const vec3& p) {
+  const float c[3] = {p.x, p.y, p.z};
+  for (int k = 0; k < 3; ++k) {
+    box.low[k] = std::min(box.low[k], c[k]);
+    box.high[k] = std::max(box.high[k], c[k]);
+  }
+}
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr Box kEmptyBox{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+
+Box bounds_of(const Triangle& t) {
+  Box box = kEmptyBox;
+  include(box, t.p0);
+  include(box, t.p1);
+  include(box, t.p2);
+  return box;
+}
+
+/// A little more than the sphere or the disk, for the rounding of centre and radius.
+Box bounds_of(const Quadric& q) {
+  const float center[3] = {q.center.x, q.center.y, q.center.z};
+  const float normal[3] = {q.normal.x, q.normal.y, q.normal.z};
+  Box box;
+  for (int k = 0; k < 3; ++k) {
+    const float reach =
+        q.kind == QUADRIC_DISK ? q.radius * std::sqrt(std::max(0.0f, 1 - normal[k] * normal[k])) : q.radius;
+    const float margin = (std::abs(center[k]) + q.radius) * 1e-5f;
+    box.low[k] = center[k] - reach - margin;
+    box.high[k] = center[k] + reach + margin;
+  }
+  return box;
+}
+
+struct DeviceRelease {
+  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+};
+using DeviceHandle = std::unique_ptr<RTCDeviceTy, DeviceRelease>;
+struct BvhRelease {
+  void operator()(RTCBVH bvh) const { rtcReleaseBVH(bvh); }
+};
+using BvhHandle = std::unique_ptr<RTCBVHTy, BvhRelease>;
+
+Expected<BuildNode*> build_tree(RTCDevice device, const std::vector<Box>& boxes, NodePool& pool) {
+  std::vector<RTCBuildPrimitive> primitives(boxes.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const Box& b = boxes[i];
+    primitives[i] = {b.low[0], b.low[1], b.low[2], 0, b.high[0], b.high[1], b.high[2], unsigned(i)};
+  }
+  BvhHandle bvh(rtcNewBVH(device));
+  RTCBuildArguments arguments = rtcDefaultBuildArguments();
+  arguments.byteSize = sizeof arguments;
+  arguments.buildQuality = RTC_BUILD_QUALITY_MEDIUM;
+  arguments.maxBranchingFactor = BVH_WIDTH;
+  arguments.maxDepth = BVH_MAX_DEPTH - 2;  // the root over both kinds of primitive and a margin
+  arguments.sahBlockSize = BVH_WIDTH;
+  arguments.minLeafSize = 1;
+  arguments.maxLeafSize = BVH_WIDTH;
+  arguments.traversalCost = 1;
+  arguments.intersectionCost = 1;
+  arguments.bvh = bvh.get();
+  arguments.primitives = primitives.data();
+  arguments.primitiveCount = arguments.primitiveArrayCapacity = primitives.size();
+  arguments.createNode = create_node;
+  arguments.setNodeChildren = set_children;
+  arguments.setNodeBounds = set_bounds;
+  arguments.createLeaf = create_leaf;
+  arguments.userPtr = &pool;
+  auto* root = static_cast<BuildNode*>(rtcBuildBVH(&arguments));
+  if (!root) return fail("Embree could not build a hierarchy over " + std::to_string(boxes.size()) + " primitives");
+  return root;
+}
+
+class Flattener {
+ public:
+  Flattener(std::span<const Triangle> triangles, Hierarchy& out) : triangles_(triangles), out_(out) {}
+
+  /// Leaves get final numbers only when all triangle leaves are known, so quadric leaves are numbered from the other end
+  /// of the negative range first.
+  void flatten(const BuildNode* triangle_root, Box triangle_box, const BuildNode* quadric_root, Box quadric_box) {
+    out_.nodes.push_back(empty_node());
+    int slot = 0;
+    if (triangle_root) set_child(0, slot++, triangle_box, emit(triangle_root, false));
+    const std::size_t quadric_nodes = out_.nodes.size();
+    if (quadric_root) set_child(0, slot, quadric_box, emit(quadric_root, true));
+    const int shift = int(out_.triangle_leaves.size());
+    if (quadric_root && out_.nodes[0].child[slot] < 0) out_.nodes[0].child[slot] -= shift;
+    for (std::size_t i = quadric_nodes; i < out_.nodes.size(); ++i)
+      for (int& child : out_.nodes[i].child)
+        if (child < 0) child -= shift;
+  }
+
+ private:
+  static BvhNode empty_node() {
+    BvhNode node{};
+    for (int k = 0; k < BVH_WIDTH; ++k) {
+      node.low_x[k] = node.low_y[k] = node.low_z[k] = kInfinity;
+      node.high_x[k] = node.high_y[k] = node.high_z[k] = -kInfinity;
+    }
+    return node;
+  }
+
+  void set_child(std::size_t at, int slot, const Box& box, int child) {
+    BvhNode& node = out_.nodes[at];
+    node.low_x[slot] = box.low[0];
+    node.low_y[slot] = box.low[1];
+    node.low_z[slot] = box.low[2];
+    node.high_x[slot] = box.high[0];
+    node.high_y[slot] = box.high[1];
+    node.high_z[slot] = box.high[2];
+    node.child[slot] = child;
+  }
+
+  int emit(const BuildNode* node, bool quadrics) {
+    if (node->child_count == 0) return quadrics ? emit_quadrics(*node) : emit_triangles(*node);
+    const std::size_t at = out_.nodes.size();
+    out_.nodes.push_back(empty_node());
+    for (int k = 0; k < node->child_count; ++k) set_child(at, k, node->bounds[k], emit(node->children[k], quadrics));
+    return int(at);
+  }
+
+  int emit_triangles(const BuildNode& node) {
+    TriangleLeaf leaf{};
+    for (int j = 0; j < BVH_WIDTH; ++j) {
+      leaf.primitive[j] = -1;
+      if (j >= int(node.primitives.size())) continue;
+      leaf.primitive[j] = node.primitives[std::size_t(j)];
+      const Triangle& t = triangles_[std::size_t(leaf.primitive[j])];
+      const vec3 p[3] = {t.p0, t.p1, t.p2};
+      for (int v = 0; v < 3; ++v) {
+        leaf.p[v][0][j] = p[v].x;
+        leaf.p[v][1][j] = p[v].y;
+        leaf.p[v][2][j] = p[v].z;
+      }
+    }
+    out_.triangle_leaves.push_back(leaf);
+    return ~int(out_.triangle_leaves.size() - 1);
+  }
+
+  int emit_quadrics(const BuildNode& node) {
+    QuadricLeaf leaf{};
+    for (int j = 0; j < BVH_WIDTH; ++j)
+      leaf.primitive[j] =
+          j < int(node.primitives.size()) ? node.primitives[std::size_t(j)] + int(triangles_.size()) : -1;
+    out_.quadric_leaves.push_back(leaf);
+    return ~int(out_.quadric_leaves.size() - 1);
+  }
+
+  std::span<const Triangle> triangles_;
+  Hierarchy& out_;
+};
+
+template <typename Primitive>
+std::vector<Box> all_bounds(std::span<const Primitive> primitives, Box& total) {
+  std::vector<Box> boxes;
+  boxes.reserve(primitives.size());
+  for (const Primitive& p : primitives) {
+    boxes.push_back(bounds_of(p));
+    for (int k = 0; k < 3; ++k) {
+      total.low[k] = std::min(total.low[k], boxes.back().low[k]);
+      total.high[k] = std::max(total.high[k], boxes.back().high[k]);
+    }
+  }
+  return boxes;
+}
+
+}  // namespace
+
+Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::span<const Quadric> quadrics) {
+  DeviceHandle device(rtcNewDevice("threads=1,isa=sse2"));
+  if (!device) return fail("Embree does not start on this machine");
+  Box triangle_box = kEmptyBox, quadric_box = kEmptyBox;
+  const std::vector<Box> triangle_boxes = all_bounds(triangles, triangle_box);
+  const std::vector<Box> quadric_boxes = all_bounds(quadrics, quadric_box);
+  NodePool pool;
+  BuildNode *triangle_root = nullptr, *quadric_root = nullptr;
+  if (!triangles.empty()) {
+    Expected<BuildNode*> root = build_tree(device.get(), triangle_boxes, pool);
+    if (!root) return std::unexpected(root.error());
+    triangle_root = *root;
+  }
+  if (!quadrics.empty()) {
+    Expected<BuildNode*> root = build_tree(device.get(), quadric_boxes, pool);
+    if (!root) return std::unexpected(root.error());
+    quadric_root = *root;
+  }
+  Hierarchy hierarchy;
+  Flattener(triangles, hierarchy).flatten(triangle_root, triangle_box, quadric_root, quadric_box);
+  return hierarchy;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,22 @@
+// The portable intersector's hierarchy.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "kernels/host/error.h"
+#include "kernels/scene_types.h"
+
+namespace penumbra {
+
+struct Hierarchy {
+  std::vector<BvhNode> nodes;  ///< the root first; children after their parent
+  std::vector<TriangleLeaf> triangle_leaves;
+  std::vector<QuadricLeaf> quadric_leaves;
+};
+
+/// Over all triangles and quadrics; at least one of either. Built by Embree's builder on one thread of a fixed
+/// instruction set, so that the same scene always gets the same hierarchy.
+Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::span<const Quadric> quadrics);
+
+}  // namespace penumbra

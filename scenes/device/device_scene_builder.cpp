@@ -1,0 +1,353 @@
+#include "scenes/device/device_scene_builder.h"
+
+#include <algorithm>
+#include <array>
+#include <climits>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <numbers>
+
+#include "kernels/bvh_limits.h"
+#include "scenes/device/bvh_builder.h"
+#include "scenes/device/filter_table.h"
+#include "scenes/device/light_table.h"
+
+namespace penumbra {
+namespace {
+
+// Up to this many triangles testing all of them in lanes beats any hierarchy.
+constexpr std::size_t kMaxWholeTriangles = 64;
+constexpr std::size_t kMaxWholeQuadrics = 16;
+
+vec3 to_vec3(const glm::dvec3& v) { return make_vec3(float(v.x), float(v.y), float(v.z)); }
+vec3 to_vec3(const glm::vec3& v) { return make_vec3(v.x, v.y, v.z); }
+double mean(const glm::vec3& c) { return (double(c.x) + c.y + c.z) / 3; }
+bool is_black(const glm::vec3& c) { return c.x == 0 && c.y == 0 && c.z == 0; }
+bool finite(const vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+struct Bounds {
+  glm::dvec3 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
+  void include(const glm::dvec3& p, double reach = 0) {
+    low = glm::min(low, p - reach);
+    high = glm::max(high, p + reach);
+  }
+};
+
+Bounds bounds_of(const SceneDescription& scene) {
+  Bounds bounds;
+  for (const Shape& shape : scene.shapes) {
+    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry))
+      for (const glm::dvec3& p : mesh->positions) bounds.include(p);
+    if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) bounds.include(sphere->center, sphere->radius);
+    if (const auto* disk = std::get_if<Disk>(&shape.geometry)) bounds.include(disk->center, disk->radius);
+  }
+  if (bounds.low.x > bounds.high.x) bounds.include(glm::dvec3(scene.camera.to_world[3]));
+  return bounds;
+}
+
+class Builder {
+ public:
+  Builder(const SceneDescription& scene, const DeviceSceneOptions& options) : scene_(scene), options_(options) {
+    const Bounds bounds = bounds_of(scene);
+    center_ = 0.5 * (bounds.low + bounds.high);
+    radius_ = 0.5 * glm::length(bounds.high - bounds.low);
+  }
+
+  Expected<DeviceScene> build() {
+    add_materials();
+    for (const Shape& shape : scene_.shapes) add_shape(shape);
+    add_other_lights();
+    if (!problem_.empty()) return fail(scene_.source + ": " + problem_);
+    set_camera();
+    set_film();
+    set_integrator();
+    if (options_.feature_layers) need(FEATURE_LAYERS);
+    if (scene_.sampler.kind != SamplerKind::kSobol) need(FEATURE_SAMPLERS);
+    if (Expected<void> done = choose_intersector(); !done) return std::unexpected(done.error());
+    store_tables();
+    if (out_.words.size() > std::size_t(INT_MAX)) return fail(scene_.source + ": the scene exceeds 8 GiB of tables");
+    return std::move(out_);
+  }
+
+ private:
+  void need(std::uint32_t feature) { h_.features |= feature; }
+
+  vec3 local(const glm::dvec3& p, const Shape& shape) {
+    const vec3 v = to_vec3(p - center_);
+    if (!finite(v) && problem_.empty()) problem_ = "shape '" + shape.name + "' has a position that is too large for single precision";
+    return v;
+  }
+
+  void add_materials() {
+    materials_.push_back({});  // 0: absorbs everything
+    for (const Bsdf& bsdf : scene_.bsdfs) {
+      Material m{};
+      if (const auto* diffuse = std::get_if<DiffuseBsdf>(&bsdf.model)) m.diffuse = to_vec3(diffuse->reflectance);
+      if (const auto* phong = std::get_if<PhongBsdf>(&bsdf.model)) {
+        m.diffuse = to_vec3(phong->diffuse);
+        m.specular = to_vec3(phong->specular);
+        m.exponent = phong->exponent;
+        const double sum = mean(phong->diffuse) + mean(phong->specular);
+        m.lobe = sum > 0 ? float(mean(phong->specular) / sum) : 0.0f;
+        if (m.lobe > 0) need(FEATURE_PHONG);
+      }
+      materials_.push_back(m);
+    }
+  }
+
+  void add_shape(const Shape& shape) {
+    // Materials of the geometric front and back: flipped normals make the other side the front one.
+    const int front = shape.front_bsdf + 1, back = shape.back_bsdf + 1;
+    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) add_mesh(shape, *mesh, front, back);
+    if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) add_sphere(shape, *sphere, front, back);
+    if (const auto* disk = std::get_if<Disk>(&shape.geometry)) add_disk(shape, *disk, front, back);
+  }
+
+  void add_mesh(const Shape& shape, const Mesh& mesh, int front, int back) {
+    const bool emits = shape.radiance && !is_black(*shape.radiance);
+    for (glm::uvec3 corner : mesh.triangles) {
+      if (shape.flip_normals) std::swap(corner.y, corner.z);
+      Triangle t{};
+      t.p0 = local(mesh.positions[corner.x], shape);
+      t.p1 = local(mesh.positions[corner.y], shape);
+      t.p2 = local(mesh.positions[corner.z], shape);
+      t.front = front;
+      t.back = back;
+      t.light = -1;
+      t.normals = -1;
+      const vec3 cross = cross3(sub(t.p1, t.p0), sub(t.p2, t.p0));
+      const double area = 0.5 * std::sqrt(double(cross.x) * cross.x + double(cross.y) * cross.y + double(cross.z) * cross.z);
+      if (!(area > 0)) {
+        ++degenerate_;
+        continue;
+      }
+      if (!mesh.normals.empty()) {
+        const float sign = shape.flip_normals ? -1.0f : 1.0f;
+        t.normals = int(normals_.size());
+        normals_.push_back({to_vec3(sign * mesh.normals[corner.x]), to_vec3(sign * mesh.normals[corner.y]),
+                            to_vec3(sign * mesh.normals[corner.z])});
+        need(FEATURE_SHADING_NORMALS);
+      }
+      if (emits) {
+        Light light{};
+        light.kind = LIGHT_TRIANGLE;
+        light.p0 = t.p0;
+        light.p1 = t.p1;
+        light.p2 = t.p2;
+        t.light = add_light(light, *shape.radiance, area);
+      }
+      triangles_.push_back(t);
+    }
+  }
+
+  void add_sphere(const Shape& shape, const Sphere& sphere, int front, int back) {
+    Quadric q{};
+    q.kind = QUADRIC_SPHERE;
+    q.center = local(sphere.center, shape);
+    q.radius = float(sphere.radius);
+    q.orientation = shape.flip_normals ? -1.0f : 1.0f;
+    add_quadric(shape, q, front, back, LIGHT_SPHERE, 4 * std::numbers::pi * sphere.radius * sphere.radius);
+  }
+
+  void add_disk(const Shape& shape, const Disk& disk, int front, int back) {
+    Quadric q{};
+    q.kind = QUADRIC_DISK;
+    q.center = local(disk.center, shape);
+    q.normal = to_vec3(shape.flip_normals ? -disk.normal : disk.normal);
+    q.radius = float(disk.radius);
+    q.orientation = 1.0f;
+    add_quadric(shape, q, front, back, LIGHT_DISK, std::numbers::pi * disk.radius * disk.radius);
+  }
+
+  void add_quadric(const Shape& shape, Quadric q, int front, int back, int light_kind, double area) {
+    need(FEATURE_QUADRICS);
+    q.front = front;
+    q.back = back;
+    q.light = -1;
+    if (shape.radiance && !is_black(*shape.radiance)) {
+      Light light{};
+      light.kind = light_kind;
+      light.p0 = q.center;
+      light.p1 = q.normal;
+      light.p2 = make_vec3(q.radius, q.orientation, 0.0f);
+      q.light = add_light(light, *shape.radiance, area);
+    }
+    quadrics_.push_back(q);
+  }
+
+  int add_light(Light light, const glm::vec3& radiance, double area) {
+    light.radiance = to_vec3(radiance);
+    light.area = float(area);
+    lights_.push_back(light);
+    power_.push_back(mean(radiance) * area * std::numbers::pi);
+    return int(lights_.size()) - 1;
+  }
+
+  void add_other_lights() {
+    for (const PointLight& point : scene_.point_lights) {
+      if (is_black(point.intensity)) continue;
+      need(FEATURE_POINT_LIGHTS);
+      Light light{};
+      light.kind = LIGHT_POINT;
+      light.p0 = to_vec3(point.position - center_);
+      light.radiance = to_vec3(point.intensity);
+      lights_.push_back(light);
+      power_.push_back(4 * std::numbers::pi * mean(point.intensity));
+    }
+    h_.environment = -1;
+    if (scene_.environment && !is_black(scene_.environment->radiance)) {
+      need(FEATURE_ENVIRONMENT);
+      Light light{};
+      light.kind = LIGHT_ENVIRONMENT;
+      light.radiance = to_vec3(scene_.environment->radiance);
+      h_.environment = int(lights_.size());
+      lights_.push_back(light);
+      power_.push_back(std::max(radius_ * radius_, 1e-30) * std::numbers::pi * std::numbers::pi *
+                       mean(scene_.environment->radiance));
+    }
+    if (!lights_.empty()) set_light_probabilities(lights_, power_);
+  }
+
+  void set_camera() {
+    const PerspectiveCamera& camera = scene_.camera;
+    const double w = scene_.film.width, h = scene_.film.height;
+    const double tangent = std::tan(0.5 * camera.fov * std::numbers::pi / 180);
+    const bool along_x = camera.fov_axis == FovAxis::kX || (camera.fov_axis == FovAxis::kSmaller && w <= h) ||
+                         (camera.fov_axis == FovAxis::kLarger && w > h);
+    const double tan_x = camera.fov_axis == FovAxis::kDiagonal ? tangent * w / std::hypot(w, h)
+                         : along_x                             ? tangent
+                                                               : tangent * w / h;
+    const glm::dmat3 axes(camera.to_world);
+    h_.camera_origin = to_vec3(glm::dvec3(camera.to_world[3]) - center_);
+    h_.camera_x = to_vec3(glm::normalize(axes[0]) * tan_x);
+    h_.camera_y = to_vec3(glm::normalize(axes[1]) * (tan_x * h / w));
+    h_.camera_z = to_vec3(glm::normalize(axes[2]));
+    h_.near_clip = float(camera.near_clip);
+    h_.far_clip = float(camera.far_clip);
+  }
+
+  void set_film() {
+    const Film& film = scene_.film;
+    h_.film_width = film.width;
+    h_.film_height = film.height;
+    h_.filter = film.filter == FilterKind::kBox    ? FILTER_BOX
+                : film.filter == FilterKind::kTent ? FILTER_TENT
+                                                   : FILTER_TABULATED;
+    h_.filter_radius = film.filter_radius;
+    h_.sampler = int(scene_.sampler.kind);
+    h_.spp = scene_.sampler.spp;
+    h_.seed = scene_.sampler.seed;
+  }
+
+  void set_integrator() {
+    static_assert(int(SamplerKind::kSobol) == SAMPLER_SOBOL && int(IntegratorKind::kPath) == INTEGRATOR_PATH &&
+                  int(DirectSampling::kMis) == SAMPLING_MIS && int(MisHeuristic::kPower) == HEURISTIC_POWER &&
+                  int(BsdfSampling::kUniform) == DIRECTION_UNIFORM);
+    const IntegratorSettings& integrator = scene_.integrator;
+    h_.integrator = int(integrator.kind);
+    need(integrator.kind == IntegratorKind::kPath ? FEATURE_PATH : FEATURE_DIRECT);
+    h_.max_depth = integrator.max_depth < 0 ? INT_MAX : integrator.max_depth;
+    h_.rr_depth = integrator.rr_depth;
+    h_.direct_sampling = int(integrator.direct_sampling);
+    h_.emitter_samples = integrator.emitter_samples;
+    h_.bsdf_samples = integrator.bsdf_samples;
+    h_.bsdf_sampling = int(integrator.bsdf_sampling);
+    h_.emitter_sampling = integrator.emitter_sampling == EmitterSampling::kArea ? EMITTER_AREA : EMITTER_SOLID_ANGLE;
+    h_.heuristic = int(integrator.heuristic);
+    h_.hide_emitters = integrator.hide_emitters ? 1 : 0;
+    const bool any_triangle =
+        std::any_of(lights_.begin(), lights_.end(), [](const Light& l) { return l.kind == LIGHT_TRIANGLE; });
+    if (integrator.emitter_sampling == EmitterSampling::kSolidAngle && any_triangle) need(FEATURE_SOLID_ANGLE);
+  }
+
+  Expected<void> choose_intersector() {
+    h_.scene_radius = float(radius_);
+    const bool small = collect_corners();
+    h_.intersector = options_.intersector == IntersectorChoice::kEmbree ||
+                             (options_.intersector == IntersectorChoice::kAuto && !small)
+                         ? INTERSECTOR_EMBREE
+                         : INTERSECTOR_PORTABLE;
+    if (h_.intersector == INTERSECTOR_PORTABLE && !small) {
+      Expected<Hierarchy> hierarchy = build_hierarchy(triangles_, quadrics_);
+      if (!hierarchy) return std::unexpected(hierarchy.error());
+      hierarchy_ = std::move(*hierarchy);
+      need(FEATURE_BVH);
+    }
+    if (h_.intersector != INTERSECTOR_PORTABLE || !small) {
+      corners_.clear();
+      vertices_.clear();
+    }
+    return {};
+  }
+
+  /// Distinct vertices and the triangles over them; false if the scene is too large to be tested whole.
+  bool collect_corners() {
+    if (triangles_.size() > kMaxWholeTriangles || quadrics_.size() > kMaxWholeQuadrics) return false;
+    std::map<std::array<float, 3>, int> index;
+    const auto find = [&](const vec3& p) {
+      const auto [at, added] = index.try_emplace({p.x, p.y, p.z}, int(vertices_.size()));
+      if (added) vertices_.push_back(p);
+      return at->second;
+    };
+    for (const Triangle& t : triangles_) corners_.push_back({find(t.p0), find(t.p1), find(t.p2)});
+    return vertices_.size() <= MAX_WHOLE_VERTICES;
+  }
+
+  /// Appends a table at a multiple of 16 words, so that its vectors are aligned; with `dummy` an empty one gets a record
+  /// that kernels may read unasked.
+  template <typename T>
+  std::uint32_t store(std::vector<T> records, int& count, bool dummy = false) {
+    count = int(records.size());
+    if (records.empty() && dummy) records.push_back(T{});
+    out_.words.resize((out_.words.size() + 15) / 16 * 16);
+    const std::size_t offset = out_.words.size();
+    out_.words.resize(offset + records.size() * (sizeof(T) / 4));
+    if (!records.empty()) std::memcpy(out_.words.data() + offset, records.data(), records.size() * sizeof(T));
+    return std::uint32_t(offset);
+  }
+
+  void store_tables() {
+    h_.triangles = store(triangles_, h_.triangle_count, true);
+    h_.normals = store(normals_, h_.normals_count, (h_.features & FEATURE_SHADING_NORMALS) != 0);
+    h_.quadrics = store(quadrics_, h_.quadric_count, (h_.features & FEATURE_QUADRICS) != 0);
+    h_.materials = store(materials_, h_.material_count);
+    h_.lights = store(lights_, h_.light_count, true);
+    h_.vertices = store(vertices_, h_.vertex_count);
+    h_.corners = store(corners_, h_.corner_count);
+    h_.nodes = store(hierarchy_.nodes, h_.node_count);
+    h_.triangle_leaves = store(hierarchy_.triangle_leaves, h_.triangle_leaf_count);
+    h_.quadric_leaves = store(hierarchy_.quadric_leaves, h_.quadric_leaf_count);
+    int cells;
+    h_.filter_table = store(filter_table(scene_.film), cells);
+    // Native variants with more features than the scene's read record 0 of these tables too.
+    out_.words.resize(out_.words.size() + (sizeof(VertexNormals) + sizeof(Quadric)) / 4);
+  }
+
+  const SceneDescription& scene_;
+  const DeviceSceneOptions& options_;
+  DeviceScene out_;
+  SceneHeader& h_ = out_.header;
+  glm::dvec3 center_{0};
+  double radius_ = 0;
+  std::vector<Material> materials_;
+  std::vector<Triangle> triangles_;
+  std::vector<VertexNormals> normals_;
+  std::vector<Quadric> quadrics_;
+  std::vector<Light> lights_;
+  std::vector<double> power_;
+  std::vector<vec3> vertices_;
+  std::vector<Corner> corners_;
+  Hierarchy hierarchy_;
+  std::size_t degenerate_ = 0;
+  std::string problem_;
+};
+
+}  // namespace
+
+Expected<DeviceScene> build_device_scene(const SceneDescription& scene, const DeviceSceneOptions& options) {
+  return Builder(scene, options).build();
+}
+
+}  // namespace penumbra

@@ -1,0 +1,33 @@
+#include "worker/device.h"
+
+#include <array>
+
+#include "kernels/host/native_kernels.h"
+#include "worker/native_device.h"
+#include "worker/opencl_device.h"
+
+namespace penumbra {
+namespace {
+
+constexpr std::array<std::string_view, 3> kIsaNames{"sse2", "avx2", "avx512"};
+
+}  // namespace
+
+std::string_view isa_name(Isa isa) { return kIsaNames[std::size_t(isa)]; }
+
+Expected<Isa> isa_from_name(std::string_view name) {
+  for (std::size_t i = 0; i < kIsaNames.size(); ++i)
+    if (kIsaNames[i] == name) return Isa(i);
+  return fail("unknown instruction set '" + std::string(name) + "'; known: sse2, avx2, avx512");
+}
+
+Isa best_isa() {
+  if (machine_has(KernelTarget::kAvx512)) return Isa::kAvx512;
+  return machine_has(KernelTarget::kAvx2) ? Isa::kAvx2 : Isa::kSse2;
+}
+
+Expected<std::unique_ptr<Device>> make_device(const DeviceScene& scene, const DeviceOptions& options) {
+  return options.backend == Backend::kOpenCl ? make_opencl_device(scene, options) : make_native_device(scene, options);
+}
+
+}  // namespace penumbra

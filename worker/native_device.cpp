@@ -1,0 +1,203 @@
+#include "worker/native_device.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <cstdlib>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "kernels/host/native_kernels.h"
+#include "worker/embree_tracer.h"
+
+namespace penumbra {
+namespace {
+
+// Enough paths that compaction leaves few lanes idle; their state stays in a second-level cache of 1 MiB.
+constexpr int kBlockPaths = 4096;
+
+KernelTarget target_of(const DeviceOptions& options) {
+  if (options.block_of_one) return KernelTarget::kScalar;
+  switch (options.isa) {
+    case Isa::kSse2:
+      return KernelTarget::kSse2;
+    case Isa::kAvx2:
+      return KernelTarget::kAvx2;
+    case Isa::kAvx512:
+      return KernelTarget::kAvx512;
+  }
+  return KernelTarget::kSse2;
+}
+
+struct Free {
+  void operator()(void* p) const { std::free(p); }
+};
+
+/// One thread's block. The arrays are aligned to cache lines.
+class BlockMemory {
+ public:
+  BlockMemory(int capacity, int slot_capacity)
+      : floats_(allocate<float>(std::size_t(STATE_FLOATS) * std::size_t(capacity))),
+        ints_(allocate<int>(std::size_t(STATE_INTS) * std::size_t(capacity))),
+        slots_(allocate<float>(std::size_t(SLOT_FLOAT_COUNT) * std::size_t(slot_capacity))),
+        capacity_(capacity),
+        slot_capacity_(slot_capacity) {}
+
+  [[nodiscard]] Block block() const { return {floats_.get(), ints_.get(), slots_.get(), capacity_, slot_capacity_}; }
+
+ private:
+  template <typename T>
+  static std::unique_ptr<T[], Free> allocate(std::size_t count) {
+    const std::size_t bytes = (count * sizeof(T) + 63) / 64 * 64;
+    T* memory = static_cast<T*>(std::aligned_alloc(64, bytes));
+    if (!memory) throw std::bad_alloc();
+    std::fill_n(memory, count, T{});  // lanes that no path ever used hold numbers too
+    return std::unique_ptr<T[], Free>(memory);
+  }
+
+  std::unique_ptr<float[], Free> floats_;
+  std::unique_ptr<int[], Free> ints_;
+  std::unique_ptr<float[], Free> slots_;
+  int capacity_, slot_capacity_;
+};
+
+/// Threads that wait for work: a unit is a few milliseconds, too short to start threads for it.
+class ThreadTeam {
+ public:
+  explicit ThreadTeam(int size) {
+    for (int i = 1; i < size; ++i) threads_.emplace_back([this, i] { serve(i); });
+  }
+  ~ThreadTeam() {
+    {
+      const std::lock_guard lock(mutex_);
+      stopping_ = true;
+    }
+    start_.notify_all();
+    for (std::thread& thread : threads_) thread.join();
+  }
+  ThreadTeam(const ThreadTeam&) = delete;
+  ThreadTeam& operator=(const ThreadTeam&) = delete;
+
+  [[nodiscard]] int size() const { return int(threads_.size()) + 1; }
+
+  /// Calls work(0) ... work(size - 1), the first on the calling thread, and waits for all.
+  void run(const std::function<void(int)>& work) {
+    {
+      const std::lock_guard lock(mutex_);
+      work_ = &work;
+      running_ = int(threads_.size());
+      ++generation_;
+    }
+    start_.notify_all();
+    work(0);
+    std::unique_lock lock(mutex_);
+    done_.wait(lock, [this] { return running_ == 0; });
+  }
+
+ private:
+  void serve(int index) {
+    int seen = 0;
+    for (;;) {
+      const std::function<void(int)>* work;
+      {
+        std::unique_lock lock(mutex_);
+        start_.wait(lock, [&] { return stopping_ || generation_ != seen; });
+        if (stopping_) return;
+        seen = generation_;
+        work = work_;
+      }
+      (*work)(index);
+      const std::lock_guard lock(mutex_);
+      if (--running_ == 0) done_.notify_one();
+    }
+  }
+
+  std::vector<std::thread> threads_;
+  std::mutex mutex_;
+  std::condition_variable start_, done_;
+  const std::function<void(int)>* work_ = nullptr;
+  int generation_ = 0, running_ = 0;
+  bool stopping_ = false;
+};
+
+class NativeDevice final : public Device {
+ public:
+  NativeDevice(const DeviceScene& scene, const DeviceOptions& options, const NativeKernel& kernel,
+               std::unique_ptr<EmbreeTracer> tracer)
+      : scene_(scene), options_(options), kernel_(kernel), tracer_(std::move(tracer)), team_(std::max(1, options.threads)) {}
+
+  std::string description() const override {
+    return fmt::format("native {}{}, {} kernels, {} intersector, {} thread{}", isa_name(options_.isa),
+                       options_.block_of_one ? " (block of one)" : "", kernel_.features_name,
+                       tracer_ ? "Embree" : "portable", team_.size(), team_.size() == 1 ? "" : "s");
+  }
+
+  Expected<SampleBuffer> render(const RenderUnit& unit) override {
+    if (unit.width <= 0 || unit.height <= 0 || unit.sample_count == 0 || unit.sample_count > kMaxSamplesPerUnit)
+      return fail(fmt::format("a unit of {}x{} pixels with {} samples cannot be rendered; samples go from 1 to {}",
+                              unit.width, unit.height, unit.sample_count, kMaxSamplesPerUnit));
+    SampleBuffer result;
+    result.width = unit.width;
+    result.height = unit.height;
+    result.sample_count = unit.sample_count;
+    result.planes = (scene_.header.features & FEATURE_LAYERS) != 0u ? kSampleBufferPlanes : kRadiancePlanes;
+    result.values.resize(std::size_t(result.planes) * result.pixels());
+
+    const int samples = int(unit.sample_count);
+    const int capacity = options_.block_of_one ? 1 : kBlockPaths;
+    const int pixels = int(result.pixels());
+    // Smaller blocks when there would be fewer than threads.
+    const int share = (pixels + team_.size() - 1) / team_.size();
+    const int block_pixels = options_.block_of_one ? 1 : std::max(1, std::min(kBlockPaths / samples, share));
+    while (blocks_.size() < std::size_t(team_.size())) blocks_.emplace_back(capacity, kBlockPaths);
+
+    const Unit portable{unit.x, unit.y, unit.width, unit.height, unit.first_sample, samples};
+    const Tracer tracer = tracer_ ? tracer_->tracer() : Tracer{};
+    std::atomic<int> next{0};
+    std::atomic<std::uint64_t> nans{0}, infinities{0};
+    team_.run([&](int thread) {
+      const Block block = blocks_[std::size_t(thread)].block();
+      uint bad[2] = {0, 0};
+      for (int first; (first = next.fetch_add(block_pixels)) < pixels;)
+        kernel_.render_block(scene_.header, scene_.words.data(), tracer, portable, first,
+                             std::min(block_pixels, pixels - first), block, result.values.data(), bad);
+      nans += bad[0];
+      infinities += bad[1];
+    });
+    result.nan_samples = nans;
+    result.infinite_samples = infinities;
+    return result;
+  }
+
+ private:
+  const DeviceScene& scene_;
+  DeviceOptions options_;
+  const NativeKernel& kernel_;
+  std::unique_ptr<EmbreeTracer> tracer_;
+  ThreadTeam team_;
+  std::vector<BlockMemory> blocks_;
+};
+
+}  // namespace
+
+Expected<std::unique_ptr<Device>> make_native_device(const DeviceScene& scene, const DeviceOptions& options) {
+  const KernelTarget target = target_of(options);
+  if (!machine_has(target))
+    return fail(fmt::format("this machine lacks {}; it has up to {} (--isa)", isa_name(options.isa), isa_name(best_isa())));
+  const NativeKernel* kernel = find_native_kernel(target, scene.header.features);
+  if (!kernel) return fail("no native kernels for this scene's features");
+  std::unique_ptr<EmbreeTracer> tracer;
+  if (scene.header.intersector == INTERSECTOR_EMBREE) {
+    Expected<std::unique_ptr<EmbreeTracer>> made = EmbreeTracer::make(scene, options);
+    if (!made) return std::unexpected(made.error());
+    tracer = std::move(*made);
+  }
+  return std::make_unique<NativeDevice>(scene, options, *kernel, std::move(tracer));
+}
+
+}  // namespace penumbra

@@ -1,0 +1,13 @@
+// Renders on this machine's cores, a block per thread.
+#pragma once
+
+#include <memory>
+
+#include "worker/device.h"
+
+namespace penumbra {
+
+/// Errors: an instruction set that the machine lacks, no memory for the blocks, Embree does not start.
+Expected<std::unique_ptr<Device>> make_native_device(const DeviceScene& scene, const DeviceOptions& options);
+
+}  // namespace penumbra

@@ -1,0 +1,198 @@
+#include "worker/opencl_device.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
+
+#include "kernels/unit.h"
+#include "worker/opencl_program.h"
+
+namespace penumbra {
+namespace {
+
+struct BlockShape {
+  int lanes;
+  int paths;  ///< under way at once in a work item
+};
+// A CPU vectorises lane loops inside a work item; a GPU runs a work item a lane.
+constexpr BlockShape kCpuShape{16, 4096};
+constexpr BlockShape kGpuShape{1, 1};
+constexpr int kSlots = 4096;            // samples of a CPU block
+constexpr int kGpuItems = 1 << 14;      // work items of one launch on a GPU, a pixel each
+
+class OpenClDevice final : public Device {
+ public:
+  static Expected<std::unique_ptr<Device>> make(const DeviceScene& scene, const DeviceOptions& options) {
+    if (scene.header.intersector == INTERSECTOR_EMBREE)
+      return fail("OpenCL kernels trace with the portable intersector; use --intersector portable with --backend opencl");
+    Expected<OpenClDeviceInfo> info = find_opencl_device(options.opencl_device);
+    if (!info) return std::unexpected(info.error());
+    std::unique_ptr<OpenClDevice> device(new OpenClDevice(*info));
+    if (Expected<void> done = device->set_up(scene, options.threads); !done) return std::unexpected(done.error());
+    return device;
+  }
+
+  std::string description() const override {
+    return fmt::format("OpenCL {} ({}), features {:#x}, {} work items", info_.name, info_.platform, features_, items_);
+  }
+
+  Expected<SampleBuffer> render(const RenderUnit& unit) override {
+    if (unit.width <= 0 || unit.height <= 0 || unit.sample_count == 0 || unit.sample_count > kMaxSamplesPerUnit)
+      return fail(fmt::format("a unit of {}x{} pixels with {} samples cannot be rendered; samples go from 1 to {}",
+                              unit.width, unit.height, unit.sample_count, kMaxSamplesPerUnit));
+    SampleBuffer result;
+    result.width = unit.width;
+    result.height = unit.height;
+    result.sample_count = unit.sample_count;
+    result.planes = (features_ & FEATURE_LAYERS) != 0u ? kSampleBufferPlanes : kRadiancePlanes;
+    result.values.resize(std::size_t(result.planes) * result.pixels());
+    if (Expected<void> ready = reserve(unit, result.values.size() * sizeof(float)); !ready)
+      return std::unexpected(ready.error());
+
+    const int pixels = int(result.pixels());
+    const int samples = int(unit.sample_count);
+    // As few pixels a block as keep every work item busy, as many as a block's samples allow.
+    const int share = (pixels + items_ - 1) / items_;
+    const int block_pixels = info_.is_cpu ? std::max(1, std::min(kSlots / samples, share)) : 1;
+    for (int first = 0; first < pixels; first += block_pixels * items_) {
+      const int left = (pixels - first + block_pixels - 1) / block_pixels;
+      const std::size_t global = std::size_t(std::min(items_, left)), local = 1;
+      set_arguments(unit, first, block_pixels);
+      const cl_int status = clEnqueueNDRangeKernel(queue_.get(), kernel_.get(), 1, nullptr, &global,
+                                                   info_.is_cpu ? &local : nullptr, 0, nullptr, nullptr);
+      if (status != CL_SUCCESS) return fail("cannot launch a kernel on " + info_.name + ": " + opencl_error_text(status));
+      // Counters are per work item and launch: read before the next launch reuses them.
+      std::vector<cl_uint> bad(2 * global);
+      if (Expected<void> read_back = read(bad_.get(), bad.data(), bad.size() * sizeof(cl_uint)); !read_back)
+        return std::unexpected(read_back.error());
+      for (std::size_t i = 0; i < bad.size(); i += 2) {
+        result.nan_samples += bad[i];
+        result.infinite_samples += bad[i + 1];
+      }
+      if (std::any_of(bad.begin(), bad.end(), [](cl_uint n) { return n != 0; })) clear_counters();
+    }
+    if (Expected<void> read_back = read(out_.get(), result.values.data(), result.values.size() * sizeof(float)); !read_back)
+      return std::unexpected(read_back.error());
+    return result;
+  }
+
+ private:
+  explicit OpenClDevice(OpenClDeviceInfo info)
+      : info_(std::move(info)), shape_(info_.is_cpu ? kCpuShape : kGpuShape) {}
+
+  Expected<void> set_up(const DeviceScene& scene, int threads) {
+    cl_int status = CL_SUCCESS;
+    cl_device_id device = info_.id;
+    if (info_.is_cpu) device = part_of_device(threads);
+    context_.reset(clCreateContext(nullptr, 1, &device, nullptr, nullptr, &status));
+    if (status != CL_SUCCESS) return fail("cannot use " + info_.name + ": " + opencl_error_text(status));
+    queue_.reset(clCreateCommandQueue(context_.get(), device, 0, &status));
+    if (status != CL_SUCCESS) return fail("cannot use " + info_.name + ": " + opencl_error_text(status));
+    info_.id = device;
+    features_ = scene.header.features;
+    Expected<ClProgram> program = compile_kernels(context_.get(), info_, features_, shape_.lanes);
+    if (!program) return std::unexpected(program.error());
+    program_ = std::move(*program);
+    kernel_.reset(clCreateKernel(program_.get(), "render_blocks", &status));
+    if (status != CL_SUCCESS) return fail("cannot create the kernel: " + opencl_error_text(status));
+    items_ = info_.is_cpu ? std::max(1, threads) : kGpuItems;
+    if (Expected<void> done = upload(header_, &scene.header, sizeof scene.header); !done) return done;
+    return upload(words_, scene.words.data(), scene.words.size() * 4);
+  }
+
+  /// As many of a CPU device's cores as the worker may use, where the device can be divided.
+  cl_device_id part_of_device(int threads) {
+    if (threads <= 0 || unsigned(threads) >= info_.compute_units) return info_.id;
+    const cl_device_partition_property by_counts[] = {CL_DEVICE_PARTITION_BY_COUNTS, threads,
+                                                      CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
+    cl_device_id part = nullptr;
+    if (clCreateSubDevices(info_.id, by_counts, 1, &part, nullptr) == CL_SUCCESS) {
+      sub_device_.reset(part);
+      return part;
+    }
+    return info_.id;
+  }
+
+  Expected<void> upload(ClBuffer& buffer, const void* data, std::size_t bytes) {
+    cl_int status = CL_SUCCESS;
+    buffer.reset(clCreateBuffer(context_.get(), CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, std::max<std::size_t>(bytes, 4),
+                                const_cast<void*>(data), &status));
+    if (status != CL_SUCCESS)
+      return fail(fmt::format("cannot copy {} bytes of the scene to {}: {}", bytes, info_.name, opencl_error_text(status)));
+    return {};
+  }
+
+  Expected<void> allocate(ClBuffer& buffer, std::size_t bytes) {
+    cl_int status = CL_SUCCESS;
+    buffer.reset(clCreateBuffer(context_.get(), CL_MEM_READ_WRITE, bytes, nullptr, &status));
+    if (status != CL_SUCCESS)
+      return fail(fmt::format("cannot allocate {} bytes on {}: {}", bytes, info_.name, opencl_error_text(status)));
+    const cl_uint zero = 0;  // lanes that no path ever used hold numbers too
+    clEnqueueFillBuffer(queue_.get(), buffer.get(), &zero, sizeof zero, 0, bytes / 4 * 4, 0, nullptr, nullptr);
+    return {};
+  }
+
+  /// Block memory for units of this many samples, and the result's.
+  Expected<void> reserve(const RenderUnit& unit, std::size_t out_bytes) {
+    const int slots = info_.is_cpu ? kSlots : int(unit.sample_count);
+    if (slots > slots_) {
+      slots_ = slots;
+      const std::size_t paths = std::size_t(items_) * std::size_t(shape_.paths);
+      for (auto [buffer, bytes] : {std::pair{&floats_, paths * STATE_FLOATS * 4}, std::pair{&ints_, paths * STATE_INTS * 4},
+                                   std::pair{&slot_memory_, std::size_t(items_) * std::size_t(slots) * SLOT_FLOAT_COUNT * 4},
+                                   std::pair{&bad_, std::size_t(items_) * 8}})
+        if (Expected<void> done = allocate(*buffer, bytes); !done) return done;
+    }
+    if (out_bytes > out_bytes_) {
+      if (Expected<void> done = allocate(out_, out_bytes); !done) return done;
+      out_bytes_ = out_bytes;
+    }
+    return {};
+  }
+
+  void clear_counters() {
+    const cl_uint zero = 0;
+    clEnqueueFillBuffer(queue_.get(), bad_.get(), &zero, sizeof zero, 0, std::size_t(items_) * 8, 0, nullptr, nullptr);
+  }
+
+  void set_arguments(const RenderUnit& unit, int first_pixel, int block_pixels) {
+    cl_uint at = 0;
+    const auto set = [&](const auto& value) { clSetKernelArg(kernel_.get(), at++, sizeof value, &value); };
+    const auto set_buffer = [&](const ClBuffer& buffer) { set(static_cast<cl_mem>(buffer.get())); };
+    set_buffer(header_);
+    set_buffer(words_);
+    for (int value : {unit.x, unit.y, unit.width, unit.height, int(unit.first_sample), int(unit.sample_count), first_pixel,
+                      block_pixels, shape_.paths, slots_})
+      set(value);
+    for (const ClBuffer* buffer : {&floats_, &ints_, &slot_memory_, &out_, &bad_}) set_buffer(*buffer);
+  }
+
+  Expected<void> read(cl_mem buffer, void* to, std::size_t bytes) {
+    const cl_int status = clEnqueueReadBuffer(queue_.get(), buffer, CL_TRUE, 0, bytes, to, 0, nullptr, nullptr);
+    if (status != CL_SUCCESS) return fail("cannot read back from " + info_.name + ": " + opencl_error_text(status));
+    return {};
+  }
+
+  OpenClDeviceInfo info_;
+  BlockShape shape_;
+  int items_ = 1, slots_ = 0;
+  std::size_t out_bytes_ = 0;
+  std::uint32_t features_ = 0;
+  ClHandle<cl_device_id, clReleaseDevice> sub_device_;
+  ClContext context_;
+  ClQueue queue_;
+  ClProgram program_;
+  ClKernel kernel_;
+  ClBuffer header_, words_, floats_, ints_, slot_memory_, out_, bad_;
+};
+
+}  // namespace
+
+Expected<std::unique_ptr<Device>> make_opencl_device(const DeviceScene& scene, const DeviceOptions& options) {
+  return OpenClDevice::make(scene, options);
+}
+
+}  // namespace penumbra
