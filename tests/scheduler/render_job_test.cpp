@@ -99,6 +99,7 @@ class RenderJobTest : public testing::Test {
 };
 
 TEST_F(RenderJobTest, TheFilmIsTheSameForAnyNumberOfWorkers) {
+  FakeBehaviour{.delay_ms = 5}.to_environment();
   for (const int workers : {1, 2, 5}) {
     SCOPED_TRACE(workers);
     const Expected<RenderOutcome> outcome = render(job(workers));
@@ -108,11 +109,16 @@ TEST_F(RenderJobTest, TheFilmIsTheSameForAnyNumberOfWorkers) {
     EXPECT_EQ(outcome->passes_finished, 3u);
     EXPECT_LE(outcome->workers.size(), std::size_t(workers));
     std::uint64_t samples = 0;
+    int busy = 0;
     for (const WorkerShare& share : outcome->workers) {
       samples += share.samples;
+      if (share.units == 0) continue;  // it came too late
+      ++busy;
       EXPECT_EQ(share.device, "fake");
+      EXPECT_GT(share.busy_seconds, 0);
       EXPECT_GT(share.peak_memory_bytes, 1u << 20);
     }
+    EXPECT_GE(busy, std::min(workers, 2));
     EXPECT_EQ(samples, std::uint64_t(kWidth) * kHeight * kSpp);
   }
 }

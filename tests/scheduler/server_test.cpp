@@ -1,0 +1,231 @@
+// What the server makes of workers that are old, confused or malicious: a raw gRPC client plays them.
+#include "scheduler/server.h"
+
+#include <gmock/gmock.h>
+#include <grpcpp/create_channel.h>
+
+#include "scheduler/private_socket.h"
+#include "scheduler/protocol/wire.h"
+#include "tests/support/fake_samples.h"
+
+namespace penumbra {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+using Stream = grpc::ClientReaderWriter<wire::WorkerMessage, wire::SchedulerMessage>;
+
+constexpr UnitId kUnit{.image = 0, .pass = 2, .tile = 3};
+constexpr RenderUnit kArea{.x = 16, .y = 32, .width = 5, .height = 4, .first_sample = 8, .sample_count = 3};
+
+class ServerTest : public testing::Test {
+ protected:
+  ServerTest() : server_(Server::listen(socket_.address()).value()) {
+    stub_ = wire::Farm::NewStub(grpc::CreateChannel(socket_.address(), grpc::InsecureChannelCredentials()));
+    stream_ = stub_->Work(&context_);
+  }
+  ~ServerTest() override { context_.TryCancel(); }
+
+  void say_hello(std::uint32_t version = kProtocolVersion) {
+    wire::WorkerMessage message;
+    message.mutable_hello()->set_protocol_version(version);
+    message.mutable_hello()->set_host("here");
+    message.mutable_hello()->set_pid(42);
+    stream_->Write(message);
+  }
+
+  template <typename T>
+  T next() {
+    std::optional<Arrival> arrival = server_->next(5s);
+    EXPECT_TRUE(arrival && std::holds_alternative<T>(*arrival));
+    return arrival && std::holds_alternative<T>(*arrival) ? std::get<T>(std::move(*arrival)) : T{};
+  }
+
+  /// Hello, and one unit from the server.
+  WorkerId connect_and_take_a_unit() {
+    say_hello();
+    const WorkerId worker = next<arrivals::Connected>().worker;
+    server_->send_unit(worker, kUnit, kArea, kRadiancePlanes);
+    wire::SchedulerMessage message;
+    EXPECT_TRUE(stream_->Read(&message));
+    EXPECT_TRUE(message.has_unit());
+    EXPECT_EQ(decode(message.unit().id()), kUnit);
+    job_ = message.unit().job();
+    return worker;
+  }
+
+  wire::WorkerMessage good_result() const {
+    wire::WorkerMessage message;
+    message.mutable_result()->set_job(job_);
+    encode(kUnit, *message.mutable_result()->mutable_id());
+    encode(fake_samples(kArea, kRadiancePlanes), *message.mutable_result());
+    return message;
+  }
+
+  std::string why_rejected(const wire::WorkerMessage& message) {
+    stream_->Write(message);
+    return next<arrivals::BadResult>().why;
+  }
+
+  PrivateSocket socket_ = PrivateSocket::create().value();
+  std::unique_ptr<Server> server_;
+  std::unique_ptr<wire::Farm::Stub> stub_;
+  grpc::ClientContext context_;
+  std::unique_ptr<Stream> stream_;
+  std::uint32_t job_ = 0;
+};
+
+TEST_F(ServerTest, AnotherProtocolVersionIsRefusedWithTheReason) {
+  say_hello(kProtocolVersion + 1);
+  wire::SchedulerMessage message;
+  ASSERT_TRUE(stream_->Read(&message));
+  ASSERT_TRUE(message.has_refused());
+  EXPECT_THAT(message.refused().reason(),
+              HasSubstr("the worker speaks protocol version 2, this side version 1"));
+  EXPECT_FALSE(stream_->Read(&message));
+  EXPECT_EQ(stream_->Finish().error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_FALSE(server_->next(50ms)) << "the plan must not hear of it";
+}
+
+TEST_F(ServerTest, AWorkerMustSayHelloFirst) {
+  wire::WorkerMessage message;
+  message.mutable_ready()->set_job(1);
+  stream_->Write(message);
+  wire::SchedulerMessage answer;
+  EXPECT_FALSE(stream_->Read(&answer));
+  EXPECT_EQ(stream_->Finish().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(ServerTest, AnEmptyMessageEndsTheConnection) {
+  say_hello();
+  next<arrivals::Connected>();
+  stream_->Write(wire::WorkerMessage());
+  next<arrivals::Gone>();
+  wire::SchedulerMessage answer;
+  EXPECT_FALSE(stream_->Read(&answer));
+  EXPECT_EQ(stream_->Finish().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(ServerTest, AGoodResultArrivesAsItIs) {
+  const WorkerId worker = connect_and_take_a_unit();
+  wire::WorkerMessage message = good_result();
+  message.mutable_result()->set_busy_seconds(1.5);
+  stream_->Write(message);
+  const auto result = next<arrivals::Result>();
+  EXPECT_EQ(result.worker, worker);
+  EXPECT_EQ(result.unit, kUnit);
+  EXPECT_EQ(result.buffer.values, fake_samples(kArea, kRadiancePlanes).values);
+  EXPECT_EQ(result.buffer.sample_count, 3u);
+  EXPECT_EQ(result.busy_seconds, 1.5);
+}
+
+TEST_F(ServerTest, AFlippedBitIsNoticed) {
+  connect_and_take_a_unit();
+  wire::WorkerMessage message = good_result();
+  (*message.mutable_result()->mutable_values())[7] ^= 1;
+  EXPECT_THAT(why_rejected(message), HasSubstr("checksum"));
+}
+
+TEST_F(ServerTest, MissingBytesAreNoticed) {
+  connect_and_take_a_unit();
+  wire::WorkerMessage message = good_result();
+  message.mutable_result()->mutable_values()->pop_back();
+  EXPECT_THAT(why_rejected(message), HasSubstr("479 bytes of samples instead of 480"));
+}
+
+TEST_F(ServerTest, OtherSizesAreNoticed) {
+  connect_and_take_a_unit();
+  wire::WorkerMessage message = good_result();
+  message.mutable_result()->set_width(-5);
+  EXPECT_THAT(why_rejected(message), HasSubstr("-5 x 4 pixels"));
+}
+
+TEST_F(ServerTest, OtherSampleCountsAreNoticed) {
+  connect_and_take_a_unit();
+  wire::WorkerMessage message = good_result();
+  message.mutable_result()->set_sample_count(0);
+  EXPECT_THAT(why_rejected(message), HasSubstr("0 samples"));
+}
+
+TEST_F(ServerTest, ImpossibleCountsAreNoticed) {
+  connect_and_take_a_unit();
+  wire::WorkerMessage message = good_result();
+  message.mutable_result()->set_nan_samples(61);
+  EXPECT_THAT(why_rejected(message), HasSubstr("61 NaN"));
+}
+
+TEST_F(ServerTest, AResultThatNobodyAskedForIsRejected) {
+  connect_and_take_a_unit();
+  wire::WorkerMessage message = good_result();
+  message.mutable_result()->mutable_id()->set_tile(4);
+  EXPECT_THAT(why_rejected(message), HasSubstr("not asked"));
+}
+
+TEST_F(ServerTest, AResultThatComesTwiceIsRejected) {
+  connect_and_take_a_unit();
+  stream_->Write(good_result());
+  next<arrivals::Result>();
+  EXPECT_THAT(why_rejected(good_result()), HasSubstr("not asked"));
+}
+
+TEST_F(ServerTest, ResultsThatDifferHaveDifferentHashes) {
+  const wire::WorkerMessage good = good_result();
+  wire::WorkerMessage other = good_result();
+  EXPECT_EQ(result_hash(good.result()), result_hash(other.result()));
+  other.mutable_result()->set_nan_samples(good.result().nan_samples() + 1);
+  EXPECT_NE(result_hash(good.result()), result_hash(other.result()));
+  other = good;
+  (*other.mutable_result()->mutable_values())[0] ^= 1;
+  EXPECT_NE(result_hash(good.result()), result_hash(other.result()));
+}
+
+TEST_F(ServerTest, ABrokenStreamIsAWorkerGone) {
+  say_hello();
+  const WorkerId worker = next<arrivals::Connected>().worker;
+  context_.TryCancel();
+  EXPECT_EQ(next<arrivals::Gone>().worker, worker);
+  server_->send_unit(worker, kUnit, kArea, kRadiancePlanes);  // nothing happens
+  server_->dismiss(worker, "");
+}
+
+TEST_F(ServerTest, AssetsComeInSmallPiecesByTheirHash) {
+  std::vector<std::uint8_t> bytes(kAssetChunkBytes * 2 + 5);
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = std::uint8_t(i * 7 + i / 1000);
+  const std::string hash = server_->add_asset(bytes);
+  EXPECT_EQ(hash, content_hash(bytes));
+  EXPECT_EQ(hash.size(), 32u);
+
+  grpc::ClientContext context;
+  wire::AssetRequest request;
+  request.set_hash(hash);
+  const auto reader = stub_->Asset(&context, request);
+  std::vector<std::uint8_t> received;
+  wire::AssetChunk chunk;
+  while (reader->Read(&chunk)) {
+    EXPECT_LE(chunk.data().size(), kAssetChunkBytes);
+    received.insert(received.end(), chunk.data().begin(), chunk.data().end());
+  }
+  EXPECT_TRUE(reader->Finish().ok());
+  EXPECT_EQ(received, bytes);
+}
+
+TEST_F(ServerTest, AnUnknownAssetIsNotFound) {
+  grpc::ClientContext context;
+  wire::AssetRequest request;
+  request.set_hash("0123");
+  const auto reader = stub_->Asset(&context, request);
+  wire::AssetChunk chunk;
+  EXPECT_FALSE(reader->Read(&chunk));
+  const grpc::Status status = reader->Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_THAT(status.error_message(), HasSubstr("0123"));
+}
+
+TEST(Server, AnAddressThatCannotBeListenedOnIsAnError) {
+  const auto server = Server::listen("unix:/no/such/directory/socket");
+  ASSERT_FALSE(server);
+  EXPECT_THAT(server.error().message, HasSubstr("/no/such/directory/socket"));
+}
+
+}  // namespace
+}  // namespace penumbra

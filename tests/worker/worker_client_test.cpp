@@ -1,0 +1,336 @@
+// The worker's side of the wire against a scheduler that is played by the test.
+#include "worker/worker_client.h"
+
+#include <gmock/gmock.h>
+#include <grpcpp/server_builder.h>
+
+#include <future>
+#include <stdexcept>
+#include <thread>
+
+#include "scheduler/private_socket.h"
+#include "scheduler/protocol/wire.h"
+#include "tests/support/fake_device.h"
+#include "tests/support/fake_samples.h"
+
+namespace penumbra {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+using Stream = grpc::ServerReaderWriter<wire::SchedulerMessage, wire::WorkerMessage>;
+
+/// Serves one scene; what happens on the Work stream is the test's script.
+class ScriptedScheduler final : public wire::Farm::Service {
+ public:
+  using Script = std::function<void(Stream&)>;
+
+  ScriptedScheduler(const std::string& address, Script script) : script_(std::move(script)) {
+    grpc::ServerBuilder builder;
+    builder.AddListeningPort(address, grpc::InsecureServerCredentials());
+    builder.RegisterService(this);
+    server_ = builder.BuildAndStart();
+  }
+  ~ScriptedScheduler() override { server_->Shutdown(std::chrono::system_clock::now()); }
+
+  grpc::Status Work(grpc::ServerContext*, Stream* stream) override {
+    script_(*stream);
+    return grpc::Status::OK;
+  }
+  grpc::Status Asset(grpc::ServerContext*, const wire::AssetRequest* request,
+                     grpc::ServerWriter<wire::AssetChunk>* writer) override {
+    if (request->hash() == "nowhere") return {grpc::StatusCode::NOT_FOUND, "no such asset"};
+    wire::AssetChunk chunk;
+    for (std::size_t at = 0; at < asset.size(); at += 100) {
+      chunk.set_data(asset.data() + at, std::min<std::size_t>(100, asset.size() - at));
+      writer->Write(chunk);
+    }
+    return grpc::Status::OK;
+  }
+
+  std::vector<std::uint8_t> asset = fake_scene(100, 80, false).serialize();
+
+ private:
+  Script script_;
+  std::unique_ptr<grpc::Server> server_;
+};
+
+wire::SchedulerMessage job_message(const std::string& hash) {
+  wire::SchedulerMessage message;
+  message.mutable_job()->set_id(5);
+  message.mutable_job()->set_scene(hash);
+  encode(DeviceOptions{.backend = Backend::kNative,
+                       .threads = 3,
+                       .isa = Isa::kAvx2,
+                       .block_of_one = true,
+                       .opencl_device = "anything"},
+         *message.mutable_job()->mutable_device());
+  return message;
+}
+
+wire::SchedulerMessage unit_message(std::uint32_t tile, int width = 4) {
+  wire::SchedulerMessage message;
+  message.mutable_unit()->set_job(5);
+  encode(UnitId{0, 0, tile}, *message.mutable_unit()->mutable_id());
+  encode(
+      RenderUnit{
+          .x = int(tile) * 4, .y = 1, .width = width, .height = 2, .first_sample = 0, .sample_count = 3},
+      *message.mutable_unit());
+  return message;
+}
+
+wire::SchedulerMessage dismissal() {
+  wire::SchedulerMessage message;
+  message.mutable_dismiss()->set_reason("done");
+  return message;
+}
+
+wire::WorkerMessage read(Stream& stream) {
+  wire::WorkerMessage message;
+  EXPECT_TRUE(stream.Read(&message));
+  return message;
+}
+
+class WorkerClientTest : public testing::Test {
+ protected:
+  WorkerClientTest() {
+    options_.address = socket_.address();
+    options_.connect_timeout = 5;
+    options_.make_device = [this](const DeviceScene& scene, const DeviceOptions& device) {
+      device_options_ = device;
+      return make_fake_device(scene, device, behaviour_);
+    };
+  }
+
+  Expected<void> run(ScriptedScheduler::Script script) {
+    ScriptedScheduler scheduler(socket_.address(), std::move(script));
+    if (!asset_.empty()) scheduler.asset = asset_;
+    return run_worker(options_);
+  }
+
+  /// Hello, Job, Ready; then the script goes on.
+  Expected<void> run_ready(ScriptedScheduler::Script script) {
+    return run([&](Stream& stream) {
+      read(stream);
+      stream.Write(job_message(scene_hash_));
+      EXPECT_TRUE(read(stream).has_ready());
+      script(stream);
+    });
+  }
+
+  std::string error_of(const Expected<void>& worked) { return worked ? "none" : worked.error().message; }
+
+  PrivateSocket socket_ = PrivateSocket::create().value();
+  const std::string scene_hash_ = content_hash(fake_scene(100, 80, false).serialize());
+  std::vector<std::uint8_t> asset_;
+  WorkerClientOptions options_;
+  DeviceOptions device_options_;
+  FakeBehaviour behaviour_;
+};
+
+TEST_F(WorkerClientTest, IntroducesItself) {
+  options_.isas = {Isa::kSse2, Isa::kAvx512};
+  wire::Hello hello;
+  const Expected<void> worked = run([&](Stream& stream) {
+    hello = read(stream).hello();
+    stream.Write(dismissal());
+  });
+  EXPECT_TRUE(worked) << error_of(worked);
+  EXPECT_EQ(hello.protocol_version(), kProtocolVersion);
+  EXPECT_EQ(hello.pid(), getpid());
+  EXPECT_FALSE(hello.host().empty());
+  EXPECT_THAT(hello.isas(), testing::ElementsAre(wire::ISA_SSE2, wire::ISA_AVX512));
+}
+
+TEST_F(WorkerClientTest, RendersUnitsInTheirOrder) {
+  std::vector<wire::WorkerMessage> results;
+  const Expected<void> worked = run_ready([&](Stream& stream) {
+    for (const std::uint32_t tile : {7, 3, 5}) stream.Write(unit_message(tile));
+    for (int i = 0; i < 3; ++i) results.push_back(read(stream));
+    stream.Write(dismissal());
+  });
+  EXPECT_TRUE(worked) << error_of(worked);
+  EXPECT_EQ(device_options_.threads, 3);
+  EXPECT_EQ(device_options_.isa, Isa::kAvx2);
+  EXPECT_TRUE(device_options_.block_of_one);
+  EXPECT_EQ(device_options_.opencl_device, "anything");
+  for (int i = 0; i < 3; ++i) {
+    const std::uint32_t tile = std::array{7, 3, 5}[std::size_t(i)];
+    ASSERT_TRUE(results[std::size_t(i)].has_result());
+    const wire::UnitResult& result = results[std::size_t(i)].result();
+    EXPECT_EQ(decode(result.id()), (UnitId{0, 0, tile}));
+    const RenderUnit unit = decode(unit_message(tile).unit()).value();
+    const Expected<SampleBuffer> buffer = decode(result, unit, kRadiancePlanes);
+    ASSERT_TRUE(buffer) << buffer.error().message;
+    EXPECT_EQ(buffer->values, fake_samples(unit, kRadiancePlanes).values);
+    EXPECT_GT(result.peak_memory_bytes(), 1u << 20);
+  }
+}
+
+TEST_F(WorkerClientTest, TheMachinesOwnerHasTheLastWord) {
+  options_.backend = Backend::kOpenCl;
+  options_.threads = 1;
+  options_.isa = Isa::kSse2;
+  options_.opencl_device = "pocl";
+  EXPECT_TRUE(run_ready([](Stream& stream) { stream.Write(dismissal()); }));
+  EXPECT_EQ(device_options_.backend, Backend::kOpenCl);
+  EXPECT_EQ(device_options_.threads, 1);
+  EXPECT_EQ(device_options_.isa, Isa::kSse2);
+  EXPECT_EQ(device_options_.opencl_device, "pocl");
+}
+
+TEST_F(WorkerClientTest, ARefusalIsAnErrorWithTheReason) {
+  const Expected<void> worked = run([](Stream& stream) {
+    read(stream);
+    wire::SchedulerMessage message;
+    message.mutable_refused()->set_reason("the worker speaks protocol version 99");
+    stream.Write(message);
+  });
+  EXPECT_THAT(error_of(worked), HasSubstr("the worker speaks protocol version 99"));
+}
+
+TEST_F(WorkerClientTest, NobodyThereIsAnErrorAfterTheTimeout) {
+  options_.connect_timeout = 0.2;
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_THAT(error_of(run_worker(options_)), HasSubstr("no scheduler answers at " + socket_.address()));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 2s);
+}
+
+TEST_F(WorkerClientTest, ASchedulerThatComesLaterIsFound) {
+  std::unique_ptr<ScriptedScheduler> scheduler;
+  std::thread later([&] {
+    std::this_thread::sleep_for(150ms);
+    scheduler = std::make_unique<ScriptedScheduler>(socket_.address(), [](Stream& stream) {
+      read(stream);
+      stream.Write(dismissal());
+    });
+  });
+  EXPECT_TRUE(run_worker(options_));
+  later.join();
+}
+
+TEST_F(WorkerClientTest, ADamagedSceneIsReported) {
+  asset_ = fake_scene(100, 80, false).serialize();
+  asset_.back() ^= 1;
+  std::string said;
+  const Expected<void> worked = run([&](Stream& stream) {
+    read(stream);
+    stream.Write(job_message(scene_hash_));
+    said = read(stream).job_failed().message();
+  });
+  EXPECT_THAT(said, HasSubstr("damaged"));
+  EXPECT_EQ(error_of(worked), said);
+}
+
+TEST_F(WorkerClientTest, ASceneThatIsNoneIsReported) {
+  asset_ = {'n', 'o', 'n', 'e'};
+  std::string said;
+  run([&](Stream& stream) {
+    read(stream);
+    stream.Write(job_message(content_hash(asset_)));
+    said = read(stream).job_failed().message();
+  });
+  EXPECT_THAT(said, HasSubstr("the scene that came cannot be used"));
+}
+
+TEST_F(WorkerClientTest, ASceneThatIsNotThereIsReported) {
+  std::string said;
+  run([&](Stream& stream) {
+    read(stream);
+    stream.Write(job_message("nowhere"));
+    said = read(stream).job_failed().message();
+  });
+  EXPECT_THAT(said, HasSubstr("no such asset"));
+}
+
+TEST_F(WorkerClientTest, ADeviceThatCannotBeMadeIsReported) {
+  behaviour_.no_device = 1;
+  std::string said;
+  run([&](Stream& stream) {
+    read(stream);
+    stream.Write(job_message(scene_hash_));
+    said = read(stream).job_failed().message();
+  });
+  EXPECT_EQ(said, "there is no fake device today");
+}
+
+TEST_F(WorkerClientTest, AFailedUnitDoesNotEndTheWorker) {
+  behaviour_.fail_at = "4,1,0";
+  std::vector<wire::WorkerMessage> answers;
+  const Expected<void> worked = run_ready([&](Stream& stream) {
+    stream.Write(unit_message(1));
+    stream.Write(unit_message(2));
+    for (int i = 0; i < 2; ++i) answers.push_back(read(stream));
+    stream.Write(dismissal());
+  });
+  EXPECT_TRUE(worked) << error_of(worked);
+  ASSERT_TRUE(answers[0].has_unit_failed());
+  EXPECT_EQ(answers[0].unit_failed().message(), "the fake device was told to fail");
+  EXPECT_EQ(answers[0].unit_failed().id().tile(), 1u);
+  EXPECT_TRUE(answers[1].has_result());
+}
+
+TEST_F(WorkerClientTest, AnExceptionIsAFailedUnit) {
+  class Thrower final : public Device {
+    [[nodiscard]] std::string description() const override { return "thrower"; }
+    Expected<SampleBuffer> render(const RenderUnit&) override { throw std::runtime_error("out of luck"); }
+  };
+  options_.make_device = [](const DeviceScene&, const DeviceOptions&) -> Expected<std::unique_ptr<Device>> {
+    return std::make_unique<Thrower>();
+  };
+  wire::WorkerMessage answer;
+  run_ready([&](Stream& stream) {
+    stream.Write(unit_message(1));
+    answer = read(stream);
+    stream.Write(dismissal());
+  });
+  EXPECT_EQ(answer.unit_failed().message(), "out of luck");
+}
+
+TEST_F(WorkerClientTest, ANonsensicalUnitIsAFailedUnit) {
+  std::vector<std::string> said;
+  run_ready([&](Stream& stream) {
+    for (const int width : {0, -1, kMaxTile + 1}) {
+      stream.Write(unit_message(1, width));
+      said.push_back(read(stream).unit_failed().message());
+    }
+    wire::SchedulerMessage no_samples = unit_message(1);
+    no_samples.mutable_unit()->set_sample_count(0);
+    stream.Write(no_samples);
+    said.push_back(read(stream).unit_failed().message());
+    stream.Write(dismissal());
+  });
+  EXPECT_THAT(said, testing::ElementsAre(HasSubstr("0 x 2 pixels"), HasSubstr("-1 x 2 pixels"),
+                                         HasSubstr("2049 x 2 pixels"), HasSubstr("0 samples")));
+}
+
+TEST_F(WorkerClientTest, ABrokenConnectionIsNoticedInTheMiddleOfAUnit) {
+  behaviour_.delay_ms = 1000;
+  std::promise<std::chrono::steady_clock::time_point> noticed;
+  options_.on_connection_lost = [&](const Error&) { noticed.set_value(std::chrono::steady_clock::now()); };
+  std::chrono::steady_clock::time_point left;
+  run_ready([&](Stream& stream) {
+    stream.Write(unit_message(1));
+    std::this_thread::sleep_for(50ms);
+    left = std::chrono::steady_clock::now();
+  });
+  EXPECT_LT(noticed.get_future().get() - left, 500ms);
+}
+
+TEST_F(WorkerClientTest, AResultLeavesWhileTheNextUnitIsRendered) {
+  behaviour_.delay_ms = 100;
+  std::chrono::steady_clock::time_point first, second;
+  run_ready([&](Stream& stream) {
+    stream.Write(unit_message(1));
+    stream.Write(unit_message(2));
+    read(stream);
+    first = std::chrono::steady_clock::now();
+    read(stream);
+    second = std::chrono::steady_clock::now();
+    stream.Write(dismissal());
+  });
+  EXPECT_GT(second - first, 50ms) << "the first result waited for the second unit";
+}
+
+}  // namespace
+}  // namespace penumbra
