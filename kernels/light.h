@@ -61,7 +61,8 @@ FN float light_pdf(const PRIVATE Scene* scene, int index, vec3 from, float dista
   {
     const vec3 to_center = sub(load3(&light->p0), from);
     const float d2 = dot3(to_center, to_center), r2 = sqr(light->p2.x);
-    const bool cone = (light->kind == LIGHT_SPHERE) & (d2 > r2) & (scene->header.emitter_sampling != EMITTER_AREA);
+    const bool cone = (light->kind == LIGHT_SPHERE) & (light->p2.y > 0.0f) & (d2 > r2) &
+                      (scene->header.emitter_sampling != EMITTER_AREA);
     const float versine = cone_versine(cone ? d2 : 1.0f, cone ? r2 : 0.5f);
     pdf = cone ? 1.0f / (2.0f * PI_F * versine) : pdf;
   }
@@ -106,7 +107,8 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice,
     const vec3 uniform = sample_uniform_sphere(u, v);
     const vec3 to_center = sub(p0, s.p);
     const float d2 = dot3(to_center, to_center), r2 = sqr(radius);
-    const bool cone = sphere & (d2 > r2) & (scene->header.emitter_sampling != EMITTER_AREA);
+    // A sphere that emits inwards is its own receiver: rounding puts points on it to either side of its surface.
+    const bool cone = sphere & (orientation > 0.0f) & (d2 > r2) & (scene->header.emitter_sampling != EMITTER_AREA);
     // A direction in the cone that the sphere subtends, and from it the angle at the sphere's centre.
     const float versine_max = cone_versine(cone ? d2 : 1.0f, cone ? r2 : 0.5f);
     const float versine = u * versine_max;
@@ -142,12 +144,12 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice,
   sample.pdf = direct_pdf > 0.0f ? direct_pdf : area_to_solid_angle(d2, cosine, light->area);
   sample.delta = false;
   sample.radiance = load3(&light->radiance);
-  bool possible = cosine > 0.0f;
+  bool possible = (cosine > 0.0f) & (distance > 0.0f);
 #if HAS(POINT_LIGHTS)
   sample.delta = point;
   sample.pdf = point ? 1.0f : sample.pdf;
   sample.radiance = scale(sample.radiance, point ? 1.0f / d2 : 1.0f);
-  possible = possible | point;
+  possible = possible | (point & (distance > 0.0f));
 #endif
 #if HAS(ENVIRONMENT)
   {
@@ -161,7 +163,7 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice,
   }
 #endif
   sample.pdf *= light->pmf;
-  possible = possible & (sample.pdf > 0.0f) & (distance > 0.0f);
+  possible = possible & (sample.pdf > 0.0f);
   sample.tmax = possible ? sample.tmax : -1.0f;
   return sample;
 }
