@@ -6,7 +6,7 @@
 
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/loaded_scene.h"
-#include "scheduler/outputs/render_record.h"
+#include "scheduler/outputs/report.h"
 
 namespace penumbra {
 namespace {
@@ -17,12 +17,6 @@ struct InfoOptions {
 };
 
 using Section = std::pair<std::string, std::vector<std::pair<std::string, std::string>>>;
-
-std::string bytes_text(std::size_t bytes) {
-  if (bytes < 10240) return fmt::format("{} bytes", bytes);
-  if (bytes < 10485760) return fmt::format("{:.1f} KiB", double(bytes) / 1024);
-  return fmt::format("{:.1f} MiB", double(bytes) / 1048576);
-}
 
 std::size_t device_bytes(const DeviceScene& scene) {
   return sizeof(SceneHeader) + scene.words.size() * sizeof(std::uint32_t);
@@ -55,23 +49,11 @@ std::vector<std::pair<std::string, std::string>> settings_of(const SceneOptions&
   return settings;
 }
 
-std::vector<std::pair<std::string, std::string>> contents_of(const LoadedScene& scene) {
-  const SceneHeader& header = scene.device.header;
-  return {{"shapes", fmt::to_string(scene.description.shapes.size())},
-          {"triangles", fmt::to_string(header.triangle_count)},
-          {"spheres and disks", fmt::to_string(header.quadric_count)},
-          {"materials", fmt::to_string(header.material_count)},
-          {"lights", fmt::to_string(header.light_count)},
-          {"device scene", bytes_text(device_bytes(scene.device))},
-          {"time to build", fmt::format("{:.3f} s", scene.seconds)}};
-}
-
 void print_text(const SceneOptions& options, const LoadedScene& scene) {
-  fmt::print("{}\n", options.scene);
-  const std::vector<Section> sections = {{"Contents", contents_of(scene)},
-                                         {"Settings", settings_of(options, scene)},
-                                         {"Needs", scene.summary.needs},
-                                         {"Left out", scene.summary.left_out}};
+  fmt::print("{}, read and built in {:.3f} s\n", options.scene, scene.seconds);
+  const std::vector<Section> sections = {{"Needs", scene.summary.needs},
+                                         {"Left out", scene.summary.left_out},
+                                         {"Settings", settings_of(options, scene)}};
   for (const auto& [title, entries] : sections) {
     if (entries.empty()) continue;
     fmt::print("\n{}\n", title);
@@ -80,29 +62,24 @@ void print_text(const SceneOptions& options, const LoadedScene& scene) {
 }
 
 void print_json(const SceneOptions& options, const LoadedScene& scene) {
-  const auto object = [](const std::vector<std::pair<std::string, std::string>>& entries) {
-    auto json = nlohmann::ordered_json::object();
-    for (const auto& [name, value] : entries) json[name] = value;
-    return json;
-  };
-  const SceneHeader& header = scene.device.header;
+  const SceneHeader& header = scene.device.header;  // its first material is black, for what has none
   const Film& film = scene.description.film;
   nlohmann::ordered_json json = {
       {"scene", options.scene},
       {"shapes", scene.description.shapes.size()},
       {"triangles", header.triangle_count},
       {"quadrics", header.quadric_count},
-      {"materials", header.material_count},
+      {"materials", header.material_count - 1},
       {"lights", header.light_count},
       {"film",
        {{"width", film.width},
         {"height", film.height},
         {"crop", {film.crop_x, film.crop_y, film.crop_x + film.crop_width, film.crop_y + film.crop_height}}}},
-      {"settings", object(settings_of(options, scene))},
+      {"settings", grouped_json(settings_of(options, scene))},
       {"device_scene_bytes", device_bytes(scene.device)},
       {"build_seconds", scene.seconds},
-      {"needs", object(scene.summary.needs)},
-      {"left_out", object(scene.summary.left_out)},
+      {"needs", grouped_json(scene.summary.needs)},
+      {"left_out", grouped_json(scene.summary.left_out)},
       {"warnings", scene.description.warnings}};
   fmt::print("{}\n", json.dump(2));
 }

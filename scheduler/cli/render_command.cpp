@@ -79,9 +79,9 @@ void print_problems(const RenderOutcome& outcome, bool stopped) {
   }
 }
 
-/// Loads what writes images while the workers are at work; without it, there is no point in their work.
-std::future<void> load_image_io(const OutputFiles& files) {
-  if (!files.exr && !files.png) return {};
+/// Loads what writes images while the workers are at work; without it, there is no point in their work. Not
+/// before: the dynamic loader's lock would hold up their start.
+std::future<void> load_image_io() {
   return std::async(std::launch::async, [] {
     if (!image_io()) request_stop();
   });
@@ -122,12 +122,15 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
   if (!worker) return print_error(worker.error()), kIncomplete;
   prepared->job.worker_executable = worker->string();
 
-  const auto loading = load_image_io(prepared->files);
   const bool show = !options.quiet && !options.pixel;
   ProgressPrinter progress(stderr, show ? progress_style(stderr) : ProgressStyle::kNone,
                            terminal_columns(stderr));
-  const auto outcome =
-      run_render(prepared->job, stop, [&](const RenderProgress& now) { progress.update(now); });
+  const bool writes_images = prepared->files.exr || prepared->files.png;
+  std::future<void> loading;
+  const auto outcome = run_render(prepared->job, stop, [&](const RenderProgress& now) {
+    progress.update(now);
+    if (writes_images && now.samples_done > 0 && !loading.valid()) loading = load_image_io();
+  });
   progress.finish();
   if (!outcome) return print_error(outcome.error()), kIncomplete;
   if (sample_range(outcome->film).total == 0) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "scheduler/outputs/film_image.h"
@@ -77,13 +78,21 @@ Json worker_json(const WorkerShare& worker, std::uint64_t all_samples) {
           {"ended", worker.ended.empty() ? Json(nullptr) : Json(worker.ended)}};
 }
 
-Json pairs_json(const std::vector<std::pair<std::string, std::string>>& pairs) {
+}  // namespace
+
+Json grouped_json(const std::vector<std::pair<std::string, std::string>>& entries) {
+  std::map<std::string, int> occurrences;
+  for (const auto& [name, value] : entries) ++occurrences[name];
   Json json = Json::object();
-  for (const auto& [name, value] : pairs) json[name] = value;
+  for (const auto& [name, value] : entries) {
+    if (occurrences[name] > 1) {
+      json[name].push_back(value);
+    } else {
+      json[name] = value;
+    }
+  }
   return json;
 }
-
-}  // namespace
 
 double samples_per_second(const RenderOutcome& outcome) {
   std::uint64_t samples = 0;
@@ -138,8 +147,8 @@ Json report_json(const RenderReport& report) {
        {{"device_scene_bytes", sizeof(SceneHeader) + job.scene.words.size() * sizeof(std::uint32_t)},
         {"scheduler_peak_bytes", own_peak_memory_bytes()},
         {"largest_worker_peak_bytes", worker_memory}}},
-      {"needs", pairs_json(report.needs)},
-      {"left_out", pairs_json(report.left_out)},
+      {"needs", grouped_json(report.needs)},
+      {"left_out", grouped_json(report.left_out)},
       {"warnings", report.warnings},
       {"problems", outcome.problems}};
 }

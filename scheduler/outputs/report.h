@@ -27,6 +27,9 @@ struct RenderReport {
 /// The report's fields and their units are explained in the README of this folder.
 nlohmann::ordered_json report_json(const RenderReport& report);
 
+/// An object with each name once; the values of a name that occurs more than once become an array.
+nlohmann::ordered_json grouped_json(const std::vector<std::pair<std::string, std::string>>& entries);
+
 /// Samples per second of rendering, all workers together.
 double samples_per_second(const RenderOutcome& outcome);
 

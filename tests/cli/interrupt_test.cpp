@@ -75,7 +75,7 @@ class Interrupt : public ::testing::Test {
 };
 
 TEST_F(Interrupt, KeepsWhatIsMergedAndSaysThatItIsIncomplete) {
-  program_->send(SIGINT);
+  program_->send_to_group(SIGINT);
   const ProgramResult result = program_->wait();
   EXPECT_EQ(result.exit_code, 1) << result.err;
   EXPECT_THAT(result.err, HasSubstr("incomplete"));

@@ -29,7 +29,9 @@ Program::Program(const std::filesystem::path& folder, const std::vector<std::str
   argv.push_back(nullptr);
   pid_ = fork();
   if (pid_ < 0) throw std::runtime_error("fork failed");
+  if (pid_ > 0) setpgid(pid_, pid_);  // here too, so that it is done whoever runs first
   if (pid_ == 0) {
+    setpgid(0, 0);
     if (chdir(folder.c_str()) != 0) _exit(126);
     redirect("/dev/null", STDIN_FILENO);
     redirect(out_, STDOUT_FILENO);
@@ -46,6 +48,8 @@ Program::~Program() {
 }
 
 void Program::send(int signal) const { kill(pid_, signal); }
+
+void Program::send_to_group(int signal) const { kill(-pid_, signal); }
 
 ProgramResult Program::wait() {
   int status = 0;

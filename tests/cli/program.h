@@ -27,6 +27,8 @@ class Program {
 
   [[nodiscard]] pid_t pid() const { return pid_; }
   void send(int signal) const;
+  /// To the program and everything that it started, as a terminal's Ctrl-C does.
+  void send_to_group(int signal) const;
   /// Waits until it ends.
   ProgramResult wait();
 

@@ -76,5 +76,12 @@ TEST(Report, SaysWhatWasDoneAndByWhom) {
   EXPECT_EQ(json["command_line"].size(), 5u);
 }
 
+TEST(GroupedJson, RepeatedNamesBecomeArrays) {
+  const auto json = grouped_json({{"triangles", "3"}, {"feature", "a"}, {"feature", "b"}});
+  EXPECT_EQ(json["triangles"], "3");
+  EXPECT_EQ(json["feature"], (std::vector<std::string>{"a", "b"}));
+  EXPECT_TRUE(grouped_json({}).is_object());
+}
+
 }  // namespace
 }  // namespace penumbra
