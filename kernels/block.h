@@ -212,23 +212,36 @@ STAGE void record_layers(const PRIVATE Scene* scene, const GLOBAL float* RESTRIC
 }
 #endif
 
-/// Finished paths leave their radiance in their slot; the others move up. Returns how many are left.
+/// Finished paths leave their radiance in their slot; the others move up, in order. Returns how many are left.
 STAGE int compact(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity, int count, bool camera_rays,
-               GLOBAL float* RESTRICT slots, int slot_capacity) {
+                  GLOBAL float* RESTRICT slots, int slot_capacity) {
+  GLOBAL int* RESTRICT going = ints + GOING * capacity;
+  GLOBAL int* RESTRICT finished = ints + FINISHED * capacity;
+  int left = 0, gone = 0;
+  for (int i = 0; i < count; i++) {  // without a branch: which paths end is not predictable
+    const int alive = ints[ALIVE * capacity + i];
+    going[left] = i;
+    finished[gone] = i;
+    left += alive;
+    gone += 1 - alive;
+  }
+  for (int m = 0; m < gone; m++) {
+    const int i = finished[m];
+    const int slot = ints[SLOT * capacity + i];
+    const vec3 radiance = LOAD3(f, capacity, RADIANCE_X, i);
+    STORE3(slots, slot_capacity, SAMPLE_X, slot, radiance);
+  }
+  // A field at a time. In place, since going[m] >= m.
   const int floats = camera_rays ? PATH_AND_CAMERA_RAY_COUNT : PATH_FLOAT_COUNT;
-  int left = 0;
-  for (int i = 0; i < count; i++) {
-    if (ints[ALIVE * capacity + i]) {
-      if (left != i) {
-        for (int k = 0; k < floats; k++) f[k * capacity + left] = f[k * capacity + i];
-        for (int k = 0; k < PATH_INT_COUNT; k++) ints[k * capacity + left] = ints[k * capacity + i];
-      }
-      left++;
-    } else {
-      const int slot = ints[SLOT * capacity + i];
-      const vec3 radiance = LOAD3(f, capacity, RADIANCE_X, i);
-      STORE3(slots, slot_capacity, SAMPLE_X, slot, radiance);
-    }
+  for (int k = 0; gone > 0 && k < floats; k++) {
+    GLOBAL float* field = f + k * capacity;
+    LANE_LOOP
+    for (int m = 0; m < left; m++) field[m] = field[going[m]];
+  }
+  for (int k = 0; gone > 0 && k < PATH_INT_COUNT; k++) {
+    GLOBAL int* field = ints + k * capacity;
+    LANE_LOOP
+    for (int m = 0; m < left; m++) field[m] = field[going[m]];
   }
   return left;
 }

@@ -23,7 +23,11 @@
 #define LANE_LOOP_WIDTH(n)
 #endif
 #define LANE_LOOP_(n) LANE_LOOP_WIDTH(n)
-#define LANE_LOOP LANE_LOOP_(LANES)
+// The registers of the target: wider vectors than that spill.
+#ifndef VECTOR_WIDTH
+#define VECTOR_WIDTH LANES
+#endif
+#define LANE_LOOP LANE_LOOP_(VECTOR_WIDTH)
 
 #define SQRT(x) __builtin_sqrtf(x)
 #define FABS(x) __builtin_fabsf(x)

@@ -45,7 +45,8 @@ PENUMBRA_NAMESPACE_BEGIN
   F(HIT)             /* primitive hit, or -1 */       \
   F(ALIVE)                                            \
   F(SHADOW_SKIP)     /* primitive that the shadow ray starts on */ \
-  F(FILM_X) F(FILM_Y) /* the path's pixel, while its camera ray is made */
+  F(FILM_X) F(FILM_Y) /* the path's pixel, while its camera ray is made */ \
+  F(GOING) F(FINISHED) /* lists of lanes, while the block is compacted */
 
 #define ENUMERATE(name) name,
 // Each ..._COUNT is where the next list starts.

@@ -20,6 +20,8 @@ namespace {
 
 // Enough paths that compaction leaves few lanes idle; their state stays in a second-level cache of 1 MiB.
 constexpr int kBlockPaths = 4096;
+// Stride of the state's arrays: a power of two would put a path's fields all into one set of the cache.
+constexpr int kBlockStride = kBlockPaths + 16;
 
 KernelTarget target_of(const DeviceOptions& options) {
   if (options.block_of_one) return KernelTarget::kScalar;
@@ -149,12 +151,12 @@ class NativeDevice final : public Device {
     result.values.resize(std::size_t(result.planes) * result.pixels());
 
     const int samples = int(unit.sample_count);
-    const int capacity = options_.block_of_one ? 1 : kBlockPaths;
+    const int capacity = options_.block_of_one ? 1 : kBlockStride;
     const int pixels = int(result.pixels());
     // Smaller blocks when there would be fewer than threads.
     const int share = (pixels + team_.size() - 1) / team_.size();
     const int block_pixels = options_.block_of_one ? 1 : std::max(1, std::min(kBlockPaths / samples, share));
-    while (blocks_.size() < std::size_t(team_.size())) blocks_.emplace_back(capacity, kBlockPaths);
+    while (blocks_.size() < std::size_t(team_.size())) blocks_.emplace_back(capacity, kBlockStride);
 
     const Unit portable{unit.x, unit.y, unit.width, unit.height, unit.first_sample, samples};
     const Tracer tracer = tracer_ ? tracer_->tracer() : Tracer{};

@@ -18,9 +18,9 @@ struct BlockShape {
   int paths;  ///< under way at once in a work item
 };
 // A CPU vectorises lane loops inside a work item; a GPU runs a work item a lane.
-constexpr BlockShape kCpuShape{16, 4096};
+constexpr BlockShape kCpuShape{16, 4096 + 16};
 constexpr BlockShape kGpuShape{1, 1};
-constexpr int kSlots = 4096;            // samples of a CPU block
+constexpr int kSlots = 4096 + 16;       // stride of a CPU block's samples; not a power of two, for the cache's sake
 constexpr int kGpuItems = 1 << 14;      // work items of one launch on a GPU, a pixel each
 
 class OpenClDevice final : public Device {
@@ -56,7 +56,7 @@ class OpenClDevice final : public Device {
     const int samples = int(unit.sample_count);
     // As few pixels a block as keep every work item busy, as many as a block's samples allow.
     const int share = (pixels + items_ - 1) / items_;
-    const int block_pixels = info_.is_cpu ? std::max(1, std::min(kSlots / samples, share)) : 1;
+    const int block_pixels = info_.is_cpu ? std::max(1, std::min(int(kMaxSamplesPerUnit) / samples, share)) : 1;
     for (int first = 0; first < pixels; first += block_pixels * items_) {
       const int left = (pixels - first + block_pixels - 1) / block_pixels;
       const std::size_t global = std::size_t(std::min(items_, left)), local = 1;

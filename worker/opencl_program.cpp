@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <cctype>
+#include <set>
+
+#include "worker/embedded_kernels.h"
 
 namespace penumbra {
-
-extern const char* const kOpenClSource;  // generated, see embed_kernels.cmake
 
 namespace {
 
@@ -34,6 +35,31 @@ T device_value(cl_device_id device, cl_device_info what) {
   T value{};
   clGetDeviceInfo(device, what, sizeof value, &value, nullptr);
   return value;
+}
+
+/// Appends an embedded file with its includes in place, each file once. OpenCL C knows no lang_cpp.h.
+void append_source(std::string_view name, std::set<std::string_view>& seen, std::string& source) {
+  if (name == "kernels/lang_cpp.h" || !seen.insert(name).second) return;
+  const auto files = embedded_kernels();
+  const auto file = std::find_if(files.begin(), files.end(), [&](const EmbeddedFile& f) { return f.name == name; });
+  if (file == files.end()) return;  // a host header under a condition that OpenCL C never meets
+  constexpr std::string_view kInclude = "#include \"";
+  for (std::string_view text = file->text; !text.empty();) {
+    const std::size_t end = std::min(text.find('\n'), text.size() - 1) + 1;
+    const std::string_view line = text.substr(0, end);
+    text.remove_prefix(end);
+    if (line.starts_with(kInclude))
+      append_source(line.substr(kInclude.size(), line.find('"', kInclude.size()) - kInclude.size()), seen, source);
+    else
+      source += line;
+  }
+}
+
+std::string opencl_source() {
+  std::set<std::string_view> seen;
+  std::string source;
+  append_source("kernels/opencl.cl", seen, source);
+  return source;
 }
 
 bool contains_ignoring_case(const std::string& text, const std::string& part) {
@@ -101,10 +127,12 @@ Expected<OpenClDeviceInfo> find_opencl_device(const std::string& wanted) {
 Expected<ClProgram> compile_kernels(cl_context context, const OpenClDeviceInfo& device, std::uint32_t features,
                                     int lanes) {
   cl_int status = CL_SUCCESS;
-  const char* source = kOpenClSource;
+  const std::string text = opencl_source();
+  const char* source = text.c_str();
   ClProgram program(clCreateProgramWithSource(context, 1, &source, nullptr, &status));
   if (status != CL_SUCCESS) return fail("cannot create an OpenCL program: " + opencl_error_text(status));
-  std::string options = fmt::format("-DFEATURES={} -DLANES={}", features, lanes);
+  const auto width = std::clamp(int(device_value<cl_uint>(device.id, CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT)), 1, lanes);
+  std::string options = fmt::format("-DFEATURES={} -DLANES={} -DVECTOR_WIDTH={}", features, lanes, width);
   const auto rounding = device_value<cl_device_fp_config>(device.id, CL_DEVICE_SINGLE_FP_CONFIG);
   if ((rounding & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0) options += " -cl-fp32-correctly-rounded-divide-sqrt";
   status = clBuildProgram(program.get(), 1, &device.id, options.c_str(), nullptr, nullptr);
