@@ -45,6 +45,14 @@ FN float cone_versine(float d2, float radius2) {
 }
 #endif
 
+#if HAS(SOLID_ANGLE)
+/// Whether the light is sampled by the solid angle of its triangle: a kernel may be compiled for more than its scene.
+FN bool by_solid_angle(const PRIVATE Scene* scene, GLOBAL const Light* light, SphericalTriangle t) {
+  return ((scene->header.features & FEATURE_SOLID_ANGLE) != 0u) & (light->kind == LIGHT_TRIANGLE) &
+         (t.solid_angle > SMALL_SOLID_ANGLE);
+}
+#endif
+
 /// Density with which sample_light chooses the direction from `from` to a point of the light that is `distance` away and
 /// whose front is seen under `cosine`.
 FN float light_pdf(const PRIVATE Scene* scene, int index, vec3 from, float distance, float cosine) {
@@ -53,7 +61,7 @@ FN float light_pdf(const PRIVATE Scene* scene, int index, vec3 from, float dista
 #if HAS(SOLID_ANGLE)
   {
     SphericalTriangle t = spherical_triangle(sub(load3(&light->p0), from), sub(load3(&light->p1), from), sub(load3(&light->p2), from));
-    const bool use = (light->kind == LIGHT_TRIANGLE) & (t.solid_angle > SMALL_SOLID_ANGLE);
+    const bool use = by_solid_angle(scene, light, t);
     pdf = use ? 1.0f / t.solid_angle : pdf;
   }
 #endif
@@ -88,7 +96,7 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice,
 #if HAS(SOLID_ANGLE)
   {
     const SphericalTriangle t = spherical_triangle(sub(p0, s.p), sub(p1, s.p), sub(p2, s.p));
-    const bool use = (light->kind == LIGHT_TRIANGLE) & (t.solid_angle > SMALL_SOLID_ANGLE);
+    const bool use = by_solid_angle(scene, light, t);
     const vec3 w = sample_spherical_triangle(t, u, v);
     // The point of the light's plane in that direction.
     const float along = dot3(w, normal);
