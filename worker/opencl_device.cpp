@@ -35,6 +35,11 @@ class OpenClDevice final : public Device {
     return device;
   }
 
+  /// Nothing may be under way when buffers and queue go: PoCL crashes otherwise.
+  ~OpenClDevice() override {
+    if (queue_) clFinish(queue_.get());
+  }
+
   std::string description() const override {
     return fmt::format("OpenCL {} ({}), features {:#x}, {} work items", info_.name, info_.platform, features_, items_);
   }
@@ -91,6 +96,10 @@ class OpenClDevice final : public Device {
     if (status != CL_SUCCESS) return fail("cannot use " + info_.name + ": " + opencl_error_text(status));
     queue_.reset(clCreateCommandQueue(context_.get(), device, 0, &status));
     if (status != CL_SUCCESS) return fail("cannot use " + info_.name + ": " + opencl_error_text(status));
+    // Context and queue live as long as the process: a thread of PoCL 3.1 may still be releasing the last command's
+    // event, which uses both, when the wait for that command has returned.
+    clRetainContext(context_.get());
+    clRetainCommandQueue(queue_.get());
     info_.id = device;
     features_ = scene.header.features;
     Expected<ClProgram> program = compile_kernels(context_.get(), info_, features_, shape_.lanes);
