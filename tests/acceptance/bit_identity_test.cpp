@@ -4,11 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <ostream>
 #include <string>
 #include <vector>
 
-#include "tests/acceptance/scene_pieces.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {
@@ -21,12 +20,15 @@ struct SceneCase {
   bool is_diffuse = true;
 };
 
+void PrintTo(const SceneCase& scene_case, std::ostream* out) { *out << scene_case.name; }
+
 const std::vector<SceneCase> kScenes{
     {"Cornell", "cornell/cornell.xml"},
     {"CornellSmall", "cornell-small/cornell-small.xml"},
     {"VeachMis", "veach-mis/veach-mis.xml", false, false},
     {"Furnace", "furnace/furnace.xml"},
-    {"PolygonLights", "polygon-lights/polygon-1.xml"},
+    {"UnitSphere", "furnace/unit-sphere.xml"},
+    {"PolygonLights", "polygon-lights/polygon-lights.xml"},
     {"BitterliCornellBox", "bitterli/cornell-box/scene.xml", true},
     {"MitsubaCbox", "mitsuba/scenes/cbox/cbox-rgb.xml", true},
 };

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <limits>
+#include <ostream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -33,6 +34,8 @@ struct BackendCase {
   int batches;
   std::uint32_t spp;
 };
+
+void PrintTo(const BackendCase& backend, std::ostream* out) { *out << backend.name; }
 
 class BitterliCornellBox : public testing::TestWithParam<BackendCase> {
  protected:

@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include "tests/acceptance/scene_pieces.h"
 #include "tests/acceptance/strategies.h"
 #include "tests/support/render_scene.h"
 
@@ -15,11 +17,18 @@ constexpr std::uint32_t kSamples = 100'000;
 /// A radiance is a sum of a few products in single precision, each rounded by up to 2^-24 of itself.
 constexpr double kRounding = 32.0 / (1 << 24);
 
-SceneDescription furnace(float albedo, const IntegratorSettings& integrator) {
-  SceneDescription scene = empty_scene(1, 1, kSamples, 1);
-  scene.shapes.push_back(room(0.5, add_diffuse(scene, albedo), 1));
+/// A furnace of the project's scenes, seen by one pixel.
+SceneDescription one_pixel(const char* file, const IntegratorSettings& integrator,
+                           const std::vector<std::pair<std::string, std::string>>& defines = {}) {
+  SceneDescription scene = read_or_throw(project_file("scenes/furnace") / file, defines);
+  resize_film(scene, 1, 1);
+  scene.sampler = {.kind = SamplerKind::kIndependent, .spp = kSamples, .seed = 1};
   scene.integrator = integrator;
   return scene;
+}
+
+SceneDescription furnace(const char* albedo, const IntegratorSettings& integrator) {
+  return one_pixel("furnace.xml", integrator, {{"albedo", albedo}});
 }
 
 TestDevice big_passes() {
@@ -43,8 +52,8 @@ void expect_radiance(const SceneDescription& scene, double expected) {
 class DirectFurnace : public testing::TestWithParam<Strategy> {};
 
 TEST_P(DirectFurnace, OneBounceAddsTheAlbedo) {
-  expect_radiance(furnace(0.5f, GetParam().integrator), 1.5);
-  expect_radiance(furnace(0.8f, GetParam().integrator), 1.8);
+  expect_radiance(furnace("0.5", GetParam().integrator), 1.5);
+  expect_radiance(furnace("0.8", GetParam().integrator), 1.8);
 }
 
 INSTANTIATE_TEST_SUITE_P(Strategies, DirectFurnace, testing::ValuesIn(direct_strategies()),
@@ -53,8 +62,8 @@ INSTANTIATE_TEST_SUITE_P(Strategies, DirectFurnace, testing::ValuesIn(direct_str
 class PathFurnace : public testing::TestWithParam<Strategy> {};
 
 TEST_P(PathFurnace, AllBouncesAddUp) {
-  expect_radiance(furnace(0.5f, GetParam().integrator), 2);
-  expect_radiance(furnace(0.8f, GetParam().integrator), 5);
+  expect_radiance(furnace("0.5", GetParam().integrator), 2);
+  expect_radiance(furnace("0.8", GetParam().integrator), 5);
 }
 
 TEST_P(PathFurnace, DepthLimitCutsTheSeries) {
@@ -62,27 +71,18 @@ TEST_P(PathFurnace, DepthLimitCutsTheSeries) {
     IntegratorSettings integrator = GetParam().integrator;
     integrator.max_depth = depth;
     SCOPED_TRACE(depth);
-    expect_radiance(furnace(0.5f, integrator), 2 * (1 - std::pow(0.5, depth)));
+    expect_radiance(furnace("0.5", integrator), 2 * (1 - std::pow(0.5, depth)));
   }
 }
 
 TEST_P(PathFurnace, EarlyRouletteChangesNothing) {
   IntegratorSettings integrator = GetParam().integrator;
   integrator.rr_depth = 1;
-  expect_radiance(furnace(0.8f, integrator), 5);
+  expect_radiance(furnace("0.8", integrator), 5);
 }
 
 TEST_P(PathFurnace, UnitSphereSeenFromInside) {
-  SceneDescription scene = empty_scene(1, 1, kSamples, 1);
-  Shape sphere;
-  sphere.name = "sphere";
-  sphere.geometry = Sphere{};
-  sphere.flip_normals = true;
-  sphere.front_bsdf = add_diffuse(scene, 0.5f);
-  sphere.radiance = glm::vec3(0.5f);
-  scene.shapes.push_back(sphere);
-  scene.camera = look_at(glm::dvec3(0.3, -0.2, 0.1), glm::dvec3(1, 1, 1), glm::dvec3(0, 1, 0), 30);
-  scene.integrator = GetParam().integrator;
+  const SceneDescription scene = one_pixel("unit-sphere.xml", GetParam().integrator);
   const statistics::Sample sample = pixel_sample(render_or_throw(scene, big_passes()), 0, 0, 0);
   EXPECT_NEAR(sample.mean(), 1, 4 * sample.standard_error() + kRounding);
 }

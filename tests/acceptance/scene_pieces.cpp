@@ -39,24 +39,6 @@ Shape parallelogram(glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v, int bsdf, std
                    radiance);
 }
 
-Shape room(double half_width, int bsdf, float radiance) {
-  std::vector<glm::dvec3> positions;
-  for (int axis = 0; axis < 3; ++axis) {
-    for (double side : {-1.0, 1.0}) {
-      glm::dvec3 normal(0), u(0), v(0);
-      normal[axis] = -side;
-      u[(axis + 1) % 3] = 1;
-      v = glm::cross(normal, u);
-      const auto corner = [&](double a, double b) { return half_width * (-normal + a * u + b * v); };
-      for (const glm::dvec3& p : {corner(-1, -1), corner(1, -1), corner(1, 1),  //
-                                  corner(-1, -1), corner(1, 1), corner(-1, 1)}) {
-        positions.push_back(p);
-      }
-    }
-  }
-  return triangles(positions, bsdf, radiance);
-}
-
 SceneDescription empty_scene(int width, int height, std::uint32_t spp, std::uint32_t seed) {
   SceneDescription scene;
   scene.source = "a test";

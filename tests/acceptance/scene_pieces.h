@@ -24,9 +24,6 @@ Shape triangles(std::span<const glm::dvec3> positions, int bsdf,
 Shape parallelogram(glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v, int bsdf,
                     std::optional<float> radiance = std::nullopt);
 
-/// The axis-aligned cube of that half-width about the origin, facing inwards.
-Shape room(double half_width, int bsdf, float radiance);
-
 /// An empty scene: independent samples (so that t-tests hold), box filter, `width` x `height` pixels, near
 /// clip 1e-4.
 SceneDescription empty_scene(int width, int height, std::uint32_t spp, std::uint32_t seed);

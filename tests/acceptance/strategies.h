@@ -1,6 +1,7 @@
 // Every way of finding direct light that the integrators have, under one name each.
 #pragma once
 
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,8 @@ struct Strategy {
   std::string name;
   IntegratorSettings integrator;
 };
+
+inline void PrintTo(const Strategy& strategy, std::ostream* out) { *out << strategy.name; }
 
 inline std::vector<Strategy> direct_strategies() {
   const auto emitter = [](EmitterSampling sampling) {

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "scenes/device/device_scene_builder.h"
 #include "scenes/scene_reader.h"
 
 namespace penumbra {

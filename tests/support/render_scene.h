@@ -24,9 +24,9 @@ std::optional<std::filesystem::path> oracle_folder(const std::string& name);
 /// A file of the project, e.g. "scenes/furnace/furnace.xml".
 std::filesystem::path project_file(const std::string& name);
 
-/// Reads a scene file; `defines` are name=value, as for -D.
+/// Reads a scene file; `defines` are names and values, as for -D.
 SceneDescription read_or_throw(const std::filesystem::path& file,
-                               const std::vector<std::string>& defines = {});
+                               const std::vector<std::pair<std::string, std::string>>& defines = {});
 
 DeviceScene build_or_throw(const SceneDescription& description, bool embree = false);
 
