@@ -90,8 +90,7 @@ class OpenClDevice final : public Device {
 
   Expected<void> set_up(const DeviceScene& scene, int threads) {
     cl_int status = CL_SUCCESS;
-    cl_device_id device = info_.id;
-    if (info_.is_cpu) device = part_of_device(threads);
+    const cl_device_id device = info_.id;
     context_.reset(clCreateContext(nullptr, 1, &device, nullptr, nullptr, &status));
     if (status != CL_SUCCESS) return fail("cannot use " + info_.name + ": " + opencl_error_text(status));
     queue_.reset(clCreateCommandQueue(context_.get(), device, 0, &status));
@@ -100,29 +99,17 @@ class OpenClDevice final : public Device {
     // event, which uses both, when the wait for that command has returned.
     clRetainContext(context_.get());
     clRetainCommandQueue(queue_.get());
-    info_.id = device;
     features_ = scene.header.features;
     Expected<ClProgram> program = compile_kernels(context_.get(), info_, features_, shape_.lanes);
     if (!program) return std::unexpected(program.error());
     program_ = std::move(*program);
     kernel_.reset(clCreateKernel(program_.get(), "render_blocks", &status));
     if (status != CL_SUCCESS) return fail("cannot create the kernel: " + opencl_error_text(status));
+    // A CPU device runs a work item a core, so this many keep that many cores busy. (Dividing the device would say so more
+    // plainly, but PoCL 3.1 crashes on sub-devices.)
     items_ = info_.is_cpu ? std::max(1, threads) : kGpuItems;
     if (Expected<void> done = upload(header_, &scene.header, sizeof scene.header); !done) return done;
     return upload(words_, scene.words.data(), scene.words.size() * 4);
-  }
-
-  /// As many of a CPU device's cores as the worker may use, where the device can be divided.
-  cl_device_id part_of_device(int threads) {
-    if (threads <= 0 || unsigned(threads) >= info_.compute_units) return info_.id;
-    const cl_device_partition_property by_counts[] = {CL_DEVICE_PARTITION_BY_COUNTS, threads,
-                                                      CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
-    cl_device_id part = nullptr;
-    if (clCreateSubDevices(info_.id, by_counts, 1, &part, nullptr) == CL_SUCCESS) {
-      sub_device_.reset(part);
-      return part;
-    }
-    return info_.id;
   }
 
   Expected<void> upload(ClBuffer& buffer, const void* data, std::size_t bytes) {
@@ -190,7 +177,6 @@ class OpenClDevice final : public Device {
   int items_ = 1, slots_ = 0;
   std::size_t out_bytes_ = 0;
   std::uint32_t features_ = 0;
-  ClHandle<cl_device_id, clReleaseDevice> sub_device_;
   ClContext context_;
   ClQueue queue_;
   ClProgram program_;

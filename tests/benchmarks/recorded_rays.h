@@ -1,0 +1,31 @@
+// The rays that a render traces, kept block by block, so that intersectors can be timed on the same ones.
+#pragma once
+
+#include <vector>
+
+#include "kernels/host/device_scene.h"
+#include "kernels/host/native_kernels.h"
+#include "worker/device.h"
+
+namespace penumbra {
+
+/// One call of an intersect or occlude stage: the block's arrays as the stage saw them.
+struct RecordedStage {
+  bool occlude = false;
+  int count = 0;
+  std::vector<float> floats;  ///< STATE_FLOATS arrays of `count` rounded up to whole lanes
+  std::vector<int> ints;      ///< STATE_INTS arrays, likewise
+};
+
+struct RecordedRays {
+  std::vector<RecordedStage> stages;
+  std::size_t rays = 0;  ///< with a positive length: those that an intersector has to trace
+};
+
+/// Renders the unit by Embree on this thread and keeps every ray.
+RecordedRays record_rays(const DeviceScene& embree_scene, const RenderUnit& unit, Isa isa);
+
+/// Rays of the stage with a positive length.
+std::size_t count_rays(const RecordedStage& stage);
+
+}  // namespace penumbra
