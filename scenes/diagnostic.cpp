@@ -57,16 +57,18 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 LineColumn line_and_column(SourceLocation location) {
   const std::string_view text = location.file->text;
+  std::vector<std::size_t>& starts = location.file->line_starts;
+  if (starts.empty()) {
+    starts.push_back(0);
+    for (std::size_t at = text.find('\n'); at != text.npos; at = text.find('\n', at + 1))
+      starts.push_back(at + 1);
+  }
   const std::size_t offset = std::min(location.offset, text.size());
-  LineColumn result;
-  result.line =
-      1 + static_cast<std::size_t>(std::count(text.begin(), text.begin() + std::ptrdiff_t(offset), '\n'));
-  std::size_t start = 0;
-  line_at(*location.file, offset, start);
+  const auto after = std::upper_bound(starts.begin(), starts.end(), offset);
+  const std::size_t start = *std::prev(after);
   const std::string_view before = text.substr(start, offset - start);
-  result.column =
-      1 + static_cast<std::size_t>(std::count_if(before.begin(), before.end(), starts_code_point));
-  return result;
+  return {static_cast<std::size_t>(after - starts.begin()),
+          1 + static_cast<std::size_t>(std::count_if(before.begin(), before.end(), starts_code_point))};
 }
 
 std::string describe(SourceLocation location) {
@@ -119,28 +121,23 @@ std::string list_names(std::span<const std::string> names) {
 }
 
 void Diagnostics::error(SourceLocation location, std::string_view message) {
-  error_text(format_diagnostic(location, "error", message));
+  if (!full()) error_text(format_diagnostic(location, "error", message));
 }
 
 void Diagnostics::error_text(std::string text) {
-  if (std::find(errors_.begin(), errors_.end(), text) != errors_.end()) return;
-  ++error_count_;
-  if (errors_.size() < kMaxReportedErrors) errors_.push_back(std::move(text));
+  if (!full() && seen_.insert(text).second) errors_.push_back(std::move(text));
 }
 
 void Diagnostics::warn(SourceLocation location, std::string_view message) {
   const std::string where = location.file ? describe(location) + ": " : "";
   std::string text = fmt::format("{}warning: {}", where, message);
-  // An object that several others refer to is read for each of them.
-  if (std::find(warnings_.begin(), warnings_.end(), text) == warnings_.end())
-    warnings_.push_back(std::move(text));
+  if (seen_.insert(text).second) warnings_.push_back(std::move(text));
 }
 
+bool Diagnostics::full() const { return errors_.size() >= kMaxReportedErrors; }
+
 Error Diagnostics::error() const {
-  std::string text = fmt::format("{}", fmt::join(errors_, "\n"));
-  if (error_count_ > errors_.size())
-    text += fmt::format("\n… and {} more errors", error_count_ - errors_.size());
-  return Error{std::move(text)};
+  return Error{fmt::format("{}{}", fmt::join(errors_, "\n"), full() ? "\n… and perhaps more" : "")};
 }
 
 }  // namespace penumbra

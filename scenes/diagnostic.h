@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <initializer_list>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -15,10 +16,11 @@
 
 namespace penumbra {
 
-/// A text file in memory, kept as long as anything may be reported about it.
+/// A text file in memory, kept as long as anything may be reported about it; its text must not change then.
 struct SourceFile {
   std::filesystem::path path;  ///< as the user would write it
   std::string text;
+  mutable std::vector<std::size_t> line_starts = {};  ///< filled in when the first place is looked up
 };
 
 /// A place in a source file; without a file, nowhere in particular.
@@ -61,7 +63,9 @@ class Diagnostics {
   void error_text(std::string text);
   void warn(SourceLocation location, std::string_view message);
 
-  [[nodiscard]] bool failed() const { return error_count_ > 0; }
+  [[nodiscard]] bool failed() const { return !errors_.empty(); }
+  /// There are so many errors that more would not be shown: a reader may stop here, and should.
+  [[nodiscard]] bool full() const;
   /// The errors, each once and the first few of many. Only after `failed()`.
   [[nodiscard]] Error error() const;
   [[nodiscard]] std::vector<std::string> take_warnings() { return std::move(warnings_); }
@@ -69,7 +73,7 @@ class Diagnostics {
  private:
   std::vector<std::string> errors_;
   std::vector<std::string> warnings_;
-  std::size_t error_count_ = 0;
+  std::set<std::string> seen_;  ///< an object that several others refer to is read for each of them
 };
 
 }  // namespace penumbra

@@ -15,14 +15,14 @@ namespace penumbra {
 struct ReadOptions {
   /// -D name=value: fills `$name`, and beats the file's <default>. One that the scene has no use for is an
   /// error.
-  std::vector<std::pair<std::string, std::string>> defines;
+  std::vector<std::pair<std::string, std::string>> defines = {};
   /// --set key=value (see settings.h), applied over what the file says.
-  std::vector<std::pair<std::string, std::string>> settings;
+  std::vector<std::pair<std::string, std::string>> settings = {};
   /// Plugins that are not read become a warning and something that can be seen in the picture, or are left
   /// out.
   bool lenient = false;
   /// For scenes from elsewhere: every file must lie inside this folder, symbolic links followed.
-  std::optional<std::filesystem::path> confine_to;
+  std::optional<std::filesystem::path> confine_to = std::nullopt;
 };
 
 /// Reads a scene; its format is told by the file's name, else by its first character. Errors: everything

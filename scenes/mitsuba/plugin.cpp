@@ -43,7 +43,9 @@ PluginReader::PluginReader(const Context& context, const Object& object)
   }
 }
 
-std::string PluginReader::title() const { return fmt::format("{} '{}'", object_.tag, object_.type); }
+std::string PluginReader::title() const {
+  return object_.tag == "scene" ? "the scene" : fmt::format("{} '{}'", object_.tag, object_.type);
+}
 
 bool PluginReader::has(std::string_view name) const {
   return std::any_of(object_.parameters.begin(), object_.parameters.end(),
@@ -223,9 +225,8 @@ const Object* PluginReader::only_nested(std::string_view tag) {
   if (found.size() > 1) {
     const auto second =
         std::find_if(nested_.begin(), nested_.end(), [&](const Nested& n) { return n.object == found[1]; });
-    context_.diagnostics.error(
-        second->location, fmt::format("{} has {} of <{}>; it takes one",
-                                      object_.tag == "scene" ? "the scene" : title(), found.size(), tag));
+    context_.diagnostics.error(second->location,
+                               fmt::format("{} has {} of <{}>; it takes one", title(), found.size(), tag));
   }
   return found.empty() ? nullptr : found.front();
 }

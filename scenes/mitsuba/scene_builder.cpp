@@ -64,7 +64,10 @@ SceneDescription build_scene(const Context& context, const FileAccess& files) {
   }
   MaterialReader materials(context);
   for (const Object* bsdf : root.nested("bsdf")) materials.read(*bsdf);
-  for (const Object* shape : root.nested("shape")) read_shape(context, *shape, files, materials, scene);
+  for (const Object* shape : root.nested("shape")) {
+    if (context.diagnostics.full()) break;
+    read_shape(context, *shape, files, materials, scene);
+  }
   for (const Object* light : root.nested("emitter")) read_light(context, *light, scene);
   for (const char* tag : {"texture", "medium", "volume", "phase"}) {
     for (const Object* object : root.nested(tag)) context.unknown_plugin(*object, {}, "it is left out");

@@ -27,6 +27,12 @@ std::optional<std::string> ElementReader::required(std::string_view name) const 
 }
 
 bool ElementReader::check_attributes(std::initializer_list<std::string_view> known) const {
+  constexpr std::ptrdiff_t kMaxAttributes = 16;
+  const auto attributes = element_.attributes();
+  if (std::distance(attributes.begin(), attributes.end()) > kMaxAttributes) {
+    wrong(fmt::format("<{}> has more than {} attributes", element_.name(), kMaxAttributes));
+    return false;
+  }
   bool good = true;
   std::vector<std::string> seen;
   for (const pugi::xml_attribute& each : element_.attributes()) {

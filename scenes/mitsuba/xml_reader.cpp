@@ -21,6 +21,7 @@ constexpr std::size_t kMaxIncludeDepth = 16;
 constexpr std::size_t kMaxFiles =
     256;  ///< a chain of files that each include the next twice doubles every time
 constexpr std::uint64_t kMaxTotalBytes = std::uint64_t{256} << 20;
+constexpr std::size_t kMaxParameters = 256;  ///< of one object: no plugin has nearly as many
 constexpr std::size_t kMaxSubstitutedBytes = std::size_t{1} << 20;
 
 const std::vector<std::string> kObjectTags = {"bsdf",  "shape",   "emitter",    "texture",    "sensor",
@@ -101,6 +102,7 @@ class XmlReader {
     check_version(root);
     for (const pugi::xml_node& element : root.element().children()) {
       if (element.type() != pugi::node_element) continue;
+      if (diagnostics_.full()) break;
       read_top_level(file, root.child(element));
     }
   }
@@ -244,6 +246,10 @@ class XmlReader {
   void add_parameter(Object& parent, const ElementReader& element) {
     auto parameter = read_value(element);
     if (!parameter) return;
+    if (parent.parameters.size() >= kMaxParameters) {
+      element.wrong(fmt::format("<{}> has more than {} parameters", parent.tag, kMaxParameters));
+      return;
+    }
     const auto same = std::find_if(parent.parameters.begin(), parent.parameters.end(),
                                    [&](const Parameter& p) { return p.name == parameter->name; });
     if (same != parent.parameters.end()) {

@@ -1,0 +1,56 @@
+// Every scene of tests/scenes/bad, as if it had been shipped from elsewhere: the error that its first line
+// announces.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "scenes/scene_reader.h"
+#include "tests/outputs/temporary_folder.h"
+
+namespace penumbra {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::filesystem::path kFolder = std::filesystem::path(PENUMBRA_SOURCE_DIR) / "tests/scenes/bad";
+
+std::vector<std::string> bad_scenes() {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(kFolder)) {
+    if (entry.path().extension() == ".xml") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+class BadScene : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(BadScene, IsAClearError) {
+  const std::filesystem::path file = kFolder / (GetParam() + ".xml");
+  const std::string text = file_contents(file);
+  const std::string opening = "<!-- error: ", closing = " -->\n";
+  ASSERT_TRUE(text.starts_with(opening));
+  const std::string expected = text.substr(opening.size(), text.find(closing) - opening.size());
+  for (const bool lenient : {false, true}) {
+    const bool strict_only = GetParam() == "unknown-plugin";
+    const auto scene = read_scene(file, {.lenient = lenient, .confine_to = kFolder});
+    if (lenient && strict_only) {
+      EXPECT_TRUE(scene);
+      continue;
+    }
+    ASSERT_FALSE(scene);
+    EXPECT_THAT(scene.error().message, HasSubstr(expected));
+    EXPECT_THAT(scene.error().message, HasSubstr(kFolder.string())) << "the message does not say where";
+    EXPECT_LT(scene.error().message.size(), 20000u);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, BadScene, ::testing::ValuesIn(bad_scenes()), [](const auto& scene) {
+  std::string name = scene.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
+
+}  // namespace
+}  // namespace penumbra

@@ -1,0 +1,119 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "scenes/mesh_reader.h"
+#include "tests/scenes/ply_writer.h"
+
+namespace penumbra {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+Expected<Mesh> read(std::string text) { return read_ply({"m.ply", std::move(text)}); }
+
+std::string error(std::string text) {
+  const auto mesh = read(std::move(text));
+  EXPECT_FALSE(mesh);
+  return mesh ? "" : mesh.error().message;
+}
+
+class PlyEncodings : public ::testing::TestWithParam<PlyEncoding> {};
+
+TEST_P(PlyEncodings, GiveTheSameMesh) {
+  const auto read_back = read(odd_square_ply(GetParam()));
+  ASSERT_TRUE(read_back) << read_back.error().message;
+  const Mesh& mesh = *read_back;
+  EXPECT_THAT(mesh.positions, ElementsAre(glm::dvec3(0, 0, 0.125), glm::dvec3(0.5, 0, 0.125),
+                                          glm::dvec3(0.5, -1, 0.125), glm::dvec3(0, -1, 0.125)));
+  EXPECT_THAT(mesh.triangles, ElementsAre(glm::uvec3(0, 1, 2), glm::uvec3(0, 2, 3)));
+  EXPECT_THAT(mesh.normals, ElementsAre(glm::vec3(0, 0, -1), glm::vec3(0, 0, -1), glm::vec3(0, 0, -1),
+                                        glm::vec3(0, 0, -1)));
+  EXPECT_THAT(mesh.texcoords,
+              ElementsAre(glm::vec2(0, 0), glm::vec2(1, 0), glm::vec2(1, 1), glm::vec2(0, 1)));
+}
+
+/// Every shorter file is an error, but for the space at the end of the text.
+TEST_P(PlyEncodings, TruncatedAnywhereIsAnError) {
+  const std::string whole = odd_square_ply(GetParam());
+  const std::size_t last = whole.find_last_not_of(" \n");
+  const std::size_t end = GetParam() == PlyEncoding::kAscii ? last + 1 : whole.size();
+  for (std::size_t size = 0; size < end; ++size) {
+    const auto mesh = read(whole.substr(0, size));
+    ASSERT_FALSE(mesh) << "cut to " << size << " bytes";
+    ASSERT_THAT(mesh.error().message, HasSubstr("m.ply:"));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PlyEncodings,
+                         ::testing::Values(PlyEncoding::kAscii, PlyEncoding::kLittleEndian,
+                                           PlyEncoding::kBigEndian));
+
+const std::string kHeader =
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+    "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+
+TEST(Ply, CarriageReturns) {
+  std::string text = kHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  for (std::size_t at = text.find('\n'); at != text.npos; at = text.find('\n', at + 2)) text.insert(at, "\r");
+  EXPECT_THAT(read(text).value().triangles, SizeIs(1));
+}
+
+TEST(Ply, BodyErrorsNameTheElement) {
+  EXPECT_EQ(error(kHeader + "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n"),
+            "m.ply:11:3: error: vertex 1: 'nan' is not a finite number\n  1 nan 0\n    ^");
+  EXPECT_THAT(error(kHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"),
+              HasSubstr("face 0: vertex index 3 is out of range"));
+  EXPECT_THAT(error(kHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n"), HasSubstr("vertex index -1"));
+  EXPECT_THAT(error(kHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 .5\n"), HasSubstr("vertex index 0.5"));
+  EXPECT_THAT(error(kHeader + "0 0 0\n1 0 0\n0 1 0\n2 0 1      \n"), HasSubstr("at least 3 corners"));
+  EXPECT_THAT(error(kHeader + "0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n"), HasSubstr("length of a list"));
+  EXPECT_THAT(error(kHeader + "0 0 0\n1 0 0\n0 1 0\n"), HasSubstr("ends early"));
+}
+
+TEST(Ply, NanInABinaryVertexIsAnError) {
+  PlyWriter ply(PlyEncoding::kLittleEndian);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const float value : {0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, nan, 0.0f}) ply.put(value);
+  ply.put(std::uint8_t(3));
+  for (const std::int32_t i : {0, 1, 2}) ply.put(i);
+  const std::string header = kHeader.substr(kHeader.find("element"));
+  EXPECT_THAT(error(ply.file(header.substr(0, header.find("end_header")))),
+              HasSubstr("m.ply: error: vertex 2: y is nan, not a finite number"));
+}
+
+TEST(Ply, HeaderErrors) {
+  EXPECT_THAT(error(""), HasSubstr("starts with the line 'ply'"));
+  EXPECT_THAT(error("ply\nformat ascii 1.0\n"), HasSubstr("ends inside its header"));
+  EXPECT_THAT(error("ply\nformat ascii 2.0\nend_header\n"), HasSubstr("m.ply:2:1: error: a format is"));
+  EXPECT_THAT(error("ply\nelement vertex 0\nend_header\n"), HasSubstr("no 'format'"));
+  EXPECT_THAT(error("ply\nfromat ascii 1.0\nend_header\n"), HasSubstr("did you mean 'format'?"));
+  EXPECT_THAT(error("ply\nformat ascii 1.0\nproperty float x\nend_header\n"),
+              HasSubstr("must follow an element"));
+  EXPECT_THAT(error("ply\nformat ascii 1.0\nelement vertex x\nend_header\n"),
+              HasSubstr("'x' is not an integer"));
+  EXPECT_THAT(error("ply\nformat ascii 1.0\nelement vertex 1\nproperty flaot x\nend_header\n"),
+              HasSubstr("type is one of"));
+  EXPECT_THAT(error("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n"),
+              HasSubstr("vertex and face"));
+  std::string no_z = kHeader;
+  no_z.replace(no_z.find("float z"), 7, "float w");
+  EXPECT_THAT(error(no_z), HasSubstr("must have x, y and z"));
+  std::string no_list = kHeader;
+  no_list.replace(no_list.find("vertex_indices"), 14, "corner_indices");
+  EXPECT_THAT(error(no_list), HasSubstr("vertex_indices"));
+}
+
+TEST(Ply, ACountThatTheFileCannotHoldIsAnErrorAtOnce) {
+  std::string text = kHeader + "0 0 0\n";
+  text.replace(text.find("vertex 3"), 8, "vertex 4000000000");
+  EXPECT_THAT(error(text), HasSubstr("ends early: its header promises at least"));
+  std::string list = kHeader + "0 0 0\n1 0 0\n0 1 0\n4000000000 0 1 2\n";
+  EXPECT_THAT(error(list), HasSubstr("length of a list"));
+}
+
+}  // namespace
+}  // namespace penumbra

@@ -1,0 +1,439 @@
+// What Mitsuba's plugins mean: shapes, materials, lights, cameras, films, samplers, integrators.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/scenes/scene_text.h"
+
+namespace penumbra {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using MitsubaPlugins = SceneText;
+
+std::string in(std::string_view tag, std::string_view type, std::string_view content = "") {
+  return "<" + std::string(tag) + " type='" + std::string(type) + "'>" + std::string(content) + "</" +
+         std::string(tag) + ">";
+}
+std::string to_world(std::string_view steps) {
+  return "<transform name='to_world'>" + std::string(steps) + "</transform>";
+}
+
+// --- shapes
+
+TEST_F(MitsubaPlugins, Sphere) {
+  const SceneDescription s =
+      good(in("shape", "sphere",
+              "<point name='center' x='1' y='2' z='3'/><float name='radius' value='2'/>" +
+                  to_world("<scale value='3'/><rotate x='1' angle='90'/><translate x='10'/>")));
+  const Sphere& sphere = std::get<Sphere>(s.shapes.at(0).geometry);
+  EXPECT_LT(glm::distance(sphere.center, glm::dvec3(13, -9, 6)), 1e-14);
+  EXPECT_DOUBLE_EQ(sphere.radius, 6.0);
+  EXPECT_FALSE(s.shapes[0].flip_normals);
+  EXPECT_TRUE(
+      good(in("shape", "sphere", "<boolean name='flip_normals' value='true'/>")).shapes.at(0).flip_normals);
+  EXPECT_TRUE(good(in("shape", "sphere", to_world("<scale x='-1'/>"))).shapes.at(0).flip_normals);
+  EXPECT_THAT(error(scene(in("shape", "sphere", to_world("<scale x='2'/>")))),
+              HasSubstr("scale all directions alike"));
+  EXPECT_THAT(error(scene(in("shape", "sphere", "<float name='radius' value='0'/>"))),
+              HasSubstr("above 0, not 0"));
+  EXPECT_THAT(error(scene(in("shape", "sphere", "<float name='radius' value='1e300'/>"))),
+              HasSubstr("too large"));
+}
+
+TEST_F(MitsubaPlugins, Disk) {
+  const SceneDescription s = good(in(
+      "shape", "disk", to_world("<scale x='2' y='2' z='9'/><rotate x='1' angle='-90'/><translate y='4'/>")));
+  const Disk& disk = std::get<Disk>(s.shapes.at(0).geometry);
+  EXPECT_LT(glm::distance(disk.center, glm::dvec3(0, 4, 0)), 1e-14);
+  EXPECT_LT(glm::distance(disk.normal, glm::dvec3(0, 1, 0)), 1e-14);
+  EXPECT_DOUBLE_EQ(disk.radius, 2.0);
+  const SceneDescription mirrored = good(in("shape", "disk", to_world("<scale z='-1'/>")));
+  EXPECT_EQ(std::get<Disk>(mirrored.shapes.at(0).geometry).normal, glm::dvec3(0, 0, -1));
+  EXPECT_THAT(error(scene(in("shape", "disk", to_world("<scale x='2'/>")))),
+              HasSubstr("directions of its plane alike"));
+}
+
+TEST_F(MitsubaPlugins, Meshes) {
+  write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nvt 0 .25\nf 1/1 2/1 3/1\nf 1/1 2/1 4/1\n");
+  const std::string name = "<string name='filename' value='m.obj'/>";
+  const SceneDescription s = good(in("shape", "obj", name + to_world("<translate z='5'/>")));
+  const Mesh& mesh = std::get<Mesh>(s.shapes.at(0).geometry);
+  EXPECT_THAT(mesh.triangles, SizeIs(1));
+  EXPECT_EQ(mesh.positions[0], glm::dvec3(0, 0, 5));
+  EXPECT_EQ(mesh.texcoords[0], glm::vec2(0, 0.75f));  // an OBJ's v counts from the bottom
+  const SceneDescription kept =
+      good(in("shape", "obj", name + "<boolean name='flip_tex_coords' value='false'/>"));
+  EXPECT_EQ(std::get<Mesh>(kept.shapes.at(0).geometry).texcoords[0], glm::vec2(0, 0.25f));
+  ASSERT_THAT(s.warnings, SizeIs(1));
+  EXPECT_THAT(s.warnings[0], AllOf(HasSubstr("scene.xml:2:2: warning: "),
+                                   HasSubstr("m.obj: left out 1 triangle without area")));
+}
+
+TEST_F(MitsubaPlugins, AMeshWithoutTrianglesIsLeftOut) {
+  write("m.obj", "v 0 0 0\n");
+  const SceneDescription s = good(in("shape", "obj", "<string name='filename' value='m.obj'/>"));
+  EXPECT_THAT(s.shapes, IsEmpty());
+  EXPECT_THAT(s.warnings, ElementsAre(HasSubstr("has no triangles; it is left out")));
+}
+
+TEST_F(MitsubaPlugins, MeshErrorsNameBothFiles) {
+  EXPECT_THAT(
+      error(scene("\n" + in("shape", "obj", "<string name='filename' value='none.obj'/>"))),
+      AllOf(HasSubstr("scene.xml:3:50: error: there is no file 'none.obj'; looked in: "), HasSubstr("^")));
+  write("bad.obj", "v 0 0 0\nv 1 0 inf\n");
+  EXPECT_THAT(error(scene(in("shape", "obj", "<string name='filename' value='bad.obj'/>"))),
+              AllOf(HasSubstr("bad.obj:2:7: error: 'inf' is not a finite number"),
+                    HasSubstr("named at scene.xml:2:2")));
+  EXPECT_THAT(error(scene(in("shape", "ply"))),
+              HasSubstr("shape 'ply' needs a <string name=\"filename\" …>"));
+  EXPECT_THAT(error(scene(in("shape", "obj", "<string name='filename' value='/dev/zero'/>"))),
+              HasSubstr("not a plain file"));
+  EXPECT_THAT(error(scene(in("shape", "obj", "<string name='filename' value=''/>"))),
+              HasSubstr("file name is empty"));
+}
+
+// --- materials
+
+TEST_F(MitsubaPlugins, DiffuseIsOneSidedAndTheDefault) {
+  const SceneDescription s =
+      good(in("shape", "sphere") + in("shape", "cube") +
+           in("shape", "cube", in("bsdf", "diffuse", "<rgb name='reflectance' value='.1 .2 .3'/>")));
+  ASSERT_THAT(s.shapes, SizeIs(3));
+  EXPECT_EQ(s.shapes[0].front_bsdf, s.shapes[1].front_bsdf);
+  EXPECT_EQ(std::get<DiffuseBsdf>(s.bsdfs.at(std::size_t(s.shapes[0].front_bsdf)).model).reflectance,
+            glm::vec3(0.5f));
+  EXPECT_EQ(std::get<DiffuseBsdf>(s.bsdfs.at(std::size_t(s.shapes[2].front_bsdf)).model).reflectance,
+            glm::vec3(0.1f, 0.2f, 0.3f));
+  for (const Shape& shape : s.shapes) EXPECT_EQ(shape.back_bsdf, kBlackBsdf);
+}
+
+TEST_F(MitsubaPlugins, PhongDefaults) {
+  const SceneDescription s = good(in("shape", "sphere", in("bsdf", "phong")));
+  const PhongBsdf& phong = std::get<PhongBsdf>(s.bsdfs.at(0).model);
+  EXPECT_EQ(phong.exponent, 30.0f);
+  EXPECT_EQ(phong.diffuse, glm::vec3(0.5f));
+  EXPECT_EQ(phong.specular, glm::vec3(0.2f));
+  EXPECT_THAT(error(scene(in("bsdf", "phong", "<float name='exponent' value='-1'/>"))),
+              HasSubstr("0 or more, not -1"));
+}
+
+TEST_F(MitsubaPlugins, TwoSided) {
+  const SceneDescription s =
+      good(in("shape", "sphere", in("bsdf", "twosided", in("bsdf", "diffuse"))) +
+           in("shape", "cube", in("bsdf", "twosided", in("bsdf", "diffuse") + in("bsdf", "phong"))));
+  EXPECT_EQ(s.shapes.at(0).front_bsdf, s.shapes.at(0).back_bsdf);
+  EXPECT_TRUE(std::holds_alternative<DiffuseBsdf>(s.bsdfs.at(std::size_t(s.shapes.at(1).front_bsdf)).model));
+  EXPECT_TRUE(std::holds_alternative<PhongBsdf>(s.bsdfs.at(std::size_t(s.shapes.at(1).back_bsdf)).model));
+  EXPECT_THAT(error(scene(in("bsdf", "twosided"))), HasSubstr("one bsdf (for both sides) or two, not 0"));
+  EXPECT_THAT(error(scene(in("bsdf", "twosided", in("bsdf", "twosided", in("bsdf", "diffuse"))))),
+              HasSubstr("cannot hold another twosided"));
+}
+
+TEST_F(MitsubaPlugins, ReflectancesAreChecked) {
+  for (const char* value : {"1.1", "-0.1", "0 0 2"}) {
+    EXPECT_THAT(
+        error(scene(in("bsdf", "diffuse", "<rgb name='reflectance' value='" + std::string(value) + "'/>"))),
+        HasSubstr("a reflectance must be between 0 and 1"))
+        << value;
+  }
+}
+
+TEST_F(MitsubaPlugins, UnknownParametersListTheKnown) {
+  EXPECT_EQ(error(scene(in("bsdf", "diffuse", "<rgb name='reflectence' value='1'/>"))),
+            "scene.xml:2:23: error: bsdf 'diffuse' has no parameter 'reflectence'; did you mean "
+            "'reflectance'? It has: "
+            "reflectance\n  <bsdf type='diffuse'><rgb name='reflectence' value='1'/></bsdf>\n"
+            "                        ^");
+  EXPECT_THAT(error(scene(in("shape", "sphere", "<integer name='shape_index' value='1'/>"))),
+              HasSubstr("shape 'sphere' has no parameter 'shape_index'"));
+  EXPECT_THAT(error(scene(in("shape", "sphere", in("sensor", "perspective")))),
+              HasSubstr("shape 'sphere' cannot hold a <sensor>"));
+  EXPECT_THAT(error(scene(in("shape", "sphere", "<string name='radius' value='1'/>"))),
+              HasSubstr("the parameter 'radius' of shape 'sphere' must be a <float>, not a <string>"));
+  EXPECT_THAT(error(scene(in("shape", "sphere", in("bsdf", "diffuse") + in("bsdf", "phong")))),
+              HasSubstr("shape 'sphere' has 2 of <bsdf>; it takes one"));
+}
+
+// --- lights
+
+TEST_F(MitsubaPlugins, Lights) {
+  const SceneDescription s = good(
+      in("emitter", "point", "<rgb name='intensity' value='7'/><point name='position' x='1' y='2' z='3'/>") +
+      in("emitter", "constant", "<rgb name='radiance' value='.5'/>") +
+      in("shape", "rectangle", in("emitter", "area", "<rgb name='radiance' value='1 2 3'/>")));
+  EXPECT_EQ(s.point_lights.at(0).position, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(s.point_lights.at(0).intensity, glm::vec3(7));
+  EXPECT_EQ(s.environment.value().radiance, glm::vec3(0.5f));
+  EXPECT_EQ(s.shapes.at(0).radiance, glm::vec3(1, 2, 3));
+}
+
+TEST_F(MitsubaPlugins, LightErrors) {
+  EXPECT_THAT(error(scene(in("emitter", "constant") + in("emitter", "constant"))),
+              HasSubstr("a second constant emitter"));
+  EXPECT_THAT(error(scene(in("emitter", "point", "<point name='position' value='1 2 3'/>" + to_world("")))),
+              HasSubstr("either position or to_world"));
+  EXPECT_THAT(error(scene(in("shape", "cube", in("emitter", "point")))),
+              HasSubstr("cannot belong to a shape"));
+  EXPECT_THAT(error(scene(in("shape", "cube", in("emitter", "area") + in("emitter", "area")))),
+              HasSubstr("2 of <emitter>"));
+  EXPECT_THAT(error(scene(in("emitter", "aera"))), HasSubstr("did you mean 'area'?"));
+}
+
+// --- cameras and films
+
+TEST_F(MitsubaPlugins, FieldsOfView) {
+  const PerspectiveCamera standard = good(in("sensor", "perspective")).camera;
+  EXPECT_EQ(standard.fov_axis, FovAxis::kDiagonal);
+  EXPECT_NEAR(standard.fov, 46.7930033, 1e-6);  // of a 50 mm lens
+  const PerspectiveCamera wide =
+      good(in("sensor", "perspective", "<string name='focal_length' value='35mm'/>")).camera;
+  EXPECT_NEAR(std::tan(wide.fov * std::numbers::pi / 360.0), std::hypot(36.0, 24.0) / 70.0, 1e-12);
+  const std::pair<const char*, FovAxis> axes[] = {{"x", FovAxis::kX},
+                                                  {"y", FovAxis::kY},
+                                                  {"diagonal", FovAxis::kDiagonal},
+                                                  {"smaller", FovAxis::kSmaller},
+                                                  {"larger", FovAxis::kLarger}};
+  for (const auto& [name, axis] : axes) {
+    const PerspectiveCamera camera =
+        good(
+            in("sensor", "perspective",
+               "<float name='fov' value='1e-6'/><string name='fov_axis' value='" + std::string(name) + "'/>"))
+            .camera;
+    EXPECT_EQ(camera.fov_axis, axis);
+    EXPECT_EQ(camera.fov, 1e-6);
+  }
+  EXPECT_EQ(good(in("sensor", "perspective", "<integer name='fov' value='40'/>")).camera.fov_axis,
+            FovAxis::kX);
+}
+
+TEST_F(MitsubaPlugins, CameraFrames) {
+  const PerspectiveCamera camera =
+      good(in("sensor", "perspective",
+              to_world("<scale value='1 2 3'/><lookat origin='1 2 3' target='1 2 9' up='0 1 0'/>")))
+          .camera;
+  EXPECT_EQ(camera.to_world, glm::dmat4({1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {1, 2, 3, 1}));
+  const PerspectiveCamera mirrored = good(in("sensor", "perspective", to_world("<scale x='-2'/>"))).camera;
+  EXPECT_EQ(mirrored.to_world[0], glm::dvec4(-1, 0, 0, 0));
+}
+
+TEST_F(MitsubaPlugins, CameraErrors) {
+  const auto message = [&](std::string_view inside) {
+    return error(scene(in("sensor", "perspective", inside)));
+  };
+  EXPECT_THAT(message("<float name='fov' value='180'/>"), HasSubstr("fov: 180 is not above 0 and below 180"));
+  EXPECT_THAT(message("<float name='fov' value='0'/>"), HasSubstr("fov: 0 is not above 0"));
+  EXPECT_THAT(message("<float name='fov' value='50'/><string name='focal_length' value='50mm'/>"),
+              HasSubstr("not both"));
+  EXPECT_THAT(message("<string name='focal_length' value='50in'/>"),
+              HasSubstr("not a focal length such as 50mm"));
+  EXPECT_THAT(message("<string name='fov_axis' value='x'/>"), HasSubstr("fov_axis needs a fov"));
+  EXPECT_THAT(message("<float name='fov' value='50'/><string name='fov_axis' value='xy'/>"),
+              HasSubstr("not one of: x, y"));
+  EXPECT_THAT(message("<float name='principal_point_offset_x' value='.1'/>"),
+              HasSubstr("other than 0 is not read"));
+  EXPECT_THAT(message("<float name='near_clip' value='5'/><float name='far_clip' value='4'/>"),
+              HasSubstr("must be less than"));
+  EXPECT_THAT(message(to_world("<matrix value='1 1 0 0 1 0 0 0 1'/>")), HasSubstr("shears"));
+  EXPECT_THAT(error("<scene version='3.0.0'/>"), HasSubstr("the scene has no <sensor>"));
+  EXPECT_THAT(error(scene(in("sensor", "perspective") + in("sensor", "perspective"))),
+              HasSubstr("the scene has 2 of <sensor>"));
+}
+
+TEST_F(MitsubaPlugins, Films) {
+  const auto film = [&](std::string_view inside) {
+    return good(in("sensor", "perspective", in("film", "hdrfilm", inside))).film;
+  };
+  EXPECT_EQ(film("").width, 768);
+  EXPECT_EQ(film("").filter, FilterKind::kGaussian);
+  const Film sized = film("<integer name='width' value='1'/><integer name='height' value='1'/>");
+  EXPECT_EQ(sized.crop_width, 1);
+  EXPECT_EQ(sized.crop_height, 1);
+  EXPECT_EQ(film(in("rfilter", "box")).filter_radius, 0.5f);
+  EXPECT_EQ(film(in("rfilter", "tent")).filter_radius, 1.0f);
+  EXPECT_EQ(film(in("rfilter", "tent", "<float name='radius' value='1.5'/>")).filter_radius, 1.5f);
+  EXPECT_EQ(film(in("rfilter", "gaussian", "<float name='stddev' value='.25'/>")).filter_radius, 1.0f);
+  const Film mitchell =
+      film(in("rfilter", "mitchell", "<float name='B' value='0'/><float name='C' value='.5'/>"));
+  EXPECT_EQ(mitchell.filter, FilterKind::kMitchell);
+  EXPECT_EQ(mitchell.filter_b, 0.0f);
+  EXPECT_EQ(mitchell.filter_c, 0.5f);
+  good(in("sensor", "perspective",
+          in("film", "ldrfilm", "<float name='gamma' value='2.2'/><boolean name='banner' value='false'/>")));
+}
+
+TEST_F(MitsubaPlugins, FilmErrors) {
+  const auto message = [&](std::string_view inside) {
+    return error(scene(in("sensor", "perspective", in("film", "hdrfilm", inside))));
+  };
+  EXPECT_THAT(message("<integer name='width' value='1000000'/>"),
+              HasSubstr("width: '1000000' is not in the range from 1 to 65536"));
+  EXPECT_THAT(message("<float name='width' value='10'/>"), HasSubstr("must be a <integer>, not a <float>"));
+  EXPECT_THAT(message("<integer name='width' value='65536'/><integer name='height' value='65536'/>"),
+              HasSubstr("too large"));
+  EXPECT_THAT(message("<integer name='crop_offset_x' value='1'/>"), HasSubstr("is not inside the film"));
+  EXPECT_THAT(message(in("rfilter", "lanczos")), HasSubstr("rfilter type 'lanczos' is not one"));
+  EXPECT_THAT(message(in("rfilter", "box", "<float name='stddev' value='1'/>")),
+              HasSubstr("rfilter 'box' has no parameter 'stddev'"));
+  EXPECT_THAT(error(scene(in("sensor", "perspective", in("film", "hdrfilm") + in("film", "hdrfilm")))),
+              HasSubstr("2 of <film>"));
+  EXPECT_THAT(error(scene(in("sensor", "perspective", in("sampler", "sobol") + in("sampler", "sobol")))),
+              HasSubstr("2 of <sampler>"));
+}
+
+TEST_F(MitsubaPlugins, Samplers) {
+  const std::pair<const char*, SamplerKind> kinds[] = {
+      {"independent", SamplerKind::kIndependent}, {"stratified", SamplerKind::kStratified},
+      {"multijitter", SamplerKind::kStratified},  {"halton", SamplerKind::kHalton},
+      {"hammersley", SamplerKind::kHalton},       {"ldsampler", SamplerKind::kSobol},
+      {"orthogonal", SamplerKind::kSobol},        {"sobol", SamplerKind::kSobol}};
+  for (const auto& [name, kind] : kinds) {
+    const SamplerSettings sampler =
+        good(in("sensor", "perspective",
+                in("sampler", name,
+                   "<integer name='sample_count' value='5'/><integer name='seed' value='6'/>")))
+            .sampler;
+    EXPECT_EQ(sampler.kind, kind) << name;
+    EXPECT_EQ(sampler.spp, 5u);
+    EXPECT_EQ(sampler.seed, 6u);
+  }
+  EXPECT_EQ(good(in("sensor", "perspective")).sampler.kind, SamplerKind::kSobol);
+  EXPECT_THAT(error(scene(in("sensor", "perspective",
+                             in("sampler", "sobol", "<integer name='sample_count' value='0'/>")))),
+              HasSubstr("from 1 to 2147483648"));
+}
+
+// --- integrators
+
+TEST_F(MitsubaPlugins, Integrators) {
+  const auto integrator = [&](std::string_view type, std::string_view inside = "") {
+    return good(in("integrator", type, inside)).integrator;
+  };
+  EXPECT_EQ(good("").integrator.kind, IntegratorKind::kPath);
+  EXPECT_EQ(integrator("path").max_depth, -1);
+  EXPECT_EQ(integrator("path", "<integer name='max_depth' value='65'/>").max_depth, 65);
+  EXPECT_EQ(integrator("path_mats").direct_sampling, DirectSampling::kBsdfOnly);
+  EXPECT_EQ(integrator("path_ems").direct_sampling, DirectSampling::kEmitterOnly);
+  EXPECT_EQ(integrator("path_mis").direct_sampling, DirectSampling::kMis);
+  EXPECT_EQ(integrator("path", "<string name='direct_sampling' value='ems'/>").direct_sampling,
+            DirectSampling::kEmitterOnly);
+  const IntegratorSettings both = integrator("direct", "<integer name='shading_samples' value='4'/>");
+  EXPECT_EQ(both.kind, IntegratorKind::kDirect);
+  EXPECT_EQ(both.emitter_samples, 4);
+  EXPECT_EQ(both.bsdf_samples, 4);
+  const IntegratorSettings chosen =
+      integrator("direct",
+                 "<integer name='emitter_samples' value='2'/><integer name='bsdf_samples' value='0'/>"
+                 "<string name='bsdf_sampling' value='cosine'/><string name='emitter_sampling' value='area'/>"
+                 "<string name='mis' value='power'/><boolean name='hide_emitters' value='true'/>");
+  EXPECT_EQ(chosen.emitter_samples, 2);
+  EXPECT_EQ(chosen.bsdf_samples, 0);
+  EXPECT_EQ(chosen.bsdf_sampling, BsdfSampling::kCosine);
+  EXPECT_EQ(chosen.emitter_sampling, EmitterSampling::kArea);
+  EXPECT_EQ(chosen.heuristic, MisHeuristic::kPower);
+  EXPECT_TRUE(chosen.hide_emitters);
+  EXPECT_EQ(integrator("moment", in("integrator", "aov",
+                                    "<string name='aovs' value='d:depth'/>" +
+                                        in("integrator", "path", "<integer name='max_depth' value='3'/>")))
+                .max_depth,
+            3);
+}
+
+TEST_F(MitsubaPlugins, IntegratorErrors) {
+  const auto message = [&](std::string_view type, std::string_view inside = "") {
+    return error(scene(in("integrator", type, inside)));
+  };
+  EXPECT_THAT(message("direct", "<integer name='max_depth' value='3'/>"),
+              AllOf(HasSubstr("integrator 'direct' has no parameter 'max_depth'"),
+                    HasSubstr("It has: shading_samples")));
+  EXPECT_THAT(message("path", "<integer name='max_depth' value='-2'/>"),
+              HasSubstr("max_depth: '-2' is not in the range from -1"));
+  EXPECT_THAT(message("path", "<integer name='rr_depth' value='0'/>"), HasSubstr("from 1 to"));
+  EXPECT_THAT(message("direct", "<integer name='shading_samples' value='0'/>"), HasSubstr("from 1 to"));
+  EXPECT_THAT(message("direct",
+                      "<integer name='emitter_samples' value='0'/><integer name='bsdf_samples' value='0'/>"),
+              HasSubstr("at least one of emitter_samples and bsdf_samples"));
+  EXPECT_THAT(message("moment"), HasSubstr("needs an <integrator>"));
+  EXPECT_THAT(message("volpath"), HasSubstr("integrator type 'volpath' is not one that Penumbra reads"));
+  EXPECT_THAT(error(scene("<integrator type='moment' id='a'><ref id='a'/></integrator>")),
+              HasSubstr("needs an <integrator>"));
+  EXPECT_THAT(error(scene(in("integrator", "path") + in("integrator", "path"))),
+              HasSubstr("2 of <integrator>"));
+}
+
+// --- leniency
+
+TEST_F(MitsubaPlugins, LenientStandIns) {
+  const std::string text =
+      in("integrator", "volpath", "<integer name='max_depth' value='4'/>") +
+      in("sensor", "thinlens",
+         "<float name='fov' value='30'/><float name='aperture_radius' value='1'/>" +
+             in("film", "specfilm", "<integer name='width' value='99'/>" + in("rfilter", "lanczos")) +
+             in("sampler", "magic", "<integer name='sample_count' value='3'/>")) +
+      in("shape", "sphere",
+         in("bsdf", "twosided", in("bsdf", "roughconductor", "<float name='alpha' value='.1'/>"))) +
+      in("shape", "cube",
+         in("bsdf", "diffuse",
+            "<texture type='bitmap' name='reflectance'><string name='filename' value='x'/></texture>") +
+             in("emitter", "area", "<texture type='bitmap' name='radiance'/>")) +
+      in("shape", "instance") + in("emitter", "envmap") + in("medium", "homogeneous");
+  EXPECT_FALSE(read(scene(text)));
+  const SceneDescription s = good(text, {.lenient = true});
+  EXPECT_EQ(s.integrator.kind, IntegratorKind::kPath);
+  EXPECT_EQ(s.integrator.max_depth, 4);
+  EXPECT_EQ(s.camera.fov, 30.0);
+  EXPECT_EQ(s.film.width, 99);
+  EXPECT_EQ(s.sampler.spp, 3u);
+  ASSERT_THAT(s.shapes, SizeIs(2));
+  EXPECT_EQ(s.shapes[0].front_bsdf, s.shapes[0].back_bsdf);
+  for (const Shape& shape : s.shapes) {
+    EXPECT_EQ(std::get<DiffuseBsdf>(s.bsdfs.at(std::size_t(shape.front_bsdf)).model).reflectance,
+              glm::vec3(0.8f, 0.2f, 0.8f));
+  }
+  EXPECT_EQ(s.shapes[1].back_bsdf, kBlackBsdf);
+  EXPECT_EQ(s.shapes[1].radiance, glm::vec3(0.8f, 0.2f, 0.8f));
+  EXPECT_THAT(s.warnings,
+              ::testing::UnorderedElementsAre(
+                  HasSubstr("integrator type 'volpath' is not one that Penumbra reads; path stands in"),
+                  HasSubstr("sensor type 'thinlens'"), HasSubstr("film type 'specfilm'"),
+                  HasSubstr("rfilter type 'lanczos'"), HasSubstr("sampler type 'magic'"),
+                  HasSubstr("bsdf type 'roughconductor'"), HasSubstr("texture type 'bitmap'"),
+                  HasSubstr("texture type 'bitmap'"), HasSubstr("shape type 'instance'"),
+                  HasSubstr("emitter type 'envmap'"), HasSubstr("medium type 'homogeneous'")));
+}
+
+TEST_F(MitsubaPlugins, LeniencyIsForPluginsOnly) {
+  const ReadOptions lenient{.lenient = true};
+  EXPECT_THAT(error(scene(in("bsdf", "diffuse", "<rgb name='color' value='1'/>")), lenient),
+              HasSubstr("no parameter 'color'"));
+  EXPECT_THAT(error(scene("<shaep type='sphere'/>"), lenient), HasSubstr("did you mean 'shape'?"));
+  EXPECT_THAT(error(scene(in("shape", "sphere", "<ref id='x'/>")), lenient),
+              HasSubstr("no object with the id 'x'"));
+}
+
+TEST_F(MitsubaPlugins, SettingsOverrideTheFile) {
+  const std::string text =
+      in("integrator", "path", "<integer name='max_depth' value='4'/>") +
+      in("sensor", "perspective",
+         in("film", "hdrfilm", "<integer name='width' value='100'/><integer name='crop_width' value='80'/>"));
+  // Whatever their order: a film of 50 pixels holds a window of 50.
+  const SceneDescription s = good(text, {.settings = {{"film.cropWidth", "50"},
+                                                      {"integrator.max_depth", "9"},
+                                                      {"film.width", "50"},
+                                                      {"film.width", "60"}}});
+  EXPECT_EQ(s.integrator.max_depth, 9);
+  EXPECT_EQ(s.film.width, 60);
+  EXPECT_EQ(s.film.crop_width, 50);
+  EXPECT_THAT(error(scene(text), {.settings = {{"film.width", "50"}}}),
+              HasSubstr("is not inside the film of 50 x 576"));
+  EXPECT_THAT(error(scene(text), {.settings = {{"integrator.alpha", "auto"}}}),
+              HasSubstr("no setting 'integrator.alpha'"));
+}
+
+}  // namespace
+}  // namespace penumbra

@@ -1,0 +1,208 @@
+// Scenes with bytes flipped, pieces removed, swapped and doubled: each must be read or refused with a
+// message, and neither crash nor hang. What is read must be fit to render.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "scenes/scene_reader.h"
+#include "tests/outputs/temporary_folder.h"
+#include "tests/scenes/ply_writer.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMutationsPerFile = 60;
+constexpr std::chrono::seconds kLongest(
+    20);  // generous: a sanitizer's build on a busy machine takes milliseconds
+
+class Mutator {
+ public:
+  explicit Mutator(std::uint32_t seed) : random_(seed) {}
+
+  std::string mutate(std::string text) {
+    const int times = 1 + below(3);
+    for (int i = 0; i < times; ++i) once(text);
+    return text;
+  }
+
+ private:
+  int below(std::size_t n) { return n == 0 ? 0 : int(random_() % n); }
+
+  /// A token: a run of bytes between separators.
+  std::pair<std::size_t, std::size_t> token(const std::string& text) {
+    const char* separators = " \t\n\"<>=/,";
+    std::size_t begin = std::size_t(below(text.size()));
+    begin = text.find_first_not_of(separators, begin);
+    if (begin == text.npos) return {0, std::min<std::size_t>(text.size(), 1)};
+    const std::size_t end = std::min(text.find_first_of(separators, begin), text.size());
+    return {begin, end - begin};
+  }
+
+  void once(std::string& text) {
+    if (text.empty()) return;
+    const std::size_t at = std::size_t(below(text.size()));
+    switch (below(9)) {
+      case 0:
+        text[at] = static_cast<char>(text[at] ^ (1 << below(8)));
+        break;
+      case 1:
+        text[at] = static_cast<char>(below(256));
+        break;
+      case 2:
+        text.erase(at, 1 + std::size_t(below(40)));
+        break;
+      case 3:
+        text.resize(at);
+        break;
+      case 4: {
+        const auto [begin, size] = token(text);
+        text.insert(begin, text.substr(begin, size) + " ");
+        break;
+      }
+      case 5: {
+        const auto [begin, size] = token(text);
+        const auto [other, other_size] = token(text);
+        const std::string piece = text.substr(other, other_size);
+        text.replace(begin, size, piece);
+        break;
+      }
+      case 6: {
+        static const char* const kNumbers[] = {
+            "0",          "-1",         "1e39", "1e308", "-1e-320", "nan",  "inf", "99999999999999999999",
+            "4294967296", "2147483648", "",     "$",     "#ffffff", "../x", "&lt;"};
+        const auto [begin, size] = token(text);
+        text.replace(begin, size, kNumbers[below(std::size(kNumbers))]);
+        break;
+      }
+      case 7: {  // a line doubled
+        const std::size_t begin = text.rfind('\n', at) == text.npos ? 0 : text.rfind('\n', at);
+        const std::size_t end = std::min(text.find('\n', at + 1), text.size());
+        text.insert(begin, text.substr(begin, end > begin ? end - begin : 0));
+        break;
+      }
+      default:
+        std::swap(text[at], text[std::size_t(below(text.size()))]);
+        break;
+    }
+  }
+
+  std::mt19937 random_;
+};
+
+bool finite(glm::dvec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+void expect_fit(const SceneDescription& scene) {
+  const int bsdfs = int(scene.bsdfs.size());
+  for (const Shape& shape : scene.shapes) {
+    ASSERT_TRUE(shape.front_bsdf >= kBlackBsdf && shape.front_bsdf < bsdfs);
+    ASSERT_TRUE(shape.back_bsdf >= kBlackBsdf && shape.back_bsdf < bsdfs);
+    if (shape.radiance) ASSERT_TRUE(finite(*shape.radiance));
+    if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
+      ASSERT_TRUE(finite(sphere->center) && sphere->radius > 0.0 && std::isfinite(sphere->radius));
+    }
+    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
+      ASSERT_FALSE(mesh->triangles.empty());
+      for (const glm::dvec3& p : mesh->positions) ASSERT_TRUE(finite(p));
+      for (const glm::vec3& n : mesh->normals) ASSERT_NEAR(glm::length(n), 1.0f, 1e-5f);
+      ASSERT_TRUE(mesh->normals.empty() || mesh->normals.size() == mesh->positions.size());
+      ASSERT_TRUE(mesh->texcoords.empty() || mesh->texcoords.size() == mesh->positions.size());
+      for (const glm::uvec3& t : mesh->triangles) {
+        ASSERT_LT(std::max(t.x, std::max(t.y, t.z)), mesh->positions.size());
+      }
+    }
+  }
+  ASSERT_TRUE(scene.camera.fov > 0.0 && scene.camera.fov < 180.0);
+  ASSERT_NEAR(std::abs(glm::determinant(glm::dmat3(scene.camera.to_world))), 1.0, 1e-3);
+  ASSERT_TRUE(scene.film.crop_x + scene.film.crop_width <= scene.film.width);
+  ASSERT_GE(scene.sampler.spp, 1u);
+}
+
+/// Reads `scene` in `folder` for every mutation of `mutated`, a file there.
+void expect_survival(const fs::path& folder, const std::string& scene, const std::string& mutated,
+                     std::uint32_t seed) {
+  const std::string original = file_contents(folder / mutated);
+  Mutator mutator(seed);
+  int good = 0;
+  for (int i = 0; i < kMutationsPerFile; ++i) {
+    const std::string text = mutator.mutate(original);
+    SCOPED_TRACE("mutation " + std::to_string(i) + " of " + mutated);
+    write_text(folder / mutated, text);
+    const auto start = std::chrono::steady_clock::now();
+    const auto result = read_scene(folder / scene, {.lenient = i % 2 == 1, .confine_to = folder});
+    EXPECT_LT(std::chrono::steady_clock::now() - start, kLongest);
+    if (result) {
+      ++good;
+      expect_fit(*result);
+    } else {
+      EXPECT_FALSE(result.error().message.empty());
+    }
+    if (::testing::Test::HasFailure()) {
+      write_text(fs::temp_directory_path() / "penumbra-mutation", text);
+      FAIL() << "left in " << fs::temp_directory_path() / "penumbra-mutation";
+    }
+  }
+  write_text(folder / mutated, original);
+  // Both outcomes must be there, or the mutations are too weak or too strong to test anything.
+  EXPECT_GT(good, 0);
+  EXPECT_LT(good, kMutationsPerFile);
+}
+
+struct MutationCase {
+  std::string folder;  ///< below scenes/
+  std::string scene;
+  std::string mutated;
+};
+
+class Mutations : public ::testing::TestWithParam<MutationCase> {};
+
+TEST_P(Mutations, AreReadOrRefused) {
+  const TemporaryFolder folder;
+  fs::copy(fs::path(PENUMBRA_SOURCE_DIR) / "scenes" / GetParam().folder, folder.path(),
+           fs::copy_options::recursive);
+  const auto index = std::uint32_t(std::hash<std::string_view>{}(GetParam().mutated));
+  expect_survival(folder.path(), GetParam().scene, GetParam().mutated, 1234u + index % 1000u);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    OwnScenes, Mutations,
+    ::testing::Values(MutationCase{"cornell", "cornell.xml", "cornell.xml"},
+                      MutationCase{"cornell", "cornell.xml", "meshes/tall-block.ply"},
+                      MutationCase{"cornell-small", "cornell-small.xml", "cornell-small.xml"},
+                      MutationCase{"veach-mis", "veach-mis.xml", "veach-mis.xml"},
+                      MutationCase{"furnace", "furnace.xml", "furnace.xml"},
+                      MutationCase{"polygon-lights", "polygon-lights.xml", "polygon-lights.xml"},
+                      MutationCase{"polygon-lights", "polygon-lights.xml", "light-1.obj"},
+                      MutationCase{"polygon-lights", "polygon-2.xml", "polygon-2.xml"}));
+
+TEST(MutatedMeshes, EveryPlyEncoding) {
+  const TemporaryFolder folder;
+  write_text(folder / "scene.xml",
+             "<scene version='3.0.0'><sensor type='perspective'/>"
+             "<shape type='ply'><string name='filename' value='m.ply'/></shape></scene>");
+  for (const PlyEncoding encoding :
+       {PlyEncoding::kAscii, PlyEncoding::kLittleEndian, PlyEncoding::kBigEndian}) {
+    write_text(folder / "m.ply", odd_square_ply(encoding));
+    expect_survival(folder.path(), "scene.xml", "m.ply", 77);
+  }
+}
+
+TEST(MutatedMeshes, ObjWithEverything) {
+  const TemporaryFolder folder;
+  write_text(folder / "scene.xml",
+             "<scene version='3.0.0'><sensor type='perspective'/>"
+             "<shape type='obj'><string name='filename' value='m.obj'/></shape></scene>");
+  write_text(folder / "m.obj",
+             "# all of it\nmtllib a.mtl\no thing\nv 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 "
+             "1\nvn 0 0 1\n"
+             "vn 0 1 0\ng group\nusemtl red\ns 1\nf 1/1/1 2/2/1 3/3/2\nf -4/-3/-2 -2/-1/-1 \\\n 4/2/1\nf 1 2 "
+             "3 4\nl 1 2\n");
+  expect_survival(folder.path(), "scene.xml", "m.obj", 99);
+}
+
+}  // namespace
+}  // namespace penumbra

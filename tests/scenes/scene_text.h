@@ -1,0 +1,54 @@
+// Scenes written into a test, read from a folder of their own.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <string_view>
+
+#include "scenes/scene_reader.h"
+#include "tests/outputs/temporary_folder.h"
+
+namespace penumbra {
+
+class SceneText : public ::testing::Test {
+ protected:
+  /// A scene around `content`, with a sensor, unless `content` has one.
+  static std::string scene(std::string_view content) {
+    std::string text = "<scene version=\"3.0.0\">\n";
+    text += content;
+    if (content.find("<sensor") == content.npos) text += "\n<sensor type=\"perspective\"/>";
+    return text + "\n</scene>\n";
+  }
+
+  void write(const std::string& name, std::string_view text) { write_text(folder_ / name, text); }
+
+  Expected<SceneDescription> read(std::string_view text, const ReadOptions& options = {}) {
+    write("scene.xml", text);
+    return read_scene(folder_ / "scene.xml", options);
+  }
+
+  /// Of a scene that must be good.
+  SceneDescription good(std::string_view content, const ReadOptions& options = {}) {
+    auto result = read(scene(content), options);
+    EXPECT_TRUE(result) << result.error().message;
+    return result ? std::move(*result) : SceneDescription{};
+  }
+
+  /// The error of a scene that must be bad, the folder's name left out.
+  std::string error(std::string_view text, const ReadOptions& options = {}) {
+    const auto result = read(text, options);
+    EXPECT_FALSE(result) << "this scene should be an error:\n" << text;
+    if (result) return "";
+    std::string message = result.error().message;
+    const std::string prefix = folder_.path().string() + "/";
+    for (std::size_t at = message.find(prefix); at != message.npos; at = message.find(prefix)) {
+      message.erase(at, prefix.size());
+    }
+    return message;
+  }
+
+  TemporaryFolder folder_;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,142 @@
+#include "scenes/settings.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace penumbra {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+std::string error(std::string_view key, std::string_view value) {
+  SceneDescription scene;
+  const auto done = apply_setting(scene, key, value);
+  EXPECT_FALSE(done) << key << " = " << value;
+  return done ? "" : done.error().message;
+}
+
+TEST(Settings, SetEveryGroup) {
+  SceneDescription scene;
+  const std::pair<const char*, const char*> values[] = {{"integrator.type", "direct"},
+                                                        {"integrator.emitterSamples", "4"},
+                                                        {"integrator.bsdf_samples", "0"},
+                                                        {"integrator.bsdf_sampling", "uniform"},
+                                                        {"integrator.emitter_sampling", "solid_angle"},
+                                                        {"integrator.mis", "power"},
+                                                        {"integrator.hide_emitters", "true"},
+                                                        {"sampler.type", "halton"},
+                                                        {"sampler.sample_count", "2147483648"},
+                                                        {"sampler.seed", "4294967295"},
+                                                        {"film.width", "65536"},
+                                                        {"film.height", "1"},
+                                                        {"film.rfilter", "mitchell"},
+                                                        {"film.rfilter_b", "0.5"},
+                                                        {"camera.fov", "1e-6"},
+                                                        {"camera.fovAxis", "diagonal"},
+                                                        {"camera.near_clip", "0.5"}};
+  for (const auto& [key, value] : values) {
+    const auto done = apply_setting(scene, key, value);
+    ASSERT_TRUE(done) << done.error().message;
+  }
+  EXPECT_EQ(scene.integrator.kind, IntegratorKind::kDirect);
+  EXPECT_EQ(scene.integrator.emitter_samples, 4);
+  EXPECT_EQ(scene.integrator.bsdf_samples, 0);
+  EXPECT_EQ(scene.integrator.bsdf_sampling, BsdfSampling::kUniform);
+  EXPECT_EQ(scene.integrator.emitter_sampling, EmitterSampling::kSolidAngle);
+  EXPECT_EQ(scene.integrator.heuristic, MisHeuristic::kPower);
+  EXPECT_TRUE(scene.integrator.hide_emitters);
+  EXPECT_EQ(scene.sampler.kind, SamplerKind::kHalton);
+  EXPECT_EQ(scene.sampler.spp, 2147483648u);
+  EXPECT_EQ(scene.sampler.seed, 4294967295u);
+  EXPECT_EQ(scene.film.crop_width, 65536);
+  EXPECT_EQ(scene.film.crop_height, 1);
+  EXPECT_EQ(scene.film.filter, FilterKind::kMitchell);
+  EXPECT_EQ(scene.film.filter_radius, 2.0f);
+  EXPECT_EQ(scene.film.filter_b, 0.5f);
+  EXPECT_EQ(scene.camera.fov, 1e-6);
+  EXPECT_EQ(scene.camera.fov_axis, FovAxis::kDiagonal);
+  EXPECT_TRUE(check_settings(scene));
+}
+
+TEST(Settings, PathPresets) {
+  SceneDescription scene;
+  ASSERT_TRUE(apply_setting(scene, "integrator.type", "path_mats"));
+  EXPECT_EQ(scene.integrator.kind, IntegratorKind::kPath);
+  EXPECT_EQ(scene.integrator.direct_sampling, DirectSampling::kBsdfOnly);
+  ASSERT_TRUE(apply_setting(scene, "integrator.type", "path_ems"));
+  EXPECT_EQ(scene.integrator.direct_sampling, DirectSampling::kEmitterOnly);
+  ASSERT_TRUE(apply_setting(scene, "integrator.direct_sampling", "mis"));
+  EXPECT_EQ(scene.integrator.direct_sampling, DirectSampling::kMis);
+}
+
+TEST(Settings, ACropWindowFollowsTheFilmOnlyIfItWasAllOfIt) {
+  SceneDescription scene;
+  ASSERT_TRUE(apply_setting(scene, "film.width", "100"));
+  EXPECT_EQ(scene.film.crop_width, 100);
+  ASSERT_TRUE(apply_setting(scene, "film.crop_width", "50"));
+  ASSERT_TRUE(apply_setting(scene, "film.width", "200"));
+  EXPECT_EQ(scene.film.crop_width, 50);
+}
+
+TEST(Settings, TheGaussiansRadiusFollowsItsWidth) {
+  SceneDescription scene;
+  ASSERT_TRUE(apply_setting(scene, "film.rfilter_stddev", "0.75"));
+  EXPECT_EQ(scene.film.filter_radius, 3.0f);
+}
+
+TEST(Settings, CameraFrames) {
+  SceneDescription scene;
+  ASSERT_TRUE(apply_setting(scene, "camera.lookat", "1,2,3, 1,2,9, 0,1,0"));
+  EXPECT_EQ(glm::dvec3(scene.camera.to_world[2]), glm::dvec3(0, 0, 1));
+  EXPECT_EQ(glm::dvec3(scene.camera.to_world[3]), glm::dvec3(1, 2, 3));
+  ASSERT_TRUE(apply_setting(scene, "camera.to_world", "2 0 0 5  0 2 0 6  0 0 2 7  0 0 0 1"));
+  EXPECT_EQ(glm::dvec3(scene.camera.to_world[0]), glm::dvec3(1, 0, 0));
+  EXPECT_EQ(glm::dvec3(scene.camera.to_world[3]), glm::dvec3(5, 6, 7));
+  EXPECT_THAT(error("camera.lookat", "1,2,3"), HasSubstr("9 numbers, not 3"));
+  EXPECT_THAT(error("camera.to_world", "1 0 0 0 0 1 0 0 0 0 0 0 0 0 0 1"), HasSubstr("singular"));
+}
+
+TEST(Settings, ErrorsSayWhatWouldBeRight) {
+  EXPECT_THAT(error("integrator.max_dept", "3"),
+              AllOf(HasSubstr("no setting 'integrator.max_dept'"),
+                    HasSubstr("did you mean 'integrator.max_depth'?"), HasSubstr("film.width")));
+  EXPECT_THAT(error("sampler.sample_count", "0"),
+              HasSubstr("setting sampler.sample_count: '0' is not in the range from 1 to 2147483648"));
+  EXPECT_THAT(error("film.width", "65537"), HasSubstr("from 1 to 65536"));
+  EXPECT_THAT(error("integrator.type", "pth"),
+              AllOf(HasSubstr("did you mean 'path'?"), HasSubstr("direct, path")));
+  EXPECT_THAT(error("integrator.max_depth", "-2"), HasSubstr("from -1"));
+  EXPECT_THAT(error("camera.fov", "180"), HasSubstr("above 0 and below 180"));
+  EXPECT_THAT(error("camera.fov", "0"), HasSubstr("above 0 and below 180"));
+  EXPECT_THAT(error("camera.fov", "nan"), HasSubstr("finite"));
+  EXPECT_THAT(error("film.rfilter_stddev", "0"), HasSubstr("above 0"));
+  EXPECT_THAT(error("integrator.hide_emitters", "1"), HasSubstr("neither true nor false"));
+  EXPECT_THAT(error("", ""), HasSubstr("no setting ''"));
+}
+
+TEST(Settings, WhatNoSingleSettingCanTell) {
+  SceneDescription scene;
+  EXPECT_TRUE(check_settings(scene));
+  scene.film.crop_x = 1;
+  EXPECT_THAT(check_settings(scene).error().message, HasSubstr("crop window of 768 x 576 pixels at (1, 0)"));
+  scene.film = {.width = 65536, .height = 65536, .crop_width = 65536, .crop_height = 65536};
+  EXPECT_THAT(check_settings(scene).error().message, HasSubstr("too large"));
+  scene.film = {.width = 65536, .height = 65536, .crop_x = 65000, .crop_width = 500, .crop_height = 65536};
+  EXPECT_TRUE(check_settings(scene));
+  scene.integrator = {.kind = IntegratorKind::kDirect, .emitter_samples = 0, .bsdf_samples = 0};
+  EXPECT_THAT(check_settings(scene).error().message, HasSubstr("at least one of"));
+  scene.integrator = {};
+  scene.camera.far_clip = scene.camera.near_clip;
+  EXPECT_THAT(check_settings(scene).error().message, HasSubstr("near_clip"));
+}
+
+TEST(Settings, KeysAreUnique) {
+  std::set<std::string> keys;
+  for (const Setting& each : all_settings()) EXPECT_TRUE(keys.insert(each.key).second) << each.key;
+}
+
+}  // namespace
+}  // namespace penumbra
