@@ -361,6 +361,26 @@ TEST_F(PlanTest, ALateResultOfAnOpenUnitCounts) {
   EXPECT_TRUE(plan_->finished());
 }
 
+TEST_F(PlanTest, AWorkerThatComesBackGetsWorkAgain) {
+  start(9, 1, kLeases);
+  join(1);
+  wait(61);
+  done(1, unit(0, 0));
+  EXPECT_THAT(held_[1], ElementsAre(unit(0, 1), unit(0, 2)));
+  wait(61);
+  EXPECT_THAT(dismissed(), IsEmpty()) << "its time runs anew";
+}
+
+TEST_F(PlanTest, APauseOfAWorkerDoesNotStretchTheLeases) {
+  start(9, 1, kLeases);
+  join(1);
+  wait(61);
+  done(1, unit(0, 0));
+  ASSERT_EQ(plan_->units_requeued(), 2u);
+  wait(10.1);  // and not 20 x 61 s
+  EXPECT_EQ(plan_->units_requeued(), 3u) << "(0, 2) comes to (0, 1), which nobody has taken over";
+}
+
 TEST_F(PlanTest, ALateResultOfAUnitThatIsDoneIsCompared) {
   start(3, 1, kLeases);
   join(1);
@@ -455,6 +475,16 @@ TEST_F(PlanTest, AUnitHasTwoCopiesAtMost) {
   for (const WorkerId worker : {1, 2, 3, 4}) join(worker);
   for (int i = 0; i < 5; ++i) wait(1);
   EXPECT_EQ(plan_->units_duplicated(), 1u);
+}
+
+TEST_F(PlanTest, ABlamedUnitIsNotCopied) {
+  start(1, 1);
+  join(1);
+  fails(1, unit(0, 0));
+  ASSERT_THAT(held_[1], ElementsAre(unit(0, 0)));
+  join(2);
+  wait(5);
+  EXPECT_THAT(held_[2], IsEmpty()) << "it might kill two workers at a time";
 }
 
 TEST_F(PlanTest, TheFirstResultWinsAndAnEqualSecondIsDiscarded) {
