@@ -59,6 +59,7 @@ TestDevice native_device() {
 TestDevice opencl_device() {
   TestDevice device;
   device.options.backend = Backend::kOpenCl;
+  device.options.threads = 2;
   return device;
 }
 
