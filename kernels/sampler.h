@@ -1,6 +1,6 @@
-// Samplers: a number in [0, 1) as a pure function of (seed, pixel, sample index, dimension). Dimensions come in pairs;
-// DIMENSION_FILTER is the film's, then each step of an integrator has a fixed budget of DRAWS, so that Russian
-// roulette never shifts what comes later.
+// Samplers: a number in [0, 1) as a pure function of (seed, pixel, sample index, dimension). Dimensions come
+// in pairs; DIMENSION_FILTER is the film's, then each step of an integrator has a fixed budget of DRAWS, so
+// that Russian roulette never shifts what comes later.
 #ifndef PENUMBRA_SAMPLER_H
 #define PENUMBRA_SAMPLER_H
 #include "kernels/math.h"
@@ -46,8 +46,8 @@ FN uint reverse_bits(uint v) {
 #endif
 }
 
-/// Each bit is flipped by a hash of the bits below it: an Owen scramble of bit-reversed numbers. Laine and Karras 2011,
-/// with Vegdahl's constants of 2021.
+/// Each bit is flipped by a hash of the bits below it: an Owen scramble of bit-reversed numbers. Laine and
+/// Karras 2011, with Vegdahl's constants of 2021.
 FN uint scramble_reversed(uint v, uint seed) {
   v ^= v * 0x3d20adeau;
   v += seed;
@@ -57,8 +57,8 @@ FN uint scramble_reversed(uint v, uint seed) {
   return v;
 }
 
-/// The second Sobol dimension of index i, bit-reversed: Pascal's matrix modulo 2, one step for each bit of a bit's
-/// position.
+/// The second Sobol dimension of index i, bit-reversed: Pascal's matrix modulo 2, one step for each bit of a
+/// bit's position.
 FN uint sobol_second_reversed(uint i) {
   i ^= (i >> 1) & 0x55555555u;
   i ^= (i >> 2) & 0x33333333u;
@@ -75,7 +75,8 @@ FN void sobol_pair(uint pixel, uint index, uint pair, PRIVATE float* u, PRIVATE 
   uint seed = pair_seed(pixel, pair);
   uint shuffled = reverse_bits(scramble_reversed(reverse_bits(index), seed));
   *u = unit_float(reverse_bits(scramble_reversed(shuffled, hash_uint(seed ^ 0x68bc21ebu))));
-  *v = unit_float(reverse_bits(scramble_reversed(sobol_second_reversed(shuffled), hash_uint(seed ^ 0x02e5be93u))));
+  *v = unit_float(
+      reverse_bits(scramble_reversed(sobol_second_reversed(shuffled), hash_uint(seed ^ 0x02e5be93u))));
 }
 
 FN void independent_pair(uint pixel, uint index, uint pair, PRIVATE float* u, PRIVATE float* v) {
@@ -113,7 +114,8 @@ FN uint permute(uint i, uint n, uint seed) {
     i &= mask;
     i ^= i >> 5;
   } while (i >= n);
-  return (i + seed) % n;
+  const uint shift = seed % n;  // i + seed may wrap around, which no longer permutes
+  return i < n - shift ? i + shift : i - (n - shift);
 }
 
 /// The columns of the most nearly square grid of n strata: its largest divisor that is at most sqrt(n).
@@ -181,22 +183,22 @@ FN void draw_pair(int sampler, uint spp, uint pair, GLOBAL const int* RESTRICT i
   }
   if (sampler == SAMPLER_INDEPENDENT) {
     LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      float a, b;
-      independent_pair((uint)pixels[j], (uint)samples[j], pair, &a, &b);
-      u[j] = a;
-      v[j] = b;
-    }
+      for (int j = 0; j < LANES; j++) {
+        float a, b;
+        independent_pair((uint)pixels[j], (uint)samples[j], pair, &a, &b);
+        u[j] = a;
+        v[j] = b;
+      }
     return;
   }
 #endif
   LANE_LOOP
-  for (int j = 0; j < LANES; j++) {
-    float a, b;
-    sobol_pair((uint)pixels[j], (uint)samples[j], pair, &a, &b);
-    u[j] = a;
-    v[j] = b;
-  }
+    for (int j = 0; j < LANES; j++) {
+      float a, b;
+      sobol_pair((uint)pixels[j], (uint)samples[j], pair, &a, &b);
+      u[j] = a;
+      v[j] = b;
+    }
 }
 
 /// Dimension pair 0 is the position on the film; step s uses pairs 1 + s DRAWS / 2 ...

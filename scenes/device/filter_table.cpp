@@ -7,7 +7,8 @@
 namespace penumbra {
 namespace {
 
-// Steps of the midpoint rule for each filter: fine enough that a knot is off by less than a float's rounding times 100.
+// Steps of the midpoint rule for each filter: fine enough that a knot is off by less than a float's rounding
+// times 100.
 constexpr int kSteps = 1 << 16;
 
 /// Mitchell and Netravali 1988 with parameters B and C, at x in pixels, |x| <= 2.
@@ -15,7 +16,8 @@ double mitchell(double x, double b, double c) {
   x = std::abs(x);
   if (x >= 2) return 0;
   if (x < 1) return ((12 - 9 * b - 6 * c) * x * x * x + (-18 + 12 * b + 6 * c) * x * x + (6 - 2 * b)) / 6;
-  return ((-b - 6 * c) * x * x * x + (6 * b + 30 * c) * x * x + (-12 * b - 48 * c) * x + (8 * b + 24 * c)) / 6;
+  return ((-b - 6 * c) * x * x * x + (6 * b + 30 * c) * x * x + (-12 * b - 48 * c) * x + (8 * b + 24 * c)) /
+         6;
 }
 
 }  // namespace
@@ -42,31 +44,37 @@ std::vector<float> filter_table(const Film& film) {
   std::vector<double> value(kSteps);
   double total_magnitude = 0, total = 0;
   for (int i = 0; i < kSteps; ++i) {
-    value[std::size_t(i)] = filter_value(film, -1 + (i + 0.5) * 2 / kSteps);
+    value[std::size_t(i)] = filter_value(film, (i + 0.5) / kSteps);
     total_magnitude += std::abs(value[std::size_t(i)]);
     total += value[std::size_t(i)];
   }
-  std::vector<float> knots{-1.0f}, weights;
-  double magnitude = 0, mass = 0;
+  std::vector<float> knots{0.0f}, weights;
+  double magnitude = 0, cell_magnitude = 0, cell_mass = 0;
+  const auto finish_cell = [&](double knot) {
+    knots.push_back(float(knot));
+    const double mean = cell_magnitude > 0 ? cell_mass / cell_magnitude : 1;
+    weights.push_back(float(mean * total_magnitude / total));
+    cell_magnitude = cell_mass = 0;
+  };
   for (int i = 0; i < kSteps; ++i) {
-    double remaining = std::abs(value[std::size_t(i)]);
-    const double sign = value[std::size_t(i)] < 0 ? -1 : 1;
+    const double whole = std::abs(value[std::size_t(i)]), sign = value[std::size_t(i)] < 0 ? -1 : 1;
+    double remaining = whole;
     while (int(weights.size()) < FILTER_CELLS - 1) {
-      const double cell_end = total_magnitude * double(weights.size() + 1) / FILTER_CELLS;
+      const double above = 1 - double(weights.size() + 1) / FILTER_CELLS;
+      const double cell_end = total_magnitude * (1 - above * above);
       if (magnitude + remaining < cell_end) break;
       const double part = cell_end - magnitude;
-      const double into = 1 - (remaining - part) / std::abs(value[std::size_t(i)]);
-      knots.push_back(float(-1 + (i + into) * 2 / kSteps));
-      weights.push_back(float((mass + sign * part) / total * FILTER_CELLS));
-      mass = 0;
-      magnitude = cell_end;
+      cell_magnitude += part;
+      cell_mass += sign * part;
       remaining -= part;
+      magnitude = cell_end;
+      finish_cell((i + 1 - remaining / whole) / kSteps);
     }
     magnitude += remaining;
-    mass += sign * remaining;
+    cell_magnitude += remaining;
+    cell_mass += sign * remaining;
   }
-  knots.push_back(1.0f);
-  weights.push_back(float(mass / total * FILTER_CELLS));
+  finish_cell(1);
   knots.insert(knots.end(), weights.begin(), weights.end());
   return knots;
 }

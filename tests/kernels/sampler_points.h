@@ -1,0 +1,61 @@
+// One interface to the samplers for their tests: the pair of numbers of a (seed, pixel, sample, pair).
+#pragma once
+
+#include <cstdint>
+#include <ostream>
+#include <string>
+
+#include "tests/kernels/kernels_under_test.h"
+
+namespace penumbra {
+
+struct SampleAddress {
+  std::uint32_t seed = 0, x = 0, y = 0, index = 0, pair = 0;
+  std::uint32_t spp = 16;
+};
+
+struct Point2 {
+  float u = 0, v = 0;
+};
+
+/// By draw_pair, as the integrators do; all lanes ask for the same address.
+inline Point2 draw(int sampler, const SampleAddress& at) {
+  static int ints[STATE_INTS * LANES];
+  for (int j = 0; j < LANES; ++j) {
+    ints[PIXEL_HASH * LANES + j] = int(pixel_hash(at.seed, at.x, at.y));
+    ints[SAMPLE_INDEX * LANES + j] = int(at.index);
+  }
+  float u[LANES], v[LANES];
+  draw_pair(sampler, at.spp, at.pair, ints, LANES, 0, u, v);
+  return {u[0], v[0]};
+}
+
+/// The same without the lanes, for loops over many points.
+inline Point2 draw_alone(int sampler, const SampleAddress& at) {
+  const uint pixel = pixel_hash(at.seed, at.x, at.y);
+  Point2 p;
+  switch (sampler) {
+    case SAMPLER_INDEPENDENT:
+      independent_pair(pixel, at.index, at.pair, &p.u, &p.v);
+      break;
+    case SAMPLER_STRATIFIED:
+      stratified_pair(pixel, at.index, at.pair, at.spp, &p.u, &p.v);
+      break;
+    case SAMPLER_HALTON:
+      halton_pair(pixel, at.index, at.pair, &p.u, &p.v);
+      break;
+    default:
+      sobol_pair(pixel, at.index, at.pair, &p.u, &p.v);
+      break;
+  }
+  return p;
+}
+
+constexpr int kSamplers[] = {SAMPLER_INDEPENDENT, SAMPLER_STRATIFIED, SAMPLER_HALTON, SAMPLER_SOBOL};
+
+inline std::string sampler_name(int sampler) {
+  const char* names[] = {"Independent", "Stratified", "Halton", "Sobol"};
+  return names[sampler];
+}
+
+}  // namespace penumbra

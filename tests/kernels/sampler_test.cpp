@@ -1,0 +1,256 @@
+// What each sampler promises about its points: range, purity, strata, nets, radical inverses.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+#include <vector>
+
+#include "tests/kernels/random_numbers.h"
+#include "tests/kernels/sampler_points.h"
+
+namespace penumbra {
+namespace {
+
+constexpr std::uint32_t kMax32 = 0xffffffffu;
+
+class Sampler : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(All, Sampler, testing::ValuesIn(kSamplers),
+                         [](const auto& info) { return sampler_name(info.param); });
+
+TEST_P(Sampler, NumbersAreInTheHalfOpenUnitInterval) {
+  const auto check = [](const SampleAddress& at, Point2 p) {
+    ASSERT_TRUE(p.u >= 0 && p.u < 1 && p.v >= 0 && p.v < 1)
+        << "seed " << at.seed << " pixel " << at.x << "," << at.y << " sample " << at.index << " pair "
+        << at.pair << " of " << at.spp << ": " << p.u << ", " << p.v;
+  };
+  for (std::uint32_t seed : {0u, 1u, 0x7fffffffu, 0x80000000u, kMax32})
+    for (std::uint32_t x : {0u, 1u, 32767u, kMax32})
+      for (std::uint32_t index : {0u, 1u, 2u, 4095u, 0xffffffu, 0x1000000u, 99'999'999u, kMax32})
+        for (std::uint32_t pair : {0u, 1u, 7u, 8u, 1000u})
+          for (std::uint32_t spp : {1u, 2u, 3u, 7u, 16u, 4096u, 100'000'000u, kMax32}) {
+            const SampleAddress at{seed, x, x / 2, index, pair, spp};
+            check(at, draw(GetParam(), at));
+          }
+  RandomNumbers random(2);
+  for (int i = 0; i < 1'000'000; ++i) {
+    const SampleAddress at{.seed = std::uint32_t(random.next()),
+                           .index = std::uint32_t(random.next()) >> random.below(32),
+                           .pair = std::uint32_t(random.below(20)),
+                           .spp = 1 + std::uint32_t(random.below(1000))};
+    check(at, draw_alone(GetParam(), at));
+  }
+}
+
+TEST_P(Sampler, IsAPureFunctionOfItsArguments) {
+  RandomNumbers random(3);
+  for (int i = 0; i < 1000; ++i) {
+    const SampleAddress at{std::uint32_t(random.next()),      std::uint32_t(random.below(4000)),
+                           std::uint32_t(random.below(4000)), std::uint32_t(random.below(64)),
+                           std::uint32_t(random.below(30)),   64};
+    const Point2 first = draw(GetParam(), at), again = draw(GetParam(), at),
+                 alone = draw_alone(GetParam(), at);
+    ASSERT_EQ(first.u, again.u);
+    ASSERT_EQ(first.v, again.v);
+    ASSERT_EQ(first.u, alone.u);
+    ASSERT_EQ(first.v, alone.v);
+  }
+}
+
+TEST_P(Sampler, LanesAndBlocksDoNotMatter) {
+  constexpr int kCapacity = 5 * LANES;
+  std::vector<int> ints(std::size_t(STATE_INTS) * kCapacity);
+  for (int i = 0; i < kCapacity; ++i) {
+    ints[std::size_t(PIXEL_HASH * kCapacity + i)] = int(pixel_hash(5, uint(i) % 7, uint(i) / 7));
+    ints[std::size_t(SAMPLE_INDEX * kCapacity + i)] = i * 3 % 16;
+  }
+  for (int first = 0; first < kCapacity; first += LANES) {
+    float u[LANES], v[LANES];
+    draw_pair(GetParam(), 16, 3, ints.data(), kCapacity, first, u, v);
+    for (int j = 0; j < LANES; ++j) {
+      const auto i = std::uint32_t(first + j);
+      const Point2 alone = draw_alone(GetParam(), {5, i % 7, i / 7, i * 3 % 16, 3, 16});
+      EXPECT_EQ(u[j], alone.u);
+      EXPECT_EQ(v[j], alone.v);
+    }
+  }
+}
+
+TEST_P(Sampler, EveryPartOfTheAddressMatters) {
+  const SampleAddress base{.seed = 7, .x = 3, .y = 9, .index = 5, .pair = 2, .spp = 16};
+  std::vector<SampleAddress> others(6, base);
+  others[0].seed = 8;
+  others[1].x = 4;
+  others[2].y = 10;
+  others[3].index = 6;
+  others[4].pair = 3;
+  std::swap(others[5].x, others[5].y);
+  const Point2 p = draw(GetParam(), base);
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    const Point2 q = draw(GetParam(), others[i]);
+    EXPECT_NE(p.u, q.u) << i;
+    EXPECT_NE(p.v, q.v) << i;
+  }
+}
+
+TEST(SamplerBits, ReversedBits) {
+  EXPECT_EQ(reverse_bits(1u), 0x80000000u);
+  EXPECT_EQ(reverse_bits(0x00f0000au), 0x50000f00u);
+  RandomNumbers random(4);
+  for (int i = 0; i < 1000; ++i) {
+    const auto v = std::uint32_t(random.next());
+    std::uint32_t expected = 0;
+    for (int k = 0; k < 32; ++k) expected |= ((v >> k) & 1u) << (31 - k);
+    ASSERT_EQ(reverse_bits(v), expected);
+  }
+}
+
+TEST(SamplerBits, SecondSobolDimensionIsPascalsMatrix) {
+  // Bit row r of the point is the sum modulo 2 of the index's bits c with odd binomial(c, r); binomial(c, r)
+  // is odd exactly if r's bits are among c's (Lucas).
+  RandomNumbers random(5);
+  for (int i = 0; i < 1000; ++i) {
+    const auto index = std::uint32_t(random.next());
+    std::uint32_t expected = 0;
+    for (std::uint32_t row = 0; row < 32; ++row) {
+      std::uint32_t bit = 0;
+      for (std::uint32_t column = 0; column < 32; ++column)
+        if ((row & column) == row) bit ^= (index >> column) & 1u;
+      expected |= bit << row;
+    }
+    ASSERT_EQ(sobol_second_reversed(index), expected) << index;
+  }
+}
+
+TEST(SamplerBits, UnitFloatKeepsTheTopBits) {
+  EXPECT_EQ(unit_float(0), 0.0f);
+  EXPECT_EQ(unit_float(255), 0.0f);
+  EXPECT_EQ(unit_float(256), 0x1p-24f);
+  EXPECT_EQ(unit_float(kMax32), ONE_MINUS_EPSILON);
+}
+
+/// Whether 2^m points have exactly one in every elementary interval of area 2^-m.
+bool is_net(const std::vector<Point2>& points, int m) {
+  for (int a = 0; a <= m; ++a) {
+    std::vector<bool> taken(points.size());
+    for (const Point2& p : points) {
+      const auto column = std::size_t(std::ldexp(p.u, a)), row = std::size_t(std::ldexp(p.v, m - a));
+      const std::size_t cell = (row << a) + column;
+      if (taken[cell]) return false;
+      taken[cell] = true;
+    }
+  }
+  return true;
+}
+
+TEST(SobolSampler, BlocksOfTwoToTheMAreNets) {
+  for (std::uint32_t seed : {0u, 42u, kMax32})
+    for (std::uint32_t pair : {0u, 1u, 5u, 400u})
+      for (int m = 0; m <= 12; ++m)
+        for (std::uint32_t block : {0u, 1u, 6u}) {
+          std::vector<Point2> points;
+          for (std::uint32_t i = 0; i < (1u << m); ++i)
+            points.push_back(draw_alone(SAMPLER_SOBOL, {seed, 12, 34, (block << m) + i, pair, 16}));
+          ASSERT_TRUE(is_net(points, m))
+              << "m " << m << " pair " << pair << " seed " << seed << " block " << block;
+        }
+}
+
+TEST(SobolSampler, IndependentPointsAreNoNet) {
+  std::vector<Point2> points;
+  for (std::uint32_t i = 0; i < 64; ++i)
+    points.push_back(draw_alone(SAMPLER_INDEPENDENT, {1, 2, 3, i, 0, 64}));
+  EXPECT_FALSE(is_net(points, 6));
+}
+
+TEST(StratifiedSampler, PermutesItsStrata) {
+  for (std::uint32_t n : {1u, 2u, 3u, 5u, 16u, 31u, 33u, 100u, 1000u})
+    for (std::uint32_t seed : {0u, 1u, 12345u, 0x80000000u, kMax32 - 500u, kMax32 - 3u, kMax32}) {
+      std::set<std::uint32_t> values;
+      for (std::uint32_t i = 0; i < n; ++i) {
+        const std::uint32_t value = permute(i, n, seed);
+        ASSERT_LT(value, n);
+        values.insert(value);
+      }
+      EXPECT_EQ(values.size(), n) << "seed " << seed;
+    }
+}
+
+TEST(StratifiedSampler, HasOnePointInEveryStratum) {
+  for (std::uint32_t spp : {1u, 2u, 3u, 4u, 6u, 12u, 16u, 17u, 64u, 100u, 256u, 1000u}) {
+    const std::uint32_t columns = strata_columns(spp), rows = spp / columns;
+    ASSERT_EQ(columns * rows, spp);
+    for (std::uint32_t x = 0; x < 20; ++x)
+      for (std::uint32_t pair : {0u, 3u}) {
+        std::vector<int> count(spp);
+        for (std::uint32_t i = 0; i < spp; ++i) {
+          const Point2 p = draw_alone(SAMPLER_STRATIFIED, {9, x, 0, i, pair, spp});
+          ++count[std::size_t(p.v * float(rows)) * columns + std::size_t(p.u * float(columns))];
+        }
+        EXPECT_EQ(std::ranges::count(count, 1), spp) << "of " << spp << " at pixel " << x;
+      }
+  }
+}
+
+TEST(StratifiedSampler, GridIsAsSquareAsTheCountAllows) {
+  EXPECT_EQ(strata_columns(1), 1u);
+  EXPECT_EQ(strata_columns(12), 3u);
+  EXPECT_EQ(strata_columns(16), 4u);
+  EXPECT_EQ(strata_columns(17), 1u);
+  EXPECT_EQ(strata_columns(4096), 64u);
+  EXPECT_EQ(strata_columns(16'777'216), 4096u);
+}
+
+/// The radical inverse, its digits reversed as integers.
+double exact_radical_inverse(std::uint32_t index, std::uint32_t base) {
+  long double numerator = 0, denominator = 1;
+  for (; index > 0; index /= base) {
+    numerator = numerator * base + index % base;
+    denominator *= base;
+  }
+  return double(numerator / denominator);
+}
+
+TEST(HaltonSampler, RadicalInverses) {
+  // Each digit adds a product with one rounded weight and a rounded sum: at most 32 digits, but their weights
+  // fall geometrically, so that 4 roundings of numbers up to 1 bound them all.
+  constexpr double kTolerance = 4 * 0x1p-24;
+  EXPECT_EQ(radical_inverse(0, 2), 0.0f);
+  EXPECT_EQ(radical_inverse(6, 2), 0.375f);  // 110 -> .011
+  RandomNumbers random(6);
+  for (std::uint32_t base : {2u, 3u, 5u, 7u, 13u, 29u, 53u}) {
+    for (std::uint32_t i = 0; i < 2000; ++i)
+      ASSERT_NEAR(radical_inverse(i, base), exact_radical_inverse(i, base), kTolerance)
+          << i << " base " << base;
+    for (int i = 0; i < 2000; ++i) {
+      const auto index = std::uint32_t(random.next());
+      ASSERT_NEAR(radical_inverse(index, base), exact_radical_inverse(index, base), kTolerance) << index;
+    }
+  }
+}
+
+TEST(HaltonSampler, IsARotatedHaltonSequence) {
+  constexpr double kTolerance = 8 * 0x1p-24;
+  const std::uint32_t primes[] = {2, 3, 5, 7, 11, 13, 17, 19};
+  for (std::uint32_t pair = 0; pair < 4; ++pair) {
+    const Point2 first = draw_alone(SAMPLER_HALTON, {1, 4, 5, 0, pair, 16});
+    for (std::uint32_t i = 1; i < 500; ++i) {
+      const Point2 p = draw_alone(SAMPLER_HALTON, {1, 4, 5, i, pair, 16});
+      const auto rotation_error = [](double value, double start, double inverse) {
+        const double turns = value - start - inverse;
+        return std::abs(turns - std::round(turns));
+      };
+      EXPECT_LT(rotation_error(p.u, first.u, exact_radical_inverse(i, primes[2 * pair])), kTolerance);
+      EXPECT_LT(rotation_error(p.v, first.v, exact_radical_inverse(i, primes[2 * pair + 1])), kTolerance);
+    }
+  }
+}
+
+TEST(StepPairs, StepsUseDisjointPairs) {
+  EXPECT_EQ(step_pair(0), 1u);  // pair 0 is the film's
+  EXPECT_EQ(step_pair(1) - step_pair(0), uint(DRAWS / 2));
+}
+
+}  // namespace
+}  // namespace penumbra
