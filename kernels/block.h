@@ -1,6 +1,7 @@
-// The block driver: a block of paths goes through generate, then (intersect, step, occlude, compact) until it is empty,
-// then accumulate. Each stage is a loop over lanes of constant width. Native code runs a block per thread, a CPU OpenCL
-// device a block per work item, a GPU or a debugging session blocks of one path and one lane.
+// The block driver: a block of paths goes through generate, then (intersect, step, occlude, compact) until it
+// is empty, then accumulate. Each stage is a loop over lanes of constant width. Native code runs a block per
+// thread, a CPU OpenCL device a block per work item, a GPU or a debugging session blocks of one path and one
+// lane.
 #ifndef PENUMBRA_BLOCK_H
 #define PENUMBRA_BLOCK_H
 #include "kernels/bvh.h"
@@ -11,16 +12,22 @@
 #include "kernels/intersect_whole.h"
 #include "kernels/unit.h"
 
+#if (FEATURES) == 0
+  #error "FEATURES is 0 or the name of no feature set"
+#endif
+
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Paths `first` ... of the block's pixels: sample `first_sample + slot % sample_count` of pixel `slot / sample_count`.
-STAGE void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int first_slot, int count,
-                 GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity, GLOBAL float* RESTRICT slots,
-                 int slot_capacity) {
+/// Paths `first` ... of the block's pixels: sample `first_sample + slot % sample_count` of pixel `slot /
+/// sample_count`.
+STAGE void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int first_slot,
+                    int count, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity,
+                    GLOBAL float* RESTRICT slots, int slot_capacity) {
   const PRIVATE SceneHeader* h = &scene->header;
   int pixel = first_pixel + first_slot / unit->sample_count, sample = first_slot % unit->sample_count;
   const int padded = (count + LANES - 1) / LANES * LANES;
-  for (int i = 0; i < padded; i++) {  // lanes past the count repeat the last path, so that every lane holds valid work
+  for (int i = 0; i < padded;
+       i++) {  // lanes past the count repeat the last path, so that every lane holds valid work
     const int x = unit->x + pixel % unit->width, y = unit->y + pixel / unit->width;
     ints[SLOT * capacity + i] = first_slot + min_i(i, count - 1);
     ints[PIXEL_HASH * capacity + i] = (int)pixel_hash(h->seed, (uint)x, (uint)y);
@@ -37,43 +44,43 @@ STAGE void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int fi
     float u[LANES], v[LANES];
     draw_pair(h->sampler, h->spp, 0u, ints, capacity, i, u, v);
     LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const FilterSample fx = sample_filter(filter, scene->filter_table, u[j]);
-      const FilterSample fy = sample_filter(filter, scene->filter_table, v[j]);
-      const Ray ray = camera_ray(h, ints[FILM_X * capacity + i + j], ints[FILM_Y * capacity + i + j], radius * fx.x,
-                                 radius * fy.x);
-      const vec3 one = make_vec3(1.0f, 1.0f, 1.0f), zero = make_vec3(0.0f, 0.0f, 0.0f);
-      STORE3(f, capacity, RAY_ORIGIN_X, i + j, ray.origin);
-      STORE3(f, capacity, RAY_DIRECTION_X, i + j, ray.direction);
-      f[RAY_TMAX * capacity + i + j] = ray.tmax;
-      STORE3(f, capacity, THROUGHPUT_X, i + j, one);
-      STORE3(f, capacity, RADIANCE_X, i + j, zero);
-      f[DIRECTION_PDF * capacity + i + j] = 0.0f;
-      ints[RAY_SKIP * capacity + i + j] = -1;
-      slots[FILTER_WEIGHT * slot_capacity + ints[SLOT * capacity + i + j]] = fx.weight * fy.weight;
-    }
+      for (int j = 0; j < LANES; j++) {
+        const FilterSample fx = sample_filter(filter, scene->filter_table, u[j]);
+        const FilterSample fy = sample_filter(filter, scene->filter_table, v[j]);
+        const Ray ray = camera_ray(h, ints[FILM_X * capacity + i + j], ints[FILM_Y * capacity + i + j],
+                                   radius * fx.x, radius * fy.x);
+        const vec3 one = make_vec3(1.0f, 1.0f, 1.0f), zero = make_vec3(0.0f, 0.0f, 0.0f);
+        STORE3(f, capacity, RAY_ORIGIN_X, i + j, ray.origin);
+        STORE3(f, capacity, RAY_DIRECTION_X, i + j, ray.direction);
+        f[RAY_TMAX * capacity + i + j] = ray.tmax;
+        STORE3(f, capacity, THROUGHPUT_X, i + j, one);
+        STORE3(f, capacity, RADIANCE_X, i + j, zero);
+        f[DIRECTION_PDF * capacity + i + j] = 0.0f;
+        ints[RAY_SKIP * capacity + i + j] = -1;
+        slots[FILTER_WEIGHT * slot_capacity + ints[SLOT * capacity + i + j]] = fx.weight * fy.weight;
+      }
   }
 }
 
 #if !HAS(BVH)
-FN void load_rays(PRIVATE RayLanes* rays, const GLOBAL float* RESTRICT f, const GLOBAL int* RESTRICT ints, int capacity,
-                  int i, int origin, int direction, int tmax, int skip) {
+FN void load_rays(PRIVATE RayLanes* rays, const GLOBAL float* RESTRICT f, const GLOBAL int* RESTRICT ints,
+                  int capacity, int i, int origin, int direction, int tmax, int skip) {
   LANE_LOOP
-  for (int j = 0; j < LANES; j++) {
-    rays->ox[j] = f[origin * capacity + i + j];
-    rays->oy[j] = f[(origin + 1) * capacity + i + j];
-    rays->oz[j] = f[(origin + 2) * capacity + i + j];
-    rays->dx[j] = f[direction * capacity + i + j];
-    rays->dy[j] = f[(direction + 1) * capacity + i + j];
-    rays->dz[j] = f[(direction + 2) * capacity + i + j];
-    rays->tmax[j] = f[tmax * capacity + i + j];
-    rays->skip[j] = ints[skip * capacity + i + j];
-  }
+    for (int j = 0; j < LANES; j++) {
+      rays->ox[j] = f[origin * capacity + i + j];
+      rays->oy[j] = f[(origin + 1) * capacity + i + j];
+      rays->oz[j] = f[(origin + 2) * capacity + i + j];
+      rays->dx[j] = f[direction * capacity + i + j];
+      rays->dy[j] = f[(direction + 1) * capacity + i + j];
+      rays->dz[j] = f[(direction + 2) * capacity + i + j];
+      rays->tmax[j] = f[tmax * capacity + i + j];
+      rays->skip[j] = ints[skip * capacity + i + j];
+    }
 }
 #endif
 
-STAGE void intersect_block(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity,
-                        int count) {
+STAGE void intersect_block(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                           int capacity, int count) {
 #ifdef EXTERNAL_TRACER
   if (scene->tracer.intersect) {
     scene->tracer.intersect(scene->tracer.context, f, ints, capacity, count);
@@ -82,8 +89,9 @@ STAGE void intersect_block(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f,
 #endif
 #if HAS(BVH)
   for (int i = 0; i < count; i++) {
-    const Hit hit = intersect_bvh(scene, LOAD3(f, capacity, RAY_ORIGIN_X, i), LOAD3(f, capacity, RAY_DIRECTION_X, i),
-                                  f[RAY_TMAX * capacity + i], ints[RAY_SKIP * capacity + i], false);
+    const Hit hit =
+        intersect_bvh(scene, LOAD3(f, capacity, RAY_ORIGIN_X, i), LOAD3(f, capacity, RAY_DIRECTION_X, i),
+                      f[RAY_TMAX * capacity + i], ints[RAY_SKIP * capacity + i], false);
     ints[HIT * capacity + i] = hit.primitive;
   }
 #else
@@ -92,14 +100,14 @@ STAGE void intersect_block(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f,
     load_rays(&rays, f, ints, capacity, i, RAY_ORIGIN_X, RAY_DIRECTION_X, RAY_TMAX, RAY_SKIP);
     intersect_whole(scene, &rays);
     LANE_LOOP
-    for (int j = 0; j < LANES; j++) ints[HIT * capacity + i + j] = rays.hit[j];
+      for (int j = 0; j < LANES; j++) ints[HIT * capacity + i + j] = rays.hit[j];
   }
 #endif
 }
 
 /// Leaves in HIT of each lane whether its shadow ray is blocked (>= 0) or free (-1).
-STAGE void occlude_block(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity,
-                      int count) {
+STAGE void occlude_block(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                         int capacity, int count) {
 #ifdef EXTERNAL_TRACER
   if (scene->tracer.occlude) {
     scene->tracer.occlude(scene->tracer.context, f, ints, capacity, count);
@@ -108,8 +116,9 @@ STAGE void occlude_block(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, G
 #endif
 #if HAS(BVH)
   for (int i = 0; i < count; i++) {
-    const Hit hit = intersect_bvh(scene, LOAD3(f, capacity, SHADOW_ORIGIN_X, i), LOAD3(f, capacity, SHADOW_DIRECTION_X, i),
-                                  f[SHADOW_TMAX * capacity + i], ints[SHADOW_SKIP * capacity + i], true);
+    const Hit hit = intersect_bvh(scene, LOAD3(f, capacity, SHADOW_ORIGIN_X, i),
+                                  LOAD3(f, capacity, SHADOW_DIRECTION_X, i), f[SHADOW_TMAX * capacity + i],
+                                  ints[SHADOW_SKIP * capacity + i], true);
     ints[HIT * capacity + i] = hit.primitive;
   }
 #else
@@ -121,35 +130,38 @@ STAGE void occlude_block(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, G
     if (longest <= 0.0f) continue;
     intersect_whole(scene, &rays);
     LANE_LOOP
-    for (int j = 0; j < LANES; j++) ints[HIT * capacity + i + j] = rays.hit[j];
+      for (int j = 0; j < LANES; j++) ints[HIT * capacity + i + j] = rays.hit[j];
   }
 #endif
 }
 
-STAGE void add_unoccluded(GLOBAL float* RESTRICT f, const GLOBAL int* RESTRICT ints, int capacity, int count) {
+STAGE void add_unoccluded(GLOBAL float* RESTRICT f, const GLOBAL int* RESTRICT ints, int capacity,
+                          int count) {
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP
-    for (int j = i; j < i + LANES; j++) {
-      const bool lit = (f[SHADOW_TMAX * capacity + j] > 0.0f) & (ints[HIT * capacity + j] < 0);
-      const vec3 more = LOAD3(f, capacity, SHADOW_RADIANCE_X, j);
-      const vec3 radiance = add(LOAD3(f, capacity, RADIANCE_X, j), select3(lit, more, make_vec3(0.0f, 0.0f, 0.0f)));
-      STORE3(f, capacity, RADIANCE_X, j, radiance);
-    }
+      for (int j = i; j < i + LANES; j++) {
+        const bool lit = (f[SHADOW_TMAX * capacity + j] > 0.0f) & (ints[HIT * capacity + j] < 0);
+        const vec3 more = LOAD3(f, capacity, SHADOW_RADIANCE_X, j);
+        const vec3 radiance =
+            add(LOAD3(f, capacity, RADIANCE_X, j), select3(lit, more, make_vec3(0.0f, 0.0f, 0.0f)));
+        STORE3(f, capacity, RADIANCE_X, j, radiance);
+      }
   }
 }
 
 /// The first three pairs of a step's numbers, for LANES paths from lane i on.
-FN void draw_step(const PRIVATE SceneHeader* h, uint pair, const GLOBAL int* RESTRICT ints, int capacity, int i,
-                  PRIVATE float* RESTRICT u) {
+FN void draw_step(const PRIVATE SceneHeader* h, uint pair, const GLOBAL int* RESTRICT ints, int capacity,
+                  int i, PRIVATE float* RESTRICT u) {
   draw_pair(h->sampler, h->spp, pair, ints, capacity, i, u + DRAW_LIGHT_U * LANES, u + DRAW_LIGHT_V * LANES);
-  draw_pair(h->sampler, h->spp, pair + 1u, ints, capacity, i, u + DRAW_BSDF_U * LANES, u + DRAW_BSDF_V * LANES);
+  draw_pair(h->sampler, h->spp, pair + 1u, ints, capacity, i, u + DRAW_BSDF_U * LANES,
+            u + DRAW_BSDF_V * LANES);
   draw_pair(h->sampler, h->spp, pair + 2u, ints, capacity, i, u + DRAW_LIGHT_CHOICE * LANES,
             u + DRAW_LOBE_CHOICE * LANES);
 }
 
 #if HAS(PATH)
-STAGE void step_paths(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity,
-                      int count, int step) {
+STAGE void step_paths(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                      int capacity, int count, int step) {
   const PRIVATE SceneHeader* h = &scene->header;
   const uint pair = step_pair(step);
   const bool roulette = step + 1 >= h->rr_depth;
@@ -158,9 +170,10 @@ STAGE void step_paths(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOB
     draw_step(h, pair, ints, capacity, i, u);
     for (int j = 0; j < LANES; j++) u[DRAW_ROULETTE * LANES + j] = 0.0f;
     if (roulette)
-      draw_pair(h->sampler, h->spp, pair + 3u, ints, capacity, i, u + DRAW_ROULETTE * LANES, u + DRAW_SPARE * LANES);
+      draw_pair(h->sampler, h->spp, pair + 3u, ints, capacity, i, u + DRAW_ROULETTE * LANES,
+                u + DRAW_SPARE * LANES);
     LANE_LOOP
-    for (int j = 0; j < LANES; j++) path_step(scene, f, ints, capacity, step, i + j, u, j);
+      for (int j = 0; j < LANES; j++) path_step(scene, f, ints, capacity, step, i + j, u, j);
   }
 }
 #endif
@@ -169,52 +182,54 @@ STAGE void step_paths(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOB
 STAGE void keep_camera_rays(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity, int count) {
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP
-    for (int j = i; j < i + LANES; j++) keep_camera_ray(f, ints, capacity, j);
+      for (int j = i; j < i + LANES; j++) keep_camera_ray(f, ints, capacity, j);
   }
 }
 
-STAGE void step_direct(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity,
-                       int count, int step) {
+STAGE void step_direct(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                       int capacity, int count, int step) {
   const PRIVATE SceneHeader* h = &scene->header;
   const uint pair = step_pair(step);
   for (int i = 0; i < count; i += LANES) {
     float u[DRAWS * LANES];
     draw_step(h, pair, ints, capacity, i, u);
     LANE_LOOP
-    for (int j = 0; j < LANES; j++) direct_step(scene, f, ints, capacity, step, i + j, u, j);
+      for (int j = 0; j < LANES; j++) direct_step(scene, f, ints, capacity, step, i + j, u, j);
   }
 }
 #endif
 
 #if HAS(LAYERS)
 /// Albedo, normal and depth of what the camera rays hit.
-STAGE void record_layers(const PRIVATE Scene* scene, const GLOBAL float* RESTRICT f, const GLOBAL int* RESTRICT ints,
-                      int capacity, int count, GLOBAL float* RESTRICT slots, int slot_capacity) {
+STAGE void record_layers(const PRIVATE Scene* scene, const GLOBAL float* RESTRICT f,
+                         const GLOBAL int* RESTRICT ints, int capacity, int count,
+                         GLOBAL float* RESTRICT slots, int slot_capacity) {
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP
-    for (int j = i; j < i + LANES; j++) {
-      const Surface s = surface_at(scene, ints[HIT * capacity + j], LOAD3(f, capacity, RAY_ORIGIN_X, j),
-                                   LOAD3(f, capacity, RAY_DIRECTION_X, j));
-      GLOBAL const Material* m = scene->materials + s.material;
-      const vec3 zero = make_vec3(0.0f, 0.0f, 0.0f);
-#if HAS(PHONG)
-      const vec3 albedo = select3(s.valid, add(load3(&m->diffuse), load3(&m->specular)), zero);
-#else
-      const vec3 albedo = select3(s.valid, load3(&m->diffuse), zero);
-#endif
-      const vec3 normal = select3(s.valid, s.shading, zero);
-      const int slot = ints[SLOT * capacity + j];
-      STORE3(slots, slot_capacity, ALBEDO_X, slot, albedo);
-      STORE3(slots, slot_capacity, NORMAL_X, slot, normal);
-      slots[DEPTH * slot_capacity + slot] = s.valid ? s.distance : 0.0f;
-    }
+      for (int j = i; j < i + LANES; j++) {
+        const Surface s = surface_at(scene, ints[HIT * capacity + j], LOAD3(f, capacity, RAY_ORIGIN_X, j),
+                                     LOAD3(f, capacity, RAY_DIRECTION_X, j));
+        GLOBAL const Material* m = scene->materials + s.material;
+        const vec3 zero = make_vec3(0.0f, 0.0f, 0.0f);
+  #if HAS(PHONG)
+        const vec3 albedo = select3(s.valid, add(load3(&m->diffuse), load3(&m->specular)), zero);
+  #else
+        const vec3 albedo = select3(s.valid, load3(&m->diffuse), zero);
+  #endif
+        const vec3 normal = select3(s.valid, s.shading, zero);
+        const int slot = ints[SLOT * capacity + j];
+        STORE3(slots, slot_capacity, ALBEDO_X, slot, albedo);
+        STORE3(slots, slot_capacity, NORMAL_X, slot, normal);
+        slots[DEPTH * slot_capacity + slot] = s.valid ? s.distance : 0.0f;
+      }
   }
 }
 #endif
 
-/// Finished paths leave their radiance in their slot; the others move up, in order. Returns how many are left.
-STAGE int compact(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity, int count, bool camera_rays,
-                  GLOBAL float* RESTRICT slots, int slot_capacity) {
+/// Finished paths leave their radiance in their slot; the others move up, in order. Returns how many are
+/// left.
+STAGE int compact(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity, int count,
+                  bool camera_rays, GLOBAL float* RESTRICT slots, int slot_capacity) {
   GLOBAL int* RESTRICT going = ints + GOING * capacity;
   GLOBAL int* RESTRICT finished = ints + FINISHED * capacity;
   int left = 0, gone = 0;
@@ -236,17 +251,18 @@ STAGE int compact(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capac
   for (int k = 0; gone > 0 && k < floats; k++) {
     GLOBAL float* field = f + k * capacity;
     LANE_LOOP
-    for (int m = 0; m < left; m++) field[m] = field[going[m]];
+      for (int m = 0; m < left; m++) field[m] = field[going[m]];
   }
   for (int k = 0; gone > 0 && k < PATH_INT_COUNT; k++) {
     GLOBAL int* field = ints + k * capacity;
     LANE_LOOP
-    for (int m = 0; m < left; m++) field[m] = field[going[m]];
+      for (int m = 0; m < left; m++) field[m] = field[going[m]];
   }
   return left;
 }
 
-/// Lanes from `count` to the next multiple of LANES repeat the last path, so that every lane holds valid work.
+/// Lanes from `count` to the next multiple of LANES repeat the last path, so that every lane holds valid
+/// work.
 FN void pad_lanes(GLOBAL float* f, GLOBAL int* ints, int capacity, int count, bool camera_rays) {
   const int floats = camera_rays ? PATH_AND_CAMERA_RAY_COUNT : PATH_FLOAT_COUNT;
   for (int i = count; i % LANES != 0; i++) {
@@ -258,8 +274,8 @@ FN void pad_lanes(GLOBAL float* f, GLOBAL int* ints, int capacity, int count, bo
 FN bool is_nan_bits(uint bits) { return (bits & 0x7fffffffu) > 0x7f800000u; }
 FN bool is_infinite_bits(uint bits) { return (bits & 0x7fffffffu) == 0x7f800000u; }
 
-/// Mean of a slot field over a pixel's samples, by the deviations from a first estimate, which leaves no rounding of the
-/// sum behind; also the sum of squared deviations.
+/// Mean of a slot field over a pixel's samples, by the deviations from a first estimate, which leaves no
+/// rounding of the sum behind; also the sum of squared deviations.
 FN void accumulate_field(const GLOBAL float* RESTRICT values, int first, int count, PRIVATE float* mean,
                          PRIVATE float* m2) {
   float sum = 0.0f;
@@ -275,9 +291,10 @@ FN void accumulate_field(const GLOBAL float* RESTRICT values, int first, int cou
   *m2 = max_f(squares - deviation * (deviation / (float)count), 0.0f);
 }
 
-/// Statistics of the block's pixels, in sample order. Samples with a NaN or an infinity count as 0 and are counted.
+/// Statistics of the block's pixels, in sample order. Samples with a NaN or an infinity count as 0 and are
+/// counted.
 STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, GLOBAL float* RESTRICT slots,
-                   int slot_capacity, bool layers, GLOBAL float* RESTRICT out, GLOBAL uint* RESTRICT bad) {
+                      int slot_capacity, bool layers, GLOBAL float* RESTRICT out, GLOBAL uint* RESTRICT bad) {
   const int n = unit->sample_count, area = unit->width * unit->height;
   uint nans = 0u, infinities = 0u;
   for (int s = 0; s < pixels * n; s++) {
@@ -314,8 +331,8 @@ STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, GLO
   bad[1] += infinities;
 }
 
-/// Renders `pixels` pixels of the unit, row by row from its `first_pixel`-th, and writes their statistics into the planes
-/// of `out` (SampleBufferPlane). `bad` counts samples with NaN and with infinity.
+/// Renders `pixels` pixels of the unit, row by row from its `first_pixel`-th, and writes their statistics
+/// into the planes of `out` (SampleBufferPlane). `bad` counts samples with NaN and with infinity.
 FN void render_block(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int pixels,
                      const PRIVATE Block* block, GLOBAL float* out, GLOBAL uint* bad) {
   GLOBAL float* f = block->f;

@@ -1,6 +1,6 @@
-// BSDFs. All are one record, a diffuse and a Phong lobe, so that a lane loop over mixed materials stays straight; a
-// scene without Phong compiles only the first. `n` is the unit shading normal on the viewer's side; f is in 1/sr, pdfs
-// per solid angle.
+// BSDFs. All are one record, a diffuse and a Phong lobe, so that a lane loop over mixed materials stays
+// straight; a scene without Phong compiles only the first. `n` is the unit shading normal on the viewer's
+// side; f is in 1/sr, pdfs per solid angle.
 #ifndef PENUMBRA_BSDF_H
 #define PENUMBRA_BSDF_H
 #include "kernels/frame.h"
@@ -8,8 +8,8 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// max(0, cos alpha)^exponent, alpha between the unit vectors a and b: from their difference, since the power of a
-/// rounded cosine near 1 loses all digits at exponents of 1e4.
+/// max(0, cos alpha)^exponent, alpha between the unit vectors a and b: from their difference, since the power
+/// of a rounded cosine near 1 loses all digits at exponents of 1e4.
 FN float cosine_power(vec3 a, vec3 b, float exponent) {
   const vec3 difference = sub(a, b);
   const float versine = 0.5f * dot3(difference, difference);

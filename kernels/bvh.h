@@ -82,7 +82,8 @@ FN Hit intersect_bvh(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int
       float entries[BVH_WIDTH];
       int hits[BVH_WIDTH];
       const float limit = best.t;
-      // Comparisons with the NaN of 0 * infinity keep the other operand or none: such a box is visited, never missed.
+      // Comparisons with the NaN of 0 * infinity keep the other operand or none: such a box is visited, never
+      // missed.
       LANE_LOOP_WIDTH(8)
       for (int j = 0; j < BVH_WIDTH; j++) {
         float nx = (near_x[j] - o.x) * ix, ny = (near_y[j] - o.y) * iy, nz = (near_z[j] - o.z) * iz;
@@ -110,7 +111,8 @@ FN Hit intersect_bvh(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int
       }
 #if HAS(QUADRICS)
       else {
-        GLOBAL const QuadricLeaf* quadrics = scene->quadric_leaves + (leaf - scene->header.triangle_leaf_count);
+        GLOBAL const QuadricLeaf* quadrics =
+            scene->quadric_leaves + (leaf - scene->header.triangle_leaf_count);
         for (int j = 0; j < BVH_WIDTH; j++) {
           const int primitive = quadrics->primitive[j];
           if (primitive < 0) continue;

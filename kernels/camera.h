@@ -12,8 +12,9 @@ typedef struct {
   float tmax;
 } Ray;
 
-/// The ray through the point (dx, dy) pixels off the centre of pixel (x, y), from the near to the far clipping plane.
-/// Positions are taken from the film's centre in integers first, so that wide films keep their sub-pixel bits.
+/// The ray through the point (dx, dy) pixels off the centre of pixel (x, y), from the near to the far
+/// clipping plane. Positions are taken from the film's centre in integers first, so that wide films keep
+/// their sub-pixel bits.
 FN Ray camera_ray(const PRIVATE SceneHeader* h, int x, int y, float dx, float dy) {
   float sx = -((float)(2 * x + 1 - h->film_width) + 2.0f * dx) / (float)h->film_width;
   float sy = -((float)(2 * y + 1 - h->film_height) + 2.0f * dy) / (float)h->film_height;

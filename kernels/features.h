@@ -1,21 +1,21 @@
-// The feature mask: what a scene and its integrator need. OpenCL kernels are compiled with exactly these bits; native
-// code takes the smallest precompiled variant that covers them. What is masked out is neither compiled, allocated,
-// uploaded nor shipped.
+// The feature mask: what a scene and its integrator need. OpenCL kernels are compiled with exactly these
+// bits; native code takes the smallest precompiled variant that covers them. What is masked out is neither
+// compiled, allocated, uploaded nor shipped.
 #ifndef PENUMBRA_FEATURES_H
 #define PENUMBRA_FEATURES_H
 
 // X(name, bit, what it is for people)
-#define PENUMBRA_FEATURES(X)                                              \
-  X(PATH, 0x001, "path integrator")                                       \
-  X(DIRECT, 0x002, "direct integrator")                                   \
-  X(BVH, 0x004, "bounding volume hierarchy")                              \
-  X(PHONG, 0x008, "Phong BSDF")                                           \
-  X(SHADING_NORMALS, 0x010, "interpolated vertex normals")                \
-  X(QUADRICS, 0x020, "spheres and disks")                                 \
-  X(POINT_LIGHTS, 0x040, "point lights")                                  \
-  X(ENVIRONMENT, 0x080, "environment light")                              \
-  X(SOLID_ANGLE, 0x100, "sampling of triangle lights by solid angle")     \
-  X(LAYERS, 0x200, "albedo, normal and depth layers")                     \
+#define PENUMBRA_FEATURES(X)                                          \
+  X(PATH, 0x001, "path integrator")                                   \
+  X(DIRECT, 0x002, "direct integrator")                               \
+  X(BVH, 0x004, "bounding volume hierarchy")                          \
+  X(PHONG, 0x008, "Phong BSDF")                                       \
+  X(SHADING_NORMALS, 0x010, "interpolated vertex normals")            \
+  X(QUADRICS, 0x020, "spheres and disks")                             \
+  X(POINT_LIGHTS, 0x040, "point lights")                              \
+  X(ENVIRONMENT, 0x080, "environment light")                          \
+  X(SOLID_ANGLE, 0x100, "sampling of triangle lights by solid angle") \
+  X(LAYERS, 0x200, "albedo, normal and depth layers")                 \
   X(SAMPLERS, 0x400, "samplers other than Owen-scrambled Sobol")
 
 // Plain macros as well, since the preprocessor has to test them.

@@ -1,5 +1,6 @@
-// Direct light with n_g emitter samples and n_f direction samples for each camera ray, as a step function: step k traces
-// the k-th direction and asks for the k-th shadow ray, all from the surface that the camera ray hit.
+// Direct light with n_g emitter samples and n_f direction samples for each camera ray, as a step function:
+// step k traces the k-th direction and asks for the k-th shadow ray, all from the surface that the camera ray
+// hit.
 #ifndef PENUMBRA_INTEGRATOR_DIRECT_H
 #define PENUMBRA_INTEGRATOR_DIRECT_H
 #include "kernels/bsdf.h"
@@ -25,8 +26,8 @@ FN void keep_camera_ray(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int
 }
 
 /// Lane i of the block after `step` earlier steps; u holds DRAWS * LANES numbers, those of lane i at j.
-FN void direct_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity,
-                    int step, int i, const PRIVATE float* u, int j) {
+FN void direct_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                    int capacity, int step, int i, const PRIVATE float* u, int j) {
   const int emitter_samples = scene->header.emitter_samples, bsdf_samples = scene->header.bsdf_samples;
   const int kind = scene->header.bsdf_sampling, heuristic = scene->header.heuristic;
   const bool first = ints[RAY_SKIP * capacity + i] < 0;  // a camera ray starts on no primitive
@@ -42,7 +43,8 @@ FN void direct_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL
   // What the last ray found: at first the camera's, then one of the direction samples'.
   const Surface found = surface_at(scene, hit, from, toward);
   const Emission emission = emission_at(scene, found, from);
-  const float share = mis_weight(heuristic, (float)bsdf_samples * sampled_pdf, (float)emitter_samples * emission.pdf);
+  const float share =
+      mis_weight(heuristic, (float)bsdf_samples * sampled_pdf, (float)emitter_samples * emission.pdf);
   const float seen = scene->header.hide_emitters ? 0.0f : 1.0f;
   const bool traced = f[RAY_TMAX * capacity + i] > 0.0f;
   const float emission_weight = first ? seen : (traced ? share : 0.0f);
@@ -53,11 +55,12 @@ FN void direct_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL
   const Surface s = surface_at(scene, primitive, camera_origin, camera_direction);
   GLOBAL const Material* material = scene->materials + s.material;
 
-  const LightSample light =
-      sample_light(scene, s, u[DRAW_LIGHT_CHOICE * LANES + j], u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_V * LANES + j]);
+  const LightSample light = sample_light(scene, s, u[DRAW_LIGHT_CHOICE * LANES + j],
+                                         u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_V * LANES + j]);
   const BsdfValue value = eval_bsdf(material, s.shading, s.wo, light.wi);
   const float other = direction_pdf(kind, s.shading, light.wi, value.pdf);
-  const float light_share = mis_weight(heuristic, (float)emitter_samples * light.pdf, (float)bsdf_samples * other);
+  const float light_share =
+      mis_weight(heuristic, (float)emitter_samples * light.pdf, (float)bsdf_samples * other);
   const float light_weight =
       (light.delta ? 1.0f : light_share) / ((float)emitter_samples * (light.pdf > 0.0f ? light.pdf : 1.0f));
   const bool lit = s.valid & (step < emitter_samples) & (light.tmax > 0.0f) & (value.pdf > 0.0f);
@@ -72,7 +75,8 @@ FN void direct_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL
   const BsdfSample by_bsdf = sample_bsdf(material, s.shading, s.wo, du, dv, u[DRAW_LOBE_CHOICE * LANES + j]);
   const vec3 by_cosine = sample_cosine_hemisphere(s.shading, du, dv);
   const vec3 by_area = sample_uniform_hemisphere(s.shading, du, dv);
-  const vec3 wi = select3(kind == DIRECTION_BSDF, by_bsdf.wi, select3(kind == DIRECTION_COSINE, by_cosine, by_area));
+  const vec3 wi =
+      select3(kind == DIRECTION_BSDF, by_bsdf.wi, select3(kind == DIRECTION_COSINE, by_cosine, by_area));
   const BsdfValue next = eval_bsdf(material, s.shading, s.wo, wi);
   const float pdf = direction_pdf(kind, s.shading, wi, next.pdf);
   const bool traces = s.valid & (step < bsdf_samples) & (pdf > 0.0f) & (next.pdf > 0.0f);

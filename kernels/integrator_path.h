@@ -1,5 +1,5 @@
-// Path tracing with next-event estimation, as a step function: given the hit of a path's last ray, add what it found
-// and ask for at most one shadow ray and one next ray. It never traces.
+// Path tracing with next-event estimation, as a step function: given the hit of a path's last ray, add what
+// it found and ask for at most one shadow ray and one next ray. It never traces.
 #ifndef PENUMBRA_INTEGRATOR_PATH_H
 #define PENUMBRA_INTEGRATOR_PATH_H
 #include "kernels/bsdf.h"
@@ -13,8 +13,8 @@ PENUMBRA_NAMESPACE_BEGIN
 #define ROULETTE_MAX 0.95f
 
 /// Lane i of the block after `step` earlier steps; u holds DRAWS * LANES numbers, those of lane i at j.
-FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity, int step,
-                  int i, const PRIVATE float* u, int j) {
+FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                  int capacity, int step, int i, const PRIVATE float* u, int j) {
   const int sampling = scene->header.direct_sampling;
   const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i);
   const vec3 direction = LOAD3(f, capacity, RAY_DIRECTION_X, i);
@@ -24,8 +24,9 @@ FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL i
   const Surface s = surface_at(scene, primitive, from, direction);
 
   const Emission emission = emission_at(scene, s, from);
-  const float bsdf_weight = sampling == SAMPLING_MIS ? mis_weight(scene->header.heuristic, direction_pdf, emission.pdf)
-                                                     : (sampling == SAMPLING_BSDF_ONLY ? 1.0f : 0.0f);
+  const float bsdf_weight = sampling == SAMPLING_MIS
+                                ? mis_weight(scene->header.heuristic, direction_pdf, emission.pdf)
+                                : (sampling == SAMPLING_BSDF_ONLY ? 1.0f : 0.0f);
   const float seen = scene->header.hide_emitters ? 0.0f : 1.0f;
   const float emission_weight = step > 0 ? bsdf_weight : seen;
   const vec3 radiance = LOAD3(f, capacity, RADIANCE_X, i);
@@ -35,13 +36,14 @@ FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL i
   GLOBAL const Material* material = scene->materials + s.material;
   const bool scatters = s.valid & (step + 1 < scene->header.max_depth);
 
-  const LightSample light =
-      sample_light(scene, s, u[DRAW_LIGHT_CHOICE * LANES + j], u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_V * LANES + j]);
+  const LightSample light = sample_light(scene, s, u[DRAW_LIGHT_CHOICE * LANES + j],
+                                         u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_V * LANES + j]);
   const BsdfValue value = eval_bsdf(material, s.shading, s.wo, light.wi);
-  const float shared = sampling == SAMPLING_MIS ? mis_weight(scene->header.heuristic, light.pdf, value.pdf) : 1.0f;
+  const float shared =
+      sampling == SAMPLING_MIS ? mis_weight(scene->header.heuristic, light.pdf, value.pdf) : 1.0f;
   const float light_weight = (light.delta ? 1.0f : shared) / (light.pdf > 0.0f ? light.pdf : 1.0f);
-  const bool lit = scatters & (light.tmax > 0.0f) & (value.pdf > 0.0f) &
-                   ((sampling != SAMPLING_BSDF_ONLY) | light.delta);
+  const bool lit =
+      scatters & (light.tmax > 0.0f) & (value.pdf > 0.0f) & ((sampling != SAMPLING_BSDF_ONLY) | light.delta);
   const vec3 arriving = mul(throughput, scale(mul(value.f_cos, light.radiance), light_weight));
   STORE3(f, capacity, SHADOW_ORIGIN_X, i, light.origin);
   STORE3(f, capacity, SHADOW_DIRECTION_X, i, light.wi);
@@ -49,13 +51,14 @@ FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL i
   f[SHADOW_TMAX * capacity + i] = lit ? light.tmax : -1.0f;
   ints[SHADOW_SKIP * capacity + i] = primitive;
 
-  const BsdfSample next = sample_bsdf(material, s.shading, s.wo, u[DRAW_BSDF_U * LANES + j], u[DRAW_BSDF_V * LANES + j],
-                                      u[DRAW_LOBE_CHOICE * LANES + j]);
+  const BsdfSample next = sample_bsdf(material, s.shading, s.wo, u[DRAW_BSDF_U * LANES + j],
+                                      u[DRAW_BSDF_V * LANES + j], u[DRAW_LOBE_CHOICE * LANES + j]);
   throughput = mul(throughput, next.weight);
   const float strongest = max_component(throughput);
   const bool roulette = step + 1 >= scene->header.rr_depth;
   const float survival = roulette ? min_f(strongest, ROULETTE_MAX) : 1.0f;
-  const bool alive = scatters & (next.pdf > 0.0f) & (strongest > 0.0f) & (u[DRAW_ROULETTE * LANES + j] < survival);
+  const bool alive =
+      scatters & (next.pdf > 0.0f) & (strongest > 0.0f) & (u[DRAW_ROULETTE * LANES + j] < survival);
   throughput = scale(throughput, 1.0f / (alive ? survival : 1.0f));
   const vec3 origin = leave_surface(s.p, s.geometric, s.error, next.wi);
   STORE3(f, capacity, RAY_ORIGIN_X, i, origin);

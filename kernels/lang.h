@@ -2,8 +2,8 @@
 #ifndef PENUMBRA_LANG_H
 #define PENUMBRA_LANG_H
 #ifdef __OPENCL_VERSION__
-#include "kernels/lang_opencl.h"
+  #include "kernels/lang_opencl.h"
 #else
-#include "kernels/lang_cpp.h"
+  #include "kernels/lang_cpp.h"
 #endif
 #endif

@@ -11,18 +11,18 @@
 #define RESTRICT restrict
 
 #ifndef LANES
-#define LANES 16
+  #define LANES 16
 #endif
 #define PENUMBRA_PRAGMA(x) _Pragma(#x)
 #if LANES > 1 && defined(__clang__)
-#define LANE_LOOP_WIDTH(n) PENUMBRA_PRAGMA(clang loop vectorize(assume_safety) vectorize_width(n))
+  #define LANE_LOOP_WIDTH(n) PENUMBRA_PRAGMA(clang loop vectorize(assume_safety) vectorize_width(n))
 #else
-#define LANE_LOOP_WIDTH(n)
+  #define LANE_LOOP_WIDTH(n)
 #endif
 #define LANE_LOOP_(n) LANE_LOOP_WIDTH(n)
 // The registers of the target: wider vectors than that spill.
 #ifndef VECTOR_WIDTH
-#define VECTOR_WIDTH LANES
+  #define VECTOR_WIDTH LANES
 #endif
 #define LANE_LOOP LANE_LOOP_(VECTOR_WIDTH)
 
@@ -31,7 +31,7 @@
 #define FLOAT_BITS(x) as_uint((float)(x))
 #define BITS_FLOAT(x) as_float((uint)(x))
 #ifdef __has_builtin
-#if __has_builtin(__builtin_bitreverse32)
-#define BIT_REVERSE(x) __builtin_bitreverse32(x)
-#endif
+  #if __has_builtin(__builtin_bitreverse32)
+    #define BIT_REVERSE(x) __builtin_bitreverse32(x)
+  #endif
 #endif

@@ -13,12 +13,12 @@ PENUMBRA_NAMESPACE_BEGIN
 #define SMALL_SOLID_ANGLE 3e-4f
 
 typedef struct {
-  vec3 origin;      ///< where the shadow ray starts
-  vec3 wi;          ///< unit
-  float tmax;       ///< of the shadow ray; negative: no contribution possible
-  float pdf;        ///< per solid angle, the choice of the light included; for a point light of the choice alone
-  bool delta;       ///< a point light: no other strategy finds it
-  vec3 radiance;    ///< arriving along wi, the inverse square law of a point light included
+  vec3 origin;  ///< where the shadow ray starts
+  vec3 wi;      ///< unit
+  float tmax;   ///< of the shadow ray; negative: no contribution possible
+  float pdf;    ///< per solid angle, the choice of the light included; for a point light of the choice alone
+  bool delta;   ///< a point light: no other strategy finds it
+  vec3 radiance;  ///< arriving along wi, the inverse square law of a point light included
 } LightSample;
 
 /// Walker's alias method: which light `u` chooses.
@@ -32,7 +32,8 @@ FN int choose_light(const PRIVATE Scene* scene, float u) {
   return position - (float)first < threshold ? first : alias;
 }
 
-/// Density per solid angle of a point at distance^2 `d2`, seen under `cosine` at the light, chosen uniformly by area.
+/// Density per solid angle of a point at distance^2 `d2`, seen under `cosine` at the light, chosen uniformly
+/// by area.
 FN float area_to_solid_angle(float d2, float cosine, float area) {
   return cosine > 0.0f ? d2 / (cosine * area) : 0.0f;
 }
@@ -46,21 +47,23 @@ FN float cone_versine(float d2, float radius2) {
 #endif
 
 #if HAS(SOLID_ANGLE)
-/// Whether the light is sampled by the solid angle of its triangle: a kernel may be compiled for more than its scene.
+/// Whether the light is sampled by the solid angle of its triangle: a kernel may be compiled for more than
+/// its scene.
 FN bool by_solid_angle(const PRIVATE Scene* scene, GLOBAL const Light* light, SphericalTriangle t) {
   return ((scene->header.features & FEATURE_SOLID_ANGLE) != 0u) & (light->kind == LIGHT_TRIANGLE) &
          (t.solid_angle > SMALL_SOLID_ANGLE);
 }
 #endif
 
-/// Density with which sample_light chooses the direction from `from` to a point of the light that is `distance` away and
-/// whose front is seen under `cosine`.
+/// Density with which sample_light chooses the direction from `from` to a point of the light that is
+/// `distance` away and whose front is seen under `cosine`.
 FN float light_pdf(const PRIVATE Scene* scene, int index, vec3 from, float distance, float cosine) {
   GLOBAL const Light* light = scene->lights + index;
   float pdf = area_to_solid_angle(sqr(distance), cosine, light->area);
 #if HAS(SOLID_ANGLE)
   {
-    SphericalTriangle t = spherical_triangle(sub(load3(&light->p0), from), sub(load3(&light->p1), from), sub(load3(&light->p2), from));
+    SphericalTriangle t = spherical_triangle(sub(load3(&light->p0), from), sub(load3(&light->p1), from),
+                                             sub(load3(&light->p2), from));
     const bool use = by_solid_angle(scene, light, t);
     pdf = use ? 1.0f / t.solid_angle : pdf;
   }
@@ -115,8 +118,10 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice,
     const vec3 uniform = sample_uniform_sphere(u, v);
     const vec3 to_center = sub(p0, s.p);
     const float d2 = dot3(to_center, to_center), r2 = sqr(radius);
-    // A sphere that emits inwards is its own receiver: rounding puts points on it to either side of its surface.
-    const bool cone = sphere & (orientation > 0.0f) & (d2 > r2) & (scene->header.emitter_sampling != EMITTER_AREA);
+    // A sphere that emits inwards is its own receiver: rounding puts points on it to either side of its
+    // surface.
+    const bool cone =
+        sphere & (orientation > 0.0f) & (d2 > r2) & (scene->header.emitter_sampling != EMITTER_AREA);
     // A direction in the cone that the sphere subtends, and from it the angle at the sphere's centre.
     const float versine_max = cone_versine(cone ? d2 : 1.0f, cone ? r2 : 0.5f);
     const float versine = u * versine_max;
@@ -176,8 +181,8 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice,
   return sample;
 }
 
-/// Radiance that a ray brings when it ends on this surface, or leaves the scene; `pdf` is sample_light's density for
-/// the ray's direction from its origin (0 where no light is there).
+/// Radiance that a ray brings when it ends on this surface, or leaves the scene; `pdf` is sample_light's
+/// density for the ray's direction from its origin (0 where no light is there).
 typedef struct {
   vec3 radiance;
   float pdf;

@@ -1,14 +1,16 @@
-// The kernels for one instruction set and one feature mask: compiled several times, see CMakeLists.txt. Includes nothing
-// from any standard library, so that no inline function of theirs is emitted for an instruction set the machine lacks.
+// The kernels for one instruction set and one feature mask: compiled several times, see CMakeLists.txt.
+// Includes nothing from any standard library, so that no inline function of theirs is emitted for an
+// instruction set the machine lacks.
 #define EXTERNAL_TRACER
+// FEATURES is the name of one of these sets: they come first.
 #include "kernels/native_variants.h"
 
 #include "kernels/block.h"
 
 namespace penumbra {
 
-void NATIVE_FUNCTION(const SceneHeader& header, const uint* words, const Tracer& tracer, const Unit& unit, int first_pixel,
-                     int pixels, const Block& block, float* out, uint* bad) {
+void NATIVE_FUNCTION(const SceneHeader& header, const uint* words, const Tracer& tracer, const Unit& unit,
+                     int first_pixel, int pixels, const Block& block, float* out, uint* bad) {
   Scene scene = make_scene(header, words);
   scene.tracer = tracer;
   render_block(&scene, &unit, first_pixel, pixels, &block, out, bad);

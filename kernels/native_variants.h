@@ -3,7 +3,8 @@
 
 #include "kernels/features.h"
 
-// What most scenes of diffuse triangle meshes need; and everything. Scenes are traced whole or through the BVH.
+// What most scenes of diffuse triangle meshes need; and everything. Scenes are traced whole or through the
+// BVH.
 #define NATIVE_FEATURES_core (FEATURE_PATH | FEATURE_LAYERS | FEATURE_SAMPLERS)
 #define NATIVE_FEATURES_core_bvh (NATIVE_FEATURES_core | FEATURE_BVH)
 #define NATIVE_FEATURES_all (FEATURE_ALL & ~FEATURE_BVH)

@@ -5,6 +5,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
+// clang-format off
 // Fields that travel with a path when the block is compacted.
 #define PATH_FLOATS(F)                                              \
   F(RAY_ORIGIN_X) F(RAY_ORIGIN_Y) F(RAY_ORIGIN_Z)                   \
@@ -48,6 +49,8 @@ PENUMBRA_NAMESPACE_BEGIN
   F(FILM_X) F(FILM_Y) /* the path's pixel, while its camera ray is made */ \
   F(GOING) F(FINISHED) /* lists of lanes, while the block is compacted */
 
+// clang-format on
+
 #define ENUMERATE(name) name,
 // Each ..._COUNT is where the next list starts.
 enum {
@@ -58,7 +61,11 @@ enum {
   SHADOW_FLOATS(ENUMERATE) STATE_FLOATS
 };
 enum { SLOT_FLOATS(ENUMERATE) SLOT_FLOAT_COUNT };
-enum { PATH_INTS(ENUMERATE) PATH_INT_COUNT, BEFORE_LANE_ = PATH_INT_COUNT - 1, LANE_INTS(ENUMERATE) STATE_INTS };
+enum {
+  PATH_INTS(ENUMERATE) PATH_INT_COUNT,
+  BEFORE_LANE_ = PATH_INT_COUNT - 1,
+  LANE_INTS(ENUMERATE) STATE_INTS
+};
 #undef ENUMERATE
 
 typedef struct {
@@ -73,11 +80,11 @@ typedef struct {
 #define LOAD3(f, capacity, field, lane)                                                   \
   make_vec3((f)[(field) * (capacity) + (lane)], (f)[((field) + 1) * (capacity) + (lane)], \
             (f)[((field) + 2) * (capacity) + (lane)])
-#define STORE3(f, capacity, field, lane, v)              \
-  do {                                                   \
-    (f)[(field) * (capacity) + (lane)] = (v).x;          \
-    (f)[((field) + 1) * (capacity) + (lane)] = (v).y;    \
-    (f)[((field) + 2) * (capacity) + (lane)] = (v).z;    \
+#define STORE3(f, capacity, field, lane, v)           \
+  do {                                                \
+    (f)[(field) * (capacity) + (lane)] = (v).x;       \
+    (f)[((field) + 1) * (capacity) + (lane)] = (v).y; \
+    (f)[((field) + 2) * (capacity) + (lane)] = (v).z; \
   } while (0)
 
 PENUMBRA_NAMESPACE_END

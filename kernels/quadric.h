@@ -6,9 +6,9 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Distance along the unit direction `d` to the nearest point of the sphere in front of `o`, or a negative number. The
-/// discriminant is that of the ray's closest point to the centre, which keeps distant and large spheres round
-/// (Haines, Guenther and Akenine-Moeller, Ray Tracing Gems 2019, ch. 7).
+/// Distance along the unit direction `d` to the nearest point of the sphere in front of `o`, or a negative
+/// number. The discriminant is that of the ray's closest point to the centre, which keeps distant and large
+/// spheres round (Haines, Guenther and Akenine-Moeller, Ray Tracing Gems 2019, ch. 7).
 FN float intersect_sphere(vec3 o, vec3 d, vec3 center, float radius) {
   vec3 f = sub(o, center);
   float b = -dot3(f, d);

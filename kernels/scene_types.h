@@ -1,5 +1,6 @@
-// Every struct that host and device share, from one field list each: scalars and packed vec3 only, so that all
-// compilers lay them out alike (a test compares the offsets that an OpenCL device reports with the host's).
+// Every struct that host and device share, from one field list each: scalars and packed vec3 only, so that
+// all compilers lay them out alike (a test compares the offsets that an OpenCL device reports with the
+// host's).
 #ifndef PENUMBRA_SCENE_TYPES_H
 #define PENUMBRA_SCENE_TYPES_H
 #include "kernels/features.h"
@@ -49,61 +50,62 @@ PENUMBRA_NAMESPACE_BEGIN
 #define FILTER_CELLS 256
 
 // The scene's centre is the origin: the builder subtracts it in double before anything becomes float.
-#define TRIANGLE_FIELDS(F)                                                        \
-  F(vec3, p0)                                                                     \
-  F(vec3, p1)                                                                     \
-  F(vec3, p2)          /* the front side sees them counter-clockwise */           \
-  F(int, front)        /* material of the side that (p1 - p0) x (p2 - p0) faces */ \
-  F(int, back)         /* material of the other side */                           \
-  F(int, light)        /* index of the light it is, or -1; emits from the front */ \
-  F(int, normals)      /* index into the vertex normals, or -1: faceted */
+#define TRIANGLE_FIELDS(F)                                                    \
+  F(vec3, p0)                                                                 \
+  F(vec3, p1)                                                                 \
+  F(vec3, p2)     /* the front side sees them counter-clockwise */            \
+  F(int, front)   /* material of the side that (p1 - p0) x (p2 - p0) faces */ \
+  F(int, back)    /* material of the other side */                            \
+  F(int, light)   /* index of the light it is, or -1; emits from the front */ \
+  F(int, normals) /* index into the vertex normals, or -1: faceted */
 
 #define VERTEX_NORMALS_FIELDS(F) \
   F(vec3, n0)                    \
   F(vec3, n1)                    \
   F(vec3, n2)
 
-#define QUADRIC_FIELDS(F)                                   \
-  F(vec3, center)                                           \
-  F(vec3, normal)      /* disk: unit, the front side */     \
-  F(float, radius)                                          \
+#define QUADRIC_FIELDS(F)                                                \
+  F(vec3, center)                                                        \
+  F(vec3, normal) /* disk: unit, the front side */                       \
+  F(float, radius)                                                       \
   F(float, orientation) /* sphere: 1 if outside is the front, else -1 */ \
-  F(int, kind)         /* QUADRIC_* */                      \
-  F(int, front)                                             \
-  F(int, back)                                              \
+  F(int, kind)          /* QUADRIC_* */                                  \
+  F(int, front)                                                          \
+  F(int, back)                                                           \
   F(int, light)
 
-#define MATERIAL_FIELDS(F)                                                              \
-  F(vec3, diffuse)     /* diffuse reflectance; material 0 absorbs everything */         \
-  F(vec3, specular)    /* Phong lobe's reflectance */                                   \
-  F(float, exponent)   /* Phong exponent n >= 0 */                                      \
-  F(float, lobe)       /* probability of sampling the Phong lobe; 0 for diffuse ones */
+#define MATERIAL_FIELDS(F)                                                    \
+  F(vec3, diffuse)   /* diffuse reflectance; material 0 absorbs everything */ \
+  F(vec3, specular)  /* Phong lobe's reflectance */                           \
+  F(float, exponent) /* Phong exponent n >= 0 */                              \
+  F(float, lobe)     /* probability of sampling the Phong lobe; 0 for diffuse ones */
 
-#define LIGHT_FIELDS(F)                                                                     \
-  F(vec3, radiance)    /* radiance; radiant intensity for a point light */                  \
-  F(vec3, p0)          /* triangle vertex, centre of sphere or disk, or position */         \
-  F(vec3, p1)          /* triangle vertex; disk: unit normal of the front */                \
-  F(vec3, p2)          /* triangle vertex; sphere, disk: (radius, orientation, 0) */        \
-  F(float, area)                                                                            \
-  F(float, pmf)        /* probability of choosing this light */                             \
+#define LIGHT_FIELDS(F)                                                                      \
+  F(vec3, radiance) /* radiance; radiant intensity for a point light */                      \
+  F(vec3, p0)       /* triangle vertex, centre of sphere or disk, or position */             \
+  F(vec3, p1)       /* triangle vertex; disk: unit normal of the front */                    \
+  F(vec3, p2)       /* triangle vertex; sphere, disk: (radius, orientation, 0) */            \
+  F(float, area)                                                                             \
+  F(float, pmf)             /* probability of choosing this light */                         \
   F(float, alias_threshold) /* Walker's alias table: keep this light below, else take ... */ \
-  F(int, alias)        /* ... this one */                                                   \
-  F(int, kind)         /* LIGHT_* */
+  F(int, alias)             /* ... this one */                                               \
+  F(int, kind)              /* LIGHT_* */
 
-// Inner node of the wide BVH: child k is a node if child[k] >= 0, an empty slot with an inverted box if all of the
-// box is inverted, else leaf ~child[k]. Leaves below `triangle_leaves` hold triangles, the others quadrics.
-#define BVH_NODE_FIELDS(F)         \
-  F(float, low_x[BVH_WIDTH])       \
-  F(float, low_y[BVH_WIDTH])       \
-  F(float, low_z[BVH_WIDTH])       \
-  F(float, high_x[BVH_WIDTH])      \
-  F(float, high_y[BVH_WIDTH])      \
-  F(float, high_z[BVH_WIDTH])      \
+// Inner node of the wide BVH: child k is a node if child[k] >= 0, an empty slot with an inverted box if all
+// of the box is inverted, else leaf ~child[k]. Leaves below `triangle_leaves` hold triangles, the others
+// quadrics.
+#define BVH_NODE_FIELDS(F)    \
+  F(float, low_x[BVH_WIDTH])  \
+  F(float, low_y[BVH_WIDTH])  \
+  F(float, low_z[BVH_WIDTH])  \
+  F(float, high_x[BVH_WIDTH]) \
+  F(float, high_y[BVH_WIDTH]) \
+  F(float, high_z[BVH_WIDTH]) \
   F(int, child[BVH_WIDTH])
 
 // A leaf's triangles, vertex v's coordinate axis as p[v][axis]; unused slots have primitive -1.
-#define TRIANGLE_LEAF_FIELDS(F)     \
-  F(float, p[3][3][BVH_WIDTH])      \
+#define TRIANGLE_LEAF_FIELDS(F) \
+  F(float, p[3][3][BVH_WIDTH])  \
   F(int, primitive[BVH_WIDTH])
 
 #define QUADRIC_LEAF_FIELDS(F) F(int, primitive[BVH_WIDTH])
@@ -113,69 +115,69 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, v1)             \
   F(int, v2)
 
-// Everything that is not a table. Offsets count 32-bit words from the start of the scene's array; a table that the
-// scene does not need has count 0.
-#define SCENE_HEADER_FIELDS(F)                                                          \
-  F(uint, features)           /* FEATURE_* bits */                                      \
-  F(int, intersector)         /* INTERSECTOR_* */                                       \
-  F(int, film_width)                                                                    \
-  F(int, film_height)                                                                   \
-  F(vec3, camera_origin)                                                                \
-  F(vec3, camera_x)           /* to the left edge of the film, at distance 1 */         \
-  F(vec3, camera_y)           /* to the top edge */                                     \
-  F(vec3, camera_z)           /* unit viewing direction */                              \
-  F(float, near_clip)                                                                   \
-  F(float, far_clip)                                                                    \
-  F(int, filter)              /* FILTER_* */                                            \
-  F(float, filter_radius)     /* half-width in pixels */                                \
-  F(uint, filter_table)       /* FILTER_TABULATED: see filter.h */                      \
-  F(int, sampler)             /* SAMPLER_* */                                           \
-  F(uint, spp)                                                                          \
-  F(uint, seed)                                                                         \
-  F(int, integrator)          /* INTEGRATOR_* */                                        \
-  F(int, max_depth)           /* path: edges; INT_MAX for no limit */                   \
-  F(int, rr_depth)                                                                      \
-  F(int, direct_sampling)     /* SAMPLING_* */                                          \
-  F(int, emitter_samples)                                                               \
-  F(int, bsdf_samples)                                                                  \
-  F(int, bsdf_sampling)       /* DIRECTION_* */                                         \
-  F(int, emitter_sampling)    /* EMITTER_* */                                           \
-  F(int, heuristic)           /* HEURISTIC_* */                                         \
-  F(int, hide_emitters)                                                                 \
-  F(int, environment)         /* index of the environment light, or -1 */               \
-  F(float, scene_radius)      /* of a sphere about the origin that holds the scene */   \
-  F(int, triangle_count)                                                                \
-  F(uint, triangles)                                                                    \
-  F(int, normals_count)                                                                 \
-  F(uint, normals)                                                                      \
-  F(int, quadric_count)                                                                 \
-  F(uint, quadrics)                                                                     \
-  F(int, material_count)                                                                \
-  F(uint, materials)                                                                    \
-  F(int, light_count)                                                                   \
-  F(uint, lights)                                                                       \
-  F(int, vertex_count)        /* small scenes: distinct vertices, tested whole */       \
-  F(uint, vertices)                                                                     \
-  F(int, corner_count)        /* small scenes: three vertex indices for each triangle */ \
-  F(uint, corners)                                                                      \
-  F(int, node_count)          /* large scenes: see BVH_NODE_FIELDS */                   \
-  F(uint, nodes)                                                                        \
-  F(int, triangle_leaf_count)                                                           \
-  F(uint, triangle_leaves)                                                              \
-  F(int, quadric_leaf_count)                                                            \
+// Everything that is not a table. Offsets count 32-bit words from the start of the scene's array; a table
+// that the scene does not need has count 0.
+#define SCENE_HEADER_FIELDS(F)                                                    \
+  F(uint, features)   /* FEATURE_* bits */                                        \
+  F(int, intersector) /* INTERSECTOR_* */                                         \
+  F(int, film_width)                                                              \
+  F(int, film_height)                                                             \
+  F(vec3, camera_origin)                                                          \
+  F(vec3, camera_x) /* to the left edge of the film, at distance 1 */             \
+  F(vec3, camera_y) /* to the top edge */                                         \
+  F(vec3, camera_z) /* unit viewing direction */                                  \
+  F(float, near_clip)                                                             \
+  F(float, far_clip)                                                              \
+  F(int, filter)          /* FILTER_* */                                          \
+  F(float, filter_radius) /* half-width in pixels */                              \
+  F(uint, filter_table)   /* FILTER_TABULATED: see filter.h */                    \
+  F(int, sampler)         /* SAMPLER_* */                                         \
+  F(uint, spp)                                                                    \
+  F(uint, seed)                                                                   \
+  F(int, integrator) /* INTEGRATOR_* */                                           \
+  F(int, max_depth)  /* path: edges; INT_MAX for no limit */                      \
+  F(int, rr_depth)                                                                \
+  F(int, direct_sampling) /* SAMPLING_* */                                        \
+  F(int, emitter_samples)                                                         \
+  F(int, bsdf_samples)                                                            \
+  F(int, bsdf_sampling)    /* DIRECTION_* */                                      \
+  F(int, emitter_sampling) /* EMITTER_* */                                        \
+  F(int, heuristic)        /* HEURISTIC_* */                                      \
+  F(int, hide_emitters)                                                           \
+  F(int, environment)    /* index of the environment light, or -1 */              \
+  F(float, scene_radius) /* of a sphere about the origin that holds the scene */  \
+  F(int, triangle_count)                                                          \
+  F(uint, triangles)                                                              \
+  F(int, normals_count)                                                           \
+  F(uint, normals)                                                                \
+  F(int, quadric_count)                                                           \
+  F(uint, quadrics)                                                               \
+  F(int, material_count)                                                          \
+  F(uint, materials)                                                              \
+  F(int, light_count)                                                             \
+  F(uint, lights)                                                                 \
+  F(int, vertex_count) /* small scenes: distinct vertices, tested whole */        \
+  F(uint, vertices)                                                               \
+  F(int, corner_count) /* small scenes: three vertex indices for each triangle */ \
+  F(uint, corners)                                                                \
+  F(int, node_count) /* large scenes: see BVH_NODE_FIELDS */                      \
+  F(uint, nodes)                                                                  \
+  F(int, triangle_leaf_count)                                                     \
+  F(uint, triangle_leaves)                                                        \
+  F(int, quadric_leaf_count)                                                      \
   F(uint, quadric_leaves)
 
 // X(struct, field list): for tests and for serialisation.
-#define SHARED_STRUCTS(X)                     \
-  X(Triangle, TRIANGLE_FIELDS)                \
-  X(VertexNormals, VERTEX_NORMALS_FIELDS)     \
-  X(Quadric, QUADRIC_FIELDS)                  \
-  X(Material, MATERIAL_FIELDS)                \
-  X(Light, LIGHT_FIELDS)                      \
-  X(BvhNode, BVH_NODE_FIELDS)                 \
-  X(TriangleLeaf, TRIANGLE_LEAF_FIELDS)       \
-  X(QuadricLeaf, QUADRIC_LEAF_FIELDS)         \
-  X(Corner, CORNER_FIELDS)                    \
+#define SHARED_STRUCTS(X)                 \
+  X(Triangle, TRIANGLE_FIELDS)            \
+  X(VertexNormals, VERTEX_NORMALS_FIELDS) \
+  X(Quadric, QUADRIC_FIELDS)              \
+  X(Material, MATERIAL_FIELDS)            \
+  X(Light, LIGHT_FIELDS)                  \
+  X(BvhNode, BVH_NODE_FIELDS)             \
+  X(TriangleLeaf, TRIANGLE_LEAF_FIELDS)   \
+  X(QuadricLeaf, QUADRIC_LEAF_FIELDS)     \
+  X(Corner, CORNER_FIELDS)                \
   X(SceneHeader, SCENE_HEADER_FIELDS)
 
 #define DECLARE_FIELD(type, name) type name;

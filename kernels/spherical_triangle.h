@@ -27,8 +27,8 @@ FN SphericalTriangle spherical_triangle(vec3 a, vec3 b, vec3 c) {
   return t;
 }
 
-/// A unit direction uniform over the triangle's solid angle. Peters 2021, BRDF Importance Sampling for Polygonal Lights,
-/// section 2: cut off the fraction u by an arc through v1, then move along it by v.
+/// A unit direction uniform over the triangle's solid angle. Peters 2021, BRDF Importance Sampling for
+/// Polygonal Lights, section 2: cut off the fraction u by an arc through v1, then move along it by v.
 FN vec3 sample_spherical_triangle(SphericalTriangle t, float u, float v) {
   const float half_turns = t.solid_angle * u * (0.25f * INV_PI_F);  // half the partial solid angle over 2 pi
   float sine, cosine;

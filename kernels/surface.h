@@ -1,5 +1,5 @@
-// Where a ray meets a primitive. The intersector answers which primitive; this recomputes where from the primitive
-// itself, so that all intersectors agree and positions stay exact far along a ray.
+// Where a ray meets a primitive. The intersector answers which primitive; this recomputes where from the
+// primitive itself, so that all intersectors agree and positions stay exact far along a ray.
 #ifndef PENUMBRA_SURFACE_H
 #define PENUMBRA_SURFACE_H
 #include "kernels/quadric.h"
@@ -8,20 +8,20 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 typedef struct {
-  bool valid;     ///< false: nothing was hit; the other fields are finite but mean nothing
-  bool front;     ///< seen from the front side
-  vec3 p;         ///< relative to the scene's centre
-  float error;    ///< how far p may be off the true surface along `geometric`
-  vec3 geometric; ///< unit normal on the side of the viewer
-  vec3 shading;   ///< unit shading normal, likewise
-  vec3 wo;        ///< unit, back along the ray
-  float distance; ///< along the ray
+  bool valid;      ///< false: nothing was hit; the other fields are finite but mean nothing
+  bool front;      ///< seen from the front side
+  vec3 p;          ///< relative to the scene's centre
+  float error;     ///< how far p may be off the true surface along `geometric`
+  vec3 geometric;  ///< unit normal on the side of the viewer
+  vec3 shading;    ///< unit shading normal, likewise
+  vec3 wo;         ///< unit, back along the ray
+  float distance;  ///< along the ray
   int material;
-  int light;      ///< or -1
+  int light;  ///< or -1
 } Surface;
 
-// Rounding of b0 p0 + b1 p1 + b2 p2 with rounded barycentrics, gamma(7), doubled: it also covers the rounding of the
-// offset origin itself (Pharr, Jakob and Humphreys 2016, section 3.9).
+// Rounding of b0 p0 + b1 p1 + b2 p2 with rounded barycentrics, gamma(7), doubled: it also covers the rounding
+// of the offset origin itself (Pharr, Jakob and Humphreys 2016, section 3.9).
 #define POSITION_ERROR (16.0f * HALF_EPSILON)
 
 FN Surface surface_at(const PRIVATE Scene* scene, int primitive, vec3 o, vec3 d) {
@@ -96,7 +96,8 @@ FN Surface surface_at(const PRIVATE Scene* scene, int primitive, vec3 o, vec3 d)
   return s;
 }
 
-/// An origin for a ray that leaves the surface along `direction`, on the right side of it whatever the rounding.
+/// An origin for a ray that leaves the surface along `direction`, on the right side of it whatever the
+/// rounding.
 FN vec3 leave_surface(vec3 p, vec3 normal, float error, vec3 direction) {
   return add_scaled(p, dot3(direction, normal) < 0.0f ? -error : error, normal);
 }

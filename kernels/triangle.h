@@ -6,10 +6,10 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// The affine map that takes a ray to the positive z axis (Woop, Benthin and Wald 2013): permute so that the largest
-/// direction component is z, shear x and y, scale z. A vertex maps to the same point for every triangle that shares
-/// it, and the sign of an edge function of two rounded products is never wrong, only sometimes 0; with 0 counted as
-/// inside no ray slips between neighbours.
+/// The affine map that takes a ray to the positive z axis (Woop, Benthin and Wald 2013): permute so that the
+/// largest direction component is z, shear x and y, scale z. A vertex maps to the same point for every
+/// triangle that shares it, and the sign of an edge function of two rounded products is never wrong, only
+/// sometimes 0; with 0 counted as inside no ray slips between neighbours.
 typedef struct {
   int axis;  ///< 0, 1, 2: the direction's largest component
   float x, y, z;
@@ -31,7 +31,9 @@ FN Shear make_shear(vec3 d) {
 }
 
 /// Shears a point whose axes are permuted already.
-FN vec3 shear_permuted(Shear s, float x, float y, float z) { return make_vec3(x - s.x * z, y - s.y * z, s.z * z); }
+FN vec3 shear_permuted(Shear s, float x, float y, float z) {
+  return make_vec3(x - s.x * z, y - s.y * z, s.z * z);
+}
 
 /// `r`: a point relative to the ray's origin.
 FN vec3 shear_point(Shear s, vec3 r) {
@@ -42,9 +44,9 @@ FN vec3 shear_point(Shear s, vec3 r) {
   return shear_permuted(s, x, y, z);
 }
 
-/// `t` is where the ray meets the plane; `inside` whether within the triangle, seen from either side. With `inside`,
-/// u / det, v / det and w / det are the barycentric coordinates of a, b and c. A triangle seen edge-on has det 0 and
-/// a `t` that is not finite, so that no comparison accepts it.
+/// `t` is where the ray meets the plane; `inside` whether within the triangle, seen from either side. With
+/// `inside`, u / det, v / det and w / det are the barycentric coordinates of a, b and c. A triangle seen
+/// edge-on has det 0 and a `t` that is not finite, so that no comparison accepts it.
 typedef struct {
   float u, v, w, det, t;
   bool inside;

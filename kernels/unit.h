@@ -6,7 +6,7 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 typedef struct {
-  int x, y;           ///< film pixel of the corner
+  int x, y;  ///< film pixel of the corner
   int width, height;
   uint first_sample;
   int sample_count;

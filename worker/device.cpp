@@ -1,5 +1,7 @@
 #include "worker/device.h"
 
+#include <fmt/format.h>
+
 #include <array>
 
 #include "kernels/host/native_kernels.h"
@@ -26,8 +28,23 @@ Isa best_isa() {
   return machine_has(KernelTarget::kAvx2) ? Isa::kAvx2 : Isa::kSse2;
 }
 
+Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint32_t features) {
+  if (unit.width <= 0 || unit.height <= 0 || unit.sample_count == 0 || unit.sample_count > kMaxSamplesPerUnit)
+    return fail(
+        fmt::format("a unit of {}x{} pixels with {} samples cannot be rendered; samples go from 1 to {}",
+                    unit.width, unit.height, unit.sample_count, kMaxSamplesPerUnit));
+  SampleBuffer result;
+  result.width = unit.width;
+  result.height = unit.height;
+  result.sample_count = unit.sample_count;
+  result.planes = (features & FEATURE_LAYERS) != 0u ? kSampleBufferPlanes : kRadiancePlanes;
+  result.values.resize(std::size_t(result.planes) * result.pixels());
+  return result;
+}
+
 Expected<std::unique_ptr<Device>> make_device(const DeviceScene& scene, const DeviceOptions& options) {
-  return options.backend == Backend::kOpenCl ? make_opencl_device(scene, options) : make_native_device(scene, options);
+  return options.backend == Backend::kOpenCl ? make_opencl_device(scene, options)
+                                             : make_native_device(scene, options);
 }
 
 }  // namespace penumbra

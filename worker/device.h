@@ -25,9 +25,10 @@ enum class Isa { kSse2, kAvx2, kAvx512 };
 struct DeviceOptions {
   Backend backend = Backend::kNative;
   int threads = 1;
-  Isa isa = Isa::kAvx2;             ///< native: must be one that this machine has, see best_isa()
-  bool block_of_one = false;        ///< native: one path, one lane at a time, for debugging a pixel
-  std::string opencl_device;        ///< part of a platform's or device's name; empty: the first CPU device, else any
+  Isa isa = Isa::kAvx2;       ///< native: must be one that this machine has, see best_isa()
+  bool block_of_one = false;  ///< native: one path, one lane at a time, for debugging a pixel
+  std::string
+      opencl_device;  ///< part of a platform's or device's name; empty: the first CPU device, else any
 };
 
 /// Renders units of one scene. Not thread-safe; uses `DeviceOptions::threads` threads of its own.
@@ -39,12 +40,17 @@ class Device {
   virtual Expected<SampleBuffer> render(const RenderUnit& unit) = 0;
 };
 
-/// The scene names its intersector; an Embree scene on an OpenCL device is an error. The scene must outlive the device.
+/// The scene names its intersector; an Embree scene on an OpenCL device is an error. The scene must outlive
+/// the device.
 Expected<std::unique_ptr<Device>> make_device(const DeviceScene& scene, const DeviceOptions& options);
+
+/// An empty result for the unit, with the planes that the scene's features ask for. The error names a unit
+/// that no device can render.
+Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint32_t features);
 
 /// The widest instruction set that this machine has and the kernels are built for.
 Isa best_isa();
-std::string_view isa_name(Isa isa);                     ///< "sse2", "avx2", "avx512"
+std::string_view isa_name(Isa isa);  ///< "sse2", "avx2", "avx512"
 Expected<Isa> isa_from_name(std::string_view name);
 
 }  // namespace penumbra

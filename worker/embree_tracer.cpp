@@ -8,6 +8,7 @@
 #include <vector>
 
 #define FEATURES FEATURE_ALL
+#include "kernels/host/bounds.h"
 #include "kernels/host/device_scene_check.h"
 #include "kernels/quadric.h"
 
@@ -37,18 +38,8 @@ const char* embree_isa(Isa isa) {
 }
 
 void quadric_bounds(const RTCBoundsFunctionArguments* arguments) {
-  const Quadric& q = static_cast<const Quadric*>(arguments->geometryUserPtr)[arguments->primID];
-  const float margin = 1e-5f;
-  RTCBounds& b = *arguments->bounds_o;
-  const float rx = q.radius + (FABS(q.center.x) + q.radius) * margin;
-  const float ry = q.radius + (FABS(q.center.y) + q.radius) * margin;
-  const float rz = q.radius + (FABS(q.center.z) + q.radius) * margin;
-  b.lower_x = q.center.x - rx;
-  b.lower_y = q.center.y - ry;
-  b.lower_z = q.center.z - rz;
-  b.upper_x = q.center.x + rx;
-  b.upper_y = q.center.y + ry;
-  b.upper_z = q.center.z + rz;
+  const Box box = bounds_of(static_cast<const Quadric*>(arguments->geometryUserPtr)[arguments->primID]);
+  *arguments->bounds_o = {box.low[0], box.low[1], box.low[2], 0, box.high[0], box.high[1], box.high[2], 0};
 }
 
 /// Distance to the quadric inside the ray's interval, or -1.
@@ -77,7 +68,8 @@ void quadric_intersect(const RTCIntersectFunctionNArguments* arguments) {
 void quadric_occluded(const RTCOccludedFunctionNArguments* arguments) {
   for (unsigned i = 0; i < arguments->N; ++i) {
     if (!arguments->valid[i]) continue;
-    const float t = quadric_hit(arguments->geometryUserPtr, arguments->primID, arguments->ray, arguments->N, i);
+    const float t =
+        quadric_hit(arguments->geometryUserPtr, arguments->primID, arguments->ray, arguments->N, i);
     if (t >= 0) RTCRayN_tfar(arguments->ray, arguments->N, i) = -std::numeric_limits<float>::infinity();
   }
 }
@@ -94,8 +86,8 @@ struct EmbreeTracer::Impl {
 
   /// Fills a packet's rays from lanes first ... of the block; false if none of them is a ray.
   template <typename Packet>
-  static bool load(Packet& ray, int* valid, const float* f, int capacity, int first, int count, int origin, int direction,
-                   int tmax) {
+  static bool load(Packet& ray, int* valid, const float* f, int capacity, int first, int count, int origin,
+                   int direction, int tmax) {
     bool any = false;
     for (int j = 0; j < kPacket; ++j) {
       const int i = std::min(first + j, count - 1);
@@ -117,13 +109,13 @@ struct EmbreeTracer::Impl {
     return any;
   }
 
-
   static void intersect(const void* self_, float* f, int* ints, int capacity, int count) {
     const Impl& self = *static_cast<const Impl*>(self_);
     for (int first = 0; first < count; first += kPacket) {
       alignas(64) RTCRayHit16 rays;
       alignas(64) int valid[kPacket];
-      const bool any = load(rays.ray, valid, f, capacity, first, count, RAY_ORIGIN_X, RAY_DIRECTION_X, RAY_TMAX);
+      const bool any =
+          load(rays.ray, valid, f, capacity, first, count, RAY_ORIGIN_X, RAY_DIRECTION_X, RAY_TMAX);
       std::fill_n(rays.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
       if (any) {
         RTCIntersectContext context;
@@ -133,7 +125,8 @@ struct EmbreeTracer::Impl {
       for (int j = 0; j < kPacket && first + j < count; ++j) {
         const unsigned geometry = rays.hit.geomID[j];
         const int offset = geometry == self.quadric_geometry ? self.triangle_count : 0;
-        ints[HIT * capacity + first + j] = geometry == RTC_INVALID_GEOMETRY_ID ? -1 : int(rays.hit.primID[j]) + offset;
+        ints[HIT * capacity + first + j] =
+            geometry == RTC_INVALID_GEOMETRY_ID ? -1 : int(rays.hit.primID[j]) + offset;
       }
     }
   }
@@ -158,11 +151,13 @@ EmbreeTracer::~EmbreeTracer() = default;
 
 Tracer EmbreeTracer::tracer() const { return {impl_.get(), &Impl::intersect, &Impl::occlude}; }
 
-Expected<std::unique_ptr<EmbreeTracer>> EmbreeTracer::make(const DeviceScene& scene, const DeviceOptions& options) {
+Expected<std::unique_ptr<EmbreeTracer>> EmbreeTracer::make(const DeviceScene& scene,
+                                                           const DeviceOptions& options) {
   std::unique_ptr<EmbreeTracer> result(new EmbreeTracer);
   result->impl_ = std::make_unique<Impl>();
   Impl& impl = *result->impl_;
-  const std::string configuration = fmt::format("threads={},isa={}", std::max(1, options.threads), embree_isa(options.isa));
+  const std::string configuration =
+      fmt::format("threads={},isa={}", std::max(1, options.threads), embree_isa(options.isa));
   impl.device.reset(rtcNewDevice(configuration.c_str()));
   if (!impl.device) return fail("Embree does not start with " + configuration);
   impl.scene.reset(rtcNewScene(impl.device.get()));
@@ -179,10 +174,10 @@ Expected<std::unique_ptr<EmbreeTracer>> EmbreeTracer::make(const DeviceScene& sc
     impl.indices.resize(triangles.size() * 3);
     for (std::size_t i = 0; i < impl.indices.size(); ++i) impl.indices[i] = unsigned(i);
     RTCGeometry geometry = rtcNewGeometry(impl.device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, impl.vertices.data(), 0, 12,
-                               triangles.size() * 3);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, impl.indices.data(), 0, 12,
-                               triangles.size());
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, impl.vertices.data(),
+                               0, 12, triangles.size() * 3);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, impl.indices.data(), 0,
+                               12, triangles.size());
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(impl.scene.get(), geometry);
     rtcReleaseGeometry(geometry);
@@ -200,7 +195,8 @@ Expected<std::unique_ptr<EmbreeTracer>> EmbreeTracer::make(const DeviceScene& sc
   }
   rtcCommitScene(impl.scene.get());
   if (const RTCError error = rtcGetDeviceError(impl.device.get()); error != RTC_ERROR_NONE)
-    return fail(fmt::format("Embree failed to build its hierarchy over {} triangles (error {})", triangles.size(), int(error)));
+    return fail(fmt::format("Embree failed to build its hierarchy over {} triangles (error {})",
+                            triangles.size(), int(error)));
   return result;
 }
 

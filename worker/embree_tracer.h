@@ -10,8 +10,8 @@ namespace penumbra {
 
 class EmbreeTracer {
  public:
-  /// Builds Embree's hierarchy over the scene with the instruction set of the options: its choices among equal hits
-  /// differ between sets. The scene must outlive the tracer.
+  /// Builds Embree's hierarchy over the scene with the instruction set of the options: its choices among
+  /// equal hits differ between sets. The scene must outlive the tracer.
   static Expected<std::unique_ptr<EmbreeTracer>> make(const DeviceScene& scene, const DeviceOptions& options);
   ~EmbreeTracer();
   EmbreeTracer(const EmbreeTracer&) = delete;

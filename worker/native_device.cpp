@@ -50,7 +50,9 @@ class BlockMemory {
         capacity_(capacity),
         slot_capacity_(slot_capacity) {}
 
-  [[nodiscard]] Block block() const { return {floats_.get(), ints_.get(), slots_.get(), capacity_, slot_capacity_}; }
+  [[nodiscard]] Block block() const {
+    return {floats_.get(), ints_.get(), slots_.get(), capacity_, slot_capacity_};
+  }
 
  private:
   template <typename T>
@@ -131,7 +133,11 @@ class NativeDevice final : public Device {
  public:
   NativeDevice(const DeviceScene& scene, const DeviceOptions& options, const NativeKernel& kernel,
                std::unique_ptr<EmbreeTracer> tracer)
-      : scene_(scene), options_(options), kernel_(kernel), tracer_(std::move(tracer)), team_(std::max(1, options.threads)) {}
+      : scene_(scene),
+        options_(options),
+        kernel_(kernel),
+        tracer_(std::move(tracer)),
+        team_(std::max(1, options.threads)) {}
 
   std::string description() const override {
     return fmt::format("native {}{}, {} kernels, {} intersector, {} thread{}", isa_name(options_.isa),
@@ -140,15 +146,9 @@ class NativeDevice final : public Device {
   }
 
   Expected<SampleBuffer> render(const RenderUnit& unit) override {
-    if (unit.width <= 0 || unit.height <= 0 || unit.sample_count == 0 || unit.sample_count > kMaxSamplesPerUnit)
-      return fail(fmt::format("a unit of {}x{} pixels with {} samples cannot be rendered; samples go from 1 to {}",
-                              unit.width, unit.height, unit.sample_count, kMaxSamplesPerUnit));
-    SampleBuffer result;
-    result.width = unit.width;
-    result.height = unit.height;
-    result.sample_count = unit.sample_count;
-    result.planes = (scene_.header.features & FEATURE_LAYERS) != 0u ? kSampleBufferPlanes : kRadiancePlanes;
-    result.values.resize(std::size_t(result.planes) * result.pixels());
+    Expected<SampleBuffer> made = make_sample_buffer(unit, scene_.header.features);
+    if (!made) return made;
+    SampleBuffer& result = *made;
 
     const int samples = int(unit.sample_count);
     const int capacity = options_.block_of_one ? 1 : kBlockStride;
@@ -173,7 +173,7 @@ class NativeDevice final : public Device {
     });
     result.nan_samples = nans;
     result.infinite_samples = infinities;
-    return result;
+    return made;
   }
 
  private:
@@ -190,7 +190,8 @@ class NativeDevice final : public Device {
 Expected<std::unique_ptr<Device>> make_native_device(const DeviceScene& scene, const DeviceOptions& options) {
   const KernelTarget target = target_of(options);
   if (!machine_has(target))
-    return fail(fmt::format("this machine lacks {}; it has up to {} (--isa)", isa_name(options.isa), isa_name(best_isa())));
+    return fail(fmt::format("this machine lacks {}; it has up to {} (--isa)", isa_name(options.isa),
+                            isa_name(best_isa())));
   const NativeKernel* kernel = find_native_kernel(target, scene.header.features);
   if (!kernel) return fail("no native kernels for this scene's features");
   std::unique_ptr<EmbreeTracer> tracer;

@@ -7,8 +7,8 @@
 
 namespace penumbra {
 
-/// Compiles the kernels with exactly the scene's features. Errors: no such device, a scene that asks for Embree, a compile
-/// that fails (with the device's log), not enough memory.
+/// Compiles the kernels with exactly the scene's features. Errors: no such device, a scene that asks for
+/// Embree, a compile that fails (with the device's log), not enough memory.
 Expected<std::unique_ptr<Device>> make_opencl_device(const DeviceScene& scene, const DeviceOptions& options);
 
 }  // namespace penumbra

@@ -41,7 +41,8 @@ T device_value(cl_device_id device, cl_device_info what) {
 void append_source(std::string_view name, std::set<std::string_view>& seen, std::string& source) {
   if (name == "kernels/lang_cpp.h" || !seen.insert(name).second) return;
   const auto files = embedded_kernels();
-  const auto file = std::find_if(files.begin(), files.end(), [&](const EmbeddedFile& f) { return f.name == name; });
+  const auto file =
+      std::find_if(files.begin(), files.end(), [&](const EmbeddedFile& f) { return f.name == name; });
   if (file == files.end()) return;  // a host header under a condition that OpenCL C never meets
   constexpr std::string_view kInclude = "#include \"";
   for (std::string_view text = file->text; !text.empty();) {
@@ -49,7 +50,8 @@ void append_source(std::string_view name, std::set<std::string_view>& seen, std:
     const std::string_view line = text.substr(0, end);
     text.remove_prefix(end);
     if (line.starts_with(kInclude))
-      append_source(line.substr(kInclude.size(), line.find('"', kInclude.size()) - kInclude.size()), seen, source);
+      append_source(line.substr(kInclude.size(), line.find('"', kInclude.size()) - kInclude.size()), seen,
+                    source);
     else
       source += line;
   }
@@ -63,9 +65,9 @@ std::string opencl_source() {
 }
 
 bool contains_ignoring_case(const std::string& text, const std::string& part) {
-  return std::search(text.begin(), text.end(), part.begin(), part.end(), [](unsigned char a, unsigned char b) {
-           return std::tolower(a) == std::tolower(b);
-         }) != text.end();
+  return std::search(text.begin(), text.end(), part.begin(), part.end(),
+                     [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); }) !=
+         text.end();
 }
 
 }  // namespace
@@ -111,7 +113,9 @@ std::vector<OpenClDeviceInfo> list_opencl_devices() {
 Expected<OpenClDeviceInfo> find_opencl_device(const std::string& wanted) {
   const std::vector<OpenClDeviceInfo> devices = list_opencl_devices();
   if (devices.empty())
-    return fail("no OpenCL device; install an OpenCL driver (pocl-opencl-icd runs on any CPU) or use --backend native");
+    return fail(
+        "no OpenCL device; install an OpenCL driver (pocl-opencl-icd runs on any CPU) or use --backend "
+        "native");
   std::string known;
   for (const OpenClDeviceInfo& device : devices) {
     const bool matches = wanted.empty() ? device.is_cpu
@@ -124,25 +128,27 @@ Expected<OpenClDeviceInfo> find_opencl_device(const std::string& wanted) {
   return fail(fmt::format("no OpenCL device matches '{}'; there are:{}", wanted, known));
 }
 
-Expected<ClProgram> compile_kernels(cl_context context, const OpenClDeviceInfo& device, std::uint32_t features,
-                                    int lanes) {
+Expected<ClProgram> compile_kernels(cl_context context, const OpenClDeviceInfo& device,
+                                    std::uint32_t features, int lanes) {
   cl_int status = CL_SUCCESS;
   const std::string text = opencl_source();
   const char* source = text.c_str();
   ClProgram program(clCreateProgramWithSource(context, 1, &source, nullptr, &status));
   if (status != CL_SUCCESS) return fail("cannot create an OpenCL program: " + opencl_error_text(status));
-  const auto width = std::clamp(int(device_value<cl_uint>(device.id, CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT)), 1, lanes);
+  const auto width =
+      std::clamp(int(device_value<cl_uint>(device.id, CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT)), 1, lanes);
   std::string options = fmt::format("-DFEATURES={} -DLANES={} -DVECTOR_WIDTH={}", features, lanes, width);
   const auto rounding = device_value<cl_device_fp_config>(device.id, CL_DEVICE_SINGLE_FP_CONFIG);
-  if ((rounding & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0) options += " -cl-fp32-correctly-rounded-divide-sqrt";
+  if ((rounding & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0)
+    options += " -cl-fp32-correctly-rounded-divide-sqrt";
   status = clBuildProgram(program.get(), 1, &device.id, options.c_str(), nullptr, nullptr);
   if (status != CL_SUCCESS) {
     std::size_t size = 0;
     clGetProgramBuildInfo(program.get(), device.id, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size);
     std::string log(size, '\0');
     clGetProgramBuildInfo(program.get(), device.id, CL_PROGRAM_BUILD_LOG, size, log.data(), nullptr);
-    return fail(fmt::format("the kernels do not compile on {} ({}) with {}: {}\n{}", device.name, device.platform, options,
-                            opencl_error_text(status), log.c_str()));
+    return fail(fmt::format("the kernels do not compile on {} ({}) with {}: {}\n{}", device.name,
+                            device.platform, options, opencl_error_text(status), log.c_str()));
   }
   return program;
 }

@@ -37,12 +37,13 @@ struct OpenClDeviceInfo {
 /// All devices of all installed platforms.
 std::vector<OpenClDeviceInfo> list_opencl_devices();
 
-/// The first device whose platform or name contains `wanted` (any case); with an empty one the first CPU device, else the
-/// first of all. The error lists what there is.
+/// The first device whose platform or name contains `wanted` (any case); with an empty one the first CPU
+/// device, else the first of all. The error lists what there is.
 Expected<OpenClDeviceInfo> find_opencl_device(const std::string& wanted);
 
 /// `lanes`: paths that one vectorised loop carries.
-Expected<ClProgram> compile_kernels(cl_context context, const OpenClDeviceInfo& device, std::uint32_t features, int lanes);
+Expected<ClProgram> compile_kernels(cl_context context, const OpenClDeviceInfo& device,
+                                    std::uint32_t features, int lanes);
 
 /// "CL_OUT_OF_RESOURCES (-5)" and the like.
 std::string opencl_error_text(cl_int code);

@@ -1,5 +1,6 @@
-// The scene as the kernels read it: one header and one flat array of 32-bit words. It is built once, from a scene
-// description, by the scheduler, and shipped to every worker as it is, so that all of them trace the same bits.
+// The scene as the kernels read it: one header and one flat array of 32-bit words. It is built once, from a
+// scene description, by the scheduler, and shipped to every worker as it is, so that all of them trace the
+// same bits.
 #pragma once
 
 #include <cstdint>

@@ -49,12 +49,15 @@ class Checker {
     check_table<Material>(h_.materials, h_.material_count, 1, "materials lie outside the data");
     check_table<Light>(h_.lights, h_.light_count, 1, "lights lie outside the data");
     check_table<float>(h_.filter_table, 2 * FILTER_CELLS + 1, 0, "the filter's table lies outside the data");
-    check_table<VertexNormals>(h_.normals, h_.normals_count, has(FEATURE_SHADING_NORMALS), "normals lie outside the data");
-    check_table<Quadric>(h_.quadrics, h_.quadric_count, has(FEATURE_QUADRICS), "quadrics lie outside the data");
+    check_table<VertexNormals>(h_.normals, h_.normals_count, has(FEATURE_SHADING_NORMALS),
+                               "normals lie outside the data");
+    check_table<Quadric>(h_.quadrics, h_.quadric_count, has(FEATURE_QUADRICS),
+                         "quadrics lie outside the data");
     check_table<vec3>(h_.vertices, h_.vertex_count, 0, "vertices lie outside the data");
     check_table<Corner>(h_.corners, h_.corner_count, 0, "corners lie outside the data");
     check_table<BvhNode>(h_.nodes, h_.node_count, 0, "BVH nodes lie outside the data");
-    check_table<TriangleLeaf>(h_.triangle_leaves, h_.triangle_leaf_count, 0, "BVH leaves lie outside the data");
+    check_table<TriangleLeaf>(h_.triangle_leaves, h_.triangle_leaf_count, 0,
+                              "BVH leaves lie outside the data");
     check_table<QuadricLeaf>(h_.quadric_leaves, h_.quadric_leaf_count, 0, "BVH leaves lie outside the data");
   }
 
@@ -91,7 +94,8 @@ class Checker {
     require(h_.vertex_count <= MAX_WHOLE_VERTICES, "too many vertices to be tested whole");
     require(h_.corner_count == h_.triangle_count, "corners do not match the triangles");
     for (const Corner& c : table<Corner>(scene_, h_.corners, h_.corner_count))
-      require(in(c.v0, 0, h_.vertex_count - 1) && in(c.v1, 0, h_.vertex_count - 1) && in(c.v2, 0, h_.vertex_count - 1),
+      require(in(c.v0, 0, h_.vertex_count - 1) && in(c.v1, 0, h_.vertex_count - 1) &&
+                  in(c.v2, 0, h_.vertex_count - 1),
               "a corner names a vertex that is not there");
   }
 

@@ -13,8 +13,8 @@ std::span<const T> table(const DeviceScene& scene, std::uint32_t offset, int cou
   return {reinterpret_cast<const T*>(scene.words.data() + offset), std::size_t(count)};
 }
 
-/// Every table inside the words (one record more than counted where kernels read record 0 unasked), every index inside
-/// its table, every enumerated value known.
+/// Every table inside the words (one record more than counted where kernels read record 0 unasked), every
+/// index inside its table, every enumerated value known.
 Expected<void> check_device_scene(const DeviceScene& scene);
 
 }  // namespace penumbra

@@ -8,8 +8,8 @@
 namespace penumbra {
 
 /// What went wrong, where, and what would be right, as one message for the user (it may hold several lines:
-/// an error in a scene file carries the source line and a caret). No trailing newline, no "error:" prefix unless
-/// a file position precedes it.
+/// an error in a scene file carries the source line and a caret). No trailing newline, no "error:" prefix
+/// unless a file position precedes it.
 struct Error {
   std::string message;
 };

@@ -5,7 +5,7 @@
 namespace penumbra {
 
 #define TARGET_FUNCTION(target, set) render_block_##target##_##set
-#define DECLARE_SET(set)                                                                             \
+#define DECLARE_SET(set)                                                                                  \
   NativeRenderBlock TARGET_FUNCTION(scalar, set), TARGET_FUNCTION(sse2, set), TARGET_FUNCTION(avx2, set), \
       TARGET_FUNCTION(avx512, set);
 NATIVE_FEATURE_SETS(DECLARE_SET)
@@ -15,9 +15,12 @@ namespace {
 
 constexpr int kVectorLanes = 16;
 
-#define LIST_SCALAR(set) {KernelTarget::kScalar, #set, NATIVE_FEATURES_##set, 1, TARGET_FUNCTION(scalar, set)},
-#define LIST_SSE2(set) {KernelTarget::kSse2, #set, NATIVE_FEATURES_##set, kVectorLanes, TARGET_FUNCTION(sse2, set)},
-#define LIST_AVX2(set) {KernelTarget::kAvx2, #set, NATIVE_FEATURES_##set, kVectorLanes, TARGET_FUNCTION(avx2, set)},
+#define LIST_SCALAR(set) \
+  {KernelTarget::kScalar, #set, NATIVE_FEATURES_##set, 1, TARGET_FUNCTION(scalar, set)},
+#define LIST_SSE2(set) \
+  {KernelTarget::kSse2, #set, NATIVE_FEATURES_##set, kVectorLanes, TARGET_FUNCTION(sse2, set)},
+#define LIST_AVX2(set) \
+  {KernelTarget::kAvx2, #set, NATIVE_FEATURES_##set, kVectorLanes, TARGET_FUNCTION(avx2, set)},
 #define LIST_AVX512(set) \
   {KernelTarget::kAvx512, #set, NATIVE_FEATURES_##set, kVectorLanes, TARGET_FUNCTION(avx512, set)},
 
@@ -34,7 +37,8 @@ bool machine_has(KernelTarget target) {
     case KernelTarget::kSse2:
       return true;  // the x86-64 baseline
     case KernelTarget::kAvx2:
-      return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("fma");
+      return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi2") &&
+             __builtin_cpu_supports("fma");
     case KernelTarget::kAvx512:
       return machine_has(KernelTarget::kAvx2) && __builtin_cpu_supports("avx512f") &&
              __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") &&
@@ -45,7 +49,8 @@ bool machine_has(KernelTarget target) {
 
 const NativeKernel* find_native_kernel(KernelTarget target, std::uint32_t features) {
   for (const NativeKernel& kernel : kKernels) {
-    // The hierarchy replaces testing every primitive, so that bit must agree; the others may be compiled in vain.
+    // The hierarchy replaces testing every primitive, so that bit must agree; the others may be compiled in
+    // vain.
     const bool same_search = ((kernel.features ^ features) & FEATURE_BVH) == 0;
     if (kernel.target == target && same_search && (features & ~kernel.features) == 0) return &kernel;
   }

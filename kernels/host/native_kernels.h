@@ -6,7 +6,7 @@
 #include <string_view>
 
 #ifndef EXTERNAL_TRACER
-#define EXTERNAL_TRACER
+  #define EXTERNAL_TRACER
 #endif
 #include "kernels/scene.h"
 #include "kernels/unit.h"
@@ -14,8 +14,9 @@
 namespace penumbra {
 
 /// See render_block of block.h.
-using NativeRenderBlock = void(const SceneHeader& header, const uint* words, const Tracer& tracer, const Unit& unit,
-                               int first_pixel, int pixels, const Block& block, float* out, uint* bad);
+using NativeRenderBlock = void(const SceneHeader& header, const uint* words, const Tracer& tracer,
+                               const Unit& unit, int first_pixel, int pixels, const Block& block, float* out,
+                               uint* bad);
 
 /// kScalar: one lane, no vector instructions beyond the baseline's; the block of one that debugging uses.
 enum class KernelTarget { kScalar, kSse2, kAvx2, kAvx512 };
@@ -34,7 +35,8 @@ std::span<const NativeKernel> native_kernels();
 /// Whether this machine can run code built for the target.
 bool machine_has(KernelTarget target);
 
-/// The smallest variant of the target that covers the scene's features; never null for a target of this binary.
+/// The smallest variant of the target that covers the scene's features; never null for a target of this
+/// binary.
 const NativeKernel* find_native_kernel(KernelTarget target, std::uint32_t features);
 
 }  // namespace penumbra

@@ -8,26 +8,35 @@
 
 namespace penumbra {
 
-/// One float per pixel each. The first six are always there; the rest only when the job asks for feature layers.
+/// One float per pixel each. The first six are always there; the rest only when the job asks for feature
+/// layers.
 enum SampleBufferPlane : int {
-  kMeanR, kMeanG, kMeanB,        ///< mean radiance over the unit's samples, linear Rec. 709
-  kM2R, kM2G, kM2B,              ///< sum of squared deviations from that mean
-  kAlbedoR, kAlbedoG, kAlbedoB,  ///< mean reflectance at the first hit, 0 where nothing is hit
-  kNormalX, kNormalY, kNormalZ,  ///< mean world-space shading normal at the first hit, 0 where nothing is hit
-  kDepth,                        ///< mean distance from the camera to the first hit, 0 where nothing is hit
+  kMeanR,
+  kMeanG,
+  kMeanB,  ///< mean radiance over the unit's samples, linear Rec. 709
+  kM2R,
+  kM2G,
+  kM2B,  ///< sum of squared deviations from that mean
+  kAlbedoR,
+  kAlbedoG,
+  kAlbedoB,  ///< mean reflectance at the first hit, 0 where nothing is hit
+  kNormalX,
+  kNormalY,
+  kNormalZ,  ///< mean world-space shading normal at the first hit, 0 where nothing is hit
+  kDepth,    ///< mean distance from the camera to the first hit, 0 where nothing is hit
   kSampleBufferPlanes,
-  kRadiancePlanes = kAlbedoR,    ///< number of planes without feature layers
+  kRadiancePlanes = kAlbedoR,  ///< number of planes without feature layers
 };
 
-/// Statistics of `sample_count` samples for each pixel of a rectangle. Plane p of pixel (x, y), counted from the
-/// rectangle's corner, is `values[(p * height + y) * width + x]`. A pure function of scene, seed, pixel and the
-/// range of sample indices: the same bytes from any worker.
+/// Statistics of `sample_count` samples for each pixel of a rectangle. Plane p of pixel (x, y), counted from
+/// the rectangle's corner, is `values[(p * height + y) * width + x]`. A pure function of scene, seed, pixel
+/// and the range of sample indices: the same bytes from any worker.
 struct SampleBuffer {
   int width = 0;
   int height = 0;
   int planes = kRadiancePlanes;
   std::uint32_t sample_count = 0;
-  std::uint64_t nan_samples = 0;       ///< samples with a NaN channel; they count as 0 radiance and are reported
+  std::uint64_t nan_samples = 0;  ///< samples with a NaN channel; they count as 0 radiance and are reported
   std::uint64_t infinite_samples = 0;  ///< samples with an infinite channel (and no NaN); likewise
   std::vector<float> values;
 

@@ -2,19 +2,14 @@
 
 #include <embree3/rtcore.h>
 
-#include <cmath>
 #include <deque>
-#include <limits>
 #include <memory>
 
 #include "kernels/bvh_limits.h"
+#include "kernels/host/bounds.h"
 
 namespace penumbra {
 namespace {
-
-struct Box {
-  float low[3], high[3];
-};
 
 /// What Embree's builder hands back, before it is flattened.
 struct BuildNode {
@@ -35,13 +30,16 @@ void* create_node(RTCThreadLocalAllocator, unsigned count, void* pool) {
 }
 
 void set_children(void* node, void** children, unsigned count, void*) {
-  for (unsigned i = 0; i < count; ++i) static_cast<BuildNode*>(node)->children[i] = static_cast<BuildNode*>(children[i]);
+  for (unsigned i = 0; i < count; ++i)
+    static_cast<BuildNode*>(node)->children[i] = static_cast<BuildNode*>(children[i]);
 }
 
 void set_bounds(void* node, const RTCBounds** bounds, unsigned count, void*) {
   for (unsigned i = 0; i < count; ++i) {
     const RTCBounds& b = *bounds[i];
-    static_cast<BuildNode*>(node)->bounds[i] = {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};
+    Box& box = static_cast<BuildNode*>(node)->bounds[i];
+    box.include(make_vec3(b.lower_x, b.lower_y, b.lower_z));
+    box.include(make_vec3(b.upper_x, b.upper_y, b.upper_z));
   }
 }
 
@@ -49,40 +47,6 @@ void* create_leaf(RTCThreadLocalAllocator, const RTCBuildPrimitive* primitives, 
   BuildNode* node = new_node(pool);
   for (size_t i = 0; i < count; ++i) node->primitives.push_back(int(primitives[i].primID));
   return node;
-}
-
-void include(Box& box, const vec3& p) {
-  const float c[3] = {p.x, p.y, p.z};
-  for (int k = 0; k < 3; ++k) {
-    box.low[k] = std::min(box.low[k], c[k]);
-    box.high[k] = std::max(box.high[k], c[k]);
-  }
-}
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr Box kEmptyBox{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-
-Box bounds_of(const Triangle& t) {
-  Box box = kEmptyBox;
-  include(box, t.p0);
-  include(box, t.p1);
-  include(box, t.p2);
-  return box;
-}
-
-/// A little more than the sphere or the disk, for the rounding of centre and radius.
-Box bounds_of(const Quadric& q) {
-  const float center[3] = {q.center.x, q.center.y, q.center.z};
-  const float normal[3] = {q.normal.x, q.normal.y, q.normal.z};
-  Box box;
-  for (int k = 0; k < 3; ++k) {
-    const float reach =
-        q.kind == QUADRIC_DISK ? q.radius * std::sqrt(std::max(0.0f, 1 - normal[k] * normal[k])) : q.radius;
-    const float margin = (std::abs(center[k]) + q.radius) * 1e-5f;
-    box.low[k] = center[k] - reach - margin;
-    box.high[k] = center[k] + reach + margin;
-  }
-  return box;
 }
 
 struct DeviceRelease {
@@ -120,7 +84,8 @@ Expected<BuildNode*> build_tree(RTCDevice device, const std::vector<Box>& boxes,
   arguments.createLeaf = create_leaf;
   arguments.userPtr = &pool;
   auto* root = static_cast<BuildNode*>(rtcBuildBVH(&arguments));
-  if (!root) return fail("Embree could not build a hierarchy over " + std::to_string(boxes.size()) + " primitives");
+  if (!root)
+    return fail("Embree could not build a hierarchy over " + std::to_string(boxes.size()) + " primitives");
   return root;
 }
 
@@ -128,9 +93,10 @@ class Flattener {
  public:
   Flattener(std::span<const Triangle> triangles, Hierarchy& out) : triangles_(triangles), out_(out) {}
 
-  /// Leaves get final numbers only when all triangle leaves are known, so quadric leaves are numbered from the other end
-  /// of the negative range first.
-  void flatten(const BuildNode* triangle_root, Box triangle_box, const BuildNode* quadric_root, Box quadric_box) {
+  /// Leaves get final numbers only when all triangle leaves are known, so quadric leaves are numbered from
+  /// the other end of the negative range first.
+  void flatten(const BuildNode* triangle_root, Box triangle_box, const BuildNode* quadric_root,
+               Box quadric_box) {
     out_.nodes.push_back(empty_node());
     int slot = 0;
     if (triangle_root) set_child(0, slot++, triangle_box, emit(triangle_root, false));
@@ -144,31 +110,32 @@ class Flattener {
   }
 
  private:
-  static BvhNode empty_node() {
-    BvhNode node{};
-    for (int k = 0; k < BVH_WIDTH; ++k) {
-      node.low_x[k] = node.low_y[k] = node.low_z[k] = kInfinity;
-      node.high_x[k] = node.high_y[k] = node.high_z[k] = -kInfinity;
-    }
-    return node;
-  }
-
-  void set_child(std::size_t at, int slot, const Box& box, int child) {
-    BvhNode& node = out_.nodes[at];
+  static void set_bounds_of_slot(BvhNode& node, int slot, const Box& box) {
     node.low_x[slot] = box.low[0];
     node.low_y[slot] = box.low[1];
     node.low_z[slot] = box.low[2];
     node.high_x[slot] = box.high[0];
     node.high_y[slot] = box.high[1];
     node.high_z[slot] = box.high[2];
-    node.child[slot] = child;
+  }
+
+  static BvhNode empty_node() {
+    BvhNode node{};
+    for (int k = 0; k < BVH_WIDTH; ++k) set_bounds_of_slot(node, k, Box());
+    return node;
+  }
+
+  void set_child(std::size_t at, int slot, const Box& box, int child) {
+    set_bounds_of_slot(out_.nodes[at], slot, box);
+    out_.nodes[at].child[slot] = child;
   }
 
   int emit(const BuildNode* node, bool quadrics) {
     if (node->child_count == 0) return quadrics ? emit_quadrics(*node) : emit_triangles(*node);
     const std::size_t at = out_.nodes.size();
     out_.nodes.push_back(empty_node());
-    for (int k = 0; k < node->child_count; ++k) set_child(at, k, node->bounds[k], emit(node->children[k], quadrics));
+    for (int k = 0; k < node->child_count; ++k)
+      set_child(at, k, node->bounds[k], emit(node->children[k], quadrics));
     return int(at);
   }
 
@@ -209,10 +176,7 @@ std::vector<Box> all_bounds(std::span<const Primitive> primitives, Box& total) {
   boxes.reserve(primitives.size());
   for (const Primitive& p : primitives) {
     boxes.push_back(bounds_of(p));
-    for (int k = 0; k < 3; ++k) {
-      total.low[k] = std::min(total.low[k], boxes.back().low[k]);
-      total.high[k] = std::max(total.high[k], boxes.back().high[k]);
-    }
+    total.include(boxes.back());
   }
   return boxes;
 }
@@ -222,7 +186,7 @@ std::vector<Box> all_bounds(std::span<const Primitive> primitives, Box& total) {
 Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::span<const Quadric> quadrics) {
   DeviceHandle device(rtcNewDevice("threads=1,isa=sse2"));
   if (!device) return fail("Embree does not start on this machine");
-  Box triangle_box = kEmptyBox, quadric_box = kEmptyBox;
+  Box triangle_box, quadric_box;
   const std::vector<Box> triangle_boxes = all_bounds(triangles, triangle_box);
   const std::vector<Box> quadric_boxes = all_bounds(quadrics, quadric_box);
   NodePool pool;

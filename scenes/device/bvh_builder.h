@@ -15,8 +15,8 @@ struct Hierarchy {
   std::vector<QuadricLeaf> quadric_leaves;
 };
 
-/// Over all triangles and quadrics; at least one of either. Built by Embree's builder on one thread of a fixed
-/// instruction set, so that the same scene always gets the same hierarchy.
+/// Over all triangles and quadrics; at least one of either. Built by Embree's builder on one thread of a
+/// fixed instruction set, so that the same scene always gets the same hierarchy.
 Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::span<const Quadric> quadrics);
 
 }  // namespace penumbra

@@ -40,7 +40,8 @@ Bounds bounds_of(const SceneDescription& scene) {
   for (const Shape& shape : scene.shapes) {
     if (const auto* mesh = std::get_if<Mesh>(&shape.geometry))
       for (const glm::dvec3& p : mesh->positions) bounds.include(p);
-    if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) bounds.include(sphere->center, sphere->radius);
+    if (const auto* sphere = std::get_if<Sphere>(&shape.geometry))
+      bounds.include(sphere->center, sphere->radius);
     if (const auto* disk = std::get_if<Disk>(&shape.geometry)) bounds.include(disk->center, disk->radius);
   }
   if (bounds.low.x > bounds.high.x) bounds.include(glm::dvec3(scene.camera.to_world[3]));
@@ -49,7 +50,8 @@ Bounds bounds_of(const SceneDescription& scene) {
 
 class Builder {
  public:
-  Builder(const SceneDescription& scene, const DeviceSceneOptions& options) : scene_(scene), options_(options) {
+  Builder(const SceneDescription& scene, const DeviceSceneOptions& options)
+      : scene_(scene), options_(options) {
     const Bounds bounds = bounds_of(scene);
     center_ = 0.5 * (bounds.low + bounds.high);
     radius_ = 0.5 * glm::length(bounds.high - bounds.low);
@@ -67,7 +69,8 @@ class Builder {
     if (scene_.sampler.kind != SamplerKind::kSobol) need(FEATURE_SAMPLERS);
     if (Expected<void> done = choose_intersector(); !done) return std::unexpected(done.error());
     store_tables();
-    if (out_.words.size() > std::size_t(INT_MAX)) return fail(scene_.source + ": the scene exceeds 8 GiB of tables");
+    if (out_.words.size() > std::size_t(INT_MAX))
+      return fail(scene_.source + ": the scene exceeds 8 GiB of tables");
     return std::move(out_);
   }
 
@@ -76,7 +79,8 @@ class Builder {
 
   vec3 local(const glm::dvec3& p, const Shape& shape) {
     const vec3 v = to_vec3(p - center_);
-    if (!finite(v) && problem_.empty()) problem_ = "shape '" + shape.name + "' has a position that is too large for single precision";
+    if (!finite(v) && problem_.empty())
+      problem_ = "shape '" + shape.name + "' has a position that is too large for single precision";
     return v;
   }
 
@@ -84,7 +88,8 @@ class Builder {
     materials_.push_back({});  // 0: absorbs everything
     for (const Bsdf& bsdf : scene_.bsdfs) {
       Material m{};
-      if (const auto* diffuse = std::get_if<DiffuseBsdf>(&bsdf.model)) m.diffuse = to_vec3(diffuse->reflectance);
+      if (const auto* diffuse = std::get_if<DiffuseBsdf>(&bsdf.model))
+        m.diffuse = to_vec3(diffuse->reflectance);
       if (const auto* phong = std::get_if<PhongBsdf>(&bsdf.model)) {
         m.diffuse = to_vec3(phong->diffuse);
         m.specular = to_vec3(phong->specular);
@@ -118,7 +123,8 @@ class Builder {
       t.light = -1;
       t.normals = -1;
       const vec3 cross = cross3(sub(t.p1, t.p0), sub(t.p2, t.p0));
-      const double area = 0.5 * std::sqrt(double(cross.x) * cross.x + double(cross.y) * cross.y + double(cross.z) * cross.z);
+      const double area =
+          0.5 * std::sqrt(double(cross.x) * cross.x + double(cross.y) * cross.y + double(cross.z) * cross.z);
       if (!(area > 0)) {
         ++degenerate_;
         continue;
@@ -242,7 +248,8 @@ class Builder {
   }
 
   void set_integrator() {
-    static_assert(int(SamplerKind::kSobol) == SAMPLER_SOBOL && int(IntegratorKind::kPath) == INTEGRATOR_PATH &&
+    static_assert(int(SamplerKind::kSobol) == SAMPLER_SOBOL &&
+                  int(IntegratorKind::kPath) == INTEGRATOR_PATH &&
                   int(DirectSampling::kMis) == SAMPLING_MIS && int(MisHeuristic::kPower) == HEURISTIC_POWER &&
                   int(BsdfSampling::kUniform) == DIRECTION_UNIFORM);
     const IntegratorSettings& integrator = scene_.integrator;
@@ -254,12 +261,14 @@ class Builder {
     h_.emitter_samples = integrator.emitter_samples;
     h_.bsdf_samples = integrator.bsdf_samples;
     h_.bsdf_sampling = int(integrator.bsdf_sampling);
-    h_.emitter_sampling = integrator.emitter_sampling == EmitterSampling::kArea ? EMITTER_AREA : EMITTER_SOLID_ANGLE;
+    h_.emitter_sampling =
+        integrator.emitter_sampling == EmitterSampling::kArea ? EMITTER_AREA : EMITTER_SOLID_ANGLE;
     h_.heuristic = int(integrator.heuristic);
     h_.hide_emitters = integrator.hide_emitters ? 1 : 0;
     const bool any_triangle =
         std::any_of(lights_.begin(), lights_.end(), [](const Light& l) { return l.kind == LIGHT_TRIANGLE; });
-    if (integrator.emitter_sampling == EmitterSampling::kSolidAngle && any_triangle) need(FEATURE_SOLID_ANGLE);
+    if (integrator.emitter_sampling == EmitterSampling::kSolidAngle && any_triangle)
+      need(FEATURE_SOLID_ANGLE);
   }
 
   Expected<void> choose_intersector() {
@@ -295,8 +304,8 @@ class Builder {
     return vertices_.size() <= MAX_WHOLE_VERTICES;
   }
 
-  /// Appends a table at a multiple of 16 words, so that its vectors are aligned; with `dummy` an empty one gets a record
-  /// that kernels may read unasked.
+  /// Appends a table at a multiple of 16 words, so that its vectors are aligned; with `dummy` an empty one
+  /// gets a record that kernels may read unasked.
   template <typename T>
   std::uint32_t store(std::vector<T> records, int& count, bool dummy = false) {
     count = int(records.size());

@@ -17,9 +17,9 @@ struct DeviceSceneOptions {
   bool feature_layers = true;  ///< albedo, normal and depth beside the radiance
 };
 
-/// Everything in float about the scene's centre, which is subtracted in double; only the tables and the feature bits
-/// that the scene needs. A pure function of its arguments: the same bytes every time. Errors: too many primitives for
-/// 32-bit offsets, a transform or a vertex that is not finite in float.
+/// Everything in float about the scene's centre, which is subtracted in double; only the tables and the
+/// feature bits that the scene needs. A pure function of its arguments: the same bytes every time. Errors:
+/// too many primitives for 32-bit offsets, a transform or a vertex that is not finite in float.
 Expected<DeviceScene> build_device_scene(const SceneDescription& scene, const DeviceSceneOptions& options);
 
 /// What a scene needs and what was left out for it, as (what, how much) for people.

@@ -23,14 +23,16 @@ std::string bytes_text(std::size_t bytes) {
 SceneSummary summarize(const DeviceScene& scene) {
   const SceneHeader& h = scene.header;
   SceneSummary summary;
-  const auto needs = [&](const char* what, std::string amount) { summary.needs.emplace_back(what, std::move(amount)); };
+  const auto needs = [&](const char* what, std::string amount) {
+    summary.needs.emplace_back(what, std::move(amount));
+  };
   needs("triangles", std::to_string(h.triangle_count));
   needs("spheres and disks", std::to_string(h.quadric_count));
   needs("materials", std::to_string(h.material_count - 1));
   needs("lights", std::to_string(h.light_count));
-  needs("intersector", h.intersector == INTERSECTOR_EMBREE          ? "embree"
-                       : (h.features & FEATURE_BVH) != 0u ? "portable, bounding volume hierarchy"
-                                                          : "portable, every primitive tested");
+  needs("intersector", h.intersector == INTERSECTOR_EMBREE ? "embree"
+                       : (h.features & FEATURE_BVH) != 0u  ? "portable, bounding volume hierarchy"
+                                                           : "portable, every primitive tested");
   needs("device scene", bytes_text(scene.words.size() * 4 + sizeof h));
   for (const Feature& feature : kFeatures) {
     if ((h.features & feature.bit) != 0u)

@@ -49,12 +49,14 @@ RecordedRays record_rays(const DeviceScene& embree_scene, const RenderUnit& unit
   options.isa = isa;
   auto tracer = EmbreeTracer::make(embree_scene, options);
   if (!tracer) throw std::runtime_error(tracer.error().message);
-  const NativeKernel* kernel = find_native_kernel(
-      isa == Isa::kAvx512 ? KernelTarget::kAvx512 : isa == Isa::kAvx2 ? KernelTarget::kAvx2 : KernelTarget::kSse2,
-      embree_scene.header.features);
+  const NativeKernel* kernel = find_native_kernel(isa == Isa::kAvx512 ? KernelTarget::kAvx512
+                                                  : isa == Isa::kAvx2 ? KernelTarget::kAvx2
+                                                                      : KernelTarget::kSse2,
+                                                  embree_scene.header.features);
   RecordedRays recorded;
   const Recorder recorder{(*tracer)->tracer(), &recorded};
-  std::vector<float> floats(std::size_t(STATE_FLOATS) * kPaths), slots(std::size_t(SLOT_FLOAT_COUNT) * kPaths);
+  std::vector<float> floats(std::size_t(STATE_FLOATS) * kPaths),
+      slots(std::size_t(SLOT_FLOAT_COUNT) * kPaths);
   std::vector<int> ints(std::size_t(STATE_INTS) * kPaths);
   const Block block{floats.data(), ints.data(), slots.data(), kPaths, kPaths};
   const Unit portable{unit.x, unit.y, unit.width, unit.height, unit.first_sample, int(unit.sample_count)};

@@ -54,8 +54,8 @@ void bare_embree(benchmark::State& state, const BenchmarkScene& scene, Isa isa) 
   auto stages = scene.rays.stages;
   for (auto _ : state)
     for (RecordedStage& stage : stages)
-      (stage.occlude ? tracer.occlude : tracer.intersect)(tracer.context, stage.floats.data(), stage.ints.data(),
-                                                          stage.count, stage.count);
+      (stage.occlude ? tracer.occlude : tracer.intersect)(tracer.context, stage.floats.data(),
+                                                          stage.ints.data(), stage.count, stage.count);
   report(state, scene, scene.rays.rays);
 }
 
@@ -97,9 +97,9 @@ int run(int argc, char** argv) {
   }
   DeviceOptions opencl;
   opencl.backend = Backend::kOpenCl;
-  benchmark::RegisterBenchmark("OpenCL, portable intersector",
-                               [=](benchmark::State& s) { render_unit(s, *scene, false, opencl); })
-      ->UseRealTime();
+  benchmark::RegisterBenchmark("OpenCL, portable intersector", [=](benchmark::State& s) {
+    render_unit(s, *scene, false, opencl);
+  })->UseRealTime();
   benchmark::RunSpecifiedBenchmarks();
   return 0;
 }

@@ -1,0 +1,57 @@
+// Axis-aligned boxes of primitives, for whoever builds a hierarchy.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kernels/scene_types.h"
+
+namespace penumbra {
+
+struct Box {
+  float low[3] = {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),
+                  std::numeric_limits<float>::infinity()};
+  float high[3] = {-std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
+                   -std::numeric_limits<float>::infinity()};
+
+  void include(const vec3& p) {
+    const float c[3] = {p.x, p.y, p.z};
+    for (int k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], c[k]);
+      high[k] = std::max(high[k], c[k]);
+    }
+  }
+  void include(const Box& other) {
+    for (int k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], other.low[k]);
+      high[k] = std::max(high[k], other.high[k]);
+    }
+  }
+};
+
+inline Box bounds_of(const Triangle& t) {
+  Box box;
+  box.include(t.p0);
+  box.include(t.p1);
+  box.include(t.p2);
+  return box;
+}
+
+/// A little more than the sphere or the disk, for the rounding of centre, normal and radius.
+inline Box bounds_of(const Quadric& q) {
+  constexpr float kMargin = 1e-5f;
+  const float center[3] = {q.center.x, q.center.y, q.center.z};
+  const float normal[3] = {q.normal.x, q.normal.y, q.normal.z};
+  Box box;
+  for (int k = 0; k < 3; ++k) {
+    const float reach =
+        q.kind == QUADRIC_DISK ? q.radius * std::sqrt(std::max(0.0f, 1 - normal[k] * normal[k])) : q.radius;
+    const float margin = (std::abs(center[k]) + q.radius) * kMargin;
+    box.low[k] = center[k] - reach - margin;
+    box.high[k] = center[k] + reach + margin;
+  }
+  return box;
+}
+
+}  // namespace penumbra
