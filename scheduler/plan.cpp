@@ -23,6 +23,12 @@ std::vector<PlanOrder> Plan::handle(const PlanEvent& event, Seconds now) {
   return std::exchange(orders_, {});
 }
 
+std::optional<UnitId> Plan::in_hand(WorkerId worker) const {
+  const auto found = workers_.find(worker);
+  if (found == workers_.end() || found->second.units.empty()) return {};
+  return found->second.units.front();
+}
+
 // --- What happened
 
 void Plan::on(const WorkerJoined& event) { workers_.try_emplace(event.worker); }

@@ -20,14 +20,15 @@ namespace penumbra {
 using Seconds = double;
 
 /// How long a unit may be in a worker's hands before the worker counts as hung: `factor` times the slowest
-/// unit so far, at least `minimum`; at least `initial` for a worker that has not finished a unit yet (it may
-/// be compiling kernels). Each time that a unit's lease has expired its next one is `growth` times longer, so
-/// a unit that is merely slow gets its time. A worker that stays silent for as long again is dismissed.
+/// unit so far, at least `minimum`; at least `initial` for a worker that has not finished a unit yet, because
+/// nothing is known about the scene then and giving up a worker that is merely slow is worse than waiting for
+/// one that hangs. Each time that a unit's lease has expired its next one is `growth` times longer, so a unit
+/// that is slow gets its time. A worker that stays silent for as long again is dismissed.
 struct LeaseRule {
-  Seconds initial = 60;
-  Seconds minimum = 10;
+  Seconds initial = 600;
+  Seconds minimum = 30;
   double factor = 20;
-  double growth = 2;
+  double growth = 3;
 };
 
 constexpr int kUnitsPerWorker = 2;     ///< one in hand, one on the way
@@ -135,6 +136,8 @@ class Plan {
   [[nodiscard]] std::uint64_t units_done() const { return units_total_ - units_left_ - set_aside_.size(); }
   [[nodiscard]] std::uint64_t units_duplicated() const { return units_duplicated_; }  ///< copies given out
   [[nodiscard]] std::uint64_t units_requeued() const { return units_requeued_; }
+  /// What the worker renders at the moment, as far as is known here.
+  [[nodiscard]] std::optional<UnitId> in_hand(WorkerId worker) const;
   [[nodiscard]] const std::set<UnitId>& set_aside() const { return set_aside_; }
   /// Passes of an image that will be rendered: all of them, unless NoFurtherPasses came.
   [[nodiscard]] std::uint32_t passes(std::uint32_t image) const { return images_[image].passes; }

@@ -28,6 +28,7 @@ std::string in_brackets(const std::string& detail) {
 }  // namespace
 
 std::string unit_text(const RenderUnit& unit) {
+  if (unit.sample_count == 0) return "a unit that the job does not have";
   return fmt::format("the tile of {} x {} pixels at ({}, {}), samples {} to {}", unit.width, unit.height,
                      unit.x, unit.y, unit.first_sample, unit.first_sample + unit.sample_count - 1);
 }

@@ -11,7 +11,8 @@ namespace penumbra {
 
 using WorkerName = std::function<std::string(WorkerId)>;  ///< e.g. "render1:4711"
 
-/// "the tile of 64 x 64 pixels at (128, 0), samples 16 to 31"
+/// "the tile of 64 x 64 pixels at (128, 0), samples 16 to 31"; an empty unit stands for one that the job does
+/// not have.
 std::string unit_text(const RenderUnit& unit);
 
 /// Why the plan sent a worker away. `detail` is what the worker or its result said, or empty.

@@ -97,6 +97,7 @@ class RenderRun {
     WorkerShare share;
     int pid = 0;
     bool ready = false, dismissed = false, gone = false, ended = false;
+    std::optional<UnitId> last_unit;  // in its hand when it was lost
     Seconds gone_since = 0;
   };
 
@@ -126,7 +127,11 @@ class RenderRun {
   RenderOutcome outcome() &&;
 
   [[nodiscard]] bool can_go_on() const { return !local_->running().empty() && !plan_.gave_up(); }
-  [[nodiscard]] RenderUnit unit(const UnitId& id) const { return grid_.unit(id.tile, id.pass); }
+  /// Empty for a unit that the job does not have: a confused worker may speak of any.
+  [[nodiscard]] RenderUnit unit(const UnitId& id) const {
+    const bool exists = id.image == 0 && id.tile < grid_.tiles() && id.pass < grid_.passes();
+    return exists ? grid_.unit(id.tile, id.pass) : RenderUnit{};
+  }
   [[nodiscard]] std::string detail(const UnitId& id) const {
     const auto found = details_.find(id);
     return found == details_.end() ? "" : found->second;
@@ -249,6 +254,7 @@ void RenderRun::on(const arrivals::Gone& arrival) {
   Worker& worker = workers_.at(arrival.worker);
   worker.gone = true;
   worker.gone_since = since(started_);
+  worker.last_unit = plan_.in_hand(arrival.worker);
   tell_plan(WorkerLost{arrival.worker});
 }
 
@@ -343,7 +349,8 @@ void RenderRun::worker_ended(const WorkerExit& exit) {
   worker.ended = true;
   if (worker.dismissed) return;  // said already
   worker.share.ended = exit.how;
-  problem(fmt::format("worker {} was lost: {}", worker.share.name, exit.how));
+  const std::string where = worker.last_unit ? " at " + unit_text(unit(*worker.last_unit)) : "";
+  problem(fmt::format("worker {} was lost{}: {}", worker.share.name, where, exit.how));
 }
 
 void RenderRun::advance_clock() {

@@ -100,6 +100,8 @@ TEST_F(PlanTest, AWorkerGetsOneUnitInHandAndOneOnTheWay) {
   start(4, 1);
   join(1);
   EXPECT_THAT(assigned(), ElementsAre(Pair(1, unit(0, 0)), Pair(1, unit(0, 1))));
+  EXPECT_EQ(plan_->in_hand(1), unit(0, 0));
+  EXPECT_EQ(plan_->in_hand(2), std::nullopt);
   done(1, unit(0, 0));
   EXPECT_THAT(merged(), ElementsAre(unit(0, 0)));
   EXPECT_THAT(assigned(), ElementsAre(Pair(1, unit(0, 2))));

@@ -151,7 +151,8 @@ TEST_F(RenderJobTest, AKilledAndAStoppedWorkerChangeNothing) {
   ASSERT_THAT(victims, SizeIs(3)) << "the render was over before anybody could be killed";
   expect_the_right_film(outcome);
   EXPECT_THAT(outcome->problems,
-              Contains(AllOf(HasSubstr(std::to_string(victims[0])), HasSubstr("signal 9"))));
+              Contains(AllOf(HasSubstr(std::to_string(victims[0]) + " was lost at the tile of"),
+                             HasSubstr("signal 9"))));
   EXPECT_EQ(process_state(victims[1]), 0) << "the stopped worker is still there";
   EXPECT_GE(outcome->units_requeued, 1u);
   EXPECT_GE(outcome->units_duplicated, 1u);
