@@ -169,9 +169,10 @@ STAGE void step_paths(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOB
     float u[DRAWS * LANES];
     draw_step(h, pair, ints, capacity, i, u);
     for (int j = 0; j < LANES; j++) u[DRAW_ROULETTE * LANES + j] = 0.0f;
-    if (roulette)
+    if (roulette) {
       draw_pair(h->sampler, h->spp, pair + 3u, ints, capacity, i, u + DRAW_ROULETTE * LANES,
                 u + DRAW_SPARE * LANES);
+    }
     LANE_LOOP
       for (int j = 0; j < LANES; j++) path_step(scene, f, ints, capacity, step, i + j, u, j);
   }
