@@ -162,7 +162,7 @@ void add_render_command(CLI::App& app, const std::vector<std::string>& command_l
       "By default one worker uses all cores; several cost a copy of the scene each and survive each other's "
       "crashes.\n\n"
       "Examples:\n"
-      "  penumbra render scenes/cornell/scene.xml\n"
+      "  penumbra render scenes/cornell/cornell.xml\n"
       "  penumbra render scene.xml -o out/a.exr --spp 256 --workers 4\n"
       "  penumbra render scene.xml -o preview.png --spp 4 --crop 0,0,256,256\n"
       "  penumbra render scene.xml -D albedo=0.5 --set integrator.max_depth=3 --integrator path_ems\n"
