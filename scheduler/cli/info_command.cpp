@@ -81,7 +81,8 @@ void print_json(const SceneOptions& options, const LoadedScene& scene) {
       {"needs", grouped_json(scene.summary.needs)},
       {"left_out", grouped_json(scene.summary.left_out)},
       {"warnings", scene.description.warnings}};
-  fmt::print("{}\n", json.dump(2));
+  // Names and paths are bytes, not always UTF-8.
+  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 ExitCode info(const InfoOptions& options) {

@@ -12,7 +12,7 @@
 namespace penumbra {
 namespace {
 
-constexpr int kWidestBar = 40;
+constexpr int kWidestBar = 20;  // leaves room for the text, which changes its length, in 80 columns
 constexpr int kNarrowestBar = 5;
 
 double done_share(const RenderProgress& progress) {

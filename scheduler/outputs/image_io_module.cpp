@@ -30,7 +30,9 @@ void copy_metadata(const OIIO::ImageSpec& spec, Image& image) {
 Expected<Image> read_file(const std::filesystem::path& path) {
   std::error_code status;
   if (!std::filesystem::exists(path, status)) return fail(fmt::format("{}: no such file", path.string()));
-  if (std::filesystem::is_directory(path, status)) return fail(fmt::format("{}: is a folder", path.string()));
+  if (!std::filesystem::is_regular_file(path, status)) {
+    return fail(fmt::format("{}: is not a plain file", path.string()));
+  }
 
   const auto unreadable = [&](std::string why) {
     while (!why.empty() && (why.back() == '\n' || why.back() == ' ')) why.pop_back();

@@ -67,7 +67,7 @@ TEST(ProgressText, IsNotDoneBeforeAllIsDone) {
 
 TEST(ProgressBar, FitsTheTerminal) {
   const RenderProgress half = at(1, 500, 1000);
-  EXPECT_THAT(progress_bar(half, 200), HasSubstr("[####################....................]  50%"));
+  EXPECT_THAT(progress_bar(half, 200), HasSubstr("[##########..........]  50%"));
   for (int columns = 0; columns < 120; ++columns) {
     EXPECT_LE(progress_bar(half, columns).size(), std::size_t(columns)) << columns;
   }

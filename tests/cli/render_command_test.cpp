@@ -163,5 +163,28 @@ TEST_F(RenderCommand, EmbreeRecordsItsInstructionSet) {
   EXPECT_EQ(exr.attribute("penumbra:isa"), MetadataValue("sse2"));
 }
 
+TEST_F(RenderCommand, CornellBoxHasItsColoursInPlace) {
+  const std::string scene = source_path("scenes/cornell-small/cornell-small.xml");
+  const ProgramResult result =
+      run_penumbra(folder_.path(), {"render", scene, "--workers", "2", "--threads", "1", "--spp", "4"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Image png = image("cornell-small.png");
+  const auto mean = [&](int x0, int x1, std::size_t channel) {
+    double sum = 0;
+    for (int y = png.data.height / 4; y < png.data.height * 3 / 4; ++y) {
+      for (int x = x0; x < x1; ++x) sum += png.at(x, y, channel);
+    }
+    return sum;
+  };
+  const int width = png.data.width, eighth = width / 8;
+  EXPECT_GT(mean(0, eighth, 0), 2 * mean(0, eighth, 1)) << "the left wall is red";
+  EXPECT_GT(mean(width - eighth, width, 1), 1.2 * mean(width - eighth, width, 0))
+      << "the right wall is green";
+  std::uint64_t samples = 0;
+  for (const auto& worker : report("cornell-small.json")["workers"])
+    samples += worker["samples"].get<std::uint64_t>();
+  EXPECT_EQ(samples, std::uint64_t(png.pixels()) * 4);
+}
+
 }  // namespace
 }  // namespace penumbra

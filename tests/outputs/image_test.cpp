@@ -21,7 +21,7 @@ std::string read_error(const std::filesystem::path& path) {
 TEST(ReadImage, NamesWhatIsMissing) {
   const TemporaryFolder folder;
   EXPECT_THAT(read_error(folder / "none.exr"), AllOf(HasSubstr("none.exr"), HasSubstr("no such file")));
-  EXPECT_THAT(read_error(folder.path()), HasSubstr("is a folder"));
+  EXPECT_THAT(read_error(folder.path()), HasSubstr("is not a plain file"));
   write_text(folder / "text.exr", "this is no image");
   EXPECT_THAT(read_error(folder / "text.exr"), HasSubstr("cannot be read as an image"));
   write_text(folder / "empty.png", "");
