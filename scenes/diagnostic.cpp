@@ -85,7 +85,10 @@ std::string format_diagnostic(SourceLocation location, std::string_view severity
   if (line.size() > kMaxShownColumns) {
     std::size_t cut = caret < kMaxShownColumns / 2 ? 0 : caret - kMaxShownColumns / 2;
     while (cut < caret && !starts_code_point(line[cut])) ++cut;
-    line = line.substr(cut, kMaxShownColumns);
+    line = line.substr(cut);
+    std::size_t end = std::min(line.size(), kMaxShownColumns);
+    while (end < line.size() && !starts_code_point(line[end])) ++end;
+    line = line.substr(0, end);
     caret -= cut;
   }
   std::string indent;

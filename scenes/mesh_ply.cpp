@@ -14,6 +14,8 @@
 namespace penumbra {
 namespace {
 
+constexpr std::size_t kMaxElements = 256;
+
 enum class Format { kAscii, kLittleEndian, kBigEndian };
 enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
 
@@ -150,6 +152,11 @@ class PlyReader {
     if (words.size() != 3) return wrong_at(line_start_, "an element has a name and a count");
     const auto count = parse_integer(words[2], 0, std::numeric_limits<std::uint32_t>::max());
     if (!count) return wrong_at(line_start_, count.error().message);
+    if (element_named(words[1]) != nullptr) {
+      return wrong_at(line_start_, fmt::format("the element '{}' is there twice", words[1]));
+    }
+    if (elements_.size() >= kMaxElements)
+      return wrong_at(line_start_, fmt::format("more than {} elements", kMaxElements));
     elements_.push_back({std::string(words[1]), std::uint64_t(*count), {}, {&file_, line_start_}});
     return {};
   }
@@ -273,6 +280,7 @@ class PlyReader {
   }
 
   Expected<void> body(const Element& element) {
+    if (element.properties.empty()) return {};  // whatever its count
     for (std::uint64_t number = 0; number < element.count; ++number) {
       std::array<double, kFields> fields{};
       std::array<bool, kFields> has{};

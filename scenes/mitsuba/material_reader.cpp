@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 
 namespace penumbra::mitsuba {
@@ -26,6 +27,12 @@ PhongBsdf read_phong(PluginReader& plugin) {
     plugin.wrong("exponent", fmt::format("a Phong exponent must be 0 or more, not {}", exponent));
   } else {
     phong.exponent = float(exponent);
+  }
+  const glm::vec3 sum = phong.diffuse + phong.specular;
+  if (std::max(sum.x, std::max(sum.y, sum.z)) > 1.0f) {
+    plugin.warn(
+        "diffuse and specular reflectance are more than 1 together: it gives off more light than it "
+        "receives");
   }
   return phong;
 }

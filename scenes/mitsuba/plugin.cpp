@@ -231,16 +231,6 @@ const Object* PluginReader::only_nested(std::string_view tag) {
   return found.empty() ? nullptr : found.front();
 }
 
-std::vector<const Object*> PluginReader::other_nested() {
-  std::vector<const Object*> found;
-  for (Nested& each : nested_) {
-    if (each.taken) continue;
-    each.taken = true;
-    found.push_back(each.object);
-  }
-  return found;
-}
-
 void PluginReader::finish() {
   if (finished_) return;
   finished_ = true;
@@ -272,6 +262,10 @@ void PluginReader::wrong(std::string_view parameter, std::string_view message) c
 
 void PluginReader::wrong(std::string_view message) const {
   context_.diagnostics.error(object_.location, message);
+}
+
+void PluginReader::warn(std::string_view message) const {
+  context_.diagnostics.warn(object_.location, fmt::format("{}: {}", title(), message));
 }
 
 }  // namespace penumbra::mitsuba

@@ -65,9 +65,6 @@ class PluginReader {
   /// The only nested object of that kind, if there is one; more are an error.
   const Object* only_nested(std::string_view tag);
 
-  /// Every nested object that has not been asked for.
-  std::vector<const Object*> other_nested();
-
   /// Reports parameters and nested objects that nobody has asked for.
   void finish();
   /// The same for a plugin that is not known: what it has goes unread.
@@ -76,6 +73,7 @@ class PluginReader {
   /// At the parameter's value, or at the plugin if the parameter is not given.
   void wrong(std::string_view parameter, std::string_view message) const;
   void wrong(std::string_view message) const;
+  void warn(std::string_view message) const;
 
   [[nodiscard]] const Object& object() const { return object_; }
   /// "bsdf 'diffuse'".

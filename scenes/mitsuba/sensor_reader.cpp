@@ -110,7 +110,7 @@ void read_sampler(const Context& context, const Object& object, SceneDescription
   const auto sampler = kSamplers.find(object.type);
   if (sampler != kSamplers.end()) {
     choose(plugin, scene, "sampler.type", sampler->second);
-    plugin.accept({"jitter", "scramble", "dimension", "strength", "wavefront_size"});
+    plugin.accept({"jitter", "scramble", "dimension"});
   } else {
     Names known;
     for (const auto& [name, kind] : kSamplers) known.push_back(name);
@@ -175,7 +175,7 @@ void read_integrator(const Context& context, const Object& object, SceneDescript
   }
   choose(plugin, scene, "integrator.type", inner->type);
   plugin.settings(scene, "integrator", known->second);
-  // How Mitsuba divides its work, and a rule about shading normals that Penumbra always follows.
+  // How Mitsuba divides its work, and a rule about shading normals that its version 3 has dropped.
   plugin.accept({"strict_normals", "samples_per_pass", "block_size", "timeout"});
   plugin.finish();
 }

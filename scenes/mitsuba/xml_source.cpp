@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 
 namespace penumbra::mitsuba {
 namespace {
@@ -40,6 +41,32 @@ AttributePlace find_attribute(std::string_view text, std::size_t offset, std::st
     if (end == text.npos) return fallback;
     at = end + 1;
   }
+}
+
+/// The first byte that is not of well-formed UTF-8 (RFC 3629), or is NUL. What ids and names hold goes into
+/// reports, which must be UTF-8.
+std::optional<std::size_t> find_bad_utf8(std::string_view text) {
+  for (std::size_t i = 0; i < text.size();) {
+    const auto byte = [&](std::size_t k) {
+      return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u;
+    };
+    const unsigned first = byte(i);
+    const std::size_t length = first < 0x80   ? 1
+                               : first < 0xC2 ? 0
+                               : first < 0xE0 ? 2
+                               : first < 0xF0 ? 3
+                               : first < 0xF5 ? 4
+                                              : 0;
+    bool good = length > 0 && first != 0;
+    for (std::size_t k = 1; k < length; ++k) good = good && (byte(i + k) & 0xC0u) == 0x80u;
+    // Overlong forms, surrogates, and beyond the last code point.
+    const unsigned second = byte(i + 1);
+    good = good && !(first == 0xE0 && second < 0xA0) && !(first == 0xED && second > 0x9F) &&
+           !(first == 0xF0 && second < 0x90) && !(first == 0xF4 && second > 0x8F);
+    if (!good) return i;
+    i += length;
+  }
+  return std::nullopt;
 }
 
 Expected<void> check_document(const SourceFile& file, const pugi::xml_node& root) {
@@ -93,10 +120,8 @@ SourceLocation locate_attribute(const SourceFile& file, const pugi::xml_node& el
 }
 
 Expected<void> parse_xml(const SourceFile& file, pugi::xml_document& document) {
-  const std::size_t nul = file.text.find('\0');
-  if (nul != file.text.npos) {
-    return fail(
-        format_diagnostic({&file, nul}, "error", "the file holds a NUL byte: XML must be UTF-8 text"));
+  if (const auto bad = find_bad_utf8(file.text)) {
+    return fail(format_diagnostic({&file, *bad}, "error", "the file is not UTF-8 text from here on"));
   }
   constexpr unsigned kOptions = pugi::parse_default | pugi::parse_doctype;
   const pugi::xml_parse_result result =

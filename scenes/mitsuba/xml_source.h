@@ -9,8 +9,8 @@
 
 namespace penumbra::mitsuba {
 
-/// Parses UTF-8 text. Errors, with position: not well-formed, a document type with entities (they could
-/// expand without bound), elements nested too deep, text between elements.
+/// Parses UTF-8 text. Errors, with position: other text, not well-formed, a document type with entities (they
+/// could expand without bound), elements nested too deep, text between elements.
 Expected<void> parse_xml(const SourceFile& file, pugi::xml_document& document);
 
 /// Of the element's name.

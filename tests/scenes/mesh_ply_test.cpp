@@ -107,6 +107,20 @@ TEST(Ply, HeaderErrors) {
   EXPECT_THAT(error(no_list), HasSubstr("vertex_indices"));
 }
 
+TEST(Ply, ElementsWithoutPropertiesTakeNoTime) {
+  std::string text = kHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  for (int i = 0; i < 100; ++i) {
+    text.insert(text.find("element vertex"), "element nothing" + std::to_string(i) + " 4294967295\n");
+  }
+  EXPECT_THAT(read(text).value().triangles, SizeIs(1));
+}
+
+TEST(Ply, ElementsAreThereOnce) {
+  std::string text = kHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  text.insert(text.find("element face"), "element vertex 1\nproperty float x\n");
+  EXPECT_THAT(error(text), HasSubstr("m.ply:7:1: error: the element 'vertex' is there twice"));
+}
+
 TEST(Ply, ACountThatTheFileCannotHoldIsAnErrorAtOnce) {
   std::string text = kHeader + "0 0 0\n";
   text.replace(text.find("vertex 3"), 8, "vertex 4000000000");

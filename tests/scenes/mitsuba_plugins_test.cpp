@@ -123,6 +123,13 @@ TEST_F(MitsubaPlugins, PhongDefaults) {
               HasSubstr("0 or more, not -1"));
 }
 
+TEST_F(MitsubaPlugins, APhongThatGivesMoreThanItGetsIsAWarning) {
+  const std::string more =
+      "<rgb name='diffuse_reflectance' value='.5'/><rgb name='specular_reflectance' value='.2 .6 .2'/>";
+  EXPECT_THAT(good(in("shape", "sphere", in("bsdf", "phong", more))).warnings,
+              ElementsAre(HasSubstr("bsdf 'phong': diffuse and specular")));
+}
+
 TEST_F(MitsubaPlugins, TwoSided) {
   const SceneDescription s =
       good(in("shape", "sphere", in("bsdf", "twosided", in("bsdf", "diffuse"))) +

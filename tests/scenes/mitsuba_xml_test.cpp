@@ -354,7 +354,19 @@ TEST_F(MitsubaXml, NotWellFormed) {
   EXPECT_THAT(error("<scene version='3.0.0'"), HasSubstr("not well-formed"));
   EXPECT_THAT(error("<"), HasSubstr("not well-formed"));
   EXPECT_THAT(error(""), HasSubstr("scene.xml:1:1: error: "));
-  EXPECT_THAT(error(std::string("<scene version='3.0.0'>\0</scene>", 32)), HasSubstr("NUL byte"));
+  EXPECT_THAT(error(std::string("<scene version='3.0.0'>\0</scene>", 32)),
+              HasSubstr("not UTF-8 text from here on"));
+}
+
+TEST_F(MitsubaXml, OnlyUtf8) {
+  const auto with_id = [&](const std::string& id) { return scene("<bsdf type='diffuse' id='" + id + "'/>"); };
+  for (const char* id : {"a\xC3\xA4", "\xE2\x82\xAC", "\xF0\x9F\x98\x80"})
+    EXPECT_TRUE(read(with_id(id))) << id;
+  for (const char* id :
+       {"k\xE4se", "\xC0\xAF", "\xED\xA0\x80", "\xF5\x80\x80\x80", "\xE2\x82", "\x80", "\xF0\x80\x80\x80"}) {
+    EXPECT_THAT(error(with_id(id)), HasSubstr("scene.xml:2:")) << id;
+    EXPECT_THAT(error(with_id(id)), HasSubstr("not UTF-8 text from here on")) << id;
+  }
 }
 
 TEST_F(MitsubaXml, EntitiesAreRefused) {

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 /// PENUMBRA_MUTATIONS=20000 makes a long search of a short test.
 int mutations_per_file() {
   const char* text = std::getenv("PENUMBRA_MUTATIONS");
-  return text != nullptr ? std::atoi(text) : 60;
+  return text != nullptr ? std::atoi(text) : 200;
 }
 constexpr std::chrono::seconds kLongest(
     20);  // generous: a sanitizer's build on a busy machine takes milliseconds
