@@ -1,4 +1,5 @@
-// Picks the language header. Portable sources include this first and nothing from any standard library.
+// Picks the language header and defines what is the same in all of them. Portable sources include this first
+// and nothing from any standard library.
 #ifndef PENUMBRA_LANG_H
 #define PENUMBRA_LANG_H
 #ifdef __OPENCL_VERSION__
@@ -6,4 +7,29 @@
 #else
   #include "kernels/lang_cpp.h"
 #endif
+
+// LANES paths are carried through one vectorised loop; 1 for debugging a single path. VECTOR_WIDTH of them
+// share a register of the target: wider vectors than that spill.
+#ifndef LANES
+  #define LANES 16
+#endif
+#ifndef VECTOR_WIDTH
+  #define VECTOR_WIDTH LANES
+#endif
+
+#define PENUMBRA_PRAGMA(x) _Pragma(#x)
+#ifdef __clang__
+  // Before a loop of few, constant turns inside a lane loop: only straight code vectorises.
+  #define UNROLL PENUMBRA_PRAGMA(clang loop unroll(full))
+#else
+  #define UNROLL
+#endif
+#if LANES > 1 && defined(__clang__)
+  #define LANE_LOOP_WIDTH(n) PENUMBRA_PRAGMA(clang loop vectorize(assume_safety) vectorize_width(n))
+#else
+  #define LANE_LOOP_WIDTH(n)
+#endif
+#define LANE_LOOP_(n) LANE_LOOP_WIDTH(n)
+#define LANE_LOOP LANE_LOOP_(VECTOR_WIDTH)
+
 #endif

@@ -12,23 +12,6 @@
 #define PRIVATE
 #define RESTRICT __restrict
 
-// LANES rays are carried through one vectorised loop; 1 for debugging a single path.
-#ifndef LANES
-  #define LANES 16
-#endif
-#define PENUMBRA_PRAGMA(x) _Pragma(#x)
-#if LANES > 1 && defined(__clang__)
-  #define LANE_LOOP_WIDTH(n) PENUMBRA_PRAGMA(clang loop vectorize(assume_safety) vectorize_width(n))
-#else
-  #define LANE_LOOP_WIDTH(n)
-#endif
-#define LANE_LOOP_(n) LANE_LOOP_WIDTH(n)
-// The registers of the target: wider vectors than that spill.
-#ifndef VECTOR_WIDTH
-  #define VECTOR_WIDTH LANES
-#endif
-#define LANE_LOOP LANE_LOOP_(VECTOR_WIDTH)
-
 #define SQRT(x) __builtin_sqrtf(x)
 #define FABS(x) __builtin_fabsf(x)
 #define FLOAT_BITS(x) __builtin_bit_cast(unsigned int, float(x))

@@ -10,22 +10,6 @@
 #define PRIVATE __private
 #define RESTRICT restrict
 
-#ifndef LANES
-  #define LANES 16
-#endif
-#define PENUMBRA_PRAGMA(x) _Pragma(#x)
-#if LANES > 1 && defined(__clang__)
-  #define LANE_LOOP_WIDTH(n) PENUMBRA_PRAGMA(clang loop vectorize(assume_safety) vectorize_width(n))
-#else
-  #define LANE_LOOP_WIDTH(n)
-#endif
-#define LANE_LOOP_(n) LANE_LOOP_WIDTH(n)
-// The registers of the target: wider vectors than that spill.
-#ifndef VECTOR_WIDTH
-  #define VECTOR_WIDTH LANES
-#endif
-#define LANE_LOOP LANE_LOOP_(VECTOR_WIDTH)
-
 #define SQRT(x) sqrt((float)(x))
 #define FABS(x) fabs((float)(x))
 #define FLOAT_BITS(x) as_uint((float)(x))

@@ -229,8 +229,9 @@ void RenderRun::on(const arrivals::JobFailed& arrival) {
   worker.dismissed = true;
   worker.share.ended = arrival.message;
   server_->dismiss(arrival.worker, arrival.message);
-  // Every worker says the same; once is enough.
-  if (job_failures_.insert(arrival.message).second) problem("no worker can do this job: " + arrival.message);
+  // Every worker says the same but for names of temporary files in a compiler's log; once is enough.
+  const std::string what = arrival.message.substr(0, arrival.message.find('\n'));
+  if (job_failures_.insert(what).second) problem("no worker can do this job: " + arrival.message);
 }
 
 void RenderRun::on(arrivals::Result& arrival) {

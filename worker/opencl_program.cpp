@@ -49,9 +49,9 @@ void append_source(std::string_view name, std::set<std::string_view>& seen, std:
     const std::size_t end = std::min(text.find('\n'), text.size() - 1) + 1;
     const std::string_view line = text.substr(0, end);
     text.remove_prefix(end);
-    if (line.starts_with(kInclude))
-      append_source(line.substr(kInclude.size(), line.find('"', kInclude.size()) - kInclude.size()), seen,
-                    source);
+    const std::string_view directive = line.substr(std::min(line.find_first_not_of(' '), line.size()));
+    if (directive.starts_with(kInclude))
+      append_source(directive.substr(kInclude.size(), directive.rfind('"') - kInclude.size()), seen, source);
     else
       source += line;
   }
