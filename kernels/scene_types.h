@@ -36,6 +36,7 @@ PENUMBRA_NAMESPACE_BEGIN
 
 #define EMITTER_AREA 0
 #define EMITTER_SOLID_ANGLE 1
+#define EMITTER_PROJECTED 2
 
 #define LIGHT_TRIANGLE 0
 #define LIGHT_SPHERE 1
@@ -91,9 +92,8 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, alias)             /* ... this one */                                               \
   F(int, kind)              /* LIGHT_* */
 
-// Inner node of the wide BVH: child k is a node if child[k] >= 0, an empty slot with an inverted box if all
-// of the box is inverted, else leaf ~child[k]. Leaves below `triangle_leaves` hold triangles, the others
-// quadrics.
+// Inner node of the wide BVH: child k is a node if child[k] >= 0, else leaf ~child[k]. An empty slot is any leaf
+// in an inverted box. Leaves below `triangle_leaf_count` hold triangles, the others quadrics.
 #define BVH_NODE_FIELDS(F)    \
   F(float, low_x[BVH_WIDTH])  \
   F(float, low_y[BVH_WIDTH])  \

@@ -8,7 +8,7 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 typedef struct {
-  bool valid;      ///< false: nothing was hit; the other fields are finite but mean nothing
+  bool valid;      ///< false: nothing was hit; the other fields mean nothing, but `material` exists
   bool front;      ///< seen from the front side
   vec3 p;          ///< relative to the scene's centre
   float error;     ///< how far p may be off the true surface along `geometric`
@@ -31,7 +31,7 @@ FN Surface surface_at(const PRIVATE Scene* scene, int primitive, vec3 o, vec3 d)
   const int index = s.valid ? primitive : 0;
 #if HAS(QUADRICS)
   const int triangle_count = scene->header.triangle_count;
-  const bool is_quadric = index >= triangle_count;
+  const bool is_quadric = s.valid & (index >= triangle_count);
   GLOBAL const Triangle* triangle = scene->triangles + (is_quadric ? 0 : index);
 #else
   GLOBAL const Triangle* triangle = scene->triangles + index;

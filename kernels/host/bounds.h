@@ -42,11 +42,13 @@ inline Box bounds_of(const Triangle& t) {
 inline Box bounds_of(const Quadric& q) {
   constexpr float kMargin = 1e-5f;
   const float center[3] = {q.center.x, q.center.y, q.center.z};
-  const float normal[3] = {q.normal.x, q.normal.y, q.normal.z};
+  // Along an axis a disk reaches as far as its normal leans away from it; the axis's own component would hide
+  // small leans.
+  const float lean[3] = {std::hypot(q.normal.y, q.normal.z), std::hypot(q.normal.z, q.normal.x),
+                         std::hypot(q.normal.x, q.normal.y)};
   Box box;
   for (int k = 0; k < 3; ++k) {
-    const float reach =
-        q.kind == QUADRIC_DISK ? q.radius * std::sqrt(std::max(0.0f, 1 - normal[k] * normal[k])) : q.radius;
+    const float reach = q.kind == QUADRIC_DISK ? q.radius * lean[k] : q.radius;
     const float margin = (std::abs(center[k]) + q.radius) * kMargin;
     box.low[k] = center[k] - reach - margin;
     box.high[k] = center[k] + reach + margin;

@@ -7,6 +7,8 @@
 namespace penumbra {
 namespace {
 
+constexpr int kMaxDirectSamples = 65536;  // as many as scene files may ask for
+
 class Checker {
  public:
   explicit Checker(const DeviceScene& scene) : scene_(scene), h_(scene.header) {}
@@ -34,7 +36,8 @@ class Checker {
     require(in(h_.integrator, INTEGRATOR_DIRECT, INTEGRATOR_PATH), "unknown integrator");
     require(h_.film_width > 0 && h_.film_height > 0, "empty film");
     require(h_.spp > 0, "no samples per pixel");
-    require(h_.emitter_samples >= 0 && h_.bsdf_samples >= 0, "negative sample count");
+    require(in(h_.emitter_samples, 0, kMaxDirectSamples) && in(h_.bsdf_samples, 0, kMaxDirectSamples),
+            "an implausible number of emitter or BSDF samples");
   }
 
   template <typename T>
@@ -44,15 +47,13 @@ class Checker {
   }
 
   void check_tables() {
-    // Kernels read record 0 of these for rays that miss, whatever the count.
+    // Kernels read record 0 of these for rays that miss, whatever the count and the features.
     check_table<Triangle>(h_.triangles, h_.triangle_count, 1, "triangles lie outside the data");
     check_table<Material>(h_.materials, h_.material_count, 1, "materials lie outside the data");
     check_table<Light>(h_.lights, h_.light_count, 1, "lights lie outside the data");
     check_table<float>(h_.filter_table, 2 * FILTER_CELLS + 1, 0, "the filter's table lies outside the data");
-    check_table<VertexNormals>(h_.normals, h_.normals_count, has(FEATURE_SHADING_NORMALS),
-                               "normals lie outside the data");
-    check_table<Quadric>(h_.quadrics, h_.quadric_count, has(FEATURE_QUADRICS),
-                         "quadrics lie outside the data");
+    check_table<VertexNormals>(h_.normals, h_.normals_count, 1, "normals lie outside the data");
+    check_table<Quadric>(h_.quadrics, h_.quadric_count, 1, "quadrics lie outside the data");
     check_table<vec3>(h_.vertices, h_.vertex_count, 0, "vertices lie outside the data");
     check_table<Corner>(h_.corners, h_.corner_count, 0, "corners lie outside the data");
     check_table<BvhNode>(h_.nodes, h_.node_count, 0, "BVH nodes lie outside the data");
@@ -61,28 +62,35 @@ class Checker {
     check_table<QuadricLeaf>(h_.quadric_leaves, h_.quadric_leaf_count, 0, "BVH leaves lie outside the data");
   }
 
-  [[nodiscard]] int has(unsigned feature) const { return (h_.features & feature) != 0 ? 1 : 0; }
+  [[nodiscard]] bool has(unsigned feature) const { return (h_.features & feature) != 0; }
+  static int at_least_one(int count) { return count > 1 ? count : 1; }
   [[nodiscard]] bool is_material(int i) const { return in(i, 0, h_.material_count - 1); }
   [[nodiscard]] bool is_light(int i) const { return in(i, -1, h_.light_count - 1); }
 
   void check_records() {
     require(h_.material_count >= 1, "no material");
     require(in(h_.environment, -1, h_.light_count - 1), "the environment names no light");
-    for (const Triangle& t : table<Triangle>(scene_, h_.triangles, h_.triangle_count)) {
+    // Where there is none, record 0 stands for what a ray misses.
+    for (const Triangle& t : table<Triangle>(scene_, h_.triangles, at_least_one(h_.triangle_count))) {
       require(is_material(t.front) && is_material(t.back), "a triangle names a material that is not there");
-      require(is_light(t.light), "a triangle names a light that is not there");
-      require(in(t.normals, -1, h_.normals_count - 1), "a triangle names normals that are not there");
+      require(in(t.light, -1, at_least_one(h_.light_count) - 1),
+              "a triangle names a light that is not there");
+      require(in(t.normals, -1, at_least_one(h_.normals_count) - 1),
+              "a triangle names normals that are not there");
     }
     for (const Quadric& q : table<Quadric>(scene_, h_.quadrics, h_.quadric_count)) {
       require(is_material(q.front) && is_material(q.back), "a quadric names a material that is not there");
       require(is_light(q.light), "a quadric names a light that is not there");
       require(in(q.kind, QUADRIC_SPHERE, QUADRIC_DISK), "a quadric of unknown kind");
     }
-    for (const Light& l : table<Light>(scene_, h_.lights, h_.light_count)) {
-      require(in(l.alias, 0, h_.light_count - 1), "a light's alias is not there");
+    for (const Light& l : table<Light>(scene_, h_.lights, at_least_one(h_.light_count))) {
+      require(in(l.alias, 0, at_least_one(h_.light_count) - 1), "a light's alias is not there");
       require(in(l.kind, LIGHT_TRIANGLE, LIGHT_ENVIRONMENT), "a light of unknown kind");
     }
     require(h_.quadric_count == 0 || has(FEATURE_QUADRICS), "quadrics without their feature bit");
+    require(has(h_.integrator == INTEGRATOR_PATH ? FEATURE_PATH : FEATURE_DIRECT),
+            "an integrator without its feature bit");
+    require(h_.sampler == SAMPLER_SOBOL || has(FEATURE_SAMPLERS), "a sampler without its feature bit");
   }
 
   void check_search() {
@@ -103,18 +111,22 @@ class Checker {
     require(h_.node_count > 0, "a hierarchy without a root");
     const int leaves = h_.triangle_leaf_count + h_.quadric_leaf_count;
     const auto nodes = table<BvhNode>(scene_, h_.nodes, h_.node_count);
-    // Children follow their parent, so there is no cycle, and depths are known in one pass.
-    std::vector<int> depth(nodes.size(), 1);
+    // Children follow their only parent, empty slots too: every ray's way through them ends, whatever its
+    // numbers.
+    std::vector<int> depth(nodes.size(), 0);
+    if (!depth.empty()) depth[0] = 1;
     for (std::size_t i = 0; i < nodes.size() && problem_.empty(); ++i) {
+      require(depth[i] > 0, "a BVH node has no parent");
       require(depth[i] <= BVH_MAX_DEPTH, "the hierarchy is too deep");
-      for (int k = 0; k < BVH_WIDTH; ++k) {
-        const int child = nodes[i].child[k];
-        if (child >= 0 && nodes[i].low_x[k] <= nodes[i].high_x[k]) {
-          require(child > int(i) && child < h_.node_count, "a BVH node names a child that is not there");
-          if (problem_.empty()) depth[std::size_t(child)] = depth[i] + 1;
-        } else if (child < 0) {
+      for (int child : nodes[i].child) {
+        if (child < 0) {
           require(~child < leaves, "a BVH node names a leaf that is not there");
+          continue;
         }
+        require(child > int(i) && child < h_.node_count, "a BVH node names a child that is not there");
+        if (!problem_.empty()) return;
+        require(depth[std::size_t(child)] == 0, "a BVH node has two parents");
+        depth[std::size_t(child)] = depth[i] + 1;
       }
     }
     for (const TriangleLeaf& leaf : table<TriangleLeaf>(scene_, h_.triangle_leaves, h_.triangle_leaf_count))

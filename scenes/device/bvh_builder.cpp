@@ -121,7 +121,10 @@ class Flattener {
 
   static BvhNode empty_node() {
     BvhNode node{};
-    for (int k = 0; k < BVH_WIDTH; ++k) set_bounds_of_slot(node, k, Box());
+    for (int k = 0; k < BVH_WIDTH; ++k) {
+      set_bounds_of_slot(node, k, Box());
+      node.child[k] = ~0;  // a leaf, in case a ray that is not a number visits it
+    }
     return node;
   }
 
