@@ -1,12 +1,13 @@
 // The OpenCL entry points. FEATURES and LANES come from the build.
 #include "kernels/block.h"
 
-/// One block per work item: pixels [item * block_pixels, ...) of the unit, counted from `first_pixel`. `f`, `ints` and
-/// `slots` hold each work item's block one after the other; `bad` two counters a work item.
-__kernel void render_blocks(__global const SceneHeader* header, __global const uint* words, int x, int y, int width,
-                            int height, uint first_sample, int sample_count, int first_pixel, int block_pixels,
-                            int capacity, int slot_capacity, __global float* f, __global int* ints,
-                            __global float* slots, __global float* out, __global uint* bad) {
+/// One block per work item: pixels [item * block_pixels, ...) of the unit, counted from `first_pixel`. `f`,
+/// `ints` and `slots` hold each work item's block one after the other; `bad` two counters a work item.
+__kernel void render_blocks(__global const SceneHeader* header, __global const uint* words, int x, int y,
+                            int width, int height, uint first_sample, int sample_count, int first_pixel,
+                            int block_pixels, int capacity, int slot_capacity, __global float* f,
+                            __global int* ints, __global float* slots, __global float* out,
+                            __global uint* bad) {
   const int item = (int)get_global_id(0);
   Unit unit;
   unit.x = x;
@@ -28,11 +29,11 @@ __kernel void render_blocks(__global const SceneHeader* header, __global const u
   render_block(&scene, &unit, pixel, pixels, &block, out, bad + 2 * item);
 }
 
-/// The size and the field offsets of every shared struct as this device lays them out, in the order of SHARED_STRUCTS:
-/// for comparison with the host's.
+/// The size and the field offsets of every shared struct as this device lays them out, in the order of
+/// SHARED_STRUCTS: for comparison with the host's.
 __kernel void report_layout(__global uint* out) {
   int n = 0;
-#define REPORT_FIELD(type, name) out[n++] = (uint)(size_t)&(((__global REPORTED*)0)->name);
+#define REPORT_FIELD(type, name) out[n++] = (uint)(size_t) & (((__global REPORTED*)0)->name);
 #define REPORT_STRUCT(name, fields) out[n++] = (uint)sizeof(name);
   SHARED_STRUCTS(REPORT_STRUCT)
 #undef REPORT_STRUCT
