@@ -92,8 +92,8 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, alias)             /* ... this one */                                               \
   F(int, kind)              /* LIGHT_* */
 
-// Inner node of the wide BVH: child k is a node if child[k] >= 0, else leaf ~child[k]. An empty slot is any leaf
-// in an inverted box. Leaves below `triangle_leaf_count` hold triangles, the others quadrics.
+// Inner node of the wide BVH: child k is a node if child[k] >= 0, else leaf ~child[k]. An empty slot is any
+// leaf in an inverted box. Leaves below `triangle_leaf_count` hold triangles, the others quadrics.
 #define BVH_NODE_FIELDS(F)    \
   F(float, low_x[BVH_WIDTH])  \
   F(float, low_y[BVH_WIDTH])  \
