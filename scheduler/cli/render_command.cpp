@@ -3,7 +3,6 @@
 #include <fmt/ranges.h>
 
 #include <chrono>
-#include <future>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -16,7 +15,6 @@
 #include "scheduler/outputs/atomic_file.h"
 #include "scheduler/outputs/film_image.h"
 #include "scheduler/outputs/image_files.h"
-#include "scheduler/outputs/image_io.h"
 #include "scheduler/outputs/report.h"
 
 namespace penumbra {
@@ -79,14 +77,6 @@ void print_problems(const RenderOutcome& outcome, bool stopped) {
   }
 }
 
-/// Loads what writes images while the workers are at work; without it, there is no point in their work. Not
-/// before: the dynamic loader's lock would hold up their start.
-std::future<void> load_image_io() {
-  return std::async(std::launch::async, [] {
-    if (!image_io()) request_stop();
-  });
-}
-
 /// Image files and report. What a time budget ended is recorded with the number of samples that it came to.
 Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outcome,
                              const std::vector<std::string>& command_line) {
@@ -125,12 +115,8 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
   const bool show = !options.quiet && !options.pixel;
   ProgressPrinter progress(stderr, show ? progress_style(stderr) : ProgressStyle::kNone,
                            terminal_columns(stderr));
-  const bool writes_images = prepared->files.exr || prepared->files.png;
-  std::future<void> loading;
-  const auto outcome = run_render(prepared->job, stop, [&](const RenderProgress& now) {
-    progress.update(now);
-    if (writes_images && now.samples_done > 0 && !loading.valid()) loading = load_image_io();
-  });
+  const auto outcome =
+      run_render(prepared->job, stop, [&](const RenderProgress& now) { progress.update(now); });
   progress.finish();
   if (!outcome) return print_error(outcome.error()), kIncomplete;
   if (sample_range(outcome->film).total == 0) {

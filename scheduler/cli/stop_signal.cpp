@@ -26,6 +26,4 @@ const std::atomic<bool>& install_stop_signal() {
   return stop_requested;
 }
 
-void request_stop() { stop_requested = true; }
-
 }  // namespace penumbra

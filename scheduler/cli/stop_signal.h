@@ -9,7 +9,4 @@ namespace penumbra {
 /// that a second one kills the process (worker processes end with it).
 const std::atomic<bool>& install_stop_signal();
 
-/// Sets the same flag from within the program.
-void request_stop();
-
 }  // namespace penumbra
