@@ -15,7 +15,7 @@ packages=(
   # Files, command line, messages.
   libpugixml-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libxxhash-dev
   # Tests.
-  libgtest-dev libgmock-dev openimageio-tools procps
+  libgtest-dev libgmock-dev libbenchmark-dev openimageio-tools procps
 )
 
 is_installed() { [[ $(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null) == installed ]]; }
