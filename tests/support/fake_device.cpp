@@ -76,7 +76,9 @@ class FakeDevice final : public Device {
 
 DeviceScene fake_scene(int film_width, int film_height, bool features) {
   DeviceScene scene;
-  scene.header.features = features ? FEATURE_LAYERS : 0;
+  scene.header.integrator = INTEGRATOR_PATH;
+  scene.header.sampler = SAMPLER_SOBOL;
+  scene.header.features = FEATURE_PATH | (features ? FEATURE_LAYERS : 0);
   scene.header.intersector = INTERSECTOR_EMBREE;  // needs no search structure in the data
   scene.header.film_width = film_width;
   scene.header.film_height = film_height;
