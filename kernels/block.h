@@ -160,11 +160,24 @@ FN void draw_step(const PRIVATE SceneHeader* h, uint pair, const GLOBAL int* RES
 }
 
 #if HAS(PATH)
+  #if HAS(PROJECTED)
+/// The aims of LANES paths from lane i on.
+STAGE void aim_path_lanes(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f,
+                          const GLOBAL int* RESTRICT ints, int capacity, int i,
+                          const PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT aims) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) aim_path(scene, f, ints, capacity, i + j, u, j, aims);
+}
+  #endif
+
 STAGE void step_paths(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                       int capacity, int count, int step) {
   const PRIVATE SceneHeader* h = &scene->header;
   const uint pair = step_pair(step);
   const bool roulette = step + 1 >= h->rr_depth;
+  #if HAS(PROJECTED)
+  const bool aimed = wants_aims(scene);
+  #endif
   for (int i = 0; i < count; i += LANES) {
     float u[DRAWS * LANES];
     draw_step(h, pair, ints, capacity, i, u);
@@ -173,8 +186,15 @@ STAGE void step_paths(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOB
       draw_pair(h->sampler, h->spp, pair + 3u, ints, capacity, i, u + DRAW_ROULETTE * LANES,
                 u + DRAW_SPARE * LANES);
     }
+    float aims[AIM_FLOATS];
+  #if HAS(PROJECTED)
+    if (aimed)
+      aim_path_lanes(scene, f, ints, capacity, i, u, aims);
+    else
+      for (int j = 0; j < LANES; j++) store_no_aim(aims, j);
+  #endif
     LANE_LOOP
-      for (int j = 0; j < LANES; j++) path_step(scene, f, ints, capacity, step, i + j, u, j);
+      for (int j = 0; j < LANES; j++) path_step(scene, f, ints, capacity, step, i + j, u, j, aims);
   }
 }
 #endif
@@ -187,15 +207,35 @@ STAGE void keep_camera_rays(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
   }
 }
 
+  #if HAS(PROJECTED)
+/// The aims of LANES paths from lane i on.
+STAGE void aim_direct_lanes(const PRIVATE Scene* scene, const GLOBAL float* RESTRICT f,
+                            const GLOBAL int* RESTRICT ints, int capacity, int i,
+                            const PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT aims) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) aim_direct(scene, f, ints, capacity, i + j, u, j, aims);
+}
+  #endif
+
 STAGE void step_direct(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                        int capacity, int count, int step) {
   const PRIVATE SceneHeader* h = &scene->header;
   const uint pair = step_pair(step);
+  #if HAS(PROJECTED)
+  const bool aimed = wants_aims(scene);
+  #endif
   for (int i = 0; i < count; i += LANES) {
     float u[DRAWS * LANES];
     draw_step(h, pair, ints, capacity, i, u);
+    float aims[AIM_FLOATS];
+  #if HAS(PROJECTED)
+    if (aimed)
+      aim_direct_lanes(scene, f, ints, capacity, i, u, aims);
+    else
+      for (int j = 0; j < LANES; j++) store_no_aim(aims, j);
+  #endif
     LANE_LOOP
-      for (int j = 0; j < LANES; j++) direct_step(scene, f, ints, capacity, step, i + j, u, j);
+      for (int j = 0; j < LANES; j++) direct_step(scene, f, ints, capacity, step, i + j, u, j, aims);
   }
 }
 #endif
@@ -230,7 +270,7 @@ STAGE void record_layers(const PRIVATE Scene* scene, const GLOBAL float* RESTRIC
 /// Finished paths leave their radiance in their slot; the others move up, in order. Returns how many are
 /// left.
 STAGE int compact(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity, int count,
-                  bool camera_rays, GLOBAL float* RESTRICT slots, int slot_capacity) {
+                  bool all_floats, GLOBAL float* RESTRICT slots, int slot_capacity) {
   GLOBAL int* RESTRICT going = ints + GOING * capacity;
   GLOBAL int* RESTRICT finished = ints + FINISHED * capacity;
   int left = 0, gone = 0;
@@ -248,7 +288,7 @@ STAGE int compact(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capac
     STORE3(slots, slot_capacity, SAMPLE_X, slot, radiance);
   }
   // A field at a time. In place, since going[m] >= m.
-  const int floats = camera_rays ? PATH_AND_CAMERA_RAY_COUNT : PATH_FLOAT_COUNT;
+  const int floats = all_floats ? PATH_AND_CAMERA_RAY_COUNT : PATH_FLOAT_COUNT;
   for (int k = 0; gone > 0 && k < floats; k++) {
     GLOBAL float* field = f + k * capacity;
     LANE_LOOP
@@ -264,8 +304,8 @@ STAGE int compact(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capac
 
 /// Lanes from `count` to the next multiple of LANES repeat the last path, so that every lane holds valid
 /// work.
-FN void pad_lanes(GLOBAL float* f, GLOBAL int* ints, int capacity, int count, bool camera_rays) {
-  const int floats = camera_rays ? PATH_AND_CAMERA_RAY_COUNT : PATH_FLOAT_COUNT;
+FN void pad_lanes(GLOBAL float* f, GLOBAL int* ints, int capacity, int count, bool all_floats) {
+  const int floats = all_floats ? PATH_AND_CAMERA_RAY_COUNT : PATH_FLOAT_COUNT;
   for (int i = count; i % LANES != 0; i++) {
     for (int k = 0; k < floats; k++) f[k * capacity + i] = f[k * capacity + count - 1];
     for (int k = 0; k < PATH_INT_COUNT; k++) ints[k * capacity + i] = ints[k * capacity + count - 1];
@@ -343,6 +383,10 @@ FN void render_block(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
   const int total = pixels * unit->sample_count;
   const bool camera_rays = scene->header.integrator == INTEGRATOR_DIRECT;
   const bool layers = (scene->header.features & FEATURE_LAYERS) != 0u;
+  bool all_floats = camera_rays;  // CAMERA_RAY_FLOATS too
+#if HAS(PROJECTED)
+  all_floats = all_floats | wants_aims(scene);
+#endif
   for (int first = 0; first < total; first += capacity) {
     int count = min_i(capacity, total - first);
     generate(scene, unit, first_pixel, first, count, f, ints, capacity, slots, slot_capacity);
@@ -360,8 +404,8 @@ FN void render_block(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
 #endif
       occlude_block(scene, f, ints, capacity, count);
       add_unoccluded(f, ints, capacity, count);
-      count = compact(f, ints, capacity, count, camera_rays, slots, slot_capacity);
-      if (count > 0) pad_lanes(f, ints, capacity, count, camera_rays);
+      count = compact(f, ints, capacity, count, all_floats, slots, slot_capacity);
+      if (count > 0) pad_lanes(f, ints, capacity, count, all_floats);
     }
   }
   accumulate(unit, first_pixel, pixels, slots, slot_capacity, layers, out, bad);

@@ -16,7 +16,8 @@
   X(ENVIRONMENT, 0x080, "environment light")                          \
   X(SOLID_ANGLE, 0x100, "sampling of triangle lights by solid angle") \
   X(LAYERS, 0x200, "albedo, normal and depth layers")                 \
-  X(SAMPLERS, 0x400, "samplers other than Owen-scrambled Sobol")
+  X(SAMPLERS, 0x400, "samplers other than Owen-scrambled Sobol")      \
+  X(PROJECTED, 0x800, "sampling of triangle lights by projected solid angle")
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FEATURE_PATH 0x001
@@ -30,7 +31,8 @@
 #define FEATURE_SOLID_ANGLE 0x100
 #define FEATURE_LAYERS 0x200
 #define FEATURE_SAMPLERS 0x400
-#define FEATURE_ALL 0x7ff
+#define FEATURE_PROJECTED 0x800
+#define FEATURE_ALL 0xfff
 
 /// A kernel source tests `HAS(PHONG)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)

@@ -16,6 +16,16 @@ FN vec3 from_frame(vec3 n, float x, float y, float z) {
   return add(add(scale(s, x), scale(t, y)), scale(n, z));
 }
 
+/// (x, y, z) with v = from_frame(n, x, y, z).
+FN vec3 to_frame(vec3 n, vec3 v) {
+  float sign = n.z >= 0.0f ? 1.0f : -1.0f;
+  float a = -1.0f / (sign + n.z);
+  float b = n.x * n.y * a;
+  vec3 s = make_vec3(1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x);
+  vec3 t = make_vec3(b, sign + n.y * n.y * a, -n.y);
+  return make_vec3(dot3(v, s), dot3(v, t), dot3(v, n));
+}
+
 /// Density cos / pi about n.
 FN vec3 sample_cosine_hemisphere(vec3 n, float u, float v) {
   float s, c;

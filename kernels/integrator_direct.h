@@ -25,9 +25,24 @@ FN void keep_camera_ray(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int
   ints[CAMERA_HIT * capacity + i] = ints[HIT * capacity + i];
 }
 
+#if HAS(PROJECTED)
+/// What direct_step finds in lane j's aim, from the same state.
+FN void aim_direct(const PRIVATE Scene* scene, const GLOBAL float* RESTRICT f,
+                   const GLOBAL int* RESTRICT ints, int capacity, int i, const PRIVATE float* u, int j,
+                   PRIVATE float* aims) {
+  const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i), toward = LOAD3(f, capacity, RAY_DIRECTION_X, i);
+  const Surface s = surface_at(scene, ints[CAMERA_HIT * capacity + i], LOAD3(f, capacity, CAMERA_ORIGIN_X, i),
+                               LOAD3(f, capacity, CAMERA_DIRECTION_X, i));
+  const Surface found = surface_at(scene, ints[HIT * capacity + i], from, toward);
+  aim_at_found(scene, found, from, toward, s.shading, aims, j);
+  aim_at_chosen(scene, s, u[DRAW_LIGHT_CHOICE * LANES + j], u[DRAW_LIGHT_U * LANES + j],
+                u[DRAW_LIGHT_V * LANES + j], aims, j);
+}
+#endif
+
 /// Lane i of the block after `step` earlier steps; u holds DRAWS * LANES numbers, those of lane i at j.
 FN void direct_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
-                    int capacity, int step, int i, const PRIVATE float* u, int j) {
+                    int capacity, int step, int i, const PRIVATE float* u, int j, const PRIVATE float* aims) {
   const int emitter_samples = scene->header.emitter_samples, bsdf_samples = scene->header.bsdf_samples;
   const int kind = scene->header.bsdf_sampling, heuristic = scene->header.heuristic;
   const bool first = ints[RAY_SKIP * capacity + i] < 0;  // a camera ray starts on no primitive
@@ -40,9 +55,11 @@ FN void direct_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL
   const vec3 camera_direction = LOAD3(f, capacity, CAMERA_DIRECTION_X, i);
   const int primitive = ints[CAMERA_HIT * capacity + i];
 
+  const Aim aim = load_aim(aims, j);
+
   // What the last ray found: at first the camera's, then one of the direction samples'.
   const Surface found = surface_at(scene, hit, from, toward);
-  const Emission emission = emission_at(scene, found, from);
+  const Emission emission = emission_at(scene, found, from, aim);
   const float share =
       mis_weight(heuristic, (float)bsdf_samples * sampled_pdf, (float)emitter_samples * emission.pdf);
   const float seen = scene->header.hide_emitters ? 0.0f : 1.0f;
@@ -56,7 +73,7 @@ FN void direct_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL
   GLOBAL const Material* material = scene->materials + s.material;
 
   const LightSample light = sample_light(scene, s, u[DRAW_LIGHT_CHOICE * LANES + j],
-                                         u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_V * LANES + j]);
+                                         u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_V * LANES + j], aim);
   const BsdfValue value = eval_bsdf(material, s.shading, s.wo, light.wi);
   const float other = direction_pdf(kind, s.shading, light.wi, value.pdf);
   const float light_share =

@@ -12,9 +12,23 @@ PENUMBRA_NAMESPACE_BEGIN
 // Russian roulette never keeps a path with more than this probability, so that albedo 1 ends too.
 #define ROULETTE_MAX 0.95f
 
+#if HAS(PROJECTED)
+/// What path_step finds in lane j's aim, from the same state; and keeps the shading normal for the next ray.
+FN void aim_path(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, const GLOBAL int* RESTRICT ints,
+                 int capacity, int i, const PRIVATE float* u, int j, PRIVATE float* aims) {
+  const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i), direction = LOAD3(f, capacity, RAY_DIRECTION_X, i);
+  const Surface s = surface_at(scene, ints[HIT * capacity + i], from, direction);
+  const vec3 n = LOAD3(f, capacity, REFERENCE_NORMAL_X, i);
+  aim_at_found(scene, s, from, direction, n, aims, j);
+  STORE3(f, capacity, REFERENCE_NORMAL_X, i, s.shading);
+  aim_at_chosen(scene, s, u[DRAW_LIGHT_CHOICE * LANES + j], u[DRAW_LIGHT_U * LANES + j],
+                u[DRAW_LIGHT_V * LANES + j], aims, j);
+}
+#endif
+
 /// Lane i of the block after `step` earlier steps; u holds DRAWS * LANES numbers, those of lane i at j.
 FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
-                  int capacity, int step, int i, const PRIVATE float* u, int j) {
+                  int capacity, int step, int i, const PRIVATE float* u, int j, const PRIVATE float* aims) {
   const int sampling = scene->header.direct_sampling;
   const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i);
   const vec3 direction = LOAD3(f, capacity, RAY_DIRECTION_X, i);
@@ -23,7 +37,8 @@ FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL i
   const int primitive = ints[HIT * capacity + i];
   const Surface s = surface_at(scene, primitive, from, direction);
 
-  const Emission emission = emission_at(scene, s, from);
+  const Aim aim = load_aim(aims, j);
+  const Emission emission = emission_at(scene, s, from, aim);
   const float bsdf_weight = sampling == SAMPLING_MIS
                                 ? mis_weight(scene->header.heuristic, direction_pdf, emission.pdf)
                                 : (sampling == SAMPLING_BSDF_ONLY ? 1.0f : 0.0f);
@@ -37,7 +52,7 @@ FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL i
   const bool scatters = s.valid & (step + 1 < scene->header.max_depth);
 
   const LightSample light = sample_light(scene, s, u[DRAW_LIGHT_CHOICE * LANES + j],
-                                         u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_V * LANES + j]);
+                                         u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_V * LANES + j], aim);
   const BsdfValue value = eval_bsdf(material, s.shading, s.wo, light.wi);
   const float shared =
       sampling == SAMPLING_MIS ? mis_weight(scene->header.heuristic, light.pdf, value.pdf) : 1.0f;

@@ -2,6 +2,8 @@
 #ifndef PENUMBRA_LIGHT_H
 #define PENUMBRA_LIGHT_H
 #include "kernels/frame.h"
+#include "kernels/light_choice.h"
+#include "kernels/projected_light.h"
 #include "kernels/spherical_triangle.h"
 #include "kernels/surface.h"
 
@@ -20,17 +22,6 @@ typedef struct {
   bool delta;   ///< a point light: no other strategy finds it
   vec3 radiance;  ///< arriving along wi, the inverse square law of a point light included
 } LightSample;
-
-/// Walker's alias method: which light `u` chooses.
-FN int choose_light(const PRIVATE Scene* scene, float u) {
-  const int count = scene->header.light_count;
-  const float position = u * (float)count;
-  const int first = min_i((int)position, count > 0 ? count - 1 : 0);
-  GLOBAL const Light* light = scene->lights + first;
-  const float threshold = light->alias_threshold;
-  const int alias = light->alias;  // read always: a conditional load would not vectorise
-  return position - (float)first < threshold ? first : alias;
-}
 
 /// Density per solid angle of a point at distance^2 `d2`, seen under `cosine` at the light, chosen uniformly
 /// by area.
@@ -55,8 +46,8 @@ FN bool by_solid_angle(const PRIVATE Scene* scene, GLOBAL const Light* light, Sp
 }
 #endif
 
-/// Density with which sample_light chooses the direction from `from` to a point of the light that is
-/// `distance` away and whose front is seen under `cosine`.
+/// Density with which sample_light without an aim chooses the direction from `from` to a point of the light
+/// that is `distance` away and whose front is seen under `cosine`.
 FN float light_pdf(const PRIVATE Scene* scene, int index, vec3 from, float distance, float cosine) {
   GLOBAL const Light* light = scene->lights + index;
   float pdf = area_to_solid_angle(sqr(distance), cosine, light->area);
@@ -84,8 +75,8 @@ FN float light_pdf(const PRIVATE Scene* scene, int index, vec3 from, float dista
   return pdf * light->pmf;
 }
 
-/// Chooses a light by `choice` and a point on it by (u, v), for lighting the surface.
-FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice, float u, float v) {
+/// Chooses a light by `choice` and a point on it by (u, v), or where `aim` says, for lighting the surface.
+FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice, float u, float v, Aim aim) {
   GLOBAL const Light* light = scene->lights + choose_light(scene, choice);
   LightSample sample;
   const float root = SQRT(u);
@@ -106,6 +97,14 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice,
     const float distance = dot3(sub(p0, s.p), normal) / (along != 0.0f ? along : 1.0f);
     at = select3(use, add_scaled(s.p, distance, w), at);
     direct_pdf = use ? 1.0f / t.solid_angle : 0.0f;
+  }
+#endif
+#if HAS(PROJECTED)
+  const bool aimed = aim.scale > 0.0f;
+  {
+    const float along = dot3(aim.wi, normal);
+    const float distance = dot3(sub(p0, s.p), normal) / (along != 0.0f ? along : 1.0f);
+    at = select3(aimed, add_scaled(s.p, distance, aim.wi), at);
   }
 #endif
 #if HAS(QUADRICS)
@@ -130,7 +129,10 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice,
     const float ratio2 = r2 / (cone ? d2 : 1.0f);
     const float half_chord = safe_sqrt(1.0f - sine2 / max_f(ratio2, 1e-30f));
     const float cosine_center = sine2 / SQRT(max_f(ratio2, 1e-30f)) + (1.0f - versine) * half_chord;
-    const float sine_center = safe_sqrt(1.0f - sqr(cosine_center));
+    // By the law of sines from the distance along the direction: the cosine would lose small angles, which are
+    // wide ones for a receiver close to the sphere.
+    const float product = radius * (distance * (1.0f - versine) + radius * half_chord);
+    const float sine_center = SQRT(sine2) * (d2 - r2) / max_f(product, 1e-30f);
     const vec3 toward = scale(to_center, -1.0f / (cone ? distance : 1.0f));
     const vec3 in_cone = from_frame(select3(cone, toward, make_vec3(0.0f, 0.0f, 1.0f)), sine_center * cosine,
                                     sine_center * sine, cosine_center);
@@ -155,6 +157,10 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice,
   sample.tmax = distance * SHADOW_RAY_END;
   const float cosine = -dot3(sample.wi, normal);
   sample.pdf = direct_pdf > 0.0f ? direct_pdf : area_to_solid_angle(d2, cosine, light->area);
+#if HAS(PROJECTED)
+  // Of the direction that is traced, so that its cosine cancels to the last digit.
+  sample.pdf = aimed ? max_f(dot3(s.shading, sample.wi), 0.0f) * aim.scale : sample.pdf;
+#endif
   sample.delta = false;
   sample.radiance = load3(&light->radiance);
   bool possible = (cosine > 0.0f) & (distance > 0.0f);
@@ -188,7 +194,7 @@ typedef struct {
   float pdf;
 } Emission;
 
-FN Emission emission_at(const PRIVATE Scene* scene, Surface s, vec3 from) {
+FN Emission emission_at(const PRIVATE Scene* scene, Surface s, vec3 from, Aim aim) {
   Emission e;
   int index = s.light;
   float cosine = dot3(s.geometric, s.wo);
@@ -201,6 +207,9 @@ FN Emission emission_at(const PRIVATE Scene* scene, Surface s, vec3 from) {
   const int safe = index >= 0 ? index : 0;
   e.radiance = select3(emits, load3(&scene->lights[safe].radiance), make_vec3(0.0f, 0.0f, 0.0f));
   e.pdf = light_pdf(scene, safe, from, s.distance, cosine);
+#if HAS(PROJECTED)
+  e.pdf = aim.found_pdf >= 0.0f ? aim.found_pdf * scene->lights[safe].pmf : e.pdf;
+#endif
   e.pdf = emits ? e.pdf : 0.0f;
   return e;
 }

@@ -15,7 +15,8 @@ PENUMBRA_NAMESPACE_BEGIN
   F(DIRECTION_PDF)                   /* of the ray's direction, per solid angle */ \
   F(RADIANCE_X) F(RADIANCE_Y) F(RADIANCE_Z)
 
-// As above, used by the direct integrator alone: the camera ray, whose hit all its samples share.
+// As above, used by the direct integrator: the camera ray, whose hit all its samples share. Where lights are
+// sampled by projected solid angle, a path keeps there the shading normal that its ray left.
 #define CAMERA_RAY_FLOATS(F)                               \
   F(CAMERA_ORIGIN_X) F(CAMERA_ORIGIN_Y) F(CAMERA_ORIGIN_Z) \
   F(CAMERA_DIRECTION_X) F(CAMERA_DIRECTION_Y) F(CAMERA_DIRECTION_Z)
@@ -67,6 +68,7 @@ enum {
   LANE_INTS(ENUMERATE) STATE_INTS
 };
 #undef ENUMERATE
+#define REFERENCE_NORMAL_X CAMERA_DIRECTION_X
 
 typedef struct {
   GLOBAL float* f;      ///< STATE_FLOATS * capacity

@@ -110,8 +110,9 @@ struct SamplerSettings {
 enum class IntegratorKind { kDirect, kPath };
 enum class DirectSampling { kBsdfOnly, kEmitterOnly, kMis };  ///< path: "mats", "ems", "mis"
 enum class MisHeuristic { kBalance, kPower };                 ///< power: beta = 2
-enum class BsdfSampling { kBsdf, kCosine, kUniform };      ///< how direct's `bsdf_samples` choose directions
-enum class EmitterSampling { kAuto, kArea, kSolidAngle };  ///< how a point on an area light is chosen
+enum class BsdfSampling { kBsdf, kCosine, kUniform };  ///< how direct's `bsdf_samples` choose directions
+/// How a point on an area light is chosen; kProjected: on a triangle by projected solid angle, else as kAuto.
+enum class EmitterSampling { kAuto, kArea, kSolidAngle, kProjected };
 
 struct IntegratorSettings {
   IntegratorKind kind = IntegratorKind::kPath;

@@ -148,7 +148,8 @@ void add_integrator_settings(std::vector<Setting>& table) {
       choice("integrator.emitter_sampling",
              {{"auto", [](S& s) { s.integrator.emitter_sampling = EmitterSampling::kAuto; }},
               {"area", [](S& s) { s.integrator.emitter_sampling = EmitterSampling::kArea; }},
-              {"solid_angle", [](S& s) { s.integrator.emitter_sampling = EmitterSampling::kSolidAngle; }}}));
+              {"solid_angle", [](S& s) { s.integrator.emitter_sampling = EmitterSampling::kSolidAngle; }},
+              {"projected", [](S& s) { s.integrator.emitter_sampling = EmitterSampling::kProjected; }}}));
   table.push_back(
       choice("integrator.mis", {{"balance", [](S& s) { s.integrator.heuristic = MisHeuristic::kBalance; }},
                                 {"power", [](S& s) { s.integrator.heuristic = MisHeuristic::kPower; }}}));

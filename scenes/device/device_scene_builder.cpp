@@ -61,8 +61,8 @@ class Builder {
     add_materials();
     for (const Shape& shape : scene_.shapes) add_shape(shape);
     add_other_lights();
-    if (!problem_.empty()) return fail(scene_.source + ": " + problem_);
     set_camera();
+    if (!problem_.empty()) return fail(scene_.source + ": " + problem_);
     set_film();
     set_integrator();
     if (options_.feature_layers) need(FEATURE_LAYERS);
@@ -77,11 +77,15 @@ class Builder {
  private:
   void need(std::uint32_t feature) { h_.features |= feature; }
 
-  vec3 local(const glm::dvec3& p, const Shape& shape) {
+  /// `reach`: how far the shape extends about the position.
+  vec3 local(const glm::dvec3& p, const std::string& what, double reach = 0) {
     const vec3 v = to_vec3(p - center_);
-    if (!finite(v) && problem_.empty())
-      problem_ = "shape '" + shape.name + "' has a position that is too large for single precision";
+    if (!(finite(v) && std::isfinite(float(reach))) && problem_.empty())
+      problem_ = what + " has a position or a size that is too large for single precision";
     return v;
+  }
+  vec3 local(const glm::dvec3& p, const Shape& shape, double reach = 0) {
+    return local(p, "shape '" + shape.name + "'", reach);
   }
 
   void add_materials() {
@@ -151,7 +155,7 @@ class Builder {
   void add_sphere(const Shape& shape, const Sphere& sphere, int front, int back) {
     Quadric q{};
     q.kind = QUADRIC_SPHERE;
-    q.center = local(sphere.center, shape);
+    q.center = local(sphere.center, shape, sphere.radius);
     q.radius = float(sphere.radius);
     q.orientation = shape.flip_normals ? -1.0f : 1.0f;
     add_quadric(shape, q, front, back, LIGHT_SPHERE, 4 * std::numbers::pi * sphere.radius * sphere.radius);
@@ -160,7 +164,7 @@ class Builder {
   void add_disk(const Shape& shape, const Disk& disk, int front, int back) {
     Quadric q{};
     q.kind = QUADRIC_DISK;
-    q.center = local(disk.center, shape);
+    q.center = local(disk.center, shape, disk.radius);
     q.normal = to_vec3(shape.flip_normals ? -disk.normal : disk.normal);
     q.radius = float(disk.radius);
     q.orientation = 1.0f;
@@ -197,7 +201,7 @@ class Builder {
       need(FEATURE_POINT_LIGHTS);
       Light light{};
       light.kind = LIGHT_POINT;
-      light.p0 = to_vec3(point.position - center_);
+      light.p0 = local(point.position, "a point light");
       light.radiance = to_vec3(point.intensity);
       lights_.push_back(light);
       power_.push_back(4 * std::numbers::pi * mean(point.intensity));
@@ -226,7 +230,7 @@ class Builder {
                          : along_x                             ? tangent
                                                                : tangent * w / h;
     const glm::dmat3 axes(camera.to_world);
-    h_.camera_origin = to_vec3(glm::dvec3(camera.to_world[3]) - center_);
+    h_.camera_origin = local(glm::dvec3(camera.to_world[3]), "the camera");
     h_.camera_x = to_vec3(glm::normalize(axes[0]) * tan_x);
     h_.camera_y = to_vec3(glm::normalize(axes[1]) * (tan_x * h / w));
     h_.camera_z = to_vec3(glm::normalize(axes[2]));
@@ -261,14 +265,16 @@ class Builder {
     h_.emitter_samples = integrator.emitter_samples;
     h_.bsdf_samples = integrator.bsdf_samples;
     h_.bsdf_sampling = int(integrator.bsdf_sampling);
-    h_.emitter_sampling =
-        integrator.emitter_sampling == EmitterSampling::kArea ? EMITTER_AREA : EMITTER_SOLID_ANGLE;
+    h_.emitter_sampling = integrator.emitter_sampling == EmitterSampling::kArea        ? EMITTER_AREA
+                          : integrator.emitter_sampling == EmitterSampling::kProjected ? EMITTER_PROJECTED
+                                                                                       : EMITTER_SOLID_ANGLE;
     h_.heuristic = int(integrator.heuristic);
     h_.hide_emitters = integrator.hide_emitters ? 1 : 0;
     const bool any_triangle =
         std::any_of(lights_.begin(), lights_.end(), [](const Light& l) { return l.kind == LIGHT_TRIANGLE; });
     if (integrator.emitter_sampling == EmitterSampling::kSolidAngle && any_triangle)
       need(FEATURE_SOLID_ANGLE);
+    if (integrator.emitter_sampling == EmitterSampling::kProjected && any_triangle) need(FEATURE_PROJECTED);
   }
 
   Expected<void> choose_intersector() {

@@ -30,6 +30,8 @@ std::string_view emitter_sampling_name(EmitterSampling sampling) {
       return "area";
     case EmitterSampling::kSolidAngle:
       return "solid_angle";
+    case EmitterSampling::kProjected:
+      return "projected";
   }
   return "?";
 }

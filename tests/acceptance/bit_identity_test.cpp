@@ -18,6 +18,7 @@ struct SceneCase {
   std::string file;  ///< below scenes/, or below the oracles
   bool is_oracle = false;
   bool is_diffuse = true;
+  EmitterSampling emitter_sampling = EmitterSampling::kAuto;
 };
 
 void PrintTo(const SceneCase& scene_case, std::ostream* out) { *out << scene_case.name; }
@@ -29,6 +30,8 @@ const std::vector<SceneCase> kScenes{
     {"Furnace", "furnace/furnace.xml"},
     {"UnitSphere", "furnace/unit-sphere.xml"},
     {"PolygonLights", "polygon-lights/polygon-lights.xml"},
+    {"CornellProjected", "cornell/cornell.xml", false, true, EmitterSampling::kProjected},
+    {"PolygonLightsProjected", "polygon-lights/polygon-lights.xml", false, true, EmitterSampling::kProjected},
     {"BitterliCornellBox", "bitterli/cornell-box/scene.xml", true},
     {"MitsubaCbox", "mitsuba/scenes/cbox/cbox-rgb.xml", true},
 };
@@ -39,6 +42,8 @@ SceneDescription small_scene(const SceneCase& scene_case) {
   SceneDescription scene = read_or_throw(file);
   resize_film(scene, 40, 30);  // no multiple of a block, a vector or a tile
   scene.sampler.spp = 6;
+  if (scene_case.emitter_sampling != EmitterSampling::kAuto)
+    scene.integrator.emitter_sampling = scene_case.emitter_sampling;
   return scene;
 }
 

@@ -31,9 +31,12 @@ inline std::vector<Strategy> direct_strategies() {
   IntegratorSettings mis_uniform = direct_integrator(2, 1);
   mis_uniform.bsdf_sampling = BsdfSampling::kUniform;
   mis_uniform.emitter_sampling = EmitterSampling::kSolidAngle;
+  IntegratorSettings mis_projected = direct_integrator(1, 1);
+  mis_projected.emitter_sampling = EmitterSampling::kProjected;
   return {
       {"EmitterArea", emitter(EmitterSampling::kArea)},
       {"EmitterSolidAngle", emitter(EmitterSampling::kSolidAngle)},
+      {"EmitterProjected", emitter(EmitterSampling::kProjected)},
       {"DirectionBsdf", direction(BsdfSampling::kBsdf)},
       {"DirectionCosine", direction(BsdfSampling::kCosine)},
       {"DirectionUniform", direction(BsdfSampling::kUniform)},
@@ -41,17 +44,21 @@ inline std::vector<Strategy> direct_strategies() {
       {"MisPower", direct_integrator(1, 1, MisHeuristic::kPower)},
       {"MisManySamples", direct_integrator(3, 2, MisHeuristic::kPower)},
       {"MisUniformAndSolidAngle", mis_uniform},
+      {"MisProjected", mis_projected},
   };
 }
 
 inline std::vector<Strategy> path_strategies() {
   IntegratorSettings power = path_integrator(DirectSampling::kMis);
   power.heuristic = MisHeuristic::kPower;
+  IntegratorSettings projected = path_integrator(DirectSampling::kMis);
+  projected.emitter_sampling = EmitterSampling::kProjected;
   return {
       {"PathMats", path_integrator(DirectSampling::kBsdfOnly)},
       {"PathEms", path_integrator(DirectSampling::kEmitterOnly)},
       {"PathMis", path_integrator(DirectSampling::kMis)},
       {"PathMisPower", power},
+      {"PathMisProjected", projected},
   };
 }
 

@@ -46,6 +46,8 @@ TEST(Settings, SetEveryGroup) {
   EXPECT_EQ(scene.integrator.bsdf_samples, 0);
   EXPECT_EQ(scene.integrator.bsdf_sampling, BsdfSampling::kUniform);
   EXPECT_EQ(scene.integrator.emitter_sampling, EmitterSampling::kSolidAngle);
+  ASSERT_TRUE(apply_setting(scene, "integrator.emitter_sampling", "projected"));
+  EXPECT_EQ(scene.integrator.emitter_sampling, EmitterSampling::kProjected);
   EXPECT_EQ(scene.integrator.heuristic, MisHeuristic::kPower);
   EXPECT_TRUE(scene.integrator.hide_emitters);
   EXPECT_EQ(scene.sampler.kind, SamplerKind::kHalton);
