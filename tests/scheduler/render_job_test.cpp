@@ -138,7 +138,8 @@ TEST_F(RenderJobTest, ASceneOfManyChunksArrivesWhole) {
 }
 
 TEST_F(RenderJobTest, AKilledAndAStoppedWorkerChangeNothing) {
-  FakeBehaviour{.delay_ms = 5}.to_environment();
+  // Slow enough that the worker in the killed one's place is there before the end.
+  FakeBehaviour{.delay_ms = 30}.to_environment();
   std::vector<pid_t> victims;
   const std::atomic<bool> stop = false;
   const Expected<RenderOutcome> outcome = run_render(job(3), stop, [&](const RenderProgress& progress) {
