@@ -129,8 +129,8 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice,
     const float ratio2 = r2 / (cone ? d2 : 1.0f);
     const float half_chord = safe_sqrt(1.0f - sine2 / max_f(ratio2, 1e-30f));
     const float cosine_center = sine2 / SQRT(max_f(ratio2, 1e-30f)) + (1.0f - versine) * half_chord;
-    // By the law of sines from the distance along the direction: the cosine would lose small angles, which are
-    // wide ones for a receiver close to the sphere.
+    // By the law of sines from the distance along the direction: the cosine would lose small angles, which
+    // are wide ones for a receiver close to the sphere.
     const float product = radius * (distance * (1.0f - versine) + radius * half_chord);
     const float sine_center = SQRT(sine2) * (d2 - r2) / max_f(product, 1e-30f);
     const vec3 toward = scale(to_center, -1.0f / (cone ? distance : 1.0f));
