@@ -105,6 +105,12 @@ STAGE void intersect_block(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f,
 #endif
 }
 
+/// Intersectors that take one ray at a time leave lanes from `count` on alone: they repeat the last path's
+/// hit too.
+FN void pad_hits(GLOBAL int* ints, int capacity, int count) {
+  for (int i = count; i % LANES != 0; i++) ints[HIT * capacity + i] = ints[HIT * capacity + count - 1];
+}
+
 /// Leaves in HIT of each lane whether its shadow ray is blocked (>= 0) or free (-1).
 STAGE void occlude_block(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                          int capacity, int count) {
@@ -392,6 +398,7 @@ FN void render_block(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
     generate(scene, unit, first_pixel, first, count, f, ints, capacity, slots, slot_capacity);
     for (int step = 0; count > 0; step++) {
       intersect_block(scene, f, ints, capacity, count);
+      pad_hits(ints, capacity, count);
 #if HAS(LAYERS)
       if (layers && step == 0) record_layers(scene, f, ints, capacity, count, slots, slot_capacity);
 #endif

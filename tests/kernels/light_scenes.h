@@ -1,0 +1,98 @@
+// Scenes of one light that is also a primitive, for tests of light sampling.
+#pragma once
+
+#include <string>
+
+#include "tests/kernels/kernels_under_test.h"
+#include "tests/kernels/scene_tables.h"
+
+namespace penumbra {
+
+inline SceneTables triangle_light(const vec3& a, const vec3& b, const vec3& c, bool by_solid_angle) {
+  SceneTables tables;
+  tables.header.features = by_solid_angle ? FEATURE_SOLID_ANGLE : 0;
+  tables.header.emitter_sampling = by_solid_angle ? EMITTER_SOLID_ANGLE : EMITTER_AREA;
+  tables.header.environment = -1;
+  tables.add_triangle(a, b, c);
+  tables.triangles[0].light = 0;
+  Light light{};
+  light.kind = LIGHT_TRIANGLE;
+  light.p0 = a;
+  light.p1 = b;
+  light.p2 = c;
+  light.area = float(0.5L * length(cross(exact(b) - exact(a), exact(c) - exact(a))));
+  light.pmf = light.alias_threshold = 1;
+  light.radiance = make_vec3(1, 2, 3);
+  tables.lights.push_back(light);
+  return tables;
+}
+
+inline SceneTables quadric_light(const Quadric& quadric, bool by_solid_angle) {
+  SceneTables tables;
+  tables.header.emitter_sampling = by_solid_angle ? EMITTER_SOLID_ANGLE : EMITTER_AREA;
+  tables.header.environment = -1;
+  tables.quadrics.push_back(quadric);
+  tables.quadrics[0].light = 0;
+  Light light{};
+  const bool sphere = quadric.kind == QUADRIC_SPHERE;
+  light.kind = sphere ? LIGHT_SPHERE : LIGHT_DISK;
+  light.p0 = quadric.center;
+  light.p1 = quadric.normal;
+  light.p2 = make_vec3(quadric.radius, quadric.orientation, 0);
+  light.area = (sphere ? 4 : 1) * PI_F * sqr(quadric.radius);
+  light.pmf = light.alias_threshold = 1;
+  light.radiance = make_vec3(1, 2, 3);
+  tables.lights.push_back(light);
+  return tables;
+}
+
+inline SceneTables sphere_light(const vec3& center, float radius, float orientation, bool by_solid_angle) {
+  Quadric q{};
+  q.kind = QUADRIC_SPHERE;
+  q.center = center;
+  q.radius = radius;
+  q.orientation = orientation;
+  return quadric_light(q, by_solid_angle);
+}
+
+inline SceneTables disk_light(const vec3& center, const vec3& normal, float radius) {
+  Quadric q{};
+  q.kind = QUADRIC_DISK;
+  q.center = center;
+  q.normal = normal;
+  q.radius = radius;
+  q.orientation = 1;
+  return quadric_light(q, false);
+}
+
+inline SceneTables environment_light() {
+  SceneTables tables;
+  tables.header.environment = 0;
+  Light light{};
+  light.kind = LIGHT_ENVIRONMENT;
+  light.pmf = light.alias_threshold = 1;
+  light.radiance = make_vec3(1, 2, 3);
+  tables.lights.push_back(light);
+  return tables;
+}
+
+/// A receiver at `p` that faces `normal`, its position rounded like a real one's.
+inline Surface receiver(const vec3& p, const vec3& normal) {
+  Surface s{};
+  s.valid = s.front = true;
+  s.p = p;
+  s.geometric = s.shading = s.wo = normal;
+  s.error = POSITION_ERROR * dot3(abs3(normal), abs3(p));
+  s.light = -1;
+  return s;
+}
+
+/// Van Oosterom and Strackee 1983.
+inline double exact_solid_angle(const Exact3& a, const Exact3& b, const Exact3& c) {
+  const Exact3 u = normalize(a), v = normalize(b), w = normalize(c);
+  // By edges, which keeps small triangles' digits.
+  const long double determinant = std::abs(dot(u, cross(v - u, w - u)));
+  return double(2 * std::atan2(determinant, 1 + dot(u, v) + dot(v, w) + dot(w, u)));
+}
+
+}  // namespace penumbra

@@ -1,0 +1,275 @@
+// The serialised device scene: what comes off the wire is the scene that was sent, or an error; never a scene
+// that makes a kernel read outside it.
+#include "kernels/host/device_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "kernels/host/device_scene_check.h"
+#include "tests/support/render_scene.h"
+#include "tests/worker/device_scenes.h"
+
+namespace penumbra {
+namespace {
+
+class DeviceScenes : public testing::TestWithParam<NamedScene> {
+ protected:
+  DeviceScene scene_ = build_or_throw(GetParam().make());
+};
+INSTANTIATE_TEST_SUITE_P(All, DeviceScenes, testing::ValuesIn(device_scenes()),
+                         [](const auto& info) { return info.param.name; });
+
+TEST_P(DeviceScenes, SurviveTheWire) {
+  const std::vector<std::uint8_t> bytes = scene_.serialize();
+  const auto back = DeviceScene::deserialize(bytes);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(std::memcmp(&back->header, &scene_.header, sizeof scene_.header), 0);
+  EXPECT_EQ(back->words, scene_.words);
+  EXPECT_EQ(back->serialize(), bytes);
+}
+
+TEST_P(DeviceScenes, PassTheirOwnCheck) {
+  const auto checked = check_device_scene(scene_);
+  EXPECT_TRUE(checked) << checked.error().message;
+}
+
+TEST_P(DeviceScenes, AreErrorsWhenTruncated) {
+  const std::vector<std::uint8_t> bytes = scene_.serialize();
+  const std::size_t step = std::max<std::size_t>(1, bytes.size() / 3000);
+  for (std::size_t length = 0; length < bytes.size(); length += length < 600 ? 1 : step) {
+    const auto part = DeviceScene::deserialize(std::span(bytes).first(length));
+    ASSERT_FALSE(part) << length << " of " << bytes.size() << " bytes";
+    EXPECT_EQ(part.error().message.rfind("device scene: ", 0), 0u);
+  }
+  std::vector<std::uint8_t> longer = bytes;
+  longer.push_back(0);
+  EXPECT_FALSE(DeviceScene::deserialize(longer));
+}
+
+/// Seeded bits for mutations.
+class Bits {
+ public:
+  explicit Bits(std::uint64_t seed) : state_(seed) {}
+  std::uint64_t below(std::uint64_t n) {
+    state_ = state_ * 6364136223846793005ULL + 1442695040888963407ULL;  // Knuth, MMIX
+    return (state_ >> 33) % n;
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+/// Where the words begin in the serialised form, and where their number stands.
+constexpr std::size_t kPreamble = 16, kWordCountAt = 12, kWordsAt = kPreamble + sizeof(SceneHeader);
+
+/// Renders a few pixels of whatever was accepted. Under the address sanitizer a read outside fails here.
+void render_accepted(const DeviceScene& scene) {
+  // A path may rightly be asked to go on for as long as it likes.
+  if (scene.header.integrator == INTEGRATOR_PATH && scene.header.max_depth > 1000 &&
+      scene.header.rr_depth > 1000)
+    return;
+  DeviceOptions options;
+  options.isa = best_isa();
+  const auto device = make_device(scene, options);
+  if (!device) return;  // an Embree scene that Embree refuses
+  for (int x : {1, 12, 20}) {
+    const auto buffer = (*device)->render({x, 9, 1, 1, 0, 2});
+    ASSERT_TRUE(buffer) << buffer.error().message;
+  }
+}
+
+TEST_P(DeviceScenes, WithTablesCutOffAreErrorsOrCanBeRendered) {
+  // The announced number of words fits what is there: only the offsets tell.
+  const std::vector<std::uint8_t> bytes = scene_.serialize();
+  int errors = 0, tries = 0;
+  for (std::size_t words = 0; words < scene_.words.size();
+       words += std::max<std::size_t>(1, scene_.words.size() / 400)) {
+    std::vector<std::uint8_t> part(bytes.begin(), bytes.begin() + std::ptrdiff_t(kWordsAt + 4 * words));
+    const auto count = std::uint32_t(words);
+    std::memcpy(part.data() + kWordCountAt, &count, sizeof count);
+    const auto scene = DeviceScene::deserialize(part);
+    ++tries;
+    if (scene)
+      render_accepted(*scene);
+    else
+      ++errors;
+  }
+  EXPECT_GE(errors, tries * 9 / 10);  // what is left is padding and records that only wider kernels read
+}
+
+TEST_P(DeviceScenes, WithFlippedBitsAreErrorsOrCanBeRendered) {
+  const std::vector<std::uint8_t> bytes = scene_.serialize();
+  Bits bits(17);
+  int accepted = 0, refused = 0;
+  for (int k = 0; k < 3000; ++k) {
+    std::vector<std::uint8_t> mutated = bytes;
+    const std::uint64_t flips = 1 + bits.below(3);
+    for (std::uint64_t i = 0; i < flips; ++i) {
+      // Half of them in the header, the rest anywhere.
+      const std::size_t at = bits.below(2) != 0 ? bits.below(kWordsAt) : bits.below(bytes.size());
+      mutated[at] ^= std::uint8_t(1u << bits.below(8));
+    }
+    const auto scene = DeviceScene::deserialize(mutated);
+    if (scene) {
+      ++accepted;
+      if (accepted % 8 == 0) render_accepted(*scene);
+    } else {
+      ++refused;
+    }
+  }
+  EXPECT_GT(accepted, 100);
+  EXPECT_GT(refused, 100);
+}
+
+TEST_P(DeviceScenes, WithWildIndicesAreErrorsOrCanBeRendered) {
+  const std::vector<std::uint8_t> bytes = scene_.serialize();
+  const std::uint32_t wild[] = {0,          1,          0x7fffffff,
+                                0x80000000, 0xffffffff, 0x3f800000,
+                                0x7f800000, 0x7fc00000, std::uint32_t(scene_.words.size())};
+  Bits bits(18);
+  int accepted = 0;
+  for (std::size_t word = 0; word < sizeof(SceneHeader) / 4 + 600; ++word) {
+    // Every word of the header, then words anywhere.
+    const std::size_t headers = sizeof(SceneHeader) / 4;
+    const std::size_t at =
+        kPreamble + 4 * (word < headers ? word : headers + bits.below(scene_.words.size()));
+    for (std::uint32_t value : wild) {
+      if (word >= headers && bits.below(4) != 0) continue;
+      std::vector<std::uint8_t> mutated = bytes;
+      std::memcpy(mutated.data() + at, &value, sizeof value);
+      const auto scene = DeviceScene::deserialize(mutated);
+      if (!scene) continue;
+      ++accepted;
+      render_accepted(*scene);
+    }
+  }
+  EXPECT_GT(accepted, 100);
+}
+
+/// Changes a record of one of the scene's tables.
+template <typename Record, typename Change>
+DeviceScene with_record(DeviceScene scene, std::uint32_t offset, std::size_t index, Change change) {
+  Record record;
+  std::uint32_t* at = scene.words.data() + offset + index * (sizeof(Record) / 4);
+  std::memcpy(&record, at, sizeof record);
+  change(record);
+  std::memcpy(at, &record, sizeof record);
+  return scene;
+}
+
+void expect_refused(const DeviceScene& scene, const std::string& because) {
+  const auto checked = check_device_scene(scene);
+  ASSERT_FALSE(checked) << "not refused: " << because;
+  EXPECT_NE(checked.error().message.find(because), std::string::npos) << checked.error().message;
+}
+
+TEST(DeviceSceneCheck, NamesWhatIsWrong) {
+  const DeviceScene scene = build_or_throw(everything());
+  const SceneHeader& h = scene.header;
+  const auto with_header = [&](auto change) {
+    DeviceScene changed = scene;
+    change(changed.header);
+    return changed;
+  };
+  expect_refused(with_header([](SceneHeader& c) { c.features |= 0x80000000; }), "unknown feature bits");
+  expect_refused(with_header([](SceneHeader& c) { c.intersector = 7; }), "unknown intersector");
+  expect_refused(with_header([](SceneHeader& c) { c.sampler = -1; }), "unknown sampler");
+  expect_refused(with_header([](SceneHeader& c) { c.filter = 3; }), "unknown filter");
+  expect_refused(with_header([](SceneHeader& c) { c.integrator = 2; }), "unknown integrator");
+  expect_refused(with_header([](SceneHeader& c) { c.integrator = INTEGRATOR_PATH; }),
+                 "an integrator without its feature bit");
+  expect_refused(with_header([](SceneHeader& c) { c.sampler = SAMPLER_HALTON; }),
+                 "a sampler without its feature bit");
+  expect_refused(with_header([](SceneHeader& c) { c.film_width = 0; }), "empty film");
+  expect_refused(with_header([](SceneHeader& c) { c.spp = 0; }), "no samples per pixel");
+  expect_refused(with_header([](SceneHeader& c) { c.bsdf_samples = -1; }),
+                 "number of emitter or BSDF samples");
+  expect_refused(with_header([](SceneHeader& c) { c.emitter_samples = 1 << 30; }),
+                 "number of emitter or BSDF samples");
+  expect_refused(with_header([](SceneHeader& c) { c.triangles = 0xfffffff0; }), "triangles lie outside");
+  expect_refused(with_header([](SceneHeader& c) { c.light_count = -1; }), "lights lie outside");
+  expect_refused(with_header([](SceneHeader& c) { c.quadrics = 0xffffffff; }), "quadrics lie outside");
+  expect_refused(with_header([](SceneHeader& c) { c.filter_table = 0xffffffff; }),
+                 "filter's table lies outside");
+  expect_refused(with_header([](SceneHeader& c) { c.environment = c.light_count; }),
+                 "the environment names no light");
+  expect_refused(with_header([](SceneHeader& c) { --c.corner_count; }), "corners do not match");
+  expect_refused(with_header([](SceneHeader& c) { c.features &= ~unsigned(FEATURE_QUADRICS); }),
+                 "quadrics without their feature bit");
+  expect_refused(with_record<Triangle>(scene, h.triangles, 3, [](Triangle& t) { t.back = 1000; }),
+                 "a triangle names a material");
+  expect_refused(with_record<Triangle>(scene, h.triangles, 3, [](Triangle& t) { t.light = 1000; }),
+                 "a triangle names a light");
+  expect_refused(with_record<Triangle>(scene, h.triangles, 3, [](Triangle& t) { t.normals = -2; }),
+                 "a triangle names normals");
+  expect_refused(with_record<Quadric>(scene, h.quadrics, 0, [](Quadric& q) { q.front = -1; }),
+                 "a quadric names a material");
+  expect_refused(with_record<Quadric>(scene, h.quadrics, 0, [](Quadric& q) { q.kind = 2; }),
+                 "a quadric of unknown kind");
+  expect_refused(with_record<Light>(scene, h.lights, 0, [](Light& l) { l.alias = 99; }), "a light's alias");
+  expect_refused(with_record<Light>(scene, h.lights, 0, [](Light& l) { l.kind = 9; }),
+                 "a light of unknown kind");
+  expect_refused(with_record<Corner>(scene, h.corners, 0, [](Corner& c) { c.v2 = 128; }),
+                 "a corner names a vertex");
+}
+
+TEST(DeviceSceneCheck, FollowsTheHierarchy) {
+  const DeviceScene scene = build_or_throw(everything_in_a_hierarchy());
+  const SceneHeader& h = scene.header;
+  ASSERT_GT(h.node_count, 2);
+  const auto with_child = [&](std::size_t node, std::size_t slot, int child) {
+    return with_record<BvhNode>(scene, h.nodes, node, [&](BvhNode& n) { n.child[slot] = child; });
+  };
+  expect_refused(with_child(1, 0, 0), "names a child that is not there");  // a cycle
+  expect_refused(with_child(1, 0, 1), "names a child that is not there");
+  expect_refused(with_child(0, 0, h.node_count), "names a child that is not there");
+  expect_refused(with_child(0, 7, ~(h.triangle_leaf_count + h.quadric_leaf_count)),
+                 "names a leaf that is not there");
+  expect_refused(with_child(0, 7, 1), "has two parents");
+  expect_refused(with_child(0, 0, ~0), "has no parent");
+  expect_refused(with_record<TriangleLeaf>(scene, h.triangle_leaves, 0,
+                                           [&](TriangleLeaf& l) { l.primitive[0] = h.triangle_count; }),
+                 "names a triangle that is not there");
+  expect_refused(
+      with_record<QuadricLeaf>(scene, h.quadric_leaves, 0, [&](QuadricLeaf& l) { l.primitive[0] = 0; }),
+      "names a quadric that is not there");
+  DeviceScene rootless = scene;
+  rootless.header.node_count = 0;
+  expect_refused(rootless, "a hierarchy without a root");
+}
+
+TEST(DeviceSceneCheck, RefusesOtherVersions) {
+  std::vector<std::uint8_t> bytes = build_or_throw(diffuse_box()).serialize();
+  std::vector<std::uint8_t> other = bytes;
+  other[0] ^= 1;
+  EXPECT_NE(DeviceScene::deserialize(other).error().message.find("magic"), std::string::npos);
+  other = bytes;
+  other[4] ^= 1;
+  EXPECT_NE(DeviceScene::deserialize(other).error().message.find("version"), std::string::npos);
+  other = bytes;
+  other[8] ^= 4;
+  EXPECT_NE(DeviceScene::deserialize(other).error().message.find("version"), std::string::npos);
+}
+
+TEST(DeviceSceneCheck, CamerasThatAreNotNumbersRenderSomething) {
+  // Rays without a direction hit nothing in particular; they must end.
+  for (const NamedScene& named : device_scenes()) {
+    DeviceScene scene = build_or_throw(named.make());
+    for (float bad :
+         {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 0.0f}) {
+      scene.header.camera_z = make_vec3(bad, bad, bad);
+      render_accepted(scene);
+      scene.header.camera_origin = make_vec3(bad, 0, 0);
+      render_accepted(scene);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace penumbra

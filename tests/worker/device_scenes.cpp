@@ -1,0 +1,137 @@
+#include "tests/worker/device_scenes.h"
+
+#include <array>
+#include <cmath>
+
+#include "tests/acceptance/scene_pieces.h"
+
+namespace penumbra {
+namespace {
+
+using glm::dvec3;
+
+/// Seen from outside through the missing wall at z = 1.
+void add_box(SceneDescription& scene) {
+  const int white = add_diffuse(scene, 0.7f), grey = add_diffuse(scene, 0.3f);
+  scene.shapes.push_back(parallelogram(dvec3(-1, -1, 1), dvec3(2, 0, 0), dvec3(0, 0, -2), white));  // floor
+  scene.shapes.push_back(parallelogram(dvec3(-1, 1, -1), dvec3(2, 0, 0), dvec3(0, 0, 2), white));   // ceiling
+  scene.shapes.push_back(parallelogram(dvec3(-1, -1, -1), dvec3(2, 0, 0), dvec3(0, 2, 0), white));  // back
+  scene.shapes.push_back(parallelogram(dvec3(-1, -1, 1), dvec3(0, 0, -2), dvec3(0, 2, 0), grey));   // left
+  scene.shapes.push_back(parallelogram(dvec3(1, -1, -1), dvec3(0, 0, 2), dvec3(0, 2, 0), grey));    // right
+  scene.shapes.push_back(
+      parallelogram(dvec3(-0.25, 0.99, -0.25), dvec3(0.5, 0, 0), dvec3(0, 0, 0.5), kBlackBsdf, 10.0f));
+}
+
+SceneDescription film_and_camera() {
+  SceneDescription scene = empty_scene(24, 18, 8, 1);
+  scene.sampler.kind = SamplerKind::kSobol;
+  scene.camera = look_at(dvec3(0, 0, 4), dvec3(0, 0, 0), dvec3(0, 1, 0), 40);
+  return scene;
+}
+
+/// A wavy sheet of 2 cells^2 triangles just above the floor.
+Shape bumpy_sheet(int cells, int bsdf, bool with_normals) {
+  Mesh mesh;
+  for (int i = 0; i <= cells; ++i)
+    for (int j = 0; j <= cells; ++j) {
+      const double x = -0.9 + 1.8 * i / cells, z = -0.9 + 1.8 * j / cells;
+      mesh.positions.emplace_back(x, -0.8 + 0.1 * std::sin(5 * x) * std::cos(4 * z), z);
+      if (with_normals) {
+        const dvec3 slope(0.5 * std::cos(5 * x) * std::cos(4 * z), 0,
+                          -0.4 * std::sin(5 * x) * std::sin(4 * z));
+        mesh.normals.emplace_back(glm::normalize(dvec3(0, 1, 0) - slope));
+      }
+    }
+  const auto at = [&](int i, int j) { return unsigned(i * (cells + 1) + j); };
+  for (int i = 0; i < cells; ++i)
+    for (int j = 0; j < cells; ++j) {
+      mesh.triangles.emplace_back(at(i, j), at(i, j + 1), at(i + 1, j + 1));
+      mesh.triangles.emplace_back(at(i, j), at(i + 1, j + 1), at(i + 1, j));
+    }
+  Shape shape;
+  shape.name = "sheet";
+  shape.geometry = std::move(mesh);
+  shape.front_bsdf = shape.back_bsdf = bsdf;
+  return shape;
+}
+
+Shape sphere(dvec3 center, double radius, int bsdf, std::optional<float> radiance = std::nullopt) {
+  Shape shape;
+  shape.name = "sphere";
+  shape.geometry = Sphere{center, radius};
+  shape.front_bsdf = bsdf;
+  if (radiance) shape.radiance = glm::vec3(*radiance);
+  return shape;
+}
+
+void add_everything(SceneDescription& scene, int sheet_cells) {
+  add_box(scene);
+  const int glossy = int(scene.bsdfs.size());
+  scene.bsdfs.push_back({"glossy", PhongBsdf{glm::vec3(0.3f), glm::vec3(0.5f), 40}});
+  scene.shapes.push_back(bumpy_sheet(sheet_cells, glossy, true));
+  scene.shapes.push_back(sphere(dvec3(-0.4, -0.3, 0), 0.3, glossy));
+  scene.shapes.push_back(sphere(dvec3(0.6, 0.5, 0.2), 0.1, kBlackBsdf, 5.0f));
+  Shape disk;
+  disk.name = "disk";
+  disk.geometry = Disk{dvec3(0.4, -0.2, -0.3), glm::normalize(dvec3(-1, 0.5, 1)), 0.3};
+  disk.front_bsdf = 0;
+  disk.back_bsdf = glossy;
+  disk.radiance = glm::vec3(0.5f);
+  scene.shapes.push_back(disk);
+  scene.point_lights.push_back({dvec3(0, 0.5, 0.9), glm::vec3(0.5f)});
+  scene.environment = ConstantEnvironment{glm::vec3(0.2f, 0.3f, 0.4f)};
+  scene.film.filter = FilterKind::kMitchell;
+  scene.film.filter_radius = 2;
+}
+
+}  // namespace
+
+SceneDescription diffuse_box() {
+  SceneDescription scene = film_and_camera();
+  add_box(scene);
+  return scene;
+}
+
+SceneDescription many_triangles() {
+  SceneDescription scene = diffuse_box();
+  scene.shapes.push_back(bumpy_sheet(12, 0, false));
+  return scene;
+}
+
+SceneDescription everything() {
+  SceneDescription scene = film_and_camera();
+  add_everything(scene, 4);
+  scene.integrator = direct_integrator(2, 1);
+  scene.integrator.emitter_sampling = EmitterSampling::kSolidAngle;
+  return scene;
+}
+
+SceneDescription everything_in_a_hierarchy() {
+  SceneDescription scene = film_and_camera();
+  add_everything(scene, 8);
+  for (int i = 0; i < 30; ++i)
+    scene.shapes.push_back(sphere(dvec3(-0.8 + 0.06 * i, 0.6 - 0.01 * i * (i % 3), -0.5), 0.05, i % 2));
+  scene.integrator = path_integrator(DirectSampling::kMis);
+  scene.sampler.kind = SamplerKind::kHalton;
+  return scene;
+}
+
+SceneDescription environment_alone() {
+  SceneDescription scene = film_and_camera();
+  add_diffuse(scene, 0.5f);
+  scene.environment = ConstantEnvironment{glm::vec3(0.25f, 0.5f, 0.75f)};
+  return scene;
+}
+
+void PrintTo(const NamedScene& scene, std::ostream* out) { *out << scene.name; }
+
+const std::vector<NamedScene>& device_scenes() {
+  static const std::vector<NamedScene> scenes{{"DiffuseBox", diffuse_box},
+                                              {"ManyTriangles", many_triangles},
+                                              {"Everything", everything},
+                                              {"EverythingInAHierarchy", everything_in_a_hierarchy},
+                                              {"EnvironmentAlone", environment_alone}};
+  return scenes;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,326 @@
+// Devices: a pixel's samples do not depend on how the work is cut up, on threads, instruction sets or kernel
+// variants; what cannot be rendered is refused with a message; samples that are not numbers are counted.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "kernels/host/native_kernels.h"
+#include "tests/support/render_scene.h"
+#include "tests/worker/device_scenes.h"
+#include "worker/device.h"
+#include "worker/opencl_program.h"
+
+namespace penumbra {
+namespace {
+
+std::unique_ptr<Device> device_or_throw(const DeviceScene& scene, const DeviceOptions& options) {
+  auto device = make_device(scene, options);
+  if (!device) throw std::runtime_error(device.error().message);
+  return std::move(*device);
+}
+
+SampleBuffer render(Device& device, const RenderUnit& unit) {
+  auto buffer = device.render(unit);
+  if (!buffer) throw std::runtime_error(buffer.error().message);
+  return std::move(*buffer);
+}
+
+DeviceOptions native_options(int threads = 1) {
+  DeviceOptions options;
+  options.isa = best_isa();
+  options.threads = threads;
+  return options;
+}
+
+DeviceOptions opencl_options(int threads = 1) {
+  DeviceOptions options;
+  options.backend = Backend::kOpenCl;
+  options.threads = threads;
+  return options;
+}
+
+RenderUnit whole_film(const DeviceScene& scene, std::uint32_t first_sample = 0, std::uint32_t samples = 8) {
+  return {0, 0, scene.header.film_width, scene.header.film_height, first_sample, samples};
+}
+
+bool same_bytes(const SampleBuffer& a, const SampleBuffer& b) {
+  return a.width == b.width && a.height == b.height && a.planes == b.planes &&
+         a.sample_count == b.sample_count && a.nan_samples == b.nan_samples &&
+         a.infinite_samples == b.infinite_samples && a.values.size() == b.values.size() &&
+         std::memcmp(a.values.data(), b.values.data(), a.values.size() * sizeof(float)) == 0;
+}
+
+/// Planes and pixels in which a part differs from the same pixels of the whole.
+int differences(const SampleBuffer& whole, const SampleBuffer& part, int x, int y) {
+  int count = 0;
+  for (int p = 0; p < whole.planes; ++p)
+    for (int j = 0; j < part.height; ++j)
+      for (int i = 0; i < part.width; ++i) {
+        const float a = whole.plane(p)[std::size_t((y + j) * whole.width + x + i)];
+        const float b = part.plane(p)[std::size_t(j * part.width + i)];
+        count += std::memcmp(&a, &b, sizeof a) != 0 ? 1 : 0;
+      }
+  return count;
+}
+
+class Devices : public testing::TestWithParam<std::tuple<NamedScene, Backend>> {
+ protected:
+  void SetUp() override {
+    if (backend() == Backend::kOpenCl && list_opencl_devices().empty())
+      GTEST_SKIP() << "no OpenCL device on this machine";
+  }
+  static Backend backend() { return std::get<1>(GetParam()); }
+  static DeviceOptions options(int threads = 1) {
+    return backend() == Backend::kOpenCl ? opencl_options(threads) : native_options(threads);
+  }
+  static DeviceScene scene() { return build_or_throw(std::get<0>(GetParam()).make()); }
+};
+
+std::string scene_and_backend(const testing::TestParamInfo<std::tuple<NamedScene, Backend>>& info) {
+  return std::get<0>(info.param).name + (std::get<1>(info.param) == Backend::kOpenCl ? "OpenCl" : "Native");
+}
+INSTANTIATE_TEST_SUITE_P(All, Devices,
+                         testing::Combine(testing::ValuesIn(device_scenes()),
+                                          testing::Values(Backend::kNative, Backend::kOpenCl)),
+                         scene_and_backend);
+
+TEST_P(Devices, GiveTheSamePixelsWhateverTheUnits) {
+  const DeviceScene s = scene();
+  const auto device = device_or_throw(s, options());
+  const SampleBuffer whole = render(*device, whole_film(s, 3, 5));
+  EXPECT_EQ(whole.nan_samples, 0u);
+  EXPECT_EQ(whole.infinite_samples, 0u);
+  EXPECT_GT(*std::ranges::max_element(whole.plane(kMeanG)), 0);
+  const int width = s.header.film_width, height = s.header.film_height;
+  for (int tile : {7, 16})
+    for (int y = 0; y < height; y += tile)
+      for (int x = 0; x < width; x += tile) {
+        const RenderUnit unit{x, y, std::min(tile, width - x), std::min(tile, height - y), 3, 5};
+        EXPECT_EQ(differences(whole, render(*device, unit), x, y), 0) << "tile at " << x << ", " << y;
+      }
+  // One pixel alone.
+  EXPECT_EQ(differences(whole, render(*device, {11, 9, 1, 1, 3, 5}), 11, 9), 0);
+}
+
+TEST_P(Devices, GiveTheSameSamplesWhateverTheRange) {
+  const DeviceScene s = scene();
+  const auto device = device_or_throw(s, options());
+  constexpr std::uint32_t kSamples = 8;
+  const SampleBuffer together = render(*device, whole_film(s, 0, kSamples));
+  std::vector<double> sum(together.values.size()), squares(together.values.size());
+  for (std::uint32_t i = 0; i < kSamples; ++i) {
+    const SampleBuffer one = render(*device, whole_film(s, i, 1));
+    for (std::size_t k = 0; k < sum.size(); ++k) {
+      sum[k] += one.values[k];
+      squares[k] += double(one.values[k]) * one.values[k];
+    }
+  }
+  const std::size_t pixels = together.pixels();
+  for (int p = 0; p < together.planes; ++p) {
+    if (p >= kM2R && p <= kM2B) continue;
+    for (std::size_t i = 0; i < pixels; ++i) {
+      const std::size_t at = std::size_t(p) * pixels + i;
+      const double mean = sum[at] / kSamples, magnitude = std::sqrt(squares[at] / kSamples);
+      ASSERT_NEAR(together.values[at], mean, 4e-7 * magnitude) << "plane " << p << " pixel " << i;
+      if (p > kMeanB) continue;
+      const double m2 = squares[at] - kSamples * mean * mean;
+      ASSERT_NEAR(together.values[at + 3 * pixels], m2, 4e-6 * squares[at])
+          << "plane " << p << " pixel " << i;
+    }
+  }
+}
+
+TEST_P(Devices, GiveTheSameBytesWithMoreThreads) {
+  const DeviceScene s = scene();
+  const SampleBuffer one = render(*device_or_throw(s, options(1)), whole_film(s));
+  EXPECT_TRUE(same_bytes(one, render(*device_or_throw(s, options(2)), whole_film(s))));
+  if (backend() == Backend::kNative)
+    EXPECT_TRUE(same_bytes(one, render(*device_or_throw(s, options(7)), whole_film(s))));
+}
+
+TEST_P(Devices, GiveTheSameBytesEveryTime) {
+  const DeviceScene s = scene();
+  const auto device = device_or_throw(s, options(2));
+  const SampleBuffer first = render(*device, whole_film(s));
+  render(*device, {0, 0, 3, 3, 100, 50});  // another unit between leaves nothing behind
+  EXPECT_TRUE(same_bytes(first, render(*device, whole_film(s))));
+}
+
+TEST_P(Devices, RefuseUnitsThatCannotBeRendered) {
+  const DeviceScene s = scene();
+  const auto device = device_or_throw(s, options());
+  for (const RenderUnit& unit :
+       {RenderUnit{0, 0, 4, 4, 0, 0}, RenderUnit{0, 0, 4, 4, 0, kMaxSamplesPerUnit + 1},
+        RenderUnit{0, 0, 0, 4, 0, 1}, RenderUnit{0, 0, 4, -1, 0, 1}}) {
+    const auto refused = device->render(unit);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("samples go from 1 to 4096"), std::string::npos)
+        << refused.error().message;
+  }
+  EXPECT_TRUE(device->render({0, 0, 1, 1, 0, kMaxSamplesPerUnit}));
+  EXPECT_TRUE(device->render({0, 0, 1, 1, std::numeric_limits<std::uint32_t>::max(), 1}));
+}
+
+TEST_P(Devices, CountSamplesThatAreNotNumbers) {
+  // The camera sees the environment in every sample; one device after another for each kind of bad number.
+  SceneDescription description = environment_alone();
+  const float infinity = std::numeric_limits<float>::infinity(),
+              nan = std::numeric_limits<float>::quiet_NaN();
+  for (float bad : {infinity, -infinity, nan}) {
+    description.environment->radiance = glm::vec3(1, bad, 1);
+    const DeviceScene s = build_or_throw(description);
+    const auto device = device_or_throw(s, options());
+    const std::uint64_t samples =
+        std::uint64_t(s.header.film_width) * std::uint64_t(s.header.film_height) * 8;
+    for (int repeat = 0; repeat < 2; ++repeat) {  // counters start at 0 again
+      const SampleBuffer buffer = render(*device, whole_film(s));
+      EXPECT_EQ(buffer.nan_samples, std::isnan(bad) ? samples : 0);
+      EXPECT_EQ(buffer.infinite_samples, std::isnan(bad) ? 0 : samples);
+      // They count as no light at all, in every channel.
+      EXPECT_EQ(*std::ranges::max_element(buffer.plane(kMeanR)), 0);
+      EXPECT_TRUE(std::ranges::all_of(buffer.values, [](float v) { return std::isfinite(v); }));
+    }
+  }
+}
+
+TEST_P(Devices, DescribeThemselves) {
+  const DeviceScene s = scene();
+  const std::string text = device_or_throw(s, options(2))->description();
+  EXPECT_NE(text.find(backend() == Backend::kOpenCl ? "OpenCL" : "native"), std::string::npos) << text;
+}
+
+class NativeVariants : public testing::TestWithParam<NamedScene> {};
+INSTANTIATE_TEST_SUITE_P(All, NativeVariants, testing::ValuesIn(device_scenes()),
+                         [](const auto& info) { return info.param.name; });
+
+/// The whole film by one variant, without a device.
+SampleBuffer render_by(const NativeKernel& kernel, const DeviceScene& scene, int capacity) {
+  const RenderUnit unit = whole_film(scene, 0, 4);
+  SampleBuffer buffer;
+  buffer.width = unit.width;
+  buffer.height = unit.height;
+  buffer.planes = kSampleBufferPlanes;
+  buffer.sample_count = unit.sample_count;
+  buffer.values.resize(std::size_t(buffer.planes) * buffer.pixels());
+  const int pixels = int(buffer.pixels()), slots = pixels * int(unit.sample_count);
+  std::vector<float> floats(std::size_t(STATE_FLOATS * capacity)),
+      slot_floats(std::size_t(SLOT_FLOAT_COUNT * slots));
+  std::vector<int> ints(std::size_t(STATE_INTS * capacity));
+  const Block block{floats.data(), ints.data(), slot_floats.data(), capacity, slots};
+  uint bad[2] = {0, 0};
+  kernel.render_block(scene.header, scene.words.data(), Tracer{}, {0, 0, unit.width, unit.height, 0, 4}, 0,
+                      pixels, block, buffer.values.data(), bad);
+  buffer.nan_samples = bad[0];
+  buffer.infinite_samples = bad[1];
+  return buffer;
+}
+
+TEST_P(NativeVariants, AllGiveTheSameBytes) {
+  const DeviceScene scene = build_or_throw(GetParam().make());
+  const NativeKernel* smallest = find_native_kernel(KernelTarget::kSse2, scene.header.features);
+  ASSERT_NE(smallest, nullptr);
+  const SampleBuffer reference = render_by(*smallest, scene, 512);
+  EXPECT_GT(*std::ranges::max_element(reference.plane(kMeanG)), 0);
+  int compared = 0;
+  for (const NativeKernel& kernel : native_kernels()) {
+    const bool same_search = ((kernel.features ^ scene.header.features) & FEATURE_BVH) == 0;
+    if (!machine_has(kernel.target) || !same_search || (scene.header.features & ~kernel.features) != 0)
+      continue;
+    ++compared;
+    for (int capacity : {kernel.lanes, 16 * kernel.lanes, 2048})
+      EXPECT_TRUE(same_bytes(reference, render_by(kernel, scene, capacity)))
+          << "target " << int(kernel.target) << ", features " << kernel.features_name << ", blocks of "
+          << capacity;
+  }
+  EXPECT_GE(compared, 2);
+}
+
+TEST_P(NativeVariants, TheSmallestThatCoversIsChosen) {
+  const DeviceScene scene = build_or_throw(GetParam().make());
+  const NativeKernel* chosen = find_native_kernel(KernelTarget::kSse2, scene.header.features);
+  ASSERT_NE(chosen, nullptr);
+  EXPECT_EQ(scene.header.features & ~chosen->features, 0u);
+  EXPECT_EQ((scene.header.features ^ chosen->features) & FEATURE_BVH, 0u);
+  for (const NativeKernel& kernel : native_kernels())
+    if (kernel.target == KernelTarget::kSse2 && (scene.header.features & ~kernel.features) == 0 &&
+        ((kernel.features ^ scene.header.features) & FEATURE_BVH) == 0)
+      EXPECT_LE(std::popcount(chosen->features), std::popcount(kernel.features));
+}
+
+TEST_P(NativeVariants, ABlockOfOneGivesTheSameBytes) {
+  const DeviceScene scene = build_or_throw(GetParam().make());
+  DeviceOptions one = native_options();
+  one.block_of_one = true;
+  EXPECT_TRUE(same_bytes(render(*device_or_throw(scene, native_options()), whole_film(scene)),
+                         render(*device_or_throw(scene, one), whole_film(scene))));
+}
+
+TEST(DeviceErrors, AnUnknownOpenClDeviceListsTheKnown) {
+  const std::vector<OpenClDeviceInfo> known = list_opencl_devices();
+  if (known.empty()) GTEST_SKIP() << "no OpenCL device on this machine";
+  const DeviceScene scene = build_or_throw(diffuse_box());
+  DeviceOptions options = opencl_options();
+  options.opencl_device = "abacus";
+  const auto device = make_device(scene, options);
+  ASSERT_FALSE(device);
+  EXPECT_NE(device.error().message.find("'abacus'"), std::string::npos);
+  for (const OpenClDeviceInfo& info : known)
+    EXPECT_NE(device.error().message.find(info.name), std::string::npos) << device.error().message;
+  // Part of a name in any case finds it.
+  options.opencl_device = known.front().platform.substr(0, 4);
+  std::ranges::transform(options.opencl_device, options.opencl_device.begin(),
+                         [](unsigned char c) { return char(std::toupper(c)); });
+  EXPECT_TRUE(find_opencl_device(options.opencl_device));
+}
+
+TEST(DeviceErrors, OpenClRefusesEmbree) {
+  const DeviceScene scene = build_or_throw(diffuse_box(), true);
+  const auto device = make_device(scene, opencl_options());
+  ASSERT_FALSE(device);
+  EXPECT_NE(device.error().message.find("--intersector portable"), std::string::npos)
+      << device.error().message;
+}
+
+TEST(DeviceErrors, AnInstructionSetThatIsNotThereIsNamed) {
+  if (best_isa() == Isa::kAvx512)
+    GTEST_SKIP() << "this machine has every instruction set that the kernels are built for";
+  const DeviceScene scene = build_or_throw(diffuse_box());
+  DeviceOptions options = native_options();
+  options.isa = Isa::kAvx512;
+  const auto device = make_device(scene, options);
+  ASSERT_FALSE(device);
+  EXPECT_NE(device.error().message.find("avx512"), std::string::npos);
+  EXPECT_NE(device.error().message.find(isa_name(best_isa())), std::string::npos);
+}
+
+TEST(InstructionSets, HaveNames) {
+  for (Isa isa : {Isa::kSse2, Isa::kAvx2, Isa::kAvx512}) {
+    ASSERT_TRUE(isa_from_name(isa_name(isa)));
+    EXPECT_EQ(*isa_from_name(isa_name(isa)), isa);
+  }
+  const auto unknown = isa_from_name("avx1024");
+  ASSERT_FALSE(unknown);
+  EXPECT_NE(unknown.error().message.find("sse2, avx2, avx512"), std::string::npos);
+}
+
+TEST(Embree, GivesTheSamePixelsWhateverTheUnits) {
+  const DeviceScene scene = build_or_throw(everything_in_a_hierarchy(), true);
+  const auto device = device_or_throw(scene, native_options(2));
+  const SampleBuffer whole = render(*device, whole_film(scene));
+  for (int y = 0; y < scene.header.film_height; y += 9)
+    for (int x = 0; x < scene.header.film_width; x += 8)
+      EXPECT_EQ(differences(whole, render(*device, {x, y, 8, 9, 0, 8}), x, y), 0);
+}
+
+}  // namespace
+}  // namespace penumbra
