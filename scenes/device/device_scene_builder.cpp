@@ -130,7 +130,7 @@ class Builder {
       const double area =
           0.5 * std::sqrt(double(cross.x) * cross.x + double(cross.y) * cross.y + double(cross.z) * cross.z);
       if (!(area > 0)) {
-        ++degenerate_;
+        ++h_.dropped_triangles;
         continue;
       }
       if (!mesh.normals.empty()) {
@@ -278,7 +278,6 @@ class Builder {
   }
 
   Expected<void> choose_intersector() {
-    h_.scene_radius = float(radius_);
     const bool small = collect_corners();
     h_.intersector = options_.intersector == IntersectorChoice::kEmbree ||
                              (options_.intersector == IntersectorChoice::kAuto && !small)
@@ -355,7 +354,6 @@ class Builder {
   std::vector<vec3> vertices_;
   std::vector<Corner> corners_;
   Hierarchy hierarchy_;
-  std::size_t degenerate_ = 0;
   std::string problem_;
 };
 

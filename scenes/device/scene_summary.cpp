@@ -34,6 +34,8 @@ SceneSummary summarize(const DeviceScene& scene) {
                        : (h.features & FEATURE_BVH) != 0u  ? "portable, bounding volume hierarchy"
                                                            : "portable, every primitive tested");
   needs("device scene", bytes_text(scene.words.size() * 4 + sizeof h));
+  if (h.dropped_triangles > 0)
+    summary.left_out.emplace_back("triangles without area", std::to_string(h.dropped_triangles));
   for (const Feature& feature : kFeatures) {
     if ((h.features & feature.bit) != 0u)
       summary.needs.emplace_back("feature", feature.description);
