@@ -100,7 +100,7 @@ class Bsdfs : public testing::TestWithParam<BsdfCase> {
   Material material_ = GetParam().material();
 };
 INSTANTIATE_TEST_SUITE_P(All, Bsdfs, testing::ValuesIn(kCases),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& tested) { return tested.param.name; });
 
 TEST_P(Bsdfs, SamplesFollowTheDensity) {
   constexpr int kSamples = 5000 * kRows * kColumns;
@@ -147,8 +147,9 @@ TEST_P(Bsdfs, DensityAndReflectanceHaveTheRightIntegrals) {
     // No more than arrives; from above, where (n + 2) / (2 pi) int cos^(n+1) = 1, just the material's
     // reflectances.
     EXPECT_LE(integrals.reflectance, albedo * (1 + kQuadratureError));
-    if (from_above || material_.lobe == 0)
+    if (from_above || material_.lobe == 0) {
       EXPECT_NEAR(integrals.reflectance, albedo, albedo * kQuadratureError);
+    }
     statistics::Sample weights;
     for (int k = 0; k < 100'000; ++k) {
       const BsdfSample s =

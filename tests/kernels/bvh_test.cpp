@@ -259,10 +259,10 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Intersectors,
                          testing::Values(std::array{1, 0, 0}, std::array{0, 1, 0}, std::array{0, 0, 1},
                                          std::array{9, 0, 0}, std::array{40, 3, 2}, std::array{300, 40, 20},
                                          std::array{2000, 0, 0}, std::array{0, 200, 100}),
-                         [](const auto& info) {
-                           return std::to_string(info.param[0]) + "Triangles" +
-                                  std::to_string(info.param[1]) + "Spheres" + std::to_string(info.param[2]) +
-                                  "Disks";
+                         [](const auto& tested) {
+                           return std::to_string(tested.param[0]) + "Triangles" +
+                                  std::to_string(tested.param[1]) + "Spheres" +
+                                  std::to_string(tested.param[2]) + "Disks";
                          });
 
 TEST_P(Intersectors, FindWhatATestOfEveryPrimitiveFinds) {
@@ -278,7 +278,7 @@ TEST_P(Intersectors, FindWhatATestOfEveryPrimitiveFinds) {
   const auto any = trace_hierarchy(tables, rays, true);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     ASSERT_EQ(any[i].primitive >= 0, truth[i].primitive >= 0) << "ray " << i;
-    if (any[i].primitive >= 0) ASSERT_TRUE(any[i].t > 0 && any[i].t < rays[i].tmax);
+    ASSERT_TRUE(any[i].primitive < 0 || (any[i].t > 0 && any[i].t < rays[i].tmax)) << "ray " << i;
   }
   if (3 * triangles <= MAX_WHOLE_VERTICES) {
     tables.index_corners();

@@ -42,16 +42,15 @@ std::vector<double> random_power(std::size_t count, double spread, std::uint64_t
 }
 
 class LightTable : public testing::TestWithParam<std::vector<double>> {};
-INSTANTIATE_TEST_SUITE_P(Powers, LightTable,
-                         testing::Values(std::vector<double>{3}, std::vector<double>{1, 1},
-                                         std::vector<double>{1, 2, 3}, std::vector<double>{0, 5, 0, 1},
-                                         std::vector<double>{1e-12, 1, 1e-12},
-                                         std::vector<double>{1e300, 1e299}, std::vector<double>(36, 1.0),
-                                         random_power(7, 1, 1), random_power(1000, 3, 2),
-                                         random_power(100'000, 1, 3), std::vector<double>(99'999, 1.0)),
-                         [](const auto& info) {
-                           return std::to_string(info.param.size()) + "Lights" + std::to_string(info.index);
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Powers, LightTable,
+    testing::Values(std::vector<double>{3}, std::vector<double>{1, 1}, std::vector<double>{1, 2, 3},
+                    std::vector<double>{0, 5, 0, 1}, std::vector<double>{1e-12, 1, 1e-12},
+                    std::vector<double>{1e300, 1e299}, std::vector<double>(36, 1.0), random_power(7, 1, 1),
+                    random_power(1000, 3, 2), random_power(100'000, 1, 3), std::vector<double>(99'999, 1.0)),
+    [](const auto& tested) {
+      return std::to_string(tested.param.size()) + "Lights" + std::to_string(tested.index);
+    });
 
 TEST_P(LightTable, ProbabilitiesAreThoseOfTheChoicesExactly) {
   const std::vector<Light> lights = lights_of(GetParam());
@@ -80,10 +79,7 @@ TEST_P(LightTable, ProbabilitiesFollowThePower) {
 TEST_P(LightTable, EveryLightWithPowerCanBeChosen) {
   const std::vector<Light> lights = lights_of(GetParam());
   for (std::size_t i = 0; i < lights.size(); ++i) {
-    if (GetParam()[i] > 0)
-      ASSERT_GT(lights[i].pmf, 0) << "light " << i;
-    else
-      ASSERT_EQ(lights[i].pmf, 0) << "light " << i;
+    ASSERT_EQ(lights[i].pmf > 0, GetParam()[i] > 0) << "light " << i;
   }
 }
 

@@ -71,7 +71,7 @@ const LightCase kLightCases[] = {
 
 class Lights : public testing::TestWithParam<LightCase> {};
 INSTANTIATE_TEST_SUITE_P(All, Lights, testing::ValuesIn(kLightCases),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& tested) { return tested.param.name; });
 
 /// How far a point of the light may be moved off it, see POSITION_ERROR.
 double light_offset(const SceneTables& tables) {

@@ -33,7 +33,7 @@ class Grid {
 
 class SamplerIndependence : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(All, SamplerIndependence, testing::ValuesIn(kSamplers),
-                         [](const auto& info) { return sampler_name(info.param); });
+                         [](const auto& tested) { return sampler_name(tested.param); });
 
 TEST_P(SamplerIndependence, OfPixelsPairsSeedsAndAxes) {
   // Over all pixels of an image each of these couples is uniform on the square, for any one sample index.

@@ -17,7 +17,7 @@ constexpr std::uint32_t kMax32 = 0xffffffffu;
 
 class Sampler : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(All, Sampler, testing::ValuesIn(kSamplers),
-                         [](const auto& info) { return sampler_name(info.param); });
+                         [](const auto& tested) { return sampler_name(tested.param); });
 
 TEST_P(Sampler, NumbersAreInTheHalfOpenUnitInterval) {
   const auto check = [](const SampleAddress& at, Point2 p) {

@@ -23,7 +23,7 @@ class DeviceScenes : public testing::TestWithParam<NamedScene> {
   DeviceScene scene_ = build_or_throw(GetParam().make());
 };
 INSTANTIATE_TEST_SUITE_P(All, DeviceScenes, testing::ValuesIn(device_scenes()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& tested) { return tested.param.name; });
 
 TEST_P(DeviceScenes, SurviveTheWire) {
   const std::vector<std::uint8_t> bytes = scene_.serialize();
