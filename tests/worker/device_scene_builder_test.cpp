@@ -250,6 +250,8 @@ TEST(Features, AreJustTheNeeded) {
   EXPECT_EQ(with([](auto& s) { s.sampler.kind = SamplerKind::kIndependent; }), box | FEATURE_SAMPLERS);
   EXPECT_EQ(with([](auto& s) { s.integrator.emitter_sampling = EmitterSampling::kSolidAngle; }),
             box | FEATURE_SOLID_ANGLE);
+  EXPECT_EQ(with([](auto& s) { s.integrator.emitter_sampling = EmitterSampling::kProjected; }),
+            box | FEATURE_PROJECTED);
   EXPECT_EQ(with([](auto& s) { s.point_lights.push_back({}); }), box | FEATURE_POINT_LIGHTS);
   // What is black or unused needs nothing.
   EXPECT_EQ(with([](auto& s) { s.point_lights.push_back({dvec3(0), glm::vec3(0)}); }), box);

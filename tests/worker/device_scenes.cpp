@@ -112,6 +112,7 @@ SceneDescription everything_in_a_hierarchy() {
   for (int i = 0; i < 30; ++i)
     scene.shapes.push_back(sphere(dvec3(-0.8 + 0.06 * i, 0.6 - 0.01 * i * (i % 3), -0.5), 0.05, i % 2));
   scene.integrator = path_integrator(DirectSampling::kMis);
+  scene.integrator.emitter_sampling = EmitterSampling::kProjected;
   scene.sampler.kind = SamplerKind::kHalton;
   return scene;
 }

@@ -20,7 +20,8 @@ SceneDescription many_triangles();
 /// solid angle.
 SceneDescription everything();
 
-/// The same with so many spheres that it needs a hierarchy, by path tracing and Halton points.
+/// The same with so many spheres that it needs a hierarchy, by path tracing, projected
+/// solid angle and Halton points.
 SceneDescription everything_in_a_hierarchy();
 
 /// No shape at all, only a constant environment, and a material that nothing uses.
