@@ -30,7 +30,8 @@ void read_environment(PluginReader& plugin, SceneDescription& scene) {
   plugin.accept({"sampling_weight"});
 }
 
-void read_light(const Context& context, const Object& object, SceneDescription& scene) {
+/// False for one that needs a stand-in.
+bool read_light(const Context& context, const Object& object, SceneDescription& scene) {
   PluginReader plugin(context, object);
   if (object.type == "point") {
     read_point_light(plugin, scene);
@@ -42,10 +43,13 @@ void read_light(const Context& context, const Object& object, SceneDescription& 
     plugin.skip();
   } else {
     const std::vector<std::string> known = {"area", "point", "constant"};
-    context.unknown_plugin(object, known, "it is left out");
+    context.unknown_plugin(object, known, "a constant magenta light stands in for it");
     plugin.skip();
+    plugin.finish();
+    return false;
   }
   plugin.finish();
+  return true;
 }
 
 }  // namespace
@@ -68,7 +72,12 @@ SceneDescription build_scene(const Context& context, const FileAccess& files) {
     if (context.diagnostics.full()) break;
     read_shape(context, *shape, files, materials, scene);
   }
-  for (const Object* light : root.nested("emitter")) read_light(context, *light, scene);
+  bool all_known = true;
+  for (const Object* light : root.nested("emitter"))
+    all_known = read_light(context, *light, scene) && all_known;
+  // Light from everywhere, so that something can be seen: an unknown one may have been the scene's only
+  // light.
+  if (!all_known && !scene.environment) scene.environment = ConstantEnvironment{kStandInColour};
   for (const char* tag : {"texture", "medium", "volume", "phase"}) {
     for (const Object* object : root.nested(tag)) context.unknown_plugin(*object, {}, "it is left out");
   }

@@ -404,6 +404,8 @@ TEST_F(MitsubaPlugins, LenientStandIns) {
   }
   EXPECT_EQ(s.shapes[1].back_bsdf, kBlackBsdf);
   EXPECT_EQ(s.shapes[1].radiance, glm::vec3(0.8f, 0.2f, 0.8f));
+  ASSERT_TRUE(s.environment);
+  EXPECT_EQ(s.environment->radiance, glm::vec3(0.8f, 0.2f, 0.8f));
   EXPECT_THAT(s.warnings,
               ::testing::UnorderedElementsAre(
                   HasSubstr("integrator type 'volpath' is not one that Penumbra reads; path stands in"),
