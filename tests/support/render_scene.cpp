@@ -81,7 +81,7 @@ FilmAccumulator render_or_throw(const DeviceScene& scene, const TestDevice& test
 }
 
 FilmAccumulator render_or_throw(const SceneDescription& description, const TestDevice& device) {
-  return render_or_throw(build_or_throw(description), device);
+  return render_or_throw(build_or_throw(description, device.embree), device);
 }
 
 statistics::Sample pixel_sample(const FilmAccumulator& film, int x, int y, int channel) {

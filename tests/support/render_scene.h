@@ -37,6 +37,7 @@ void resize_film(SceneDescription& description, int width, int height);
 struct TestDevice {
   DeviceOptions options;
   std::uint32_t samples_per_pass = 16;
+  bool embree = false;  ///< trace with Embree where the scene is a description
 };
 
 /// A native device with the widest instruction set and both cores.
