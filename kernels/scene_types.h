@@ -48,6 +48,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define QUADRIC_DISK 1
 
 #define BVH_WIDTH 8
+#define MAX_DIRECT_SAMPLES 65536  // emitter or BSDF samples of one camera ray
 #define FILTER_CELLS 256
 
 // The scene's centre is the origin: the builder subtracts it in double before anything becomes float.

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "kernels/scene_types.h"
 #include "scenes/diagnostic.h"
 #include "scenes/names.h"
 #include "scenes/number.h"
@@ -17,7 +18,6 @@ namespace {
 constexpr int kMaxFilmSide = 65536;
 constexpr std::int64_t kMaxFilmPixels = std::int64_t{1} << 31;
 constexpr std::int64_t kMaxSamplesPerPixel = std::int64_t{1} << 31;
-constexpr int kMaxDirectSamples = 65536;
 constexpr std::int64_t kMaxInt = std::numeric_limits<int>::max();
 
 template <typename Store>
@@ -133,12 +133,12 @@ void add_integrator_settings(std::vector<Setting>& table) {
                          {{"mats", [](S& s) { s.integrator.direct_sampling = kBsdfOnly; }},
                           {"ems", [](S& s) { s.integrator.direct_sampling = kEmitterOnly; }},
                           {"mis", [](S& s) { s.integrator.direct_sampling = kMis; }}}));
-  table.push_back(integer("integrator.shading_samples", 1, kMaxDirectSamples, [](S& s, std::int64_t v) {
+  table.push_back(integer("integrator.shading_samples", 1, MAX_DIRECT_SAMPLES, [](S& s, std::int64_t v) {
     s.integrator.emitter_samples = s.integrator.bsdf_samples = int(v);
   }));
-  table.push_back(integer("integrator.emitter_samples", 0, kMaxDirectSamples,
+  table.push_back(integer("integrator.emitter_samples", 0, MAX_DIRECT_SAMPLES,
                           [](S& s, std::int64_t v) { s.integrator.emitter_samples = int(v); }));
-  table.push_back(integer("integrator.bsdf_samples", 0, kMaxDirectSamples,
+  table.push_back(integer("integrator.bsdf_samples", 0, MAX_DIRECT_SAMPLES,
                           [](S& s, std::int64_t v) { s.integrator.bsdf_samples = int(v); }));
   table.push_back(choice("integrator.bsdf_sampling",
                          {{"bsdf", [](S& s) { s.integrator.bsdf_sampling = BsdfSampling::kBsdf; }},

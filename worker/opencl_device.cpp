@@ -20,8 +20,7 @@ struct BlockShape {
 // A CPU vectorises lane loops inside a work item; a GPU runs a work item a lane.
 constexpr BlockShape kCpuShape{16, 4096 + 16};
 constexpr BlockShape kGpuShape{1, 1};
-constexpr int kSlots =
-    4096 + 16;  // stride of a CPU block's samples; not a power of two, for the cache's sake
+constexpr int kSlots = 4096 + 16;   // stride of a CPU block's samples; no power of two, for the cache's sake
 constexpr int kGpuItems = 1 << 14;  // work items of one launch on a GPU, a pixel each
 
 class OpenClDevice final : public Device {

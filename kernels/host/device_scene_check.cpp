@@ -7,8 +7,6 @@
 namespace penumbra {
 namespace {
 
-constexpr int kMaxDirectSamples = 65536;  // as many as scene files may ask for
-
 class Checker {
  public:
   explicit Checker(const DeviceScene& scene) : scene_(scene), h_(scene.header) {}
@@ -36,7 +34,7 @@ class Checker {
     require(in(h_.integrator, INTEGRATOR_DIRECT, INTEGRATOR_PATH), "unknown integrator");
     require(h_.film_width > 0 && h_.film_height > 0, "empty film");
     require(h_.spp > 0, "no samples per pixel");
-    require(in(h_.emitter_samples, 0, kMaxDirectSamples) && in(h_.bsdf_samples, 0, kMaxDirectSamples),
+    require(in(h_.emitter_samples, 0, MAX_DIRECT_SAMPLES) && in(h_.bsdf_samples, 0, MAX_DIRECT_SAMPLES),
             "an implausible number of emitter or BSDF samples");
   }
 

@@ -20,6 +20,7 @@ namespace {
 // Up to this many triangles testing all of them in lanes beats any hierarchy.
 constexpr std::size_t kMaxWholeTriangles = 64;
 constexpr std::size_t kMaxWholeQuadrics = 16;
+constexpr int kLatestRoulette = 1024;
 
 vec3 to_vec3(const glm::dvec3& v) { return make_vec3(float(v.x), float(v.y), float(v.z)); }
 vec3 to_vec3(const glm::vec3& v) { return make_vec3(v.x, v.y, v.z); }
@@ -260,7 +261,9 @@ class Builder {
     h_.integrator = int(integrator.kind);
     need(integrator.kind == IntegratorKind::kPath ? FEATURE_PATH : FEATURE_DIRECT);
     h_.max_depth = integrator.max_depth < 0 ? INT_MAX : integrator.max_depth;
-    h_.rr_depth = integrator.rr_depth;
+    // A path that nothing else ends meets roulette at last, or albedo 1 in a closed room would never end.
+    h_.rr_depth =
+        integrator.max_depth < 0 ? std::min(integrator.rr_depth, kLatestRoulette) : integrator.rr_depth;
     h_.direct_sampling = int(integrator.direct_sampling);
     h_.emitter_samples = integrator.emitter_samples;
     h_.bsdf_samples = integrator.bsdf_samples;
