@@ -1,0 +1,72 @@
+// From a block's samples to the statistics of its pixels.
+#ifndef PENUMBRA_BLOCK_ACCUMULATE_H
+#define PENUMBRA_BLOCK_ACCUMULATE_H
+#include "kernels/features.h"
+#include "kernels/math.h"
+#include "kernels/path_state.h"
+#include "kernels/unit.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+FN bool is_nan_bits(uint bits) { return (bits & 0x7fffffffu) > 0x7f800000u; }
+FN bool is_infinite_bits(uint bits) { return (bits & 0x7fffffffu) == 0x7f800000u; }
+
+/// Mean of a slot field over a pixel's samples, by the deviations from a first estimate, which leaves no
+/// rounding of the sum behind; also the sum of squared deviations.
+FN void accumulate_field(const GLOBAL float* RESTRICT values, int first, int count, PRIVATE float* mean,
+                         PRIVATE float* m2) {
+  float sum = 0.0f;
+  for (int s = 0; s < count; s++) sum += values[first + s];
+  const float estimate = sum / (float)count;
+  float deviation = 0.0f, squares = 0.0f;
+  for (int s = 0; s < count; s++) {
+    const float d = values[first + s] - estimate;
+    deviation += d;
+    squares += d * d;
+  }
+  *mean = estimate + deviation / (float)count;
+  *m2 = max_f(squares - deviation * (deviation / (float)count), 0.0f);
+}
+
+/// Statistics of the block's pixels, in sample order. Samples with a NaN or an infinity count as 0 and are
+/// counted.
+STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, GLOBAL float* RESTRICT slots,
+                      int slot_capacity, bool layers, GLOBAL float* RESTRICT out, GLOBAL uint* RESTRICT bad) {
+  const int n = unit->sample_count, area = unit->width * unit->height;
+  uint nans = 0u, infinities = 0u;
+  for (int s = 0; s < pixels * n; s++) {
+    const float weight = slots[FILTER_WEIGHT * slot_capacity + s];
+    const vec3 sample = scale(LOAD3(slots, slot_capacity, SAMPLE_X, s), weight);
+    const uint x = FLOAT_BITS(sample.x), y = FLOAT_BITS(sample.y), z = FLOAT_BITS(sample.z);
+    const bool nan = is_nan_bits(x) | is_nan_bits(y) | is_nan_bits(z);
+    const bool infinite = (is_infinite_bits(x) | is_infinite_bits(y) | is_infinite_bits(z)) & !nan;
+    const vec3 kept = select3(nan | infinite, make_vec3(0.0f, 0.0f, 0.0f), sample);
+    STORE3(slots, slot_capacity, SAMPLE_X, s, kept);
+    nans += nan ? 1u : 0u;
+    infinities += infinite ? 1u : 0u;
+#if HAS(LAYERS)
+    for (int k = ALBEDO_X; layers && k <= DEPTH; k++) slots[k * slot_capacity + s] *= weight;
+#endif
+  }
+  for (int p = 0; p < pixels; p++) {
+    const int at = first_pixel + p;
+    for (int k = 0; k < 3; k++) {
+      float mean, m2;
+      accumulate_field(slots + (SAMPLE_X + k) * slot_capacity, p * n, n, &mean, &m2);
+      out[k * area + at] = mean;
+      out[(3 + k) * area + at] = m2;
+    }
+#if HAS(LAYERS)
+    for (int k = 0; layers && k < DEPTH - ALBEDO_X + 1; k++) {
+      float mean, m2;
+      accumulate_field(slots + (ALBEDO_X + k) * slot_capacity, p * n, n, &mean, &m2);
+      out[(6 + k) * area + at] = mean;
+    }
+#endif
+  }
+  bad[0] += nans;
+  bad[1] += infinities;
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,104 @@
+// The stages of a block that trace: intersect, occlude, and adding the light of shadow rays that got through.
+#ifndef PENUMBRA_BLOCK_TRACE_H
+#define PENUMBRA_BLOCK_TRACE_H
+#include "kernels/bvh.h"
+#include "kernels/intersect_whole.h"
+#include "kernels/path_state.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+#if !HAS(BVH)
+FN void load_rays(PRIVATE RayLanes* rays, const GLOBAL float* RESTRICT f, const GLOBAL int* RESTRICT ints,
+                  int capacity, int i, int origin, int direction, int tmax, int skip) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      rays->ox[j] = f[origin * capacity + i + j];
+      rays->oy[j] = f[(origin + 1) * capacity + i + j];
+      rays->oz[j] = f[(origin + 2) * capacity + i + j];
+      rays->dx[j] = f[direction * capacity + i + j];
+      rays->dy[j] = f[(direction + 1) * capacity + i + j];
+      rays->dz[j] = f[(direction + 2) * capacity + i + j];
+      rays->tmax[j] = f[tmax * capacity + i + j];
+      rays->skip[j] = ints[skip * capacity + i + j];
+    }
+}
+#endif
+
+STAGE void intersect_block(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                           int capacity, int count) {
+#ifdef EXTERNAL_TRACER
+  if (scene->tracer.intersect) {
+    scene->tracer.intersect(scene->tracer.context, f, ints, capacity, count);
+    return;
+  }
+#endif
+#if HAS(BVH)
+  for (int i = 0; i < count; i++) {
+    const Hit hit =
+        intersect_bvh(scene, LOAD3(f, capacity, RAY_ORIGIN_X, i), LOAD3(f, capacity, RAY_DIRECTION_X, i),
+                      f[RAY_TMAX * capacity + i], ints[RAY_SKIP * capacity + i], false);
+    ints[HIT * capacity + i] = hit.primitive;
+  }
+#else
+  for (int i = 0; i < count; i += LANES) {
+    RayLanes rays;
+    load_rays(&rays, f, ints, capacity, i, RAY_ORIGIN_X, RAY_DIRECTION_X, RAY_TMAX, RAY_SKIP);
+    intersect_whole(scene, &rays);
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++) ints[HIT * capacity + i + j] = rays.hit[j];
+  }
+#endif
+}
+
+/// Intersectors that take one ray at a time leave lanes from `count` on alone: they repeat the last path's
+/// hit too.
+FN void pad_hits(GLOBAL int* ints, int capacity, int count) {
+  for (int i = count; i % LANES != 0; i++) ints[HIT * capacity + i] = ints[HIT * capacity + count - 1];
+}
+
+/// Leaves in HIT of each lane whether its shadow ray is blocked (>= 0) or free (-1).
+STAGE void occlude_block(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                         int capacity, int count) {
+#ifdef EXTERNAL_TRACER
+  if (scene->tracer.occlude) {
+    scene->tracer.occlude(scene->tracer.context, f, ints, capacity, count);
+    return;
+  }
+#endif
+#if HAS(BVH)
+  for (int i = 0; i < count; i++) {
+    const Hit hit = intersect_bvh(scene, LOAD3(f, capacity, SHADOW_ORIGIN_X, i),
+                                  LOAD3(f, capacity, SHADOW_DIRECTION_X, i), f[SHADOW_TMAX * capacity + i],
+                                  ints[SHADOW_SKIP * capacity + i], true);
+    ints[HIT * capacity + i] = hit.primitive;
+  }
+#else
+  for (int i = 0; i < count; i += LANES) {
+    RayLanes rays;
+    load_rays(&rays, f, ints, capacity, i, SHADOW_ORIGIN_X, SHADOW_DIRECTION_X, SHADOW_TMAX, SHADOW_SKIP);
+    float longest = -1.0f;
+    for (int j = 0; j < LANES; j++) longest = max_f(longest, rays.tmax[j]);
+    if (longest <= 0.0f) continue;
+    intersect_whole(scene, &rays);
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++) ints[HIT * capacity + i + j] = rays.hit[j];
+  }
+#endif
+}
+
+STAGE void add_unoccluded(GLOBAL float* RESTRICT f, const GLOBAL int* RESTRICT ints, int capacity,
+                          int count) {
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++) {
+        const bool lit = (f[SHADOW_TMAX * capacity + j] > 0.0f) & (ints[HIT * capacity + j] < 0);
+        const vec3 more = LOAD3(f, capacity, SHADOW_RADIANCE_X, j);
+        const vec3 radiance =
+            add(LOAD3(f, capacity, RADIANCE_X, j), select3(lit, more, make_vec3(0.0f, 0.0f, 0.0f)));
+        STORE3(f, capacity, RADIANCE_X, j, radiance);
+      }
+  }
+}
+
+PENUMBRA_NAMESPACE_END
+#endif
