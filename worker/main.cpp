@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "scheduler/protocol/message_memory.h"
 #include "worker/device.h"
 #include "worker/worker_client.h"
 
@@ -20,6 +21,7 @@ void complain(const std::string& message) { fmt::print(stderr, "penumbra-worker:
 
 int main(int argc, char** argv) {
   using namespace penumbra;
+  keep_message_memory();
   WorkerClientOptions options;
   std::string backend, isa, opencl_device;
   int threads = 0;

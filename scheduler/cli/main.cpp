@@ -7,6 +7,7 @@
 #include "scenes/diagnostic.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/outputs/version.h"
+#include "scheduler/protocol/message_memory.h"
 
 namespace penumbra {
 namespace {
@@ -75,6 +76,7 @@ ExitCode run(int argc, char** argv) {
 }  // namespace penumbra
 
 int main(int argc, char** argv) {
+  penumbra::keep_message_memory();
   try {
     return penumbra::run(argc, argv);
   } catch (const std::bad_alloc&) {
