@@ -4,7 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <thread>
+#include <limits>
+#include <string>
 #include <vector>
 
 #define FEATURES FEATURE_ALL
@@ -23,19 +24,6 @@ struct DeviceRelease {
 struct SceneRelease {
   void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
 };
-
-/// Embree's name of the widest set that the option allows.
-const char* embree_isa(Isa isa) {
-  switch (isa) {
-    case Isa::kSse2:
-      return "sse2";
-    case Isa::kAvx2:
-      return "avx2";
-    case Isa::kAvx512:
-      return "avx512";
-  }
-  return "sse2";
-}
 
 void quadric_bounds(const RTCBoundsFunctionArguments* arguments) {
   const Box box = bounds_of(static_cast<const Quadric*>(arguments->geometryUserPtr)[arguments->primID]);
@@ -156,8 +144,9 @@ Expected<std::unique_ptr<EmbreeTracer>> EmbreeTracer::make(const DeviceScene& sc
   std::unique_ptr<EmbreeTracer> result(new EmbreeTracer);
   result->impl_ = std::make_unique<Impl>();
   Impl& impl = *result->impl_;
+  // Embree has the same names for the sets.
   const std::string configuration =
-      fmt::format("threads={},isa={}", std::max(1, options.threads), embree_isa(options.isa));
+      fmt::format("threads={},isa={}", std::max(1, options.threads), isa_name(options.isa));
   impl.device.reset(rtcNewDevice(configuration.c_str()));
   if (!impl.device) return fail("Embree does not start with " + configuration);
   impl.scene.reset(rtcNewScene(impl.device.get()));

@@ -3,9 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <limits>
-#include <optional>
 
 #include "kernels/unit.h"
 #include "worker/opencl_program.h"
