@@ -5,19 +5,20 @@
 #define PENUMBRA_FEATURES_H
 
 // X(name, bit, what it is for people)
-#define PENUMBRA_FEATURES(X)                                          \
-  X(PATH, 0x001, "path integrator")                                   \
-  X(DIRECT, 0x002, "direct integrator")                               \
-  X(BVH, 0x004, "bounding volume hierarchy")                          \
-  X(PHONG, 0x008, "Phong BSDF")                                       \
-  X(SHADING_NORMALS, 0x010, "interpolated vertex normals")            \
-  X(QUADRICS, 0x020, "spheres and disks")                             \
-  X(POINT_LIGHTS, 0x040, "point lights")                              \
-  X(ENVIRONMENT, 0x080, "environment light")                          \
-  X(SOLID_ANGLE, 0x100, "sampling of triangle lights by solid angle") \
-  X(LAYERS, 0x200, "albedo, normal and depth layers")                 \
-  X(SAMPLERS, 0x400, "samplers other than Owen-scrambled Sobol")      \
-  X(PROJECTED, 0x800, "sampling of triangle lights by projected solid angle")
+#define PENUMBRA_FEATURES(X)                                                  \
+  X(PATH, 0x001, "path integrator")                                           \
+  X(DIRECT, 0x002, "direct integrator")                                       \
+  X(BVH, 0x004, "bounding volume hierarchy")                                  \
+  X(PHONG, 0x008, "Phong BSDF")                                               \
+  X(SHADING_NORMALS, 0x010, "interpolated vertex normals")                    \
+  X(QUADRICS, 0x020, "spheres and disks")                                     \
+  X(POINT_LIGHTS, 0x040, "point lights")                                      \
+  X(ENVIRONMENT, 0x080, "environment light")                                  \
+  X(SOLID_ANGLE, 0x100, "sampling of triangle lights by solid angle")         \
+  X(LAYERS, 0x200, "albedo, normal and depth layers")                         \
+  X(SAMPLERS, 0x400, "samplers other than Owen-scrambled Sobol")              \
+  X(PROJECTED, 0x800, "sampling of triangle lights by projected solid angle") \
+  X(POLYGONS, 0x1000, "polygon lights in closed form")
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FEATURE_PATH 0x001
@@ -32,7 +33,8 @@
 #define FEATURE_LAYERS 0x200
 #define FEATURE_SAMPLERS 0x400
 #define FEATURE_PROJECTED 0x800
-#define FEATURE_ALL 0xfff
+#define FEATURE_POLYGONS 0x1000
+#define FEATURE_ALL 0x1fff
 
 /// A kernel source tests `HAS(PHONG)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)

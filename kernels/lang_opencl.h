@@ -14,6 +14,11 @@
 #define FABS(x) fabs((float)(x))
 #define FLOAT_BITS(x) as_uint((float)(x))
 #define BITS_FLOAT(x) as_float((uint)(x))
+// Closed forms are in double: only kernels that hold them need a device that has it.
+#define SQRT_D(x) sqrt((double)(x))
+#define FABS_D(x) fabs((double)(x))
+#define DOUBLE_BITS(x) as_ulong((double)(x))
+#define BITS_DOUBLE(x) as_double((ulong)(x))
 #ifdef __has_builtin
   #if __has_builtin(__builtin_bitreverse32)
     #define BIT_REVERSE(x) __builtin_bitreverse32(x)

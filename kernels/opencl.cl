@@ -52,6 +52,12 @@ __kernel void report_layout(__global uint* out) {
 #define REPORTED Light
   LIGHT_FIELDS(REPORT_FIELD)
 #undef REPORTED
+#define REPORTED Polygon
+  POLYGON_FIELDS(REPORT_FIELD)
+#undef REPORTED
+#define REPORTED PolygonCorner
+  POLYGON_CORNER_FIELDS(REPORT_FIELD)
+#undef REPORTED
 #define REPORTED BvhNode
   BVH_NODE_FIELDS(REPORT_FIELD)
 #undef REPORTED

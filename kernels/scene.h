@@ -24,6 +24,8 @@ typedef struct {
   GLOBAL const Quadric* quadrics;
   GLOBAL const Material* materials;
   GLOBAL const Light* lights;
+  GLOBAL const Polygon* polygons;
+  GLOBAL const PolygonCorner* polygon_corners;
   GLOBAL const vec3* vertices;
   GLOBAL const Corner* corners;
   GLOBAL const BvhNode* nodes;
@@ -40,6 +42,8 @@ FN Scene make_scene(SceneHeader header, GLOBAL const uint* words) {
   s.quadrics = (GLOBAL const Quadric*)(words + header.quadrics);
   s.materials = (GLOBAL const Material*)(words + header.materials);
   s.lights = (GLOBAL const Light*)(words + header.lights);
+  s.polygons = (GLOBAL const Polygon*)(words + header.polygons);
+  s.polygon_corners = (GLOBAL const PolygonCorner*)(words + header.polygon_corners);
   s.vertices = (GLOBAL const vec3*)(words + header.vertices);
   s.corners = (GLOBAL const Corner*)(words + header.corners);
   s.nodes = (GLOBAL const BvhNode*)(words + header.nodes);

@@ -27,6 +27,15 @@ PENUMBRA_NAMESPACE_BEGIN
 #define SAMPLING_EMITTER_ONLY 1
 #define SAMPLING_MIS 2
 
+#define CHOICE_POWER 0
+#define CHOICE_ANALYTIC 1
+
+// How the samples H of the polygon lights, W without shadows, and their closed form G make an estimate.
+#define ESTIMATOR_SAMPLES 0  // H alone
+#define ESTIMATOR_ALPHA 1    // alpha G + (H - alpha W)
+#define ESTIMATOR_AUTO 2     // the same, alpha from other samples of the pixel
+#define ESTIMATOR_RATIO 3    // G H / W
+
 #define HEURISTIC_BALANCE 0
 #define HEURISTIC_POWER 1
 
@@ -43,6 +52,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define LIGHT_DISK 2
 #define LIGHT_POINT 3
 #define LIGHT_ENVIRONMENT 4
+#define LIGHT_RECTANGLE 5
 
 #define QUADRIC_SPHERE 0
 #define QUADRIC_DISK 1
@@ -82,16 +92,37 @@ PENUMBRA_NAMESPACE_BEGIN
   F(float, exponent) /* Phong exponent n >= 0 */                              \
   F(float, lobe)     /* probability of sampling the Phong lobe; 0 for diffuse ones */
 
-#define LIGHT_FIELDS(F)                                                                      \
-  F(vec3, radiance) /* radiance; radiant intensity for a point light */                      \
-  F(vec3, p0)       /* triangle vertex, centre of sphere or disk, or position */             \
-  F(vec3, p1)       /* triangle vertex; disk: unit normal of the front */                    \
-  F(vec3, p2)       /* triangle vertex; sphere, disk: (radius, orientation, 0) */            \
-  F(float, area)                                                                             \
-  F(float, pmf)             /* probability of choosing this light */                         \
-  F(float, alias_threshold) /* Walker's alias table: keep this light below, else take ... */ \
-  F(int, alias)             /* ... this one */                                               \
+#define LIGHT_FIELDS(F)                                                                            \
+  F(vec3, radiance) /* radiance; radiant intensity for a point light */                            \
+  F(vec3, p0)       /* triangle vertex, rectangle corner, centre of sphere or disk, or position */ \
+  F(vec3, p1)       /* triangle vertex, next corner; disk: unit normal of the front */             \
+  F(vec3, p2)       /* triangle vertex, previous corner; sphere, disk: (radius, orientation, 0) */ \
+  F(float, area)                                                                                   \
+  F(int, sampling)          /* EMITTER_* */                                                        \
+  F(int, two_sided)         /* 1: emits from the back as well */                                   \
+  F(int, polygon)           /* index of the polygon light that it is a part of, or -1 */           \
+  F(float, pmf)             /* probability of choosing this light */                               \
+  F(float, alias_threshold) /* Walker's alias table: keep this light below, else take ... */       \
+  F(int, alias)             /* ... this one */                                                     \
   F(int, kind)              /* LIGHT_* */
+
+// A planar light: coplanar triangles (or one rectangle) of equal emission that face the same side, merged
+// into their outline, so that its closed form costs what the outline does.
+#define POLYGON_FIELDS(F)                                                                    \
+  F(vec3, radiance)                                                                          \
+  F(int, two_sided) /* 1: emits from the back as well */                                     \
+  F(float, area)                                                                             \
+  F(float, size)       /* largest distance between two of its vertices, or an upper bound */ \
+  F(int, first_corner) /* its outline in the table of polygon corners */                     \
+  F(int, corner_count)                                                                       \
+  F(int, first_light) /* its parts, consecutive lights */                                    \
+  F(int, light_count)
+
+// A corner of an outline. Each closed loop repeats its first corner at its end; somebody who sees the front
+// has the inside to the left of every edge (outer loops counter-clockwise, holes clockwise).
+#define POLYGON_CORNER_FIELDS(F) \
+  F(vec3, p)                     \
+  F(int, starts) /* 1: a loop starts here, so no edge leads from the corner before */
 
 // Inner node of the wide BVH: child k is a node if child[k] >= 0, else leaf ~child[k]. An empty slot is any
 // leaf in an inverted box. Leaves below `triangle_leaf_count` hold triangles, the others quadrics.
@@ -145,6 +176,10 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, emitter_sampling) /* EMITTER_* */                                             \
   F(int, heuristic)        /* HEURISTIC_* */                                           \
   F(int, hide_emitters)                                                                \
+  F(int, light_choice)      /* CHOICE_* */                                             \
+  F(int, trace_shadows)     /* 0: nothing blocks shadow rays */                        \
+  F(int, estimator)         /* ESTIMATOR_* */                                          \
+  F(float, alpha)           /* ESTIMATOR_ALPHA */                                      \
   F(int, environment)       /* index of the environment light, or -1 */                \
   F(int, dropped_triangles) /* without area in single precision: left out, and said */ \
   F(int, triangle_count)                                                               \
@@ -157,6 +192,10 @@ PENUMBRA_NAMESPACE_BEGIN
   F(uint, materials)                                                                   \
   F(int, light_count)                                                                  \
   F(uint, lights)                                                                      \
+  F(int, polygon_count)                                                                \
+  F(uint, polygons)                                                                    \
+  F(int, polygon_corner_count)                                                         \
+  F(uint, polygon_corners)                                                             \
   F(int, vertex_count) /* small scenes: distinct vertices, tested whole */             \
   F(uint, vertices)                                                                    \
   F(int, corner_count) /* small scenes: three vertex indices for each triangle */      \
@@ -175,6 +214,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(Quadric, QUADRIC_FIELDS)              \
   X(Material, MATERIAL_FIELDS)            \
   X(Light, LIGHT_FIELDS)                  \
+  X(Polygon, POLYGON_FIELDS)              \
+  X(PolygonCorner, POLYGON_CORNER_FIELDS) \
   X(BvhNode, BVH_NODE_FIELDS)             \
   X(TriangleLeaf, TRIANGLE_LEAF_FIELDS)   \
   X(QuadricLeaf, QUADRIC_LEAF_FIELDS)     \

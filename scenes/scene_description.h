@@ -53,13 +53,20 @@ struct Disk {
 
 constexpr int kBlackBsdf = -1;
 
+/// How a point on an area light is chosen: uniformly by area, by solid angle (rectangles, triangles and
+/// spheres; disks by area), by projected solid angle (meshes; others by solid angle), or what is best for the
+/// integrator.
+enum class EmitterSampling { kAuto, kArea, kSolidAngle, kProjected };
+
 struct Shape {
   std::string name;  ///< for messages
   std::variant<Mesh, Sphere, Disk> geometry;
   int front_bsdf = kBlackBsdf;  ///< index into SceneDescription::bsdfs; kBlackBsdf absorbs everything
   int back_bsdf = kBlackBsdf;
-  std::optional<glm::vec3> radiance;  ///< diffuse area emission from the front side
-  bool flip_normals = false;          ///< swaps front and back
+  std::optional<glm::vec3> radiance;                  ///< diffuse area emission from the front side
+  bool two_sided_emission = false;                    ///< emits from the back as well (meshes and disks)
+  EmitterSampling sampling = EmitterSampling::kAuto;  ///< of an emitter; kAuto: as the integrator says
+  bool flip_normals = false;                          ///< swaps front and back
 };
 
 /// Radiant intensity, W/sr, the same in all directions.
@@ -107,12 +114,19 @@ struct SamplerSettings {
   std::uint32_t seed = 0;
 };
 
-enum class IntegratorKind { kDirect, kPath };
+/// kPolygonAnalytic: unshadowed light of the polygon lights in closed form; kPolygonArea: samples of emitters
+/// by area; kPolygonCv: samples of emitters with the closed form as control variate.
+enum class IntegratorKind { kDirect, kPath, kPolygonAnalytic, kPolygonArea, kPolygonCv };
 enum class DirectSampling { kBsdfOnly, kEmitterOnly, kMis };  ///< path: "mats", "ems", "mis"
 enum class MisHeuristic { kBalance, kPower };                 ///< power: beta = 2
 enum class BsdfSampling { kBsdf, kCosine, kUniform };  ///< how direct's `bsdf_samples` choose directions
-/// How a point on an area light is chosen; kProjected: on a triangle by projected solid angle, else as kAuto.
-enum class EmitterSampling { kAuto, kArea, kSolidAngle, kProjected };
+/// How samples and the closed form of polygon lights are put together: alpha G + <H - alpha G>, or G <H> /
+/// <G>.
+enum class CvEstimator { kCv, kRatio };
+enum class NextEvent { kSample, kCv };  ///< path: kCv has polygon lights' closed form as control variate
+/// How one of many lights is chosen: in proportion to its power, or to its unshadowed contribution to the
+/// point.
+enum class LightChoice { kAuto, kPower, kAnalytic };
 
 struct IntegratorSettings {
   IntegratorKind kind = IntegratorKind::kPath;
@@ -125,6 +139,12 @@ struct IntegratorSettings {
   BsdfSampling bsdf_sampling = BsdfSampling::kBsdf;       ///< direct
   EmitterSampling emitter_sampling = EmitterSampling::kAuto;  ///< both
   MisHeuristic heuristic = MisHeuristic::kBalance;            ///< both
+  LightChoice light_choice = LightChoice::kAuto;              ///< all
+  bool trace_shadows = true;                                  ///< direct, polygon_area
+  int vis_samples = 1;                                        ///< polygon_cv: shadow rays per camera ray
+  std::optional<float> alpha;                                 ///< polygon_cv, path with kCv; none: auto
+  CvEstimator estimator = CvEstimator::kCv;                   ///< polygon_cv, path with kCv
+  NextEvent next_event = NextEvent::kSample;                  ///< path
   bool hide_emitters = false;
 };
 

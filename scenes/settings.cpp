@@ -18,6 +18,7 @@ namespace {
 constexpr int kMaxFilmSide = 65536;
 constexpr std::int64_t kMaxFilmPixels = std::int64_t{1} << 31;
 constexpr std::int64_t kMaxSamplesPerPixel = std::int64_t{1} << 31;
+constexpr double kMaxAlpha = 1e6;
 constexpr std::int64_t kMaxInt = std::numeric_limits<int>::max();
 
 template <typename Store>
@@ -43,6 +44,24 @@ Setting number(std::string key, LowEnd end, double low, double high, Store store
               return fail(fmt::format("{} is not {} {} and below {}", *value,
                                       end == LowEnd::kOpen ? "above" : "at least", low, high));
             }
+            store(scene, *value);
+            return {};
+          }};
+}
+
+/// A number in [low, high], or "auto", for which there is none.
+template <typename Store>
+Setting number_or_auto(std::string key, double low, double high, Store store) {
+  return {std::move(key), SettingKind::kText,
+          [=](SceneDescription& scene, std::string_view text) -> Expected<void> {
+            if (trim(text) == "auto") {
+              store(scene, std::nullopt);
+              return {};
+            }
+            const auto value = parse_number(text);
+            if (!value) return fail(value.error().message + "; nor is it 'auto'");
+            if (!(*value >= low && *value <= high))
+              return fail(fmt::format("{} is not between {} and {}", *value, low, high));
             store(scene, *value);
             return {};
           }};
@@ -119,12 +138,15 @@ void add_integrator_settings(std::vector<Setting>& table) {
   using S = SceneDescription;
   using enum IntegratorKind;
   using enum DirectSampling;
-  table.push_back(
-      choice("integrator.type", {{"direct", [](S& s) { use_integrator(s, kDirect, kMis); }},
-                                 {"path", [](S& s) { use_integrator(s, kPath, kMis); }},
-                                 {"path_mats", [](S& s) { use_integrator(s, kPath, kBsdfOnly); }},
-                                 {"path_ems", [](S& s) { use_integrator(s, kPath, kEmitterOnly); }},
-                                 {"path_mis", [](S& s) { use_integrator(s, kPath, kMis); }}}));
+  table.push_back(choice("integrator.type",
+                         {{"direct", [](S& s) { use_integrator(s, kDirect, kMis); }},
+                          {"path", [](S& s) { use_integrator(s, kPath, kMis); }},
+                          {"path_mats", [](S& s) { use_integrator(s, kPath, kBsdfOnly); }},
+                          {"path_ems", [](S& s) { use_integrator(s, kPath, kEmitterOnly); }},
+                          {"path_mis", [](S& s) { use_integrator(s, kPath, kMis); }},
+                          {"polygon_analytic", [](S& s) { use_integrator(s, kPolygonAnalytic, kMis); }},
+                          {"polygon_area", [](S& s) { use_integrator(s, kPolygonArea, kMis); }},
+                          {"polygon_cv", [](S& s) { use_integrator(s, kPolygonCv, kMis); }}}));
   table.push_back(integer("integrator.max_depth", -1, kMaxInt,
                           [](S& s, std::int64_t v) { s.integrator.max_depth = int(v); }));
   table.push_back(integer("integrator.rr_depth", 1, kMaxInt,
@@ -153,6 +175,21 @@ void add_integrator_settings(std::vector<Setting>& table) {
   table.push_back(
       choice("integrator.mis", {{"balance", [](S& s) { s.integrator.heuristic = MisHeuristic::kBalance; }},
                                 {"power", [](S& s) { s.integrator.heuristic = MisHeuristic::kPower; }}}));
+  table.push_back(choice("integrator.light_choice",
+                         {{"auto", [](S& s) { s.integrator.light_choice = LightChoice::kAuto; }},
+                          {"power", [](S& s) { s.integrator.light_choice = LightChoice::kPower; }},
+                          {"analytic", [](S& s) { s.integrator.light_choice = LightChoice::kAnalytic; }}}));
+  table.push_back(boolean("integrator.trace_shadows", [](S& s, bool v) { s.integrator.trace_shadows = v; }));
+  table.push_back(integer("integrator.vis_samples", 1, MAX_DIRECT_SAMPLES,
+                          [](S& s, std::int64_t v) { s.integrator.vis_samples = int(v); }));
+  table.push_back(number_or_auto("integrator.alpha", -kMaxAlpha, kMaxAlpha,
+                                 [](S& s, std::optional<double> v) { s.integrator.alpha = v; }));
+  table.push_back(choice("integrator.estimator",
+                         {{"cv", [](S& s) { s.integrator.estimator = CvEstimator::kCv; }},
+                          {"ratio", [](S& s) { s.integrator.estimator = CvEstimator::kRatio; }}}));
+  table.push_back(
+      choice("integrator.nee", {{"sample", [](S& s) { s.integrator.next_event = NextEvent::kSample; }},
+                                {"cv", [](S& s) { s.integrator.next_event = NextEvent::kCv; }}}));
   table.push_back(boolean("integrator.hide_emitters", [](S& s, bool v) { s.integrator.hide_emitters = v; }));
 }
 
@@ -287,6 +324,11 @@ Expected<void> check_settings(const SceneDescription& scene) {
       scene.integrator.bsdf_samples == 0) {
     return fail("integrator 'direct' needs at least one of emitter_samples and bsdf_samples");
   }
+  if (scene.integrator.kind == IntegratorKind::kPolygonArea && scene.integrator.emitter_samples == 0)
+    return fail("integrator 'polygon_area' needs emitter_samples");
+  if (scene.integrator.kind == IntegratorKind::kPath && scene.integrator.next_event == NextEvent::kCv &&
+      scene.integrator.direct_sampling == DirectSampling::kBsdfOnly)
+    return fail("integrator 'path' with nee = cv samples emitters, which direct_sampling = mats forbids");
   return {};
 }
 
