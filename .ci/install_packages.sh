@@ -13,7 +13,7 @@ packages=(
   # Scheduler and workers.
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
   # Files, command line, messages.
-  libpugixml-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libxxhash-dev
+  libpugixml-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libxxhash-dev
   # Tests.
   libgtest-dev libgmock-dev libbenchmark-dev openimageio-tools procps
 )

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <map>
 #include <unordered_map>
 
 #include "scenes/mesh_reader.h"
 #include "scenes/number.h"
+#include "scenes/polygon_triangulation.h"
+#include "scenes/statement_scanner.h"
 
 namespace penumbra {
 namespace {
@@ -27,181 +30,210 @@ struct CornerHash {
 };
 
 const std::vector<std::string> kIgnoredStatements = {
-    "g",      "o",   "s",          "usemtl",    "mtllib",   "l",        "p",  "vp",    "usemap",
-    "maplib", "lod", "shadow_obj", "trace_obj", "c_interp", "d_interp", "mg", "bevel", "polygroup",
+    "s",          "l",         "p",        "vp",       "usemap", "maplib", "lod",
+    "shadow_obj", "trace_obj", "c_interp", "d_interp", "mg",     "bevel",  "polygroup",
+};
+
+/// A group while it grows.
+struct OpenGroup {
+  ObjGroup result;
+  std::vector<Corner> corners;  ///< of its vertices
+  std::unordered_map<Corner, std::uint32_t, CornerHash> vertices;
 };
 
 class ObjReader {
  public:
-  explicit ObjReader(const SourceFile& file) : file_(file), text_(file.text) {}
+  /// All faces in one group, or one for each object and material.
+  ObjReader(const SourceFile& file, bool by_group) : scanner_(file), file_(file), by_group_(by_group) {}
 
-  Expected<Mesh> read() {
-    while (at_ < text_.size()) {
-      const std::string_view keyword = next_token();
+  Expected<ObjModel> read() {
+    while (!scanner_.at_end()) {
+      const std::string_view keyword = scanner_.token();
       if (!keyword.empty()) {
         if (auto done = statement(keyword); !done) return std::unexpected(done.error());
       }
-      skip_line();
+      scanner_.next();
     }
     return finish();
   }
 
  private:
-  /// The next token of the statement; empty at its end. A backslash at the end of a line continues it.
-  std::string_view next_token() {
-    for (;;) {
-      while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\r')) ++at_;
-      if (at_ >= text_.size() || text_[at_] != '\\') break;
-      std::size_t end = at_ + 1;
-      if (end < text_.size() && text_[end] == '\r') ++end;
-      if (end >= text_.size() || text_[end] != '\n') break;
-      at_ = end + 1;
-    }
-    const std::size_t start = at_;
-    while (at_ < text_.size() && !is_end(text_[at_])) ++at_;
-    token_start_ = start;
-    return text_.substr(start, at_ - start);
-  }
-
-  static bool is_end(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '#'; }
-
-  void skip_line() {
-    while (!next_token().empty()) {
-    }
-    const std::size_t end = text_.find('\n', at_);
-    at_ = end == text_.npos ? text_.size() : end + 1;
-  }
-
-  std::unexpected<Error> wrong(std::string_view message) const {
-    return fail(format_diagnostic({&file_, token_start_}, "error", message));
-  }
-
-  /// Reads at least `least` and at most `most` numbers, into `values`. Returns how many.
-  Expected<int> numbers(std::string_view statement, int least, int most, std::array<double, 7>& values) {
-    int count = 0;
-    for (std::string_view token = next_token(); !token.empty(); token = next_token()) {
-      if (count == most) return wrong(fmt::format("'{}' takes at most {} numbers", statement, most));
-      const auto value = parse_number(token);
-      if (!value) return wrong(value.error().message);
-      values[std::size_t(count++)] = *value;
-    }
-    if (count < least)
-      return wrong(fmt::format("'{}' takes at least {} numbers, not {}", statement, least, count));
-    return count;
-  }
-
   Expected<void> statement(std::string_view keyword) {
     std::array<double, 7> v{};
     if (keyword == "v") {
       // A fourth number is a weight that only rational curves use; three or four more are a colour.
-      if (const auto count = numbers(keyword, 3, 7, v); !count) return std::unexpected(count.error());
+      if (const auto count = scanner_.numbers(keyword, 3, 7, v); !count)
+        return std::unexpected(count.error());
       positions_.push_back({v[0], v[1], v[2]});
     } else if (keyword == "vn") {
-      if (const auto count = numbers(keyword, 3, 3, v); !count) return std::unexpected(count.error());
+      if (const auto count = scanner_.numbers(keyword, 3, 3, v); !count)
+        return std::unexpected(count.error());
       normals_.push_back({v[0], v[1], v[2]});
     } else if (keyword == "vt") {
-      if (const auto count = numbers(keyword, 1, 3, v); !count) return std::unexpected(count.error());
+      if (const auto count = scanner_.numbers(keyword, 1, 3, v); !count)
+        return std::unexpected(count.error());
       texcoords_.push_back({v[0], v[1]});
     } else if (keyword == "f" || keyword == "fo") {
       return face();
+    } else if (keyword == "o" || keyword == "g") {
+      object_ = scanner_.rest();
+      group_ = nullptr;
+    } else if (keyword == "usemtl") {
+      const std::string_view name = scanner_.rest();
+      material_ = {std::string(name), scanner_.location()};
+      group_ = nullptr;
+    } else if (keyword == "mtllib") {
+      const std::string_view name = scanner_.rest();
+      model_.libraries.push_back({std::string(name), scanner_.location()});
     } else if (std::find(kIgnoredStatements.begin(), kIgnoredStatements.end(), keyword) ==
                kIgnoredStatements.end()) {
       std::vector<std::string> known = kIgnoredStatements;
-      known.insert(known.end(), {"v", "vt", "vn", "f"});
-      return wrong(fmt::format("'{}' is not an OBJ statement of polygon meshes{}", keyword.substr(0, 40),
-                               suggestion(keyword, known)));
+      known.insert(known.end(), {"v", "vt", "vn", "f", "g", "o", "usemtl", "mtllib"});
+      return scanner_.wrong(fmt::format("'{}' is not an OBJ statement of polygon meshes{}",
+                                        keyword.substr(0, 40), suggestion(keyword, known)));
     }
     return {};
   }
 
   Expected<std::int64_t> index(std::string_view text, std::size_t count, std::string_view what) const {
     const auto value = parse_integer(text);
-    if (!value) return wrong(value.error().message);
+    if (!value) return scanner_.wrong(value.error().message);
     const auto size = std::int64_t(count);
     if (*value == 0 || *value > size || *value < -size) {
-      return wrong(
+      return scanner_.wrong(
           fmt::format("{} index {} is out of range: {} {} so far, counted from 1 (or -1 from the last)", what,
                       *value, size, size == 1 ? "is there" : "are there"));
     }
     return *value > 0 ? *value - 1 : size + *value;
   }
 
+  Expected<Corner> corner(std::string_view token) const {
+    std::array<std::string_view, 3> parts;
+    std::size_t part = 0;
+    for (std::string_view rest = token;;) {
+      const std::size_t slash = rest.find('/');
+      parts[part] = rest.substr(0, slash);
+      if (slash == rest.npos) break;
+      if (++part == 3)
+        return scanner_.wrong(fmt::format("'{}' is not a face corner: v, v/vt, v//vn or v/vt/vn", token));
+      rest = rest.substr(slash + 1);
+    }
+    Corner result;
+    const auto position = index(parts[0], positions_.size(), "vertex");
+    if (!position) return std::unexpected(position.error());
+    result.position = *position;
+    if (!parts[1].empty()) {
+      const auto texcoord = index(parts[1], texcoords_.size(), "texture coordinate");
+      if (!texcoord) return std::unexpected(texcoord.error());
+      result.texcoord = *texcoord;
+    }
+    if (!parts[2].empty()) {
+      const auto normal = index(parts[2], normals_.size(), "normal");
+      if (!normal) return std::unexpected(normal.error());
+      result.normal = *normal;
+    }
+    return result;
+  }
+
   Expected<void> face() {
-    std::vector<std::uint32_t>& polygon = polygon_;
-    polygon.clear();
-    for (std::string_view token = next_token(); !token.empty(); token = next_token()) {
-      std::array<std::string_view, 3> parts;
-      std::size_t part = 0;
-      for (std::string_view rest = token;;) {
-        const std::size_t slash = rest.find('/');
-        parts[part] = rest.substr(0, slash);
-        if (slash == rest.npos) break;
-        if (++part == 3)
-          return wrong(fmt::format("'{}' is not a face corner: v, v/vt, v//vn or v/vt/vn", token));
-        rest = rest.substr(slash + 1);
-      }
-      Corner corner;
-      const auto position = index(parts[0], positions_.size(), "vertex");
-      if (!position) return std::unexpected(position.error());
-      corner.position = *position;
-      if (!parts[1].empty()) {
-        const auto texcoord = index(parts[1], texcoords_.size(), "texture coordinate");
-        if (!texcoord) return std::unexpected(texcoord.error());
-        corner.texcoord = *texcoord;
-      }
-      if (!parts[2].empty()) {
-        const auto normal = index(parts[2], normals_.size(), "normal");
-        if (!normal) return std::unexpected(normal.error());
-        corner.normal = *normal;
-      }
-      polygon.push_back(vertex(corner));
+    const SourceLocation location = scanner_.location();
+    OpenGroup& group = open_group(location);
+    polygon_.clear();
+    outline_.clear();
+    for (std::string_view token = scanner_.token(); !token.empty(); token = scanner_.token()) {
+      const auto read = corner(token);
+      if (!read) return std::unexpected(read.error());
+      polygon_.push_back(vertex(group, *read));
+      outline_.push_back(positions_[std::size_t(read->position)]);
     }
-    if (polygon.size() < 3)
-      return wrong(fmt::format("a face needs at least 3 corners, not {}", polygon.size()));
-    for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
-      mesh_.triangles.push_back({polygon[0], polygon[i], polygon[i + 1]});
-    }
+    if (polygon_.size() < 3)
+      return scanner_.wrong(fmt::format("a face needs at least 3 corners, not {}", polygon_.size()));
+    const auto cut = triangulate(outline_);
+    if (!cut) return fail(format_diagnostic(location, "error", cut.error().message));
+    ObjGroup& result = group.result;
+    for (const glm::uvec3& t : cut->triangles)
+      result.mesh.triangles.emplace_back(polygon_[t.x], polygon_[t.y], polygon_[t.z]);
+    if (cut->deviation > kFlatFace) note(result.warped, location);
+    result.deviation = std::max(result.deviation, cut->deviation);
+    if (cut->tangled) note(result.tangled, location);
     return {};
   }
 
-  std::uint32_t vertex(const Corner& corner) {
-    const auto [entry, is_new] = vertices_.try_emplace(corner, std::uint32_t(corners_.size()));
-    if (is_new) corners_.push_back(corner);
+  static void note(OddFaces& faces, SourceLocation location) {
+    if (faces.count++ == 0) faces.first = location;
+  }
+
+  /// The group that a face at `location` belongs to.
+  OpenGroup& open_group(SourceLocation location) {
+    if (group_ != nullptr) return *group_;
+    const auto [entry, is_new] = by_name_.try_emplace(by_group_ ? std::pair(object_, material_.name)
+                                                                : std::pair<std::string, std::string>());
+    group_ = &entry->second;
+    if (is_new) {
+      order_.push_back(group_);
+      group_->result.object = object_;
+      group_->result.material = material_;
+      group_->result.location = location;
+    }
+    return *group_;
+  }
+
+  static std::uint32_t vertex(OpenGroup& group, const Corner& corner) {
+    const auto [entry, is_new] = group.vertices.try_emplace(corner, std::uint32_t(group.corners.size()));
+    if (is_new) group.corners.push_back(corner);
     return entry->second;
   }
 
-  Expected<Mesh> finish() {
-    if (corners_.size() > std::numeric_limits<std::uint32_t>::max()) {
-      return fail(fmt::format("{}: more vertices than 32-bit indices reach", file_.path.string()));
+  Expected<ObjModel> finish() {
+    for (OpenGroup* group : order_) {
+      if (group->corners.size() > std::numeric_limits<std::uint32_t>::max()) {
+        return fail(fmt::format("{}: more vertices than 32-bit indices reach", file_.path.string()));
+      }
+      fill_vertices(*group);
+      model_.groups.push_back(std::move(group->result));
     }
-    const bool all_normals =
-        std::all_of(corners_.begin(), corners_.end(), [](const Corner& c) { return c.normal >= 0; });
-    const bool all_texcoords =
-        std::all_of(corners_.begin(), corners_.end(), [](const Corner& c) { return c.texcoord >= 0; });
-    mesh_.positions.reserve(corners_.size());
-    for (const Corner& corner : corners_) {
-      mesh_.positions.push_back(positions_[std::size_t(corner.position)]);
-      if (all_normals) mesh_.normals.push_back(normals_[std::size_t(corner.normal)]);
-      if (all_texcoords) mesh_.texcoords.push_back(texcoords_[std::size_t(corner.texcoord)]);
-    }
-    return std::move(mesh_);
+    return std::move(model_);
   }
 
+  void fill_vertices(OpenGroup& group) const {
+    const std::vector<Corner>& corners = group.corners;
+    Mesh& mesh = group.result.mesh;
+    const bool all_normals =
+        std::all_of(corners.begin(), corners.end(), [](const Corner& c) { return c.normal >= 0; });
+    const bool all_texcoords =
+        std::all_of(corners.begin(), corners.end(), [](const Corner& c) { return c.texcoord >= 0; });
+    mesh.positions.reserve(corners.size());
+    for (const Corner& each : corners) {
+      mesh.positions.push_back(positions_[std::size_t(each.position)]);
+      if (all_normals) mesh.normals.push_back(normals_[std::size_t(each.normal)]);
+      if (all_texcoords) mesh.texcoords.push_back(texcoords_[std::size_t(each.texcoord)]);
+    }
+  }
+
+  StatementScanner scanner_;
   const SourceFile& file_;
-  std::string_view text_;
-  std::size_t at_ = 0;
-  std::size_t token_start_ = 0;
+  const bool by_group_;
   std::vector<glm::dvec3> positions_;
   std::vector<glm::dvec3> normals_;
   std::vector<glm::dvec2> texcoords_;
-  std::vector<Corner> corners_;
-  std::unordered_map<Corner, std::uint32_t, CornerHash> vertices_;
+  std::string object_;
+  ObjName material_;
+  std::map<std::pair<std::string, std::string>, OpenGroup> by_name_;  ///< by object and material
+  std::vector<OpenGroup*> order_;
+  OpenGroup* group_ = nullptr;  ///< of the next face, once there has been one
   std::vector<std::uint32_t> polygon_;
-  Mesh mesh_;
+  std::vector<glm::dvec3> outline_;
+  ObjModel model_;
 };
 
 }  // namespace
 
-Expected<Mesh> read_obj(const SourceFile& file) { return ObjReader(file).read(); }
+Expected<Mesh> read_obj(const SourceFile& file) {
+  auto model = ObjReader(file, false).read();
+  if (!model) return std::unexpected(model.error());
+  return model->groups.empty() ? Mesh{} : std::move(model->groups.front().mesh);
+}
+
+Expected<ObjModel> read_obj_groups(const SourceFile& file) { return ObjReader(file, true).read(); }
 
 }  // namespace penumbra

@@ -15,6 +15,8 @@ namespace {
 constexpr double kFlatTriangle = 1e-14;
 /// The cosine's distance from 1 within which a vertex normal is the face's.
 constexpr double kSameNormal = 1e-9;
+/// The sine within which a file's normal is the face's.
+constexpr double kFileNormal = 1e-3;
 
 glm::dvec3 face_vector(const Mesh& mesh, const glm::uvec3& t) {
   const glm::dvec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
@@ -126,6 +128,18 @@ Expected<MeshCleaning> place_mesh(Mesh& mesh, const glm::dmat4& to_world, bool f
     add_smooth_normals(mesh);
   }
   return cleaning;
+}
+
+void drop_face_normals(Mesh& mesh) {
+  if (mesh.normals.empty()) return;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3 face = glm::normalize(face_vector(mesh, t));
+    for (int i = 0; i < 3; ++i) {
+      const glm::dvec3 n(mesh.normals[t[i]]);
+      if (!(glm::dot(n, face) > 0.0) || !(glm::length(glm::cross(n, face)) <= kFileNormal)) return;
+    }
+  }
+  mesh.normals.clear();
 }
 
 Mesh make_rectangle(const glm::dmat4& to_world) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <map>
 #include <span>
 
@@ -13,6 +14,7 @@
 #include "scenes/mitsuba/mitsuba_scene.h"
 #include "scenes/names.h"
 #include "scenes/settings.h"
+#include "scenes/tinyrender/tinyrender_scene.h"
 
 namespace penumbra {
 namespace {
@@ -21,20 +23,25 @@ namespace {
 struct Format {
   std::string name;
   std::string extension;
-  char first_character;  ///< after white space, where the extension says nothing
+  char first_character;  ///< after white space and lines of comment, where the extension says nothing
   std::function<Expected<SceneDescription>(const std::filesystem::path&, const ReadOptions&)> read;
 };
 
 std::span<const Format> formats() {
-  static const std::vector<Format> table = {{"Mitsuba XML", ".xml", '<', mitsuba::read_scene}};
+  static const std::vector<Format> table = {{"Mitsuba XML", ".xml", '<', mitsuba::read_scene},
+                                            {"TinyRender TOML", ".toml", '[', tinyrender::read_scene}};
   return table;
 }
 
+/// Past a byte order mark, white space, and the lines of comment that TOML may begin with.
 char first_character(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
+  for (const int byte : {0xEF, 0xBB, 0xBF}) {
+    if (stream.peek() == byte) stream.get();
+  }
   char c = '\0';
-  stream >> c;
-  return c;
+  while (stream >> c && c == '#') stream.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+  return stream ? c : '\0';
 }
 
 const Format* format_of(const std::filesystem::path& file) {

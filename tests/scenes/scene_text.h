@@ -39,8 +39,10 @@ class SceneText : public ::testing::Test {
   std::string error(std::string_view text, const ReadOptions& options = {}) {
     const auto result = read(text, options);
     EXPECT_FALSE(result) << "this scene should be an error:\n" << text;
-    if (result) return "";
-    std::string message = result.error().message;
+    return result ? "" : without_folder(result.error().message);
+  }
+
+  std::string without_folder(std::string message) const {
     const std::string prefix = folder_.path().string() + "/";
     for (std::size_t at = message.find(prefix); at != message.npos; at = message.find(prefix)) {
       message.erase(at, prefix.size());

@@ -1,0 +1,98 @@
+// The text that OBJ and MTL files share: a statement a line, its tokens between blanks, comments after '#', a
+// backslash at the end of a line that continues it.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "kernels/host/error.h"
+#include "scenes/diagnostic.h"
+
+namespace penumbra {
+
+class StatementScanner {
+ public:
+  explicit StatementScanner(const SourceFile& file) : file_(file), text_(file.text) {}
+
+  [[nodiscard]] bool at_end() const { return at_ >= text_.size(); }
+
+  /// The next token of the statement; empty at its end.
+  std::string_view token() {
+    const std::string_view text = token_text();
+    start_ = at_ - text.size();
+    return text;
+  }
+
+  /// The rest of the line, for names that may hold blanks: without blanks at either end, and without a comment
+  /// (a '#' after a blank). Lines that continue it are passed over.
+  std::string_view rest() {
+    skip_blanks();
+    start_ = at_;
+    std::size_t end = start_;
+    for (; at_ < text_.size() && text_[at_] != '\n'; ++at_) {
+      if (text_[at_] == '#' && (at_ == start_ || is_blank(text_[at_ - 1]))) break;
+      if (const std::size_t after = continuation(at_); after != at_) {
+        at_ = after;
+        while (!token_text().empty()) {
+        }
+        break;
+      }
+      if (!is_blank(text_[at_])) end = at_ + 1;
+    }
+    return text_.substr(start_, end - start_);
+  }
+
+  /// Goes to the next statement.
+  void next() {
+    while (!token_text().empty()) {
+    }
+    const std::size_t end = text_.find('\n', at_);
+    at_ = end == text_.npos ? text_.size() : end + 1;
+  }
+
+  /// Of the last token.
+  [[nodiscard]] SourceLocation location() const { return {&file_, start_}; }
+
+  [[nodiscard]] std::unexpected<Error> wrong(std::string_view message) const {
+    return fail(format_diagnostic(location(), "error", message));
+  }
+
+  /// The numbers that the statement has left, `least` to `most` of them, most <= values.size(). Returns how
+  /// many. Errors: another count, tokens that are no finite numbers.
+  Expected<int> numbers(std::string_view statement, int least, int most, std::span<double> values);
+
+ private:
+  static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+  static bool is_end(char c) { return is_blank(c) || c == '\n' || c == '#'; }
+
+  std::string_view token_text() {
+    skip_blanks();
+    const std::size_t start = at_;
+    while (at_ < text_.size() && !is_end(text_[at_])) ++at_;
+    return text_.substr(start, at_ - start);
+  }
+
+  void skip_blanks() {
+    for (;;) {
+      while (at_ < text_.size() && is_blank(text_[at_])) ++at_;
+      const std::size_t after = continuation(at_);
+      if (after == at_) return;
+      at_ = after;
+    }
+  }
+
+  /// The start of the next line, if at `at` there is a backslash at the end of this one, else `at`.
+  [[nodiscard]] std::size_t continuation(std::size_t at) const {
+    if (at >= text_.size() || text_[at] != '\\') return at;
+    std::size_t end = at + 1;
+    if (end < text_.size() && text_[end] == '\r') ++end;
+    return end < text_.size() && text_[end] == '\n' ? end + 1 : at;
+  }
+
+  const SourceFile& file_;
+  std::string_view text_;
+  std::size_t at_ = 0;
+  std::size_t start_ = 0;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,239 @@
+#include "scenes/tinyrender/model_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <sstream>
+
+#include "scenes/mesh_reader.h"
+#include "scenes/mesh_tools.h"
+#include "scenes/tinyrender/mtl_reader.h"
+
+namespace penumbra::tinyrender {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Of a material that is not defined: nothing in nature has this colour.
+constexpr glm::vec3 kStandInColour(0.8f, 0.2f, 0.8f);
+
+bool is_black(const std::optional<glm::vec3>& colour) { return !colour || *colour == glm::vec3(0.0f); }
+
+std::string counted(std::size_t count, std::string_view one, std::string_view many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+class ModelReader {
+ public:
+  ModelReader(const Context& context, const FileAccess& files, SceneDescription& scene)
+      : context_(context), files_(files), scene_(scene) {}
+
+  void read() {
+    Section input(context_, "input");
+    input.require("objfile");
+    const auto name = input.text("objfile");
+    input.finish();
+    if (!name) return;
+    const SourceFile* source = open(*name, input.location("objfile"), kMaxMeshFileBytes);
+    if (source == nullptr) return;
+    auto model = read_obj_groups(*source);
+    if (!model) {
+      context_.diagnostics.error_text(fmt::format("{}\n  (which is named at {})", model.error().message,
+                                                  describe(input.location("objfile"))));
+      return;
+    }
+    for (const ObjName& library : model->libraries) read_library(library);
+    for (ObjGroup& group : model->groups) {
+      if (context_.diagnostics.full()) return;
+      add_shape(group);
+    }
+  }
+
+ private:
+  /// The file of that name beside the one that holds `location`; null, and an error, if there is none.
+  const SourceFile* open(const std::string& name, SourceLocation location, std::uint64_t max_bytes) {
+    const std::array<fs::path, 1> folder = {location.file->path.parent_path()};
+    const auto path = files_.find(name, folder);
+    if (!path) {
+      context_.diagnostics.error(location, path.error().message);
+      return nullptr;
+    }
+    auto file = files_.read(*path, max_bytes);
+    if (!file) {
+      context_.diagnostics.error(location, file.error().message);
+      return nullptr;
+    }
+    sources_.push_back(std::move(*file));
+    return sources_.back().get();
+  }
+
+  /// The line names a file, whose name may hold blanks, or several, whose names do not.
+  void read_library(const ObjName& line) {
+    std::vector<std::string> names = {line.name};
+    const std::array<fs::path, 1> folder = {line.location.file->path.parent_path()};
+    if (line.name.find_first_of(" \t") != line.name.npos && !files_.find(line.name, folder)) {
+      names.clear();
+      std::istringstream words(line.name);
+      for (std::string name; words >> name;) names.push_back(name);
+    }
+    for (const std::string& name : names) {
+      if (std::ranges::find(libraries_, name) != libraries_.end()) continue;
+      libraries_.push_back(name);
+      const SourceFile* file = open(name, line.location, kMaxSceneFileBytes);
+      if (file != nullptr) {
+        read_mtl(*file, materials_, context_.diagnostics);
+      } else {
+        all_libraries_ = false;
+      }
+    }
+  }
+
+  struct Surface {
+    int bsdf = kBlackBsdf;
+    std::optional<glm::vec3> radiance;
+  };
+
+  const Surface& surface(const ObjGroup& group) {
+    const std::string& name = group.material.name;
+    const auto [entry, is_new] = surfaces_.try_emplace(name);
+    if (is_new) entry->second = make_surface(group);
+    return entry->second;
+  }
+
+  Surface make_surface(const ObjGroup& group) {
+    const auto found = materials_.find(group.material.name);
+    if (found == materials_.end()) {
+      missing_material(group);
+      return {install("stand-in", DiffuseBsdf{kStandInColour}), std::nullopt};
+    }
+    const MtlMaterial& material = found->second;
+    Surface result;
+    if (!is_black(material.emission)) result.radiance = material.emission;
+    const glm::vec3 diffuse = material.diffuse.value_or(glm::vec3(0.0f));
+    const glm::vec3 specular =
+        material.exponent ? material.specular.value_or(glm::vec3(0.0f)) : glm::vec3(0.0f);
+    if (!is_black(material.specular) && !material.exponent)
+      warn(material.location, fmt::format("'{}' has Ks but no Ns; Ks is left out", found->first));
+    const float scale = energy_scale(found->first, material.location, diffuse + specular);
+    if (specular != glm::vec3(0.0f)) {
+      result.bsdf = install(found->first, PhongBsdf{scale * diffuse, scale * specular, *material.exponent});
+    } else if (diffuse != glm::vec3(0.0f)) {
+      result.bsdf = install(found->first, DiffuseBsdf{scale * diffuse});
+    }
+    return result;
+  }
+
+  /// What TinyRender scales reflectances with.
+  float energy_scale(const std::string& name, SourceLocation location, glm::vec3 sum) {
+    const float most = std::max({sum.x, sum.y, sum.z});
+    if (!(most > 1.0f)) return 1.0f;
+    const float scale = 0.99f / most;
+    warn(location,
+         fmt::format("'{}' would reflect {} of the light it receives; Kd and Ks are scaled by {:.3g}, "
+                     "as TinyRender does",
+                     name, most, scale));
+    return scale;
+  }
+
+  void missing_material(const ObjGroup& group) {
+    if (!all_libraries_) return;  // it may be in the one that is missing
+    const char* const instead = "a magenta diffuse stands in for it";
+    if (group.material.name.empty()) {
+      context_.unknown(group.location, "this face has no material: there is no usemtl before it", instead);
+      return;
+    }
+    std::vector<std::string> known;
+    for (const auto& [name, material] : materials_) known.push_back(name);
+    const std::string hint = suggestion(group.material.name, known);
+    context_.unknown(group.material.location,
+                     fmt::format("the material '{}' is not defined{} The MTL files define: {}",
+                                 group.material.name, hint.empty() ? "." : hint, list_names(known)),
+                     instead);
+  }
+
+  template <typename Model>
+  int install(const std::string& name, Model model) {
+    scene_.bsdfs.push_back({name, model});
+    return int(scene_.bsdfs.size()) - 1;
+  }
+
+  void add_shape(ObjGroup& group) {
+    const std::string name = name_of(group);
+    const Surface& material = surface(group);
+    report_odd_faces(group, name, material.radiance.has_value());
+    const auto cleaning = place_mesh(group.mesh, glm::dmat4(1.0), group.mesh.normals.empty());
+    if (!cleaning) {
+      context_.diagnostics.error(group.location, fmt::format("'{}': {}", name, cleaning.error().message));
+      return;
+    }
+    if (const std::size_t flat = cleaning->flat_triangles; flat > 0) {
+      warn(group.location,
+           fmt::format("'{}': left out {} without area", name, counted(flat, "triangle", "triangles")));
+    }
+    if (const std::size_t bad = cleaning->bad_normals; bad > 0) {
+      warn(group.location, fmt::format("'{}': {} of no length; computed from the faces", name,
+                                       counted(bad, "normal is", "normals are")));
+    }
+    if (group.mesh.triangles.empty()) {
+      warn(group.location, fmt::format("'{}' has no triangles; it is left out{}", name,
+                                       material.radiance ? ", and its light with it" : ""));
+      return;
+    }
+    drop_face_normals(group.mesh);
+    Shape shape;
+    shape.name = name;
+    shape.geometry = std::move(group.mesh);
+    shape.front_bsdf = shape.back_bsdf = material.bsdf;
+    shape.radiance = material.radiance;
+    scene_.shapes.push_back(std::move(shape));
+  }
+
+  void report_odd_faces(const ObjGroup& group, const std::string& name, bool is_light) {
+    if (const OddFaces& warped = group.warped; warped.count > 0) {
+      warn(warped.first,
+           fmt::format("'{}': {} not flat (by up to {:.2g} of its extent); cut into flat triangles", name,
+                       counted(warped.count, "face is", "faces are"), group.deviation));
+    }
+    if (const OddFaces& tangled = group.tangled; tangled.count > 0) {
+      if (is_light) {
+        context_.diagnostics.error(
+            tangled.first, fmt::format("'{}': this face of a light crosses itself or folds back on itself, "
+                                       "so that its light is not defined",
+                                       name));
+      } else {
+        warn(tangled.first,
+             fmt::format("'{}': {} or back on themselves; cut into fans of triangles that overlap", name,
+                         counted(tangled.count, "face folds over", "faces fold over")));
+      }
+    }
+  }
+
+  static std::string name_of(const ObjGroup& group) {
+    if (group.object.empty()) return group.material.name;
+    if (group.material.name.empty()) return group.object;
+    return fmt::format("{} ({})", group.object, group.material.name);
+  }
+
+  void warn(SourceLocation location, std::string_view message) {
+    context_.diagnostics.warn(location, message);
+  }
+
+  const Context& context_;
+  const FileAccess& files_;
+  SceneDescription& scene_;
+  std::vector<std::unique_ptr<SourceFile>> sources_;
+  std::vector<std::string> libraries_;  ///< that were read or looked for
+  bool all_libraries_ = true;           ///< none was missing
+  MtlMaterials materials_;
+  std::map<std::string, Surface> surfaces_;  ///< by the material's name
+};
+
+}  // namespace
+
+void read_model(const Context& context, const FileAccess& files, SceneDescription& scene) {
+  ModelReader(context, files, scene).read();
+}
+
+}  // namespace penumbra::tinyrender

@@ -1,0 +1,29 @@
+// Wavefront MTL files: the materials that OBJ files name.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "scenes/diagnostic.h"
+
+namespace penumbra::tinyrender {
+
+/// What a material says of itself; colours are linear Rec. 709, at least 0, as the file has them.
+struct MtlMaterial {
+  SourceLocation location;            ///< of its name
+  std::optional<glm::vec3> diffuse;   ///< Kd
+  std::optional<glm::vec3> specular;  ///< Ks
+  std::optional<glm::vec3> emission;  ///< Ke
+  std::optional<float> exponent;      ///< Ns
+};
+
+using MtlMaterials = std::map<std::string, MtlMaterial, std::less<>>;
+
+/// Adds the materials of `file` to `materials`. Of two with one name the first counts, as in TinyRender, with
+/// a warning; statements that nobody knows and textures are passed over with a warning. Errors: colours and
+/// exponents that are none, values before the first name.
+void read_mtl(const SourceFile& file, MtlMaterials& materials, Diagnostics& diagnostics);
+
+}  // namespace penumbra::tinyrender

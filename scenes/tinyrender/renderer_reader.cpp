@@ -1,0 +1,164 @@
+#include "scenes/tinyrender/renderer_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+namespace penumbra::tinyrender {
+namespace {
+
+using Names = std::vector<std::string>;
+
+/// Everything that a [renderer] of any type may hold.
+const Names kAllKeys = {"type",           "realtime",    "method", "samplingStrategy",
+                        "emitterSamples", "bsdfSamples", "alpha",  "visSamples",
+                        "traceShadows",   "bonus",       "spp",    "test",
+                        "maxDepth",       "rrDepth",     "rrProb", "isExplicit"};
+
+/// "Solid_Angle" and "solidAngle" → "solidangle".
+std::string folded(std::string_view name) {
+  std::string result;
+  for (const char c : name) {
+    if (c >= 'A' && c <= 'Z') {
+      result += static_cast<char>(c - 'A' + 'a');
+    } else if (c != '_' && c != '-' && c != ' ') {
+      result += c;
+    }
+  }
+  return result;
+}
+
+/// The one of `choices`, written anyhow, that the key names; an error, and none, if it names another.
+std::optional<std::string> choose(Section& renderer, std::string_view key, const Names& choices) {
+  const auto text = renderer.text(key);
+  if (!text) return std::nullopt;
+  for (const std::string& choice : choices) {
+    if (folded(choice) == folded(*text)) return choice;
+  }
+  renderer.wrong(key, fmt::format("{} '{}' is not one that Penumbra reads{} it reads: {}", key, *text,
+                                  suggestion(*text, choices).empty() ? ";" : suggestion(*text, choices),
+                                  list_names(choices)));
+  return std::nullopt;
+}
+
+struct Strategy {
+  bool emitters;
+  bool directions;
+  std::string emitter_sampling;
+  std::string bsdf_sampling;
+};
+
+void read_direct(Section& renderer, SceneDescription& scene) {
+  static const std::map<std::string, Strategy, std::less<>> kStrategies = {
+      {"mis", {true, true, "area", "bsdf"}},        {"emitter", {true, false, "area", "bsdf"}},
+      {"area", {true, false, "area", "bsdf"}},      {"solidAngle", {true, false, "solid_angle", "bsdf"}},
+      {"bsdf", {false, true, "area", "bsdf"}},      {"cosineHemisphere", {false, true, "area", "cosine"}},
+      {"cosine", {false, true, "area", "cosine"}},  {"uniformHemisphere", {false, true, "area", "uniform"}},
+      {"uniform", {false, true, "area", "uniform"}}};
+  Names names;
+  for (const auto& [name, strategy] : kStrategies) names.push_back(name);
+  const std::string name = choose(renderer, "samplingStrategy", names).value_or("mis");
+  const Strategy& strategy = kStrategies.find(name)->second;
+  renderer.imply(scene, "integrator.type", "direct");
+  renderer.imply(scene, "integrator.mis", "balance");
+  renderer.imply(scene, "integrator.emitter_sampling", strategy.emitter_sampling);
+  renderer.imply(scene, "integrator.bsdf_sampling", strategy.bsdf_sampling);
+  const auto count = [&](const char* setting, const char* key, bool used) {
+    renderer.set(scene, setting, key);
+    if (used) return;
+    if (renderer.has(key))
+      renderer.warn(key, fmt::format("{} has no effect with samplingStrategy = {}", key, name));
+    renderer.imply(scene, setting, "0");
+  };
+  count("integrator.emitter_samples", "emitterSamples", strategy.emitters);
+  count("integrator.bsdf_samples", "bsdfSamples", strategy.directions);
+  renderer.finish(kAllKeys, "with type = direct");
+}
+
+void read_control_variates(Section& renderer, SceneDescription& scene) {
+  renderer.imply(scene, "integrator.type", "polygon_cv");
+  renderer.imply(scene, "integrator.estimator", "cv");
+  renderer.imply(scene, "integrator.emitter_sampling", "area");
+  renderer.imply(scene, "integrator.alpha", "1");
+  renderer.set(scene, "integrator.alpha", "alpha");
+  renderer.set(scene, "integrator.vis_samples", "visSamples");
+}
+
+void read_polygonal(Section& renderer, SceneDescription& scene, bool realtime) {
+  // TinyRender's switch for the closed form of its Phong lobes. Ours follows the material, which has a lobe
+  // or has none, so that it changes nothing.
+  renderer.boolean("bonus", false);
+  const bool test = renderer.boolean("test", false);
+  const std::string window = test ? "controlVariates" : "analytic";
+  const std::string method = choose(renderer, "method", {"analytic", "area", "controlVariates"})
+                                 .value_or(realtime ? window : "area");
+  if (method == "controlVariates") {
+    read_control_variates(renderer, scene);
+  } else if (method == "area") {
+    renderer.imply(scene, "integrator.type", "polygon_area");
+    renderer.imply(scene, "integrator.emitter_samples", "1");
+    renderer.imply(scene, "integrator.emitter_sampling", "area");
+    renderer.imply(scene, "integrator.trace_shadows", "false");
+    renderer.set(scene, "integrator.trace_shadows", "traceShadows");
+  } else {
+    renderer.imply(scene, "integrator.type", "polygon_analytic");
+  }
+  renderer.finish(kAllKeys, fmt::format("with method = {}", method));
+}
+
+/// TinyRender's 0 bounces see emitters only, which is a path of one edge.
+void read_depth(Section& renderer, SceneDescription& scene, const char* setting, const char* key,
+                std::int64_t least) {
+  const auto bounces = renderer.integer(key);
+  if (!bounces) return;
+  if (*bounces < least || *bounces >= std::numeric_limits<int>::max()) {
+    renderer.wrong(key, fmt::format("{} is not in the range from {} to {}", *bounces, least,
+                                    std::numeric_limits<int>::max() - 1));
+    return;
+  }
+  renderer.imply(scene, setting, fmt::format("{}", *bounces < 0 ? -1 : *bounces + 1), key);
+}
+
+void read_path(Section& renderer, SceneDescription& scene) {
+  const bool samples_emitters = renderer.boolean("isExplicit", true);
+  renderer.imply(scene, "integrator.type", samples_emitters ? "path" : "path_mats");
+  renderer.imply(scene, "integrator.emitter_sampling", "area");
+  read_depth(renderer, scene, "integrator.max_depth", "maxDepth", -1);
+  read_depth(renderer, scene, "integrator.rr_depth", "rrDepth", 0);
+  // Paths survive here by their throughput, not by a fixed probability.
+  renderer.accept("rrProb");
+  renderer.finish(kAllKeys, "with type = path");
+}
+
+}  // namespace
+
+void read_renderer(const Context& context, SceneDescription& scene) {
+  static const Names kTypes = {"direct", "polygonal", "path"};
+  Section renderer(context, "renderer");
+  renderer.require("type");
+  renderer.imply(scene, "sampler.sample_count", "1");
+  renderer.set(scene, "sampler.sample_count", "spp");
+  const bool realtime = renderer.boolean("realtime", false);
+  std::string type = renderer.text("type").value_or("direct");
+  if (std::ranges::find(kTypes, type) == kTypes.end()) {
+    const std::string hint = suggestion(type, kTypes);
+    context.unknown(renderer.location("type"),
+                    fmt::format("renderer type '{}' is not one that Penumbra reads{} it reads: {}", type,
+                                hint.empty() ? ";" : hint, list_names(kTypes)),
+                    "direct stands in for it");
+    type = "direct";
+    if (!context.lenient) return;  // what else it has belongs to a type that is not known
+  }
+  if (type == "polygonal") return read_polygonal(renderer, scene, realtime);
+  if (realtime)
+    renderer.warn(
+        "realtime",
+        fmt::format("what the window shows for type = {} is not read; it is rendered offline", type));
+  for (const char* key : {"bonus", "test"}) renderer.accept(key);
+  if (type == "path") return read_path(renderer, scene);
+  read_direct(renderer, scene);
+}
+
+}  // namespace penumbra::tinyrender

@@ -1,0 +1,67 @@
+// TinyRender scenes written into a test, read from a folder of their own.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "tests/scenes/scene_text.h"
+
+namespace penumbra {
+
+class TinyRenderText : public SceneText {
+ protected:
+  static constexpr const char* kMaterials =
+      "newmtl white\nKd .5 .6 .7\nnewmtl lamp\nKe 3 2 1\n"
+      "newmtl shiny\nKd .1 .2 .3\nKs .4 .5 .6\nNs 100\n";
+  /// A floor that looks up and a lamp that shines down.
+  static constexpr const char* kModel =
+      "mtllib m.mtl\no floor\nv -1 0 -1\nv -1 0 1\nv 1 0 1\nv 1 0 -1\nusemtl white\nf 1 2 3 4\n"
+      "o lamp\nv 0 1 0\nv 1 1 0\nv 0 1 1\nusemtl lamp\nf 5 6 7\n";
+
+  static std::string scene_with(std::string_view renderer,
+                                std::string_view camera = "eye = [0, 1, 5]\nat = [0, 1, 0]\nfov = 40") {
+    std::string text = "[input]\nobjfile = \"m.obj\"\n[camera]\n";
+    text += camera;
+    text += "\n[film]\nwidth = 30\nheight = 20\n[renderer]\n";
+    text += renderer;
+    return text + "\n";
+  }
+
+  Expected<SceneDescription> read_toml(std::string_view text, const ReadOptions& options = {}) {
+    if (!std::filesystem::exists(folder_ / "m.obj")) write("m.obj", kModel);
+    if (!std::filesystem::exists(folder_ / "m.mtl")) write("m.mtl", kMaterials);
+    write("scene.toml", text);
+    return read_scene(folder_ / "scene.toml", options);
+  }
+
+  /// Of a scene that must be good.
+  SceneDescription good_toml(std::string_view text, const ReadOptions& options = {}) {
+    auto result = read_toml(text, options);
+    EXPECT_TRUE(result) << result.error().message;
+    return result ? std::move(*result) : SceneDescription{};
+  }
+
+  /// The error of a scene that must be bad, the folder's name left out.
+  std::string toml_error(std::string_view text, const ReadOptions& options = {}) {
+    const auto result = read_toml(text, options);
+    EXPECT_FALSE(result) << "this scene should be an error:\n" << text;
+    return result ? "" : without_folder(result.error().message);
+  }
+
+  /// The warnings of a scene that must be good, one a line, the folder's name left out.
+  std::string warnings(const SceneDescription& scene) {
+    std::string all;
+    for (const std::string& warning : scene.warnings) all += warning + "\n";
+    return without_folder(all);
+  }
+
+  /// `model` and `materials` in the place of the usual ones.
+  void use(std::string_view model, std::string_view materials = kMaterials) {
+    write("m.obj", model);
+    write("m.mtl", materials);
+  }
+
+  static constexpr const char* kDirect = "type = \"direct\"";
+};
+
+}  // namespace penumbra
