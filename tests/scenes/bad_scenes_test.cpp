@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include "scenes/scene_reader.h"
 #include "tests/outputs/temporary_folder.h"
@@ -15,10 +17,21 @@ using ::testing::HasSubstr;
 
 const std::filesystem::path kFolder = std::filesystem::path(PENUMBRA_SOURCE_DIR) / "tests/scenes/bad";
 
+/// Scenes that --lenient renders all the same.
+const std::set<std::string> kStrictOnly = {"unknown-plugin.xml", "unknown-key.toml", "unknown-renderer.toml",
+                                           "undefined-material.toml"};
+
+/// What announces the error, before and after it.
+std::pair<std::string, std::string> announcement(const std::filesystem::path& scene) {
+  if (scene.extension() == ".toml") return {"# error: ", "\n"};
+  return {"<!-- error: ", " -->\n"};
+}
+
 std::vector<std::string> bad_scenes() {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(kFolder)) {
-    if (entry.path().extension() == ".xml") names.push_back(entry.path().stem().string());
+    const std::filesystem::path extension = entry.path().extension();
+    if (extension == ".xml" || extension == ".toml") names.push_back(entry.path().filename().string());
   }
   std::sort(names.begin(), names.end());
   return names;
@@ -27,13 +40,13 @@ std::vector<std::string> bad_scenes() {
 class BadScene : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(BadScene, IsAClearError) {
-  const std::filesystem::path file = kFolder / (GetParam() + ".xml");
+  const std::filesystem::path file = kFolder / GetParam();
   const std::string text = file_contents(file);
-  const std::string opening = "<!-- error: ", closing = " -->\n";
+  const auto [opening, closing] = announcement(file);
   ASSERT_TRUE(text.starts_with(opening));
   const std::string expected = text.substr(opening.size(), text.find(closing) - opening.size());
   for (const bool lenient : {false, true}) {
-    const bool strict_only = GetParam() == "unknown-plugin";
+    const bool strict_only = kStrictOnly.contains(GetParam());
     const auto scene = read_scene(file, {.lenient = lenient, .confine_to = kFolder});
     if (lenient && strict_only) {
       EXPECT_TRUE(scene);
@@ -48,7 +61,7 @@ TEST_P(BadScene, IsAClearError) {
 
 INSTANTIATE_TEST_SUITE_P(All, BadScene, ::testing::ValuesIn(bad_scenes()), [](const auto& scene) {
   std::string name = scene.param;
-  std::replace(name.begin(), name.end(), '-', '_');
+  for (const char separator : {'-', '.'}) std::replace(name.begin(), name.end(), separator, '_');
   return name;
 });
 

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "scenes/mesh_reader.h"
 
 namespace penumbra {
@@ -10,6 +12,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
+using ::testing::UnorderedElementsAre;
 
 Expected<Mesh> read(std::string text) { return read_obj({"m.obj", std::move(text)}); }
 
@@ -87,6 +90,80 @@ TEST(Obj, BadFaces) {
   EXPECT_THAT(error(square + "f 1/1/1/1 2 3\n"), HasSubstr("not a face corner"));
   EXPECT_THAT(error(square + "f 1.5 2 3\n"), HasSubstr("'1.5' is not an integer"));
   EXPECT_THAT(error(square + "f / 2 3\n"), HasSubstr("'' is not an integer"));
+}
+
+TEST(Obj, ConcavePolygonsAreCutInside) {
+  Mesh arrow = read("v 0 0 0\nv 2 1 0\nv 0 2 0\nv 1 1 0\nf 1 2 3 4\n").value();
+  for (glm::uvec3& t : arrow.triangles) {  // the smallest corner first, in the same order
+    while (t.x > std::min(t.y, t.z)) t = {t.y, t.z, t.x};
+  }
+  EXPECT_THAT(arrow.triangles, UnorderedElementsAre(glm::uvec3(0, 1, 3), glm::uvec3(1, 2, 3)));
+  EXPECT_THAT(arrow.positions, SizeIs(4));
+}
+
+Expected<ObjModel> read_groups(std::string text) { return read_obj_groups({"m.obj", std::move(text)}); }
+
+TEST(ObjGroups, ByObjectAndMaterialInTheirOrder) {
+  const SourceFile file{"m.obj", std::string(kSquare) +
+                                     "mtllib a b.mtl # two\nf 1 2 3\no  my box \t\nusemtl red\nf 2 3 4\ng\n"
+                                     "usemtl red # one\nf 1 3 4\no my box\nf 1 2 4\nmtllib c.mtl\n"};
+  const ObjModel model = read_obj_groups(file).value();
+  ASSERT_THAT(model.libraries, SizeIs(2));
+  EXPECT_EQ(model.libraries[0].name, "a b.mtl");
+  EXPECT_EQ(describe(model.libraries[0].location), "m.obj:5:8");
+  EXPECT_EQ(model.libraries[1].name, "c.mtl");
+  ASSERT_THAT(model.groups, SizeIs(3));
+  EXPECT_EQ(model.groups[0].object, "");
+  EXPECT_EQ(model.groups[0].material.name, "");
+  EXPECT_EQ(model.groups[1].object, "my box");
+  EXPECT_EQ(model.groups[1].material.name, "red");
+  EXPECT_EQ(describe(model.groups[1].material.location), "m.obj:8:8");
+  EXPECT_EQ(describe(model.groups[1].location), "m.obj:9:1");
+  EXPECT_THAT(model.groups[1].mesh.triangles, ElementsAre(glm::uvec3(0, 1, 2), glm::uvec3(3, 0, 2)));
+  EXPECT_THAT(model.groups[1].mesh.positions, SizeIs(4));
+  EXPECT_EQ(model.groups[2].object, "");
+  EXPECT_THAT(model.groups[2].mesh.positions, SizeIs(3));
+  EXPECT_THAT(read_groups("").value().groups, IsEmpty());
+  // All of it in one, as read_obj has it.
+  EXPECT_THAT(read_obj(file).value().triangles, SizeIs(4));
+}
+
+TEST(ObjGroups, NormalsCountForEachGroup) {
+  const ObjModel model =
+      read_groups(std::string(kSquare) + "vn 0 0 1\no a\nf 1//1 2//1 3//1\no b\nf 1 2 3\n").value();
+  EXPECT_THAT(model.groups.at(0).mesh.normals, SizeIs(3));
+  EXPECT_THAT(model.groups.at(1).mesh.normals, IsEmpty());
+}
+
+TEST(ObjGroups, OddFacesAreCountedWhereTheyAre) {
+  const SourceFile file{"m.obj",
+                        std::string(kSquare) + "v 1 1 .1\nf 1 3 2 4\nf 1 2 3 4\nf 4 2 3 1\nf 1 2 5 4\n"};
+  const ObjModel model = read_obj_groups(file).value();
+  const ObjGroup& group = model.groups.at(0);
+  EXPECT_EQ(group.tangled.count, 2u);
+  EXPECT_EQ(describe(group.tangled.first), "m.obj:6:1");
+  EXPECT_EQ(group.warped.count, 1u);
+  EXPECT_EQ(describe(group.warped.first), "m.obj:9:1");
+  // A corner of a unit square lifted by 0.1: the mean plane is 0.025 from all four.
+  EXPECT_NEAR(group.deviation, 0.025, 1e-4);
+}
+
+TEST(ObjGroups, NamesThatGoOnInTheNextLine) {
+  const ObjModel model =
+      read_groups(std::string(kSquare) + "g one \\\r\n two\nusemtl a\\b\nf 1 2 3\n").value();
+  EXPECT_EQ(model.groups.at(0).object, "one");
+  EXPECT_EQ(model.groups.at(0).material.name, "a\\b");
+}
+
+TEST(ObjGroups, FacesThatCannotBeCut) {
+  std::string text;
+  std::string face = "f";
+  for (int i = 0; i < 20000; ++i) {
+    text += "v " + std::to_string(i) + (i % 2 == 0 ? " 0 0\n" : " 1 0\n");
+    face += " " + std::to_string(i + 1);
+  }
+  EXPECT_THAT(error(text + "v 20000 -5 0\nv 0 -5 0\n" + face + " 20001 20002\n"),
+              HasSubstr("m.obj:20003:1: error: a face of 20002 corners that is not convex; at most 16384"));
 }
 
 }  // namespace

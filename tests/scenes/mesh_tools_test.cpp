@@ -161,5 +161,30 @@ TEST(PlaceMesh, OverflowIsAnError) {
   EXPECT_FALSE(place_mesh(infinite, translation({1e300, 0, 0}) * scaling(glm::dvec3(1e300)), false));
 }
 
+TEST(FaceNormals, GoIfTheyAreTheFacesButForRounding) {
+  Mesh mesh = make_rectangle(rotation({1, 2, 3}, 40));
+  const auto give = [&](double sine) {
+    const glm::dvec3 n = face_normal(mesh, 0), across = glm::normalize(mesh.positions[1] - mesh.positions[0]);
+    mesh.normals.assign(4, glm::vec3(n));
+    mesh.normals[2] = glm::vec3(std::sqrt(1.0 - sine * sine) * n + sine * across);
+  };
+  drop_face_normals(mesh);
+  EXPECT_THAT(mesh.normals, IsEmpty());
+  for (const double sine : {0.0, 1e-4, 9e-4}) {
+    give(sine);
+    drop_face_normals(mesh);
+    EXPECT_THAT(mesh.normals, IsEmpty()) << sine;
+  }
+  for (const double sine : {1.1e-3, 0.1, 1.0}) {
+    give(sine);
+    drop_face_normals(mesh);
+    EXPECT_THAT(mesh.normals, SizeIs(4)) << sine;
+  }
+  give(0.0);
+  for (glm::vec3& n : mesh.normals) n = -n;
+  drop_face_normals(mesh);
+  EXPECT_THAT(mesh.normals, SizeIs(4)) << "the back's";
+}
+
 }  // namespace
 }  // namespace penumbra

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <random>
+#include <tuple>
 
 #include "scenes/scene_reader.h"
 #include "tests/outputs/temporary_folder.h"
@@ -208,6 +209,48 @@ TEST(MutatedMeshes, ObjWithEverything) {
              "3 4\nl 1 2\n");
   expect_survival(folder.path(), "scene.xml", "m.obj", 99);
 }
+
+class MutatedTinyRender
+    : public ::testing::TestWithParam<std::tuple<std::string, std::string, std::uint32_t>> {};
+
+TEST_P(MutatedTinyRender, AreReadOrRefused) {
+  const auto& [renderer, mutated, seed] = GetParam();
+  const TemporaryFolder folder;
+  write_text(
+      folder / "scene.toml",
+      "# all of it\n[input]\nobjfile = \"m.obj\"\n[camera]\neye = [5.0, 3.0, -2]\nat = [-2.0, 0.4, 1.0]\n"
+      "up = [0.0, 1.0, 0.0]\nfov = 35.0\n\n[film]\nwidth = 60\nheight = 40\n\n[renderer]\n" +
+          renderer);
+  // A star of ten corners, a square with a hole, a warped and a smooth face.
+  write_text(
+      folder / "m.obj",
+      "mtllib m.mtl\no star\nv -3 .69 0\nv -3 .04 -.88\nv -3 1.08 -.53\nv -3 1.71 -1.43\nv -3 1.7 -.33\n"
+      "v -3 2.75 0\nv -3 1.7 .33\nv -3 1.71 1.43\nv -3 1.08 .53\nv -3 .04 .88\nvn 1 0 0\nusemtl lamp\n"
+      "s off\nf 1//1 2//1 3//1 4//1 5//1 6//1 7//1 8//1 9//1 10//1\no floor\nv -4 0 4\nv 4 0 4\nv 4 0 -4\n"
+      "v -4 0 -4\nv -1 0 1\nv 1 0 1\nv 1 .2 -1\nv -1 0 -1\nvn 0 1 0\nvn .1 1 0\nusemtl white\n"
+      "f 11//2 12//2 13//2 14//2 11//2 15//2 18//2 17//2 16//2 15//2\nusemtl shiny\nf 15//2 16//3 17//2 18\n"
+      "f -1//2 -2//3 -3//-1\n");
+  write_text(
+      folder / "m.mtl",
+      "# three\nnewmtl lamp\nKe 12 8.5 4\n\nnewmtl white\nKd 0.5 0.5 0.5\nillum 7\nnewmtl shiny\nNs 100.0\n"
+      "Kd 0.5 0.5 0.5\nKs 0.5 0.5 0.5\nKa 0 0 0\nNi 1.0\nd 1.0\nmap_Kd wood.png\nillum 2\n");
+  expect_survival(folder.path(), "scene.toml", mutated, seed);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, MutatedTinyRender,
+    ::testing::Values(
+        std::tuple(
+            "type = \"direct\"\nsamplingStrategy = \"mis\"\nemitterSamples = 4\nbsdfSamples = 0\nspp = 2\n",
+            "scene.toml", 2001u),
+        std::tuple(
+            "type = \"polygonal\"\nmethod = \"controlVariates\"\nalpha = 0.9\nvisSamples = 4\nbonus = true\n",
+            "scene.toml", 2002u),
+        std::tuple("type = \"polygonal\"\nrealtime = true\ntest = true\n", "m.obj", 2003u),
+        std::tuple("type = \"path\"\nmaxDepth = 5\n", "m.mtl", 2004u)),
+    [](const auto& test) {
+      return "of_" + std::get<1>(test.param).substr(0, 1) + std::to_string(test.index);
+    });
 
 }  // namespace
 }  // namespace penumbra
