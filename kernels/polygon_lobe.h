@@ -13,7 +13,8 @@
 // that a Gauss-Legendre rule of at most 24 nodes over the part of the arc inside the lobe does for every
 // exponent; outside the lobe only dphi is left.
 //
-// Exponents below 8 have ends in (cos psi)^e that no such rule follows. They are reached from e + 2k >= 8 by
+// For exponents below 8 no such rule follows (cos psi)^e to its ends at +-pi / 2. Unless an arc is short and
+// away from them, they are reached from e + 2k >= 8 by
 //   (e + 1) D(e) = (e + 2) D(e + 2) / c^2 - [(w.u)^e cos psi sin psi],   B(e) = B(e + 2) - delta D(e)
 // for D = integral of (w.u)^e dpsi and B = integral of (1 - (w.u)^e) dphi.
 #ifndef PENUMBRA_POLYGON_LOBE_H
@@ -35,15 +36,16 @@ typedef struct {
   double outside;             ///< integral of dphi over the rest of the arc
   double from_cos, from_sin;  ///< of psi at its ends
   double to_cos, to_sin;
+  bool stepped;  ///< its exponent is to be reached from a higher one
 } LobeArc;
 
 /// delta^2, never 1: c^2 is never 0.
 FN double lobe_delta2(double delta) { return min_d(delta * delta, 0.99999999999999989); }
 
 /// For the arc of `angle`, sine and cosine of it not normalised, that starts at `from` with unit normal g.
-/// Inside the lobe (w.u)^2 is above `cut2`, or above c^2 times it where `stepped`.
+/// Inside the lobe (w.u)^2 is above `cut2`, or above c^2 times it for a low exponent.
 FN LobeArc lobe_arc(vec3d from, vec3d g, double sine, double cosine, double angle, vec3d w, double cut2,
-                    bool stepped) {
+                    bool low_exponent) {
   LobeArc arc;
   const double delta = dot3_d(w, g);
   const double x = dot3_d(from, w), y = dot3_d(from, cross3_d(g, w));
@@ -54,7 +56,7 @@ FN LobeArc lobe_arc(vec3d from, vec3d g, double sine, double cosine, double angl
   const double bc = ac * turn_c - as * turn_s, bs = as * turn_c + ac * turn_s;
   // The arc is shorter than half a turn: it enters the lobe, if from outside, at -acos of the least cosine,
   // leaves it at the positive one, and passes through all of it if psi goes from negative to positive.
-  const double least2 = min_d(stepped ? cut2 : cut2 / (1.0 - lobe_delta2(delta)), 1.0);
+  const double least2 = min_d(low_exponent ? cut2 : cut2 / (1.0 - lobe_delta2(delta)), 1.0);
   const double least = SQRT_D(least2), reach = SQRT_D(1.0 - least2);
   const bool from_inside = ac > least, to_inside = bc > least;
   const bool any = (from_inside | to_inside | ((as < 0.0) & (bs > 0.0))) & (least2 < 1.0);
@@ -65,6 +67,10 @@ FN LobeArc lobe_arc(vec3d from, vec3d g, double sine, double cosine, double angl
   // A short arc's own angle has more digits than the difference.
   arc.half_width = any ? 0.5 * (whole ? angle : max_d(high - low, 0.0)) : 0.0;
   arc.middle = any ? (whole ? low + 0.5 * angle : 0.5 * (low + high)) : 0.0;
+  // The differences of step_down would cost a small light its digits. A rule of 8 nodes converges like
+  // 5.8^-16 where the next singularity is as far from its interval's end as the interval is long.
+  const double farthest = max_d(FABS_D(low), FABS_D(high));
+  arc.stepped = low_exponent & !(whole & (HALF_PI_D - farthest >= angle));
   // The direction of azimuth phi is (delta cos psi, sin psi). Two parts are outside, and make less than half
   // a turn together; in the direction that delta says, whatever rounding does to half a turn.
   const double ax = delta * ac, bx = delta * bc, low_x = delta * low_c, high_x = delta * high_c;

@@ -8,19 +8,20 @@ PENUMBRA_NAMESPACE_BEGIN
 
 /// What is the same for all arcs.
 typedef struct {
-  double half_exponent[LANES];  ///< of the quadrature, at least LOWEST_LOBE_EXPONENT / 2
-  double steps[LANES];          ///< from there down to the lobe's exponent
-  double cut2[LANES];           ///< see lobe_arc; above 1: no lobe
-  double height[LANES];         ///< n.w
-  bool any_steps;
+  double half_exponent[LANES];
+  double steps[LANES];   ///< of 2 from the lobe's exponent up to LOWEST_LOBE_EXPONENT or more
+  double cut2[LANES];    ///< see lobe_arc; above 1: no lobe
+  double height[LANES];  ///< n.w
 } Lobes;
 
 /// An arc for each lane.
 typedef struct {
   double middle[LANES], half_width[LANES], delta[LANES], outside[LANES];
   double from_cos[LANES], from_sin[LANES], to_cos[LANES], to_sin[LANES];
-  double rise[LANES];    ///< n.g
-  double weight[LANES];  ///< in the sum
+  double half_exponent[LANES];  ///< of its quadrature
+  double steps[LANES];          ///< from there down to the lobe's exponent
+  double rise[LANES];           ///< n.g
+  double weight[LANES];         ///< in the sum
 } LobeArcs;
 
 /// Returns whether any lane wants a lobe.
@@ -31,19 +32,14 @@ STAGE bool start_lobes(const PRIVATE Receivers* RESTRICT r, PRIVATE Lobes* RESTR
       double steps = 0.0;
       UNROLL
       for (int i = 0; i < LOBE_STEPS; i++) steps += e < LOWEST_LOBE_EXPONENT - 2.0 * (double)i ? 1.0 : 0.0;
-      const double raised = max_d(e, 0.0) + 2.0 * steps;
       lobes->steps[j] = steps;
-      lobes->half_exponent[j] = 0.5 * raised;
-      const double cut2 = exp_d(2.0 * LOG_LOBE_CUT / raised);
+      lobes->half_exponent[j] = 0.5 * max_d(e, 0.0);
+      const double cut2 = exp_d(LOG_LOBE_CUT / (lobes->half_exponent[j] + steps));
       lobes->cut2[j] = e >= 0.0 ? cut2 : 2.0;
       lobes->height[j] = r->wx[j] * r->nx[j] + r->wy[j] * r->ny[j] + r->wz[j] * r->nz[j];
     }
   bool any = false;
-  lobes->any_steps = false;
-  for (int j = 0; j < LANES; j++) {
-    any |= r->exponent[j] >= 0.0;
-    lobes->any_steps |= (r->exponent[j] >= 0.0) & (lobes->steps[j] > 0.0);
-  }
+  for (int j = 0; j < LANES; j++) any |= r->exponent[j] >= 0.0;
   return any;
 }
 
@@ -59,6 +55,8 @@ FN void store_lobe_arc(PRIVATE LobeArcs* arcs, int j, const PRIVATE Lobes* lobes
   arcs->from_sin[j] = arc.from_sin;
   arcs->to_cos[j] = arc.to_cos;
   arcs->to_sin[j] = arc.to_sin;
+  arcs->steps[j] = arc.stepped ? lobes->steps[j] : 0.0;
+  arcs->half_exponent[j] = lobes->half_exponent[j] + arcs->steps[j];
   arcs->rise[j] = dot3_d(n, g);
   arcs->weight[j] = weight;
 }
@@ -67,7 +65,8 @@ FN void store_lobe_arc(PRIVATE LobeArcs* arcs, int j, const PRIVATE Lobes* lobes
 /// depend on its neighbours. The rules of 8, 16 and 24 nodes have errors below 1e-10 up to lengths of 3 and
 /// 8.7 widths of the lobe, and of 13.6 across all of it.
 FN double lobe_rule(const PRIVATE Lobes* lobes, const PRIVATE LobeArcs* arcs, int j) {
-  const double length2 = 8.0 * arcs->half_width[j] * arcs->half_width[j] * lobes->half_exponent[j];
+  const double exponent = 2.0 * (lobes->half_exponent[j] + lobes->steps[j]);
+  const double length2 = 4.0 * arcs->half_width[j] * arcs->half_width[j] * exponent;
   return length2 <= 0.0 ? 0.0 : (length2 <= 9.0 ? 4.0 : (length2 <= 75.0 ? 8.0 : 12.0));
 }
 
@@ -112,9 +111,9 @@ STAGE void integrate_lobes(const PRIVATE Lobes* RESTRICT lobes, const PRIVATE Lo
         const double delta2 = lobe_delta2(arcs->delta[j]), offset = node * arcs->half_width[j];
         double rest0, rest1;
         const double power0 =
-            lobe_at(arcs->middle[j] - offset, delta2, log_c2[j], lobes->half_exponent[j], &rest0);
+            lobe_at(arcs->middle[j] - offset, delta2, log_c2[j], arcs->half_exponent[j], &rest0);
         const double power1 =
-            lobe_at(arcs->middle[j] + offset, delta2, log_c2[j], lobes->half_exponent[j], &rest1);
+            lobe_at(arcs->middle[j] + offset, delta2, log_c2[j], arcs->half_exponent[j], &rest1);
         power[j] += weight * (power0 + power1);
         rest[j] += weight * (rest0 + rest1);
       }
@@ -127,13 +126,13 @@ STAGE void integrate_lobes(const PRIVATE Lobes* RESTRICT lobes, const PRIVATE Lo
 }
 
 /// Takes D and B from the quadrature's exponent down to the lobe's.
-STAGE void step_lobes_down(const PRIVATE Lobes* RESTRICT lobes, const PRIVATE LobeArcs* RESTRICT arcs,
-                           PRIVATE double* RESTRICT power, PRIVATE double* RESTRICT rest) {
+STAGE void step_lobes_down(const PRIVATE LobeArcs* RESTRICT arcs, PRIVATE double* RESTRICT power,
+                           PRIVATE double* RESTRICT rest) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       double d = power[j], b = rest[j];
       step_down(arcs->delta[j], arcs->from_cos[j], arcs->from_sin[j], arcs->to_cos[j], arcs->to_sin[j],
-                lobes->half_exponent[j], lobes->steps[j], &d, &b);
+                arcs->half_exponent[j], arcs->steps[j], &d, &b);
       power[j] = d;
       rest[j] = b;
     }
@@ -143,14 +142,15 @@ STAGE void step_lobes_down(const PRIVATE Lobes* RESTRICT lobes, const PRIVATE Lo
 STAGE void add_lobe_arcs(const PRIVATE Lobes* RESTRICT lobes, const PRIVATE LobeArcs* RESTRICT arcs,
                          PRIVATE double* RESTRICT sum) {
   double power[LANES], rest[LANES];
-  double most = 0.0;
+  double most = 0.0, most_steps = 0.0;
   for (int j = 0; j < LANES; j++) {
     most = max_d(most, lobe_rule(lobes, arcs, j));
+    most_steps = max_d(most_steps, arcs->steps[j]);
     power[j] = rest[j] = 0.0;
   }
   if (most > 0.0) integrate_lobes(lobes, arcs, (int)most, power, rest);
   for (int j = 0; j < LANES; j++) rest[j] = arcs->delta[j] * rest[j] + arcs->outside[j];
-  if (lobes->any_steps) step_lobes_down(lobes, arcs, power, rest);
+  if (most_steps > 0.0) step_lobes_down(arcs, power, rest);
   for (int j = 0; j < LANES; j++)
     sum[j] += arcs->weight[j] * (lobes->height[j] * rest[j] + arcs->rise[j] * power[j]);
 }
