@@ -90,8 +90,7 @@ FN IrradianceSum add_edge_irradiance(IrradianceSum s, vec3d a, vec3d b, vec3d d,
 }
 
 /// The irradiance at the point (px, py, pz) with unit normal (nx, ny, nz) from a triangle of radiance 1 that
-/// faces whoever sees p0, p1, p2 counter-clockwise; 0 to pi. Absolute error below 2e-15 wherever the point is
-/// known as well in relation to the edges; relative error below 1e-15 over the triangle's angular size.
+/// faces whoever sees p0, p1, p2 counter-clockwise; 0 to pi. As polygon_terms, to the bit.
 FN double triangle_irradiance(double px, double py, double pz, double nx, double ny, double nz, vec3 p0,
                               vec3 p1, vec3 p2, bool two_sided) {
   const vec3d x = make_vec3d(px, py, pz), n = make_vec3d(nx, ny, nz);

@@ -156,6 +156,9 @@ STAGE void add_polygon_with_lobes(GLOBAL const PolygonCorner* corners, int count
 /// over the directions u of its visible part, 0 to pi; `lobe`, where the scene has Phong lobes,
 /// (e + 2) / (2 pi) times that of max(0, w.u)^e max(0, n.u), which times specular reflectance and radiance is
 /// the reflected radiance. Both LANES long and always written; 0 for a one-sided light seen from behind.
+/// Absolute errors below 1.4e-14 and 2e-10; relative errors of a light of small angular size below 3e-15 /
+/// size, for the lobe's up to a size of 0.3 / sqrt(max(e, 1)). In a light's plane the limit from either side;
+/// on its outline, some finite number of the range. A lane's results do not depend on the other lanes.
 STAGE void polygon_terms(const PRIVATE Scene* scene, const PRIVATE Receivers* r, int index,
                          PRIVATE double* RESTRICT irradiance, PRIVATE double* RESTRICT lobe) {
   GLOBAL const Polygon* polygon = scene->polygons + index;
