@@ -121,6 +121,25 @@ Corners exact_rectangle(RandomNumbers& random) {
   }
 }
 
+TEST(SphericalRectangle, TheRiseKeepsItsDigits) {
+  RandomNumbers random(8);
+  double worst = 0;
+  for (int i = 0; i < 100'000; ++i) {
+    const float z = float(std::pow(10, random.between(-6, 0))), y0 = float(random.between(-1, 1)),
+                height = float(std::pow(10, random.between(-4, 0))), y1 = y0 + height, c = z * z;
+    const float rise = rectangle_rise(c, y0, y1, height, std::sqrt(c + y0 * y0), std::sqrt(c + y1 * y1));
+    const long double lc = c, a = y0, b = (long double)y0 + height, r0 = std::sqrt(lc + a * a),
+                      r1 = std::sqrt(lc + b * b);
+    // By the sines of latitude, h, as differences of 1 - |h|: these stay exact where h is close to 1.
+    const auto beside = [&](long double y, long double r) { return lc / (r * (r + std::abs(y))); };
+    const long double difference = a >= 0   ? beside(a, r0) - beside(b, r1)
+                                   : b <= 0 ? beside(b, r1) - beside(a, r0)
+                                            : 2 - beside(a, r0) - beside(b, r1);
+    worst = std::max(worst, std::abs(double(rise / (difference * r0 * r1) - 1)));
+  }
+  EXPECT_LT(worst, 10 * 0x1p-24);  // ten operations on positive numbers
+}
+
 TEST(SphericalRectangle, KnownSolidAngles) {
   // A cube's face from its centre, from either side; of a cube of another size.
   const vec3 p = make_vec3(-1, -1, 1), q = make_vec3(1, -1, 1), r = make_vec3(-1, 1, 1);
