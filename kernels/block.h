@@ -6,6 +6,7 @@
 #define PENUMBRA_BLOCK_H
 #include "kernels/block_accumulate.h"
 #include "kernels/block_compact.h"
+#include "kernels/block_control.h"
 #include "kernels/block_step.h"
 #include "kernels/block_trace.h"
 #include "kernels/camera.h"
@@ -23,14 +24,18 @@ STAGE void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int fi
                     int count, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity,
                     GLOBAL float* RESTRICT slots, int slot_capacity) {
   const PRIVATE SceneHeader* h = &scene->header;
+  const bool halves = in_halves(h);
   int pixel = first_pixel + first_slot / unit->sample_count, sample = first_slot % unit->sample_count;
   const int padded = (count + LANES - 1) / LANES * LANES;
   for (int i = 0; i < padded;
        i++) {  // lanes past the count repeat the last path, so that every lane holds valid work
     const int x = unit->x + pixel % unit->width, y = unit->y + pixel / unit->width;
     ints[SLOT * capacity + i] = first_slot + min_i(i, count - 1);
-    ints[PIXEL_HASH * capacity + i] = (int)pixel_hash(h->seed, (uint)x, (uint)y);
-    ints[SAMPLE_INDEX * capacity + i] = (int)(unit->first_sample + (uint)sample);
+    const uint hash = pixel_hash(h->seed, (uint)x, (uint)y), index = unit->first_sample + (uint)sample;
+    // Two independent sequences, for an alpha for the samples of each from those of the other.
+    const bool second = halves & ((index & 1u) != 0u);
+    ints[PIXEL_HASH * capacity + i] = (int)(second ? hash_uint(hash ^ 0x6c078965u) : hash);
+    ints[SAMPLE_INDEX * capacity + i] = (int)(halves ? index >> 1 : index);
     ints[FILM_X * capacity + i] = x;
     ints[FILM_Y * capacity + i] = y;
     const bool last = i + 1 >= count, next_pixel = sample + 1 == unit->sample_count;
@@ -41,7 +46,7 @@ STAGE void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int fi
   const float radius = h->filter_radius;
   for (int i = 0; i < count; i += LANES) {
     float u[LANES], v[LANES];
-    draw_pair(h->sampler, h->spp, 0u, ints, capacity, i, u, v);
+    draw_pair(h->sampler, sequence_length(h), 0u, ints, capacity, i, u, v);
     LANE_LOOP
       for (int j = 0; j < LANES; j++) {
         const FilterSample fx = sample_filter(filter, scene->filter_table, u[j]);
@@ -60,6 +65,14 @@ STAGE void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int fi
       }
   }
 }
+
+#if HAS(POLYGONS)
+STAGE void clear_control(GLOBAL float* RESTRICT f, int capacity, int count) {
+  const int padded = (count + LANES - 1) / LANES * LANES;
+  for (int k = SHADOWED_X; k < STATE_FLOATS; k++)
+    for (int i = 0; i < padded; i++) f[k * capacity + i] = 0.0f;
+}
+#endif
 
 #if HAS(LAYERS)
 /// Albedo, normal and depth of what the camera rays hit.
@@ -97,15 +110,24 @@ FN void render_block(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
   GLOBAL float* slots = block->slots;
   const int capacity = block->capacity, slot_capacity = block->slot_capacity;
   const int total = pixels * unit->sample_count;
-  const bool camera_rays = scene->header.integrator == INTEGRATOR_DIRECT;
-  const bool layers = (scene->header.features & FEATURE_LAYERS) != 0u;
+  const PRIVATE SceneHeader* h = &scene->header;
+  const bool camera_rays = h->integrator == INTEGRATOR_DIRECT;
+  const bool layers = (h->features & FEATURE_LAYERS) != 0u;
   bool all_floats = camera_rays;  // CAMERA_RAY_FLOATS too
 #if HAS(PROJECTED)
-  all_floats = all_floats | wants_aims(scene);
+  all_floats = all_floats | wants_projected(scene);
+#endif
+#if HAS(POLYGONS)
+  const bool control = h->estimator != ESTIMATOR_SAMPLES;
+#else
+  const bool control = false;
 #endif
   for (int first = 0; first < total; first += capacity) {
     int count = min_i(capacity, total - first);
     generate(scene, unit, first_pixel, first, count, f, ints, capacity, slots, slot_capacity);
+#if HAS(POLYGONS)
+    if (control) clear_control(f, capacity, count);
+#endif
     for (int step = 0; count > 0; step++) {
       intersect_block(scene, f, ints, capacity, count);
       pad_hits(ints, capacity, count);
@@ -113,18 +135,25 @@ FN void render_block(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
       if (layers && step == 0) record_layers(scene, f, ints, capacity, count, slots, slot_capacity);
 #endif
 #if HAS(PATH)
-      if (scene->header.integrator == INTEGRATOR_PATH) step_paths(scene, f, ints, capacity, count, step);
+      if (h->integrator == INTEGRATOR_PATH) step_paths(scene, f, ints, capacity, count, step);
 #endif
 #if HAS(DIRECT)
       if (camera_rays && step == 0) keep_camera_rays(f, ints, capacity, count);
       if (camera_rays) step_direct(scene, f, ints, capacity, count, step);
 #endif
       occlude_block(scene, f, ints, capacity, count);
-      add_unoccluded(f, ints, capacity, count);
-      count = compact(f, ints, capacity, count, all_floats, slots, slot_capacity);
-      if (count > 0) pad_lanes(f, ints, capacity, count, all_floats);
+      add_light(RADIANCE_X, true, control, 0, f, ints, capacity, count);
+#if HAS(POLYGONS)
+      if (control) add_light(UNSHADOWED_X, false, true, 1, f, ints, capacity, count);
+      if (control) add_light(SHADOWED_X, true, true, 1, f, ints, capacity, count);
+#endif
+      count = compact(f, ints, capacity, count, all_floats, control, slots, slot_capacity);
+      if (count > 0) pad_lanes(f, ints, capacity, count, all_floats, control);
     }
   }
+#if HAS(POLYGONS)
+  if (control) control_samples(scene, unit, first_pixel, pixels, slots, slot_capacity, layers, out);
+#endif
   accumulate(unit, first_pixel, pixels, slots, slot_capacity, layers, out, bad);
 }
 

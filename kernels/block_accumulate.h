@@ -60,7 +60,7 @@ STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, GLO
     for (int k = 0; layers && k < DEPTH - ALBEDO_X + 1; k++) {
       float mean, m2;
       accumulate_field(slots + (ALBEDO_X + k) * slot_capacity, p * n, n, &mean, &m2);
-      out[(6 + k) * area + at] = mean;
+      out[(FIRST_LAYER_PLANE + k) * area + at] = mean;
     }
 #endif
   }

@@ -59,6 +59,12 @@ FN void pad_hits(GLOBAL int* ints, int capacity, int count) {
 /// Leaves in HIT of each lane whether its shadow ray is blocked (>= 0) or free (-1).
 STAGE void occlude_block(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                          int capacity, int count) {
+#if HAS(DIRECT)
+  if (!scene->header.trace_shadows) {
+    for (int i = 0; i < count; i++) ints[HIT * capacity + i] = -1;
+    return;
+  }
+#endif
 #ifdef EXTERNAL_TRACER
   if (scene->tracer.occlude) {
     scene->tracer.occlude(scene->tracer.context, f, ints, capacity, count);
@@ -86,16 +92,19 @@ STAGE void occlude_block(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, G
 #endif
 }
 
-STAGE void add_unoccluded(GLOBAL float* RESTRICT f, const GLOBAL int* RESTRICT ints, int capacity,
-                          int count) {
+/// Adds the light of shadow rays to the field, of all or of those that got through; with `control` only of
+/// those whose SHADOW_CONTROLLED is `controlled`.
+STAGE void add_light(int field, bool unblocked, bool control, int controlled, GLOBAL float* RESTRICT f,
+                     const GLOBAL int* RESTRICT ints, int capacity, int count) {
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP
       for (int j = i; j < i + LANES; j++) {
-        const bool lit = (f[SHADOW_TMAX * capacity + j] > 0.0f) & (ints[HIT * capacity + j] < 0);
+        const bool wanted = !control | (ints[SHADOW_CONTROLLED * capacity + j] == controlled);
+        const bool through = !unblocked | (ints[HIT * capacity + j] < 0);
+        const bool lit = wanted & through & (f[SHADOW_TMAX * capacity + j] > 0.0f);
         const vec3 more = LOAD3(f, capacity, SHADOW_RADIANCE_X, j);
-        const vec3 radiance =
-            add(LOAD3(f, capacity, RADIANCE_X, j), select3(lit, more, make_vec3(0.0f, 0.0f, 0.0f)));
-        STORE3(f, capacity, RADIANCE_X, j, radiance);
+        const vec3 sum = add(LOAD3(f, capacity, field, j), select3(lit, more, make_vec3(0.0f, 0.0f, 0.0f)));
+        STORE3(f, capacity, field, j, sum);
       }
   }
 }

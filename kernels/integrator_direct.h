@@ -25,21 +25,6 @@ FN void keep_camera_ray(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int
   ints[CAMERA_HIT * capacity + i] = ints[HIT * capacity + i];
 }
 
-#if HAS(PROJECTED)
-/// What direct_step finds in lane j's aim, from the same state.
-FN void aim_direct(const PRIVATE Scene* scene, const GLOBAL float* RESTRICT f,
-                   const GLOBAL int* RESTRICT ints, int capacity, int i, const PRIVATE float* u, int j,
-                   PRIVATE float* aims) {
-  const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i), toward = LOAD3(f, capacity, RAY_DIRECTION_X, i);
-  const Surface s = surface_at(scene, ints[CAMERA_HIT * capacity + i], LOAD3(f, capacity, CAMERA_ORIGIN_X, i),
-                               LOAD3(f, capacity, CAMERA_DIRECTION_X, i));
-  const Surface found = surface_at(scene, ints[HIT * capacity + i], from, toward);
-  aim_at_found(scene, found, from, toward, s.shading, aims, j);
-  aim_at_chosen(scene, s, u[DRAW_LIGHT_CHOICE * LANES + j], u[DRAW_LIGHT_U * LANES + j],
-                u[DRAW_LIGHT_V * LANES + j], aims, j);
-}
-#endif
-
 /// Lane i of the block after `step` earlier steps; u holds DRAWS * LANES numbers, those of lane i at j.
 FN void direct_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                     int capacity, int step, int i, const PRIVATE float* u, int j, const PRIVATE float* aims) {
@@ -82,12 +67,7 @@ FN void direct_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL
       (light.delta ? 1.0f : light_share) / ((float)emitter_samples * (light.pdf > 0.0f ? light.pdf : 1.0f));
   const bool lit = s.valid & (step < emitter_samples) & (light.tmax > 0.0f) & (value.pdf > 0.0f);
   const vec3 arriving = scale(mul(value.f_cos, light.radiance), light_weight);
-  STORE3(f, capacity, SHADOW_ORIGIN_X, i, light.origin);
-  STORE3(f, capacity, SHADOW_DIRECTION_X, i, light.wi);
-  STORE3(f, capacity, SHADOW_RADIANCE_X, i, arriving);
-  f[SHADOW_TMAX * capacity + i] = lit ? light.tmax : -1.0f;
-  ints[SHADOW_SKIP * capacity + i] = primitive;
-
+  ask_for_shadow_ray(f, ints, capacity, i, light, arriving, lit, primitive);
   const float du = u[DRAW_BSDF_U * LANES + j], dv = u[DRAW_BSDF_V * LANES + j];
   const BsdfSample by_bsdf = sample_bsdf(material, s.shading, s.wo, du, dv, u[DRAW_LOBE_CHOICE * LANES + j]);
   const vec3 by_cosine = sample_cosine_hemisphere(s.shading, du, dv);

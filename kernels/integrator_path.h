@@ -12,20 +12,6 @@ PENUMBRA_NAMESPACE_BEGIN
 // Russian roulette never keeps a path with more than this probability, so that albedo 1 ends too.
 #define ROULETTE_MAX 0.95f
 
-#if HAS(PROJECTED)
-/// What path_step finds in lane j's aim, from the same state; and keeps the shading normal for the next ray.
-FN void aim_path(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, const GLOBAL int* RESTRICT ints,
-                 int capacity, int i, const PRIVATE float* u, int j, PRIVATE float* aims) {
-  const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i), direction = LOAD3(f, capacity, RAY_DIRECTION_X, i);
-  const Surface s = surface_at(scene, ints[HIT * capacity + i], from, direction);
-  const vec3 n = LOAD3(f, capacity, REFERENCE_NORMAL_X, i);
-  aim_at_found(scene, s, from, direction, n, aims, j);
-  STORE3(f, capacity, REFERENCE_NORMAL_X, i, s.shading);
-  aim_at_chosen(scene, s, u[DRAW_LIGHT_CHOICE * LANES + j], u[DRAW_LIGHT_U * LANES + j],
-                u[DRAW_LIGHT_V * LANES + j], aims, j);
-}
-#endif
-
 /// Lane i of the block after `step` earlier steps; u holds DRAWS * LANES numbers, those of lane i at j.
 FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                   int capacity, int step, int i, const PRIVATE float* u, int j, const PRIVATE float* aims) {
@@ -43,7 +29,9 @@ FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL i
                                 ? mis_weight(scene->header.heuristic, direction_pdf, emission.pdf)
                                 : (sampling == SAMPLING_BSDF_ONLY ? 1.0f : 0.0f);
   const float seen = scene->header.hide_emitters ? 0.0f : 1.0f;
-  const float emission_weight = step > 0 ? bsdf_weight : seen;
+  // Whose closed form is added at every surface, next-event estimation finds alone.
+  const bool controlled = (scene->header.estimator != ESTIMATOR_SAMPLES) & emission.of_polygon;
+  const float emission_weight = step > 0 ? (controlled ? 0.0f : bsdf_weight) : seen;
   const vec3 radiance = LOAD3(f, capacity, RADIANCE_X, i);
   const vec3 found = add(radiance, mul(throughput, scale(emission.radiance, emission_weight)));
   STORE3(f, capacity, RADIANCE_X, i, found);
@@ -56,15 +44,12 @@ FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL i
   const BsdfValue value = eval_bsdf(material, s.shading, s.wo, light.wi);
   const float shared =
       sampling == SAMPLING_MIS ? mis_weight(scene->header.heuristic, light.pdf, value.pdf) : 1.0f;
-  const float light_weight = (light.delta ? 1.0f : shared) / (light.pdf > 0.0f ? light.pdf : 1.0f);
+  const bool alone = light.delta | ((scene->header.estimator != ESTIMATOR_SAMPLES) & light.of_polygon);
+  const float light_weight = (alone ? 1.0f : shared) / (light.pdf > 0.0f ? light.pdf : 1.0f);
   const bool lit =
       scatters & (light.tmax > 0.0f) & (value.pdf > 0.0f) & ((sampling != SAMPLING_BSDF_ONLY) | light.delta);
   const vec3 arriving = mul(throughput, scale(mul(value.f_cos, light.radiance), light_weight));
-  STORE3(f, capacity, SHADOW_ORIGIN_X, i, light.origin);
-  STORE3(f, capacity, SHADOW_DIRECTION_X, i, light.wi);
-  STORE3(f, capacity, SHADOW_RADIANCE_X, i, arriving);
-  f[SHADOW_TMAX * capacity + i] = lit ? light.tmax : -1.0f;
-  ints[SHADOW_SKIP * capacity + i] = primitive;
+  ask_for_shadow_ray(f, ints, capacity, i, light, arriving, lit, primitive);
 
   const BsdfSample next = sample_bsdf(material, s.shading, s.wo, u[DRAW_BSDF_U * LANES + j],
                                       u[DRAW_BSDF_V * LANES + j], u[DRAW_LOBE_CHOICE * LANES + j]);

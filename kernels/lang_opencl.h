@@ -15,6 +15,9 @@
 #define FLOAT_BITS(x) as_uint((float)(x))
 #define BITS_FLOAT(x) as_float((uint)(x))
 // Closed forms are in double: only kernels that hold them need a device that has it.
+#ifdef cl_khr_fp64
+  #pragma OPENCL EXTENSION cl_khr_fp64 : enable
+#endif
 #define SQRT_D(x) sqrt((double)(x))
 #define FABS_D(x) fabs((double)(x))
 #define DOUBLE_BITS(x) as_ulong((double)(x))

@@ -2,8 +2,10 @@
 #ifndef PENUMBRA_LIGHT_H
 #define PENUMBRA_LIGHT_H
 #include "kernels/frame.h"
+#include "kernels/light_aim.h"
 #include "kernels/light_choice.h"
-#include "kernels/projected_light.h"
+#include "kernels/path_state.h"
+#include "kernels/spherical_rectangle.h"
 #include "kernels/spherical_triangle.h"
 #include "kernels/surface.h"
 
@@ -20,7 +22,8 @@ typedef struct {
   float tmax;   ///< of the shadow ray; negative: no contribution possible
   float pdf;    ///< per solid angle, the choice of the light included; for a point light of the choice alone
   bool delta;   ///< a point light: no other strategy finds it
-  vec3 radiance;  ///< arriving along wi, the inverse square law of a point light included
+  bool of_polygon;  ///< a part of a polygon light, whose closed form is known
+  vec3 radiance;    ///< arriving along wi, the inverse square law of a point light included
 } LightSample;
 
 /// Density per solid angle of a point at distance^2 `d2`, seen under `cosine` at the light, chosen uniformly
@@ -38,11 +41,33 @@ FN float cone_versine(float d2, float radius2) {
 #endif
 
 #if HAS(SOLID_ANGLE)
-/// Whether the light is sampled by the solid angle of its triangle: a kernel may be compiled for more than
-/// its scene.
-FN bool by_solid_angle(const PRIVATE Scene* scene, GLOBAL const Light* light, SphericalTriangle t) {
-  return ((scene->header.features & FEATURE_SOLID_ANGLE) != 0u) & (light->kind == LIGHT_TRIANGLE) &
-         (t.solid_angle > SMALL_SOLID_ANGLE);
+/// A triangle or rectangle light as a direction of the shading point sees it.
+typedef struct {
+  SphericalTriangle triangle;
+  SphericalRectangle rectangle;
+  bool is_rectangle;
+  float solid_angle;  ///< 0: not sampled by it, since the light is of another kind, or too small
+} SphericalLight;
+
+/// A kernel may be compiled for more than its scene, and its scene's lights may differ.
+FN SphericalLight spherical_light(GLOBAL const Light* light, vec3 from) {
+  const vec3 p0 = sub(load3(&light->p0), from), p1 = sub(load3(&light->p1), from);
+  const vec3 p2 = sub(load3(&light->p2), from);
+  SphericalLight s;
+  s.triangle = spherical_triangle(p0, p1, p2);
+  s.rectangle = spherical_rectangle(p0, p1, p2);
+  s.is_rectangle = light->kind == LIGHT_RECTANGLE;
+  const float least = s.is_rectangle ? SMALL_RECTANGLE_SOLID_ANGLE : SMALL_SOLID_ANGLE;
+  const float solid_angle = s.is_rectangle ? s.rectangle.solid_angle : s.triangle.solid_angle;
+  const bool wanted =
+      (s.is_rectangle | (light->kind == LIGHT_TRIANGLE)) & (light->sampling == EMITTER_SOLID_ANGLE);
+  s.solid_angle = (wanted & (solid_angle > least)) ? solid_angle : 0.0f;
+  return s;
+}
+
+FN vec3 sample_spherical_light(SphericalLight s, float u, float v) {
+  return select3(s.is_rectangle, sample_spherical_rectangle(s.rectangle, u, v),
+                 sample_spherical_triangle(s.triangle, u, v));
 }
 #endif
 
@@ -53,18 +78,16 @@ FN float light_pdf(const PRIVATE Scene* scene, int index, vec3 from, float dista
   float pdf = area_to_solid_angle(sqr(distance), cosine, light->area);
 #if HAS(SOLID_ANGLE)
   {
-    SphericalTriangle t = spherical_triangle(sub(load3(&light->p0), from), sub(load3(&light->p1), from),
-                                             sub(load3(&light->p2), from));
-    const bool use = by_solid_angle(scene, light, t);
-    pdf = use ? 1.0f / t.solid_angle : pdf;
+    const float solid_angle = spherical_light(light, from).solid_angle;
+    pdf = solid_angle > 0.0f ? 1.0f / (solid_angle > 0.0f ? solid_angle : 1.0f) : pdf;
   }
 #endif
 #if HAS(QUADRICS)
   {
     const vec3 to_center = sub(load3(&light->p0), from);
     const float d2 = dot3(to_center, to_center), r2 = sqr(light->p2.x);
-    const bool cone = (light->kind == LIGHT_SPHERE) & (light->p2.y > 0.0f) & (d2 > r2) &
-                      (scene->header.emitter_sampling != EMITTER_AREA);
+    const bool cone =
+        (light->kind == LIGHT_SPHERE) & (light->p2.y > 0.0f) & (d2 > r2) & (light->sampling != EMITTER_AREA);
     const float versine = cone_versine(cone ? d2 : 1.0f, cone ? r2 : 0.5f);
     pdf = cone ? 1.0f / (2.0f * PI_F * versine) : pdf;
   }
@@ -77,10 +100,25 @@ FN float light_pdf(const PRIVATE Scene* scene, int index, vec3 from, float dista
 
 /// Chooses a light by `choice` and a point on it by (u, v), or where `aim` says, for lighting the surface.
 FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice, float u, float v, Aim aim) {
-  GLOBAL const Light* light = scene->lights + choose_light(scene, choice);
+  const int by_power = choose_light(scene, choice);
+#if HAS(POLYGONS)
+  const int index = aim.light >= 0.0f ? (int)aim.light : by_power;
+  GLOBAL const Light* light = scene->lights + index;
+  const float light_pmf = light->pmf;
+  const float pmf = aim.light >= 0.0f ? aim.pmf : light_pmf;
+#else
+  GLOBAL const Light* light = scene->lights + by_power;
+  const float pmf = light->pmf;
+#endif
   LightSample sample;
   const float root = SQRT(u);
-  const float b0 = 1.0f - root, b1 = v * root, b2 = (1.0f - b0) - b1;
+  float b0 = 1.0f - root, b1 = v * root, b2 = (1.0f - b0) - b1;
+#if HAS(SOLID_ANGLE)
+  const bool rectangle = light->kind == LIGHT_RECTANGLE;
+  b0 = rectangle ? (1.0f - u) - v : b0;
+  b1 = rectangle ? u : b1;
+  b2 = rectangle ? v : b2;
+#endif
   const vec3 p0 = load3(&light->p0), p1 = load3(&light->p1), p2 = load3(&light->p2);
   const vec3 q0 = scale(p0, b0), q1 = scale(p1, b1), q2 = scale(p2, b2);
   vec3 at = add(add(q0, q1), q2);
@@ -89,14 +127,14 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice,
   float direct_pdf = 0.0f;  // per solid angle, where the sampling is by direction
 #if HAS(SOLID_ANGLE)
   {
-    const SphericalTriangle t = spherical_triangle(sub(p0, s.p), sub(p1, s.p), sub(p2, s.p));
-    const bool use = by_solid_angle(scene, light, t);
-    const vec3 w = sample_spherical_triangle(t, u, v);
+    const SphericalLight spherical = spherical_light(light, s.p);
+    const bool use = spherical.solid_angle > 0.0f;
+    const vec3 w = sample_spherical_light(spherical, u, v);
     // The point of the light's plane in that direction.
     const float along = dot3(w, normal);
     const float distance = dot3(sub(p0, s.p), normal) / (along != 0.0f ? along : 1.0f);
     at = select3(use, add_scaled(s.p, distance, w), at);
-    direct_pdf = use ? 1.0f / t.solid_angle : 0.0f;
+    direct_pdf = use ? 1.0f / (use ? spherical.solid_angle : 1.0f) : 0.0f;
   }
 #endif
 #if HAS(PROJECTED)
@@ -119,8 +157,7 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice,
     const float d2 = dot3(to_center, to_center), r2 = sqr(radius);
     // A sphere that emits inwards is its own receiver: rounding puts points on it to either side of its
     // surface.
-    const bool cone =
-        sphere & (orientation > 0.0f) & (d2 > r2) & (scene->header.emitter_sampling != EMITTER_AREA);
+    const bool cone = sphere & (orientation > 0.0f) & (d2 > r2) & (light->sampling != EMITTER_AREA);
     // A direction in the cone that the sphere subtends, and from it the angle at the sphere's centre.
     const float versine_max = cone_versine(cone ? d2 : 1.0f, cone ? r2 : 0.5f);
     const float versine = u * versine_max;
@@ -155,13 +192,15 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice,
   const float distance = SQRT(d2);
   sample.wi = scale(way, 1.0f / max_f(distance, 1e-30f));
   sample.tmax = distance * SHADOW_RAY_END;
-  const float cosine = -dot3(sample.wi, normal);
+  const float cosine_front = -dot3(sample.wi, normal);
+  const float cosine = light->two_sided ? FABS(cosine_front) : cosine_front;
   sample.pdf = direct_pdf > 0.0f ? direct_pdf : area_to_solid_angle(d2, cosine, light->area);
 #if HAS(PROJECTED)
   // Of the direction that is traced, so that its cosine cancels to the last digit.
   sample.pdf = aimed ? max_f(dot3(s.shading, sample.wi), 0.0f) * aim.scale : sample.pdf;
 #endif
   sample.delta = false;
+  sample.of_polygon = light->polygon >= 0;
   sample.radiance = load3(&light->radiance);
   bool possible = (cosine > 0.0f) & (distance > 0.0f);
 #if HAS(POINT_LIGHTS)
@@ -181,10 +220,24 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice,
     possible = possible | environment;
   }
 #endif
-  sample.pdf *= light->pmf;
+  sample.pdf *= pmf;
   possible = possible & (sample.pdf > 0.0f);
   sample.tmax = possible ? sample.tmax : -1.0f;
   return sample;
+}
+
+/// Asks for the shadow ray of lane i's light sample, from the primitive that it starts on; `arriving` is what
+/// it adds if nothing is in the way.
+FN void ask_for_shadow_ray(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity, int i,
+                           LightSample light, vec3 arriving, bool lit, int primitive) {
+  STORE3(f, capacity, SHADOW_ORIGIN_X, i, light.origin);
+  STORE3(f, capacity, SHADOW_DIRECTION_X, i, light.wi);
+  STORE3(f, capacity, SHADOW_RADIANCE_X, i, arriving);
+  f[SHADOW_TMAX * capacity + i] = lit ? light.tmax : -1.0f;
+  ints[SHADOW_SKIP * capacity + i] = primitive;
+#if HAS(POLYGONS)
+  ints[SHADOW_CONTROLLED * capacity + i] = light.of_polygon ? 1 : 0;
+#endif
 }
 
 /// Radiance that a ray brings when it ends on this surface, or leaves the scene; `pdf` is sample_light's
@@ -192,19 +245,22 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice,
 typedef struct {
   vec3 radiance;
   float pdf;
+  bool of_polygon;  ///< see LightSample
 } Emission;
 
 FN Emission emission_at(const PRIVATE Scene* scene, Surface s, vec3 from, Aim aim) {
   Emission e;
   int index = s.light;
   float cosine = dot3(s.geometric, s.wo);
-  bool emits = (index >= 0) & s.front;
+  const int two_sided = scene->lights[index >= 0 ? index : 0].two_sided;
+  bool emits = (index >= 0) & (s.front | (two_sided != 0));
 #if HAS(ENVIRONMENT)
   const bool escaped = !s.valid & (scene->header.environment >= 0);
   index = escaped ? scene->header.environment : index;
   emits = emits | escaped;
 #endif
   const int safe = index >= 0 ? index : 0;
+  e.of_polygon = emits & (scene->lights[safe].polygon >= 0);
   e.radiance = select3(emits, load3(&scene->lights[safe].radiance), make_vec3(0.0f, 0.0f, 0.0f));
   e.pdf = light_pdf(scene, safe, from, s.distance, cosine);
 #if HAS(PROJECTED)

@@ -21,9 +21,9 @@ __kernel void render_blocks(__global const SceneHeader* header, __global const u
   if (pixels <= 0) return;
   Scene scene = make_scene(*header, words);
   Block block;
-  block.f = f + (size_t)item * STATE_FLOATS * capacity;
+  block.f = f + (size_t)item * state_floats(scene.header.features) * capacity;
   block.i = ints + (size_t)item * STATE_INTS * capacity;
-  block.slots = slots + (size_t)item * SLOT_FLOAT_COUNT * slot_capacity;
+  block.slots = slots + (size_t)item * slot_floats(scene.header.features) * slot_capacity;
   block.capacity = capacity;
   block.slot_capacity = slot_capacity;
   render_block(&scene, &unit, pixel, pixels, &block, out, bad + 2 * item);

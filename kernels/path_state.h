@@ -1,6 +1,7 @@
 // A block: the state of many paths, one array per field. Field F of lane i is at f[F * capacity + i].
 #ifndef PENUMBRA_PATH_STATE_H
 #define PENUMBRA_PATH_STATE_H
+#include "kernels/features.h"
 #include "kernels/vec3.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -28,6 +29,13 @@ PENUMBRA_NAMESPACE_BEGIN
   F(SHADOW_TMAX)                 /* negative: no shadow ray */  \
   F(SHADOW_RADIANCE_X) F(SHADOW_RADIANCE_Y) F(SHADOW_RADIANCE_Z) /* added if nothing is in the way */
 
+// Where polygon lights have control variates: sums over the path's shadow rays towards them, with and without
+// shadows, and over its closed forms. They travel with the path.
+#define CONTROL_FLOATS(F)                                       \
+  F(SHADOWED_X) F(SHADOWED_Y) F(SHADOWED_Z)                     \
+  F(UNSHADOWED_X) F(UNSHADOWED_Y) F(UNSHADOWED_Z)               \
+  F(ANALYTIC_X) F(ANALYTIC_Y) F(ANALYTIC_Z)
+
 // Indexed by the path's slot, not its lane: they stay where they are. FILTER_WEIGHT multiplies the sample.
 #define SLOT_FLOATS(F)                                   \
   F(FILTER_WEIGHT)                                       \
@@ -35,6 +43,12 @@ PENUMBRA_NAMESPACE_BEGIN
   F(ALBEDO_X) F(ALBEDO_Y) F(ALBEDO_Z)                    \
   F(NORMAL_X) F(NORMAL_Y) F(NORMAL_Z)                    \
   F(DEPTH)
+
+// The same of CONTROL_FLOATS, in its order.
+#define SLOT_CONTROL_FLOATS(F)                                             \
+  F(SLOT_SHADOWED_X) F(SLOT_SHADOWED_Y) F(SLOT_SHADOWED_Z)                 \
+  F(SLOT_UNSHADOWED_X) F(SLOT_UNSHADOWED_Y) F(SLOT_UNSHADOWED_Z)           \
+  F(SLOT_ANALYTIC_X) F(SLOT_ANALYTIC_Y) F(SLOT_ANALYTIC_Z)
 
 #define PATH_INTS(F)                                                 \
   F(RAY_SKIP)        /* primitive that the ray starts on, or -1 */   \
@@ -47,6 +61,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(HIT)             /* primitive hit, or -1 */       \
   F(ALIVE)                                            \
   F(SHADOW_SKIP)     /* primitive that the shadow ray starts on */ \
+  F(SHADOW_CONTROLLED) /* 1: its light goes into SHADOWED, not RADIANCE */ \
   F(FILM_X) F(FILM_Y) /* the path's pixel, while its camera ray is made */ \
   F(GOING) F(FINISHED) /* lists of lanes, while the block is compacted */
 
@@ -59,9 +74,15 @@ enum {
   BEFORE_CAMERA_RAY_ = PATH_FLOAT_COUNT - 1,
   CAMERA_RAY_FLOATS(ENUMERATE) PATH_AND_CAMERA_RAY_COUNT,
   BEFORE_SHADOW_ = PATH_AND_CAMERA_RAY_COUNT - 1,
-  SHADOW_FLOATS(ENUMERATE) STATE_FLOATS
+  SHADOW_FLOATS(ENUMERATE) PLAIN_STATE_FLOATS,
+  BEFORE_CONTROL_ = PLAIN_STATE_FLOATS - 1,
+  CONTROL_FLOATS(ENUMERATE) STATE_FLOATS
 };
-enum { SLOT_FLOATS(ENUMERATE) SLOT_FLOAT_COUNT };
+enum {
+  SLOT_FLOATS(ENUMERATE) PLAIN_SLOT_FLOATS,
+  BEFORE_SLOT_CONTROL_ = PLAIN_SLOT_FLOATS - 1,
+  SLOT_CONTROL_FLOATS(ENUMERATE) SLOT_FLOAT_COUNT
+};
 enum {
   PATH_INTS(ENUMERATE) PATH_INT_COUNT,
   BEFORE_LANE_ = PATH_INT_COUNT - 1,
@@ -70,10 +91,18 @@ enum {
 #undef ENUMERATE
 #define REFERENCE_NORMAL_X CAMERA_DIRECTION_X
 
+/// How many floats a path and a slot of a scene with these features need.
+FN int state_floats(uint features) {
+  return (features & FEATURE_POLYGONS) != 0u ? STATE_FLOATS : PLAIN_STATE_FLOATS;
+}
+FN int slot_floats(uint features) {
+  return (features & FEATURE_POLYGONS) != 0u ? SLOT_FLOAT_COUNT : PLAIN_SLOT_FLOATS;
+}
+
 typedef struct {
-  GLOBAL float* f;      ///< STATE_FLOATS * capacity
+  GLOBAL float* f;      ///< state_floats() * capacity
   GLOBAL int* i;        ///< STATE_INTS * capacity
-  GLOBAL float* slots;  ///< SLOT_FLOAT_COUNT * slot_capacity
+  GLOBAL float* slots;  ///< slot_floats() * slot_capacity
   int capacity;         ///< paths under way at once, a multiple of LANES
   int slot_capacity;    ///< samples of a block: at least those of one pixel
 } Block;

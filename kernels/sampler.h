@@ -201,6 +201,15 @@ FN void draw_pair(int sampler, uint spp, uint pair, GLOBAL const int* RESTRICT i
     }
 }
 
+/// Whether a pixel's samples are two independent sequences, those of even and of odd index, so that each half
+/// can fit an alpha for the other.
+FN bool in_halves(const PRIVATE SceneHeader* h) { return HAS(POLYGONS) && h->estimator == ESTIMATOR_AUTO; }
+
+/// Samples of a pixel in one sequence.
+FN uint sequence_length(const PRIVATE SceneHeader* h) {
+  return in_halves(h) ? h->spp / 2u + h->spp % 2u : h->spp;
+}
+
 /// Dimension pair 0 is the position on the film; step s uses pairs 1 + s DRAWS / 2 ...
 FN uint step_pair(int step) { return 1u + (uint)step * (DRAWS / 2u); }
 

@@ -149,62 +149,62 @@ PENUMBRA_NAMESPACE_BEGIN
 
 // Everything that is not a table. Offsets count 32-bit words from the start of the scene's array; a table
 // that the scene does not need has count 0.
-#define SCENE_HEADER_FIELDS(F)                                                         \
-  F(uint, features)   /* FEATURE_* bits */                                             \
-  F(int, intersector) /* INTERSECTOR_* */                                              \
-  F(int, film_width)                                                                   \
-  F(int, film_height)                                                                  \
-  F(vec3, camera_origin)                                                               \
-  F(vec3, camera_x) /* to the left edge of the film, at distance 1 */                  \
-  F(vec3, camera_y) /* to the top edge */                                              \
-  F(vec3, camera_z) /* unit viewing direction */                                       \
-  F(float, near_clip)                                                                  \
-  F(float, far_clip)                                                                   \
-  F(int, filter)          /* FILTER_* */                                               \
-  F(float, filter_radius) /* half-width in pixels */                                   \
-  F(uint, filter_table)   /* FILTER_TABULATED: see filter.h */                         \
-  F(int, sampler)         /* SAMPLER_* */                                              \
-  F(uint, spp)                                                                         \
-  F(uint, seed)                                                                        \
-  F(int, integrator) /* INTEGRATOR_* */                                                \
-  F(int, max_depth)  /* path: edges; INT_MAX for no limit */                           \
-  F(int, rr_depth)                                                                     \
-  F(int, direct_sampling) /* SAMPLING_* */                                             \
-  F(int, emitter_samples)                                                              \
-  F(int, bsdf_samples)                                                                 \
-  F(int, bsdf_sampling)    /* DIRECTION_* */                                           \
-  F(int, emitter_sampling) /* EMITTER_* */                                             \
-  F(int, heuristic)        /* HEURISTIC_* */                                           \
-  F(int, hide_emitters)                                                                \
-  F(int, light_choice)      /* CHOICE_* */                                             \
-  F(int, trace_shadows)     /* 0: nothing blocks shadow rays */                        \
-  F(int, estimator)         /* ESTIMATOR_* */                                          \
-  F(float, alpha)           /* ESTIMATOR_ALPHA */                                      \
-  F(int, environment)       /* index of the environment light, or -1 */                \
-  F(int, dropped_triangles) /* without area in single precision: left out, and said */ \
-  F(int, triangle_count)                                                               \
-  F(uint, triangles)                                                                   \
-  F(int, normals_count)                                                                \
-  F(uint, normals)                                                                     \
-  F(int, quadric_count)                                                                \
-  F(uint, quadrics)                                                                    \
-  F(int, material_count)                                                               \
-  F(uint, materials)                                                                   \
-  F(int, light_count)                                                                  \
-  F(uint, lights)                                                                      \
-  F(int, polygon_count)                                                                \
-  F(uint, polygons)                                                                    \
-  F(int, polygon_corner_count)                                                         \
-  F(uint, polygon_corners)                                                             \
-  F(int, vertex_count) /* small scenes: distinct vertices, tested whole */             \
-  F(uint, vertices)                                                                    \
-  F(int, corner_count) /* small scenes: three vertex indices for each triangle */      \
-  F(uint, corners)                                                                     \
-  F(int, node_count) /* large scenes: see BVH_NODE_FIELDS */                           \
-  F(uint, nodes)                                                                       \
-  F(int, triangle_leaf_count)                                                          \
-  F(uint, triangle_leaves)                                                             \
-  F(int, quadric_leaf_count)                                                           \
+#define SCENE_HEADER_FIELDS(F)                                                                     \
+  F(uint, features)   /* FEATURE_* bits */                                                         \
+  F(int, intersector) /* INTERSECTOR_* */                                                          \
+  F(int, film_width)                                                                               \
+  F(int, film_height)                                                                              \
+  F(vec3, camera_origin)                                                                           \
+  F(vec3, camera_x) /* to the left edge of the film, at distance 1 */                              \
+  F(vec3, camera_y) /* to the top edge */                                                          \
+  F(vec3, camera_z) /* unit viewing direction */                                                   \
+  F(float, near_clip)                                                                              \
+  F(float, far_clip)                                                                               \
+  F(int, filter)          /* FILTER_* */                                                           \
+  F(float, filter_radius) /* half-width in pixels */                                               \
+  F(uint, filter_table)   /* FILTER_TABULATED: see filter.h */                                     \
+  F(int, sampler)         /* SAMPLER_* */                                                          \
+  F(uint, spp)                                                                                     \
+  F(uint, seed)                                                                                    \
+  F(int, integrator) /* INTEGRATOR_* */                                                            \
+  F(int, max_depth)  /* path: edges; INT_MAX for no limit */                                       \
+  F(int, rr_depth)                                                                                 \
+  F(int, direct_sampling) /* SAMPLING_* */                                                         \
+  F(int, emitter_samples)                                                                          \
+  F(int, bsdf_samples)                                                                             \
+  F(int, bsdf_sampling) /* DIRECTION_* */                                                          \
+  F(int, heuristic)     /* HEURISTIC_* */                                                          \
+  F(int, hide_emitters)                                                                            \
+  F(int, light_choice)      /* CHOICE_* */                                                         \
+  F(int, trace_shadows)     /* 0: nothing blocks shadow rays */                                    \
+  F(int, estimator)         /* ESTIMATOR_* */                                                      \
+  F(float, alpha)           /* ESTIMATOR_ALPHA */                                                  \
+  F(int, environment)       /* index of the environment light, or -1 */                            \
+  F(int, dropped_triangles) /* without area in single precision: left out, and said */             \
+  F(int, duplicate_lights)  /* light triangles that repeat another one: they do not shine twice */ \
+  F(int, triangle_count)                                                                           \
+  F(uint, triangles)                                                                               \
+  F(int, normals_count)                                                                            \
+  F(uint, normals)                                                                                 \
+  F(int, quadric_count)                                                                            \
+  F(uint, quadrics)                                                                                \
+  F(int, material_count)                                                                           \
+  F(uint, materials)                                                                               \
+  F(int, light_count)                                                                              \
+  F(uint, lights)                                                                                  \
+  F(int, polygon_count)                                                                            \
+  F(uint, polygons)                                                                                \
+  F(int, polygon_corner_count)                                                                     \
+  F(uint, polygon_corners)                                                                         \
+  F(int, vertex_count) /* small scenes: distinct vertices, tested whole */                         \
+  F(uint, vertices)                                                                                \
+  F(int, corner_count) /* small scenes: three vertex indices for each triangle */                  \
+  F(uint, corners)                                                                                 \
+  F(int, node_count) /* large scenes: see BVH_NODE_FIELDS */                                       \
+  F(uint, nodes)                                                                                   \
+  F(int, triangle_leaf_count)                                                                      \
+  F(uint, triangle_leaves)                                                                         \
+  F(int, quadric_leaf_count)                                                                       \
   F(uint, quadric_leaves)
 
 // X(struct, field list): for tests and for serialisation.

@@ -12,5 +12,12 @@ typedef struct {
   int sample_count;
 } Unit;
 
+// Where a unit's layers start among the planes of its result: see SampleBufferPlane, which checks that they
+// agree.
+#define FIRST_LAYER_PLANE 6
+#define ANALYTIC_PLANE 13
+#define DIFFERENCE_PLANE 16
+#define VISIBILITY_PLANE 19
+
 PENUMBRA_NAMESPACE_END
 #endif

@@ -142,11 +142,17 @@ struct IntegratorSettings {
   LightChoice light_choice = LightChoice::kAuto;              ///< all
   bool trace_shadows = true;                                  ///< direct, polygon_area
   int vis_samples = 1;                                        ///< polygon_cv: shadow rays per camera ray
-  std::optional<float> alpha;                                 ///< polygon_cv, path with kCv; none: auto
+  std::optional<float> alpha = std::nullopt;                  ///< polygon_cv, path with kCv; none: auto
   CvEstimator estimator = CvEstimator::kCv;                   ///< polygon_cv, path with kCv
   NextEvent next_event = NextEvent::kSample;                  ///< path
   bool hide_emitters = false;
 };
+
+/// Whether samples of polygon lights have their closed form as control variate.
+inline bool has_control_variate(const IntegratorSettings& integrator) {
+  return integrator.kind == IntegratorKind::kPolygonCv ||
+         (integrator.kind == IntegratorKind::kPath && integrator.next_event == NextEvent::kCv);
+}
 
 struct SceneDescription {
   std::string source;  ///< the file it was read from

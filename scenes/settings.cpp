@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "kernels/scene_types.h"
@@ -78,26 +79,28 @@ Setting boolean(std::string key, Store store) {
           }};
 }
 
+std::string unknown_name(std::string_view name, const std::vector<std::string>& known) {
+  return fmt::format("'{}' is not one of: {}{}", name, list_names(known), suggestion(name, known));
+}
+
 struct Choice {
   std::string name;
   std::function<void(SceneDescription&)> choose;
 };
 
 Setting choice(std::string key, std::vector<Choice> choices) {
+  std::vector<std::string> names;
+  for (const Choice& each : choices) names.push_back(each.name);
   return {std::move(key), SettingKind::kText,
-          [choices = std::move(choices)](SceneDescription& scene, std::string_view text) -> Expected<void> {
+          [choices = std::move(choices), names](SceneDescription& scene,
+                                                std::string_view text) -> Expected<void> {
             const std::string_view name = trim(text);
-            std::vector<std::string> names;
-            for (const Choice& each : choices) {
-              if (each.name == name) {
-                each.choose(scene);
-                return {};
-              }
-              names.push_back(each.name);
-            }
-            return fail(
-                fmt::format("'{}' is not one of: {}{}", name, list_names(names), suggestion(name, names)));
-          }};
+            const auto found = std::ranges::find(choices, name, &Choice::name);
+            if (found == choices.end()) return fail(unknown_name(name, names));
+            found->choose(scene);
+            return {};
+          },
+          names};
 }
 
 template <typename Store>
@@ -166,12 +169,13 @@ void add_integrator_settings(std::vector<Setting>& table) {
                          {{"bsdf", [](S& s) { s.integrator.bsdf_sampling = BsdfSampling::kBsdf; }},
                           {"cosine", [](S& s) { s.integrator.bsdf_sampling = BsdfSampling::kCosine; }},
                           {"uniform", [](S& s) { s.integrator.bsdf_sampling = BsdfSampling::kUniform; }}}));
-  table.push_back(
-      choice("integrator.emitter_sampling",
-             {{"auto", [](S& s) { s.integrator.emitter_sampling = EmitterSampling::kAuto; }},
-              {"area", [](S& s) { s.integrator.emitter_sampling = EmitterSampling::kArea; }},
-              {"solid_angle", [](S& s) { s.integrator.emitter_sampling = EmitterSampling::kSolidAngle; }},
-              {"projected", [](S& s) { s.integrator.emitter_sampling = EmitterSampling::kProjected; }}}));
+  table.push_back({"integrator.emitter_sampling", SettingKind::kText,
+                   [](S& scene, std::string_view text) -> Expected<void> {
+                     const auto sampling = emitter_sampling_from_name(trim(text));
+                     if (!sampling) return std::unexpected(sampling.error());
+                     scene.integrator.emitter_sampling = *sampling;
+                     return {};
+                   }});
   table.push_back(
       choice("integrator.mis", {{"balance", [](S& s) { s.integrator.heuristic = MisHeuristic::kBalance; }},
                                 {"power", [](S& s) { s.integrator.heuristic = MisHeuristic::kPower; }}}));
@@ -272,7 +276,26 @@ std::vector<Setting> make_table() {
   return table;
 }
 
+constexpr std::pair<std::string_view, EmitterSampling> kEmitterSamplings[] = {
+    {"auto", EmitterSampling::kAuto},
+    {"area", EmitterSampling::kArea},
+    {"solid_angle", EmitterSampling::kSolidAngle},
+    {"projected", EmitterSampling::kProjected}};
+
 }  // namespace
+
+Expected<EmitterSampling> emitter_sampling_from_name(std::string_view name) {
+  std::vector<std::string> names;
+  for (const auto& [known, sampling] : kEmitterSamplings) {
+    if (known == name) return sampling;
+    names.emplace_back(known);
+  }
+  return fail(unknown_name(name, names));
+}
+
+std::string_view emitter_sampling_name(EmitterSampling sampling) {
+  return kEmitterSamplings[std::size_t(sampling)].first;
+}
 
 std::span<const Setting> all_settings() {
   static const std::vector<Setting> table = make_table();

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "kernels/host/error.h"
 #include "scenes/scene_description.h"
@@ -19,6 +20,7 @@ struct Setting {
   SettingKind kind;  ///< what a typed format must give for it
   /// Sets it from text. The error says what is wrong with the value, without the key.
   std::function<Expected<void>(SceneDescription&, std::string_view)> apply;
+  std::vector<std::string> choices = {};  ///< the names that it takes; empty: not one of several names
 };
 
 /// All of them, in an order in which they may be applied one after the other: kinds before what depends on
@@ -27,6 +29,10 @@ std::span<const Setting> all_settings();
 
 /// The setting of that key (exactly as in the table), or null.
 const Setting* find_setting(std::string_view key);
+
+/// "auto", "area", "solid_angle" or "projected".
+Expected<EmitterSampling> emitter_sampling_from_name(std::string_view name);
+std::string_view emitter_sampling_name(EmitterSampling sampling);
 
 /// Sets `integrator.*`, `sampler.*`, `film.*` or `camera.*`; camelCase and snake_case alike. Errors: an
 /// unknown key (lists the known ones, and the nearest), a bad value.

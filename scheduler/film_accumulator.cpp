@@ -10,7 +10,7 @@ namespace penumbra {
 namespace {
 
 // hash() reads the pixels as bytes, so they must not hold any padding.
-static_assert(sizeof(PixelStatistics) == 14 * 8);
+static_assert(sizeof(PixelStatistics) == 7 * 8);
 
 /// Share of the new samples in the merged mean, and the weight of the squared difference of the means in the
 /// merged sum of squares: n_b / n and n_a n_b / n.
@@ -38,32 +38,29 @@ void merge_mean(double& merged, double mean, MergeWeights weights) {
 
 }  // namespace
 
-FilmAccumulator::FilmAccumulator(int x, int y, int width, int height, bool has_features)
+FilmAccumulator::FilmAccumulator(int x, int y, int width, int height, int planes)
     : x_(x),
       y_(y),
       width_(width),
       height_(height),
-      has_features_(has_features),
-      pixels_(std::size_t(width) * std::size_t(height)) {}
+      planes_(planes),
+      pixels_(std::size_t(width) * std::size_t(height)),
+      layers_(pixels_.size() * layers()) {}
 
 void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
   const std::size_t plane = result.pixels();
-  const bool features = has_features_ && result.planes == kSampleBufferPlanes;
+  const std::size_t layer_count = result.planes == planes_ ? layers() : 0;
   for (int row = 0; row < result.height; ++row) {
-    PixelStatistics* pixel = &pixels_[std::size_t(y - y_ + row) * std::size_t(width_) + std::size_t(x - x_)];
+    PixelStatistics* pixel = &pixels_[index(x, y + row)];
+    double* layer = layers_.data() + index(x, y + row) * layers();
     const float* value = result.values.data() + std::size_t(row) * std::size_t(result.width);
     for (int column = 0; column < result.width; ++column, ++pixel, ++value) {
       const MergeWeights weights = merge_weights(pixel->count, result.sample_count);
       for (int c = 0; c < 3; ++c) {
         merge_radiance(*pixel, c, value[(kMeanR + c) * plane], value[(kM2R + c) * plane], weights);
       }
-      if (features) {
-        for (int c = 0; c < 3; ++c) {
-          merge_mean(pixel->albedo[c], value[(kAlbedoR + c) * plane], weights);
-          merge_mean(pixel->normal[c], value[(kNormalX + c) * plane], weights);
-        }
-        merge_mean(pixel->depth, value[kDepth * plane], weights);
-      }
+      for (std::size_t k = 0; k < layer_count; ++k)
+        merge_mean(*layer++, value[(kRadiancePlanes + k) * plane], weights);
       pixel->count += result.sample_count;
     }
   }
@@ -74,15 +71,20 @@ void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
 void FilmAccumulator::clear(int x, int y, int width, int height, std::uint64_t nan_samples,
                             std::uint64_t infinite_samples) {
   for (int row = 0; row < height; ++row) {
-    const auto first = pixels_.begin() + (std::ptrdiff_t(y - y_ + row) * width_ + (x - x_));
-    std::fill_n(first, width, PixelStatistics{});
+    const std::size_t first = index(x, y + row);
+    std::fill_n(pixels_.begin() + std::ptrdiff_t(first), width, PixelStatistics{});
+    std::fill_n(layers_.begin() + std::ptrdiff_t(first * layers()), std::size_t(width) * layers(), 0.0);
   }
   nan_samples_ -= nan_samples;
   infinite_samples_ -= infinite_samples;
 }
 
 const PixelStatistics& FilmAccumulator::at(int film_x, int film_y) const {
-  return pixels_[std::size_t(film_y - y_) * std::size_t(width_) + std::size_t(film_x - x_)];
+  return pixels_[index(film_x, film_y)];
+}
+
+double FilmAccumulator::layer(int film_x, int film_y, int plane) const {
+  return layers_[index(film_x, film_y) * layers() + std::size_t(plane - kRadiancePlanes)];
 }
 
 double FilmAccumulator::relative_error() const {
@@ -100,7 +102,8 @@ double FilmAccumulator::relative_error() const {
 }
 
 std::uint64_t FilmAccumulator::hash() const {
-  return XXH3_64bits(pixels_.data(), pixels_.size() * sizeof(PixelStatistics));
+  const std::uint64_t of_radiance = XXH3_64bits(pixels_.data(), pixels_.size() * sizeof(PixelStatistics));
+  return XXH3_64bits_withSeed(layers_.data(), layers_.size() * sizeof(double), of_radiance);
 }
 
 }  // namespace penumbra

@@ -8,15 +8,11 @@
 
 namespace penumbra {
 
-/// Running statistics of one pixel. `mean` and `m2` are radiance per channel; `m2` is the sum of squared
-/// deviations.
+/// Running statistics of one pixel's radiance per channel; `m2` is the sum of squared deviations.
 struct PixelStatistics {
   std::uint64_t count = 0;
   double mean[3] = {0, 0, 0};
   double m2[3] = {0, 0, 0};
-  double albedo[3] = {0, 0, 0};
-  double normal[3] = {0, 0, 0};
-  double depth = 0;
 };
 
 /// A rectangle of the film. Chan's merge is not associative in floating point, so the caller adds the passes
@@ -25,8 +21,9 @@ struct PixelStatistics {
 class FilmAccumulator {
  public:
   FilmAccumulator() = default;
-  /// The rectangle [x, x+width) x [y, y+height) of the film.
-  FilmAccumulator(int x, int y, int width, int height, bool has_features);
+  /// The rectangle [x, x+width) x [y, y+height) of the film, fed with results of so many planes (see
+  /// plane_count).
+  FilmAccumulator(int x, int y, int width, int height, int planes);
 
   /// Merges a unit's result whose corner is film pixel (x, y), inside the rectangle.
   void add(int x, int y, const SampleBuffer& result);
@@ -38,22 +35,30 @@ class FilmAccumulator {
   [[nodiscard]] int y() const { return y_; }
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
-  [[nodiscard]] bool has_features() const { return has_features_; }
+  [[nodiscard]] int planes() const { return planes_; }
   /// Pixel at film coordinates.
   [[nodiscard]] const PixelStatistics& at(int film_x, int film_y) const;
+  /// Mean of a plane from kRadiancePlanes on, at film coordinates.
+  [[nodiscard]] double layer(int film_x, int film_y, int plane) const;
   [[nodiscard]] std::uint64_t nan_samples() const { return nan_samples_; }
   [[nodiscard]] std::uint64_t infinite_samples() const { return infinite_samples_; }
   /// Relative standard error of the image: sqrt(mean over pixels and channels of SE^2 / (mean^2 + .01)), with
   /// SE^2 = m2 / (n (n - 1)) the variance of a pixel's mean, over the pixels with two samples or more; NaN
   /// while there are none.
   [[nodiscard]] double relative_error() const;
-  /// XXH3-64 of all pixel statistics, for tests of reproducibility and for the report.
+  /// XXH3-64 of all pixel statistics and layers, for tests of reproducibility and for the report.
   [[nodiscard]] std::uint64_t hash() const;
 
  private:
+  [[nodiscard]] std::size_t index(int film_x, int film_y) const {
+    return std::size_t(film_y - y_) * std::size_t(width_) + std::size_t(film_x - x_);
+  }
+  [[nodiscard]] std::size_t layers() const { return std::size_t(planes_ - kRadiancePlanes); }
+
   int x_ = 0, y_ = 0, width_ = 0, height_ = 0;
-  bool has_features_ = false;
+  int planes_ = kRadiancePlanes;
   std::vector<PixelStatistics> pixels_;
+  std::vector<double> layers_;  // the planes from kRadiancePlanes on, of one pixel after the other
   std::uint64_t nan_samples_ = 0, infinite_samples_ = 0;
 };
 

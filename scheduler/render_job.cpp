@@ -85,10 +85,10 @@ class RenderRun {
       : job_(job),
         stop_(stop),
         on_progress_(on_progress),
-        has_features_((job.scene.header.features & FEATURE_LAYERS) != 0),
+        planes_(plane_count(job.scene.header.features)),
         grid_(job.x, job.y, job.width, job.height, job.tile, job.spp, job.samples_per_pass),
         plan_({{.tiles = grid_.tiles(), .passes = grid_.passes()}}, job.leases),
-        merge_(FilmAccumulator(job.x, job.y, job.width, job.height, has_features_), grid_) {}
+        merge_(FilmAccumulator(job.x, job.y, job.width, job.height, planes_), grid_) {}
 
   Expected<RenderOutcome> run();
 
@@ -144,7 +144,7 @@ class RenderRun {
   const RenderJob& job_;
   const std::atomic<bool>& stop_;
   const std::function<void(const RenderProgress&)>& on_progress_;
-  const bool has_features_;
+  const int planes_;
   const TileGrid grid_;
   const Clock::time_point started_ = Clock::now();
 
@@ -268,8 +268,7 @@ void RenderRun::tell_plan(const PlanEvent& event, arrivals::Result* result) {
 }
 
 void RenderRun::obey(const Assign& order, arrivals::Result*) {
-  server_->send_unit(order.worker, order.unit, unit(order.unit),
-                     has_features_ ? kSampleBufferPlanes : kRadiancePlanes);
+  server_->send_unit(order.worker, order.unit, unit(order.unit), planes_);
 }
 
 void RenderRun::obey(const MergeResult& order, arrivals::Result* result) {

@@ -37,7 +37,7 @@ Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint32_t 
   result.width = unit.width;
   result.height = unit.height;
   result.sample_count = unit.sample_count;
-  result.planes = (features & FEATURE_LAYERS) != 0u ? kSampleBufferPlanes : kRadiancePlanes;
+  result.planes = plane_count(features);
   result.values.resize(std::size_t(result.planes) * result.pixels());
   return result;
 }

@@ -43,10 +43,10 @@ struct Free {
 /// One thread's block. The arrays are aligned to cache lines.
 class BlockMemory {
  public:
-  BlockMemory(int capacity, int slot_capacity)
-      : floats_(allocate<float>(std::size_t(STATE_FLOATS) * std::size_t(capacity))),
+  BlockMemory(int capacity, int slot_capacity, std::uint32_t features)
+      : floats_(allocate<float>(std::size_t(state_floats(features)) * std::size_t(capacity))),
         ints_(allocate<int>(std::size_t(STATE_INTS) * std::size_t(capacity))),
-        slots_(allocate<float>(std::size_t(SLOT_FLOAT_COUNT) * std::size_t(slot_capacity))),
+        slots_(allocate<float>(std::size_t(slot_floats(features)) * std::size_t(slot_capacity))),
         capacity_(capacity),
         slot_capacity_(slot_capacity) {}
 
@@ -156,7 +156,8 @@ class NativeDevice final : public Device {
     // Smaller blocks when there would be fewer than threads.
     const int share = (pixels + team_.size() - 1) / team_.size();
     const int block_pixels = options_.block_of_one ? 1 : std::max(1, std::min(kBlockPaths / samples, share));
-    while (blocks_.size() < std::size_t(team_.size())) blocks_.emplace_back(capacity, kBlockStride);
+    while (blocks_.size() < std::size_t(team_.size()))
+      blocks_.emplace_back(capacity, kBlockStride, scene_.header.features);
 
     const Unit portable{unit.x, unit.y, unit.width, unit.height, unit.first_sample, samples};
     const Tracer tracer = tracer_ ? tracer_->tracer() : Tracer{};

@@ -99,6 +99,10 @@ class OpenClDevice final : public Device {
     clRetainContext(context_.get());
     clRetainCommandQueue(queue_.get());
     features_ = scene.header.features;
+    if ((features_ & (FEATURE_POLYGONS | FEATURE_PROJECTED)) != 0u && !info_.has_double)
+      return fail(
+          info_.name +
+          " has no double precision, which closed forms and projected solid angles of polygon lights need");
     Expected<ClProgram> program = compile_kernels(context_.get(), info_, features_, shape_.lanes);
     if (!program) return std::unexpected(program.error());
     program_ = std::move(*program);
@@ -139,10 +143,11 @@ class OpenClDevice final : public Device {
     if (slots > slots_) {
       slots_ = slots;
       const std::size_t paths = std::size_t(items_) * std::size_t(shape_.paths);
-      for (auto [buffer, bytes] :
-           {std::pair{&floats_, paths * STATE_FLOATS * 4}, std::pair{&ints_, paths * STATE_INTS * 4},
-            std::pair{&slot_memory_, std::size_t(items_) * std::size_t(slots) * SLOT_FLOAT_COUNT * 4},
-            std::pair{&bad_, std::size_t(items_) * 8}})
+      for (auto [buffer, bytes] : {std::pair{&floats_, paths * std::size_t(state_floats(features_)) * 4},
+                                   std::pair{&ints_, paths * STATE_INTS * 4},
+                                   std::pair{&slot_memory_, std::size_t(items_) * std::size_t(slots) *
+                                                                std::size_t(slot_floats(features_)) * 4},
+                                   std::pair{&bad_, std::size_t(items_) * 8}})
         if (Expected<void> done = allocate(*buffer, bytes); !done) return done;
     }
     if (out_bytes > out_bytes_) {

@@ -103,6 +103,7 @@ std::vector<OpenClDeviceInfo> list_opencl_devices() {
     for (cl_device_id device : devices)
       found.push_back({device, platform_text(platform, CL_PLATFORM_NAME), device_text(device, CL_DEVICE_NAME),
                        (device_value<cl_device_type>(device, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_CPU) != 0,
+                       device_value<cl_device_fp_config>(device, CL_DEVICE_DOUBLE_FP_CONFIG) != 0,
                        device_value<cl_uint>(device, CL_DEVICE_MAX_COMPUTE_UNITS),
                        device_value<cl_ulong>(device, CL_DEVICE_GLOBAL_MEM_SIZE),
                        device_value<cl_ulong>(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE)});

@@ -30,6 +30,7 @@ struct OpenClDeviceInfo {
   cl_device_id id = nullptr;
   std::string platform, name;
   bool is_cpu = false;
+  bool has_double = false;
   unsigned compute_units = 1;
   std::uint64_t memory_bytes = 0, max_allocation_bytes = 0;
 };

@@ -36,6 +36,8 @@ class Checker {
     require(h_.spp > 0, "no samples per pixel");
     require(in(h_.emitter_samples, 0, MAX_DIRECT_SAMPLES) && in(h_.bsdf_samples, 0, MAX_DIRECT_SAMPLES),
             "an implausible number of emitter or BSDF samples");
+    require(in(h_.estimator, ESTIMATOR_SAMPLES, ESTIMATOR_RATIO), "unknown estimator");
+    require(in(h_.light_choice, CHOICE_POWER, CHOICE_ANALYTIC), "unknown choice of lights");
   }
 
   template <typename T>
@@ -52,6 +54,11 @@ class Checker {
     check_table<float>(h_.filter_table, 2 * FILTER_CELLS + 1, 0, "the filter's table lies outside the data");
     check_table<VertexNormals>(h_.normals, h_.normals_count, 1, "normals lie outside the data");
     check_table<Quadric>(h_.quadrics, h_.quadric_count, 1, "quadrics lie outside the data");
+    if (has(FEATURE_POLYGONS)) {
+      check_table<Polygon>(h_.polygons, h_.polygon_count, 1, "polygons lie outside the data");
+      check_table<PolygonCorner>(h_.polygon_corners, h_.polygon_corner_count, 1,
+                                 "polygon corners lie outside the data");
+    }
     check_table<vec3>(h_.vertices, h_.vertex_count, 0, "vertices lie outside the data");
     check_table<Corner>(h_.corners, h_.corner_count, 0, "corners lie outside the data");
     check_table<BvhNode>(h_.nodes, h_.node_count, 0, "BVH nodes lie outside the data");
@@ -83,12 +90,34 @@ class Checker {
     }
     for (const Light& l : table<Light>(scene_, h_.lights, at_least_one(h_.light_count))) {
       require(in(l.alias, 0, at_least_one(h_.light_count) - 1), "a light's alias is not there");
-      require(in(l.kind, LIGHT_TRIANGLE, LIGHT_ENVIRONMENT), "a light of unknown kind");
+      require(in(l.kind, LIGHT_TRIANGLE, LIGHT_RECTANGLE), "a light of unknown kind");
+      require(in(l.sampling, EMITTER_AREA, EMITTER_PROJECTED), "a light of unknown sampling");
+      require(!has(FEATURE_POLYGONS) || in(l.polygon, -1, h_.polygon_count - 1),
+              "a light names a polygon that is not there");
     }
+    if (has(FEATURE_POLYGONS)) check_polygons();
+    require(has(FEATURE_POLYGONS) || (h_.estimator == ESTIMATOR_SAMPLES && h_.light_choice == CHOICE_POWER),
+            "closed forms without their feature bit");
     require(h_.quadric_count == 0 || has(FEATURE_QUADRICS), "quadrics without their feature bit");
     require(has(h_.integrator == INTEGRATOR_PATH ? FEATURE_PATH : FEATURE_DIRECT),
             "an integrator without its feature bit");
     require(h_.sampler == SAMPLER_SOBOL || has(FEATURE_SAMPLERS), "a sampler without its feature bit");
+  }
+
+  void check_polygons() {
+    for (const Polygon& p : table<Polygon>(scene_, h_.polygons, h_.polygon_count)) {
+      require(
+          in(p.first_light, 0, h_.light_count - 1) && in(p.light_count, 1, h_.light_count - p.first_light),
+          "a polygon names lights that are not there");
+      require(in(p.first_corner, 0, h_.polygon_corner_count - 1) &&
+                  in(p.corner_count, 1, h_.polygon_corner_count - p.first_corner),
+              "a polygon names corners that are not there");
+      if (!problem_.empty()) return;
+      require(table<PolygonCorner>(scene_, h_.polygon_corners,
+                                   h_.polygon_corner_count)[std::size_t(p.first_corner)]
+                      .starts == 1,
+              "a polygon starts within a loop");
+    }
   }
 
   void check_search() {

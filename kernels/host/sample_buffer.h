@@ -6,10 +6,13 @@
 #include <span>
 #include <vector>
 
+#include "kernels/features.h"
+#include "kernels/unit.h"
+
 namespace penumbra {
 
 /// One float per pixel each. The first six are always there; the rest only when the job asks for feature
-/// layers.
+/// layers, and the last seven of them only where polygon lights have a closed form (FEATURE_POLYGONS).
 enum SampleBufferPlane : int {
   kMeanR,
   kMeanG,
@@ -24,9 +27,26 @@ enum SampleBufferPlane : int {
   kNormalY,
   kNormalZ,  ///< mean world-space shading normal at the first hit, 0 where nothing is hit
   kDepth,    ///< mean distance from the camera to the first hit, 0 where nothing is hit
+  kAnalyticR,
+  kAnalyticG,
+  kAnalyticB,  ///< mean of the closed form: radiance by polygon lights without shadows
+  kDifferenceR,
+  kDifferenceG,
+  kDifferenceB,  ///< mean of what the estimate of their light differs from it by, shadows above all: at most
+                 ///< 0 in expectation
+  kVisibility,  ///< visible share of their light, by its samples; 0 where there is no light
   kSampleBufferPlanes,
-  kRadiancePlanes = kAlbedoR,  ///< number of planes without feature layers
+  kRadiancePlanes = kAlbedoR,   ///< number of planes without feature layers
+  kFeaturePlanes = kAnalyticR,  ///< ... without closed forms
 };
+static_assert(FIRST_LAYER_PLANE == kAlbedoR && ANALYTIC_PLANE == kAnalyticR &&
+              DIFFERENCE_PLANE == kDifferenceR && VISIBILITY_PLANE == kVisibility);
+
+/// How many planes the results of a scene with these FEATURE_* bits have.
+constexpr int plane_count(std::uint32_t features) {
+  if ((features & FEATURE_LAYERS) == 0u) return kRadiancePlanes;
+  return (features & FEATURE_POLYGONS) != 0u ? kSampleBufferPlanes : kFeaturePlanes;
+}
 
 /// Statistics of `sample_count` samples for each pixel of a rectangle. Plane p of pixel (x, y), counted from
 /// the rectangle's corner, is `values[(p * height + y) * width + x]`. A pure function of scene, seed, pixel

@@ -12,7 +12,8 @@
 #include "kernels/bvh_limits.h"
 #include "scenes/device/bvh_builder.h"
 #include "scenes/device/filter_table.h"
-#include "scenes/device/light_table.h"
+#include "scenes/device/integrator_builder.h"
+#include "scenes/device/light_builder.h"
 
 namespace penumbra {
 namespace {
@@ -20,12 +21,12 @@ namespace {
 // Up to this many triangles testing all of them in lanes beats any hierarchy.
 constexpr std::size_t kMaxWholeTriangles = 64;
 constexpr std::size_t kMaxWholeQuadrics = 16;
-constexpr int kLatestRoulette = 1024;
 
 vec3 to_vec3(const glm::dvec3& v) { return make_vec3(float(v.x), float(v.y), float(v.z)); }
 vec3 to_vec3(const glm::vec3& v) { return make_vec3(v.x, v.y, v.z); }
 double mean(const glm::vec3& c) { return (double(c.x) + c.y + c.z) / 3; }
 bool is_black(const glm::vec3& c) { return c.x == 0 && c.y == 0 && c.z == 0; }
+bool emits(const Shape& shape) { return shape.radiance && !is_black(*shape.radiance); }
 bool finite(const vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 struct Bounds {
@@ -52,7 +53,9 @@ Bounds bounds_of(const SceneDescription& scene) {
 class Builder {
  public:
   Builder(const SceneDescription& scene, const DeviceSceneOptions& options)
-      : scene_(scene), options_(options) {
+      : scene_(scene),
+        options_(options),
+        lights_(default_sampling(scene.integrator), wants_polygons(scene.integrator)) {
     const Bounds bounds = bounds_of(scene);
     center_ = 0.5 * (bounds.low + bounds.high);
     radius_ = 0.5 * glm::length(bounds.high - bounds.low);
@@ -65,7 +68,9 @@ class Builder {
     set_camera();
     if (!problem_.empty()) return fail(scene_.source + ": " + problem_);
     set_film();
-    set_integrator();
+    need(lights_.features());
+    if (Expected<void> done = set_integrator(scene_, lights_, h_); !done)
+      return fail(scene_.source + ": " + done.error().message);
     if (options_.feature_layers) need(FEATURE_LAYERS);
     if (scene_.sampler.kind != SamplerKind::kSobol) need(FEATURE_SAMPLERS);
     if (Expected<void> done = choose_intersector(); !done) return std::unexpected(done.error());
@@ -116,7 +121,7 @@ class Builder {
   }
 
   void add_mesh(const Shape& shape, const Mesh& mesh, int front, int back) {
-    const bool emits = shape.radiance && !is_black(*shape.radiance);
+    const std::size_t first = triangles_.size();
     for (glm::uvec3 corner : mesh.triangles) {
       if (shape.flip_normals) std::swap(corner.y, corner.z);
       Triangle t{};
@@ -141,16 +146,18 @@ class Builder {
                             to_vec3(sign * mesh.normals[corner.z])});
         need(FEATURE_SHADING_NORMALS);
       }
-      if (emits) {
-        Light light{};
-        light.kind = LIGHT_TRIANGLE;
-        light.p0 = t.p0;
-        light.p1 = t.p1;
-        light.p2 = t.p2;
-        t.light = add_light(light, *shape.radiance, area);
-      }
       triangles_.push_back(t);
     }
+    if (emits(shape)) add_mesh_lights(shape, first);
+  }
+
+  /// Of the shape's triangles, which are those from `first` on.
+  void add_mesh_lights(const Shape& shape, std::size_t first) {
+    std::vector<LightTriangle> emitters;
+    for (std::size_t i = first; i < triangles_.size(); ++i)
+      emitters.push_back({triangles_[i].p0, triangles_[i].p1, triangles_[i].p2});
+    const std::vector<int> index = lights_.add_triangles(emitters, shape);
+    for (std::size_t i = first; i < triangles_.size(); ++i) triangles_[i].light = index[i - first];
   }
 
   void add_sphere(const Shape& shape, const Sphere& sphere, int front, int back) {
@@ -177,48 +184,27 @@ class Builder {
     q.front = front;
     q.back = back;
     q.light = -1;
-    if (shape.radiance && !is_black(*shape.radiance)) {
+    if (emits(shape)) {
       Light light{};
       light.kind = light_kind;
       light.p0 = q.center;
       light.p1 = q.normal;
       light.p2 = make_vec3(q.radius, q.orientation, 0.0f);
-      q.light = add_light(light, *shape.radiance, area);
+      q.light = lights_.add_quadric(light, shape, area);
     }
     quadrics_.push_back(q);
   }
 
-  int add_light(Light light, const glm::vec3& radiance, double area) {
-    light.radiance = to_vec3(radiance);
-    light.area = float(area);
-    lights_.push_back(light);
-    power_.push_back(mean(radiance) * area * std::numbers::pi);
-    return int(lights_.size()) - 1;
-  }
-
   void add_other_lights() {
     for (const PointLight& point : scene_.point_lights) {
-      if (is_black(point.intensity)) continue;
-      need(FEATURE_POINT_LIGHTS);
-      Light light{};
-      light.kind = LIGHT_POINT;
-      light.p0 = local(point.position, "a point light");
-      light.radiance = to_vec3(point.intensity);
-      lights_.push_back(light);
-      power_.push_back(4 * std::numbers::pi * mean(point.intensity));
+      if (!is_black(point.intensity))
+        lights_.add_point(local(point.position, "a point light"), point.intensity);
     }
     h_.environment = -1;
-    if (scene_.environment && !is_black(scene_.environment->radiance)) {
-      need(FEATURE_ENVIRONMENT);
-      Light light{};
-      light.kind = LIGHT_ENVIRONMENT;
-      light.radiance = to_vec3(scene_.environment->radiance);
-      h_.environment = int(lights_.size());
-      lights_.push_back(light);
-      power_.push_back(std::max(radius_ * radius_, 1e-30) * std::numbers::pi * std::numbers::pi *
-                       mean(scene_.environment->radiance));
-    }
-    if (!lights_.empty()) set_light_probabilities(lights_, power_);
+    if (scene_.environment && !is_black(scene_.environment->radiance))
+      h_.environment = lights_.add_environment(scene_.environment->radiance, radius_);
+    lights_.finish();
+    h_.duplicate_lights = lights_.duplicates();
   }
 
   void set_camera() {
@@ -250,34 +236,6 @@ class Builder {
     h_.sampler = int(scene_.sampler.kind);
     h_.spp = scene_.sampler.spp;
     h_.seed = scene_.sampler.seed;
-  }
-
-  void set_integrator() {
-    static_assert(int(SamplerKind::kSobol) == SAMPLER_SOBOL &&
-                  int(IntegratorKind::kPath) == INTEGRATOR_PATH &&
-                  int(DirectSampling::kMis) == SAMPLING_MIS && int(MisHeuristic::kPower) == HEURISTIC_POWER &&
-                  int(BsdfSampling::kUniform) == DIRECTION_UNIFORM);
-    const IntegratorSettings& integrator = scene_.integrator;
-    h_.integrator = int(integrator.kind);
-    need(integrator.kind == IntegratorKind::kPath ? FEATURE_PATH : FEATURE_DIRECT);
-    h_.max_depth = integrator.max_depth < 0 ? INT_MAX : integrator.max_depth;
-    // A path that nothing else ends meets roulette at last, or albedo 1 in a closed room would never end.
-    h_.rr_depth =
-        integrator.max_depth < 0 ? std::min(integrator.rr_depth, kLatestRoulette) : integrator.rr_depth;
-    h_.direct_sampling = int(integrator.direct_sampling);
-    h_.emitter_samples = integrator.emitter_samples;
-    h_.bsdf_samples = integrator.bsdf_samples;
-    h_.bsdf_sampling = int(integrator.bsdf_sampling);
-    h_.emitter_sampling = integrator.emitter_sampling == EmitterSampling::kArea        ? EMITTER_AREA
-                          : integrator.emitter_sampling == EmitterSampling::kProjected ? EMITTER_PROJECTED
-                                                                                       : EMITTER_SOLID_ANGLE;
-    h_.heuristic = int(integrator.heuristic);
-    h_.hide_emitters = integrator.hide_emitters ? 1 : 0;
-    const bool any_triangle =
-        std::any_of(lights_.begin(), lights_.end(), [](const Light& l) { return l.kind == LIGHT_TRIANGLE; });
-    if (integrator.emitter_sampling == EmitterSampling::kSolidAngle && any_triangle)
-      need(FEATURE_SOLID_ANGLE);
-    if (integrator.emitter_sampling == EmitterSampling::kProjected && any_triangle) need(FEATURE_PROJECTED);
   }
 
   Expected<void> choose_intersector() {
@@ -330,7 +288,11 @@ class Builder {
     h_.normals = store(normals_, h_.normals_count, (h_.features & FEATURE_SHADING_NORMALS) != 0);
     h_.quadrics = store(quadrics_, h_.quadric_count, (h_.features & FEATURE_QUADRICS) != 0);
     h_.materials = store(materials_, h_.material_count);
-    h_.lights = store(lights_, h_.light_count, true);
+    h_.lights = store(lights_.lights(), h_.light_count, true);
+    if ((h_.features & FEATURE_POLYGONS) != 0u) {
+      h_.polygons = store(lights_.polygons(), h_.polygon_count);
+      h_.polygon_corners = store(lights_.corners(), h_.polygon_corner_count);
+    }
     h_.vertices = store(vertices_, h_.vertex_count);
     h_.corners = store(corners_, h_.corner_count);
     h_.nodes = store(hierarchy_.nodes, h_.node_count);
@@ -352,8 +314,7 @@ class Builder {
   std::vector<Triangle> triangles_;
   std::vector<VertexNormals> normals_;
   std::vector<Quadric> quadrics_;
-  std::vector<Light> lights_;
-  std::vector<double> power_;
+  LightBuilder lights_;
   std::vector<vec3> vertices_;
   std::vector<Corner> corners_;
   Hierarchy hierarchy_;

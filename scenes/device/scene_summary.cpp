@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "kernels/host/device_scene_check.h"
 #include "scenes/device/device_scene_builder.h"
 
 namespace penumbra {
@@ -18,6 +21,37 @@ std::string bytes_text(std::size_t bytes) {
   return fmt::format("{:.1f} MB", double(bytes) / 1e6);
 }
 
+int edge_count(const DeviceScene& scene) {
+  int edges = 0;
+  for (const PolygonCorner& corner :
+       table<PolygonCorner>(scene, scene.header.polygon_corners, scene.header.polygon_corner_count))
+    edges += corner.starts != 0 ? 0 : 1;
+  return edges;
+}
+
+bool analytic_alone(const SceneHeader& h) {
+  return h.integrator == INTEGRATOR_DIRECT && h.estimator == ESTIMATOR_ALPHA && h.emitter_samples == 0;
+}
+
+int lights_without_form(const DeviceScene& scene) {
+  const auto lights = table<Light>(scene, scene.header.lights, scene.header.light_count);
+  return int(std::ranges::count_if(lights, [](const Light& light) { return light.polygon < 0; }));
+}
+
+std::string estimator_text(const SceneHeader& h) {
+  switch (h.estimator) {
+    case ESTIMATOR_ALPHA:
+      if (analytic_alone(h)) return "closed form alone";
+      return h.alpha == 0.0f ? "samples alone" : fmt::format("control variate, alpha {}", h.alpha);
+    case ESTIMATOR_AUTO:
+      return "control variate, alpha fitted for each pixel";
+    case ESTIMATOR_RATIO:
+      return "ratio";
+    default:
+      return "samples alone";
+  }
+}
+
 }  // namespace
 
 SceneSummary summarize(const DeviceScene& scene) {
@@ -30,12 +64,21 @@ SceneSummary summarize(const DeviceScene& scene) {
   needs("spheres and disks", std::to_string(h.quadric_count));
   needs("materials", std::to_string(h.material_count - 1));
   needs("lights", std::to_string(h.light_count));
+  if (h.polygon_count > 0) {
+    needs("polygon lights", fmt::format("{}, with {} edges", h.polygon_count, edge_count(scene)));
+    needs("estimator", estimator_text(h));
+  }
   needs("intersector", h.intersector == INTERSECTOR_EMBREE ? "embree"
                        : (h.features & FEATURE_BVH) != 0u  ? "portable, bounding volume hierarchy"
                                                            : "portable, every primitive tested");
   needs("device scene", bytes_text(scene.words.size() * 4 + sizeof h));
   if (h.dropped_triangles > 0)
     summary.left_out.emplace_back("triangles without area", std::to_string(h.dropped_triangles));
+  if (h.duplicate_lights > 0)
+    summary.left_out.emplace_back("light triangles that repeat another one",
+                                  std::to_string(h.duplicate_lights));
+  if (const int others = lights_without_form(scene); analytic_alone(h) && others > 0)
+    summary.left_out.emplace_back("lights that are no polygons", std::to_string(others));
   for (const Feature& feature : kFeatures) {
     if ((h.features & feature.bit) != 0u)
       summary.needs.emplace_back("feature", feature.description);

@@ -39,7 +39,8 @@ bool read_light(const Context& context, const Object& object, SceneDescription& 
     read_environment(plugin, scene);
   } else if (object.type == "area") {
     // It shines only from the shapes that refer to it.
-    read_area_light(context, object);
+    Shape nowhere;
+    read_area_light(context, object, nowhere);
     plugin.skip();
   } else {
     const std::vector<std::string> known = {"area", "point", "constant"};

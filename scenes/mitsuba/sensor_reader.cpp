@@ -153,12 +153,21 @@ void read_sensor(const Context& context, const Object& object, SceneDescription&
 }
 
 void read_integrator(const Context& context, const Object& object, SceneDescription& scene) {
-  static const Names kPath = {"max_depth", "rr_depth", "emitter_sampling", "mis", "hide_emitters"};
+  static const Names kPath = {"max_depth", "rr_depth",      "emitter_sampling",
+                              "mis",       "hide_emitters", "light_choice",
+                              "nee",       "alpha",         "estimator"};
   static const std::map<std::string, Names, std::less<>> kIntegrators = {
       {"direct",
        {"shading_samples", "emitter_samples", "bsdf_samples", "bsdf_sampling", "emitter_sampling", "mis",
-        "hide_emitters"}},
-      {"path", {"max_depth", "rr_depth", "direct_sampling", "emitter_sampling", "mis", "hide_emitters"}},
+        "hide_emitters", "light_choice", "trace_shadows"}},
+      {"path",
+       {"max_depth", "rr_depth", "direct_sampling", "emitter_sampling", "mis", "hide_emitters",
+        "light_choice", "nee", "alpha", "estimator"}},
+      {"polygon_analytic", {"hide_emitters"}},
+      {"polygon_area",
+       {"emitter_samples", "emitter_sampling", "light_choice", "trace_shadows", "hide_emitters"}},
+      {"polygon_cv",
+       {"alpha", "vis_samples", "estimator", "emitter_sampling", "light_choice", "hide_emitters"}},
       {"path_mats", kPath},
       {"path_ems", kPath},
       {"path_mis", kPath}};

@@ -8,6 +8,7 @@
 
 #include "scenes/mesh_reader.h"
 #include "scenes/mesh_tools.h"
+#include "scenes/settings.h"
 #include "scenes/transform.h"
 
 namespace penumbra::mitsuba {
@@ -158,7 +159,7 @@ std::optional<Geometry> read_geometry(const Context& context, const FileAccess& 
 
 }  // namespace
 
-std::optional<glm::vec3> read_area_light(const Context& context, const Object& emitter) {
+void read_area_light(const Context& context, const Object& emitter, Shape& shape) {
   PluginReader plugin(context, emitter);
   if (emitter.type != "area") {
     const std::vector<std::string> known = {"area"};
@@ -168,12 +169,20 @@ std::optional<glm::vec3> read_area_light(const Context& context, const Object& e
       context.unknown_plugin(emitter, known, "it is left out");
     }
     plugin.skip();
-    return std::nullopt;
+    return;
   }
-  const glm::vec3 radiance = plugin.colour("radiance", glm::vec3(1.0f), ColourRole::kEmission);
+  shape.radiance = plugin.colour("radiance", glm::vec3(1.0f), ColourRole::kEmission);
+  shape.two_sided_emission = plugin.boolean("two_sided", false);
+  if (shape.two_sided_emission && std::holds_alternative<Sphere>(shape.geometry))
+    plugin.wrong("two_sided", "a sphere emits to one side; flip_normals chooses the inside");
+  const std::string name = plugin.text("sampling", "auto");
+  if (const auto sampling = emitter_sampling_from_name(name)) {
+    shape.sampling = *sampling;
+  } else {
+    plugin.wrong("sampling", sampling.error().message);
+  }
   plugin.accept({"sampling_weight"});
   plugin.finish();
-  return radiance;
 }
 
 void read_shape(const Context& context, const Object& object, const FileAccess& files,
@@ -194,9 +203,9 @@ void read_shape(const Context& context, const Object& object, const FileAccess& 
   }
   plugin.finish();
   if (bsdf != nullptr) materials.read(*bsdf);
-  if (emitter != nullptr) shape.radiance = read_area_light(context, *emitter);
+  if (geometry) shape.geometry = std::move(*geometry);
+  if (emitter != nullptr) read_area_light(context, *emitter, shape);
   if (!geometry) return;
-  shape.geometry = std::move(*geometry);
   std::tie(shape.front_bsdf, shape.back_bsdf) = materials.install(bsdf, scene);
   scene.shapes.push_back(std::move(shape));
 }

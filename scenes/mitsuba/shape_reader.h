@@ -13,7 +13,7 @@ namespace penumbra::mitsuba {
 void read_shape(const Context& context, const Object& object, const FileAccess& files,
                 MaterialReader& materials, SceneDescription& scene);
 
-/// The radiance of an <emitter type="area">; nothing, and a report, for any other type.
-std::optional<glm::vec3> read_area_light(const Context& context, const Object& emitter);
+/// Makes the shape, whose geometry is known, shine as <emitter type="area"> says; any other type is reported.
+void read_area_light(const Context& context, const Object& emitter, Shape& shape);
 
 }  // namespace penumbra::mitsuba

@@ -24,10 +24,22 @@ std::string pixel_text(const FilmAccumulator& film, int x, int y) {
   text += fmt::format("{:<16}{:>17a}{:>17a}{:>17a}\n", "  exactly", float(pixel.mean[0]),
                       float(pixel.mean[1]), float(pixel.mean[2]));
   text += decimal_row("standard error", standard_error);
-  if (film.has_features()) {
-    text += decimal_row("albedo", pixel.albedo);
-    text += decimal_row("normal", pixel.normal);
-    text += fmt::format("{:<16}{:>17.9g}\n", "depth", pixel.depth);
+  const auto layer = [&](const char* name, int plane) {
+    text += decimal_row(name,
+                        {film.layer(x, y, plane), film.layer(x, y, plane + 1), film.layer(x, y, plane + 2)});
+  };
+  const auto value = [&](const char* name, int plane) {
+    text += fmt::format("{:<16}{:>17.9g}\n", name, film.layer(x, y, plane));
+  };
+  if (film.planes() >= kFeaturePlanes) {
+    layer("albedo", kAlbedoR);
+    layer("normal", kNormalX);
+    value("depth", kDepth);
+  }
+  if (film.planes() >= kSampleBufferPlanes) {
+    layer("analytic", kAnalyticR);
+    layer("difference", kDifferenceR);
+    value("visibility", kVisibility);
   }
   return text;
 }

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "kernels/host/device_scene.h"
+#include "scenes/settings.h"
 
 namespace penumbra {
 namespace {
@@ -68,10 +69,10 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
   command
       .add_option("--integrator", options.integrator, "Override the scene's integrator (path is path_mis)")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"path", "direct", "path_mats", "path_ems", "path_mis"}));
+      ->check(CLI::IsMember(find_setting("integrator.type")->choices));
   command.add_option("--sampler", options.sampler, "Override the scene's sampler")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"independent", "stratified", "halton", "sobol"}));
+      ->check(CLI::IsMember(find_setting("sampler.type")->choices));
   command.add_option("--spp", options.spp, "Samples per pixel (default: the scene's)")
       ->type_name("N")
       ->check(CLI::Range(std::uint32_t(1), kMaxUnsigned));

@@ -1,18 +1,26 @@
 #include "scheduler/outputs/film_image.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace penumbra {
+namespace {
+
+// Of the planes from kRadiancePlanes on.
+constexpr const char* kLayerChannels[] = {
+    "albedo.R",   "albedo.G",   "albedo.B",   "normal.X",     "normal.Y",     "normal.Z",     "depth.Z",
+    "analytic.R", "analytic.G", "analytic.B", "difference.R", "difference.G", "difference.B", "visibility.Y"};
+static_assert(std::size(kLayerChannels) == kSampleBufferPlanes - kRadiancePlanes);
+
+}  // namespace
 
 Image image_of_film(const FilmAccumulator& film, int film_width, int film_height) {
   Image image;
   image.data = {film.x(), film.y(), film.width(), film.height()};
   image.display = {0, 0, film_width, film_height};
   image.channels = {"R", "G", "B", "variance.R", "variance.G", "variance.B"};
-  if (film.has_features()) {
-    image.channels.insert(image.channels.end(), {"albedo.R", "albedo.G", "albedo.B", "normal.X", "normal.Y",
-                                                 "normal.Z", "depth.Z"});
-  }
+  for (int plane = kRadiancePlanes; plane < film.planes(); ++plane)
+    image.channels.emplace_back(kLayerChannels[plane - kRadiancePlanes]);
   image.channels.emplace_back("samples.count");
   image.values.reserve(image.pixels() * image.channels.size());
   const auto append = [&](const double(&values)[3]) {
@@ -23,11 +31,8 @@ Image image_of_film(const FilmAccumulator& film, int film_width, int film_height
       const PixelStatistics& pixel = film.at(x, y);
       append(pixel.mean);
       for (const double m2 : pixel.m2) image.values.push_back(float(variance_of_mean(pixel.count, m2)));
-      if (film.has_features()) {
-        append(pixel.albedo);
-        append(pixel.normal);
-        image.values.push_back(float(pixel.depth));
-      }
+      for (int plane = kRadiancePlanes; plane < film.planes(); ++plane)
+        image.values.push_back(float(film.layer(x, y, plane)));
       image.values.push_back(float(pixel.count));
     }
   }

@@ -23,7 +23,8 @@ SampleRange sample_range(const FilmAccumulator& film);
 /// `film_height`:
 ///   R G B             mean radiance, linear Rec. 709
 ///   variance.R/G/B    variance of that mean
-///   albedo.R/G/B, normal.X/Y/Z, depth.Z   as in SampleBufferPlane; only if the film has features
+///   albedo.R/G/B, normal.X/Y/Z, depth.Z, analytic.R/G/B, difference.R/G/B, visibility.Y
+///                     as in SampleBufferPlane, as many of them as the film has
 ///   samples.count     n; 0 where no pass has been merged, and everything else is 0 there
 Image image_of_film(const FilmAccumulator& film, int film_width, int film_height);
 

@@ -5,6 +5,7 @@
 
 #include <cctype>
 
+#include "scenes/settings.h"
 #include "scheduler/outputs/version.h"
 
 namespace penumbra {
@@ -22,16 +23,14 @@ std::string_view bsdf_sampling_name(BsdfSampling sampling) {
   return "?";
 }
 
-std::string_view emitter_sampling_name(EmitterSampling sampling) {
-  switch (sampling) {
-    case EmitterSampling::kAuto:
+std::string_view light_choice_name(LightChoice choice) {
+  switch (choice) {
+    case LightChoice::kAuto:
       return "auto";
-    case EmitterSampling::kArea:
-      return "area";
-    case EmitterSampling::kSolidAngle:
-      return "solid_angle";
-    case EmitterSampling::kProjected:
-      return "projected";
+    case LightChoice::kPower:
+      return "power";
+    case LightChoice::kAnalytic:
+      return "analytic";
   }
   return "?";
 }
@@ -73,6 +72,9 @@ std::string_view sampler_name(SamplerKind kind) {
 
 std::string_view integrator_name(const IntegratorSettings& integrator) {
   if (integrator.kind == IntegratorKind::kDirect) return "direct";
+  if (integrator.kind == IntegratorKind::kPolygonAnalytic) return "polygon_analytic";
+  if (integrator.kind == IntegratorKind::kPolygonArea) return "polygon_area";
+  if (integrator.kind == IntegratorKind::kPolygonCv) return "polygon_cv";
   switch (integrator.direct_sampling) {
     case DirectSampling::kBsdfOnly:
       return "path_mats";
@@ -138,11 +140,22 @@ std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRe
   if (integrator.kind == IntegratorKind::kPath) {
     entries.emplace_back("integrator.max_depth", integrator.max_depth);
     entries.emplace_back("integrator.rr_depth", integrator.rr_depth);
-  } else {
+    text("integrator.nee", integrator.next_event == NextEvent::kCv ? "cv" : "sample");
+  } else if (integrator.kind == IntegratorKind::kPolygonCv) {
+    entries.emplace_back("integrator.vis_samples", integrator.vis_samples);
+  } else if (integrator.kind != IntegratorKind::kPolygonAnalytic) {
     entries.emplace_back("integrator.emitter_samples", integrator.emitter_samples);
+    entries.emplace_back("integrator.trace_shadows", int(integrator.trace_shadows));
+  }
+  if (integrator.kind == IntegratorKind::kDirect) {
     entries.emplace_back("integrator.bsdf_samples", integrator.bsdf_samples);
     text("integrator.bsdf_sampling", bsdf_sampling_name(integrator.bsdf_sampling));
   }
+  if (has_control_variate(integrator)) {
+    text("integrator.alpha", integrator.alpha ? fmt::format("{}", *integrator.alpha) : "auto");
+    text("integrator.estimator", integrator.estimator == CvEstimator::kRatio ? "ratio" : "cv");
+  }
+  text("integrator.light_choice", light_choice_name(integrator.light_choice));
   text("integrator.emitter_sampling", emitter_sampling_name(integrator.emitter_sampling));
   text("integrator.mis", integrator.heuristic == MisHeuristic::kPower ? "power" : "balance");
   entries.emplace_back("integrator.hide_emitters", int(integrator.hide_emitters));

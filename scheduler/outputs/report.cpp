@@ -67,6 +67,24 @@ Json samples_json(const FilmAccumulator& film) {
           {"infinite", film.infinite_samples()}};
 }
 
+/// Means over the image of the closed form of polygon lights, of what shadows take from it, and of the
+/// visible share; nothing where there is no closed form.
+Json polygon_light_json(const FilmAccumulator& film) {
+  if (film.planes() < kSampleBufferPlanes) return nullptr;
+  double mean[kSampleBufferPlanes - kFeaturePlanes] = {};
+  for (int y = film.y(); y < film.y() + film.height(); ++y)
+    for (int x = film.x(); x < film.x() + film.width(); ++x)
+      for (int plane = kFeaturePlanes; plane < kSampleBufferPlanes; ++plane)
+        mean[plane - kFeaturePlanes] += film.layer(x, y, plane) / (double(film.width()) * film.height());
+  const auto rgb = [&](int plane) {
+    const double* first = mean + (plane - kFeaturePlanes);
+    return Json{first[0], first[1], first[2]};
+  };
+  return {{"analytic", rgb(kAnalyticR)},
+          {"difference", rgb(kDifferenceR)},
+          {"visibility", mean[kVisibility - kFeaturePlanes]}};
+}
+
 Json worker_json(const WorkerShare& worker, std::uint64_t all_samples) {
   return {{"name", worker.name},
           {"device", worker.device},
@@ -130,6 +148,7 @@ Json report_json(const RenderReport& report) {
       {"settings", settings_json(report)},
       {"samples", samples_json(outcome.film)},
       {"relative_error", number(outcome.film.relative_error())},
+      {"polygon_lights", polygon_light_json(outcome.film)},
       {"film_hash", hash_text(outcome.film.hash())},
       {"seconds",
        {{"build", report.build_seconds},

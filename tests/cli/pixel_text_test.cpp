@@ -9,9 +9,9 @@ TEST(PixelText, ShowsEveryDigitAndTheExactBits) {
   SampleBuffer buffer;
   buffer.width = buffer.height = 1;
   buffer.sample_count = 4;
-  buffer.planes = kSampleBufferPlanes;
+  buffer.planes = kFeaturePlanes;
   buffer.values = {0.1f, 0.5f, 2, 0, 12, 48, 0.25f, 0.5f, 0.75f, 0, 0, -1, 3};
-  FilmAccumulator film(5, 6, 1, 1, true);
+  FilmAccumulator film(5, 6, 1, 1, kFeaturePlanes);
   film.add(5, 6, buffer);
   EXPECT_EQ(pixel_text(film, 5, 6),
             "pixel 5,6  4 samples\n"

@@ -11,7 +11,6 @@ namespace penumbra {
 inline SceneTables triangle_light(const vec3& a, const vec3& b, const vec3& c, bool by_solid_angle) {
   SceneTables tables;
   tables.header.features = by_solid_angle ? FEATURE_SOLID_ANGLE : 0;
-  tables.header.emitter_sampling = by_solid_angle ? EMITTER_SOLID_ANGLE : EMITTER_AREA;
   tables.header.environment = -1;
   tables.add_triangle(a, b, c);
   tables.triangles[0].light = 0;
@@ -22,6 +21,8 @@ inline SceneTables triangle_light(const vec3& a, const vec3& b, const vec3& c, b
   light.p2 = c;
   light.area = float(0.5L * length(cross(exact(b) - exact(a), exact(c) - exact(a))));
   light.pmf = light.alias_threshold = 1;
+  light.sampling = by_solid_angle ? EMITTER_SOLID_ANGLE : EMITTER_AREA;
+  light.polygon = -1;
   light.radiance = make_vec3(1, 2, 3);
   tables.lights.push_back(light);
   return tables;
@@ -29,7 +30,6 @@ inline SceneTables triangle_light(const vec3& a, const vec3& b, const vec3& c, b
 
 inline SceneTables quadric_light(const Quadric& quadric, bool by_solid_angle) {
   SceneTables tables;
-  tables.header.emitter_sampling = by_solid_angle ? EMITTER_SOLID_ANGLE : EMITTER_AREA;
   tables.header.environment = -1;
   tables.quadrics.push_back(quadric);
   tables.quadrics[0].light = 0;
@@ -41,6 +41,8 @@ inline SceneTables quadric_light(const Quadric& quadric, bool by_solid_angle) {
   light.p2 = make_vec3(quadric.radius, quadric.orientation, 0);
   light.area = (sphere ? 4 : 1) * PI_F * sqr(quadric.radius);
   light.pmf = light.alias_threshold = 1;
+  light.sampling = by_solid_angle ? EMITTER_SOLID_ANGLE : EMITTER_AREA;
+  light.polygon = -1;
   light.radiance = make_vec3(1, 2, 3);
   tables.lights.push_back(light);
   return tables;
@@ -71,6 +73,7 @@ inline SceneTables environment_light() {
   Light light{};
   light.kind = LIGHT_ENVIRONMENT;
   light.pmf = light.alias_threshold = 1;
+  light.polygon = -1;
   light.radiance = make_vec3(1, 2, 3);
   tables.lights.push_back(light);
   return tables;

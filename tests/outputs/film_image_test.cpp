@@ -22,15 +22,25 @@ SampleBuffer buffer_of(int width, int height, int planes, std::uint32_t samples)
 }
 
 TEST(FilmImage, PutsEveryStatisticInItsLayer) {
-  FilmAccumulator film(4, 6, 3, 2, true);
+  FilmAccumulator film(4, 6, 3, 2, kSampleBufferPlanes);
   film.add(4, 6, buffer_of(3, 2, kSampleBufferPlanes, 5));
   const Image image = image_of_film(film, 16, 12);
   EXPECT_EQ(image.data, (PixelWindow{4, 6, 3, 2}));
   EXPECT_EQ(image.display, (PixelWindow{0, 0, 16, 12}));
-  const std::vector<std::pair<std::string, int>> planes = {
-      {"R", kMeanR},          {"G", kMeanG},          {"B", kMeanB},          {"albedo.R", kAlbedoR},
-      {"albedo.G", kAlbedoG}, {"albedo.B", kAlbedoB}, {"normal.X", kNormalX}, {"normal.Y", kNormalY},
-      {"normal.Z", kNormalZ}, {"depth.Z", kDepth}};
+  const std::vector<std::pair<std::string, int>> planes = {{"R", kMeanR},
+                                                           {"G", kMeanG},
+                                                           {"B", kMeanB},
+                                                           {"albedo.R", kAlbedoR},
+                                                           {"albedo.G", kAlbedoG},
+                                                           {"albedo.B", kAlbedoB},
+                                                           {"normal.X", kNormalX},
+                                                           {"normal.Y", kNormalY},
+                                                           {"normal.Z", kNormalZ},
+                                                           {"depth.Z", kDepth},
+                                                           {"analytic.R", kAnalyticR},
+                                                           {"analytic.B", kAnalyticB},
+                                                           {"difference.G", kDifferenceG},
+                                                           {"visibility.Y", kVisibility}};
   for (int i = 0; i < 6; ++i) {
     const int x = i % 3, y = i / 3;
     for (const auto& [name, plane] : planes) {
@@ -42,14 +52,14 @@ TEST(FilmImage, PutsEveryStatisticInItsLayer) {
 }
 
 TEST(FilmImage, HasNoFeatureLayersWithoutFeatures) {
-  FilmAccumulator film(0, 0, 1, 1, false);
+  FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes);
   film.add(0, 0, buffer_of(1, 1, kRadiancePlanes, 2));
   EXPECT_THAT(image_of_film(film, 1, 1).channels,
               ElementsAre("R", "G", "B", "variance.R", "variance.G", "variance.B", "samples.count"));
 }
 
 TEST(FilmImage, WhatIsNotRenderedIsZeroWithCountZero) {
-  FilmAccumulator film(0, 0, 2, 1, false);
+  FilmAccumulator film(0, 0, 2, 1, kRadiancePlanes);
   film.add(1, 0, buffer_of(1, 1, kRadiancePlanes, 1));
   const Image image = image_of_film(film, 2, 1);
   for (std::size_t c = 0; c < image.channels.size(); ++c) EXPECT_EQ(image.at(0, 0, c), 0);
@@ -59,7 +69,7 @@ TEST(FilmImage, WhatIsNotRenderedIsZeroWithCountZero) {
 }
 
 TEST(SampleRange, OfAPartlyRenderedFilm) {
-  FilmAccumulator film(0, 0, 2, 1, false);
+  FilmAccumulator film(0, 0, 2, 1, kRadiancePlanes);
   EXPECT_EQ(sample_range(film).most, 0u);
   film.add(0, 0, buffer_of(1, 1, kRadiancePlanes, 3));
   film.add(1, 0, buffer_of(1, 1, kRadiancePlanes, 5));

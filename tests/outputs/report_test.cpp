@@ -23,7 +23,7 @@ TEST(Report, SaysWhatWasDoneAndByWhom) {
   job.workers = 2;
   job.device.threads = 3;
   RenderOutcome outcome;
-  outcome.film = FilmAccumulator(0, 0, 2, 1, false);
+  outcome.film = FilmAccumulator(0, 0, 2, 1, kRadiancePlanes);
   outcome.film.add(0, 0, grey_pixel(4));
   outcome.problems = {"worker a:1 was lost"};
   outcome.units_done = 5;

@@ -440,8 +440,8 @@ TEST_F(MitsubaPlugins, SettingsOverrideTheFile) {
   EXPECT_EQ(s.film.crop_width, 50);
   EXPECT_THAT(error(scene(text), {.settings = {{"film.width", "50"}}}),
               HasSubstr("is not inside the film of 50 x 576"));
-  EXPECT_THAT(error(scene(text), {.settings = {{"integrator.alpha", "auto"}}}),
-              HasSubstr("no setting 'integrator.alpha'"));
+  EXPECT_THAT(error(scene(text), {.settings = {{"integrator.beta", "auto"}}}),
+              HasSubstr("no setting 'integrator.beta'"));
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ SampleBuffer pixel_result(float mean, float m2, std::uint32_t count) {
 TEST(FilmAccumulator, MergedStatisticsAreThoseOfAllSamples) {
   std::mt19937 random(20240611);
   std::uniform_int_distribution<int> middle(0, 4095), half_distance(0, 1023);
-  FilmAccumulator film(0, 0, 1, 1, false);
+  FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes);
   std::vector<double> samples;
   constexpr int kUnits = 20000;
   for (int i = 0; i < kUnits; ++i) {
@@ -58,7 +58,7 @@ TEST(FilmAccumulator, MergedStatisticsAreThoseOfAllSamples) {
 }
 
 TEST(FilmAccumulator, UnequalUnitsAreWeightedByTheirCounts) {
-  FilmAccumulator film(0, 0, 1, 1, false);
+  FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes);
   film.add(0, 0, pixel_result(1, 0, 3));  // 1 1 1
   film.add(0, 0, pixel_result(5, 2, 2));  // 4 6
   EXPECT_EQ(film.at(0, 0).count, 5u);
@@ -68,14 +68,14 @@ TEST(FilmAccumulator, UnequalUnitsAreWeightedByTheirCounts) {
 
 TEST(FilmAccumulator, ALargeOffsetDoesNotDrownTheVariance) {
   // Sum of squares minus squared sum would lose all digits here: 1e6^2 / 1e-2^2 = 1e16.
-  FilmAccumulator film(0, 0, 1, 1, false);
+  FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes);
   constexpr int kUnits = 1000;
   for (int i = 0; i < kUnits; ++i) film.add(0, 0, pixel_result(1e6f, 2e-4f, 2));
   EXPECT_NEAR(film.at(0, 0).m2[0], kUnits * double(2e-4f), 1e-9);
 }
 
 TEST(FilmAccumulator, ManySamplesKeepTheirPrecision) {
-  FilmAccumulator film(0, 0, 1, 1, false);
+  FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes);
   constexpr std::uint32_t kSamples = 4096;
   constexpr std::uint64_t kUnits = 25000;  // 1e8 samples
   for (std::uint64_t i = 0; i < kUnits; ++i)
@@ -87,7 +87,7 @@ TEST(FilmAccumulator, ManySamplesKeepTheirPrecision) {
 }
 
 TEST(FilmAccumulator, FeaturesAreAveraged) {
-  FilmAccumulator film(10, 20, 2, 1, true);
+  FilmAccumulator film(10, 20, 2, 1, kSampleBufferPlanes);
   const auto result = [](float value, std::uint32_t count) {
     SampleBuffer buffer{
         .width = 1, .height = 1, .planes = kSampleBufferPlanes, .sample_count = count, .values = {}};
@@ -97,15 +97,15 @@ TEST(FilmAccumulator, FeaturesAreAveraged) {
   };
   film.add(11, 20, result(1, 1));
   film.add(11, 20, result(4, 2));  // the mean of 1, 4, 4 is 3
-  const PixelStatistics& pixel = film.at(11, 20);
-  EXPECT_NEAR(pixel.albedo[0], 3.0 * (kAlbedoR + 1), 1e-14);
-  EXPECT_NEAR(pixel.normal[2], 3.0 * (kNormalZ + 1), 1e-14);
-  EXPECT_NEAR(pixel.depth, 3.0 * (kDepth + 1), 1e-14);
+  EXPECT_NEAR(film.layer(11, 20, kAlbedoR), 3.0 * (kAlbedoR + 1), 1e-14);
+  EXPECT_NEAR(film.layer(11, 20, kNormalZ), 3.0 * (kNormalZ + 1), 1e-14);
+  EXPECT_NEAR(film.layer(11, 20, kDepth), 3.0 * (kDepth + 1), 1e-14);
+  EXPECT_NEAR(film.layer(11, 20, kVisibility), 3.0 * (kVisibility + 1), 1e-14);
   EXPECT_EQ(film.at(10, 20).count, 0u);
 }
 
 TEST(FilmAccumulator, RelativeErrorIsTheStatedFormula) {
-  FilmAccumulator film(0, 0, 2, 1, false);
+  FilmAccumulator film(0, 0, 2, 1, kRadiancePlanes);
   EXPECT_TRUE(std::isnan(film.relative_error()));
   film.add(0, 0, pixel_result(2, 0, 1));
   EXPECT_TRUE(std::isnan(film.relative_error())) << "one sample says nothing about its error";
@@ -123,7 +123,7 @@ TEST(FilmAccumulator, ClearForgetsOneRectangle) {
                       .nan_samples = 3,
                       .infinite_samples = 1,
                       .values = std::vector<float>(4 * kRadiancePlanes, 1.0f)};
-  FilmAccumulator film(4, 4, 4, 2, false);
+  FilmAccumulator film(4, 4, 4, 2, kRadiancePlanes);
   film.add(4, 4, result);
   const std::uint64_t before = film.hash();
   film.add(6, 4, result);

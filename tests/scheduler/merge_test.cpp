@@ -28,7 +28,9 @@ std::vector<Piece> pieces(const TileGrid& grid) {
   return all;
 }
 
-Merge empty_merge(const TileGrid& grid) { return {FilmAccumulator(kX, kY, kWidth, kHeight, true), grid}; }
+Merge empty_merge(const TileGrid& grid) {
+  return {FilmAccumulator(kX, kY, kWidth, kHeight, kFeaturePlanes), grid};
+}
 
 std::uint64_t merged_hash(int tile, unsigned order_seed) {
   const TileGrid tiles = grid(tile);
@@ -36,7 +38,7 @@ std::uint64_t merged_hash(int tile, unsigned order_seed) {
   if (order_seed != 0) std::ranges::shuffle(order, std::mt19937(order_seed));
   Merge merge = empty_merge(tiles);
   for (const Piece& piece : order) {
-    merge.add(piece.tile, piece.pass, fake_samples(tiles.unit(piece.tile, piece.pass), kSampleBufferPlanes));
+    merge.add(piece.tile, piece.pass, fake_samples(tiles.unit(piece.tile, piece.pass), kFeaturePlanes));
   }
   EXPECT_EQ(merge.finished_passes(), tiles.passes());
   EXPECT_EQ(merge.waiting(), 0u);
@@ -55,10 +57,10 @@ TEST(Merge, TheFilmDependsNeitherOnTilesNorOnTheOrderOfArrival) {
 TEST(Merge, TheHashNoticesAnOrderThatIsNotThePasses) {
   // The floor under the test above: without Merge the order of the passes does show in the bytes.
   const TileGrid tiles = grid(64);
-  FilmAccumulator forwards(kX, kY, kWidth, kHeight, true), backwards = forwards;
+  FilmAccumulator forwards(kX, kY, kWidth, kHeight, kFeaturePlanes), backwards = forwards;
   for (std::uint32_t pass = 0; pass < tiles.passes(); ++pass) {
-    forwards.add(kX, kY, fake_samples(tiles.unit(0, pass), kSampleBufferPlanes));
-    backwards.add(kX, kY, fake_samples(tiles.unit(0, tiles.passes() - 1 - pass), kSampleBufferPlanes));
+    forwards.add(kX, kY, fake_samples(tiles.unit(0, pass), kFeaturePlanes));
+    backwards.add(kX, kY, fake_samples(tiles.unit(0, tiles.passes() - 1 - pass), kFeaturePlanes));
   }
   EXPECT_EQ(forwards.hash(), merged_hash(64, 0));
   EXPECT_NE(forwards.hash(), backwards.hash());
@@ -68,7 +70,7 @@ TEST(Merge, FinishedPassesAreThoseOfTheSlowestTile) {
   const TileGrid tiles = grid(25);  // 2 x 2 tiles
   Merge merge = empty_merge(tiles);
   const auto add = [&](std::uint32_t tile, std::uint32_t pass) {
-    merge.add(tile, pass, fake_samples(tiles.unit(tile, pass), kSampleBufferPlanes));
+    merge.add(tile, pass, fake_samples(tiles.unit(tile, pass), kFeaturePlanes));
   };
   for (const std::uint32_t tile : {0, 1, 2}) add(tile, 0);
   EXPECT_EQ(merge.finished_passes(), 0u);
@@ -86,7 +88,7 @@ TEST(Merge, ASkippedUnitDoesNotHoldUpItsTile) {
   Merge merge = empty_merge(tiles);
   for (const Piece& piece : pieces(tiles)) {
     if (piece.tile == 1 && piece.pass == 2) continue;
-    merge.add(piece.tile, piece.pass, fake_samples(tiles.unit(piece.tile, piece.pass), kSampleBufferPlanes));
+    merge.add(piece.tile, piece.pass, fake_samples(tiles.unit(piece.tile, piece.pass), kFeaturePlanes));
   }
   EXPECT_EQ(merge.finished_passes(), 2u);
   merge.skip(1, 2);
@@ -99,7 +101,7 @@ TEST(Merge, ARedoneTileLeavesNoTrace) {
   const TileGrid tiles = grid(25);
   Merge merge = empty_merge(tiles);
   const auto wrong = [&](std::uint32_t tile, std::uint32_t pass) {
-    SampleBuffer buffer = fake_samples(tiles.unit(tile, pass), kSampleBufferPlanes);
+    SampleBuffer buffer = fake_samples(tiles.unit(tile, pass), kFeaturePlanes);
     buffer.values[0] += 1;
     buffer.nan_samples = 5;
     return buffer;
@@ -111,14 +113,14 @@ TEST(Merge, ARedoneTileLeavesNoTrace) {
   EXPECT_EQ(merge.waiting(), 0u);
   EXPECT_EQ(merge.film().nan_samples(), 0u);
   for (const Piece& piece : pieces(tiles)) {
-    merge.add(piece.tile, piece.pass, fake_samples(tiles.unit(piece.tile, piece.pass), kSampleBufferPlanes));
+    merge.add(piece.tile, piece.pass, fake_samples(tiles.unit(piece.tile, piece.pass), kFeaturePlanes));
   }
   EXPECT_EQ(merge.film().hash(), merged_hash(64, 0));
 }
 
 TEST(Merge, ARedoRemembersWhatWasSkipped) {
   const TileGrid tiles(0, 0, 1, 1, 1, 3, 1);
-  Merge merge(FilmAccumulator(0, 0, 1, 1, false), tiles);
+  Merge merge(FilmAccumulator(0, 0, 1, 1, kRadiancePlanes), tiles);
   merge.skip(0, 0);
   merge.add(0, 1, fake_samples(tiles.unit(0, 1), kRadiancePlanes));
   merge.skip(0, 2);

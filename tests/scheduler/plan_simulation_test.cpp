@@ -36,7 +36,7 @@ class SimulatedFarm {
     for (ImageUnits& image : images_) {
       image = {.tiles = std::uint32_t(between(1, 12)), .passes = std::uint32_t(between(1, 5))};
       grids_.emplace_back(0, 0, int(image.tiles), 1, 1, image.passes, 1);
-      merges_.emplace_back(FilmAccumulator(0, 0, int(image.tiles), 1, false), grids_.back());
+      merges_.emplace_back(FilmAccumulator(0, 0, int(image.tiles), 1, kRadiancePlanes), grids_.back());
     }
     for (std::uint32_t i = 0; i < images_.size(); ++i) {
       for (std::uint32_t pass = 0; pass < images_[i].passes; ++pass) {
@@ -235,7 +235,7 @@ class SimulatedFarm {
   }
 
   std::uint64_t undisturbed(std::uint32_t image) {
-    FilmAccumulator film(0, 0, int(images_[image].tiles), 1, false);
+    FilmAccumulator film(0, 0, int(images_[image].tiles), 1, kRadiancePlanes);
     for (std::uint32_t pass = 0; pass < images_[image].passes; ++pass) {
       for (std::uint32_t tile = 0; tile < images_[image].tiles; ++tile) {
         const UnitId unit{image, pass, tile};

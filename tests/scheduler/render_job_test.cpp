@@ -79,10 +79,10 @@ class RenderJobTest : public testing::Test {
 
   /// The same film without scheduler, workers and wire.
   static std::uint64_t expected_hash() {
-    FilmAccumulator film(kX, kY, kWidth, kHeight, true);
+    FilmAccumulator film(kX, kY, kWidth, kHeight, kFeaturePlanes);
     for (std::uint32_t first = 0; first < kSpp; first += kSamplesPerPass) {
       const RenderUnit unit{kX, kY, kWidth, kHeight, first, std::min(kSamplesPerPass, kSpp - first)};
-      film.add(kX, kY, fake_samples(unit, kSampleBufferPlanes));
+      film.add(kX, kY, fake_samples(unit, kFeaturePlanes));
     }
     return film.hash();
   }

@@ -42,7 +42,7 @@ class FakeDevice final : public Device {
  public:
   FakeDevice(const DeviceScene& scene, FakeBehaviour behaviour)
       : behaviour_(std::move(behaviour)),
-        planes_((scene.header.features & FEATURE_LAYERS) != 0 ? kSampleBufferPlanes : kRadiancePlanes),
+        planes_(plane_count(scene.header.features)),
         hangs_(claim(behaviour_.hang_claim)),
         lies_(claim(behaviour_.lie_claim)),
         damages_(claim(behaviour_.damage_claim)) {}

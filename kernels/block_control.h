@@ -1,0 +1,80 @@
+// From the samples of polygon lights, with and without shadows, and their closed form to the samples of a
+// pixel: see ESTIMATOR_*.
+#ifndef PENUMBRA_BLOCK_CONTROL_H
+#define PENUMBRA_BLOCK_CONTROL_H
+#include "kernels/block_accumulate.h"
+#include "kernels/control_variate.h"
+#include "kernels/scene.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+#if HAS(POLYGONS)
+/// A sample of which any part is not finite becomes one NaN or infinity of its plain part, for accumulate()
+/// to count.
+FN void check_control(GLOBAL float* RESTRICT slots, int slot_capacity, int s) {
+  const vec3 plain = LOAD3(slots, slot_capacity, SAMPLE_X, s);
+  vec3 sum = plain;
+  for (int k = SLOT_SHADOWED_X; k < SLOT_FLOAT_COUNT; k += 3)
+    sum = add(sum, LOAD3(slots, slot_capacity, k, s));
+  const uint bits = FLOAT_BITS((sum.x + sum.y) + sum.z);
+  const bool finite = !(is_nan_bits(bits) | is_infinite_bits(bits));
+  for (int k = SLOT_SHADOWED_X; k < SLOT_FLOAT_COUNT; k++) {
+    const float value = slots[k * slot_capacity + s];
+    slots[k * slot_capacity + s] = finite ? value : 0.0f;
+  }
+  const vec3 kept = select3(finite, plain, sum);
+  STORE3(slots, slot_capacity, SAMPLE_X, s, kept);
+}
+
+/// Completes the samples of the block's pixels by their control variates. With `layers` also the means of the
+/// closed form G, of what shadows take away (the samples' part of the estimate less G), and the visible share
+/// of the light, in the planes after the other layers'.
+STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int pixels,
+                           GLOBAL float* RESTRICT slots, int slot_capacity, bool layers,
+                           GLOBAL float* RESTRICT out) {
+  const int n = unit->sample_count, area = unit->width * unit->height;
+  const int estimator = scene->header.estimator;
+  for (int s = 0; s < pixels * n; s++) check_control(slots, slot_capacity, s);
+  for (int p = 0; p < pixels; p++) {
+    const int first = p * n, at = first_pixel + p;
+    float all_shadowed = 0.0f, all_unshadowed = 0.0f;
+    for (int c = 0; c < 3; c++) {
+      GLOBAL float* sample = slots + (SAMPLE_X + c) * slot_capacity;
+      GLOBAL float* shadowed = slots + (SLOT_SHADOWED_X + c) * slot_capacity;
+      GLOBAL float* unshadowed = slots + (SLOT_UNSHADOWED_X + c) * slot_capacity;
+      GLOBAL float* analytic = slots + (SLOT_ANALYTIC_X + c) * slot_capacity;
+      const int parity = (int)(unit->first_sample & 1u);
+      float alpha[2];
+      alpha[0] = alpha[1] = scene->header.alpha;
+      if (estimator == ESTIMATOR_RATIO) alpha[0] = alpha[1] = ratio_alpha(shadowed, unshadowed, first, n);
+      for (int wanted = 0; estimator == ESTIMATOR_AUTO && wanted < 2; wanted++)
+        alpha[wanted] = cross_fitted_alpha(shadowed, unshadowed, analytic, first, n, parity, wanted);
+      for (int s = first; s < first + n; s++) {
+        all_shadowed += shadowed[s];
+        all_unshadowed += unshadowed[s];
+        const float a = alpha[(parity + s - first) & 1], weight = slots[FILTER_WEIGHT * slot_capacity + s];
+        const float rest = shadowed[s] - a * unshadowed[s];
+        sample[s] += rest + a * analytic[s];  // which accumulate() weighs
+        shadowed[s] = weight * (rest + (a - 1.0f) * analytic[s]);
+        analytic[s] *= weight;
+      }
+  #if HAS(LAYERS)
+      float mean, m2;
+      if (layers) {
+        accumulate_field(analytic, first, n, &mean, &m2);
+        out[(ANALYTIC_PLANE + c) * area + at] = mean;
+        accumulate_field(shadowed, first, n, &mean, &m2);
+        out[(DIFFERENCE_PLANE + c) * area + at] = mean;
+      }
+  #endif
+    }
+  #if HAS(LAYERS)
+    if (layers)
+      out[VISIBILITY_PLANE * area + at] = all_unshadowed > 0.0f ? all_shadowed / all_unshadowed : 0.0f;
+  #endif
+  }
+}
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,57 @@
+// What a stage of its own finds out about lights before an integrator's step: many times the arithmetic of
+// the step itself, which scenes that do not ask for it shall not carry.
+#ifndef PENUMBRA_LIGHT_AIM_H
+#define PENUMBRA_LIGHT_AIM_H
+#include "kernels/scene.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// Densities of projected solid angle leave out the choice of the light.
+typedef struct {
+  float found_pdf;  ///< density with which the last ray's direction would have been chosen, or negative
+  float light;      ///< index of the light that the step is to sample; negative: the step chooses by power
+  float pmf;        ///< probability of having chosen it
+  vec3 wi;          ///< towards it
+  float scale;  ///< the density of wi is its cosine times this; negative: the step chooses where on the light
+} Aim;
+
+enum { AIM_FOUND_PDF, AIM_LIGHT, AIM_PMF, AIM_X, AIM_Y, AIM_Z, AIM_SCALE, AIM_COUNT };
+#define HAS_AIMS (HAS(PROJECTED) || HAS(POLYGONS))
+// Floats of a PRIVATE array of Aims, value V of lane j at V * LANES + j.
+#define AIM_FLOATS (HAS_AIMS ? AIM_COUNT * LANES : 1)
+
+FN Aim no_aim(void) {
+  Aim aim;
+  aim.found_pdf = aim.light = aim.scale = -1.0f;
+  aim.pmf = 0.0f;
+  aim.wi = make_vec3(0.0f, 0.0f, 1.0f);
+  return aim;
+}
+
+FN void store_aim(PRIVATE float* aims, int j, Aim aim) {
+#if HAS_AIMS
+  aims[AIM_FOUND_PDF * LANES + j] = aim.found_pdf;
+  aims[AIM_LIGHT * LANES + j] = aim.light;
+  aims[AIM_PMF * LANES + j] = aim.pmf;
+  aims[AIM_X * LANES + j] = aim.wi.x;
+  aims[AIM_Y * LANES + j] = aim.wi.y;
+  aims[AIM_Z * LANES + j] = aim.wi.z;
+  aims[AIM_SCALE * LANES + j] = aim.scale;
+#endif
+}
+
+/// Lane j's; none where the kernel is compiled without.
+FN Aim load_aim(const PRIVATE float* aims, int j) {
+  Aim aim = no_aim();
+#if HAS_AIMS
+  aim.found_pdf = aims[AIM_FOUND_PDF * LANES + j];
+  aim.light = aims[AIM_LIGHT * LANES + j];
+  aim.pmf = aims[AIM_PMF * LANES + j];
+  aim.wi = make_vec3(aims[AIM_X * LANES + j], aims[AIM_Y * LANES + j], aims[AIM_Z * LANES + j]);
+  aim.scale = aims[AIM_SCALE * LANES + j];
+#endif
+  return aim;
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,123 @@
+#include "scenes/device/integrator_builder.h"
+
+#include <algorithm>
+#include <climits>
+
+namespace penumbra {
+namespace {
+
+constexpr int kLatestRoulette = 1024;
+// A survey of more polygons at every point would cost more than it saves.
+constexpr std::size_t kMaxSurveyedPolygons = 256;
+
+static_assert(int(SamplerKind::kSobol) == SAMPLER_SOBOL && int(DirectSampling::kMis) == SAMPLING_MIS &&
+              int(MisHeuristic::kPower) == HEURISTIC_POWER &&
+              int(BsdfSampling::kUniform) == DIRECTION_UNIFORM);
+
+/// The balance of emitter and direction samples needs the density of every direction, which a choice by
+/// contribution does not have for directions that other samples found.
+bool balances(const IntegratorSettings& integrator, const LightBuilder& lights) {
+  switch (integrator.kind) {
+    case IntegratorKind::kDirect:
+      return integrator.bsdf_samples > 0;
+    case IntegratorKind::kPath:
+      return integrator.direct_sampling != DirectSampling::kEmitterOnly &&
+             !(integrator.next_event == NextEvent::kCv && lights.only_polygons());
+    case IntegratorKind::kPolygonAnalytic:
+    case IntegratorKind::kPolygonArea:
+    case IntegratorKind::kPolygonCv:
+      return false;
+  }
+  return true;
+}
+
+void set_samples(const IntegratorSettings& integrator, SceneHeader& h) {
+  switch (integrator.kind) {
+    case IntegratorKind::kPolygonAnalytic:
+      h.emitter_samples = h.bsdf_samples = 0;
+      return;
+    case IntegratorKind::kPolygonCv:
+      h.emitter_samples = integrator.vis_samples;
+      h.bsdf_samples = 0;
+      return;
+    case IntegratorKind::kPolygonArea:
+      h.emitter_samples = integrator.emitter_samples;
+      h.bsdf_samples = 0;
+      return;
+    case IntegratorKind::kDirect:
+    case IntegratorKind::kPath:
+      h.emitter_samples = integrator.emitter_samples;
+      h.bsdf_samples = integrator.bsdf_samples;
+  }
+}
+
+/// Where every sample without shadows is the closed form itself, no alpha changes anything, and plain samples
+/// are the best estimate known: one sequence of samples is then better than the two halves that fit each
+/// other's alpha.
+void set_estimator(const SceneDescription& scene, const LightBuilder& lights, SceneHeader& h) {
+  const IntegratorSettings& integrator = scene.integrator;
+  h.estimator = ESTIMATOR_SAMPLES;
+  h.alpha = 1.0f;
+  if (lights.polygons().empty()) return;
+  if (integrator.kind == IntegratorKind::kPolygonAnalytic) h.estimator = ESTIMATOR_ALPHA;
+  if (!has_control_variate(integrator)) return;
+  if (integrator.estimator == CvEstimator::kRatio) {
+    h.estimator = ESTIMATOR_RATIO;
+  } else if (integrator.alpha) {
+    h.estimator = ESTIMATOR_ALPHA;
+    h.alpha = *integrator.alpha;
+  } else if ((h.features & FEATURE_PHONG) == 0u && h.light_choice == CHOICE_ANALYTIC &&
+             lights.constant_if_projected()) {
+    h.estimator = ESTIMATOR_ALPHA;
+    h.alpha = 0.0f;
+  } else {
+    h.estimator = ESTIMATOR_AUTO;
+  }
+}
+
+}  // namespace
+
+bool wants_polygons(const IntegratorSettings& integrator) {
+  return integrator.kind == IntegratorKind::kPolygonAnalytic || has_control_variate(integrator) ||
+         integrator.light_choice == LightChoice::kAnalytic;
+}
+
+EmitterSampling default_sampling(const IntegratorSettings& integrator) {
+  if (integrator.emitter_sampling != EmitterSampling::kAuto) return integrator.emitter_sampling;
+  if (integrator.kind == IntegratorKind::kPolygonArea) return EmitterSampling::kArea;
+  return has_control_variate(integrator) ? EmitterSampling::kProjected : EmitterSampling::kAuto;
+}
+
+Expected<void> set_integrator(const SceneDescription& scene, const LightBuilder& lights, SceneHeader& h) {
+  const IntegratorSettings& integrator = scene.integrator;
+  const bool path = integrator.kind == IntegratorKind::kPath;
+  h.integrator = path ? INTEGRATOR_PATH : INTEGRATOR_DIRECT;
+  h.features |= path ? FEATURE_PATH : FEATURE_DIRECT;
+  h.max_depth = integrator.max_depth < 0 ? INT_MAX : integrator.max_depth;
+  // A path that nothing else ends meets roulette at last, or albedo 1 in a closed room would never end.
+  h.rr_depth =
+      integrator.max_depth < 0 ? std::min(integrator.rr_depth, kLatestRoulette) : integrator.rr_depth;
+  h.direct_sampling = int(integrator.direct_sampling);
+  set_samples(integrator, h);
+  h.bsdf_sampling = int(integrator.bsdf_sampling);
+  h.heuristic = int(integrator.heuristic);
+  h.hide_emitters = integrator.hide_emitters ? 1 : 0;
+  const bool can_trace =
+      integrator.kind == IntegratorKind::kDirect || integrator.kind == IntegratorKind::kPolygonArea;
+  h.trace_shadows = can_trace && !integrator.trace_shadows ? 0 : 1;
+
+  const bool by_contribution =
+      integrator.light_choice == LightChoice::kAnalytic ||
+      (integrator.light_choice == LightChoice::kAuto && has_control_variate(integrator) &&
+       !balances(integrator, lights) && lights.polygons().size() <= kMaxSurveyedPolygons);
+  h.light_choice = by_contribution && !lights.polygons().empty() ? CHOICE_ANALYTIC : CHOICE_POWER;
+  if (by_contribution && balances(integrator, lights))
+    return fail(
+        "light_choice = analytic needs an integrator that samples lights alone: direct with bsdf_samples = "
+        "0, "
+        "path with direct_sampling = ems, polygon_area or polygon_cv");
+  set_estimator(scene, lights, h);
+  return {};
+}
+
+}  // namespace penumbra

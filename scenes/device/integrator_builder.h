@@ -1,0 +1,21 @@
+// The integrator's part of a scene's header: what the settings come to on the device.
+#pragma once
+
+#include "kernels/host/error.h"
+#include "kernels/scene_types.h"
+#include "scenes/device/light_builder.h"
+#include "scenes/scene_description.h"
+
+namespace penumbra {
+
+/// Whether the settings ask for polygon lights' closed form, be it to choose among lights.
+bool wants_polygons(const IntegratorSettings& integrator);
+
+/// How lights are sampled that do not say it themselves.
+EmitterSampling default_sampling(const IntegratorSettings& integrator);
+
+/// Fills in the integrator's fields of the header, `features` among them; `lights` are complete. Errors:
+/// settings that contradict each other or the scene.
+Expected<void> set_integrator(const SceneDescription& scene, const LightBuilder& lights, SceneHeader& header);
+
+}  // namespace penumbra

@@ -1,0 +1,179 @@
+#include "scenes/device/light_builder.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "scenes/device/light_table.h"
+
+namespace penumbra {
+namespace {
+
+double mean(const glm::vec3& c) { return (double(c.x) + c.y + c.z) / 3; }
+vec3 to_vec3(const glm::vec3& v) { return make_vec3(v.x, v.y, v.z); }
+
+int code(EmitterSampling sampling, int by_default) {
+  switch (sampling) {
+    case EmitterSampling::kAuto:
+      return by_default;
+    case EmitterSampling::kArea:
+      return EMITTER_AREA;
+    case EmitterSampling::kSolidAngle:
+      return EMITTER_SOLID_ANGLE;
+    case EmitterSampling::kProjected:
+      return EMITTER_PROJECTED;
+  }
+  return by_default;
+}
+
+double triangle_area(const LightTriangle& t) {
+  const vec3 cross = cross3(sub(t.p1, t.p0), sub(t.p2, t.p0));
+  return 0.5 * std::sqrt(double(cross.x) * cross.x + double(cross.y) * cross.y + double(cross.z) * cross.z);
+}
+
+using Corners = std::array<std::array<float, 3>, 3>;
+
+/// In their order, from the least one on.
+Corners corners_of(const LightTriangle& t) {
+  Corners corners{{{t.p0.x, t.p0.y, t.p0.z}, {t.p1.x, t.p1.y, t.p1.z}, {t.p2.x, t.p2.y, t.p2.z}}};
+  std::ranges::rotate(corners, std::ranges::min_element(corners));
+  return corners;
+}
+
+/// Each triangle by itself, where nobody asks for more.
+std::vector<Outline> separate(std::span<const LightTriangle> triangles) {
+  std::vector<Outline> outlines(triangles.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i) outlines[i].triangles = {int(i)};
+  return outlines;
+}
+
+}  // namespace
+
+std::vector<int> LightBuilder::add_triangles(std::span<const LightTriangle> triangles, const Shape& shape) {
+  const EmitterSampling wanted = shape.sampling == EmitterSampling::kAuto ? by_default_ : shape.sampling;
+  const int sampling = code(wanted, EMITTER_AREA);
+  Outlines merged;
+  if (polygons_wanted_ || sampling == EMITTER_SOLID_ANGLE)
+    merged = merge_coplanar(triangles);
+  else
+    merged.outlines = separate(triangles);
+  duplicates_ += int(merged.duplicates.size());
+  std::vector<int> index(triangles.size(), -1);
+  for (const Outline& outline : merged.outlines) {
+    const int first = int(lights_.size());
+    const bool rectangle = outline.rectangle && sampling == EMITTER_SOLID_ANGLE;
+    Light light{};
+    light.sampling = sampling;
+    light.two_sided = shape.two_sided_emission ? 1 : 0;
+    light.polygon = polygons_wanted_ ? int(polygons_.size()) : -1;
+    if (rectangle) {
+      light.kind = LIGHT_RECTANGLE;
+      light.p0 = (*outline.rectangle)[0];
+      light.p1 = (*outline.rectangle)[1];
+      light.p2 = (*outline.rectangle)[2];
+      add(light, *shape.radiance, outline.area, std::numbers::pi * outline.area);
+    }
+    for (const int t : outline.triangles) {
+      const LightTriangle& triangle = triangles[std::size_t(t)];
+      index[std::size_t(t)] = first;
+      if (rectangle) continue;
+      light.kind = LIGHT_TRIANGLE;
+      light.p0 = triangle.p0;
+      light.p1 = triangle.p1;
+      light.p2 = triangle.p2;
+      const double area = triangle_area(triangle);
+      index[std::size_t(t)] = add(light, *shape.radiance, area, std::numbers::pi * area);
+    }
+    if (polygons_wanted_) add_polygon(outline, shape, first, int(lights_.size()) - first);
+  }
+  if (!merged.duplicates.empty()) {
+    std::map<Corners, int> light_of;
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+      if (index[i] >= 0) light_of.emplace(corners_of(triangles[i]), index[i]);
+    for (const int t : merged.duplicates)
+      index[std::size_t(t)] = light_of.at(corners_of(triangles[std::size_t(t)]));
+  }
+  return index;
+}
+
+void LightBuilder::add_polygon(const Outline& outline, const Shape& shape, int first_light, int light_count) {
+  Polygon polygon{};
+  polygon.radiance = to_vec3(*shape.radiance);
+  polygon.two_sided = shape.two_sided_emission ? 1 : 0;
+  polygon.area = float(outline.area);
+  polygon.size = outline.size;
+  polygon.first_corner = int(corners_.size());
+  for (const std::vector<vec3>& loop : outline.loops) {
+    for (std::size_t k = 0; k < loop.size(); ++k) corners_.push_back({loop[k], k == 0 ? 1 : 0});
+    corners_.push_back({loop.front(), 0});
+  }
+  polygon.corner_count = int(corners_.size()) - polygon.first_corner;
+  polygon.first_light = first_light;
+  polygon.light_count = light_count;
+  polygons_.push_back(polygon);
+}
+
+int LightBuilder::add_quadric(Light light, const Shape& shape, double area) {
+  light.sampling =
+      code(shape.sampling == EmitterSampling::kAuto ? by_default_ : shape.sampling, EMITTER_SOLID_ANGLE);
+  light.two_sided = shape.two_sided_emission && light.kind == LIGHT_DISK ? 1 : 0;
+  light.polygon = -1;
+  return add(light, *shape.radiance, area, std::numbers::pi * area);
+}
+
+int LightBuilder::add_point(const vec3& position, const glm::vec3& intensity) {
+  Light light{};
+  light.kind = LIGHT_POINT;
+  light.p0 = position;
+  light.polygon = -1;
+  return add(light, intensity, 0, 4 * std::numbers::pi);
+}
+
+int LightBuilder::add_environment(const glm::vec3& radiance, double scene_radius) {
+  Light light{};
+  light.kind = LIGHT_ENVIRONMENT;
+  light.polygon = -1;
+  const double section = std::numbers::pi * std::max(scene_radius * scene_radius, 1e-30);
+  return add(light, radiance, 0, std::numbers::pi * section);
+}
+
+/// `power`: per unit of radiance (or intensity).
+int LightBuilder::add(Light light, const glm::vec3& radiance, double area, double power) {
+  light.radiance = to_vec3(radiance);
+  light.area = float(area);
+  lights_.push_back(light);
+  power_.push_back(mean(radiance) * power);
+  return int(lights_.size()) - 1;
+}
+
+void LightBuilder::finish() {
+  if (!lights_.empty()) set_light_probabilities(lights_, power_);
+}
+
+std::uint32_t LightBuilder::features() const {
+  std::uint32_t features = polygons_wanted_ && !polygons_.empty() ? FEATURE_POLYGONS : 0;
+  for (const Light& light : lights_) {
+    const bool flat = light.kind == LIGHT_TRIANGLE || light.kind == LIGHT_RECTANGLE;
+    if (flat && light.sampling == EMITTER_SOLID_ANGLE) features |= FEATURE_SOLID_ANGLE;
+    if (flat && light.sampling == EMITTER_PROJECTED) features |= FEATURE_PROJECTED;
+    if (light.kind == LIGHT_POINT) features |= FEATURE_POINT_LIGHTS;
+    if (light.kind == LIGHT_ENVIRONMENT) features |= FEATURE_ENVIRONMENT;
+  }
+  return features;
+}
+
+bool LightBuilder::only_polygons() const {
+  return std::ranges::all_of(lights_, [](const Light& light) { return light.polygon >= 0; });
+}
+
+bool LightBuilder::constant_if_projected() const {
+  return std::ranges::all_of(lights_, [&](const Light& light) {
+    const vec3 a = light.radiance, b = lights_.front().radiance;
+    const bool same_colour = a.x * b.y == a.y * b.x && a.y * b.z == a.z * b.y && a.x * b.z == a.z * b.x;
+    return light.polygon >= 0 && light.sampling == EMITTER_PROJECTED && same_colour;
+  });
+}
+
+}  // namespace penumbra

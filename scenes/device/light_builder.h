@@ -1,0 +1,62 @@
+// The lights of a scene as the kernels' tables.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernels/scene_types.h"
+#include "scenes/device/polygon_outline.h"
+#include "scenes/scene_description.h"
+
+namespace penumbra {
+
+/// Collects lights in the order in which they come.
+class LightBuilder {
+ public:
+  /// `by_default`: for shapes that do not say how they are sampled. `polygons`: whether the closed form of
+  /// polygon lights is wanted.
+  LightBuilder(EmitterSampling by_default, bool polygons)
+      : by_default_(by_default), polygons_wanted_(polygons) {}
+
+  /// The triangles of an emitting shape; returns the index of the light of each. One that repeats another is
+  /// the same light, or it would shine twice.
+  std::vector<int> add_triangles(std::span<const LightTriangle> triangles, const Shape& shape);
+
+  /// A sphere or a disk, all but its radiance and sampling filled in.
+  int add_quadric(Light light, const Shape& shape, double area);
+
+  int add_point(const vec3& position, const glm::vec3& intensity);
+
+  /// `scene_radius`: of a sphere about everything.
+  int add_environment(const glm::vec3& radiance, double scene_radius);
+
+  /// Sets the probabilities of choosing each light by power.
+  void finish();
+
+  [[nodiscard]] const std::vector<Light>& lights() const { return lights_; }
+  [[nodiscard]] const std::vector<Polygon>& polygons() const { return polygons_; }
+  [[nodiscard]] const std::vector<PolygonCorner>& corners() const { return corners_; }
+  [[nodiscard]] int duplicates() const { return duplicates_; }
+
+  /// FEATURE_* bits that the sampling of the lights needs.
+  [[nodiscard]] std::uint32_t features() const;
+  [[nodiscard]] bool only_polygons() const;
+  /// Whether samples of a diffuse surface's light are constant without shadows: every light is a polygon that
+  /// is sampled by projected solid angle, and all have one colour.
+  [[nodiscard]] bool constant_if_projected() const;
+
+ private:
+  int add(Light light, const glm::vec3& radiance, double area, double power);
+  void add_polygon(const Outline& outline, const Shape& shape, int first_light, int light_count);
+
+  EmitterSampling by_default_;
+  bool polygons_wanted_;
+  std::vector<Light> lights_;
+  std::vector<double> power_;
+  std::vector<Polygon> polygons_;
+  std::vector<PolygonCorner> corners_;
+  int duplicates_ = 0;
+};
+
+}  // namespace penumbra
