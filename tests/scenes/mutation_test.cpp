@@ -106,7 +106,7 @@ void expect_fit(const SceneDescription& scene) {
   for (const Shape& shape : scene.shapes) {
     ASSERT_TRUE(shape.front_bsdf >= kBlackBsdf && shape.front_bsdf < bsdfs);
     ASSERT_TRUE(shape.back_bsdf >= kBlackBsdf && shape.back_bsdf < bsdfs);
-    if (shape.radiance) ASSERT_TRUE(finite(*shape.radiance));
+    ASSERT_TRUE(!shape.radiance || finite(*shape.radiance));
     if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
       ASSERT_TRUE(finite(sphere->center) && sphere->radius > 0.0 && std::isfinite(sphere->radius));
     }
