@@ -24,9 +24,9 @@ struct MeshCleaning {
 /// `to_world` is not singular. Errors: a coordinate that overflows.
 Expected<MeshCleaning> place_mesh(Mesh& mesh, const glm::dmat4& to_world, bool face_normals);
 
-/// Takes a mesh's normals away if all of them are those of its faces, but for the rounding of files: normals of
-/// four decimals, on triangles of six decimals and a thousandth of the scene's unit. Then it is faceted, and
-/// exactly so. Its triangles have area.
+/// Takes a mesh's normals away if all of them are those of its faces, but for the rounding of files: normals
+/// of four decimals, on triangles of six decimals and a thousandth of the scene's unit. Then it is faceted,
+/// and exactly so. Its triangles have area.
 void drop_face_normals(Mesh& mesh);
 
 /// The square [-1, 1]² at z = 0 with its front towards +z, faceted, under a transform; the front follows the

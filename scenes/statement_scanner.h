@@ -23,8 +23,8 @@ class StatementScanner {
     return text;
   }
 
-  /// The rest of the line, for names that may hold blanks: without blanks at either end, and without a comment
-  /// (a '#' after a blank). Lines that continue it are passed over.
+  /// The rest of the line, for names that may hold blanks: without blanks at either end, and without a
+  /// comment (a '#' after a blank). Lines that continue it are passed over.
   std::string_view rest() {
     skip_blanks();
     start_ = at_;
