@@ -19,6 +19,7 @@ typedef struct {
   bool choice;     ///< of a light by its contribution
   bool closed;     ///< the closed form, to be added
   bool projected;  ///< directions by projected solid angle
+  bool found;      ///< their densities for what the last ray found
   bool path;       ///< the surface is the last ray's hit, which left a surface with normal REFERENCE_NORMAL
 } AimWishes;
 
@@ -26,13 +27,15 @@ FN bool wants_projected(const PRIVATE Scene* scene) {
   return (scene->header.features & FEATURE_PROJECTED) != 0u;
 }
 
-/// `emits`: the step samples a light. `first`: the surface was not there at the step before.
-FN AimWishes aim_wishes(const PRIVATE Scene* scene, bool path, bool emits, bool first) {
+/// `emits`: the step samples a light. `first`: the surface was not there at the step before. `balances`:
+/// other samples may find lights too.
+FN AimWishes aim_wishes(const PRIVATE Scene* scene, bool path, bool emits, bool first, bool balances) {
   AimWishes w;
   w.path = path;
   w.choice = HAS(POLYGONS) && emits && scene->header.light_choice == CHOICE_ANALYTIC;
   w.closed = HAS(POLYGONS) && first && scene->header.estimator != ESTIMATOR_SAMPLES;
-  w.projected = HAS(PROJECTED) && wants_projected(scene);
+  w.projected = HAS(PROJECTED) && emits && wants_projected(scene);
+  w.found = HAS(PROJECTED) && balances && wants_projected(scene);
   return w;
 }
 
@@ -62,24 +65,62 @@ STAGE void add_analytic(GLOBAL float* RESTRICT f, int capacity, int i, bool path
     }
 }
 
+/// Surveys lights from the surfaces of LANES paths. A choice takes its number from that for the point on the
+/// light, which it replaces by what is left of it.
 STAGE void survey_lanes(const PRIVATE Scene* scene, AimWishes wishes, SurfaceFields at,
                         GLOBAL float* RESTRICT f, const GLOBAL int* RESTRICT ints, int capacity, int i,
-                        const PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT aims) {
+                        PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT aims,
+                        PRIVATE double* RESTRICT projected) {
   LitPoints points;
   Drawing drawing;
   double analytic[3 * LANES];
   store_lit_points(scene, at, f, ints, capacity, i, &points);
-  for (int j = 0; j < LANES; j++) start_drawing(&drawing, j, (double)u[DRAW_LIGHT_CHOICE * LANES + j]);
-  survey_lights(scene, &points, wishes.choice, &drawing, analytic);
-  if (wishes.choice) choose_part(scene, &points, &drawing, aims);
+  for (int j = 0; j < LANES; j++) start_drawing(&drawing, j, (double)u[DRAW_LIGHT_U * LANES + j]);
+  const bool one_light = scene->polygons[0].light_count == scene->header.light_count;
+  if (wishes.closed | !one_light)
+    survey_lights(scene, &points, wishes.choice & !one_light, &drawing, analytic);
+  if (one_light)
+    for (int j = 0; j < LANES; j++) draw_from(&drawing, j, 0, 1.0);
+  if (wishes.choice)
+    choose_part(scene, &points, wishes.projected, &drawing, aims, projected, u + DRAW_LIGHT_U * LANES);
   if (wishes.closed) add_analytic(f, capacity, i, wishes.path, analytic);
 }
 #endif
 
 #if HAS(PROJECTED)
-STAGE void aim_by_projection(const PRIVATE Scene* scene, AimWishes wishes, SurfaceFields at,
-                             GLOBAL float* RESTRICT f, const GLOBAL int* RESTRICT ints, int capacity, int i,
-                             const PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT aims) {
+/// The lights that are chosen by power, and their projected solid angles.
+STAGE void project_by_power(const PRIVATE Scene* scene, SurfaceFields at, const GLOBAL float* RESTRICT f,
+                            const GLOBAL int* RESTRICT ints, int capacity, int i,
+                            const PRIVATE float* RESTRICT u, PRIVATE double* RESTRICT projected) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s =
+          surface_at(scene, ints[at.hit * capacity + i + j], LOAD3(f, capacity, at.origin_x, i + j),
+                     LOAD3(f, capacity, at.direction_x, i + j));
+      GLOBAL const Light* light = scene->lights + choose_light(scene, u[DRAW_LIGHT_CHOICE * LANES + j]);
+      projected[j] = light_irradiance(light, s.p.x, s.p.y, s.p.z, s.shading.x, s.shading.y, s.shading.z);
+    }
+}
+
+STAGE void aim_by_projection(const PRIVATE Scene* scene, SurfaceFields at, const GLOBAL float* RESTRICT f,
+                             const GLOBAL int* RESTRICT ints, int capacity, int i,
+                             const PRIVATE float* RESTRICT u, const PRIVATE double* RESTRICT projected,
+                             PRIVATE float* RESTRICT aims) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s =
+          surface_at(scene, ints[at.hit * capacity + i + j], LOAD3(f, capacity, at.origin_x, i + j),
+                     LOAD3(f, capacity, at.direction_x, i + j));
+      const int by_power = choose_light(scene, u[DRAW_LIGHT_CHOICE * LANES + j]);
+      const float chosen = aims[AIM_LIGHT * LANES + j];
+      aim_at_light(scene, s, chosen >= 0.0f ? (int)chosen : by_power, (float)projected[j],
+                   u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_V * LANES + j], aims, j);
+    }
+}
+
+/// The densities of what the last rays found, for multiple importance sampling.
+STAGE void project_found(const PRIVATE Scene* scene, bool path, SurfaceFields at, GLOBAL float* RESTRICT f,
+                         const GLOBAL int* RESTRICT ints, int capacity, int i, PRIVATE float* RESTRICT aims) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i + j);
@@ -89,30 +130,31 @@ STAGE void aim_by_projection(const PRIVATE Scene* scene, AimWishes wishes, Surfa
           surface_at(scene, ints[at.hit * capacity + i + j], LOAD3(f, capacity, at.origin_x, i + j),
                      LOAD3(f, capacity, at.direction_x, i + j));
       const vec3 kept = LOAD3(f, capacity, REFERENCE_NORMAL_X, i + j);
-      aim_at_found(scene, found, from, toward, select3(wishes.path, kept, s.shading), aims, j);
-      const int by_power = choose_light(scene, u[DRAW_LIGHT_CHOICE * LANES + j]);
-      const float chosen = aims[AIM_LIGHT * LANES + j];
-      aim_at_light(scene, s, chosen >= 0.0f ? (int)chosen : by_power, u[DRAW_LIGHT_U * LANES + j],
-                   u[DRAW_LIGHT_V * LANES + j], aims, j);
+      aim_at_found(scene, found, from, toward, select3(path, kept, s.shading), aims, j);
       // A path's next ray leaves this surface; of a camera ray the same place holds its direction.
-      const vec3 keep = select3(wishes.path, s.shading, kept);
+      const vec3 keep = select3(path, s.shading, kept);
       STORE3(f, capacity, REFERENCE_NORMAL_X, i + j, keep);
     }
 }
 #endif
 
-/// The aims of LANES paths from lane i on; u holds a step's DRAWS * LANES numbers.
-FN void aim_lanes(const PRIVATE Scene* scene, AimWishes wishes, SurfaceFields at, GLOBAL float* RESTRICT f,
-                  const GLOBAL int* RESTRICT ints, int capacity, int i, const PRIVATE float* RESTRICT u,
-                  PRIVATE float* RESTRICT aims) {
+/// The aims of LANES paths from lane i on; u holds a step's DRAWS * LANES numbers. A function of its own: its
+/// branches would split the loops of the step.
+STAGE void aim_lanes(const PRIVATE Scene* scene, AimWishes wishes, SurfaceFields at, GLOBAL float* RESTRICT f,
+                     const GLOBAL int* RESTRICT ints, int capacity, int i, PRIVATE float* RESTRICT u,
+                     PRIVATE float* RESTRICT aims) {
 #if HAS_AIMS
+  double projected[LANES];
   for (int j = 0; j < LANES; j++) store_aim(aims, j, no_aim());
 #endif
 #if HAS(POLYGONS)
-  if (wishes.choice | wishes.closed) survey_lanes(scene, wishes, at, f, ints, capacity, i, u, aims);
+  if (wishes.choice | wishes.closed)
+    survey_lanes(scene, wishes, at, f, ints, capacity, i, u, aims, projected);
 #endif
 #if HAS(PROJECTED)
-  if (wishes.projected) aim_by_projection(scene, wishes, at, f, ints, capacity, i, u, aims);
+  if (wishes.found) project_found(scene, wishes.path, at, f, ints, capacity, i, aims);
+  if (wishes.projected & !wishes.choice) project_by_power(scene, at, f, ints, capacity, i, u, projected);
+  if (wishes.projected) aim_by_projection(scene, at, f, ints, capacity, i, u, projected, aims);
 #endif
 }
 

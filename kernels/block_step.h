@@ -23,7 +23,7 @@ STAGE void step_paths(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOB
   const PRIVATE SceneHeader* h = &scene->header;
   const uint pair = step_pair(step);
   const bool roulette = step + 1 >= h->rr_depth, scatters = step + 1 < h->max_depth;
-  const AimWishes wishes = aim_wishes(scene, true, scatters, scatters);
+  const AimWishes wishes = aim_wishes(scene, true, scatters, scatters, h->direct_sampling == SAMPLING_MIS);
   SurfaceFields lit;
   lit.hit = HIT;
   lit.origin_x = RAY_ORIGIN_X;
@@ -52,11 +52,19 @@ STAGE void keep_camera_rays(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
   }
 }
 
+  #if HAS(POLYGONS)
+STAGE void see_emitters_lanes(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                              int capacity, int i) {
+  LANE_LOOP
+    for (int j = i; j < i + LANES; j++) see_emitters(scene, f, ints, capacity, j);
+}
+  #endif
+
 STAGE void step_direct(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                        int capacity, int count, int step) {
   const PRIVATE SceneHeader* h = &scene->header;
   const uint pair = step_pair(step);
-  const AimWishes wishes = aim_wishes(scene, false, step < h->emitter_samples, step == 0);
+  const AimWishes wishes = aim_wishes(scene, false, step<h->emitter_samples, step == 0, h->bsdf_samples> 0);
   SurfaceFields lit;
   lit.hit = CAMERA_HIT;
   lit.origin_x = CAMERA_ORIGIN_X;
@@ -66,6 +74,12 @@ STAGE void step_direct(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLO
     draw_step(h, pair, ints, capacity, i, u);
     float aims[AIM_FLOATS];
     aim_lanes(scene, wishes, lit, f, ints, capacity, i, u, aims);
+  #if HAS(POLYGONS)
+    if (h->emitter_samples + h->bsdf_samples == 0) {
+      see_emitters_lanes(scene, f, ints, capacity, i);
+      continue;
+    }
+  #endif
     LANE_LOOP
       for (int j = 0; j < LANES; j++) direct_step(scene, f, ints, capacity, step, i + j, u, j, aims);
   }

@@ -25,6 +25,19 @@ FN void keep_camera_ray(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int
   ints[CAMERA_HIT * capacity + i] = ints[HIT * capacity + i];
 }
 
+/// Lane i of the block where nothing but emitters that the camera sees is left to be found.
+FN void see_emitters(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                     int capacity, int i) {
+  const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i), toward = LOAD3(f, capacity, RAY_DIRECTION_X, i);
+  const Surface found = surface_at(scene, ints[HIT * capacity + i], from, toward);
+  const vec3 radiance = emitted_radiance(scene, found);
+  const float seen = scene->header.hide_emitters ? 0.0f : 1.0f;
+  const vec3 sum = add(LOAD3(f, capacity, RADIANCE_X, i), scale(radiance, seen));
+  STORE3(f, capacity, RADIANCE_X, i, sum);
+  f[SHADOW_TMAX * capacity + i] = -1.0f;
+  ints[ALIVE * capacity + i] = 0;
+}
+
 /// Lane i of the block after `step` earlier steps; u holds DRAWS * LANES numbers, those of lane i at j.
 FN void direct_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                     int capacity, int step, int i, const PRIVATE float* u, int j, const PRIVATE float* aims) {

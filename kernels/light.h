@@ -240,6 +240,24 @@ FN void ask_for_shadow_ray(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, 
 #endif
 }
 
+/// Index of the light that a ray finds which ends on this surface, or leaves the scene; negative: none, or
+/// the back of it.
+FN int light_found(const PRIVATE Scene* scene, Surface s) {
+  const int two_sided = scene->lights[s.light >= 0 ? s.light : 0].two_sided;
+  int index = (s.front | (two_sided != 0)) ? s.light : -1;
+#if HAS(ENVIRONMENT)
+  index = s.valid ? index : scene->header.environment;
+#endif
+  return index;
+}
+
+/// What that light adds to the ray.
+FN vec3 emitted_radiance(const PRIVATE Scene* scene, Surface s) {
+  const int index = light_found(scene, s);
+  return select3(index >= 0, load3(&scene->lights[index >= 0 ? index : 0].radiance),
+                 make_vec3(0.0f, 0.0f, 0.0f));
+}
+
 /// Radiance that a ray brings when it ends on this surface, or leaves the scene; `pdf` is sample_light's
 /// density for the ray's direction from its origin (0 where no light is there).
 typedef struct {
@@ -250,23 +268,16 @@ typedef struct {
 
 FN Emission emission_at(const PRIVATE Scene* scene, Surface s, vec3 from, Aim aim) {
   Emission e;
-  int index = s.light;
-  float cosine = dot3(s.geometric, s.wo);
-  const int two_sided = scene->lights[index >= 0 ? index : 0].two_sided;
-  bool emits = (index >= 0) & (s.front | (two_sided != 0));
-#if HAS(ENVIRONMENT)
-  const bool escaped = !s.valid & (scene->header.environment >= 0);
-  index = escaped ? scene->header.environment : index;
-  emits = emits | escaped;
-#endif
-  const int safe = index >= 0 ? index : 0;
-  e.of_polygon = emits & (scene->lights[safe].polygon >= 0);
-  e.radiance = select3(emits, load3(&scene->lights[safe].radiance), make_vec3(0.0f, 0.0f, 0.0f));
-  e.pdf = light_pdf(scene, safe, from, s.distance, cosine);
+  const int index = light_found(scene, s), safe = index >= 0 ? index : 0;
+  e.radiance = emitted_radiance(scene, s);
+  const int polygon = scene->lights[safe].polygon;
+  e.of_polygon = (index >= 0) & (polygon >= 0);
+  e.pdf = light_pdf(scene, safe, from, s.distance, dot3(s.geometric, s.wo));
 #if HAS(PROJECTED)
-  e.pdf = aim.found_pdf >= 0.0f ? aim.found_pdf * scene->lights[safe].pmf : e.pdf;
+  const float pmf = scene->lights[safe].pmf;
+  e.pdf = aim.found_pdf >= 0.0f ? aim.found_pdf * pmf : e.pdf;
 #endif
-  e.pdf = emits ? e.pdf : 0.0f;
+  e.pdf = index >= 0 ? e.pdf : 0.0f;
   return e;
 }
 

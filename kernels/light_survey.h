@@ -6,6 +6,7 @@
 #include "kernels/bsdf.h"
 #include "kernels/light_aim.h"
 #include "kernels/polygon_light.h"
+#include "kernels/projected_light.h"
 #include "kernels/surface.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -71,7 +72,8 @@ FN void store_lit_point(const PRIVATE Scene* scene, Surface s, int primitive, ve
 }
 
 /// One of several things, drawn as they come, each in proportion to its weight: by one number that is spread
-/// out again over [0, 1) after each decision. One entry a lane.
+/// out again over [0, 1) after each decision, so that what well-spread numbers draw is well spread too and
+/// the last of it still serves to choose a point. One entry a lane.
 typedef struct {
   double u[LANES];
   double total[LANES];   ///< of all weights
@@ -99,6 +101,19 @@ FN void draw_from(PRIVATE Drawing* drawing, int j, int number, double weight) {
 FN double drawn_probability(const PRIVATE Drawing* drawing, int j) {
   const double total = drawing->total[j];
   return drawing->weight[j] / (total > 0.0 ? total : 1.0);
+}
+
+/// Whether the polygon of that number has a k-th part, and the light that it is; else some light.
+FN bool is_part(const PRIVATE Scene* scene, int polygon, int k) {
+  const bool is_polygon = (polygon >= 0) & (polygon < scene->header.polygon_count);
+  const int count = scene->polygons[is_polygon ? polygon : 0].light_count;
+  return is_polygon & (k < count);
+}
+FN int part_of(const PRIVATE Scene* scene, int polygon, int k) {
+  const bool is_polygon = (polygon >= 0) & (polygon < scene->header.polygon_count);
+  GLOBAL const Polygon* p = scene->polygons + (is_polygon ? polygon : 0);
+  const int first = p->first_light, count = p->light_count;
+  return first + (k < count ? k : 0);
 }
 
 /// What a light that is no polygon may contribute to a diffuse point, at most: its choice needs no more.
@@ -156,18 +171,12 @@ STAGE void survey_lights(const PRIVATE Scene* scene, const PRIVATE LitPoints* po
   }
 }
 
-/// Triangle light as a receiver sees it, in double.
-FN double light_irradiance(GLOBAL const Light* light, double x, double y, double z, double nx, double ny,
-                           double nz) {
-  const double e = triangle_irradiance(x, y, z, nx, ny, nz, load3(&light->p0), load3(&light->p1),
-                                       load3(&light->p2), light->two_sided != 0);
-  return light->kind == LIGHT_TRIANGLE ? e : 0.0;
-}
-
-/// From the drawn polygon to one of its parts: by what each of them contributes to a diffuse point, or by
-/// area. Leaves the light and its probability in the aims.
-STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE LitPoints* points,
-                       const PRIVATE Drawing* RESTRICT drawing, PRIVATE float* RESTRICT aims) {
+/// From the drawn polygon to one of its parts: in proportion to its projected solid angle if that is how it
+/// is sampled, else to its area. Leaves the light and its probability in the aims, the projected solid angle
+/// in `projected`, and in `u` what the number that drew it has left.
+STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE LitPoints* points, bool by_projection,
+                       const PRIVATE Drawing* RESTRICT drawing, PRIVATE float* RESTRICT aims,
+                       PRIVATE double* RESTRICT projected, PRIVATE float* RESTRICT u) {
   const int polygons = scene->header.polygon_count;
   int parts = 0;
   Drawing part;
@@ -178,30 +187,36 @@ STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE LitPoints* poin
     parts = count > parts ? count : parts;
   }
   for (int k = 0; k < parts; k++) {
+    double weights[LANES];
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++) weights[j] = scene->lights[part_of(scene, drawing->chosen[j], k)].area;
+    if (HAS(PROJECTED) && by_projection) {
+      LANE_LOOP
+        for (int j = 0; j < LANES; j++) {
+          GLOBAL const Light* light = scene->lights + part_of(scene, drawing->chosen[j], k);
+          const PRIVATE Receivers* r = &points->receivers;
+          const double e =
+              light_irradiance(light, r->px[j], r->py[j], r->pz[j], r->nx[j], r->ny[j], r->nz[j]);
+          weights[j] = light->sampling == EMITTER_PROJECTED ? e : weights[j];
+        }
+    }
     LANE_LOOP
       for (int j = 0; j < LANES; j++) {
-        const int chosen = drawing->chosen[j];
-        const bool is_polygon = (chosen >= 0) & (chosen < polygons);
-        GLOBAL const Polygon* polygon = scene->polygons + (is_polygon ? chosen : 0);
-        const int count = is_polygon ? polygon->light_count : 0;
-        const int number = is_polygon ? polygon->first_light + (k < count ? k : 0) : 0;
-        GLOBAL const Light* light = scene->lights + number;
-        const PRIVATE Receivers* r = &points->receivers;
-        const double projected =
-            light_irradiance(light, r->px[j], r->py[j], r->pz[j], r->nx[j], r->ny[j], r->nz[j]);
-        const double weight = light->sampling == EMITTER_PROJECTED ? projected : (double)light->area;
-        draw_from(&part, j, number, k < count ? weight : 0.0);
+        const int number = part_of(scene, drawing->chosen[j], k);
+        draw_from(&part, j, number, is_part(scene, drawing->chosen[j], k) ? weights[j] : 0.0);
       }
   }
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const int chosen = drawing->chosen[j];
+      const int chosen = drawing->chosen[j], drawn = part.chosen[j];
       const bool is_polygon = (chosen >= 0) & (chosen < polygons);
-      const int of_polygon = part.chosen[j], other = chosen >= polygons ? chosen - polygons : 0;
-      const int light = (is_polygon & (of_polygon >= 0)) ? of_polygon : (is_polygon ? 0 : other);
+      const int other = chosen >= polygons ? chosen - polygons : 0;
       const double share = drawn_probability(drawing, j) * (is_polygon ? drawn_probability(&part, j) : 1.0);
-      aims[AIM_LIGHT * LANES + j] = (float)light;
+      aims[AIM_LIGHT * LANES + j] = (float)(is_polygon ? (drawn >= 0 ? drawn : 0) : other);
       aims[AIM_PMF * LANES + j] = chosen >= 0 ? (float)share : 0.0f;
+      projected[j] = is_polygon ? part.weight[j] : 0.0;
+      const float left = (float)(is_polygon ? part.u[j] : drawing->u[j]);
+      u[j] = min_f(left, ONE_MINUS_EPSILON);
     }
 }
 

@@ -7,8 +7,13 @@
 // BVH.
 #define NATIVE_FEATURES_core (FEATURE_PATH | FEATURE_LAYERS | FEATURE_SAMPLERS)
 #define NATIVE_FEATURES_core_bvh (NATIVE_FEATURES_core | FEATURE_BVH)
+// Direct light of diffuse and glossy meshes, closed forms of polygon lights among it.
+#define NATIVE_FEATURES_polygons                                                                 \
+  (FEATURE_DIRECT | FEATURE_PHONG | FEATURE_PROJECTED | FEATURE_POLYGONS | FEATURE_SOLID_ANGLE | \
+   FEATURE_LAYERS | FEATURE_SAMPLERS)
+#define NATIVE_FEATURES_polygons_bvh (NATIVE_FEATURES_polygons | FEATURE_BVH)
 #define NATIVE_FEATURES_all (FEATURE_ALL & ~FEATURE_BVH)
 #define NATIVE_FEATURES_all_bvh FEATURE_ALL
 
 /// X(set), the smallest first.
-#define NATIVE_FEATURE_SETS(X) X(core) X(core_bvh) X(all) X(all_bvh)
+#define NATIVE_FEATURE_SETS(X) X(core) X(core_bvh) X(polygons) X(polygons_bvh) X(all) X(all_bvh)

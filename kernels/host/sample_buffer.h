@@ -34,7 +34,7 @@ enum SampleBufferPlane : int {
   kDifferenceG,
   kDifferenceB,  ///< mean of what the estimate of their light differs from it by, shadows above all: at most
                  ///< 0 in expectation
-  kVisibility,  ///< visible share of their light, by its samples; 0 where there is no light
+  kVisibility,   ///< visible share of their light, by its samples; 0 where there is no light
   kSampleBufferPlanes,
   kRadiancePlanes = kAlbedoR,   ///< number of planes without feature layers
   kFeaturePlanes = kAnalyticR,  ///< ... without closed forms

@@ -69,9 +69,9 @@ class Builder {
     if (!problem_.empty()) return fail(scene_.source + ": " + problem_);
     set_film();
     need(lights_.features());
+    if (options_.feature_layers) need(FEATURE_LAYERS);
     if (Expected<void> done = set_integrator(scene_, lights_, h_); !done)
       return fail(scene_.source + ": " + done.error().message);
-    if (options_.feature_layers) need(FEATURE_LAYERS);
     if (scene_.sampler.kind != SamplerKind::kSobol) need(FEATURE_SAMPLERS);
     if (Expected<void> done = choose_intersector(); !done) return std::unexpected(done.error());
     store_tables();

@@ -68,7 +68,8 @@ void set_estimator(const SceneDescription& scene, const LightBuilder& lights, Sc
     h.alpha = *integrator.alpha;
   } else if ((h.features & FEATURE_PHONG) == 0u && h.light_choice == CHOICE_ANALYTIC &&
              lights.constant_if_projected()) {
-    h.estimator = ESTIMATOR_ALPHA;
+    // The closed form is of interest for the layers only.
+    h.estimator = (h.features & FEATURE_LAYERS) != 0u ? ESTIMATOR_ALPHA : ESTIMATOR_SAMPLES;
     h.alpha = 0.0f;
   } else {
     h.estimator = ESTIMATOR_AUTO;

@@ -18,10 +18,63 @@ struct SceneCase {
   std::string file;  ///< below scenes/, or below the oracles
   bool is_oracle = false;
   bool is_diffuse = true;
-  EmitterSampling emitter_sampling = EmitterSampling::kAuto;
+  void (*change)(SceneDescription&) = nullptr;
 };
 
 void PrintTo(const SceneCase& scene_case, std::ostream* out) { *out << scene_case.name; }
+
+void by_projection(SceneDescription& scene) {
+  scene.integrator.emitter_sampling = EmitterSampling::kProjected;
+}
+
+void by_solid_angle(SceneDescription& scene) {
+  scene.integrator.emitter_sampling = EmitterSampling::kSolidAngle;
+}
+
+void closed_form(SceneDescription& scene) { scene.integrator.kind = IntegratorKind::kPolygonAnalytic; }
+
+void control_variate(SceneDescription& scene) {
+  scene.integrator.kind = IntegratorKind::kPolygonCv;
+  scene.integrator.emitter_sampling = EmitterSampling::kArea;
+  scene.integrator.vis_samples = 3;
+}
+
+void ratio(SceneDescription& scene) {
+  control_variate(scene);
+  scene.integrator.estimator = CvEstimator::kRatio;
+}
+
+void path_with_control_variate(SceneDescription& scene) {
+  scene.integrator.kind = IntegratorKind::kPath;
+  scene.integrator.next_event = NextEvent::kCv;
+  scene.integrator.max_depth = 5;
+}
+
+/// Lobes of low and high, whole and broken exponents.
+void make_glossy(SceneDescription& scene) {
+  const float exponents[] = {0, 1, 8.5f, 30, 777.25f, 1e4f};
+  for (std::size_t i = 0; i < scene.bsdfs.size(); ++i)
+    scene.bsdfs[i].model = PhongBsdf{glm::vec3(0.3f), glm::vec3(0.2f, 0.4f, 0.5f), exponents[i % 6]};
+}
+
+void glossy_closed_form(SceneDescription& scene) {
+  make_glossy(scene);
+  closed_form(scene);
+}
+
+void glossy_path_with_control_variate(SceneDescription& scene) {
+  make_glossy(scene);
+  path_with_control_variate(scene);
+  scene.integrator.alpha = 0.75f;
+  scene.integrator.emitter_sampling = EmitterSampling::kSolidAngle;
+}
+
+void glossy_choice(SceneDescription& scene) {
+  make_glossy(scene);
+  scene.integrator.kind = IntegratorKind::kDirect;
+  scene.integrator.bsdf_samples = 0;
+  scene.integrator.light_choice = LightChoice::kAnalytic;
+}
 
 const std::vector<SceneCase> kScenes{
     {"Cornell", "cornell/cornell.xml"},
@@ -30,8 +83,17 @@ const std::vector<SceneCase> kScenes{
     {"Furnace", "furnace/furnace.xml"},
     {"UnitSphere", "furnace/unit-sphere.xml"},
     {"PolygonLights", "polygon-lights/polygon-lights.xml"},
-    {"CornellProjected", "cornell/cornell.xml", false, true, EmitterSampling::kProjected},
-    {"PolygonLightsProjected", "polygon-lights/polygon-lights.xml", false, true, EmitterSampling::kProjected},
+    {"CornellProjected", "cornell/cornell.xml", false, true, by_projection},
+    {"PolygonLightsProjected", "polygon-lights/polygon-lights.xml", false, true, by_projection},
+    {"CornellSolidAngle", "cornell/cornell.xml", false, true, by_solid_angle},
+    {"CornellAnalytic", "cornell/cornell.xml", false, true, closed_form},
+    {"CornellControlVariate", "cornell/cornell.xml", false, true, control_variate},
+    {"CornellRatio", "cornell/cornell.xml", false, true, ratio},
+    {"CornellPathControlVariate", "cornell/cornell.xml", false, true, path_with_control_variate},
+    {"CornellGlossyAnalytic", "cornell/cornell.xml", false, false, glossy_closed_form},
+    {"CornellGlossyPathControlVariate", "cornell/cornell.xml", false, false,
+     glossy_path_with_control_variate},
+    {"CornellGlossyChoice", "cornell/cornell.xml", false, false, glossy_choice},
     {"BitterliCornellBox", "bitterli/cornell-box/scene.xml", true},
     {"MitsubaCbox", "mitsuba/scenes/cbox/cbox-rgb.xml", true},
 };
@@ -42,8 +104,7 @@ SceneDescription small_scene(const SceneCase& scene_case) {
   SceneDescription scene = read_or_throw(file);
   resize_film(scene, 40, 30);  // no multiple of a block, a vector or a tile
   scene.sampler.spp = 6;
-  if (scene_case.emitter_sampling != EmitterSampling::kAuto)
-    scene.integrator.emitter_sampling = scene_case.emitter_sampling;
+  if (scene_case.change) scene_case.change(scene);
   return scene;
 }
 
