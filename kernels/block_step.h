@@ -52,36 +52,78 @@ STAGE void keep_camera_rays(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
   }
 }
 
-  #if HAS(POLYGONS)
-STAGE void see_emitters_lanes(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
-                              int capacity, int i) {
+// What a scene's sampling does not need is not computed: a stage each.
+
+STAGE void see_emitters(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                        int capacity, int i) {
   LANE_LOOP
-    for (int j = i; j < i + LANES; j++) see_emitters(scene, f, ints, capacity, j);
+    for (int j = i; j < i + LANES; j++) see_emitter(scene, f, ints, capacity, j);
 }
-  #endif
+
+STAGE void weigh_emitters(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                          int capacity, int i, const PRIVATE float* RESTRICT aims) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) weigh_emitter(scene, f, ints, capacity, i + j, load_aim(aims, j));
+}
+
+STAGE void sample_emitters(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                           int capacity, int i, const PRIVATE float* RESTRICT u,
+                           const PRIVATE float* RESTRICT aims) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) sample_emitter(scene, f, ints, capacity, i + j, u, j, load_aim(aims, j));
+}
+
+STAGE void sample_directions(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                             int capacity, int i, const PRIVATE float* RESTRICT u) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) sample_direction(scene, f, ints, capacity, i + j, u, j);
+}
+
+STAGE void begin_steps(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity, bool is_last,
+                       int i) {
+  LANE_LOOP
+    for (int j = i; j < i + LANES; j++) begin_step(f, ints, capacity, is_last, j);
+}
+
+/// The numbers that step's samples take.
+FN void draw_direct(const PRIVATE Scene* scene, bool emits, bool scatters, uint pair,
+                    const GLOBAL int* RESTRICT ints, int capacity, int i, PRIVATE float* RESTRICT u) {
+  const PRIVATE SceneHeader* h = &scene->header;
+  const uint spp = sequence_length(h);
+  if (emits)
+    draw_pair(h->sampler, spp, pair, ints, capacity, i, u + DRAW_LIGHT_U * LANES, u + DRAW_LIGHT_V * LANES);
+  if (scatters)
+    draw_pair(h->sampler, spp, pair + 1u, ints, capacity, i, u + DRAW_BSDF_U * LANES,
+              u + DRAW_BSDF_V * LANES);
+  if (scatters | (emits & (h->light_count > 1)))
+    draw_pair(h->sampler, spp, pair + 2u, ints, capacity, i, u + DRAW_LIGHT_CHOICE * LANES,
+              u + DRAW_LOBE_CHOICE * LANES);
+}
 
 STAGE void step_direct(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                        int capacity, int count, int step) {
   const PRIVATE SceneHeader* h = &scene->header;
   const uint pair = step_pair(step);
-  const AimWishes wishes = aim_wishes(scene, false, step<h->emitter_samples, step == 0, h->bsdf_samples> 0);
+  const bool emits = step < h->emitter_samples, scatters = step < h->bsdf_samples;
+  const bool balances = h->bsdf_samples > 0;
+  const int rays = balances ? h->bsdf_samples + 1 : 1;
+  const bool is_last = step + 1 >= (h->emitter_samples > rays ? h->emitter_samples : rays);
+  const AimWishes wishes = aim_wishes(scene, false, emits, step == 0, balances);
   SurfaceFields lit;
   lit.hit = CAMERA_HIT;
   lit.origin_x = CAMERA_ORIGIN_X;
   lit.direction_x = CAMERA_DIRECTION_X;
+  float u[DRAWS * LANES];
+  for (int j = 0; j < DRAWS * LANES; j++) u[j] = 0.0f;
   for (int i = 0; i < count; i += LANES) {
-    float u[DRAWS * LANES];
-    draw_step(h, pair, ints, capacity, i, u);
+    draw_direct(scene, emits, scatters, pair, ints, capacity, i, u);
     float aims[AIM_FLOATS];
     aim_lanes(scene, wishes, lit, f, ints, capacity, i, u, aims);
-  #if HAS(POLYGONS)
-    if (h->emitter_samples + h->bsdf_samples == 0) {
-      see_emitters_lanes(scene, f, ints, capacity, i);
-      continue;
-    }
-  #endif
-    LANE_LOOP
-      for (int j = 0; j < LANES; j++) direct_step(scene, f, ints, capacity, step, i + j, u, j, aims);
+    if (balances) weigh_emitters(scene, f, ints, capacity, i, aims);
+    if (!balances & (step == 0)) see_emitters(scene, f, ints, capacity, i);
+    begin_steps(f, ints, capacity, is_last, i);
+    if (emits) sample_emitters(scene, f, ints, capacity, i, u, aims);
+    if (scatters) sample_directions(scene, f, ints, capacity, i, u);
   }
 }
 #endif
