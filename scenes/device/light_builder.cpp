@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 
 #include "scenes/device/light_table.h"
 
@@ -35,18 +36,28 @@ double triangle_area(const LightTriangle& t) {
 
 using Corners = std::array<std::array<float, 3>, 3>;
 
-/// In their order, from the least one on.
+/// In their order, from where it is the least: the same for triangles that differ in their first corner only.
 Corners corners_of(const LightTriangle& t) {
   Corners corners{{{t.p0.x, t.p0.y, t.p0.z}, {t.p1.x, t.p1.y, t.p1.z}, {t.p2.x, t.p2.y, t.p2.z}}};
-  std::ranges::rotate(corners, std::ranges::min_element(corners));
-  return corners;
+  Corners least = corners;
+  for (int k = 1; k < 3; ++k) {
+    std::ranges::rotate(corners, corners.begin() + 1);
+    least = std::min(least, corners);
+  }
+  return least;
 }
 
 /// Each triangle by itself, where nobody asks for more.
-std::vector<Outline> separate(std::span<const LightTriangle> triangles) {
-  std::vector<Outline> outlines(triangles.size());
-  for (std::size_t i = 0; i < triangles.size(); ++i) outlines[i].triangles = {int(i)};
-  return outlines;
+Outlines separate(std::span<const LightTriangle> triangles) {
+  Outlines result;
+  std::set<Corners> seen;
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    if (seen.insert(corners_of(triangles[i])).second)
+      result.outlines.emplace_back().triangles = {int(i)};
+    else
+      result.duplicates.push_back(int(i));
+  }
+  return result;
 }
 
 }  // namespace
@@ -54,11 +65,8 @@ std::vector<Outline> separate(std::span<const LightTriangle> triangles) {
 std::vector<int> LightBuilder::add_triangles(std::span<const LightTriangle> triangles, const Shape& shape) {
   const EmitterSampling wanted = shape.sampling == EmitterSampling::kAuto ? by_default_ : shape.sampling;
   const int sampling = code(wanted, EMITTER_AREA);
-  Outlines merged;
-  if (polygons_wanted_ || sampling == EMITTER_SOLID_ANGLE)
-    merged = merge_coplanar(triangles);
-  else
-    merged.outlines = separate(triangles);
+  const bool merges = polygons_wanted_ || sampling == EMITTER_SOLID_ANGLE;
+  const Outlines merged = merges ? merge_coplanar(triangles) : separate(triangles);
   duplicates_ += int(merged.duplicates.size());
   std::vector<int> index(triangles.size(), -1);
   for (const Outline& outline : merged.outlines) {

@@ -1,0 +1,358 @@
+// What an integrator's settings and a scene's lights come to in the header of the device scene, which
+// features that takes, and which settings contradict each other.
+#include "scenes/device/integrator_builder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <climits>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "kernels/host/device_scene_check.h"
+#include "scenes/device/device_scene_builder.h"
+
+namespace penumbra {
+namespace {
+
+using glm::dvec3;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using enum IntegratorKind;
+using S = SceneDescription;
+using Change = std::function<void(S&)>;
+
+Shape square(double x, glm::vec3 radiance = glm::vec3(1)) {
+  Mesh mesh;
+  mesh.positions = {dvec3(x, 1, 0), dvec3(x + 0.5, 1, 0), dvec3(x + 0.5, 1, 0.5), dvec3(x, 1, 0.5)};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  Shape shape;
+  shape.name = "square";
+  shape.geometry = mesh;
+  shape.radiance = radiance;
+  return shape;
+}
+
+Shape sphere_light() {
+  Shape shape;
+  shape.name = "sphere";
+  shape.geometry = Sphere{dvec3(0, 3, 0), 0.5};
+  shape.radiance = glm::vec3(1);
+  return shape;
+}
+
+/// A diffuse floor under a square.
+S under_a_square(IntegratorKind kind) {
+  S scene;
+  scene.source = "some-scene.xml";
+  scene.bsdfs.push_back({"grey", DiffuseBsdf{glm::vec3(0.5f)}});
+  Shape floor = square(-1);
+  for (dvec3& p : std::get<Mesh>(floor.geometry).positions) p.y = 0;
+  floor.radiance.reset();
+  floor.front_bsdf = floor.back_bsdf = 0;
+  scene.shapes = {floor, square(0)};
+  scene.integrator.kind = kind;
+  return scene;
+}
+
+Expected<DeviceScene> try_build(const S& scene, bool layers) {
+  DeviceSceneOptions options;
+  options.feature_layers = layers;
+  return build_device_scene(scene, options);
+}
+
+SceneHeader header(IntegratorKind kind, const Change& change = {}, bool layers = true) {
+  S scene = under_a_square(kind);
+  if (change) change(scene);
+  const auto built = try_build(scene, layers);
+  if (!built) throw std::runtime_error(built.error().message);
+  const auto checked = check_device_scene(*built);
+  EXPECT_TRUE(checked) << checked.error().message;
+  return built->header;
+}
+
+void phong(S& scene) { scene.bsdfs.push_back({"glossy", PhongBsdf{}}); }
+void by_area(S& scene) { scene.integrator.emitter_sampling = EmitterSampling::kArea; }
+void two_colours(S& scene) { scene.shapes.push_back(square(2, glm::vec3(1, 2, 3))); }
+void with_sphere(S& scene) { scene.shapes.push_back(sphere_light()); }
+void by_power(S& scene) { scene.integrator.light_choice = LightChoice::kPower; }
+void by_contribution(S& scene) { scene.integrator.light_choice = LightChoice::kAnalytic; }
+void with_cv(S& scene) { scene.integrator.next_event = NextEvent::kCv; }
+void ratio(S& scene) { scene.integrator.estimator = CvEstimator::kRatio; }
+void ems(S& scene) { scene.integrator.direct_sampling = DirectSampling::kEmitterOnly; }
+void mats(S& scene) { scene.integrator.direct_sampling = DirectSampling::kBsdfOnly; }
+void no_bsdf_samples(S& scene) { scene.integrator.bsdf_samples = 0; }
+
+Change all(std::vector<Change> changes) {
+  return [changes = std::move(changes)](S& scene) {
+    for (const Change& change : changes) change(scene);
+  };
+}
+Change with_alpha(float alpha) {
+  return [=](S& scene) { scene.integrator.alpha = alpha; };
+}
+
+// --- estimators
+
+struct EstimatorCase {
+  const char* what;
+  IntegratorKind kind;
+  Change change;
+  int estimator;
+  float alpha;
+  int choice;
+};
+
+TEST(IntegratorBuilder, EstimatorsAndChoices) {
+  const EstimatorCase cases[] = {
+      {"direct", kDirect, {}, ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
+      {"direct, emitters alone", kDirect, no_bsdf_samples, ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
+      {"path", kPath, {}, ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
+      {"path, emitters alone", kPath, ems, ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
+      {"alpha without a control variate", kPath, with_alpha(0.5f), ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
+      {"ratio without a control variate", kPath, ratio, ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
+      {"analytic", kPolygonAnalytic, {}, ESTIMATOR_ALPHA, 1, CHOICE_POWER},
+      {"analytic has no alpha", kPolygonAnalytic, with_alpha(0.5f), ESTIMATOR_ALPHA, 1, CHOICE_POWER},
+      {"analytic has no ratio", kPolygonAnalytic, ratio, ESTIMATOR_ALPHA, 1, CHOICE_POWER},
+      {"area", kPolygonArea, {}, ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
+      {"area by contribution", kPolygonArea, by_contribution, ESTIMATOR_SAMPLES, 1, CHOICE_ANALYTIC},
+      {"cv, alpha given", kPolygonCv, with_alpha(0.25f), ESTIMATOR_ALPHA, 0.25f, CHOICE_ANALYTIC},
+      {"cv, alpha below 0", kPolygonCv, with_alpha(-2), ESTIMATOR_ALPHA, -2, CHOICE_ANALYTIC},
+      {"cv, alpha 1", kPolygonCv, with_alpha(1), ESTIMATOR_ALPHA, 1, CHOICE_ANALYTIC},
+      {"cv, by power", kPolygonCv, all({with_alpha(1), by_power}), ESTIMATOR_ALPHA, 1, CHOICE_POWER},
+      {"cv, ratio", kPolygonCv, ratio, ESTIMATOR_RATIO, 1, CHOICE_ANALYTIC},
+      {"cv, ratio, whatever alpha", kPolygonCv, all({ratio, with_alpha(0.25f)}), ESTIMATOR_RATIO, 1,
+       CHOICE_ANALYTIC},
+      {"cv, nothing to fit", kPolygonCv, {}, ESTIMATOR_ALPHA, 0, CHOICE_ANALYTIC},
+      {"cv, Phong", kPolygonCv, phong, ESTIMATOR_AUTO, 1, CHOICE_ANALYTIC},
+      {"cv, by area", kPolygonCv, by_area, ESTIMATOR_AUTO, 1, CHOICE_ANALYTIC},
+      {"cv, two colours", kPolygonCv, two_colours, ESTIMATOR_AUTO, 1, CHOICE_ANALYTIC},
+      {"cv, other lights", kPolygonCv, with_sphere, ESTIMATOR_AUTO, 1, CHOICE_ANALYTIC},
+      {"cv, auto by power", kPolygonCv, by_power, ESTIMATOR_AUTO, 1, CHOICE_POWER},
+      {"path cv", kPath, all({with_cv, phong}), ESTIMATOR_AUTO, 1, CHOICE_ANALYTIC},
+      {"path cv, alpha given", kPath, all({with_cv, with_alpha(0.5f)}), ESTIMATOR_ALPHA, 0.5f,
+       CHOICE_ANALYTIC},
+      {"path cv, ratio", kPath, all({with_cv, ratio}), ESTIMATOR_RATIO, 1, CHOICE_ANALYTIC},
+      // The BSDF's samples find the sphere: multiple importance sampling needs the density of its choice.
+      {"path cv, other lights", kPath, all({with_cv, with_sphere}), ESTIMATOR_AUTO, 1, CHOICE_POWER},
+      {"path cv, other lights, emitters alone", kPath, all({with_cv, with_sphere, ems}), ESTIMATOR_AUTO, 1,
+       CHOICE_ANALYTIC},
+      {"path by contribution", kPath, all({ems, by_contribution}), ESTIMATOR_SAMPLES, 1, CHOICE_ANALYTIC}};
+  for (const EstimatorCase& tested : cases) {
+    const SceneHeader h = header(tested.kind, tested.change);
+    EXPECT_EQ(h.estimator, tested.estimator) << tested.what;
+    EXPECT_EQ(h.light_choice, tested.choice) << tested.what;
+    if (tested.estimator == ESTIMATOR_ALPHA) {
+      EXPECT_EQ(h.alpha, tested.alpha) << tested.what;
+    }
+    // The tables are there if anything reads them, and only then.
+    const bool needed = tested.estimator != ESTIMATOR_SAMPLES || tested.choice == CHOICE_ANALYTIC;
+    EXPECT_EQ((h.features & FEATURE_POLYGONS) != 0, needed) << tested.what;
+    EXPECT_EQ(h.polygon_count > 0, needed) << tested.what;
+    EXPECT_EQ(h.polygon_corner_count > 0, needed) << tested.what;
+  }
+}
+
+TEST(IntegratorBuilder, WithoutLayersConstantSamplesNeedNoClosedForm) {
+  EXPECT_EQ(header(kPolygonCv, {}, false).estimator, ESTIMATOR_SAMPLES);
+  EXPECT_EQ(header(kPolygonCv, {}, false).light_choice, CHOICE_ANALYTIC);
+  EXPECT_EQ(header(kPolygonCv, phong, false).estimator, ESTIMATOR_AUTO);
+  EXPECT_EQ(header(kPolygonCv, with_alpha(1), false).estimator, ESTIMATOR_ALPHA);
+  EXPECT_EQ(header(kPolygonAnalytic, {}, false).estimator, ESTIMATOR_ALPHA);
+}
+
+TEST(IntegratorBuilder, ManyPolygonsAreNotSurveyedUnasked) {
+  const auto count = [](int lights) {
+    return [=](S& scene) {
+      scene.shapes.resize(1);
+      for (int i = 0; i < lights; ++i) scene.shapes.push_back(square(i));
+    };
+  };
+  EXPECT_EQ(header(kPolygonCv, count(256)).light_choice, CHOICE_ANALYTIC);
+  EXPECT_EQ(header(kPolygonCv, count(257)).light_choice, CHOICE_POWER);
+  EXPECT_EQ(header(kPolygonCv, count(257)).estimator, ESTIMATOR_AUTO);
+  EXPECT_EQ(header(kPolygonCv, all({count(257), by_contribution})).light_choice, CHOICE_ANALYTIC);
+}
+
+// --- samples
+
+TEST(IntegratorBuilder, NumbersOfSamples) {
+  const auto samples = [](IntegratorKind kind) {
+    const SceneHeader h = header(kind, [](S& scene) {
+      scene.integrator.emitter_samples = 3;
+      scene.integrator.bsdf_samples = 5;
+      scene.integrator.vis_samples = 7;
+    });
+    return std::pair(h.emitter_samples, h.bsdf_samples);
+  };
+  EXPECT_EQ(samples(kDirect), std::pair(3, 5));
+  EXPECT_EQ(samples(kPolygonArea), std::pair(3, 0));
+  EXPECT_EQ(samples(kPolygonCv), std::pair(7, 0));
+  EXPECT_EQ(samples(kPolygonAnalytic), std::pair(0, 0));
+}
+
+TEST(IntegratorBuilder, HowLightsAreSampled) {
+  const std::uint32_t both = FEATURE_SOLID_ANGLE | FEATURE_PROJECTED;
+  const auto sampling = [&](IntegratorKind kind, const Change& change = {}) {
+    return header(kind, change).features & both;
+  };
+  EXPECT_EQ(sampling(kDirect), 0u);
+  EXPECT_EQ(sampling(kPath), 0u);
+  EXPECT_EQ(sampling(kPolygonArea), 0u);
+  EXPECT_EQ(sampling(kPolygonAnalytic), 0u);
+  EXPECT_EQ(sampling(kPolygonCv), unsigned(FEATURE_PROJECTED));
+  EXPECT_EQ(sampling(kPath, with_cv), unsigned(FEATURE_PROJECTED));
+  EXPECT_EQ(sampling(kPolygonCv, by_area), 0u);
+  EXPECT_EQ(
+      sampling(kPolygonArea, [](S& s) { s.integrator.emitter_sampling = EmitterSampling::kSolidAngle; }),
+      unsigned(FEATURE_SOLID_ANGLE));
+  // A shape knows better.
+  EXPECT_EQ(sampling(kPolygonCv, [](S& s) { s.shapes[1].sampling = EmitterSampling::kArea; }), 0u);
+  EXPECT_EQ(sampling(kPolygonArea, [](S& s) { s.shapes[1].sampling = EmitterSampling::kProjected; }),
+            unsigned(FEATURE_PROJECTED));
+}
+
+TEST(IntegratorBuilder, ShadowsAreLeftOutOnlyWhereThatIsASetting) {
+  const auto traced = [](IntegratorKind kind, bool wanted) {
+    return header(kind, [=](S& scene) { scene.integrator.trace_shadows = wanted; }).trace_shadows;
+  };
+  for (const IntegratorKind kind : {kDirect, kPath, kPolygonAnalytic, kPolygonArea, kPolygonCv}) {
+    EXPECT_EQ(traced(kind, true), 1);
+    EXPECT_EQ(traced(kind, false), kind == kDirect || kind == kPolygonArea ? 0 : 1);
+  }
+}
+
+TEST(IntegratorBuilder, DepthsAndFlags) {
+  EXPECT_EQ(header(kPath).max_depth, INT_MAX);
+  EXPECT_EQ(header(kPath, [](S& s) { s.integrator.rr_depth = INT_MAX; }).rr_depth, 1024)
+      << "a path without end must end";
+  const SceneHeader finite = header(kPath, [](S& s) {
+    s.integrator.max_depth = 7;
+    s.integrator.rr_depth = 5000;
+  });
+  EXPECT_EQ(finite.max_depth, 7);
+  EXPECT_EQ(finite.rr_depth, 5000);
+  for (const IntegratorKind kind : {kDirect, kPath, kPolygonAnalytic, kPolygonArea, kPolygonCv}) {
+    EXPECT_EQ(header(kind).hide_emitters, 0);
+    EXPECT_EQ(header(kind, [](S& s) { s.integrator.hide_emitters = true; }).hide_emitters, 1);
+    EXPECT_EQ(header(kind).integrator, kind == kPath ? INTEGRATOR_PATH : INTEGRATOR_DIRECT);
+    EXPECT_EQ(header(kind).features & (FEATURE_PATH | FEATURE_DIRECT),
+              unsigned(kind == kPath ? FEATURE_PATH : FEATURE_DIRECT));
+  }
+}
+
+// --- what is not there
+
+TEST(IntegratorBuilder, WithoutPolygonLightsNothingOfThemIsLeft) {
+  const Change no_lights = [](S& scene) { scene.shapes.resize(1); };
+  const Change only_a_sphere = all({no_lights, with_sphere});
+  const Change black = [](S& scene) { scene.shapes[1].radiance = glm::vec3(0); };
+  const Change without_area = [](S& scene) {
+    for (dvec3& p : std::get<Mesh>(scene.shapes[1].geometry).positions) p = dvec3(p.x, 1, 0);
+  };
+  const std::pair<const char*, Change> changes[] = {{"no lights", no_lights},
+                                                    {"only a sphere", only_a_sphere},
+                                                    {"a black one", black},
+                                                    {"one without area", without_area}};
+  for (const auto& [what, change] : changes)
+    for (const Change& more : {Change([](S&) {}), Change(ratio), Change(by_contribution), with_alpha(0.5f)})
+      for (const IntegratorKind kind : {kPolygonAnalytic, kPolygonArea, kPolygonCv}) {
+        const SceneHeader h = header(kind, all({change, more}));
+        EXPECT_EQ(h.estimator, ESTIMATOR_SAMPLES) << what;
+        EXPECT_EQ(h.light_choice, CHOICE_POWER) << what;
+        EXPECT_EQ(h.polygon_count + h.polygon_corner_count, 0) << what;
+        EXPECT_EQ(h.features & (FEATURE_POLYGONS | FEATURE_PROJECTED | FEATURE_SOLID_ANGLE), 0u) << what;
+      }
+}
+
+TEST(IntegratorBuilder, WithoutAreaEveryTriangleIsCountedAsDropped) {
+  const SceneHeader h = header(kPolygonCv, [](S& scene) {
+    for (dvec3& p : std::get<Mesh>(scene.shapes[1].geometry).positions) p = dvec3(p.x, 1, 0);
+  });
+  EXPECT_EQ(h.dropped_triangles, 2);
+  EXPECT_EQ(h.triangle_count, 2);
+  EXPECT_EQ(h.light_count, 0);
+}
+
+TEST(IntegratorBuilder, DuplicatesAreSaidHoweverLightsAreSampled) {
+  const Change repeated = [](S& scene) {
+    Mesh& mesh = std::get<Mesh>(scene.shapes[1].geometry);
+    mesh.triangles.push_back(mesh.triangles[0]);
+  };
+  for (const IntegratorKind kind : {kDirect, kPath, kPolygonAnalytic, kPolygonArea, kPolygonCv}) {
+    EXPECT_EQ(header(kind).duplicate_lights, 0);
+    const SceneHeader h = header(kind, repeated);
+    EXPECT_EQ(h.duplicate_lights, 1);
+    EXPECT_EQ(h.triangle_count, 5);
+    EXPECT_EQ(h.light_count, 2);
+  }
+}
+
+TEST(IntegratorBuilder, LayersAreAFeatureOfTheirOwn) {
+  for (const IntegratorKind kind : {kDirect, kPath, kPolygonAnalytic, kPolygonArea, kPolygonCv}) {
+    const std::uint32_t with = header(kind).features, without = header(kind, {}, false).features;
+    EXPECT_EQ(with, without | FEATURE_LAYERS);
+    EXPECT_EQ(without & FEATURE_LAYERS, 0u);
+  }
+}
+
+// --- contradictions
+
+TEST(IntegratorBuilder, AChoiceByContributionNeedsEmitterSamplesAlone) {
+  const std::pair<IntegratorKind, Change> wrong[] = {{kDirect, by_contribution},
+                                                     {kPath, by_contribution},
+                                                     {kPath, all({mats, by_contribution})},
+                                                     {kPath, all({with_cv, with_sphere, by_contribution})}};
+  for (const auto& [kind, change] : wrong) {
+    S scene = under_a_square(kind);
+    change(scene);
+    const auto built = try_build(scene, true);
+    ASSERT_FALSE(built);
+    EXPECT_THAT(
+        built.error().message,
+        AllOf(HasSubstr("some-scene.xml: "), HasSubstr("light_choice = analytic"),
+              HasSubstr("bsdf_samples = 0"), HasSubstr("direct_sampling = ems"), HasSubstr("polygon_cv")));
+  }
+  // What the message proposes is right.
+  for (const auto& [kind, change] : {std::pair<IntegratorKind, Change>{kDirect, no_bsdf_samples},
+                                     {kPath, ems},
+                                     {kPolygonArea, {}},
+                                     {kPolygonCv, {}},
+                                     {kPath, with_cv}}) {
+    EXPECT_EQ(header(kind, change ? all({change, by_contribution}) : by_contribution).light_choice,
+              CHOICE_ANALYTIC);
+  }
+}
+
+TEST(IntegratorBuilder, HelpersSayWhatIsWanted) {
+  const auto settings = [](IntegratorKind kind) {
+    IntegratorSettings result;
+    result.kind = kind;
+    return result;
+  };
+  EXPECT_FALSE(wants_polygons(settings(kDirect)));
+  EXPECT_FALSE(wants_polygons(settings(kPath)));
+  EXPECT_FALSE(wants_polygons(settings(kPolygonArea)));
+  EXPECT_TRUE(wants_polygons(settings(kPolygonAnalytic)));
+  EXPECT_TRUE(wants_polygons(settings(kPolygonCv)));
+  IntegratorSettings path = settings(kPath);
+  path.next_event = NextEvent::kCv;
+  EXPECT_TRUE(wants_polygons(path));
+  IntegratorSettings direct = settings(kDirect);
+  direct.next_event = NextEvent::kCv;
+  EXPECT_FALSE(wants_polygons(direct)) << "that is a setting of path";
+  direct.light_choice = LightChoice::kAnalytic;
+  EXPECT_TRUE(wants_polygons(direct));
+
+  EXPECT_EQ(default_sampling(settings(kDirect)), EmitterSampling::kAuto);
+  EXPECT_EQ(default_sampling(settings(kPolygonArea)), EmitterSampling::kArea);
+  EXPECT_EQ(default_sampling(settings(kPolygonCv)), EmitterSampling::kProjected);
+  EXPECT_EQ(default_sampling(path), EmitterSampling::kProjected);
+  path.emitter_sampling = EmitterSampling::kSolidAngle;
+  EXPECT_EQ(default_sampling(path), EmitterSampling::kSolidAngle);
+}
+
+}  // namespace
+}  // namespace penumbra
