@@ -53,7 +53,7 @@ Setting number(std::string key, LowEnd end, double low, double high, Store store
 /// A number in [low, high], or "auto", for which there is none.
 template <typename Store>
 Setting number_or_auto(std::string key, double low, double high, Store store) {
-  return {std::move(key), SettingKind::kText,
+  return {std::move(key), SettingKind::kNumberOrText,
           [=](SceneDescription& scene, std::string_view text) -> Expected<void> {
             if (trim(text) == "auto") {
               store(scene, std::nullopt);

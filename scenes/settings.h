@@ -13,7 +13,7 @@
 
 namespace penumbra {
 
-enum class SettingKind { kInteger, kNumber, kBoolean, kText };
+enum class SettingKind { kInteger, kNumber, kBoolean, kText, kNumberOrText };
 
 struct Setting {
   std::string key;   ///< group and name: "film.width"

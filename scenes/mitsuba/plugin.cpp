@@ -183,20 +183,23 @@ void PluginReader::settings(SceneDescription& scene, std::string_view group,
       const Parameter* parameter = take(name);
       if (parameter == nullptr) continue;
       const bool is_integer = std::holds_alternative<std::int64_t>(parameter->value);
+      const bool is_number = is_integer || std::holds_alternative<double>(parameter->value);
+      const bool is_text = std::holds_alternative<std::string>(parameter->value);
       switch (setting.kind) {
         case SettingKind::kInteger:
           if (!is_integer) return wrong_kind(*parameter, "<integer>");
           break;
         case SettingKind::kNumber:
-          if (!is_integer && !std::holds_alternative<double>(parameter->value))
-            return wrong_kind(*parameter, "<float>");
+          if (!is_number) return wrong_kind(*parameter, "<float>");
           break;
         case SettingKind::kBoolean:
           if (!std::holds_alternative<bool>(parameter->value)) return wrong_kind(*parameter, "<boolean>");
           break;
         case SettingKind::kText:
-          if (!std::holds_alternative<std::string>(parameter->value))
-            return wrong_kind(*parameter, "<string>");
+          if (!is_text) return wrong_kind(*parameter, "<string>");
+          break;
+        case SettingKind::kNumberOrText:
+          if (!is_number && !is_text) return wrong_kind(*parameter, "<float> or <string>");
           break;
       }
       if (const auto done = setting.apply(scene, parameter->text); !done) {

@@ -112,7 +112,8 @@ bool Section::set(SceneDescription& scene, std::string_view setting, std::string
     case SettingKind::kBoolean:
       if (!std::holds_alternative<bool>(entry->value)) return wrong_kind(*entry, "true or false"), true;
       break;
-    case SettingKind::kText:  // of which some take numbers
+    case SettingKind::kText:  // no key of a scene is of this kind alone
+    case SettingKind::kNumberOrText:
       if (!is_number && !std::holds_alternative<std::string>(entry->value))
         return wrong_kind(*entry, "a number or text"), true;
       break;

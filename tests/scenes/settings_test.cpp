@@ -74,6 +74,76 @@ TEST(Settings, PathPresets) {
   EXPECT_EQ(scene.integrator.direct_sampling, DirectSampling::kMis);
 }
 
+TEST(Settings, PolygonLights) {
+  const std::pair<const char*, IntegratorKind> kinds[] = {
+      {"polygon_analytic", IntegratorKind::kPolygonAnalytic},
+      {"polygon_area", IntegratorKind::kPolygonArea},
+      {"polygon_cv", IntegratorKind::kPolygonCv}};
+  SceneDescription scene;
+  const IntegratorSettings& settings = scene.integrator;
+  const auto set = [&](std::string_view key, std::string_view value) {
+    const auto done = apply_setting(scene, key, value);
+    EXPECT_TRUE(done) << done.error().message;
+  };
+  for (const auto& [name, kind] : kinds) {
+    set("integrator.type", name);
+    EXPECT_EQ(settings.kind, kind);
+    EXPECT_TRUE(check_settings(scene));
+  }
+  for (const auto& [text, alpha] : {std::pair<const char*, std::optional<float>>{"0.5", 0.5f},
+                                    {"auto", std::nullopt},
+                                    {"-1e6", -1e6f},
+                                    {" auto ", std::nullopt}}) {
+    set("integrator.alpha", text);
+    EXPECT_EQ(settings.alpha, alpha) << text;
+  }
+  set("integrator.estimator", "ratio");
+  EXPECT_EQ(settings.estimator, CvEstimator::kRatio);
+  set("integrator.estimator", "cv");
+  EXPECT_EQ(settings.estimator, CvEstimator::kCv);
+  set("integrator.nee", "cv");
+  EXPECT_EQ(settings.next_event, NextEvent::kCv);
+  set("integrator.nee", "sample");
+  EXPECT_EQ(settings.next_event, NextEvent::kSample);
+  for (const auto& [text, choice] : {std::pair{"power", LightChoice::kPower},
+                                     {"analytic", LightChoice::kAnalytic},
+                                     {"auto", LightChoice::kAuto}}) {
+    set("integrator.lightChoice", text);
+    EXPECT_EQ(settings.light_choice, choice);
+  }
+  set("integrator.traceShadows", "false");
+  EXPECT_FALSE(settings.trace_shadows);
+  set("integrator.visSamples", "65536");
+  EXPECT_EQ(settings.vis_samples, 65536);
+}
+
+TEST(Settings, ErrorsOfPolygonLightsSayWhatWouldBeRight) {
+  EXPECT_THAT(error("integrator.alpha", "x"),
+              AllOf(HasSubstr("setting integrator.alpha: "), HasSubstr("nor is it 'auto'")));
+  EXPECT_THAT(error("integrator.alpha", "nan"), HasSubstr("nor is it 'auto'"));
+  EXPECT_THAT(error("integrator.alpha", "-1000001"), HasSubstr("not between -1000000 and 1000000"));
+  EXPECT_THAT(error("integrator.estimator", "auto"), HasSubstr("'auto' is not one of: cv, ratio"));
+  EXPECT_THAT(error("integrator.light_choice", "all"),
+              HasSubstr("'all' is not one of: auto, power, analytic"));
+  EXPECT_THAT(error("integrator.nee", "none"), HasSubstr("'none' is not one of: sample, cv"));
+  EXPECT_THAT(error("integrator.trace_shadows", "no"), HasSubstr("neither true nor false"));
+  EXPECT_THAT(error("integrator.vis_samples", "0"), HasSubstr("from 1 to 65536"));
+  EXPECT_THAT(error("integrator.vis_samples", "1.5"), HasSubstr("not an integer"));
+  EXPECT_THAT(error("integrator.type", "polygon"), HasSubstr("polygon_analytic, polygon_area, polygon_cv"));
+
+  SceneDescription scene;
+  scene.integrator.kind = IntegratorKind::kPolygonArea;
+  scene.integrator.emitter_samples = 0;
+  EXPECT_THAT(check_settings(scene).error().message, HasSubstr("'polygon_area' needs emitter_samples"));
+  scene.integrator.kind = IntegratorKind::kPolygonCv;
+  EXPECT_TRUE(check_settings(scene)) << "it has vis_samples";
+  scene.integrator.kind = IntegratorKind::kPath;
+  scene.integrator.next_event = NextEvent::kCv;
+  EXPECT_TRUE(check_settings(scene));
+  scene.integrator.direct_sampling = DirectSampling::kBsdfOnly;
+  EXPECT_THAT(check_settings(scene).error().message, HasSubstr("which direct_sampling = mats forbids"));
+}
+
 TEST(Settings, ACropWindowFollowsTheFilmOnlyIfItWasAllOfIt) {
   SceneDescription scene;
   ASSERT_TRUE(apply_setting(scene, "film.width", "100"));
