@@ -46,7 +46,7 @@ STAGE void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int fi
   const float radius = h->filter_radius;
   for (int i = 0; i < count; i += LANES) {
     float u[LANES], v[LANES];
-    draw_pair(h->sampler, sequence_length(h), 0u, ints, capacity, i, u, v);
+    draw_pair(h->sampler, sequence_length(h), draw_once(0u), ints, capacity, i, u, v);
     LANE_LOOP
       for (int j = 0; j < LANES; j++) {
         const FilterSample fx = sample_filter(filter, scene->filter_table, u[j]);

@@ -11,9 +11,11 @@ PENUMBRA_NAMESPACE_BEGIN
 FN void draw_step(const PRIVATE SceneHeader* h, uint pair, const GLOBAL int* RESTRICT ints, int capacity,
                   int i, PRIVATE float* RESTRICT u) {
   const uint spp = sequence_length(h);
-  draw_pair(h->sampler, spp, pair, ints, capacity, i, u + DRAW_LIGHT_U * LANES, u + DRAW_LIGHT_V * LANES);
-  draw_pair(h->sampler, spp, pair + 1u, ints, capacity, i, u + DRAW_BSDF_U * LANES, u + DRAW_BSDF_V * LANES);
-  draw_pair(h->sampler, spp, pair + 2u, ints, capacity, i, u + DRAW_LIGHT_CHOICE * LANES,
+  draw_pair(h->sampler, spp, draw_once(pair), ints, capacity, i, u + DRAW_LIGHT_U * LANES,
+            u + DRAW_LIGHT_V * LANES);
+  draw_pair(h->sampler, spp, draw_once(pair + 1u), ints, capacity, i, u + DRAW_BSDF_U * LANES,
+            u + DRAW_BSDF_V * LANES);
+  draw_pair(h->sampler, spp, draw_once(pair + 2u), ints, capacity, i, u + DRAW_LIGHT_CHOICE * LANES,
             u + DRAW_LOBE_CHOICE * LANES);
 }
 
@@ -33,8 +35,8 @@ STAGE void step_paths(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOB
     draw_step(h, pair, ints, capacity, i, u);
     for (int j = 0; j < LANES; j++) u[DRAW_ROULETTE * LANES + j] = 0.0f;
     if (roulette) {
-      draw_pair(h->sampler, sequence_length(h), pair + 3u, ints, capacity, i, u + DRAW_ROULETTE * LANES,
-                u + DRAW_SPARE * LANES);
+      draw_pair(h->sampler, sequence_length(h), draw_once(pair + 3u), ints, capacity, i,
+                u + DRAW_ROULETTE * LANES, u + DRAW_SPARE * LANES);
     }
     float aims[AIM_FLOATS];
     aim_lanes(scene, wishes, lit, f, ints, capacity, i, u, aims);
@@ -85,25 +87,26 @@ STAGE void begin_steps(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int 
     for (int j = i; j < i + LANES; j++) begin_step(f, ints, capacity, is_last, j);
 }
 
-/// The numbers that step's samples take.
-FN void draw_direct(const PRIVATE Scene* scene, bool emits, bool scatters, uint pair,
-                    const GLOBAL int* RESTRICT ints, int capacity, int i, PRIVATE float* RESTRICT u) {
-  const PRIVATE SceneHeader* h = &scene->header;
-  const uint spp = sequence_length(h);
-  if (emits)
-    draw_pair(h->sampler, spp, pair, ints, capacity, i, u + DRAW_LIGHT_U * LANES, u + DRAW_LIGHT_V * LANES);
-  if (scatters)
-    draw_pair(h->sampler, spp, pair + 1u, ints, capacity, i, u + DRAW_BSDF_U * LANES,
-              u + DRAW_BSDF_V * LANES);
-  if (scatters | (emits & (h->light_count > 1)))
-    draw_pair(h->sampler, spp, pair + 2u, ints, capacity, i, u + DRAW_LIGHT_CHOICE * LANES,
-              u + DRAW_LOBE_CHOICE * LANES);
+/// The numbers of a step's samples.
+FN void draw_direct(const PRIVATE SceneHeader* h, int step, const GLOBAL int* RESTRICT ints, int capacity,
+                    int i, PRIVATE float* RESTRICT u) {
+  const uint spp = sequence_length(h), pair = step_pair(0);
+  const int emitter_samples = h->emitter_samples, bsdf_samples = h->bsdf_samples;
+  const int most = emitter_samples > bsdf_samples ? emitter_samples : bsdf_samples;
+  if (step < emitter_samples)
+    draw_pair(h->sampler, spp, draw_nth(pair, emitter_samples, step), ints, capacity, i,
+              u + DRAW_LIGHT_U * LANES, u + DRAW_LIGHT_V * LANES);
+  if (step < bsdf_samples)
+    draw_pair(h->sampler, spp, draw_nth(pair + 1u, bsdf_samples, step), ints, capacity, i,
+              u + DRAW_BSDF_U * LANES, u + DRAW_BSDF_V * LANES);
+  if ((step < bsdf_samples) | ((step < emitter_samples) & (h->light_count > 1)))
+    draw_pair(h->sampler, spp, draw_nth(pair + 2u, most, step), ints, capacity, i,
+              u + DRAW_LIGHT_CHOICE * LANES, u + DRAW_LOBE_CHOICE * LANES);
 }
 
 STAGE void step_direct(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                        int capacity, int count, int step) {
   const PRIVATE SceneHeader* h = &scene->header;
-  const uint pair = step_pair(step);
   const bool emits = step < h->emitter_samples, scatters = step < h->bsdf_samples;
   const bool balances = h->bsdf_samples > 0;
   const int rays = balances ? h->bsdf_samples + 1 : 1;
@@ -116,7 +119,7 @@ STAGE void step_direct(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLO
   float u[DRAWS * LANES];
   for (int j = 0; j < DRAWS * LANES; j++) u[j] = 0.0f;
   for (int i = 0; i < count; i += LANES) {
-    draw_direct(scene, emits, scatters, pair, ints, capacity, i, u);
+    draw_direct(h, step, ints, capacity, i, u);
     float aims[AIM_FLOATS];
     aim_lanes(scene, wishes, lit, f, ints, capacity, i, u, aims);
     if (balances) weigh_emitters(scene, f, ints, capacity, i, aims);

@@ -166,26 +166,51 @@ FN void halton_pair(uint pixel, uint index, uint pair, PRIVATE float* u, PRIVATE
 }
 #endif
 
+/// A dimension pair of which each sample of the pixel takes `times` points and asks for the nth: all of them
+/// are one sequence, and so spread as evenly as those of as many samples.
+typedef struct {
+  uint pair, times, nth;
+} Draw;
+
+FN Draw draw_once(uint pair) {
+  Draw draw;
+  draw.pair = pair;
+  draw.times = 1u;
+  draw.nth = 0u;
+  return draw;
+}
+
+FN Draw draw_nth(uint pair, int times, int nth) {
+  Draw draw;
+  draw.pair = pair;
+  draw.times = (uint)times;
+  draw.nth = (uint)nth;
+  return draw;
+}
+
 /// One pair of numbers for each of LANES paths, lanes `first`... of the block.
-FN void draw_pair(int sampler, uint spp, uint pair, GLOBAL const int* RESTRICT ints, int capacity, int first,
+FN void draw_pair(int sampler, uint spp, Draw draw, GLOBAL const int* RESTRICT ints, int capacity, int first,
                   PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT v) {
+  const uint pair = draw.pair, times = draw.times, nth = draw.nth;
   GLOBAL const int* pixels = ints + PIXEL_HASH * capacity + first;
   GLOBAL const int* samples = ints + SAMPLE_INDEX * capacity + first;
 #if HAS(SAMPLERS)
   if (sampler == SAMPLER_STRATIFIED) {
+    const uint points = spp > 0xffffffffu / times ? 0xffffffffu : spp * times;
     for (int j = 0; j < LANES; j++)
-      stratified_pair((uint)pixels[j], (uint)samples[j], pair, spp, &u[j], &v[j]);
+      stratified_pair((uint)pixels[j], (uint)samples[j] * times + nth, pair, points, &u[j], &v[j]);
     return;
   }
   if (sampler == SAMPLER_HALTON) {
-    for (int j = 0; j < LANES; j++) halton_pair((uint)pixels[j], (uint)samples[j], pair, &u[j], &v[j]);
+    for (int j = 0; j < LANES; j++)
+      halton_pair((uint)pixels[j], (uint)samples[j] * times + nth, pair, &u[j], &v[j]);
     return;
   }
   if (sampler == SAMPLER_INDEPENDENT) {
     LANE_LOOP
       for (int j = 0; j < LANES; j++) {
         float a, b;
-        independent_pair((uint)pixels[j], (uint)samples[j], pair, &a, &b);
+        independent_pair((uint)pixels[j], (uint)samples[j] * times + nth, pair, &a, &b);
         u[j] = a;
         v[j] = b;
       }
@@ -195,7 +220,7 @@ FN void draw_pair(int sampler, uint spp, uint pair, GLOBAL const int* RESTRICT i
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       float a, b;
-      sobol_pair((uint)pixels[j], (uint)samples[j], pair, &a, &b);
+      sobol_pair((uint)pixels[j], (uint)samples[j] * times + nth, pair, &a, &b);
       u[j] = a;
       v[j] = b;
     }

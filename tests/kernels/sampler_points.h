@@ -26,7 +26,7 @@ inline Point2 draw(int sampler, const SampleAddress& at) {
     ints[SAMPLE_INDEX * LANES + j] = int(at.index);
   }
   float u[LANES], v[LANES];
-  draw_pair(sampler, at.spp, at.pair, ints, LANES, 0, u, v);
+  draw_pair(sampler, at.spp, draw_once(at.pair), ints, LANES, 0, u, v);
   return {u[0], v[0]};
 }
 

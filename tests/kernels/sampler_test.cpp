@@ -67,10 +67,29 @@ TEST_P(Sampler, LanesAndBlocksDoNotMatter) {
   }
   for (int first = 0; first < kCapacity; first += LANES) {
     float u[LANES], v[LANES];
-    draw_pair(GetParam(), 16, 3, ints.data(), kCapacity, first, u, v);
+    draw_pair(GetParam(), 16, draw_once(3), ints.data(), kCapacity, first, u, v);
     for (int j = 0; j < LANES; ++j) {
       const auto i = std::uint32_t(first + j);
       const Point2 alone = draw_alone(GetParam(), {5, i % 7, i / 7, i * 3 % 16, 3, 16});
+      EXPECT_EQ(u[j], alone.u);
+      EXPECT_EQ(v[j], alone.v);
+    }
+  }
+}
+
+TEST_P(Sampler, SeveralPointsOfASampleAreOneSequence) {
+  constexpr int kTimes = 5, kSpp = 16;
+  std::vector<int> ints(std::size_t(STATE_INTS) * LANES);
+  for (int j = 0; j < LANES; ++j) {
+    ints[std::size_t(PIXEL_HASH * LANES + j)] = int(pixel_hash(5, 1, 2));
+    ints[std::size_t(SAMPLE_INDEX * LANES + j)] = j % kSpp;
+  }
+  for (int nth = 0; nth < kTimes; ++nth) {
+    float u[LANES], v[LANES];
+    draw_pair(GetParam(), kSpp, draw_nth(3, kTimes, nth), ints.data(), LANES, 0, u, v);
+    for (int j = 0; j < LANES; ++j) {
+      const auto index = std::uint32_t(j % kSpp * kTimes + nth);
+      const Point2 alone = draw_alone(GetParam(), {5, 1, 2, index, 3, kTimes * kSpp});
       EXPECT_EQ(u[j], alone.u);
       EXPECT_EQ(v[j], alone.v);
     }
