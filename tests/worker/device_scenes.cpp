@@ -117,6 +117,31 @@ SceneDescription everything_in_a_hierarchy() {
   return scene;
 }
 
+SceneDescription polygon_lights() {
+  SceneDescription scene = diffuse_box();
+  scene.bsdfs.push_back({"glossy", PhongBsdf{glm::vec3(0.3f), glm::vec3(0.5f), 40}});
+  scene.shapes[0].front_bsdf = int(scene.bsdfs.size()) - 1;
+  const dvec3 ell[] = {{-0.8, -0.5, -0.6}, {-0.8, 0.5, -0.6}, {-0.6, 0.5, -0.6},
+                       {-0.6, 0.1, -0.6},  {-0.2, 0.1, -0.6}, {-0.2, -0.5, -0.6}};
+  std::vector<dvec3> corners;
+  for (int k = 1; k < 5; ++k)  // a fan about the reflex corner
+    for (const int i : {3, (3 + k) % 6, (4 + k) % 6}) corners.push_back(ell[i]);
+  Shape concave = triangles(corners, kBlackBsdf, 2.0f);
+  concave.two_sided_emission = true;
+  concave.sampling = EmitterSampling::kArea;
+  scene.shapes.push_back(concave);
+  Shape triangle = triangles(std::array{dvec3(0.9, 0, 0), dvec3(0.9, 0.5, -0.25), dvec3(0.8, -0.25, -0.75)},
+                             kBlackBsdf, 1.0f);
+  triangle.radiance = glm::vec3(1, 3, 2);
+  triangle.sampling = EmitterSampling::kSolidAngle;
+  scene.shapes.push_back(triangle);
+  scene.shapes.push_back(sphere(dvec3(0.3, -0.4, 0.2), 0.1, kBlackBsdf, 2.0f));
+  scene.integrator = path_integrator(DirectSampling::kEmitterOnly);
+  scene.integrator.next_event = NextEvent::kCv;
+  scene.integrator.alpha = 0.75f;  // a fitted one would depend on the range of samples
+  return scene;
+}
+
 SceneDescription environment_alone() {
   SceneDescription scene = film_and_camera();
   add_diffuse(scene, 0.5f);
@@ -127,11 +152,10 @@ SceneDescription environment_alone() {
 void PrintTo(const NamedScene& scene, std::ostream* out) { *out << scene.name; }
 
 const std::vector<NamedScene>& device_scenes() {
-  static const std::vector<NamedScene> scenes{{"DiffuseBox", diffuse_box},
-                                              {"ManyTriangles", many_triangles},
-                                              {"Everything", everything},
-                                              {"EverythingInAHierarchy", everything_in_a_hierarchy},
-                                              {"EnvironmentAlone", environment_alone}};
+  static const std::vector<NamedScene> scenes{
+      {"DiffuseBox", diffuse_box},       {"ManyTriangles", many_triangles},
+      {"Everything", everything},        {"EverythingInAHierarchy", everything_in_a_hierarchy},
+      {"PolygonLights", polygon_lights}, {"EnvironmentAlone", environment_alone}};
   return scenes;
 }
 

@@ -24,6 +24,10 @@ SceneDescription everything();
 /// solid angle and Halton points.
 SceneDescription everything_in_a_hierarchy();
 
+/// A concave two-sided light, a triangle and the box's square, sampled in different ways, a sphere light and
+/// a glossy floor: path tracing with control variates, lights chosen by their contribution.
+SceneDescription polygon_lights();
+
 /// No shape at all, only a constant environment, and a material that nothing uses.
 SceneDescription environment_alone();
 

@@ -1,0 +1,251 @@
+// The tables of polygon lights as they come off the wire: what names something that is not there is refused,
+// field by field; numbers that are none are traced all the same, and counted.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <climits>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "kernels/host/device_scene_check.h"
+#include "tests/support/render_scene.h"
+#include "tests/worker/device_scenes.h"
+
+namespace penumbra {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+template <typename Record, typename Change>
+DeviceScene with_record(DeviceScene scene, std::uint32_t offset, std::size_t index, Change change) {
+  Record record;
+  std::uint32_t* at = scene.words.data() + offset + index * (sizeof(Record) / 4);
+  std::memcpy(&record, at, sizeof record);
+  change(record);
+  std::memcpy(at, &record, sizeof record);
+  return scene;
+}
+
+SceneDescription with_fitted_alpha(SceneDescription scene) {
+  scene.integrator.alpha.reset();
+  return scene;
+}
+
+class PolygonTables : public testing::Test {
+ protected:
+  const DeviceScene scene_ = build_or_throw(with_fitted_alpha(polygon_lights()));
+  const SceneHeader& h_ = scene_.header;
+
+  /// Here and after a journey.
+  static void expect_refused(const DeviceScene& scene, const std::string& because) {
+    const auto checked = check_device_scene(scene);
+    ASSERT_FALSE(checked) << "not refused: " << because;
+    EXPECT_NE(checked.error().message.find("device scene: "), std::string::npos);
+    EXPECT_NE(checked.error().message.find(because), std::string::npos) << checked.error().message;
+    EXPECT_FALSE(DeviceScene::deserialize(scene.serialize()));
+  }
+  void refuse_header(const std::function<void(SceneHeader&)>& change, const std::string& because) const {
+    DeviceScene changed = scene_;
+    change(changed.header);
+    expect_refused(changed, because);
+  }
+  void refuse_polygon(int index, int Polygon::*field, int value, const std::string& because) const {
+    expect_refused(
+        with_record<Polygon>(scene_, h_.polygons, std::size_t(index), [&](Polygon& p) { p.*field = value; }),
+        because);
+  }
+  [[nodiscard]] std::span<const Polygon> polygons() const {
+    return table<Polygon>(scene_, h_.polygons, h_.polygon_count);
+  }
+  [[nodiscard]] std::span<const PolygonCorner> corners() const {
+    return table<PolygonCorner>(scene_, h_.polygon_corners, h_.polygon_corner_count);
+  }
+
+  /// Whatever is accepted can be rendered: to finite radiance, with samples that are none counted.
+  static SampleBuffer render(const DeviceScene& scene) {
+    const auto checked = check_device_scene(scene);
+    EXPECT_TRUE(checked) << checked.error().message;
+    DeviceOptions options;
+    options.isa = best_isa();
+    const auto device = make_device(scene, options);
+    if (!device) throw std::runtime_error(device.error().message);
+    const auto buffer = (*device)->render({0, 0, scene.header.film_width, scene.header.film_height, 0, 4});
+    if (!buffer) throw std::runtime_error(buffer.error().message);
+    std::set<int> planes;
+    for (int plane = 0; plane < kRadiancePlanes; ++plane)
+      for (const float value : buffer->plane(plane))
+        if (!std::isfinite(value)) planes.insert(plane);
+    EXPECT_THAT(planes, testing::IsEmpty()) << "planes with values that are not finite";
+    return *buffer;
+  }
+};
+
+TEST_F(PolygonTables, AreWhatTheSceneIsMeantToHave) {
+  EXPECT_EQ(h_.polygon_count, 3);
+  EXPECT_EQ(h_.light_count, 2 + 4 + 1 + 1);
+  EXPECT_EQ(h_.polygon_corner_count, 5 + 7 + 4);
+  EXPECT_EQ(h_.estimator, ESTIMATOR_AUTO);
+  EXPECT_EQ(h_.light_choice, CHOICE_ANALYTIC);
+  EXPECT_EQ(polygons()[1].two_sided, 1);
+  const SampleBuffer buffer = render(scene_);
+  EXPECT_EQ(buffer.nan_samples + buffer.infinite_samples, 0u);
+}
+
+TEST_F(PolygonTables, HeaderFields) {
+  for (const int value : {-1, 4, INT_MAX, INT_MIN})
+    refuse_header([=](SceneHeader& h) { h.estimator = value; }, "unknown estimator");
+  for (const int value : {-1, 2, INT_MAX, INT_MIN})
+    refuse_header([=](SceneHeader& h) { h.light_choice = value; }, "unknown choice of lights");
+  for (const std::uint32_t offset : {std::uint32_t(scene_.words.size()), 0x7fffffffu, 0xffffffffu}) {
+    refuse_header([=](SceneHeader& h) { h.polygons = offset; }, "polygons lie outside");
+    refuse_header([=](SceneHeader& h) { h.polygon_corners = offset; }, "polygon corners lie outside");
+  }
+  for (const int count : {-1, 1'000'000, INT_MAX, INT_MIN}) {
+    refuse_header([=](SceneHeader& h) { h.polygon_count = count; }, "polygons lie outside");
+    refuse_header([=](SceneHeader& h) { h.polygon_corner_count = count; }, "polygon corners lie outside");
+  }
+  refuse_header([](SceneHeader& h) { --h.polygon_corner_count; }, "names corners that are not there");
+  refuse_header([](SceneHeader& h) { h.polygon_corner_count = 0; }, "names corners that are not there");
+  refuse_header([](SceneHeader& h) { --h.polygon_count; }, "names a polygon that is not there");
+  refuse_header([](SceneHeader& h) { h.polygon_count = 0; }, "names a polygon that is not there");
+}
+
+TEST_F(PolygonTables, ClosedFormsNeedTheirFeatureBit) {
+  const auto without = [](SceneHeader& h) { h.features &= ~unsigned(FEATURE_POLYGONS); };
+  refuse_header(without, "closed forms without their feature bit");
+  for (const int estimator : {ESTIMATOR_ALPHA, ESTIMATOR_AUTO, ESTIMATOR_RATIO})
+    refuse_header(
+        [&](SceneHeader& h) {
+          without(h);
+          h.light_choice = CHOICE_POWER;
+          h.estimator = estimator;
+        },
+        "closed forms without their feature bit");
+  refuse_header(
+      [&](SceneHeader& h) {
+        without(h);
+        h.estimator = ESTIMATOR_SAMPLES;
+      },
+      "closed forms without their feature bit");
+}
+
+TEST_F(PolygonTables, Ranges) {
+  const std::string no_lights = "names lights that are not there",
+                    no_corners = "names corners that are not there";
+  for (int k = 0; k < h_.polygon_count; ++k) {
+    const Polygon& p = polygons()[std::size_t(k)];
+    for (const int value : {-1, h_.light_count, INT_MAX, INT_MIN})
+      refuse_polygon(k, &Polygon::first_light, value, no_lights);
+    for (const int value : {-1, 0, h_.light_count - p.first_light + 1, INT_MAX, INT_MIN})
+      refuse_polygon(k, &Polygon::light_count, value, no_lights);
+    for (const int value : {-1, h_.polygon_corner_count, INT_MAX, INT_MIN})
+      refuse_polygon(k, &Polygon::first_corner, value, no_corners);
+    for (const int value : {-1, 0, h_.polygon_corner_count - p.first_corner + 1, INT_MAX, INT_MIN})
+      refuse_polygon(k, &Polygon::corner_count, value, no_corners);
+    refuse_polygon(k, &Polygon::first_corner, p.first_corner + 1,
+                   k + 1 < h_.polygon_count ? "a polygon starts within a loop" : no_corners);
+    expect_refused(with_record<PolygonCorner>(scene_, h_.polygon_corners, std::size_t(p.first_corner),
+                                              [](PolygonCorner& c) { c.starts = 0; }),
+                   "a polygon starts within a loop");
+  }
+}
+
+TEST_F(PolygonTables, LightsNamePolygonsThatAreThere) {
+  for (int k = 0; k < h_.light_count; ++k)
+    for (const int value : {-2, h_.polygon_count, INT_MAX, INT_MIN})
+      expect_refused(
+          with_record<Light>(scene_, h_.lights, std::size_t(k), [&](Light& light) { light.polygon = value; }),
+          "a light names a polygon that is not there");
+}
+
+// --- what makes no sense but breaks nothing
+
+TEST_F(PolygonTables, CornersThatAreNoNumbersCanBeRendered) {
+  for (const float bad : {kNan, kInfinity, -kInfinity, 1e38f})
+    for (int k = 0; k < h_.polygon_corner_count; ++k) {
+      SCOPED_TRACE(testing::Message() << bad << " in corner " << k);
+      render(with_record<PolygonCorner>(scene_, h_.polygon_corners, std::size_t(k),
+                                        [&](PolygonCorner& c) { c.p.y = bad; }));
+    }
+}
+
+TEST_F(PolygonTables, OtherNumbersAreCountedOrRendered) {
+  const auto with_polygons = [&](const std::function<void(Polygon&)>& change) {
+    DeviceScene changed = scene_;
+    for (int k = 0; k < h_.polygon_count; ++k)
+      changed = with_record<Polygon>(changed, h_.polygons, std::size_t(k), change);
+    return changed;
+  };
+  const auto uncounted = [](const SampleBuffer& buffer) {
+    return buffer.nan_samples + buffer.infinite_samples == 0;
+  };
+  // Squares of deviations are to be finite too.
+  for (const float number : {kNan, kInfinity, -1.0f, 0.0f, 1e15f}) {
+    SCOPED_TRACE(number);
+    const bool finite = std::isfinite(number);
+    const vec3 radiance = make_vec3(number, number, number);
+    EXPECT_EQ(uncounted(render(with_polygons([&](Polygon& p) { p.radiance = radiance; }))), finite);
+    EXPECT_TRUE(uncounted(render(with_polygons([&](Polygon& p) { p.area = p.size = number; }))));
+    DeviceScene changed = scene_;
+    changed.header.alpha = number;
+    EXPECT_TRUE(uncounted(render(changed))) << "it is fitted";
+    changed.header.estimator = ESTIMATOR_RATIO;
+    EXPECT_TRUE(uncounted(render(changed)));
+    changed.header.estimator = ESTIMATOR_ALPHA;
+    EXPECT_EQ(uncounted(render(changed)), finite);
+  }
+  for (const int flag : {-1, 2, INT_MAX, INT_MIN}) {
+    EXPECT_TRUE(uncounted(render(with_polygons([&](Polygon& p) { p.two_sided = flag; }))));
+    EXPECT_TRUE(uncounted(render(with_record<PolygonCorner>(scene_, h_.polygon_corners, 2,
+                                                            [&](PolygonCorner& c) { c.starts = flag; }))));
+  }
+}
+
+TEST_F(PolygonTables, OverlappingRangesCanBeRendered) {
+  const auto render_polygon = [&](std::size_t index, const std::function<void(Polygon&)>& change) {
+    render(with_record<Polygon>(scene_, h_.polygons, index, change));
+  };
+  for (std::size_t k = 0; k < polygons().size(); ++k) {
+    render_polygon(k, [&](Polygon& p) {  // all lights, the sphere too
+      p.first_light = 0;
+      p.light_count = h_.light_count;
+    });
+    render_polygon(k, [&](Polygon& p) {  // all corners
+      p.first_corner = 0;
+      p.corner_count = h_.polygon_corner_count;
+    });
+    render_polygon(k, [&](Polygon& p) { p.first_light = h_.light_count - 1, p.light_count = 1; });
+    for (const int count : {1, 2, 3}) render_polygon(k, [&](Polygon& p) { p.corner_count = count; });
+  }
+  // Parts that belong to another polygon, or to none.
+  for (std::size_t k = 0; k < std::size_t(h_.light_count); ++k)
+    for (int polygon = -1; polygon < h_.polygon_count; ++polygon)
+      render(with_record<Light>(scene_, h_.lights, k, [&](Light& light) { light.polygon = polygon; }));
+}
+
+TEST_F(PolygonTables, KindsAndSamplingsMayBeMixed) {
+  for (std::size_t k = 0; k < std::size_t(h_.light_count); ++k) {
+    for (const int kind : {-1, LIGHT_RECTANGLE + 1})
+      expect_refused(with_record<Light>(scene_, h_.lights, k, [&](Light& light) { light.kind = kind; }),
+                     "a light of unknown kind");
+    for (const int sampling : {-1, EMITTER_PROJECTED + 1})
+      expect_refused(
+          with_record<Light>(scene_, h_.lights, k, [&](Light& light) { light.sampling = sampling; }),
+          "a light of unknown sampling");
+    for (int kind = LIGHT_TRIANGLE; kind <= LIGHT_RECTANGLE; ++kind)
+      for (int sampling = EMITTER_AREA; sampling <= EMITTER_PROJECTED; ++sampling)
+        render(with_record<Light>(scene_, h_.lights, k, [&](Light& light) {
+          light.kind = kind;
+          light.sampling = sampling;
+        }));
+  }
+}
+
+}  // namespace
+}  // namespace penumbra
