@@ -31,11 +31,11 @@ SceneDescription veach(const IntegratorSettings& integrator, SamplerKind sampler
 TEST(VeachScene, StrategiesAgree) {
   // A low-discrepancy sequence and many samples, because emitter samples find the sharpest plate's lobe so
   // rarely that the mean of few independent ones is far from normally distributed.
-  const auto estimate = [](const IntegratorSettings& integrator, std::uint32_t seed) {
-    return block_estimate(veach(integrator, SamplerKind::kSobol, 1024), 6, seed, kBlock);
+  const auto estimate = [](const IntegratorSettings& integrator, std::uint32_t spp, std::uint32_t seed) {
+    return block_estimate(veach(integrator, SamplerKind::kSobol, spp), 6, seed, kBlock);
   };
-  const statistics::Estimate bsdf = estimate(kBsdf, 100), emitter = estimate(kEmitter, 200),
-                             mis = estimate(kMis, 300);
+  const statistics::Estimate bsdf = estimate(kBsdf, 1024, 100), emitter = estimate(kEmitter, 4096, 200),
+                             mis = estimate(kMis, 1024, 300);
   // The channels of a block go together: one block of the 96 may be outside, and the mean of z^2 has the
   // deviation of that many independent values.
   const statistics::ImageTestLimits limits{.accepted_fraction = 1 - 1.5 / kBlocks,
