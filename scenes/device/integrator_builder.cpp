@@ -51,6 +51,12 @@ void set_samples(const IntegratorSettings& integrator, SceneHeader& h) {
   }
 }
 
+/// The closed form is then of interest for the layers only.
+void use_samples_alone(SceneHeader& h) {
+  h.estimator = (h.features & FEATURE_LAYERS) != 0u ? ESTIMATOR_ALPHA : ESTIMATOR_SAMPLES;
+  h.alpha = 0.0f;
+}
+
 /// Where every sample without shadows is the closed form itself, no alpha changes anything, and plain samples
 /// are the best estimate known: one sequence of samples is then better than the two halves that fit each
 /// other's alpha.
@@ -59,18 +65,19 @@ void set_estimator(const SceneDescription& scene, const LightBuilder& lights, Sc
   h.estimator = ESTIMATOR_SAMPLES;
   h.alpha = 1.0f;
   if (lights.polygons().empty()) return;
-  if (integrator.kind == IntegratorKind::kPolygonAnalytic) h.estimator = ESTIMATOR_ALPHA;
-  if (!has_control_variate(integrator)) return;
-  if (integrator.estimator == CvEstimator::kRatio) {
+  if (integrator.kind == IntegratorKind::kPolygonAnalytic) {
+    h.estimator = ESTIMATOR_ALPHA;
+  } else if (!has_control_variate(integrator)) {
+    // A choice by contribution looks at the closed form: the layers show it.
+    if (h.light_choice == CHOICE_ANALYTIC) use_samples_alone(h);
+  } else if (integrator.estimator == CvEstimator::kRatio) {
     h.estimator = ESTIMATOR_RATIO;
   } else if (integrator.alpha) {
     h.estimator = ESTIMATOR_ALPHA;
     h.alpha = *integrator.alpha;
   } else if ((h.features & FEATURE_PHONG) == 0u && h.light_choice == CHOICE_ANALYTIC &&
              lights.constant_if_projected()) {
-    // The closed form is of interest for the layers only.
-    h.estimator = (h.features & FEATURE_LAYERS) != 0u ? ESTIMATOR_ALPHA : ESTIMATOR_SAMPLES;
-    h.alpha = 0.0f;
+    use_samples_alone(h);
   } else {
     h.estimator = ESTIMATOR_AUTO;
   }

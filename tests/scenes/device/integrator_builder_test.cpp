@@ -117,7 +117,10 @@ TEST(IntegratorBuilder, EstimatorsAndChoices) {
       {"analytic has no alpha", kPolygonAnalytic, with_alpha(0.5f), ESTIMATOR_ALPHA, 1, CHOICE_POWER},
       {"analytic has no ratio", kPolygonAnalytic, ratio, ESTIMATOR_ALPHA, 1, CHOICE_POWER},
       {"area", kPolygonArea, {}, ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
-      {"area by contribution", kPolygonArea, by_contribution, ESTIMATOR_SAMPLES, 1, CHOICE_ANALYTIC},
+      {"area by contribution", kPolygonArea, by_contribution, ESTIMATOR_ALPHA, 0, CHOICE_ANALYTIC},
+      {"direct by contribution", kDirect, all({no_bsdf_samples, by_contribution}), ESTIMATOR_ALPHA, 0,
+       CHOICE_ANALYTIC},
+      {"analytic by contribution", kPolygonAnalytic, by_contribution, ESTIMATOR_ALPHA, 1, CHOICE_ANALYTIC},
       {"cv, alpha given", kPolygonCv, with_alpha(0.25f), ESTIMATOR_ALPHA, 0.25f, CHOICE_ANALYTIC},
       {"cv, alpha below 0", kPolygonCv, with_alpha(-2), ESTIMATOR_ALPHA, -2, CHOICE_ANALYTIC},
       {"cv, alpha 1", kPolygonCv, with_alpha(1), ESTIMATOR_ALPHA, 1, CHOICE_ANALYTIC},
@@ -139,7 +142,7 @@ TEST(IntegratorBuilder, EstimatorsAndChoices) {
       {"path cv, other lights", kPath, all({with_cv, with_sphere}), ESTIMATOR_AUTO, 1, CHOICE_POWER},
       {"path cv, other lights, emitters alone", kPath, all({with_cv, with_sphere, ems}), ESTIMATOR_AUTO, 1,
        CHOICE_ANALYTIC},
-      {"path by contribution", kPath, all({ems, by_contribution}), ESTIMATOR_SAMPLES, 1, CHOICE_ANALYTIC}};
+      {"path by contribution", kPath, all({ems, by_contribution}), ESTIMATOR_ALPHA, 0, CHOICE_ANALYTIC}};
   for (const EstimatorCase& tested : cases) {
     const SceneHeader h = header(tested.kind, tested.change);
     EXPECT_EQ(h.estimator, tested.estimator) << tested.what;
@@ -155,9 +158,11 @@ TEST(IntegratorBuilder, EstimatorsAndChoices) {
   }
 }
 
-TEST(IntegratorBuilder, WithoutLayersConstantSamplesNeedNoClosedForm) {
+TEST(IntegratorBuilder, WithoutLayersSamplesAloneNeedNoClosedForm) {
   EXPECT_EQ(header(kPolygonCv, {}, false).estimator, ESTIMATOR_SAMPLES);
   EXPECT_EQ(header(kPolygonCv, {}, false).light_choice, CHOICE_ANALYTIC);
+  EXPECT_EQ(header(kPolygonArea, by_contribution, false).estimator, ESTIMATOR_SAMPLES);
+  EXPECT_EQ(header(kPath, all({ems, by_contribution}), false).estimator, ESTIMATOR_SAMPLES);
   EXPECT_EQ(header(kPolygonCv, phong, false).estimator, ESTIMATOR_AUTO);
   EXPECT_EQ(header(kPolygonCv, with_alpha(1), false).estimator, ESTIMATOR_ALPHA);
   EXPECT_EQ(header(kPolygonAnalytic, {}, false).estimator, ESTIMATOR_ALPHA);
