@@ -1,65 +1,387 @@
 // `penumbra compare A B`: how far is A from the reference B?
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <cmath>
+#include <filesystem>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 
 #include "scheduler/cli/commands.h"
+#include "scheduler/outputs/atomic_file.h"
 #include "scheduler/outputs/compare.h"
+#include "scheduler/outputs/compare_limits.h"
+#include "scheduler/outputs/image_files.h"
 
 namespace penumbra {
 namespace {
 
-struct CompareOptions {
-  std::string image, reference;
-  bool json = false;
-  std::optional<double> tolerance;
+struct CompareCommandOptions {
+  std::string image, reference, second_reference, variance, reference_variance;
+  CompareOptions compare;
+  std::string json;  ///< a file, or - for stdout
+  std::string heatmap, map = "relmse";
+  std::optional<MapRange> range;
+  std::vector<CompareLimit> limits;
+  bool must_be_consistent = false;
 };
 
-ExitCode compare(const CompareOptions& options) {
-  const auto image = read_image(options.image);
-  if (!image) return print_error(image.error()), kBadInput;
-  const auto reference = read_image(options.reference);
-  if (!reference) return print_error(reference.error()), kBadInput;
-  const auto comparison = compare_images(*image, *reference);
+/// "LOW,HIGH".
+std::optional<MapRange> parse_range(const std::string& text) {
+  MapRange range;
+  int end = -1;
+  if (std::sscanf(text.c_str(), "%lf,%lf%n", &range.low, &range.high, &end) != 2) return std::nullopt;
+  if (end != int(text.size()) || !std::isfinite(range.low) || !std::isfinite(range.high)) return std::nullopt;
+  if (range.low >= range.high) return std::nullopt;
+  return range;
+}
+
+bool is_png(const std::filesystem::path& path) { return path.extension() == ".png"; }
+
+std::vector<std::string> input_files(const CompareCommandOptions& options) {
+  std::vector<std::string> files;
+  for (const auto& file : {options.image, options.reference, options.second_reference, options.variance,
+                           options.reference_variance}) {
+    if (!file.empty()) files.push_back(file);
+  }
+  return files;
+}
+
+/// Before the work: whether what is asked for can be written, and overwrites no input.
+Expected<void> check_outputs(const CompareCommandOptions& options) {
+  std::vector<std::string> outputs;
+  if (!options.heatmap.empty()) {
+    if (!is_png(options.heatmap) && std::filesystem::path(options.heatmap).extension() != ".exr") {
+      return fail(options.heatmap + ": a heat map is a .png or an .exr");
+    }
+    outputs.push_back(options.heatmap);
+  }
+  if (!options.json.empty() && options.json != "-") outputs.push_back(options.json);
+  for (const std::string& output : outputs) {
+    for (const std::string& input : input_files(options)) {
+      std::error_code unknown;
+      if (std::filesystem::equivalent(output, input, unknown))
+        return fail(fmt::format("{} is compared; it is not overwritten", output));
+    }
+    if (const auto writable = check_writable(output); !writable) return writable;
+  }
+  if (outputs.size() == 2 && std::filesystem::absolute(outputs[0]).lexically_normal() ==
+                                 std::filesystem::absolute(outputs[1]).lexically_normal()) {
+    return fail(fmt::format("two outputs in one file: {}", outputs[0]));
+  }
+  return {};
+}
+
+/// The images of the command line, in memory.
+struct LoadedImages {
+  std::optional<Image> image, reference, second_reference, variance, reference_variance;
+};
+
+Expected<LoadedImages> load(const CompareCommandOptions& options) {
+  LoadedImages images;
+  const std::pair<const std::string&, std::optional<Image>&> files[] = {
+      {options.image, images.image},
+      {options.reference, images.reference},
+      {options.second_reference, images.second_reference},
+      {options.variance, images.variance},
+      {options.reference_variance, images.reference_variance}};
+  for (const auto& [file, image] : files) {
+    if (file.empty()) continue;
+    auto read = read_image(file);
+    if (!read) return std::unexpected(read.error());
+    image = std::move(*read);
+  }
+  return images;
+}
+
+Expected<Comparison> run_comparison(const CompareCommandOptions& options) {
+  const auto images = load(options);
+  if (!images) return std::unexpected(images.error());
+  const auto pointer = [](const std::optional<Image>& image) { return image ? &*image : nullptr; };
+  auto comparison = compare_images({.image = *images->image,
+                                    .reference = *images->reference,
+                                    .second_reference = pointer(images->second_reference),
+                                    .variance = pointer(images->variance),
+                                    .reference_variance = pointer(images->reference_variance)},
+                                   options.compare);
   if (!comparison) {
-    print_error({fmt::format("cannot compare {} with {}: {}", options.image, options.reference,
-                             comparison.error().message)});
-    return kBadInput;
+    return fail(fmt::format("cannot compare {} with {}: {}", options.image, options.reference,
+                            comparison.error().message));
   }
-  if (options.json) {
-    fmt::print("{}\n", comparison_json(*comparison).dump(2));
-  } else {
+  return comparison;
+}
+
+struct WrittenMap {
+  std::string file, name;
+  MapRange range;
+};
+
+Expected<WrittenMap> write_heat_map(const CompareCommandOptions& options, const Comparison& comparison) {
+  const auto map = error_map(comparison, options.map);
+  if (!map) return std::unexpected(map.error());
+  const MapRange range = options.range.value_or(default_range(*map));
+  const Image image = heat_map_image(*map, range);
+  const auto bytes = is_png(options.heatmap) ? encode_png(image) : encode_exr(image);
+  if (!bytes) return std::unexpected(bytes.error());
+  if (const auto written = write_file_atomically(options.heatmap, *bytes); !written) {
+    return std::unexpected(written.error());
+  }
+  return WrittenMap{options.heatmap, options.map, range};
+}
+
+struct CheckedLimit {
+  CompareLimit limit;
+  double value = 0;
+  bool exceeded = false;  ///< also by what is NaN
+};
+
+Expected<std::vector<CheckedLimit>> check_limits(const CompareCommandOptions& options,
+                                                 const Comparison& comparison) {
+  std::vector<CheckedLimit> checked;
+  for (const CompareLimit& limit : options.limits) {
+    const auto value = limited_value(comparison, limit.metric);
+    if (!value) return std::unexpected(value.error());
+    checked.push_back({limit, *value, !(*value <= limit.value)});
+  }
+  if (options.must_be_consistent && !comparison.z_test) {
+    return fail("no z-test: " + comparison.z_test_left_out + " (see --variance)");
+  }
+  return checked;
+}
+
+/// Says what is not good enough, if anything.
+bool passes(const CompareCommandOptions& options, const Comparison& comparison,
+            const std::vector<CheckedLimit>& limits) {
+  bool good = true;
+  for (const CheckedLimit& checked : limits) {
+    if (!checked.exceeded) continue;
+    good = false;
+    print_error({fmt::format("{} {:.6g} is above the limit {:.6g}", checked.limit.metric, checked.value,
+                             checked.limit.value)});
+  }
+  if (options.must_be_consistent && !comparison.z_test->consistent) {
+    good = false;
+    print_error({"the images differ by more than their noise"});
+  }
+  const std::uint64_t bad_pixels = comparison.pair.image_non_finite + comparison.pair.reference_non_finite;
+  if ((!limits.empty() || options.must_be_consistent) && bad_pixels > 0) {
+    good = false;
+    print_error(
+        {fmt::format("pixels that are NaN or infinite: {} of {}, {} of {}", comparison.pair.image_non_finite,
+                     options.image, comparison.pair.reference_non_finite, options.reference)});
+  }
+  return good;
+}
+
+nlohmann::ordered_json report_json(const CompareCommandOptions& options, const Comparison& comparison,
+                                   const std::vector<CheckedLimit>& limits,
+                                   const std::optional<WrittenMap>& map, bool passed) {
+  nlohmann::ordered_json json = {{"image", options.image}, {"reference", options.reference}};
+  json.update(comparison_json(comparison));
+  json["limits"] = nlohmann::ordered_json::array();
+  for (const CheckedLimit& checked : limits) {
+    json["limits"].push_back({{"metric", checked.limit.metric},
+                              {"limit", checked.limit.value},
+                              {"value", std::isfinite(checked.value) ? nlohmann::ordered_json(checked.value)
+                                                                     : nlohmann::ordered_json(nullptr)},
+                              {"exceeded", checked.exceeded}});
+  }
+  json["passed"] = passed;
+  if (map)
+    json["heatmap"] = {
+        {"file", map->file}, {"map", map->name}, {"low", map->range.low}, {"high", map->range.high}};
+  return json;
+}
+
+ExitCode bad_input(const Error& error) { return print_error(error), kBadInput; }
+
+ExitCode compare(const CompareCommandOptions& options) {
+  if (const auto writable = check_outputs(options); !writable) return bad_input(writable.error());
+  const auto comparison = run_comparison(options);
+  if (!comparison) return bad_input(comparison.error());
+  const auto limits = check_limits(options, *comparison);
+  if (!limits) return bad_input(limits.error());
+  std::optional<WrittenMap> map;
+  if (!options.heatmap.empty()) {
+    auto written = write_heat_map(options, *comparison);
+    if (!written) return bad_input(written.error());
+    map = std::move(*written);
+  }
+  if (options.json != "-") {
     fmt::print("{}", comparison_text(*comparison));
+    if (map)
+      fmt::print("{}: {} from {:.6g} (dark) to {:.6g} (yellow)\n", map->file, map->name, map->range.low,
+                 map->range.high);
   }
-  if (options.tolerance && !(comparison->relative_mse <= *options.tolerance)) {
-    print_error({fmt::format("relMSE {:.6g} is above the tolerance {:.6g}", comparison->relative_mse,
-                             *options.tolerance)});
-    return kIncomplete;
+  const bool passed = passes(options, *comparison, *limits);
+  if (!options.json.empty()) {
+    const std::string json = report_json(options, *comparison, *limits, map, passed)
+                                 .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
+                             "\n";
+    if (options.json == "-") {
+      fmt::print("{}", json);
+    } else if (const auto written = write_file_atomically(
+                   options.json, {reinterpret_cast<const std::uint8_t*>(json.data()), json.size()});
+               !written) {
+      return bad_input(written.error());
+    }
   }
-  return kAllDone;
+  return passed ? kAllDone : kIncomplete;
+}
+
+void add_metric_options(CLI::App& command, CompareCommandOptions& options) {
+  constexpr const char* kGroup = "What is measured";
+  command
+      .add_option("--layer", options.compare.layer,
+                  "Layer or channel of an EXR: albedo, depth, samples.count…")
+      ->type_name("NAME")
+      ->default_str("beauty")
+      ->group(kGroup);
+  command
+      .add_option("--second-reference", options.second_reference,
+                  "Another reference, independent of B: squared errors become free of the noise of both")
+      ->type_name("FILE")
+      ->group(kGroup);
+  command.add_option("--epsilon", options.compare.epsilon, "Of relMSE, MAPE and SMAPE")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str()
+      ->type_name("E")
+      ->group(kGroup);
+  static const std::map<std::string, FlipKind> kinds = {{"auto", FlipKind::kAuto},
+                                                        {"ldr", FlipKind::kDisplay},
+                                                        {"hdr", FlipKind::kRadiance},
+                                                        {"none", FlipKind::kNone}};
+  command.add_option("--flip", options.compare.flip, "auto (ldr for PNG, hdr for EXR), ldr, hdr, none")
+      ->transform(CLI::CheckedTransformer(kinds).description(""))
+      ->type_name("KIND")
+      ->default_str("auto")
+      ->group(kGroup);
+  command.add_option("--ppd", options.compare.pixels_per_degree, "Pixels per degree of the observer of FLIP")
+      ->check(CLI::Range(1.0, 10000.0).description(""))
+      ->type_name("P")
+      ->default_str("67.02")
+      ->group(kGroup);
+}
+
+void add_z_options(CLI::App& command, CompareCommandOptions& options) {
+  constexpr const char* kGroup = "Noise";
+  command.add_option("--variance", options.variance, "Variance of A's values (default: A's layer variance)")
+      ->type_name("FILE")
+      ->group(kGroup);
+  command
+      .add_option("--reference-variance", options.reference_variance,
+                  "Variance of B's values (default: B's layer variance; else B counts as exact)")
+      ->type_name("FILE")
+      ->group(kGroup);
+  command
+      .add_option("--significance", options.compare.z_test.significance,
+                  "Chance that images which differ by noise alone fail the z-test")
+      ->check(CLI::Range(1e-12, 0.5).description(""))
+      ->capture_default_str()
+      ->type_name("P")
+      ->group(kGroup);
+  command.add_option("--block", options.compare.z_test.block, "Side of the z-test's blocks in pixels")
+      ->check(CLI::Range(1, 65536).description(""))
+      ->capture_default_str()
+      ->type_name("N")
+      ->group(kGroup);
+}
+
+void add_output_options(CLI::App& command, CompareCommandOptions& options) {
+  constexpr const char* kGroup = "Outputs";
+  command
+      .add_option("--json", options.json, "Write JSON; without FILE, or as -, to stdout instead of the table")
+      ->expected(0, 1)
+      ->default_str("-")
+      ->type_name("FILE")
+      ->group(kGroup);
+  const auto heatmap = command.add_option("--heatmap", options.heatmap, "Picture of the errors (.png, .exr)")
+                           ->type_name("FILE")
+                           ->group(kGroup);
+  command.add_option("--map", options.map, "Error shown by the heat map: relmse, abs, flip, z")
+      ->check(CLI::IsMember({"relmse", "abs", "flip", "z"}).description(""))
+      ->capture_default_str()
+      ->type_name("MAP")
+      ->needs(heatmap)
+      ->group(kGroup);
+  command
+      .add_option_function<std::string>(
+          "--range",
+          [&options](const std::string& text) {
+            options.range = parse_range(text);
+            if (!options.range)
+              throw CLI::ValidationError("--range", "'" + text + "' is not LOW,HIGH with LOW < HIGH");
+          },
+          "Errors that the heat map shows darkest and brightest (default: flip 0,1; z 0,5; else 0 to the "
+          "99th "
+          "percentile)")
+      ->type_name("LOW,HIGH")
+      ->needs(heatmap)
+      ->group(kGroup);
+}
+
+void add_limit_options(CLI::App& command, CompareCommandOptions& options) {
+  constexpr const char* kGroup = "Exit code 1";
+  command
+      .add_option_function<std::vector<std::string>>(
+          "--fail-above",
+          [&options](const std::vector<std::string>& texts) {
+            for (const std::string& text : texts) {
+              const auto limit = parse_limit(text);
+              if (!limit) throw CLI::ValidationError("--fail-above", limit.error().message);
+              options.limits.push_back(*limit);
+            }
+          },
+          fmt::format("If the metric is larger, or a pixel NaN or infinite; repeatable. METRIC: {}",
+                      fmt::join(limit_metrics(), ", ")))
+      ->type_name("METRIC=VALUE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->group(kGroup);
+  command
+      .add_option_function<double>(
+          "--tolerance",
+          [&options](double value) {
+            options.limits.push_back({"relmse", value});
+          },
+          "The same as --fail-above relmse=E")
+      ->type_name("E")
+      ->check(CLI::NonNegativeNumber)
+      ->group(kGroup);
+  command.add_flag("--z-test", options.must_be_consistent, "If the images differ by more than their noise")
+      ->group(kGroup);
 }
 
 }  // namespace
 
 void add_compare_command(CLI::App& app, Command& chosen) {
   CLI::App* command = app.add_subcommand("compare", "Error of image A against the reference B");
-  const auto options = std::make_shared<CompareOptions>();
+  const auto options = std::make_shared<CompareCommandOptions>();
   command->add_option("A", options->image, "Image")->required();
   command->add_option("B", options->reference, "Reference, of the same size")->required();
-  command->add_flag("--json", options->json, "Print JSON");
-  command->add_option("--tolerance", options->tolerance, "Exit with code 1 if relMSE is above this")
-      ->type_name("E")
-      ->check(CLI::NonNegativeNumber);
+  add_metric_options(*command, *options);
+  add_z_options(*command, *options);
+  add_output_options(*command, *options);
+  add_limit_options(*command, *options);
   command->footer(
-      "relMSE is the mean over pixels and channels of (A - B)^2 / (B^2 + 0.01). Any format that OpenImageIO "
-      "reads;\n"
-      "of an EXR the channels R, G, B. Values are compared as stored: compare EXR with EXR, PNG with PNG.\n\n"
+      "Any format that OpenImageIO reads; of an EXR the channels R, G, B. Values are compared as stored: "
+      "compare EXR\n"
+      "with EXR, PNG with PNG. The table says what each metric is. Pixels that are NaN or infinite are "
+      "counted and left\n"
+      "out. Penumbra's EXR files carry the variance of their pixels, which the z-test takes: it wants some "
+      "hundred\n"
+      "samples per pixel.\n\n"
+      "Exit code: 0 compared, and within the limits; 1 a limit is exceeded; 2 bad usage or bad input.\n\n"
       "Examples:\n"
       "  penumbra compare cornell.exr reference.exr\n"
       "  penumbra compare cornell.exr reference.exr --json | jq .relative_mse\n"
-      "  penumbra compare cornell.exr reference.exr --tolerance 1e-3 && echo good enough");
+      "  penumbra compare cornell.exr reference.exr --heatmap where.png --map flip\n"
+      "  penumbra compare cornell.exr half1.exr --second-reference half2.exr\n"
+      "  penumbra compare a.exr b.exr --z-test && echo the same up to noise\n"
+      "  penumbra compare a.exr b.exr --fail-above relmse=1e-3 --fail-above max=0.5 && echo good enough");
   command->callback([options, &chosen] { chosen = [options] { return compare(*options); }; });
 }
 

@@ -2,115 +2,122 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <nlohmann/json.hpp>
+#include <algorithm>
 
 namespace penumbra {
 namespace {
 
-/// Keeps the relative error of black pixels finite.
-constexpr double kRelativeMseFloor = 0.01;
+bool is_beauty(const std::string& layer) { return layer.empty() || layer == "beauty"; }
 
-bool is_finite(const Image& image, std::size_t pixel, const std::array<std::size_t, 3>& channels) {
-  for (const std::size_t channel : channels) {
-    if (!std::isfinite(image.values[pixel * image.channels.size() + channel])) return false;
-  }
-  return true;
+/// Whether the values are signals for a display: what OpenImageIO says of a PNG or JPEG.
+bool is_display_image(const Image& image) {
+  const auto space = image.attribute("oiio:ColorSpace");
+  const std::string* name = space ? std::get_if<std::string>(&*space) : nullptr;
+  return name != nullptr && *name == "sRGB";
 }
 
-std::string join_channels(const Image& image) { return fmt::format("{}", fmt::join(image.channels, ", ")); }
+/// What kAuto means for these images, and why if it is nothing.
+std::pair<FlipKind, std::string> chosen_flip(const CompareImages& images, const CompareOptions& options) {
+  if (options.flip == FlipKind::kNone) return {FlipKind::kNone, "not asked for"};
+  if (options.flip != FlipKind::kAuto) return {options.flip, ""};
+  if (!is_beauty(options.layer)) return {FlipKind::kNone, "only for the beauty layer"};
+  const bool display = is_display_image(images.image);
+  if (is_display_image(images.reference) != display) {
+    return {FlipKind::kNone, "one image is linear and the other one sRGB"};
+  }
+  return {display ? FlipKind::kDisplay : FlipKind::kRadiance, ""};
+}
 
-/// JSON has no NaN or infinity; null stands for them.
-nlohmann::ordered_json number(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+Expected<void> add_flip(const CompareImages& images, const CompareOptions& options, Comparison& result) {
+  const auto [kind, why_not] = chosen_flip(images, options);
+  result.flip_left_out = why_not;
+  if (kind == FlipKind::kNone) return {};
+  auto flip = kind == FlipKind::kDisplay ? flip_of_display_images(result.pair, options.pixels_per_degree)
+                                         : flip_of_radiance(result.pair, options.pixels_per_degree);
+  if (!flip) return std::unexpected(flip.error());
+  result.flip = std::move(*flip);
+  return {};
+}
+
+/// From a file of its own, else from the image's layer, else empty. Errors: the file of its own does not fit.
+Expected<std::vector<float>> variance_of(const Image& image, const Image* variance,
+                                         const Comparison& result) {
+  if (variance != nullptr) return variance_image(*variance, result.pair, result.layer);
+  return variance_layer(image, result.pair, result.layer).value_or(std::vector<float>{});
+}
+
+/// Of the mean of both references; empty if only one of them has a variance.
+std::vector<float> variance_of_mean(const std::vector<float>& first, const std::vector<float>& second) {
+  if (first.empty() || second.empty()) return {};
+  std::vector<float> mean(first.size());
+  std::ranges::transform(first, second, mean.begin(), [](float a, float b) { return 0.25f * (a + b); });
+  return mean;
+}
+
+Expected<void> add_z_test(const CompareImages& images, const CompareOptions& options, Comparison& result) {
+  auto of_image = variance_of(images.image, images.variance, result);
+  if (!of_image) return fail("variance: " + of_image.error().message);
+  auto of_reference = variance_of(images.reference, images.reference_variance, result);
+  if (!of_reference) return fail("variance of the reference: " + of_reference.error().message);
+  if (images.second_reference != nullptr && images.reference_variance == nullptr) {
+    *of_reference = variance_of_mean(*of_reference, *variance_of(*images.second_reference, nullptr, result));
+  }
+  if (of_image->empty() && of_reference->empty()) {
+    result.z_test_left_out = "neither image has a variance";
+    return {};
+  }
+  auto test = z_test(result.pair, *of_image, *of_reference, options.z_test);
+  if (!test) return std::unexpected(test.error());
+  result.z_test = std::move(*test);
+  result.image_variance = std::move(*of_image);
+  result.reference_variance = std::move(*of_reference);
+  return {};
 }
 
 }  // namespace
 
-double Comparison::mean_ratio(int channel) const {
-  return image_mean[std::size_t(channel)] / reference_mean[std::size_t(channel)];
+double Comparison::mean_ratio(std::size_t channel) const {
+  return image_mean.channels[channel] / reference_mean.channels[channel];
 }
 
-Expected<Comparison> compare_images(const Image& image, const Image& reference) {
-  if (image.data.width != reference.data.width || image.data.height != reference.data.height) {
-    return fail(fmt::format("the sizes differ: {} x {} against {} x {}", image.data.width, image.data.height,
-                            reference.data.width, reference.data.height));
-  }
-  const auto image_channels = image.beauty_channels();
-  const auto reference_channels = reference.beauty_channels();
-  if (!image_channels) return fail("the image has no channels R, G, B; it has " + join_channels(image));
-  if (!reference_channels)
-    return fail("the reference has no channels R, G, B; it has " + join_channels(reference));
-
+Expected<Comparison> compare_images(const CompareImages& images, const CompareOptions& options) {
+  auto pair = pair_images(images.image, images.reference, images.second_reference, options.layer);
+  if (!pair) return std::unexpected(pair.error());
   Comparison result;
-  result.width = image.data.width;
-  result.height = image.data.height;
-  for (std::size_t pixel = 0; pixel < image.pixels(); ++pixel) {
-    const bool image_finite = is_finite(image, pixel, *image_channels);
-    const bool reference_finite = is_finite(reference, pixel, *reference_channels);
-    result.image_non_finite += !image_finite;
-    result.reference_non_finite += !reference_finite;
-    if (!image_finite || !reference_finite) continue;
-    ++result.compared_pixels;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const double value = image.values[pixel * image.channels.size() + (*image_channels)[c]];
-      const double truth = reference.values[pixel * reference.channels.size() + (*reference_channels)[c]];
-      const double d = value - truth;
-      result.mse += d * d;
-      result.relative_mse += d * d / (truth * truth + kRelativeMseFloor);
-      result.image_mean[c] += value;
-      result.reference_mean[c] += truth;
-      if (std::abs(d) > result.max_difference) {
-        result.max_difference = std::abs(d);
-        result.max_x = int(pixel % std::size_t(image.data.width));
-        result.max_y = int(pixel / std::size_t(image.data.width));
-      }
-    }
-  }
-  if (result.compared_pixels == 0) return fail("no pixel is finite in both images");
-  const double pixels = double(result.compared_pixels);
-  result.mse /= 3 * pixels;
-  result.relative_mse /= 3 * pixels;
-  for (std::size_t c = 0; c < 3; ++c) {
-    result.image_mean[c] /= pixels;
-    result.reference_mean[c] /= pixels;
-  }
+  result.layer = is_beauty(options.layer) ? "beauty" : options.layer;
+  result.pair = std::move(*pair);
+  const ImagePair& p = result.pair;
+  result.epsilon = options.epsilon;
+  result.trimmed_pixels = trimmed_pixels(p);
+  result.image_mean = image_mean(p);
+  result.reference_mean = reference_mean(p);
+  result.bias = bias(p);
+  result.relative_bias = relative_bias(p);
+  result.mse = mean_squared_error(p);
+  result.relative_mse = relative_mse(p, options.epsilon);
+  result.trimmed_relative_mse = trimmed_relative_mse(p, options.epsilon);
+  result.mape = mean_absolute_percentage_error(p, options.epsilon);
+  result.smape = symmetric_mean_absolute_percentage_error(p, options.epsilon);
+  result.psnr = peak_signal_to_noise_ratio(p);
+  result.largest = largest_differences(p);
+  result.largest_at = largest_difference(p);
+  if (const auto added = add_flip(images, options, result); !added) return std::unexpected(added.error());
+  if (const auto added = add_z_test(images, options, result); !added) return std::unexpected(added.error());
   return result;
 }
 
-std::string comparison_text(const Comparison& c) {
-  std::string text = fmt::format(
-      "{} x {} pixels, d = A - B, B is the reference\n"
-      "relMSE       {:.6g}   mean of d^2 / (B^2 + {})\n"
-      "MSE          {:.6g}\n"
-      "max |d|      {:.6g}   at pixel {},{}\n"
-      "                     R            G            B\n"
-      "mean of A    {:12.6g} {:12.6g} {:12.6g}\n"
-      "mean of B    {:12.6g} {:12.6g} {:12.6g}\n"
-      "A / B        {:12.6f} {:12.6f} {:12.6f}\n",
-      c.width, c.height, c.relative_mse, kRelativeMseFloor, c.mse, c.max_difference, c.max_x, c.max_y,
-      c.image_mean[0], c.image_mean[1], c.image_mean[2], c.reference_mean[0], c.reference_mean[1],
-      c.reference_mean[2], c.mean_ratio(0), c.mean_ratio(1), c.mean_ratio(2));
-  if (c.image_non_finite + c.reference_non_finite > 0) {
-    text += fmt::format("left out, as NaN or infinite: {} pixels of A, {} of B\n", c.image_non_finite,
-                        c.reference_non_finite);
+Expected<ErrorMap> error_map(const Comparison& c, const std::string& name) {
+  if (name == "relmse") return relative_error_map(c.pair, c.epsilon);
+  if (name == "abs") return absolute_error_map(c.pair);
+  if (name == "flip") {
+    if (!c.flip) return fail("no map of FLIP: it was left out, " + c.flip_left_out);
+    return ErrorMap{"flip", c.pair.window, c.flip->pixels};
   }
-  return text;
-}
-
-nlohmann::ordered_json comparison_json(const Comparison& c) {
-  return {{"width", c.width},
-          {"height", c.height},
-          {"relative_mse", number(c.relative_mse)},
-          {"mse", number(c.mse)},
-          {"max_difference", number(c.max_difference)},
-          {"max_difference_pixel", {c.max_x, c.max_y}},
-          {"image_mean", {c.image_mean[0], c.image_mean[1], c.image_mean[2]}},
-          {"reference_mean", {c.reference_mean[0], c.reference_mean[1], c.reference_mean[2]}},
-          {"mean_ratio", {number(c.mean_ratio(0)), number(c.mean_ratio(1)), number(c.mean_ratio(2))}},
-          {"compared_pixels", c.compared_pixels},
-          {"image_non_finite_pixels", c.image_non_finite},
-          {"reference_non_finite_pixels", c.reference_non_finite}};
+  if (name == "z") {
+    if (!c.z_test) return fail("no map of z: " + c.z_test_left_out);
+    return z_map(c.pair, z_values(c.pair, c.image_variance, c.reference_variance));
+  }
+  return fail(fmt::format("there is no map '{}', but relmse, abs, flip and z", name));
 }
 
 }  // namespace penumbra
