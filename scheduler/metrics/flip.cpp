@@ -43,7 +43,8 @@ Color hunt_lab(const Color& rgb) {
 
 /// Abasi et al. 2020: city block in lightness, Euclidean in the rest; for large differences.
 double hyab(const Color& a, const Color& b) {
-  return std::abs(a[0] - b[0]) + std::hypot(a[1] - b[1], a[2] - b[2]);
+  const double da = a[1] - b[1], db = a[2] - b[2];
+  return std::abs(a[0] - b[0]) + std::sqrt(da * da + db * db);
 }
 
 /// Differences from 0 to that of green and blue to [0, 1], the most of it for the smaller ones.
