@@ -17,10 +17,13 @@ using Command = std::function<ExitCode()>;
 void add_render_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen);
 void add_info_command(CLI::App& app, Command& chosen);
 void add_compare_command(CLI::App& app, Command& chosen);
-/// Listed for the help; `penumbra worker` itself never gets to the parser, see run_worker.
-void add_worker_command(CLI::App& app);
+/// Commands that are programs of their own, `penumbra worker` and `penumbra stress`: listed for the help,
+/// they never get to the parser, see run_sibling.
+void add_sibling_commands(CLI::App& app);
 
-/// Replaces this process by `penumbra-worker` with these arguments; returns only if there is no such program.
-ExitCode run_worker(const std::vector<std::string>& arguments);
+/// The program that the command is, or an empty text.
+std::string sibling_program(const std::string& command);
+/// Replaces this process by that program with these arguments; returns only if there is no such program.
+ExitCode run_sibling(const std::string& program, const std::vector<std::string>& arguments);
 
 }  // namespace penumbra

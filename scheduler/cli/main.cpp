@@ -51,8 +51,8 @@ std::string usage_error(const CLI::App* app, const CLI::Error& error) {
 
 ExitCode run(int argc, char** argv) {
   const std::vector<std::string> command_line(argv, argv + argc);
-  if (argc > 1 && command_line[1] == "worker") {
-    return run_worker({command_line.begin() + 2, command_line.end()});
+  if (const std::string program = argc > 1 ? sibling_program(command_line[1]) : ""; !program.empty()) {
+    return run_sibling(program, {command_line.begin() + 2, command_line.end()});
   }
   CLI::App app("Penumbra: a distributed tile-parallel batch renderer", "penumbra");
   app.set_version_flag("--version", fmt::format("penumbra {}", kVersion));
@@ -63,7 +63,7 @@ ExitCode run(int argc, char** argv) {
   add_render_command(app, command_line, chosen);
   add_info_command(app, chosen);
   add_compare_command(app, chosen);
-  add_worker_command(app);
+  add_sibling_commands(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,0 +1,51 @@
+// `penumbra worker …` and `penumbra stress …`: they start programs of their own, so that `penumbra` itself
+// knows of no devices.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "scheduler/cli/commands.h"
+#include "scheduler/cli/program_path.h"
+
+namespace penumbra {
+namespace {
+
+struct Sibling {
+  const char *command, *program, *help;
+};
+constexpr Sibling kSiblings[] = {
+    {"worker", "penumbra-worker", "Start penumbra-worker; `penumbra worker --help` shows its options"},
+    {"stress", "penumbra-stress",
+     "Stiff and extreme cases against truth of high precision; `penumbra stress --help` shows its options"},
+};
+
+}  // namespace
+
+void add_sibling_commands(CLI::App& app) {
+  for (const Sibling& sibling : kSiblings)
+    app.add_subcommand(sibling.command, sibling.help)->prefix_command();
+}
+
+std::string sibling_program(const std::string& command) {
+  for (const Sibling& sibling : kSiblings) {
+    if (command == sibling.command) return sibling.program;
+  }
+  return {};
+}
+
+ExitCode run_sibling(const std::string& name, const std::vector<std::string>& arguments) {
+  const auto program = find_program(name);
+  if (!program) return print_error(program.error()), kIncomplete;
+  std::string path = program->string();
+  std::vector<char*> words{path.data()};
+  std::vector<std::string> copies = arguments;
+  for (std::string& word : copies) words.push_back(word.data());
+  words.push_back(nullptr);
+  execv(path.c_str(), words.data());
+  print_error({fmt::format("cannot start {}: {}", path, std::strerror(errno))});
+  return kIncomplete;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,11 @@
+// The files of this folder: each adds the cases of its topics. A new case is one entry in one of them.
+#pragma once
+
+#include "stress/case.h"
+
+namespace penumbra::stress {
+
+void add_polygon_cases(std::vector<Case>& cases);
+void add_pending_cases(std::vector<Case>& cases);
+
+}  // namespace penumbra::stress
