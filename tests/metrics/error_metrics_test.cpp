@@ -58,6 +58,15 @@ TEST(ErrorMetrics, ByHand) {
   EXPECT_DOUBLE_EQ(peak_signal_to_noise_ratio(pair).channels[0], 10 * std::log10(1 / 0.5));
 }
 
+TEST(ErrorMetrics, NegativeValuesCountByMagnitude) {
+  const ImagePair pair = pair_of(grey_image(1, 1, {-1}), grey_image(1, 1, {1}));
+  EXPECT_DOUBLE_EQ(symmetric_mean_absolute_percentage_error(pair).overall, 2 / 2.01);
+  EXPECT_DOUBLE_EQ(
+      mean_absolute_percentage_error(pair_of(grey_image(1, 1, {1}), grey_image(1, 1, {-1}))).overall,
+      2 / 1.01);
+  EXPECT_DOUBLE_EQ(bias(pair).overall, -2);
+}
+
 TEST(ErrorMetrics, TheLargestDifferenceIsInFilmCoordinates) {
   Image image = image_of(2, 2, std::vector<float>(12)), reference = image;
   image.data = reference.data = {10, 20, 2, 2};
@@ -96,6 +105,11 @@ TEST(ErrorMetrics, TrimmingLeavesOutTheLargestTermsOnly) {
   EXPECT_EQ(trimmed_pixels(pair), 2u);
   EXPECT_DOUBLE_EQ(trimmed_relative_mse(pair, 1).overall, (1997 * 1 + 100) / 1998.0);
   EXPECT_DOUBLE_EQ(relative_mse(pair, 1).overall, (1997 * 1 + 100 + 1e6 + 4e6) / 2000.0);
+  // A share of the pixels that count: of 1999, one.
+  values[0] = std::numeric_limits<float>::quiet_NaN();
+  const ImagePair one_less = pair_of(grey_image(100, 20, values), grey_image(100, 20, reference));
+  EXPECT_EQ(trimmed_pixels(one_less), 1u);
+  EXPECT_DOUBLE_EQ(trimmed_relative_mse(one_less, 1).overall, (1996 * 1 + 100 + 1e6) / 1998.0);
   // Ties: any of them may go.
   EXPECT_DOUBLE_EQ(trimmed_relative_mse(pair, 1, 0.5).overall, 1);
   // Too few pixels for one in a thousand: nothing goes.

@@ -177,6 +177,13 @@ TEST(Flip, TheToneMapTakesTheExposuresTo85Percent) {
   EXPECT_EQ(aces_tone_map(1e100), 1);
 }
 
+TEST(Flip, TheMedianOfAnEvenNumberIsTheMeanOfTheMiddleTwo) {
+  const ImagePair pair = pair_of(grey_image(4, 1, {0, 0, 0, 0}), grey_image(4, 1, {8, 1, 4, 0}));
+  const FlipExposures exposures = flip_exposures(pair);
+  EXPECT_NEAR(aces_tone_map(std::exp2(exposures.start) * 8), 0.85, 1e-12);
+  EXPECT_NEAR(aces_tone_map(std::exp2(exposures.stop) * 2.5), 0.85, 1e-12);
+}
+
 TEST(Flip, HdrIsIndependentOfTheUnit) {
   const ImagePair pair = patterned(40, 40, true);
   const auto plain = flip_of_radiance(pair);

@@ -23,12 +23,12 @@ std::string pair_error(const Image& image, const Image& reference, std::string_v
 }
 
 TEST(ImagePair, CountsWhatIsNotFinite) {
-  const ImagePair pair = pair_of(image_of(3, 1, {1, kNan, 1, 2, 2, 2, kInfinity, 0, 0}),
-                                 image_of(3, 1, {1, 1, 1, 2, 2, 3, 0, 0, -kInfinity}));
+  const ImagePair pair = pair_of(image_of(4, 1, {1, kNan, 1, 2, 2, 2, kInfinity, 0, 0, 1, 1, 1}),
+                                 image_of(4, 1, {1, 1, 1, 2, 2, 3, 0, 0, -kInfinity, 1, 1, kNan}));
   EXPECT_EQ(pair.compared_pixels, 1u);
   EXPECT_EQ(pair.image_non_finite, 2u);
-  EXPECT_EQ(pair.reference_non_finite, 1u);
-  EXPECT_THAT(pair.finite, ElementsAre(0, 1, 0));
+  EXPECT_EQ(pair.reference_non_finite, 2u);
+  EXPECT_THAT(pair.finite, ElementsAre(0, 1, 0, 0));
   EXPECT_THAT(pair_error(image_of(1, 1, {kNan, 0, 0}), image_of(1, 1, {0, 0, 0})),
               HasSubstr("no pixel is finite in all images: 1 of 1"));
 }

@@ -50,9 +50,39 @@ TEST(ZTest, ByHand) {
   EXPECT_TRUE(std::isnan(test->channel_mean_z[2]));
 }
 
+TEST(ZTest, SharesByHand) {
+  const ImagePair pair =
+      pair_of(grey_image(5, 1, {1, -2, 2.5f, -2.7f, 0}), grey_image(5, 1, {0, 0, 0, 0, 0}));
+  const std::vector<float> one(5, 1.0f);
+  const auto test = z_test(pair, one, {});
+  EXPECT_DOUBLE_EQ(test->share_above_1_96, 0.6);
+  EXPECT_DOUBLE_EQ(test->share_above_2_58, 0.2);
+}
+
+// The last bit of a value whose variance is far below it.
+TEST(ZTest, RoundingIsNoDifference) {
+  const ImagePair pair = pair_of(grey_image(1, 1, {std::nextafter(3.0f, 4.0f)}), grey_image(1, 1, {3}));
+  const auto test = z_test(pair, std::vector<float>(1, 1e-20f), {});
+  EXPECT_LT(std::abs(test->largest.z), 0.1);
+  EXPECT_TRUE(test->consistent);
+}
+
+// Every |z| is 1.4, either sign alike: only the sum of squares is too large, 1.96 times what is expected.
+TEST(ZTest, TheChiSquareAloneCanTell) {
+  std::vector<float> values;
+  for (int i = 0; i < 256; ++i) values.push_back(i % 2 == 0 ? 1.4f : -1.4f);
+  const ImagePair pair = pair_of(grey_image(16, 16, values), grey_image(16, 16, std::vector<float>(256)));
+  const auto test = z_test(pair, std::vector<float>(256, 1.0f), {});
+  EXPECT_NEAR(test->block_chi_square.z, 1.96 * 256, 1e-2);
+  EXPECT_EQ(test->largest.p, 1);
+  EXPECT_EQ(test->block_mean.p, 1);
+  EXPECT_EQ(test->image_mean.p, 1);
+  EXPECT_FALSE(test->consistent);
+}
+
 // At a significance of 10 %, 200 pairs that differ by noise alone: the share that fails is binomial with at
 // most that chance (Bonferroni bounds it from above, at most by a third here as the four parts hardly depend
-// on each other), so between 4 and 40 of 200 but for one chance in 1e5.
+// on each other), so between 4 and 40 of 200 but for about one chance in 1e4.
 TEST(ZTest, FailsAsOftenAsItsSignificanceSays) {
   int failed = 0;
   double above = 0, square = 0;
@@ -126,7 +156,7 @@ TEST(ZTest, SeesASingleWrongPixel) {
   EXPECT_LT(test.largest.z, -6);
 }
 
-// Noise in a block 1.3 times what the variance says: z^2 has mean 1.69, and its chi-square of 256 a deviation
+// Noise in a block 1.5 times what the variance says: z^2 has mean 2.25, and the chi-square of 256 a deviation
 // of 22.6.
 TEST(ZTest, SeesNoiseThatIsLargerThanItSays) {
   ImagePair pair = noisy_pair(8);
