@@ -102,9 +102,9 @@ STAGE void record_layers(const PRIVATE Scene* scene, const GLOBAL float* RESTRIC
 #endif
 
 /// Renders `pixels` pixels of the unit, row by row from its `first_pixel`-th, and writes their statistics
-/// into the planes of `out` (SampleBufferPlane). `bad` counts samples with NaN and with infinity.
+/// into the planes of `out` (SampleBufferPlane). `bad`, of BAD_KINDS, notes samples that are no numbers.
 FN void render_block(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int pixels,
-                     const PRIVATE Block* block, GLOBAL float* out, GLOBAL uint* bad) {
+                     const PRIVATE Block* block, GLOBAL float* out, GLOBAL BadSamples* bad) {
   GLOBAL float* f = block->f;
   GLOBAL int* ints = block->i;
   GLOBAL float* slots = block->slots;
@@ -128,6 +128,7 @@ FN void render_block(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
 #if HAS(POLYGONS)
     if (control) clear_control(f, capacity, count);
 #endif
+    if (block->probe != 0) probe_camera(block);
     for (int step = 0; count > 0; step++) {
       intersect_block(scene, f, ints, capacity, count);
       pad_hits(ints, capacity, count);
@@ -141,12 +142,14 @@ FN void render_block(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
       if (camera_rays && step == 0) keep_camera_rays(f, ints, capacity, count);
       if (camera_rays) step_direct(scene, f, ints, capacity, count, step);
 #endif
+      if (block->probe != 0) probe_step(block, control, step);
       occlude_block(scene, f, ints, capacity, count);
       add_light(RADIANCE_X, true, control, 0, f, ints, capacity, count);
 #if HAS(POLYGONS)
       if (control) add_light(UNSHADOWED_X, false, true, 1, f, ints, capacity, count);
       if (control) add_light(SHADOWED_X, true, true, 1, f, ints, capacity, count);
 #endif
+      if (block->probe != 0) probe_light(block, step);
       count = compact(f, ints, capacity, count, all_floats, control, slots, slot_capacity);
       if (count > 0) pad_lanes(f, ints, capacity, count, all_floats, control);
     }
@@ -154,7 +157,10 @@ FN void render_block(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
 #if HAS(POLYGONS)
   if (control) control_samples(scene, unit, first_pixel, pixels, slots, slot_capacity, layers, out);
 #endif
+  if (block->probe != 0) probe_sample(block, STAGE_CONTROL);
   accumulate(unit, first_pixel, pixels, slots, slot_capacity, layers, out, bad);
+  if (block->probe != 0)
+    probe_stage(block->probe, bad[BAD_NAN].count + bad[BAD_INFINITE].count == 0u, STAGE_FILTER, 0);
 }
 
 PENUMBRA_NAMESPACE_END

@@ -1,15 +1,18 @@
 // From a block's samples to the statistics of its pixels.
 #ifndef PENUMBRA_BLOCK_ACCUMULATE_H
 #define PENUMBRA_BLOCK_ACCUMULATE_H
-#include "kernels/features.h"
-#include "kernels/math.h"
-#include "kernels/path_state.h"
-#include "kernels/unit.h"
+#include "kernels/block_probe.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-FN bool is_nan_bits(uint bits) { return (bits & 0x7fffffffu) > 0x7f800000u; }
-FN bool is_infinite_bits(uint bits) { return (bits & 0x7fffffffu) == 0x7f800000u; }
+/// Adds so many bad samples to those noted; the first of them is this one of this pixel.
+FN void note_bad(GLOBAL BadSamples* bad, uint count, int pixel, int sample) {
+  if (count == 0u) return;
+  const bool is_first = (bad->count == 0u) | ((uint)pixel < bad->pixel);
+  bad->pixel = is_first ? (uint)pixel : bad->pixel;
+  bad->sample = is_first ? (uint)sample : bad->sample;
+  bad->count += count;
+}
 
 /// Mean of a slot field over a pixel's samples, by the deviations from a first estimate, which leaves no
 /// rounding of the sum behind; also the sum of squared deviations.
@@ -29,11 +32,13 @@ FN void accumulate_field(const GLOBAL float* RESTRICT values, int first, int cou
 }
 
 /// Statistics of the block's pixels, in sample order. Samples with a NaN or an infinity count as 0 and are
-/// counted.
+/// noted in `bad`, of BAD_KINDS.
 STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, GLOBAL float* RESTRICT slots,
-                      int slot_capacity, bool layers, GLOBAL float* RESTRICT out, GLOBAL uint* RESTRICT bad) {
+                      int slot_capacity, bool layers, GLOBAL float* RESTRICT out,
+                      GLOBAL BadSamples* RESTRICT bad) {
   const int n = unit->sample_count, area = unit->width * unit->height;
   uint nans = 0u, infinities = 0u;
+  int first_nan = pixels * n, first_infinity = first_nan;
   for (int s = 0; s < pixels * n; s++) {
     const float weight = slots[FILTER_WEIGHT * slot_capacity + s];
     const vec3 sample = scale(LOAD3(slots, slot_capacity, SAMPLE_X, s), weight);
@@ -44,6 +49,8 @@ STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, GLO
     STORE3(slots, slot_capacity, SAMPLE_X, s, kept);
     nans += nan ? 1u : 0u;
     infinities += infinite ? 1u : 0u;
+    first_nan = (nan & (s < first_nan)) ? s : first_nan;
+    first_infinity = (infinite & (s < first_infinity)) ? s : first_infinity;
 #if HAS(LAYERS)
     for (int k = ALBEDO_X; layers && k <= DEPTH; k++) slots[k * slot_capacity + s] *= weight;
 #endif
@@ -64,8 +71,8 @@ STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, GLO
     }
 #endif
   }
-  bad[0] += nans;
-  bad[1] += infinities;
+  note_bad(bad + BAD_NAN, nans, first_pixel + first_nan / n, first_nan % n);
+  note_bad(bad + BAD_INFINITE, infinities, first_pixel + first_infinity / n, first_infinity % n);
 }
 
 PENUMBRA_NAMESPACE_END

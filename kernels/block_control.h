@@ -27,8 +27,8 @@ FN void check_control(GLOBAL float* RESTRICT slots, int slot_capacity, int s) {
 }
 
 /// Completes the samples of the block's pixels by their control variates. With `layers` also the means of the
-/// closed form G, of what shadows take away (the samples' part of the estimate less G), and the visible share
-/// of the light, in the planes after the other layers'.
+/// closed form G, of what shadows take away (the samples' part of the estimate less G), and of the light
+/// samples with and without shadows, in the planes after the other layers'.
 STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int pixels,
                            GLOBAL float* RESTRICT slots, int slot_capacity, bool layers,
                            GLOBAL float* RESTRICT out) {
@@ -69,8 +69,10 @@ STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit,
   #endif
     }
   #if HAS(LAYERS)
-    if (layers)
-      out[VISIBILITY_PLANE * area + at] = all_unshadowed > 0.0f ? all_shadowed / all_unshadowed : 0.0f;
+    if (layers) {
+      out[SEEN_PLANE * area + at] = all_shadowed / (float)n;
+      out[WHOLE_PLANE * area + at] = all_unshadowed / (float)n;
+    }
   #endif
   }
 }

@@ -10,7 +10,7 @@
 namespace penumbra {
 
 void NATIVE_FUNCTION(const SceneHeader& header, const uint* words, const Tracer& tracer, const Unit& unit,
-                     int first_pixel, int pixels, const Block& block, float* out, uint* bad) {
+                     int first_pixel, int pixels, const Block& block, float* out, BadSamples* bad) {
   Scene scene = make_scene(header, words);
   scene.tracer = tracer;
   render_block(&scene, &unit, first_pixel, pixels, &block, out, bad);

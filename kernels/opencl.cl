@@ -2,12 +2,12 @@
 #include "kernels/block.h"
 
 /// One block per work item: pixels [item * block_pixels, ...) of the unit, counted from `first_pixel`. `f`,
-/// `ints` and `slots` hold each work item's block one after the other; `bad` two counters a work item.
+/// `ints` and `slots` hold each work item's block one after the other; `bad` BAD_KINDS entries a work item.
 __kernel void render_blocks(__global const SceneHeader* header, __global const uint* words, int x, int y,
                             int width, int height, uint first_sample, int sample_count, int first_pixel,
                             int block_pixels, int capacity, int slot_capacity, __global float* f,
                             __global int* ints, __global float* slots, __global float* out,
-                            __global uint* bad) {
+                            __global BadSamples* bad) {
   const int item = (int)get_global_id(0);
   Unit unit;
   unit.x = x;
@@ -26,7 +26,8 @@ __kernel void render_blocks(__global const SceneHeader* header, __global const u
   block.slots = slots + (size_t)item * slot_floats(scene.header.features) * slot_capacity;
   block.capacity = capacity;
   block.slot_capacity = slot_capacity;
-  render_block(&scene, &unit, pixel, pixels, &block, out, bad + 2 * item);
+  block.probe = 0;
+  render_block(&scene, &unit, pixel, pixels, &block, out, bad + BAD_KINDS * item);
 }
 
 /// The size and the field offsets of every shared struct as this device lays them out, in the order of

@@ -105,6 +105,8 @@ typedef struct {
   GLOBAL float* slots;  ///< slot_floats() * slot_capacity
   int capacity;         ///< paths under way at once, a multiple of LANES
   int slot_capacity;    ///< samples of a block: at least those of one pixel
+  GLOBAL int* probe;    ///< 0, or for a block of one path: becomes the STAGE_* where it first was no number,
+                        ///< and the step
 } Block;
 
 // Read and write a vec3 whose x, y and z are consecutive fields.

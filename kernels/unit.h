@@ -12,12 +12,34 @@ typedef struct {
   int sample_count;
 } Unit;
 
+/// What a block notes of the samples that are no numbers: how many, and the first of them.
+typedef struct {
+  uint count;
+  uint pixel;   ///< of the unit, row by row
+  uint sample;  ///< of the unit's samples
+} BadSamples;
+
+enum { BAD_NAN, BAD_INFINITE, BAD_KINDS };
+
+/// Where a path first held such a value, see block_probe.h.
+enum {
+  STAGE_UNKNOWN,
+  STAGE_CAMERA,       ///< the camera ray
+  STAGE_EMISSION,     ///< emission that the path's ray found
+  STAGE_LIGHT,        ///< the light sample
+  STAGE_DIRECTION,    ///< the next direction and the throughput along it
+  STAGE_CLOSED_FORM,  ///< of polygon lights
+  STAGE_CONTROL,      ///< their control variate
+  STAGE_FILTER        ///< the film's filter
+};
+
 // Where a unit's layers start among the planes of its result: see SampleBufferPlane, which checks that they
 // agree.
 #define FIRST_LAYER_PLANE 6
 #define ANALYTIC_PLANE 13
 #define DIFFERENCE_PLANE 16
-#define VISIBILITY_PLANE 19
+#define SEEN_PLANE 19
+#define WHOLE_PLANE 20
 
 PENUMBRA_NAMESPACE_END
 #endif

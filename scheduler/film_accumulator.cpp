@@ -64,19 +64,40 @@ void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
       pixel->count += result.sample_count;
     }
   }
-  nan_samples_ += result.nan_samples;
-  infinite_samples_ += result.infinite_samples;
+  if (result.nan.count + result.infinite.count > 0) {
+    NonFinite& noted = non_finite_[{x, y}];
+    noted.nan.add(result.nan);
+    noted.infinite.add(result.infinite);
+  }
 }
 
-void FilmAccumulator::clear(int x, int y, int width, int height, std::uint64_t nan_samples,
-                            std::uint64_t infinite_samples) {
+void FilmAccumulator::clear(int x, int y, int width, int height) {
   for (int row = 0; row < height; ++row) {
     const std::size_t first = index(x, y + row);
     std::fill_n(pixels_.begin() + std::ptrdiff_t(first), width, PixelStatistics{});
     std::fill_n(layers_.begin() + std::ptrdiff_t(first * layers()), std::size_t(width) * layers(), 0.0);
   }
-  nan_samples_ -= nan_samples;
-  infinite_samples_ -= infinite_samples;
+  std::erase_if(non_finite_, [&](const auto& noted) {
+    const auto [corner_x, corner_y] = noted.first;
+    return corner_x >= x && corner_x < x + width && corner_y >= y && corner_y < y + height;
+  });
+}
+
+double FilmAccumulator::visibility(int film_x, int film_y) const {
+  const double whole = layer(film_x, film_y, kWhole);
+  return whole > 0 ? layer(film_x, film_y, kSeen) / whole : 0;
+}
+
+NonFiniteSamples FilmAccumulator::nan() const {
+  NonFiniteSamples all;
+  for (const auto& [corner, noted] : non_finite_) all.add(noted.nan);
+  return all;
+}
+
+NonFiniteSamples FilmAccumulator::infinite() const {
+  NonFiniteSamples all;
+  for (const auto& [corner, noted] : non_finite_) all.add(noted.infinite);
+  return all;
 }
 
 const PixelStatistics& FilmAccumulator::at(int film_x, int film_y) const {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "kernels/host/sample_buffer.h"
@@ -27,9 +29,9 @@ class FilmAccumulator {
 
   /// Merges a unit's result whose corner is film pixel (x, y), inside the rectangle.
   void add(int x, int y, const SampleBuffer& result);
-  /// Forgets all samples of a rectangle whose corner is film pixel (x, y), among them so many that were not
-  /// finite: for work that turned out to be untrustworthy and is done again.
-  void clear(int x, int y, int width, int height, std::uint64_t nan_samples, std::uint64_t infinite_samples);
+  /// Forgets all samples of a rectangle whose corner is film pixel (x, y), results wholly inside or outside
+  /// of it: for work that turned out to be untrustworthy and is done again.
+  void clear(int x, int y, int width, int height);
 
   [[nodiscard]] int x() const { return x_; }
   [[nodiscard]] int y() const { return y_; }
@@ -40,8 +42,12 @@ class FilmAccumulator {
   [[nodiscard]] const PixelStatistics& at(int film_x, int film_y) const;
   /// Mean of a plane from kRadiancePlanes on, at film coordinates.
   [[nodiscard]] double layer(int film_x, int film_y, int plane) const;
-  [[nodiscard]] std::uint64_t nan_samples() const { return nan_samples_; }
-  [[nodiscard]] std::uint64_t infinite_samples() const { return infinite_samples_; }
+  /// The visible share of the polygon lights, by their samples, at film coordinates; 0 where there is no
+  /// light.
+  [[nodiscard]] double visibility(int film_x, int film_y) const;
+  /// Samples that were no numbers and count as 0.
+  [[nodiscard]] NonFiniteSamples nan() const;
+  [[nodiscard]] NonFiniteSamples infinite() const;
   /// Relative standard error of the image: sqrt(mean over pixels and channels of SE^2 / (mean^2 + .01)), with
   /// SE^2 = m2 / (n (n - 1)) the variance of a pixel's mean, over the pixels with two samples or more; NaN
   /// while there are none.
@@ -59,7 +65,10 @@ class FilmAccumulator {
   int planes_ = kRadiancePlanes;
   std::vector<PixelStatistics> pixels_;
   std::vector<double> layers_;  // the planes from kRadiancePlanes on, of one pixel after the other
-  std::uint64_t nan_samples_ = 0, infinite_samples_ = 0;
+  struct NonFinite {
+    NonFiniteSamples nan, infinite;
+  };
+  std::map<std::pair<int, int>, NonFinite> non_finite_;  // by the corner of the results that hold some
 };
 
 }  // namespace penumbra

@@ -23,7 +23,7 @@ void Merge::skip(std::uint32_t tile, std::uint32_t pass) {
 std::uint64_t Merge::redo(std::uint32_t tile) {
   Tile& state = tiles_[tile];
   const RenderUnit area = grid_.unit(tile, 0);
-  film_.clear(area.x, area.y, area.width, area.height, state.nan_samples, state.infinite_samples);
+  film_.clear(area.x, area.y, area.width, area.height);
   const std::uint64_t samples = state.samples;
   Tile fresh;
   fresh.skipped = std::move(state.skipped);
@@ -39,8 +39,6 @@ void Merge::merge_what_is_next(std::uint32_t tile) {
     if (const auto& result = state.waiting.begin()->second) {
       const RenderUnit area = grid_.unit(tile, state.next_pass);
       film_.add(area.x, area.y, *result);
-      state.nan_samples += result->nan_samples;
-      state.infinite_samples += result->infinite_samples;
     }
     state.waiting.erase(state.waiting.begin());
     ++state.next_pass;

@@ -38,7 +38,6 @@ class Merge {
   struct Tile {
     std::uint32_t next_pass = 0;
     std::uint64_t samples = 0;                                     // over all pixels, merged or waiting
-    std::uint64_t nan_samples = 0, infinite_samples = 0;           // of what is in the film
     std::map<std::uint32_t, std::optional<SampleBuffer>> waiting;  // by pass; no value: skipped
     std::vector<std::uint32_t> skipped;                            // passes, for redo()
   };

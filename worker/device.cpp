@@ -6,6 +6,7 @@
 
 #include "kernels/host/native_kernels.h"
 #include "worker/native_device.h"
+#include "worker/non_finite_stage.h"
 #include "worker/opencl_device.h"
 
 namespace penumbra {
@@ -43,8 +44,11 @@ Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint32_t 
 }
 
 Expected<std::unique_ptr<Device>> make_device(const DeviceScene& scene, const DeviceOptions& options) {
-  return options.backend == Backend::kOpenCl ? make_opencl_device(scene, options)
-                                             : make_native_device(scene, options);
+  Expected<std::unique_ptr<Device>> device = options.backend == Backend::kOpenCl
+                                                 ? make_opencl_device(scene, options)
+                                                 : make_native_device(scene, options);
+  if (!device) return device;
+  return with_stages(std::move(*device), scene, options);
 }
 
 }  // namespace penumbra

@@ -27,6 +27,7 @@ struct DeviceOptions {
   int threads = 1;
   Isa isa = Isa::kAvx2;       ///< native: must be one that this machine has, see best_isa()
   bool block_of_one = false;  ///< native: one path, one lane at a time, for debugging a pixel
+  int* probe = nullptr;       ///< native, a block of one: see Block::probe
   std::string
       opencl_device;  ///< part of a platform's or device's name; empty: the first CPU device, else any
 };

@@ -51,7 +51,7 @@ class BlockMemory {
         slot_capacity_(slot_capacity) {}
 
   [[nodiscard]] Block block() const {
-    return {floats_.get(), ints_.get(), slots_.get(), capacity_, slot_capacity_};
+    return {floats_.get(), ints_.get(), slots_.get(), capacity_, slot_capacity_, nullptr};
   }
 
  private:
@@ -162,18 +162,18 @@ class NativeDevice final : public Device {
     const Unit portable{unit.x, unit.y, unit.width, unit.height, unit.first_sample, samples};
     const Tracer tracer = tracer_ ? tracer_->tracer() : Tracer{};
     std::atomic<int> next{0};
-    std::atomic<std::uint64_t> nans{0}, infinities{0};
+    std::mutex noting;
     team_.run([&](int thread) {
-      const Block block = blocks_[std::size_t(thread)].block();
-      uint bad[2] = {0, 0};
+      Block block = blocks_[std::size_t(thread)].block();
+      block.probe = options_.probe;
+      BadSamples bad[BAD_KINDS] = {};
       for (int first; (first = next.fetch_add(block_pixels)) < pixels;)
         kernel_.render_block(scene_.header, scene_.words.data(), tracer, portable, first,
                              std::min(block_pixels, pixels - first), block, result.values.data(), bad);
-      nans += bad[0];
-      infinities += bad[1];
+      const std::lock_guard lock(noting);
+      result.nan.add(non_finite_samples(portable, bad[BAD_NAN]));
+      result.infinite.add(non_finite_samples(portable, bad[BAD_INFINITE]));
     });
-    result.nan_samples = nans;
-    result.infinite_samples = infinities;
     return made;
   }
 

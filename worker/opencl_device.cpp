@@ -67,14 +67,17 @@ class OpenClDevice final : public Device {
       if (status != CL_SUCCESS)
         return fail("cannot launch a kernel on " + info_.name + ": " + opencl_error_text(status));
       // Counters are per work item and launch: read before the next launch reuses them.
-      std::vector<cl_uint> bad(2 * global);
-      if (Expected<void> read_back = read(bad_.get(), bad.data(), bad.size() * sizeof(cl_uint)); !read_back)
+      std::vector<BadSamples> bad(BAD_KINDS * global);
+      if (Expected<void> read_back = read(bad_.get(), bad.data(), bad.size() * sizeof(BadSamples));
+          !read_back)
         return std::unexpected(read_back.error());
-      for (std::size_t i = 0; i < bad.size(); i += 2) {
-        result.nan_samples += bad[i];
-        result.infinite_samples += bad[i + 1];
+      const Unit portable{unit.x, unit.y, unit.width, unit.height, unit.first_sample, samples};
+      for (std::size_t i = 0; i < bad.size(); i += BAD_KINDS) {
+        result.nan.add(non_finite_samples(portable, bad[i + BAD_NAN]));
+        result.infinite.add(non_finite_samples(portable, bad[i + BAD_INFINITE]));
       }
-      if (std::any_of(bad.begin(), bad.end(), [](cl_uint n) { return n != 0; })) clear_counters();
+      if (std::ranges::any_of(bad, [](const BadSamples& noted) { return noted.count != 0; }))
+        clear_counters();
     }
     if (Expected<void> read_back =
             read(out_.get(), result.values.data(), result.values.size() * sizeof(float));
@@ -147,7 +150,7 @@ class OpenClDevice final : public Device {
                                    std::pair{&ints_, paths * STATE_INTS * 4},
                                    std::pair{&slot_memory_, std::size_t(items_) * std::size_t(slots) *
                                                                 std::size_t(slot_floats(features_)) * 4},
-                                   std::pair{&bad_, std::size_t(items_) * 8}})
+                                   std::pair{&bad_, std::size_t(items_) * sizeof(BadSamples) * BAD_KINDS}})
         if (Expected<void> done = allocate(*buffer, bytes); !done) return done;
     }
     if (out_bytes > out_bytes_) {
@@ -159,8 +162,8 @@ class OpenClDevice final : public Device {
 
   void clear_counters() {
     const cl_uint zero = 0;
-    clEnqueueFillBuffer(queue_.get(), bad_.get(), &zero, sizeof zero, 0, std::size_t(items_) * 8, 0, nullptr,
-                        nullptr);
+    clEnqueueFillBuffer(queue_.get(), bad_.get(), &zero, sizeof zero, 0,
+                        std::size_t(items_) * sizeof(BadSamples) * BAD_KINDS, 0, nullptr, nullptr);
   }
 
   void set_arguments(const RenderUnit& unit, int first_pixel, int block_pixels) {

@@ -16,7 +16,7 @@ namespace penumbra {
 /// See render_block of block.h.
 using NativeRenderBlock = void(const SceneHeader& header, const uint* words, const Tracer& tracer,
                                const Unit& unit, int first_pixel, int pixels, const Block& block, float* out,
-                               uint* bad);
+                               BadSamples* bad);
 
 /// kScalar: one lane, no vector instructions beyond the baseline's; the block of one that debugging uses.
 enum class KernelTarget { kScalar, kSse2, kAvx2, kAvx512 };

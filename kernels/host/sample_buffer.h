@@ -7,12 +7,13 @@
 #include <vector>
 
 #include "kernels/features.h"
+#include "kernels/host/non_finite.h"
 #include "kernels/unit.h"
 
 namespace penumbra {
 
 /// One float per pixel each. The first six are always there; the rest only when the job asks for feature
-/// layers, and the last seven of them only where polygon lights have a closed form (FEATURE_POLYGONS).
+/// layers, and the last eight of them only where polygon lights have a closed form (FEATURE_POLYGONS).
 enum SampleBufferPlane : int {
   kMeanR,
   kMeanG,
@@ -34,13 +35,14 @@ enum SampleBufferPlane : int {
   kDifferenceG,
   kDifferenceB,  ///< mean of what the estimate of their light differs from it by, shadows above all: at most
                  ///< 0 in expectation
-  kVisibility,   ///< visible share of their light, by its samples; 0 where there is no light
+  kSeen,         ///< mean of the samples of their light, all channels together
+  kWhole,        ///< likewise without shadows; the quotient of both is the visible share
   kSampleBufferPlanes,
   kRadiancePlanes = kAlbedoR,   ///< number of planes without feature layers
   kFeaturePlanes = kAnalyticR,  ///< ... without closed forms
 };
 static_assert(FIRST_LAYER_PLANE == kAlbedoR && ANALYTIC_PLANE == kAnalyticR &&
-              DIFFERENCE_PLANE == kDifferenceR && VISIBILITY_PLANE == kVisibility);
+              DIFFERENCE_PLANE == kDifferenceR && SEEN_PLANE == kSeen && WHOLE_PLANE == kWhole);
 
 /// How many planes the results of a scene with these FEATURE_* bits have.
 constexpr int plane_count(std::uint32_t features) {
@@ -56,8 +58,8 @@ struct SampleBuffer {
   int height = 0;
   int planes = kRadiancePlanes;
   std::uint32_t sample_count = 0;
-  std::uint64_t nan_samples = 0;  ///< samples with a NaN channel; they count as 0 radiance and are reported
-  std::uint64_t infinite_samples = 0;  ///< samples with an infinite channel (and no NaN); likewise
+  NonFiniteSamples nan = {};       ///< samples with a NaN channel
+  NonFiniteSamples infinite = {};  ///< samples with an infinite channel (and no NaN)
   std::vector<float> values;
 
   [[nodiscard]] std::size_t pixels() const { return std::size_t(width) * std::size_t(height); }

@@ -28,18 +28,18 @@ std::string pixel_text(const FilmAccumulator& film, int x, int y) {
     text += decimal_row(name,
                         {film.layer(x, y, plane), film.layer(x, y, plane + 1), film.layer(x, y, plane + 2)});
   };
-  const auto value = [&](const char* name, int plane) {
-    text += fmt::format("{:<16}{:>17.9g}\n", name, film.layer(x, y, plane));
+  const auto value = [&](const char* name, double number) {
+    text += fmt::format("{:<16}{:>17.9g}\n", name, number);
   };
   if (film.planes() >= kFeaturePlanes) {
     layer("albedo", kAlbedoR);
     layer("normal", kNormalX);
-    value("depth", kDepth);
+    value("depth", film.layer(x, y, kDepth));
   }
   if (film.planes() >= kSampleBufferPlanes) {
     layer("analytic", kAnalyticR);
     layer("difference", kDifferenceR);
-    value("visibility", kVisibility);
+    value("visibility", film.visibility(x, y));
   }
   return text;
 }

@@ -15,6 +15,7 @@
 #include "scheduler/outputs/atomic_file.h"
 #include "scheduler/outputs/film_image.h"
 #include "scheduler/outputs/image_files.h"
+#include "scheduler/outputs/non_finite_text.h"
 #include "scheduler/outputs/report.h"
 
 namespace penumbra {
@@ -59,13 +60,27 @@ void print_summary(const RenderOutcome& outcome, const OutputFiles& files) {
              samples_per_second(outcome) * 1e-6);
 }
 
+/// Samples that are no numbers, as warnings or as an error; whether there are any.
+bool print_non_finite(const FilmAccumulator& film, const std::string& reproduce_command, bool strict) {
+  const std::pair<NonFiniteSamples, const char*> kinds[] = {{film.nan(), "NaN"},
+                                                            {film.infinite(), "infinite"}};
+  bool any = false;
+  for (const auto& [samples, kind] : kinds) {
+    if (samples.count == 0) continue;
+    any = true;
+    const std::string text = non_finite_text(samples, kind, reproduce_command);
+    if (strict) {
+      print_error({text});
+    } else {
+      print_warning(text);
+    }
+  }
+  return any;
+}
+
 void print_problems(const RenderOutcome& outcome, bool stopped) {
   for (const std::string& problem : outcome.problems) print_warning(problem);
   const FilmAccumulator& film = outcome.film;
-  if (film.nan_samples() + film.infinite_samples() > 0) {
-    print_warning(fmt::format("{} NaN and {} infinite samples count as black", film.nan_samples(),
-                              film.infinite_samples()));
-  }
   if (outcome.complete) return;
   const char* why = stopped ? "stopped by a signal" : "not all work could be done";
   const auto [least, most, total] = sample_range(film);
@@ -129,7 +144,9 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
   if (options.pixel) fmt::print("{}", pixel_text(outcome->film, options.pixel->x, options.pixel->y));
   if (show) print_summary(*outcome, prepared->files);
   print_problems(*outcome, stop);
-  return outcome->complete ? kAllDone : kIncomplete;
+  const bool non_finite =
+      print_non_finite(outcome->film, prepared->job.reproduce_command, options.strict_numerics);
+  return outcome->complete && !(non_finite && options.strict_numerics) ? kAllDone : kIncomplete;
 }
 
 }  // namespace

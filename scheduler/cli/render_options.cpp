@@ -167,6 +167,9 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
                   "Instruction set of the native backend (default: the widest there is)")
       ->type_name("NAME")
       ->check(CLI::IsMember({"sse2", "avx2", "avx512"}));
+  command.add_flag(
+      "--strict-numerics", options.strict_numerics,
+      "NaN and infinite samples are an error (exit code 1) instead of a warning; files are written");
   command.add_flag("-q,--quiet", options.quiet, "No progress and no summary; warnings and errors only");
 }
 

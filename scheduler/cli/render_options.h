@@ -47,6 +47,7 @@ struct RenderOptions {
   std::optional<double> time_budget;
   std::optional<CropRectangle> crop;
   std::optional<PixelPosition> pixel;
+  bool strict_numerics = false;  ///< a sample that is no number is an error
   bool quiet = false;
 };
 

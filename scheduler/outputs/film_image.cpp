@@ -6,11 +6,11 @@
 namespace penumbra {
 namespace {
 
-// Of the planes from kRadiancePlanes on.
+// Of the planes from kRadiancePlanes on; the last is the quotient of two.
 constexpr const char* kLayerChannels[] = {
     "albedo.R",   "albedo.G",   "albedo.B",   "normal.X",     "normal.Y",     "normal.Z",     "depth.Z",
     "analytic.R", "analytic.G", "analytic.B", "difference.R", "difference.G", "difference.B", "visibility.Y"};
-static_assert(std::size(kLayerChannels) == kSampleBufferPlanes - kRadiancePlanes);
+static_assert(std::size(kLayerChannels) == kSeen + 1 - kRadiancePlanes);
 
 }  // namespace
 
@@ -19,7 +19,9 @@ Image image_of_film(const FilmAccumulator& film, int film_width, int film_height
   image.data = {film.x(), film.y(), film.width(), film.height()};
   image.display = {0, 0, film_width, film_height};
   image.channels = {"R", "G", "B", "variance.R", "variance.G", "variance.B"};
-  for (int plane = kRadiancePlanes; plane < film.planes(); ++plane)
+  const bool visibility = film.planes() > kSeen;
+  const int layers_end = visibility ? int(kSeen) : film.planes();
+  for (int plane = kRadiancePlanes; plane < layers_end + (visibility ? 1 : 0); ++plane)
     image.channels.emplace_back(kLayerChannels[plane - kRadiancePlanes]);
   image.channels.emplace_back("samples.count");
   image.values.reserve(image.pixels() * image.channels.size());
@@ -31,8 +33,9 @@ Image image_of_film(const FilmAccumulator& film, int film_width, int film_height
       const PixelStatistics& pixel = film.at(x, y);
       append(pixel.mean);
       for (const double m2 : pixel.m2) image.values.push_back(float(variance_of_mean(pixel.count, m2)));
-      for (int plane = kRadiancePlanes; plane < film.planes(); ++plane)
+      for (int plane = kRadiancePlanes; plane < layers_end; ++plane)
         image.values.push_back(float(film.layer(x, y, plane)));
+      if (visibility) image.values.push_back(float(film.visibility(x, y)));
       image.values.push_back(float(pixel.count));
     }
   }

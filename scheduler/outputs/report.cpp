@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scheduler/outputs/film_image.h"
+#include "scheduler/outputs/non_finite_text.h"
 #include "scheduler/outputs/version.h"
 
 namespace penumbra {
@@ -58,31 +59,45 @@ Json settings_json(const RenderReport& report) {
   return settings;
 }
 
-Json samples_json(const FilmAccumulator& film) {
+/// How many samples were no numbers, and the first of them.
+Json non_finite_json(const NonFiniteSamples& samples, const std::string& reproduce_command) {
+  if (samples.count == 0) return {{"count", 0}, {"first", nullptr}};
+  return {{"count", samples.count},
+          {"first",
+           {{"x", samples.x},
+            {"y", samples.y},
+            {"sample", samples.sample},
+            {"stage", stage_name(samples.stage.stage)},
+            {"step", samples.stage.step},
+            {"repeat", repeat_sample_command(samples, reproduce_command)}}}};
+}
+
+Json samples_json(const FilmAccumulator& film, const std::string& reproduce_command) {
   const SampleRange range = sample_range(film);
   return {{"total", range.total},
           {"least_per_pixel", range.least},
           {"most_per_pixel", range.most},
-          {"nan", film.nan_samples()},
-          {"infinite", film.infinite_samples()}};
+          {"nan", non_finite_json(film.nan(), reproduce_command)},
+          {"infinite", non_finite_json(film.infinite(), reproduce_command)}};
 }
 
 /// Means over the image of the closed form of polygon lights, of what shadows take from it, and of the
 /// visible share; nothing where there is no closed form.
 Json polygon_light_json(const FilmAccumulator& film) {
   if (film.planes() < kSampleBufferPlanes) return nullptr;
-  double mean[kSampleBufferPlanes - kFeaturePlanes] = {};
+  double mean[kSeen - kFeaturePlanes] = {}, visibility = 0;
+  const double pixels = double(film.width()) * film.height();
   for (int y = film.y(); y < film.y() + film.height(); ++y)
-    for (int x = film.x(); x < film.x() + film.width(); ++x)
-      for (int plane = kFeaturePlanes; plane < kSampleBufferPlanes; ++plane)
-        mean[plane - kFeaturePlanes] += film.layer(x, y, plane) / (double(film.width()) * film.height());
+    for (int x = film.x(); x < film.x() + film.width(); ++x) {
+      for (int plane = kFeaturePlanes; plane < kSeen; ++plane)
+        mean[plane - kFeaturePlanes] += film.layer(x, y, plane) / pixels;
+      visibility += film.visibility(x, y) / pixels;
+    }
   const auto rgb = [&](int plane) {
     const double* first = mean + (plane - kFeaturePlanes);
     return Json{first[0], first[1], first[2]};
   };
-  return {{"analytic", rgb(kAnalyticR)},
-          {"difference", rgb(kDifferenceR)},
-          {"visibility", mean[kVisibility - kFeaturePlanes]}};
+  return {{"analytic", rgb(kAnalyticR)}, {"difference", rgb(kDifferenceR)}, {"visibility", visibility}};
 }
 
 Json worker_json(const WorkerShare& worker, std::uint64_t all_samples) {
@@ -146,7 +161,7 @@ Json report_json(const RenderReport& report) {
         {"height", film.height},
         {"crop", {film.crop_x, film.crop_y, film.crop_x + film.crop_width, film.crop_y + film.crop_height}}}},
       {"settings", settings_json(report)},
-      {"samples", samples_json(outcome.film)},
+      {"samples", samples_json(outcome.film, job.reproduce_command)},
       {"relative_error", number(outcome.film.relative_error())},
       {"polygon_lights", polygon_light_json(outcome.film)},
       {"film_hash", hash_text(outcome.film.hash())},

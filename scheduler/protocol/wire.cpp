@@ -119,13 +119,46 @@ Expected<RenderUnit> decode(const wire::Unit& message) {
                     .sample_count = message.sample_count()};
 }
 
+namespace {
+
+void encode(const NonFiniteSamples& samples, wire::NonFiniteSamples& message) {
+  message.set_count(samples.count);
+  message.set_x(samples.x);
+  message.set_y(samples.y);
+  message.set_sample(samples.sample);
+  message.set_stage(samples.stage.stage);
+  message.set_step(samples.stage.step);
+}
+
+/// The error says what no unit's result can hold.
+Expected<NonFiniteSamples> decode(const wire::NonFiniteSamples& message, const RenderUnit& unit) {
+  const NonFiniteSamples samples{.count = message.count(),
+                                 .x = message.x(),
+                                 .y = message.y(),
+                                 .sample = message.sample(),
+                                 .stage = {message.stage(), message.step()}};
+  const std::uint64_t all = std::uint64_t(unit.width) * std::uint64_t(unit.height) * unit.sample_count;
+  if (samples.count > all)
+    return fail(fmt::format("the result counts {} samples that are no numbers among {}", samples.count, all));
+  const bool inside = samples.x >= unit.x && samples.x - unit.x < unit.width && samples.y >= unit.y &&
+                      samples.y - unit.y < unit.height &&
+                      samples.sample - unit.first_sample < unit.sample_count;
+  if (samples.count > 0 && !inside)
+    return fail(fmt::format(
+        "the result has its first sample that is no number at ({}, {}), sample {}, which is not of its unit",
+        samples.x, samples.y, samples.sample));
+  return samples;
+}
+
+}  // namespace
+
 void encode(const SampleBuffer& buffer, wire::UnitResult& message) {
   message.set_width(buffer.width);
   message.set_height(buffer.height);
   message.set_planes(buffer.planes);
   message.set_sample_count(buffer.sample_count);
-  message.set_nan_samples(buffer.nan_samples);
-  message.set_infinite_samples(buffer.infinite_samples);
+  encode(buffer.nan, *message.mutable_nan());
+  encode(buffer.infinite, *message.mutable_infinite());
   message.set_values(buffer.values.data(), buffer.values.size() * sizeof(float));
   message.set_checksum(checksum_of(message.values()));
 }
@@ -142,19 +175,19 @@ Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit&
                       .height = unit.height,
                       .planes = planes,
                       .sample_count = unit.sample_count,
-                      .nan_samples = message.nan_samples(),
-                      .infinite_samples = message.infinite_samples(),
+                      .nan = {},
+                      .infinite = {},
                       .values = {}};
   const std::size_t count = buffer.pixels() * std::size_t(planes);
   if (message.values().size() != count * sizeof(float)) {
     return fail(fmt::format("the result has {} bytes of samples instead of {}", message.values().size(),
                             count * sizeof(float)));
   }
-  const std::uint64_t samples = buffer.pixels() * unit.sample_count;
-  if (buffer.nan_samples > samples || buffer.infinite_samples > samples) {
-    return fail(fmt::format("the result counts {} NaN and {} infinite samples among {}", buffer.nan_samples,
-                            buffer.infinite_samples, samples));
-  }
+  const auto nan = decode(message.nan(), unit), infinite = decode(message.infinite(), unit);
+  if (!nan) return std::unexpected(nan.error());
+  if (!infinite) return std::unexpected(infinite.error());
+  buffer.nan = *nan;
+  buffer.infinite = *infinite;
   if (message.checksum() != checksum_of(message.values())) {
     return fail("the result's checksum does not match its bytes");
   }
@@ -164,8 +197,17 @@ Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit&
 }
 
 std::uint64_t result_hash(const wire::UnitResult& message) {
-  const std::uint64_t parts[] = {checksum_of(message.values()), message.nan_samples(),
-                                 message.infinite_samples()};
+  const wire::NonFiniteSamples &nan = message.nan(), &infinite = message.infinite();
+  // Not the stage, which workers may know or not.
+  const std::uint64_t parts[] = {checksum_of(message.values()),
+                                 nan.count(),
+                                 std::uint64_t(nan.x()),
+                                 std::uint64_t(nan.y()),
+                                 nan.sample(),
+                                 infinite.count(),
+                                 std::uint64_t(infinite.x()),
+                                 std::uint64_t(infinite.y()),
+                                 infinite.sample()};
   return XXH3_64bits(parts, sizeof parts);
 }
 

@@ -39,7 +39,7 @@ TestDevice big_passes() {
 
 void expect_radiance(const SceneDescription& scene, double expected) {
   const FilmAccumulator film = render_or_throw(scene, big_passes());
-  EXPECT_EQ(film.nan_samples() + film.infinite_samples(), 0u);
+  EXPECT_EQ(film.nan().count + film.infinite().count, 0u);
   for (int channel = 0; channel < 3; ++channel) {
     const statistics::Sample sample = pixel_sample(film, 0, 0, channel);
     ASSERT_EQ(sample.count(), kSamples);

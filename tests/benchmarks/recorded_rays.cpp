@@ -58,11 +58,11 @@ RecordedRays record_rays(const DeviceScene& embree_scene, const RenderUnit& unit
   std::vector<float> floats(std::size_t(STATE_FLOATS) * kPaths),
       slots(std::size_t(SLOT_FLOAT_COUNT) * kPaths);
   std::vector<int> ints(std::size_t(STATE_INTS) * kPaths);
-  const Block block{floats.data(), ints.data(), slots.data(), kPaths, kPaths};
+  const Block block{floats.data(), ints.data(), slots.data(), kPaths, kPaths, nullptr};
   const Unit portable{unit.x, unit.y, unit.width, unit.height, unit.first_sample, int(unit.sample_count)};
   const int pixels = unit.width * unit.height, block_pixels = std::max(1, kPaths / int(unit.sample_count));
   std::vector<float> out(std::size_t(kSampleBufferPlanes) * std::size_t(pixels));
-  uint bad[2] = {0, 0};
+  BadSamples bad[BAD_KINDS] = {};
   for (int first = 0; first < pixels; first += block_pixels)
     kernel->render_block(embree_scene.header, embree_scene.words.data(),
                          {&recorder, &Recorder::intersect, &Recorder::occlude}, portable, first,

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -62,11 +63,41 @@ TEST_F(RenderCommand, WritesImageAndReportBesideEachOther) {
   const nlohmann::json json = report("s.json");
   EXPECT_EQ(json["complete"], true);
   EXPECT_EQ(json["samples"]["total"], 24 * 20 * 8);
-  EXPECT_EQ(json["samples"]["nan"], 0);
+  EXPECT_EQ(json["samples"]["nan"]["count"], 0);
   EXPECT_EQ(MetadataValue(json["film_hash"].get<std::string>()), exr.attribute("penumbra:film_hash"));
   EXPECT_GT(json["samples_per_second"], 0);
   EXPECT_GT(json["memory"]["largest_worker_peak_bytes"], 0);
   EXPECT_THAT(json["problems"], IsEmpty());
+}
+
+TEST_F(RenderCommand, SamplesThatAreNoNumbersAreReportedOrAnError) {
+  std::string scene = file_contents(folder_ / "s.xml");
+  scene.replace(scene.find("</scene>"), 0, R"(  <emitter type="point">
+    <point name="position" x="0" y="0.01" z="0"/>
+    <rgb name="intensity" value="1e38"/>
+  </emitter>
+)");
+  write_text(folder_ / "bad.xml", scene);
+  const std::vector<std::string> arguments{"render", "bad.xml", "--spp", "4"};
+  const ProgramResult warned = run_penumbra(folder_.path(), arguments);
+  EXPECT_EQ(warned.exit_code, 0);
+  EXPECT_THAT(warned.err, AllOf(HasSubstr("infinite samples count as black; the first is sample"),
+                                HasSubstr("in the light sample of step"), HasSubstr("--pixel")));
+  const nlohmann::json first = report("bad.json")["samples"]["infinite"]["first"];
+  EXPECT_EQ(first["stage"], "light sample");
+  // The command that repeats it does.
+  std::string repeat = first["repeat"];
+  std::istringstream words(repeat.substr(repeat.find("render")));
+  const std::vector<std::string> again{std::istream_iterator<std::string>(words), {}};
+  EXPECT_THAT(run_penumbra(folder_.path(), again).err,
+              HasSubstr("of pixel (" + first["x"].dump() + ", " + first["y"].dump() + ")"));
+
+  std::vector<std::string> strictly = arguments;
+  strictly.push_back("--strict-numerics");
+  const ProgramResult strict = run_penumbra(folder_.path(), strictly);
+  EXPECT_EQ(strict.exit_code, 1);
+  EXPECT_THAT(strict.err, HasSubstr("error: "));
+  render({"--strict-numerics"});
 }
 
 TEST_F(RenderCommand, FilesDoNotDependOnWorkersThreadsOrTiles) {

@@ -39,14 +39,15 @@ TEST(FilmImage, PutsEveryStatisticInItsLayer) {
                                                            {"depth.Z", kDepth},
                                                            {"analytic.R", kAnalyticR},
                                                            {"analytic.B", kAnalyticB},
-                                                           {"difference.G", kDifferenceG},
-                                                           {"visibility.Y", kVisibility}};
+                                                           {"difference.G", kDifferenceG}};
   for (int i = 0; i < 6; ++i) {
     const int x = i % 3, y = i / 3;
     for (const auto& [name, plane] : planes) {
       EXPECT_EQ(image.at(x, y, *image.channel(name)), float(plane) + float(i) / 8) << name;
     }
     EXPECT_FLOAT_EQ(image.at(x, y, *image.channel("variance.G")), (float(kM2G) + float(i) / 8) / (5 * 4));
+    const float seen = float(kSeen) + float(i) / 8, whole = float(kWhole) + float(i) / 8;
+    EXPECT_FLOAT_EQ(image.at(x, y, *image.channel("visibility.Y")), seen / whole);
     EXPECT_EQ(image.at(x, y, *image.channel("samples.count")), 5);
   }
 }

@@ -85,7 +85,7 @@ TEST(PolygonLayers, CountOfPlanes) {
     EXPECT_EQ(plane_count(others), 6);
     EXPECT_EQ(plane_count(others | FEATURE_POLYGONS), 6);
     EXPECT_EQ(plane_count(others | FEATURE_LAYERS), 6 + 7);
-    EXPECT_EQ(plane_count(others | FEATURE_LAYERS | FEATURE_POLYGONS), 6 + 7 + 7);
+    EXPECT_EQ(plane_count(others | FEATURE_LAYERS | FEATURE_POLYGONS), 6 + 7 + 8);
   }
 }
 
@@ -192,7 +192,7 @@ TEST(PolygonLayers, WithoutOccludersAllIsVisible) {
       const FilmAccumulator film = render_or_throw(scene);
       for (int y = 0; y < film.height(); ++y)
         for (int x = 0; x < film.width(); ++x) {
-          ASSERT_EQ(film.layer(x, y, kVisibility), 1) << each.name << " at " << x << ", " << y;
+          ASSERT_EQ(film.visibility(x, y), 1) << each.name << " at " << x << ", " << y;
           // H is W to the last bit.
           if (each.settings.alpha == 1.0f) {
             ASSERT_EQ(layer(film, x, y, kDifferenceR, 1), 0);
@@ -211,7 +211,7 @@ TEST(PolygonLayers, WithOccludersItIsAShare) {
       double difference = 0;
       for (int y = 0; y < film.height(); ++y)
         for (int x = 0; x < film.width(); ++x) {
-          const double visibility = film.layer(x, y, kVisibility);
+          const double visibility = film.visibility(x, y);
           ASSERT_GE(visibility, 0);
           ASSERT_LE(visibility, 1);
           shadowed += visibility < 0.5 ? 1 : 0;
@@ -236,7 +236,7 @@ TEST(PolygonLayers, TheShareIsThatOfTheProjectedSolidAngle) {
     const FilmAccumulator film = render_or_throw(scene);
     double sum = 0;
     for (int y = 0; y < 64; ++y)
-      for (int x = 0; x < 64; ++x) sum += film.layer(x, y, kVisibility);
+      for (int x = 0; x < 64; ++x) sum += film.visibility(x, y);
     const double share = projected_solid_angle(light.visible()) / projected_solid_angle(light.light);
     constexpr double kCount = 64 * 64 * 4, kSigmas = 4;  // one in 16 000
     EXPECT_NEAR(sum / (64 * 64), share, kSigmas * std::sqrt(share * (1 - share) / kCount) + kRounding)
@@ -253,7 +253,7 @@ TEST(PolygonLayers, WhereThereIsNoLightTheyAreZero) {
     const FilmAccumulator film = render_or_throw(scene);
     for (int y = 0; y < film.height(); ++y)
       for (int x = 0; x < film.width(); ++x)
-        for (int plane = kAnalyticR; plane <= kVisibility; ++plane)
+        for (int plane = kAnalyticR; plane <= kWhole; ++plane)
           ASSERT_EQ(film.layer(x, y, plane), 0) << each.name << " plane " << plane;
   }
 }

@@ -12,7 +12,7 @@ SampleBuffer grey_pixel(std::uint32_t samples) {
   buffer.width = buffer.height = 1;
   buffer.sample_count = samples;
   buffer.values = {1, 1, 1, 3, 3, 3};
-  buffer.nan_samples = 1;
+  buffer.nan.count = 1;
   return buffer;
 }
 
@@ -59,7 +59,7 @@ TEST(Report, SaysWhatWasDoneAndByWhom) {
   EXPECT_EQ(json["samples"]["total"], 4);
   EXPECT_EQ(json["samples"]["least_per_pixel"], 0);
   EXPECT_EQ(json["samples"]["most_per_pixel"], 4);
-  EXPECT_EQ(json["samples"]["nan"], 1);
+  EXPECT_EQ(json["samples"]["nan"]["count"], 1);
   EXPECT_EQ(json["samples_per_second"], 200);
   EXPECT_EQ(json["workers"][0]["share"], 0.75);
   EXPECT_EQ(json["workers"][0]["ended"], "killed by signal 9");

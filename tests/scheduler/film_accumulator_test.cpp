@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -100,7 +101,7 @@ TEST(FilmAccumulator, FeaturesAreAveraged) {
   EXPECT_NEAR(film.layer(11, 20, kAlbedoR), 3.0 * (kAlbedoR + 1), 1e-14);
   EXPECT_NEAR(film.layer(11, 20, kNormalZ), 3.0 * (kNormalZ + 1), 1e-14);
   EXPECT_NEAR(film.layer(11, 20, kDepth), 3.0 * (kDepth + 1), 1e-14);
-  EXPECT_NEAR(film.layer(11, 20, kVisibility), 3.0 * (kVisibility + 1), 1e-14);
+  EXPECT_NEAR(film.layer(11, 20, kWhole), 3.0 * (kWhole + 1), 1e-14);
   EXPECT_EQ(film.at(10, 20).count, 0u);
 }
 
@@ -120,19 +121,46 @@ TEST(FilmAccumulator, ClearForgetsOneRectangle) {
                       .height = 2,
                       .planes = kRadiancePlanes,
                       .sample_count = 1,
-                      .nan_samples = 3,
-                      .infinite_samples = 1,
+                      .nan = {.count = 3, .x = 5, .y = 4, .sample = 7, .stage = {STAGE_LIGHT, 2}},
+                      .infinite = {.count = 1, .x = 0, .y = 0, .sample = 0, .stage = {}},
                       .values = std::vector<float>(4 * kRadiancePlanes, 1.0f)};
   FilmAccumulator film(4, 4, 4, 2, kRadiancePlanes);
   film.add(4, 4, result);
   const std::uint64_t before = film.hash();
   film.add(6, 4, result);
-  EXPECT_EQ(film.nan_samples(), 6u);
+  EXPECT_EQ(film.nan().count, 6u);
   EXPECT_NE(film.hash(), before);
-  film.clear(6, 4, 2, 2, 3, 1);
+  film.clear(6, 4, 2, 2);
   EXPECT_EQ(film.hash(), before);
-  EXPECT_EQ(film.nan_samples(), 3u);
-  EXPECT_EQ(film.infinite_samples(), 1u);
+  EXPECT_EQ(film.nan(), result.nan);
+  EXPECT_EQ(film.infinite().count, 1u);
+}
+
+TEST(FilmAccumulator, TheFirstSampleThatIsNoNumberDoesNotDependOnTheOrder) {
+  const auto result = [](int x, int y, std::uint32_t sample, int stage) {
+    return SampleBuffer{.width = 2,
+                        .height = 2,
+                        .planes = kRadiancePlanes,
+                        .sample_count = 1,
+                        .nan = {.count = 1, .x = x, .y = y, .sample = sample, .stage = {stage, 0}},
+                        .infinite = {},
+                        .values = std::vector<float>(4 * kRadiancePlanes, 1.0f)};
+  };
+  // By row, then column, then sample.
+  const SampleBuffer first = result(5, 5, 3, STAGE_LIGHT), later = result(5, 5, 4, STAGE_FILTER),
+                     right = result(6, 5, 0, STAGE_CONTROL), below = result(4, 6, 0, STAGE_CAMERA);
+  std::vector<SampleBuffer> all{first, later, right, below};
+  for (int order = 0; order < 4; ++order) {
+    FilmAccumulator film(4, 4, 4, 4, kRadiancePlanes);
+    for (const SampleBuffer& one : all) film.add(one.nan.x / 2 * 2, one.nan.y / 2 * 2, one);
+    EXPECT_EQ(film.nan().count, 4u);
+    EXPECT_EQ(film.nan().x, 5);
+    EXPECT_EQ(film.nan().y, 5);
+    EXPECT_EQ(film.nan().sample, 3u);
+    EXPECT_EQ(film.nan().stage, (SampleStage{STAGE_LIGHT, 0}));
+    EXPECT_EQ(film.infinite().count, 0u);
+    std::ranges::rotate(all, all.begin() + 1);
+  }
 }
 
 }  // namespace

@@ -103,7 +103,7 @@ TEST(Merge, ARedoneTileLeavesNoTrace) {
   const auto wrong = [&](std::uint32_t tile, std::uint32_t pass) {
     SampleBuffer buffer = fake_samples(tiles.unit(tile, pass), kFeaturePlanes);
     buffer.values[0] += 1;
-    buffer.nan_samples = 5;
+    buffer.nan.count = 5;
     return buffer;
   };
   merge.add(2, 0, wrong(2, 0));
@@ -111,7 +111,7 @@ TEST(Merge, ARedoneTileLeavesNoTrace) {
   const RenderUnit area = tiles.unit(2, 0);
   EXPECT_EQ(merge.redo(2), std::uint64_t(area.width) * area.height * 2 * kSamplesPerPass);
   EXPECT_EQ(merge.waiting(), 0u);
-  EXPECT_EQ(merge.film().nan_samples(), 0u);
+  EXPECT_EQ(merge.film().nan().count, 0u);
   for (const Piece& piece : pieces(tiles)) {
     merge.add(piece.tile, piece.pass, fake_samples(tiles.unit(piece.tile, piece.pass), kFeaturePlanes));
   }

@@ -150,8 +150,8 @@ TEST_F(ServerTest, OtherSampleCountsAreNoticed) {
 TEST_F(ServerTest, ImpossibleCountsAreNoticed) {
   connect_and_take_a_unit();
   wire::WorkerMessage message = good_result();
-  message.mutable_result()->set_nan_samples(61);
-  EXPECT_THAT(why_rejected(message), HasSubstr("61 NaN"));
+  message.mutable_result()->mutable_nan()->set_count(61);
+  EXPECT_THAT(why_rejected(message), HasSubstr("61 samples that are no numbers"));
 }
 
 TEST_F(ServerTest, AResultThatNobodyAskedForIsRejected) {
@@ -172,7 +172,7 @@ TEST_F(ServerTest, ResultsThatDifferHaveDifferentHashes) {
   const wire::WorkerMessage good = good_result();
   wire::WorkerMessage other = good_result();
   EXPECT_EQ(result_hash(good.result()), result_hash(other.result()));
-  other.mutable_result()->set_nan_samples(good.result().nan_samples() + 1);
+  other.mutable_result()->mutable_nan()->set_count(good.result().nan().count() + 1);
   EXPECT_NE(result_hash(good.result()), result_hash(other.result()));
   other = good;
   (*other.mutable_result()->mutable_values())[0] ^= 1;

@@ -55,8 +55,8 @@ RenderUnit whole_film(const DeviceScene& scene, std::uint32_t first_sample = 0, 
 
 bool same_bytes(const SampleBuffer& a, const SampleBuffer& b) {
   return a.width == b.width && a.height == b.height && a.planes == b.planes &&
-         a.sample_count == b.sample_count && a.nan_samples == b.nan_samples &&
-         a.infinite_samples == b.infinite_samples && a.values.size() == b.values.size() &&
+         a.sample_count == b.sample_count && a.nan == b.nan && a.infinite == b.infinite &&
+         a.values.size() == b.values.size() &&
          std::memcmp(a.values.data(), b.values.data(), a.values.size() * sizeof(float)) == 0;
 }
 
@@ -99,8 +99,8 @@ TEST_P(Devices, GiveTheSamePixelsWhateverTheUnits) {
   const DeviceScene s = scene();
   const auto device = device_or_throw(s, options());
   const SampleBuffer whole = render(*device, whole_film(s, 3, 5));
-  EXPECT_EQ(whole.nan_samples, 0u);
-  EXPECT_EQ(whole.infinite_samples, 0u);
+  EXPECT_EQ(whole.nan.count, 0u);
+  EXPECT_EQ(whole.infinite.count, 0u);
   EXPECT_GT(*std::ranges::max_element(whole.plane(kMeanG)), 0);
   const int width = s.header.film_width, height = s.header.film_height;
   for (int tile : {7, 16})
@@ -128,7 +128,7 @@ TEST_P(Devices, GiveTheSameSamplesWhateverTheRange) {
   }
   const std::size_t pixels = together.pixels();
   for (int p = 0; p < together.planes; ++p) {
-    if ((p >= kM2R && p <= kM2B) || p == kVisibility) continue;  // the last is a quotient of sums
+    if (p >= kM2R && p <= kM2B) continue;
     for (std::size_t i = 0; i < pixels; ++i) {
       const std::size_t at = std::size_t(p) * pixels + i;
       const double mean = sum[at] / kSamples, magnitude = std::sqrt(squares[at] / kSamples);
@@ -186,13 +186,38 @@ TEST_P(Devices, CountSamplesThatAreNotNumbers) {
         std::uint64_t(s.header.film_width) * std::uint64_t(s.header.film_height) * 8;
     for (int repeat = 0; repeat < 2; ++repeat) {  // counters start at 0 again
       const SampleBuffer buffer = render(*device, whole_film(s));
-      EXPECT_EQ(buffer.nan_samples, std::isnan(bad) ? samples : 0);
-      EXPECT_EQ(buffer.infinite_samples, std::isnan(bad) ? 0 : samples);
+      EXPECT_EQ(buffer.nan.count, std::isnan(bad) ? samples : 0);
+      EXPECT_EQ(buffer.infinite.count, std::isnan(bad) ? 0 : samples);
+      const NonFiniteSamples first{
+          .count = samples, .x = 0, .y = 0, .sample = 0, .stage = {STAGE_EMISSION, 0}};
+      EXPECT_EQ(std::isnan(bad) ? buffer.nan : buffer.infinite, first);
       // They count as no light at all, in every channel.
       EXPECT_EQ(*std::ranges::max_element(buffer.plane(kMeanR)), 0);
       EXPECT_TRUE(std::ranges::all_of(buffer.values, [](float v) { return std::isfinite(v); }));
     }
   }
+}
+
+TEST_P(Devices, FindTheFirstSampleThatIsNoNumber) {
+  // Intensity by the square of a small distance is more than a float holds, for a part of the image.
+  SceneDescription description = diffuse_box();
+  description.point_lights.push_back({glm::dvec3(0.1, -0.9, 0.05), glm::vec3(1e38f)});
+  const DeviceScene s = build_or_throw(description);
+  const auto device = device_or_throw(s, options(2));
+  const RenderUnit film = whole_film(s, 3, 2);
+  const SampleBuffer buffer = render(*device, film);
+  ASSERT_GT(buffer.infinite.count, 0u);
+  ASSERT_LT(buffer.infinite.count, buffer.pixels() * film.sample_count);
+  NonFiniteSamples expected;
+  for (int y = 0; y < film.height; ++y)
+    for (int x = 0; x < film.width; ++x)
+      for (std::uint32_t sample = 3; sample < 5; ++sample) {
+        const NonFiniteSamples one = render(*device, {x, y, 1, 1, sample, 1}).infinite;
+        if (one.count > 0 && expected.count == 0) expected = one;
+      }
+  expected.count = buffer.infinite.count;
+  EXPECT_EQ(buffer.infinite, expected);
+  EXPECT_EQ(expected.stage.stage, STAGE_LIGHT);
 }
 
 TEST_P(Devices, DescribeThemselves) {
@@ -218,12 +243,12 @@ SampleBuffer render_by(const NativeKernel& kernel, const DeviceScene& scene, int
   std::vector<float> floats(std::size_t(STATE_FLOATS * capacity)),
       slot_floats(std::size_t(SLOT_FLOAT_COUNT * slots));
   std::vector<int> ints(std::size_t(STATE_INTS * capacity));
-  const Block block{floats.data(), ints.data(), slot_floats.data(), capacity, slots};
-  uint bad[2] = {0, 0};
+  const Block block{floats.data(), ints.data(), slot_floats.data(), capacity, slots, nullptr};
+  BadSamples bad[BAD_KINDS] = {};
   kernel.render_block(scene.header, scene.words.data(), Tracer{}, {0, 0, unit.width, unit.height, 0, 4}, 0,
                       pixels, block, buffer.values.data(), bad);
-  buffer.nan_samples = bad[0];
-  buffer.infinite_samples = bad[1];
+  buffer.nan = non_finite_samples({0, 0, unit.width, unit.height, 0, 4}, bad[BAD_NAN]);
+  buffer.infinite = non_finite_samples({0, 0, unit.width, unit.height, 0, 4}, bad[BAD_INFINITE]);
   return buffer;
 }
 

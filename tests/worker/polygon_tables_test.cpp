@@ -94,7 +94,7 @@ TEST_F(PolygonTables, AreWhatTheSceneIsMeantToHave) {
   EXPECT_EQ(h_.light_choice, CHOICE_ANALYTIC);
   EXPECT_EQ(polygons()[1].two_sided, 1);
   const SampleBuffer buffer = render(scene_);
-  EXPECT_EQ(buffer.nan_samples + buffer.infinite_samples, 0u);
+  EXPECT_EQ(buffer.nan.count + buffer.infinite.count, 0u);
 }
 
 TEST_F(PolygonTables, HeaderFields) {
@@ -183,7 +183,7 @@ TEST_F(PolygonTables, OtherNumbersAreCountedOrRendered) {
     return changed;
   };
   const auto uncounted = [](const SampleBuffer& buffer) {
-    return buffer.nan_samples + buffer.infinite_samples == 0;
+    return buffer.nan.count + buffer.infinite.count == 0;
   };
   // Squares of deviations are to be finite too.
   for (const float number : {kNan, kInfinity, -1.0f, 0.0f, 1e15f}) {

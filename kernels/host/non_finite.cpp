@@ -1,0 +1,44 @@
+#include "kernels/host/non_finite.h"
+
+#include <tuple>
+
+namespace penumbra {
+
+std::string_view stage_name(int stage) {
+  switch (stage) {
+    case STAGE_CAMERA:
+      return "camera ray";
+    case STAGE_EMISSION:
+      return "emission that the path found";
+    case STAGE_LIGHT:
+      return "light sample";
+    case STAGE_DIRECTION:
+      return "direction sample";
+    case STAGE_CLOSED_FORM:
+      return "closed form of polygon lights";
+    case STAGE_CONTROL:
+      return "control variate";
+    case STAGE_FILTER:
+      return "film filter";
+    default:
+      return "unknown stage";
+  }
+}
+
+void NonFiniteSamples::add(const NonFiniteSamples& others) {
+  if (others.count == 0) return;
+  const std::uint64_t all = count + others.count;
+  if (count == 0 || std::tie(others.y, others.x, others.sample) < std::tie(y, x, sample)) *this = others;
+  count = all;
+}
+
+NonFiniteSamples non_finite_samples(const Unit& unit, const BadSamples& bad) {
+  if (bad.count == 0) return {};
+  return {.count = bad.count,
+          .x = unit.x + int(bad.pixel) % unit.width,
+          .y = unit.y + int(bad.pixel) / unit.width,
+          .sample = unit.first_sample + bad.sample,
+          .stage = {}};
+}
+
+}  // namespace penumbra

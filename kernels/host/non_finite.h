@@ -1,0 +1,40 @@
+// Samples that are no numbers: how many of a kind, and where the first of them is.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <string_view>
+
+#include "kernels/unit.h"
+
+namespace penumbra {
+
+/// Where a path was when a value of it first was no number.
+struct SampleStage {
+  int stage = STAGE_UNKNOWN;  ///< STAGE_*
+  int step = 0;               ///< of the integrator, from 0: the bounce
+
+  friend auto operator<=>(const SampleStage&, const SampleStage&) = default;
+};
+
+/// "emission", "light sample", ...
+std::string_view stage_name(int stage);
+
+/// Samples of one kind, NaN or infinite; they count as 0 radiance. The first is that of the first row, in it
+/// of the first column, in that pixel of the lowest index.
+struct NonFiniteSamples {
+  std::uint64_t count = 0;
+  int x = 0, y = 0;          ///< film pixel of the first; means nothing where there is none, as the rest
+  std::uint32_t sample = 0;  ///< its index
+  SampleStage stage = {};    ///< where it became so
+
+  /// Adds others, in whatever order.
+  void add(const NonFiniteSamples& others);
+
+  friend bool operator==(const NonFiniteSamples&, const NonFiniteSamples&) = default;
+};
+
+/// What a block of a unit noted.
+NonFiniteSamples non_finite_samples(const Unit& unit, const BadSamples& bad);
+
+}  // namespace penumbra

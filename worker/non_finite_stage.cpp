@@ -1,0 +1,57 @@
+#include "worker/non_finite_stage.h"
+
+#include <utility>
+
+#include "worker/native_device.h"
+
+namespace penumbra {
+namespace {
+
+class DeviceWithStages final : public Device {
+ public:
+  DeviceWithStages(std::unique_ptr<Device> device, const DeviceScene& scene, const DeviceOptions& options)
+      : device_(std::move(device)), scene_(scene), options_(options) {
+    options_.backend = Backend::kNative;
+    options_.threads = 1;
+    options_.block_of_one = true;
+    options_.probe = probe_;
+  }
+
+  std::string description() const override { return device_->description(); }
+
+  Expected<SampleBuffer> render(const RenderUnit& unit) override {
+    Expected<SampleBuffer> result = device_->render(unit);
+    if (!result) return result;
+    for (NonFiniteSamples* bad : {&result->nan, &result->infinite})
+      if (bad->count > 0) bad->stage = stage_of(*bad);
+    return result;
+  }
+
+ private:
+  /// Unknown if the path cannot be repeated, or is another one natively: no reason to lose the unit.
+  SampleStage stage_of(const NonFiniteSamples& bad) {
+    if (!prober_) {
+      Expected<std::unique_ptr<Device>> made = make_native_device(scene_, options_);
+      if (!made) return {};
+      prober_ = std::move(*made);
+    }
+    probe_[0] = STAGE_UNKNOWN;
+    probe_[1] = 0;
+    if (!prober_->render({bad.x, bad.y, 1, 1, bad.sample, 1})) return {};
+    return {probe_[0], probe_[1]};
+  }
+
+  std::unique_ptr<Device> device_, prober_;
+  const DeviceScene& scene_;
+  DeviceOptions options_;
+  int probe_[2] = {STAGE_UNKNOWN, 0};
+};
+
+}  // namespace
+
+std::unique_ptr<Device> with_stages(std::unique_ptr<Device> device, const DeviceScene& scene,
+                                    const DeviceOptions& options) {
+  return std::make_unique<DeviceWithStages>(std::move(device), scene, options);
+}
+
+}  // namespace penumbra
