@@ -21,8 +21,12 @@ FN SphericalTriangle spherical_triangle(vec3 a, vec3 b, vec3 c) {
   t.v2 = scale(c, 1.0f / SQRT(max_f(dot3(c, c), 1e-30f)));
   // Edges instead of vertices: the determinant of a small triangle is a small difference otherwise.
   t.determinant = FABS(dot3(t.v0, cross3(sub(t.v1, t.v0), sub(t.v2, t.v0))));
-  t.g0 = dot3(t.v0, t.v2) + dot3(t.v1, t.v2);
-  t.g1 = 1.0f + dot3(t.v0, t.v1);
+  // The sum of two almost opposite vertices is exact, where 1 + v0 . v1 would lose all digits.
+  const vec3 sum = add(t.v0, t.v1);
+  const float cosine = dot3(t.v0, t.v1);
+  const bool opposite = cosine < -0.5f;
+  t.g0 = opposite ? dot3(sum, t.v2) : dot3(t.v0, t.v2) + dot3(t.v1, t.v2);
+  t.g1 = opposite ? 0.5f * dot3(sum, sum) : 1.0f + cosine;
   t.solid_angle = 2.0f * atan2_f(t.determinant, t.g0 + t.g1);
   return t;
 }
@@ -36,12 +40,15 @@ FN vec3 sample_spherical_triangle(SphericalTriangle t, float u, float v) {
   const vec3 q = add(scale(t.v0, t.determinant * cosine - t.g0 * sine), scale(t.v2, t.g1 * sine));
   const float q2 = dot3(q, q);
   const vec3 end = sub(scale(q, 2.0f * dot3(t.v0, q) / max_f(q2, 1e-37f)), t.v0);
-  const float s2 = dot3(t.v1, end);
-  const float s = (1.0f - v) + v * s2;
-  const float denominator = 1.0f - s2 * s2;
-  const float ratio = safe_sqrt((1.0f - s * s) / (denominator > 0.0f ? denominator : 1.0f));
+  // 1 - cos of the angles from v1 to the arc's end and to the sample, not the cosines: those of small lights
+  // are near 1, where few numbers are.
+  const vec3 chord = sub(end, t.v1);
+  const float versine2 = 0.5f * dot3(chord, chord);
+  const float versine = v * versine2;
+  const float denominator = versine2 * (2.0f - versine2);
+  const float ratio = safe_sqrt(versine * (2.0f - versine) / (denominator > 0.0f ? denominator : 1.0f));
   const float along = denominator > 0.0f ? ratio : v;
-  return normalize3(add(scale(t.v1, s - along * s2), scale(end, along)));
+  return normalize3(add(scale(t.v1, (1.0f - versine) + along * versine2), scale(chord, along)));
 }
 
 PENUMBRA_NAMESPACE_END
