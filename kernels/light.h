@@ -180,8 +180,11 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice,
     direct_pdf = cone ? 1.0f / (2.0f * PI_F * versine_max) : direct_pdf;
   }
 #endif
-  const float error = POSITION_ERROR * dot3(abs3(normal), extent);
-  vec3 target = leave_surface(at, normal, error, sub(s.p, at));
+  // At most half the way to the point's side: one that is closer to the light than its position's error would
+  // look the wrong way.
+  const vec3 back = sub(s.p, at);
+  const float error = min_f(POSITION_ERROR * dot3(abs3(normal), extent), 0.5f * FABS(dot3(back, normal)));
+  vec3 target = leave_surface(at, normal, error, back);
 #if HAS(POINT_LIGHTS)
   const bool point = light->kind == LIGHT_POINT;
   target = select3(point, p0, target);
