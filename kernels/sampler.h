@@ -125,6 +125,12 @@ FN uint strata_columns(uint n) {
   return columns;
 }
 
+/// Position `jitter` in [0, 1) of stratum `cell` of `count`: rounding must not push it into the next one.
+FN float in_stratum(uint cell, float jitter, uint count) {
+  const float below_next = BITS_FLOAT(FLOAT_BITS((float)(cell + 1u)) - 1u);
+  return min_f(min_f((float)cell + jitter, below_next) / (float)count, ONE_MINUS_EPSILON);
+}
+
 /// Jittered strata, the order of the strata a random permutation for each pixel and pair.
 FN void stratified_pair(uint pixel, uint index, uint pair, uint spp, PRIVATE float* u, PRIVATE float* v) {
   uint seed = pair_seed(pixel, pair);
@@ -133,8 +139,8 @@ FN void stratified_pair(uint pixel, uint index, uint pair, uint spp, PRIVATE flo
   uint cell = permute(index % spp, spp, seed);
   float ju, jv;
   independent_pair(pixel, index, pair, &ju, &jv);
-  *u = min_f(((float)(cell % columns) + ju) / (float)columns, ONE_MINUS_EPSILON);
-  *v = min_f(((float)(cell / columns) + jv) / (float)rows, ONE_MINUS_EPSILON);
+  *u = in_stratum(cell % columns, ju, columns);
+  *v = in_stratum(cell / columns, jv, rows);
 }
 
 /// The radical inverse of the index in a prime base.
