@@ -111,11 +111,26 @@ STAGE void spherical_rectangle_quantity(GLOBAL const double* in, GLOBAL double* 
   out[3] = r.solid_angle;
 }
 
-/// In: three vertices in the receiver's frame, u, v. Out: direction, projected solid angle (0: not sampled).
+/// In: three vertices in the receiver's frame, u, v; an axis w, size N of a grid. Out: direction, projected
+/// solid angle (0: not sampled); mean of w.u over the N x N samples at the middles of the cells of (u, v);
+/// how many of them are not unit vectors above the horizon.
 STAGE void projected_triangle_quantity(GLOBAL const double* in, GLOBAL double* out) {
   const ProjectedPolygon p = project_triangle(in_v(in, 0), in_v(in, 3), in_v(in, 6));
   out_v(out, 0, sample_projected_polygon(p, in_f(in, 9), in_f(in, 10)));
   out[3] = p.area;
+  const vec3 w = in_v(in, 11);
+  const int size = (int)in[14];
+  double sum = 0.0, bad = 0.0;
+  for (int i = 0; i < size; i++) {
+    for (int k = 0; k < size; k++) {
+      const vec3 d =
+          sample_projected_polygon(p, ((float)i + 0.5f) / (float)size, ((float)k + 0.5f) / (float)size);
+      sum += dot3(w, d);
+      bad += ((FABS(dot3(d, d) - 1.0f) < 1e-5f) & (d.z >= 0.0f)) ? 0.0 : 1.0;
+    }
+  }
+  out[4] = sum / max_d((double)size * (double)size, 1.0);
+  out[5] = bad;
 }
 
 /// In: reflectances of the diffuse and the Phong lobe, exponent, probability of the lobe.
@@ -265,20 +280,38 @@ STAGE void watertight_quantity(GLOBAL const double* in, GLOBAL double* out) {
   out[0] = misses;
 }
 
-/// In: triangle, origin and direction of a ray that meets it. Out: position, its stated error, distance;
-/// origin of a ray that leaves along the normal.
+/// In: triangle, origin of the rays, number of rays. Each is aimed at a random point of the triangle. Out:
+/// the largest distance of a position from the triangle's plane, and the least and the greatest height above
+/// it of an origin that leaves it on the ray's side; all three in units of the error that the surface states.
 STAGE void surface_quantity(GLOBAL const double* in, GLOBAL double* out, GLOBAL uint* scratch) {
   const Scene scene = scratch_scene(scratch);
   GLOBAL Triangle* t = (GLOBAL Triangle*)scratch;
-  set_v(&t->p0, in_v(in, 0));
-  set_v(&t->p1, in_v(in, 3));
-  set_v(&t->p2, in_v(in, 6));
+  const vec3 p0 = in_v(in, 0), p1 = in_v(in, 3), p2 = in_v(in, 6), origin = in_v(in, 9);
+  set_v(&t->p0, p0);
+  set_v(&t->p1, p1);
+  set_v(&t->p2, p2);
   t->light = t->normals = -1;
-  const Surface s = surface_at(&scene, 0, in_v(in, 9), in_v(in, 12));
-  out_v(out, 0, s.p);
-  out[3] = s.error;
-  out[4] = s.distance;
-  out_v(out, 5, leave_surface(s.p, s.geometric, s.error, s.geometric));
+  const vec3d n = cross3_d(sub_d(widen3(p1), widen3(p0)), sub_d(widen3(p2), widen3(p0)));
+  const double length = SQRT_D(dot3_d(n, n));
+  const double side = dot3_d(n, sub_d(widen3(origin), widen3(p0))) < 0.0 ? -1.0 : 1.0;
+  double farthest = 0.0, low = 1e300, high = -1e300;
+  for (uint i = 0; i < in_u(in, 12); i++) {
+    const float u = unit_float(hash_uint(i)), v = unit_float(hash_uint(i ^ 0x9e3779b9u));
+    const float root = SQRT(u);
+    const vec3 at = add(add(scale(p0, 1.0f - root), scale(p1, v * root)), scale(p2, root - v * root));
+    const Surface s = surface_at(&scene, 0, origin, normalize3(sub(at, origin)));
+    const vec3 leaving = leave_surface(s.p, s.geometric, s.error, s.geometric);
+    // The error may be 0: then the position has to be exact.
+    const double unit = length * max_d((double)s.error, 1e-200);
+    const double off = dot3_d(n, sub_d(widen3(s.p), widen3(p0))) / unit;
+    const double height = side * dot3_d(n, sub_d(widen3(leaving), widen3(p0))) / unit;
+    farthest = max_d(farthest, FABS_D(off));
+    low = min_d(low, height);
+    high = max_d(high, height);
+  }
+  out[0] = farthest;
+  out[1] = low;
+  out[2] = high;
 }
 
 /// In: origin, unit direction, centre, radius. Out: distance to the sphere, or a negative number.

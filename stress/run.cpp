@@ -68,13 +68,7 @@ Expected<FilmAccumulator> render(const DeviceScene& scene, const DeviceOptions& 
   return film;
 }
 
-template <typename Film>
-std::uint64_t non_finite(const Film& film) {
-  if constexpr (requires { film.nan_samples(); })
-    return film.nan_samples() + film.infinite_samples();
-  else
-    return film.nan().count + film.infinite().count;
-}
+std::uint64_t non_finite(const FilmAccumulator& film) { return film.nan().count + film.infinite().count; }
 
 Outcome run_render(const RenderMeasurement& measurement, const Backend& backend) {
   Outcome outcome;
@@ -136,9 +130,11 @@ std::vector<CaseResult> run_cases(std::span<const Case> cases, std::span<Backend
     run_other(c, backends, result);
     const Quads truth = c.truth.value();
     for (const Quad& t : truth) result.truth.push_back(double(t));
-    result.allowed = allowed_error(truth, c.allowed);
+    Allowed allowed = c.allowed;
+    if (allowed.computed) allowed.absolute += allowed.computed();
+    result.allowed = allowed_error(truth, allowed);
     for (Outcome& outcome : result.outcomes) {
-      if (outcome.verdict != Verdict::kSkipped) judge(truth, c.allowed, outcome);
+      if (outcome.verdict != Verdict::kSkipped) judge(truth, allowed, outcome);
     }
     result.verdict = summarize(result.outcomes);
     result.same_bits = have_same_bits(result.outcomes);

@@ -6,6 +6,13 @@
 namespace penumbra::stress {
 
 void add_polygon_cases(std::vector<Case>& cases);
+void add_lobe_cases(std::vector<Case>& cases);
+void add_solid_angle_cases(std::vector<Case>& cases);
+void add_projected_cases(std::vector<Case>& cases);
+void add_bsdf_cases(std::vector<Case>& cases);
+void add_sampler_cases(std::vector<Case>& cases);
+void add_intersection_cases(std::vector<Case>& cases);
+void add_small_function_cases(std::vector<Case>& cases);
 void add_pending_cases(std::vector<Case>& cases);
 
 }  // namespace penumbra::stress
