@@ -159,7 +159,7 @@ class RenderRun {
   int failed_starts_ = 0, fruitless_deaths_ = 0;
   bool budget_spent_ = false;
   std::uint64_t samples_done_ = 0;
-  Seconds first_tile_ = 0;
+  Seconds ready_ = 0, first_tile_ = 0, last_tile_ = 0;
   Seconds now_ = 0, plan_time_ = 0, last_tick_ = 0;
   Seconds next_progress_ = 0;
   // The workers talk to the server through the socket, so they go first and the socket last.
@@ -221,6 +221,7 @@ void RenderRun::on(const arrivals::Ready& arrival) {
   worker.ready = true;
   worker.share.device = arrival.device;
   starting_.erase(worker.pid);
+  if (ready_ == 0) ready_ = since(started_);
   tell_plan(WorkerJoined{arrival.worker});
 }
 
@@ -280,6 +281,7 @@ void RenderRun::obey(const MergeResult& order, arrivals::Result* result) {
   samples_done_ += samples;
   failed_starts_ = fruitless_deaths_ = 0;
   merge_.add(order.unit.tile, order.unit.pass, std::move(result->buffer));
+  last_tile_ = since(started_);
 }
 
 void RenderRun::obey(const SetAside& order, arrivals::Result*) {
@@ -393,7 +395,9 @@ RenderOutcome RenderRun::outcome() && {
   outcome.passes_finished = merge_.finished_passes();
   outcome.passes_total = grid_.passes();
   outcome.film = std::move(merge_).take_film();
+  outcome.seconds_to_ready = ready_;
   outcome.seconds_to_first_tile = first_tile_;
+  outcome.seconds_to_last_tile = last_tile_;
   outcome.seconds = since(started_);
   return outcome;
 }

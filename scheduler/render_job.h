@@ -58,7 +58,9 @@ struct RenderOutcome {
   std::vector<WorkerShare> workers;
   std::uint64_t units_done = 0, units_duplicated = 0, units_requeued = 0;
   std::uint32_t passes_finished = 0, passes_total = 0;  ///< merged in every tile; asked for
-  double seconds_to_first_tile = 0;                     ///< from the call
+  double seconds_to_ready = 0;       ///< from the call until the first worker has the scene and its kernels
+  double seconds_to_first_tile = 0;  ///< from the call
+  double seconds_to_last_tile = 0;   ///< from the call until the last result is merged
   double seconds = 0;
 };
 

@@ -15,6 +15,7 @@ using Command = std::function<ExitCode()>;
 
 /// `command_line` is argv; both outlive the parse and the run.
 void add_render_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen);
+void add_report_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen);
 void add_info_command(CLI::App& app, Command& chosen);
 void add_compare_command(CLI::App& app, Command& chosen);
 /// Commands that are programs of their own, `penumbra worker` and `penumbra stress`: listed for the help,

@@ -19,7 +19,8 @@ constexpr const char* kExamples =
     "here\n"
     "  penumbra render scene.xml -o out/a.exr --spp 256 --workers 4\n"
     "  penumbra info scene.xml\n"
-    "  penumbra compare out/a.exr reference.exr";
+    "  penumbra compare out/a.exr reference.exr\n"
+    "  penumbra report scene.xml -o report --integrator path_ems --integrator path_mis";
 
 /// Names of everything that the command takes: its options if the unknown word is one, else its subcommands.
 std::vector<std::string> known_names(const CLI::App& command, const std::string& unknown) {
@@ -63,6 +64,7 @@ ExitCode run(int argc, char** argv) {
   add_render_command(app, command_line, chosen);
   add_info_command(app, chosen);
   add_compare_command(app, chosen);
+  add_report_command(app, command_line, chosen);
   add_sibling_commands(app);
   try {
     app.parse(argc, argv);

@@ -1,0 +1,197 @@
+// `penumbra report SCENE... -o DIR`: error against run time.
+#include <fmt/format.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <array>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "scheduler/cli/commands.h"
+#include "scheduler/cli/program_path.h"
+#include "scheduler/cli/report_assembly.h"
+#include "scheduler/cli/report_cells.h"
+#include "scheduler/cli/report_options.h"
+#include "scheduler/cli/report_plan.h"
+#include "scheduler/cli/stop_signal.h"
+#include "scheduler/outputs/atomic_file.h"
+#include "scheduler/outputs/render_record.h"
+#include "scheduler/outputs/version.h"
+#include "scheduler/report/gnuplot.h"
+#include "scheduler/report/html.h"
+#include "scheduler/report/plot.h"
+#include "scheduler/report/report_json.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::array<double, 3> load_averages() {
+  std::array<double, 3> load{};
+  if (getloadavg(load.data(), 3) != 3) load.fill(0);
+  return load;
+}
+
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  gmtime_r(&now, &parts);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text;
+}
+
+std::string host_name() {
+  char name[256] = {};
+  return gethostname(name, sizeof name - 1) == 0 ? name : "";
+}
+
+/// Of the program that renders: cells that another build of it made are not this report's.
+std::string file_hash(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  return hash_text(XXH3_64bits(bytes.data(), bytes.size()));
+}
+
+Expected<void> write_text(const fs::path& path, const std::string& text) {
+  return write_file_atomically(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+ReportData begin_report(const ReportOptions& options, const std::vector<ScenePlan>& plans,
+                        const std::vector<std::string>& command_line) {
+  ReportData report;
+  report.version = kVersion;
+  report.host = host_name();
+  report.started = utc_now();
+  report.command_line = command_line;
+  report.cores = std::max(1u, std::thread::hardware_concurrency());
+  report.workers = options.render.workers;
+  report.threads = plans.front().curves.front().cells.front().front().settings.at("threads");
+  report.repeats = options.repeats;
+  report.seeds = options.seeds;
+  report.load_start = load_averages();
+  report.epsilon = options.epsilon;
+  report.total_time = options.time == "total";
+  return report;
+}
+
+Expected<void> write_report(const fs::path& folder, const ReportData& report) {
+  const std::string json =
+      report_data_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  const std::pair<const char*, std::string> files[] = {
+      {"report.json", json}, {"report.csv", report_csv(report)}, {"index.html", report_html(report)}};
+  for (const auto& [name, text] : files) {
+    if (auto written = write_text(folder / name, text); !written) return written;
+  }
+  return {};
+}
+
+void print_summary(const fs::path& folder, const ReportData& report) {
+  for (const SceneReport& scene : report.scenes) {
+    fmt::print("{}\n", scene.name);
+    for (const Curve& curve : scene.curves) {
+      const auto& fit = curve.mse_over_time;
+      fmt::print("  {:<40} {}\n", curve.name.label,
+                 fit ? fmt::format("MSE ~ T^{:.2f} [{:.2f}, {:.2f}]", fit->slope, fit->low, fit->high)
+                     : "no slope: too few budgets above the reference's noise");
+    }
+  }
+  fmt::print("wrote {}\n", (folder / "index.html").string());
+}
+
+/// Assembles, draws and writes what the cells hold; what went wrong is printed.
+bool finish_report(const ReportOptions& options, const std::vector<ScenePlan>& plans, const CellStore& store,
+                   const fs::path& gnuplot, ReportData& report) {
+  const fs::path folder = options.out;
+  bool good = true;
+  for (const ScenePlan& plan : plans) {
+    auto scene = assemble_scene(options, plan, store, report);
+    if (!scene) {
+      print_error(scene.error());
+      good = false;
+      continue;
+    }
+    if (!*scene) continue;  // its reference failed, which has been said
+    if (!options.no_plots) {
+      auto plots = draw_plots(gnuplot, folder / "plots", report, **scene);
+      if (plots) {
+        (*scene)->plots = std::move(*plots);
+      } else {
+        print_error(plots.error());
+        good = false;
+      }
+    }
+    report.scenes.push_back(std::move(**scene));
+  }
+  report.load_end = load_averages();
+  report.finished = utc_now();
+  if (auto written = write_report(folder, report); !written) return print_error(written.error()), false;
+  if (!options.quiet) print_summary(folder, report);
+  return good;
+}
+
+ExitCode report_command(ReportOptions options, const std::vector<std::string>& command_line) {
+  const std::atomic<bool>& stop = install_stop_signal();
+  if (options.budgets.empty()) options.budgets = *parse_budgets("1..64");
+  fs::path gnuplot;
+  if (!options.no_plots) {
+    const auto found = find_gnuplot();
+    if (!found) return print_error(found.error()), kIncomplete;
+    gnuplot = *found;
+  }
+  const auto worker = find_program("penumbra-worker");
+  if (!worker) return print_error(worker.error()), kIncomplete;
+  const auto store = CellStore::open(fs::path(options.out) / "cells");
+  if (!store) return print_error(store.error()), kBadInput;
+  const auto plans = plan_report(options, *store, file_hash(*worker));
+  if (!plans) return print_error(plans.error()), kBadInput;
+
+  ReportData report = begin_report(options, *plans, command_line);
+  const CellRun run = run_cells(*plans, *store, {worker->string(), options.repeats, options.quiet}, stop);
+  for (const std::string& failure : run.failures) print_error({failure});
+  if (run.stopped) {
+    print_error({fmt::format("stopped; {} of {} images are there, and the same command goes on from them",
+                             run.found + run.rendered, run.total)});
+    return kIncomplete;
+  }
+  const bool good = finish_report(options, *plans, *store, gnuplot, report);
+  return good && run.failures.empty() ? kAllDone : kIncomplete;
+}
+
+}  // namespace
+
+void add_report_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen) {
+  CLI::App* command = app.add_subcommand(
+      "report", "Error against run time: curves, slopes, equal-time pictures as one HTML page");
+  const auto options = std::make_shared<ReportOptions>();
+  add_report_options(*command, *options);
+  command->footer(
+      "Renders every scene with every method, sampler and backend at every budget, several seeds each, and "
+      "measures\n"
+      "the errors against a reference. Writes DIR/index.html (one file, needs no network), report.json, "
+      "report.csv,\n"
+      "plots/ and cells/, which holds the images. A report that was interrupted goes on from there; cells "
+      "are taken\n"
+      "up again only if scene, settings and the program are the same. Let nothing else run on the machine "
+      "meanwhile.\n\n"
+      "Exit code: 0 all done; 1 stopped, or something failed; 2 bad usage or bad input.\n\n"
+      "Examples:\n"
+      "  penumbra report scene.xml -o out --integrator path_ems --integrator path_mis\n"
+      "  penumbra report scene.xml -o out --integrator path --integrator cv=path:nee=cv --spp 1..256 --seeds "
+      "10\n"
+      "  penumbra report a.xml b.xml -o out --backend native --backend opencl --threads 1\n"
+      "  penumbra report scene.xml -o out --sampler independent --sampler stratified --sampler sobol\n"
+      "  penumbra report scene.xml -o out --reference truth.exr --target relmse=1e-3 --crop-view 100,80,64\n"
+      "  penumbra report scene.xml -o out --peer mitsuba-images      # "
+      "mitsuba-images/direct/0.35-seconds.exr");
+  command->callback([options, &command_line, &chosen] {
+    chosen = [options, &command_line] { return report_command(*options, command_line); };
+  });
+}
+
+}  // namespace penumbra

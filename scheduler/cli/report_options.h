@@ -1,0 +1,45 @@
+// The options of `penumbra report` as the user gave them.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kernels/host/error.h"
+#include "scheduler/cli/render_options.h"
+#include "scheduler/report/crop_choice.h"
+#include "scheduler/report/method.h"
+
+namespace penumbra {
+
+struct ReportOptions {
+  std::vector<std::string> scenes;
+  std::string out;
+  std::vector<Method> methods;  ///< empty: the scene's own integrator
+  std::vector<std::string> samplers, backends;
+  std::vector<std::uint32_t> budgets;
+  int seeds = 3, repeats = 1;
+  std::vector<std::string> references{}, second_references{};  ///< FILE, SCENE=FILE, auto
+  std::uint32_t reference_spp = 0;                             ///< both halves; 0: by rule
+  std::vector<Method> reference_methods;
+  std::vector<std::string> peers;  ///< DIR, SCENE=DIR
+  std::vector<Target> targets;
+  CropChoice crop;
+  std::optional<double> crop_seconds;
+  double exposure = 0;
+  double epsilon = 0.01;
+  std::string time = "render";
+  RenderOptions render;  ///< what all cells share: -D, --set, workers, threads, …
+  bool no_plots = false, quiet = false;
+};
+
+void add_report_options(CLI::App& command, ReportOptions& options);
+
+/// The part of "SCENE=VALUE…" or "VALUE" for this scene: the last that names it, else the last that names no
+/// scene. Nothing if there is none. `scenes` are the names that can stand before '='.
+std::optional<std::string> value_for_scene(const std::vector<std::string>& values, const std::string& scene,
+                                           const std::vector<std::string>& scenes);
+
+}  // namespace penumbra

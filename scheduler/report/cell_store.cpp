@@ -1,0 +1,111 @@
+#include "scheduler/report/cell_store.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "scheduler/outputs/atomic_file.h"
+#include "scheduler/outputs/image_files.h"
+
+namespace penumbra {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json phases_json(const PhaseSeconds& seconds) {
+  return {{"build", seconds.build},
+          {"transfer", seconds.transfer},
+          {"render", seconds.render},
+          {"total", seconds.total}};
+}
+
+ImageResult result_from_json(const Json& json) {
+  ImageResult result;
+  const Json& seconds = json.at("seconds");
+  result.seconds = {seconds.at("build"), seconds.at("transfer"), seconds.at("render"), seconds.at("total")};
+  result.render_seconds = json.at("render_seconds").get<std::vector<double>>();
+  result.seed = json.at("seed");
+  result.load_before = json.at("load_average").at("before");
+  result.load_after = json.at("load_average").at("after");
+  result.film_hash = json.at("film_hash");
+  result.bad_samples = json.at("bad_samples");
+  return result;
+}
+
+}  // namespace
+
+CellId make_cell_id(const std::string& name, const Json& settings) {
+  const std::string text = settings.dump(-1, ' ', false, Json::error_handler_t::replace);
+  CellId id;
+  id.key = fmt::format("{:016x}", XXH3_64bits(text.data(), text.size()));
+  constexpr std::size_t kLongestName = 120;
+  for (const char c : name.substr(0, kLongestName)) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '.' || c == '_';
+    id.name += plain ? c : '_';
+  }
+  return id;
+}
+
+Expected<CellStore> CellStore::open(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return fail(fmt::format("cannot create the folder {}: {}", folder.string(), error.message()));
+  if (auto writable = check_writable(folder / "cell.json"); !writable)
+    return std::unexpected(writable.error());
+  return CellStore(folder);
+}
+
+std::filesystem::path CellStore::image_path(const CellId& id) const {
+  return folder_ / (id.name + "." + id.key + ".exr");
+}
+
+std::filesystem::path CellStore::json_path(const CellId& id) const {
+  return folder_ / (id.name + "." + id.key + ".json");
+}
+
+std::optional<ImageResult> CellStore::find(const CellId& id) const {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(image_path(id), error)) return std::nullopt;
+  std::ifstream file(json_path(id));
+  if (!file) return std::nullopt;
+  try {
+    ImageResult result = result_from_json(Json::parse(file));
+    result.file = image_path(id);
+    return result;
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
+
+Expected<void> CellStore::save(const CellId& id, const Image& image, const ImageResult& result,
+                               const Json& settings) const {
+  const auto exr = encode_exr(beauty_only(image));
+  if (!exr) return std::unexpected(exr.error());
+  if (auto written = write_file_atomically(image_path(id), *exr); !written) return written;
+  const Json json = {{"settings", settings},
+                     {"seed", result.seed},
+                     {"seconds", phases_json(result.seconds)},
+                     {"render_seconds", result.render_seconds},
+                     {"load_average", {{"before", result.load_before}, {"after", result.load_after}}},
+                     {"film_hash", result.film_hash},
+                     {"bad_samples", result.bad_samples}};
+  const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return write_file_atomically(json_path(id),
+                               {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+Image beauty_only(const Image& image) {
+  const auto channels = image.beauty_channels();
+  if (!channels) return image;
+  Image beauty{image.data, image.display, {"R", "G", "B"}, {}, image.metadata};
+  beauty.values.reserve(image.pixels() * 3);
+  for (std::size_t p = 0; p < image.pixels(); ++p) {
+    for (const std::size_t c : *channels)
+      beauty.values.push_back(image.values[p * image.channels.size() + c]);
+  }
+  return beauty;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,102 @@
+#include "scheduler/report/gnuplot.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "scheduler/outputs/atomic_file.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string contents(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+Expected<void> write_text(const fs::path& path, const std::string& text) {
+  return write_file_atomically(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+/// Runs the program with its output in `log`; its exit status.
+Expected<int> run_program(const fs::path& program, const std::string& argument, const fs::path& log) {
+  const pid_t child = fork();
+  if (child < 0) return fail(fmt::format("cannot start {}: {}", program.string(), std::strerror(errno)));
+  if (child == 0) {
+    const int out = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+    const int in = open("/dev/null", O_RDONLY | O_CLOEXEC);
+    dup2(in, STDIN_FILENO);
+    dup2(out, STDOUT_FILENO);
+    dup2(out, STDERR_FILENO);
+    execl(program.c_str(), program.c_str(), argument.c_str(), nullptr);
+    _exit(127);
+  }
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0) {
+    if (errno != EINTR) return fail(fmt::format("lost {}: {}", program.string(), std::strerror(errno)));
+  }
+  return status;
+}
+
+}  // namespace
+
+Expected<fs::path> find_gnuplot() {
+  const char* path = std::getenv("PATH");
+  std::stringstream folders(path != nullptr ? path : "");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    const fs::path program = fs::path(folder.empty() ? "." : folder) / "gnuplot";
+    if (access(program.c_str(), X_OK) == 0) return program;
+  }
+  return fail("plots need gnuplot (Debian: apt-get install gnuplot-nox); --no-plots does without them");
+}
+
+std::string gnuplot_quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c == '\n' ? ' ' : c;
+  }
+  return out + "\"";
+}
+
+Expected<GnuplotOutput> run_gnuplot(const fs::path& gnuplot, const fs::path& folder, const std::string& name,
+                                    const std::string& script, int width, int height) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return fail(fmt::format("cannot create the folder {}: {}", folder.string(), error.message()));
+  const auto file = [&](const char* ending) { return folder / (name + ending); };
+  const std::string text = fmt::format(
+      "# Draws {2}.svg and {2}.png.\n"
+      "set terminal svg size {3},{4} noenhanced font 'sans-serif,13' background rgb 'white'\n"
+      "set output {0}\n{5}\n"
+      "set terminal pngcairo size {3}*2,{4}*2 noenhanced fontscale 1.1 linewidth 2 pointscale 2 font "
+      "'sans-serif,20'\n"
+      "set output {1}\nreplot\nset output\n",
+      gnuplot_quoted(file(".svg").string()), gnuplot_quoted(file(".png").string()), name, width, height,
+      script);
+  if (auto written = write_text(file(".gp"), text); !written) return std::unexpected(written.error());
+  const fs::path log = file(".log");
+  const auto status = run_program(gnuplot, file(".gp").string(), log);
+  if (!status) return std::unexpected(status.error());
+  const std::string said = contents(log);
+  fs::remove(log, error);
+  GnuplotOutput output{contents(file(".svg")), {}};
+  const std::string png = contents(file(".png"));
+  output.png.assign(png.begin(), png.end());
+  if (*status != 0 || output.svg.empty() || output.png.empty()) {
+    return fail(fmt::format("gnuplot could not draw {}: {}", file(".gp").string(), said));
+  }
+  return output;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,110 @@
+#include "scheduler/report/html_text.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace penumbra {
+
+std::string html_escaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '&':
+        out += "&amp;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+std::string base64(std::span<const std::uint8_t> bytes) {
+  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t left = bytes.size() - i;
+    const std::uint32_t word = std::uint32_t(bytes[i]) << 16 |
+                               (left > 1 ? std::uint32_t(bytes[i + 1]) << 8 : 0) |
+                               (left > 2 ? std::uint32_t(bytes[i + 2]) : 0);
+    out += kDigits[word >> 18];
+    out += kDigits[word >> 12 & 63];
+    out += left > 1 ? kDigits[word >> 6 & 63] : '=';
+    out += left > 2 ? kDigits[word & 63] : '=';
+  }
+  return out;
+}
+
+std::string png_uri(std::span<const std::uint8_t> png) { return "data:image/png;base64," + base64(png); }
+
+std::string inline_svg(std::string_view svg, std::string_view prefix) {
+  const std::size_t begin = svg.find("<svg");
+  if (begin == std::string_view::npos) return {};
+  std::string out;
+  std::string_view rest = svg.substr(begin);
+  for (std::size_t at = 0; at < rest.size();) {
+    const auto starts = [&](std::string_view word) { return rest.substr(at).starts_with(word); };
+    if (starts("<!--")) {
+      const std::size_t end = rest.find("-->", at);
+      at = end == std::string_view::npos ? rest.size() : end + 3;
+      continue;
+    }
+    bool named = false;
+    for (const std::string_view word :
+         {std::string_view(" id=\""), std::string_view(" id='"), std::string_view("url(#"),
+          std::string_view("href='#"), std::string_view("href=\"#")}) {
+      if (!starts(word)) continue;
+      out += word;
+      out += prefix;
+      at += word.size();
+      named = true;
+      break;
+    }
+    if (!named) out += rest[at++];
+  }
+  return out;
+}
+
+std::string number_text(double value) {
+  if (!std::isfinite(value)) return "–";
+  if (value != 0 && std::abs(value) < 1e-3) return fmt::format("{:.2e}", value);
+  return fmt::format("{:.3g}", value);
+}
+
+std::string seconds_text(double seconds) {
+  if (!std::isfinite(seconds)) return "–";
+  if (seconds < 120) return fmt::format("{:.3g} s", seconds);
+  if (seconds < 7200)
+    return fmt::format("{:.0f} min {:02.0f} s", std::floor(seconds / 60), std::floor(std::fmod(seconds, 60)));
+  return fmt::format("{:.1f} h", seconds / 3600);
+}
+
+HtmlTable::HtmlTable(const std::vector<std::string>& header) {
+  text_ = "<div class=\"scroll\"><table><thead><tr>";
+  for (const std::string& cell : header) text_ += "<th>" + cell + "</th>";
+  text_ += "</tr></thead><tbody>\n";
+}
+
+void HtmlTable::add(const std::vector<std::string>& cells) {
+  text_ += "<tr>";
+  for (const std::string& cell : cells) text_ += "<td>" + cell + "</td>";
+  text_ += "</tr>\n";
+}
+
+std::string HtmlTable::text() const { return text_ + "</tbody></table></div>\n"; }
+
+}  // namespace penumbra

@@ -1,0 +1,147 @@
+// Everything that a report says, as values: computed once, then written as HTML, CSV and JSON.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scheduler/metrics/error_metrics.h"
+#include "scheduler/report/method.h"
+#include "scheduler/report/seed_statistics.h"
+#include "scheduler/report/slope_fit.h"
+#include "scheduler/report/time_to_target.h"
+
+namespace penumbra {
+
+/// Wall-clock seconds of a render, part by part.
+struct PhaseSeconds {
+  double build = 0;     ///< scene file to device scene
+  double transfer = 0;  ///< worker processes started, scene sent, kernels compiled: to the first worker ready
+  double render = 0;    ///< from there to the last result merged
+  double total = 0;     ///< build and everything of the render job, its end included
+};
+
+/// What was measured of one image against the reference. Overall values of scheduler/metrics.
+struct ImageErrors {
+  double mse = 0, relative_mse = 0, trimmed_relative_mse = 0, mape = 0, smape = 0, bias = 0, largest = 0;
+  std::uint64_t non_finite = 0;  ///< pixels that were left out
+};
+
+struct ImageResult {
+  std::filesystem::path file;
+  std::uint32_t seed = 0;
+  PhaseSeconds seconds;                    ///< medians of the repeats
+  std::vector<double> render_seconds;      ///< of each repeat
+  double load_before = 0, load_after = 0;  ///< the machine's load average over a minute
+  std::string film_hash;
+  std::uint64_t bad_samples = 0;  ///< NaN or infinite
+  ImageErrors errors;
+};
+
+/// One budget of a curve.
+struct CurvePoint {
+  std::uint32_t spp = 0;  ///< 0: not known
+  std::vector<ImageResult> images;
+  PhaseSeconds seconds;  ///< medians over the images
+  ImageErrors errors;    ///< means over the images; of `largest` and `non_finite` the largest
+  ErrorSplit squared, relative;
+};
+
+struct CurveName {
+  std::string label;
+  bool peer = false;  ///< images of another renderer; nothing is known but their times
+  std::string integrator;
+  std::vector<std::string> settings;
+  std::string sampler, backend;
+  std::string quantity;       ///< what it estimates, in words
+  bool same_quantity = true;  ///< as the reference
+};
+
+struct Curve {
+  CurveName name;
+  std::vector<CurvePoint> points;  ///< by budget, or by time
+  std::optional<SlopeFit> mse_over_time, relmse_over_time, mse_over_spp, relmse_over_spp;
+  std::vector<std::optional<TimeToTarget>> to_target;  ///< one for each target of the scene
+  std::optional<double> efficiency;                    ///< geometric mean of 1 / (MSE T)
+  std::string no_efficiency;                           ///< why there is none
+};
+
+/// One half of a reference, or all of it.
+struct ReferenceHalf {
+  std::string what;  ///< integrator, sampler and seed, or the file
+  std::filesystem::path file;
+  std::uint32_t spp = 0;  ///< 0: not known
+  double seconds = 0;
+};
+
+struct ReferenceSummary {
+  std::vector<ReferenceHalf> halves;  ///< one or two
+  std::string quantity;               ///< what it estimates, in words; empty: not known
+  /// Mean of A - B over the image, in standard errors of the pixels' spread; only with two halves.
+  std::optional<double> z;
+  /// MSE and relMSE that the reference's own noise adds, from its variance; only of one that stands alone.
+  std::optional<double> noise_mse, noise_relmse;
+};
+
+/// A picture of one method at the common time.
+struct CropPicture {
+  std::string label;
+  std::uint32_t spp = 0;
+  double seconds = 0;
+  double relmse = 0, mse = 0;  ///< of the crop
+  double image_relmse = 0;     ///< of the whole image
+  std::optional<double> flip;  ///< mean FLIP of the whole image
+  std::vector<std::uint8_t> png, heat_png;
+};
+
+struct CropSet {
+  int x = 0, y = 0, width = 0, height = 0;  ///< in film pixels
+  std::string why_here;
+  double seconds = 0;    ///< that all methods have had, as near as there are images
+  double heat_high = 1;  ///< relative error shown brightest
+  double exposure = 0;
+  std::vector<std::uint8_t> reference_png, overview_png;
+  int overview_width = 0, overview_height = 0;
+  int film_x = 0, film_y = 0;  ///< corner of the overview
+  std::vector<CropPicture> pictures;
+};
+
+/// A plot: SVG text and PNG bytes.
+struct Plot {
+  std::string name, title;
+  std::string svg;
+  std::vector<std::uint8_t> png;
+};
+
+struct SceneReport {
+  std::string name;  ///< short, unique
+  std::filesystem::path file;
+  int width = 0, height = 0;
+  ReferenceSummary reference;
+  std::vector<Target> targets;
+  bool target_chosen = false;  ///< by the report: the smallest error that every curve reaches
+  std::vector<Curve> curves;
+  std::optional<CropSet> crops;
+  std::vector<Plot> plots;
+  std::vector<std::string> remarks;
+};
+
+struct ReportData {
+  std::string version, host, started, finished;
+  std::vector<std::string> command_line;
+  unsigned cores = 0;
+  int workers = 1, threads = 0, repeats = 1, seeds = 0;
+  std::array<double, 3> load_start{}, load_end{};  ///< averages over 1, 5 and 15 minutes
+  double epsilon = kRelativeEpsilon;
+  bool total_time = false;  ///< T is PhaseSeconds::total, else render
+  std::vector<SceneReport> scenes;
+
+  [[nodiscard]] double seconds(const PhaseSeconds& phases) const {
+    return total_time ? phases.total : phases.render;
+  }
+};
+
+}  // namespace penumbra
