@@ -13,6 +13,9 @@ void add_bsdf_cases(std::vector<Case>& cases);
 void add_sampler_cases(std::vector<Case>& cases);
 void add_intersection_cases(std::vector<Case>& cases);
 void add_small_function_cases(std::vector<Case>& cases);
+void add_render_light_cases(std::vector<Case>& cases);
+void add_render_cases(std::vector<Case>& cases);
+void add_merge_cases(std::vector<Case>& cases);
 void add_pending_cases(std::vector<Case>& cases);
 
 }  // namespace penumbra::stress
