@@ -97,7 +97,9 @@ STAGE void project_by_power(const PRIVATE Scene* scene, SurfaceFields at, const 
       const Surface s =
           surface_at(scene, ints[at.hit * capacity + i + j], LOAD3(f, capacity, at.origin_x, i + j),
                      LOAD3(f, capacity, at.direction_x, i + j));
-      GLOBAL const Light* light = scene->lights + choose_light(scene, u[DRAW_LIGHT_CHOICE * LANES + j]);
+      const ChosenLight by_power =
+          choose_light(scene, u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_CHOICE * LANES + j]);
+      GLOBAL const Light* light = scene->lights + by_power.light;
       projected[j] = light_irradiance(light, s.p.x, s.p.y, s.p.z, s.shading.x, s.shading.y, s.shading.z);
     }
 }
@@ -111,10 +113,12 @@ STAGE void aim_by_projection(const PRIVATE Scene* scene, SurfaceFields at, const
       const Surface s =
           surface_at(scene, ints[at.hit * capacity + i + j], LOAD3(f, capacity, at.origin_x, i + j),
                      LOAD3(f, capacity, at.direction_x, i + j));
-      const int by_power = choose_light(scene, u[DRAW_LIGHT_CHOICE * LANES + j]);
+      const float number = u[DRAW_LIGHT_U * LANES + j];
+      const ChosenLight by_power = choose_light(scene, number, u[DRAW_LIGHT_CHOICE * LANES + j]);
       const float chosen = aims[AIM_LIGHT * LANES + j];
-      aim_at_light(scene, s, chosen >= 0.0f ? (int)chosen : by_power, (float)projected[j],
-                   u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_V * LANES + j], aims, j);
+      const bool is_chosen = chosen >= 0.0f;
+      aim_at_light(scene, s, is_chosen ? (int)chosen : by_power.light, (float)projected[j],
+                   is_chosen ? number : by_power.u, u[DRAW_LIGHT_V * LANES + j], aims, j);
     }
 }
 

@@ -98,16 +98,21 @@ FN float light_pdf(const PRIVATE Scene* scene, int index, vec3 from, float dista
   return pdf * light->pmf;
 }
 
-/// Chooses a light by `choice` and a point on it by (u, v), or where `aim` says, for lighting the surface.
-FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice, float u, float v, Aim aim) {
-  const int by_power = choose_light(scene, choice);
+/// Chooses a light and a point on it by (u, v), or as `aim` says, for lighting the surface; `fine`: see
+/// choose_light.
+FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float number, float v, float fine,
+                            Aim aim) {
+  const ChosenLight by_power = choose_light(scene, number, fine);
 #if HAS(POLYGONS)
-  const int index = aim.light >= 0.0f ? (int)aim.light : by_power;
+  const bool is_chosen = aim.light >= 0.0f;
+  const int index = is_chosen ? (int)aim.light : by_power.light;
+  const float u = is_chosen ? number : by_power.u;
   GLOBAL const Light* light = scene->lights + index;
   const float light_pmf = light->pmf;
-  const float pmf = aim.light >= 0.0f ? aim.pmf : light_pmf;
+  const float pmf = is_chosen ? aim.pmf : light_pmf;
 #else
-  GLOBAL const Light* light = scene->lights + by_power;
+  GLOBAL const Light* light = scene->lights + by_power.light;
+  const float u = by_power.u;
   const float pmf = light->pmf;
 #endif
   LightSample sample;
@@ -124,6 +129,10 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice,
   vec3 at = add(add(q0, q1), q2);
   vec3 normal = normalize3(cross3(sub(p1, p0), sub(p2, p0)));
   vec3 extent = add(add(abs3(q0), abs3(q1)), abs3(q2));
+  // Where a ray meets a triangle is known to a few roundings of its vertices seen from the ray's origin: a
+  // point close to a large light would lie in its shadow otherwise.
+  float reach = max_f(max_component(abs3(sub(p0, s.p))),
+                      max_f(max_component(abs3(sub(p1, s.p))), max_component(abs3(sub(p2, s.p)))));
   float direct_pdf = 0.0f;  // per solid angle, where the sampling is by direction
 #if HAS(SOLID_ANGLE)
   {
@@ -177,13 +186,15 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float choice,
     at = select3(sphere, add_scaled(p0, radius, outward), select3(disk, add(p0, on_disk), at));
     normal = select3(sphere, scale(outward, orientation), select3(disk, p1, normal));
     extent = select3(sphere | disk, add(abs3(p0), make_vec3(radius, radius, radius)), extent);
+    reach = (sphere | disk) ? 0.0f : reach;
     direct_pdf = cone ? 1.0f / (2.0f * PI_F * versine_max) : direct_pdf;
   }
 #endif
   // At most half the way to the point's side: one that is closer to the light than its position's error would
   // look the wrong way.
   const vec3 back = sub(s.p, at);
-  const float error = min_f(POSITION_ERROR * dot3(abs3(normal), extent), 0.5f * FABS(dot3(back, normal)));
+  const float error =
+      min_f(POSITION_ERROR * max_f(dot3(abs3(normal), extent), reach), 0.5f * FABS(dot3(back, normal)));
   vec3 target = leave_surface(at, normal, error, back);
 #if HAS(POINT_LIGHTS)
   const bool point = light->kind == LIGHT_POINT;

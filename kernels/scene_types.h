@@ -92,18 +92,20 @@ PENUMBRA_NAMESPACE_BEGIN
   F(float, exponent) /* Phong exponent n >= 0 */                              \
   F(float, lobe)     /* probability of sampling the Phong lobe; 0 for diffuse ones */
 
-#define LIGHT_FIELDS(F)                                                                            \
-  F(vec3, radiance) /* radiance; radiant intensity for a point light */                            \
-  F(vec3, p0)       /* triangle vertex, rectangle corner, centre of sphere or disk, or position */ \
-  F(vec3, p1)       /* triangle vertex, next corner; disk: unit normal of the front */             \
-  F(vec3, p2)       /* triangle vertex, previous corner; sphere, disk: (radius, orientation, 0) */ \
-  F(float, area)                                                                                   \
-  F(int, sampling)          /* EMITTER_* */                                                        \
-  F(int, two_sided)         /* 1: emits from the back as well */                                   \
-  F(int, polygon)           /* index of the polygon light that it is a part of, or -1 */           \
-  F(float, pmf)             /* probability of choosing this light */                               \
-  F(float, alias_threshold) /* Walker's alias table: keep this light below, else take ... */       \
-  F(int, alias)             /* ... this one */                                                     \
+#define LIGHT_FIELDS(F)                                                                                  \
+  F(vec3, radiance) /* radiance; radiant intensity for a point light */                                  \
+  F(vec3, p0)       /* triangle vertex, rectangle corner, centre of sphere or disk, or position */       \
+  F(vec3, p1)       /* triangle vertex, next corner; disk: unit normal of the front */                   \
+  F(vec3, p2)       /* triangle vertex, previous corner; sphere, disk: (radius, orientation, 0) */       \
+  F(float, area)                                                                                         \
+  F(int, sampling)          /* EMITTER_* */                                                              \
+  F(int, two_sided)         /* 1: emits from the back as well */                                         \
+  F(int, polygon)           /* index of the polygon light that it is a part of, or -1 */                 \
+  F(float, pmf)             /* probability of choosing this light */                                     \
+  F(float, alias_threshold) /* Walker's alias table: keep this light below, else take ... */             \
+  F(int, alias)             /* ... this one */                                                           \
+  F(int, rank)              /* to be added to a number's index for its rank among those of this light */ \
+  F(int, alias_rank)        /* ... of the alias */                                                       \
   F(int, kind)              /* LIGHT_* */
 
 // A planar light: coplanar triangles (or one rectangle) of equal emission that face the same side, merged

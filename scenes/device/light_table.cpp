@@ -33,6 +33,10 @@ std::uint32_t first_at(float place, std::uint32_t low, std::uint32_t high, std::
 void count_choices(std::span<Light> lights, std::span<const double> power) {
   const std::size_t n = lights.size();
   std::vector<std::uint32_t> numbers(n);
+  struct Place {
+    std::uint32_t low, split, high;
+  };
+  std::vector<Place> places;
   for (std::uint32_t i = 0, low = 0; i < n; ++i) {
     Light& light = lights[i];
     const std::uint32_t high = i + 1 < n ? first_at(float(i + 1), low, kNumbers, n) : kNumbers;
@@ -43,7 +47,17 @@ void count_choices(std::span<Light> lights, std::span<const double> power) {
     }
     numbers[i] += split - low;
     numbers[std::size_t(light.alias)] += high - split;
+    places.push_back({low, split, high});
     low = high;
+  }
+  std::vector<std::uint32_t> ranks(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto [low, split, high] = places[i];
+    std::uint32_t &own = ranks[i], &alias = ranks[std::size_t(lights[i].alias)];
+    lights[i].rank = int(own) - int(low);
+    own += split - low;
+    lights[i].alias_rank = int(alias) - int(split);
+    alias += high - split;
   }
   for (std::size_t i = 0; i < n; ++i) lights[i].pmf = float(numbers[i]) * 0x1p-24f;
 }

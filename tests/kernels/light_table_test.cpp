@@ -30,7 +30,7 @@ std::vector<std::uint32_t> count_choices(const std::vector<Light>& lights) {
   const Scene scene = tables.scene();
   std::vector<std::uint32_t> count(lights.size());
   for (std::uint32_t k = 0; k < kNumbers; ++k)
-    ++count.at(std::size_t(choose_light(&scene, float(k) * 0x1p-24f)));
+    ++count.at(std::size_t(choose_light(&scene, float(k) * 0x1p-24f, 0.0f).light));
   return count;
 }
 
@@ -74,6 +74,46 @@ TEST_P(LightTable, ProbabilitiesFollowThePower) {
     ASSERT_NEAR(lights[i].pmf, power[i] / total, 2.5 * shares[i] * 0x1p-24) << "light " << i;
   }
   EXPECT_NEAR(sum, 1, 1e-12);
+}
+
+TEST_P(LightTable, WhatIsLeftOfTheNumbersFillsTheIntervalEvenly) {
+  const std::vector<Light> lights = lights_of(GetParam());
+  SceneTables tables;
+  tables.lights = lights;
+  const Scene scene = tables.scene();
+  std::vector<std::vector<bool>> taken(lights.size());
+  for (std::size_t i = 0; i < lights.size(); ++i) taken[i].resize(std::size_t(lights[i].pmf * 0x1p24f));
+  for (std::uint32_t k = 0; k < kNumbers; ++k) {
+    // In the middle of its part of the interval.
+    const ChosenLight choice = choose_light(&scene, float(k) * 0x1p-24f, 0.5f);
+    std::vector<bool>& parts = taken[std::size_t(choice.light)];
+    ASSERT_GE(choice.u, 0.0f);
+    const auto part = std::size_t(double(choice.u) * double(parts.size()));
+    ASSERT_LT(part, parts.size());
+    // From 2^23 parts on their middles are no floats.
+    if (parts.size() < (1u << 23)) {
+      ASSERT_FALSE(parts[part]) << "light " << choice.light;
+    }
+    parts[part] = true;
+  }
+}
+
+TEST_P(LightTable, NeighboursStayNeighbours) {
+  // Numbers of one place that choose one light differ by their distance over its probability.
+  const std::vector<Light> lights = lights_of(GetParam());
+  SceneTables tables;
+  tables.lights = lights;
+  const Scene scene = tables.scene();
+  RandomNumbers random(5);
+  for (int i = 0; i < 10'000; ++i) {
+    const auto k = std::uint32_t(random.below(kNumbers - 1));
+    const ChosenLight a = choose_light(&scene, float(k) * 0x1p-24f, 0.5f),
+                      b = choose_light(&scene, float(k + 1) * 0x1p-24f, 0.5f);
+    const double place = double(lights.size()) * 0x1p-24;
+    if (a.light != b.light || int(k * place) != int((k + 1) * place)) continue;
+    const double step = 0x1p-24 / lights[std::size_t(a.light)].pmf;
+    ASSERT_NEAR(b.u - a.u, step, 0x1p-23) << "light " << a.light;
+  }
 }
 
 TEST_P(LightTable, EveryLightWithPowerCanBeChosen) {

@@ -341,7 +341,7 @@ TEST(PointLight, FollowsTheInverseSquareLaw) {
   tables.lights.push_back(light);
   const Scene scene = tables.scene();
   const LightSample s =
-      sample_light(&scene, receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1)), 0.5f, 0.2f, 0.7f, no_aim());
+      sample_light(&scene, receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1)), 0.2f, 0.7f, 0.0f, no_aim());
   EXPECT_TRUE(s.delta);
   EXPECT_EQ(s.pdf, 1);
   EXPECT_NEAR(s.radiance.x, 2, 1e-6);
@@ -364,9 +364,9 @@ TEST(LightChoice, EntersTheDensity) {
   const Scene scene = tables.scene();
   const Surface s = receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1));
   const double cone = 2 * kPi * (1 - std::sqrt(0.75));
-  EXPECT_NEAR(sample_light(&scene, s, 0.1f, 0.5f, 0.5f, no_aim()).pdf, 0.25 / cone, 1e-5);
-  EXPECT_NEAR(sample_light(&scene, s, 0.3f, 0.5f, 0.5f, no_aim()).pdf, 0.75 / (4 * kPi), 1e-6);
-  EXPECT_NEAR(sample_light(&scene, s, 0.9f, 0.5f, 0.5f, no_aim()).pdf, 0.75 / (4 * kPi), 1e-6);
+  EXPECT_NEAR(sample_light(&scene, s, 0.1f, 0.5f, 0.0f, no_aim()).pdf, 0.25 / cone, 1e-5);
+  EXPECT_NEAR(sample_light(&scene, s, 0.3f, 0.5f, 0.0f, no_aim()).pdf, 0.75 / (4 * kPi), 1e-6);
+  EXPECT_NEAR(sample_light(&scene, s, 0.9f, 0.5f, 0.0f, no_aim()).pdf, 0.75 / (4 * kPi), 1e-6);
 }
 
 TEST(Emission, OfTheEnvironmentReachesWhatLeavesTheScene) {
@@ -419,7 +419,7 @@ TEST(LightSampling, StaysFiniteWhereTheReceiverTouchesTheLight) {
       for (float u : {0.0f, 0x1p-24f, 0.5f, ONE_MINUS_EPSILON})
         for (float v : {0.0f, 0.25f, 0.5f, ONE_MINUS_EPSILON}) {
           const Surface s = receiver(p, rounded(random.direction()));
-          const LightSample light = sample_light(&scene, s, 0.5f, u, v, no_aim());
+          const LightSample light = sample_light(&scene, s, u, v, 0.5f, no_aim());
           if (!(light.tmax > 0)) continue;  // no contribution possible
           ASSERT_TRUE(std::isfinite(light.pdf) && light.pdf > 0) << "scene " << k;
           ASSERT_TRUE(std::isfinite(light.tmax));
