@@ -14,6 +14,8 @@ packages=(
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
   # Files, command line, messages.
   libpugixml-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libxxhash-dev
+  # Plots of penumbra report.
+  gnuplot-nox
   # Tests.
   libgtest-dev libgmock-dev libbenchmark-dev openimageio-tools procps
 )

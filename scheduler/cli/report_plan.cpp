@@ -39,9 +39,10 @@ struct MethodScene {
   std::string device_hash;
 };
 
-Expected<MethodScene> prepare_method(const RenderOptions& options, const std::string& label) {
+Expected<MethodScene> prepare_method(const RenderOptions& options, const std::string& label,
+                                     const CellStore& store) {
   RenderOptions unnamed = options;
-  unnamed.out = "/tmp/penumbra-report.exr";
+  unnamed.out = store.image_path({"cell", "0"}).string();
   auto prepared = prepare_render(unnamed);
   if (!prepared)
     return fail(
@@ -114,7 +115,7 @@ Expected<CurvePlan> plan_curve(const SceneContext& context, const Method& method
     const RenderOptions cell = cell_options(options, context.file, method, sampler, backend, spp);
     // The device scene depends on the number of samples only where points are stratified.
     if (!scene || scene->prepared.record.sampler.kind == SamplerKind::kStratified) {
-      auto prepared = prepare_method(cell, method.label);
+      auto prepared = prepare_method(cell, method.label, context.store);
       if (!prepared) return std::unexpected(prepared.error());
       scene = std::move(*prepared);
     }
@@ -175,6 +176,16 @@ std::array<ReferenceMethod, 2> reference_methods(const ReportOptions& options,
           of(options.reference_methods.back(), "independent")};
 }
 
+/// " (max_depth=2, nee=sample)".
+std::string settings_text(const std::vector<std::string>& settings) {
+  std::string text;
+  for (const std::string& setting : settings) {
+    const bool own = setting.starts_with("integrator.");
+    text += (text.empty() ? " (" : ", ") + setting.substr(own ? std::string("integrator.").size() : 0);
+  }
+  return text.empty() ? "" : text + ")";
+}
+
 Expected<void> plan_rendered_reference(const SceneContext& context, const IntegratorSettings& first,
                                        ScenePlan& plan) {
   const ReportOptions& options = context.options;
@@ -185,7 +196,7 @@ Expected<void> plan_rendered_reference(const SceneContext& context, const Integr
   for (std::size_t i = 0; i < methods.size(); ++i) {
     const Method method{"reference", methods[i].integrator, methods[i].settings};
     RenderOptions cell = cell_options(options, context.file, method, methods[i].sampler, backend, spp);
-    auto scene = prepare_method(cell, "reference by " + methods[i].integrator);
+    auto scene = prepare_method(cell, "reference by " + methods[i].integrator, context.store);
     if (!scene) return std::unexpected(scene.error());
     if (i == 0) plan.reference_quantity = estimated_quantity(scene->prepared.record.integrator);
     ReportOptions once = options;
@@ -194,8 +205,9 @@ Expected<void> plan_rendered_reference(const SceneContext& context, const Integr
     CellPlan planned =
         make_cell(once, *scene, cell, fmt::format("{}, {}", context.name, role),
                   cell_seed(context.base_seed, role, spp, 0), context.store, context.worker_hash);
-    planned.what = fmt::format("{}, {}: {}, {} sampler, {} spp, seed {}", context.name, role,
-                               methods[i].integrator, methods[i].sampler, spp, *planned.options.scene.seed);
+    planned.what =
+        fmt::format("{}, {}: {}{}, {} sampler, seed {}", context.name, role, methods[i].integrator,
+                    settings_text(methods[i].settings), methods[i].sampler, *planned.options.scene.seed);
     plan.reference_cells.push_back(std::move(planned));
   }
   return {};

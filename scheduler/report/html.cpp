@@ -19,8 +19,8 @@ th { text-align: right; font-weight: 600; color: #444; border-bottom: 1px solid 
 td { text-align: right; padding: 3px 10px; border-bottom: 1px solid #eee; white-space: nowrap; }
 th:first-child, td:first-child { text-align: left; } .scroll { overflow-x: auto; }
 .best { font-weight: 700; } .swatch { display: inline-block; width: 11px; height: 11px; border-radius: 2px; margin-right: 7px; }
-.plots { display: flex; flex-wrap: wrap; gap: 12px; } .plots figure { margin: 0; flex: 1 1 480px; max-width: 760px; }
-.plots svg { width: 100%; height: auto; } figcaption { font-size: 13px; color: #444; }
+.plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(460px, 1fr)); gap: 12px; } .plots figure { margin: 0; }
+.plots svg { width: 100%; height: auto; } figcaption { font-size: 13px; color: #444; overflow-wrap: anywhere; }
 .crops { display: flex; flex-wrap: wrap; gap: 14px; align-items: flex-start; } .crops figure { margin: 0; width: 200px; }
 .crops img { width: 200px; height: auto; image-rendering: pixelated; display: block; border: 1px solid #ccc; box-sizing: border-box; }
 .crops img + img { margin-top: 4px; } .overview { position: relative; } .overview img { image-rendering: auto; }
@@ -73,7 +73,8 @@ std::string method_html(const ReportData& report) {
       "fitted line.</p>\n"
       "<p>Bias² and variance are separated over the seeds without bias: mean of (x̄ − A)(x̄ − B) − s²/R. Every "
       "image "
-      "has a seed of its own, so points are independent. ± is a standard error over the pixels.</p>\n"
+      "has a seed of its own, so points are independent. ± is a standard error, from the noise of every "
+      "pixel.</p>\n"
       "</details>\n",
       report.total_time ? "the total time: reading, building, starting workers, rendering"
                         : "the render time: from the first worker being ready to the last result, without "
@@ -86,7 +87,7 @@ std::string reference_html(const SceneReport& scene) {
   std::string html = "<p>Reference: ";
   for (std::size_t i = 0; i < reference.halves.size(); ++i) {
     const ReferenceHalf& half = reference.halves[i];
-    html += fmt::format("{}{}{}{}", i > 0 ? "; and " : "", html_escaped(half.what),
+    html += fmt::format("{}{}{}{}", i > 0 ? "; " : "", html_escaped(half.what),
                         half.spp > 0 ? fmt::format(", {} spp", half.spp) : "",
                         half.seconds > 0 ? ", " + seconds_text(half.seconds) : "");
   }
@@ -114,7 +115,7 @@ std::string plots_html(const SceneReport& scene, std::size_t number) {
         "href=\"{}\">PNG</a></figcaption></figure>\n",
         inline_svg(plot.svg, fmt::format("s{}{}-", number, plot.name)), plot.title,
         orders ? ". Dashed grey: orders expected for one smooth pixel and for one with an edge."
-        : plot.name == "bias" ? ". Bias² only where it is more than twice its standard error."
+        : plot.name == "bias" ? ". Bias² only where it is more than three standard errors."
                               : ". In the legend: fitted slopes.",
         html_escaped(scene.name), plot.name, png_uri(plot.png));
   }

@@ -47,7 +47,8 @@ std::vector<std::size_t> fastest(const SceneReport& scene) {
 }
 
 std::string summary_table(const SceneReport& scene) {
-  std::vector<std::string> header = {"method", "slope of MSE over T", "slope of MSE over spp"};
+  std::vector<std::string> header = {"method", "slope of MSE over T", "slope of relMSE over T",
+                                     "slope of MSE over spp"};
   for (const Target& target : scene.targets) header.push_back("T to " + target_name(target));
   header.insert(header.end(), {"efficiency 1 / (MSE T)", "estimates"});
   HtmlTable table(header);
@@ -55,7 +56,7 @@ std::string summary_table(const SceneReport& scene) {
   for (std::size_t i = 0; i < scene.curves.size(); ++i) {
     const Curve& curve = scene.curves[i];
     std::vector<std::string> cells = {swatch(i, curve.name.label), fit_text(curve.mse_over_time),
-                                      fit_text(curve.mse_over_spp)};
+                                      fit_text(curve.relmse_over_time), fit_text(curve.mse_over_spp)};
     for (std::size_t t = 0; t < scene.targets.size(); ++t) {
       const std::string text = target_text(curve.to_target[t]);
       cells.push_back(best[t] == i ? "<span class=\"best\">" + text + "</span>" : text);

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <functional>
 #include <map>
 #include <set>
 
@@ -14,7 +16,16 @@
 namespace penumbra {
 namespace {
 
-constexpr int kWidth = 760, kHeight = 480;
+constexpr int kWidth = 760, kHeight = 430;  // without the legend
+constexpr double kClearBias = 3;            // standard errors
+
+constexpr std::string_view kLegendRows = "# rows of the legend: ";
+
+int plot_height(const std::string& script) {
+  constexpr int kRowHeight = 18;
+  const bool told = script.starts_with(kLegendRows);
+  return kHeight + (told ? kRowHeight * std::atoi(script.c_str() + kLegendRows.size()) : 0);
+}
 
 /// Collects data blocks and what is drawn of them.
 class Script {
@@ -23,7 +34,8 @@ class Script {
     text_ = fmt::format(
         "set logscale xy\nset format x '10^{{%T}}'\nset format y '10^{{%T}}'\nset xlabel {}\nset ylabel {}\n"
         "set grid xtics ytics mxtics mytics lc rgb '#dddddd' lw 1, lc rgb '#eeeeee' lw 1\n"
-        "set border lc rgb '#777777'\nset key outside bottom center horizontal maxcols 3\n"
+        "set border lc rgb '#777777'\nset key outside above left horizontal samplen 2 reverse "
+        "Left\n"
         "set tics textcolor rgb '#333333'\n",
         gnuplot_quoted(x_label), gnuplot_quoted(y_label));
   }
@@ -39,14 +51,24 @@ class Script {
     if (rows.empty()) return;
     const std::string name = fmt::format("$d{}", blocks_++);
     text_ += fmt::format("{} << EOD\n{}EOD\n", name, rows);
+    if (!title.empty()) titles_.push_back(title);
     plots_ += fmt::format("{}{} using 1:2 with {} {}", plots_.empty() ? "plot " : ", \\\n     ", name, with,
                           title.empty() ? "notitle" : "title " + gnuplot_quoted(title));
   }
   [[nodiscard]] bool empty() const { return plots_.empty(); }
-  [[nodiscard]] std::string text() const { return empty() ? "" : text_ + plots_ + "\n"; }
+  /// The legend is above the plot, in as many columns as fit; its rows make the plot higher, see plot_height.
+  [[nodiscard]] std::string text() const {
+    if (empty()) return "";
+    std::size_t longest = 1;
+    for (const std::string& title : titles_) longest = std::max(longest, title.size());
+    const std::size_t columns = std::clamp<std::size_t>(kWidth / (8 * longest + 50), 1, 4);
+    const std::size_t rows = (titles_.size() + columns - 1) / columns;
+    return fmt::format("{}{}\n{}set key maxcols {}\n{}\n", kLegendRows, rows, text_, columns, plots_);
+  }
 
  private:
   std::string text_, plots_;
+  std::vector<std::string> titles_;
   int blocks_ = 0;
 };
 
@@ -74,7 +96,25 @@ void set_axis(Script& script, char axis, const std::vector<double>& values) {
   script.line(fmt::format("set {}tics ({})", axis, ticks));
 }
 
-void set_axes(Script& script, const std::vector<std::vector<CostError>>& curves) {
+/// Samples per pixel: the budgets themselves, or every second, fourth, … of them.
+void set_budget_axis(Script& script, const std::vector<double>& values) {
+  const std::set<double> budgets(values.begin(), values.end());
+  if (budgets.empty()) return;
+  constexpr std::size_t kMostTicks = 10;
+  const std::size_t stride = (budgets.size() + kMostTicks - 1) / kMostTicks;
+  std::string ticks;
+  std::size_t i = 0;
+  for (const double budget : budgets) {
+    if (i++ % stride == 0)
+      ticks += fmt::format("{}'{:.10g}' {:.10g}", ticks.empty() ? "" : ", ", budget, budget);
+  }
+  script.line(fmt::format("set xrange [{:.6g}:{:.6g}]", *budgets.begin() / 1.35, *budgets.rbegin() * 1.35));
+  script.line(fmt::format("set xtics ({})", ticks));
+}
+
+enum class Cost { kSeconds, kSamples };
+
+void set_axes(Script& script, Cost cost, const std::vector<std::vector<CostError>>& curves) {
   std::vector<double> x, y;
   for (const auto& curve : curves)
     for (const CostError& point : curve) {
@@ -82,7 +122,11 @@ void set_axes(Script& script, const std::vector<std::vector<CostError>>& curves)
       x.push_back(point.cost);
       y.push_back(point.error);
     }
-  set_axis(script, 'x', x);
+  if (cost == Cost::kSamples) {
+    set_budget_axis(script, x);
+  } else {
+    set_axis(script, 'x', x);
+  }
   set_axis(script, 'y', y);
 }
 
@@ -98,13 +142,13 @@ std::string legend(const Curve& curve, const std::optional<SlopeFit>& fit) {
   return fit ? fmt::format("{} ({:.2f})", curve.name.label, fit->slope) : curve.name.label;
 }
 
-std::string curves_script(const SceneReport& scene, const std::string& x_label,
+std::string curves_script(const SceneReport& scene, Cost cost, const std::string& x_label,
                           const std::function<std::vector<CostError>(const Curve&)>& points_of,
                           std::optional<SlopeFit> Curve::*fit) {
   std::vector<std::vector<CostError>> all;
   for (const Curve& curve : scene.curves) all.push_back(points_of(curve));
   Script script(x_label, "relMSE");
-  set_axes(script, all);
+  set_axes(script, cost, all);
   for (std::size_t i = 0; i < all.size(); ++i)
     script.add(all[i], style(scene.curves[i], i), legend(scene.curves[i], scene.curves[i].*fit));
   if (scene.reference.noise_relmse && !script.empty()) {
@@ -141,13 +185,13 @@ std::string curve_color(std::size_t index) {
 
 std::string time_plot_script(const ReportData& report, const SceneReport& scene) {
   return curves_script(
-      scene, report.total_time ? "total time in seconds" : "render time in seconds",
+      scene, Cost::kSeconds, report.total_time ? "total time in seconds" : "render time in seconds",
       [&](const Curve& curve) { return over_time(report, curve, true); }, &Curve::relmse_over_time);
 }
 
 std::string spp_plot_script(const SceneReport& scene) {
   return curves_script(
-      scene, "samples per pixel", [](const Curve& curve) { return over_spp(curve, true); },
+      scene, Cost::kSamples, "samples per pixel", [](const Curve& curve) { return over_spp(curve, true); },
       &Curve::relmse_over_spp);
 }
 
@@ -158,8 +202,8 @@ std::string bias_plot_script(const SceneReport& scene) {
     for (const CurvePoint& point : curve.points) {
       if (point.spp == 0 || point.images.size() < 2) continue;
       variance.push_back({double(point.spp), point.relative.variance});
-      // What is not larger than its own error by a factor of two says only that it is small.
-      const bool clear = point.relative.bias_squared > 2 * point.relative.bias_squared_error;
+      // What is hardly larger than its own error says only that it is small.
+      const bool clear = point.relative.bias_squared > kClearBias * point.relative.bias_squared_error;
       bias.push_back({double(point.spp), clear ? point.relative.bias_squared : 0});
     }
     variances.push_back(std::move(variance));
@@ -168,7 +212,7 @@ std::string bias_plot_script(const SceneReport& scene) {
   std::vector<std::vector<CostError>> all = variances;
   all.insert(all.end(), biases.begin(), biases.end());
   Script script("samples per pixel", "relative variance, relative bias²");
-  set_axes(script, all);
+  set_axes(script, Cost::kSamples, all);
   for (std::size_t i = 0; i < variances.size(); ++i) {
     const Curve& curve = scene.curves[i];
     script.add(variances[i], style(curve, i), curve.name.label + ": variance");
@@ -187,7 +231,7 @@ std::string sampler_plot_script(const SceneReport& scene) {
   std::vector<std::vector<CostError>> all;
   for (const Curve& curve : scene.curves) all.push_back(over_spp(curve, false));
   Script script("samples per pixel", "MSE");
-  set_axes(script, all);
+  set_axes(script, Cost::kSamples, all);
   std::map<double, std::string> orders;  // slope: whose it is
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Curve& curve = scene.curves[i];
@@ -197,8 +241,9 @@ std::string sampler_plot_script(const SceneReport& scene) {
     if (!order) continue;
     for (const double slope : {order->smooth, order->edges}) {
       if (!orders.emplace(slope, curve.name.sampler).second) continue;
-      script.add(order_line(all[i], slope), "lines lc rgb '#888888' lw 1.5 dt (8,6)", "");
-      script.line(fmt::format("# order {:g}", slope));
+      const std::vector<CostError> line = order_line(all[i], slope);
+      if (line.empty()) continue;
+      script.add(line, "lines lc rgb '#888888' lw 1.5 dt (8,6)", fmt::format("expected order {:g}", slope));
     }
   }
   return script.text();
@@ -216,7 +261,8 @@ Expected<std::vector<Plot>> draw_plots(const std::filesystem::path& gnuplot,
   std::vector<Plot> plots;
   for (const Plot& plot : wanted) {
     if (plot.svg.empty()) continue;
-    auto drawn = run_gnuplot(gnuplot, folder, scene.name + "-" + plot.name, plot.svg, kWidth, kHeight);
+    auto drawn =
+        run_gnuplot(gnuplot, folder, scene.name + "-" + plot.name, plot.svg, kWidth, plot_height(plot.svg));
     if (!drawn) return std::unexpected(drawn.error());
     plots.push_back({plot.name, plot.title, std::move(drawn->svg), std::move(drawn->png)});
   }

@@ -16,7 +16,8 @@ namespace penumbra {
 /// With one reference A stands for B, and its noise counts as bias. Estimates of what is 0 may be negative.
 struct ErrorSplit {
   double error = 0, variance = 0, bias_squared = 0;
-  /// Standard error of `bias_squared` over the pixels, which are independent but for the scene's seed.
+  /// Standard error of `bias_squared`, from the noise of images and references in each pixel. Pixels count as
+  /// independent, the channels of one as fully correlated, which colour noise nearly is.
   double bias_squared_error = 0;
 };
 

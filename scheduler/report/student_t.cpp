@@ -48,6 +48,7 @@ double student_t_cdf(double t, double dof) {
 }
 
 double student_t_quantile(double p, double dof) {
+  if (p == 0.5) return 0;  // the cdf cannot tell a tiny t from 0
   if (p < 0.5) return -student_t_quantile(1 - p, dof);
   double low = 0, high = 1;
   while (student_t_cdf(high, dof) < p && high < 1e300) high *= 2;

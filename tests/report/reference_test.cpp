@@ -1,0 +1,90 @@
+#include "scheduler/report/reference.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "scheduler/report/reference_choice.h"
+#include "scheduler/report/sampler_orders.h"
+
+namespace penumbra {
+namespace {
+
+Image grey_noise(double mean, double sd, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  Image image{{0, 0, 50, 50}, {0, 0, 50, 50}, {"Y"}, {}, {}};
+  for (int i = 0; i < 2500; ++i) image.values.push_back(float(mean + sd * normal(random)));
+  return image;
+}
+
+TEST(ReferenceHalves, AgreeOrDoNot) {
+  constexpr double kDeviations = 4;
+  EXPECT_LT(std::abs(halves_z(grey_noise(1, 0.1, 1), grey_noise(1, 0.2, 2))), kDeviations);
+  // The mean of 2500 differences has the standard deviation sqrt(0.05) / 50 = 0.00447.
+  EXPECT_NEAR(halves_z(grey_noise(1.1, 0.1, 1), grey_noise(1, 0.2, 2)), 0.1 / 0.00447, kDeviations);
+  EXPECT_EQ(halves_z(grey_noise(1, 0.1, 1), grey_noise(1, 0.1, 1)), 0);
+}
+
+TEST(ReferenceNoise, IsTheMeanOfItsVariance) {
+  const Image image{{0, 0, 1, 2},
+                    {0, 0, 1, 2},
+                    {"R", "G", "B", "variance.R", "variance.G", "variance.B"},
+                    {2, 2, 2, 0.5f, 0.5f, 0.5f, 0, 0, 0, 0.25f, 0.25f, 0.25f},
+                    {}};
+  const auto noise = reference_noise(image, 1);
+  ASSERT_TRUE(noise);
+  EXPECT_NEAR(noise->mse, 0.375, 1e-12);
+  EXPECT_NEAR(noise->relmse, (0.5 / 5 + 0.25) / 2, 1e-12);
+  EXPECT_FALSE(reference_noise(grey_noise(1, 1, 1), 1));
+}
+
+TEST(ReferenceChoice, EstimatesTheSameByOtherMeans) {
+  IntegratorSettings direct;
+  direct.kind = IntegratorKind::kDirect;
+  IntegratorSettings cv;
+  cv.kind = IntegratorKind::kPolygonCv;
+  IntegratorSettings two_edges;
+  two_edges.max_depth = 2;
+  EXPECT_EQ(estimated_quantity(direct), estimated_quantity(cv));
+  EXPECT_EQ(estimated_quantity(direct), estimated_quantity(two_edges));
+  const auto halves = choose_reference(cv);
+  EXPECT_EQ(halves[0].integrator, "path_mis");
+  EXPECT_EQ(halves[1].integrator, "direct");
+
+  IntegratorSettings unshadowed;
+  unshadowed.kind = IntegratorKind::kPolygonArea;
+  unshadowed.trace_shadows = false;
+  IntegratorSettings analytic;
+  analytic.kind = IntegratorKind::kPolygonAnalytic;
+  EXPECT_EQ(estimated_quantity(unshadowed), estimated_quantity(analytic));
+  EXPECT_NE(estimated_quantity(unshadowed), estimated_quantity(cv));
+
+  IntegratorSettings path;
+  EXPECT_NE(estimated_quantity(path), estimated_quantity(direct));
+  IntegratorSettings hidden = path;
+  hidden.hide_emitters = true;
+  EXPECT_NE(estimated_quantity(path), estimated_quantity(hidden));
+  for (const auto& half : choose_reference(path)) EXPECT_EQ(half.integrator, "path_mis");
+  EXPECT_NE(choose_reference(path)[0].sampler, choose_reference(path)[1].sampler);
+}
+
+TEST(ReferenceChoice, HasFiftyTimesTheSamples) {
+  for (const std::uint32_t largest : {1u, 16u, 64u, 1000u})
+    EXPECT_GE(2 * std::uint64_t(half_reference_spp(largest, 0)), kReferenceFactor * largest);
+  EXPECT_EQ(half_reference_spp(64, 100), 50u);
+  EXPECT_EQ(half_reference_spp(64, 101), 51u);
+  EXPECT_LE(half_reference_spp(4000000000u, 0), 1u << 30);
+}
+
+TEST(SamplerOrders, AreTwiceThoseOfRmse) {
+  EXPECT_EQ(expected_order("independent")->smooth, -1);
+  EXPECT_EQ(expected_order("stratified")->smooth, -2);
+  EXPECT_EQ(expected_order("sobol")->smooth, -3);
+  EXPECT_EQ(expected_order("sobol")->edges, -1.5);
+  EXPECT_FALSE(expected_order("mystery"));
+}
+
+}  // namespace
+}  // namespace penumbra
