@@ -93,7 +93,9 @@ bool wants_polygons(const IntegratorSettings& integrator) {
 EmitterSampling default_sampling(const IntegratorSettings& integrator) {
   if (integrator.emitter_sampling != EmitterSampling::kAuto) return integrator.emitter_sampling;
   if (integrator.kind == IntegratorKind::kPolygonArea) return EmitterSampling::kArea;
-  return has_control_variate(integrator) ? EmitterSampling::kProjected : EmitterSampling::kAuto;
+  // With the closed form beside it, sampling by solid angle is as good as by projected solid angle in
+  // penumbrae and exact elsewhere, at a third of the cost.
+  return has_control_variate(integrator) ? EmitterSampling::kSolidAngle : EmitterSampling::kAuto;
 }
 
 Expected<void> set_integrator(const SceneDescription& scene, const LightBuilder& lights, SceneHeader& h) {

@@ -44,7 +44,9 @@ TEST(PolygonSettings, OverridesReachTheDeviceScene) {
   EXPECT_THAT(estimator({"--set", "integrator.alpha=0.25"}), HasSubstr("alpha 0.25"));
   EXPECT_THAT(estimator({"--set", "integrator.alpha=-2"}), HasSubstr("alpha -2"));
   EXPECT_THAT(estimator({"--set", "integrator.estimator=ratio"}), HasSubstr("ratio"));
-  EXPECT_EQ(estimator({"--set", "integrator.alpha=auto"}), "samples alone") << "nothing to fit";
+  EXPECT_THAT(estimator({"--set", "integrator.alpha=auto"}), HasSubstr("fitted"));
+  EXPECT_EQ(estimator({"--set", "integrator.emitter_sampling=projected"}), "samples alone")
+      << "nothing to fit";
   EXPECT_THAT(estimator({"--set", "integrator.light_choice=power"}), HasSubstr("fitted"));
   EXPECT_THAT(estimator({"--set", "integrator.emitter_sampling=area"}), HasSubstr("fitted"));
   EXPECT_THAT(need(info({"--set", "integrator.nee=cv", "--set", "integrator.alpha=1"}), "estimator"),

@@ -137,6 +137,7 @@ SceneDescription polygon_lights() {
   scene.shapes.push_back(triangle);
   scene.shapes.push_back(sphere(dvec3(0.3, -0.4, 0.2), 0.1, kBlackBsdf, 2.0f));
   scene.integrator = path_integrator(DirectSampling::kEmitterOnly);
+  scene.integrator.emitter_sampling = EmitterSampling::kProjected;
   scene.integrator.next_event = NextEvent::kCv;
   scene.integrator.alpha = 0.75f;  // a fitted one would depend on the range of samples
   return scene;

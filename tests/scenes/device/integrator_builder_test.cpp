@@ -75,6 +75,7 @@ SceneHeader header(IntegratorKind kind, const Change& change = {}, bool layers =
 
 void phong(S& scene) { scene.bsdfs.push_back({"glossy", PhongBsdf{}}); }
 void by_area(S& scene) { scene.integrator.emitter_sampling = EmitterSampling::kArea; }
+void by_projection(S& scene) { scene.integrator.emitter_sampling = EmitterSampling::kProjected; }
 void two_colours(S& scene) { scene.shapes.push_back(square(2, glm::vec3(1, 2, 3))); }
 void with_sphere(S& scene) { scene.shapes.push_back(sphere_light()); }
 void by_power(S& scene) { scene.integrator.light_choice = LightChoice::kPower; }
@@ -128,12 +129,13 @@ TEST(IntegratorBuilder, EstimatorsAndChoices) {
       {"cv, ratio", kPolygonCv, ratio, ESTIMATOR_RATIO, 1, CHOICE_ANALYTIC},
       {"cv, ratio, whatever alpha", kPolygonCv, all({ratio, with_alpha(0.25f)}), ESTIMATOR_RATIO, 1,
        CHOICE_ANALYTIC},
-      {"cv, nothing to fit", kPolygonCv, {}, ESTIMATOR_ALPHA, 0, CHOICE_ANALYTIC},
-      {"cv, Phong", kPolygonCv, phong, ESTIMATOR_AUTO, 1, CHOICE_ANALYTIC},
+      {"cv, fitted", kPolygonCv, {}, ESTIMATOR_AUTO, 1, CHOICE_ANALYTIC},
+      {"cv, nothing to fit", kPolygonCv, by_projection, ESTIMATOR_ALPHA, 0, CHOICE_ANALYTIC},
+      {"cv, Phong", kPolygonCv, all({by_projection, phong}), ESTIMATOR_AUTO, 1, CHOICE_ANALYTIC},
       {"cv, by area", kPolygonCv, by_area, ESTIMATOR_AUTO, 1, CHOICE_ANALYTIC},
-      {"cv, two colours", kPolygonCv, two_colours, ESTIMATOR_AUTO, 1, CHOICE_ANALYTIC},
-      {"cv, other lights", kPolygonCv, with_sphere, ESTIMATOR_AUTO, 1, CHOICE_ANALYTIC},
-      {"cv, auto by power", kPolygonCv, by_power, ESTIMATOR_AUTO, 1, CHOICE_POWER},
+      {"cv, two colours", kPolygonCv, all({by_projection, two_colours}), ESTIMATOR_AUTO, 1, CHOICE_ANALYTIC},
+      {"cv, other lights", kPolygonCv, all({by_projection, with_sphere}), ESTIMATOR_AUTO, 1, CHOICE_ANALYTIC},
+      {"cv, auto by power", kPolygonCv, all({by_projection, by_power}), ESTIMATOR_AUTO, 1, CHOICE_POWER},
       {"path cv", kPath, all({with_cv, phong}), ESTIMATOR_AUTO, 1, CHOICE_ANALYTIC},
       {"path cv, alpha given", kPath, all({with_cv, with_alpha(0.5f)}), ESTIMATOR_ALPHA, 0.5f,
        CHOICE_ANALYTIC},
@@ -159,11 +161,11 @@ TEST(IntegratorBuilder, EstimatorsAndChoices) {
 }
 
 TEST(IntegratorBuilder, WithoutLayersSamplesAloneNeedNoClosedForm) {
-  EXPECT_EQ(header(kPolygonCv, {}, false).estimator, ESTIMATOR_SAMPLES);
-  EXPECT_EQ(header(kPolygonCv, {}, false).light_choice, CHOICE_ANALYTIC);
+  EXPECT_EQ(header(kPolygonCv, by_projection, false).estimator, ESTIMATOR_SAMPLES);
+  EXPECT_EQ(header(kPolygonCv, by_projection, false).light_choice, CHOICE_ANALYTIC);
   EXPECT_EQ(header(kPolygonArea, by_contribution, false).estimator, ESTIMATOR_SAMPLES);
   EXPECT_EQ(header(kPath, all({ems, by_contribution}), false).estimator, ESTIMATOR_SAMPLES);
-  EXPECT_EQ(header(kPolygonCv, phong, false).estimator, ESTIMATOR_AUTO);
+  EXPECT_EQ(header(kPolygonCv, all({by_projection, phong}), false).estimator, ESTIMATOR_AUTO);
   EXPECT_EQ(header(kPolygonCv, with_alpha(1), false).estimator, ESTIMATOR_ALPHA);
   EXPECT_EQ(header(kPolygonAnalytic, {}, false).estimator, ESTIMATOR_ALPHA);
 }
@@ -207,8 +209,9 @@ TEST(IntegratorBuilder, HowLightsAreSampled) {
   EXPECT_EQ(sampling(kPath), 0u);
   EXPECT_EQ(sampling(kPolygonArea), 0u);
   EXPECT_EQ(sampling(kPolygonAnalytic), 0u);
-  EXPECT_EQ(sampling(kPolygonCv), unsigned(FEATURE_PROJECTED));
-  EXPECT_EQ(sampling(kPath, with_cv), unsigned(FEATURE_PROJECTED));
+  EXPECT_EQ(sampling(kPolygonCv), unsigned(FEATURE_SOLID_ANGLE));
+  EXPECT_EQ(sampling(kPath, with_cv), unsigned(FEATURE_SOLID_ANGLE));
+  EXPECT_EQ(sampling(kPolygonCv, by_projection), unsigned(FEATURE_PROJECTED));
   EXPECT_EQ(sampling(kPolygonCv, by_area), 0u);
   EXPECT_EQ(
       sampling(kPolygonArea, [](S& s) { s.integrator.emitter_sampling = EmitterSampling::kSolidAngle; }),
@@ -291,7 +294,7 @@ TEST(IntegratorBuilder, DuplicatesAreSaidHoweverLightsAreSampled) {
     const SceneHeader h = header(kind, repeated);
     EXPECT_EQ(h.duplicate_lights, 1);
     EXPECT_EQ(h.triangle_count, 5);
-    EXPECT_EQ(h.light_count, 2);
+    EXPECT_EQ(h.light_count, kind == kPolygonCv ? 1 : 2) << "one rectangle by solid angle";
   }
 }
 
@@ -353,10 +356,10 @@ TEST(IntegratorBuilder, HelpersSayWhatIsWanted) {
 
   EXPECT_EQ(default_sampling(settings(kDirect)), EmitterSampling::kAuto);
   EXPECT_EQ(default_sampling(settings(kPolygonArea)), EmitterSampling::kArea);
-  EXPECT_EQ(default_sampling(settings(kPolygonCv)), EmitterSampling::kProjected);
-  EXPECT_EQ(default_sampling(path), EmitterSampling::kProjected);
-  path.emitter_sampling = EmitterSampling::kSolidAngle;
+  EXPECT_EQ(default_sampling(settings(kPolygonCv)), EmitterSampling::kSolidAngle);
   EXPECT_EQ(default_sampling(path), EmitterSampling::kSolidAngle);
+  path.emitter_sampling = EmitterSampling::kProjected;
+  EXPECT_EQ(default_sampling(path), EmitterSampling::kProjected);
 }
 
 }  // namespace
