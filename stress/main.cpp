@@ -113,10 +113,7 @@ ExitCode run(const Options& options) {
     if (const auto done = write_text(options.html, table_html(results, context)); !done)
       return print_error(done.error()), kIncomplete;
   }
-  const Counts counts = count(results);
-  // Of a whole backend that was asked for by name and is not there, nothing was tested.
-  const bool nothing = counts.passed + counts.failed == 0 && counts.skipped > 0;
-  return counts.failed > 0 || nothing ? kIncomplete : kAllDone;
+  return all_pass(count(results)) ? kAllDone : kIncomplete;
 }
 
 }  // namespace

@@ -15,6 +15,8 @@ struct Counts {
   int passed = 0, failed = 0, skipped = 0, pending = 0;
 };
 Counts count(std::span<const CaseResult> results);
+/// Nothing failed, and not everything that could have been tested was skipped.
+bool all_pass(const Counts& counts);
 
 /// What the table was made on, a line each.
 struct TableContext {

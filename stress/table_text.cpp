@@ -60,6 +60,10 @@ Counts count(std::span<const CaseResult> results) {
   return counts;
 }
 
+bool all_pass(const Counts& counts) {
+  return counts.failed == 0 && (counts.passed > 0 || counts.skipped == 0);
+}
+
 std::string table_text(std::span<const CaseResult> results, const TableContext& context) {
   std::string text;
   const auto out = std::back_inserter(text);

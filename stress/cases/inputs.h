@@ -1,7 +1,9 @@
 // Input numbers of cases.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 #include "stress/case.h"
 #include "stress/truth/sensitivity.h"
@@ -39,6 +41,14 @@ inline Numbers floats(const Points& vectors, const Numbers& numbers = {}) {
 /// The quad about (x, y) at height z, facing down.
 inline Points square(double half, double z, double x = 0, double y = 0) {
   return {{x - half, y - half, z}, {x - half, y + half, z}, {x + half, y + half, z}, {x + half, y - half, z}};
+}
+
+/// The largest, or NaN if any is: std::max may hide one.
+inline double worst(std::initializer_list<double> numbers) {
+  double most = -INFINITY;
+  for (const double x : numbers) most = std::max(most, x);
+  for (const double x : numbers) most = std::isnan(x) ? x : most;
+  return most;
 }
 
 /// Components of the outputs.

@@ -95,7 +95,7 @@ void add_surfaces(std::vector<Case>& cases) {
                      quantity + "least and greatest height of origins that leave",
                      KernelMeasurement{QUANTITY_SURFACE, inputs,
                                        [](const Numbers& out) {
-                                         return Numbers{std::min(out[1], 0.0), std::max(out[2] - 2, 0.0)};
+                                         return Numbers{worst({-out[1], 0.0}), worst({out[2] - 2, 0.0})};
                                        }},
                      {[] {
                         return Quads{0, 0};

@@ -39,7 +39,7 @@ Numbers inputs(const Sampler& s, const Range& r, double pair) {
 
 /// How far numbers are outside [0, 1 - 2^-24].
 Numbers outside(const Numbers& out) {
-  return {std::max({0.0, -out[0], -out[2], out[1] - kBelow1, out[3] - kBelow1})};
+  return {worst({0.0, -out[0], -out[2], out[1] - kBelow1, out[3] - kBelow1})};
 }
 
 }  // namespace
