@@ -100,6 +100,11 @@ std::string table_text(std::span<const CaseResult> results, const TableContext& 
                    std::get<Pending>(r.tested->measurement).feature);
   }
   const Counts counts = count(results);
+  std::vector<std::string> failed;
+  for (const CaseResult& r : results) {
+    if (r.verdict == Verdict::kFail) failed.push_back(r.tested->name);
+  }
+  if (!failed.empty()) fmt::format_to(out, "\nfailed: {}\n", joined(failed));
   const auto same = std::count_if(results.begin(), results.end(),
                                   [](const CaseResult& r) { return r.outcomes.size() > 1 && r.same_bits; });
   const auto several = std::count_if(results.begin(), results.end(),

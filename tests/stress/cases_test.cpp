@@ -39,7 +39,9 @@ TEST(Cases, GroupsAreTogether) {
   std::string group;
   for (const Case& c : all_cases()) {
     if (is_pending(c)) continue;
-    if (group_of(c) != group) EXPECT_TRUE(seen.insert(group_of(c)).second) << group_of(c) << " is split";
+    if (group_of(c) != group) {
+      EXPECT_TRUE(seen.insert(group_of(c)).second) << group_of(c) << " is split";
+    }
     group = group_of(c);
   }
 }
