@@ -18,7 +18,10 @@ std::string quoted(const std::string& text) {
 std::string number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
 void add_row(std::string& csv, const std::vector<std::string>& fields) {
-  for (std::size_t i = 0; i < fields.size(); ++i) csv += (i > 0 ? "," : "") + quoted(fields[i]);
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    if (i > 0) csv += ',';
+    csv += quoted(fields[i]);
+  }
   csv += "\r\n";
 }
 
