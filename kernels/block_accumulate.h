@@ -14,21 +14,33 @@ FN void note_bad(GLOBAL BadSamples* bad, uint count, int pixel, int sample) {
   bad->count += count;
 }
 
-/// Mean of a slot field over a pixel's samples, by the deviations from a first estimate, which leaves no
-/// rounding of the sum behind; also the sum of squared deviations.
+/// Mean and standard deviation, sqrt(mean (v - mean)^2), of a slot field over a pixel's samples: by the
+/// deviations from an estimate of the mean that is corrected once, which leaves no rounding of the sum
+/// behind, and in units of the largest of them, whose square any float holds.
 FN void accumulate_field(const GLOBAL float* RESTRICT values, int first, int count, PRIVATE float* mean,
-                         PRIVATE float* m2) {
+                         PRIVATE float* deviation) {
+  const float n = (float)count;
   float sum = 0.0f;
   for (int s = 0; s < count; s++) sum += values[first + s];
-  const float estimate = sum / (float)count;
-  float deviation = 0.0f, squares = 0.0f;
+  float estimate = sum / n;
+  float rest = 0.0f, largest = 0.0f;
   for (int s = 0; s < count; s++) {
     const float d = values[first + s] - estimate;
-    deviation += d;
+    rest += d;
+    largest = max_f(largest, FABS(d));
+  }
+  estimate += rest / n;
+  // A power of ten in the range of common radiance, so that nothing changes there.
+  const float unit = largest > 1e15f ? 1e15f : (largest < 1e-12f ? 1e-12f : 1.0f);
+  rest = 0.0f;
+  float squares = 0.0f;
+  for (int s = 0; s < count; s++) {
+    const float d = (values[first + s] - estimate) / unit;
+    rest += d;
     squares += d * d;
   }
-  *mean = estimate + deviation / (float)count;
-  *m2 = max_f(squares - deviation * (deviation / (float)count), 0.0f);
+  *mean = estimate + unit * (rest / n);
+  *deviation = unit * SQRT(max_f(squares - rest * (rest / n), 0.0f) / n);
 }
 
 /// Statistics of the block's pixels, in sample order. Samples with a NaN or an infinity count as 0 and are
@@ -58,15 +70,15 @@ STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, GLO
   for (int p = 0; p < pixels; p++) {
     const int at = first_pixel + p;
     for (int k = 0; k < 3; k++) {
-      float mean, m2;
-      accumulate_field(slots + (SAMPLE_X + k) * slot_capacity, p * n, n, &mean, &m2);
+      float mean, deviation;
+      accumulate_field(slots + (SAMPLE_X + k) * slot_capacity, p * n, n, &mean, &deviation);
       out[k * area + at] = mean;
-      out[(3 + k) * area + at] = m2;
+      out[(3 + k) * area + at] = deviation;
     }
 #if HAS(LAYERS)
     for (int k = 0; layers && k < DEPTH - ALBEDO_X + 1; k++) {
-      float mean, m2;
-      accumulate_field(slots + (ALBEDO_X + k) * slot_capacity, p * n, n, &mean, &m2);
+      float mean, deviation;
+      accumulate_field(slots + (ALBEDO_X + k) * slot_capacity, p * n, n, &mean, &deviation);
       out[(FIRST_LAYER_PLANE + k) * area + at] = mean;
     }
 #endif

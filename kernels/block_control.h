@@ -59,11 +59,11 @@ STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit,
         analytic[s] *= weight;
       }
   #if HAS(LAYERS)
-      float mean, m2;
+      float mean, deviation;
       if (layers) {
-        accumulate_field(analytic, first, n, &mean, &m2);
+        accumulate_field(analytic, first, n, &mean, &deviation);
         out[(ANALYTIC_PLANE + c) * area + at] = mean;
-        accumulate_field(shadowed, first, n, &mean, &m2);
+        accumulate_field(shadowed, first, n, &mean, &deviation);
         out[(DIFFERENCE_PLANE + c) * area + at] = mean;
       }
   #endif

@@ -18,10 +18,12 @@ PENUMBRA_NAMESPACE_BEGIN
 
 typedef struct {
   vec3 origin;  ///< where the shadow ray starts
-  vec3 wi;      ///< unit
-  float tmax;   ///< of the shadow ray; negative: no contribution possible
-  float pdf;    ///< per solid angle, the choice of the light included; for a point light of the choice alone
-  bool delta;   ///< a point light: no other strategy finds it
+  vec3 toward;  ///< unit, its direction
+  vec3 wi;  ///< unit, direction of the light: the same but for the offset of the origin, which counts near a
+            ///< light
+  float tmax;  ///< of the shadow ray; negative: no contribution possible
+  float pdf;   ///< per solid angle, the choice of the light included; for a point light of the choice alone
+  bool delta;  ///< a point light: no other strategy finds it
   bool of_polygon;  ///< a part of a polygon light, whose closed form is known
   vec3 radiance;    ///< arriving along wi, the inverse square law of a point light included
 } LightSample;
@@ -204,13 +206,14 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float number,
   const vec3 way = sub(target, sample.origin);
   const float d2 = dot3(way, way);
   const float distance = SQRT(d2);
-  sample.wi = scale(way, 1.0f / max_f(distance, 1e-30f));
+  sample.toward = sample.wi = scale(way, 1.0f / max_f(distance, 1e-30f));
   sample.tmax = distance * SHADOW_RAY_END;
   const float cosine_front = -dot3(sample.wi, normal);
   const float cosine = light->two_sided ? FABS(cosine_front) : cosine_front;
   sample.pdf = direct_pdf > 0.0f ? direct_pdf : area_to_solid_angle(d2, cosine, light->area);
 #if HAS(PROJECTED)
-  // Of the direction that is traced, so that its cosine cancels to the last digit.
+  // Of the direction itself: seen from the shadow ray's origin it may be below the light's plane.
+  sample.wi = select3(aimed, aim.wi, sample.wi);
   sample.pdf = aimed ? max_f(dot3(s.shading, sample.wi), 0.0f) * aim.scale : sample.pdf;
 #endif
   sample.delta = false;
@@ -229,6 +232,7 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float number,
     const vec3 direction = sample_uniform_sphere(u, v);
     sample.origin = select3(environment, leave_surface(s.p, s.geometric, s.error, direction), sample.origin);
     sample.wi = select3(environment, direction, sample.wi);
+    sample.toward = select3(environment, direction, sample.toward);
     sample.tmax = environment ? NO_LIMIT : sample.tmax;
     sample.pdf = environment ? 0.25f * INV_PI_F : sample.pdf;
     possible = possible | environment;
@@ -245,7 +249,7 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float number,
 FN void ask_for_shadow_ray(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity, int i,
                            LightSample light, vec3 arriving, bool lit, int primitive) {
   STORE3(f, capacity, SHADOW_ORIGIN_X, i, light.origin);
-  STORE3(f, capacity, SHADOW_DIRECTION_X, i, light.wi);
+  STORE3(f, capacity, SHADOW_DIRECTION_X, i, light.toward);
   STORE3(f, capacity, SHADOW_RADIANCE_X, i, arriving);
   f[SHADOW_TMAX * capacity + i] = lit ? light.tmax : -1.0f;
   ints[SHADOW_SKIP * capacity + i] = primitive;

@@ -31,6 +31,28 @@ FN SphericalTriangle spherical_triangle(vec3 a, vec3 b, vec3 c) {
   return t;
 }
 
+// Where 1 + cos of an arc from v1 is below this, its end does not tell its plane well.
+#define NEARLY_OPPOSITE 0.02f
+
+/// The tangent at v1 of the arc that cuts off an area E, by sine and cosine of E / 2: unit, or 0 where the
+/// triangle has no such arc. With beta the angle between it and the edge to v0, A the angle at v0 and c the
+/// side from v0 to v1, the cosine rule for angles becomes sin(E/2) sin(A + beta - E/2) = sin^2(c/2) sin A sin
+/// beta.
+FN vec3 arc_tangent(SphericalTriangle t, float sine, float cosine) {
+  const float sine_a = t.determinant,
+              cosine_a = dot3(cross3(t.v0, t.v1), cross3(t.v0, t.v2));  // times one factor
+  const vec3 side = sub(t.v0, t.v1);
+  const float sine_beta = sine * (sine_a * cosine - cosine_a * sine);
+  const float cosine_beta = 0.25f * dot3(side, side) * sine_a - sine * (cosine_a * cosine + sine_a * sine);
+  const vec3 along = sub(side, scale(t.v1, dot3(side, t.v1)));
+  const vec3 across = cross3(t.v1, along);
+  const float turn = dot3(t.v2, across) < 0.0f ? -sine_beta : sine_beta;
+  const vec3 tangent = add(scale(along, cosine_beta), scale(across, turn));
+  const float length2 = dot3(tangent, tangent);
+  const bool exists = (length2 > 1e-30f) & (dot3(along, along) > 1e-12f);
+  return scale(tangent, exists ? 1.0f / SQRT(exists ? length2 : 1.0f) : 0.0f);
+}
+
 /// A unit direction uniform over the triangle's solid angle. Peters 2021, BRDF Importance Sampling for
 /// Polygonal Lights, section 2: cut off the fraction u by an arc through v1, then move along it by v.
 FN vec3 sample_spherical_triangle(SphericalTriangle t, float u, float v) {
@@ -48,7 +70,12 @@ FN vec3 sample_spherical_triangle(SphericalTriangle t, float u, float v) {
   const float denominator = versine2 * (2.0f - versine2);
   const float ratio = safe_sqrt(versine * (2.0f - versine) / (denominator > 0.0f ? denominator : 1.0f));
   const float along = denominator > 0.0f ? ratio : v;
-  return normalize3(add(scale(t.v1, (1.0f - versine) + along * versine2), scale(chord, along)));
+  const vec3 by_chord = add(scale(t.v1, (1.0f - versine) + along * versine2), scale(chord, along));
+  const vec3 tangent = arc_tangent(t, sine, cosine);
+  const vec3 by_tangent =
+      add(scale(t.v1, 1.0f - versine), scale(tangent, safe_sqrt(versine * (2.0f - versine))));
+  const bool use_tangent = (versine2 > 2.0f - NEARLY_OPPOSITE) & (dot3(tangent, tangent) > 0.0f);
+  return normalize3(select3(use_tangent, by_tangent, by_chord));
 }
 
 PENUMBRA_NAMESPACE_END

@@ -57,7 +57,9 @@ void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
     for (int column = 0; column < result.width; ++column, ++pixel, ++value) {
       const MergeWeights weights = merge_weights(pixel->count, result.sample_count);
       for (int c = 0; c < 3; ++c) {
-        merge_radiance(*pixel, c, value[(kMeanR + c) * plane], value[(kM2R + c) * plane], weights);
+        const double deviation = value[(kDeviationR + c) * plane];
+        merge_radiance(*pixel, c, value[(kMeanR + c) * plane], deviation * deviation * result.sample_count,
+                       weights);
       }
       for (std::size_t k = 0; k < layer_count; ++k)
         merge_mean(*layer++, value[(kRadiancePlanes + k) * plane], weights);

@@ -58,7 +58,7 @@ class OpenClRunner final : public KernelRunner {
     program_.reset(clCreateProgramWithSource(context_.get(), 1, &source, nullptr, &status));
     cl_device_fp_config single = 0;
     clGetDeviceInfo(info.id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof single, &single, nullptr);
-    std::string options = fmt::format("-DFEATURES={} -DLANES={}", FEATURE_ALL, info.is_cpu ? kLanes : 1);
+    std::string options = fmt::format("-w -DFEATURES={} -DLANES={}", FEATURE_ALL, info.is_cpu ? kLanes : 1);
     if ((single & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0)
       options += " -cl-fp32-correctly-rounded-divide-sqrt";
     status = clBuildProgram(program_.get(), 1, &info.id, options.c_str(), nullptr, nullptr);

@@ -138,7 +138,7 @@ Expected<ClProgram> compile_kernels(cl_context context, const OpenClDeviceInfo& 
   if (status != CL_SUCCESS) return fail("cannot create an OpenCL program: " + opencl_error_text(status));
   const auto width =
       std::clamp(int(device_value<cl_uint>(device.id, CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT)), 1, lanes);
-  std::string options = fmt::format("-DFEATURES={} -DLANES={} -DVECTOR_WIDTH={}", features, lanes, width);
+  std::string options = fmt::format("-w -DFEATURES={} -DLANES={} -DVECTOR_WIDTH={}", features, lanes, width);
   const auto rounding = device_value<cl_device_fp_config>(device.id, CL_DEVICE_SINGLE_FP_CONFIG);
   if ((rounding & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0)
     options += " -cl-fp32-correctly-rounded-divide-sqrt";

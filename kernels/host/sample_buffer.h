@@ -18,9 +18,9 @@ enum SampleBufferPlane : int {
   kMeanR,
   kMeanG,
   kMeanB,  ///< mean radiance over the unit's samples, linear Rec. 709
-  kM2R,
-  kM2G,
-  kM2B,  ///< sum of squared deviations from that mean
+  kDeviationR,
+  kDeviationG,
+  kDeviationB,  ///< standard deviation, sqrt(mean (sample - mean)^2): its square may be more than a float holds
   kAlbedoR,
   kAlbedoG,
   kAlbedoB,  ///< mean reflectance at the first hit, 0 where nothing is hit

@@ -45,7 +45,8 @@ TEST(FilmImage, PutsEveryStatisticInItsLayer) {
     for (const auto& [name, plane] : planes) {
       EXPECT_EQ(image.at(x, y, *image.channel(name)), float(plane) + float(i) / 8) << name;
     }
-    EXPECT_FLOAT_EQ(image.at(x, y, *image.channel("variance.G")), (float(kM2G) + float(i) / 8) / (5 * 4));
+    const float deviation = float(kDeviationG) + float(i) / 8;
+    EXPECT_FLOAT_EQ(image.at(x, y, *image.channel("variance.G")), deviation * deviation / 4);
     const float seen = float(kSeen) + float(i) / 8, whole = float(kWhole) + float(i) / 8;
     EXPECT_FLOAT_EQ(image.at(x, y, *image.channel("visibility.Y")), seen / whole);
     EXPECT_EQ(image.at(x, y, *image.channel("samples.count")), 5);

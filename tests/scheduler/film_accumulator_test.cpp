@@ -27,15 +27,15 @@ Reference two_pass(const std::vector<double>& samples) {
 }
 
 /// A result of one pixel whose radiance statistics are exactly the given floats.
-SampleBuffer pixel_result(float mean, float m2, std::uint32_t count) {
+SampleBuffer pixel_result(float mean, float deviation, std::uint32_t count) {
   SampleBuffer buffer{
       .width = 1, .height = 1, .planes = kRadiancePlanes, .sample_count = count, .values = {}};
-  buffer.values = {mean, mean, mean, m2, m2, m2};
+  buffer.values = {mean, mean, mean, deviation, deviation, deviation};
   return buffer;
 }
 
-// The float means and sums of squares of the units are taken as exact: the units' samples are chosen so that
-// they are. A unit of two samples a, b with a + b and (a - b)^2 / 2 representable is such.
+// The float means and deviations of the units are taken as exact: the units' samples are chosen so that they
+// are. A unit of two samples a, b with a + b and (a - b) / 2 representable is such.
 TEST(FilmAccumulator, MergedStatisticsAreThoseOfAllSamples) {
   std::mt19937 random(20240611);
   std::uniform_int_distribution<int> middle(0, 4095), half_distance(0, 1023);
@@ -45,7 +45,7 @@ TEST(FilmAccumulator, MergedStatisticsAreThoseOfAllSamples) {
   for (int i = 0; i < kUnits; ++i) {
     const double m = middle(random) / 1024.0, d = half_distance(random) / 1024.0;
     samples.insert(samples.end(), {m - d, m + d});
-    film.add(0, 0, pixel_result(float(m), float(2 * d * d), 2));
+    film.add(0, 0, pixel_result(float(m), float(d), 2));
   }
   const Reference reference = two_pass(samples);
   const PixelStatistics& pixel = film.at(0, 0);
@@ -61,7 +61,7 @@ TEST(FilmAccumulator, MergedStatisticsAreThoseOfAllSamples) {
 TEST(FilmAccumulator, UnequalUnitsAreWeightedByTheirCounts) {
   FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes);
   film.add(0, 0, pixel_result(1, 0, 3));  // 1 1 1
-  film.add(0, 0, pixel_result(5, 2, 2));  // 4 6
+  film.add(0, 0, pixel_result(5, 1, 2));  // 4 6
   EXPECT_EQ(film.at(0, 0).count, 5u);
   EXPECT_NEAR(film.at(0, 0).mean[1], 13.0 / 5, 1e-15);
   EXPECT_NEAR(film.at(0, 0).m2[1], 3 + 16 + 36 - 169.0 / 5, 1e-13);
@@ -71,8 +71,8 @@ TEST(FilmAccumulator, ALargeOffsetDoesNotDrownTheVariance) {
   // Sum of squares minus squared sum would lose all digits here: 1e6^2 / 1e-2^2 = 1e16.
   FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes);
   constexpr int kUnits = 1000;
-  for (int i = 0; i < kUnits; ++i) film.add(0, 0, pixel_result(1e6f, 2e-4f, 2));
-  EXPECT_NEAR(film.at(0, 0).m2[0], kUnits * double(2e-4f), 1e-9);
+  for (int i = 0; i < kUnits; ++i) film.add(0, 0, pixel_result(1e6f, 1e-2f, 2));
+  EXPECT_NEAR(film.at(0, 0).m2[0], kUnits * 2 * double(1e-2f) * double(1e-2f), 1e-9);
 }
 
 TEST(FilmAccumulator, ManySamplesKeepTheirPrecision) {
@@ -80,7 +80,7 @@ TEST(FilmAccumulator, ManySamplesKeepTheirPrecision) {
   constexpr std::uint32_t kSamples = 4096;
   constexpr std::uint64_t kUnits = 25000;  // 1e8 samples
   for (std::uint64_t i = 0; i < kUnits; ++i)
-    film.add(0, 0, pixel_result(i % 2 == 0 ? 0.25f : 0.75f, 1, kSamples));
+    film.add(0, 0, pixel_result(i % 2 == 0 ? 0.25f : 0.75f, 1.0f / 64, kSamples));
   EXPECT_EQ(film.at(0, 0).count, kUnits * kSamples);
   EXPECT_NEAR(film.at(0, 0).mean[2], 0.5, 1e-12);
   const double m2 = double(kUnits) + double(kUnits * kSamples) / 16;
@@ -112,8 +112,8 @@ TEST(FilmAccumulator, RelativeErrorIsTheStatedFormula) {
   EXPECT_TRUE(std::isnan(film.relative_error())) << "one sample says nothing about its error";
   film.add(0, 0, pixel_result(4, 0, 1));  // mean 3, m2 2, SE^2 = 2 / (2 * 1) = 1
   EXPECT_NEAR(film.relative_error(), std::sqrt(1 / 9.01), 1e-15);
-  film.add(1, 0, pixel_result(0, 6, 3));  // SE^2 = 6 / (3 * 2) = 1
-  EXPECT_NEAR(film.relative_error(), std::sqrt((1 / 9.01 + 1 / 0.01) / 2), 1e-13);
+  film.add(1, 0, pixel_result(0, 2, 3));  // SE^2 = 12 / (3 * 2) = 2
+  EXPECT_NEAR(film.relative_error(), std::sqrt((1 / 9.01 + 2 / 0.01) / 2), 1e-13);
 }
 
 TEST(FilmAccumulator, ClearForgetsOneRectangle) {

@@ -1,5 +1,7 @@
 #include "tests/support/fake_samples.h"
 
+#include <cmath>
+
 namespace penumbra {
 namespace {
 
@@ -26,7 +28,7 @@ void fill_pixel(const RenderUnit& unit, int x, int y, SampleBuffer& buffer) {
       m2 += difference * (value - mean);
     }
     buffer.plane(kMeanR + channel)[at] = float(mean);
-    buffer.plane(kM2R + channel)[at] = float(m2);
+    buffer.plane(kDeviationR + channel)[at] = float(std::sqrt(m2 / unit.sample_count));
   }
   for (int plane = kRadiancePlanes; plane < buffer.planes; ++plane) {
     buffer.plane(plane)[at] = float(sample_value(unit.x + x, unit.y + y, unit.first_sample, plane));

@@ -128,14 +128,14 @@ TEST_P(Devices, GiveTheSameSamplesWhateverTheRange) {
   }
   const std::size_t pixels = together.pixels();
   for (int p = 0; p < together.planes; ++p) {
-    if (p >= kM2R && p <= kM2B) continue;
+    if (p >= kDeviationR && p <= kDeviationB) continue;
     for (std::size_t i = 0; i < pixels; ++i) {
       const std::size_t at = std::size_t(p) * pixels + i;
       const double mean = sum[at] / kSamples, magnitude = std::sqrt(squares[at] / kSamples);
       ASSERT_NEAR(together.values[at], mean, 4e-7 * magnitude) << "plane " << p << " pixel " << i;
       if (p > kMeanB) continue;
-      const double m2 = squares[at] - kSamples * mean * mean;
-      ASSERT_NEAR(together.values[at + 3 * pixels], m2, 4e-6 * squares[at])
+      const double m2 = squares[at] - kSamples * mean * mean, deviation = together.values[at + 3 * pixels];
+      ASSERT_NEAR(kSamples * deviation * deviation, m2, 4e-6 * squares[at])
           << "plane " << p << " pixel " << i;
     }
   }
