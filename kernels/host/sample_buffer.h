@@ -20,7 +20,8 @@ enum SampleBufferPlane : int {
   kMeanB,  ///< mean radiance over the unit's samples, linear Rec. 709
   kDeviationR,
   kDeviationG,
-  kDeviationB,  ///< standard deviation, sqrt(mean (sample - mean)^2): its square may be more than a float holds
+  kDeviationB,  ///< standard deviation, sqrt(mean (sample - mean)^2): its square may be more than a float
+                ///< holds
   kAlbedoR,
   kAlbedoG,
   kAlbedoB,  ///< mean reflectance at the first hit, 0 where nothing is hit
