@@ -98,7 +98,7 @@ STAGE void project_by_power(const PRIVATE Scene* scene, SurfaceFields at, const 
           surface_at(scene, ints[at.hit * capacity + i + j], LOAD3(f, capacity, at.origin_x, i + j),
                      LOAD3(f, capacity, at.direction_x, i + j));
       const ChosenLight by_power =
-          choose_light(scene, u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_CHOICE * LANES + j]);
+          choose_light(scene, u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_FINE * LANES + j]);
       GLOBAL const Light* light = scene->lights + by_power.light;
       projected[j] = light_irradiance(light, s.p.x, s.p.y, s.p.z, s.shading.x, s.shading.y, s.shading.z);
     }
@@ -114,7 +114,7 @@ STAGE void aim_by_projection(const PRIVATE Scene* scene, SurfaceFields at, const
           surface_at(scene, ints[at.hit * capacity + i + j], LOAD3(f, capacity, at.origin_x, i + j),
                      LOAD3(f, capacity, at.direction_x, i + j));
       const float number = u[DRAW_LIGHT_U * LANES + j];
-      const ChosenLight by_power = choose_light(scene, number, u[DRAW_LIGHT_CHOICE * LANES + j]);
+      const ChosenLight by_power = choose_light(scene, number, u[DRAW_LIGHT_FINE * LANES + j]);
       const float chosen = aims[AIM_LIGHT * LANES + j];
       const bool is_chosen = chosen >= 0.0f;
       aim_at_light(scene, s, is_chosen ? (int)chosen : by_power.light, (float)projected[j],

@@ -15,7 +15,7 @@ FN void draw_step(const PRIVATE SceneHeader* h, uint pair, const GLOBAL int* RES
             u + DRAW_LIGHT_V * LANES);
   draw_pair(h->sampler, spp, draw_once(pair + 1u), ints, capacity, i, u + DRAW_BSDF_U * LANES,
             u + DRAW_BSDF_V * LANES);
-  draw_pair(h->sampler, spp, draw_once(pair + 2u), ints, capacity, i, u + DRAW_LIGHT_CHOICE * LANES,
+  draw_pair(h->sampler, spp, draw_once(pair + 2u), ints, capacity, i, u + DRAW_LIGHT_FINE * LANES,
             u + DRAW_LOBE_CHOICE * LANES);
 }
 
@@ -101,7 +101,7 @@ FN void draw_direct(const PRIVATE SceneHeader* h, int step, const GLOBAL int* RE
               u + DRAW_BSDF_U * LANES, u + DRAW_BSDF_V * LANES);
   if ((step < bsdf_samples) | ((step < emitter_samples) & (h->light_count > 1)))
     draw_pair(h->sampler, spp, draw_nth(pair + 2u, most, step), ints, capacity, i,
-              u + DRAW_LIGHT_CHOICE * LANES, u + DRAW_LOBE_CHOICE * LANES);
+              u + DRAW_LIGHT_FINE * LANES, u + DRAW_LOBE_CHOICE * LANES);
 }
 
 STAGE void step_direct(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,

@@ -63,7 +63,7 @@ FN void sample_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLO
   const vec3 direction = LOAD3(f, capacity, CAMERA_DIRECTION_X, i);
   const Surface s = surface_at(scene, primitive, origin, direction);
   const LightSample light = sample_light(scene, s, u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_V * LANES + j],
-                                         u[DRAW_LIGHT_CHOICE * LANES + j], aim);
+                                         u[DRAW_LIGHT_FINE * LANES + j], aim);
   const BsdfValue value = eval_bsdf(scene->materials + s.material, s.shading, s.wo, light.wi);
   const float other = direction_pdf(scene->header.bsdf_sampling, s.shading, light.wi, value.pdf);
   const float by_emitter = (float)emitter_samples * light.pdf, by_direction = (float)bsdf_samples * other;

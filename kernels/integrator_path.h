@@ -40,7 +40,7 @@ FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL i
   const bool scatters = s.valid & (step + 1 < scene->header.max_depth);
 
   const LightSample light = sample_light(scene, s, u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_V * LANES + j],
-                                         u[DRAW_LIGHT_CHOICE * LANES + j], aim);
+                                         u[DRAW_LIGHT_FINE * LANES + j], aim);
   const BsdfValue value = eval_bsdf(material, s.shading, s.wo, light.wi);
   const float shared =
       sampling == SAMPLING_MIS ? mis_weight(scene->header.heuristic, light.pdf, value.pdf) : 1.0f;

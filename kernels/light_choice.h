@@ -28,7 +28,7 @@ FN ChosenLight choose_light(const PRIVATE Scene* scene, float u, float fine) {
   const float pmf = scene->lights[choice.light].pmf;
   const int rank = (int)(u * 16777216.0f) + (own ? own_rank : alias_rank);
   const float left = ((float)rank + fine) / (pmf > 0.0f ? pmf * 16777216.0f : 1.0f);
-  choice.u = min_f(left, ONE_MINUS_EPSILON);
+  choice.u = clamp_f(left, 0.0f, ONE_MINUS_EPSILON);
   return choice;
 }
 

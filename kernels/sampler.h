@@ -15,7 +15,7 @@ enum {
   DRAW_LIGHT_V,
   DRAW_BSDF_U,
   DRAW_BSDF_V,
-  DRAW_LIGHT_CHOICE,
+  DRAW_LIGHT_FINE,  ///< digits below those of DRAW_LIGHT_U, see choose_light
   DRAW_LOBE_CHOICE,
   DRAW_ROULETTE,
   DRAW_SPARE,

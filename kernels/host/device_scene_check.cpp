@@ -92,6 +92,9 @@ class Checker {
       require(in(l.alias, 0, at_least_one(h_.light_count) - 1), "a light's alias is not there");
       require(in(l.kind, LIGHT_TRIANGLE, LIGHT_RECTANGLE), "a light of unknown kind");
       require(in(l.sampling, EMITTER_AREA, EMITTER_PROJECTED), "a light of unknown sampling");
+      constexpr int kNumbers = 1 << 24;  // that a sampler can give
+      require(in(l.rank, -kNumbers, kNumbers) && in(l.alias_rank, -kNumbers, kNumbers),
+              "a light's numbers have ranks that there are not");
       require(!has(FEATURE_POLYGONS) || in(l.polygon, -1, h_.polygon_count - 1),
               "a light names a polygon that is not there");
     }
