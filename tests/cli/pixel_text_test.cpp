@@ -8,13 +8,13 @@ namespace {
 TEST(PixelText, ShowsEveryDigitAndTheExactBits) {
   SampleBuffer buffer;
   buffer.width = buffer.height = 1;
-  buffer.sample_count = 4;
+  buffer.sample_count = 5;
   buffer.planes = kFeaturePlanes;
-  buffer.values = {0.1f, 0.5f, 2, 0, 12, 48, 0.25f, 0.5f, 0.75f, 0, 0, -1, 3};
+  buffer.values = {0.1f, 0.5f, 2, 0, 2, 4, 0.25f, 0.5f, 0.75f, 0, 0, -1, 3};
   FilmAccumulator film(5, 6, 1, 1, kFeaturePlanes);
   film.add(5, 6, buffer);
   EXPECT_EQ(pixel_text(film, 5, 6),
-            "pixel 5,6  4 samples\n"
+            "pixel 5,6  5 samples\n"
             "radiance              0.100000001              0.5                2\n"
             "  exactly           0x1.99999ap-4           0x1p-1           0x1p+1\n"
             "standard error                  0                1                2\n"
