@@ -117,8 +117,7 @@ FN int part_of(const PRIVATE Scene* scene, int polygon, int k) {
 }
 
 /// What a light that is no polygon may contribute to a diffuse point, at most: its choice needs no more.
-FN double rough_irradiance(const PRIVATE Scene* scene, GLOBAL const Light* light, double x, double y,
-                           double z) {
+FN double rough_irradiance(GLOBAL const Light* light, double x, double y, double z) {
   const vec3 p = load3(&light->p0), radiance = load3(&light->radiance);
   const double dx = p.x - x, dy = p.y - y, dz = p.z - z;
   const double d2 = dx * dx + dy * dy + dz * dz;
@@ -165,7 +164,7 @@ STAGE void survey_lights(const PRIVATE Scene* scene, const PRIVATE LitPoints* po
         const double reflectance = points->diffuse[j] + points->diffuse[LANES + j] +
                                    points->diffuse[2 * LANES + j] + points->specular[j] +
                                    points->specular[LANES + j] + points->specular[2 * LANES + j];
-        const double most = rough_irradiance(scene, light, r->px[j], r->py[j], r->pz[j]);
+        const double most = rough_irradiance(light, r->px[j], r->py[j], r->pz[j]);
         draw_from(drawing, j, scene->header.polygon_count + k, reflectance * most);
       }
   }
