@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
+#include <utility>
 
 #include "kernels/features.h"
 #include "stress/backend.h"
-#include "stress/opencl_source.h"
+#include "stress/embedded_quantities.h"
 #include "stress/quantity_list.h"
 #include "worker/opencl_program.h"
 
@@ -13,30 +13,6 @@ namespace penumbra::stress {
 namespace {
 
 constexpr int kLanes = 16;  // as the worker's kernels on a CPU
-
-std::string_view source_of(std::string_view name) {
-  for (const auto files : {embedded_quantities(), embedded_kernels()}) {
-    for (const EmbeddedFile& file : files) {
-      if (file.name == name) return file.text;
-    }
-  }
-  return {};  // a host header under a condition that OpenCL C never meets
-}
-
-/// Each file once.
-void append_source(std::string_view name, std::set<std::string_view>& seen, std::string& source) {
-  if (name == "kernels/lang_cpp.h" || !seen.insert(name).second) return;
-  constexpr std::string_view kInclude = "#include \"";
-  for (std::string_view text = source_of(name); !text.empty();) {
-    const std::string_view line = text.substr(0, std::min(text.find('\n'), text.size() - 1) + 1);
-    text.remove_prefix(line.size());
-    const std::string_view directive = line.substr(std::min(line.find_first_not_of(' '), line.size()));
-    if (directive.starts_with(kInclude))
-      append_source(directive.substr(kInclude.size(), directive.rfind('"') - kInclude.size()), seen, source);
-    else
-      source += line;
-  }
-}
 
 class OpenClRunner final : public KernelRunner {
  public:
@@ -53,23 +29,11 @@ class OpenClRunner final : public KernelRunner {
     // As in worker/opencl_device.cpp: a thread of PoCL may use them a little longer.
     clRetainContext(context_.get());
     clRetainCommandQueue(queue_.get());
-    const std::string text = opencl_quantities();
-    const char* source = text.c_str();
-    program_.reset(clCreateProgramWithSource(context_.get(), 1, &source, nullptr, &status));
-    cl_device_fp_config single = 0;
-    clGetDeviceInfo(info.id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof single, &single, nullptr);
-    std::string options = fmt::format("-w -DFEATURES={} -DLANES={}", FEATURE_ALL, info.is_cpu ? kLanes : 1);
-    if ((single & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0)
-      options += " -cl-fp32-correctly-rounded-divide-sqrt";
-    status = clBuildProgram(program_.get(), 1, &info.id, options.c_str(), nullptr, nullptr);
-    if (status != CL_SUCCESS) {
-      std::size_t size = 0;
-      clGetProgramBuildInfo(program_.get(), info.id, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size);
-      std::string log(size, '\0');
-      clGetProgramBuildInfo(program_.get(), info.id, CL_PROGRAM_BUILD_LOG, size, log.data(), nullptr);
-      return fail(fmt::format("the quantities do not compile on {}: {}\n{}", info.name,
-                              opencl_error_text(status), log.c_str()));
-    }
+    Expected<ClProgram> program =
+        compile_opencl(context_.get(), info, "stress/quantities.cl", embedded_quantities(), FEATURE_ALL,
+                       info.is_cpu ? kLanes : 1);
+    if (!program) return std::unexpected(program.error());
+    program_ = std::move(*program);
     kernel_.reset(clCreateKernel(program_.get(), "answer", &status));
     if (status != CL_SUCCESS) return fail("cannot create the kernel: " + opencl_error_text(status));
     return {};
@@ -127,13 +91,6 @@ class OpenClRunner final : public KernelRunner {
 };
 
 }  // namespace
-
-std::string opencl_quantities() {
-  std::set<std::string_view> seen;
-  std::string source;
-  append_source("stress/quantities.cl", seen, source);
-  return source;
-}
 
 Backend opencl_backend(int threads, const std::string& device) {
   Backend backend;

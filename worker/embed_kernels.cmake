@@ -4,7 +4,8 @@ file(GLOB PENUMBRA_PORTABLE_SOURCES CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/kernel
 add_custom_command(
   OUTPUT ${PENUMBRA_EMBEDDED_KERNELS}
   COMMAND ${CMAKE_COMMAND} -DROOT=${CMAKE_SOURCE_DIR} -DOUTPUT=${PENUMBRA_EMBEDDED_KERNELS}
-          -P ${CMAKE_SOURCE_DIR}/worker/embed_kernels_script.cmake
-  DEPENDS ${PENUMBRA_PORTABLE_SOURCES} ${CMAKE_SOURCE_DIR}/worker/embed_kernels_script.cmake
+          "-DPATTERNS=kernels/*.h kernels/*.cl" -DHEADER=worker/embedded_kernels.h
+          -DSPACE=penumbra -DFUNCTION=embedded_kernels -P ${CMAKE_SOURCE_DIR}/worker/embed_files.cmake
+  DEPENDS ${PENUMBRA_PORTABLE_SOURCES} ${CMAKE_SOURCE_DIR}/worker/embed_files.cmake
   COMMENT "Embedding the OpenCL kernels"
   VERBATIM)

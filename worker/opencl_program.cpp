@@ -6,8 +6,6 @@
 #include <cctype>
 #include <set>
 
-#include "worker/embedded_kernels.h"
-
 namespace penumbra {
 
 namespace {
@@ -37,32 +35,41 @@ T device_value(cl_device_id device, cl_device_info what) {
   return value;
 }
 
-/// Appends an embedded file with its includes in place, each file once. OpenCL C knows no lang_cpp.h.
-void append_source(std::string_view name, std::set<std::string_view>& seen, std::string& source) {
-  if (name == "kernels/lang_cpp.h" || !seen.insert(name).second) return;
-  const auto files = embedded_kernels();
-  const auto file =
-      std::find_if(files.begin(), files.end(), [&](const EmbeddedFile& f) { return f.name == name; });
-  if (file == files.end()) return;  // a host header under a condition that OpenCL C never meets
-  constexpr std::string_view kInclude = "#include \"";
-  for (std::string_view text = file->text; !text.empty();) {
-    const std::size_t end = std::min(text.find('\n'), text.size() - 1) + 1;
-    const std::string_view line = text.substr(0, end);
-    text.remove_prefix(end);
-    const std::string_view directive = line.substr(std::min(line.find_first_not_of(' '), line.size()));
-    if (directive.starts_with(kInclude))
-      append_source(directive.substr(kInclude.size(), directive.rfind('"') - kInclude.size()), seen, source);
-    else
-      source += line;
-  }
-}
+/// An OpenCL source from embedded files.
+class SourceText {
+ public:
+  explicit SourceText(std::span<const EmbeddedFile> files) : files_(files) {}
 
-std::string opencl_source() {
-  std::set<std::string_view> seen;
-  std::string source;
-  append_source("kernels/opencl.cl", seen, source);
-  return source;
-}
+  /// Appends a file with its includes in place, each file once. OpenCL C knows no lang_cpp.h.
+  void append(std::string_view name) {
+    if (name == "kernels/lang_cpp.h" || !seen_.insert(name).second) return;
+    constexpr std::string_view kInclude = "#include \"";
+    for (std::string_view text = text_of(name); !text.empty();) {
+      const std::size_t end = std::min(text.find('\n'), text.size() - 1) + 1;
+      const std::string_view line = text.substr(0, end);
+      text.remove_prefix(end);
+      const std::string_view directive = line.substr(std::min(line.find_first_not_of(' '), line.size()));
+      if (directive.starts_with(kInclude))
+        append(directive.substr(kInclude.size(), directive.rfind('"') - kInclude.size()));
+      else
+        source_ += line;
+    }
+  }
+
+  [[nodiscard]] const std::string& text() const { return source_; }
+
+ private:
+  [[nodiscard]] std::string_view text_of(std::string_view name) const {
+    for (const auto files : {files_, embedded_kernels()})
+      if (const auto file = std::ranges::find(files, name, &EmbeddedFile::name); file != files.end())
+        return file->text;
+    return {};  // a host header under a condition that OpenCL C never meets
+  }
+
+  std::span<const EmbeddedFile> files_;
+  std::set<std::string_view> seen_;
+  std::string source_;
+};
 
 bool contains_ignoring_case(const std::string& text, const std::string& part) {
   return std::search(text.begin(), text.end(), part.begin(), part.end(),
@@ -129,11 +136,12 @@ Expected<OpenClDeviceInfo> find_opencl_device(const std::string& wanted) {
   return fail(fmt::format("no OpenCL device matches '{}'; there are:{}", wanted, known));
 }
 
-Expected<ClProgram> compile_kernels(cl_context context, const OpenClDeviceInfo& device,
-                                    std::uint32_t features, int lanes) {
+Expected<ClProgram> compile_opencl(cl_context context, const OpenClDeviceInfo& device, std::string_view file,
+                                   std::span<const EmbeddedFile> files, std::uint32_t features, int lanes) {
   cl_int status = CL_SUCCESS;
-  const std::string text = opencl_source();
-  const char* source = text.c_str();
+  SourceText text(files);
+  text.append(file);
+  const char* source = text.text().c_str();
   ClProgram program(clCreateProgramWithSource(context, 1, &source, nullptr, &status));
   if (status != CL_SUCCESS) return fail("cannot create an OpenCL program: " + opencl_error_text(status));
   const auto width =
@@ -148,10 +156,15 @@ Expected<ClProgram> compile_kernels(cl_context context, const OpenClDeviceInfo& 
     clGetProgramBuildInfo(program.get(), device.id, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size);
     std::string log(size, '\0');
     clGetProgramBuildInfo(program.get(), device.id, CL_PROGRAM_BUILD_LOG, size, log.data(), nullptr);
-    return fail(fmt::format("the kernels do not compile on {} ({}) with {}: {}\n{}", device.name,
+    return fail(fmt::format("{} does not compile on {} ({}) with {}: {}\n{}", file, device.name,
                             device.platform, options, opencl_error_text(status), log.c_str()));
   }
   return program;
+}
+
+Expected<ClProgram> compile_kernels(cl_context context, const OpenClDeviceInfo& device,
+                                    std::uint32_t features, int lanes) {
+  return compile_opencl(context, device, "kernels/opencl.cl", {}, features, lanes);
 }
 
 }  // namespace penumbra

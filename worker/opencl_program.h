@@ -5,11 +5,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
 #include "kernels/host/error.h"
+#include "worker/embedded_kernels.h"
 
 namespace penumbra {
 
@@ -42,7 +45,12 @@ std::vector<OpenClDeviceInfo> list_opencl_devices();
 /// device, else the first of all. The error lists what there is.
 Expected<OpenClDeviceInfo> find_opencl_device(const std::string& wanted);
 
-/// `lanes`: paths that one vectorised loop carries.
+/// The embedded file of that name, of `files` or the kernels, with its includes in place, compiled. `lanes`:
+/// paths that one vectorised loop carries.
+Expected<ClProgram> compile_opencl(cl_context context, const OpenClDeviceInfo& device, std::string_view file,
+                                   std::span<const EmbeddedFile> files, std::uint32_t features, int lanes);
+
+/// The renderer's kernels.
 Expected<ClProgram> compile_kernels(cl_context context, const OpenClDeviceInfo& device,
                                     std::uint32_t features, int lanes);
 

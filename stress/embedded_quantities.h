@@ -1,8 +1,7 @@
-// The quantities' source for an OpenCL compiler.
+// The quantities' source for an OpenCL compiler, compiled into the binary.
 #pragma once
 
 #include <span>
-#include <string>
 
 #include "worker/embedded_kernels.h"
 
@@ -10,8 +9,5 @@ namespace penumbra::stress {
 
 /// quantities.cl and what it includes from this folder, as they are.
 std::span<const EmbeddedFile> embedded_quantities();
-
-/// quantities.cl with all its includes in place.
-std::string opencl_quantities();
 
 }  // namespace penumbra::stress

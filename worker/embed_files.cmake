@@ -1,0 +1,23 @@
+# Writes files as a C++ table of names and texts, as they are: those below ROOT that match PATTERNS (separated by
+# blanks), into OUTPUT, as what SPACE::FUNCTION() of HEADER returns.
+cmake_minimum_required(VERSION 3.25)
+
+separate_arguments(PATTERNS)
+list(TRANSFORM PATTERNS PREPEND ${ROOT}/)
+file(GLOB files RELATIVE ${ROOT} ${PATTERNS})
+set(output "// Generated; do not edit.\n#include \"${HEADER}\"\n\nnamespace ${SPACE} {\nnamespace {\n\nconstexpr EmbeddedFile kFiles[] = {\n")
+foreach(file IN LISTS files)
+  file(READ ${ROOT}/${file} text)
+  string(APPEND output "{\"${file}\",\n")
+  # Compilers limit the length of one literal; neighbours are joined.
+  string(LENGTH "${text}" length)
+  set(at 0)
+  while(at LESS length)
+    string(SUBSTRING "${text}" ${at} 8000 part)
+    string(APPEND output "R\"kernel(${part})kernel\"\n")
+    math(EXPR at "${at} + 8000")
+  endwhile()
+  string(APPEND output "},\n")
+endforeach()
+string(APPEND output "};\n\n}  // namespace\n\nstd::span<const EmbeddedFile> ${FUNCTION}() { return kFiles; }\n\n}  // namespace ${SPACE}\n")
+file(WRITE ${OUTPUT} "${output}")
