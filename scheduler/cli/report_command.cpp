@@ -1,11 +1,9 @@
 // `penumbra report SCENE... -o DIR`: error against run time.
 #include <fmt/format.h>
-#include <unistd.h>
 #include <xxhash.h>
 
 #include <array>
 #include <cstdlib>
-#include <ctime>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -19,6 +17,7 @@
 #include "scheduler/cli/report_plan.h"
 #include "scheduler/cli/stop_signal.h"
 #include "scheduler/outputs/atomic_file.h"
+#include "scheduler/outputs/machine.h"
 #include "scheduler/outputs/render_record.h"
 #include "scheduler/outputs/version.h"
 #include "scheduler/report/gnuplot.h"
@@ -35,20 +34,6 @@ std::array<double, 3> load_averages() {
   std::array<double, 3> load{};
   if (getloadavg(load.data(), 3) != 3) load.fill(0);
   return load;
-}
-
-std::string utc_now() {
-  const std::time_t now = std::time(nullptr);
-  std::tm parts{};
-  gmtime_r(&now, &parts);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
-  return text;
-}
-
-std::string host_name() {
-  char name[256] = {};
-  return gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
 /// Of the program that renders: cells that another build of it made are not this report's.

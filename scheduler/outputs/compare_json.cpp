@@ -1,20 +1,17 @@
 // The comparison as JSON.
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "scheduler/outputs/compare.h"
+#include "scheduler/outputs/json_number.h"
 
 namespace penumbra {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// JSON has no NaN or infinity; null stands for them.
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json numbers(const std::vector<double>& values) {
   Json list = Json::array();
-  for (const double value : values) list.push_back(number(value));
+  for (const double value : values) list.push_back(json_number(value));
   return list;
 }
 
@@ -32,8 +29,8 @@ Json flip_json(const FlipResult& flip) {
 }
 
 Json extreme_json(const ZExtreme& extreme, const std::vector<std::string>& channels) {
-  return {{"z", number(extreme.z)},
-          {"p", number(extreme.p)},
+  return {{"z", json_number(extreme.z)},
+          {"p", json_number(extreme.p)},
           {"pixel", {extreme.x, extreme.y}},
           {"channel", channels[extreme.channel]}};
 }
@@ -48,14 +45,14 @@ Json z_json(const ZTest& z, const std::vector<std::string>& channels) {
           {"invalid_variances", z.invalid_variances},
           {"share_above_1_96", z.share_above_1_96},
           {"share_above_2_58", z.share_above_2_58},
-          {"mean_square", number(z.mean_square)},
+          {"mean_square", json_number(z.mean_square)},
           {"max_z", extreme_json(z.largest, channels)},
           {"block", z.options.block},
           {"blocks", z.blocks},
           {"block_chi_square",
-           {{"chi_square", number(chi_square.z)},
+           {{"chi_square", json_number(chi_square.z)},
             {"dof", chi_square.dof},
-            {"p", number(chi_square.p)},
+            {"p", json_number(chi_square.p)},
             {"pixel", {chi_square.x, chi_square.y}},
             {"channel", channels[chi_square.channel]}}},
           {"block_mean", extreme_json(z.block_mean, channels)},
@@ -83,7 +80,7 @@ nlohmann::ordered_json comparison_json(const Comparison& c) {
                {"trimmed_pixels", c.trimmed_pixels}};
   Json per_channel = Json::object();
   const auto add = [&](const char* name, const ChannelValues& values) {
-    json[name] = number(values.overall);
+    json[name] = json_number(values.overall);
     per_channel[name] = numbers(values.channels);
   };
   add("bias", c.bias);
@@ -102,7 +99,7 @@ nlohmann::ordered_json comparison_json(const Comparison& c) {
   json["reference_mean"] = numbers(c.reference_mean.channels);
   Json ratios = Json::array();
   for (std::size_t channel = 0; channel < pair.channels.size(); ++channel)
-    ratios.push_back(number(c.mean_ratio(channel)));
+    ratios.push_back(json_number(c.mean_ratio(channel)));
   json["mean_ratio"] = ratios;
   json["flip"] = c.flip ? flip_json(*c.flip) : Json(nullptr);
   if (!c.flip) json["flip_left_out"] = c.flip_left_out;

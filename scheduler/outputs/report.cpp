@@ -2,15 +2,15 @@
 
 #include <fmt/format.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "scheduler/outputs/film_image.h"
+#include "scheduler/outputs/json_number.h"
+#include "scheduler/outputs/machine.h"
 #include "scheduler/outputs/non_finite_text.h"
 #include "scheduler/outputs/version.h"
 
@@ -18,23 +18,6 @@ namespace penumbra {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// JSON has no NaN or infinity; null stands for "not known".
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-std::string utc_now() {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  std::tm parts{};
-  gmtime_r(&now, &parts);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
-  return text;
-}
-
-std::string host_name() {
-  char name[256] = {};
-  return gethostname(name, sizeof name - 1) == 0 ? name : "";
-}
 
 std::uint64_t own_peak_memory_bytes() {
   rusage usage{};
@@ -162,7 +145,7 @@ Json report_json(const RenderReport& report) {
         {"crop", {film.crop_x, film.crop_y, film.crop_x + film.crop_width, film.crop_y + film.crop_height}}}},
       {"settings", settings_json(report)},
       {"samples", samples_json(outcome.film, job.reproduce_command)},
-      {"relative_error", number(outcome.film.relative_error())},
+      {"relative_error", json_number(outcome.film.relative_error())},
       {"polygon_lights", polygon_light_json(outcome.film)},
       {"film_hash", hash_text(outcome.film.hash())},
       {"seconds",

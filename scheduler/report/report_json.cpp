@@ -1,14 +1,13 @@
 #include "scheduler/report/report_json.h"
 
-#include <cmath>
 #include <nlohmann/json.hpp>
+
+#include "scheduler/outputs/json_number.h"
 
 namespace penumbra {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 template <typename T>
 Json optional(const std::optional<T>& value) {
@@ -23,21 +22,21 @@ Json seconds_json(const PhaseSeconds& seconds) {
 }
 
 Json errors_json(const ImageErrors& errors) {
-  return {{"mse", number(errors.mse)},
-          {"relmse", number(errors.relative_mse)},
-          {"relmse_trimmed", number(errors.trimmed_relative_mse)},
-          {"mape", number(errors.mape)},
-          {"smape", number(errors.smape)},
-          {"bias", number(errors.bias)},
-          {"max", number(errors.largest)},
+  return {{"mse", json_number(errors.mse)},
+          {"relmse", json_number(errors.relative_mse)},
+          {"relmse_trimmed", json_number(errors.trimmed_relative_mse)},
+          {"mape", json_number(errors.mape)},
+          {"smape", json_number(errors.smape)},
+          {"bias", json_number(errors.bias)},
+          {"max", json_number(errors.largest)},
           {"non_finite_pixels", errors.non_finite}};
 }
 
 Json split_json(const ErrorSplit& split) {
-  return {{"error", number(split.error)},
-          {"variance", number(split.variance)},
-          {"bias_squared", number(split.bias_squared)},
-          {"bias_squared_standard_error", number(split.bias_squared_error)}};
+  return {{"error", json_number(split.error)},
+          {"variance", json_number(split.variance)},
+          {"bias_squared", json_number(split.bias_squared)},
+          {"bias_squared_standard_error", json_number(split.bias_squared_error)}};
 }
 
 Json fit_json(const std::optional<SlopeFit>& fit) {
@@ -85,7 +84,7 @@ Json curve_json(const Curve& curve, const std::vector<Target>& targets) {
   for (const CurvePoint& point : curve.points) points.push_back(point_json(point, name.peer));
   for (std::size_t i = 0; i < curve.to_target.size(); ++i) {
     Json entry = target_json(targets[i]);
-    entry["seconds"] = curve.to_target[i] ? number(curve.to_target[i]->cost) : Json(nullptr);
+    entry["seconds"] = curve.to_target[i] ? json_number(curve.to_target[i]->cost) : Json(nullptr);
     entry["extrapolated"] = curve.to_target[i] ? Json(curve.to_target[i]->extrapolated) : Json(nullptr);
     to_target.push_back(std::move(entry));
   }
@@ -118,7 +117,7 @@ Json reference_json(const ReferenceSummary& reference) {
   }
   return {{"images", halves},
           {"estimates", reference.quantity},
-          {"z_of_the_halves", reference.z ? number(*reference.z) : Json(nullptr)},
+          {"z_of_the_halves", reference.z ? json_number(*reference.z) : Json(nullptr)},
           {"noise_mse", optional(reference.noise_mse)},
           {"noise_relmse", optional(reference.noise_relmse)}};
 }
@@ -130,9 +129,9 @@ Json crops_json(const std::optional<CropSet>& crops) {
     pictures.push_back({{"label", picture.label},
                         {"spp", picture.spp > 0 ? Json(picture.spp) : Json(nullptr)},
                         {"seconds", picture.seconds},
-                        {"crop_relmse", number(picture.relmse)},
-                        {"crop_mse", number(picture.mse)},
-                        {"image_relmse", number(picture.image_relmse)},
+                        {"crop_relmse", json_number(picture.relmse)},
+                        {"crop_mse", json_number(picture.mse)},
+                        {"image_relmse", json_number(picture.image_relmse)},
                         {"image_flip", optional(picture.flip)}});
   }
   return {{"x", crops->x},

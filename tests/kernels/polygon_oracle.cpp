@@ -27,8 +27,6 @@ void for_fan(const QuadLoops& loops, const Quad3& x,
   }
 }
 
-Quad angle_between(const Quad3& a, const Quad3& b) { return atan2_q(length(cross(a, b)), dot(a, b)); }
-
 /// Of a convex polygon of unit vectors with positive determinants (Van Oosterom and Strackee 1983).
 Quad solid_angle(const QuadLoop& p) {
   Quad sum = 0;

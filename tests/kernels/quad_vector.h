@@ -1,43 +1,17 @@
 // Numbers and vectors of 113 bits: the truth that closed forms in double are compared with.
 #pragma once
 
+#include "stress/truth/quad.h"
 #include "tests/kernels/exact_vector.h"
 
 namespace penumbra {
 
-/// IEEE binary128.
-using Quad = __float128;
-
-// The C library has its elementary functions, which not every compiler's headers declare.
-Quad sqrt_q(Quad x) __asm__("sqrtf128");
-Quad sin_q(Quad x) __asm__("sinf128");
-Quad cos_q(Quad x) __asm__("cosf128");
-Quad atan2_q(Quad y, Quad x) __asm__("atan2f128");
-Quad exp_q(Quad x) __asm__("expf128");
-Quad expm1_q(Quad x) __asm__("expm1f128");
-Quad log_q(Quad x) __asm__("logf128");
-Quad log1p_q(Quad x) __asm__("log1pf128");
-
-inline constexpr Quad kQuadPi =
-    2 * Quad(1.5707963267948966) + 2 * Quad(6.123233995736766e-17) + 2 * Quad(-1.4973849048591833e-33);
-
-inline Quad abs_q(Quad x) { return x < 0 ? -x : x; }
-
-struct Quad3 {
-  Quad x = 0, y = 0, z = 0;
-};
+using stress::abs_q, stress::atan2_q, stress::cos_q, stress::exp_q, stress::expm1_q, stress::log1p_q,
+    stress::log_q, stress::sin_q, stress::sqrt_q;
+using stress::kQuadPi, stress::Quad, stress::Quad3;
 
 inline Quad3 quad(const vec3& v) { return {v.x, v.y, v.z}; }
 inline Quad3 quad(const Exact3& v) { return {v.x, v.y, v.z}; }
-inline Quad3 operator+(const Quad3& a, const Quad3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline Quad3 operator-(const Quad3& a, const Quad3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline Quad3 operator*(Quad s, const Quad3& a) { return {s * a.x, s * a.y, s * a.z}; }
-inline Quad dot(const Quad3& a, const Quad3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline Quad3 cross(const Quad3& a, const Quad3& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-inline Quad length(const Quad3& a) { return sqrt_q(dot(a, a)); }
-inline Quad3 normalize(const Quad3& a) { return (1 / length(a)) * a; }
 inline Exact3 exact(const Quad3& a) { return {(long double)a.x, (long double)a.y, (long double)a.z}; }
 
 }  // namespace penumbra

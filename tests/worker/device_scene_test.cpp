@@ -152,17 +152,6 @@ TEST_P(DeviceScenes, WithWildIndicesAreErrorsOrCanBeRendered) {
   EXPECT_GT(accepted, 100);
 }
 
-/// Changes a record of one of the scene's tables.
-template <typename Record, typename Change>
-DeviceScene with_record(DeviceScene scene, std::uint32_t offset, std::size_t index, Change change) {
-  Record record;
-  std::uint32_t* at = scene.words.data() + offset + index * (sizeof(Record) / 4);
-  std::memcpy(&record, at, sizeof record);
-  change(record);
-  std::memcpy(at, &record, sizeof record);
-  return scene;
-}
-
 void expect_refused(const DeviceScene& scene, const std::string& because) {
   const auto checked = check_device_scene(scene);
   ASSERT_FALSE(checked) << "not refused: " << because;

@@ -1,10 +1,13 @@
 // Small scenes for tests of devices and of the device scene, one for each way through the kernels.
 #pragma once
 
+#include <cstdint>
+#include <cstring>
 #include <ostream>
 #include <string>
 #include <vector>
 
+#include "kernels/host/device_scene.h"
 #include "scenes/scene_description.h"
 
 namespace penumbra {
@@ -37,5 +40,16 @@ struct NamedScene {
 };
 void PrintTo(const NamedScene& scene, std::ostream* out);
 const std::vector<NamedScene>& device_scenes();
+
+/// Changes a record of one of the scene's tables.
+template <typename Record, typename Change>
+DeviceScene with_record(DeviceScene scene, std::uint32_t offset, std::size_t index, Change change) {
+  Record record;
+  std::uint32_t* at = scene.words.data() + offset + index * (sizeof(Record) / 4);
+  std::memcpy(&record, at, sizeof record);
+  change(record);
+  std::memcpy(at, &record, sizeof record);
+  return scene;
+}
 
 }  // namespace penumbra

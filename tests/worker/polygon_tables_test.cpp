@@ -22,16 +22,6 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-template <typename Record, typename Change>
-DeviceScene with_record(DeviceScene scene, std::uint32_t offset, std::size_t index, Change change) {
-  Record record;
-  std::uint32_t* at = scene.words.data() + offset + index * (sizeof(Record) / 4);
-  std::memcpy(&record, at, sizeof record);
-  change(record);
-  std::memcpy(at, &record, sizeof record);
-  return scene;
-}
-
 SceneDescription with_fitted_alpha(SceneDescription scene) {
   scene.integrator.alpha.reset();
   return scene;
