@@ -17,6 +17,7 @@
 #include "scheduler/protocol/wire.h"
 #include "scheduler/server.h"
 #include "scheduler/tile_grid.h"
+#include "scheduler/worker_isa.h"
 
 namespace penumbra {
 namespace {
@@ -213,7 +214,16 @@ void RenderRun::on(const arrivals::Connected& arrival) {
   Worker& worker = workers_[arrival.worker];
   worker.share.name = fmt::format("{}:{}", arrival.host, arrival.pid);
   worker.pid = arrival.pid;
-  server_->send_job(arrival.worker, scene_hash_, job_.device);
+  const bool embree = job_.scene.header.intersector == INTERSECTOR_EMBREE;
+  const auto options = options_for_worker(job_.device, embree, arrival.isas, worker.share.name);
+  if (options) {
+    server_->send_job(arrival.worker, scene_hash_, *options);
+    return;
+  }
+  worker.dismissed = true;
+  worker.share.ended = options.error().message;
+  problem(options.error().message);
+  server_->refuse(arrival.worker, options.error().message);
 }
 
 void RenderRun::on(const arrivals::Ready& arrival) {

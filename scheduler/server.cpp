@@ -101,6 +101,14 @@ std::optional<Arrival> understand(WorkerId worker, Connection& connection,
   }
 }
 
+/// Sets that this scheduler does not know are left out.
+std::vector<Isa> isas_of(const wire::Hello& hello) {
+  std::vector<Isa> isas;
+  for (const Isa isa : {Isa::kSse2, Isa::kAvx2, Isa::kAvx512})
+    if (std::ranges::find(hello.isas(), int(encode(isa))) != hello.isas().end()) isas.push_back(isa);
+  return isas;
+}
+
 class Service final : public wire::Farm::Service {
  public:
   Mailbox<Arrival> mailbox;
@@ -121,7 +129,7 @@ class Service final : public wire::Farm::Service {
     }
 
     const auto [worker, connection] = open(stream);
-    mailbox.put(arrivals::Connected{worker, hello.host(), hello.pid()});
+    mailbox.put(arrivals::Connected{worker, hello.host(), hello.pid(), isas_of(hello)});
     grpc::Status status = grpc::Status::OK;
     while (stream->Read(&message)) {
       std::optional<Arrival> arrival = understand(worker, *connection, message);
@@ -234,6 +242,14 @@ void Server::dismiss(WorkerId worker, const std::string& reason) {
   if (connection == nullptr) return;
   wire::SchedulerMessage message;
   message.mutable_dismiss()->set_reason(reason);
+  connection->send(message);
+}
+
+void Server::refuse(WorkerId worker, const std::string& reason) {
+  const auto connection = state_->service.connection(worker);
+  if (connection == nullptr) return;
+  wire::SchedulerMessage message;
+  message.mutable_refused()->set_reason(reason);
   connection->send(message);
 }
 

@@ -24,6 +24,7 @@ struct Connected {
   WorkerId worker;
   std::string host;
   int pid;
+  std::vector<Isa> isas;  ///< instruction sets that it says it has, ascending
 };
 struct Ready {
   WorkerId worker;
@@ -75,6 +76,8 @@ class Server {
   /// `planes`: how many the result must have, see SampleBuffer.
   void send_unit(WorkerId worker, const UnitId& id, const RenderUnit& unit, int planes);
   void dismiss(WorkerId worker, const std::string& reason);
+  /// Sends a worker away that cannot do the job; it says the reason to its user and fails.
+  void refuse(WorkerId worker, const std::string& reason);
 
   /// The next arrival, waiting for it at most so long.
   std::optional<Arrival> next(std::chrono::milliseconds patience);

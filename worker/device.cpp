@@ -2,21 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <array>
-
 #include "kernels/host/native_kernels.h"
 #include "worker/native_device.h"
 #include "worker/non_finite_stage.h"
 #include "worker/opencl_device.h"
 
 namespace penumbra {
-namespace {
-
-constexpr std::array<std::string_view, 3> kIsaNames{"sse2", "avx2", "avx512"};
-
-}  // namespace
-
-std::string_view isa_name(Isa isa) { return kIsaNames[std::size_t(isa)]; }
 
 Expected<Isa> isa_from_name(std::string_view name) {
   for (std::size_t i = 0; i < kIsaNames.size(); ++i)

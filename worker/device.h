@@ -1,9 +1,11 @@
 // The seam between a worker process and what computes: the native CPU or an OpenCL device.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "kernels/host/device_scene.h"
 #include "kernels/host/error.h"
@@ -51,7 +53,8 @@ Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint32_t 
 
 /// The widest instruction set that this machine has and the kernels are built for.
 Isa best_isa();
-std::string_view isa_name(Isa isa);  ///< "sse2", "avx2", "avx512"
+constexpr std::array<std::string_view, 3> kIsaNames{"sse2", "avx2", "avx512"};
+constexpr std::string_view isa_name(Isa isa) { return kIsaNames[std::size_t(isa)]; }
 Expected<Isa> isa_from_name(std::string_view name);
 
 }  // namespace penumbra

@@ -13,6 +13,7 @@
 #include <numeric>
 #include <thread>
 
+#include "scheduler/worker_isa.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/fake_processes.h"
 #include "tests/support/fake_samples.h"
@@ -24,6 +25,7 @@ namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using testing::AllOf;
 using testing::Contains;
+using testing::ContainsRegex;
 using testing::Each;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -305,6 +307,51 @@ TEST_F(RenderJobTest, AJobThatNoWorkerCanDoIsAnError) {
   const Expected<RenderOutcome> outcome = render(job());
   ASSERT_FALSE(outcome);
   EXPECT_THAT(outcome.error().message, HasSubstr("there is no fake device today"));
+}
+
+// --- Instruction sets: a part of the image with Embree, and of no matter to it otherwise
+
+TEST_F(RenderJobTest, AnEmbreeJobRefusesWorkersWithoutItsInstructionSet) {
+  FakeBehaviour{.isas = 2}.to_environment();  // sse2 and avx2
+  RenderJob wide = job();
+  ASSERT_EQ(wide.scene.header.intersector, INTERSECTOR_EMBREE);
+  wide.device.isa = Isa::kAvx512;
+  const Expected<RenderOutcome> outcome = render(wide);
+  ASSERT_FALSE(outcome);
+  EXPECT_THAT(outcome.error().message,
+              AllOf(ContainsRegex("worker [^ ]+:[0-9]+ was refused"), HasSubstr("Embree with avx512"),
+                    HasSubstr("the worker has sse2, avx2"), HasSubstr("--isa")));
+  wide.device.isa = Isa::kAvx2;
+  expect_the_right_film(render(wide));
+}
+
+TEST_F(RenderJobTest, APortableJobTakesWorkersOfEveryInstructionSet) {
+  FakeBehaviour{.isas = 1}.to_environment();
+  RenderJob portable = job();
+  portable.scene.header.intersector = INTERSECTOR_PORTABLE;
+  portable.device.isa = Isa::kAvx512;
+  const Expected<RenderOutcome> outcome = render(portable);
+  expect_the_right_film(outcome);
+  EXPECT_THAT(outcome->problems, IsEmpty());
+}
+
+TEST(WorkerIsa, IsTheJobsOrTheBestBelowItOrAReasonToRefuse) {
+  const auto isa = [](Isa job, bool embree, std::vector<Isa> has) {
+    const auto options = options_for_worker({.isa = job}, embree, has, "a:1");
+    return options ? std::string(isa_name(options->isa)) : options.error().message;
+  };
+  const std::vector<Isa> old{Isa::kSse2, Isa::kAvx2}, all{Isa::kSse2, Isa::kAvx2, Isa::kAvx512};
+  for (const bool embree : {false, true}) {
+    EXPECT_EQ(isa(Isa::kAvx512, embree, all), "avx512");
+    EXPECT_EQ(isa(Isa::kSse2, embree, all), "sse2") << "the job's, not the best";
+  }
+  EXPECT_EQ(isa(Isa::kAvx512, false, old), "avx2");
+  EXPECT_EQ(isa(Isa::kAvx512, false, {}), "sse2") << "what every machine has";
+  EXPECT_THAT(isa(Isa::kAvx512, true, old),
+              AllOf(HasSubstr("worker a:1"), HasSubstr("has sse2, avx2"), HasSubstr("with avx512")));
+  EXPECT_THAT(isa(Isa::kAvx2, true, {}), HasSubstr("has none that it names"));
+  DeviceOptions opencl{.backend = Backend::kOpenCl, .isa = Isa::kAvx512};
+  EXPECT_TRUE(options_for_worker(opencl, false, {}, "a:1")) << "OpenCL kernels have no set";
 }
 
 TEST_F(RenderJobTest, WorkersThatFailAtEverythingEndTheRender) {

@@ -28,6 +28,7 @@ void for_each_field(Behaviour& behaviour, Visit visit) {
   visit("PENUMBRA_FAKE_DIE_AT_START", behaviour.die_at_start);
   visit("PENUMBRA_FAKE_NO_DEVICE", behaviour.no_device);
   visit("PENUMBRA_FAKE_FAIL_ALWAYS", behaviour.fail_always);
+  visit("PENUMBRA_FAKE_ISAS", behaviour.isas);
 }
 
 bool claim(const std::string& file) {

@@ -28,6 +28,7 @@ struct FakeBehaviour {
   int die_at_start = 0;           ///< 1: the process ends before it connects
   int no_device = 0;              ///< 1: the device cannot be made
   int fail_always = 0;            ///< 1: every unit fails
+  int isas = 3;                   ///< how many instruction sets the worker says it has, from sse2 on
 
   void to_environment() const;  ///< of this process and its future children
   static FakeBehaviour from_environment();

@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
   if (behaviour.die_at_start != 0) return 3;
   WorkerClientOptions options;
   options.address = argv[2];
+  for (int i = 0; i < behaviour.isas; ++i) options.isas.push_back(Isa(i));
   options.make_device = [&](const DeviceScene& scene, const DeviceOptions& device) {
     return make_fake_device(scene, device, behaviour);
   };
