@@ -101,30 +101,34 @@ STAGE void record_layers(const PRIVATE Scene* scene, const GLOBAL float* RESTRIC
 }
 #endif
 
-/// Renders `pixels` pixels of the unit, row by row from its `first_pixel`-th, and writes their statistics
-/// into the planes of `out` (SampleBufferPlane). `bad`, of BAD_KINDS, notes samples that are no numbers.
-FN void render_block(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int pixels,
-                     const PRIVATE Block* block, GLOBAL float* out, GLOBAL BadSamples* bad) {
+FN bool has_control(const PRIVATE SceneHeader* h) {
+#if HAS(POLYGONS)
+  return h->estimator != ESTIMATOR_SAMPLES;
+#else
+  return false;
+#endif
+}
+
+/// Traces `path_count` paths from the `first_path`-th on of those of the block's pixels, which start at the
+/// unit's `first_pixel`-th, `batch` (at most the capacity) at a time, and leaves their samples in their slots.
+FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int first_path,
+                     int path_count, int batch, const PRIVATE Block* block) {
   GLOBAL float* f = block->f;
   GLOBAL int* ints = block->i;
   GLOBAL float* slots = block->slots;
   const int capacity = block->capacity, slot_capacity = block->slot_capacity;
-  const int total = pixels * unit->sample_count;
   const PRIVATE SceneHeader* h = &scene->header;
-  const bool camera_rays = h->integrator == INTEGRATOR_DIRECT;
+  const bool camera_rays = h->integrator == INTEGRATOR_DIRECT, control = has_control(h);
+#if HAS(LAYERS)
   const bool layers = (h->features & FEATURE_LAYERS) != 0u;
+#endif
   bool all_floats = camera_rays;  // CAMERA_RAY_FLOATS too
 #if HAS(PROJECTED)
   all_floats = all_floats | wants_projected(scene);
 #endif
-#if HAS(POLYGONS)
-  const bool control = h->estimator != ESTIMATOR_SAMPLES;
-#else
-  const bool control = false;
-#endif
-  for (int first = 0; first < total; first += capacity) {
-    int count = min_i(capacity, total - first);
-    generate(scene, unit, first_pixel, first, count, f, ints, capacity, slots, slot_capacity);
+  for (int done = 0; done < path_count; done += batch) {
+    int count = min_i(batch, path_count - done);
+    generate(scene, unit, first_pixel, first_path + done, count, f, ints, capacity, slots, slot_capacity);
 #if HAS(POLYGONS)
     if (control) clear_control(f, capacity, count);
 #endif
@@ -154,13 +158,28 @@ FN void render_block(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
       if (count > 0) pad_lanes(f, ints, capacity, count, all_floats, control);
     }
   }
+}
+
+/// From the samples in the block's slots to the statistics of its pixels, see render_block.
+FN void finish_pixels(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int pixels,
+                      const PRIVATE Block* block, GLOBAL float* out, GLOBAL BadSamples* bad) {
+  const bool layers = (scene->header.features & FEATURE_LAYERS) != 0u;
 #if HAS(POLYGONS)
-  if (control) control_samples(scene, unit, first_pixel, pixels, slots, slot_capacity, layers, out);
+  if (has_control(&scene->header))
+    control_samples(scene, unit, first_pixel, pixels, block->slots, block->slot_capacity, layers, out);
 #endif
   if (block->probe != 0) probe_sample(block, STAGE_CONTROL);
-  accumulate(unit, first_pixel, pixels, slots, slot_capacity, layers, out, bad);
+  accumulate(unit, first_pixel, pixels, block->slots, block->slot_capacity, layers, out, bad);
   if (block->probe != 0)
     probe_stage(block->probe, bad[BAD_NAN].count + bad[BAD_INFINITE].count == 0u, STAGE_FILTER, 0);
+}
+
+/// Renders `pixels` pixels of the unit, row by row from its `first_pixel`-th, and writes their statistics
+/// into the planes of `out` (SampleBufferPlane). `bad`, of BAD_KINDS, notes samples that are no numbers.
+FN void render_block(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int pixels,
+                     const PRIVATE Block* block, GLOBAL float* out, GLOBAL BadSamples* bad) {
+  render_paths(scene, unit, first_pixel, 0, pixels * unit->sample_count, block->capacity, block);
+  finish_pixels(scene, unit, first_pixel, pixels, block, out, bad);
 }
 
 PENUMBRA_NAMESPACE_END

@@ -1,14 +1,7 @@
 // The OpenCL entry points. FEATURES and LANES come from the build.
 #include "kernels/block.h"
 
-/// One block per work item: pixels [item * block_pixels, ...) of the unit, counted from `first_pixel`. `f`,
-/// `ints` and `slots` hold each work item's block one after the other; `bad` BAD_KINDS entries a work item.
-__kernel void render_blocks(__global const SceneHeader* header, __global const uint* words, int x, int y,
-                            int width, int height, uint first_sample, int sample_count, int first_pixel,
-                            int block_pixels, int capacity, int slot_capacity, __global float* f,
-                            __global int* ints, __global float* slots, __global float* out,
-                            __global BadSamples* bad) {
-  const int item = (int)get_global_id(0);
+FN Unit make_unit(int x, int y, int width, int height, uint first_sample, int sample_count) {
   Unit unit;
   unit.x = x;
   unit.y = y;
@@ -16,10 +9,20 @@ __kernel void render_blocks(__global const SceneHeader* header, __global const u
   unit.height = height;
   unit.first_sample = first_sample;
   unit.sample_count = sample_count;
-  const int pixel = first_pixel + item * block_pixels;
-  const int pixels = min_i(block_pixels, width * height - pixel);
-  if (pixels <= 0) return;
-  Scene scene = make_scene(*header, words);
+  return unit;
+}
+
+/// For CPUs: pixels [first_pixel, end_pixel) of the unit, a block of `block_pixels` after the other by
+/// whichever work item is free; `next_block` counts from 0. `f`, `ints` and `slots` hold each work item's
+/// block one after the other; `bad` BAD_KINDS entries a work item.
+__kernel void render_blocks(__global const SceneHeader* header, __global const uint* words, int x, int y,
+                            int width, int height, uint first_sample, int sample_count, int first_pixel,
+                            int end_pixel, int block_pixels, int capacity, int slot_capacity,
+                            __global float* f, __global int* ints, __global float* slots, __global float* out,
+                            __global BadSamples* bad, volatile __global int* next_block) {
+  const int item = (int)get_global_id(0);
+  const Unit unit = make_unit(x, y, width, height, first_sample, sample_count);
+  const Scene scene = make_scene(*header, words);
   Block block;
   block.f = f + (size_t)item * state_floats(scene.header.features) * capacity;
   block.i = ints + (size_t)item * STATE_INTS * capacity;
@@ -27,8 +30,56 @@ __kernel void render_blocks(__global const SceneHeader* header, __global const u
   block.capacity = capacity;
   block.slot_capacity = slot_capacity;
   block.probe = 0;
-  render_block(&scene, &unit, pixel, pixels, &block, out, bad + BAD_KINDS * item);
+  const int blocks = (end_pixel - first_pixel + block_pixels - 1) / block_pixels;
+  for (int b = atomic_inc(next_block); b < blocks; b = atomic_inc(next_block)) {
+    const int pixel = first_pixel + b * block_pixels;
+    const int pixels = min_i(block_pixels, end_pixel - pixel);
+    render_block(&scene, &unit, pixel, pixels, &block, out, bad + BAD_KINDS * item);
+  }
 }
+
+#if LANES == 1
+// For GPUs: a path a work item, and then a pixel a work item. The paths of all pixels [first_pixel, ...)
+// share `slots`. A field of neighbouring paths lies side by side: each block is one lane of a wide one.
+
+/// Paths [first_path, first_path + path_count) of the pixels; there are at most `capacity`.
+__kernel void trace_paths(__global const SceneHeader* header, __global const uint* words, int x, int y,
+                          int width, int height, uint first_sample, int sample_count, int first_pixel,
+                          int first_path, int path_count, int capacity, int slot_capacity, __global float* f,
+                          __global int* ints, __global float* slots) {
+  const int item = (int)get_global_id(0);
+  if (item >= path_count) return;
+  const Unit unit = make_unit(x, y, width, height, first_sample, sample_count);
+  const Scene scene = make_scene(*header, words);
+  Block block;
+  block.f = f + item;
+  block.i = ints + item;
+  block.slots = slots;
+  block.capacity = capacity;
+  block.slot_capacity = slot_capacity;
+  block.probe = 0;
+  render_paths(&scene, &unit, first_pixel, first_path + item, 1, 1, &block);
+}
+
+/// Pixels [first_pixel + from, first_pixel + from + count); `bad` holds BAD_KINDS entries a work item.
+__kernel void finish_samples(__global const SceneHeader* header, __global const uint* words, int x, int y,
+                             int width, int height, uint first_sample, int sample_count, int first_pixel,
+                             int from, int count, int slot_capacity, __global float* slots,
+                             __global float* out, __global BadSamples* bad) {
+  const int item = (int)get_global_id(0);
+  if (item >= count) return;
+  const Unit unit = make_unit(x, y, width, height, first_sample, sample_count);
+  const Scene scene = make_scene(*header, words);
+  Block block;
+  block.f = 0;
+  block.i = 0;
+  block.slots = slots + (from + item) * sample_count;
+  block.capacity = 1;
+  block.slot_capacity = slot_capacity;
+  block.probe = 0;
+  finish_pixels(&scene, &unit, first_pixel + from + item, 1, &block, out, bad + BAD_KINDS * item);
+}
+#endif
 
 /// The size and the field offsets of every shared struct as this device lays them out, in the order of
 /// SHARED_STRUCTS: for comparison with the host's.

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+#include <vector>
+
 #include "kernels/host/native_kernels.h"
 #include "worker/native_device.h"
 #include "worker/non_finite_stage.h"
@@ -34,10 +37,59 @@ Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint32_t 
   return result;
 }
 
+namespace {
+
+/// A native device instead of one that could not be had.
+class StandIn final : public Device {
+ public:
+  StandIn(std::unique_ptr<Device> device, std::string warning)
+      : device_(std::move(device)), warning_(std::move(warning)) {}
+
+  std::string description() const override { return device_->description(); }
+  DevicePreparation preparation() const override { return {.kernels = {}, .warnings = {warning_}}; }
+  Expected<SampleBuffer> render(const RenderUnit& unit) override { return device_->render(unit); }
+
+ private:
+  std::unique_ptr<Device> device_;
+  std::string warning_;
+};
+
+Expected<std::unique_ptr<Device>> make_chosen_device(const DeviceScene& scene, const DeviceOptions& options) {
+  if (scene.header.intersector == INTERSECTOR_EMBREE) return make_native_device(scene, options);
+  std::vector<OpenClDeviceInfo> devices;
+  if (options.opencl_device.empty()) {
+    devices = suitable_opencl_devices(scene.header.features);
+  } else {
+    const Expected<OpenClDeviceInfo> named = find_opencl_device(options.opencl_device);
+    if (!named) return std::unexpected(named.error());
+    devices.push_back(*named);
+  }
+  if (devices.empty()) return make_native_device(scene, options);
+  Expected<std::unique_ptr<Device>> device = make_opencl_device(scene, options, devices.front());
+  if (device) return device;
+  Expected<std::unique_ptr<Device>> native = make_native_device(scene, options);
+  if (!native) return native;
+  return std::make_unique<StandIn>(
+      std::move(*native),
+      fmt::format("native code renders, since {} cannot: {}", devices.front().name, device.error().message));
+}
+
+Expected<std::unique_ptr<Device>> make_plain_device(const DeviceScene& scene, const DeviceOptions& options) {
+  switch (options.backend) {
+    case Backend::kNative:
+      return make_native_device(scene, options);
+    case Backend::kOpenCl:
+      return make_opencl_device(scene, options);
+    case Backend::kAuto:
+      return make_chosen_device(scene, options);
+  }
+  return fail("no such backend");
+}
+
+}  // namespace
+
 Expected<std::unique_ptr<Device>> make_device(const DeviceScene& scene, const DeviceOptions& options) {
-  Expected<std::unique_ptr<Device>> device = options.backend == Backend::kOpenCl
-                                                 ? make_opencl_device(scene, options)
-                                                 : make_native_device(scene, options);
+  Expected<std::unique_ptr<Device>> device = make_plain_device(scene, options);
   if (!device) return device;
   return with_stages(std::move(*device), scene, options);
 }

@@ -3,9 +3,13 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "kernels/host/device_scene.h"
 #include "kernels/host/error.h"
@@ -21,8 +25,19 @@ struct RenderUnit {
   std::uint32_t sample_count = 0;  ///< in [1, kMaxSamplesPerUnit]
 };
 
-enum class Backend { kNative, kOpenCl };
+/// kAuto: OpenCL on a device that is no CPU, where there is one that renders the same bits; else native code.
+enum class Backend { kNative, kOpenCl, kAuto };
 enum class Isa { kSse2, kAvx2, kAvx512 };
+
+/// What suits an OpenCL device by itself; set for tests and measurements. Pixels do not depend on it.
+struct OpenClTuning {
+  std::optional<bool> path_per_item;   ///< as on a GPU; unless set, whether the device is no CPU
+  std::uint64_t memory_bytes = 0;      ///< of the device at most; 0: what there is
+  std::uint64_t allocation_bytes = 0;  ///< of one buffer at most; 0: what the device allows
+  std::int64_t launch_paths = 0;       ///< a launch holds so many paths; 0: as many as take a moment
+  std::optional<std::filesystem::path> kernel_cache;  ///< unless set, default_kernel_cache()
+  std::string build_options;                          ///< more options for the compiler
+};
 
 struct DeviceOptions {
   Backend backend = Backend::kNative;
@@ -30,8 +45,24 @@ struct DeviceOptions {
   Isa isa = Isa::kAvx2;       ///< native: must be one that this machine has, see best_isa()
   bool block_of_one = false;  ///< native: one path, one lane at a time, for debugging a pixel
   int* probe = nullptr;       ///< native, a block of one: see Block::probe
-  std::string
-      opencl_device;  ///< part of a platform's or device's name; empty: the first CPU device, else any
+  /// Its number or a part of its or its platform's name, see find_opencl_device; empty: the first CPU device,
+  /// else any. With kAuto: the only one that comes into question, even if it is a CPU.
+  std::string opencl_device;
+  OpenClTuning opencl_tuning = {};
+  /// Called before kernels are compiled, which takes seconds, with the device's name. May be empty.
+  std::function<void(const std::string& device)> on_compile = {};
+};
+
+/// How the compiled kernels of a device came to be.
+struct KernelOrigin {
+  bool cached = false;  ///< not compiled now
+  double seconds = 0;   ///< of compiling, or of getting them from the cache
+  std::string note;     ///< on the cache, if there is anything to say
+};
+
+struct DevicePreparation {
+  std::optional<KernelOrigin> kernels;  ///< nothing where they were compiled with the program
+  std::vector<std::string> warnings;    ///< for the user
 };
 
 /// Renders units of one scene. Not thread-safe; uses `DeviceOptions::threads` threads of its own.
@@ -40,11 +71,12 @@ class Device {
   virtual ~Device() = default;
   /// For logs and reports, e.g. "native avx512, 2 threads, portable intersector".
   [[nodiscard]] virtual std::string description() const = 0;
+  [[nodiscard]] virtual DevicePreparation preparation() const { return {}; }
   virtual Expected<SampleBuffer> render(const RenderUnit& unit) = 0;
 };
 
 /// The scene names its intersector; an Embree scene on an OpenCL device is an error. The scene must outlive
-/// the device.
+/// the device. With kAuto a device whose kernels do not compile is a warning, and native code renders.
 Expected<std::unique_ptr<Device>> make_device(const DeviceScene& scene, const DeviceOptions& options);
 
 /// An empty result for the unit, with the planes that the scene's features ask for. The error names a unit

@@ -18,6 +18,7 @@ class DeviceWithStages final : public Device {
   }
 
   std::string description() const override { return device_->description(); }
+  DevicePreparation preparation() const override { return device_->preparation(); }
 
   Expected<SampleBuffer> render(const RenderUnit& unit) override {
     Expected<SampleBuffer> result = device_->render(unit);

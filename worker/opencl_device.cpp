@@ -3,205 +3,335 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
+#include <utility>
 
 #include "kernels/unit.h"
-#include "worker/opencl_program.h"
+#include "worker/opencl_launch.h"
+#include "worker/opencl_memory.h"
+#include "worker/opencl_session.h"
 
 namespace penumbra {
 namespace {
 
-struct BlockShape {
-  int lanes;
-  int paths;  ///< under way at once in a work item
-};
-// A CPU vectorises lane loops inside a work item; a GPU runs a work item a lane.
-constexpr BlockShape kCpuShape{16, 4096 + 16};
-constexpr BlockShape kGpuShape{1, 1};
-constexpr int kSlots = 4096 + 16;   // stride of a CPU block's samples; no power of two, for the cache's sake
-constexpr int kGpuItems = 1 << 14;  // work items of one launch on a GPU, a pixel each
+using Clock = std::chrono::steady_clock;
+
+constexpr double kLaunchSeconds = 0.25;         // a watchdog's patience is some 2 s
+constexpr std::int64_t kFirstLaunch = 1 << 14;  // paths, before anything is known of their time
+constexpr std::size_t kLargestGroup = 64;       // work items; more share no memory, so nothing is won
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
 
 class OpenClDevice final : public Device {
  public:
-  static Expected<std::unique_ptr<Device>> make(const DeviceScene& scene, const DeviceOptions& options) {
+  static Expected<std::unique_ptr<Device>> make(const DeviceScene& scene, const DeviceOptions& options,
+                                                const OpenClDeviceInfo& info) {
     if (scene.header.intersector == INTERSECTOR_EMBREE)
       return fail(
           "OpenCL kernels trace with the portable intersector; use --intersector portable with --backend "
           "opencl");
-    Expected<OpenClDeviceInfo> info = find_opencl_device(options.opencl_device);
-    if (!info) return std::unexpected(info.error());
-    std::unique_ptr<OpenClDevice> device(new OpenClDevice(*info));
-    if (Expected<void> done = device->set_up(scene, options.threads); !done)
-      return std::unexpected(done.error());
+    std::unique_ptr<OpenClDevice> device(new OpenClDevice(info, options, scene.header.features));
+    if (Expected<void> done = device->set_up(scene, options); !done) return std::unexpected(done.error());
     return device;
   }
 
-  /// Nothing may be under way when buffers and queue go: PoCL crashes otherwise.
-  ~OpenClDevice() override {
-    if (queue_) clFinish(queue_.get());
-  }
+  /// Nothing may be under way when buffers go: PoCL crashes otherwise.
+  ~OpenClDevice() override { session_.wait(); }
 
   std::string description() const override {
-    return fmt::format("OpenCL {} ({}), features {:#x}, {} work items", info_.name, info_.platform, features_,
-                       items_);
+    return fmt::format("OpenCL {} ({}), features {:#x}, {}", info().name, info().platform, features_,
+                       shape_.blocks ? fmt::format("{} work items", items_) : "a path a work item");
   }
+
+  DevicePreparation preparation() const override { return preparation_; }
 
   Expected<SampleBuffer> render(const RenderUnit& unit) override {
     Expected<SampleBuffer> made = make_sample_buffer(unit, features_);
     if (!made) return made;
     SampleBuffer& result = *made;
-    if (Expected<void> ready = reserve(unit, result.values.size() * sizeof(float)); !ready)
-      return std::unexpected(ready.error());
-
-    const int pixels = int(result.pixels());
-    const int samples = int(unit.sample_count);
-    // As few pixels a block as keep every work item busy, as many as a block's samples allow.
-    const int share = (pixels + items_ - 1) / items_;
-    const int block_pixels =
-        info_.is_cpu ? std::max(1, std::min(int(kMaxSamplesPerUnit) / samples, share)) : 1;
-    for (int first = 0; first < pixels; first += block_pixels * items_) {
-      const int left = (pixels - first + block_pixels - 1) / block_pixels;
-      const std::size_t global = std::size_t(std::min(items_, left)), local = 1;
-      set_arguments(unit, first, block_pixels);
-      const cl_int status = clEnqueueNDRangeKernel(queue_.get(), kernel_.get(), 1, nullptr, &global,
-                                                   info_.is_cpu ? &local : nullptr, 0, nullptr, nullptr);
-      if (status != CL_SUCCESS)
-        return fail("cannot launch a kernel on " + info_.name + ": " + opencl_error_text(status));
-      // Counters are per work item and launch: read before the next launch reuses them.
-      std::vector<BadSamples> bad(BAD_KINDS * global);
-      if (Expected<void> read_back = read(bad_.get(), bad.data(), bad.size() * sizeof(BadSamples));
-          !read_back)
-        return std::unexpected(read_back.error());
-      const Unit portable{unit.x, unit.y, unit.width, unit.height, unit.first_sample, samples};
-      for (std::size_t i = 0; i < bad.size(); i += BAD_KINDS) {
-        result.nan.add(non_finite_samples(portable, bad[i + BAD_NAN]));
-        result.infinite.add(non_finite_samples(portable, bad[i + BAD_INFINITE]));
+    if (Expected<void> ready = reserve(unit, result.planes); !ready) return std::unexpected(ready.error());
+    for (int y = 0; y < unit.height; y += plan_.part_height)
+      for (int x = 0; x < unit.width; x += plan_.part_width) {
+        const Unit part{.x = unit.x + x,
+                        .y = unit.y + y,
+                        .width = std::min(plan_.part_width, unit.width - x),
+                        .height = std::min(plan_.part_height, unit.height - y),
+                        .first_sample = unit.first_sample,
+                        .sample_count = int(unit.sample_count)};
+        if (shape_.blocks ? !launch_blocks(part) : !launch_paths(part)) return std::unexpected(error());
+        if (!take_counters(part, result) || !take_pixels(part, x, y, result)) return std::unexpected(error());
       }
-      if (std::ranges::any_of(bad, [](const BadSamples& noted) { return noted.count != 0; }))
-        clear_counters();
-    }
-    if (Expected<void> read_back =
-            read(out_.get(), result.values.data(), result.values.size() * sizeof(float));
-        !read_back)
-      return std::unexpected(read_back.error());
     return made;
   }
 
  private:
-  explicit OpenClDevice(OpenClDeviceInfo info)
-      : info_(std::move(info)), shape_(info_.is_cpu ? kCpuShape : kGpuShape) {}
-
-  Expected<void> set_up(const DeviceScene& scene, int threads) {
-    cl_int status = CL_SUCCESS;
-    const cl_device_id device = info_.id;
-    context_.reset(clCreateContext(nullptr, 1, &device, nullptr, nullptr, &status));
-    if (status != CL_SUCCESS) return fail("cannot use " + info_.name + ": " + opencl_error_text(status));
-    queue_.reset(clCreateCommandQueue(context_.get(), device, 0, &status));
-    if (status != CL_SUCCESS) return fail("cannot use " + info_.name + ": " + opencl_error_text(status));
-    // Context and queue live as long as the process: a thread of PoCL 3.1 may still be releasing the last
-    // command's event, which uses both, when the wait for that command has returned.
-    clRetainContext(context_.get());
-    clRetainCommandQueue(queue_.get());
-    features_ = scene.header.features;
-    if ((features_ & (FEATURE_POLYGONS | FEATURE_PROJECTED)) != 0u && !info_.has_double)
-      return fail(
-          info_.name +
-          " has no double precision, which closed forms and projected solid angles of polygon lights need");
-    Expected<ClProgram> program = compile_kernels(context_.get(), info_, features_, shape_.lanes);
-    if (!program) return std::unexpected(program.error());
-    program_ = std::move(*program);
-    kernel_.reset(clCreateKernel(program_.get(), "render_blocks", &status));
-    if (status != CL_SUCCESS) return fail("cannot create the kernel: " + opencl_error_text(status));
-    // A CPU device runs a work item a core, so this many keep that many cores busy. (Dividing the device
-    // would say so more plainly, but PoCL 3.1 crashes on sub-devices.)
-    items_ = info_.is_cpu ? std::max(1, threads) : kGpuItems;
-    if (Expected<void> done = upload(header_, &scene.header, sizeof scene.header); !done) return done;
-    return upload(words_, scene.words.data(), scene.words.size() * 4);
+  OpenClDevice(OpenClDeviceInfo device, const DeviceOptions& options, std::uint32_t features)
+      : session_(std::move(device)),
+        shape_(options.opencl_tuning.path_per_item.value_or(!info().is_cpu) ? kGpuShape : kCpuShape),
+        // A CPU device runs a work item a core, so this many keep that many cores busy. (Dividing the device
+        // would say so more plainly, but PoCL 3.1 crashes on sub-devices.)
+        items_(std::max(1, options.threads)),
+        features_(features) {
+    const OpenClTuning& tuning = options.opencl_tuning;
+    limits_ = {tuning.memory_bytes ? tuning.memory_bytes : info().memory_bytes,
+               tuning.allocation_bytes ? tuning.allocation_bytes : info().max_allocation_bytes};
+    if (tuning.launch_paths > 0)
+      launch_ = LaunchSize::fixed(tuning.launch_paths);
+    else if (!info().is_cpu)
+      launch_ = LaunchSize::timed(kLaunchSeconds, kFirstLaunch);
   }
 
-  Expected<void> upload(ClBuffer& buffer, const void* data, std::size_t bytes) {
-    cl_int status = CL_SUCCESS;
-    buffer.reset(clCreateBuffer(context_.get(), CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR,
-                                std::max<std::size_t>(bytes, 4), const_cast<void*>(data), &status));
-    if (status != CL_SUCCESS)
-      return fail(fmt::format("cannot copy {} bytes of the scene to {}: {}", bytes, info_.name,
-                              opencl_error_text(status)));
-    return {};
+  // --- Setting up
+
+  Expected<void> set_up(const DeviceScene& scene, const DeviceOptions& options) {
+    if (std::string lacking = lacking_for(info(), features_); !lacking.empty()) return fail(lacking);
+    if (!session_.open()) return std::unexpected(error());
+    scene_bytes_ = sizeof scene.header + scene.words.size() * 4;
+    // Whether anything fits at all, before compiling: one pixel of one sample.
+    const RenderUnit least{.x = 0, .y = 0, .width = 1, .height = 1, .first_sample = 0, .sample_count = 1};
+    if (auto fits = plan(least, plane_count(features_)); !fits) return std::unexpected(fits.error());
+    // What a CPU device can use where it lies is not copied: the scene outlives the device.
+    if (!session_.upload(header_, &scene.header, sizeof scene.header, false) ||
+        !session_.upload(words_, scene.words.data(), scene.words.size() * 4, info().is_cpu) ||
+        !session_.allocate(next_block_, sizeof(cl_int)))
+      return std::unexpected(error());
+    if (!info().is_exact)
+      preparation_.warnings.push_back(
+          info().name +
+          " rounds floats in its own way: the image differs in its last bits from other devices'");
+    return make_kernels(options);
   }
 
-  Expected<void> allocate(ClBuffer& buffer, std::size_t bytes) {
-    cl_int status = CL_SUCCESS;
-    buffer.reset(clCreateBuffer(context_.get(), CL_MEM_READ_WRITE, bytes, nullptr, &status));
-    if (status != CL_SUCCESS)
-      return fail(
-          fmt::format("cannot allocate {} bytes on {}: {}", bytes, info_.name, opencl_error_text(status)));
-    const cl_uint zero = 0;  // lanes that no path ever used hold numbers too
-    clEnqueueFillBuffer(queue_.get(), buffer.get(), &zero, sizeof zero, 0, bytes / 4 * 4, 0, nullptr,
-                        nullptr);
-    return {};
-  }
-
-  /// Block memory for units of this many samples, and the result's.
-  Expected<void> reserve(const RenderUnit& unit, std::size_t out_bytes) {
-    const int slots = info_.is_cpu ? kSlots : int(unit.sample_count);
-    if (slots > slots_) {
-      slots_ = slots;
-      const std::size_t paths = std::size_t(items_) * std::size_t(shape_.paths);
-      for (auto [buffer, bytes] : {std::pair{&floats_, paths * std::size_t(state_floats(features_)) * 4},
-                                   std::pair{&ints_, paths * STATE_INTS * 4},
-                                   std::pair{&slot_memory_, std::size_t(items_) * std::size_t(slots) *
-                                                                std::size_t(slot_floats(features_)) * 4},
-                                   std::pair{&bad_, std::size_t(items_) * sizeof(BadSamples) * BAD_KINDS}})
-        if (Expected<void> done = allocate(*buffer, bytes); !done) return done;
+  Expected<void> make_kernels(const DeviceOptions& options) {
+    const OpenClTuning& tuning = options.opencl_tuning;
+    OpenClSource source = opencl_source(info(), "kernels/opencl.cl", {}, features_, shape_.lanes);
+    if (!tuning.build_options.empty()) source.options += " " + tuning.build_options;
+    const KernelCache cache(tuning.kernel_cache.value_or(default_kernel_cache()));
+    KernelOrigin origin;
+    const auto begin = Clock::now();
+    program_ = cached_program(session_.context(), info(), source, cache, origin.note);
+    // A binary may be refused as late as at its first launch.
+    origin.cached = program_ && create_kernels() && first_launch();
+    if (program_ && !origin.cached) {
+      cache.remove(kernel_cache_key(info(), source));
+      origin.note = fmt::format("{} cannot run the kernel cache's binary, which was removed: {}", info().name,
+                                error().message);
     }
-    if (out_bytes > out_bytes_) {
-      if (Expected<void> done = allocate(out_, out_bytes); !done) return done;
-      out_bytes_ = out_bytes;
+    if (!origin.cached) {
+      if (options.on_compile) options.on_compile(info().name);
+      Expected<ClProgram> program = compile_opencl(session_.context(), info(), source);
+      if (!program) return std::unexpected(program.error());
+      trace_.reset();
+      finish_.reset();
+      program_ = std::move(*program);
+      if (!create_kernels() || !first_launch()) return std::unexpected(error());
     }
+    origin.seconds = seconds_since(begin);
+    if (!origin.cached)
+      if (const auto kept = keep_program(program_.get(), info(), source, cache); !kept)
+        origin.note = "the kernels are not kept: " + kept.error().message;
+    preparation_.kernels = std::move(origin);
     return {};
   }
 
-  void clear_counters() {
-    const cl_uint zero = 0;
-    clEnqueueFillBuffer(queue_.get(), bad_.get(), &zero, sizeof zero, 0,
-                        std::size_t(items_) * sizeof(BadSamples) * BAD_KINDS, 0, nullptr, nullptr);
+  bool create_kernels() {
+    cl_int status = CL_SUCCESS;
+    trace_.reset(clCreateKernel(program_.get(), shape_.blocks ? "render_blocks" : "trace_paths", &status));
+    if (!session_.good(status, "create the kernel")) return false;
+    if (shape_.blocks) return true;
+    finish_.reset(clCreateKernel(program_.get(), "finish_samples", &status));
+    if (!session_.good(status, "create the kernel")) return false;
+    group_ = std::min(session_.group_size(trace_.get(), kLargestGroup),
+                      session_.group_size(finish_.get(), kLargestGroup));
+    return true;
   }
 
-  void set_arguments(const RenderUnit& unit, int first_pixel, int block_pixels) {
-    cl_uint at = 0;
-    const auto set = [&](const auto& value) { clSetKernelArg(kernel_.get(), at++, sizeof value, &value); };
-    const auto set_buffer = [&](const ClBuffer& buffer) { set(static_cast<cl_mem>(buffer.get())); };
-    set_buffer(header_);
-    set_buffer(words_);
-    for (int value : {unit.x, unit.y, unit.width, unit.height, int(unit.first_sample), int(unit.sample_count),
-                      first_pixel, block_pixels, shape_.paths, slots_})
-      set(value);
-    for (const ClBuffer* buffer : {&floats_, &ints_, &slot_memory_, &out_, &bad_}) set_buffer(*buffer);
+  /// A launch of each kernel that renders nothing: drivers compile what is left to be compiled at the first.
+  bool first_launch() {
+    const RenderUnit pixel{.x = 0, .y = 0, .width = 1, .height = 1, .first_sample = 0, .sample_count = 1};
+    if (!reserve(pixel, plane_count(features_))) return false;
+    const Unit unit{.x = 0, .y = 0, .width = 1, .height = 1, .first_sample = 0, .sample_count = 1};
+    if (shape_.blocks) return launch_range(unit, 0, 0, 1) && session_.wait();
+    return launch_trace(unit, 0, 0, 0) && launch_finish(unit, 0, 0, 0) && session_.wait();
   }
 
-  Expected<void> read(cl_mem buffer, void* to, std::size_t bytes) {
-    const cl_int status =
-        clEnqueueReadBuffer(queue_.get(), buffer, CL_TRUE, 0, bytes, to, 0, nullptr, nullptr);
-    if (status != CL_SUCCESS)
-      return fail("cannot read back from " + info_.name + ": " + opencl_error_text(status));
+  // --- Memory
+
+  Expected<OpenClMemoryPlan> plan(const RenderUnit& unit, int planes) {
+    demand_ = {.scene_bytes = scene_bytes_,
+               .path_floats = std::uint64_t(state_floats(features_)),
+               .path_ints = STATE_INTS,
+               .slot_floats = std::uint64_t(slot_floats(features_)),
+               .planes = std::uint64_t(planes),
+               .bad_bytes = sizeof(BadSamples) * BAD_KINDS,
+               .width = unit.width,
+               .height = unit.height,
+               .samples = int(unit.sample_count),
+               .items = items_};
+    return plan_opencl_memory(shape_, demand_, limits_, info().name);
+  }
+
+  /// Block memory and results for the unit; what there is stays where it is large enough.
+  Expected<void> reserve(const RenderUnit& unit, int planes) {
+    const Expected<OpenClMemoryPlan> wanted = plan(unit, planes);
+    if (!wanted) return std::unexpected(wanted.error());
+    plan_ = *wanted;
+    const std::pair<ClReserve*, std::uint64_t> buffers[] = {{&floats_, plan_.float_bytes(demand_)},
+                                                            {&ints_, plan_.int_bytes(demand_)},
+                                                            {&slots_, plan_.slot_bytes(demand_)},
+                                                            {&bad_, plan_.bad_bytes(demand_)},
+                                                            {&out_, plan_.result_bytes(demand_)}};
+    // Each fits, but not beside what is left of larger ones.
+    std::uint64_t held = scene_bytes_;
+    for (const auto& [buffer, bytes] : buffers) held += std::max(buffer->bytes, bytes);
+    if (held > limits_.memory && !session_.wait()) return std::unexpected(error());
+    for (const auto& [buffer, bytes] : buffers)
+      if (held > limits_.memory) *buffer = {};
+    for (const auto& [buffer, bytes] : buffers)
+      if (!session_.reserve(*buffer, bytes)) return std::unexpected(error());
+    const std::size_t counters = std::size_t(plan_.finishing_items) * BAD_KINDS;
+    if (counters > counters_.size()) counters_.resize(counters);
     return {};
   }
 
-  OpenClDeviceInfo info_;
+  // --- Launching
+
+  /// The unit by blocks of paths, mostly in one launch.
+  bool launch_blocks(const Unit& unit) {
+    const int pixels = unit.width * unit.height, samples = unit.sample_count;
+    // As few pixels a block as keep every work item busy, as many as a block's samples allow.
+    const int share = (pixels + plan_.items - 1) / plan_.items;
+    const int block_pixels = std::max(1, std::min(plan_.slots / samples, share));
+    for (int first = 0; first < pixels;) {
+      const std::int64_t wanted = std::max<std::int64_t>(launch_.paths() / samples, 1);
+      const int count = int(std::min<std::int64_t>(wanted, pixels - first));
+      const auto begin = Clock::now();
+      if (!launch_range(unit, first, first + count, block_pixels)) return false;
+      if (launch_.is_timed()) {
+        if (!session_.wait()) return false;
+        launch_.took(std::int64_t(count) * samples, seconds_since(begin));
+      }
+      first += count;
+    }
+    return true;
+  }
+
+  bool launch_range(const Unit& unit, int first, int end, int block_pixels) {
+    if (!session_.clear(next_block_, sizeof(cl_int))) return false;
+    ClArguments arguments(trace_.get());
+    arguments << header_ << words_ << unit << first << end << block_pixels << plan_.paths << plan_.slots
+              << floats_ << ints_ << slots_ << out_ << bad_ << next_block_;
+    return session_.launch(arguments, std::size_t(plan_.items), 1);
+  }
+
+  /// The unit by single paths: as many pixels at a time as there are slots for, their paths in launches of a
+  /// moment, then their statistics.
+  bool launch_paths(const Unit& unit) {
+    const int pixels = unit.width * unit.height, samples = unit.sample_count;
+    const int chunk = plan_.slots / samples;
+    for (int first_pixel = 0; first_pixel < pixels; first_pixel += chunk) {
+      const int count = std::min(chunk, pixels - first_pixel), paths = count * samples;
+      for (int first = 0; first < paths;) {
+        const int now = int(std::min<std::int64_t>(launch_.paths(), std::min(plan_.items, paths - first)));
+        const auto begin = Clock::now();
+        if (!launch_trace(unit, first_pixel, first, now)) return false;
+        if (launch_.is_timed()) {
+          if (!session_.wait()) return false;
+          launch_.took(now, seconds_since(begin));
+        }
+        first += now;
+      }
+      const std::int64_t most = std::max<std::int64_t>(launch_.paths() / samples, 1);
+      for (int from = 0; from < count;) {
+        const int now = int(std::min<std::int64_t>(most, std::min(plan_.finishing_items, count - from)));
+        if (!launch_finish(unit, first_pixel, from, now)) return false;
+        from += now;
+      }
+    }
+    return true;
+  }
+
+  bool launch_trace(const Unit& unit, int first_pixel, int first, int count) {
+    ClArguments arguments(trace_.get());
+    arguments << header_ << words_ << unit << first_pixel << first << count << plan_.paths << plan_.slots
+              << floats_ << ints_ << slots_;
+    return session_.launch(arguments, std::size_t(count), group_);
+  }
+
+  bool launch_finish(const Unit& unit, int first_pixel, int from, int count) {
+    ClArguments arguments(finish_.get());
+    arguments << header_ << words_ << unit << first_pixel << from << count << plan_.slots << slots_ << out_
+              << bad_;
+    return session_.launch(arguments, std::size_t(count), group_);
+  }
+
+  // --- Results
+
+  bool take_counters(const Unit& part, SampleBuffer& result) {
+    const std::size_t count = std::size_t(plan_.finishing_items) * BAD_KINDS;
+    if (!session_.read(bad_, counters_.data(), count * sizeof(BadSamples))) return false;
+    bool any = false;
+    for (std::size_t i = 0; i < count; i += BAD_KINDS) {
+      result.nan.add(non_finite_samples(part, counters_[i + BAD_NAN]));
+      result.infinite.add(non_finite_samples(part, counters_[i + BAD_INFINITE]));
+      any = any || counters_[i + BAD_NAN].count != 0 || counters_[i + BAD_INFINITE].count != 0;
+    }
+    return !any || session_.clear(bad_.buffer, bad_.bytes);
+  }
+
+  /// The part's planes into those of the unit, whose pixel (x, y) is the part's first.
+  bool take_pixels(const Unit& part, int x, int y, SampleBuffer& result) {
+    const std::size_t area = std::size_t(part.width) * std::size_t(part.height);
+    const std::size_t values = area * std::size_t(result.planes);
+    if (area == result.pixels()) return session_.read(out_, result.values.data(), values * sizeof(float));
+    if (values > part_values_.size()) part_values_.resize(values);
+    if (!session_.read(out_, part_values_.data(), values * sizeof(float))) return false;
+    const std::size_t width = std::size_t(part.width);
+    for (std::size_t row = 0; row < std::size_t(result.planes) * std::size_t(part.height); ++row) {
+      const std::size_t plane = row / std::size_t(part.height), line = row % std::size_t(part.height);
+      float* to = result.values.data() + plane * result.pixels() +
+                  (std::size_t(y) + line) * std::size_t(result.width) + std::size_t(x);
+      std::copy_n(part_values_.data() + row * width, width, to);
+    }
+    return true;
+  }
+
+  [[nodiscard]] const OpenClDeviceInfo& info() const { return session_.info(); }
+  [[nodiscard]] Error error() const { return session_.error(); }
+
+  OpenClSession session_;
   BlockShape shape_;
-  int items_ = 1, slots_ = 0;
-  std::size_t out_bytes_ = 0;
-  std::uint32_t features_ = 0;
-  ClContext context_;
-  ClQueue queue_;
+  int items_;
+  std::uint32_t features_;
+  OpenClLimits limits_;
+  LaunchSize launch_ = LaunchSize::unlimited();
+  DevicePreparation preparation_;
+
   ClProgram program_;
-  ClKernel kernel_;
-  ClBuffer header_, words_, floats_, ints_, slot_memory_, out_, bad_;
+  ClKernel trace_, finish_;  // finish_: where a work item is a path
+  std::size_t group_ = 1;
+  std::uint64_t scene_bytes_ = 0;
+  OpenClDemand demand_;
+  OpenClMemoryPlan plan_;
+  ClBuffer header_, words_, next_block_;
+  ClReserve floats_, ints_, slots_, out_, bad_;
+  std::vector<BadSamples> counters_;
+  std::vector<float> part_values_;
 };
 
 }  // namespace
 
+Expected<std::unique_ptr<Device>> make_opencl_device(const DeviceScene& scene, const DeviceOptions& options,
+                                                     const OpenClDeviceInfo& info) {
+  return OpenClDevice::make(scene, options, info);
+}
+
 Expected<std::unique_ptr<Device>> make_opencl_device(const DeviceScene& scene, const DeviceOptions& options) {
-  return OpenClDevice::make(scene, options);
+  const Expected<OpenClDeviceInfo> info = find_opencl_device(options.opencl_device);
+  if (!info) return std::unexpected(info.error());
+  return OpenClDevice::make(scene, options, *info);
 }
 
 }  // namespace penumbra

@@ -3,37 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <set>
+#include <vector>
 
 namespace penumbra {
 
 namespace {
-
-std::string device_text(cl_device_id device, cl_device_info what) {
-  std::size_t size = 0;
-  clGetDeviceInfo(device, what, 0, nullptr, &size);
-  std::string text(size, '\0');
-  clGetDeviceInfo(device, what, size, text.data(), nullptr);
-  while (!text.empty() && text.back() == '\0') text.pop_back();
-  return text;
-}
-
-std::string platform_text(cl_platform_id platform, cl_platform_info what) {
-  std::size_t size = 0;
-  clGetPlatformInfo(platform, what, 0, nullptr, &size);
-  std::string text(size, '\0');
-  clGetPlatformInfo(platform, what, size, text.data(), nullptr);
-  while (!text.empty() && text.back() == '\0') text.pop_back();
-  return text;
-}
-
-template <typename T>
-T device_value(cl_device_id device, cl_device_info what) {
-  T value{};
-  clGetDeviceInfo(device, what, sizeof value, &value, nullptr);
-  return value;
-}
 
 /// An OpenCL source from embedded files.
 class SourceText {
@@ -71,12 +46,6 @@ class SourceText {
   std::string source_;
 };
 
-bool contains_ignoring_case(const std::string& text, const std::string& part) {
-  return std::search(text.begin(), text.end(), part.begin(), part.end(),
-                     [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); }) !=
-         text.end();
-}
-
 }  // namespace
 
 std::string opencl_error_text(cl_int code) {
@@ -96,75 +65,85 @@ std::string opencl_error_text(cl_int code) {
   }
 }
 
-std::vector<OpenClDeviceInfo> list_opencl_devices() {
-  std::vector<OpenClDeviceInfo> found;
-  cl_uint platform_count = 0;
-  if (clGetPlatformIDs(0, nullptr, &platform_count) != CL_SUCCESS) return found;
-  std::vector<cl_platform_id> platforms(platform_count);
-  clGetPlatformIDs(platform_count, platforms.data(), nullptr);
-  for (cl_platform_id platform : platforms) {
-    cl_uint device_count = 0;
-    if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &device_count) != CL_SUCCESS) continue;
-    std::vector<cl_device_id> devices(device_count);
-    clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, device_count, devices.data(), nullptr);
-    for (cl_device_id device : devices)
-      found.push_back({device, platform_text(platform, CL_PLATFORM_NAME), device_text(device, CL_DEVICE_NAME),
-                       (device_value<cl_device_type>(device, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_CPU) != 0,
-                       device_value<cl_device_fp_config>(device, CL_DEVICE_DOUBLE_FP_CONFIG) != 0,
-                       device_value<cl_uint>(device, CL_DEVICE_MAX_COMPUTE_UNITS),
-                       device_value<cl_ulong>(device, CL_DEVICE_GLOBAL_MEM_SIZE),
-                       device_value<cl_ulong>(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE)});
-  }
-  return found;
+OpenClSource opencl_source(const OpenClDeviceInfo& device, std::string_view file,
+                           std::span<const EmbeddedFile> files, std::uint32_t features, int lanes) {
+  SourceText text(files);
+  text.append(file);
+  cl_uint native_width = 1;
+  clGetDeviceInfo(device.id, CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT, sizeof native_width, &native_width,
+                  nullptr);
+  const int width = std::clamp(int(native_width), 1, lanes);
+  cl_device_fp_config rounding = 0;
+  clGetDeviceInfo(device.id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof rounding, &rounding, nullptr);
+  std::string options =
+      fmt::format("-cl-std=CL1.2 -w -DFEATURES={} -DLANES={} -DVECTOR_WIDTH={}", features, lanes, width);
+  if ((rounding & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0)
+    options += " -cl-fp32-correctly-rounded-divide-sqrt";
+  return {std::string(file), text.text(), options};
 }
 
-Expected<OpenClDeviceInfo> find_opencl_device(const std::string& wanted) {
-  const std::vector<OpenClDeviceInfo> devices = list_opencl_devices();
-  if (devices.empty())
-    return fail(
-        "no OpenCL device; install an OpenCL driver (pocl-opencl-icd runs on any CPU) or use --backend "
-        "native");
-  std::string known;
-  for (const OpenClDeviceInfo& device : devices) {
-    const bool matches = wanted.empty() ? device.is_cpu
-                                        : contains_ignoring_case(device.name, wanted) ||
-                                              contains_ignoring_case(device.platform, wanted);
-    if (matches) return device;
-    known += fmt::format("\n  {}: {}", device.platform, device.name);
-  }
-  if (wanted.empty()) return devices.front();
-  return fail(fmt::format("no OpenCL device matches '{}'; there are:{}", wanted, known));
+Expected<ClProgram> compile_opencl(cl_context context, const OpenClDeviceInfo& device,
+                                   const OpenClSource& source) {
+  cl_int status = CL_SUCCESS;
+  const char* text = source.text.c_str();
+  ClProgram program(clCreateProgramWithSource(context, 1, &text, nullptr, &status));
+  if (status != CL_SUCCESS) return fail("cannot create an OpenCL program: " + opencl_error_text(status));
+  status = clBuildProgram(program.get(), 1, &device.id, source.options.c_str(), nullptr, nullptr);
+  if (status == CL_SUCCESS) return program;
+  std::size_t size = 0;
+  clGetProgramBuildInfo(program.get(), device.id, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size);
+  std::string log(size, '\0');
+  clGetProgramBuildInfo(program.get(), device.id, CL_PROGRAM_BUILD_LOG, size, log.data(), nullptr);
+  return fail(fmt::format("{} does not compile on {} ({}) with {}: {}\n{}", source.name, device.name,
+                          device.platform, source.options, opencl_error_text(status), log.c_str()));
 }
 
 Expected<ClProgram> compile_opencl(cl_context context, const OpenClDeviceInfo& device, std::string_view file,
                                    std::span<const EmbeddedFile> files, std::uint32_t features, int lanes) {
-  cl_int status = CL_SUCCESS;
-  SourceText text(files);
-  text.append(file);
-  const char* source = text.text().c_str();
-  ClProgram program(clCreateProgramWithSource(context, 1, &source, nullptr, &status));
-  if (status != CL_SUCCESS) return fail("cannot create an OpenCL program: " + opencl_error_text(status));
-  const auto width =
-      std::clamp(int(device_value<cl_uint>(device.id, CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT)), 1, lanes);
-  std::string options = fmt::format("-w -DFEATURES={} -DLANES={} -DVECTOR_WIDTH={}", features, lanes, width);
-  const auto rounding = device_value<cl_device_fp_config>(device.id, CL_DEVICE_SINGLE_FP_CONFIG);
-  if ((rounding & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0)
-    options += " -cl-fp32-correctly-rounded-divide-sqrt";
-  status = clBuildProgram(program.get(), 1, &device.id, options.c_str(), nullptr, nullptr);
-  if (status != CL_SUCCESS) {
-    std::size_t size = 0;
-    clGetProgramBuildInfo(program.get(), device.id, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size);
-    std::string log(size, '\0');
-    clGetProgramBuildInfo(program.get(), device.id, CL_PROGRAM_BUILD_LOG, size, log.data(), nullptr);
-    return fail(fmt::format("{} does not compile on {} ({}) with {}: {}\n{}", file, device.name,
-                            device.platform, options, opencl_error_text(status), log.c_str()));
-  }
-  return program;
+  return compile_opencl(context, device, opencl_source(device, file, files, features, lanes));
 }
 
 Expected<ClProgram> compile_kernels(cl_context context, const OpenClDeviceInfo& device,
                                     std::uint32_t features, int lanes) {
   return compile_opencl(context, device, "kernels/opencl.cl", {}, features, lanes);
+}
+
+std::string kernel_cache_key(const OpenClDeviceInfo& device, const OpenClSource& source) {
+  const std::string parts[] = {source.text, source.options, device.compiler_identity};
+  return KernelCache::key_of(parts);
+}
+
+ClProgram cached_program(cl_context context, const OpenClDeviceInfo& device, const OpenClSource& source,
+                         const KernelCache& cache, std::string& note) {
+  const std::string key = kernel_cache_key(device, source);
+  KernelCache::Found found = cache.find(key);
+  note = found.note;
+  if (!found.binary) return {};
+  const std::size_t size = found.binary->size();
+  const unsigned char* data = found.binary->data();
+  cl_int status = CL_SUCCESS, accepted = CL_SUCCESS;
+  ClProgram program(clCreateProgramWithBinary(context, 1, &device.id, &size, &data, &accepted, &status));
+  if (status == CL_SUCCESS) status = accepted;
+  if (status == CL_SUCCESS)
+    status = clBuildProgram(program.get(), 1, &device.id, source.options.c_str(), nullptr, nullptr);
+  if (status == CL_SUCCESS) return program;
+  cache.remove(key);
+  note = fmt::format("{} refused the kernel cache's {} ({}), which was removed", device.name,
+                     cache.file_of(key).string(), opencl_error_text(status));
+  return {};
+}
+
+Expected<void> keep_program(cl_program program, const OpenClDeviceInfo& device, const OpenClSource& source,
+                            const KernelCache& cache) {
+  if (!cache.enabled()) return {};
+  std::size_t size = 0;
+  cl_int status = clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof size, &size, nullptr);
+  if (status != CL_SUCCESS || size == 0) return fail(device.name + " gives no binaries");
+  std::vector<unsigned char> binary(size);
+  unsigned char* data = binary.data();
+  status = clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof data, &data, nullptr);
+  if (status != CL_SUCCESS) return fail(device.name + " gives no binaries: " + opencl_error_text(status));
+  return cache.keep(kernel_cache_key(device, source), binary);
 }
 
 }  // namespace penumbra

@@ -1,4 +1,4 @@
-// Finding an OpenCL device and compiling the kernels for it.
+// Compiling the kernels for an OpenCL device.
 #pragma once
 
 #include <CL/cl.h>
@@ -9,10 +9,11 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
-#include <vector>
 
 #include "kernels/host/error.h"
 #include "worker/embedded_kernels.h"
+#include "worker/opencl_cache.h"
+#include "worker/opencl_devices.h"
 
 namespace penumbra {
 
@@ -29,24 +30,21 @@ using ClProgram = ClHandle<cl_program, clReleaseProgram>;
 using ClKernel = ClHandle<cl_kernel, clReleaseKernel>;
 using ClBuffer = ClHandle<cl_mem, clReleaseMemObject>;
 
-struct OpenClDeviceInfo {
-  cl_device_id id = nullptr;
-  std::string platform, name;
-  bool is_cpu = false;
-  bool has_double = false;
-  unsigned compute_units = 1;
-  std::uint64_t memory_bytes = 0, max_allocation_bytes = 0;
+/// A program as it is to be compiled.
+struct OpenClSource {
+  std::string name;     ///< of the embedded file, for messages
+  std::string text;     ///< with its includes in place
+  std::string options;  ///< for the compiler
 };
 
-/// All devices of all installed platforms.
-std::vector<OpenClDeviceInfo> list_opencl_devices();
+/// The embedded file of that name, of `files` or the kernels. `lanes`: paths that one vectorised loop
+/// carries.
+OpenClSource opencl_source(const OpenClDeviceInfo& device, std::string_view file,
+                           std::span<const EmbeddedFile> files, std::uint32_t features, int lanes);
 
-/// The first device whose platform or name contains `wanted` (any case); with an empty one the first CPU
-/// device, else the first of all. The error lists what there is.
-Expected<OpenClDeviceInfo> find_opencl_device(const std::string& wanted);
-
-/// The embedded file of that name, of `files` or the kernels, with its includes in place, compiled. `lanes`:
-/// paths that one vectorised loop carries.
+/// Compiles. The error holds the device's log.
+Expected<ClProgram> compile_opencl(cl_context context, const OpenClDeviceInfo& device,
+                                   const OpenClSource& source);
 Expected<ClProgram> compile_opencl(cl_context context, const OpenClDeviceInfo& device, std::string_view file,
                                    std::span<const EmbeddedFile> files, std::uint32_t features, int lanes);
 
@@ -54,7 +52,19 @@ Expected<ClProgram> compile_opencl(cl_context context, const OpenClDeviceInfo& d
 Expected<ClProgram> compile_kernels(cl_context context, const OpenClDeviceInfo& device,
                                     std::uint32_t features, int lanes);
 
-/// "CL_OUT_OF_RESOURCES (-5)" and the like.
+/// What compiled source is kept under: its text, its options, and the device, its driver and their versions.
+std::string kernel_cache_key(const OpenClDeviceInfo& device, const OpenClSource& source);
+
+/// A program from the cache. None if there is none, or none that this device takes, which is then removed;
+/// `note` says so.
+ClProgram cached_program(cl_context context, const OpenClDeviceInfo& device, const OpenClSource& source,
+                         const KernelCache& cache, std::string& note);
+
+/// Keeps a program's binary. Drivers may compile a kernel at its first launch only: best after that.
+Expected<void> keep_program(cl_program program, const OpenClDeviceInfo& device, const OpenClSource& source,
+                            const KernelCache& cache);
+
+/// "CL_OUT_OF_RESOURCES" and the like.
 std::string opencl_error_text(cl_int code);
 
 }  // namespace penumbra

@@ -1,0 +1,88 @@
+// One device's context and queue, its buffers and launches, and what went wrong with them.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "kernels/unit.h"
+#include "worker/opencl_program.h"
+
+namespace penumbra {
+
+/// A buffer that is kept from one use to the next and grows.
+struct ClReserve {
+  ClBuffer buffer;
+  std::uint64_t bytes = 0;
+};
+
+/// Sets a kernel's arguments in their order.
+class ClArguments {
+ public:
+  explicit ClArguments(cl_kernel kernel) : kernel_(kernel) {}
+  ClArguments& operator<<(int value) { return set(&value, sizeof value); }
+  ClArguments& operator<<(const ClBuffer& buffer) {
+    const cl_mem memory = buffer.get();
+    return set(&memory, sizeof memory);
+  }
+  ClArguments& operator<<(const ClReserve& reserve) { return *this << reserve.buffer; }
+  ClArguments& operator<<(const Unit& unit) {
+    return *this << unit.x << unit.y << unit.width << unit.height << int(unit.first_sample)
+                 << unit.sample_count;
+  }
+  [[nodiscard]] cl_kernel kernel() const { return kernel_; }
+  [[nodiscard]] cl_int status() const { return status_; }
+
+ private:
+  ClArguments& set(const void* value, std::size_t bytes) {
+    if (status_ == CL_SUCCESS) status_ = clSetKernelArg(kernel_, at_++, bytes, value);
+    return *this;
+  }
+
+  cl_kernel kernel_;
+  cl_uint at_ = 0;
+  cl_int status_ = CL_SUCCESS;
+};
+
+/// What returns bool is true if it went well; `error` says what went wrong last. On a CPU device nothing is
+/// copied that can be used where it lies.
+class OpenClSession {
+ public:
+  explicit OpenClSession(OpenClDeviceInfo info) : info_(std::move(info)) {}
+  OpenClSession(const OpenClSession&) = delete;
+  OpenClSession& operator=(const OpenClSession&) = delete;
+  ~OpenClSession() { wait(); }
+
+  bool open();
+
+  /// The data must outlive the buffer if it is used in place.
+  bool upload(ClBuffer& buffer, const void* data, std::size_t bytes, bool in_place);
+  /// All zeros.
+  bool allocate(ClBuffer& buffer, std::size_t bytes);
+  /// At least so many bytes; what there is stays if it is enough, else all is zeros.
+  bool reserve(ClReserve& reserve, std::uint64_t bytes);
+  bool clear(const ClBuffer& buffer, std::size_t bytes);
+
+  /// At least so many work items, a multiple of `group`.
+  bool launch(const ClArguments& arguments, std::size_t items, std::size_t group);
+  /// Waits for all launches, then copies the first bytes of a buffer.
+  bool read(const ClReserve& from, void* to, std::size_t bytes);
+  /// Until nothing is under way.
+  bool wait() { return !queue_ || good(clFinish(queue_.get()), "wait for its kernels"); }
+
+  /// Work items of a group, at most so many: a multiple of what the device likes.
+  [[nodiscard]] std::size_t group_size(cl_kernel kernel, std::size_t most) const;
+
+  bool good(cl_int status, std::string_view what);
+  [[nodiscard]] Error error() const { return {message_}; }
+  [[nodiscard]] const OpenClDeviceInfo& info() const { return info_; }
+  [[nodiscard]] cl_context context() const { return context_.get(); }
+
+ private:
+  OpenClDeviceInfo info_;
+  ClContext context_;
+  ClQueue queue_;
+  std::string message_;
+};
+
+}  // namespace penumbra
