@@ -1,0 +1,238 @@
+// The images of all sample scenes, by hash, against tests/acceptance/film_hashes.json: whatever compiler,
+// machine, instruction set or OpenCL device this runs on has to give the bits of the record, with every
+// integrator, sampler and filter. Where a change is meant to change images, update the record and look at
+// what changed in it:
+//
+//   PENUMBRA_UPDATE_RECORD=1 build/release/bit_identity_test --gtest_filter='*FilmHash*'
+#include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <fcntl.h>
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "scenes/device/device_scene_builder.h"
+#include "scenes/settings.h"
+#include "tests/acceptance/suite_scenes.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+using Settings = std::vector<std::string>;  // name=value, as for --set
+using Record = std::map<std::string, std::string>;
+
+constexpr const char* kHowToUpdate =
+    "; where images are meant to change: PENUMBRA_UPDATE_RECORD=1 build/release/bit_identity_test "
+    "--gtest_filter='*FilmHash*', then look at the difference of tests/acceptance/film_hashes.json";
+
+const std::vector<Settings> kIntegrators{
+    {"integrator.type=path_mats"},
+    {"integrator.type=path_ems", "integrator.mis=power"},
+    {"integrator.type=path_mis"},
+    {"integrator.type=path", "integrator.nee=cv"},
+    {"integrator.type=direct"},
+    {"integrator.type=direct", "integrator.bsdf_sampling=uniform", "integrator.mis=power"},
+    {"integrator.type=direct", "integrator.emitter_sampling=projected", "integrator.bsdf_samples=0"},
+    {"integrator.type=polygon_analytic"},
+    {"integrator.type=polygon_area", "integrator.emitter_samples=2"},
+    {"integrator.type=polygon_cv"},
+    {"integrator.type=polygon_cv", "integrator.estimator=ratio", "integrator.vis_samples=2"},
+};
+const std::vector<std::string> kSamplers{"independent", "stratified", "halton", "sobol"};
+const std::vector<std::string> kFilters{"box", "tent", "gaussian", "mitchell"};
+/// With every sampler and filter too: diffuse and glossy, triangles and spheres.
+const std::vector<std::string> kThorough{"cornell-small/cornell-small.xml", "veach-mis/veach-mis.xml",
+                                         "star-light/star-light.xml"};
+
+/// One image: a scene and what is set in it.
+struct FilmCase {
+  std::string name;
+  Settings settings;
+};
+
+std::vector<FilmCase> cases_of(const std::string& scene) {
+  std::vector<Settings> all = kIntegrators;
+  if (std::ranges::find(kThorough, scene) != kThorough.end()) {
+    for (const char* integrator : {"path_mis", "direct", "polygon_cv"})
+      for (const std::string& sampler : kSamplers)
+        for (const std::string& filter : kFilters)
+          all.push_back({std::string("integrator.type=") + integrator, "sampler.type=" + sampler,
+                         "film.rfilter=" + filter});
+  }
+  std::vector<FilmCase> cases;
+  for (const Settings& settings : all) {
+    FilmCase c{scene, settings};
+    for (const std::string& setting : settings) c.name += " " + setting;
+    cases.push_back(std::move(c));
+  }
+  return cases;
+}
+
+/// Every scene file of scenes/, and oracles; without their own folder, which is what the record names.
+struct SceneFile {
+  std::string name;
+  bool is_oracle = false;
+};
+
+void PrintTo(const SceneFile& file, std::ostream* out) { *out << file.name; }
+
+std::vector<SceneFile> scene_files() {
+  std::vector<SceneFile> files;
+  const fs::path folder = project_file("scenes");
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.path().extension() == ".xml") files.push_back({fs::relative(entry.path(), folder).string()});
+  std::ranges::sort(files, {}, &SceneFile::name);
+  for (const char* oracle : {"bitterli/cornell-box/scene.xml", "mitsuba/scenes/cbox/cbox-rgb.xml",
+                             "tinyrender-a4/grid/tinyrender/grid_cv.toml",
+                             "tinyrender-a4/mcgill/tinyrender/mcgill_cv_offline.toml"})
+    files.push_back({oracle, true});
+  return files;
+}
+
+/// The scene, small, with its settings; the reason where the integrator refuses it.
+Expected<DeviceScene> build(SceneDescription scene, const FilmCase& film_case) {
+  for (const std::string& setting : film_case.settings) {
+    const std::size_t equals = setting.find('=');
+    if (const auto set = apply_setting(scene, setting.substr(0, equals), setting.substr(equals + 1)); !set)
+      throw std::runtime_error(set.error().message);
+  }
+  if (scene.integrator.max_depth < 0) scene.integrator.max_depth = 8;  // furnaces have no end
+  resize_film(scene, 20, 15);
+  scene.sampler.spp = 4;
+  return build_device_scene(scene, {.intersector = IntersectorChoice::kPortable});
+}
+
+std::string hash_of(const FilmAccumulator& film) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", (unsigned long long)film.hash());
+  return text;
+}
+
+/// By one kernel for everything, so that hundreds of scenes compile two of them (feature_mask_test.cpp shows
+/// that this is no other image).
+FilmAccumulator render_with_opencl(const DeviceScene& scene) {
+  DeviceScene all = scene;
+  all.header.features = (FEATURE_ALL & ~FEATURE_BVH) | (scene.header.features & FEATURE_BVH);
+  const auto device = make_device(all, opencl_device().options);
+  if (!device) throw std::runtime_error(device.error().message);
+  const SceneHeader& h = scene.header;
+  auto result = (*device)->render(
+      {.width = h.film_width, .height = h.film_height, .first_sample = 0, .sample_count = h.spp});
+  if (!result) throw std::runtime_error(result.error().message);
+  result->planes = plane_count(h.features);
+  result->values.resize(std::size_t(result->planes) * result->pixels());
+  FilmAccumulator film(0, 0, h.film_width, h.film_height, result->planes);
+  film.add(0, 0, *result);
+  return film;
+}
+
+fs::path record_path() { return project_file("tests/acceptance/film_hashes.json"); }
+
+Record read_record() {
+  std::ifstream file(record_path());
+  return file ? nlohmann::json::parse(file).get<Record>() : Record{};
+}
+
+/// The names of the record that are of one scene.
+std::vector<std::string> names_of(const Record& record, const std::string& scene) {
+  std::vector<std::string> names;
+  for (const auto& [name, hash] : record)
+    if (name.starts_with(scene + " ")) names.push_back(name);
+  return names;
+}
+
+/// Replaces what the record says of the scene; tests in other processes may do the same at the same time.
+void update_record(const std::string& scene, const Record& now) {
+  const int lock = open(record_path().parent_path().c_str(), O_RDONLY | O_CLOEXEC);
+  flock(lock, LOCK_EX);
+  Record record = read_record();
+  for (const std::string& name : names_of(record, scene)) record.erase(name);
+  record.insert(now.begin(), now.end());
+  std::ofstream file(record_path());
+  const char* separator = "{\n";
+  for (const auto& [name, hash] : record) {
+    file << separator << nlohmann::json(name).dump() << ": \"" << hash << '"';
+    separator = ",\n";
+  }
+  file << "\n}\n";
+  file.close();
+  ::close(lock);
+}
+
+class FilmHash : public testing::TestWithParam<SceneFile> {};
+
+TEST_P(FilmHash, IsThatOfTheRecordFromEveryBackend) {
+  const SceneFile& file = GetParam();
+  if (file.is_oracle && !oracle_folder(file.name))
+    GTEST_SKIP() << "the third-party scene " << file.name << " is not here";
+  const bool update = std::getenv("PENUMBRA_UPDATE_RECORD") != nullptr;
+  const Record expected = read_record();
+  const SceneDescription description =
+      read_or_throw(file.is_oracle ? *oracle_folder("") / file.name : project_file("scenes/" + file.name));
+  Record found;
+  for (const FilmCase& c : cases_of(file.name)) {
+    const Expected<DeviceScene> scene = build(description, c);
+    if (!scene) {
+      found[c.name] = "refused";
+      continue;
+    }
+    TestDevice device = native_device();
+    device.options.threads = 1;
+    std::map<std::string, std::string> hashes;
+    for (const Isa isa : machine_isas()) {
+      device.options.isa = isa;
+      hashes[std::string(isa_name(isa))] = hash_of(render_or_throw(*scene, device));
+    }
+    device.options.block_of_one = true;
+    hashes["one path at a time"] = hash_of(render_or_throw(*scene, device));
+    hashes["OpenCL"] = hash_of(render_with_opencl(*scene));
+    found[c.name] = hashes["sse2"];
+    for (const auto& [backend, hash] : hashes)
+      EXPECT_EQ(hash, found[c.name]) << c.name << ": " << backend << " differs from sse2";
+  }
+  if (update) update_record(file.name, found);
+  for (const auto& [name, hash] : found) {
+    const auto entry = update ? found.find(name) : expected.find(name);
+    if (entry == (update ? found.end() : expected.end())) {
+      ADD_FAILURE() << name << " is not in the record" << kHowToUpdate;
+    } else {
+      EXPECT_EQ(hash, entry->second) << name << " is another image than in the record" << kHowToUpdate;
+    }
+  }
+  for (const std::string& name : names_of(update ? found : expected, file.name))
+    EXPECT_TRUE(found.contains(name)) << name << " is in the record but no longer rendered" << kHowToUpdate;
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, FilmHash, testing::ValuesIn(scene_files()), [](const auto& info) {
+  std::string name = info.param.name;
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
+  return name;
+});
+
+TEST(FilmHashRecord, NamesNoSceneThatIsGone) {
+  std::vector<std::string> known;
+  for (const SceneFile& file : scene_files()) known.push_back(file.name);
+  const bool update = std::getenv("PENUMBRA_UPDATE_RECORD") != nullptr;
+  std::set<std::string> gone;
+  for (const auto& [name, hash] : read_record()) {
+    const std::string scene = name.substr(0, name.find(' '));
+    if (std::ranges::find(known, scene) == known.end()) gone.insert(scene);
+  }
+  for (const std::string& scene : gone) {
+    if (update) {
+      update_record(scene, {});
+    } else {
+      ADD_FAILURE() << scene << kHowToUpdate;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace penumbra

@@ -1,0 +1,178 @@
+#include "tests/acceptance/suite_scenes.h"
+
+#include <gtest/gtest.h>
+
+#include <ostream>
+#include <tuple>
+
+namespace penumbra {
+namespace {
+
+void by_projection(SceneDescription& scene) {
+  scene.integrator.emitter_sampling = EmitterSampling::kProjected;
+}
+
+void by_solid_angle(SceneDescription& scene) {
+  scene.integrator.emitter_sampling = EmitterSampling::kSolidAngle;
+}
+
+void direct(SceneDescription& scene) { scene.integrator.kind = IntegratorKind::kDirect; }
+
+void closed_form(SceneDescription& scene) { scene.integrator.kind = IntegratorKind::kPolygonAnalytic; }
+
+void control_variate(SceneDescription& scene) {
+  scene.integrator.kind = IntegratorKind::kPolygonCv;
+  scene.integrator.emitter_sampling = EmitterSampling::kArea;
+  scene.integrator.vis_samples = 3;
+}
+
+void ratio(SceneDescription& scene) {
+  control_variate(scene);
+  scene.integrator.estimator = CvEstimator::kRatio;
+}
+
+void path_with_control_variate(SceneDescription& scene) {
+  scene.integrator.kind = IntegratorKind::kPath;
+  scene.integrator.next_event = NextEvent::kCv;
+  scene.integrator.max_depth = 5;
+}
+
+/// Lobes of low and high, whole and broken exponents.
+void make_glossy(SceneDescription& scene) {
+  const float exponents[] = {0, 1, 8.5f, 30, 777.25f, 1e4f};
+  for (std::size_t i = 0; i < scene.bsdfs.size(); ++i)
+    scene.bsdfs[i].model = PhongBsdf{glm::vec3(0.3f), glm::vec3(0.2f, 0.4f, 0.5f), exponents[i % 6]};
+}
+
+void glossy_closed_form(SceneDescription& scene) {
+  make_glossy(scene);
+  closed_form(scene);
+}
+
+void glossy_path_with_control_variate(SceneDescription& scene) {
+  make_glossy(scene);
+  path_with_control_variate(scene);
+  scene.integrator.alpha = 0.75f;
+  scene.integrator.emitter_sampling = EmitterSampling::kSolidAngle;
+}
+
+void glossy_choice(SceneDescription& scene) {
+  make_glossy(scene);
+  scene.integrator.kind = IntegratorKind::kDirect;
+  scene.integrator.bsdf_samples = 0;
+  scene.integrator.light_choice = LightChoice::kAnalytic;
+}
+
+constexpr int kEdgePixels = 30;
+
+/// A rough height field seen from in front, its vertices in the middle of pixels, where nearly all of every
+/// pixel's rays go: they meet vertices and edges within rounding.
+void rays_on_edges(SceneDescription& scene) {
+  Mesh field;
+  for (int j = 0; j <= kEdgePixels; ++j)
+    for (int i = 0; i <= kEdgePixels; ++i) {
+      const double z = 1 + 0.02 * ((i * 7 + j * 11) % 5);
+      const double x = (i + 0.5) / (kEdgePixels / 2) - 1, y = (j + 0.5) / (kEdgePixels / 2) - 1;
+      field.positions.push_back({x * z, y * z, z});
+    }
+  const auto vertex = [](int i, int j) { return glm::uint(j * (kEdgePixels + 1) + i); };
+  for (int j = 0; j < kEdgePixels; ++j)
+    for (int i = 0; i < kEdgePixels; ++i) {
+      field.triangles.push_back({vertex(i, j), vertex(i, j + 1), vertex(i + 1, j)});
+      field.triangles.push_back({vertex(i + 1, j), vertex(i, j + 1), vertex(i + 1, j + 1)});
+    }
+  scene.shapes = {Shape{.name = "field", .geometry = std::move(field), .front_bsdf = 0, .back_bsdf = 0}};
+  scene.bsdfs = {Bsdf{"grey", DiffuseBsdf{}}};
+  scene.point_lights = {PointLight{{0.3, 0.4, 0.2}, glm::vec3(1)}};
+  scene.environment = ConstantEnvironment{};
+  scene.camera = PerspectiveCamera{.fov = 90};
+  resize_film(scene, kEdgePixels, kEdgePixels);
+  scene.film.filter = FilterKind::kBox;
+  scene.film.filter_radius = 1e-6f;
+  direct(scene);
+}
+
+/// Red patches in the planes of the walls.
+void coincident_walls(SceneDescription& scene) {
+  const int other = int(scene.bsdfs.size());
+  scene.bsdfs.push_back({"red", DiffuseBsdf{glm::vec3(0.8f, 0.1f, 0.1f)}});
+  const std::size_t count = scene.shapes.size();
+  for (std::size_t i = 0; i < count && i < 5; ++i) {
+    Shape copy = scene.shapes[i];
+    if (copy.radiance) continue;
+    copy.front_bsdf = copy.back_bsdf = other;
+    auto* mesh = std::get_if<Mesh>(&copy.geometry);
+    if (mesh == nullptr) continue;
+    // Other vertices in the same plane: ties but for rounding.
+    glm::dvec3 center(0);
+    for (const glm::dvec3& p : mesh->positions) center += p / double(mesh->positions.size());
+    for (glm::dvec3& p : mesh->positions) p = center + 0.7 * (p - center);
+    scene.shapes.push_back(std::move(copy));
+  }
+}
+
+}  // namespace
+
+void PrintTo(const SuiteScene& scene, std::ostream* out) { *out << scene.name; }
+
+const std::vector<SuiteScene>& suite_scenes() {
+  static const std::vector<SuiteScene> scenes{
+      {"Cornell", "cornell/cornell.xml"},
+      {"CornellSmall", "cornell-small/cornell-small.xml"},
+      {"VeachMis", "veach-mis/veach-mis.xml"},
+      {"Furnace", "furnace/furnace.xml"},
+      {"UnitSphere", "furnace/unit-sphere.xml"},
+      {"PolygonLights", "polygon-lights/polygon-lights.xml"},
+      {"CornellDirect", "cornell/cornell.xml", false, direct},
+      {"CornellProjected", "cornell/cornell.xml", false, by_projection},
+      {"PolygonLightsProjected", "polygon-lights/polygon-lights.xml", false, by_projection},
+      {"CornellSolidAngle", "cornell/cornell.xml", false, by_solid_angle},
+      {"CornellAnalytic", "cornell/cornell.xml", false, closed_form},
+      {"CornellControlVariate", "cornell/cornell.xml", false, control_variate},
+      {"CornellRatio", "cornell/cornell.xml", false, ratio},
+      {"CornellPathControlVariate", "cornell/cornell.xml", false, path_with_control_variate},
+      {"CornellGlossyAnalytic", "cornell/cornell.xml", false, glossy_closed_form},
+      {"CornellGlossyPathControlVariate", "cornell/cornell.xml", false, glossy_path_with_control_variate},
+      {"CornellGlossyChoice", "cornell/cornell.xml", false, glossy_choice},
+      {"RaysOnEdges", "cornell-small/cornell-small.xml", false, rays_on_edges, true},
+      {"CoincidentWalls", "cornell-small/cornell-small.xml", false, coincident_walls, true},
+      {"BitterliCornellBox", "bitterli/cornell-box/scene.xml", true},
+      {"MitsubaCbox", "mitsuba/scenes/cbox/cbox-rgb.xml", true},
+      {"Grid", "tinyrender-a4/grid/tinyrender/grid_cv.toml", true},
+  };
+  return scenes;
+}
+
+bool is_here(const SuiteScene& scene) { return !scene.is_oracle || oracle_folder(scene.file).has_value(); }
+
+SceneDescription small_scene(const SuiteScene& scene) {
+  const auto file = scene.is_oracle ? *oracle_folder("") / scene.file : project_file("scenes/" + scene.file);
+  SceneDescription description = read_or_throw(file);
+  resize_film(description, 40, 30);  // no multiple of a block, a vector or a tile
+  description.sampler.spp = 6;
+  if (scene.change != nullptr) scene.change(description);
+  return description;
+}
+
+std::string first_difference(const FilmAccumulator& a, const FilmAccumulator& b) {
+  if (a.width() != b.width() || a.height() != b.height() || a.planes() != b.planes()) return "in size";
+  for (int y = 0; y < a.height(); ++y) {
+    for (int x = 0; x < a.width(); ++x) {
+      const PixelStatistics &p = a.at(x, y), &q = b.at(x, y);
+      for (int c = 0; c < 3; ++c) {
+        if (p.mean[c] != q.mean[c] || p.m2[c] != q.m2[c])
+          return "at (x, y, channel, mean, mean): " +
+                 testing::PrintToString(std::tuple(x, y, c, p.mean[c], q.mean[c]));
+      }
+    }
+  }
+  return "only in layers or counts";
+}
+
+std::vector<Isa> machine_isas() {
+  std::vector<Isa> isas{Isa::kSse2, Isa::kAvx2, Isa::kAvx512};
+  std::erase_if(isas, [](Isa isa) { return isa > best_isa(); });
+  return isas;
+}
+
+}  // namespace penumbra
