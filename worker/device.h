@@ -31,12 +31,12 @@ enum class Isa { kSse2, kAvx2, kAvx512 };
 
 /// What suits an OpenCL device by itself; set for tests and measurements. Pixels do not depend on it.
 struct OpenClTuning {
-  std::optional<bool> path_per_item;   ///< as on a GPU; unless set, whether the device is no CPU
-  std::uint64_t memory_bytes = 0;      ///< of the device at most; 0: what there is
-  std::uint64_t allocation_bytes = 0;  ///< of one buffer at most; 0: what the device allows
-  std::int64_t launch_paths = 0;       ///< a launch holds so many paths; 0: as many as take a moment
-  std::optional<std::filesystem::path> kernel_cache;  ///< unless set, default_kernel_cache()
-  std::string build_options;                          ///< more options for the compiler
+  std::optional<bool> path_per_item = {};  ///< as on a GPU; unless set, whether the device is no CPU
+  std::uint64_t memory_bytes = 0;          ///< of the device at most; 0: what there is
+  std::uint64_t allocation_bytes = 0;      ///< of one buffer at most; 0: what the device allows
+  std::int64_t launch_paths = 0;           ///< a launch holds so many paths; 0: as many as take a moment
+  std::optional<std::filesystem::path> kernel_cache = {};  ///< unless set, default_kernel_cache()
+  std::string build_options = {};                          ///< more options for the compiler
 };
 
 struct DeviceOptions {
@@ -47,7 +47,7 @@ struct DeviceOptions {
   int* probe = nullptr;       ///< native, a block of one: see Block::probe
   /// Its number or a part of its or its platform's name, see find_opencl_device; empty: the first CPU device,
   /// else any. With kAuto: the only one that comes into question, even if it is a CPU.
-  std::string opencl_device;
+  std::string opencl_device = {};
   OpenClTuning opencl_tuning = {};
   /// Called before kernels are compiled, which takes seconds, with the device's name. May be empty.
   std::function<void(const std::string& device)> on_compile = {};

@@ -30,7 +30,7 @@ constexpr auto kTimeToBeRenamed = std::chrono::hours(1);
 struct Header {
   char magic[8];
   std::uint32_t version;
-  std::uint32_t reserved;
+  std::uint32_t reserved;  ///< 0
   char key[kKeyDigits];
   std::uint64_t size;      ///< bytes that follow
   std::uint64_t checksum;  ///< XXH3-64 of them
@@ -82,7 +82,8 @@ Expected<std::vector<unsigned char>> read_binary(File& file, std::string_view ke
   Header header;
   if (file.read(&header, sizeof header) != sizeof header) return fail("is cut short");
   if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0) return fail("holds no kernels");
-  if (header.version != kVersion) return fail(fmt::format("has the format {}", header.version));
+  if (header.version != kVersion || header.reserved != 0)
+    return fail(fmt::format("has the format {}", header.version));
   if (std::string_view(header.key, kKeyDigits) != key) return fail("holds other kernels than its name says");
   if (header.size != std::uint64_t(status.st_size) - sizeof header)
     return fail("has not the size that it states");
