@@ -85,6 +85,10 @@ ChannelValues relative_mse(const ImagePair& pair, double epsilon) {
   return mean_of(pair, [&](std::size_t i) { return relative_square(pair, i, epsilon); });
 }
 
+ChannelValues block_relative_mse(const ImagePair& pair, double epsilon) {
+  return relative_mse(block_means(pair, kErrorBlock), epsilon);
+}
+
 std::uint64_t trimmed_pixels(const ImagePair& pair, double share) {
   return std::uint64_t(share * double(pair.compared_pixels));
 }

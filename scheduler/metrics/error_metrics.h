@@ -16,6 +16,8 @@ namespace penumbra {
 constexpr double kRelativeEpsilon = 0.01;
 /// The share of pixels that the trimmed relMSE leaves out.
 constexpr double kTrimmedShare = 0.001;
+/// Side in pixels of the blocks whose means block_relative_mse compares.
+constexpr int kErrorBlock = 4;
 
 /// A metric of each channel, and of all: unless said otherwise, the mean over channels.
 struct ChannelValues {
@@ -41,6 +43,9 @@ ChannelValues mean_squared_error(const ImagePair& pair);
 /// Rousselle,
 /// Knaus, Zwicker 2011, "Adaptive sampling and reconstruction using greedy error minimization".
 ChannelValues relative_mse(const ImagePair& pair, double epsilon = kRelativeEpsilon);
+
+/// relMSE of the means of kErrorBlock x kErrorBlock pixels: see block_means. NaN if no block is finite.
+ChannelValues block_relative_mse(const ImagePair& pair, double epsilon = kRelativeEpsilon);
 
 /// relMSE without the floor(share * N) pixels of the largest terms, which shows the error of the rest of an
 /// image with fireflies. A channel's: of its own largest terms; overall: of the largest means over channels.

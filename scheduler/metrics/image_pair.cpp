@@ -160,4 +160,40 @@ Expected<ImagePair> pair_images(const Image& image, const Image& reference, cons
   return pair;
 }
 
+ImagePair block_means(const ImagePair& pair, int side) {
+  // Of coordinates below 0 too.
+  const auto block_of = [side](int at) { return at >= 0 ? at / side : -((-at - 1) / side) - 1; };
+  const PixelWindow& w = pair.window;
+  ImagePair blocks;
+  blocks.channels = pair.channels;
+  blocks.window.x = block_of(w.x);
+  blocks.window.y = block_of(w.y);
+  blocks.window.width = w.width > 0 ? block_of(w.x + w.width - 1) - blocks.window.x + 1 : 0;
+  blocks.window.height = w.height > 0 ? block_of(w.y + w.height - 1) - blocks.window.y + 1 : 0;
+  const std::size_t channels = pair.channels.size();
+  const std::size_t count = std::size_t(blocks.window.width) * std::size_t(blocks.window.height);
+  std::vector<std::size_t> block(pair.pixels()), size(count);
+  blocks.finite.assign(count, 1);
+  for (std::size_t p = 0; p < pair.pixels(); ++p) {
+    const int x = w.x + int(p % std::size_t(w.width)), y = w.y + int(p / std::size_t(w.width));
+    block[p] = std::size_t(block_of(y) - blocks.window.y) * std::size_t(blocks.window.width) +
+               std::size_t(block_of(x) - blocks.window.x);
+    ++size[block[p]];
+    blocks.finite[block[p]] &= pair.finite[p];
+  }
+  const auto means_of = [&](const std::vector<float>& values) {
+    std::vector<double> sums(values.empty() ? 0 : count * channels);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const std::size_t b = block[i / channels];
+      sums[b * channels + i % channels] += double(values[i]) / double(size[b]);
+    }
+    return std::vector<float>(sums.begin(), sums.end());
+  };
+  blocks.image = means_of(pair.image);
+  blocks.reference = means_of(pair.reference);
+  blocks.second_reference = means_of(pair.second_reference);
+  blocks.compared_pixels = std::uint64_t(std::ranges::count(blocks.finite, 1));
+  return blocks;
+}
+
 }  // namespace penumbra

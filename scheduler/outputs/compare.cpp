@@ -96,6 +96,7 @@ Expected<Comparison> compare_images(const CompareImages& images, const CompareOp
   result.mse = mean_squared_error(p);
   result.relative_mse = relative_mse(p, options.epsilon);
   result.trimmed_relative_mse = trimmed_relative_mse(p, options.epsilon);
+  result.block_relative_mse = block_relative_mse(p, options.epsilon);
   result.mape = mean_absolute_percentage_error(p, options.epsilon);
   result.smape = symmetric_mean_absolute_percentage_error(p, options.epsilon);
   result.psnr = peak_signal_to_noise_ratio(p);

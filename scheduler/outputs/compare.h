@@ -46,7 +46,8 @@ struct Comparison {
   double epsilon = 0;
   std::uint64_t trimmed_pixels = 0;
   ChannelValues image_mean, reference_mean;
-  ChannelValues bias, relative_bias, mse, relative_mse, trimmed_relative_mse, mape, smape, psnr, largest;
+  ChannelValues bias, relative_bias, mse, relative_mse, trimmed_relative_mse, block_relative_mse, mape, smape,
+      psnr, largest;
   LargestDifference largest_at;
   std::optional<FlipResult> flip;
   std::string flip_left_out;  ///< why there is none

@@ -88,6 +88,7 @@ nlohmann::ordered_json comparison_json(const Comparison& c) {
   add("mse", c.mse);
   add("relative_mse", c.relative_mse);
   add("trimmed_relative_mse", c.trimmed_relative_mse);
+  add("block_relative_mse", c.block_relative_mse);
   add("mape", c.mape);
   add("smape", c.smape);
   add("psnr", c.psnr);

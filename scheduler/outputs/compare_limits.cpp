@@ -28,6 +28,7 @@ struct Metric {
 constexpr Metric kMetrics[] = {
     {"relmse", Metric::kAlways, [](const Comparison& c) { return c.relative_mse.overall; }},
     {"trimmed_relmse", Metric::kAlways, [](const Comparison& c) { return c.trimmed_relative_mse.overall; }},
+    {"block_relmse", Metric::kAlways, [](const Comparison& c) { return c.block_relative_mse.overall; }},
     {"mse", Metric::kAlways, [](const Comparison& c) { return c.mse.overall; }},
     {"mape", Metric::kAlways, [](const Comparison& c) { return c.mape.overall; }},
     {"smape", Metric::kAlways, [](const Comparison& c) { return c.smape.overall; }},

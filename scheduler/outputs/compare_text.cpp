@@ -122,6 +122,8 @@ std::string comparison_text(const Comparison& c) {
   text += row("relMSE trimmed", c.trimmed_relative_mse,
               fmt::format("without the {} pixels of the largest terms ({:.3g} %, rounded down)",
                           c.trimmed_pixels, kPercent * kTrimmedShare));
+  text += row("relMSE of blocks", c.block_relative_mse,
+              fmt::format("of the means of {0} x {0} pixels", kErrorBlock));
   text += row("MAPE", c.mape, fmt::format("mean of |d| / (|B| + {})", c.epsilon));
   text += row("SMAPE", c.smape, fmt::format("mean of |d| / (|A| + |B| + {})", c.epsilon));
   text += row("PSNR", c.psnr, "dB: 10 log10(largest B^2 / MSE)");

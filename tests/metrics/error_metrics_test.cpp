@@ -34,6 +34,17 @@ TEST(CompensatedSum, KeepsWhatPlainSumsLose) {
   EXPECT_EQ(infinite.value(), INFINITY);
 }
 
+TEST(ErrorMetrics, OfBlocks) {
+  // One block with errors +1 and -1 has none; another has 3 on one of its 16 pixels.
+  std::vector<float> values(32, 2.0f);
+  values[0] = 3;
+  values[9] = 1;
+  values[20] = 5;
+  const ImagePair pair = pair_of(grey_image(8, 4, values), grey_image(8, 4, std::vector<float>(32, 2.0f)));
+  EXPECT_DOUBLE_EQ(relative_mse(pair).overall, 11 / 4.01 / 32);
+  EXPECT_NEAR(block_relative_mse(pair).overall, std::pow(3.0 / 16, 2) / 4.01 / 2, 1e-9);
+}
+
 TEST(ErrorMetrics, ByHand) {
   const ImagePair pair = two_pixels();
   const ChannelValues mse = mean_squared_error(pair);

@@ -79,5 +79,37 @@ TEST(ImagePair, GreyComparesWithColour) {
   EXPECT_THAT(mixed->second_reference, ElementsAre(1, 2, 3));
 }
 
+TEST(BlockMeans, ByHand) {
+  // Three columns from x = -1, two rows from y = 3: blocks of 2 x 2 in film coordinates part them everywhere.
+  Image image = image_of(3, 2, {1, 2, 4, 3, 6, 8}, {"Y"}),
+        reference = image_of(3, 2, {0, 1, 1, 1, 3, 3}, {"Y"});
+  for (Image* each : {&image, &reference}) each->data.x = each->display.x = -1;
+  for (Image* each : {&image, &reference}) each->data.y = each->display.y = 3;
+  const ImagePair blocks = block_means(pair_images(image, reference, &image).value(), 2);
+  EXPECT_EQ(blocks.window.x, -1);
+  EXPECT_EQ(blocks.window.y, 1);
+  EXPECT_EQ(blocks.window.width, 2);
+  EXPECT_EQ(blocks.window.height, 2);
+  EXPECT_THAT(blocks.image, ::testing::ElementsAre(1, 3, 3, 7));
+  EXPECT_THAT(blocks.reference, ::testing::ElementsAre(0, 1, 1, 3));
+  EXPECT_THAT(blocks.second_reference, ::testing::ElementsAre(1, 3, 3, 7));
+  EXPECT_EQ(blocks.compared_pixels, 4u);
+}
+
+TEST(BlockMeans, LeaveOutBlocksThatAreNotFinite) {
+  const ImagePair pair = pair_of(image_of(4, 1, {1, NAN, 2, 4}, {"Y"}), image_of(4, 1, {0, 0, 0, 0}, {"Y"}));
+  const ImagePair blocks = block_means(pair, 2);
+  EXPECT_THAT(blocks.finite, ::testing::ElementsAre(0, 1));
+  EXPECT_EQ(blocks.compared_pixels, 1u);
+  EXPECT_EQ(blocks.image[1], 3);
+}
+
+TEST(BlockMeans, OfOnePixelAreThePixels) {
+  const ImagePair pair = pair_of(image_of(2, 2, {1, 2, 3, 4}, {"Y"}), image_of(2, 2, {0, 5, 0, 1}, {"Y"}));
+  const ImagePair blocks = block_means(pair, 1);
+  EXPECT_EQ(blocks.image, pair.image);
+  EXPECT_EQ(blocks.reference, pair.reference);
+}
+
 }  // namespace
 }  // namespace penumbra
