@@ -31,10 +31,11 @@ STAGE void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int fi
        i++) {  // lanes past the count repeat the last path, so that every lane holds valid work
     const int x = unit->x + pixel % unit->width, y = unit->y + pixel / unit->width;
     ints[SLOT * capacity + i] = first_slot + min_i(i, count - 1);
-    const uint hash = pixel_hash(h->seed, (uint)x, (uint)y), index = unit->first_sample + (uint)sample;
+    const uint index = unit->first_sample + (uint)sample;
     // Two independent sequences, for an alpha for the samples of each from those of the other.
     const bool second = halves & ((index & 1u) != 0u);
-    ints[PIXEL_HASH * capacity + i] = (int)(second ? hash_uint(hash ^ 0x6c078965u) : hash);
+    const uint seed = second ? hash_uint(h->seed ^ 0x6c078965u) : h->seed;
+    ints[PIXEL_HASH * capacity + i] = (int)pixel_sequence(h->sampler, seed, (uint)x, (uint)y);
     ints[SAMPLE_INDEX * capacity + i] = (int)(halves ? index >> 1 : index);
     ints[FILM_X * capacity + i] = x;
     ints[FILM_Y * capacity + i] = y;

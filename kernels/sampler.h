@@ -31,6 +31,28 @@ FN uint hash_uint(uint v) {
 
 FN uint pixel_hash(uint seed, uint x, uint y) { return hash_uint(x + hash_uint(y + hash_uint(seed))); }
 
+// Sobol: pixels of a square of 2^TILE_LEVELS on a side share a sequence.
+#define TILE_LEVELS 4
+#define TILE_PLACE ((1u << 2 * TILE_LEVELS) - 1u)
+
+/// The bits of x in the even places, those of y in the odd ones: neighbours on the film have a high part in
+/// common. x, y < 2^8.
+FN uint morton_index(uint x, uint y) {
+  uint v = x | (y << 16);
+  v = (v | (v << 4)) & 0x0f0f0f0fu;
+  v = (v | (v << 2)) & 0x33333333u;
+  v = (v | (v << 1)) & 0x55555555u;
+  return (v | (v >> 15)) & 0xffffu;
+}
+
+/// What a pixel's numbers depend on besides the sample: for most samplers a hash; for Sobol one of its tile
+/// but for the lowest bits, which are the pixel's place along the tile's Z curve.
+FN uint pixel_sequence(int sampler, uint seed, uint x, uint y) {
+  const uint of_tile = pixel_hash(seed, x >> TILE_LEVELS, y >> TILE_LEVELS) & ~TILE_PLACE;
+  const uint mask = (1u << TILE_LEVELS) - 1u;
+  return sampler == SAMPLER_SOBOL ? of_tile | morton_index(x & mask, y & mask) : pixel_hash(seed, x, y);
+}
+
 /// The top 24 bits as a float in [0, 1 - 2^-24].
 FN float unit_float(uint bits) { return (float)(bits >> 8) * (1.0f / 16777216.0f); }
 
@@ -77,6 +99,27 @@ FN void sobol_pair(uint pixel, uint index, uint pair, PRIVATE float* u, PRIVATE 
   *u = unit_float(reverse_bits(scramble_reversed(shuffled, hash_uint(seed ^ 0x68bc21ebu))));
   *v = unit_float(
       reverse_bits(scramble_reversed(sobol_second_reversed(shuffled), hash_uint(seed ^ 0x02e5be93u))));
+}
+
+/// Digits of a pixel's points in its tile's sequence: the fewest with 2^bits >= points, at most 32.
+FN uint point_bits(uint points) {
+  uint bits = 0u;
+  while (bits < 32u && ((points - 1u) >> bits) != 0u) bits++;
+  return bits;
+}
+
+/// Point `index` of the 2^bits of a pixel, by its pixel_sequence. The points of all pixels of a tile are one
+/// Owen-scrambled sequence in the order of the Z curve, so that not only those of a pixel are a net but those
+/// of every aligned square of 2 x 2, 4 x 4 ... pixels as well: what is left of the error has the opposite
+/// sign nearby, and averages of pixels lose most of it. The shuffle of the index, other for each pair, keeps
+/// aligned blocks of it together, so pixels trade places within their tile but nets stay nets. After Ahmed
+/// and Wonka 2020, "Screen-space blue-noise diffusion of Monte Carlo sampling error via hierarchical ordering
+/// of pixels". More points than 32 bits can number give each pixel its own sequence.
+FN void tile_pair(uint pixel, uint index, uint bits, uint pair, PRIVATE float* u, PRIVATE float* v) {
+  const bool together = bits + 2u * TILE_LEVELS <= 32u;
+  const uint place = pixel & TILE_PLACE;
+  const uint sequence = together ? pixel & ~TILE_PLACE : pixel;
+  sobol_pair(sequence, index | (together ? place << (bits & 31u) : 0u), pair, u, v);
 }
 
 FN void independent_pair(uint pixel, uint index, uint pair, PRIVATE float* u, PRIVATE float* v) {
@@ -198,11 +241,11 @@ FN Draw draw_nth(uint pair, int times, int nth) {
 FN void draw_pair(int sampler, uint spp, Draw draw, GLOBAL const int* RESTRICT ints, int capacity, int first,
                   PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT v) {
   const uint pair = draw.pair, times = draw.times, nth = draw.nth;
+  const uint points = spp > 0xffffffffu / times ? 0xffffffffu : spp * times;
   GLOBAL const int* pixels = ints + PIXEL_HASH * capacity + first;
   GLOBAL const int* samples = ints + SAMPLE_INDEX * capacity + first;
 #if HAS(SAMPLERS)
   if (sampler == SAMPLER_STRATIFIED) {
-    const uint points = spp > 0xffffffffu / times ? 0xffffffffu : spp * times;
     for (int j = 0; j < LANES; j++)
       stratified_pair((uint)pixels[j], (uint)samples[j] * times + nth, pair, points, &u[j], &v[j]);
     return;
@@ -223,10 +266,11 @@ FN void draw_pair(int sampler, uint spp, Draw draw, GLOBAL const int* RESTRICT i
     return;
   }
 #endif
+  const uint bits = point_bits(points);
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       float a, b;
-      sobol_pair((uint)pixels[j], (uint)samples[j] * times + nth, pair, &a, &b);
+      tile_pair((uint)pixels[j], (uint)samples[j] * times + nth, bits, pair, &a, &b);
       u[j] = a;
       v[j] = b;
     }

@@ -1,6 +1,7 @@
 // One interface to the samplers for their tests: the pair of numbers of a (seed, pixel, sample, pair).
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <ostream>
 #include <string>
@@ -22,7 +23,7 @@ struct Point2 {
 inline Point2 draw(int sampler, const SampleAddress& at) {
   static int ints[STATE_INTS * LANES];
   for (int j = 0; j < LANES; ++j) {
-    ints[PIXEL_HASH * LANES + j] = int(pixel_hash(at.seed, at.x, at.y));
+    ints[PIXEL_HASH * LANES + j] = int(pixel_sequence(sampler, at.seed, at.x, at.y));
     ints[SAMPLE_INDEX * LANES + j] = int(at.index);
   }
   float u[LANES], v[LANES];
@@ -32,7 +33,7 @@ inline Point2 draw(int sampler, const SampleAddress& at) {
 
 /// The same without the lanes, for loops over many points.
 inline Point2 draw_alone(int sampler, const SampleAddress& at) {
-  const uint pixel = pixel_hash(at.seed, at.x, at.y);
+  const uint pixel = pixel_sequence(sampler, at.seed, at.x, at.y);
   Point2 p;
   switch (sampler) {
     case SAMPLER_INDEPENDENT:
@@ -45,11 +46,15 @@ inline Point2 draw_alone(int sampler, const SampleAddress& at) {
       halton_pair(pixel, at.index, at.pair, &p.u, &p.v);
       break;
     default:
-      sobol_pair(pixel, at.index, at.pair, &p.u, &p.v);
+      tile_pair(pixel, at.index, point_bits(at.spp), at.pair, &p.u, &p.v);
       break;
   }
   return p;
 }
+
+/// A smooth integrand: no periodicity, no product that a stratum's centre gets right.
+inline double smooth(Point2 p) { return std::exp(-double(p.u) * p.u - double(p.v) * p.v); }
+inline const double kSmoothTruth = std::pow(0.5 * std::sqrt(std::acos(-1.0)) * std::erf(1.0), 2);
 
 constexpr int kSamplers[] = {SAMPLER_INDEPENDENT, SAMPLER_STRATIFIED, SAMPLER_HALTON, SAMPLER_SOBOL};
 

@@ -45,6 +45,9 @@ TEST_P(SamplerIndependence, OfPixelsPairsSeedsAndAxes) {
       {"next column", [](SampleAddress at) { return ++at.x, at; }},
       {"next row", [](SampleAddress at) { return ++at.y, at; }},
       {"across the diagonal", [](SampleAddress at) { return std::swap(at.x, at.y), ++at.x, at; }},
+      {"next tile", [](SampleAddress at) { return at.x += 16, at; }},
+      {"tile below", [](SampleAddress at) { return at.y += 16, at; }},
+      {"next column and pair", [](SampleAddress at) { return ++at.x, ++at.pair, at; }},
       {"next pair", [](SampleAddress at) { return ++at.pair, at; }},
       {"next step's pair", [](SampleAddress at) { return at.pair += DRAWS / 2, at; }},
       {"next seed", [](SampleAddress at) { return ++at.seed, at; }},
@@ -129,10 +132,6 @@ double convergence_slope(int sampler, const std::function<double(Point2)>& f, do
 }
 
 constexpr double kSlopeTolerance = 0.1;
-
-/// exp(-x^2 - y^2): no periodicity, no product that a stratum's centre gets right.
-double smooth(Point2 p) { return std::exp(-double(p.u) * p.u - double(p.v) * p.v); }
-const double kSmoothTruth = std::pow(0.5 * std::sqrt(std::acos(-1.0)) * std::erf(1.0), 2);
 
 /// A shadow's edge across the square: v < 0.7 - 0.43 u.
 double half_plane(Point2 p) { return p.v < 0.7 - 0.43 * p.u ? 1 : 0; }

@@ -62,7 +62,8 @@ TEST_P(Sampler, LanesAndBlocksDoNotMatter) {
   constexpr int kCapacity = 5 * LANES;
   std::vector<int> ints(std::size_t(STATE_INTS) * kCapacity);
   for (int i = 0; i < kCapacity; ++i) {
-    ints[std::size_t(PIXEL_HASH * kCapacity + i)] = int(pixel_hash(5, uint(i) % 7, uint(i) / 7));
+    ints[std::size_t(PIXEL_HASH * kCapacity + i)] =
+        int(pixel_sequence(GetParam(), 5, uint(i) % 7, uint(i) / 7));
     ints[std::size_t(SAMPLE_INDEX * kCapacity + i)] = i * 3 % 16;
   }
   for (int first = 0; first < kCapacity; first += LANES) {
@@ -81,7 +82,7 @@ TEST_P(Sampler, SeveralPointsOfASampleAreOneSequence) {
   constexpr int kTimes = 5, kSpp = 16;
   std::vector<int> ints(std::size_t(STATE_INTS) * LANES);
   for (int j = 0; j < LANES; ++j) {
-    ints[std::size_t(PIXEL_HASH * LANES + j)] = int(pixel_hash(5, 1, 2));
+    ints[std::size_t(PIXEL_HASH * LANES + j)] = int(pixel_sequence(GetParam(), 5, 1, 2));
     ints[std::size_t(SAMPLE_INDEX * LANES + j)] = j % kSpp;
   }
   for (int nth = 0; nth < kTimes; ++nth) {
@@ -149,10 +150,10 @@ TEST(SamplerBits, UnitFloatKeepsTheTopBits) {
   EXPECT_EQ(unit_float(kMax32), ONE_MINUS_EPSILON);
 }
 
-/// Whether 2^m points have exactly one in every elementary interval of area 2^-m.
+/// Whether no two points are in one elementary interval of area 2^-m: 2^m such points are a (0, m, 2)-net.
 bool is_net(const std::vector<Point2>& points, int m) {
   for (int a = 0; a <= m; ++a) {
-    std::vector<bool> taken(points.size());
+    std::vector<bool> taken(std::size_t(1) << m);
     for (const Point2& p : points) {
       const auto column = std::size_t(std::ldexp(p.u, a)), row = std::size_t(std::ldexp(p.v, m - a));
       const std::size_t cell = (row << a) + column;
@@ -170,10 +171,127 @@ TEST(SobolSampler, BlocksOfTwoToTheMAreNets) {
         for (std::uint32_t block : {0u, 1u, 6u}) {
           std::vector<Point2> points;
           for (std::uint32_t i = 0; i < (1u << m); ++i)
-            points.push_back(draw_alone(SAMPLER_SOBOL, {seed, 12, 34, (block << m) + i, pair, 16}));
+            points.push_back(draw_alone(SAMPLER_SOBOL, {seed, 12, 34, (block << m) + i, pair, 8u << m}));
           ASSERT_TRUE(is_net(points, m))
               << "m " << m << " pair " << pair << " seed " << seed << " block " << block;
         }
+}
+
+/// Points `first` ... of the pixels of a rectangle whose lowest pixel is x, y.
+std::vector<Point2> points_of(SampleAddress at, int width, int height, std::uint32_t first,
+                              std::uint32_t count) {
+  std::vector<Point2> points;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (std::uint32_t i = first; i < first + count; ++i) {
+        SampleAddress of_pixel = at;
+        of_pixel.x += std::uint32_t(x);
+        of_pixel.y += std::uint32_t(y);
+        of_pixel.index = i;
+        points.push_back(draw_alone(SAMPLER_SOBOL, of_pixel));
+      }
+  return points;
+}
+
+TEST(SobolSampler, AlignedSquaresOfPixelsAreNets) {
+  for (std::uint32_t seed : {0u, 42u, kMax32})
+    for (std::uint32_t pair : {0u, 1u, 5u, 400u})
+      for (int level = 0; level <= TILE_LEVELS; ++level)
+        for (int bits = 0; 2 * level + bits <= 10; ++bits)
+          for (std::uint32_t place : {0u, 3u, 8u}) {
+            const int side = 1 << level;
+            const SampleAddress corner{.seed = seed,
+                                       .x = 160 + place * std::uint32_t(side),
+                                       .y = 32 + 5 * std::uint32_t(side),
+                                       .pair = pair,
+                                       .spp = 1u << bits};
+            ASSERT_TRUE(is_net(points_of(corner, side, side, 0, corner.spp), 2 * level + bits))
+                << side << " pixels, spp " << corner.spp << " pair " << pair << " seed " << seed;
+            if (level == TILE_LEVELS) continue;
+            // Two such squares side by side, where the Z curve passes from one to the other.
+            SampleAddress two = corner;
+            two.x = 160 + (place & ~1u) * std::uint32_t(side);
+            ASSERT_TRUE(is_net(points_of(two, 2 * side, side, 0, two.spp), 2 * level + 1 + bits))
+                << side << " pixels, spp " << corner.spp << " pair " << pair << " seed " << seed;
+          }
+}
+
+TEST(SobolSampler, SamplesOfSeveralPointsAndPassesAreNets) {
+  // Samples that take 4 points each; a later pass has the second half of the samples, of which each pixel's
+  // are a net.
+  for (std::uint32_t pair : {0u, 3u}) {
+    const SampleAddress corner{.seed = 3, .x = 68, .y = 44, .pair = pair, .spp = 8 * 4};
+    EXPECT_TRUE(is_net(points_of(corner, 4, 4, 0, 32), 9));
+    EXPECT_TRUE(is_net(points_of(corner, 1, 1, 16, 16), 4));
+  }
+}
+
+TEST(SobolSampler, SquaresAcrossTilesAreNoNets) {
+  int nets = 0;
+  for (std::uint32_t pair = 0; pair < 8; ++pair) {
+    const SampleAddress corner{.seed = 3, .x = 14, .y = 14, .pair = pair, .spp = 4};
+    nets += is_net(points_of(corner, 4, 4, 0, 4), 6) ? 1 : 0;
+  }
+  EXPECT_EQ(nets, 0);
+}
+
+TEST(SobolSampler, OtherCountsArePartsOfNets) {
+  // Of a pixel and of every aligned square, for the next power of two.
+  for (std::uint32_t spp : {3u, 5u, 6u, 7u, 12u, 100u}) {
+    const int bits = int(std::ceil(std::log2(spp)));
+    for (std::uint32_t pair : {0u, 2u, 9u})
+      for (int level = 0; level <= 2; ++level) {
+        const SampleAddress corner{.seed = 8, .x = 52, .y = 20, .pair = pair, .spp = spp};
+        ASSERT_TRUE(is_net(points_of(corner, 1 << level, 1 << level, 0, spp), 2 * level + bits)) << spp;
+      }
+  }
+}
+
+TEST(SobolSampler, MorePointsThan32BitsNumber) {
+  // Up to 2^24 points of a pixel its place fits above them; beyond, each pixel has a sequence of its own.
+  for (std::uint32_t spp : {(1u << 24) - 1u, 1u << 24, (1u << 24) + 1u, 100'000'000u, kMax32}) {
+    std::set<float> us;
+    for (std::uint32_t y = 0; y < 16; ++y)
+      for (std::uint32_t x = 0; x < 16; ++x) us.insert(draw_alone(SAMPLER_SOBOL, {1, x, y, 5, 1, spp}).u);
+    // Of 256 numbers with 24 digits two are equal with a chance of 256^2 / 2^25 = 0.002.
+    EXPECT_EQ(us.size(), 256u) << spp;
+    for (std::uint32_t first : {0u, (spp >> 12) - 1u})
+      EXPECT_TRUE(is_net(points_of({.seed = 1, .x = 3, .y = 2, .spp = spp}, 1, 1, first << 10, 1024), 10))
+          << spp;
+  }
+}
+
+TEST(SamplerBits, PointsOfAPixelNeedSoManyDigits) {
+  for (const auto& [points, bits] : std::vector<std::pair<std::uint32_t, std::uint32_t>>{{1, 0},
+                                                                                         {2, 1},
+                                                                                         {3, 2},
+                                                                                         {4, 2},
+                                                                                         {5, 3},
+                                                                                         {1u << 24, 24},
+                                                                                         {(1u << 24) + 1, 25},
+                                                                                         {1u << 31, 31},
+                                                                                         {(1u << 31) + 1, 32},
+                                                                                         {kMax32, 32}})
+    EXPECT_EQ(point_bits(points), bits) << points;
+}
+
+TEST(SamplerBits, MortonIndexInterleavesDigits) {
+  for (std::uint32_t x = 0; x < 256; ++x)
+    for (std::uint32_t y = 0; y < 256; ++y) {
+      std::uint32_t expected = 0;
+      for (int k = 0; k < 8; ++k) expected |= ((x >> k & 1u) << 2 * k) | ((y >> k & 1u) << (2 * k + 1));
+      ASSERT_EQ(morton_index(x, y), expected);
+    }
+}
+
+TEST(SamplerBits, OnlySobolSharesSequences) {
+  for (int sampler : kSamplers)
+    for (std::uint32_t x : {0u, 5u, 16u, 1u << 20}) {
+      const std::uint32_t pixel = pixel_sequence(sampler, 7, x, 21), hash = pixel_hash(7, x, 21);
+      if (sampler != SAMPLER_SOBOL) EXPECT_EQ(pixel, hash);
+      if (sampler == SAMPLER_SOBOL)
+        EXPECT_EQ(pixel, (pixel_hash(7, x / 16, 1) & ~255u) | morton_index(x % 16, 5));
+    }
 }
 
 TEST(SobolSampler, IndependentPointsAreNoNet) {
