@@ -78,6 +78,11 @@ Expected<void> check(const RenderJob& job) {
   return {};
 }
 
+std::string kernel_text(const KernelOrigin& kernels) {
+  return fmt::format("OpenCL kernels {} {:.2f} s{}{}", kernels.cached ? "from the cache in" : "compiled in",
+                     kernels.seconds, kernels.note.empty() ? "" : "; ", kernels.note);
+}
+
 /// One call of run_render: carries arrivals to the plan and the plan's orders to merge, workers and report.
 class RenderRun {
  public:
@@ -103,6 +108,7 @@ class RenderRun {
   };
 
   void on(const arrivals::Connected& arrival);
+  void on(const arrivals::Compiling& arrival);
   void on(const arrivals::Ready& arrival);
   void on(const arrivals::JobFailed& arrival);
   void on(arrivals::Result& arrival);
@@ -141,6 +147,8 @@ class RenderRun {
     return [this](WorkerId worker) { return workers_.at(worker).share.name; };
   }
   void problem(std::string text) { problems_.push_back(std::move(text)); }
+  /// What every worker says alike is told once.
+  [[nodiscard]] bool is_new(const std::string& text) { return said_.insert(text).second; }
 
   const RenderJob& job_;
   const std::atomic<bool>& stop_;
@@ -156,7 +164,8 @@ class RenderRun {
   std::map<int, Seconds> starting_;        // local pids that are not ready yet, since when
   std::map<UnitId, std::string> details_;  // what was said last about a unit that failed
   std::set<std::string> job_failures_;
-  std::vector<std::string> problems_;
+  std::set<std::string> said_;
+  std::vector<std::string> problems_, notices_;
   int failed_starts_ = 0, fruitless_deaths_ = 0;
   bool budget_spent_ = false;
   std::uint64_t samples_done_ = 0;
@@ -226,10 +235,19 @@ void RenderRun::on(const arrivals::Connected& arrival) {
   server_->refuse(arrival.worker, options.error().message);
 }
 
+void RenderRun::on(const arrivals::Compiling& arrival) {
+  std::string text = fmt::format("compiling OpenCL kernels for {}", arrival.device);
+  if (is_new(text)) notices_.push_back(std::move(text));
+}
+
 void RenderRun::on(const arrivals::Ready& arrival) {
   Worker& worker = workers_.at(arrival.worker);
   worker.ready = true;
   worker.share.device = arrival.device;
+  worker.share.kernels = arrival.preparation.kernels;
+  if (worker.share.kernels && is_new(arrival.device)) notices_.push_back(kernel_text(*worker.share.kernels));
+  for (const std::string& warning : arrival.preparation.warnings)
+    if (is_new(warning)) problem(warning);
   starting_.erase(worker.pid);
   if (ready_ == 0) ready_ = since(started_);
   tell_plan(WorkerJoined{arrival.worker});
@@ -391,7 +409,8 @@ void RenderRun::report_progress() {
                 .elapsed_seconds = now,
                 .relative_error = error,
                 .workers = int(std::ranges::count_if(
-                    workers_, [](const auto& w) { return w.second.ready && !w.second.gone; }))});
+                    workers_, [](const auto& w) { return w.second.ready && !w.second.gone; })),
+                .notices = std::exchange(notices_, {})});
 }
 
 RenderOutcome RenderRun::outcome() && {

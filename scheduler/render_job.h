@@ -41,7 +41,8 @@ struct WorkerShare {
   std::uint64_t samples = 0;
   double busy_seconds = 0;  ///< inside Device::render
   std::uint64_t peak_memory_bytes = 0;
-  std::string ended;  ///< empty, or why it was lost
+  std::optional<KernelOrigin> kernels;  ///< nothing where they were compiled with the worker
+  std::string ended;                    ///< empty, or why it was lost
 };
 
 struct RenderProgress {
@@ -49,6 +50,8 @@ struct RenderProgress {
   double elapsed_seconds = 0;
   double relative_error = 0;  ///< see FilmAccumulator; NaN before it is known
   int workers = 0;            ///< connected
+  /// What has happened since the last call, such as a compile, a line each; about devices, each once.
+  std::vector<std::string> notices = {};
 };
 
 struct RenderOutcome {

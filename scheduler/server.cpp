@@ -88,8 +88,10 @@ class Connection {
 std::optional<Arrival> understand(WorkerId worker, Connection& connection,
                                   const wire::WorkerMessage& message) {
   switch (message.content_case()) {
+    case wire::WorkerMessage::kCompiling:
+      return arrivals::Compiling{worker, message.compiling().device()};
     case wire::WorkerMessage::kReady:
-      return arrivals::Ready{worker, message.ready().device()};
+      return arrivals::Ready{worker, message.ready().device(), decode(message.ready())};
     case wire::WorkerMessage::kJobFailed:
       return arrivals::JobFailed{worker, message.job_failed().message()};
     case wire::WorkerMessage::kResult:

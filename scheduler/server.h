@@ -26,9 +26,14 @@ struct Connected {
   int pid;
   std::vector<Isa> isas;  ///< instruction sets that it says it has, ascending
 };
+struct Compiling {  ///< kernels, before it is ready
+  WorkerId worker;
+  std::string device;  ///< for people
+};
 struct Ready {
   WorkerId worker;
   std::string device;  ///< for people
+  DevicePreparation preparation;
 };
 struct JobFailed {  ///< the worker cannot do this job at all
   WorkerId worker;
@@ -58,8 +63,8 @@ struct Gone {
 
 }  // namespace arrivals
 
-using Arrival = std::variant<arrivals::Connected, arrivals::Ready, arrivals::JobFailed, arrivals::Result,
-                             arrivals::BadResult, arrivals::UnitFailed, arrivals::Gone>;
+using Arrival = std::variant<arrivals::Connected, arrivals::Compiling, arrivals::Ready, arrivals::JobFailed,
+                             arrivals::Result, arrivals::BadResult, arrivals::UnitFailed, arrivals::Gone>;
 
 /// One thread for each connected worker reads, checks and decodes; `next` gives the arrivals to the one
 /// thread that drives the plan. Sending to a worker that is gone does nothing: its Gone is on the way.

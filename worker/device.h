@@ -27,6 +27,13 @@ struct RenderUnit {
 
 /// kAuto: OpenCL on a device that is no CPU, where there is one that renders the same bits; else native code.
 enum class Backend { kNative, kOpenCl, kAuto };
+constexpr std::array<std::string_view, 3> kBackendNames{"native", "opencl", "auto"};
+constexpr std::string_view backend_name(Backend backend) { return kBackendNames[std::size_t(backend)]; }
+/// Of a name that is one.
+constexpr Backend backend_from_name(std::string_view name) {
+  return name == "opencl" ? Backend::kOpenCl : (name == "auto" ? Backend::kAuto : Backend::kNative);
+}
+
 enum class Isa { kSse2, kAvx2, kAvx512 };
 
 /// What suits an OpenCL device by itself; set for tests and measurements. Pixels do not depend on it.

@@ -5,9 +5,13 @@
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
 
 #include "scheduler/protocol/message_memory.h"
 #include "worker/device.h"
+#include "worker/opencl_devices.h"
 #include "worker/worker_client.h"
 
 namespace {
@@ -16,6 +20,17 @@ constexpr int kFailed = 1;
 constexpr int kBadUsage = 2;
 
 void complain(const std::string& message) { fmt::print(stderr, "penumbra-worker: {}\n", message); }
+
+/// Ends the parse, as --help does.
+void list_devices() {
+  using namespace penumbra;
+  std::string isas;
+  for (int i = 0; i <= int(best_isa()); ++i) isas += fmt::format("{}{}", i > 0 ? ", " : "", isa_name(Isa(i)));
+  fmt::print("native: {}; {} cores\nOpenCL:", isas, std::thread::hardware_concurrency());
+  const std::vector<OpenClDeviceInfo> devices = list_opencl_devices();
+  fmt::print("{}{}\n", devices.empty() ? " no device" : "\n", opencl_device_table(devices));
+  throw CLI::Success();
+}
 
 }  // namespace
 
@@ -33,15 +48,20 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "penumbra-worker " PENUMBRA_VERSION);
   app.add_option("--connect", options.address, "The scheduler: unix:/path or host:port")->required();
   const auto* backend_option =
-      app.add_option("--backend", backend, "Compute with this instead of what the job says: native or opencl")
-          ->check(CLI::IsMember({"native", "opencl"}));
+      app.add_option("--backend", backend,
+                     "Compute with this instead of what the job says: native, opencl or auto")
+          ->check(CLI::IsMember({"native", "opencl", "auto"}));
   const auto* threads_option =
       app.add_option("--threads", threads, "Use so many threads, whatever the job says")
           ->check(CLI::Range(1, 4096));
   const auto* isa_option = app.add_option(
       "--isa", isa, "native: use this instruction set, whatever the job says: sse2, avx2 or avx512");
   const auto* opencl_option = app.add_option(
-      "--opencl-device", opencl_device, "opencl: the device whose name, or platform's name, contains this");
+      "--opencl-device,--device", opencl_device,
+      "opencl: the device of this number in the list, or whose or whose platform's name contains "
+      "this");
+  app.add_flag_callback("--list-devices", list_devices, "List what can compute here, and end")
+      ->trigger_on_parse();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -50,9 +70,16 @@ int main(int argc, char** argv) {
 
   const Isa best = best_isa();
   for (int i = 0; i <= int(best); ++i) options.isas.push_back(Isa(i));
-  if (*backend_option) options.backend = backend == "opencl" ? Backend::kOpenCl : Backend::kNative;
+  if (*backend_option) options.backend = backend_from_name(backend);
   if (*threads_option) options.threads = threads;
-  if (*opencl_option) options.opencl_device = opencl_device;
+  if (*opencl_option) {
+    const Expected<OpenClDeviceInfo> found = find_opencl_device(opencl_device);
+    if (!found) {
+      complain(found.error().message);
+      return kBadUsage;
+    }
+    options.opencl_device = opencl_device;
+  }
   if (*isa_option) {
     const Expected<Isa> named = isa_from_name(isa);
     if (!named || *named > best) {
@@ -61,6 +88,7 @@ int main(int argc, char** argv) {
       return kBadUsage;
     }
     options.isa = *named;
+    options.isas = {*named};  // what it will not use it does not have, or an Embree job would rely on it
   }
   options.make_device = make_device;
   options.on_connection_lost = [](const Error& error) {

@@ -177,6 +177,13 @@ Expected<void> Session::take_job(const wire::Job& job) {
   device_options->threads = options_.threads.value_or(device_options->threads);
   device_options->opencl_device = options_.opencl_device.value_or(device_options->opencl_device);
 
+  device_options->on_compile = [this, id = job.id()](const std::string& name) {
+    wire::WorkerMessage compiling;
+    compiling.mutable_compiling()->set_job(id);
+    compiling.mutable_compiling()->set_device(name);
+    say(std::move(compiling));
+  };
+
   if (const Expected<void> fetched = fetch_scene(job.scene()); !fetched) return fetched;
   Expected<std::unique_ptr<Device>> device = options_.make_device(scene_, *device_options);
   if (!device) return std::unexpected(device.error());
@@ -185,6 +192,7 @@ Expected<void> Session::take_job(const wire::Job& job) {
   wire::WorkerMessage ready;
   ready.mutable_ready()->set_job(job.id());
   ready.mutable_ready()->set_device(device_->description());
+  encode(device_->preparation(), *ready.mutable_ready());
   say(std::move(ready));
   return {};
 }

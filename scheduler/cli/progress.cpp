@@ -61,6 +61,11 @@ ProgressPrinter::ProgressPrinter(std::FILE* stream, ProgressStyle style, int col
     : stream_(stream), style_(style), columns_(columns) {}
 
 void ProgressPrinter::update(const RenderProgress& progress) {
+  if (style_ != ProgressStyle::kNone) {
+    for (const std::string& notice : progress.notices)
+      fmt::print(stream_, "{}{}\n", style_ == ProgressStyle::kBar ? "\r\x1b[K" : "", notice);
+    if (!progress.notices.empty()) std::fflush(stream_);
+  }
   if (style_ == ProgressStyle::kBar) {
     // One column stays free: terminals wrap a line that fills the last one.
     fmt::print(stream_, "\r\x1b[K{}", progress_bar(progress, columns_ - 1));

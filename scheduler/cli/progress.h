@@ -30,6 +30,7 @@ class ProgressPrinter {
  public:
   /// `columns` is the width of the terminal, for kBar.
   ProgressPrinter(std::FILE* stream, ProgressStyle style, int columns);
+  /// Notices become lines that stay.
   void update(const RenderProgress& progress);
   /// Clears the bar, so that what follows begins on a clean line.
   void finish();

@@ -122,6 +122,8 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
   const std::atomic<bool>& stop = install_stop_signal();
   auto prepared = prepare_render(options);
   if (!prepared) return print_error(prepared.error()), kBadInput;
+  if (const auto device = check_device(prepared->job.device); !device)
+    return print_error(device.error()), kBadInput;
   for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
   const auto worker = find_program("penumbra-worker");
   if (!worker) return print_error(worker.error()), kIncomplete;

@@ -153,14 +153,19 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   command.add_option("--threads", options.threads, "Threads of each worker (default: cores / workers)")
       ->type_name("N")
       ->check(CLI::Range(1, kMaxThreads));
-  command.add_option("--backend", options.backend, "What computes")
+  command
+      .add_option("--backend", options.backend,
+                  "What computes; auto: OpenCL where there is a device that is no CPU and renders the same "
+                  "bits, else "
+                  "native. Compiled kernels are kept in ~/.cache/penumbra/kernels: "
+                  "PENUMBRA_KERNEL_CACHE=FOLDER or off")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"native", "opencl"}))
+      ->check(CLI::IsMember({"native", "opencl", "auto"}))
       ->capture_default_str();
   command
-      .add_option(
-          "--opencl-device", options.opencl_device,
-          "Part of the name of an OpenCL platform or device (default: the first CPU device, else any)")
+      .add_option("--opencl-device,--device", options.opencl_device,
+                  "Number of an OpenCL device, or part of its or its platform's name (default: the first CPU "
+                  "device, else any); `penumbra worker --list-devices` lists them")
       ->type_name("NAME");
   command
       .add_option("--isa", options.isa,

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <thread>
 
+#include "worker/opencl_devices.h"
+
 namespace penumbra {
 namespace {
 
@@ -37,7 +39,7 @@ Expected<Isa> choose_isa(const std::optional<std::string>& name) {
 
 Expected<DeviceOptions> device_options(const RenderOptions& options, const DeviceScene& scene) {
   DeviceOptions device;
-  device.backend = options.backend == "opencl" ? Backend::kOpenCl : Backend::kNative;
+  device.backend = backend_from_name(options.backend);
   if (device.backend == Backend::kOpenCl && scene.header.intersector == INTERSECTOR_EMBREE) {
     return fail("this scene is rendered with Embree, which OpenCL has not: add --intersector portable");
   }
@@ -117,6 +119,14 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options) {
   prepared.job = make_job(options, prepared.record, *device, std::move(scene->device));
   prepared.scene = std::move(*scene);
   return prepared;
+}
+
+Expected<void> check_device(const DeviceOptions& device) {
+  const bool chosen = device.backend == Backend::kAuto && !device.opencl_device.empty();
+  if (device.backend != Backend::kOpenCl && !chosen) return {};
+  const Expected<OpenClDeviceInfo> found = find_opencl_device(device.opencl_device);
+  if (!found) return std::unexpected(found.error());
+  return {};
 }
 
 }  // namespace penumbra

@@ -21,4 +21,8 @@ struct PreparedRender {
 /// machine has not.
 Expected<PreparedRender> prepare_render(const RenderOptions& options);
 
+/// Whether there is the OpenCL device that the render wants; the error lists those that there are. Workers
+/// would find it out later, one after the other.
+Expected<void> check_device(const DeviceOptions& device);
+
 }  // namespace penumbra

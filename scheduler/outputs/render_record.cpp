@@ -115,7 +115,7 @@ std::string repeat_command(const RenderRecord& record, bool with_crop) {
   add("--pass", fmt::to_string(record.samples_per_pass));
   add("--intersector", record.embree ? "embree" : "portable");
   if (!record.isa.empty()) add("--isa", record.isa);
-  if (record.backend == Backend::kOpenCl) add("--backend", "opencl");
+  if (record.backend != Backend::kNative) add("--backend", std::string(backend_name(record.backend)));
   if (!record.feature_layers) command += " --no-features";
   const Film& film = record.film;
   if (with_crop && has_crop(film)) {
@@ -172,7 +172,7 @@ std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRe
     number("film.rfilter_c", film.filter_c);
   }
   text("intersector", record.embree ? "embree" : "portable");
-  text("backend", record.backend == Backend::kOpenCl ? "opencl" : "native");
+  text("backend", std::string(backend_name(record.backend)));
   if (!record.isa.empty()) text("isa", record.isa);
   if (!record.defines.empty()) text("defines", fmt::format("{}", fmt::join(record.defines, "\n")));
   if (!record.settings.empty()) text("set", fmt::format("{}", fmt::join(record.settings, "\n")));

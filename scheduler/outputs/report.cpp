@@ -83,6 +83,15 @@ Json polygon_light_json(const FilmAccumulator& film) {
   return {{"analytic", rgb(kAnalyticR)}, {"difference", rgb(kDifferenceR)}, {"visibility", visibility}};
 }
 
+/// How a worker came by its OpenCL kernels.
+Json kernels_json(const std::optional<KernelOrigin>& kernels) {
+  if (!kernels) return nullptr;
+  return {{"cached", kernels->cached},
+          {"compile_seconds", kernels->cached ? 0.0 : kernels->seconds},
+          {"cache_seconds", kernels->cached ? kernels->seconds : 0.0},
+          {"note", kernels->note.empty() ? Json(nullptr) : Json(kernels->note)}};
+}
+
 Json worker_json(const WorkerShare& worker, std::uint64_t all_samples) {
   return {{"name", worker.name},
           {"device", worker.device},
@@ -91,6 +100,7 @@ Json worker_json(const WorkerShare& worker, std::uint64_t all_samples) {
           {"share", all_samples > 0 ? Json(double(worker.samples) / double(all_samples)) : Json(nullptr)},
           {"busy_seconds", worker.busy_seconds},
           {"peak_memory_bytes", worker.peak_memory_bytes},
+          {"kernels", kernels_json(worker.kernels)},
           {"ended", worker.ended.empty() ? Json(nullptr) : Json(worker.ended)}};
 }
 

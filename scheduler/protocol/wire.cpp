@@ -40,8 +40,20 @@ wire::Isa encode(Isa isa) {
   return wire::ISA_SSE2;
 }
 
+wire::Backend encode(Backend backend) {
+  switch (backend) {
+    case Backend::kNative:
+      return wire::BACKEND_NATIVE;
+    case Backend::kOpenCl:
+      return wire::BACKEND_OPENCL;
+    case Backend::kAuto:
+      return wire::BACKEND_AUTO;
+  }
+  return wire::BACKEND_NATIVE;
+}
+
 void encode(const DeviceOptions& options, wire::DeviceOptions& message) {
-  message.set_backend(options.backend == Backend::kOpenCl ? wire::BACKEND_OPENCL : wire::BACKEND_NATIVE);
+  message.set_backend(encode(options.backend));
   message.set_isa(encode(options.isa));
   message.set_threads(options.threads);
   message.set_block_of_one(options.block_of_one);
@@ -56,6 +68,9 @@ Expected<DeviceOptions> decode(const wire::DeviceOptions& message) {
       break;
     case wire::BACKEND_OPENCL:
       options.backend = Backend::kOpenCl;
+      break;
+    case wire::BACKEND_AUTO:
+      options.backend = Backend::kAuto;
       break;
     default:
       return fail(fmt::format("the job asks for the unknown backend {}", int(message.backend())));
@@ -80,6 +95,24 @@ Expected<DeviceOptions> decode(const wire::DeviceOptions& message) {
   options.block_of_one = message.block_of_one();
   options.opencl_device = message.opencl_device();
   return options;
+}
+
+void encode(const DevicePreparation& preparation, wire::Ready& message) {
+  for (const std::string& warning : preparation.warnings) message.add_warnings(warning);
+  if (!preparation.kernels) return;
+  message.mutable_kernels()->set_cached(preparation.kernels->cached);
+  message.mutable_kernels()->set_seconds(preparation.kernels->seconds);
+  message.mutable_kernels()->set_note(preparation.kernels->note);
+}
+
+DevicePreparation decode(const wire::Ready& message) {
+  DevicePreparation preparation{.kernels = {},
+                                .warnings = {message.warnings().begin(), message.warnings().end()}};
+  if (message.has_kernels())
+    preparation.kernels = KernelOrigin{.cached = message.kernels().cached(),
+                                       .seconds = message.kernels().seconds(),
+                                       .note = message.kernels().note()};
+  return preparation;
 }
 
 void encode(const UnitId& id, wire::UnitId& message) {

@@ -16,7 +16,7 @@ namespace penumbra {
 
 namespace wire = penumbra::v1;
 
-constexpr std::uint32_t kProtocolVersion = 1;
+constexpr std::uint32_t kProtocolVersion = 2;
 constexpr std::size_t kAssetChunkBytes = std::size_t(1) << 20;
 
 /// Largest message that a peer accepts: a tile of 2048 x 2048 pixels with all planes, and some.
@@ -34,6 +34,10 @@ wire::Isa encode(Isa isa);
 void encode(const DeviceOptions& options, wire::DeviceOptions& message);
 /// Fails on an unknown backend or instruction set and on a thread count outside [1, 4096].
 Expected<DeviceOptions> decode(const wire::DeviceOptions& message);
+
+/// How a device came to be ready.
+void encode(const DevicePreparation& preparation, wire::Ready& message);
+DevicePreparation decode(const wire::Ready& message);
 
 void encode(const UnitId& id, wire::UnitId& message);
 UnitId decode(const wire::UnitId& message);

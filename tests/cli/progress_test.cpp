@@ -37,6 +37,15 @@ std::string printed(ProgressStyle style, const std::vector<RenderProgress>& upda
   return result;
 }
 
+TEST(ProgressPrinter, NoticesAreLinesThatStay) {
+  RenderProgress progress = at(0, 0, 100);
+  progress.notices = {"compiling kernels", "compiled"};
+  EXPECT_EQ(printed(ProgressStyle::kLines, {progress, at(1, 0, 100)}), "compiling kernels\ncompiled\n");
+  EXPECT_THAT(printed(ProgressStyle::kBar, {at(0, 0, 100), progress}),
+              HasSubstr("\r\x1b[Kcompiling kernels\n\r\x1b[Kcompiled\n\r\x1b[K["));
+  EXPECT_EQ(printed(ProgressStyle::kNone, {progress}), "");
+}
+
 TEST(DurationText, RoundsUpToWholeSeconds) {
   EXPECT_EQ(duration_text(0), "0 s");
   EXPECT_EQ(duration_text(0.1), "1 s");

@@ -44,11 +44,11 @@ TEST(Usage, EveryCommandHasHelpWithExamples) {
 TEST(Usage, HelpNamesTheOptionsThatThereAreAndNoOthers) {
   const std::string help = run({"render", "--help"}).out;
   for (const char* option :
-       {"--out",           "--integrator",  "--spp",     "--seed",        "--backend",
-        "--workers",       "--threads",     "--tile",    "--pass",        "--time-budget",
-        "--crop",          "--pixel",       "--report",  "--no-report",   "-D",
-        "--set",           "--lenient",     "--sampler", "--intersector", "--isa",
-        "--opencl-device", "--no-features", "--quiet"}) {
+       {"--out",           "--integrator", "--spp",         "--seed",        "--backend",
+        "--workers",       "--threads",    "--tile",        "--pass",        "--time-budget",
+        "--crop",          "--pixel",      "--report",      "--no-report",   "-D",
+        "--set",           "--lenient",    "--sampler",     "--intersector", "--isa",
+        "--opencl-device", "--device",     "--no-features", "--quiet"}) {
     EXPECT_THAT(help, HasSubstr(option));
   }
   for (const char* option : {"--resume", "--listen", "--launch", "--target-error"}) {

@@ -37,6 +37,7 @@ TEST(Report, SaysWhatWasDoneAndByWhom) {
   second.name = "a:2";
   second.samples = 100;
   second.peak_memory_bytes = 3000;
+  second.kernels = KernelOrigin{.cached = false, .seconds = 2.5, .note = "not kept"};
   outcome.workers = {first, second};
 
   RenderReport report;
@@ -64,6 +65,10 @@ TEST(Report, SaysWhatWasDoneAndByWhom) {
   EXPECT_EQ(json["workers"][0]["share"], 0.75);
   EXPECT_EQ(json["workers"][0]["ended"], "killed by signal 9");
   EXPECT_TRUE(json["workers"][1]["ended"].is_null());
+  EXPECT_TRUE(json["workers"][0]["kernels"].is_null());
+  EXPECT_EQ(json["workers"][1]["kernels"]["cached"], false);
+  EXPECT_EQ(json["workers"][1]["kernels"]["compile_seconds"], 2.5);
+  EXPECT_EQ(json["workers"][1]["kernels"]["note"], "not kept");
   EXPECT_EQ(json["memory"]["largest_worker_peak_bytes"], 3000);
   EXPECT_EQ(json["memory"]["device_scene_bytes"], sizeof(SceneHeader) + 40);
   EXPECT_GT(json["memory"]["scheduler_peak_bytes"], 1 << 20);

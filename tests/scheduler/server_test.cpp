@@ -81,7 +81,8 @@ TEST_F(ServerTest, AnotherProtocolVersionIsRefusedWithTheReason) {
   ASSERT_TRUE(stream_->Read(&message));
   ASSERT_TRUE(message.has_refused());
   EXPECT_THAT(message.refused().reason(),
-              HasSubstr("the worker speaks protocol version 2, this side version 1"));
+              HasSubstr("the worker speaks protocol version " + std::to_string(kProtocolVersion + 1) +
+                        ", this side version " + std::to_string(kProtocolVersion)));
   EXPECT_FALSE(stream_->Read(&message));
   EXPECT_EQ(stream_->Finish().error_code(), grpc::StatusCode::FAILED_PRECONDITION);
   EXPECT_FALSE(server_->next(50ms)) << "the plan must not hear of it";
@@ -117,6 +118,31 @@ TEST_F(ServerTest, AGoodResultArrivesAsItIs) {
   EXPECT_EQ(result.buffer.values, fake_samples(kArea, kRadiancePlanes).values);
   EXPECT_EQ(result.buffer.sample_count, 3u);
   EXPECT_EQ(result.busy_seconds, 1.5);
+}
+
+TEST_F(ServerTest, WhatIsSaidOfKernelsArrivesAsItIs) {
+  say_hello();
+  const WorkerId worker = next<arrivals::Connected>().worker;
+  wire::WorkerMessage compiling, ready;
+  compiling.mutable_compiling()->set_device("an abacus");
+  stream_->Write(compiling);
+  const auto heard = next<arrivals::Compiling>();
+  EXPECT_EQ(heard.worker, worker);
+  EXPECT_EQ(heard.device, "an abacus");
+  const DevicePreparation sent{.kernels = KernelOrigin{.cached = true, .seconds = 1.5, .note = "none lost"},
+                               .warnings = {"slow", "wooden"}};
+  encode(sent, *ready.mutable_ready());
+  stream_->Write(ready);
+  const DevicePreparation came = next<arrivals::Ready>().preparation;
+  ASSERT_TRUE(came.kernels);
+  EXPECT_TRUE(came.kernels->cached);
+  EXPECT_EQ(came.kernels->seconds, 1.5);
+  EXPECT_EQ(came.kernels->note, "none lost");
+  EXPECT_EQ(came.warnings, sent.warnings);
+  wire::WorkerMessage native;
+  native.mutable_ready()->set_device("native");
+  stream_->Write(native);
+  EXPECT_FALSE(next<arrivals::Ready>().preparation.kernels) << "compiled with the worker";
 }
 
 TEST_F(ServerTest, AFlippedBitIsNoticed) {

@@ -287,6 +287,53 @@ TEST_F(WorkerClientTest, AnExceptionIsAFailedUnit) {
   EXPECT_EQ(answer.unit_failed().message(), "out of luck");
 }
 
+TEST_F(WorkerClientTest, ACompileIsSaidAndWhatCameOfIt) {
+  class Compiled final : public Device {
+    [[nodiscard]] std::string description() const override { return "compiled"; }
+    [[nodiscard]] DevicePreparation preparation() const override {
+      return {.kernels = KernelOrigin{.cached = false, .seconds = 2.5, .note = "kept"}, .warnings = {"slow"}};
+    }
+    Expected<SampleBuffer> render(const RenderUnit&) override { return fail("no"); }
+  };
+  options_.make_device = [](const DeviceScene&,
+                            const DeviceOptions& device) -> Expected<std::unique_ptr<Device>> {
+    device.on_compile("an abacus");
+    return std::make_unique<Compiled>();
+  };
+  std::vector<wire::WorkerMessage> said;
+  EXPECT_TRUE(run([&](Stream& stream) {
+    read(stream);
+    wire::SchedulerMessage job = job_message(scene_hash_);
+    job.mutable_job()->mutable_device()->set_backend(wire::BACKEND_AUTO);
+    stream.Write(job);
+    for (int i = 0; i < 2; ++i) said.push_back(read(stream));
+    stream.Write(dismissal());
+  }));
+  EXPECT_EQ(said[0].compiling().device(), "an abacus");
+  EXPECT_EQ(said[0].compiling().job(), 5u);
+  const DevicePreparation preparation = decode(said[1].ready());
+  ASSERT_TRUE(preparation.kernels);
+  EXPECT_FALSE(preparation.kernels->cached);
+  EXPECT_EQ(preparation.kernels->seconds, 2.5);
+  EXPECT_EQ(preparation.kernels->note, "kept");
+  EXPECT_THAT(preparation.warnings, testing::ElementsAre("slow"));
+}
+
+TEST_F(WorkerClientTest, BackendsTravel) {
+  for (const Backend backend : {Backend::kNative, Backend::kOpenCl, Backend::kAuto}) {
+    wire::DeviceOptions message;
+    encode(DeviceOptions{.backend = backend}, message);
+    const Expected<DeviceOptions> decoded = decode(message);
+    ASSERT_TRUE(decoded);
+    EXPECT_EQ(decoded->backend, backend);
+    EXPECT_EQ(backend_from_name(backend_name(backend)), backend);
+  }
+  wire::DeviceOptions unknown;
+  encode(DeviceOptions{}, unknown);
+  unknown.set_backend(wire::Backend(99));
+  EXPECT_FALSE(decode(unknown));
+}
+
 TEST_F(WorkerClientTest, ANonsensicalUnitIsAFailedUnit) {
   std::vector<std::string> said;
   run_ready([&](Stream& stream) {
