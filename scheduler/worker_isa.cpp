@@ -17,7 +17,7 @@ std::string list(std::span<const Isa> isas) {
 
 Expected<DeviceOptions> options_for_worker(const DeviceOptions& job, bool embree, std::span<const Isa> has,
                                            const std::string& worker) {
-  if (job.backend != Backend::kNative || std::ranges::find(has, job.isa) != has.end()) return job;
+  if (job.backend == Backend::kOpenCl || std::ranges::find(has, job.isa) != has.end()) return job;
   if (embree) {
     return fail(
         fmt::format("worker {} was refused: this image is traced by Embree with {}, and another instruction "

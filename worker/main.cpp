@@ -11,6 +11,7 @@
 
 #include "scheduler/protocol/message_memory.h"
 #include "worker/device.h"
+#include "worker/measure_compile.h"
 #include "worker/opencl_devices.h"
 #include "worker/worker_client.h"
 
@@ -36,6 +37,7 @@ void list_devices() {
 
 int main(int argc, char** argv) {
   using namespace penumbra;
+  if (argc > 1 && std::string_view(argv[1]) == kMeasureCompile) return measure_compile(argc - 2, argv + 2);
   keep_message_memory();
   WorkerClientOptions options;
   std::string backend, isa, opencl_device;

@@ -6,6 +6,8 @@
 
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/loaded_scene.h"
+#include "scheduler/cli/scene_costs.h"
+#include "scheduler/outputs/inventory.h"
 #include "scheduler/outputs/report.h"
 
 namespace penumbra {
@@ -14,6 +16,8 @@ namespace {
 struct InfoOptions {
   SceneOptions scene;
   bool json = false;
+  bool compile = false;
+  std::string opencl_device;
 };
 
 using Section = std::pair<std::string, std::vector<std::pair<std::string, std::string>>>;
@@ -49,7 +53,7 @@ std::vector<std::pair<std::string, std::string>> settings_of(const SceneOptions&
   return settings;
 }
 
-void print_text(const SceneOptions& options, const LoadedScene& scene) {
+void print_text(const SceneOptions& options, const LoadedScene& scene, const SceneInventory& inventory) {
   fmt::print("{}, read and built in {:.3f} s\n", options.scene, scene.seconds);
   const std::vector<Section> sections = {{"Needs", scene.summary.needs},
                                          {"Left out", scene.summary.left_out},
@@ -58,10 +62,11 @@ void print_text(const SceneOptions& options, const LoadedScene& scene) {
     if (entries.empty()) continue;
     fmt::print("\n{}\n", title);
     for (const auto& [name, value] : entries) fmt::print("  {:<32} {}\n", name, value);
+    if (title == "Left out") fmt::print("\n{}", inventory_text(inventory));
   }
 }
 
-void print_json(const SceneOptions& options, const LoadedScene& scene) {
+void print_json(const SceneOptions& options, const LoadedScene& scene, const SceneInventory& inventory) {
   const SceneHeader& header = scene.device.header;  // its first material is black, for what has none
   const Film& film = scene.description.film;
   nlohmann::ordered_json json = {
@@ -80,6 +85,7 @@ void print_json(const SceneOptions& options, const LoadedScene& scene) {
       {"build_seconds", scene.seconds},
       {"needs", grouped_json(scene.summary.needs)},
       {"left_out", grouped_json(scene.summary.left_out)},
+      {"costs", inventory_json(inventory)},
       {"warnings", scene.description.warnings}};
   // Names and paths are bytes, not always UTF-8.
   fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
@@ -88,10 +94,16 @@ void print_json(const SceneOptions& options, const LoadedScene& scene) {
 ExitCode info(const InfoOptions& options) {
   const auto scene = load_scene(options.scene);
   if (!scene) return print_error(scene.error()), kBadInput;
+  SceneInventory inventory = scene_costs(scene->description, scene->device, best_isa(), true);
+  if (options.compile) {
+    const auto times = measure_compile_times(scene->device, options.opencl_device);
+    if (!times) return print_error(times.error()), kIncomplete;
+    inventory.opencl = *times;
+  }
   if (options.json) {
-    print_json(options.scene, *scene);
+    print_json(options.scene, *scene, inventory);
   } else {
-    print_text(options.scene, *scene);
+    print_text(options.scene, *scene, inventory);
     for (const std::string& warning : scene->description.warnings) print_warning(warning);
   }
   return kAllDone;
@@ -105,9 +117,15 @@ void add_info_command(CLI::App& app, Command& chosen) {
   const auto options = std::make_shared<InfoOptions>();
   add_scene_options(*command, options->scene);
   command->add_flag("--json", options->json, "Print JSON");
+  CLI::Option* compile = command->add_flag(
+      "--compile", options->compile,
+      "Measure what compiling OpenCL kernels takes for this scene and with everything: half a minute");
+  command->add_option("--opencl-device", options->opencl_device, "On the device whose name contains this")
+      ->needs(compile);
   command->footer(
       "Examples:\n"
       "  penumbra info scene.xml\n"
+      "  penumbra info scene.xml --compile\n"
       "  penumbra info scene.xml -D albedo=0.5 --integrator direct --json");
   command->callback([options, &chosen] { chosen = [options] { return info(*options); }; });
 }

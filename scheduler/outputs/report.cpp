@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scheduler/outputs/film_image.h"
+#include "scheduler/outputs/inventory.h"
 #include "scheduler/outputs/json_number.h"
 #include "scheduler/outputs/machine.h"
 #include "scheduler/outputs/non_finite_text.h"
@@ -176,6 +177,7 @@ Json report_json(const RenderReport& report) {
         {"largest_worker_peak_bytes", worker_memory}}},
       {"needs", grouped_json(report.needs)},
       {"left_out", grouped_json(report.left_out)},
+      {"costs", report.inventory ? inventory_json(*report.inventory) : Json(nullptr)},
       {"warnings", report.warnings},
       {"problems", outcome.problems}};
 }

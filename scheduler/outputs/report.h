@@ -3,10 +3,12 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "scenes/device/scene_inventory.h"
 #include "scheduler/outputs/render_record.h"
 #include "scheduler/render_job.h"
 
@@ -19,6 +21,7 @@ struct RenderReport {
   const RenderOutcome* outcome = nullptr;
   std::vector<std::string> warnings;                                 ///< of the scene's reader
   std::vector<std::pair<std::string, std::string>> needs, left_out;  ///< of the scene, see SceneSummary
+  std::optional<SceneInventory> inventory;                           ///< what that saves
   double build_seconds = 0;                  ///< reading the scene and building its device form
   double write_seconds = 0;                  ///< of the image files
   std::vector<std::filesystem::path> files;  ///< images written

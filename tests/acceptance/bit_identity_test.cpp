@@ -41,7 +41,7 @@ TEST_P(BitIdentity, EveryBackendGivesTheSameBytes) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, BitIdentity, testing::ValuesIn(suite_scenes()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& tested) { return tested.param.name; });
 
 }  // namespace
 }  // namespace penumbra

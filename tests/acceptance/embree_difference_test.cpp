@@ -105,9 +105,9 @@ std::vector<SuiteScene> scenes_without_ties() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, EmbreeSeeds, testing::ValuesIn(scenes_without_ties()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& tested) { return tested.param.name; });
 INSTANTIATE_TEST_SUITE_P(Scenes, Embree, testing::ValuesIn(suite_scenes()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& tested) { return tested.param.name; });
 
 }  // namespace
 }  // namespace penumbra

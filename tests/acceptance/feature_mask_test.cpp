@@ -95,7 +95,7 @@ TEST_P(FeatureMask, OpenClWithTheScenesOwnFeaturesAndWithAllGivesTheSameBytes) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, FeatureMask, testing::ValuesIn(suite_scenes()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& tested) { return tested.param.name; });
 
 }  // namespace
 }  // namespace penumbra

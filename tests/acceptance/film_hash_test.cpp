@@ -209,8 +209,8 @@ TEST_P(FilmHash, IsThatOfTheRecordFromEveryBackend) {
     EXPECT_TRUE(found.contains(name)) << name << " is in the record but no longer rendered" << kHowToUpdate;
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, FilmHash, testing::ValuesIn(scene_files()), [](const auto& info) {
-  std::string name = info.param.name;
+INSTANTIATE_TEST_SUITE_P(Scenes, FilmHash, testing::ValuesIn(scene_files()), [](const auto& tested) {
+  std::string name = tested.param.name;
   std::ranges::replace_if(
       name, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
   return name;

@@ -49,6 +49,14 @@ TEST(Report, SaysWhatWasDoneAndByWhom) {
   report.warnings = {"a.xml:3:4: warning"};
   report.needs = {{"triangles", "12"}};
   report.left_out = {{"Phong BSDF", "not used"}};
+  report.inventory.emplace();
+  report.inventory->features = FEATURE_PATH;
+  report.inventory->feature_uses = {{"PATH", "path integrator", true}, {"PHONG", "Phong BSDF", false}};
+  report.inventory->tables = {{"nodes of the hierarchy", {0, std::nullopt}}};
+  report.inventory->device_scene = {500, std::nullopt};
+  report.inventory->path_state = {100, 150};
+  report.inventory->result = {24, 84};
+  report.inventory->native = NativeCode{"avx2", "core", FEATURE_PATH, {10'000, 90'000}};
   report.build_seconds = 0.25;
   const auto json = report_json(report);
 
@@ -74,6 +82,17 @@ TEST(Report, SaysWhatWasDoneAndByWhom) {
   EXPECT_GT(json["memory"]["scheduler_peak_bytes"], 1 << 20);
   EXPECT_EQ(json["needs"]["triangles"], "12");
   EXPECT_EQ(json["left_out"]["Phong BSDF"], "not used");
+  const auto& costs = json["costs"];
+  EXPECT_EQ(costs["feature_bits"], FEATURE_PATH);
+  EXPECT_EQ(costs["used"][0]["name"], "PATH");
+  EXPECT_EQ(costs["left_out"][0]["description"], "Phong BSDF");
+  EXPECT_EQ(costs["bytes"]["device_scene"]["own"], 500);
+  EXPECT_TRUE(costs["bytes"]["device_scene"]["everything"].is_null()) << "not known";
+  EXPECT_TRUE(costs["bytes"]["tables"]["nodes of the hierarchy"]["everything"].is_null());
+  EXPECT_EQ(costs["bytes"]["block_state"]["everything"], 150 * 4096);
+  EXPECT_EQ(costs["bytes"]["result_per_pixel"]["own"], 24);
+  EXPECT_EQ(costs["native"]["code_bytes"]["everything"], 90'000);
+  EXPECT_TRUE(costs["opencl"].is_null());
   EXPECT_EQ(json["warnings"][0], "a.xml:3:4: warning");
   EXPECT_EQ(json["problems"][0], "worker a:1 was lost");
   EXPECT_EQ(json["film_hash"].get<std::string>().size(), 16u);

@@ -1,0 +1,42 @@
+# Writes OUT, C++ that lists the sizes of object files: cmake -DSIZE=… -DOUT=… -DNAMES=a,b -DOBJECTS=a.o,b.o -P this.
+# NAMES are TARGET_SET as in native_kernels.cpp.
+string(REPLACE "," ";" NAMES "${NAMES}")
+string(REPLACE "," ";" OBJECTS "${OBJECTS}")
+set(rows "")
+foreach(name object IN ZIP_LISTS NAMES OBJECTS)
+  execute_process(COMMAND ${SIZE} -A -d ${object} OUTPUT_VARIABLE sections COMMAND_ERROR_IS_FATAL ANY)
+  set(bytes 0)
+  string(REGEX MATCHALL "\n\\.(text|rodata)[^ ]* +[0-9]+" lines "${sections}")
+  foreach(line IN LISTS lines)
+    string(REGEX REPLACE ".* " "" section_bytes "${line}")
+    math(EXPR bytes "${bytes} + ${section_bytes}")
+  endforeach()
+  string(APPEND rows "    {\"${name}\", ${bytes}},\n")
+endforeach()
+file(WRITE ${OUT} "// Made by native_code_size.cmake.
+#include \"kernels/host/native_code_size.h\"
+
+#include <string>
+
+namespace penumbra {
+namespace {
+
+struct Row {
+  std::string_view name;
+  std::uint64_t bytes;
+};
+constexpr Row kRows[] = {
+${rows}};
+constexpr std::string_view kTargets[] = {\"scalar\", \"sse2\", \"avx2\", \"avx512\"};
+
+}  // namespace
+
+std::uint64_t native_code_bytes(const NativeKernel& kernel) {
+  const std::string name = std::string(kTargets[int(kernel.target)]) + '_' + std::string(kernel.features_name);
+  for (const Row& row : kRows)
+    if (row.name == name) return row.bytes;
+  return 0;
+}
+
+}  // namespace penumbra
+")

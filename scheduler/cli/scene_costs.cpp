@@ -1,0 +1,101 @@
+#include "scheduler/cli/scene_costs.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "kernels/host/native_code_size.h"
+#include "scheduler/cli/program_path.h"
+#include "scheduler/outputs/render_record.h"
+#include "worker/measure_compile.h"
+
+namespace penumbra {
+namespace {
+
+constexpr std::array<KernelTarget, 3> kTargets{KernelTarget::kSse2, KernelTarget::kAvx2,
+                                               KernelTarget::kAvx512};
+
+std::optional<NativeCode> native_code(const DeviceScene& scene, Isa isa) {
+  const KernelTarget target = kTargets[std::size_t(isa)];
+  const NativeKernel* own = find_native_kernel(target, scene.header.features);
+  const NativeKernel* everything = find_native_kernel(target, every_feature(scene.header));
+  if (own == nullptr || everything == nullptr) return std::nullopt;
+  return NativeCode{std::string(isa_name(isa)),
+                    std::string(own->features_name),
+                    own->features,
+                    {native_code_bytes(*own), native_code_bytes(*everything)}};
+}
+
+/// A file of this process alone, until the end.
+class TemporaryFile {
+ public:
+  TemporaryFile() {
+    path_ = (std::filesystem::temp_directory_path() / "penumbra-scene-XXXXXX").string();
+    descriptor_ = mkstemp(path_.data());
+  }
+  ~TemporaryFile() {
+    if (descriptor_ < 0) return;
+    close(descriptor_);
+    unlink(path_.c_str());
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  [[nodiscard]] bool exists() const { return descriptor_ >= 0; }
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+  int descriptor_ = -1;
+};
+
+struct PipeClose {
+  void operator()(std::FILE* pipe) const { pclose(pipe); }
+};
+
+}  // namespace
+
+SceneInventory scene_costs(const SceneDescription& description, const DeviceScene& scene, Isa isa,
+                           bool thorough) {
+  SceneInventory inventory = take_inventory(description, scene, thorough);
+  inventory.native = native_code(scene, isa);
+  return inventory;
+}
+
+Expected<CompileTimes> measure_compile_times(const DeviceScene& scene, const std::string& opencl_device) {
+  if (scene.header.intersector == INTERSECTOR_EMBREE)
+    return fail(
+        "--compile: this scene is rendered with Embree, which OpenCL has not: add --intersector portable");
+  const auto worker = find_program("penumbra-worker");
+  if (!worker) return std::unexpected(worker.error());
+  const TemporaryFile file;
+  const std::vector<std::uint8_t> bytes = scene.serialize();
+  std::ofstream out(file.path(), std::ios::binary);
+  if (file.exists()) out.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+  out.close();
+  if (!file.exists() || !out) return fail("--compile: cannot write the temporary file " + file.path());
+
+  std::string command =
+      fmt::format("{} {} {}", shell_quoted(worker->string()), kMeasureCompile, shell_quoted(file.path()));
+  if (!opencl_device.empty()) command += " " + shell_quoted(opencl_device);
+  std::fflush(nullptr);
+  std::unique_ptr<std::FILE, PipeClose> pipe(popen(command.c_str(), "re"));
+  if (pipe == nullptr) return fail("--compile: cannot start " + worker->string());
+  std::string answer;
+  std::array<char, 4096> part;
+  while (const std::size_t count = std::fread(part.data(), 1, part.size(), pipe.get()))
+    answer.append(part.data(), count);
+  if (pclose(pipe.release()) != 0) return fail("--compile: nothing was measured; the worker said why");
+  const auto json = nlohmann::json::parse(answer, nullptr, false);
+  if (!json.is_object()) return fail("--compile: the worker said '" + answer + "'");
+  return CompileTimes{json.value("device", ""), json.value("own_seconds", 0.0),
+                      json.value("everything_seconds", 0.0)};
+}
+
+}  // namespace penumbra

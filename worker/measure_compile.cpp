@@ -1,0 +1,105 @@
+#include "worker/measure_compile.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "worker/device.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// An empty folder, until the end.
+class EmptyFolder {
+ public:
+  EmptyFolder() {
+    std::string name = (fs::temp_directory_path() / "penumbra-compile-XXXXXX").string();
+    if (mkdtemp(name.data()) != nullptr) path_ = name;
+  }
+  ~EmptyFolder() {
+    std::error_code ignored;
+    if (!path_.empty()) fs::remove_all(path_, ignored);
+  }
+  EmptyFolder(const EmptyFolder&) = delete;
+  EmptyFolder& operator=(const EmptyFolder&) = delete;
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+struct Measurement {
+  std::string device;
+  double seconds = 0;
+};
+
+/// From nothing to the first result, less the time of a second one: drivers may put off a part of their work
+/// to the first launch.
+Expected<Measurement> measure(const DeviceScene& scene, const DeviceOptions& options) {
+  using Clock = std::chrono::steady_clock;
+  const auto seconds = [](Clock::time_point from) {
+    return std::chrono::duration<double>(Clock::now() - from).count();
+  };
+  const RenderUnit unit{.width = 1, .height = 1, .first_sample = 0, .sample_count = 1};
+  const auto start = Clock::now();
+  const auto device = make_device(scene, options);
+  if (!device) return std::unexpected(device.error());
+  if (const auto first = (*device)->render(unit); !first) return std::unexpected(first.error());
+  const double all = seconds(start);
+  const auto again = Clock::now();
+  if (const auto second = (*device)->render(unit); !second) return std::unexpected(second.error());
+  return Measurement{(*device)->description(), all - seconds(again)};
+}
+
+Expected<void> run(int count, char** arguments) {
+  if (count < 1 || count > 2)
+    return fail("a device scene's file and perhaps an OpenCL device's name are wanted");
+  std::ifstream file(arguments[0], std::ios::binary);
+  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file), {}};
+  Expected<DeviceScene> scene = DeviceScene::deserialize(bytes);
+  if (!scene) return std::unexpected(scene.error());
+
+  const EmptyFolder cache;
+  if (cache.path().empty()) return fail("no temporary folder can be made");
+  // Nothing may be found ready: the drivers' own caches, before the first of them is loaded.
+  setenv("POCL_CACHE_DIR", cache.path().c_str(), 1);
+  setenv("CUDA_CACHE_DISABLE", "1", 1);
+  DeviceOptions options;
+  options.backend = Backend::kOpenCl;
+  if (count > 1) options.opencl_device = arguments[1];
+  options.opencl_tuning.kernel_cache = fs::path();
+
+  const std::uint32_t own_features = scene->header.features;
+  const auto own = measure(*scene, options);
+  if (!own) return std::unexpected(own.error());
+  scene->header.features = (FEATURE_ALL & ~FEATURE_BVH) | (own_features & FEATURE_BVH);
+  const auto everything = measure(*scene, options);
+  if (!everything) return std::unexpected(everything.error());
+  std::string device = own->device.substr(0, own->device.find(", features"));
+  for (char& c : device)
+    if (c == '"' || c == '\\' || static_cast<unsigned char>(c) < ' ') c = ' ';
+  fmt::print("{{\"device\": \"{}\", \"own_seconds\": {:.4f}, \"everything_seconds\": {:.4f}}}\n", device,
+             own->seconds, everything->seconds);
+  return {};
+}
+
+}  // namespace
+
+int measure_compile(int count, char** arguments) {
+  if (const Expected<void> done = run(count, arguments); !done) {
+    fmt::print(stderr, "penumbra-worker {}: {}\n", kMeasureCompile, done.error().message);
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace penumbra
