@@ -110,8 +110,8 @@ FN bool has_control(const PRIVATE SceneHeader* h) {
 #endif
 }
 
-/// Traces `path_count` paths from the `first_path`-th on of those of the block's pixels, which start at the
-/// unit's `first_pixel`-th, `batch` (at most the capacity) at a time, and leaves their samples in their slots.
+/// Traces `path_count` paths, from the `first_path`-th on, of the block's pixels, which start at the unit's
+/// `first_pixel`-th: `batch` at a time, at most the capacity. Their samples are then in their slots.
 FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int first_path,
                      int path_count, int batch, const PRIVATE Block* block) {
   GLOBAL float* f = block->f;
