@@ -81,11 +81,16 @@ void rays_on_edges(SceneDescription& scene) {
       field.triangles.push_back({vertex(i, j), vertex(i, j + 1), vertex(i + 1, j)});
       field.triangles.push_back({vertex(i + 1, j), vertex(i, j + 1), vertex(i + 1, j + 1)});
     }
-  scene.shapes = {Shape{.name = "field", .geometry = std::move(field), .front_bsdf = 0, .back_bsdf = 0}};
+  Shape shape;
+  shape.name = "field";
+  shape.geometry = std::move(field);
+  shape.front_bsdf = shape.back_bsdf = 0;
+  scene.shapes = {std::move(shape)};
   scene.bsdfs = {Bsdf{"grey", DiffuseBsdf{}}};
   scene.point_lights = {PointLight{{0.3, 0.4, 0.2}, glm::vec3(1)}};
   scene.environment = ConstantEnvironment{};
-  scene.camera = PerspectiveCamera{.fov = 90};
+  scene.camera = {};
+  scene.camera.fov = 90;
   resize_film(scene, kEdgePixels, kEdgePixels);
   scene.film.filter = FilterKind::kBox;
   scene.film.filter_radius = 1e-6f;
