@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -11,7 +12,6 @@
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/progress.h"
 #include "scheduler/cli/render_preparation.h"
-#include "scheduler/cli/scene_costs.h"
 #include "scheduler/cli/stop_signal.h"
 #include "scheduler/outputs/atomic_file.h"
 #include "scheduler/outputs/film_image.h"
@@ -112,14 +112,24 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
   report.warnings = prepared.scene.description.warnings;
   report.needs = prepared.scene.summary.needs;
   report.left_out = prepared.scene.summary.left_out;
-  if (files.report)
-    report.inventory =
-        scene_costs(prepared.scene.description, prepared.job.scene, prepared.job.device.isa, false);
   report.build_seconds = prepared.scene.seconds;
   report.write_seconds = seconds_since(begin);
   if (files.exr) report.files.push_back(*files.exr);
   if (files.png) report.files.push_back(*files.png);
   return write_report(report, files.report);
+}
+
+/// Renders. Where the machine was to choose what computes, and its choice brings down every worker (a driver
+/// that crashes is none that fails), native code renders after all.
+Expected<RenderOutcome> render_with_fallback(RenderJob& job, const std::atomic<bool>& stop,
+                                             const std::function<void(const RenderProgress&)>& on_progress) {
+  auto outcome = run_render(job, stop, on_progress);
+  if (outcome || job.device.backend != Backend::kAuto || stop) return outcome;
+  std::string warning = "native code renders: " + outcome.error().message;
+  job.device.backend = Backend::kNative;
+  outcome = run_render(job, stop, on_progress);
+  if (outcome) outcome->problems.insert(outcome->problems.begin(), std::move(warning));
+  return outcome;
 }
 
 ExitCode render(const RenderOptions& options, const std::vector<std::string>& command_line) {
@@ -137,7 +147,7 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
   ProgressPrinter progress(stderr, show ? progress_style(stderr) : ProgressStyle::kNone,
                            terminal_columns(stderr));
   const auto outcome =
-      run_render(prepared->job, stop, [&](const RenderProgress& now) { progress.update(now); });
+      render_with_fallback(prepared->job, stop, [&](const RenderProgress& now) { progress.update(now); });
   progress.finish();
   if (!outcome) return print_error(outcome.error()), kIncomplete;
   if (sample_range(outcome->film).total == 0) {

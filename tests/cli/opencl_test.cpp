@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/program.h"
@@ -86,6 +87,26 @@ TEST_F(OpenClCommand, KernelsAreCompiledOnceAndThatIsSaid) {
   EXPECT_TRUE(report("native")["workers"][0]["kernels"].is_null());
   EXPECT_EQ(report("native")["film_hash"], report("first")["film_hash"]);
   EXPECT_EQ(report("native")["film_hash"], report("second")["film_hash"]);
+}
+
+TEST_F(OpenClCommand, AutoRendersNativelyWhereTheCompilerBreaks) {
+  if (!has_device() || !devices_.contains("Portable Computing Language: "))
+    GTEST_SKIP() << "PoCL is the driver whose compiler is easily broken";
+  // It needs a linker, and aborts where it finds none. Its own cache must not help.
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", "/nowhere", 1);
+  std::filesystem::create_directory(folder_ / "pocl");
+  setenv("POCL_CACHE_DIR", (folder_ / "pocl").c_str(), 1);
+  const ProgramResult asked = render("asked", {"--backend", "opencl", "--device", "portable"});
+  const ProgramResult chosen = render("chosen", {"--backend", "auto", "--device", "portable"});
+  setenv("PATH", path.c_str(), 1);
+  unsetenv("POCL_CACHE_DIR");
+  EXPECT_EQ(asked.exit_code, 1);
+  EXPECT_THAT(asked.err, HasSubstr("Final linking of kernel"));
+  EXPECT_EQ(chosen.exit_code, 0) << chosen.err;
+  EXPECT_THAT(chosen.err, HasSubstr("warning: native code renders: no worker could be started"));
+  EXPECT_THAT(report("chosen")["problems"][0].get<std::string>(), StartsWith("native code renders"));
+  EXPECT_THAT(report("chosen")["workers"][0]["device"].get<std::string>(), StartsWith("native"));
 }
 
 TEST_F(OpenClCommand, AutoIsRecordedAsSuchWhateverItTakes) {
