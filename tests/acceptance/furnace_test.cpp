@@ -1,6 +1,7 @@
 // Closed rooms that emit the same everywhere: the radiance is a geometric series, whatever the strategy.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -79,6 +80,58 @@ TEST_P(PathFurnace, EarlyRouletteChangesNothing) {
   IntegratorSettings integrator = GetParam().integrator;
   integrator.rr_depth = 1;
   expect_radiance(furnace("0.8", integrator), 5);
+}
+
+/// Mean, variance and fourth central moment of a sample where every surface emits 1, reflects `albedo` and
+/// only directions are sampled: a path that sees n + 1 surfaces adds its throughputs up to there, which
+/// depend on n alone, and ends there with a known probability.
+struct Moments {
+  double mean = 0, variance = 0, fourth = 0;
+};
+
+Moments roulette_moments(double albedo, int rr_depth) {
+  std::vector<std::pair<double, double>> ends;  // probability, sum
+  double alive = 1, throughput = 1, sum = 0;
+  for (int step = 0; alive > 1e-15; ++step) {
+    sum += throughput;
+    throughput *= albedo;
+    const int k = step + 1 - rr_depth;
+    const double survival = k < 0 ? 1 : std::min(std::sqrt(2 * throughput), 1 - 2 / (k + 100.0));
+    ends.emplace_back(alive * (1 - survival), sum);
+    alive *= survival;
+    throughput /= survival;
+  }
+  Moments moments;
+  for (const auto& [p, s] : ends) moments.mean += p * s;
+  for (const auto& [p, s] : ends) {
+    moments.variance += p * std::pow(s - moments.mean, 2);
+    moments.fourth += p * std::pow(s - moments.mean, 4);
+  }
+  return moments;
+}
+
+TEST(Roulette, VarianceIsThatOfItsProbabilitiesUpToAlbedo099) {
+  for (const char* albedo : {"0.5", "0.8", "0.97", "0.99"}) {
+    const IntegratorSettings integrator{.kind = IntegratorKind::kPath,
+                                        .direct_sampling = DirectSampling::kBsdfOnly};
+    const Moments moments = roulette_moments(std::stod(albedo), integrator.rr_depth);
+    EXPECT_NEAR(moments.mean * (1 - std::stod(albedo)), 1, 1e-9) << albedo;
+    EXPECT_LT(moments.variance, 8 * moments.mean * moments.mean) << albedo;  // finite, and small
+    const FilmAccumulator film = render_or_throw(furnace(albedo, integrator), big_passes());
+    const statistics::Sample sample = pixel_sample(film, 0, 0, 0);
+    const double n = double(sample.count());
+    EXPECT_NEAR(sample.mean(), moments.mean, 4 * std::sqrt(moments.variance / n)) << albedo;
+    const double deviation = std::sqrt((moments.fourth - moments.variance * moments.variance) / n);
+    EXPECT_NEAR(n * sample.standard_error() * sample.standard_error(), moments.variance, 4 * deviation)
+        << albedo;
+  }
+}
+
+TEST(Roulette, EndsPathsThatLoseNothing) {
+  SceneDescription scene = furnace("1", {.kind = IntegratorKind::kPath});
+  scene.sampler.spp = 2000;
+  const FilmAccumulator film = render_or_throw(scene, big_passes());
+  EXPECT_EQ(film.nan().count + film.infinite().count, 0u);
 }
 
 TEST_P(PathFurnace, UnitSphereSeenFromInside) {
