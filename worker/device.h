@@ -42,6 +42,7 @@ struct OpenClTuning {
   std::uint64_t memory_bytes = 0;          ///< of the device at most; 0: what there is
   std::uint64_t allocation_bytes = 0;      ///< of one buffer at most; 0: what the device allows
   std::int64_t launch_paths = 0;           ///< a launch holds so many paths; 0: as many as take a moment
+  double launch_seconds = 0;  ///< a launch takes about so long; 0: a moment, on a CPU as long as it takes
   std::optional<std::filesystem::path> kernel_cache = {};  ///< unless set, default_kernel_cache()
   std::string build_options = {};                          ///< more options for the compiler
 };

@@ -79,8 +79,9 @@ class OpenClDevice final : public Device {
                tuning.allocation_bytes ? tuning.allocation_bytes : info().max_allocation_bytes};
     if (tuning.launch_paths > 0)
       launch_ = LaunchSize::fixed(tuning.launch_paths);
-    else if (!info().is_cpu)
-      launch_ = LaunchSize::timed(kLaunchSeconds, kFirstLaunch);
+    else if (tuning.launch_seconds > 0 || !info().is_cpu)
+      launch_ =
+          LaunchSize::timed(tuning.launch_seconds > 0 ? tuning.launch_seconds : kLaunchSeconds, kFirstLaunch);
   }
 
   // --- Setting up

@@ -76,6 +76,17 @@ TEST_P(OpenClShapes, GiveTheSameBytesHoweverLaunchesAreCut) {
     }
 }
 
+TEST_P(OpenClShapes, GiveTheSameBytesWithLaunchesOfAMoment) {
+  const DeviceScene scene = build_or_throw(GetParam().make());
+  // Large enough that launches shrink from their first size, and differ from one time to the next.
+  const RenderUnit unit = whole_film(scene, 60);
+  const SampleBuffer expected = render(scene, native_options(), unit);
+  for (const bool path_per_item : {false, true})
+    EXPECT_TRUE(same_bytes(
+        expected,
+        render(scene, opencl_options({.path_per_item = path_per_item, .launch_seconds = 1e-3}), unit)));
+}
+
 TEST_P(OpenClShapes, GiveTheSameBytesInLittleMemory) {
   const DeviceScene scene = build_or_throw(GetParam().make());
   const RenderUnit unit = whole_film(scene);
