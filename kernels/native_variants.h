@@ -7,6 +7,10 @@
 // BVH.
 #define NATIVE_FEATURES_core (FEATURE_PATH | FEATURE_LAYERS | FEATURE_SAMPLERS)
 #define NATIVE_FEATURES_core_bvh (NATIVE_FEATURES_core | FEATURE_BVH)
+// Paths in glossy meshes with vertex normals: 1.4 times as fast as with everything (the Cornell box,
+// AVX-512).
+#define NATIVE_FEATURES_mesh (NATIVE_FEATURES_core | FEATURE_PHONG | FEATURE_SHADING_NORMALS)
+#define NATIVE_FEATURES_mesh_bvh (NATIVE_FEATURES_mesh | FEATURE_BVH)
 // Direct light of diffuse and glossy meshes, closed forms of polygon lights among it.
 #define NATIVE_FEATURES_polygons                                                                 \
   (FEATURE_DIRECT | FEATURE_PHONG | FEATURE_PROJECTED | FEATURE_POLYGONS | FEATURE_SOLID_ANGLE | \
@@ -16,4 +20,5 @@
 #define NATIVE_FEATURES_all_bvh FEATURE_ALL
 
 /// X(set), the smallest first.
-#define NATIVE_FEATURE_SETS(X) X(core) X(core_bvh) X(polygons) X(polygons_bvh) X(all) X(all_bvh)
+#define NATIVE_FEATURE_SETS(X) \
+  X(core) X(core_bvh) X(mesh) X(mesh_bvh) X(polygons) X(polygons_bvh) X(all) X(all_bvh)
