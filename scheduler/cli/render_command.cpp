@@ -12,6 +12,7 @@
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/progress.h"
 #include "scheduler/cli/render_preparation.h"
+#include "scheduler/cli/scene_costs.h"
 #include "scheduler/cli/stop_signal.h"
 #include "scheduler/outputs/atomic_file.h"
 #include "scheduler/outputs/film_image.h"
@@ -112,6 +113,9 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
   report.warnings = prepared.scene.description.warnings;
   report.needs = prepared.scene.summary.needs;
   report.left_out = prepared.scene.summary.left_out;
+  if (files.report)
+    report.inventory =
+        scene_costs(prepared.scene.description, prepared.job.scene, prepared.job.device.isa, false);
   report.build_seconds = prepared.scene.seconds;
   report.write_seconds = seconds_since(begin);
   if (files.exr) report.files.push_back(*files.exr);
