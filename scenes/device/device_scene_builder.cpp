@@ -59,6 +59,7 @@ class Builder {
     const Bounds bounds = bounds_of(scene);
     center_ = 0.5 * (bounds.low + bounds.high);
     radius_ = 0.5 * glm::length(bounds.high - bounds.low);
+    lights_.set_receivers(light_receivers(scene, center_), scene.integrator);
   }
 
   Expected<DeviceScene> build() {

@@ -62,9 +62,17 @@ Outlines separate(std::span<const LightTriangle> triangles) {
 
 }  // namespace
 
-std::vector<int> LightBuilder::add_triangles(std::span<const LightTriangle> triangles, const Shape& shape) {
+/// EMITTER_* of a shape's triangles.
+int LightBuilder::triangle_sampling(std::span<const LightTriangle> triangles, const Shape& shape) const {
   const EmitterSampling wanted = shape.sampling == EmitterSampling::kAuto ? by_default_ : shape.sampling;
-  const int sampling = code(wanted, EMITTER_AREA);
+  if (wanted != EmitterSampling::kAuto || receivers_.empty()) return code(wanted, EMITTER_AREA);
+  const SamplingVariance variance =
+      sampling_variance(triangles, merge_coplanar(triangles), shape.two_sided_emission, receivers_);
+  return solid_angle_pays(variance, integrator_) ? EMITTER_SOLID_ANGLE : EMITTER_AREA;
+}
+
+std::vector<int> LightBuilder::add_triangles(std::span<const LightTriangle> triangles, const Shape& shape) {
+  const int sampling = triangle_sampling(triangles, shape);
   const bool merges = polygons_wanted_ || sampling == EMITTER_SOLID_ANGLE;
   const Outlines merged = merges ? merge_coplanar(triangles) : separate(triangles);
   duplicates_ += int(merged.duplicates.size());

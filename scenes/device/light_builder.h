@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernels/scene_types.h"
+#include "scenes/device/emitter_sampling.h"
 #include "scenes/device/polygon_outline.h"
 #include "scenes/scene_description.h"
 
@@ -18,6 +19,13 @@ class LightBuilder {
   /// polygon lights is wanted.
   LightBuilder(EmitterSampling by_default, bool polygons)
       : by_default_(by_default), polygons_wanted_(polygons) {}
+
+  /// What the lights shine on, in their coordinates: a light whose sampling nobody has set gets the one that
+  /// pays there for the integrator (emitter_sampling.h). Without receivers: by area.
+  void set_receivers(std::vector<Receiver> receivers, const IntegratorSettings& integrator) {
+    receivers_ = std::move(receivers);
+    integrator_ = integrator;
+  }
 
   /// The triangles of an emitting shape; returns the index of the light of each. One that repeats another is
   /// the same light, or it would shine twice.
@@ -50,8 +58,12 @@ class LightBuilder {
   int add(Light light, const glm::vec3& radiance, double area, double power);
   void add_polygon(const Outline& outline, const Shape& shape, int first_light, int light_count);
 
+  [[nodiscard]] int triangle_sampling(std::span<const LightTriangle> triangles, const Shape& shape) const;
+
+  IntegratorSettings integrator_;  ///< of the receivers
   EmitterSampling by_default_;
   bool polygons_wanted_;
+  std::vector<Receiver> receivers_;
   std::vector<Light> lights_;
   std::vector<double> power_;
   std::vector<Polygon> polygons_;
