@@ -126,7 +126,8 @@ void add_reference_options(CLI::App& command, ReportOptions& options) {
 void add_presentation_options(CLI::App& command, ReportOptions& options) {
   constexpr const char* kGroup = "What is shown";
   add_parsed(command, "--target", options.targets, parse_target,
-             "Time to this error is found: relmse=1e-3, mse=0.01; repeatable (default: the smallest relMSE "
+             "Time to this error is found: relmse=1e-3, mse=0.01, block_relmse=1e-3 (means of 4 x 4 pixels); "
+             "repeatable (default: the smallest relMSE "
              "that all reach)")
       ->type_name("METRIC=VALUE")
       ->group(kGroup);

@@ -25,6 +25,7 @@ ImageErrors mean_errors(const std::vector<ImageResult>& images) {
     mean.mse += image.errors.mse * share;
     mean.relative_mse += image.errors.relative_mse * share;
     mean.trimmed_relative_mse += image.errors.trimmed_relative_mse * share;
+    mean.block_relative_mse += image.errors.block_relative_mse * share;
     mean.mape += image.errors.mape * share;
     mean.smape += image.errors.smape * share;
     mean.bias += image.errors.bias * share;
@@ -70,6 +71,7 @@ ImageErrors measure_errors(const ImagePair& pair, double epsilon) {
   errors.mse = mean_squared_error(pair).overall;
   errors.relative_mse = relative_mse(pair, epsilon).overall;
   errors.trimmed_relative_mse = trimmed_relative_mse(pair, epsilon).overall;
+  errors.block_relative_mse = block_relative_mse(pair, epsilon).overall;
   errors.mape = mean_absolute_percentage_error(pair, epsilon).overall;
   errors.smape = symmetric_mean_absolute_percentage_error(pair, epsilon).overall;
   errors.bias = bias(pair).overall;
@@ -140,6 +142,13 @@ void finish_curve(const ReportData& report, std::span<const Target> targets, Cur
   curve.relmse_over_spp = fit_slope(over_spp(curve, true));
   curve.to_target.clear();
   for (const Target& target : targets) {
+    if (target.blocks) {
+      std::vector<CostError> points;
+      for (const CurvePoint& point : curve.points)
+        points.push_back({report.seconds(point.seconds), point.errors.block_relative_mse});
+      curve.to_target.push_back(time_to_target(points, fit_slope(points), target.error));
+      continue;
+    }
     curve.to_target.push_back(time_to_target(over_time(report, curve, target.relative),
                                              target.relative ? curve.relmse_over_time : curve.mse_over_time,
                                              target.error));

@@ -28,7 +28,11 @@ std::string target_text(const std::optional<TimeToTarget>& time) {
 }
 
 std::string target_name(const Target& target) {
-  return fmt::format("{} {}", target.relative ? "relMSE" : "MSE", number_text(target.error));
+  return fmt::format("{} {}",
+                     target.blocks     ? "relMSE of blocks"
+                     : target.relative ? "relMSE"
+                                       : "MSE",
+                     number_text(target.error));
 }
 
 /// Indices of the curve that is fastest to each target, by what was measured.
@@ -148,7 +152,7 @@ std::string bias_table(const SceneReport& scene) {
 
 std::string points_table(const SceneReport& scene) {
   HtmlTable table({"method", "spp", "images", "build", "transfer", "render", "total", "MSE", "relMSE",
-                   "trimmed", "MAPE", "SMAPE", "largest", "left out", "load"});
+                   "trimmed", "of blocks", "MAPE", "SMAPE", "largest", "left out", "load"});
   for (std::size_t i = 0; i < scene.curves.size(); ++i) {
     const Curve& curve = scene.curves[i];
     const bool peer = curve.name.peer;
@@ -161,12 +165,14 @@ std::string points_table(const SceneReport& scene) {
                  fmt::to_string(point.images.size()), known(seconds_text(point.seconds.build)),
                  known(seconds_text(point.seconds.transfer)), known(seconds_text(point.seconds.render)),
                  seconds_text(point.seconds.total), number_text(e.mse), number_text(e.relative_mse),
-                 number_text(e.trimmed_relative_mse), number_text(e.mape), number_text(e.smape),
-                 number_text(e.largest), fmt::to_string(e.non_finite), known(fmt::format("{:.1f}", load))});
+                 number_text(e.trimmed_relative_mse), number_text(e.block_relative_mse), number_text(e.mape),
+                 number_text(e.smape), number_text(e.largest), fmt::to_string(e.non_finite),
+                 known(fmt::format("{:.1f}", load))});
     }
   }
   return "<details><summary>All budgets: times and errors</summary>\n" + table.text() +
-         "<p class=\"quiet\">Trimmed: relMSE without the worst 0.1 % of the pixels. Left out: pixels that "
+         "<p class=\"quiet\">Trimmed: relMSE without the worst 0.1 % of the pixels. Of blocks: relMSE of the "
+         "means of 4 × 4 pixels. Left out: pixels that "
          "are NaN "
          "or infinite. Load: the largest load average after an image.</p></details>\n";
 }

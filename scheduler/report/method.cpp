@@ -94,14 +94,14 @@ Expected<std::vector<std::uint32_t>> parse_budgets(std::string_view text) {
 Expected<Target> parse_target(std::string_view text) {
   const std::size_t equals = text.find('=');
   const std::string_view name = text.substr(0, equals);
-  if (equals == std::string_view::npos || (name != "relmse" && name != "mse")) {
-    return fail(fmt::format("'{}' is not relmse=VALUE or mse=VALUE", text));
+  if (equals == std::string_view::npos || (name != "relmse" && name != "mse" && name != "block_relmse")) {
+    return fail(fmt::format("'{}' is not relmse=VALUE, mse=VALUE or block_relmse=VALUE", text));
   }
   const auto value = parse_whole<double>(text.substr(equals + 1));
   if (!value || !(*value > 0) || !std::isfinite(*value)) {
     return fail(fmt::format("'{}' is not a positive error", text.substr(equals + 1)));
   }
-  return Target{name == "relmse", *value};
+  return Target{name != "mse", *value, name == "block_relmse"};
 }
 
 }  // namespace penumbra

@@ -24,10 +24,11 @@ Expected<Method> parse_method(std::string_view text);
 /// Errors: no positive whole numbers, the same twice, the first of a range above the second.
 Expected<std::vector<std::uint32_t>> parse_budgets(std::string_view text);
 
-/// "relmse=1e-3" or "mse=0.01".
+/// "relmse=1e-3", "mse=0.01" or "block_relmse=1e-3".
 struct Target {
   bool relative = true;  ///< of relMSE, else of MSE
   double error = 0;
+  bool blocks = false;  ///< relMSE of the means of blocks, see block_relative_mse
 };
 Expected<Target> parse_target(std::string_view text);
 

@@ -27,6 +27,7 @@ struct PhaseSeconds {
 /// What was measured of one image against the reference. Overall values of scheduler/metrics.
 struct ImageErrors {
   double mse = 0, relative_mse = 0, trimmed_relative_mse = 0, mape = 0, smape = 0, bias = 0, largest = 0;
+  double block_relative_mse = 0;
   std::uint64_t non_finite = 0;  ///< pixels that were left out
 };
 

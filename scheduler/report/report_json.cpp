@@ -25,6 +25,7 @@ Json errors_json(const ImageErrors& errors) {
   return {{"mse", json_number(errors.mse)},
           {"relmse", json_number(errors.relative_mse)},
           {"relmse_trimmed", json_number(errors.trimmed_relative_mse)},
+          {"block_relmse", json_number(errors.block_relative_mse)},
           {"mape", json_number(errors.mape)},
           {"smape", json_number(errors.smape)},
           {"bias", json_number(errors.bias)},
@@ -75,7 +76,10 @@ Json point_json(const CurvePoint& point, bool peer) {
 }
 
 Json target_json(const Target& target) {
-  return {{"metric", target.relative ? "relmse" : "mse"}, {"error", target.error}};
+  return {{"metric", target.blocks     ? "block_relmse"
+                     : target.relative ? "relmse"
+                                       : "mse"},
+          {"error", target.error}};
 }
 
 Json curve_json(const Curve& curve, const std::vector<Target>& targets) {

@@ -57,6 +57,8 @@ TEST(Budgets, ErrorsSayWhatIsWrong) {
 TEST(Targets, AreOfOneMetricAndPositive) {
   EXPECT_TRUE(parse_target("relmse=1e-3")->relative);
   EXPECT_EQ(parse_target("relmse=1e-3")->error, 1e-3);
+  EXPECT_FALSE(parse_target("relmse=1e-3")->blocks);
+  EXPECT_TRUE(parse_target("block_relmse=1e-3")->blocks);
   EXPECT_FALSE(parse_target("mse=0.5")->relative);
   for (const char* bad :
        {"", "relmse", "relmse=", "relmse=0", "relmse=-1", "mse=inf", "mse=nan", "flip=1", "mse=1x"})

@@ -29,6 +29,7 @@ CurvePoint point_of(std::uint32_t spp, double seconds, double mse) {
   image.seed = 5;
   image.errors.mse = mse;
   image.errors.relative_mse = 2 * mse;
+  image.errors.block_relative_mse = mse / 4;
   image.errors.bias = NAN;
   point.images = {image, image};
   point.seconds = image.seconds;
@@ -120,6 +121,19 @@ TEST(ReportJson, ReadsBack) {
   EXPECT_EQ(point["errors"]["mse"], 0.25);
   EXPECT_TRUE(point["errors"]["bias"].is_null()) << "not a number";
   EXPECT_TRUE(scene["curves"][2]["points"][0]["spp"].is_null());
+}
+
+TEST(ReportJson, TargetsOfBlocks) {
+  ReportData report = some_report();
+  SceneReport& scene = report.scenes[0];
+  scene.targets = {{.relative = true, .error = 0.125, .blocks = true}};
+  for (Curve& curve : scene.curves) finish_curve(report, scene.targets, curve);
+  const auto json = nlohmann::json::parse(report_data_json(report).dump())["scenes"][0];
+  EXPECT_EQ(json["targets"][0]["metric"], "block_relmse");
+  // Of blocks it is 1 / (4 T) and 1 / (4 T^2).
+  EXPECT_NEAR(json["curves"][0]["time_to_target"][0]["seconds"].get<double>(), 2, 1e-9);
+  EXPECT_NEAR(json["curves"][1]["time_to_target"][0]["seconds"].get<double>(), std::sqrt(2.0), 1e-9);
+  EXPECT_EQ(json["curves"][0]["points"][2]["errors"]["block_relmse"], 0.25 / 4);
 }
 
 TEST(ReportCsv, ReadsBack) {
