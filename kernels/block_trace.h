@@ -33,12 +33,11 @@ STAGE void intersect_block(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f,
   }
 #endif
 #if HAS(BVH)
-  for (int i = 0; i < count; i++) {
-    const Hit hit =
+  for (int i = 0; i < count; i++)
+    ints[HIT * capacity + i] =
         intersect_bvh(scene, LOAD3(f, capacity, RAY_ORIGIN_X, i), LOAD3(f, capacity, RAY_DIRECTION_X, i),
-                      f[RAY_TMAX * capacity + i], ints[RAY_SKIP * capacity + i], false);
-    ints[HIT * capacity + i] = hit.primitive;
-  }
+                      f[RAY_TMAX * capacity + i], ints[RAY_SKIP * capacity + i])
+            .primitive;
 #else
   for (int i = 0; i < count; i += LANES) {
     RayLanes rays;
@@ -72,12 +71,11 @@ STAGE void occlude_block(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, G
   }
 #endif
 #if HAS(BVH)
-  for (int i = 0; i < count; i++) {
-    const Hit hit = intersect_bvh(scene, LOAD3(f, capacity, SHADOW_ORIGIN_X, i),
-                                  LOAD3(f, capacity, SHADOW_DIRECTION_X, i), f[SHADOW_TMAX * capacity + i],
-                                  ints[SHADOW_SKIP * capacity + i], true);
-    ints[HIT * capacity + i] = hit.primitive;
-  }
+  for (int i = 0; i < count; i++)
+    ints[HIT * capacity + i] =
+        occlude_bvh(scene, LOAD3(f, capacity, SHADOW_ORIGIN_X, i), LOAD3(f, capacity, SHADOW_DIRECTION_X, i),
+                    f[SHADOW_TMAX * capacity + i], ints[SHADOW_SKIP * capacity + i])
+            .primitive;
 #else
   for (int i = 0; i < count; i += LANES) {
     RayLanes rays;

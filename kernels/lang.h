@@ -29,6 +29,13 @@
 #else
   #define LANE_LOOP_WIDTH(n)
 #endif
+#ifdef __clang__
+  // Before a loop of exactly n turns, a register's worth. Clang would unroll it first and lose its shape.
+  #define REGISTER_LOOP(n) \
+    PENUMBRA_PRAGMA(clang loop vectorize(assume_safety) vectorize_width(n) unroll(disable))
+#else
+  #define REGISTER_LOOP(n)
+#endif
 #define LANE_LOOP_(n) LANE_LOOP_WIDTH(n)
 #define LANE_LOOP LANE_LOOP_(VECTOR_WIDTH)
 

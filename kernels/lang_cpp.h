@@ -20,6 +20,8 @@
 #define FABS_D(x) __builtin_fabs(x)
 #define DOUBLE_BITS(x) __builtin_bit_cast(unsigned long, double(x))
 #define BITS_DOUBLE(x) __builtin_bit_cast(double, (unsigned long)(x))
+// Index of the lowest bit that is set; there is one.
+#define LOWEST_BIT(x) __builtin_ctz(x)
 #ifdef __clang__
   #define BIT_REVERSE(x) __builtin_bitreverse32(x)
 #endif
@@ -27,4 +29,17 @@
 PENUMBRA_NAMESPACE_BEGIN
 using uint = unsigned int;
 using ulong = unsigned long;
+
+/// Bit j of the result says whether wanted[j], of 8, is not 0.
+FN uint mask_of_8(const int* wanted) {
+#ifdef __clang__
+  typedef int Ints __attribute__((ext_vector_type(8), aligned(4)));
+  typedef bool Bools __attribute__((ext_vector_type(8)));
+  return __builtin_bit_cast(unsigned char, __builtin_convertvector(*(const Ints*)wanted != 0, Bools));
+#else
+  uint mask = 0;
+  for (int j = 0; j < 8; j++) mask |= wanted[j] != 0 ? 1u << j : 0u;
+  return mask;
+#endif
+}
 PENUMBRA_NAMESPACE_END

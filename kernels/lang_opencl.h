@@ -22,8 +22,18 @@
 #define FABS_D(x) fabs((double)(x))
 #define DOUBLE_BITS(x) as_ulong((double)(x))
 #define BITS_DOUBLE(x) as_double((ulong)(x))
+#define LOWEST_BIT(x) (31 - (int)clz((uint)(x) & (0u - (uint)(x))))
 #ifdef __has_builtin
   #if __has_builtin(__builtin_bitreverse32)
     #define BIT_REVERSE(x) __builtin_bitreverse32(x)
   #endif
 #endif
+
+/// Bit j of the result says whether wanted[j], of 8, is not 0.
+FN uint mask_of_8(const PRIVATE int* wanted) {
+  const int8 bits = (int8)(1, 2, 4, 8, 16, 32, 64, 128);
+  const int8 some = (vload8(0, wanted) != 0) & bits;
+  const int4 half = some.lo | some.hi;
+  const int2 quarter = half.lo | half.hi;
+  return (uint)(quarter.lo | quarter.hi);
+}

@@ -57,7 +57,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define QUADRIC_SPHERE 0
 #define QUADRIC_DISK 1
 
-#define BVH_WIDTH 8
+#define BVH_WIDTH 8               // children of a node, primitives of a leaf
 #define MAX_DIRECT_SAMPLES 65536  // emitter or BSDF samples of one camera ray
 #define FILTER_CELLS 256
 
@@ -128,13 +128,8 @@ PENUMBRA_NAMESPACE_BEGIN
 
 // Inner node of the wide BVH: child k is a node if child[k] >= 0, else leaf ~child[k]. An empty slot is any
 // leaf in an inverted box. Leaves below `triangle_leaf_count` hold triangles, the others quadrics.
-#define BVH_NODE_FIELDS(F)    \
-  F(float, low_x[BVH_WIDTH])  \
-  F(float, low_y[BVH_WIDTH])  \
-  F(float, low_z[BVH_WIDTH])  \
-  F(float, high_x[BVH_WIDTH]) \
-  F(float, high_y[BVH_WIDTH]) \
-  F(float, high_z[BVH_WIDTH]) \
+#define BVH_NODE_FIELDS(F)                                          \
+  F(float, bounds[6][BVH_WIDTH]) /* least x, y, z, then greatest */ \
   F(int, child[BVH_WIDTH])
 
 // A leaf's triangles, vertex v's coordinate axis as p[v][axis]; unused slots have primitive -1.

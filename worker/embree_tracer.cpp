@@ -139,6 +139,8 @@ EmbreeTracer::~EmbreeTracer() = default;
 
 Tracer EmbreeTracer::tracer() const { return {impl_.get(), &Impl::intersect, &Impl::occlude}; }
 
+RTCSceneTy* EmbreeTracer::scene() const { return impl_->scene.get(); }
+
 Expected<std::unique_ptr<EmbreeTracer>> EmbreeTracer::make(const DeviceScene& scene,
                                                            const DeviceOptions& options) {
   std::unique_ptr<EmbreeTracer> result(new EmbreeTracer);

@@ -6,6 +6,8 @@
 #include "kernels/host/native_kernels.h"
 #include "worker/device.h"
 
+struct RTCSceneTy;
+
 namespace penumbra {
 
 class EmbreeTracer {
@@ -17,7 +19,10 @@ class EmbreeTracer {
   EmbreeTracer(const EmbreeTracer&) = delete;
   EmbreeTracer& operator=(const EmbreeTracer&) = delete;
 
+  /// Hands a block's rays to Embree 16 at a time.
   [[nodiscard]] Tracer tracer() const;
+  /// The scene that it traces, for other ways of calling Embree.
+  [[nodiscard]] RTCSceneTy* scene() const;
 
  private:
   EmbreeTracer() = default;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "kernels/host/cache_aligned.h"
 #include "kernels/host/error.h"
 #include "kernels/scene_types.h"
 
@@ -17,7 +18,7 @@ constexpr std::uint32_t kMaxSamplesPerUnit = 4096;  ///< a block holds all sampl
 
 struct DeviceScene {
   SceneHeader header{};
-  std::vector<std::uint32_t> words;  ///< the tables whose offsets the header holds
+  AlignedVector<std::uint32_t> words;  ///< the tables whose offsets the header holds
 
   /// Header and words with a magic number and a version in front; little-endian.
   [[nodiscard]] std::vector<std::uint8_t> serialize() const;

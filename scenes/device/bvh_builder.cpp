@@ -71,7 +71,7 @@ Expected<BuildNode*> build_tree(RTCDevice device, const std::vector<Box>& boxes,
   arguments.maxBranchingFactor = BVH_WIDTH;
   arguments.maxDepth = BVH_MAX_DEPTH - 2;  // the root over both kinds of primitive and a margin
   arguments.sahBlockSize = BVH_WIDTH;
-  arguments.minLeafSize = 1;
+  arguments.minLeafSize = BVH_WIDTH;  // testing a full leaf costs as much as testing a node
   arguments.maxLeafSize = BVH_WIDTH;
   arguments.traversalCost = 1;
   arguments.intersectionCost = 1;
@@ -97,6 +97,13 @@ class Flattener {
   /// the other end of the negative range first.
   void flatten(const BuildNode* triangle_root, Box triangle_box, const BuildNode* quadric_root,
                Box quadric_box) {
+    const BuildNode* only = triangle_root && quadric_root ? nullptr
+                            : triangle_root               ? triangle_root
+                                                          : quadric_root;
+    if (only && only->child_count > 0) {
+      emit(only, only == quadric_root);
+      return;
+    }
     out_.nodes.push_back(empty_node());
     int slot = 0;
     if (triangle_root) set_child(0, slot++, triangle_box, emit(triangle_root, false));
@@ -111,12 +118,10 @@ class Flattener {
 
  private:
   static void set_bounds_of_slot(BvhNode& node, int slot, const Box& box) {
-    node.low_x[slot] = box.low[0];
-    node.low_y[slot] = box.low[1];
-    node.low_z[slot] = box.low[2];
-    node.high_x[slot] = box.high[0];
-    node.high_y[slot] = box.high[1];
-    node.high_z[slot] = box.high[2];
+    for (int axis = 0; axis < 3; ++axis) {
+      node.bounds[axis][slot] = box.low[axis];
+      node.bounds[axis + 3][slot] = box.high[axis];
+    }
   }
 
   static BvhNode empty_node() {

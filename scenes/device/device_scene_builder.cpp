@@ -20,6 +20,9 @@ namespace {
 
 // Up to this many triangles testing all of them in lanes beats any hierarchy.
 constexpr std::size_t kMaxWholeTriangles = 64;
+// Where Embree becomes as fast as our own hierarchy, measured (tests/benchmarks/traversal_benchmark.cpp):
+// below, the images are the same everywhere for nothing.
+constexpr std::size_t kMaxPortableTriangles = 4'000'000;
 constexpr std::size_t kMaxWholeQuadrics = 16;
 
 vec3 to_vec3(const glm::dvec3& v) { return make_vec3(float(v.x), float(v.y), float(v.z)); }
@@ -242,7 +245,8 @@ class Builder {
   Expected<void> choose_intersector() {
     const bool small = collect_corners();
     h_.intersector = options_.intersector == IntersectorChoice::kEmbree ||
-                             (options_.intersector == IntersectorChoice::kAuto && !small)
+                             (options_.intersector == IntersectorChoice::kAuto &&
+                              triangles_.size() > kMaxPortableTriangles)
                          ? INTERSECTOR_EMBREE
                          : INTERSECTOR_PORTABLE;
     if (h_.intersector == INTERSECTOR_PORTABLE && !small) {

@@ -8,31 +8,34 @@
 namespace penumbra {
 namespace {
 
-constexpr int kPaths = 4096;
+constexpr int kPaths = 4096, kLanes = 16;
 
 struct Recorder {
   Tracer inner;
   RecordedRays* out;
+  mutable RayKind next = RayKind::kCamera;  ///< of the next intersect stage
 
-  void keep(bool occlude, const float* f, const int* ints, int capacity, int count) const {
+  void keep(RayKind kind, const float* f, const int* ints, int capacity, int count) const {
     RecordedStage stage;
-    stage.occlude = occlude;
+    stage.kind = kind;
     stage.count = count;
+    stage.capacity = (count + kLanes - 1) / kLanes * kLanes;
     for (int k = 0; k < STATE_FLOATS; ++k)
-      stage.floats.insert(stage.floats.end(), f + k * capacity, f + k * capacity + count);
+      stage.floats.insert(stage.floats.end(), f + k * capacity, f + k * capacity + stage.capacity);
     for (int k = 0; k < STATE_INTS; ++k)
-      stage.ints.insert(stage.ints.end(), ints + k * capacity, ints + k * capacity + count);
+      stage.ints.insert(stage.ints.end(), ints + k * capacity, ints + k * capacity + stage.capacity);
     out->rays += count_rays(stage);
     out->stages.push_back(std::move(stage));
   }
   static void intersect(const void* self_, float* f, int* ints, int capacity, int count) {
     const auto& self = *static_cast<const Recorder*>(self_);
-    self.keep(false, f, ints, capacity, count);
+    self.keep(self.next, f, ints, capacity, count);
+    self.next = RayKind::kBounce;
     self.inner.intersect(self.inner.context, f, ints, capacity, count);
   }
   static void occlude(const void* self_, float* f, int* ints, int capacity, int count) {
     const auto& self = *static_cast<const Recorder*>(self_);
-    self.keep(true, f, ints, capacity, count);
+    self.keep(RayKind::kShadow, f, ints, capacity, count);
     self.inner.occlude(self.inner.context, f, ints, capacity, count);
   }
 };
@@ -40,7 +43,8 @@ struct Recorder {
 }  // namespace
 
 std::size_t count_rays(const RecordedStage& stage) {
-  const float* tmax = stage.floats.data() + (stage.occlude ? SHADOW_TMAX : RAY_TMAX) * stage.count;
+  const int field = stage.kind == RayKind::kShadow ? SHADOW_TMAX : RAY_TMAX;
+  const float* tmax = stage.floats.data() + field * stage.capacity;
   return std::size_t(std::count_if(tmax, tmax + stage.count, [](float t) { return t > 0; }));
 }
 
@@ -63,10 +67,12 @@ RecordedRays record_rays(const DeviceScene& embree_scene, const RenderUnit& unit
   const int pixels = unit.width * unit.height, block_pixels = std::max(1, kPaths / int(unit.sample_count));
   std::vector<float> out(std::size_t(kSampleBufferPlanes) * std::size_t(pixels));
   BadSamples bad[BAD_KINDS] = {};
-  for (int first = 0; first < pixels; first += block_pixels)
+  for (int first = 0; first < pixels; first += block_pixels) {
+    recorder.next = RayKind::kCamera;
     kernel->render_block(embree_scene.header, embree_scene.words.data(),
                          {&recorder, &Recorder::intersect, &Recorder::occlude}, portable, first,
                          std::min(block_pixels, pixels - first), block, out.data(), bad);
+  }
   return recorded;
 }
 

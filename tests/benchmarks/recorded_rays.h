@@ -9,11 +9,14 @@
 
 namespace penumbra {
 
+enum class RayKind { kCamera, kBounce, kShadow };
+
 /// One call of an intersect or occlude stage: the block's arrays as the stage saw them.
 struct RecordedStage {
-  bool occlude = false;
+  RayKind kind = RayKind::kCamera;
   int count = 0;
-  std::vector<float> floats;  ///< STATE_FLOATS arrays of `count` rounded up to whole lanes
+  int capacity = 0;           ///< `count` rounded up to whole lanes
+  std::vector<float> floats;  ///< STATE_FLOATS arrays of `capacity`
   std::vector<int> ints;      ///< STATE_INTS arrays, likewise
 };
 

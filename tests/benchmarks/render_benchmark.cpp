@@ -54,8 +54,8 @@ void bare_embree(benchmark::State& state, const BenchmarkScene& scene, Isa isa) 
   auto stages = scene.rays.stages;
   for (auto _ : state)
     for (RecordedStage& stage : stages)
-      (stage.occlude ? tracer.occlude : tracer.intersect)(tracer.context, stage.floats.data(),
-                                                          stage.ints.data(), stage.count, stage.count);
+      (stage.kind == RayKind::kShadow ? tracer.occlude : tracer.intersect)(
+          tracer.context, stage.floats.data(), stage.ints.data(), stage.capacity, stage.count);
   report(state, scene, scene.rays.rays);
 }
 

@@ -94,7 +94,8 @@ std::vector<TestHit> trace_hierarchy(SceneTables& tables, std::span<const TestRa
   std::vector<TestHit> hits;
   hits.reserve(rays.size());
   for (const TestRay& ray : rays) {
-    const Hit hit = intersect_bvh(&scene, ray.origin, ray.direction, ray.tmax, ray.skip, any);
+    const Hit hit =
+        (any ? occlude_bvh : intersect_bvh)(&scene, ray.origin, ray.direction, ray.tmax, ray.skip);
     hits.push_back({hit.primitive, hit.t});
   }
   return hits;
