@@ -9,18 +9,53 @@ PENUMBRA_NAMESPACE_BEGIN
 
 #if !HAS(BVH)
 FN void load_rays(PRIVATE RayLanes* rays, const GLOBAL float* RESTRICT f, const GLOBAL int* RESTRICT ints,
-                  int capacity, int i, int origin, int direction, int tmax, int skip) {
+                  int capacity, int i) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      rays->ox[j] = f[origin * capacity + i + j];
-      rays->oy[j] = f[(origin + 1) * capacity + i + j];
-      rays->oz[j] = f[(origin + 2) * capacity + i + j];
-      rays->dx[j] = f[direction * capacity + i + j];
-      rays->dy[j] = f[(direction + 1) * capacity + i + j];
-      rays->dz[j] = f[(direction + 2) * capacity + i + j];
-      rays->tmax[j] = f[tmax * capacity + i + j];
-      rays->skip[j] = ints[skip * capacity + i + j];
+      rays->ox[j] = f[RAY_ORIGIN_X * capacity + i + j];
+      rays->oy[j] = f[RAY_ORIGIN_Y * capacity + i + j];
+      rays->oz[j] = f[RAY_ORIGIN_Z * capacity + i + j];
+      rays->dx[j] = f[RAY_DIRECTION_X * capacity + i + j];
+      rays->dy[j] = f[RAY_DIRECTION_Y * capacity + i + j];
+      rays->dz[j] = f[RAY_DIRECTION_Z * capacity + i + j];
+      rays->tmax[j] = f[RAY_TMAX * capacity + i + j];
+      rays->skip[j] = ints[RAY_SKIP * capacity + i + j];
     }
+}
+
+/// Lists the lanes that have a shadow ray, whole LANES of them: the last one again and again.
+STAGE int list_shadow_rays(const GLOBAL float* RESTRICT f, int capacity, int count,
+                           GLOBAL int* RESTRICT wanted) {
+  int n = 0;
+  for (int i = 0; i < count; i++) {  // without a branch: which paths have one is not predictable
+    wanted[n] = i;
+    n += f[SHADOW_TMAX * capacity + i] > 0.0f ? 1 : 0;
+  }
+  const int last = n > 0 ? wanted[n - 1] : 0;
+  for (int i = n; i % LANES != 0; i++) wanted[i] = last;
+  return n;
+}
+
+FN void gather_shadow_rays(PRIVATE RayLanes* rays, const GLOBAL float* RESTRICT f,
+                           const GLOBAL int* RESTRICT ints, int capacity, const GLOBAL int* RESTRICT wanted) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int i = wanted[j];
+      rays->ox[j] = f[SHADOW_ORIGIN_X * capacity + i];
+      rays->oy[j] = f[SHADOW_ORIGIN_Y * capacity + i];
+      rays->oz[j] = f[SHADOW_ORIGIN_Z * capacity + i];
+      rays->dx[j] = f[SHADOW_DIRECTION_X * capacity + i];
+      rays->dy[j] = f[SHADOW_DIRECTION_Y * capacity + i];
+      rays->dz[j] = f[SHADOW_DIRECTION_Z * capacity + i];
+      rays->tmax[j] = f[SHADOW_TMAX * capacity + i];
+      rays->skip[j] = ints[SHADOW_SKIP * capacity + i];
+    }
+}
+
+FN void scatter_hits(const PRIVATE RayLanes* rays, GLOBAL int* RESTRICT hits,
+                     const GLOBAL int* RESTRICT wanted) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) hits[wanted[j]] = rays->hit[j];
 }
 #endif
 
@@ -41,7 +76,7 @@ STAGE void intersect_block(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f,
 #else
   for (int i = 0; i < count; i += LANES) {
     RayLanes rays;
-    load_rays(&rays, f, ints, capacity, i, RAY_ORIGIN_X, RAY_DIRECTION_X, RAY_TMAX, RAY_SKIP);
+    load_rays(&rays, f, ints, capacity, i);
     intersect_whole(scene, &rays);
     LANE_LOOP
       for (int j = 0; j < LANES; j++) ints[HIT * capacity + i + j] = rays.hit[j];
@@ -77,15 +112,13 @@ STAGE void occlude_block(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, G
                     f[SHADOW_TMAX * capacity + i], ints[SHADOW_SKIP * capacity + i])
             .primitive;
 #else
-  for (int i = 0; i < count; i += LANES) {
-    RayLanes rays;
-    load_rays(&rays, f, ints, capacity, i, SHADOW_ORIGIN_X, SHADOW_DIRECTION_X, SHADOW_TMAX, SHADOW_SKIP);
-    float longest = -1.0f;
-    for (int j = 0; j < LANES; j++) longest = max_f(longest, rays.tmax[j]);
-    if (longest <= 0.0f) continue;
-    intersect_whole(scene, &rays);
-    LANE_LOOP
-      for (int j = 0; j < LANES; j++) ints[HIT * capacity + i + j] = rays.hit[j];
+  GLOBAL int* RESTRICT wanted = ints + GOING * capacity;
+  const int rays = list_shadow_rays(f, capacity, count, wanted);
+  for (int i = 0; i < rays; i += LANES) {
+    RayLanes lanes;
+    gather_shadow_rays(&lanes, f, ints, capacity, wanted + i);
+    intersect_whole(scene, &lanes);
+    scatter_hits(&lanes, ints + HIT * capacity, wanted + i);
   }
 #endif
 }
