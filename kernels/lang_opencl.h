@@ -33,7 +33,7 @@
 FN uint mask_of_8(const PRIVATE int* wanted) {
   const int8 bits = (int8)(1, 2, 4, 8, 16, 32, 64, 128);
   const int8 some = (vload8(0, wanted) != 0) & bits;
-  const int4 half = some.lo | some.hi;
-  const int2 quarter = half.lo | half.hi;
-  return (uint)(quarter.lo | quarter.hi);
+  const int4 four = some.lo | some.hi;
+  const int2 two = four.lo | four.hi;
+  return (uint)(two.lo | two.hi);
 }
