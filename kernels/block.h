@@ -18,19 +18,20 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Paths `first` ... of the block's pixels: sample `first_sample + slot % sample_count` of pixel `slot /
+/// Paths `first_path` ... of the block's pixels: sample `first_sample + path % sample_count` of pixel `path /
 /// sample_count`.
-STAGE void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int first_slot,
+STAGE void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int first_path,
                     int count, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity,
                     GLOBAL float* RESTRICT slots, int slot_capacity) {
   const PRIVATE SceneHeader* h = &scene->header;
   const bool halves = in_halves(h);
-  int pixel = first_pixel + first_slot / unit->sample_count, sample = first_slot % unit->sample_count;
+  int pixel = first_pixel + first_path / unit->sample_count, sample = first_path % unit->sample_count;
+  const int pitch = slot_pixels(slot_capacity, unit->sample_count, LANES);
   const int padded = (count + LANES - 1) / LANES * LANES;
   for (int i = 0; i < padded;
        i++) {  // lanes past the count repeat the last path, so that every lane holds valid work
     const int x = unit->x + pixel % unit->width, y = unit->y + pixel / unit->width;
-    ints[SLOT * capacity + i] = first_slot + min_i(i, count - 1);
+    ints[SLOT * capacity + i] = sample * pitch + (pixel - first_pixel);
     const uint index = unit->first_sample + (uint)sample;
     // Two independent sequences, for an alpha for the samples of each from those of the other.
     const bool second = halves & ((index & 1u) != 0u);

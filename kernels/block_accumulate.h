@@ -14,77 +14,116 @@ FN void note_bad(GLOBAL BadSamples* bad, uint count, int pixel, int sample) {
   bad->count += count;
 }
 
-/// Mean and standard deviation, sqrt(mean (v - mean)^2), of a slot field over a pixel's samples: by the
-/// deviations from an estimate of the mean that is corrected once, which leaves no rounding of the sum
-/// behind, and in units of the largest of them, whose square any float holds.
-FN void accumulate_field(const GLOBAL float* RESTRICT values, int first, int count, PRIVATE float* mean,
-                         PRIVATE float* deviation) {
+/// Means and, unless `deviations` is null, standard deviations sqrt(mean (v - mean)^2) of a slot field over
+/// each pixel's samples: by the deviations from an estimate of the mean that is corrected once, which leaves
+/// no rounding of the sum behind, and in units of the largest of them, whose square any float holds. Pixel
+/// p's samples are values[p], values[p + pitch], ...; a lane for each pixel.
+STAGE void accumulate_field(const GLOBAL float* RESTRICT values, int pitch, int pixels, int count,
+                            GLOBAL float* RESTRICT means, GLOBAL float* RESTRICT deviations) {
   const float n = (float)count;
-  float sum = 0.0f;
-  for (int s = 0; s < count; s++) sum += values[first + s];
-  float estimate = sum / n;
-  float rest = 0.0f, largest = 0.0f;
-  for (int s = 0; s < count; s++) {
-    const float d = values[first + s] - estimate;
-    rest += d;
-    largest = max_f(largest, FABS(d));
+  for (int p = 0; p < pixels; p += LANES) {
+    float estimate[LANES], rest[LANES], unit[LANES], squares[LANES];
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++) estimate[j] = 0.0f;
+    for (int s = 0; s < count; s++) {
+      LANE_LOOP
+        for (int j = 0; j < LANES; j++) estimate[j] += values[s * pitch + p + j];
+    }
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++) {
+        estimate[j] = estimate[j] / n;
+        rest[j] = squares[j] = unit[j] = 0.0f;
+      }
+    for (int s = 0; s < count; s++) {
+      LANE_LOOP
+        for (int j = 0; j < LANES; j++) {
+          const float d = values[s * pitch + p + j] - estimate[j];
+          rest[j] += d;
+          unit[j] = max_f(unit[j], FABS(d));
+        }
+    }
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++) {
+        estimate[j] += rest[j] / n;
+        rest[j] = 0.0f;
+        // A power of ten in the range of common radiance, so that nothing changes there.
+        unit[j] = unit[j] > 1e15f ? 1e15f : (unit[j] < 1e-12f ? 1e-12f : 1.0f);
+      }
+    for (int s = 0; s < count && deviations != 0; s++) {
+      LANE_LOOP
+        for (int j = 0; j < LANES; j++) {
+          const float d = (values[s * pitch + p + j] - estimate[j]) / unit[j];
+          rest[j] += d;
+          squares[j] += d * d;
+        }
+    }
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++) {
+        estimate[j] += unit[j] * (rest[j] / n);
+        squares[j] = unit[j] * SQRT(max_f(squares[j] - rest[j] * (rest[j] / n), 0.0f) / n);
+      }
+    const int valid = min_i(LANES, pixels - p);
+    for (int j = 0; j < valid; j++) means[p + j] = estimate[j];
+    for (int j = 0; j < valid && deviations != 0; j++) deviations[p + j] = squares[j];
   }
-  estimate += rest / n;
-  // A power of ten in the range of common radiance, so that nothing changes there.
-  const float unit = largest > 1e15f ? 1e15f : (largest < 1e-12f ? 1e-12f : 1.0f);
-  rest = 0.0f;
-  float squares = 0.0f;
-  for (int s = 0; s < count; s++) {
-    const float d = (values[first + s] - estimate) / unit;
-    rest += d;
-    squares += d * d;
-  }
-  *mean = estimate + unit * (rest / n);
-  *deviation = unit * SQRT(max_f(squares - rest * (rest / n), 0.0f) / n);
 }
 
-/// Statistics of the block's pixels, in sample order. Samples with a NaN or an infinity count as 0 and are
-/// noted in `bad`, of BAD_KINDS.
+/// Multiplies a field of neighbouring slots by the samples' filter weights.
+STAGE void weigh_field(GLOBAL float* RESTRICT values, const GLOBAL float* RESTRICT weights, int count) {
+  LANE_LOOP
+    for (int p = 0; p < count; p++) values[p] = values[p] * weights[p];
+}
+
+/// Whether any of neighbouring slots' samples has a NaN or an infinity.
+STAGE bool any_bad(const GLOBAL float* RESTRICT slots, int slot_capacity, int count) {
+  uint bad = 0u;
+  LANE_LOOP
+    for (int p = 0; p < count; p++) {
+      const uint x = FLOAT_BITS(slots[SAMPLE_X * slot_capacity + p]) & 0x7fffffffu;
+      const uint y = FLOAT_BITS(slots[SAMPLE_Y * slot_capacity + p]) & 0x7fffffffu;
+      const uint z = FLOAT_BITS(slots[SAMPLE_Z * slot_capacity + p]) & 0x7fffffffu;
+      bad |= ((x >= 0x7f800000u) | (y >= 0x7f800000u) | (z >= 0x7f800000u)) ? 1u : 0u;
+    }
+  return bad != 0u;
+}
+
+/// Samples with a NaN or an infinity become 0 and are noted in `bad`, of BAD_KINDS.
+STAGE void remove_bad(GLOBAL float* RESTRICT slots, int slot_capacity, int pitch, int first_pixel, int pixels,
+                      int count, GLOBAL BadSamples* RESTRICT bad) {
+  for (int p = 0; p < pixels; p++)
+    for (int i = 0; i < count; i++) {
+      const int s = i * pitch + p;
+      const vec3 sample = LOAD3(slots, slot_capacity, SAMPLE_X, s);
+      const uint x = FLOAT_BITS(sample.x), y = FLOAT_BITS(sample.y), z = FLOAT_BITS(sample.z);
+      const bool nan = is_nan_bits(x) | is_nan_bits(y) | is_nan_bits(z);
+      const bool infinite = (is_infinite_bits(x) | is_infinite_bits(y) | is_infinite_bits(z)) & !nan;
+      note_bad(bad + BAD_NAN, nan ? 1u : 0u, first_pixel + p, i);
+      note_bad(bad + BAD_INFINITE, infinite ? 1u : 0u, first_pixel + p, i);
+      const vec3 kept = select3(nan | infinite, make_vec3(0.0f, 0.0f, 0.0f), sample);
+      STORE3(slots, slot_capacity, SAMPLE_X, s, kept);
+    }
+}
+
+/// Statistics of the block's pixels, in sample order, without samples that are no numbers.
 STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, GLOBAL float* RESTRICT slots,
                       int slot_capacity, bool layers, GLOBAL float* RESTRICT out,
                       GLOBAL BadSamples* RESTRICT bad) {
   const int n = unit->sample_count, area = unit->width * unit->height;
-  uint nans = 0u, infinities = 0u;
-  int first_nan = pixels * n, first_infinity = first_nan;
-  for (int s = 0; s < pixels * n; s++) {
-    const float weight = slots[FILTER_WEIGHT * slot_capacity + s];
-    const vec3 sample = scale(LOAD3(slots, slot_capacity, SAMPLE_X, s), weight);
-    const uint x = FLOAT_BITS(sample.x), y = FLOAT_BITS(sample.y), z = FLOAT_BITS(sample.z);
-    const bool nan = is_nan_bits(x) | is_nan_bits(y) | is_nan_bits(z);
-    const bool infinite = (is_infinite_bits(x) | is_infinite_bits(y) | is_infinite_bits(z)) & !nan;
-    const vec3 kept = select3(nan | infinite, make_vec3(0.0f, 0.0f, 0.0f), sample);
-    STORE3(slots, slot_capacity, SAMPLE_X, s, kept);
-    nans += nan ? 1u : 0u;
-    infinities += infinite ? 1u : 0u;
-    first_nan = (nan & (s < first_nan)) ? s : first_nan;
-    first_infinity = (infinite & (s < first_infinity)) ? s : first_infinity;
-#if HAS(LAYERS)
-    for (int k = ALBEDO_X; layers && k <= DEPTH; k++) slots[k * slot_capacity + s] *= weight;
-#endif
+  const int pitch = slot_pixels(slot_capacity, n, LANES);
+  const int fields = layers ? DEPTH + 1 : ALBEDO_X;
+  bool bad_ones = false;
+  for (int i = 0; i < n; i++) {
+    GLOBAL float* row = slots + i * pitch;
+    for (int k = SAMPLE_X; k < fields; k++)
+      weigh_field(row + k * slot_capacity, row + FILTER_WEIGHT * slot_capacity, pixels);
+    bad_ones = bad_ones | any_bad(row, slot_capacity, pixels);
   }
-  for (int p = 0; p < pixels; p++) {
-    const int at = first_pixel + p;
-    for (int k = 0; k < 3; k++) {
-      float mean, deviation;
-      accumulate_field(slots + (SAMPLE_X + k) * slot_capacity, p * n, n, &mean, &deviation);
-      out[k * area + at] = mean;
-      out[(3 + k) * area + at] = deviation;
-    }
-#if HAS(LAYERS)
-    for (int k = 0; layers && k < DEPTH - ALBEDO_X + 1; k++) {
-      float mean, deviation;
-      accumulate_field(slots + (ALBEDO_X + k) * slot_capacity, p * n, n, &mean, &deviation);
-      out[(FIRST_LAYER_PLANE + k) * area + at] = mean;
-    }
-#endif
+  if (bad_ones) remove_bad(slots, slot_capacity, pitch, first_pixel, pixels, n, bad);
+  for (int k = SAMPLE_X; k < fields; k++) {
+    const int plane = k < ALBEDO_X ? k - SAMPLE_X : FIRST_LAYER_PLANE + k - ALBEDO_X;
+    accumulate_field(slots + k * slot_capacity, pitch, pixels, n, out + plane * area + first_pixel,
+                     k < ALBEDO_X ? out + (3 + plane) * area + first_pixel : 0);
   }
-  note_bad(bad + BAD_NAN, nans, first_pixel + first_nan / n, first_nan % n);
-  note_bad(bad + BAD_INFINITE, infinities, first_pixel + first_infinity / n, first_infinity % n);
 }
 
 PENUMBRA_NAMESPACE_END

@@ -33,47 +33,44 @@ STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit,
                            GLOBAL float* RESTRICT slots, int slot_capacity, bool layers,
                            GLOBAL float* RESTRICT out) {
   const int n = unit->sample_count, area = unit->width * unit->height;
-  const int estimator = scene->header.estimator;
-  for (int s = 0; s < pixels * n; s++) check_control(slots, slot_capacity, s);
+  const int estimator = scene->header.estimator, pitch = slot_pixels(slot_capacity, n, LANES);
   for (int p = 0; p < pixels; p++) {
-    const int first = p * n, at = first_pixel + p;
+    for (int s = 0; s < n; s++) check_control(slots, slot_capacity, s * pitch + p);
     float all_shadowed = 0.0f, all_unshadowed = 0.0f;
     for (int c = 0; c < 3; c++) {
-      GLOBAL float* sample = slots + (SAMPLE_X + c) * slot_capacity;
-      GLOBAL float* shadowed = slots + (SLOT_SHADOWED_X + c) * slot_capacity;
-      GLOBAL float* unshadowed = slots + (SLOT_UNSHADOWED_X + c) * slot_capacity;
-      GLOBAL float* analytic = slots + (SLOT_ANALYTIC_X + c) * slot_capacity;
+      GLOBAL float* sample = slots + (SAMPLE_X + c) * slot_capacity + p;
+      GLOBAL float* shadowed = slots + (SLOT_SHADOWED_X + c) * slot_capacity + p;
+      GLOBAL float* unshadowed = slots + (SLOT_UNSHADOWED_X + c) * slot_capacity + p;
+      GLOBAL float* analytic = slots + (SLOT_ANALYTIC_X + c) * slot_capacity + p;
       const int parity = (int)(unit->first_sample & 1u);
       float alpha[2];
       alpha[0] = alpha[1] = scene->header.alpha;
-      if (estimator == ESTIMATOR_RATIO) alpha[0] = alpha[1] = ratio_alpha(shadowed, unshadowed, first, n);
+      if (estimator == ESTIMATOR_RATIO) alpha[0] = alpha[1] = ratio_alpha(shadowed, unshadowed, pitch, n);
       for (int wanted = 0; estimator == ESTIMATOR_AUTO && wanted < 2; wanted++)
-        alpha[wanted] = cross_fitted_alpha(shadowed, unshadowed, analytic, first, n, parity, wanted);
-      for (int s = first; s < first + n; s++) {
+        alpha[wanted] = cross_fitted_alpha(shadowed, unshadowed, analytic, pitch, n, parity, wanted);
+      for (int i = 0; i < n; i++) {
+        const int s = i * pitch;
         all_shadowed += shadowed[s];
         all_unshadowed += unshadowed[s];
-        const float a = alpha[(parity + s - first) & 1], weight = slots[FILTER_WEIGHT * slot_capacity + s];
+        const float a = alpha[(parity + i) & 1], weight = slots[FILTER_WEIGHT * slot_capacity + p + s];
         const float rest = shadowed[s] - a * unshadowed[s];
         sample[s] += rest + a * analytic[s];  // which accumulate() weighs
         shadowed[s] = weight * (rest + (a - 1.0f) * analytic[s]);
         analytic[s] *= weight;
       }
-  #if HAS(LAYERS)
-      float mean, deviation;
-      if (layers) {
-        accumulate_field(analytic, first, n, &mean, &deviation);
-        out[(ANALYTIC_PLANE + c) * area + at] = mean;
-        accumulate_field(shadowed, first, n, &mean, &deviation);
-        out[(DIFFERENCE_PLANE + c) * area + at] = mean;
-      }
-  #endif
     }
   #if HAS(LAYERS)
     if (layers) {
-      out[SEEN_PLANE * area + at] = all_shadowed / (float)n;
-      out[WHOLE_PLANE * area + at] = all_unshadowed / (float)n;
+      out[SEEN_PLANE * area + first_pixel + p] = all_shadowed / (float)n;
+      out[WHOLE_PLANE * area + first_pixel + p] = all_unshadowed / (float)n;
     }
   #endif
+  }
+  for (int c = 0; c < 3 && layers; c++) {
+    accumulate_field(slots + (SLOT_ANALYTIC_X + c) * slot_capacity, pitch, pixels, n,
+                     out + (ANALYTIC_PLANE + c) * area + first_pixel, 0);
+    accumulate_field(slots + (SLOT_SHADOWED_X + c) * slot_capacity, pitch, pixels, n,
+                     out + (DIFFERENCE_PLANE + c) * area + first_pixel, 0);
   }
 }
 #endif

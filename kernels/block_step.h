@@ -7,16 +7,27 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// The first three pairs of a step's numbers, for LANES paths from lane i on.
-FN void draw_step(const PRIVATE SceneHeader* h, uint pair, const GLOBAL int* RESTRICT ints, int capacity,
-                  int i, PRIVATE float* RESTRICT u) {
+/// Whether a step needs its third pair of numbers: digits below those that choose a light, and the choice of
+/// a lobe.
+FN bool needs_third_pair(const PRIVATE SceneHeader* h) {
+  return (h->light_count > 1) | ((h->features & FEATURE_PHONG) != 0u);
+}
+
+/// The numbers of a path's step, for LANES paths from lane i on; those that it does not need stay as they
+/// are.
+FN void draw_step(const PRIVATE SceneHeader* h, uint pair, bool roulette, const GLOBAL int* RESTRICT ints,
+                  int capacity, int i, PRIVATE float* RESTRICT u) {
   const uint spp = sequence_length(h);
   draw_pair(h->sampler, spp, draw_once(pair), ints, capacity, i, u + DRAW_LIGHT_U * LANES,
             u + DRAW_LIGHT_V * LANES);
   draw_pair(h->sampler, spp, draw_once(pair + 1u), ints, capacity, i, u + DRAW_BSDF_U * LANES,
             u + DRAW_BSDF_V * LANES);
-  draw_pair(h->sampler, spp, draw_once(pair + 2u), ints, capacity, i, u + DRAW_LIGHT_FINE * LANES,
-            u + DRAW_LOBE_CHOICE * LANES);
+  if (needs_third_pair(h))
+    draw_pair(h->sampler, spp, draw_once(pair + 2u), ints, capacity, i, u + DRAW_LIGHT_FINE * LANES,
+              u + DRAW_LOBE_CHOICE * LANES);
+  if (roulette)
+    draw_pair(h->sampler, spp, draw_once(pair + 3u), ints, capacity, i, u + DRAW_ROULETTE * LANES,
+              u + DRAW_SPARE * LANES);
 }
 
 #if HAS(PATH)
@@ -30,14 +41,10 @@ STAGE void step_paths(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOB
   lit.hit = HIT;
   lit.origin_x = RAY_ORIGIN_X;
   lit.direction_x = RAY_DIRECTION_X;
+  float u[DRAWS * LANES];
+  for (int j = 0; j < DRAWS * LANES; j++) u[j] = 0.0f;
   for (int i = 0; i < count; i += LANES) {
-    float u[DRAWS * LANES];
-    draw_step(h, pair, ints, capacity, i, u);
-    for (int j = 0; j < LANES; j++) u[DRAW_ROULETTE * LANES + j] = 0.0f;
-    if (roulette) {
-      draw_pair(h->sampler, sequence_length(h), draw_once(pair + 3u), ints, capacity, i,
-                u + DRAW_ROULETTE * LANES, u + DRAW_SPARE * LANES);
-    }
+    if (scatters) draw_step(h, pair, roulette, ints, capacity, i, u);
     float aims[AIM_FLOATS];
     aim_lanes(scene, wishes, lit, f, ints, capacity, i, u, aims);
     LANE_LOOP

@@ -24,27 +24,27 @@ FN float power_of_two_scale(float x) {
   return BITS_FLOAT((uint)(254 - exponent) << 23);
 }
 
-/// Alpha of the ratio estimator: sum H / sum W over `count` samples from index `first`, 0 where sum W is 0.
-/// The mean of the e_i is then mean G times mean H / mean W for equal G, and the e_i are its linearisation
-/// about the means, so that their spread is its error (Heitz, Hill and McGuire 2018). Biased by
+/// Alpha of the ratio estimator: sum H / sum W over `count` samples, each `stride` after the last, 0 where
+/// sum W is 0. The mean of the e_i is then mean G times mean H / mean W for equal G, and the e_i are its
+/// linearisation about the means, so that their spread is its error (Heitz, Hill and McGuire 2018). Biased by
 ///   -E[(H - r W) C] / (n E[W]) + O(1/n^2), r = E[H] / E[W].
-FN float ratio_alpha(const GLOBAL float* RESTRICT h, const GLOBAL float* RESTRICT w, int first, int count) {
+FN float ratio_alpha(const GLOBAL float* RESTRICT h, const GLOBAL float* RESTRICT w, int stride, int count) {
   float largest = 0.0f;
-  for (int i = first; i < first + count; i++) largest = max_f(largest, w[i]);
+  for (int i = 0; i < count; i++) largest = max_f(largest, w[i * stride]);
   const float scaling = power_of_two_scale(largest);
   float shadowed = 0.0f, unshadowed = 0.0f;
-  for (int i = first; i < first + count; i++) {
-    shadowed += h[i] * scaling;
-    unshadowed += w[i] * scaling;
+  for (int i = 0; i < count; i++) {
+    shadowed += h[i * stride] * scaling;
+    unshadowed += w[i * stride] * scaling;
   }
   return unshadowed > 0.0f ? shadowed / unshadowed : 0.0f;
 }
 
-/// Alpha for those of a pixel's `count` samples, from array index `first`, whose absolute index has parity
-/// `wanted`; `parity` is that of the first one's absolute index. It depends on the samples of the other
-/// parity alone, which are independent of those that it is applied to, so the estimate has no bias whatever
-/// the rule. 0 where there are none: nothing is known then, and 0 costs no variance. The rule is a regression
-/// with a guess for a prior:
+/// Alpha for those of a pixel's `count` samples, each `stride` after the last, whose absolute index has
+/// parity `wanted`; `parity` is that of the first one's absolute index. It depends on the samples of the
+/// other parity alone, which are independent of those that it is applied to, so the estimate has no bias
+/// whatever the rule. 0 where there are none: nothing is known then, and 0 costs no variance. The rule is a
+/// regression with a guess for a prior:
 ///
 /// - The guess is the ratio v = sum H / sum W: exactly 1 where all is lit, 0 in the umbra, near alpha* in
 ///   between, and of little variance.
@@ -64,13 +64,13 @@ FN float ratio_alpha(const GLOBAL float* RESTRICT h, const GLOBAL float* RESTRIC
 /// - Where w is constant, as for projected solid angle and a diffuse surface, C is rounding: the floor under
 ///   sum C^2 keeps it from being blown up. Where C / G is .003 that takes a tenth off the regression.
 FN float cross_fitted_alpha(const GLOBAL float* RESTRICT h, const GLOBAL float* RESTRICT w,
-                            const GLOBAL float* RESTRICT g, int first, int count, int parity, int wanted) {
-  const int begin = first + (parity == wanted ? 1 : 0), end = first + count;
+                            const GLOBAL float* RESTRICT g, int stride, int count, int parity, int wanted) {
+  const int begin = (parity == wanted ? stride : 0), end = count * stride, next = 2 * stride;
   float largest = 0.0f;
-  for (int i = begin; i < end; i += 2) largest = max_f(largest, max_f(w[i], g[i]));
+  for (int i = begin; i < end; i += next) largest = max_f(largest, max_f(w[i], g[i]));
   const float scaling = power_of_two_scale(largest);
   float shadowed = 0.0f, unshadowed = 0.0f, analytic = 0.0f, squares = 0.0f, floor_squares = 0.0f, m = 0.0f;
-  for (int i = begin; i < end; i += 2) {
+  for (int i = begin; i < end; i += next) {
     const float scaled_w = w[i] * scaling, scaled_g = g[i] * scaling;
     shadowed += h[i] * scaling;
     unshadowed += scaled_w;
@@ -87,7 +87,7 @@ FN float cross_fitted_alpha(const GLOBAL float* RESTRICT h, const GLOBAL float* 
   const float missed_lit = shadowed >= CONTROL_FULLY_LIT * unshadowed ? missed : 0.0f;
   const float guess = (shadowed + missed_lit) / (unshadowed + missed);
   float products = (missed_lit - guess * missed) * missed;
-  for (int i = begin; i < end; i += 2)
+  for (int i = begin; i < end; i += next)
     products += (h[i] * scaling - guess * (w[i] * scaling)) * (w[i] * scaling - g[i] * scaling);
   const float all_squares = squares + sqr(missed) + CONTROL_NOISE_FLOOR * floor_squares;
   const float trust = (m - 1.0f) / (m - 1.0f + CONTROL_PRIOR_SAMPLES);

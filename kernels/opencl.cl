@@ -73,7 +73,7 @@ __kernel void finish_samples(__global const SceneHeader* header, __global const 
   Block block;
   block.f = 0;
   block.i = 0;
-  block.slots = slots + (from + item) * sample_count;
+  block.slots = slots + from + item;
   block.capacity = 1;
   block.slot_capacity = slot_capacity;
   block.probe = 0;

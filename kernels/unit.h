@@ -12,6 +12,13 @@ typedef struct {
   int sample_count;
 } Unit;
 
+/// How many pixels' samples a block has slots for. Sample s of its pixel p lies in slot s * slot_pixels + p,
+/// so that lanes of pixels read side by side; lanes past the last pixel may read on, and there is room for
+/// that.
+FN int slot_pixels(int slot_capacity, int sample_count, int lanes) {
+  return (slot_capacity - (lanes - 1)) / sample_count;
+}
+
 /// What a block notes of the samples that are no numbers: how many, and the first of them.
 typedef struct {
   uint count;

@@ -371,10 +371,10 @@ STAGE void accumulate_quantity(GLOBAL const double* in, GLOBAL double* out, GLOB
   GLOBAL float* values = (GLOBAL float*)scratch;
   const int count = (int)in[0], period = (int)in[3];
   for (int i = 0; i < count; i++) values[i] = in_f(in, 1) + in_f(in, 2) * (float)(i % period);
-  float mean, deviation;
-  accumulate_field(values, 0, count, &mean, &deviation);
-  out[0] = mean;
-  out[1] = (double)deviation * deviation * count;
+  GLOBAL float* statistics = values + count + LANES;
+  accumulate_field(values, 1, 1, count, statistics, statistics + 1);
+  out[0] = statistics[0];
+  out[1] = (double)statistics[1] * statistics[1] * count;
 }
 
 /// In: MATH_*, x, y. Out: the function's value.

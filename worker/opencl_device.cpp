@@ -204,7 +204,7 @@ class OpenClDevice final : public Device {
     const int pixels = unit.width * unit.height, samples = unit.sample_count;
     // As few pixels a block as keep every work item busy, as many as a block's samples allow.
     const int share = (pixels + plan_.items - 1) / plan_.items;
-    const int block_pixels = std::max(1, std::min(plan_.slots / samples, share));
+    const int block_pixels = std::max(1, std::min(slot_pixels(plan_.slots, samples, shape_.lanes), share));
     for (int first = 0; first < pixels;) {
       const std::int64_t wanted = std::max<std::int64_t>(launch_.paths() / samples, 1);
       const int count = int(std::min<std::int64_t>(wanted, pixels - first));

@@ -32,7 +32,7 @@ OpenClMemoryPlan largest_plan(const BlockShape& shape, const OpenClDemand& deman
   if (shape.blocks) {
     plan.items = plan.finishing_items = demand.items;
     plan.paths = shape.paths;
-    plan.slots = std::max(shape.slots, demand.samples);
+    plan.slots = std::max(shape.slots, demand.samples + shape.lanes - 1);
     return plan;
   }
   const std::int64_t pixels = std::int64_t(demand.width) * demand.height;
@@ -68,7 +68,7 @@ bool shrink(OpenClMemoryPlan& plan, const BlockShape& shape, const OpenClDemand&
       return true;
     }
     const int lanes = shape.lanes;
-    bool any = halve(plan.slots, demand.samples);
+    bool any = halve(plan.slots, demand.samples + lanes - 1);
     if (plan.paths > lanes) {
       plan.paths = std::max(plan.paths / 2 / lanes, 1) * lanes;
       any = true;

@@ -27,9 +27,9 @@ struct Pixel {
   }
   [[nodiscard]] int count() const { return int(h.size()); }
   [[nodiscard]] float auto_alpha(int half, int parity = 0) const {
-    return cross_fitted_alpha(h.data(), w.data(), g.data(), 0, count(), parity, half);
+    return cross_fitted_alpha(h.data(), w.data(), g.data(), 1, count(), parity, half);
   }
-  [[nodiscard]] float ratio() const { return ratio_alpha(h.data(), w.data(), 0, count()); }
+  [[nodiscard]] float ratio() const { return ratio_alpha(h.data(), w.data(), 1, count()); }
   [[nodiscard]] float estimate(int i, float alpha) const {
     const auto s = std::size_t(i);
     return (h[s] - alpha * w[s]) + alpha * g[s];

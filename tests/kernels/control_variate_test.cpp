@@ -71,7 +71,8 @@ TEST(ControlVariate, DependsOnTheOtherHalfAlone) {
           other.h[std::size_t(i)] = other.w[std::size_t(i)] = other.g[std::size_t(i)] = 1e30f;
         }
         const auto alpha = [&](const Pixel& p) {
-          return cross_fitted_alpha(p.h.data(), p.w.data(), p.g.data(), kFirst, count, parity, half);
+          return cross_fitted_alpha(p.h.data() + kFirst, p.w.data() + kFirst, p.g.data() + kFirst, 1, count,
+                                    parity, half);
         };
         EXPECT_EQ(alpha(pixel), alpha(other)) << count << ", " << parity << ", " << half;
         // So do they alone, among samples of no light.
