@@ -7,12 +7,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Whether a step needs its third pair of numbers: digits below those that choose a light, and the choice of
-/// a lobe.
-FN bool needs_third_pair(const PRIVATE SceneHeader* h) {
-  return (h->light_count > 1) | ((h->features & FEATURE_PHONG) != 0u);
-}
-
 /// The numbers of a path's step, for LANES paths from lane i on; those that it does not need stay as they
 /// are.
 FN void draw_step(const PRIVATE SceneHeader* h, uint pair, bool roulette, const GLOBAL int* RESTRICT ints,
@@ -22,9 +16,10 @@ FN void draw_step(const PRIVATE SceneHeader* h, uint pair, bool roulette, const 
             u + DRAW_LIGHT_V * LANES);
   draw_pair(h->sampler, spp, draw_once(pair + 1u), ints, capacity, i, u + DRAW_BSDF_U * LANES,
             u + DRAW_BSDF_V * LANES);
-  if (needs_third_pair(h))
-    draw_pair(h->sampler, spp, draw_once(pair + 2u), ints, capacity, i, u + DRAW_LIGHT_FINE * LANES,
-              u + DRAW_LOBE_CHOICE * LANES);
+  const bool chooses = h->light_count > 1;  // a single light needs no digits below
+  if (chooses | HAS(PHONG))
+    draw_pair(h->sampler, spp, draw_once(pair + 2u), ints, capacity, i,
+              u + (chooses ? DRAW_LIGHT_FINE : DRAW_SPARE) * LANES, u + DRAW_LOBE_CHOICE * LANES);
   if (roulette)
     draw_pair(h->sampler, spp, draw_once(pair + 3u), ints, capacity, i, u + DRAW_ROULETTE * LANES,
               u + DRAW_SPARE * LANES);

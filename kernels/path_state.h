@@ -104,7 +104,7 @@ typedef struct {
   GLOBAL int* i;        ///< STATE_INTS * capacity
   GLOBAL float* slots;  ///< slot_floats() * slot_capacity
   int capacity;         ///< paths under way at once, a multiple of LANES
-  int slot_capacity;    ///< samples of a block: at least those of one pixel
+  int slot_capacity;    ///< for the samples of the block's pixels and more, see slot_pixels()
   GLOBAL int* probe;    ///< 0, or for a block of one path: becomes the STAGE_* where it first was no number,
                         ///< and the step
 } Block;

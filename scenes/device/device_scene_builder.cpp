@@ -20,8 +20,7 @@ namespace {
 
 // Up to this many triangles testing all of them in lanes beats any hierarchy.
 constexpr std::size_t kMaxWholeTriangles = 64;
-// Where Embree becomes as fast as our own hierarchy, measured (tests/benchmarks/traversal_benchmark.cpp):
-// below, the images are the same everywhere for nothing.
+// Where Embree becomes as fast as our own hierarchy, measured by tests/benchmarks/traversal_benchmark.cpp.
 constexpr std::size_t kMaxPortableTriangles = 4'000'000;
 constexpr std::size_t kMaxWholeQuadrics = 16;
 
@@ -244,11 +243,9 @@ class Builder {
 
   Expected<void> choose_intersector() {
     const bool small = collect_corners();
-    h_.intersector = options_.intersector == IntersectorChoice::kEmbree ||
-                             (options_.intersector == IntersectorChoice::kAuto &&
-                              triangles_.size() > kMaxPortableTriangles)
-                         ? INTERSECTOR_EMBREE
-                         : INTERSECTOR_PORTABLE;
+    h_.intersector = options_.intersector == IntersectorChoice::kAuto     ? intersector_for(triangles_.size())
+                     : options_.intersector == IntersectorChoice::kEmbree ? INTERSECTOR_EMBREE
+                                                                          : INTERSECTOR_PORTABLE;
     if (h_.intersector == INTERSECTOR_PORTABLE && !small) {
       Expected<Hierarchy> hierarchy = build_hierarchy(triangles_, quadrics_);
       if (!hierarchy) return std::unexpected(hierarchy.error());
@@ -327,6 +324,10 @@ class Builder {
 };
 
 }  // namespace
+
+int intersector_for(std::size_t triangles) {
+  return triangles > kMaxPortableTriangles ? INTERSECTOR_EMBREE : INTERSECTOR_PORTABLE;
+}
 
 Expected<DeviceScene> build_device_scene(const SceneDescription& scene, const DeviceSceneOptions& options) {
   return Builder(scene, options).build();

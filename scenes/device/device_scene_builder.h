@@ -1,6 +1,7 @@
 // From a scene description to the flat arrays that the kernels read.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +17,10 @@ struct DeviceSceneOptions {
   IntersectorChoice intersector = IntersectorChoice::kAuto;
   bool feature_layers = true;  ///< albedo, normal and depth beside the radiance
 };
+
+/// INTERSECTOR_* that is fastest for so many triangles, ours where both are equal: its images are the same
+/// everywhere.
+int intersector_for(std::size_t triangles);
 
 /// Everything in float about the scene's centre, which is subtracted in double; only the tables and the
 /// feature bits that the scene needs. A pure function of its arguments: the same bytes every time. Errors:

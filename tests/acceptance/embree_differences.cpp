@@ -140,7 +140,7 @@ class Comparison {
 
   [[nodiscard]] Tracer tracer() const { return {this, &Comparison::intersect, &Comparison::occlude}; }
 
-  int first_pixel = 0, samples = 1, width = 1;  ///< of the block under way
+  int first_pixel = 0, row = 1, width = 1;  ///< of the block under way; its pixels in a row of slots
 
  private:
   static void intersect(const void* self_, float* f, int* ints, int capacity, int count) {
@@ -167,7 +167,7 @@ class Comparison {
       const DifferenceCause cause = any ? why_blocked(ray, ours) : why(ray, theirs, ours);
       if (out_.by_cause[std::size_t(cause)]++ == 0)
         out_.examples.push_back(example(ray, cause, theirs, ours, any));
-      const int pixel = first_pixel + ints[SLOT * capacity + i] / samples;
+      const int pixel = first_pixel + ints[SLOT * capacity + i] % row;
       out_.pixels.emplace(pixel % width, pixel / width);
     }
   }
@@ -257,12 +257,12 @@ EmbreeDifferences find_embree_differences(const DeviceScene& scene, Isa isa) {
   const Block block{floats.data(), ints.data(), slots.data(), kPaths, kPaths, nullptr};
   const SceneHeader& h = scene.header;
   const Unit unit{0, 0, h.film_width, h.film_height, 0, int(h.spp)};
-  const int pixels = h.film_width * h.film_height, step = std::max(1, kPaths / int(h.spp));
+  const int pixels = h.film_width * h.film_height, step = slot_pixels(kPaths, int(h.spp), kernel->lanes);
   std::vector<float> out(std::size_t(kSampleBufferPlanes) * std::size_t(pixels));
   BadSamples bad[BAD_KINDS] = {};
   EmbreeDifferences differences;
   Comparison comparison(scene, (*embree)->tracer(), differences);
-  comparison.samples = int(h.spp);
+  comparison.row = step;
   comparison.width = h.film_width;
   for (int first = 0; first < pixels; first += step) {
     comparison.first_pixel = first;

@@ -34,7 +34,8 @@ std::vector<std::uint32_t> render_with(const NativeKernel& kernel, const DeviceS
       slots(std::size_t(SLOT_FLOAT_COUNT) * kPaths);
   std::vector<int> ints(std::size_t(STATE_INTS) * kPaths);
   const Block block{floats.data(), ints.data(), slots.data(), kPaths, kPaths, nullptr};
-  const int pixels = unit.width * unit.height, step = kPaths / int(unit.sample_count);
+  const int pixels = unit.width * unit.height,
+            step = slot_pixels(kPaths, int(unit.sample_count), kernel.lanes);
   std::vector<float> out(std::size_t(plane_count(scene.header.features)) * std::size_t(pixels));
   BadSamples bad[BAD_KINDS] = {};
   for (int first = 0; first < pixels; first += step)

@@ -228,12 +228,18 @@ TEST(Camera, AScaleHasNoEffectOnDirections) {
   EXPECT_NEAR(length3(scaled.camera_z), 1, 1e-6);
 }
 
+/// With points on lights by area: what is best for a scene is emitter_sampling_test's.
+SceneDescription by_area(SceneDescription scene) {
+  scene.integrator.emitter_sampling = EmitterSampling::kArea;
+  return scene;
+}
+
 TEST(Features, AreJustTheNeeded) {
   const std::uint32_t box = FEATURE_PATH | FEATURE_LAYERS;
-  EXPECT_EQ(build(diffuse_box()).header.features, box);
-  EXPECT_EQ(build(diffuse_box(), false).header.features, FEATURE_PATH);
-  EXPECT_EQ(build(many_triangles()).header.features, box | FEATURE_BVH);
-  EXPECT_EQ(build(many_triangles(), true, IntersectorChoice::kEmbree).header.features, box);
+  EXPECT_EQ(build(by_area(diffuse_box())).header.features, box);
+  EXPECT_EQ(build(by_area(diffuse_box()), false).header.features, FEATURE_PATH);
+  EXPECT_EQ(build(by_area(many_triangles())).header.features, box | FEATURE_BVH);
+  EXPECT_EQ(build(by_area(many_triangles()), true, IntersectorChoice::kEmbree).header.features, box);
   EXPECT_EQ(build(environment_alone()).header.features, box | FEATURE_ENVIRONMENT);
   EXPECT_EQ(
       build(everything()).header.features,
@@ -241,7 +247,7 @@ TEST(Features, AreJustTheNeeded) {
                     FEATURE_QUADRICS | FEATURE_POINT_LIGHTS | FEATURE_ENVIRONMENT | FEATURE_SOLID_ANGLE));
 
   const auto with = [](auto change) {
-    SceneDescription scene = diffuse_box();
+    SceneDescription scene = by_area(diffuse_box());
     change(scene);
     return build(scene).header.features;
   };
@@ -268,7 +274,9 @@ TEST(Features, SizesChooseTheSearch) {
     return build(scene, true, IntersectorChoice::kAuto).header;
   };
   EXPECT_EQ(automatic(diffuse_box()).intersector, INTERSECTOR_PORTABLE);
-  EXPECT_EQ(automatic(many_triangles()).intersector, INTERSECTOR_EMBREE);
+  EXPECT_EQ(automatic(many_triangles()).intersector, INTERSECTOR_PORTABLE);
+  EXPECT_EQ(intersector_for(4'000'000), INTERSECTOR_PORTABLE);
+  EXPECT_EQ(intersector_for(4'000'001), INTERSECTOR_EMBREE);
   const SceneHeader small = build(diffuse_box()).header, large = build(many_triangles()).header;
   EXPECT_GT(small.corner_count, 0);
   EXPECT_EQ(small.node_count, 0);

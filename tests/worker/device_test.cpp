@@ -239,7 +239,7 @@ SampleBuffer render_by(const NativeKernel& kernel, const DeviceScene& scene, int
   buffer.planes = kSampleBufferPlanes;
   buffer.sample_count = unit.sample_count;
   buffer.values.resize(std::size_t(buffer.planes) * buffer.pixels());
-  const int pixels = int(buffer.pixels()), slots = pixels * int(unit.sample_count);
+  const int pixels = int(buffer.pixels()), slots = pixels * int(unit.sample_count) + kernel.lanes - 1;
   std::vector<float> floats(std::size_t(STATE_FLOATS * capacity)),
       slot_floats(std::size_t(SLOT_FLOAT_COUNT * slots));
   std::vector<int> ints(std::size_t(STATE_INTS * capacity));
