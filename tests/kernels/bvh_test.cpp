@@ -365,7 +365,7 @@ TEST(IntersectorCases, RaysThatAreNotNumbersEnd) {
   EXPECT_EQ(trace_hierarchy(tables, rays).size(), rays.size());
 }
 
-TEST(Hierarchy, HoldsEveryPrimitiveOnceInsideItsBoxes) {
+TEST(Hierarchy, HoldsEveryPrimitive) {
   SceneTables tables = random_scene(3000, 100, 50, 0.05, 13);
   tables.build_hierarchy();
   std::vector<int> seen(tables.triangles.size() + tables.quadrics.size());
@@ -381,7 +381,7 @@ TEST(Hierarchy, HoldsEveryPrimitiveOnceInsideItsBoxes) {
   for (const QuadricLeaf& leaf : tables.quadric_leaves)
     for (int primitive : leaf.primitive)
       if (primitive >= 0) ++seen[std::size_t(primitive)];
-  EXPECT_EQ(std::ranges::count(seen, 1), std::ptrdiff_t(seen.size()));
+  EXPECT_EQ(std::ranges::count(seen, 0), 0);  // parts of a triangle are in several leaves
 }
 
 TEST(Hierarchy, IsTheSameEveryTime) {

@@ -1,0 +1,41 @@
+#include "scenes/device/triangle_split.h"
+
+namespace penumbra {
+namespace {
+
+// Of the coordinates of an edge's ends, between which its point on the plane lies: several roundings of it.
+constexpr double kMargin = 3e-7;
+
+void clip(Box& box, const Box& by) {
+  for (int k = 0; k < 3; ++k) {
+    box.low[k] = std::max(box.low[k], by.low[k]);
+    box.high[k] = std::min(box.high[k], by.high[k]);
+  }
+}
+
+}  // namespace
+
+std::pair<Box, Box> split_bounds(const Triangle& triangle, const Box& bounds, int axis, float position) {
+  const vec3 corners[3] = {triangle.p0, triangle.p1, triangle.p2};
+  Box below, above;
+  for (int i = 0; i < 3; ++i) {
+    const vec3 &from = corners[i], &to = corners[(i + 1) % 3];
+    const double a[3] = {from.x, from.y, from.z}, b[3] = {to.x, to.y, to.z};
+    if (a[axis] <= position) below.include(from);
+    if (a[axis] >= position) above.include(from);
+    if (!(std::min(a[axis], b[axis]) < position && position < std::max(a[axis], b[axis]))) continue;
+    const double s = (position - a[axis]) / (b[axis] - a[axis]);
+    for (const double sign : {-1.0, 1.0}) {
+      float c[3];
+      for (int k = 0; k < 3; ++k)
+        c[k] = float(a[k] + s * (b[k] - a[k]) + sign * kMargin * std::max(std::abs(a[k]), std::abs(b[k])));
+      below.include(make_vec3(c[0], c[1], c[2]));
+      above.include(make_vec3(c[0], c[1], c[2]));
+    }
+  }
+  clip(below, bounds);
+  clip(above, bounds);
+  return {below, above};
+}
+
+}  // namespace penumbra
