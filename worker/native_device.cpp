@@ -18,10 +18,10 @@
 namespace penumbra {
 namespace {
 
-// Enough paths that compaction leaves few lanes idle; their state stays in a second-level cache of 1 MiB.
-constexpr int kBlockPaths = 4096;
 // Stride of the state's arrays: a power of two would put a path's fields all into one set of the cache.
 constexpr int kBlockStride = kBlockPaths + 16;
+// For all samples of a pixel, and for lanes past them.
+constexpr int kSlots = int(kMaxSamplesPerUnit) + 16;
 
 KernelTarget target_of(const DeviceOptions& options) {
   if (options.block_of_one) return KernelTarget::kScalar;
@@ -157,7 +157,7 @@ class NativeDevice final : public Device {
     const int share = (pixels + team_.size() - 1) / team_.size();
     const int block_pixels = options_.block_of_one ? 1 : std::max(1, std::min(kBlockPaths / samples, share));
     while (blocks_.size() < std::size_t(team_.size()))
-      blocks_.emplace_back(capacity, kBlockStride, scene_.header.features);
+      blocks_.emplace_back(capacity, kSlots, scene_.header.features);
 
     const Unit portable{unit.x, unit.y, unit.width, unit.height, unit.first_sample, samples};
     const Tracer tracer = tracer_ ? tracer_->tracer() : Tracer{};

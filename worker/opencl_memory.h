@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "kernels/host/error.h"
+#include "kernels/host/device_scene.h"
 
 namespace penumbra {
 
@@ -13,8 +13,8 @@ namespace penumbra {
 struct BlockShape {
   bool blocks = true;  ///< false: a path a work item
   int lanes = 16;
-  int paths = 4096 + 16;  ///< of a block; no power of two, for the cache's sake
-  int slots = 4096 + 16;  ///< samples of a block
+  int paths = kBlockPaths + 16;              ///< of a block; no power of two, for the cache's sake
+  int slots = int(kMaxSamplesPerUnit) + 16;  ///< samples of a block
 };
 constexpr BlockShape kCpuShape{};
 constexpr BlockShape kGpuShape{.blocks = false, .lanes = 1, .paths = 1, .slots = 0};

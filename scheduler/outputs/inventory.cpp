@@ -4,13 +4,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "kernels/host/device_scene.h"
+
 namespace penumbra {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// A native block, see worker/native_device.cpp: what a thread works on.
-constexpr std::uint64_t kBlockPaths = 4096;
 
 Json cost_json(const Cost& cost) {
   return {{"own", cost.own}, {"everything", cost.everything ? Json(*cost.everything) : Json(nullptr)}};
@@ -72,7 +71,8 @@ std::string inventory_text(const SceneInventory& inventory) {
     if (table.bytes.own != 0 || table.bytes.everything != std::optional<std::uint64_t>(0))
       text += row("  " + table.name, table.bytes);
   text += row("state of a path", inventory.path_state);
-  text += row("state of a block of 4096 paths", scaled(inventory.path_state, kBlockPaths));
+  text += row(fmt::format("state of a block of {} paths", kBlockPaths),
+              scaled(inventory.path_state, kBlockPaths));
   text += row("result, for each pixel of a unit", inventory.result);
   if (const auto& native = inventory.native)
     text += row(fmt::format("native kernels '{}', {}", native->kernels, native->isa), native->bytes);

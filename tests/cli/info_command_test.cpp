@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "kernels/scene_types.h"
+#include "kernels/host/device_scene.h"
 #include "tests/cli/program.h"
 #include "tests/cli/small_scene.h"
 #include "tests/outputs/temporary_folder.h"
@@ -73,7 +73,7 @@ TEST(InfoCommand, SaysInNumbersWhatIsLeftOut) {
   EXPECT_EQ(bytes["result_per_pixel"]["own"], 4 * 13);
   EXPECT_EQ(bytes["result_per_pixel"]["everything"], 4 * 21);
   EXPECT_LT(bytes["block_state"]["own"], bytes["block_state"]["everything"]);
-  EXPECT_EQ(bytes["block_state"]["own"], 4096 * bytes["path_state"]["own"].get<int>());
+  EXPECT_EQ(bytes["block_state"]["own"], kBlockPaths * bytes["path_state"]["own"].get<int>());
   EXPECT_TRUE(costs["opencl"].is_null()) << "nothing was measured";
 }
 
