@@ -5,8 +5,8 @@
 #define PENUMBRA_NAMESPACE_END
 
 #define FN static inline __attribute__((always_inline))
-// Compilers shy away from registers of 512 bits unless told that a function needs them: PoCL 3.1 is 1.4 times as
-// fast with them.
+// Compilers shy away from registers of 512 bits unless told that a function needs them: PoCL 3.1 is 1.4 times
+// as fast with them.
 #if defined(__has_attribute) && VECTOR_WIDTH >= 16
   #if __has_attribute(min_vector_width)
     #define STAGE static __attribute__((noinline, min_vector_width(512)))

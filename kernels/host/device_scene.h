@@ -14,8 +14,9 @@
 
 namespace penumbra {
 
-/// Paths that a thread of a CPU has under way at once: enough that compaction leaves few lanes idle, few enough
-/// that their state shares a second-level cache of 1 MiB with the scene. 512 are 20 % slower, 8192 some 5 %.
+/// Paths that a thread of a CPU has under way at once: enough that compaction leaves few lanes idle, few
+/// enough that their state shares a second-level cache of 1 MiB with the scene. 512 are 20 % slower, 8192
+/// some 5 %.
 constexpr int kBlockPaths = 2048;
 constexpr std::uint32_t kMaxSamplesPerUnit = 4096;  ///< a block holds all samples of a pixel at once
 

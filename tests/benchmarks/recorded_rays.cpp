@@ -64,7 +64,8 @@ RecordedRays record_rays(const DeviceScene& embree_scene, const RenderUnit& unit
   std::vector<int> ints(std::size_t(STATE_INTS) * kPaths);
   const Block block{floats.data(), ints.data(), slots.data(), kPaths, kPaths, nullptr};
   const Unit portable{unit.x, unit.y, unit.width, unit.height, unit.first_sample, int(unit.sample_count)};
-  const int pixels = unit.width * unit.height, block_pixels = slot_pixels(kPaths, int(unit.sample_count), kernel->lanes);
+  const int pixels = unit.width * unit.height,
+            block_pixels = slot_pixels(kPaths, int(unit.sample_count), kernel->lanes);
   std::vector<float> out(std::size_t(kSampleBufferPlanes) * std::size_t(pixels));
   BadSamples bad[BAD_KINDS] = {};
   for (int first = 0; first < pixels; first += block_pixels) {
