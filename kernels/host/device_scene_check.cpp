@@ -34,6 +34,7 @@ class Checker {
     require(in(h_.integrator, INTEGRATOR_DIRECT, INTEGRATOR_PATH), "unknown integrator");
     require(h_.film_width > 0 && h_.film_height > 0, "empty film");
     require(h_.spp > 0, "no samples per pixel");
+    require(h_.rr_depth >= 0, "Russian roulette begins before the path");
     require(in(h_.emitter_samples, 0, MAX_DIRECT_SAMPLES) && in(h_.bsdf_samples, 0, MAX_DIRECT_SAMPLES),
             "an implausible number of emitter or BSDF samples");
     require(in(h_.estimator, ESTIMATOR_SAMPLES, ESTIMATOR_RATIO), "unknown estimator");
