@@ -89,7 +89,7 @@ TEST(Report, SaysWhatWasDoneAndByWhom) {
   EXPECT_EQ(costs["bytes"]["device_scene"]["own"], 500);
   EXPECT_TRUE(costs["bytes"]["device_scene"]["everything"].is_null()) << "not known";
   EXPECT_TRUE(costs["bytes"]["tables"]["nodes of the hierarchy"]["everything"].is_null());
-  EXPECT_EQ(costs["bytes"]["block_state"]["everything"], 150 * 4096);
+  EXPECT_EQ(costs["bytes"]["block_state"]["everything"], 150 * kBlockPaths);
   EXPECT_EQ(costs["bytes"]["result_per_pixel"]["own"], 24);
   EXPECT_EQ(costs["native"]["code_bytes"]["everything"], 90'000);
   EXPECT_TRUE(costs["opencl"].is_null());
