@@ -8,19 +8,25 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 #if !HAS(BVH)
+/// Lane j of the rays: path i's ray in these fields.
+FN void load_ray(PRIVATE RayLanes* rays, int j, const GLOBAL float* RESTRICT f,
+                 const GLOBAL int* RESTRICT ints, int capacity, int i, int origin, int direction, int tmax,
+                 int skip) {
+  rays->ox[j] = f[origin * capacity + i];
+  rays->oy[j] = f[(origin + 1) * capacity + i];
+  rays->oz[j] = f[(origin + 2) * capacity + i];
+  rays->dx[j] = f[direction * capacity + i];
+  rays->dy[j] = f[(direction + 1) * capacity + i];
+  rays->dz[j] = f[(direction + 2) * capacity + i];
+  rays->tmax[j] = f[tmax * capacity + i];
+  rays->skip[j] = ints[skip * capacity + i];
+}
+
 FN void load_rays(PRIVATE RayLanes* rays, const GLOBAL float* RESTRICT f, const GLOBAL int* RESTRICT ints,
                   int capacity, int i) {
   LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      rays->ox[j] = f[RAY_ORIGIN_X * capacity + i + j];
-      rays->oy[j] = f[RAY_ORIGIN_Y * capacity + i + j];
-      rays->oz[j] = f[RAY_ORIGIN_Z * capacity + i + j];
-      rays->dx[j] = f[RAY_DIRECTION_X * capacity + i + j];
-      rays->dy[j] = f[RAY_DIRECTION_Y * capacity + i + j];
-      rays->dz[j] = f[RAY_DIRECTION_Z * capacity + i + j];
-      rays->tmax[j] = f[RAY_TMAX * capacity + i + j];
-      rays->skip[j] = ints[RAY_SKIP * capacity + i + j];
-    }
+    for (int j = 0; j < LANES; j++)
+      load_ray(rays, j, f, ints, capacity, i + j, RAY_ORIGIN_X, RAY_DIRECTION_X, RAY_TMAX, RAY_SKIP);
 }
 
 /// Lists the lanes that have a shadow ray, whole LANES of them: the last one again and again.
@@ -39,17 +45,9 @@ STAGE int list_shadow_rays(const GLOBAL float* RESTRICT f, int capacity, int cou
 FN void gather_shadow_rays(PRIVATE RayLanes* rays, const GLOBAL float* RESTRICT f,
                            const GLOBAL int* RESTRICT ints, int capacity, const GLOBAL int* RESTRICT wanted) {
   LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const int i = wanted[j];
-      rays->ox[j] = f[SHADOW_ORIGIN_X * capacity + i];
-      rays->oy[j] = f[SHADOW_ORIGIN_Y * capacity + i];
-      rays->oz[j] = f[SHADOW_ORIGIN_Z * capacity + i];
-      rays->dx[j] = f[SHADOW_DIRECTION_X * capacity + i];
-      rays->dy[j] = f[SHADOW_DIRECTION_Y * capacity + i];
-      rays->dz[j] = f[SHADOW_DIRECTION_Z * capacity + i];
-      rays->tmax[j] = f[SHADOW_TMAX * capacity + i];
-      rays->skip[j] = ints[SHADOW_SKIP * capacity + i];
-    }
+    for (int j = 0; j < LANES; j++)
+      load_ray(rays, j, f, ints, capacity, wanted[j], SHADOW_ORIGIN_X, SHADOW_DIRECTION_X, SHADOW_TMAX,
+               SHADOW_SKIP);
 }
 
 FN void scatter_hits(const PRIVATE RayLanes* rays, GLOBAL int* RESTRICT hits,

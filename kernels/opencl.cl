@@ -12,6 +12,18 @@ FN Unit make_unit(int x, int y, int width, int height, uint first_sample, int sa
   return unit;
 }
 
+FN Block make_block(__global float* f, __global int* ints, __global float* slots, int capacity,
+                    int slot_capacity) {
+  Block block;
+  block.f = f;
+  block.i = ints;
+  block.slots = slots;
+  block.capacity = capacity;
+  block.slot_capacity = slot_capacity;
+  block.probe = 0;
+  return block;
+}
+
 /// For CPUs: pixels [first_pixel, end_pixel) of the unit, a block of `block_pixels` after the other by
 /// whichever work item is free; `next_block` counts from 0. `f`, `ints` and `slots` hold each work item's
 /// block one after the other; `bad` BAD_KINDS entries a work item.
@@ -23,13 +35,10 @@ __kernel void render_blocks(__global const SceneHeader* header, __global const u
   const int item = (int)get_global_id(0);
   const Unit unit = make_unit(x, y, width, height, first_sample, sample_count);
   const Scene scene = make_scene(*header, words);
-  Block block;
-  block.f = f + (size_t)item * state_floats(scene.header.features) * capacity;
-  block.i = ints + (size_t)item * STATE_INTS * capacity;
-  block.slots = slots + (size_t)item * slot_floats(scene.header.features) * slot_capacity;
-  block.capacity = capacity;
-  block.slot_capacity = slot_capacity;
-  block.probe = 0;
+  const Block block = make_block(f + (size_t)item * state_floats(scene.header.features) * capacity,
+                                 ints + (size_t)item * STATE_INTS * capacity,
+                                 slots + (size_t)item * slot_floats(scene.header.features) * slot_capacity,
+                                 capacity, slot_capacity);
   const int blocks = (end_pixel - first_pixel + block_pixels - 1) / block_pixels;
   for (int b = atomic_inc(next_block); b < blocks; b = atomic_inc(next_block)) {
     const int pixel = first_pixel + b * block_pixels;
@@ -51,13 +60,7 @@ __kernel void trace_paths(__global const SceneHeader* header, __global const uin
   if (item >= path_count) return;
   const Unit unit = make_unit(x, y, width, height, first_sample, sample_count);
   const Scene scene = make_scene(*header, words);
-  Block block;
-  block.f = f + item;
-  block.i = ints + item;
-  block.slots = slots;
-  block.capacity = capacity;
-  block.slot_capacity = slot_capacity;
-  block.probe = 0;
+  const Block block = make_block(f + item, ints + item, slots, capacity, slot_capacity);
   render_paths(&scene, &unit, first_pixel, first_path + item, 1, 1, &block);
 }
 
@@ -70,13 +73,7 @@ __kernel void finish_samples(__global const SceneHeader* header, __global const 
   if (item >= count) return;
   const Unit unit = make_unit(x, y, width, height, first_sample, sample_count);
   const Scene scene = make_scene(*header, words);
-  Block block;
-  block.f = 0;
-  block.i = 0;
-  block.slots = slots + from + item;
-  block.capacity = 1;
-  block.slot_capacity = slot_capacity;
-  block.probe = 0;
+  const Block block = make_block(0, 0, slots + from + item, 1, slot_capacity);
   finish_pixels(&scene, &unit, first_pixel + from + item, 1, &block, out, bad + BAD_KINDS * item);
 }
 #endif

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
-#include <cstdlib>
 #include <functional>
 #include <mutex>
 #include <thread>
@@ -36,37 +35,24 @@ KernelTarget target_of(const DeviceOptions& options) {
   return KernelTarget::kSse2;
 }
 
-struct Free {
-  void operator()(void* p) const { std::free(p); }
-};
-
 /// One thread's block. The arrays are aligned to cache lines.
 class BlockMemory {
  public:
   BlockMemory(int capacity, int slot_capacity, std::uint32_t features)
-      : floats_(allocate<float>(std::size_t(state_floats(features)) * std::size_t(capacity))),
-        ints_(allocate<int>(std::size_t(STATE_INTS) * std::size_t(capacity))),
-        slots_(allocate<float>(std::size_t(slot_floats(features)) * std::size_t(slot_capacity))),
+      : floats_(std::size_t(state_floats(features)) * std::size_t(capacity)),
+        ints_(std::size_t(STATE_INTS) * std::size_t(capacity)),
+        slots_(std::size_t(slot_floats(features)) * std::size_t(slot_capacity)),
         capacity_(capacity),
         slot_capacity_(slot_capacity) {}
 
-  [[nodiscard]] Block block() const {
-    return {floats_.get(), ints_.get(), slots_.get(), capacity_, slot_capacity_, nullptr};
+  [[nodiscard]] Block block() {
+    return {floats_.data(), ints_.data(), slots_.data(), capacity_, slot_capacity_, nullptr};
   }
 
  private:
-  template <typename T>
-  static std::unique_ptr<T[], Free> allocate(std::size_t count) {
-    const std::size_t bytes = (count * sizeof(T) + 63) / 64 * 64;
-    T* memory = static_cast<T*>(std::aligned_alloc(64, bytes));
-    if (!memory) throw std::bad_alloc();
-    std::fill_n(memory, count, T{});  // lanes that no path ever used hold numbers too
-    return std::unique_ptr<T[], Free>(memory);
-  }
-
-  std::unique_ptr<float[], Free> floats_;
-  std::unique_ptr<int[], Free> ints_;
-  std::unique_ptr<float[], Free> slots_;
+  AlignedVector<float> floats_;  // zeros: lanes that no path ever used hold numbers too
+  AlignedVector<int> ints_;
+  AlignedVector<float> slots_;
   int capacity_, slot_capacity_;
 };
 
