@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "kernels/host/native_kernels.h"
 #include "worker/embree_tracer.h"
 
 namespace penumbra {
@@ -21,19 +20,6 @@ namespace {
 constexpr int kBlockStride = kBlockPaths + 16;
 // For all samples of a pixel, and for lanes past them.
 constexpr int kSlots = int(kMaxSamplesPerUnit) + 16;
-
-KernelTarget target_of(const DeviceOptions& options) {
-  if (options.block_of_one) return KernelTarget::kScalar;
-  switch (options.isa) {
-    case Isa::kSse2:
-      return KernelTarget::kSse2;
-    case Isa::kAvx2:
-      return KernelTarget::kAvx2;
-    case Isa::kAvx512:
-      return KernelTarget::kAvx512;
-  }
-  return KernelTarget::kSse2;
-}
 
 /// One thread's block. The arrays are aligned to cache lines.
 class BlockMemory {
@@ -174,8 +160,20 @@ class NativeDevice final : public Device {
 
 }  // namespace
 
+KernelTarget kernel_target(Isa isa) {
+  switch (isa) {
+    case Isa::kSse2:
+      return KernelTarget::kSse2;
+    case Isa::kAvx2:
+      return KernelTarget::kAvx2;
+    case Isa::kAvx512:
+      return KernelTarget::kAvx512;
+  }
+  return KernelTarget::kSse2;
+}
+
 Expected<std::unique_ptr<Device>> make_native_device(const DeviceScene& scene, const DeviceOptions& options) {
-  const KernelTarget target = target_of(options);
+  const KernelTarget target = options.block_of_one ? KernelTarget::kScalar : kernel_target(options.isa);
   if (!machine_has(target))
     return fail(fmt::format("this machine lacks {}; it has up to {} (--isa)", isa_name(options.isa),
                             isa_name(best_isa())));

@@ -3,9 +3,13 @@
 
 #include <memory>
 
+#include "kernels/host/native_kernels.h"
 #include "worker/device.h"
 
 namespace penumbra {
+
+/// What the vectorised kernels for an instruction set are compiled for.
+KernelTarget kernel_target(Isa isa);
 
 /// Errors: an instruction set that the machine lacks, no memory for the blocks, Embree does not start.
 Expected<std::unique_ptr<Device>> make_native_device(const DeviceScene& scene, const DeviceOptions& options);

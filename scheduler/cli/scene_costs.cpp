@@ -15,15 +15,13 @@
 #include "scheduler/cli/program_path.h"
 #include "scheduler/outputs/render_record.h"
 #include "worker/measure_compile.h"
+#include "worker/native_device.h"
 
 namespace penumbra {
 namespace {
 
-constexpr std::array<KernelTarget, 3> kTargets{KernelTarget::kSse2, KernelTarget::kAvx2,
-                                               KernelTarget::kAvx512};
-
 std::optional<NativeCode> native_code(const DeviceScene& scene, Isa isa) {
-  const KernelTarget target = kTargets[std::size_t(isa)];
+  const KernelTarget target = kernel_target(isa);
   const NativeKernel* own = find_native_kernel(target, scene.header.features);
   const NativeKernel* everything = find_native_kernel(target, every_feature(scene.header));
   if (own == nullptr || everything == nullptr) return std::nullopt;

@@ -12,6 +12,7 @@
 #include "kernels/quadric.h"
 #include "kernels/triangle.h"
 #include "stress/truth/quad.h"
+#include "tests/support/native_blocks.h"
 #include "worker/embree_tracer.h"
 
 namespace penumbra {
@@ -140,7 +141,8 @@ class Comparison {
 
   [[nodiscard]] Tracer tracer() const { return {this, &Comparison::intersect, &Comparison::occlude}; }
 
-  int first_pixel = 0, row = 1, width = 1;  ///< of the block under way; its pixels in a row of slots
+  NativeBlock block;  ///< under way
+  int width = 1;      ///< of the film
 
  private:
   static void intersect(const void* self_, float* f, int* ints, int capacity, int count) {
@@ -167,7 +169,7 @@ class Comparison {
       const DifferenceCause cause = any ? why_blocked(ray, ours) : why(ray, theirs, ours);
       if (out_.by_cause[std::size_t(cause)]++ == 0)
         out_.examples.push_back(example(ray, cause, theirs, ours, any));
-      const int pixel = first_pixel + ints[SLOT * capacity + i] % row;
+      const int pixel = block.first_pixel + ints[SLOT * capacity + i] % block.row;
       out_.pixels.emplace(pixel % width, pixel / width);
     }
   }
@@ -250,25 +252,15 @@ EmbreeDifferences find_embree_differences(const DeviceScene& scene, Isa isa) {
   if (!embree) throw std::runtime_error(embree.error().message);
   // The kernels' instruction set changes nothing, Embree's does.
   const NativeKernel* kernel = find_native_kernel(KernelTarget::kSse2, scene.header.features);
-  constexpr int kPaths = 4096;
-  std::vector<float> floats(std::size_t(STATE_FLOATS) * kPaths),
-      slots(std::size_t(SLOT_FLOAT_COUNT) * kPaths);
-  std::vector<int> ints(std::size_t(STATE_INTS) * kPaths);
-  const Block block{floats.data(), ints.data(), slots.data(), kPaths, kPaths, nullptr};
   const SceneHeader& h = scene.header;
-  const Unit unit{0, 0, h.film_width, h.film_height, 0, int(h.spp)};
-  const int pixels = h.film_width * h.film_height, step = slot_pixels(kPaths, int(h.spp), kernel->lanes);
-  std::vector<float> out(std::size_t(kSampleBufferPlanes) * std::size_t(pixels));
-  BadSamples bad[BAD_KINDS] = {};
   EmbreeDifferences differences;
   Comparison comparison(scene, (*embree)->tracer(), differences);
-  comparison.row = step;
   comparison.width = h.film_width;
-  for (int first = 0; first < pixels; first += step) {
-    comparison.first_pixel = first;
-    kernel->render_block(h, scene.words.data(), comparison.tracer(), unit, first,
-                         std::min(step, pixels - first), block, out.data(), bad);
-  }
+  constexpr int kPaths = 4096;
+  render_native_blocks(
+      *kernel, scene,
+      {.width = h.film_width, .height = h.film_height, .first_sample = 0, .sample_count = h.spp}, kPaths,
+      comparison.tracer(), [&](const NativeBlock& block) { comparison.block = block; });
   return differences;
 }
 

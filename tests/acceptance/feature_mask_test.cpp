@@ -9,6 +9,7 @@
 
 #include "kernels/host/native_kernels.h"
 #include "tests/acceptance/suite_scenes.h"
+#include "tests/support/native_blocks.h"
 
 namespace penumbra {
 namespace {
@@ -25,23 +26,10 @@ std::vector<std::uint32_t> bits_of(const std::vector<float>& values) {
   return bits;
 }
 
-/// By one variant, whatever the device would choose; sizes of all state as for everything.
+/// By one variant, whatever the device would choose.
 std::vector<std::uint32_t> render_with(const NativeKernel& kernel, const DeviceScene& scene) {
   constexpr int kPaths = 1024;
-  const RenderUnit unit = whole_film(scene.header);
-  const Unit portable{unit.x, unit.y, unit.width, unit.height, unit.first_sample, int(unit.sample_count)};
-  std::vector<float> floats(std::size_t(STATE_FLOATS) * kPaths),
-      slots(std::size_t(SLOT_FLOAT_COUNT) * kPaths);
-  std::vector<int> ints(std::size_t(STATE_INTS) * kPaths);
-  const Block block{floats.data(), ints.data(), slots.data(), kPaths, kPaths, nullptr};
-  const int pixels = unit.width * unit.height,
-            step = slot_pixels(kPaths, int(unit.sample_count), kernel.lanes);
-  std::vector<float> out(std::size_t(plane_count(scene.header.features)) * std::size_t(pixels));
-  BadSamples bad[BAD_KINDS] = {};
-  for (int first = 0; first < pixels; first += step)
-    kernel.render_block(scene.header, scene.words.data(), Tracer{}, portable, first,
-                        std::min(step, pixels - first), block, out.data(), bad);
-  return bits_of(out);
+  return bits_of(render_native_blocks(kernel, scene, whole_film(scene.header), kPaths));
 }
 
 /// By OpenCL kernels compiled for these features; the planes that the scene has.

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "tests/support/native_blocks.h"
 #include "worker/embree_tracer.h"
+#include "worker/native_device.h"
 
 namespace penumbra {
 namespace {
@@ -53,27 +55,12 @@ RecordedRays record_rays(const DeviceScene& embree_scene, const RenderUnit& unit
   options.isa = isa;
   auto tracer = EmbreeTracer::make(embree_scene, options);
   if (!tracer) throw std::runtime_error(tracer.error().message);
-  const NativeKernel* kernel = find_native_kernel(isa == Isa::kAvx512 ? KernelTarget::kAvx512
-                                                  : isa == Isa::kAvx2 ? KernelTarget::kAvx2
-                                                                      : KernelTarget::kSse2,
-                                                  embree_scene.header.features);
+  const NativeKernel* kernel = find_native_kernel(kernel_target(isa), embree_scene.header.features);
   RecordedRays recorded;
   const Recorder recorder{(*tracer)->tracer(), &recorded};
-  std::vector<float> floats(std::size_t(STATE_FLOATS) * kPaths),
-      slots(std::size_t(SLOT_FLOAT_COUNT) * kPaths);
-  std::vector<int> ints(std::size_t(STATE_INTS) * kPaths);
-  const Block block{floats.data(), ints.data(), slots.data(), kPaths, kPaths, nullptr};
-  const Unit portable{unit.x, unit.y, unit.width, unit.height, unit.first_sample, int(unit.sample_count)};
-  const int pixels = unit.width * unit.height,
-            block_pixels = slot_pixels(kPaths, int(unit.sample_count), kernel->lanes);
-  std::vector<float> out(std::size_t(kSampleBufferPlanes) * std::size_t(pixels));
-  BadSamples bad[BAD_KINDS] = {};
-  for (int first = 0; first < pixels; first += block_pixels) {
-    recorder.next = RayKind::kCamera;
-    kernel->render_block(embree_scene.header, embree_scene.words.data(),
-                         {&recorder, &Recorder::intersect, &Recorder::occlude}, portable, first,
-                         std::min(block_pixels, pixels - first), block, out.data(), bad);
-  }
+  render_native_blocks(*kernel, embree_scene, unit, kPaths,
+                       {&recorder, &Recorder::intersect, &Recorder::occlude},
+                       [&](const NativeBlock&) { recorder.next = RayKind::kCamera; });
   return recorded;
 }
 

@@ -1,0 +1,25 @@
+// One native variant of the kernels, called block by block, without a device.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "kernels/host/native_kernels.h"
+#include "worker/device.h"
+
+namespace penumbra {
+
+/// A block that is about to be rendered: its first pixel of the unit, and the pixels in a row of its slots
+/// (see slot_pixels).
+struct NativeBlock {
+  int first_pixel = 0, row = 0;
+};
+
+/// The unit's planes, those that the scene's features ask for, by this variant whatever a device would
+/// choose: on this thread, `paths` paths under way at once, with memory for all features. `tracer` as in
+/// native_kernels.h; `before` may be empty.
+std::vector<float> render_native_blocks(const NativeKernel& kernel, const DeviceScene& scene,
+                                        const RenderUnit& unit, int paths, const Tracer& tracer = {},
+                                        const std::function<void(const NativeBlock&)>& before = {});
+
+}  // namespace penumbra
