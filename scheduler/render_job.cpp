@@ -340,7 +340,9 @@ void RenderRun::worker_ended(const WorkerExit& exit) {
   worker.ended = true;
   if (worker.dismissed) return;  // said already
   worker.share.ended = exit.how;
-  const std::string where = worker.last_unit ? " at " + unit_text(unit(*worker.last_unit)) : "";
+  // The end of its process may be known before that of its stream.
+  const std::optional<UnitId> last_unit = worker.gone ? worker.last_unit : plan_.in_hand(found->first);
+  const std::string where = last_unit ? " at " + unit_text(unit(*last_unit)) : "";
   problem(fmt::format("worker {} was lost{}: {}", worker.share.name, where, exit.how));
 }
 
