@@ -14,10 +14,14 @@ packages=(
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
   # Files, command line, messages.
   libpugixml-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libxxhash-dev
+  # The preview window.
+  libglfw3-dev libepoxy-dev libimgui-dev
   # Plots of penumbra report.
   gnuplot-nox
   # Tests.
   libgtest-dev libgmock-dev libbenchmark-dev openimageio-tools procps
+  # The window's tests: a screen in memory, and OpenGL without a graphics card.
+  xvfb xauth libgl1-mesa-dri
 )
 
 is_installed() { [[ $(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null) == installed ]]; }
