@@ -3,7 +3,9 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace penumbra {
 
@@ -47,10 +49,21 @@ struct ActionInfo {
   bool repeats;           ///< while the key is held
 };
 
+/// Another name of a key: "esc" for "escape", or another key that does the same, as "equal" for "plus".
+struct KeyAlias {
+  std::string_view alias, key;
+};
+
 /// All actions, in the order of the help.
 std::span<const ActionInfo> all_actions();
+std::span<const KeyAlias> key_aliases();
 
-/// The action of a key's name, whatever its case.
+const ActionInfo& info_of(Action action);
+
+/// The action of a key's name or alias, whatever its case.
 std::optional<Action> action_of_key(std::string_view key);
+
+/// Names and aliases, for whoever reports a key that is not among them (scenes/diagnostic.h: suggestion).
+std::vector<std::string> key_names();
 
 }  // namespace penumbra
