@@ -2,7 +2,9 @@
 // and nothing from any standard library.
 #ifndef PENUMBRA_LANG_H
 #define PENUMBRA_LANG_H
-#ifdef __OPENCL_VERSION__
+#if defined(PENUMBRA_GLSL)
+  #include "kernels/lang_glsl.h"
+#elif defined(__OPENCL_VERSION__)
   #include "kernels/lang_opencl.h"
 #else
   #include "kernels/lang_cpp.h"
@@ -18,7 +20,9 @@
 #endif
 
 #define PENUMBRA_PRAGMA(x) _Pragma(#x)
-#ifdef __clang__
+#if defined(PENUMBRA_GLSL)
+  #define UNROLL
+#elif defined(__clang__)
   // Before a loop of few, constant turns inside a lane loop: only straight code vectorises.
   #define UNROLL PENUMBRA_PRAGMA(clang loop unroll(full))
 #else

@@ -1,5 +1,5 @@
-// Portable kernel source compiled as C++: everything in which C++ and OpenCL C differ is a macro here or in
-// lang_opencl.h, under the same name.
+// Portable kernel source compiled as C++: everything in which C++, OpenCL C and GLSL differ is a macro
+// here, in lang_opencl.h and lang_glsl.h, under the same name.
 #pragma once
 
 #define PENUMBRA_NAMESPACE_BEGIN namespace penumbra {
@@ -11,6 +11,18 @@
 #define GLOBAL
 #define PRIVATE
 #define RESTRICT __restrict
+
+// A struct, as STRUCT(Name) { fields };
+#define STRUCT(name)        \
+  typedef struct name name; \
+  struct name
+// Both or either of two bools, without a branch between them.
+#define BOTH(a, b) ((a) & (b))
+#define EITHER(a, b) ((a) | (b))
+// Conversions.
+#define TO_INT(x) ((int)(x))
+#define TO_UINT(x) ((uint)(x))
+#define TO_FLOAT(x) ((float)(x))
 
 #define SQRT(x) __builtin_sqrtf(x)
 #define FABS(x) __builtin_fabsf(x)

@@ -19,6 +19,16 @@
 #define PRIVATE __private
 #define RESTRICT restrict
 
+// See lang_cpp.h.
+#define STRUCT(name)        \
+  typedef struct name name; \
+  struct name
+#define BOTH(a, b) ((a) & (b))
+#define EITHER(a, b) ((a) | (b))
+#define TO_INT(x) ((int)(x))
+#define TO_UINT(x) ((uint)(x))
+#define TO_FLOAT(x) ((float)(x))
+
 #define SQRT(x) sqrt((float)(x))
 #define FABS(x) fabs((float)(x))
 #define FLOAT_BITS(x) as_uint((float)(x))

@@ -23,6 +23,7 @@ FN float safe_sqrt(float x) { return SQRT(max_f(x, 0.0f)); }
 /// 1 or -1; 1 for 0.
 FN float sign_of(float x) { return x < 0.0f ? -1.0f : 1.0f; }
 
+#ifndef PENUMBRA_GLSL
 /// sin and cos of 2 pi u for |u| <= 2; absolute error below 1.2e-7. Octants are reduced exactly, since 4u is
 /// exact.
 FN void sincos_2pi(float u, PRIVATE float* s, PRIVATE float* c) {
@@ -39,16 +40,18 @@ FN void sincos_2pi(float u, PRIVATE float* s, PRIVATE float* c) {
   *s = (k & 2) ? -ss : ss;
   *c = ((k + 1) & 2) ? -cc : cc;
 }
+#endif
 
 /// e^x, 0 below -87.3 and at most e^88; relative error below 2.6e-7.
 FN float exp_f(float x) {
   float y = clamp_f(x, -87.3f, 88.0f);
   float q = y * 1.44269504089f;
-  int n = (int)(q + (q >= 0.0f ? 0.5f : -0.5f));
-  float r = (y - (float)n * 0.693359375f) - (float)n * -2.12194440e-4f;  // ln 2 in two parts (Cody and Waite)
+  int n = TO_INT(q + (q >= 0.0f ? 0.5f : -0.5f));
+  float r =
+      (y - TO_FLOAT(n) * 0.693359375f) - TO_FLOAT(n) * -2.12194440e-4f;  // ln 2 in two parts (Cody and Waite)
   float p =
       1.0f + r * (1.0f + r * (0.5f + r * (1.0f / 6 + r * (1.0f / 24 + r * (1.0f / 120 + r * (1.0f / 720))))));
-  float e = p * BITS_FLOAT((uint)(n + 127) << 23);
+  float e = p * BITS_FLOAT(TO_UINT(n + 127) << 23);
   return x < -87.3f ? 0.0f : e;
 }
 
@@ -62,17 +65,17 @@ FN float log_core(float f) {
 /// log x for normal x > 0; relative error below 2.3e-7.
 FN float log_f(float x) {
   uint bits = FLOAT_BITS(x);
-  int e = (int)(bits >> 23) - 127;
+  int e = TO_INT(bits >> 23) - 127;
   float m = BITS_FLOAT((bits & 0x007fffffu) | 0x3f800000u);
   bool high = m > 1.41421356f;
   m = high ? 0.5f * m : m;
   e = high ? e + 1 : e;
-  return (float)e * 0.693359375f + ((float)e * -2.12194440e-4f + log_core(m - 1.0f));
+  return TO_FLOAT(e) * 0.693359375f + (TO_FLOAT(e) * -2.12194440e-4f + log_core(m - 1.0f));
 }
 
 /// log(1 + x) for x > -1; relative error below 3e-7, near 0 too.
 FN float log1p_f(float x) {
-  bool near = (x > -0.25f) & (x < 0.4f);
+  bool near = BOTH(x > -0.25f, x < 0.4f);
   float small = log_core(near ? x : 0.0f);
   float large = log_f(max_f(1.0f + x, 1.2e-38f));
   return near ? small : large;

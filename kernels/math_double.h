@@ -12,7 +12,9 @@ PENUMBRA_NAMESPACE_BEGIN
 #define HALF_PI_D 1.57079632679489661923
 #define LN2_HIGH_D 0.6931471803691238  // 31 bits: exact times an exponent
 #define LN2_LOW_D 1.9082149292705877e-10
-#define SMALLEST_D 2.2250738585072014e-308  // normal
+#define SMALLEST_D 2.2250738585072014e-308       // normal
+#define TINY_D 1e-300                            // far below what is added to it, far above denormal numbers
+#define ONE_MINUS_EPSILON_D 0.99999999999999989  // the largest double below 1
 
 FN double min_d(double a, double b) { return a < b ? a : b; }
 FN double max_d(double a, double b) { return a > b ? a : b; }
@@ -52,6 +54,14 @@ FN double exp_and_rest_d(double x, PRIVATE double* rest) {
   const double product = power * m;
   *rest = x < -708.0 ? 1.0 : (1.0 - power) - product;
   return x < -708.0 ? 0.0 : power + product;
+}
+
+/// Both as a value.
+STRUCT(ExpAndRest) { double power, rest; };
+FN ExpAndRest exp_and_rest_of_d(double x) {
+  ExpAndRest r;
+  r.power = exp_and_rest_d(x, &r.rest);
+  return r;
 }
 
 /// log(1 + f) for 1 + f in [1/sqrt 2, sqrt 2], by 2 atanh(f / (2 + f)).

@@ -11,12 +11,12 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 /// The part of an edge above the horizon, an arc of a great circle.
-typedef struct {
+STRUCT(VisibleEdge) {
   vec3d from, to;  ///< its ends, not normalised
   vec3d normal;    ///< unit, from x to; 0 where the edge's line passes through the receiver: it has no arc
   double sine, cosine;  ///< of its angle, not normalised; the sine is at least 0
   double crossing;      ///< 1: it rises through the horizon at `from`; -1: it sets at `to`; 0: neither
-} VisibleEdge;
+};
 
 /// The edge from a to b = a + d, both relative to the receiver; n is the receiver's normal.
 FN VisibleEdge visible_edge(vec3d a, vec3d b, vec3d d, vec3d n) {
@@ -26,7 +26,7 @@ FN VisibleEdge visible_edge(vec3d a, vec3d b, vec3d d, vec3d n) {
   const double t = crosses ? za / (za - zb) : 0.0;
   const vec3d meets = add_scaled_d(a, t, d);
   VisibleEdge e;
-  e.from = select3_d(above_a | !crosses, a, meets);
+  e.from = select3_d(EITHER(above_a, !crosses), a, meets);
   e.to = select3_d(above_b, b, select3_d(crosses, meets, a));
   e.crossing = crosses ? (above_b ? 1.0 : -1.0) : 0.0;
   // Of the whole edge: clipping shortens it and leaves its great circle, d is exact, and a x d keeps the
@@ -45,10 +45,10 @@ FN VisibleEdge visible_edge(vec3d a, vec3d b, vec3d d, vec3d n) {
 /// outline sets to where it rises. The latter are on one side of the horizon, where the light's plane cuts
 /// it, and add up to less than half a turn: a product of unit complex numbers keeps their sum, and one arc
 /// tangent takes it.
-typedef struct {
+STRUCT(IrradianceSum) {
   double sum;
   double turn_x, turn_y;
-} IrradianceSum;
+};
 
 FN IrradianceSum no_irradiance(void) {
   IrradianceSum s;
@@ -67,7 +67,7 @@ FN IrradianceSum add_irradiance(IrradianceSum s, VisibleEdge e, double angle, ve
   const double x = q.x * (1.0 + sign * n.x * n.x * a) + q.y * (sign * b) - q.z * (sign * n.x);
   const double y = q.x * b + q.y * (sign + n.y * n.y * a) - q.z * n.y;
   const double r2 = x * x + y * y;
-  const bool turns = (e.crossing != 0.0) & (r2 > 0.0);
+  const bool turns = BOTH(e.crossing != 0.0, r2 > 0.0);
   const double scale = 1.0 / SQRT_D(turns ? r2 : 1.0);
   const double ux = turns ? x * scale : 1.0, uy = turns ? y * scale * e.crossing : 0.0;
   IrradianceSum r;

@@ -29,9 +29,7 @@ STAGE bool start_lobes(const PRIVATE Receivers* RESTRICT r, PRIVATE Lobes* RESTR
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const double e = r->exponent[j];
-      double steps = 0.0;
-      UNROLL
-      for (int i = 0; i < LOBE_STEPS; i++) steps += e < LOWEST_LOBE_EXPONENT - 2.0 * (double)i ? 1.0 : 0.0;
+      const double steps = lobe_steps(e);
       lobes->steps[j] = steps;
       lobes->half_exponent[j] = 0.5 * max_d(e, 0.0);
       const double cut2 = exp_d(LOG_LOBE_CUT / (lobes->half_exponent[j] + steps));
@@ -62,42 +60,27 @@ FN void store_lobe_arc(PRIVATE LobeArcs* arcs, int j, const PRIVATE Lobes* lobes
 }
 
 /// Half the nodes of the rule that integrates lane j's arc: its own choice, so that a lane's result does not
-/// depend on its neighbours. The rules of 8, 16 and 24 nodes have errors below 1e-10 up to lengths of 3 and
-/// 8.7 widths of the lobe, and of 13.6 across all of it.
-FN double lobe_rule(const PRIVATE Lobes* lobes, const PRIVATE LobeArcs* arcs, int j) {
-  const double exponent = 2.0 * (lobes->half_exponent[j] + lobes->steps[j]);
-  const double length2 = 4.0 * arcs->half_width[j] * arcs->half_width[j] * exponent;
-  return length2 <= 0.0 ? 0.0 : (length2 <= 9.0 ? 4.0 : (length2 <= 75.0 ? 8.0 : 12.0));
+/// depend on its neighbours.
+FN double lane_rule(const PRIVATE Lobes* lobes, const PRIVATE LobeArcs* arcs, int j) {
+  return lobe_rule(lobes->half_exponent[j] + lobes->steps[j], arcs->half_width[j]);
 }
 
 /// Integrals of (w.u)^e and of (1 - (w.u)^e) / S over psi inside the lobe, by up to `most` nodes on either
 /// side of the middle.
 STAGE void integrate_lobes(const PRIVATE Lobes* RESTRICT lobes, const PRIVATE LobeArcs* RESTRICT arcs,
                            int most, PRIVATE double* RESTRICT power, PRIVATE double* RESTRICT rest) {
-  // Gauss-Legendre: the positive nodes and their weights, with weights of 0 behind each rule's last node.
-  const double nodes8[12] = {0.96028985649753623, 0.79666647741362674, 0.52553240991632899,
-                             0.1834346424956498};
-  const double nodes16[12] = {0.98940093499164993, 0.94457502307323258, 0.86563120238783174,
-                              0.75540440835500303, 0.61787624440264375, 0.45801677765722739,
-                              0.28160355077925891, 0.09501250983763744};
-  const double nodes24[12] = {0.99518721999702136, 0.9747285559713095,  0.93827455200273276,
-                              0.88641552700440103, 0.82000198597390292, 0.74012419157855436,
-                              0.64809365193697557, 0.54542147138883954, 0.43379350762604514,
-                              0.31504267969616337, 0.19111886747361631, 0.064056892862605626};
-  const double weights8[12] = {0.10122853629037626, 0.22238103445337447, 0.31370664587788729,
-                               0.36268378337836198};
-  const double weights16[12] = {0.027152459411754095, 0.062253523938647893, 0.095158511682492785,
-                                0.12462897125553387,  0.14959598881657673,  0.16915651939500254,
-                                0.18260341504492359,  0.1894506104550685};
-  const double weights24[12] = {0.0123412297999872,   0.028531388628933663, 0.044277438817419806,
-                                0.059298584915436781, 0.073346481411080306, 0.086190161531953276,
-                                0.097618652104113888, 0.10744427011596563,  0.1155056680537256,
-                                0.12167047292780339,  0.1258374563468283,   0.12793819534675216};
+  // Weights are 0 behind each rule's last node.
+  const double nodes8[12] = {LOBE_NODES_8};
+  const double nodes16[12] = {LOBE_NODES_16};
+  const double nodes24[12] = {LOBE_NODES_24};
+  const double weights8[12] = {LOBE_WEIGHTS_8};
+  const double weights16[12] = {LOBE_WEIGHTS_16};
+  const double weights24[12] = {LOBE_WEIGHTS_24};
   double log_c2[LANES], rule[LANES];
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       log_c2[j] = log1p_d(-lobe_delta2(arcs->delta[j]));
-      rule[j] = lobe_rule(lobes, arcs, j);
+      rule[j] = lane_rule(lobes, arcs, j);
       power[j] = rest[j] = 0.0;
     }
   for (int k = 0; k < most; k++) {
@@ -109,13 +92,11 @@ STAGE void integrate_lobes(const PRIVATE Lobes* RESTRICT lobes, const PRIVATE Lo
         const double node = short_rule ? node8 : (long_rule ? node24 : node16);
         const double weight = short_rule ? weight8 : (long_rule ? weight24 : weight16);
         const double delta2 = lobe_delta2(arcs->delta[j]), offset = node * arcs->half_width[j];
-        double rest0, rest1;
-        const double power0 =
-            lobe_at(arcs->middle[j] - offset, delta2, log_c2[j], arcs->half_exponent[j], &rest0);
-        const double power1 =
-            lobe_at(arcs->middle[j] + offset, delta2, log_c2[j], arcs->half_exponent[j], &rest1);
-        power[j] += weight * (power0 + power1);
-        rest[j] += weight * (rest0 + rest1);
+        const double half_exponent = arcs->half_exponent[j];
+        const LobeTerms below = lobe_at(arcs->middle[j] - offset, delta2, log_c2[j], half_exponent);
+        const LobeTerms above = lobe_at(arcs->middle[j] + offset, delta2, log_c2[j], half_exponent);
+        power[j] += weight * (below.power + above.power);
+        rest[j] += weight * (below.rest + above.rest);
       }
   }
   LANE_LOOP
@@ -130,11 +111,13 @@ STAGE void step_lobes_down(const PRIVATE LobeArcs* RESTRICT arcs, PRIVATE double
                            PRIVATE double* RESTRICT rest) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      double d = power[j], b = rest[j];
-      step_down(arcs->delta[j], arcs->from_cos[j], arcs->from_sin[j], arcs->to_cos[j], arcs->to_sin[j],
-                arcs->half_exponent[j], arcs->steps[j], &d, &b);
-      power[j] = d;
-      rest[j] = b;
+      LobeTerms terms;
+      terms.power = power[j];
+      terms.rest = rest[j];
+      terms = step_down(arcs->delta[j], arcs->from_cos[j], arcs->from_sin[j], arcs->to_cos[j],
+                        arcs->to_sin[j], arcs->half_exponent[j], arcs->steps[j], terms);
+      power[j] = terms.power;
+      rest[j] = terms.rest;
     }
 }
 
@@ -144,7 +127,7 @@ STAGE void add_lobe_arcs(const PRIVATE Lobes* RESTRICT lobes, const PRIVATE Lobe
   double power[LANES], rest[LANES];
   double most = 0.0, most_steps = 0.0;
   for (int j = 0; j < LANES; j++) {
-    most = max_d(most, lobe_rule(lobes, arcs, j));
+    most = max_d(most, lane_rule(lobes, arcs, j));
     most_steps = max_d(most_steps, arcs->steps[j]);
     power[j] = rest[j] = 0.0;
   }

@@ -5,9 +5,11 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
+#ifndef PENUMBRA_GLSL  // which has it
 typedef struct {
   float x, y, z;
 } vec3;
+#endif
 
 FN vec3 make_vec3(float x, float y, float z) {
   vec3 r;
@@ -16,8 +18,10 @@ FN vec3 make_vec3(float x, float y, float z) {
   r.z = z;
   return r;
 }
+#ifndef PENUMBRA_GLSL
 /// Reads component by component: a struct copy is a load that lane loops cannot vectorise.
 FN vec3 load3(GLOBAL const vec3* v) { return make_vec3(v->x, v->y, v->z); }
+#endif
 FN vec3 add(vec3 a, vec3 b) { return make_vec3(a.x + b.x, a.y + b.y, a.z + b.z); }
 FN vec3 sub(vec3 a, vec3 b) { return make_vec3(a.x - b.x, a.y - b.y, a.z - b.z); }
 FN vec3 mul(vec3 a, vec3 b) { return make_vec3(a.x * b.x, a.y * b.y, a.z * b.z); }

@@ -1,14 +1,20 @@
 // Three doubles: for closed forms, never stored.
 #ifndef PENUMBRA_VEC3_DOUBLE_H
 #define PENUMBRA_VEC3_DOUBLE_H
-#include "kernels/math_double.h"
+#ifdef PENUMBRA_GLSL
+  #include "kernels/math_glsl.h"
+#else
+  #include "kernels/math_double.h"
+#endif
 #include "kernels/vec3.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
+#ifndef PENUMBRA_GLSL  // in which it is a vec3
 typedef struct {
   double x, y, z;
 } vec3d;
+#endif
 
 FN vec3d make_vec3d(double x, double y, double z) {
   vec3d r;
@@ -17,7 +23,7 @@ FN vec3d make_vec3d(double x, double y, double z) {
   r.z = z;
   return r;
 }
-FN vec3d widen3(vec3 v) { return make_vec3d((double)v.x, (double)v.y, (double)v.z); }
+FN vec3d widen3(vec3 v) { return make_vec3d(v.x, v.y, v.z); }
 FN vec3d add_d(vec3d a, vec3d b) { return make_vec3d(a.x + b.x, a.y + b.y, a.z + b.z); }
 FN vec3d sub_d(vec3d a, vec3d b) { return make_vec3d(a.x - b.x, a.y - b.y, a.z - b.z); }
 FN vec3d scale_d(vec3d a, double s) { return make_vec3d(a.x * s, a.y * s, a.z * s); }
