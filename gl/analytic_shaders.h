@@ -1,0 +1,17 @@
+// The preprocessed shaders of the analytic pass, compiled into the binary.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "worker/embedded_kernels.h"
+
+namespace penumbra {
+
+/// Names as "triangles.vert".
+std::span<const EmbeddedFile> analytic_shaders();
+
+/// Empty if there is none of that name.
+std::string_view analytic_shader(std::string_view name);
+
+}  // namespace penumbra

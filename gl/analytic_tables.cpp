@@ -1,0 +1,155 @@
+#include "gl/analytic_tables.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace penumbra {
+namespace {
+
+/// A table of the scene.
+template <typename T>
+std::span<const T> table(const DeviceScene& scene, std::uint32_t offset, int count) {
+  return {reinterpret_cast<const T*>(scene.words.data() + offset), static_cast<std::size_t>(count)};
+}
+
+float largest(vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+/// The power of two at or below the largest coordinate.
+float unit_of(const DeviceScene& scene) {
+  const SceneHeader& h = scene.header;
+  float most = 0;
+  for (const Triangle& t : table<Triangle>(scene, h.triangles, h.triangle_count))
+    most = std::max({most, largest(t.p0), largest(t.p1), largest(t.p2)});
+  for (const Quadric& q : table<Quadric>(scene, h.quadrics, h.quadric_count))
+    most = std::max(most, largest(q.center) + q.radius);
+  return most > 0 && std::isfinite(most) ? std::ldexp(1.0f, std::ilogb(most)) : 1.0f;
+}
+
+/// Words of texels that are put together one number after the other.
+class Packer {
+ public:
+  explicit Packer(float unit) : scale_(1 / unit) {}
+  void number(float x) { words_.push_back(std::bit_cast<std::uint32_t>(x)); }
+  void number(int x) { words_.push_back(static_cast<std::uint32_t>(x)); }
+  void length(float x) { number(x * scale_); }
+  void vector(vec3 v) {
+    number(v.x);
+    number(v.y);
+    number(v.z);
+  }
+  void point(vec3 p) { vector({p.x * scale_, p.y * scale_, p.z * scale_}); }
+
+  /// Four words a texel: floats as they are, or with integers among them.
+  [[nodiscard]] Expected<BufferTexture> upload(std::string_view what, GLenum format) const {
+    return make_buffer_texture(what, std::as_bytes(std::span(words_)), format, 4 * sizeof(std::uint32_t));
+  }
+
+ private:
+  float scale_;
+  std::vector<std::uint32_t> words_;
+};
+
+Expected<BufferTexture> pack_triangles(const DeviceScene& scene, float unit) {
+  Packer p(unit);
+  for (const Triangle& t : table<Triangle>(scene, scene.header.triangles, scene.header.triangle_count)) {
+    p.point(t.p0);
+    p.number(t.front);
+    p.point(t.p1);
+    p.number(t.back);
+    p.point(t.p2);
+    p.number(t.light);
+    for (const int word : {t.normals, 0, 0, 0}) p.number(word);
+  }
+  return p.upload("the triangles", GL_RGBA32UI);
+}
+
+Expected<BufferTexture> pack_normals(const DeviceScene& scene) {
+  Packer p(1);
+  for (const VertexNormals& n : table<VertexNormals>(scene, scene.header.normals, scene.header.normals_count))
+    for (const vec3& normal : {n.n0, n.n1, n.n2}) {
+      p.vector(normal);
+      p.number(0.0f);
+    }
+  return p.upload("the vertex normals", GL_RGBA32F);
+}
+
+Expected<BufferTexture> pack_quadrics(const DeviceScene& scene, float unit) {
+  Packer p(unit);
+  for (const Quadric& q : table<Quadric>(scene, scene.header.quadrics, scene.header.quadric_count)) {
+    p.point(q.center);
+    p.length(q.radius);
+    p.vector(q.normal);
+    p.number(q.orientation);
+    for (const int word : {q.kind, q.front, q.back, q.light}) p.number(word);
+  }
+  return p.upload("the spheres and disks", GL_RGBA32UI);
+}
+
+Expected<BufferTexture> pack_materials(const DeviceScene& scene) {
+  Packer p(1);
+  for (const Material& m : table<Material>(scene, scene.header.materials, scene.header.material_count)) {
+    p.vector(m.diffuse);
+    p.number(m.exponent);
+    p.vector(m.specular);
+    p.number(m.lobe);
+  }
+  return p.upload("the materials", GL_RGBA32F);
+}
+
+Expected<BufferTexture> pack_lights(const DeviceScene& scene) {
+  Packer p(1);
+  for (const Light& light : table<Light>(scene, scene.header.lights, scene.header.light_count)) {
+    p.vector(light.radiance);
+    p.number(light.two_sided != 0 ? 1.0f : 0.0f);
+  }
+  return p.upload("the lights", GL_RGBA32F);
+}
+
+Expected<BufferTexture> pack_polygons(const DeviceScene& scene) {
+  Packer p(1);
+  for (const Polygon& polygon : table<Polygon>(scene, scene.header.polygons, scene.header.polygon_count)) {
+    p.vector(polygon.radiance);
+    p.number(polygon.two_sided);
+    for (const int word : {polygon.first_corner, polygon.corner_count, 0, 0}) p.number(word);
+  }
+  return p.upload("the polygon lights", GL_RGBA32UI);
+}
+
+Expected<BufferTexture> pack_corners(const DeviceScene& scene, float unit) {
+  Packer p(unit);
+  for (const PolygonCorner& c :
+       table<PolygonCorner>(scene, scene.header.polygon_corners, scene.header.polygon_corner_count)) {
+    p.point(c.p);
+    p.number(c.starts != 0 ? 1.0f : 0.0f);
+  }
+  return p.upload("the corners of the polygon lights", GL_RGBA32F);
+}
+
+}  // namespace
+
+Expected<AnalyticTables> make_analytic_tables(const DeviceScene& scene) {
+  AnalyticTables made;
+  made.unit = unit_of(scene);
+  // The first error counts.
+  Expected<void> done;
+  const auto take = [&done](BufferTexture& target, Expected<BufferTexture> packed) {
+    if (packed)
+      target = std::move(*packed);
+    else if (done)
+      done = std::unexpected(packed.error());
+  };
+  take(made.triangles, pack_triangles(scene, made.unit));
+  take(made.quadrics, pack_quadrics(scene, made.unit));
+  take(made.vertex_normals, pack_normals(scene));
+  take(made.materials, pack_materials(scene));
+  take(made.lights, pack_lights(scene));
+  take(made.polygons, pack_polygons(scene));
+  take(made.polygon_corners, pack_corners(scene, made.unit));
+  if (!done) return std::unexpected(done.error());
+  return made;
+}
+
+}  // namespace penumbra

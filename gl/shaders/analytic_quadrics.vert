@@ -1,0 +1,21 @@
+// A box about each sphere or disk, an instance each: the sides that a ray leaves it by, which are in front of
+// a camera inside it, too.
+#include "gl/shaders/analytic_camera.glsl"
+#include "gl/shaders/analytic_tables.glsl"
+
+flat out int index;
+
+void main() {
+  index = gl_InstanceID;
+  Quadric q = quadric_at(index);
+  int side = gl_VertexID / 6, corner = gl_VertexID - 6 * side, axis = side / 2;
+  vec3 half_size = vec3(1.001 * q.radius);
+  float toward = (side & 1) == 0 ? -1.0 : 1.0;
+  float u = (corner == 1 || corner == 2 || corner == 4) ? 1.0 : -1.0;
+  float v = (corner == 2 || corner == 4 || corner == 5) ? 1.0 : -1.0;
+  vec3 at = axis == 0 ? vec3(toward, u, v) : (axis == 1 ? vec3(v, toward, u) : vec3(u, v, toward));
+  vec3 inside = camera_origin - q.center;
+  float beyond = toward * (axis == 0 ? inside.x : (axis == 1 ? inside.y : inside.z));
+  bool leaves = beyond < half_size.x;
+  gl_Position = leaves ? project(at * half_size - inside) : vec4(2.0, 2.0, 2.0, 1.0);
+}

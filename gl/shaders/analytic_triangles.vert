@@ -1,0 +1,16 @@
+// Triangles without vertex attributes: three vertices each, by number.
+#include "gl/shaders/analytic_camera.glsl"
+#include "gl/shaders/analytic_tables.glsl"
+
+flat out int primitive;
+flat out vec3 plane;  // times a direction: the inverse depth at which a ray meets the triangle's plane
+
+void main() {
+  primitive = gl_VertexID / 3;
+  TriangleCorners t = triangle_corners(primitive);
+  int corner = gl_VertexID - 3 * primitive;
+  gl_Position = project((corner == 0 ? t.p0 : (corner == 1 ? t.p1 : t.p2)) - camera_origin);
+  vec3 normal = cross(t.p1 - t.p0, t.p2 - t.p0);
+  float height = dot(normal, t.p0 - camera_origin);
+  plane = height != 0.0 ? normal / height : vec3(0.0);
+}
