@@ -1,1 +1,221 @@
-// to come
+#include "gl/composite_pass.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <string>
+
+#include "gl/composite_shaders.h"
+#include "gl/error_scale.h"
+#include "scheduler/metrics/color_map.h"
+
+namespace penumbra {
+namespace {
+
+std::string_view shader_text(std::string_view file) {
+  for (const composite::EmbeddedFile& embedded : composite::shader_files()) {
+    if (embedded.name == file) return embedded.text;
+  }
+  return {};
+}
+
+Expected<Program> composite_program(std::string_view vertex, std::string_view fragment) {
+  return link_program(fragment, shader_text(fmt::format("gl/shaders/{}", vertex)),
+                      shader_text(fmt::format("gl/shaders/{}", fragment)));
+}
+
+Texture heat_texture() {
+  constexpr int kEntries = 256;
+  std::vector<float> entries;
+  for (int i = 0; i < kEntries; ++i) {
+    for (const float channel : heat_color(double(i) / (kEntries - 1))) entries.push_back(channel);
+  }
+  Texture texture = make_texture(GL_RGB32F, kEntries, 1, GL_RGB, GL_FLOAT);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, kEntries, 1, GL_RGB, GL_FLOAT, entries.data());
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  return texture;
+}
+
+void bind_texture(const Program& program, const char* name, int unit, GLuint texture) {
+  glActiveTexture(GL_TEXTURE0 + GLenum(unit));
+  glBindTexture(GL_TEXTURE_2D, texture);
+  set_uniform(program, name, unit);
+}
+
+/// No state of others reaches what is drawn here.
+void plain_state() {
+  glDisable(GL_BLEND);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_STENCIL_TEST);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_SCISSOR_TEST);
+  glDisable(GL_FRAMEBUFFER_SRGB);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+}
+
+bool has_size(GLuint texture, int width, int height) {
+  if (texture == 0) return false;
+  GLint found_width = 0, found_height = 0;
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_2D, texture);
+  glGetTexLevelParameteriv(GL_TEXTURE_2D, 0, GL_TEXTURE_WIDTH, &found_width);
+  glGetTexLevelParameteriv(GL_TEXTURE_2D, 0, GL_TEXTURE_HEIGHT, &found_height);
+  return found_width == width && found_height == height;
+}
+
+}  // namespace
+
+Expected<CompositePass> CompositePass::create() {
+  CompositePass pass;
+  auto linear = composite_program("composite.vert", "composite_linear.frag");
+  if (!linear) return std::unexpected(linear.error());
+  auto display = composite_program("composite.vert", "composite_display.frag");
+  if (!display) return std::unexpected(display.error());
+  auto outline = composite_program("composite_outline.vert", "composite_outline.frag");
+  if (!outline) return std::unexpected(outline.error());
+  pass.linear_ = std::move(*linear);
+  pass.display_ = std::move(*display);
+  pass.outline_ = std::move(*outline);
+  pass.nothing_ = VertexArray::create();
+  pass.outline_array_ = VertexArray::create();
+  pass.outline_buffer_ = Buffer::create();
+  pass.heat_ = heat_texture();
+  glBindVertexArray(pass.outline_array_.name());
+  glBindBuffer(GL_ARRAY_BUFFER, pass.outline_buffer_.name());
+  glVertexAttribPointer(0, 2, GL_FLOAT, GL_FALSE, sizeof(OutlineVertex), nullptr);
+  glVertexAttribPointer(1, 3, GL_FLOAT, GL_FALSE, sizeof(OutlineVertex),
+                        reinterpret_cast<const void*>(offsetof(OutlineVertex, red)));
+  glEnableVertexAttribArray(0);
+  glEnableVertexAttribArray(1);
+  glBindVertexArray(0);
+  glBindBuffer(GL_ARRAY_BUFFER, 0);
+  return pass;
+}
+
+Expected<void> CompositePass::compose(const FilmTextures& film, const AnalyticTextures& analytic,
+                                      const DisplaySettings& settings) {
+  if (film.width() != width_ || film.height() != height_) {
+    Texture values = make_texture(GL_RGBA32F, film.width(), film.height(), GL_RGBA, GL_FLOAT);
+    auto target = make_framebuffer(std::array{values.name()});
+    if (!target) return std::unexpected(target.error());
+    values_ = std::move(values);
+    values_target_ = std::move(*target);
+    width_ = film.width();
+    height_ = film.height();
+  }
+  const bool hybrid =
+      has_size(analytic.closed_form, width_, height_) && has_size(analytic.emission, width_, height_);
+  plain_state();
+  glBindFramebuffer(GL_FRAMEBUFFER, values_target_.name());
+  glViewport(0, 0, width_, height_);
+  glUseProgram(linear_.name());
+  bind_texture(linear_, "radiance", 0, film.radiance_texture());
+  bind_texture(linear_, "difference", 1, film.difference_texture());
+  bind_texture(linear_, "standard_error", 2, film.standard_error_texture());
+  bind_texture(linear_, "analytic", 3, hybrid ? analytic.closed_form : film.radiance_texture());
+  bind_texture(linear_, "emission", 4, hybrid ? analytic.emission : film.radiance_texture());
+  set_uniform(linear_, "layer", int(settings.layer));
+  set_uniform(linear_, "hybrid", int(hybrid));
+  set_uniform(linear_, "alpha", settings.alpha);
+  glBindVertexArray(nothing_.name());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glBindVertexArray(0);
+  glUseProgram(0);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  return {};
+}
+
+void CompositePass::draw_picture(const FilmTextures& film, const DisplaySettings& settings,
+                                 const PixelRectangle& place, int target_height, float scale) {
+  plain_state();
+  const int top = target_height - place.y;  // OpenGL counts from below
+  glViewport(place.x, top - place.height, place.width, place.height);
+  glUseProgram(display_.name());
+  bind_texture(display_, "linear_values", 0, values_.name());
+  bind_texture(display_, "radiance", 1, film.radiance_texture());
+  bind_texture(display_, "heat", 2, heat_.name());
+  const ErrorScale range = error_scale(settings);
+  set_uniform(display_, "origin", float(place.x), float(top));
+  set_uniform(display_, "film_per_pixel", float(width_) / float(place.width),
+              float(height_) / float(place.height));
+  set_uniform(display_, "layer", int(settings.layer));
+  set_uniform(display_, "tone_map", int(settings.tone_map));
+  set_uniform(display_, "gain", std::exp2(settings.exposure));
+  set_uniform(display_, "relative_error", int(settings.relative_error));
+  set_uniform(display_, "error_range", range.log10_low, range.log10_high);
+  set_uniform(display_, "check_size", std::max(1.0f, std::round(8 * scale)));
+  glBindVertexArray(nothing_.name());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glBindVertexArray(0);
+  glUseProgram(0);
+}
+
+void CompositePass::draw_outlines(const std::vector<OutlineVertex>& vertices, int target_width,
+                                  int target_height) {
+  if (vertices.empty()) return;
+  glViewport(0, 0, target_width, target_height);
+  glUseProgram(outline_.name());
+  set_uniform(outline_, "target_size", float(target_width), float(target_height));
+  glBindVertexArray(outline_array_.name());
+  glBindBuffer(GL_ARRAY_BUFFER, outline_buffer_.name());
+  glBufferData(GL_ARRAY_BUFFER, GLsizeiptr(vertices.size() * sizeof(OutlineVertex)), vertices.data(),
+               GL_STREAM_DRAW);
+  glDrawArrays(GL_TRIANGLES, 0, GLsizei(vertices.size()));
+  glBindBuffer(GL_ARRAY_BUFFER, 0);
+  glBindVertexArray(0);
+  glUseProgram(0);
+}
+
+PixelRectangle CompositePass::show(const FilmTextures& film, const DisplaySettings& settings,
+                                   std::span<const WorkerView> workers, const DisplayTarget& target) {
+  const PixelRectangle place = letterboxed(target.area, width_, height_);
+  if (place.width < 1) return place;
+  glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
+  draw_picture(film, settings, place, target.height, target.scale);
+  if (settings.outlines) {
+    const int thickness = std::max(1, int(std::lround(2 * target.scale)));
+    draw_outlines(outline_triangles(workers, place, width_, height_, thickness), target.width, target.height);
+  }
+  return place;
+}
+
+std::vector<float> CompositePass::read_linear() const {
+  std::vector<float> values(3 * std::size_t(width_) * std::size_t(height_));
+  if (values.empty()) return values;
+  glBindFramebuffer(GL_FRAMEBUFFER, values_target_.name());
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  glReadPixels(0, 0, width_, height_, GL_RGB, GL_FLOAT, values.data());  // row 0 is the film's top row
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  return values;
+}
+
+Expected<std::vector<std::uint8_t>> CompositePass::read_display(const FilmTextures& film,
+                                                                const DisplaySettings& settings) {
+  std::vector<std::uint8_t> bytes(3 * std::size_t(width_) * std::size_t(height_));
+  if (bytes.empty()) return bytes;
+  const Texture picture = make_texture(GL_RGBA8, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE);
+  const auto target = make_framebuffer(std::array{picture.name()});
+  if (!target) return std::unexpected(target.error());
+  glBindFramebuffer(GL_FRAMEBUFFER, target->name());
+  draw_picture(film, settings, {0, 0, width_, height_}, height_, 1);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, width_, height_, GL_RGB, GL_UNSIGNED_BYTE, bytes.data());
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  const std::size_t row = 3 * std::size_t(width_);
+  for (int y = 0; y < height_ / 2; ++y) {
+    std::swap_ranges(bytes.begin() + std::ptrdiff_t(row * std::size_t(y)),
+                     bytes.begin() + std::ptrdiff_t(row * std::size_t(y + 1)),
+                     bytes.begin() + std::ptrdiff_t(row * std::size_t(height_ - 1 - y)));
+  }
+  return bytes;
+}
+
+}  // namespace penumbra

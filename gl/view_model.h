@@ -18,6 +18,7 @@ struct DisplaySettings {
   float alpha = 1;         ///< of the control variate
   bool outlines = false;   ///< of the tiles that workers have in hand, in a colour for each worker
   bool automatic = false;  ///< refine until told otherwise
+  bool relative_error = true;  ///< kError: standard error over brightness, else times 2^exposure
   bool panel = true, help = false;
 };
 
@@ -49,7 +50,7 @@ struct ViewStatus {
   double frames_per_second = 0;
   int analytic_frames = 0;  ///< frames of the closed form averaged into its antialiasing
   std::vector<WorkerView> workers;
-  std::vector<std::string> messages;  ///< newest last
+  std::vector<std::string> messages;  ///< newest last; what begins with "error:" or "warning:" is shown as such
 };
 
 }  // namespace penumbra

@@ -97,10 +97,18 @@ Expected<std::vector<std::uint8_t>> encode_png(const Image& image) {
       pixels.push_back(display_byte(image.values[pixel * image.channels.size() + channel]));
     }
   }
+  return encode_png_bytes(image.data.width, image.data.height, pixels);
+}
+
+Expected<std::vector<std::uint8_t>> encode_png_bytes(int width, int height,
+                                                     std::span<const std::uint8_t> pixels) {
+  if (width < 1 || height < 1 || pixels.size() != 3 * std::size_t(width) * std::size_t(height))
+    return fail(
+        fmt::format("cannot encode {} bytes as a PNG of {} × {} pixels", pixels.size(), width, height));
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
-  png.width = png_uint_32(image.data.width);
-  png.height = png_uint_32(image.data.height);
+  png.width = png_uint_32(width);
+  png.height = png_uint_32(height);
   png.format = PNG_FORMAT_RGB;  // 8 bits, sRGB
   std::vector<std::uint8_t> bytes(PNG_IMAGE_PNG_SIZE_MAX(png));
   png_alloc_size_t size = bytes.size();

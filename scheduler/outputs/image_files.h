@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "kernels/host/error.h"
@@ -15,5 +16,10 @@ Expected<std::vector<std::uint8_t>> encode_exr(const Image& image);
 
 /// PNG: the beauty layer of the data window through `display_byte`, 8 bits a channel, no alpha.
 Expected<std::vector<std::uint8_t>> encode_png(const Image& image);
+
+/// PNG of pixels that are ready for the display: sRGB, 8 bits of red, green and blue, row by row from the
+/// top. An error if there are not width × height of them.
+Expected<std::vector<std::uint8_t>> encode_png_bytes(int width, int height,
+                                                     std::span<const std::uint8_t> pixels);
 
 }  // namespace penumbra

@@ -1,0 +1,146 @@
+#include "gl/overlay_help.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+
+#include "gl/actions.h"
+#include "gl/overlay_text.h"
+#include "gl/overlay_widgets.h"
+
+namespace penumbra {
+namespace {
+
+constexpr auto kMouse = std::to_array<std::pair<const char*, const char*>>({
+    {"left drag", "turn about the target"},
+    {"middle drag", "move across the view"},
+    {"shift + left drag", "the same"},
+    {"wheel", "closer, farther"},
+    {"right click", "on a slider: back to its usual value"},
+    {"ctrl + click", "on a slider: type a number"},
+    {"drop a file", "watch that scene"},
+});
+
+/// As on a keyboard.
+void key_cap(const std::string& text) {
+  const float unit = overlay_unit();
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  const ImVec2 corner = ImGui::GetCursorScreenPos();
+  const ImVec2 end{corner.x + size.x + 10 * unit, corner.y + size.y + 2 * unit};
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  list.AddRectFilled(corner, end, ImGui::GetColorU32(ImGuiCol_Button), 3 * unit);
+  list.AddRect(corner, end, ImGui::GetColorU32(ImGuiCol_Border), 3 * unit, 0, unit);
+  list.AddText({corner.x + 5 * unit, corner.y + unit}, ImGui::GetColorU32(ImGuiCol_Text), text.c_str());
+  ImGui::Dummy({end.x - corner.x, end.y - corner.y});
+}
+
+void help_row(const std::string& key, const std::string& help, bool cap) {
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  if (cap) {
+    key_cap(key);
+  } else {
+    ImGui::TextUnformatted(key.c_str());
+  }
+  ImGui::TableNextColumn();
+  ImGui::PushTextWrapPos(0);
+  ImGui::TextColored(overlay_color::kDim, "%s", help.c_str());
+  ImGui::PopTextWrapPos();
+}
+
+bool begin_columns(const char* name, float first_width) {
+  if (!ImGui::BeginTable(name, 2, ImGuiTableFlags_SizingFixedFit)) return false;
+  ImGui::TableSetupColumn("key", ImGuiTableColumnFlags_WidthFixed, first_width);
+  ImGui::TableSetupColumn("help", ImGuiTableColumnFlags_WidthStretch);
+  return true;
+}
+
+void keys_of(std::span<const ActionInfo> actions, const char* name) {
+  if (!begin_columns(name, 72 * overlay_unit())) return;
+  for (const ActionInfo& info : actions) help_row(key_text(info.key), std::string(info.help), true);
+  ImGui::EndTable();
+}
+
+}  // namespace
+
+void draw_help(DisplaySettings& settings) {
+  if (!settings.help) return;
+  const float unit = overlay_unit();
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  const bool wide = display.x >= 760 * unit;
+  const float width = std::min((wide ? 740 : 400) * unit, display.x);
+  ImGui::SetNextWindowPos({0.5f * display.x, 0.5f * display.y}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowSizeConstraints({width, 0}, {width, display.y});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 5 * unit);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, unit);
+  bool open = true;
+  constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
+                                      ImGuiWindowFlags_NoResize | ImGuiWindowFlags_AlwaysAutoResize |
+                                      ImGuiWindowFlags_NoSavedSettings;
+  if (ImGui::Begin("Help", &open, kFlags)) {
+    const auto actions = all_actions();
+    section("Keys");
+    if (wide) {
+      const std::size_t half = (actions.size() + 1) / 2;
+      if (ImGui::BeginTable("halves", 2, ImGuiTableFlags_SizingStretchSame)) {
+        ImGui::TableNextColumn();
+        keys_of(actions.first(half), "left keys");
+        ImGui::TableNextColumn();
+        keys_of(actions.subspan(half), "right keys");
+        ImGui::EndTable();
+      }
+    } else {
+      keys_of(actions, "keys");
+    }
+    section("Mouse");
+    if (begin_columns("mouse", 130 * unit)) {
+      for (const auto& [what, help] : kMouse) help_row(what, help, false);
+      ImGui::EndTable();
+    }
+  }
+  ImGui::End();
+  ImGui::PopStyleVar(2);
+  if (!open) settings.help = false;
+}
+
+ImVec4 connection_color(const ViewStatus& status) {
+  switch (status.connection) {
+    case ConnectionState::kStarting:
+      return overlay_color::kWarning;
+    case ConnectionState::kConnected:
+      return overlay_color::kGood;
+    case ConnectionState::kLost:
+      return overlay_color::kWarning;
+    case ConnectionState::kRefused:
+      break;
+  }
+  return overlay_color::kBad;
+}
+
+void draw_banner(const ViewStatus& status, const ImVec2& corner, const ImVec2& size) {
+  if (status.connection == ConnectionState::kConnected) return;
+  const float unit = overlay_unit();
+  const std::string text = connection_text(status);
+  const float width = std::min(ImGui::CalcTextSize(text.c_str()).x + 24 * unit, size.x - 8 * unit);
+  if (width < 40 * unit) return;
+  ImGui::SetNextWindowPos({corner.x + 0.5f * size.x, corner.y + 12 * unit}, ImGuiCond_Always, {0.5f, 0});
+  ImGui::SetNextWindowSize({width, 0});
+  ImGui::SetNextWindowBgAlpha(0.9f);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 4 * unit);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, unit);
+  ImGui::PushStyleColor(ImGuiCol_Border, connection_color(status));
+  constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs |
+                                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing |
+                                      ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav;
+  if (ImGui::Begin("Connection", nullptr, kFlags)) {
+    ImGui::PushTextWrapPos(0);
+    ImGui::TextUnformatted(text.c_str());
+    ImGui::PopTextWrapPos();
+  }
+  ImGui::End();
+  ImGui::PopStyleColor();
+  ImGui::PopStyleVar(2);
+}
+
+}  // namespace penumbra

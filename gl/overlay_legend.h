@@ -1,0 +1,11 @@
+// The colour scale of the layer that is shown.
+#pragma once
+
+#include "gl/view_model.h"
+
+namespace penumbra {
+
+/// For the difference and the standard error; nothing for others. Needs a frame of ImGui.
+void draw_legend(const DisplaySettings& settings);
+
+}  // namespace penumbra

@@ -1,0 +1,25 @@
+// How the panel looks: ImGui's own font at the display's scale, its colours.
+#pragma once
+
+#include <imgui.h>
+
+namespace penumbra {
+
+namespace overlay_color {
+inline const ImVec4 kText{0.88f, 0.89f, 0.91f, 1};
+inline const ImVec4 kDim{0.55f, 0.57f, 0.62f, 1};
+inline const ImVec4 kAccent{1.00f, 0.76f, 0.38f, 1};
+inline const ImVec4 kGood{0.42f, 0.82f, 0.47f, 1};
+inline const ImVec4 kWarning{1.00f, 0.70f, 0.25f, 1};
+inline const ImVec4 kBad{1.00f, 0.42f, 0.38f, 1};
+}  // namespace overlay_color
+
+/// Sets style and font of the current ImGui context. `content_scale`: pixels for what is one on a plain
+/// display; `pixels_per_coordinate`: of the framebuffer, for one of ImGui's units. The font's texture is out
+/// of date after it.
+void apply_overlay_style(float content_scale, float pixels_per_coordinate);
+
+/// ImGui's units for what is one pixel on a plain display, as last set.
+float overlay_unit();
+
+}  // namespace penumbra

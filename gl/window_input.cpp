@@ -1,0 +1,159 @@
+// What people do to the window.
+#include <imgui.h>
+
+#include <array>
+#include <cctype>
+#include <utility>
+
+#include "gl/window_state.h"
+
+namespace penumbra {
+namespace {
+
+Window::State& state_of(GLFWwindow* window) {
+  return *static_cast<Window::State*>(glfwGetWindowUserPointer(window));
+}
+
+/// ImGui's context is set: a window has it as long as it lives.
+bool panel_wants_mouse() { return ImGui::GetIO().WantCaptureMouse; }
+bool panel_wants_keyboard() { return ImGui::GetIO().WantCaptureKeyboard || ImGui::GetIO().WantTextInput; }
+
+void on_key(GLFWwindow* window, int key, int scancode, int happened, int modifiers) {
+  if (happened == GLFW_RELEASE || panel_wants_keyboard()) return;
+  if ((modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_ALT | GLFW_MOD_SUPER)) != 0) return;
+  const char* printed = glfwGetKeyName(key, scancode);
+  const auto action = action_of_key(key_name(key, printed == nullptr ? "" : printed));
+  if (!action) return;
+  if (happened == GLFW_REPEAT && !info_of(*action).repeats) return;
+  state_of(window).events.actions.push_back(*action);
+}
+
+void on_mouse_button(GLFWwindow* window, int button, int happened, int modifiers) {
+  Window::State& state = state_of(window);
+  if (happened == GLFW_RELEASE) {
+    if (button == state.drag_button) state.drag = Drag::kNone;
+    return;
+  }
+  if (state.drag != Drag::kNone || panel_wants_mouse()) return;
+  if (button != GLFW_MOUSE_BUTTON_LEFT && button != GLFW_MOUSE_BUTTON_MIDDLE) return;
+  const bool shift = (modifiers & GLFW_MOD_SHIFT) != 0;
+  state.drag = button == GLFW_MOUSE_BUTTON_LEFT && !shift ? Drag::kOrbit : Drag::kPan;
+  state.drag_button = button;
+  glfwGetCursorPos(window, &state.cursor_x, &state.cursor_y);
+}
+
+void on_cursor(GLFWwindow* window, double x, double y) {
+  Window::State& state = state_of(window);
+  if (state.drag == Drag::kNone) return;
+  const double scale = state.pixels_per_coordinate();
+  (state.drag == Drag::kOrbit ? state.events.orbit_x : state.events.pan_x) += scale * (x - state.cursor_x);
+  (state.drag == Drag::kOrbit ? state.events.orbit_y : state.events.pan_y) += scale * (y - state.cursor_y);
+  state.cursor_x = x;
+  state.cursor_y = y;
+}
+
+void on_wheel(GLFWwindow* window, double, double y) {
+  if (!panel_wants_mouse()) state_of(window).events.wheel += y;
+}
+
+void on_drop(GLFWwindow* window, int count, const char** paths) {
+  for (int i = 0; i < count; ++i) state_of(window).events.dropped.emplace_back(paths[i]);
+}
+
+void on_framebuffer_size(GLFWwindow* window, int width, int height) {
+  Window::State& state = state_of(window);
+  // Minimised windows have no size; what was there stays. Hidden ones have the size they were asked for.
+  if (!state.visible || width < 1 || height < 1) return;
+  if (width == state.width && height == state.height) return;
+  state.width = width;
+  state.height = height;
+  state.events.resized = true;
+}
+
+void on_content_scale(GLFWwindow* window, float x, float) {
+  Window::State& state = state_of(window);
+  if (state.fixed_scale || x <= 0 || x == state.scale) return;
+  state.scale = x;
+  state.fonts_outdated = true;
+}
+
+void on_close(GLFWwindow* window) { state_of(window).events.close = true; }
+
+void on_focus(GLFWwindow* window, int focused) {
+  // The button's release goes to another window.
+  if (focused == GLFW_FALSE) state_of(window).drag = Drag::kNone;
+}
+
+constexpr auto kKeyNames = std::to_array<std::pair<int, std::string_view>>({
+    {GLFW_KEY_SPACE, "space"},
+    {GLFW_KEY_LEFT, "left"},
+    {GLFW_KEY_RIGHT, "right"},
+    {GLFW_KEY_UP, "up"},
+    {GLFW_KEY_DOWN, "down"},
+    {GLFW_KEY_PAGE_UP, "page_up"},
+    {GLFW_KEY_PAGE_DOWN, "page_down"},
+    {GLFW_KEY_HOME, "home"},
+    {GLFW_KEY_END, "end"},
+    {GLFW_KEY_INSERT, "insert"},
+    {GLFW_KEY_DELETE, "delete"},
+    {GLFW_KEY_BACKSPACE, "backspace"},
+    {GLFW_KEY_ENTER, "enter"},
+    {GLFW_KEY_KP_ENTER, "enter"},
+    {GLFW_KEY_TAB, "tab"},
+    {GLFW_KEY_ESCAPE, "escape"},
+    {GLFW_KEY_KP_ADD, "kp_add"},
+    {GLFW_KEY_KP_SUBTRACT, "kp_subtract"},
+});
+
+}  // namespace
+
+std::string key_name(int glfw_key, const std::string& printed) {
+  for (const auto& [key, name] : kKeyNames) {
+    if (key == glfw_key) return std::string(name);
+  }
+  if (glfw_key >= GLFW_KEY_F1 && glfw_key <= GLFW_KEY_F25)
+    return "f" + std::to_string(glfw_key - GLFW_KEY_F1 + 1);
+  if (glfw_key >= GLFW_KEY_KP_0 && glfw_key <= GLFW_KEY_KP_9) return std::to_string(glfw_key - GLFW_KEY_KP_0);
+  // Keyboards whose row of digits types them with shift only.
+  if (glfw_key >= GLFW_KEY_0 && glfw_key <= GLFW_KEY_9) return std::to_string(glfw_key - GLFW_KEY_0);
+  // As action_of_key() wants: its aliases know "-" and "[", and case makes no difference to it.
+  if (!printed.empty() && action_of_key(printed)) return printed;
+  // Brackets and the like are where a US keyboard has them, if what is printed there says nothing.
+  switch (glfw_key) {
+    case GLFW_KEY_LEFT_BRACKET:
+      return "left_bracket";
+    case GLFW_KEY_RIGHT_BRACKET:
+      return "right_bracket";
+    case GLFW_KEY_MINUS:
+      return "minus";
+    case GLFW_KEY_EQUAL:
+      return "equal";
+    default:
+      return printed;
+  }
+}
+
+void install_input_callbacks(Window::State& state) {
+  glfwSetWindowUserPointer(state.window, &state);
+  glfwSetKeyCallback(state.window, on_key);
+  glfwSetMouseButtonCallback(state.window, on_mouse_button);
+  glfwSetCursorPosCallback(state.window, on_cursor);
+  glfwSetScrollCallback(state.window, on_wheel);
+  glfwSetDropCallback(state.window, on_drop);
+  glfwSetFramebufferSizeCallback(state.window, on_framebuffer_size);
+  glfwSetWindowContentScaleCallback(state.window, on_content_scale);
+  glfwSetWindowCloseCallback(state.window, on_close);
+  glfwSetWindowFocusCallback(state.window, on_focus);
+}
+
+WindowEvents Window::poll(double wait_seconds) {
+  if (wait_seconds > 0) {
+    glfwWaitEventsTimeout(wait_seconds);
+  } else {
+    glfwPollEvents();
+  }
+  glfwSetWindowShouldClose(state_->window, GLFW_FALSE);  // whoever called decides
+  return std::exchange(state_->events, {});
+}
+
+}  // namespace penumbra
