@@ -91,6 +91,15 @@ void Plan::on(const ResultCorrupt& event) {
   dismiss(event.worker, Fault::kCorrupt, event.unit);
 }
 
+void Plan::on(const MorePasses& event) {
+  Image& image = images_[event.image];
+  if (event.passes <= image.passes) return;
+  const std::uint64_t more = std::uint64_t(image.all.tiles) * (event.passes - image.passes);
+  image.passes = event.passes;
+  units_left_ += more;
+  units_total_ += more;
+}
+
 void Plan::on(const NoFurtherPasses&) {
   for (Image& image : images_) {
     const std::uint32_t begun = image.next_pass + (image.next_tile > 0 ? 1 : 0);

@@ -73,11 +73,15 @@ struct ResultCorrupt {  ///< what came is no result of this unit
   WorkerId worker;
   UnitId unit;
 };
+struct MorePasses {  ///< so many in all; no fewer than before
+  std::uint32_t image;
+  std::uint32_t passes;
+};
 struct NoFurtherPasses {};  ///< finish the passes that are begun (the first one at least), then stop
 struct Tick {};             ///< time has passed
 
-using PlanEvent =
-    std::variant<WorkerJoined, WorkerLost, UnitDone, UnitFailed, ResultCorrupt, NoFurtherPasses, Tick>;
+using PlanEvent = std::variant<WorkerJoined, WorkerLost, UnitDone, UnitFailed, ResultCorrupt, MorePasses,
+                               NoFurtherPasses, Tick>;
 
 // --- Orders: what to do, in this order.
 
@@ -139,7 +143,7 @@ class Plan {
   /// What the worker renders at the moment, as far as is known here.
   [[nodiscard]] std::optional<UnitId> in_hand(WorkerId worker) const;
   [[nodiscard]] const std::set<UnitId>& set_aside() const { return set_aside_; }
-  /// Passes of an image that will be rendered: all of them, unless NoFurtherPasses came.
+  /// Passes of an image that will be rendered, as MorePasses and NoFurtherPasses left them.
   [[nodiscard]] std::uint32_t passes(std::uint32_t image) const { return images_[image].passes; }
 
  private:
@@ -173,6 +177,7 @@ class Plan {
   void on(const UnitDone& event);
   void on(const UnitFailed& event);
   void on(const ResultCorrupt& event);
+  void on(const MorePasses& event);
   void on(const NoFurtherPasses& event);
   void on(const Tick& event);
 

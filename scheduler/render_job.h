@@ -32,6 +32,15 @@ struct RenderJob {
       time_budget;   ///< seconds of rendering after which no further pass is begun; the first
                      ///< pass is always rendered, and an image that ends so counts as complete
   LeaseRule leases;  ///< when a worker counts as hung
+
+  // For those who watch.
+  std::string title;             ///< the scene file
+  std::string integrator;        ///< its name
+  double center[3] = {0, 0, 0};  ///< of the scene in world space
+  std::string listen = {};       ///< another address to be reached at, see ListenOptions::more
+  /// Watchers choose camera and samples: nothing is rendered until one of them wants samples, at most `spp`,
+  /// and the render ends only with `stop`.
+  bool interactive = false;
 };
 
 struct WorkerShare {
@@ -50,7 +59,7 @@ struct RenderProgress {
   double elapsed_seconds = 0;
   double relative_error = 0;  ///< see FilmAccumulator; NaN before it is known
   int workers = 0;            ///< connected
-  /// What has happened since the last call, such as a compile, a line each; about devices, each once.
+  /// What has happened since the last call, such as a compile, a line each; how to watch is the first.
   std::vector<std::string> notices = {};
 };
 

@@ -4,17 +4,22 @@
 #include <grpcpp/server_builder.h>
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 #include <mutex>
 #include <utility>
 
+#include "scheduler/access.h"
 #include "scheduler/protocol/mailbox.h"
 #include "scheduler/protocol/wire.h"
+#include "scheduler/watch/watch_wire.h"
 
 namespace penumbra {
 namespace {
 
 constexpr std::uint32_t kJob = 1;  // one job a run, so far
+// How often a watcher that has seen everything looks whether it is still there.
+constexpr std::chrono::milliseconds kWatchInterval{500};
 
 using WorkStream = grpc::ServerReaderWriter<wire::SchedulerMessage, wire::WorkerMessage>;
 
@@ -36,6 +41,22 @@ class Connection {
     const std::lock_guard lock(mutex_);
     expected_[id] = {unit, planes};
     if (stream_ != nullptr) stream_->Write(message);
+  }
+
+  void send_view(const WatchView& view) {
+    wire::SchedulerMessage message;
+    message.mutable_view()->set_number(view.number);
+    encode(view.view, *message.mutable_view()->mutable_camera());
+    const std::lock_guard lock(mutex_);
+    view_ = view.number;
+    std::erase_if(expected_, [&](const auto& expected) { return expected.first.image < view_; });
+    if (stream_ != nullptr) stream_->Write(message);
+  }
+
+  /// Whether a unit is of a view that nobody looks at any more.
+  bool is_outdated(const wire::UnitId& id) {
+    const std::lock_guard lock(mutex_);
+    return id.image() < view_;
   }
 
   /// The call ends; the stream is about to be destroyed.
@@ -82,7 +103,14 @@ class Connection {
   std::mutex mutex_;
   WorkStream* stream_;
   std::map<UnitId, Expectation> expected_;
+  std::uint32_t view_ = 0;
 };
+
+/// The result or the failure of a unit of an older view.
+bool is_outdated(Connection& connection, const wire::WorkerMessage& message) {
+  return (message.has_result() && connection.is_outdated(message.result().id())) ||
+         (message.has_unit_failed() && connection.is_outdated(message.unit_failed().id()));
+}
 
 /// What a worker says after its Hello; nothing for a message that is not its to send.
 std::optional<Arrival> understand(WorkerId worker, Connection& connection,
@@ -113,9 +141,13 @@ std::vector<Isa> isas_of(const wire::Hello& hello) {
 
 class Service final : public wire::Farm::Service {
  public:
-  Mailbox<Arrival> mailbox;
+  Service(WatchBoard& board, bool interactive) : board_(board), interactive_(interactive) {}
 
-  grpc::Status Work(grpc::ServerContext*, WorkStream* stream) override {
+  Mailbox<Arrival> mailbox;
+  std::string token;  // of TCP connections
+
+  grpc::Status Work(grpc::ServerContext* context, WorkStream* stream) override {
+    if (grpc::Status status = check_access(*context, token); !status.ok()) return status;
     wire::WorkerMessage message;
     if (!stream->Read(&message)) return grpc::Status::OK;
     if (!message.has_hello()) {
@@ -134,6 +166,7 @@ class Service final : public wire::Farm::Service {
     mailbox.put(arrivals::Connected{worker, hello.host(), hello.pid(), isas_of(hello)});
     grpc::Status status = grpc::Status::OK;
     while (stream->Read(&message)) {
+      if (is_outdated(*connection, message)) continue;
       std::optional<Arrival> arrival = understand(worker, *connection, message);
       if (!arrival) {
         status = {grpc::StatusCode::INVALID_ARGUMENT, "a message that a worker may not send here"};
@@ -150,8 +183,9 @@ class Service final : public wire::Farm::Service {
     return status;
   }
 
-  grpc::Status Asset(grpc::ServerContext*, const wire::AssetRequest* request,
+  grpc::Status Asset(grpc::ServerContext* context, const wire::AssetRequest* request,
                      grpc::ServerWriter<wire::AssetChunk>* writer) override {
+    if (grpc::Status status = check_access(*context, token); !status.ok()) return status;
     const std::shared_ptr<const std::vector<std::uint8_t>> bytes = asset(request->hash());
     if (bytes == nullptr) {
       return {grpc::StatusCode::NOT_FOUND, fmt::format("there is no asset '{}'", request->hash())};
@@ -161,6 +195,47 @@ class Service final : public wire::Farm::Service {
       chunk.set_data(bytes->data() + at, std::min(kAssetChunkBytes, bytes->size() - at));
       if (!writer->Write(chunk)) return grpc::Status::CANCELLED;
     }
+    return grpc::Status::OK;
+  }
+
+  grpc::Status Watch(grpc::ServerContext* context, const wire::WatchRequest* request,
+                     grpc::ServerWriter<wire::WatchEvent>* writer) override {
+    if (grpc::Status status = check_access(*context, token); !status.ok()) return status;
+    if (const std::string mismatch = version_mismatch(request->protocol_version(), "window");
+        !mismatch.empty()) {
+      wire::WatchEvent refusal;
+      refusal.mutable_refused()->set_reason(mismatch);
+      writer->Write(refusal);
+      return {grpc::StatusCode::FAILED_PRECONDITION, mismatch};
+    }
+    WatchBoard::Watcher watcher(board_);
+    std::optional<WatchedJob> job;
+    while (!job && !watcher.at_end() && !context->IsCancelled()) job = watcher.job(kWatchInterval);
+    if (!job || !writer->Write(encode(*job))) return grpc::Status::CANCELLED;
+    // Write waits while the watcher is slow; meanwhile the board keeps only what is newest.
+    while (!watcher.at_end() && !context->IsCancelled()) {
+      const std::optional<WatchItem> item = watcher.next(kWatchInterval);
+      if (item && !writer->Write(encode(*item))) return grpc::Status::CANCELLED;
+    }
+    return grpc::Status::OK;
+  }
+
+  grpc::Status Control(grpc::ServerContext* context, const wire::ControlRequest* request,
+                       wire::ControlReply* reply) override {
+    if (grpc::Status status = check_access(*context, token); !status.ok()) return status;
+    if (!interactive_)
+      return {grpc::StatusCode::FAILED_PRECONDITION, "this render goes its own way: it can be watched only"};
+    if (request->has_want_samples()) {
+      mailbox.put(arrivals::SamplesWanted{request->want_samples().view(), request->want_samples().spp()});
+      return grpc::Status::OK;
+    }
+    if (!request->has_change_view())
+      return {grpc::StatusCode::INVALID_ARGUMENT, "a request that this scheduler does not know"};
+    const Expected<View> view = decode(request->change_view());
+    if (!view) return {grpc::StatusCode::INVALID_ARGUMENT, view.error().message};
+    const std::lock_guard lock(view_mutex_);  // so that numbers arrive in order
+    reply->set_view(++last_view_);
+    mailbox.put(arrivals::ViewChanged{{last_view_, *view}});
     return grpc::Status::OK;
   }
 
@@ -188,6 +263,10 @@ class Service final : public wire::Farm::Service {
     return found == assets_.end() ? nullptr : found->second;
   }
 
+  WatchBoard& board_;
+  const bool interactive_;
+  std::mutex view_mutex_;
+  std::uint32_t last_view_ = 0;
   std::mutex mutex_;
   WorkerId next_worker_ = 1;
   std::map<WorkerId, std::shared_ptr<Connection>> connections_;
@@ -197,22 +276,41 @@ class Service final : public wire::Farm::Service {
 }  // namespace
 
 struct Server::State {
+  State(WatchBoard& board, bool interactive) : service(board, interactive) {}
+
   Service service;
+  std::string more_address;
   std::unique_ptr<grpc::Server> server;
 };
 
 Server::Server(std::unique_ptr<State> state) : state_(std::move(state)) {}
 
-Expected<std::unique_ptr<Server>> Server::listen(const std::string& address) {
-  auto state = std::make_unique<State>();
+Expected<std::unique_ptr<Server>> Server::listen(const ListenOptions& options, WatchBoard& board) {
+  auto state = std::make_unique<State>(board, options.interactive);
   grpc::ServerBuilder builder;
-  builder.AddListeningPort(address, grpc::InsecureServerCredentials());
+  // Two schedulers must not share a port, each with half of the connections.
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  builder.AddListeningPort(options.address, grpc::InsecureServerCredentials());
+  int port = 0;
+  if (!options.more.empty()) {
+    if (const Expected<void> checked = check_listen_address(options.more); !checked)
+      return std::unexpected(checked.error());
+    builder.AddListeningPort(options.more, grpc::InsecureServerCredentials(), &port);
+    if (is_tcp(options.more)) state->service.token = make_token();
+  }
   builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
   builder.RegisterService(&state->service);
   state->server = builder.BuildAndStart();
-  if (state->server == nullptr) return fail(fmt::format("cannot listen on {}", address));
+  if (state->server == nullptr || (!options.more.empty() && port == 0)) {
+    const bool both = !options.more.empty();
+    return fail(fmt::format("cannot listen on {}{}{}", options.address, both ? " and " : "", options.more));
+  }
+  state->more_address = is_tcp(options.more) ? with_port(options.more, port) : options.more;
   return std::unique_ptr<Server>(new Server(std::move(state)));
 }
+
+const std::string& Server::more_address() const { return state_->more_address; }
+const std::string& Server::token() const { return state_->service.token; }
 
 Server::~Server() {
   state_->server->Shutdown(std::chrono::system_clock::now());
@@ -237,6 +335,10 @@ void Server::send_job(WorkerId worker, const std::string& scene_hash, const Devi
 
 void Server::send_unit(WorkerId worker, const UnitId& id, const RenderUnit& unit, int planes) {
   if (const auto connection = state_->service.connection(worker)) connection->send_unit(id, unit, planes);
+}
+
+void Server::send_view(WorkerId worker, const WatchView& view) {
+  if (const auto connection = state_->service.connection(worker)) connection->send_view(view);
 }
 
 void Server::dismiss(WorkerId worker, const std::string& reason) {

@@ -12,12 +12,15 @@
 
 #include "kernels/host/error.h"
 #include "kernels/host/sample_buffer.h"
+#include "kernels/host/view.h"
+#include "scheduler/watch/watch_board.h"
 #include "scheduler/work_unit.h"
 #include "worker/device.h"
 
 namespace penumbra {
 
-/// What comes from workers. The first arrival of a worker is Connected, the last is Gone.
+/// What comes from workers, and from watchers of an interactive render. The first arrival of a worker is
+/// Connected, the last is Gone.
 namespace arrivals {
 
 struct Connected {
@@ -60,26 +63,51 @@ struct UnitFailed {
 struct Gone {
   WorkerId worker;
 };
+struct ViewChanged {  ///< by a watcher; numbers only grow
+  WatchView view;
+};
+struct SamplesWanted {  ///< by a watcher: so many of each pixel of the view
+  std::uint32_t view;
+  std::uint32_t spp;
+};
 
 }  // namespace arrivals
 
 using Arrival = std::variant<arrivals::Connected, arrivals::Compiling, arrivals::Ready, arrivals::JobFailed,
-                             arrivals::Result, arrivals::BadResult, arrivals::UnitFailed, arrivals::Gone>;
+                             arrivals::Result, arrivals::BadResult, arrivals::UnitFailed, arrivals::Gone,
+                             arrivals::ViewChanged, arrivals::SamplesWanted>;
+
+struct ListenOptions {
+  std::string address;  ///< for everybody, e.g. "unix:/run/user/1000/penumbra-x/socket"
+  /// Another one: "unix:/path", or "127.0.0.1:port" (also "[::1]:port"), port 0 for any that is free, where a
+  /// token is asked for.
+  std::string more = {};
+  bool interactive = false;  ///< takes Control
+};
 
 /// One thread for each connected worker reads, checks and decodes; `next` gives the arrivals to the one
 /// thread that drives the plan. Sending to a worker that is gone does nothing: its Gone is on the way.
 class Server {
  public:
-  /// Listens on a gRPC address, e.g. "unix:/run/user/1000/penumbra-x/socket".
-  static Expected<std::unique_ptr<Server>> listen(const std::string& address);
+  /// Watchers see the board. Errors: an address that is taken, makes no sense, or is of other hosts too,
+  /// which would need encryption.
+  static Expected<std::unique_ptr<Server>> listen(const ListenOptions& options, WatchBoard& board);
   /// Breaks all streams and waits for the threads.
   ~Server();
+
+  /// Where `ListenOptions::more` can be reached, with the port that was chosen; empty if there was none.
+  [[nodiscard]] const std::string& more_address() const;
+  /// What TCP connections must know; empty if there are none.
+  [[nodiscard]] const std::string& token() const;
 
   /// Offers data to workers; the result is its content hash.
   std::string add_asset(std::vector<std::uint8_t> bytes);
   void send_job(WorkerId worker, const std::string& scene_hash, const DeviceOptions& device);
   /// `planes`: how many the result must have, see SampleBuffer.
   void send_unit(WorkerId worker, const UnitId& id, const RenderUnit& unit, int planes);
+  /// Another camera for the units that follow; those of older views are dropped by the worker, and their
+  /// results here.
+  void send_view(WorkerId worker, const WatchView& view);
   void dismiss(WorkerId worker, const std::string& reason);
   /// Sends a worker away that cannot do the job; it says the reason to its user and fails.
   void refuse(WorkerId worker, const std::string& reason);

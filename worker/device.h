@@ -81,6 +81,8 @@ class Device {
   [[nodiscard]] virtual std::string description() const = 0;
   [[nodiscard]] virtual DevicePreparation preparation() const { return {}; }
   virtual Expected<SampleBuffer> render(const RenderUnit& unit) = 0;
+  /// To be called after the view in the scene's header has changed (see kernels/host/view.h).
+  virtual Expected<void> take_view() { return {}; }
 };
 
 /// The scene names its intersector; an Embree scene on an OpenCL device is an error. The scene must outlive

@@ -32,8 +32,8 @@ class OpenClDevice final : public Device {
       return fail(
           "OpenCL kernels trace with the portable intersector; use --intersector portable with --backend "
           "opencl");
-    std::unique_ptr<OpenClDevice> device(new OpenClDevice(info, options, scene.header.features));
-    if (Expected<void> done = device->set_up(scene, options); !done) return std::unexpected(done.error());
+    std::unique_ptr<OpenClDevice> device(new OpenClDevice(info, options, scene));
+    if (Expected<void> done = device->set_up(options); !done) return std::unexpected(done.error());
     return device;
   }
 
@@ -66,14 +66,20 @@ class OpenClDevice final : public Device {
     return made;
   }
 
+  Expected<void> take_view() override {
+    if (!session_.wait() || !upload_header()) return std::unexpected(error());
+    return {};
+  }
+
  private:
-  OpenClDevice(OpenClDeviceInfo device, const DeviceOptions& options, std::uint32_t features)
+  OpenClDevice(OpenClDeviceInfo device, const DeviceOptions& options, const DeviceScene& scene)
       : session_(std::move(device)),
+        scene_(scene),
         shape_(options.opencl_tuning.path_per_item.value_or(!info().is_cpu) ? kGpuShape : kCpuShape),
         // A CPU device runs a work item a core, so this many keep that many cores busy. (Dividing the device
         // would say so more plainly, but PoCL 3.1 crashes on sub-devices.)
         items_(std::max(1, options.threads)),
-        features_(features) {
+        features_(scene.header.features) {
     const OpenClTuning& tuning = options.opencl_tuning;
     limits_ = {tuning.memory_bytes ? tuning.memory_bytes : info().memory_bytes,
                tuning.allocation_bytes ? tuning.allocation_bytes : info().max_allocation_bytes};
@@ -86,16 +92,16 @@ class OpenClDevice final : public Device {
 
   // --- Setting up
 
-  Expected<void> set_up(const DeviceScene& scene, const DeviceOptions& options) {
+  Expected<void> set_up(const DeviceOptions& options) {
     if (std::string lacking = lacking_for(info(), features_); !lacking.empty()) return fail(lacking);
     if (!session_.open()) return std::unexpected(error());
-    scene_bytes_ = sizeof scene.header + scene.words.size() * 4;
+    scene_bytes_ = sizeof scene_.header + scene_.words.size() * 4;
     // Whether anything fits at all, before compiling: one pixel of one sample.
     const RenderUnit least{.x = 0, .y = 0, .width = 1, .height = 1, .first_sample = 0, .sample_count = 1};
     if (auto fits = plan(least, plane_count(features_)); !fits) return std::unexpected(fits.error());
     // What a CPU device can use where it lies is not copied: the scene outlives the device.
-    if (!session_.upload(header_, &scene.header, sizeof scene.header, false) ||
-        !session_.upload(words_, scene.words.data(), scene.words.size() * 4, info().is_cpu) ||
+    if (!upload_header() ||
+        !session_.upload(words_, scene_.words.data(), scene_.words.size() * 4, info().is_cpu) ||
         !session_.allocate(next_block_, sizeof(cl_int)))
       return std::unexpected(error());
     if (!info().is_exact)
@@ -104,6 +110,8 @@ class OpenClDevice final : public Device {
           " rounds floats in its own way: the image differs in its last bits from other devices'");
     return make_kernels(options);
   }
+
+  bool upload_header() { return session_.upload(header_, &scene_.header, sizeof scene_.header, false); }
 
   Expected<void> make_kernels(const DeviceOptions& options) {
     const OpenClTuning& tuning = options.opencl_tuning;
@@ -303,6 +311,7 @@ class OpenClDevice final : public Device {
   [[nodiscard]] Error error() const { return session_.error(); }
 
   OpenClSession session_;
+  const DeviceScene& scene_;
   BlockShape shape_;
   int items_;
   std::uint32_t features_;

@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <exception>
 #include <thread>
@@ -60,6 +61,7 @@ class Session {
   void write();
   Expected<void> work();
   Expected<void> take_job(const wire::Job& job);
+  Expected<void> take_view(const wire::View& message);
   Expected<void> fetch_scene(const std::string& hash);
   void render(const wire::Unit& unit);
   void say(wire::WorkerMessage message) { outbox_.put(std::move(message)); }
@@ -71,6 +73,7 @@ class Session {
   Mailbox<wire::SchedulerMessage> inbox_;
   Mailbox<std::variant<wire::WorkerMessage, FinishedUnit>> outbox_;
   bool leaving_ = false;  // of the reading thread: the scheduler has said that it is over
+  std::atomic<std::uint32_t> newest_view_ = 0;  // that has come, if not yet its turn
 
   DeviceScene scene_;
   std::unique_ptr<Device> device_;  // after the scene that it renders
@@ -110,6 +113,7 @@ void Session::read() {
   wire::SchedulerMessage message;
   while (stream_->Read(&message)) {
     leaving_ |= message.has_dismiss() || message.has_refused();
+    if (message.has_view()) newest_view_ = message.view().number();
     inbox_.put(std::move(message));
   }
   inbox_.close();
@@ -157,7 +161,11 @@ Expected<void> Session::work() {
         }
         break;
       case wire::SchedulerMessage::kUnit:
-        render(message->unit());
+        // Nobody waits for a unit of an older view.
+        if (message->unit().id().image() >= newest_view_) render(message->unit());
+        break;
+      case wire::SchedulerMessage::kView:
+        if (const Expected<void> taken = take_view(message->view()); !taken) return taken;
         break;
       case wire::SchedulerMessage::kDismiss:
         return {};
@@ -195,6 +203,13 @@ Expected<void> Session::take_job(const wire::Job& job) {
   encode(device_->preparation(), *ready.mutable_ready());
   say(std::move(ready));
   return {};
+}
+
+Expected<void> Session::take_view(const wire::View& message) {
+  const Expected<View> view = decode(message.camera());
+  if (!view) return fail("the scheduler sent " + view.error().message);
+  apply_view(*view, scene_.header);
+  return device_ == nullptr ? Expected<void>{} : device_->take_view();
 }
 
 Expected<void> Session::fetch_scene(const std::string& hash) {

@@ -37,6 +37,7 @@ struct Bounds {
     low = glm::min(low, p - reach);
     high = glm::max(high, p + reach);
   }
+  [[nodiscard]] glm::dvec3 center() const { return 0.5 * (low + high); }
 };
 
 Bounds bounds_of(const SceneDescription& scene) {
@@ -59,7 +60,7 @@ class Builder {
         options_(options),
         lights_(default_sampling(scene.integrator), wants_polygons(scene.integrator)) {
     const Bounds bounds = bounds_of(scene);
-    center_ = 0.5 * (bounds.low + bounds.high);
+    center_ = bounds.center();
     radius_ = 0.5 * glm::length(bounds.high - bounds.low);
     lights_.set_receivers(light_receivers(scene, center_), scene.integrator);
   }
@@ -324,6 +325,8 @@ class Builder {
 };
 
 }  // namespace
+
+glm::dvec3 scene_center(const SceneDescription& scene) { return bounds_of(scene).center(); }
 
 int intersector_for(std::size_t triangles) {
   return triangles > kMaxPortableTriangles ? INTERSECTOR_EMBREE : INTERSECTOR_PORTABLE;

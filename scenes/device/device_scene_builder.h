@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <glm/vec3.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,6 +22,9 @@ struct DeviceSceneOptions {
 /// INTERSECTOR_* that is fastest for so many triangles, ours where both are equal: its images are the same
 /// everywhere.
 int intersector_for(std::size_t triangles);
+
+/// The middle of the scene's bounding box, which the device scene's positions are relative to.
+glm::dvec3 scene_center(const SceneDescription& scene);
 
 /// Everything in float about the scene's centre, which is subtracted in double; only the tables and the
 /// feature bits that the scene needs. A pure function of its arguments: the same bytes every time. Errors:

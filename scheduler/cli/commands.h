@@ -15,11 +15,12 @@ using Command = std::function<ExitCode()>;
 
 /// `command_line` is argv; both outlive the parse and the run.
 void add_render_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen);
+void add_preview_command(CLI::App& app, Command& chosen);
 void add_report_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen);
 void add_info_command(CLI::App& app, Command& chosen);
 void add_compare_command(CLI::App& app, Command& chosen);
-/// Commands that are programs of their own, `penumbra worker` and `penumbra stress`: listed for the help,
-/// they never get to the parser, see run_sibling.
+/// Commands that are programs of their own, such as `penumbra worker`: listed for the help, they never get to
+/// the parser, see run_sibling.
 void add_sibling_commands(CLI::App& app);
 
 /// The program that the command is, or an empty text.

@@ -54,10 +54,12 @@ Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) 
   return description;
 }
 
-Expected<LoadedScene> load_scene(const SceneOptions& options) {
+Expected<LoadedScene> load_scene(const SceneOptions& options,
+                                 const std::function<void(SceneDescription&)>& adjust) {
   const auto begin = std::chrono::steady_clock::now();
   auto description = read_scene_with_options(options);
   if (!description) return std::unexpected(description.error());
+  if (adjust) adjust(*description);
   DeviceSceneOptions device_options;
   device_options.intersector = intersector_of(options.intersector);
   device_options.feature_layers = !options.no_features;

@@ -1,6 +1,8 @@
 // A scene as a command needs it: read, overridden by the options, and in the form that the kernels read.
 #pragma once
 
+#include <functional>
+
 #include "kernels/host/device_scene.h"
 #include "kernels/host/error.h"
 #include "scenes/device/device_scene_builder.h"
@@ -20,7 +22,8 @@ struct LoadedScene {
 /// here.
 Expected<SceneDescription> read_scene_with_options(const SceneOptions& options);
 
-/// The description in the form that the kernels read.
-Expected<LoadedScene> load_scene(const SceneOptions& options);
+/// The description in the form that the kernels read; `adjust`, which may be empty, changes it before.
+Expected<LoadedScene> load_scene(const SceneOptions& options,
+                                 const std::function<void(SceneDescription&)>& adjust = {});
 
 }  // namespace penumbra

@@ -18,6 +18,7 @@ constexpr const char* kExamples =
     "  penumbra render scenes/cornell/cornell.xml                    writes scene.exr, scene.png, scene.json "
     "here\n"
     "  penumbra render scene.xml -o out/a.exr --spp 256 --workers 4\n"
+    "  penumbra view scene.xml\n"
     "  penumbra info scene.xml\n"
     "  penumbra compare out/a.exr reference.exr\n"
     "  penumbra report scene.xml -o report --integrator path_ems --integrator path_mis";
@@ -62,6 +63,7 @@ ExitCode run(int argc, char** argv) {
   app.failure_message(usage_error);
   Command chosen;
   add_render_command(app, command_line, chosen);
+  add_preview_command(app, chosen);
   add_info_command(app, chosen);
   add_compare_command(app, chosen);
   add_report_command(app, command_line, chosen);

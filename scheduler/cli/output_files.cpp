@@ -29,6 +29,7 @@ std::vector<fs::path> OutputFiles::all() const {
 
 Expected<OutputFiles> choose_output_files(const RenderOptions& options) {
   OutputFiles files;
+  if (options.interactive) return files;
   if (!options.report.empty()) files.report = options.report;
   if (options.pixel && options.out.empty()) return files;
 

@@ -92,6 +92,55 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_flag("--no-features", options.no_features, "Leave out the albedo, normal and depth layers");
 }
 
+namespace {
+
+/// What renders, and who may watch.
+void add_worker_options(CLI::App& command, RenderOptions& options) {
+  command
+      .add_option("--tile", options.tile,
+                  "Pixels along a side of a work unit; the image does not depend on it")
+      ->type_name("N")
+      ->check(CLI::Range(1, kMaxTile))
+      ->capture_default_str();
+
+  command
+      .add_option("--workers", options.workers,
+                  "Worker processes on this machine, each with a copy of the scene")
+      ->type_name("N")
+      ->check(CLI::Range(1, kMaxWorkers))
+      ->capture_default_str();
+  command.add_option("--threads", options.threads, "Threads of each worker (default: cores / workers)")
+      ->type_name("N")
+      ->check(CLI::Range(1, kMaxThreads));
+  command
+      .add_option("--backend", options.backend,
+                  "What computes; auto: OpenCL where there is a device that is no CPU and renders the same "
+                  "bits, else "
+                  "native. Compiled kernels are kept in ~/.cache/penumbra/kernels: "
+                  "PENUMBRA_KERNEL_CACHE=FOLDER or off")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"native", "opencl", "auto"}))
+      ->capture_default_str();
+  command
+      .add_option("--opencl-device,--device", options.opencl_device,
+                  "Number of an OpenCL device, or part of its or its platform's name (default: the first CPU "
+                  "device, else any); `penumbra worker --list-devices` lists them")
+      ->type_name("NAME");
+  command
+      .add_option("--isa", options.isa,
+                  "Instruction set of the native backend (default: the widest there is)")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"sse2", "avx2", "avx512"}));
+  command
+      .add_option(
+          "--listen", options.listen,
+          "Another address for penumbra-view: unix:/path, or 127.0.0.1:PORT (0: any free one), where a "
+          "token is asked for, which is printed")
+      ->type_name("ADDRESS");
+}
+
+}  // namespace
+
 void add_render_options(CLI::App& command, RenderOptions& options) {
   add_scene_options(command, options.scene);
   command
@@ -137,45 +186,18 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       ->type_name("N")
       ->check(CLI::Range(std::uint32_t(1), kMaxSamplesPerUnit))
       ->capture_default_str();
-  command
-      .add_option("--tile", options.tile,
-                  "Pixels along a side of a work unit; the image does not depend on it")
-      ->type_name("N")
-      ->check(CLI::Range(1, kMaxTile))
-      ->capture_default_str();
-
-  command
-      .add_option("--workers", options.workers,
-                  "Worker processes on this machine, each with a copy of the scene")
-      ->type_name("N")
-      ->check(CLI::Range(1, kMaxWorkers))
-      ->capture_default_str();
-  command.add_option("--threads", options.threads, "Threads of each worker (default: cores / workers)")
-      ->type_name("N")
-      ->check(CLI::Range(1, kMaxThreads));
-  command
-      .add_option("--backend", options.backend,
-                  "What computes; auto: OpenCL where there is a device that is no CPU and renders the same "
-                  "bits, else "
-                  "native. Compiled kernels are kept in ~/.cache/penumbra/kernels: "
-                  "PENUMBRA_KERNEL_CACHE=FOLDER or off")
-      ->type_name("NAME")
-      ->check(CLI::IsMember({"native", "opencl", "auto"}))
-      ->capture_default_str();
-  command
-      .add_option("--opencl-device,--device", options.opencl_device,
-                  "Number of an OpenCL device, or part of its or its platform's name (default: the first CPU "
-                  "device, else any); `penumbra worker --list-devices` lists them")
-      ->type_name("NAME");
-  command
-      .add_option("--isa", options.isa,
-                  "Instruction set of the native backend (default: the widest there is)")
-      ->type_name("NAME")
-      ->check(CLI::IsMember({"sse2", "avx2", "avx512"}));
+  add_worker_options(command, options);
   command.add_flag(
       "--strict-numerics", options.strict_numerics,
       "NaN and infinite samples are an error (exit code 1) instead of a warning; files are written");
   command.add_flag("-q,--quiet", options.quiet, "No progress and no summary; warnings and errors only");
+}
+
+void add_preview_options(CLI::App& command, RenderOptions& options) {
+  options.interactive = true;
+  options.samples_per_pass = 1;
+  add_scene_options(command, options.scene);
+  add_worker_options(command, options);
 }
 
 }  // namespace penumbra

@@ -43,6 +43,8 @@ struct RenderOptions {
   int workers = 1;
   int threads = 0;  ///< of each worker; 0: all cores shared out among the workers
   int tile = 64;
+  std::string listen;        ///< another address for watchers; empty: only the private socket
+  bool interactive = false;  ///< watchers choose camera and samples
   std::uint32_t samples_per_pass = 16;
   std::optional<double> time_budget;
   std::optional<CropRectangle> crop;
@@ -54,6 +56,8 @@ struct RenderOptions {
 /// Adds the options to a command; they are stored when it is parsed.
 void add_scene_options(CLI::App& command, SceneOptions& options);
 void add_render_options(CLI::App& command, RenderOptions& options);
+/// Of a scheduler that renders what a window asks for.
+void add_preview_options(CLI::App& command, RenderOptions& options);
 
 /// "x0,y0,x1,y1" with 0 <= x0 < x1 and 0 <= y0 < y1; nothing if it is anything else.
 std::optional<CropRectangle> parse_crop(const std::string& text);

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <thread>
 
+#include "scenes/device/device_scene_builder.h"
+#include "scheduler/access.h"
+#include "scheduler/cli/preview_scene.h"
 #include "worker/opencl_devices.h"
 
 namespace penumbra {
@@ -93,6 +96,10 @@ RenderJob make_job(const RenderOptions& options, const RenderRecord& record, con
   job.device = device;
   job.reproduce_command = repeat_command(record, false);
   job.time_budget = options.time_budget;
+  job.title = options.scene.scene;
+  job.integrator = integrator_name(record.integrator);
+  job.listen = options.listen;
+  job.interactive = options.interactive;
   if (options.pixel) simplify_for_a_pixel(job);
   return job;
 }
@@ -103,7 +110,10 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options) {
   auto files = choose_output_files(options);
   if (!files) return std::unexpected(files.error());
   if (auto writable = check_writable(*files); !writable) return std::unexpected(writable.error());
-  auto scene = load_scene(options.scene);
+  if (!options.listen.empty())
+    if (auto checked = check_listen_address(options.listen); !checked)
+      return fail("--listen: " + checked.error().message);
+  auto scene = load_scene(options.scene, options.interactive ? preview_adjustment(options.scene) : nullptr);
   if (!scene) return std::unexpected(scene.error());
   const auto film = cropped_film(options, scene->description.film);
   if (!film) return std::unexpected(film.error());
@@ -117,6 +127,8 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options) {
   prepared.files = std::move(*files);
   prepared.record = make_record(options, *scene, *film, *device);
   prepared.job = make_job(options, prepared.record, *device, std::move(scene->device));
+  const glm::dvec3 center = scene_center(scene->description);
+  for (int axis = 0; axis < 3; ++axis) prepared.job.center[axis] = center[axis];
   prepared.scene = std::move(*scene);
   return prepared;
 }

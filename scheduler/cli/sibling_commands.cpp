@@ -1,5 +1,5 @@
-// `penumbra worker …` and `penumbra stress …`: they start programs of their own, so that `penumbra` itself
-// knows of no devices.
+// `penumbra view …`, `penumbra worker …`, `penumbra stress …`: they start programs of their own, so that
+// `penumbra` itself knows of no windows and no devices.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -16,6 +16,8 @@ struct Sibling {
   const char *command, *program, *help;
 };
 constexpr Sibling kSiblings[] = {
+    {"view", "penumbra-view",
+     "Open a window on a scene or on a render; `penumbra view --help` shows its options"},
     {"worker", "penumbra-worker", "Start penumbra-worker; `penumbra worker --help` shows its options"},
     {"stress", "penumbra-stress",
      "Stiff and extreme cases against truth of high precision; `penumbra stress --help` shows its options"},

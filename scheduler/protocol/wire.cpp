@@ -229,6 +229,27 @@ Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit&
   return buffer;
 }
 
+void encode(const View& view, wire::Camera& message) {
+  const auto put = [](const vec3& v, google::protobuf::RepeatedField<float>& field) {
+    for (const float value : {v.x, v.y, v.z}) field.Add(value);
+  };
+  put(view.origin, *message.mutable_origin());
+  put(view.x, *message.mutable_x());
+  put(view.y, *message.mutable_y());
+  put(view.z, *message.mutable_z());
+  message.set_alpha(view.alpha);
+}
+
+Expected<View> decode(const wire::Camera& message) {
+  for (const auto* field : {&message.origin(), &message.x(), &message.y(), &message.z()})
+    if (field->size() != 3) return fail(fmt::format("a camera's vector has {} components", field->size()));
+  const auto get = [](const auto& field) { return make_vec3(field.Get(0), field.Get(1), field.Get(2)); };
+  const View view{get(message.origin()), get(message.x()), get(message.y()), get(message.z()),
+                  message.alpha()};
+  if (!is_finite(view)) return fail("a camera that is not all numbers");
+  return view;
+}
+
 std::uint64_t result_hash(const wire::UnitResult& message) {
   const wire::NonFiniteSamples &nan = message.nan(), &infinite = message.infinite();
   // Not the stage, which workers may know or not.

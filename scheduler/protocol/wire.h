@@ -8,6 +8,7 @@
 
 #include "kernels/host/error.h"
 #include "kernels/host/sample_buffer.h"
+#include "kernels/host/view.h"
 #include "penumbra.grpc.pb.h"
 #include "scheduler/work_unit.h"
 #include "worker/device.h"
@@ -16,7 +17,7 @@ namespace penumbra {
 
 namespace wire = penumbra::v1;
 
-constexpr std::uint32_t kProtocolVersion = 2;
+constexpr std::uint32_t kProtocolVersion = 3;
 constexpr std::size_t kAssetChunkBytes = std::size_t(1) << 20;
 
 /// Largest message that a peer accepts: a tile of 2048 x 2048 pixels with all planes, and some.
@@ -52,6 +53,10 @@ void encode(const SampleBuffer& buffer, wire::UnitResult& message);
 /// Fails, in words for the report, if the checksum does not match or the buffer is not one of `unit` with
 /// `planes` planes.
 Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit& unit, int planes);
+
+void encode(const View& view, wire::Camera& message);
+/// Fails unless all of it are numbers.
+Expected<View> decode(const wire::Camera& message);
 
 /// 64-bit hash over everything that must be equal in two results of one unit.
 std::uint64_t result_hash(const wire::UnitResult& message);

@@ -9,7 +9,7 @@ namespace penumbra {
 /// Means over all samples that are merged so far: a later snapshot of a tile replaces an earlier one. Pixels
 /// row by row from the tile's corner.
 struct TileSnapshot {
-  std::uint32_t view = 0;  ///< number of the camera view that it belongs to, counted from 1
+  std::uint32_t view = 0;  ///< number of the camera view that it belongs to; 0 is the scene's own
   int x = 0, y = 0;        ///< film pixel of its corner
   int width = 0, height = 0;
   std::uint32_t samples = 0;          ///< of each pixel

@@ -20,7 +20,7 @@ constexpr RenderUnit kArea{.x = 16, .y = 32, .width = 5, .height = 4, .first_sam
 
 class ServerTest : public testing::Test {
  protected:
-  ServerTest() : server_(Server::listen(socket_.address()).value()) {
+  ServerTest() : server_(Server::listen({.address = socket_.address()}, board_).value()) {
     stub_ = wire::Farm::NewStub(grpc::CreateChannel(socket_.address(), grpc::InsecureChannelCredentials()));
     stream_ = stub_->Work(&context_);
   }
@@ -68,6 +68,7 @@ class ServerTest : public testing::Test {
   }
 
   PrivateSocket socket_ = PrivateSocket::create().value();
+  WatchBoard board_{1};
   std::unique_ptr<Server> server_;
   std::unique_ptr<wire::Farm::Stub> stub_;
   grpc::ClientContext context_;
@@ -248,7 +249,8 @@ TEST_F(ServerTest, AnUnknownAssetIsNotFound) {
 }
 
 TEST(Server, AnAddressThatCannotBeListenedOnIsAnError) {
-  const auto server = Server::listen("unix:/no/such/directory/socket");
+  WatchBoard board(1);
+  const auto server = Server::listen({.address = "unix:/no/such/directory/socket"}, board);
   ASSERT_FALSE(server);
   EXPECT_THAT(server.error().message, HasSubstr("/no/such/directory/socket"));
 }

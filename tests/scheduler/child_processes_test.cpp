@@ -1,4 +1,4 @@
-#include "scheduler/local_workers.h"
+#include "scheduler/child_processes.h"
 
 #include <gmock/gmock.h>
 #include <signal.h>
@@ -17,16 +17,16 @@ using testing::IsEmpty;
 using testing::SizeIs;
 
 /// Processes that run a line of shell.
-LocalWorkers shells(const char* line) { return {"/bin/sh", {"-c", line}}; }
+ChildProcesses shells(const char* line) { return {"/bin/sh", {"-c", line}}; }
 
-std::vector<WorkerExit> reap_one(LocalWorkers& workers) {
-  std::vector<WorkerExit> ended;
+std::vector<ChildExit> reap_one(ChildProcesses& workers) {
+  std::vector<ChildExit> ended;
   EXPECT_TRUE(eventually([&] { return !(ended = workers.reap()).empty(); }, 5s));
   return ended;
 }
 
-TEST(LocalWorkers, SaysHowAProcessEnded) {
-  LocalWorkers workers = shells("exit 7");
+TEST(ChildProcesses, SaysHowAProcessEnded) {
+  ChildProcesses workers = shells("exit 7");
   const pid_t pid = workers.start().value();
   const auto ended = reap_one(workers);
   ASSERT_THAT(ended, SizeIs(1));
@@ -35,14 +35,14 @@ TEST(LocalWorkers, SaysHowAProcessEnded) {
   EXPECT_THAT(workers.running(), IsEmpty());
 }
 
-TEST(LocalWorkers, SaysWhichSignalKilledAProcess) {
-  LocalWorkers workers = shells("kill -SEGV $$");
+TEST(ChildProcesses, SaysWhichSignalKilledAProcess) {
+  ChildProcesses workers = shells("kill -SEGV $$");
   ASSERT_TRUE(workers.start());
   EXPECT_THAT(reap_one(workers)[0].how, HasSubstr("signal 11 (Segmentation fault"));
 }
 
-TEST(LocalWorkers, KillsOne) {
-  LocalWorkers workers = shells("exec sleep 100");
+TEST(ChildProcesses, KillsOne) {
+  ChildProcesses workers = shells("exec sleep 100");
   const pid_t victim = workers.start().value();
   const pid_t other = workers.start().value();
   workers.kill(victim);
@@ -50,8 +50,8 @@ TEST(LocalWorkers, KillsOne) {
   EXPECT_THAT(workers.running(), testing::ElementsAre(other));
 }
 
-TEST(LocalWorkers, StopsTheStoppedAndTheStubborn) {
-  LocalWorkers workers = shells("trap '' TERM; exec sleep 100");
+TEST(ChildProcesses, StopsTheStoppedAndTheStubborn) {
+  ChildProcesses workers = shells("trap '' TERM; exec sleep 100");
   std::vector<pid_t> pids;
   for (int i = 0; i < 3; ++i) pids.push_back(workers.start().value());
   ASSERT_TRUE(eventually([&] { return process_state(pids[0]) == 'S'; }, 5s));
@@ -62,12 +62,12 @@ TEST(LocalWorkers, StopsTheStoppedAndTheStubborn) {
   for (const pid_t pid : pids) EXPECT_EQ(process_state(pid), 0);
 }
 
-TEST(LocalWorkers, NothingIsInheritedButStandardError) {
+TEST(ChildProcesses, NothingIsInheritedButStandardError) {
   // A file that this process has open without close-on-exec must not be open in the worker.
   char name[] = "/tmp/penumbra-leak-XXXXXX";
   const int leak = mkstemp(name);
   ASSERT_GE(leak, 0);
-  LocalWorkers workers = shells("[ -e /proc/self/fd/$LEAK ] && exit 1; read line && exit 2; exit 0");
+  ChildProcesses workers = shells("[ -e /proc/self/fd/$LEAK ] && exit 1; read line && exit 2; exit 0");
   setenv("LEAK", std::to_string(leak).c_str(), 1);
   ASSERT_TRUE(workers.start());
   EXPECT_EQ(reap_one(workers)[0].how, "exit code 0");
@@ -75,15 +75,15 @@ TEST(LocalWorkers, NothingIsInheritedButStandardError) {
   unlink(name);
 }
 
-TEST(LocalWorkers, CtrlCAtTheTerminalDoesNotReachThem) {
-  LocalWorkers workers = shells("exec sleep 100");
+TEST(ChildProcesses, CtrlCAtTheTerminalDoesNotReachThem) {
+  ChildProcesses workers = shells("exec sleep 100");
   const pid_t pid = workers.start().value();
   EXPECT_TRUE(eventually([&] { return getpgid(pid) == pid; }, 5s));
   EXPECT_NE(getpgid(pid), getpgrp());
 }
 
-TEST(LocalWorkers, AMissingProgramIsAnError) {
-  LocalWorkers workers("/no/such/program", {});
+TEST(ChildProcesses, AMissingProgramIsAnError) {
+  ChildProcesses workers("/no/such/program", {});
   const auto started = workers.start();
   ASSERT_FALSE(started);
   EXPECT_THAT(started.error().message, HasSubstr("'/no/such/program': No such file or directory"));

@@ -1,4 +1,5 @@
-// Worker processes on this machine: started, watched, reaped. None outlives the scheduler, however that ends.
+// Child processes on this machine, the workers above all: started, watched, reaped. None outlives this
+// process, however that ends.
 #pragma once
 
 #include <sys/types.h>
@@ -10,26 +11,26 @@
 
 namespace penumbra {
 
-struct WorkerExit {
+struct ChildExit {
   pid_t pid = 0;
   std::string how;  ///< e.g. "exit code 1", "killed by signal 9 (Killed)"
 };
 
-/// Each child is its own process group, so that Ctrl-C at the terminal reaches the scheduler alone; its
+/// Each child is its own process group, so that Ctrl-C at the terminal reaches this process alone; its
 /// standard error is ours, its standard output goes there too. The kernel kills a child when the *thread*
 /// that started it ends, so one thread must call all members and live as long as the object.
-class LocalWorkers {
+class ChildProcesses {
  public:
   /// `arguments` without the program's name.
-  LocalWorkers(std::string executable, std::vector<std::string> arguments);
-  LocalWorkers(const LocalWorkers&) = delete;
-  LocalWorkers& operator=(const LocalWorkers&) = delete;
-  ~LocalWorkers() { stop_all(); }
+  ChildProcesses(std::string executable, std::vector<std::string> arguments);
+  ChildProcesses(const ChildProcesses&) = delete;
+  ChildProcesses& operator=(const ChildProcesses&) = delete;
+  ~ChildProcesses() { stop_all(); }
 
   /// Starts one more. Fails if the program cannot be executed.
   Expected<pid_t> start();
   /// The children that ended since the last call.
-  std::vector<WorkerExit> reap();
+  std::vector<ChildExit> reap();
   /// Ends a child at once, even one that is stopped; `reap` reports it.
   void kill(pid_t pid);
   /// Asks all to end, kills those that have not after a moment, and waits until none is left.

@@ -1,4 +1,4 @@
-#include "scheduler/local_workers.h"
+#include "scheduler/child_processes.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -50,10 +50,10 @@ std::string describe(int status) {
 
 }  // namespace
 
-LocalWorkers::LocalWorkers(std::string executable, std::vector<std::string> arguments)
+ChildProcesses::ChildProcesses(std::string executable, std::vector<std::string> arguments)
     : executable_(std::move(executable)), arguments_(std::move(arguments)) {}
 
-Expected<pid_t> LocalWorkers::start() {
+Expected<pid_t> ChildProcesses::start() {
   std::vector<char*> arguments;
   arguments.push_back(executable_.data());
   for (std::string& argument : arguments_) arguments.push_back(argument.data());
@@ -61,7 +61,7 @@ Expected<pid_t> LocalWorkers::start() {
 
   int error_pipe[2];  // closed by a successful exec
   if (pipe2(error_pipe, O_CLOEXEC) != 0) {
-    return fail(fmt::format("cannot start a worker: {}", std::strerror(errno)));
+    return fail(fmt::format("cannot start '{}': {}", executable_, std::strerror(errno)));
   }
   const pid_t parent = getpid();
   const pid_t child = fork();
@@ -73,18 +73,17 @@ Expected<pid_t> LocalWorkers::start() {
   while (child > 0 && (got = read(error_pipe[0], &exec_error, sizeof exec_error)) < 0 && errno == EINTR) {
   }
   close(error_pipe[0]);
-  if (child < 0) return fail(fmt::format("cannot start a worker: {}", std::strerror(fork_error)));
+  if (child < 0) return fail(fmt::format("cannot start '{}': {}", executable_, std::strerror(fork_error)));
   if (got == ssize_t(sizeof exec_error)) {
     waitpid(child, nullptr, 0);
-    return fail(
-        fmt::format("cannot start the worker program '{}': {}", executable_, std::strerror(exec_error)));
+    return fail(fmt::format("cannot start '{}': {}", executable_, std::strerror(exec_error)));
   }
   running_.push_back(child);
   return child;
 }
 
-std::vector<WorkerExit> LocalWorkers::reap() {
-  std::vector<WorkerExit> ended;
+std::vector<ChildExit> ChildProcesses::reap() {
+  std::vector<ChildExit> ended;
   std::erase_if(running_, [&](pid_t pid) {
     int status = 0;
     const pid_t got = waitpid(pid, &status, WNOHANG);
@@ -97,11 +96,11 @@ std::vector<WorkerExit> LocalWorkers::reap() {
   return ended;
 }
 
-void LocalWorkers::kill(pid_t pid) {
+void ChildProcesses::kill(pid_t pid) {
   if (std::ranges::find(running_, pid) != running_.end()) ::kill(pid, SIGKILL);
 }
 
-void LocalWorkers::stop_all() {
+void ChildProcesses::stop_all() {
   for (const pid_t pid : running_) {
     ::kill(pid, SIGTERM);
     ::kill(pid, SIGCONT);  // a stopped process takes no other signal

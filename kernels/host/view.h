@@ -1,0 +1,35 @@
+// The camera, and what else may change of a scene while its device goes on: no table and no kernel depends on
+// it.
+#pragma once
+
+#include <cmath>
+
+#include "kernels/scene_types.h"
+
+namespace penumbra {
+
+struct View {
+  vec3 origin, x, y, z;  ///< as the header's camera_*
+  float alpha = 1;       ///< of the control variate, where the scene has one of a given alpha
+};
+
+inline View view_of(const SceneHeader& h) {
+  return {h.camera_origin, h.camera_x, h.camera_y, h.camera_z, h.alpha};
+}
+
+inline void apply_view(const View& view, SceneHeader& h) {
+  h.camera_origin = view.origin;
+  h.camera_x = view.x;
+  h.camera_y = view.y;
+  h.camera_z = view.z;
+  h.alpha = view.alpha;
+}
+
+/// Whether all of it are numbers.
+inline bool is_finite(const View& view) {
+  for (const vec3& v : {view.origin, view.x, view.y, view.z})
+    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) return false;
+  return std::isfinite(view.alpha);
+}
+
+}  // namespace penumbra

@@ -1,0 +1,87 @@
+#include "scheduler/access.h"
+
+#include <fmt/format.h>
+#include <sys/random.h>
+
+#include <array>
+#include <charconv>
+#include <string_view>
+#include <system_error>
+
+namespace penumbra {
+namespace {
+
+constexpr int kLargestPort = 65535;
+
+struct HostAndPort {
+  std::string_view host, port;
+};
+
+HostAndPort split(std::string_view address) {
+  const std::size_t colon = address.rfind(':');
+  if (colon == std::string_view::npos) return {address, {}};
+  return {address.substr(0, colon), address.substr(colon + 1)};
+}
+
+bool is_port(std::string_view text) {
+  int port = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+  return error == std::errc() && end == text.data() + text.size() && port >= 0 && port <= kLargestPort;
+}
+
+/// In a time that does not depend on where they differ.
+bool are_equal(std::string_view a, std::string_view b) {
+  unsigned difference = a.size() == b.size() ? 0 : 1;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+    difference |= unsigned(static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i]));
+  return difference == 0;
+}
+
+}  // namespace
+
+bool is_tcp(const std::string& address) { return !address.empty() && !address.starts_with("unix:"); }
+
+Expected<void> check_listen_address(const std::string& address) {
+  if (!is_tcp(address)) {
+    if (address.size() > std::string_view("unix:").size()) return {};
+    return fail(fmt::format("cannot listen on '{}': give a path, as in unix:/tmp/render.socket", address));
+  }
+  const auto [host, port] = split(address);
+  if (!is_port(port))
+    return fail(fmt::format(
+        "cannot listen on '{}': give host and port, as in 127.0.0.1:7000, or 0 for any free port, "
+        "or unix:/path",
+        address));
+  if (host == "127.0.0.1" || host == "[::1]" || host == "localhost") return {};
+  return fail(fmt::format(
+      "cannot listen on {}: other hosts would be let in without encryption. Listen on 127.0.0.1:{} "
+      "and reach it through ssh -L",
+      address, port));
+}
+
+std::string with_port(const std::string& address, int port) {
+  return fmt::format("{}:{}", split(address).host, port);
+}
+
+std::string make_token() {
+  std::array<unsigned char, 16> bytes{};
+  if (getrandom(bytes.data(), bytes.size(), 0) != ssize_t(bytes.size()))
+    throw std::system_error(errno, std::generic_category(), "no random numbers for a token");
+  std::string token;
+  for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
+  return token;
+}
+
+std::string token_metadata(const std::string& token) { return "Bearer " + token; }
+
+grpc::Status check_access(const grpc::ServerContext& context, const std::string& token) {
+  if (context.peer().starts_with("unix:")) return grpc::Status::OK;
+  const auto found = context.client_metadata().find(kTokenKey);
+  const bool known = found != context.client_metadata().end() && !token.empty() &&
+                     are_equal({found->second.data(), found->second.size()}, token_metadata(token));
+  if (known) return grpc::Status::OK;
+  return {grpc::StatusCode::UNAUTHENTICATED,
+          "the token is missing or wrong; the scheduler printed it when it started"};
+}
+
+}  // namespace penumbra

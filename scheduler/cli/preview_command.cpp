@@ -1,0 +1,51 @@
+// `penumbra preview SCENE`: a scheduler and workers that render what a window asks for.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "scheduler/cli/commands.h"
+#include "scheduler/cli/program_path.h"
+#include "scheduler/cli/progress.h"
+#include "scheduler/cli/render_preparation.h"
+#include "scheduler/cli/stop_signal.h"
+
+namespace penumbra {
+namespace {
+
+ExitCode preview(const RenderOptions& options) {
+  const std::atomic<bool>& stop = install_stop_signal();
+  auto prepared = prepare_render(options);
+  if (!prepared) return print_error(prepared.error()), kBadInput;
+  if (const auto device = check_device(prepared->job.device); !device)
+    return print_error(device.error()), kBadInput;
+  for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
+  const auto worker = find_program("penumbra-worker");
+  if (!worker) return print_error(worker.error()), kIncomplete;
+  prepared->job.worker_executable = worker->string();
+  const auto outcome = run_render(prepared->job, stop, [](const RenderProgress& progress) {
+    for (const std::string& notice : progress.notices) fmt::print(stderr, "{}\n", notice);
+  });
+  if (!outcome) return print_error(outcome.error()), kIncomplete;
+  for (const std::string& problem : outcome->problems) print_warning(problem);
+  return stop ? kAllDone : kIncomplete;
+}
+
+}  // namespace
+
+void add_preview_command(CLI::App& app, Command& chosen) {
+  CLI::App* command =
+      app.add_subcommand("preview", "Wait for windows (penumbra-view), and render what they ask for");
+  const auto options = std::make_shared<RenderOptions>();
+  add_preview_options(*command, *options);
+  command->footer(
+      "`penumbra-view SCENE` starts this by itself. Start it by hand where the scene and the processors are, "
+      "and "
+      "connect from elsewhere:\n"
+      "  there$ penumbra preview scene.xml --workers 8 --threads 4 --listen 127.0.0.1:7000\n"
+      "  here$  ssh -N -L 7000:127.0.0.1:7000 there &\n"
+      "  here$  PENUMBRA_TOKEN=... penumbra-view --connect 127.0.0.1:7000\n"
+      "Nothing is rendered while no window wants samples. Ends by Ctrl-C.");
+  command->callback([options, &chosen] { chosen = [options] { return preview(*options); }; });
+}
+
+}  // namespace penumbra

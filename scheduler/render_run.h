@@ -1,0 +1,133 @@
+// One call of run_render: carries arrivals to the plan and the plan's orders to merge, workers, watchers and
+// report.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scheduler/merge.h"
+#include "scheduler/private_socket.h"
+#include "scheduler/problem_text.h"
+#include "scheduler/render_job.h"
+#include "scheduler/server.h"
+#include "scheduler/tile_grid.h"
+#include "scheduler/watch/render_feed.h"
+#include "scheduler/worker_processes.h"
+
+namespace penumbra {
+
+class RenderRun {
+ public:
+  RenderRun(const RenderJob& job, const std::atomic<bool>& stop,
+            const std::function<void(const RenderProgress&)>& on_progress);
+
+  Expected<RenderOutcome> run();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  struct Worker {
+    WorkerShare share;
+    int pid = 0;
+    bool ready = false, dismissed = false, gone = false, ended = false;
+    std::optional<UnitId> last_unit;  // in its hand when it was lost
+    Seconds gone_since = 0;
+  };
+
+  void on(const arrivals::Connected& arrival);
+  void on(const arrivals::Compiling& arrival);
+  void on(const arrivals::Ready& arrival);
+  void on(const arrivals::JobFailed& arrival);
+  void on(arrivals::Result& arrival);
+  void on(const arrivals::BadResult& arrival);
+  void on(const arrivals::UnitFailed& arrival);
+  void on(const arrivals::Gone& arrival);
+  void on(const arrivals::ViewChanged& arrival);
+  void on(const arrivals::SamplesWanted& arrival);
+
+  void tell_plan(const PlanEvent& event, arrivals::Result* result = nullptr);
+  void obey(const Assign& order, arrivals::Result*);
+  void obey(const MergeResult& order, arrivals::Result* result);
+  void obey(const DiscardResult&, arrivals::Result*) {}
+  void obey(const SetAside& order, arrivals::Result*);
+  void obey(const DismissWorker& order, arrivals::Result*);
+  void obey(const RedoTile& order, arrivals::Result*);
+  void obey(const GiveUp&, arrivals::Result*);
+
+  Expected<void> start();
+  void look_after_workers();
+  void tell_start_problems();
+  void worker_ended(const WorkerEnd& end);
+  void advance_clock();
+  void tick();
+  void report_progress();
+  void show_progress(bool ended);
+  RenderOutcome outcome() &&;
+
+  [[nodiscard]] Seconds since_start() const {
+    return std::chrono::duration<double>(Clock::now() - started_).count();
+  }
+  /// An interactive render waits for what watchers want next.
+  [[nodiscard]] bool is_done() const { return !job_.interactive && plan_.finished(); }
+  [[nodiscard]] bool can_go_on() const { return workers_here_->any_left() && !plan_.gave_up(); }
+  /// Empty for a unit that the job does not have: a confused worker may speak of any.
+  [[nodiscard]] RenderUnit unit(const UnitId& id) const {
+    const bool exists = id.image == 0 && id.tile < grid_.tiles() && id.pass < grid_.passes();
+    return exists ? grid_.unit(id.tile, id.pass) : RenderUnit{};
+  }
+  // The plan knows of one image at a time; on the wire its number is that of the view.
+  [[nodiscard]] UnitId on_wire(UnitId id) const { return {view_.number, id.pass, id.tile}; }
+  [[nodiscard]] bool is_of_this_view(const UnitId& id) const { return id.image == view_.number; }
+  [[nodiscard]] static UnitId in_plan(UnitId id) { return {0, id.pass, id.tile}; }
+  [[nodiscard]] Plan make_plan() const;
+  [[nodiscard]] Merge make_merge() const;
+  [[nodiscard]] std::string detail(const UnitId& id) const {
+    const auto found = details_.find(id);
+    return found == details_.end() ? "" : found->second;
+  }
+  [[nodiscard]] WorkerName names() const {
+    return [this](WorkerId worker) { return workers_.at(worker).share.name; };
+  }
+  void problem(std::string text);
+  void notice(std::string text);
+  /// What every worker says alike is told once.
+  [[nodiscard]] bool is_new(const std::string& text) { return said_.insert(text).second; }
+
+  const RenderJob& job_;
+  const std::atomic<bool>& stop_;
+  const std::function<void(const RenderProgress&)>& on_progress_;
+  const int planes_;
+  const TileGrid grid_;
+  const Clock::time_point started_ = Clock::now();
+
+  WatchView view_;
+  Plan plan_;
+  Merge merge_;
+  WatchBoard board_;
+  RenderFeed feed_;
+  std::string scene_hash_;
+  std::map<WorkerId, Worker> workers_;
+  std::map<UnitId, std::string> details_;  // what was said last about a unit that failed
+  std::set<std::string> job_failures_;
+  std::set<std::string> said_;
+  std::vector<std::string> problems_, notices_;
+  bool budget_spent_ = false;
+  std::uint64_t samples_done_ = 0;
+  Seconds ready_ = 0, first_tile_ = 0, last_tile_ = 0, view_since_ = 0;
+  Seconds now_ = 0, plan_time_ = 0, last_tick_ = 0;
+  Seconds next_progress_ = 0, next_shown_ = 0;
+  double relative_error_ = 0;  // as last reported
+  // The workers talk to the server through the socket, so they go first and the socket last.
+  std::optional<PrivateSocket> socket_;
+  std::unique_ptr<Server> server_;
+  std::optional<WorkerProcesses> workers_here_;
+};
+
+}  // namespace penumbra

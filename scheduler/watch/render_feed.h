@@ -1,0 +1,45 @@
+// From the film of a render to what its watchers see.
+#pragma once
+
+#include <cstdint>
+#include <set>
+
+#include "kernels/host/device_scene.h"
+#include "scheduler/merge.h"
+#include "scheduler/tile_grid.h"
+#include "scheduler/watch/watch_board.h"
+
+namespace penumbra {
+
+/// Whether the closed form can be drawn by whoever watches, and tiles have the difference to it: a direct
+/// estimate of polygon lights alone, with feature layers and an alpha that is given.
+bool is_hybrid(const DeviceScene& scene);
+
+/// A tile's means over what is merged of it. With `hybrid` the difference to alpha times the closed form.
+TileSnapshot snapshot_of(const FilmAccumulator& film, const RenderUnit& area, bool hybrid, float alpha);
+
+/// Keeps in mind which tiles have changed and shows them a few at a time, so that however fast they change
+/// and whoever watches, the render's own thread spends little on it.
+class RenderFeed {
+ public:
+  RenderFeed(WatchBoard& board, const TileGrid& grid, bool hybrid)
+      : board_(board), grid_(grid), hybrid_(hybrid), last_worker_(grid.tiles()) {}
+
+  /// Forgets what has changed: another view begins.
+  void begin_view(std::uint32_t number, float alpha);
+  /// A result of this worker went into the tile.
+  void tile_changed(std::uint32_t tile, WorkerId worker);
+  /// Shows changed tiles: all of them, or a few. Does nothing while nobody watches.
+  void publish(const FilmAccumulator& film, bool all);
+
+ private:
+  WatchBoard& board_;
+  TileGrid grid_;
+  bool hybrid_;
+  std::uint32_t view_ = 0;
+  float alpha_ = 1;
+  std::set<std::uint32_t> changed_;
+  std::vector<WorkerId> last_worker_;
+};
+
+}  // namespace penumbra

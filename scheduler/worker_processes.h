@@ -1,0 +1,48 @@
+// Keeps a number of local worker processes going: starts them, replaces those that end, ends those that hang.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scheduler/child_processes.h"
+#include "scheduler/plan.h"
+
+namespace penumbra {
+
+/// A worker process that ended.
+struct WorkerEnd {
+  ChildExit exit;
+  bool was_starting = false;  ///< it was never ready
+};
+
+/// All times are seconds of one monotonic clock. The rules of ChildProcesses about threads hold.
+class WorkerProcesses {
+ public:
+  /// `address`: of the scheduler that they connect to.
+  WorkerProcesses(const std::string& executable, const std::string& address, int wanted);
+
+  /// Starts what is missing, unless workers keep ending before they have done anything.
+  void start_missing(Seconds now);
+  /// Ends those that are not ready in time, and says which processes have ended.
+  std::vector<WorkerEnd> look_after(Seconds now);
+  /// The worker has said that it is ready.
+  void is_ready(int pid) { starting_.erase(pid); }
+  /// A unit has been finished: workers that end from here on have a fresh account.
+  void has_worked() { failed_starts_ = fruitless_deaths_ = 0; }
+  void kill(int pid) { children_.kill(pid); }
+  void stop_all() { children_.stop_all(); }
+  [[nodiscard]] bool any_left() const { return !children_.running().empty(); }
+  /// What could not be done, for people; each once.
+  [[nodiscard]] std::vector<std::string> take_problems();
+
+ private:
+  ChildProcesses children_;
+  int wanted_;
+  std::map<int, Seconds> starting_;  // pids that are not ready yet, since when
+  int failed_starts_ = 0, fruitless_deaths_ = 0;
+  std::vector<std::string> problems_;
+};
+
+}  // namespace penumbra
