@@ -8,6 +8,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "scheduler/protocol/token.h"
+
 namespace penumbra {
 namespace {
 
@@ -71,8 +73,6 @@ std::string make_token() {
   for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
   return token;
 }
-
-std::string token_metadata(const std::string& token) { return "Bearer " + token; }
 
 grpc::Status check_access(const grpc::ServerContext& context, const std::string& token) {
   if (context.peer().starts_with("unix:")) return grpc::Status::OK;

@@ -26,8 +26,4 @@ std::string make_token();
 /// OK for calls over a Unix socket and for those whose metadata hold the token; else UNAUTHENTICATED.
 grpc::Status check_access(const grpc::ServerContext& context, const std::string& token);
 
-/// The metadata key and the value with which a client shows a token.
-inline constexpr const char* kTokenKey = "authorization";
-std::string token_metadata(const std::string& token);
-
 }  // namespace penumbra

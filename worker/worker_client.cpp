@@ -1,7 +1,6 @@
 #include "worker/worker_client.h"
 
 #include <fmt/format.h>
-#include <grpcpp/create_channel.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -12,6 +11,7 @@
 #include <utility>
 #include <variant>
 
+#include "scheduler/protocol/client.h"
 #include "scheduler/protocol/mailbox.h"
 #include "scheduler/protocol/wire.h"
 
@@ -27,19 +27,6 @@ std::uint64_t peak_memory_bytes() {
 std::string host_name() {
   char name[256] = {};
   return gethostname(name, sizeof name - 1) == 0 ? name : "unknown";
-}
-
-std::shared_ptr<grpc::Channel> open_channel(const std::string& address) {
-  grpc::ChannelArguments arguments;
-  arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);
-  // A worker may be there a moment before its scheduler listens; gRPC's usual second of pause is an age here.
-  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 20);
-  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 20);
-  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 500);
-  // No detours: no proxy from the environment, no look-up of a service configuration.
-  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
-  arguments.SetInt(GRPC_ARG_SERVICE_CONFIG_DISABLE_RESOLUTION, 1);
-  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
 }
 
 struct FinishedUnit {
@@ -62,7 +49,6 @@ class Session {
   Expected<void> work();
   Expected<void> take_job(const wire::Job& job);
   Expected<void> take_view(const wire::View& message);
-  Expected<void> fetch_scene(const std::string& hash);
   void render(const wire::Unit& unit);
   void say(wire::WorkerMessage message) { outbox_.put(std::move(message)); }
 
@@ -192,7 +178,9 @@ Expected<void> Session::take_job(const wire::Job& job) {
     say(std::move(compiling));
   };
 
-  if (const Expected<void> fetched = fetch_scene(job.scene()); !fetched) return fetched;
+  Expected<DeviceScene> scene = fetch_scene(*stub_, job.scene(), "");
+  if (!scene) return std::unexpected(scene.error());
+  scene_ = std::move(*scene);
   Expected<std::unique_ptr<Device>> device = options_.make_device(scene_, *device_options);
   if (!device) return std::unexpected(device.error());
   device_ = std::move(*device);
@@ -210,27 +198,6 @@ Expected<void> Session::take_view(const wire::View& message) {
   if (!view) return fail("the scheduler sent " + view.error().message);
   apply_view(*view, scene_.header);
   return device_ == nullptr ? Expected<void>{} : device_->take_view();
-}
-
-Expected<void> Session::fetch_scene(const std::string& hash) {
-  grpc::ClientContext context;
-  wire::AssetRequest request;
-  request.set_hash(hash);
-  const auto reader = stub_->Asset(&context, request);
-  std::vector<std::uint8_t> bytes;
-  wire::AssetChunk chunk;
-  while (reader->Read(&chunk)) bytes.insert(bytes.end(), chunk.data().begin(), chunk.data().end());
-  if (const grpc::Status status = reader->Finish(); !status.ok()) {
-    return fail(fmt::format("cannot fetch the scene {}: {}", hash, status.error_message()));
-  }
-  if (content_hash(bytes) != hash) {
-    return fail(fmt::format("the scene that came is damaged: its hash is {} instead of {}",
-                            content_hash(bytes), hash));
-  }
-  Expected<DeviceScene> scene = DeviceScene::deserialize(bytes);
-  if (!scene) return fail("the scene that came cannot be used: " + scene.error().message);
-  scene_ = std::move(*scene);
-  return {};
 }
 
 void Session::render(const wire::Unit& message) {

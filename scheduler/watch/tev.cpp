@@ -29,9 +29,7 @@ enum class Operation : std::uint8_t { kCloseImage = 2, kCreateImage = 4, kUpdate
 /// Bytes of one packet; its length is filled in at the end.
 class PacketWriter {
  public:
-  explicit PacketWriter(Operation operation) : bytes_(sizeof(std::uint32_t)) {
-    bytes_.push_back(static_cast<std::uint8_t>(operation));
-  }
+  explicit PacketWriter(Operation operation) : bytes_{0, 0, 0, 0, static_cast<std::uint8_t>(operation)} {}
   void reserve(std::size_t more) { bytes_.reserve(bytes_.size() + more); }
   void flag(bool value) { bytes_.push_back(value ? 1 : 0); }
   void text(std::string_view value) {

@@ -1,0 +1,27 @@
+// What every client of a scheduler does: connect, and fetch a scene.
+#pragma once
+
+#include <grpcpp/channel.h>
+#include <grpcpp/client_context.h>
+
+#include <memory>
+#include <string>
+
+#include "kernels/host/device_scene.h"
+#include "kernels/host/error.h"
+#include "penumbra.grpc.pb.h"
+
+namespace penumbra {
+
+/// A channel that takes our largest messages and tries again soon, for the scheduler may start a moment
+/// later.
+std::shared_ptr<grpc::Channel> open_channel(const std::string& address);
+
+/// Shows the token, if there is one, with the call.
+void show_token(grpc::ClientContext& context, const std::string& token);
+
+/// The device scene of that content hash. Errors: the scheduler has it not, or what comes is damaged.
+Expected<DeviceScene> fetch_scene(penumbra::v1::Farm::Stub& stub, const std::string& hash,
+                                  const std::string& token);
+
+}  // namespace penumbra

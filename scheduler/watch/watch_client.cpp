@@ -1,0 +1,234 @@
+#include "scheduler/watch/watch_client.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <utility>
+
+#include "scheduler/protocol/wire.h"
+#include "scheduler/watch/watch_wire.h"
+
+namespace penumbra {
+namespace {
+
+using namespace std::chrono_literals;
+
+// News that nobody has taken: above, reading waits, and the scheduler keeps only what is newest.
+constexpr std::size_t kMostItems = 256;
+constexpr auto kTimeToAnswer = 5s;
+constexpr auto kRetryInterval = 200ms;
+
+/// Whether trying again would end the same way.
+bool is_final(grpc::StatusCode code) {
+  return code == grpc::StatusCode::UNAUTHENTICATED || code == grpc::StatusCode::FAILED_PRECONDITION ||
+         code == grpc::StatusCode::UNIMPLEMENTED;
+}
+
+}  // namespace
+
+WatchClient::WatchClient(std::string address, std::string token)
+    : address_(std::move(address)),
+      token_(std::move(token)),
+      channel_(open_channel(address_)),
+      reader_([this] { read(); }),
+      sender_([this] { send(); }) {}
+
+WatchClient::~WatchClient() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+    if (reading_ != nullptr) reading_->TryCancel();
+    if (sending_ != nullptr) sending_->TryCancel();
+  }
+  changed_.notify_all();
+  reader_.join();
+  sender_.join();
+}
+
+// --- Reading
+
+void WatchClient::read() {
+  const auto stub = wire::Farm::NewStub(channel_);
+  for (;;) {
+    while (!channel_->WaitForConnected(std::chrono::system_clock::now() + kRetryInterval)) {
+      const std::lock_guard lock(mutex_);
+      if (stopping_) return;
+    }
+    grpc::ClientContext context;
+    show_token(context, token_);
+    {
+      const std::lock_guard lock(mutex_);
+      if (stopping_) return;
+      reading_ = &context;
+    }
+    watch(*stub, context);
+    const std::lock_guard lock(mutex_);
+    reading_ = nullptr;
+    if (stopping_ || over_) return;
+  }
+}
+
+void WatchClient::watch(wire::Farm::Stub& stub, grpc::ClientContext& context) {
+  wire::WatchRequest request;
+  request.set_protocol_version(kProtocolVersion);
+  const auto reader = stub.Watch(&context, request);
+  std::optional<WatchedJob> job;
+  wire::WatchEvent event;
+  bool goes_on = true;
+  while (goes_on && reader->Read(&event)) goes_on = receive(stub, event, job);
+  if (!goes_on) context.TryCancel();
+  const grpc::Status status = reader->Finish();
+  if (!goes_on) return;
+  if (is_final(status.error_code())) {
+    put(watch_news::Refused{status.error_message()});
+  } else {
+    put(watch_news::Lost{status.ok() ? "the scheduler ended" : status.error_message()});
+    pause();
+  }
+}
+
+/// False: nothing more is to be read.
+bool WatchClient::receive(wire::Farm::Stub& stub, const wire::WatchEvent& event,
+                          std::optional<WatchedJob>& job) {
+  const auto refuse = [this](std::string why) {
+    put(watch_news::Refused{std::move(why)});
+    return false;
+  };
+  if (event.has_refused()) return refuse(event.refused().reason());
+  if (event.has_job()) {
+    Expected<WatchedJob> described = decode(event.job());
+    if (!described) return refuse(described.error().message);
+    watch_news::Connected connected{*described, nullptr};
+    if (described->interactive || described->hybrid) {
+      Expected<DeviceScene> scene = fetch_scene(stub, described->scene_hash, token_);
+      if (!scene) return refuse(scene.error().message);
+      connected.scene = std::make_shared<const DeviceScene>(std::move(*scene));
+    }
+    job = std::move(*described);
+    {
+      // Another scheduler, perhaps, with numbers of its own.
+      const std::lock_guard lock(mutex_);
+      newest_view_ = wanted_spp_ = sent_spp_ = 0;
+    }
+    put(std::move(connected));
+    return true;
+  }
+  if (!job) return refuse("the scheduler did not describe its job");
+  if (event.has_view()) {
+    const Expected<WatchView> view = decode(event.view());
+    if (!view) return refuse(view.error().message);
+    put(*view, view->number);
+  } else if (event.has_tile()) {
+    Expected<TileSnapshot> tile = decode(event.tile(), *job);
+    if (!tile) return refuse(tile.error().message);
+    const std::uint32_t number = tile->view;
+    put(std::move(*tile), number);
+  } else if (event.has_progress()) {
+    const bool ended = event.progress().ended();
+    put(decode(event.progress()), event.progress().view());
+    // Tiles may still come; the end of the stream says that it was not lost.
+    if (ended) {
+      const std::lock_guard lock(mutex_);
+      over_ = true;
+    }
+  } else if (event.content_case() == wire::WatchEvent::kMessage) {
+    put(watch_news::Said{event.message()});
+  }
+  return true;
+}
+
+void WatchClient::put(WatchNews news, std::optional<std::uint32_t> view) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return stopping_ || items_.size() < kMostItems; });
+  if (std::holds_alternative<watch_news::Refused>(news)) over_ = true;
+  if (over_ && std::holds_alternative<watch_news::Lost>(news)) news = watch_news::Ended{};
+  items_.push_back({view, std::move(news)});
+}
+
+void WatchClient::pause() {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, kRetryInterval, [this] { return stopping_ || over_; });
+}
+
+std::vector<WatchNews> WatchClient::take() {
+  std::vector<WatchNews> news;
+  {
+    const std::lock_guard lock(mutex_);
+    while (!items_.empty()) {
+      Item& item = items_.front();
+      // Whether it is of the view that was asked for shows when that has a number.
+      if (view_on_its_way_ && item.view && *item.view > newest_view_) break;
+      const bool is_view = std::holds_alternative<WatchView>(item.news);
+      const bool is_known = item.view && (view_on_its_way_ || *item.view < newest_view_);
+      if (!is_known) {
+        // Somebody else has changed the view.
+        if (is_view && *item.view > newest_view_) {
+          newest_view_ = *item.view;
+          wanted_spp_ = sent_spp_ = 0;
+        }
+        news.push_back(std::move(item.news));
+      }
+      items_.pop_front();
+    }
+  }
+  changed_.notify_all();
+  return news;
+}
+
+// --- Sending
+
+void WatchClient::change_view(const View& view) {
+  {
+    const std::lock_guard lock(mutex_);
+    next_view_ = view;
+    view_on_its_way_ = true;
+    wanted_spp_ = sent_spp_ = 0;
+  }
+  changed_.notify_all();
+}
+
+void WatchClient::want_samples(std::uint32_t spp) {
+  {
+    const std::lock_guard lock(mutex_);
+    wanted_spp_ = spp;
+  }
+  changed_.notify_all();
+}
+
+void WatchClient::send() {
+  const auto stub = wire::Farm::NewStub(channel_);
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [this] { return stopping_ || next_view_ || wanted_spp_ > sent_spp_; });
+    if (stopping_) return;
+    wire::ControlRequest request;
+    const bool changes_view = next_view_.has_value();
+    const std::uint32_t spp = wanted_spp_;
+    if (changes_view) {
+      encode(*next_view_, *request.mutable_change_view());
+      next_view_.reset();
+    } else {
+      request.mutable_want_samples()->set_view(newest_view_);
+      request.mutable_want_samples()->set_spp(spp);
+      sent_spp_ = spp;
+    }
+    grpc::ClientContext context;
+    show_token(context, token_);
+    context.set_deadline(std::chrono::system_clock::now() + kTimeToAnswer);
+    sending_ = &context;
+    lock.unlock();
+    wire::ControlReply reply;
+    const grpc::Status status = stub->Control(&context, request, &reply);
+    lock.lock();
+    sending_ = nullptr;
+    if (changes_view) {
+      if (status.ok()) newest_view_ = reply.view();
+      view_on_its_way_ = next_view_.has_value();
+    }
+    // A connection that is lost is the reader's to tell.
+    if (!status.ok() && status.error_code() != grpc::StatusCode::UNAVAILABLE && !stopping_)
+      items_.push_back({{}, watch_news::Said{"the scheduler refused: " + status.error_message()}});
+  }
+}
+
+}  // namespace penumbra
