@@ -54,6 +54,7 @@ class Packer {
 
 Expected<BufferTexture> pack_triangles(const DeviceScene& scene, float unit) {
   Packer p(unit);
+  const auto lights = table<Light>(scene, scene.header.lights, scene.header.light_count);
   for (const Triangle& t : table<Triangle>(scene, scene.header.triangles, scene.header.triangle_count)) {
     p.point(t.p0);
     p.number(t.front);
@@ -61,7 +62,8 @@ Expected<BufferTexture> pack_triangles(const DeviceScene& scene, float unit) {
     p.number(t.back);
     p.point(t.p2);
     p.number(t.light);
-    for (const int word : {t.normals, 0, 0, 0}) p.number(word);
+    const int polygon = t.light >= 0 ? lights[static_cast<std::size_t>(t.light)].polygon : -1;
+    for (const int word : {t.normals, polygon, 0, 0}) p.number(word);
   }
   return p.upload("the triangles", GL_RGBA32UI);
 }

@@ -38,6 +38,8 @@ vec3 reflected_radiance(Surface s, vec3 d) {
   Lobe lobe = start_lobe(n, normalize(d - 2.0 * dot(n, d) * n), glossy ? diffuse.w : 0.0);
 #endif
   for (int k = 0; k < polygon_count; k++) {
+    // A light does not shine on itself; in its plane rounding would say whether it covers half the sphere.
+    if (k == s.polygon) continue;
     uvec4 shine = texelFetch(polygons, 2 * k), outline = texelFetch(polygons, 2 * k + 1);
     int first = int(outline.x), end = int(outline.x + outline.y);
     IrradianceSum edges = no_irradiance();

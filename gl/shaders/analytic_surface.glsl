@@ -4,7 +4,8 @@ struct Surface {
   vec3 p;
   vec3 shading;  // unit, on the viewer's side
   int material;
-  int light;  // or -1
+  int light;    // or -1
+  int polygon;  // that it is a part of, or -1
 };
 
 Surface triangle_surface(int index, vec3 o, vec3 d) {
@@ -20,7 +21,8 @@ Surface triangle_surface(int index, vec3 o, vec3 d) {
   s.front = dot(normal, d) < 0.0;
   s.p = t.p0 + (b1 * e1 + b2 * e2);
   s.shading = normalize(normal);
-  int normals = int(texelFetch(triangles, 4 * index + 3).x);
+  ivec2 more = ivec2(texelFetch(triangles, 4 * index + 3).xy);
+  int normals = more.x;
   if (normals >= 0) {
     vec3 blend = (1.0 - b1 - b2) * texelFetch(vertex_normals, 3 * normals).xyz +
                  b1 * texelFetch(vertex_normals, 3 * normals + 1).xyz +
@@ -29,6 +31,7 @@ Surface triangle_surface(int index, vec3 o, vec3 d) {
   }
   s.material = int(texelFetch(triangles, 4 * index + (s.front ? 0 : 1)).w);
   s.light = int(texelFetch(triangles, 4 * index + 2).w);
+  s.polygon = more.y;
   return s;
 }
 
@@ -48,6 +51,7 @@ Surface quadric_surface(int index, vec3 o, vec3 d) {
   s.front = dot(s.shading, d) < 0.0;
   s.material = s.front ? q.front : q.back;
   s.light = q.light;
+  s.polygon = -1;
   return s;
 }
 
@@ -59,7 +63,7 @@ Surface surface_at(int primitive, int triangle_count, vec3 o, vec3 d) {
   s.p = vec3(0.0);
   s.shading = vec3(0.0);
   s.material = 0;
-  s.light = -1;
+  s.light = s.polygon = -1;
   if (primitive >= triangle_count)
     s = quadric_surface(primitive - triangle_count, o, d);
   else if (primitive >= 0)

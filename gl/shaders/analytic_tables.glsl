@@ -1,5 +1,5 @@
 // The tables of the device scene, packed by gl/analytic_tables.cpp.
-uniform usamplerBuffer triangles;     // p0, front; p1, back; p2, light; normals, 0, 0, 0
+uniform usamplerBuffer triangles;     // p0, front; p1, back; p2, light; normals, polygon, 0, 0
 uniform usamplerBuffer quadrics;      // center, radius; normal, orientation; kind, front, back, light
 uniform samplerBuffer vertex_normals;  // n0, 0; n1, 0; n2, 0
 
