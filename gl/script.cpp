@@ -157,6 +157,9 @@ class ScriptParser {
       if (!take_integer("a number of samples", 1, INT32_MAX, wait.samples)) return false;
     } else if (what->text == "analytic") {
       wait.what = WaitFor::kAnalytic;
+      wait.samples = 1;
+      const bool says_how_many = next_ < words_.size() && words_[next_].text != "timeout";
+      if (says_how_many && !take_integer("a number of frames", 1, INT32_MAX, wait.samples)) return false;
     } else if (what->text == "finished") {
       wait.what = WaitFor::kFinished;
     } else if (what->text == "connected") {
@@ -280,8 +283,9 @@ class ScriptParser {
     return false;
   }
 
-  bool add(ScriptCommand command) {
-    commands_.push_back(std::move(command));
+  template <typename Command>
+  bool add(Command command) {
+    commands_.emplace_back(std::in_place_type<Command>, std::move(command));
     return true;
   }
 

@@ -95,14 +95,18 @@ class Socket {
   int descriptor_;
 };
 
-/// 0, or ETIMEDOUT, or what poll had to say.
-int wait_until_writable(int descriptor, Milliseconds timeout) {
+// How often somebody who waits for tev looks whether it should.
+constexpr Milliseconds kStopInterval{20};
+
+/// 0, or ETIMEDOUT, or ECANCELED for a stop, or what poll had to say.
+int wait_until_writable(int descriptor, Milliseconds timeout, const std::stop_token& stop) {
   const auto deadline = Clock::now() + timeout;
   while (true) {
+    if (stop.stop_requested()) return ECANCELED;
     const auto left = std::chrono::ceil<Milliseconds>(deadline - Clock::now());
+    const Milliseconds most = stop.stop_possible() ? kStopInterval : Milliseconds(INT32_MAX);
     pollfd entry{descriptor, POLLOUT, 0};
-    const int ready =
-        ::poll(&entry, 1, static_cast<int>(std::clamp<Milliseconds::rep>(left.count(), 0, INT32_MAX)));
+    const int ready = ::poll(&entry, 1, static_cast<int>(std::clamp(left, Milliseconds(0), most).count()));
     if (ready > 0) return 0;
     if (ready < 0 && errno != EINTR) return errno;
     if (ready == 0 && Clock::now() >= deadline) return ETIMEDOUT;
@@ -110,13 +114,14 @@ int wait_until_writable(int descriptor, Milliseconds timeout) {
 }
 
 /// A connected socket that does not block, or an errno.
-std::expected<int, int> connect_to(const addrinfo& address, Milliseconds timeout) {
+std::expected<int, int> connect_to(const addrinfo& address, Milliseconds timeout,
+                                   const std::stop_token& stop) {
   Socket socket(
       ::socket(address.ai_family, address.ai_socktype | SOCK_CLOEXEC | SOCK_NONBLOCK, address.ai_protocol));
   if (socket.get() < 0) return std::unexpected(errno);
   if (::connect(socket.get(), address.ai_addr, address.ai_addrlen) != 0) {
     if (errno != EINPROGRESS && errno != EINTR) return std::unexpected(errno);
-    if (const int error = wait_until_writable(socket.get(), timeout)) return std::unexpected(error);
+    if (const int error = wait_until_writable(socket.get(), timeout, stop)) return std::unexpected(error);
     int error = 0;
     socklen_t size = sizeof error;
     if (::getsockopt(socket.get(), SOL_SOCKET, SO_ERROR, &error, &size) != 0) return std::unexpected(errno);
@@ -217,7 +222,8 @@ Expected<TevPacket> encode_close_image(std::string_view name) {
   return packet.finish();
 }
 
-Expected<TevClient> TevClient::connect(const std::string& host_and_port, Milliseconds timeout) {
+Expected<TevClient> TevClient::connect(const std::string& host_and_port, Milliseconds timeout,
+                                       std::stop_token stop) {
   const auto address = parse_tev_address(host_and_port);
   if (!address) return std::unexpected(address.error());
   const std::string described = describe(*address);
@@ -236,8 +242,8 @@ Expected<TevClient> TevClient::connect(const std::string& host_and_port, Millise
   const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> addresses(found, &::freeaddrinfo);
   int error = 0;
   for (const addrinfo* entry = addresses.get(); entry != nullptr; entry = entry->ai_next) {
-    const auto socket = connect_to(*entry, timeout);
-    if (socket) return TevClient(*socket, described, timeout);
+    const auto socket = connect_to(*entry, timeout, stop);
+    if (socket) return TevClient(*socket, described, timeout, std::move(stop));
     error = socket.error();
   }
   if (error == ETIMEDOUT)
@@ -246,13 +252,14 @@ Expected<TevClient> TevClient::connect(const std::string& host_and_port, Millise
                           error == ECONNREFUSED ? "; is it running?" : ""));
 }
 
-TevClient::TevClient(int socket, std::string address, Milliseconds timeout)
-    : socket_(socket), address_(std::move(address)), timeout_(timeout) {}
+TevClient::TevClient(int socket, std::string address, Milliseconds timeout, std::stop_token stop)
+    : socket_(socket), address_(std::move(address)), timeout_(timeout), stop_(std::move(stop)) {}
 
 TevClient::TevClient(TevClient&& other) noexcept
     : socket_(std::exchange(other.socket_, -1)),
       address_(std::move(other.address_)),
-      timeout_(other.timeout_) {}
+      timeout_(other.timeout_),
+      stop_(std::move(other.stop_)) {}
 
 TevClient& TevClient::operator=(TevClient&& other) noexcept {
   if (this != &other) {
@@ -260,6 +267,7 @@ TevClient& TevClient::operator=(TevClient&& other) noexcept {
     socket_ = std::exchange(other.socket_, -1);
     address_ = std::move(other.address_);
     timeout_ = other.timeout_;
+    stop_ = std::move(other.stop_);
   }
   return *this;
 }
@@ -271,8 +279,8 @@ void TevClient::close_socket() {
 }
 
 Expected<void> TevClient::create_image(std::string_view name, int width, int height,
-                                       std::span<const std::string> channels) {
-  return send(encode_create_image(name, width, height, channels));
+                                       std::span<const std::string> channels, bool grab_focus) {
+  return send(encode_create_image(name, width, height, channels, grab_focus));
 }
 
 Expected<void> TevClient::update_tile(std::string_view name, int x, int y, int width, int height,
@@ -306,7 +314,7 @@ Expected<void> TevClient::send_all(std::span<const std::uint8_t> bytes) {
     }
     if (errno == EINTR) continue;
     if (errno != EAGAIN && errno != EWOULDBLOCK) return lost(std::strerror(errno));
-    const int error = wait_until_writable(socket_, timeout_);
+    const int error = wait_until_writable(socket_, timeout_, stop_);
     if (error == ETIMEDOUT) return lost(fmt::format("tev has taken nothing for {:g} s", seconds(timeout_)));
     if (error != 0) return lost(std::strerror(error));
   }

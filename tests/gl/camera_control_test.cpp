@@ -247,6 +247,9 @@ TEST(CameraControl, MovesGoWhereTheyAreSaidToGo) {
   const CameraPose pose{{0, 0, 4}, {0, 0, 0}, {0, 1, 0}};
   expect_near(move(pose, 1, 0, 0).eye, {1, 0, 4}, 1e-15, "right");
   expect_near(move(pose, 0, 1, 0).at, {0, 1, 0}, 1e-15, "up");
+  const CameraPose looking_down{{0, 3, 4}, {0, 0, 0}, {0, 1, 0}};
+  expect_near(move(looking_down, 0, 1, 0).at, {0, 1, 0}, 1e-15, "up is the world's");
+  expect_near(move(looking_down, 0, 0, 5).eye, {0, 0, 0}, 1e-14, "forward is the view's");
   expect_near(move(pose, 0, 0, 1).eye, {0, 0, 3}, 1e-15, "forward");
   expect_near(move(pose, 0, 0, 1).at, {0, 0, -1}, 1e-15, "forward");
   expect_near(dolly(pose, 0.25).eye, {0, 0, 1}, 1e-15, "dolly");
@@ -369,7 +372,7 @@ TEST(DefaultDistance, TheFirstSurfaceInFrontOfTheEye) {
 }
 
 TEST(DefaultDistance, TheExtentWhereThereIsNothingToSee) {
-  // Beside the view: 3 wide, as high, flat.
+  // Beside the view: 3 wide, 4 high, flat.
   SceneOf beside;
   Triangle t{};
   t.p0 = make_vec3(5, 5, 1);
@@ -378,6 +381,13 @@ TEST(DefaultDistance, TheExtentWhereThereIsNothingToSee) {
   beside.triangles.push_back(t);
   EXPECT_NEAR(scene_extent(beside.scene()), 5, 1e-6);
   EXPECT_NEAR(beside.distance(), 5, 1e-6);
+  // Past the edge that is across from the first vertex.
+  SceneOf past;
+  t.p0 = make_vec3(-1, -1, 0);
+  t.p1 = make_vec3(0.5f, -1, 0);
+  t.p2 = make_vec3(-1, 0.5f, 0);
+  past.triangles.push_back(t);
+  EXPECT_NEAR(past.distance(), 1.5 * std::sqrt(2), 1e-6);
   // The view within the triangle's plane.
   SceneOf edge_on;
   t.p0 = make_vec3(0, -1, 0);

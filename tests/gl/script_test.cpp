@@ -146,6 +146,7 @@ TEST(Script, EveryErrorIsAtItsPlace) {
            Case{"wait", 5, "samples, analytic, finished or connected is missing"},
            Case{"wait finishd", 6, "did you mean 'finished'?"},
            Case{"wait samples", 13, "a number of samples is missing"},
+           Case{"wait \"samples\"", 15, "a number of samples is missing"},
            Case{"wait samples 0", 14, "0"},
            Case{"wait samples -1", 14, "-1"},
            Case{"wait samples 99999999999", 14, "99999999999"},

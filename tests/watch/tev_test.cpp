@@ -272,7 +272,7 @@ TEST(TevPackets, BothLayoutsSayTheSame) {
 }
 
 TEST(TevPackets, RefusesWhatTevCannotRead) {
-  const float values[3] = {1, 2, 3};
+  const float values[4] = {1, 2, 3, 4};
   const std::string zero("a\0b", 3);
   const auto update = [&](std::string_view name, TevTile tile, std::vector<std::string> channels, int count) {
     return encode_update_tile(name, tile, channels, std::span(values, std::size_t(count)), TevLayout::kPlanar)
@@ -290,6 +290,7 @@ TEST(TevPackets, RefusesWhatTevCannotRead) {
   EXPECT_FALSE(update("n", {0, 0, 1, 1}, {"R", "", "B"}, 3));
   EXPECT_FALSE(update("n", {0, 0, 1, 1}, {"R", zero, "B"}, 3));
   EXPECT_FALSE(update("n", {0, 0, 1, 1}, kRgb, 2));
+  EXPECT_FALSE(update("n", {0, 0, 1, 1}, kRgb, 4));
   EXPECT_FALSE(update("n", {0, 0, 1, 2}, kRgb, 3));
   EXPECT_FALSE(update("n", {0, 0, INT32_MAX, INT32_MAX}, kRgb, 3));
   EXPECT_FALSE(encode_create_image("n", 0, 1, kRgb).has_value());
@@ -444,22 +445,31 @@ TEST(TevClient, ClosingInTheMiddleIsAnErrorAndNoSignal) {
   struct sigaction action {};
   ASSERT_EQ(sigaction(SIGPIPE, nullptr, &action), 0);
   ASSERT_EQ(action.sa_handler, SIG_DFL) << "a signal would not be noticed";
-  const Listener listener;
-  ASSERT_NE(listener.port, 0);
-  std::thread server([&] {
-    Descriptor connection(listener.accept());
-    char some[1000];  // of the first packet, which is larger
-    (void)!::recv(connection, some, sizeof some, MSG_WAITALL);
-    connection.reset();
-  });
-  TevClient client = or_throw(TevClient::connect(listener.host()));
-  const std::string error = error_of_many_tiles(client);
-  server.join();
-  EXPECT_THAT(error, HasSubstr("the connection to tev at " + listener.host() + " is lost"));
-  EXPECT_FALSE(client.connected());
-  const auto again = client.close_image("i");
-  ASSERT_FALSE(again.has_value());
-  EXPECT_THAT(again.error().message, HasSubstr(listener.host() + " is closed"));
+  const std::vector<float> values(std::size_t{2048} * 2048 * 3, 1.0f);  // 48 MiB, more than buffers hold
+  // The end of the other side's bytes first makes the reset after it a broken pipe.
+  for (const bool ends_first : {false, true}) {
+    const Listener listener;
+    ASSERT_NE(listener.port, 0);
+    const int small = 4096;
+    ASSERT_EQ(::setsockopt(listener.socket, SOL_SOCKET, SO_RCVBUF, &small, sizeof small), 0);
+    TevClient client = or_throw(TevClient::connect(listener.host()));
+    std::thread server([&] {
+      Descriptor connection(listener.accept());
+      char some[1000];
+      (void)!::recv(connection, some, sizeof some, MSG_WAITALL);
+      if (ends_first) ::shutdown(connection, SHUT_WR);
+      connection.reset();  // with bytes that are not read: a reset
+    });
+    const auto sent = client.update_tile("i", 0, 0, 2048, 2048, kRgb, values);
+    server.join();
+    ASSERT_FALSE(sent.has_value());
+    EXPECT_THAT(sent.error().message,
+                HasSubstr("the connection to tev at " + listener.host() + " is lost: "));
+    EXPECT_FALSE(client.connected());
+    const auto again = client.close_image("i");
+    ASSERT_FALSE(again.has_value());
+    EXPECT_THAT(again.error().message, HasSubstr(listener.host() + " is closed"));
+  }
 }
 
 TEST(TevClient, TheFirstPacketAfterTevHasClosedIsAnErrorAlready) {
@@ -507,6 +517,10 @@ TEST(TevClient, BytesFromTevAreIgnored) {
   std::uint8_t packet[9];
   ASSERT_EQ(::recv(connection, packet, sizeof packet, MSG_WAITALL), 9);
   EXPECT_EQ(int(packet[4]), 2);
+  // Nor do they hide that it closes.
+  ASSERT_EQ(::send(connection, noise.data(), noise.size(), MSG_NOSIGNAL), ssize_t(noise.size()));
+  ASSERT_EQ(::shutdown(connection, SHUT_WR), 0);
+  EXPECT_FALSE(client.close_image("img").has_value());
 }
 
 TEST(TevClient, NobodyListens) {
