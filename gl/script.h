@@ -33,16 +33,16 @@ struct CameraCommand {
 
 enum class WaitFor {
   kSamples,    ///< every pixel of the present view has so many samples
-  kAnalytic,   ///< the closed form of the present view has been drawn
+  kAnalytic,   ///< so many frames of the closed form of the present view have been drawn
   kFinished,   ///< all samples that were asked for are there
   kConnected,  ///< the scheduler has answered
 };
 
-/// `wait samples N | analytic | finished | connected [timeout SECONDS]`
+/// `wait samples N | analytic [FRAMES] | finished | connected [timeout SECONDS]`
 struct WaitCommand {
   int line = 0;
   WaitFor what = WaitFor::kFinished;
-  std::uint32_t samples = 0;                   ///< kSamples: at least 1
+  std::uint32_t samples = 0;                   ///< kSamples, kAnalytic: how many, at least 1
   std::optional<double> timeout_seconds = {};  ///< greater than 0; nothing: whoever runs the script decides
 };
 

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -59,9 +60,10 @@ Expected<TevPacket> encode_close_image(std::string_view name);
 class TevClient {
  public:
   /// `timeout`: for each address of the host to answer, and later for tev to take any further byte of a
-  /// packet. The name service has its own. Never raises SIGPIPE.
+  /// packet. The name service has its own. A stop ends all waiting soon, with an error. Never raises SIGPIPE.
   static Expected<TevClient> connect(const std::string& host_and_port,
-                                     std::chrono::milliseconds timeout = kTevTimeout);
+                                     std::chrono::milliseconds timeout = kTevTimeout,
+                                     std::stop_token stop = {});
 
   TevClient(TevClient&& other) noexcept;
   TevClient& operator=(TevClient&& other) noexcept;
@@ -70,7 +72,7 @@ class TevClient {
   ~TevClient();
 
   Expected<void> create_image(std::string_view name, int width, int height,
-                              std::span<const std::string> channels);
+                              std::span<const std::string> channels, bool grab_focus = true);
   /// `values`: width * height * channels. The image is one that was created with these channels and more or
   /// none.
   Expected<void> update_tile(std::string_view name, int x, int y, int width, int height,
@@ -82,7 +84,7 @@ class TevClient {
   [[nodiscard]] bool connected() const { return socket_ >= 0; }
 
  private:
-  TevClient(int socket, std::string address, std::chrono::milliseconds timeout);
+  TevClient(int socket, std::string address, std::chrono::milliseconds timeout, std::stop_token stop);
   Expected<void> send(const Expected<TevPacket>& packet);
   Expected<void> send_all(std::span<const std::uint8_t> bytes);
   [[nodiscard]] bool closed_by_peer() const;
@@ -91,6 +93,7 @@ class TevClient {
   int socket_ = -1;  ///< non-blocking
   std::string address_;
   std::chrono::milliseconds timeout_{};
+  std::stop_token stop_;
 };
 
 }  // namespace penumbra
