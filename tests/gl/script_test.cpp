@@ -70,6 +70,9 @@ TEST(Script, EachCommand) {
   EXPECT_EQ(one<KeyCommand>("key F1").times, 1);
   EXPECT_EQ(one<KeyCommand>("key [ 100000").times, 100000);
   EXPECT_EQ(one<CameraCommand>("camera up 0 0 2 at 0 0 0 eye 1 0 0").up, glm::dvec3(0, 0, 2));
+  EXPECT_EQ(one<WaitCommand>("wait analytic").samples, 1u);
+  EXPECT_EQ(one<WaitCommand>("wait analytic 8 timeout 3").samples, 8u);
+  EXPECT_EQ(one<WaitCommand>("wait analytic timeout 3").timeout_seconds, 3.0);
   EXPECT_EQ(one<WaitCommand>("wait finished").what, WaitFor::kFinished);
   EXPECT_EQ(one<WaitCommand>("wait samples 4 timeout 1").timeout_seconds, 1.0);
   EXPECT_EQ(one<SetAlphaCommand>("set alpha -0.5").alpha, -0.5);
@@ -148,6 +151,7 @@ TEST(Script, EveryErrorIsAtItsPlace) {
            Case{"wait samples", 13, "a number of samples is missing"},
            Case{"wait \"samples\"", 15, "a number of samples is missing"},
            Case{"wait samples 0", 14, "0"},
+           Case{"wait analytic 0", 15, "0"},
            Case{"wait samples -1", 14, "-1"},
            Case{"wait samples 99999999999", 14, "99999999999"},
            Case{"wait finished 3", 15, "unknown part of a wait '3'"},
