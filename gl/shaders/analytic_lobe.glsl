@@ -23,9 +23,16 @@ Lobe start_lobe(vec3 n, vec3 w, float exponent) {
   return lobe;
 }
 
-// What an arc that starts at `from`, with unit normal g, adds to (e + 2) times the lobe's integral.
-float lobe_arc_sum(Lobe lobe, vec3 from, vec3 g, float sine, float cosine, float angle) {
-  LobeArc arc = lobe_arc(from, g, sine, cosine, angle, lobe.w, lobe.cut2, lobe.steps > 0.0);
+// An arc of a light's outline as the receiver sees it, or of its horizon.
+struct Arc {
+  vec3 from, normal;           // the normal is unit
+  float sine, cosine, angle;  // sine and cosine not normalised
+  float weight;                // in the sum
+};
+
+// What it adds to (e + 2) times the lobe's integral.
+float lobe_arc_sum(Lobe lobe, Arc a) {
+  LobeArc arc = lobe_arc(a.from, a.normal, a.sine, a.cosine, a.angle, lobe.w, lobe.cut2, lobe.steps > 0.0);
   float half_exponent = lobe.half_exponent + (arc.stepped ? lobe.steps : 0.0);
   int count = int(lobe_rule(lobe.half_exponent + lobe.steps, arc.half_width));
   int first = count == 12 ? 12 : (count == 8 ? 4 : 0);
@@ -33,38 +40,67 @@ float lobe_arc_sum(Lobe lobe, vec3 from, vec3 g, float sine, float cosine, float
   LobeTerms terms;
   terms.power = terms.rest = 0.0;
   for (int k = first; k < first + count; k++) {
-    float distance = lobe_nodes[k] * arc.half_width, weight = lobe_weights[k] * arc.half_width;
-    LobeTerms below = lobe_at(arc.middle - distance, delta2, log_c2, half_exponent);
-    LobeTerms above = lobe_at(arc.middle + distance, delta2, log_c2, half_exponent);
+    float off = lobe_nodes[k] * arc.half_width, weight = lobe_weights[k] * arc.half_width;
+    LobeTerms below = lobe_at(arc.middle - off, delta2, log_c2, half_exponent);
+    LobeTerms above = lobe_at(arc.middle + off, delta2, log_c2, half_exponent);
     terms.power += weight * (below.power + above.power);
     terms.rest += weight * (below.rest + above.rest);
   }
   terms.rest = arc.delta * terms.rest + arc.outside;
   if (arc.stepped)
-    terms = step_down(arc.delta, arc.from_cos, arc.from_sin, arc.to_cos, arc.to_sin, half_exponent, lobe.steps, terms);
-  return lobe.height * terms.rest + dot3_d(lobe.n, g) * terms.power;
+    terms = step_down(arc.delta, arc.from_cos, arc.from_sin, arc.to_cos, arc.to_sin, half_exponent,
+                      lobe.steps, terms);
+  return a.weight * (lobe.height * terms.rest + dot3_d(lobe.n, a.normal) * terms.power);
 }
 
-// See Horizon of kernels/polygon_light.h.
-struct LobeSum {
-  float sum;
-  float open;  // not 0: a crossing at `a` waits for the next one
-  vec3 a;
+Arc edge_arc(VisibleEdge e, float angle) {
+  Arc arc;
+  arc.from = e.from;
+  arc.normal = e.normal;
+  arc.sine = e.sine;
+  arc.cosine = e.cosine;
+  arc.angle = angle;
+  arc.weight = angle > 0.0 ? 1.0 : 0.0;
+  return arc;
+}
+
+// Where outlines cross the horizon: see Horizon of kernels/polygon_light.h.
+struct Crossings {
+  vec3 a, b;
+  float open;  // not 0: a waits for b
+  float pair;  // 1: a to b is an arc; -1: b to a is; 0: not yet
 };
 
-// Adds an edge with its angle.
-LobeSum add_lobe(LobeSum s, Lobe lobe, VisibleEdge e, float angle) {
-  if (angle > 0.0) s.sum += lobe_arc_sum(lobe, e.from, e.normal, e.sine, e.cosine, angle);
-  if (e.crossing == 0.0) return s;
+Crossings no_crossings() {
+  Crossings c;
+  c.a = c.b = vec3(0.0);
+  c.open = c.pair = 0.0;
+  return c;
+}
+
+// Takes up an edge's crossing, while no pair waits.
+Crossings join_crossing(Crossings c, VisibleEdge e) {
+  if (e.crossing == 0.0) return c;
   vec3 q = e.crossing > 0.0 ? e.from : e.to;
-  if (s.open == 0.0) {
-    s.open = e.crossing;
-    s.a = q;
-    return s;
-  }
-  float turn = dot3_d(lobe.n, cross3_d(s.a, q)), cosine = dot3_d(s.a, q), sine = abs(turn);
-  vec3 g = turn < 0.0 ? -lobe.n : lobe.n;
-  s.sum += e.crossing * lobe_arc_sum(lobe, s.a, g, sine, cosine, atan2_d(sine, cosine));
-  s.open = 0.0;
-  return s;
+  bool opens = c.open == 0.0;
+  if (opens)
+    c.a = q;
+  else
+    c.b = q;
+  c.pair = opens ? 0.0 : e.crossing;
+  c.open = opens ? e.crossing : 0.0;
+  return c;
+}
+
+// Between a pair.
+Arc horizon_arc(Crossings c, vec3 n) {
+  float turn = dot3_d(n, cross3_d(c.a, c.b));
+  Arc arc;
+  arc.from = c.a;
+  arc.normal = turn < 0.0 ? -n : n;
+  arc.sine = abs(turn);
+  arc.cosine = dot3_d(c.a, c.b);
+  arc.angle = atan2_d(arc.sine, arc.cosine);
+  arc.weight = c.pair;
+  return arc;
 }

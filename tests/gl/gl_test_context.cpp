@@ -19,8 +19,9 @@ void GLAPIENTRY on_message(GLenum source, GLenum type, GLuint, GLenum, GLsizei l
     reported_errors.emplace_back(text, static_cast<std::size_t>(std::max(length, 0)));
 }
 
-/// Why there is no context; empty if there is one.
-std::string make_context() {
+}  // namespace
+
+std::string make_gl_context() {
   if (glfwInit() != GLFW_TRUE) return "there is no display";
   glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
@@ -39,13 +40,10 @@ std::string make_context() {
   return "";
 }
 
-}  // namespace
-
 const std::vector<std::string>& GlTest::gl_errors() { return reported_errors; }
 
 void GlTest::SetUp() {
-  // Kept to the end of the process, like its display.
-  static const std::string reason = make_context();
+  static const std::string reason = make_gl_context();
   if (!reason.empty()) GTEST_SKIP() << reason;
   reported_errors.clear();
 }

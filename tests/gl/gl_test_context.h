@@ -11,6 +11,10 @@
 
 namespace penumbra {
 
+/// Makes the context, current and kept to the end of the process. Returns why there is none; empty if there
+/// is.
+std::string make_gl_context();
+
 /// A test that is skipped, with the reason, where there is no display or no OpenGL 3.3. Its context is
 /// current; it is the same for all tests of a process. A test fails if OpenGL complains of what it called.
 class GlTest : public testing::Test {

@@ -1,0 +1,29 @@
+// What a diffuse surface reflects of polygon lights.
+#include "kernels/polygon_edge.h"
+
+uniform samplerBuffer polygon_corners;  // p, starts
+
+struct Receiver {
+  vec3 p, n;
+  vec3 diffuse;
+};
+
+Receiver receiver_at(Surface s, vec3 d, vec4 diffuse, vec4 specular) {
+  Receiver r;
+  r.p = s.p;
+  r.n = s.shading;
+  r.diffuse = diffuse.xyz;
+  return r;
+}
+
+// Of a radiance of 1 from the outline of those corners.
+vec3 reflected_of_polygon(Receiver r, int first, int end, bool two_sided) {
+  IrradianceSum edges = no_irradiance();
+  vec3 from = texelFetch(polygon_corners, first).xyz;
+  for (int i = first + 1; i < end; i++) {
+    vec4 corner = texelFetch(polygon_corners, i);
+    if (corner.w == 0.0) edges = add_edge_irradiance(edges, from - r.p, corner.xyz - r.p, corner.xyz - from, r.n);
+    from = corner.xyz;
+  }
+  return r.diffuse * (total_irradiance(edges, two_sided) / PI_D);
+}
