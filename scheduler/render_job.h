@@ -34,10 +34,12 @@ struct RenderJob {
   LeaseRule leases;  ///< when a worker counts as hung
 
   // For those who watch.
-  std::string title;             ///< the scene file
-  std::string integrator;        ///< its name
-  double center[3] = {0, 0, 0};  ///< of the scene in world space
-  std::string listen = {};       ///< another address to be reached at, see ListenOptions::more
+  std::string title;                ///< the scene file
+  std::string integrator;           ///< its name
+  double center[3] = {0, 0, 0};     ///< of the scene in world space
+  std::string listen = {};          ///< another address to be reached at, see ListenOptions::more
+  std::string tev = {};             ///< address of a tev that shows the render, see parse_tev_address
+  bool tells_how_to_watch = false;  ///< in the first notices of RenderProgress
   /// Watchers choose camera and samples: nothing is rendered until one of them wants samples, at most `spp`,
   /// and the render ends only with `stop`.
   bool interactive = false;
@@ -59,7 +61,7 @@ struct RenderProgress {
   double elapsed_seconds = 0;
   double relative_error = 0;  ///< see FilmAccumulator; NaN before it is known
   int workers = 0;            ///< connected
-  /// What has happened since the last call, such as a compile, a line each; how to watch is the first.
+  /// What has happened since the last call, such as a compile, a line each.
   std::vector<std::string> notices = {};
 };
 

@@ -52,13 +52,7 @@ Expected<void> RenderRun::start() {
   // They start up while the scene is being packed.
   workers_here_->start_missing(0);
   tell_start_problems();
-  notices_.push_back(fmt::format("to watch: penumbra-view --connect {}", socket_->address()));
-  if (!server_->more_address().empty()) {
-    const std::string& token = server_->token();
-    notices_.push_back(fmt::format("to watch: {}penumbra-view --connect {}",
-                                   token.empty() ? "" : "PENUMBRA_TOKEN=" + token + " ",
-                                   server_->more_address()));
-  }
+  if (job_.tells_how_to_watch) tell_how_to_watch();
   scene_hash_ = server_->add_asset(job_.scene.serialize());
   WatchedJob watched{.title = job_.title,
                      .integrator = job_.integrator,
@@ -76,7 +70,17 @@ Expected<void> RenderRun::start() {
   board_.show_view(view_);
   feed_.begin_view(view_.number, view_.view.alpha);
   board_.describe(std::move(watched));
+  if (!job_.tev.empty()) tev_.emplace(board_, job_.tev);
   return {};
+}
+
+void RenderRun::tell_how_to_watch() {
+  notices_.push_back(fmt::format("to watch: penumbra-view --connect {}", socket_->address()));
+  if (server_->more_address().empty()) return;
+  const std::string& token = server_->token();
+  notices_.push_back(fmt::format("to watch: {}penumbra-view --connect {}",
+                                 token.empty() ? "" : "PENUMBRA_TOKEN=" + token + " ",
+                                 server_->more_address()));
 }
 
 Expected<RenderOutcome> RenderRun::run() {
@@ -93,6 +97,8 @@ Expected<RenderOutcome> RenderRun::run() {
     advance_clock();
     tick();
     look_after_workers();
+    if (tev_)
+      if (std::optional<std::string> text = tev_->take_problem()) problem(std::move(*text));
     feed_.publish(merge_.film(), job_.interactive);
     report_progress();
   }
@@ -103,6 +109,10 @@ Expected<RenderOutcome> RenderRun::run() {
   show_progress(true);
   board_.close();
   board_.wait_for_watchers(kPatienceWithWatchers);
+  if (tev_) {
+    tev_->stop();
+    if (std::optional<std::string> text = tev_->take_problem()) problem(std::move(*text));
+  }
   server_.reset();
 
   const bool anyone_was_ready = std::ranges::any_of(workers_, [](const auto& w) { return w.second.ready; });
@@ -188,8 +198,8 @@ void RenderRun::show_progress(bool ended) {
   WatchProgress progress{.view = view_.number,
                          .samples_done = samples_done_,
                          .samples_wanted = grid_.samples(plan_.passes(0)),
-                         .spp_done = std::min(merge_.finished_passes() * job_.samples_per_pass, job_.spp),
-                         .spp_wanted = std::min(plan_.passes(0) * job_.samples_per_pass, job_.spp),
+                         .spp_done = spp_of(merge_.finished_passes()),
+                         .spp_wanted = spp_of(plan_.passes(0)),
                          .elapsed_seconds = since_start() - view_since_,
                          .relative_error = relative_error_,
                          .finished = plan_.finished(),

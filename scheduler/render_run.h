@@ -2,6 +2,7 @@
 // report.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <map>
@@ -19,6 +20,7 @@
 #include "scheduler/server.h"
 #include "scheduler/tile_grid.h"
 #include "scheduler/watch/render_feed.h"
+#include "scheduler/watch/tev_stream.h"
 #include "scheduler/worker_processes.h"
 
 namespace penumbra {
@@ -69,6 +71,7 @@ class RenderRun {
   void tick();
   void report_progress();
   void show_progress(bool ended);
+  void tell_how_to_watch();
   RenderOutcome outcome() &&;
 
   [[nodiscard]] Seconds since_start() const {
@@ -77,6 +80,10 @@ class RenderRun {
   /// An interactive render waits for what watchers want next.
   [[nodiscard]] bool is_done() const { return !job_.interactive && plan_.finished(); }
   [[nodiscard]] bool can_go_on() const { return workers_here_->any_left() && !plan_.gave_up(); }
+  /// Samples of a pixel in so many passes.
+  [[nodiscard]] std::uint32_t spp_of(std::uint32_t passes) const {
+    return std::uint32_t(std::min(std::uint64_t(passes) * job_.samples_per_pass, std::uint64_t(job_.spp)));
+  }
   /// Empty for a unit that the job does not have: a confused worker may speak of any.
   [[nodiscard]] RenderUnit unit(const UnitId& id) const {
     const bool exists = id.image == 0 && id.tile < grid_.tiles() && id.pass < grid_.passes();
@@ -112,6 +119,7 @@ class RenderRun {
   Merge merge_;
   WatchBoard board_;
   RenderFeed feed_;
+  std::optional<TevStream> tev_;
   std::string scene_hash_;
   std::map<WorkerId, Worker> workers_;
   std::map<UnitId, std::string> details_;  // what was said last about a unit that failed

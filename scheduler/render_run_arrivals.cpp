@@ -112,8 +112,8 @@ void RenderRun::on(const arrivals::ViewChanged& arrival) {
 void RenderRun::on(const arrivals::SamplesWanted& arrival) {
   if (arrival.view != view_.number) return;
   if (plan_.finished()) view_since_ = since_start();
-  const std::uint32_t spp = std::min(arrival.spp, job_.spp);
-  tell_plan(MorePasses{0, (spp + job_.samples_per_pass - 1) / job_.samples_per_pass});
+  const std::uint64_t spp = std::min(arrival.spp, job_.spp);
+  tell_plan(MorePasses{0, std::uint32_t((spp + job_.samples_per_pass - 1) / job_.samples_per_pass)});
 }
 
 // --- What the plan orders

@@ -20,6 +20,8 @@ namespace {
 constexpr std::uint32_t kJob = 1;  // one job a run, so far
 // How often a watcher that has seen everything looks whether it is still there.
 constexpr std::chrono::milliseconds kWatchInterval{500};
+// For calls that are about to end when the server does.
+constexpr std::chrono::milliseconds kTimeToEnd{300};
 
 using WorkStream = grpc::ServerReaderWriter<wire::SchedulerMessage, wire::WorkerMessage>;
 
@@ -313,7 +315,8 @@ const std::string& Server::more_address() const { return state_->more_address; }
 const std::string& Server::token() const { return state_->service.token; }
 
 Server::~Server() {
-  state_->server->Shutdown(std::chrono::system_clock::now());
+  // A watcher's call that is cancelled may lose what was written last.
+  state_->server->Shutdown(std::chrono::system_clock::now() + kTimeToEnd);
   state_->server->Wait();
 }
 

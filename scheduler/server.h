@@ -92,7 +92,7 @@ class Server {
   /// Watchers see the board. Errors: an address that is taken, makes no sense, or is of other hosts too,
   /// which would need encryption.
   static Expected<std::unique_ptr<Server>> listen(const ListenOptions& options, WatchBoard& board);
-  /// Breaks all streams and waits for the threads.
+  /// Breaks all streams that do not end by themselves very soon, and waits for the threads.
   ~Server();
 
   /// Where `ListenOptions::more` can be reached, with the port that was chosen; empty if there was none.

@@ -178,7 +178,8 @@ Expected<void> Session::take_job(const wire::Job& job) {
     say(std::move(compiling));
   };
 
-  Expected<DeviceScene> scene = fetch_scene(*stub_, job.scene(), "");
+  grpc::ClientContext context;
+  Expected<DeviceScene> scene = fetch_scene(*stub_, context, job.scene());
   if (!scene) return std::unexpected(scene.error());
   scene_ = std::move(*scene);
   Expected<std::unique_ptr<Device>> device = options_.make_device(scene_, *device_options);

@@ -22,6 +22,7 @@ ExitCode preview(const RenderOptions& options) {
   const auto worker = find_program("penumbra-worker");
   if (!worker) return print_error(worker.error()), kIncomplete;
   prepared->job.worker_executable = worker->string();
+  prepared->job.tells_how_to_watch = true;
   const auto outcome = run_render(prepared->job, stop, [](const RenderProgress& progress) {
     for (const std::string& notice : progress.notices) fmt::print(stderr, "{}\n", notice);
   });

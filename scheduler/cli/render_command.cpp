@@ -146,6 +146,7 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
   const auto worker = find_program("penumbra-worker");
   if (!worker) return print_error(worker.error()), kIncomplete;
   prepared->job.worker_executable = worker->string();
+  prepared->job.tells_how_to_watch = true;
 
   const bool show = !options.quiet && !options.pixel;
   ProgressPrinter progress(stderr, show ? progress_style(stderr) : ProgressStyle::kNone,

@@ -137,6 +137,11 @@ void add_worker_options(CLI::App& command, RenderOptions& options) {
           "Another address for penumbra-view: unix:/path, or 127.0.0.1:PORT (0: any free one), where a "
           "token is asked for, which is printed")
       ->type_name("ADDRESS");
+  command
+      .add_option("--tev", options.tev,
+                  "Show the render in a running tev while it converges (tev's own address is "
+                  "127.0.0.1:14158)")
+      ->type_name("HOST:PORT");
 }
 
 }  // namespace

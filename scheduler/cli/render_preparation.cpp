@@ -8,6 +8,7 @@
 #include "scenes/device/device_scene_builder.h"
 #include "scheduler/access.h"
 #include "scheduler/cli/preview_scene.h"
+#include "scheduler/watch/tev.h"
 #include "worker/opencl_devices.h"
 
 namespace penumbra {
@@ -99,6 +100,7 @@ RenderJob make_job(const RenderOptions& options, const RenderRecord& record, con
   job.title = options.scene.scene;
   job.integrator = integrator_name(record.integrator);
   job.listen = options.listen;
+  job.tev = options.tev;
   job.interactive = options.interactive;
   if (options.pixel) simplify_for_a_pixel(job);
   return job;
@@ -113,6 +115,9 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options) {
   if (!options.listen.empty())
     if (auto checked = check_listen_address(options.listen); !checked)
       return fail("--listen: " + checked.error().message);
+  if (!options.tev.empty())
+    if (auto address = parse_tev_address(options.tev); !address)
+      return fail("--tev: " + address.error().message);
   auto scene = load_scene(options.scene, options.interactive ? preview_adjustment(options.scene) : nullptr);
   if (!scene) return std::unexpected(scene.error());
   const auto film = cropped_film(options, scene->description.film);

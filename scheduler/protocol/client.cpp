@@ -27,9 +27,8 @@ void show_token(grpc::ClientContext& context, const std::string& token) {
   if (!token.empty()) context.AddMetadata(kTokenKey, token_metadata(token));
 }
 
-Expected<DeviceScene> fetch_scene(wire::Farm::Stub& stub, const std::string& hash, const std::string& token) {
-  grpc::ClientContext context;
-  show_token(context, token);
+Expected<DeviceScene> fetch_scene(wire::Farm::Stub& stub, grpc::ClientContext& context,
+                                  const std::string& hash) {
   wire::AssetRequest request;
   request.set_hash(hash);
   const auto reader = stub.Asset(&context, request);

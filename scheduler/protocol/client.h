@@ -20,8 +20,9 @@ std::shared_ptr<grpc::Channel> open_channel(const std::string& address);
 /// Shows the token, if there is one, with the call.
 void show_token(grpc::ClientContext& context, const std::string& token);
 
-/// The device scene of that content hash. Errors: the scheduler has it not, or what comes is damaged.
-Expected<DeviceScene> fetch_scene(penumbra::v1::Farm::Stub& stub, const std::string& hash,
-                                  const std::string& token);
+/// The device scene of that content hash; `context` is of this one call. Errors: the scheduler has it not, or
+/// what comes is damaged.
+Expected<DeviceScene> fetch_scene(penumbra::v1::Farm::Stub& stub, grpc::ClientContext& context,
+                                  const std::string& hash);
 
 }  // namespace penumbra

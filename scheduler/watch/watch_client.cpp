@@ -38,6 +38,7 @@ WatchClient::~WatchClient() {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
     if (reading_ != nullptr) reading_->TryCancel();
+    if (fetching_ != nullptr) fetching_->TryCancel();
     if (sending_ != nullptr) sending_->TryCancel();
   }
   changed_.notify_all();
@@ -73,9 +74,10 @@ void WatchClient::watch(wire::Farm::Stub& stub, grpc::ClientContext& context) {
   request.set_protocol_version(kProtocolVersion);
   const auto reader = stub.Watch(&context, request);
   std::optional<WatchedJob> job;
+  std::optional<Error> scene_error;
   wire::WatchEvent event;
   bool goes_on = true;
-  while (goes_on && reader->Read(&event)) goes_on = receive(stub, event, job);
+  while (goes_on && reader->Read(&event)) goes_on = receive(stub, event, job, scene_error);
   if (!goes_on) context.TryCancel();
   const grpc::Status status = reader->Finish();
   if (!goes_on) return;
@@ -89,25 +91,30 @@ void WatchClient::watch(wire::Farm::Stub& stub, grpc::ClientContext& context) {
 
 /// False: nothing more is to be read.
 bool WatchClient::receive(wire::Farm::Stub& stub, const wire::WatchEvent& event,
-                          std::optional<WatchedJob>& job) {
+                          std::optional<WatchedJob>& job, std::optional<Error>& scene_error) {
   const auto refuse = [this](std::string why) {
     put(watch_news::Refused{std::move(why)});
     return false;
   };
+  // The connection has outlived the scene's: it was not lost meanwhile.
+  if (scene_error) return refuse(scene_error->message);
   if (event.has_refused()) return refuse(event.refused().reason());
   if (event.has_job()) {
     Expected<WatchedJob> described = decode(event.job());
     if (!described) return refuse(described.error().message);
     watch_news::Connected connected{*described, nullptr};
     if (described->interactive || described->hybrid) {
-      Expected<DeviceScene> scene = fetch_scene(stub, described->scene_hash, token_);
-      if (!scene) return refuse(scene.error().message);
+      Expected<DeviceScene> scene = fetch(stub, described->scene_hash);
+      if (!scene) {
+        scene_error = scene.error();
+        return true;
+      }
       connected.scene = std::make_shared<const DeviceScene>(std::move(*scene));
     }
     job = std::move(*described);
     {
-      // Another scheduler, perhaps, with numbers of its own.
       const std::lock_guard lock(mutex_);
+      ++connection_;
       newest_view_ = wanted_spp_ = sent_spp_ = 0;
     }
     put(std::move(connected));
@@ -137,12 +144,26 @@ bool WatchClient::receive(wire::Farm::Stub& stub, const wire::WatchEvent& event,
   return true;
 }
 
+Expected<DeviceScene> WatchClient::fetch(wire::Farm::Stub& stub, const std::string& hash) {
+  grpc::ClientContext context;
+  show_token(context, token_);
+  {
+    const std::lock_guard lock(mutex_);
+    if (stopping_) return fail("");
+    fetching_ = &context;
+  }
+  Expected<DeviceScene> scene = fetch_scene(stub, context, hash);
+  const std::lock_guard lock(mutex_);
+  fetching_ = nullptr;
+  return scene;
+}
+
 void WatchClient::put(WatchNews news, std::optional<std::uint32_t> view) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return stopping_ || items_.size() < kMostItems; });
   if (std::holds_alternative<watch_news::Refused>(news)) over_ = true;
   if (over_ && std::holds_alternative<watch_news::Lost>(news)) news = watch_news::Ended{};
-  items_.push_back({view, std::move(news)});
+  items_.push_back({view, connection_, std::move(news)});
 }
 
 void WatchClient::pause() {
@@ -156,10 +177,11 @@ std::vector<WatchNews> WatchClient::take() {
     const std::lock_guard lock(mutex_);
     while (!items_.empty()) {
       Item& item = items_.front();
+      const bool is_of_lost = item.connection != connection_;
       // Whether it is of the view that was asked for shows when that has a number.
-      if (view_on_its_way_ && item.view && *item.view > newest_view_) break;
+      if (!is_of_lost && view_on_its_way_ && item.view && *item.view > newest_view_) break;
       const bool is_view = std::holds_alternative<WatchView>(item.news);
-      const bool is_known = item.view && (view_on_its_way_ || *item.view < newest_view_);
+      const bool is_known = item.view && (is_of_lost || view_on_its_way_ || *item.view < newest_view_);
       if (!is_known) {
         // Somebody else has changed the view.
         if (is_view && *item.view > newest_view_) {
@@ -227,7 +249,8 @@ void WatchClient::send() {
     }
     // A connection that is lost is the reader's to tell.
     if (!status.ok() && status.error_code() != grpc::StatusCode::UNAVAILABLE && !stopping_)
-      items_.push_back({{}, watch_news::Said{"the scheduler refused: " + status.error_message()}});
+      items_.push_back(
+          {{}, connection_, watch_news::Said{"the scheduler refused: " + status.error_message()}});
   }
 }
 

@@ -62,13 +62,15 @@ class WatchClient {
  private:
   struct Item {
     std::optional<std::uint32_t> view;  // the number that it is of
+    std::uint32_t connection = 0;       // likewise
     WatchNews news;
   };
 
   void read();
   void watch(penumbra::v1::Farm::Stub& stub, grpc::ClientContext& context);
   bool receive(penumbra::v1::Farm::Stub& stub, const penumbra::v1::WatchEvent& event,
-               std::optional<WatchedJob>& job);
+               std::optional<WatchedJob>& job, std::optional<Error>& scene_error);
+  Expected<DeviceScene> fetch(penumbra::v1::Farm::Stub& stub, const std::string& hash);
   void put(WatchNews news, std::optional<std::uint32_t> view = {});
   void send();
   void pause();
@@ -80,10 +82,12 @@ class WatchClient {
   std::condition_variable changed_;
   bool stopping_ = false, over_ = false;
   grpc::ClientContext* reading_ = nullptr;
+  grpc::ClientContext* fetching_ = nullptr;
   grpc::ClientContext* sending_ = nullptr;
   std::deque<Item> items_;
   std::optional<View> next_view_;  // to be sent
   bool view_on_its_way_ = false;   // its number is not known yet
+  std::uint32_t connection_ = 0;   // each may be to another scheduler, which numbers its views anew
   std::uint32_t newest_view_ = 0;
   std::uint32_t wanted_spp_ = 0, sent_spp_ = 0;
 

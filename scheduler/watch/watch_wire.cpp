@@ -10,6 +10,27 @@
 namespace penumbra {
 namespace {
 
+/// Protobuf's texts are UTF-8, and a peer does not take messages with others; names of files are any bytes.
+std::string utf8_of(const std::string& text) {
+  std::string valid;
+  for (std::size_t at = 0; at < text.size();) {
+    const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[at + k]); };
+    const unsigned first = byte(0);
+    const std::size_t length = first < 0x80 ? 1 : first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
+    bool is_valid = length > 0 && first < 0xf5 && at + length <= text.size();
+    for (std::size_t k = 1; is_valid && k < length; ++k) is_valid = (byte(k) & 0xc0) == 0x80;
+    // Forms that are longer than they need be, halves of surrogate pairs, and what is beyond Unicode.
+    if (is_valid && length > 2) {
+      const unsigned second = byte(1);
+      is_valid = !(first == 0xe0 && second < 0xa0) && !(first == 0xed && second >= 0xa0) &&
+                 !(first == 0xf0 && second < 0x90) && !(first == 0xf4 && second >= 0x90);
+    }
+    valid += is_valid ? text.substr(at, length) : "?";
+    at += is_valid ? length : 1;
+  }
+  return valid;
+}
+
 void put_floats(const std::vector<float>& values, std::string& bytes) {
   bytes.assign(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
 }
@@ -25,7 +46,7 @@ void put(const WatchView& view, wire::WatchEvent& event) {
   encode(view.view, *event.mutable_view()->mutable_camera());
 }
 
-void put(const std::string& text, wire::WatchEvent& event) { event.set_message(text); }
+void put(const std::string& text, wire::WatchEvent& event) { event.set_message(utf8_of(text)); }
 
 void put(const std::shared_ptr<const WatchProgress>& progress, wire::WatchEvent& event) {
   wire::Progress& message = *event.mutable_progress();
@@ -67,7 +88,8 @@ void put(const std::shared_ptr<const TileSnapshot>& tile, wire::WatchEvent& even
 
 /// Whether [x, x + width) x [y, y + height) is not empty and inside the film.
 bool is_on_film(int x, int y, int width, int height, int film_width, int film_height) {
-  return width > 0 && height > 0 && x >= 0 && y >= 0 && x <= film_width - width && y <= film_height - height;
+  return film_width > 0 && film_height > 0 && width > 0 && height > 0 && x >= 0 && y >= 0 &&
+         x <= film_width - width && y <= film_height - height;
 }
 
 }  // namespace
@@ -75,7 +97,7 @@ bool is_on_film(int x, int y, int width, int height, int film_width, int film_he
 wire::WatchEvent encode(const WatchedJob& job) {
   wire::WatchEvent event;
   wire::WatchedJob& message = *event.mutable_job();
-  message.set_title(job.title);
+  message.set_title(utf8_of(job.title));
   message.set_integrator(job.integrator);
   message.set_film_width(job.film_width);
   message.set_film_height(job.film_height);
@@ -158,7 +180,10 @@ Expected<TileSnapshot> decode(const wire::TileState& message, const WatchedJob& 
                     .radiance = floats_of(message.radiance()),
                     .difference = floats_of(message.difference()),
                     .standard_error = floats_of(message.standard_error())};
-  if (!is_on_film(tile.x, tile.y, tile.width, tile.height, job.film_width, job.film_height) ||
+  const auto is_whole = [](const std::string& bytes) { return bytes.size() % sizeof(float) == 0; };
+  if (!is_whole(message.radiance()) || !is_whole(message.difference()) ||
+      !is_whole(message.standard_error()) ||
+      !is_on_film(tile.x, tile.y, tile.width, tile.height, job.film_width, job.film_height) ||
       tile.radiance.size() != 3 * tile.pixels() || tile.standard_error.size() != tile.pixels() ||
       tile.difference.size() != (job.hybrid ? 3 * tile.pixels() : 0))
     return fail(fmt::format("a tile of {} x {} pixels at ({}, {}) that is not one of this render", tile.width,
