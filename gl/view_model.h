@@ -22,7 +22,8 @@ struct DisplaySettings {
   bool panel = true, help = false;
 };
 
-enum class ConnectionState { kStarting, kConnected, kLost, kRefused };
+/// kEnded: the render is over, and all of it has come.
+enum class ConnectionState { kStarting, kConnected, kLost, kRefused, kEnded };
 
 /// A worker, as the panel lists it and as its tile is outlined.
 struct WorkerView {

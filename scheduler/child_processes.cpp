@@ -88,7 +88,8 @@ std::vector<ChildExit> ChildProcesses::reap() {
     int status = 0;
     const pid_t got = waitpid(pid, &status, WNOHANG);
     if (got == pid) {
-      ended.push_back({pid, describe(status)});
+      ended.push_back(
+          {pid, describe(status), WIFEXITED(status) ? std::optional(WEXITSTATUS(status)) : std::nullopt});
       return true;
     }
     return got < 0 && errno == ECHILD;  // somebody else in this process has reaped it

@@ -4,6 +4,7 @@
 
 #include <sys/types.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,8 @@ namespace penumbra {
 
 struct ChildExit {
   pid_t pid = 0;
-  std::string how;  ///< e.g. "exit code 1", "killed by signal 9 (Killed)"
+  std::string how;               ///< e.g. "exit code 1", "killed by signal 9 (Killed)"
+  std::optional<int> code = {};  ///< its exit code, unless a signal killed it
 };
 
 /// Each child is its own process group, so that Ctrl-C at the terminal reaches this process alone; its

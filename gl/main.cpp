@@ -1,0 +1,133 @@
+// penumbra-view: a window on a scene or on a render that is under way.
+#include <fmt/format.h>
+
+#include <exception>
+#include <fstream>
+#include <iterator>
+#include <optional>
+
+#include "gl/script_runner.h"
+#include "gl/view_options.h"
+#include "gl/viewer.h"
+#include "scheduler/cli/exit_code.h"
+#include "scheduler/cli/program_path.h"
+#include "scheduler/cli/stop_signal.h"
+#include "scheduler/outputs/version.h"
+#include "scheduler/protocol/message_memory.h"
+
+namespace penumbra {
+namespace {
+
+// While nothing moves: how often it is looked whether something has come.
+constexpr double kIdleSeconds = 0.01;
+
+void complain(const std::string& message) { fmt::print(stderr, "penumbra-view: error: {}\n", message); }
+
+Expected<std::vector<ScriptCommand>> read_script(const std::string& path) {
+  if (path.empty()) return std::vector<ScriptCommand>{};
+  std::ifstream file(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!file) return fail(fmt::format("{}: cannot be read", path));
+  return parse_script(text, path);
+}
+
+/// Without a script, a screenshot is taken once all samples are there.
+std::vector<ScriptCommand> with_screenshot(std::vector<ScriptCommand> commands, const ViewOptions& options) {
+  if (options.screenshot.empty()) return commands;
+  if (options.script.empty()) commands.push_back(WaitCommand{.what = WaitFor::kFinished});
+  if (!commands.empty() && std::holds_alternative<QuitCommand>(commands.back())) commands.pop_back();
+  commands.push_back(ScreenshotCommand{.path = options.screenshot});
+  return commands;
+}
+
+/// Until somebody quits, or the script is done.
+Expected<void> show(Viewer& viewer, Window& window, ScriptRunner* script, const std::atomic<bool>& stop) {
+  while (!viewer.wants_to_quit() && !stop) {
+    viewer.handle(window.poll(viewer.is_stale() ? 0 : kIdleSeconds));
+    if (Expected<void> updated = viewer.update(); !updated) return updated;
+    if (script != nullptr) {
+      if (Expected<void> stepped = script->step(viewer, window); !stepped) return stepped;
+      if (script->is_done()) return {};
+    }
+    if (!viewer.is_stale() && script == nullptr) continue;
+    if (Expected<void> drawn = viewer.draw(); !drawn) return drawn;
+  }
+  return {};
+}
+
+ExitCode view(const ViewOptions& options, const CLI::App& app) {
+  const std::atomic<bool>& stop = install_stop_signal();
+  auto script = read_script(options.script);
+  if (!script) return complain(script.error().message), kBadInput;
+  const bool scripted = !options.script.empty() || !options.screenshot.empty();
+
+  std::unique_ptr<LocalScheduler> local;
+  std::string address = options.connect;
+  if (options.connect.empty()) {
+    const auto penumbra = find_program("penumbra");
+    if (!penumbra) return complain(penumbra.error().message), kIncomplete;
+    auto started = LocalScheduler::start(*penumbra, preview_arguments(app));
+    if (!started) return complain(started.error().message), kIncomplete;
+    local = std::move(*started);
+    address = local->address();
+  }
+  const std::string name = options.connect.empty() ? options.preview.scene.scene : options.connect;
+  auto window = Window::create({.title = fmt::format("Penumbra: {}", name),
+                                .width = options.width,
+                                .height = options.height,
+                                .visible = !options.hidden,
+                                .debug = options.gl_debug,
+                                .content_scale = {}});
+  if (!window) return complain(window.error().message), kIncomplete;
+  auto viewer = Viewer::create(*window, address, options.token, local.get());
+  if (!viewer) return complain(viewer.error().message), kIncomplete;
+
+  ScriptRunner runner(with_screenshot(std::move(*script), options), options.script);
+  const Expected<void> shown = show(**viewer, *window, scripted ? &runner : nullptr, stop);
+  const std::vector<std::string> gl_errors = window->take_gl_errors();
+  if (!shown) {
+    complain(shown.error().message);
+    return (*viewer)->scheduler_exit_code() == kBadInput ? kBadInput : kIncomplete;
+  }
+  for (const std::string& error : gl_errors) complain("OpenGL: " + error);
+  return gl_errors.empty() && (!scripted || runner.is_done() || (*viewer)->wants_to_quit()) ? kAllDone
+                                                                                            : kIncomplete;
+}
+
+ExitCode run(int argc, char** argv) {
+  CLI::App app(
+      "Shows a scene or a render as it converges; polygon lights at once, their shadows as they come",
+      "penumbra-view");
+  app.set_version_flag("--version", fmt::format("penumbra-view {}", kVersion));
+  ViewOptions options;
+  add_view_options(app, options);
+  app.footer(
+      "Keys: space asks for one more sample, r refines until told otherwise, w a s d and the mouse move the "
+      "camera,\nh shows all of them.\n\n"
+      "Exit code: 0 all done, 1 something failed, 2 bad usage or bad input.\n\n"
+      "Examples:\n"
+      "  penumbra-view scenes/star-light/star-light.xml --workers 2\n"
+      "  penumbra-view --connect unix:/run/user/1000/penumbra-x/socket\n"
+      "  xvfb-run -a penumbra-view scene.xml --script steps.txt --screenshot end.png");
+  try {
+    app.parse(argc, argv);
+    if (options.preview.scene.scene.empty() && options.connect.empty())
+      throw CLI::RequiredError("SCENE or --connect");
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kAllDone : kBadInput;
+  }
+  return view(options, app);
+}
+
+}  // namespace
+}  // namespace penumbra
+
+int main(int argc, char** argv) {
+  penumbra::keep_message_memory();
+  try {
+    return penumbra::run(argc, argv);
+  } catch (const std::exception& error) {
+    penumbra::complain(fmt::format("internal error: {}", error.what()));
+  }
+  return penumbra::kIncomplete;
+}

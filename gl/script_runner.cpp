@@ -1,0 +1,131 @@
+#include "gl/script_runner.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <variant>
+
+#include "gl/picture_files.h"
+
+namespace penumbra {
+namespace {
+
+constexpr double kPatience = 120;  // seconds, of a wait that says nothing else
+
+const char* name_of(WaitFor what) {
+  switch (what) {
+    case WaitFor::kSamples:
+      return "samples";
+    case WaitFor::kAnalytic:
+      return "the closed form";
+    case WaitFor::kFinished:
+      return "the end of what was asked for";
+    case WaitFor::kConnected:
+      return "the scheduler";
+  }
+  return "";
+}
+
+}  // namespace
+
+Expected<void> ScriptRunner::step(Viewer& viewer, Window& window) {
+  viewer_ = &viewer;
+  window_ = &window;
+  while (!is_done() && !viewer.wants_to_quit()) {
+    const ScriptCommand& command = commands_[next_];
+    if (tries_++ == 0) since_ = Clock::now();
+    const Expected<bool> done = std::visit([this](const auto& c) { return run(c); }, command);
+    if (!done)
+      return fail(fmt::format("{}:{}: error: {}", file_name_, line_of(command), done.error().message));
+    if (!*done) return {};
+    ++next_;
+    tries_ = 0;
+  }
+  return {};
+}
+
+Expected<bool> ScriptRunner::run(const KeyCommand& command) {
+  for (int i = 0; i < command.times; ++i) viewer_->act(command.action);
+  return true;
+}
+
+Expected<bool> ScriptRunner::run(const CameraCommand& command) {
+  const glm::dvec3 center = viewer_->center();
+  viewer_->set_pose({command.eye - center, command.at - center, command.up.value_or(viewer_->pose().up)});
+  return true;
+}
+
+bool ScriptRunner::is_there(const WaitCommand& command) const {
+  const ViewStatus& status = viewer_->status();
+  switch (command.what) {
+    case WaitFor::kSamples:
+      return viewer_->least_samples() >= command.samples;
+    case WaitFor::kAnalytic:
+      return viewer_->analytic_frames() >= int(command.samples);
+    case WaitFor::kFinished:
+      return status.finished && viewer_->least_samples() >= status.spp_wanted;
+    case WaitFor::kConnected:
+      return status.connection == ConnectionState::kConnected;
+  }
+  return false;
+}
+
+Expected<bool> ScriptRunner::run(const WaitCommand& command) {
+  if (is_there(command)) return true;
+  const double waited = std::chrono::duration<double>(Clock::now() - since_).count();
+  const double patience = command.timeout_seconds.value_or(kPatience);
+  if (waited < patience) return false;
+  return fail(
+      fmt::format("waited {} s for {}; there are {} samples of every pixel, {} frames of the closed form",
+                  patience, name_of(command.what), viewer_->least_samples(), viewer_->analytic_frames()));
+}
+
+Expected<bool> ScriptRunner::run(const SetAlphaCommand& command) {
+  viewer_->set_alpha(float(command.alpha));
+  return true;
+}
+
+Expected<bool> ScriptRunner::run(const SetExposureCommand& command) {
+  viewer_->set_exposure(float(command.exposure));
+  return true;
+}
+
+Expected<bool> ScriptRunner::run(const ResizeCommand& command) {
+  if (Expected<void> resized = window_->resize(command.width, command.height); !resized)
+    return std::unexpected(resized.error());
+  return true;
+}
+
+/// Of a frame that began after the command before.
+Expected<bool> ScriptRunner::run(const ScreenshotCommand& command) {
+  if (tries_ == 1) return false;
+  if (Expected<void> written = write_screenshot(*window_, command.path); !written)
+    return std::unexpected(written.error());
+  return true;
+}
+
+Expected<bool> ScriptRunner::run(const SaveCommand& command) {
+  if (Expected<void> saved = viewer_->save(command.path); !saved) return std::unexpected(saved.error());
+  return true;
+}
+
+Expected<bool> ScriptRunner::run(const LogCommand& command) {
+  fmt::print("{}\n", command.text);
+  std::fflush(stdout);
+  return true;
+}
+
+Expected<bool> ScriptRunner::run(const QuitCommand&) {
+  viewer_->act(Action::kQuit);
+  return true;
+}
+
+Expected<void> write_screenshot(const Window& window, const std::string& path) {
+  Picture picture;
+  picture.width = window.width();
+  picture.height = window.height();
+  picture.display = window.read_pixels();
+  return save_picture(path, picture);
+}
+
+}  // namespace penumbra

@@ -1,0 +1,52 @@
+// Does what a script says, a command when the one before is done.
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "gl/script.h"
+#include "gl/viewer.h"
+
+namespace penumbra {
+
+class ScriptRunner {
+ public:
+  /// `file_name` is for messages.
+  ScriptRunner(std::vector<ScriptCommand> commands, std::string file_name)
+      : commands_(std::move(commands)), file_name_(std::move(file_name)) {}
+
+  /// To be called between frames. Does what can be done now; errors say `file:line: error: …`: a wait that
+  /// took too long, a file that cannot be written.
+  Expected<void> step(Viewer& viewer, Window& window);
+  [[nodiscard]] bool is_done() const { return next_ == commands_.size(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  // Each returns whether it is done, or is to be called again after another frame.
+  Expected<bool> run(const KeyCommand& command);
+  Expected<bool> run(const CameraCommand& command);
+  Expected<bool> run(const WaitCommand& command);
+  Expected<bool> run(const SetAlphaCommand& command);
+  Expected<bool> run(const SetExposureCommand& command);
+  Expected<bool> run(const ResizeCommand& command);
+  Expected<bool> run(const ScreenshotCommand& command);
+  Expected<bool> run(const SaveCommand& command);
+  Expected<bool> run(const LogCommand& command);
+  Expected<bool> run(const QuitCommand& command);
+  [[nodiscard]] bool is_there(const WaitCommand& command) const;
+
+  std::vector<ScriptCommand> commands_;
+  std::string file_name_;
+  std::size_t next_ = 0;
+  Clock::time_point since_ = Clock::now();  // when the present command was first tried
+  int tries_ = 0;                           // of the present command
+  Viewer* viewer_ = nullptr;
+  Window* window_ = nullptr;
+};
+
+/// What the window shows, as a PNG.
+Expected<void> write_screenshot(const Window& window, const std::string& path);
+
+}  // namespace penumbra

@@ -1,0 +1,63 @@
+#include "gl/view_options.h"
+
+namespace penumbra {
+namespace {
+
+constexpr const char* kOwn = "Window";  // the group of options that are not the scheduler's
+constexpr int kSmallestWindow = 64, kLargestWindow = 16384;
+
+}  // namespace
+
+void add_view_options(CLI::App& app, ViewOptions& options) {
+  add_preview_options(app, options.preview);
+  CLI::Option* scene = app.get_option("SCENE");
+  scene->required(false)->description("Scene file: a scheduler and workers are started for it");
+  app.get_option("--listen")
+      ->description("Another address at which other windows can watch this one's render");
+  app.add_option("--connect", options.connect,
+                 "Watch a render that is under way, at the address that it printed: unix:/path or host:port")
+      ->type_name("ADDRESS")
+      ->group(kOwn)
+      ->excludes(scene);
+  app.add_option("--token", options.token, "What that render printed for host:port; better in PENUMBRA_TOKEN")
+      ->envname("PENUMBRA_TOKEN")
+      ->type_name("TOKEN")
+      ->group(kOwn);
+  app.add_option("--script", options.script, "Do what this file says, a command a line, and end with it")
+      ->type_name("FILE")
+      ->check(CLI::ExistingFile)
+      ->group(kOwn);
+  app.add_option(
+         "--screenshot", options.screenshot,
+         "Write what the window shows at the end of the script; without one, once all samples are there")
+      ->type_name("FILE.png")
+      ->group(kOwn);
+  for (const auto& [name, size, help] :
+       {std::tuple{"--width", &options.width, "Width of the window in pixels"},
+        std::tuple{"--height", &options.height, "Height of the window in pixels"}})
+    app.add_option(name, *size, help)
+        ->check(CLI::Range(kSmallestWindow, kLargestWindow))
+        ->type_name("N")
+        ->capture_default_str()
+        ->group(kOwn);
+  app.add_flag("--hidden", options.hidden,
+               "Show no window; it needs a display all the same, as xvfb-run has one")
+      ->group(kOwn);
+  app.add_flag("--gl-debug", options.gl_debug, "Let OpenGL check every call; complaints end in exit code 1")
+      ->group(kOwn);
+}
+
+std::vector<std::string> preview_arguments(const CLI::App& app) {
+  std::vector<std::string> arguments;
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->count() == 0 || option->get_group() == kOwn) continue;
+    const bool is_flag = option->get_expected_max() == 0;
+    for (const std::string& value : option->results()) {
+      if (!option->get_positional()) arguments.push_back(option->get_name());
+      if (!is_flag) arguments.push_back(value);
+    }
+  }
+  return arguments;
+}
+
+}  // namespace penumbra

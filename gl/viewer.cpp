@@ -1,0 +1,469 @@
+#include "gl/viewer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <utility>
+#include <variant>
+
+#include "gl/picture_files.h"
+
+namespace penumbra {
+namespace {
+
+constexpr std::size_t kMessagesKept = 100;
+constexpr int kStartsInARow = 3;  // of a scheduler that ends before it has answered
+constexpr int kBadInput = 2;      // its exit code for a scene that cannot be rendered
+// What automatic refinement asks for ahead of what is there: enough that workers never wait, little enough
+// that it stops soon.
+constexpr double kSecondsAhead = 0.3;
+constexpr double kLeastSppAhead = 2, kMostSppAhead = 256;
+constexpr double kOrbitStep = std::numbers::pi / 36, kDollyStep = 0.9;
+constexpr float kAlphaStep = 0.1f, kExposureStep = 0.25f;
+constexpr double kRadiansPerHeight = std::numbers::pi;  // of a drag as long as the window is high
+
+ToneMap next(ToneMap tone_map) { return ToneMap((int(tone_map) + 1) % (int(ToneMap::kFilmic) + 1)); }
+
+}  // namespace
+
+Expected<std::unique_ptr<Viewer>> Viewer::create(Window& window, const std::string& address,
+                                                 const std::string& token, LocalScheduler* local) {
+  Expected<CompositePass> composite = CompositePass::create();
+  if (!composite) return std::unexpected(composite.error());
+  return std::unique_ptr<Viewer>(new Viewer(window, address, token, local, std::move(*composite)));
+}
+
+Viewer::Viewer(Window& window, const std::string& address, const std::string& token, LocalScheduler* local,
+               CompositePass composite)
+    : window_(window), local_(local), client_(address, token), composite_(std::move(composite)) {
+  status_.address = address;
+  status_.latency_seconds = status_.seconds_left = status_.relative_error =
+      std::numeric_limits<double>::quiet_NaN();
+}
+
+// --- What comes
+
+Expected<void> Viewer::update() {
+  for (WatchNews& news : client_.take()) {
+    stale_ = true;
+    if (Expected<void> done = std::visit([this](auto& content) { return on(content); }, news); !done)
+      return done;
+  }
+  if (Expected<void> done = look_after_scheduler(); !done) return done;
+  refine();
+  return {};
+}
+
+Expected<void> Viewer::on(watch_news::Connected& news) {
+  const bool first = !job_;
+  const WatchedJob& job = news.job;
+  if (!film_ || film_->width() != job.film_width || film_->height() != job.film_height) {
+    Expected<FilmTextures> film = FilmTextures::create(job.film_width, job.film_height);
+    if (!film) return std::unexpected(film.error());
+    film_.emplace(std::move(*film));
+  }
+  film_->clear(0);
+  scene_ = std::move(news.scene);
+  header_ = scene_ ? std::optional(scene_->header) : std::nullopt;
+  analytic_.reset();
+  analytic_is_old_ = true;
+  status_.hybrid = job.hybrid && scene_ != nullptr;
+  if (status_.hybrid) {
+    if (auto made = AnalyticPass::create(*scene_)) {
+      analytic_ = std::move(*made);
+    } else {
+      status_.hybrid = false;
+      say("warning: the closed form cannot be drawn here: " + made.error().message);
+    }
+  }
+  status_.connection = ConnectionState::kConnected;
+  status_.scene = job.title;
+  status_.integrator = job.integrator;
+  status_.interactive = job.interactive;
+  status_.finished = false;
+  status_.film_width = job.film_width;
+  status_.film_height = job.film_height;
+  center_ = {job.center[0], job.center[1], job.center[2]};
+  asked_.reset();
+  starts_without_success_ = 0;
+  if (header_) {
+    extent_ = scene_extent(*scene_);
+    scene_pose_ = pose_of(*header_, default_distance(*scene_));
+    if (!moved_) {
+      pose_ = scene_pose_;
+      view_ = view_of(*header_);
+    }
+    if (first) settings_.alpha = header_->alpha;
+    if (first) settings_.automatic = job.interactive && !status_.hybrid;
+  }
+  job_ = job;
+  // A scheduler that has been started anew shows the scene's own view.
+  if (can_steer() && (moved_ || settings_.alpha != header_->alpha)) show_pose();
+  return {};
+}
+
+Expected<void> Viewer::on(const watch_news::Said& news) {
+  say(news.text);
+  return {};
+}
+
+Expected<void> Viewer::on(const watch_news::Lost& news) {
+  status_.connection = ConnectionState::kLost;
+  status_.workers.clear();
+  asked_.reset();
+  say(fmt::format("warning: the connection was lost: {}; trying again", news.why));
+  return {};
+}
+
+Expected<void> Viewer::on(const watch_news::Refused& news) {
+  status_.connection = ConnectionState::kRefused;
+  say("error: " + news.why);
+  if (film_) return {};
+  return fail(fmt::format("{}: {}", status_.address, news.why));
+}
+
+Expected<void> Viewer::on(const watch_news::Ended&) {
+  status_.connection = ConnectionState::kEnded;
+  status_.workers.clear();
+  return {};
+}
+
+Expected<void> Viewer::on(const WatchView& news) {
+  if (!header_) return {};
+  view_ = news.view;
+  settings_.alpha = view_.alpha;
+  SceneHeader header = *header_;
+  apply_view(view_, header);
+  pose_ = pose_of(header, glm::length(pose_.at - pose_.eye));
+  moved_ = news.number > 0;
+  film_->clear(0);
+  analytic_is_old_ = true;
+  return {};
+}
+
+Expected<void> Viewer::on(const WatchProgress& progress) {
+  status_.samples_done = progress.samples_done;
+  status_.samples_total = progress.samples_wanted;
+  status_.spp_done = progress.spp_done;
+  status_.spp_wanted = std::max(progress.spp_wanted, asked_ ? asked_spp_ : 0);
+  status_.finished = progress.finished && progress.spp_wanted > 0;
+  status_.relative_error = progress.relative_error;
+  const double seconds = progress.elapsed_seconds;
+  if (!progress.finished && seconds > 0) status_.samples_per_second = double(progress.samples_done) / seconds;
+  const double rate = status_.samples_per_second;
+  status_.seconds_left = rate > 0 && progress.samples_wanted >= progress.samples_done
+                             ? double(progress.samples_wanted - progress.samples_done) / rate
+                             : std::numeric_limits<double>::quiet_NaN();
+  status_.workers.clear();
+  for (const WatchedWorker& worker : progress.workers)
+    status_.workers.push_back({.number = worker.number,
+                               .name = worker.name,
+                               .device = worker.device,
+                               .x = worker.x,
+                               .y = worker.y,
+                               .width = worker.width,
+                               .height = worker.height,
+                               .units = worker.units});
+  return {};
+}
+
+Expected<void> Viewer::on(const TileSnapshot& tile) {
+  if (!film_ || !film_->apply(tile)) return {};
+  if (asked_ && tile.samples >= asked_spp_) {
+    status_.latency_seconds = std::chrono::duration<double>(Clock::now() - *asked_).count();
+    asked_.reset();
+  }
+  return {};
+}
+
+Expected<void> Viewer::look_after_scheduler() {
+  const std::optional<ChildExit> end = local_ == nullptr ? std::nullopt : local_->ended();
+  if (!end) return {};
+  stale_ = true;
+  status_.connection = ConnectionState::kLost;
+  const bool bad_input = end->code == kBadInput;
+  if (!job_ && (bad_input || ++starts_without_success_ >= kStartsInARow)) {
+    scheduler_exit_code_ = end->code;
+    return fail(fmt::format("the scheduler ended: {}", end->how));
+  }
+  if (bad_input || starts_without_success_ >= kStartsInARow) {
+    say(fmt::format("error: the scheduler ended ({}); why is on the terminal. Reload (F5) tries again",
+                    end->how));
+    return {};
+  }
+  ++starts_without_success_;
+  say(fmt::format("warning: the scheduler ended ({}); starting it again", end->how));
+  return local_->restart();
+}
+
+std::uint32_t Viewer::least_samples() const {
+  if (!film_ || !job_) return 0;
+  float least = std::numeric_limits<float>::infinity();
+  for (int y = job_->y; y < job_->y + job_->height; ++y)
+    for (int x = job_->x; x < job_->x + job_->width; ++x)
+      least = std::min(
+          least, film_->radiance()[4 * (std::size_t(y) * std::size_t(film_->width()) + std::size_t(x)) + 3]);
+  return std::uint32_t(least);
+}
+
+// --- What is wanted
+
+void Viewer::want_samples(std::uint32_t spp) {
+  spp = std::min(spp, job_->spp);
+  if (spp <= status_.spp_wanted) return;
+  status_.spp_wanted = spp;
+  status_.finished = false;
+  if (!asked_) {
+    asked_ = Clock::now();
+    asked_spp_ = spp;
+  }
+  client_.want_samples(spp);
+}
+
+void Viewer::refine() {
+  if (!settings_.automatic || !can_steer() || status_.connection != ConnectionState::kConnected) return;
+  const double pixels = double(job_->width) * double(job_->height);
+  const double ahead = std::clamp(std::ceil(kSecondsAhead * status_.samples_per_second / pixels),
+                                  kLeastSppAhead, kMostSppAhead);
+  want_samples(status_.spp_done + std::uint32_t(ahead));
+}
+
+void Viewer::set_pose(const CameraPose& pose) {
+  if (!can_steer()) {
+    say("warning: the camera of this render cannot be moved");
+    return;
+  }
+  pose_ = pose;
+  moved_ = true;
+  show_pose();
+}
+
+void Viewer::set_alpha(float alpha) {
+  settings_.alpha = alpha;
+  if (can_steer() && status_.hybrid) show_pose();
+}
+
+/// Asks for the view of the present pose and alpha, and shows nothing of the one before.
+void Viewer::show_pose() {
+  SceneHeader header = *header_;
+  if (moved_) set_camera(pose_, header);
+  view_ = view_of(header);
+  view_.alpha = settings_.alpha;
+  client_.change_view(view_);
+  film_->clear(0);
+  analytic_is_old_ = true;
+  asked_.reset();
+  status_.spp_done = status_.spp_wanted = 0;
+  status_.samples_done = status_.samples_total = 0;
+  status_.finished = false;
+  status_.relative_error = std::numeric_limits<double>::quiet_NaN();
+  stale_ = true;
+}
+
+void Viewer::move_by(double right, double up, double forward) {
+  const double step = step_length(pose_, extent_);
+  const double side = header_ && film_is_mirrored(*header_) ? -1 : 1;
+  set_pose(move(pose_, side * right * step, up * step, forward * step));
+}
+
+void Viewer::handle(const WindowEvents& events) {
+  if (!events.any()) return;
+  stale_ = true;
+  for (const Action action : events.actions) act(action);
+  if (events.close) quit_ = true;
+  if (!can_steer()) return;
+  const double side = film_is_mirrored(*header_) ? -1 : 1;
+  const double per_pixel = 1.0 / std::max(window_.height(), 1);
+  if (events.orbit_x != 0 || events.orbit_y != 0)
+    set_pose(orbit(pose_, -side * events.orbit_x * per_pixel * kRadiansPerHeight,
+                   events.orbit_y * per_pixel * kRadiansPerHeight));
+  if (events.pan_x != 0 || events.pan_y != 0) {
+    // The target follows the mouse.
+    const double distance = glm::length(pose_.at - pose_.eye);
+    const double height = 2 * double(length3(header_->camera_y)) * distance * per_pixel;
+    set_pose(move(pose_, -side * events.pan_x * height, events.pan_y * height, 0));
+  }
+  if (events.wheel != 0) set_pose(dolly(pose_, std::pow(kDollyStep, events.wheel)));
+}
+
+void Viewer::act(Action action) {
+  stale_ = true;
+  const double side = header_ && film_is_mirrored(*header_) ? -1 : 1;
+  switch (action) {
+    case Action::kOneMoreSample:
+      if (can_steer()) want_samples(status_.spp_wanted + 1);
+      return;
+    case Action::kToggleAutomatic:
+      settings_.automatic = !settings_.automatic && can_steer();
+      return;
+    case Action::kShowComposite:
+      settings_.layer = Layer::kComposite;
+      return;
+    case Action::kShowAnalytic:
+      if (status_.hybrid) settings_.layer = Layer::kAnalytic;
+      return;
+    case Action::kShowDifference:
+      if (status_.hybrid) settings_.layer = Layer::kDifference;
+      return;
+    case Action::kShowError:
+      settings_.layer = Layer::kError;
+      return;
+    case Action::kToggleOutlines:
+      settings_.outlines = !settings_.outlines;
+      return;
+    case Action::kBrighter:
+      settings_.exposure += kExposureStep;
+      return;
+    case Action::kDarker:
+      settings_.exposure -= kExposureStep;
+      return;
+    case Action::kNextToneMap:
+      settings_.tone_map = next(settings_.tone_map);
+      return;
+    case Action::kAlphaUp:
+      return set_alpha(settings_.alpha + kAlphaStep);
+    case Action::kAlphaDown:
+      return set_alpha(settings_.alpha - kAlphaStep);
+    case Action::kForward:
+      return move_by(0, 0, 1);
+    case Action::kBack:
+      return move_by(0, 0, -1);
+    case Action::kLeft:
+      return move_by(-1, 0, 0);
+    case Action::kRight:
+      return move_by(1, 0, 0);
+    case Action::kUp:
+      return move_by(0, 1, 0);
+    case Action::kDown:
+      return move_by(0, -1, 0);
+    case Action::kOrbitLeft:
+      return set_pose(orbit(pose_, -side * kOrbitStep, 0));
+    case Action::kOrbitRight:
+      return set_pose(orbit(pose_, side * kOrbitStep, 0));
+    case Action::kOrbitUp:
+      return set_pose(orbit(pose_, 0, kOrbitStep));
+    case Action::kOrbitDown:
+      return set_pose(orbit(pose_, 0, -kOrbitStep));
+    case Action::kCloser:
+      return set_pose(dolly(pose_, kDollyStep));
+    case Action::kFarther:
+      return set_pose(dolly(pose_, 1 / kDollyStep));
+    case Action::kResetCamera:
+      if (!can_steer()) return;
+      pose_ = scene_pose_;
+      moved_ = false;
+      return show_pose();
+    case Action::kReload:
+      return reload();
+    case Action::kSave:
+      return save_beside_scene();
+    case Action::kTogglePanel:
+      settings_.panel = !settings_.panel;
+      return;
+    case Action::kToggleHelp:
+      settings_.help = !settings_.help;
+      return;
+    case Action::kQuit:
+      quit_ = true;
+      return;
+  }
+}
+
+void Viewer::reload() {
+  if (local_ == nullptr) {
+    say("warning: the scene belongs to the scheduler, which was not started from here: it cannot be "
+        "reloaded");
+    return;
+  }
+  say("reading the scene again");
+  status_.connection = ConnectionState::kStarting;
+  starts_without_success_ = 0;
+  if (const Expected<void> started = local_->restart(); !started) say("error: " + started.error().message);
+}
+
+void Viewer::save_beside_scene() {
+  if (!film_) return;
+  const std::string stem = std::filesystem::path(status_.scene).stem().string();
+  for (const char* extension : {"exr", "png"}) {
+    const std::string name = fmt::format("{}-view.{}", stem.empty() ? "render" : stem, extension);
+    const Expected<void> saved = save(name);
+    say(saved ? "wrote " + name : "error: " + saved.error().message);
+  }
+}
+
+void Viewer::say(std::string text) {
+  fmt::print(stderr, "penumbra-view: {}\n", text);
+  status_.messages.push_back(std::move(text));
+  if (status_.messages.size() > kMessagesKept) status_.messages.erase(status_.messages.begin());
+  stale_ = true;
+}
+
+// --- What is shown
+
+bool Viewer::refines_closed_form() const {
+  return analytic_ != nullptr && !asked_ && (analytic_is_old_ || analytic_->frames() < kAnalyticFrames);
+}
+
+AnalyticTextures Viewer::analytic_textures() const {
+  if (analytic_ == nullptr) return {};
+  return {analytic_->closed_form(), analytic_->emission()};
+}
+
+Expected<void> Viewer::draw_closed_form() {
+  if (analytic_ == nullptr) return {};
+  if (analytic_is_old_) {
+    SceneHeader header = *header_;
+    apply_view(view_, header);
+    if (Expected<void> begun = analytic_->begin(header, film_->width(), film_->height()); !begun)
+      return begun;
+    analytic_is_old_ = false;
+    analytic_->add_frame();
+  } else if (refines_closed_form()) {
+    analytic_->add_frame();
+  }
+  return {};
+}
+
+Expected<void> Viewer::draw() {
+  window_.begin_frame();
+  status_.analytic_frames = analytic_frames();
+  const OverlayResult overlay = draw_overlay(settings_, status_);
+  for (const Action action : overlay.actions) act(action);
+  if (overlay.alpha_changed) set_alpha(settings_.alpha);
+  quit_ |= overlay.quit;
+  stale_ = false;
+  if (film_) {
+    if (Expected<void> drawn = draw_closed_form(); !drawn) return drawn;
+    if (Expected<void> composed = composite_.compose(*film_, analytic_textures(), settings_); !composed)
+      return composed;
+    composite_.show(*film_, settings_, status_.workers,
+                    {.framebuffer = window_.framebuffer(),
+                     .width = window_.width(),
+                     .height = window_.height(),
+                     .area = overlay.picture_area,
+                     .scale = window_.content_scale()});
+  }
+  window_.end_frame();
+  ++frames_this_second_;
+  const Clock::time_point now = Clock::now();
+  if (const double seconds = std::chrono::duration<double>(now - second_began_).count(); seconds > 1) {
+    status_.frames_per_second = frames_this_second_ / seconds;
+    frames_this_second_ = 0;
+    second_began_ = now;
+  }
+  return {};
+}
+
+Expected<void> Viewer::save(const std::filesystem::path& path) {
+  if (!film_) return fail("there is nothing to save yet");
+  if (Expected<void> drawn = draw_closed_form(); !drawn) return drawn;
+  const Expected<Picture> picture =
+      capture_picture(composite_, *film_, analytic_textures(), settings_, status_);
+  if (!picture) return std::unexpected(picture.error());
+  return save_picture(path, *picture);
+}
+
+}  // namespace penumbra
