@@ -17,7 +17,8 @@
 namespace penumbra {
 namespace {
 
-constexpr float kPanelWidth = 316;  // on a plain display
+constexpr float kPanelWidth = 336;     // on a plain display
+constexpr float kLeastPicture = 0.4f;  // of the window's width; with less the panel lies over it
 constexpr float kLeastAlpha = -1, kMostAlpha = 2;
 constexpr float kAlphaSnap = 0.05f;  // of a drag: so near to 0 and 1 they are meant
 constexpr float kMostStops = 20;
@@ -43,6 +44,8 @@ void draw_connection(const ViewStatus& status) {
   ImGui::SameLine();
   const bool plain = status.connection == ConnectionState::kConnected;
   wrapped(plain ? overlay_color::kText : connection_color(status), connection_text(status));
+  if (!status.address.empty()) wrapped(overlay_color::kDim, status.address);
+  ImGui::Dummy({0, 2 * unit});
   if (!status.scene.empty()) wrapped(overlay_color::kText, status.scene);
   std::string about = status.integrator;
   if (status.film_width > 0)
@@ -83,9 +86,11 @@ void draw_progress(DisplaySettings& settings, const ViewStatus& status, OverlayR
     fact("first tile after",
          std::isnan(status.latency_seconds) ? "none yet" : duration_text(status.latency_seconds));
     fact("frames a second", count_text(std::round(status.frames_per_second)));
-    if (status.hybrid)
-      fact("antialiasing", fmt::format("{} {} of closed form", status.analytic_frames,
-                                       status.analytic_frames == 1 ? "frame" : "frames"));
+    if (status.hybrid) {
+      fact("antialiasing",
+           fmt::format("{} {}", status.analytic_frames, status.analytic_frames == 1 ? "frame" : "frames"));
+      tooltip("Frames of the closed form that are averaged");
+    }
     ImGui::EndTable();
   }
   const DisabledWhile more(why_no_more_samples(status));
@@ -308,13 +313,13 @@ OverlayResult draw_overlay(DisplaySettings& settings, const ViewStatus& status) 
   OverlayResult result;
   const ImGuiIO& io = ImGui::GetIO();
   const float width = std::min(std::floor(kPanelWidth * overlay_unit()), io.DisplaySize.x);
-  const bool beside = settings.panel && 2 * width <= io.DisplaySize.x;
+  const bool beside = settings.panel && io.DisplaySize.x - width >= kLeastPicture * io.DisplaySize.x;
   const float left = io.DisplaySize.x - width;
   const float free_width = beside ? left : io.DisplaySize.x;
   const bool panel = settings.panel;
   draw_banner(status, {0, 0}, {panel ? std::max(left, 1.0f) : free_width, io.DisplaySize.y});
   if (panel) draw_panel(settings, status, left, width, result);
-  draw_help(settings);
+  draw_help(settings, {free_width, io.DisplaySize.y});
   const float pixels = io.DisplayFramebufferScale.x;
   result.picture_area = {0, 0, int(std::lround(free_width * pixels)),
                          int(std::lround(io.DisplaySize.y * pixels))};

@@ -20,7 +20,7 @@ struct OverlayResult {
 };
 
 /// Between Window::begin_frame and Window::end_frame. The panel is as high as the window, on its right; where
-/// that would leave less than half to the picture, it lies over it.
+/// that would leave less than two fifths to the picture, it lies over it.
 OverlayResult draw_overlay(DisplaySettings& settings, const ViewStatus& status);
 
 }  // namespace penumbra

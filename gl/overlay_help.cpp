@@ -64,13 +64,14 @@ void keys_of(std::span<const ActionInfo> actions, const char* name) {
 
 }  // namespace
 
-void draw_help(DisplaySettings& settings) {
+void draw_help(DisplaySettings& settings, const ImVec2& free) {
   if (!settings.help) return;
   const float unit = overlay_unit();
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   const bool wide = display.x >= 760 * unit;
   const float width = std::min((wide ? 740 : 400) * unit, display.x);
-  ImGui::SetNextWindowPos({0.5f * display.x, 0.5f * display.y}, ImGuiCond_Always, {0.5f, 0.5f});
+  const float middle = 0.5f * (width <= free.x ? free.x : display.x);
+  ImGui::SetNextWindowPos({middle, 0.5f * display.y}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSizeConstraints({width, 0}, {width, display.y});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 5 * unit);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, unit);
@@ -82,7 +83,9 @@ void draw_help(DisplaySettings& settings) {
     const auto actions = all_actions();
     section("Keys");
     if (wide) {
-      const std::size_t half = (actions.size() + 1) / 2;
+      // The camera's keys together.
+      const auto camera = std::ranges::find(actions, Action::kForward, &ActionInfo::action);
+      const auto half = std::size_t(camera - actions.begin());
       if (ImGui::BeginTable("halves", 2, ImGuiTableFlags_SizingStretchSame)) {
         ImGui::TableNextColumn();
         keys_of(actions.first(half), "left keys");
@@ -109,6 +112,7 @@ ImVec4 connection_color(const ViewStatus& status) {
     case ConnectionState::kStarting:
       return overlay_color::kWarning;
     case ConnectionState::kConnected:
+    case ConnectionState::kEnded:
       return overlay_color::kGood;
     case ConnectionState::kLost:
       return overlay_color::kWarning;
@@ -119,9 +123,10 @@ ImVec4 connection_color(const ViewStatus& status) {
 }
 
 void draw_banner(const ViewStatus& status, const ImVec2& corner, const ImVec2& size) {
-  if (status.connection == ConnectionState::kConnected) return;
+  if (status.connection == ConnectionState::kConnected || status.connection == ConnectionState::kEnded)
+    return;
   const float unit = overlay_unit();
-  const std::string text = connection_text(status);
+  const std::string text = connection_text(status) + (status.address.empty() ? "" : ": ") + status.address;
   const float width = std::min(ImGui::CalcTextSize(text.c_str()).x + 24 * unit, size.x - 8 * unit);
   if (width < 40 * unit) return;
   ImGui::SetNextWindowPos({corner.x + 0.5f * size.x, corner.y + 12 * unit}, ImGuiCond_Always, {0.5f, 0});

@@ -7,8 +7,9 @@
 
 namespace penumbra {
 
-/// All keys and what the mouse does, in the middle of the window; `settings.help` goes when it is closed.
-void draw_help(DisplaySettings& settings);
+/// All keys and what the mouse does, in the middle of what is free (from the window's left upper corner, in
+/// ImGui's units) if it fits there, else of the window; `settings.help` goes when it is closed.
+void draw_help(DisplaySettings& settings, const ImVec2& free);
 
 /// The state of the connection, in the middle of the upper edge of the area (in ImGui's units), unless it is
 /// there and well.

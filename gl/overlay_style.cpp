@@ -29,8 +29,8 @@ void set_colors(ImGuiStyle& style) {
   style.Colors[ImGuiCol_TitleBg] = {0.14f, 0.15f, 0.17f, 1};
   style.Colors[ImGuiCol_TitleBgActive] = {0.17f, 0.18f, 0.21f, 1};
   style.Colors[ImGuiCol_CheckMark] = overlay_color::kAccent;
-  style.Colors[ImGuiCol_SliderGrab] = {0.80f, 0.61f, 0.32f, 1};
-  style.Colors[ImGuiCol_SliderGrabActive] = overlay_color::kAccent;
+  style.Colors[ImGuiCol_SliderGrab] = {0.62f, 0.46f, 0.22f, 1};
+  style.Colors[ImGuiCol_SliderGrabActive] = {0.72f, 0.53f, 0.25f, 1};
   style.Colors[ImGuiCol_PlotHistogram] = {0.62f, 0.46f, 0.22f, 1};
   style.Colors[ImGuiCol_ScrollbarBg] = {0.08f, 0.084f, 0.096f, 1};
 }

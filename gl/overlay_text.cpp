@@ -60,16 +60,17 @@ std::string percent_text(double fraction) {
 }
 
 std::string connection_text(const ViewStatus& status) {
-  const std::string to = status.address.empty() ? "" : " to " + status.address;
   switch (status.connection) {
     case ConnectionState::kStarting:
-      return "connecting" + to;
+      return "connecting";
     case ConnectionState::kConnected:
-      return "connected" + to;
+      return "connected";
     case ConnectionState::kLost:
-      return "connection" + to + " lost, reconnecting";
+      return "connection lost, reconnecting";
     case ConnectionState::kRefused:
-      return status.address.empty() ? "the scheduler refuses" : status.address + " refuses the connection";
+      return "connection refused";
+    case ConnectionState::kEnded:
+      return "the render is over";
   }
   return kUnknown;
 }

@@ -18,7 +18,7 @@ std::string count_text(double count);
 /// A fraction as "12 %", "1.2 %", "0.012 %"; "unknown" as above.
 std::string percent_text(double fraction);
 
-/// "connected to ADDRESS", "connection to ADDRESS lost, reconnecting", …
+/// "connected", "connection lost, reconnecting", …
 std::string connection_text(const ViewStatus& status);
 
 /// What is written on the key of an action's name: "+" for "plus", "page up" for "page_up".

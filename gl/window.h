@@ -21,7 +21,7 @@ struct WindowOptions {
   bool visible = true;             ///< a hidden window needs a display all the same, but shows nothing on it
   bool debug = false;              ///< ask the driver to check all that is called
   /// Pixels for what is one on a plain display. Nothing: as the desktop says; 1 if hidden.
-  std::optional<float> content_scale;
+  std::optional<float> content_scale{};
 };
 
 /// What happened since the last poll, less what was meant for the panel. Distances are in pixels of the
