@@ -45,7 +45,7 @@ void help_row(const std::string& key, const std::string& help, bool cap) {
   }
   ImGui::TableNextColumn();
   ImGui::PushTextWrapPos(0);
-  ImGui::TextColored(overlay_color::kDim, "%s", help.c_str());
+  ImGui::TextUnformatted(help.c_str());
   ImGui::PopTextWrapPos();
 }
 
