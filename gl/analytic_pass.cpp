@@ -17,9 +17,14 @@ namespace {
 
 /// What is nearer to the camera than this, in units of the scene's size, is not drawn even if the camera's
 /// own clipping plane is nearer or there is none.
-constexpr float kNearest = 1e-6f;
-/// Farther than anything is.
-constexpr float kFarthest = 1e30f;
+constexpr float kNearest = 1e-9f;
+/// Farther than anything is, in the same unit; their quotient is a normal number, as depths are.
+constexpr float kFarthest = 1e20f;
+
+/// Pixels by which the viewport of the primitives is larger than the film, on each side.
+int margin(int pixels) { return pixels / 8 + 1; }
+/// A film whose viewport is no larger than that.
+int largest_film(int viewport) { return (viewport - 2) / 5 * 4; }
 
 glm::dvec3 vector(vec3 v) { return {v.x, v.y, v.z}; }
 
@@ -111,7 +116,10 @@ Expected<std::unique_ptr<AnalyticPass>> AnalyticPass::create(const DeviceScene& 
 
 Expected<void> AnalyticPass::begin(const SceneHeader& view, int width, int height) {
   GLint most = 0;
+  std::array<GLint, 2> viewport{};
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
+  glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport.data());
+  most = std::min({most, largest_film(viewport[0]), largest_film(viewport[1])});
   if (width < 1 || height < 1 || width > most || height > most)
     return fail(fmt::format("this OpenGL draws pictures of 1 x 1 to {} x {} pixels, not {} x {}", most, most,
                             width, height));
@@ -154,6 +162,10 @@ void AnalyticPass::set_camera(const Program& program, float dx, float dy) const 
   set_uniform(program, "far_clip", std::min(view_.far_clip * scale, kFarthest));
   glUniform2i(glGetUniformLocation(program.name(), "size"), width_, height_);
   set_uniform(program, "offset", dx, dy);
+  const auto inside = [](int pixels) {
+    return static_cast<float>(pixels) / static_cast<float>(pixels + 2 * margin(pixels));
+  };
+  set_uniform(program, "inside", inside(width_), inside(height_));
   const glm::dmat3 from_film(-vector(view_.camera_x), -vector(view_.camera_y), vector(view_.camera_z));
   const glm::mat3 to_film(glm::inverse(from_film));
   glUniformMatrix3fv(glGetUniformLocation(program.name(), "to_film"), 1, GL_FALSE, &to_film[0][0]);
@@ -168,6 +180,8 @@ void AnalyticPass::draw_ids(float dx, float dy) {
   const GLfloat farthest = 0;
   glClearBufferiv(GL_COLOR, 0, nothing);
   glClearBufferfv(GL_DEPTH, 0, &farthest);
+  const int across = margin(width_), down = margin(height_);
+  glViewport(-across, -down, width_ + 2 * across, height_ + 2 * down);
   if (scene_.triangle_count > 0) {
     glUseProgram(triangles_.name());
     set_camera(triangles_, dx, dy);
@@ -186,6 +200,7 @@ void AnalyticPass::draw_ids(float dx, float dy) {
 
 void AnalyticPass::shade(float dx, float dy) {
   glBindFramebuffer(GL_FRAMEBUFFER, mean_target_.name());
+  glViewport(0, 0, width_, height_);
   glUseProgram(shade_.name());
   set_camera(shade_, dx, dy);
   set_texture(shade_, "ids", 0, GL_TEXTURE_2D, ids_.name());
@@ -206,7 +221,6 @@ void AnalyticPass::shade(float dx, float dy) {
 void AnalyticPass::add_frame() {
   if (width_ == 0) return;
   const KeptState kept;
-  glViewport(0, 0, width_, height_);
   glBindVertexArray(vertices_.name());
   const auto [u, v] = spread_numbers(frames_);
   const FilterSample x = sample_filter(view_.filter, filter_table_.data(), u);

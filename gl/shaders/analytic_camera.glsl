@@ -1,6 +1,7 @@
-// The camera of kernels/camera.h. Lengths are in the tables' unit, directions are not normalised: their component
-// along the viewing direction is 1, so a point origin + z d is at depth z.
-uniform vec3 camera_origin;
+// The camera of kernels/camera.h. Positions are relative to it: differences of positions that are close to each
+// other but far from the scene's centre are exact. Lengths are in the tables' unit. Directions are not
+// normalised: their component along the viewing direction is 1, so the point z d is at depth z.
+uniform vec3 camera_origin;  // relative to the scene's centre
 uniform vec3 camera_x;  // to the left edge of the film, at depth 1
 uniform vec3 camera_y;  // to the top edge
 uniform vec3 camera_z;
@@ -15,13 +16,17 @@ vec3 pixel_direction(ivec2 pixel) {
   return camera_z - camera_x * (from_centre.x / float(size.x)) - camera_y * (from_centre.y / float(size.y));
 }
 
-// Where a point at depth z is on a film of -1 ... 1: its clip coordinates, of which the rasteriser takes only what
-// it covers and that it is beyond the near plane; what is in front is decided by depth_value.
-uniform mat3 to_film;  // from camera_origin: to (z times x to the right, z times y downwards, z)
-vec4 project(vec3 from_origin) {
-  vec3 p = to_film * from_origin;
+uniform mat3 to_film;  // to (z times x to the right, z times y downwards, z) on a film of -1 ... 1
+// The part of the viewport that the film is. Where large triangles are clipped at the viewport's border, their
+// edges are off by some pixels.
+uniform vec2 inside;
+
+// Clip coordinates, of which the rasteriser takes what is covered and is beyond the near plane; what is in front
+// is decided by depth_value.
+vec4 project(vec3 position) {
+  vec3 p = to_film * position;
   vec2 shift = 2.0 * offset / vec2(size) * p.z;
-  return vec4(p.xy - shift, p.z - 2.0 * near_clip, p.z);
+  return vec4(inside * (p.xy - shift), p.z - 2.0 * near_clip, p.z);
 }
 
 // What the depth buffer holds, the greatest in front: of equal relative precision at every depth.

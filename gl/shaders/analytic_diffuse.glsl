@@ -19,11 +19,12 @@ Receiver receiver_at(Surface s, vec3 d, vec4 diffuse, vec4 specular) {
 // Of a radiance of 1 from the outline of those corners.
 vec3 reflected_of_polygon(Receiver r, int first, int end, bool two_sided) {
   IrradianceSum edges = no_irradiance();
-  vec3 from = texelFetch(polygon_corners, first).xyz;
+  vec3 from = texelFetch(polygon_corners, first).xyz - camera_origin;
   for (int i = first + 1; i < end; i++) {
     vec4 corner = texelFetch(polygon_corners, i);
-    if (corner.w == 0.0) edges = add_edge_irradiance(edges, from - r.p, corner.xyz - r.p, corner.xyz - from, r.n);
-    from = corner.xyz;
+    vec3 to = corner.xyz - camera_origin;
+    if (corner.w == 0.0) edges = add_edge_irradiance(edges, from - r.p, to - r.p, to - from, r.n);
+    from = to;
   }
   return r.diffuse * (total_irradiance(edges, two_sided) / PI_D);
 }

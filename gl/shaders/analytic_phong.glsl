@@ -22,13 +22,13 @@ Receiver receiver_at(Surface s, vec3 d, vec4 diffuse, vec4 specular) {
   return r;
 }
 
-// Of a radiance of 1 from the outline of those corners. A turn of the loop is an edge, or an arc of the horizon
-// that the edges so far have closed: one place for both, since neighbouring pixels take turns together.
+// Of a radiance of 1 from the outline of those corners. A turn of the loop is an edge, or an arc of the horizon that
+// the edges so far have closed: one place for both, since neighbouring pixels take turns together.
 vec3 reflected_of_polygon(Receiver r, int first, int end, bool two_sided) {
   IrradianceSum edges = no_irradiance();
   Crossings crossings = no_crossings();
   float arcs = 0.0;
-  vec3 from = texelFetch(polygon_corners, first).xyz;
+  vec3 from = texelFetch(polygon_corners, first).xyz - camera_origin;
   for (int i = first + 1; i < end || crossings.pair != 0.0;) {
     Arc arc;
     if (crossings.pair != 0.0) {
@@ -36,8 +36,9 @@ vec3 reflected_of_polygon(Receiver r, int first, int end, bool two_sided) {
       crossings.pair = 0.0;
     } else {
       vec4 corner = texelFetch(polygon_corners, i++);
-      VisibleEdge e = visible_edge(from - r.p, corner.xyz - r.p, corner.xyz - from, r.n);
-      from = corner.xyz;
+      vec3 to = corner.xyz - camera_origin;
+      VisibleEdge e = visible_edge(from - r.p, to - r.p, to - from, r.n);
+      from = to;
       if (corner.w != 0.0) continue;  // another outline
       float angle = atan2_d(e.sine, e.cosine);
       edges = add_irradiance(edges, e, angle, r.n);

@@ -9,7 +9,7 @@ layout(location = 0) out int id;
 void main() {
   vec3 d = pixel_direction(ivec2(gl_FragCoord.xy));
   float along = length(d);
-  float t = intersect_quadric(quadric_at(index), camera_origin + near_clip * d, d / along);
+  float t = intersect_quadric(quadric_at(index), near_clip * d, d / along);
   float depth = near_clip + t / along;
   if (!(t > 0.0) || !(depth <= far_clip)) discard;
   id = triangle_count + index;

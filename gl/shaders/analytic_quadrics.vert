@@ -14,8 +14,7 @@ void main() {
   float u = (corner == 1 || corner == 2 || corner == 4) ? 1.0 : -1.0;
   float v = (corner == 2 || corner == 4 || corner == 5) ? 1.0 : -1.0;
   vec3 at = axis == 0 ? vec3(toward, u, v) : (axis == 1 ? vec3(v, toward, u) : vec3(u, v, toward));
-  vec3 inside = camera_origin - q.center;
-  float beyond = toward * (axis == 0 ? inside.x : (axis == 1 ? inside.y : inside.z));
-  bool leaves = beyond < half_size.x;
-  gl_Position = leaves ? project(at * half_size - inside) : vec4(2.0, 2.0, 2.0, 1.0);
+  float beyond = toward * (axis == 0 ? q.center.x : (axis == 1 ? q.center.y : q.center.z));
+  bool leaves = -beyond < half_size.x;
+  gl_Position = leaves ? project(at * half_size + q.center) : vec4(2.0, 2.0, 2.0, 1.0);
 }

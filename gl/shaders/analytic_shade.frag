@@ -1,5 +1,5 @@
-// What the primitives that the pixels see emit, and what they reflect of all polygon lights without shadows, as
-// survey_lights of kernels/light_survey.h says. With PENUMBRA_PHONG lobes are counted too.
+// What the primitives that the pixels see emit, and what they reflect of all polygon lights without shadows,
+// as survey_lights of kernels/light_survey.h says. With PENUMBRA_PHONG lobes are counted too.
 #include "gl/shaders/analytic_camera.glsl"
 #include "gl/shaders/analytic_tables.glsl"
 #include "gl/shaders/analytic_surface.glsl"
@@ -30,7 +30,8 @@ vec3 emitted_radiance(Surface s) {
 }
 
 vec3 reflected_radiance(Surface s, vec3 d) {
-  Receiver r = receiver_at(s, d, texelFetch(materials, 2 * s.material), texelFetch(materials, 2 * s.material + 1));
+  vec4 diffuse = texelFetch(materials, 2 * s.material), specular = texelFetch(materials, 2 * s.material + 1);
+  Receiver r = receiver_at(s, d, diffuse, specular);
   vec3 sum = vec3(0.0);
   for (int k = 0; k < polygon_count; k++) {
     // A light does not shine on itself; in its plane rounding would say whether it covers half the sphere.
@@ -50,7 +51,7 @@ vec3 finite(vec3 v) {
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   vec3 toward = pixel_direction(pixel), d = normalize(toward);
-  Surface s = surface_at(texelFetch(ids, pixel, 0).x, triangle_count, camera_origin + near_clip * toward, d);
+  Surface s = surface_at(texelFetch(ids, pixel, 0).x, triangle_count, near_clip * toward, d);
   bool lit = s.valid && dot(s.shading, d) < 0.0;
   closed_form = vec4(lit ? finite(reflected_radiance(s, d)) : vec3(0.0), 1.0);
   emission = vec4(finite(emitted_radiance(s)), 1.0);

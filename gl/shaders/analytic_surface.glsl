@@ -1,7 +1,7 @@
 // Where a ray meets a primitive, as kernels/surface.h says.
 struct Surface {
   bool valid, front;
-  vec3 p;
+  vec3 p;        // relative to the camera
   vec3 shading;  // unit, on the viewer's side
   int material;
   int light;    // or -1
@@ -12,14 +12,17 @@ Surface triangle_surface(int index, vec3 o, vec3 d) {
   TriangleCorners t = triangle_corners(index);
   vec3 e1 = t.p1 - t.p0, e2 = t.p2 - t.p0;
   vec3 normal = cross(e1, e2);
-  // Moeller and Trumbore 1997: errors are those of the triangle's size, however far away it is.
+  // Moeller and Trumbore 1997.
   vec3 from = o - t.p0, p = cross(d, e2), q = cross(from, e1);
   float det = dot(e1, p), inverse = det != 0.0 ? 1.0 / det : 0.0;
   float b1 = dot(from, p) * inverse, b2 = dot(d, q) * inverse;
   Surface s;
   s.valid = true;
   s.front = dot(normal, d) < 0.0;
-  s.p = t.p0 + (b1 * e1 + b2 * e2);
+  // From a corner the error is that of the triangle's size, from the ray's origin that of its length.
+  float along = dot(normal, d), distance = along != 0.0 ? -dot(normal, from) / along : 0.0;
+  bool is_large = max(dot(e1, e1), dot(e2, e2)) > distance * distance;
+  s.p = is_large ? o + distance * d : t.p0 + (b1 * e1 + b2 * e2);
   s.shading = normalize(normal);
   ivec2 more = ivec2(texelFetch(triangles, 4 * index + 3).xy);
   int normals = more.x;

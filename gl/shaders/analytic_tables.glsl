@@ -1,4 +1,4 @@
-// The tables of the device scene, packed by gl/analytic_tables.cpp.
+// The tables of the device scene, packed by gl/analytic_tables.cpp, with positions relative to the camera.
 uniform usamplerBuffer triangles;     // p0, front; p1, back; p2, light; normals, polygon, 0, 0
 uniform usamplerBuffer quadrics;      // center, radius; normal, orientation; kind, front, back, light
 uniform samplerBuffer vertex_normals;  // n0, 0; n1, 0; n2, 0
@@ -12,9 +12,9 @@ struct TriangleCorners {
 
 TriangleCorners triangle_corners(int index) {
   TriangleCorners t;
-  t.p0 = uintBitsToFloat(texelFetch(triangles, 4 * index).xyz);
-  t.p1 = uintBitsToFloat(texelFetch(triangles, 4 * index + 1).xyz);
-  t.p2 = uintBitsToFloat(texelFetch(triangles, 4 * index + 2).xyz);
+  t.p0 = uintBitsToFloat(texelFetch(triangles, 4 * index).xyz) - camera_origin;
+  t.p1 = uintBitsToFloat(texelFetch(triangles, 4 * index + 1).xyz) - camera_origin;
+  t.p2 = uintBitsToFloat(texelFetch(triangles, 4 * index + 2).xyz) - camera_origin;
   return t;
 }
 
@@ -28,7 +28,7 @@ Quadric quadric_at(int index) {
   uvec4 a = texelFetch(quadrics, 3 * index), b = texelFetch(quadrics, 3 * index + 1);
   ivec4 c = ivec4(texelFetch(quadrics, 3 * index + 2));
   Quadric q;
-  q.center = uintBitsToFloat(a.xyz);
+  q.center = uintBitsToFloat(a.xyz) - camera_origin;
   q.radius = uintBitsToFloat(a.w);
   q.normal = uintBitsToFloat(b.xyz);
   q.orientation = uintBitsToFloat(b.w);

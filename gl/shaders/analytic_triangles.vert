@@ -9,8 +9,8 @@ void main() {
   primitive = gl_VertexID / 3;
   TriangleCorners t = triangle_corners(primitive);
   int corner = gl_VertexID - 3 * primitive;
-  gl_Position = project((corner == 0 ? t.p0 : (corner == 1 ? t.p1 : t.p2)) - camera_origin);
+  gl_Position = project(corner == 0 ? t.p0 : (corner == 1 ? t.p1 : t.p2));
   vec3 normal = cross(t.p1 - t.p0, t.p2 - t.p0);
-  float height = dot(normal, t.p0 - camera_origin);
+  float height = dot(normal, t.p0);
   plane = height != 0.0 ? normal / height : vec3(0.0);
 }

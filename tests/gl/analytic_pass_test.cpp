@@ -132,6 +132,43 @@ SceneDescription glossy_box() {
   return scene;
 }
 
+/// Strips of a floor with lobes of all kinds, close under lights that partly go through the floor's plane.
+SceneDescription strips() {
+  SceneDescription scene;
+  const float exponents[] = {0, 0.25f, 1, 2.5f, 4, 5.99f, 6, 7.9f, 8, 12.5f, 40, 300, 2500, 1e4f};
+  double x = -3.5;
+  for (const float exponent : exponents) {
+    Shape strip;
+    strip.geometry = quadrilateral({x, 0, -2}, {x, 0, 2}, {x + 0.5, 0, 2}, {x + 0.5, 0, -2});
+    strip.front_bsdf = int(scene.bsdfs.size());
+    strip.name = "strip";
+    scene.shapes.push_back(std::move(strip));
+    scene.bsdfs.push_back({"lobe", PhongBsdf{glm::vec3(0.1f), glm::vec3(0.7f, 0.5f, 0.3f), exponent}});
+    x += 0.5;
+  }
+  Shape upright;
+  upright.geometry = quadrilateral({-3, 0.8, -2.4}, {-2.8, -0.5, -2.4}, {2.5, -0.3, -2.5}, {3, 1.1, -2.5});
+  upright.radiance = glm::vec3(3, 2, 1);
+  Shape slanted;
+  slanted.geometry = quadrilateral({-2, -0.4, 0.5}, {-2.2, 1.2, -0.7}, {1.9, 1, -0.6}, {2.4, -0.2, 0.6});
+  slanted.radiance = glm::vec3(1, 2, 2);
+  slanted.two_sided_emission = true;
+  scene.shapes.push_back(std::move(upright));
+  scene.shapes.push_back(std::move(slanted));
+  scene.camera.to_world = look_at({0.3, 2.5, 5}, {0, 0, -0.1}, {0, 1, 0});
+  scene.camera.fov = 70;
+  return scene;
+}
+
+/// On a ground so large that the rest of the scene is small.
+SceneDescription on_a_plain() {
+  SceneDescription scene = round_things();
+  scene.shapes[0].geometry = quadrilateral({-3e5, 0, -3e5}, {-3e5, 0, 3e5}, {3e5, 0, 3e5}, {3e5, 0, -3e5});
+  scene.shapes.erase(scene.shapes.begin() + 3);  // the sphere around everything
+  scene.camera.near_clip = 1e-2;
+  return scene;
+}
+
 SceneDescription project_scene(const char* file) { return read_or_throw(project_file(file)); }
 SceneDescription oracle_scene(const char* file) {
   return read_or_throw(*oracle_folder("tinyrender-a4") / file);
@@ -152,6 +189,10 @@ const Compared kScenes[] = {
     {"StarLight", [] { return project_scene("scenes/star-light/star-light.xml"); }, 240, 160},
     {"Cornell", [] { return project_scene("scenes/cornell/cornell.xml"); }, 160, 160},
     {"GlossyCornell", glossy_box, 160, 160},
+    {"Star", [] { return oracle_scene("star/tinyrender/star_analytic_realtime.toml"); }, 240, 160, true},
+    {"McGill", [] { return oracle_scene("mcgill/tinyrender/mcgill_analytic_offline.toml"); }, 240, 160, true},
+    {"Strips", strips, 240, 160},
+    {"OnAPlain", on_a_plain, 200, 150},
     {"RoundThings", round_things, 200, 150},
     {"TinyRoundThings", [] { return scaled(round_things(), 1e-5); }, 200, 150},
     {"HugeRoundThings", [] { return scaled(round_things(), 1e6); }, 200, 150},
