@@ -22,8 +22,8 @@ Receiver receiver_at(Surface s, vec3 d, vec4 diffuse, vec4 specular) {
   return r;
 }
 
-// Of a radiance of 1 from the outline of those corners. A turn of the loop is an edge, or an arc of the horizon that
-// the edges so far have closed: one place for both, since neighbouring pixels take turns together.
+// Of a radiance of 1 from the outline of those corners. A turn of the loop is an edge, or an arc of the horizon
+// that the edges so far have closed: one place for both, since neighbouring pixels take turns together.
 vec3 reflected_of_polygon(Receiver r, int first, int end, bool two_sided) {
   IrradianceSum edges = no_irradiance();
   Crossings crossings = no_crossings();
