@@ -1,0 +1,27 @@
+// Scenes that are hard for the closed form on the screen in different ways.
+#pragma once
+
+#include "scenes/scene_description.h"
+
+namespace penumbra {
+
+/// Of a camera.
+glm::dmat4 look_at(glm::dvec3 eye, glm::dvec3 target, glm::dvec3 up);
+
+/// Spheres from outside and inside, a disk, a mesh with vertex normals, a light that shines to both sides
+/// over them, an environment.
+SceneDescription round_things();
+
+/// Everything `factor` times as large.
+SceneDescription scaled(SceneDescription scene, double factor);
+
+/// The Cornell box with lobes of low and high, whole and broken exponents.
+SceneDescription glossy_box();
+
+/// Strips of a floor with lobes of all kinds, close under lights that partly go through the floor's plane.
+SceneDescription strips();
+
+/// On a ground so large that the rest of the scene is small.
+SceneDescription on_a_plain();
+
+}  // namespace penumbra
