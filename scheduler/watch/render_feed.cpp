@@ -88,7 +88,9 @@ void RenderFeed::publish(const FilmAccumulator& film, bool all) {
   for (int shown = 0; !changed_.empty() && (all || shown < kTilesAtOnce); ++shown) {
     const std::uint32_t tile = *changed_.begin();
     changed_.erase(changed_.begin());
-    TileSnapshot snapshot = snapshot_of(film, grid_.unit(tile, 0), hybrid_, alpha_);
+    const RenderUnit area = grid_.unit(tile, 0);
+    if (film.at(area.x, area.y).count == 0) continue;  // its first pass is not there yet
+    TileSnapshot snapshot = snapshot_of(film, area, hybrid_, alpha_);
     snapshot.view = view_;
     snapshot.worker = last_worker_[tile];
     board_.show_tile(tile, std::move(snapshot));

@@ -42,7 +42,9 @@ bool claim(const std::string& file) {
 class FakeDevice final : public Device {
  public:
   FakeDevice(const DeviceScene& scene, FakeBehaviour behaviour)
-      : behaviour_(std::move(behaviour)),
+      : scene_(scene),
+        behaviour_(std::move(behaviour)),
+        shift_(scene.header.camera_origin.x),
         planes_(plane_count(scene.header.features)),
         hangs_(claim(behaviour_.hang_claim)),
         lies_(claim(behaviour_.lie_claim)),
@@ -60,14 +62,21 @@ class FakeDevice final : public Device {
     while (hangs_ && units_ == 2) pause();
     if (lies_ && units_ == 1)
       std::this_thread::sleep_for(std::chrono::milliseconds(behaviour_.liar_delay_ms));
-    SampleBuffer buffer = fake_samples(unit, planes_);
+    SampleBuffer buffer = fake_samples(unit, planes_, shift_);
     if (lies_) buffer.values[unit.sample_count % buffer.values.size()] += 0.25f;
     if (damages_) buffer.values.pop_back();
     return buffer;
   }
 
+  Expected<void> take_view() override {
+    shift_ = scene_.header.camera_origin.x;
+    return {};
+  }
+
  private:
+  const DeviceScene& scene_;
   FakeBehaviour behaviour_;
+  float shift_;
   int planes_;
   bool hangs_, lies_, damages_;
   int units_ = 0;

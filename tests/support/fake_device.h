@@ -34,7 +34,7 @@ struct FakeBehaviour {
   static FakeBehaviour from_environment();
 };
 
-/// fake_samples() of each unit, save for what the behaviour says.
+/// fake_samples() of each unit, shifted by the x of the camera's origin, save for what the behaviour says.
 Expected<std::unique_ptr<Device>> make_fake_device(const DeviceScene& scene, const DeviceOptions& options,
                                                    const FakeBehaviour& behaviour);
 

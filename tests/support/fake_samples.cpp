@@ -42,7 +42,7 @@ void fill_pixel(const RenderUnit& unit, int x, int y, SampleBuffer& buffer) {
 
 }  // namespace
 
-SampleBuffer fake_samples(const RenderUnit& unit, int planes) {
+SampleBuffer fake_samples(const RenderUnit& unit, int planes, float shift) {
   SampleBuffer buffer{
       .width = unit.width,
       .height = unit.height,
@@ -52,6 +52,8 @@ SampleBuffer fake_samples(const RenderUnit& unit, int planes) {
   for (int y = 0; y < unit.height; ++y) {
     for (int x = 0; x < unit.width; ++x) fill_pixel(unit, x, y, buffer);
   }
+  for (int plane = kMeanR; plane <= kMeanB; ++plane)
+    for (float& mean : buffer.plane(plane)) mean += shift;
   return buffer;
 }
 

@@ -7,7 +7,7 @@
 namespace penumbra {
 
 /// Statistics of hash-valued samples: a pure function of pixel, sample range and plane count. Now and then a
-/// sample counts as NaN.
-SampleBuffer fake_samples(const RenderUnit& unit, int planes);
+/// sample counts as NaN. Means of radiance are in [shift, shift + 1).
+SampleBuffer fake_samples(const RenderUnit& unit, int planes, float shift = 0);
 
 }  // namespace penumbra

@@ -1,4 +1,5 @@
-// A process that does nothing but render with fake workers, to be killed: fake_scheduler WORKER_EXECUTABLE.
+// A process that does nothing but render with fake workers, to be killed: fake_scheduler WORKER_EXECUTABLE
+// [LISTEN_ADDRESS].
 #include <atomic>
 
 #include "scheduler/render_job.h"
@@ -6,7 +7,7 @@
 
 int main(int argc, char** argv) {
   using namespace penumbra;
-  if (argc != 2) return 2;
+  if (argc != 2 && argc != 3) return 2;
   RenderJob job;
   job.scene = fake_scene(256, 256, false);
   job.width = job.height = 256;
@@ -15,6 +16,7 @@ int main(int argc, char** argv) {
   job.samples_per_pass = 1;
   job.workers = 3;
   job.worker_executable = argv[1];
+  if (argc == 3) job.listen = argv[2];
   const std::atomic<bool> stop = false;
   return run_render(job, stop, {}) ? 0 : 1;
 }

@@ -204,6 +204,17 @@ TEST(RenderFeed, WhoComesLateGetsAllTilesThatHaveSamples) {
   EXPECT_THAT(f.shown(watcher), SizeIs(6));
 }
 
+TEST(RenderFeed, ATileWhoseFirstPassIsMissingIsNotShown) {
+  Feed f(2);
+  WatchBoard::Watcher watcher(f.board);
+  f.feed.tile_changed(0, 1);  // a later pass has come, which waits
+  f.feed.publish(f.film, true);
+  EXPECT_THAT(f.shown(watcher), IsEmpty());
+  f.merge(0);
+  f.feed.publish(f.film, true);
+  EXPECT_THAT(f.shown(watcher), SizeIs(1));
+}
+
 TEST(RenderFeed, AnotherViewForgetsWhatHasChanged) {
   Feed f(10);
   WatchBoard::Watcher watcher(f.board);

@@ -40,8 +40,14 @@ WatchedJob some_job() {
 }
 
 TileSnapshot some_tile(bool hybrid = true) {
-  TileSnapshot tile{
-      .view = 4000000000u, .x = 40, .y = 20, .width = 3, .height = 2, .samples = 9, .worker = 7};
+  TileSnapshot tile;
+  tile.view = 4000000000u;
+  tile.x = 40;
+  tile.y = 20;
+  tile.width = 3;
+  tile.height = 2;
+  tile.samples = 9;
+  tile.worker = 7;
   for (int i = 0; i < 18; ++i) tile.radiance.push_back(float(i) / 7 - 1);
   tile.radiance[3] = kNan;
   tile.radiance[4] = -0.0f;
