@@ -34,24 +34,28 @@ TEST(Usage, VersionAndHelpSucceed) {
 }
 
 TEST(Usage, EveryCommandHasHelpWithExamples) {
-  for (const char* command : {"render", "info", "compare"}) {
+  for (const char* command : {"render", "preview", "info", "compare"}) {
     const ProgramResult help = run({command, "--help"});
     EXPECT_EQ(help.exit_code, 0) << command;
-    EXPECT_THAT(help.out, AllOf(HasSubstr("Examples"), HasSubstr(std::string("penumbra ") + command)));
+    EXPECT_THAT(help.out, HasSubstr(std::string("penumbra ") + command));
+    if (std::string(command) != "preview") EXPECT_THAT(help.out, HasSubstr("Examples"));
   }
 }
 
 TEST(Usage, HelpNamesTheOptionsThatThereAreAndNoOthers) {
   const std::string help = run({"render", "--help"}).out;
-  for (const char* option :
-       {"--out",           "--integrator", "--spp",         "--seed",        "--backend",
-        "--workers",       "--threads",    "--tile",        "--pass",        "--time-budget",
-        "--crop",          "--pixel",      "--report",      "--no-report",   "-D",
-        "--set",           "--lenient",    "--sampler",     "--intersector", "--isa",
-        "--opencl-device", "--device",     "--no-features", "--quiet"}) {
+  for (const char* option : {"--out",         "--integrator",  "--spp",
+                             "--seed",        "--backend",     "--workers",
+                             "--threads",     "--tile",        "--pass",
+                             "--time-budget", "--crop",        "--pixel",
+                             "--report",      "--no-report",   "-D",
+                             "--set",         "--lenient",     "--sampler",
+                             "--intersector", "--isa",         "--opencl-device",
+                             "--device",      "--no-features", "--quiet",
+                             "--listen",      "--tev"}) {
     EXPECT_THAT(help, HasSubstr(option));
   }
-  for (const char* option : {"--resume", "--listen", "--launch", "--target-error"}) {
+  for (const char* option : {"--resume", "--launch", "--target-error"}) {
     EXPECT_THAT(help, Not(HasSubstr(option)));
   }
 }
@@ -79,6 +83,14 @@ TEST(Usage, MistakesAreCode2AndSayWhereHelpIs) {
     EXPECT_THAT(result.err, AllOf(HasSubstr(message), HasSubstr("--help")));
     EXPECT_THAT(result.out, IsEmpty());
   }
+}
+
+TEST(Usage, PreviewHasNoOptionsThatAWindowDecidesOn) {
+  const std::string help = run({"preview", "--help"}).out;
+  for (const char* option : {"--listen", "--tev", "--workers", "--spp", "--set"})
+    EXPECT_THAT(help, HasSubstr(option));
+  for (const char* option : {"--out", "--crop", "--pass", "--time-budget", "--report"})
+    EXPECT_THAT(help, Not(HasSubstr(option)));
 }
 
 TEST(Usage, WorkerCommandStartsTheWorkerProgram) {

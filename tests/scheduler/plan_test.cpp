@@ -593,5 +593,85 @@ TEST_F(PlanTest, NoFurtherPassesBeforeTheFirstRendersOnePass) {
   EXPECT_EQ(plan_->units_done(), 3u);
 }
 
+// --- A render whose samples are wanted bit by bit
+
+TEST_F(PlanTest, MorePassesOfNoneStartTheImage) {
+  start(2, 0);
+  join(1);
+  EXPECT_TRUE(plan_->finished());
+  EXPECT_THAT(assigned(), IsEmpty());
+  tell(MorePasses{0, 1});
+  EXPECT_FALSE(plan_->finished());
+  EXPECT_EQ(plan_->passes(0), 1u);
+  EXPECT_THAT(assigned(), ElementsAre(Pair(1, unit(0, 0)), Pair(1, unit(0, 1))));
+  work(1);
+  work(1);
+  EXPECT_TRUE(plan_->finished());
+  EXPECT_EQ(plan_->units_done(), 2u);
+}
+
+TEST_F(PlanTest, MorePassesGoOnWhereTheImageWasFinished) {
+  start(2, 1);
+  join(1);
+  work(1);
+  work(1);
+  ASSERT_TRUE(plan_->finished());
+  wait(1000);  // nobody wants anything; no lease runs
+  EXPECT_THAT(dismissed(), IsEmpty());
+  tell(MorePasses{0, 3});
+  EXPECT_EQ(plan_->units_left(), 4u);
+  std::vector<UnitId> order;
+  while (!plan_->finished()) {
+    order.push_back(held_[1].front());
+    work(1);
+    ASSERT_EQ(merged().size(), 1u);
+  }
+  EXPECT_THAT(order, ElementsAre(unit(1, 0), unit(1, 1), unit(2, 0), unit(2, 1)));
+  EXPECT_EQ(plan_->units_done(), 6u);
+  EXPECT_EQ(plan_->units_requeued(), 0u);
+}
+
+TEST_F(PlanTest, MorePassesAddToWhatIsUnderWay) {
+  start(3, 1);
+  join(1);
+  work(1);
+  tell(MorePasses{0, 2});
+  EXPECT_EQ(plan_->units_left(), 5u);
+  std::set<UnitId> order;
+  while (!plan_->finished()) {
+    order.insert(held_[1].front());
+    work(1);
+  }
+  EXPECT_THAT(order, ElementsAre(unit(0, 1), unit(0, 2), unit(1, 0), unit(1, 1), unit(1, 2)));
+  EXPECT_EQ(plan_->units_done(), 6u);
+}
+
+TEST_F(PlanTest, FewerPassesThanBeforeChangeNothing) {
+  start(2, 3);
+  for (const std::uint32_t passes : {0u, 1u, 3u}) {
+    tell(MorePasses{0, passes});
+    EXPECT_EQ(plan_->passes(0), 3u);
+    EXPECT_EQ(plan_->units_left(), 6u);
+    EXPECT_THAT(last_, IsEmpty());
+  }
+}
+
+TEST_F(PlanTest, IdleWorkersTakePartInMorePasses) {
+  start(2, 1);
+  join(1);
+  work(1);
+  work(1);
+  join(2);
+  join(3);
+  EXPECT_THAT(assigned(), IsEmpty());
+  tell(MorePasses{0, 2});
+  EXPECT_THAT(assigned(), ElementsAre(Pair(1, unit(1, 0)), Pair(2, unit(1, 1))));
+  lose(2);
+  EXPECT_THAT(assigned(), ElementsAre(Pair(3, unit(1, 1)))) << "what a lost worker had is done by another";
+  work(1);
+  work(3);
+  EXPECT_TRUE(plan_->finished());
+}
+
 }  // namespace
 }  // namespace penumbra

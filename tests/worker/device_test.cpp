@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "kernels/host/native_kernels.h"
+#include "kernels/host/view.h"
 #include "tests/support/render_scene.h"
 #include "tests/worker/device_scenes.h"
 #include "worker/device.h"
@@ -218,6 +219,40 @@ TEST_P(Devices, FindTheFirstSampleThatIsNoNumber) {
   expected.count = buffer.infinite.count;
   EXPECT_EQ(buffer.infinite, expected);
   EXPECT_EQ(expected.stage.stage, STAGE_LIGHT);
+}
+
+TEST_P(Devices, AnotherViewGivesTheBytesOfADeviceThatWasMadeWithIt) {
+  DeviceScene s = scene();
+  const auto device = device_or_throw(s, options(2));
+  const SampleBuffer before = render(*device, whole_film(s));
+  const View first = view_of(s.header);
+  // A little to the side and turned; another alpha, which only control variates look at.
+  View second = first;
+  second.origin = make_vec3(first.origin.x + 0.1f, first.origin.y - 0.05f, first.origin.z + 0.02f);
+  const float c = std::cos(0.3f), sine = std::sin(0.3f);
+  second.x = make_vec3(c * first.x.x + sine * first.y.x, c * first.x.y + sine * first.y.y,
+                       c * first.x.z + sine * first.y.z);
+  second.y = make_vec3(c * first.y.x - sine * first.x.x, c * first.y.y - sine * first.x.y,
+                       c * first.y.z - sine * first.x.z);
+  second.alpha = 0.25f;
+  View third = first;
+  third.alpha = 0.4f;
+  for (const View& view : {second, third, first}) {
+    apply_view(view, s.header);
+    ASSERT_TRUE(device->take_view());
+    const DeviceScene fresh_scene = s;
+    const SampleBuffer fresh = render(*device_or_throw(fresh_scene, options(2)), whole_film(s));
+    EXPECT_TRUE(same_bytes(render(*device, whole_film(s)), fresh));
+  }
+  EXPECT_TRUE(same_bytes(render(*device, whole_film(s)), before)) << "there and back";
+  apply_view(second, s.header);
+  ASSERT_TRUE(device->take_view());
+  const bool sees_shapes = std::get<0>(GetParam()).name != "EnvironmentAlone";
+  EXPECT_EQ(same_bytes(render(*device, whole_film(s)), before), !sees_shapes) << "it is another picture";
+  if (std::get<0>(GetParam()).name != "PolygonLights") return;
+  apply_view(third, s.header);
+  ASSERT_TRUE(device->take_view());
+  EXPECT_FALSE(same_bytes(render(*device, whole_film(s)), before)) << "alpha alone is seen";
 }
 
 TEST_P(Devices, DescribeThemselves) {
