@@ -49,7 +49,7 @@ Expected<void> show(Viewer& viewer, Window& window, ScriptRunner* script, const 
       if (Expected<void> stepped = script->step(viewer, window); !stepped) return stepped;
       if (script->is_done()) return {};
     }
-    if (!viewer.is_stale() && script == nullptr) continue;
+    if (!viewer.is_stale() && (script == nullptr || !script->wants_frame())) continue;
     if (Expected<void> drawn = viewer.draw(); !drawn) return drawn;
   }
   return {};

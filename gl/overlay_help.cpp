@@ -19,7 +19,6 @@ constexpr auto kMouse = std::to_array<std::pair<const char*, const char*>>({
     {"wheel", "closer, farther"},
     {"right click", "on a slider: back to its usual value"},
     {"ctrl + click", "on a slider: type a number"},
-    {"drop a file", "watch that scene"},
 });
 
 /// As on a keyboard.

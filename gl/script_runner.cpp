@@ -98,7 +98,8 @@ Expected<bool> ScriptRunner::run(const ResizeCommand& command) {
 
 /// Of a frame that began after the command before.
 Expected<bool> ScriptRunner::run(const ScreenshotCommand& command) {
-  if (tries_ == 1) return false;
+  wants_frame_ = tries_ == 1;
+  if (wants_frame_) return false;
   if (Expected<void> written = write_screenshot(*window_, command.path); !written)
     return std::unexpected(written.error());
   return true;

@@ -20,6 +20,8 @@ class ScriptRunner {
   /// took too long, a file that cannot be written.
   Expected<void> step(Viewer& viewer, Window& window);
   [[nodiscard]] bool is_done() const { return next_ == commands_.size(); }
+  /// Whether it waits for another frame to be drawn.
+  [[nodiscard]] bool wants_frame() const { return wants_frame_; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -42,6 +44,7 @@ class ScriptRunner {
   std::size_t next_ = 0;
   Clock::time_point since_ = Clock::now();  // when the present command was first tried
   int tries_ = 0;                           // of the present command
+  bool wants_frame_ = false;
   Viewer* viewer_ = nullptr;
   Window* window_ = nullptr;
 };

@@ -14,10 +14,10 @@ enum class ToneMap { kClamp, kReinhard, kFilmic };
 struct DisplaySettings {
   Layer layer = Layer::kComposite;
   ToneMap tone_map = ToneMap::kClamp;
-  float exposure = 0;      ///< stops: radiance is multiplied by 2^exposure
-  float alpha = 1;         ///< of the control variate
-  bool outlines = false;   ///< of the tiles that workers have in hand, in a colour for each worker
-  bool automatic = false;  ///< refine until told otherwise
+  float exposure = 0;          ///< stops: radiance is multiplied by 2^exposure
+  float alpha = 1;             ///< of the control variate
+  bool outlines = false;       ///< of the tiles that workers have in hand, in a colour for each worker
+  bool automatic = false;      ///< refine until told otherwise
   bool relative_error = true;  ///< kError: standard error over brightness, else times 2^exposure
   bool panel = true, help = false;
 };
@@ -51,7 +51,8 @@ struct ViewStatus {
   double frames_per_second = 0;
   int analytic_frames = 0;  ///< frames of the closed form averaged into its antialiasing
   std::vector<WorkerView> workers;
-  std::vector<std::string> messages;  ///< newest last; what begins with "error:" or "warning:" is shown as such
+  std::vector<std::string>
+      messages;  ///< newest last; what begins with "error:" or "warning:" is shown as such
 };
 
 }  // namespace penumbra

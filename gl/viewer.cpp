@@ -65,11 +65,9 @@ Expected<void> Viewer::on(watch_news::Connected& news) {
     if (!film) return std::unexpected(film.error());
     film_.emplace(std::move(*film));
   }
-  film_->clear(0);
   scene_ = std::move(news.scene);
   header_ = scene_ ? std::optional(scene_->header) : std::nullopt;
   analytic_.reset();
-  analytic_is_old_ = true;
   status_.hybrid = job.hybrid && scene_ != nullptr;
   if (status_.hybrid) {
     if (auto made = AnalyticPass::create(*scene_)) {
@@ -83,11 +81,10 @@ Expected<void> Viewer::on(watch_news::Connected& news) {
   status_.scene = job.title;
   status_.integrator = job.integrator;
   status_.interactive = job.interactive;
-  status_.finished = false;
   status_.film_width = job.film_width;
   status_.film_height = job.film_height;
   center_ = {job.center[0], job.center[1], job.center[2]};
-  asked_.reset();
+  forget_samples();
   starts_without_success_ = 0;
   if (header_) {
     extent_ = scene_extent(*scene_);
@@ -139,8 +136,7 @@ Expected<void> Viewer::on(const WatchView& news) {
   apply_view(view_, header);
   pose_ = pose_of(header, glm::length(pose_.at - pose_.eye));
   moved_ = news.number > 0;
-  film_->clear(0);
-  analytic_is_old_ = true;
+  forget_samples();
   return {};
 }
 
@@ -148,11 +144,12 @@ Expected<void> Viewer::on(const WatchProgress& progress) {
   status_.samples_done = progress.samples_done;
   status_.samples_total = progress.samples_wanted;
   status_.spp_done = progress.spp_done;
-  status_.spp_wanted = std::max(progress.spp_wanted, asked_ ? asked_spp_ : 0);
-  status_.finished = progress.finished && progress.spp_wanted > 0;
+  // What was asked for from here may not have arrived there yet.
+  status_.spp_wanted = std::max(progress.spp_wanted, own_wish_);
+  status_.finished = progress.finished && progress.spp_done >= status_.spp_wanted && status_.spp_wanted > 0;
   status_.relative_error = progress.relative_error;
   const double seconds = progress.elapsed_seconds;
-  if (!progress.finished && seconds > 0) status_.samples_per_second = double(progress.samples_done) / seconds;
+  if (seconds > 0) status_.samples_per_second = double(progress.samples_done) / seconds;
   const double rate = status_.samples_per_second;
   status_.seconds_left = rate > 0 && progress.samples_wanted >= progress.samples_done
                              ? double(progress.samples_wanted - progress.samples_done) / rate
@@ -214,7 +211,7 @@ std::uint32_t Viewer::least_samples() const {
 void Viewer::want_samples(std::uint32_t spp) {
   spp = std::min(spp, job_->spp);
   if (spp <= status_.spp_wanted) return;
-  status_.spp_wanted = spp;
+  status_.spp_wanted = own_wish_ = spp;
   status_.finished = false;
   if (!asked_) {
     asked_ = Clock::now();
@@ -253,10 +250,14 @@ void Viewer::show_pose() {
   view_ = view_of(header);
   view_.alpha = settings_.alpha;
   client_.change_view(view_);
+  forget_samples();
+}
+
+void Viewer::forget_samples() {
   film_->clear(0);
   analytic_is_old_ = true;
   asked_.reset();
-  status_.spp_done = status_.spp_wanted = 0;
+  status_.spp_done = status_.spp_wanted = own_wish_ = 0;
   status_.samples_done = status_.samples_total = 0;
   status_.finished = false;
   status_.relative_error = std::numeric_limits<double>::quiet_NaN();

@@ -78,6 +78,7 @@ class Viewer {
   void want_samples(std::uint32_t spp);
   void refine();
   void show_pose();
+  void forget_samples();
   void reload();
   void save_beside_scene();
   void say(std::string text);
@@ -108,6 +109,7 @@ class Viewer {
 
   std::optional<Clock::time_point> asked_;  // for samples of which no tile has come
   std::uint32_t asked_spp_ = 0;
+  std::uint32_t own_wish_ = 0;  // samples of the present view that were asked for from here
   int starts_without_success_ = 0;
   std::optional<int> scheduler_exit_code_;
   Clock::time_point second_began_ = Clock::now();

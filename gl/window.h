@@ -33,11 +33,10 @@ struct WindowEvents {
   double wheel = 0;                 ///< notches, away from the person: closer
   bool resized = false;
   bool close = false;
-  std::vector<std::string> dropped;  ///< paths of files
 
   [[nodiscard]] bool any() const {
     return !actions.empty() || orbit_x != 0 || orbit_y != 0 || pan_x != 0 || pan_y != 0 || wheel != 0 ||
-           resized || close || !dropped.empty();
+           resized || close;
   }
 };
 

@@ -56,10 +56,6 @@ void on_wheel(GLFWwindow* window, double, double y) {
   if (!panel_wants_mouse()) state_of(window).events.wheel += y;
 }
 
-void on_drop(GLFWwindow* window, int count, const char** paths) {
-  for (int i = 0; i < count; ++i) state_of(window).events.dropped.emplace_back(paths[i]);
-}
-
 void on_framebuffer_size(GLFWwindow* window, int width, int height) {
   Window::State& state = state_of(window);
   // Minimised windows have no size; what was there stays. Hidden ones have the size they were asked for.
@@ -139,7 +135,6 @@ void install_input_callbacks(Window::State& state) {
   glfwSetMouseButtonCallback(state.window, on_mouse_button);
   glfwSetCursorPosCallback(state.window, on_cursor);
   glfwSetScrollCallback(state.window, on_wheel);
-  glfwSetDropCallback(state.window, on_drop);
   glfwSetFramebufferSizeCallback(state.window, on_framebuffer_size);
   glfwSetWindowContentScaleCallback(state.window, on_content_scale);
   glfwSetWindowCloseCallback(state.window, on_close);

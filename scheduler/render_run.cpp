@@ -106,7 +106,8 @@ Expected<RenderOutcome> RenderRun::run() {
   report_progress();
   workers_here_->stop_all();
   feed_.publish(merge_.film(), true);
-  show_progress(true);
+  // Of an interactive render nobody can say that all of it is there: who watches waits for another scheduler.
+  show_progress(!job_.interactive);
   board_.close();
   board_.wait_for_watchers(kPatienceWithWatchers);
   if (tev_) {
@@ -160,6 +161,7 @@ void RenderRun::worker_ended(const WorkerEnd& end) {
 void RenderRun::advance_clock() {
   const Seconds now = since_start();
   plan_time_ += std::min(now - now_, kLongestTick);
+  if (!plan_.finished()) active_ += now - now_;
   now_ = now;
 }
 
@@ -200,7 +202,7 @@ void RenderRun::show_progress(bool ended) {
                          .samples_wanted = grid_.samples(plan_.passes(0)),
                          .spp_done = spp_of(merge_.finished_passes()),
                          .spp_wanted = spp_of(plan_.passes(0)),
-                         .elapsed_seconds = since_start() - view_since_,
+                         .elapsed_seconds = active_,
                          .relative_error = relative_error_,
                          .finished = plan_.finished(),
                          .ended = ended,

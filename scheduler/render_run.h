@@ -128,7 +128,8 @@ class RenderRun {
   std::vector<std::string> problems_, notices_;
   bool budget_spent_ = false;
   std::uint64_t samples_done_ = 0;
-  Seconds ready_ = 0, first_tile_ = 0, last_tile_ = 0, view_since_ = 0;
+  Seconds ready_ = 0, first_tile_ = 0, last_tile_ = 0;
+  Seconds active_ = 0;  // since the view began, while there was something to render
   Seconds now_ = 0, plan_time_ = 0, last_tick_ = 0;
   Seconds next_progress_ = 0, next_shown_ = 0;
   double relative_error_ = 0;  // as last reported

@@ -94,7 +94,7 @@ void RenderRun::on(const arrivals::Gone& arrival) {
 
 void RenderRun::on(const arrivals::ViewChanged& arrival) {
   view_ = arrival.view;
-  view_since_ = since_start();
+  active_ = 0;
   plan_ = make_plan();
   merge_ = make_merge();
   details_.clear();
@@ -111,7 +111,6 @@ void RenderRun::on(const arrivals::ViewChanged& arrival) {
 
 void RenderRun::on(const arrivals::SamplesWanted& arrival) {
   if (arrival.view != view_.number) return;
-  if (plan_.finished()) view_since_ = since_start();
   const std::uint64_t spp = std::min(arrival.spp, job_.spp);
   tell_plan(MorePasses{0, std::uint32_t((spp + job_.samples_per_pass - 1) / job_.samples_per_pass)});
 }

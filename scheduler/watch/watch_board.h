@@ -47,7 +47,7 @@ struct WatchProgress {
   std::uint32_t view = 0;
   std::uint64_t samples_done = 0, samples_wanted = 0;  ///< over all pixels
   std::uint32_t spp_done = 0, spp_wanted = 0;          ///< in every pixel
-  double elapsed_seconds = 0;                          ///< since the view's first samples were wanted
+  double elapsed_seconds = 0;                          ///< of rendering samples of this view
   double relative_error = std::numeric_limits<double>::quiet_NaN();
   bool finished = false;  ///< all that is wanted is merged
   bool ended = false;     ///< the render is over

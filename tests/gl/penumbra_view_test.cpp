@@ -1,0 +1,310 @@
+// penumbra-view as users run it, on a display in memory: what it saves against what `penumbra render` writes,
+// and what becomes of it when processes die.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <csignal>
+#include <fstream>
+#include <limits>
+#include <regex>
+#include <thread>
+
+#include "scheduler/outputs/image.h"
+#include "tests/cli/program.h"
+#include "tests/gl/gl_test_context.h"
+#include "tests/outputs/temporary_folder.h"
+#include "tests/support/fake_processes.h"
+#include "tests/support/image_test.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using testing::AllOf;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::SizeIs;
+
+constexpr int kWidth = 48, kHeight = 40, kPixels = kWidth * kHeight;
+// A block between a square light and a floor, diffuse and glossy.
+constexpr const char* kScene = R"(<scene version="3.0.0">
+  <default name="eye" value="0, 2.5, 5"/>
+  <default name="at" value="0, 0.5, 0"/>
+  <default name="type" value="polygon_cv"/>
+  <integrator type="$type"/>
+  <sensor type="perspective">
+    <float name="fov" value="50"/>
+    <transform name="to_world"><lookat origin="$eye" target="$at" up="0, 1, 0"/></transform>
+    <sampler type="independent"><integer name="sample_count" value="16"/></sampler>
+    <film type="hdrfilm">
+      <integer name="width" value="48"/>
+      <integer name="height" value="40"/>
+      <rfilter type="box"/>
+    </film>
+  </sensor>
+  <shape type="rectangle">
+    <transform name="to_world"><rotate x="1" angle="-90"/><scale value="4"/></transform>
+    <bsdf type="phong">
+      <rgb name="diffuse_reflectance" value="0.4, 0.5, 0.6"/>
+      <rgb name="specular_reflectance" value="0.2"/>
+      <float name="exponent" value="20"/>
+    </bsdf>
+  </shape>
+  <shape type="cube">
+    <transform name="to_world"><scale value="0.5"/><translate x="0.3" y="0.5"/></transform>
+    <bsdf type="diffuse"><rgb name="reflectance" value="0.7, 0.3, 0.2"/></bsdf>
+  </shape>
+  <shape type="rectangle">
+    <transform name="to_world"><rotate x="1" angle="90"/><translate x="-0.5" y="3"/></transform>
+    <emitter type="area"><rgb name="radiance" value="6, 5, 4"/></emitter>
+  </shape>
+</scene>
+)";
+
+class PenumbraViewTest : public GlTest {
+ protected:
+  void SetUp() override {
+    GlTest::SetUp();
+    if (!IsSkipped()) write_text(folder_.path() / "scene.xml", kScene);
+  }
+
+  /// `penumbra view` with a script, OpenGL's checks on.
+  std::vector<std::string> view_arguments(std::vector<std::string> arguments, const std::string& script) {
+    const std::string name = "script" + std::to_string(++scripts_) + ".txt";
+    write_text(folder_.path() / name, script);
+    arguments.insert(arguments.begin(), "view");
+    arguments.insert(arguments.end(), {"--script", name, "--gl-debug", "--hidden"});
+    return arguments;
+  }
+  ProgramResult view(const std::vector<std::string>& arguments, const std::string& script) {
+    return run_penumbra(folder_.path(), view_arguments(arguments, script));
+  }
+  ProgramResult penumbra(const std::vector<std::string>& arguments) {
+    return run_penumbra(folder_.path(), arguments);
+  }
+  Image image(const std::string& name) const { return read_image(folder_.path() / name).value(); }
+  [[nodiscard]] const fs::path& path() const { return folder_.path(); }
+
+  /// What the running program has written so far.
+  std::string output(const std::string& name) const {
+    std::ifstream file(folder_.path() / name);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  bool says(const std::string& text) const {
+    return eventually([&] { return output(".stdout").find(text) != std::string::npos; }, 30s);
+  }
+
+ private:
+  TemporaryFolder folder_;
+  int scripts_ = 0;
+};
+
+/// Channels `prefix`R, G, B.
+statistics::Image channels(const Image& image, const std::string& prefix) {
+  statistics::Image result(image.data.width, image.data.height, 3);
+  const char* names[] = {"R", "G", "B"};
+  for (int c = 0; c < 3; ++c) {
+    const std::size_t channel = image.channel(prefix + names[c]).value();
+    for (int y = 0; y < result.height; ++y)
+      for (int x = 0; x < result.width; ++x) result.at(x, y, c) = image.at(x, y, channel);
+  }
+  return result;
+}
+
+/// How many values differ in any bit.
+int differing_bits(const statistics::Image& a, const statistics::Image& b) {
+  int count = 0;
+  for (std::size_t i = 0; i < a.values.size(); ++i)
+    count += std::bit_cast<std::uint64_t>(a.values[i]) == std::bit_cast<std::uint64_t>(b.values[i]) ? 0 : 1;
+  return count + std::abs(int(a.values.size()) - int(b.values.size()));
+}
+
+/// Means of blocks, with standard errors from those of the pixels.
+statistics::Estimate blocks(const statistics::Image& mean, const statistics::Image& variance, int block) {
+  statistics::Estimate estimate{statistics::block_average(mean, block),
+                                statistics::block_average(variance, block),
+                                std::numeric_limits<double>::infinity()};
+  for (double& value : estimate.standard_error.values) value = std::sqrt(value) / block;
+  return estimate;
+}
+
+double largest_sample_count(const Image& image) {
+  double most = 0;
+  const std::size_t channel = image.channel("samples.count").value();
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) most = std::max(most, double(image.at(x, y, channel)));
+  return most;
+}
+
+TEST_F(PenumbraViewTest, PressesOfSpaceAreTheSamplesOfAnOfflineControlVariate) {
+  for (const std::string alpha : {"1", "0.5"}) {
+    SCOPED_TRACE(alpha);
+    const ProgramResult seen =
+        view({"scene.xml", "--workers", "2", "--tile", "16", "--set", "integrator.alpha=" + alpha},
+             "wait connected\nkey space 5\nwait samples 5\nkey space 11\nwait samples 16\n"
+             "wait analytic 64\nsave view.exr\nquit\n");
+    ASSERT_EQ(seen.exit_code, 0) << seen.err;
+    const std::vector<std::string> render = {
+        "render", "scene.xml", "--spp", "16", "--pass", "1", "-q", "--set", "integrator.alpha=" + alpha};
+    for (const auto& [seed, file] : {std::pair{"0", "same.exr"}, std::pair{"1", "other.exr"}}) {
+      std::vector<std::string> arguments = render;
+      arguments.insert(arguments.end(), {"--seed", seed, "-o", file});
+      ASSERT_EQ(penumbra(arguments).exit_code, 0);
+    }
+    const Image from_view = image("view.exr"), same = image("same.exr"), other = image("other.exr");
+    if (alpha == "1")
+      EXPECT_EQ(differing_bits(channels(from_view, "difference."), channels(same, "difference.")), 0);
+    // The composite against another seed: independent samples, and the same error.
+    constexpr int kBlock = 4;
+    const statistics::Estimate a = blocks(channels(from_view, ""), channels(same, "variance."), kBlock);
+    const statistics::Estimate b = blocks(channels(other, ""), channels(other, "variance."), kBlock);
+    const statistics::ImageTestResult result = statistics::z_test(a, b);
+    EXPECT_TRUE(result.passed) << result.summary();
+  }
+}
+
+TEST_F(PenumbraViewTest, AnotherCameraShowsItsClosedFormAtOnceAndNothingOfTheLast) {
+  const std::string move = "camera eye 1 1.5 4 at 0 0.5 0.2\n";
+  const ProgramResult moved =
+      view({"scene.xml", "--workers", "2", "--tile", "8", "--spp", "64"},
+           "wait connected\nwait analytic 3\nkey space 40\nwait samples 3\n" + move +
+               "save moved.exr\nkey space 4\nwait samples 4\nsave samples.exr\nquit\n");
+  ASSERT_EQ(moved.exit_code, 0) << moved.err;
+  const ProgramResult fresh =
+      view({"scene.xml", "--spp", "64", "-D", "eye=1, 1.5, 4", "-D", "at=0, 0.5, 0.2"},
+           "wait connected\nsave fresh.exr\nkey space 4\nwait samples 4\n"
+           "save fresh-samples.exr\nquit\n");
+  ASSERT_EQ(fresh.exit_code, 0) << fresh.err;
+  const Image at_once = image("moved.exr");
+  EXPECT_EQ(largest_sample_count(at_once), 0);
+  // One frame of the new view; the script's camera and the scene's are the same but for rounding.
+  const statistics::Image ours = channels(at_once, ""), theirs = channels(image("fresh.exr"), "");
+  int far = 0;
+  for (std::size_t i = 0; i < ours.values.size(); ++i)
+    far += std::abs(ours.values[i] - theirs.values[i]) > 1e-4 * (std::abs(theirs.values[i]) + 1e-3) ? 1 : 0;
+  constexpr int kSilhouettePixels = kPixels / 100;
+  EXPECT_LE(far, 3 * kSilhouettePixels);
+  // And samples of it alone.
+  const Image samples = image("samples.exr");
+  EXPECT_EQ(largest_sample_count(samples), 4);
+  const statistics::Image difference = channels(samples, "difference.");
+  const statistics::Image expected = channels(image("fresh-samples.exr"), "difference.");
+  double off = 0, scale = 0;
+  for (std::size_t i = 0; i < difference.values.size(); ++i) {
+    off += std::abs(difference.values[i] - expected.values[i]);
+    scale += std::abs(expected.values[i]);
+  }
+  EXPECT_GT(scale, 0);
+  EXPECT_LT(off, 0.02 * scale);  // the same random numbers; only rays at edges may differ
+}
+
+TEST_F(PenumbraViewTest, ABatchRenderIsWatchedByTwoToItsEnd) {
+  Program render(path(), {"render", "scene.xml", "-D", "type=path", "--time-budget", "8", "--spp",
+                          "100000000", "--tile", "16", "-o", "batch.exr", "--no-report"});
+  const auto address = [&] {
+    std::smatch found;
+    const std::string text = output(".stderr");
+    return std::regex_search(text, found, std::regex("penumbra-view --connect (unix:\\S+)")) ? found[1].str()
+                                                                                             : "";
+  };
+  ASSERT_TRUE(eventually([&] { return !address().empty(); }, 10s)) << output(".stderr");
+  const std::string connect = address();
+  TemporaryFolder elsewhere;  // each program keeps its output in its folder
+  write_text(elsewhere.path() / "watch.txt",
+             "wait samples 1\nsave first.exr\nwait finished\nsave last.exr\nquit\n");
+  const std::vector<std::string> arguments = {"view",      "--connect", connect,     "--script",
+                                              "watch.txt", "--hidden",  "--gl-debug"};
+  TemporaryFolder third;
+  write_text(third.path() / "watch.txt", "wait finished\nsave last.exr\nquit\n");
+  Program second(third.path(), arguments);
+  const ProgramResult watched = run_penumbra(elsewhere.path(), arguments);
+  const ProgramResult watched_too = second.wait();
+  EXPECT_EQ(render.wait().exit_code, 0);
+  ASSERT_EQ(watched.exit_code, 0) << watched.err;
+  ASSERT_EQ(watched_too.exit_code, 0) << watched_too.err;
+  const statistics::Image written = channels(image("batch.exr"), "");
+  for (const TemporaryFolder* folder : {&elsewhere, &third}) {
+    const Image last = read_image(folder->path() / "last.exr").value();
+    EXPECT_EQ(differing_bits(channels(last, ""), written), 0);
+  }
+  EXPECT_GT(differing_bits(channels(read_image(elsewhere.path() / "first.exr").value(), ""), written), 0);
+}
+
+TEST_F(PenumbraViewTest, AKilledWorkerIsToldAndReplaced) {
+  Program viewer(
+      path(), view_arguments({"scene.xml", "--workers", "2", "--tile", "16"},
+                             "wait connected\nkey r\nwait samples 3\nlog ready\nwait samples 300\nquit\n"));
+  ASSERT_TRUE(says("ready")) << output(".stderr");
+  const std::vector<pid_t> schedulers = children_of(viewer.pid());
+  ASSERT_THAT(schedulers, SizeIs(1));
+  const std::vector<pid_t> workers = children_of(schedulers[0]);
+  ASSERT_THAT(workers, SizeIs(2));
+  kill(workers[0], SIGKILL);
+  const ProgramResult result = viewer.wait();
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, ContainsRegex("penumbra-view: .*" + std::to_string(workers[0]) + " was lost"));
+}
+
+TEST_F(PenumbraViewTest, AKilledSchedulerIsToldAndStartedAgain) {
+  Program viewer(
+      path(),
+      view_arguments(
+          {"scene.xml", "--workers", "2", "--tile", "16"},
+          "wait connected\nkey r\nwait samples 3\nlog ready\nwait samples 300\nsave end.exr\nquit\n"));
+  ASSERT_TRUE(says("ready")) << output(".stderr");
+  const std::vector<pid_t> schedulers = children_of(viewer.pid());
+  ASSERT_THAT(schedulers, SizeIs(1));
+  kill(schedulers[0], SIGKILL);
+  const ProgramResult result = viewer.wait();
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, AllOf(HasSubstr("the connection was lost"), HasSubstr("signal 9"),
+                                HasSubstr("starting it again")));
+  EXPECT_GE(largest_sample_count(image("end.exr")), 300);
+}
+
+TEST_F(PenumbraViewTest, ASceneThatChangesIsReloaded) {
+  const ProgramResult result = view({"scene.xml", "--spp", "4"},
+                                    "wait connected\nkey space\nwait samples 1\nkey f5\nwait connected\n"
+                                    "key space 2\nwait samples 2\nsave end.exr\nquit\n");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(largest_sample_count(image("end.exr")), 2);
+}
+
+TEST_F(PenumbraViewTest, AnyIntegratorIsShownAsItConverges) {
+  const ProgramResult result = view({"scene.xml", "-D", "type=path", "--spp", "6"},
+                                    "wait finished\nsave view.exr\nscreenshot view.png\nkey 4\nkey o\n"
+                                    "screenshot error.png\nquit\n");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  ASSERT_EQ(penumbra({"render", "scene.xml", "-D", "type=path", "--spp", "6", "--pass", "1", "-q", "-o",
+                      "offline.exr"})
+                .exit_code,
+            0);
+  EXPECT_EQ(differing_bits(channels(image("view.exr"), ""), channels(image("offline.exr"), "")), 0);
+  EXPECT_EQ(image("view.png").data.width, 1280);
+}
+
+TEST_F(PenumbraViewTest, WhatCannotWorkIsSaid) {
+  write_text(path() / "bad.xml", "<scene version=\"3.0.0\"><shape type=\"rectangl\"/></scene>");
+  const ProgramResult bad_scene = view({"bad.xml"}, "wait connected\n");
+  EXPECT_EQ(bad_scene.exit_code, 2);
+  EXPECT_THAT(bad_scene.err, AllOf(HasSubstr("bad.xml:1:"), HasSubstr("rectangl")));
+
+  const ProgramResult bad_script = view({"scene.xml"}, "wait conected\n");
+  EXPECT_EQ(bad_script.exit_code, 2);
+  EXPECT_THAT(bad_script.err, AllOf(ContainsRegex("script.*txt:1:6: error"), HasSubstr("connected")));
+
+  const ProgramResult nobody =
+      view({"--connect", "unix:" + (path() / "nobody").string()}, "wait connected timeout 1\n");
+  EXPECT_EQ(nobody.exit_code, 1);
+  EXPECT_THAT(nobody.err, ContainsRegex("script.*txt:1: error: waited 1 s"));
+
+  EXPECT_EQ(view({}, "quit\n").exit_code, 2);
+  EXPECT_EQ(view({"scene.xml", "--spp", "-3"}, "quit\n").exit_code, 2);
+}
+
+}  // namespace
+}  // namespace penumbra
