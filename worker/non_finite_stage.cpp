@@ -28,6 +28,12 @@ class DeviceWithStages final : public Device {
     return result;
   }
 
+  Expected<void> take_view() override {
+    if (prober_)
+      if (Expected<void> taken = prober_->take_view(); !taken) return taken;
+    return device_->take_view();
+  }
+
  private:
   /// Unknown if the path cannot be repeated, or is another one natively: no reason to lose the unit.
   SampleStage stage_of(const NonFiniteSamples& bad) {
