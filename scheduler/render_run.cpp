@@ -224,7 +224,7 @@ void RenderRun::show_progress(bool ended) {
 }
 
 void RenderRun::problem(std::string text) {
-  board_.say(text);
+  board_.say("warning: " + text);
   problems_.push_back(std::move(text));
 }
 

@@ -18,6 +18,7 @@
 #include "tests/outputs/temporary_folder.h"
 #include "tests/support/fake_processes.h"
 #include "tests/support/image_test.h"
+#include "tests/support/render_scene.h"
 
 namespace penumbra {
 namespace {
@@ -29,7 +30,7 @@ using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::SizeIs;
 
-constexpr int kWidth = 48, kHeight = 40, kPixels = kWidth * kHeight;
+constexpr int kWidth = 48, kHeight = 40, kPixels = kWidth * kHeight, kSpp = 16;
 // A block between a square light and a floor, diffuse and glossy.
 constexpr const char* kScene = R"(<scene version="3.0.0">
   <default name="eye" value="0, 2.5, 5"/>
@@ -123,12 +124,24 @@ int differing_bits(const statistics::Image& a, const statistics::Image& b) {
   return count + std::abs(int(a.values.size()) - int(b.values.size()));
 }
 
-/// Means of blocks, with standard errors from those of the pixels.
-statistics::Estimate blocks(const statistics::Image& mean, const statistics::Image& variance, int block) {
+// What is drawn is in single precision: as a standard deviation, a tenth of what analytic_pass_test allows at
+// most.
+constexpr double kDrawnError = 1e-4;
+
+/// Means of blocks of so many pixels a side with so many samples each, and standard errors from those of the
+/// pixels. Where all samples are equal the edge of a light may still cross the block, so narrow that one
+/// sample more would have met it.
+statistics::Estimate blocks(const statistics::Image& mean, const statistics::Image& variance, int block,
+                            int spp) {
   statistics::Estimate estimate{statistics::block_average(mean, block),
                                 statistics::block_average(variance, block),
                                 std::numeric_limits<double>::infinity()};
-  for (double& value : estimate.standard_error.values) value = std::sqrt(value) / block;
+  const double brightest = std::ranges::max(mean.values);
+  for (std::size_t i = 0; i < estimate.mean.values.size(); ++i) {
+    double& error = estimate.standard_error.values[i];
+    error = error > 0 ? std::sqrt(error) / block : brightest / (block * block * spp);
+    error = std::hypot(error, kDrawnError * estimate.mean.values[i]);
+  }
   return estimate;
 }
 
@@ -160,11 +173,61 @@ TEST_F(PenumbraViewTest, PressesOfSpaceAreTheSamplesOfAnOfflineControlVariate) {
       EXPECT_EQ(differing_bits(channels(from_view, "difference."), channels(same, "difference.")), 0);
     // The composite against another seed: independent samples, and the same error.
     constexpr int kBlock = 4;
-    const statistics::Estimate a = blocks(channels(from_view, ""), channels(same, "variance."), kBlock);
-    const statistics::Estimate b = blocks(channels(other, ""), channels(other, "variance."), kBlock);
+    const statistics::Estimate a = blocks(channels(from_view, ""), channels(same, "variance."), kBlock, kSpp);
+    const statistics::Estimate b = blocks(channels(other, ""), channels(other, "variance."), kBlock, kSpp);
     const statistics::ImageTestResult result = statistics::z_test(a, b);
     EXPECT_TRUE(result.passed) << result.summary();
   }
+}
+
+/// TinyRender's own scenes, at the size that they have: a polygon light, its 84 triangles, a concave star.
+TEST_F(PenumbraViewTest, TinyRenderScenesAreTheSameOnScreenAndOffline) {
+  const auto folder = oracle_folder("tinyrender-a4");
+  if (!folder) GTEST_SKIP() << "the oracles are not here";
+  for (const std::string scene :
+       {"grid/tinyrender/grid_cv.toml", "polygon/tinyrender/polygon_analytic_realtime.toml",
+        "star/tinyrender/star_analytic_realtime.toml"}) {
+    SCOPED_TRACE(scene);
+    const std::string file = (*folder / scene).string();
+    const ProgramResult seen =
+        view({file, "--workers", "2", "--spp", "16", "--sampler", "independent"},
+             "wait connected\nkey space 16\nwait samples 16\nwait analytic 64\nsave view.exr\nquit\n");
+    ASSERT_EQ(seen.exit_code, 0) << seen.err;
+    for (const auto& [seed, name] : {std::pair{"0", "same.exr"}, std::pair{"1", "other.exr"}})
+      ASSERT_EQ(
+          penumbra({"render", file, "--integrator", "polygon_cv", "--set", "integrator.alpha=1", "--spp",
+                    "16", "--pass", "1", "--sampler", "independent", "-q", "--seed", seed, "-o", name})
+              .exit_code,
+          0);
+    const Image from_view = image("view.exr"), same = image("same.exr"), other = image("other.exr");
+    EXPECT_EQ(differing_bits(channels(from_view, "difference."), channels(same, "difference.")), 0);
+    constexpr int kBlock = 8;  // 1024 samples: their spread tells the standard error
+    const statistics::ImageTestResult result =
+        statistics::z_test(blocks(channels(from_view, ""), channels(same, "variance."), kBlock, kSpp),
+                           blocks(channels(other, ""), channels(other, "variance."), kBlock, kSpp));
+    EXPECT_TRUE(result.passed) << result.summary();
+  }
+}
+
+TEST_F(PenumbraViewTest, OverTcpATokenIsNeeded) {
+  Program preview(path(), {"preview", "scene.xml", "--listen", "127.0.0.1:0"});
+  std::smatch found;
+  std::string text;
+  const std::regex printed("PENUMBRA_TOKEN=(\\S+) penumbra-view --connect (\\S+)");
+  ASSERT_TRUE(eventually([&] { return std::regex_search(text = output(".stderr"), found, printed); }, 10s))
+      << text;
+  const std::string token = found[1], address = found[2];
+  TemporaryFolder elsewhere;
+  write_text(elsewhere.path() / "script.txt", "wait connected timeout 20\nkey space\nwait samples 1\nquit\n");
+  const std::vector<std::string> arguments = {"view",     "--connect",  address,
+                                              "--script", "script.txt", "--hidden"};
+  const ProgramResult without = run_penumbra(elsewhere.path(), arguments);
+  EXPECT_EQ(without.exit_code, 1);
+  EXPECT_THAT(without.err, HasSubstr("token"));
+  std::vector<std::string> with = arguments;
+  with.insert(with.end(), {"--token", token});
+  const ProgramResult let_in = run_penumbra(elsewhere.path(), with);
+  EXPECT_EQ(let_in.exit_code, 0) << let_in.err;
 }
 
 TEST_F(PenumbraViewTest, AnotherCameraShowsItsClosedFormAtOnceAndNothingOfTheLast) {
