@@ -23,7 +23,7 @@ bash .ci/install_packages.sh
 
 echo "2/3 Build, in build/release (some minutes the first time)"
 cmake --preset release >/dev/null
-cmake --build --preset release --target penumbra penumbra-worker
+cmake --build --preset release --target programs
 
 echo "3/3 Render scenes/cornell/cornell.xml with two workers"
 build/release/penumbra render scenes/cornell/cornell.xml --workers 2 --spp 64 -o "$out/cornell.exr"
@@ -40,4 +40,5 @@ The Cornell box is rendered:
   $out/cornell.exr   linear radiance with variance, albedo, normal, depth and sample-count layers
   $out/cornell.png   for looking at
 Next: build/release/penumbra render --help
+      build/release/penumbra view scenes/star-light/star-light.xml   (where there is a screen)
 END

@@ -1,0 +1,213 @@
+// What people want of a Viewer: samples, cameras, files.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "gl/viewer.h"
+
+namespace penumbra {
+namespace {
+
+// What automatic refinement asks for ahead of what is there: enough that workers never wait, little enough
+// that it stops soon.
+constexpr double kSecondsAhead = 0.3;
+constexpr double kLeastSppAhead = 2, kMostSppAhead = 256;
+constexpr double kOrbitStep = std::numbers::pi / 36, kDollyStep = 0.9;
+constexpr float kAlphaStep = 0.1f, kExposureStep = 0.25f;
+constexpr double kRadiansPerHeight = std::numbers::pi;  // of a drag as long as the window is high
+
+ToneMap next(ToneMap tone_map) { return ToneMap((int(tone_map) + 1) % (int(ToneMap::kFilmic) + 1)); }
+
+}  // namespace
+
+void Viewer::want_samples(std::uint32_t spp) {
+  spp = std::min(spp, job_->spp);
+  if (spp <= status_.spp_wanted) return;
+  status_.spp_wanted = own_wish_ = spp;
+  status_.finished = false;
+  if (!asked_) {
+    asked_ = Clock::now();
+    asked_spp_ = spp;
+  }
+  client_.want_samples(spp);
+}
+
+void Viewer::refine() {
+  if (!settings_.automatic || !can_steer() || status_.connection != ConnectionState::kConnected) return;
+  const double pixels = double(job_->width) * double(job_->height);
+  const double ahead = std::clamp(std::ceil(kSecondsAhead * status_.samples_per_second / pixels),
+                                  kLeastSppAhead, kMostSppAhead);
+  want_samples(status_.spp_done + std::uint32_t(ahead));
+}
+
+void Viewer::set_pose(const CameraPose& pose) {
+  if (!can_steer()) {
+    say("warning: the camera of this render cannot be moved");
+    return;
+  }
+  pose_ = pose;
+  moved_ = true;
+  show_pose();
+}
+
+void Viewer::set_alpha(float alpha) {
+  settings_.alpha = alpha;
+  if (can_steer() && status_.hybrid) show_pose();
+}
+
+/// Asks for the view of the present pose and alpha, and shows nothing of the one before.
+void Viewer::show_pose() {
+  SceneHeader header = *header_;
+  if (moved_) set_camera(pose_, header);
+  view_ = view_of(header);
+  view_.alpha = settings_.alpha;
+  client_.change_view(view_);
+  forget_samples();
+}
+
+void Viewer::forget_samples() {
+  film_->clear(0);
+  analytic_is_old_ = true;
+  asked_.reset();
+  status_.spp_done = status_.spp_wanted = own_wish_ = 0;
+  status_.samples_done = status_.samples_total = 0;
+  status_.finished = false;
+  status_.relative_error = std::numeric_limits<double>::quiet_NaN();
+  stale_ = true;
+}
+
+void Viewer::move_by(double right, double up, double forward) {
+  const double step = step_length(pose_, extent_);
+  const double side = header_ && film_is_mirrored(*header_) ? -1 : 1;
+  set_pose(move(pose_, side * right * step, up * step, forward * step));
+}
+
+void Viewer::handle(const WindowEvents& events) {
+  if (!events.any()) return;
+  stale_ = true;
+  for (const Action action : events.actions) act(action);
+  if (events.close) quit_ = true;
+  if (!can_steer()) return;
+  const double side = film_is_mirrored(*header_) ? -1 : 1;
+  const double per_pixel = 1.0 / std::max(window_.height(), 1);
+  if (events.orbit_x != 0 || events.orbit_y != 0)
+    set_pose(orbit(pose_, -side * events.orbit_x * per_pixel * kRadiansPerHeight,
+                   events.orbit_y * per_pixel * kRadiansPerHeight));
+  if (events.pan_x != 0 || events.pan_y != 0) {
+    // The target follows the mouse.
+    const double distance = glm::length(pose_.at - pose_.eye);
+    const double height = 2 * double(length3(header_->camera_y)) * distance * per_pixel;
+    set_pose(move(pose_, -side * events.pan_x * height, events.pan_y * height, 0));
+  }
+  if (events.wheel != 0) set_pose(dolly(pose_, std::pow(kDollyStep, events.wheel)));
+}
+
+void Viewer::act(Action action) {
+  stale_ = true;
+  const double side = header_ && film_is_mirrored(*header_) ? -1 : 1;
+  switch (action) {
+    case Action::kOneMoreSample:
+      if (can_steer()) want_samples(status_.spp_wanted + 1);
+      return;
+    case Action::kToggleAutomatic:
+      settings_.automatic = !settings_.automatic && can_steer();
+      return;
+    case Action::kShowComposite:
+      settings_.layer = Layer::kComposite;
+      return;
+    case Action::kShowAnalytic:
+      if (status_.hybrid) settings_.layer = Layer::kAnalytic;
+      return;
+    case Action::kShowDifference:
+      if (status_.hybrid) settings_.layer = Layer::kDifference;
+      return;
+    case Action::kShowError:
+      settings_.layer = Layer::kError;
+      return;
+    case Action::kToggleOutlines:
+      settings_.outlines = !settings_.outlines;
+      return;
+    case Action::kBrighter:
+      settings_.exposure += kExposureStep;
+      return;
+    case Action::kDarker:
+      settings_.exposure -= kExposureStep;
+      return;
+    case Action::kNextToneMap:
+      settings_.tone_map = next(settings_.tone_map);
+      return;
+    case Action::kAlphaUp:
+      return set_alpha(settings_.alpha + kAlphaStep);
+    case Action::kAlphaDown:
+      return set_alpha(settings_.alpha - kAlphaStep);
+    case Action::kForward:
+      return move_by(0, 0, 1);
+    case Action::kBack:
+      return move_by(0, 0, -1);
+    case Action::kLeft:
+      return move_by(-1, 0, 0);
+    case Action::kRight:
+      return move_by(1, 0, 0);
+    case Action::kUp:
+      return move_by(0, 1, 0);
+    case Action::kDown:
+      return move_by(0, -1, 0);
+    case Action::kOrbitLeft:
+      return set_pose(orbit(pose_, -side * kOrbitStep, 0));
+    case Action::kOrbitRight:
+      return set_pose(orbit(pose_, side * kOrbitStep, 0));
+    case Action::kOrbitUp:
+      return set_pose(orbit(pose_, 0, kOrbitStep));
+    case Action::kOrbitDown:
+      return set_pose(orbit(pose_, 0, -kOrbitStep));
+    case Action::kCloser:
+      return set_pose(dolly(pose_, kDollyStep));
+    case Action::kFarther:
+      return set_pose(dolly(pose_, 1 / kDollyStep));
+    case Action::kResetCamera:
+      if (!can_steer()) return;
+      pose_ = scene_pose_;
+      moved_ = false;
+      return show_pose();
+    case Action::kReload:
+      return reload();
+    case Action::kSave:
+      return save_beside_scene();
+    case Action::kTogglePanel:
+      settings_.panel = !settings_.panel;
+      return;
+    case Action::kToggleHelp:
+      settings_.help = !settings_.help;
+      return;
+    case Action::kQuit:
+      quit_ = true;
+      return;
+  }
+}
+
+void Viewer::reload() {
+  if (local_ == nullptr) {
+    say("warning: the scene belongs to the scheduler, which was not started from here: it cannot be "
+        "reloaded");
+    return;
+  }
+  say("reading the scene again");
+  status_.connection = ConnectionState::kStarting;
+  starts_without_success_ = 0;
+  if (const Expected<void> started = local_->restart(); !started) say("error: " + started.error().message);
+}
+
+void Viewer::save_beside_scene() {
+  if (!film_) return;
+  const std::string stem = std::filesystem::path(status_.scene).stem().string();
+  for (const char* extension : {"exr", "png"}) {
+    const std::string name = fmt::format("{}-view.{}", stem.empty() ? "render" : stem, extension);
+    const Expected<void> saved = save(name);
+    say(saved ? "wrote " + name : "error: " + saved.error().message);
+  }
+}
+
+}  // namespace penumbra
