@@ -61,7 +61,6 @@ TEST_F(SteeredRenderTest, NothingIsRenderedUntilSamplesAreWanted) {
   EXPECT_TRUE(onlooker.progress.finished);
   EXPECT_FALSE(onlooker.progress.ended);
   EXPECT_EQ(run.stop().units_done, 0u);
-  EXPECT_TRUE(onlooker.sees_end());
 }
 
 TEST_F(SteeredRenderTest, SamplesOneByOneGiveTheFilmOfABatch) {
@@ -255,9 +254,9 @@ TEST_F(SteeredRenderTest, ItEndsByItsStopAlone) {
   ASSERT_TRUE(onlooker.sees_samples(kSpp));
   EXPECT_FALSE(onlooker.sees([&] { return onlooker.ended; }, 300ms)) << "all that is wanted is no end";
   run.stop();
-  EXPECT_TRUE(onlooker.sees_end());
-  EXPECT_EQ(onlooker.losses, 0);
-  EXPECT_TRUE(onlooker.progress.ended);
+  EXPECT_TRUE(onlooker.sees([&] { return onlooker.losses == 1; })) << "another scheduler may follow";
+  EXPECT_FALSE(onlooker.ended);
+  EXPECT_FALSE(onlooker.progress.ended);
 }
 
 }  // namespace
