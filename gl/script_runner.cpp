@@ -10,7 +10,8 @@
 namespace penumbra {
 namespace {
 
-constexpr double kPatience = 120;  // seconds, of a wait that says nothing else
+constexpr double kPatienceWithDesktop = 1;  // seconds, of another size
+constexpr double kPatience = 120;           // seconds, of a wait that says nothing else
 
 const char* name_of(WaitFor what) {
   switch (what) {
@@ -91,9 +92,13 @@ Expected<bool> ScriptRunner::run(const SetExposureCommand& command) {
 }
 
 Expected<bool> ScriptRunner::run(const ResizeCommand& command) {
-  if (Expected<void> resized = window_->resize(command.width, command.height); !resized)
-    return std::unexpected(resized.error());
-  return true;
+  if (tries_ == 1) {
+    if (Expected<void> resized = window_->resize(command.width, command.height); !resized)
+      return std::unexpected(resized.error());
+  }
+  if (window_->width() == command.width && window_->height() == command.height) return true;
+  // A desktop takes its time, and may give another size.
+  return std::chrono::duration<double>(Clock::now() - since_).count() > kPatienceWithDesktop;
 }
 
 /// Of a frame that began after the command before.
@@ -122,10 +127,11 @@ Expected<bool> ScriptRunner::run(const QuitCommand&) {
 }
 
 Expected<void> write_screenshot(const Window& window, const std::string& path) {
+  FramePixels frame = window.read_pixels();
   Picture picture;
-  picture.width = window.width();
-  picture.height = window.height();
-  picture.display = window.read_pixels();
+  picture.width = frame.width;
+  picture.height = frame.height;
+  picture.display = std::move(frame.rgb);
   return save_picture(path, picture);
 }
 

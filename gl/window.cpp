@@ -225,7 +225,7 @@ Expected<void> Window::resize(int width, int height) {
   return {};
 }
 
-std::vector<std::uint8_t> Window::read_pixels() const {
+FramePixels Window::read_pixels() const {
   GLint width = 0, height = 0;  // of the last frame, not of the next
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, state_->picture.name());
@@ -243,7 +243,7 @@ std::vector<std::uint8_t> Window::read_pixels() const {
     std::swap_ranges(bytes.data() + row * y, bytes.data() + row * (y + 1),
                      bytes.data() + row * (std::size_t(height) - 1 - y));
   }
-  return bytes;
+  return {width, height, std::move(bytes)};
 }
 
 std::vector<std::string> Window::take_gl_errors() {

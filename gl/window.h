@@ -40,6 +40,12 @@ struct WindowEvents {
   }
 };
 
+/// Red, green and blue, 8 bits each, row by row from the top.
+struct FramePixels {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
 /// A frame is poll(), begin_frame(), the panel (ImGui calls), the picture into framebuffer(), end_frame():
 /// the panel is laid out before the picture and drawn over it. One window has ImGui at a time; its context
 /// and OpenGL's are current from create() on. For the thread that is main().
@@ -73,8 +79,8 @@ class Window {
   Expected<void> resize(int width, int height);
   void set_title(const std::string& title);
 
-  /// Of the last frame that ended: red, green and blue, 8 bits each, row by row from the top.
-  [[nodiscard]] std::vector<std::uint8_t> read_pixels() const;
+  /// The last frame that ended.
+  [[nodiscard]] FramePixels read_pixels() const;
 
   /// What OpenGL complained of since the last call, at most a hundred; texts of the driver's own where it has
   /// KHR_debug and `debug` was asked for.

@@ -85,7 +85,7 @@ class CompositePassTest : public HiddenWindowTest {
     place_ = pass_->show(*film_, settings, workers,
                          {window_->framebuffer(), window_->width(), window_->height(), area, 1});
     window_->end_frame();
-    return window_->read_pixels();
+    return window_->read_pixels().rgb;
   }
   std::array<int, 3> pixel(const std::vector<std::uint8_t>& bytes, int x, int y, int width) const {
     const std::size_t at = 3 * (std::size_t(y) * std::size_t(width) + std::size_t(x));

@@ -191,7 +191,7 @@ class OverlayTest : public HiddenWindowTest {
   void keep_screenshot(const std::string& name) {
     const char* folder = std::getenv("PENUMBRA_SCREENSHOTS");
     if (folder == nullptr) return;
-    const auto png = encode_png_bytes(window_->width(), window_->height(), window_->read_pixels());
+    const auto png = encode_png_bytes(window_->width(), window_->height(), window_->read_pixels().rgb);
     ASSERT_TRUE(png.has_value()) << png.error().message;
     const auto written = write_file_atomically(std::filesystem::path(folder) / (name + ".png"), *png);
     ASSERT_TRUE(written.has_value()) << written.error().message;
@@ -221,7 +221,7 @@ TEST_P(OverlayAtSize, EveryStateIsDrawnWithoutErrors) {
     EXPECT_LE(result.picture_area.width, size.width);
     EXPECT_GE(result.picture_area.width, int(0.4 * size.width));
     EXPECT_EQ(result.picture_area.height, size.height);
-    const std::vector<std::uint8_t> pixels = window_->read_pixels();
+    const std::vector<std::uint8_t> pixels = window_->read_pixels().rgb;
     ASSERT_EQ(pixels.size(), 3u * std::size_t(size.width) * std::size_t(size.height));
     const std::set<std::uint8_t> values(pixels.begin(), pixels.end());
     EXPECT_GT(values.size(), 8u) << "there is text";

@@ -120,7 +120,7 @@ TEST_F(WindowTest, PixelsAreThoseOfTheLastFrameTopRowFirst) {
   glDisable(GL_SCISSOR_TEST);
   window_->end_frame();
   ASSERT_TRUE(window_->resize(320, 200).has_value());
-  const auto pixels = window_->read_pixels();
+  const auto pixels = window_->read_pixels().rgb;
   ASSERT_EQ(pixels.size(), 3u * 640 * 400) << "the new size begins with the next frame";
   EXPECT_EQ(pixels[0], 255);
   EXPECT_EQ(pixels[1], 0);
@@ -128,7 +128,7 @@ TEST_F(WindowTest, PixelsAreThoseOfTheLastFrameTopRowFirst) {
   EXPECT_TRUE(window_->poll().resized);
   window_->begin_frame();
   window_->end_frame();
-  EXPECT_EQ(window_->read_pixels().size(), 3u * 320 * 200);
+  EXPECT_EQ(window_->read_pixels().rgb.size(), 3u * 320 * 200);
 }
 
 TEST_F(WindowTest, AVisibleWindowShowsWhatWasDrawn) {
@@ -145,7 +145,7 @@ TEST_F(WindowTest, AVisibleWindowShowsWhatWasDrawn) {
   }
   EXPECT_GT(visible->width(), 0);
   EXPECT_GE(visible->content_scale(), 0.5f);
-  const auto pixels = visible->read_pixels();
+  const auto pixels = visible->read_pixels().rgb;
   ASSERT_EQ(pixels.size(), 3u * std::size_t(visible->width()) * std::size_t(visible->height()));
   EXPECT_EQ(pixels[0], 0);
   EXPECT_EQ(pixels[1], 255);
@@ -155,7 +155,7 @@ TEST_F(WindowTest, AVisibleWindowShowsWhatWasDrawn) {
   EXPECT_TRUE(resized);
   visible->begin_frame();
   visible->end_frame();
-  EXPECT_EQ(visible->read_pixels().size(),
+  EXPECT_EQ(visible->read_pixels().rgb.size(),
             3u * std::size_t(visible->width()) * std::size_t(visible->height()));
   EXPECT_THAT(visible->take_gl_errors(), IsEmpty());
 }
