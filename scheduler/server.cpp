@@ -297,6 +297,9 @@ Expected<std::unique_ptr<Server>> Server::listen(const ListenOptions& options, W
   if (!options.more.empty()) {
     if (const Expected<void> checked = check_listen_address(options.more); !checked)
       return std::unexpected(checked.error());
+    // gRPC would take the place over and leave the other without its callers.
+    if (!is_tcp(options.more) && is_answered(options.more))
+      return fail(fmt::format("cannot listen on {}: somebody listens there already", options.more));
     builder.AddListeningPort(options.more, grpc::InsecureServerCredentials(), &port);
     if (is_tcp(options.more)) state->service.token = make_token();
   }

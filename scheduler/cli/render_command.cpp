@@ -151,8 +151,12 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
   const bool show = !options.quiet && !options.pixel;
   ProgressPrinter progress(stderr, show ? progress_style(stderr) : ProgressStyle::kNone,
                            terminal_columns(stderr));
-  const auto outcome =
-      render_with_fallback(prepared->job, stop, [&](const RenderProgress& now) { progress.update(now); });
+  const auto outcome = render_with_fallback(prepared->job, stop, [&](const RenderProgress& now) {
+    progress.update(now);
+    // Who asks for an address wants to know it, and its token, even so.
+    if (!show && !options.listen.empty())
+      for (const std::string& notice : now.notices) fmt::print(stderr, "{}\n", notice);
+  });
   progress.finish();
   if (!outcome) return print_error(outcome.error()), kIncomplete;
   if (sample_range(outcome->film).total == 0) {

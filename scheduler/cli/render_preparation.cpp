@@ -14,6 +14,8 @@
 namespace penumbra {
 namespace {
 
+constexpr Seconds kPreviewLease = 60;
+
 /// The film with the rectangle that the options ask for as its crop.
 Expected<Film> cropped_film(const RenderOptions& options, Film film) {
   std::optional<CropRectangle> crop = options.crop;
@@ -102,6 +104,8 @@ RenderJob make_job(const RenderOptions& options, const RenderRecord& record, con
   job.listen = options.listen;
   job.tev = options.tev;
   job.interactive = options.interactive;
+  // A unit is one sample of a tile, and every view begins with workers of which nothing is known.
+  if (job.interactive) job.leases.initial = kPreviewLease;
   if (options.pixel) simplify_for_a_pixel(job);
   return job;
 }

@@ -141,6 +141,20 @@ TEST_F(AccessTest, PortZeroPicksOneThatIsNamed) {
   EXPECT_NE((*other)->token(), server_->token());
 }
 
+TEST_F(AccessTest, ASocketThatIsListenedAtStaysWithItsOwner) {
+  WatchBoard board(1);
+  const PrivateSocket first = PrivateSocket::create().value(), second = PrivateSocket::create().value();
+  const std::string shared = "unix:" + first.directory() + "/shared";
+  auto owner = Server::listen({.address = first.address(), .more = shared}, board);
+  ASSERT_TRUE(owner) << owner.error().message;
+  const auto other = Server::listen({.address = second.address(), .more = shared}, board);
+  ASSERT_FALSE(other);
+  EXPECT_THAT(other.error().message, AllOf(HasSubstr(shared), HasSubstr("somebody listens there already")));
+  // What a process that died leaves behind is nobody's.
+  owner->reset();
+  EXPECT_TRUE(Server::listen({.address = second.address(), .more = shared}, board));
+}
+
 TEST_F(AccessTest, ATakenPortIsAnError) {
   WatchBoard board(1);
   const PrivateSocket socket = PrivateSocket::create().value();
