@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "scheduler/cli/commands.h"
-#include "scheduler/cli/program_path.h"
 #include "scheduler/cli/progress.h"
 #include "scheduler/cli/render_preparation.h"
 #include "scheduler/cli/stop_signal.h"
@@ -14,15 +13,8 @@ namespace {
 
 ExitCode preview(const RenderOptions& options) {
   const std::atomic<bool>& stop = install_stop_signal();
-  auto prepared = prepare_render(options);
-  if (!prepared) return print_error(prepared.error()), kBadInput;
-  if (const auto device = check_device(prepared->job.device); !device)
-    return print_error(device.error()), kBadInput;
-  for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
-  const auto worker = find_program("penumbra-worker");
-  if (!worker) return print_error(worker.error()), kIncomplete;
-  prepared->job.worker_executable = worker->string();
-  prepared->job.tells_how_to_watch = true;
+  auto prepared = prepare_watched_render(options);
+  if (!prepared) return prepared.error();
   const auto outcome = run_render(prepared->job, stop, [](const RenderProgress& progress) {
     for (const std::string& notice : progress.notices) fmt::print(stderr, "{}\n", notice);
   });

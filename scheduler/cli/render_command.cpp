@@ -9,7 +9,6 @@
 
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/pixel_text.h"
-#include "scheduler/cli/program_path.h"
 #include "scheduler/cli/progress.h"
 #include "scheduler/cli/render_preparation.h"
 #include "scheduler/cli/scene_costs.h"
@@ -138,15 +137,8 @@ Expected<RenderOutcome> render_with_fallback(RenderJob& job, const std::atomic<b
 
 ExitCode render(const RenderOptions& options, const std::vector<std::string>& command_line) {
   const std::atomic<bool>& stop = install_stop_signal();
-  auto prepared = prepare_render(options);
-  if (!prepared) return print_error(prepared.error()), kBadInput;
-  if (const auto device = check_device(prepared->job.device); !device)
-    return print_error(device.error()), kBadInput;
-  for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
-  const auto worker = find_program("penumbra-worker");
-  if (!worker) return print_error(worker.error()), kIncomplete;
-  prepared->job.worker_executable = worker->string();
-  prepared->job.tells_how_to_watch = true;
+  auto prepared = prepare_watched_render(options);
+  if (!prepared) return prepared.error();
 
   const bool show = !options.quiet && !options.pixel;
   ProgressPrinter progress(stderr, show ? progress_style(stderr) : ProgressStyle::kNone,

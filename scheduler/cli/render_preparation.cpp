@@ -8,6 +8,7 @@
 #include "scenes/device/device_scene_builder.h"
 #include "scheduler/access.h"
 #include "scheduler/cli/preview_scene.h"
+#include "scheduler/cli/program_path.h"
 #include "scheduler/watch/tev.h"
 #include "worker/opencl_devices.h"
 
@@ -140,6 +141,23 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options) {
   for (int axis = 0; axis < 3; ++axis) prepared.job.center[axis] = center[axis];
   prepared.scene = std::move(*scene);
   return prepared;
+}
+
+std::expected<PreparedRender, ExitCode> prepare_watched_render(const RenderOptions& options) {
+  const auto complain = [](const Error& error, ExitCode code) {
+    print_error(error);
+    return std::unexpected(code);
+  };
+  auto prepared = prepare_render(options);
+  if (!prepared) return complain(prepared.error(), kBadInput);
+  if (const auto device = check_device(prepared->job.device); !device)
+    return complain(device.error(), kBadInput);
+  for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
+  const auto worker = find_program("penumbra-worker");
+  if (!worker) return complain(worker.error(), kIncomplete);
+  prepared->job.worker_executable = worker->string();
+  prepared->job.tells_how_to_watch = true;
+  return std::move(*prepared);
 }
 
 Expected<void> check_device(const DeviceOptions& device) {

@@ -1,6 +1,7 @@
 // Everything that a render needs, checked before any of it is rendered.
 #pragma once
 
+#include "scheduler/cli/exit_code.h"
 #include "scheduler/cli/loaded_scene.h"
 #include "scheduler/cli/output_files.h"
 #include "scheduler/cli/render_options.h"
@@ -20,6 +21,10 @@ struct PreparedRender {
 /// cannot be written, a bad scene, a crop outside the film, options that exclude each other or that this
 /// machine has not.
 Expected<PreparedRender> prepare_render(const RenderOptions& options);
+
+/// The same for somebody at a terminal who may watch: with the worker's executable, whether the wanted device
+/// is there, and the scene's warnings printed. Else the error is printed.
+std::expected<PreparedRender, ExitCode> prepare_watched_render(const RenderOptions& options);
 
 /// Whether there is the OpenCL device that the render wants; the error lists those that there are. Workers
 /// would find it out later, one after the other.
