@@ -118,7 +118,8 @@ Expected<void> Viewer::on(const watch_news::Ended&) {
 }
 
 Expected<void> Viewer::on(const WatchView& news) {
-  if (!header_) return {};
+  // The first news of a connection is the view that its scene has; samples of it may have been asked for.
+  if (!header_ || is_same(news.view, view_)) return {};
   view_ = news.view;
   settings_.alpha = view_.alpha;
   SceneHeader header = *header_;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstring>
 
 #include "kernels/scene_types.h"
 
@@ -24,6 +25,9 @@ inline void apply_view(const View& view, SceneHeader& h) {
   h.camera_z = view.z;
   h.alpha = view.alpha;
 }
+
+/// To the bit.
+inline bool is_same(const View& a, const View& b) { return std::memcmp(&a, &b, sizeof(View)) == 0; }
 
 /// Whether all of it are numbers.
 inline bool is_finite(const View& view) {
