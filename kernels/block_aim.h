@@ -80,7 +80,7 @@ STAGE void survey_lanes(const PRIVATE Scene* scene, AimWishes wishes, SurfaceFie
   if (wishes.closed | !one_light)
     survey_lights(scene, &points, wishes.choice & !one_light, &drawing, analytic);
   if (one_light)
-    for (int j = 0; j < LANES; j++) draw_from(&drawing, j, 0, 1.0);
+    for (int j = 0; j < LANES; j++) draw_from(&drawing, j, 0, points.polygon[j] == 0.0 ? 0.0 : 1.0);
   if (wishes.choice)
     choose_part(scene, &points, wishes.projected, &drawing, aims, projected, u + DRAW_LIGHT_U * LANES);
   if (wishes.closed) add_analytic(f, capacity, i, wishes.path, analytic);
@@ -100,7 +100,8 @@ STAGE void project_by_power(const PRIVATE Scene* scene, SurfaceFields at, const 
       const ChosenLight by_power =
           choose_light(scene, u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_FINE * LANES + j]);
       GLOBAL const Light* light = scene->lights + by_power.light;
-      projected[j] = light_irradiance(light, s.p.x, s.p.y, s.p.z, s.shading.x, s.shading.y, s.shading.z);
+      const double e = light_irradiance(light, s.p.x, s.p.y, s.p.z, s.shading.x, s.shading.y, s.shading.z);
+      projected[j] = is_own_light(scene, s, by_power.light) ? 0.0 : e;
     }
 }
 

@@ -2,9 +2,23 @@
 // the step itself, which scenes that do not ask for it shall not carry.
 #ifndef PENUMBRA_LIGHT_AIM_H
 #define PENUMBRA_LIGHT_AIM_H
-#include "kernels/scene.h"
+#include "kernels/surface.h"
 
 PENUMBRA_NAMESPACE_BEGIN
+
+/// Number of the polygon light that the surface is a part of, or -1.
+FN int own_polygon(const PRIVATE Scene* scene, Surface s) {
+  const int polygon = scene->lights[s.light >= 0 ? s.light : 0].polygon;
+  return s.light >= 0 ? polygon : -1;
+}
+
+/// Whether the surface is a part of that flat light, which therefore does not light it. Formulas cannot tell:
+/// rounding puts the surface to either side of the light's plane, which covers half the sphere or nothing.
+FN bool is_own_light(const PRIVATE Scene* scene, Surface s, int light) {
+  const int own = own_polygon(scene, s);
+  const int polygon = scene->lights[light].polygon, kind = scene->lights[light].kind;
+  return ((light == s.light) & (kind != LIGHT_SPHERE)) | ((own >= 0) & (polygon == own));
+}
 
 /// Densities of projected solid angle leave out the choice of the light.
 typedef struct {

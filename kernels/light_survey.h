@@ -18,6 +18,7 @@ typedef struct {
   Receivers receivers;
   double diffuse[3 * LANES];   ///< reflectance, channel c of lane j at c * LANES + j; 0 where nothing is lit
   double specular[3 * LANES];  ///< likewise
+  double polygon[LANES];  ///< number of the polygon light that the point is on, which adds nothing; or -1
 } LitPoints;
 
 /// Lane j is the surface `s` that the ray meets on the primitive. Its place on a triangle is worked out once
@@ -63,6 +64,7 @@ FN void store_lit_point(const PRIVATE Scene* scene, Surface s, int primitive, ve
   const vec3 diffuse = load3(&m->diffuse), specular = load3(&m->specular);
   const float exponent = m->exponent, lobe = m->lobe;
   r->exponent[j] = (lit & (lobe > 0.0f)) ? (double)exponent : -1.0;
+  points->polygon[j] = (double)own_polygon(scene, s);
   points->diffuse[j] = lit ? (double)diffuse.x : 0.0;
   points->diffuse[LANES + j] = lit ? (double)diffuse.y : 0.0;
   points->diffuse[2 * LANES + j] = lit ? (double)diffuse.z : 0.0;
@@ -131,9 +133,9 @@ FN double rough_irradiance(GLOBAL const Light* light, double x, double y, double
   return mean * (light->kind == LIGHT_ENVIRONMENT ? pi : limited);
 }
 
-/// Adds up the closed form of all polygon lights: radiance towards the viewer without shadows, channel c of
-/// lane j at `analytic[c * LANES + j]`. With `draw` also draws a light: polygon k as k, light k that is no
-/// part of one as polygon_count + k.
+/// Adds up the closed form of all polygon lights but the point's own: radiance towards the viewer without
+/// shadows, channel c of lane j at `analytic[c * LANES + j]`. With `draw` also draws a light: polygon k as k,
+/// light k that is no part of one as polygon_count + k.
 STAGE void survey_lights(const PRIVATE Scene* scene, const PRIVATE LitPoints* points, bool draw,
                          PRIVATE Drawing* RESTRICT drawing, PRIVATE double* RESTRICT analytic) {
   for (int j = 0; j < 3 * LANES; j++) analytic[j] = 0.0;
@@ -144,7 +146,9 @@ STAGE void survey_lights(const PRIVATE Scene* scene, const PRIVATE LitPoints* po
     const vec3 radiance = load3(&polygon->radiance);
     LANE_LOOP
       for (int j = 0; j < LANES; j++) {
-        const double e = irradiance[j] * (1.0 / 3.14159265358979323846), l = lobe[j];
+        const bool own = points->polygon[j] == (double)k;
+        const double e = own ? 0.0 : irradiance[j] * (1.0 / 3.14159265358979323846);
+        const double l = own ? 0.0 : lobe[j];
         const double r = radiance.x * (points->diffuse[j] * e + points->specular[j] * l);
         const double g = radiance.y * (points->diffuse[LANES + j] * e + points->specular[LANES + j] * l);
         const double b =
