@@ -195,6 +195,39 @@ void add_broken_meshes(std::vector<Case>& cases) {
   }
 }
 
+Numbers brightest_pixel(const FilmAccumulator& film) {
+  double brightest = 0;
+  for (int y = 0; y < film.height(); ++y)
+    for (int x = 0; x < film.width(); ++x) brightest = std::max<double>(brightest, film.at(x, y).mean[0]);
+  return {brightest};
+}
+
+/// A slanted light that emits to both sides and reflects, but does not see itself: it is flat. Rounding puts
+/// its points to either side of its plane, where it covers half the sphere or nothing.
+void add_own_surface(std::vector<Case>& cases) {
+  for (const auto& [name, scale] : {std::pair("1e-4", 1e-4), std::pair("1", 1.), std::pair("1e5", 1e5)}) {
+    const Placement place{scale, scale * glm::dvec3(.31, .17, -.23)};
+    cases.push_back(
+        {fmt::format("render/own-surface-{}", name),
+         fmt::format("points of a light of {} units itself, closed form", name),
+         "largest radiance that a two-sided light reflects of itself",
+         RenderMeasurement{
+             [place] {
+               SceneDescription scene = empty_scene(16, 16, 4, {.5, .4, 2}, {0, 0, 0}, 20, place);
+               const int grey = add_diffuse(scene, kAlbedo);
+               Shape light = quad_shape({-1, -.8, -.3}, {1.7, .2, .4}, {.3, 1.4, .2}, grey, 3, place);
+               light.two_sided_emission = true;
+               scene.shapes.push_back(light);
+               scene.integrator = analytic();
+               scene.integrator.hide_emitters = true;
+               return scene;
+             },
+             brightest_pixel},
+         known(0, "a flat surface does not see itself"),
+         absolute(0, "a light's own closed form is left out")});
+  }
+}
+
 void add_points(std::vector<Case>& cases) {
   for (const auto& [name, distance] : {std::pair("1e-3", 1e-3), std::pair("1", 1.), std::pair("1e4", 1e4)}) {
     const double d = distance;
@@ -224,6 +257,7 @@ void add_render_light_cases(std::vector<Case>& cases) {
   add_seeds(cases);
   add_walls(cases);
   add_broken_meshes(cases);
+  add_own_surface(cases);
   add_points(cases);
 }
 
