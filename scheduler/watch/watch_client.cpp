@@ -116,6 +116,7 @@ bool WatchClient::receive(wire::Farm::Stub& stub, const wire::WatchEvent& event,
       const std::lock_guard lock(mutex_);
       ++connection_;
       newest_view_ = wanted_spp_ = sent_spp_ = 0;
+      own_view_.reset();
     }
     put(std::move(connected));
     return true;
@@ -191,6 +192,7 @@ std::vector<WatchNews> WatchClient::take() {
         news.push_back(std::move(item.news));
       }
       items_.pop_front();
+      if (!news.empty() && std::holds_alternative<watch_news::Connected>(news.back())) break;
     }
   }
   changed_.notify_all();
@@ -207,6 +209,11 @@ void WatchClient::change_view(const View& view) {
     wanted_spp_ = sent_spp_ = 0;
   }
   changed_.notify_all();
+}
+
+bool WatchClient::is_own(const WatchView& view) const {
+  const std::lock_guard lock(mutex_);
+  return view.number == own_view_;
 }
 
 void WatchClient::want_samples(std::uint32_t spp) {
@@ -244,7 +251,7 @@ void WatchClient::send() {
     lock.lock();
     sending_ = nullptr;
     if (changes_view) {
-      if (status.ok()) newest_view_ = reply.view();
+      if (status.ok()) own_view_ = newest_view_ = reply.view();
       view_on_its_way_ = next_view_.has_value();
     }
     // A connection that is lost is the reader's to tell.

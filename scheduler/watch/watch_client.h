@@ -52,10 +52,13 @@ class WatchClient {
   ~WatchClient();
 
   /// What has come since the last call, in order. Nothing of views older than the last that was asked for.
+  /// What follows a Connected waits for the next call: the answer to it may be another view.
   std::vector<WatchNews> take();
   /// Asks for another view, of which no samples are wanted yet. The newest wish replaces one that is not sent
   /// yet; from here on nothing of older views is taken.
   void change_view(const View& view);
+  /// Whether a view that was taken is the last that was asked for from here, and not somebody else's.
+  [[nodiscard]] bool is_own(const WatchView& view) const;
   /// Asks for so many samples in all of the newest view.
   void want_samples(std::uint32_t spp);
 
@@ -78,7 +81,7 @@ class WatchClient {
   const std::string address_, token_;
   const std::shared_ptr<grpc::Channel> channel_;
 
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
   bool stopping_ = false, over_ = false;
   grpc::ClientContext* reading_ = nullptr;
@@ -89,6 +92,7 @@ class WatchClient {
   bool view_on_its_way_ = false;   // its number is not known yet
   std::uint32_t connection_ = 0;   // each may be to another scheduler, which numbers its views anew
   std::uint32_t newest_view_ = 0;
+  std::optional<std::uint32_t> own_view_;  // the last that was asked for from here
   std::uint32_t wanted_spp_ = 0, sent_spp_ = 0;
 
   std::thread reader_, sender_;

@@ -97,6 +97,23 @@ TEST_F(SteeredRenderTest, NoTileOfAnOlderViewIsTakenAfterAChange) {
   expect_film(run.stop(), 3, 120);
 }
 
+TEST_F(SteeredRenderTest, AClientKnowsItsOwnViewFromOthers) {
+  Onlooker steering(address()), other(address());
+  BackgroundRun run(interactive_job());
+  ASSERT_TRUE(steering.sees([&] { return steering.view.has_value(); }));
+  ASSERT_TRUE(other.sees([&] { return other.view.has_value(); }));
+  EXPECT_FALSE(steering.client.is_own(*steering.view)) << "the scene's";
+  steering.change_view(10);
+  for (Onlooker* onlooker : {&steering, &other})
+    ASSERT_TRUE(onlooker->sees([&] { return onlooker->view->number == 1; }));
+  EXPECT_TRUE(steering.client.is_own(*steering.view));
+  EXPECT_FALSE(other.client.is_own(*other.view));
+  // The same camera again is another view all the same: samples begin anew.
+  other.change_view(10);
+  ASSERT_TRUE(steering.sees([&] { return steering.view->number == 2; }));
+  EXPECT_FALSE(steering.client.is_own(*steering.view));
+}
+
 TEST_F(SteeredRenderTest, LateResultsOfSlowWorkersForOldViewsAreIgnored) {
   FakeBehaviour{.delay_ms = 150}.to_environment();
   RenderJob job = interactive_job();

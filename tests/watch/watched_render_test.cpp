@@ -123,7 +123,7 @@ TEST_F(WatchedRenderTest, ARenderThatIsNotInteractiveRefusesControlInWords) {
   FakeBehaviour{.delay_ms = 10}.to_environment();
   Onlooker onlooker(address());
   BackgroundRun run(batch_job());
-  ASSERT_TRUE(onlooker.sees_connection());
+  ASSERT_TRUE(onlooker.sees([&] { return onlooker.view.has_value(); }));
   const auto stub = wire::Farm::NewStub(open_channel(address()));
   for (const bool view : {true, false}) {
     wire::ControlRequest request;
