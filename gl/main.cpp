@@ -1,9 +1,11 @@
 // penumbra-view: a window on a scene or on a render that is under way.
 #include <fmt/format.h>
+#include <grpc/grpc.h>
 
 #include <exception>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <optional>
 
 #include "gl/script_runner.h"
@@ -34,7 +36,9 @@ Expected<std::vector<ScriptCommand>> read_script(const std::string& path) {
 /// Without a script, a screenshot is taken once all samples are there.
 std::vector<ScriptCommand> with_screenshot(std::vector<ScriptCommand> commands, const ViewOptions& options) {
   if (options.screenshot.empty()) return commands;
-  if (options.script.empty()) commands.push_back(WaitCommand{.what = WaitFor::kFinished});
+  if (options.script.empty())
+    commands.push_back(
+        WaitCommand{.what = WaitFor::kFinished, .timeout_seconds = std::numeric_limits<double>::infinity()});
   if (!commands.empty() && std::holds_alternative<QuitCommand>(commands.back())) commands.pop_back();
   commands.push_back(ScreenshotCommand{.path = options.screenshot});
   return commands;
@@ -82,6 +86,7 @@ ExitCode view(const ViewOptions& options, const CLI::App& app) {
   auto viewer = Viewer::create(*window, address, options.token, local.get());
   if (!viewer) return complain(viewer.error().message), kIncomplete;
 
+  if (options.script.empty() && !options.screenshot.empty()) (*viewer)->refine_from_the_start();
   ScriptRunner runner(with_screenshot(std::move(*script), options), options.script);
   const Expected<void> shown = show(**viewer, *window, scripted ? &runner : nullptr, stop);
   const std::vector<std::string> gl_errors = window->take_gl_errors();
@@ -124,6 +129,7 @@ ExitCode run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   penumbra::keep_message_memory();
+  grpc_init();  // for good: its end may wait ten seconds for a poll
   try {
     return penumbra::run(argc, argv);
   } catch (const std::exception& error) {

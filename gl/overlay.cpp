@@ -121,7 +121,7 @@ bool slider(const char* name, float& value, float low, float high, const char* f
 }
 
 void draw_alpha(DisplaySettings& settings, const ViewStatus& status, OverlayResult& result) {
-  const DisabledWhile off(why_no_closed_form(status));
+  const DisabledWhile off(why_no_alpha(status));
   const ImGuiStyle& style = ImGui::GetStyle();
   const float button = ImGui::CalcTextSize("0").x + 2 * style.FramePadding.x;
   labelled("alpha");

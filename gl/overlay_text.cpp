@@ -102,6 +102,11 @@ std::string why_no_closed_form(const ViewStatus& status) {
          "polygon_cv or polygon_analytic.";
 }
 
+std::string why_no_alpha(const ViewStatus& status) {
+  if (!status.hybrid || status.interactive) return why_no_closed_form(status);
+  return "A batch render keeps the alpha that it began with.";
+}
+
 std::string why_no_camera(const ViewStatus& status) {
   if (status.interactive) return {};
   return "A batch render keeps the camera that it began with.";

@@ -30,6 +30,7 @@ MessageKind message_kind(std::string_view message);
 
 /// Why something of the panel does not apply now; empty where it does.
 std::string why_no_closed_form(const ViewStatus& status);
+std::string why_no_alpha(const ViewStatus& status);
 std::string why_no_camera(const ViewStatus& status);
 std::string why_no_reload(const ViewStatus& status);
 std::string why_no_more_samples(const ViewStatus& status);

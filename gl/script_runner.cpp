@@ -36,6 +36,7 @@ Expected<void> ScriptRunner::step(Viewer& viewer, Window& window) {
     const ScriptCommand& command = commands_[next_];
     if (tries_++ == 0) since_ = Clock::now();
     const Expected<bool> done = std::visit([this](const auto& c) { return run(c); }, command);
+    if (!done && line_of(command) == 0) return std::unexpected(done.error());
     if (!done)
       return fail(fmt::format("{}:{}: error: {}", file_name_, line_of(command), done.error().message));
     if (!*done) return {};
@@ -66,13 +67,15 @@ bool ScriptRunner::is_there(const WaitCommand& command) const {
     case WaitFor::kFinished:
       return status.finished && viewer_->least_samples() >= status.spp_wanted;
     case WaitFor::kConnected:
-      return status.connection == ConnectionState::kConnected;
+      return status.connection == ConnectionState::kConnected || status.connection == ConnectionState::kEnded;
   }
   return false;
 }
 
 Expected<bool> ScriptRunner::run(const WaitCommand& command) {
   if (is_there(command)) return true;
+  if (viewer_->status().connection == ConnectionState::kEnded && command.what != WaitFor::kAnalytic)
+    return fail(fmt::format("the render is over, with {} samples of every pixel", viewer_->least_samples()));
   const double waited = std::chrono::duration<double>(Clock::now() - since_).count();
   const double patience = command.timeout_seconds.value_or(kPatience);
   if (waited < patience) return false;

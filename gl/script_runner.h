@@ -12,7 +12,7 @@ namespace penumbra {
 
 class ScriptRunner {
  public:
-  /// `file_name` is for messages.
+  /// `file_name` is for messages, where a command has a line.
   ScriptRunner(std::vector<ScriptCommand> commands, std::string file_name)
       : commands_(std::move(commands)), file_name_(std::move(file_name)) {}
 

@@ -1,10 +1,35 @@
 #include "gl/view_options.h"
 
+#include <fmt/format.h>
+
+#include <charconv>
+#include <string_view>
+
 namespace penumbra {
 namespace {
 
 constexpr const char* kOwn = "Window";  // the group of options that are not the scheduler's
 constexpr int kSmallestWindow = 64, kLargestWindow = 16384;
+constexpr int kLargestPort = 65535;
+
+/// What is wrong with an address to connect to; empty if nothing is.
+std::string check_address(const std::string& address) {
+  constexpr std::string_view kUnix = "unix:";
+  if (address.starts_with(kUnix) && address.size() > kUnix.size()) return {};
+  const std::size_t colon = address.rfind(':');
+  if (!address.starts_with(kUnix) && colon != std::string::npos && colon > 0) {
+    const char* const end = address.data() + address.size();
+    int port = 0;
+    const auto [stop, error] = std::from_chars(address.data() + colon + 1, end, port);
+    if (error == std::errc() && stop == end && port > 0 && port <= kLargestPort) return {};
+  }
+  return fmt::format("'{}' is no address: give unix:/path or host:port", address);
+}
+
+std::string check_screenshot(const std::string& path) {
+  if (std::string_view(path).ends_with(".png")) return {};
+  return fmt::format("a screenshot is written as FILE.png, not as '{}'", path);
+}
 
 }  // namespace
 
@@ -12,11 +37,12 @@ void add_view_options(CLI::App& app, ViewOptions& options) {
   add_preview_options(app, options.preview);
   CLI::Option* scene = app.get_option("SCENE");
   scene->required(false)->description("Scene file: a scheduler and workers are started for it");
-  app.get_option("--listen")
-      ->description("Another address at which other windows can watch this one's render");
+  // The scheduler of a window listens for it, and for further ones; over TCP `penumbra preview` does.
+  app.remove_option(app.get_option("--listen"));
   app.add_option("--connect", options.connect,
                  "Watch a render that is under way, at the address that it printed: unix:/path or host:port")
       ->type_name("ADDRESS")
+      ->check(CLI::Validator(check_address, ""))
       ->group(kOwn)
       ->excludes(scene);
   app.add_option("--token", options.token, "What that render printed for host:port; better in PENUMBRA_TOKEN")
@@ -31,6 +57,7 @@ void add_view_options(CLI::App& app, ViewOptions& options) {
          "--screenshot", options.screenshot,
          "Write what the window shows at the end of the script; without one, once all samples are there")
       ->type_name("FILE.png")
+      ->check(CLI::Validator(check_screenshot, ""))
       ->group(kOwn);
   for (const auto& [name, size, help] :
        {std::tuple{"--width", &options.width, "Width of the window in pixels"},

@@ -13,7 +13,7 @@ namespace penumbra {
 namespace {
 
 constexpr std::size_t kMessagesKept = 100;
-constexpr int kStartsInARow = 3;  // of a scheduler that ends before it has answered
+constexpr int kStartsInARow = 3;  // of a scheduler that ends before it has a worker
 constexpr int kBadInput = 2;      // its exit code for a scene that cannot be rendered
 
 }  // namespace
@@ -47,7 +47,8 @@ Expected<void> Viewer::update() {
 }
 
 Expected<void> Viewer::on(watch_news::Connected& news) {
-  const bool first = !job_;
+  const bool first = !job_, was_hybrid = status_.hybrid;
+  const bool has_scenes_alpha = !header_ || settings_.alpha == header_->alpha;  // nobody has changed it
   const WatchedJob& job = news.job;
   if (!film_ || film_->width() != job.film_width || film_->height() != job.film_height) {
     Expected<FilmTextures> film = FilmTextures::create(job.film_width, job.film_height);
@@ -72,9 +73,12 @@ Expected<void> Viewer::on(watch_news::Connected& news) {
   status_.interactive = job.interactive;
   status_.film_width = job.film_width;
   status_.film_height = job.film_height;
-  center_ = {job.center[0], job.center[1], job.center[2]};
+  const glm::dvec3 center{job.center[0], job.center[1], job.center[2]};
+  // A camera that was moved stays where it is in the scene, whose coordinates may begin elsewhere now.
+  pose_.eye += center_ - center;
+  pose_.at += center_ - center;
+  center_ = center;
   forget_samples();
-  starts_without_success_ = 0;
   if (header_) {
     extent_ = scene_extent(*scene_);
     scene_pose_ = pose_of(*header_, default_distance(*scene_));
@@ -82,9 +86,12 @@ Expected<void> Viewer::on(watch_news::Connected& news) {
       pose_ = scene_pose_;
       view_ = view_of(*header_);
     }
-    if (first) settings_.alpha = header_->alpha;
-    if (first) settings_.automatic = job.interactive && !status_.hybrid;
+    if (has_scenes_alpha) settings_.alpha = header_->alpha;
   }
+  // A scene that is read again may have lost its closed form.
+  if (first || was_hybrid) settings_.automatic |= job.interactive && !status_.hybrid;
+  const bool needs_closed_form = settings_.layer == Layer::kAnalytic || settings_.layer == Layer::kDifference;
+  if (needs_closed_form && !status_.hybrid) settings_.layer = Layer::kComposite;
   job_ = job;
   // A scheduler that has been started anew shows the scene's own view.
   if (can_steer() && (moved_ || settings_.alpha != header_->alpha)) show_pose();
@@ -97,9 +104,10 @@ Expected<void> Viewer::on(const watch_news::Said& news) {
 }
 
 Expected<void> Viewer::on(const watch_news::Lost& news) {
-  status_.connection = ConnectionState::kLost;
   status_.workers.clear();
   asked_.reset();
+  if (job_ && status_.connection == ConnectionState::kStarting) return {};  // ended by a reload
+  status_.connection = ConnectionState::kLost;
   say(fmt::format("warning: the connection was lost: {}; trying again", news.why));
   return {};
 }
@@ -118,8 +126,10 @@ Expected<void> Viewer::on(const watch_news::Ended&) {
 }
 
 Expected<void> Viewer::on(const WatchView& news) {
-  // The first news of a connection is the view that its scene has; samples of it may have been asked for.
-  if (!header_ || is_same(news.view, view_)) return {};
+  // The first news of a connection is the view that its scene has. Of that, and of a view that was asked for
+  // from here, samples may have been asked for.
+  const bool is_scenes = news.number == 0 && is_same(news.view, view_);
+  if (!header_ || is_scenes || client_.is_own(news)) return {};
   view_ = news.view;
   settings_.alpha = view_.alpha;
   SceneHeader header = *header_;
@@ -145,6 +155,10 @@ Expected<void> Viewer::on(const WatchProgress& progress) {
                              ? double(progress.samples_wanted - progress.samples_done) / rate
                              : std::numeric_limits<double>::quiet_NaN();
   status_.workers.clear();
+  if (!progress.workers.empty()) {
+    starts_without_success_ = 0;
+    has_had_workers_ = true;
+  }
   for (const WatchedWorker& worker : progress.workers)
     status_.workers.push_back({.number = worker.number,
                                .name = worker.name,
@@ -172,16 +186,16 @@ Expected<void> Viewer::look_after_scheduler() {
   stale_ = true;
   status_.connection = ConnectionState::kLost;
   const bool bad_input = end->code == kBadInput;
-  if (!job_ && (bad_input || ++starts_without_success_ >= kStartsInARow)) {
+  const bool is_hopeless = bad_input || ++starts_without_success_ >= kStartsInARow;
+  if (is_hopeless && !has_had_workers_) {
     scheduler_exit_code_ = end->code;
     return fail(fmt::format("the scheduler ended: {}", end->how));
   }
-  if (bad_input || starts_without_success_ >= kStartsInARow) {
+  if (is_hopeless) {
     say(fmt::format("error: the scheduler ended ({}); why is on the terminal. Reload (F5) tries again",
                     end->how));
     return {};
   }
-  ++starts_without_success_;
   say(fmt::format("warning: the scheduler ended ({}); starting it again", end->how));
   return local_->restart();
 }

@@ -35,6 +35,8 @@ class Viewer {
   Expected<void> update();
   void handle(const WindowEvents& events);
   void act(Action action);
+  /// Before anything is there: refines whatever the scene is, until told otherwise.
+  void refine_from_the_start() { settings_.automatic = true; }
   void set_pose(const CameraPose& pose);
   void set_alpha(float alpha);
   void set_exposure(float stops) { settings_.exposure = stops; }
@@ -111,6 +113,7 @@ class Viewer {
   std::uint32_t asked_spp_ = 0;
   std::uint32_t own_wish_ = 0;  // samples of the present view that were asked for from here
   int starts_without_success_ = 0;
+  bool has_had_workers_ = false;
   std::optional<int> scheduler_exit_code_;
   Clock::time_point second_began_ = Clock::now();
   int frames_this_second_ = 0;

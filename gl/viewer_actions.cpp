@@ -16,6 +16,8 @@ namespace {
 constexpr double kSecondsAhead = 0.3;
 constexpr double kLeastSppAhead = 2, kMostSppAhead = 256;
 constexpr double kOrbitStep = std::numbers::pi / 36, kDollyStep = 0.9;
+constexpr const char* kNoFurtherSamples =
+    "warning: this render takes the samples that it was asked for, and no others";
 constexpr float kAlphaStep = 0.1f, kExposureStep = 0.25f;
 constexpr double kRadiansPerHeight = std::numbers::pi;  // of a drag as long as the window is high
 
@@ -54,6 +56,11 @@ void Viewer::set_pose(const CameraPose& pose) {
 }
 
 void Viewer::set_alpha(float alpha) {
+  if (job_ && !can_steer()) {
+    settings_.alpha = view_.alpha;  // the one that its tiles are of
+    say("warning: alpha of this render cannot be changed");
+    return;
+  }
   settings_.alpha = alpha;
   if (can_steer() && status_.hybrid) show_pose();
 }
@@ -110,10 +117,12 @@ void Viewer::act(Action action) {
   const double side = header_ && film_is_mirrored(*header_) ? -1 : 1;
   switch (action) {
     case Action::kOneMoreSample:
-      if (can_steer()) want_samples(status_.spp_wanted + 1);
+      if (can_steer()) return want_samples(status_.spp_wanted + 1);
+      if (job_) say(kNoFurtherSamples);
       return;
     case Action::kToggleAutomatic:
       settings_.automatic = !settings_.automatic && can_steer();
+      if (job_ && !can_steer()) say(kNoFurtherSamples);
       return;
     case Action::kShowComposite:
       settings_.layer = Layer::kComposite;

@@ -59,8 +59,12 @@ TEST(OverlayText, WhatDoesNotApplySaysWhy) {
   ViewStatus preview = batch;
   preview.hybrid = preview.interactive = true;
   preview.film_width = preview.film_height = 8;
-  for (const auto why : {why_no_closed_form, why_no_camera, why_no_reload, why_no_more_samples, why_no_save})
+  for (const auto why :
+       {why_no_closed_form, why_no_alpha, why_no_camera, why_no_reload, why_no_more_samples, why_no_save})
     EXPECT_EQ(why(preview), "");
+  batch.hybrid = true;
+  EXPECT_EQ(why_no_closed_form(batch), "");
+  EXPECT_FALSE(why_no_alpha(batch).empty()) << "its tiles are of one alpha";
   preview.connection = ConnectionState::kLost;
   EXPECT_FALSE(why_no_more_samples(preview).empty());
 }

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <regex>
@@ -337,6 +338,116 @@ TEST_F(PenumbraViewTest, ASceneThatChangesIsReloaded) {
   EXPECT_EQ(largest_sample_count(image("end.exr")), 2);
 }
 
+TEST_F(PenumbraViewTest, ACameraThatWasMovedStaysWhereItIsThoughTheSceneGrows) {
+  // Something far away moves the point that the device scene is relative to; alpha is the file's still.
+  std::string grown = kScene;
+  const std::string integrator = R"(<integrator type="$type"/>)";
+  grown.replace(grown.find(integrator), integrator.size(),
+                R"(<integrator type="$type"><float name="alpha" value="0.5"/></integrator>
+  <shape type="cube"><transform name="to_world"><translate x="90"/></transform></shape>)");
+  Program viewer(
+      path(), view_arguments({"scene.xml", "--workers", "2", "--spp", "100000"},
+                             "wait connected\ncamera eye 1 1.5 4 at 0 0.5 0.2\nwait analytic 64\n"
+                             "save before.exr\nkey r\nlog ready\nwait samples 300\nkey r\nwait analytic 64\n"
+                             "save after.exr\nquit\n"));
+  ASSERT_TRUE(says("ready")) << output(".stderr");
+  write_text(path() / "scene.xml", grown);
+  const std::vector<pid_t> schedulers = children_of(viewer.pid());
+  ASSERT_THAT(schedulers, SizeIs(1));
+  kill(schedulers[0], SIGKILL);  // the next one reads the scene again
+  const ProgramResult result = viewer.wait();
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Image after = image("after.exr");
+  const statistics::Image old_form = channels(image("before.exr"), "analytic.");
+  const statistics::Image new_form = channels(after, "analytic."), shown = channels(after, "");
+  const statistics::Image difference = channels(after, "difference.");
+  int moved = 0, halved = 0;
+  for (std::size_t i = 0; i < old_form.values.size(); ++i) {
+    const double form = new_form.values[i];
+    moved += std::abs(old_form.values[i] - form) > 1e-2 * (form + 1e-2) ? 1 : 0;
+    halved += form > 0 && std::abs(shown.values[i] - difference.values[i] - 0.5 * form) < 1e-4 * form ? 1 : 0;
+  }
+  // The same frames but for silhouettes: coordinates are of single precision, 45 units away.
+  constexpr int kSilhouetteValues = 3 * kPixels / 20, kDarkValues = 3 * kPixels / 2;
+  EXPECT_LE(moved, kSilhouetteValues);
+  EXPECT_GT(halved, 3 * kPixels - kDarkValues);
+}
+
+TEST_F(PenumbraViewTest, ABatchRenderKeepsItsAlphaAndSaysWhatItDoesNotDo) {
+  Program render(path(), {"render", "scene.xml", "--time-budget", "6", "--spp", "100000000", "--tile", "16",
+                          "--set", "integrator.alpha=1", "-o", "batch.exr", "--no-report"});
+  std::smatch found;
+  std::string text;
+  const std::regex printed("penumbra-view --connect (unix:\\S+)");
+  ASSERT_TRUE(eventually([&] { return std::regex_search(text = output(".stderr"), found, printed); }, 10s))
+      << text;
+  TemporaryFolder elsewhere;
+  write_text(elsewhere.path() / "watch.txt",
+             "wait samples 1\nkey space\nkey w\nwait finished\nwait analytic 64\nsave before.exr\n"
+             "key [ 3\nset alpha 0\nsave after.exr\nquit\n");
+  const ProgramResult watched =
+      run_penumbra(elsewhere.path(), {"view", "--connect", found[1], "--script", "watch.txt", "--hidden"});
+  EXPECT_EQ(render.wait().exit_code, 0);
+  ASSERT_EQ(watched.exit_code, 0) << watched.err;
+  EXPECT_THAT(watched.err, AllOf(HasSubstr("alpha of this render cannot be changed"),
+                                 HasSubstr("the samples that it was asked for"),
+                                 HasSubstr("the camera of this render cannot be moved")));
+  const auto saved = [&](const char* name) {
+    return channels(read_image(elsewhere.path() / name).value(), "");
+  };
+  EXPECT_EQ(differing_bits(saved("before.exr"), saved("after.exr")), 0);
+}
+
+TEST_F(PenumbraViewTest, ABatchRenderThatIsStoppedEndsAWaitForItsEnd) {
+  Program render(
+      path(), {"render", "scene.xml", "-D", "type=path", "--spp", "100000000", "-o", "a.exr", "--no-report"});
+  std::smatch found;
+  std::string text;
+  const std::regex printed("penumbra-view --connect (unix:\\S+)");
+  ASSERT_TRUE(eventually([&] { return std::regex_search(text = output(".stderr"), found, printed); }, 10s))
+      << text;
+  TemporaryFolder elsewhere;
+  write_text(elsewhere.path() / "watch.txt", "wait samples 1\nlog ready\nwait finished\n");
+  Program viewer(elsewhere.path(), {"view", "--connect", found[1], "--script", "watch.txt", "--hidden"});
+  EXPECT_TRUE(eventually([&] { return !file_contents(elsewhere.path() / ".stdout").empty(); }, 30s));
+  render.send(SIGINT);
+  EXPECT_EQ(render.wait().exit_code, 1);
+  const ProgramResult watched = viewer.wait();
+  EXPECT_EQ(watched.exit_code, 1);
+  EXPECT_THAT(watched.err, HasSubstr("watch.txt:3: error: the render is over, with "));
+}
+
+TEST_F(PenumbraViewTest, ASchedulerWhoseWorkersNeverStartIsGivenUp) {
+  const fs::path bin = path() / "bin";
+  fs::create_directory(bin);
+  for (const char* program : {"penumbra", "penumbra-view"})
+    fs::copy_file(fs::path(PENUMBRA_BINARY_DIR) / program, bin / program);
+  write_text(bin / "penumbra-worker", "#!/bin/sh\nexit 1\n");
+  fs::permissions(bin / "penumbra-worker", fs::perms::owner_all);
+  write_text(path() / "steps.txt", "wait connected\nkey space\nwait samples 1 timeout 60\n");
+  const std::string command =
+      "cd '" + path().string() +
+      "' && timeout 50 bin/penumbra view scene.xml --script steps.txt --hidden 2> err.txt";
+  const int status = std::system(command.c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  EXPECT_THAT(output("err.txt"),
+              AllOf(HasSubstr("no worker could be started"), HasSubstr("starting it again"),
+                    HasSubstr("error: the scheduler ended: exit code 1")));
+}
+
+TEST_F(PenumbraViewTest, AScreenshotWithoutAScriptIsOfAllSamplesAndNothingIsLeftBehind) {
+  TemporaryFolder runtime;
+  const char* const before = std::getenv("XDG_RUNTIME_DIR");
+  const std::string old = before == nullptr ? "" : before;
+  setenv("XDG_RUNTIME_DIR", runtime.path().c_str(), 1);
+  const ProgramResult result =
+      penumbra({"view", "scene.xml", "--spp", "3", "--screenshot", "end.png", "--hidden"});
+  before == nullptr ? unsetenv("XDG_RUNTIME_DIR") : setenv("XDG_RUNTIME_DIR", old.c_str(), 1);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(image("end.png").data.width, 1280);
+  EXPECT_TRUE(fs::is_empty(runtime.path()));
+}
+
 TEST_F(PenumbraViewTest, AnyIntegratorIsShownAsItConverges) {
   const ProgramResult result = view({"scene.xml", "-D", "type=path", "--spp", "6"},
                                     "wait finished\nsave view.exr\nscreenshot view.png\nkey 4\nkey o\n"
@@ -364,6 +475,14 @@ TEST_F(PenumbraViewTest, WhatCannotWorkIsSaid) {
       view({"--connect", "unix:" + (path() / "nobody").string()}, "wait connected timeout 1\n");
   EXPECT_EQ(nobody.exit_code, 1);
   EXPECT_THAT(nobody.err, ContainsRegex("script.*txt:1: error: waited 1 s"));
+
+  for (const std::string nowhere : {"nonsense", "unix:", "host:", "host:99999", ":7000", "host:70x"}) {
+    const ProgramResult result = view({"--connect", nowhere}, "quit\n");
+    EXPECT_EQ(result.exit_code, 2) << nowhere;
+    EXPECT_THAT(result.err, HasSubstr("'" + nowhere + "' is no address")) << nowhere;
+  }
+  EXPECT_EQ(view({"scene.xml", "--screenshot", "end.jpg"}, "quit\n").exit_code, 2);
+  EXPECT_EQ(view({"scene.xml", "--listen", "127.0.0.1:0"}, "quit\n").exit_code, 2);
 
   EXPECT_EQ(view({}, "quit\n").exit_code, 2);
   EXPECT_EQ(view({"scene.xml", "--spp", "-3"}, "quit\n").exit_code, 2);
