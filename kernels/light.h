@@ -113,7 +113,8 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float number,
   const float light_pmf = light->pmf;
   const float pmf = is_chosen ? aim.pmf : light_pmf;
 #else
-  GLOBAL const Light* light = scene->lights + by_power.light;
+  const int index = by_power.light;
+  GLOBAL const Light* light = scene->lights + index;
   const float u = by_power.u;
   const float pmf = light->pmf;
 #endif
@@ -219,7 +220,7 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float number,
   sample.delta = false;
   sample.of_polygon = light->polygon >= 0;
   sample.radiance = load3(&light->radiance);
-  bool possible = (cosine > 0.0f) & (distance > 0.0f);
+  bool possible = (cosine > 0.0f) & (distance > 0.0f) & !is_own_light(scene, s, index);
 #if HAS(POINT_LIGHTS)
   sample.delta = point;
   sample.pdf = point ? 1.0f : sample.pdf;

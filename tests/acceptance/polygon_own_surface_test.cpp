@@ -70,15 +70,13 @@ struct Method {
   IntegratorSettings integrator;
 };
 
-/// Those of no bias, without what needs samples by solid angle of lights that are chosen by power:
-/// sample_light does not know of the light that it starts on, which rounding makes half a sphere.
+/// Those of no bias.
 std::vector<Method> methods() {
   using enum EmitterSampling;
   std::vector<Method> all;
   for (EmitterSampling sampling : {kArea, kSolidAngle, kProjected})
     for (LightChoice choice : {LightChoice::kPower, LightChoice::kAnalytic}) {
       const bool by_power = choice == LightChoice::kPower;
-      const bool plain = !by_power || sampling != kSolidAngle;
       const std::string how =
           " by sampling " + std::to_string(int(sampling)) + (by_power ? ", by power" : ", by contribution");
       const auto add = [&](const char* name, IntegratorSettings integrator) {
@@ -87,20 +85,20 @@ std::vector<Method> methods() {
         all.push_back({name + how, integrator});
       };
       IntegratorSettings area = emitter_only(sampling, 2);
-      if (plain) add("emitter samples", area);
+      add("emitter samples", area);
       area.kind = IntegratorKind::kPolygonArea;
-      if (plain) add("polygon_area", area);
-      if (plain) add("polygon_cv, alpha 0.5", polygon_cv(0.5f, sampling, 2));
+      add("polygon_area", area);
+      add("polygon_cv, alpha 0.5", polygon_cv(0.5f, sampling, 2));
       add("polygon_cv, alpha 1", polygon_cv(1.0f, sampling, 2));
-      if (plain) add("polygon_cv, alpha auto", polygon_cv(std::nullopt, sampling, 2));
+      add("polygon_cv, alpha auto", polygon_cv(std::nullopt, sampling, 2));
       IntegratorSettings paths =
           path_integrator(by_power ? DirectSampling::kMis : DirectSampling::kEmitterOnly);
       paths.max_depth = 3;
-      if (plain) add("paths", paths);
+      add("paths", paths);
       paths.next_event = NextEvent::kCv;
       paths.alpha = 1.0f;
       add("paths with control variates", paths);
-      if (by_power && plain) add("MIS", direct_integrator(1, 1));
+      if (by_power) add("MIS", direct_integrator(1, 1));
     }
   return all;
 }
