@@ -129,7 +129,6 @@ void draw_alpha(DisplaySettings& settings, const ViewStatus& status, OverlayResu
                                    30 * overlay_unit()));
   const float before = settings.alpha;
   result.alpha_changed |= slider("##alpha", settings.alpha, kLeastAlpha, kMostAlpha, "%.2f", 1);
-  result.alpha_settled |= ImGui::IsItemDeactivatedAfterEdit() || ImGui::IsItemClicked(ImGuiMouseButton_Right);
   if (ImGui::IsItemActive() && !ImGui::GetIO().WantTextInput) {
     for (const float round : {0.0f, 1.0f}) {
       if (std::abs(settings.alpha - round) < kAlphaSnap) settings.alpha = round;
@@ -143,7 +142,6 @@ void draw_alpha(DisplaySettings& settings, const ViewStatus& status, OverlayResu
     ImGui::SameLine(0, style.ItemInnerSpacing.x);
     if (ImGui::Button(round == 0 ? "0" : "1")) {
       result.alpha_changed |= settings.alpha != round;
-      result.alpha_settled = true;
       settings.alpha = round;
     }
     off.tooltip("");

@@ -14,7 +14,6 @@ namespace penumbra {
 struct OverlayResult {
   std::vector<Action> actions;  ///< kOneMoreSample, kReload, kSave, kResetCamera
   bool alpha_changed = false;   ///< settings.alpha, since the last frame
-  bool alpha_settled = false;   ///< and the mouse has let go of it
   bool quit = false;
   PixelRectangle picture_area;  ///< pixels of the framebuffer that the panel leaves to the picture
 };

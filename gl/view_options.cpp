@@ -2,15 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <string_view>
+
+#include "scheduler/access.h"
 
 namespace penumbra {
 namespace {
 
 constexpr const char* kOwn = "Window";  // the group of options that are not the scheduler's
 constexpr int kSmallestWindow = 64, kLargestWindow = 16384;
-constexpr int kLargestPort = 65535;
 
 /// What is wrong with an address to connect to; empty if nothing is.
 std::string check_address(const std::string& address) {
@@ -18,10 +18,8 @@ std::string check_address(const std::string& address) {
   if (address.starts_with(kUnix) && address.size() > kUnix.size()) return {};
   const std::size_t colon = address.rfind(':');
   if (!address.starts_with(kUnix) && colon != std::string::npos && colon > 0) {
-    const char* const end = address.data() + address.size();
-    int port = 0;
-    const auto [stop, error] = std::from_chars(address.data() + colon + 1, end, port);
-    if (error == std::errc() && stop == end && port > 0 && port <= kLargestPort) return {};
+    const std::string_view port = std::string_view(address).substr(colon + 1);
+    if (is_port(port) && port != "0") return {};
   }
   return fmt::format("'{}' is no address: give unix:/path or host:port", address);
 }

@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::size_t kMessagesKept = 100;
 constexpr int kStartsInARow = 3;  // of a scheduler that ends before it has a worker
-constexpr int kBadInput = 2;      // its exit code for a scene that cannot be rendered
+constexpr std::chrono::seconds kPatienceWithTiles{1};
+constexpr int kBadInput = 2;  // its exit code for a scene that cannot be rendered
 
 }  // namespace
 
@@ -27,7 +28,8 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(Window& window, const std::stri
 
 Viewer::Viewer(Window& window, const std::string& address, const std::string& token, LocalScheduler* local,
                CompositePass composite)
-    : window_(window), local_(local), client_(address, token), composite_(std::move(composite)) {
+    : window_(window), local_(local), token_(token), composite_(std::move(composite)) {
+  client_ = std::make_unique<WatchClient>(address, token_);
   status_.address = address;
   status_.latency_seconds = status_.seconds_left = status_.relative_error =
       std::numeric_limits<double>::quiet_NaN();
@@ -36,7 +38,7 @@ Viewer::Viewer(Window& window, const std::string& address, const std::string& to
 // --- What comes
 
 Expected<void> Viewer::update() {
-  for (WatchNews& news : client_.take()) {
+  for (WatchNews& news : client_->take()) {
     stale_ = true;
     if (Expected<void> done = std::visit([this](auto& content) { return on(content); }, news); !done)
       return done;
@@ -106,7 +108,6 @@ Expected<void> Viewer::on(const watch_news::Said& news) {
 Expected<void> Viewer::on(const watch_news::Lost& news) {
   status_.workers.clear();
   asked_.reset();
-  if (job_ && status_.connection == ConnectionState::kStarting) return {};  // ended by a reload
   status_.connection = ConnectionState::kLost;
   say(fmt::format("warning: the connection was lost: {}; trying again", news.why));
   return {};
@@ -129,7 +130,7 @@ Expected<void> Viewer::on(const WatchView& news) {
   // The first news of a connection is the view that its scene has. Of that, and of a view that was asked for
   // from here, samples may have been asked for.
   const bool is_scenes = news.number == 0 && is_same(news.view, view_);
-  if (!header_ || is_scenes || client_.is_own(news)) return {};
+  if (!header_ || is_scenes || client_->is_own(news)) return {};
   view_ = news.view;
   settings_.alpha = view_.alpha;
   SceneHeader header = *header_;
@@ -220,7 +221,9 @@ void Viewer::say(std::string text) {
 }
 
 bool Viewer::refines_closed_form() const {
-  return analytic_ != nullptr && !asked_ && (analytic_is_old_ || analytic_->frames() < kAnalyticFrames);
+  if (analytic_ == nullptr || (!analytic_is_old_ && analytic_->frames() >= kAnalyticFrames)) return false;
+  // The processors are the workers' while somebody waits for a first tile, but not for ever.
+  return analytic_is_old_ || !asked_ || Clock::now() - *asked_ > kPatienceWithTiles;
 }
 
 AnalyticTextures Viewer::analytic_textures() const {

@@ -92,7 +92,8 @@ class Viewer {
 
   Window& window_;
   LocalScheduler* local_;
-  WatchClient client_;
+  std::string token_;
+  std::unique_ptr<WatchClient> client_;
   CompositePass composite_;
   std::unique_ptr<AnalyticPass> analytic_;
   std::optional<FilmTextures> film_;

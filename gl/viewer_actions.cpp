@@ -34,7 +34,7 @@ void Viewer::want_samples(std::uint32_t spp) {
     asked_ = Clock::now();
     asked_spp_ = spp;
   }
-  client_.want_samples(spp);
+  client_->want_samples(spp);
 }
 
 void Viewer::refine() {
@@ -71,7 +71,7 @@ void Viewer::show_pose() {
   if (moved_) set_camera(pose_, header);
   view_ = view_of(header);
   view_.alpha = settings_.alpha;
-  client_.change_view(view_);
+  client_->change_view(view_);
   forget_samples();
 }
 
@@ -206,7 +206,10 @@ void Viewer::reload() {
   say("reading the scene again");
   status_.connection = ConnectionState::kStarting;
   starts_without_success_ = 0;
+  // Another client, which cannot have met the one that is ended.
+  client_.reset();
   if (const Expected<void> started = local_->restart(); !started) say("error: " + started.error().message);
+  client_ = std::make_unique<WatchClient>(status_.address, token_);
 }
 
 void Viewer::save_beside_scene() {

@@ -29,12 +29,6 @@ HostAndPort split(std::string_view address) {
   return {address.substr(0, colon), address.substr(colon + 1)};
 }
 
-bool is_port(std::string_view text) {
-  int port = -1;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-  return error == std::errc() && end == text.data() + text.size() && port >= 0 && port <= kLargestPort;
-}
-
 /// In a time that does not depend on where they differ.
 bool are_equal(std::string_view a, std::string_view b) {
   unsigned difference = a.size() == b.size() ? 0 : 1;
@@ -44,6 +38,12 @@ bool are_equal(std::string_view a, std::string_view b) {
 }
 
 }  // namespace
+
+bool is_port(std::string_view text) {
+  int port = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+  return error == std::errc() && end == text.data() + text.size() && port >= 0 && port <= kLargestPort;
+}
 
 bool is_tcp(const std::string& address) { return !address.empty() && !address.starts_with("unix:"); }
 

@@ -5,6 +5,7 @@
 #include <grpcpp/server_context.h>
 
 #include <string>
+#include <string_view>
 
 #include "kernels/host/error.h"
 
@@ -12,6 +13,9 @@ namespace penumbra {
 
 /// Whether the address is "host:port" rather than "unix:path".
 bool is_tcp(const std::string& address);
+
+/// Whether the text is a port's number, 0 to 65535.
+bool is_port(std::string_view text);
 
 /// Fails unless it is "unix:/path" or an address and port of this host itself ("127.0.0.1:0", "[::1]:7000",
 /// "localhost:7000").

@@ -17,7 +17,7 @@
 namespace penumbra {
 namespace {
 
-constexpr std::chrono::milliseconds kTimeToEnd{300};
+constexpr std::chrono::milliseconds kTimeToEnd{1000};
 constexpr std::chrono::milliseconds kPollInterval{1};
 
 std::string describe(int status) {

@@ -1,6 +1,5 @@
 // `penumbra preview SCENE`: a scheduler and workers that render what a window asks for.
 #include <fmt/format.h>
-#include <grpc/grpc.h>
 
 #include <memory>
 
@@ -13,8 +12,6 @@ namespace penumbra {
 namespace {
 
 ExitCode preview(const RenderOptions& options) {
-  // For good: its end may wait ten seconds for a poll, and a window does not wait so long for this process.
-  grpc_init();
   const std::atomic<bool>& stop = install_stop_signal();
   auto prepared = prepare_watched_render(options);
   if (!prepared) return prepared.error();

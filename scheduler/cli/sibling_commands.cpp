@@ -39,7 +39,12 @@ std::string sibling_program(const std::string& command) {
 
 ExitCode run_sibling(const std::string& name, const std::vector<std::string>& arguments) {
   const auto program = find_program(name);
-  if (!program) return print_error(program.error()), kIncomplete;
+  if (!program) {
+    const char* hint =
+        name == "penumbra-view" ? "; builds without GLFW, libepoxy and Dear ImGui leave it out" : "";
+    print_error({program.error().message + hint});
+    return kIncomplete;
+  }
   std::string path = program->string();
   std::vector<char*> words{path.data()};
   std::vector<std::string> copies = arguments;
