@@ -28,8 +28,11 @@ Expected<std::unique_ptr<Viewer>> Viewer::create(Window& window, const std::stri
 
 Viewer::Viewer(Window& window, const std::string& address, const std::string& token, LocalScheduler* local,
                CompositePass composite)
-    : window_(window), local_(local), token_(token), composite_(std::move(composite)) {
-  client_ = std::make_unique<WatchClient>(address, token_);
+    : window_(window),
+      local_(local),
+      token_(token),
+      client_(std::make_unique<WatchClient>(address, token)),
+      composite_(std::move(composite)) {
   status_.address = address;
   status_.latency_seconds = status_.seconds_left = status_.relative_error =
       std::numeric_limits<double>::quiet_NaN();

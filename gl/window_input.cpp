@@ -1,4 +1,5 @@
 // What people do to the window.
+#include <fmt/format.h>
 #include <imgui.h>
 
 #include <array>
@@ -108,7 +109,7 @@ std::string key_name(int glfw_key, const std::string& printed) {
     if (key == glfw_key) return std::string(name);
   }
   if (glfw_key >= GLFW_KEY_F1 && glfw_key <= GLFW_KEY_F25)
-    return "f" + std::to_string(glfw_key - GLFW_KEY_F1 + 1);
+    return fmt::format("f{}", glfw_key - GLFW_KEY_F1 + 1);
   if (glfw_key >= GLFW_KEY_KP_0 && glfw_key <= GLFW_KEY_KP_9) return std::to_string(glfw_key - GLFW_KEY_KP_0);
   // Keyboards whose row of digits types them with shift only.
   if (glfw_key >= GLFW_KEY_0 && glfw_key <= GLFW_KEY_9) return std::to_string(glfw_key - GLFW_KEY_0);
