@@ -182,33 +182,34 @@ TEST_F(PenumbraViewTest, PressesOfSpaceAreTheSamplesOfAnOfflineControlVariate) {
 }
 
 /// TinyRender's own scenes, at the size that they have: a polygon light, its 84 triangles, a concave star.
-TEST_F(PenumbraViewTest, TinyRenderScenesAreTheSameOnScreenAndOffline) {
+class TinyRenderViewTest : public PenumbraViewTest, public testing::WithParamInterface<const char*> {};
+
+TEST_P(TinyRenderViewTest, TheSceneIsTheSameOnScreenAndOffline) {
   const auto folder = oracle_folder("tinyrender-a4");
   if (!folder) GTEST_SKIP() << "the oracles are not here";
-  for (const std::string scene :
-       {"grid/tinyrender/grid_cv.toml", "polygon/tinyrender/polygon_analytic_realtime.toml",
-        "star/tinyrender/star_analytic_realtime.toml"}) {
-    SCOPED_TRACE(scene);
-    const std::string file = (*folder / scene).string();
-    const ProgramResult seen =
-        view({file, "--workers", "2", "--spp", "16", "--sampler", "independent"},
-             "wait connected\nkey space 16\nwait samples 16\nwait analytic 64\nsave view.exr\nquit\n");
-    ASSERT_EQ(seen.exit_code, 0) << seen.err;
-    for (const auto& [seed, name] : {std::pair{"0", "same.exr"}, std::pair{"1", "other.exr"}})
-      ASSERT_EQ(
-          penumbra({"render", file, "--integrator", "polygon_cv", "--set", "integrator.alpha=1", "--spp",
-                    "16", "--pass", "1", "--sampler", "independent", "-q", "--seed", seed, "-o", name})
-              .exit_code,
-          0);
-    const Image from_view = image("view.exr"), same = image("same.exr"), other = image("other.exr");
-    EXPECT_EQ(differing_bits(channels(from_view, "difference."), channels(same, "difference.")), 0);
-    constexpr int kBlock = 8;  // 1024 samples: their spread tells the standard error
-    const statistics::ImageTestResult result =
-        statistics::z_test(blocks(channels(from_view, ""), channels(same, "variance."), kBlock, kSpp),
-                           blocks(channels(other, ""), channels(other, "variance."), kBlock, kSpp));
-    EXPECT_TRUE(result.passed) << result.summary();
-  }
+  const std::string file = (*folder / GetParam()).string();
+  const ProgramResult seen =
+      view({file, "--workers", "2", "--spp", "16", "--sampler", "independent"},
+           "wait connected\nkey space 16\nwait samples 16\nwait analytic 64\nsave view.exr\nquit\n");
+  ASSERT_EQ(seen.exit_code, 0) << seen.err;
+  for (const auto& [seed, name] : {std::pair{"0", "same.exr"}, std::pair{"1", "other.exr"}})
+    ASSERT_EQ(penumbra({"render", file, "--integrator", "polygon_cv", "--set", "integrator.alpha=1", "--spp",
+                        "16", "--pass", "1", "--sampler", "independent", "-q", "--seed", seed, "-o", name})
+                  .exit_code,
+              0);
+  const Image from_view = image("view.exr"), same = image("same.exr"), other = image("other.exr");
+  EXPECT_EQ(differing_bits(channels(from_view, "difference."), channels(same, "difference.")), 0);
+  constexpr int kBlock = 8;  // 1024 samples: their spread tells the standard error
+  const statistics::ImageTestResult result =
+      statistics::z_test(blocks(channels(from_view, ""), channels(same, "variance."), kBlock, kSpp),
+                         blocks(channels(other, ""), channels(other, "variance."), kBlock, kSpp));
+  EXPECT_TRUE(result.passed) << result.summary();
 }
+
+INSTANTIATE_TEST_SUITE_P(Scenes, TinyRenderViewTest,
+                         testing::Values("grid/tinyrender/grid_cv.toml",
+                                         "polygon/tinyrender/polygon_analytic_realtime.toml",
+                                         "star/tinyrender/star_analytic_realtime.toml"));
 
 TEST_F(PenumbraViewTest, OverTcpATokenIsNeeded) {
   Program preview(path(), {"preview", "scene.xml", "--listen", "127.0.0.1:0"});
