@@ -15,9 +15,16 @@ FN int own_polygon(const PRIVATE Scene* scene, Surface s) {
 /// Whether the surface is a part of that flat light, which therefore does not light it. Formulas cannot tell:
 /// rounding puts the surface to either side of the light's plane, which covers half the sphere or nothing.
 FN bool is_own_light(const PRIVATE Scene* scene, Surface s, int light) {
-  const int own = own_polygon(scene, s);
-  const int polygon = scene->lights[light].polygon, kind = scene->lights[light].kind;
-  return ((light == s.light) & (kind != LIGHT_SPHERE)) | ((own >= 0) & (polygon == own));
+  bool own = light == s.light;
+#if HAS(QUADRICS)
+  const int kind = scene->lights[light].kind;
+  own = own & (kind != LIGHT_SPHERE);
+#endif
+#if HAS(POLYGONS)
+  const int mine = own_polygon(scene, s), polygon = scene->lights[light].polygon;
+  own = own | ((mine >= 0) & (polygon == mine));
+#endif
+  return own;
 }
 
 /// Densities of projected solid angle leave out the choice of the light.
