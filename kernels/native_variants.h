@@ -19,6 +19,11 @@
 #define NATIVE_FEATURES_all (FEATURE_ALL & ~FEATURE_BVH)
 #define NATIVE_FEATURES_all_bvh FEATURE_ALL
 
-/// X(set), the smallest first.
-#define NATIVE_FEATURE_SETS(X) \
-  X(core) X(core_bvh) X(mesh) X(mesh_bvh) X(polygons) X(polygons_bvh) X(all) X(all_bvh)
+/// X(set), the smallest first. No image depends on the set, so builds that look for mistakes have the largest
+/// alone.
+#ifdef PENUMBRA_ONE_NATIVE_SET
+  #define NATIVE_FEATURE_SETS(X) X(all) X(all_bvh)
+#else
+  #define NATIVE_FEATURE_SETS(X) \
+    X(core) X(core_bvh) X(mesh) X(mesh_bvh) X(polygons) X(polygons_bvh) X(all) X(all_bvh)
+#endif

@@ -31,5 +31,4 @@ cmake --build --preset "$preset"
 
 # PoCL caches compiled kernels in the home directory, which a CI account need not have.
 [[ -w ${HOME:-/nonexistent} ]] || export POCL_CACHE_DIR="$root/build/$preset/pocl-cache"
-# A worker process has one thread, most tests have one or two processes: two tests at a time.
-ctest --test-dir "build/$preset" --output-on-failure --no-tests=error --parallel 2 "$@"
+ctest --test-dir "build/$preset" --output-on-failure --no-tests=error --parallel "$(nproc)" "$@"

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tests/acceptance/suite_scenes.h"
+#include "tests/support/oracles.h"
 
 namespace penumbra {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 class BitIdentity : public testing::TestWithParam<SuiteScene> {
  protected:
   void SetUp() override {
-    if (!is_here(GetParam())) GTEST_SKIP() << "the third-party scene " << GetParam().file << " is not here";
+    if (GetParam().is_oracle) PENUMBRA_NEED_ORACLE(GetParam().file);
   }
 };
 

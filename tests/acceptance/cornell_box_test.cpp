@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "scheduler/outputs/image.h"
+#include "tests/support/oracles.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {
@@ -40,13 +41,11 @@ void PrintTo(const BackendCase& backend, std::ostream* out) { *out << backend.na
 
 class BitterliCornellBox : public testing::TestWithParam<BackendCase> {
  protected:
-  void SetUp() override {
-    if (!oracle_folder("bitterli/cornell-box")) GTEST_SKIP() << "bitterli/cornell-box is not here";
-  }
+  void SetUp() override { PENUMBRA_NEED_ORACLE("bitterli/cornell-box"); }
 };
 
 TEST_P(BitterliCornellBox, AgreesWithTungstenAndMitsuba) {
-  const auto folder = *oracle_folder("bitterli/cornell-box");
+  const auto folder = *find_oracle("bitterli/cornell-box");
   const BackendCase& backend = GetParam();
   SceneDescription scene = read_or_throw(folder / "scene.xml");
   ASSERT_EQ(scene.film.width, 1024);
@@ -77,9 +76,8 @@ INSTANTIATE_TEST_SUITE_P(Backends, BitterliCornellBox,
                          [](const auto& info) { return info.param.name; });
 
 TEST(MitsubaCornellBox, ReadsUneditedAndStrategiesAgree) {
-  const auto folder = oracle_folder("mitsuba/scenes/cbox");
-  if (!folder) GTEST_SKIP() << "mitsuba/scenes/cbox is not here";
-  SceneDescription scene = read_or_throw(*folder / "cbox-rgb.xml");
+  PENUMBRA_NEED_ORACLE("mitsuba/scenes/cbox");
+  SceneDescription scene = read_or_throw(*find_oracle("mitsuba/scenes/cbox/cbox-rgb.xml"));
   EXPECT_EQ(scene.film.width, 256);
   EXPECT_EQ(scene.integrator.max_depth, 6);
   EXPECT_TRUE(scene.warnings.empty());

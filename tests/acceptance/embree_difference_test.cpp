@@ -10,6 +10,7 @@
 
 #include "tests/acceptance/embree_differences.h"
 #include "tests/acceptance/suite_scenes.h"
+#include "tests/support/oracles.h"
 
 namespace penumbra {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 class Embree : public testing::TestWithParam<SuiteScene> {
  protected:
   void SetUp() override {
-    if (!is_here(GetParam())) GTEST_SKIP() << "the third-party scene " << GetParam().file << " is not here";
+    if (GetParam().is_oracle) PENUMBRA_NEED_ORACLE(GetParam().file);
   }
 };
 

@@ -10,6 +10,7 @@
 #include "kernels/host/native_kernels.h"
 #include "tests/acceptance/suite_scenes.h"
 #include "tests/support/native_blocks.h"
+#include "tests/support/oracles.h"
 
 namespace penumbra {
 namespace {
@@ -47,7 +48,7 @@ std::vector<std::uint32_t> render_with_opencl(DeviceScene scene, std::uint32_t f
 class FeatureMask : public testing::TestWithParam<SuiteScene> {
  protected:
   void SetUp() override {
-    if (!is_here(GetParam())) GTEST_SKIP() << "the third-party scene " << GetParam().file << " is not here";
+    if (GetParam().is_oracle) PENUMBRA_NEED_ORACLE(GetParam().file);
     scene_ = build_or_throw(small_scene(GetParam()));
     own_ = scene_.header.features;
     // Testing every primitive and the hierarchy exclude each other.

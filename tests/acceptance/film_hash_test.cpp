@@ -12,25 +12,25 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "scenes/device/device_scene_builder.h"
 #include "scenes/settings.h"
+#include "tests/acceptance/film_record.h"
 #include "tests/acceptance/suite_scenes.h"
+#include "tests/support/oracles.h"
 
 namespace penumbra {
 namespace {
 
 namespace fs = std::filesystem;
 using Settings = std::vector<std::string>;  // name=value, as for --set
-using Record = std::map<std::string, std::string>;
 
 constexpr const char* kHowToUpdate =
     "; where images are meant to change: PENUMBRA_UPDATE_RECORD=1 build/release/bit_identity_test "
     "--gtest_filter='*FilmHash*', then look at the difference of tests/acceptance/film_hashes.json";
 
+constexpr int kWidth = 20, kHeight = 15;
 const std::vector<Settings> kIntegrators{
     {"integrator.type=path_mats"},
     {"integrator.type=path_ems", "integrator.mis=power"},
@@ -103,15 +103,9 @@ Expected<DeviceScene> build(SceneDescription scene, const FilmCase& film_case) {
       throw std::runtime_error(set.error().message);
   }
   if (scene.integrator.max_depth < 0) scene.integrator.max_depth = 8;  // furnaces have no end
-  resize_film(scene, 20, 15);
+  resize_film(scene, kWidth, kHeight);
   scene.sampler.spp = 4;
   return build_device_scene(scene, {.intersector = IntersectorChoice::kPortable});
-}
-
-std::string hash_of(const FilmAccumulator& film) {
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", (unsigned long long)film.hash());
-  return text;
 }
 
 /// By one kernel for everything, so that hundreds of scenes compile two of them (feature_mask_test.cpp shows
@@ -134,34 +128,22 @@ FilmAccumulator render_with_opencl(const DeviceScene& scene) {
 
 fs::path record_path() { return project_file("tests/acceptance/film_hashes.json"); }
 
-Record read_record() {
-  std::ifstream file(record_path());
-  return file ? nlohmann::json::parse(file).get<Record>() : Record{};
-}
-
 /// The names of the record that are of one scene.
-std::vector<std::string> names_of(const Record& record, const std::string& scene) {
+std::vector<std::string> names_of(const FilmRecord& record, const std::string& scene) {
   std::vector<std::string> names;
-  for (const auto& [name, hash] : record)
+  for (const auto& [name, film] : record)
     if (name.starts_with(scene + " ")) names.push_back(name);
   return names;
 }
 
 /// Replaces what the record says of the scene; tests in other processes may do the same at the same time.
-void update_record(const std::string& scene, const Record& now) {
+void update_record(const std::string& scene, const FilmRecord& now) {
   const int lock = open(record_path().parent_path().c_str(), O_RDONLY | O_CLOEXEC);
   flock(lock, LOCK_EX);
-  Record record = read_record();
+  FilmRecord record = read_film_record(record_path());
   for (const std::string& name : names_of(record, scene)) record.erase(name);
   record.insert(now.begin(), now.end());
-  std::ofstream file(record_path());
-  const char* separator = "{\n";
-  for (const auto& [name, hash] : record) {
-    file << separator << nlohmann::json(name).dump() << ": \"" << hash << '"';
-    separator = ",\n";
-  }
-  file << "\n}\n";
-  file.close();
+  write_film_record(record_path(), record);
   ::close(lock);
 }
 
@@ -169,40 +151,43 @@ class FilmHash : public testing::TestWithParam<SceneFile> {};
 
 TEST_P(FilmHash, IsThatOfTheRecordFromEveryBackend) {
   const SceneFile& file = GetParam();
-  if (file.is_oracle && !oracle_folder(file.name))
-    GTEST_SKIP() << "the third-party scene " << file.name << " is not here";
+  if (file.is_oracle) PENUMBRA_NEED_ORACLE(file.name);
   const bool update = std::getenv("PENUMBRA_UPDATE_RECORD") != nullptr;
-  const Record expected = read_record();
+  const FilmRecord expected = read_film_record(record_path());
   const SceneDescription description =
-      read_or_throw(file.is_oracle ? *oracle_folder("") / file.name : project_file("scenes/" + file.name));
-  Record found;
+      read_or_throw(file.is_oracle ? *find_oracle("") / file.name : project_file("scenes/" + file.name));
+  FilmRecord found;
   for (const FilmCase& c : cases_of(file.name)) {
     const Expected<DeviceScene> scene = build(description, c);
     if (!scene) {
-      found[c.name] = "refused";
+      found[c.name].hash = "refused";
       continue;
     }
     TestDevice device = native_device();
     device.options.threads = 1;
-    std::map<std::string, std::string> hashes;
+    FilmRecord by_backend;
     for (const Isa isa : machine_isas()) {
       device.options.isa = isa;
-      hashes[std::string(isa_name(isa))] = hash_of(render_or_throw(*scene, device));
+      by_backend[std::string(isa_name(isa))] = record_film(render_or_throw(*scene, device));
     }
     device.options.block_of_one = true;
-    hashes["one path at a time"] = hash_of(render_or_throw(*scene, device));
-    hashes["OpenCL"] = hash_of(render_with_opencl(*scene));
-    found[c.name] = hashes["sse2"];
-    for (const auto& [backend, hash] : hashes)
-      EXPECT_EQ(hash, found[c.name]) << c.name << ": " << backend << " differs from sse2";
+    by_backend["one path at a time"] = record_film(render_or_throw(*scene, device));
+    by_backend["OpenCL"] = record_film(render_with_opencl(*scene));
+    const RecordedFilm& film = found[c.name] = by_backend["sse2"];
+    for (const auto& [backend, other] : by_backend)
+      EXPECT_EQ(other.hash, film.hash)
+          << c.name << ": " << backend
+          << " differs from sse2: " << difference_text(other.picture, film.picture, kWidth, kHeight);
   }
   if (update) update_record(file.name, found);
-  for (const auto& [name, hash] : found) {
+  for (const auto& [name, film] : found) {
     const auto entry = update ? found.find(name) : expected.find(name);
     if (entry == (update ? found.end() : expected.end())) {
       ADD_FAILURE() << name << " is not in the record" << kHowToUpdate;
     } else {
-      EXPECT_EQ(hash, entry->second) << name << " is another image than in the record" << kHowToUpdate;
+      EXPECT_EQ(film.hash, entry->second.hash)
+          << name << " is another image than in the record: "
+          << difference_text(film.picture, entry->second.picture, kWidth, kHeight) << kHowToUpdate;
     }
   }
   for (const std::string& name : names_of(update ? found : expected, file.name))
@@ -221,7 +206,7 @@ TEST(FilmHashRecord, NamesNoSceneThatIsGone) {
   for (const SceneFile& file : scene_files()) known.push_back(file.name);
   const bool update = std::getenv("PENUMBRA_UPDATE_RECORD") != nullptr;
   std::set<std::string> gone;
-  for (const auto& [name, hash] : read_record()) {
+  for (const auto& [name, film] : read_film_record(record_path())) {
     const std::string scene = name.substr(0, name.find(' '));
     if (std::ranges::find(known, scene) == known.end()) gone.insert(scene);
   }

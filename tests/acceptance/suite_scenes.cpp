@@ -1,4 +1,5 @@
 #include "tests/acceptance/suite_scenes.h"
+#include "tests/support/oracles.h"
 
 #include <gtest/gtest.h>
 
@@ -148,10 +149,8 @@ const std::vector<SuiteScene>& suite_scenes() {
   return scenes;
 }
 
-bool is_here(const SuiteScene& scene) { return !scene.is_oracle || oracle_folder(scene.file).has_value(); }
-
 SceneDescription small_scene(const SuiteScene& scene) {
-  const auto file = scene.is_oracle ? *oracle_folder("") / scene.file : project_file("scenes/" + scene.file);
+  const auto file = scene.is_oracle ? *find_oracle("") / scene.file : project_file("scenes/" + scene.file);
   SceneDescription description = read_or_throw(file);
   resize_film(description, 40, 30);  // no multiple of a block, a vector or a tile
   description.sampler.spp = 6;

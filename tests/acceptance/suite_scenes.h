@@ -22,9 +22,6 @@ void PrintTo(const SuiteScene& scene, std::ostream* out);
 /// Every integrator, light, BSDF and way of sampling among them; oracles last.
 const std::vector<SuiteScene>& suite_scenes();
 
-/// Whether the file is on this machine.
-bool is_here(const SuiteScene& scene);
-
 /// 40 x 30 pixels, 6 samples each.
 SceneDescription small_scene(const SuiteScene& scene);
 

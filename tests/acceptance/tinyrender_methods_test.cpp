@@ -12,6 +12,7 @@
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/acceptance/shadowed_polygon.h"
 #include "tests/acceptance/strategies.h"
+#include "tests/support/oracles.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {
@@ -33,9 +34,7 @@ void PrintTo(const SceneCase& tested, std::ostream* out) { *out << tested.name; 
 
 class TinyRenderMethods : public testing::TestWithParam<SceneCase> {
  protected:
-  void SetUp() override {
-    if (!oracle_folder("tinyrender-a4")) GTEST_SKIP() << "tinyrender-a4 is not here";
-  }
+  void SetUp() override { PENUMBRA_NEED_ORACLE("tinyrender-a4"); }
 };
 
 IntegratorSettings without_shadows(IntegratorSettings settings) {
@@ -123,7 +122,7 @@ void expect_agreement(SceneDescription scene, const std::vector<Strategy>& metho
 }
 
 SceneDescription oracle_scene(const std::string& file) {
-  return read_or_throw(*oracle_folder("tinyrender-a4") / (file + ".toml"));
+  return read_or_throw(*find_oracle("tinyrender-a4") / (file + ".toml"));
 }
 
 TEST_P(TinyRenderMethods, AgreeWithShadows) {

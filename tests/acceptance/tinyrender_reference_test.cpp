@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tests/acceptance/tinyrender_reference.h"
+#include "tests/support/oracles.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {
@@ -27,7 +28,7 @@ struct Tested {
 
 /// A scene of a folder of the oracle and a reference beside it; pixels at their centres, independent samples.
 Tested tested(const std::string& folder, const std::string& scene, const std::string& reference) {
-  const auto path = *oracle_folder("tinyrender-a4/" + folder + "/tinyrender");
+  const auto path = *find_oracle("tinyrender-a4/" + folder + "/tinyrender");
   Tested result{read_or_throw(path / (scene + ".toml")), read_reference(path / (reference + "_REF.exr"))};
   sample_pixel_centres(result.scene);
   result.scene.sampler.kind = SamplerKind::kIndependent;
@@ -68,9 +69,7 @@ struct Seen {
 
 class TinyRender : public testing::Test {
  protected:
-  void SetUp() override {
-    if (!oracle_folder("tinyrender-a4")) GTEST_SKIP() << "tinyrender-a4 is not here";
-  }
+  void SetUp() override { PENUMBRA_NEED_ORACLE("tinyrender-a4"); }
 };
 
 using TinyRenderGrid = TinyRender;
@@ -248,7 +247,7 @@ TEST_F(TinyRenderGrid, RealtimeControlVariates) {
 class TinyRenderVeach : public testing::TestWithParam<const char*> {};
 
 TEST_P(TinyRenderVeach, IsTheSameEstimator) {
-  if (!oracle_folder("tinyrender-a4")) GTEST_SKIP() << "tinyrender-a4 is not here";
+  PENUMBRA_NEED_ORACLE("tinyrender-a4");
   const std::string name = GetParam();
   auto [scene, reference] =
       tested("veach_test", name == "emitter" ? "veach_area" : "veach_" + name, "veach_" + name);

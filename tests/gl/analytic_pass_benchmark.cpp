@@ -9,6 +9,7 @@
 
 #include "gl/analytic_pass.h"
 #include "tests/gl/gl_test_context.h"
+#include "tests/support/oracles.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {
@@ -105,7 +106,7 @@ int main(int argc, char** argv) {
   std::vector<std::string> files(argv + 1, argv + argc);
   if (files.empty()) {
     files.push_back(penumbra::project_file("scenes/star-light/star-light.xml"));
-    if (const auto grid = penumbra::oracle_folder("tinyrender-a4/grid/tinyrender"))
+    if (const auto grid = penumbra::find_oracle("tinyrender-a4/grid/tinyrender"))
       files.push_back(*grid / "grid_analytic.toml");
   }
   penumbra::run(files);

@@ -13,6 +13,7 @@
 #include "tests/gl/analytic_scenes.h"
 #include "tests/gl/gl_test_context.h"
 #include "tests/gl/pixel_primitives.h"
+#include "tests/support/oracles.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {
@@ -57,7 +58,7 @@ Offline offline_image(const DeviceScene& scene) {
 
 SceneDescription project_scene(const char* file) { return read_or_throw(project_file(file)); }
 SceneDescription oracle_scene(const char* file) {
-  return read_or_throw(*oracle_folder("tinyrender-a4") / file);
+  return read_or_throw(*find_oracle("tinyrender-a4") / file);
 }
 
 struct Compared {
@@ -157,7 +158,7 @@ void expect_as_the_kernels(AnalyticPass& pass, const SceneDescription& descripti
 }
 
 TEST_P(AnalyticPassScenes, FirstFrameIsWhatTheKernelsSay) {
-  if (GetParam().is_oracle && !oracle_folder("tinyrender-a4")) GTEST_SKIP() << "tinyrender-a4 is not here";
+  if (GetParam().is_oracle) PENUMBRA_NEED_ORACLE("tinyrender-a4");
   SceneDescription description = analytic_scene(GetParam().read(), GetParam().width, GetParam().height);
   sample_centres(description);
   const DeviceScene scene = build_or_throw(description);

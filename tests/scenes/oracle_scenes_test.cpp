@@ -7,6 +7,7 @@
 #include <map>
 
 #include "scenes/scene_reader.h"
+#include "tests/support/oracles.h"
 
 namespace penumbra {
 namespace {
@@ -21,10 +22,10 @@ using ::testing::Not;
 class OracleScenes : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!fs::exists(folder_))
-      GTEST_SKIP() << "the folder of reference scenes, " << folder_ << ", is not here";
+    PENUMBRA_NEED_ORACLE("");
+    folder_ = *find_oracle("");
   }
-  fs::path folder_ = fs::path(PENUMBRA_SOURCE_DIR) / "../shared/oracles";
+  fs::path folder_;
 };
 
 TEST_F(OracleScenes, CornellBox) {

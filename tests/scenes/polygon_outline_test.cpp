@@ -20,6 +20,7 @@
 #include "scenes/mesh_reader.h"
 #include "tests/kernels/exact_vector.h"
 #include "tests/kernels/random_numbers.h"
+#include "tests/support/oracles.h"
 
 namespace penumbra {
 
@@ -266,11 +267,9 @@ TEST(PolygonOutline, AConcaveStarKeepsItsTenCorners) {
   EXPECT_EQ(from_smallest(outline.loops[0]), from_smallest(rim));
 }
 
-/// The triangles of an OBJ file among the third-party references; none if it is not here.
+/// The triangles of an OBJ file among the third-party references.
 Triangles reference_mesh(const std::string& name) {
-  const auto path = std::filesystem::path(PENUMBRA_SOURCE_DIR) / "../shared/oracles/tinyrender-a4" / name;
-  if (!std::filesystem::exists(path)) return {};
-  const auto file = FileAccess(std::nullopt).read(path, kMaxMeshFileBytes).value();
+  const auto file = FileAccess(std::nullopt).read(*find_oracle(name), kMaxMeshFileBytes).value();
   const Mesh mesh = read_obj(*file).value();
   const auto position = [&](std::uint32_t i) {
     const glm::dvec3 p = mesh.positions[i];
@@ -282,8 +281,8 @@ Triangles reference_mesh(const std::string& name) {
 }
 
 TEST(PolygonOutline, TheReferenceStarHasTenCorners) {
-  const Triangles mesh = reference_mesh("star/mesh/star_diffuse.obj");
-  if (mesh.empty()) GTEST_SKIP() << "the reference meshes are not here";
+  PENUMBRA_NEED_ORACLE("tinyrender-a4/star/mesh/star_diffuse.obj");
+  const Triangles mesh = reference_mesh("tinyrender-a4/star/mesh/star_diffuse.obj");
   const Outlines all = merge(mesh);  // the star's eight triangles, the floor's two
   ASSERT_THAT(all.outlines, SizeIs(2));
   EXPECT_THAT(all.outlines[0].triangles, SizeIs(8));
@@ -292,8 +291,8 @@ TEST(PolygonOutline, TheReferenceStarHasTenCorners) {
 }
 
 TEST(PolygonOutline, TheReferenceMartletIsOneOutline) {
-  const Triangles mesh = reference_mesh("mcgill/mesh/mcgill.obj");
-  if (mesh.empty()) GTEST_SKIP() << "the reference meshes are not here";
+  PENUMBRA_NEED_ORACLE("tinyrender-a4/mcgill/mesh/mcgill.obj");
+  const Triangles mesh = reference_mesh("tinyrender-a4/mcgill/mesh/mcgill.obj");
   const Outlines all = merge(mesh);
   // Two triangles of floor, 29 of the bird, the others of letters, which are in a plane of their own.
   const auto bird = std::find_if(all.outlines.begin(), all.outlines.end(),

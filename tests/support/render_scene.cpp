@@ -18,12 +18,6 @@ T value_or_throw(Expected<T> expected) {
 
 }  // namespace
 
-std::optional<std::filesystem::path> oracle_folder(const std::string& name) {
-  const auto folder = std::filesystem::path(PENUMBRA_SOURCE_DIR) / "../shared/oracles" / name;
-  if (!std::filesystem::exists(folder)) return std::nullopt;
-  return folder;
-}
-
 std::filesystem::path project_file(const std::string& name) {
   return std::filesystem::path(PENUMBRA_SOURCE_DIR) / name;
 }

@@ -18,9 +18,6 @@
 
 namespace penumbra {
 
-/// Folder of a third-party reference, e.g. "bitterli/cornell-box"; nothing where the oracles are not there.
-std::optional<std::filesystem::path> oracle_folder(const std::string& name);
-
 /// A file of the project, e.g. "scenes/furnace/furnace.xml".
 std::filesystem::path project_file(const std::string& name);
 

@@ -19,6 +19,7 @@
 #include "tests/outputs/temporary_folder.h"
 #include "tests/support/fake_processes.h"
 #include "tests/support/image_test.h"
+#include "tests/support/oracles.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {
@@ -185,9 +186,8 @@ TEST_F(PenumbraViewTest, PressesOfSpaceAreTheSamplesOfAnOfflineControlVariate) {
 class TinyRenderViewTest : public PenumbraViewTest, public testing::WithParamInterface<const char*> {};
 
 TEST_P(TinyRenderViewTest, TheSceneIsTheSameOnScreenAndOffline) {
-  const auto folder = oracle_folder("tinyrender-a4");
-  if (!folder) GTEST_SKIP() << "the oracles are not here";
-  const std::string file = (*folder / GetParam()).string();
+  PENUMBRA_NEED_ORACLE("tinyrender-a4");
+  const std::string file = (*find_oracle("tinyrender-a4") / GetParam()).string();
   const ProgramResult seen =
       view({file, "--workers", "2", "--spp", "16", "--sampler", "independent"},
            "wait connected\nkey space 16\nwait samples 16\nwait analytic 64\nsave view.exr\nquit\n");
