@@ -7,13 +7,13 @@ packages=(
   # Compilers: clang for every build, g++ for its C++ library and its warnings, the sanitizers' runtime and symbolizer.
   clang-19 libclang-rt-19-dev llvm-19 g++ cmake ninja-build ccache pkg-config git clang-format
   # Images, geometry, mathematics.
-  libembree-dev libopenimageio-dev libopenexr-dev libpng-dev libglm-dev
+  libembree-dev libopenimageio-dev libopenexr-dev libpng-dev libglm-dev libboost-dev
   # OpenCL with a device for any CPU.
   ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers pocl-opencl-icd
   # Scheduler and workers.
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
   # Files, command line, messages.
-  libpugixml-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libxxhash-dev
+  libpugixml-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libfmt-dev libxxhash-dev
   # The preview window.
   libglfw3-dev libepoxy-dev libimgui-dev
   # Plots of penumbra report.

@@ -12,6 +12,7 @@
 
 #include "kernels/host/bounds.h"
 #include "kernels/host/device_scene_check.h"
+#include "scenes/device/to_vec3.h"
 
 namespace penumbra {
 namespace {
@@ -28,7 +29,6 @@ constexpr double kNearestToOrigin =
     1e-6;  // of the target's distance from the origin: keeps the view's direction
 
 dvec3 to_dvec3(const vec3& v) { return {v.x, v.y, v.z}; }
-vec3 to_vec3(const dvec3& v) { return {float(v.x), float(v.y), float(v.z)}; }
 
 /// Without changing lengths that are 0, and without overflow for any finite vector.
 dvec3 direction_of(const dvec3& v) {

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "gl/picture_files.h"
+#include "kernels/host/stopwatch.h"
 
 namespace penumbra {
 namespace {
@@ -76,7 +77,7 @@ Expected<bool> ScriptRunner::run(const WaitCommand& command) {
   if (is_there(command)) return true;
   if (viewer_->status().connection == ConnectionState::kEnded && command.what != WaitFor::kAnalytic)
     return fail(fmt::format("the render is over, with {} samples of every pixel", viewer_->least_samples()));
-  const double waited = std::chrono::duration<double>(Clock::now() - since_).count();
+  const double waited = seconds_since(since_);
   const double patience = command.timeout_seconds.value_or(kPatience);
   if (waited < patience) return false;
   return fail(
@@ -101,7 +102,7 @@ Expected<bool> ScriptRunner::run(const ResizeCommand& command) {
   }
   if (window_->width() == command.width && window_->height() == command.height) return true;
   // A desktop takes its time, and may give another size.
-  return std::chrono::duration<double>(Clock::now() - since_).count() > kPatienceWithDesktop;
+  return seconds_since(since_) > kPatienceWithDesktop;
 }
 
 /// Of a frame that began after the command before.

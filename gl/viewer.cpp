@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "gl/picture_files.h"
+#include "kernels/host/stopwatch.h"
 
 namespace penumbra {
 namespace {
@@ -178,7 +179,7 @@ Expected<void> Viewer::on(const WatchProgress& progress) {
 Expected<void> Viewer::on(const TileSnapshot& tile) {
   if (!film_ || !film_->apply(tile)) return {};
   if (asked_ && tile.samples >= asked_spp_) {
-    status_.latency_seconds = std::chrono::duration<double>(Clock::now() - *asked_).count();
+    status_.latency_seconds = seconds_since(*asked_);
     asked_.reset();
   }
   return {};

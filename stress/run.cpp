@@ -5,15 +5,13 @@
 #include <algorithm>
 #include <chrono>
 
+#include "kernels/host/stopwatch.h"
 #include "scenes/device/device_scene_builder.h"
 
 namespace penumbra::stress {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// Values of the cases that ask the kernels, by backend: one launch for all of them.
 void run_kernel_cases(std::span<const Case> cases, std::span<Backend> backends,

@@ -11,6 +11,7 @@
 #include <system_error>
 #include <vector>
 
+#include "kernels/host/stopwatch.h"
 #include "worker/device.h"
 
 namespace penumbra {
@@ -46,18 +47,15 @@ struct Measurement {
 /// to the first launch.
 Expected<Measurement> measure(const DeviceScene& scene, const DeviceOptions& options) {
   using Clock = std::chrono::steady_clock;
-  const auto seconds = [](Clock::time_point from) {
-    return std::chrono::duration<double>(Clock::now() - from).count();
-  };
   const RenderUnit unit{.width = 1, .height = 1, .first_sample = 0, .sample_count = 1};
   const auto start = Clock::now();
   const auto device = make_device(scene, options);
   if (!device) return std::unexpected(device.error());
   if (const auto first = (*device)->render(unit); !first) return std::unexpected(first.error());
-  const double all = seconds(start);
+  const double all = seconds_since(start);
   const auto again = Clock::now();
   if (const auto second = (*device)->render(unit); !second) return std::unexpected(second.error());
-  return Measurement{(*device)->description(), all - seconds(again)};
+  return Measurement{(*device)->description(), all - seconds_since(again)};
 }
 
 Expected<void> run(int count, char** arguments) {

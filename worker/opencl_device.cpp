@@ -6,6 +6,7 @@
 #include <chrono>
 #include <utility>
 
+#include "kernels/host/stopwatch.h"
 #include "kernels/unit.h"
 #include "worker/opencl_launch.h"
 #include "worker/opencl_memory.h"
@@ -19,10 +20,6 @@ using Clock = std::chrono::steady_clock;
 constexpr double kLaunchSeconds = 0.25;         // a watchdog's patience is some 2 s
 constexpr std::int64_t kFirstLaunch = 1 << 14;  // paths, before anything is known of their time
 constexpr std::size_t kLargestGroup = 64;       // work items; more share no memory, so nothing is won
-
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 class OpenClDevice final : public Device {
  public:

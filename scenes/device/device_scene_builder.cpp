@@ -14,6 +14,7 @@
 #include "scenes/device/filter_table.h"
 #include "scenes/device/integrator_builder.h"
 #include "scenes/device/light_builder.h"
+#include "scenes/device/to_vec3.h"
 
 namespace penumbra {
 namespace {
@@ -24,8 +25,6 @@ constexpr std::size_t kMaxWholeTriangles = 64;
 constexpr std::size_t kMaxPortableTriangles = 4'000'000;
 constexpr std::size_t kMaxWholeQuadrics = 16;
 
-vec3 to_vec3(const glm::dvec3& v) { return make_vec3(float(v.x), float(v.y), float(v.z)); }
-vec3 to_vec3(const glm::vec3& v) { return make_vec3(v.x, v.y, v.z); }
 double mean(const glm::vec3& c) { return (double(c.x) + c.y + c.z) / 3; }
 bool is_black(const glm::vec3& c) { return c.x == 0 && c.y == 0 && c.z == 0; }
 bool emits(const Shape& shape) { return shape.radiance && !is_black(*shape.radiance); }

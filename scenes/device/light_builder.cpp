@@ -8,12 +8,12 @@
 #include <set>
 
 #include "scenes/device/light_table.h"
+#include "scenes/device/to_vec3.h"
 
 namespace penumbra {
 namespace {
 
 double mean(const glm::vec3& c) { return (double(c.x) + c.y + c.z) / 3; }
-vec3 to_vec3(const glm::vec3& v) { return make_vec3(v.x, v.y, v.z); }
 
 int code(EmitterSampling sampling, int by_default) {
   switch (sampling) {

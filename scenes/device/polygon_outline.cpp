@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "scenes/device/outline_loops.h"
+#include "scenes/device/to_vec3.h"
 
 namespace penumbra {
 namespace {
@@ -23,8 +24,6 @@ constexpr double kRounding = 0x1p-22;
 constexpr double kSquareness = 1e-5;
 // More triangles at one edge than this are not searched for neighbours: every pair would be tried.
 constexpr std::size_t kMaxAtEdge = 32;
-
-vec3 to_vec3(const dvec3& p) { return make_vec3(float(p.x), float(p.y), float(p.z)); }
 
 struct Box {
   dvec3 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};

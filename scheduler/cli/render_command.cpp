@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "kernels/host/stopwatch.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/pixel_text.h"
 #include "scheduler/cli/progress.h"
@@ -23,10 +24,6 @@ namespace penumbra {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 Expected<void> write_images(const Image& image, const OutputFiles& files) {
   using Encoder = Expected<std::vector<std::uint8_t>> (*)(const Image&);

@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "scheduler/report/student_t.h"
+#include "scheduler/metrics/distributions.h"
 
 namespace penumbra {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "scheduler/report/student_t.h"
+#include "scheduler/metrics/distributions.h"
 
 namespace penumbra {
 namespace {

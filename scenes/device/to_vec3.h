@@ -1,0 +1,14 @@
+// From GLM's vectors, which host code computes with, to those of the kernels.
+#pragma once
+
+#include <glm/vec3.hpp>
+
+#include "kernels/vec3.h"
+
+namespace penumbra {
+
+inline vec3 to_vec3(const glm::vec3& v) { return make_vec3(v.x, v.y, v.z); }
+/// Rounded to single precision.
+inline vec3 to_vec3(const glm::dvec3& v) { return make_vec3(float(v.x), float(v.y), float(v.z)); }
+
+}  // namespace penumbra
