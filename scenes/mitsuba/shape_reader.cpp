@@ -206,7 +206,7 @@ void read_shape(const Context& context, const Object& object, const FileAccess& 
   if (geometry) shape.geometry = std::move(*geometry);
   if (emitter != nullptr) read_area_light(context, *emitter, shape);
   if (!geometry) return;
-  std::tie(shape.front_bsdf, shape.back_bsdf) = materials.install(bsdf, scene);
+  std::tie(shape.front_bsdf, shape.back_bsdf) = materials.install(bsdf, shape.radiance.has_value(), scene);
   scene.shapes.push_back(std::move(shape));
 }
 

@@ -113,6 +113,25 @@ TEST_F(MitsubaPlugins, DiffuseIsOneSidedAndTheDefault) {
   for (const Shape& shape : s.shapes) EXPECT_EQ(shape.back_bsdf, kBlackBsdf);
 }
 
+TEST_F(MitsubaPlugins, ALampWithoutABsdfIsBlack) {
+  for (const std::string version : {"0.5.0", "0.6.0", "2.0.0", "3.0.0"}) {
+    const std::string content =
+        in("shape", "cube", in("emitter", "area")) + in("shape", "cube") +
+        in("shape", "cube", in("emitter", "area", "<rgb name='radiance' value='0'/>")) +
+        in("shape", "cube", in("bsdf", "diffuse") + in("emitter", "area"));
+    const auto s =
+        read("<scene version='" + version + "'>" + content + "<sensor type='perspective'/></scene>");
+    ASSERT_TRUE(s) << s.error().message;
+    ASSERT_THAT(s->shapes, SizeIs(4));
+    for (const std::size_t lamp : {0u, 2u}) {
+      EXPECT_EQ(s->shapes[lamp].front_bsdf, kBlackBsdf);
+      EXPECT_EQ(s->shapes[lamp].back_bsdf, kBlackBsdf);
+    }
+    EXPECT_NE(s->shapes[1].front_bsdf, kBlackBsdf);
+    EXPECT_NE(s->shapes[3].front_bsdf, kBlackBsdf);
+  }
+}
+
 TEST_F(MitsubaPlugins, PhongDefaults) {
   const SceneDescription s = good(in("shape", "sphere", in("bsdf", "phong")));
   const PhongBsdf& phong = std::get<PhongBsdf>(s.bsdfs.at(0).model);
