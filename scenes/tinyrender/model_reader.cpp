@@ -191,21 +191,16 @@ class ModelReader {
   }
 
   void report_odd_faces(const ObjGroup& group, const std::string& name, bool is_light) {
-    if (const OddFaces& warped = group.warped; warped.count > 0) {
-      warn(warped.first,
-           fmt::format("'{}': {} not flat (by up to {:.2g} of its extent); cut into flat triangles", name,
-                       counted(warped.count, "face is", "faces are"), group.deviation));
-    }
-    if (const OddFaces& tangled = group.tangled; tangled.count > 0) {
+    if (const OddFaces& warped = group.faces.warped; warped.count > 0)
+      warn(warped.first, fmt::format("'{}': {}", name, describe_warped(group.faces)));
+    if (const OddFaces& tangled = group.faces.tangled; tangled.count > 0) {
       if (is_light) {
         context_.diagnostics.error(
             tangled.first, fmt::format("'{}': this face of a light crosses itself or folds back on itself, "
                                        "so that its light is not defined",
                                        name));
       } else {
-        warn(tangled.first,
-             fmt::format("'{}': {} or back on themselves; cut into fans of triangles that overlap", name,
-                         counted(tangled.count, "face folds over", "faces fold over")));
+        warn(tangled.first, fmt::format("'{}': {}", name, describe_tangled(group.faces)));
       }
     }
   }

@@ -75,6 +75,16 @@ TEST_F(MitsubaPlugins, Meshes) {
                                    HasSubstr("m.obj: left out 1 triangle without area")));
 }
 
+TEST_F(MitsubaPlugins, FacesThatFoldOverAreWarnedOf) {
+  // Faces that are not flat are what smooth meshes are made of.
+  write("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 1 .3\nf 1 2 5 4\nf 1 3 2 4\n");
+  const SceneDescription s = good(in("shape", "obj", "<string name='filename' value='m.obj'/>"));
+  ASSERT_THAT(s.warnings, SizeIs(1));
+  EXPECT_THAT(without_folder(s.warnings[0]),
+              HasSubstr("scene.xml:2:2: warning: m.obj: 1 face folds over or back on itself; cut into "
+                        "fans of triangles that overlap; the first is m.obj:7:1"));
+}
+
 TEST_F(MitsubaPlugins, AMeshWithoutTrianglesIsLeftOut) {
   write("m.obj", "v 0 0 0\n");
   const SceneDescription s = good(in("shape", "obj", "<string name='filename' value='m.obj'/>"));

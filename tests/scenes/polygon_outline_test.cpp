@@ -271,7 +271,7 @@ Triangles reference_mesh(const std::string& name) {
   const auto path = std::filesystem::path(PENUMBRA_SOURCE_DIR) / "../shared/oracles/tinyrender-a4" / name;
   if (!std::filesystem::exists(path)) return {};
   const auto file = FileAccess(std::nullopt).read(path, kMaxMeshFileBytes).value();
-  const Mesh mesh = read_obj(*file).value();
+  const Mesh mesh = read_obj(*file).value().mesh;
   const auto position = [&](std::uint32_t i) {
     const glm::dvec3 p = mesh.positions[i];
     return make_vec3(float(p.x), float(p.y), float(p.z));
