@@ -16,7 +16,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of a material that is not defined: nothing in nature has this colour.
+/// What TinyRender takes MTL's `illum` for; all others are its Phong model, which is Kd and Ks together, and
+/// so is its mixture, 8.
+constexpr std::int64_t kMirror = 5, kDiffuse = 7;
+
+/// Of a material that is not read: nothing in nature has this colour.
 constexpr glm::vec3 kStandInColour(0.8f, 0.2f, 0.8f);
 
 bool is_black(const std::optional<glm::vec3>& colour) { return !colour || *colour == glm::vec3(0.0f); }
@@ -111,10 +115,19 @@ class ModelReader {
     const MtlMaterial& material = found->second;
     Surface result;
     if (!is_black(material.emission)) result.radiance = material.emission;
+    if (material.illum == kMirror) {
+      context_.unknown(material.illum_location,
+                       fmt::format("the material '{}' is a mirror (illum 5), which Penumbra does not read; "
+                                   "it reads diffuse (illum 7) and Phong surfaces (other numbers)",
+                                   found->first),
+                       "a magenta diffuse stands in for it");
+      result.bsdf = install(found->first, DiffuseBsdf{kStandInColour});
+      return result;
+    }
+    const bool glossy = material.illum != kDiffuse && !is_black(material.specular);
     const glm::vec3 diffuse = material.diffuse.value_or(glm::vec3(0.0f));
-    const glm::vec3 specular =
-        material.exponent ? material.specular.value_or(glm::vec3(0.0f)) : glm::vec3(0.0f);
-    if (!is_black(material.specular) && !material.exponent)
+    const glm::vec3 specular = glossy && material.exponent ? *material.specular : glm::vec3(0.0f);
+    if (glossy && !material.exponent)
       warn(material.location, fmt::format("'{}' has Ks but no Ns; Ks is left out", found->first));
     const float scale = energy_scale(found->first, material.location, diffuse + specular);
     if (specular != glm::vec3(0.0f)) {
