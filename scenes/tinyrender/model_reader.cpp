@@ -48,6 +48,7 @@ class ModelReader {
                                                   describe(input.location("objfile"))));
       return;
     }
+    if (model->groups.empty()) warn({source, 0}, "the file has no faces");
     for (const ObjName& library : model->libraries) read_library(library);
     for (ObjGroup& group : model->groups) {
       if (context_.diagnostics.full()) return;
