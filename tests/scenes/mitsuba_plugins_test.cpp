@@ -75,6 +75,25 @@ TEST_F(MitsubaPlugins, Meshes) {
                                    HasSubstr("m.obj: left out 1 triangle without area")));
 }
 
+TEST_F(MitsubaPlugins, MeshFilesMayBeginWithAByteOrderMark) {
+  const std::string mark = "\xEF\xBB\xBF";
+  write("m.obj", mark + "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  write("m.ply", mark +
+                     "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                     "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                     "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  for (const std::string type : {"obj", "ply"}) {
+    const SceneDescription s = good(in("shape", type, "<string name='filename' value='m." + type + "'/>"));
+    EXPECT_THAT(s.shapes, SizeIs(1));
+  }
+  write("m.obj", mark + "v 0 0 x\n");
+  EXPECT_THAT(error(scene(in("shape", "obj", "<string name='filename' value='m.obj'/>"))),
+              HasSubstr("m.obj:1:7: error: "));
+  write("m.obj", std::string("\xFF\xFEv\0", 4));
+  EXPECT_THAT(error(scene(in("shape", "obj", "<string name='filename' value='m.obj'/>"))),
+              HasSubstr("m.obj' is UTF-16 text; save it as UTF-8"));
+}
+
 TEST_F(MitsubaPlugins, FacesThatFoldOverAreWarnedOf) {
   // Faces that are not flat are what smooth meshes are made of.
   write("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 1 .3\nf 1 2 5 4\nf 1 3 2 4\n");

@@ -122,6 +122,26 @@ TEST_F(TinyRenderToml, WhatIsNotToml) {
   EXPECT_THAT(toml_error("a = " + std::string(10000, '[')), HasSubstr("not TOML"));
 }
 
+TEST_F(TinyRenderToml, ByteOrderMarks) {
+  const std::string mark = "\xEF\xBB\xBF";
+  write("m.obj", mark + kModel);
+  write("m.mtl", mark + kMaterials);
+  const SceneDescription scene = good_toml(mark + scene_with(kDirect));
+  EXPECT_EQ(scene.shapes.size(), 2u);
+  EXPECT_THAT(scene.warnings, IsEmpty());
+  EXPECT_THAT(toml_error(mark + "[input\n"), HasSubstr("scene.toml:1:7: error: "));
+  write("m.mtl", mark + "Kd .5 .5 .5\n");
+  EXPECT_THAT(toml_error(scene_with(kDirect)), HasSubstr("m.mtl:1:1: error: Kd before any newmtl"));
+  const std::string utf16("\xFF\xFEn\0e\0w\0", 8);
+  write("m.mtl", utf16);
+  EXPECT_THAT(toml_error(scene_with(kDirect)), HasSubstr("m.mtl' is UTF-16 text; save it as UTF-8"));
+  write("m.obj", std::string("\xFE\xFF\0v", 4));
+  EXPECT_THAT(toml_error(scene_with(kDirect)), HasSubstr("m.obj' is UTF-16 text; save it as UTF-8"));
+  EXPECT_THAT(toml_error(utf16), HasSubstr("scene.toml' is UTF-16 text; save it as UTF-8"));
+  EXPECT_THAT(toml_error(std::string("\xFF\xFE\0\0[\0\0\0", 8)),
+              HasSubstr("scene.toml' is UTF-32 text; save it as UTF-8"));
+}
+
 TEST_F(TinyRenderToml, ColumnsAreOfCodePoints) {
   EXPECT_THAT(toml_error(scene_with("type = \"dïrëct\"\n\"schön\" = 1")),
               HasSubstr("scene.toml:11:8: error: renderer type 'dïrëct'"));
