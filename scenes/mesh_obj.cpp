@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "scenes/mesh_reader.h"
+#include "scenes/names.h"
 #include "scenes/number.h"
 #include "scenes/statement_scanner.h"
 
@@ -77,10 +78,12 @@ class ObjReader {
     } else if (keyword == "o" || keyword == "g") {
       object_ = scanner_.rest();
       group_ = nullptr;
+      return check_name("name of an object", object_);
     } else if (keyword == "usemtl") {
       const std::string_view name = scanner_.rest();
       material_ = {std::string(name), scanner_.location()};
       group_ = nullptr;
+      return check_name("name of a material", name);
     } else if (keyword == "mtllib") {
       const std::string_view name = scanner_.rest();
       model_.libraries.push_back({std::string(name), scanner_.location()});
@@ -91,6 +94,12 @@ class ObjReader {
       return scanner_.wrong(fmt::format("'{}' is not an OBJ statement of polygon meshes{}",
                                         keyword.substr(0, 40), suggestion(keyword, known)));
     }
+    return {};
+  }
+
+  Expected<void> check_name(std::string_view kind, std::string_view name) const {
+    if (const auto checked = check_name_length(kind, name); !checked)
+      return scanner_.wrong(checked.error().message);
     return {};
   }
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "scenes/names.h"
 #include "scenes/number.h"
 #include "scenes/statement_scanner.h"
 
@@ -56,6 +57,8 @@ class MtlReader {
     const SourceLocation location = scanner_.location();
     material_ = &ignored_;
     if (name.empty()) return diagnostics_.error(location, "newmtl needs a name");
+    if (const auto checked = check_name_length("name of a material", name); !checked)
+      return diagnostics_.error(location, checked.error().message);
     const auto [entry, is_new] = materials_.try_emplace(name, MtlMaterial{.location = location});
     if (is_new) {
       material_ = &entry->second;

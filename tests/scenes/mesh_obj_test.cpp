@@ -159,6 +159,17 @@ TEST(ObjGroups, NamesThatGoOnInTheNextLine) {
   EXPECT_EQ(model.groups.at(0).material.name, "a\\b");
 }
 
+TEST(ObjGroups, NamesHaveALength) {
+  const std::string longest(1024, 'n');
+  for (const std::string keyword : {"o", "g", "usemtl"}) {
+    EXPECT_TRUE(read_groups(keyword + " " + longest + "\n")) << keyword;
+    const auto result = read_groups("v 0 0 0\n" + keyword + " " + longest + "n\n");
+    ASSERT_FALSE(result) << keyword;
+    EXPECT_THAT(result.error().message, HasSubstr("m.obj:2:")) << keyword;
+    EXPECT_THAT(result.error().message, HasSubstr("has 1025 bytes; the most that are read are 1024"));
+  }
+}
+
 TEST(ObjGroups, FacesThatCannotBeCut) {
   std::string text;
   std::string face = "f";

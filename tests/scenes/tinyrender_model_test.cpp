@@ -82,6 +82,12 @@ TEST_F(TinyRenderModel, DiffuseAndPhongOnBothSides) {
   EXPECT_EQ(std::get<DiffuseBsdf>(material("Kd .25").bsdfs.at(0).model).reflectance, glm::vec3(.25f));
 }
 
+TEST_F(TinyRenderModel, NamesOfMaterialsHaveALength) {
+  EXPECT_THAT(
+      model_error(kTriangle, "newmtl " + std::string(1025, 'n') + "\n"),
+      HasSubstr("m.mtl:1:8: error: this name of a material has 1025 bytes; the most that are read are"));
+}
+
 TEST_F(TinyRenderModel, IllumSevenIsDiffuseWhateverKsSays) {
   for (const std::string rest : {"", "\nNs 10"}) {
     const SceneDescription scene = material("Kd .5 .6 .7\nKs .9 .9 .9" + rest + "\nillum 7");
