@@ -5,13 +5,25 @@
 #include <algorithm>
 #include <cctype>
 
+#include "scenes/text.h"
+
 namespace penumbra {
 namespace {
 
 constexpr std::size_t kMaxReportedErrors = 20;
+constexpr std::size_t kMaxReportedWarnings = 200;
 constexpr std::size_t kMaxShownColumns = 120;
+constexpr std::size_t kMaxMessageBytes = 2000;
 
 bool starts_code_point(char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }
+
+/// As visible() shows them: what is no UTF-8 counts byte by byte.
+std::size_t count_characters(std::string_view text) {
+  std::size_t count = 0;
+  for (std::size_t at = 0; at < text.size(); ++count)
+    at += std::max<std::size_t>(1, character_length(text, at));
+  return count;
+}
 
 char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
 
@@ -22,16 +34,6 @@ std::string_view line_at(const SourceFile& file, std::size_t offset, std::size_t
   std::string_view line = text.substr(line_start, end == text.npos ? text.npos : end - line_start);
   if (line.ends_with('\r')) line.remove_suffix(1);
   return line;
-}
-
-/// Printable on a terminal: tabs stay, other control characters become '?'.
-std::string printable(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) {
-    const auto byte = static_cast<unsigned char>(c);
-    if ((byte < 0x20 && c != '\t') || byte == 0x7F) c = '?';
-  }
-  return result;
 }
 
 /// Optimal string alignment distance, case ignored.
@@ -67,8 +69,7 @@ LineColumn line_and_column(SourceLocation location) {
   const auto after = std::upper_bound(starts.begin(), starts.end(), offset);
   const std::size_t start = *std::prev(after);
   const std::string_view before = text.substr(start, offset - start);
-  return {static_cast<std::size_t>(after - starts.begin()),
-          1 + static_cast<std::size_t>(std::count_if(before.begin(), before.end(), starts_code_point))};
+  return {static_cast<std::size_t>(after - starts.begin()), 1 + count_characters(before)};
 }
 
 std::string describe(SourceLocation location) {
@@ -76,8 +77,14 @@ std::string describe(SourceLocation location) {
   return fmt::format("{}:{}:{}", location.file->path.string(), at.line, at.column);
 }
 
+std::string format_message(SourceLocation location, std::string_view severity, std::string_view message) {
+  const std::string where = location.file != nullptr ? visible(describe(location)) + ": " : "";
+  return fmt::format("{}{}: {}", where, severity, visible(shortened(message, kMaxMessageBytes)));
+}
+
 std::string format_diagnostic(SourceLocation location, std::string_view severity, std::string_view message) {
-  if (location.file == nullptr) return fmt::format("{}: {}", severity, message);
+  const std::string text = format_message(location, severity, message);
+  if (location.file == nullptr) return text;
   const std::size_t offset = std::min(location.offset, location.file->text.size());
   std::size_t start = 0;
   std::string_view line = line_at(*location.file, offset, start);
@@ -92,11 +99,10 @@ std::string format_diagnostic(SourceLocation location, std::string_view severity
     caret -= cut;
   }
   std::string indent;
-  for (const char c : line.substr(0, caret)) {
+  for (const char c : visible(line.substr(0, caret))) {
     if (starts_code_point(c)) indent += c == '\t' ? '\t' : ' ';
   }
-  return fmt::format("{}: {}: {}\n  {}\n  {}^", describe(location), severity, message, printable(line),
-                     indent);
+  return fmt::format("{}\n  {}\n  {}^", text, visible(line), indent);
 }
 
 std::optional<std::string> nearest_name(std::string_view name, std::span<const std::string> candidates) {
@@ -132,9 +138,17 @@ void Diagnostics::error_text(std::string text) {
 }
 
 void Diagnostics::warn(SourceLocation location, std::string_view message) {
-  const std::string where = location.file ? describe(location) + ": " : "";
-  std::string text = fmt::format("{}warning: {}", where, message);
+  if (warnings_.size() >= kMaxReportedWarnings) {
+    ++more_warnings_;
+    return;
+  }
+  std::string text = format_message(location, "warning", message);
   if (seen_.insert(text).second) warnings_.push_back(std::move(text));
+}
+
+std::vector<std::string> Diagnostics::take_warnings() {
+  if (more_warnings_ > 0) warnings_.push_back(fmt::format("warning: and {} more", more_warnings_));
+  return std::move(warnings_);
 }
 
 bool Diagnostics::full() const { return errors_.size() >= kMaxReportedErrors; }

@@ -31,7 +31,7 @@ struct SourceLocation {
 
 struct LineColumn {
   std::size_t line = 1;    ///< from 1
-  std::size_t column = 1;  ///< from 1, in code points
+  std::size_t column = 1;  ///< from 1, in characters
 };
 
 /// Where `location` is in its file; past its end, the end.
@@ -40,8 +40,11 @@ LineColumn line_and_column(SourceLocation location);
 /// "file:line:column".
 std::string describe(SourceLocation location);
 
-/// "file:line:column: severity: message", the source line and a caret under the place. Control characters of
-/// the source are shown as '?', long lines are cut to the part around the caret.
+/// "file:line:column: severity: message", or without a file what follows; visible (see text.h), and not
+/// longer than anybody reads.
+std::string format_message(SourceLocation location, std::string_view severity, std::string_view message);
+
+/// That, the source line and a caret under the place. Long lines are cut to the part around the caret.
 std::string format_diagnostic(SourceLocation location, std::string_view severity, std::string_view message);
 
 /// The candidate with the fewest edits (insertions, deletions, replacements, swaps of neighbours; case
@@ -68,11 +71,13 @@ class Diagnostics {
   [[nodiscard]] bool full() const;
   /// The errors, each once and the first few of many. Only after `failed()`.
   [[nodiscard]] Error error() const;
-  [[nodiscard]] std::vector<std::string> take_warnings() { return std::move(warnings_); }
+  /// Each once; of very many the first, and a last one that says how many more there are.
+  [[nodiscard]] std::vector<std::string> take_warnings();
 
  private:
   std::vector<std::string> errors_;
   std::vector<std::string> warnings_;
+  std::size_t more_warnings_ = 0;
   std::set<std::string> seen_;  ///< an object that several others refer to is read for each of them
 };
 

@@ -10,6 +10,24 @@ namespace penumbra {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+constexpr std::size_t kMaxFileNameBytes = 4096;  // PATH_MAX of Linux
+
+/// Takes the mark of UTF-8 away. Errors: text of another encoding that says so.
+Expected<void> take_byte_order_mark(std::string& text) {
+  const std::string_view start = std::string_view(text).substr(0, 4);
+  using namespace std::string_view_literals;
+  const char* encoding = start == "\0\0\xFE\xFF"sv || start == "\xFF\xFE\0\0"sv           ? "UTF-32"
+                         : start.starts_with("\xFE\xFF") || start.starts_with("\xFF\xFE") ? "UTF-16"
+                                                                                          : nullptr;
+  if (encoding != nullptr) return fail(fmt::format("is {} text; save it as UTF-8", encoding));
+  if (start.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+  return {};
+}
+
+}  // namespace
+
 FileAccess::FileAccess(std::optional<fs::path> confine_to) {
   if (!confine_to) return;
   std::error_code ignored;
@@ -29,6 +47,10 @@ bool FileAccess::allows(const fs::path& file) const {
 Expected<fs::path> FileAccess::find(std::string_view name, std::span<const fs::path> folders) const {
   if (name.empty()) return fail("the file name is empty");
   if (name.find('\0') != name.npos) return fail("the file name holds a NUL character");
+  if (name.size() > kMaxFileNameBytes) {
+    return fail(fmt::format("the file name has {} bytes; the most that are read are {}", name.size(),
+                            kMaxFileNameBytes));
+  }
   const fs::path file(name);
   std::vector<fs::path> candidates;
   if (file.is_absolute()) {
@@ -78,6 +100,8 @@ Expected<std::unique_ptr<SourceFile>> FileAccess::read(const fs::path& file, std
   if (!stream.read(result->text.data(), std::streamsize(size)) || stream.gcount() != std::streamsize(size)) {
     return fail(fmt::format("cannot read '{}'", file.string()));
   }
+  if (const auto done = take_byte_order_mark(result->text); !done)
+    return fail(fmt::format("'{}' {}", file.string(), done.error().message));
   return result;
 }
 

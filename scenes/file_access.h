@@ -23,11 +23,12 @@ class FileAccess {
   explicit FileAccess(std::optional<std::filesystem::path> confine_to);
 
   /// `name` itself if absolute, else the first of `folders` that has it. Errors: nowhere found (says where it
-  /// looked), outside the confinement.
+  /// looked), outside the confinement, longer than any name.
   [[nodiscard]] Expected<std::filesystem::path> find(std::string_view name,
                                                      std::span<const std::filesystem::path> folders) const;
 
-  /// The whole file. Errors: not there, not a plain file, larger than `max_bytes`, unreadable.
+  /// The whole file, without the byte order mark of UTF-8. Errors: not there, not a plain file, larger than
+  /// `max_bytes`, unreadable, UTF-16 or UTF-32 by its byte order mark.
   [[nodiscard]] Expected<std::unique_ptr<SourceFile>> read(const std::filesystem::path& file,
                                                            std::uint64_t max_bytes) const;
 

@@ -7,8 +7,8 @@
 #include <unordered_map>
 
 #include "scenes/mesh_reader.h"
+#include "scenes/names.h"
 #include "scenes/number.h"
-#include "scenes/polygon_triangulation.h"
 #include "scenes/statement_scanner.h"
 
 namespace penumbra {
@@ -78,10 +78,12 @@ class ObjReader {
     } else if (keyword == "o" || keyword == "g") {
       object_ = scanner_.rest();
       group_ = nullptr;
+      return check_name("name of an object", object_);
     } else if (keyword == "usemtl") {
       const std::string_view name = scanner_.rest();
       material_ = {std::string(name), scanner_.location()};
       group_ = nullptr;
+      return check_name("name of a material", name);
     } else if (keyword == "mtllib") {
       const std::string_view name = scanner_.rest();
       model_.libraries.push_back({std::string(name), scanner_.location()});
@@ -92,6 +94,12 @@ class ObjReader {
       return scanner_.wrong(fmt::format("'{}' is not an OBJ statement of polygon meshes{}",
                                         keyword.substr(0, 40), suggestion(keyword, known)));
     }
+    return {};
+  }
+
+  Expected<void> check_name(std::string_view kind, std::string_view name) const {
+    if (const auto checked = check_name_length(kind, name); !checked)
+      return scanner_.wrong(checked.error().message);
     return {};
   }
 
@@ -148,19 +156,10 @@ class ObjReader {
     }
     if (polygon_.size() < 3)
       return scanner_.wrong(fmt::format("a face needs at least 3 corners, not {}", polygon_.size()));
-    const auto cut = triangulate(outline_);
-    if (!cut) return fail(format_diagnostic(location, "error", cut.error().message));
     ObjGroup& result = group.result;
-    for (const glm::uvec3& t : cut->triangles)
-      result.mesh.triangles.emplace_back(polygon_[t.x], polygon_[t.y], polygon_[t.z]);
-    if (cut->deviation > kFlatFace) note(result.warped, location);
-    result.deviation = std::max(result.deviation, cut->deviation);
-    if (cut->tangled) note(result.tangled, location);
+    const auto done = cut_face(outline_, polygon_, location, "", result.mesh.triangles, result.faces);
+    if (!done) return fail(format_diagnostic(location, "error", done.error().message));
     return {};
-  }
-
-  static void note(OddFaces& faces, SourceLocation location) {
-    if (faces.count++ == 0) faces.first = location;
   }
 
   /// The group that a face at `location` belongs to.
@@ -228,10 +227,12 @@ class ObjReader {
 
 }  // namespace
 
-Expected<Mesh> read_obj(const SourceFile& file) {
+Expected<MeshFile> read_obj(const SourceFile& file) {
   auto model = ObjReader(file, false).read();
   if (!model) return std::unexpected(model.error());
-  return model->groups.empty() ? Mesh{} : std::move(model->groups.front().mesh);
+  if (model->groups.empty()) return MeshFile{};
+  ObjGroup& all = model->groups.front();
+  return MeshFile{std::move(all.mesh), std::move(all.faces)};
 }
 
 Expected<ObjModel> read_obj_groups(const SourceFile& file) { return ObjReader(file, true).read(); }

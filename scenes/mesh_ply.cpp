@@ -71,12 +71,15 @@ class PlyReader {
  public:
   explicit PlyReader(const SourceFile& file) : file_(file), text_(file.text) {}
 
-  Expected<Mesh> read() {
+  Expected<MeshFile> read() {
     if (auto done = header(); !done) return std::unexpected(done.error());
     for (const Element& element : elements_) {
       if (auto done = body(element); !done) return std::unexpected(done.error());
     }
-    return std::move(mesh_);
+    for (const EarlyFace& face : early_faces_) {
+      if (auto done = finish_face(face.number, face.corners); !done) return std::unexpected(done.error());
+    }
+    return MeshFile{std::move(mesh_), std::move(faces_)};
   }
 
  private:
@@ -339,10 +342,18 @@ class PlyReader {
                                  index, vertices));
       }
     }
-    const auto corner = [this](std::size_t i) { return std::uint32_t(polygon_[i]); };
-    for (std::size_t i = 1; i + 1 < polygon_.size(); ++i) {
-      mesh_.triangles.push_back({corner(0), corner(i), corner(i + 1)});
-    }
+    corners_.assign(polygon_.begin(), polygon_.end());
+    if (mesh_.positions.size() == vertices) return finish_face(number, corners_);
+    early_faces_.push_back({number, corners_});
+    return {};
+  }
+
+  Expected<void> finish_face(std::uint64_t number, const std::vector<std::uint32_t>& corners) {
+    outline_.clear();
+    for (const std::uint32_t corner : corners) outline_.push_back(mesh_.positions[corner]);
+    const std::string name = corners.size() > 3 ? fmt::format("face {}", number) : "";
+    if (const auto done = cut_face(outline_, corners, {}, name, mesh_.triangles, faces_); !done)
+      return fail(fmt::format("{}: error: {}: {}", file_.path.string(), name, done.error().message));
     return {};
   }
 
@@ -353,12 +364,22 @@ class PlyReader {
   std::size_t token_start_ = 0;
   Format format_ = Format::kAscii;
   std::vector<Element> elements_;
+  /// A face that comes before the vertices.
+  struct EarlyFace {
+    std::uint64_t number;
+    std::vector<std::uint32_t> corners;
+  };
+
   std::vector<double> polygon_;
+  std::vector<std::uint32_t> corners_;
+  std::vector<glm::dvec3> outline_;
+  std::vector<EarlyFace> early_faces_;
   Mesh mesh_;
+  FaceFindings faces_;
 };
 
 }  // namespace
 
-Expected<Mesh> read_ply(const SourceFile& file) { return PlyReader(file).read(); }
+Expected<MeshFile> read_ply(const SourceFile& file) { return PlyReader(file).read(); }
 
 }  // namespace penumbra

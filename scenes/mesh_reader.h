@@ -6,27 +6,28 @@
 
 #include "kernels/host/error.h"
 #include "scenes/diagnostic.h"
+#include "scenes/face_cutter.h"
 #include "scenes/scene_description.h"
 
 namespace penumbra {
+
+/// The mesh of a whole file.
+struct MeshFile {
+  Mesh mesh;
+  FaceFindings faces;
+};
 
 /// Positions, faces (see triangulate), texture coordinates and normals as the file has them, in the file's
 /// own space. Corners with the same position, texture and normal index share a vertex; normals and texture
 /// coordinates are kept only if every corner has them. Groups, materials, lines and points are passed over.
 /// Errors, with line and column: unknown statements, numbers that are none or not finite, indices out of
 /// range, faces that cannot be cut into triangles.
-Expected<Mesh> read_obj(const SourceFile& file);
+Expected<MeshFile> read_obj(const SourceFile& file);
 
 /// A name and where it was read.
 struct ObjName {
   std::string name;
   SourceLocation location;
-};
-
-/// Faces with something odd about them.
-struct OddFaces {
-  std::size_t count = 0;
-  SourceLocation first;
 };
 
 /// The faces of one object (or group) and one material, wherever in the file they are.
@@ -35,13 +36,8 @@ struct ObjGroup {
   ObjName material;         ///< of `usemtl`; an empty name: none
   SourceLocation location;  ///< of the first face
   Mesh mesh;
-  OddFaces warped;  ///< not flat: a corner is further off the face's plane than kFlatFace of its extent
-  double deviation = 0.0;  ///< the most that one is off, of its extent
-  OddFaces tangled;        ///< they cross themselves (see Triangulation)
+  FaceFindings faces;
 };
-
-/// Six decimals, as exporters write them, on a face of a thousandth of the scene's unit.
-constexpr double kFlatFace = 1e-3;
 
 struct ObjModel {
   std::vector<ObjName> libraries;  ///< of `mtllib`, a whole line each
@@ -53,8 +49,8 @@ Expected<ObjModel> read_obj_groups(const SourceFile& file);
 
 /// The same of a PLY file, ascii or binary of either byte order, whatever the order and types of its
 /// properties: x y z, nx ny nz, and u v (or s t, texture_u texture_v) of `vertex`, vertex_indices (or
-/// vertex_index) of `face`. Polygons are fans about their first corner. Other elements and properties are
-/// passed over. Errors: as of read_obj (binary: with the vertex's or face's number), a file that ends early.
-Expected<Mesh> read_ply(const SourceFile& file);
+/// vertex_index) of `face`. Other elements and properties are passed over. Errors: as of read_obj (binary:
+/// with the vertex's or face's number), a file that ends early.
+Expected<MeshFile> read_ply(const SourceFile& file);
 
 }  // namespace penumbra

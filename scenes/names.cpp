@@ -1,5 +1,7 @@
 #include "scenes/names.h"
 
+#include <fmt/format.h>
+
 namespace penumbra {
 namespace {
 
@@ -16,6 +18,12 @@ std::string to_snake_case(std::string_view name) {
     result += is_upper(name[i]) ? static_cast<char>(name[i] - 'A' + 'a') : name[i];
   }
   return result;
+}
+
+Expected<void> check_name_length(std::string_view kind, std::string_view name) {
+  if (name.size() <= kMaxNameBytes) return {};
+  return fail(
+      fmt::format("this {} has {} bytes; the most that are read are {}", kind, name.size(), kMaxNameBytes));
 }
 
 }  // namespace penumbra

@@ -72,6 +72,29 @@ Expected<void> apply_all(SceneDescription& scene, const ReadOptions& options) {
   return check_settings(scene);
 }
 
+bool is_black(const glm::vec3& colour) { return colour == glm::vec3(0.0f); }
+
+bool has_light(const SceneDescription& scene) {
+  return std::ranges::any_of(scene.shapes,
+                             [](const Shape& s) { return s.radiance && !is_black(*s.radiance); }) ||
+         std::ranges::any_of(scene.point_lights,
+                             [](const PointLight& p) { return !is_black(p.intensity); }) ||
+         (scene.environment && !is_black(scene.environment->radiance));
+}
+
+/// What makes an image black, or nearly, that nobody would ask for on purpose.
+void warn_of_emptiness(SceneDescription& scene) {
+  const bool light = has_light(scene);
+  const auto warn = [&](std::string_view message) {
+    scene.warnings.push_back(fmt::format("{}: warning: {}", scene.source, message));
+  };
+  if (scene.shapes.empty())
+    warn(light && scene.environment ? "the scene has no shapes; only its sky is seen"
+                                    : "the scene has no shapes; the image is black");
+  else if (!light)
+    warn("nothing in the scene emits light; the image is black");
+}
+
 }  // namespace
 
 Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options) {
@@ -94,6 +117,7 @@ Expected<SceneDescription> read_scene(const std::filesystem::path& file, const R
   if (const auto done = apply_all(*scene, options); !done) {
     return fail(fmt::format("{}: {}", file.string(), done.error().message));
   }
+  warn_of_emptiness(*scene);
   return scene;
 }
 

@@ -26,7 +26,8 @@ struct ReadOptions {
 };
 
 /// Reads a scene; its format is told by the file's name, else by its first character. Errors: everything
-/// wrong with it, each with file, line, column, the source line and a caret.
+/// wrong with it, each with file, line, column, the source line and a caret. A scene without shapes or
+/// without light is one, with a warning.
 Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options);
 
 }  // namespace penumbra

@@ -91,7 +91,8 @@ SurfaceMaterial MaterialReader::read_two_sided(PluginReader& plugin) {
   return result;
 }
 
-std::pair<int, int> MaterialReader::install(const Object* bsdf, SceneDescription& scene) {
+std::pair<int, int> MaterialReader::install(const Object* bsdf, bool emits, SceneDescription& scene) {
+  if (bsdf == nullptr && emits) return {kBlackBsdf, kBlackBsdf};
   const auto known = installed_.find(bsdf);
   if (known != installed_.end()) return known->second;
   static const SurfaceMaterial kDefault{Bsdf{"default", DiffuseBsdf{}}, std::nullopt, false};

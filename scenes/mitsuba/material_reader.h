@@ -23,9 +23,9 @@ class MaterialReader {
   /// Reads `bsdf`, once; what is wrong with it is reported, once.
   const SurfaceMaterial& read(const Object& bsdf);
 
-  /// The indices into `scene.bsdfs` for a surface of this material (null: diffuse 0.5), added where they are
-  /// new.
-  std::pair<int, int> install(const Object* bsdf, SceneDescription& scene);
+  /// The indices into `scene.bsdfs` for a surface of this material, added where they are new. Without one
+  /// (null) a surface is diffuse 0.5, and one that emits black, as in Mitsuba 0.5 to 3.
+  std::pair<int, int> install(const Object* bsdf, bool emits, SceneDescription& scene);
 
  private:
   SurfaceMaterial read_new(const Object& bsdf);

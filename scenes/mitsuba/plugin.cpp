@@ -13,6 +13,7 @@ Object* Context::resolve(const Child& child) const {
   if (child.object != nullptr) return child.object;
   const auto found = tree.by_id.find(child.reference);
   if (found != tree.by_id.end()) return found->second;
+  if (diagnostics.full()) return nullptr;
   std::vector<std::string> known;
   for (const auto& [id, object] : tree.by_id) known.push_back(id);
   const std::string hint = suggestion(child.reference, known);

@@ -23,7 +23,11 @@ std::string name_of(const Object& object) {
 }
 
 void warn_about(const Context& context, const Object& object, const MeshCleaning& cleaning,
-                std::string_view file) {
+                const FaceFindings& faces, std::string_view file) {
+  if (faces.tangled.count > 0) {
+    context.diagnostics.warn(object.location, fmt::format("{}: {}; the first is {}", file,
+                                                          describe_tangled(faces), faces.tangled.first_name));
+  }
   const std::size_t flat = cleaning.flat_triangles, bad = cleaning.bad_normals;
   if (flat > 0) {
     context.diagnostics.warn(object.location, fmt::format("{}: left out {} {} without area", file, flat,
@@ -68,27 +72,28 @@ std::optional<Geometry> read_mesh(const Context& context, const FileAccess& file
   }
   const auto file = open(context, files, plugin, name);
   if (!file) return std::nullopt;
-  auto mesh = is_obj ? read_obj(*file) : read_ply(*file);
-  if (!mesh) {
-    context.diagnostics.error_text(fmt::format("{}\n  (which is named at {})", mesh.error().message,
+  auto read = is_obj ? read_obj(*file) : read_ply(*file);
+  if (!read) {
+    context.diagnostics.error_text(fmt::format("{}\n  (which is named at {})", read.error().message,
                                                describe(plugin.object().location)));
     return std::nullopt;
   }
+  Mesh& mesh = read->mesh;
   if (flip_texcoords) {
-    for (glm::vec2& uv : mesh->texcoords) uv.y = 1.0f - uv.y;
+    for (glm::vec2& uv : mesh.texcoords) uv.y = 1.0f - uv.y;
   }
-  const auto cleaning = place_mesh(*mesh, to_world, face_normals);
+  const auto cleaning = place_mesh(mesh, to_world, face_normals);
   if (!cleaning) {
     plugin.wrong("filename", fmt::format("{}: {}", name, cleaning.error().message));
     return std::nullopt;
   }
-  warn_about(context, plugin.object(), *cleaning, name);
-  if (mesh->triangles.empty()) {
+  warn_about(context, plugin.object(), *cleaning, read->faces, name);
+  if (mesh.triangles.empty()) {
     context.diagnostics.warn(plugin.object().location,
                              fmt::format("{}: the shape has no triangles; it is left out", name));
     return std::nullopt;
   }
-  return std::move(*mesh);
+  return std::move(mesh);
 }
 
 bool is_finite(glm::dvec3 v, double radius) {
@@ -206,7 +211,7 @@ void read_shape(const Context& context, const Object& object, const FileAccess& 
   if (geometry) shape.geometry = std::move(*geometry);
   if (emitter != nullptr) read_area_light(context, *emitter, shape);
   if (!geometry) return;
-  std::tie(shape.front_bsdf, shape.back_bsdf) = materials.install(bsdf, scene);
+  std::tie(shape.front_bsdf, shape.back_bsdf) = materials.install(bsdf, shape.radiance.has_value(), scene);
   scene.shapes.push_back(std::move(shape));
 }
 

@@ -22,7 +22,8 @@ constexpr std::size_t kMaxFiles =
     256;  ///< a chain of files that each include the next twice doubles every time
 constexpr std::uint64_t kMaxTotalBytes = std::uint64_t{256} << 20;
 constexpr std::size_t kMaxParameters = 256;  ///< of one object: no plugin has nearly as many
-constexpr std::size_t kMaxSubstitutedBytes = std::size_t{1} << 20;
+constexpr std::size_t kMaxSubstitutedBytes = std::size_t{1} << 20;        ///< of one text
+constexpr std::size_t kMaxTotalSubstitutedBytes = std::size_t{16} << 20;  ///< of all of them
 
 const std::vector<std::string> kObjectTags = {"bsdf",  "shape",   "emitter",    "texture",    "sensor",
                                               "film",  "sampler", "rfilter",    "integrator", "medium",
@@ -285,8 +286,8 @@ class XmlReader {
     const auto id = element.attribute("id");
     const auto name = element.attribute("name");
     if (id && !id->empty()) {
-      object.id = *id;
       name_object(*id, object, element.value_location("id"));
+      object.id = std::move(*id);
     }
     for (const pugi::xml_node& child : element.element().children()) {
       if (child.type() == pugi::node_element) read_into(object, element.child(child));
@@ -295,6 +296,8 @@ class XmlReader {
   }
 
   void name_object(const std::string& id, Object& object, SourceLocation location) {
+    if (const auto checked = check_name_length("id", id); !checked)
+      return diagnostics_.error(location, checked.error().message);
     const auto [entry, is_new] = tree_.by_id.try_emplace(id, &object);
     if (!is_new) {
       diagnostics_.error(
@@ -305,6 +308,7 @@ class XmlReader {
   // --- $variables
 
   std::optional<std::string> substitute(std::string_view text, SourceLocation location) {
+    if (diagnostics_.full()) return std::nullopt;
     std::string result;
     std::size_t at = 0;
     for (std::size_t dollar = text.find('$'); dollar != text.npos; dollar = text.find('$', at)) {
@@ -330,8 +334,15 @@ class XmlReader {
       used_.insert(found->first);
       result += found->second;
       at = dollar + 1 + length;
-      if (result.size() > kMaxSubstitutedBytes) {
-        diagnostics_.error(location, "the text is too long once its variables are filled in");
+      substituted_bytes_ += found->second.size();
+      if (result.size() > kMaxSubstitutedBytes || substituted_bytes_ > kMaxTotalSubstitutedBytes) {
+        const bool one = result.size() > kMaxSubstitutedBytes;
+        diagnostics_.error(
+            location, fmt::format("{} too long once {} variables are filled in: with ${}, of {} bytes, more "
+                                  "than {}",
+                                  one ? "the text is" : "the scene's texts are together",
+                                  one ? "its" : "their", found->first, found->second.size(),
+                                  one ? kMaxSubstitutedBytes : kMaxTotalSubstitutedBytes));
         return std::nullopt;
       }
     }
@@ -358,6 +369,7 @@ class XmlReader {
   ObjectTree tree_;
   std::vector<fs::path> including_;  ///< the files being read, the outermost first
   std::uint64_t total_bytes_ = 0;
+  std::size_t substituted_bytes_ = 0;
   std::map<std::string, std::string> variables_;
   std::set<std::string> used_;
   std::vector<Alias> aliases_;

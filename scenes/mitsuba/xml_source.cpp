@@ -6,6 +6,8 @@
 #include <cstring>
 #include <optional>
 
+#include "scenes/text.h"
+
 namespace penumbra::mitsuba {
 namespace {
 
@@ -43,27 +45,12 @@ AttributePlace find_attribute(std::string_view text, std::size_t offset, std::st
   }
 }
 
-/// The first byte that is not of well-formed UTF-8 (RFC 3629), or is NUL. What ids and names hold goes into
+/// The first byte that is not of well-formed UTF-8, or is NUL. What ids and names hold goes into
 /// reports, which must be UTF-8.
 std::optional<std::size_t> find_bad_utf8(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
-    const auto byte = [&](std::size_t k) {
-      return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u;
-    };
-    const unsigned first = byte(i);
-    const std::size_t length = first < 0x80   ? 1
-                               : first < 0xC2 ? 0
-                               : first < 0xE0 ? 2
-                               : first < 0xF0 ? 3
-                               : first < 0xF5 ? 4
-                                              : 0;
-    bool good = length > 0 && first != 0;
-    for (std::size_t k = 1; k < length; ++k) good = good && (byte(i + k) & 0xC0u) == 0x80u;
-    // Overlong forms, surrogates, and beyond the last code point.
-    const unsigned second = byte(i + 1);
-    good = good && !(first == 0xE0 && second < 0xA0) && !(first == 0xED && second > 0x9F) &&
-           !(first == 0xF0 && second < 0x90) && !(first == 0xF4 && second > 0x8F);
-    if (!good) return i;
+    const std::size_t length = character_length(text, i);
+    if (length == 0 || text[i] == '\0') return i;
     i += length;
   }
   return std::nullopt;

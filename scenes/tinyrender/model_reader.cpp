@@ -16,7 +16,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of a material that is not defined: nothing in nature has this colour.
+/// What TinyRender takes MTL's `illum` for; all others are its Phong model, which is Kd and Ks together, and
+/// so is its mixture, 8.
+constexpr std::int64_t kMirror = 5, kDiffuse = 7;
+
+/// Of a material that is not read: nothing in nature has this colour.
 constexpr glm::vec3 kStandInColour(0.8f, 0.2f, 0.8f);
 
 bool is_black(const std::optional<glm::vec3>& colour) { return !colour || *colour == glm::vec3(0.0f); }
@@ -44,6 +48,7 @@ class ModelReader {
                                                   describe(input.location("objfile"))));
       return;
     }
+    if (model->groups.empty()) warn({source, 0}, "the file has no faces");
     for (const ObjName& library : model->libraries) read_library(library);
     for (ObjGroup& group : model->groups) {
       if (context_.diagnostics.full()) return;
@@ -111,10 +116,19 @@ class ModelReader {
     const MtlMaterial& material = found->second;
     Surface result;
     if (!is_black(material.emission)) result.radiance = material.emission;
+    if (material.illum == kMirror) {
+      context_.unknown(material.illum_location,
+                       fmt::format("the material '{}' is a mirror (illum 5), which Penumbra does not read; "
+                                   "it reads diffuse (illum 7) and Phong surfaces (other numbers)",
+                                   found->first),
+                       "a magenta diffuse stands in for it");
+      result.bsdf = install(found->first, DiffuseBsdf{kStandInColour});
+      return result;
+    }
+    const bool glossy = material.illum != kDiffuse && !is_black(material.specular);
     const glm::vec3 diffuse = material.diffuse.value_or(glm::vec3(0.0f));
-    const glm::vec3 specular =
-        material.exponent ? material.specular.value_or(glm::vec3(0.0f)) : glm::vec3(0.0f);
-    if (!is_black(material.specular) && !material.exponent)
+    const glm::vec3 specular = glossy && material.exponent ? *material.specular : glm::vec3(0.0f);
+    if (glossy && !material.exponent)
       warn(material.location, fmt::format("'{}' has Ks but no Ns; Ks is left out", found->first));
     const float scale = energy_scale(found->first, material.location, diffuse + specular);
     if (specular != glm::vec3(0.0f)) {
@@ -191,21 +205,16 @@ class ModelReader {
   }
 
   void report_odd_faces(const ObjGroup& group, const std::string& name, bool is_light) {
-    if (const OddFaces& warped = group.warped; warped.count > 0) {
-      warn(warped.first,
-           fmt::format("'{}': {} not flat (by up to {:.2g} of its extent); cut into flat triangles", name,
-                       counted(warped.count, "face is", "faces are"), group.deviation));
-    }
-    if (const OddFaces& tangled = group.tangled; tangled.count > 0) {
+    if (const OddFaces& warped = group.faces.warped; warped.count > 0)
+      warn(warped.first, fmt::format("'{}': {}", name, describe_warped(group.faces)));
+    if (const OddFaces& tangled = group.faces.tangled; tangled.count > 0) {
       if (is_light) {
         context_.diagnostics.error(
             tangled.first, fmt::format("'{}': this face of a light crosses itself or folds back on itself, "
                                        "so that its light is not defined",
                                        name));
       } else {
-        warn(tangled.first,
-             fmt::format("'{}': {} or back on themselves; cut into fans of triangles that overlap", name,
-                         counted(tangled.count, "face folds over", "faces fold over")));
+        warn(tangled.first, fmt::format("'{}': {}", name, describe_tangled(group.faces)));
       }
     }
   }

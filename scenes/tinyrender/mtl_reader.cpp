@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "scenes/names.h"
 #include "scenes/number.h"
 #include "scenes/statement_scanner.h"
 
@@ -14,10 +15,10 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-const Names kRead = {"newmtl", "Kd", "Ks", "Ke", "Ns"};
+const Names kRead = {"newmtl", "Kd", "Ks", "Ke", "Ns", "illum"};
 /// Without effect on what TinyRender's surfaces look like.
-const Names kIgnored = {"Ka", "Ni", "d",  "Tr", "Tf",  "illum", "sharpness", "Km",
-                        "Pr", "Pm", "Ps", "Pc", "Pcr", "aniso", "anisor"};
+const Names kIgnored = {"Ka", "Ni", "d",  "Tr", "Tf",  "sharpness", "Km",
+                        "Pr", "Pm", "Ps", "Pc", "Pcr", "aniso",     "anisor"};
 const Names kTextures = {"bump", "disp", "decal", "refl", "norm"};
 
 class MtlReader {
@@ -56,7 +57,9 @@ class MtlReader {
     const SourceLocation location = scanner_.location();
     material_ = &ignored_;
     if (name.empty()) return diagnostics_.error(location, "newmtl needs a name");
-    const auto [entry, is_new] = materials_.try_emplace(name, MtlMaterial{location, {}, {}, {}, {}});
+    if (const auto checked = check_name_length("name of a material", name); !checked)
+      return diagnostics_.error(location, checked.error().message);
+    const auto [entry, is_new] = materials_.try_emplace(name, MtlMaterial{.location = location});
     if (is_new) {
       material_ = &entry->second;
     } else {
@@ -66,6 +69,7 @@ class MtlReader {
   }
 
   void value(std::string_view keyword) {
+    if (keyword == "illum") return illum();
     if (keyword == "Ns") {
       if (const auto numbers = read_numbers(keyword, 1); !numbers.empty()) material_->exponent = numbers[0];
       return;
@@ -77,6 +81,17 @@ class MtlReader {
                                      : material_->emission;
     // One number is a grey, as MTL has it.
     target = v.size() == 1 ? glm::vec3(v[0]) : glm::vec3(v[0], v[1], v[2]);
+  }
+
+  void illum() {
+    const std::string_view text = scanner_.token();
+    const auto number = parse_integer(text);
+    if (!number) {
+      wrong(fmt::format("'illum' takes the number of a reflection model: {}", number.error().message));
+      return;
+    }
+    material_->illum = *number;
+    material_->illum_location = scanner_.location();
   }
 
   /// 1 or `most` numbers; none, and an error, where there is anything else. MTL's "spectral" and "xyz" are no

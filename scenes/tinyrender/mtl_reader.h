@@ -1,6 +1,7 @@
 // Wavefront MTL files: the materials that OBJ files name.
 #pragma once
 
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <map>
 #include <optional>
@@ -12,18 +13,20 @@ namespace penumbra::tinyrender {
 
 /// What a material says of itself; colours are linear Rec. 709, at least 0, as the file has them.
 struct MtlMaterial {
-  SourceLocation location;            ///< of its name
-  std::optional<glm::vec3> diffuse;   ///< Kd
-  std::optional<glm::vec3> specular;  ///< Ks
-  std::optional<glm::vec3> emission;  ///< Ke
-  std::optional<float> exponent;      ///< Ns
+  SourceLocation location = {};                      ///< of its name
+  std::optional<glm::vec3> diffuse = std::nullopt;   ///< Kd
+  std::optional<glm::vec3> specular = std::nullopt;  ///< Ks
+  std::optional<glm::vec3> emission = std::nullopt;  ///< Ke
+  std::optional<float> exponent = std::nullopt;      ///< Ns
+  std::int64_t illum = 0;                            ///< the number of a reflection model
+  SourceLocation illum_location = {};
 };
 
 using MtlMaterials = std::map<std::string, MtlMaterial, std::less<>>;
 
 /// Adds the materials of `file` to `materials`. Of two with one name the first counts, as in TinyRender, with
-/// a warning; statements that nobody knows and textures are passed over with a warning. Errors: colours and
-/// exponents that are none, values before the first name.
+/// a warning; statements that nobody knows and textures are passed over with a warning. Errors: colours,
+/// exponents and numbers of reflection models that are none, values before the first name.
 void read_mtl(const SourceFile& file, MtlMaterials& materials, Diagnostics& diagnostics);
 
 }  // namespace penumbra::tinyrender

@@ -5,6 +5,8 @@
 #include <toml++/toml.h>
 #include <algorithm>
 
+#include "scenes/tinyrender/toml_keys.h"
+
 namespace penumbra::tinyrender {
 namespace {
 
@@ -89,6 +91,11 @@ std::string describe_kind(const Value& value) {
 
 Document parse_toml(const SourceFile& file, Diagnostics& diagnostics) {
   const Converter converter(file);
+  // Arrays and inline tables have a limit in the parser; keys have none, and overflow the stack.
+  if (const auto deep = find_deep_key(file.text)) {
+    diagnostics.error({&file, *deep}, fmt::format("a key of more than {} parts", kMaxKeyParts));
+    return {};
+  }
   toml::table root;
   try {
     root = toml::parse(std::string_view(file.text));

@@ -3,12 +3,36 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "scenes/text.h"
+
 namespace penumbra {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
+
+/// A column a character, but for tabs, which go to the next multiple of 8.
+std::vector<std::string> columns(std::string_view line) {
+  std::vector<std::string> result;
+  for (const char c : line) {
+    if (c == '\t') {
+      result.resize(result.size() / 8 * 8 + 8);
+    } else if ((static_cast<unsigned char>(c) & 0xC0u) != 0x80u) {
+      result.emplace_back(1, c);
+    } else {
+      result.back() += c;
+    }
+  }
+  return result;
+}
+
+/// The character that the caret of the text's last line is below.
+std::string under_caret(const std::string& text) {
+  const std::size_t caret_line = text.rfind('\n') + 1, line = text.rfind('\n', caret_line - 2) + 1;
+  const auto carets = columns(std::string_view(text).substr(caret_line));
+  return columns(std::string_view(text).substr(line, caret_line - 1 - line)).at(carets.size() - 1);
+}
 
 TEST(Diagnostic, ShowsPlaceLineAndCaret) {
   const SourceFile file{"a/b.xml", "first\n  <bsdf/>\r\nlast"};
@@ -27,14 +51,56 @@ TEST(Diagnostic, CutsLongLinesAroundTheCaretAndHidesControlCharacters) {
   const SourceFile file{"x", std::string(5000, 'a') + "\x1b[31mB" + std::string(5000, 'c')};
   const std::string text = format_diagnostic({&file, 5005}, "error", "e");
   EXPECT_LT(text.size(), 300u);
-  EXPECT_THAT(text, HasSubstr("?[31mB"));
-  const std::size_t line = text.find("\n  ") + 3, caret_line = text.find("\n  ", line) + 3;
-  EXPECT_EQ(text[line + text.find('^') - caret_line], 'B');
+  EXPECT_THAT(text, HasSubstr("␛[31mB"));
+  EXPECT_EQ(under_caret(text), "B");
+}
+
+TEST(Diagnostic, NothingOfAFileIsObeyedByATerminal) {
+  // Escape, backspace, delete, C1's CSI alone and in UTF-8, half a character, an override of the direction.
+  const std::string line = "\x1b]0;t\a\b\x7f\x9b\xc2\x9b\xe2\x82\xe2\x80\xae<here>\r";
+  const SourceFile file{"a\x1b.xml", "first\n" + line + "\nlast"};
+  const std::size_t here = file.text.find('<');
+  const std::string text = format_diagnostic({&file, here}, "error", "'a\x1b[2J\nb\xff' is wrong");
+  EXPECT_EQ(text,
+            "a␛.xml:2:14: error: 'a␛[2J␊b\uFFFD' is wrong\n"
+            "  ␛]0;t␇␈␡\uFFFD\uFFFD\uFFFD\uFFFD\uFFFD<here>\n"
+            "               ^");
+  EXPECT_EQ(under_caret(text), "<");
+  Diagnostics diagnostics;
+  diagnostics.warn({&file, here}, "\x1b[2J");
+  EXPECT_THAT(diagnostics.take_warnings(), ElementsAre("a␛.xml:2:14: warning: ␛[2J"));
+}
+
+TEST(Diagnostic, CaretsAreRightAfterTabsAndInAnyCharacter) {
+  const SourceFile file{"x", "a\tb\x01\tß\t\x7f\xff€!"};
+  for (const std::string here : {"b", "ß", "€", "!"}) {
+    const std::string text = format_diagnostic({&file, file.text.find(here)}, "error", "e");
+    EXPECT_EQ(under_caret(text), here) << text;
+  }
+}
+
+TEST(Diagnostic, LongMessagesAreCut) {
+  const std::string name = "ä" + std::string(1000000, 'n');
+  const std::string text = format_diagnostic({}, "error", "there is no " + name);
+  EXPECT_LT(text.size(), 2100u);
+  EXPECT_THAT(text, HasSubstr("error: there is no ännnn"));
+  EXPECT_THAT(text, HasSubstr("nnn … (1000014 bytes in all)"));
+  for (const std::size_t bytes : {1u, 2u, 3u, 4u})
+    EXPECT_THAT(visible(shortened("ä€ and so on", bytes)), Not(HasSubstr("\uFFFD"))) << bytes;
 }
 
 TEST(Diagnostic, EmptyFile) {
   const SourceFile file{"x", ""};
   EXPECT_EQ(format_diagnostic({&file, 0}, "error", "e"), "x:1:1: error: e\n  \n  ^");
+}
+
+TEST(Diagnostics, VeryManyWarningsAreCounted) {
+  Diagnostics diagnostics;
+  for (int i = 0; i < 1000; ++i) diagnostics.warn({}, std::to_string(i));
+  const std::vector<std::string> warnings = diagnostics.take_warnings();
+  ASSERT_EQ(warnings.size(), 201u);
+  EXPECT_EQ(warnings[199], "warning: 199");
+  EXPECT_EQ(warnings[200], "warning: and 800 more");
 }
 
 TEST(NearestName, FindsMisspellings) {

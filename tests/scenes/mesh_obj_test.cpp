@@ -14,7 +14,11 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using ::testing::UnorderedElementsAre;
 
-Expected<Mesh> read(std::string text) { return read_obj({"m.obj", std::move(text)}); }
+Expected<Mesh> read(std::string text) {
+  auto file = read_obj({"m.obj", std::move(text)});
+  if (!file) return std::unexpected(file.error());
+  return std::move(file->mesh);
+}
 
 std::string error(std::string text) {
   const auto mesh = read(std::move(text));
@@ -125,7 +129,7 @@ TEST(ObjGroups, ByObjectAndMaterialInTheirOrder) {
   EXPECT_THAT(model.groups[2].mesh.positions, SizeIs(3));
   EXPECT_THAT(read_groups("").value().groups, IsEmpty());
   // All of it in one, as read_obj has it.
-  EXPECT_THAT(read_obj(file).value().triangles, SizeIs(4));
+  EXPECT_THAT(read_obj(file).value().mesh.triangles, SizeIs(4));
 }
 
 TEST(ObjGroups, NormalsCountForEachGroup) {
@@ -140,12 +144,12 @@ TEST(ObjGroups, OddFacesAreCountedWhereTheyAre) {
                         std::string(kSquare) + "v 1 1 .1\nf 1 3 2 4\nf 1 2 3 4\nf 4 2 3 1\nf 1 2 5 4\n"};
   const ObjModel model = read_obj_groups(file).value();
   const ObjGroup& group = model.groups.at(0);
-  EXPECT_EQ(group.tangled.count, 2u);
-  EXPECT_EQ(describe(group.tangled.first), "m.obj:6:1");
-  EXPECT_EQ(group.warped.count, 1u);
-  EXPECT_EQ(describe(group.warped.first), "m.obj:9:1");
+  EXPECT_EQ(group.faces.tangled.count, 2u);
+  EXPECT_EQ(describe(group.faces.tangled.first), "m.obj:6:1");
+  EXPECT_EQ(group.faces.warped.count, 1u);
+  EXPECT_EQ(describe(group.faces.warped.first), "m.obj:9:1");
   // A corner of a unit square lifted by 0.1: the mean plane is 0.025 from all four.
-  EXPECT_NEAR(group.deviation, 0.025, 1e-4);
+  EXPECT_NEAR(group.faces.deviation, 0.025, 1e-4);
 }
 
 TEST(ObjGroups, NamesThatGoOnInTheNextLine) {
@@ -153,6 +157,17 @@ TEST(ObjGroups, NamesThatGoOnInTheNextLine) {
       read_groups(std::string(kSquare) + "g one \\\r\n two\nusemtl a\\b\nf 1 2 3\n").value();
   EXPECT_EQ(model.groups.at(0).object, "one");
   EXPECT_EQ(model.groups.at(0).material.name, "a\\b");
+}
+
+TEST(ObjGroups, NamesHaveALength) {
+  const std::string longest(1024, 'n');
+  for (const std::string keyword : {"o", "g", "usemtl"}) {
+    EXPECT_TRUE(read_groups(keyword + " " + longest + "\n")) << keyword;
+    const auto result = read_groups("v 0 0 0\n" + keyword + " " + longest + "n\n");
+    ASSERT_FALSE(result) << keyword;
+    EXPECT_THAT(result.error().message, HasSubstr("m.obj:2:")) << keyword;
+    EXPECT_THAT(result.error().message, HasSubstr("has 1025 bytes; the most that are read are 1024"));
+  }
 }
 
 TEST(ObjGroups, FacesThatCannotBeCut) {

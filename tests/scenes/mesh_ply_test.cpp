@@ -13,7 +13,11 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-Expected<Mesh> read(std::string text) { return read_ply({"m.ply", std::move(text)}); }
+Expected<Mesh> read(std::string text) {
+  auto file = read_ply({"m.ply", std::move(text)});
+  if (!file) return std::unexpected(file.error());
+  return std::move(file->mesh);
+}
 
 std::string error(std::string text) {
   const auto mesh = read(std::move(text));
@@ -51,6 +55,47 @@ TEST_P(PlyEncodings, TruncatedAnywhereIsAnError) {
 INSTANTIATE_TEST_SUITE_P(All, PlyEncodings,
                          ::testing::Values(PlyEncoding::kAscii, PlyEncoding::kLittleEndian,
                                            PlyEncoding::kBigEndian));
+
+/// An arrow head, concave at its last corner, as one face; its front is towards +z.
+const glm::vec3 kArrow[] = {{0, 0, 0}, {2, 1, 0}, {0, 2, 0}, {0.5f, 1, 0}};
+
+std::string arrow_ply(PlyEncoding encoding, bool faces_first) {
+  PlyWriter ply(encoding);
+  const auto put_face = [&] {
+    ply.put(std::uint8_t(4));
+    for (const std::int32_t corner : {0, 1, 2, 3}) ply.put(corner);
+    ply.end_element();
+  };
+  if (faces_first) put_face();
+  for (const glm::vec3& p : kArrow) {
+    for (const float x : {p.x, p.y, p.z}) ply.put(x);
+    ply.end_element();
+  }
+  if (!faces_first) put_face();
+  const std::string vertices = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string faces = "element face 1\nproperty list uchar int vertex_indices\n";
+  return ply.file(faces_first ? faces + vertices : vertices + faces);
+}
+
+/// As in an OBJ file: a fan about the first corner would cover what the arrow leaves out.
+TEST_P(PlyEncodings, AConcaveFaceIsCutAsInAnObj) {
+  std::string obj;
+  for (const glm::vec3& p : kArrow)
+    obj += "v " + std::to_string(p.x) + " " + std::to_string(p.y) + " " + std::to_string(p.z) + "\n";
+  const Mesh same = read_obj({"m.obj", obj + "f 1 2 3 4\n"}).value().mesh;
+  for (const bool faces_first : {false, true}) {
+    const Mesh mesh = read(arrow_ply(GetParam(), faces_first)).value();
+    EXPECT_EQ(mesh.triangles, same.triangles);
+    double area = 0.0;
+    for (const glm::uvec3& t : mesh.triangles) {
+      const glm::dvec3 n =
+          glm::cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]);
+      EXPECT_GT(n.z, 0.0);
+      area += 0.5 * n.z;
+    }
+    EXPECT_DOUBLE_EQ(area, 1.5);
+  }
+}
 
 const std::string kHeader =
     "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
@@ -113,6 +158,34 @@ TEST(Ply, ElementsWithoutPropertiesTakeNoTime) {
     text.insert(text.find("element vertex"), "element nothing" + std::to_string(i) + " 4294967295\n");
   }
   EXPECT_THAT(read(text).value().triangles, SizeIs(1));
+}
+
+TEST(Ply, OddFacesAreCountedByTheirNumbers) {
+  std::string text = kHeader + "0 0 0\n1 0 0\n1 1 0\n0 1 0\n1 1 .1\n3 0 1 2\n4 0 2 1 3\n4 0 1 4 3\n";
+  text.replace(text.find("vertex 3"), 8, "vertex 5");
+  text.replace(text.find("face 1"), 6, "face 3");
+  const MeshFile file = read_ply({"m.ply", text}).value();
+  EXPECT_EQ(file.faces.tangled.count, 1u);
+  EXPECT_EQ(file.faces.tangled.first_name, "face 1");
+  EXPECT_EQ(file.faces.warped.count, 1u);
+  EXPECT_EQ(file.faces.warped.first_name, "face 2");
+  // A corner of a unit square lifted by 0.1: the mean plane is 0.025 from all four.
+  EXPECT_NEAR(file.faces.deviation, 0.025, 1e-4);
+}
+
+TEST(Ply, FacesThatCannotBeCut) {
+  std::string vertices, face;
+  int count = 0;
+  for (; count < 20000; ++count) {  // a comb
+    vertices += std::to_string(count) + (count % 2 == 0 ? " 0 0\n" : " 1 0\n");
+    face += " " + std::to_string(count);
+  }
+  vertices += "10000 -1000000 0\n";
+  std::string text = kHeader;
+  text.replace(text.find("vertex 3"), 8, "vertex 20001");
+  text.replace(text.find("uchar int"), 9, "int int");
+  EXPECT_THAT(error(text + vertices + "20001" + face + " 20000\n"),
+              HasSubstr("m.ply: error: face 0: a face of 20001 corners that is not convex"));
 }
 
 TEST(Ply, ElementsAreThereOnce) {

@@ -75,6 +75,35 @@ TEST_F(MitsubaPlugins, Meshes) {
                                    HasSubstr("m.obj: left out 1 triangle without area")));
 }
 
+TEST_F(MitsubaPlugins, MeshFilesMayBeginWithAByteOrderMark) {
+  const std::string mark = "\xEF\xBB\xBF";
+  write("m.obj", mark + "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  write("m.ply", mark +
+                     "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                     "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                     "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  for (const std::string type : {"obj", "ply"}) {
+    const SceneDescription s = good(in("shape", type, "<string name='filename' value='m." + type + "'/>"));
+    EXPECT_THAT(s.shapes, SizeIs(1));
+  }
+  write("m.obj", mark + "v 0 0 x\n");
+  EXPECT_THAT(error(scene(in("shape", "obj", "<string name='filename' value='m.obj'/>"))),
+              HasSubstr("m.obj:1:7: error: "));
+  write("m.obj", std::string("\xFF\xFEv\0", 4));
+  EXPECT_THAT(error(scene(in("shape", "obj", "<string name='filename' value='m.obj'/>"))),
+              HasSubstr("m.obj' is UTF-16 text; save it as UTF-8"));
+}
+
+TEST_F(MitsubaPlugins, FacesThatFoldOverAreWarnedOf) {
+  // Faces that are not flat are what smooth meshes are made of.
+  write("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 1 .3\nf 1 2 5 4\nf 1 3 2 4\n");
+  const SceneDescription s = good(in("shape", "obj", "<string name='filename' value='m.obj'/>"));
+  ASSERT_THAT(s.warnings, SizeIs(1));
+  EXPECT_THAT(without_folder(s.warnings[0]),
+              HasSubstr("scene.xml:2:2: warning: m.obj: 1 face folds over or back on itself; cut into "
+                        "fans of triangles that overlap; the first is m.obj:7:1"));
+}
+
 TEST_F(MitsubaPlugins, AMeshWithoutTrianglesIsLeftOut) {
   write("m.obj", "v 0 0 0\n");
   const SceneDescription s = good(in("shape", "obj", "<string name='filename' value='m.obj'/>"));
@@ -111,6 +140,25 @@ TEST_F(MitsubaPlugins, DiffuseIsOneSidedAndTheDefault) {
   EXPECT_EQ(std::get<DiffuseBsdf>(s.bsdfs.at(std::size_t(s.shapes[2].front_bsdf)).model).reflectance,
             glm::vec3(0.1f, 0.2f, 0.3f));
   for (const Shape& shape : s.shapes) EXPECT_EQ(shape.back_bsdf, kBlackBsdf);
+}
+
+TEST_F(MitsubaPlugins, ALampWithoutABsdfIsBlack) {
+  for (const std::string version : {"0.5.0", "0.6.0", "2.0.0", "3.0.0"}) {
+    const std::string content =
+        in("shape", "cube", in("emitter", "area")) + in("shape", "cube") +
+        in("shape", "cube", in("emitter", "area", "<rgb name='radiance' value='0'/>")) +
+        in("shape", "cube", in("bsdf", "diffuse") + in("emitter", "area"));
+    const auto s =
+        read("<scene version='" + version + "'>" + content + "<sensor type='perspective'/></scene>");
+    ASSERT_TRUE(s) << s.error().message;
+    ASSERT_THAT(s->shapes, SizeIs(4));
+    for (const std::size_t lamp : {0u, 2u}) {
+      EXPECT_EQ(s->shapes[lamp].front_bsdf, kBlackBsdf);
+      EXPECT_EQ(s->shapes[lamp].back_bsdf, kBlackBsdf);
+    }
+    EXPECT_NE(s->shapes[1].front_bsdf, kBlackBsdf);
+    EXPECT_NE(s->shapes[3].front_bsdf, kBlackBsdf);
+  }
 }
 
 TEST_F(MitsubaPlugins, PhongDefaults) {

@@ -84,7 +84,31 @@ TEST_F(MitsubaXml, VariablesCannotGrowWithoutBound) {
     const std::string before = "$a" + std::to_string(i - 1);
     text += "<default name='a" + std::to_string(i) + "' value='" + before + before + "'/>\n";
   }
-  EXPECT_THAT(error(scene(text)), HasSubstr("too long once its variables are filled in"));
+  EXPECT_THAT(error(scene(text)),
+              HasSubstr("too long once its variables are filled in: with $a16, of 1048576"));
+}
+
+TEST_F(MitsubaXml, NorCanAllOfThemTogether) {
+  std::string text = "<default name='long' value='" + std::string(500000, 'x') + "'/>\n";
+  for (int i = 0; i < 100; ++i) text += "<default name='a" + std::to_string(i) + "' value='$long'/>\n";
+  EXPECT_THAT(
+      error(scene(text)),
+      HasSubstr("scene.xml:36:28: error: the scene's texts are together too long once their variables are "
+                "filled in: with $long, of 500000 bytes, more than 16777216"));
+}
+
+TEST_F(MitsubaXml, IdsHaveALength) {
+  const std::string longest(1024, 'i');
+  EXPECT_TRUE(read(scene("<bsdf type='diffuse' id='" + longest + "'/>")));
+  EXPECT_THAT(error(scene("<bsdf type='diffuse' id='" + longest + "i'/>")),
+              HasSubstr("scene.xml:2:26: error: this id has 1025 bytes; the most that are read are 1024"));
+  std::string text = "<default name='long' value='" + longest + "'/>\n";
+  for (int i = 0; i < 2000; ++i) text += "<shape type='sphere' id='" + std::to_string(i) + "$long'/>\n";
+  EXPECT_THAT(error(scene(text)), HasSubstr("scene.xml:3:26: error: this id has 1025 bytes"));
+  EXPECT_THAT(error(scene("<bsdf type='diffuse' id='a'/><alias id='a' as='" + longest + "i'/>")),
+              HasSubstr("this id has 1025 bytes"));
+  EXPECT_THAT(error(scene("<include filename='" + std::string(5000, 'f') + "'/>")),
+              HasSubstr("the file name has 5000 bytes; the most that are read are 4096"));
 }
 
 TEST_F(MitsubaXml, Includes) {

@@ -270,7 +270,7 @@ TEST(PolygonOutline, AConcaveStarKeepsItsTenCorners) {
 /// The triangles of an OBJ file among the third-party references.
 Triangles reference_mesh(const std::string& name) {
   const auto file = FileAccess(std::nullopt).read(*find_oracle(name), kMaxMeshFileBytes).value();
-  const Mesh mesh = read_obj(*file).value();
+  const Mesh mesh = read_obj(*file).value().mesh;
   const auto position = [&](std::uint32_t i) {
     const glm::dvec3 p = mesh.positions[i];
     return make_vec3(float(p.x), float(p.y), float(p.z));

@@ -122,6 +122,64 @@ TEST_F(TinyRenderToml, WhatIsNotToml) {
   EXPECT_THAT(toml_error("a = " + std::string(10000, '[')), HasSubstr("not TOML"));
 }
 
+TEST_F(TinyRenderToml, KeysHaveADepth) {
+  const auto repeated = [](std::string_view text, int times) {
+    std::string result;
+    for (int i = 0; i < times; ++i) result += text;
+    return result;
+  };
+  const std::string deep = repeated("a.", 200000) + "a";
+  const auto too_deep = HasSubstr("error: a key of more than 8 parts");
+  EXPECT_THAT(toml_error(deep + " = 1\n"), too_deep);
+  EXPECT_THAT(toml_error("# a.b.c.d.e.f.g.h.i\n[" + deep + "]\n"),
+              HasSubstr("scene.toml:2:2: error: a key of"));
+  EXPECT_THAT(toml_error("[[" + deep + "]]\n"), too_deep);
+  EXPECT_THAT(toml_error("x = [{" + deep + " = 1}]\n"), HasSubstr("scene.toml:1:7: error: a key of"));
+  EXPECT_THAT(toml_error("y = 1\n  a.b. c .\"d.e\".'f'.g.h.i.j = 1\n"),
+              HasSubstr("scene.toml:2:3: error: a key of"));
+  // As deep as keys and values may be together.
+  const std::string part = "{a.b.c.d.e.f.g.h = ";
+  EXPECT_THAT(toml_error("x = " + repeated(part, 250) + "1" + repeated("}", 250) + "\n"),
+              AllOf(Not(too_deep), HasSubstr("a TinyRender scene has no")));
+  EXPECT_THAT(toml_error("x = " + repeated("[", 100000) + repeated("]", 100000) + "\n"),
+              HasSubstr("not TOML"));
+  EXPECT_THAT(toml_error("x = " + repeated(part, 100000) + "1" + repeated("}", 100000) + "\n"),
+              HasSubstr("not TOML"));
+}
+
+TEST_F(TinyRenderToml, DotsInTextMakeNoKeyDeep) {
+  const std::string dots = "a.b.c.d.e.f.g.h.i.j", lines = R"("""a.b.c.d.e.f.g.h.i.j
+"" a.b.c.d.e.f.g.h.i.j \""" a.b.c.d.e.f.g.h.i.j""""")";
+  const std::string literal = "'''\n" + dots + "''''";
+  for (const std::string& text :
+       {"# " + dots, "x = \"" + dots + '"', "x = '" + dots + "'", "x = \"\\\"" + dots + '"', "x = " + lines,
+        "x = " + literal, "x = \"\" # " + dots, '"' + dots + "\" = 1",
+        std::string("x = [1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 8.5, 9.5, 1.5]")}) {
+    const auto result = read_toml(text + "\n" + scene_with(kDirect), {.lenient = true});
+    EXPECT_TRUE(result) << text << "\n" << result.error().message;
+  }
+}
+
+TEST_F(TinyRenderToml, ByteOrderMarks) {
+  const std::string mark = "\xEF\xBB\xBF";
+  write("m.obj", mark + kModel);
+  write("m.mtl", mark + kMaterials);
+  const SceneDescription scene = good_toml(mark + scene_with(kDirect));
+  EXPECT_EQ(scene.shapes.size(), 2u);
+  EXPECT_THAT(scene.warnings, IsEmpty());
+  EXPECT_THAT(toml_error(mark + "[input\n"), HasSubstr("scene.toml:1:7: error: "));
+  write("m.mtl", mark + "Kd .5 .5 .5\n");
+  EXPECT_THAT(toml_error(scene_with(kDirect)), HasSubstr("m.mtl:1:1: error: Kd before any newmtl"));
+  const std::string utf16("\xFF\xFEn\0e\0w\0", 8);
+  write("m.mtl", utf16);
+  EXPECT_THAT(toml_error(scene_with(kDirect)), HasSubstr("m.mtl' is UTF-16 text; save it as UTF-8"));
+  write("m.obj", std::string("\xFE\xFF\0v", 4));
+  EXPECT_THAT(toml_error(scene_with(kDirect)), HasSubstr("m.obj' is UTF-16 text; save it as UTF-8"));
+  EXPECT_THAT(toml_error(utf16), HasSubstr("scene.toml' is UTF-16 text; save it as UTF-8"));
+  EXPECT_THAT(toml_error(std::string("\xFF\xFE\0\0[\0\0\0", 8)),
+              HasSubstr("scene.toml' is UTF-32 text; save it as UTF-8"));
+}
+
 TEST_F(TinyRenderToml, ColumnsAreOfCodePoints) {
   EXPECT_THAT(toml_error(scene_with("type = \"dïrëct\"\n\"schön\" = 1")),
               HasSubstr("scene.toml:11:8: error: renderer type 'dïrëct'"));

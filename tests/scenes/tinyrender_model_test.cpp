@@ -82,6 +82,23 @@ TEST_F(TinyRenderModel, DiffuseAndPhongOnBothSides) {
   EXPECT_EQ(std::get<DiffuseBsdf>(material("Kd .25").bsdfs.at(0).model).reflectance, glm::vec3(.25f));
 }
 
+TEST_F(TinyRenderModel, NamesOfMaterialsHaveALength) {
+  EXPECT_THAT(
+      model_error(kTriangle, "newmtl " + std::string(1025, 'n') + "\n"),
+      HasSubstr("m.mtl:1:8: error: this name of a material has 1025 bytes; the most that are read are"));
+}
+
+TEST_F(TinyRenderModel, IllumSevenIsDiffuseWhateverKsSays) {
+  for (const std::string rest : {"", "\nNs 10"}) {
+    const SceneDescription scene = material("Kd .5 .6 .7\nKs .9 .9 .9" + rest + "\nillum 7");
+    EXPECT_EQ(std::get<DiffuseBsdf>(scene.bsdfs.at(0).model).reflectance, glm::vec3(.5f, .6f, .7f));
+    EXPECT_THAT(scene.warnings, IsEmpty()) << "Ks counts neither as light given off nor as missing its Ns";
+  }
+  EXPECT_EQ(material("Ks .9 .9 .9\nNs 10\nillum 7").shapes.at(0).front_bsdf, kBlackBsdf);
+  EXPECT_THAT(model_error(kTriangle, "newmtl white\nillum glossy\n"),
+              HasSubstr("m.mtl:2:7: error: 'illum' takes the number of a reflection model: 'glossy' is not"));
+}
+
 TEST_F(TinyRenderModel, LightsAreBlackUnlessTheyReflect) {
   const SceneDescription light = material("Ke 12 800 0.5");
   EXPECT_THAT(light.bsdfs, IsEmpty());

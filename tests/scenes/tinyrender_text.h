@@ -38,7 +38,7 @@ class TinyRenderText : public SceneText {
   SceneDescription good_toml(std::string_view text, const ReadOptions& options = {}) {
     auto result = read_toml(text, options);
     EXPECT_TRUE(result) << result.error().message;
-    return result ? std::move(*result) : SceneDescription{};
+    return result ? lit(std::move(*result)) : SceneDescription{};
   }
 
   /// The error of a scene that must be bad, the folder's name left out.
