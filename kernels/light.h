@@ -259,18 +259,7 @@ FN void ask_for_shadow_ray(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, 
 #endif
 }
 
-/// Index of the light that a ray finds which ends on this surface, or leaves the scene; negative: none, or
-/// the back of it.
-FN int light_found(const PRIVATE Scene* scene, Surface s) {
-  const int two_sided = scene->lights[s.light >= 0 ? s.light : 0].two_sided;
-  int index = (s.front | (two_sided != 0)) ? s.light : -1;
-#if HAS(ENVIRONMENT)
-  index = s.valid ? index : scene->header.environment;
-#endif
-  return index;
-}
-
-/// What that light adds to the ray.
+/// What the light that a ray found adds to it.
 FN vec3 emitted_radiance(const PRIVATE Scene* scene, Surface s) {
   const int index = light_found(scene, s);
   return select3(index >= 0, load3(&scene->lights[index >= 0 ? index : 0].radiance),
