@@ -150,10 +150,10 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
 #endif
       if (block->probe != 0) probe_step(block, control, step);
       occlude_block(scene, f, ints, capacity, count);
-      add_light(RADIANCE_X, true, control, 0, f, ints, capacity, count);
+      add_light(RADIANCE_X, true, control, false, f, ints, capacity, count);
 #if HAS(POLYGONS)
-      if (control) add_light(UNSHADOWED_X, false, true, 1, f, ints, capacity, count);
-      if (control) add_light(SHADOWED_X, true, true, 1, f, ints, capacity, count);
+      if (control) add_light(UNSHADOWED_X, false, true, true, f, ints, capacity, count);
+      if (control) add_light(SHADOWED_X, true, true, true, f, ints, capacity, count);
 #endif
       if (block->probe != 0) probe_light(block, step);
       count = compact(f, ints, capacity, count, all_floats, control, slots, slot_capacity);

@@ -122,14 +122,16 @@ STAGE void occlude_block(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, G
 }
 
 /// Adds the light of shadow rays to the field, of all or of those that got through; with `control` only of
-/// those whose SHADOW_CONTROLLED is `controlled`.
-STAGE void add_light(int field, bool unblocked, bool control, int controlled, GLOBAL float* RESTRICT f,
+/// those whose light goes into closed forms' samples, or is not `controlled`.
+STAGE void add_light(int field, bool unblocked, bool control, bool controlled, GLOBAL float* RESTRICT f,
                      const GLOBAL int* RESTRICT ints, int capacity, int count) {
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP
       for (int j = i; j < i + LANES; j++) {
-        const bool wanted = !control | (ints[SHADOW_CONTROLLED * capacity + j] == controlled);
-        const bool through = !unblocked | (ints[HIT * capacity + j] < 0);
+        const int kind = ints[SHADOW_CONTROLLED * capacity + j];
+        const bool wanted = !control | ((kind != CONTROLLED_NOT) == controlled);
+        const bool beneath = control & (kind == CONTROLLED_BENEATH);
+        const bool through = !unblocked | ((ints[HIT * capacity + j] < 0) & !beneath);
         const bool lit = wanted & through & (f[SHADOW_TMAX * capacity + j] > 0.0f);
         const vec3 more = LOAD3(f, capacity, SHADOW_RADIANCE_X, j);
         const vec3 sum = add(LOAD3(f, capacity, field, j), select3(lit, more, make_vec3(0.0f, 0.0f, 0.0f)));

@@ -71,7 +71,7 @@ FN void sample_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLO
   const float weight = share / ((float)emitter_samples * (light.pdf > 0.0f ? light.pdf : 1.0f));
   const bool lit = s.valid & (light.tmax > 0.0f) & (value.pdf > 0.0f);
   const vec3 arriving = scale(mul(value.f_cos, light.radiance), weight);
-  ask_for_shadow_ray(f, ints, capacity, i, light, arriving, lit, primitive);
+  ask_for_shadow_ray(scene, f, ints, capacity, i, s, light, arriving, lit, primitive);
 }
 
 /// Lane i's direction sample, as its next ray.
@@ -91,7 +91,7 @@ FN void sample_direction(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, G
       select3(kind == DIRECTION_BSDF, by_bsdf.wi, select3(kind == DIRECTION_COSINE, by_cosine, by_area));
   const BsdfValue next = eval_bsdf(material, s.shading, s.wo, wi);
   const float pdf = direction_pdf(kind, s.shading, wi, next.pdf);
-  const bool traces = s.valid & (pdf > 0.0f) & (next.pdf > 0.0f);
+  const bool traces = s.valid & (pdf > 0.0f) & (next.pdf > 0.0f) & !is_beneath(s, wi);
   const vec3 by_quotient = scale(next.f_cos, 1.0f / (pdf > 0.0f ? pdf : 1.0f));
   const vec3 weight = scale(select3(kind == DIRECTION_BSDF, by_bsdf.weight, by_quotient),
                             1.0f / (float)scene->header.bsdf_samples);

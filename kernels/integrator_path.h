@@ -58,7 +58,7 @@ FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL i
   const bool lit =
       scatters & (light.tmax > 0.0f) & (value.pdf > 0.0f) & ((sampling != SAMPLING_BSDF_ONLY) | light.delta);
   const vec3 arriving = mul(throughput, scale(mul(value.f_cos, light.radiance), light_weight));
-  ask_for_shadow_ray(f, ints, capacity, i, light, arriving, lit, primitive);
+  ask_for_shadow_ray(scene, f, ints, capacity, i, s, light, arriving, lit, primitive);
 
   const BsdfSample next = sample_bsdf(material, s.shading, s.wo, u[DRAW_BSDF_U * LANES + j],
                                       u[DRAW_BSDF_V * LANES + j], u[DRAW_LOBE_CHOICE * LANES + j]);
@@ -67,8 +67,8 @@ FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL i
   const bool roulette = step + 1 >= scene->header.rr_depth;
   const int throws = roulette ? step + 1 - scene->header.rr_depth : 0;
   const float survival = roulette ? roulette_survival(strongest, throws) : 1.0f;
-  const bool alive =
-      scatters & (next.pdf > 0.0f) & (strongest > 0.0f) & (u[DRAW_ROULETTE * LANES + j] < survival);
+  const bool alive = scatters & (next.pdf > 0.0f) & (strongest > 0.0f) & !is_beneath(s, next.wi) &
+                     (u[DRAW_ROULETTE * LANES + j] < survival);
   throughput = scale(throughput, 1.0f / (alive ? survival : 1.0f));
   const vec3 origin = leave_surface(s.p, s.geometric, s.error, next.wi);
   STORE3(f, capacity, RAY_ORIGIN_X, i, origin);

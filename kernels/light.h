@@ -245,32 +245,25 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float number,
   return sample;
 }
 
-/// Asks for the shadow ray of lane i's light sample, from the primitive that it starts on; `arriving` is what
-/// it adds if nothing is in the way.
-FN void ask_for_shadow_ray(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity, int i,
-                           LightSample light, vec3 arriving, bool lit, int primitive) {
+/// Asks for the shadow ray of lane i's light sample, from the surface and primitive that it starts on;
+/// `arriving` is what it adds if nothing is in the way.
+FN void ask_for_shadow_ray(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                           int capacity, int i, Surface s, LightSample light, vec3 arriving, bool lit,
+                           int primitive) {
+  const bool beneath = is_beneath(s, light.wi) & (scene->header.trace_shadows != 0);
+  const bool controlled = (scene->header.estimator != ESTIMATOR_SAMPLES) & light.of_polygon;
   STORE3(f, capacity, SHADOW_ORIGIN_X, i, light.origin);
   STORE3(f, capacity, SHADOW_DIRECTION_X, i, light.toward);
   STORE3(f, capacity, SHADOW_RADIANCE_X, i, arriving);
-  f[SHADOW_TMAX * capacity + i] = lit ? light.tmax : -1.0f;
+  f[SHADOW_TMAX * capacity + i] = (lit & (controlled | !beneath)) ? light.tmax : -1.0f;
   ints[SHADOW_SKIP * capacity + i] = primitive;
 #if HAS(POLYGONS)
-  ints[SHADOW_CONTROLLED * capacity + i] = light.of_polygon ? 1 : 0;
+  ints[SHADOW_CONTROLLED * capacity + i] =
+      controlled ? (beneath ? CONTROLLED_BENEATH : CONTROLLED_SEEN) : CONTROLLED_NOT;
 #endif
 }
 
-/// Index of the light that a ray finds which ends on this surface, or leaves the scene; negative: none, or
-/// the back of it.
-FN int light_found(const PRIVATE Scene* scene, Surface s) {
-  const int two_sided = scene->lights[s.light >= 0 ? s.light : 0].two_sided;
-  int index = (s.front | (two_sided != 0)) ? s.light : -1;
-#if HAS(ENVIRONMENT)
-  index = s.valid ? index : scene->header.environment;
-#endif
-  return index;
-}
-
-/// What that light adds to the ray.
+/// What the light that a ray found adds to it.
 FN vec3 emitted_radiance(const PRIVATE Scene* scene, Surface s) {
   const int index = light_found(scene, s);
   return select3(index >= 0, load3(&scene->lights[index >= 0 ? index : 0].radiance),

@@ -12,13 +12,26 @@ FN int own_polygon(const PRIVATE Scene* scene, Surface s) {
   return s.light >= 0 ? polygon : -1;
 }
 
-/// Whether the surface is a part of that flat light, which therefore does not light it. Formulas cannot tell:
-/// rounding puts the surface to either side of the light's plane, which covers half the sphere or nothing.
+/// Index of the light that a ray finds which ends on this surface, or leaves the scene; negative: none, or
+/// the back of it.
+FN int light_found(const PRIVATE Scene* scene, Surface s) {
+  const int two_sided = scene->lights[s.light >= 0 ? s.light : 0].two_sided;
+  int index = (s.front | (two_sided != 0)) ? s.light : -1;
+#if HAS(ENVIRONMENT)
+  index = s.valid ? index : scene->header.environment;
+#endif
+  return index;
+}
+
+/// Whether the surface is a part of that light and does not see it: of a flat one, or of a sphere unless it
+/// is the shining inside of one. Formulas cannot tell: rounding puts the surface to either side of the
+/// light's plane or sphere, which covers half the directions or nothing.
 FN bool is_own_light(const PRIVATE Scene* scene, Surface s, int light) {
   bool own = light == s.light;
 #if HAS(QUADRICS)
   const int kind = scene->lights[light].kind;
-  own = own & (kind != LIGHT_SPHERE);
+  const float orientation = scene->lights[light].p2.y;
+  own = own & !((kind == LIGHT_SPHERE) & (orientation < 0.0f) & s.front);
 #endif
 #if HAS(POLYGONS)
   const int mine = own_polygon(scene, s), polygon = scene->lights[light].polygon;

@@ -61,7 +61,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(HIT)             /* primitive hit, or -1 */       \
   F(ALIVE)                                            \
   F(SHADOW_SKIP)     /* primitive that the shadow ray starts on */ \
-  F(SHADOW_CONTROLLED) /* 1: its light goes into SHADOWED, not RADIANCE */ \
+  F(SHADOW_CONTROLLED) /* CONTROLLED_*: whether its light goes into SHADOWED, not RADIANCE */ \
   F(FILM_X) F(FILM_Y) /* the path's pixel, while its camera ray is made */ \
   F(GOING) F(FINISHED) /* lists of lanes, while the block is compacted */
 
@@ -89,6 +89,8 @@ enum {
   LANE_INTS(ENUMERATE) STATE_INTS
 };
 #undef ENUMERATE
+// Beneath the surface a light is in shadow whatever the shadow ray says; its closed form does not know that.
+enum { CONTROLLED_NOT, CONTROLLED_SEEN, CONTROLLED_BENEATH };
 #define REFERENCE_NORMAL_X CAMERA_DIRECTION_X
 
 /// How many floats a path and a slot of a scene with these features need.

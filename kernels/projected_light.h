@@ -33,13 +33,15 @@ FN ProjectedPolygon project_light(GLOBAL const Light* light, vec3 from, vec3 n) 
   return polygon;
 }
 
-/// For the surface that a ray found, which left `from` in `direction`; the shading normal there was `n`.
+/// For the surface that a ray found, or the environment, which left `from` in `direction`; the shading normal
+/// there was `n`.
 FN void aim_at_found(const PRIVATE Scene* scene, Surface found, vec3 from, vec3 direction, vec3 n,
                      PRIVATE float* aims, int j) {
-  GLOBAL const Light* light = scene->lights + (found.light >= 0 ? found.light : 0);
+  const int index = light_found(scene, found);
+  GLOBAL const Light* light = scene->lights + (index >= 0 ? index : 0);
   const ProjectedPolygon polygon = project_light(light, from, n);
   const float area = (float)light_irradiance(light, from.x, from.y, from.z, n.x, n.y, n.z);
-  const bool some = (polygon.area > 0.0f) & (area > 0.0f);
+  const bool some = (index >= 0) & (polygon.area > 0.0f) & (area > 0.0f);
   const float cosine = max_f(dot3(n, direction), 0.0f);
   aims[AIM_FOUND_PDF * LANES + j] = some ? cosine / (some ? area : 1.0f) : -1.0f;
 }

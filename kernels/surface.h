@@ -13,7 +13,7 @@ typedef struct {
   vec3 p;          ///< relative to the scene's centre
   float error;     ///< how far p may be off the true surface along `geometric`
   vec3 geometric;  ///< unit normal on the side of the viewer
-  vec3 shading;    ///< unit shading normal, likewise
+  vec3 shading;    ///< unit shading normal, on the same side and facing the viewer
   vec3 wo;         ///< unit, back along the ray
   float distance;  ///< along the ray
   int material;
@@ -91,9 +91,26 @@ FN Surface surface_at(const PRIVATE Scene* scene, int primitive, vec3 o, vec3 d)
   const float side = s.front ? 1.0f : -1.0f;
   s.geometric = scale(normal, side);
   s.shading = scale(shading, side);
+#if HAS(SHADING_NORMALS)
+  // The geometric normal alone says which side is seen: it is what rays meet. An interpolated one shapes the
+  // light of that side as long as it faces the viewer, which at the rim of a mesh it need not.
+  const bool faces = (dot3(s.shading, s.wo) > 0.0f) & (dot3(s.shading, s.geometric) > 0.0f);
+  s.shading = select3(faces, s.shading, s.geometric);
+#endif
   s.material = s.front ? front : back;
   s.light = s.valid ? s.light : -1;
   return s;
+}
+
+/// Whether the direction is beneath the surface, on the side that the viewer does not see. An interpolated
+/// normal's hemisphere reaches there, but nothing gets through: every strategy takes light from there to be
+/// in the surface's own shadow, so that they agree, and none leaks into closed rooms or through sheets.
+FN bool is_beneath(Surface s, vec3 wi) {
+#if HAS(SHADING_NORMALS)
+  return dot3(s.geometric, wi) <= 0.0f;
+#else
+  return false;
+#endif
 }
 
 /// An origin for a ray that leaves the surface along `direction`, on the right side of it whatever the

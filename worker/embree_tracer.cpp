@@ -62,6 +62,29 @@ void quadric_occluded(const RTCOccludedFunctionNArguments* arguments) {
   }
 }
 
+constexpr unsigned kTriangleGeometry = 0;  // attached under these numbers
+constexpr unsigned kQuadricGeometry = 1;
+
+/// What counts as a hit of a triangle is the kernels' rule: in front of the ray's origin, and not the
+/// triangle that the ray starts on, which is the ray's id. Offsets of origins rely on it: where a plane goes
+/// through the scene's centre they are 0.
+void keep_hits_in_front(const RTCFilterFunctionNArguments* arguments) {
+  const unsigned n = arguments->N;
+  for (unsigned i = 0; i < n; ++i) {
+    if (arguments->valid[i] == 0) continue;
+    const bool starts_there = RTCHitN_geomID(arguments->hit, n, i) == kTriangleGeometry &&
+                              RTCHitN_primID(arguments->hit, n, i) == RTCRayN_id(arguments->ray, n, i);
+    if (starts_there || !(RTCRayN_tfar(arguments->ray, n, i) > 0.0f)) arguments->valid[i] = 0;
+  }
+}
+
+RTCIntersectContext make_context() {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.filter = keep_hits_in_front;
+  return context;
+}
+
 }  // namespace
 
 struct EmbreeTracer::Impl {
@@ -70,12 +93,11 @@ struct EmbreeTracer::Impl {
   std::vector<float> vertices;
   std::vector<unsigned> indices;
   int triangle_count = 0;
-  unsigned quadric_geometry = RTC_INVALID_GEOMETRY_ID;
 
   /// Fills a packet's rays from lanes first ... of the block; false if none of them is a ray.
   template <typename Packet>
-  static bool load(Packet& ray, int* valid, const float* f, int capacity, int first, int count, int origin,
-                   int direction, int tmax) {
+  static bool load(Packet& ray, int* valid, const float* f, const int* ints, int capacity, int first,
+                   int count, int origin, int direction, int tmax, int skip) {
     bool any = false;
     for (int j = 0; j < kPacket; ++j) {
       const int i = std::min(first + j, count - 1);
@@ -89,7 +111,7 @@ struct EmbreeTracer::Impl {
       ray.tfar[j] = f[tmax * capacity + i];
       ray.time[j] = 0;
       ray.mask[j] = ~0u;
-      ray.id[j] = 0;
+      ray.id[j] = unsigned(ints[skip * capacity + i]);
       ray.flags[j] = 0;
       valid[j] = first + j < count && ray.tfar[j] > 0 ? -1 : 0;
       any = any || valid[j] != 0;
@@ -102,17 +124,16 @@ struct EmbreeTracer::Impl {
     for (int first = 0; first < count; first += kPacket) {
       alignas(64) RTCRayHit16 rays;
       alignas(64) int valid[kPacket];
-      const bool any =
-          load(rays.ray, valid, f, capacity, first, count, RAY_ORIGIN_X, RAY_DIRECTION_X, RAY_TMAX);
+      const bool any = load(rays.ray, valid, f, ints, capacity, first, count, RAY_ORIGIN_X, RAY_DIRECTION_X,
+                            RAY_TMAX, RAY_SKIP);
       std::fill_n(rays.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
       if (any) {
-        RTCIntersectContext context;
-        rtcInitIntersectContext(&context);
+        RTCIntersectContext context = make_context();
         rtcIntersect16(valid, self.scene.get(), &context, &rays);
       }
       for (int j = 0; j < kPacket && first + j < count; ++j) {
         const unsigned geometry = rays.hit.geomID[j];
-        const int offset = geometry == self.quadric_geometry ? self.triangle_count : 0;
+        const int offset = geometry == kQuadricGeometry ? self.triangle_count : 0;
         ints[HIT * capacity + first + j] =
             geometry == RTC_INVALID_GEOMETRY_ID ? -1 : int(rays.hit.primID[j]) + offset;
       }
@@ -124,9 +145,9 @@ struct EmbreeTracer::Impl {
     for (int first = 0; first < count; first += kPacket) {
       alignas(64) RTCRay16 rays;
       alignas(64) int valid[kPacket];
-      if (load(rays, valid, f, capacity, first, count, SHADOW_ORIGIN_X, SHADOW_DIRECTION_X, SHADOW_TMAX)) {
-        RTCIntersectContext context;
-        rtcInitIntersectContext(&context);
+      if (load(rays, valid, f, ints, capacity, first, count, SHADOW_ORIGIN_X, SHADOW_DIRECTION_X, SHADOW_TMAX,
+               SHADOW_SKIP)) {
+        RTCIntersectContext context = make_context();
         rtcOccluded16(valid, self.scene.get(), &context, &rays);
       }
       for (int j = 0; j < kPacket && first + j < count; ++j)
@@ -152,7 +173,8 @@ Expected<std::unique_ptr<EmbreeTracer>> EmbreeTracer::make(const DeviceScene& sc
   impl.device.reset(rtcNewDevice(configuration.c_str()));
   if (!impl.device) return fail("Embree does not start with " + configuration);
   impl.scene.reset(rtcNewScene(impl.device.get()));
-  rtcSetSceneFlags(impl.scene.get(), RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneFlags(impl.scene.get(),
+                   RTCSceneFlags(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
 
   const auto triangles = table<Triangle>(scene, scene.header.triangles, scene.header.triangle_count);
   const auto quadrics = table<Quadric>(scene, scene.header.quadrics, scene.header.quadric_count);
@@ -170,7 +192,7 @@ Expected<std::unique_ptr<EmbreeTracer>> EmbreeTracer::make(const DeviceScene& sc
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, impl.indices.data(), 0,
                                12, triangles.size());
     rtcCommitGeometry(geometry);
-    rtcAttachGeometry(impl.scene.get(), geometry);
+    rtcAttachGeometryByID(impl.scene.get(), geometry, kTriangleGeometry);
     rtcReleaseGeometry(geometry);
   }
   if (!quadrics.empty()) {
@@ -181,7 +203,7 @@ Expected<std::unique_ptr<EmbreeTracer>> EmbreeTracer::make(const DeviceScene& sc
     rtcSetGeometryIntersectFunction(geometry, quadric_intersect);
     rtcSetGeometryOccludedFunction(geometry, quadric_occluded);
     rtcCommitGeometry(geometry);
-    impl.quadric_geometry = rtcAttachGeometry(impl.scene.get(), geometry);
+    rtcAttachGeometryByID(impl.scene.get(), geometry, kQuadricGeometry);
     rtcReleaseGeometry(geometry);
   }
   rtcCommitScene(impl.scene.get());

@@ -2,7 +2,7 @@
 struct Surface {
   bool valid, front;
   vec3 p;        // relative to the camera
-  vec3 shading;  // unit, on the viewer's side
+  vec3 geometric, shading;  // unit, on the viewer's side
   int material;
   int light;    // or -1
   int polygon;  // that it is a part of, or -1
@@ -23,7 +23,7 @@ Surface triangle_surface(int index, vec3 o, vec3 d) {
   float along = dot(normal, d), distance = along != 0.0 ? -dot(normal, from) / along : 0.0;
   bool is_large = max(dot(e1, e1), dot(e2, e2)) > distance * distance;
   s.p = is_large ? o + distance * d : t.p0 + (b1 * e1 + b2 * e2);
-  s.shading = normalize(normal);
+  s.geometric = s.shading = normalize(normal);
   ivec2 more = ivec2(texelFetch(triangles, 4 * index + 3).xy);
   int normals = more.x;
   if (normals >= 0) {
@@ -52,6 +52,7 @@ Surface quadric_surface(int index, vec3 o, vec3 d) {
     s.shading = q.orientation * outward;
   }
   s.front = dot(s.shading, d) < 0.0;
+  s.geometric = s.shading;
   s.material = s.front ? q.front : q.back;
   s.light = q.light;
   s.polygon = -1;
@@ -64,13 +65,16 @@ Surface surface_at(int primitive, int triangle_count, vec3 o, vec3 d) {
   s.valid = false;
   s.front = false;
   s.p = vec3(0.0);
-  s.shading = vec3(0.0);
+  s.geometric = s.shading = vec3(0.0);
   s.material = 0;
   s.light = s.polygon = -1;
   if (primitive >= triangle_count)
     s = quadric_surface(primitive - triangle_count, o, d);
   else if (primitive >= 0)
     s = triangle_surface(primitive, o, d);
-  if (!s.front) s.shading = -s.shading;
+  float side = s.front ? 1.0 : -1.0;
+  s.geometric *= side;
+  s.shading *= side;
+  if (dot(s.shading, d) >= 0.0 || dot(s.shading, s.geometric) <= 0.0) s.shading = s.geometric;
   return s;
 }

@@ -83,9 +83,9 @@ class PortableIntersector {
     return is_quadric(primitive) ? meet_quadric(ray, primitive) : meet_triangle(ray, primitive);
   }
 
- private:
   [[nodiscard]] bool is_quadric(int k) const { return k >= int(triangles_.size()); }
 
+ private:
   [[nodiscard]] Meeting meet_triangle(const Ray3& ray, int primitive) const {
     const Triangle& t = triangles_[std::size_t(primitive)];
     const Quad3 d = quad(ray.direction), o = quad(ray.origin);
@@ -166,7 +166,7 @@ class Comparison {
       ++out_.rays;
       const int theirs = ints[HIT * capacity + i], ours = portable_.nearest(ray);
       if (any ? (theirs >= 0) == (ours >= 0) : theirs == ours) continue;
-      const DifferenceCause cause = any ? why_blocked(ray, ours) : why(ray, theirs, ours);
+      const DifferenceCause cause = any ? why_blocked(ray) : why(ray, theirs, ours);
       if (out_.by_cause[std::size_t(cause)]++ == 0)
         out_.examples.push_back(example(ray, cause, theirs, ours, any));
       const int pixel = block.first_pixel + ints[SLOT * capacity + i] % block.row;
@@ -175,7 +175,6 @@ class Comparison {
   }
 
   [[nodiscard]] DifferenceCause why(const Ray3& ray, int theirs, int ours) const {
-    if (theirs >= 0 && theirs == ray.skip) return DifferenceCause::kStart;
     const Meeting e = theirs >= 0 ? portable_.meet(ray, theirs) : Meeting{};
     const Meeting p = ours >= 0 ? portable_.meet(ray, ours) : Meeting{};
     const bool edge = (theirs >= 0 && e.edge) || (ours >= 0 && p.edge);
@@ -189,20 +188,19 @@ class Comparison {
 
   /// A shadow ray that one of them lets through: some primitive must be in doubt. Embree does not say which
   /// one it hit.
-  [[nodiscard]] DifferenceCause why_blocked(const Ray3& ray, int ours) const {
-    bool edge = false, end = false, start = false;
+  [[nodiscard]] DifferenceCause why_blocked(const Ray3& ray) const {
+    bool edge = false, end = false;
     for (int k = 0; k < portable_.primitives(); ++k) {
       const Meeting m = portable_.meet(ray, k);
       const bool on_the_ray = m.t > -m.t_error && m.t < Quad(ray.tmax) + m.t_error;
       if (!on_the_ray || !(m.inside || m.edge)) continue;
-      start = start || (k == ray.skip && ours < 0);
+      if (k == ray.skip && !portable_.is_quadric(k)) continue;  // neither may hit it
       edge = edge || m.edge;
       end = end || at_an_end(ray, m);
     }
-    return start  ? DifferenceCause::kStart
-           : edge ? DifferenceCause::kSilhouette
-           : end  ? DifferenceCause::kRayEnd
-                  : DifferenceCause::kUnexplained;
+    return edge  ? DifferenceCause::kSilhouette
+           : end ? DifferenceCause::kRayEnd
+                 : DifferenceCause::kUnexplained;
   }
 
   static bool at_an_end(const Ray3& ray, const Meeting& m) {
@@ -234,8 +232,8 @@ class Comparison {
 }  // namespace
 
 std::string_view cause_name(DifferenceCause cause) {
-  constexpr std::string_view kNames[kDifferenceCauses] = {"start",      "shared edge", "coincident",
-                                                          "silhouette", "ray's end",   "unexplained"};
+  constexpr std::string_view kNames[kDifferenceCauses] = {"shared edge", "coincident", "silhouette",
+                                                          "ray's end", "unexplained"};
   return kNames[std::size_t(cause)];
 }
 

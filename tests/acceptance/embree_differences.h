@@ -16,7 +16,6 @@ namespace penumbra {
 /// Why two correct intersectors may differ. Rounding is what their arithmetic in single precision can err by,
 /// see embree_differences.cpp; truth is the exact position of ray and triangle in 113 bits.
 enum class DifferenceCause {
-  kStart,        ///< Embree hit the primitive that the ray starts on, which the portable one leaves out
   kSharedEdge,   ///< one passes within rounding of an edge of the primitives hit, at the same distance
   kCoincident,   ///< two surfaces lie at the same distance within rounding: a tie
   kSilhouette,   ///< within rounding of an edge, behind which the other one goes on

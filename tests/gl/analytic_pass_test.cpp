@@ -81,6 +81,7 @@ const Compared kScenes[] = {
     {"Strips", strips, 240, 160},
     {"OnAPlain", on_a_plain, 200, 150},
     {"RoundThings", round_things, 200, 150},
+    {"CoarseRims", coarse_rims, 200, 150},
     {"TinyRoundThings", [] { return scaled(round_things(), 1e-5); }, 200, 150},
     {"HugeRoundThings", [] { return scaled(round_things(), 1e6); }, 200, 150},
 };

@@ -54,6 +54,28 @@ SceneDescription round_things() {
   return scene;
 }
 
+SceneDescription coarse_rims() {
+  SceneDescription scene;
+  scene.bsdfs = {{"outside", PhongBsdf{glm::vec3(0.4f, 0.3f, 0.2f), glm::vec3(0.4f), 8}},
+                 {"inside", DiffuseBsdf{glm::vec3(0.9f, 0, 0)}}};
+  Mesh octahedron;
+  octahedron.positions = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
+  octahedron.triangles = {{0, 1, 2}, {1, 3, 2}, {3, 4, 2}, {4, 0, 2},
+                          {1, 0, 5}, {3, 1, 5}, {4, 3, 5}, {0, 4, 5}};
+  for (const glm::dvec3& p : octahedron.positions) octahedron.normals.emplace_back(p);
+  Shape& body = scene.shapes.emplace_back();
+  body.geometry = std::move(octahedron);
+  body.front_bsdf = 0;
+  body.back_bsdf = 1;
+  Shape& light = scene.shapes.emplace_back();
+  light.geometry = quadrilateral({-0.7, 2.6, -0.6}, {0.9, 2.9, 0.5}, {0.8, 2.8, 1.6}, {-0.8, 2.5, 1.5});
+  light.radiance = glm::vec3(5, 4, 3);
+  light.two_sided_emission = true;
+  scene.camera.to_world = look_at({0.5, 0.7, 4}, {0.05, 0.1, 0}, {0, 1, 0});
+  scene.camera.fov = 35;
+  return scene;
+}
+
 SceneDescription scaled(SceneDescription scene, double factor) {
   for (Shape& shape : scene.shapes) {
     if (auto* mesh = std::get_if<Mesh>(&shape.geometry))

@@ -12,6 +12,9 @@ glm::dmat4 look_at(glm::dvec3 eye, glm::dvec3 target, glm::dvec3 up);
 /// over them, an environment.
 SceneDescription round_things();
 
+/// A coarse mesh with vertex normals, which face away from the camera at its rims, and a light over it.
+SceneDescription coarse_rims();
+
 /// Everything `factor` times as large.
 SceneDescription scaled(SceneDescription scene, double factor);
 
