@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "scheduler/quoting.h"
+
 namespace penumbra {
 namespace {
 
@@ -75,12 +77,12 @@ Expected<void> RenderRun::start() {
 }
 
 void RenderRun::tell_how_to_watch() {
-  notices_.push_back(fmt::format("to watch: penumbra-view --connect {}", socket_->address()));
+  notices_.push_back(fmt::format("to watch: penumbra-view --connect {}", shell_quoted(socket_->address())));
   if (server_->more_address().empty()) return;
   const std::string& token = server_->token();
   notices_.push_back(fmt::format("to watch: {}penumbra-view --connect {}",
-                                 token.empty() ? "" : "PENUMBRA_TOKEN=" + token + " ",
-                                 server_->more_address()));
+                                 token.empty() ? "" : "PENUMBRA_TOKEN=" + shell_quoted(token) + " ",
+                                 shell_quoted(server_->more_address())));
 }
 
 Expected<RenderOutcome> RenderRun::run() {

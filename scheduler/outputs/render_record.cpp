@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <cctype>
-
 #include "scenes/settings.h"
 #include "scheduler/outputs/version.h"
+#include "scheduler/quoting.h"
 
 namespace penumbra {
 namespace {
@@ -86,22 +85,10 @@ std::string_view integrator_name(const IntegratorSettings& integrator) {
   return "?";
 }
 
-std::string shell_quoted(const std::string& word) {
-  const auto is_plain = [](unsigned char c) {
-    return std::isalnum(c) || std::string_view("_-./=,:+@%").find(char(c)) != std::string_view::npos;
-  };
-  bool plain = !word.empty();
-  for (const char c : word) plain = plain && is_plain((unsigned char)c);
-  if (plain) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
 std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
 std::string repeat_command(const RenderRecord& record, bool with_crop) {
-  std::string command = "penumbra render " + shell_quoted(record.scene);
+  std::string command = "penumbra render " + shell_quoted_file(record.scene);
   const auto add = [&](const std::string& option, const std::string& value) {
     command += " " + option + " " + shell_quoted(value);
   };

@@ -42,9 +42,6 @@ std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRe
 std::vector<std::pair<std::string, MetadataValue>> record_metadata(const RenderRecord& record,
                                                                    std::uint64_t film_hash, bool complete);
 
-/// The word in single quotes if a POSIX shell would read anything in it as special.
-std::string shell_quoted(const std::string& word);
-
 /// The hash as 16 hexadecimal digits.
 std::string hash_text(std::uint64_t hash);
 

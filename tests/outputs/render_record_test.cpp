@@ -48,13 +48,6 @@ TEST(RepeatCommand, NamesEverythingThePixelsDependOn) {
   EXPECT_EQ(repeat_command(record, true), whole + " --crop 10,30,30,70");
 }
 
-TEST(ShellQuoted, LeavesPlainWordsAlone) {
-  EXPECT_EQ(shell_quoted("a/b-c_1.xml"), "a/b-c_1.xml");
-  EXPECT_EQ(shell_quoted(""), "''");
-  EXPECT_EQ(shell_quoted("$HOME"), "'$HOME'");
-  EXPECT_EQ(shell_quoted("a;b"), "'a;b'");
-}
-
 TEST(RecordMetadata, IsMarkedIncompleteOnlyIfSo) {
   EXPECT_FALSE(metadata_of(cornell(), true).contains("penumbra:incomplete"));
   EXPECT_EQ(metadata_of(cornell(), false).at("penumbra:incomplete"), MetadataValue(1));
