@@ -243,6 +243,7 @@ RenderOutcome RenderRun::outcome() && {
   outcome.units_done = plan_.units_done();
   outcome.units_duplicated = plan_.units_duplicated();
   outcome.units_requeued = plan_.units_requeued();
+  outcome.units_set_aside = plan_.set_aside().size();
   outcome.passes_finished = merge_.finished_passes();
   outcome.passes_total = grid_.passes();
   outcome.film = std::move(merge_).take_film();
