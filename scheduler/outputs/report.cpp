@@ -1,13 +1,13 @@
 #include "scheduler/outputs/report.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "kernels/host/peak_memory.h"
 #include "scheduler/outputs/film_image.h"
 #include "scheduler/outputs/inventory.h"
 #include "scheduler/outputs/json_number.h"
@@ -19,12 +19,6 @@ namespace penumbra {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::uint64_t own_peak_memory_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return std::uint64_t(usage.ru_maxrss) * 1024;  // Linux counts in KiB
-}
 
 Json settings_json(const RenderReport& report) {
   Json settings;
@@ -183,7 +177,7 @@ Json report_json(const RenderReport& report) {
       {"workers", workers},
       {"memory",
        {{"device_scene_bytes", sizeof(SceneHeader) + job.scene.words.size() * sizeof(std::uint32_t)},
-        {"scheduler_peak_bytes", own_peak_memory_bytes()},
+        {"scheduler_peak_bytes", peak_memory_bytes()},
         {"largest_worker_peak_bytes", worker_memory}}},
       {"needs", grouped_json(report.needs)},
       {"left_out", grouped_json(report.left_out)},
