@@ -1,6 +1,7 @@
 #include "scenes/file_access.h"
 
 #include <fmt/format.h>
+#include <xxhash.h>
 
 #include <algorithm>
 #include <fstream>
@@ -100,6 +101,7 @@ Expected<std::unique_ptr<SourceFile>> FileAccess::read(const fs::path& file, std
   if (!stream.read(result->text.data(), std::streamsize(size)) || stream.gcount() != std::streamsize(size)) {
     return fail(fmt::format("cannot read '{}'", file.string()));
   }
+  contents_hash_ = XXH3_64bits_withSeed(result->text.data(), result->text.size(), contents_hash_);
   if (const auto done = take_byte_order_mark(result->text); !done)
     return fail(fmt::format("'{}' {}", file.string(), done.error().message));
   return result;

@@ -32,11 +32,15 @@ class FileAccess {
   [[nodiscard]] Expected<std::unique_ptr<SourceFile>> read(const std::filesystem::path& file,
                                                            std::uint64_t max_bytes) const;
 
+  /// Of the contents of all files read so far, in their order; not of where they are.
+  [[nodiscard]] std::uint64_t contents_hash() const { return contents_hash_; }
+
   /// Whether the path, all symbolic links followed, lies inside the confinement.
   [[nodiscard]] bool allows(const std::filesystem::path& file) const;
 
  private:
   std::optional<std::filesystem::path> root_;
+  mutable std::uint64_t contents_hash_ = 0;
 };
 
 }  // namespace penumbra

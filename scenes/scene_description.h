@@ -156,6 +156,8 @@ inline bool has_control_variate(const IntegratorSettings& integrator) {
 
 struct SceneDescription {
   std::string source;  ///< the file it was read from
+  /// Of the contents of that file and all that it names: the same scene elsewhere has the same.
+  std::uint64_t contents_hash = 0;
   std::vector<Bsdf> bsdfs;
   std::vector<Shape> shapes;
   std::vector<PointLight> point_lights;

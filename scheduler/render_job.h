@@ -71,6 +71,7 @@ struct RenderOutcome {
   std::vector<std::string> problems;  ///< every failed unit, lost worker, rejected result, in plain words
   std::vector<WorkerShare> workers;
   std::uint64_t units_done = 0, units_duplicated = 0, units_requeued = 0;
+  std::uint64_t units_set_aside = 0;  ///< missing in the film, maybe before others that are not
   std::uint32_t passes_finished = 0, passes_total = 0;  ///< merged in every tile; asked for
   double seconds_to_ready = 0;       ///< from the call until the first worker has the scene and its kernels
   double seconds_to_first_tile = 0;  ///< from the call

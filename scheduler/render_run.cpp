@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "scheduler/quoting.h"
+
 namespace penumbra {
 namespace {
 
@@ -75,12 +77,12 @@ Expected<void> RenderRun::start() {
 }
 
 void RenderRun::tell_how_to_watch() {
-  notices_.push_back(fmt::format("to watch: penumbra-view --connect {}", socket_->address()));
+  notices_.push_back(fmt::format("to watch: penumbra-view --connect {}", shell_quoted(socket_->address())));
   if (server_->more_address().empty()) return;
   const std::string& token = server_->token();
   notices_.push_back(fmt::format("to watch: {}penumbra-view --connect {}",
-                                 token.empty() ? "" : "PENUMBRA_TOKEN=" + token + " ",
-                                 server_->more_address()));
+                                 token.empty() ? "" : "PENUMBRA_TOKEN=" + shell_quoted(token) + " ",
+                                 shell_quoted(server_->more_address())));
 }
 
 Expected<RenderOutcome> RenderRun::run() {
@@ -241,6 +243,7 @@ RenderOutcome RenderRun::outcome() && {
   outcome.units_done = plan_.units_done();
   outcome.units_duplicated = plan_.units_duplicated();
   outcome.units_requeued = plan_.units_requeued();
+  outcome.units_set_aside = plan_.set_aside().size();
   outcome.passes_finished = merge_.finished_passes();
   outcome.passes_total = grid_.passes();
   outcome.film = std::move(merge_).take_film();

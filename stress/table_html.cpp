@@ -2,33 +2,11 @@
 
 #include <iterator>
 
+#include "scheduler/quoting.h"
 #include "stress/table.h"
 
 namespace penumbra::stress {
 namespace {
-
-std::string escaped(const std::string& text) {
-  std::string safe;
-  for (const char c : text) {
-    switch (c) {
-      case '<':
-        safe += "&lt;";
-        break;
-      case '>':
-        safe += "&gt;";
-        break;
-      case '&':
-        safe += "&amp;";
-        break;
-      case '"':
-        safe += "&quot;";
-        break;
-      default:
-        safe += c;
-    }
-  }
-  return safe;
-}
 
 constexpr const char* kStyle = R"(
 :root { color-scheme: light dark; }
@@ -56,8 +34,8 @@ void add_outcomes(const CaseResult& r, std::string& html) {
   }
   std::string values, errors;
   for (const Outcome& o : r.outcomes) {
-    values += fmt::format("{} <small>{}{}{}</small>", numbers_text(o.value, 12), escaped(o.backend),
-                          o.note.empty() ? "" : ": ", escaped(o.note));
+    values += fmt::format("{} <small>{}{}{}</small>", numbers_text(o.value, 12), html_escaped(o.backend),
+                          o.note.empty() ? "" : ": ", html_escaped(o.note));
     errors += fmt::format("{:.1e}<small>&nbsp;</small>", o.error);
   }
   fmt::format_to(out, "<td class=n>{}</td><td class=n>{}</td>", values, errors);
@@ -67,11 +45,11 @@ void add_case(const CaseResult& r, std::string& html) {
   const Case& c = *r.tested;
   const auto out = std::back_inserter(html);
   fmt::format_to(out, "<tr><td><span class={0}>{0}</span></td><td>{1}<small>{2}</small></td>",
-                 verdict_name(r.verdict), escaped(c.name), escaped(c.stiff));
-  fmt::format_to(out, "<td>{}<small>truth by {}</small></td><td class=n>{}</td>", escaped(c.quantity),
-                 escaped(c.truth.how), numbers_text(r.truth, 12));
+                 verdict_name(r.verdict), html_escaped(c.name), html_escaped(c.stiff));
+  fmt::format_to(out, "<td>{}<small>truth by {}</small></td><td class=n>{}</td>", html_escaped(c.quantity),
+                 html_escaped(c.truth.how), numbers_text(r.truth, 12));
   add_outcomes(r, html);
-  fmt::format_to(out, "<td class=n>{:.1e}</td><td>{}</td></tr>\n", r.allowed, escaped(c.allowed.why));
+  fmt::format_to(out, "<td class=n>{:.1e}</td><td>{}</td></tr>\n", r.allowed, html_escaped(c.allowed.why));
 }
 
 }  // namespace
@@ -85,14 +63,14 @@ std::string table_html(std::span<const CaseResult> results, const TableContext& 
       "<body>\n<h1>Stiff and extreme cases</h1>\n<p>{} passed, <b>{} failed</b>, {} skipped, {} pending, in "
       "{:.1f} s. A result is shown once where all backends have the same bits.</p>\n",
       kStyle, counts.passed, counts.failed, counts.skipped, counts.pending, context.seconds);
-  for (const std::string& backend : context.backends) html += "<div>" + escaped(backend) + "</div>\n";
+  for (const std::string& backend : context.backends) html += "<div>" + html_escaped(backend) + "</div>\n";
   std::string group;
   for (const CaseResult& r : results) {
     if (r.verdict == Verdict::kPending) continue;
     if (group_of(*r.tested) != group) {
       if (!group.empty()) html += "</table>\n";
       group = group_of(*r.tested);
-      html += "<h2>" + escaped(group) +
+      html += "<h2>" + html_escaped(group) +
               "</h2>\n<table><tr><th>verdict<th>case<th>quantity<th>truth<th>result<th>error<th>allowed<th>"
               "because of</tr>\n";
     }
@@ -102,9 +80,9 @@ std::string table_html(std::span<const CaseResult> results, const TableContext& 
   if (counts.pending > 0) html += "<h2>pending</h2>\n<table><tr><th>case<th>what is stiff<th>needs</tr>\n";
   for (const CaseResult& r : results) {
     if (r.verdict == Verdict::kPending)
-      html +=
-          fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n", escaped(r.tested->name),
-                      escaped(r.tested->stiff), escaped(std::get<Pending>(r.tested->measurement).feature));
+      html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n", html_escaped(r.tested->name),
+                          html_escaped(r.tested->stiff),
+                          html_escaped(std::get<Pending>(r.tested->measurement).feature));
   }
   if (counts.pending > 0) html += "</table>\n";
   return html + "</body></html>\n";

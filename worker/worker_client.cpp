@@ -1,7 +1,6 @@
 #include "worker/worker_client.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -11,18 +10,13 @@
 #include <utility>
 #include <variant>
 
+#include "kernels/host/peak_memory.h"
 #include "scheduler/protocol/client.h"
 #include "scheduler/protocol/mailbox.h"
 #include "scheduler/protocol/wire.h"
 
 namespace penumbra {
 namespace {
-
-std::uint64_t peak_memory_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return std::uint64_t(usage.ru_maxrss) * 1024;
-}
 
 std::string host_name() {
   char name[256] = {};

@@ -22,6 +22,7 @@ Expected<SceneDescription> read_scene(const std::filesystem::path& file, const R
       return std::unexpected(diagnostics.error());
     }
   }
+  scene.contents_hash = files.contents_hash();
   scene.warnings = diagnostics.take_warnings();
   return scene;
 }

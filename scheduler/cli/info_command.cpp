@@ -29,6 +29,7 @@ std::size_t device_bytes(const DeviceScene& scene) {
 RenderRecord record_of(const SceneOptions& options, const LoadedScene& scene) {
   RenderRecord record;
   record.scene = options.scene;
+  record.scene_hash = scene.description.contents_hash;
   record.defines = options.defines;
   record.settings = options.settings;
   record.film = scene.description.film;

@@ -90,17 +90,17 @@ void print_problems(const RenderOutcome& outcome, bool stopped) {
   }
 }
 
-/// Image files and report. What a time budget ended is recorded with the number of samples that it came to.
+/// Image files and report, with the record of as many samples as the render came to.
 Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outcome,
                              const std::vector<std::string>& command_line) {
   const auto begin = Clock::now();
   const OutputFiles& files = prepared.files;
   RenderReport report;
-  report.record = std::move(prepared.record);
-  if (outcome.complete) report.record.sampler.spp = std::uint32_t(sample_range(outcome.film).least);
+  const RenderedSamples rendered = rendered_samples(outcome);
+  report.record = record_of_rendered(std::move(prepared.record), rendered);
   if (files.exr || files.png) {
     Image image = image_of_film(outcome.film, report.record.film.width, report.record.film.height);
-    image.metadata = record_metadata(report.record, outcome.film.hash(), outcome.complete);
+    image.metadata = record_metadata(report.record, outcome.film.hash(), rendered);
     if (auto written = write_images(image, files); !written) return written;
   }
   report.command_line = command_line;
@@ -172,7 +172,8 @@ void add_render_command(CLI::App& app, const std::vector<std::string>& command_l
   command->footer(
       "Writes the image as EXR with layers (see the README), the same as PNG (clamped, sRGB) and a JSON "
       "report.\n"
-      "The image depends on scene, overrides, --spp, --seed and --pass alone (and with Embree on --isa): not "
+      "The image depends on scene, overrides, --spp, --stop-after, --seed and --pass alone (and with Embree "
+      "on --isa): not "
       "on\n"
       "workers, threads or tiles. Ctrl-C keeps what is done, marked incomplete; a second Ctrl-C ends at "
       "once.\n"

@@ -181,6 +181,13 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       ->type_name("X,Y")
       ->excludes(crop);
   command
+      .add_option(
+          "--stop-after", options.stop_after,
+          "Render only the first N samples per pixel of a sequence made for --spp: what a time budget or "
+          "Ctrl-C ended, again")
+      ->type_name("N")
+      ->check(CLI::Range(std::uint32_t(1), std::numeric_limits<std::uint32_t>::max()));
+  command
       .add_option("--time-budget", options.time_budget,
                   "Begin no further pass after this many seconds of rendering")
       ->type_name("SECONDS")

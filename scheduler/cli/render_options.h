@@ -47,6 +47,7 @@ struct RenderOptions {
   std::string tev;           ///< address of a tev that shows the render; empty: none
   bool interactive = false;  ///< watchers choose camera and samples
   std::uint32_t samples_per_pass = 16;
+  std::optional<std::uint32_t> stop_after;  ///< samples per pixel, of those that spp plans
   std::optional<double> time_budget;
   std::optional<CropRectangle> crop;
   std::optional<PixelPosition> pixel;

@@ -70,11 +70,13 @@ RenderRecord make_record(const RenderOptions& options, const LoadedScene& scene,
                          const DeviceOptions& device) {
   RenderRecord record;
   record.scene = options.scene.scene;
+  record.scene_hash = scene.description.contents_hash;
   record.defines = options.scene.defines;
   record.settings = options.scene.settings;
   record.lenient = options.scene.lenient;
   record.film = film;
   record.sampler = scene.description.sampler;
+  if (options.stop_after && *options.stop_after < record.sampler.spp) record.stop_after = options.stop_after;
   record.integrator = scene.description.integrator;
   record.samples_per_pass = options.samples_per_pass;
   record.feature_layers = !options.scene.no_features;
@@ -93,7 +95,7 @@ RenderJob make_job(const RenderOptions& options, const RenderRecord& record, con
   job.y = film.crop_y;
   job.width = film.crop_width;
   job.height = film.crop_height;
-  job.spp = record.sampler.spp;
+  job.spp = record.stop_after.value_or(record.sampler.spp);
   job.samples_per_pass = options.samples_per_pass;
   job.tile = options.tile;
   job.workers = options.workers;
@@ -129,6 +131,10 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options) {
   if (!film) return std::unexpected(film.error());
   const auto device = device_options(options, scene->device);
   if (!device) return std::unexpected(device.error());
+  if (options.stop_after && *options.stop_after > scene->description.sampler.spp) {
+    return fail(fmt::format("--stop-after {}: the render has {} samples per pixel (--spp)",
+                            *options.stop_after, scene->description.sampler.spp));
+  }
   if (options.time_budget && scene->description.sampler.kind == SamplerKind::kStratified) {
     return fail(
         "--time-budget: the stratified sampler has to know the number of samples; take another sampler");

@@ -9,6 +9,7 @@
 #include "scheduler/cli/progress.h"
 #include "scheduler/cli/render_preparation.h"
 #include "scheduler/outputs/film_image.h"
+#include "scheduler/outputs/report.h"
 #include "scheduler/report/curve_builder.h"
 
 namespace penumbra {
@@ -65,7 +66,7 @@ Expected<bool> run_cell(const CellPlan& cell, const CellStore& store, int repeat
     result.render_seconds.push_back(seconds.back().render);
     if (i > 0) continue;
     image = image_of_film(outcome->film, prepared->record.film.width, prepared->record.film.height);
-    image.metadata = record_metadata(prepared->record, outcome->film.hash(), true);
+    image.metadata = record_metadata(prepared->record, outcome->film.hash(), rendered_samples(*outcome));
   }
   result.seconds = median_phases(seconds);
   result.load_after = load_average();

@@ -13,7 +13,7 @@
 
 #include "kernels/host/native_code_size.h"
 #include "scheduler/cli/program_path.h"
-#include "scheduler/outputs/render_record.h"
+#include "scheduler/quoting.h"
 #include "worker/measure_compile.h"
 #include "worker/native_device.h"
 

@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <cctype>
+#include <filesystem>
 
 #include "scenes/settings.h"
 #include "scheduler/outputs/version.h"
+#include "scheduler/quoting.h"
 
 namespace penumbra {
 namespace {
@@ -86,22 +87,10 @@ std::string_view integrator_name(const IntegratorSettings& integrator) {
   return "?";
 }
 
-std::string shell_quoted(const std::string& word) {
-  const auto is_plain = [](unsigned char c) {
-    return std::isalnum(c) || std::string_view("_-./=,:+@%").find(char(c)) != std::string_view::npos;
-  };
-  bool plain = !word.empty();
-  for (const char c : word) plain = plain && is_plain((unsigned char)c);
-  if (plain) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
 std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
 std::string repeat_command(const RenderRecord& record, bool with_crop) {
-  std::string command = "penumbra render " + shell_quoted(record.scene);
+  std::string command = "penumbra render " + shell_quoted_file(record.scene);
   const auto add = [&](const std::string& option, const std::string& value) {
     command += " " + option + " " + shell_quoted(value);
   };
@@ -111,6 +100,7 @@ std::string repeat_command(const RenderRecord& record, bool with_crop) {
   add("--integrator", std::string(integrator_name(record.integrator)));
   add("--sampler", std::string(sampler_name(record.sampler.kind)));
   add("--spp", fmt::to_string(record.sampler.spp));
+  if (record.stop_after) add("--stop-after", fmt::to_string(*record.stop_after));
   add("--seed", fmt::to_string(record.sampler.seed));
   add("--pass", fmt::to_string(record.samples_per_pass));
   add("--intersector", record.embree ? "embree" : "portable");
@@ -136,6 +126,7 @@ std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRe
     entries.emplace_back(name, fmt::format("{}", value));
   };
   text("scene", record.scene);
+  text("scene_hash", hash_text(record.scene_hash));
   text("integrator", integrator_name(integrator));
   if (integrator.kind == IntegratorKind::kPath) {
     entries.emplace_back("integrator.max_depth", integrator.max_depth);
@@ -162,6 +153,7 @@ std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRe
   text("sampler", sampler_name(record.sampler.kind));
   // Unsigned 32-bit values do not fit the format's int.
   text("spp", fmt::to_string(record.sampler.spp));
+  if (record.stop_after) text("stop_after", fmt::to_string(*record.stop_after));
   text("seed", fmt::to_string(record.sampler.seed));
   text("samples_per_pass", fmt::to_string(record.samples_per_pass));
   text("film.rfilter", filter_name(film.filter));
@@ -179,14 +171,29 @@ std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRe
   return entries;
 }
 
+RenderRecord record_of_rendered(RenderRecord record, const RenderedSamples& rendered) {
+  // Where there are gaps, counts do not tell which samples there are.
+  if (!rendered.has_gaps && rendered.most > 0 && rendered.most < record.sampler.spp)
+    record.stop_after = std::uint32_t(rendered.most);
+  return record;
+}
+
 std::vector<std::pair<std::string, MetadataValue>> record_metadata(const RenderRecord& record,
-                                                                   std::uint64_t film_hash, bool complete) {
+                                                                   std::uint64_t film_hash,
+                                                                   const RenderedSamples& rendered) {
+  RenderRecord portable = record;
+  portable.scene = std::filesystem::path(record.scene).filename().string();
   std::vector<std::pair<std::string, MetadataValue>> metadata;
   metadata.emplace_back("penumbra:version", std::string(kVersion));
-  metadata.emplace_back("penumbra:command", repeat_command(record, true));
-  for (const auto& [name, value] : record_entries(record)) metadata.emplace_back("penumbra:" + name, value);
+  metadata.emplace_back(rendered.repeatable() ? "penumbra:command" : "penumbra:nearest_command",
+                        repeat_command(portable, true));
+  for (const auto& [name, value] : record_entries(portable)) metadata.emplace_back("penumbra:" + name, value);
   metadata.emplace_back("penumbra:film_hash", hash_text(film_hash));
-  if (!complete) metadata.emplace_back("penumbra:incomplete", 1);
+  if (!rendered.complete) metadata.emplace_back("penumbra:incomplete", 1);
+  if (!rendered.repeatable()) {
+    metadata.emplace_back("penumbra:samples_per_pixel",
+                          fmt::format("{} to {}", rendered.least, rendered.most));
+  }
   return metadata;
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,11 +17,14 @@ namespace penumbra {
 
 struct RenderRecord {
   std::string scene;                  ///< as named by the user
+  std::uint64_t scene_hash = 0;       ///< SceneDescription::contents_hash
   std::vector<std::string> defines;   ///< -D name=value
   std::vector<std::string> settings;  ///< --set key=value
   bool lenient = false;
-  Film film;  ///< with the crop that was rendered
-  SamplerSettings sampler;
+  Film film;                ///< with the crop that was rendered
+  SamplerSettings sampler;  ///< with the number of samples that the sequences are made for
+  /// Only so many of them are rendered; nothing: all.
+  std::optional<std::uint32_t> stop_after;
   IntegratorSettings integrator;
   std::uint32_t samples_per_pass = 16;
   bool feature_layers = true;
@@ -37,13 +41,27 @@ std::string repeat_command(const RenderRecord& record, bool with_crop);
 /// them.
 std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRecord& record);
 
-/// Metadata of the EXR, all named penumbra:…; `film_hash` is FilmAccumulator::hash(). An image that misses
-/// samples is marked penumbra:incomplete = 1.
-std::vector<std::pair<std::string, MetadataValue>> record_metadata(const RenderRecord& record,
-                                                                   std::uint64_t film_hash, bool complete);
+/// What of a render is in its image.
+struct RenderedSamples {
+  bool complete = true;               ///< all that was asked for
+  bool has_gaps = false;              ///< pixels may lack samples that come before others that they have
+  std::uint64_t least = 0, most = 0;  ///< of a pixel
 
-/// The word in single quotes if a POSIX shell would read anything in it as special.
-std::string shell_quoted(const std::string& word);
+  /// Whether some command renders the same image: every pixel has the first samples, equally many.
+  [[nodiscard]] bool repeatable() const { return !has_gaps && least == most; }
+};
+
+/// The record of what was rendered, where that may be less than what was to be. Its command repeats the image
+/// if any does; else it renders every pixel as far as the image's furthest.
+RenderRecord record_of_rendered(RenderRecord record, const RenderedSamples& rendered);
+
+/// Metadata of the EXR, all named penumbra:…; `film_hash` is FilmAccumulator::hash(). The scene is named
+/// without its folder, so that the same render is the same file wherever it is, and identified by its hash.
+/// An image that misses samples is marked penumbra:incomplete = 1; if no command renders it again, there is
+/// penumbra:nearest_command instead of penumbra:command.
+std::vector<std::pair<std::string, MetadataValue>> record_metadata(const RenderRecord& record,
+                                                                   std::uint64_t film_hash,
+                                                                   const RenderedSamples& rendered);
 
 /// The hash as 16 hexadecimal digits.
 std::string hash_text(std::uint64_t hash);

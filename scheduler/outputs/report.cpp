@@ -1,13 +1,13 @@
 #include "scheduler/outputs/report.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "kernels/host/peak_memory.h"
 #include "scheduler/outputs/film_image.h"
 #include "scheduler/outputs/inventory.h"
 #include "scheduler/outputs/json_number.h"
@@ -20,18 +20,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::uint64_t own_peak_memory_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return std::uint64_t(usage.ru_maxrss) * 1024;  // Linux counts in KiB
-}
-
 Json settings_json(const RenderReport& report) {
   Json settings;
   for (const auto& [name, value] : record_entries(report.record)) {
     std::visit([&, &key = name](const auto& v) { settings[key] = v; }, value);
   }
   settings["spp"] = report.record.sampler.spp;
+  settings["stop_after"] = report.record.stop_after ? Json(*report.record.stop_after) : Json(nullptr);
   settings["seed"] = report.record.sampler.seed;
   settings["samples_per_pass"] = report.record.samples_per_pass;
   settings["defines"] = report.record.defines;
@@ -127,9 +122,16 @@ double samples_per_second(const RenderOutcome& outcome) {
   return outcome.seconds > 0 ? double(samples) / outcome.seconds : 0.0;
 }
 
+RenderedSamples rendered_samples(const RenderOutcome& outcome) {
+  const SampleRange range = sample_range(outcome.film);
+  return {outcome.complete, outcome.units_set_aside > 0, range.least, range.most};
+}
+
 Json report_json(const RenderReport& report) {
   const RenderJob& job = *report.job;
   const RenderOutcome& outcome = *report.outcome;
+  const bool repeatable = rendered_samples(outcome).repeatable();
+  const Json command = repeat_command(report.record, true);
   const Film& film = report.record.film;
   std::uint64_t worker_samples = 0, worker_memory = 0;
   for (const WorkerShare& worker : outcome.workers) {
@@ -145,8 +147,10 @@ Json report_json(const RenderReport& report) {
       {"penumbra", kVersion},
       {"complete", outcome.complete},
       {"scene", report.record.scene},
+      {"scene_hash", hash_text(report.record.scene_hash)},
       {"files", files},
-      {"repeat_command", repeat_command(report.record, true)},
+      {"repeat_command", repeatable ? command : Json(nullptr)},
+      {"nearest_command", repeatable ? Json(nullptr) : command},
       {"command_line", report.command_line},
       {"host", host_name()},
       {"finished", utc_now()},
@@ -173,7 +177,7 @@ Json report_json(const RenderReport& report) {
       {"workers", workers},
       {"memory",
        {{"device_scene_bytes", sizeof(SceneHeader) + job.scene.words.size() * sizeof(std::uint32_t)},
-        {"scheduler_peak_bytes", own_peak_memory_bytes()},
+        {"scheduler_peak_bytes", peak_memory_bytes()},
         {"largest_worker_peak_bytes", worker_memory}}},
       {"needs", grouped_json(report.needs)},
       {"left_out", grouped_json(report.left_out)},

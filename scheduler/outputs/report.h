@@ -27,6 +27,9 @@ struct RenderReport {
   std::vector<std::filesystem::path> files;  ///< images written
 };
 
+/// How many samples the image came to have.
+RenderedSamples rendered_samples(const RenderOutcome& outcome);
+
 /// The report's fields and their units are explained in the README of this folder.
 nlohmann::ordered_json report_json(const RenderReport& report);
 

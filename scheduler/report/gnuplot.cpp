@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "scheduler/outputs/atomic_file.h"
+#include "scheduler/quoting.h"
 
 namespace penumbra {
 namespace {
@@ -28,11 +29,13 @@ Expected<void> write_text(const fs::path& path, const std::string& text) {
   return write_file_atomically(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
-/// Runs the program with its output in `log`; its exit status.
-Expected<int> run_program(const fs::path& program, const std::string& argument, const fs::path& log) {
+/// Runs the program in a folder, with its output in the file `log` there; its exit status.
+Expected<int> run_program(const fs::path& program, const fs::path& folder, const std::string& argument,
+                          const std::string& log) {
   const pid_t child = fork();
   if (child < 0) return fail(fmt::format("cannot start {}: {}", program.string(), std::strerror(errno)));
   if (child == 0) {
+    if (chdir(folder.c_str()) != 0) _exit(126);
     const int out = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
     const int in = open("/dev/null", O_RDONLY | O_CLOEXEC);
     dup2(in, STDIN_FILENO);
@@ -55,18 +58,9 @@ Expected<fs::path> find_gnuplot() {
   std::stringstream folders(path != nullptr ? path : "");
   for (std::string folder; std::getline(folders, folder, ':');) {
     const fs::path program = fs::path(folder.empty() ? "." : folder) / "gnuplot";
-    if (access(program.c_str(), X_OK) == 0) return program;
+    if (access(program.c_str(), X_OK) == 0) return fs::absolute(program);
   }
   return fail("plots need gnuplot (Debian: apt-get install gnuplot-nox); --no-plots does without them");
-}
-
-std::string gnuplot_quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c == '\n' ? ' ' : c;
-  }
-  return out + "\"";
 }
 
 Expected<GnuplotOutput> run_gnuplot(const fs::path& gnuplot, const fs::path& folder, const std::string& name,
@@ -74,19 +68,21 @@ Expected<GnuplotOutput> run_gnuplot(const fs::path& gnuplot, const fs::path& fol
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return fail(fmt::format("cannot create the folder {}: {}", folder.string(), error.message()));
-  const auto file = [&](const char* ending) { return folder / (name + ending); };
+  // gnuplot runs in the folder: a name that begins with ./ is to it neither an option, nor a home, nor a
+  // pipe.
+  const std::string plain_name = file_name_of(name);
+  const auto file = [&](const char* ending) { return folder / (plain_name + ending); };
+  const auto local = [&](const char* ending) { return "./" + plain_name + ending; };
   const std::string text = fmt::format(
-      "# Draws {2}.svg and {2}.png.\n"
-      "set terminal svg size {3},{4} noenhanced font 'sans-serif,13' background rgb 'white'\n"
-      "set output {0}\n{5}\n"
-      "set terminal pngcairo size {3}*2,{4}*2 noenhanced fontscale 1.1 linewidth 2 pointscale 2 font "
+      "set terminal svg size {2},{3} noenhanced font 'sans-serif,13' background rgb 'white'\n"
+      "set output {0}\n{4}\n"
+      "set terminal pngcairo size {2}*2,{3}*2 noenhanced fontscale 1.1 linewidth 2 pointscale 2 font "
       "'sans-serif,20'\n"
       "set output {1}\nreplot\nset output\n",
-      gnuplot_quoted(file(".svg").string()), gnuplot_quoted(file(".png").string()), name, width, height,
-      script);
+      gnuplot_quoted(local(".svg")), gnuplot_quoted(local(".png")), width, height, script);
   if (auto written = write_text(file(".gp"), text); !written) return std::unexpected(written.error());
   const fs::path log = file(".log");
-  const auto status = run_program(gnuplot, file(".gp").string(), log);
+  const auto status = run_program(gnuplot, folder, local(".gp"), local(".log"));
   if (!status) return std::unexpected(status.error());
   const std::string said = contents(log);
   fs::remove(log, error);

@@ -18,13 +18,11 @@ struct GnuplotOutput {
   std::vector<std::uint8_t> png;
 };
 
-/// Runs a script that draws one plot and sets neither terminal nor output. Script, SVG and PNG stay in
-/// `folder` as NAME.gp, NAME.svg, NAME.png. Errors: what gnuplot says, or that it left no plot.
+/// Runs a script that draws one plot and sets neither terminal nor output; text of users is in it by
+/// gnuplot_quoted. Script, SVG and PNG stay in `folder` as NAME.gp, NAME.svg, NAME.png, see file_name_of.
+/// Errors: what gnuplot says, or that it left no plot.
 Expected<GnuplotOutput> run_gnuplot(const std::filesystem::path& gnuplot, const std::filesystem::path& folder,
                                     const std::string& name, const std::string& script, int width,
                                     int height);
-
-/// The text in double quotes as a gnuplot string.
-std::string gnuplot_quoted(const std::string& text);
 
 }  // namespace penumbra

@@ -1,8 +1,8 @@
 #include "scheduler/report/html.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
+#include "scheduler/quoting.h"
 #include "scheduler/report/html_text.h"
 
 namespace penumbra {
@@ -44,8 +44,7 @@ std::string machine_html(const ReportData& report) {
       report.scenes.size() == 1 ? "One scene" : fmt::format("{} scenes", report.scenes.size()),
       html_escaped(report.host), report.cores, report.workers, report.workers == 1 ? "" : "s", report.threads,
       report.threads == 1 ? "" : "s", load_text(report.load_start), load_text(report.load_end),
-      report.started, report.finished, report.version,
-      html_escaped(fmt::format("{}", fmt::join(report.command_line, " "))));
+      report.started, report.finished, report.version, html_escaped(shell_command(report.command_line)));
   if (was_busy(report)) {
     html += fmt::format(
         "<p class=\"warn\">The machine was busy before this report began (load {:.2f} on {} cores): times "

@@ -2,6 +2,7 @@
 
 #include "scheduler/metrics/color_map.h"
 #include "scheduler/outputs/tone_map.h"
+#include "scheduler/quoting.h"
 #include "scheduler/report/html.h"
 #include "scheduler/report/html_text.h"
 

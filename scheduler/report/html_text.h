@@ -9,9 +9,6 @@
 
 namespace penumbra {
 
-/// The text with <, >, &, " and ' as entities.
-std::string html_escaped(std::string_view text);
-
 /// RFC 4648, with padding.
 std::string base64(std::span<const std::uint8_t> bytes);
 

@@ -2,25 +2,20 @@
 
 #include <cmath>
 
+#include "scheduler/quoting.h"
 #include "scheduler/report/report_json.h"
 
 namespace penumbra {
 namespace {
 
-std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
-  return out + "\"";
-}
-
 /// The shortest digits that read back as the same number.
 std::string number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
+/// Of fields that are quoted where they are text.
 void add_row(std::string& csv, const std::vector<std::string>& fields) {
   for (std::size_t i = 0; i < fields.size(); ++i) {
     if (i > 0) csv += ',';
-    csv += quoted(fields[i]);
+    csv += fields[i];
   }
   csv += "\r\n";
 }
@@ -32,13 +27,13 @@ std::vector<std::string> row(const ReportData& report, const SceneReport& scene,
   for (const std::string& setting : name.settings) settings += (settings.empty() ? "" : " ") + setting;
   const auto known = [&](const std::string& text) { return name.peer ? "" : text; };
   const ImageErrors& e = image.errors;
-  return {scene.name,
-          name.label,
+  return {csv_quoted(scene.name),
+          csv_quoted(name.label),
           name.peer ? "peer" : "penumbra",
-          name.integrator,
-          settings,
-          name.sampler,
-          name.backend,
+          csv_quoted(name.integrator),
+          csv_quoted(settings),
+          csv_quoted(name.sampler),
+          csv_quoted(name.backend),
           point.spp > 0 ? fmt::to_string(point.spp) : "",
           known(fmt::to_string(image.seed)),
           known(number(image.seconds.build)),
@@ -59,7 +54,7 @@ std::vector<std::string> row(const ReportData& report, const SceneReport& scene,
           fmt::to_string(e.non_finite),
           known(fmt::to_string(image.bad_samples)),
           image.film_hash,
-          image.file.string()};
+          csv_quoted(image.file.string())};
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <thread>
 
 #include "scheduler/outputs/image.h"
@@ -87,6 +88,32 @@ TEST_F(Interrupt, KeepsWhatIsMergedAndSaysThatItIsIncomplete) {
   EXPECT_GE(exr->at(12, 10, *exr->channel("samples.count")), 64.0f)
       << "a second is enough for a pass of this scene";
   EXPECT_EQ(nlohmann::json::parse(file_contents(folder_ / "s.json"))["complete"], false);
+}
+
+TEST(InterruptedRender, IsRepeatedByItsRecordedCommand) {
+  // One tile: its pixels have equally many samples whenever the render ends.
+  const TemporaryFolder folder;
+  write_small_scene(folder / "s.xml");
+  Program program(folder.path(),
+                  {"render", "s.xml", "--sampler", "sobol", "--spp", "1000000000", "--pass", "64"});
+  ASSERT_TRUE(wait_until([&] { return !children_of(program.pid()).empty(); }));
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  program.send_to_group(SIGINT);
+  ASSERT_EQ(program.wait().exit_code, 1);
+  const auto first = nlohmann::json::parse(file_contents(folder / "s.json"));
+  EXPECT_EQ(first["complete"], false);
+  EXPECT_EQ(first["settings"]["spp"], 1000000000);
+  EXPECT_TRUE(first["nearest_command"].is_null());
+  std::istringstream command(first["repeat_command"].get<std::string>());
+  std::vector<std::string> words;
+  for (std::string word; command >> word;) words.push_back(word);
+  words.erase(words.begin());
+  words.insert(words.end(), {"-o", "again.exr"});
+  const auto result = run_penumbra(folder.path(), words);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto again = nlohmann::json::parse(file_contents(folder / "again.json"));
+  EXPECT_EQ(again["film_hash"], first["film_hash"]);
+  EXPECT_EQ(again["complete"], true);
 }
 
 TEST_F(Interrupt, TermIsLikeCtrlC) {

@@ -35,6 +35,20 @@ class RenderCommand : public ::testing::Test {
     EXPECT_TRUE(read) << read.error().message;
     return read.value_or(Image{});
   }
+  /// Does what the metadata of an image says, into another file.
+  void repeat(const std::string& file, const std::string& again) {
+    const std::string command =
+        std::get<std::string>(image(file).attribute("penumbra:command").value_or("none"));
+    // All of its words are plain, so that spaces separate them.
+    std::vector<std::string> words;
+    std::istringstream stream(command);
+    for (std::string word; stream >> word;) words.push_back(word);
+    ASSERT_GT(words.size(), 3u);
+    EXPECT_EQ(words[0], "penumbra");
+    std::vector<std::string> arguments(words.begin() + 1, words.end());
+    arguments.insert(arguments.end(), {"-o", again});
+    EXPECT_EQ(run_penumbra(folder_.path(), arguments).exit_code, 0);
+  }
   nlohmann::json report(const std::string& name) {
     return nlohmann::json::parse(file_contents(folder_ / name));
   }
@@ -115,17 +129,51 @@ TEST_F(RenderCommand, FilesDoNotDependOnWorkersThreadsOrTiles) {
 TEST_F(RenderCommand, TheRecordedCommandGivesTheSameBytes) {
   render({"-o", "a.exr", "-D", "albedo=0.25", "--set", "integrator.max_depth=3", "--seed", "7", "--spp", "5",
           "--crop", "3,2,20,18", "--sampler", "sobol"});
-  const std::string command = std::get<std::string>(*image("a.exr").attribute("penumbra:command"));
-  // All of its words are plain, so that spaces separate them.
-  std::vector<std::string> words;
-  std::istringstream stream(command);
-  for (std::string word; stream >> word;) words.push_back(word);
-  ASSERT_GT(words.size(), 3u);
-  EXPECT_EQ(words[0], "penumbra");
-  std::vector<std::string> arguments(words.begin() + 1, words.end());
-  arguments.insert(arguments.end(), {"-o", "b.exr"});
-  EXPECT_EQ(run_penumbra(folder_.path(), arguments).exit_code, 0);
+  repeat("a.exr", "b.exr");
   EXPECT_EQ(file_contents(folder_ / "a.exr"), file_contents(folder_ / "b.exr"));
+}
+
+TEST_F(RenderCommand, TheRecordedCommandRepeatsWhatATimeBudgetEnded) {
+  // Points of a Sobol sequence depend on how many of them were to come, and halves of a fitted alpha even
+  // more.
+  const std::vector<std::string> integrators[] = {
+      {}, {"--integrator", "polygon_cv", "--set", "integrator.alpha=auto"}};
+  for (std::vector<std::string> arguments : integrators) {
+    arguments.insert(arguments.end(), {"-o", "a.exr", "--spp", "2000000000", "--pass", "4", "--sampler",
+                                       "sobol", "--time-budget", "0.2"});
+    render(arguments);
+    EXPECT_EQ(image("a.exr").attribute("penumbra:spp"), MetadataValue("2000000000"));
+    repeat("a.exr", "b.exr");
+    EXPECT_TRUE(file_contents(folder_ / "a.exr") == file_contents(folder_ / "b.exr"));
+    EXPECT_EQ(report("a.json")["film_hash"], report("b.json")["film_hash"]);
+  }
+}
+
+TEST_F(RenderCommand, StopsAfterSomeOfItsSamples) {
+  render({"-o", "a.exr", "--sampler", "sobol", "--spp", "64", "--stop-after", "10", "--pass", "4"});
+  const Image exr = image("a.exr");
+  EXPECT_EQ(exr.at(0, 0, *exr.channel("samples.count")), 10.0f);
+  EXPECT_EQ(report("a.json")["complete"], true);
+  render({"-o", "b.exr", "--sampler", "sobol", "--spp", "10", "--pass", "4"});
+  EXPECT_NE(report("a.json")["film_hash"], report("b.json")["film_hash"]);
+  render({"-o", "c.exr", "--sampler", "sobol", "--spp", "10", "--pass", "4", "--stop-after", "10"});
+  EXPECT_TRUE(file_contents(folder_ / "b.exr") == file_contents(folder_ / "c.exr")) << "that is all of them";
+  const ProgramResult result =
+      run_penumbra(folder_.path(), {"render", "s.xml", "--spp", "4", "--stop-after", "5"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("--stop-after 5: the render has 4 samples"));
+}
+
+TEST_F(RenderCommand, FilesDoNotDependOnHowTheSceneIsNamed) {
+  render({"-o", "a.exr"});
+  std::filesystem::create_directory(folder_ / "elsewhere");
+  for (const std::string& name :
+       {std::string("./s.xml"), (folder_ / "s.xml").string(), std::string("elsewhere/../s.xml")}) {
+    ASSERT_EQ(run_penumbra(folder_.path(), {"render", name, "-o", "b.exr"}).exit_code, 0);
+    EXPECT_TRUE(file_contents(folder_ / "a.exr") == file_contents(folder_ / "b.exr")) << name;
+  }
+  ASSERT_EQ(run_penumbra(folder_ / "elsewhere", {"render", "../s.xml", "-o", "../b.exr"}).exit_code, 0);
+  EXPECT_TRUE(file_contents(folder_ / "a.exr") == file_contents(folder_ / "b.exr")) << "from another folder";
 }
 
 TEST_F(RenderCommand, SeedChangesTheImage) {
@@ -183,7 +231,8 @@ TEST_F(RenderCommand, TimeBudgetEndsWithWholePasses) {
   for (int y = 0; y < 20; ++y) {
     for (int x = 0; x < 24; ++x) EXPECT_EQ(exr.at(x, y, count), exr.at(0, 0, count));
   }
-  EXPECT_EQ(exr.attribute("penumbra:spp"), MetadataValue(std::to_string(int(exr.at(0, 0, count)))));
+  EXPECT_EQ(exr.attribute("penumbra:spp"), MetadataValue("100000000"));
+  EXPECT_EQ(exr.attribute("penumbra:stop_after"), MetadataValue(std::to_string(int(exr.at(0, 0, count)))));
   EXPECT_EQ(report("s.json")["complete"], true);
 }
 

@@ -1,5 +1,6 @@
 #include "scheduler/outputs/render_record.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +8,8 @@
 
 namespace penumbra {
 namespace {
+
+using ::testing::HasSubstr;
 
 RenderRecord cornell() {
   RenderRecord record;
@@ -18,8 +21,11 @@ RenderRecord cornell() {
   return record;
 }
 
-std::map<std::string, MetadataValue> metadata_of(const RenderRecord& record, bool complete) {
-  const auto entries = record_metadata(record, 0xabcu, complete);
+constexpr RenderedSamples kAll = {.least = 64, .most = 64};
+
+std::map<std::string, MetadataValue> metadata_of(const RenderRecord& record,
+                                                 const RenderedSamples& rendered) {
+  const auto entries = record_metadata(record, 0xabcu, rendered);
   return {entries.begin(), entries.end()};
 }
 
@@ -48,27 +54,55 @@ TEST(RepeatCommand, NamesEverythingThePixelsDependOn) {
   EXPECT_EQ(repeat_command(record, true), whole + " --crop 10,30,30,70");
 }
 
-TEST(ShellQuoted, LeavesPlainWordsAlone) {
-  EXPECT_EQ(shell_quoted("a/b-c_1.xml"), "a/b-c_1.xml");
-  EXPECT_EQ(shell_quoted(""), "''");
-  EXPECT_EQ(shell_quoted("$HOME"), "'$HOME'");
-  EXPECT_EQ(shell_quoted("a;b"), "'a;b'");
+TEST(RecordMetadata, IsMarkedIncompleteOnlyIfSo) {
+  EXPECT_FALSE(metadata_of(cornell(), kAll).contains("penumbra:incomplete"));
+  const RenderedSamples half = {.complete = false, .least = 32, .most = 32};
+  EXPECT_EQ(metadata_of(cornell(), half).at("penumbra:incomplete"), MetadataValue(1));
 }
 
-TEST(RecordMetadata, IsMarkedIncompleteOnlyIfSo) {
-  EXPECT_FALSE(metadata_of(cornell(), true).contains("penumbra:incomplete"));
-  EXPECT_EQ(metadata_of(cornell(), false).at("penumbra:incomplete"), MetadataValue(1));
+TEST(RecordMetadata, DoesNotDependOnTheFolder) {
+  RenderRecord elsewhere = cornell();
+  elsewhere.scene = "/home/me/scene.xml";
+  EXPECT_EQ(metadata_of(elsewhere, kAll), metadata_of(cornell(), kAll));
+  elsewhere.scene_hash = 1;
+  EXPECT_NE(metadata_of(elsewhere, kAll), metadata_of(cornell(), kAll)) << "another scene of the same name";
+}
+
+TEST(RecordOfRendered, KeepsWhatTheSequenceIsMadeFor) {
+  const auto command = [](const RenderedSamples& rendered) {
+    return repeat_command(record_of_rendered(cornell(), rendered), true);
+  };
+  EXPECT_EQ(command(kAll), repeat_command(cornell(), true));
+  EXPECT_THAT(command({.least = 48, .most = 48}), HasSubstr("--spp 64 --stop-after 48 "));
+  EXPECT_THAT(command({.complete = false, .least = 16, .most = 32}), HasSubstr("--spp 64 --stop-after 32 "));
+  // One unit of 16 samples is missing, and nobody knows here which.
+  EXPECT_EQ(command({.complete = false, .has_gaps = true, .least = 48, .most = 48}),
+            repeat_command(cornell(), true));
+}
+
+TEST(RecordMetadata, OfAnImageThatNoCommandRepeatsSaysSo) {
+  for (const RenderedSamples& rendered :
+       {RenderedSamples{.complete = false, .least = 16, .most = 32},
+        RenderedSamples{.complete = false, .has_gaps = true, .least = 48, .most = 48}}) {
+    const auto metadata = metadata_of(record_of_rendered(cornell(), rendered), rendered);
+    EXPECT_FALSE(metadata.contains("penumbra:command"));
+    EXPECT_TRUE(metadata.contains("penumbra:nearest_command"));
+    EXPECT_EQ(metadata.at("penumbra:samples_per_pixel"),
+              MetadataValue(fmt::format("{} to {}", rendered.least, rendered.most)));
+  }
 }
 
 TEST(RecordMetadata, HoldsSettingsAndHash) {
-  const auto metadata = metadata_of(cornell(), true);
+  const auto metadata = metadata_of(cornell(), kAll);
   EXPECT_EQ(metadata.at("penumbra:seed"), MetadataValue("4000000000"));
   EXPECT_EQ(metadata.at("penumbra:integrator"), MetadataValue("path_mis"));
   EXPECT_EQ(metadata.at("penumbra:integrator.max_depth"), MetadataValue(-1));
   EXPECT_EQ(metadata.at("penumbra:film.rfilter"), MetadataValue("gaussian"));
   EXPECT_EQ(metadata.at("penumbra:film.rfilter_stddev"), MetadataValue("0.5"));
   EXPECT_EQ(metadata.at("penumbra:film_hash"), MetadataValue("0000000000000abc"));
-  EXPECT_EQ(metadata.at("penumbra:command"), MetadataValue(repeat_command(cornell(), true)));
+  RenderRecord here = cornell();
+  here.scene = "scene.xml";
+  EXPECT_EQ(metadata.at("penumbra:command"), MetadataValue(repeat_command(here, true)));
   EXPECT_FALSE(metadata.contains("penumbra:isa")) << "the portable intersector does not depend on it";
 }
 

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <set>
 #include <thread>
 
 #include "scheduler/outputs/image.h"
@@ -111,6 +112,32 @@ TEST_F(ReportCommand, TwoScenesEndToEnd) {
   EXPECT_THAT(bare, AllOf(Not(HasSubstr("http://")), Not(HasSubstr("https://"))));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "out/plots/star-light-time.svg"));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "out/report.csv"));
+}
+
+/// A name of which every interpreter would run a part: it makes a file `NAME-…`.
+std::string hostile(const std::string& name) {
+  return name + "`touch " + name + "-1` $(touch " + name + "-2);touch " + name + "-3'\"\nsystem('touch " +
+         name + "-4')\n@PATH\\<b hidden>";
+}
+
+TEST_F(ReportCommand, NamesStayText) {
+  const std::string scene = hostile("scene"), out = "|touch out-5;" + hostile("out");
+  std::filesystem::rename(folder_ / "s.xml", folder_ / (scene + ".xml"));
+  std::filesystem::create_directory(folder_ / out);
+  const auto before = folder_.names();
+  const auto result =
+      run({scene + ".xml", "-o", out, "--integrator", hostile("label") + "</title><script>x</script>=path",
+           "--budgets", "1,2", "--seeds", "2", "--reference-spp", "16", "-q"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(folder_.names(), before) << "something was run";
+  std::set<std::string> plots;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / out / "plots"))
+    plots.insert(entry.path().extension());
+  EXPECT_THAT(plots, ::testing::ElementsAre(".gp", ".png", ".svg"));
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / out))
+    EXPECT_THAT(entry.path().filename().string(), Not(::testing::MatchesRegex("(scene|out|label)-[0-9]")));
+  const std::string html = file_contents(folder_ / out / "index.html");
+  EXPECT_THAT(html, AllOf(HasSubstr("touch label-1"), Not(HasSubstr("<script")), Not(HasSubstr("<b "))));
 }
 
 TEST_F(ReportCommand, BackendsGiveTheSameErrors) {

@@ -4,15 +4,18 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <signal.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <numeric>
 #include <thread>
 
+#include "kernels/host/peak_memory.h"
 #include "scheduler/worker_isa.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/fake_processes.h"
@@ -123,6 +126,36 @@ TEST_F(RenderJobTest, TheFilmIsTheSameForAnyNumberOfWorkers) {
     EXPECT_GE(busy, std::min(workers, 2));
     EXPECT_EQ(samples, std::uint64_t(kWidth) * kHeight * kSpp);
   }
+}
+
+/// VmHWM of a process in bytes; 0 if it is gone.
+std::uint64_t proc_peak(pid_t process) {
+  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmHWM:")) return std::stoull(line.substr(6)) * 1024;
+  return 0;
+}
+
+TEST_F(RenderJobTest, AWorkersMemoryIsItsOwn) {
+  FakeBehaviour{.delay_ms = 5}.to_environment();
+  // Of the scheduler's memory the child has a view from fork to exec.
+  constexpr std::size_t kBallast = std::size_t(768) << 20;
+  void* ballast =
+      mmap(nullptr, kBallast, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_POPULATE, -1, 0);
+  ASSERT_NE(ballast, MAP_FAILED);
+  std::uint64_t seen = 0;
+  const std::atomic<bool> stop = false;
+  const Expected<RenderOutcome> outcome = run_render(job(1), stop, [&](const RenderProgress& progress) {
+    if (progress.samples_done > 0)
+      for (const pid_t child : children_of(getpid())) seen = std::max(seen, proc_peak(child));
+  });
+  munmap(ballast, kBallast);
+  ASSERT_TRUE(outcome) << outcome.error().message;
+  ASSERT_EQ(outcome->workers.size(), 1u);
+  ASSERT_GT(seen, 0u);
+  EXPECT_GE(outcome->workers[0].peak_memory_bytes, seen / 2);
+  EXPECT_LT(outcome->workers[0].peak_memory_bytes, kBallast);
+  EXPECT_GT(peak_memory_bytes(), kBallast) << "of this process itself";
 }
 
 TEST_F(RenderJobTest, TheFilmIsTheSameForAnyTileSize) {
