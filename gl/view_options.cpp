@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "scheduler/access.h"
+#include "scheduler/cli/option_checks.h"
 
 namespace penumbra {
 namespace {
@@ -61,7 +62,7 @@ void add_view_options(CLI::App& app, ViewOptions& options) {
        {std::tuple{"--width", &options.width, "Width of the window in pixels"},
         std::tuple{"--height", &options.height, "Height of the window in pixels"}})
     app.add_option(name, *size, help)
-        ->check(CLI::Range(kSmallestWindow, kLargestWindow))
+        ->check(whole_number(kSmallestWindow, kLargestWindow))
         ->type_name("N")
         ->capture_default_str()
         ->group(kOwn);

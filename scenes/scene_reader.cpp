@@ -97,6 +97,12 @@ void warn_of_emptiness(SceneDescription& scene) {
 
 }  // namespace
 
+std::vector<std::string> scene_formats() {
+  std::vector<std::string> names;
+  for (const Format& each : formats()) names.push_back(fmt::format("{} ({})", each.name, each.extension));
+  return names;
+}
+
 Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options) {
   // Whether it may be looked at, and is there, before anything is said about its format.
   const FileAccess files(options.confine_to);
@@ -107,10 +113,8 @@ Expected<SceneDescription> read_scene(const std::filesystem::path& file, const R
   }
   const Format* format = format_of(file);
   if (format == nullptr) {
-    std::vector<std::string> known;
-    for (const Format& each : formats()) known.push_back(fmt::format("{} ({})", each.name, each.extension));
     return fail(fmt::format("{}: not a scene in a format that Penumbra reads; it reads: {}", file.string(),
-                            list_names(known)));
+                            list_names(scene_formats())));
   }
   auto scene = format->read(file, options);
   if (!scene) return scene;

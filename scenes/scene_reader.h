@@ -25,6 +25,9 @@ struct ReadOptions {
   std::optional<std::filesystem::path> confine_to = std::nullopt;
 };
 
+/// Those that are read, for people: "Mitsuba XML (.xml)".
+std::vector<std::string> scene_formats();
+
 /// Reads a scene; its format is told by the file's name, else by its first character. Errors: everything
 /// wrong with it, each with file, line, column, the source line and a caret. A scene without shapes or
 /// without light is one, with a warning.

@@ -18,7 +18,6 @@ namespace {
 
 constexpr int kMaxFilmSide = 65536;
 constexpr std::int64_t kMaxFilmPixels = std::int64_t{1} << 31;
-constexpr std::int64_t kMaxSamplesPerPixel = std::int64_t{1} << 31;
 constexpr double kMaxAlpha = 1e6;
 constexpr std::int64_t kMaxInt = std::numeric_limits<int>::max();
 
@@ -206,8 +205,8 @@ void add_sampler_settings(std::vector<Setting>& table) {
                                           {"sobol", [](S& s) { s.sampler.kind = kSobol; }}}));
   table.push_back(integer("sampler.sample_count", 1, kMaxSamplesPerPixel,
                           [](S& s, std::int64_t v) { s.sampler.spp = std::uint32_t(v); }));
-  table.push_back(integer("sampler.seed", 0, std::numeric_limits<std::uint32_t>::max(),
-                          [](S& s, std::int64_t v) { s.sampler.seed = std::uint32_t(v); }));
+  table.push_back(
+      integer("sampler.seed", 0, kMaxSeed, [](S& s, std::int64_t v) { s.sampler.seed = std::uint32_t(v); }));
 }
 
 void add_film_settings(std::vector<Setting>& table) {
@@ -234,9 +233,11 @@ void add_film_settings(std::vector<Setting>& table) {
                           {"mitchell", [](S& s) { use_filter(s, kMitchell, 2.0f); }}}));
   // Half a film's width is far beyond any use; it keeps radii away from overflow.
   constexpr double kMaxRadius = 1024.0;
-  table.push_back(number("film.rfilter_radius", LowEnd::kOpen, 0.0, kMaxRadius,
+  // Far less than a pixel, and its square is still a float.
+  constexpr double kMinRadius = 1e-4;
+  table.push_back(number("film.rfilter_radius", LowEnd::kClosed, kMinRadius, kMaxRadius,
                          [](S& s, double v) { s.film.filter_radius = float(v); }));
-  table.push_back(number("film.rfilter_stddev", LowEnd::kOpen, 0.0, kMaxRadius, [](S& s, double v) {
+  table.push_back(number("film.rfilter_stddev", LowEnd::kClosed, kMinRadius, kMaxRadius, [](S& s, double v) {
     s.film.filter_stddev = float(v);
     if (s.film.filter == kGaussian) s.film.filter_radius = 4.0f * float(v);
   }));

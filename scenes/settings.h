@@ -2,7 +2,9 @@
 // or a command line may give, in one table for every format.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -12,6 +14,9 @@
 #include "scenes/scene_description.h"
 
 namespace penumbra {
+
+constexpr std::uint32_t kMaxSamplesPerPixel = std::uint32_t(1) << 31;
+constexpr std::uint32_t kMaxSeed = std::numeric_limits<std::uint32_t>::max();
 
 enum class SettingKind { kInteger, kNumber, kBoolean, kText, kNumberOrText };
 

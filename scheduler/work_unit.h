@@ -1,10 +1,13 @@
-// The name of a work unit: one tile of one image for one pass of samples.
+// The name and the largest size of a work unit: one tile of one image for one pass of samples.
 #pragma once
 
 #include <compare>
 #include <cstdint>
 
 namespace penumbra {
+
+/// Pixels along a side of a unit: what fits one message between worker and scheduler.
+constexpr int kMaxTile = 2048;
 
 /// Ordered as units are issued: image by image, and within an image pass by pass.
 struct UnitId {

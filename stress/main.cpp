@@ -10,11 +10,13 @@
 
 #include "scenes/diagnostic.h"
 #include "scheduler/cli/exit_code.h"
+#include "scheduler/cli/option_checks.h"
 #include "scheduler/outputs/atomic_file.h"
 #include "stress/backend.h"
 #include "stress/run.h"
 #include "stress/selection.h"
 #include "stress/table.h"
+#include "worker/device.h"
 
 namespace penumbra::stress {
 namespace {
@@ -47,7 +49,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--opencl-device", options.opencl_device, "Part of a platform's or device's name")
       ->type_name("NAME");
   app.add_option("--threads", options.threads, "Threads of renders")
-      ->check(CLI::Range(1, 1024))
+      ->check(whole_number(1, kMaxThreads))
       ->capture_default_str();
   app.add_option("--json", options.json, "Also write the table as JSON")->type_name("FILE");
   app.add_option("--html", options.html, "Also write the table as a page")->type_name("FILE");
@@ -95,6 +97,9 @@ ExitCode run(const Options& options) {
     if (const auto writable = check_writable(file); !writable)
       return print_error(writable.error()), kBadInput;
   }
+  if (const auto used = check_backend_options(backends_in_use(options.backend), options.opencl_device, "");
+      !used)
+    return print_error(used.error()), kBadInput;
   const auto start = std::chrono::steady_clock::now();
   std::vector<Backend> backends = make_backends(options);
   TableContext context;

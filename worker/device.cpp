@@ -18,6 +18,20 @@ Expected<Isa> isa_from_name(std::string_view name) {
   return fail("unknown instruction set '" + std::string(name) + "'; known: sse2, avx2, avx512");
 }
 
+Expected<void> check_backend_options(BackendsInUse backends, std::string_view opencl_device,
+                                     std::string_view isa) {
+  if (!opencl_device.empty() && !backends.opencl) {
+    return fail(
+        fmt::format("--device {}: only OpenCL has devices, and the backend is native; add --backend opencl",
+                    opencl_device));
+  }
+  if (!isa.empty() && !backends.native) {
+    return fail(fmt::format(
+        "--isa {}: only the native backend has instruction sets, and the backend is opencl", isa));
+  }
+  return {};
+}
+
 Isa best_isa() {
   if (machine_has(KernelTarget::kAvx512)) return Isa::kAvx512;
   return machine_has(KernelTarget::kAvx2) ? Isa::kAvx2 : Isa::kSse2;

@@ -34,6 +34,8 @@ constexpr Backend backend_from_name(std::string_view name) {
   return name == "opencl" ? Backend::kOpenCl : (name == "auto" ? Backend::kAuto : Backend::kNative);
 }
 
+constexpr int kMaxThreads = 1024;
+
 enum class Isa { kSse2, kAvx2, kAvx512 };
 
 /// What suits an OpenCL device by itself; set for tests and measurements. Pixels do not depend on it.
@@ -98,5 +100,17 @@ Isa best_isa();
 constexpr std::array<std::string_view, 3> kIsaNames{"sse2", "avx2", "avx512"};
 constexpr std::string_view isa_name(Isa isa) { return kIsaNames[std::size_t(isa)]; }
 Expected<Isa> isa_from_name(std::string_view name);
+
+/// Which backends may come to compute.
+struct BackendsInUse {
+  bool native = false, opencl = false;
+};
+/// Of native, opencl, auto, or both.
+constexpr BackendsInUse backends_in_use(std::string_view name) {
+  return {name != "opencl", name != "native"};
+}
+/// Fails if a device or an instruction set is named (not empty) that none of the backends would look at.
+Expected<void> check_backend_options(BackendsInUse backends, std::string_view opencl_device,
+                                     std::string_view isa);
 
 }  // namespace penumbra

@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
           ->check(CLI::IsMember({"native", "opencl", "auto"}));
   const auto* threads_option =
       app.add_option("--threads", threads, "Use so many threads, whatever the job says")
-          ->check(CLI::Range(1, 4096));
+          ->check(CLI::Range(1, kMaxThreads));
   const auto* isa_option = app.add_option(
       "--isa", isa, "native: use this instruction set, whatever the job says: sse2, avx2 or avx512");
   const auto* opencl_option = app.add_option(
@@ -70,6 +70,12 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? EXIT_SUCCESS : kBadUsage;
   }
 
+  if (*backend_option) {
+    if (const auto used = check_backend_options(backends_in_use(backend), opencl_device, isa); !used) {
+      complain(used.error().message);
+      return kBadUsage;
+    }
+  }
   const Isa best = best_isa();
   for (int i = 0; i <= int(best); ++i) options.isas.push_back(Isa(i));
   if (*backend_option) options.backend = backend_from_name(backend);

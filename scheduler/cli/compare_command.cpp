@@ -11,6 +11,7 @@
 #include <span>
 
 #include "scheduler/cli/commands.h"
+#include "scheduler/cli/option_checks.h"
 #include "scheduler/outputs/atomic_file.h"
 #include "scheduler/outputs/compare.h"
 #include "scheduler/outputs/compare_limits.h"
@@ -246,7 +247,7 @@ void add_metric_options(CLI::App& command, CompareCommandOptions& options) {
       ->type_name("FILE")
       ->group(kGroup);
   command.add_option("--epsilon", options.compare.epsilon, "Of relMSE, MAPE and SMAPE")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_from_zero())
       ->capture_default_str()
       ->type_name("E")
       ->group(kGroup);
@@ -260,7 +261,7 @@ void add_metric_options(CLI::App& command, CompareCommandOptions& options) {
       ->default_str("auto")
       ->group(kGroup);
   command.add_option("--ppd", options.compare.pixels_per_degree, "Pixels per degree of the observer of FLIP")
-      ->check(CLI::Range(1.0, 10000.0).description(""))
+      ->check(number_between(1, 10000).description(""))
       ->type_name("P")
       ->default_str("67.02")
       ->group(kGroup);
@@ -279,12 +280,12 @@ void add_z_options(CLI::App& command, CompareCommandOptions& options) {
   command
       .add_option("--significance", options.compare.z_test.significance,
                   "Chance that images which differ by noise alone fail the z-test")
-      ->check(CLI::Range(1e-12, 0.5).description(""))
+      ->check(number_between(1e-12, 0.5).description(""))
       ->capture_default_str()
       ->type_name("P")
       ->group(kGroup);
   command.add_option("--block", options.compare.z_test.block, "Side of the z-test's blocks in pixels")
-      ->check(CLI::Range(1, 65536).description(""))
+      ->check(whole_number(1, 65536).description(""))
       ->capture_default_str()
       ->type_name("N")
       ->group(kGroup);
@@ -349,7 +350,7 @@ void add_limit_options(CLI::App& command, CompareCommandOptions& options) {
           },
           "The same as --fail-above relmse=E")
       ->type_name("E")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_from_zero())
       ->group(kGroup);
   command.add_flag("--z-test", options.must_be_consistent, "If the images differ by more than their noise")
       ->group(kGroup);

@@ -1,18 +1,18 @@
 #include "scheduler/cli/render_options.h"
 
 #include <charconv>
-#include <limits>
 #include <span>
 
 #include "kernels/host/device_scene.h"
+#include "scenes/diagnostic.h"
+#include "scenes/scene_reader.h"
 #include "scenes/settings.h"
+#include "scheduler/cli/option_checks.h"
+#include "scheduler/work_unit.h"
+#include "worker/device.h"
 
 namespace penumbra {
 namespace {
-
-constexpr int kMaxWorkers = 1024;
-constexpr int kMaxThreads = 1024;
-constexpr int kMaxTile = 2048;  // what fits one message between worker and scheduler
 
 /// Exactly `values.size()` non-negative integers with commas between.
 bool parse_integers(const std::string& text, std::span<int> values) {
@@ -25,13 +25,6 @@ bool parse_integers(const std::string& text, std::span<int> values) {
     at = next;
   }
   return at == end;
-}
-
-/// Accepts NAME=VALUE, NAME not empty.
-std::string check_assignment(const std::string& text) {
-  const std::size_t equals = text.find('=');
-  if (equals != std::string::npos && equals > 0) return {};
-  return "'" + text + "' is not of the form name=value";
 }
 
 }  // namespace
@@ -49,13 +42,12 @@ std::optional<PixelPosition> parse_pixel(const std::string& text) {
 }
 
 void add_scene_options(CLI::App& command, SceneOptions& options) {
-  constexpr auto kMaxUnsigned = std::numeric_limits<std::uint32_t>::max();
-  command.add_option("SCENE", options.scene, "Scene file (Mitsuba XML)")->required();
+  command.add_option("SCENE", options.scene, "Scene file: " + list_names(scene_formats()))->required();
   command
       .add_option("-D", options.defines, "Fill $NAME of the scene file, as in -D albedo=0.5; may be repeated")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false)
-      ->check(check_assignment);
+      ->check(assignment());
   command
       .add_option(
           "--set", options.settings,
@@ -63,7 +55,7 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
           "may be repeated")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false)
-      ->check(check_assignment);
+      ->check(assignment());
   command.add_flag("--lenient", options.lenient,
                    "Stand-ins and a warning, not an error, for unknown plugins");
   command
@@ -75,12 +67,10 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
       ->check(CLI::IsMember(find_setting("sampler.type")->choices));
   command.add_option("--spp", options.spp, "Samples per pixel (default: the scene's)")
       ->type_name("N")
-      ->check(CLI::Range(std::uint32_t(1), kMaxUnsigned));
-  command
-      .add_option("--seed", options.seed,
-                  "Seed of all random numbers, 0 to 4294967295 (default: the scene's, or 0)")
+      ->check(whole_number(1, kMaxSamplesPerPixel));
+  command.add_option("--seed", options.seed, "Seed of all random numbers (default: the scene's, or 0)")
       ->type_name("S")
-      ->check(CLI::Range(std::uint32_t(0), kMaxUnsigned));
+      ->check(whole_number(0, kMaxSeed));
   command
       .add_option(
           "--intersector", options.intersector,
@@ -100,18 +90,18 @@ void add_worker_options(CLI::App& command, RenderOptions& options) {
       .add_option("--tile", options.tile,
                   "Pixels along a side of a work unit; the image does not depend on it")
       ->type_name("N")
-      ->check(CLI::Range(1, kMaxTile))
+      ->check(whole_number(1, kMaxTile))
       ->capture_default_str();
 
   command
       .add_option("--workers", options.workers,
                   "Worker processes on this machine, each with a copy of the scene")
       ->type_name("N")
-      ->check(CLI::Range(1, kMaxWorkers))
+      ->check(whole_number(1, kMaxWorkers))
       ->capture_default_str();
   command.add_option("--threads", options.threads, "Threads of each worker (default: cores / workers)")
       ->type_name("N")
-      ->check(CLI::Range(1, kMaxThreads));
+      ->check(whole_number(1, kMaxThreads));
   command
       .add_option("--backend", options.backend,
                   "What computes; auto: OpenCL where there is a device that is no CPU and renders the same "
@@ -123,7 +113,8 @@ void add_worker_options(CLI::App& command, RenderOptions& options) {
       ->capture_default_str();
   command
       .add_option("--opencl-device,--device", options.opencl_device,
-                  "Number of an OpenCL device, or part of its or its platform's name (default: the first CPU "
+                  "With --backend opencl or auto: number of an OpenCL device, or part of its or its "
+                  "platform's name (default: the first CPU "
                   "device, else any); `penumbra worker --list-devices` lists them")
       ->type_name("NAME");
   command
@@ -186,17 +177,17 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
           "Render only the first N samples per pixel of a sequence made for --spp: what a time budget or "
           "Ctrl-C ended, again")
       ->type_name("N")
-      ->check(CLI::Range(std::uint32_t(1), std::numeric_limits<std::uint32_t>::max()));
+      ->check(whole_number(1, kMaxSamplesPerPixel));
   command
       .add_option("--time-budget", options.time_budget,
                   "Begin no further pass after this many seconds of rendering")
       ->type_name("SECONDS")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   command
       .add_option("--pass", options.samples_per_pass,
                   "Samples of a pixel in one work unit; the image's last bits depend on it")
       ->type_name("N")
-      ->check(CLI::Range(std::uint32_t(1), kMaxSamplesPerUnit))
+      ->check(whole_number(1, kMaxSamplesPerUnit))
       ->capture_default_str();
   add_worker_options(command, options);
   command.add_flag(

@@ -47,6 +47,9 @@ Expected<Isa> choose_isa(const std::optional<std::string>& name) {
 Expected<DeviceOptions> device_options(const RenderOptions& options, const DeviceScene& scene) {
   DeviceOptions device;
   device.backend = backend_from_name(options.backend);
+  const auto used = check_backend_options(backends_in_use(options.backend), options.opencl_device,
+                                          options.isa.value_or(""));
+  if (!used) return std::unexpected(used.error());
   if (device.backend == Backend::kOpenCl && scene.header.intersector == INTERSECTOR_EMBREE) {
     return fail("this scene is rendered with Embree, which OpenCL has not: add --intersector portable");
   }

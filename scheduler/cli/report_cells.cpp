@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdlib>
 
+#include "scheduler/cli/exit_code.h"
 #include "scheduler/cli/progress.h"
 #include "scheduler/cli/render_preparation.h"
 #include "scheduler/outputs/film_image.h"
@@ -104,10 +105,12 @@ CellRun run_cells(const std::vector<ScenePlan>& plans, const CellStore& store, c
   const ProgressStyle style = options.quiet ? ProgressStyle::kNone : progress_style(stderr);
   for (std::size_t i = 0; i < queue.size() && !run.stopped; ++i) {
     const CellPlan& cell = *queue[i].cell;
-    if (store.find(cell.id)) {
+    std::string damage;
+    if (store.find(cell.id, &damage)) {
       ++run.found;
       continue;
     }
+    if (!damage.empty()) print_warning(damage + "; it is rendered again");
     if (!options.quiet) fmt::print(stderr, "[{}/{}] {}\n", i + 1, queue.size(), cell.what);
     ProgressPrinter progress(stderr, style, terminal_columns(stderr));
     const auto done = run_cell(cell, store, queue[i].repeats, options, stop, progress);

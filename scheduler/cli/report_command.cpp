@@ -47,6 +47,26 @@ Expected<void> write_text(const fs::path& path, const std::string& text) {
   return write_file_atomically(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
+/// The files of a report that is there already may be written anew; what another program wrote may not.
+Expected<void> check_own_files(const fs::path& folder) {
+  const std::pair<const char*, std::string_view> files[] = {{"index.html", kReportPageMarker},
+                                                            {"report.json", "\"penumbra\":"},
+                                                            {"report.csv", "scene,curve,kind,"}};
+  for (const auto& [name, marker] : files) {
+    std::error_code unknown;
+    if (!fs::exists(folder / name, unknown)) continue;
+    std::string begin(4096, '\0');
+    std::ifstream file(folder / name, std::ios::binary);
+    file.read(begin.data(), std::streamsize(begin.size()));
+    if (begin.find(marker) != std::string::npos) continue;
+    return fail(
+        fmt::format("{} is not of a report of this program, and would be overwritten; take another "
+                    "folder, or remove it",
+                    (folder / name).string()));
+  }
+  return {};
+}
+
 ReportData begin_report(const ReportOptions& options, const std::vector<ScenePlan>& plans,
                         const std::vector<std::string>& command_line) {
   ReportData report;
@@ -131,6 +151,7 @@ ExitCode report_command(ReportOptions options, const std::vector<std::string>& c
   }
   const auto worker = find_program("penumbra-worker");
   if (!worker) return print_error(worker.error()), kIncomplete;
+  if (const auto own = check_own_files(options.out); !own) return print_error(own.error()), kBadInput;
   const auto store = CellStore::open(fs::path(options.out) / "cells");
   if (!store) return print_error(store.error()), kBadInput;
   const auto plans = plan_report(options, *store, file_hash(*worker));
@@ -162,7 +183,8 @@ void add_report_command(CLI::App& app, const std::vector<std::string>& command_l
       "report.csv,\n"
       "plots/ and cells/, which holds the images. A report that was interrupted goes on from there; cells "
       "are taken\n"
-      "up again only if scene, settings and the program are the same. Let nothing else run on the machine "
+      "up again only if scene, settings, the program and the stored images are the same. Let nothing else "
+      "run on the machine "
       "meanwhile.\n\n"
       "Exit code: 0 all done; 1 stopped, or something failed; 2 bad usage or bad input.\n\n"
       "Examples:\n"

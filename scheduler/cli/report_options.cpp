@@ -3,20 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 
+#include "scenes/diagnostic.h"
+#include "scenes/scene_reader.h"
 #include "scenes/settings.h"
+#include "scheduler/cli/option_checks.h"
+#include "worker/device.h"
 
 namespace penumbra {
 namespace {
-
-constexpr std::uint32_t kMaxUnsigned = std::numeric_limits<std::uint32_t>::max();
-
-std::string check_assignment(const std::string& text) {
-  const std::size_t equals = text.find('=');
-  if (equals != std::string::npos && equals > 0) return {};
-  return "'" + text + "' is not of the form name=value";
-}
 
 /// An option whose text a function of the report takes apart; a repeated one adds to the list.
 template <typename Value, typename Parse>
@@ -75,12 +70,12 @@ void add_comparison_options(CLI::App& command, ReportOptions& options) {
       .add_option("--seeds", options.seeds,
                   "Images of each budget, each with a seed of its own; 10 or more for biased methods")
       ->type_name("N")
-      ->check(CLI::Range(1, 10000).description(""))
+      ->check(whole_number(1, 10000).description(""))
       ->capture_default_str()
       ->group(kGroup);
   command.add_option("--repeats", options.repeats, "Renders of each image; times are their medians")
       ->type_name("N")
-      ->check(CLI::Range(1, 1000).description(""))
+      ->check(whole_number(1, 1000).description(""))
       ->capture_default_str()
       ->group(kGroup);
   command
@@ -115,7 +110,7 @@ void add_reference_options(CLI::App& command, ReportOptions& options) {
       .add_option("--reference-spp", options.reference_spp,
                   "Samples per pixel of both halves together (default: 50 times the largest budget or more)")
       ->type_name("N")
-      ->check(CLI::Range(std::uint32_t(2), std::uint32_t(1) << 31).description(""))
+      ->check(whole_number(2, kMaxSamplesPerPixel).description(""))
       ->group(kGroup);
   add_parsed(command, "--reference-integrator", options.reference_methods, parse_method,
              "Of both halves, or given twice of one each, as --integrator")
@@ -147,11 +142,11 @@ void add_presentation_options(CLI::App& command, ReportOptions& options) {
       .add_option("--crop-time", options.crop_seconds,
                   "Seconds of those pictures (default: the longest that all methods have)")
       ->type_name("S")
-      ->check(CLI::PositiveNumber.description(""))
+      ->check(positive_number().description(""))
       ->group(kGroup);
   command.add_option("--exposure", options.exposure, "Of those pictures, in stops")
       ->type_name("EV")
-      ->check(CLI::Range(-60.0, 60.0).description(""))
+      ->check(number_between(-60, 60).description(""))
       ->capture_default_str()
       ->group(kGroup);
   command
@@ -163,7 +158,7 @@ void add_presentation_options(CLI::App& command, ReportOptions& options) {
       ->group(kGroup);
   command.add_option("--epsilon", options.epsilon, "Of relMSE")
       ->type_name("E")
-      ->check(CLI::PositiveNumber.description(""))
+      ->check(positive_number().description(""))
       ->capture_default_str()
       ->group(kGroup);
   command.add_flag("--no-plots", options.no_plots, "Tables and pictures only; without it gnuplot is needed")
@@ -177,19 +172,19 @@ void add_cell_options(CLI::App& command, RenderOptions& render) {
   command.add_option("-D", scene.defines, "Fill $NAME of the scene files; repeatable")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false)
-      ->check(check_assignment)
+      ->check(assignment())
       ->group(kGroup);
   command
       .add_option("--set", scene.settings,
                   "Override a parameter, for references too, as in --set film.width=256; repeatable")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false)
-      ->check(check_assignment)
+      ->check(assignment())
       ->group(kGroup);
   command.add_flag("--lenient", scene.lenient, "Stand-ins, not an error, for unknown plugins")->group(kGroup);
   command.add_option("--seed", scene.seed, "From which all seeds are made (default: 0)")
       ->type_name("S")
-      ->check(CLI::Range(std::uint32_t(0), kMaxUnsigned).description(""))
+      ->check(whole_number(0, kMaxSeed).description(""))
       ->group(kGroup);
   command.add_option("--intersector", scene.intersector, "auto, portable, embree")
       ->type_name("NAME")
@@ -198,18 +193,20 @@ void add_cell_options(CLI::App& command, RenderOptions& render) {
       ->group(kGroup);
   command.add_option("--workers", render.workers, "Worker processes")
       ->type_name("N")
-      ->check(CLI::Range(1, 1024).description(""))
+      ->check(whole_number(1, kMaxWorkers).description(""))
       ->capture_default_str()
       ->group(kGroup);
   command.add_option("--threads", render.threads, "Threads of each worker (default: cores / workers)")
       ->type_name("N")
-      ->check(CLI::Range(1, 1024).description(""))
+      ->check(whole_number(1, kMaxThreads).description(""))
       ->group(kGroup);
   command.add_option("--isa", render.isa, "Instruction set of the native backend (default: the widest)")
       ->type_name("NAME")
       ->check(CLI::IsMember({"sse2", "avx2", "avx512"}).description(""))
       ->group(kGroup);
-  command.add_option("--opencl-device", render.opencl_device, "Part of the name of an OpenCL device")
+  command
+      .add_option("--opencl-device", render.opencl_device,
+                  "Of --backend opencl: number of a device, or part of its or its platform's name")
       ->type_name("NAME")
       ->group(kGroup);
 }
@@ -217,7 +214,7 @@ void add_cell_options(CLI::App& command, RenderOptions& render) {
 }  // namespace
 
 void add_report_options(CLI::App& command, ReportOptions& options) {
-  command.add_option("SCENE", options.scenes, "Scene files")->required();
+  command.add_option("SCENE", options.scenes, "Scene files: " + list_names(scene_formats()))->required();
   command.add_option("-o,--out", options.out, "Folder of the report; finished images stay in its cells/")
       ->required()
       ->type_name("DIR");

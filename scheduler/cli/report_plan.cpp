@@ -29,6 +29,9 @@ RenderOptions cell_options(const ReportOptions& report, const std::string& scene
   options.scene.spp = spp;
   options.scene.seed = 0;
   options.backend = backend;
+  const BackendsInUse in_use = backends_in_use(backend);
+  if (!in_use.opencl) options.opencl_device.clear();
+  if (!in_use.native) options.isa.reset();
   options.no_report = true;
   return options;
 }
@@ -295,6 +298,15 @@ std::uint32_t cell_seed(std::uint32_t base, const std::string& role, std::uint32
 
 Expected<std::vector<ScenePlan>> plan_report(const ReportOptions& options, const CellStore& store,
                                              const std::string& worker_hash) {
+  BackendsInUse in_use{options.backends.empty(), false};
+  for (const std::string& backend : options.backends) {
+    in_use.native = in_use.native || backends_in_use(backend).native;
+    in_use.opencl = in_use.opencl || backends_in_use(backend).opencl;
+  }
+  if (const auto used =
+          check_backend_options(in_use, options.render.opencl_device, options.render.isa.value_or(""));
+      !used)
+    return std::unexpected(used.error());
   const std::vector<std::string> names = scene_names(options.scenes);
   std::vector<ScenePlan> plans;
   for (std::size_t i = 0; i < names.size(); ++i) {

@@ -5,7 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
+
+#include "scenes/number.h"
 
 namespace penumbra {
 namespace {
@@ -61,12 +62,10 @@ Expected<CompareLimit> parse_limit(std::string_view text) {
     return fail(
         fmt::format("there is no metric '{}'; there are {}", limit.metric, fmt::join(limit_metrics(), ", ")));
   }
-  const std::string number(text.substr(equals + 1));
-  char* end = nullptr;
-  limit.value = std::strtod(number.c_str(), &end);
-  if (number.empty() || *end != '\0' || !std::isfinite(limit.value) || limit.value < 0) {
-    return fail(fmt::format("'{}' is not a number from 0 up", number));
-  }
+  const std::string_view number = text.substr(equals + 1);
+  const auto value = parse_number(number);
+  if (!value || *value < 0) return fail(fmt::format("'{}' is not a number from 0 up", number));
+  limit.value = *value;
   return limit;
 }
 

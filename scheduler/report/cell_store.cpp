@@ -8,6 +8,7 @@
 
 #include "scheduler/outputs/atomic_file.h"
 #include "scheduler/outputs/image_files.h"
+#include "scheduler/outputs/render_record.h"
 
 namespace penumbra {
 namespace {
@@ -19,6 +20,14 @@ Json phases_json(const PhaseSeconds& seconds) {
           {"transfer", seconds.transfer},
           {"render", seconds.render},
           {"total", seconds.total}};
+}
+
+/// Nothing if there is no such plain file.
+std::optional<std::string> bytes_of(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return std::nullopt;
+  std::ifstream file(path, std::ios::binary);
+  return std::string{std::istreambuf_iterator<char>(file), {}};
 }
 
 ImageResult result_from_json(const Json& json) {
@@ -65,18 +74,30 @@ std::filesystem::path CellStore::json_path(const CellId& id) const {
   return folder_ / (id.name + "." + id.key + ".json");
 }
 
-std::optional<ImageResult> CellStore::find(const CellId& id) const {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(image_path(id), error)) return std::nullopt;
-  std::ifstream file(json_path(id));
-  if (!file) return std::nullopt;
-  try {
-    ImageResult result = result_from_json(Json::parse(file));
-    result.file = image_path(id);
-    return result;
-  } catch (const Json::exception&) {
+std::optional<ImageResult> CellStore::find(const CellId& id, std::string* damage) const {
+  const auto damaged = [&](const std::filesystem::path& path, const char* what) {
+    if (damage != nullptr) *damage = fmt::format("{} {}", path.string(), what);
     return std::nullopt;
+  };
+  const auto json_text = bytes_of(json_path(id));
+  if (!json_text) return std::nullopt;
+  ImageResult result;
+  std::string image_hash;
+  try {
+    const Json json = Json::parse(*json_text);
+    if (make_cell_id(id.name, json.at("settings")).key != id.key)
+      return damaged(json_path(id), "is of other settings");
+    image_hash = json.at("image_hash");
+    result = result_from_json(json);
+  } catch (const Json::exception&) {
+    return damaged(json_path(id), "is damaged, or of another version");
   }
+  result.file = image_path(id);
+  const auto image = bytes_of(result.file);
+  if (!image) return damaged(result.file, "is missing");
+  if (hash_text(XXH3_64bits(image->data(), image->size())) != image_hash)
+    return damaged(result.file, "is not the image that was rendered");
+  return result;
 }
 
 Expected<void> CellStore::save(const CellId& id, const Image& image, const ImageResult& result,
@@ -90,6 +111,7 @@ Expected<void> CellStore::save(const CellId& id, const Image& image, const Image
                      {"render_seconds", result.render_seconds},
                      {"load_average", {{"before", result.load_before}, {"after", result.load_after}}},
                      {"film_hash", result.film_hash},
+                     {"image_hash", hash_text(XXH3_64bits(exr->data(), exr->size()))},
                      {"bad_samples", result.bad_samples}};
   const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   return write_file_atomically(json_path(id),

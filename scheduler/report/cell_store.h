@@ -29,8 +29,9 @@ class CellStore {
   static Expected<CellStore> open(const std::filesystem::path& folder);
 
   [[nodiscard]] std::filesystem::path image_path(const CellId& id) const;
-  /// The cell if it is finished; what cannot be read counts as not there.
-  [[nodiscard]] std::optional<ImageResult> find(const CellId& id) const;
+  /// The cell if it is finished and all of it is as it was stored. `damage`, if given, becomes what is wrong
+  /// with one that is there all the same; it counts as not there.
+  [[nodiscard]] std::optional<ImageResult> find(const CellId& id, std::string* damage = nullptr) const;
   /// Writes the image's R, G, B, then the JSON. `settings` as for make_cell_id.
   Expected<void> save(const CellId& id, const Image& image, const ImageResult& result,
                       const nlohmann::ordered_json& settings) const;

@@ -126,10 +126,10 @@ std::string plots_html(const SceneReport& scene, std::size_t number) {
 std::string report_html(const ReportData& report) {
   std::string html = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
-      "content=\"width=device-width\">\n<title>Error against run "
+      "content=\"width=device-width\">\n{}\n<title>Error against run "
       "time</title>\n<style>{}</style>\n</head>\n<body>\n"
       "<h1>Error against run time</h1>\n",
-      kStyle);
+      kReportPageMarker, kStyle);
   html += machine_html(report) + method_html(report);
   for (std::size_t i = 0; i < report.scenes.size(); ++i) {
     const SceneReport& scene = report.scenes[i];

@@ -7,6 +7,9 @@
 
 namespace penumbra {
 
+/// In every page, and so in none of another program.
+constexpr const char* kReportPageMarker = "<meta name=\"generator\" content=\"penumbra report\">";
+
 std::string report_html(const ReportData& report);
 
 /// One scene's section, without its head.

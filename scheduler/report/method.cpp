@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <optional>
 
 #include "scenes/diagnostic.h"
+#include "scenes/number.h"
 #include "scenes/settings.h"
 
 namespace penumbra {
@@ -23,18 +21,10 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   }
 }
 
-template <typename T>
-std::optional<T> parse_whole(std::string_view text) {
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 Expected<std::uint32_t> parse_budget(std::string_view text) {
-  const auto value = parse_whole<std::uint32_t>(text);
-  if (!value || *value == 0) return fail(fmt::format("'{}' is not a number of samples per pixel", text));
-  return *value;
+  const auto value = parse_integer(text, 1, kMaxSamplesPerPixel);
+  if (!value) return fail("samples per pixel: " + value.error().message);
+  return std::uint32_t(*value);
 }
 
 }  // namespace
@@ -97,8 +87,8 @@ Expected<Target> parse_target(std::string_view text) {
   if (equals == std::string_view::npos || (name != "relmse" && name != "mse" && name != "block_relmse")) {
     return fail(fmt::format("'{}' is not relmse=VALUE, mse=VALUE or block_relmse=VALUE", text));
   }
-  const auto value = parse_whole<double>(text.substr(equals + 1));
-  if (!value || !(*value > 0) || !std::isfinite(*value)) {
+  const auto value = parse_number(text.substr(equals + 1));
+  if (!value || !(*value > 0)) {
     return fail(fmt::format("'{}' is not a positive error", text.substr(equals + 1)));
   }
   return Target{name != "mse", *value, name == "block_relmse"};

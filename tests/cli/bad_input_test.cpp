@@ -54,6 +54,47 @@ TEST(BadInput, OverridesThatDoNotExist) {
   EXPECT_THAT(folder.names(), ElementsAre("s.xml"));
 }
 
+TEST(BadInput, SettingsThatAreNoNumbersOrOutOfRange) {
+  const TemporaryFolder folder;
+  write_small_scene(folder / "s.xml");
+  for (const char* key : {"camera.fov", "camera.near_clip", "film.rfilter_radius", "film.rfilter_stddev",
+                          "film.rfilter_b", "film.width", "sampler.sample_count", "sampler.seed",
+                          "integrator.max_depth", "integrator.alpha", "integrator.emitter_samples"}) {
+    for (const char* value : {"nan", "inf", "-inf", "-1e300", "1e300", "1e999", "", "1e60"}) {
+      const ProgramResult result =
+          run_penumbra(folder.path(), {"render", "s.xml", "--set", std::string(key) + "=" + value});
+      EXPECT_EQ(result.exit_code, 2) << key << "=" << value << "\n" << result.err;
+      EXPECT_THAT(result.err, HasSubstr(key)) << value;
+    }
+  }
+  // Its square is no float above 0: every sample was NaN.
+  const ProgramResult narrow = run_penumbra(
+      folder.path(),
+      {"render", "s.xml", "--set", "film.rfilter=gaussian", "--set", "film.rfilter_stddev=1e-300"});
+  EXPECT_EQ(narrow.exit_code, 2);
+  EXPECT_THAT(folder.names(), ElementsAre("s.xml"));
+}
+
+TEST(BadInput, DeviceAndInstructionSetAreOfTheBackendInUse) {
+  const TemporaryFolder folder;
+  write_small_scene(folder / "s.xml");
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"render", "s.xml", "--device", "0"}, "add --backend opencl"},
+      {{"render", "s.xml", "--backend", "native", "--opencl-device", "x"}, "--device x"},
+      {{"render", "s.xml", "--backend", "opencl", "--isa", "sse2"}, "--isa sse2"},
+      {{"preview", "s.xml", "--device", "0"}, "add --backend opencl"},
+      {{"report", "s.xml", "-o", "out", "--no-plots", "--opencl-device", "0"}, "add --backend opencl"},
+      {{"report", "s.xml", "-o", "out", "--no-plots", "--backend", "opencl", "--isa", "sse2"}, "--isa sse2"},
+      {{"worker", "--connect", "unix:x", "--backend", "native", "--device", "0"}, "add --backend opencl"},
+      {{"stress", "--backend", "native", "--opencl-device", "0", "--case", "mis/"}, "add --backend opencl"},
+  };
+  for (const auto& [arguments, message] : cases) {
+    const ProgramResult result = run_penumbra(folder.path(), arguments);
+    EXPECT_EQ(result.exit_code, 2) << arguments[0] << message;
+    EXPECT_THAT(result.err, HasSubstr(message));
+  }
+}
+
 TEST(BadInput, OutputsAreCheckedBeforeRendering) {
   const TemporaryFolder folder;
   write_small_scene(folder / "s.xml");

@@ -74,6 +74,15 @@ TEST(Usage, MistakesAreCode2AndSayWhereHelpIs) {
       {{"info"}, "SCENE is required"},
       {{"compare", "a.exr"}, "B is required"},
       {{"compare", "a.exr", "b.exr", "--tolerance", "-1"}, "--tolerance"},
+      {{"compare", "a.exr", "b.exr", "--tolerance", "nan"}, "'nan' is not a finite number"},
+      {{"compare", "a.exr", "b.exr", "--epsilon", "nan"}, "'nan' is not a finite number"},
+      {{"compare", "a.exr", "b.exr", "--fail-above", "relmse=nan"}, "'nan' is not a number"},
+      {{"render", "a.xml", "--time-budget", "nan"}, "'nan' is not a finite number"},
+      {{"render", "a.xml", "--time-budget", "inf"}, "'inf' is not a finite number"},
+      {{"render", "a.xml", "--time-budget", "0"}, "0 is not above 0"},
+      {{"render", "a.xml", "--time-budget", "-1"}, "-1 is not above 0"},
+      {{"render", "a.xml", "--spp", "4294967295"}, "range from 1 to 2147483648"},
+      {{"report", "a.xml", "-o", "x", "--epsilon", "nan"}, "'nan' is not a finite number"},
   };
   for (const auto& [arguments, message] : mistakes) {
     const ProgramResult result = run(arguments);

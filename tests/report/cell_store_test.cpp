@@ -81,6 +81,33 @@ TEST(CellStore, HalfACellIsNone) {
   EXPECT_FALSE(store->find(id)) << "no image";
 }
 
+TEST(CellStore, WhatWasChangedIsNotTheCell) {
+  const TemporaryFolder folder;
+  const auto store = CellStore::open(folder.path());
+  const CellId id = make_cell_id("a", kSettings);
+  std::string damage;
+  EXPECT_FALSE(store->find(id, &damage));
+  EXPECT_EQ(damage, "") << "nothing is there";
+  ASSERT_TRUE(store->save(id, small_image(), some_result(), kSettings));
+  const std::string image = file_contents(store->image_path(id));
+  std::string changed = image;
+  changed.back() = char(changed.back() ^ 1);
+  for (const std::string& bytes : {image.substr(0, image.size() - 1), std::string(), changed}) {
+    write_text(store->image_path(id), bytes);
+    EXPECT_FALSE(store->find(id, &damage));
+    EXPECT_EQ(damage, store->image_path(id).string() + " is not the image that was rendered");
+  }
+  write_text(store->image_path(id), image);
+  EXPECT_TRUE(store->find(id));
+  std::filesystem::path json = store->image_path(id);
+  json.replace_extension(".json");
+  std::string text = file_contents(json);
+  text.replace(text.find("\"spp\": 4"), 8, "\"spp\": 8");
+  write_text(json, text);
+  EXPECT_FALSE(store->find(id, &damage));
+  EXPECT_EQ(damage, json.string() + " is of other settings");
+}
+
 TEST(CellStore, NeedsAFolderToWriteTo) {
   const TemporaryFolder folder;
   write_text(folder / "file", "");

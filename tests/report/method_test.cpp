@@ -43,12 +43,13 @@ TEST(Budgets, DoubleOrAreListed) {
   EXPECT_THAT(*parse_budgets("1..64"), ElementsAre(1u, 2u, 4u, 8u, 16u, 32u, 64u));
   EXPECT_THAT(*parse_budgets("3..20"), ElementsAre(3u, 6u, 12u));
   EXPECT_THAT(*parse_budgets("5..5"), ElementsAre(5u));
-  EXPECT_THAT(*parse_budgets("4000000000..4294967295"), ElementsAre(4000000000u));
+  EXPECT_THAT(*parse_budgets("1500000000..2147483648"), ElementsAre(1500000000u));
   EXPECT_THAT(*parse_budgets("16,1,4"), ElementsAre(1u, 4u, 16u));
 }
 
 TEST(Budgets, ErrorsSayWhatIsWrong) {
-  for (const char* bad : {"", "0", "0..4", "1..", "..4", "a", "1,,2", "-1", "1.5", "1..2..3", "4294967296"})
+  for (const char* bad :
+       {"", "0", "0..4", "1..", "..4", "a", "1,,2", "-1", "1.5", "1..2..3", "2147483649", "nan"})
     EXPECT_FALSE(parse_budgets(bad)) << bad;
   EXPECT_THAT(error_of(parse_budgets("8..4")), HasSubstr("before it begins"));
   EXPECT_THAT(error_of(parse_budgets("4,4")), HasSubstr("twice"));

@@ -199,6 +199,41 @@ TEST_F(ReportCommand, ChangedSceneIsRenderedAgain) {
   EXPECT_EQ(finished_cells(folder_ / "out"), 6u);
 }
 
+TEST_F(ReportCommand, ChangedImageIsRenderedAgain) {
+  const std::vector<std::string> arguments = {"s.xml", "-o",         "out", "--budgets",       "1", "--seeds",
+                                              "1",     "--no-plots", "-q",  "--reference-spp", "16"};
+  ASSERT_EQ(run(arguments).exit_code, 0);
+  const auto before = report_of(folder_)["scenes"][0]["curves"][0]["points"][0]["errors"];
+  std::filesystem::path image;
+  std::string intact;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "out/cells"))
+    if (entry.path().extension() == ".exr") image = entry.path();
+  intact = file_contents(image);
+  write_text(image, intact.substr(0, intact.size() / 2));
+  const auto result = run(arguments);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, AllOf(HasSubstr(image.filename().string()), HasSubstr("rendered again")));
+  EXPECT_TRUE(file_contents(image) == intact);
+  EXPECT_EQ(report_of(folder_)["scenes"][0]["curves"][0]["points"][0]["errors"], before);
+}
+
+TEST_F(ReportCommand, OverwritesNothingButItsOwnFiles) {
+  const std::vector<std::string> arguments = {"s.xml", "-o",         "out", "--budgets",       "1", "--seeds",
+                                              "1",     "--no-plots", "-q",  "--reference-spp", "16"};
+  std::filesystem::create_directory(folder_ / "out");
+  for (const char* name : {"index.html", "report.json", "report.csv"}) {
+    write_text(folder_ / "out" / name, "<!DOCTYPE html><title>Error against run time</title>");
+    const auto result = run(arguments);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.err, HasSubstr(std::string("out/") + name));
+    EXPECT_EQ(file_contents(folder_ / "out" / name), "<!DOCTYPE html><title>Error against run time</title>");
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out/cells"));
+    std::filesystem::remove(folder_ / "out" / name);
+  }
+  ASSERT_EQ(run(arguments).exit_code, 0);
+  EXPECT_EQ(run(arguments).exit_code, 0) << "its own";
+}
+
 TEST_F(ReportCommand, TakesReferencesAndPeersFromFiles) {
   for (const auto& [file, spp, seed] : std::vector<std::tuple<std::string, std::string, std::string>>{
            {"a.exr", "512", "1"}, {"b.exr", "512", "2"}, {"peers/other/0.5-seconds.exr", "8", "3"}}) {

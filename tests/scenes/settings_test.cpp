@@ -184,7 +184,7 @@ TEST(Settings, ErrorsSayWhatWouldBeRight) {
   EXPECT_THAT(error("camera.fov", "180"), HasSubstr("above 0 and below 180"));
   EXPECT_THAT(error("camera.fov", "0"), HasSubstr("above 0 and below 180"));
   EXPECT_THAT(error("camera.fov", "nan"), HasSubstr("finite"));
-  EXPECT_THAT(error("film.rfilter_stddev", "0"), HasSubstr("above 0"));
+  EXPECT_THAT(error("film.rfilter_stddev", "0"), HasSubstr("at least 0.0001"));
   EXPECT_THAT(error("integrator.hide_emitters", "1"), HasSubstr("neither true nor false"));
   EXPECT_THAT(error("", ""), HasSubstr("no setting ''"));
 }

@@ -1,0 +1,62 @@
+#include "scheduler/cli/option_checks.h"
+
+#include <fmt/format.h>
+
+#include <functional>
+
+#include "scenes/number.h"
+
+namespace penumbra {
+namespace {
+
+/// `wrong` says what is wrong with a finite number, or nothing.
+CLI::Validator number_check(std::function<std::string(double)> wrong, const std::string& help) {
+  return {[wrong = std::move(wrong)](const std::string& text) {
+            const auto value = parse_number(text);
+            return value ? wrong(*value) : value.error().message;
+          },
+          help};
+}
+
+}  // namespace
+
+CLI::Validator whole_number(std::int64_t low, std::int64_t high) {
+  return {[low, high](const std::string& text) {
+            const auto value = parse_integer(text, low, high);
+            return value ? std::string() : value.error().message;
+          },
+          fmt::format("{} to {}", low, high)};
+}
+
+CLI::Validator number_between(double low, double high) {
+  return number_check(
+      [low, high](double value) {
+        return value >= low && value <= high
+                   ? std::string()
+                   : fmt::format("{} is not in the range from {} to {}", value, low, high);
+      },
+      fmt::format("{} to {}", low, high));
+}
+
+CLI::Validator positive_number() {
+  return number_check(
+      [](double value) { return value > 0 ? std::string() : fmt::format("{} is not above 0", value); },
+      "above 0");
+}
+
+CLI::Validator number_from_zero() {
+  return number_check(
+      [](double value) { return value >= 0 ? std::string() : fmt::format("{} is below 0", value); },
+      "0 or above");
+}
+
+CLI::Validator assignment() {
+  return {[](const std::string& text) {
+            const std::size_t equals = text.find('=');
+            const bool good = equals != std::string::npos && equals > 0;
+            return good ? std::string() : fmt::format("'{}' is not of the form name=value", text);
+          },
+          ""};
+}
+
+}  // namespace penumbra

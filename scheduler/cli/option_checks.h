@@ -1,0 +1,20 @@
+// What options take, checked and said in the help by the same limits. Numbers are read as `--set` reads them:
+// whole words only, never NaN or infinite.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+
+namespace penumbra {
+
+constexpr int kMaxWorkers = 1024;
+
+CLI::Validator whole_number(std::int64_t low, std::int64_t high);
+CLI::Validator number_between(double low, double high);
+CLI::Validator positive_number();
+CLI::Validator number_from_zero();
+
+/// NAME=VALUE, NAME not empty.
+CLI::Validator assignment();
+
+}  // namespace penumbra

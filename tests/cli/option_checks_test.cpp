@@ -1,0 +1,92 @@
+#include "scheduler/cli/option_checks.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "scenes/settings.h"
+#include "scheduler/cli/render_options.h"
+#include "scheduler/cli/report_options.h"
+
+namespace penumbra {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+TEST(OptionChecks, NumbersAreFiniteAndWhole) {
+  for (const char* text : {"nan", "inf", "-inf", "1e999", "", "5x", "0x10", "5 5"}) {
+    EXPECT_NE(whole_number(0, 10)(text), "") << text;
+    EXPECT_NE(positive_number()(text), "") << text;
+    EXPECT_NE(number_from_zero()(text), "") << text;
+    EXPECT_NE(number_between(-1, 1)(text), "") << text;
+  }
+  EXPECT_NE(whole_number(0, 10)("1.5"), "");
+  EXPECT_THAT(whole_number(1, 10)("11"), HasSubstr("not in the range from 1 to 10"));
+  EXPECT_THAT(positive_number()("0"), HasSubstr("not above 0"));
+  EXPECT_NE(positive_number()("1e-999"), "") << "which is 0";
+  EXPECT_NE(number_from_zero()("-0.1"), "");
+  EXPECT_NE(number_between(-1, 1)("1.01"), "");
+  for (const char* text : {"1", "0", "+1"}) EXPECT_EQ(number_between(0, 1)(text), "") << text;
+  EXPECT_EQ(whole_number(1, 10)("10"), "");
+  EXPECT_EQ(positive_number()("1e300"), "");
+}
+
+TEST(OptionChecks, HelpHasTheLimits) {
+  EXPECT_EQ(whole_number(1, 10).get_description(), "1 to 10");
+  CLI::App app;
+  RenderOptions options;
+  add_render_options(app, options);
+  EXPECT_THAT(app.help(), HasSubstr("--spp N:1 to " + std::to_string(kMaxSamplesPerPixel)));
+  EXPECT_THAT(app.help(), HasSubstr("TOML"));
+}
+
+struct Command {
+  std::vector<std::string> words;
+  void (*add)(CLI::App&);
+};
+
+/// Whether the command takes these words.
+bool takes(const Command& command, const std::vector<std::string>& more) {
+  CLI::App app;
+  command.add(app);
+  std::vector<std::string> words = command.words;
+  words.insert(words.end(), more.begin(), more.end());
+  std::ranges::reverse(words);  // CLI11 takes them from the back
+  try {
+    app.parse(words);
+  } catch (const CLI::ParseError&) {
+    return false;
+  }
+  return true;
+}
+
+TEST(OptionChecks, NoOptionTakesWhatIsNoNumberForOne) {
+  static RenderOptions render, preview;
+  static ReportOptions report;
+  const Command commands[] = {
+      {{"a.xml"}, [](CLI::App& app) { add_render_options(app, render); }},
+      {{"a.xml"}, [](CLI::App& app) { add_preview_options(app, preview); }},
+      {{"a.xml", "-o", "out"}, [](CLI::App& app) { add_report_options(app, report); }}};
+  std::vector<std::string> numeric;
+  for (const Command& command : commands) {
+    CLI::App app;
+    command.add(app);
+    for (const CLI::Option* option : app.get_options()) {
+      const std::string name = option->get_name();
+      if (option->get_positional() || !takes(command, {name, "5"}) || takes(command, {name, "word"}))
+        continue;
+      numeric.push_back(name);
+      for (const char* bad : {"nan", "NAN", "inf", "-inf", "infinity", "1e999", "-1e999", "1e30x", ""})
+        EXPECT_FALSE(takes(command, {name, bad})) << name << " " << bad;
+      EXPECT_EQ(takes(command, {name, "-1"}), name == "--exposure") << name;
+    }
+  }
+  for (const char* name :
+       {"--spp", "--time-budget", "--stop-after", "--threads", "--epsilon", "--crop-time", "--seeds"})
+    EXPECT_THAT(numeric, Contains(name));
+}
+
+}  // namespace
+}  // namespace penumbra
