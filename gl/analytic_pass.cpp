@@ -162,6 +162,7 @@ void AnalyticPass::set_camera(const Program& program, float dx, float dy) const 
   set_uniform(program, "far_clip", std::min(view_.far_clip * scale, kFarthest));
   glUniform2i(glGetUniformLocation(program.name(), "size"), width_, height_);
   set_uniform(program, "offset", dx, dy);
+  set_uniform(program, "look_through", view_.hide_emitters == HIDE_LOOK_THROUGH ? 1 : 0);
   const auto inside = [](int pixels) {
     return static_cast<float>(pixels) / static_cast<float>(pixels + 2 * margin(pixels));
   };
@@ -214,7 +215,7 @@ void AnalyticPass::shade(float dx, float dy) {
   set_uniform(shade_, "triangle_count", scene_.triangle_count);
   set_uniform(shade_, "polygon_count", scene_.polygon_count);
   set_uniform(shade_, "environment", scene_.environment);
-  set_uniform(shade_, "hide_emitters", view_.hide_emitters);
+  set_uniform(shade_, "hide_emitters", view_.hide_emitters != HIDE_NOTHING ? 1 : 0);
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 

@@ -7,6 +7,7 @@
 #include "kernels/block_accumulate.h"
 #include "kernels/block_compact.h"
 #include "kernels/block_control.h"
+#include "kernels/block_look_through.h"
 #include "kernels/block_step.h"
 #include "kernels/block_trace.h"
 #include "kernels/camera.h"
@@ -124,6 +125,9 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
 #if HAS(LAYERS)
   const bool layers = (h->features & FEATURE_LAYERS) != 0u;
 #endif
+#if HAS(LOOK_THROUGH)
+  const bool look_through = h->hide_emitters == HIDE_LOOK_THROUGH;
+#endif
   bool all_floats = camera_rays;  // CAMERA_RAY_FLOATS too
 #if HAS(PROJECTED)
   all_floats = all_floats | wants_projected(scene);
@@ -138,6 +142,9 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
     for (int step = 0; count > 0; step++) {
       intersect_block(scene, f, ints, capacity, count);
       pad_hits(ints, capacity, count);
+#if HAS(LOOK_THROUGH)
+      if (look_through && step == 0) look_through_emitters(scene, f, ints, capacity, count);
+#endif
 #if HAS(LAYERS)
       if (layers && step == 0) record_layers(scene, f, ints, capacity, count, slots, slot_capacity);
 #endif

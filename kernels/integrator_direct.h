@@ -30,7 +30,7 @@ FN void see_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL
   const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i), toward = LOAD3(f, capacity, RAY_DIRECTION_X, i);
   const Surface found = surface_at(scene, ints[HIT * capacity + i], from, toward);
   const vec3 radiance = emitted_radiance(scene, found);
-  const float seen = scene->header.hide_emitters ? 0.0f : 1.0f;
+  const float seen = scene->header.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
   const vec3 sum = add(LOAD3(f, capacity, RADIANCE_X, i), scale(radiance, seen));
   STORE3(f, capacity, RADIANCE_X, i, sum);
 }
@@ -46,7 +46,7 @@ FN void weigh_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOB
   const float by_direction = (float)scene->header.bsdf_samples * f[DIRECTION_PDF * capacity + i];
   const float by_emitter = (float)scene->header.emitter_samples * emission.pdf;
   const float share = mis_weight(scene->header.heuristic, by_direction, by_emitter);
-  const float seen = scene->header.hide_emitters ? 0.0f : 1.0f;
+  const float seen = scene->header.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
   const bool traced = f[RAY_TMAX * capacity + i] > 0.0f;
   const float weight = first ? seen : (traced ? share : 0.0f);
   const vec3 before = LOAD3(f, capacity, RADIANCE_X, i);

@@ -37,7 +37,7 @@ FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL i
   const float bsdf_weight = sampling == SAMPLING_MIS
                                 ? mis_weight(scene->header.heuristic, direction_pdf, emission.pdf)
                                 : (sampling == SAMPLING_BSDF_ONLY ? 1.0f : 0.0f);
-  const float seen = scene->header.hide_emitters ? 0.0f : 1.0f;
+  const float seen = scene->header.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
   // Whose closed form is added at every surface, next-event estimation finds alone.
   const bool controlled = (scene->header.estimator != ESTIMATOR_SAMPLES) & emission.of_polygon;
   const float emission_weight = step > 0 ? (controlled ? 0.0f : bsdf_weight) : seen;

@@ -36,6 +36,11 @@ PENUMBRA_NAMESPACE_BEGIN
 #define ESTIMATOR_AUTO 2     // the same, alpha from other samples of the pixel
 #define ESTIMATOR_RATIO 3    // G H / W
 
+// What the camera sees of emitters: their light, a surface without it, or what is behind them.
+#define HIDE_NOTHING 0
+#define HIDE_LIGHT 1
+#define HIDE_LOOK_THROUGH 2
+
 #define HEURISTIC_BALANCE 0
 #define HEURISTIC_POWER 1
 
@@ -169,9 +174,9 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, direct_sampling) /* SAMPLING_* */                                                         \
   F(int, emitter_samples)                                                                          \
   F(int, bsdf_samples)                                                                             \
-  F(int, bsdf_sampling) /* DIRECTION_* */                                                          \
-  F(int, heuristic)     /* HEURISTIC_* */                                                          \
-  F(int, hide_emitters)                                                                            \
+  F(int, bsdf_sampling)     /* DIRECTION_* */                                                      \
+  F(int, heuristic)         /* HEURISTIC_* */                                                      \
+  F(int, hide_emitters)     /* HIDE_* */                                                           \
   F(int, light_choice)      /* CHOICE_* */                                                         \
   F(int, trace_shadows)     /* 0: nothing blocks shadow rays */                                    \
   F(int, estimator)         /* ESTIMATOR_* */                                                      \

@@ -128,6 +128,10 @@ enum class NextEvent { kSample, kCv };  ///< path: kCv has polygon lights' close
 /// point.
 enum class LightChoice { kAuto, kPower, kAnalytic };
 
+/// What the camera sees where an emitter is hidden: its surface without its light, as Mitsuba up to 3.6 has
+/// it, or what is behind it, as later ones.
+enum class HiddenEmitters { kUnlit, kLookedThrough };
+
 struct IntegratorSettings {
   IntegratorKind kind = IntegratorKind::kPath;
   int max_depth =
@@ -146,6 +150,7 @@ struct IntegratorSettings {
   CvEstimator estimator = CvEstimator::kCv;                   ///< polygon_cv, path with kCv
   NextEvent next_event = NextEvent::kSample;                  ///< path
   bool hide_emitters = false;
+  HiddenEmitters hidden_emitters = HiddenEmitters::kUnlit;  ///< with hide_emitters
 };
 
 /// Whether samples of polygon lights have their closed form as control variate.

@@ -194,6 +194,10 @@ void add_integrator_settings(std::vector<Setting>& table) {
       choice("integrator.nee", {{"sample", [](S& s) { s.integrator.next_event = NextEvent::kSample; }},
                                 {"cv", [](S& s) { s.integrator.next_event = NextEvent::kCv; }}}));
   table.push_back(boolean("integrator.hide_emitters", [](S& s, bool v) { s.integrator.hide_emitters = v; }));
+  table.push_back(choice(
+      "integrator.hidden_emitters",
+      {{"unlit", [](S& s) { s.integrator.hidden_emitters = HiddenEmitters::kUnlit; }},
+       {"looked_through", [](S& s) { s.integrator.hidden_emitters = HiddenEmitters::kLookedThrough; }}}));
 }
 
 void add_sampler_settings(std::vector<Setting>& table) {

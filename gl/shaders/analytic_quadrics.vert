@@ -3,6 +3,8 @@
 #include "gl/shaders/analytic_camera.glsl"
 #include "gl/shaders/analytic_tables.glsl"
 
+uniform bool look_through;  // emitters are not there
+
 flat out int index;
 
 void main() {
@@ -16,5 +18,6 @@ void main() {
   vec3 at = axis == 0 ? vec3(toward, u, v) : (axis == 1 ? vec3(v, toward, u) : vec3(u, v, toward));
   float beyond = toward * (axis == 0 ? q.center.x : (axis == 1 ? q.center.y : q.center.z));
   bool leaves = -beyond < half_size.x;
+  leaves = leaves && !(look_through && q.light >= 0);
   gl_Position = leaves ? project(at * half_size + q.center) : vec4(2.0, 2.0, 2.0, 1.0);
 }

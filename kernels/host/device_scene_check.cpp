@@ -38,6 +38,7 @@ class Checker {
     require(in(h_.emitter_samples, 0, MAX_DIRECT_SAMPLES) && in(h_.bsdf_samples, 0, MAX_DIRECT_SAMPLES),
             "an implausible number of emitter or BSDF samples");
     require(in(h_.estimator, ESTIMATOR_SAMPLES, ESTIMATOR_RATIO), "unknown estimator");
+    require(in(h_.hide_emitters, HIDE_NOTHING, HIDE_LOOK_THROUGH), "unknown way to hide emitters");
     require(in(h_.light_choice, CHOICE_POWER, CHOICE_ANALYTIC), "unknown choice of lights");
   }
 

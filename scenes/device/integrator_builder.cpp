@@ -111,7 +111,11 @@ Expected<void> set_integrator(const SceneDescription& scene, const LightBuilder&
   set_samples(integrator, h);
   h.bsdf_sampling = int(integrator.bsdf_sampling);
   h.heuristic = int(integrator.heuristic);
-  h.hide_emitters = integrator.hide_emitters ? 1 : 0;
+  const bool looked_through = integrator.hidden_emitters == HiddenEmitters::kLookedThrough;
+  h.hide_emitters = !integrator.hide_emitters ? HIDE_NOTHING
+                    : looked_through          ? HIDE_LOOK_THROUGH
+                                              : HIDE_LIGHT;
+  if (h.hide_emitters == HIDE_LOOK_THROUGH) h.features |= FEATURE_LOOK_THROUGH;
   const bool can_trace =
       integrator.kind == IntegratorKind::kDirect || integrator.kind == IntegratorKind::kPolygonArea;
   h.trace_shadows = can_trace && !integrator.trace_shadows ? 0 : 1;

@@ -58,6 +58,8 @@ bool read_light(const Context& context, const Object& object, SceneDescription& 
 SceneDescription build_scene(const Context& context, const FileAccess& files) {
   SceneDescription scene;
   scene.source = context.tree.scene.location.file->path.string();
+  // Files of Mitsuba 3 say 3.0.0, whatever its version: the present one's rule, which is that from 3.7 on.
+  if (context.tree.major_version >= 3) scene.integrator.hidden_emitters = HiddenEmitters::kLookedThrough;
   PluginReader root(context, context.tree.scene);
   const Object* integrator = root.only_nested("integrator");
   const Object* sensor = root.only_nested("sensor");

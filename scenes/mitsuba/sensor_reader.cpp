@@ -153,21 +153,23 @@ void read_sensor(const Context& context, const Object& object, SceneDescription&
 }
 
 void read_integrator(const Context& context, const Object& object, SceneDescription& scene) {
-  static const Names kPath = {"max_depth", "rr_depth",      "emitter_sampling",
-                              "mis",       "hide_emitters", "light_choice",
-                              "nee",       "alpha",         "estimator"};
+  static const Names kPath = {"max_depth",     "rr_depth",        "emitter_sampling", "mis",
+                              "hide_emitters", "hidden_emitters", "light_choice",     "nee",
+                              "alpha",         "estimator"};
   static const std::map<std::string, Names, std::less<>> kIntegrators = {
       {"direct",
        {"shading_samples", "emitter_samples", "bsdf_samples", "bsdf_sampling", "emitter_sampling", "mis",
-        "hide_emitters", "light_choice", "trace_shadows"}},
+        "hide_emitters", "hidden_emitters", "light_choice", "trace_shadows"}},
       {"path",
        {"max_depth", "rr_depth", "direct_sampling", "emitter_sampling", "mis", "hide_emitters",
-        "light_choice", "nee", "alpha", "estimator"}},
-      {"polygon_analytic", {"hide_emitters"}},
+        "hidden_emitters", "light_choice", "nee", "alpha", "estimator"}},
+      {"polygon_analytic", {"hide_emitters", "hidden_emitters"}},
       {"polygon_area",
-       {"emitter_samples", "emitter_sampling", "light_choice", "trace_shadows", "hide_emitters"}},
+       {"emitter_samples", "emitter_sampling", "light_choice", "trace_shadows", "hide_emitters",
+        "hidden_emitters"}},
       {"polygon_cv",
-       {"alpha", "vis_samples", "estimator", "emitter_sampling", "light_choice", "hide_emitters"}},
+       {"alpha", "vis_samples", "estimator", "emitter_sampling", "light_choice", "hide_emitters",
+        "hidden_emitters"}},
       {"path_mats", kPath},
       {"path_ems", kPath},
       {"path_mis", kPath}};
@@ -179,7 +181,7 @@ void read_integrator(const Context& context, const Object& object, SceneDescript
     Names names = {"moment", "aov"};
     for (const auto& [name, parameters] : kIntegrators) names.push_back(name);
     context.unknown_plugin(*inner, names, "path stands in for it");
-    plugin.settings(scene, "integrator", Names{"max_depth", "rr_depth", "hide_emitters"});
+    plugin.settings(scene, "integrator", Names{"max_depth", "rr_depth", "hide_emitters", "hidden_emitters"});
     return;
   }
   choose(plugin, scene, "integrator.type", inner->type);

@@ -124,6 +124,7 @@ class XmlReader {
       if (dot == rest.npos) break;
       rest.remove_prefix(dot + 1);
     }
+    if (tree_.files.size() == 1) tree_.major_version = parts[0];
     const std::int64_t major = parts[0], minor = parts.size() > 1 ? parts[1] : 0;
     if (major > 3 || (major == 0 && minor < 4)) {
       root.wrong_value("version", fmt::format("version {} is not read; 0.4 to 3.x are", *version));

@@ -150,6 +150,9 @@ std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRe
   text("integrator.emitter_sampling", emitter_sampling_name(integrator.emitter_sampling));
   text("integrator.mis", integrator.heuristic == MisHeuristic::kPower ? "power" : "balance");
   entries.emplace_back("integrator.hide_emitters", int(integrator.hide_emitters));
+  if (integrator.hide_emitters)
+    text("integrator.hidden_emitters",
+         integrator.hidden_emitters == HiddenEmitters::kLookedThrough ? "looked_through" : "unlit");
   text("sampler", sampler_name(record.sampler.kind));
   // Unsigned 32-bit values do not fit the format's int.
   text("spp", fmt::to_string(record.sampler.spp));

@@ -23,7 +23,10 @@ Light light_of(const IntegratorSettings& integrator) {
 }  // namespace
 
 std::string estimated_quantity(const IntegratorSettings& integrator) {
-  const std::string hidden = integrator.hide_emitters ? ", emitters hidden" : "";
+  const bool looked_through = integrator.hidden_emitters == HiddenEmitters::kLookedThrough;
+  const std::string hidden = !integrator.hide_emitters ? ""
+                             : looked_through          ? ", emitters looked through"
+                                                       : ", emitters hidden";
   switch (light_of(integrator)) {
     case Light::kUnshadowed:
       return "direct light without shadows" + hidden;
@@ -61,6 +64,9 @@ std::array<ReferenceMethod, 2> choose_reference(const IntegratorSettings& integr
     if (half.integrator != "polygon_analytic" && half.integrator != "polygon_area")
       half.settings.emplace_back("integrator.nee=sample");
     half.settings.push_back(fmt::format("integrator.hide_emitters={}", integrator.hide_emitters));
+    half.settings.emplace_back(integrator.hidden_emitters == HiddenEmitters::kLookedThrough
+                                   ? "integrator.hidden_emitters=looked_through"
+                                   : "integrator.hidden_emitters=unlit");
   }
   return halves;
 }

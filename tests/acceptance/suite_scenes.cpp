@@ -17,6 +17,16 @@ void by_solid_angle(SceneDescription& scene) {
   scene.integrator.emitter_sampling = EmitterSampling::kSolidAngle;
 }
 
+void look_through(SceneDescription& scene) {
+  scene.integrator.hide_emitters = true;
+  scene.integrator.hidden_emitters = HiddenEmitters::kLookedThrough;
+}
+
+void look_through_directly(SceneDescription& scene) {
+  look_through(scene);
+  scene.integrator.kind = IntegratorKind::kDirect;
+}
+
 void direct(SceneDescription& scene) { scene.integrator.kind = IntegratorKind::kDirect; }
 
 void closed_form(SceneDescription& scene) { scene.integrator.kind = IntegratorKind::kPolygonAnalytic; }
@@ -140,6 +150,8 @@ const std::vector<SuiteScene>& suite_scenes() {
       {"CornellGlossyAnalytic", "cornell/cornell.xml", false, glossy_closed_form},
       {"CornellGlossyPathControlVariate", "cornell/cornell.xml", false, glossy_path_with_control_variate},
       {"CornellGlossyChoice", "cornell/cornell.xml", false, glossy_choice},
+      {"VeachMisLookedThrough", "veach-mis/veach-mis.xml", false, look_through},
+      {"CornellLookedThrough", "cornell/cornell.xml", false, look_through_directly},
       {"RaysOnEdges", "cornell-small/cornell-small.xml", false, rays_on_edges, true},
       {"CoincidentWalls", "cornell-small/cornell-small.xml", false, coincident_walls, true},
       {"BitterliCornellBox", "bitterli/cornell-box/scene.xml", true},

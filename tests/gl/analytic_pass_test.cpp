@@ -201,6 +201,20 @@ TEST_F(AnalyticPassTest, HidesEmitters) {
   for (const double value : read_texture(pass->emission()).values) ASSERT_EQ(value, 0);
 }
 
+TEST_F(AnalyticPassTest, LooksThroughHiddenEmitters) {
+  SceneDescription description = analytic_scene(round_things(), 60, 40);
+  sample_centres(description);
+  description.integrator.hide_emitters = true;
+  const DeviceScene unlit = build_or_throw(description);
+  description.integrator.hidden_emitters = HiddenEmitters::kLookedThrough;
+  const DeviceScene scene = build_or_throw(description);
+  const auto pass = pass_of(scene), unlit_pass = pass_of(unlit);
+  expect_as_the_kernels(*pass, description, scene);
+  expect_as_the_kernels(*unlit_pass, description, unlit);
+  EXPECT_NE(read_texture(pass->closed_form()).values, read_texture(unlit_pass->closed_form()).values);
+  for (const double value : read_texture(pass->emission()).values) ASSERT_EQ(value, 0);
+}
+
 TEST_F(AnalyticPassTest, LightsDoNotShineOnThemselves) {
   SceneDescription description = analytic_scene(round_things(), 120, 90);
   sample_centres(description);

@@ -13,6 +13,7 @@ namespace penumbra {
 std::vector<int> pixel_primitives(const DeviceScene& device_scene) {
   const Scene scene = make_scene(device_scene.header, device_scene.words.data());
   const SceneHeader& h = scene.header;
+  const bool look_through = h.hide_emitters == HIDE_LOOK_THROUGH;
   std::vector<int> primitives;
   for (int y = 0; y < h.film_height; ++y)
     for (int x = 0; x < h.film_width; ++x) {
@@ -22,6 +23,7 @@ std::vector<int> pixel_primitives(const DeviceScene& device_scene) {
       int seen = -1;
       for (int k = 0; k < h.triangle_count; ++k) {
         const Triangle& t = scene.triangles[k];
+        if (look_through && t.light >= 0) continue;
         const TriangleHit hit = intersect_sheared(shear_point(shear, sub(t.p0, ray.origin)),
                                                   shear_point(shear, sub(t.p1, ray.origin)),
                                                   shear_point(shear, sub(t.p2, ray.origin)));
@@ -30,6 +32,7 @@ std::vector<int> pixel_primitives(const DeviceScene& device_scene) {
         seen = k;
       }
       for (int k = 0; k < h.quadric_count; ++k) {
+        if (look_through && scene.quadrics[k].light >= 0) continue;
         const float t = intersect_quadric(scene.quadrics[k], ray.origin, ray.direction);
         if (!(t > 0) || !(t < nearest)) continue;
         nearest = t;

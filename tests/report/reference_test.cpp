@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -66,6 +67,12 @@ TEST(ReferenceChoice, EstimatesTheSameByOtherMeans) {
   IntegratorSettings hidden = path;
   hidden.hide_emitters = true;
   EXPECT_NE(estimated_quantity(path), estimated_quantity(hidden));
+  IntegratorSettings looked_through = hidden;
+  looked_through.hidden_emitters = HiddenEmitters::kLookedThrough;
+  EXPECT_NE(estimated_quantity(hidden), estimated_quantity(looked_through));
+  for (const auto& half : choose_reference(looked_through))
+    EXPECT_NE(std::ranges::find(half.settings, "integrator.hidden_emitters=looked_through"),
+              half.settings.end());
   for (const auto& half : choose_reference(path)) EXPECT_EQ(half.integrator, "path_mis");
   EXPECT_NE(choose_reference(path)[0].sampler, choose_reference(path)[1].sampler);
 }

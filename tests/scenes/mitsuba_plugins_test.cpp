@@ -399,6 +399,31 @@ TEST_F(MitsubaPlugins, Integrators) {
             3);
 }
 
+TEST_F(MitsubaPlugins, HiddenEmittersAreAsInTheFilesMitsuba) {
+  const auto hidden = [&](const std::string& version, std::string_view more = "") {
+    const auto s =
+        read("<scene version='" + version + "'>" +
+             in("integrator", "path", "<boolean name='hide_emitters' value='true'/>" + std::string(more)) +
+             "<sensor type='perspective'/></scene>");
+    EXPECT_TRUE(s) << s.error().message;
+    EXPECT_TRUE(s->integrator.hide_emitters);
+    return s->integrator.hidden_emitters;
+  };
+  for (const std::string version : {"0.5.0", "0.6.0", "2.0.0", "2.1.0"})
+    EXPECT_EQ(hidden(version), HiddenEmitters::kUnlit) << version;
+  for (const std::string version : {"3.0.0", "3.7.0", "3.9.1"})
+    EXPECT_EQ(hidden(version), HiddenEmitters::kLookedThrough) << version;
+  EXPECT_EQ(hidden("3.0.0", "<string name='hidden_emitters' value='unlit'/>"), HiddenEmitters::kUnlit);
+  EXPECT_EQ(hidden("0.6.0", "<string name='hidden_emitters' value='looked_through'/>"),
+            HiddenEmitters::kLookedThrough);
+  // The version is the scene's, whatever file has the integrator.
+  write("part.xml", "<scene version='3.0.0'>" + in("integrator", "path") + "</scene>");
+  EXPECT_EQ(read("<scene version='0.6.0'><include filename='part.xml'/><sensor type='perspective'/></scene>")
+                .value()
+                .integrator.hidden_emitters,
+            HiddenEmitters::kUnlit);
+}
+
 TEST_F(MitsubaPlugins, IntegratorErrors) {
   const auto message = [&](std::string_view type, std::string_view inside = "") {
     return error(scene(in("integrator", type, inside)));

@@ -1,0 +1,166 @@
+// Hidden emitters: the camera sees their surface without its light, or what is behind them, and everything
+// else meets them as ever.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/acceptance/scene_pieces.h"
+#include "tests/support/render_scene.h"
+
+namespace penumbra {
+namespace {
+
+using glm::dvec3;
+
+constexpr double kSignificance = 0.01;
+constexpr double kRounding = 32.0 / (1 << 24);  ///< see furnace_test.cpp
+constexpr float kAlbedo = 0.5f, kRadiance = 3;
+/// The lamps' distance from the floor, and half their side.
+constexpr double kHeight = 2, kHalf = 1;
+
+IntegratorSettings hiding(IntegratorSettings integrator, HiddenEmitters how) {
+  integrator.hide_emitters = true;
+  integrator.hidden_emitters = how;
+  return integrator;
+}
+
+/// A square that shines down on the floor y = 0 from a height, or with `up` away from it.
+Shape lamp(double height, double half, int bsdf, bool up = false) {
+  const dvec3 along_x(2 * half, 0, 0), along_z(0, 0, 2 * half);
+  return parallelogram({-half, height, -half}, up ? along_z : along_x, up ? along_x : along_z, bsdf,
+                       kRadiance);
+}
+
+/// One pixel that sees the middle of the floor from above all lamps.
+SceneDescription floor_from_above(std::uint32_t spp) {
+  SceneDescription scene = empty_scene(1, 1, spp, 1);
+  scene.camera = look_at(dvec3(0, 9, 0), dvec3(0), dvec3(0, 0, 1), 1e-5);
+  scene.shapes.push_back(
+      parallelogram({-100, 0, -100}, {0, 0, 200}, {200, 0, 0}, add_diffuse(scene, kAlbedo)));
+  return scene;
+}
+
+/// What a square of half side a at height h sends to the point below its middle, over pi L: 4 times the view
+/// factor from the point below a corner of the rectangle a x a, (2 / 2 pi) (a / r) atan(a / r), r^2 = a^2 +
+/// h^2.
+double square_above(double h, double a) {
+  const double r = std::hypot(a, h);
+  return 4 / std::numbers::pi * (a / r) * std::atan(a / r);
+}
+
+statistics::Sample pixel(SceneDescription scene, const IntegratorSettings& integrator) {
+  scene.integrator = integrator;
+  TestDevice device = native_device();
+  device.samples_per_pass = kMaxSamplesPerUnit;
+  return pixel_sample(render_or_throw(scene, device), 0, 0, 1);
+}
+
+void expect_radiance(const SceneDescription& scene, const IntegratorSettings& integrator, double expected) {
+  const statistics::Sample sample = pixel(scene, integrator);
+  EXPECT_GT(statistics::t_test(sample, expected, expected * kRounding).p, kSignificance)
+      << sample.mean() << " +- " << sample.standard_error() << ", expected " << expected;
+}
+
+struct Method {
+  std::string name;
+  IntegratorSettings integrator;
+};
+void PrintTo(const Method& method, std::ostream* out) { *out << method.name; }
+
+std::vector<Method> methods() {
+  IntegratorSettings short_path = path_integrator(DirectSampling::kMis);
+  short_path.max_depth = 2;  // going through lamps counts for nothing
+  IntegratorSettings analytic, cv;
+  analytic.kind = IntegratorKind::kPolygonAnalytic;
+  cv.kind = IntegratorKind::kPolygonCv;
+  return {{"PathMis", short_path},
+          {"PathEms", path_integrator(DirectSampling::kEmitterOnly)},
+          {"PathMats", path_integrator(DirectSampling::kBsdfOnly)},
+          {"DirectMis", direct_integrator(1, 1)},
+          {"DirectEmitter", direct_integrator(1, 0)},
+          {"DirectBsdf", direct_integrator(0, 1)},
+          {"PolygonAnalytic", analytic},
+          {"PolygonCv", cv}};
+}
+
+class HiddenEmitter : public testing::TestWithParam<Method> {};
+
+TEST_P(HiddenEmitter, TheFloorBehindALampIsSeenLitByIt) {
+  SceneDescription scene = floor_from_above(50'000);
+  scene.shapes.push_back(lamp(kHeight, kHalf, kBlackBsdf));
+  expect_radiance(scene, hiding(GetParam().integrator, HiddenEmitters::kLookedThrough),
+                  kAlbedo * kRadiance * square_above(kHeight, kHalf));
+  EXPECT_EQ(pixel(scene, hiding(GetParam().integrator, HiddenEmitters::kUnlit)).mean(), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, HiddenEmitter, testing::ValuesIn(methods()),
+                         [](const auto& tested) { return tested.param.name; });
+
+TEST(HiddenEmitters, AllOfARowAreLookedThroughAndStillCastShadows) {
+  // From above: one that shines up, a sphere and a disk that reflect, and the lamp, which alone lights the
+  // floor.
+  SceneDescription scene = floor_from_above(50'000);
+  const int white = add_diffuse(scene, 1);
+  scene.shapes.push_back(lamp(kHeight, kHalf, white));
+  scene.shapes.push_back(lamp(3, 2, white, true));
+  Shape sphere;
+  sphere.geometry = Sphere{{0, 5, 0}, 0.5};
+  sphere.radiance = glm::vec3(kRadiance);
+  scene.shapes.push_back(sphere);
+  Shape disk;
+  disk.geometry = Disk{{0, 7, 0}, {0, 1, 0}, 0.4};
+  disk.radiance = glm::vec3(kRadiance);
+  disk.front_bsdf = disk.back_bsdf = white;
+  scene.shapes.push_back(disk);
+  // Seen from the middle of the floor the sphere and the disk are behind the lamp.
+  expect_radiance(scene, hiding(direct_integrator(1, 1), HiddenEmitters::kLookedThrough),
+                  kAlbedo * kRadiance * square_above(kHeight, kHalf));
+}
+
+TEST(HiddenEmitters, TheSkyIsHiddenAndSeenInTheFloor) {
+  // The lamp shades the floor from its share of the sky, and the sky itself is black.
+  SceneDescription scene = floor_from_above(50'000);
+  scene.environment = ConstantEnvironment{glm::vec3(1)};
+  scene.shapes.push_back(lamp(kHeight, kHalf, kBlackBsdf));
+  const double share = square_above(kHeight, kHalf);
+  expect_radiance(scene, hiding(direct_integrator(1, 1), HiddenEmitters::kLookedThrough),
+                  kAlbedo * (kRadiance * share + (1 - share)));
+  scene.shapes.erase(scene.shapes.begin());
+  for (const HiddenEmitters how : {HiddenEmitters::kLookedThrough, HiddenEmitters::kUnlit}) {
+    EXPECT_EQ(pixel(scene, hiding(direct_integrator(1, 1), how)).mean(), 0);
+    EXPECT_EQ(pixel(scene, hiding(path_integrator(DirectSampling::kMis), how)).mean(), 0);
+  }
+}
+
+TEST(HiddenEmitters, LayersAndClippingPlanesAreThoseOfWhatIsSeen) {
+  SceneDescription scene = floor_from_above(4);
+  scene.shapes.push_back(lamp(kHeight, kHalf, kBlackBsdf));
+  scene.shapes.push_back(lamp(4, kHalf, kBlackBsdf, true));
+  scene.integrator = hiding(direct_integrator(1, 1), HiddenEmitters::kLookedThrough);
+  const FilmAccumulator film = render_or_throw(scene);
+  EXPECT_FLOAT_EQ(float(film.layer(0, 0, kDepth)), float(9 - scene.camera.near_clip));
+  EXPECT_FLOAT_EQ(float(film.layer(0, 0, kNormalY)), 1);
+  scene.camera.far_clip = 8.9;
+  EXPECT_EQ(render_or_throw(scene).layer(0, 0, kDepth), 0);
+  scene.camera.far_clip = 9.1;
+  EXPECT_GT(render_or_throw(scene).layer(0, 0, kDepth), 0);
+}
+
+/// One above the other and in one place, tested whole and by the hierarchy.
+TEST(HiddenEmitters, ManyAtOnce) {
+  for (const int count : {40, 1500}) {
+    SceneDescription scene = floor_from_above(1);
+    for (int i = 0; i < count; ++i) scene.shapes.push_back(lamp(kHeight + i * 1e-3, kHalf, kBlackBsdf));
+    scene.integrator = hiding(direct_integrator(1, 0), HiddenEmitters::kLookedThrough);
+    EXPECT_GT(render_or_throw(scene).layer(0, 0, kDepth), 8) << count;
+    for (Shape& shape : scene.shapes) {
+      if (!shape.radiance) continue;
+      for (dvec3& p : std::get<Mesh>(shape.geometry).positions) p.y = kHeight;
+    }
+    EXPECT_GT(render_or_throw(scene).layer(0, 0, kDepth), 8) << count << " in one place";
+  }
+}
+
+}  // namespace
+}  // namespace penumbra
