@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdio>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -98,6 +99,33 @@ TEST_F(RenderCommand, SamplesThatAreNoNumbersAreReportedOrAnError) {
   EXPECT_EQ(strict.exit_code, 1);
   EXPECT_THAT(strict.err, HasSubstr("error: "));
   render({"--strict-numerics"});
+}
+
+TEST_F(RenderCommand, AVarianceThatNoFloatHoldsIsReported) {
+  std::string text = file_contents(folder_ / "s.xml");
+  const std::string radiance = "4, 3, 2";
+  text.replace(text.find(radiance), radiance.size(), "3e37, 3e37, 3e37");
+  write_text(folder_ / "huge.xml", text);
+  const auto huge = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"render", "huge.xml", "-o", "huge.exr", "-q"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_penumbra(folder_.path(), arguments);
+  };
+  const ProgramResult lenient = huge({});
+  EXPECT_EQ(lenient.exit_code, 0);
+  EXPECT_THAT(lenient.err, HasSubstr("warning: the variance of "));
+  const Image written = image("huge.exr");
+  double largest = 0;
+  for (int y = 0; y < 20; ++y)
+    for (int x = 0; x < 24; ++x) {
+      const double radiance_here = written.at(x, y, *written.channel("R"));
+      ASSERT_TRUE(std::isfinite(radiance_here)) << x << ", " << y;
+      largest = std::max(largest, radiance_here);
+    }
+  EXPECT_GT(largest, 1e36);
+  const ProgramResult strict = huge({"--strict-numerics"});
+  EXPECT_EQ(strict.exit_code, 1);
+  EXPECT_THAT(strict.err, HasSubstr("error: the variance of "));
 }
 
 TEST_F(RenderCommand, FilesDoNotDependOnWorkersThreadsOrTiles) {

@@ -212,6 +212,14 @@ TEST_F(RenderJobTest, ADamagedResultIsRejectedAndRedone) {
   EXPECT_THAT(outcome->problems, Contains(HasSubstr("damaged result")));
 }
 
+TEST_F(RenderJobTest, ANaNThatNoCounterExplainsIsADamagedResult) {
+  FakeBehaviour{.nan_claim = claim_file()}.to_environment();
+  const Expected<RenderOutcome> outcome = render(job(2));
+  expect_the_right_film(outcome);
+  EXPECT_THAT(outcome->problems,
+              Contains(AllOf(HasSubstr("damaged result"), HasSubstr("the result has nan as a"))));
+}
+
 TEST_F(RenderJobTest, AHungWorkerDoesNotHoldUpTheRender) {
   FakeBehaviour{.delay_ms = 1, .hang_claim = claim_file()}.to_environment();
   const Expected<RenderOutcome> outcome = render(job(2));
