@@ -236,6 +236,43 @@ TEST_F(RenderJobTest, ALonelyHungWorkerIsReplaced) {
   EXPECT_EQ(outcome->workers.size(), 2u);
 }
 
+TEST_F(RenderJobTest, AWorkerThatIsStoppedInItsFirstUnitIsToldAndReplaced) {
+  // The first unit takes longer than the lease, and is none the worse for it: only the first process is
+  // stopped.
+  FakeBehaviour{.delay_ms = 1500}.to_environment();
+  RenderJob alone = job(1, 1000);
+  alone.leases = {.initial = 600, .minimum = 600, .silence = 3, .patience = 2};
+  std::vector<pid_t> victims;
+  std::string notices;
+  const std::atomic<bool> stop = false;
+  const Expected<RenderOutcome> outcome = run_render(alone, stop, [&](const RenderProgress& progress) {
+    for (const std::string& notice : progress.notices) notices += notice + "\n";
+    if (!victims.empty() || progress.workers < 1) return;
+    victims = children_of(getpid());
+    ASSERT_THAT(victims, SizeIs(1));
+    kill(victims[0], SIGSTOP);
+  });
+  ASSERT_THAT(victims, SizeIs(1)) << "the render was over before anybody could be stopped";
+  expect_the_right_film(outcome);
+  EXPECT_THAT(notices, AllOf(ContainsRegex("waiting for worker [^ ]+:" + std::to_string(victims[0])),
+                             HasSubstr("has not been heard of for 2 s at the tile of 120 x 100 pixels")));
+  EXPECT_THAT(outcome->problems,
+              Contains(AllOf(HasSubstr(std::to_string(victims[0])), HasSubstr("was ended: it hung"))));
+  EXPECT_EQ(outcome->workers.size(), 2u);
+}
+
+TEST_F(RenderJobTest, AUnitThatTakesLongerThanItsLeaseButGetsOnIsWaitedFor) {
+  FakeBehaviour{.delay_ms = 4000}.to_environment();
+  RenderJob slow = job(1, 1000);
+  slow.spp = kSamplesPerPass;
+  slow.leases = {.initial = 2.5, .minimum = 2.5, .factor = 1};
+  const Expected<RenderOutcome> outcome = render(slow);
+  ASSERT_TRUE(outcome) << outcome.error().message;
+  EXPECT_TRUE(outcome->complete);
+  EXPECT_THAT(outcome->problems, IsEmpty());
+  EXPECT_EQ(outcome->units_requeued, 0u);
+}
+
 TEST_F(RenderJobTest, StopKeepsWhatIsMerged) {
   FakeBehaviour{.delay_ms = 20}.to_environment();
   std::atomic<bool> stop = false;

@@ -149,6 +149,17 @@ TEST_F(ServerTest, WhatIsSaidOfKernelsArrivesAsItIs) {
   EXPECT_FALSE(next<arrivals::Ready>().preparation.kernels) << "compiled with the worker";
 }
 
+TEST_F(ServerTest, ABeatArrivesAsItIs) {
+  say_hello();
+  const WorkerId worker = next<arrivals::Connected>().worker;
+  wire::WorkerMessage message;
+  message.mutable_beat()->set_parts(12);
+  stream_->Write(message);
+  const auto beat = next<arrivals::Beat>();
+  EXPECT_EQ(beat.worker, worker);
+  EXPECT_EQ(beat.parts, 12u);
+}
+
 TEST_F(ServerTest, AFlippedBitIsNoticed) {
   connect_and_take_a_unit();
   wire::WorkerMessage message = good_result();

@@ -5,6 +5,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <limits>
@@ -33,6 +34,8 @@ void for_each_field(Behaviour& behaviour, Visit visit) {
   visit("PENUMBRA_FAKE_ISAS", behaviour.isas);
 }
 
+constexpr int kPartMs = 100;
+
 bool claim(const std::string& file) {
   if (file.empty()) return false;
   const int descriptor = open(file.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0600);
@@ -57,14 +60,16 @@ class FakeDevice final : public Device {
 
   Expected<SampleBuffer> render(const RenderUnit& unit) override {
     const std::string place = fmt::format("{},{},{}", unit.x, unit.y, unit.first_sample);
-    std::this_thread::sleep_for(std::chrono::milliseconds(behaviour_.delay_ms));
+    if (lies_ && units_ == 0)
+      std::this_thread::sleep_for(std::chrono::milliseconds(behaviour_.liar_delay_ms));
+    // As a device that gets on.
+    for (int left = behaviour_.delay_ms; left > 0; left -= kPartMs, part_is_done())
+      std::this_thread::sleep_for(std::chrono::milliseconds(std::min(left, kPartMs)));
     if (place == behaviour_.crash_at) kill(getpid(), SIGKILL);
     if (place == behaviour_.fail_at || behaviour_.fail_always != 0)
       return fail("the fake device was told to fail");
     ++units_;
     while (hangs_ && units_ == 2) pause();
-    if (lies_ && units_ == 1)
-      std::this_thread::sleep_for(std::chrono::milliseconds(behaviour_.liar_delay_ms));
     SampleBuffer buffer = fake_samples(unit, planes_, shift_);
     if (lies_) buffer.values[unit.sample_count % buffer.values.size()] += 0.25f;
     if (spoils_) buffer.values[buffer.values.size() / 2] = std::numeric_limits<float>::quiet_NaN();
