@@ -104,7 +104,7 @@ void RenderRun::on(const arrivals::ViewChanged& arrival) {
   view_ = arrival.view;
   active_ = 0;
   plan_ = make_plan();
-  merge_ = make_merge();
+  merge_.start_again();
   details_.clear();
   samples_done_ = 0;
   relative_error_ = std::numeric_limits<double>::quiet_NaN();

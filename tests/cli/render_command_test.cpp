@@ -8,7 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "kernels/host/sample_buffer.h"
 #include "scheduler/outputs/image.h"
+#include "scheduler/render_memory.h"
 #include "tests/cli/program.h"
 #include "tests/cli/small_scene.h"
 #include "tests/outputs/temporary_folder.h"
@@ -126,6 +128,31 @@ TEST_F(RenderCommand, AVarianceThatNoFloatHoldsIsReported) {
   const ProgramResult strict = huge({"--strict-numerics"});
   EXPECT_EQ(strict.exit_code, 1);
   EXPECT_THAT(strict.err, HasSubstr("error: the variance of "));
+}
+
+TEST_F(RenderCommand, TheMemoryOfAPixelIsWhatIsCountedForIt) {
+  std::string text = file_contents(folder_ / "s.xml");
+  for (const auto& [from, to] :
+       {std::pair<std::string, std::string>{R"("width" value="24")", R"("width" value="1400")"},
+        {R"("height" value="20")", R"("height" value="1000")"}})
+    text.replace(text.find(from), from.size(), to);
+  write_text(folder_ / "large.xml", text);
+  const auto peak = [&](const std::string& scene, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"render", scene, "-o", "a.exr", "-q", "--spp", "1"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(run_penumbra(folder_.path(), arguments).exit_code, 0);
+    return report("a.json")["memory"]["scheduler_peak_bytes"].get<double>();
+  };
+  for (const bool layers : {true, false}) {
+    const std::vector<std::string> more =
+        layers ? std::vector<std::string>{} : std::vector<std::string>{"--no-features"};
+    const double measured = peak("large.xml", more) - peak("s.xml", more);
+    const double counted =
+        1400.0 * 1000 * double(pixel_memory(layers ? kFeaturePlanes : kRadiancePlanes).peak(true));
+    // Less where a file compresses well; more for results on their way.
+    EXPECT_GT(measured, 0.5 * counted) << layers;
+    EXPECT_LT(measured, 1.2 * counted) << layers;
+  }
 }
 
 TEST_F(RenderCommand, FilesDoNotDependOnWorkersThreadsOrTiles) {

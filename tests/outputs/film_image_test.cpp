@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "scheduler/render_memory.h"
+
 namespace penumbra {
 namespace {
 
@@ -52,6 +54,14 @@ TEST(FilmImage, PutsEveryStatisticInItsLayer) {
     const float seen = float(kSeen) + float(i) / 8, whole = float(kWhole) + float(i) / 8;
     EXPECT_FLOAT_EQ(image.at(x, y, *image.channel("visibility.Y")), seen / whole);
     EXPECT_EQ(image.at(x, y, *image.channel("samples.count")), 5);
+  }
+}
+
+TEST(FilmImage, HasAsManyChannelsAsItsMemoryIsCountedFor) {
+  for (const int planes : {int(kRadiancePlanes), int(kFeaturePlanes), int(kSampleBufferPlanes)}) {
+    const Image image = image_of_film(FilmAccumulator(0, 0, 2, 1, planes), 2, 1);
+    EXPECT_EQ(image.channels.size(), std::size_t(image_channels(planes)));
+    EXPECT_LE(image.values.size() * sizeof(float), 2 * pixel_memory(planes).output);
   }
 }
 

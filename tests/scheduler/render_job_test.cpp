@@ -13,6 +13,8 @@
 #include <numeric>
 #include <thread>
 
+#include "scheduler/render_job_check.h"
+#include "scheduler/render_memory.h"
 #include "scheduler/worker_isa.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/fake_processes.h"
@@ -430,6 +432,25 @@ TEST_F(RenderJobTest, NonsenseIsRefusedInWords) {
                 j.tile = 1024;
               }),
               HasSubstr("GB"));
+}
+
+TEST_F(RenderJobTest, MemoryIsCountedWithLayersAndFiles) {
+  RenderJob large = job();
+  const double memory = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
+  const auto fits = [&](double bytes_per_pixel) {
+    const int side = int(std::sqrt(memory / bytes_per_pixel));
+    large.scene.header.film_width = large.scene.header.film_height = large.width = large.height = side;
+    large.x = large.y = 0;
+    large.tile = 1024;
+    return check_render_job(large);
+  };
+  const double whole = double(pixel_memory(kFeaturePlanes).peak(true));
+  EXPECT_TRUE(fits(1.01 * whole));
+  ASSERT_FALSE(fits(0.99 * whole));
+  EXPECT_THAT(fits(0.99 * whole).error().message, AllOf(HasSubstr("GB"), HasSubstr("--no-features")));
+  EXPECT_FALSE(fits(2.0 * sizeof(PixelStatistics))) << "twice what radiance alone takes";
+  large.interactive = true;  // writes no files
+  EXPECT_TRUE(fits(0.99 * whole));
 }
 
 // --- No orphans
