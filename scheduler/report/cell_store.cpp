@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "kernels/host/plain_file.h"
 #include "scheduler/outputs/atomic_file.h"
 #include "scheduler/outputs/image_files.h"
 
@@ -13,6 +13,8 @@ namespace penumbra {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr std::uint64_t kMaxCellBytes = std::uint64_t{16} << 20;
 
 Json phases_json(const PhaseSeconds& seconds) {
   return {{"build", seconds.build},
@@ -68,10 +70,10 @@ std::filesystem::path CellStore::json_path(const CellId& id) const {
 std::optional<ImageResult> CellStore::find(const CellId& id) const {
   std::error_code error;
   if (!std::filesystem::is_regular_file(image_path(id), error)) return std::nullopt;
-  std::ifstream file(json_path(id));
-  if (!file) return std::nullopt;
+  const Expected<std::string> text = read_plain_file(json_path(id), kMaxCellBytes);
+  if (!text) return std::nullopt;
   try {
-    ImageResult result = result_from_json(Json::parse(file));
+    ImageResult result = result_from_json(Json::parse(*text));
     result.file = image_path(id);
     return result;
   } catch (const Json::exception&) {
