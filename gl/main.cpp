@@ -3,14 +3,13 @@
 #include <grpc/grpc.h>
 
 #include <exception>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <optional>
 
 #include "gl/script_runner.h"
 #include "gl/view_options.h"
 #include "gl/viewer.h"
+#include "kernels/host/plain_file.h"
 #include "scheduler/cli/exit_code.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/stop_signal.h"
@@ -22,15 +21,15 @@ namespace {
 
 // While nothing moves: how often it is looked whether something has come.
 constexpr double kIdleSeconds = 0.01;
+constexpr std::uint64_t kMaxScriptBytes = std::uint64_t{1} << 20;
 
 void complain(const std::string& message) { fmt::print(stderr, "penumbra-view: error: {}\n", message); }
 
 Expected<std::vector<ScriptCommand>> read_script(const std::string& path) {
   if (path.empty()) return std::vector<ScriptCommand>{};
-  std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (!file) return fail(fmt::format("{}: cannot be read", path));
-  return parse_script(text, path);
+  const Expected<std::string> text = read_plain_file(path, kMaxScriptBytes);
+  if (!text) return fail("--script: " + text.error().message);
+  return parse_script(*text, path);
 }
 
 /// Without a script, a screenshot is taken once all samples are there.

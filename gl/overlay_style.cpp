@@ -1,5 +1,6 @@
 #include "gl/overlay_style.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace penumbra {
@@ -58,6 +59,8 @@ void apply_overlay_style(float content_scale, float pixels_per_coordinate) {
   set_colors(style);
   const float unit = content_scale / pixels_per_coordinate;
   style.ScaleAllSizes(unit);
+  // Dear ImGui ends the program where these are less, for the smallest scales.
+  style.WindowMinSize = {std::max(style.WindowMinSize.x, 1.0f), std::max(style.WindowMinSize.y, 1.0f)};
   ImGui::GetStyle() = style;
 
   ImFontConfig font;

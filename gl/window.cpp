@@ -17,6 +17,7 @@ namespace penumbra {
 namespace {
 
 constexpr int kLargestSize = 16384;
+constexpr double kLeastRatio = 0.125;  // of pixels to coordinates
 constexpr std::size_t kMostErrors = 100;
 
 /// GLFW reports errors by callback; the last one says why a call failed.
@@ -111,9 +112,13 @@ Expected<void> open(Window::State& state, const WindowOptions& options) {
 }  // namespace
 
 double Window::State::pixels_per_coordinate() const {
-  int window_width = 0, window_height = 0;
+  // Both of the present moment: `width` is that of the last event, which may be long before a size that was
+  // just asked for. Between the two calls the size may change as well; no display has such a ratio then.
+  int window_width = 0, window_height = 0, pixels_across = 0, pixels_down = 0;
   glfwGetWindowSize(window, &window_width, &window_height);
-  return visible && window_width > 0 ? double(width) / window_width : 1.0;
+  glfwGetFramebufferSize(window, &pixels_across, &pixels_down);
+  if (!visible || window_width < 1 || pixels_across < 1) return 1.0;
+  return std::clamp(double(pixels_across) / window_width, kLeastRatio, 1 / kLeastRatio);
 }
 
 Window::State::~State() {

@@ -174,8 +174,12 @@ FN void finish_pixels(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int 
                       const PRIVATE Block* block, GLOBAL float* out, GLOBAL BadSamples* bad) {
   const bool layers = (scene->header.features & FEATURE_LAYERS) != 0u;
 #if HAS(POLYGONS)
-  if (has_control(&scene->header))
+  const bool control = has_control(&scene->header);
+  if (control)
     control_samples(scene, unit, first_pixel, pixels, block->slots, block->slot_capacity, layers, out);
+  if (control && layers)
+    spread_bad_planes(unit, first_pixel, pixels, ANALYTIC_PLANE, WHOLE_PLANE + 1, block->slots,
+                      block->slot_capacity, out);
 #endif
   if (block->probe != 0) probe_sample(block, STAGE_CONTROL);
   accumulate(unit, first_pixel, pixels, block->slots, block->slot_capacity, layers, out, bad);

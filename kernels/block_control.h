@@ -50,8 +50,8 @@ STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit,
         alpha[wanted] = cross_fitted_alpha(shadowed, unshadowed, analytic, pitch, n, parity, wanted);
       for (int i = 0; i < n; i++) {
         const int s = i * pitch;
-        all_shadowed += shadowed[s];
-        all_unshadowed += unshadowed[s];
+        all_shadowed += shadowed[s] * HUGE_SAMPLE_SCALE;
+        all_unshadowed += unshadowed[s] * HUGE_SAMPLE_SCALE;
         const float a = alpha[(parity + i) & 1], weight = slots[FILTER_WEIGHT * slot_capacity + p + s];
         const float rest = shadowed[s] - a * unshadowed[s];
         sample[s] += rest + a * analytic[s];  // which accumulate() weighs
@@ -61,8 +61,8 @@ STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit,
     }
   #if HAS(LAYERS)
     if (layers) {
-      out[SEEN_PLANE * area + first_pixel + p] = all_shadowed / (float)n;
-      out[WHOLE_PLANE * area + first_pixel + p] = all_unshadowed / (float)n;
+      out[SEEN_PLANE * area + first_pixel + p] = all_shadowed / (float)n / HUGE_SAMPLE_SCALE;
+      out[WHOLE_PLANE * area + first_pixel + p] = all_unshadowed / (float)n / HUGE_SAMPLE_SCALE;
     }
   #endif
   }

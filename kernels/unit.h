@@ -37,7 +37,7 @@ enum {
   STAGE_DIRECTION,    ///< the next direction and the throughput along it
   STAGE_CLOSED_FORM,  ///< of polygon lights
   STAGE_CONTROL,      ///< their control variate
-  STAGE_FILTER        ///< the film's filter
+  STAGE_FILTER        ///< the film's filter, or a layer
 };
 
 // Where a unit's layers start among the planes of its result: see SampleBufferPlane, which checks that they

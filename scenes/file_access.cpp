@@ -4,8 +4,10 @@
 #include <xxhash.h>
 
 #include <algorithm>
-#include <fstream>
+#include <utility>
 #include <vector>
+
+#include "kernels/host/plain_file.h"
 
 namespace penumbra {
 
@@ -83,24 +85,11 @@ Expected<std::unique_ptr<SourceFile>> FileAccess::read(const fs::path& file, std
     return fail(fmt::format("'{}' is outside the folder that this scene is confined to, '{}'", file.string(),
                             root_->string()));
   }
-  std::error_code code;
-  const fs::file_status status = fs::status(file, code);
-  if (!fs::exists(status)) return fail(fmt::format("there is no file '{}'", file.string()));
-  // Reading a device or a pipe might never end.
-  if (!fs::is_regular_file(status)) return fail(fmt::format("'{}' is not a plain file", file.string()));
-  const std::uint64_t size = fs::file_size(file, code);
-  if (code) return fail(fmt::format("cannot read '{}': {}", file.string(), code.message()));
-  if (size > max_bytes) {
-    return fail(
-        fmt::format("'{}' has {} bytes; the most that is read is {}", file.string(), size, max_bytes));
-  }
+  Expected<std::string> text = read_plain_file(file, max_bytes);
+  if (!text) return std::unexpected(text.error());
   auto result = std::make_unique<SourceFile>();
   result->path = file;
-  result->text.resize(size);
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream.read(result->text.data(), std::streamsize(size)) || stream.gcount() != std::streamsize(size)) {
-    return fail(fmt::format("cannot read '{}'", file.string()));
-  }
+  result->text = std::move(*text);
   contents_hash_ = XXH3_64bits_withSeed(result->text.data(), result->text.size(), contents_hash_);
   if (const auto done = take_byte_order_mark(result->text); !done)
     return fail(fmt::format("'{}' {}", file.string(), done.error().message));

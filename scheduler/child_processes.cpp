@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <linux/close_range.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -19,6 +20,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kTimeToEnd{1000};
 constexpr std::chrono::milliseconds kPollInterval{1};
+constexpr std::chrono::milliseconds kTimeToDie{5000};
+constexpr std::chrono::milliseconds kTimeToExecute{100};  // it takes one or two
 
 std::string describe(int status) {
   if (WIFSIGNALED(status)) {
@@ -60,7 +63,7 @@ Expected<pid_t> ChildProcesses::start() {
   arguments.push_back(nullptr);
 
   int error_pipe[2];  // closed by a successful exec
-  if (pipe2(error_pipe, O_CLOEXEC) != 0) {
+  if (pipe2(error_pipe, O_CLOEXEC | O_NONBLOCK) != 0) {
     return fail(fmt::format("cannot start '{}': {}", executable_, std::strerror(errno)));
   }
   const pid_t parent = getpid();
@@ -68,18 +71,33 @@ Expected<pid_t> ChildProcesses::start() {
   if (child == 0) become(arguments.data(), parent, error_pipe[1]);
   const int fork_error = errno;
   close(error_pipe[1]);
-  int exec_error = 0;
-  ssize_t got = 0;
-  while (child > 0 && (got = read(error_pipe[0], &exec_error, sizeof exec_error)) < 0 && errno == EINTR) {
-  }
-  close(error_pipe[0]);
-  if (child < 0) return fail(fmt::format("cannot start '{}': {}", executable_, std::strerror(fork_error)));
-  if (got == ssize_t(sizeof exec_error)) {
-    waitpid(child, nullptr, 0);
-    return fail(fmt::format("cannot start '{}': {}", executable_, std::strerror(exec_error)));
+  if (child < 0) {
+    close(error_pipe[0]);
+    return fail(fmt::format("cannot start '{}': {}", executable_, std::strerror(fork_error)));
   }
   running_.push_back(child);
+  error_pipes_[child] = error_pipe[0];
+  // Something to read, or the other end closed: executed, or not.
+  pollfd entry{.fd = error_pipe[0], .events = POLLIN, .revents = 0};
+  if (poll(&entry, 1, int(kTimeToExecute.count())) <= 0) return child;
+  if (std::string why = why_not_executed(child); !why.empty()) {
+    waitpid(child, nullptr, 0);  // it ends at once
+    std::erase(running_, child);
+    return fail(std::move(why));
+  }
   return child;
+}
+
+std::string ChildProcesses::why_not_executed(pid_t pid) {
+  const auto pipe = error_pipes_.find(pid);
+  if (pipe == error_pipes_.end()) return {};
+  int exec_error = 0;
+  const ssize_t got = read(pipe->second, &exec_error, sizeof exec_error);
+  if (got < 0 && (errno == EAGAIN || errno == EINTR)) return {};
+  close(pipe->second);
+  error_pipes_.erase(pipe);
+  if (got != ssize_t(sizeof exec_error)) return {};
+  return fmt::format("cannot start '{}': {}", executable_, std::strerror(exec_error));
 }
 
 std::vector<ChildExit> ChildProcesses::reap() {
@@ -87,12 +105,16 @@ std::vector<ChildExit> ChildProcesses::reap() {
   std::erase_if(running_, [&](pid_t pid) {
     int status = 0;
     const pid_t got = waitpid(pid, &status, WNOHANG);
-    if (got == pid) {
-      ended.push_back(
-          {pid, describe(status), WIFEXITED(status) ? std::optional(WEXITSTATUS(status)) : std::nullopt});
-      return true;
+    if (got == 0 || (got < 0 && errno != ECHILD)) return false;
+    const std::string why = why_not_executed(pid);
+    if (const auto pipe = error_pipes_.find(pid); pipe != error_pipes_.end()) {
+      close(pipe->second);
+      error_pipes_.erase(pipe);
     }
-    return got < 0 && errno == ECHILD;  // somebody else in this process has reaped it
+    if (got == pid)  // else somebody else in this process has reaped it
+      ended.push_back({pid, why.empty() ? describe(status) : why,
+                       WIFEXITED(status) ? std::optional(WEXITSTATUS(status)) : std::nullopt});
+    return true;
   });
   return ended;
 }
@@ -106,12 +128,14 @@ void ChildProcesses::stop_all() {
     ::kill(pid, SIGTERM);
     ::kill(pid, SIGCONT);  // a stopped process takes no other signal
   }
-  const auto deadline = std::chrono::steady_clock::now() + kTimeToEnd;
-  while (reap(), !running_.empty() && std::chrono::steady_clock::now() < deadline) {
-    std::this_thread::sleep_for(kPollInterval);
-  }
+  const auto wait_for_all = [this](std::chrono::milliseconds limit) {
+    const auto deadline = std::chrono::steady_clock::now() + limit;
+    while (reap(), !running_.empty() && std::chrono::steady_clock::now() < deadline)
+      std::this_thread::sleep_for(kPollInterval);
+  };
+  wait_for_all(kTimeToEnd);
   for (const pid_t pid : running_) ::kill(pid, SIGKILL);
-  while (reap(), !running_.empty()) std::this_thread::sleep_for(kPollInterval);
+  wait_for_all(kTimeToDie);
 }
 
 }  // namespace penumbra

@@ -4,6 +4,7 @@
 
 #include <sys/types.h>
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,13 +30,15 @@ class ChildProcesses {
   ChildProcesses& operator=(const ChildProcesses&) = delete;
   ~ChildProcesses() { stop_all(); }
 
-  /// Starts one more. Fails if the program cannot be executed.
+  /// Starts one more. Fails if the program cannot be executed; where that takes longer than a moment (a child
+  /// that is stopped before, a file system that does not answer) `reap` says so later.
   Expected<pid_t> start();
   /// The children that ended since the last call.
   std::vector<ChildExit> reap();
   /// Ends a child at once, even one that is stopped; `reap` reports it.
   void kill(pid_t pid);
-  /// Asks all to end, kills those that have not after a moment, and waits until none is left.
+  /// Asks all to end, kills those that have not after a moment, and waits until none is left; but not for
+  /// ever for those that the kernel keeps even so (a file system that does not answer).
   void stop_all();
 
   [[nodiscard]] const std::vector<pid_t>& running() const { return running_; }
@@ -43,7 +46,11 @@ class ChildProcesses {
  private:
   std::string executable_;
   std::vector<std::string> arguments_;
+  /// Says why the program could not be executed, if that is known by now.
+  [[nodiscard]] std::string why_not_executed(pid_t pid);
+
   std::vector<pid_t> running_;
+  std::map<pid_t, int> error_pipes_;  // of those that have not yet executed the program, as far as is known
 };
 
 }  // namespace penumbra

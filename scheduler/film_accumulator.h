@@ -27,6 +27,11 @@ class FilmAccumulator {
   /// plane_count).
   FilmAccumulator(int x, int y, int width, int height, int planes);
 
+  /// Of the memory that it takes for results of so many planes.
+  static constexpr std::uint64_t bytes_per_pixel(int planes) {
+    return sizeof(PixelStatistics) + std::uint64_t(planes - kRadiancePlanes) * sizeof(double);
+  }
+
   /// Merges a unit's result whose corner is film pixel (x, y), inside the rectangle.
   void add(int x, int y, const SampleBuffer& result);
   /// Forgets all samples of a rectangle whose corner is film pixel (x, y), results wholly inside or outside

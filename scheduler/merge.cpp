@@ -33,6 +33,16 @@ std::uint64_t Merge::redo(std::uint32_t tile) {
   return samples;
 }
 
+void Merge::start_again() {
+  for (std::uint32_t tile = 0; tile < tiles_.size(); ++tile) {
+    if (tiles_[tile].samples > 0) {
+      const RenderUnit area = grid_.unit(tile, 0);
+      film_.clear(area.x, area.y, area.width, area.height);
+    }
+    tiles_[tile] = {};
+  }
+}
+
 void Merge::merge_what_is_next(std::uint32_t tile) {
   Tile& state = tiles_[tile];
   while (!state.waiting.empty() && state.waiting.begin()->first == state.next_pass) {

@@ -26,6 +26,9 @@ class Merge {
   /// how many samples, over all pixels, that was.
   std::uint64_t redo(std::uint32_t tile);
 
+  /// Forgets everything, as if it were new: in time that what was merged takes to clear, and in its memory.
+  void start_again();
+
   /// How many passes, from the first, are merged (or skipped) in every tile.
   [[nodiscard]] std::uint32_t finished_passes() const;
   /// Results that wait for an earlier pass of their tile.

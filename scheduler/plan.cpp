@@ -31,7 +31,21 @@ std::optional<UnitId> Plan::in_hand(WorkerId worker) const {
 
 // --- What happened
 
-void Plan::on(const WorkerJoined& event) { workers_.try_emplace(event.worker); }
+void Plan::on(const WorkerJoined& event) { workers_.try_emplace(event.worker).first->second.heard_at = now_; }
+
+void Plan::on(const Alive& event) {
+  const auto found = workers_.find(event.worker);
+  if (found == workers_.end()) return;
+  Worker& worker = found->second;
+  worker.heard_at = now_;
+  if (worker.hung && worker.silent) worker.hung = false;
+}
+
+void Plan::on(const Progressed& event) {
+  const auto worker = workers_.find(event.worker);
+  if (worker == workers_.end() || worker->second.units.empty()) return;
+  show_progress(worker->second);
+}
 
 void Plan::on(const WorkerLost& event) {
   const auto worker = workers_.find(event.worker);
@@ -48,6 +62,7 @@ void Plan::on(const UnitDone& event) {
   const bool was_hung = worker != workers_.end() && worker->second.hung;
   const bool was_in_hand =
       worker != workers_.end() && !worker->second.units.empty() && worker->second.units.front() == event.unit;
+  if (was_in_hand) show_progress(worker->second);
   const Seconds taken = worker == workers_.end() ? 0 : now_ - worker->second.in_hand_since;
   if (!take_back(event.worker, event.unit)) {
     orders_.push_back(DiscardResult{event.worker, event.unit});
@@ -57,7 +72,6 @@ void Plan::on(const UnitDone& event) {
   worker->second.proven = true;
   worker->second.failures_in_a_row = 0;
   if (was_in_hand && !was_hung) {  // a pause of the worker says nothing about the units
-    slowest_ = std::max(slowest_, taken);
     total_ += taken;
     ++timed_;
   }
@@ -120,10 +134,15 @@ void Plan::on(const Tick&) {
       if (now_ >= worker.hung_until) silent.emplace_back(id, in_hand);
       continue;
     }
-    const Seconds time_given = lease(worker);
-    if (now_ < worker.in_hand_since + time_given) continue;
+    const Seconds end = hung_at(worker);
+    if (now_ < end) {
+      tell_if_overdue(id, worker);
+      continue;
+    }
+    const Lease given = lease(worker);
     worker.hung = true;
-    worker.hung_until = now_ + time_given;
+    worker.silent = worker.heard_at + given.silence <= end;
+    worker.hung_until = now_ + (worker.silent ? given.silence : given.progress);
     ++units_.at(in_hand).expired_leases;
     blame(in_hand, id, Fault::kHung);
     for (const UnitId& unit : std::vector(worker.units.begin(), worker.units.end())) settle(unit);
@@ -140,7 +159,8 @@ bool Plan::take_back(WorkerId id, UnitId unit) {
   Worker& worker = found->second;
   const auto place = std::ranges::find(worker.units, unit);
   if (place == worker.units.end()) return false;
-  if (worker.hung || place == worker.units.begin()) worker.in_hand_since = now_;
+  if (worker.hung || place == worker.units.begin()) take_in_hand(worker);
+  worker.heard_at = now_;
   worker.hung = false;
   worker.units.erase(place);
   units_.at(unit).holders.erase(id);
@@ -265,7 +285,7 @@ void Plan::issue() {
       if (worker.hung || worker.units.size() >= wanted) continue;
       const std::optional<UnitId> unit = next_for(id);
       if (!unit) continue;
-      if (worker.units.empty()) worker.in_hand_since = now_;
+      if (worker.units.empty()) take_in_hand(worker);
       worker.units.push_back(*unit);
       units_[*unit].holders.insert(id);
       dequeue(*unit);
@@ -348,10 +368,42 @@ bool Plan::rendered_by_someone(const Unit& unit) const {
   return std::ranges::any_of(unit.holders, [this](WorkerId holder) { return !workers_.at(holder).hung; });
 }
 
-Seconds Plan::lease(const Worker& worker) const {
-  Seconds base = std::max(leases_.minimum, leases_.factor * slowest_);
+// --- Who takes too long
+
+/// A pause of the worker says nothing about how long parts of units take.
+void Plan::show_progress(Worker& worker) {
+  if (!worker.hung) longest_wait_ = std::max(longest_wait_, now_ - worker.progress_at);
+  worker.hung = worker.overdue = false;
+  worker.heard_at = worker.progress_at = now_;
+}
+
+/// Its time begins. While it had nothing to do, nobody waited for a word of it.
+void Plan::take_in_hand(Worker& worker) {
+  worker.in_hand_since = worker.progress_at = now_;
+  if (worker.units.empty()) worker.heard_at = now_;
+  worker.overdue = false;
+}
+
+void Plan::tell_if_overdue(WorkerId id, Worker& worker) {
+  const Seconds since_heard = now_ - worker.heard_at, since_progress = now_ - worker.progress_at;
+  const bool is_silent = since_heard >= leases_.patience;
+  const bool is_slow = since_progress >= std::max(leases_.patience, 2 * longest_wait_);
+  if (worker.overdue || (!is_silent && !is_slow)) return;
+  worker.overdue = true;
+  orders_.push_back(Overdue{id, worker.units.front(), is_silent, is_silent ? since_heard : since_progress,
+                            hung_at(worker) - now_});
+}
+
+Plan::Lease Plan::lease(const Worker& worker) const {
+  Seconds base = std::max(leases_.minimum, leases_.factor * longest_wait_);
   if (!worker.proven) base = std::max(base, leases_.initial);
-  return base * std::pow(leases_.growth, units_.at(worker.units.front()).expired_leases);
+  const double growth = std::pow(leases_.growth, units_.at(worker.units.front()).expired_leases);
+  return {base * growth, leases_.silence * growth};
+}
+
+Seconds Plan::hung_at(const Worker& worker) const {
+  const Lease given = lease(worker);
+  return std::min(worker.progress_at + given.progress, worker.heard_at + given.silence);
 }
 
 }  // namespace penumbra

@@ -19,16 +19,21 @@ namespace penumbra {
 /// Any monotonic time, in seconds.
 using Seconds = double;
 
-/// How long a unit may be in a worker's hands before the worker counts as hung: `factor` times the slowest
-/// unit so far, at least `minimum`; at least `initial` for a worker that has not finished a unit yet, because
-/// nothing is known about the scene then and giving up a worker that is merely slow is worse than waiting for
-/// one that hangs. Each time that a unit's lease has expired its next one is `growth` times longer, so a unit
-/// that is slow gets its time. A worker that stays silent for as long again is dismissed.
+/// How long a worker may go without a sign of progress at its unit (a part of it done, or all of it) before
+/// it counts as hung: `factor` times the longest that any took so far, at least `minimum`; at least `initial`
+/// for a worker that has not finished a unit yet, because nothing is known about the scene then and giving up
+/// a worker that is merely slow is worse than waiting for one that hangs. One that is not heard of at all for
+/// `silence`, while it should say every second that it is alive, is stopped, or its machine is. Each time
+/// that a unit's lease has expired its next one is `growth` times longer, so a unit that is slow gets its
+/// time. A worker that goes on like that for as long again is dismissed. What takes longer than `patience`,
+/// and than twice the longest so far, is told to the user.
 struct LeaseRule {
-  Seconds initial = 600;
+  Seconds initial = 120;
   Seconds minimum = 30;
   double factor = 20;
   double growth = 3;
+  Seconds silence = 10;
+  Seconds patience = 5;
 };
 
 constexpr int kUnitsPerWorker = 2;     ///< one in hand, one on the way
@@ -60,6 +65,12 @@ struct WorkerJoined {  ///< ready to render
 struct WorkerLost {
   WorkerId worker;
 };
+struct Alive {  ///< the worker has been heard of
+  WorkerId worker;
+};
+struct Progressed {  ///< it has done a part of the unit in its hand
+  WorkerId worker;
+};
 struct UnitDone {
   WorkerId worker;
   UnitId unit;
@@ -80,8 +91,8 @@ struct MorePasses {  ///< so many in all; no fewer than before
 struct NoFurtherPasses {};  ///< finish the passes that are begun (the first one at least), then stop
 struct Tick {};             ///< time has passed
 
-using PlanEvent = std::variant<WorkerJoined, WorkerLost, UnitDone, UnitFailed, ResultCorrupt, MorePasses,
-                               NoFurtherPasses, Tick>;
+using PlanEvent = std::variant<WorkerJoined, WorkerLost, Alive, Progressed, UnitDone, UnitFailed,
+                               ResultCorrupt, MorePasses, NoFurtherPasses, Tick>;
 
 // --- Orders: what to do, in this order.
 
@@ -111,9 +122,17 @@ struct RedoTile {  ///< forget what was merged of it: untrustworthy work went in
   std::uint32_t image;
   std::uint32_t tile;
 };
+struct Overdue {  ///< people should know what is waited for; once for each time that it happens
+  WorkerId worker;
+  UnitId unit;         ///< in its hand
+  bool is_silent;      ///< it is not heard of at all; else it shows no progress
+  Seconds since;       ///< its last sign
+  Seconds until_hung;  ///< from now
+};
 struct GiveUp {};  ///< workers keep disagreeing; no result can be trusted
 
-using PlanOrder = std::variant<Assign, MergeResult, DiscardResult, SetAside, DismissWorker, RedoTile, GiveUp>;
+using PlanOrder =
+    std::variant<Assign, MergeResult, DiscardResult, SetAside, DismissWorker, RedoTile, Overdue, GiveUp>;
 
 /// The state of a run. Rules:
 /// - Units are issued pass by pass. A worker has at most `kUnitsPerWorker`; only the first is in its hand.
@@ -155,9 +174,12 @@ class Plan {
   struct Worker {
     std::deque<UnitId> units;  // the first is in hand
     Seconds in_hand_since = 0;
-    bool proven = false;  // has finished a unit
+    Seconds heard_at = 0, progress_at = 0;  // last signs of life, and of progress at what is in hand
+    bool proven = false;                    // has finished a unit
+    bool overdue = false;                   // which has been told
     int failures_in_a_row = 0;
     bool hung = false;       // its lease expired and nothing came since
+    bool silent = false;     // ... for silence
     Seconds hung_until = 0;  // then it is dismissed
   };
   // A unit that was issued and that somebody still has, or that waits to be issued again. A unit before its
@@ -174,6 +196,8 @@ class Plan {
 
   void on(const WorkerJoined& event);
   void on(const WorkerLost& event);
+  void on(const Alive& event);
+  void on(const Progressed& event);
   void on(const UnitDone& event);
   void on(const UnitFailed& event);
   void on(const ResultCorrupt& event);
@@ -201,7 +225,15 @@ class Plan {
   std::optional<UnitId> straggler_for(WorkerId worker);
   [[nodiscard]] bool better_elsewhere(const Unit& unit, WorkerId worker) const;
   [[nodiscard]] bool rendered_by_someone(const Unit& unit) const;
-  [[nodiscard]] Seconds lease(const Worker& worker) const;
+  void show_progress(Worker& worker);
+  void take_in_hand(Worker& worker);
+  void tell_if_overdue(WorkerId id, Worker& worker);
+  /// How long its unit in hand may go without progress, and the worker without a word.
+  struct Lease {
+    Seconds progress, silence;
+  };
+  [[nodiscard]] Lease lease(const Worker& worker) const;
+  [[nodiscard]] Seconds hung_at(const Worker& worker) const;
   [[nodiscard]] std::vector<bool>& contributions(WorkerId worker, std::uint32_t image);
 
   LeaseRule leases_;
@@ -215,7 +247,8 @@ class Plan {
       contributions_;  // tiles, also of lost workers
 
   Seconds now_ = 0;
-  Seconds slowest_ = 0, total_ = 0;
+  Seconds longest_wait_ = 0;  // for a sign of progress
+  Seconds total_ = 0;         // of finished units
   std::uint64_t timed_ = 0;
   std::uint64_t units_total_ = 0, units_left_ = 0, units_duplicated_ = 0, units_requeued_ = 0;
   int disputes_ = 0;

@@ -19,6 +19,9 @@ std::string unit_text(const RenderUnit& unit);
 std::string dismissal_text(const DismissWorker& order, const RenderUnit& unit, const std::string& detail,
                            const WorkerName& name);
 
+/// Which worker is waited for, and how long that may go on.
+std::string overdue_text(const Overdue& order, const RenderUnit& unit, const WorkerName& name);
+
 /// Which unit is missing in the image, at whose hands, and the command that repeats it. `detail` as above.
 std::string set_aside_text(const SetAside& order, const RenderUnit& unit, const std::string& detail,
                            const std::string& reproduce_command, const WorkerName& name);

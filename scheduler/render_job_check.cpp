@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "scheduler/protocol/wire.h"
+#include "scheduler/render_memory.h"
 
 namespace penumbra {
 namespace {
@@ -33,14 +34,17 @@ Expected<void> check_render_job(const RenderJob& job) {
         fmt::format("tiles of {} pixels cut {} x {} pixels into more than {} pieces; take larger tiles",
                     job.tile, job.width, job.height, kMostTiles));
   }
-  const std::uint64_t film_bytes =
-      std::uint64_t(job.width) * std::uint64_t(job.height) * sizeof(PixelStatistics);
+  const std::uint64_t bytes_per_pixel =
+      pixel_memory(plane_count(job.scene.header.features)).peak(!job.interactive);
+  // No overflow: each side is an int.
+  const double bytes = double(job.width) * double(job.height) * double(bytes_per_pixel);
   const std::uint64_t memory = std::uint64_t(sysconf(_SC_PHYS_PAGES)) * std::uint64_t(sysconf(_SC_PAGESIZE));
-  if (film_bytes > memory) {
+  if (bytes > double(memory)) {
     return fail(
-        fmt::format("{} x {} pixels need {:.1f} GB for their statistics; this machine has {:.1f} GB. Render "
-                    "the image in several crops",
-                    job.width, job.height, double(film_bytes) * 1e-9, double(memory) * 1e-9));
+        fmt::format("{} x {} pixels need {:.1f} GB, {} bytes each for their statistics, layers and files; "
+                    "this machine has {:.1f} GB. Render the image in several crops, or without layers "
+                    "(--no-features)",
+                    job.width, job.height, bytes * 1e-9, bytes_per_pixel, double(memory) * 1e-9));
   }
   if (job.spp < 1) return fail("0 samples per pixel; at least 1 is needed");
   if (job.samples_per_pass < 1 || job.samples_per_pass > kMaxSamplesPerUnit) {

@@ -134,13 +134,15 @@ void RenderRun::look_after_workers() {
   for (const auto& [id, worker] : workers_) {
     if (worker.gone && !worker.ended && now - worker.gone_since > kTimeToDie) workers_here_->kill(worker.pid);
   }
-  for (const WorkerEnd& end : workers_here_->look_after(now)) worker_ended(end);
-  workers_here_->start_missing(now);
+  // By the plan's time: neither may a pause of this process look like one of a worker that starts.
+  for (const WorkerEnd& end : workers_here_->look_after(plan_time_)) worker_ended(end);
+  workers_here_->start_missing(plan_time_);
   tell_start_problems();
 }
 
 void RenderRun::tell_start_problems() {
   for (std::string& text : workers_here_->take_problems()) problem(std::move(text));
+  for (std::string& text : workers_here_->take_notices()) notice(std::move(text));
 }
 
 void RenderRun::worker_ended(const WorkerEnd& end) {

@@ -41,11 +41,13 @@ class RenderRun {
     bool ready = false, dismissed = false, gone = false, ended = false;
     std::optional<UnitId> last_unit;  // in its hand when it was lost
     Seconds gone_since = 0;
+    std::uint64_t parts = 0;  // of units, as it says
   };
 
   void on(const arrivals::Connected& arrival);
   void on(const arrivals::Compiling& arrival);
   void on(const arrivals::Ready& arrival);
+  void on(const arrivals::Beat& arrival);
   void on(const arrivals::JobFailed& arrival);
   void on(arrivals::Result& arrival);
   void on(const arrivals::BadResult& arrival);
@@ -61,6 +63,7 @@ class RenderRun {
   void obey(const SetAside& order, arrivals::Result*);
   void obey(const DismissWorker& order, arrivals::Result*);
   void obey(const RedoTile& order, arrivals::Result*);
+  void obey(const Overdue& order, arrivals::Result*);
   void obey(const GiveUp&, arrivals::Result*);
 
   Expected<void> start();

@@ -23,6 +23,7 @@ void RenderRun::on(const arrivals::Connected& arrival) {
   Worker& worker = workers_[arrival.worker];
   worker.share.name = fmt::format("{}:{}", arrival.host, arrival.pid);
   worker.pid = arrival.pid;
+  workers_here_->is_heard_of(worker.pid, plan_time_);
   const bool embree = job_.scene.header.intersector == INTERSECTOR_EMBREE;
   const auto options = options_for_worker(job_.device, embree, arrival.isas, worker.share.name);
   if (options) {
@@ -52,6 +53,13 @@ void RenderRun::on(const arrivals::Ready& arrival) {
   workers_here_->is_ready(worker.pid);
   if (ready_ == 0) ready_ = since_start();
   tell_plan(WorkerJoined{arrival.worker});
+}
+
+void RenderRun::on(const arrivals::Beat& arrival) {
+  Worker& worker = workers_.at(arrival.worker);
+  workers_here_->is_heard_of(worker.pid, plan_time_);
+  tell_plan(Alive{arrival.worker});
+  if (arrival.parts != std::exchange(worker.parts, arrival.parts)) tell_plan(Progressed{arrival.worker});
 }
 
 void RenderRun::on(const arrivals::JobFailed& arrival) {
@@ -96,7 +104,7 @@ void RenderRun::on(const arrivals::ViewChanged& arrival) {
   view_ = arrival.view;
   active_ = 0;
   plan_ = make_plan();
-  merge_ = make_merge();
+  merge_.start_again();
   details_.clear();
   samples_done_ = 0;
   relative_error_ = std::numeric_limits<double>::quiet_NaN();
@@ -156,6 +164,10 @@ void RenderRun::obey(const DismissWorker& order, arrivals::Result*) {
 }
 
 void RenderRun::obey(const RedoTile& order, arrivals::Result*) { samples_done_ -= merge_.redo(order.tile); }
+
+void RenderRun::obey(const Overdue& order, arrivals::Result*) {
+  notice(overdue_text(order, unit(order.unit), names()));
+}
 
 void RenderRun::obey(const GiveUp&, arrivals::Result*) {
   problem(fmt::format(

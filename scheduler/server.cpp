@@ -122,6 +122,8 @@ std::optional<Arrival> understand(WorkerId worker, Connection& connection,
       return arrivals::Compiling{worker, message.compiling().device()};
     case wire::WorkerMessage::kReady:
       return arrivals::Ready{worker, message.ready().device(), decode(message.ready())};
+    case wire::WorkerMessage::kBeat:
+      return arrivals::Beat{worker, message.beat().parts()};
     case wire::WorkerMessage::kJobFailed:
       return arrivals::JobFailed{worker, message.job_failed().message()};
     case wire::WorkerMessage::kResult:

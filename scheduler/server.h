@@ -38,6 +38,10 @@ struct Ready {
   std::string device;  ///< for people
   DevicePreparation preparation;
 };
+struct Beat {  ///< the worker is alive
+  WorkerId worker;
+  std::uint64_t parts;  ///< of units that it has done so far
+};
 struct JobFailed {  ///< the worker cannot do this job at all
   WorkerId worker;
   std::string message;
@@ -73,9 +77,9 @@ struct SamplesWanted {  ///< by a watcher: so many of each pixel of the view
 
 }  // namespace arrivals
 
-using Arrival = std::variant<arrivals::Connected, arrivals::Compiling, arrivals::Ready, arrivals::JobFailed,
-                             arrivals::Result, arrivals::BadResult, arrivals::UnitFailed, arrivals::Gone,
-                             arrivals::ViewChanged, arrivals::SamplesWanted>;
+using Arrival = std::variant<arrivals::Connected, arrivals::Compiling, arrivals::Ready, arrivals::Beat,
+                             arrivals::JobFailed, arrivals::Result, arrivals::BadResult, arrivals::UnitFailed,
+                             arrivals::Gone, arrivals::ViewChanged, arrivals::SamplesWanted>;
 
 struct ListenOptions {
   std::string address;  ///< for everybody, e.g. "unix:/run/user/1000/penumbra-x/socket"

@@ -25,7 +25,9 @@ class WorkerProcesses {
 
   /// Starts what is missing, unless workers keep ending before they have done anything.
   void start_missing(Seconds now);
-  /// Ends those that are not ready in time, and says which processes have ended.
+  /// A process that is not ready yet has shown that it is alive.
+  void is_heard_of(int pid, Seconds now);
+  /// Ends those that are not ready in time or not heard of, and says which processes have ended.
   std::vector<WorkerEnd> look_after(Seconds now);
   /// The worker has said that it is ready.
   void is_ready(int pid) { starting_.erase(pid); }
@@ -36,13 +38,22 @@ class WorkerProcesses {
   [[nodiscard]] bool any_left() const { return !children_.running().empty(); }
   /// What could not be done, for people; each once.
   [[nodiscard]] std::vector<std::string> take_problems();
+  /// What is waited for, likewise.
+  [[nodiscard]] std::vector<std::string> take_notices();
 
  private:
+  struct Start;
+  void end_start(int pid, Start& start, Seconds now, const std::string& why);
+
   ChildProcesses children_;
   int wanted_;
-  std::map<int, Seconds> starting_;  // pids that are not ready yet, since when
+  struct Start {
+    Seconds since = 0, heard_at = 0;
+    bool is_connected = false, is_told = false;
+  };
+  std::map<int, Start> starting_;  // by pid: those that are not ready yet
   int failed_starts_ = 0, fruitless_deaths_ = 0;
-  std::vector<std::string> problems_;
+  std::vector<std::string> problems_, notices_;
 };
 
 }  // namespace penumbra

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -44,7 +45,7 @@ struct OpenClTuning {
   std::uint64_t memory_bytes = 0;          ///< of the device at most; 0: what there is
   std::uint64_t allocation_bytes = 0;      ///< of one buffer at most; 0: what the device allows
   std::int64_t launch_paths = 0;           ///< a launch holds so many paths; 0: as many as take a moment
-  double launch_seconds = 0;  ///< a launch takes about so long; 0: a moment, on a CPU as long as it takes
+  double launch_seconds = 0;               ///< a launch takes about so long; 0: a moment, on a CPU a second
   std::optional<std::filesystem::path> kernel_cache = {};  ///< unless set, default_kernel_cache()
   std::string build_options = {};                          ///< more options for the compiler
 };
@@ -85,6 +86,15 @@ class Device {
   virtual Expected<SampleBuffer> render(const RenderUnit& unit) = 0;
   /// To be called after the view in the scene's header has changed (see kernels/host/view.h).
   virtual Expected<void> take_view() { return {}; }
+  /// How many parts of units (blocks of paths, kernel launches) are done so far. It grows while render() gets
+  /// on, and stands still where nothing goes on. From any thread.
+  [[nodiscard]] virtual std::uint64_t parts_done() const { return parts_; }
+
+ protected:
+  void part_is_done() { parts_.fetch_add(1, std::memory_order_relaxed); }
+
+ private:
+  std::atomic<std::uint64_t> parts_ = 0;
 };
 
 /// The scene names its intersector; an Embree scene on an OpenCL device is an error. The scene must outlive

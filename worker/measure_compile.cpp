@@ -5,12 +5,11 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <system_error>
 #include <vector>
 
+#include "kernels/host/plain_file.h"
 #include "kernels/host/stopwatch.h"
 #include "worker/device.h"
 
@@ -61,9 +60,11 @@ Expected<Measurement> measure(const DeviceScene& scene, const DeviceOptions& opt
 Expected<void> run(int count, char** arguments) {
   if (count < 1 || count > 2)
     return fail("a device scene's file and perhaps an OpenCL device's name are wanted");
-  std::ifstream file(arguments[0], std::ios::binary);
-  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file), {}};
-  Expected<DeviceScene> scene = DeviceScene::deserialize(bytes);
+  constexpr std::uint64_t kMaxSceneBytes = std::uint64_t{64} << 30;
+  const Expected<std::string> text = read_plain_file(arguments[0], kMaxSceneBytes);
+  if (!text) return std::unexpected(text.error());
+  Expected<DeviceScene> scene =
+      DeviceScene::deserialize({reinterpret_cast<const std::uint8_t*>(text->data()), text->size()});
   if (!scene) return std::unexpected(scene.error());
 
   const EmptyFolder cache;

@@ -139,7 +139,7 @@ class NativeDevice final : public Device {
       Block block = blocks_[std::size_t(thread)].block();
       block.probe = options_.probe;
       BadSamples bad[BAD_KINDS] = {};
-      for (int first; (first = next.fetch_add(block_pixels)) < pixels;)
+      for (int first; (first = next.fetch_add(block_pixels)) < pixels; part_is_done())
         kernel_.render_block(scene_.header, scene_.words.data(), tracer, portable, first,
                              std::min(block_pixels, pixels - first), block, result.values.data(), bad);
       const std::lock_guard lock(noting);

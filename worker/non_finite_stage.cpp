@@ -28,6 +28,8 @@ class DeviceWithStages final : public Device {
     return result;
   }
 
+  std::uint64_t parts_done() const override { return device_->parts_done(); }
+
   Expected<void> take_view() override {
     if (prober_)
       if (Expected<void> taken = prober_->take_view(); !taken) return taken;

@@ -18,6 +18,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kLaunchSeconds = 0.25;         // a watchdog's patience is some 2 s
+constexpr double kCpuLaunchSeconds = 1;         // so that the worker can show progress
 constexpr std::int64_t kFirstLaunch = 1 << 14;  // paths, before anything is known of their time
 constexpr std::size_t kLargestGroup = 64;       // work items; more share no memory, so nothing is won
 
@@ -82,9 +83,10 @@ class OpenClDevice final : public Device {
                tuning.allocation_bytes ? tuning.allocation_bytes : info().max_allocation_bytes};
     if (tuning.launch_paths > 0)
       launch_ = LaunchSize::fixed(tuning.launch_paths);
-    else if (tuning.launch_seconds > 0 || !info().is_cpu)
-      launch_ =
-          LaunchSize::timed(tuning.launch_seconds > 0 ? tuning.launch_seconds : kLaunchSeconds, kFirstLaunch);
+    else if (tuning.launch_seconds > 0)
+      launch_ = LaunchSize::timed(tuning.launch_seconds, kFirstLaunch);
+    else
+      launch_ = LaunchSize::timed(info().is_cpu ? kCpuLaunchSeconds : kLaunchSeconds, kFirstLaunch);
   }
 
   // --- Setting up
@@ -218,6 +220,7 @@ class OpenClDevice final : public Device {
       if (launch_.is_timed()) {
         if (!session_.wait()) return false;
         launch_.took(std::int64_t(count) * samples, seconds_since(begin));
+        part_is_done();
       }
       first += count;
     }
@@ -246,6 +249,7 @@ class OpenClDevice final : public Device {
         if (launch_.is_timed()) {
           if (!session_.wait()) return false;
           launch_.took(now, seconds_since(begin));
+          part_is_done();
         }
         first += now;
       }
@@ -313,7 +317,7 @@ class OpenClDevice final : public Device {
   int items_;
   std::uint32_t features_;
   OpenClLimits limits_;
-  LaunchSize launch_ = LaunchSize::unlimited();
+  LaunchSize launch_ = LaunchSize::timed(kLaunchSeconds, kFirstLaunch);
   DevicePreparation preparation_;
 
   ClProgram program_;

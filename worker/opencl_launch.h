@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <limits>
 
 namespace penumbra {
 
@@ -11,9 +10,8 @@ namespace penumbra {
 /// that keep a display waiting, after some 2 s.
 class LaunchSize {
  public:
-  /// A constant size, or without limit.
+  /// A constant size.
   static LaunchSize fixed(std::int64_t paths) { return {paths, 0}; }
-  static LaunchSize unlimited() { return fixed(std::numeric_limits<std::int64_t>::max()); }
   /// So that a launch takes about so many seconds, beginning with a small one.
   static LaunchSize timed(double seconds, std::int64_t first) { return {first, seconds}; }
 

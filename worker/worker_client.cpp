@@ -5,7 +5,10 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <exception>
+#include <mutex>
+#include <stop_token>
 #include <thread>
 #include <utility>
 #include <variant>
@@ -17,6 +20,8 @@
 
 namespace penumbra {
 namespace {
+
+constexpr std::chrono::seconds kBeatInterval{1};
 
 std::string host_name() {
   char name[256] = {};
@@ -40,10 +45,15 @@ class Session {
  private:
   void read();
   void write();
+  void beat(const std::stop_token& stop);
   Expected<void> work();
   Expected<void> take_job(const wire::Job& job);
   Expected<void> take_view(const wire::View& message);
   void render(const wire::Unit& unit);
+  void put_device(std::unique_ptr<Device> device) {
+    const std::lock_guard lock(device_mutex_);
+    device_ = std::move(device);
+  }
   void say(wire::WorkerMessage message) { outbox_.put(std::move(message)); }
 
   const WorkerClientOptions& options_;
@@ -55,7 +65,10 @@ class Session {
   bool leaving_ = false;  // of the reading thread: the scheduler has said that it is over
   std::atomic<std::uint32_t> newest_view_ = 0;  // that has come, if not yet its turn
 
+  std::atomic<bool> beat_waits_ = false;  // in the outbox
+
   DeviceScene scene_;
+  std::mutex device_mutex_;         // while the pointer changes: beats come from another thread
   std::unique_ptr<Device> device_;  // after the scene that it renders
 };
 
@@ -79,7 +92,10 @@ Expected<void> Session::run() {
 
   std::thread reader([this] { read(); });
   std::thread writer([this] { write(); });
+  std::jthread heart([this](const std::stop_token& stop) { beat(stop); });
   Expected<void> worked = work();
+  heart.request_stop();
+  heart.join();
   outbox_.close();
   writer.join();
   stream_->WritesDone();
@@ -107,6 +123,7 @@ void Session::write() {
     wire::WorkerMessage message;
     if (auto* ready_made = std::get_if<wire::WorkerMessage>(&*item)) {
       message = std::move(*ready_made);
+      if (message.has_beat()) beat_waits_ = false;
     } else {
       const FinishedUnit& unit = std::get<FinishedUnit>(*item);
       if (unit.result) {
@@ -123,6 +140,24 @@ void Session::write() {
       }
     }
     if (!stream_->Write(message)) return;  // broken; the reader says so
+  }
+}
+
+/// A thread of its own, since the working one is in its device for as long as that takes. One beat at a time
+/// is on its way, so a connection that is stuck does not collect them.
+void Session::beat(const std::stop_token& stop) {
+  std::mutex mutex;
+  std::condition_variable_any never;
+  std::unique_lock lock(mutex);
+  while (!never.wait_for(lock, stop, kBeatInterval, [&] { return stop.stop_requested(); })) {
+    if (beat_waits_.exchange(true)) continue;
+    wire::WorkerMessage message;
+    message.mutable_beat();
+    {
+      const std::lock_guard device_lock(device_mutex_);
+      if (device_ != nullptr) message.mutable_beat()->set_parts(device_->parts_done());
+    }
+    say(std::move(message));
   }
 }
 
@@ -157,7 +192,7 @@ Expected<void> Session::work() {
 }
 
 Expected<void> Session::take_job(const wire::Job& job) {
-  device_.reset();
+  put_device(nullptr);
   Expected<DeviceOptions> device_options = decode(job.device());
   if (!device_options) return std::unexpected(device_options.error());
   device_options->backend = options_.backend.value_or(device_options->backend);
@@ -178,7 +213,7 @@ Expected<void> Session::take_job(const wire::Job& job) {
   scene_ = std::move(*scene);
   Expected<std::unique_ptr<Device>> device = options_.make_device(scene_, *device_options);
   if (!device) return std::unexpected(device.error());
-  device_ = std::move(*device);
+  put_device(std::move(*device));
 
   wire::WorkerMessage ready;
   ready.mutable_ready()->set_job(job.id());

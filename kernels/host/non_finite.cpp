@@ -19,7 +19,7 @@ std::string_view stage_name(int stage) {
     case STAGE_CONTROL:
       return "control variate";
     case STAGE_FILTER:
-      return "film filter";
+      return "film filter, or a layer";
     default:
       return "unknown stage";
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kernels/features.h"
+#include "kernels/host/error.h"
 #include "kernels/host/non_finite.h"
 #include "kernels/unit.h"
 
@@ -53,7 +54,8 @@ constexpr int plane_count(std::uint32_t features) {
 
 /// Statistics of `sample_count` samples for each pixel of a rectangle. Plane p of pixel (x, y), counted from
 /// the rectangle's corner, is `values[(p * height + y) * width + x]`. A pure function of scene, seed, pixel
-/// and the range of sample indices: the same bytes from any worker.
+/// and the range of sample indices: the same bytes from any worker. All values are finite: samples that are
+/// not are counted and left out by the device, see block_accumulate.h.
 struct SampleBuffer {
   int width = 0;
   int height = 0;
@@ -71,5 +73,9 @@ struct SampleBuffer {
     return std::span(values).subspan(std::size_t(p) * pixels(), pixels());
   }
 };
+
+/// Whether the values are statistics at all: every one finite, no deviation below 0. What goes into a film
+/// from outside has been through this.
+Expected<void> check_statistics(const SampleBuffer& buffer);
 
 }  // namespace penumbra

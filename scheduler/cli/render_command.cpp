@@ -58,22 +58,27 @@ void print_summary(const RenderOutcome& outcome, const OutputFiles& files) {
              samples_per_second(outcome) * 1e-6);
 }
 
-/// Samples that are no numbers, as warnings or as an error; whether there are any.
+/// Samples that are no numbers, and variances that no file holds, as warnings or as errors; whether there are
+/// any.
 bool print_non_finite(const FilmAccumulator& film, const std::string& reproduce_command, bool strict) {
   const std::pair<NonFiniteSamples, const char*> kinds[] = {{film.nan(), "NaN"},
                                                             {film.infinite(), "infinite"}};
-  bool any = false;
-  for (const auto& [samples, kind] : kinds) {
-    if (samples.count == 0) continue;
-    any = true;
-    const std::string text = non_finite_text(samples, kind, reproduce_command);
+  std::vector<std::string> texts;
+  for (const auto& [samples, kind] : kinds)
+    if (samples.count > 0) texts.push_back(non_finite_text(samples, kind, reproduce_command));
+  if (const std::uint64_t pixels = pixels_of_infinite_variance(film); pixels > 0)
+    texts.push_back(fmt::format(
+        "the variance of {} pixel{} is more than a file's single precision holds, and infinite there; the "
+        "radiance is as it should be. Scale the lights down",
+        pixels, pixels == 1 ? "" : "s"));
+  for (const std::string& text : texts) {
     if (strict) {
       print_error({text});
     } else {
       print_warning(text);
     }
   }
-  return any;
+  return !texts.empty();
 }
 
 void print_problems(const RenderOutcome& outcome, bool stopped) {

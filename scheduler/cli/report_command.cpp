@@ -4,11 +4,11 @@
 
 #include <array>
 #include <cstdlib>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "kernels/host/plain_file.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/report_assembly.h"
@@ -38,8 +38,8 @@ std::array<double, 3> load_averages() {
 
 /// Of the program that renders: cells that another build of it made are not this report's.
 std::string file_hash(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  constexpr std::uint64_t kMaxProgramBytes = std::uint64_t{4} << 30;
+  const std::string bytes = read_plain_file(path, kMaxProgramBytes).value_or("");
   return hash_text(XXH3_64bits(bytes.data(), bytes.size()));
 }
 

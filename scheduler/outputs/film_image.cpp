@@ -1,6 +1,7 @@
 #include "scheduler/outputs/film_image.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 namespace penumbra {
@@ -54,6 +55,19 @@ SampleRange sample_range(const FilmAccumulator& film) {
     }
   }
   return range;
+}
+
+std::uint64_t pixels_of_infinite_variance(const FilmAccumulator& film) {
+  std::uint64_t pixels = 0;
+  for (int y = film.y(); y < film.y() + film.height(); ++y) {
+    for (int x = film.x(); x < film.x() + film.width(); ++x) {
+      const PixelStatistics& pixel = film.at(x, y);
+      const bool infinite = std::ranges::any_of(
+          pixel.m2, [&](double m2) { return !std::isfinite(float(variance_of_mean(pixel.count, m2))); });
+      pixels += infinite ? 1 : 0;
+    }
+  }
+  return pixels;
 }
 
 double variance_of_mean(std::uint64_t count, double m2) {

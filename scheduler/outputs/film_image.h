@@ -19,6 +19,9 @@ struct SampleRange {
 };
 SampleRange sample_range(const FilmAccumulator& film);
 
+/// Pixels with a variance that no float holds: infinite in the image, while it is finite in the film.
+std::uint64_t pixels_of_infinite_variance(const FilmAccumulator& film);
+
 /// Layers, by OpenEXR's naming convention, the film's rectangle as data window in a film of `film_width` x
 /// `film_height`:
 ///   R G B             mean radiance, linear Rec. 709

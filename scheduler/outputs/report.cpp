@@ -57,7 +57,8 @@ Json samples_json(const FilmAccumulator& film, const std::string& reproduce_comm
           {"least_per_pixel", range.least},
           {"most_per_pixel", range.most},
           {"nan", non_finite_json(film.nan(), reproduce_command)},
-          {"infinite", non_finite_json(film.infinite(), reproduce_command)}};
+          {"infinite", non_finite_json(film.infinite(), reproduce_command)},
+          {"pixels_of_infinite_variance", pixels_of_infinite_variance(film)}};
 }
 
 /// Means over the image of the closed form of polygon lights, of what shadows take from it, and of the

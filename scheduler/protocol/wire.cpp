@@ -4,6 +4,7 @@
 #include <xxhash.h>
 
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 namespace penumbra {
@@ -226,6 +227,10 @@ Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit&
   }
   buffer.values.resize(count);
   std::memcpy(buffer.values.data(), message.values().data(), message.values().size());
+  if (const Expected<void> checked = check_statistics(buffer); !checked)
+    return fail("the result has " + checked.error().message);
+  if (!(message.busy_seconds() >= 0 && std::isfinite(message.busy_seconds())))
+    return fail(fmt::format("the result took {} seconds, says the worker", message.busy_seconds()));
   return buffer;
 }
 

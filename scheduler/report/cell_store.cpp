@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "kernels/host/plain_file.h"
 #include "scheduler/outputs/atomic_file.h"
 #include "scheduler/outputs/image_files.h"
 #include "scheduler/outputs/render_record.h"
@@ -15,19 +15,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::uint64_t kMaxCellBytes = std::uint64_t{16} << 20;
+constexpr std::uint64_t kMaxImageBytes = std::uint64_t{16} << 30;
+
 Json phases_json(const PhaseSeconds& seconds) {
   return {{"build", seconds.build},
           {"transfer", seconds.transfer},
           {"render", seconds.render},
           {"total", seconds.total}};
-}
-
-/// Nothing if there is no such plain file.
-std::optional<std::string> bytes_of(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return std::nullopt;
-  std::ifstream file(path, std::ios::binary);
-  return std::string{std::istreambuf_iterator<char>(file), {}};
 }
 
 ImageResult result_from_json(const Json& json) {
@@ -79,7 +74,7 @@ std::optional<ImageResult> CellStore::find(const CellId& id, std::string* damage
     if (damage != nullptr) *damage = fmt::format("{} {}", path.string(), what);
     return std::nullopt;
   };
-  const auto json_text = bytes_of(json_path(id));
+  const auto json_text = read_plain_file(json_path(id), kMaxCellBytes);
   if (!json_text) return std::nullopt;
   ImageResult result;
   std::string image_hash;
@@ -93,7 +88,7 @@ std::optional<ImageResult> CellStore::find(const CellId& id, std::string* damage
     return damaged(json_path(id), "is damaged, or of another version");
   }
   result.file = image_path(id);
-  const auto image = bytes_of(result.file);
+  const auto image = read_plain_file(result.file, kMaxImageBytes);
   if (!image) return damaged(result.file, "is missing");
   if (hash_text(XXH3_64bits(image->data(), image->size())) != image_hash)
     return damaged(result.file, "is not the image that was rendered");

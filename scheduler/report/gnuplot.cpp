@@ -2,14 +2,18 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <sstream>
+#include <thread>
 
+#include "kernels/host/plain_file.h"
 #include "scheduler/outputs/atomic_file.h"
 #include "scheduler/quoting.h"
 
@@ -18,18 +22,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string contents(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
+constexpr std::uint64_t kMaxPlotBytes = std::uint64_t{256} << 20;
+constexpr std::chrono::seconds kTimeToDraw{300};
+constexpr std::chrono::milliseconds kPollInterval{2};
+
+/// Empty if it cannot be read.
+std::string contents(const fs::path& path) { return read_plain_file(path, kMaxPlotBytes).value_or(""); }
 
 Expected<void> write_text(const fs::path& path, const std::string& text) {
   return write_file_atomically(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
-/// Runs the program in a folder, with its output in the file `log` there; its exit status.
+/// Runs the program in a folder, with its output in the file `log` there; its exit status. One that does not
+/// end is killed.
 Expected<int> run_program(const fs::path& program, const fs::path& folder, const std::string& argument,
                           const std::string& log) {
   const pid_t child = fork();
@@ -45,8 +50,17 @@ Expected<int> run_program(const fs::path& program, const fs::path& folder, const
     _exit(127);
   }
   int status = 0;
-  while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) return fail(fmt::format("lost {}: {}", program.string(), std::strerror(errno)));
+  const auto deadline = std::chrono::steady_clock::now() + kTimeToDraw;
+  for (pid_t ended = 0; ended != child;) {
+    ended = waitpid(child, &status, WNOHANG);
+    if (ended < 0 && errno != EINTR)
+      return fail(fmt::format("lost {}: {}", program.string(), std::strerror(errno)));
+    if (ended == 0 && std::chrono::steady_clock::now() > deadline) {
+      kill(child, SIGKILL);
+      waitpid(child, &status, 0);
+      return fail(fmt::format("{} did not end within {} s", program.string(), kTimeToDraw.count()));
+    }
+    if (ended == 0) std::this_thread::sleep_for(kPollInterval);
   }
   return status;
 }

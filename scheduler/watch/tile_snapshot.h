@@ -21,6 +21,10 @@ struct TileSnapshot {
   std::vector<float> standard_error;  ///< of the mean radiance, root mean square of its channels, one a
                                       ///< pixel; NaN below two samples
 
+  /// Of the memory that it takes.
+  static constexpr std::size_t bytes_per_pixel(bool hybrid) {
+    return (3 + 1 + (hybrid ? 3 : 0)) * sizeof(float);
+  }
   [[nodiscard]] std::size_t pixels() const { return std::size_t(width) * std::size_t(height); }
 };
 

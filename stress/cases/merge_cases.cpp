@@ -128,6 +128,10 @@ const std::vector<Entry>& entries() {
        [] {
          return std::vector<Block>{{4096, 1e30f, 0}, {4096, 3e30f, 0}, {4096, 2e30f, 0}};
        }},
+      {"radiance-3e38", "means and deviations of 3e38, whose squares no float holds",
+       [] {
+         return std::vector<Block>{{4096, 1e38f, 3e38f}, {4096, 3e38f, 3e38f}, {4096, -2e38f, 3e38f}};
+       }},
       {"spike", "one result of 1e8 among 1000 of 0",
        [] {
          return repeated({{4096, 0, 0}, {4096, 1e8f, 3.125e7f}}, 999, {4096, 0, 0});

@@ -90,7 +90,8 @@ void add_placements(std::vector<Case>& cases) {
 }
 
 void add_radiances(std::vector<Case>& cases) {
-  for (const auto& [name, radiance] : {std::pair("1e-20", 1e-20f), std::pair("1e20", 1e20f)}) {
+  for (const auto& [name, radiance] :
+       {std::pair("1e-20", 1e-20f), std::pair("1e20", 1e20f), std::pair("3e37", 3e37f)}) {
     const float l = radiance;
     for (const Method& m : kMethods)
       add_floor(cases, fmt::format("radiance-{}", name), fmt::format("a light of radiance {}", name), m, l,

@@ -44,12 +44,15 @@ void add_statistics(std::vector<Case>& cases) {
     const char *name, *stiff;
     double count, base, step, period;
   };
-  const Entry entries[] = {{"constant", "4096 equal samples", 4096, .1, 0, 1},
-                           {"offset-1e8", "a spread of one rounding about 1e8", 4096, 1e8, 8, 2},
-                           {"spread-1e-20", "a radiance of 1e-20", 4096, 1e-20, 1e-20, 2},
-                           {"spread-1e20", "a radiance of 1e20", 4096, 1e20, 1e20, 2},
-                           {"spike", "one sample of 1e8 in 4096 of 1", 4096, 1, 0, 1},
-                           {"one", "one sample", 1, .3, 0, 1}};
+  const Entry entries[] = {
+      {"constant", "4096 equal samples", 4096, .1, 0, 1},
+      {"offset-1e8", "a spread of one rounding about 1e8", 4096, 1e8, 8, 2},
+      {"spread-1e-20", "a radiance of 1e-20", 4096, 1e-20, 1e-20, 2},
+      {"spread-1e20", "a radiance of 1e20", 4096, 1e20, 1e20, 2},
+      {"spread-3e37", "a radiance of 3e37, of which 12 samples are no float", 4096, 3e37, 3e37, 2},
+      {"largest", "samples next to the largest float", 4096, 3.2e38, 2e37, 2},
+      {"spike", "one sample of 1e8 in 4096 of 1", 4096, 1, 0, 1},
+      {"one", "one sample", 1, .3, 0, 1}};
   for (const Entry& e : entries) {
     const double base = rounded(e.base), step = rounded(e.step);
     const Numbers inputs = {e.count, base, step, e.period};

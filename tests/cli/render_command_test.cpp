@@ -2,12 +2,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdio>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "kernels/host/sample_buffer.h"
 #include "scheduler/outputs/image.h"
+#include "scheduler/render_memory.h"
 #include "tests/cli/program.h"
 #include "tests/cli/small_scene.h"
 #include "tests/outputs/temporary_folder.h"
@@ -112,6 +115,58 @@ TEST_F(RenderCommand, SamplesThatAreNoNumbersAreReportedOrAnError) {
   EXPECT_EQ(strict.exit_code, 1);
   EXPECT_THAT(strict.err, HasSubstr("error: "));
   render({"--strict-numerics"});
+}
+
+TEST_F(RenderCommand, AVarianceThatNoFloatHoldsIsReported) {
+  std::string text = file_contents(folder_ / "s.xml");
+  const std::string radiance = "4, 3, 2";
+  text.replace(text.find(radiance), radiance.size(), "3e37, 3e37, 3e37");
+  write_text(folder_ / "huge.xml", text);
+  const auto huge = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"render", "huge.xml", "-o", "huge.exr", "-q"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_penumbra(folder_.path(), arguments);
+  };
+  const ProgramResult lenient = huge({});
+  EXPECT_EQ(lenient.exit_code, 0);
+  EXPECT_THAT(lenient.err, HasSubstr("warning: the variance of "));
+  const Image written = image("huge.exr");
+  double largest = 0;
+  for (int y = 0; y < 20; ++y)
+    for (int x = 0; x < 24; ++x) {
+      const double radiance_here = written.at(x, y, *written.channel("R"));
+      ASSERT_TRUE(std::isfinite(radiance_here)) << x << ", " << y;
+      largest = std::max(largest, radiance_here);
+    }
+  EXPECT_GT(largest, 1e36);
+  const ProgramResult strict = huge({"--strict-numerics"});
+  EXPECT_EQ(strict.exit_code, 1);
+  EXPECT_THAT(strict.err, HasSubstr("error: the variance of "));
+}
+
+TEST_F(RenderCommand, TheMemoryOfAPixelIsWhatIsCountedForIt) {
+  std::string text = file_contents(folder_ / "s.xml");
+  for (const auto& [from, to] :
+       {std::pair<std::string, std::string>{R"("width" value="24")", R"("width" value="1400")"},
+        {R"("height" value="20")", R"("height" value="1000")"}})
+    text.replace(text.find(from), from.size(), to);
+  write_text(folder_ / "large.xml", text);
+  const auto peak = [&](const std::string& scene, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"render", scene, "-o", "a.exr", "-q", "--spp", "1"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(run_penumbra(folder_.path(), arguments).exit_code, 0);
+    return report("a.json")["memory"]["scheduler_peak_bytes"].get<double>();
+  };
+  for (const bool layers : {true, false}) {
+    const std::vector<std::string> more =
+        layers ? std::vector<std::string>{} : std::vector<std::string>{"--no-features"};
+    const double measured = peak("large.xml", more) - peak("s.xml", more);
+    const double counted =
+        1400.0 * 1000 * double(pixel_memory(layers ? kFeaturePlanes : kRadiancePlanes).peak(true));
+    // Less where a file compresses well; more for results on their way.
+    EXPECT_GT(measured, 0.5 * counted) << layers;
+    EXPECT_LT(measured, 1.2 * counted) << layers;
+  }
 }
 
 TEST_F(RenderCommand, FilesDoNotDependOnWorkersThreadsOrTiles) {

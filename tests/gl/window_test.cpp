@@ -160,6 +160,27 @@ TEST_F(WindowTest, AVisibleWindowShowsWhatWasDrawn) {
   EXPECT_THAT(visible->take_gl_errors(), IsEmpty());
 }
 
+TEST_F(WindowTest, TheSmallestWindowIsDrawn) {
+  for (const bool visible : {true, false}) {
+    SCOPED_TRACE(visible);
+    window_.reset();
+    auto window = Window::create({.width = 1280, .height = 720, .visible = visible, .debug = true});
+    ASSERT_TRUE(window.has_value()) << window.error().message;
+    // Before the first frame, which makes the panel's style: the window is small already, and the event that
+    // says so has not been heard.
+    ASSERT_TRUE(window->resize(1, 1).has_value());
+    for (int frame = 0; frame < 3; ++frame) {
+      window->begin_frame();
+      ImGui::Begin("panel");
+      ImGui::TextUnformatted("text");
+      ImGui::End();
+      window->end_frame();
+      window->poll(0.05);
+    }
+    EXPECT_THAT(window->take_gl_errors(), IsEmpty());
+  }
+}
+
 TEST_F(WindowTest, ErrorsOfOpenGlAreHeard) {
   glEnable(0xdead);
   EXPECT_THAT(window_->take_gl_errors(), Not(IsEmpty()));

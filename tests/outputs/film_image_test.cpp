@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "scheduler/render_memory.h"
+
 namespace penumbra {
 namespace {
 
@@ -51,6 +55,25 @@ TEST(FilmImage, PutsEveryStatisticInItsLayer) {
     EXPECT_FLOAT_EQ(image.at(x, y, *image.channel("visibility.Y")), seen / whole);
     EXPECT_EQ(image.at(x, y, *image.channel("samples.count")), 5);
   }
+}
+
+TEST(FilmImage, HasAsManyChannelsAsItsMemoryIsCountedFor) {
+  for (const int planes : {int(kRadiancePlanes), int(kFeaturePlanes), int(kSampleBufferPlanes)}) {
+    const Image image = image_of_film(FilmAccumulator(0, 0, 2, 1, planes), 2, 1);
+    EXPECT_EQ(image.channels.size(), std::size_t(image_channels(planes)));
+    EXPECT_LE(image.values.size() * sizeof(float), 2 * pixel_memory(planes).output);
+  }
+}
+
+TEST(FilmImage, CountsPixelsWhoseVarianceNoFloatHolds) {
+  FilmAccumulator film(0, 0, 3, 1, kRadiancePlanes);
+  SampleBuffer huge = buffer_of(3, 1, kRadiancePlanes, 2);
+  film.add(0, 0, huge);
+  EXPECT_EQ(pixels_of_infinite_variance(film), 0u);
+  huge.plane(kDeviationB)[1] = 3e37f;
+  film.add(0, 0, huge);
+  EXPECT_EQ(pixels_of_infinite_variance(film), 1u);
+  EXPECT_TRUE(std::isfinite(film.at(1, 0).m2[2]));
 }
 
 TEST(FilmImage, HasNoFeatureLayersWithoutFeatures) {

@@ -1,10 +1,13 @@
 #include "scheduler/child_processes.h"
 
 #include <gmock/gmock.h>
+#include <pthread.h>
 #include <signal.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <fstream>
+#include <thread>
 
 #include "tests/support/fake_processes.h"
 
@@ -60,6 +63,46 @@ TEST(ChildProcesses, StopsTheStoppedAndTheStubborn) {
   workers.stop_all();
   EXPECT_THAT(workers.running(), IsEmpty());
   for (const pid_t pid : pids) EXPECT_EQ(process_state(pid), 0);
+}
+
+std::atomic<bool> stops_before_it_executes = false;
+
+TEST(ChildProcesses, AChildThatIsStoppedBeforeItExecutesHoldsNobodyUp) {
+  // The handler runs in the child, within fork().
+  static const int registered =
+      pthread_atfork(nullptr, nullptr, [] { stops_before_it_executes ? void(raise(SIGSTOP)) : void(); });
+  ASSERT_EQ(registered, 0);
+  const pid_t self = getpid();
+  std::atomic<bool> rescued = false;
+  std::jthread rescue([&](const std::stop_token& stop) {
+    if (eventually([&] { return stop.stop_requested(); }, 20s)) return;
+    rescued = true;
+    for (const pid_t child : children_of(self)) kill(child, SIGKILL);
+  });
+  ChildProcesses workers = shells("exit 7");
+  stops_before_it_executes = true;
+  const Expected<pid_t> stopped = workers.start();
+  stops_before_it_executes = false;
+  ASSERT_TRUE(stopped) << stopped.error().message;
+  EXPECT_FALSE(rescued) << "start() waited for the child";
+  EXPECT_EQ(process_state(*stopped), 'T');
+  EXPECT_THAT(workers.reap(), IsEmpty());
+  kill(*stopped, SIGCONT);
+  EXPECT_EQ(reap_one(workers)[0].how, "exit code 7");
+
+  ChildProcesses missing("/no/such/program", {});
+  stops_before_it_executes = true;
+  ASSERT_TRUE(missing.start()) << "nobody knows yet";
+  stops_before_it_executes = false;
+  kill(missing.running()[0], SIGCONT);
+  EXPECT_THAT(reap_one(missing)[0].how, HasSubstr("cannot start '/no/such/program': No such file"));
+
+  stops_before_it_executes = true;
+  ASSERT_TRUE(workers.start());
+  stops_before_it_executes = false;
+  workers.stop_all();
+  EXPECT_THAT(workers.running(), IsEmpty());
+  EXPECT_FALSE(rescued);
 }
 
 TEST(ChildProcesses, NothingIsInheritedButStandardError) {

@@ -54,6 +54,29 @@ TEST(Merge, TheFilmDependsNeitherOnTilesNorOnTheOrderOfArrival) {
   }
 }
 
+TEST(Merge, StartsAgainInTheSameMemory) {
+  const TileGrid tiles = grid(16);
+  Merge merge = empty_merge(tiles);
+  const PixelStatistics* memory = &merge.film().at(kX, kY);
+  merge.skip(1, 0);
+  for (std::uint32_t tile = 0; tile < tiles.tiles(); ++tile) {
+    for (const std::uint32_t pass : {0u, 1u, 4u})  // the last one waits
+      if (tile != 1 || pass > 0)
+        merge.add(tile, pass, fake_samples(tiles.unit(tile, pass), kFeaturePlanes, 7));
+  }
+  ASSERT_GT(merge.waiting(), 0u);
+  ASSERT_GT(merge.film().nan().count, 0u);
+  merge.start_again();
+  EXPECT_EQ(merge.waiting(), 0u);
+  EXPECT_EQ(merge.finished_passes(), 0u);
+  EXPECT_EQ(merge.film().nan().count, 0u);
+  EXPECT_EQ(merge.film().hash(), empty_merge(tiles).film().hash());
+  EXPECT_EQ(&merge.film().at(kX, kY), memory);
+  for (const Piece& piece : pieces(tiles))
+    merge.add(piece.tile, piece.pass, fake_samples(tiles.unit(piece.tile, piece.pass), kFeaturePlanes));
+  EXPECT_EQ(merge.film().hash(), merged_hash(16, 0));
+}
+
 TEST(Merge, TheHashNoticesAnOrderThatIsNotThePasses) {
   // The floor under the test above: without Merge the order of the passes does show in the bytes.
   const TileGrid tiles = grid(64);

@@ -48,7 +48,7 @@ class SimulatedFarm {
   }
 
   void run() {
-    plan_.emplace(images_, LeaseRule{.initial = 20, .minimum = 5, .factor = 3, .growth = 2});
+    plan_.emplace(images_, LeaseRule{.initial = 20, .minimum = 5, .factor = 3, .growth = 2, .silence = 8});
     for (int crew = between(1, 6); crew > 0; --crew) join();
     for (int events = 0; !plan_->finished() && !plan_->gave_up(); ++events) {
       ASSERT_LT(events, kMostEvents) << "the plan does not come to an end";
@@ -80,6 +80,7 @@ class SimulatedFarm {
     now_ = somebody ? std::max(now_, next->second.ready_at) : next_tick_;
     if (!somebody) {
       next_tick_ += 0.5;
+      beat();
       if (int(workers_.size()) < 2 || chance(0.02)) join();  // the dead are replaced, some others come too
       tell(Tick{});
       return;
@@ -109,6 +110,18 @@ class SimulatedFarm {
         tell(UnitDone{id, unit, lie ? id + 1000 : 7}, lie);
         return;
       }
+    }
+  }
+
+  /// Workers say that they are alive, and now and then that they get on; not those that hang, and half of the
+  /// others' words are lost.
+  void beat() {
+    std::vector<WorkerId> alive;
+    for (const auto& [id, worker] : workers_)
+      if (!worker.units.empty() && worker.ready_at != kNever && chance(0.5)) alive.push_back(id);
+    for (const WorkerId id : alive) {
+      tell(Alive{id});
+      if (chance(0.3)) tell(Progressed{id});
     }
   }
 
@@ -201,6 +214,8 @@ class SimulatedFarm {
     std::erase_if(merged_, [&](const auto& m) { return in_tile(m.first); });
     std::erase_if(lies_, in_tile);
   }
+
+  void obey(const Overdue& order, bool) { ASSERT_TRUE(workers_.contains(order.worker)); }
 
   void obey(const GiveUp&, bool) { ASSERT_GT(habits_.lies, 0); }
 

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <limits>
 #include <map>
 #include <set>
 #include <vector>
@@ -25,9 +26,11 @@ constexpr UnitId unit(std::uint32_t pass, std::uint32_t tile, std::uint32_t imag
   return {.image = image, .pass = pass, .tile = tile};
 }
 
+constexpr Seconds kNever = std::numeric_limits<Seconds>::infinity();
+
 class PlanTest : public testing::Test {
  protected:
-  void start(std::uint32_t tiles, std::uint32_t passes, LeaseRule leases = {}) {
+  void start(std::uint32_t tiles, std::uint32_t passes, LeaseRule leases = {.silence = kNever}) {
     plan_.emplace(std::vector{ImageUnits{tiles, passes}}, leases);
   }
 
@@ -296,7 +299,9 @@ TEST_F(PlanTest, ResultsOfUnknownWorkersAreDiscarded) {
 
 // --- Leases
 
-const LeaseRule kLeases{.initial = 60, .minimum = 10, .factor = 20, .growth = 2};
+const LeaseRule kLeases{.initial = 60, .minimum = 10, .factor = 20, .growth = 2, .silence = kNever};
+const LeaseRule kWithBeats{
+    .initial = 60, .minimum = 10, .factor = 20, .growth = 2, .silence = 8, .patience = 5};
 
 TEST_F(PlanTest, ANewWorkerHasTheInitialLease) {
   start(9, 1, kLeases);
@@ -404,6 +409,118 @@ TEST_F(PlanTest, AWorkerThatStaysSilentIsDismissed) {
   EXPECT_THAT(dismissed(), IsEmpty());
   wait(1);
   EXPECT_THAT(dismissed(), ElementsAre(Pair(1, Fault::kHung)));
+}
+
+TEST_F(PlanTest, AWorkerThatIsNotHeardOfIsGivenUpSoon) {
+  start(9, 1, kWithBeats);
+  join(1);
+  wait(7.9);
+  EXPECT_EQ(plan_->units_requeued(), 0u);
+  wait(0.1);
+  EXPECT_EQ(plan_->units_requeued(), 2u) << "long before its first lease ends";
+  wait(7.9);
+  EXPECT_THAT(dismissed(), IsEmpty());
+  wait(0.1);
+  EXPECT_THAT(dismissed(), ElementsAre(Pair(1, Fault::kHung)));
+}
+
+TEST_F(PlanTest, AWorkerThatOnlySaysThatItIsAliveHasItsLeaseAndNoMore) {
+  start(9, 1, kWithBeats);
+  join(1);
+  for (int i = 0; i < 59; ++i) {
+    wait(1);
+    tell(Alive{1});
+  }
+  EXPECT_EQ(plan_->units_requeued(), 0u);
+  wait(1);
+  EXPECT_EQ(plan_->units_requeued(), 2u);
+  for (int i = 0; i < 59; ++i) {
+    wait(1);
+    tell(Alive{1});
+  }
+  EXPECT_THAT(dismissed(), IsEmpty());
+  wait(1);
+  EXPECT_THAT(dismissed(), ElementsAre(Pair(1, Fault::kHung)));
+}
+
+TEST_F(PlanTest, AUnitThatGetsOnMayTakeAnyTime) {
+  start(9, 1, kWithBeats);
+  join(1);
+  for (int i = 0; i < 1000; ++i) {
+    wait(7);
+    tell(Progressed{1});
+    ASSERT_EQ(plan_->units_requeued(), 0u);
+  }
+  work(1);
+  EXPECT_THAT(merged(), ElementsAre(unit(0, 0)));
+}
+
+TEST_F(PlanTest, TheLeaseFollowsTheLongestPartOfAUnit) {
+  start(9, 1, kWithBeats);
+  join(1);
+  for (const Seconds part : {1.0, 3.0, 2.0}) {
+    wait(part);
+    tell(Progressed{1});
+  }
+  work(1);
+  for (int i = 0; i < 59; ++i) {  // 20 x 3 s, and not 20 times the unit's 7 s
+    wait(1);
+    tell(Alive{1});
+  }
+  EXPECT_EQ(plan_->units_requeued(), 0u);
+  wait(1);
+  EXPECT_EQ(plan_->units_requeued(), 2u);
+}
+
+TEST_F(PlanTest, AStoppedWorkerThatGoesOnIsTakenBack) {
+  start(9, 1, kWithBeats);
+  join(1);
+  wait(8);
+  ASSERT_EQ(plan_->units_requeued(), 2u);
+  tell(Alive{1});
+  wait(7.9);
+  tell(Alive{1});
+  wait(7.9);
+  EXPECT_THAT(dismissed(), IsEmpty());
+  work(1);
+  EXPECT_THAT(merged(), ElementsAre(unit(0, 0)));
+}
+
+TEST_F(PlanTest, AnIdleWorkerNeedNotBeHeardOf) {
+  start(1, 1, kWithBeats);
+  join(1);
+  work(1);
+  wait(100);
+  tell(MorePasses{0, 2});
+  ASSERT_THAT(held_[1], ElementsAre(unit(1, 0)));
+  wait(7.9);
+  EXPECT_EQ(plan_->units_requeued(), 0u);
+}
+
+TEST_F(PlanTest, WhatIsWaitedForIsToldOnce) {
+  start(9, 1, kWithBeats);
+  join(1);
+  const auto overdue = [this] { return all<Overdue, Overdue>([](const Overdue& o) { return o; }); };
+  wait(4.9);
+  EXPECT_THAT(overdue(), IsEmpty());
+  wait(0.1);
+  ASSERT_THAT(overdue(), SizeIs(1));
+  EXPECT_EQ(overdue()[0].worker, 1u);
+  EXPECT_EQ(overdue()[0].unit, unit(0, 0));
+  EXPECT_TRUE(overdue()[0].is_silent);
+  EXPECT_NEAR(overdue()[0].since, 5, 1e-9);
+  EXPECT_NEAR(overdue()[0].until_hung, 3, 1e-9);
+  wait(1);
+  EXPECT_THAT(overdue(), IsEmpty()) << "said already";
+  tell(Progressed{1});
+  for (int i = 0; i < 11; ++i) {
+    wait(1);
+    EXPECT_THAT(overdue(), IsEmpty()) << "twice the six seconds of the longest part so far";
+    tell(Alive{1});
+  }
+  wait(1);
+  ASSERT_THAT(overdue(), SizeIs(1));
+  EXPECT_FALSE(overdue()[0].is_silent);
 }
 
 TEST_F(PlanTest, AUnitThatHangsThreeWorkersIsSetAsideAfterEverLongerLeases) {

@@ -16,6 +16,8 @@
 #include <thread>
 
 #include "kernels/host/peak_memory.h"
+#include "scheduler/render_job_check.h"
+#include "scheduler/render_memory.h"
 #include "scheduler/worker_isa.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/fake_processes.h"
@@ -245,6 +247,14 @@ TEST_F(RenderJobTest, ADamagedResultIsRejectedAndRedone) {
   EXPECT_THAT(outcome->problems, Contains(HasSubstr("damaged result")));
 }
 
+TEST_F(RenderJobTest, ANaNThatNoCounterExplainsIsADamagedResult) {
+  FakeBehaviour{.nan_claim = claim_file()}.to_environment();
+  const Expected<RenderOutcome> outcome = render(job(2));
+  expect_the_right_film(outcome);
+  EXPECT_THAT(outcome->problems,
+              Contains(AllOf(HasSubstr("damaged result"), HasSubstr("the result has nan as a"))));
+}
+
 TEST_F(RenderJobTest, AHungWorkerDoesNotHoldUpTheRender) {
   FakeBehaviour{.delay_ms = 1, .hang_claim = claim_file()}.to_environment();
   const Expected<RenderOutcome> outcome = render(job(2));
@@ -259,6 +269,43 @@ TEST_F(RenderJobTest, ALonelyHungWorkerIsReplaced) {
   expect_the_right_film(outcome);
   EXPECT_THAT(outcome->problems, Contains(HasSubstr("hung")));
   EXPECT_EQ(outcome->workers.size(), 2u);
+}
+
+TEST_F(RenderJobTest, AWorkerThatIsStoppedInItsFirstUnitIsToldAndReplaced) {
+  // The first unit takes longer than the lease, and is none the worse for it: only the first process is
+  // stopped.
+  FakeBehaviour{.delay_ms = 1500}.to_environment();
+  RenderJob alone = job(1, 1000);
+  alone.leases = {.initial = 600, .minimum = 600, .silence = 3, .patience = 2};
+  std::vector<pid_t> victims;
+  std::string notices;
+  const std::atomic<bool> stop = false;
+  const Expected<RenderOutcome> outcome = run_render(alone, stop, [&](const RenderProgress& progress) {
+    for (const std::string& notice : progress.notices) notices += notice + "\n";
+    if (!victims.empty() || progress.workers < 1) return;
+    victims = children_of(getpid());
+    ASSERT_THAT(victims, SizeIs(1));
+    kill(victims[0], SIGSTOP);
+  });
+  ASSERT_THAT(victims, SizeIs(1)) << "the render was over before anybody could be stopped";
+  expect_the_right_film(outcome);
+  EXPECT_THAT(notices, AllOf(ContainsRegex("waiting for worker [^ ]+:" + std::to_string(victims[0])),
+                             HasSubstr("has not been heard of for 2 s at the tile of 120 x 100 pixels")));
+  EXPECT_THAT(outcome->problems,
+              Contains(AllOf(HasSubstr(std::to_string(victims[0])), HasSubstr("was ended: it hung"))));
+  EXPECT_EQ(outcome->workers.size(), 2u);
+}
+
+TEST_F(RenderJobTest, AUnitThatTakesLongerThanItsLeaseButGetsOnIsWaitedFor) {
+  FakeBehaviour{.delay_ms = 4000}.to_environment();
+  RenderJob slow = job(1, 1000);
+  slow.spp = kSamplesPerPass;
+  slow.leases = {.initial = 2.5, .minimum = 2.5, .factor = 1};
+  const Expected<RenderOutcome> outcome = render(slow);
+  ASSERT_TRUE(outcome) << outcome.error().message;
+  EXPECT_TRUE(outcome->complete);
+  EXPECT_THAT(outcome->problems, IsEmpty());
+  EXPECT_EQ(outcome->units_requeued, 0u);
 }
 
 TEST_F(RenderJobTest, StopKeepsWhatIsMerged) {
@@ -418,6 +465,25 @@ TEST_F(RenderJobTest, NonsenseIsRefusedInWords) {
                 j.tile = 1024;
               }),
               HasSubstr("GB"));
+}
+
+TEST_F(RenderJobTest, MemoryIsCountedWithLayersAndFiles) {
+  RenderJob large = job();
+  const double memory = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
+  const auto fits = [&](double bytes_per_pixel) {
+    const int side = int(std::sqrt(memory / bytes_per_pixel));
+    large.scene.header.film_width = large.scene.header.film_height = large.width = large.height = side;
+    large.x = large.y = 0;
+    large.tile = 1024;
+    return check_render_job(large);
+  };
+  const double whole = double(pixel_memory(kFeaturePlanes).peak(true));
+  EXPECT_TRUE(fits(1.01 * whole));
+  ASSERT_FALSE(fits(0.99 * whole));
+  EXPECT_THAT(fits(0.99 * whole).error().message, AllOf(HasSubstr("GB"), HasSubstr("--no-features")));
+  EXPECT_FALSE(fits(2.0 * sizeof(PixelStatistics))) << "twice what radiance alone takes";
+  large.interactive = true;  // writes no files
+  EXPECT_TRUE(fits(0.99 * whole));
 }
 
 // --- No orphans

@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <grpcpp/create_channel.h>
 
+#include <cmath>
+#include <limits>
+
 #include "scheduler/private_socket.h"
 #include "scheduler/protocol/wire.h"
 #include "tests/support/fake_samples.h"
@@ -146,6 +149,17 @@ TEST_F(ServerTest, WhatIsSaidOfKernelsArrivesAsItIs) {
   EXPECT_FALSE(next<arrivals::Ready>().preparation.kernels) << "compiled with the worker";
 }
 
+TEST_F(ServerTest, ABeatArrivesAsItIs) {
+  say_hello();
+  const WorkerId worker = next<arrivals::Connected>().worker;
+  wire::WorkerMessage message;
+  message.mutable_beat()->set_parts(12);
+  stream_->Write(message);
+  const auto beat = next<arrivals::Beat>();
+  EXPECT_EQ(beat.worker, worker);
+  EXPECT_EQ(beat.parts, 12u);
+}
+
 TEST_F(ServerTest, AFlippedBitIsNoticed) {
   connect_and_take_a_unit();
   wire::WorkerMessage message = good_result();
@@ -179,6 +193,45 @@ TEST_F(ServerTest, ImpossibleCountsAreNoticed) {
   wire::WorkerMessage message = good_result();
   message.mutable_result()->mutable_nan()->set_count(61);
   EXPECT_THAT(why_rejected(message), HasSubstr("61 samples that are no numbers"));
+}
+
+TEST_F(ServerTest, ValuesThatAreNoStatisticsAreNoticed) {
+  connect_and_take_a_unit();
+  const float nan = std::nanf(""), infinity = std::numeric_limits<float>::infinity();
+  struct Bad {
+    int plane;
+    float value;
+    const char* text;
+  };
+  for (const Bad& bad :
+       {Bad{kMeanG, nan, "nan as a mean radiance of its pixel (1, 2)"},
+        Bad{kMeanR, -infinity, "-inf as a mean radiance"}, Bad{kDeviationB, infinity, "inf as a deviation"},
+        Bad{kDeviationR, nan, "nan as a deviation"}, Bad{kDeviationG, -1, "-1 as a deviation"},
+        Bad{kDepth, nan, "nan as a layer"}}) {
+    SCOPED_TRACE(bad.text);
+    const int planes = bad.plane < kRadiancePlanes ? kRadiancePlanes : kFeaturePlanes;
+    SampleBuffer buffer = fake_samples(kArea, planes);
+    buffer.plane(bad.plane)[11] = bad.value;
+    buffer.nan = {.count = 1, .x = kArea.x, .y = kArea.y, .sample = kArea.first_sample};  // explains nothing
+    wire::UnitResult message;
+    encode(buffer, message);
+    const Expected<SampleBuffer> decoded = decode(message, kArea, planes);
+    ASSERT_FALSE(decoded);
+    EXPECT_THAT(decoded.error().message, HasSubstr(bad.text));
+    if (planes != kRadiancePlanes) continue;
+    wire::WorkerMessage whole = good_result();
+    encode(buffer, *whole.mutable_result());
+    server_->send_unit(1, kUnit, kArea, kRadiancePlanes);
+    EXPECT_THAT(why_rejected(whole), HasSubstr(bad.text));
+  }
+}
+
+TEST_F(ServerTest, AnImpossibleTimeIsNoticed) {
+  for (const double seconds : {-1.0, std::nan(""), double(std::numeric_limits<float>::infinity())}) {
+    wire::WorkerMessage message = good_result();
+    message.mutable_result()->set_busy_seconds(seconds);
+    EXPECT_FALSE(decode(message.result(), kArea, kRadiancePlanes)) << seconds;
+  }
 }
 
 TEST_F(ServerTest, AResultThatNobodyAskedForIsRejected) {

@@ -5,8 +5,10 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <limits>
 #include <thread>
 
 #include "kernels/features.h"
@@ -25,11 +27,14 @@ void for_each_field(Behaviour& behaviour, Visit visit) {
   visit("PENUMBRA_FAKE_LIE_CLAIM", behaviour.lie_claim);
   visit("PENUMBRA_FAKE_LIAR_DELAY_MS", behaviour.liar_delay_ms);
   visit("PENUMBRA_FAKE_DAMAGE_CLAIM", behaviour.damage_claim);
+  visit("PENUMBRA_FAKE_NAN_CLAIM", behaviour.nan_claim);
   visit("PENUMBRA_FAKE_DIE_AT_START", behaviour.die_at_start);
   visit("PENUMBRA_FAKE_NO_DEVICE", behaviour.no_device);
   visit("PENUMBRA_FAKE_FAIL_ALWAYS", behaviour.fail_always);
   visit("PENUMBRA_FAKE_ISAS", behaviour.isas);
 }
+
+constexpr int kPartMs = 100;
 
 bool claim(const std::string& file) {
   if (file.empty()) return false;
@@ -48,22 +53,26 @@ class FakeDevice final : public Device {
         planes_(plane_count(scene.header.features)),
         hangs_(claim(behaviour_.hang_claim)),
         lies_(claim(behaviour_.lie_claim)),
-        damages_(claim(behaviour_.damage_claim)) {}
+        damages_(claim(behaviour_.damage_claim)),
+        spoils_(claim(behaviour_.nan_claim)) {}
 
   [[nodiscard]] std::string description() const override { return "fake"; }
 
   Expected<SampleBuffer> render(const RenderUnit& unit) override {
     const std::string place = fmt::format("{},{},{}", unit.x, unit.y, unit.first_sample);
-    std::this_thread::sleep_for(std::chrono::milliseconds(behaviour_.delay_ms));
+    if (lies_ && units_ == 0)
+      std::this_thread::sleep_for(std::chrono::milliseconds(behaviour_.liar_delay_ms));
+    // As a device that gets on.
+    for (int left = behaviour_.delay_ms; left > 0; left -= kPartMs, part_is_done())
+      std::this_thread::sleep_for(std::chrono::milliseconds(std::min(left, kPartMs)));
     if (place == behaviour_.crash_at) kill(getpid(), SIGKILL);
     if (place == behaviour_.fail_at || behaviour_.fail_always != 0)
       return fail("the fake device was told to fail");
     ++units_;
     while (hangs_ && units_ == 2) pause();
-    if (lies_ && units_ == 1)
-      std::this_thread::sleep_for(std::chrono::milliseconds(behaviour_.liar_delay_ms));
     SampleBuffer buffer = fake_samples(unit, planes_, shift_);
     if (lies_) buffer.values[unit.sample_count % buffer.values.size()] += 0.25f;
+    if (spoils_) buffer.values[buffer.values.size() / 2] = std::numeric_limits<float>::quiet_NaN();
     if (damages_) buffer.values.pop_back();
     return buffer;
   }
@@ -78,7 +87,7 @@ class FakeDevice final : public Device {
   FakeBehaviour behaviour_;
   float shift_;
   int planes_;
-  bool hangs_, lies_, damages_;
+  bool hangs_, lies_, damages_, spoils_;
   int units_ = 0;
 };
 

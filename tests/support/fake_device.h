@@ -24,6 +24,7 @@ struct FakeBehaviour {
   std::string hang_claim = {};    ///< hangs for ever in its second unit
   std::string lie_claim = {};     ///< returns wrong values, which still look like a result
   std::string damage_claim = {};  ///< returns a buffer of the wrong size
+  std::string nan_claim = {};     ///< returns a NaN among the values and counts none
   int liar_delay_ms = 0;          ///< how late the liar is with its first unit
   int die_at_start = 0;           ///< 1: the process ends before it connects
   int no_device = 0;              ///< 1: the device cannot be made

@@ -472,6 +472,11 @@ TEST_F(PenumbraViewTest, WhatCannotWorkIsSaid) {
   EXPECT_EQ(bad_script.exit_code, 2);
   EXPECT_THAT(bad_script.err, AllOf(ContainsRegex("script.*txt:1:6: error"), HasSubstr("connected")));
 
+  const ProgramResult endless =
+      run_penumbra(path(), {"view", "scene.xml", "--script", "/dev/zero", "--hidden"});
+  EXPECT_EQ(endless.exit_code, 2);
+  EXPECT_THAT(endless.err, HasSubstr("--script: '/dev/zero' is not a plain file"));
+
   const ProgramResult nobody =
       view({"--connect", "unix:" + (path() / "nobody").string()}, "wait connected timeout 1\n");
   EXPECT_EQ(nobody.exit_code, 1);

@@ -57,6 +57,14 @@ void for_each_pixel(Visit visit) {
     for (int x = kArea.x; x < kArea.x + kArea.width; ++x) visit(x, y, i++);
 }
 
+TEST(Snapshot, TakesTheMemoryThatIsCountedForIt) {
+  for (const bool hybrid : {true, false}) {
+    const TileSnapshot tile = snapshot_of(film_of({2}), kArea, hybrid, 1);
+    const std::size_t floats = tile.radiance.size() + tile.difference.size() + tile.standard_error.size();
+    EXPECT_EQ(floats * sizeof(float), tile.pixels() * TileSnapshot::bytes_per_pixel(hybrid));
+  }
+}
+
 std::uint32_t bits(float v) { return std::bit_cast<std::uint32_t>(v); }
 
 TEST(SnapshotOf, HoldsTheFilmsMeansPixelByPixel) {

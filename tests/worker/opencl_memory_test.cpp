@@ -117,7 +117,6 @@ TEST(OpenClLaunch, AFixedSizeStays) {
   size.took(7, 100);
   EXPECT_EQ(size.paths(), 7);
   EXPECT_FALSE(size.is_timed());
-  EXPECT_FALSE(LaunchSize::unlimited().is_timed());
 }
 
 }  // namespace

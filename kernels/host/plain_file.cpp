@@ -1,0 +1,54 @@
+#include "kernels/host/plain_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace penumbra {
+namespace {
+
+struct Descriptor {
+  explicit Descriptor(const std::filesystem::path& file)
+      : number(open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}  // a pipe's open() may wait as well
+  ~Descriptor() {
+    if (number >= 0) close(number);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  const int number;
+};
+
+}  // namespace
+
+Expected<std::string> read_plain_file(const std::filesystem::path& file, std::uint64_t max_bytes) {
+  const auto unreadable = [&](int error) {
+    return fail(fmt::format("cannot read '{}': {}", file.string(), std::strerror(error)));
+  };
+  const Descriptor descriptor(file);
+  if (descriptor.number < 0 && errno == ENOENT)
+    return fail(fmt::format("there is no file '{}'", file.string()));
+  if (descriptor.number < 0) return unreadable(errno);
+  struct stat status {};
+  if (fstat(descriptor.number, &status) != 0) return unreadable(errno);
+  if (!S_ISREG(status.st_mode)) return fail(fmt::format("'{}' is not a plain file", file.string()));
+  const auto size = std::uint64_t(status.st_size);
+  if (size > max_bytes)
+    return fail(
+        fmt::format("'{}' has {} bytes; the most that is read is {}", file.string(), size, max_bytes));
+  std::string text(size, '\0');
+  for (std::size_t got = 0; got < text.size();) {
+    const ssize_t count = read(descriptor.number, text.data() + got, text.size() - got);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return unreadable(errno);
+    if (count == 0) return fail(fmt::format("'{}' became shorter while it was read", file.string()));
+    got += std::size_t(count);
+  }
+  return text;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,22 @@
+// The memory that this process needs for an image, a pixel: of the film and of everything that is made of it.
+#pragma once
+
+#include <cstdint>
+
+namespace penumbra {
+
+/// How many channels an image file of results with so many planes has, see image_of_film.
+int image_channels(int planes);
+
+/// Bytes for each pixel of a render whose results have so many planes (see plane_count).
+struct PixelMemory {
+  std::uint64_t film = 0;    ///< while it goes on and after
+  std::uint64_t watch = 0;   ///< beside it while it goes on, if somebody watches: the board's newest tiles
+  std::uint64_t output = 0;  ///< beside it afterwards: the image, and its file while it grows in memory
+
+  /// At the worst time.
+  [[nodiscard]] std::uint64_t peak(bool writes_files) const;
+};
+PixelMemory pixel_memory(int planes);
+
+}  // namespace penumbra
