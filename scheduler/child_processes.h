@@ -29,8 +29,8 @@ class ChildProcesses {
   ChildProcesses& operator=(const ChildProcesses&) = delete;
   ~ChildProcesses() { stop_all(); }
 
-  /// Starts one more. Fails if the program cannot be executed.
-  Expected<pid_t> start();
+  /// Starts one more, with these NAME=value in its environment. Fails if the program cannot be executed.
+  Expected<pid_t> start(std::vector<std::string> environment = {});
   /// The children that ended since the last call.
   std::vector<ChildExit> reap();
   /// Ends a child at once, even one that is stopped; `reap` reports it.

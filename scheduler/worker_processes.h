@@ -27,6 +27,9 @@ class WorkerProcesses {
   void start_missing(Seconds now);
   /// Ends those that are not ready in time, and says which processes have ended.
   std::vector<WorkerEnd> look_after(Seconds now);
+  /// The process that was started with this key, which nobody else knows; 0 if there is none, or if somebody
+  /// has shown it before. What else a worker says of who it is is not believed.
+  int claim(const std::string& key);
   /// The worker has said that it is ready.
   void is_ready(int pid) { starting_.erase(pid); }
   /// A unit has been finished: workers that end from here on have a fresh account.
@@ -41,6 +44,7 @@ class WorkerProcesses {
   ChildProcesses children_;
   int wanted_;
   std::map<int, Seconds> starting_;  // pids that are not ready yet, since when
+  std::map<std::string, int> keys_;  // not claimed yet, and whose they are
   int failed_starts_ = 0, fruitless_deaths_ = 0;
   std::vector<std::string> problems_;
 };

@@ -17,7 +17,7 @@ namespace penumbra {
 
 namespace wire = penumbra::v1;
 
-constexpr std::uint32_t kProtocolVersion = 3;
+constexpr std::uint32_t kProtocolVersion = 4;
 constexpr std::size_t kAssetChunkBytes = std::size_t(1) << 20;
 
 /// Largest message that a peer accepts: a tile of 2048 x 2048 pixels with all planes, and some.
@@ -38,7 +38,8 @@ Expected<DeviceOptions> decode(const wire::DeviceOptions& message);
 
 /// How a device came to be ready.
 void encode(const DevicePreparation& preparation, wire::Ready& message);
-DevicePreparation decode(const wire::Ready& message);
+/// Fails if it took a time that is no number, or has more warnings than anybody reads.
+Expected<DevicePreparation> decode(const wire::Ready& message);
 
 void encode(const UnitId& id, wire::UnitId& message);
 UnitId decode(const wire::UnitId& message);
@@ -50,8 +51,8 @@ Expected<RenderUnit> decode(const wire::Unit& message);
 
 /// The buffer, its counts and the checksum.
 void encode(const SampleBuffer& buffer, wire::UnitResult& message);
-/// Fails, in words for the report, if the checksum does not match or the buffer is not one of `unit` with
-/// `planes` planes.
+/// Fails, in words for the report, if the checksum does not match, the buffer is not one of `unit` with
+/// `planes` planes, or it took a time that is no number.
 Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit& unit, int planes);
 
 void encode(const View& view, wire::Camera& message);
