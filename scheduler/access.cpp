@@ -1,11 +1,13 @@
 #include "scheduler/access.h"
 
 #include <fmt/format.h>
+#include <grpcpp/security/auth_metadata_processor.h>
 #include <sys/random.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstring>
@@ -19,16 +21,6 @@ namespace {
 
 constexpr int kLargestPort = 65535;
 
-struct HostAndPort {
-  std::string_view host, port;
-};
-
-HostAndPort split(std::string_view address) {
-  const std::size_t colon = address.rfind(':');
-  if (colon == std::string_view::npos) return {address, {}};
-  return {address.substr(0, colon), address.substr(colon + 1)};
-}
-
 /// In a time that does not depend on where they differ.
 bool are_equal(std::string_view a, std::string_view b) {
   unsigned difference = a.size() == b.size() ? 0 : 1;
@@ -37,7 +29,48 @@ bool are_equal(std::string_view a, std::string_view b) {
   return difference == 0;
 }
 
+/// Looks at the metadata of each call.
+class TokenCheck final : public grpc::AuthMetadataProcessor {
+ public:
+  explicit TokenCheck(const Tokens& tokens)
+      : watch_(token_metadata(tokens.watch)), work_(token_metadata(tokens.work)) {}
+
+  bool IsBlocking() const override { return false; }
+
+  grpc::Status Process(const InputMetadata& metadata, grpc::AuthContext*, OutputMetadata*,
+                       OutputMetadata*) override {
+    const std::string_view shown = find(metadata, kTokenKey), call = find(metadata, ":path");
+    const bool watches = are_equal(shown, watch_), works = are_equal(shown, work_);
+    if (!watches && !works)
+      return {grpc::StatusCode::UNAUTHENTICATED,
+              "the token is missing or wrong; the scheduler printed it when it started"};
+    const bool is_work = call.ends_with("/Work");
+    // Both need the scene.
+    if (call.ends_with("/Asset") || (is_work ? works : watches)) return grpc::Status::OK;
+    return {grpc::StatusCode::PERMISSION_DENIED,
+            fmt::format("this token is for {}; the scheduler printed another one for {}",
+                        watches ? "watching" : "workers", watches ? "workers" : "watching")};
+  }
+
+ private:
+  static std::string_view find(const InputMetadata& metadata, const char* key) {
+    const auto found = metadata.find(key);
+    return found == metadata.end() ? std::string_view()
+                                   : std::string_view(found->second.data(), found->second.size());
+  }
+
+  const std::string watch_, work_;
+};
+
 }  // namespace
+
+HostAndPort split_address(std::string_view address) {
+  const std::size_t colon = address.rfind(':');
+  if (colon == std::string_view::npos) return {address, {}};
+  return {address.substr(0, colon), address.substr(colon + 1)};
+}
+
+std::string unix_path(const std::string& address) { return address.substr(std::string_view("unix:").size()); }
 
 bool is_port(std::string_view text) {
   int port = -1;
@@ -52,7 +85,7 @@ Expected<void> check_listen_address(const std::string& address) {
     if (address.size() > std::string_view("unix:").size()) return {};
     return fail(fmt::format("cannot listen on '{}': give a path, as in unix:/tmp/render.socket", address));
   }
-  const auto [host, port] = split(address);
+  const auto [host, port] = split_address(address);
   if (!is_port(port))
     return fail(fmt::format(
         "cannot listen on '{}': give host and port, as in 127.0.0.1:7000, or 0 for any free port, "
@@ -66,7 +99,7 @@ Expected<void> check_listen_address(const std::string& address) {
 }
 
 bool is_answered(const std::string& address) {
-  const std::string path = address.substr(std::string_view("unix:").size());
+  const std::string path = unix_path(address);
   sockaddr_un name{};
   name.sun_family = AF_UNIX;
   if (path.size() >= sizeof name.sun_path) return false;
@@ -79,7 +112,7 @@ bool is_answered(const std::string& address) {
 }
 
 std::string with_port(const std::string& address, int port) {
-  return fmt::format("{}:{}", split(address).host, port);
+  return fmt::format("{}:{}", split_address(address).host, port);
 }
 
 std::string make_token() {
@@ -91,14 +124,13 @@ std::string make_token() {
   return token;
 }
 
-grpc::Status check_access(const grpc::ServerContext& context, const std::string& token) {
-  if (context.peer().starts_with("unix:")) return grpc::Status::OK;
-  const auto found = context.client_metadata().find(kTokenKey);
-  const bool known = found != context.client_metadata().end() && !token.empty() &&
-                     are_equal({found->second.data(), found->second.size()}, token_metadata(token));
-  if (known) return grpc::Status::OK;
-  return {grpc::StatusCode::UNAUTHENTICATED,
-          "the token is missing or wrong; the scheduler printed it when it started"};
+std::shared_ptr<grpc::ServerCredentials> token_credentials(const Tokens& tokens) {
+  // The check belongs to credentials. These are of connections within one host: they change nothing on the
+  // wire.
+  std::shared_ptr<grpc::ServerCredentials> credentials =
+      grpc::experimental::LocalServerCredentials(LOCAL_TCP);
+  credentials->SetAuthMetadataProcessor(std::make_shared<TokenCheck>(tokens));
+  return credentials;
 }
 
 }  // namespace penumbra

@@ -1,9 +1,10 @@
-// Who may talk to a scheduler: over a Unix socket whoever can reach its directory, over TCP on this host
-// whoever knows the token. Connections of other hosts would need encryption, and are refused.
+// Who may talk to a scheduler: over a Unix socket whoever can reach it, over TCP on this host whoever knows a
+// token. Connections of other hosts would need encryption, and are refused.
 #pragma once
 
-#include <grpcpp/server_context.h>
+#include <grpcpp/security/server_credentials.h>
 
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -13,6 +14,15 @@ namespace penumbra {
 
 /// Whether the address is "host:port" rather than "unix:path".
 bool is_tcp(const std::string& address);
+
+/// What is before and after the last colon.
+struct HostAndPort {
+  std::string_view host, port;
+};
+HostAndPort split_address(std::string_view address);
+
+/// The path of "unix:path".
+std::string unix_path(const std::string& address);
 
 /// Whether the text is a port's number, 0 to 65535.
 bool is_port(std::string_view text);
@@ -31,7 +41,15 @@ std::string with_port(const std::string& address, int port);
 /// 128 random bits as 32 hexadecimal digits.
 std::string make_token();
 
-/// OK for calls over a Unix socket and for those whose metadata hold the token; else UNAUTHENTICATED.
-grpc::Status check_access(const grpc::ServerContext& context, const std::string& token);
+/// What callers over TCP must know, and what each opens: who may look is not thereby one whose samples are
+/// believed.
+struct Tokens {
+  std::string watch;  ///< Watch, Control, Asset
+  std::string work;   ///< Work, Asset
+};
+
+/// For a port of this host. A call is looked at when its metadata have come and before anything of a message
+/// is read: UNAUTHENTICATED without one of the tokens, PERMISSION_DENIED where it does not open this call.
+std::shared_ptr<grpc::ServerCredentials> token_credentials(const Tokens& tokens);
 
 }  // namespace penumbra

@@ -13,6 +13,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <string_view>
 #include <thread>
 
 namespace penumbra {
@@ -30,8 +31,24 @@ std::string describe(int status) {
   return fmt::format("exit code {}", WEXITSTATUS(status));
 }
 
+/// These variables, and those of this process that have other names; ends with a null pointer.
+std::vector<char*> with_own_environment(std::vector<std::string>& more) {
+  std::vector<char*> all;
+  for (std::string& variable : more) all.push_back(variable.data());
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    const std::string_view name =
+        std::string_view(*variable).substr(0, std::string_view(*variable).find('='));
+    const auto has_this_name = [&](const std::string& other) {
+      return other.starts_with(name) && other.substr(name.size(), 1) == "=";
+    };
+    if (std::ranges::none_of(more, has_this_name)) all.push_back(*variable);
+  }
+  all.push_back(nullptr);
+  return all;
+}
+
 /// Runs in the child between fork and exec, where only async-signal-safe functions are allowed.
-[[noreturn]] void become(char* const* arguments, pid_t parent, int error_pipe) {
+[[noreturn]] void become(char* const* arguments, char* const* environment, pid_t parent, int error_pipe) {
   // Survives exec. If the parent died before this line, the signal will not come: hence the check.
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);
@@ -45,7 +62,7 @@ std::string describe(int status) {
   dup2(STDERR_FILENO, STDOUT_FILENO);
   // A leaked descriptor of another worker's connection would keep that connection open.
   close_range(STDERR_FILENO + 1, ~0u, CLOSE_RANGE_CLOEXEC);
-  execv(arguments[0], arguments);
+  execve(arguments[0], arguments, environment);
   const int error = errno;
   [[maybe_unused]] const ssize_t written = write(error_pipe, &error, sizeof error);
   _exit(127);
@@ -56,11 +73,12 @@ std::string describe(int status) {
 ChildProcesses::ChildProcesses(std::string executable, std::vector<std::string> arguments)
     : executable_(std::move(executable)), arguments_(std::move(arguments)) {}
 
-Expected<pid_t> ChildProcesses::start() {
+Expected<pid_t> ChildProcesses::start(std::vector<std::string> environment) {
   std::vector<char*> arguments;
   arguments.push_back(executable_.data());
   for (std::string& argument : arguments_) arguments.push_back(argument.data());
   arguments.push_back(nullptr);
+  const std::vector<char*> variables = with_own_environment(environment);
 
   int error_pipe[2];  // closed by a successful exec
   if (pipe2(error_pipe, O_CLOEXEC | O_NONBLOCK) != 0) {
@@ -68,7 +86,7 @@ Expected<pid_t> ChildProcesses::start() {
   }
   const pid_t parent = getpid();
   const pid_t child = fork();
-  if (child == 0) become(arguments.data(), parent, error_pipe[1]);
+  if (child == 0) become(arguments.data(), variables.data(), parent, error_pipe[1]);
   const int fork_error = errno;
   close(error_pipe[1]);
   if (child < 0) {

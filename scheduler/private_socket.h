@@ -9,7 +9,8 @@ namespace penumbra {
 
 /// A fresh directory of mode 0700 under $XDG_RUNTIME_DIR, or /tmp where that is not usable or too long for a
 /// socket's path; removed with the object. A killed process leaves its directory behind: the next one that
-/// comes removes it.
+/// comes removes it. Whoever lives holds a lock on his (flock, which programs that tidy up /tmp respect too),
+/// whether or not anybody listens there at the moment.
 class PrivateSocket {
  public:
   static Expected<PrivateSocket> create();
@@ -22,8 +23,9 @@ class PrivateSocket {
   [[nodiscard]] std::string address() const;
 
  private:
-  explicit PrivateSocket(std::string directory) : directory_(std::move(directory)) {}
+  PrivateSocket(std::string directory, int lock) : directory_(std::move(directory)), lock_(lock) {}
   std::string directory_;
+  int lock_ = -1;
 };
 
 }  // namespace penumbra

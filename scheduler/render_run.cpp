@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "scheduler/protocol/token.h"
 #include "scheduler/quoting.h"
 
 namespace penumbra {
@@ -46,8 +47,13 @@ Expected<void> RenderRun::start() {
   Expected<PrivateSocket> socket = PrivateSocket::create();
   if (!socket) return std::unexpected(socket.error());
   socket_.emplace(std::move(*socket));
-  Expected<std::unique_ptr<Server>> server = Server::listen(
-      {.address = socket_->address(), .more = job_.listen, .interactive = job_.interactive}, board_);
+  Expected<std::unique_ptr<Server>> server =
+      Server::listen({.address = socket_->address(),
+                      .more = job_.listen,
+                      .largest_result = std::size_t(job_.tile) * std::size_t(job_.tile) *
+                                        std::size_t(planes_) * sizeof(float),
+                      .interactive = job_.interactive},
+                     board_);
   if (!server) return std::unexpected(server.error());
   server_ = std::move(*server);
   workers_here_.emplace(job_.worker_executable, socket_->address(), job_.workers);
@@ -79,10 +85,14 @@ Expected<void> RenderRun::start() {
 void RenderRun::tell_how_to_watch() {
   notices_.push_back(fmt::format("to watch: penumbra-view --connect {}", shell_quoted(socket_->address())));
   if (server_->more_address().empty()) return;
-  const std::string& token = server_->token();
-  notices_.push_back(fmt::format("to watch: {}penumbra-view --connect {}",
-                                 token.empty() ? "" : "PENUMBRA_TOKEN=" + shell_quoted(token) + " ",
-                                 shell_quoted(server_->more_address())));
+  const Tokens& tokens = server_->tokens();
+  const auto line = [&](const char* what_for, const std::string& token, const char* program) {
+    return fmt::format("{}: {}{} --connect {}", what_for,
+                       token.empty() ? "" : fmt::format("{}={} ", kTokenVariable, shell_quoted(token)), program,
+                       shell_quoted(server_->more_address()));
+  };
+  notices_.push_back(line("to watch", tokens.watch, "penumbra-view"));
+  if (!tokens.work.empty()) notices_.push_back(line("to help render", tokens.work, "penumbra-worker"));
 }
 
 Expected<RenderOutcome> RenderRun::run() {

@@ -37,7 +37,7 @@ class RenderRun {
 
   struct Worker {
     WorkerShare share;
-    int pid = 0;
+    int pid = 0;  // of the process here; 0: this render has not started it
     bool ready = false, dismissed = false, gone = false, ended = false;
     std::optional<UnitId> last_unit;  // in its hand when it was lost
     Seconds gone_since = 0;

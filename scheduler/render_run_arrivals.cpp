@@ -15,6 +15,12 @@ std::string kernel_text(const KernelOrigin& kernels) {
                      kernels.seconds, kernels.note.empty() ? "" : "; ", kernels.note);
 }
 
+/// gRPC's name of whoever is connected.
+std::string peer_text(const std::string& peer) {
+  if (peer.starts_with("unix:")) return "over the Unix socket";
+  return "from " + peer.substr(peer.find(':') + 1);
+}
+
 }  // namespace
 
 // --- What comes from workers
@@ -22,8 +28,12 @@ std::string kernel_text(const KernelOrigin& kernels) {
 void RenderRun::on(const arrivals::Connected& arrival) {
   Worker& worker = workers_[arrival.worker];
   worker.share.name = fmt::format("{}:{}", arrival.host, arrival.pid);
-  worker.pid = arrival.pid;
-  workers_here_->is_heard_of(worker.pid, plan_time_);
+  worker.pid = workers_here_->claim(arrival.key);
+  if (worker.pid == 0)
+    notice(fmt::format("a worker that this render did not start has joined it: {}, {}", worker.share.name,
+                       peer_text(arrival.peer)));
+  else
+    workers_here_->is_heard_of(worker.pid, plan_time_);
   const bool embree = job_.scene.header.intersector == INTERSECTOR_EMBREE;
   const auto options = options_for_worker(job_.device, embree, arrival.isas, worker.share.name);
   if (options) {

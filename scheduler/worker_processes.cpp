@@ -4,6 +4,9 @@
 
 #include <utility>
 
+#include "scheduler/access.h"
+#include "scheduler/protocol/token.h"
+
 namespace penumbra {
 namespace {
 
@@ -24,8 +27,10 @@ WorkerProcesses::WorkerProcesses(const std::string& executable, const std::strin
 void WorkerProcesses::start_missing(Seconds now) {
   while (int(children_.running().size()) < wanted_ && failed_starts_ < kStartsInARow &&
          fruitless_deaths_ < fruitless_deaths_allowed(wanted_)) {
-    const Expected<pid_t> pid = children_.start();
+    std::string key = make_token();
+    const Expected<pid_t> pid = children_.start({fmt::format("{}={}", kWorkerKeyVariable, key)});
     if (pid) {
+      keys_[std::move(key)] = *pid;
       starting_[*pid] = {.since = now, .heard_at = now};
     } else {
       problems_.push_back(pid.error().message);
@@ -65,6 +70,7 @@ std::vector<WorkerEnd> WorkerProcesses::look_after(Seconds now) {
   }
   std::vector<WorkerEnd> ends;
   for (ChildExit& exit : children_.reap()) {
+    std::erase_if(keys_, [&](const auto& key) { return key.second == exit.pid; });
     const bool was_starting = starting_.erase(exit.pid) > 0;
     ++(was_starting ? failed_starts_ : fruitless_deaths_);
     ends.push_back({std::move(exit), was_starting});
@@ -73,6 +79,11 @@ std::vector<WorkerEnd> WorkerProcesses::look_after(Seconds now) {
 }
 
 std::vector<std::string> WorkerProcesses::take_notices() { return std::exchange(notices_, {}); }
+
+int WorkerProcesses::claim(const std::string& key) {
+  const auto found = keys_.extract(key);
+  return found ? found.mapped() : 0;
+}
 
 std::vector<std::string> WorkerProcesses::take_problems() { return std::exchange(problems_, {}); }
 

@@ -29,6 +29,9 @@ class WorkerProcesses {
   void is_heard_of(int pid, Seconds now);
   /// Ends those that are not ready in time or not heard of, and says which processes have ended.
   std::vector<WorkerEnd> look_after(Seconds now);
+  /// The process that was started with this key, which nobody else knows; 0 if there is none, or if somebody
+  /// has shown it before. What else a worker says of who it is is not believed.
+  int claim(const std::string& key);
   /// The worker has said that it is ready.
   void is_ready(int pid) { starting_.erase(pid); }
   /// A unit has been finished: workers that end from here on have a fresh account.
@@ -51,7 +54,8 @@ class WorkerProcesses {
     Seconds since = 0, heard_at = 0;
     bool is_connected = false, is_told = false;
   };
-  std::map<int, Start> starting_;  // by pid: those that are not ready yet
+  std::map<int, Start> starting_;    // by pid: those that are not ready yet
+  std::map<std::string, int> keys_;  // not claimed yet, and whose they are
   int failed_starts_ = 0, fruitless_deaths_ = 0;
   std::vector<std::string> problems_, notices_;
 };

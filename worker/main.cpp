@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "scheduler/protocol/message_memory.h"
+#include "scheduler/protocol/token.h"
 #include "worker/device.h"
 #include "worker/measure_compile.h"
 #include "worker/opencl_devices.h"
@@ -49,6 +50,10 @@ int main(int argc, char** argv) {
       "penumbra-worker"};
   app.set_version_flag("--version", "penumbra-worker " PENUMBRA_VERSION);
   app.add_option("--connect", options.address, "The scheduler: unix:/path or host:port")->required();
+  app.add_option("--token", options.token,
+                 "What the scheduler printed for workers at host:port; better in PENUMBRA_TOKEN")
+      ->envname(kTokenVariable)
+      ->type_name("TOKEN");
   const auto* backend_option =
       app.add_option("--backend", backend,
                      "Compute with this instead of what the job says: native, opencl or auto")

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <cstdlib>
 #include <exception>
 #include <mutex>
 #include <stop_token>
@@ -16,6 +17,8 @@
 #include "kernels/host/peak_memory.h"
 #include "scheduler/protocol/client.h"
 #include "scheduler/protocol/mailbox.h"
+#include "scheduler/protocol/text.h"
+#include "scheduler/protocol/token.h"
 #include "scheduler/protocol/wire.h"
 
 namespace penumbra {
@@ -26,6 +29,12 @@ constexpr std::chrono::seconds kBeatInterval{1};
 std::string host_name() {
   char name[256] = {};
   return gethostname(name, sizeof name - 1) == 0 ? name : "unknown";
+}
+
+/// Who this process is to the scheduler that started it.
+std::string own_key() {
+  const char* key = std::getenv(kWorkerKeyVariable);
+  return key == nullptr ? "" : wire_text(key, kLongestName);
 }
 
 struct FinishedUnit {
@@ -81,12 +90,14 @@ Expected<void> Session::run() {
         fmt::format("no scheduler answers at {} (waited {} s)", options_.address, options_.connect_timeout));
   }
   stub_ = wire::Farm::NewStub(channel);
+  show_token(context_, options_.token);
   stream_ = stub_->Work(&context_);
 
   wire::WorkerMessage hello;
   hello.mutable_hello()->set_protocol_version(kProtocolVersion);
-  hello.mutable_hello()->set_host(host_name());
+  hello.mutable_hello()->set_host(wire_text(host_name(), kLongestName));
   hello.mutable_hello()->set_pid(getpid());
+  hello.mutable_hello()->set_key(own_key());
   for (const Isa isa : options_.isas) hello.mutable_hello()->add_isas(encode(isa));
   say(std::move(hello));
 
@@ -101,7 +112,9 @@ Expected<void> Session::run() {
   stream_->WritesDone();
   reader.join();
   const grpc::Status status = stream_->Finish();
-  if (worked && !status.ok()) worked = fail("the scheduler broke the connection: " + status.error_message());
+  // Who is sent away in the middle of a unit is not waited for.
+  if (worked && !status.ok() && !leaving_)
+    worked = fail("the scheduler broke the connection: " + status.error_message());
   return worked;
 }
 
@@ -136,7 +149,7 @@ void Session::write() {
       } else {
         message.mutable_unit_failed()->set_job(unit.job);
         encode(unit.id, *message.mutable_unit_failed()->mutable_id());
-        message.mutable_unit_failed()->set_message(unit.result.error().message);
+        message.mutable_unit_failed()->set_message(wire_text(unit.result.error().message, kLongestText));
       }
     }
     if (!stream_->Write(message)) return;  // broken; the reader says so
@@ -170,7 +183,7 @@ Expected<void> Session::work() {
         if (const Expected<void> taken = take_job(message->job()); !taken) {
           wire::WorkerMessage failure;
           failure.mutable_job_failed()->set_job(message->job().id());
-          failure.mutable_job_failed()->set_message(taken.error().message);
+          failure.mutable_job_failed()->set_message(wire_text(taken.error().message, kLongestText));
           say(std::move(failure));
           return taken;
         }
@@ -203,11 +216,12 @@ Expected<void> Session::take_job(const wire::Job& job) {
   device_options->on_compile = [this, id = job.id()](const std::string& name) {
     wire::WorkerMessage compiling;
     compiling.mutable_compiling()->set_job(id);
-    compiling.mutable_compiling()->set_device(name);
+    compiling.mutable_compiling()->set_device(wire_text(name, kLongestName));
     say(std::move(compiling));
   };
 
   grpc::ClientContext context;
+  show_token(context, options_.token);
   Expected<DeviceScene> scene = fetch_scene(*stub_, context, job.scene());
   if (!scene) return std::unexpected(scene.error());
   scene_ = std::move(*scene);
@@ -217,7 +231,7 @@ Expected<void> Session::take_job(const wire::Job& job) {
 
   wire::WorkerMessage ready;
   ready.mutable_ready()->set_job(job.id());
-  ready.mutable_ready()->set_device(device_->description());
+  ready.mutable_ready()->set_device(wire_text(device_->description(), kLongestName));
   encode(device_->preparation(), *ready.mutable_ready());
   say(std::move(ready));
   return {};

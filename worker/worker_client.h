@@ -18,6 +18,7 @@ using DeviceFactory =
 
 struct WorkerClientOptions {
   std::string address;          ///< "unix:/path" or "host:port"
+  std::string token;            ///< what the scheduler printed for workers; none over a Unix socket
   double connect_timeout = 10;  ///< seconds
   std::vector<Isa> isas;        ///< what this machine has, for the scheduler's choice
   // What this machine's owner wants instead of what the job says.

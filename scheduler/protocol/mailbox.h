@@ -1,8 +1,10 @@
-// A closable queue between threads.
+// A closable queue of bounded length between threads.
 #pragma once
 
 #include <chrono>
 #include <condition_variable>
+#include <cstddef>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <queue>
@@ -13,9 +15,14 @@ namespace penumbra {
 template <typename T>
 class Mailbox {
  public:
+  explicit Mailbox(std::size_t most = std::numeric_limits<std::size_t>::max()) : most_(most) {}
+
+  /// Waits while the queue is full. What is put into a closed one is dropped.
   void put(T item) {
     {
-      const std::lock_guard lock(mutex_);
+      std::unique_lock lock(mutex_);
+      has_room_.wait(lock, [this] { return closed_ || items_.size() < most_; });
+      if (closed_) return;
       items_.push(std::move(item));
     }
     changed_.notify_one();
@@ -28,6 +35,7 @@ class Mailbox {
       closed_ = true;
     }
     changed_.notify_all();
+    has_room_.notify_all();
   }
 
   /// Waits for the next item; nothing once the queue is closed and empty.
@@ -49,11 +57,13 @@ class Mailbox {
     if (items_.empty()) return {};
     T first = std::move(items_.front());
     items_.pop();
+    has_room_.notify_one();
     return first;
   }
 
+  const std::size_t most_;
   std::mutex mutex_;
-  std::condition_variable changed_;
+  std::condition_variable changed_, has_room_;
   std::queue<T> items_;
   bool closed_ = false;
 };

@@ -7,10 +7,14 @@
 #include <cmath>
 #include <cstring>
 
+#include "scheduler/protocol/text.h"
+
 namespace penumbra {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "sample values travel as little-endian floats");
+
+bool is_time(double seconds) { return std::isfinite(seconds) && seconds >= 0; }
 
 std::uint64_t checksum_of(const std::string& values) { return XXH3_64bits(values.data(), values.size()); }
 
@@ -58,7 +62,7 @@ void encode(const DeviceOptions& options, wire::DeviceOptions& message) {
   message.set_isa(encode(options.isa));
   message.set_threads(options.threads);
   message.set_block_of_one(options.block_of_one);
-  message.set_opencl_device(options.opencl_device);
+  message.set_opencl_device(wire_text(options.opencl_device, kLongestText));
 }
 
 Expected<DeviceOptions> decode(const wire::DeviceOptions& message) {
@@ -99,20 +103,26 @@ Expected<DeviceOptions> decode(const wire::DeviceOptions& message) {
 }
 
 void encode(const DevicePreparation& preparation, wire::Ready& message) {
-  for (const std::string& warning : preparation.warnings) message.add_warnings(warning);
+  for (const std::string& warning : preparation.warnings)
+    if (message.warnings_size() < kMostWarnings) message.add_warnings(wire_text(warning, kLongestText));
   if (!preparation.kernels) return;
   message.mutable_kernels()->set_cached(preparation.kernels->cached);
   message.mutable_kernels()->set_seconds(preparation.kernels->seconds);
-  message.mutable_kernels()->set_note(preparation.kernels->note);
+  message.mutable_kernels()->set_note(wire_text(preparation.kernels->note, kLongestText));
 }
 
-DevicePreparation decode(const wire::Ready& message) {
-  DevicePreparation preparation{.kernels = {},
-                                .warnings = {message.warnings().begin(), message.warnings().end()}};
-  if (message.has_kernels())
-    preparation.kernels = KernelOrigin{.cached = message.kernels().cached(),
-                                       .seconds = message.kernels().seconds(),
-                                       .note = message.kernels().note()};
+Expected<DevicePreparation> decode(const wire::Ready& message) {
+  if (message.warnings_size() > kMostWarnings)
+    return fail(
+        fmt::format("a worker with {} warnings; {} make sense", message.warnings_size(), kMostWarnings));
+  DevicePreparation preparation;
+  for (const std::string& warning : message.warnings())
+    preparation.warnings.push_back(wire_text(warning, kLongestText));
+  if (!message.has_kernels()) return preparation;
+  if (!is_time(message.kernels().seconds())) return fail("kernels took a time that is no number of seconds");
+  preparation.kernels = KernelOrigin{.cached = message.kernels().cached(),
+                                     .seconds = message.kernels().seconds(),
+                                     .note = wire_text(message.kernels().note(), kLongestText)};
   return preparation;
 }
 
@@ -217,6 +227,7 @@ Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit&
     return fail(fmt::format("the result has {} bytes of samples instead of {}", message.values().size(),
                             count * sizeof(float)));
   }
+  if (!is_time(message.busy_seconds())) return fail("the result took a time that is no number of seconds");
   const auto nan = decode(message.nan(), unit), infinite = decode(message.infinite(), unit);
   if (!nan) return std::unexpected(nan.error());
   if (!infinite) return std::unexpected(infinite.error());

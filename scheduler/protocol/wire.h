@@ -37,7 +37,8 @@ Expected<DeviceOptions> decode(const wire::DeviceOptions& message);
 
 /// How a device came to be ready.
 void encode(const DevicePreparation& preparation, wire::Ready& message);
-DevicePreparation decode(const wire::Ready& message);
+/// Fails if it took a time that is no number, or has more warnings than anybody reads.
+Expected<DevicePreparation> decode(const wire::Ready& message);
 
 void encode(const UnitId& id, wire::UnitId& message);
 UnitId decode(const wire::UnitId& message);
@@ -50,7 +51,7 @@ Expected<RenderUnit> decode(const wire::Unit& message);
 /// The buffer, its counts and the checksum.
 void encode(const SampleBuffer& buffer, wire::UnitResult& message);
 /// Fails, in words for the report, if the checksum does not match, the buffer is not one of `unit` with
-/// `planes` planes, or its values are no statistics (see check_statistics).
+/// `planes` planes, its values are no statistics (see check_statistics), or it took a time that is not finite.
 Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit& unit, int planes);
 
 void encode(const View& view, wire::Camera& message);

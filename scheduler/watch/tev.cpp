@@ -12,9 +12,12 @@
 #include <bit>
 #include <cerrno>
 #include <charconv>
+#include <condition_variable>
 #include <cstring>
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <thread>
 #include <type_traits>
 #include <utility>
 
@@ -134,6 +137,51 @@ std::expected<int, int> connect_to(const addrinfo& address, Milliseconds timeout
   return socket.release();
 }
 
+/// What the name service says of a host.
+struct LookUp {
+  LookUp() = default;
+  LookUp(const LookUp&) = delete;
+  LookUp& operator=(const LookUp&) = delete;
+  ~LookUp() {
+    if (addresses != nullptr) ::freeaddrinfo(addresses);
+  }
+
+  std::mutex mutex;
+  std::condition_variable changed;
+  bool done = false;
+  int error = 0, system_error = 0;
+  addrinfo* addresses = nullptr;
+};
+
+/// The name service has no time-out that we could set, and cannot be interrupted: it is asked by a thread
+/// that nobody waits for. Nothing if there is no answer in time, or a stop comes first.
+std::shared_ptr<const LookUp> look_up(const TevAddress& address, Milliseconds timeout,
+                                      const std::stop_token& stop) {
+  const auto shared = std::make_shared<LookUp>();
+  std::thread([shared, host = address.host, port = std::to_string(address.port)] {
+    addrinfo hints{};
+    hints.ai_family = AF_UNSPEC;
+    hints.ai_socktype = SOCK_STREAM;
+    hints.ai_flags = AI_NUMERICSERV;
+    addrinfo* found = nullptr;
+    const int error = ::getaddrinfo(host.c_str(), port.c_str(), &hints, &found);
+    const int system_error = errno;
+    {
+      const std::lock_guard lock(shared->mutex);
+      shared->error = error;
+      shared->system_error = system_error;
+      shared->addresses = error == 0 ? found : nullptr;
+      shared->done = true;
+    }
+    shared->changed.notify_all();
+  }).detach();
+  const auto deadline = Clock::now() + timeout;
+  std::unique_lock lock(shared->mutex);
+  while (!shared->done && !stop.stop_requested() && Clock::now() < deadline)
+    shared->changed.wait_for(lock, kStopInterval);
+  return shared->done ? shared : nullptr;
+}
+
 std::string describe(const TevAddress& address) {
   return address.host.contains(':') ? fmt::format("[{}]:{}", address.host, address.port)
                                     : fmt::format("{}:{}", address.host, address.port);
@@ -228,20 +276,16 @@ Expected<TevClient> TevClient::connect(const std::string& host_and_port, Millise
   if (!address) return std::unexpected(address.error());
   const std::string described = describe(*address);
 
-  addrinfo hints{};
-  hints.ai_family = AF_UNSPEC;
-  hints.ai_socktype = SOCK_STREAM;
-  hints.ai_flags = AI_NUMERICSERV;
-  addrinfo* found = nullptr;
-  const int unknown =
-      ::getaddrinfo(address->host.c_str(), std::to_string(address->port).c_str(), &hints, &found);
-  if (unknown != 0) {
-    const char* why = unknown == EAI_SYSTEM ? std::strerror(errno) : ::gai_strerror(unknown);
+  const std::shared_ptr<const LookUp> found = look_up(*address, timeout, stop);
+  if (found == nullptr)
+    return fail(fmt::format("no connection to tev at {}: the name service does not answer", described));
+  if (found->error != 0) {
+    const char* why =
+        found->error == EAI_SYSTEM ? std::strerror(found->system_error) : ::gai_strerror(found->error);
     return fail(fmt::format("no connection to tev at {}: {}", described, why));
   }
-  const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> addresses(found, &::freeaddrinfo);
   int error = 0;
-  for (const addrinfo* entry = addresses.get(); entry != nullptr; entry = entry->ai_next) {
+  for (const addrinfo* entry = found->addresses; entry != nullptr; entry = entry->ai_next) {
     const auto socket = connect_to(*entry, timeout, stop);
     if (socket) return TevClient(*socket, described, timeout, std::move(stop));
     error = socket.error();

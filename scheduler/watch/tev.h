@@ -59,8 +59,8 @@ Expected<TevPacket> encode_close_image(std::string_view name);
 /// thread at a time.
 class TevClient {
  public:
-  /// `timeout`: for each address of the host to answer, and later for tev to take any further byte of a
-  /// packet. The name service has its own. A stop ends all waiting soon, with an error. Never raises SIGPIPE.
+  /// `timeout`: for the name service, for each address of the host to answer, and later for tev to take any
+  /// further byte of a packet. A stop ends all waiting soon, with an error. Never raises SIGPIPE.
   static Expected<TevClient> connect(const std::string& host_and_port,
                                      std::chrono::milliseconds timeout = kTevTimeout,
                                      std::stop_token stop = {});

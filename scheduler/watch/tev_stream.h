@@ -24,7 +24,7 @@ class TevStream {
   TevStream& operator=(const TevStream&) = delete;
   ~TevStream();
 
-  /// Ends the stream now, whatever tev has. Waits for nothing but the name service.
+  /// Ends the stream now, whatever tev has.
   void stop();
   /// What went wrong, for people; once.
   [[nodiscard]] std::optional<std::string> take_problem();

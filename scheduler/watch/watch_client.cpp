@@ -20,8 +20,8 @@ constexpr auto kRetryInterval = 200ms;
 
 /// Whether trying again would end the same way.
 bool is_final(grpc::StatusCode code) {
-  return code == grpc::StatusCode::UNAUTHENTICATED || code == grpc::StatusCode::FAILED_PRECONDITION ||
-         code == grpc::StatusCode::UNIMPLEMENTED;
+  return code == grpc::StatusCode::UNAUTHENTICATED || code == grpc::StatusCode::PERMISSION_DENIED ||
+         code == grpc::StatusCode::FAILED_PRECONDITION || code == grpc::StatusCode::UNIMPLEMENTED;
 }
 
 }  // namespace

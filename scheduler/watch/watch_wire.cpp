@@ -5,31 +5,11 @@
 #include <cmath>
 #include <cstring>
 
+#include "scheduler/protocol/text.h"
 #include "scheduler/protocol/wire.h"
 
 namespace penumbra {
 namespace {
-
-/// Protobuf's texts are UTF-8, and a peer does not take messages with others; names of files are any bytes.
-std::string utf8_of(const std::string& text) {
-  std::string valid;
-  for (std::size_t at = 0; at < text.size();) {
-    const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[at + k]); };
-    const unsigned first = byte(0);
-    const std::size_t length = first < 0x80 ? 1 : first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
-    bool is_valid = length > 0 && first < 0xf5 && at + length <= text.size();
-    for (std::size_t k = 1; is_valid && k < length; ++k) is_valid = (byte(k) & 0xc0) == 0x80;
-    // Forms that are longer than they need be, halves of surrogate pairs, and what is beyond Unicode.
-    if (is_valid && length > 2) {
-      const unsigned second = byte(1);
-      is_valid = !(first == 0xe0 && second < 0xa0) && !(first == 0xed && second >= 0xa0) &&
-                 !(first == 0xf0 && second < 0x90) && !(first == 0xf4 && second >= 0x90);
-    }
-    valid += is_valid ? text.substr(at, length) : "?";
-    at += is_valid ? length : 1;
-  }
-  return valid;
-}
 
 void put_floats(const std::vector<float>& values, std::string& bytes) {
   bytes.assign(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
@@ -46,7 +26,9 @@ void put(const WatchView& view, wire::WatchEvent& event) {
   encode(view.view, *event.mutable_view()->mutable_camera());
 }
 
-void put(const std::string& text, wire::WatchEvent& event) { event.set_message(utf8_of(text)); }
+void put(const std::string& text, wire::WatchEvent& event) {
+  event.set_message(wire_text(text, kLongestText));
+}
 
 void put(const std::shared_ptr<const WatchProgress>& progress, wire::WatchEvent& event) {
   wire::Progress& message = *event.mutable_progress();
@@ -62,8 +44,8 @@ void put(const std::shared_ptr<const WatchProgress>& progress, wire::WatchEvent&
   for (const WatchedWorker& worker : progress->workers) {
     wire::WorkerState& state = *message.add_workers();
     state.set_number(worker.number);
-    state.set_name(worker.name);
-    state.set_device(worker.device);
+    state.set_name(wire_text(worker.name, kLongestText));
+    state.set_device(wire_text(worker.device, kLongestName));
     state.set_units(worker.units);
     state.set_x(worker.x);
     state.set_y(worker.y);
@@ -97,8 +79,8 @@ bool is_on_film(int x, int y, int width, int height, int film_width, int film_he
 wire::WatchEvent encode(const WatchedJob& job) {
   wire::WatchEvent event;
   wire::WatchedJob& message = *event.mutable_job();
-  message.set_title(utf8_of(job.title));
-  message.set_integrator(job.integrator);
+  message.set_title(wire_text(job.title, kLongestText));
+  message.set_integrator(wire_text(job.integrator, kLongestName));
   message.set_film_width(job.film_width);
   message.set_film_height(job.film_height);
   message.set_x(job.x);

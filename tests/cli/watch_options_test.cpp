@@ -55,7 +55,9 @@ TEST_F(WatchOptions, ARenderSaysHowToWatchItAndNamesPortAndToken) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.err, AllOf(HasSubstr("to watch: penumbra-view --connect unix:/"),
                                 ContainsRegex("to watch: PENUMBRA_TOKEN=[0-9a-f]+ penumbra-view --connect "
-                                              "127\\.0\\.0\\.1:[1-9][0-9]*\n")));
+                                              "127\\.0\\.0\\.1:[1-9][0-9]*\n"),
+                                ContainsRegex("to help render: PENUMBRA_TOKEN=[0-9a-f]+ penumbra-worker "
+                                              "--connect 127\\.0\\.0\\.1:[1-9][0-9]*\n")));
 }
 
 TEST_F(WatchOptions, ATevThatIsNotThereIsAWarning) {

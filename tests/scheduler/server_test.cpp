@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "scheduler/private_socket.h"
+#include "scheduler/protocol/text.h"
 #include "scheduler/protocol/wire.h"
 #include "tests/support/fake_samples.h"
 
@@ -38,8 +39,8 @@ class ServerTest : public testing::Test {
   }
 
   template <typename T>
-  T next() {
-    std::optional<Arrival> arrival = server_->next(5s);
+  T next(std::chrono::milliseconds patience = 5s) {
+    std::optional<Arrival> arrival = server_->next(patience);
     EXPECT_TRUE(arrival && std::holds_alternative<T>(*arrival));
     return arrival && std::holds_alternative<T>(*arrival) ? std::get<T>(std::move(*arrival)) : T{};
   }
@@ -55,6 +56,19 @@ class ServerTest : public testing::Test {
     EXPECT_EQ(decode(message.unit().id()), kUnit);
     job_ = message.unit().job();
     return worker;
+  }
+
+  static wire::WorkerMessage ready() {
+    wire::WorkerMessage message;
+    message.mutable_ready()->set_device("native");
+    return message;
+  }
+
+  grpc::Status end_of_stream() {
+    wire::SchedulerMessage message;
+    while (stream_->Read(&message)) {
+    }
+    return stream_->Finish();
   }
 
   wire::WorkerMessage good_result() const {
@@ -143,10 +157,107 @@ TEST_F(ServerTest, WhatIsSaidOfKernelsArrivesAsItIs) {
   EXPECT_EQ(came.kernels->seconds, 1.5);
   EXPECT_EQ(came.kernels->note, "none lost");
   EXPECT_EQ(came.warnings, sent.warnings);
-  wire::WorkerMessage native;
-  native.mutable_ready()->set_device("native");
-  stream_->Write(native);
-  EXPECT_FALSE(next<arrivals::Ready>().preparation.kernels) << "compiled with the worker";
+}
+
+TEST_F(ServerTest, KernelsThatWereCompiledWithTheWorkerAreNotSpokenOf) {
+  say_hello();
+  next<arrivals::Connected>();
+  stream_->Write(ready());
+  EXPECT_FALSE(next<arrivals::Ready>().preparation.kernels);
+}
+
+TEST_F(ServerTest, AWorkerIsReadyOnce) {
+  say_hello();
+  next<arrivals::Connected>();
+  stream_->Write(ready());
+  next<arrivals::Ready>();
+  stream_->Write(ready());
+  next<arrivals::Gone>();
+  EXPECT_EQ(end_of_stream().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(ServerTest, ASecondHelloEndsTheConnection) {
+  say_hello();
+  next<arrivals::Connected>();
+  say_hello();
+  next<arrivals::Gone>();
+  EXPECT_EQ(end_of_stream().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(ServerTest, WhoIsDismissedIsNotHeardAnyMoreAndCutOff) {
+  const WorkerId worker = connect_and_take_a_unit();
+  stream_->Write(ready());
+  next<arrivals::Ready>();
+  server_->dismiss(worker, "it lies");
+  server_->send_unit(worker, kUnit, kArea, kRadiancePlanes);
+  wire::SchedulerMessage message;
+  ASSERT_TRUE(stream_->Read(&message));
+  EXPECT_EQ(message.dismiss().reason(), "it lies");
+  stream_->Write(ready());
+  stream_->Write(good_result());
+  wire::WorkerMessage failed;
+  failed.mutable_job_failed()->set_message("or so");
+  stream_->Write(failed);
+  EXPECT_EQ(next<arrivals::Gone>(15s).worker, worker) << "the next that is heard";
+  EXPECT_FALSE(stream_->Read(&message)) << "no unit after the farewell";
+}
+
+TEST_F(ServerTest, AfterItsJobHasFailedAWorkerIsNotHeardAnyMore) {
+  say_hello();
+  next<arrivals::Connected>();
+  wire::WorkerMessage failed;
+  failed.mutable_job_failed()->set_message("no such device");
+  stream_->Write(failed);
+  EXPECT_EQ(next<arrivals::JobFailed>().message, "no such device");
+  stream_->Write(ready());
+  stream_->Write(failed);
+  stream_->WritesDone();
+  next<arrivals::Gone>();
+}
+
+TEST_F(ServerTest, AWorkerThatDoesNotReadHoldsNobodyUp) {
+  say_hello();
+  const WorkerId worker = next<arrivals::Connected>().worker;
+  // What would fill any buffer of the connection; nobody reads the stream.
+  for (std::uint32_t number = 1; number <= 50'000; ++number) server_->send_view(worker, {number, {}});
+  const std::string much(std::size_t(64) << 10, 'x');
+  for (int i = 0; i < 2000; ++i) server_->send_job(worker, much, {});
+  server_->dismiss(worker, "");
+}
+
+TEST_F(ServerTest, NamesAndTextsAreCutAndTimesAreNumbers) {
+  wire::WorkerMessage hello;
+  hello.mutable_hello()->set_protocol_version(kProtocolVersion);
+  std::string long_name;
+  while (long_name.size() < 10'000) long_name += "\xe2\x82\xac";
+  hello.mutable_hello()->set_host(long_name);
+  stream_->Write(hello);
+  const std::string host = next<arrivals::Connected>().host;
+  EXPECT_LE(host.size(), kLongestName);
+  EXPECT_TRUE(host.ends_with("\xac...")) << "no half of a character";
+  wire::WorkerMessage message = ready();
+  message.mutable_ready()->mutable_kernels()->set_seconds(std::numeric_limits<double>::quiet_NaN());
+  stream_->Write(message);
+  next<arrivals::Gone>();
+  EXPECT_EQ(end_of_stream().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(ServerTest, AResultThatTookNoTimeAtAllOrForEverIsRejected) {
+  for (const double seconds :
+       {std::numeric_limits<double>::quiet_NaN(), -1.0, std::numeric_limits<double>::infinity()}) {
+    wire::WorkerMessage message = good_result();
+    message.mutable_result()->set_busy_seconds(seconds);
+    EXPECT_FALSE(decode(message.result(), kArea, kRadiancePlanes)) << seconds;
+  }
+  EXPECT_TRUE(decode(good_result().result(), kArea, kRadiancePlanes));
+}
+
+TEST_F(ServerTest, AMessageThatNoUnitCanHoldIsNotTaken) {
+  connect_and_take_a_unit();
+  wire::WorkerMessage message = good_result();
+  message.mutable_result()->set_values(std::string(std::size_t(16) << 20, 0));
+  stream_->Write(message);
+  next<arrivals::Gone>();
 }
 
 TEST_F(ServerTest, ABeatArrivesAsItIs) {

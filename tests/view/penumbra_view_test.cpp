@@ -147,6 +147,15 @@ statistics::Estimate blocks(const statistics::Image& mean, const statistics::Ima
   return estimate;
 }
 
+/// Where a scheduler that a window has started listens for it.
+fs::path listen_path(pid_t scheduler) {
+  std::ifstream file("/proc/" + std::to_string(scheduler) + "/cmdline");
+  std::string argument, last;
+  while (std::getline(file, argument, '\0') && last != "--listen") last = argument;
+  EXPECT_TRUE(argument.starts_with("unix:")) << argument;
+  return argument.substr(std::string_view("unix:").size());
+}
+
 double largest_sample_count(const Image& image) {
   double most = 0;
   const std::size_t channel = image.channel("samples.count").value();
@@ -323,6 +332,9 @@ TEST_F(PenumbraViewTest, AKilledSchedulerIsToldAndStartedAgain) {
   ASSERT_TRUE(says("ready")) << output(".stderr");
   const std::vector<pid_t> schedulers = children_of(viewer.pid());
   ASSERT_THAT(schedulers, SizeIs(1));
+  // It has been open for long: whatever was made at its beginning is old.
+  const fs::path socket = listen_path(schedulers[0]);
+  fs::last_write_time(socket.parent_path(), fs::file_time_type::clock::now() - 1h);
   kill(schedulers[0], SIGKILL);
   const ProgramResult result = viewer.wait();
   EXPECT_EQ(result.exit_code, 0) << result.err;

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <grpcpp/create_channel.h>
+#include <grpcpp/generic/generic_stub.h>
 
 #include <charconv>
 #include <functional>
@@ -18,8 +19,10 @@ namespace penumbra {
 namespace {
 
 using testing::AllOf;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::MatchesRegex;
+using testing::Pair;
 
 /// An interactive scheduler without workers, on a Unix socket and on a port of this host.
 class AccessTest : public testing::Test {
@@ -82,6 +85,12 @@ class AccessTest : public testing::Test {
     return all;
   }
 
+  template <typename T>
+  bool next_is() {
+    const std::optional<Arrival> arrival = server_->next(kLong);
+    return arrival && std::holds_alternative<T>(*arrival);
+  }
+
   PrivateSocket socket_ = PrivateSocket::create().value();
   WatchBoard board_{1};
   std::unique_ptr<Server> server_ =
@@ -89,16 +98,72 @@ class AccessTest : public testing::Test {
           .value();
 };
 
-TEST_F(AccessTest, OverTcpEveryCallNeedsTheToken) {
-  const std::string& token = server_->token();
+TEST_F(AccessTest, OverTcpEveryCallNeedsAToken) {
+  const std::string& token = server_->tokens().watch;
   std::string almost = token;
   almost.back() = almost.back() == '0' ? '1' : '0';
   for (const std::string& wrong : {std::string(), std::string("x"), almost, token + "0", token.substr(1)})
     for (const auto& [call, code] : codes(server_->more_address(), wrong))
       EXPECT_EQ(code, grpc::StatusCode::UNAUTHENTICATED) << call << " with '" << wrong << "'";
   EXPECT_FALSE(server_->next(std::chrono::milliseconds(20))) << "the render must not hear of any of them";
-  for (const auto& [call, code] : codes(server_->more_address(), token))
-    EXPECT_EQ(code, call == "Asset" ? grpc::StatusCode::NOT_FOUND : grpc::StatusCode::OK) << call;
+}
+
+TEST_F(AccessTest, WhoMayWatchIsNoWorkerAndTheOtherWayRound) {
+  using grpc::StatusCode;
+  const auto [watch, work] = server_->tokens();
+  EXPECT_NE(watch, work);
+  EXPECT_THAT(codes(server_->more_address(), watch),
+              ElementsAre(Pair("Work", StatusCode::PERMISSION_DENIED), Pair("Asset", StatusCode::NOT_FOUND),
+                          Pair("Watch", StatusCode::OK), Pair("Control", StatusCode::OK)));
+  ASSERT_TRUE(next_is<arrivals::SamplesWanted>()) << "not of a worker";
+  EXPECT_THAT(codes(server_->more_address(), work),
+              ElementsAre(Pair("Work", StatusCode::OK), Pair("Asset", StatusCode::NOT_FOUND),
+                          Pair("Watch", StatusCode::PERMISSION_DENIED),
+                          Pair("Control", StatusCode::PERMISSION_DENIED)));
+  EXPECT_TRUE(next_is<arrivals::Connected>());
+}
+
+TEST_F(AccessTest, TheTokenIsLookedAtBeforeAnyMessageHasCome) {
+  grpc::GenericStub stub(open_channel(server_->more_address()));
+  for (const char* call : {"Work", "Asset", "Watch", "Control"}) {
+    grpc::CompletionQueue queue;
+    grpc::ClientContext context;
+    grpc::Status status;
+    const auto stream = stub.PrepareCall(&context, std::string("/penumbra.v1.Farm/") + call, &queue);
+    stream->StartCall(&status);
+    stream->Finish(&status, &context);
+    void* tag = nullptr;
+    bool ok = false;
+    while (tag != &context && queue.AsyncNext(&tag, &ok, std::chrono::system_clock::now() + kLong) ==
+                                  grpc::CompletionQueue::GOT_EVENT) {
+    }
+    EXPECT_EQ(tag, &context) << call << ": no message was sent, none is to be waited for";
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::UNAUTHENTICATED) << call;
+    context.TryCancel();
+    queue.Shutdown();
+    while (queue.Next(&tag, &ok)) {
+    }
+  }
+}
+
+TEST_F(AccessTest, LargeMessagesAreRefused) {
+  constexpr std::size_t kHuge = std::size_t(300) << 20;
+  wire::ControlRequest request;
+  request.mutable_change_view()->mutable_origin()->Resize(int(kHuge / sizeof(float)), 0);
+  const auto stub = wire::Farm::NewStub(open_channel(server_->more_address()));
+  const auto send = [&](const std::string& token, grpc_compression_algorithm algorithm) {
+    grpc::ClientContext context;
+    show_token(context, token);
+    context.set_compression_algorithm(algorithm);
+    wire::ControlReply reply;
+    return stub->Control(&context, request, &reply).error_code();
+  };
+  const std::string& token = server_->tokens().watch;
+  EXPECT_EQ(send("", GRPC_COMPRESS_NONE), grpc::StatusCode::UNAUTHENTICATED);
+  EXPECT_EQ(send("", GRPC_COMPRESS_GZIP), grpc::StatusCode::UNAUTHENTICATED);
+  EXPECT_EQ(send(token, GRPC_COMPRESS_NONE), grpc::StatusCode::RESOURCE_EXHAUSTED) << "too large";
+  EXPECT_EQ(send(token, GRPC_COMPRESS_GZIP), grpc::StatusCode::UNIMPLEMENTED) << "small until it is unpacked";
+  EXPECT_FALSE(server_->next(std::chrono::milliseconds(20)));
 }
 
 TEST_F(AccessTest, OverTheUnixSocketNoneIsNeeded) {
@@ -108,12 +173,15 @@ TEST_F(AccessTest, OverTheUnixSocketNoneIsNeeded) {
 }
 
 TEST_F(AccessTest, TheClientShowsItsTokenAndIsRefusedWithoutInWords) {
-  Onlooker with(server_->more_address(), server_->token());
+  Onlooker with(server_->more_address(), server_->tokens().watch);
   EXPECT_TRUE(with.sees([&] { return with.losses > 0 || with.ended || !with.refused.empty(); }));
   EXPECT_EQ(with.refused, "cannot fetch the scene : there is no asset ''") << "it was let in";
   Onlooker without(server_->more_address());
   EXPECT_TRUE(without.sees([&] { return !without.refused.empty(); }));
   EXPECT_THAT(without.refused, HasSubstr("the token is missing or wrong"));
+  Onlooker as_worker(server_->more_address(), server_->tokens().work);
+  EXPECT_TRUE(as_worker.sees([&] { return !as_worker.refused.empty(); }));
+  EXPECT_THAT(as_worker.refused, HasSubstr("this token is for workers"));
 }
 
 TEST_F(AccessTest, AnotherProtocolVersionIsRefusedWithTheReason) {
@@ -138,7 +206,8 @@ TEST_F(AccessTest, PortZeroPicksOneThatIsNamed) {
   const auto other = Server::listen({.address = socket.address(), .more = "localhost:0"}, board);
   ASSERT_TRUE(other) << other.error().message;
   EXPECT_THAT((*other)->more_address(), MatchesRegex("localhost:[1-9][0-9]*"));
-  EXPECT_NE((*other)->token(), server_->token());
+  EXPECT_NE((*other)->tokens().watch, server_->tokens().watch);
+  EXPECT_NE((*other)->tokens().work, server_->tokens().work);
 }
 
 TEST_F(AccessTest, ASocketThatIsListenedAtStaysWithItsOwner) {
@@ -170,7 +239,8 @@ TEST(Access, AnotherUnixSocketNeedsNoToken) {
   const auto server = Server::listen({.address = socket.address(), .more = more.address()}, board);
   ASSERT_TRUE(server);
   EXPECT_EQ((*server)->more_address(), more.address());
-  EXPECT_EQ((*server)->token(), "");
+  EXPECT_EQ((*server)->tokens().watch, "");
+  EXPECT_EQ((*server)->tokens().work, "");
 }
 
 TEST(Access, OnlyThisHostIsListenedOn) {

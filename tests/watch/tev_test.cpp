@@ -20,6 +20,7 @@
 #include <utility>
 
 #include "tests/watch/fake_tev.h"
+#include "tests/watch/silent_name_service.h"
 
 namespace penumbra {
 namespace {
@@ -388,6 +389,21 @@ TEST(TevClient, AHostThatCannotExist) {
   const auto client = TevClient::connect(host + ":14158");
   ASSERT_FALSE(client.has_value());
   EXPECT_THAT(client.error().message, HasSubstr("no connection to tev at " + host + ":14158: "));
+}
+
+TEST(TevClient, ANameServiceThatDoesNotAnswerIsGivenUp) {
+  const SilentNameService silence;
+  const auto client = TevClient::connect(kSilentHost, kShort);
+  ASSERT_FALSE(client);
+  EXPECT_THAT(client.error().message, HasSubstr("the name service does not answer"));
+}
+
+TEST(TevClient, AStopDoesNotWaitForTheNameService) {
+  const SilentNameService silence;
+  std::jthread asking([](const std::stop_token& stop) {
+    EXPECT_FALSE(TevClient::connect(kSilentHost, std::chrono::hours(1), stop));
+  });
+  std::this_thread::sleep_for(kShort);
 }
 
 }  // namespace

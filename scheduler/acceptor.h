@@ -1,0 +1,73 @@
+// The door to a scheduler for those whom it did not start: an address with a bounded number of connections.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "kernels/host/error.h"
+
+namespace penumbra {
+
+/// As many files and connections as this user may have open: workers and what they send need some.
+void raise_descriptor_limit();
+
+struct AcceptorLimits {
+  /// At once. A newcomer takes the place of the oldest that has not been admitted; if all have, it is sent
+  /// away.
+  int connections = 64;
+  /// TCP only: from here on a connection that has not been admitted is closed.
+  std::chrono::milliseconds time_to_show_token{10000};
+};
+
+/// Listens itself, since gRPC takes connections without end. Handed over they are the receiver's, but a
+/// second descriptor stays here: it tells when a connection has ended, and ends it.
+class Acceptor {
+ public:
+  /// `address`: one that check_listen_address lets pass. A Unix socket is reachable by its owner alone,
+  /// whatever the umask. Errors: it is taken.
+  static Expected<std::unique_ptr<Acceptor>> listen(const std::string& address, AcceptorLimits limits = {});
+  Acceptor(const Acceptor&) = delete;
+  Acceptor& operator=(const Acceptor&) = delete;
+  ~Acceptor();
+
+  /// The address with the port that was chosen.
+  [[nodiscard]] const std::string& address() const { return address_; }
+  /// Begins to accept. `hand_over` gets a non-blocking socket to keep, from a thread of this object.
+  void start(std::function<void(int descriptor, int listener)> hand_over);
+  /// Whoever connected from here has shown a token; gRPC's name of the peer, as in "ipv4:127.0.0.1:7000".
+  void admit(const std::string& peer);
+  /// Accepts no more; what was handed over stays.
+  void stop();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Connection {
+    int descriptor = -1;
+    int port = 0;  // of the other end
+    Clock::time_point since;
+    bool admitted = false;
+  };
+
+  Acceptor(std::string address, int listener, AcceptorLimits limits);
+  void serve();
+  void accept_one();
+  void drop(std::size_t index, bool by_force);
+  [[nodiscard]] int milliseconds_to_wait();
+
+  const std::string address_;
+  const int listener_;
+  const AcceptorLimits limits_;
+  const bool is_tcp_;
+  int wake_ = -1;  // an eventfd
+  std::function<void(int, int)> hand_over_;
+  std::mutex mutex_;
+  std::vector<Connection> connections_;  // oldest first
+  std::thread thread_;
+};
+
+}  // namespace penumbra
