@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <variant>
 
 #include "gl/picture_files.h"
+#include "kernels/host/console.h"
 
 namespace penumbra {
 namespace {
@@ -119,8 +119,7 @@ Expected<bool> ScriptRunner::run(const SaveCommand& command) {
 }
 
 Expected<bool> ScriptRunner::run(const LogCommand& command) {
-  fmt::print("{}\n", command.text);
-  std::fflush(stdout);
+  print_answer(command.text + "\n");
   return true;
 }
 

@@ -308,7 +308,8 @@ Expected<std::unique_ptr<Server>> Server::listen(const ListenOptions& options, W
   state->server = builder.BuildAndStart();
   if (state->server == nullptr || (!options.more.empty() && port == 0)) {
     const bool both = !options.more.empty();
-    return fail(fmt::format("cannot listen on {}{}{}", options.address, both ? " and " : "", options.more));
+    return fail(fmt::format("cannot listen on {}{}{}; GRPC_VERBOSITY=error says why", options.address,
+                            both ? " and " : "", options.more));
   }
   state->more_address = is_tcp(options.more) ? with_port(options.more, port) : options.more;
   return std::unique_ptr<Server>(new Server(std::move(state)));

@@ -8,7 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "kernels/host/console.h"
 #include "scenes/diagnostic.h"
+#include "scheduler/cli/command_line.h"
 #include "scheduler/cli/exit_code.h"
 #include "scheduler/outputs/atomic_file.h"
 #include "stress/backend.h"
@@ -84,12 +86,12 @@ std::string describe(const Backend& backend) {
 }
 
 /// On a terminal, the case at work.
-void show_progress(const Case& c) { fmt::print(stderr, "\r\033[K{}", c.name); }
+void show_progress(const Case& c) { redraw_line(c.name); }
 
 ExitCode run(const Options& options) {
   Expected<std::vector<Case>> cases = select(all_cases(), options.cases);
   if (!cases) return print_error(cases.error()), kBadInput;
-  if (options.list) return fmt::print("{}", list_text(*cases)), kAllDone;
+  if (options.list) return print_answer(list_text(*cases)), kAllDone;
   for (const std::string& file : {options.json, options.html}) {
     if (file.empty()) continue;
     if (const auto writable = check_writable(file); !writable)
@@ -102,9 +104,9 @@ ExitCode run(const Options& options) {
   const bool terminal = isatty(STDERR_FILENO) != 0;
   const std::vector<CaseResult> results =
       run_cases(*cases, backends, [&](const Case& c) { terminal ? show_progress(c) : void(); });
-  if (terminal) fmt::print(stderr, "\r\033[K");
+  clear_line();
   context.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  fmt::print("{}", table_text(results, context));
+  print_answer(table_text(results, context));
   if (!options.json.empty()) {
     if (const auto done = write_text(options.json, table_json(results, context).dump(1) + "\n"); !done)
       return print_error(done.error()), kIncomplete;
@@ -121,6 +123,7 @@ ExitCode run(const Options& options) {
 
 int main(int argc, char** argv) {
   using namespace penumbra;
+  begin_program("penumbra stress");
   CLI::App app("Stiff and extreme cases against truth of high precision, on every backend",
                "penumbra stress");
   stress::Options options;
@@ -129,10 +132,10 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kAllDone : kBadInput;
+    return end_program(end_of_parse(app, error));
   }
   try {
-    return stress::run(options);
+    return end_program(stress::run(options));
   } catch (const std::exception& error) {
     print_error({fmt::format("internal error: {}", error.what())});
   }

@@ -11,6 +11,7 @@
 #include <system_error>
 #include <vector>
 
+#include "kernels/host/console.h"
 #include "worker/device.h"
 
 namespace penumbra {
@@ -87,8 +88,9 @@ Expected<void> run(int count, char** arguments) {
   std::string device = own->device.substr(0, own->device.find(", features"));
   for (char& c : device)
     if (c == '"' || c == '\\' || static_cast<unsigned char>(c) < ' ') c = ' ';
-  fmt::print("{{\"device\": \"{}\", \"own_seconds\": {:.4f}, \"everything_seconds\": {:.4f}}}\n", device,
-             own->seconds, everything->seconds);
+  print_answer(
+      fmt::format("{{\"device\": \"{}\", \"own_seconds\": {:.4f}, \"everything_seconds\": {:.4f}}}\n", device,
+                  own->seconds, everything->seconds));
   return {};
 }
 
@@ -96,7 +98,7 @@ Expected<void> run(int count, char** arguments) {
 
 int measure_compile(int count, char** arguments) {
   if (const Expected<void> done = run(count, arguments); !done) {
-    fmt::print(stderr, "penumbra-worker {}: {}\n", kMeasureCompile, done.error().message);
+    print_error({fmt::format("{}: {}", kMeasureCompile, done.error().message)});
     return 1;
   }
   return 0;

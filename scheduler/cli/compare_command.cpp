@@ -211,10 +211,10 @@ ExitCode compare(const CompareCommandOptions& options) {
     map = std::move(*written);
   }
   if (options.json != "-") {
-    fmt::print("{}", comparison_text(*comparison));
+    print_answer(comparison_text(*comparison));
     if (map)
-      fmt::print("{}: {} from {:.6g} (dark) to {:.6g} (yellow)\n", map->file, map->name, map->range.low,
-                 map->range.high);
+      print_answer(fmt::format("{}: {} from {:.6g} (dark) to {:.6g} (yellow)\n", map->file, map->name,
+                               map->range.low, map->range.high));
   }
   const bool passed = passes(options, *comparison, *limits);
   if (!options.json.empty()) {
@@ -222,7 +222,7 @@ ExitCode compare(const CompareCommandOptions& options) {
                                  .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
                              "\n";
     if (options.json == "-") {
-      fmt::print("{}", json);
+      print_answer(json);
     } else if (const auto written = write_file_atomically(
                    options.json, {reinterpret_cast<const std::uint8_t*>(json.data()), json.size()});
                !written) {

@@ -5,8 +5,10 @@
 #include <new>
 
 #include "scenes/diagnostic.h"
+#include "scheduler/cli/command_line.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/outputs/version.h"
+#include "scheduler/protocol/grpc_log.h"
 #include "scheduler/protocol/message_memory.h"
 
 namespace penumbra {
@@ -71,7 +73,7 @@ ExitCode run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kAllDone : kBadInput;
+    return end_of_parse(app, error);
   }
   return chosen();
 }
@@ -80,9 +82,11 @@ ExitCode run(int argc, char** argv) {
 }  // namespace penumbra
 
 int main(int argc, char** argv) {
+  penumbra::begin_program("penumbra");
   penumbra::keep_message_memory();
+  penumbra::route_grpc_log();
   try {
-    return penumbra::run(argc, argv);
+    return penumbra::end_program(penumbra::run(argc, argv));
   } catch (const std::bad_alloc&) {
     penumbra::print_error({"out of memory"});
   } catch (const std::exception& error) {

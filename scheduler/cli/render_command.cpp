@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "kernels/host/words.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/pixel_text.h"
 #include "scheduler/cli/progress.h"
@@ -55,10 +56,11 @@ void print_summary(const RenderOutcome& outcome, const OutputFiles& files) {
   for (const auto& file : files.all()) names.push_back(file.string());
   const std::string where = names.empty() ? "" : fmt::format("wrote {}: ", fmt::join(names, ", "));
   const auto [least, most, total] = sample_range(outcome.film);
-  const std::string spp = least == most ? fmt::to_string(least) : fmt::format("{} to {}", least, most);
-  fmt::print("{}{} x {} pixels, {} samples per pixel in {:.2f} s, {:.2f} Msamples/s\n", where,
-             outcome.film.width(), outcome.film.height(), spp, outcome.seconds,
-             samples_per_second(outcome) * 1e-6);
+  const std::string spp =
+      least == most ? counted(least, "sample") : fmt::format("{} to {} samples", least, most);
+  print_remark(fmt::format("{}{} x {} pixels, {} per pixel in {:.2f} s, {:.2f} Msamples/s\n", where,
+                           outcome.film.width(), outcome.film.height(), spp, outcome.seconds,
+                           samples_per_second(outcome) * 1e-6));
 }
 
 /// Samples that are no numbers, as warnings or as an error; whether there are any.
@@ -141,13 +143,12 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
   if (!prepared) return prepared.error();
 
   const bool show = !options.quiet && !options.pixel;
-  ProgressPrinter progress(stderr, show ? progress_style(stderr) : ProgressStyle::kNone,
-                           terminal_columns(stderr));
+  ProgressPrinter progress(show ? progress_style() : ProgressStyle::kNone, terminal_columns());
   const auto outcome = render_with_fallback(prepared->job, stop, [&](const RenderProgress& now) {
     progress.update(now);
     // Who asks for an address wants to know it, and its token, even so.
     if (!show && !options.listen.empty())
-      for (const std::string& notice : now.notices) fmt::print(stderr, "{}\n", notice);
+      for (const std::string& notice : now.notices) print_message(notice);
   });
   progress.finish();
   if (!outcome) return print_error(outcome.error()), kIncomplete;
@@ -158,7 +159,7 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
   if (const auto written = write_outputs(*prepared, *outcome, command_line); !written) {
     return print_error(written.error()), kIncomplete;
   }
-  if (options.pixel) fmt::print("{}", pixel_text(outcome->film, options.pixel->x, options.pixel->y));
+  if (options.pixel) print_answer(pixel_text(outcome->film, options.pixel->x, options.pixel->y));
   if (show) print_summary(*outcome, prepared->files);
   print_problems(*outcome, stop);
   const bool non_finite =

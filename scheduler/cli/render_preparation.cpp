@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "kernels/host/console.h"
 #include "scenes/device/device_scene_builder.h"
 #include "scheduler/access.h"
 #include "scheduler/cli/preview_scene.h"

@@ -78,15 +78,16 @@ Expected<void> write_report(const fs::path& folder, const ReportData& report) {
 
 void print_summary(const fs::path& folder, const ReportData& report) {
   for (const SceneReport& scene : report.scenes) {
-    fmt::print("{}\n", scene.name);
+    print_remark(scene.name + "\n");
     for (const Curve& curve : scene.curves) {
       const auto& fit = curve.mse_over_time;
-      fmt::print("  {:<40} {}\n", curve.name.label,
-                 fit ? fmt::format("MSE ~ T^{:.2f} [{:.2f}, {:.2f}]", fit->slope, fit->low, fit->high)
-                     : "no slope: too few budgets above the reference's noise");
+      print_remark(
+          fmt::format("  {:<40} {}\n", curve.name.label,
+                      fit ? fmt::format("MSE ~ T^{:.2f} [{:.2f}, {:.2f}]", fit->slope, fit->low, fit->high)
+                          : "no slope: too few budgets above the reference's noise"));
     }
   }
-  fmt::print("wrote {}\n", (folder / "index.html").string());
+  print_remark(fmt::format("wrote {}\n", (folder / "index.html").string()));
 }
 
 /// Assembles, draws and writes what the cells hold; what went wrong is printed.

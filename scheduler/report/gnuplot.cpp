@@ -1,16 +1,14 @@
 #include "scheduler/report/gnuplot.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdlib>
-#include <cstring>
 #include <fstream>
 #include <sstream>
 
 #include "scheduler/outputs/atomic_file.h"
+#include "scheduler/outputs/run_program.h"
 
 namespace penumbra {
 namespace {
@@ -26,26 +24,6 @@ std::string contents(const fs::path& path) {
 
 Expected<void> write_text(const fs::path& path, const std::string& text) {
   return write_file_atomically(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-}
-
-/// Runs the program with its output in `log`; its exit status.
-Expected<int> run_program(const fs::path& program, const std::string& argument, const fs::path& log) {
-  const pid_t child = fork();
-  if (child < 0) return fail(fmt::format("cannot start {}: {}", program.string(), std::strerror(errno)));
-  if (child == 0) {
-    const int out = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-    const int in = open("/dev/null", O_RDONLY | O_CLOEXEC);
-    dup2(in, STDIN_FILENO);
-    dup2(out, STDOUT_FILENO);
-    dup2(out, STDERR_FILENO);
-    execl(program.c_str(), program.c_str(), argument.c_str(), nullptr);
-    _exit(127);
-  }
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) return fail(fmt::format("lost {}: {}", program.string(), std::strerror(errno)));
-  }
-  return status;
 }
 
 }  // namespace
@@ -85,16 +63,13 @@ Expected<GnuplotOutput> run_gnuplot(const fs::path& gnuplot, const fs::path& fol
       gnuplot_quoted(file(".svg").string()), gnuplot_quoted(file(".png").string()), name, width, height,
       script);
   if (auto written = write_text(file(".gp"), text); !written) return std::unexpected(written.error());
-  const fs::path log = file(".log");
-  const auto status = run_program(gnuplot, file(".gp").string(), log);
-  if (!status) return std::unexpected(status.error());
-  const std::string said = contents(log);
-  fs::remove(log, error);
+  const auto end = run_program(gnuplot.string(), {file(".gp").string()}, true);
+  if (!end) return std::unexpected(end.error());
   GnuplotOutput output{contents(file(".svg")), {}};
   const std::string png = contents(file(".png"));
   output.png.assign(png.begin(), png.end());
-  if (*status != 0 || output.svg.empty() || output.png.empty()) {
-    return fail(fmt::format("gnuplot could not draw {}: {}", file(".gp").string(), said));
+  if (!end->succeeded || output.svg.empty() || output.png.empty()) {
+    return fail(fmt::format("gnuplot could not draw {}: {}", file(".gp").string(), end->output));
   }
   return output;
 }
