@@ -17,7 +17,8 @@ namespace {
 constexpr const char* kExamples =
     "Exit code: 0 all done, 1 something is incomplete or failed, 2 bad usage or bad input.\n\n"
     "Examples:\n"
-    "  penumbra render scenes/cornell/cornell.xml                    writes scene.exr, scene.png, scene.json "
+    "  penumbra render scenes/cornell/cornell.xml                    writes cornell.exr, cornell.png, "
+    "cornell.json "
     "here\n"
     "  penumbra render scene.xml -o out/a.exr --spp 256 --workers 4\n"
     "  penumbra view scene.xml\n"
