@@ -7,15 +7,18 @@
 #include <iterator>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "gl/script_runner.h"
 #include "gl/view_options.h"
 #include "gl/viewer.h"
 #include "kernels/host/console.h"
+#include "scenes/scene_reader.h"
 #include "scheduler/cli/command_line.h"
 #include "scheduler/cli/exit_code.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/stop_signal.h"
+#include "scheduler/outputs/output_check.h"
 #include "scheduler/outputs/version.h"
 #include "scheduler/protocol/grpc_log.h"
 #include "scheduler/protocol/message_memory.h"
@@ -45,6 +48,26 @@ std::vector<ScriptCommand> with_screenshot(std::vector<ScriptCommand> commands, 
   return commands;
 }
 
+/// Whether there is a scene, and nothing that is read would be overwritten: before anything is started.
+Expected<void> check_files(const ViewOptions& options, const std::vector<ScriptCommand>& script) {
+  std::vector<std::filesystem::path> inputs, outputs;
+  if (const std::string& scene = options.preview.scene.scene; !scene.empty()) {
+    if (auto found = check_scene_file(scene, {}); !found) return found;
+    inputs.emplace_back(scene);
+  }
+  if (!options.script.empty()) inputs.emplace_back(options.script);
+  if (!options.screenshot.empty()) outputs.emplace_back(options.screenshot);
+  for (const ScriptCommand& command : script) {
+    if (const auto* save = std::get_if<SaveCommand>(&command)) outputs.emplace_back(save->path);
+    if (const auto* screenshot = std::get_if<ScreenshotCommand>(&command))
+      outputs.emplace_back(screenshot->path);
+  }
+  // One by one: a script may write a file again.
+  for (const auto& output : outputs)
+    if (auto checked = check_outputs(std::span(&output, 1), inputs); !checked) return checked;
+  return {};
+}
+
 /// Until somebody quits, or the script is done.
 Expected<void> show(Viewer& viewer, Window& window, ScriptRunner* script, const std::atomic<bool>& stop) {
   while (!viewer.wants_to_quit() && !stop) {
@@ -64,6 +87,8 @@ ExitCode view(const ViewOptions& options, const CLI::App& app) {
   const std::atomic<bool>& stop = install_stop_signal();
   auto script = read_script(options.script);
   if (!script) return print_error(script.error()), kBadInput;
+  if (const auto checked = check_files(options, *script); !checked)
+    return print_error(checked.error()), kBadInput;
   const bool scripted = !options.script.empty() || !options.screenshot.empty();
 
   std::unique_ptr<LocalScheduler> local;

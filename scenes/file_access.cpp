@@ -78,6 +78,7 @@ Expected<std::unique_ptr<SourceFile>> FileAccess::read(const fs::path& file, std
   if (!stream.read(result->text.data(), std::streamsize(size)) || stream.gcount() != std::streamsize(size)) {
     return fail(fmt::format("cannot read '{}'", file.string()));
   }
+  files_read_.push_back(file);
   return result;
 }
 

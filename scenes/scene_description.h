@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
@@ -155,7 +156,8 @@ inline bool has_control_variate(const IntegratorSettings& integrator) {
 }
 
 struct SceneDescription {
-  std::string source;  ///< the file it was read from
+  std::string source;                        ///< the file it was read from
+  std::vector<std::filesystem::path> files;  ///< all that were read for it, that one first
   std::vector<Bsdf> bsdfs;
   std::vector<Shape> shapes;
   std::vector<PointLight> point_lights;

@@ -29,4 +29,7 @@ struct ReadOptions {
 /// wrong with it, each with file, line, column, the source line and a caret.
 Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options);
 
+/// Whether the file is there and may be looked at, as read_scene would find out.
+Expected<void> check_scene_file(const std::filesystem::path& file, const ReadOptions& options);
+
 }  // namespace penumbra

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <exception>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -13,6 +14,7 @@
 #include "scheduler/cli/command_line.h"
 #include "scheduler/cli/exit_code.h"
 #include "scheduler/outputs/atomic_file.h"
+#include "scheduler/outputs/output_check.h"
 #include "stress/backend.h"
 #include "stress/run.h"
 #include "stress/selection.h"
@@ -69,7 +71,8 @@ std::string usage_error(const CLI::App* app, const CLI::Error& error) {
 }
 
 Expected<void> write_text(const std::string& path, const std::string& text) {
-  return write_file_atomically(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  if (auto made = make_folders(path); !made) return made;
+  return write_file_atomically(path, bytes_of(text));
 }
 
 std::vector<Backend> make_backends(const Options& options) {
@@ -92,11 +95,11 @@ ExitCode run(const Options& options) {
   Expected<std::vector<Case>> cases = select(all_cases(), options.cases);
   if (!cases) return print_error(cases.error()), kBadInput;
   if (options.list) return print_answer(list_text(*cases)), kAllDone;
-  for (const std::string& file : {options.json, options.html}) {
-    if (file.empty()) continue;
-    if (const auto writable = check_writable(file); !writable)
-      return print_error(writable.error()), kBadInput;
-  }
+  std::vector<std::filesystem::path> outputs;
+  for (const std::string& file : {options.json, options.html})
+    if (!file.empty()) outputs.emplace_back(file);
+  if (const auto checked = check_outputs(outputs, {}); !checked)
+    return print_error(checked.error()), kBadInput;
   const auto start = std::chrono::steady_clock::now();
   std::vector<Backend> backends = make_backends(options);
   TableContext context;

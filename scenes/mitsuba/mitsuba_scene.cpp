@@ -23,6 +23,7 @@ Expected<SceneDescription> read_scene(const std::filesystem::path& file, const R
     }
   }
   scene.warnings = diagnostics.take_warnings();
+  scene.files = files.files_read();
   return scene;
 }
 

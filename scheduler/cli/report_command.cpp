@@ -44,7 +44,8 @@ std::string file_hash(const fs::path& path) {
 }
 
 Expected<void> write_text(const fs::path& path, const std::string& text) {
-  return write_file_atomically(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  if (auto made = make_folders(path); !made) return made;
+  return write_file_atomically(path, bytes_of(text));
 }
 
 ReportData begin_report(const ReportOptions& options, const std::vector<ScenePlan>& plans,

@@ -23,7 +23,7 @@ std::string contents(const fs::path& path) {
 }
 
 Expected<void> write_text(const fs::path& path, const std::string& text) {
-  return write_file_atomically(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  return write_file_atomically(path, bytes_of(text));
 }
 
 }  // namespace

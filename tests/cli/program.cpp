@@ -77,6 +77,8 @@ ProgramResult run_shell(const std::filesystem::path& folder, const std::string& 
   return Program(folder, "/bin/bash", {"-c", "PATH=" PENUMBRA_BINARY_DIR ":$PATH\n" + line}).wait();
 }
 
+bool has_window() { return std::filesystem::exists(PENUMBRA_BINARY_DIR "/penumbra-view"); }
+
 std::string source_path(const std::string& relative) {
   return std::string(PENUMBRA_SOURCE_DIR "/") + relative;
 }

@@ -48,6 +48,9 @@ ProgramResult run_penumbra(const std::filesystem::path& folder, const std::vecto
 /// PATH.
 ProgramResult run_shell(const std::filesystem::path& folder, const std::string& line);
 
+/// Whether `penumbra view` was built.
+bool has_window();
+
 /// Path of a file of the source tree.
 std::string source_path(const std::string& relative);
 
