@@ -5,15 +5,21 @@
 #include <exception>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "gl/script_runner.h"
 #include "gl/view_options.h"
 #include "gl/viewer.h"
+#include "kernels/host/console.h"
 #include "kernels/host/plain_file.h"
+#include "scenes/scene_reader.h"
+#include "scheduler/cli/command_line.h"
 #include "scheduler/cli/exit_code.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/stop_signal.h"
+#include "scheduler/outputs/output_check.h"
 #include "scheduler/outputs/version.h"
+#include "scheduler/protocol/grpc_log.h"
 #include "scheduler/protocol/message_memory.h"
 
 namespace penumbra {
@@ -22,8 +28,6 @@ namespace {
 // While nothing moves: how often it is looked whether something has come.
 constexpr double kIdleSeconds = 0.01;
 constexpr std::uint64_t kMaxScriptBytes = std::uint64_t{1} << 20;
-
-void complain(const std::string& message) { fmt::print(stderr, "penumbra-view: error: {}\n", message); }
 
 Expected<std::vector<ScriptCommand>> read_script(const std::string& path) {
   if (path.empty()) return std::vector<ScriptCommand>{};
@@ -41,6 +45,26 @@ std::vector<ScriptCommand> with_screenshot(std::vector<ScriptCommand> commands, 
   if (!commands.empty() && std::holds_alternative<QuitCommand>(commands.back())) commands.pop_back();
   commands.push_back(ScreenshotCommand{.path = options.screenshot});
   return commands;
+}
+
+/// Whether there is a scene, and nothing that is read would be overwritten: before anything is started.
+Expected<void> check_files(const ViewOptions& options, const std::vector<ScriptCommand>& script) {
+  std::vector<std::filesystem::path> inputs, outputs;
+  if (const std::string& scene = options.preview.scene.scene; !scene.empty()) {
+    if (auto found = check_scene_file(scene, {}); !found) return found;
+    inputs.emplace_back(scene);
+  }
+  if (!options.script.empty()) inputs.emplace_back(options.script);
+  if (!options.screenshot.empty()) outputs.emplace_back(options.screenshot);
+  for (const ScriptCommand& command : script) {
+    if (const auto* save = std::get_if<SaveCommand>(&command)) outputs.emplace_back(save->path);
+    if (const auto* screenshot = std::get_if<ScreenshotCommand>(&command))
+      outputs.emplace_back(screenshot->path);
+  }
+  // One by one: a script may write a file again.
+  for (const auto& output : outputs)
+    if (auto checked = check_outputs(std::span(&output, 1), inputs); !checked) return checked;
+  return {};
 }
 
 /// Until somebody quits, or the script is done.
@@ -61,16 +85,18 @@ Expected<void> show(Viewer& viewer, Window& window, ScriptRunner* script, const 
 ExitCode view(const ViewOptions& options, const CLI::App& app) {
   const std::atomic<bool>& stop = install_stop_signal();
   auto script = read_script(options.script);
-  if (!script) return complain(script.error().message), kBadInput;
+  if (!script) return print_error(script.error()), kBadInput;
+  if (const auto checked = check_files(options, *script); !checked)
+    return print_error(checked.error()), kBadInput;
   const bool scripted = !options.script.empty() || !options.screenshot.empty();
 
   std::unique_ptr<LocalScheduler> local;
   std::string address = options.connect;
   if (options.connect.empty()) {
     const auto penumbra = find_program("penumbra");
-    if (!penumbra) return complain(penumbra.error().message), kIncomplete;
+    if (!penumbra) return print_error(penumbra.error()), kIncomplete;
     auto started = LocalScheduler::start(*penumbra, preview_arguments(app));
-    if (!started) return complain(started.error().message), kIncomplete;
+    if (!started) return print_error(started.error()), kIncomplete;
     local = std::move(*started);
     address = local->address();
   }
@@ -81,19 +107,19 @@ ExitCode view(const ViewOptions& options, const CLI::App& app) {
                                 .visible = !options.hidden,
                                 .debug = options.gl_debug,
                                 .content_scale = {}});
-  if (!window) return complain(window.error().message), kIncomplete;
+  if (!window) return print_error(window.error()), kIncomplete;
   auto viewer = Viewer::create(*window, address, options.token, local.get());
-  if (!viewer) return complain(viewer.error().message), kIncomplete;
+  if (!viewer) return print_error(viewer.error()), kIncomplete;
 
   if (options.script.empty() && !options.screenshot.empty()) (*viewer)->refine_from_the_start();
   ScriptRunner runner(with_screenshot(std::move(*script), options), options.script);
   const Expected<void> shown = show(**viewer, *window, scripted ? &runner : nullptr, stop);
   const std::vector<std::string> gl_errors = window->take_gl_errors();
   if (!shown) {
-    complain(shown.error().message);
+    print_error(shown.error());
     return (*viewer)->scheduler_exit_code() == kBadInput ? kBadInput : kIncomplete;
   }
-  for (const std::string& error : gl_errors) complain("OpenGL: " + error);
+  for (const std::string& error : gl_errors) print_error({"OpenGL: " + error});
   return gl_errors.empty() && (!scripted || runner.is_done() || (*viewer)->wants_to_quit()) ? kAllDone
                                                                                             : kIncomplete;
 }
@@ -118,7 +144,7 @@ ExitCode run(int argc, char** argv) {
     if (options.preview.scene.scene.empty() && options.connect.empty())
       throw CLI::RequiredError("SCENE or --connect");
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kAllDone : kBadInput;
+    return end_of_parse(app, error);
   }
   return view(options, app);
 }
@@ -127,12 +153,14 @@ ExitCode run(int argc, char** argv) {
 }  // namespace penumbra
 
 int main(int argc, char** argv) {
+  penumbra::begin_program("penumbra-view");
   penumbra::keep_message_memory();
+  penumbra::route_grpc_log();
   grpc_init();  // for good: its end may wait ten seconds for a poll
   try {
-    return penumbra::run(argc, argv);
+    return penumbra::end_program(penumbra::run(argc, argv));
   } catch (const std::exception& error) {
-    penumbra::complain(fmt::format("internal error: {}", error.what()));
+    penumbra::print_error({fmt::format("internal error: {}", error.what())});
   }
   return penumbra::kIncomplete;
 }

@@ -2,11 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <variant>
 
 #include "gl/picture_files.h"
+#include "kernels/host/console.h"
 #include "kernels/host/stopwatch.h"
+#include "kernels/host/words.h"
 
 namespace penumbra {
 namespace {
@@ -76,13 +77,14 @@ bool ScriptRunner::is_there(const WaitCommand& command) const {
 Expected<bool> ScriptRunner::run(const WaitCommand& command) {
   if (is_there(command)) return true;
   if (viewer_->status().connection == ConnectionState::kEnded && command.what != WaitFor::kAnalytic)
-    return fail(fmt::format("the render is over, with {} samples of every pixel", viewer_->least_samples()));
+    return fail(fmt::format("the render is over, with {} of every pixel",
+                            counted(viewer_->least_samples(), "sample")));
   const double waited = seconds_since(since_);
   const double patience = command.timeout_seconds.value_or(kPatience);
   if (waited < patience) return false;
-  return fail(
-      fmt::format("waited {} s for {}; there are {} samples of every pixel, {} frames of the closed form",
-                  patience, name_of(command.what), viewer_->least_samples(), viewer_->analytic_frames()));
+  return fail(fmt::format("waited {} s for {}; reached: {} of every pixel, {} of the closed form", patience,
+                          name_of(command.what), counted(viewer_->least_samples(), "sample"),
+                          counted(viewer_->analytic_frames(), "frame")));
 }
 
 Expected<bool> ScriptRunner::run(const SetAlphaCommand& command) {
@@ -120,8 +122,7 @@ Expected<bool> ScriptRunner::run(const SaveCommand& command) {
 }
 
 Expected<bool> ScriptRunner::run(const LogCommand& command) {
-  fmt::print("{}\n", command.text);
-  std::fflush(stdout);
+  print_answer(command.text + "\n");
   return true;
 }
 

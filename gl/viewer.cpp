@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "gl/picture_files.h"
+#include "kernels/host/console.h"
 #include "kernels/host/stopwatch.h"
 
 namespace penumbra {
@@ -218,7 +219,7 @@ std::uint32_t Viewer::least_samples() const {
 // --- What is shown
 
 void Viewer::say(std::string text) {
-  fmt::print(stderr, "penumbra-view: {}\n", text);
+  print_message("penumbra-view: " + text);
   status_.messages.push_back(std::move(text));
   if (status_.messages.size() > kMessagesKept) status_.messages.erase(status_.messages.begin());
   stale_ = true;

@@ -90,6 +90,7 @@ Expected<std::unique_ptr<SourceFile>> FileAccess::read(const fs::path& file, std
   auto result = std::make_unique<SourceFile>();
   result->path = file;
   result->text = std::move(*text);
+  files_read_.push_back(file);
   contents_hash_ = XXH3_64bits_withSeed(result->text.data(), result->text.size(), contents_hash_);
   if (const auto done = take_byte_order_mark(result->text); !done)
     return fail(fmt::format("'{}' {}", file.string(), done.error().message));

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "kernels/host/error.h"
 #include "scenes/diagnostic.h"
@@ -38,9 +39,13 @@ class FileAccess {
   /// Whether the path, all symbolic links followed, lies inside the confinement.
   [[nodiscard]] bool allows(const std::filesystem::path& file) const;
 
+  /// All that have been read, in that order.
+  [[nodiscard]] const std::vector<std::filesystem::path>& files_read() const { return files_read_; }
+
  private:
   std::optional<std::filesystem::path> root_;
   mutable std::uint64_t contents_hash_ = 0;
+  mutable std::vector<std::filesystem::path> files_read_;
 };
 
 }  // namespace penumbra

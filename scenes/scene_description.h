@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
@@ -160,8 +161,9 @@ inline bool has_control_variate(const IntegratorSettings& integrator) {
 }
 
 struct SceneDescription {
-  std::string source;  ///< the file it was read from
-  /// Of the contents of that file and all that it names: the same scene elsewhere has the same.
+  std::string source;                        ///< the file it was read from
+  std::vector<std::filesystem::path> files;  ///< all that were read for it, that one first
+  /// Of the contents of those files: the same scene elsewhere has the same.
   std::uint64_t contents_hash = 0;
   std::vector<Bsdf> bsdfs;
   std::vector<Shape> shapes;

@@ -103,14 +103,17 @@ std::vector<std::string> scene_formats() {
   return names;
 }
 
-Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options) {
-  // Whether it may be looked at, and is there, before anything is said about its format.
+Expected<void> check_scene_file(const std::filesystem::path& file, const ReadOptions& options) {
   const FileAccess files(options.confine_to);
   std::error_code ignored;
-  if (!files.allows(file) || !std::filesystem::is_regular_file(file, ignored)) {
-    const auto source = files.read(file, kMaxSceneFileBytes);
-    return std::unexpected(source ? Error{fmt::format("cannot read '{}'", file.string())} : source.error());
-  }
+  if (files.allows(file) && std::filesystem::is_regular_file(file, ignored)) return {};
+  const auto source = files.read(file, kMaxSceneFileBytes);
+  return std::unexpected(source ? Error{fmt::format("cannot read '{}'", file.string())} : source.error());
+}
+
+Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options) {
+  // Before anything is said about its format.
+  if (const auto found = check_scene_file(file, options); !found) return std::unexpected(found.error());
   const Format* format = format_of(file);
   if (format == nullptr) {
     return fail(fmt::format("{}: not a scene in a format that Penumbra reads; it reads: {}", file.string(),

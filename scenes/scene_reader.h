@@ -33,4 +33,7 @@ std::vector<std::string> scene_formats();
 /// without light is one, with a warning.
 Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options);
 
+/// Whether the file is there and may be looked at, as read_scene would find out.
+Expected<void> check_scene_file(const std::filesystem::path& file, const ReadOptions& options);
+
 }  // namespace penumbra

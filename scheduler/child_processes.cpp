@@ -16,6 +16,8 @@
 #include <string_view>
 #include <thread>
 
+#include "kernels/host/child_signals.h"
+
 namespace penumbra {
 namespace {
 
@@ -53,10 +55,8 @@ std::vector<char*> with_own_environment(std::vector<std::string>& more) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);
   setpgid(0, 0);
-  sigset_t none;
-  sigemptyset(&none);
-  sigprocmask(SIG_SETMASK, &none, nullptr);
-  for (const int signal_number : {SIGINT, SIGTERM, SIGPIPE, SIGCHLD}) signal(signal_number, SIG_DFL);
+  restore_default_signals();
+  for (const int number : {SIGINT, SIGTERM}) signal(number, SIG_DFL);  // ignored where this runs behind a `&`
   const int nothing = open("/dev/null", O_RDONLY);
   if (nothing >= 0) dup2(nothing, STDIN_FILENO);
   dup2(STDERR_FILENO, STDOUT_FILENO);

@@ -57,7 +57,8 @@ Expected<void> Server::listen_for_own(const ListenOptions& options) {
   builder.AddListeningPort(options.address, grpc::InsecureServerCredentials());
   builder.RegisterService(state_->own_service.get());
   state_->own_server = builder.BuildAndStart();
-  if (state_->own_server == nullptr) return fail(fmt::format("cannot listen on {}", options.address));
+  if (state_->own_server == nullptr)
+    return fail(fmt::format("cannot listen on {}; GRPC_VERBOSITY=error says why", options.address));
   return {};
 }
 
@@ -87,7 +88,8 @@ Expected<void> Server::listen_for_all(const ListenOptions& options) {
       grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials);
   builder.RegisterService(state_->more_service.get());
   state_->more_server = builder.BuildAndStart();
-  if (state_->more_server == nullptr) return fail(fmt::format("cannot listen on {}", options.more));
+  if (state_->more_server == nullptr)
+    return fail(fmt::format("cannot listen on {}; GRPC_VERBOSITY=error says why", options.more));
   state_->acceptor->start([taker = state_->taker.get()](int descriptor, int listener) {
     grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
     connection.fd = descriptor;

@@ -5,13 +5,17 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <exception>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "kernels/host/console.h"
 #include "scenes/diagnostic.h"
+#include "scheduler/cli/command_line.h"
 #include "scheduler/cli/exit_code.h"
 #include "scheduler/cli/option_checks.h"
 #include "scheduler/outputs/atomic_file.h"
+#include "scheduler/outputs/output_check.h"
 #include "stress/backend.h"
 #include "stress/run.h"
 #include "stress/selection.h"
@@ -69,7 +73,8 @@ std::string usage_error(const CLI::App* app, const CLI::Error& error) {
 }
 
 Expected<void> write_text(const std::string& path, const std::string& text) {
-  return write_file_atomically(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  if (auto made = make_folders(path); !made) return made;
+  return write_file_atomically(path, bytes_of(text));
 }
 
 std::vector<Backend> make_backends(const Options& options) {
@@ -86,17 +91,17 @@ std::string describe(const Backend& backend) {
 }
 
 /// On a terminal, the case at work.
-void show_progress(const Case& c) { fmt::print(stderr, "\r\033[K{}", c.name); }
+void show_progress(const Case& c) { redraw_line(c.name); }
 
 ExitCode run(const Options& options) {
   Expected<std::vector<Case>> cases = select(all_cases(), options.cases);
   if (!cases) return print_error(cases.error()), kBadInput;
-  if (options.list) return fmt::print("{}", list_text(*cases)), kAllDone;
-  for (const std::string& file : {options.json, options.html}) {
-    if (file.empty()) continue;
-    if (const auto writable = check_writable(file); !writable)
-      return print_error(writable.error()), kBadInput;
-  }
+  if (options.list) return print_answer(list_text(*cases)), kAllDone;
+  std::vector<std::filesystem::path> outputs;
+  for (const std::string& file : {options.json, options.html})
+    if (!file.empty()) outputs.emplace_back(file);
+  if (const auto checked = check_outputs(outputs, {}); !checked)
+    return print_error(checked.error()), kBadInput;
   if (const auto used = check_backend_options(backends_in_use(options.backend), options.opencl_device, "");
       !used)
     return print_error(used.error()), kBadInput;
@@ -107,9 +112,9 @@ ExitCode run(const Options& options) {
   const bool terminal = isatty(STDERR_FILENO) != 0;
   const std::vector<CaseResult> results =
       run_cases(*cases, backends, [&](const Case& c) { terminal ? show_progress(c) : void(); });
-  if (terminal) fmt::print(stderr, "\r\033[K");
+  clear_line();
   context.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  fmt::print("{}", table_text(results, context));
+  print_answer(table_text(results, context));
   if (!options.json.empty()) {
     if (const auto done = write_text(options.json, table_json(results, context).dump(1) + "\n"); !done)
       return print_error(done.error()), kIncomplete;
@@ -126,6 +131,7 @@ ExitCode run(const Options& options) {
 
 int main(int argc, char** argv) {
   using namespace penumbra;
+  begin_program("penumbra stress");
   CLI::App app("Stiff and extreme cases against truth of high precision, on every backend",
                "penumbra stress");
   stress::Options options;
@@ -134,10 +140,10 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kAllDone : kBadInput;
+    return end_program(end_of_parse(app, error));
   }
   try {
-    return stress::run(options);
+    return end_program(stress::run(options));
   } catch (const std::exception& error) {
     print_error({fmt::format("internal error: {}", error.what())});
   }

@@ -2,13 +2,17 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <string>
 #include <string_view>
 #include <thread>
 #include <vector>
 
+#include "kernels/host/console.h"
+#include "kernels/host/words.h"
+#include "scheduler/cli/command_line.h"
+#include "scheduler/protocol/grpc_log.h"
 #include "scheduler/protocol/message_memory.h"
 #include "scheduler/protocol/token.h"
 #include "worker/device.h"
@@ -21,25 +25,21 @@ namespace {
 constexpr int kFailed = 1;
 constexpr int kBadUsage = 2;
 
-void complain(const std::string& message) { fmt::print(stderr, "penumbra-worker: {}\n", message); }
-
 /// Ends the parse, as --help does.
 void list_devices() {
   using namespace penumbra;
   std::string isas;
   for (int i = 0; i <= int(best_isa()); ++i) isas += fmt::format("{}{}", i > 0 ? ", " : "", isa_name(Isa(i)));
-  fmt::print("native: {}; {} cores\nOpenCL:", isas, std::thread::hardware_concurrency());
   const std::vector<OpenClDeviceInfo> devices = list_opencl_devices();
-  fmt::print("{}{}\n", devices.empty() ? " no device" : "\n", opencl_device_table(devices));
+  print_answer(fmt::format("native: {}; {}\nOpenCL:{}{}\n", isas,
+                           counted(std::thread::hardware_concurrency(), "core"),
+                           devices.empty() ? " no device" : "\n", opencl_device_table(devices)));
   throw CLI::Success();
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   using namespace penumbra;
   if (argc > 1 && std::string_view(argv[1]) == kMeasureCompile) return measure_compile(argc - 2, argv + 2);
-  keep_message_memory();
   WorkerClientOptions options;
   std::string backend, isa, opencl_device;
   int threads = 0;
@@ -72,7 +72,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? EXIT_SUCCESS : kBadUsage;
+    return end_of_parse(app, error);
   }
 
   if (*backend_option) {
@@ -88,7 +88,7 @@ int main(int argc, char** argv) {
   if (*opencl_option) {
     const Expected<OpenClDeviceInfo> found = find_opencl_device(opencl_device);
     if (!found) {
-      complain(found.error().message);
+      print_error(found.error());
       return kBadUsage;
     }
     options.opencl_device = opencl_device;
@@ -96,8 +96,8 @@ int main(int argc, char** argv) {
   if (*isa_option) {
     const Expected<Isa> named = isa_from_name(isa);
     if (!named || *named > best) {
-      complain(named ? fmt::format("--isa {}: this machine goes up to {}", isa, isa_name(best))
-                     : named.error().message);
+      print_error(named ? Error{fmt::format("--isa {}: this machine goes up to {}", isa, isa_name(best))}
+                        : named.error());
       return kBadUsage;
     }
     options.isa = *named;
@@ -105,13 +105,27 @@ int main(int argc, char** argv) {
   }
   options.make_device = make_device;
   options.on_connection_lost = [](const Error& error) {
-    complain(error.message);
+    print_error(error);
     std::_Exit(kFailed);  // the unit in hand cannot be interrupted, and nobody waits for it
   };
 
   if (const Expected<void> worked = run_worker(options); !worked) {
-    complain(worked.error().message);
+    print_error(worked.error());
     return kFailed;
   }
   return EXIT_SUCCESS;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  penumbra::begin_program("penumbra-worker");
+  penumbra::keep_message_memory();
+  penumbra::route_grpc_log();
+  try {
+    return penumbra::end_program(run(argc, argv));
+  } catch (const std::exception& error) {
+    penumbra::print_error({fmt::format("internal error: {}", error.what())});
+  }
+  return kFailed;
 }

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <vector>
 
+#include "kernels/host/console.h"
 #include "kernels/host/plain_file.h"
 #include "kernels/host/stopwatch.h"
 #include "worker/device.h"
@@ -86,8 +87,9 @@ Expected<void> run(int count, char** arguments) {
   std::string device = own->device.substr(0, own->device.find(", features"));
   for (char& c : device)
     if (c == '"' || c == '\\' || static_cast<unsigned char>(c) < ' ') c = ' ';
-  fmt::print("{{\"device\": \"{}\", \"own_seconds\": {:.4f}, \"everything_seconds\": {:.4f}}}\n", device,
-             own->seconds, everything->seconds);
+  print_answer(
+      fmt::format("{{\"device\": \"{}\", \"own_seconds\": {:.4f}, \"everything_seconds\": {:.4f}}}\n", device,
+                  own->seconds, everything->seconds));
   return {};
 }
 
@@ -95,7 +97,7 @@ Expected<void> run(int count, char** arguments) {
 
 int measure_compile(int count, char** arguments) {
   if (const Expected<void> done = run(count, arguments); !done) {
-    fmt::print(stderr, "penumbra-worker {}: {}\n", kMeasureCompile, done.error().message);
+    print_error({fmt::format("{}: {}", kMeasureCompile, done.error().message)});
     return 1;
   }
   return 0;

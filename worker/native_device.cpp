@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "kernels/host/words.h"
 #include "worker/embree_tracer.h"
 
 namespace penumbra {
@@ -112,9 +113,9 @@ class NativeDevice final : public Device {
         team_(std::max(1, options.threads)) {}
 
   std::string description() const override {
-    return fmt::format("native {}{}, {} kernels, {} intersector, {} thread{}", isa_name(options_.isa),
+    return fmt::format("native {}{}, {} kernels, {} intersector, {}", isa_name(options_.isa),
                        options_.block_of_one ? " (block of one)" : "", kernel_.features_name,
-                       tracer_ ? "Embree" : "portable", team_.size(), team_.size() == 1 ? "" : "s");
+                       tracer_ ? "Embree" : "portable", counted(team_.size(), "thread"));
   }
 
   Expected<SampleBuffer> render(const RenderUnit& unit) override {

@@ -7,6 +7,7 @@
 #include <charconv>
 
 #include "kernels/features.h"
+#include "kernels/host/words.h"
 
 namespace penumbra {
 namespace {
@@ -135,10 +136,9 @@ std::string opencl_device_table(const std::vector<OpenClDeviceInfo>& devices) {
   std::string table;
   for (std::size_t i = 0; i < devices.size(); ++i) {
     const OpenClDeviceInfo& device = devices[i];
-    table += fmt::format("{}  {}: {} ({}, {} unit{}, {:.1f} GB{}{})", i, device.platform, device.name,
-                         device.is_cpu ? "CPU" : "no CPU", device.compute_units,
-                         device.compute_units == 1 ? "" : "s", double(device.memory_bytes) * 1e-9,
-                         device.has_double ? ", double precision" : "",
+    table += fmt::format("{}  {}: {} ({}, {}, {:.1f} GB{}{})", i, device.platform, device.name,
+                         device.is_cpu ? "CPU" : "no CPU", counted(device.compute_units, "unit"),
+                         double(device.memory_bytes) * 1e-9, device.has_double ? ", double precision" : "",
                          device.is_exact ? "" : ", inexact float arithmetic");
     if (i + 1 < devices.size()) table += '\n';
   }

@@ -55,6 +55,7 @@ Expected<SceneDescription> read_scene(const std::filesystem::path& file, const R
   }
   scene.contents_hash = files.contents_hash();
   scene.warnings = diagnostics.take_warnings();
+  scene.files = files.files_read();
   return scene;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "kernels/host/console.h"
 #include "scheduler/cli/exit_code.h"
 
 namespace penumbra {

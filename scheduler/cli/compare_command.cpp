@@ -16,6 +16,7 @@
 #include "scheduler/outputs/compare.h"
 #include "scheduler/outputs/compare_limits.h"
 #include "scheduler/outputs/image_files.h"
+#include "scheduler/outputs/output_check.h"
 
 namespace penumbra {
 namespace {
@@ -42,8 +43,8 @@ std::optional<MapRange> parse_range(const std::string& text) {
 
 bool is_png(const std::filesystem::path& path) { return path.extension() == ".png"; }
 
-std::vector<std::string> input_files(const CompareCommandOptions& options) {
-  std::vector<std::string> files;
+std::vector<std::filesystem::path> input_files(const CompareCommandOptions& options) {
+  std::vector<std::filesystem::path> files;
   for (const auto& file : {options.image, options.reference, options.second_reference, options.variance,
                            options.reference_variance}) {
     if (!file.empty()) files.push_back(file);
@@ -53,7 +54,7 @@ std::vector<std::string> input_files(const CompareCommandOptions& options) {
 
 /// Before the work: whether what is asked for can be written, and overwrites no input.
 Expected<void> check_outputs(const CompareCommandOptions& options) {
-  std::vector<std::string> outputs;
+  std::vector<std::filesystem::path> outputs;
   if (!options.heatmap.empty()) {
     if (!is_png(options.heatmap) && std::filesystem::path(options.heatmap).extension() != ".exr") {
       return fail(options.heatmap + ": a heat map is a .png or an .exr");
@@ -61,19 +62,13 @@ Expected<void> check_outputs(const CompareCommandOptions& options) {
     outputs.push_back(options.heatmap);
   }
   if (!options.json.empty() && options.json != "-") outputs.push_back(options.json);
-  for (const std::string& output : outputs) {
-    for (const std::string& input : input_files(options)) {
-      std::error_code unknown;
-      if (std::filesystem::equivalent(output, input, unknown))
-        return fail(fmt::format("{} is compared; it is not overwritten", output));
-    }
-    if (const auto writable = check_writable(output); !writable) return writable;
-  }
-  if (outputs.size() == 2 && std::filesystem::absolute(outputs[0]).lexically_normal() ==
-                                 std::filesystem::absolute(outputs[1]).lexically_normal()) {
-    return fail(fmt::format("two outputs in one file: {}", outputs[0]));
-  }
-  return {};
+  return penumbra::check_outputs(outputs, input_files(options));
+}
+
+/// Into a folder that may have to be made.
+Expected<void> write_output(const std::string& path, std::span<const std::uint8_t> bytes) {
+  if (auto made = make_folders(path); !made) return made;
+  return write_file_atomically(path, bytes);
 }
 
 /// The images of the command line, in memory.
@@ -120,17 +115,24 @@ struct WrittenMap {
   MapRange range;
 };
 
-Expected<WrittenMap> write_heat_map(const CompareCommandOptions& options, const Comparison& comparison) {
+struct HeatMap {
+  Image image;
+  MapRange range;
+};
+
+Expected<HeatMap> make_heat_map(const CompareCommandOptions& options, const Comparison& comparison) {
   const auto map = error_map(comparison, options.map);
   if (!map) return std::unexpected(map.error());
   const MapRange range = options.range.value_or(default_range(*map));
-  const Image image = heat_map_image(*map, range);
-  const auto bytes = is_png(options.heatmap) ? encode_png(image) : encode_exr(image);
+  return HeatMap{heat_map_image(*map, range), range};
+}
+
+Expected<WrittenMap> write_heat_map(const CompareCommandOptions& options, const HeatMap& map) {
+  const auto bytes = is_png(options.heatmap) ? encode_png(map.image) : encode_exr(map.image);
   if (!bytes) return std::unexpected(bytes.error());
-  if (const auto written = write_file_atomically(options.heatmap, *bytes); !written) {
+  if (const auto written = write_output(options.heatmap, *bytes); !written)
     return std::unexpected(written.error());
-  }
-  return WrittenMap{options.heatmap, options.map, range};
+  return WrittenMap{options.heatmap, options.map, map.range};
 }
 
 struct CheckedLimit {
@@ -207,15 +209,17 @@ ExitCode compare(const CompareCommandOptions& options) {
   if (!limits) return bad_input(limits.error());
   std::optional<WrittenMap> map;
   if (!options.heatmap.empty()) {
-    auto written = write_heat_map(options, *comparison);
-    if (!written) return bad_input(written.error());
+    const auto made = make_heat_map(options, *comparison);
+    if (!made) return bad_input(made.error());
+    auto written = write_heat_map(options, *made);
+    if (!written) return print_error(written.error()), kIncomplete;
     map = std::move(*written);
   }
   if (options.json != "-") {
-    fmt::print("{}", comparison_text(*comparison));
+    print_answer(comparison_text(*comparison));
     if (map)
-      fmt::print("{}: {} from {:.6g} (dark) to {:.6g} (yellow)\n", map->file, map->name, map->range.low,
-                 map->range.high);
+      print_answer(fmt::format("{}: {} from {:.6g} (dark) to {:.6g} (yellow)\n", map->file, map->name,
+                               map->range.low, map->range.high));
   }
   const bool passed = passes(options, *comparison, *limits);
   if (!options.json.empty()) {
@@ -223,11 +227,9 @@ ExitCode compare(const CompareCommandOptions& options) {
                                  .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
                              "\n";
     if (options.json == "-") {
-      fmt::print("{}", json);
-    } else if (const auto written = write_file_atomically(
-                   options.json, {reinterpret_cast<const std::uint8_t*>(json.data()), json.size()});
-               !written) {
-      return bad_input(written.error());
+      print_answer(json);
+    } else if (const auto written = write_output(options.json, bytes_of(json)); !written) {
+      return print_error(written.error()), kIncomplete;
     }
   }
   return passed ? kAllDone : kIncomplete;

@@ -54,20 +54,23 @@ std::vector<std::pair<std::string, std::string>> settings_of(const SceneOptions&
   return settings;
 }
 
-void print_text(const SceneOptions& options, const LoadedScene& scene, const SceneInventory& inventory) {
-  fmt::print("{}, read and built in {:.3f} s\n", options.scene, scene.seconds);
+std::string info_text(const SceneOptions& options, const LoadedScene& scene,
+                      const SceneInventory& inventory) {
+  std::string text = fmt::format("{}, read and built in {:.3f} s\n", options.scene, scene.seconds);
   const std::vector<Section> sections = {{"Needs", scene.summary.needs},
                                          {"Left out", scene.summary.left_out},
                                          {"Settings", settings_of(options, scene)}};
   for (const auto& [title, entries] : sections) {
     if (entries.empty()) continue;
-    fmt::print("\n{}\n", title);
-    for (const auto& [name, value] : entries) fmt::print("  {:<32} {}\n", name, value);
-    if (title == "Left out") fmt::print("\n{}", inventory_text(inventory));
+    text += fmt::format("\n{}\n", title);
+    for (const auto& [name, value] : entries) text += fmt::format("  {:<32} {}\n", name, value);
+    if (title == "Left out") text += "\n" + inventory_text(inventory);
   }
+  return text;
 }
 
-void print_json(const SceneOptions& options, const LoadedScene& scene, const SceneInventory& inventory) {
+std::string info_json(const SceneOptions& options, const LoadedScene& scene,
+                      const SceneInventory& inventory) {
   const SceneHeader& header = scene.device.header;  // its first material is black, for what has none
   const Film& film = scene.description.film;
   nlohmann::ordered_json json = {
@@ -89,7 +92,7 @@ void print_json(const SceneOptions& options, const LoadedScene& scene, const Sce
       {"costs", inventory_json(inventory)},
       {"warnings", scene.description.warnings}};
   // Names and paths are bytes, not always UTF-8.
-  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 ExitCode info(const InfoOptions& options) {
@@ -102,9 +105,9 @@ ExitCode info(const InfoOptions& options) {
     inventory.opencl = *times;
   }
   if (options.json) {
-    print_json(options.scene, *scene, inventory);
+    print_answer(info_json(options.scene, *scene, inventory));
   } else {
-    print_text(options.scene, *scene, inventory);
+    print_answer(info_text(options.scene, *scene, inventory));
     for (const std::string& warning : scene->description.warnings) print_warning(warning);
   }
   return kAllDone;

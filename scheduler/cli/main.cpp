@@ -5,8 +5,10 @@
 #include <new>
 
 #include "scenes/diagnostic.h"
+#include "scheduler/cli/command_line.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/outputs/version.h"
+#include "scheduler/protocol/grpc_log.h"
 #include "scheduler/protocol/message_memory.h"
 
 namespace penumbra {
@@ -15,7 +17,8 @@ namespace {
 constexpr const char* kExamples =
     "Exit code: 0 all done, 1 something is incomplete or failed, 2 bad usage or bad input.\n\n"
     "Examples:\n"
-    "  penumbra render scenes/cornell/cornell.xml                    writes scene.exr, scene.png, scene.json "
+    "  penumbra render scenes/cornell/cornell.xml                    writes cornell.exr, cornell.png, "
+    "cornell.json "
     "here\n"
     "  penumbra render scene.xml -o out/a.exr --spp 256 --workers 4\n"
     "  penumbra view scene.xml\n"
@@ -71,7 +74,7 @@ ExitCode run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kAllDone : kBadInput;
+    return end_of_parse(app, error);
   }
   return chosen();
 }
@@ -80,9 +83,11 @@ ExitCode run(int argc, char** argv) {
 }  // namespace penumbra
 
 int main(int argc, char** argv) {
+  penumbra::begin_program("penumbra");
   penumbra::keep_message_memory();
+  penumbra::route_grpc_log();
   try {
-    return penumbra::run(argc, argv);
+    return penumbra::end_program(penumbra::run(argc, argv));
   } catch (const std::bad_alloc&) {
     penumbra::print_error({"out of memory"});
   } catch (const std::exception& error) {

@@ -51,7 +51,10 @@ Expected<OutputFiles> choose_output_files(const RenderOptions& options) {
   return files;
 }
 
-Expected<void> check_writable(const OutputFiles& files) {
+Expected<void> make_folders(const OutputFiles& files) {
+  for (const fs::path& file : files.all()) {
+    if (auto made = make_folders(file); !made) return made;
+  }
   for (const fs::path& file : files.all()) {
     if (auto writable = check_writable(file); !writable) return writable;
   }

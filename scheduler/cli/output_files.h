@@ -21,7 +21,8 @@ struct OutputFiles {
 /// extension that is neither .exr nor .png, two outputs in one file.
 Expected<OutputFiles> choose_output_files(const RenderOptions& options);
 
-/// Whether all of them can be written, see check_writable.
-Expected<void> check_writable(const OutputFiles& files);
+/// Makes the folders that are missing, once there is something to render. Error: one cannot be made, or
+/// another output is in its place.
+Expected<void> make_folders(const OutputFiles& files);
 
 }  // namespace penumbra

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "kernels/host/words.h"
 #include "scheduler/outputs/film_image.h"
 
 namespace penumbra {
@@ -19,7 +20,7 @@ std::string pixel_text(const FilmAccumulator& film, int x, int y) {
   const PixelStatistics& pixel = film.at(x, y);
   double standard_error[3];
   for (int c = 0; c < 3; ++c) standard_error[c] = std::sqrt(variance_of_mean(pixel.count, pixel.m2[c]));
-  std::string text = fmt::format("pixel {},{}  {} samples\n", x, y, pixel.count);
+  std::string text = fmt::format("pixel {},{}  {}\n", x, y, counted(pixel.count, "sample"));
   text += decimal_row("radiance", pixel.mean);
   text += fmt::format("{:<16}{:>17a}{:>17a}{:>17a}\n", "  exactly", float(pixel.mean[0]),
                       float(pixel.mean[1]), float(pixel.mean[2]));

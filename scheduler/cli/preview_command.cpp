@@ -16,7 +16,7 @@ ExitCode preview(const RenderOptions& options) {
   auto prepared = prepare_watched_render(options);
   if (!prepared) return prepared.error();
   const auto outcome = run_render(prepared->job, stop, [](const RenderProgress& progress) {
-    for (const std::string& notice : progress.notices) fmt::print(stderr, "{}\n", notice);
+    for (const std::string& notice : progress.notices) print_message(notice);
   });
   if (!outcome) return print_error(outcome.error()), kIncomplete;
   for (const std::string& problem : outcome->problems) print_warning(problem);

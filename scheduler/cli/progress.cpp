@@ -9,6 +9,9 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "kernels/host/console.h"
+#include "kernels/host/words.h"
+
 namespace penumbra {
 namespace {
 
@@ -43,7 +46,7 @@ std::string progress_text(const RenderProgress& progress) {
   }
   if (std::isfinite(progress.relative_error))
     text += fmt::format("  error {:.2g}%", progress.relative_error * 100);
-  text += fmt::format("  {} worker{}", progress.workers, progress.workers == 1 ? "" : "s");
+  text += "  " + counted(progress.workers, "worker");
   return text;
 }
 
@@ -57,44 +60,31 @@ std::string progress_bar(const RenderProgress& progress, int columns) {
                      std::string(std::size_t(length - filled), '.'), text);
 }
 
-ProgressPrinter::ProgressPrinter(std::FILE* stream, ProgressStyle style, int columns)
-    : stream_(stream), style_(style), columns_(columns) {}
+ProgressPrinter::ProgressPrinter(ProgressStyle style, int columns) : style_(style), columns_(columns) {}
 
 void ProgressPrinter::update(const RenderProgress& progress) {
-  if (style_ != ProgressStyle::kNone) {
-    for (const std::string& notice : progress.notices)
-      fmt::print(stream_, "{}{}\n", style_ == ProgressStyle::kBar ? "\r\x1b[K" : "", notice);
-    if (!progress.notices.empty()) std::fflush(stream_);
-  }
+  if (style_ == ProgressStyle::kNone) return;
+  for (const std::string& notice : progress.notices) print_message(notice);
   if (style_ == ProgressStyle::kBar) {
     // One column stays free: terminals wrap a line that fills the last one.
-    fmt::print(stream_, "\r\x1b[K{}", progress_bar(progress, columns_ - 1));
-    drawn_ = true;
-    std::fflush(stream_);
-  } else if (style_ == ProgressStyle::kLines &&
-             progress.elapsed_seconds - last_line_ >= kSecondsBetweenLines) {
-    fmt::print(stream_, "{}\n", progress_text(progress));
+    redraw_line(progress_bar(progress, columns_ - 1));
+  } else if (progress.elapsed_seconds - last_line_ >= kSecondsBetweenLines) {
+    print_message(progress_text(progress));
     last_line_ = progress.elapsed_seconds;
-    std::fflush(stream_);
   }
 }
 
-void ProgressPrinter::finish() {
-  if (!drawn_) return;
-  fmt::print(stream_, "\r\x1b[K");
-  std::fflush(stream_);
-  drawn_ = false;
-}
+void ProgressPrinter::finish() { clear_line(); }
 
-ProgressStyle progress_style(std::FILE* stream) {
+ProgressStyle progress_style() {
   const char* terminal = std::getenv("TERM");
   const bool can_redraw = terminal != nullptr && std::string_view(terminal) != "dumb";
-  return isatty(fileno(stream)) != 0 && can_redraw ? ProgressStyle::kBar : ProgressStyle::kLines;
+  return isatty(STDERR_FILENO) != 0 && can_redraw ? ProgressStyle::kBar : ProgressStyle::kLines;
 }
 
-int terminal_columns(std::FILE* stream) {
+int terminal_columns() {
   winsize size{};
-  if (ioctl(fileno(stream), TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
+  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
   return 80;
 }
 

@@ -1,7 +1,6 @@
 // How far a render is, for people: one redrawn line on a terminal, a plain line now and then elsewhere.
 #pragma once
 
-#include <cstdio>
 #include <string>
 
 #include "scheduler/render_job.h"
@@ -25,27 +24,25 @@ std::string progress_text(const RenderProgress& progress);
 /// A bar in front of `progress_text`, at most `columns` wide; the bar shrinks first, then the text is cut.
 std::string progress_bar(const RenderProgress& progress, int columns);
 
-/// Prints progress to a stream. Time is what the progress says it is.
+/// Prints progress to stderr. Time is what the progress says it is.
 class ProgressPrinter {
  public:
   /// `columns` is the width of the terminal, for kBar.
-  ProgressPrinter(std::FILE* stream, ProgressStyle style, int columns);
+  ProgressPrinter(ProgressStyle style, int columns);
   /// Notices become lines that stay.
   void update(const RenderProgress& progress);
-  /// Clears the bar, so that what follows begins on a clean line.
+  /// Clears the bar.
   void finish();
 
  private:
-  std::FILE* stream_;
   ProgressStyle style_;
   int columns_;
-  bool drawn_ = false;
   double last_line_ = 0;  ///< elapsed seconds at the last plain line
 };
 
-/// The style for a stream: a bar if it is a terminal that can redraw a line, else lines.
-ProgressStyle progress_style(std::FILE* stream);
-/// Width of the stream's terminal, 80 if it has none.
-int terminal_columns(std::FILE* stream);
+/// The style for stderr: a bar if it is a terminal that can redraw a line, else lines.
+ProgressStyle progress_style();
+/// Width of stderr's terminal, 80 if it has none.
+int terminal_columns();
 
 }  // namespace penumbra

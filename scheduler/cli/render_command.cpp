@@ -8,16 +8,17 @@
 #include <nlohmann/json.hpp>
 
 #include "kernels/host/stopwatch.h"
+#include "kernels/host/words.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/pixel_text.h"
 #include "scheduler/cli/progress.h"
 #include "scheduler/cli/render_preparation.h"
 #include "scheduler/cli/scene_costs.h"
 #include "scheduler/cli/stop_signal.h"
-#include "scheduler/outputs/atomic_file.h"
 #include "scheduler/outputs/film_image.h"
 #include "scheduler/outputs/image_files.h"
 #include "scheduler/outputs/non_finite_text.h"
+#include "scheduler/outputs/output_batch.h"
 #include "scheduler/outputs/report.h"
 
 namespace penumbra {
@@ -25,26 +26,29 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-Expected<void> write_images(const Image& image, const OutputFiles& files) {
+/// Image files, written aside.
+Expected<void> add_images(const Image& image, const OutputFiles& files, OutputBatch& batch) {
   using Encoder = Expected<std::vector<std::uint8_t>> (*)(const Image&);
   const std::pair<std::optional<std::filesystem::path>, Encoder> outputs[] = {{files.exr, encode_exr},
                                                                               {files.png, encode_png}};
   for (const auto& [path, encode] : outputs) {
     if (!path) continue;
-    const auto bytes = encode(image);
+    auto bytes = encode(image);
     if (!bytes) return std::unexpected(bytes.error());
-    if (auto written = write_file_atomically(*path, *bytes); !written) return written;
+    batch.add(*path, std::move(*bytes));
   }
   return {};
 }
 
-Expected<void> write_report(const RenderReport& report, const std::optional<std::filesystem::path>& path) {
-  if (!path) return {};
+void add_report(const RenderReport& report, const std::filesystem::path& path, OutputBatch& batch) {
   // Names and paths are bytes, not always UTF-8.
   const std::string text =
       report_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-  return write_file_atomically(*path,
-                               std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+  batch.add(path, {text.begin(), text.end()});
+}
+
+std::string samples_text(std::uint64_t least, std::uint64_t most) {
+  return least == most ? counted(least, "sample") : fmt::format("{} to {} samples", least, most);
 }
 
 void print_summary(const RenderOutcome& outcome, const OutputFiles& files) {
@@ -52,10 +56,10 @@ void print_summary(const RenderOutcome& outcome, const OutputFiles& files) {
   for (const auto& file : files.all()) names.push_back(file.string());
   const std::string where = names.empty() ? "" : fmt::format("wrote {}: ", fmt::join(names, ", "));
   const auto [least, most, total] = sample_range(outcome.film);
-  const std::string spp = least == most ? fmt::to_string(least) : fmt::format("{} to {}", least, most);
-  fmt::print("{}{} x {} pixels, {} samples per pixel in {:.2f} s, {:.2f} Msamples/s\n", where,
-             outcome.film.width(), outcome.film.height(), spp, outcome.seconds,
-             samples_per_second(outcome) * 1e-6);
+  const std::string spp = samples_text(least, most);
+  print_remark(fmt::format("{}{} x {} pixels, {} per pixel in {:.2f} s, {:.2f} Msamples/s\n", where,
+                           outcome.film.width(), outcome.film.height(), spp, outcome.seconds,
+                           samples_per_second(outcome) * 1e-6));
 }
 
 /// Samples that are no numbers, and variances that no file holds, as warnings or as errors; whether there are
@@ -91,7 +95,7 @@ void print_problems(const RenderOutcome& outcome, bool stopped) {
     print_error({fmt::format("{}; there is nothing to write", why)});
   } else {
     print_error(
-        {fmt::format("{}; the image is incomplete, its pixels have {} to {} samples", why, least, most)});
+        {fmt::format("{}; the image is incomplete, its pixels have {}", why, samples_text(least, most))});
   }
 }
 
@@ -100,13 +104,14 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
                              const std::vector<std::string>& command_line) {
   const auto begin = Clock::now();
   const OutputFiles& files = prepared.files;
+  OutputBatch batch;
   RenderReport report;
   const RenderedSamples rendered = rendered_samples(outcome);
   report.record = record_of_rendered(std::move(prepared.record), rendered);
   if (files.exr || files.png) {
     Image image = image_of_film(outcome.film, report.record.film.width, report.record.film.height);
     image.metadata = record_metadata(report.record, outcome.film.hash(), rendered);
-    if (auto written = write_images(image, files); !written) return written;
+    if (auto encoded = add_images(image, files, batch); !encoded) return encoded;
   }
   report.command_line = command_line;
   report.job = &prepared.job;
@@ -121,7 +126,8 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
   report.write_seconds = seconds_since(begin);
   if (files.exr) report.files.push_back(*files.exr);
   if (files.png) report.files.push_back(*files.png);
-  return write_report(report, files.report);
+  if (files.report) add_report(report, *files.report, batch);
+  return batch.finish();
 }
 
 /// Renders. Where the machine was to choose what computes, and its choice brings down every worker (a driver
@@ -141,15 +147,15 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
   const std::atomic<bool>& stop = install_stop_signal();
   auto prepared = prepare_watched_render(options);
   if (!prepared) return prepared.error();
+  if (const auto made = make_folders(prepared->files); !made) return print_error(made.error()), kBadInput;
 
   const bool show = !options.quiet && !options.pixel;
-  ProgressPrinter progress(stderr, show ? progress_style(stderr) : ProgressStyle::kNone,
-                           terminal_columns(stderr));
+  ProgressPrinter progress(show ? progress_style() : ProgressStyle::kNone, terminal_columns());
   const auto outcome = render_with_fallback(prepared->job, stop, [&](const RenderProgress& now) {
     progress.update(now);
     // Who asks for an address wants to know it, and its token, even so.
     if (!show && !options.listen.empty())
-      for (const std::string& notice : now.notices) fmt::print(stderr, "{}\n", notice);
+      for (const std::string& notice : now.notices) print_message(notice);
   });
   progress.finish();
   if (!outcome) return print_error(outcome.error()), kIncomplete;
@@ -158,9 +164,11 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
     return kIncomplete;
   }
   if (const auto written = write_outputs(*prepared, *outcome, command_line); !written) {
-    return print_error(written.error()), kIncomplete;
+    print_error(written.error());
+    print_problems(*outcome, stop);
+    return kIncomplete;
   }
-  if (options.pixel) fmt::print("{}", pixel_text(outcome->film, options.pixel->x, options.pixel->y));
+  if (options.pixel) print_answer(pixel_text(outcome->film, options.pixel->x, options.pixel->y));
   if (show) print_summary(*outcome, prepared->files);
   print_problems(*outcome, stop);
   const bool non_finite =
@@ -180,12 +188,20 @@ void add_render_command(CLI::App& app, const std::vector<std::string>& command_l
       "The image depends on scene, overrides, --spp, --stop-after, --seed and --pass alone (and with Embree "
       "on --isa): not "
       "on\n"
-      "workers, threads or tiles. Ctrl-C keeps what is done, marked incomplete; a second Ctrl-C ends at "
-      "once.\n"
+      "workers, threads or tiles. Ctrl-C, or a terminal that is closed, keeps what is done, marked "
+      "incomplete; a "
+      "second\n"
+      "Ctrl-C ends at once. The files appear together at the end, and missing folders are made; of two "
+      "renders to "
+      "the same\n"
+      "files the one that ends last wins whole. Where the folder is full or gone by then, they go to TMPDIR "
+      "(exit "
+      "code 1).\n"
       "By default one worker uses all cores; several cost a copy of the scene each and survive each other's "
       "crashes.\n\n"
       "Examples:\n"
-      "  penumbra render scenes/cornell/cornell.xml\n"
+      "  penumbra render scenes/cornell/cornell.xml              writes cornell.exr, cornell.png, "
+      "cornell.json here\n"
       "  penumbra render scene.xml -o out/a.exr --spp 256 --workers 4\n"
       "  penumbra render scene.xml -o preview.png --spp 4 --crop 0,0,256,256\n"
       "  penumbra render scene.xml -D albedo=0.5 --set integrator.max_depth=3 --integrator path_ems\n"

@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <thread>
 
+#include "kernels/host/console.h"
 #include "scenes/device/device_scene_builder.h"
 #include "scheduler/access.h"
 #include "scheduler/cli/preview_scene.h"
 #include "scheduler/cli/program_path.h"
+#include "scheduler/outputs/output_check.h"
+#include "scheduler/render_job_check.h"
 #include "scheduler/watch/tev.h"
 #include "worker/opencl_devices.h"
 
@@ -121,7 +125,10 @@ RenderJob make_job(const RenderOptions& options, const RenderRecord& record, con
 Expected<PreparedRender> prepare_render(const RenderOptions& options) {
   auto files = choose_output_files(options);
   if (!files) return std::unexpected(files.error());
-  if (auto writable = check_writable(*files); !writable) return std::unexpected(writable.error());
+  // What can be told before the scene, which may be large, is read.
+  if (auto checked = check_outputs(files->all(), std::array{std::filesystem::path(options.scene.scene)});
+      !checked)
+    return std::unexpected(checked.error());
   if (!options.listen.empty())
     if (auto checked = check_listen_address(options.listen); !checked)
       return fail("--listen: " + checked.error().message);
@@ -130,6 +137,8 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options) {
       return fail("--tev: " + address.error().message);
   auto scene = load_scene(options.scene, options.interactive ? preview_adjustment(options.scene) : nullptr);
   if (!scene) return std::unexpected(scene.error());
+  if (auto checked = check_outputs(files->all(), scene->description.files); !checked)
+    return std::unexpected(checked.error());
   const auto film = cropped_film(options, scene->description.film);
   if (!film) return std::unexpected(film.error());
   const auto device = device_options(options, scene->device);
@@ -149,6 +158,7 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options) {
   const glm::dvec3 center = scene_center(scene->description);
   for (int axis = 0; axis < 3; ++axis) prepared.job.center[axis] = center[axis];
   prepared.scene = std::move(*scene);
+  if (auto checked = check_render_job(prepared.job); !checked) return std::unexpected(checked.error());
   return prepared;
 }
 

@@ -18,8 +18,8 @@ struct PreparedRender {
 };
 
 /// Chooses the files, reads the scene, applies the options. Errors, all of them of the input: an output that
-/// cannot be written, a bad scene, a crop outside the film, options that exclude each other or that this
-/// machine has not.
+/// cannot be written or would overwrite an input, a bad scene, more pixels than memory, a crop outside the
+/// film, options that exclude each other or that this machine has not.
 Expected<PreparedRender> prepare_render(const RenderOptions& options);
 
 /// The same for somebody at a terminal who may watch: with the worker's executable, whether the wanted device

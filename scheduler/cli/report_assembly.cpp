@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "kernels/host/words.h"
 #include "scheduler/metrics/error_map.h"
 #include "scheduler/report/crops.h"
 #include "scheduler/report/curve_builder.h"
@@ -109,7 +110,8 @@ Expected<Curve> peer_curve(const Peer& peer, const Reference& reference, double 
 /// What readers should know before they believe a number.
 void add_remarks(SceneReport& scene, std::size_t missing) {
   if (missing > 0)
-    scene.remarks.push_back(fmt::format("{} images are missing: the curves are incomplete.", missing));
+    scene.remarks.push_back(
+        fmt::format("missing: {}; the curves are incomplete.", counted(missing, "image")));
   for (const Curve& curve : scene.curves) {
     std::uint64_t bad = 0, hidden = 0;
     for (const CurvePoint& point : curve.points) {
@@ -122,12 +124,13 @@ void add_remarks(SceneReport& scene, std::size_t missing) {
                       curve.name.quantity, scene.reference.quantity));
     }
     if (bad > 0)
-      scene.remarks.push_back(fmt::format("{}: {} samples were NaN or infinite.", curve.name.label, bad));
+      scene.remarks.push_back(
+          fmt::format("{}: NaN or infinite: {}.", curve.name.label, counted(bad, "sample")));
     if (hidden > 0) {
-      scene.remarks.push_back(fmt::format(
-          "{}: at {} budgets the error is not above the reference's noise; they are not in the plots "
-          "and fits. A longer reference (--reference-spp) would show them.",
-          curve.name.label, hidden));
+      scene.remarks.push_back(
+          fmt::format("{}: at {} the error is not above the reference's noise; they are not in the plots "
+                      "and fits. A longer reference (--reference-spp) would show them.",
+                      curve.name.label, counted(hidden, "budget")));
     }
   }
 }

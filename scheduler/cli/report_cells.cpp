@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cstdlib>
 
-#include "scheduler/cli/exit_code.h"
+#include "kernels/host/console.h"
 #include "scheduler/cli/progress.h"
 #include "scheduler/cli/render_preparation.h"
 #include "scheduler/outputs/film_image.h"
@@ -102,7 +102,7 @@ CellRun run_cells(const std::vector<ScenePlan>& plans, const CellStore& store, c
   CellRun run;
   const auto queue = queue_of(plans, options.repeats);
   run.total = queue.size();
-  const ProgressStyle style = options.quiet ? ProgressStyle::kNone : progress_style(stderr);
+  const ProgressStyle style = options.quiet ? ProgressStyle::kNone : progress_style();
   for (std::size_t i = 0; i < queue.size() && !run.stopped; ++i) {
     const CellPlan& cell = *queue[i].cell;
     std::string damage;
@@ -111,8 +111,8 @@ CellRun run_cells(const std::vector<ScenePlan>& plans, const CellStore& store, c
       continue;
     }
     if (!damage.empty()) print_warning(damage + "; it is rendered again");
-    if (!options.quiet) fmt::print(stderr, "[{}/{}] {}\n", i + 1, queue.size(), cell.what);
-    ProgressPrinter progress(stderr, style, terminal_columns(stderr));
+    if (!options.quiet) print_message(fmt::format("[{}/{}] {}", i + 1, queue.size(), cell.what));
+    ProgressPrinter progress(style, terminal_columns());
     const auto done = run_cell(cell, store, queue[i].repeats, options, stop, progress);
     if (!done) {
       run.failures.push_back(fmt::format("{}: {}", cell.what, done.error().message));

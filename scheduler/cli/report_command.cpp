@@ -44,7 +44,8 @@ std::string file_hash(const fs::path& path) {
 }
 
 Expected<void> write_text(const fs::path& path, const std::string& text) {
-  return write_file_atomically(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  if (auto made = make_folders(path); !made) return made;
+  return write_file_atomically(path, bytes_of(text));
 }
 
 /// The files of a report that is there already may be written anew; what another program wrote may not.
@@ -98,15 +99,16 @@ Expected<void> write_report(const fs::path& folder, const ReportData& report) {
 
 void print_summary(const fs::path& folder, const ReportData& report) {
   for (const SceneReport& scene : report.scenes) {
-    fmt::print("{}\n", scene.name);
+    print_remark(scene.name + "\n");
     for (const Curve& curve : scene.curves) {
       const auto& fit = curve.mse_over_time;
-      fmt::print("  {:<40} {}\n", curve.name.label,
-                 fit ? fmt::format("MSE ~ T^{:.2f} [{:.2f}, {:.2f}]", fit->slope, fit->low, fit->high)
-                     : "no slope: too few budgets above the reference's noise");
+      print_remark(
+          fmt::format("  {:<40} {}\n", curve.name.label,
+                      fit ? fmt::format("MSE ~ T^{:.2f} [{:.2f}, {:.2f}]", fit->slope, fit->low, fit->high)
+                          : "no slope: too few budgets above the reference's noise"));
     }
   }
-  fmt::print("wrote {}\n", (folder / "index.html").string());
+  print_remark(fmt::format("wrote {}\n", (folder / "index.html").string()));
 }
 
 /// Assembles, draws and writes what the cells hold; what went wrong is printed.

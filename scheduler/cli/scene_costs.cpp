@@ -3,17 +3,14 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <array>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "kernels/host/native_code_size.h"
 #include "scheduler/cli/program_path.h"
-#include "scheduler/quoting.h"
+#include "scheduler/outputs/run_program.h"
 #include "worker/measure_compile.h"
 #include "worker/native_device.h"
 
@@ -53,10 +50,6 @@ class TemporaryFile {
   int descriptor_ = -1;
 };
 
-struct PipeClose {
-  void operator()(std::FILE* pipe) const { pclose(pipe); }
-};
-
 }  // namespace
 
 SceneInventory scene_costs(const SceneDescription& description, const DeviceScene& scene, Isa isa,
@@ -79,19 +72,13 @@ Expected<CompileTimes> measure_compile_times(const DeviceScene& scene, const std
   out.close();
   if (!file.exists() || !out) return fail("--compile: cannot write the temporary file " + file.path());
 
-  std::string command =
-      fmt::format("{} {} {}", shell_quoted(worker->string()), kMeasureCompile, shell_quoted(file.path()));
-  if (!opencl_device.empty()) command += " " + shell_quoted(opencl_device);
-  std::fflush(nullptr);
-  std::unique_ptr<std::FILE, PipeClose> pipe(popen(command.c_str(), "re"));
-  if (pipe == nullptr) return fail("--compile: cannot start " + worker->string());
-  std::string answer;
-  std::array<char, 4096> part;
-  while (const std::size_t count = std::fread(part.data(), 1, part.size(), pipe.get()))
-    answer.append(part.data(), count);
-  if (pclose(pipe.release()) != 0) return fail("--compile: nothing was measured; the worker said why");
-  const auto json = nlohmann::json::parse(answer, nullptr, false);
-  if (!json.is_object()) return fail("--compile: the worker said '" + answer + "'");
+  std::vector<std::string> arguments{kMeasureCompile, file.path()};
+  if (!opencl_device.empty()) arguments.push_back(opencl_device);
+  const auto end = run_program(worker->string(), std::move(arguments));
+  if (!end) return fail("--compile: " + end.error().message);
+  if (!end->succeeded) return fail("--compile: nothing was measured; the worker said why");
+  const auto json = nlohmann::json::parse(end->output, nullptr, false);
+  if (!json.is_object()) return fail("--compile: the worker said '" + end->output + "'");
   return CompileTimes{json.value("device", ""), json.value("own_seconds", 0.0),
                       json.value("everything_seconds", 0.0)};
 }

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "kernels/host/child_signals.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/program_path.h"
 
@@ -50,6 +51,7 @@ ExitCode run_sibling(const std::string& name, const std::vector<std::string>& ar
   std::vector<std::string> copies = arguments;
   for (std::string& word : copies) words.push_back(word.data());
   words.push_back(nullptr);
+  restore_default_signals();
   execv(path.c_str(), words.data());
   print_error({fmt::format("cannot start {}: {}", path, std::strerror(errno))});
   return kIncomplete;

@@ -8,8 +8,9 @@ namespace {
 std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may touch nothing else");
 
-void on_signal(int /*number*/) {
+void on_signal(int number) {
   stop_requested = true;
+  if (number == SIGHUP) return;  // comes twice: from the terminal, and from the shell that ends with it
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
 }
@@ -23,6 +24,9 @@ const std::atomic<bool>& install_stop_signal() {
   action.sa_flags = SA_RESTART;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  struct sigaction inherited {};
+  sigaction(SIGHUP, nullptr, &inherited);
+  if (inherited.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);  // else this runs under nohup
   return stop_requested;
 }
 

@@ -2,21 +2,22 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
-#include <cstring>
 #include <string>
+#include <utility>
+
+#include "scheduler/outputs/file_target.h"
 
 namespace penumbra {
 namespace {
 
 namespace fs = std::filesystem;
 
-fs::path folder_of(const fs::path& path) {
-  return path.has_parent_path() ? path.parent_path() : fs::path(".");
-}
+constexpr mode_t kAllPermissions = 07777;
 
 /// A name beside `path` that no other process or thread uses.
 fs::path aside_name(const fs::path& path) {
@@ -24,85 +25,111 @@ fs::path aside_name(const fs::path& path) {
   return folder_of(path) / fmt::format(".{}.{}-{}.part", path.filename().string(), getpid(), counter++);
 }
 
-/// An open file that is removed again unless it has been renamed into place.
-class AsideFile {
- public:
-  explicit AsideFile(const fs::path& target) : name_(aside_name(target)) {
-    descriptor_ = open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  }
-  AsideFile(const AsideFile&) = delete;
-  AsideFile& operator=(const AsideFile&) = delete;
-  ~AsideFile() {
-    const bool created = created_or_open();
-    close_descriptor();
-    if (created && !renamed_) unlink(name_.c_str());
-  }
+int create(const fs::path& name) { return open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); }
 
-  [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
-
-  /// All four return false with errno set.
-  bool write_all(std::span<const std::uint8_t> bytes) {
-    while (!bytes.empty()) {
-      const ssize_t written = write(descriptor_, bytes.data(), bytes.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written < 0) return false;
-      bytes = bytes.subspan(std::size_t(written));
-    }
-    return true;
+/// False with errno set.
+bool write_all(int descriptor, std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = write(descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    bytes = bytes.subspan(std::size_t(written));
   }
-  bool flush() { return fsync(descriptor_) == 0 || errno == EINVAL || errno == EROFS; }
-  bool close_descriptor() {
-    if (descriptor_ < 0) return true;
-    created_ = true;
-    const int result = close(descriptor_);
-    descriptor_ = -1;
-    return result == 0;
-  }
-  bool rename_to(const fs::path& target) {
-    renamed_ = rename(name_.c_str(), target.c_str()) == 0;
-    return renamed_;
-  }
+  return true;
+}
 
- private:
-  [[nodiscard]] bool created_or_open() const { return created_ || descriptor_ >= 0; }
+/// What cannot be flushed, as pipes and some file systems, is none the worse for it.
+bool flush(int descriptor) { return fsync(descriptor) == 0 || errno == EINVAL || errno == EROFS; }
 
-  fs::path name_;
-  int descriptor_ = -1;
-  bool created_ = false;
-  bool renamed_ = false;
-};
-
-std::unexpected<Error> fail_with_errno(const fs::path& path, int error) {
-  const fs::path folder = folder_of(path);
+/// The first folder on the way up that there is.
+fs::path existing_folder(fs::path folder) {
   std::error_code ignored;
-  if (error == ENOENT && !fs::exists(folder, ignored)) {
-    return fail(fmt::format("cannot write {}: the folder {} does not exist", path.string(), folder.string()));
-  }
-  if (error == ENOTDIR) {
-    return fail(fmt::format("cannot write {}: {} is not a folder", path.string(), folder.string()));
-  }
-  return fail(fmt::format("cannot write {}: {}", path.string(), std::strerror(error)));
+  while (!fs::exists(folder, ignored) && folder.has_relative_path()) folder = folder_of(folder);
+  return folder;
 }
 
 }  // namespace
 
-Expected<void> write_file_atomically(const fs::path& path, std::span<const std::uint8_t> bytes) {
-  AsideFile file(path);
-  if (!file.is_open()) return fail_with_errno(path, errno);
-  if (!file.write_all(bytes) || !file.flush() || !file.close_descriptor() || !file.rename_to(path)) {
-    return fail_with_errno(path, errno);
-  }
+StagedFile::StagedFile(fs::path target, fs::path name) : target_(std::move(target)), name_(std::move(name)) {}
+
+StagedFile::StagedFile(StagedFile&& other) noexcept
+    : target_(std::move(other.target_)), name_(std::exchange(other.name_, {})) {}
+
+StagedFile::~StagedFile() {
+  if (!name_.empty()) unlink(name_.c_str());
+}
+
+Expected<StagedFile> StagedFile::write(const fs::path& target, std::span<const std::uint8_t> bytes) {
+  const fs::path name = aside_name(target);
+  const int descriptor = create(name);
+  if (descriptor < 0) return cannot_write(target, errno);
+  StagedFile staged(target, name);
+  struct stat old {};
+  if (stat(target.c_str(), &old) == 0) fchmod(descriptor, old.st_mode & kAllPermissions);
+  const bool written = write_all(descriptor, bytes) && flush(descriptor);
+  const int error = errno;
+  const bool closed = close(descriptor) == 0;
+  if (!written || !closed) return cannot_write(target, written ? errno : error);
+  return staged;
+}
+
+Expected<void> StagedFile::rename_into_place() {
+  if (rename(name_.c_str(), target_.c_str()) != 0) return cannot_write(target_, errno);
+  name_.clear();
   return {};
 }
 
-Expected<void> check_writable(const fs::path& path) {
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) {
-    return fail(fmt::format("cannot write {}: it is a folder", path.string()));
-  }
-  const AsideFile probe(path);
-  if (!probe.is_open()) return fail_with_errno(path, errno);
+Expected<void> write_directly(const FileTarget& target, std::span<const std::uint8_t> bytes) {
+  // Neither made nor cut off: it is there. Of a pipe this waits for the reader.
+  const int descriptor = target.kind == FileTarget::Kind::kDescriptor
+                             ? fcntl(target.descriptor, F_DUPFD_CLOEXEC, 0)
+                             : open(target.path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
+  if (descriptor < 0) return cannot_write(target.path, errno);
+  const bool written = write_all(descriptor, bytes);
+  const int error = errno;
+  const bool closed = close(descriptor) == 0;
+  if (!written || !closed) return cannot_write(target.path, written ? errno : error);
   return {};
+}
+
+Expected<void> write_file_atomically(const fs::path& path, std::span<const std::uint8_t> bytes) {
+  const auto target = find_target(path);
+  if (!target) return std::unexpected(target.error());
+  if (target->kind != FileTarget::Kind::kFile) return write_directly(*target, bytes);
+  auto staged = StagedFile::write(target->path, bytes);
+  if (!staged) return std::unexpected(staged.error());
+  return staged->rename_into_place();
+}
+
+Expected<void> check_writable(const fs::path& path) {
+  const auto target = find_target(path);
+  if (!target) return std::unexpected(target.error());
+  if (target->kind != FileTarget::Kind::kFile) return {};
+  const fs::path folder = folder_of(target->path), existing = existing_folder(folder);
+  std::error_code ignored;
+  if (!fs::is_directory(existing, ignored))
+    return fail(fmt::format("cannot write {}: {} is not a folder", path.string(), existing.string()));
+  if (existing != folder) {
+    if (access(existing.c_str(), W_OK | X_OK) == 0) return {};
+    return fail(fmt::format("cannot write {}: no folder can be made in {}: {}", path.string(),
+                            existing.string(), std::generic_category().message(errno)));
+  }
+  const fs::path probe = aside_name(target->path);
+  const int descriptor = create(probe);
+  if (descriptor < 0) return cannot_write(path, errno);
+  close(descriptor);
+  unlink(probe.c_str());
+  return {};
+}
+
+Expected<void> make_folders(const fs::path& path) {
+  const auto target = find_target(path);
+  if (!target) return std::unexpected(target.error());
+  std::error_code error;
+  if (target->kind == FileTarget::Kind::kFile) fs::create_directories(folder_of(target->path), error);
+  if (!error) return {};
+  return fail(
+      fmt::format("cannot make the folder {}: {}", folder_of(target->path).string(), error.message()));
 }
 
 }  // namespace penumbra

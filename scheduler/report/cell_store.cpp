@@ -53,9 +53,6 @@ CellId make_cell_id(const std::string& name, const Json& settings) {
 }
 
 Expected<CellStore> CellStore::open(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) return fail(fmt::format("cannot create the folder {}: {}", folder.string(), error.message()));
   if (auto writable = check_writable(folder / "cell.json"); !writable)
     return std::unexpected(writable.error());
   return CellStore(folder);
@@ -99,6 +96,7 @@ Expected<void> CellStore::save(const CellId& id, const Image& image, const Image
                                const Json& settings) const {
   const auto exr = encode_exr(beauty_only(image));
   if (!exr) return std::unexpected(exr.error());
+  if (auto made = make_folders(image_path(id)); !made) return made;
   if (auto written = write_file_atomically(image_path(id), *exr); !written) return written;
   const Json json = {{"settings", settings},
                      {"seed", result.seed},
@@ -109,8 +107,7 @@ Expected<void> CellStore::save(const CellId& id, const Image& image, const Image
                      {"image_hash", hash_text(XXH3_64bits(exr->data(), exr->size()))},
                      {"bad_samples", result.bad_samples}};
   const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-  return write_file_atomically(json_path(id),
-                               {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  return write_file_atomically(json_path(id), bytes_of(text));
 }
 
 Image beauty_only(const Image& image) {

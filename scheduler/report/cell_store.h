@@ -25,7 +25,7 @@ CellId make_cell_id(const std::string& name, const nlohmann::ordered_json& setti
 
 class CellStore {
  public:
-  /// Creates the folder.
+  /// The folder is made with its first cell. Error: it could not be written to.
   static Expected<CellStore> open(const std::filesystem::path& folder);
 
   [[nodiscard]] std::filesystem::path image_path(const CellId& id) const;

@@ -1,20 +1,15 @@
 #include "scheduler/report/gnuplot.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <signal.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <chrono>
 #include <cstdlib>
-#include <cstring>
 #include <sstream>
-#include <thread>
 
 #include "kernels/host/plain_file.h"
 #include "scheduler/outputs/atomic_file.h"
+#include "scheduler/outputs/run_program.h"
 #include "scheduler/quoting.h"
 
 namespace penumbra {
@@ -24,45 +19,12 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t kMaxPlotBytes = std::uint64_t{256} << 20;
 constexpr std::chrono::seconds kTimeToDraw{300};
-constexpr std::chrono::milliseconds kPollInterval{2};
 
 /// Empty if it cannot be read.
 std::string contents(const fs::path& path) { return read_plain_file(path, kMaxPlotBytes).value_or(""); }
 
 Expected<void> write_text(const fs::path& path, const std::string& text) {
-  return write_file_atomically(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-}
-
-/// Runs the program in a folder, with its output in the file `log` there; its exit status. One that does not
-/// end is killed.
-Expected<int> run_program(const fs::path& program, const fs::path& folder, const std::string& argument,
-                          const std::string& log) {
-  const pid_t child = fork();
-  if (child < 0) return fail(fmt::format("cannot start {}: {}", program.string(), std::strerror(errno)));
-  if (child == 0) {
-    if (chdir(folder.c_str()) != 0) _exit(126);
-    const int out = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-    const int in = open("/dev/null", O_RDONLY | O_CLOEXEC);
-    dup2(in, STDIN_FILENO);
-    dup2(out, STDOUT_FILENO);
-    dup2(out, STDERR_FILENO);
-    execl(program.c_str(), program.c_str(), argument.c_str(), nullptr);
-    _exit(127);
-  }
-  int status = 0;
-  const auto deadline = std::chrono::steady_clock::now() + kTimeToDraw;
-  for (pid_t ended = 0; ended != child;) {
-    ended = waitpid(child, &status, WNOHANG);
-    if (ended < 0 && errno != EINTR)
-      return fail(fmt::format("lost {}: {}", program.string(), std::strerror(errno)));
-    if (ended == 0 && std::chrono::steady_clock::now() > deadline) {
-      kill(child, SIGKILL);
-      waitpid(child, &status, 0);
-      return fail(fmt::format("{} did not end within {} s", program.string(), kTimeToDraw.count()));
-    }
-    if (ended == 0) std::this_thread::sleep_for(kPollInterval);
-  }
-  return status;
+  return write_file_atomically(path, bytes_of(text));
 }
 
 }  // namespace
@@ -95,16 +57,14 @@ Expected<GnuplotOutput> run_gnuplot(const fs::path& gnuplot, const fs::path& fol
       "set output {1}\nreplot\nset output\n",
       gnuplot_quoted(local(".svg")), gnuplot_quoted(local(".png")), width, height, script);
   if (auto written = write_text(file(".gp"), text); !written) return std::unexpected(written.error());
-  const fs::path log = file(".log");
-  const auto status = run_program(gnuplot, folder, local(".gp"), local(".log"));
-  if (!status) return std::unexpected(status.error());
-  const std::string said = contents(log);
-  fs::remove(log, error);
+  const auto end = run_program(gnuplot.string(), {local(".gp")},
+                               {.folder = folder, .errors_too = true, .limit = kTimeToDraw});
+  if (!end) return std::unexpected(end.error());
   GnuplotOutput output{contents(file(".svg")), {}};
   const std::string png = contents(file(".png"));
   output.png.assign(png.begin(), png.end());
-  if (*status != 0 || output.svg.empty() || output.png.empty()) {
-    return fail(fmt::format("gnuplot could not draw {}: {}", file(".gp").string(), said));
+  if (!end->succeeded || output.svg.empty() || output.png.empty()) {
+    return fail(fmt::format("gnuplot could not draw {}: {}", file(".gp").string(), end->output));
   }
   return output;
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "kernels/host/words.h"
 #include "scheduler/quoting.h"
 #include "scheduler/report/html_text.h"
 
@@ -38,19 +39,19 @@ bool was_busy(const ReportData& report) { return report.load_start[0] > 0.5 * re
 
 std::string machine_html(const ReportData& report) {
   std::string html = fmt::format(
-      "<p>{} on {}, {} cores; {} worker{} with {} thread{} each. Load average over 1, 5, 15 minutes: {} at "
+      "<p>{} on {}, {}; {} with {} each. Load average over 1, 5, 15 minutes: {} at "
       "the "
       "start, {} at the end, our own work included. {} to {}. Penumbra {}.</p>\n<p><code>{}</code></p>\n",
       report.scenes.size() == 1 ? "One scene" : fmt::format("{} scenes", report.scenes.size()),
-      html_escaped(report.host), report.cores, report.workers, report.workers == 1 ? "" : "s", report.threads,
-      report.threads == 1 ? "" : "s", load_text(report.load_start), load_text(report.load_end),
+      html_escaped(report.host), counted(report.cores, "core"), counted(report.workers, "worker"),
+      counted(report.threads, "thread"), load_text(report.load_start), load_text(report.load_end),
       report.started, report.finished, report.version, html_escaped(shell_command(report.command_line)));
   if (was_busy(report)) {
     html += fmt::format(
-        "<p class=\"warn\">The machine was busy before this report began (load {:.2f} on {} cores): times "
+        "<p class=\"warn\">The machine was busy before this report began (load {:.2f} on {}): times "
         "are "
         "those of a shared machine.</p>\n",
-        report.load_start[0], report.cores);
+        report.load_start[0], counted(report.cores, "core"));
   }
   return html;
 }

@@ -1,6 +1,7 @@
 // Scenes and outputs that `penumbra render` and `penumbra info` refuse before any work is done.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "tests/cli/program.h"
 #include "tests/cli/small_scene.h"
@@ -95,15 +96,43 @@ TEST(BadInput, DeviceAndInstructionSetAreOfTheBackendInUse) {
   }
 }
 
+TEST(BadInput, AFilmLargerThanMemoryIsRefused) {
+  if (double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE)) > 100e9)
+    GTEST_SKIP() << "the largest film that scenes may have fits this machine";
+  const TemporaryFolder folder;
+  write_small_scene(folder / "s.xml");
+  const ProgramResult result = run_penumbra(
+      folder.path(), {"render", "s.xml", "--set", "film.width=46000", "--set", "film.height=46000"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("46000 x 46000 pixels need"), HasSubstr("in several crops")));
+  EXPECT_THAT(folder.names(), ElementsAre("s.xml"));
+}
+
 TEST(BadInput, OutputsAreCheckedBeforeRendering) {
   const TemporaryFolder folder;
   write_small_scene(folder / "s.xml");
+  std::string scene = file_contents(folder / "s.xml");
+  write_text(folder / "wall.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  scene.insert(scene.find("</scene>"),
+               "<shape type=\"obj\"><string name=\"filename\" value=\"wall.obj\"/></shape>\n");
+  write_text(folder / "s.xml", scene);
+  std::filesystem::create_hard_link(folder / "s.xml", folder / "linked.json");
+  write_text(folder / "protected.exr", "precious");
+  std::filesystem::permissions(folder / "protected.exr", std::filesystem::perms::owner_read);
+  const auto before = folder.names();
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
-      {{"-o", "missing/a.exr"}, "the folder missing does not exist"},
+      {{"-o", "/proc/missing/a.exr"}, "cannot make the folder /proc/missing"},
       {{"-o", "s.xml/a.exr"}, "not a folder"},
       {{"-o", "a.jpg"}, "must end in .exr or .png"},
       {{"-o", "/proc/a.exr"}, "/proc/a.exr"},
-      {{"-o", "a.exr", "--report", "missing/r.json"}, "missing/r.json"},
+      {{"-o", "a.exr", "--report", "/proc/r.json"}, "/proc/r.json"},
+      {{"-o", "a.exr", "--report", "s.xml"}, "s.xml is an input of this command; it is not overwritten"},
+      {{"-o", "a.exr", "--report", "./linked.json"}, "linked.json is an input of this command"},
+      {{"-o", "a.exr", "--report", "wall.obj"}, "wall.obj is an input of this command"},
+      {{"-o", "a.exr", "--report", "./a.exr"}, "two outputs in one file"},
+      {{"-o", "new/a.exr", "--report", "new/../new/a.png"}, "two outputs in one file"},
+      {{"-o", "protected.exr"}, "it is write-protected"},
+      {{"-o", "new.exr", "--report", "."}, "it is a folder"},
   };
   for (const auto& [arguments, message] : cases) {
     // Two billion samples a pixel would take for ever: that it returns shows that it did not begin.
@@ -113,7 +142,9 @@ TEST(BadInput, OutputsAreCheckedBeforeRendering) {
     EXPECT_EQ(result.exit_code, 2) << message;
     EXPECT_THAT(result.err, HasSubstr(message));
   }
-  EXPECT_THAT(folder.names(), ElementsAre("s.xml"));
+  EXPECT_EQ(folder.names(), before);
+  EXPECT_EQ(file_contents(folder / "s.xml"), scene);
+  EXPECT_EQ(file_contents(folder / "protected.exr"), "precious");
 }
 
 TEST(BadInput, EmbreeIsNotForOpenCl) {

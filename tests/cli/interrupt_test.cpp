@@ -122,6 +122,15 @@ TEST_F(Interrupt, TermIsLikeCtrlC) {
   expect_no_orphans();
 }
 
+TEST_F(Interrupt, AClosedTerminalKeepsWhatIsMerged) {
+  program_->send(SIGHUP);
+  program_->send(SIGHUP);  // the terminal's and the shell's
+  const ProgramResult result = program_->wait();
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  expect_no_orphans();
+  EXPECT_THAT(folder_.names(), ElementsAre("s.exr", "s.json", "s.png", "s.xml"));
+}
+
 TEST_F(Interrupt, NoOrphansAfterKill) {
   program_->send(SIGKILL);
   EXPECT_EQ(program_->wait().signal, SIGKILL);

@@ -21,8 +21,12 @@ void redirect(const std::filesystem::path& path, int descriptor) {
 }  // namespace
 
 Program::Program(const std::filesystem::path& folder, const std::vector<std::string>& arguments)
+    : Program(folder, PENUMBRA_BINARY_DIR "/penumbra", arguments) {}
+
+Program::Program(const std::filesystem::path& folder, const std::string& program,
+                 const std::vector<std::string>& arguments)
     : out_(folder / ".stdout"), err_(folder / ".stderr") {
-  std::vector<std::string> words{PENUMBRA_BINARY_DIR "/penumbra"};
+  std::vector<std::string> words{program};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
@@ -68,6 +72,12 @@ ProgramResult Program::wait() {
 ProgramResult run_penumbra(const std::filesystem::path& folder, const std::vector<std::string>& arguments) {
   return Program(folder, arguments).wait();
 }
+
+ProgramResult run_shell(const std::filesystem::path& folder, const std::string& line) {
+  return Program(folder, "/bin/bash", {"-c", "PATH=" PENUMBRA_BINARY_DIR ":$PATH\n" + line}).wait();
+}
+
+bool has_window() { return std::filesystem::exists(PENUMBRA_BINARY_DIR "/penumbra-view"); }
 
 std::string source_path(const std::string& relative) {
   return std::string(PENUMBRA_SOURCE_DIR "/") + relative;

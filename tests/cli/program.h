@@ -20,6 +20,9 @@ class Program {
  public:
   /// Starts `penumbra ARGUMENTS…` with `folder` as current folder.
   Program(const std::filesystem::path& folder, const std::vector<std::string>& arguments);
+  /// The same with another program, by its path.
+  Program(const std::filesystem::path& folder, const std::string& program,
+          const std::vector<std::string>& arguments);
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
   /// Kills it if it still runs.
@@ -40,6 +43,13 @@ class Program {
 
 /// Starts it and waits.
 ProgramResult run_penumbra(const std::filesystem::path& folder, const std::vector<std::string>& arguments);
+
+/// What a shell makes of the line in that folder, where `penumbra` and the programs beside it are in its
+/// PATH.
+ProgramResult run_shell(const std::filesystem::path& folder, const std::string& line);
+
+/// Whether `penumbra view` was built.
+bool has_window();
 
 /// Path of a file of the source tree.
 std::string source_path(const std::string& relative);

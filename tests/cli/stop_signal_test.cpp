@@ -35,5 +35,20 @@ TEST(StopSignal, FirstAsksSecondKills) {
   }
 }
 
+TEST(StopSignal, AHangUpAsksForACleanEndAsOftenAsItComes) {
+  int status = status_after(SIGHUP, SIGHUP);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+  status = status_after(SIGHUP, SIGTERM);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+}
+
+TEST(StopSignal, NohupHoldsOn) {
+  std::signal(SIGHUP, SIG_IGN);
+  const int status = status_after(SIGHUP, SIGHUP);
+  std::signal(SIGHUP, SIG_DFL);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 3) << "nothing is to be stopped";
+}
+
 }  // namespace
 }  // namespace penumbra

@@ -3,11 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdio>
+#include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "tests/outputs/temporary_folder.h"
@@ -18,8 +22,6 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-std::vector<std::uint8_t> bytes_of(std::string_view text) { return {text.begin(), text.end()}; }
 
 TEST(AtomicFile, WritesAndReplacesAndLeavesNothingElse) {
   const TemporaryFolder folder;
@@ -62,12 +64,20 @@ TEST(AtomicFile, SaysWhatIsWrongWithTheTarget) {
     EXPECT_FALSE(written) << path;
     return checked ? "writable" : checked.error().message;
   };
-  EXPECT_THAT(message(folder / "missing/a.exr"), HasSubstr("missing does not exist"));
   write_text(folder / "plain", "file");
   EXPECT_THAT(message(folder / "plain/a.exr"), HasSubstr("plain is not a folder"));
   std::filesystem::create_directory(folder / "taken.exr");
   EXPECT_THAT(message(folder / "taken.exr"), HasSubstr("it is a folder"));
-  EXPECT_THAT(folder.names(), ElementsAre("plain", "taken.exr"));
+  write_text(folder / "protected", "precious");
+  std::filesystem::permissions(folder / "protected", std::filesystem::perms::owner_read);
+  EXPECT_THAT(message(folder / "protected"), HasSubstr("it is write-protected"));
+  std::filesystem::create_symlink("protected", folder / "link");
+  EXPECT_THAT(message(folder / "link"), HasSubstr("it is write-protected"));
+  std::filesystem::create_symlink("loop", folder / "loop");
+  EXPECT_THAT(message(folder / "loop"), HasSubstr("symbolic links"));
+  EXPECT_THAT(message(folder / "new/"), HasSubstr("it names a folder"));
+  EXPECT_THAT(folder.names(), ElementsAre("link", "loop", "plain", "protected", "taken.exr"));
+  EXPECT_EQ(file_contents(folder / "protected"), "precious");
 }
 
 TEST(AtomicFile, CheckingLeavesNoTrace) {
@@ -77,6 +87,68 @@ TEST(AtomicFile, CheckingLeavesNoTrace) {
   write_text(folder / "image.exr", "old");
   EXPECT_TRUE(check_writable(folder / "image.exr"));
   EXPECT_EQ(file_contents(folder / "image.exr"), "old");
+}
+
+TEST(AtomicFile, MakesFoldersOnlyWhenTold) {
+  const TemporaryFolder folder;
+  const auto path = folder / "new/newer/a.exr";
+  EXPECT_TRUE(check_writable(path));
+  EXPECT_THAT(folder.names(), IsEmpty());
+  const auto written = write_file_atomically(path, bytes_of("x"));
+  ASSERT_FALSE(written);
+  EXPECT_THAT(written.error().message, HasSubstr("newer does not exist"));
+  ASSERT_TRUE(make_folders(path));
+  ASSERT_TRUE(write_file_atomically(path, bytes_of("x")));
+  EXPECT_EQ(file_contents(path), "x");
+}
+
+TEST(AtomicFile, FollowsLinksAndKeepsThemAndPermissions) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "real/deep");
+  write_text(folder / "real/a.exr", "old");
+  const auto owner = std::filesystem::perms::owner_read | std::filesystem::perms::owner_write;
+  std::filesystem::permissions(folder / "real/a.exr", owner);
+  std::filesystem::create_symlink("../a.exr", folder / "real/deep/link");
+  std::filesystem::create_symlink("real/deep/link", folder / "b.exr");
+  ASSERT_TRUE(write_file_atomically(folder / "b.exr", bytes_of("new")));
+  EXPECT_EQ(file_contents(folder / "real/a.exr"), "new");
+  EXPECT_EQ(std::filesystem::status(folder / "real/a.exr").permissions(), owner);
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "b.exr"));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "real/deep/link"));
+  std::filesystem::create_symlink("real/none.exr", folder / "c.exr");
+  ASSERT_TRUE(write_file_atomically(folder / "c.exr", bytes_of("first")));
+  EXPECT_EQ(file_contents(folder / "real/none.exr"), "first");
+}
+
+TEST(AtomicFile, WritesIntoDevicesPipesAndOpenFiles) {
+  const TemporaryFolder folder;
+  // By links of our own: whoever breaks this, and is root, replaces no more than these.
+  std::filesystem::create_symlink("/dev/null", folder / "null");
+  std::filesystem::create_symlink("/dev/full", folder / "full");
+  std::filesystem::create_symlink("/proc/self/fd", folder / "descriptors");
+  EXPECT_TRUE(write_file_atomically(folder / "null", bytes_of("x")));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "null"));
+  const auto full = write_file_atomically(folder / "full", bytes_of("x"));
+  ASSERT_FALSE(full);
+  EXPECT_THAT(full.error().message, HasSubstr("No space left on device"));
+
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_TRUE(check_writable(folder / "pipe")) << "and does not wait for its reader";
+  std::string read;
+  std::thread reader([&] { read = file_contents(folder / "pipe"); });
+  EXPECT_TRUE(write_file_atomically(folder / "pipe", bytes_of("through")));
+  reader.join();
+  EXPECT_EQ(read, "through");
+  EXPECT_TRUE(std::filesystem::is_fifo(folder / "pipe"));
+
+  std::FILE* file = std::fopen((folder / "open").c_str(), "w");
+  ASSERT_NE(file, nullptr);
+  std::fputs("before ", file);
+  std::fflush(file);
+  EXPECT_TRUE(write_file_atomically(folder / "descriptors" / std::to_string(fileno(file)), bytes_of("it")));
+  std::fputs(" after", file);
+  std::fclose(file);
+  EXPECT_EQ(file_contents(folder / "open"), "before it after");
 }
 
 }  // namespace
