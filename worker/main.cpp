@@ -77,7 +77,7 @@ int run(int argc, char** argv) {
 
   if (*backend_option) {
     if (const auto used = check_backend_options(backends_in_use(backend), opencl_device, isa); !used) {
-      complain(used.error().message);
+      print_error(used.error());
       return kBadUsage;
     }
   }

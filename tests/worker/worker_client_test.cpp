@@ -311,7 +311,9 @@ TEST_F(WorkerClientTest, ACompileIsSaidAndWhatCameOfIt) {
   }));
   EXPECT_EQ(said[0].compiling().device(), "an abacus");
   EXPECT_EQ(said[0].compiling().job(), 5u);
-  const DevicePreparation preparation = decode(said[1].ready());
+  const Expected<DevicePreparation> decoded = decode(said[1].ready());
+  ASSERT_TRUE(decoded);
+  const DevicePreparation& preparation = *decoded;
   ASSERT_TRUE(preparation.kernels);
   EXPECT_FALSE(preparation.kernels->cached);
   EXPECT_EQ(preparation.kernels->seconds, 2.5);
