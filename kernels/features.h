@@ -18,7 +18,8 @@
   X(LAYERS, 0x200, "albedo, normal and depth layers")                         \
   X(SAMPLERS, 0x400, "samplers other than Owen-scrambled Sobol")              \
   X(PROJECTED, 0x800, "sampling of triangle lights by projected solid angle") \
-  X(POLYGONS, 0x1000, "polygon lights in closed form")
+  X(POLYGONS, 0x1000, "polygon lights in closed form")                        \
+  X(RATIO, 0x2000, "ratio estimator of polygon lights")
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FEATURE_PATH 0x001
@@ -34,7 +35,8 @@
 #define FEATURE_SAMPLERS 0x400
 #define FEATURE_PROJECTED 0x800
 #define FEATURE_POLYGONS 0x1000
-#define FEATURE_ALL 0x1fff
+#define FEATURE_RATIO 0x2000
+#define FEATURE_ALL 0x3fff
 
 /// A kernel source tests `HAS(PHONG)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)
