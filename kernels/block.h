@@ -183,6 +183,10 @@ FN void finish_pixels(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int 
 #endif
   if (block->probe != 0) probe_sample(block, STAGE_CONTROL);
   accumulate(unit, first_pixel, pixels, block->slots, block->slot_capacity, layers, out, bad);
+#if HAS(POLYGONS) && HAS(RATIO)
+  if (scene->header.estimator == ESTIMATOR_RATIO)
+    accumulate_ratio(unit, first_pixel, pixels, block->slots, block->slot_capacity, layers, out);
+#endif
   if (block->probe != 0)
     probe_stage(block->probe, bad[BAD_NAN].count + bad[BAD_INFINITE].count == 0u, STAGE_FILTER, 0);
 }

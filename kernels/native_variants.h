@@ -14,7 +14,7 @@
 // Direct light of diffuse and glossy meshes, closed forms of polygon lights among it.
 #define NATIVE_FEATURES_polygons                                                                 \
   (FEATURE_DIRECT | FEATURE_PHONG | FEATURE_PROJECTED | FEATURE_POLYGONS | FEATURE_SOLID_ANGLE | \
-   FEATURE_LAYERS | FEATURE_SAMPLERS)
+   FEATURE_LAYERS | FEATURE_SAMPLERS | FEATURE_RATIO)
 #define NATIVE_FEATURES_polygons_bvh (NATIVE_FEATURES_polygons | FEATURE_BVH)
 #define NATIVE_FEATURES_all (FEATURE_ALL & ~FEATURE_BVH)
 #define NATIVE_FEATURES_all_bvh FEATURE_ALL

@@ -47,6 +47,15 @@ enum {
 #define DIFFERENCE_PLANE 16
 #define SEEN_PLANE 19
 #define WHOLE_PLANE 20
+#define LAYER_PLANES_END 21
+// After all others, the statistics of RatioPlane, three channels each.
+enum {
+  RATIO_MEAN_PLANE = 0,
+  RATIO_DEVIATION_PLANE = 3,
+  RATIO_CORRELATION_PLANE = 6,
+  RATIO_PLANE = 9,
+  RATIO_UNSHADOWED_PLANE = 12
+};
 
 PENUMBRA_NAMESPACE_END
 #endif

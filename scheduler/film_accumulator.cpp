@@ -38,18 +38,24 @@ void merge_mean(double& merged, double mean, MergeWeights weights) {
 
 }  // namespace
 
-FilmAccumulator::FilmAccumulator(int x, int y, int width, int height, int planes)
+FilmAccumulator FilmAccumulator::of_features(int x, int y, int width, int height, std::uint32_t features) {
+  return {x, y, width, height, image_plane_count(features), (features & FEATURE_RATIO) != 0u};
+}
+
+FilmAccumulator::FilmAccumulator(int x, int y, int width, int height, int planes, bool with_ratio)
     : x_(x),
       y_(y),
       width_(width),
       height_(height),
       planes_(planes),
       pixels_(std::size_t(width) * std::size_t(height)),
-      layers_(pixels_.size() * layers()) {}
+      layers_(pixels_.size() * layers()),
+      ratios_(with_ratio ? pixels_.size() : 0) {}
 
 void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
   const std::size_t plane = result.pixels();
-  const std::size_t layer_count = result.planes == planes_ ? layers() : 0;
+  const bool complete = result.planes == planes_ + (ratios_.empty() ? 0 : int(kRatioPlanes));
+  const std::size_t layer_count = complete ? layers() : 0;
   for (int row = 0; row < result.height; ++row) {
     PixelStatistics* pixel = &pixels_[index(x, y + row)];
     double* layer = layers_.data() + index(x, y + row) * layers();
@@ -63,6 +69,8 @@ void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
       }
       for (std::size_t k = 0; k < layer_count; ++k)
         merge_mean(*layer++, value[(kRadiancePlanes + k) * plane], weights);
+      if (complete && !ratios_.empty())
+        add_ratio(std::size_t(pixel - pixels_.data()), value, plane, result.sample_count);
       pixel->count += result.sample_count;
     }
   }
@@ -73,10 +81,35 @@ void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
   }
 }
 
+void FilmAccumulator::add_ratio(std::size_t pixel, const float* value, std::size_t plane,
+                                std::uint32_t count) {
+  PixelStatistics& merged = pixels_[pixel];
+  const float* of_ratio = value + std::size_t(planes_) * plane;
+  const bool has_difference = planes_ > kDifferenceR;
+  for (int c = 0; c < 3; ++c) {
+    RatioSums& sums = ratios_[pixel][std::size_t(c)];
+    sums.add({.count = count,
+              .mean = value[(kMeanR + c) * plane],
+              .deviation = value[(kDeviationR + c) * plane],
+              .b = of_ratio[(kRatioMeanR + c) * plane],
+              .deviation_b = of_ratio[(kRatioDeviationR + c) * plane],
+              .correlation = of_ratio[(kRatioCorrelationR + c) * plane],
+              .ratio = of_ratio[(kRatioR + c) * plane],
+              .w = of_ratio[(kRatioUnshadowedR + c) * plane],
+              .difference = has_difference ? value[(kDifferenceR + c) * plane] : 0.0f});
+    merged.mean[c] = sums.mean();
+    merged.m2[c] = sums.m2();
+    if (has_difference)
+      layers_[pixel * layers() + std::size_t(kDifferenceR + c - kRadiancePlanes)] = sums.difference();
+  }
+}
+
 void FilmAccumulator::clear(int x, int y, int width, int height) {
   for (int row = 0; row < height; ++row) {
     const std::size_t first = index(x, y + row);
     std::fill_n(pixels_.begin() + std::ptrdiff_t(first), width, PixelStatistics{});
+    if (!ratios_.empty())
+      std::fill_n(ratios_.begin() + std::ptrdiff_t(first), width, std::array<RatioSums, 3>{});
     std::fill_n(layers_.begin() + std::ptrdiff_t(first * layers()), std::size_t(width) * layers(), 0.0);
   }
   std::erase_if(non_finite_, [&](const auto& noted) {

@@ -1,12 +1,14 @@
 // The merged image: per-pixel statistics in double, fed with work-unit results in pass order.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <utility>
 #include <vector>
 
 #include "kernels/host/sample_buffer.h"
+#include "scheduler/ratio_estimate.h"
 
 namespace penumbra {
 
@@ -23,9 +25,11 @@ struct PixelStatistics {
 class FilmAccumulator {
  public:
   FilmAccumulator() = default;
-  /// The rectangle [x, x+width) x [y, y+height) of the film, fed with results of so many planes (see
-  /// plane_count).
-  FilmAccumulator(int x, int y, int width, int height, int planes);
+  /// The rectangle [x, x+width) x [y, y+height) of the film, fed with results of so many planes, after which
+  /// `with_ratio` RatioPlanes follow.
+  FilmAccumulator(int x, int y, int width, int height, int planes, bool with_ratio = false);
+  /// The same for results of a scene with these FEATURE_* bits.
+  static FilmAccumulator of_features(int x, int y, int width, int height, std::uint32_t features);
 
   /// Of the memory that it takes for results of so many planes.
   static constexpr std::uint64_t bytes_per_pixel(int planes) {
@@ -61,6 +65,8 @@ class FilmAccumulator {
   [[nodiscard]] std::uint64_t hash() const;
 
  private:
+  /// The radiance and the difference layer of a pixel, from a result's value of it in the first plane on.
+  void add_ratio(std::size_t pixel, const float* value, std::size_t plane, std::uint32_t count);
   [[nodiscard]] std::size_t index(int film_x, int film_y) const {
     return std::size_t(film_y - y_) * std::size_t(width_) + std::size_t(film_x - x_);
   }
@@ -70,6 +76,7 @@ class FilmAccumulator {
   int planes_ = kRadiancePlanes;
   std::vector<PixelStatistics> pixels_;
   std::vector<double> layers_;  // the planes from kRadiancePlanes on, of one pixel after the other
+  std::vector<std::array<RatioSums, 3>> ratios_;  // by pixel and channel, or none
   struct NonFinite {
     NonFiniteSamples nan, infinite;
   };

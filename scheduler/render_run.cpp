@@ -40,7 +40,9 @@ Plan RenderRun::make_plan() const {
 }
 
 Merge RenderRun::make_merge() const {
-  return Merge(FilmAccumulator(job_.x, job_.y, job_.width, job_.height, planes_), grid_);
+  return Merge(
+      FilmAccumulator::of_features(job_.x, job_.y, job_.width, job_.height, job_.scene.header.features),
+      grid_);
 }
 
 Expected<void> RenderRun::start() {

@@ -101,6 +101,7 @@ class Checker {
               "a light names a polygon that is not there");
     }
     if (has(FEATURE_POLYGONS)) check_polygons();
+    require(has(FEATURE_RATIO) == (h_.estimator == ESTIMATOR_RATIO), "a ratio without its feature");
     require(has(FEATURE_POLYGONS) || (h_.estimator == ESTIMATOR_SAMPLES && h_.light_choice == CHOICE_POWER),
             "closed forms without their feature bit");
     require(h_.quadric_count == 0 || has(FEATURE_QUADRICS), "quadrics without their feature bit");

@@ -43,13 +43,30 @@ enum SampleBufferPlane : int {
   kRadiancePlanes = kAlbedoR,   ///< number of planes without feature layers
   kFeaturePlanes = kAnalyticR,  ///< ... without closed forms
 };
+/// Further planes, after all others, of the ratio estimator (FEATURE_RATIO): the ratio r is that of all
+/// passes in the end, so a result says how its samples depend on it. A sample is a + r b with b = G - W;
+/// kMean and the other planes are for the r of the result's own samples.
+enum RatioPlane : int {
+  kRatioMeanR = RATIO_MEAN_PLANE,                ///< mean of b
+  kRatioDeviationR = RATIO_DEVIATION_PLANE,      ///< its standard deviation
+  kRatioCorrelationR = RATIO_CORRELATION_PLANE,  ///< of a + r b and b, -1 to 1
+  kRatioR = RATIO_PLANE,                         ///< r, mean H / mean W
+  kRatioUnshadowedR = RATIO_UNSHADOWED_PLANE,    ///< mean of W
+  kRatioPlanes = 15
+};
+static_assert(LAYER_PLANES_END == kSampleBufferPlanes);
 static_assert(FIRST_LAYER_PLANE == kAlbedoR && ANALYTIC_PLANE == kAnalyticR &&
               DIFFERENCE_PLANE == kDifferenceR && SEEN_PLANE == kSeen && WHOLE_PLANE == kWhole);
 
-/// How many planes the results of a scene with these FEATURE_* bits have.
-constexpr int plane_count(std::uint32_t features) {
+/// How many of SampleBufferPlane the results of a scene with these FEATURE_* bits have.
+constexpr int image_plane_count(std::uint32_t features) {
   if ((features & FEATURE_LAYERS) == 0u) return kRadiancePlanes;
   return (features & FEATURE_POLYGONS) != 0u ? kSampleBufferPlanes : kFeaturePlanes;
+}
+
+/// How many planes the results of a scene with these FEATURE_* bits have.
+constexpr int plane_count(std::uint32_t features) {
+  return image_plane_count(features) + ((features & FEATURE_RATIO) != 0u ? kRatioPlanes : 0);
 }
 
 /// Statistics of `sample_count` samples for each pixel of a rectangle. Plane p of pixel (x, y), counted from

@@ -72,6 +72,7 @@ void set_estimator(const SceneDescription& scene, const LightBuilder& lights, Sc
     if (h.light_choice == CHOICE_ANALYTIC) use_samples_alone(h);
   } else if (integrator.estimator == CvEstimator::kRatio) {
     h.estimator = ESTIMATOR_RATIO;
+    h.features |= FEATURE_RATIO;
   } else if (integrator.alpha) {
     h.estimator = ESTIMATOR_ALPHA;
     h.alpha = *integrator.alpha;

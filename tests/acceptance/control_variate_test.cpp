@@ -49,7 +49,7 @@ TEST(ShadowedPolygon, TruthsAgree) {
 // --- the table
 
 /// Root of the mean square error of a camera sample with 16 shadow rays, relative to the unshadowed radiance.
-/// The ratio is fitted to a pass, which has one sample. Of 128^2 the RMSE is known within about 1 %.
+/// Of 128^2 the RMSE is known within about 1 %.
 double relative_rmse(const ShadowedPolygon& light, const IntegratorSettings& integrator, std::uint32_t seed,
                      int pixels = 128, statistics::Sample* of_all = nullptr) {
   SceneDescription scene = receiver_scene(DiffuseBsdf{glm::vec3(kAlbedo)}, kViewer, pixels, seed);

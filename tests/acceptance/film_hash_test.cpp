@@ -121,7 +121,7 @@ FilmAccumulator render_with_opencl(const DeviceScene& scene) {
   if (!result) throw std::runtime_error(result.error().message);
   result->planes = plane_count(h.features);
   result->values.resize(std::size_t(result->planes) * result->pixels());
-  FilmAccumulator film(0, 0, h.film_width, h.film_height, result->planes);
+  FilmAccumulator film = FilmAccumulator::of_features(0, 0, h.film_width, h.film_height, h.features);
   film.add(0, 0, *result);
   return film;
 }

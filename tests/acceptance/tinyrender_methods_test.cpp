@@ -48,8 +48,7 @@ IntegratorSettings polygonal(IntegratorKind kind) {
   return settings;
 }
 
-/// With shadows. The ratio is fitted to a pass: it has a bias, of the order of 1 / (samples of a pass), that
-/// is far below the noise of a block.
+/// With shadows. The ratio has a bias, of the order of 1 / samples, that is far below the noise of a block.
 std::vector<Strategy> shadowed_methods() {
   using enum EmitterSampling;
   IntegratorSettings both = direct_integrator(1, 1);

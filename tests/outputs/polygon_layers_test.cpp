@@ -81,11 +81,14 @@ DeviceScene build(const SceneDescription& scene, bool layers) {
 // --- which layers there are
 
 TEST(PolygonLayers, CountOfPlanes) {
-  for (const std::uint32_t others : {0u, unsigned(FEATURE_ALL & ~(FEATURE_LAYERS | FEATURE_POLYGONS))}) {
+  for (const std::uint32_t others :
+       {0u, unsigned(FEATURE_ALL & ~(FEATURE_LAYERS | FEATURE_POLYGONS | FEATURE_RATIO))}) {
     EXPECT_EQ(plane_count(others), 6);
     EXPECT_EQ(plane_count(others | FEATURE_POLYGONS), 6);
     EXPECT_EQ(plane_count(others | FEATURE_LAYERS), 6 + 7);
     EXPECT_EQ(plane_count(others | FEATURE_LAYERS | FEATURE_POLYGONS), 6 + 7 + 8);
+    EXPECT_EQ(plane_count(others | FEATURE_POLYGONS | FEATURE_RATIO), 6 + 15);
+    EXPECT_EQ(plane_count(others | FEATURE_LAYERS | FEATURE_POLYGONS | FEATURE_RATIO), 6 + 7 + 8 + 15);
   }
 }
 

@@ -61,7 +61,7 @@ FilmAccumulator render_or_throw(const DeviceScene& scene, const TestDevice& test
   const auto device = value_or_throw(make_device(scene, test_device.options));
   const int width = scene.header.film_width, height = scene.header.film_height;
   const std::uint32_t spp = scene.header.spp, per_pass = std::min(spp, test_device.samples_per_pass);
-  FilmAccumulator film(0, 0, width, height, plane_count(scene.header.features));
+  FilmAccumulator film = FilmAccumulator::of_features(0, 0, width, height, scene.header.features);
   for (std::uint32_t first = 0; first < spp; first += per_pass) {
     const RenderUnit unit{.x = 0,
                           .y = 0,
