@@ -34,7 +34,7 @@ class Generator {
   explicit Generator(std::uint32_t seed)
       : random_(0x9e3779b97f4a7c15u * (seed + 1)),
         kind_(int(seed % 12)),
-        unit_(random_.one_of({0.05, 1.0, 1.0, 40.0})) {
+        unit_(random_.one_of({0.3, 1.0, 1.0, 40.0})) {
     scene_.name = fmt::format("{}", seed);
     scene_.embree = seed % 7 == 3;
   }
