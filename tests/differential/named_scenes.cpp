@@ -47,6 +47,9 @@ std::string ceiling_lamp(const std::string& settings = "") {
                 kGrey + area(4, settings));
 }
 
+/// For vertex normals: see Sides in render_with_mitsuba.py.
+std::string sides(const std::string& bsdf) { return plugin("bsdf", "sides", bsdf); }
+
 SceneText begin(std::string_view name, const std::string& integrator, glm::dvec3 eye = {0, 1, 5},
                 double fov = 40) {
   SceneText scene;
@@ -66,7 +69,9 @@ SceneText lamp_without_bsdf() {
 SceneText smooth_rim() {
   SceneText scene = begin("smooth-rim", path(2), {0, 0.5, 5}, 26);
   scene.meshes.push_back({"ball.obj", obj_text(ball(4, 6, 1), true)});
-  scene.both(plugin("shape", "obj", text("filename", "ball.obj") + kWhite) + kSky);
+  scene.each(plugin("shape", "obj", text("filename", "ball.obj") + kWhite),
+             plugin("shape", "obj", text("filename", "ball.obj") + sides(kWhite)));
+  scene.both(kSky);
   return scene;
 }
 
@@ -74,7 +79,9 @@ SceneText smooth_rim_one_sided() {
   SceneText scene = begin("smooth-rim-one-sided", path(3), {0, 0.5, 5}, 26);
   Random random(2);
   scene.meshes.push_back({"ball.ply", ply_text(ball(4, 6, 1), true, random)});
-  scene.both(plugin("shape", "ply", text("filename", "ball.ply") + kGrey) + floor_at(-1.2) +
+  scene.each(plugin("shape", "ply", text("filename", "ball.ply") + kGrey),
+             plugin("shape", "ply", text("filename", "ball.ply") + sides(kGrey)));
+  scene.both(floor_at(-1.2) +
              placed("rectangle",
                     "<scale value=\"0.6\"/><rotate y=\"1\" angle=\"90\"/><translate x=\"-2\"/>\n",
                     kGrey + area(8)));
@@ -171,18 +178,16 @@ SceneText mirrored(std::string_view shape, bool flipped) {
     file = text("filename", "mesh.obj");
   }
   const std::string flip = boolean("flip_normals", flipped);
-  const auto add = [&](double x, std::string_view mirror, const std::string& inside) {
-    scene.both(plugin(
-        "shape", type,
-        file +
-            to_world(fmt::format(
-                "<scale {}/><scale value=\"0.5\"/><rotate x=\"1\" angle=\"30\"/><translate x=\"{}\"/>\n",
-                mirror, x)) +
-            flip + inside));
+  const auto add = [&](double x, std::string_view mirror, const std::string& light) {
+    const std::string place = to_world(fmt::format(
+        "<scale {}/><scale value=\"0.5\"/><rotate x=\"1\" angle=\"30\"/><translate x=\"{}\"/>\n", mirror, x));
+    const std::string inside = file + place + flip + light;
+    scene.each(plugin("shape", type, inside + kGrey),
+               plugin("shape", type, inside + (shape == "smooth" ? sides(kGrey) : kGrey)));
   };
-  add(-1, "z=\"-1\"", kGrey);
+  add(-1, "z=\"-1\"", "");
   // Mitsuba's lights take their sides from vertex normals.
-  add(1, "x=\"-1\"", shape == "smooth" ? kGrey : kGrey + area(3));
+  add(1, "x=\"-1\"", shape == "smooth" ? "" : area(3));
   scene.both(floor_at(-1) + kSky);
   return scene;
 }

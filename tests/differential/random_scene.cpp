@@ -100,7 +100,10 @@ class Generator {
     std::string ours = numbers + hidden + emitter_sampling() + heuristic() + light_choice(bsdf_samples == 0);
     if (random_.chance(0.6)) ours += text("bsdf_sampling", random_.one_of({"bsdf", "cosine", "uniform"}));
     plan_.our_integrator = plugin("integrator", "direct", ours);
-    plan_.their_integrator = plugin("integrator", "direct", numbers + hidden);
+    // Mitsuba counts a point light once for each sample, however many there are.
+    const std::string theirs = integer("emitter_samples", std::min(emitter_samples, 1)) +
+                               integer("bsdf_samples", std::min(bsdf_samples, 1));
+    plan_.their_integrator = plugin("integrator", "direct", theirs + hidden);
     if (emitter_samples == 0) plan_.lamp_radius = 0.4, plan_.samples = 2;
   }
 
@@ -317,8 +320,13 @@ class Generator {
 
   std::string flip() { return random_.chance(0.3) ? boolean("flip_normals", true) : ""; }
 
-  /// A mesh as a file; gives the parameters that name it, ours and Mitsuba's.
-  void add_mesh(const Polyhedron& mesh, bool concave, const std::string& inside) {
+  /// A mesh as a file. Mitsuba's BSDF is in one that goes by the geometric normal where there are vertex
+  /// normals, which without `face_normals` there always are.
+  void add_mesh(const Polyhedron& mesh, bool concave, const std::string& inside, const std::string& bsdf,
+                bool face_normals) {
+    const std::string their_bsdf =
+        face_normals ? bsdf : plugin("bsdf", "sides", bsdf.empty() ? plugin("bsdf", "diffuse", "") : bsdf);
+    const std::string faces = face_normals ? boolean("face_normals", true) : "";
     const bool obj = random_.chance(0.5);
     const char* extension = obj ? "obj" : "ply";
     const std::string name = fmt::format("mesh-{}.{}", scene_.meshes.size(), extension);
@@ -335,8 +343,8 @@ class Generator {
       their_name = fmt::format("mesh-{}-for-mitsuba.{}", scene_.meshes.size(), extension);
       scene_.meshes.push_back({their_name, file(true, false)});
     }
-    scene_.each(plugin("shape", extension, text("filename", name) + inside),
-                plugin("shape", extension, text("filename", their_name) + inside));
+    scene_.each(plugin("shape", extension, text("filename", name) + inside + faces + bsdf),
+                plugin("shape", extension, text("filename", their_name) + inside + faces + their_bsdf));
   }
 
   void add_object(const Ball& place) {
@@ -352,28 +360,29 @@ class Generator {
       return add_shape("disk", to_world(placement(place, 1, Freedom::kDisk, true)) + flip() + any_bsdf());
     if (kind == 3) return add_sphere(place, flip() + any_bsdf());
     std::string inside = to_world(placement(place, 1, Freedom::kAny, true)) + flip();
-    if (random_.chance(0.2)) inside += boolean("face_normals", true);
     if (random_.chance(0.2)) inside += boolean("flip_tex_coords", random_.chance(0.5));
-    inside += any_bsdf();
-    if (kind == 4) return add_mesh(ball(6, 10, random_.one_of({1.0, 0.6})), false, inside);
-    if (kind == 5) return add_mesh(ring(8, 12), false, inside);
-    add_faceted(inside);
+    const bool face_normals = random_.chance(0.4), concave = kind >= 6 && random_.chance(0.5);
+    add_mesh(kind == 4   ? ball(6, 10, random_.one_of({1.0, 0.6}))
+             : kind == 5 ? ring(8, 12)
+             : concave   ? concave_mesh()
+                         : convex_faces(),
+             concave, inside, any_bsdf(), face_normals);
   }
 
-  void add_faceted(const std::string& inside) {
-    switch (random_.below(6)) {
+  Polyhedron concave_mesh() {
+    return random_.chance(0.5) ? star(3 + random_.below(4)) : star_prism(3 + random_.below(3));
+  }
+
+  Polyhedron convex_faces() {
+    switch (random_.below(4)) {
       case 0:
-        return add_mesh(tetrahedron(), false, inside);
+        return tetrahedron();
       case 1:
-        return add_mesh(faceted(ball(4, 7, 1)), false, inside);
+        return faceted(ball(4, 7, 1));
       case 2:
-        return add_mesh(faceted(ring(5, 7)), false, inside);
-      case 3:
-        return add_mesh(plate(3 + random_.below(6)), false, inside);
-      case 4:
-        return add_mesh(star(3 + random_.below(4)), true, inside);
+        return faceted(ring(5, 7));
       default:
-        return add_mesh(star_prism(3 + random_.below(3)), true, inside);
+        return plate(3 + random_.below(6));
     }
   }
 
@@ -391,7 +400,7 @@ class Generator {
     const char* type = random_.one_of({"rectangle", "rectangle", "disk"});
     const std::string material = plugin("bsdf", "twosided", one_sided(false));
     if (random_.chance(0.2)) {
-      add_mesh(plate(4 + random_.below(4)), false, to_world(steps) + material);
+      add_mesh(plate(4 + random_.below(4)), false, to_world(steps), material, true);
     } else {
       add_shape(type, to_world(steps) + material);
     }
@@ -434,14 +443,16 @@ class Generator {
     const std::string material = random_.chance(0.2) ? "" : bsdf();
     const int kind = random_.below(plan_.quadric_lights ? 7 : 5);
     const bool two_sided = kind < 2 && random_.chance(0.4);
-    const std::string flipped = flip();
+    // What shines inwards, out of sight, Mitsuba lets through at the edges.
+    const bool closed = kind == 2 || kind == 3 || kind == 6;
+    const std::string flipped = closed ? "" : flip();
     const std::string ours =
         flipped + material +
         plugin("emitter", "area", radiance + sampling + (two_sided ? boolean("two_sided", true) : ""));
     const std::string theirs = flipped + material + plugin("emitter", "area", radiance);
     const double reach = kind == 0 ? std::sqrt(2.0) : kind == 2 ? std::sqrt(3.0) : 1;
     const Freedom freedom = kind == 5 ? Freedom::kDisk : kind == 6 ? Freedom::kSphere : Freedom::kAny;
-    const std::string steps = placement(place, reach, freedom, !two_sided);
+    const std::string steps = placement(place, reach, freedom, !two_sided && !closed);
     if (kind == 3) return add_lamp_mesh(tetrahedron(), steps, ours, theirs);
     if (kind == 1 || kind == 4) {
       const Polyhedron flat =

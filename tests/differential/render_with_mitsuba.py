@@ -76,7 +76,51 @@ class Phong(mi.BSDF):
         return "Phong[]"
 
 
+class Sides(mi.BSDF):
+    """The BSDF inside as Penumbra understands it on a surface with vertex normals: the geometric normal says which side
+    is seen, it takes over where the shading normal faces away, and what is beneath it is in shadow. Mitsuba itself goes
+    by the shading normal alone, so that rims are black or show the other side, and light gets through sheets."""
+
+    def __init__(self, props):
+        mi.BSDF.__init__(self, props)
+        (self.inner,) = [props[name] for name in props if isinstance(props[name], mi.BSDF)]
+        self.m_components = [self.inner.flags(k) for k in range(self.inner.component_count())]
+        self.m_flags = self.inner.flags()
+
+    def seen(self, si):
+        """The interaction in the frame that counts, that frame, and the geometric normal towards the viewer."""
+        n = si.to_local(si.n)
+        n = dr.select(n.z < 0, -n, n)  # a mirror image's faces are wound against its vertex normals
+        front = dr.dot(n, si.wi) > 0
+        faces = (si.wi.z > 0) == front
+        frame = mi.Frame3f(dr.select(faces, mi.Normal3f(0, 0, 1), mi.Normal3f(n)))
+        inside = mi.SurfaceInteraction3f(si)
+        inside.wi = frame.to_local(si.wi)
+        return inside, frame, dr.select(front, n, -n)
+
+    def eval(self, ctx, si, wo, active=True):
+        inside, frame, geometric = self.seen(si)
+        return self.inner.eval(ctx, inside, frame.to_local(wo), active) & (active & (dr.dot(geometric, wo) > 0))
+
+    def pdf(self, ctx, si, wo, active=True):
+        inside, frame, geometric = self.seen(si)
+        return self.inner.pdf(ctx, inside, frame.to_local(wo), active)
+
+    def eval_pdf(self, ctx, si, wo, active=True):
+        return self.eval(ctx, si, wo, active), self.pdf(ctx, si, wo, active)
+
+    def sample(self, ctx, si, sample1, sample2, active=True):
+        inside, frame, geometric = self.seen(si)
+        bs, weight = self.inner.sample(ctx, inside, sample1, sample2, active)
+        bs.wo = frame.to_world(bs.wo)
+        return bs, weight & (active & (dr.dot(geometric, bs.wo) > 0))
+
+    def to_string(self):
+        return "Sides[]"
+
+
 mi.register_bsdf("phong", Phong)
+mi.register_bsdf("sides", Sides)
 
 
 def render(scene_file, image_file, batches, spp, seed):
