@@ -1,0 +1,16 @@
+// Whether Penumbra and Mitsuba 3 render the same image of a scene, but for noise.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "tests/differential/mitsuba_process.h"
+#include "tests/differential/scene_text.h"
+
+namespace penumbra::differential {
+
+/// Renders all scenes by both and adds a failure for each that differs. `all` scenes are compared by all
+/// calls together, at a significance of 1 % for all of them.
+void expect_agreement(MitsubaProcess& mitsuba, std::span<const SceneText> scenes, std::size_t all);
+
+}  // namespace penumbra::differential

@@ -1,0 +1,43 @@
+// Penumbra against Mitsuba 3 on scenes that neither was made for. PENUMBRA_DIFFERENTIAL_SCENE=NAME looks at
+// one scene alone, a seed or a name, and says where its files are.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "tests/differential/agreement.h"
+#include "tests/differential/named_scenes.h"
+#include "tests/differential/random_scene.h"
+
+namespace penumbra::differential {
+namespace {
+
+constexpr int kParts = 4, kScenesOfPart = 55;
+
+void compare(const std::vector<SceneText>& scenes) {
+  MitsubaProcess mitsuba;
+  if (!mitsuba.ready()) {
+    if (mitsuba.named()) FAIL() << mitsuba.ready().error().message;
+    GTEST_SKIP() << mitsuba.ready().error().message;
+  }
+  const std::size_t all = named_scenes().size() + std::size_t(kParts * kScenesOfPart);
+  const char* only = std::getenv("PENUMBRA_DIFFERENTIAL_SCENE");
+  if (only == nullptr) return expect_agreement(mitsuba, scenes, all);
+  for (const SceneText& scene : scenes)
+    if (scene.name == only) expect_agreement(mitsuba, {&scene, 1}, all);
+}
+
+class Differential : public testing::TestWithParam<int> {};
+
+TEST_P(Differential, RandomScenesAreAsMitsubaRendersThem) {
+  std::vector<SceneText> scenes;
+  for (int k = 0; k < kScenesOfPart; ++k)
+    scenes.push_back(random_scene(std::uint32_t(GetParam() * kScenesOfPart + k)));
+  compare(scenes);
+}
+
+INSTANTIATE_TEST_SUITE_P(Parts, Differential, testing::Range(0, kParts));
+
+TEST(DifferentialTest, NamedScenesAreAsMitsubaRendersThem) { compare(named_scenes()); }
+
+}  // namespace
+}  // namespace penumbra::differential

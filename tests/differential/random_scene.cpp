@@ -1,0 +1,507 @@
+#include "tests/differential/random_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "scenes/transform.h"
+#include "tests/differential/random.h"
+
+namespace penumbra::differential {
+namespace {
+
+struct Ball {
+  glm::dvec3 center{0.0};
+  double radius = 0;
+};
+
+/// What a scene's integrator lets it hold.
+struct Plan {
+  std::string our_integrator, their_integrator;
+  bool point_lights = true;
+  bool sky = true;
+  bool quadric_lights = true;  ///< spheres and disks
+  bool open = false;           ///< nothing that could throw a shadow
+  double lamp_radius = 0.25;   ///< at least
+  double albedo = 0.8;         ///< at most
+  double samples = 1;
+};
+
+enum class Freedom { kAny, kDisk, kSphere };
+
+class Generator {
+ public:
+  explicit Generator(std::uint32_t seed)
+      : random_(0x9e3779b97f4a7c15u * (seed + 1)),
+        kind_(int(seed % 12)),
+        unit_(random_.one_of({0.3, 1.0, 1.0, 40.0})) {
+    scene_.name = fmt::format("{}", seed);
+    scene_.embree = seed % 7 == 3;
+  }
+
+  SceneText make() {
+    plan();
+    scene_.samples = plan_.samples;
+    scene_.each(plan_.our_integrator, plan_.their_integrator);
+    add_sensor();
+    add_materials();
+    add_floor();
+    add_lights();
+    if (!plan_.open) {
+      const int count = 1 + random_.below(4);
+      for (int k = 0; k < count; ++k) {
+        if (const auto place = free_place(random_.between(0.25, 0.55))) add_object(*place);
+      }
+    }
+    return std::move(scene_);
+  }
+
+ private:
+  // Integrators ---------------------------------------------------------------------------------------------
+
+  std::string hide() { return random_.chance(0.15) ? boolean("hide_emitters", true) : ""; }
+  std::string emitter_sampling() {
+    return random_.chance(0.3)
+               ? ""
+               : text("emitter_sampling", random_.one_of({"auto", "area", "solid_angle", "projected"}));
+  }
+  std::string heuristic() {
+    return random_.chance(0.5) ? "" : text("mis", random_.one_of({"balance", "power"}));
+  }
+  /// By the unshadowed contribution only where lights alone are sampled.
+  std::string light_choice(bool lights_alone) {
+    if (random_.chance(0.5)) return "";
+    return text("light_choice", lights_alone ? random_.one_of({"auto", "power", "analytic"})
+                                             : random_.one_of({"auto", "power"}));
+  }
+
+  /// Length and roulette of paths, the same for both.
+  std::string depth() {
+    if (random_.chance(0.15)) {
+      plan_.albedo = 0.5;
+      return integer("max_depth", -1) + integer("rr_depth", 3 + random_.below(3));
+    }
+    return integer("max_depth", 1 + (random_.chance(0.95) ? 1 + random_.below(3) : 0)) + hide();
+  }
+
+  void path(std::string_view type, const std::string& settings) {
+    const std::string depths = depth();
+    plan_.our_integrator = plugin("integrator", type, depths + settings);
+    plan_.their_integrator = plugin("integrator", "path", depths);
+  }
+
+  void direct() {
+    const int emitter_samples = random_.below(4),
+              bsdf_samples = emitter_samples == 0 ? 1 + random_.below(3) : random_.below(3);
+    const std::string hidden = hide();
+    std::string numbers = integer("emitter_samples", emitter_samples) + integer("bsdf_samples", bsdf_samples);
+    if (bsdf_samples > 0 && emitter_samples > 0 && random_.chance(0.3))
+      numbers = integer("shading_samples", 1 + random_.below(3));
+    std::string ours = numbers + hidden + emitter_sampling() + heuristic() + light_choice(bsdf_samples == 0);
+    if (random_.chance(0.6)) ours += text("bsdf_sampling", random_.one_of({"bsdf", "cosine", "uniform"}));
+    plan_.our_integrator = plugin("integrator", "direct", ours);
+    // Mitsuba counts a point light once for each sample, however many there are.
+    const std::string theirs = integer("emitter_samples", std::min(emitter_samples, 1)) +
+                               integer("bsdf_samples", std::min(bsdf_samples, 1));
+    plan_.their_integrator = plugin("integrator", "direct", theirs + hidden);
+    if (emitter_samples == 0) plan_.lamp_radius = 0.4, plan_.samples = 2;
+  }
+
+  /// Direct light of polygon lights.
+  void polygons(std::string_view type, const std::string& settings) {
+    const std::string hidden = hide();
+    plan_.our_integrator = plugin("integrator", type, settings + hidden);
+    plan_.their_integrator = plugin("integrator", "direct", hidden);
+    plan_.point_lights = plan_.sky = plan_.quadric_lights = false;
+  }
+
+  void plan() {
+    const std::string samples = integer("emitter_samples", 1 + random_.below(4));
+    switch (kind_) {
+      case 0:
+      case 1:
+      case 2:
+        return path("path", emitter_sampling() + heuristic() + light_choice(false));
+      case 3:
+        if (random_.chance(0.5)) return path("path_mis", emitter_sampling());
+        return path("path", text("direct_sampling", "ems") + emitter_sampling());
+      case 4:
+        // Point lights are found by samples of emitters alone, which Mitsuba's path always takes.
+        plan_.point_lights = false;
+        plan_.lamp_radius = 0.4;
+        plan_.samples = 4;
+        if (random_.chance(0.5)) return path("path_mats", "");
+        return path("path", text("direct_sampling", "mats"));
+      case 5:
+        return path("path_ems", emitter_sampling() + light_choice(true));
+      case 6: {
+        // The ratio estimator is biased for few samples.
+        const std::string alpha =
+            random_.chance(0.5) ? text("alpha", "auto") : real("alpha", random_.one_of({0.0, 0.5, 1.0}));
+        return path("path", text("nee", "cv") + alpha + emitter_sampling() + light_choice(false));
+      }
+      case 9:
+        return polygons("polygon_area", samples + emitter_sampling() + light_choice(true));
+      case 10: {
+        const std::string alpha =
+            random_.chance(0.5) ? text("alpha", "auto") : real("alpha", random_.one_of({0.0, 0.5, 1.0}));
+        return polygons("polygon_cv", integer("vis_samples", 1 + random_.below(3)) + alpha +
+                                          emitter_sampling() + light_choice(true));
+      }
+      case 11:
+        // Without shadows: Mitsuba can only say what a scene is like where there are none.
+        plan_.open = true;
+        if (random_.chance(0.5)) return polygons("polygon_analytic", "");
+        return polygons("polygon_area", boolean("trace_shadows", false) + samples + emitter_sampling());
+      default:
+        return direct();
+    }
+  }
+
+  // Sensor --------------------------------------------------------------------------------------------------
+
+  std::string film() {
+    // Mitsuba draws each sample into all pixels that its filter reaches; where it also takes samples beyond
+    // the border, each pixel's expectation is that of samples drawn from the filter, but for the error of a
+    // quotient of two sums over some hundred samples, which has opposite signs on both sides of an edge.
+    std::string result = boolean("sample_border", true);
+    const int width = 6 * (3 + random_.below(3)), height = 6 * (3 + random_.below(3));
+    if (random_.chance(0.25)) {
+      const int left = random_.below(9), top = random_.below(9);
+      result += integer("width", width + left + random_.below(9)) +
+                integer("height", height + top + random_.below(9)) + integer("crop_offset_x", left) +
+                integer("crop_offset_y", top) + integer("crop_width", width) + integer("crop_height", height);
+    } else {
+      result += integer("width", width) + integer("height", height);
+    }
+    const char* filter = random_.one_of({"box", "box", "box", "tent", "gaussian", "mitchell", "gaussian"});
+    std::string settings;
+    if (filter == std::string_view("tent") && random_.chance(0.5))
+      settings = real("radius", random_.between(0.7, 1.6));
+    if (filter == std::string_view("gaussian") && random_.chance(0.5))
+      settings = real("stddev", random_.between(0.3, 0.7));
+    if (filter == std::string_view("mitchell") && random_.chance(0.5))
+      settings = "<float name=\"B\" value=\"0.5\"/>\n<float name=\"C\" value=\"0.25\"/>\n";
+    if (random_.chance(0.9)) result += plugin("rfilter", filter, settings);
+    return plugin("film", "hdrfilm", result);
+  }
+
+  void add_sensor() {
+    std::string sensor;
+    if (random_.chance(0.15)) {
+      sensor += text("focal_length", random_.one_of({"35mm", "50mm", "60"}));
+    } else {
+      sensor += real("fov", random_.between(30, 50));
+      if (random_.chance(0.7))
+        sensor += text("fov_axis", random_.one_of({"x", "y", "diagonal", "smaller", "larger"}));
+    }
+    eye_ = {random_.between(-2, 2), random_.between(-0.5, 2.5), random_.between(4, 5)};
+    const glm::dvec3 target = random_.vector(-0.2, 0.2);
+    if (random_.chance(0.2)) {
+      // A mirror image.
+      sensor +=
+          to_world(fmt::format("<scale x=\"-1\"/>\n<lookat origin=\"{}\" target=\"{}\" up=\"0.1, 1, 0\"/>\n",
+                               vector_text(eye_ * unit_), vector_text(target * unit_)));
+    } else {
+      sensor += look_at(eye_ * unit_, target * unit_);
+    }
+    const double distance = glm::length(eye_);
+    sensor += real("near_clip", unit_ * (random_.chance(0.1) ? distance - 0.3 : 0.01));
+    sensor += real("far_clip", unit_ * (random_.chance(0.1) ? distance + 0.3 : 1000.0));
+    sensor += film();
+    scene_.each(
+        plugin("sensor", "perspective",
+               sensor + plugin("sampler",
+                               random_.one_of({"independent", "stratified", "halton", "sobol", "ldsampler"}),
+                               "")),
+        plugin("sensor", "perspective", sensor));
+  }
+
+  // Materials -----------------------------------------------------------------------------------------------
+
+  std::string colour(std::string_view name, double low, double high) {
+    if (random_.chance(0.15)) {
+      if (name == "radiance") scene_.colour_error = 4e-4;
+      return element("spectrum", name, number_text(random_.between(low, high)));
+    }
+    if (random_.chance(0.15)) return element("rgb", name, number_text(random_.between(low, high)));
+    return rgb(name, random_.vector(low, high));
+  }
+
+  std::string one_sided(bool smooth) {
+    // The lobes are wide, so that no light path is rare.
+    if (!smooth && random_.chance(0.3)) {
+      const double half = 0.5 * plan_.albedo;
+      std::string phong =
+          colour("diffuse_reflectance", 0.05, half) + colour("specular_reflectance", 0.05, half);
+      if (random_.chance(0.8)) phong += real("exponent", std::exp(random_.between(0, 3.7)));
+      return plugin("bsdf", "phong", phong);
+    }
+    if (plan_.albedo >= 0.5 && random_.chance(0.1)) return plugin("bsdf", "diffuse", "");
+    return plugin("bsdf", "diffuse", colour("reflectance", 0.1, plan_.albedo));
+  }
+
+  std::string bsdf() {
+    switch (random_.below(4)) {
+      case 0:
+        return one_sided(false);
+      case 1:
+        return plugin("bsdf", "twosided", one_sided(false) + one_sided(false));
+      default:
+        return plugin("bsdf", "twosided", one_sided(false));
+    }
+  }
+
+  void add_materials() {
+    for (int k = 0; k < 2; ++k) {
+      std::string material = bsdf();
+      material.insert(material.find('>'), fmt::format(" id=\"material-{}\"", k));
+      scene_.both(material);
+    }
+  }
+
+  std::string any_bsdf() {
+    if (random_.chance(0.3)) return fmt::format("<ref id=\"material-{}\"/>\n", random_.below(2));
+    if (plan_.albedo >= 0.5 && random_.chance(0.1)) return "";
+    return bsdf();
+  }
+
+  // Shapes --------------------------------------------------------------------------------------------------
+
+  /// Objects do not come closer to each other than a tenth of the scene: contacts are where offsets of rays
+  /// show.
+  std::optional<Ball> free_place(double radius) {
+    for (int attempt = 0; attempt < 100; ++attempt) {
+      const Ball ball{
+          {random_.between(-1.3, 1.3), random_.between(-0.9 + radius, 1.4), random_.between(-1.3, 1.3)},
+          radius};
+      const bool free = std::ranges::all_of(taken_, [&](const Ball& other) {
+        return glm::distance(ball.center, other.center) > ball.radius + other.radius + 0.1;
+      });
+      if (!free) continue;
+      taken_.push_back(ball);
+      return ball;
+    }
+    return std::nullopt;
+  }
+
+  /// Places what fits into a sphere of radius `reach` about the origin into the ball.
+  std::string placement(const Ball& ball, double reach, Freedom freedom, bool mirror_allowed) {
+    const double size = ball.radius / reach * unit_;
+    glm::dvec3 factors(size);
+    if (freedom == Freedom::kAny && random_.chance(0.5)) factors *= random_.vector(0.5, 1.0);
+    if (freedom == Freedom::kDisk && random_.chance(0.5)) factors.z = random_.between(0.2, 3) * unit_;
+    if (mirror_allowed && random_.chance(0.35)) factors[random_.below(3)] *= -1;
+    // Mitsuba wants an axis of length 1.
+    const glm::dvec3 axis = glm::normalize(random_.vector(-1, 1) + glm::dvec3(0, 0, 1.1)),
+                     center = ball.center * unit_;
+    const double angle = random_.between(-180, 180);
+    if (random_.chance(0.7)) {
+      return fmt::format("<scale value=\"{}\"/>\n<rotate value=\"{}\" angle=\"{}\"/>\n", vector_text(factors),
+                         vector_text(axis), number_text(angle)) +
+             translate(center);
+    }
+    glm::dmat4 shear(1.0);
+    if (freedom == Freedom::kAny) {
+      shear[1][0] = random_.between(-0.3, 0.3);
+      factors *= 0.8;
+    }
+    const glm::dmat4 m = translation(center) * rotation(axis, angle) * scaling(factors) * shear;
+    std::string values;
+    for (int row = 0; row < 4; ++row)
+      for (int column = 0; column < 4; ++column) values += fmt::format("{:.9g} ", m[column][row]);
+    return fmt::format("<matrix value=\"{}\"/>\n", values);
+  }
+
+  /// A shape of the type with a placement before what else is inside.
+  void add_shape(std::string_view type, const std::string& inside) {
+    scene_.both(plugin("shape", type, inside));
+  }
+
+  std::string flip() { return random_.chance(0.3) ? boolean("flip_normals", true) : ""; }
+
+  /// A mesh as a file. Mitsuba's BSDF is in one that goes by the geometric normal where there are vertex
+  /// normals, which without `face_normals` there always are.
+  void add_mesh(const Polyhedron& mesh, bool concave, const std::string& inside, const std::string& bsdf,
+                bool face_normals) {
+    const std::string their_bsdf =
+        face_normals ? bsdf : plugin("bsdf", "sides", bsdf.empty() ? plugin("bsdf", "diffuse", "") : bsdf);
+    const std::string faces = face_normals ? boolean("face_normals", true) : "";
+    const bool obj = random_.chance(0.5);
+    const char* extension = obj ? "obj" : "ply";
+    const std::string name = fmt::format("mesh-{}.{}", scene_.meshes.size(), extension);
+    const bool triangles = !mesh.normals.empty(), from_end = obj && random_.chance(0.3);
+    const auto file = [&](bool in_triangles, bool negative) {
+      return obj ? obj_text(mesh, in_triangles, negative, random_.chance(0.3))
+                 : ply_text(mesh, in_triangles, random_);
+    };
+    scene_.meshes.push_back({name, file(triangles, from_end)});
+    // Mitsuba takes polygons for convex in OBJ, and reads triangles alone in PLY; nor does it read negative
+    // indices.
+    std::string their_name = name;
+    if ((!triangles && (concave || !obj)) || from_end) {
+      their_name = fmt::format("mesh-{}-for-mitsuba.{}", scene_.meshes.size(), extension);
+      scene_.meshes.push_back({their_name, file(true, false)});
+    }
+    scene_.each(plugin("shape", extension, text("filename", name) + inside + faces + bsdf),
+                plugin("shape", extension, text("filename", their_name) + inside + faces + their_bsdf));
+  }
+
+  void add_object(const Ball& place) {
+    const double sqrt2 = std::sqrt(2.0), sqrt3 = std::sqrt(3.0);
+    const int kind = random_.below(8);
+    // Flat and open shapes are seen from both sides.
+    if (kind == 0)
+      return add_shape("rectangle",
+                       to_world(placement(place, sqrt2, Freedom::kAny, true)) + flip() + any_bsdf());
+    if (kind == 1)
+      return add_shape("cube", to_world(placement(place, sqrt3, Freedom::kAny, true)) + flip() + any_bsdf());
+    if (kind == 2)
+      return add_shape("disk", to_world(placement(place, 1, Freedom::kDisk, true)) + flip() + any_bsdf());
+    if (kind == 3) return add_sphere(place, flip() + any_bsdf());
+    std::string inside = to_world(placement(place, 1, Freedom::kAny, true)) + flip();
+    if (random_.chance(0.2)) inside += boolean("flip_tex_coords", random_.chance(0.5));
+    const bool face_normals = random_.chance(0.4), concave = kind >= 6 && random_.chance(0.5);
+    add_mesh(kind == 4   ? ball(6, 10, random_.one_of({1.0, 0.6}))
+             : kind == 5 ? ring(8, 12)
+             : concave   ? concave_mesh()
+                         : convex_faces(),
+             concave, inside, any_bsdf(), face_normals);
+  }
+
+  Polyhedron concave_mesh() {
+    return random_.chance(0.5) ? star(3 + random_.below(4)) : star_prism(3 + random_.below(3));
+  }
+
+  Polyhedron convex_faces() {
+    switch (random_.below(4)) {
+      case 0:
+        return tetrahedron();
+      case 1:
+        return faceted(ball(4, 7, 1));
+      case 2:
+        return faceted(ring(5, 7));
+      default:
+        return plate(3 + random_.below(6));
+    }
+  }
+
+  void add_sphere(const Ball& place, const std::string& inside) {
+    if (random_.chance(0.5))
+      return add_shape("sphere", to_world(placement(place, 1, Freedom::kSphere, true)) + inside);
+    const std::string center = element("point", "center", vector_text(place.center * unit_));
+    add_shape("sphere", center + real("radius", place.radius * unit_) + inside);
+  }
+
+  void add_floor() {
+    std::string steps =
+        fmt::format("<scale value=\"{}\"/>\n<rotate x=\"1\" angle=\"-90\"/>\n", number_text(2.5 * unit_)) +
+        translate(glm::dvec3(0, -1, 0) * unit_);
+    const char* type = random_.one_of({"rectangle", "rectangle", "disk"});
+    const std::string material = plugin("bsdf", "twosided", one_sided(false));
+    if (random_.chance(0.2)) {
+      add_mesh(plate(4 + random_.below(4)), false, to_world(steps), material, true);
+    } else {
+      add_shape(type, to_world(steps) + material);
+    }
+    if (!plan_.open && random_.chance(0.4)) {
+      steps = fmt::format("<scale value=\"{}\"/>\n", number_text(2.5 * unit_)) +
+              translate(glm::dvec3(0, 0, -2) * unit_);
+      add_shape("rectangle", to_world(steps) + any_bsdf());
+    }
+  }
+
+  // Lights --------------------------------------------------------------------------------------------------
+
+  void add_lights() {
+    const bool sky = plan_.sky && random_.chance(0.3), point = plan_.point_lights && random_.chance(0.3);
+    int lamps = plan_.open ? 1 : random_.below(3);
+    if (!sky && !point) lamps = std::max(lamps, 1);
+    for (int k = 0; k < lamps; ++k) {
+      const double radius = random_.between(plan_.lamp_radius, plan_.lamp_radius + 0.25);
+      if (const auto place = free_place(radius)) add_lamp(*place);
+    }
+    if (sky) scene_.both(plugin("emitter", "constant", colour("radiance", 0.2, 0.8)));
+    if (point) add_point();
+  }
+
+  void add_point() {
+    const auto place = free_place(0.15);
+    if (!place) return;
+    const glm::dvec3 at = place->center * unit_;
+    const std::string where =
+        random_.chance(0.5) ? element("point", "position", vector_text(at)) : to_world(translate(at));
+    scene_.both(plugin("emitter", "point", where + rgb("intensity", random_.vector(1, 3) * unit_ * unit_)));
+  }
+
+  void add_lamp(const Ball& place) {
+    const std::string radiance = colour("radiance", 1, 5);
+    std::string sampling;
+    if (random_.chance(0.3))
+      sampling = text("sampling", random_.one_of({"auto", "area", "solid_angle", "projected"}));
+    // Mitsuba's default is black, which makes Penumbra's the same.
+    const std::string material = random_.chance(0.2) ? "" : bsdf();
+    const int kind = random_.below(plan_.quadric_lights ? 7 : 5);
+    const bool two_sided = kind < 2 && random_.chance(0.4);
+    // What shines inwards, out of sight, Mitsuba lets through at the edges.
+    const bool closed = kind == 2 || kind == 3 || kind == 6;
+    const std::string flipped = closed ? "" : flip();
+    const std::string ours =
+        flipped + material +
+        plugin("emitter", "area", radiance + sampling + (two_sided ? boolean("two_sided", true) : ""));
+    const std::string theirs = flipped + material + plugin("emitter", "area", radiance);
+    const double reach = kind == 0 ? std::sqrt(2.0) : kind == 2 ? std::sqrt(3.0) : 1;
+    const Freedom freedom = kind == 5 ? Freedom::kDisk : kind == 6 ? Freedom::kSphere : Freedom::kAny;
+    const std::string steps = placement(place, reach, freedom, !two_sided && !closed);
+    if (kind == 3) return add_lamp_mesh(tetrahedron(), steps, ours, theirs);
+    if (kind == 1 || kind == 4) {
+      const Polyhedron flat =
+          kind == 1 || plan_.open ? plate(3 + random_.below(5)) : star(3 + random_.below(3));
+      if (!two_sided) return add_lamp_mesh(flat, steps, ours, theirs);
+      const std::string name = fmt::format("mesh-{}.obj", scene_.meshes.size());
+      scene_.meshes.push_back({name, obj_text(flat, true)});
+      return add_two_sided("obj", text("filename", name), steps, ours, radiance + "", material,
+                           !flipped.empty());
+    }
+    static constexpr const char* kTypes[] = {"rectangle", "", "cube", "", "", "disk", "sphere"};
+    if (two_sided) return add_two_sided(kTypes[kind], "", steps, ours, radiance, material, !flipped.empty());
+    scene_.each(plugin("shape", kTypes[kind], to_world(steps) + ours),
+                plugin("shape", kTypes[kind], to_world(steps) + theirs));
+  }
+
+  void add_lamp_mesh(const Polyhedron& mesh, const std::string& steps, const std::string& ours,
+                     const std::string& theirs) {
+    // No vertex normals: Mitsuba takes the cosine at a light from them, so that its samples of lights and of
+    // BSDFs mean different lights.
+    const std::string name = fmt::format("mesh-{}.ply", scene_.meshes.size());
+    scene_.meshes.push_back({name, ply_text(mesh, true, random_)});
+    const std::string inside = text("filename", name) + to_world(steps) + boolean("face_normals", true);
+    scene_.each(plugin("shape", "ply", inside + ours), plugin("shape", "ply", inside + theirs));
+  }
+
+  /// Mitsuba's are two flat lights back to back, a ten-thousandth of their size apart.
+  void add_two_sided(std::string_view type, const std::string& file, const std::string& steps,
+                     const std::string& ours, const std::string& radiance, const std::string& material,
+                     bool flipped) {
+    const std::string light = material + plugin("emitter", "area", radiance);
+    const std::string apart = translate({0, 0, flipped ? 1e-4 : -1e-4});
+    scene_.each(plugin("shape", type, file + to_world(steps) + ours),
+                plugin("shape", type, file + to_world(steps) + boolean("flip_normals", flipped) + light) +
+                    plugin("shape", type,
+                           file + to_world(apart + steps) + boolean("flip_normals", !flipped) + light));
+  }
+
+  Random random_;
+  int kind_;
+  double unit_;
+  SceneText scene_;
+  Plan plan_;
+  glm::dvec3 eye_{0.0};
+  std::vector<Ball> taken_;
+};
+
+}  // namespace
+
+SceneText random_scene(std::uint32_t seed) { return Generator(seed).make(); }
+
+}  // namespace penumbra::differential
