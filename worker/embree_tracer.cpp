@@ -16,6 +16,7 @@
 namespace penumbra {
 namespace {
 
+constexpr float kBlocked = -std::numeric_limits<float>::infinity();  // as Embree marks an occluded ray
 constexpr int kPacket = 16;
 
 struct DeviceRelease {
@@ -58,31 +59,21 @@ void quadric_occluded(const RTCOccludedFunctionNArguments* arguments) {
     if (!arguments->valid[i]) continue;
     const float t =
         quadric_hit(arguments->geometryUserPtr, arguments->primID, arguments->ray, arguments->N, i);
-    if (t >= 0) RTCRayN_tfar(arguments->ray, arguments->N, i) = -std::numeric_limits<float>::infinity();
+    if (t >= 0) RTCRayN_tfar(arguments->ray, arguments->N, i) = kBlocked;
   }
 }
 
 constexpr unsigned kTriangleGeometry = 0;  // attached under these numbers
 constexpr unsigned kQuadricGeometry = 1;
 
-/// What counts as a hit of a triangle is the kernels' rule: in front of the ray's origin, and not the
-/// triangle that the ray starts on, which is the ray's id. Offsets of origins rely on it: where a plane goes
-/// through the scene's centre they are 0.
-void keep_hits_in_front(const RTCFilterFunctionNArguments* arguments) {
+/// No hits of the triangle that the ray starts on, whose number is the ray's id.
+void leave_start_out(const RTCFilterFunctionNArguments* arguments) {
   const unsigned n = arguments->N;
   for (unsigned i = 0; i < n; ++i) {
-    if (arguments->valid[i] == 0) continue;
-    const bool starts_there = RTCHitN_geomID(arguments->hit, n, i) == kTriangleGeometry &&
-                              RTCHitN_primID(arguments->hit, n, i) == RTCRayN_id(arguments->ray, n, i);
-    if (starts_there || !(RTCRayN_tfar(arguments->ray, n, i) > 0.0f)) arguments->valid[i] = 0;
+    if (arguments->valid[i] != 0 && RTCHitN_geomID(arguments->hit, n, i) == kTriangleGeometry &&
+        RTCHitN_primID(arguments->hit, n, i) == RTCRayN_id(arguments->ray, n, i))
+      arguments->valid[i] = 0;
   }
-}
-
-RTCIntersectContext make_context() {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.filter = keep_hits_in_front;
-  return context;
 }
 
 }  // namespace
@@ -107,7 +98,7 @@ struct EmbreeTracer::Impl {
       ray.dir_x[j] = f[direction * capacity + i];
       ray.dir_y[j] = f[(direction + 1) * capacity + i];
       ray.dir_z[j] = f[(direction + 2) * capacity + i];
-      ray.tnear[j] = 0;
+      ray.tnear[j] = std::numeric_limits<float>::min();
       ray.tfar[j] = f[tmax * capacity + i];
       ray.time[j] = 0;
       ray.mask[j] = ~0u;
@@ -119,6 +110,24 @@ struct EmbreeTracer::Impl {
     return any;
   }
 
+  /// Whether Embree's arithmetic may find the triangle for a ray that starts at this point of it and leads
+  /// away: if the point's height over it, times twice its area, is within some 8 roundings of the products
+  /// that make it up, each at most that of the three coordinates' largest distances.
+  [[nodiscard]] bool may_meet_again(unsigned triangle, const vec3& from) const {
+    const float* p = vertices.data() + std::size_t(triangle) * 9;
+    const vec3 v0 = sub(make_vec3(p[0], p[1], p[2]), from), v1 = sub(make_vec3(p[3], p[4], p[5]), from);
+    const vec3 v2 = sub(make_vec3(p[6], p[7], p[8]), from);
+    const float height = dot3(cross3(sub(v1, v0), sub(v2, v0)), v0);
+    const auto reach = [](float a, float b, float c) { return max_f(FABS(a), max_f(FABS(b), FABS(c))); };
+    const float products = reach(v0.x, v1.x, v2.x) * reach(v0.y, v1.y, v2.y) * reach(v0.z, v1.z, v2.z);
+    constexpr float kProducts = 3 * 8;  // three, of edges that are twice the distances
+    return !(FABS(height) > 8 * HALF_EPSILON * kProducts * products);
+  }
+
+  // A ray does not hit the triangle that it starts on: offsets of origins rely on it, and are 0 where a plane
+  // goes through the scene's centre. Embree's filters slow every ray down, so only rays whose hit may be that
+  // triangle are traced again with one.
+
   static void intersect(const void* self_, float* f, int* ints, int capacity, int count) {
     const Impl& self = *static_cast<const Impl*>(self_);
     for (int first = 0; first < count; first += kPacket) {
@@ -128,8 +137,21 @@ struct EmbreeTracer::Impl {
                             RAY_TMAX, RAY_SKIP);
       std::fill_n(rays.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
       if (any) {
-        RTCIntersectContext context = make_context();
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
         rtcIntersect16(valid, self.scene.get(), &context, &rays);
+        bool again = false;
+        for (int j = 0; j < kPacket; ++j) {
+          const bool starts_there = valid[j] != 0 && rays.hit.geomID[j] == kTriangleGeometry &&
+                                    rays.hit.primID[j] == rays.ray.id[j];
+          valid[j] = starts_there ? -1 : 0;
+          if (!starts_there) continue;
+          again = true;
+          rays.ray.tfar[j] = f[RAY_TMAX * capacity + first + j];
+          rays.hit.geomID[j] = RTC_INVALID_GEOMETRY_ID;
+        }
+        context.filter = leave_start_out;
+        if (again) rtcIntersect16(valid, self.scene.get(), &context, &rays);
       }
       for (int j = 0; j < kPacket && first + j < count; ++j) {
         const unsigned geometry = rays.hit.geomID[j];
@@ -147,11 +169,25 @@ struct EmbreeTracer::Impl {
       alignas(64) int valid[kPacket];
       if (load(rays, valid, f, ints, capacity, first, count, SHADOW_ORIGIN_X, SHADOW_DIRECTION_X, SHADOW_TMAX,
                SHADOW_SKIP)) {
-        RTCIntersectContext context = make_context();
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
         rtcOccluded16(valid, self.scene.get(), &context, &rays);
+        // What is in the way is not known: it may be that triangle, which the ray leaves, if it is close.
+        bool again = false;
+        for (int j = 0; j < kPacket; ++j) {
+          const unsigned start = rays.id[j];
+          const bool doubtful = valid[j] != 0 && rays.tfar[j] < 0 && start < unsigned(self.triangle_count) &&
+                                self.may_meet_again(start, {rays.org_x[j], rays.org_y[j], rays.org_z[j]});
+          valid[j] = doubtful ? -1 : 0;
+          if (!doubtful) continue;
+          again = true;
+          rays.tfar[j] = f[SHADOW_TMAX * capacity + first + j];
+        }
+        context.filter = leave_start_out;
+        if (again) rtcOccluded16(valid, self.scene.get(), &context, &rays);
       }
       for (int j = 0; j < kPacket && first + j < count; ++j)
-        ints[HIT * capacity + first + j] = valid[j] != 0 && rays.tfar[j] < 0 ? 0 : -1;
+        ints[HIT * capacity + first + j] = rays.tfar[j] == kBlocked ? 0 : -1;
     }
   }
 };

@@ -101,9 +101,10 @@ class Checker {
               "a light names a polygon that is not there");
     }
     if (has(FEATURE_POLYGONS)) check_polygons();
-    require(has(FEATURE_RATIO) == (h_.estimator == ESTIMATOR_RATIO), "a ratio without its feature");
     require(has(FEATURE_POLYGONS) || (h_.estimator == ESTIMATOR_SAMPLES && h_.light_choice == CHOICE_POWER),
             "closed forms without their feature bit");
+    require(has(FEATURE_RATIO) == (h_.estimator == ESTIMATOR_RATIO),
+            "the ratio estimator and its feature bit go together");
     require(h_.quadric_count == 0 || has(FEATURE_QUADRICS), "quadrics without their feature bit");
     require(has(h_.integrator == INTEGRATOR_PATH ? FEATURE_PATH : FEATURE_DIRECT),
             "an integrator without its feature bit");

@@ -226,8 +226,9 @@ TEST(SurfaceOfADisk, PositionIsWithinItsErrorAndRaysLeave) {
   }
 }
 
-TEST(ShadingNormals, AreInterpolatedOnTheViewersSide) {
+TEST(ShadingNormals, AreInterpolatedWhereTheyFaceTheViewer) {
   RandomNumbers random(7);
+  int faces[2] = {0, 0};
   for (int i = 0; i < 20'000; ++i) {
     TriangleCase c = random_case(random, 0);
     if (!hits(c)) continue;
@@ -249,9 +250,15 @@ TEST(ShadingNormals, AreInterpolatedOnTheViewersSide) {
     const long double b0 = dot(cross(p1 - p, p2 - p), truth.area) / whole;
     const long double b1 = dot(cross(p2 - p, truth.p0 - p), truth.area) / whole;
     const Exact3 expected = normalize(b0 * n[0] + b1 * n[1] + (1 - b0 - b1) * n[2]);
-    ASSERT_LE(length(exact(s.shading) - (s.front ? 1 : -1) * expected), 1e-3L);
+    const Exact3 shading = (s.front ? 1.0L : -1.0L) * expected, wo = exact(s.wo);
+    if (std::abs(dot(shading, wo)) < 1e-3L) continue;  // either will do
+    faces[dot(shading, wo) > 0 ? 1 : 0]++;
+    ASSERT_LE(length(exact(s.shading) - (dot(shading, wo) > 0 ? shading : exact(s.geometric))), 1e-3L);
+    ASSERT_GT(dot3(s.shading, s.wo), 0);
     ASSERT_NEAR(length3(s.shading), 1, 4e-7);
   }
+  EXPECT_GT(faces[0], 100) << "the geometric one takes over";
+  EXPECT_GT(faces[1], 5000);
 }
 
 TEST(ShadingNormals, ThatCancelFallBackToTheGeometricOne) {

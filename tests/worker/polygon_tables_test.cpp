@@ -186,8 +186,11 @@ TEST_F(PolygonTables, OtherNumbersAreCountedOrRendered) {
     changed.header.alpha = number;
     EXPECT_TRUE(uncounted(render(changed))) << "it is fitted";
     changed.header.estimator = ESTIMATOR_RATIO;
+    changed.header.features |= FEATURE_RATIO;
     EXPECT_TRUE(uncounted(render(changed)));
     changed.header.estimator = ESTIMATOR_ALPHA;
+    expect_refused(changed, "the ratio estimator and its feature bit");
+    changed.header.features &= ~unsigned(FEATURE_RATIO);
     EXPECT_EQ(uncounted(render(changed)), finite);
   }
   for (const int flag : {-1, 2, INT_MAX, INT_MIN}) {
