@@ -78,7 +78,7 @@ void allow_for_rounding(Estimate& ours, const Estimate& theirs, const Image& who
   for (std::size_t i = 0; i < ours.mean.values.size(); ++i) {
     double& value = ours.mean.values[i];
     const double other = theirs.mean.values[i];
-    const double largest = std::max({std::abs(value), std::abs(other), std::abs(whole.values[i % 3])});
+    const double largest = std::max({std::abs(value), std::abs(other), std::abs(whole.values[i % 3]), 1e-4});
     value += std::clamp(other - value, -relative * largest, relative * largest);
   }
 }
@@ -123,12 +123,13 @@ fs::path kept_folder(const SceneText& scene) {
 void fail_scene(const SceneText& scene, const std::string& why) {
   ADD_FAILURE() << "scene " << scene.name << ": " << why << "\n  files: " << kept_folder(scene).string()
                 << "\n  again: PENUMBRA_DIFFERENTIAL_SCENE=" << scene.name
-                << " ./differential_test --gtest_filter='Differential.*'";
+                << " ./differential_test --gtest_filter='*Differential*'";
 }
 
 }  // namespace
 
-void expect_agreement(MitsubaProcess& mitsuba, std::span<const SceneText> scenes, std::size_t all) {
+void expect_agreement(MitsubaProcess& mitsuba, std::span<const SceneText> scenes, std::size_t all,
+                      bool report) {
   const TemporaryFolder folder;
   const auto folder_of = [&](const SceneText& scene) { return folder / scene.name; };
   const double each = statistics::sidak_significance(kSignificance, all);
@@ -159,6 +160,10 @@ void expect_agreement(MitsubaProcess& mitsuba, std::span<const SceneText> scenes
   for (const SceneText& scene : scenes) {
     const auto verdict = look(scene, 1, kFirstSeed, kSuspicion);
     if (verdict && !verdict->passed) suspicious.push_back(&scene);
+    if (verdict && report) {
+      fmt::print("scene {}: at first\n{}  files: {}\n", scene.name, verdict->text,
+                 kept_folder(scene).string());
+    }
   }
   for (const SceneText* scene : suspicious) {
     mitsuba.start(job_of(folder_of(*scene), spp_of(*scene, kSecondLook), kSecondSeed));

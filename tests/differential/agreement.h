@@ -10,7 +10,9 @@
 namespace penumbra::differential {
 
 /// Renders all scenes by both and adds a failure for each that differs. `all` scenes are compared by all
-/// calls together, at a significance of 1 % for all of them.
-void expect_agreement(MitsubaProcess& mitsuba, std::span<const SceneText> scenes, std::size_t all);
+/// calls together, at a significance of 1 % for all of them. `report`: it says what was found, and keeps the
+/// files, of scenes that agree too.
+void expect_agreement(MitsubaProcess& mitsuba, std::span<const SceneText> scenes, std::size_t all,
+                      bool report);
 
 }  // namespace penumbra::differential

@@ -1,4 +1,5 @@
-// Random choices that are the same with every compiler and library: std's distributions are not.
+// Random choices that are the same with every library, as std's distributions are not. (In which order
+// operands ask for them is the compiler's business: a seed's scene is that of one compiler.)
 #pragma once
 
 #include <cstdint>

@@ -6,6 +6,7 @@
 
 #include "scenes/transform.h"
 #include "tests/differential/random.h"
+#include "tests/differential/random_settings.h"
 
 namespace penumbra::differential {
 namespace {
@@ -15,35 +16,26 @@ struct Ball {
   double radius = 0;
 };
 
-/// What a scene's integrator lets it hold.
-struct Plan {
-  std::string our_integrator, their_integrator;
-  bool point_lights = true;
-  bool sky = true;
-  bool quadric_lights = true;  ///< spheres and disks
-  bool open = false;           ///< nothing that could throw a shadow
-  double lamp_radius = 0.25;   ///< at least
-  double albedo = 0.8;         ///< at most
-  double samples = 1;
-};
-
 enum class Freedom { kAny, kDisk, kSphere };
 
 class Generator {
  public:
   explicit Generator(std::uint32_t seed)
       : random_(0x9e3779b97f4a7c15u * (seed + 1)),
-        kind_(int(seed % 12)),
-        unit_(random_.one_of({0.3, 1.0, 1.0, 40.0})) {
+        unit_(random_.one_of({0.3, 1.0, 1.0, 40.0})),
+        plan_(plan_integrator(int(seed % 12), random_)) {
     scene_.name = fmt::format("{}", seed);
     scene_.embree = seed % 7 == 3;
   }
 
   SceneText make() {
-    plan();
     scene_.samples = plan_.samples;
-    scene_.each(plan_.our_integrator, plan_.their_integrator);
-    add_sensor();
+    scene_.each(plan_.ours, plan_.mitsubas);
+    // Mitsuba sees what is behind hidden lamps as far as it goes, beyond the far clipping plane too.
+    const std::string camera = random_camera(unit_, !plan_.hides, random_);
+    const char* sampler = random_.one_of({"independent", "stratified", "halton", "sobol", "ldsampler"});
+    scene_.each(plugin("sensor", "perspective", camera + plugin("sampler", sampler, "")),
+                plugin("sensor", "perspective", camera));
     add_materials();
     add_floor();
     add_lights();
@@ -57,166 +49,6 @@ class Generator {
   }
 
  private:
-  // Integrators ---------------------------------------------------------------------------------------------
-
-  std::string hide() { return random_.chance(0.15) ? boolean("hide_emitters", true) : ""; }
-  std::string emitter_sampling() {
-    return random_.chance(0.3)
-               ? ""
-               : text("emitter_sampling", random_.one_of({"auto", "area", "solid_angle", "projected"}));
-  }
-  std::string heuristic() {
-    return random_.chance(0.5) ? "" : text("mis", random_.one_of({"balance", "power"}));
-  }
-  /// By the unshadowed contribution only where lights alone are sampled.
-  std::string light_choice(bool lights_alone) {
-    if (random_.chance(0.5)) return "";
-    return text("light_choice", lights_alone ? random_.one_of({"auto", "power", "analytic"})
-                                             : random_.one_of({"auto", "power"}));
-  }
-
-  /// Length and roulette of paths, the same for both.
-  std::string depth() {
-    if (random_.chance(0.15)) {
-      plan_.albedo = 0.5;
-      return integer("max_depth", -1) + integer("rr_depth", 3 + random_.below(3));
-    }
-    return integer("max_depth", 1 + (random_.chance(0.95) ? 1 + random_.below(3) : 0)) + hide();
-  }
-
-  void path(std::string_view type, const std::string& settings) {
-    const std::string depths = depth();
-    plan_.our_integrator = plugin("integrator", type, depths + settings);
-    plan_.their_integrator = plugin("integrator", "path", depths);
-  }
-
-  void direct() {
-    const int emitter_samples = random_.below(4),
-              bsdf_samples = emitter_samples == 0 ? 1 + random_.below(3) : random_.below(3);
-    const std::string hidden = hide();
-    std::string numbers = integer("emitter_samples", emitter_samples) + integer("bsdf_samples", bsdf_samples);
-    if (bsdf_samples > 0 && emitter_samples > 0 && random_.chance(0.3))
-      numbers = integer("shading_samples", 1 + random_.below(3));
-    std::string ours = numbers + hidden + emitter_sampling() + heuristic() + light_choice(bsdf_samples == 0);
-    if (random_.chance(0.6)) ours += text("bsdf_sampling", random_.one_of({"bsdf", "cosine", "uniform"}));
-    plan_.our_integrator = plugin("integrator", "direct", ours);
-    // Mitsuba counts a point light once for each sample, however many there are.
-    const std::string theirs = integer("emitter_samples", std::min(emitter_samples, 1)) +
-                               integer("bsdf_samples", std::min(bsdf_samples, 1));
-    plan_.their_integrator = plugin("integrator", "direct", theirs + hidden);
-    if (emitter_samples == 0) plan_.lamp_radius = 0.4, plan_.samples = 2;
-  }
-
-  /// Direct light of polygon lights.
-  void polygons(std::string_view type, const std::string& settings) {
-    const std::string hidden = hide();
-    plan_.our_integrator = plugin("integrator", type, settings + hidden);
-    plan_.their_integrator = plugin("integrator", "direct", hidden);
-    plan_.point_lights = plan_.sky = plan_.quadric_lights = false;
-  }
-
-  void plan() {
-    const std::string samples = integer("emitter_samples", 1 + random_.below(4));
-    switch (kind_) {
-      case 0:
-      case 1:
-      case 2:
-        return path("path", emitter_sampling() + heuristic() + light_choice(false));
-      case 3:
-        if (random_.chance(0.5)) return path("path_mis", emitter_sampling());
-        return path("path", text("direct_sampling", "ems") + emitter_sampling());
-      case 4:
-        // Point lights are found by samples of emitters alone, which Mitsuba's path always takes.
-        plan_.point_lights = false;
-        plan_.lamp_radius = 0.4;
-        plan_.samples = 4;
-        if (random_.chance(0.5)) return path("path_mats", "");
-        return path("path", text("direct_sampling", "mats"));
-      case 5:
-        return path("path_ems", emitter_sampling() + light_choice(true));
-      case 6: {
-        // The ratio estimator is biased for few samples.
-        const std::string alpha =
-            random_.chance(0.5) ? text("alpha", "auto") : real("alpha", random_.one_of({0.0, 0.5, 1.0}));
-        return path("path", text("nee", "cv") + alpha + emitter_sampling() + light_choice(false));
-      }
-      case 9:
-        return polygons("polygon_area", samples + emitter_sampling() + light_choice(true));
-      case 10: {
-        const std::string alpha =
-            random_.chance(0.5) ? text("alpha", "auto") : real("alpha", random_.one_of({0.0, 0.5, 1.0}));
-        return polygons("polygon_cv", integer("vis_samples", 1 + random_.below(3)) + alpha +
-                                          emitter_sampling() + light_choice(true));
-      }
-      case 11:
-        // Without shadows: Mitsuba can only say what a scene is like where there are none.
-        plan_.open = true;
-        if (random_.chance(0.5)) return polygons("polygon_analytic", "");
-        return polygons("polygon_area", boolean("trace_shadows", false) + samples + emitter_sampling());
-      default:
-        return direct();
-    }
-  }
-
-  // Sensor --------------------------------------------------------------------------------------------------
-
-  std::string film() {
-    // Mitsuba draws each sample into all pixels that its filter reaches; where it also takes samples beyond
-    // the border, each pixel's expectation is that of samples drawn from the filter, but for the error of a
-    // quotient of two sums over some hundred samples, which has opposite signs on both sides of an edge.
-    std::string result = boolean("sample_border", true);
-    const int width = 6 * (3 + random_.below(3)), height = 6 * (3 + random_.below(3));
-    if (random_.chance(0.25)) {
-      const int left = random_.below(9), top = random_.below(9);
-      result += integer("width", width + left + random_.below(9)) +
-                integer("height", height + top + random_.below(9)) + integer("crop_offset_x", left) +
-                integer("crop_offset_y", top) + integer("crop_width", width) + integer("crop_height", height);
-    } else {
-      result += integer("width", width) + integer("height", height);
-    }
-    const char* filter = random_.one_of({"box", "box", "box", "tent", "gaussian", "mitchell", "gaussian"});
-    std::string settings;
-    if (filter == std::string_view("tent") && random_.chance(0.5))
-      settings = real("radius", random_.between(0.7, 1.6));
-    if (filter == std::string_view("gaussian") && random_.chance(0.5))
-      settings = real("stddev", random_.between(0.3, 0.7));
-    if (filter == std::string_view("mitchell") && random_.chance(0.5))
-      settings = "<float name=\"B\" value=\"0.5\"/>\n<float name=\"C\" value=\"0.25\"/>\n";
-    if (random_.chance(0.9)) result += plugin("rfilter", filter, settings);
-    return plugin("film", "hdrfilm", result);
-  }
-
-  void add_sensor() {
-    std::string sensor;
-    if (random_.chance(0.15)) {
-      sensor += text("focal_length", random_.one_of({"35mm", "50mm", "60"}));
-    } else {
-      sensor += real("fov", random_.between(30, 50));
-      if (random_.chance(0.7))
-        sensor += text("fov_axis", random_.one_of({"x", "y", "diagonal", "smaller", "larger"}));
-    }
-    eye_ = {random_.between(-2, 2), random_.between(-0.5, 2.5), random_.between(4, 5)};
-    const glm::dvec3 target = random_.vector(-0.2, 0.2);
-    if (random_.chance(0.2)) {
-      // A mirror image.
-      sensor +=
-          to_world(fmt::format("<scale x=\"-1\"/>\n<lookat origin=\"{}\" target=\"{}\" up=\"0.1, 1, 0\"/>\n",
-                               vector_text(eye_ * unit_), vector_text(target * unit_)));
-    } else {
-      sensor += look_at(eye_ * unit_, target * unit_);
-    }
-    const double distance = glm::length(eye_);
-    sensor += real("near_clip", unit_ * (random_.chance(0.1) ? distance - 0.3 : 0.01));
-    sensor += real("far_clip", unit_ * (random_.chance(0.1) ? distance + 0.3 : 1000.0));
-    sensor += film();
-    scene_.each(
-        plugin("sensor", "perspective",
-               sensor + plugin("sampler",
-                               random_.one_of({"independent", "stratified", "halton", "sobol", "ldsampler"}),
-                               "")),
-        plugin("sensor", "perspective", sensor));
-  }
-
   // Materials -----------------------------------------------------------------------------------------------
 
   std::string colour(std::string_view name, double low, double high) {
@@ -228,9 +60,9 @@ class Generator {
     return rgb(name, random_.vector(low, high));
   }
 
-  std::string one_sided(bool smooth) {
+  std::string one_sided() {
     // The lobes are wide, so that no light path is rare.
-    if (!smooth && random_.chance(0.3)) {
+    if (random_.chance(0.3)) {
       const double half = 0.5 * plan_.albedo;
       std::string phong =
           colour("diffuse_reflectance", 0.05, half) + colour("specular_reflectance", 0.05, half);
@@ -244,11 +76,11 @@ class Generator {
   std::string bsdf() {
     switch (random_.below(4)) {
       case 0:
-        return one_sided(false);
+        return one_sided();
       case 1:
-        return plugin("bsdf", "twosided", one_sided(false) + one_sided(false));
+        return plugin("bsdf", "twosided", one_sided() + one_sided());
       default:
-        return plugin("bsdf", "twosided", one_sided(false));
+        return plugin("bsdf", "twosided", one_sided());
     }
   }
 
@@ -361,7 +193,8 @@ class Generator {
     if (kind == 3) return add_sphere(place, flip() + any_bsdf());
     std::string inside = to_world(placement(place, 1, Freedom::kAny, true)) + flip();
     if (random_.chance(0.2)) inside += boolean("flip_tex_coords", random_.chance(0.5));
-    const bool face_normals = random_.chance(0.4), concave = kind >= 6 && random_.chance(0.5);
+    // How normals change over a concave face is a question of its triangles.
+    const bool concave = kind >= 6 && random_.chance(0.5), face_normals = concave || random_.chance(0.4);
     add_mesh(kind == 4   ? ball(6, 10, random_.one_of({1.0, 0.6}))
              : kind == 5 ? ring(8, 12)
              : concave   ? concave_mesh()
@@ -398,7 +231,7 @@ class Generator {
         fmt::format("<scale value=\"{}\"/>\n<rotate x=\"1\" angle=\"-90\"/>\n", number_text(2.5 * unit_)) +
         translate(glm::dvec3(0, -1, 0) * unit_);
     const char* type = random_.one_of({"rectangle", "rectangle", "disk"});
-    const std::string material = plugin("bsdf", "twosided", one_sided(false));
+    const std::string material = plugin("bsdf", "twosided", one_sided());
     if (random_.chance(0.2)) {
       add_mesh(plate(4 + random_.below(4)), false, to_world(steps), material, true);
     } else {
@@ -439,10 +272,12 @@ class Generator {
     std::string sampling;
     if (random_.chance(0.3))
       sampling = text("sampling", random_.one_of({"auto", "area", "solid_angle", "projected"}));
-    // Mitsuba's default is black, which makes Penumbra's the same.
-    const std::string material = random_.chance(0.2) ? "" : bsdf();
     const int kind = random_.below(plan_.quadric_lights ? 7 : 5);
+    // Both of the two that stand for a two-sided one in Mitsuba must reflect as it does.
     const bool two_sided = kind < 2 && random_.chance(0.4);
+    const std::string material = random_.chance(0.2) ? ""
+                                 : two_sided         ? plugin("bsdf", "twosided", one_sided())
+                                                     : bsdf();
     // What shines inwards, out of sight, Mitsuba lets through at the edges.
     const bool closed = kind == 2 || kind == 3 || kind == 6;
     const std::string flipped = closed ? "" : flip();
@@ -460,8 +295,8 @@ class Generator {
       if (!two_sided) return add_lamp_mesh(flat, steps, ours, theirs);
       const std::string name = fmt::format("mesh-{}.obj", scene_.meshes.size());
       scene_.meshes.push_back({name, obj_text(flat, true)});
-      return add_two_sided("obj", text("filename", name), steps, ours, radiance + "", material,
-                           !flipped.empty());
+      return add_two_sided("obj", text("filename", name) + boolean("face_normals", true), steps, ours,
+                           radiance, material, !flipped.empty());
     }
     static constexpr const char* kTypes[] = {"rectangle", "", "cube", "", "", "disk", "sphere"};
     if (two_sided) return add_two_sided(kTypes[kind], "", steps, ours, radiance, material, !flipped.empty());
@@ -492,11 +327,9 @@ class Generator {
   }
 
   Random random_;
-  int kind_;
-  double unit_;
+  double unit_;  ///< of length
+  IntegratorPlan plan_;
   SceneText scene_;
-  Plan plan_;
-  glm::dvec3 eye_{0.0};
   std::vector<Ball> taken_;
 };
 
