@@ -30,9 +30,9 @@ class ChildProcesses {
   ChildProcesses& operator=(const ChildProcesses&) = delete;
   ~ChildProcesses() { stop_all(); }
 
-  /// Starts one more, with these NAME=value in its environment. Fails if the program cannot be executed; where that
-  /// takes longer than a moment (a child that is stopped before, a file system that does not answer) `reap` says so
-  /// later.
+  /// Starts one more, with these NAME=value in its environment. Fails if the program cannot be executed;
+  /// where that takes longer than a moment (a child that is stopped before, a file system that does not
+  /// answer) `reap` says so later.
   Expected<pid_t> start(std::vector<std::string> environment = {});
   /// The children that ended since the last call.
   std::vector<ChildExit> reap();

@@ -90,8 +90,8 @@ void RenderRun::tell_how_to_watch() {
   const Tokens& tokens = server_->tokens();
   const auto line = [&](const char* what_for, const std::string& token, const char* program) {
     return fmt::format("{}: {}{} --connect {}", what_for,
-                       token.empty() ? "" : fmt::format("{}={} ", kTokenVariable, shell_quoted(token)), program,
-                       shell_quoted(server_->more_address()));
+                       token.empty() ? "" : fmt::format("{}={} ", kTokenVariable, shell_quoted(token)),
+                       program, shell_quoted(server_->more_address()));
   };
   notices_.push_back(line("to watch", tokens.watch, "penumbra-view"));
   if (!tokens.work.empty()) notices_.push_back(line("to help render", tokens.work, "penumbra-worker"));

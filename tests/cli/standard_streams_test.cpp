@@ -13,8 +13,8 @@ namespace penumbra {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
 class StandardStreams : public ::testing::Test {
@@ -90,12 +90,11 @@ TEST_F(StandardStreams, NamesDoNotReachTheTerminalAsCommands) {
 }
 
 TEST_F(StandardStreams, WhatGrpcHasToSayIsKeptUnlessItIsWanted) {
-  const std::string command = "penumbra render s.xml --listen unix:/missing/folder/socket";
-  const ProgramResult usual = shell(command);
-  EXPECT_EQ(usual.exit_code, 1);
-  EXPECT_THAT(usual.err, StartsWith("penumbra: error: cannot listen on "));
-  EXPECT_THAT(usual.err, EndsWith("GRPC_VERBOSITY=error says why\n"));
-  EXPECT_THAT(shell("GRPC_VERBOSITY=error " + command).err, StartsWith("gRPC: "));
+  const std::string command = "penumbra render s.xml --quiet";
+  EXPECT_THAT(shell(command).err, IsEmpty());
+  const ProgramResult wanted = shell("GRPC_VERBOSITY=debug " + command);
+  EXPECT_EQ(wanted.exit_code, 0);
+  EXPECT_THAT(wanted.err, StartsWith("gRPC: "));
 }
 
 }  // namespace

@@ -141,9 +141,13 @@ TEST_F(PictureFilesTest, OtherExtensionsAreRefusedWithTheRightOnes) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
 }
 
-TEST_F(PictureFilesTest, DamagedPicturesAndMissingFoldersAreErrors) {
+TEST_F(PictureFilesTest, MissingFoldersAreMade) {
+  EXPECT_TRUE(save_picture(folder_ / "missing" / "a.exr", captured({}, {})).has_value());
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "missing" / "a.exr"));
+}
+
+TEST_F(PictureFilesTest, DamagedPicturesAreErrors) {
   Picture picture = captured({}, {});
-  EXPECT_FALSE(save_picture(folder_ / "missing" / "a.exr", picture).has_value());
   picture.difference.pop_back();
   picture.display.pop_back();
   EXPECT_FALSE(save_picture(folder_ / "a.exr", picture).has_value());
