@@ -10,7 +10,7 @@
 #include "gl/analytic_shaders.h"
 #include "kernels/features.h"
 #define FEATURES FEATURE_ALL
-#include "kernels/filter.h"
+#include "kernels/sampler/filter.h"
 
 namespace penumbra {
 namespace {

@@ -1,7 +1,8 @@
 # The shaders of the analytic pass, from the same source as the kernels: preprocessed to one text each at build time,
 # which ends up in the binary.
 set(shader_texts ${CMAKE_CURRENT_BINARY_DIR}/analytic_shaders)
-file(GLOB shader_parts CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/kernels/*.h ${CMAKE_CURRENT_SOURCE_DIR}/shaders/analytic*)
+list(TRANSFORM PENUMBRA_KERNEL_PATTERNS PREPEND ${CMAKE_SOURCE_DIR}/ OUTPUT_VARIABLE shader_globs)
+file(GLOB shader_parts CONFIGURE_DEPENDS ${shader_globs} ${CMAKE_CURRENT_SOURCE_DIR}/shaders/analytic*)
 set(PENUMBRA_ANALYTIC_SHADERS ${CMAKE_CURRENT_BINARY_DIR}/analytic_shaders.cpp)
 set(shader_outputs)
 # analytic_shader(NAME SOURCE [DEFINITION...])

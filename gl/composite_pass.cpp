@@ -10,7 +10,7 @@
 
 #include "gl/composite_shaders.h"
 #include "gl/error_scale.h"
-#include "scheduler/metrics/color_map.h"
+#include "scheduler/image/metrics/color_map.h"
 
 namespace penumbra {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "kernels/host/error.h"
-#include "scheduler/child_processes.h"
-#include "scheduler/private_socket.h"
+#include "scheduler/farm/child_processes.h"
+#include "scheduler/farm/private_socket.h"
 
 namespace penumbra {
 

@@ -17,8 +17,8 @@
 #include "scheduler/cli/exit_code.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/stop_signal.h"
-#include "scheduler/outputs/output_check.h"
-#include "scheduler/outputs/version.h"
+#include "scheduler/files/output_check.h"
+#include "scheduler/record/version.h"
 #include "scheduler/protocol/grpc_log.h"
 #include "scheduler/protocol/message_memory.h"
 

@@ -11,8 +11,8 @@
 #include "gl/error_scale.h"
 #include "gl/overlay_text.h"
 #include "gl/overlay_widgets.h"
-#include "scheduler/metrics/color_map.h"
-#include "scheduler/outputs/tone_map.h"
+#include "scheduler/image/metrics/color_map.h"
+#include "scheduler/image/tone_map.h"
 
 namespace penumbra {
 namespace {

@@ -6,8 +6,8 @@
 #include <cctype>
 #include <span>
 
-#include "scheduler/outputs/atomic_file.h"
-#include "scheduler/outputs/image_files.h"
+#include "scheduler/files/atomic_file.h"
+#include "scheduler/image/image_files.h"
 
 namespace penumbra {
 namespace {

@@ -10,7 +10,7 @@
 #include "gl/composite_pass.h"
 #include "gl/view_model.h"
 #include "kernels/host/error.h"
-#include "scheduler/outputs/image.h"
+#include "scheduler/image/image.h"
 
 namespace penumbra {
 

@@ -4,7 +4,7 @@
 
 #include <string_view>
 
-#include "scheduler/access.h"
+#include "scheduler/farm/access.h"
 #include "scheduler/cli/option_checks.h"
 
 namespace penumbra {

@@ -5,7 +5,7 @@
 // FEATURES is the name of one of these sets: they come first.
 #include "kernels/native_variants.h"
 
-#include "kernels/block.h"
+#include "kernels/block/block.h"
 
 namespace penumbra {
 

@@ -1,5 +1,5 @@
 // The OpenCL entry points. FEATURES and LANES come from the build.
-#include "kernels/block.h"
+#include "kernels/block/block.h"
 
 FN Unit make_unit(int x, int y, int width, int height, uint first_sample, int sample_count) {
   Unit unit;

@@ -4,7 +4,7 @@
 #ifndef PENUMBRA_SCENE_TYPES_H
 #define PENUMBRA_SCENE_TYPES_H
 #include "kernels/features.h"
-#include "kernels/vec3.h"
+#include "kernels/math/vec3.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 

@@ -1,7 +1,7 @@
 // The part of an image that one work unit renders, and the memory that a block of it needs.
 #ifndef PENUMBRA_UNIT_H
 #define PENUMBRA_UNIT_H
-#include "kernels/path_state.h"
+#include "kernels/block/path_state.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 

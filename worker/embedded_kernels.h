@@ -7,7 +7,7 @@
 namespace penumbra {
 
 struct EmbeddedFile {
-  std::string_view name;  ///< as in an #include: "kernels/block.h"
+  std::string_view name;  ///< as in an #include: "kernels/block/block.h"
   std::string_view text;
 };
 

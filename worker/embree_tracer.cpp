@@ -11,7 +11,7 @@
 #define FEATURES FEATURE_ALL
 #include "kernels/host/bounds.h"
 #include "kernels/host/device_scene_check.h"
-#include "kernels/quadric.h"
+#include "kernels/intersect/quadric.h"
 
 namespace penumbra {
 namespace {

@@ -1,4 +1,4 @@
-// The camera of kernels/camera.h. Positions are relative to it: differences of positions that are close to each
+// The camera of kernels/camera/camera.h. Positions are relative to it: differences of positions that are close to each
 // other but far from the scene's centre are exact. Lengths are in the tables' unit. Directions are not
 // normalised: their component along the viewing direction is 1, so the point z d is at depth z.
 uniform vec3 camera_origin;  // relative to the scene's centre

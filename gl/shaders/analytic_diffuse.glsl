@@ -1,5 +1,5 @@
 // What a diffuse surface reflects of polygon lights.
-#include "kernels/polygon_edge.h"
+#include "kernels/polygon/polygon_edge.h"
 
 uniform samplerBuffer polygon_corners;  // p, starts
 

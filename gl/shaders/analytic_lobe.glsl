@@ -1,5 +1,5 @@
-// One Phong lobe at a time, by the formulas and rules of kernels/polygon_lobe.h.
-#include "kernels/polygon_lobe.h"
+// One Phong lobe at a time, by the formulas and rules of kernels/polygon/polygon_lobe.h.
+#include "kernels/polygon/polygon_lobe.h"
 
 CONSTANT float lobe_nodes[24] = float[24](LOBE_NODES_8, LOBE_NODES_16, LOBE_NODES_24);
 CONSTANT float lobe_weights[24] = float[24](LOBE_WEIGHTS_8, LOBE_WEIGHTS_16, LOBE_WEIGHTS_24);
@@ -64,7 +64,7 @@ Arc edge_arc(VisibleEdge e, float angle) {
   return arc;
 }
 
-// Where outlines cross the horizon: see Horizon of kernels/polygon_light.h.
+// Where outlines cross the horizon: see Horizon of kernels/polygon/polygon_light.h.
 struct Crossings {
   vec3 a, b;
   float open;  // not 0: a waits for b

@@ -1,5 +1,5 @@
 // What a diffuse or glossy surface reflects of polygon lights.
-#include "kernels/polygon_edge.h"
+#include "kernels/polygon/polygon_edge.h"
 #include "gl/shaders/analytic_lobe.glsl"
 
 uniform samplerBuffer polygon_corners;  // p, starts

@@ -1,4 +1,4 @@
-// Where a ray meets a primitive, as kernels/surface.h says.
+// Where a ray meets a primitive, as kernels/intersect/surface.h says.
 struct Surface {
   bool valid, front;
   vec3 p;        // relative to the camera

@@ -39,7 +39,7 @@ Quadric quadric_at(int index) {
   return q;
 }
 
-// As intersect_sphere and intersect_disk of kernels/quadric.h; negative: no hit.
+// As intersect_sphere and intersect_disk of kernels/intersect/quadric.h; negative: no hit.
 float intersect_quadric(Quadric q, vec3 o, vec3 d) {
   vec3 f = o - q.center;
   if (q.kind == QUADRIC_DISK) {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "kernels/bvh_limits.h"
+#include "kernels/intersect/bvh_limits.h"
 
 namespace penumbra {
 namespace {

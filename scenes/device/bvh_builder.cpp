@@ -5,7 +5,7 @@
 #include <deque>
 #include <memory>
 
-#include "kernels/bvh_limits.h"
+#include "kernels/intersect/bvh_limits.h"
 #include "kernels/host/bounds.h"
 #include "scenes/device/triangle_split.h"
 

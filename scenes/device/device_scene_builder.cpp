@@ -9,7 +9,7 @@
 #include <map>
 #include <numbers>
 
-#include "kernels/bvh_limits.h"
+#include "kernels/intersect/bvh_limits.h"
 #include "scenes/device/bvh_builder.h"
 #include "scenes/device/filter_table.h"
 #include "scenes/device/integrator_builder.h"

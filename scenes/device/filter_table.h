@@ -1,4 +1,4 @@
-// Inverse-distribution tables of reconstruction filters, see kernels/filter.h.
+// Inverse-distribution tables of reconstruction filters, see kernels/sampler/filter.h.
 #pragma once
 
 #include <vector>

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "kernels/vec3.h"
+#include "kernels/math/vec3.h"
 
 namespace penumbra {
 

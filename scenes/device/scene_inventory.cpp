@@ -6,7 +6,7 @@
 #include "kernels/features.h"
 #include "kernels/host/device_scene_check.h"
 #include "kernels/host/sample_buffer.h"
-#include "kernels/path_state.h"
+#include "kernels/block/path_state.h"
 #include "scenes/device/bvh_builder.h"
 #include "scenes/device/device_scene_builder.h"
 

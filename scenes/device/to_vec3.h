@@ -3,7 +3,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "kernels/vec3.h"
+#include "kernels/math/vec3.h"
 
 namespace penumbra {
 

@@ -12,11 +12,11 @@
 
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/option_checks.h"
-#include "scheduler/outputs/atomic_file.h"
-#include "scheduler/outputs/compare.h"
-#include "scheduler/outputs/compare_limits.h"
-#include "scheduler/outputs/image_files.h"
-#include "scheduler/outputs/output_check.h"
+#include "scheduler/files/atomic_file.h"
+#include "scheduler/image/compare.h"
+#include "scheduler/image/compare_limits.h"
+#include "scheduler/image/image_files.h"
+#include "scheduler/files/output_check.h"
 
 namespace penumbra {
 namespace {

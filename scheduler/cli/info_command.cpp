@@ -7,8 +7,8 @@
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/loaded_scene.h"
 #include "scheduler/cli/scene_costs.h"
-#include "scheduler/outputs/inventory.h"
-#include "scheduler/outputs/report.h"
+#include "scheduler/record/inventory.h"
+#include "scheduler/record/render_statistics.h"
 
 namespace penumbra {
 namespace {

@@ -7,7 +7,7 @@
 #include "scenes/diagnostic.h"
 #include "scheduler/cli/command_line.h"
 #include "scheduler/cli/commands.h"
-#include "scheduler/outputs/version.h"
+#include "scheduler/record/version.h"
 #include "scheduler/protocol/grpc_log.h"
 #include "scheduler/protocol/message_memory.h"
 

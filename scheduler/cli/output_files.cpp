@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "scheduler/outputs/atomic_file.h"
+#include "scheduler/files/atomic_file.h"
 
 namespace penumbra {
 namespace {

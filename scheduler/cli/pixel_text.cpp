@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "kernels/host/words.h"
-#include "scheduler/outputs/film_image.h"
+#include "scheduler/record/film_image.h"
 
 namespace penumbra {
 namespace {

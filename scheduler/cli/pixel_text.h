@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "scheduler/film_accumulator.h"
+#include "scheduler/plan/film_accumulator.h"
 
 namespace penumbra {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "scheduler/render_job.h"
+#include "scheduler/farm/render_job.h"
 
 namespace penumbra {
 

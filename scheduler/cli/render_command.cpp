@@ -15,11 +15,11 @@
 #include "scheduler/cli/render_preparation.h"
 #include "scheduler/cli/scene_costs.h"
 #include "scheduler/cli/stop_signal.h"
-#include "scheduler/outputs/film_image.h"
-#include "scheduler/outputs/image_files.h"
-#include "scheduler/outputs/non_finite_text.h"
-#include "scheduler/outputs/output_batch.h"
-#include "scheduler/outputs/report.h"
+#include "scheduler/record/film_image.h"
+#include "scheduler/image/image_files.h"
+#include "scheduler/record/non_finite_text.h"
+#include "scheduler/files/output_batch.h"
+#include "scheduler/record/render_statistics.h"
 
 namespace penumbra {
 namespace {

@@ -8,7 +8,7 @@
 #include "scenes/scene_reader.h"
 #include "scenes/settings.h"
 #include "scheduler/cli/option_checks.h"
-#include "scheduler/work_unit.h"
+#include "scheduler/plan/work_unit.h"
 #include "worker/device.h"
 
 namespace penumbra {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "kernels/host/words.h"
-#include "scheduler/metrics/error_map.h"
+#include "scheduler/image/metrics/error_map.h"
 #include "scheduler/report/crops.h"
 #include "scheduler/report/curve_builder.h"
 

@@ -9,8 +9,8 @@
 #include "kernels/host/console.h"
 #include "scheduler/cli/progress.h"
 #include "scheduler/cli/render_preparation.h"
-#include "scheduler/outputs/film_image.h"
-#include "scheduler/outputs/report.h"
+#include "scheduler/record/film_image.h"
+#include "scheduler/record/render_statistics.h"
 #include "scheduler/report/curve_builder.h"
 
 namespace penumbra {

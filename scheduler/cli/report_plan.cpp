@@ -7,7 +7,7 @@
 #include <algorithm>
 
 #include "scheduler/cli/render_preparation.h"
-#include "scheduler/outputs/version.h"
+#include "scheduler/record/version.h"
 #include "scheduler/report/reference_choice.h"
 
 namespace penumbra {

@@ -10,7 +10,7 @@
 
 #include "kernels/host/native_code_size.h"
 #include "scheduler/cli/program_path.h"
-#include "scheduler/outputs/run_program.h"
+#include "scheduler/files/run_program.h"
 #include "worker/measure_compile.h"
 #include "worker/native_device.h"
 

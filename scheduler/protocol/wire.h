@@ -10,7 +10,7 @@
 #include "kernels/host/sample_buffer.h"
 #include "kernels/host/view.h"
 #include "penumbra.grpc.pb.h"
-#include "scheduler/work_unit.h"
+#include "scheduler/plan/work_unit.h"
 #include "worker/device.h"
 
 namespace penumbra {

@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "kernels/host/plain_file.h"
-#include "scheduler/outputs/atomic_file.h"
-#include "scheduler/outputs/image_files.h"
-#include "scheduler/outputs/render_record.h"
+#include "scheduler/files/atomic_file.h"
+#include "scheduler/image/image_files.h"
+#include "scheduler/record/render_record.h"
 
 namespace penumbra {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "kernels/host/error.h"
-#include "scheduler/outputs/image.h"
+#include "scheduler/image/image.h"
 #include "scheduler/report/report_data.h"
 
 namespace penumbra {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "kernels/host/error.h"
-#include "scheduler/outputs/image.h"
+#include "scheduler/image/image.h"
 
 namespace penumbra {
 

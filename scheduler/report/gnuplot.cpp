@@ -8,9 +8,9 @@
 #include <sstream>
 
 #include "kernels/host/plain_file.h"
-#include "scheduler/outputs/atomic_file.h"
-#include "scheduler/outputs/run_program.h"
-#include "scheduler/quoting.h"
+#include "scheduler/files/atomic_file.h"
+#include "scheduler/files/run_program.h"
+#include "scheduler/files/quoting.h"
 
 namespace penumbra {
 namespace {

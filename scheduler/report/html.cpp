@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "kernels/host/words.h"
-#include "scheduler/quoting.h"
+#include "scheduler/files/quoting.h"
 #include "scheduler/report/html_text.h"
 
 namespace penumbra {

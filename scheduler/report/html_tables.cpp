@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-#include "scheduler/quoting.h"
+#include "scheduler/files/quoting.h"
 #include "scheduler/report/curve_builder.h"
 #include "scheduler/report/html.h"
 #include "scheduler/report/html_text.h"

@@ -6,7 +6,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "scheduler/outputs/image.h"
+#include "scheduler/image/image.h"
 
 namespace penumbra {
 namespace {

@@ -9,7 +9,7 @@
 #include <map>
 #include <set>
 
-#include "scheduler/quoting.h"
+#include "scheduler/files/quoting.h"
 #include "scheduler/report/curve_builder.h"
 #include "scheduler/report/gnuplot.h"
 #include "scheduler/report/sampler_orders.h"

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "scheduler/metrics/compensated_sum.h"
+#include "scheduler/image/metrics/compensated_sum.h"
 
 namespace penumbra {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "scheduler/quoting.h"
+#include "scheduler/files/quoting.h"
 #include "scheduler/report/report_json.h"
 
 namespace penumbra {

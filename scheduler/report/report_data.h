@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "scheduler/metrics/error_metrics.h"
+#include "scheduler/image/metrics/error_metrics.h"
 #include "scheduler/report/method.h"
 #include "scheduler/report/seed_statistics.h"
 #include "scheduler/report/slope_fit.h"

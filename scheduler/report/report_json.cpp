@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "scheduler/outputs/json_number.h"
+#include "scheduler/files/json_number.h"
 
 namespace penumbra {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "scheduler/metrics/compensated_sum.h"
+#include "scheduler/image/metrics/compensated_sum.h"
 
 namespace penumbra {
 

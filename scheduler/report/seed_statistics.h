@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "scheduler/metrics/image_pair.h"
+#include "scheduler/image/metrics/image_pair.h"
 
 namespace penumbra {
 

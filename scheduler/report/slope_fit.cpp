@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "scheduler/metrics/distributions.h"
+#include "scheduler/image/metrics/distributions.h"
 
 namespace penumbra {
 

@@ -5,8 +5,8 @@
 #include <set>
 
 #include "kernels/host/device_scene.h"
-#include "scheduler/merge.h"
-#include "scheduler/tile_grid.h"
+#include "scheduler/plan/merge.h"
+#include "scheduler/plan/tile_grid.h"
 #include "scheduler/watch/watch_board.h"
 
 namespace penumbra {

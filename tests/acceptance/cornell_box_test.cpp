@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "scheduler/outputs/image.h"
+#include "scheduler/image/image.h"
 #include "tests/support/oracles.h"
 #include "tests/support/render_scene.h"
 

@@ -9,9 +9,9 @@
 #include "kernels/host/device_scene_check.h"
 #include "kernels/host/native_kernels.h"
 #define FEATURES FEATURE_ALL
-#include "kernels/quadric.h"
-#include "kernels/triangle.h"
-#include "stress/truth/quad.h"
+#include "kernels/intersect/quadric.h"
+#include "kernels/intersect/triangle.h"
+#include "scheduler/stress/truth/quad.h"
 #include "tests/support/native_blocks.h"
 #include "worker/embree_tracer.h"
 

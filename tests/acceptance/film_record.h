@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "scheduler/film_accumulator.h"
+#include "scheduler/plan/film_accumulator.h"
 
 namespace penumbra {
 

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "scheduler/outputs/image.h"
+#include "scheduler/image/image.h"
 #include "tests/acceptance/shadowed_polygon.h"
 #include "tests/support/statistics.h"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "scenes/scene_description.h"
-#include "scheduler/film_accumulator.h"
+#include "scheduler/plan/film_accumulator.h"
 #include "tests/support/image_test.h"
 
 namespace penumbra {

@@ -1,7 +1,7 @@
 // The portable intersector's stages for one instruction set and one kind of scene: see portable_stages.h.
 #include "kernels/native_variants.h"
 
-#include "kernels/block_trace.h"
+#include "kernels/block/block_trace.h"
 
 namespace penumbra {
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <optional>
 
-#include "tests/outputs/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra::differential {

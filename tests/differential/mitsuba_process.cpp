@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
-#include "scheduler/outputs/image.h"
+#include "scheduler/image/image.h"
 
 namespace penumbra::differential {
 

@@ -1,6 +1,6 @@
 #include "tests/differential/scene_text.h"
 
-#include "tests/outputs/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace penumbra::differential {
 

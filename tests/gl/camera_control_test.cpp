@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-#include "kernels/camera.h"
+#include "kernels/camera/camera.h"
 
 namespace penumbra {
 namespace {

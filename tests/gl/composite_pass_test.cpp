@@ -9,8 +9,8 @@
 #include <limits>
 
 #include "gl/worker_colors.h"
-#include "scheduler/metrics/color_map.h"
-#include "scheduler/outputs/tone_map.h"
+#include "scheduler/image/metrics/color_map.h"
+#include "scheduler/image/tone_map.h"
 #include "tests/gl/hidden_window.h"
 #include "tests/gl/random_film.h"
 

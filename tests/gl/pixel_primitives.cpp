@@ -4,9 +4,9 @@
 
 #include "kernels/features.h"
 #define FEATURES FEATURE_ALL
-#include "kernels/camera.h"
-#include "kernels/quadric.h"
-#include "kernels/triangle.h"
+#include "kernels/camera/camera.h"
+#include "kernels/intersect/quadric.h"
+#include "kernels/intersect/triangle.h"
 
 namespace penumbra {
 

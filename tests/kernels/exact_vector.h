@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "kernels/vec3.h"
+#include "kernels/math/vec3.h"
 
 namespace penumbra {
 

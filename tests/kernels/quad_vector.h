@@ -1,7 +1,7 @@
 // Numbers and vectors of 113 bits: the truth that closed forms in double are compared with.
 #pragma once
 
-#include "stress/truth/quad.h"
+#include "scheduler/stress/truth/quad.h"
 #include "tests/kernels/exact_vector.h"
 
 namespace penumbra {

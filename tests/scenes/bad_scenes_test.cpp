@@ -8,7 +8,7 @@
 #include <set>
 
 #include "scenes/scene_reader.h"
-#include "tests/outputs/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace penumbra {
 namespace {

@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "scenes/scene_reader.h"
-#include "tests/outputs/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/scenes/ply_writer.h"
 
 namespace penumbra {

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "tests/outputs/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace penumbra {
 namespace {

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "scenes/scene_reader.h"
-#include "tests/outputs/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace penumbra {
 

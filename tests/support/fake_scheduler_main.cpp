@@ -2,7 +2,7 @@
 // [LISTEN_ADDRESS].
 #include <atomic>
 
-#include "scheduler/render_job.h"
+#include "scheduler/farm/render_job.h"
 #include "tests/support/fake_device.h"
 
 int main(int argc, char** argv) {

@@ -11,7 +11,7 @@
 
 #include "kernels/host/device_scene.h"
 #include "scenes/scene_description.h"
-#include "scheduler/film_accumulator.h"
+#include "scheduler/plan/film_accumulator.h"
 #include "tests/support/image_test.h"
 #include "tests/support/statistics.h"
 #include "worker/device.h"

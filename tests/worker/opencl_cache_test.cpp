@@ -12,7 +12,7 @@
 #include <set>
 #include <thread>
 
-#include "tests/outputs/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace penumbra {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "tests/outputs/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/render_scene.h"
 #include "tests/worker/device_scenes.h"
 #include "worker/device.h"

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "scheduler/private_socket.h"
+#include "scheduler/farm/private_socket.h"
 #include "scheduler/protocol/wire.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/fake_samples.h"

@@ -1,0 +1,185 @@
+// From a block's samples to the statistics of its pixels.
+#ifndef PENUMBRA_BLOCK_ACCUMULATE_H
+#define PENUMBRA_BLOCK_ACCUMULATE_H
+#include "kernels/block/block_probe.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// Adds so many bad samples to those noted; the first of them is this one of this pixel.
+FN void note_bad(GLOBAL BadSamples* bad, uint count, int pixel, int sample) {
+  if (count == 0u) return;
+  const bool is_first = (bad->count == 0u) | ((uint)pixel < bad->pixel);
+  bad->pixel = is_first ? (uint)pixel : bad->pixel;
+  bad->sample = is_first ? (uint)sample : bad->sample;
+  bad->count += count;
+}
+
+// Beyond it 4096 samples' sum, or a difference of two in units of 1e15 when squared, may be more than a float
+// holds.
+#define HUGE_SAMPLE 1e30f
+#define HUGE_SAMPLE_SCALE 9.094947017729282e-13f  // 2^-40: exact for all that matters beside a huge sample
+
+/// What rounding has carried past the largest float is that; a NaN stays one.
+FN float within_floats(float x) {
+  const float most = 3.402823466e+38f;
+  const float below = x > most ? most : x;
+  return below < -most ? -most : below;
+}
+
+/// Means and, unless `deviations` is null, standard deviations sqrt(mean (v - mean)^2) of a slot field over
+/// each pixel's samples: by the deviations from an estimate of the mean that is corrected once, which leaves
+/// no rounding of the sum behind, and in units of the largest of them, whose square any float holds. Samples
+/// whose sum or whose differences a float might not hold are scaled by a power of two meanwhile: of finite
+/// samples both statistics are finite. Pixel p's samples are values[p], values[p + pitch], ...; a lane for
+/// each pixel.
+STAGE void accumulate_field(const GLOBAL float* RESTRICT values, int pitch, int pixels, int count,
+                            GLOBAL float* RESTRICT means, GLOBAL float* RESTRICT deviations) {
+  const float n = (float)count;
+  for (int p = 0; p < pixels; p += LANES) {
+    float estimate[LANES], rest[LANES], unit[LANES], squares[LANES];
+    float scaled_sum[LANES], largest[LANES], scale[LANES], inverse[LANES];
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++) estimate[j] = scaled_sum[j] = largest[j] = 0.0f;
+    for (int s = 0; s < count; s++) {
+      LANE_LOOP
+        for (int j = 0; j < LANES; j++) {
+          const float value = values[s * pitch + p + j];
+          estimate[j] += value;
+          scaled_sum[j] += value * HUGE_SAMPLE_SCALE;
+          largest[j] = max_f(largest[j], FABS(value));
+        }
+    }
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++) {
+        const bool huge = largest[j] > HUGE_SAMPLE;
+        scale[j] = huge ? HUGE_SAMPLE_SCALE : 1.0f;
+        inverse[j] = huge ? 1.0f / HUGE_SAMPLE_SCALE : 1.0f;
+        estimate[j] = (huge ? scaled_sum[j] : estimate[j]) / n;
+        rest[j] = squares[j] = unit[j] = 0.0f;
+      }
+    for (int s = 0; s < count; s++) {
+      LANE_LOOP
+        for (int j = 0; j < LANES; j++) {
+          const float d = values[s * pitch + p + j] * scale[j] - estimate[j];
+          rest[j] += d;
+          unit[j] = max_f(unit[j], FABS(d));
+        }
+    }
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++) {
+        estimate[j] += rest[j] / n;
+        rest[j] = 0.0f;
+        // A power of ten in the range of common radiance, so that nothing changes there.
+        unit[j] = unit[j] > 1e15f ? 1e15f : (unit[j] < 1e-12f ? 1e-12f : 1.0f);
+      }
+    for (int s = 0; s < count && deviations != 0; s++) {
+      LANE_LOOP
+        for (int j = 0; j < LANES; j++) {
+          const float d = (values[s * pitch + p + j] * scale[j] - estimate[j]) / unit[j];
+          rest[j] += d;
+          squares[j] += d * d;
+        }
+    }
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++) {
+        estimate[j] = within_floats((estimate[j] + unit[j] * (rest[j] / n)) * inverse[j]);
+        squares[j] =
+            within_floats(unit[j] * SQRT(max_f(squares[j] - rest[j] * (rest[j] / n), 0.0f) / n) * inverse[j]);
+      }
+    const int valid = min_i(LANES, pixels - p);
+    for (int j = 0; j < valid; j++) means[p + j] = estimate[j];
+    for (int j = 0; j < valid && deviations != 0; j++) deviations[p + j] = squares[j];
+  }
+}
+
+/// Multiplies a field of neighbouring slots by the samples' filter weights.
+STAGE void weigh_field(GLOBAL float* RESTRICT values, const GLOBAL float* RESTRICT weights, int count) {
+  LANE_LOOP
+    for (int p = 0; p < count; p++) values[p] = values[p] * weights[p];
+}
+
+/// Whether any of neighbouring slots' samples has a NaN or an infinity in the fields before `fields`.
+STAGE bool any_bad(const GLOBAL float* RESTRICT slots, int slot_capacity, int fields, int count) {
+  uint bad = 0u;
+  for (int k = SAMPLE_X; k < fields; k++) {
+    const GLOBAL float* RESTRICT field = slots + k * slot_capacity;
+    LANE_LOOP
+      for (int p = 0; p < count; p++) {
+        const uint bits = FLOAT_BITS(field[p]) & 0x7fffffffu;
+        bad |= bits >= 0x7f800000u ? 1u : 0u;
+      }
+  }
+  return bad != 0u;
+}
+
+/// Samples with a NaN or an infinity in the fields before `fields` are noted in `bad`, of BAD_KINDS. Their
+/// radiance becomes 0, and of the layers what is no number.
+STAGE void remove_bad(GLOBAL float* RESTRICT slots, int slot_capacity, int fields, int pitch, int first_pixel,
+                      int pixels, int count, GLOBAL BadSamples* RESTRICT bad) {
+  for (int p = 0; p < pixels; p++)
+    for (int i = 0; i < count; i++) {
+      GLOBAL float* sample = slots + i * pitch + p;
+      bool nan = false, infinite = false;
+      for (int k = SAMPLE_X; k < fields; k++) {
+        const uint bits = FLOAT_BITS(sample[k * slot_capacity]);
+        nan = nan | is_nan_bits(bits);
+        infinite = infinite | is_infinite_bits(bits);
+      }
+      note_bad(bad + BAD_NAN, nan ? 1u : 0u, first_pixel + p, i);
+      note_bad(bad + BAD_INFINITE, (infinite & !nan) ? 1u : 0u, first_pixel + p, i);
+      for (int k = SAMPLE_X; k < fields; k++) {
+        const float value = sample[k * slot_capacity];
+        const uint bits = FLOAT_BITS(value);
+        const bool radiance = k < ALBEDO_X;
+        const bool drop = radiance ? (nan | infinite) : (is_nan_bits(bits) | is_infinite_bits(bits));
+        sample[k * slot_capacity] = drop ? 0.0f : value;
+      }
+    }
+}
+
+/// Where a plane from `first_plane` on, which is not made of the samples' own fields, came out as no number
+/// (or more than a float holds), the pixel's is 0 in all of them and its samples become as bad, for
+/// accumulate() to count.
+STAGE void spread_bad_planes(const PRIVATE Unit* unit, int first_pixel, int pixels, int first_plane,
+                             int planes, GLOBAL float* RESTRICT slots, int slot_capacity,
+                             GLOBAL float* RESTRICT out) {
+  const int n = unit->sample_count, area = unit->width * unit->height;
+  const int pitch = slot_pixels(slot_capacity, n, LANES);
+  for (int p = 0; p < pixels; p++) {
+    GLOBAL float* plane = out + first_pixel + p;
+    float worst = 0.0f;
+    for (int k = first_plane; k < planes; k++) {
+      const uint bits = FLOAT_BITS(plane[k * area]);
+      const bool bad = is_nan_bits(bits) | is_infinite_bits(bits);
+      worst += bad ? plane[k * area] : 0.0f;
+    }
+    const bool any = worst != 0.0f;  // a NaN too
+    for (int k = first_plane; any && k < planes; k++) plane[k * area] = 0.0f;
+    for (int i = 0; any && i < n; i++) slots[SAMPLE_X * slot_capacity + i * pitch + p] = worst;
+  }
+}
+
+/// Statistics of the block's pixels, in sample order, without samples that are no numbers.
+STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, GLOBAL float* RESTRICT slots,
+                      int slot_capacity, bool layers, GLOBAL float* RESTRICT out,
+                      GLOBAL BadSamples* RESTRICT bad) {
+  const int n = unit->sample_count, area = unit->width * unit->height;
+  const int pitch = slot_pixels(slot_capacity, n, LANES);
+  const int fields = layers ? DEPTH + 1 : ALBEDO_X;
+  bool bad_ones = false;
+  for (int i = 0; i < n; i++) {
+    GLOBAL float* row = slots + i * pitch;
+    for (int k = SAMPLE_X; k < fields; k++)
+      weigh_field(row + k * slot_capacity, row + FILTER_WEIGHT * slot_capacity, pixels);
+    bad_ones = bad_ones | any_bad(row, slot_capacity, fields, pixels);
+  }
+  if (bad_ones) remove_bad(slots, slot_capacity, fields, pitch, first_pixel, pixels, n, bad);
+  for (int k = SAMPLE_X; k < fields; k++) {
+    const int plane = k < ALBEDO_X ? k - SAMPLE_X : FIRST_LAYER_PLANE + k - ALBEDO_X;
+    accumulate_field(slots + k * slot_capacity, pitch, pixels, n, out + plane * area + first_pixel,
+                     k < ALBEDO_X ? out + (3 + plane) * area + first_pixel : 0);
+  }
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

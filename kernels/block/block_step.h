@@ -1,0 +1,137 @@
+// The stages of a block that step its paths by an integrator.
+#ifndef PENUMBRA_BLOCK_STEP_H
+#define PENUMBRA_BLOCK_STEP_H
+#include "kernels/block/block_aim.h"
+#include "kernels/integrator/integrator_direct.h"
+#include "kernels/integrator/integrator_path.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// The numbers of a path's step, for LANES paths from lane i on; those that it does not need stay as they
+/// are.
+FN void draw_step(const PRIVATE SceneHeader* h, uint pair, bool roulette, const GLOBAL int* RESTRICT ints,
+                  int capacity, int i, PRIVATE float* RESTRICT u) {
+  const uint spp = sequence_length(h);
+  draw_pair(h->sampler, spp, draw_once(pair), ints, capacity, i, u + DRAW_LIGHT_U * LANES,
+            u + DRAW_LIGHT_V * LANES);
+  draw_pair(h->sampler, spp, draw_once(pair + 1u), ints, capacity, i, u + DRAW_BSDF_U * LANES,
+            u + DRAW_BSDF_V * LANES);
+  const bool chooses = h->light_count > 1;  // a single light needs no digits below
+  if (chooses | HAS(PHONG))
+    draw_pair(h->sampler, spp, draw_once(pair + 2u), ints, capacity, i,
+              u + (chooses ? DRAW_LIGHT_FINE : DRAW_SPARE) * LANES, u + DRAW_LOBE_CHOICE * LANES);
+  if (roulette)
+    draw_pair(h->sampler, spp, draw_once(pair + 3u), ints, capacity, i, u + DRAW_ROULETTE * LANES,
+              u + DRAW_SPARE * LANES);
+}
+
+#if HAS(PATH)
+STAGE void step_paths(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                      int capacity, int count, int step) {
+  const PRIVATE SceneHeader* h = &scene->header;
+  const uint pair = step_pair(step);
+  const bool roulette = step + 1 >= h->rr_depth, scatters = step + 1 < h->max_depth;
+  const AimWishes wishes = aim_wishes(scene, true, scatters, scatters, h->direct_sampling == SAMPLING_MIS);
+  SurfaceFields lit;
+  lit.hit = HIT;
+  lit.origin_x = RAY_ORIGIN_X;
+  lit.direction_x = RAY_DIRECTION_X;
+  float u[DRAWS * LANES];
+  for (int j = 0; j < DRAWS * LANES; j++) u[j] = 0.0f;
+  for (int i = 0; i < count; i += LANES) {
+    if (scatters) draw_step(h, pair, roulette, ints, capacity, i, u);
+    float aims[AIM_FLOATS];
+    aim_lanes(scene, wishes, lit, f, ints, capacity, i, u, aims);
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++) path_step(scene, f, ints, capacity, step, i + j, u, j, aims);
+  }
+}
+#endif
+
+#if HAS(DIRECT)
+STAGE void keep_camera_rays(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity, int count) {
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++) keep_camera_ray(f, ints, capacity, j);
+  }
+}
+
+// What a scene's sampling does not need is not computed: a stage each.
+
+STAGE void see_emitters(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                        int capacity, int i) {
+  LANE_LOOP
+    for (int j = i; j < i + LANES; j++) see_emitter(scene, f, ints, capacity, j);
+}
+
+STAGE void weigh_emitters(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                          int capacity, int i, const PRIVATE float* RESTRICT aims) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) weigh_emitter(scene, f, ints, capacity, i + j, load_aim(aims, j));
+}
+
+STAGE void sample_emitters(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                           int capacity, int i, const PRIVATE float* RESTRICT u,
+                           const PRIVATE float* RESTRICT aims) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) sample_emitter(scene, f, ints, capacity, i + j, u, j, load_aim(aims, j));
+}
+
+STAGE void sample_directions(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                             int capacity, int i, const PRIVATE float* RESTRICT u) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) sample_direction(scene, f, ints, capacity, i + j, u, j);
+}
+
+STAGE void begin_steps(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity, bool is_last,
+                       int i) {
+  LANE_LOOP
+    for (int j = i; j < i + LANES; j++) begin_step(f, ints, capacity, is_last, j);
+}
+
+/// The numbers of a step's samples.
+FN void draw_direct(const PRIVATE SceneHeader* h, int step, const GLOBAL int* RESTRICT ints, int capacity,
+                    int i, PRIVATE float* RESTRICT u) {
+  const uint spp = sequence_length(h), pair = step_pair(0);
+  const int emitter_samples = h->emitter_samples, bsdf_samples = h->bsdf_samples;
+  const int most = emitter_samples > bsdf_samples ? emitter_samples : bsdf_samples;
+  if (step < emitter_samples)
+    draw_pair(h->sampler, spp, draw_nth(pair, emitter_samples, step), ints, capacity, i,
+              u + DRAW_LIGHT_U * LANES, u + DRAW_LIGHT_V * LANES);
+  if (step < bsdf_samples)
+    draw_pair(h->sampler, spp, draw_nth(pair + 1u, bsdf_samples, step), ints, capacity, i,
+              u + DRAW_BSDF_U * LANES, u + DRAW_BSDF_V * LANES);
+  if ((step < bsdf_samples) | ((step < emitter_samples) & (h->light_count > 1)))
+    draw_pair(h->sampler, spp, draw_nth(pair + 2u, most, step), ints, capacity, i,
+              u + DRAW_LIGHT_FINE * LANES, u + DRAW_LOBE_CHOICE * LANES);
+}
+
+STAGE void step_direct(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                       int capacity, int count, int step) {
+  const PRIVATE SceneHeader* h = &scene->header;
+  const bool emits = step < h->emitter_samples, scatters = step < h->bsdf_samples;
+  const bool balances = h->bsdf_samples > 0;
+  const int rays = balances ? h->bsdf_samples + 1 : 1;
+  const bool is_last = step + 1 >= (h->emitter_samples > rays ? h->emitter_samples : rays);
+  const AimWishes wishes = aim_wishes(scene, false, emits, step == 0, balances);
+  SurfaceFields lit;
+  lit.hit = CAMERA_HIT;
+  lit.origin_x = CAMERA_ORIGIN_X;
+  lit.direction_x = CAMERA_DIRECTION_X;
+  float u[DRAWS * LANES];
+  for (int j = 0; j < DRAWS * LANES; j++) u[j] = 0.0f;
+  for (int i = 0; i < count; i += LANES) {
+    draw_direct(h, step, ints, capacity, i, u);
+    float aims[AIM_FLOATS];
+    aim_lanes(scene, wishes, lit, f, ints, capacity, i, u, aims);
+    if (balances) weigh_emitters(scene, f, ints, capacity, i, aims);
+    if (!balances & (step == 0)) see_emitters(scene, f, ints, capacity, i);
+    begin_steps(f, ints, capacity, is_last, i);
+    if (emits) sample_emitters(scene, f, ints, capacity, i, u, aims);
+    if (scatters) sample_directions(scene, f, ints, capacity, i, u);
+  }
+}
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,209 @@
+// One ray through the wide bounding volume hierarchy, BVH_WIDTH children or triangles at a time.
+#ifndef PENUMBRA_BVH_H
+#define PENUMBRA_BVH_H
+#include "kernels/intersect/bvh_limits.h"
+#include "kernels/intersect/quadric.h"
+#include "kernels/intersect/triangle.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+#define BVH_STACK (BVH_MAX_DEPTH * (BVH_WIDTH - 1) + BVH_WIDTH)
+// 1 + 2 gamma(3): a slab test that never misses a box through rounding (Ize 2013).
+#define SLAB_MARGIN 1.0000005f
+
+typedef struct {
+  int primitive;  ///< -1: nothing before tmax
+  float t;
+} Hit;
+
+FN Hit closer_hit(Hit best, float t, int primitive) {
+  bool closer = (t < best.t) | ((t == best.t) & (primitive < best.primitive));
+  best.primitive = closer ? primitive : best.primitive;
+  best.t = closer ? t : best.t;
+  return best;
+}
+
+/// What the traversal needs to know of a ray.
+typedef struct {
+  vec3 o, d;
+  float ix, iy, iz;            ///< 1 / d
+  int near_x, near_y, near_z;  ///< rows of a node's bounds that the ray meets first
+  Shear shear;
+  int kx, ky, kz;    ///< where the axes of the sheared space are
+  float ox, oy, oz;  ///< the origin, in that order
+  int skip;          ///< primitive that the ray does not hit, or -1
+} BvhRay;
+
+FN BvhRay make_bvh_ray(vec3 o, vec3 d, int skip) {
+  BvhRay r;
+  r.o = o;
+  r.d = d;
+  r.ix = 1.0f / d.x;
+  r.iy = 1.0f / d.y;
+  r.iz = 1.0f / d.z;
+  r.near_x = r.ix < 0.0f ? 3 : 0;
+  r.near_y = r.iy < 0.0f ? 4 : 1;
+  r.near_z = r.iz < 0.0f ? 5 : 2;
+  r.shear = make_shear(d);
+  r.kz = r.shear.axis;
+  r.kx = r.kz == 2 ? 0 : r.kz + 1;
+  r.ky = r.kx == 2 ? 0 : r.kx + 1;
+  r.ox = r.kx == 0 ? o.x : (r.kx == 1 ? o.y : o.z);
+  r.oy = r.ky == 0 ? o.x : (r.ky == 1 ? o.y : o.z);
+  r.oz = r.kz == 0 ? o.x : (r.kz == 1 ? o.y : o.z);
+  r.skip = skip;
+  return r;
+}
+
+/// Bit j says whether the ray enters child j before `limit`; entries[j] is where.
+FN uint enter_children(GLOBAL const BvhNode* node, const PRIVATE BvhRay* r, float limit,
+                       PRIVATE float* entries) {
+  GLOBAL const float* nx = node->bounds[r->near_x];
+  GLOBAL const float* ny = node->bounds[r->near_y];
+  GLOBAL const float* nz = node->bounds[r->near_z];
+  GLOBAL const float* fx = node->bounds[3 - r->near_x];
+  GLOBAL const float* fy = node->bounds[5 - r->near_y];
+  GLOBAL const float* fz = node->bounds[7 - r->near_z];
+  const vec3 o = r->o;
+  const float ix = r->ix, iy = r->iy, iz = r->iz;
+  int entered[BVH_WIDTH];
+  // Comparisons with the NaN of 0 * infinity keep the other operand or none: such a box is visited, never
+  // missed.
+  REGISTER_LOOP(BVH_WIDTH)
+  for (int j = 0; j < BVH_WIDTH; j++) {
+    const float t0 = max_f(max_f(max_f((nx[j] - o.x) * ix, (ny[j] - o.y) * iy), (nz[j] - o.z) * iz), 0.0f);
+    const float t1 =
+        min_f(min_f(min_f((fx[j] - o.x) * ix, (fy[j] - o.y) * iy), (fz[j] - o.z) * iz) * SLAB_MARGIN, limit);
+    entries[j] = t0;
+    entered[j] = t0 <= t1 ? 1 : 0;
+  }
+  return mask_of_8(entered);
+}
+
+FN Hit intersect_triangle_leaf(GLOBAL const TriangleLeaf* leaf, const PRIVATE BvhRay* r, Hit best) {
+  const Shear s = r->shear;
+  const float ox = r->ox, oy = r->oy, oz = r->oz, limit = best.t;
+  const int skip = r->skip;
+  GLOBAL const float* ax = leaf->p[0][r->kx];
+  GLOBAL const float* ay = leaf->p[0][r->ky];
+  GLOBAL const float* az = leaf->p[0][r->kz];
+  GLOBAL const float* bx = leaf->p[1][r->kx];
+  GLOBAL const float* by = leaf->p[1][r->ky];
+  GLOBAL const float* bz = leaf->p[1][r->kz];
+  GLOBAL const float* cx = leaf->p[2][r->kx];
+  GLOBAL const float* cy = leaf->p[2][r->ky];
+  GLOBAL const float* cz = leaf->p[2][r->kz];
+  float ts[BVH_WIDTH];
+  int inside[BVH_WIDTH];
+  REGISTER_LOOP(BVH_WIDTH)
+  for (int j = 0; j < BVH_WIDTH; j++) {
+    const TriangleHit h = intersect_sheared(shear_permuted(s, ax[j] - ox, ay[j] - oy, az[j] - oz),
+                                            shear_permuted(s, bx[j] - ox, by[j] - oy, bz[j] - oz),
+                                            shear_permuted(s, cx[j] - ox, cy[j] - oy, cz[j] - oz));
+    const int primitive = leaf->primitive[j];
+    ts[j] = h.t;
+    inside[j] = (h.inside & (h.t > 0.0f) & (h.t <= limit) & (primitive != skip)) ? 1 : 0;
+  }
+  for (uint hits = mask_of_8(inside); hits != 0u; hits &= hits - 1u) {
+    const int j = LOWEST_BIT(hits);
+    best = closer_hit(best, ts[j], leaf->primitive[j]);
+  }
+  return best;
+}
+
+/// The closest of the leaf's hits and `best`.
+FN Hit intersect_leaf(const PRIVATE Scene* scene, int leaf, const PRIVATE BvhRay* r, Hit best) {
+#if HAS(QUADRICS)
+  if (leaf >= scene->header.triangle_leaf_count) {
+    GLOBAL const QuadricLeaf* quadrics = scene->quadric_leaves + (leaf - scene->header.triangle_leaf_count);
+    for (int j = 0; j < BVH_WIDTH; j++) {
+      const int primitive = quadrics->primitive[j];
+      if (primitive < 0) continue;
+      const float t =
+          intersect_quadric(scene->quadrics[primitive - scene->header.triangle_count], r->o, r->d);
+      if (t > 0.0f) best = closer_hit(best, t, primitive);
+    }
+    return best;
+  }
+#endif
+  return intersect_triangle_leaf(scene->triangle_leaves + leaf, r, best);
+}
+
+FN Hit no_hit(float tmax) {
+  Hit none;
+  none.primitive = -1;
+  none.t = tmax;
+  return none;
+}
+
+/// The closest hit in (0, tmax).
+FN Hit intersect_bvh(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip) {
+  int stack[BVH_STACK];
+  float distances[BVH_STACK], entries[BVH_WIDTH];
+  Hit best = no_hit(tmax);
+  if (tmax < 0.0f) return best;
+  const BvhRay ray = make_bvh_ray(o, d, skip);
+  int top = 0, entry = 0;
+  for (;;) {
+    if (entry >= 0) {
+      GLOBAL const BvhNode* node = scene->nodes + entry;
+      uint hits = enter_children(node, &ray, best.t, entries);
+      if (hits != 0u) {
+        // The nearest child next, the others on the stack by falling distance.
+        const int base = top;
+        int first = LOWEST_BIT(hits);
+        float nearest = entries[first];
+        entry = node->child[first];
+        for (hits &= hits - 1u; hits != 0u; hits &= hits - 1u) {
+          const int j = LOWEST_BIT(hits);
+          const bool nearer = entries[j] < nearest;
+          const int other = nearer ? entry : node->child[j];
+          const float distance = nearer ? nearest : entries[j];
+          entry = nearer ? node->child[j] : entry;
+          nearest = nearer ? entries[j] : nearest;
+          int at = top++;
+          for (; at > base && distances[at - 1] < distance; at--) {
+            distances[at] = distances[at - 1];
+            stack[at] = stack[at - 1];
+          }
+          distances[at] = distance;
+          stack[at] = other;
+        }
+        continue;
+      }
+    } else {
+      best = intersect_leaf(scene, ~entry, &ray, best);
+    }
+    do {
+      if (top == 0) return best;
+      entry = stack[--top];
+    } while (distances[top] > best.t);
+  }
+}
+
+/// Some hit in (0, tmax). A node's last child has the fewest primitives: it is
+/// visited first, since few large ones are what blocks most rays (distances would find the clutter around the
+/// ray's origin first).
+FN Hit occlude_bvh(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip) {
+  int stack[BVH_STACK];
+  float entries[BVH_WIDTH];
+  if (tmax < 0.0f) return no_hit(tmax);
+  const BvhRay ray = make_bvh_ray(o, d, skip);
+  int top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    const int entry = stack[--top];
+    if (entry >= 0) {
+      GLOBAL const BvhNode* node = scene->nodes + entry;
+      for (uint hits = enter_children(node, &ray, tmax, entries); hits != 0u; hits &= hits - 1u)
+        stack[top++] = node->child[LOWEST_BIT(hits)];
+    } else {
+      const Hit some = intersect_leaf(scene, ~entry, &ray, no_hit(tmax));
+      if (some.primitive >= 0) return some;
+    }
+  }
+  return no_hit(tmax);
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,229 @@
+// A look at all lights from a shading point before it is lit: the closed form of the polygon lights, and the
+// choice of one light in proportion to what each contributes without shadows. LANES points at a time, in
+// double: errors of a closed form are a bias of the image.
+#ifndef PENUMBRA_LIGHT_SURVEY_H
+#define PENUMBRA_LIGHT_SURVEY_H
+#include "kernels/bsdf/bsdf.h"
+#include "kernels/light/light_aim.h"
+#include "kernels/polygon/polygon_light.h"
+#include "kernels/light/projected_light.h"
+#include "kernels/intersect/surface.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+#if HAS(POLYGONS)
+
+/// Points that lights shine on, and what they reflect.
+typedef struct {
+  Receivers receivers;
+  double diffuse[3 * LANES];   ///< reflectance, channel c of lane j at c * LANES + j; 0 where nothing is lit
+  double specular[3 * LANES];  ///< likewise
+  double polygon[LANES];  ///< number of the polygon light that the point is on, which adds nothing; or -1
+} LitPoints;
+
+/// Lane j is the surface `s` that the ray meets on the primitive. Its place on a triangle is worked out once
+/// more in double: far from the scene's centre a rounded one is off the surface by more than closed forms
+/// are.
+FN void store_lit_point(const PRIVATE Scene* scene, Surface s, int primitive, vec3 o, vec3 d,
+                        PRIVATE LitPoints* points, int j) {
+  const bool on_triangle = s.valid & (primitive < scene->header.triangle_count);
+  GLOBAL const Triangle* t = scene->triangles + (on_triangle ? primitive : 0);
+  const vec3 p0 = load3(&t->p0), p1 = load3(&t->p1), p2 = load3(&t->p2);
+  const double ax = (double)p1.x - p0.x, ay = (double)p1.y - p0.y, az = (double)p1.z - p0.z;
+  const double bx = (double)p2.x - p0.x, by = (double)p2.y - p0.y, bz = (double)p2.z - p0.z;
+  const double gx = ay * bz - az * by, gy = az * bx - ax * bz, gz = ax * by - ay * bx;
+  const double along = gx * d.x + gy * d.y + gz * d.z;
+  const double height = gx * ((double)p0.x - o.x) + gy * ((double)p0.y - o.y) + gz * ((double)p0.z - o.z);
+  const double distance = height / (along != 0.0 ? along : 1.0);
+  const bool meets = on_triangle & (along != 0.0);
+  PRIVATE Receivers* r = &points->receivers;
+  r->px[j] = meets ? o.x + distance * d.x : (double)s.p.x;
+  r->py[j] = meets ? o.y + distance * d.y : (double)s.p.y;
+  r->pz[j] = meets ? o.z + distance * d.z : (double)s.p.z;
+  const bool faceted = on_triangle & (t->normals < 0);
+  const double side = s.front ? 1.0 : -1.0;
+  double nx = faceted ? side * gx : (double)s.shading.x, ny = faceted ? side * gy : (double)s.shading.y;
+  double nz = faceted ? side * gz : (double)s.shading.z;
+  const double n2 = nx * nx + ny * ny + nz * nz;
+  const double to_unit = 1.0 / SQRT_D(n2 > 0.0 ? n2 : 1.0);
+  nx *= to_unit;
+  ny *= to_unit;
+  nz = n2 > 0.0 ? nz * to_unit : 1.0;
+  r->nx[j] = nx;
+  r->ny[j] = ny;
+  r->nz[j] = nz;
+  const double cosine = -(nx * d.x + ny * d.y + nz * d.z);
+  const double wx = 2.0 * cosine * nx + d.x, wy = 2.0 * cosine * ny + d.y, wz = 2.0 * cosine * nz + d.z;
+  const double w2 = wx * wx + wy * wy + wz * wz;
+  const double shorten = 1.0 / SQRT_D(w2 > 0.0 ? w2 : 1.0);
+  r->wx[j] = wx * shorten;
+  r->wy[j] = wy * shorten;
+  r->wz[j] = wz * shorten;
+  GLOBAL const Material* m = scene->materials + s.material;
+  const bool lit = s.valid & (dot3(s.shading, s.wo) > 0.0f);
+  const vec3 diffuse = load3(&m->diffuse), specular = load3(&m->specular);
+  const float exponent = m->exponent, lobe = m->lobe;
+  r->exponent[j] = (lit & (lobe > 0.0f)) ? (double)exponent : -1.0;
+  points->polygon[j] = (double)own_polygon(scene, s);
+  points->diffuse[j] = lit ? (double)diffuse.x : 0.0;
+  points->diffuse[LANES + j] = lit ? (double)diffuse.y : 0.0;
+  points->diffuse[2 * LANES + j] = lit ? (double)diffuse.z : 0.0;
+  points->specular[j] = lit ? (double)specular.x : 0.0;
+  points->specular[LANES + j] = lit ? (double)specular.y : 0.0;
+  points->specular[2 * LANES + j] = lit ? (double)specular.z : 0.0;
+}
+
+/// One of several things, drawn as they come, each in proportion to its weight: by one number that is spread
+/// out again over [0, 1) after each decision, so that what well-spread numbers draw is well spread too and
+/// the last of it still serves to choose a point. One entry a lane.
+typedef struct {
+  double u[LANES];
+  double total[LANES];   ///< of all weights
+  double weight[LANES];  ///< of the one that is chosen
+  int chosen[LANES];     ///< its number, -1 at first
+} Drawing;
+
+FN void start_drawing(PRIVATE Drawing* drawing, int j, double u) {
+  drawing->u[j] = u;
+  drawing->total[j] = drawing->weight[j] = 0.0;
+  drawing->chosen[j] = -1;
+}
+
+FN void draw_from(PRIVATE Drawing* drawing, int j, int number, double weight) {
+  const double total = drawing->total[j] + weight;
+  const double share = weight / (total > 0.0 ? total : 1.0), u = drawing->u[j];
+  const bool taken = (weight > 0.0) & (u < share);
+  const double scale = taken ? share : 1.0 - share;
+  drawing->u[j] = (taken ? u : u - share) / (scale > 0.0 ? scale : 1.0);
+  drawing->total[j] = total;
+  drawing->weight[j] = taken ? weight : drawing->weight[j];
+  drawing->chosen[j] = taken ? number : drawing->chosen[j];
+}
+
+FN double drawn_probability(const PRIVATE Drawing* drawing, int j) {
+  const double total = drawing->total[j];
+  return drawing->weight[j] / (total > 0.0 ? total : 1.0);
+}
+
+/// Whether the polygon of that number has a k-th part, and the light that it is; else some light.
+FN bool is_part(const PRIVATE Scene* scene, int polygon, int k) {
+  const bool is_polygon = (polygon >= 0) & (polygon < scene->header.polygon_count);
+  const int count = scene->polygons[is_polygon ? polygon : 0].light_count;
+  return is_polygon & (k < count);
+}
+FN int part_of(const PRIVATE Scene* scene, int polygon, int k) {
+  const bool is_polygon = (polygon >= 0) & (polygon < scene->header.polygon_count);
+  GLOBAL const Polygon* p = scene->polygons + (is_polygon ? polygon : 0);
+  const int first = p->first_light, count = p->light_count;
+  return first + (k < count ? k : 0);
+}
+
+/// What a light that is no polygon may contribute to a diffuse point, at most: its choice needs no more.
+FN double rough_irradiance(GLOBAL const Light* light, double x, double y, double z) {
+  const vec3 p = load3(&light->p0), radiance = load3(&light->radiance);
+  const double dx = p.x - x, dy = p.y - y, dz = p.z - z;
+  const double d2 = dx * dx + dy * dy + dz * dz;
+  const double mean = ((double)radiance.x + radiance.y + radiance.z) / 3.0;
+  const double section = light->kind == LIGHT_SPHERE ? 0.25 * light->area : (double)light->area;
+  const double pi = 3.14159265358979323846;
+  const bool bounded = light->kind != LIGHT_POINT;
+  const double solid = light->kind == LIGHT_POINT ? 1.0 : section;
+  const double seen = solid / (d2 > 0.0 ? d2 : 1.0);
+  const double limited = ((bounded & (seen > pi)) | (d2 == 0.0)) ? pi : seen;
+  return mean * (light->kind == LIGHT_ENVIRONMENT ? pi : limited);
+}
+
+/// Adds up the closed form of all polygon lights but the point's own: radiance towards the viewer without
+/// shadows, channel c of lane j at `analytic[c * LANES + j]`. With `draw` also draws a light: polygon k as k,
+/// light k that is no part of one as polygon_count + k.
+STAGE void survey_lights(const PRIVATE Scene* scene, const PRIVATE LitPoints* points, bool draw,
+                         PRIVATE Drawing* RESTRICT drawing, PRIVATE double* RESTRICT analytic) {
+  for (int j = 0; j < 3 * LANES; j++) analytic[j] = 0.0;
+  for (int k = 0; k < scene->header.polygon_count; k++) {
+    double irradiance[LANES], lobe[LANES];
+    polygon_terms(scene, &points->receivers, k, irradiance, lobe);
+    GLOBAL const Polygon* polygon = scene->polygons + k;
+    const vec3 radiance = load3(&polygon->radiance);
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++) {
+        const bool own = points->polygon[j] == (double)k;
+        const double e = own ? 0.0 : irradiance[j] * (1.0 / 3.14159265358979323846);
+        const double l = own ? 0.0 : lobe[j];
+        const double r = radiance.x * (points->diffuse[j] * e + points->specular[j] * l);
+        const double g = radiance.y * (points->diffuse[LANES + j] * e + points->specular[LANES + j] * l);
+        const double b =
+            radiance.z * (points->diffuse[2 * LANES + j] * e + points->specular[2 * LANES + j] * l);
+        analytic[j] += r;
+        analytic[LANES + j] += g;
+        analytic[2 * LANES + j] += b;
+        if (draw) draw_from(drawing, j, k, r + g + b);
+      }
+  }
+  for (int k = 0; draw && k < scene->header.light_count; k++) {
+    GLOBAL const Light* light = scene->lights + k;
+    if (light->polygon >= 0) continue;
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++) {
+        const PRIVATE Receivers* r = &points->receivers;
+        const double reflectance = points->diffuse[j] + points->diffuse[LANES + j] +
+                                   points->diffuse[2 * LANES + j] + points->specular[j] +
+                                   points->specular[LANES + j] + points->specular[2 * LANES + j];
+        const double most = rough_irradiance(light, r->px[j], r->py[j], r->pz[j]);
+        draw_from(drawing, j, scene->header.polygon_count + k, reflectance * most);
+      }
+  }
+}
+
+/// From the drawn polygon to one of its parts: in proportion to its projected solid angle if that is how it
+/// is sampled, else to its area. Leaves the light and its probability in the aims, the projected solid angle
+/// in `projected`, and in `u` what the number that drew it has left.
+STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE LitPoints* points, bool by_projection,
+                       const PRIVATE Drawing* RESTRICT drawing, PRIVATE float* RESTRICT aims,
+                       PRIVATE double* RESTRICT projected, PRIVATE float* RESTRICT u) {
+  const int polygons = scene->header.polygon_count;
+  int parts = 0;
+  Drawing part;
+  for (int j = 0; j < LANES; j++) {
+    start_drawing(&part, j, drawing->u[j]);
+    const int chosen = drawing->chosen[j];
+    const int count = ((chosen >= 0) & (chosen < polygons)) ? scene->polygons[chosen].light_count : 0;
+    parts = count > parts ? count : parts;
+  }
+  for (int k = 0; k < parts; k++) {
+    double weights[LANES];
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++) weights[j] = scene->lights[part_of(scene, drawing->chosen[j], k)].area;
+    if (HAS(PROJECTED) && by_projection) {
+      LANE_LOOP
+        for (int j = 0; j < LANES; j++) {
+          GLOBAL const Light* light = scene->lights + part_of(scene, drawing->chosen[j], k);
+          const PRIVATE Receivers* r = &points->receivers;
+          const double e =
+              light_irradiance(light, r->px[j], r->py[j], r->pz[j], r->nx[j], r->ny[j], r->nz[j]);
+          weights[j] = light->sampling == EMITTER_PROJECTED ? e : weights[j];
+        }
+    }
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++) {
+        const int number = part_of(scene, drawing->chosen[j], k);
+        draw_from(&part, j, number, is_part(scene, drawing->chosen[j], k) ? weights[j] : 0.0);
+      }
+  }
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int chosen = drawing->chosen[j], drawn = part.chosen[j];
+      const bool is_polygon = (chosen >= 0) & (chosen < polygons);
+      const int other = chosen >= polygons ? chosen - polygons : 0;
+      const double share = drawn_probability(drawing, j) * (is_polygon ? drawn_probability(&part, j) : 1.0);
+      aims[AIM_LIGHT * LANES + j] = (float)(is_polygon ? (drawn >= 0 ? drawn : 0) : other);
+      aims[AIM_PMF * LANES + j] = chosen >= 0 ? (float)share : 0.0f;
+      projected[j] = is_polygon ? part.weight[j] : 0.0;
+      const float left = (float)(is_polygon ? part.u[j] : drawing->u[j]);
+      u[j] = min_f(left, ONE_MINUS_EPSILON);
+    }
+}
+
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif

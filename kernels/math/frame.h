@@ -1,0 +1,55 @@
+// Orthonormal frames and the directions drawn in them.
+#ifndef PENUMBRA_FRAME_H
+#define PENUMBRA_FRAME_H
+#include "kernels/math/math.h"
+#include "kernels/math/vec3.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// `x s + y t + z n` for the frame (s, t, n) about the unit vector n (Duff et al. 2017).
+FN vec3 from_frame(vec3 n, float x, float y, float z) {
+  float sign = n.z >= 0.0f ? 1.0f : -1.0f;
+  float a = -1.0f / (sign + n.z);
+  float b = n.x * n.y * a;
+  vec3 s = make_vec3(1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x);
+  vec3 t = make_vec3(b, sign + n.y * n.y * a, -n.y);
+  return add(add(scale(s, x), scale(t, y)), scale(n, z));
+}
+
+/// (x, y, z) with v = from_frame(n, x, y, z).
+FN vec3 to_frame(vec3 n, vec3 v) {
+  float sign = n.z >= 0.0f ? 1.0f : -1.0f;
+  float a = -1.0f / (sign + n.z);
+  float b = n.x * n.y * a;
+  vec3 s = make_vec3(1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x);
+  vec3 t = make_vec3(b, sign + n.y * n.y * a, -n.y);
+  return make_vec3(dot3(v, s), dot3(v, t), dot3(v, n));
+}
+
+/// Density cos / pi about n.
+FN vec3 sample_cosine_hemisphere(vec3 n, float u, float v) {
+  float s, c;
+  sincos_2pi(v, &s, &c);
+  float r = SQRT(u);
+  return from_frame(n, r * c, r * s, SQRT(1.0f - u));
+}
+
+/// Density 1 / (2 pi) about n.
+FN vec3 sample_uniform_hemisphere(vec3 n, float u, float v) {
+  float s, c;
+  sincos_2pi(v, &s, &c);
+  float r = safe_sqrt(u * (2.0f - u));
+  return from_frame(n, r * c, r * s, 1.0f - u);
+}
+
+/// Density 1 / (4 pi).
+FN vec3 sample_uniform_sphere(float u, float v) {
+  float s, c;
+  sincos_2pi(v, &s, &c);
+  float z = 1.0f - 2.0f * u;
+  float r = 2.0f * safe_sqrt(u * (1.0f - u));
+  return make_vec3(r * c, r * s, z);
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

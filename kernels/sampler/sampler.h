@@ -1,0 +1,292 @@
+// Samplers: a number in [0, 1) as a pure function of (seed, pixel, sample index, dimension). Dimensions come
+// in pairs; DIMENSION_FILTER is the film's, then each step of an integrator has a fixed budget of DRAWS, so
+// that Russian roulette never shifts what comes later.
+#ifndef PENUMBRA_SAMPLER_H
+#define PENUMBRA_SAMPLER_H
+#include "kernels/math/math.h"
+#include "kernels/block/path_state.h"
+#include "kernels/scene.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+// One step's numbers, by what they are for.
+enum {
+  DRAW_LIGHT_U,
+  DRAW_LIGHT_V,
+  DRAW_BSDF_U,
+  DRAW_BSDF_V,
+  DRAW_LIGHT_FINE,  ///< digits below those of DRAW_LIGHT_U, see choose_light
+  DRAW_LOBE_CHOICE,
+  DRAW_ROULETTE,
+  DRAW_SPARE,
+  DRAWS
+};
+
+/// PCG output permutation as a hash (O'Neill 2014; Jarzynski and Olano 2020).
+FN uint hash_uint(uint v) {
+  uint s = v * 747796405u + 2891336453u;
+  uint w = ((s >> ((s >> 28) + 4u)) ^ s) * 277803737u;
+  return (w >> 22) ^ w;
+}
+
+FN uint pixel_hash(uint seed, uint x, uint y) { return hash_uint(x + hash_uint(y + hash_uint(seed))); }
+
+// Sobol: pixels of a square of 2^TILE_LEVELS on a side share a sequence.
+#define TILE_LEVELS 4
+#define TILE_PLACE ((1u << 2 * TILE_LEVELS) - 1u)
+
+/// The bits of x in the even places, those of y in the odd ones: neighbours on the film have a high part in
+/// common. x, y < 2^8.
+FN uint morton_index(uint x, uint y) {
+  uint v = x | (y << 16);
+  v = (v | (v << 4)) & 0x0f0f0f0fu;
+  v = (v | (v << 2)) & 0x33333333u;
+  v = (v | (v << 1)) & 0x55555555u;
+  return (v | (v >> 15)) & 0xffffu;
+}
+
+/// What a pixel's numbers depend on besides the sample: for most samplers a hash; for Sobol one of its tile
+/// but for the lowest bits, which are the pixel's place along the tile's Z curve.
+FN uint pixel_sequence(int sampler, uint seed, uint x, uint y) {
+  const uint of_tile = pixel_hash(seed, x >> TILE_LEVELS, y >> TILE_LEVELS) & ~TILE_PLACE;
+  const uint mask = (1u << TILE_LEVELS) - 1u;
+  return sampler == SAMPLER_SOBOL ? of_tile | morton_index(x & mask, y & mask) : pixel_hash(seed, x, y);
+}
+
+/// The top 24 bits as a float in [0, 1 - 2^-24].
+FN float unit_float(uint bits) { return (float)(bits >> 8) * (1.0f / 16777216.0f); }
+
+FN uint reverse_bits(uint v) {
+#ifdef BIT_REVERSE
+  return BIT_REVERSE(v);
+#else
+  v = (v >> 16) | (v << 16);
+  v = ((v & 0xff00ff00u) >> 8) | ((v & 0x00ff00ffu) << 8);
+  v = ((v & 0xf0f0f0f0u) >> 4) | ((v & 0x0f0f0f0fu) << 4);
+  v = ((v & 0xccccccccu) >> 2) | ((v & 0x33333333u) << 2);
+  return ((v & 0xaaaaaaaau) >> 1) | ((v & 0x55555555u) << 1);
+#endif
+}
+
+/// Each bit is flipped by a hash of the bits below it: an Owen scramble of bit-reversed numbers. Laine and
+/// Karras 2011, with Vegdahl's constants of 2021.
+FN uint scramble_reversed(uint v, uint seed) {
+  v ^= v * 0x3d20adeau;
+  v += seed;
+  v *= (seed >> 16) | 1u;
+  v ^= v * 0x05526c56u;
+  v ^= v * 0x53a22864u;
+  return v;
+}
+
+/// The second Sobol dimension of index i, bit-reversed: Pascal's matrix modulo 2, one step for each bit of a
+/// bit's position.
+FN uint sobol_second_reversed(uint i) {
+  i ^= (i >> 1) & 0x55555555u;
+  i ^= (i >> 2) & 0x33333333u;
+  i ^= (i >> 4) & 0x0f0f0f0fu;
+  i ^= (i >> 8) & 0x00ff00ffu;
+  i ^= i >> 16;
+  return i;
+}
+
+FN uint pair_seed(uint pixel, uint pair) { return hash_uint(pixel + pair * 0x9e3779b9u); }
+
+/// A 2D Owen-scrambled Sobol point, padded over pairs by an Owen-shuffled index (Burley 2020).
+FN void sobol_pair(uint pixel, uint index, uint pair, PRIVATE float* u, PRIVATE float* v) {
+  uint seed = pair_seed(pixel, pair);
+  uint shuffled = reverse_bits(scramble_reversed(reverse_bits(index), seed));
+  *u = unit_float(reverse_bits(scramble_reversed(shuffled, hash_uint(seed ^ 0x68bc21ebu))));
+  *v = unit_float(
+      reverse_bits(scramble_reversed(sobol_second_reversed(shuffled), hash_uint(seed ^ 0x02e5be93u))));
+}
+
+/// Digits of a pixel's points in its tile's sequence: the fewest with 2^bits >= points, at most 32.
+FN uint point_bits(uint points) {
+  uint bits = 0u;
+  while (bits < 32u && ((points - 1u) >> bits) != 0u) bits++;
+  return bits;
+}
+
+/// Point `index` of the 2^bits of a pixel, by its pixel_sequence. The points of all pixels of a tile are one
+/// Owen-scrambled sequence in the order of the Z curve, so that not only those of a pixel are a net but those
+/// of every aligned square of 2 x 2, 4 x 4 ... pixels as well: what is left of the error has the opposite
+/// sign nearby, and averages of pixels lose most of it. The shuffle of the index, other for each pair, keeps
+/// aligned blocks of it together, so pixels trade places within their tile but nets stay nets. After Ahmed
+/// and Wonka 2020, "Screen-space blue-noise diffusion of Monte Carlo sampling error via hierarchical ordering
+/// of pixels". More points than 32 bits can number give each pixel its own sequence.
+FN void tile_pair(uint pixel, uint index, uint bits, uint pair, PRIVATE float* u, PRIVATE float* v) {
+  const bool together = bits + 2u * TILE_LEVELS <= 32u;
+  const uint place = pixel & TILE_PLACE;
+  const uint sequence = together ? pixel & ~TILE_PLACE : pixel;
+  sobol_pair(sequence, index | (together ? place << (bits & 31u) : 0u), pair, u, v);
+}
+
+FN void independent_pair(uint pixel, uint index, uint pair, PRIVATE float* u, PRIVATE float* v) {
+  uint a = hash_uint(pair_seed(pixel, pair) + index * 0x85ebca6bu);
+  *u = unit_float(a);
+  *v = unit_float(hash_uint(a ^ 0x2c1b3c6du));
+}
+
+#if HAS(SAMPLERS)
+/// The i-th element of a random permutation of 0..n-1, by cycle walking (Kensler 2013).
+FN uint permute(uint i, uint n, uint seed) {
+  uint mask = n - 1u;
+  mask |= mask >> 1;
+  mask |= mask >> 2;
+  mask |= mask >> 4;
+  mask |= mask >> 8;
+  mask |= mask >> 16;
+  do {
+    i ^= seed;
+    i *= 0xe170893du;
+    i ^= seed >> 16;
+    i ^= (i & mask) >> 4;
+    i ^= seed >> 8;
+    i *= 0x0929eb3fu;
+    i ^= seed >> 23;
+    i ^= (i & mask) >> 1;
+    i *= 1u | seed >> 27;
+    i *= 0x6935fa69u;
+    i ^= (i & mask) >> 11;
+    i *= 0x74dcb303u;
+    i ^= (i & mask) >> 2;
+    i *= 0x9e501cc3u;
+    i ^= (i & mask) >> 2;
+    i *= 0xc860a3dfu;
+    i &= mask;
+    i ^= i >> 5;
+  } while (i >= n);
+  const uint shift = seed % n;  // i + seed may wrap around, which no longer permutes
+  return i < n - shift ? i + shift : i - (n - shift);
+}
+
+/// The columns of the most nearly square grid of n strata: its largest divisor that is at most sqrt(n).
+FN uint strata_columns(uint n) {
+  uint columns = (uint)SQRT((float)n);
+  while (columns > 1u && n % columns != 0u) columns--;
+  return columns;
+}
+
+/// Position `jitter` in [0, 1) of stratum `cell` of `count`: rounding must not push it into the next one.
+FN float in_stratum(uint cell, float jitter, uint count) {
+  const float below_next = BITS_FLOAT(FLOAT_BITS((float)(cell + 1u)) - 1u);
+  return min_f(min_f((float)cell + jitter, below_next) / (float)count, ONE_MINUS_EPSILON);
+}
+
+/// Jittered strata, the order of the strata a random permutation for each pixel and pair.
+FN void stratified_pair(uint pixel, uint index, uint pair, uint spp, PRIVATE float* u, PRIVATE float* v) {
+  uint seed = pair_seed(pixel, pair);
+  uint columns = strata_columns(spp);
+  uint rows = spp / columns;
+  uint cell = permute(index % spp, spp, seed);
+  float ju, jv;
+  independent_pair(pixel, index, pair, &ju, &jv);
+  *u = in_stratum(cell % columns, ju, columns);
+  *v = in_stratum(cell / columns, jv, rows);
+}
+
+/// The radical inverse of the index in a prime base.
+FN float radical_inverse(uint index, uint base) {
+  float inverse = 1.0f / (float)base, digit_weight = inverse, sum = 0.0f;
+  while (index > 0u) {
+    uint next = index / base;
+    sum += (float)(index - next * base) * digit_weight;
+    digit_weight *= inverse;
+    index = next;
+  }
+  return sum;
+}
+
+/// Halton points in the bases of the first pairs, each rotated by a random offset for each pixel (Cranley and
+/// Patterson 1976). Higher dimensions, where Halton points are strongly correlated, are independent.
+FN void halton_pair(uint pixel, uint index, uint pair, PRIVATE float* u, PRIVATE float* v) {
+  const uint primes[16] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53};
+  if (pair >= 8u) {
+    independent_pair(pixel, index, pair, u, v);
+    return;
+  }
+  float ru, rv;
+  independent_pair(pixel, 0u, pair, &ru, &rv);
+  float a = radical_inverse(index, primes[2u * pair]) + ru;
+  float b = radical_inverse(index, primes[2u * pair + 1u]) + rv;
+  *u = min_f(a >= 1.0f ? a - 1.0f : a, ONE_MINUS_EPSILON);
+  *v = min_f(b >= 1.0f ? b - 1.0f : b, ONE_MINUS_EPSILON);
+}
+#endif
+
+/// A dimension pair of which each sample of the pixel takes `times` points and asks for the nth: all of them
+/// are one sequence, and so spread as evenly as those of as many samples.
+typedef struct {
+  uint pair, times, nth;
+} Draw;
+
+FN Draw draw_once(uint pair) {
+  Draw draw;
+  draw.pair = pair;
+  draw.times = 1u;
+  draw.nth = 0u;
+  return draw;
+}
+
+FN Draw draw_nth(uint pair, int times, int nth) {
+  Draw draw;
+  draw.pair = pair;
+  draw.times = (uint)times;
+  draw.nth = (uint)nth;
+  return draw;
+}
+
+/// One pair of numbers for each of LANES paths, lanes `first`... of the block.
+FN void draw_pair(int sampler, uint spp, Draw draw, GLOBAL const int* RESTRICT ints, int capacity, int first,
+                  PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT v) {
+  const uint pair = draw.pair, times = draw.times, nth = draw.nth;
+  const uint points = spp > 0xffffffffu / times ? 0xffffffffu : spp * times;
+  GLOBAL const int* pixels = ints + PIXEL_HASH * capacity + first;
+  GLOBAL const int* samples = ints + SAMPLE_INDEX * capacity + first;
+#if HAS(SAMPLERS)
+  if (sampler == SAMPLER_STRATIFIED) {
+    for (int j = 0; j < LANES; j++)
+      stratified_pair((uint)pixels[j], (uint)samples[j] * times + nth, pair, points, &u[j], &v[j]);
+    return;
+  }
+  if (sampler == SAMPLER_HALTON) {
+    for (int j = 0; j < LANES; j++)
+      halton_pair((uint)pixels[j], (uint)samples[j] * times + nth, pair, &u[j], &v[j]);
+    return;
+  }
+  if (sampler == SAMPLER_INDEPENDENT) {
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++) {
+        float a, b;
+        independent_pair((uint)pixels[j], (uint)samples[j] * times + nth, pair, &a, &b);
+        u[j] = a;
+        v[j] = b;
+      }
+    return;
+  }
+#endif
+  const uint bits = point_bits(points);
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      float a, b;
+      tile_pair((uint)pixels[j], (uint)samples[j] * times + nth, bits, pair, &a, &b);
+      u[j] = a;
+      v[j] = b;
+    }
+}
+
+/// Whether a pixel's samples are two independent sequences, those of even and of odd index, so that each half
+/// can fit an alpha for the other.
+FN bool in_halves(const PRIVATE SceneHeader* h) { return HAS(POLYGONS) && h->estimator == ESTIMATOR_AUTO; }
+
+/// Samples of a pixel in one sequence.
+FN uint sequence_length(const PRIVATE SceneHeader* h) {
+  return in_halves(h) ? h->spp / 2u + h->spp % 2u : h->spp;
+}
+
+/// Dimension pair 0 is the position on the film; step s uses pairs 1 + s DRAWS / 2 ...
+FN uint step_pair(int step) { return 1u + (uint)step * (DRAWS / 2u); }
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,80 @@
+// What comes from workers, and from watchers of an interactive render.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "kernels/host/sample_buffer.h"
+#include "kernels/host/view.h"
+#include "scheduler/watch/watch_board.h"
+#include "scheduler/plan/work_unit.h"
+#include "worker/device.h"
+
+namespace penumbra {
+
+/// The first arrival of a worker is Connected, the last is Gone. Texts are UTF-8 and of bounded length.
+namespace arrivals {
+
+struct Connected {
+  WorkerId worker;
+  std::string host;
+  int pid;                ///< as it says: for people
+  std::string key;        ///< what it shows of who it is, see WorkerProcesses::claim
+  std::string peer;       ///< where it is connected from, for people
+  std::vector<Isa> isas;  ///< instruction sets that it says it has, ascending
+};
+struct Compiling {  ///< kernels, before it is ready
+  WorkerId worker;
+  std::string device;  ///< for people
+};
+struct Ready {
+  WorkerId worker;
+  std::string device;  ///< for people
+  DevicePreparation preparation;
+};
+struct Beat {  ///< the worker is alive
+  WorkerId worker;
+  std::uint64_t parts;  ///< of units that it has done so far
+};
+struct JobFailed {  ///< the worker cannot do this job at all
+  WorkerId worker;
+  std::string message;
+};
+struct Result {  ///< checked: its size is the unit's, its checksum is right
+  WorkerId worker;
+  UnitId unit;
+  SampleBuffer buffer;
+  std::uint64_t hash;  ///< equal for results of equal content
+  double busy_seconds;
+  std::uint64_t peak_memory_bytes;
+};
+struct BadResult {
+  WorkerId worker;
+  UnitId unit;
+  std::string why;
+};
+struct UnitFailed {
+  WorkerId worker;
+  UnitId unit;
+  std::string message;
+};
+struct Gone {
+  WorkerId worker;
+};
+struct ViewChanged {  ///< by a watcher; numbers only grow
+  WatchView view;
+};
+struct SamplesWanted {  ///< by a watcher: so many of each pixel of the view
+  std::uint32_t view;
+  std::uint32_t spp;
+};
+
+}  // namespace arrivals
+
+using Arrival = std::variant<arrivals::Connected, arrivals::Compiling, arrivals::Ready, arrivals::Beat,
+                             arrivals::JobFailed, arrivals::Result, arrivals::BadResult, arrivals::UnitFailed,
+                             arrivals::Gone, arrivals::ViewChanged, arrivals::SamplesWanted>;
+
+}  // namespace penumbra

@@ -1,0 +1,171 @@
+#include "scheduler/farm/farm_service.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "scheduler/protocol/text.h"
+#include "scheduler/watch/watch_wire.h"
+
+namespace penumbra {
+namespace {
+
+// How often a watcher that has seen everything looks whether it is still there.
+constexpr std::chrono::milliseconds kWatchInterval{500};
+constexpr std::size_t kLongestKey = 64;
+
+/// Sets that this scheduler does not know are left out.
+std::vector<Isa> isas_of(const wire::Hello& hello) {
+  std::vector<Isa> isas;
+  for (const Isa isa : {Isa::kSse2, Isa::kAvx2, Isa::kAvx512})
+    if (std::ranges::find(hello.isas(), int(encode(isa))) != hello.isas().end()) isas.push_back(isa);
+  return isas;
+}
+
+/// Hands on what a worker says until its stream ends, or until it says what it may not.
+grpc::Status read_all(WorkerConnection::Stream& stream, WorkerConnection& connection,
+                      Mailbox<Arrival>& mailbox) {
+  wire::WorkerMessage message;
+  while (stream.Read(&message)) {
+    auto understood = connection.understand(message);
+    if (!understood) return {grpc::StatusCode::INVALID_ARGUMENT, understood.error().message};
+    if (auto* arrival = std::get_if<Arrival>(&*understood)) mailbox.put(std::move(*arrival));
+  }
+  return grpc::Status::OK;
+}
+
+}  // namespace
+
+// --- What all doors lead to
+
+void Farm::add_asset(std::string hash, std::vector<std::uint8_t> bytes) {
+  const std::lock_guard lock(mutex_);
+  assets_[std::move(hash)] = std::make_shared<const std::vector<std::uint8_t>>(std::move(bytes));
+}
+
+std::shared_ptr<const std::vector<std::uint8_t>> Farm::asset(const std::string& hash) {
+  const std::lock_guard lock(mutex_);
+  const auto found = assets_.find(hash);
+  return found == assets_.end() ? nullptr : found->second;
+}
+
+std::pair<WorkerId, std::shared_ptr<WorkerConnection>> Farm::open() {
+  const std::lock_guard lock(mutex_);
+  const WorkerId worker = next_worker_++;
+  return {worker, connections_[worker] = std::make_shared<WorkerConnection>(worker)};
+}
+
+void Farm::close(WorkerId worker) {
+  const std::lock_guard lock(mutex_);
+  connections_.erase(worker);
+}
+
+std::shared_ptr<WorkerConnection> Farm::connection(WorkerId worker) {
+  const std::lock_guard lock(mutex_);
+  const auto found = connections_.find(worker);
+  return found == connections_.end() ? nullptr : found->second;
+}
+
+std::vector<std::shared_ptr<WorkerConnection>> Farm::all_connections() {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::shared_ptr<WorkerConnection>> all;
+  for (const auto& [worker, connection] : connections_) all.push_back(connection);
+  return all;
+}
+
+std::uint32_t Farm::change_view(const View& view) {
+  const std::lock_guard lock(view_mutex_);  // so that numbers arrive in order
+  mailbox.put(arrivals::ViewChanged{{++last_view_, view}});
+  return last_view_;
+}
+
+// --- The calls
+
+grpc::Status FarmService::Work(grpc::ServerContext* context, WorkerConnection::Stream* stream) {
+  called(*context);
+  wire::WorkerMessage message;
+  if (!stream->Read(&message)) return grpc::Status::OK;
+  if (!message.has_hello())
+    return {grpc::StatusCode::INVALID_ARGUMENT, "the first message of a worker must be Hello"};
+  const wire::Hello hello = message.hello();
+  if (const std::string mismatch = version_mismatch(hello.protocol_version(), "worker"); !mismatch.empty()) {
+    wire::SchedulerMessage refusal;
+    refusal.mutable_refused()->set_reason(mismatch);
+    stream->Write(refusal);
+    return {grpc::StatusCode::FAILED_PRECONDITION, mismatch};
+  }
+
+  const auto [worker, connection] = farm_.open();
+  farm_.mailbox.put(arrivals::Connected{.worker = worker,
+                                        .host = wire_text(hello.host(), kLongestName),
+                                        .pid = hello.pid(),
+                                        .key = wire_text(hello.key(), kLongestKey),
+                                        .peer = context->peer(),
+                                        .isas = isas_of(hello)});
+  std::thread writer([&, held = connection] { held->write_to(*stream, *context); });
+  const grpc::Status status = read_all(*stream, *connection, farm_.mailbox);
+  connection->close();
+  // It cannot be told why if it does not read what it was sent before.
+  if (!connection->wait_until_written()) context->TryCancel();
+  writer.join();
+  farm_.close(worker);
+  farm_.mailbox.put(arrivals::Gone{worker});
+  return status;
+}
+
+grpc::Status FarmService::Asset(grpc::ServerContext* context, const wire::AssetRequest* request,
+                                grpc::ServerWriter<wire::AssetChunk>* writer) {
+  called(*context);
+  const std::shared_ptr<const std::vector<std::uint8_t>> bytes = farm_.asset(request->hash());
+  if (bytes == nullptr)
+    return {grpc::StatusCode::NOT_FOUND,
+            fmt::format("there is no asset '{}'", wire_text(request->hash(), kLongestName))};
+  wire::AssetChunk chunk;
+  for (std::size_t at = 0; at < bytes->size(); at += kAssetChunkBytes) {
+    chunk.set_data(bytes->data() + at, std::min(kAssetChunkBytes, bytes->size() - at));
+    if (!writer->Write(chunk)) return grpc::Status::CANCELLED;
+  }
+  return grpc::Status::OK;
+}
+
+grpc::Status FarmService::Watch(grpc::ServerContext* context, const wire::WatchRequest* request,
+                                grpc::ServerWriter<wire::WatchEvent>* writer) {
+  called(*context);
+  if (const std::string mismatch = version_mismatch(request->protocol_version(), "window");
+      !mismatch.empty()) {
+    wire::WatchEvent refusal;
+    refusal.mutable_refused()->set_reason(mismatch);
+    writer->Write(refusal);
+    return {grpc::StatusCode::FAILED_PRECONDITION, mismatch};
+  }
+  WatchBoard::Watcher watcher(farm_.board);
+  std::optional<WatchedJob> job;
+  while (!job && !watcher.at_end() && !context->IsCancelled()) job = watcher.job(kWatchInterval);
+  if (!job || !writer->Write(encode(*job))) return grpc::Status::CANCELLED;
+  // Write waits while the watcher is slow; meanwhile the board keeps only what is newest.
+  while (!watcher.at_end() && !context->IsCancelled()) {
+    const std::optional<WatchItem> item = watcher.next(kWatchInterval);
+    if (item && !writer->Write(encode(*item))) return grpc::Status::CANCELLED;
+  }
+  return grpc::Status::OK;
+}
+
+grpc::Status FarmService::Control(grpc::ServerContext* context, const wire::ControlRequest* request,
+                                  wire::ControlReply* reply) {
+  called(*context);
+  if (!farm_.interactive)
+    return {grpc::StatusCode::FAILED_PRECONDITION, "this render goes its own way: it can be watched only"};
+  if (request->has_want_samples()) {
+    farm_.mailbox.put(arrivals::SamplesWanted{request->want_samples().view(), request->want_samples().spp()});
+    return grpc::Status::OK;
+  }
+  if (!request->has_change_view())
+    return {grpc::StatusCode::INVALID_ARGUMENT, "a request that this scheduler does not know"};
+  const Expected<View> view = decode(request->change_view());
+  if (!view) return {grpc::StatusCode::INVALID_ARGUMENT, view.error().message};
+  reply->set_view(farm_.change_view(*view));
+  return grpc::Status::OK;
+}
+
+}  // namespace penumbra

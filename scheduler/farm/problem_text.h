@@ -1,0 +1,29 @@
+// What went wrong during a render, in words for its user.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "scheduler/plan/plan.h"
+#include "worker/device.h"
+
+namespace penumbra {
+
+using WorkerName = std::function<std::string(WorkerId)>;  ///< e.g. "render1:4711"
+
+/// "the tile of 64 x 64 pixels at (128, 0), samples 16 to 31"; an empty unit stands for one that the job does
+/// not have.
+std::string unit_text(const RenderUnit& unit);
+
+/// Why the plan sent a worker away. `detail` is what the worker or its result said, or empty.
+std::string dismissal_text(const DismissWorker& order, const RenderUnit& unit, const std::string& detail,
+                           const WorkerName& name);
+
+/// Which worker is waited for, and how long that may go on.
+std::string overdue_text(const Overdue& order, const RenderUnit& unit, const WorkerName& name);
+
+/// Which unit is missing in the image, at whose hands, and the command that repeats it. `detail` as above.
+std::string set_aside_text(const SetAside& order, const RenderUnit& unit, const std::string& detail,
+                           const std::string& reproduce_command, const WorkerName& name);
+
+}  // namespace penumbra

@@ -1,0 +1,89 @@
+// One image to render with local worker processes, and what came of it: the seam between the command line and
+// the scheduler proper.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kernels/host/device_scene.h"
+#include "kernels/host/error.h"
+#include "scheduler/plan/film_accumulator.h"
+#include "scheduler/plan/plan.h"
+#include "worker/device.h"
+
+namespace penumbra {
+
+struct RenderJob {
+  DeviceScene scene;
+  int x = 0, y = 0, width = 0, height = 0;  ///< film rectangle to render
+  std::uint32_t spp = 16;
+  std::uint32_t samples_per_pass = 16;  ///< the image depends on it, see FilmAccumulator
+  int tile = 64;                        ///< the image does not depend on it
+  int workers = 1;                      ///< local worker processes
+  DeviceOptions device;
+  std::string worker_executable;  ///< path of penumbra-worker
+  std::string reproduce_command;  ///< the `penumbra render` command without a crop, quoted for a shell; a
+                                  ///< failed unit is named with it plus `--crop x0,y0,x1,y1`
+  std::optional<double>
+      time_budget;   ///< seconds of rendering after which no further pass is begun; the first
+                     ///< pass is always rendered, and an image that ends so counts as complete
+  LeaseRule leases;  ///< when a worker counts as hung
+
+  // For those who watch.
+  std::string title;                ///< the scene file
+  std::string integrator;           ///< its name
+  double center[3] = {0, 0, 0};     ///< of the scene in world space
+  std::string listen = {};          ///< another address to be reached at, see ListenOptions::more
+  std::string tev = {};             ///< address of a tev that shows the render, see parse_tev_address
+  bool tells_how_to_watch = false;  ///< in the first notices of RenderProgress
+  /// Watchers choose camera and samples: nothing is rendered until one of them wants samples, at most `spp`,
+  /// and the render ends only with `stop`.
+  bool interactive = false;
+};
+
+struct WorkerShare {
+  std::string name;  ///< host:pid
+  std::string device;
+  std::uint64_t units = 0;
+  std::uint64_t samples = 0;
+  double busy_seconds = 0;  ///< inside Device::render
+  std::uint64_t peak_memory_bytes = 0;
+  std::optional<KernelOrigin> kernels;  ///< nothing where they were compiled with the worker
+  std::string ended;                    ///< empty, or why it was lost
+};
+
+struct RenderProgress {
+  std::uint64_t samples_done = 0, samples_total = 0;
+  double elapsed_seconds = 0;
+  double relative_error = 0;  ///< see FilmAccumulator; NaN before it is known
+  int workers = 0;            ///< connected
+  /// What has happened since the last call, such as a compile, a line each.
+  std::vector<std::string> notices = {};
+};
+
+struct RenderOutcome {
+  FilmAccumulator film;
+  bool complete = false;
+  std::vector<std::string> problems;  ///< every failed unit, lost worker, rejected result, in plain words
+  std::vector<WorkerShare> workers;
+  std::uint64_t units_done = 0, units_duplicated = 0, units_requeued = 0;
+  std::uint64_t units_set_aside = 0;  ///< missing in the film, maybe before others that are not
+  std::uint32_t passes_finished = 0, passes_total = 0;  ///< merged in every tile; asked for
+  double seconds_to_ready = 0;       ///< from the call until the first worker has the scene and its kernels
+  double seconds_to_first_tile = 0;  ///< from the call
+  double seconds_to_last_tile = 0;   ///< from the call until the last result is merged
+  double seconds = 0;
+};
+
+/// Renders with `job.workers` child processes over a Unix socket in a private directory. Blocks until the
+/// image is complete, `stop` becomes true (the outcome then holds what is merged), or nothing can go on. All
+/// children are reaped before it returns. `on_progress` (which may be empty) is called a few times a second
+/// from the calling thread. Fails if the job makes no sense, or if no worker could be started or do the job.
+Expected<RenderOutcome> run_render(const RenderJob& job, const std::atomic<bool>& stop,
+                                   const std::function<void(const RenderProgress&)>& on_progress);
+
+}  // namespace penumbra

@@ -1,0 +1,58 @@
+#include "scheduler/farm/render_job_check.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdint>
+
+#include "scheduler/protocol/wire.h"
+#include "scheduler/plan/render_memory.h"
+
+namespace penumbra {
+namespace {
+
+constexpr std::uint64_t kMostTiles = std::uint64_t(1) << 22;
+
+}  // namespace
+
+Expected<void> check_render_job(const RenderJob& job) {
+  const auto within = [](int from, int size, int limit) {
+    return from >= 0 && size >= 1 && size <= limit - from;
+  };
+  if (!within(job.x, job.width, job.scene.header.film_width) ||
+      !within(job.y, job.height, job.scene.header.film_height)) {
+    return fail(fmt::format(
+        "the rectangle of {} x {} pixels at ({}, {}) is empty or not inside the film of {} x {}", job.width,
+        job.height, job.x, job.y, job.scene.header.film_width, job.scene.header.film_height));
+  }
+  if (job.tile < 1 || job.tile > kMaxTile) {
+    return fail(fmt::format("tiles of {} pixels; 1 to {} are possible", job.tile, kMaxTile));
+  }
+  const auto across = [&](int size) { return (std::uint64_t(size) + job.tile - 1) / job.tile; };
+  if (across(job.width) * across(job.height) > kMostTiles) {
+    return fail(
+        fmt::format("tiles of {} pixels cut {} x {} pixels into more than {} pieces; take larger tiles",
+                    job.tile, job.width, job.height, kMostTiles));
+  }
+  const std::uint64_t bytes_per_pixel =
+      pixel_memory(plane_count(job.scene.header.features)).peak(!job.interactive);
+  // No overflow: each side is an int.
+  const double bytes = double(job.width) * double(job.height) * double(bytes_per_pixel);
+  const std::uint64_t memory = std::uint64_t(sysconf(_SC_PHYS_PAGES)) * std::uint64_t(sysconf(_SC_PAGESIZE));
+  if (bytes > double(memory)) {
+    return fail(
+        fmt::format("{} x {} pixels need {:.1f} GB, {} bytes each for their statistics, layers and files; "
+                    "this machine has {:.1f} GB. Render the image in several crops, or without layers "
+                    "(--no-features)",
+                    job.width, job.height, bytes * 1e-9, bytes_per_pixel, double(memory) * 1e-9));
+  }
+  if (job.spp < 1) return fail("0 samples per pixel; at least 1 is needed");
+  if (job.samples_per_pass < 1 || job.samples_per_pass > kMaxSamplesPerUnit) {
+    return fail(
+        fmt::format("passes of {} samples; 1 to {} are possible", job.samples_per_pass, kMaxSamplesPerUnit));
+  }
+  if (job.workers < 1) return fail(fmt::format("{} workers; at least 1 is needed", job.workers));
+  return {};
+}
+
+}  // namespace penumbra

@@ -1,0 +1,157 @@
+#include "scheduler/farm/server.h"
+
+#include <fmt/format.h>
+#include <grpcpp/resource_quota.h>
+#include <grpcpp/server_builder.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "scheduler/farm/farm_service.h"
+#include "scheduler/protocol/wire.h"
+
+namespace penumbra {
+namespace {
+
+// For calls that are about to end when the server does.
+constexpr std::chrono::milliseconds kTimeToEnd{300};
+constexpr std::size_t kRoomForTexts = std::size_t(1) << 20;
+
+// Of the door for everybody. A window has three calls at a time, a worker two; each takes a thread.
+constexpr int kMostCalls = 8;  // of a connection
+constexpr int kMostThreads = 256;
+constexpr int kHandshakeMilliseconds = 10'000, kIdleMilliseconds = 300'000;
+constexpr int kLookaheadBytes = 1 << 20;  // of a message that nobody may have asked for
+
+void set_what_holds_for_all(grpc::ServerBuilder& builder, const ListenOptions& options) {
+  const std::size_t largest = std::min(options.largest_result + kRoomForTexts, std::size_t(kMaxMessageBytes));
+  builder.SetMaxReceiveMessageSize(int(largest));
+  // Samples hardly shrink, and what is small on the wire may be large behind it.
+  for (const grpc_compression_algorithm algorithm : {GRPC_COMPRESS_DEFLATE, GRPC_COMPRESS_GZIP})
+    builder.SetCompressionAlgorithmSupportStatus(algorithm, false);
+  builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
+}
+
+}  // namespace
+
+struct Server::State {
+  State(WatchBoard& board, bool interactive) : farm(board, interactive) {}
+
+  Farm farm;
+  Tokens tokens;
+  std::string more_address;
+  // The door for everybody is a server of its own, with threads of its own: it is the only one that may be
+  // crowded.
+  std::unique_ptr<Acceptor> acceptor;
+  std::unique_ptr<FarmService> own_service, more_service;
+  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> taker;
+  std::unique_ptr<grpc::Server> own_server, more_server;
+};
+
+Server::Server(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+Expected<void> Server::listen_for_own(const ListenOptions& options) {
+  state_->own_service = std::make_unique<FarmService>(state_->farm);
+  grpc::ServerBuilder builder;
+  set_what_holds_for_all(builder, options);
+  builder.AddListeningPort(options.address, grpc::InsecureServerCredentials());
+  builder.RegisterService(state_->own_service.get());
+  state_->own_server = builder.BuildAndStart();
+  if (state_->own_server == nullptr)
+    return fail(fmt::format("cannot listen on {}; GRPC_VERBOSITY=error says why", options.address));
+  return {};
+}
+
+Expected<void> Server::listen_for_all(const ListenOptions& options) {
+  Expected<std::unique_ptr<Acceptor>> acceptor = Acceptor::listen(options.more, options.limits);
+  if (!acceptor) return std::unexpected(acceptor.error());
+  state_->acceptor = std::move(*acceptor);
+  state_->more_address = state_->acceptor->address();
+  std::shared_ptr<grpc::ServerCredentials> credentials = grpc::InsecureServerCredentials();
+  if (is_tcp(options.more)) {
+    state_->tokens = {.watch = make_token(), .work = make_token()};
+    credentials = token_credentials(state_->tokens);
+  }
+  state_->more_service = std::make_unique<FarmService>(
+      state_->farm, [door = state_->acceptor.get()](const std::string& peer) { door->admit(peer); });
+
+  grpc::ServerBuilder builder;
+  set_what_holds_for_all(builder, options);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMostCalls);
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMilliseconds);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, kIdleMilliseconds);
+  // Else a fast sender gets ever more room before anybody reads.
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, kLookaheadBytes);
+  builder.SetResourceQuota(grpc::ResourceQuota("more").SetMaxThreads(kMostThreads));
+  state_->taker = builder.experimental().AddExternalConnectionAcceptor(
+      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials);
+  builder.RegisterService(state_->more_service.get());
+  state_->more_server = builder.BuildAndStart();
+  if (state_->more_server == nullptr)
+    return fail(fmt::format("cannot listen on {}; GRPC_VERBOSITY=error says why", options.more));
+  state_->acceptor->start([taker = state_->taker.get()](int descriptor, int listener) {
+    grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
+    connection.fd = descriptor;
+    connection.listener_fd = listener;
+    taker->HandleNewConnection(&connection);
+  });
+  return {};
+}
+
+Expected<std::unique_ptr<Server>> Server::listen(const ListenOptions& options, WatchBoard& board) {
+  raise_descriptor_limit();
+  std::unique_ptr<Server> server(new Server(std::make_unique<State>(board, options.interactive)));
+  Expected<void> listens = server->listen_for_own(options);
+  if (listens && !options.more.empty()) listens = server->listen_for_all(options);
+  if (!listens) return std::unexpected(listens.error());
+  return server;
+}
+
+const std::string& Server::more_address() const { return state_->more_address; }
+const Tokens& Server::tokens() const { return state_->tokens; }
+
+Server::~Server() {
+  state_->farm.mailbox.close();
+  for (const auto& connection : state_->farm.all_connections()) connection->dismiss("the render is over");
+  if (state_->acceptor) state_->acceptor->stop();
+  // A watcher's call that is cancelled may lose what was written last.
+  const auto deadline = std::chrono::system_clock::now() + kTimeToEnd;
+  for (const auto& server : {state_->more_server.get(), state_->own_server.get()}) {
+    if (server == nullptr) continue;
+    server->Shutdown(deadline);
+    server->Wait();
+  }
+}
+
+std::string Server::add_asset(std::vector<std::uint8_t> bytes) {
+  std::string hash = content_hash(bytes);
+  state_->farm.add_asset(hash, std::move(bytes));
+  return hash;
+}
+
+void Server::send_job(WorkerId worker, const std::string& scene_hash, const DeviceOptions& device) {
+  if (const auto connection = state_->farm.connection(worker)) connection->send_job(scene_hash, device);
+}
+
+void Server::send_unit(WorkerId worker, const UnitId& id, const RenderUnit& unit, int planes) {
+  if (const auto connection = state_->farm.connection(worker)) connection->send_unit(id, unit, planes);
+}
+
+void Server::send_view(WorkerId worker, const WatchView& view) {
+  if (const auto connection = state_->farm.connection(worker)) connection->send_view(view);
+}
+
+void Server::dismiss(WorkerId worker, const std::string& reason) {
+  if (const auto connection = state_->farm.connection(worker)) connection->dismiss(reason);
+}
+
+void Server::refuse(WorkerId worker, const std::string& reason) {
+  if (const auto connection = state_->farm.connection(worker)) connection->refuse(reason);
+}
+
+std::optional<Arrival> Server::next(std::chrono::milliseconds patience) {
+  return state_->farm.mailbox.take(patience);
+}
+
+}  // namespace penumbra

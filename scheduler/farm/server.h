@@ -1,0 +1,73 @@
+// The scheduler's end of the wire: accepts workers, hands what they say to one consumer, sends them jobs and
+// units.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kernels/host/error.h"
+#include "scheduler/farm/acceptor.h"
+#include "scheduler/farm/access.h"
+#include "scheduler/farm/arrivals.h"
+#include "scheduler/watch/watch_board.h"
+#include "scheduler/plan/work_unit.h"
+#include "worker/device.h"
+
+namespace penumbra {
+
+struct ListenOptions {
+  std::string address;  ///< of this scheduler's own workers, e.g. "unix:/run/user/1000/penumbra-x/socket"
+  /// Another one, for everybody: "unix:/path", or "127.0.0.1:port" (also "[::1]:port"), port 0 for any that
+  /// is free, where a token is asked for. However many come there, and whatever they do, own workers get
+  /// through.
+  std::string more = {};
+  /// Bytes of the largest unit's samples: larger messages are not taken.
+  std::size_t largest_result = std::size_t(1) << 20;
+  AcceptorLimits limits = {};  ///< of `more`
+  bool interactive = false;    ///< takes Control
+};
+
+/// Threads for each connected worker read, check, decode and write; `next` gives the arrivals to the one
+/// thread that drives the plan. Sending to a worker that is gone does nothing: its Gone is on the way.
+class Server {
+ public:
+  /// Watchers see the board. Errors: an address that is taken, makes no sense, or is of other hosts too,
+  /// which would need encryption.
+  static Expected<std::unique_ptr<Server>> listen(const ListenOptions& options, WatchBoard& board);
+  /// Dismisses those who are left, breaks all streams that do not end very soon, and waits for the threads.
+  ~Server();
+
+  /// Where `ListenOptions::more` can be reached, with the port that was chosen; empty if there was none.
+  [[nodiscard]] const std::string& more_address() const;
+  /// What those must know who come over TCP; empty if there are none.
+  [[nodiscard]] const Tokens& tokens() const;
+
+  /// Offers data to workers; the result is its content hash.
+  std::string add_asset(std::vector<std::uint8_t> bytes);
+  void send_job(WorkerId worker, const std::string& scene_hash, const DeviceOptions& device);
+  /// `planes`: how many the result must have, see SampleBuffer.
+  void send_unit(WorkerId worker, const UnitId& id, const RenderUnit& unit, int planes);
+  /// Another camera for the units that follow; those of older views are dropped by the worker, and their
+  /// results here.
+  void send_view(WorkerId worker, const WatchView& view);
+  /// Nothing that it says afterwards is heard.
+  void dismiss(WorkerId worker, const std::string& reason);
+  /// Sends a worker away that cannot do the job; it says the reason to its user and fails.
+  void refuse(WorkerId worker, const std::string& reason);
+
+  /// The next arrival, waiting for it at most so long.
+  std::optional<Arrival> next(std::chrono::milliseconds patience);
+
+ private:
+  struct State;
+  explicit Server(std::unique_ptr<State> state);
+  Expected<void> listen_for_own(const ListenOptions& options);
+  Expected<void> listen_for_all(const ListenOptions& options);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,79 @@
+// One worker's stream, as the scheduler keeps it: what it may say and when, what is on its way to it.
+#pragma once
+
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/sync_stream.h>
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "scheduler/farm/arrivals.h"
+#include "scheduler/protocol/wire.h"
+
+namespace penumbra {
+
+constexpr std::uint32_t kJob = 1;  // one job a run, so far
+
+/// One thread reads the stream and asks here what a message means, another one writes what is sent from any
+/// thread. So nobody waits for a worker that does not read.
+class WorkerConnection {
+ public:
+  using Stream = grpc::ServerReaderWriter<wire::SchedulerMessage, wire::WorkerMessage>;
+
+  explicit WorkerConnection(WorkerId worker) : worker_(worker) {}
+
+  // --- To the worker; nothing after the first farewell
+
+  void send_job(const std::string& scene_hash, const DeviceOptions& device);
+  void send_unit(const UnitId& id, const RenderUnit& unit, int planes);
+  /// Units of older views that have not left yet need not.
+  void send_view(const WatchView& view);
+  void dismiss(const std::string& reason);
+  void refuse(const std::string& reason);
+
+  /// Writes until `close`, or until the stream is broken. A worker that stays after a farewell is cut off.
+  void write_to(Stream& stream, grpc::ServerContext& context);
+  /// Nothing is to be written any more.
+  void close();
+  /// Whether `write_to` has come back, within a moment.
+  bool wait_until_written();
+
+  // --- From the worker
+
+  struct Nothing {};  ///< it is too late for that: of an older view, or from one that has been sent away
+  /// What a message after Hello means; or what is wrong about it, and ends the connection.
+  Expected<std::variant<Nothing, Arrival>> understand(const wire::WorkerMessage& message);
+  /// The scheduler, or the worker itself, has said that this is over.
+  [[nodiscard]] bool has_ended() const;
+
+ private:
+  struct Expectation {
+    RenderUnit unit;
+    int planes = 0;
+  };
+
+  void send(wire::SchedulerMessage message);
+  void write_all(Stream& stream, grpc::ServerContext& context);
+  void send_farewell(wire::SchedulerMessage message);
+  bool is_outdated(const wire::UnitId& id) const;
+  std::optional<Expectation> fulfil(const UnitId& id);
+  Arrival decode_result(const wire::UnitResult& message);
+  Arrival decode_failure(const wire::UnitFailed& message);
+
+  const WorkerId worker_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<wire::SchedulerMessage> outbox_;
+  std::map<UnitId, Expectation> expected_;
+  std::uint32_t view_ = 0;
+  bool said_ready_ = false, said_failed_ = false, sent_away_ = false, closed_ = false, written_ = false;
+  int compiles_ = 0;
+};
+
+}  // namespace penumbra

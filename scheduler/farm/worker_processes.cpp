@@ -1,0 +1,90 @@
+#include "scheduler/farm/worker_processes.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "scheduler/farm/access.h"
+#include "scheduler/protocol/token.h"
+
+namespace penumbra {
+namespace {
+
+constexpr int kStartsInARow = 3;  // workers that end before they are ready; then no more are started
+// Deaths with no unit finished in between. A unit that kills its workers needs up to four of them to be found
+// out.
+constexpr int fruitless_deaths_allowed(int workers) { return 4 * workers + 4; }
+constexpr Seconds kTimeToBeReady = 300;  // from the start; it may have to compile kernels
+// Until it connects, and then without a beat, of which there should be one a second: for a machine that is
+// busy with other things. What takes longer than the other one is told.
+constexpr Seconds kTimeToBeHeardOf = 30, kPatience = 5;
+
+}  // namespace
+
+WorkerProcesses::WorkerProcesses(const std::string& executable, const std::string& address, int wanted)
+    : children_(executable, {"--connect", address}), wanted_(wanted) {}
+
+void WorkerProcesses::start_missing(Seconds now) {
+  while (int(children_.running().size()) < wanted_ && failed_starts_ < kStartsInARow &&
+         fruitless_deaths_ < fruitless_deaths_allowed(wanted_)) {
+    std::string key = make_token();
+    const Expected<pid_t> pid = children_.start({fmt::format("{}={}", kWorkerKeyVariable, key)});
+    if (pid) {
+      keys_[std::move(key)] = *pid;
+      starting_[*pid] = {.since = now, .heard_at = now};
+    } else {
+      problems_.push_back(pid.error().message);
+      failed_starts_ = kStartsInARow;  // trying again would not help
+    }
+  }
+}
+
+void WorkerProcesses::is_heard_of(int pid, Seconds now) {
+  const auto found = starting_.find(pid);
+  if (found == starting_.end()) return;
+  found->second.heard_at = now;
+  found->second.is_connected = true;
+  found->second.is_told = false;
+}
+
+/// Its end is noticed as that of any other.
+void WorkerProcesses::end_start(int pid, Start& start, Seconds now, const std::string& why) {
+  problems_.push_back(fmt::format("the worker process {} was ended: {}", pid, why));
+  children_.kill(pid);
+  start = {.since = now, .heard_at = now, .is_told = true};
+}
+
+std::vector<WorkerEnd> WorkerProcesses::look_after(Seconds now) {
+  for (auto& [pid, start] : starting_) {
+    const char* silence = start.is_connected ? "not heard of" : "not connected";
+    if (now - start.since >= kTimeToBeReady) {
+      end_start(pid, start, now, fmt::format("not ready after {} s", kTimeToBeReady));
+    } else if (now - start.heard_at >= kTimeToBeHeardOf) {
+      end_start(pid, start, now, fmt::format("{} for {} s", silence, kTimeToBeHeardOf));
+    } else if (!start.is_told && now - start.heard_at >= kPatience) {
+      start.is_told = true;
+      notices_.push_back(
+          fmt::format("waiting for the worker process {}, which is starting and was {} for {} s", pid,
+                      silence, kPatience));
+    }
+  }
+  std::vector<WorkerEnd> ends;
+  for (ChildExit& exit : children_.reap()) {
+    std::erase_if(keys_, [&](const auto& key) { return key.second == exit.pid; });
+    const bool was_starting = starting_.erase(exit.pid) > 0;
+    ++(was_starting ? failed_starts_ : fruitless_deaths_);
+    ends.push_back({std::move(exit), was_starting});
+  }
+  return ends;
+}
+
+std::vector<std::string> WorkerProcesses::take_notices() { return std::exchange(notices_, {}); }
+
+int WorkerProcesses::claim(const std::string& key) {
+  const auto found = keys_.extract(key);
+  return found ? found.mapped() : 0;
+}
+
+std::vector<std::string> WorkerProcesses::take_problems() { return std::exchange(problems_, {}); }
+
+}  // namespace penumbra

@@ -1,0 +1,63 @@
+// Keeps a number of local worker processes going: starts them, replaces those that end, ends those that hang.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scheduler/farm/child_processes.h"
+#include "scheduler/plan/plan.h"
+
+namespace penumbra {
+
+/// A worker process that ended.
+struct WorkerEnd {
+  ChildExit exit;
+  bool was_starting = false;  ///< it was never ready
+};
+
+/// All times are seconds of one monotonic clock. The rules of ChildProcesses about threads hold.
+class WorkerProcesses {
+ public:
+  /// `address`: of the scheduler that they connect to.
+  WorkerProcesses(const std::string& executable, const std::string& address, int wanted);
+
+  /// Starts what is missing, unless workers keep ending before they have done anything.
+  void start_missing(Seconds now);
+  /// A process that is not ready yet has shown that it is alive.
+  void is_heard_of(int pid, Seconds now);
+  /// Ends those that are not ready in time or not heard of, and says which processes have ended.
+  std::vector<WorkerEnd> look_after(Seconds now);
+  /// The process that was started with this key, which nobody else knows; 0 if there is none, or if somebody
+  /// has shown it before. What else a worker says of who it is is not believed.
+  int claim(const std::string& key);
+  /// The worker has said that it is ready.
+  void is_ready(int pid) { starting_.erase(pid); }
+  /// A unit has been finished: workers that end from here on have a fresh account.
+  void has_worked() { failed_starts_ = fruitless_deaths_ = 0; }
+  void kill(int pid) { children_.kill(pid); }
+  void stop_all() { children_.stop_all(); }
+  [[nodiscard]] bool any_left() const { return !children_.running().empty(); }
+  /// What could not be done, for people; each once.
+  [[nodiscard]] std::vector<std::string> take_problems();
+  /// What is waited for, likewise.
+  [[nodiscard]] std::vector<std::string> take_notices();
+
+ private:
+  struct Start;
+  void end_start(int pid, Start& start, Seconds now, const std::string& why);
+
+  ChildProcesses children_;
+  int wanted_;
+  struct Start {
+    Seconds since = 0, heard_at = 0;
+    bool is_connected = false, is_told = false;
+  };
+  std::map<int, Start> starting_;    // by pid: those that are not ready yet
+  std::map<std::string, int> keys_;  // not claimed yet, and whose they are
+  int failed_starts_ = 0, fruitless_deaths_ = 0;
+  std::vector<std::string> problems_, notices_;
+};
+
+}  // namespace penumbra

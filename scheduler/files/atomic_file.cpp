@@ -1,0 +1,135 @@
+#include "scheduler/files/atomic_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <string>
+#include <utility>
+
+#include "scheduler/files/file_target.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr mode_t kAllPermissions = 07777;
+
+/// A name beside `path` that no other process or thread uses.
+fs::path aside_name(const fs::path& path) {
+  static std::atomic<unsigned> counter{0};
+  return folder_of(path) / fmt::format(".{}.{}-{}.part", path.filename().string(), getpid(), counter++);
+}
+
+int create(const fs::path& name) { return open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); }
+
+/// False with errno set.
+bool write_all(int descriptor, std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = write(descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    bytes = bytes.subspan(std::size_t(written));
+  }
+  return true;
+}
+
+/// What cannot be flushed, as pipes and some file systems, is none the worse for it.
+bool flush(int descriptor) { return fsync(descriptor) == 0 || errno == EINVAL || errno == EROFS; }
+
+/// The first folder on the way up that there is.
+fs::path existing_folder(fs::path folder) {
+  std::error_code ignored;
+  while (!fs::exists(folder, ignored) && folder.has_relative_path()) folder = folder_of(folder);
+  return folder;
+}
+
+}  // namespace
+
+StagedFile::StagedFile(fs::path target, fs::path name) : target_(std::move(target)), name_(std::move(name)) {}
+
+StagedFile::StagedFile(StagedFile&& other) noexcept
+    : target_(std::move(other.target_)), name_(std::exchange(other.name_, {})) {}
+
+StagedFile::~StagedFile() {
+  if (!name_.empty()) unlink(name_.c_str());
+}
+
+Expected<StagedFile> StagedFile::write(const fs::path& target, std::span<const std::uint8_t> bytes) {
+  const fs::path name = aside_name(target);
+  const int descriptor = create(name);
+  if (descriptor < 0) return cannot_write(target, errno);
+  StagedFile staged(target, name);
+  struct stat old {};
+  if (stat(target.c_str(), &old) == 0) fchmod(descriptor, old.st_mode & kAllPermissions);
+  const bool written = write_all(descriptor, bytes) && flush(descriptor);
+  const int error = errno;
+  const bool closed = close(descriptor) == 0;
+  if (!written || !closed) return cannot_write(target, written ? errno : error);
+  return staged;
+}
+
+Expected<void> StagedFile::rename_into_place() {
+  if (rename(name_.c_str(), target_.c_str()) != 0) return cannot_write(target_, errno);
+  name_.clear();
+  return {};
+}
+
+Expected<void> write_directly(const FileTarget& target, std::span<const std::uint8_t> bytes) {
+  // Neither made nor cut off: it is there. Of a pipe this waits for the reader.
+  const int descriptor = target.kind == FileTarget::Kind::kDescriptor
+                             ? fcntl(target.descriptor, F_DUPFD_CLOEXEC, 0)
+                             : open(target.path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
+  if (descriptor < 0) return cannot_write(target.path, errno);
+  const bool written = write_all(descriptor, bytes);
+  const int error = errno;
+  const bool closed = close(descriptor) == 0;
+  if (!written || !closed) return cannot_write(target.path, written ? errno : error);
+  return {};
+}
+
+Expected<void> write_file_atomically(const fs::path& path, std::span<const std::uint8_t> bytes) {
+  const auto target = find_target(path);
+  if (!target) return std::unexpected(target.error());
+  if (target->kind != FileTarget::Kind::kFile) return write_directly(*target, bytes);
+  auto staged = StagedFile::write(target->path, bytes);
+  if (!staged) return std::unexpected(staged.error());
+  return staged->rename_into_place();
+}
+
+Expected<void> check_writable(const fs::path& path) {
+  const auto target = find_target(path);
+  if (!target) return std::unexpected(target.error());
+  if (target->kind != FileTarget::Kind::kFile) return {};
+  const fs::path folder = folder_of(target->path), existing = existing_folder(folder);
+  std::error_code ignored;
+  if (!fs::is_directory(existing, ignored))
+    return fail(fmt::format("cannot write {}: {} is not a folder", path.string(), existing.string()));
+  if (existing != folder) {
+    if (access(existing.c_str(), W_OK | X_OK) == 0) return {};
+    return fail(fmt::format("cannot write {}: no folder can be made in {}: {}", path.string(),
+                            existing.string(), std::generic_category().message(errno)));
+  }
+  const fs::path probe = aside_name(target->path);
+  const int descriptor = create(probe);
+  if (descriptor < 0) return cannot_write(path, errno);
+  close(descriptor);
+  unlink(probe.c_str());
+  return {};
+}
+
+Expected<void> make_folders(const fs::path& path) {
+  const auto target = find_target(path);
+  if (!target) return std::unexpected(target.error());
+  std::error_code error;
+  if (target->kind == FileTarget::Kind::kFile) fs::create_directories(folder_of(target->path), error);
+  if (!error) return {};
+  return fail(
+      fmt::format("cannot make the folder {}: {}", folder_of(target->path).string(), error.message()));
+}
+
+}  // namespace penumbra

@@ -1,0 +1,145 @@
+#include "scheduler/files/output_batch.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <thread>
+#include <utility>
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Folders that no other batch puts files into meanwhile. Where a file system has no locks, or somebody else
+/// holds one for long, it goes without.
+class FolderLocks {
+ public:
+  explicit FolderLocks(const std::vector<fs::path>& folders) {
+    std::map<std::pair<dev_t, ino_t>, int>
+        in_order;  // the same for everybody, so that nobody waits in a circle
+    for (const fs::path& folder : folders) {
+      const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+      struct stat status {};
+      if (descriptor < 0) continue;
+      descriptors_.push_back(descriptor);
+      if (fstat(descriptor, &status) == 0) in_order.try_emplace({status.st_dev, status.st_ino}, descriptor);
+    }
+    for (const auto& [identity, descriptor] : in_order) lock(descriptor);
+  }
+  FolderLocks(const FolderLocks&) = delete;
+  FolderLocks& operator=(const FolderLocks&) = delete;
+  ~FolderLocks() {
+    for (const int descriptor : descriptors_) close(descriptor);
+  }
+
+ private:
+  static void lock(int descriptor) {
+    constexpr std::chrono::seconds kPatience{10};
+    constexpr std::chrono::milliseconds kPause{5};
+    const auto end = std::chrono::steady_clock::now() + kPatience;
+    while (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && (errno == EWOULDBLOCK || errno == EINTR) &&
+           std::chrono::steady_clock::now() < end)
+      std::this_thread::sleep_for(kPause);
+  }
+
+  std::vector<int> descriptors_;
+};
+
+/// A new folder for what has no other place; where the first has no room, the next.
+std::vector<fs::path> rescue_folders() {
+  std::error_code error;
+  const fs::path preferred = fs::temp_directory_path(error);
+  std::vector<fs::path> parents;
+  for (const fs::path& parent :
+       {error ? fs::path("/tmp") : preferred, fs::path("/tmp"), fs::path("/var/tmp")})
+    if (std::ranges::find(parents, parent) == parents.end()) parents.push_back(parent);
+  return parents;
+}
+
+}  // namespace
+
+void OutputBatch::complain(const Error& error) { errors_ += (errors_.empty() ? "" : "\n") + error.message; }
+
+void OutputBatch::add(fs::path path, std::vector<std::uint8_t> bytes) {
+  Entry& entry = entries_.emplace_back();
+  entry.path = std::move(path);
+  entry.bytes = std::move(bytes);
+  const auto target = find_target(entry.path);
+  if (!target) return complain(target.error());
+  entry.target = *target;
+  if (target->kind != FileTarget::Kind::kFile) return;
+  auto staged = StagedFile::write(target->path, entry.bytes);
+  if (!staged) return complain(staged.error());
+  entry.staged.emplace(std::move(*staged));
+}
+
+/// None, if one could not be written aside: an old image beside a new report would belong to no run.
+void OutputBatch::put_in_place() {
+  if (!errors_.empty()) {
+    for (Entry& entry : entries_) entry.staged.reset();
+    return;
+  }
+  std::vector<fs::path> folders;
+  for (const Entry& entry : entries_)
+    if (entry.staged) folders.push_back(folder_of(entry.target.path));
+  const FolderLocks locks(folders);
+  for (Entry& entry : entries_) {
+    if (!entry.staged) continue;
+    const auto renamed = entry.staged->rename_into_place();
+    entry.written = renamed.has_value();
+    if (!renamed) complain(renamed.error());
+  }
+}
+
+void OutputBatch::write_directly() {
+  for (Entry& entry : entries_) {
+    if (entry.target.kind == FileTarget::Kind::kFile) continue;
+    const auto done = penumbra::write_directly(entry.target, entry.bytes);
+    entry.written = done.has_value();
+    if (!done) complain(done.error());
+  }
+}
+
+std::string OutputBatch::rescue() {
+  std::string places;
+  for (const fs::path& parent : rescue_folders()) {
+    if (std::ranges::all_of(entries_, &Entry::written)) break;
+    std::string folder = (parent / "penumbra-image-XXXXXX").string();
+    if (mkdtemp(folder.data()) == nullptr) continue;
+    for (Entry& entry : entries_) {
+      if (entry.written) continue;
+      const fs::path place = fs::path(folder) / entry.path.filename();
+      auto staged = StagedFile::write(place, entry.bytes);
+      if (!staged || fs::exists(place) || !staged->rename_into_place()) continue;
+      entry.written = true;
+      places += (places.empty() ? "" : ", ") + place.string();
+    }
+    rmdir(folder.c_str());  // if nothing came of it
+  }
+  std::string text = places.empty() ? "" : "; written instead: " + places;
+  std::string lost;
+  for (const Entry& entry : entries_)
+    if (!entry.written) lost += (lost.empty() ? "" : ", ") + entry.path.string();
+  if (!lost.empty()) text += "; lost, as there is no room in TMPDIR or /tmp either: " + lost;
+  return text;
+}
+
+Expected<void> OutputBatch::finish() {
+  put_in_place();
+  write_directly();
+  if (errors_.empty()) return {};
+  const std::string instead = rescue();
+  return fail(errors_ + instead);
+}
+
+}  // namespace penumbra

@@ -1,0 +1,55 @@
+#include "scheduler/files/output_check.h"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <system_error>
+#include <vector>
+
+#include "scheduler/files/atomic_file.h"
+#include "scheduler/files/file_target.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Equal for two paths of one file. Of a file that does not exist yet: its normal path.
+struct FileIdentity {
+  dev_t device = 0;
+  ino_t number = 0;
+  fs::path path;
+  bool operator==(const FileIdentity&) const = default;
+};
+
+FileIdentity identity_of(const fs::path& path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) == 0) return {status.st_dev, status.st_ino, {}};
+  std::error_code error;
+  const fs::path normal = fs::weakly_canonical(fs::absolute(path, error), error);
+  return {0, 0, error ? fs::absolute(path, error).lexically_normal() : normal};
+}
+
+}  // namespace
+
+Expected<void> check_outputs(std::span<const fs::path> outputs, std::span<const fs::path> inputs) {
+  std::vector<FileIdentity> read, written;
+  for (const fs::path& input : inputs) read.push_back(identity_of(input));
+  for (const fs::path& output : outputs) {
+    const auto target = find_target(output);
+    if (!target) return std::unexpected(target.error());
+    const FileIdentity identity = identity_of(target->path);
+    for (const FileIdentity& input : read)
+      if (input == identity)
+        return fail(fmt::format("{} is an input of this command; it is not overwritten", output.string()));
+    if (target->kind == FileTarget::Kind::kFile) {  // devices and pipes take one after the other
+      for (const FileIdentity& other : written)
+        if (other == identity) return fail(fmt::format("two outputs in one file: {}", output.string()));
+      written.push_back(identity);
+    }
+    if (const auto writable = check_writable(output); !writable) return writable;
+  }
+  return {};
+}
+
+}  // namespace penumbra

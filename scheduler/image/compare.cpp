@@ -1,0 +1,124 @@
+#include "scheduler/image/compare.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace penumbra {
+namespace {
+
+bool is_beauty(const std::string& layer) { return layer.empty() || layer == "beauty"; }
+
+/// Whether the values are signals for a display: what OpenImageIO says of a PNG or JPEG.
+bool is_display_image(const Image& image) {
+  const auto space = image.attribute("oiio:ColorSpace");
+  const std::string* name = space ? std::get_if<std::string>(&*space) : nullptr;
+  return name != nullptr && *name == "sRGB";
+}
+
+/// What kAuto means for these images, and why if it is nothing.
+std::pair<FlipKind, std::string> chosen_flip(const CompareImages& images, const CompareOptions& options) {
+  if (options.flip == FlipKind::kNone) return {FlipKind::kNone, "not asked for"};
+  if (options.flip != FlipKind::kAuto) return {options.flip, ""};
+  if (!is_beauty(options.layer)) return {FlipKind::kNone, "only for the beauty layer"};
+  const bool display = is_display_image(images.image);
+  if (is_display_image(images.reference) != display) {
+    return {FlipKind::kNone, "one image is linear and the other one sRGB"};
+  }
+  return {display ? FlipKind::kDisplay : FlipKind::kRadiance, ""};
+}
+
+Expected<void> add_flip(const CompareImages& images, const CompareOptions& options, Comparison& result) {
+  const auto [kind, why_not] = chosen_flip(images, options);
+  result.flip_left_out = why_not;
+  if (kind == FlipKind::kNone) return {};
+  auto flip = kind == FlipKind::kDisplay ? flip_of_display_images(result.pair, options.pixels_per_degree)
+                                         : flip_of_radiance(result.pair, options.pixels_per_degree);
+  if (!flip) return std::unexpected(flip.error());
+  result.flip = std::move(*flip);
+  return {};
+}
+
+/// From a file of its own, else from the image's layer, else empty. Errors: the file of its own does not fit.
+Expected<std::vector<float>> variance_of(const Image& image, const Image* variance,
+                                         const Comparison& result) {
+  if (variance != nullptr) return variance_image(*variance, result.pair, result.layer);
+  return variance_layer(image, result.pair, result.layer).value_or(std::vector<float>{});
+}
+
+/// Of the mean of both references; empty if only one of them has a variance.
+std::vector<float> variance_of_mean(const std::vector<float>& first, const std::vector<float>& second) {
+  if (first.empty() || second.empty()) return {};
+  std::vector<float> mean(first.size());
+  std::ranges::transform(first, second, mean.begin(), [](float a, float b) { return 0.25f * (a + b); });
+  return mean;
+}
+
+Expected<void> add_z_test(const CompareImages& images, const CompareOptions& options, Comparison& result) {
+  auto of_image = variance_of(images.image, images.variance, result);
+  if (!of_image) return fail("variance: " + of_image.error().message);
+  auto of_reference = variance_of(images.reference, images.reference_variance, result);
+  if (!of_reference) return fail("variance of the reference: " + of_reference.error().message);
+  if (images.second_reference != nullptr && images.reference_variance == nullptr) {
+    *of_reference = variance_of_mean(*of_reference, *variance_of(*images.second_reference, nullptr, result));
+  }
+  if (of_image->empty() && of_reference->empty()) {
+    result.z_test_left_out = "neither image has a variance";
+    return {};
+  }
+  auto test = z_test(result.pair, *of_image, *of_reference, options.z_test);
+  if (!test) return std::unexpected(test.error());
+  result.z_test = std::move(*test);
+  result.image_variance = std::move(*of_image);
+  result.reference_variance = std::move(*of_reference);
+  return {};
+}
+
+}  // namespace
+
+double Comparison::mean_ratio(std::size_t channel) const {
+  return image_mean.channels[channel] / reference_mean.channels[channel];
+}
+
+Expected<Comparison> compare_images(const CompareImages& images, const CompareOptions& options) {
+  auto pair = pair_images(images.image, images.reference, images.second_reference, options.layer);
+  if (!pair) return std::unexpected(pair.error());
+  Comparison result;
+  result.layer = is_beauty(options.layer) ? "beauty" : options.layer;
+  result.pair = std::move(*pair);
+  const ImagePair& p = result.pair;
+  result.epsilon = options.epsilon;
+  result.trimmed_pixels = trimmed_pixels(p);
+  result.image_mean = image_mean(p);
+  result.reference_mean = reference_mean(p);
+  result.bias = bias(p);
+  result.relative_bias = relative_bias(p);
+  result.mse = mean_squared_error(p);
+  result.relative_mse = relative_mse(p, options.epsilon);
+  result.trimmed_relative_mse = trimmed_relative_mse(p, options.epsilon);
+  result.block_relative_mse = block_relative_mse(p, options.epsilon);
+  result.mape = mean_absolute_percentage_error(p, options.epsilon);
+  result.smape = symmetric_mean_absolute_percentage_error(p, options.epsilon);
+  result.psnr = peak_signal_to_noise_ratio(p);
+  result.largest = largest_differences(p);
+  result.largest_at = largest_difference(p);
+  if (const auto added = add_flip(images, options, result); !added) return std::unexpected(added.error());
+  if (const auto added = add_z_test(images, options, result); !added) return std::unexpected(added.error());
+  return result;
+}
+
+Expected<ErrorMap> error_map(const Comparison& c, const std::string& name) {
+  if (name == "relmse") return relative_error_map(c.pair, c.epsilon);
+  if (name == "abs") return absolute_error_map(c.pair);
+  if (name == "flip") {
+    if (!c.flip) return fail("no map of FLIP: it was left out, " + c.flip_left_out);
+    return ErrorMap{"flip", c.pair.window, c.flip->pixels};
+  }
+  if (name == "z") {
+    if (!c.z_test) return fail("no map of z: " + c.z_test_left_out);
+    return z_map(c.pair, z_values(c.pair, c.image_variance, c.reference_variance));
+  }
+  return fail(fmt::format("there is no map '{}', but relmse, abs, flip and z", name));
+}
+
+}  // namespace penumbra

@@ -1,0 +1,27 @@
+#include "scheduler/image/image.h"
+
+#include <algorithm>
+
+namespace penumbra {
+
+std::optional<std::size_t> Image::channel(std::string_view name) const {
+  const auto found = std::ranges::find(channels, name);
+  if (found == channels.end()) return std::nullopt;
+  return std::size_t(found - channels.begin());
+}
+
+std::optional<std::array<std::size_t, 3>> Image::beauty_channels() const {
+  const auto r = channel("R"), g = channel("G"), b = channel("B");
+  if (r && g && b) return std::array{*r, *g, *b};
+  const auto grey = channels.size() == 1 ? std::optional<std::size_t>(0) : channel("Y");
+  if (grey) return std::array{*grey, *grey, *grey};
+  return std::nullopt;
+}
+
+std::optional<MetadataValue> Image::attribute(std::string_view name) const {
+  const auto found = std::ranges::find(metadata, name, [](const auto& entry) { return entry.first; });
+  if (found == metadata.end()) return std::nullopt;
+  return found->second;
+}
+
+}  // namespace penumbra

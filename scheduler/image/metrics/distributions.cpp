@@ -1,0 +1,24 @@
+#include "scheduler/image/metrics/distributions.h"
+
+#include <boost/math/distributions/students_t.hpp>
+#include <boost/math/special_functions/gamma.hpp>
+#include <cmath>
+
+namespace penumbra {
+
+double normal_two_sided_p(double z) { return std::erfc(std::abs(z) / std::sqrt(2.0)); }
+
+double chi_square_p(double x, double dof) {
+  if (std::isnan(x)) return x;
+  if (x <= 0) return 1;
+  if (std::isinf(x)) return 0;
+  return boost::math::gamma_q(0.5 * dof, 0.5 * x);
+}
+
+double student_t_cdf(double t, double dof) { return boost::math::cdf(boost::math::students_t(dof), t); }
+
+double student_t_quantile(double p, double dof) {
+  return boost::math::quantile(boost::math::students_t(dof), p);
+}
+
+}  // namespace penumbra

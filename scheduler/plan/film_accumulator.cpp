@@ -1,0 +1,165 @@
+#include "scheduler/plan/film_accumulator.h"
+
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace penumbra {
+namespace {
+
+// hash() reads the pixels as bytes, so they must not hold any padding.
+static_assert(sizeof(PixelStatistics) == 7 * 8);
+
+/// Share of the new samples in the merged mean, and the weight of the squared difference of the means in the
+/// merged sum of squares: n_b / n and n_a n_b / n.
+struct MergeWeights {
+  double share;
+  double squares;
+};
+
+MergeWeights merge_weights(std::uint64_t count_a, std::uint64_t count_b) {
+  const double share = double(count_b) / double(count_a + count_b);
+  return {share, double(count_a) * share};
+}
+
+// T. F. Chan, G. H. Golub, R. J. LeVeque, "Updating formulae and a pairwise algorithm for computing sample
+// variances" (1979), eq. 2.1: mean and sum of squared deviations of the union of two sets of samples.
+void merge_radiance(PixelStatistics& pixel, int channel, double mean, double m2, MergeWeights weights) {
+  const double difference = mean - pixel.mean[channel];
+  pixel.mean[channel] += difference * weights.share;
+  pixel.m2[channel] += m2 + difference * difference * weights.squares;
+}
+
+void merge_mean(double& merged, double mean, MergeWeights weights) {
+  merged += (mean - merged) * weights.share;
+}
+
+}  // namespace
+
+FilmAccumulator FilmAccumulator::of_features(int x, int y, int width, int height, std::uint32_t features) {
+  return {x, y, width, height, image_plane_count(features), (features & FEATURE_RATIO) != 0u};
+}
+
+FilmAccumulator::FilmAccumulator(int x, int y, int width, int height, int planes, bool with_ratio)
+    : x_(x),
+      y_(y),
+      width_(width),
+      height_(height),
+      planes_(planes),
+      pixels_(std::size_t(width) * std::size_t(height)),
+      layers_(pixels_.size() * layers()),
+      ratios_(with_ratio ? pixels_.size() : 0) {}
+
+void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
+  const std::size_t plane = result.pixels();
+  const bool complete = result.planes == planes_ + (ratios_.empty() ? 0 : int(kRatioPlanes));
+  const std::size_t layer_count = complete ? layers() : 0;
+  for (int row = 0; row < result.height; ++row) {
+    PixelStatistics* pixel = &pixels_[index(x, y + row)];
+    double* layer = layers_.data() + index(x, y + row) * layers();
+    const float* value = result.values.data() + std::size_t(row) * std::size_t(result.width);
+    for (int column = 0; column < result.width; ++column, ++pixel, ++value) {
+      const MergeWeights weights = merge_weights(pixel->count, result.sample_count);
+      for (int c = 0; c < 3; ++c) {
+        const double deviation = value[(kDeviationR + c) * plane];
+        merge_radiance(*pixel, c, value[(kMeanR + c) * plane], deviation * deviation * result.sample_count,
+                       weights);
+      }
+      for (std::size_t k = 0; k < layer_count; ++k)
+        merge_mean(*layer++, value[(kRadiancePlanes + k) * plane], weights);
+      if (complete && !ratios_.empty())
+        add_ratio(std::size_t(pixel - pixels_.data()), value, plane, result.sample_count);
+      pixel->count += result.sample_count;
+    }
+  }
+  if (result.nan.count + result.infinite.count > 0) {
+    NonFinite& noted = non_finite_[{x, y}];
+    noted.nan.add(result.nan);
+    noted.infinite.add(result.infinite);
+  }
+}
+
+void FilmAccumulator::add_ratio(std::size_t pixel, const float* value, std::size_t plane,
+                                std::uint32_t count) {
+  PixelStatistics& merged = pixels_[pixel];
+  const float* of_ratio = value + std::size_t(planes_) * plane;
+  const bool has_difference = planes_ > kDifferenceR;
+  for (int c = 0; c < 3; ++c) {
+    RatioSums& sums = ratios_[pixel][std::size_t(c)];
+    sums.add({.count = count,
+              .mean = value[(kMeanR + c) * plane],
+              .deviation = value[(kDeviationR + c) * plane],
+              .b = of_ratio[(kRatioMeanR + c) * plane],
+              .deviation_b = of_ratio[(kRatioDeviationR + c) * plane],
+              .correlation = of_ratio[(kRatioCorrelationR + c) * plane],
+              .ratio = of_ratio[(kRatioR + c) * plane],
+              .w = of_ratio[(kRatioUnshadowedR + c) * plane],
+              .difference = has_difference ? value[(kDifferenceR + c) * plane] : 0.0f});
+    merged.mean[c] = sums.mean();
+    merged.m2[c] = sums.m2();
+    if (has_difference)
+      layers_[pixel * layers() + std::size_t(kDifferenceR + c - kRadiancePlanes)] = sums.difference();
+  }
+}
+
+void FilmAccumulator::clear(int x, int y, int width, int height) {
+  for (int row = 0; row < height; ++row) {
+    const std::size_t first = index(x, y + row);
+    std::fill_n(pixels_.begin() + std::ptrdiff_t(first), width, PixelStatistics{});
+    if (!ratios_.empty())
+      std::fill_n(ratios_.begin() + std::ptrdiff_t(first), width, std::array<RatioSums, 3>{});
+    std::fill_n(layers_.begin() + std::ptrdiff_t(first * layers()), std::size_t(width) * layers(), 0.0);
+  }
+  std::erase_if(non_finite_, [&](const auto& noted) {
+    const auto [corner_x, corner_y] = noted.first;
+    return corner_x >= x && corner_x < x + width && corner_y >= y && corner_y < y + height;
+  });
+}
+
+double FilmAccumulator::visibility(int film_x, int film_y) const {
+  const double whole = layer(film_x, film_y, kWhole);
+  return whole > 0 ? layer(film_x, film_y, kSeen) / whole : 0;
+}
+
+NonFiniteSamples FilmAccumulator::nan() const {
+  NonFiniteSamples all;
+  for (const auto& [corner, noted] : non_finite_) all.add(noted.nan);
+  return all;
+}
+
+NonFiniteSamples FilmAccumulator::infinite() const {
+  NonFiniteSamples all;
+  for (const auto& [corner, noted] : non_finite_) all.add(noted.infinite);
+  return all;
+}
+
+const PixelStatistics& FilmAccumulator::at(int film_x, int film_y) const {
+  return pixels_[index(film_x, film_y)];
+}
+
+double FilmAccumulator::layer(int film_x, int film_y, int plane) const {
+  return layers_[index(film_x, film_y) * layers() + std::size_t(plane - kRadiancePlanes)];
+}
+
+double FilmAccumulator::relative_error() const {
+  double sum = 0;
+  std::uint64_t channels = 0;
+  for (const PixelStatistics& pixel : pixels_) {
+    if (pixel.count < 2) continue;
+    const double per_m2 = 1.0 / (double(pixel.count) * double(pixel.count - 1));
+    for (int c = 0; c < 3; ++c) {
+      sum += pixel.m2[c] * per_m2 / (pixel.mean[c] * pixel.mean[c] + 0.01);
+    }
+    channels += 3;
+  }
+  return channels == 0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(sum / double(channels));
+}
+
+std::uint64_t FilmAccumulator::hash() const {
+  const std::uint64_t of_radiance = XXH3_64bits(pixels_.data(), pixels_.size() * sizeof(PixelStatistics));
+  return XXH3_64bits_withSeed(layers_.data(), layers_.size() * sizeof(double), of_radiance);
+}
+
+}  // namespace penumbra

@@ -1,0 +1,86 @@
+// The merged image: per-pixel statistics in double, fed with work-unit results in pass order.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "kernels/host/sample_buffer.h"
+#include "scheduler/plan/ratio_estimate.h"
+
+namespace penumbra {
+
+/// Running statistics of one pixel's radiance per channel; `m2` is the sum of squared deviations.
+struct PixelStatistics {
+  std::uint64_t count = 0;
+  double mean[3] = {0, 0, 0};
+  double m2[3] = {0, 0, 0};
+};
+
+/// A rectangle of the film. Chan's merge is not associative in floating point, so the caller adds the passes
+/// of a pixel in pass order; then the result is the same bytes whatever the workers, the tiles and the
+/// arrival order.
+class FilmAccumulator {
+ public:
+  FilmAccumulator() = default;
+  /// The rectangle [x, x+width) x [y, y+height) of the film, fed with results of so many planes, after which
+  /// `with_ratio` RatioPlanes follow.
+  FilmAccumulator(int x, int y, int width, int height, int planes, bool with_ratio = false);
+  /// The same for results of a scene with these FEATURE_* bits.
+  static FilmAccumulator of_features(int x, int y, int width, int height, std::uint32_t features);
+
+  /// Of the memory that it takes for results of so many planes.
+  static constexpr std::uint64_t bytes_per_pixel(int planes) {
+    return sizeof(PixelStatistics) + std::uint64_t(planes - kRadiancePlanes) * sizeof(double);
+  }
+
+  /// Merges a unit's result whose corner is film pixel (x, y), inside the rectangle.
+  void add(int x, int y, const SampleBuffer& result);
+  /// Forgets all samples of a rectangle whose corner is film pixel (x, y), results wholly inside or outside
+  /// of it: for work that turned out to be untrustworthy and is done again.
+  void clear(int x, int y, int width, int height);
+
+  [[nodiscard]] int x() const { return x_; }
+  [[nodiscard]] int y() const { return y_; }
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+  [[nodiscard]] int planes() const { return planes_; }
+  /// Pixel at film coordinates.
+  [[nodiscard]] const PixelStatistics& at(int film_x, int film_y) const;
+  /// Mean of a plane from kRadiancePlanes on, at film coordinates.
+  [[nodiscard]] double layer(int film_x, int film_y, int plane) const;
+  /// The visible share of the polygon lights, by their samples, at film coordinates; 0 where there is no
+  /// light.
+  [[nodiscard]] double visibility(int film_x, int film_y) const;
+  /// Samples that were no numbers and count as 0.
+  [[nodiscard]] NonFiniteSamples nan() const;
+  [[nodiscard]] NonFiniteSamples infinite() const;
+  /// Relative standard error of the image: sqrt(mean over pixels and channels of SE^2 / (mean^2 + .01)), with
+  /// SE^2 = m2 / (n (n - 1)) the variance of a pixel's mean, over the pixels with two samples or more; NaN
+  /// while there are none.
+  [[nodiscard]] double relative_error() const;
+  /// XXH3-64 of all pixel statistics and layers, for tests of reproducibility and for the report.
+  [[nodiscard]] std::uint64_t hash() const;
+
+ private:
+  /// The radiance and the difference layer of a pixel, from a result's value of it in the first plane on.
+  void add_ratio(std::size_t pixel, const float* value, std::size_t plane, std::uint32_t count);
+  [[nodiscard]] std::size_t index(int film_x, int film_y) const {
+    return std::size_t(film_y - y_) * std::size_t(width_) + std::size_t(film_x - x_);
+  }
+  [[nodiscard]] std::size_t layers() const { return std::size_t(planes_ - kRadiancePlanes); }
+
+  int x_ = 0, y_ = 0, width_ = 0, height_ = 0;
+  int planes_ = kRadiancePlanes;
+  std::vector<PixelStatistics> pixels_;
+  std::vector<double> layers_;  // the planes from kRadiancePlanes on, of one pixel after the other
+  std::vector<std::array<RatioSums, 3>> ratios_;  // by pixel and channel, or none
+  struct NonFinite {
+    NonFiniteSamples nan, infinite;
+  };
+  std::map<std::pair<int, int>, NonFinite> non_finite_;  // by the corner of the results that hold some
+};
+
+}  // namespace penumbra

@@ -1,0 +1,55 @@
+// Puts the results of work units into the film in pass order, whatever the order in which they arrive.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "kernels/host/sample_buffer.h"
+#include "scheduler/plan/film_accumulator.h"
+#include "scheduler/plan/tile_grid.h"
+
+namespace penumbra {
+
+/// The film of one image and, for each tile, the results that are waiting for an earlier pass. The merged
+/// film is a function of the results alone: the same bytes for every tile size and order of arrival.
+class Merge {
+ public:
+  Merge(FilmAccumulator film, TileGrid grid);
+
+  /// The result of a unit, once for each unit (unless `redo` came between), of the size that the grid says.
+  void add(std::uint32_t tile, std::uint32_t pass, SampleBuffer result);
+  /// Declares that a unit will never come, so that the tile's later passes need not wait for it.
+  void skip(std::uint32_t tile, std::uint32_t pass);
+  /// Forgets everything that was added to a tile (not what was skipped): its units will come again. Returns
+  /// how many samples, over all pixels, that was.
+  std::uint64_t redo(std::uint32_t tile);
+
+  /// Forgets everything, as if it were new: in time that what was merged takes to clear, and in its memory.
+  void start_again();
+
+  /// How many passes, from the first, are merged (or skipped) in every tile.
+  [[nodiscard]] std::uint32_t finished_passes() const;
+  /// Results that wait for an earlier pass of their tile.
+  [[nodiscard]] std::size_t waiting() const;
+  [[nodiscard]] const FilmAccumulator& film() const { return film_; }
+  /// The film; the object is then used up.
+  [[nodiscard]] FilmAccumulator take_film() && { return std::move(film_); }
+
+ private:
+  struct Tile {
+    std::uint32_t next_pass = 0;
+    std::uint64_t samples = 0;                                     // over all pixels, merged or waiting
+    std::map<std::uint32_t, std::optional<SampleBuffer>> waiting;  // by pass; no value: skipped
+    std::vector<std::uint32_t> skipped;                            // passes, for redo()
+  };
+
+  void merge_what_is_next(std::uint32_t tile);
+
+  FilmAccumulator film_;
+  TileGrid grid_;
+  std::vector<Tile> tiles_;
+};
+
+}  // namespace penumbra

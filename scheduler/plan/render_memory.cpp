@@ -1,0 +1,28 @@
+#include "scheduler/plan/render_memory.h"
+
+#include <algorithm>
+
+#include "scheduler/plan/film_accumulator.h"
+#include "scheduler/watch/tile_snapshot.h"
+
+namespace penumbra {
+
+int image_channels(int planes) {
+  // Radiance, its variance and the number of samples; of the polygon lights' two last planes the quotient.
+  const int layers = planes - kRadiancePlanes;
+  return kRadiancePlanes + (planes > kSeen ? layers - 1 : layers) + 1;
+}
+
+std::uint64_t PixelMemory::peak(bool writes_files) const {
+  return film + std::max(watch, writes_files ? output : 0);
+}
+
+PixelMemory pixel_memory(int planes) {
+  const std::uint64_t image = std::uint64_t(image_channels(planes)) * sizeof(float);
+  // What does not compress fills a file as large as the image, in a buffer that doubles as it grows.
+  return {.film = FilmAccumulator::bytes_per_pixel(planes),
+          .watch = TileSnapshot::bytes_per_pixel(planes > kDifferenceB),
+          .output = image + 2 * image};
+}
+
+}  // namespace penumbra

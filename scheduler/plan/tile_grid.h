@@ -1,0 +1,32 @@
+// Where the work units of one image lie: its tiles, row by row, and its passes of samples.
+#pragma once
+
+#include <cstdint>
+
+#include "scheduler/plan/work_unit.h"
+#include "worker/device.h"
+
+namespace penumbra {
+
+/// Tiles start at the rectangle's corner; those at its right and lower edge may be smaller, as may the last
+/// pass.
+class TileGrid {
+ public:
+  TileGrid() = default;
+  /// The film rectangle [x, x+width) x [y, y+height), in pixels, all sizes at least 1.
+  TileGrid(int x, int y, int width, int height, int tile, std::uint32_t spp, std::uint32_t samples_per_pass);
+
+  [[nodiscard]] std::uint32_t tiles() const { return across_ * down_; }
+  [[nodiscard]] std::uint32_t passes() const { return passes_; }
+  /// Samples of all pixels in the first `passes` passes.
+  [[nodiscard]] std::uint64_t samples(std::uint32_t passes) const;
+  /// What a worker has to render for `tile` < tiles() and `pass` < passes().
+  [[nodiscard]] RenderUnit unit(std::uint32_t tile, std::uint32_t pass) const;
+
+ private:
+  int x_ = 0, y_ = 0, width_ = 0, height_ = 0, tile_ = 1;
+  std::uint32_t spp_ = 0, samples_per_pass_ = 1;
+  std::uint32_t across_ = 0, down_ = 0, passes_ = 0;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,75 @@
+// What a render was asked to do: everything that its pixels depend on, and nothing else. It goes into the
+// EXR, where it repeats the render, so how many workers and threads there were, the time and the host have no
+// place here.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scenes/scene_description.h"
+#include "scheduler/image/image.h"
+#include "worker/device.h"
+
+namespace penumbra {
+
+struct RenderRecord {
+  std::string scene;                  ///< as named by the user
+  std::uint64_t scene_hash = 0;       ///< SceneDescription::contents_hash
+  std::vector<std::string> defines;   ///< -D name=value
+  std::vector<std::string> settings;  ///< --set key=value
+  bool lenient = false;
+  Film film;                ///< with the crop that was rendered
+  SamplerSettings sampler;  ///< with the number of samples that the sequences are made for
+  /// Only so many of them are rendered; nothing: all.
+  std::optional<std::uint32_t> stop_after;
+  IntegratorSettings integrator;
+  std::uint32_t samples_per_pass = 16;
+  bool feature_layers = true;
+  bool embree = false;  ///< else the portable intersector
+  Backend backend = Backend::kNative;
+  std::string isa;  ///< Embree's choices depend on the instruction set; empty where it makes no difference
+};
+
+/// The command that renders the same bytes again, quoted for a POSIX shell. Without `with_crop` it is the
+/// command for the whole film.
+std::string repeat_command(const RenderRecord& record, bool with_crop);
+
+/// Name and value of every setting, for people and for metadata; names are those of `--set` where it has
+/// them.
+std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRecord& record);
+
+/// What of a render is in its image.
+struct RenderedSamples {
+  bool complete = true;               ///< all that was asked for
+  bool has_gaps = false;              ///< pixels may lack samples that come before others that they have
+  std::uint64_t least = 0, most = 0;  ///< of a pixel
+
+  /// Whether some command renders the same image: every pixel has the first samples, equally many.
+  [[nodiscard]] bool repeatable() const { return !has_gaps && least == most; }
+};
+
+/// The record of what was rendered, where that may be less than what was to be. Its command repeats the image
+/// if any does; else it renders every pixel as far as the image's furthest.
+RenderRecord record_of_rendered(RenderRecord record, const RenderedSamples& rendered);
+
+/// Metadata of the EXR, all named penumbra:…; `film_hash` is FilmAccumulator::hash(). The scene is named
+/// without its folder, so that the same render is the same file wherever it is, and identified by its hash.
+/// An image that misses samples is marked penumbra:incomplete = 1; if no command renders it again, there is
+/// penumbra:nearest_command instead of penumbra:command.
+std::vector<std::pair<std::string, MetadataValue>> record_metadata(const RenderRecord& record,
+                                                                   std::uint64_t film_hash,
+                                                                   const RenderedSamples& rendered);
+
+/// The hash as 16 hexadecimal digits.
+std::string hash_text(std::uint64_t hash);
+
+/// The names that scene files and `--set` use.
+std::string_view filter_name(FilterKind kind);
+std::string_view sampler_name(SamplerKind kind);
+/// One of direct, path_mats, path_ems, path_mis.
+std::string_view integrator_name(const IntegratorSettings& integrator);
+
+}  // namespace penumbra

@@ -1,0 +1,190 @@
+#include "scheduler/record/render_statistics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "kernels/host/peak_memory.h"
+#include "scheduler/record/film_image.h"
+#include "scheduler/record/inventory.h"
+#include "scheduler/files/json_number.h"
+#include "scheduler/record/machine.h"
+#include "scheduler/record/non_finite_text.h"
+#include "scheduler/record/version.h"
+
+namespace penumbra {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json settings_json(const RenderReport& report) {
+  Json settings;
+  for (const auto& [name, value] : record_entries(report.record)) {
+    std::visit([&, &key = name](const auto& v) { settings[key] = v; }, value);
+  }
+  settings["spp"] = report.record.sampler.spp;
+  settings["stop_after"] = report.record.stop_after ? Json(*report.record.stop_after) : Json(nullptr);
+  settings["seed"] = report.record.sampler.seed;
+  settings["samples_per_pass"] = report.record.samples_per_pass;
+  settings["defines"] = report.record.defines;
+  settings["set"] = report.record.settings;
+  settings["tile"] = report.job->tile;
+  settings["workers"] = report.job->workers;
+  settings["threads_per_worker"] = report.job->device.threads;
+  settings["time_budget"] = report.job->time_budget ? Json(*report.job->time_budget) : Json(nullptr);
+  return settings;
+}
+
+/// How many samples were no numbers, and the first of them.
+Json non_finite_json(const NonFiniteSamples& samples, const std::string& reproduce_command) {
+  if (samples.count == 0) return {{"count", 0}, {"first", nullptr}};
+  return {{"count", samples.count},
+          {"first",
+           {{"x", samples.x},
+            {"y", samples.y},
+            {"sample", samples.sample},
+            {"stage", stage_name(samples.stage.stage)},
+            {"step", samples.stage.step},
+            {"repeat", repeat_sample_command(samples, reproduce_command)}}}};
+}
+
+Json samples_json(const FilmAccumulator& film, const std::string& reproduce_command) {
+  const SampleRange range = sample_range(film);
+  return {{"total", range.total},
+          {"least_per_pixel", range.least},
+          {"most_per_pixel", range.most},
+          {"nan", non_finite_json(film.nan(), reproduce_command)},
+          {"infinite", non_finite_json(film.infinite(), reproduce_command)},
+          {"pixels_of_infinite_variance", pixels_of_infinite_variance(film)}};
+}
+
+/// Means over the image of the closed form of polygon lights, of what shadows take from it, and of the
+/// visible share; nothing where there is no closed form.
+Json polygon_light_json(const FilmAccumulator& film) {
+  if (film.planes() < kSampleBufferPlanes) return nullptr;
+  double mean[kSeen - kFeaturePlanes] = {}, visibility = 0;
+  const double pixels = double(film.width()) * film.height();
+  for (int y = film.y(); y < film.y() + film.height(); ++y)
+    for (int x = film.x(); x < film.x() + film.width(); ++x) {
+      for (int plane = kFeaturePlanes; plane < kSeen; ++plane)
+        mean[plane - kFeaturePlanes] += film.layer(x, y, plane) / pixels;
+      visibility += film.visibility(x, y) / pixels;
+    }
+  const auto rgb = [&](int plane) {
+    const double* first = mean + (plane - kFeaturePlanes);
+    return Json{first[0], first[1], first[2]};
+  };
+  return {{"analytic", rgb(kAnalyticR)}, {"difference", rgb(kDifferenceR)}, {"visibility", visibility}};
+}
+
+/// How a worker came by its OpenCL kernels.
+Json kernels_json(const std::optional<KernelOrigin>& kernels) {
+  if (!kernels) return nullptr;
+  return {{"cached", kernels->cached},
+          {"compile_seconds", kernels->cached ? 0.0 : kernels->seconds},
+          {"cache_seconds", kernels->cached ? kernels->seconds : 0.0},
+          {"note", kernels->note.empty() ? Json(nullptr) : Json(kernels->note)}};
+}
+
+Json worker_json(const WorkerShare& worker, std::uint64_t all_samples) {
+  return {{"name", worker.name},
+          {"device", worker.device},
+          {"units", worker.units},
+          {"samples", worker.samples},
+          {"share", all_samples > 0 ? Json(double(worker.samples) / double(all_samples)) : Json(nullptr)},
+          {"busy_seconds", worker.busy_seconds},
+          {"peak_memory_bytes", worker.peak_memory_bytes},
+          {"kernels", kernels_json(worker.kernels)},
+          {"ended", worker.ended.empty() ? Json(nullptr) : Json(worker.ended)}};
+}
+
+}  // namespace
+
+Json grouped_json(const std::vector<std::pair<std::string, std::string>>& entries) {
+  std::map<std::string, int> occurrences;
+  for (const auto& [name, value] : entries) ++occurrences[name];
+  Json json = Json::object();
+  for (const auto& [name, value] : entries) {
+    if (occurrences[name] > 1) {
+      json[name].push_back(value);
+    } else {
+      json[name] = value;
+    }
+  }
+  return json;
+}
+
+double samples_per_second(const RenderOutcome& outcome) {
+  std::uint64_t samples = 0;
+  for (const WorkerShare& worker : outcome.workers) samples += worker.samples;
+  return outcome.seconds > 0 ? double(samples) / outcome.seconds : 0.0;
+}
+
+RenderedSamples rendered_samples(const RenderOutcome& outcome) {
+  const SampleRange range = sample_range(outcome.film);
+  return {outcome.complete, outcome.units_set_aside > 0, range.least, range.most};
+}
+
+Json report_json(const RenderReport& report) {
+  const RenderJob& job = *report.job;
+  const RenderOutcome& outcome = *report.outcome;
+  const bool repeatable = rendered_samples(outcome).repeatable();
+  const Json command = repeat_command(report.record, true);
+  const Film& film = report.record.film;
+  std::uint64_t worker_samples = 0, worker_memory = 0;
+  for (const WorkerShare& worker : outcome.workers) {
+    worker_samples += worker.samples;
+    worker_memory = std::max(worker_memory, worker.peak_memory_bytes);
+  }
+  Json workers = Json::array();
+  for (const WorkerShare& worker : outcome.workers) workers.push_back(worker_json(worker, worker_samples));
+  Json files = Json::array();
+  for (const auto& file : report.files) files.push_back(file.string());
+
+  return {
+      {"penumbra", kVersion},
+      {"complete", outcome.complete},
+      {"scene", report.record.scene},
+      {"scene_hash", hash_text(report.record.scene_hash)},
+      {"files", files},
+      {"repeat_command", repeatable ? command : Json(nullptr)},
+      {"nearest_command", repeatable ? Json(nullptr) : command},
+      {"command_line", report.command_line},
+      {"host", host_name()},
+      {"finished", utc_now()},
+      {"film",
+       {{"width", film.width},
+        {"height", film.height},
+        {"crop", {film.crop_x, film.crop_y, film.crop_x + film.crop_width, film.crop_y + film.crop_height}}}},
+      {"settings", settings_json(report)},
+      {"samples", samples_json(outcome.film, job.reproduce_command)},
+      {"relative_error", json_number(outcome.film.relative_error())},
+      {"polygon_lights", polygon_light_json(outcome.film)},
+      {"film_hash", hash_text(outcome.film.hash())},
+      {"seconds",
+       {{"build", report.build_seconds},
+        {"to_first_tile", outcome.seconds_to_first_tile},
+        {"render", outcome.seconds},
+        {"write", report.write_seconds}}},
+      {"samples_per_second", samples_per_second(outcome)},
+      {"passes", {{"finished", outcome.passes_finished}, {"asked_for", outcome.passes_total}}},
+      {"units",
+       {{"done", outcome.units_done},
+        {"duplicated", outcome.units_duplicated},
+        {"requeued", outcome.units_requeued}}},
+      {"workers", workers},
+      {"memory",
+       {{"device_scene_bytes", sizeof(SceneHeader) + job.scene.words.size() * sizeof(std::uint32_t)},
+        {"scheduler_peak_bytes", peak_memory_bytes()},
+        {"largest_worker_peak_bytes", worker_memory}}},
+      {"needs", grouped_json(report.needs)},
+      {"left_out", grouped_json(report.left_out)},
+      {"costs", report.inventory ? inventory_json(*report.inventory) : Json(nullptr)},
+      {"warnings", report.warnings},
+      {"problems", outcome.problems}};
+}
+
+}  // namespace penumbra

@@ -1,0 +1,42 @@
+// report.json: everything about a render that is not in its pixels.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scenes/device/scene_inventory.h"
+#include "scheduler/record/render_record.h"
+#include "scheduler/farm/render_job.h"
+
+namespace penumbra {
+
+struct RenderReport {
+  RenderRecord record;
+  std::vector<std::string> command_line;  ///< as typed
+  const RenderJob* job = nullptr;
+  const RenderOutcome* outcome = nullptr;
+  std::vector<std::string> warnings;                                 ///< of the scene's reader
+  std::vector<std::pair<std::string, std::string>> needs, left_out;  ///< of the scene, see SceneSummary
+  std::optional<SceneInventory> inventory;                           ///< what that saves
+  double build_seconds = 0;                  ///< reading the scene and building its device form
+  double write_seconds = 0;                  ///< of the image files
+  std::vector<std::filesystem::path> files;  ///< images written
+};
+
+/// How many samples the image came to have.
+RenderedSamples rendered_samples(const RenderOutcome& outcome);
+
+/// The report's fields and their units are explained in the README of this folder.
+nlohmann::ordered_json report_json(const RenderReport& report);
+
+/// An object with each name once; the values of a name that occurs more than once become an array.
+nlohmann::ordered_json grouped_json(const std::vector<std::pair<std::string, std::string>>& entries);
+
+/// Samples per second of rendering, all workers together.
+double samples_per_second(const RenderOutcome& outcome);
+
+}  // namespace penumbra

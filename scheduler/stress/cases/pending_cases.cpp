@@ -1,0 +1,37 @@
+// Cases whose feature does not exist yet. When it does, the entry becomes a measurement.
+#include "scheduler/stress/cases/cases.h"
+
+namespace penumbra::stress {
+namespace {
+
+struct Entry {
+  const char *name, *stiff, *feature;
+};
+
+constexpr Entry kPending[] = {
+    {"ggx/alpha-1e-4", "a GGX lobe as narrow as a mirror's", "rough BSDFs (GGX)"},
+    {"ggx/alpha-1", "a GGX lobe as wide as the hemisphere", "rough BSDFs (GGX)"},
+    {"ggx/grazing-1e-6", "GGX seen under a cosine of 1e-6", "rough BSDFs (GGX)"},
+    {"dielectric/index-1+1e-7", "a refraction that all but changes nothing", "dielectric BSDFs"},
+    {"dielectric/index-1-1e-7", "total reflection in a sliver of directions", "dielectric BSDFs"},
+    {"media/hg-forward-.9999", "Henyey-Greenstein scattering with g = .9999", "media"},
+    {"media/hg-backward-.9999", "Henyey-Greenstein scattering with g = -.9999", "media"},
+    {"media/optical-depth-1e-8", "a medium of optical depth 1e-8", "media"},
+    {"media/optical-depth-1e8", "a medium of optical depth 1e8", "media"},
+    {"media/transmittance-underflow", "a transmittance below the smallest number", "media"},
+    {"media/free-flight-u-1", "free flights for u -> 1", "media"},
+    {"environment/spike-1e8", "one pixel of 1e8 in an environment map", "environment maps"},
+    {"environment/poles", "directions of the map's poles, where sin(theta) is 0", "environment maps"},
+    {"camera/aperture-0", "a thin lens without an aperture", "thin lens cameras"},
+    {"camera/folding-distortion", "a radial distortion that folds the film", "camera distortion"},
+    {"light/spot-1e-3-degrees", "a spot light of a thousandth of a degree", "spot lights"},
+    {"texture/nan", "NaN in a texture: counted, and nowhere else", "image textures"},
+};
+
+}  // namespace
+
+void add_pending_cases(std::vector<Case>& cases) {
+  for (const Entry& e : kPending) cases.push_back({e.name, e.stiff, "", Pending{e.feature}, {}, {}});
+}
+
+}  // namespace penumbra::stress

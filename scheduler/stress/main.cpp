@@ -1,0 +1,151 @@
+// penumbra-stress: stiff and extreme cases against truth of high precision.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <exception>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "kernels/host/console.h"
+#include "scenes/diagnostic.h"
+#include "scheduler/cli/command_line.h"
+#include "scheduler/cli/exit_code.h"
+#include "scheduler/cli/option_checks.h"
+#include "scheduler/files/atomic_file.h"
+#include "scheduler/files/output_check.h"
+#include "scheduler/stress/backend.h"
+#include "scheduler/stress/run.h"
+#include "scheduler/stress/selection.h"
+#include "scheduler/stress/table.h"
+#include "worker/device.h"
+
+namespace penumbra::stress {
+namespace {
+
+struct Options {
+  std::vector<std::string> cases;
+  std::string json, html, backend = "both", opencl_device;
+  int threads = std::max(1, int(std::thread::hardware_concurrency()));
+  bool list = false;
+};
+
+constexpr const char* kFooter =
+    "Exit code: 0 all cases that could be run pass, 1 one fails, 2 bad usage.\n\n"
+    "Examples:\n"
+    "  penumbra stress\n"
+    "  penumbra stress --case polygon/ --case '*phong*1e5*'\n"
+    "  penumbra stress --backend native --json stress.json --html stress.html";
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--case", options.cases,
+                 "Only cases whose name contains this, or matches it with * and ?; repeatable")
+      ->type_name("NAME")
+      ->expected(1);
+  app.get_option("--case")->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_flag("--list", options.list, "Show the cases instead of running them");
+  app.add_option("--backend", options.backend, "native, opencl, or both")
+      ->check(CLI::IsMember({"native", "opencl", "both"}))
+      ->type_name("NAME")
+      ->capture_default_str();
+  app.add_option("--opencl-device", options.opencl_device, "Part of a platform's or device's name")
+      ->type_name("NAME");
+  app.add_option("--threads", options.threads, "Threads of renders")
+      ->check(whole_number(1, kMaxThreads))
+      ->capture_default_str();
+  app.add_option("--json", options.json, "Also write the table as JSON")->type_name("FILE");
+  app.add_option("--html", options.html, "Also write the table as a page")->type_name("FILE");
+  app.footer(kFooter);
+}
+
+std::string usage_error(const CLI::App* app, const CLI::Error& error) {
+  std::string what = error.what();
+  if (const auto unknown = app->remaining(); !unknown.empty()) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : app->get_options()) {
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    }
+    what = fmt::format("unexpected argument '{}'{}", unknown.front(), suggestion(unknown.front(), names));
+  }
+  return fmt::format("penumbra stress: error: {}\nRun 'penumbra stress --help' for what there is.\n", what);
+}
+
+Expected<void> write_text(const std::string& path, const std::string& text) {
+  if (auto made = make_folders(path); !made) return made;
+  return write_file_atomically(path, bytes_of(text));
+}
+
+std::vector<Backend> make_backends(const Options& options) {
+  std::vector<Backend> backends;
+  if (options.backend != "opencl") backends = native_backends(options.threads);
+  if (options.backend != "native") backends.push_back(opencl_backend(options.threads, options.opencl_device));
+  return backends;
+}
+
+std::string describe(const Backend& backend) {
+  if (!backend.skipped.empty()) return backend.name + ": skipped: " + backend.skipped;
+  if (!backend.broken.empty()) return backend.description + ": BROKEN: " + backend.broken;
+  return backend.description;
+}
+
+/// On a terminal, the case at work.
+void show_progress(const Case& c) { redraw_line(c.name); }
+
+ExitCode run(const Options& options) {
+  Expected<std::vector<Case>> cases = select(all_cases(), options.cases);
+  if (!cases) return print_error(cases.error()), kBadInput;
+  if (options.list) return print_answer(list_text(*cases)), kAllDone;
+  std::vector<std::filesystem::path> outputs;
+  for (const std::string& file : {options.json, options.html})
+    if (!file.empty()) outputs.emplace_back(file);
+  if (const auto checked = check_outputs(outputs, {}); !checked)
+    return print_error(checked.error()), kBadInput;
+  if (const auto used = check_backend_options(backends_in_use(options.backend), options.opencl_device, "");
+      !used)
+    return print_error(used.error()), kBadInput;
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<Backend> backends = make_backends(options);
+  TableContext context;
+  for (const Backend& backend : backends) context.backends.push_back(describe(backend));
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  const std::vector<CaseResult> results =
+      run_cases(*cases, backends, [&](const Case& c) { terminal ? show_progress(c) : void(); });
+  clear_line();
+  context.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  print_answer(table_text(results, context));
+  if (!options.json.empty()) {
+    if (const auto done = write_text(options.json, table_json(results, context).dump(1) + "\n"); !done)
+      return print_error(done.error()), kIncomplete;
+  }
+  if (!options.html.empty()) {
+    if (const auto done = write_text(options.html, table_html(results, context)); !done)
+      return print_error(done.error()), kIncomplete;
+  }
+  return all_pass(count(results)) ? kAllDone : kIncomplete;
+}
+
+}  // namespace
+}  // namespace penumbra::stress
+
+int main(int argc, char** argv) {
+  using namespace penumbra;
+  begin_program("penumbra stress");
+  CLI::App app("Stiff and extreme cases against truth of high precision, on every backend",
+               "penumbra stress");
+  stress::Options options;
+  stress::add_options(app, options);
+  app.failure_message(stress::usage_error);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return end_program(end_of_parse(app, error));
+  }
+  try {
+    return end_program(stress::run(options));
+  } catch (const std::exception& error) {
+    print_error({fmt::format("internal error: {}", error.what())});
+  }
+  return kIncomplete;
+}

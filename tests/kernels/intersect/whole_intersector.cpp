@@ -1,0 +1,34 @@
+// The intersector without a hierarchy is compiled where the BVH is masked out.
+#define FEATURES (FEATURE_ALL & ~FEATURE_BVH)
+#include "kernels/intersect/intersect_whole.h"
+
+#include <algorithm>
+
+#include "tests/kernels/scene_tables.h"
+
+namespace penumbra {
+
+std::vector<TestHit> trace_whole(SceneTables& tables, std::span<const TestRay> rays) {
+  const Scene scene = tables.scene();
+  std::vector<TestHit> hits(rays.size());
+  for (std::size_t first = 0; first < rays.size(); first += LANES) {
+    RayLanes lanes;
+    for (std::size_t j = 0; j < LANES; ++j) {
+      const TestRay& ray = rays[std::min(first + j, rays.size() - 1)];
+      lanes.ox[j] = ray.origin.x;
+      lanes.oy[j] = ray.origin.y;
+      lanes.oz[j] = ray.origin.z;
+      lanes.dx[j] = ray.direction.x;
+      lanes.dy[j] = ray.direction.y;
+      lanes.dz[j] = ray.direction.z;
+      lanes.tmax[j] = ray.tmax;
+      lanes.skip[j] = ray.skip;
+    }
+    intersect_whole(&scene, &lanes);
+    for (std::size_t j = 0; j < LANES && first + j < rays.size(); ++j)
+      hits[first + j] = {lanes.hit[j], lanes.tmax[j]};
+  }
+  return hits;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,128 @@
+// `penumbra info`.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "kernels/host/device_scene.h"
+#include "tests/support/program.h"
+#include "tests/scheduler/cli/small_scene.h"
+#include "tests/support/temporary_folder.h"
+
+namespace penumbra {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// With points on the light by area, whatever is best for it.
+const std::vector<std::string> kInfo{"info", "s.xml", "--json", "--set", "integrator.emitter_sampling=area"};
+
+TEST(InfoCommand, CountsWhatTheSceneHolds) {
+  const TemporaryFolder folder;
+  write_small_scene(folder / "s.xml");
+  const ProgramResult result = run_penumbra(folder.path(), kInfo);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json["shapes"], 2);
+  EXPECT_EQ(json["triangles"], 4);
+  EXPECT_EQ(json["lights"], 2) << "each triangle of the square";
+  EXPECT_EQ(json["film"]["width"], 24);
+  EXPECT_EQ(json["settings"]["integrator"], "path_mis");
+  EXPECT_EQ(json["settings"]["sampler"], "independent");
+  EXPECT_EQ(json["settings"]["spp"], "8");
+  EXPECT_EQ(json["settings"]["intersector"], "portable");
+  EXPECT_GT(json["device_scene_bytes"], 4 * 48);
+  EXPECT_FALSE(json["needs"].empty());
+  EXPECT_FALSE(json["left_out"].empty());
+}
+
+TEST(InfoCommand, SaysInNumbersWhatIsLeftOut) {
+  const TemporaryFolder folder;
+  write_small_scene(folder / "s.xml");
+  const ProgramResult result = run_penumbra(folder.path(), kInfo);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  const auto& costs = json["costs"];
+  std::set<std::string> used, left_out;
+  for (const auto& feature : costs["used"]) used.insert(feature["name"]);
+  for (const auto& feature : costs["left_out"]) left_out.insert(feature["name"]);
+  EXPECT_EQ(used, (std::set<std::string>{"PATH", "LAYERS", "SAMPLERS"}));
+  EXPECT_TRUE(left_out.contains("PHONG"));
+  EXPECT_EQ(used.size() + left_out.size(), std::size_t(std::popcount(unsigned(FEATURE_ALL))));
+
+  const auto& bytes = costs["bytes"];
+  EXPECT_EQ(bytes["device_scene"]["own"], json["device_scene_bytes"]);
+  // Four triangles with a normal at each corner; two polygon lights would be one outline of four corners, the
+  // first repeated.
+  EXPECT_EQ(bytes["tables"]["vertex normals"]["own"], 0);
+  EXPECT_EQ(bytes["tables"]["vertex normals"]["everything"], 4 * sizeof(VertexNormals));
+  EXPECT_EQ(bytes["tables"]["polygon lights"]["everything"], sizeof(Polygon));
+  EXPECT_EQ(bytes["tables"]["their corners"]["everything"], 5 * sizeof(PolygonCorner));
+  EXPECT_EQ(bytes["tables"]["nodes of the hierarchy"]["own"], 0);
+  EXPECT_GE(bytes["tables"]["nodes of the hierarchy"]["everything"], sizeof(BvhNode));
+  std::int64_t more = 0;
+  for (const auto& table : bytes["tables"])
+    more += table["everything"].get<std::int64_t>() - table["own"].get<std::int64_t>();
+  EXPECT_EQ(bytes["device_scene"]["everything"].get<std::int64_t>(),
+            bytes["device_scene"]["own"].get<std::int64_t>() + more);
+  // 13 planes instead of 21 and 15: those of the closed form and of the ratio estimator are not there.
+  EXPECT_EQ(bytes["result_per_pixel"]["own"], 4 * 13);
+  EXPECT_EQ(bytes["result_per_pixel"]["everything"], 4 * (21 + 15));
+  EXPECT_LT(bytes["block_state"]["own"], bytes["block_state"]["everything"]);
+  EXPECT_EQ(bytes["block_state"]["own"], kBlockPaths * bytes["path_state"]["own"].get<int>());
+  EXPECT_TRUE(costs["opencl"].is_null()) << "nothing was measured";
+}
+
+TEST(InfoCommand, KnowsTheSizeOfNativeCode) {
+  const TemporaryFolder folder;
+  write_small_scene(folder / "s.xml");
+  const auto native = [&](const char* integrator) {
+    const ProgramResult result = run_penumbra(
+        folder.path(),
+        {"info", "s.xml", "--json", "--integrator", integrator, "--set", "integrator.emitter_sampling=area"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::json::parse(result.out)["costs"]["native"];
+  };
+  const auto path = native("path"), polygons = native("polygon_cv");
+  EXPECT_EQ(path["kernels"], "core");
+  EXPECT_EQ(polygons["kernels"], "polygons");
+  EXPECT_EQ(path["code_bytes"]["everything"], polygons["code_bytes"]["everything"]);
+  EXPECT_GT(path["code_bytes"]["own"], 1000);
+  EXPECT_LT(path["code_bytes"]["own"], polygons["code_bytes"]["own"]);
+  EXPECT_LT(polygons["code_bytes"]["own"], polygons["code_bytes"]["everything"]);
+}
+
+TEST(InfoCommand, MeasuresTheOpenClCompiler) {
+  const TemporaryFolder folder;
+  write_small_scene(folder / "s.xml");
+  const ProgramResult result = run_penumbra(folder.path(), {"info", "s.xml", "--json", "--compile"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto opencl = nlohmann::json::parse(result.out)["costs"]["opencl"];
+  EXPECT_THAT(opencl["device"].get<std::string>(), HasSubstr("OpenCL"));
+  const double own = opencl["compile_seconds"]["own"], everything = opencl["compile_seconds"]["everything"];
+  EXPECT_GT(own, 0.01) << "nothing compiles in no time: a cache answered";
+  EXPECT_GT(everything, own);
+  EXPECT_EQ(opencl["saved_seconds"], everything - own);
+
+  const ProgramResult embree =
+      run_penumbra(folder.path(), {"info", "s.xml", "--compile", "--intersector", "embree"});
+  EXPECT_EQ(embree.exit_code, 1);
+  EXPECT_THAT(embree.err, HasSubstr("--intersector portable"));
+}
+
+TEST(InfoCommand, ShowsTheOverrides) {
+  const TemporaryFolder folder;
+  write_small_scene(folder / "s.xml");
+  const ProgramResult result = run_penumbra(folder.path(), {"info", "s.xml", "-D", "spp=32", "--integrator",
+                                                            "direct", "--set", "film.rfilter=tent"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr("direct"), HasSubstr("32"), HasSubstr("tent"), Not(HasSubstr("path_mis"))));
+}
+
+}  // namespace
+}  // namespace penumbra

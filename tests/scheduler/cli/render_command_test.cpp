@@ -1,0 +1,325 @@
+// `penumbra render`, from scene file to files.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "kernels/host/sample_buffer.h"
+#include "scheduler/image/image.h"
+#include "scheduler/plan/render_memory.h"
+#include "tests/support/program.h"
+#include "tests/scheduler/cli/small_scene.h"
+#include "tests/support/temporary_folder.h"
+
+namespace penumbra {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class RenderCommand : public ::testing::Test {
+ protected:
+  void SetUp() override { write_small_scene(folder_ / "s.xml"); }
+
+  ProgramResult render(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"render", "s.xml"});
+    ProgramResult result = run_penumbra(folder_.path(), arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result;
+  }
+  Image image(const std::string& name) {
+    auto read = read_image(folder_ / name);
+    EXPECT_TRUE(read) << read.error().message;
+    return read.value_or(Image{});
+  }
+  /// Does what the metadata of an image says, into another file.
+  void repeat(const std::string& file, const std::string& again) {
+    const std::string command =
+        std::get<std::string>(image(file).attribute("penumbra:command").value_or("none"));
+    // All of its words are plain, so that spaces separate them.
+    std::vector<std::string> words;
+    std::istringstream stream(command);
+    for (std::string word; stream >> word;) words.push_back(word);
+    ASSERT_GT(words.size(), 3u);
+    EXPECT_EQ(words[0], "penumbra");
+    std::vector<std::string> arguments(words.begin() + 1, words.end());
+    arguments.insert(arguments.end(), {"-o", again});
+    EXPECT_EQ(run_penumbra(folder_.path(), arguments).exit_code, 0);
+  }
+  nlohmann::json report(const std::string& name) {
+    return nlohmann::json::parse(file_contents(folder_ / name));
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(RenderCommand, WritesImageAndReportBesideEachOther) {
+  const ProgramResult result = render({});
+  EXPECT_THAT(folder_.names(), ElementsAre("s.exr", "s.json", "s.png", "s.xml"));
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr("wrote s.exr, s.png, s.json"), HasSubstr("24 x 20 pixels, 8 samples")));
+  const Image exr = image("s.exr"), png = image("s.png");
+  EXPECT_EQ(exr.data, (PixelWindow{0, 0, 24, 20}));
+  EXPECT_EQ(exr.channels.size(), 14u);
+  EXPECT_EQ(png.data.width, 24);
+  EXPECT_EQ(exr.attribute("penumbra:spp"), MetadataValue("8"));
+  EXPECT_FALSE(exr.attribute("penumbra:incomplete"));
+  // The floor is lit and seen in the lower middle; its albedo is the file's.
+  EXPECT_GT(exr.at(12, 14, *exr.channel("G")), 0.01f);
+  EXPECT_FLOAT_EQ(exr.at(12, 14, *exr.channel("albedo.G")), 0.5f);
+  EXPECT_NEAR(exr.at(12, 14, *exr.channel("normal.Y")), 1.0f, 1e-6);
+  EXPECT_GT(exr.at(12, 14, *exr.channel("depth.Z")), 2.0f);
+  EXPECT_EQ(exr.at(12, 14, *exr.channel("samples.count")), 8.0f);
+
+  const nlohmann::json json = report("s.json");
+  EXPECT_EQ(json["complete"], true);
+  EXPECT_EQ(json["samples"]["total"], 24 * 20 * 8);
+  EXPECT_EQ(json["samples"]["nan"]["count"], 0);
+  EXPECT_EQ(MetadataValue(json["film_hash"].get<std::string>()), exr.attribute("penumbra:film_hash"));
+  EXPECT_GT(json["samples_per_second"], 0);
+  EXPECT_GT(json["memory"]["largest_worker_peak_bytes"], 0);
+  EXPECT_THAT(json["problems"], IsEmpty());
+}
+
+TEST_F(RenderCommand, SamplesThatAreNoNumbersAreReportedOrAnError) {
+  std::string scene = file_contents(folder_ / "s.xml");
+  scene.replace(scene.find("</scene>"), 0, R"(  <emitter type="point">
+    <point name="position" x="0" y="0.01" z="0"/>
+    <rgb name="intensity" value="1e38"/>
+  </emitter>
+)");
+  write_text(folder_ / "bad.xml", scene);
+  const std::vector<std::string> arguments{"render", "bad.xml", "--spp", "4"};
+  const ProgramResult warned = run_penumbra(folder_.path(), arguments);
+  EXPECT_EQ(warned.exit_code, 0);
+  EXPECT_THAT(warned.err, AllOf(HasSubstr("infinite samples count as black; the first is sample"),
+                                HasSubstr("in the light sample of step"), HasSubstr("--pixel")));
+  const nlohmann::json first = report("bad.json")["samples"]["infinite"]["first"];
+  EXPECT_EQ(first["stage"], "light sample");
+  // The command that repeats it does.
+  std::string repeat = first["repeat"];
+  std::istringstream words(repeat.substr(repeat.find("render")));
+  const std::vector<std::string> again{std::istream_iterator<std::string>(words), {}};
+  EXPECT_THAT(run_penumbra(folder_.path(), again).err,
+              HasSubstr("of pixel (" + first["x"].dump() + ", " + first["y"].dump() + ")"));
+
+  std::vector<std::string> strictly = arguments;
+  strictly.push_back("--strict-numerics");
+  const ProgramResult strict = run_penumbra(folder_.path(), strictly);
+  EXPECT_EQ(strict.exit_code, 1);
+  EXPECT_THAT(strict.err, HasSubstr("error: "));
+  render({"--strict-numerics"});
+}
+
+TEST_F(RenderCommand, AVarianceThatNoFloatHoldsIsReported) {
+  std::string text = file_contents(folder_ / "s.xml");
+  const std::string radiance = "4, 3, 2";
+  text.replace(text.find(radiance), radiance.size(), "3e37, 3e37, 3e37");
+  write_text(folder_ / "huge.xml", text);
+  const auto huge = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"render", "huge.xml", "-o", "huge.exr", "-q"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_penumbra(folder_.path(), arguments);
+  };
+  const ProgramResult lenient = huge({});
+  EXPECT_EQ(lenient.exit_code, 0);
+  EXPECT_THAT(lenient.err, HasSubstr("warning: the variance of "));
+  const Image written = image("huge.exr");
+  double largest = 0;
+  for (int y = 0; y < 20; ++y)
+    for (int x = 0; x < 24; ++x) {
+      const double radiance_here = written.at(x, y, *written.channel("R"));
+      ASSERT_TRUE(std::isfinite(radiance_here)) << x << ", " << y;
+      largest = std::max(largest, radiance_here);
+    }
+  EXPECT_GT(largest, 1e36);
+  const ProgramResult strict = huge({"--strict-numerics"});
+  EXPECT_EQ(strict.exit_code, 1);
+  EXPECT_THAT(strict.err, HasSubstr("error: the variance of "));
+}
+
+TEST_F(RenderCommand, TheMemoryOfAPixelIsWhatIsCountedForIt) {
+  std::string text = file_contents(folder_ / "s.xml");
+  for (const auto& [from, to] :
+       {std::pair<std::string, std::string>{R"("width" value="24")", R"("width" value="1400")"},
+        {R"("height" value="20")", R"("height" value="1000")"}})
+    text.replace(text.find(from), from.size(), to);
+  write_text(folder_ / "large.xml", text);
+  const auto peak = [&](const std::string& scene, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"render", scene, "-o", "a.exr", "-q", "--spp", "1"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(run_penumbra(folder_.path(), arguments).exit_code, 0);
+    return report("a.json")["memory"]["scheduler_peak_bytes"].get<double>();
+  };
+  for (const bool layers : {true, false}) {
+    const std::vector<std::string> more =
+        layers ? std::vector<std::string>{} : std::vector<std::string>{"--no-features"};
+    const double measured = peak("large.xml", more) - peak("s.xml", more);
+    const double counted =
+        1400.0 * 1000 * double(pixel_memory(layers ? kFeaturePlanes : kRadiancePlanes).peak(true));
+    // Less where a file compresses well; more for results on their way.
+    EXPECT_GT(measured, 0.5 * counted) << layers;
+    EXPECT_LT(measured, 1.2 * counted) << layers;
+  }
+}
+
+TEST_F(RenderCommand, FilesDoNotDependOnWorkersThreadsOrTiles) {
+  render({"-o", "a.exr", "--pass", "4", "--workers", "1", "--threads", "2"});
+  const std::string exr = file_contents(folder_ / "a.exr"), png = file_contents(folder_ / "a.png");
+  for (const char* workers : {"1", "2", "5"}) {
+    for (const char* tile : {"7", "16", "64"}) {
+      render({"-o", "b.exr", "--pass", "4", "--workers", workers, "--threads", "1", "--tile", tile});
+      EXPECT_EQ(file_contents(folder_ / "b.exr"), exr) << workers << " workers, tile " << tile;
+      EXPECT_EQ(file_contents(folder_ / "b.png"), png) << workers << " workers, tile " << tile;
+    }
+  }
+}
+
+TEST_F(RenderCommand, TheRecordedCommandGivesTheSameBytes) {
+  render({"-o", "a.exr", "-D", "albedo=0.25", "--set", "integrator.max_depth=3", "--seed", "7", "--spp", "5",
+          "--crop", "3,2,20,18", "--sampler", "sobol"});
+  repeat("a.exr", "b.exr");
+  EXPECT_EQ(file_contents(folder_ / "a.exr"), file_contents(folder_ / "b.exr"));
+}
+
+TEST_F(RenderCommand, TheRecordedCommandRepeatsWhatATimeBudgetEnded) {
+  // Points of a Sobol sequence depend on how many of them were to come, and halves of a fitted alpha even
+  // more.
+  const std::vector<std::string> integrators[] = {
+      {}, {"--integrator", "polygon_cv", "--set", "integrator.alpha=auto"}};
+  for (std::vector<std::string> arguments : integrators) {
+    arguments.insert(arguments.end(), {"-o", "a.exr", "--spp", "2000000000", "--pass", "4", "--sampler",
+                                       "sobol", "--time-budget", "0.2"});
+    render(arguments);
+    EXPECT_EQ(image("a.exr").attribute("penumbra:spp"), MetadataValue("2000000000"));
+    repeat("a.exr", "b.exr");
+    EXPECT_TRUE(file_contents(folder_ / "a.exr") == file_contents(folder_ / "b.exr"));
+    EXPECT_EQ(report("a.json")["film_hash"], report("b.json")["film_hash"]);
+  }
+}
+
+TEST_F(RenderCommand, StopsAfterSomeOfItsSamples) {
+  render({"-o", "a.exr", "--sampler", "sobol", "--spp", "64", "--stop-after", "10", "--pass", "4"});
+  const Image exr = image("a.exr");
+  EXPECT_EQ(exr.at(0, 0, *exr.channel("samples.count")), 10.0f);
+  EXPECT_EQ(report("a.json")["complete"], true);
+  render({"-o", "b.exr", "--sampler", "sobol", "--spp", "10", "--pass", "4"});
+  EXPECT_NE(report("a.json")["film_hash"], report("b.json")["film_hash"]);
+  render({"-o", "c.exr", "--sampler", "sobol", "--spp", "10", "--pass", "4", "--stop-after", "10"});
+  EXPECT_TRUE(file_contents(folder_ / "b.exr") == file_contents(folder_ / "c.exr")) << "that is all of them";
+  const ProgramResult result =
+      run_penumbra(folder_.path(), {"render", "s.xml", "--spp", "4", "--stop-after", "5"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("--stop-after 5: the render has 4 samples"));
+}
+
+TEST_F(RenderCommand, FilesDoNotDependOnHowTheSceneIsNamed) {
+  render({"-o", "a.exr"});
+  std::filesystem::create_directory(folder_ / "elsewhere");
+  for (const std::string& name :
+       {std::string("./s.xml"), (folder_ / "s.xml").string(), std::string("elsewhere/../s.xml")}) {
+    ASSERT_EQ(run_penumbra(folder_.path(), {"render", name, "-o", "b.exr"}).exit_code, 0);
+    EXPECT_TRUE(file_contents(folder_ / "a.exr") == file_contents(folder_ / "b.exr")) << name;
+  }
+  ASSERT_EQ(run_penumbra(folder_ / "elsewhere", {"render", "../s.xml", "-o", "../b.exr"}).exit_code, 0);
+  EXPECT_TRUE(file_contents(folder_ / "a.exr") == file_contents(folder_ / "b.exr")) << "from another folder";
+}
+
+TEST_F(RenderCommand, SeedChangesTheImage) {
+  render({"-o", "a.exr"});
+  render({"-o", "b.exr", "--seed", "1"});
+  EXPECT_NE(image("a.exr").values, image("b.exr").values);
+}
+
+TEST_F(RenderCommand, ACropIsThatPartOfTheWholeImage) {
+  render({"-o", "whole.exr"});
+  render({"-o", "part.exr", "--crop", "5,7,20,19"});
+  const Image whole = image("whole.exr"), part = image("part.exr");
+  EXPECT_EQ(part.data, (PixelWindow{5, 7, 15, 12}));
+  EXPECT_EQ(part.display, (PixelWindow{0, 0, 24, 20}));
+  ASSERT_EQ(part.channels, whole.channels);
+  for (int y = 0; y < 12; ++y) {
+    for (int x = 0; x < 15; ++x) {
+      for (std::size_t c = 0; c < part.channels.size(); ++c) {
+        EXPECT_EQ(part.at(x, y, c), whole.at(x + 5, y + 7, c)) << x << ',' << y << ' ' << part.channels[c];
+      }
+    }
+  }
+}
+
+TEST_F(RenderCommand, PixelPrintsTheImagesOwnBits) {
+  render({"-o", "whole.exr"});
+  const Image whole = image("whole.exr");
+  const ProgramResult result = render({"--pixel", "12,14"});
+  EXPECT_THAT(folder_.names(), ElementsAre("s.xml", "whole.exr", "whole.json", "whole.png"));
+  EXPECT_THAT(result.out, HasSubstr("pixel 12,14  8 samples"));
+  char expected[128];
+  std::snprintf(expected, sizeof expected, "%17a%17a%17a", whole.at(12, 14, *whole.channel("R")),
+                whole.at(12, 14, *whole.channel("G")), whole.at(12, 14, *whole.channel("B")));
+  EXPECT_THAT(result.out, HasSubstr(expected));
+}
+
+TEST_F(RenderCommand, WritesOnlyWhatIsAskedFor) {
+  const ProgramResult result = render({"-o", "p.png", "--no-report", "--quiet"});
+  EXPECT_THAT(folder_.names(), ElementsAre("p.png", "s.xml"));
+  EXPECT_THAT(result.out, IsEmpty());
+  EXPECT_THAT(result.err, IsEmpty());
+}
+
+TEST_F(RenderCommand, FeatureLayersCanBeLeftOut) {
+  render({"--no-features"});
+  EXPECT_THAT(image("s.exr").channels,
+              ElementsAre("R", "G", "B", "samples.count", "variance.R", "variance.G", "variance.B"));
+}
+
+TEST_F(RenderCommand, TimeBudgetEndsWithWholePasses) {
+  render({"--spp", "100000000", "--pass", "4", "--time-budget", "0.3"});
+  const Image exr = image("s.exr");
+  const std::size_t count = *exr.channel("samples.count");
+  EXPECT_GE(exr.at(0, 0, count), 4.0f);
+  for (int y = 0; y < 20; ++y) {
+    for (int x = 0; x < 24; ++x) EXPECT_EQ(exr.at(x, y, count), exr.at(0, 0, count));
+  }
+  EXPECT_EQ(exr.attribute("penumbra:spp"), MetadataValue("100000000"));
+  EXPECT_EQ(exr.attribute("penumbra:stop_after"), MetadataValue(std::to_string(int(exr.at(0, 0, count)))));
+  EXPECT_EQ(report("s.json")["complete"], true);
+}
+
+TEST_F(RenderCommand, EmbreeRecordsItsInstructionSet) {
+  render({"--intersector", "embree", "--isa", "sse2"});
+  const Image exr = image("s.exr");
+  EXPECT_EQ(exr.attribute("penumbra:intersector"), MetadataValue("embree"));
+  EXPECT_EQ(exr.attribute("penumbra:isa"), MetadataValue("sse2"));
+}
+
+TEST_F(RenderCommand, CornellBoxHasItsColoursInPlace) {
+  const std::string scene = source_path("scenes/cornell-small/cornell-small.xml");
+  const ProgramResult result =
+      run_penumbra(folder_.path(), {"render", scene, "--workers", "2", "--threads", "1", "--spp", "4"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Image png = image("cornell-small.png");
+  const auto mean = [&](int x0, int x1, std::size_t channel) {
+    double sum = 0;
+    for (int y = png.data.height / 4; y < png.data.height * 3 / 4; ++y) {
+      for (int x = x0; x < x1; ++x) sum += png.at(x, y, channel);
+    }
+    return sum;
+  };
+  const int width = png.data.width, eighth = width / 8;
+  EXPECT_GT(mean(0, eighth, 0), 2 * mean(0, eighth, 1)) << "the left wall is red";
+  EXPECT_GT(mean(width - eighth, width, 1), 1.2 * mean(width - eighth, width, 0))
+      << "the right wall is green";
+  std::uint64_t samples = 0;
+  for (const auto& worker : report("cornell-small.json")["workers"])
+    samples += worker["samples"].get<std::uint64_t>();
+  EXPECT_EQ(samples, std::uint64_t(png.pixels()) * 4);
+}
+
+}  // namespace
+}  // namespace penumbra

@@ -1,0 +1,423 @@
+// What the server makes of workers that are old, confused or malicious: a raw gRPC client plays them.
+#include "scheduler/farm/server.h"
+
+#include <gmock/gmock.h>
+#include <grpcpp/create_channel.h>
+
+#include <cmath>
+#include <limits>
+
+#include "scheduler/farm/private_socket.h"
+#include "scheduler/protocol/text.h"
+#include "scheduler/protocol/wire.h"
+#include "tests/support/fake_samples.h"
+
+namespace penumbra {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+using Stream = grpc::ClientReaderWriter<wire::WorkerMessage, wire::SchedulerMessage>;
+
+constexpr UnitId kUnit{.image = 0, .pass = 2, .tile = 3};
+constexpr RenderUnit kArea{.x = 16, .y = 32, .width = 5, .height = 4, .first_sample = 8, .sample_count = 3};
+
+class ServerTest : public testing::Test {
+ protected:
+  ServerTest() : server_(Server::listen({.address = socket_.address()}, board_).value()) {
+    stub_ = wire::Farm::NewStub(grpc::CreateChannel(socket_.address(), grpc::InsecureChannelCredentials()));
+    stream_ = stub_->Work(&context_);
+  }
+  ~ServerTest() override { context_.TryCancel(); }
+
+  void say_hello(std::uint32_t version = kProtocolVersion) {
+    wire::WorkerMessage message;
+    message.mutable_hello()->set_protocol_version(version);
+    message.mutable_hello()->set_host("here");
+    message.mutable_hello()->set_pid(42);
+    stream_->Write(message);
+  }
+
+  template <typename T>
+  T next(std::chrono::milliseconds patience = 5s) {
+    std::optional<Arrival> arrival = server_->next(patience);
+    EXPECT_TRUE(arrival && std::holds_alternative<T>(*arrival));
+    return arrival && std::holds_alternative<T>(*arrival) ? std::get<T>(std::move(*arrival)) : T{};
+  }
+
+  /// Hello, and one unit from the server.
+  WorkerId connect_and_take_a_unit() {
+    say_hello();
+    const WorkerId worker = next<arrivals::Connected>().worker;
+    server_->send_unit(worker, kUnit, kArea, kRadiancePlanes);
+    wire::SchedulerMessage message;
+    EXPECT_TRUE(stream_->Read(&message));
+    EXPECT_TRUE(message.has_unit());
+    EXPECT_EQ(decode(message.unit().id()), kUnit);
+    job_ = message.unit().job();
+    return worker;
+  }
+
+  static wire::WorkerMessage ready() {
+    wire::WorkerMessage message;
+    message.mutable_ready()->set_device("native");
+    return message;
+  }
+
+  grpc::Status end_of_stream() {
+    wire::SchedulerMessage message;
+    while (stream_->Read(&message)) {
+    }
+    return stream_->Finish();
+  }
+
+  wire::WorkerMessage good_result() const {
+    wire::WorkerMessage message;
+    message.mutable_result()->set_job(job_);
+    encode(kUnit, *message.mutable_result()->mutable_id());
+    encode(fake_samples(kArea, kRadiancePlanes), *message.mutable_result());
+    return message;
+  }
+
+  std::string why_rejected(const wire::WorkerMessage& message) {
+    stream_->Write(message);
+    return next<arrivals::BadResult>().why;
+  }
+
+  PrivateSocket socket_ = PrivateSocket::create().value();
+  WatchBoard board_{1};
+  std::unique_ptr<Server> server_;
+  std::unique_ptr<wire::Farm::Stub> stub_;
+  grpc::ClientContext context_;
+  std::unique_ptr<Stream> stream_;
+  std::uint32_t job_ = 0;
+};
+
+TEST_F(ServerTest, AnotherProtocolVersionIsRefusedWithTheReason) {
+  say_hello(kProtocolVersion + 1);
+  wire::SchedulerMessage message;
+  ASSERT_TRUE(stream_->Read(&message));
+  ASSERT_TRUE(message.has_refused());
+  EXPECT_THAT(message.refused().reason(),
+              HasSubstr("the worker speaks protocol version " + std::to_string(kProtocolVersion + 1) +
+                        ", this side version " + std::to_string(kProtocolVersion)));
+  EXPECT_FALSE(stream_->Read(&message));
+  EXPECT_EQ(stream_->Finish().error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_FALSE(server_->next(50ms)) << "the plan must not hear of it";
+}
+
+TEST_F(ServerTest, AWorkerMustSayHelloFirst) {
+  wire::WorkerMessage message;
+  message.mutable_ready()->set_job(1);
+  stream_->Write(message);
+  wire::SchedulerMessage answer;
+  EXPECT_FALSE(stream_->Read(&answer));
+  EXPECT_EQ(stream_->Finish().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(ServerTest, AnEmptyMessageEndsTheConnection) {
+  say_hello();
+  next<arrivals::Connected>();
+  stream_->Write(wire::WorkerMessage());
+  next<arrivals::Gone>();
+  wire::SchedulerMessage answer;
+  EXPECT_FALSE(stream_->Read(&answer));
+  EXPECT_EQ(stream_->Finish().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(ServerTest, AGoodResultArrivesAsItIs) {
+  const WorkerId worker = connect_and_take_a_unit();
+  wire::WorkerMessage message = good_result();
+  message.mutable_result()->set_busy_seconds(1.5);
+  stream_->Write(message);
+  const auto result = next<arrivals::Result>();
+  EXPECT_EQ(result.worker, worker);
+  EXPECT_EQ(result.unit, kUnit);
+  EXPECT_EQ(result.buffer.values, fake_samples(kArea, kRadiancePlanes).values);
+  EXPECT_EQ(result.buffer.sample_count, 3u);
+  EXPECT_EQ(result.busy_seconds, 1.5);
+}
+
+TEST_F(ServerTest, WhatIsSaidOfKernelsArrivesAsItIs) {
+  say_hello();
+  const WorkerId worker = next<arrivals::Connected>().worker;
+  wire::WorkerMessage compiling, ready;
+  compiling.mutable_compiling()->set_device("an abacus");
+  stream_->Write(compiling);
+  const auto heard = next<arrivals::Compiling>();
+  EXPECT_EQ(heard.worker, worker);
+  EXPECT_EQ(heard.device, "an abacus");
+  const DevicePreparation sent{.kernels = KernelOrigin{.cached = true, .seconds = 1.5, .note = "none lost"},
+                               .warnings = {"slow", "wooden"}};
+  encode(sent, *ready.mutable_ready());
+  stream_->Write(ready);
+  const DevicePreparation came = next<arrivals::Ready>().preparation;
+  ASSERT_TRUE(came.kernels);
+  EXPECT_TRUE(came.kernels->cached);
+  EXPECT_EQ(came.kernels->seconds, 1.5);
+  EXPECT_EQ(came.kernels->note, "none lost");
+  EXPECT_EQ(came.warnings, sent.warnings);
+}
+
+TEST_F(ServerTest, KernelsThatWereCompiledWithTheWorkerAreNotSpokenOf) {
+  say_hello();
+  next<arrivals::Connected>();
+  stream_->Write(ready());
+  EXPECT_FALSE(next<arrivals::Ready>().preparation.kernels);
+}
+
+TEST_F(ServerTest, AWorkerIsReadyOnce) {
+  say_hello();
+  next<arrivals::Connected>();
+  stream_->Write(ready());
+  next<arrivals::Ready>();
+  stream_->Write(ready());
+  next<arrivals::Gone>();
+  EXPECT_EQ(end_of_stream().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(ServerTest, ASecondHelloEndsTheConnection) {
+  say_hello();
+  next<arrivals::Connected>();
+  say_hello();
+  next<arrivals::Gone>();
+  EXPECT_EQ(end_of_stream().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(ServerTest, WhoIsDismissedIsNotHeardAnyMoreAndCutOff) {
+  const WorkerId worker = connect_and_take_a_unit();
+  stream_->Write(ready());
+  next<arrivals::Ready>();
+  server_->dismiss(worker, "it lies");
+  server_->send_unit(worker, kUnit, kArea, kRadiancePlanes);
+  wire::SchedulerMessage message;
+  ASSERT_TRUE(stream_->Read(&message));
+  EXPECT_EQ(message.dismiss().reason(), "it lies");
+  stream_->Write(ready());
+  stream_->Write(good_result());
+  wire::WorkerMessage failed;
+  failed.mutable_job_failed()->set_message("or so");
+  stream_->Write(failed);
+  EXPECT_EQ(next<arrivals::Gone>(15s).worker, worker) << "the next that is heard";
+  EXPECT_FALSE(stream_->Read(&message)) << "no unit after the farewell";
+}
+
+TEST_F(ServerTest, AfterItsJobHasFailedAWorkerIsNotHeardAnyMore) {
+  say_hello();
+  next<arrivals::Connected>();
+  wire::WorkerMessage failed;
+  failed.mutable_job_failed()->set_message("no such device");
+  stream_->Write(failed);
+  EXPECT_EQ(next<arrivals::JobFailed>().message, "no such device");
+  stream_->Write(ready());
+  stream_->Write(failed);
+  stream_->WritesDone();
+  next<arrivals::Gone>();
+}
+
+TEST_F(ServerTest, AWorkerThatDoesNotReadHoldsNobodyUp) {
+  say_hello();
+  const WorkerId worker = next<arrivals::Connected>().worker;
+  // What would fill any buffer of the connection; nobody reads the stream.
+  for (std::uint32_t number = 1; number <= 50'000; ++number) server_->send_view(worker, {number, {}});
+  const std::string much(std::size_t(64) << 10, 'x');
+  for (int i = 0; i < 2000; ++i) server_->send_job(worker, much, {});
+  server_->dismiss(worker, "");
+}
+
+TEST_F(ServerTest, NamesAndTextsAreCutAndTimesAreNumbers) {
+  wire::WorkerMessage hello;
+  hello.mutable_hello()->set_protocol_version(kProtocolVersion);
+  std::string long_name;
+  while (long_name.size() < 10'000) long_name += "\xe2\x82\xac";
+  hello.mutable_hello()->set_host(long_name);
+  stream_->Write(hello);
+  const std::string host = next<arrivals::Connected>().host;
+  EXPECT_LE(host.size(), kLongestName);
+  EXPECT_TRUE(host.ends_with("\xac...")) << "no half of a character";
+  wire::WorkerMessage message = ready();
+  message.mutable_ready()->mutable_kernels()->set_seconds(std::numeric_limits<double>::quiet_NaN());
+  stream_->Write(message);
+  next<arrivals::Gone>();
+  EXPECT_EQ(end_of_stream().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(ServerTest, AResultThatTookNoTimeAtAllOrForEverIsRejected) {
+  for (const double seconds :
+       {std::numeric_limits<double>::quiet_NaN(), -1.0, std::numeric_limits<double>::infinity()}) {
+    wire::WorkerMessage message = good_result();
+    message.mutable_result()->set_busy_seconds(seconds);
+    EXPECT_FALSE(decode(message.result(), kArea, kRadiancePlanes)) << seconds;
+  }
+  EXPECT_TRUE(decode(good_result().result(), kArea, kRadiancePlanes));
+}
+
+TEST_F(ServerTest, AMessageThatNoUnitCanHoldIsNotTaken) {
+  connect_and_take_a_unit();
+  wire::WorkerMessage message = good_result();
+  message.mutable_result()->set_values(std::string(std::size_t(16) << 20, 0));
+  stream_->Write(message);
+  next<arrivals::Gone>();
+}
+
+TEST_F(ServerTest, ABeatArrivesAsItIs) {
+  say_hello();
+  const WorkerId worker = next<arrivals::Connected>().worker;
+  wire::WorkerMessage message;
+  message.mutable_beat()->set_parts(12);
+  stream_->Write(message);
+  const auto beat = next<arrivals::Beat>();
+  EXPECT_EQ(beat.worker, worker);
+  EXPECT_EQ(beat.parts, 12u);
+}
+
+TEST_F(ServerTest, AFlippedBitIsNoticed) {
+  connect_and_take_a_unit();
+  wire::WorkerMessage message = good_result();
+  (*message.mutable_result()->mutable_values())[7] ^= 1;
+  EXPECT_THAT(why_rejected(message), HasSubstr("checksum"));
+}
+
+TEST_F(ServerTest, MissingBytesAreNoticed) {
+  connect_and_take_a_unit();
+  wire::WorkerMessage message = good_result();
+  message.mutable_result()->mutable_values()->pop_back();
+  EXPECT_THAT(why_rejected(message), HasSubstr("479 bytes of samples instead of 480"));
+}
+
+TEST_F(ServerTest, OtherSizesAreNoticed) {
+  connect_and_take_a_unit();
+  wire::WorkerMessage message = good_result();
+  message.mutable_result()->set_width(-5);
+  EXPECT_THAT(why_rejected(message), HasSubstr("-5 x 4 pixels"));
+}
+
+TEST_F(ServerTest, OtherSampleCountsAreNoticed) {
+  connect_and_take_a_unit();
+  wire::WorkerMessage message = good_result();
+  message.mutable_result()->set_sample_count(0);
+  EXPECT_THAT(why_rejected(message), HasSubstr("0 samples"));
+}
+
+TEST_F(ServerTest, ImpossibleCountsAreNoticed) {
+  connect_and_take_a_unit();
+  wire::WorkerMessage message = good_result();
+  message.mutable_result()->mutable_nan()->set_count(61);
+  EXPECT_THAT(why_rejected(message), HasSubstr("61 samples that are no numbers"));
+}
+
+TEST_F(ServerTest, ValuesThatAreNoStatisticsAreNoticed) {
+  connect_and_take_a_unit();
+  const float nan = std::nanf(""), infinity = std::numeric_limits<float>::infinity();
+  struct Bad {
+    int plane;
+    float value;
+    const char* text;
+  };
+  for (const Bad& bad :
+       {Bad{kMeanG, nan, "nan as a mean radiance of its pixel (1, 2)"},
+        Bad{kMeanR, -infinity, "-inf as a mean radiance"}, Bad{kDeviationB, infinity, "inf as a deviation"},
+        Bad{kDeviationR, nan, "nan as a deviation"}, Bad{kDeviationG, -1, "-1 as a deviation"},
+        Bad{kDepth, nan, "nan as a layer"}}) {
+    SCOPED_TRACE(bad.text);
+    const int planes = bad.plane < kRadiancePlanes ? kRadiancePlanes : kFeaturePlanes;
+    SampleBuffer buffer = fake_samples(kArea, planes);
+    buffer.plane(bad.plane)[11] = bad.value;
+    buffer.nan = {.count = 1, .x = kArea.x, .y = kArea.y, .sample = kArea.first_sample};  // explains nothing
+    wire::UnitResult message;
+    encode(buffer, message);
+    const Expected<SampleBuffer> decoded = decode(message, kArea, planes);
+    ASSERT_FALSE(decoded);
+    EXPECT_THAT(decoded.error().message, HasSubstr(bad.text));
+    if (planes != kRadiancePlanes) continue;
+    wire::WorkerMessage whole = good_result();
+    encode(buffer, *whole.mutable_result());
+    server_->send_unit(1, kUnit, kArea, kRadiancePlanes);
+    EXPECT_THAT(why_rejected(whole), HasSubstr(bad.text));
+  }
+}
+
+TEST_F(ServerTest, AnImpossibleTimeIsNoticed) {
+  for (const double seconds : {-1.0, std::nan(""), double(std::numeric_limits<float>::infinity())}) {
+    wire::WorkerMessage message = good_result();
+    message.mutable_result()->set_busy_seconds(seconds);
+    EXPECT_FALSE(decode(message.result(), kArea, kRadiancePlanes)) << seconds;
+  }
+}
+
+TEST_F(ServerTest, AResultThatNobodyAskedForIsRejected) {
+  connect_and_take_a_unit();
+  wire::WorkerMessage message = good_result();
+  message.mutable_result()->mutable_id()->set_tile(4);
+  EXPECT_THAT(why_rejected(message), HasSubstr("not asked"));
+}
+
+TEST_F(ServerTest, AResultThatComesTwiceIsRejected) {
+  connect_and_take_a_unit();
+  stream_->Write(good_result());
+  next<arrivals::Result>();
+  EXPECT_THAT(why_rejected(good_result()), HasSubstr("not asked"));
+}
+
+TEST_F(ServerTest, ResultsThatDifferHaveDifferentHashes) {
+  const wire::WorkerMessage good = good_result();
+  wire::WorkerMessage other = good_result();
+  EXPECT_EQ(result_hash(good.result()), result_hash(other.result()));
+  other.mutable_result()->mutable_nan()->set_count(good.result().nan().count() + 1);
+  EXPECT_NE(result_hash(good.result()), result_hash(other.result()));
+  other = good;
+  (*other.mutable_result()->mutable_values())[0] ^= 1;
+  EXPECT_NE(result_hash(good.result()), result_hash(other.result()));
+}
+
+TEST_F(ServerTest, ABrokenStreamIsAWorkerGone) {
+  say_hello();
+  const WorkerId worker = next<arrivals::Connected>().worker;
+  context_.TryCancel();
+  EXPECT_EQ(next<arrivals::Gone>().worker, worker);
+  server_->send_unit(worker, kUnit, kArea, kRadiancePlanes);  // nothing happens
+  server_->dismiss(worker, "");
+}
+
+TEST_F(ServerTest, AssetsComeInSmallPiecesByTheirHash) {
+  std::vector<std::uint8_t> bytes(kAssetChunkBytes * 2 + 5);
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = std::uint8_t(i * 7 + i / 1000);
+  const std::string hash = server_->add_asset(bytes);
+  EXPECT_EQ(hash, content_hash(bytes));
+  EXPECT_EQ(hash.size(), 32u);
+
+  grpc::ClientContext context;
+  wire::AssetRequest request;
+  request.set_hash(hash);
+  const auto reader = stub_->Asset(&context, request);
+  std::vector<std::uint8_t> received;
+  wire::AssetChunk chunk;
+  while (reader->Read(&chunk)) {
+    EXPECT_LE(chunk.data().size(), kAssetChunkBytes);
+    received.insert(received.end(), chunk.data().begin(), chunk.data().end());
+  }
+  EXPECT_TRUE(reader->Finish().ok());
+  EXPECT_EQ(received, bytes);
+}
+
+TEST_F(ServerTest, AnUnknownAssetIsNotFound) {
+  grpc::ClientContext context;
+  wire::AssetRequest request;
+  request.set_hash("0123");
+  const auto reader = stub_->Asset(&context, request);
+  wire::AssetChunk chunk;
+  EXPECT_FALSE(reader->Read(&chunk));
+  const grpc::Status status = reader->Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_THAT(status.error_message(), HasSubstr("0123"));
+}
+
+TEST(Server, AnAddressThatCannotBeListenedOnIsAnError) {
+  WatchBoard board(1);
+  const auto server = Server::listen({.address = "unix:/no/such/directory/socket"}, board);
+  ASSERT_FALSE(server);
+  EXPECT_THAT(server.error().message, HasSubstr("/no/such/directory/socket"));
+}
+
+}  // namespace
+}  // namespace penumbra

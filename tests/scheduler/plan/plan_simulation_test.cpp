@@ -1,0 +1,326 @@
+// The plan against thousands of random schedules: workers that die, hang, come back late, fail, send damaged
+// results, and units that do this to every worker. Whatever happens, the film must be the one that an
+// undisturbed render gives.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <ostream>
+#include <random>
+#include <set>
+#include <vector>
+
+#include "scheduler/plan/merge.h"
+#include "scheduler/plan/plan.h"
+
+namespace penumbra {
+namespace {
+
+constexpr Seconds kNever = std::numeric_limits<Seconds>::infinity();
+constexpr int kMostEvents = 20000;
+
+struct Habits {
+  double dies = 0, hangs = 0, late = 0, fails = 0, corrupts = 0;  // probability for each unit
+  double poisonous = 0;                                           // share of units that never succeed
+  double lies = 0;                                                // probability that a worker is a liar
+};
+
+/// One run with one seed.
+class SimulatedFarm {
+ public:
+  SimulatedFarm(unsigned seed, const Habits& habits)
+      : random_(seed), habits_(habits), images_(std::size_t(between(1, 2))) {
+    for (ImageUnits& image : images_) {
+      image = {.tiles = std::uint32_t(between(1, 12)), .passes = std::uint32_t(between(1, 5))};
+      grids_.emplace_back(0, 0, int(image.tiles), 1, 1, image.passes, 1);
+      merges_.emplace_back(FilmAccumulator(0, 0, int(image.tiles), 1, kRadiancePlanes), grids_.back());
+    }
+    for (std::uint32_t i = 0; i < images_.size(); ++i) {
+      for (std::uint32_t pass = 0; pass < images_[i].passes; ++pass) {
+        for (std::uint32_t tile = 0; tile < images_[i].tiles; ++tile) {
+          if (chance(habits_.poisonous)) poison_.emplace(UnitId{i, pass, tile}, between(0, 2));
+        }
+      }
+    }
+  }
+
+  void run() {
+    plan_.emplace(images_, LeaseRule{.initial = 20, .minimum = 5, .factor = 3, .growth = 2, .silence = 8});
+    for (int crew = between(1, 6); crew > 0; --crew) join();
+    for (int events = 0; !plan_->finished() && !plan_->gave_up(); ++events) {
+      ASSERT_LT(events, kMostEvents) << "the plan does not come to an end";
+      step();
+      if (testing::Test::HasFatalFailure()) return;
+    }
+    if (plan_->finished()) check_the_end();
+  }
+
+  [[nodiscard]] bool gave_up() const { return plan_->gave_up(); }
+  int dismissals = 0, set_asides = 0, duplicates = 0;
+
+ private:
+  enum class Fate { kDone, kDies, kFails, kCorrupt };
+  struct FakeWorker {
+    std::vector<UnitId> units;
+    Seconds ready_at = kNever;
+    Fate fate = Fate::kDone;
+    double speed = 1;
+    bool liar = false;
+  };
+
+  int between(int low, int high) { return std::uniform_int_distribution(low, high)(random_); }
+  bool chance(double probability) { return std::bernoulli_distribution(probability)(random_); }
+
+  void step() {
+    auto next = std::ranges::min_element(workers_, {}, [](const auto& w) { return w.second.ready_at; });
+    const bool somebody = next != workers_.end() && next->second.ready_at <= next_tick_;
+    now_ = somebody ? std::max(now_, next->second.ready_at) : next_tick_;
+    if (!somebody) {
+      next_tick_ += 0.5;
+      beat();
+      if (int(workers_.size()) < 2 || chance(0.02)) join();  // the dead are replaced, some others come too
+      tell(Tick{});
+      return;
+    }
+    const WorkerId id = next->first;
+    FakeWorker& worker = next->second;
+    const UnitId unit = worker.units.front();
+    switch (worker.fate) {
+      case Fate::kDies:
+        workers_.erase(next);
+        ++faults_[unit];
+        tell(WorkerLost{id});
+        return;
+      case Fate::kFails:
+        finish_front(worker);
+        ++faults_[unit];
+        tell(UnitFailed{id, unit});
+        return;
+      case Fate::kCorrupt:
+        finish_front(worker);
+        ++faults_[unit];
+        tell(ResultCorrupt{id, unit});
+        return;
+      case Fate::kDone: {
+        const bool lie = worker.liar && chance(0.5);
+        finish_front(worker);
+        tell(UnitDone{id, unit, lie ? id + 1000 : 7}, lie);
+        return;
+      }
+    }
+  }
+
+  /// Workers say that they are alive, and now and then that they get on; not those that hang, and half of the
+  /// others' words are lost.
+  void beat() {
+    std::vector<WorkerId> alive;
+    for (const auto& [id, worker] : workers_)
+      if (!worker.units.empty() && worker.ready_at != kNever && chance(0.5)) alive.push_back(id);
+    for (const WorkerId id : alive) {
+      tell(Alive{id});
+      if (chance(0.3)) tell(Progressed{id});
+    }
+  }
+
+  void join() {
+    if (workers_.size() >= 8) return;
+    const WorkerId id = next_worker_++;
+    workers_[id] = {.units = {}, .speed = 0.2 + 0.3 * between(1, 10), .liar = chance(habits_.lies)};
+    tell(WorkerJoined{id});
+  }
+
+  void finish_front(FakeWorker& worker) {
+    worker.units.erase(worker.units.begin());
+    begin(worker);
+  }
+
+  void begin(FakeWorker& worker) {
+    worker.ready_at = kNever;
+    worker.fate = Fate::kDone;
+    if (worker.units.empty()) return;
+    worker.ready_at = now_ + worker.speed * 0.1 * between(8, 12);
+    const auto poison = poison_.find(worker.units.front());
+    if (poison != poison_.end()) {
+      if (poison->second == 2) worker.ready_at = kNever;
+      worker.fate = poison->second == 0 ? Fate::kDies : Fate::kFails;
+    } else if (chance(habits_.dies)) {
+      worker.fate = Fate::kDies;
+    } else if (chance(habits_.fails)) {
+      worker.fate = Fate::kFails;
+    } else if (chance(habits_.corrupts)) {
+      worker.fate = Fate::kCorrupt;
+    } else if (chance(habits_.hangs)) {
+      worker.ready_at = kNever;
+    } else if (chance(habits_.late)) {
+      worker.ready_at = now_ + between(1, 150);
+    }
+  }
+
+  void tell(const PlanEvent& event, bool lie = false) {
+    for (const PlanOrder& order : plan_->handle(event, now_)) {
+      std::visit([&](const auto& o) { obey(o, lie); }, order);
+    }
+  }
+
+  void obey(const Assign& order, bool) {
+    const auto found = workers_.find(order.worker);
+    ASSERT_NE(found, workers_.end()) << "a unit for a worker that is gone";
+    FakeWorker& worker = found->second;
+    ASSERT_LT(order.unit.image, images_.size());
+    ASSERT_LT(order.unit.tile, images_[order.unit.image].tiles);
+    ASSERT_LT(order.unit.pass, images_[order.unit.image].passes);
+    ASSERT_EQ(std::ranges::count(worker.units, order.unit), 0) << "a worker has the unit already";
+    worker.units.push_back(order.unit);
+    ASSERT_LE(worker.units.size(), std::size_t(kUnitsPerWorker));
+    if (worker.units.size() == 1) begin(worker);
+  }
+
+  void obey(const MergeResult& order, bool lie) {
+    ASSERT_TRUE(merged_.emplace(order.unit, order.worker).second) << "merged twice";
+    ASSERT_FALSE(set_aside_.contains(order.unit));
+    if (lie) lies_.insert(order.unit);
+    merges_[order.unit.image].add(order.unit.tile, order.unit.pass, result(order.unit, lie));
+  }
+
+  void obey(const DiscardResult&, bool) { ++duplicates; }
+
+  void obey(const SetAside& order, bool) {
+    ++set_asides;
+    ASSERT_TRUE(set_aside_.insert(order.unit).second) << "set aside twice";
+    ASSERT_FALSE(merged_.contains(order.unit));
+    ASSERT_GE(order.faults.size(), std::size_t(kFaultsToSetAside));
+    // Expired leases are faults too, but only of units that hang or are late.
+    if (habits_.hangs + habits_.late + habits_.poisonous == 0) {
+      ASSERT_GE(faults_[order.unit], kFaultsToSetAside);
+    }
+    merges_[order.unit.image].skip(order.unit.tile, order.unit.pass);
+  }
+
+  void obey(const DismissWorker& order, bool) {
+    ++dismissals;
+    ASSERT_TRUE(workers_.contains(order.worker));
+    workers_.erase(order.worker);
+    if (order.fault == Fault::kDisputed) disputed_.insert({order.worker, *order.accuser});
+  }
+
+  void obey(const RedoTile& order, bool) {
+    merges_[order.image].redo(order.tile);
+    const auto in_tile = [&](const UnitId& unit) {
+      return unit.image == order.image && unit.tile == order.tile;
+    };
+    std::erase_if(merged_, [&](const auto& m) { return in_tile(m.first); });
+    std::erase_if(lies_, in_tile);
+  }
+
+  void obey(const Overdue& order, bool) { ASSERT_TRUE(workers_.contains(order.worker)); }
+
+  void obey(const GiveUp&, bool) { ASSERT_GT(habits_.lies, 0); }
+
+  static SampleBuffer result(const UnitId& unit, bool lie) {
+    // Values that round differently in every order of merging.
+    const float value = 1.0f / float(3 + unit.pass * 7 + unit.tile + unit.image) + (lie ? 1.0f : 0.0f);
+    return {.width = 1,
+            .height = 1,
+            .planes = kRadiancePlanes,
+            .sample_count = 1,
+            .values = {value, value * 3, value * 5, 0, 0, 0}};
+  }
+
+  void check_the_end() {
+    std::size_t total = 0;
+    for (std::uint32_t i = 0; i < images_.size(); ++i) {
+      total += std::size_t(images_[i].tiles) * images_[i].passes;
+      ASSERT_EQ(merges_[i].finished_passes(), images_[i].passes);
+      ASSERT_EQ(merges_[i].waiting(), 0u);
+      if (lies_.empty()) {
+        ASSERT_EQ(merges_[i].film().hash(), undisturbed(i));
+      }
+    }
+    ASSERT_EQ(merged_.size() + set_aside_.size(), total) << "a unit is lost";
+    ASSERT_EQ(plan_->units_done(), merged_.size());
+    ASSERT_EQ(plan_->set_aside(), set_aside_);
+    for (const auto& [unit, kind] : poison_) ASSERT_TRUE(set_aside_.contains(unit));
+    for (const auto& [a, b] : disputed_) {
+      for (const auto& [unit, worker] : merged_)
+        ASSERT_TRUE(worker != a && worker != b) << "untrustworthy work";
+    }
+  }
+
+  std::uint64_t undisturbed(std::uint32_t image) {
+    FilmAccumulator film(0, 0, int(images_[image].tiles), 1, kRadiancePlanes);
+    for (std::uint32_t pass = 0; pass < images_[image].passes; ++pass) {
+      for (std::uint32_t tile = 0; tile < images_[image].tiles; ++tile) {
+        const UnitId unit{image, pass, tile};
+        if (!set_aside_.contains(unit)) film.add(int(tile), 0, result(unit, false));
+      }
+    }
+    return film.hash();
+  }
+
+  std::mt19937 random_;
+  const Habits habits_;
+  std::vector<ImageUnits> images_;
+  std::vector<TileGrid> grids_;
+  std::vector<Merge> merges_;
+  std::map<UnitId, int> poison_;  // what it does: kills, fails, hangs
+  std::optional<Plan> plan_;
+  std::map<WorkerId, FakeWorker> workers_;
+  WorkerId next_worker_ = 1;
+  Seconds now_ = 0, next_tick_ = 0.5;
+  std::map<UnitId, WorkerId> merged_;
+  std::map<UnitId, int> faults_;
+  std::set<UnitId> set_aside_, lies_;
+  std::set<std::pair<WorkerId, WorkerId>> disputed_;
+};
+
+struct Scenario {
+  const char* name;
+  Habits habits;
+};
+
+void PrintTo(const Scenario& scenario, std::ostream* out) { *out << scenario.name; }
+
+class PlanSimulation : public testing::TestWithParam<Scenario> {};
+
+TEST_P(PlanSimulation, NothingIsLostNothingIsMergedTwiceAndItEnds) {
+  constexpr unsigned kSeeds = 1500;
+  int dismissals = 0, set_asides = 0, duplicates = 0, given_up = 0;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    SCOPED_TRACE(testing::Message() << GetParam().name << ", seed " << seed);
+    SimulatedFarm farm(seed, GetParam().habits);
+    farm.run();
+    if (HasFatalFailure()) return;
+    dismissals += farm.dismissals;
+    set_asides += farm.set_asides;
+    duplicates += farm.duplicates;
+    given_up += farm.gave_up() ? 1 : 0;
+  }
+  // The scenarios must contain what they are there for.
+  const Habits& habits = GetParam().habits;
+  EXPECT_GT(duplicates, 0);
+  if (habits.poisonous > 0) EXPECT_GT(set_asides, 100);
+  if (habits.corrupts + habits.hangs + habits.lies > 0) EXPECT_GT(dismissals, 100);
+  if (habits.lies == 0) EXPECT_EQ(given_up, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Habits, PlanSimulation,
+                         testing::Values(Scenario{"healthy", {}}, Scenario{"mortal", {.dies = 0.15}},
+                                         Scenario{"sleepy", {.hangs = 0.05, .late = 0.1}},
+                                         Scenario{"clumsy", {.fails = 0.1, .corrupts = 0.05}},
+                                         Scenario{"poisoned", {.dies = 0.02, .poisonous = 0.1}},
+                                         Scenario{"lying", {.dies = 0.05, .late = 0.05, .lies = 0.2}},
+                                         Scenario{"everything",
+                                                  {.dies = 0.05,
+                                                   .hangs = 0.03,
+                                                   .late = 0.05,
+                                                   .fails = 0.05,
+                                                   .corrupts = 0.03,
+                                                   .poisonous = 0.05,
+                                                   .lies = 0.05}}),
+                         [](const auto& parameter) { return parameter.param.name; });
+
+}  // namespace
+}  // namespace penumbra

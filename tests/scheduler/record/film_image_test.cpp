@@ -1,0 +1,114 @@
+#include "scheduler/record/film_image.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "scheduler/plan/render_memory.h"
+
+namespace penumbra {
+namespace {
+
+using ::testing::ElementsAre;
+
+/// Every plane p of pixel i is p + i / 8.
+SampleBuffer buffer_of(int width, int height, int planes, std::uint32_t samples) {
+  SampleBuffer buffer;
+  buffer.width = width;
+  buffer.height = height;
+  buffer.planes = planes;
+  buffer.sample_count = samples;
+  for (int p = 0; p < planes; ++p) {
+    for (int i = 0; i < width * height; ++i) buffer.values.push_back(float(p) + float(i) / 8);
+  }
+  return buffer;
+}
+
+TEST(FilmImage, PutsEveryStatisticInItsLayer) {
+  FilmAccumulator film(4, 6, 3, 2, kSampleBufferPlanes);
+  film.add(4, 6, buffer_of(3, 2, kSampleBufferPlanes, 5));
+  const Image image = image_of_film(film, 16, 12);
+  EXPECT_EQ(image.data, (PixelWindow{4, 6, 3, 2}));
+  EXPECT_EQ(image.display, (PixelWindow{0, 0, 16, 12}));
+  const std::vector<std::pair<std::string, int>> planes = {{"R", kMeanR},
+                                                           {"G", kMeanG},
+                                                           {"B", kMeanB},
+                                                           {"albedo.R", kAlbedoR},
+                                                           {"albedo.G", kAlbedoG},
+                                                           {"albedo.B", kAlbedoB},
+                                                           {"normal.X", kNormalX},
+                                                           {"normal.Y", kNormalY},
+                                                           {"normal.Z", kNormalZ},
+                                                           {"depth.Z", kDepth},
+                                                           {"analytic.R", kAnalyticR},
+                                                           {"analytic.B", kAnalyticB},
+                                                           {"difference.G", kDifferenceG}};
+  for (int i = 0; i < 6; ++i) {
+    const int x = i % 3, y = i / 3;
+    for (const auto& [name, plane] : planes) {
+      EXPECT_EQ(image.at(x, y, *image.channel(name)), float(plane) + float(i) / 8) << name;
+    }
+    const float deviation = float(kDeviationG) + float(i) / 8;
+    EXPECT_FLOAT_EQ(image.at(x, y, *image.channel("variance.G")), deviation * deviation / 4);
+    const float seen = float(kSeen) + float(i) / 8, whole = float(kWhole) + float(i) / 8;
+    EXPECT_FLOAT_EQ(image.at(x, y, *image.channel("visibility.Y")), seen / whole);
+    EXPECT_EQ(image.at(x, y, *image.channel("samples.count")), 5);
+  }
+}
+
+TEST(FilmImage, HasAsManyChannelsAsItsMemoryIsCountedFor) {
+  for (const int planes : {int(kRadiancePlanes), int(kFeaturePlanes), int(kSampleBufferPlanes)}) {
+    const Image image = image_of_film(FilmAccumulator(0, 0, 2, 1, planes), 2, 1);
+    EXPECT_EQ(image.channels.size(), std::size_t(image_channels(planes)));
+    EXPECT_LE(image.values.size() * sizeof(float), 2 * pixel_memory(planes).output);
+  }
+}
+
+TEST(FilmImage, CountsPixelsWhoseVarianceNoFloatHolds) {
+  FilmAccumulator film(0, 0, 3, 1, kRadiancePlanes);
+  SampleBuffer huge = buffer_of(3, 1, kRadiancePlanes, 2);
+  film.add(0, 0, huge);
+  EXPECT_EQ(pixels_of_infinite_variance(film), 0u);
+  huge.plane(kDeviationB)[1] = 3e37f;
+  film.add(0, 0, huge);
+  EXPECT_EQ(pixels_of_infinite_variance(film), 1u);
+  EXPECT_TRUE(std::isfinite(film.at(1, 0).m2[2]));
+}
+
+TEST(FilmImage, HasNoFeatureLayersWithoutFeatures) {
+  FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes);
+  film.add(0, 0, buffer_of(1, 1, kRadiancePlanes, 2));
+  EXPECT_THAT(image_of_film(film, 1, 1).channels,
+              ElementsAre("R", "G", "B", "variance.R", "variance.G", "variance.B", "samples.count"));
+}
+
+TEST(FilmImage, WhatIsNotRenderedIsZeroWithCountZero) {
+  FilmAccumulator film(0, 0, 2, 1, kRadiancePlanes);
+  film.add(1, 0, buffer_of(1, 1, kRadiancePlanes, 1));
+  const Image image = image_of_film(film, 2, 1);
+  for (std::size_t c = 0; c < image.channels.size(); ++c) EXPECT_EQ(image.at(0, 0, c), 0);
+  EXPECT_EQ(image.at(1, 0, *image.channel("samples.count")), 1);
+  EXPECT_EQ(image.at(1, 0, *image.channel("G")), 1);
+  EXPECT_EQ(image.at(1, 0, *image.channel("variance.R")), 0) << "one sample has no variance";
+}
+
+TEST(SampleRange, OfAPartlyRenderedFilm) {
+  FilmAccumulator film(0, 0, 2, 1, kRadiancePlanes);
+  EXPECT_EQ(sample_range(film).most, 0u);
+  film.add(0, 0, buffer_of(1, 1, kRadiancePlanes, 3));
+  film.add(1, 0, buffer_of(1, 1, kRadiancePlanes, 5));
+  EXPECT_EQ(sample_range(film).least, 3u);
+  EXPECT_EQ(sample_range(film).most, 5u);
+  EXPECT_EQ(sample_range(film).total, 8u);
+}
+
+TEST(VarianceOfMean, ByHand) {
+  // 1, 2, 3, 6: mean 3, M2 14, sample variance 14/3, of the mean 14/12.
+  EXPECT_DOUBLE_EQ(variance_of_mean(4, 14), 14.0 / 12);
+  EXPECT_EQ(variance_of_mean(1, 0), 0);
+  EXPECT_EQ(variance_of_mean(0, 0), 0);
+}
+
+}  // namespace
+}  // namespace penumbra

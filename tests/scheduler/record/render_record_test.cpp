@@ -1,0 +1,110 @@
+#include "scheduler/record/render_record.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+namespace penumbra {
+namespace {
+
+using ::testing::HasSubstr;
+
+RenderRecord cornell() {
+  RenderRecord record;
+  record.scene = "scenes/cornell/scene.xml";
+  record.film.width = record.film.crop_width = 512;
+  record.film.height = record.film.crop_height = 256;
+  record.sampler.spp = 64;
+  record.sampler.seed = 4000000000u;
+  return record;
+}
+
+constexpr RenderedSamples kAll = {.least = 64, .most = 64};
+
+std::map<std::string, MetadataValue> metadata_of(const RenderRecord& record,
+                                                 const RenderedSamples& rendered) {
+  const auto entries = record_metadata(record, 0xabcu, rendered);
+  return {entries.begin(), entries.end()};
+}
+
+TEST(RepeatCommand, NamesEverythingThePixelsDependOn) {
+  RenderRecord record = cornell();
+  EXPECT_EQ(repeat_command(record, true),
+            "penumbra render scenes/cornell/scene.xml --integrator path_mis --sampler sobol --spp 64 "
+            "--seed 4000000000 --pass 16 --intersector portable");
+  record.scene = "my scenes/it's.xml";
+  record.defines = {"albedo=0.5", "name=a b"};
+  record.settings = {"integrator.max_depth=3"};
+  record.lenient = true;
+  record.integrator.direct_sampling = DirectSampling::kEmitterOnly;
+  record.embree = true;
+  record.isa = "avx2";
+  record.film.crop_x = 10;
+  record.film.crop_width = 20;
+  record.film.crop_y = 30;
+  record.film.crop_height = 40;
+  const std::string whole =
+      "penumbra render 'my scenes/it'\\''s.xml' -D albedo=0.5 -D 'name=a b' --set integrator.max_depth=3 "
+      "--lenient "
+      "--integrator path_ems --sampler sobol --spp 64 --seed 4000000000 --pass 16 --intersector embree --isa "
+      "avx2";
+  EXPECT_EQ(repeat_command(record, false), whole);
+  EXPECT_EQ(repeat_command(record, true), whole + " --crop 10,30,30,70");
+}
+
+TEST(RecordMetadata, IsMarkedIncompleteOnlyIfSo) {
+  EXPECT_FALSE(metadata_of(cornell(), kAll).contains("penumbra:incomplete"));
+  const RenderedSamples half = {.complete = false, .least = 32, .most = 32};
+  EXPECT_EQ(metadata_of(cornell(), half).at("penumbra:incomplete"), MetadataValue(1));
+}
+
+TEST(RecordMetadata, DoesNotDependOnTheFolder) {
+  RenderRecord elsewhere = cornell();
+  elsewhere.scene = "/home/me/scene.xml";
+  EXPECT_EQ(metadata_of(elsewhere, kAll), metadata_of(cornell(), kAll));
+  elsewhere.scene_hash = 1;
+  EXPECT_NE(metadata_of(elsewhere, kAll), metadata_of(cornell(), kAll)) << "another scene of the same name";
+}
+
+TEST(RecordOfRendered, KeepsWhatTheSequenceIsMadeFor) {
+  const auto command = [](const RenderedSamples& rendered) {
+    return repeat_command(record_of_rendered(cornell(), rendered), true);
+  };
+  EXPECT_EQ(command(kAll), repeat_command(cornell(), true));
+  EXPECT_THAT(command({.least = 48, .most = 48}), HasSubstr("--spp 64 --stop-after 48 "));
+  EXPECT_THAT(command({.complete = false, .least = 16, .most = 32}), HasSubstr("--spp 64 --stop-after 32 "));
+  // One unit of 16 samples is missing, and nobody knows here which.
+  EXPECT_EQ(command({.complete = false, .has_gaps = true, .least = 48, .most = 48}),
+            repeat_command(cornell(), true));
+}
+
+TEST(RecordMetadata, OfAnImageThatNoCommandRepeatsSaysSo) {
+  for (const RenderedSamples& rendered :
+       {RenderedSamples{.complete = false, .least = 16, .most = 32},
+        RenderedSamples{.complete = false, .has_gaps = true, .least = 48, .most = 48}}) {
+    const auto metadata = metadata_of(record_of_rendered(cornell(), rendered), rendered);
+    EXPECT_FALSE(metadata.contains("penumbra:command"));
+    EXPECT_TRUE(metadata.contains("penumbra:nearest_command"));
+    EXPECT_EQ(metadata.at("penumbra:samples_per_pixel"),
+              MetadataValue(fmt::format("{} to {}", rendered.least, rendered.most)));
+  }
+}
+
+TEST(RecordMetadata, HoldsSettingsAndHash) {
+  const auto metadata = metadata_of(cornell(), kAll);
+  EXPECT_EQ(metadata.at("penumbra:seed"), MetadataValue("4000000000"));
+  EXPECT_EQ(metadata.at("penumbra:integrator"), MetadataValue("path_mis"));
+  EXPECT_EQ(metadata.at("penumbra:integrator.max_depth"), MetadataValue(-1));
+  EXPECT_EQ(metadata.at("penumbra:film.rfilter"), MetadataValue("gaussian"));
+  EXPECT_EQ(metadata.at("penumbra:film.rfilter_stddev"), MetadataValue("0.5"));
+  EXPECT_EQ(metadata.at("penumbra:film_hash"), MetadataValue("0000000000000abc"));
+  RenderRecord here = cornell();
+  here.scene = "scene.xml";
+  EXPECT_EQ(metadata.at("penumbra:command"), MetadataValue(repeat_command(here, true)));
+  EXPECT_FALSE(metadata.contains("penumbra:isa")) << "the portable intersector does not depend on it";
+}
+
+}  // namespace
+}  // namespace penumbra
