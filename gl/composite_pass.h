@@ -41,7 +41,8 @@ struct DisplayTarget {
 ///     kFilmic    x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14) (Narkowicz 2015, ACES Filmic Tone Mapping
 ///     Curve)
 ///   kDifference  0.5 + 0.5 sign(x) sRGB(|x|): 0 is mid grey, black and white are −1 and 1
-///   kError       heat_color (scheduler/image/metrics/color_map.h) of log10 of the standard error over the range of
+///   kError       heat_color (scheduler/image/metrics/color_map.h) of log10 of the standard error over the
+///   range of
 ///                error_scale.h; relative: over the root mean square of the radiance's channels
 /// NaN and infinities are magenta, pixels without a value a dim checkerboard. A picture that is magnified
 /// shows film pixels as they are; one that is made smaller shows the mean, weighted by area, of the linear

@@ -18,9 +18,9 @@
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/stop_signal.h"
 #include "scheduler/files/output_check.h"
-#include "scheduler/record/version.h"
 #include "scheduler/protocol/grpc_log.h"
 #include "scheduler/protocol/message_memory.h"
+#include "scheduler/record/version.h"
 
 namespace penumbra {
 namespace {

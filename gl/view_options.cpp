@@ -4,8 +4,8 @@
 
 #include <string_view>
 
-#include "scheduler/farm/access.h"
 #include "scheduler/cli/option_checks.h"
+#include "scheduler/farm/access.h"
 
 namespace penumbra {
 namespace {

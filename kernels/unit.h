@@ -19,7 +19,7 @@ FN int slot_pixels(int slot_capacity, int sample_count, int lanes) {
   return (slot_capacity - (lanes - 1)) / sample_count;
 }
 
-/// What a block notes of the samples that are no numbers: how many, and the first of them.
+/// What a block notes of the non-finite samples: how many, and the first of them.
 typedef struct {
   uint count;
   uint pixel;   ///< of the unit, row by row
@@ -30,14 +30,14 @@ enum { BAD_NAN, BAD_INFINITE, BAD_KINDS };
 
 /// Where a path first held such a value, see block_probe.h.
 enum {
-  STAGE_UNKNOWN,
-  STAGE_CAMERA,       ///< the camera ray
-  STAGE_EMISSION,     ///< emission that the path's ray found
-  STAGE_LIGHT,        ///< the light sample
-  STAGE_DIRECTION,    ///< the next direction and the throughput along it
-  STAGE_CLOSED_FORM,  ///< of polygon lights
-  STAGE_CONTROL,      ///< their control variate
-  STAGE_FILTER        ///< the film's filter, or a layer
+  SOURCE_UNKNOWN,
+  SOURCE_CAMERA,       ///< the camera ray
+  SOURCE_EMISSION,     ///< emission that the path's ray found
+  SOURCE_LIGHT,        ///< the light sample
+  SOURCE_DIRECTION,    ///< the next direction and the throughput along it
+  SOURCE_CLOSED_FORM,  ///< of polygon lights
+  SOURCE_CONTROL,      ///< their control variate
+  SOURCE_FILTER        ///< the film's filter, or a layer
 };
 
 // Where a unit's layers start among the planes of its result: see SampleBufferPlane, which checks that they

@@ -7,7 +7,7 @@
 
 #include "kernels/host/native_kernels.h"
 #include "worker/native_device.h"
-#include "worker/non_finite_stage.h"
+#include "worker/non_finite_source.h"
 #include "worker/opencl_device.h"
 
 namespace penumbra {

@@ -3,7 +3,7 @@ include(${CMAKE_CURRENT_LIST_DIR}/embed_kernels.cmake)
 
 add_library(penumbra_devices STATIC device.cpp native_device.cpp embree_tracer.cpp opencl_cache.cpp opencl_device.cpp
                                     opencl_devices.cpp opencl_memory.cpp opencl_program.cpp opencl_session.cpp
-                                    non_finite_stage.cpp ${PENUMBRA_EMBEDDED_KERNELS})
+                                    non_finite_source.cpp ${PENUMBRA_EMBEDDED_KERNELS})
 target_link_libraries(penumbra_devices PUBLIC penumbra_kernels_host PRIVATE penumbra_native_kernels embree
                                        OpenCL::OpenCL Threads::Threads fmt::fmt PkgConfig::XXHASH)
 target_compile_definitions(penumbra_devices PRIVATE CL_TARGET_OPENCL_VERSION=120)

@@ -1,5 +1,5 @@
 // What the primitives that the pixels see emit, and what they reflect of all polygon lights without shadows,
-// as survey_lights of kernels/light/light_survey.h says. With PENUMBRA_PHONG lobes are counted too.
+// as unshadowed_lights of kernels/light/light_unshadowed.h says. With PENUMBRA_PHONG lobes are counted too.
 #include "gl/shaders/analytic_camera.glsl"
 #include "gl/shaders/analytic_tables.glsl"
 #include "gl/shaders/analytic_surface.glsl"

@@ -181,18 +181,18 @@ FN void finish_pixels(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int 
     spread_bad_planes(unit, first_pixel, pixels, ANALYTIC_PLANE, WHOLE_PLANE + 1, block->slots,
                       block->slot_capacity, out);
 #endif
-  if (block->probe != 0) probe_sample(block, STAGE_CONTROL);
+  if (block->probe != 0) probe_sample(block, SOURCE_CONTROL);
   accumulate(unit, first_pixel, pixels, block->slots, block->slot_capacity, layers, out, bad);
 #if HAS(POLYGONS) && HAS(RATIO)
   if (scene->header.estimator == ESTIMATOR_RATIO)
     accumulate_ratio(unit, first_pixel, pixels, block->slots, block->slot_capacity, layers, out);
 #endif
   if (block->probe != 0)
-    probe_stage(block->probe, bad[BAD_NAN].count + bad[BAD_INFINITE].count == 0u, STAGE_FILTER, 0);
+    probe_source(block->probe, bad[BAD_NAN].count + bad[BAD_INFINITE].count == 0u, SOURCE_FILTER, 0);
 }
 
 /// Renders `pixels` pixels of the unit, row by row from its `first_pixel`-th, and writes their statistics
-/// into the planes of `out` (SampleBufferPlane). `bad`, of BAD_KINDS, notes samples that are no numbers.
+/// into the planes of `out` (SampleBufferPlane). `bad`, of BAD_KINDS, notes non-finite samples.
 FN void render_block(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int pixels,
                      const PRIVATE Block* block, GLOBAL float* out, GLOBAL BadSamples* bad) {
   render_paths(scene, unit, first_pixel, 0, pixels * unit->sample_count, block->capacity, block);

@@ -159,7 +159,7 @@ STAGE void spread_bad_planes(const PRIVATE Unit* unit, int first_pixel, int pixe
   }
 }
 
-/// Statistics of the block's pixels, in sample order, without samples that are no numbers.
+/// Statistics of the block's pixels, in sample order, without non-finite samples.
 STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, GLOBAL float* RESTRICT slots,
                       int slot_capacity, bool layers, GLOBAL float* RESTRICT out,
                       GLOBAL BadSamples* RESTRICT bad) {

@@ -1,9 +1,9 @@
-// Finds the stage in which the one path of a block first held a value that is no number.
+// Finds the stage in which the one path of a block first held a non-finite value.
 #ifndef PENUMBRA_BLOCK_PROBE_H
 #define PENUMBRA_BLOCK_PROBE_H
+#include "kernels/block/path_state.h"
 #include "kernels/features.h"
 #include "kernels/math/math.h"
-#include "kernels/block/path_state.h"
 #include "kernels/unit.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -21,8 +21,8 @@ FN bool finite_fields(const GLOBAL float* values, int capacity, int field) {
   return finite;
 }
 
-FN void probe_stage(GLOBAL int* probe, bool finite, int stage, int step) {
-  if (finite | (probe[0] != STAGE_UNKNOWN)) return;
+FN void probe_source(GLOBAL int* probe, bool finite, int stage, int step) {
+  if (finite | (probe[0] != SOURCE_UNKNOWN)) return;
   probe[0] = stage;
   probe[1] = step;
 }
@@ -30,7 +30,7 @@ FN void probe_stage(GLOBAL int* probe, bool finite, int stage, int step) {
 FN void probe_camera(const PRIVATE Block* block) {
   const bool finite = finite_fields(block->f, block->capacity, RAY_ORIGIN_X) &
                       finite_fields(block->f, block->capacity, RAY_DIRECTION_X);
-  probe_stage(block->probe, finite, STAGE_CAMERA, 0);
+  probe_source(block->probe, finite, SOURCE_CAMERA, 0);
 }
 
 /// After an integrator's step: what it found, and what it asks for.
@@ -38,24 +38,24 @@ FN void probe_step(const PRIVATE Block* block, bool control, int step) {
   const GLOBAL float* f = block->f;
   const int capacity = block->capacity;
   const bool lit = f[SHADOW_TMAX * capacity] > 0.0f, alive = block->i[ALIVE * capacity] != 0;
-  probe_stage(block->probe, finite_fields(f, capacity, RADIANCE_X), STAGE_EMISSION, step);
-  if (lit) probe_stage(block->probe, finite_fields(f, capacity, SHADOW_RADIANCE_X), STAGE_LIGHT, step);
+  probe_source(block->probe, finite_fields(f, capacity, RADIANCE_X), SOURCE_EMISSION, step);
+  if (lit) probe_source(block->probe, finite_fields(f, capacity, SHADOW_RADIANCE_X), SOURCE_LIGHT, step);
   if (alive)
-    probe_stage(block->probe,
-                finite_fields(f, capacity, THROUGHPUT_X) & finite_fields(f, capacity, RAY_DIRECTION_X),
-                STAGE_DIRECTION, step);
+    probe_source(block->probe,
+                 finite_fields(f, capacity, THROUGHPUT_X) & finite_fields(f, capacity, RAY_DIRECTION_X),
+                 SOURCE_DIRECTION, step);
 #if HAS(POLYGONS)
-  if (control) probe_stage(block->probe, finite_fields(f, capacity, ANALYTIC_X), STAGE_CLOSED_FORM, step);
+  if (control) probe_source(block->probe, finite_fields(f, capacity, ANALYTIC_X), SOURCE_CLOSED_FORM, step);
 #endif
 }
 
 /// After the shadow ray's light is added.
 FN void probe_light(const PRIVATE Block* block, int step) {
-  probe_stage(block->probe, finite_fields(block->f, block->capacity, RADIANCE_X), STAGE_LIGHT, step);
+  probe_source(block->probe, finite_fields(block->f, block->capacity, RADIANCE_X), SOURCE_LIGHT, step);
 }
 
 FN void probe_sample(const PRIVATE Block* block, int stage) {
-  probe_stage(block->probe, finite_fields(block->slots, block->slot_capacity, SAMPLE_X), stage, 0);
+  probe_source(block->probe, finite_fields(block->slots, block->slot_capacity, SAMPLE_X), stage, 0);
 }
 
 PENUMBRA_NAMESPACE_END

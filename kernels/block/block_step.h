@@ -1,7 +1,7 @@
 // The stages of a block that step its paths by an integrator.
 #ifndef PENUMBRA_BLOCK_STEP_H
 #define PENUMBRA_BLOCK_STEP_H
-#include "kernels/block/block_aim.h"
+#include "kernels/block/block_light_sampling.h"
 #include "kernels/integrator/integrator_direct.h"
 #include "kernels/integrator/integrator_path.h"
 
@@ -31,7 +31,8 @@ STAGE void step_paths(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOB
   const PRIVATE SceneHeader* h = &scene->header;
   const uint pair = step_pair(step);
   const bool roulette = step + 1 >= h->rr_depth, scatters = step + 1 < h->max_depth;
-  const AimWishes wishes = aim_wishes(scene, true, scatters, scatters, h->direct_sampling == SAMPLING_MIS);
+  const LightRequest request =
+      light_request(scene, true, scatters, scatters, h->direct_sampling == SAMPLING_MIS);
   SurfaceFields lit;
   lit.hit = HIT;
   lit.origin_x = RAY_ORIGIN_X;
@@ -40,10 +41,10 @@ STAGE void step_paths(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOB
   for (int j = 0; j < DRAWS * LANES; j++) u[j] = 0.0f;
   for (int i = 0; i < count; i += LANES) {
     if (scatters) draw_step(h, pair, roulette, ints, capacity, i, u);
-    float aims[AIM_FLOATS];
-    aim_lanes(scene, wishes, lit, f, ints, capacity, i, u, aims);
+    float samplings[LIGHT_SAMPLING_FLOATS];
+    sample_light_lanes(scene, request, lit, f, ints, capacity, i, u, samplings);
     LANE_LOOP
-      for (int j = 0; j < LANES; j++) path_step(scene, f, ints, capacity, step, i + j, u, j, aims);
+      for (int j = 0; j < LANES; j++) path_step(scene, f, ints, capacity, step, i + j, u, j, samplings);
   }
 }
 #endif
@@ -65,16 +66,18 @@ STAGE void see_emitters(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GL
 }
 
 STAGE void weigh_emitters(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
-                          int capacity, int i, const PRIVATE float* RESTRICT aims) {
+                          int capacity, int i, const PRIVATE float* RESTRICT samplings) {
   LANE_LOOP
-    for (int j = 0; j < LANES; j++) weigh_emitter(scene, f, ints, capacity, i + j, load_aim(aims, j));
+    for (int j = 0; j < LANES; j++)
+      weigh_emitter(scene, f, ints, capacity, i + j, load_light_sampling(samplings, j));
 }
 
 STAGE void sample_emitters(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                            int capacity, int i, const PRIVATE float* RESTRICT u,
-                           const PRIVATE float* RESTRICT aims) {
+                           const PRIVATE float* RESTRICT samplings) {
   LANE_LOOP
-    for (int j = 0; j < LANES; j++) sample_emitter(scene, f, ints, capacity, i + j, u, j, load_aim(aims, j));
+    for (int j = 0; j < LANES; j++)
+      sample_emitter(scene, f, ints, capacity, i + j, u, j, load_light_sampling(samplings, j));
 }
 
 STAGE void sample_directions(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
@@ -113,7 +116,7 @@ STAGE void step_direct(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLO
   const bool balances = h->bsdf_samples > 0;
   const int rays = balances ? h->bsdf_samples + 1 : 1;
   const bool is_last = step + 1 >= (h->emitter_samples > rays ? h->emitter_samples : rays);
-  const AimWishes wishes = aim_wishes(scene, false, emits, step == 0, balances);
+  const LightRequest request = light_request(scene, false, emits, step == 0, balances);
   SurfaceFields lit;
   lit.hit = CAMERA_HIT;
   lit.origin_x = CAMERA_ORIGIN_X;
@@ -122,12 +125,12 @@ STAGE void step_direct(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLO
   for (int j = 0; j < DRAWS * LANES; j++) u[j] = 0.0f;
   for (int i = 0; i < count; i += LANES) {
     draw_direct(h, step, ints, capacity, i, u);
-    float aims[AIM_FLOATS];
-    aim_lanes(scene, wishes, lit, f, ints, capacity, i, u, aims);
-    if (balances) weigh_emitters(scene, f, ints, capacity, i, aims);
+    float samplings[LIGHT_SAMPLING_FLOATS];
+    sample_light_lanes(scene, request, lit, f, ints, capacity, i, u, samplings);
+    if (balances) weigh_emitters(scene, f, ints, capacity, i, samplings);
     if (!balances & (step == 0)) see_emitters(scene, f, ints, capacity, i);
     begin_steps(f, ints, capacity, is_last, i);
-    if (emits) sample_emitters(scene, f, ints, capacity, i, u, aims);
+    if (emits) sample_emitters(scene, f, ints, capacity, i, u, samplings);
     if (scatters) sample_directions(scene, f, ints, capacity, i, u);
   }
 }

@@ -1,9 +1,9 @@
 // The stages of a block that trace: intersect, occlude, and adding the light of shadow rays that got through.
 #ifndef PENUMBRA_BLOCK_TRACE_H
 #define PENUMBRA_BLOCK_TRACE_H
+#include "kernels/block/path_state.h"
 #include "kernels/intersect/bvh.h"
 #include "kernels/intersect/intersect_whole.h"
-#include "kernels/block/path_state.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 

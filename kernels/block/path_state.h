@@ -107,7 +107,7 @@ typedef struct {
   GLOBAL float* slots;  ///< slot_floats() * slot_capacity
   int capacity;         ///< paths under way at once, a multiple of LANES
   int slot_capacity;    ///< for the samples of the block's pixels and more, see slot_pixels()
-  GLOBAL int* probe;    ///< 0, or for a block of one path: becomes the STAGE_* where it first was no number,
+  GLOBAL int* probe;    ///< 0, or for a block of one path: becomes the STAGE_* where it first was not finite,
                         ///< and the step
 } Block;
 

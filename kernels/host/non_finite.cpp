@@ -4,21 +4,21 @@
 
 namespace penumbra {
 
-std::string_view stage_name(int stage) {
+std::string_view source_name(int stage) {
   switch (stage) {
-    case STAGE_CAMERA:
+    case SOURCE_CAMERA:
       return "camera ray";
-    case STAGE_EMISSION:
+    case SOURCE_EMISSION:
       return "emission that the path found";
-    case STAGE_LIGHT:
+    case SOURCE_LIGHT:
       return "light sample";
-    case STAGE_DIRECTION:
+    case SOURCE_DIRECTION:
       return "direction sample";
-    case STAGE_CLOSED_FORM:
+    case SOURCE_CLOSED_FORM:
       return "closed form of polygon lights";
-    case STAGE_CONTROL:
+    case SOURCE_CONTROL:
       return "control variate";
-    case STAGE_FILTER:
+    case SOURCE_FILTER:
       return "film filter, or a layer";
     default:
       return "unknown stage";

@@ -1,4 +1,4 @@
-// Samples that are no numbers: how many of a kind, and where the first of them is.
+// Non-finite samples: how many of a kind, and where the first of them is.
 #pragma once
 
 #include <compare>
@@ -9,24 +9,24 @@
 
 namespace penumbra {
 
-/// Where a path was when a value of it first was no number.
-struct SampleStage {
-  int stage = STAGE_UNKNOWN;  ///< STAGE_*
-  int step = 0;               ///< of the integrator, from 0: the bounce
+/// Where a path was when a value of it first was not finite.
+struct NonFiniteSource {
+  int stage = SOURCE_UNKNOWN;  ///< STAGE_*
+  int step = 0;                ///< of the integrator, from 0: the bounce
 
-  friend auto operator<=>(const SampleStage&, const SampleStage&) = default;
+  friend auto operator<=>(const NonFiniteSource&, const NonFiniteSource&) = default;
 };
 
 /// "emission", "light sample", ...
-std::string_view stage_name(int stage);
+std::string_view source_name(int stage);
 
 /// Samples of one kind, NaN or infinite; they count as 0 radiance. The first is that of the first row, in it
 /// of the first column, in that pixel of the lowest index.
 struct NonFiniteSamples {
   std::uint64_t count = 0;
-  int x = 0, y = 0;          ///< film pixel of the first; means nothing where there is none, as the rest
-  std::uint32_t sample = 0;  ///< its index
-  SampleStage stage = {};    ///< where it became so
+  int x = 0, y = 0;            ///< film pixel of the first; means nothing where there is none, as the rest
+  std::uint32_t sample = 0;    ///< its index
+  NonFiniteSource stage = {};  ///< where it became so
 
   /// Adds others, in whatever order.
   void add(const NonFiniteSamples& others);

@@ -37,12 +37,12 @@ FN void see_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL
 
 /// Adds what lane i's last ray found: at first the camera's, then one of the direction samples'.
 FN void weigh_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
-                      int capacity, int i, Aim aim) {
+                      int capacity, int i, LightSampling sampling) {
   const bool first = ints[RAY_SKIP * capacity + i] < 0;  // a camera ray starts on no primitive
   const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i), toward = LOAD3(f, capacity, RAY_DIRECTION_X, i);
   const vec3 throughput = LOAD3(f, capacity, THROUGHPUT_X, i);
   const Surface found = surface_at(scene, ints[HIT * capacity + i], from, toward);
-  const Emission emission = emission_at(scene, found, from, aim);
+  const Emission emission = emission_at(scene, found, from, sampling);
   const float by_direction = (float)scene->header.bsdf_samples * f[DIRECTION_PDF * capacity + i];
   const float by_emitter = (float)scene->header.emitter_samples * emission.pdf;
   const float share = mis_weight(scene->header.heuristic, by_direction, by_emitter);
@@ -56,14 +56,14 @@ FN void weigh_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOB
 
 /// Lane i's emitter sample by u, which holds DRAWS * LANES numbers, those of lane i at j.
 FN void sample_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
-                       int capacity, int i, const PRIVATE float* u, int j, Aim aim) {
+                       int capacity, int i, const PRIVATE float* u, int j, LightSampling sampling) {
   const int emitter_samples = scene->header.emitter_samples, bsdf_samples = scene->header.bsdf_samples;
   const int primitive = ints[CAMERA_HIT * capacity + i];
   const vec3 origin = LOAD3(f, capacity, CAMERA_ORIGIN_X, i);
   const vec3 direction = LOAD3(f, capacity, CAMERA_DIRECTION_X, i);
   const Surface s = surface_at(scene, primitive, origin, direction);
   const LightSample light = sample_light(scene, s, u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_V * LANES + j],
-                                         u[DRAW_LIGHT_FINE * LANES + j], aim);
+                                         u[DRAW_LIGHT_FINE * LANES + j], sampling);
   const BsdfValue value = eval_bsdf(scene->materials + s.material, s.shading, s.wo, light.wi);
   const float other = direction_pdf(scene->header.bsdf_sampling, s.shading, light.wi, value.pdf);
   const float by_emitter = (float)emitter_samples * light.pdf, by_direction = (float)bsdf_samples * other;

@@ -23,7 +23,8 @@ FN float roulette_survival(float throughput, int k) {
 
 /// Lane i of the block after `step` earlier steps; u holds DRAWS * LANES numbers, those of lane i at j.
 FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
-                  int capacity, int step, int i, const PRIVATE float* u, int j, const PRIVATE float* aims) {
+                  int capacity, int step, int i, const PRIVATE float* u, int j,
+                  const PRIVATE float* samplings) {
   const int sampling = scene->header.direct_sampling;
   const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i);
   const vec3 direction = LOAD3(f, capacity, RAY_DIRECTION_X, i);
@@ -32,8 +33,8 @@ FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL i
   const int primitive = ints[HIT * capacity + i];
   const Surface s = surface_at(scene, primitive, from, direction);
 
-  const Aim aim = load_aim(aims, j);
-  const Emission emission = emission_at(scene, s, from, aim);
+  const LightSampling light_sampling = load_light_sampling(samplings, j);
+  const Emission emission = emission_at(scene, s, from, light_sampling);
   const float bsdf_weight = sampling == SAMPLING_MIS
                                 ? mis_weight(scene->header.heuristic, direction_pdf, emission.pdf)
                                 : (sampling == SAMPLING_BSDF_ONLY ? 1.0f : 0.0f);
@@ -49,7 +50,7 @@ FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL i
   const bool scatters = s.valid & (step + 1 < scene->header.max_depth);
 
   const LightSample light = sample_light(scene, s, u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_V * LANES + j],
-                                         u[DRAW_LIGHT_FINE * LANES + j], aim);
+                                         u[DRAW_LIGHT_FINE * LANES + j], light_sampling);
   const BsdfValue value = eval_bsdf(material, s.shading, s.wo, light.wi);
   const float shared =
       sampling == SAMPLING_MIS ? mis_weight(scene->header.heuristic, light.pdf, value.pdf) : 1.0f;

@@ -1,13 +1,13 @@
 // Lights: choosing one, a point on it, and the densities that multiple importance sampling compares.
 #ifndef PENUMBRA_LIGHT_H
 #define PENUMBRA_LIGHT_H
-#include "kernels/math/frame.h"
-#include "kernels/light/light_aim.h"
-#include "kernels/light/light_choice.h"
 #include "kernels/block/path_state.h"
+#include "kernels/intersect/surface.h"
+#include "kernels/light/light_choice.h"
+#include "kernels/light/light_sampling.h"
 #include "kernels/light/spherical_rectangle.h"
 #include "kernels/light/spherical_triangle.h"
-#include "kernels/intersect/surface.h"
+#include "kernels/math/frame.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -73,7 +73,7 @@ FN vec3 sample_spherical_light(SphericalLight s, float u, float v) {
 }
 #endif
 
-/// Density with which sample_light without an aim chooses the direction from `from` to a point of the light
+/// Density with which sample_light by itself chooses the direction from `from` to a point of the light
 /// that is `distance` away and whose front is seen under `cosine`.
 FN float light_pdf(const PRIVATE Scene* scene, int index, vec3 from, float distance, float cosine) {
   GLOBAL const Light* light = scene->lights + index;
@@ -100,18 +100,18 @@ FN float light_pdf(const PRIVATE Scene* scene, int index, vec3 from, float dista
   return pdf * light->pmf;
 }
 
-/// Chooses a light and a point on it by (u, v), or as `aim` says, for lighting the surface; `fine`: see
+/// Chooses a light and a point on it by (u, v), or as `sampling` says, for lighting the surface; `fine`: see
 /// choose_light.
 FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float number, float v, float fine,
-                            Aim aim) {
+                            LightSampling sampling) {
   const ChosenLight by_power = choose_light(scene, number, fine);
 #if HAS(POLYGONS)
-  const bool is_chosen = aim.light >= 0.0f;
-  const int index = is_chosen ? (int)aim.light : by_power.light;
+  const bool is_chosen = sampling.light >= 0.0f;
+  const int index = is_chosen ? (int)sampling.light : by_power.light;
   const float u = is_chosen ? number : by_power.u;
   GLOBAL const Light* light = scene->lights + index;
   const float light_pmf = light->pmf;
-  const float pmf = is_chosen ? aim.pmf : light_pmf;
+  const float pmf = is_chosen ? sampling.pmf : light_pmf;
 #else
   const int index = by_power.light;
   GLOBAL const Light* light = scene->lights + index;
@@ -150,11 +150,11 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float number,
   }
 #endif
 #if HAS(PROJECTED)
-  const bool aimed = aim.scale > 0.0f;
+  const bool is_directed = sampling.scale > 0.0f;
   {
-    const float along = dot3(aim.wi, normal);
+    const float along = dot3(sampling.wi, normal);
     const float distance = dot3(sub(p0, s.p), normal) / (along != 0.0f ? along : 1.0f);
-    at = select3(aimed, add_scaled(s.p, distance, aim.wi), at);
+    at = select3(is_directed, add_scaled(s.p, distance, sampling.wi), at);
   }
 #endif
 #if HAS(QUADRICS)
@@ -214,8 +214,8 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float number,
   sample.pdf = direct_pdf > 0.0f ? direct_pdf : area_to_solid_angle(d2, cosine, light->area);
 #if HAS(PROJECTED)
   // Of the direction itself: seen from the shadow ray's origin it may be below the light's plane.
-  sample.wi = select3(aimed, aim.wi, sample.wi);
-  sample.pdf = aimed ? max_f(dot3(s.shading, sample.wi), 0.0f) * aim.scale : sample.pdf;
+  sample.wi = select3(is_directed, sampling.wi, sample.wi);
+  sample.pdf = is_directed ? max_f(dot3(s.shading, sample.wi), 0.0f) * sampling.scale : sample.pdf;
 #endif
   sample.delta = false;
   sample.of_polygon = light->polygon >= 0;
@@ -278,7 +278,7 @@ typedef struct {
   bool of_polygon;  ///< see LightSample
 } Emission;
 
-FN Emission emission_at(const PRIVATE Scene* scene, Surface s, vec3 from, Aim aim) {
+FN Emission emission_at(const PRIVATE Scene* scene, Surface s, vec3 from, LightSampling sampling) {
   Emission e;
   const int index = light_found(scene, s), safe = index >= 0 ? index : 0;
   e.radiance = emitted_radiance(scene, s);
@@ -287,7 +287,7 @@ FN Emission emission_at(const PRIVATE Scene* scene, Surface s, vec3 from, Aim ai
   e.pdf = light_pdf(scene, safe, from, s.distance, dot3(s.geometric, s.wo));
 #if HAS(PROJECTED)
   const float pmf = scene->lights[safe].pmf;
-  e.pdf = aim.found_pdf >= 0.0f ? aim.found_pdf * pmf : e.pdf;
+  e.pdf = sampling.found_pdf >= 0.0f ? sampling.found_pdf * pmf : e.pdf;
 #endif
   e.pdf = index >= 0 ? e.pdf : 0.0f;
   return e;

@@ -1,15 +1,15 @@
-// Directions to lights by projected solid angle, as a part of the stage that aims.
+// Directions to lights by projected solid angle, as a part of the stage that samplings.
 #ifndef PENUMBRA_PROJECTED_LIGHT_H
 #define PENUMBRA_PROJECTED_LIGHT_H
-#include "kernels/math/frame.h"
-#include "kernels/light/light_aim.h"
-#include "kernels/polygon/polygon_light.h"
-#include "kernels/light/projected_triangle.h"
 #include "kernels/intersect/surface.h"
+#include "kernels/light/light_sampling.h"
+#include "kernels/light/projected_triangle.h"
+#include "kernels/math/frame.h"
+#include "kernels/polygon/polygon_light.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS_AIMS
+#if HAS_LIGHT_SAMPLING
 /// Triangle light as a receiver sees it, in double; 0 for other kinds.
 FN double light_irradiance(GLOBAL const Light* light, double x, double y, double z, double nx, double ny,
                            double nz) {
@@ -35,28 +35,28 @@ FN ProjectedPolygon project_light(GLOBAL const Light* light, vec3 from, vec3 n) 
 
 /// For the surface that a ray found, or the environment, which left `from` in `direction`; the shading normal
 /// there was `n`.
-FN void aim_at_found(const PRIVATE Scene* scene, Surface found, vec3 from, vec3 direction, vec3 n,
-                     PRIVATE float* aims, int j) {
+FN void projected_density_of_found(const PRIVATE Scene* scene, Surface found, vec3 from, vec3 direction,
+                                   vec3 n, PRIVATE float* samplings, int j) {
   const int index = light_found(scene, found);
   GLOBAL const Light* light = scene->lights + (index >= 0 ? index : 0);
   const ProjectedPolygon polygon = project_light(light, from, n);
   const float area = (float)light_irradiance(light, from.x, from.y, from.z, n.x, n.y, n.z);
   const bool some = (index >= 0) & (polygon.area > 0.0f) & (area > 0.0f);
   const float cosine = max_f(dot3(n, direction), 0.0f);
-  aims[AIM_FOUND_PDF * LANES + j] = some ? cosine / (some ? area : 1.0f) : -1.0f;
+  samplings[LIGHT_SAMPLING_FOUND_PDF * LANES + j] = some ? cosine / (some ? area : 1.0f) : -1.0f;
 }
 
 /// For the light of that index, whose irradiance is `area`, to light the surface.
-FN void aim_at_light(const PRIVATE Scene* scene, Surface s, int light, float area, float u, float v,
-                     PRIVATE float* aims, int j) {
+FN void sample_projected_light(const PRIVATE Scene* scene, Surface s, int light, float area, float u, float v,
+                               PRIVATE float* samplings, int j) {
   const ProjectedPolygon polygon = project_light(scene->lights + light, s.p, s.shading);
   const bool some = (polygon.area > 0.0f) & (area > 0.0f);
   const vec3 w = sample_projected_polygon(polygon, u, v);
   const vec3 wi = from_frame(s.shading, w.x, w.y, w.z);
-  aims[AIM_X * LANES + j] = wi.x;
-  aims[AIM_Y * LANES + j] = wi.y;
-  aims[AIM_Z * LANES + j] = wi.z;
-  aims[AIM_SCALE * LANES + j] = some ? 1.0f / (some ? area : 1.0f) : -1.0f;
+  samplings[LIGHT_SAMPLING_X * LANES + j] = wi.x;
+  samplings[LIGHT_SAMPLING_Y * LANES + j] = wi.y;
+  samplings[LIGHT_SAMPLING_Z * LANES + j] = wi.z;
+  samplings[LIGHT_SAMPLING_SCALE * LANES + j] = some ? 1.0f / (some ? area : 1.0f) : -1.0f;
 }
 #endif
 

@@ -3,8 +3,8 @@
 // that Russian roulette never shifts what comes later.
 #ifndef PENUMBRA_SAMPLER_H
 #define PENUMBRA_SAMPLER_H
-#include "kernels/math/math.h"
 #include "kernels/block/path_state.h"
+#include "kernels/math/math.h"
 #include "kernels/scene.h"
 
 PENUMBRA_NAMESPACE_BEGIN

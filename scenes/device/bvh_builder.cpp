@@ -5,8 +5,8 @@
 #include <deque>
 #include <memory>
 
-#include "kernels/intersect/bvh_limits.h"
 #include "kernels/host/bounds.h"
+#include "kernels/intersect/bvh_limits.h"
 #include "scenes/device/triangle_split.h"
 
 namespace penumbra {

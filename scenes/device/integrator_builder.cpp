@@ -7,7 +7,7 @@ namespace penumbra {
 namespace {
 
 constexpr int kLatestRoulette = 1024;
-// A survey of more polygons at every point would cost more than it saves.
+// Evaluating more polygons at every point would cost more than it saves.
 constexpr std::size_t kMaxSurveyedPolygons = 256;
 
 static_assert(int(SamplerKind::kSobol) == SAMPLER_SOBOL && int(DirectSampling::kMis) == SAMPLING_MIS &&

@@ -3,10 +3,10 @@
 #include <array>
 #include <set>
 
+#include "kernels/block/path_state.h"
 #include "kernels/features.h"
 #include "kernels/host/device_scene_check.h"
 #include "kernels/host/sample_buffer.h"
-#include "kernels/block/path_state.h"
 #include "scenes/device/bvh_builder.h"
 #include "scenes/device/device_scene_builder.h"
 

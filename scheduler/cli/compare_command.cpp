@@ -13,10 +13,10 @@
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/option_checks.h"
 #include "scheduler/files/atomic_file.h"
+#include "scheduler/files/output_check.h"
 #include "scheduler/image/compare.h"
 #include "scheduler/image/compare_limits.h"
 #include "scheduler/image/image_files.h"
-#include "scheduler/files/output_check.h"
 
 namespace penumbra {
 namespace {

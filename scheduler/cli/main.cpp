@@ -7,9 +7,9 @@
 #include "scenes/diagnostic.h"
 #include "scheduler/cli/command_line.h"
 #include "scheduler/cli/commands.h"
-#include "scheduler/record/version.h"
 #include "scheduler/protocol/grpc_log.h"
 #include "scheduler/protocol/message_memory.h"
+#include "scheduler/record/version.h"
 
 namespace penumbra {
 namespace {

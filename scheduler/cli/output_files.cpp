@@ -21,7 +21,7 @@ std::string lower_case(std::string text) {
 
 std::vector<fs::path> OutputFiles::all() const {
   std::vector<fs::path> paths;
-  for (const auto& file : {exr, png, report}) {
+  for (const auto& file : {exr, png, statistics}) {
     if (file) paths.push_back(*file);
   }
   return paths;
@@ -30,7 +30,7 @@ std::vector<fs::path> OutputFiles::all() const {
 Expected<OutputFiles> choose_output_files(const RenderOptions& options) {
   OutputFiles files;
   if (options.interactive) return files;
-  if (!options.report.empty()) files.report = options.report;
+  if (!options.statistics.empty()) files.statistics = options.statistics;
   if (options.pixel && options.out.empty()) return files;
 
   const fs::path named_after_scene = fs::path(options.scene.scene).stem().string() + ".exr";
@@ -44,9 +44,10 @@ Expected<OutputFiles> choose_output_files(const RenderOptions& options) {
   }
   files.png = fs::path(out).replace_extension(extension == ".png" ? out.extension() : ".png");
   if (extension == ".exr") files.exr = out;
-  if (!files.report && !options.no_report) files.report = fs::path(out).replace_extension(".json");
-  if (files.report && (files.report == files.png || files.report == files.exr)) {
-    return fail(fmt::format("--report {}: that is the image's own name", options.report));
+  if (!files.statistics && !options.no_statistics)
+    files.statistics = fs::path(out).replace_extension(".json");
+  if (files.statistics && (files.statistics == files.png || files.statistics == files.exr)) {
+    return fail(fmt::format("--statistics {}: that is the image's own name", options.statistics));
   }
   return files;
 }

@@ -1,4 +1,4 @@
-// `penumbra render SCENE`: scene file in, image files and report out.
+// `penumbra render SCENE`: scene file in, image files and statistics out.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -15,10 +15,10 @@
 #include "scheduler/cli/render_preparation.h"
 #include "scheduler/cli/scene_costs.h"
 #include "scheduler/cli/stop_signal.h"
-#include "scheduler/record/film_image.h"
-#include "scheduler/image/image_files.h"
-#include "scheduler/record/non_finite_text.h"
 #include "scheduler/files/output_batch.h"
+#include "scheduler/image/image_files.h"
+#include "scheduler/record/film_image.h"
+#include "scheduler/record/non_finite_text.h"
 #include "scheduler/record/render_statistics.h"
 
 namespace penumbra {
@@ -40,10 +40,11 @@ Expected<void> add_images(const Image& image, const OutputFiles& files, OutputBa
   return {};
 }
 
-void add_report(const RenderReport& report, const std::filesystem::path& path, OutputBatch& batch) {
+void add_statistics(const RenderStatistics& statistics, const std::filesystem::path& path,
+                    OutputBatch& batch) {
   // Names and paths are bytes, not always UTF-8.
   const std::string text =
-      report_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+      statistics_json(statistics).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   batch.add(path, {text.begin(), text.end()});
 }
 
@@ -62,7 +63,7 @@ void print_summary(const RenderOutcome& outcome, const OutputFiles& files) {
                            samples_per_second(outcome) * 1e-6));
 }
 
-/// Samples that are no numbers, and variances that no file holds, as warnings or as errors; whether there are
+/// Non-finite samples, and variances that no file holds, as warnings or as errors; whether there are
 /// any.
 bool print_non_finite(const FilmAccumulator& film, const std::string& reproduce_command, bool strict) {
   const std::pair<NonFiniteSamples, const char*> kinds[] = {{film.nan(), "NaN"},
@@ -99,34 +100,34 @@ void print_problems(const RenderOutcome& outcome, bool stopped) {
   }
 }
 
-/// Image files and report, with the record of as many samples as the render came to.
+/// Image files and statistics, with the record of as many samples as the render came to.
 Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outcome,
                              const std::vector<std::string>& command_line) {
   const auto begin = Clock::now();
   const OutputFiles& files = prepared.files;
   OutputBatch batch;
-  RenderReport report;
+  RenderStatistics statistics;
   const RenderedSamples rendered = rendered_samples(outcome);
-  report.record = record_of_rendered(std::move(prepared.record), rendered);
+  statistics.record = record_of_rendered(std::move(prepared.record), rendered);
   if (files.exr || files.png) {
-    Image image = image_of_film(outcome.film, report.record.film.width, report.record.film.height);
-    image.metadata = record_metadata(report.record, outcome.film.hash(), rendered);
+    Image image = image_of_film(outcome.film, statistics.record.film.width, statistics.record.film.height);
+    image.metadata = record_metadata(statistics.record, outcome.film.hash(), rendered);
     if (auto encoded = add_images(image, files, batch); !encoded) return encoded;
   }
-  report.command_line = command_line;
-  report.job = &prepared.job;
-  report.outcome = &outcome;
-  report.warnings = prepared.scene.description.warnings;
-  report.needs = prepared.scene.summary.needs;
-  report.left_out = prepared.scene.summary.left_out;
-  if (files.report)
-    report.inventory =
+  statistics.command_line = command_line;
+  statistics.job = &prepared.job;
+  statistics.outcome = &outcome;
+  statistics.warnings = prepared.scene.description.warnings;
+  statistics.needs = prepared.scene.summary.needs;
+  statistics.left_out = prepared.scene.summary.left_out;
+  if (files.statistics)
+    statistics.inventory =
         scene_costs(prepared.scene.description, prepared.job.scene, prepared.job.device.isa, false);
-  report.build_seconds = prepared.scene.seconds;
-  report.write_seconds = seconds_since(begin);
-  if (files.exr) report.files.push_back(*files.exr);
-  if (files.png) report.files.push_back(*files.png);
-  if (files.report) add_report(report, *files.report, batch);
+  statistics.build_seconds = prepared.scene.seconds;
+  statistics.write_seconds = seconds_since(begin);
+  if (files.exr) statistics.files.push_back(*files.exr);
+  if (files.png) statistics.files.push_back(*files.png);
+  if (files.statistics) add_statistics(statistics, *files.statistics, batch);
   return batch.finish();
 }
 
@@ -184,7 +185,7 @@ void add_render_command(CLI::App& app, const std::vector<std::string>& command_l
   add_render_options(*command, *options);
   command->footer(
       "Writes the image as EXR with layers (see the README), the same as PNG (clamped, sRGB) and a JSON "
-      "report.\n"
+      "statistics.\n"
       "The image depends on scene, overrides, --spp, --stop-after, --seed and --pass alone (and with Embree "
       "on --isa): not "
       "on\n"

@@ -145,10 +145,12 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
           "x.exr writes x.exr and x.png, x.png only that; a folder: the scene's name in it (default: the "
           "scene's name with .exr in the current folder)")
       ->type_name("FILE");
-  auto* report =
-      command.add_option("--report", options.report, "JSON report (default: beside the image, .json)");
-  report->type_name("FILE");
-  command.add_flag("--no-report", options.no_report, "Write no report")->excludes(report);
+  auto* statistics =
+      command.add_option("--statistics,--report", options.statistics,
+                         "JSON of settings, rates, times, memory and workers (default: beside the "
+                         "image, .json)");
+  statistics->type_name("FILE");
+  command.add_flag("--no-statistics,--no-report", options.no_statistics, "Write none")->excludes(statistics);
 
   auto* crop = command.add_option_function<std::string>(
       "--crop",

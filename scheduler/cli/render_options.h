@@ -35,8 +35,8 @@ struct PixelPosition {
 struct RenderOptions {
   SceneOptions scene;
   std::string out;  ///< empty: named after the scene, in the current folder
-  std::string report;
-  bool no_report = false;
+  std::string statistics;
+  bool no_statistics = false;
   std::string backend = "native";
   std::string opencl_device;
   std::optional<std::string> isa;
@@ -51,7 +51,7 @@ struct RenderOptions {
   std::optional<double> time_budget;
   std::optional<CropRectangle> crop;
   std::optional<PixelPosition> pixel;
-  bool strict_numerics = false;  ///< a sample that is no number is an error
+  bool strict_numerics = false;  ///< a non-finite sample is an error
   bool quiet = false;
 };
 

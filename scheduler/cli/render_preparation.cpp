@@ -8,11 +8,11 @@
 
 #include "kernels/host/console.h"
 #include "scenes/device/device_scene_builder.h"
-#include "scheduler/farm/access.h"
 #include "scheduler/cli/preview_scene.h"
 #include "scheduler/cli/program_path.h"
-#include "scheduler/files/output_check.h"
+#include "scheduler/farm/access.h"
 #include "scheduler/farm/render_job_check.h"
+#include "scheduler/files/output_check.h"
 #include "scheduler/watch/tev.h"
 #include "worker/opencl_devices.h"
 

@@ -5,8 +5,8 @@
 #include "scheduler/cli/loaded_scene.h"
 #include "scheduler/cli/output_files.h"
 #include "scheduler/cli/render_options.h"
-#include "scheduler/record/render_record.h"
 #include "scheduler/farm/render_job.h"
+#include "scheduler/record/render_record.h"
 
 namespace penumbra {
 

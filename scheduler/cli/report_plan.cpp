@@ -32,7 +32,7 @@ RenderOptions cell_options(const ReportOptions& report, const std::string& scene
   const BackendsInUse in_use = backends_in_use(backend);
   if (!in_use.opencl) options.opencl_device.clear();
   if (!in_use.native) options.isa.reset();
-  options.no_report = true;
+  options.no_statistics = true;
   return options;
 }
 

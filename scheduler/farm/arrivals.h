@@ -8,8 +8,8 @@
 
 #include "kernels/host/sample_buffer.h"
 #include "kernels/host/view.h"
-#include "scheduler/watch/watch_board.h"
 #include "scheduler/plan/work_unit.h"
+#include "scheduler/watch/watch_board.h"
 #include "worker/device.h"
 
 namespace penumbra {

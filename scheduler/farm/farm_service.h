@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "scheduler/farm/arrivals.h"
+#include "scheduler/farm/worker_connection.h"
 #include "scheduler/protocol/mailbox.h"
 #include "scheduler/protocol/wire.h"
-#include "scheduler/farm/worker_connection.h"
 
 namespace penumbra {
 

@@ -5,8 +5,8 @@
 
 #include <cstdint>
 
-#include "scheduler/protocol/wire.h"
 #include "scheduler/plan/render_memory.h"
+#include "scheduler/protocol/wire.h"
 
 namespace penumbra {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "scheduler/protocol/token.h"
 #include "scheduler/files/quoting.h"
+#include "scheduler/protocol/token.h"
 
 namespace penumbra {
 namespace {

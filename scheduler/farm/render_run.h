@@ -13,15 +13,15 @@
 #include <utility>
 #include <vector>
 
-#include "scheduler/plan/merge.h"
 #include "scheduler/farm/private_socket.h"
 #include "scheduler/farm/problem_text.h"
 #include "scheduler/farm/render_job.h"
 #include "scheduler/farm/server.h"
+#include "scheduler/farm/worker_processes.h"
+#include "scheduler/plan/merge.h"
 #include "scheduler/plan/tile_grid.h"
 #include "scheduler/watch/render_feed.h"
 #include "scheduler/watch/tev_stream.h"
-#include "scheduler/farm/worker_processes.h"
 
 namespace penumbra {
 

@@ -13,8 +13,8 @@
 #include "scheduler/farm/acceptor.h"
 #include "scheduler/farm/access.h"
 #include "scheduler/farm/arrivals.h"
-#include "scheduler/watch/watch_board.h"
 #include "scheduler/plan/work_unit.h"
+#include "scheduler/watch/watch_board.h"
 #include "worker/device.h"
 
 namespace penumbra {

@@ -6,11 +6,11 @@
 #include <string>
 
 #include "kernels/host/error.h"
+#include "scheduler/image/image.h"
 #include "scheduler/image/metrics/error_map.h"
 #include "scheduler/image/metrics/error_metrics.h"
 #include "scheduler/image/metrics/flip.h"
 #include "scheduler/image/metrics/z_test.h"
-#include "scheduler/image/image.h"
 
 namespace penumbra {
 

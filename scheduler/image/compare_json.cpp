@@ -1,8 +1,8 @@
 // The comparison as JSON.
 #include <nlohmann/json.hpp>
 
-#include "scheduler/image/compare.h"
 #include "scheduler/files/json_number.h"
+#include "scheduler/image/compare.h"
 
 namespace penumbra {
 namespace {

@@ -54,7 +54,7 @@ class FilmAccumulator {
   /// The visible share of the polygon lights, by their samples, at film coordinates; 0 where there is no
   /// light.
   [[nodiscard]] double visibility(int film_x, int film_y) const;
-  /// Samples that were no numbers and count as 0.
+  /// Non-finite samples and count as 0.
   [[nodiscard]] NonFiniteSamples nan() const;
   [[nodiscard]] NonFiniteSamples infinite() const;
   /// Relative standard error of the image: sqrt(mean over pixels and channels of SE^2 / (mean^2 + .01)), with

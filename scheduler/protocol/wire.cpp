@@ -183,13 +183,13 @@ Expected<NonFiniteSamples> decode(const wire::NonFiniteSamples& message, const R
                                  .stage = {message.stage(), message.step()}};
   const std::uint64_t all = std::uint64_t(unit.width) * std::uint64_t(unit.height) * unit.sample_count;
   if (samples.count > all)
-    return fail(fmt::format("the result counts {} samples that are no numbers among {}", samples.count, all));
+    return fail(fmt::format("the result counts {} non-finite samples among {}", samples.count, all));
   const bool inside = samples.x >= unit.x && samples.x - unit.x < unit.width && samples.y >= unit.y &&
                       samples.y - unit.y < unit.height &&
                       samples.sample - unit.first_sample < unit.sample_count;
   if (samples.count > 0 && !inside)
     return fail(fmt::format(
-        "the result has its first sample that is no number at ({}, {}), sample {}, which is not of its unit",
+        "the result has its first non-finite sample at ({}, {}), sample {}, which is not of its unit",
         samples.x, samples.y, samples.sample));
   return samples;
 }

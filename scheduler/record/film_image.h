@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "scheduler/plan/film_accumulator.h"
 #include "scheduler/image/image.h"
+#include "scheduler/plan/film_accumulator.h"
 
 namespace penumbra {
 

@@ -1,4 +1,4 @@
-// What a scene costs and what was left out, for `penumbra info --json`, report.json and for people.
+// What a scene costs and what was left out, for `penumbra info --json`, statistics and for people.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

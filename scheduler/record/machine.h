@@ -1,4 +1,4 @@
-// Where and when a program runs, for reports.
+// Where and when a program runs, for statistics and reports.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Samples that are no numbers, in words for the user.
+// Non-finite samples, in words for the user.
 #pragma once
 
 #include <string>

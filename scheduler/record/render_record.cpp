@@ -6,8 +6,8 @@
 #include <filesystem>
 
 #include "scenes/settings.h"
-#include "scheduler/record/version.h"
 #include "scheduler/files/quoting.h"
+#include "scheduler/record/version.h"
 
 namespace penumbra {
 namespace {

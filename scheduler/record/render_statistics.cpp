@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "kernels/host/peak_memory.h"
+#include "scheduler/files/json_number.h"
 #include "scheduler/record/film_image.h"
 #include "scheduler/record/inventory.h"
-#include "scheduler/files/json_number.h"
 #include "scheduler/record/machine.h"
 #include "scheduler/record/non_finite_text.h"
 #include "scheduler/record/version.h"
@@ -20,25 +20,25 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json settings_json(const RenderReport& report) {
+Json settings_json(const RenderStatistics& statistics) {
   Json settings;
-  for (const auto& [name, value] : record_entries(report.record)) {
+  for (const auto& [name, value] : record_entries(statistics.record)) {
     std::visit([&, &key = name](const auto& v) { settings[key] = v; }, value);
   }
-  settings["spp"] = report.record.sampler.spp;
-  settings["stop_after"] = report.record.stop_after ? Json(*report.record.stop_after) : Json(nullptr);
-  settings["seed"] = report.record.sampler.seed;
-  settings["samples_per_pass"] = report.record.samples_per_pass;
-  settings["defines"] = report.record.defines;
-  settings["set"] = report.record.settings;
-  settings["tile"] = report.job->tile;
-  settings["workers"] = report.job->workers;
-  settings["threads_per_worker"] = report.job->device.threads;
-  settings["time_budget"] = report.job->time_budget ? Json(*report.job->time_budget) : Json(nullptr);
+  settings["spp"] = statistics.record.sampler.spp;
+  settings["stop_after"] = statistics.record.stop_after ? Json(*statistics.record.stop_after) : Json(nullptr);
+  settings["seed"] = statistics.record.sampler.seed;
+  settings["samples_per_pass"] = statistics.record.samples_per_pass;
+  settings["defines"] = statistics.record.defines;
+  settings["set"] = statistics.record.settings;
+  settings["tile"] = statistics.job->tile;
+  settings["workers"] = statistics.job->workers;
+  settings["threads_per_worker"] = statistics.job->device.threads;
+  settings["time_budget"] = statistics.job->time_budget ? Json(*statistics.job->time_budget) : Json(nullptr);
   return settings;
 }
 
-/// How many samples were no numbers, and the first of them.
+/// How many samples were not finite, and the first of them.
 Json non_finite_json(const NonFiniteSamples& samples, const std::string& reproduce_command) {
   if (samples.count == 0) return {{"count", 0}, {"first", nullptr}};
   return {{"count", samples.count},
@@ -46,7 +46,7 @@ Json non_finite_json(const NonFiniteSamples& samples, const std::string& reprodu
            {{"x", samples.x},
             {"y", samples.y},
             {"sample", samples.sample},
-            {"stage", stage_name(samples.stage.stage)},
+            {"stage", source_name(samples.stage.stage)},
             {"step", samples.stage.step},
             {"repeat", repeat_sample_command(samples, reproduce_command)}}}};
 }
@@ -128,12 +128,12 @@ RenderedSamples rendered_samples(const RenderOutcome& outcome) {
   return {outcome.complete, outcome.units_set_aside > 0, range.least, range.most};
 }
 
-Json report_json(const RenderReport& report) {
-  const RenderJob& job = *report.job;
-  const RenderOutcome& outcome = *report.outcome;
+Json statistics_json(const RenderStatistics& statistics) {
+  const RenderJob& job = *statistics.job;
+  const RenderOutcome& outcome = *statistics.outcome;
   const bool repeatable = rendered_samples(outcome).repeatable();
-  const Json command = repeat_command(report.record, true);
-  const Film& film = report.record.film;
+  const Json command = repeat_command(statistics.record, true);
+  const Film& film = statistics.record.film;
   std::uint64_t worker_samples = 0, worker_memory = 0;
   for (const WorkerShare& worker : outcome.workers) {
     worker_samples += worker.samples;
@@ -142,33 +142,33 @@ Json report_json(const RenderReport& report) {
   Json workers = Json::array();
   for (const WorkerShare& worker : outcome.workers) workers.push_back(worker_json(worker, worker_samples));
   Json files = Json::array();
-  for (const auto& file : report.files) files.push_back(file.string());
+  for (const auto& file : statistics.files) files.push_back(file.string());
 
   return {
       {"penumbra", kVersion},
       {"complete", outcome.complete},
-      {"scene", report.record.scene},
-      {"scene_hash", hash_text(report.record.scene_hash)},
+      {"scene", statistics.record.scene},
+      {"scene_hash", hash_text(statistics.record.scene_hash)},
       {"files", files},
       {"repeat_command", repeatable ? command : Json(nullptr)},
       {"nearest_command", repeatable ? Json(nullptr) : command},
-      {"command_line", report.command_line},
+      {"command_line", statistics.command_line},
       {"host", host_name()},
       {"finished", utc_now()},
       {"film",
        {{"width", film.width},
         {"height", film.height},
         {"crop", {film.crop_x, film.crop_y, film.crop_x + film.crop_width, film.crop_y + film.crop_height}}}},
-      {"settings", settings_json(report)},
+      {"settings", settings_json(statistics)},
       {"samples", samples_json(outcome.film, job.reproduce_command)},
       {"relative_error", json_number(outcome.film.relative_error())},
       {"polygon_lights", polygon_light_json(outcome.film)},
       {"film_hash", hash_text(outcome.film.hash())},
       {"seconds",
-       {{"build", report.build_seconds},
+       {{"build", statistics.build_seconds},
         {"to_first_tile", outcome.seconds_to_first_tile},
         {"render", outcome.seconds},
-        {"write", report.write_seconds}}},
+        {"write", statistics.write_seconds}}},
       {"samples_per_second", samples_per_second(outcome)},
       {"passes", {{"finished", outcome.passes_finished}, {"asked_for", outcome.passes_total}}},
       {"units",
@@ -180,10 +180,10 @@ Json report_json(const RenderReport& report) {
        {{"device_scene_bytes", sizeof(SceneHeader) + job.scene.words.size() * sizeof(std::uint32_t)},
         {"scheduler_peak_bytes", peak_memory_bytes()},
         {"largest_worker_peak_bytes", worker_memory}}},
-      {"needs", grouped_json(report.needs)},
-      {"left_out", grouped_json(report.left_out)},
-      {"costs", report.inventory ? inventory_json(*report.inventory) : Json(nullptr)},
-      {"warnings", report.warnings},
+      {"needs", grouped_json(statistics.needs)},
+      {"left_out", grouped_json(statistics.left_out)},
+      {"costs", statistics.inventory ? inventory_json(*statistics.inventory) : Json(nullptr)},
+      {"warnings", statistics.warnings},
       {"problems", outcome.problems}};
 }
 

@@ -1,4 +1,4 @@
-// report.json: everything about a render that is not in its pixels.
+// Statistics of a render: everything about it that is not in its pixels.
 #pragma once
 
 #include <filesystem>
@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "scenes/device/scene_inventory.h"
-#include "scheduler/record/render_record.h"
 #include "scheduler/farm/render_job.h"
+#include "scheduler/record/render_record.h"
 
 namespace penumbra {
 
-struct RenderReport {
+struct RenderStatistics {
   RenderRecord record;
   std::vector<std::string> command_line;  ///< as typed
   const RenderJob* job = nullptr;
@@ -30,8 +30,8 @@ struct RenderReport {
 /// How many samples the image came to have.
 RenderedSamples rendered_samples(const RenderOutcome& outcome);
 
-/// The report's fields and their units are explained in the README of this folder.
-nlohmann::ordered_json report_json(const RenderReport& report);
+/// The fields and their units are explained in the README of this folder.
+nlohmann::ordered_json statistics_json(const RenderStatistics& statistics);
 
 /// An object with each name once; the values of a name that occurs more than once become an array.
 nlohmann::ordered_json grouped_json(const std::vector<std::pair<std::string, std::string>>& entries);

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scheduler/image/image_files.h"
 #include "scheduler/image/metrics/error_map.h"
 #include "scheduler/image/metrics/flip.h"
-#include "scheduler/image/image_files.h"
 #include "scheduler/report/cell_store.h"
 
 namespace penumbra {

@@ -9,8 +9,8 @@
 
 #include "kernels/host/plain_file.h"
 #include "scheduler/files/atomic_file.h"
-#include "scheduler/files/run_program.h"
 #include "scheduler/files/quoting.h"
+#include "scheduler/files/run_program.h"
 
 namespace penumbra {
 namespace {

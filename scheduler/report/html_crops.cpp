@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
+#include "scheduler/files/quoting.h"
 #include "scheduler/image/metrics/color_map.h"
 #include "scheduler/image/tone_map.h"
-#include "scheduler/files/quoting.h"
 #include "scheduler/report/html.h"
 #include "scheduler/report/html_text.h"
 

@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "scheduler/image/metrics/image_pair.h"
 #include "scheduler/image/image.h"
+#include "scheduler/image/metrics/image_pair.h"
 #include "scheduler/report/report_data.h"
 
 namespace penumbra {

@@ -6,11 +6,11 @@
 #include "kernels/block/block_accumulate.h"
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/camera/camera.h"
-#include "kernels/sampler/filter.h"
 #include "kernels/light/light.h"
 #include "kernels/light/mis.h"
-#include "kernels/polygon/polygon_light.h"
 #include "kernels/light/projected_triangle.h"
+#include "kernels/polygon/polygon_light.h"
+#include "kernels/sampler/filter.h"
 #include "kernels/sampler/sampler.h"
 #include "scheduler/stress/quantity_list.h"
 
@@ -357,7 +357,7 @@ STAGE void sphere_light_quantity(GLOBAL const double* in, GLOBAL double* out, GL
   s.p = in_v(in, 4);
   s.geometric = s.shading = in_v(in, 7);
   s.error = POSITION_ERROR * dot3(abs3(s.geometric), abs3(s.p));
-  const LightSample sample = sample_light(&scene, s, in_f(in, 10), in_f(in, 11), 0.0f, no_aim());
+  const LightSample sample = sample_light(&scene, s, in_f(in, 10), in_f(in, 11), 0.0f, no_light_sampling());
   out_v(out, 0, sample.wi);
   out[3] = sample.pdf;
   const float cosine = 1.0f;  // of no account for a cone

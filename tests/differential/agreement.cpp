@@ -7,8 +7,8 @@
 #include <limits>
 #include <optional>
 
-#include "tests/support/temporary_folder.h"
 #include "tests/support/render_scene.h"
+#include "tests/support/temporary_folder.h"
 
 namespace penumbra::differential {
 namespace {

@@ -13,10 +13,10 @@
 
 #include "gl/composite_pass.h"
 #include "gl/overlay_text.h"
-#include "scheduler/image/metrics/color_space.h"
 #include "scheduler/files/atomic_file.h"
 #include "scheduler/image/image.h"
 #include "scheduler/image/image_files.h"
+#include "scheduler/image/metrics/color_space.h"
 #include "tests/gl/hidden_window.h"
 
 namespace penumbra {

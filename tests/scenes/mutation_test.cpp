@@ -9,8 +9,8 @@
 #include <tuple>
 
 #include "scenes/scene_reader.h"
-#include "tests/support/temporary_folder.h"
 #include "tests/scenes/ply_writer.h"
+#include "tests/support/temporary_folder.h"
 
 namespace penumbra {
 namespace {

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "tests/support/temporary_folder.h"
 #include "tests/support/render_scene.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/worker/device_scenes.h"
 #include "worker/device.h"
 #include "worker/opencl_program.h"

@@ -1,5 +1,5 @@
-// What polygon lights add to a surface, in 113 bits, by other routes than kernels/polygon/polygon_light.h: outlines
-// are cut into triangles, each is clipped at the horizon and summed up by itself.
+// What polygon lights add to a surface, in 113 bits, by other routes than kernels/polygon/polygon_light.h:
+// outlines are cut into triangles, each is clipped at the horizon and summed up by itself.
 #pragma once
 
 #include "scheduler/stress/truth/quad.h"

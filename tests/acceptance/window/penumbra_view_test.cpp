@@ -14,13 +14,13 @@
 #include <thread>
 
 #include "scheduler/image/image.h"
-#include "tests/support/program.h"
 #include "tests/gl/gl_test_context.h"
-#include "tests/support/temporary_folder.h"
 #include "tests/support/fake_processes.h"
 #include "tests/support/image_test.h"
 #include "tests/support/oracles.h"
+#include "tests/support/program.h"
 #include "tests/support/render_scene.h"
+#include "tests/support/temporary_folder.h"
 
 namespace penumbra {
 namespace {

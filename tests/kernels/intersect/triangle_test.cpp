@@ -75,7 +75,7 @@ TEST(Triangle, AgreesWithMoellerTrumbore) {
   for (int i = 0; i < 300'000 && !testing::Test::HasFailure(); ++i) {
     RayAndTriangle in{rounded(random.point(2)), rounded(random.direction()), rounded(random.point(1)),
                       rounded(random.point(1)), rounded(random.point(1))};
-    if (i % 2 == 0) {  // aimed at the triangle
+    if (i % 2 == 0) {  // is_directed at the triangle
       const Exact3 target = 0.4L * exact(in.a) + 0.3L * exact(in.b) + 0.3L * exact(in.c);
       in.d = rounded(normalize(target - exact(in.o)));
     }

@@ -21,7 +21,8 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kSignificance = 0.01;
 
 LightSample sample(const Scene& scene, const Surface& s, RandomNumbers& random) {
-  return sample_light(&scene, s, random.unit_float(), random.unit_float(), random.unit_float(), no_aim());
+  return sample_light(&scene, s, random.unit_float(), random.unit_float(), random.unit_float(),
+                      no_light_sampling());
 }
 
 /// A light in front of a receiver, both drawn anew by `make` for each seed.
@@ -112,7 +113,7 @@ TEST_P(Lights, DensityOfASampleIsThatOfItsDirection) {
       const float cosine = dot3(found.geometric, found.wo);
       if (!(found.distance > 0) || !found.front || cosine < 0.05f)
         continue;  // the rim, where rounding may miss it
-      const Emission emission = emission_at(&scene, found, light.origin, no_aim());
+      const Emission emission = emission_at(&scene, found, light.origin, no_light_sampling());
       ASSERT_EQ(emission.radiance.y, 2);
       // The ray meets the light beside the point that was offset from it: where it is curved, under another
       // cosine.
@@ -340,8 +341,8 @@ TEST(PointLight, FollowsTheInverseSquareLaw) {
   light.pmf = light.alias_threshold = 1;
   tables.lights.push_back(light);
   const Scene scene = tables.scene();
-  const LightSample s =
-      sample_light(&scene, receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1)), 0.2f, 0.7f, 0.0f, no_aim());
+  const LightSample s = sample_light(&scene, receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1)), 0.2f, 0.7f,
+                                     0.0f, no_light_sampling());
   EXPECT_TRUE(s.delta);
   EXPECT_EQ(s.pdf, 1);
   EXPECT_NEAR(s.radiance.x, 2, 1e-6);
@@ -364,9 +365,9 @@ TEST(LightChoice, EntersTheDensity) {
   const Scene scene = tables.scene();
   const Surface s = receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1));
   const double cone = 2 * kPi * (1 - std::sqrt(0.75));
-  EXPECT_NEAR(sample_light(&scene, s, 0.1f, 0.5f, 0.0f, no_aim()).pdf, 0.25 / cone, 1e-5);
-  EXPECT_NEAR(sample_light(&scene, s, 0.3f, 0.5f, 0.0f, no_aim()).pdf, 0.75 / (4 * kPi), 1e-6);
-  EXPECT_NEAR(sample_light(&scene, s, 0.9f, 0.5f, 0.0f, no_aim()).pdf, 0.75 / (4 * kPi), 1e-6);
+  EXPECT_NEAR(sample_light(&scene, s, 0.1f, 0.5f, 0.0f, no_light_sampling()).pdf, 0.25 / cone, 1e-5);
+  EXPECT_NEAR(sample_light(&scene, s, 0.3f, 0.5f, 0.0f, no_light_sampling()).pdf, 0.75 / (4 * kPi), 1e-6);
+  EXPECT_NEAR(sample_light(&scene, s, 0.9f, 0.5f, 0.0f, no_light_sampling()).pdf, 0.75 / (4 * kPi), 1e-6);
 }
 
 TEST(Emission, OfTheEnvironmentReachesWhatLeavesTheScene) {
@@ -374,7 +375,7 @@ TEST(Emission, OfTheEnvironmentReachesWhatLeavesTheScene) {
   tables.lights[0].pmf = 0.5f;
   const Scene scene = tables.scene();
   const Surface nothing = surface_at(&scene, -1, make_vec3(0, 0, 0), make_vec3(0, 0, 1));
-  const Emission e = emission_at(&scene, nothing, make_vec3(0, 0, 0), no_aim());
+  const Emission e = emission_at(&scene, nothing, make_vec3(0, 0, 0), no_light_sampling());
   EXPECT_EQ(e.radiance.x, 1);
   EXPECT_EQ(e.radiance.z, 3);
   EXPECT_NEAR(e.pdf, 0.5 / (4 * kPi), 1e-7);
@@ -385,10 +386,10 @@ TEST(Emission, IsFromTheFrontOnly) {
   const Scene scene = tables.scene();
   const vec3 above = make_vec3(0, 0, 1), below = make_vec3(0, 0, -1);
   const Surface front = surface_at(&scene, 0, above, below), back = surface_at(&scene, 0, below, above);
-  EXPECT_EQ(emission_at(&scene, front, above, no_aim()).radiance.y, 2);
-  EXPECT_NEAR(emission_at(&scene, front, above, no_aim()).pdf, 0.5, 1e-6);  // d^2 / (cos A)
-  EXPECT_EQ(emission_at(&scene, back, below, no_aim()).radiance.y, 0);
-  EXPECT_EQ(emission_at(&scene, back, below, no_aim()).pdf, 0);
+  EXPECT_EQ(emission_at(&scene, front, above, no_light_sampling()).radiance.y, 2);
+  EXPECT_NEAR(emission_at(&scene, front, above, no_light_sampling()).pdf, 0.5, 1e-6);  // d^2 / (cos A)
+  EXPECT_EQ(emission_at(&scene, back, below, no_light_sampling()).radiance.y, 0);
+  EXPECT_EQ(emission_at(&scene, back, below, no_light_sampling()).pdf, 0);
 }
 
 TEST(LightSampling, StaysFiniteWhereTheReceiverTouchesTheLight) {
@@ -419,7 +420,7 @@ TEST(LightSampling, StaysFiniteWhereTheReceiverTouchesTheLight) {
       for (float u : {0.0f, 0x1p-24f, 0.5f, ONE_MINUS_EPSILON})
         for (float v : {0.0f, 0.25f, 0.5f, ONE_MINUS_EPSILON}) {
           const Surface s = receiver(p, rounded(random.direction()));
-          const LightSample light = sample_light(&scene, s, u, v, 0.5f, no_aim());
+          const LightSample light = sample_light(&scene, s, u, v, 0.5f, no_light_sampling());
           if (!(light.tmax > 0)) continue;  // no contribution possible
           ASSERT_TRUE(std::isfinite(light.pdf) && light.pdf > 0) << "scene " << k;
           ASSERT_TRUE(std::isfinite(light.tmax));

@@ -16,10 +16,10 @@
 #include <regex>
 #include <thread>
 
-#include "tests/support/program.h"
 #include "tests/scheduler/cli/small_scene.h"
-#include "tests/support/temporary_folder.h"
 #include "tests/support/fake_processes.h"
+#include "tests/support/program.h"
+#include "tests/support/temporary_folder.h"
 
 namespace penumbra {
 namespace {

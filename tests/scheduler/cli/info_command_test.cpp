@@ -7,8 +7,8 @@
 #include <set>
 
 #include "kernels/host/device_scene.h"
-#include "tests/support/program.h"
 #include "tests/scheduler/cli/small_scene.h"
+#include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
 namespace penumbra {

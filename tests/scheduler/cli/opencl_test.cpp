@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/program.h"
 #include "tests/scheduler/cli/small_scene.h"
+#include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
 namespace penumbra {

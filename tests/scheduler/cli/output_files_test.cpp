@@ -45,12 +45,12 @@ TEST(OutputFiles, GoIntoAFolder) {
 
 TEST(OutputFiles, ReportIsOptional) {
   RenderOptions options = options_of("a.exr");
-  options.no_report = true;
+  options.no_statistics = true;
   EXPECT_THAT(names(options), ElementsAre("a.exr", "a.png"));
-  options.no_report = false;
-  options.report = "elsewhere/r.json";
+  options.no_statistics = false;
+  options.statistics = "elsewhere/r.json";
   EXPECT_THAT(names(options), ElementsAre("a.exr", "a.png", "elsewhere/r.json"));
-  options.report = "a.png";
+  options.statistics = "a.png";
   EXPECT_THAT(names(options), ElementsAre(HasSubstr("the image's own name")));
 }
 
@@ -58,7 +58,7 @@ TEST(OutputFiles, OfAPixelAreOnlyThoseAskedFor) {
   RenderOptions options = options_of("");
   options.pixel = PixelPosition{1, 2};
   EXPECT_THAT(names(options), IsEmpty());
-  options.report = "r.json";
+  options.statistics = "r.json";
   EXPECT_THAT(names(options), ElementsAre("r.json"));
   options.out = "p.exr";
   EXPECT_THAT(names(options), ElementsAre("p.exr", "p.png", "r.json"));

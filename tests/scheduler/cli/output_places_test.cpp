@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "scheduler/image/image.h"
-#include "tests/support/program.h"
 #include "tests/scheduler/cli/small_scene.h"
+#include "tests/support/program.h"
 
 namespace penumbra {
 namespace {

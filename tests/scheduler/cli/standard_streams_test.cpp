@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "tests/support/program.h"
 #include "tests/scheduler/cli/small_scene.h"
+#include "tests/support/program.h"
 
 namespace penumbra {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "scheduler/image/image.h"
 #include "scheduler/watch/watch_client.h"
-#include "tests/support/program.h"
 #include "tests/scheduler/cli/small_scene.h"
+#include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
 namespace penumbra {

@@ -10,9 +10,9 @@
 #include <set>
 
 #include "scheduler/farm/private_socket.h"
+#include "scheduler/farm/server.h"
 #include "scheduler/protocol/client.h"
 #include "scheduler/protocol/wire.h"
-#include "scheduler/farm/server.h"
 #include "tests/scheduler/watch/watched_run.h"
 
 namespace penumbra {

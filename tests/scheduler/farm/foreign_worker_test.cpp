@@ -9,11 +9,11 @@
 #include <mutex>
 #include <regex>
 
+#include "scheduler/farm/worker_processes.h"
 #include "scheduler/protocol/client.h"
 #include "scheduler/protocol/wire.h"
-#include "scheduler/farm/worker_processes.h"
-#include "tests/support/fake_processes.h"
 #include "tests/scheduler/watch/watched_run.h"
+#include "tests/support/fake_processes.h"
 #include "worker/worker_client.h"
 
 namespace penumbra {

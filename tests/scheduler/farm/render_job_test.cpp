@@ -17,8 +17,8 @@
 
 #include "kernels/host/peak_memory.h"
 #include "scheduler/farm/render_job_check.h"
-#include "scheduler/plan/render_memory.h"
 #include "scheduler/farm/worker_isa.h"
+#include "scheduler/plan/render_memory.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/fake_processes.h"
 #include "tests/support/fake_samples.h"

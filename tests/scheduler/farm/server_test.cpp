@@ -303,7 +303,7 @@ TEST_F(ServerTest, ImpossibleCountsAreNoticed) {
   connect_and_take_a_unit();
   wire::WorkerMessage message = good_result();
   message.mutable_result()->mutable_nan()->set_count(61);
-  EXPECT_THAT(why_rejected(message), HasSubstr("61 samples that are no numbers"));
+  EXPECT_THAT(why_rejected(message), HasSubstr("61 non-finite samples"));
 }
 
 TEST_F(ServerTest, ValuesThatAreNoStatisticsAreNoticed) {

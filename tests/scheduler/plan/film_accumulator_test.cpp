@@ -121,7 +121,7 @@ TEST(FilmAccumulator, ClearForgetsOneRectangle) {
                       .height = 2,
                       .planes = kRadiancePlanes,
                       .sample_count = 1,
-                      .nan = {.count = 3, .x = 5, .y = 4, .sample = 7, .stage = {STAGE_LIGHT, 2}},
+                      .nan = {.count = 3, .x = 5, .y = 4, .sample = 7, .stage = {SOURCE_LIGHT, 2}},
                       .infinite = {.count = 1, .x = 0, .y = 0, .sample = 0, .stage = {}},
                       .values = std::vector<float>(4 * kRadiancePlanes, 1.0f)};
   FilmAccumulator film(4, 4, 4, 2, kRadiancePlanes);
@@ -147,8 +147,8 @@ TEST(FilmAccumulator, TheFirstSampleThatIsNoNumberDoesNotDependOnTheOrder) {
                         .values = std::vector<float>(4 * kRadiancePlanes, 1.0f)};
   };
   // By row, then column, then sample.
-  const SampleBuffer first = result(5, 5, 3, STAGE_LIGHT), later = result(5, 5, 4, STAGE_FILTER),
-                     right = result(6, 5, 0, STAGE_CONTROL), below = result(4, 6, 0, STAGE_CAMERA);
+  const SampleBuffer first = result(5, 5, 3, SOURCE_LIGHT), later = result(5, 5, 4, SOURCE_FILTER),
+                     right = result(6, 5, 0, SOURCE_CONTROL), below = result(4, 6, 0, SOURCE_CAMERA);
   std::vector<SampleBuffer> all{first, later, right, below};
   for (int order = 0; order < 4; ++order) {
     FilmAccumulator film(4, 4, 4, 4, kRadiancePlanes);
@@ -157,7 +157,7 @@ TEST(FilmAccumulator, TheFirstSampleThatIsNoNumberDoesNotDependOnTheOrder) {
     EXPECT_EQ(film.nan().x, 5);
     EXPECT_EQ(film.nan().y, 5);
     EXPECT_EQ(film.nan().sample, 3u);
-    EXPECT_EQ(film.nan().stage, (SampleStage{STAGE_LIGHT, 0}));
+    EXPECT_EQ(film.nan().stage, (NonFiniteSource{SOURCE_LIGHT, 0}));
     EXPECT_EQ(film.infinite().count, 0u);
     std::ranges::rotate(all, all.begin() + 1);
   }

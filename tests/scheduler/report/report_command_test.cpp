@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "scheduler/image/image.h"
-#include "tests/support/program.h"
 #include "tests/scheduler/cli/small_scene.h"
+#include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
 namespace penumbra {

@@ -7,8 +7,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "scheduler/protocol/wire.h"
 #include "scheduler/farm/server.h"
+#include "scheduler/protocol/wire.h"
 #include "scheduler/watch/watch_wire.h"
 #include "tests/scheduler/watch/watched_run.h"
 

@@ -9,8 +9,8 @@
 
 #include "scheduler/protocol/client.h"
 #include "scheduler/protocol/wire.h"
-#include "tests/support/fake_processes.h"
 #include "tests/scheduler/watch/watched_run.h"
+#include "tests/support/fake_processes.h"
 
 namespace penumbra {
 namespace {

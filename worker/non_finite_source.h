@@ -1,4 +1,4 @@
-// The stage in which a path first held a value that is no number, for the report.
+// The stage in which a path first held a non-finite value, for the report.
 #pragma once
 
 #include "worker/device.h"

@@ -1,9 +1,9 @@
 // The stage before a step that looks at lights from the surfaces of LANES paths, where the scene asks for it:
 // choice of a light by its contribution, closed forms, directions by projected solid angle.
-#ifndef PENUMBRA_BLOCK_AIM_H
-#define PENUMBRA_BLOCK_AIM_H
+#ifndef PENUMBRA_BLOCK_LIGHT_SAMPLING_H
+#define PENUMBRA_BLOCK_LIGHT_SAMPLING_H
 #include "kernels/light/light_choice.h"
-#include "kernels/light/light_survey.h"
+#include "kernels/light/light_unshadowed.h"
 #include "kernels/light/projected_light.h"
 #include "kernels/sampler/sampler.h"
 
@@ -21,7 +21,7 @@ typedef struct {
   bool projected;  ///< directions by projected solid angle
   bool found;      ///< their densities for what the last ray found
   bool path;       ///< the surface is the last ray's hit, which left a surface with normal REFERENCE_NORMAL
-} AimWishes;
+} LightRequest;
 
 FN bool wants_projected(const PRIVATE Scene* scene) {
   return (scene->header.features & FEATURE_PROJECTED) != 0u;
@@ -29,8 +29,8 @@ FN bool wants_projected(const PRIVATE Scene* scene) {
 
 /// `emits`: the step samples a light. `first`: the surface was not there at the step before. `balances`:
 /// other samples may find lights too.
-FN AimWishes aim_wishes(const PRIVATE Scene* scene, bool path, bool emits, bool first, bool balances) {
-  AimWishes w;
+FN LightRequest light_request(const PRIVATE Scene* scene, bool path, bool emits, bool first, bool balances) {
+  LightRequest w;
   w.path = path;
   w.choice = HAS(POLYGONS) && emits && scene->header.light_choice == CHOICE_ANALYTIC;
   w.closed = HAS(POLYGONS) && first && scene->header.estimator != ESTIMATOR_SAMPLES;
@@ -67,23 +67,24 @@ STAGE void add_analytic(GLOBAL float* RESTRICT f, int capacity, int i, bool path
 
 /// Surveys lights from the surfaces of LANES paths. A choice takes its number from that for the point on the
 /// light, which it replaces by what is left of it.
-STAGE void survey_lanes(const PRIVATE Scene* scene, AimWishes wishes, SurfaceFields at,
-                        GLOBAL float* RESTRICT f, const GLOBAL int* RESTRICT ints, int capacity, int i,
-                        PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT aims,
-                        PRIVATE double* RESTRICT projected) {
+STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request, SurfaceFields at,
+                            GLOBAL float* RESTRICT f, const GLOBAL int* RESTRICT ints, int capacity, int i,
+                            PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT samplings,
+                            PRIVATE double* RESTRICT projected) {
   LitPoints points;
-  Drawing drawing;
+  Reservoir reservoir;
   double analytic[3 * LANES];
   store_lit_points(scene, at, f, ints, capacity, i, &points);
-  for (int j = 0; j < LANES; j++) start_drawing(&drawing, j, (double)u[DRAW_LIGHT_U * LANES + j]);
+  for (int j = 0; j < LANES; j++) start_reservoir(&reservoir, j, (double)u[DRAW_LIGHT_U * LANES + j]);
   const bool one_light = scene->polygons[0].light_count == scene->header.light_count;
-  if (wishes.closed | !one_light)
-    survey_lights(scene, &points, wishes.choice & !one_light, &drawing, analytic);
+  if (request.closed | !one_light)
+    unshadowed_lights(scene, &points, request.choice & !one_light, &reservoir, analytic);
   if (one_light)
-    for (int j = 0; j < LANES; j++) draw_from(&drawing, j, 0, points.polygon[j] == 0.0 ? 0.0 : 1.0);
-  if (wishes.choice)
-    choose_part(scene, &points, wishes.projected, &drawing, aims, projected, u + DRAW_LIGHT_U * LANES);
-  if (wishes.closed) add_analytic(f, capacity, i, wishes.path, analytic);
+    for (int j = 0; j < LANES; j++) add_to_reservoir(&reservoir, j, 0, points.polygon[j] == 0.0 ? 0.0 : 1.0);
+  if (request.choice)
+    choose_part(scene, &points, request.projected, &reservoir, samplings, projected,
+                u + DRAW_LIGHT_U * LANES);
+  if (request.closed) add_analytic(f, capacity, i, request.path, analytic);
 }
 #endif
 
@@ -105,10 +106,11 @@ STAGE void project_by_power(const PRIVATE Scene* scene, SurfaceFields at, const 
     }
 }
 
-STAGE void aim_by_projection(const PRIVATE Scene* scene, SurfaceFields at, const GLOBAL float* RESTRICT f,
-                             const GLOBAL int* RESTRICT ints, int capacity, int i,
-                             const PRIVATE float* RESTRICT u, const PRIVATE double* RESTRICT projected,
-                             PRIVATE float* RESTRICT aims) {
+STAGE void sample_projected_lights(const PRIVATE Scene* scene, SurfaceFields at,
+                                   const GLOBAL float* RESTRICT f, const GLOBAL int* RESTRICT ints,
+                                   int capacity, int i, const PRIVATE float* RESTRICT u,
+                                   const PRIVATE double* RESTRICT projected,
+                                   PRIVATE float* RESTRICT samplings) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s =
@@ -116,16 +118,17 @@ STAGE void aim_by_projection(const PRIVATE Scene* scene, SurfaceFields at, const
                      LOAD3(f, capacity, at.direction_x, i + j));
       const float number = u[DRAW_LIGHT_U * LANES + j];
       const ChosenLight by_power = choose_light(scene, number, u[DRAW_LIGHT_FINE * LANES + j]);
-      const float chosen = aims[AIM_LIGHT * LANES + j];
+      const float chosen = samplings[LIGHT_SAMPLING_LIGHT * LANES + j];
       const bool is_chosen = chosen >= 0.0f;
-      aim_at_light(scene, s, is_chosen ? (int)chosen : by_power.light, (float)projected[j],
-                   is_chosen ? number : by_power.u, u[DRAW_LIGHT_V * LANES + j], aims, j);
+      sample_projected_light(scene, s, is_chosen ? (int)chosen : by_power.light, (float)projected[j],
+                             is_chosen ? number : by_power.u, u[DRAW_LIGHT_V * LANES + j], samplings, j);
     }
 }
 
 /// The densities of what the last rays found, for multiple importance sampling.
 STAGE void project_found(const PRIVATE Scene* scene, bool path, SurfaceFields at, GLOBAL float* RESTRICT f,
-                         const GLOBAL int* RESTRICT ints, int capacity, int i, PRIVATE float* RESTRICT aims) {
+                         const GLOBAL int* RESTRICT ints, int capacity, int i,
+                         PRIVATE float* RESTRICT samplings) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i + j);
@@ -135,7 +138,7 @@ STAGE void project_found(const PRIVATE Scene* scene, bool path, SurfaceFields at
           surface_at(scene, ints[at.hit * capacity + i + j], LOAD3(f, capacity, at.origin_x, i + j),
                      LOAD3(f, capacity, at.direction_x, i + j));
       const vec3 kept = LOAD3(f, capacity, REFERENCE_NORMAL_X, i + j);
-      aim_at_found(scene, found, from, toward, select3(path, kept, s.shading), aims, j);
+      projected_density_of_found(scene, found, from, toward, select3(path, kept, s.shading), samplings, j);
       // A path's next ray leaves this surface; of a camera ray the same place holds its direction.
       const vec3 keep = select3(path, s.shading, kept);
       STORE3(f, capacity, REFERENCE_NORMAL_X, i + j, keep);
@@ -143,23 +146,23 @@ STAGE void project_found(const PRIVATE Scene* scene, bool path, SurfaceFields at
 }
 #endif
 
-/// The aims of LANES paths from lane i on; u holds a step's DRAWS * LANES numbers. A function of its own: its
-/// branches would split the loops of the step.
-STAGE void aim_lanes(const PRIVATE Scene* scene, AimWishes wishes, SurfaceFields at, GLOBAL float* RESTRICT f,
-                     const GLOBAL int* RESTRICT ints, int capacity, int i, PRIVATE float* RESTRICT u,
-                     PRIVATE float* RESTRICT aims) {
-#if HAS_AIMS
+/// The samplings of LANES paths from lane i on; u holds a step's DRAWS * LANES numbers. A function of its
+/// own: its branches would split the loops of the step.
+STAGE void sample_light_lanes(const PRIVATE Scene* scene, LightRequest request, SurfaceFields at,
+                              GLOBAL float* RESTRICT f, const GLOBAL int* RESTRICT ints, int capacity, int i,
+                              PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT samplings) {
+#if HAS_LIGHT_SAMPLING
   double projected[LANES];
-  for (int j = 0; j < LANES; j++) store_aim(aims, j, no_aim());
+  for (int j = 0; j < LANES; j++) store_light_sampling(samplings, j, no_light_sampling());
 #endif
 #if HAS(POLYGONS)
-  if (wishes.choice | wishes.closed)
-    survey_lanes(scene, wishes, at, f, ints, capacity, i, u, aims, projected);
+  if (request.choice | request.closed)
+    unshadowed_lanes(scene, request, at, f, ints, capacity, i, u, samplings, projected);
 #endif
 #if HAS(PROJECTED)
-  if (wishes.found) project_found(scene, wishes.path, at, f, ints, capacity, i, aims);
-  if (wishes.projected & !wishes.choice) project_by_power(scene, at, f, ints, capacity, i, u, projected);
-  if (wishes.projected) aim_by_projection(scene, at, f, ints, capacity, i, u, projected, aims);
+  if (request.found) project_found(scene, request.path, at, f, ints, capacity, i, samplings);
+  if (request.projected & !request.choice) project_by_power(scene, at, f, ints, capacity, i, u, projected);
+  if (request.projected) sample_projected_lights(scene, at, f, ints, capacity, i, u, projected, samplings);
 #endif
 }
 

@@ -1,4 +1,4 @@
-#include "worker/non_finite_stage.h"
+#include "worker/non_finite_source.h"
 
 #include <utility>
 
@@ -38,13 +38,13 @@ class DeviceWithStages final : public Device {
 
  private:
   /// Unknown if the path cannot be repeated, or is another one natively: no reason to lose the unit.
-  SampleStage stage_of(const NonFiniteSamples& bad) {
+  NonFiniteSource stage_of(const NonFiniteSamples& bad) {
     if (!prober_) {
       Expected<std::unique_ptr<Device>> made = make_native_device(scene_, options_);
       if (!made) return {};
       prober_ = std::move(*made);
     }
-    probe_[0] = STAGE_UNKNOWN;
+    probe_[0] = SOURCE_UNKNOWN;
     probe_[1] = 0;
     if (!prober_->render({bad.x, bad.y, 1, 1, bad.sample, 1})) return {};
     return {probe_[0], probe_[1]};
@@ -53,7 +53,7 @@ class DeviceWithStages final : public Device {
   std::unique_ptr<Device> device_, prober_;
   const DeviceScene& scene_;
   DeviceOptions options_;
-  int probe_[2] = {STAGE_UNKNOWN, 0};
+  int probe_[2] = {SOURCE_UNKNOWN, 0};
 };
 
 }  // namespace

@@ -1,13 +1,13 @@
 // A look at all lights from a shading point before it is lit: the closed form of the polygon lights, and the
 // choice of one light in proportion to what each contributes without shadows. LANES points at a time, in
 // double: errors of a closed form are a bias of the image.
-#ifndef PENUMBRA_LIGHT_SURVEY_H
-#define PENUMBRA_LIGHT_SURVEY_H
+#ifndef PENUMBRA_LIGHT_UNSHADOWED_H
+#define PENUMBRA_LIGHT_UNSHADOWED_H
 #include "kernels/bsdf/bsdf.h"
-#include "kernels/light/light_aim.h"
-#include "kernels/polygon/polygon_light.h"
-#include "kernels/light/projected_light.h"
 #include "kernels/intersect/surface.h"
+#include "kernels/light/light_sampling.h"
+#include "kernels/light/projected_light.h"
+#include "kernels/polygon/polygon_light.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -81,28 +81,28 @@ typedef struct {
   double total[LANES];   ///< of all weights
   double weight[LANES];  ///< of the one that is chosen
   int chosen[LANES];     ///< its number, -1 at first
-} Drawing;
+} Reservoir;
 
-FN void start_drawing(PRIVATE Drawing* drawing, int j, double u) {
-  drawing->u[j] = u;
-  drawing->total[j] = drawing->weight[j] = 0.0;
-  drawing->chosen[j] = -1;
+FN void start_reservoir(PRIVATE Reservoir* reservoir, int j, double u) {
+  reservoir->u[j] = u;
+  reservoir->total[j] = reservoir->weight[j] = 0.0;
+  reservoir->chosen[j] = -1;
 }
 
-FN void draw_from(PRIVATE Drawing* drawing, int j, int number, double weight) {
-  const double total = drawing->total[j] + weight;
-  const double share = weight / (total > 0.0 ? total : 1.0), u = drawing->u[j];
+FN void add_to_reservoir(PRIVATE Reservoir* reservoir, int j, int number, double weight) {
+  const double total = reservoir->total[j] + weight;
+  const double share = weight / (total > 0.0 ? total : 1.0), u = reservoir->u[j];
   const bool taken = (weight > 0.0) & (u < share);
   const double scale = taken ? share : 1.0 - share;
-  drawing->u[j] = (taken ? u : u - share) / (scale > 0.0 ? scale : 1.0);
-  drawing->total[j] = total;
-  drawing->weight[j] = taken ? weight : drawing->weight[j];
-  drawing->chosen[j] = taken ? number : drawing->chosen[j];
+  reservoir->u[j] = (taken ? u : u - share) / (scale > 0.0 ? scale : 1.0);
+  reservoir->total[j] = total;
+  reservoir->weight[j] = taken ? weight : reservoir->weight[j];
+  reservoir->chosen[j] = taken ? number : reservoir->chosen[j];
 }
 
-FN double drawn_probability(const PRIVATE Drawing* drawing, int j) {
-  const double total = drawing->total[j];
-  return drawing->weight[j] / (total > 0.0 ? total : 1.0);
+FN double reservoir_probability(const PRIVATE Reservoir* reservoir, int j) {
+  const double total = reservoir->total[j];
+  return reservoir->weight[j] / (total > 0.0 ? total : 1.0);
 }
 
 /// Whether the polygon of that number has a k-th part, and the light that it is; else some light.
@@ -136,8 +136,8 @@ FN double rough_irradiance(GLOBAL const Light* light, double x, double y, double
 /// Adds up the closed form of all polygon lights but the point's own: radiance towards the viewer without
 /// shadows, channel c of lane j at `analytic[c * LANES + j]`. With `draw` also draws a light: polygon k as k,
 /// light k that is no part of one as polygon_count + k.
-STAGE void survey_lights(const PRIVATE Scene* scene, const PRIVATE LitPoints* points, bool draw,
-                         PRIVATE Drawing* RESTRICT drawing, PRIVATE double* RESTRICT analytic) {
+STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE LitPoints* points, bool draw,
+                             PRIVATE Reservoir* RESTRICT reservoir, PRIVATE double* RESTRICT analytic) {
   for (int j = 0; j < 3 * LANES; j++) analytic[j] = 0.0;
   for (int k = 0; k < scene->header.polygon_count; k++) {
     double irradiance[LANES], lobe[LANES];
@@ -156,7 +156,7 @@ STAGE void survey_lights(const PRIVATE Scene* scene, const PRIVATE LitPoints* po
         analytic[j] += r;
         analytic[LANES + j] += g;
         analytic[2 * LANES + j] += b;
-        if (draw) draw_from(drawing, j, k, r + g + b);
+        if (draw) add_to_reservoir(reservoir, j, k, r + g + b);
       }
   }
   for (int k = 0; draw && k < scene->header.light_count; k++) {
@@ -169,34 +169,35 @@ STAGE void survey_lights(const PRIVATE Scene* scene, const PRIVATE LitPoints* po
                                    points->diffuse[2 * LANES + j] + points->specular[j] +
                                    points->specular[LANES + j] + points->specular[2 * LANES + j];
         const double most = rough_irradiance(light, r->px[j], r->py[j], r->pz[j]);
-        draw_from(drawing, j, scene->header.polygon_count + k, reflectance * most);
+        add_to_reservoir(reservoir, j, scene->header.polygon_count + k, reflectance * most);
       }
   }
 }
 
 /// From the drawn polygon to one of its parts: in proportion to its projected solid angle if that is how it
-/// is sampled, else to its area. Leaves the light and its probability in the aims, the projected solid angle
-/// in `projected`, and in `u` what the number that drew it has left.
+/// is sampled, else to its area. Leaves the light and its probability in the samplings, the projected solid
+/// angle in `projected`, and in `u` what the number that drew it has left.
 STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE LitPoints* points, bool by_projection,
-                       const PRIVATE Drawing* RESTRICT drawing, PRIVATE float* RESTRICT aims,
+                       const PRIVATE Reservoir* RESTRICT reservoir, PRIVATE float* RESTRICT samplings,
                        PRIVATE double* RESTRICT projected, PRIVATE float* RESTRICT u) {
   const int polygons = scene->header.polygon_count;
   int parts = 0;
-  Drawing part;
+  Reservoir part;
   for (int j = 0; j < LANES; j++) {
-    start_drawing(&part, j, drawing->u[j]);
-    const int chosen = drawing->chosen[j];
+    start_reservoir(&part, j, reservoir->u[j]);
+    const int chosen = reservoir->chosen[j];
     const int count = ((chosen >= 0) & (chosen < polygons)) ? scene->polygons[chosen].light_count : 0;
     parts = count > parts ? count : parts;
   }
   for (int k = 0; k < parts; k++) {
     double weights[LANES];
     LANE_LOOP
-      for (int j = 0; j < LANES; j++) weights[j] = scene->lights[part_of(scene, drawing->chosen[j], k)].area;
+      for (int j = 0; j < LANES; j++)
+        weights[j] = scene->lights[part_of(scene, reservoir->chosen[j], k)].area;
     if (HAS(PROJECTED) && by_projection) {
       LANE_LOOP
         for (int j = 0; j < LANES; j++) {
-          GLOBAL const Light* light = scene->lights + part_of(scene, drawing->chosen[j], k);
+          GLOBAL const Light* light = scene->lights + part_of(scene, reservoir->chosen[j], k);
           const PRIVATE Receivers* r = &points->receivers;
           const double e =
               light_irradiance(light, r->px[j], r->py[j], r->pz[j], r->nx[j], r->ny[j], r->nz[j]);
@@ -205,20 +206,21 @@ STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE LitPoints* poin
     }
     LANE_LOOP
       for (int j = 0; j < LANES; j++) {
-        const int number = part_of(scene, drawing->chosen[j], k);
-        draw_from(&part, j, number, is_part(scene, drawing->chosen[j], k) ? weights[j] : 0.0);
+        const int number = part_of(scene, reservoir->chosen[j], k);
+        add_to_reservoir(&part, j, number, is_part(scene, reservoir->chosen[j], k) ? weights[j] : 0.0);
       }
   }
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const int chosen = drawing->chosen[j], drawn = part.chosen[j];
+      const int chosen = reservoir->chosen[j], drawn = part.chosen[j];
       const bool is_polygon = (chosen >= 0) & (chosen < polygons);
       const int other = chosen >= polygons ? chosen - polygons : 0;
-      const double share = drawn_probability(drawing, j) * (is_polygon ? drawn_probability(&part, j) : 1.0);
-      aims[AIM_LIGHT * LANES + j] = (float)(is_polygon ? (drawn >= 0 ? drawn : 0) : other);
-      aims[AIM_PMF * LANES + j] = chosen >= 0 ? (float)share : 0.0f;
+      const double share =
+          reservoir_probability(reservoir, j) * (is_polygon ? reservoir_probability(&part, j) : 1.0);
+      samplings[LIGHT_SAMPLING_LIGHT * LANES + j] = (float)(is_polygon ? (drawn >= 0 ? drawn : 0) : other);
+      samplings[LIGHT_SAMPLING_PMF * LANES + j] = chosen >= 0 ? (float)share : 0.0f;
       projected[j] = is_polygon ? part.weight[j] : 0.0;
-      const float left = (float)(is_polygon ? part.u[j] : drawing->u[j]);
+      const float left = (float)(is_polygon ? part.u[j] : reservoir->u[j]);
       u[j] = min_f(left, ONE_MINUS_EPSILON);
     }
 }

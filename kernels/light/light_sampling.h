@@ -1,7 +1,7 @@
 // What a stage of its own finds out about lights before an integrator's step: many times the arithmetic of
 // the step itself, which scenes that do not ask for it shall not carry.
-#ifndef PENUMBRA_LIGHT_AIM_H
-#define PENUMBRA_LIGHT_AIM_H
+#ifndef PENUMBRA_LIGHT_SAMPLING_H
+#define PENUMBRA_LIGHT_SAMPLING_H
 #include "kernels/intersect/surface.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -47,44 +47,54 @@ typedef struct {
   float pmf;        ///< probability of having chosen it
   vec3 wi;          ///< towards it
   float scale;  ///< the density of wi is its cosine times this; negative: the step chooses where on the light
-} Aim;
+} LightSampling;
 
-enum { AIM_FOUND_PDF, AIM_LIGHT, AIM_PMF, AIM_X, AIM_Y, AIM_Z, AIM_SCALE, AIM_COUNT };
-#define HAS_AIMS (HAS(PROJECTED) || HAS(POLYGONS))
+enum {
+  LIGHT_SAMPLING_FOUND_PDF,
+  LIGHT_SAMPLING_LIGHT,
+  LIGHT_SAMPLING_PMF,
+  LIGHT_SAMPLING_X,
+  LIGHT_SAMPLING_Y,
+  LIGHT_SAMPLING_Z,
+  LIGHT_SAMPLING_SCALE,
+  LIGHT_SAMPLING_COUNT
+};
+#define HAS_LIGHT_SAMPLING (HAS(PROJECTED) || HAS(POLYGONS))
 // Floats of a PRIVATE array of Aims, value V of lane j at V * LANES + j.
-#define AIM_FLOATS (HAS_AIMS ? AIM_COUNT * LANES : 1)
+#define LIGHT_SAMPLING_FLOATS (HAS_LIGHT_SAMPLING ? LIGHT_SAMPLING_COUNT * LANES : 1)
 
-FN Aim no_aim(void) {
-  Aim aim;
-  aim.found_pdf = aim.light = aim.scale = -1.0f;
-  aim.pmf = 0.0f;
-  aim.wi = make_vec3(0.0f, 0.0f, 1.0f);
-  return aim;
+FN LightSampling no_light_sampling(void) {
+  LightSampling sampling;
+  sampling.found_pdf = sampling.light = sampling.scale = -1.0f;
+  sampling.pmf = 0.0f;
+  sampling.wi = make_vec3(0.0f, 0.0f, 1.0f);
+  return sampling;
 }
 
-FN void store_aim(PRIVATE float* aims, int j, Aim aim) {
-#if HAS_AIMS
-  aims[AIM_FOUND_PDF * LANES + j] = aim.found_pdf;
-  aims[AIM_LIGHT * LANES + j] = aim.light;
-  aims[AIM_PMF * LANES + j] = aim.pmf;
-  aims[AIM_X * LANES + j] = aim.wi.x;
-  aims[AIM_Y * LANES + j] = aim.wi.y;
-  aims[AIM_Z * LANES + j] = aim.wi.z;
-  aims[AIM_SCALE * LANES + j] = aim.scale;
+FN void store_light_sampling(PRIVATE float* samplings, int j, LightSampling sampling) {
+#if HAS_LIGHT_SAMPLING
+  samplings[LIGHT_SAMPLING_FOUND_PDF * LANES + j] = sampling.found_pdf;
+  samplings[LIGHT_SAMPLING_LIGHT * LANES + j] = sampling.light;
+  samplings[LIGHT_SAMPLING_PMF * LANES + j] = sampling.pmf;
+  samplings[LIGHT_SAMPLING_X * LANES + j] = sampling.wi.x;
+  samplings[LIGHT_SAMPLING_Y * LANES + j] = sampling.wi.y;
+  samplings[LIGHT_SAMPLING_Z * LANES + j] = sampling.wi.z;
+  samplings[LIGHT_SAMPLING_SCALE * LANES + j] = sampling.scale;
 #endif
 }
 
 /// Lane j's; none where the kernel is compiled without.
-FN Aim load_aim(const PRIVATE float* aims, int j) {
-  Aim aim = no_aim();
-#if HAS_AIMS
-  aim.found_pdf = aims[AIM_FOUND_PDF * LANES + j];
-  aim.light = aims[AIM_LIGHT * LANES + j];
-  aim.pmf = aims[AIM_PMF * LANES + j];
-  aim.wi = make_vec3(aims[AIM_X * LANES + j], aims[AIM_Y * LANES + j], aims[AIM_Z * LANES + j]);
-  aim.scale = aims[AIM_SCALE * LANES + j];
+FN LightSampling load_light_sampling(const PRIVATE float* samplings, int j) {
+  LightSampling sampling = no_light_sampling();
+#if HAS_LIGHT_SAMPLING
+  sampling.found_pdf = samplings[LIGHT_SAMPLING_FOUND_PDF * LANES + j];
+  sampling.light = samplings[LIGHT_SAMPLING_LIGHT * LANES + j];
+  sampling.pmf = samplings[LIGHT_SAMPLING_PMF * LANES + j];
+  sampling.wi = make_vec3(samplings[LIGHT_SAMPLING_X * LANES + j], samplings[LIGHT_SAMPLING_Y * LANES + j],
+                          samplings[LIGHT_SAMPLING_Z * LANES + j]);
+  sampling.scale = samplings[LIGHT_SAMPLING_SCALE * LANES + j];
 #endif
-  return aim;
+  return sampling;
 }
 
 PENUMBRA_NAMESPACE_END
