@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 using statistics::Estimate;
 using statistics::Image;
 
-constexpr int kBatches = 32, kSpp = 64;
+constexpr int kBatches = 32, kSpp = 128;
 constexpr double kSignificance = 0.01;
 // A scene is looked at twice: where one in twenty right scenes is suspicious, it is rendered anew, with other
 // seeds and more samples, and the second look alone decides. So its significance holds whatever the first

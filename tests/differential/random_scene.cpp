@@ -31,8 +31,10 @@ class Generator {
   SceneText make() {
     scene_.samples = plan_.samples;
     scene_.each(plan_.ours, plan_.mitsubas);
-    // Mitsuba sees what is behind hidden lamps as far as it goes, beyond the far clipping plane too.
-    const std::string camera = random_camera(unit_, !plan_.hides, random_);
+    choose_lights();
+    const CameraLimits limits{
+        .unit = unit_, .far_clip = !plan_.hides, .wide_filter = lamps_ == 0 || plan_.hides};
+    const std::string camera = random_camera(limits, random_);
     const char* sampler = random_.one_of({"independent", "stratified", "halton", "sobol", "ldsampler"});
     scene_.each(plugin("sensor", "perspective", camera + plugin("sampler", sampler, "")),
                 plugin("sensor", "perspective", camera));
@@ -181,7 +183,8 @@ class Generator {
 
   void add_object(const Ball& place) {
     const double sqrt2 = std::sqrt(2.0), sqrt3 = std::sqrt(3.0);
-    const int kind = random_.below(8);
+    // What Mitsuba sees of disks and spheres through hidden lamps is unlit.
+    const int kind = plan_.hides ? random_.one_of({0, 1, 4, 5, 6, 7}) : random_.below(8);
     // Flat and open shapes are seen from both sides.
     if (kind == 0)
       return add_shape("rectangle",
@@ -230,7 +233,7 @@ class Generator {
     std::string steps =
         fmt::format("<scale value=\"{}\"/>\n<rotate x=\"1\" angle=\"-90\"/>\n", number_text(2.5 * unit_)) +
         translate(glm::dvec3(0, -1, 0) * unit_);
-    const char* type = random_.one_of({"rectangle", "rectangle", "disk"});
+    const char* type = plan_.hides ? "rectangle" : random_.one_of({"rectangle", "rectangle", "disk"});
     const std::string material = plugin("bsdf", "twosided", one_sided());
     if (random_.chance(0.2)) {
       add_mesh(plate(4 + random_.below(4)), false, to_world(steps), material, true);
@@ -246,16 +249,20 @@ class Generator {
 
   // Lights --------------------------------------------------------------------------------------------------
 
+  void choose_lights() {
+    sky_ = plan_.sky && random_.chance(0.3);
+    point_ = plan_.point_lights && random_.chance(0.3);
+    lamps_ = plan_.open ? 1 : random_.below(3);
+    if (!sky_ && !point_) lamps_ = std::max(lamps_, 1);
+  }
+
   void add_lights() {
-    const bool sky = plan_.sky && random_.chance(0.3), point = plan_.point_lights && random_.chance(0.3);
-    int lamps = plan_.open ? 1 : random_.below(3);
-    if (!sky && !point) lamps = std::max(lamps, 1);
-    for (int k = 0; k < lamps; ++k) {
+    for (int k = 0; k < lamps_; ++k) {
       const double radius = random_.between(plan_.lamp_radius, plan_.lamp_radius + 0.25);
       if (const auto place = free_place(radius)) add_lamp(*place);
     }
-    if (sky) scene_.both(plugin("emitter", "constant", colour("radiance", 0.2, 0.8)));
-    if (point) add_point();
+    if (sky_) scene_.both(plugin("emitter", "constant", colour("radiance", 0.2, 0.8)));
+    if (point_) add_point();
   }
 
   void add_point() {
@@ -329,6 +336,8 @@ class Generator {
   Random random_;
   double unit_;  ///< of length
   IntegratorPlan plan_;
+  bool sky_ = false, point_ = false;
+  int lamps_ = 0;
   SceneText scene_;
   std::vector<Ball> taken_;
 };

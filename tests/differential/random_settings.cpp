@@ -123,7 +123,7 @@ class Integrators {
   IntegratorPlan plan_;
 };
 
-std::string random_film(Random& random) {
+std::string random_film(bool wide_filter, Random& random) {
   // Mitsuba draws each sample into all pixels that its filter reaches; where it also takes samples beyond
   // the border, each pixel's expectation is that of samples drawn from the filter, but for the error of a
   // quotient of two sums over some hundred samples, which has opposite signs on both sides of an edge.
@@ -137,7 +137,8 @@ std::string random_film(Random& random) {
   } else {
     result += integer("width", width) + integer("height", height);
   }
-  const char* filter = random.one_of({"box", "box", "box", "tent", "gaussian", "mitchell", "gaussian"});
+  if (wide_filter && random.chance(0.1)) return plugin("film", "hdrfilm", result);  // a Gaussian
+  const char* filter = wide_filter ? random.one_of({"box", "tent", "gaussian", "mitchell"}) : "box";
   std::string settings;
   if (filter == std::string_view("tent") && random.chance(0.5))
     settings = real("radius", random.between(0.7, 1.6));
@@ -145,7 +146,7 @@ std::string random_film(Random& random) {
     settings = real("stddev", random.between(0.3, 0.7));
   if (filter == std::string_view("mitchell") && random.chance(0.5))
     settings = "<float name=\"B\" value=\"0.5\"/>\n<float name=\"C\" value=\"0.25\"/>\n";
-  if (random.chance(0.9)) result += plugin("rfilter", filter, settings);
+  result += plugin("rfilter", filter, settings);
   return plugin("film", "hdrfilm", result);
 }
 
@@ -153,7 +154,8 @@ std::string random_film(Random& random) {
 
 IntegratorPlan plan_integrator(int kind, Random& random) { return Integrators(random).make(kind); }
 
-std::string random_camera(double unit, bool clipped, Random& random) {
+std::string random_camera(const CameraLimits& limits, Random& random) {
+  const double unit = limits.unit;
   std::string sensor;
   if (random.chance(0.15)) {
     sensor += text("focal_length", random.one_of({"35mm", "50mm", "60"}));
@@ -175,8 +177,8 @@ std::string random_camera(double unit, bool clipped, Random& random) {
   }
   const double distance = glm::length(eye);
   sensor += real("near_clip", unit * (random.chance(0.1) ? distance - 0.3 : 0.01));
-  sensor += real("far_clip", unit * (clipped && random.chance(0.1) ? distance + 0.3 : 1000.0));
-  return sensor + random_film(random);
+  sensor += real("far_clip", unit * (limits.far_clip && random.chance(0.1) ? distance + 0.3 : 1000.0));
+  return sensor + random_film(limits.wide_filter, random);
 }
 
 }  // namespace penumbra::differential

@@ -24,8 +24,17 @@ struct IntegratorPlan {
 /// `kind` counts through the integrators.
 IntegratorPlan plan_integrator(int kind, Random& random);
 
-/// A camera that looks at the unit cube from a distance of some units of this length; without what is around
-/// it.
-std::string random_camera(double unit, bool clipped, Random& random);
+struct CameraLimits {
+  double unit = 1;  ///< of length
+  /// The far clipping plane may be near. Mitsuba sees what is behind hidden lamps beyond it too.
+  bool far_clip = true;
+  /// The filter may reach over pixels. Where lamps are seen, its tails are rare and bright: Penumbra draws
+  /// samples from the filter, so that few of them are a lamp beside a dark block, too few for a standard
+  /// error.
+  bool wide_filter = true;
+};
+
+/// A camera that looks at the unit cube from a distance of some units; without what is around it.
+std::string random_camera(const CameraLimits& limits, Random& random);
 
 }  // namespace penumbra::differential
