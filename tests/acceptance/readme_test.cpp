@@ -1,4 +1,5 @@
-// Every command of the README does what it says: its blocks are run as they are, in a folder where scenes/ is.
+// Every command of the README does what it says: its blocks are run as they are, in a folder where scenes/
+// is.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
