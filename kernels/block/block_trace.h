@@ -131,7 +131,7 @@ STAGE void add_light(int field, bool unblocked, bool control, bool controlled, G
         const int kind = ints[SHADOW_CONTROLLED * capacity + j];
         const bool wanted = !control | ((kind != CONTROLLED_NOT) == controlled);
         const bool beneath = control & (kind == CONTROLLED_BENEATH);
-        const bool through = !unblocked | ((ints[HIT * capacity + j] < 0) & !beneath);
+        const bool through = (!unblocked) | ((ints[HIT * capacity + j] < 0) & !beneath);
         const bool lit = wanted & through & (f[SHADOW_TMAX * capacity + j] > 0.0f);
         const vec3 more = LOAD3(f, capacity, SHADOW_RADIANCE_X, j);
         const vec3 sum = add(LOAD3(f, capacity, field, j), select3(lit, more, make_vec3(0.0f, 0.0f, 0.0f)));
