@@ -32,7 +32,10 @@ std::string shell_quoted_file(const std::string& path) {
 
 std::string shell_command(std::span<const std::string> words) {
   std::string command;
-  for (const std::string& word : words) command += (command.empty() ? "" : " ") + shell_quoted(word);
+  for (const std::string& word : words) {
+    if (!command.empty()) command += ' ';
+    command += shell_quoted(word);
+  }
   return command;
 }
 
