@@ -151,7 +151,7 @@ Expected<void> Viewer::on(const WatchProgress& progress) {
   status_.samples_total = progress.samples_wanted;
   status_.spp_done = progress.spp_done;
   // What was asked for from here may not have arrived there yet.
-  status_.spp_wanted = std::max(progress.spp_wanted, own_wish_);
+  status_.spp_wanted = std::max(progress.spp_wanted, requested_spp_);
   status_.finished = progress.finished && progress.spp_done >= status_.spp_wanted && status_.spp_wanted > 0;
   status_.relative_error = progress.relative_error;
   const double seconds = progress.elapsed_seconds;

@@ -53,7 +53,7 @@ Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint32_t 
 
 namespace {
 
-/// A native device instead of one that could not be had.
+/// A native device instead of one that is not available.
 class StandIn final : public Device {
  public:
   StandIn(std::unique_ptr<Device> device, std::string warning)

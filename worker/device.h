@@ -39,7 +39,7 @@ constexpr int kMaxThreads = 1024;
 
 enum class Isa { kSse2, kAvx2, kAvx512 };
 
-/// What suits an OpenCL device by itself; set for tests and measurements. Pixels do not depend on it.
+/// By default chosen to suit the OpenCL device; set for tests and measurements. Pixels do not depend on it.
 struct OpenClTuning {
   std::optional<bool> path_per_item = {};  ///< as on a GPU; unless set, whether the device is no CPU
   std::uint64_t memory_bytes = 0;          ///< of the device at most; 0: what there is
@@ -64,7 +64,7 @@ struct DeviceOptions {
   std::function<void(const std::string& device)> on_compile = {};
 };
 
-/// How the compiled kernels of a device came to be.
+/// Where the compiled kernels of a device came from.
 struct KernelOrigin {
   bool cached = false;  ///< not compiled now
   double seconds = 0;   ///< of compiling, or of getting them from the cache
@@ -119,7 +119,7 @@ struct BackendsInUse {
 constexpr BackendsInUse backends_in_use(std::string_view name) {
   return {name != "opencl", name != "native"};
 }
-/// Fails if a device or an instruction set is named (not empty) that none of the backends would look at.
+/// Fails if a device or an instruction set is named (not empty) that none of the backends uses.
 Expected<void> check_backend_options(BackendsInUse backends, std::string_view opencl_device,
                                      std::string_view isa);
 

@@ -106,7 +106,7 @@ int run(int argc, char** argv) {
   options.make_device = make_device;
   options.on_connection_lost = [](const Error& error) {
     print_error(error);
-    std::_Exit(kFailed);  // the unit in hand cannot be interrupted, and nobody waits for it
+    std::_Exit(kFailed);  // the unit in hand cannot be interrupted, and its result is no longer needed
   };
 
   if (const Expected<void> worked = run_worker(options); !worked) {

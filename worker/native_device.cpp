@@ -37,7 +37,7 @@ class BlockMemory {
   }
 
  private:
-  AlignedVector<float> floats_;  // zeros: lanes that no path ever used hold numbers too
+  AlignedVector<float> floats_;  // zeros: lanes that no path ever used hold finite values too
   AlignedVector<int> ints_;
   AlignedVector<float> slots_;
   int capacity_, slot_capacity_;

@@ -135,7 +135,7 @@ KernelCache::Found KernelCache::find(std::string_view key) const {
     return {{},
             fmt::format("the kernel cache's {} {} and was removed", path.string(), binary.error().message)};
   }
-  futimens(file.descriptor(), nullptr);  // used last; a folder of somebody else's stays in its own order
+  futimens(file.descriptor(), nullptr);  // used last; fails without harm in another user's folder
   return {std::move(*binary), {}};
 }
 

@@ -14,7 +14,7 @@
 
 namespace penumbra {
 
-/// The folder that the user wants: PENUMBRA_KERNEL_CACHE, else penumbra/kernels below XDG_CACHE_HOME, else
+/// The user's choice of folder: PENUMBRA_KERNEL_CACHE, else penumbra/kernels below XDG_CACHE_HOME, else
 /// below
 /// ~/.cache. Empty, which is no cache: PENUMBRA_KERNEL_CACHE=off, or none of these variables is set.
 std::filesystem::path default_kernel_cache();

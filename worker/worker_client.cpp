@@ -31,7 +31,7 @@ std::string host_name() {
   return gethostname(name, sizeof name - 1) == 0 ? name : "unknown";
 }
 
-/// Who this process is to the scheduler that started it.
+/// The key that identifies this process to the scheduler that started it.
 std::string own_key() {
   const char* key = std::getenv(kWorkerKeyVariable);
   return key == nullptr ? "" : wire_text(key, kLongestName);
@@ -112,7 +112,7 @@ Expected<void> Session::run() {
   stream_->WritesDone();
   reader.join();
   const grpc::Status status = stream_->Finish();
-  // Who is sent away in the middle of a unit is not waited for.
+  // A worker that is dismissed in the middle of a unit is not waited for.
   if (worked && !status.ok() && !leaving_)
     worked = fail("the scheduler broke the connection: " + status.error_message());
   return worked;
@@ -189,7 +189,7 @@ Expected<void> Session::work() {
         }
         break;
       case wire::SchedulerMessage::kUnit:
-        // Nobody waits for a unit of an older view.
+        // A unit of an older view is no longer needed.
         if (message->unit().id().image() >= newest_view_) render(message->unit());
         break;
       case wire::SchedulerMessage::kView:

@@ -21,7 +21,7 @@ struct WorkerClientOptions {
   std::string token;            ///< what the scheduler printed for workers; none over a Unix socket
   double connect_timeout = 10;  ///< seconds
   std::vector<Isa> isas;        ///< what this machine has, for the scheduler's choice
-  // What this machine's owner wants instead of what the job says.
+  // Settings of this machine's owner, which replace those of the job.
   std::optional<Backend> backend;
   std::optional<Isa> isa;
   std::optional<int> threads;

@@ -1,4 +1,4 @@
-// What `penumbra` tells its caller.
+// The exit codes of `penumbra`.
 #pragma once
 
 namespace penumbra {

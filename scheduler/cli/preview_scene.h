@@ -1,4 +1,4 @@
-// What a scene becomes when a window asks for its samples one by one.
+// Changes to a scene for a preview, whose samples a window requests one by one.
 #pragma once
 
 #include <functional>

@@ -154,7 +154,7 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
   ProgressPrinter progress(show ? progress_style() : ProgressStyle::kNone, terminal_columns());
   const auto outcome = render_with_fallback(prepared->job, stop, [&](const RenderProgress& now) {
     progress.update(now);
-    // Who asks for an address wants to know it, and its token, even so.
+    // The address and its token are printed even so, since the user asked for an address.
     if (!show && !options.listen.empty())
       for (const std::string& notice : now.notices) print_message(notice);
   });

@@ -84,7 +84,7 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
 
 namespace {
 
-/// What renders, and who may watch.
+/// Options for workers and viewers.
 void add_worker_options(CLI::App& command, RenderOptions& options) {
   command
       .add_option("--tile", options.tile,

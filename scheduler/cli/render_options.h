@@ -58,7 +58,7 @@ struct RenderOptions {
 /// Adds the options to a command; they are stored when it is parsed.
 void add_scene_options(CLI::App& command, SceneOptions& options);
 void add_render_options(CLI::App& command, RenderOptions& options);
-/// Of a scheduler that renders what a window asks for.
+/// The options of a scheduler that renders a window's requests.
 void add_preview_options(CLI::App& command, RenderOptions& options);
 
 /// "x0,y0,x1,y1" with 0 <= x0 < x1 and 0 <= y0 < y1; nothing if it is anything else.

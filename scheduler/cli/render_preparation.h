@@ -22,12 +22,12 @@ struct PreparedRender {
 /// film, options that exclude each other or that this machine has not.
 Expected<PreparedRender> prepare_render(const RenderOptions& options);
 
-/// The same for somebody at a terminal who may watch: with the worker's executable, whether the wanted device
-/// is there, and the scene's warnings printed. Else the error is printed.
+/// The same for commands at a terminal, perhaps with viewers: finds the worker's executable, checks that the
+/// requested device exists, and prints the scene's warnings. On failure the error is printed.
 std::expected<PreparedRender, ExitCode> prepare_watched_render(const RenderOptions& options);
 
-/// Whether there is the OpenCL device that the render wants; the error lists those that there are. Workers
-/// would find it out later, one after the other.
+/// Whether the requested OpenCL device exists; the error lists the existing ones. Otherwise each worker would
+/// report it later, one after the other.
 Expected<void> check_device(const DeviceOptions& device);
 
 }  // namespace penumbra

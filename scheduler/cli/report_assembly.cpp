@@ -107,7 +107,7 @@ Expected<Curve> peer_curve(const Peer& peer, const Reference& reference, double 
   return curve;
 }
 
-/// What readers should know before they believe a number.
+/// Caveats for the reader of the report.
 void add_remarks(SceneReport& scene, std::size_t missing) {
   if (missing > 0)
     scene.remarks.push_back(

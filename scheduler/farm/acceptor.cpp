@@ -28,7 +28,7 @@ constexpr int kBacklog = SOMAXCONN;
 // Where descriptors are few, connections get their share and the workers the rest.
 constexpr rlim_t kShareOfDescriptors = 8;
 constexpr int kFewestConnections = 4;
-// While there are no descriptors for it, a connection waits.
+// A connection waits while there is no free descriptor for it.
 constexpr std::chrono::milliseconds kPauseWithoutDescriptors{100};
 
 rlim_t descriptor_limit() {
@@ -68,7 +68,7 @@ std::expected<int, int> listen_unix(const std::string& path) {
   name.sun_family = AF_UNIX;
   if (path.size() >= sizeof name.sun_path) return std::unexpected(ENAMETOOLONG);
   std::memcpy(name.sun_path, path.data(), path.size());
-  // What a process that died has left behind is nobody's.
+  // A socket's file without a listener is left over from a process that died.
   struct stat status {};
   if (lstat(path.c_str(), &status) == 0 && S_ISSOCK(status.st_mode)) unlink(path.c_str());
   return listen_at(reinterpret_cast<const sockaddr*>(&name), sizeof name);
@@ -111,7 +111,8 @@ Expected<std::unique_ptr<Acceptor>> Acceptor::listen(const std::string& address,
     getsockname(*listener, reinterpret_cast<sockaddr*>(&name), &size);
     return std::unique_ptr<Acceptor>(new Acceptor(with_port(address, port_of(name)), *listener, limits));
   }
-  if (is_answered(address)) return std::unexpected(cannot_listen(address, "somebody listens there already"));
+  if (is_answered(address))
+    return std::unexpected(cannot_listen(address, "another process is already listening there"));
   const std::expected<int, int> listener = listen_unix(unix_path(address));
   if (!listener) return std::unexpected(cannot_listen(address, std::strerror(listener.error())));
   return std::unique_ptr<Acceptor>(new Acceptor(address, *listener, limits));
@@ -207,14 +208,14 @@ void Acceptor::accept_one() {
   {
     const std::lock_guard lock(mutex_);
     if (int(connections_.size()) >= limits_.connections) {
-      const auto stranger =
+      const auto oldest_unadmitted =
           is_tcp_ ? std::ranges::find(connections_, false, &Connection::admitted) : connections_.end();
-      if (stranger == connections_.end()) {
+      if (oldest_unadmitted == connections_.end()) {
         close(second);
         close(descriptor);
         return;
       }
-      drop(std::size_t(stranger - connections_.begin()), true);
+      drop(std::size_t(oldest_unadmitted - connections_.begin()), true);
     }
     connections_.push_back({second, port_of(name), Clock::now(), false});
   }

@@ -1,4 +1,5 @@
-// The door to a scheduler for those whom it did not start: an address with a bounded number of connections.
+// The scheduler's second listening address, for processes that it did not start. Its number of connections is
+// bounded.
 #pragma once
 
 #include <chrono>
@@ -17,15 +18,15 @@ namespace penumbra {
 void raise_descriptor_limit();
 
 struct AcceptorLimits {
-  /// At once. A newcomer takes the place of the oldest that has not been admitted; if all have, it is sent
-  /// away.
+  /// At once. A new connection replaces the oldest one that has not been admitted. If all have been admitted,
+  /// the new one is closed.
   int connections = 64;
   /// TCP only: from here on a connection that has not been admitted is closed.
   std::chrono::milliseconds time_to_show_token{10000};
 };
 
-/// Listens itself, since gRPC takes connections without end. Handed over they are the receiver's, but a
-/// second descriptor stays here: it tells when a connection has ended, and ends it.
+/// Listens itself, since gRPC accepts any number of connections. A connection that is handed over belongs to
+/// the receiver. A second descriptor stays here: it shows when the connection has ended, and can end it.
 class Acceptor {
  public:
   /// `address`: one that check_listen_address lets pass. A Unix socket is reachable by its owner alone,
@@ -39,7 +40,7 @@ class Acceptor {
   [[nodiscard]] const std::string& address() const { return address_; }
   /// Begins to accept. `hand_over` gets a non-blocking socket to keep, from a thread of this object.
   void start(std::function<void(int descriptor, int listener)> hand_over);
-  /// Whoever connected from here has shown a token; gRPC's name of the peer, as in "ipv4:127.0.0.1:7000".
+  /// The peer has shown a token. `peer` is gRPC's name of it, as in "ipv4:127.0.0.1:7000".
   void admit(const std::string& peer);
   /// Accepts no more; what was handed over stays.
   void stop();

@@ -1,5 +1,5 @@
-// Who may talk to a scheduler: over a Unix socket whoever can reach it, over TCP on this host whoever knows a
-// token. Connections of other hosts would need encryption, and are refused.
+// Access control of a scheduler. A Unix socket is protected by its file permissions. TCP connections from
+// this host need a token. Connections from other hosts would need encryption, and are refused.
 #pragma once
 
 #include <grpcpp/security/server_credentials.h>
@@ -31,8 +31,8 @@ bool is_port(std::string_view text);
 /// "localhost:7000").
 Expected<void> check_listen_address(const std::string& address);
 
-/// Whether somebody listens at "unix:/path" already: a socket's file that is left over from a process that
-/// died does not count.
+/// Whether a process is listening at "unix:/path". A socket's file that is left over from a process that died
+/// does not count.
 bool is_answered(const std::string& address);
 
 /// "host:0" with the port that was chosen.
@@ -41,15 +41,15 @@ std::string with_port(const std::string& address, int port);
 /// 128 random bits as 32 hexadecimal digits.
 std::string make_token();
 
-/// What callers over TCP must know, and what each opens: who may look is not thereby one whose samples are
-/// believed.
+/// The tokens for calls over TCP, and the calls that each permits. A viewer's token does not permit sending
+/// samples.
 struct Tokens {
   std::string watch;  ///< Watch, Control, Asset
   std::string work;   ///< Work, Asset
 };
 
-/// For a port of this host. A call is looked at when its metadata have come and before anything of a message
-/// is read: UNAUTHENTICATED without one of the tokens, PERMISSION_DENIED where it does not open this call.
+/// For a port of this host. A call is checked once its metadata have arrived and before any message is read:
+/// UNAUTHENTICATED without one of the tokens, PERMISSION_DENIED where the token does not permit this call.
 std::shared_ptr<grpc::ServerCredentials> token_credentials(const Tokens& tokens);
 
 }  // namespace penumbra

@@ -20,8 +20,8 @@ namespace arrivals {
 struct Connected {
   WorkerId worker;
   std::string host;
-  int pid;                ///< as it says: for people
-  std::string key;        ///< what it shows of who it is, see WorkerProcesses::claim
+  int pid;                ///< as the worker reports it; only for messages
+  std::string key;        ///< identifies the process, see WorkerProcesses::claim
   std::string peer;       ///< where it is connected from, for people
   std::vector<Isa> isas;  ///< instruction sets that it says it has, ascending
 };

@@ -129,7 +129,7 @@ std::vector<ChildExit> ChildProcesses::reap() {
       close(pipe->second);
       error_pipes_.erase(pipe);
     }
-    if (got == pid)  // else somebody else in this process has reaped it
+    if (got == pid)  // else other code in this process has reaped it
       ended.push_back({pid, why.empty() ? describe(status) : why,
                        WIFEXITED(status) ? std::optional(WEXITSTATUS(status)) : std::nullopt});
     return true;

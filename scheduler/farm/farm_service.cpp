@@ -23,7 +23,7 @@ std::vector<Isa> isas_of(const wire::Hello& hello) {
   return isas;
 }
 
-/// Hands on what a worker says until its stream ends, or until it says what it may not.
+/// Forwards a worker's messages until its stream ends or a message is invalid.
 grpc::Status read_all(WorkerConnection::Stream& stream, WorkerConnection& connection,
                       Mailbox<Arrival>& mailbox) {
   wire::WorkerMessage message;
@@ -37,7 +37,7 @@ grpc::Status read_all(WorkerConnection::Stream& stream, WorkerConnection& connec
 
 }  // namespace
 
-// --- What all doors lead to
+// --- State shared by all addresses
 
 void Farm::add_asset(std::string hash, std::vector<std::uint8_t> bytes) {
   const std::lock_guard lock(mutex_);

@@ -17,12 +17,12 @@
 
 namespace penumbra {
 
-/// What all doors lead to. Thread-safe.
+/// The state shared by all addresses on which the scheduler listens. Thread-safe.
 class Farm {
  public:
   Farm(WatchBoard& shown, bool takes_control) : board(shown), interactive(takes_control) {}
 
-  /// Whoever talks faster than the render listens waits.
+  /// Its length is bounded: a sender that is faster than the render's loop waits.
   Mailbox<Arrival> mailbox{kMostArrivals};
   WatchBoard& board;
   const bool interactive;
@@ -51,7 +51,8 @@ class Farm {
   std::map<std::string, std::shared_ptr<const std::vector<std::uint8_t>>> assets_;
 };
 
-/// One door. `on_call` is told who makes a call, which has shown its token where one is asked for.
+/// The service at one address. `on_call` is called with the peer of each call, after the token has been
+/// checked where one is required.
 class FarmService final : public wire::Farm::Service {
  public:
   explicit FarmService(Farm& farm, std::function<void(const std::string& peer)> on_call = {})

@@ -25,10 +25,10 @@ constexpr std::string_view kPrefix = "penumbra-";
 constexpr std::string_view kSocketName = "socket";
 constexpr std::size_t kLongestSocketPath = sizeof(sockaddr_un::sun_path) - 1;  // 107
 constexpr std::string_view kRandom = "XXXXXX";                                 // of mkdtemp
-// Between its making and its locking a directory looks abandoned for a moment.
+// Between its creation and its locking, a directory looks abandoned for a moment.
 constexpr std::chrono::minutes kAbandonedAge{1};
 
-/// The lock on a directory, which ends with this process; -1 if somebody else has it.
+/// The lock on a directory, which ends with this process; -1 if another process holds it.
 int lock_directory(const fs::path& directory) {
   const int descriptor = open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
   if (descriptor < 0) return -1;
@@ -37,7 +37,8 @@ int lock_directory(const fs::path& directory) {
   return -1;
 }
 
-bool nobody_listens(const fs::path& socket_path) {
+/// Whether the socket has no listener: connecting is refused.
+bool is_without_listener(const fs::path& socket_path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (socket_path.native().size() > kLongestSocketPath) return false;
@@ -59,10 +60,10 @@ bool is_mine(const fs::path& path) {
          lstat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == geteuid();
 }
 
-/// Its owner may have died before anybody listened.
+/// An empty directory counts too: its owner may have died before it listened.
 bool holds_nothing_in_use(const fs::path& directory) {
   std::error_code error;
-  return fs::is_empty(directory, error) || nobody_listens(directory / kSocketName);
+  return fs::is_empty(directory, error) || is_without_listener(directory / kSocketName);
 }
 
 void remove_abandoned(const fs::path& parent) {

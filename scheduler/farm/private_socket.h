@@ -1,4 +1,4 @@
-// A Unix socket's place that only this user can reach.
+// A directory for a Unix socket that only this user can access.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 namespace penumbra {
 
 /// A fresh directory of mode 0700 under $XDG_RUNTIME_DIR, or /tmp where that is not usable or too long for a
-/// socket's path; removed with the object. A killed process leaves its directory behind: the next one that
-/// comes removes it. Whoever lives holds a lock on his (flock, which programs that tidy up /tmp respect too),
-/// whether or not anybody listens there at the moment.
+/// socket's path; removed with the object. A killed process leaves its directory behind, and the next process
+/// removes it. A live process holds a lock on its directory (flock, which programs that clean up /tmp respect
+/// too), whether or not it is listening there at the moment.
 class PrivateSocket {
  public:
   static Expected<PrivateSocket> create();
@@ -19,7 +19,7 @@ class PrivateSocket {
   ~PrivateSocket();
 
   [[nodiscard]] const std::string& directory() const { return directory_; }
-  /// For gRPC: "unix:" and the path of the socket, which whoever listens creates.
+  /// For gRPC: "unix:" and the path of the socket, which the listening process creates.
   [[nodiscard]] std::string address() const;
 
  private:

@@ -1,4 +1,4 @@
-// What went wrong during a render, in words for its user.
+// Messages for the user about what went wrong during a render.
 #pragma once
 
 #include <functional>
@@ -22,7 +22,8 @@ std::string dismissal_text(const DismissWorker& order, const RenderUnit& unit, c
 /// Which worker is waited for, and how long that may go on.
 std::string overdue_text(const Overdue& order, const RenderUnit& unit, const WorkerName& name);
 
-/// Which unit is missing in the image, at whose hands, and the command that repeats it. `detail` as above.
+/// Which unit is missing in the image, which workers failed at it, and the command that repeats it. `detail`
+/// as above.
 std::string set_aside_text(const SetAside& order, const RenderUnit& unit, const std::string& detail,
                            const std::string& reproduce_command, const WorkerName& name);
 

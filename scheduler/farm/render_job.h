@@ -1,5 +1,5 @@
-// One image to render with local worker processes, and what came of it: the seam between the command line and
-// the scheduler proper.
+// One image to render with local worker processes, and its outcome: the interface between the command line
+// and the scheduler.
 #pragma once
 
 #include <atomic>
@@ -33,7 +33,7 @@ struct RenderJob {
                      ///< pass is always rendered, and an image that ends so counts as complete
   LeaseRule leases;  ///< when a worker counts as hung
 
-  // For those who watch.
+  // For viewers.
   std::string title;                ///< the scene file
   std::string integrator;           ///< its name
   double center[3] = {0, 0, 0};     ///< of the scene in world space

@@ -12,12 +12,12 @@ namespace {
 
 constexpr std::chrono::milliseconds kTickInterval{20};
 constexpr Seconds kProgressInterval = 0.2, kShowInterval = 0.1;
-// The error estimate goes over the whole film; on a large one it must not eat the scheduler's time.
+// The error estimate goes over the whole film; on a large one it must not take up the scheduler's time.
 constexpr double kProgressShare = 0.02;
 // A pause of this very process (Ctrl-Z, a suspended machine) must not look like one of the workers.
 constexpr Seconds kLongestTick = 1;
 constexpr Seconds kTimeToDie = 2;  // from the end of a local worker's stream to the end of its process
-// Those who watch get what is on its way to them at the end, while they take it.
+// Viewers still receive what is queued for them at the end, as long as they keep reading.
 constexpr std::chrono::milliseconds kPatienceWithWatchers{300};
 
 }  // namespace
@@ -120,7 +120,7 @@ Expected<RenderOutcome> RenderRun::run() {
   report_progress();
   workers_here_->stop_all();
   feed_.publish(merge_.film(), true);
-  // Of an interactive render nobody can say that all of it is there: who watches waits for another scheduler.
+  // An interactive render is never known to be complete: its viewers wait for another scheduler.
   show_progress(!job_.interactive);
   board_.close();
   board_.wait_for_watchers(kPatienceWithWatchers);

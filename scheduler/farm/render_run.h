@@ -1,4 +1,4 @@
-// One call of run_render: carries arrivals to the plan and the plan's orders to merge, workers, watchers and
+// One call of run_render: passes arrivals to the plan, and the plan's orders to merge, workers, watchers and
 // report.
 #pragma once
 
@@ -39,9 +39,9 @@ class RenderRun {
     WorkerShare share;
     int pid = 0;  // of the process here; 0: this render has not started it
     bool ready = false, dismissed = false, gone = false, ended = false;
-    std::optional<UnitId> last_unit;  // in its hand when it was lost
+    std::optional<UnitId> last_unit;  // in hand when it was lost
     Seconds gone_since = 0;
-    std::uint64_t parts = 0;  // of units, as it says
+    std::uint64_t parts = 0;  // of units, as it reports
   };
 
   void on(const arrivals::Connected& arrival);
@@ -80,14 +80,14 @@ class RenderRun {
   [[nodiscard]] Seconds since_start() const {
     return std::chrono::duration<double>(Clock::now() - started_).count();
   }
-  /// An interactive render waits for what watchers want next.
+  /// An interactive render waits for its watchers' next request.
   [[nodiscard]] bool is_done() const { return !job_.interactive && plan_.finished(); }
   [[nodiscard]] bool can_go_on() const { return workers_here_->any_left() && !plan_.gave_up(); }
   /// Samples of a pixel in so many passes.
   [[nodiscard]] std::uint32_t spp_of(std::uint32_t passes) const {
     return std::uint32_t(std::min(std::uint64_t(passes) * job_.samples_per_pass, std::uint64_t(job_.spp)));
   }
-  /// Empty for a unit that the job does not have: a confused worker may speak of any.
+  /// Empty for a unit that the job does not have: a faulty worker may name any.
   [[nodiscard]] RenderUnit unit(const UnitId& id) const {
     const bool exists = id.image == 0 && id.tile < grid_.tiles() && id.pass < grid_.passes();
     return exists ? grid_.unit(id.tile, id.pass) : RenderUnit{};
@@ -107,7 +107,7 @@ class RenderRun {
   }
   void problem(std::string text);
   void notice(std::string text);
-  /// What every worker says alike is told once.
+  /// A notice that all workers send alike is shown once.
   [[nodiscard]] bool is_new(const std::string& text) { return said_.insert(text).second; }
 
   const RenderJob& job_;

@@ -15,7 +15,7 @@ std::string kernel_text(const KernelOrigin& kernels) {
                      kernels.seconds, kernels.note.empty() ? "" : "; ", kernels.note);
 }
 
-/// gRPC's name of whoever is connected.
+/// gRPC's name of the peer.
 std::string peer_text(const std::string& peer) {
   if (peer.starts_with("unix:")) return "over the Unix socket";
   return "from " + peer.substr(peer.find(':') + 1);

@@ -17,16 +17,16 @@ namespace {
 constexpr std::chrono::milliseconds kTimeToEnd{300};
 constexpr std::size_t kRoomForTexts = std::size_t(1) << 20;
 
-// Of the door for everybody. A window has three calls at a time, a worker two; each takes a thread.
+// Limits of the second address. A window has three calls at a time, a worker two; each takes a thread.
 constexpr int kMostCalls = 8;  // of a connection
 constexpr int kMostThreads = 256;
 constexpr int kHandshakeMilliseconds = 10'000, kIdleMilliseconds = 300'000;
-constexpr int kLookaheadBytes = 1 << 20;  // of a message that nobody may have asked for
+constexpr int kLookaheadBytes = 1 << 20;  // of a message that may be unsolicited
 
 void set_what_holds_for_all(grpc::ServerBuilder& builder, const ListenOptions& options) {
   const std::size_t largest = std::min(options.largest_result + kRoomForTexts, std::size_t(kMaxMessageBytes));
   builder.SetMaxReceiveMessageSize(int(largest));
-  // Samples hardly shrink, and what is small on the wire may be large behind it.
+  // Samples hardly compress, and a small compressed message may expand to a large one.
   for (const grpc_compression_algorithm algorithm : {GRPC_COMPRESS_DEFLATE, GRPC_COMPRESS_GZIP})
     builder.SetCompressionAlgorithmSupportStatus(algorithm, false);
   builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
@@ -40,11 +40,11 @@ struct Server::State {
   Farm farm;
   Tokens tokens;
   std::string more_address;
-  // The door for everybody is a server of its own, with threads of its own: it is the only one that may be
-  // crowded.
+  // The second address has its own server with its own threads, so that many connections there do not delay
+  // the scheduler's own workers.
   std::unique_ptr<Acceptor> acceptor;
   std::unique_ptr<FarmService> own_service, more_service;
-  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> taker;
+  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> external_connections;
   std::unique_ptr<grpc::Server> own_server, more_server;
 };
 
@@ -73,28 +73,28 @@ Expected<void> Server::listen_for_all(const ListenOptions& options) {
     credentials = token_credentials(state_->tokens);
   }
   state_->more_service = std::make_unique<FarmService>(
-      state_->farm, [door = state_->acceptor.get()](const std::string& peer) { door->admit(peer); });
+      state_->farm, [acceptor = state_->acceptor.get()](const std::string& peer) { acceptor->admit(peer); });
 
   grpc::ServerBuilder builder;
   set_what_holds_for_all(builder, options);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMostCalls);
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMilliseconds);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, kIdleMilliseconds);
-  // Else a fast sender gets ever more room before anybody reads.
+  // Otherwise a fast sender's window grows before its data is read.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, kLookaheadBytes);
   builder.SetResourceQuota(grpc::ResourceQuota("more").SetMaxThreads(kMostThreads));
-  state_->taker = builder.experimental().AddExternalConnectionAcceptor(
+  state_->external_connections = builder.experimental().AddExternalConnectionAcceptor(
       grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials);
   builder.RegisterService(state_->more_service.get());
   state_->more_server = builder.BuildAndStart();
   if (state_->more_server == nullptr)
     return fail(fmt::format("cannot listen on {}; GRPC_VERBOSITY=error says why", options.more));
-  state_->acceptor->start([taker = state_->taker.get()](int descriptor, int listener) {
+  state_->acceptor->start([receiver = state_->external_connections.get()](int descriptor, int listener) {
     grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
     connection.fd = descriptor;
     connection.listener_fd = listener;
-    taker->HandleNewConnection(&connection);
+    receiver->HandleNewConnection(&connection);
   });
   return {};
 }

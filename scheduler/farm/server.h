@@ -1,5 +1,5 @@
-// The scheduler's end of the wire: accepts workers, hands what they say to one consumer, sends them jobs and
-// units.
+// The scheduler's end of the wire: accepts workers, passes their messages to one consumer, sends them jobs
+// and units.
 #pragma once
 
 #include <chrono>
@@ -21,9 +21,9 @@ namespace penumbra {
 
 struct ListenOptions {
   std::string address;  ///< of this scheduler's own workers, e.g. "unix:/run/user/1000/penumbra-x/socket"
-  /// Another one, for everybody: "unix:/path", or "127.0.0.1:port" (also "[::1]:port"), port 0 for any that
-  /// is free, where a token is asked for. However many come there, and whatever they do, own workers get
-  /// through.
+  /// A second address, for viewers and foreign workers: "unix:/path", or "127.0.0.1:port" (also
+  /// "[::1]:port"), where a token is required; port 0 is any free port. Connections there never keep the
+  /// scheduler's own workers out.
   std::string more = {};
   /// Bytes of the largest unit's samples: larger messages are not taken.
   std::size_t largest_result = std::size_t(1) << 20;
@@ -38,12 +38,13 @@ class Server {
   /// Watchers see the board. Errors: an address that is taken, makes no sense, or is of other hosts too,
   /// which would need encryption.
   static Expected<std::unique_ptr<Server>> listen(const ListenOptions& options, WatchBoard& board);
-  /// Dismisses those who are left, breaks all streams that do not end very soon, and waits for the threads.
+  /// Dismisses the remaining workers, breaks all streams that do not end very soon, and waits for the
+  /// threads.
   ~Server();
 
   /// Where `ListenOptions::more` can be reached, with the port that was chosen; empty if there was none.
   [[nodiscard]] const std::string& more_address() const;
-  /// What those must know who come over TCP; empty if there are none.
+  /// The tokens for calls over TCP; empty if there are none.
   [[nodiscard]] const Tokens& tokens() const;
 
   /// Offers data to workers; the result is its content hash.
@@ -54,7 +55,7 @@ class Server {
   /// Another camera for the units that follow; those of older views are dropped by the worker, and their
   /// results here.
   void send_view(WorkerId worker, const WatchView& view);
-  /// Nothing that it says afterwards is heard.
+  /// Its later messages are ignored.
   void dismiss(WorkerId worker, const std::string& reason);
   /// Sends a worker away that cannot do the job; it says the reason to its user and fails.
   void refuse(WorkerId worker, const std::string& reason);

@@ -60,7 +60,7 @@ void WorkerConnection::send_view(const WatchView& view) {
   send(std::move(message));
 }
 
-void WorkerConnection::send_farewell(wire::SchedulerMessage message) {
+void WorkerConnection::send_final(wire::SchedulerMessage message) {
   send(std::move(message));
   const std::lock_guard lock(mutex_);
   sent_away_ = true;
@@ -70,13 +70,13 @@ void WorkerConnection::send_farewell(wire::SchedulerMessage message) {
 void WorkerConnection::dismiss(const std::string& reason) {
   wire::SchedulerMessage message;
   message.mutable_dismiss()->set_reason(wire_text(reason, kLongestText));
-  send_farewell(std::move(message));
+  send_final(std::move(message));
 }
 
 void WorkerConnection::refuse(const std::string& reason) {
   wire::SchedulerMessage message;
   message.mutable_refused()->set_reason(wire_text(reason, kLongestText));
-  send_farewell(std::move(message));
+  send_final(std::move(message));
 }
 
 void WorkerConnection::write_to(Stream& stream, grpc::ServerContext& context) {

@@ -1,4 +1,5 @@
-// One worker's stream, as the scheduler keeps it: what it may say and when, what is on its way to it.
+// The scheduler's side of one worker's stream: which messages are valid when, and which are queued for the
+// worker.
 #pragma once
 
 #include <grpcpp/server_context.h>
@@ -20,15 +21,15 @@ namespace penumbra {
 
 constexpr std::uint32_t kJob = 1;  // one job a run, so far
 
-/// One thread reads the stream and asks here what a message means, another one writes what is sent from any
-/// thread. So nobody waits for a worker that does not read.
+/// One thread reads the stream and decodes its messages here. Another one writes what any thread sends, so no
+/// sender waits for a worker that does not read.
 class WorkerConnection {
  public:
   using Stream = grpc::ServerReaderWriter<wire::SchedulerMessage, wire::WorkerMessage>;
 
   explicit WorkerConnection(WorkerId worker) : worker_(worker) {}
 
-  // --- To the worker; nothing after the first farewell
+  // --- To the worker; nothing after the first final message (Refused or Dismiss)
 
   void send_job(const std::string& scene_hash, const DeviceOptions& device);
   void send_unit(const UnitId& id, const RenderUnit& unit, int planes);
@@ -37,7 +38,8 @@ class WorkerConnection {
   void dismiss(const std::string& reason);
   void refuse(const std::string& reason);
 
-  /// Writes until `close`, or until the stream is broken. A worker that stays after a farewell is cut off.
+  /// Writes until `close`, or until the stream is broken. A worker that stays after the final message is cut
+  /// off.
   void write_to(Stream& stream, grpc::ServerContext& context);
   /// Nothing is to be written any more.
   void close();
@@ -60,7 +62,7 @@ class WorkerConnection {
 
   void send(wire::SchedulerMessage message);
   void write_all(Stream& stream, grpc::ServerContext& context);
-  void send_farewell(wire::SchedulerMessage message);
+  void send_final(wire::SchedulerMessage message);
   bool is_outdated(const wire::UnitId& id) const;
   std::optional<Expectation> fulfil(const UnitId& id);
   Arrival decode_result(const wire::UnitResult& message);

@@ -29,8 +29,8 @@ class WorkerProcesses {
   void is_heard_of(int pid, Seconds now);
   /// Ends those that are not ready in time or not heard of, and says which processes have ended.
   std::vector<WorkerEnd> look_after(Seconds now);
-  /// The process that was started with this key, which nobody else knows; 0 if there is none, or if somebody
-  /// has shown it before. What else a worker says of who it is is not believed.
+  /// The process that was started with this key, which no other process knows; 0 if there is none, or if the
+  /// key has been used before. A worker is identified by nothing else.
   int claim(const std::string& key);
   /// The worker has said that it is ready.
   void is_ready(int pid) { starting_.erase(pid); }

@@ -47,7 +47,7 @@ Expected<FileTarget> existing_target(const fs::path& path, const fs::path& at, c
   if (S_ISBLK(status.st_mode)) return refuse(path, "it is a disk");
   if (S_ISSOCK(status.st_mode)) return refuse(path, "it is a socket");
   if ((status.st_mode & (S_IWUSR | S_IWGRP | S_IWOTH)) == 0)
-    return refuse(path, "it is write-protected (no write permission for anybody)");
+    return refuse(path, "it is write-protected (no write permission for any user)");
   if (access(at.c_str(), W_OK) != 0) return cannot_write(path, errno);
   return FileTarget{S_ISREG(status.st_mode) ? FileTarget::Kind::kFile : FileTarget::Kind::kDirect, at};
 }

@@ -20,7 +20,7 @@ struct FileTarget {
 
 /// Follows symbolic links, which stay. Errors: a folder, a disk, a socket, a file that may not be written to.
 /// A rename needs no permission of the file that it replaces, and root needs none at all: a file without any
-/// write permission is refused all the same, since somebody has protected it.
+/// write permission is refused all the same, since it has been protected on purpose.
 Expected<FileTarget> find_target(const std::filesystem::path& path);
 
 /// The folder that holds it.

@@ -20,13 +20,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Folders that no other batch puts files into meanwhile. Where a file system has no locks, or somebody else
-/// holds one for long, it goes without.
+/// Locks folders so that no other batch puts files into them meanwhile. Goes on without a lock where the file
+/// system has none, or where another process holds it for long.
 class FolderLocks {
  public:
   explicit FolderLocks(const std::vector<fs::path>& folders) {
     std::map<std::pair<dev_t, ino_t>, int>
-        in_order;  // the same for everybody, so that nobody waits in a circle
+        in_order;  // the same order in every process, so that there is no deadlock
     for (const fs::path& folder : folders) {
       const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
       struct stat status {};

@@ -17,7 +17,7 @@ struct CompareLimit {
 /// Names that a limit can have.
 std::vector<std::string> limit_metrics();
 
-/// "METRIC=VALUE". Errors: another form, no such metric, a value that is no finite number or negative.
+/// "METRIC=VALUE". Errors: another form, no such metric, a value that is not finite or is negative.
 Expected<CompareLimit> parse_limit(std::string_view text);
 
 /// The metric of all channels together; of bias and relative_bias the largest magnitude of the channels, in

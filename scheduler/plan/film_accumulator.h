@@ -39,7 +39,7 @@ class FilmAccumulator {
   /// Merges a unit's result whose corner is film pixel (x, y), inside the rectangle.
   void add(int x, int y, const SampleBuffer& result);
   /// Forgets all samples of a rectangle whose corner is film pixel (x, y), results wholly inside or outside
-  /// of it: for work that turned out to be untrustworthy and is done again.
+  /// of it: for results that turned out to be unreliable and are rendered again.
   void clear(int x, int y, int width, int height);
 
   [[nodiscard]] int x() const { return x_; }

@@ -279,7 +279,7 @@ std::vector<bool>& Plan::contributions(WorkerId worker, std::uint32_t image) {
 // --- Who gets what
 
 void Plan::issue() {
-  // Breadth first: nobody gets a second unit while somebody has none.
+  // Breadth first: no worker gets a second unit while another one has none.
   for (std::size_t wanted = 1; wanted <= kUnitsPerWorker; ++wanted) {
     for (auto& [id, worker] : workers_) {
       if (worker.hung || worker.units.size() >= wanted) continue;
@@ -377,7 +377,7 @@ void Plan::show_progress(Worker& worker) {
   worker.heard_at = worker.progress_at = now_;
 }
 
-/// Its time begins. While it had nothing to do, nobody waited for a word of it.
+/// Its lease begins now. A worker without a unit is not expected to report anything.
 void Plan::take_in_hand(Worker& worker) {
   worker.in_hand_since = worker.progress_at = now_;
   if (worker.units.empty()) worker.heard_at = now_;

@@ -1,6 +1,6 @@
-// Which worker renders what, and what happens when one dies, hangs, dawdles or lies. Pure: events in, orders
-// out; no I/O, no threads, no clock, so that every rule can be tested with made-up workers and a made-up
-// time.
+// Which worker renders which unit, and what happens when a worker dies, hangs, is slow or returns wrong
+// results. Pure: events in, orders out; no I/O, no threads, no clock, so that every rule can be tested with
+// fake workers and a fake clock.
 #pragma once
 
 #include <cstdint>
@@ -39,7 +39,7 @@ struct LeaseRule {
 constexpr int kUnitsPerWorker = 2;     ///< one in hand, one on the way
 constexpr int kFaultsToSetAside = 3;   ///< a unit that failed so often is left out
 constexpr int kFailuresToDismiss = 3;  ///< so many failed units one after the other, and the worker goes
-constexpr int kDisputesToGiveUp = 3;   ///< so many pairs of workers that disagreed, and nobody can be trusted
+constexpr int kDisputesToGiveUp = 3;   ///< so many pairs of workers that disagreed, and none can be trusted
 constexpr Seconds kFirstStragglerAge = 1;  ///< see Plan; only while no unit is finished
 
 /// The work units of one image: tiles x passes.
@@ -65,7 +65,7 @@ struct WorkerJoined {  ///< ready to render
 struct WorkerLost {
   WorkerId worker;
 };
-struct Alive {  ///< the worker has been heard of
+struct Alive {  ///< the worker has sent a sign of life
   WorkerId worker;
 };
 struct Progressed {  ///< it has done a part of the unit in its hand
@@ -80,7 +80,7 @@ struct UnitFailed {
   WorkerId worker;
   UnitId unit;
 };
-struct ResultCorrupt {  ///< what came is no result of this unit
+struct ResultCorrupt {  ///< the received data is not a valid result of this unit
   WorkerId worker;
   UnitId unit;
 };
@@ -136,15 +136,14 @@ using PlanOrder =
 
 /// The state of a run. Rules:
 /// - Units are issued pass by pass. A worker has at most `kUnitsPerWorker`; only the first is in its hand.
-/// - What comes back unfinished (worker lost, dismissed or hung) is issued again before anything new. The
-/// unit in hand
-///   is blamed for it; a blamed unit travels alone from then on, so that the next blame cannot hit the wrong
-///   one, and goes to a worker that it has not failed on while there is one. Three faults set it aside.
+/// - A unit that comes back unfinished (worker lost, dismissed or hung) is issued again before anything new.
+///   The unit in hand is blamed for it. A blamed unit is issued alone from then on, so that the next blame
+///   cannot hit the wrong unit, and goes to a worker that it has not failed on while there is one. Three
+///   faults set it aside.
 /// - When nothing is left to issue, idle workers get copies of units that wait at a busy worker, or that have
-/// been in
-///   hand for longer than the mean unit. The first result counts. A second one must have the same hash:
-///   otherwise one of the two workers computes wrongly, and as nobody can say which, both are dismissed and
-///   every tile that either worked on is done again from its first pass.
+///   been in hand for longer than the mean unit. The first result counts. A second one must have the same
+///   hash: otherwise one of the two workers computes wrongly. It is not known which, so both are dismissed
+///   and every tile that either worked on is done again from its first pass.
 /// - A late result of a unit that is still open counts like any other.
 class Plan {
  public:
@@ -182,7 +181,7 @@ class Plan {
     bool silent = false;     // ... for silence
     Seconds hung_until = 0;  // then it is dismissed
   };
-  // A unit that was issued and that somebody still has, or that waits to be issued again. A unit before its
+  // A unit that was issued and that a worker still holds, or that waits to be issued again. A unit before its
   // image's `next` that has no record is done or set aside.
   struct Unit {
     std::set<WorkerId> holders;

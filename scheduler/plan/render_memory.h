@@ -1,4 +1,5 @@
-// The memory that this process needs for an image, a pixel: of the film and of everything that is made of it.
+// The memory per pixel that this process needs for an image: the film, and everything that is derived from
+// it.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +12,7 @@ int image_channels(int planes);
 /// Bytes for each pixel of a render whose results have so many planes (see plane_count).
 struct PixelMemory {
   std::uint64_t film = 0;    ///< while it goes on and after
-  std::uint64_t watch = 0;   ///< beside it while it goes on, if somebody watches: the board's newest tiles
+  std::uint64_t watch = 0;   ///< beside it while it goes on, if there are viewers: the board's newest tiles
   std::uint64_t output = 0;  ///< beside it afterwards: the image, and its file while it grows in memory
 
   /// At the worst time.

@@ -20,8 +20,8 @@ std::shared_ptr<grpc::Channel> open_channel(const std::string& address);
 /// Shows the token, if there is one, with the call.
 void show_token(grpc::ClientContext& context, const std::string& token);
 
-/// The device scene of that content hash; `context` is of this one call. Errors: the scheduler has it not, or
-/// what comes is damaged.
+/// The device scene of that content hash; `context` is of this one call. Errors: the scheduler does not have
+/// it, or the received data is damaged.
 Expected<DeviceScene> fetch_scene(penumbra::v1::Farm::Stub& stub, grpc::ClientContext& context,
                                   const std::string& hash);
 

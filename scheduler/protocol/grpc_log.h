@@ -1,10 +1,10 @@
-// What gRPC and protobuf have to say for themselves.
+// Log messages of gRPC and protobuf.
 #pragma once
 
 namespace penumbra {
 
-/// Nothing of it reaches the user, who is told of lost connections in our words, unless GRPC_VERBOSITY is
-/// set: then it goes through the console like any other message. Call at the start of main, before gRPC is
+/// Hides these messages unless GRPC_VERBOSITY is set; then they go through the console like any other
+/// message. Lost connections are reported by our own messages. Call at the start of main, before gRPC is
 /// used.
 void route_grpc_log();
 

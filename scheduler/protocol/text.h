@@ -1,5 +1,5 @@
-// Texts that travel: Protobuf's are UTF-8, and a peer does not take messages with others, while names of
-// files and a compiler's log are any bytes of any number.
+// Texts in messages. Protobuf's texts are UTF-8, and a peer rejects messages with other bytes; file names and
+// a compiler's log are arbitrary bytes of any length.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 namespace penumbra {
 
 constexpr std::size_t kLongestName = 256;       ///< of a host, a device, a worker
-constexpr std::size_t kLongestText = 16 << 10;  ///< of what is said, such as a compiler's log
+constexpr std::size_t kLongestText = 16 << 10;  ///< of a message text, such as a compiler's log
 constexpr int kMostWarnings = 32;               ///< of one worker
 
 /// The text as UTF-8 of at most so many bytes: what is not valid becomes '?', what is too much "...". Called

@@ -1,4 +1,4 @@
-// How a client shows that it may talk to a scheduler over TCP, and a worker that the scheduler started it.
+// How a client authenticates to a scheduler over TCP, and how a worker proves that the scheduler started it.
 #pragma once
 
 #include <string>
@@ -6,9 +6,9 @@
 namespace penumbra {
 
 inline constexpr const char* kTokenKey = "authorization";  ///< of the call's metadata
-/// The environment variable from which people's programs take it.
+/// The environment variable from which client programs read it.
 inline constexpr const char* kTokenVariable = "PENUMBRA_TOKEN";
-/// That in which a scheduler tells each worker process that it starts who it is, see Hello.key.
+/// The environment variable in which a scheduler passes each worker process its key, see Hello.key.
 inline constexpr const char* kWorkerKeyVariable = "PENUMBRA_WORKER_KEY";
 inline std::string token_metadata(const std::string& token) { return "Bearer " + token; }
 

@@ -119,7 +119,8 @@ Expected<DevicePreparation> decode(const wire::Ready& message) {
   for (const std::string& warning : message.warnings())
     preparation.warnings.push_back(wire_text(warning, kLongestText));
   if (!message.has_kernels()) return preparation;
-  if (!is_time(message.kernels().seconds())) return fail("kernels took a time that is no number of seconds");
+  if (!is_time(message.kernels().seconds()))
+    return fail("the time for the kernels is negative or not finite");
   preparation.kernels = KernelOrigin{.cached = message.kernels().cached(),
                                      .seconds = message.kernels().seconds(),
                                      .note = wire_text(message.kernels().note(), kLongestText)};
@@ -227,7 +228,7 @@ Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit&
     return fail(fmt::format("the result has {} bytes of samples instead of {}", message.values().size(),
                             count * sizeof(float)));
   }
-  if (!is_time(message.busy_seconds())) return fail("the result took a time that is no number of seconds");
+  if (!is_time(message.busy_seconds())) return fail("the time for the result is negative or not finite");
   const auto nan = decode(message.nan(), unit), infinite = decode(message.infinite(), unit);
   if (!nan) return std::unexpected(nan.error());
   if (!infinite) return std::unexpected(infinite.error());

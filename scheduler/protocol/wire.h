@@ -37,7 +37,8 @@ Expected<DeviceOptions> decode(const wire::DeviceOptions& message);
 
 /// How a device came to be ready.
 void encode(const DevicePreparation& preparation, wire::Ready& message);
-/// Fails if it took a time that is no number, or has more warnings than anybody reads.
+/// Fails if the time for the kernels is negative or not finite, or if there are more than kMostWarnings
+/// warnings.
 Expected<DevicePreparation> decode(const wire::Ready& message);
 
 void encode(const UnitId& id, wire::UnitId& message);

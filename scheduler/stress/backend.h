@@ -1,4 +1,4 @@
-// Who answers the cases' questions: the native kernels of each instruction set, and OpenCL.
+// The backends that compute the cases' quantities: the native kernels of each instruction set, and OpenCL.
 #pragma once
 
 #include <memory>

@@ -39,7 +39,7 @@ struct HostMeasurement {
   std::function<Numbers()> value;
 };
 
-/// What the case waits for.
+/// The missing feature that the case needs.
 struct Pending {
   std::string feature;
 };

@@ -280,7 +280,7 @@ STAGE void watertight_quantity(GLOBAL const double* in, GLOBAL double* out) {
   out[0] = misses;
 }
 
-/// In: triangle, origin of the rays, number of rays. Each is aimed at a random point of the triangle. Out:
+/// In: triangle, origin of the rays, number of rays. Each goes through a random point of the triangle. Out:
 /// the largest distance of a position from the triangle's plane, and the least and the greatest height above
 /// it of an origin that leaves it on the ray's side; all three in units of the error that the surface states.
 STAGE void surface_quantity(GLOBAL const double* in, GLOBAL double* out, GLOBAL uint* scratch) {

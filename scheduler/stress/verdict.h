@@ -16,7 +16,7 @@ struct Outcome {
   std::string backend;  ///< "native avx512", "opencl", "host"
   Verdict verdict = Verdict::kFail;
   Numbers value;
-  double error = 0;  ///< Euclidean distance from the truth; NaN if there is no number
+  double error = 0;  ///< Euclidean distance from the truth; NaN if there is no result
   std::string note;  ///< what went wrong, or why it was skipped
   double seconds = 0;
 };

@@ -79,7 +79,7 @@ void RenderFeed::publish(const FilmAccumulator& film, bool all) {
     changed_.clear();
     return;
   }
-  if (board_.take_wish_for_all_tiles()) {
+  if (board_.take_request_for_all_tiles()) {
     for (std::uint32_t tile = 0; tile < grid_.tiles(); ++tile) {
       const RenderUnit area = grid_.unit(tile, 0);
       if (film.at(area.x, area.y).count > 0) changed_.insert(tile);

@@ -1,4 +1,4 @@
-// From the film of a render to what its watchers see.
+// Publishes the film of a render to its watchers.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,15 @@
 
 namespace penumbra {
 
-/// Whether the closed form can be drawn by whoever watches, and tiles have the difference to it: a direct
-/// estimate of polygon lights alone, with feature layers and an alpha that is given.
+/// Whether viewers can draw the closed form themselves, and tiles hold the difference to it: direct lighting
+/// from polygon lights only, with feature layers and a given alpha.
 bool is_hybrid(const DeviceScene& scene);
 
 /// A tile's means over what is merged of it. With `hybrid` the difference to alpha times the closed form.
 TileSnapshot snapshot_of(const FilmAccumulator& film, const RenderUnit& area, bool hybrid, float alpha);
 
-/// Keeps in mind which tiles have changed and shows them a few at a time, so that however fast they change
-/// and whoever watches, the render's own thread spends little on it.
+/// Tracks which tiles have changed and shows a few of them at a time. So the render's own thread spends
+/// little time on it, however fast tiles change and however many viewers there are.
 class RenderFeed {
  public:
   RenderFeed(WatchBoard& board, const TileGrid& grid, bool hybrid)
@@ -29,7 +29,7 @@ class RenderFeed {
   void begin_view(std::uint32_t number, float alpha);
   /// A result of this worker went into the tile.
   void tile_changed(std::uint32_t tile, WorkerId worker);
-  /// Shows changed tiles: all of them, or a few. Does nothing while nobody watches.
+  /// Shows changed tiles: all of them, or a few. Does nothing while there are no viewers.
   void publish(const FilmAccumulator& film, bool all);
 
  private:

@@ -98,7 +98,7 @@ class Socket {
   int descriptor_;
 };
 
-// How often somebody who waits for tev looks whether it should.
+// How often a thread that waits for tev checks for a stop.
 constexpr Milliseconds kStopInterval{20};
 
 /// 0, or ETIMEDOUT, or ECANCELED for a stop, or what poll had to say.
@@ -153,8 +153,8 @@ struct LookUp {
   addrinfo* addresses = nullptr;
 };
 
-/// The name service has no time-out that we could set, and cannot be interrupted: it is asked by a thread
-/// that nobody waits for. Nothing if there is no answer in time, or a stop comes first.
+/// The name service has no time-out that we could set, and cannot be interrupted: it is asked by a
+/// detached thread. Nothing if there is no answer in time, or a stop comes first.
 std::shared_ptr<const LookUp> look_up(const TevAddress& address, Milliseconds timeout,
                                       const std::stop_token& stop) {
   const auto shared = std::make_shared<LookUp>();
@@ -367,7 +367,8 @@ Expected<void> TevClient::send_all(std::span<const std::uint8_t> bytes) {
 
 bool TevClient::closed_by_peer() const {
   // tev never answers. Bytes that come all the same are dropped: closing with unread ones would cut off what
-  // is still on its way. So many reads at most, since whoever talks without end is no reason to stay here.
+  // is still on its way. The number of reads is bounded, so that a peer that sends without end cannot keep us
+  // here.
   char unread[4096];
   for (int reads = 0; reads < 16; ++reads) {
     const ssize_t count = ::recv(socket_, unread, sizeof unread, MSG_DONTWAIT);

@@ -27,7 +27,7 @@ class Picture {
       channels.insert(channels.end(), kDifference.begin(), kDifference.end());
       channels.insert(channels.end(), kStandardError.begin(), kStandardError.end());
     }
-    // Who turns the camera looks at another window.
+    // The camera is turned in another window, which keeps the focus.
     return client_.create_image(name_, job_.film_width, job_.film_height, channels,
                                 !std::exchange(created_, true));
   }
@@ -80,7 +80,7 @@ void TevStream::run(const std::stop_token& stop) {
                    ? fmt::format("tev at {} was too slow to take the whole image", address_)
                    : "tev does not show this render any further: " + streamed.error().message;
   }
-  watcher_.reset();  // nobody is to wait for it or to keep tiles for it
+  watcher_.reset();  // so that the render does not wait for it or keep tiles for it
 }
 
 Expected<void> TevStream::stream(const std::stop_token& stop) {

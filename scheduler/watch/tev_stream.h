@@ -14,8 +14,8 @@ namespace penumbra {
 
 /// A watcher with a thread of its own that passes on to tev what the board shows: an image of the whole film,
 /// named after the job, with the channels R, G, B and, for hybrid jobs, difference.R, .G, .B and
-/// standard_error.Y. Another view starts it over. However slow tev is, nobody waits for it; a tev that is not
-/// there, hangs or goes away ends the stream with one problem to tell.
+/// standard_error.Y. Another view starts it over. A slow tev delays neither the render nor other
+/// watchers. A tev that is missing, hangs or goes away ends the stream with one problem to report.
 class TevStream {
  public:
   /// `address`: see parse_tev_address. Ends by itself once the board is closed and tev has everything.

@@ -1,4 +1,4 @@
-// What somebody who watches a render is shown of one tile.
+// One tile as watchers see it.
 #pragma once
 
 #include <cstdint>

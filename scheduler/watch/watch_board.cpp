@@ -65,9 +65,9 @@ bool WatchBoard::is_watched() const {
   return !watchers_.empty();
 }
 
-bool WatchBoard::take_wish_for_all_tiles() {
+bool WatchBoard::take_request_for_all_tiles() {
   const std::lock_guard lock(mutex_);
-  return std::exchange(wants_all_tiles_, false);
+  return std::exchange(all_tiles_requested_, false);
 }
 
 void WatchBoard::close() {
@@ -92,7 +92,7 @@ void WatchBoard::wait_for_watchers(std::chrono::milliseconds patience) {
 WatchBoard::Watcher::Watcher(WatchBoard& board) : board_(board) {
   const std::lock_guard lock(board_.mutex_);
   seen_tiles_.resize(board_.tiles_.size());
-  if (board_.watchers_.empty()) board_.wants_all_tiles_ = true;
+  if (board_.watchers_.empty()) board_.all_tiles_requested_ = true;
   board_.watchers_.push_back(this);
   seen_messages_ = board_.messages_said_ - board_.messages_.size();
 }

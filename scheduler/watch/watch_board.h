@@ -1,4 +1,4 @@
-// What there is to see of a render, between the one thread that drives it and any number of watchers.
+// The visible state of a render, shared by the one thread that drives it and any number of watchers.
 #pragma once
 
 #include <chrono>
@@ -58,8 +58,8 @@ struct WatchProgress {
 using WatchItem = std::variant<WatchView, std::string, std::shared_ptr<const WatchProgress>,
                                std::shared_ptr<const TileSnapshot>>;
 
-/// Holds the newest state of everything. Each watcher takes at its own speed what it has not seen, and of
-/// what has changed several times the newest only: a slow one delays nobody and costs no memory. Thread-safe.
+/// Holds the newest state of everything. Each watcher takes what it has not seen at its own speed; of several
+/// changes it gets only the newest. A slow watcher delays no one else and costs no memory. Thread-safe.
 class WatchBoard {
  public:
   explicit WatchBoard(std::uint32_t tiles) : tiles_(tiles) {}
@@ -72,10 +72,10 @@ class WatchBoard {
   void show_tile(std::uint32_t tile, TileSnapshot snapshot);
   void show_progress(WatchProgress progress);
   void say(std::string message);
-  /// While nobody watches no tiles are kept, and none need be shown.
+  /// Without watchers no tiles are kept, and none need be shown.
   [[nodiscard]] bool is_watched() const;
-  /// True once after watchers have come who found no tiles: all are to be shown again.
-  [[nodiscard]] bool take_wish_for_all_tiles();
+  /// True once after a watcher has joined while there were no tiles: all tiles must be shown again.
+  [[nodiscard]] bool take_request_for_all_tiles();
   /// Nothing more will come.
   void close();
   /// Waits until every watcher has seen everything or has gone, but no longer than this while nothing moves.
@@ -127,7 +127,7 @@ class WatchBoard {
   std::uint64_t messages_said_ = 0;
   std::vector<Watcher*> watchers_;
   std::uint64_t items_taken_ = 0;
-  bool wants_all_tiles_ = false, closed_ = false;
+  bool all_tiles_requested_ = false, closed_ = false;
 };
 
 }  // namespace penumbra

@@ -13,7 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// News that nobody has taken: above, reading waits, and the scheduler keeps only what is newest.
+// Limit of queued news. Above it reading pauses, and the scheduler keeps only the newest state.
 constexpr std::size_t kMostItems = 256;
 constexpr auto kTimeToAnswer = 5s;
 constexpr auto kRetryInterval = 200ms;
@@ -184,7 +184,7 @@ std::vector<WatchNews> WatchClient::take() {
       const bool is_view = std::holds_alternative<WatchView>(item.news);
       const bool is_known = item.view && (is_of_lost || view_on_its_way_ || *item.view < newest_view_);
       if (!is_known) {
-        // Somebody else has changed the view.
+        // Another viewer has changed the view.
         if (is_view && *item.view > newest_view_) {
           newest_view_ = *item.view;
           wanted_spp_ = sent_spp_ = 0;

@@ -1,5 +1,5 @@
-// Somebody who watches a render from another process: keeps the connection up, takes what comes, and says
-// what is wanted.
+// A client that watches a render from another process: keeps the connection up, receives the news, and sends
+// requests.
 #pragma once
 
 #include <condition_variable>
@@ -54,12 +54,13 @@ class WatchClient {
   /// What has come since the last call, in order. Nothing of views older than the last that was asked for.
   /// What follows a Connected waits for the next call: the answer to it may be another view.
   std::vector<WatchNews> take();
-  /// Asks for another view, of which no samples are wanted yet. The newest wish replaces one that is not sent
+  /// Requests another view, without samples at first. The newest request replaces one that has not been sent
   /// yet; from here on nothing of older views is taken.
   void change_view(const View& view);
-  /// Whether a view that was taken is the last that was asked for from here, and not somebody else's.
+  /// Whether this view, which `take` returned, is the last one that this client requested, and not another
+  /// viewer's.
   [[nodiscard]] bool is_own(const WatchView& view) const;
-  /// Asks for so many samples in all of the newest view.
+  /// Requests so many samples per pixel in all of the newest view.
   void want_samples(std::uint32_t spp);
 
  private:

@@ -1,4 +1,4 @@
-// The record of images: a hash of each, and enough of the picture to say how far another one is from it.
+// The record of images: a hash of each, and block means that tell how far another image is from it.
 #pragma once
 
 #include <filesystem>

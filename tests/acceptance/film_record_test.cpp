@@ -1,4 +1,4 @@
-// What is said of an image that is no longer that of the record.
+// The message about an image that differs from the record.
 #include "tests/acceptance/film_record.h"
 
 #include <gmock/gmock.h>

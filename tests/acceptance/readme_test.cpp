@@ -1,5 +1,4 @@
-// Every command of the README does what it says: its blocks are run as they are, in a folder where scenes/
-// is.
+// Every command of the README does what it says: its blocks are run as they are, in a folder with scenes/.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +17,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr int kMostLines = 150;  // a page that somebody in a hurry reads
+constexpr int kMostLines = 150;  // short enough for a reader in a hurry
 
 struct Block {
   std::string heading;
@@ -74,7 +73,7 @@ TEST_P(ReadmeCommands, AllWork) {
       continue;
     }
     if (command.starts_with("penumbra view ")) {
-      // A window stays until somebody closes it: a script does.
+      // A window stays open until it is closed: a script does that.
       write_text(folder_ / "close.txt", "wait analytic\nkey space\nwait samples 1\nquit\n");
       command = "xvfb-run -a " + command + " --hidden --script close.txt";
     }

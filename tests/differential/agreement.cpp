@@ -19,9 +19,9 @@ using statistics::Image;
 
 constexpr int kBatches = 32, kSpp = 128;
 constexpr double kSignificance = 0.01;
-// A scene is looked at twice: where one in twenty right scenes is suspicious, it is rendered anew, with other
-// seeds and more samples, and the second look alone decides. So its significance holds whatever the first
-// look did.
+// The test has two stages. The first one flags a scene at a significance of 5 %. A flagged scene is rendered
+// anew, with other seeds and more samples, and the second stage alone decides. So its significance holds
+// whatever the outcome of the first stage.
 constexpr double kSuspicion = 0.05;
 constexpr int kSecondLook = 8;
 constexpr std::uint32_t kFirstSeed = 1000, kSecondSeed = 100000;

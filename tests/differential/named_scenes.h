@@ -1,4 +1,4 @@
-// Scenes made by hand, one for each thing that was once wrong, or that no random scene has.
+// Hand-made scenes, one for each bug that was found and each feature that no random scene has.
 #pragma once
 
 #include <vector>

@@ -130,7 +130,7 @@ Difference largest_difference(const statistics::Image& ours, const statistics::I
       for (int c = 0; c < 3; ++c) {
         const double value = theirs.at(x, y, c), off = std::abs(ours.at(x, y, c) - value) / (value + floor);
         d.brightest = std::max(d.brightest, value);
-        if (!(off <= d.most)) {  // no number is the worst
+        if (!(off <= d.most)) {  // NaN counts as the worst
           d.most = off;
           d.x = x;
           d.y = y;

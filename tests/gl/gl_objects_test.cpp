@@ -1,4 +1,4 @@
-// Errors of what is made of OpenGL objects.
+// Errors of the OpenGL object wrappers.
 #include "gl/gl_objects.h"
 
 #include <gmock/gmock.h>

@@ -215,7 +215,7 @@ TEST_P(OverlayAtSize, EveryStateIsDrawnWithoutErrors) {
     SCOPED_TRACE(one.name);
     const OverlayResult result = frames(one.settings, one.status);
     EXPECT_THAT(window_->take_gl_errors(), IsEmpty());
-    EXPECT_THAT(result.actions, IsEmpty()) << "nobody asked for anything";
+    EXPECT_THAT(result.actions, IsEmpty()) << "nothing was requested";
     EXPECT_FALSE(result.alpha_changed || result.quit);
     EXPECT_LE(result.picture_area.width, size.width);
     EXPECT_GE(result.picture_area.width, int(0.4 * size.width));

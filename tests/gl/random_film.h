@@ -1,4 +1,4 @@
-// Films of random numbers, for tests of what is made of them.
+// Films of random numbers for tests.
 #pragma once
 
 #include <random>

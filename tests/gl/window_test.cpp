@@ -46,7 +46,7 @@ TEST_F(WindowTest, KeysBecomeActionsAndRepeatWhereTheyMay) {
   key(GLFW_KEY_SPACE, GLFW_REPEAT);
   key(GLFW_KEY_SPACE, GLFW_RELEASE);
   key(GLFW_KEY_F5, GLFW_PRESS);
-  key(GLFW_KEY_F5, GLFW_REPEAT);  // reading a scene again and again is nobody's wish
+  key(GLFW_KEY_F5, GLFW_REPEAT);  // a key held down must not read the scene again and again
   key(GLFW_KEY_W, GLFW_PRESS, GLFW_MOD_SHIFT);
   key(GLFW_KEY_S, GLFW_PRESS, GLFW_MOD_CONTROL);
   key(GLFW_KEY_KP_ADD, GLFW_PRESS);

@@ -1,4 +1,4 @@
-// Reading files that somebody else named.
+// Reading files by names from untrusted input.
 #include "kernels/host/plain_file.h"
 
 #include <gmock/gmock.h>
@@ -33,7 +33,7 @@ TEST(PlainFile, WhatHasNoEndOrIsTooLargeIsRefused) {
   EXPECT_THAT(why(folder.path(), 1 << 20), HasSubstr("is not a plain file"));
   ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
   EXPECT_THAT(why(folder / "pipe", 1 << 20), HasSubstr("is not a plain file"))
-      << "and nobody waits for a writer";
+      << "and reading does not wait for a writer";
   EXPECT_THAT(why(folder / "none", 1 << 20), HasSubstr("there is no file"));
   write_text(folder / "sparse", "");
   std::filesystem::resize_file(folder / "sparse", std::uintmax_t(1) << 40);

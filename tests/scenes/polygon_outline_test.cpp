@@ -470,7 +470,7 @@ TEST(PolygonOutline, EdgesOfSeveralTrianglesKeepTheirCount) {
   const Exact3 got = sum_of(all, [&](const Points& loop) { return lambert(loop, from); });
   EXPECT_LT(double(length(got - expected)), 1e-12);
 
-  // A book of many pages: no pair of them is coplanar, and nobody tries them all.
+  // A book of many pages: no pair of them is coplanar, and not all pairs are tried.
   Triangles book;
   for (int i = 0; i < 20'000; ++i) {
     const double angle = std::numbers::pi * i / 20'000;

@@ -1,4 +1,4 @@
-// A device that renders nothing, and the misfortunes that can befall its worker process.
+// A device that renders nothing, and the faults that its worker process can have.
 #pragma once
 
 #include <memory>

@@ -33,7 +33,7 @@ Program::Program(const std::filesystem::path& folder, const std::string& program
   argv.push_back(nullptr);
   pid_ = fork();
   if (pid_ < 0) throw std::runtime_error("fork failed");
-  if (pid_ > 0) setpgid(pid_, pid_);  // here too, so that it is done whoever runs first
+  if (pid_ > 0) setpgid(pid_, pid_);  // here too, so that it is done whichever process runs first
   if (pid_ == 0) {
     setpgid(0, 0);
     if (chdir(folder.c_str()) != 0) _exit(126);

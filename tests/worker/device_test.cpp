@@ -1,5 +1,5 @@
 // Devices: a pixel's samples do not depend on how the work is cut up, on threads, instruction sets or kernel
-// variants; what cannot be rendered is refused with a message; samples that are not numbers are counted.
+// variants; what cannot be rendered is refused with a message; non-finite samples are counted.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Compiled kernels on disk: what was kept is found, and nothing but that, whatever happens to the files.
+// Compiled kernels on disk: a stored binary is found again, and a damaged file is never returned.
 #include "worker/opencl_cache.h"
 
 #include <gmock/gmock.h>
@@ -106,7 +106,7 @@ TEST(KernelCache, AFolderInTheWayIsNoKernel) {
   fs::create_directories(cache.file_of(key("a")) / "inside");
   EXPECT_FALSE(cache.find(key("a")).binary);
   EXPECT_FALSE(cache.keep(key("a"), some_binary(10, 1)));
-  EXPECT_TRUE(fs::exists(cache.file_of(key("a")) / "inside")) << "somebody else's";
+  EXPECT_TRUE(fs::exists(cache.file_of(key("a")) / "inside")) << "not made by the cache";
   EXPECT_THAT(folder.names(), ElementsAre(cache.file_of(key("a")).filename().string()))
       << "nothing left over";
 }

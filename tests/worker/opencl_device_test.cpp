@@ -1,5 +1,5 @@
 // OpenCL devices give native code's bytes however their work is cut up, whichever shape their kernels have
-// and wherever these come from; and what goes wrong on the way is said.
+// and wherever these come from; and errors on the way are reported.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What an OpenCL device is asked to hold fits it, and launches learn their size.
+// Buffers fit an OpenCL device's memory, and launch sizes adapt to the time that launches take.
 #include "worker/opencl_memory.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // The tables of polygon lights as they come off the wire: what names something that is not there is refused,
-// field by field; numbers that are none are traced all the same, and counted.
+// field by field; non-finite values are traced all the same, and the samples are counted.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

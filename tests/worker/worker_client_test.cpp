@@ -1,4 +1,4 @@
-// The worker's side of the wire against a scheduler that is played by the test.
+// The worker's side of the wire; the test plays the scheduler.
 #include "worker/worker_client.h"
 
 #include <gmock/gmock.h>
@@ -189,7 +189,7 @@ TEST_F(WorkerClientTest, ARefusalIsAnErrorWithTheReason) {
   EXPECT_THAT(error_of(worked), HasSubstr("the worker speaks protocol version 99"));
 }
 
-TEST_F(WorkerClientTest, NobodyThereIsAnErrorAfterTheTimeout) {
+TEST_F(WorkerClientTest, NoSchedulerIsAnErrorAfterTheTimeout) {
   options_.connect_timeout = 0.2;
   const auto start = std::chrono::steady_clock::now();
   EXPECT_THAT(error_of(run_worker(options_)), HasSubstr("no scheduler answers at " + socket_.address()));

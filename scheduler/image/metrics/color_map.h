@@ -1,4 +1,4 @@
-// Numbers as colours that read as an order: dark is little, light is much.
+// A sequential colour map: dark is low, light is high.
 #pragma once
 
 #include <array>

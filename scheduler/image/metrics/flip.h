@@ -1,4 +1,4 @@
-// FLIP: what a person sees who flips between two images on a screen.
+// FLIP: the difference that an observer perceives when flipping between two images on a screen.
 //
 // Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild 2020, "FLIP: a difference evaluator for
 // alternating images" (LDR-FLIP); Andersson, Nilsson, Shirley, Akenine-Möller 2021, "Visualizing errors in

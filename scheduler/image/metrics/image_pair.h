@@ -56,9 +56,9 @@ Expected<ImagePair> pair_images(const Image& image, const Image& reference,
                                 const Image* second_reference = nullptr, std::string_view layer = {});
 
 /// Means over blocks of side x side pixels, aligned in film coordinates; those at the film's edge hold fewer.
-/// Blocks with a pixel that is not finite are left out. Metrics of the result say how large the error is for
-/// somebody who looks from further away, or for a filter: noise of the pixels that is of opposite sign nearby
-/// is gone. `side` at least 1.
+/// Blocks with a pixel that is not finite are left out. Metrics of the result tell how large the error is
+/// from a larger viewing distance, or after a filter: noise of opposite sign in nearby pixels cancels. `side`
+/// at least 1.
 ImagePair block_means(const ImagePair& pair, int side);
 
 }  // namespace penumbra

@@ -1,4 +1,4 @@
-// A polygon light and what looks at it.
+// A polygon light and a surface that it lights.
 #pragma once
 
 #include "scheduler/stress/cases/inputs.h"

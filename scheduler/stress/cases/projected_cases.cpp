@@ -16,7 +16,7 @@ constexpr double kVertexRounding = 2 * kUlp;  ///< see solid_angle_cases.cpp
 // The documented error of the share of area on either side of a sample's azimuth, times 1 + perimeter / area.
 constexpr double kShareError = 1e-5;
 
-/// Vertices in the receiver's frame, counter-clockwise for somebody who sees the front; and an axis about
+/// Vertices in the receiver's frame, counter-clockwise seen from the front; and an axis about
 /// which all of the light is less than a right angle away.
 struct Light {
   const char *name, *stiff;

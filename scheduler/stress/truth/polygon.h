@@ -6,7 +6,7 @@
 
 namespace penumbra::stress {
 
-using Loop = std::vector<Quad3>;  ///< corners; outer loops counter-clockwise for somebody who sees the front
+using Loop = std::vector<Quad3>;  ///< corners; outer loops counter-clockwise seen from the front
 
 /// The part of a convex loop with n.p >= 0 (Sutherland and Hodgman 1974).
 Loop clip(const Loop& loop, const Quad3& n);

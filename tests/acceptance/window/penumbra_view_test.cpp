@@ -1,5 +1,5 @@
 // penumbra-view as users run it, on a display in memory: what it saves against what `penumbra render` writes,
-// and what becomes of it when processes die.
+// and how it behaves when processes die.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -489,10 +489,10 @@ TEST_F(PenumbraViewTest, WhatCannotWorkIsSaid) {
   EXPECT_EQ(endless.exit_code, 2);
   EXPECT_THAT(endless.err, HasSubstr("--script: '/dev/zero' is not a plain file"));
 
-  const ProgramResult nobody =
-      view({"--connect", "unix:" + (path() / "nobody").string()}, "wait connected timeout 1\n");
-  EXPECT_EQ(nobody.exit_code, 1);
-  EXPECT_THAT(nobody.err, ContainsRegex("script.*txt:1: error: waited 1 s"));
+  const ProgramResult no_scheduler =
+      view({"--connect", "unix:" + (path() / "missing").string()}, "wait connected timeout 1\n");
+  EXPECT_EQ(no_scheduler.exit_code, 1);
+  EXPECT_THAT(no_scheduler.err, ContainsRegex("script.*txt:1: error: waited 1 s"));
 
   for (const std::string nowhere : {"nonsense", "unix:", "host:", "host:99999", ":7000", "host:70x"}) {
     const ProgramResult result = view({"--connect", nowhere}, "quit\n");

@@ -20,7 +20,7 @@ void for_fan(const QuadLoops& loops, const Quad3& x,
       QuadLoop triangle{loop[0] - x, loop[i] - x, loop[i + 1] - x};
       const Quad volume = dot(triangle[0], cross(triangle[1] - triangle[0], triangle[2] - triangle[0]));
       if (volume == 0) continue;
-      // Counter-clockwise from the front is a negative volume for somebody in front.
+      // Counter-clockwise from the front gives a negative volume for a point in front.
       if (volume < 0) std::swap(triangle[1], triangle[2]);
       visit(triangle, volume < 0 ? 1 : -1);
     }

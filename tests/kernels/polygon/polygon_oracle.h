@@ -13,7 +13,7 @@ struct QuadReceiver {
   Quad3 x, n, w;
 };
 
-/// The corners of an outline's loops: outer ones counter-clockwise for somebody who sees the front.
+/// The corners of an outline's loops: outer ones counter-clockwise seen from the front.
 using QuadLoop = std::vector<Quad3>;
 using QuadLoops = std::vector<QuadLoop>;
 

@@ -170,7 +170,7 @@ TEST(IntegratorBuilder, WithoutLayersSamplesAloneNeedNoClosedForm) {
   EXPECT_EQ(header(kPolygonAnalytic, {}, false).estimator, ESTIMATOR_ALPHA);
 }
 
-TEST(IntegratorBuilder, ManyPolygonsAreNotSurveyedUnasked) {
+TEST(IntegratorBuilder, ManyPolygonsAreNotAllEvaluatedByDefault) {
   const auto count = [](int lights) {
     return [=](S& scene) {
       scene.shapes.resize(1);

@@ -1,4 +1,5 @@
-// Emitters as tables of lights and polygons: kinds, order, areas, probabilities, and just what is wanted.
+// Emitters as tables of lights and polygons: kinds, order, areas, probabilities, and no more tables than
+// needed.
 #include "scenes/device/light_builder.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// A render whose address many connect to who say nothing.
+// A render with many idle connections to its address.
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// `--backend opencl` as users meet it: which devices there are, compiling once, the same image.
+// `--backend opencl` from the command line: the list of devices, compiling once, the same image.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

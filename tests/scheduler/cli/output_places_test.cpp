@@ -70,7 +70,8 @@ TEST_F(OutputPlaces, BadInputLeavesNoFolders) {
 }
 
 TEST_F(OutputPlaces, DevicesPipesAndLinksStayWhatTheyAre) {
-  // Devices by links of our own: whoever breaks this, and is root, breaks no more than these.
+  // Devices are reached by links of our own: if this code is broken and runs as root, it damages only these
+  // links.
   std::filesystem::create_symlink("/proc/self/fd/1", folder_ / "out");
   const ProgramResult report = shell("penumbra render s.xml -q --report out");
   EXPECT_EQ(report.exit_code, 0) << report.err;

@@ -1,4 +1,4 @@
-// Help, version and what happens to command lines that make no sense.
+// Help, version, and errors of invalid command lines.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// `penumbra preview`, and the options of a render that is watched, as users meet them.
+// `penumbra preview`, and the options for watching a render, from the command line.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>

@@ -1,4 +1,4 @@
-// The door for everybody: who gets in when many come.
+// The second listening address: which connections are kept when many arrive.
 #include "scheduler/farm/acceptor.h"
 
 #include <arpa/inet.h>
@@ -101,19 +101,19 @@ class AcceptorTest : public testing::Test {
   std::unique_ptr<Acceptor> acceptor_;
 };
 
-TEST_F(AcceptorTest, WhoShowsNoTokenIsClosedAndWhoShowsOneStays) {
+TEST_F(AcceptorTest, ConnectionsWithoutATokenAreClosedAndOthersStay) {
   open("127.0.0.1:0", {.connections = 8, .time_to_show_token = 300ms});
-  const Descriptor stranger = come();
-  const Descriptor strangers_end = taken();
-  const Descriptor friendly = come();
-  const Descriptor friends_end = taken();
-  acceptor_->admit(peer_of(friendly));
-  EXPECT_TRUE(is_closed(stranger, 10s));
-  EXPECT_TRUE(is_closed(strangers_end, 10s)) << "the receiver is told";
-  EXPECT_FALSE(is_closed(friendly, 600ms));
+  const Descriptor unadmitted = come();
+  const Descriptor unadmitted_end = taken();
+  const Descriptor admitted = come();
+  const Descriptor admitted_end = taken();
+  acceptor_->admit(peer_of(admitted));
+  EXPECT_TRUE(is_closed(unadmitted, 10s));
+  EXPECT_TRUE(is_closed(unadmitted_end, 10s)) << "the receiver is told";
+  EXPECT_FALSE(is_closed(admitted, 600ms));
 }
 
-TEST_F(AcceptorTest, ANewcomerTakesThePlaceOfTheOldestStranger) {
+TEST_F(AcceptorTest, ANewConnectionReplacesTheOldestUnadmittedOne) {
   open("127.0.0.1:0", {.connections = 3, .time_to_show_token = 1h});
   std::vector<Descriptor> clients, ends;
   for (int i = 0; i < 3; ++i) {
@@ -127,7 +127,7 @@ TEST_F(AcceptorTest, ANewcomerTakesThePlaceOfTheOldestStranger) {
   EXPECT_FALSE(is_closed(clients[0], 50ms));
   EXPECT_FALSE(is_closed(clients[2], 50ms));
   for (const Descriptor& client : clients) acceptor_->admit(peer_of(client));
-  EXPECT_TRUE(is_closed(come(), 10s)) << "there is nobody to make room";
+  EXPECT_TRUE(is_closed(come(), 10s)) << "all connections have been admitted";
 }
 
 TEST_F(AcceptorTest, AnEndThatTheReceiverClosesMakesRoom) {

@@ -1,4 +1,4 @@
-// Who is let in, and where a scheduler listens.
+// Access control, and the addresses on which a scheduler listens.
 #include "scheduler/farm/access.h"
 
 #include <gmock/gmock.h>
@@ -36,7 +36,7 @@ class AccessTest : public testing::Test {
     board_.close();  // a stream ends when all is told
   }
 
-  /// The status of each call by somebody who comes over this address with this token.
+  /// The status of each call over this address with this token.
   static std::vector<std::pair<std::string, grpc::StatusCode>> codes(const std::string& address,
                                                                      const std::string& token) {
     const auto stub = wire::Farm::NewStub(open_channel(address));
@@ -218,8 +218,9 @@ TEST_F(AccessTest, ASocketThatIsListenedAtStaysWithItsOwner) {
   ASSERT_TRUE(owner) << owner.error().message;
   const auto other = Server::listen({.address = second.address(), .more = shared}, board);
   ASSERT_FALSE(other);
-  EXPECT_THAT(other.error().message, AllOf(HasSubstr(shared), HasSubstr("somebody listens there already")));
-  // What a process that died leaves behind is nobody's.
+  EXPECT_THAT(other.error().message,
+              AllOf(HasSubstr(shared), HasSubstr("another process is already listening there")));
+  // A socket's file that a process left behind when it died is replaced.
   owner->reset();
   EXPECT_TRUE(Server::listen({.address = second.address(), .more = shared}, board));
 }
@@ -262,7 +263,7 @@ TEST(Access, OnlyThisHostIsListenedOn) {
   WatchBoard board(1);
   const PrivateSocket socket = PrivateSocket::create().value();
   const auto server = Server::listen({.address = socket.address(), .more = "0.0.0.0:0"}, board);
-  ASSERT_FALSE(server) << "whoever forgets to check";
+  ASSERT_FALSE(server) << "the address is refused even where the caller did not check it";
   EXPECT_THAT(server.error().message, HasSubstr("without encryption"));
 }
 

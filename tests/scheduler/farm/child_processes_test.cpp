@@ -67,7 +67,7 @@ TEST(ChildProcesses, StopsTheStoppedAndTheStubborn) {
 
 std::atomic<bool> stops_before_it_executes = false;
 
-TEST(ChildProcesses, AChildThatIsStoppedBeforeItExecutesHoldsNobodyUp) {
+TEST(ChildProcesses, AChildThatIsStoppedBeforeItExecutesDelaysNothing) {
   // The handler runs in the child, within fork().
   static const int registered =
       pthread_atfork(nullptr, nullptr, [] { stops_before_it_executes ? void(raise(SIGSTOP)) : void(); });
@@ -92,7 +92,7 @@ TEST(ChildProcesses, AChildThatIsStoppedBeforeItExecutesHoldsNobodyUp) {
 
   ChildProcesses missing("/no/such/program", {});
   stops_before_it_executes = true;
-  ASSERT_TRUE(missing.start()) << "nobody knows yet";
+  ASSERT_TRUE(missing.start()) << "it is not known yet";
   stops_before_it_executes = false;
   kill(missing.running()[0], SIGCONT);
   EXPECT_THAT(reap_one(missing)[0].how, HasSubstr("cannot start '/no/such/program': No such file"));

@@ -1,4 +1,4 @@
-// Workers that a render has not started: what they may do, and what they cannot.
+// Workers that the render did not start: what they are permitted to do.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/stat.h>
@@ -81,7 +81,7 @@ class ForeignWorkerTest : public WatchedRunTest {
 
 TEST_F(ForeignWorkerTest, WithItsTokenItHelpsAndIsAnnounced) {
   BackgroundRun run(slow_job("127.0.0.1:0"), listener());
-  // A machine that is very busy may not take the farewell in time; then the connection breaks.
+  // A very busy worker may not read the final message in time; then the connection breaks.
   if (const Expected<void> helped = run_worker(helper(told_for("penumbra-worker"))); !helped) {
     EXPECT_THAT(helped.error().message, HasSubstr("the scheduler broke the connection"));
   }

@@ -131,7 +131,7 @@ void make_old(const std::string& directory) {
   fs::last_write_time(directory, fs::file_time_type::clock::now() - 1h);
 }
 
-TEST_F(PrivateSocketTest, TheLivingKeepTheirsThoughNobodyListensThere) {
+TEST_F(PrivateSocketTest, ALiveProcessKeepsItsDirectoryWithoutAListener) {
   Owner owner;
   // As after the death of a scheduler that a window will start again.
   sockaddr_un address{};

@@ -186,7 +186,7 @@ TEST_F(RenderJobTest, AKilledAndAStoppedWorkerChangeNothing) {
     kill(victims[0], SIGKILL);
     kill(victims[1], SIGSTOP);
   });
-  ASSERT_THAT(victims, SizeIs(3)) << "the render was over before anybody could be killed";
+  ASSERT_THAT(victims, SizeIs(3)) << "the render was over before a worker could be killed";
   expect_the_right_film(outcome);
   EXPECT_THAT(outcome->problems,
               Contains(AllOf(HasSubstr(std::to_string(victims[0]) + " was lost at the tile of"),
@@ -287,7 +287,7 @@ TEST_F(RenderJobTest, AWorkerThatIsStoppedInItsFirstUnitIsToldAndReplaced) {
     ASSERT_THAT(victims, SizeIs(1));
     kill(victims[0], SIGSTOP);
   });
-  ASSERT_THAT(victims, SizeIs(1)) << "the render was over before anybody could be stopped";
+  ASSERT_THAT(victims, SizeIs(1)) << "the render was over before a worker could be stopped";
   expect_the_right_film(outcome);
   EXPECT_THAT(notices, AllOf(ContainsRegex("waiting for worker [^ ]+:" + std::to_string(victims[0])),
                              HasSubstr("has not been heard of for 2 s at the tile of 120 x 100 pixels")));
@@ -365,7 +365,7 @@ TEST_F(RenderJobTest, ProgressGrowsToTheEnd) {
   EXPECT_LT(outcome->seconds_to_first_tile, outcome->seconds);
 }
 
-// --- What cannot work says so instead of going on for ever
+// --- Jobs that cannot work end with an error instead of going on for ever
 
 TEST_F(RenderJobTest, AMissingWorkerProgramIsAnError) {
   RenderJob missing = job();

@@ -1,4 +1,4 @@
-// What the server makes of workers that are old, confused or malicious: a raw gRPC client plays them.
+// How the server handles old, confused or malicious workers, played by a raw gRPC client.
 #include "scheduler/farm/server.h"
 
 #include <gmock/gmock.h>
@@ -199,7 +199,7 @@ TEST_F(ServerTest, WhoIsDismissedIsNotHeardAnyMoreAndCutOff) {
   failed.mutable_job_failed()->set_message("or so");
   stream_->Write(failed);
   EXPECT_EQ(next<arrivals::Gone>(15s).worker, worker) << "the next that is heard";
-  EXPECT_FALSE(stream_->Read(&message)) << "no unit after the farewell";
+  EXPECT_FALSE(stream_->Read(&message)) << "no unit after the final message";
 }
 
 TEST_F(ServerTest, AfterItsJobHasFailedAWorkerIsNotHeardAnyMore) {
@@ -215,10 +215,10 @@ TEST_F(ServerTest, AfterItsJobHasFailedAWorkerIsNotHeardAnyMore) {
   next<arrivals::Gone>();
 }
 
-TEST_F(ServerTest, AWorkerThatDoesNotReadHoldsNobodyUp) {
+TEST_F(ServerTest, AWorkerThatDoesNotReadDelaysNothing) {
   say_hello();
   const WorkerId worker = next<arrivals::Connected>().worker;
-  // What would fill any buffer of the connection; nobody reads the stream.
+  // Enough to fill any buffer of the connection; the stream is not read.
   for (std::uint32_t number = 1; number <= 50'000; ++number) server_->send_view(worker, {number, {}});
   const std::string much(std::size_t(64) << 10, 'x');
   for (int i = 0; i < 2000; ++i) server_->send_job(worker, much, {});
@@ -345,7 +345,7 @@ TEST_F(ServerTest, AnImpossibleTimeIsNoticed) {
   }
 }
 
-TEST_F(ServerTest, AResultThatNobodyAskedForIsRejected) {
+TEST_F(ServerTest, AnUnsolicitedResultIsRejected) {
   connect_and_take_a_unit();
   wire::WorkerMessage message = good_result();
   message.mutable_result()->mutable_id()->set_tile(4);

@@ -122,7 +122,7 @@ TEST(AtomicFile, FollowsLinksAndKeepsThemAndPermissions) {
 
 TEST(AtomicFile, WritesIntoDevicesPipesAndOpenFiles) {
   const TemporaryFolder folder;
-  // By links of our own: whoever breaks this, and is root, replaces no more than these.
+  // By links of our own: if this code is broken and runs as root, it replaces only these links.
   std::filesystem::create_symlink("/dev/null", folder / "null");
   std::filesystem::create_symlink("/dev/full", folder / "full");
   std::filesystem::create_symlink("/proc/self/fd", folder / "descriptors");

@@ -76,9 +76,9 @@ class SimulatedFarm {
 
   void step() {
     auto next = std::ranges::min_element(workers_, {}, [](const auto& w) { return w.second.ready_at; });
-    const bool somebody = next != workers_.end() && next->second.ready_at <= next_tick_;
-    now_ = somebody ? std::max(now_, next->second.ready_at) : next_tick_;
-    if (!somebody) {
+    const bool worker_is_next = next != workers_.end() && next->second.ready_at <= next_tick_;
+    now_ = worker_is_next ? std::max(now_, next->second.ready_at) : next_tick_;
+    if (!worker_is_next) {
       next_tick_ += 0.5;
       beat();
       if (int(workers_.size()) < 2 || chance(0.02)) join();  // the dead are replaced, some others come too

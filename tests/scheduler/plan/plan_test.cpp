@@ -162,7 +162,7 @@ TEST_F(PlanTest, ABlamedUnitTravelsAlone) {
   join(2);
   EXPECT_THAT(held_[2], ElementsAre(unit(0, 0)));
   done(2, unit(0, 0));
-  EXPECT_THAT(held_[2], ElementsAre(unit(0, 1), unit(0, 2))) << "nobody blamed these";
+  EXPECT_THAT(held_[2], ElementsAre(unit(0, 1), unit(0, 2))) << "these were not blamed";
 }
 
 TEST_F(PlanTest, AWorkerEmptiesItsHandsForABlamedUnit) {
@@ -281,7 +281,7 @@ TEST_F(PlanTest, ACorruptResultIsRedoneElsewhereAndItsWorkerDismissed) {
   EXPECT_EQ(plan_->units_done(), 4u);
 }
 
-TEST_F(PlanTest, AResultThatNobodyAskedForIsNotTaken) {
+TEST_F(PlanTest, AnUnsolicitedResultIsNotTaken) {
   start(4, 1);
   join(1);
   done(1, unit(0, 3));
@@ -385,7 +385,7 @@ TEST_F(PlanTest, APauseOfAWorkerDoesNotStretchTheLeases) {
   done(1, unit(0, 0));
   ASSERT_EQ(plan_->units_requeued(), 2u);
   wait(10.1);  // and not 20 x 61 s
-  EXPECT_EQ(plan_->units_requeued(), 3u) << "(0, 2) comes to (0, 1), which nobody has taken over";
+  EXPECT_EQ(plan_->units_requeued(), 3u) << "(0, 2) comes to (0, 1), which no worker has taken over";
 }
 
 TEST_F(PlanTest, ALateResultOfAUnitThatIsDoneIsCompared) {
@@ -733,7 +733,7 @@ TEST_F(PlanTest, MorePassesGoOnWhereTheImageWasFinished) {
   work(1);
   work(1);
   ASSERT_TRUE(plan_->finished());
-  wait(1000);  // nobody wants anything; no lease runs
+  wait(1000);  // no samples are requested; no lease runs
   EXPECT_THAT(dismissed(), IsEmpty());
   tell(MorePasses{0, 3});
   EXPECT_EQ(plan_->units_left(), 4u);

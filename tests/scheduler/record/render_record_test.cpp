@@ -75,7 +75,7 @@ TEST(RecordOfRendered, KeepsWhatTheSequenceIsMadeFor) {
   EXPECT_EQ(command(kAll), repeat_command(cornell(), true));
   EXPECT_THAT(command({.least = 48, .most = 48}), HasSubstr("--spp 64 --stop-after 48 "));
   EXPECT_THAT(command({.complete = false, .least = 16, .most = 32}), HasSubstr("--spp 64 --stop-after 32 "));
-  // One unit of 16 samples is missing, and nobody knows here which.
+  // One unit of 16 samples is missing; it is not known here which.
   EXPECT_EQ(command({.complete = false, .has_gaps = true, .least = 48, .most = 48}),
             repeat_command(cornell(), true));
 }

@@ -1,5 +1,5 @@
-// The whole table against tests/scheduler/stress/record.json: no case vanishes, no truth changes, no verdict
-// changes without somebody seeing it. Where Penumbra becomes better or a case is added, run this with
+// The whole table against tests/scheduler/stress/record.json: no case vanishes, no truth changes, and no
+// verdict changes unnoticed. Where Penumbra becomes better or a case is added, run this with
 // PENUMBRA_UPDATE_RECORD=1 in the environment and look at what changed in the record.
 #include <gtest/gtest.h>
 

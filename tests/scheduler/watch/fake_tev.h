@@ -142,7 +142,7 @@ struct Listener {
                      : reinterpret_cast<sockaddr_in*>(&bound)->sin_port);
   }
   [[nodiscard]] std::string host() const { return fmt::format("127.0.0.1:{}", port); }
-  /// The next connection; none if nobody comes.
+  /// The next connection; none if there is none in time.
   [[nodiscard]] int accept() const {
     pollfd entry{socket, POLLIN, 0};
     return ::poll(&entry, 1, int(kTevSoon.count())) > 0 ? ::accept(socket, nullptr, nullptr) : -1;

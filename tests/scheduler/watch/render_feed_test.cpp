@@ -206,7 +206,7 @@ TEST(RenderFeed, ShowsChangedTilesAFewAtATimeOrAll) {
 TEST(RenderFeed, WhoComesLateGetsAllTilesThatHaveSamples) {
   Feed f(10);
   for (std::uint32_t tile = 0; tile < 6; ++tile) f.merge(tile);
-  f.feed.publish(f.film, true);  // nobody watches
+  f.feed.publish(f.film, true);  // no watchers
   WatchBoard::Watcher watcher(f.board);
   f.feed.publish(f.film, true);
   EXPECT_THAT(f.shown(watcher), SizeIs(6));
@@ -226,7 +226,7 @@ TEST(RenderFeed, ATileWhoseFirstPassIsMissingIsNotShown) {
 TEST(RenderFeed, AnotherViewForgetsWhatHasChanged) {
   Feed f(10);
   WatchBoard::Watcher watcher(f.board);
-  f.feed.publish(f.film, true);  // its wish for all of nothing
+  f.feed.publish(f.film, true);  // answers the request for all tiles, of which there are none
   f.merge(3);
   f.feed.begin_view(1, 1);
   f.feed.publish(f.film, true);

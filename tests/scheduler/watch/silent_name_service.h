@@ -12,7 +12,7 @@ namespace penumbra {
 
 inline constexpr const char* kSilentHost = "host.of.a.silent.name.service";
 
-/// While it lives, whoever asks for kSilentHost waits.
+/// While it lives, look-ups of kSilentHost wait.
 class SilentNameService {
  public:
   SilentNameService() { is_silent(true); }
@@ -32,7 +32,7 @@ class SilentNameService {
     }
     changed().notify_all();
   }
-  // Never destroyed: those who ask may outlive the tests.
+  // Never destroyed: threads that look a host up may outlive the tests.
   static std::mutex& mutex() {
     static auto* one = new std::mutex;
     return *one;

@@ -1,4 +1,4 @@
-// Interactive renders: cameras and samples as watchers want them, over the real wire with fake workers.
+// Interactive renders: watchers request cameras and samples, over the real wire with fake workers.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <signal.h>
@@ -129,7 +129,7 @@ TEST_F(SteeredRenderTest, LateResultsOfSlowWorkersForOldViewsAreIgnored) {
   const RenderOutcome outcome = run.stop();
   expect_film(outcome, 2, 10);
   EXPECT_THAT(outcome.problems, IsEmpty());
-  EXPECT_THAT(outcome.workers, SizeIs(2)) << "nobody was dismissed for its old units";
+  EXPECT_THAT(outcome.workers, SizeIs(2)) << "no worker was dismissed for its old units";
 }
 
 TEST_F(SteeredRenderTest, ManyViewsInARowEndInTheLast) {
@@ -256,7 +256,7 @@ TEST_F(SteeredRenderTest, AKilledWorkerIsReplacedAndTheSamplesComeAllTheSame) {
   ASSERT_TRUE(onlooker.sees_samples(5));
   ASSERT_TRUE(onlooker.sees([&] { return !onlooker.said.empty(); }));
   EXPECT_THAT(onlooker.said, Contains(HasSubstr(fmt::format("{} was lost", workers[0]))));
-  ASSERT_TRUE(onlooker.sees_workers(2)) << "somebody else takes its place";
+  ASSERT_TRUE(onlooker.sees_workers(2)) << "another worker takes its place";
   // The new one knows the view, too: it takes part in what follows.
   onlooker.client.want_samples(kSpp);
   ASSERT_TRUE(onlooker.sees_samples(kSpp));

@@ -120,7 +120,7 @@ TEST_F(TevStreamTest, AnotherViewStartsTheImageOver) {
   EXPECT_LE(shown.images, 2);
   EXPECT_TRUE(shown.grabs.front());
   for (std::size_t i = 1; i < shown.grabs.size(); ++i)
-    EXPECT_FALSE(shown.grabs[i]) << "who turns the camera looks elsewhere";
+    EXPECT_FALSE(shown.grabs[i]) << "the camera is turned in another window, which keeps the focus";
   expect_radiance_of(shown, outcome.film);
   expect_radiance_of(shown, expected_film(1, 1, 10));
 }
@@ -180,7 +180,7 @@ void expect_no_delay(RenderJob job, const std::string& tev, const std::string& p
 }
 
 TEST_F(TevStreamTest, ATevThatNeverReadsDelaysNothingAndIsToldOnce) {
-  const Listener listener;  // the kernel connects, and then nobody reads
+  const Listener listener;  // the kernel accepts the connection, but nothing is read
   ASSERT_NE(listener.port, 0);
   const int small = 4096;
   ASSERT_EQ(::setsockopt(listener.socket, SOL_SOCKET, SO_RCVBUF, &small, sizeof small), 0);

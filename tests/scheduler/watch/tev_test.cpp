@@ -189,7 +189,7 @@ void stream_an_image(FakeTev& tev, const std::string& host) {
   EXPECT_EQ(create.left(), 0u);
 
   const Update a = decode_update(packets[1]);
-  EXPECT_FALSE(a.grab_focus);  // whoever looks at another image goes on looking at it
+  EXPECT_FALSE(a.grab_focus);  // tev goes on showing the image that its user has selected
   EXPECT_EQ(a.name, "render");
   EXPECT_EQ(a.channels, kRgb);
   EXPECT_THAT((std::vector{a.x, a.y, a.width, a.height}), testing::ElementsAre(6, 5, 2, 1));
@@ -353,8 +353,8 @@ TEST(TevClient, BytesFromTevAreIgnored) {
   EXPECT_FALSE(client.close_image("img").has_value());
 }
 
-TEST(TevClient, NobodyListens) {
-  const Listener bound(AF_INET, -1);  // the port is taken, so nobody else can listen there meanwhile
+TEST(TevClient, NoListener) {
+  const Listener bound(AF_INET, -1);  // the port is taken, so no other process can listen there meanwhile
   ASSERT_NE(bound.port, 0);
   const auto client = TevClient::connect(bound.host());
   ASSERT_FALSE(client.has_value());

@@ -1,4 +1,4 @@
-// What watchers are shown, however slow or many they are.
+// What watchers are shown, whatever their speed and number.
 #include "scheduler/watch/watch_board.h"
 
 #include <gmock/gmock.h>
@@ -100,7 +100,7 @@ TEST(WatchBoard, AReplacedTileIsFreed) {
     ASSERT_TRUE(item);
     first = std::get<std::shared_ptr<const TileSnapshot>>(*item);
   }
-  EXPECT_FALSE(first.expired()) << "somebody may come";
+  EXPECT_FALSE(first.expired()) << "a watcher may still come";
   board.show_tile(0, tile(2));
   EXPECT_TRUE(first.expired());
 }
@@ -197,27 +197,28 @@ TEST(WatchBoard, NoTileStarvesBehindBusierOnes) {
   EXPECT_THAT(seen, testing::Contains(100 + kTiles - 1)) << "the quiet tile has had its turn";
 }
 
-TEST(WatchBoard, WhoeverFindsNoTilesWishesForAll) {
+TEST(WatchBoard, AWatcherThatFindsNoTilesRequestsAll) {
   WatchBoard board(2);
   EXPECT_FALSE(board.is_watched());
-  EXPECT_FALSE(board.take_wish_for_all_tiles());
+  EXPECT_FALSE(board.take_request_for_all_tiles());
   board.show_tile(0, tile(1));
   {
     Watcher first(board);
     EXPECT_TRUE(board.is_watched());
-    EXPECT_THAT(take_all(first).tile_samples, IsEmpty()) << "nobody watched, nothing was kept";
-    EXPECT_TRUE(board.take_wish_for_all_tiles());
-    EXPECT_FALSE(board.take_wish_for_all_tiles()) << "once";
+    EXPECT_THAT(take_all(first).tile_samples, IsEmpty()) << "without watchers no tiles are kept";
+    EXPECT_TRUE(board.take_request_for_all_tiles());
+    EXPECT_FALSE(board.take_request_for_all_tiles()) << "once";
     board.show_tile(0, tile(2));
     board.show_tile(1, tile(3));
     Watcher second(board);
-    EXPECT_FALSE(board.take_wish_for_all_tiles()) << "the tiles are here";
+    EXPECT_FALSE(board.take_request_for_all_tiles()) << "the tiles are here";
     EXPECT_THAT(take_all(second).tile_samples, ElementsAre(2, 3));
     EXPECT_THAT(take_all(first).tile_samples, ElementsAre(2, 3));
   }
   EXPECT_FALSE(board.is_watched());
   Watcher third(board);
-  EXPECT_TRUE(board.take_wish_for_all_tiles()) << "those before have gone, and with them the tiles";
+  EXPECT_TRUE(board.take_request_for_all_tiles())
+      << "the earlier watchers have gone, and the tiles with them";
   EXPECT_THAT(take_all(third).tile_samples, IsEmpty());
 }
 
@@ -276,9 +277,9 @@ std::chrono::milliseconds time_to_wait(WatchBoard& board, std::chrono::milliseco
 }
 
 TEST(WaitForWatchers, ReturnsAtOnceWhenAllHaveSeenAll) {
-  WatchBoard nobody(1);
-  nobody.say("to nobody");
-  EXPECT_LT(time_to_wait(nobody, kLong), kLong / 2);
+  WatchBoard unwatched(1);
+  unwatched.say("unread");
+  EXPECT_LT(time_to_wait(unwatched, kLong), kLong / 2);
   WatchBoard board(1);
   Watcher a(board), b(board);
   board.say("to both");
@@ -306,7 +307,7 @@ TEST(WaitForWatchers, ReturnsWhenTheLastOneHasSeenAllOrHasGone) {
   }
 }
 
-TEST(WaitForWatchers, GoesOnWaitingWhileSomebodyMakesProgress) {
+TEST(WaitForWatchers, GoesOnWaitingWhileAWatcherMakesProgress) {
   WatchBoard board(20);
   Watcher watcher(board);
   for (std::uint32_t i = 0; i < 20; ++i) board.show_tile(i, tile(1));

@@ -1,4 +1,4 @@
-// The watching client against schedulers that come, go, hang and talk nonsense.
+// The watching client against schedulers that start, end, hang and send invalid messages.
 #include "scheduler/watch/watch_client.h"
 
 #include <gmock/gmock.h>
@@ -99,7 +99,7 @@ class WatchClientTest : public WatchedRunTest {
 
 // --- The end of a client in every state
 
-TEST_F(WatchClientTest, EndsWhereNobodyListens) {
+TEST_F(WatchClientTest, EndsWithoutAListener) {
   auto watching = client();
   std::this_thread::sleep_for(50ms);
   watching->change_view(view_at(1));
@@ -108,7 +108,7 @@ TEST_F(WatchClientTest, EndsWhereNobodyListens) {
   EXPECT_LT(time_to_destroy(client()), kSoon) << "at once";
 }
 
-TEST_F(WatchClientTest, EndsWhereSomebodyListensAndSaysNothing) {
+TEST_F(WatchClientTest, EndsWhereAListenerSaysNothing) {
   const int mute = ::socket(AF_UNIX, SOCK_STREAM, 0);
   sockaddr_un place{};
   place.sun_family = AF_UNIX;
@@ -137,7 +137,7 @@ TEST_F(WatchClientTest, EndsWhileItsSceneDoesNotCome) {
   shut_down(*server);
 }
 
-TEST_F(WatchClientTest, EndsWhileItsWishIsNotAnswered) {
+TEST_F(WatchClientTest, EndsWhileItsRequestIsNotAnswered) {
   ScriptedService service;
   service.events = {encode(plain_job())};
   service.controls_hang = true;
@@ -154,7 +154,7 @@ TEST_F(WatchClientTest, EndsWhileItsWishIsNotAnswered) {
   shut_down(*server);
 }
 
-TEST_F(WatchClientTest, EndsWithNewsThatNobodyTakes) {
+TEST_F(WatchClientTest, EndsWithNewsThatIsNotTaken) {
   WatchBoard board(1);
   board.describe(plain_job());
   const auto server = scheduler(board);
@@ -264,7 +264,7 @@ TEST_F(WatchClientTest, NumbersOfALostSchedulersViewsMeanNothingToTheNext) {
     const auto server = scheduler(board);
     const auto deadline = steady_clock::now() + kLong;
     while (!board.is_watched() && steady_clock::now() < deadline) std::this_thread::sleep_for(1ms);
-    board.wait_for_watchers(kLong);  // and nobody takes what has come
+    board.wait_for_watchers(kLong);  // and what has come is not taken
   }
   WatchBoard board(1);
   board.describe(plain_job());

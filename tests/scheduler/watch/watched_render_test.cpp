@@ -73,7 +73,7 @@ TEST_F(WatchedRenderTest, WhoComesLateEndsWithTheFilmToo) {
   late->expect_tiles_of(outcome.film);
 }
 
-TEST_F(WatchedRenderTest, AWatcherThatNeverReadsDelaysNobodyAndChangesNothing) {
+TEST_F(WatchedRenderTest, AWatcherThatNeverReadsDelaysAndChangesNothing) {
   FakeBehaviour{.delay_ms = 4}.to_environment();
   RenderJob job = batch_job();
   job.tile = 64;  // more than a stream's window in every pass

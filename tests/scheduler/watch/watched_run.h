@@ -1,4 +1,4 @@
-// A render with fake workers in the background, and somebody who watches it.
+// A render with fake workers in the background, and a watcher.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -116,8 +116,8 @@ class BackgroundRun {
   std::future<Expected<RenderOutcome>> outcome_;  // the last: its end waits for the render's
 };
 
-/// Somebody who watches and remembers what there was to see. Each tile must be of the view that was seen
-/// last, and have samples, never fewer than before.
+/// A watcher that records what it has seen. Each tile must be of the view that was seen last, and must have
+/// samples, never fewer than before.
 class Onlooker {
  public:
   explicit Onlooker(const std::string& address, const std::string& token = "") : client(address, token) {}
