@@ -56,7 +56,8 @@ FilmRecord read_film_record(const std::filesystem::path& path) {
   std::ifstream file(path);
   FilmRecord record;
   if (!file) return record;
-  for (const auto& [name, entry] : nlohmann::json::parse(file).items())
+  const nlohmann::json entries = nlohmann::json::parse(file);
+  for (const auto& [name, entry] : entries.items())
     record[name] = {
         entry.at("hash"),
         {entry.value("mean", std::vector<double>{}), entry.value("error", std::vector<double>{})}};
