@@ -112,7 +112,7 @@ class Viewer {
 
   std::optional<Clock::time_point> asked_;  // for samples of which no tile has come
   std::uint32_t asked_spp_ = 0;
-  std::uint32_t own_wish_ = 0;  // samples of the present view that were asked for from here
+  std::uint32_t own_request_ = 0;  // samples of the present view that were asked for from here
   int starts_without_success_ = 0;
   bool has_had_workers_ = false;
   std::optional<int> scheduler_exit_code_;

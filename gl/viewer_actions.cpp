@@ -28,7 +28,7 @@ ToneMap next(ToneMap tone_map) { return ToneMap((int(tone_map) + 1) % (int(ToneM
 void Viewer::want_samples(std::uint32_t spp) {
   spp = std::min(spp, job_->spp);
   if (spp <= status_.spp_wanted) return;
-  status_.spp_wanted = own_wish_ = spp;
+  status_.spp_wanted = own_request_ = spp;
   status_.finished = false;
   if (!asked_) {
     asked_ = Clock::now();
@@ -79,7 +79,7 @@ void Viewer::forget_samples() {
   film_->clear(0);
   analytic_is_old_ = true;
   asked_.reset();
-  status_.spp_done = status_.spp_wanted = own_wish_ = 0;
+  status_.spp_done = status_.spp_wanted = own_request_ = 0;
   status_.samples_done = status_.samples_total = 0;
   status_.finished = false;
   status_.relative_error = std::numeric_limits<double>::quiet_NaN();
