@@ -63,7 +63,7 @@ const ActionInfo& info_of(Action action);
 /// The action of a key's name or alias, whatever its case.
 std::optional<Action> action_of_key(std::string_view key);
 
-/// Names and aliases, for whoever reports a key that is not among them (scenes/diagnostic.h: suggestion).
+/// Names and aliases, for error messages about other keys (scenes/diagnostic.h: suggestion).
 std::vector<std::string> key_names();
 
 }  // namespace penumbra

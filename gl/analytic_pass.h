@@ -30,8 +30,8 @@ class AnalyticPass {
   void add_frame();
   [[nodiscard]] int frames() const { return frames_; }
 
-  /// RGBA32F, row 0 the film's top, columns from its left; 0 before begin(). The mean of G, radiance that
-  /// polygon lights would send towards the viewer if nothing were in their way, as unshadowed_lights of
+  /// RGBA32F, row 0 the film's top, columns from its left; 0 before begin(). The mean of G, the
+  /// unshadowed radiance from polygon lights towards the viewer, as unshadowed_lights of
   /// kernels/light/light_unshadowed.h, except that no light shines on itself; alpha 1.
   [[nodiscard]] GLuint closed_form() const { return closed_form_.name(); }
   /// Likewise: the mean of the radiance that is seen directly, of emitters of all kinds and the environment.

@@ -40,10 +40,12 @@ dvec3 direction_of(const dvec3& v) {
 /// The part of `v` across the unit direction `d`.
 dvec3 across(const dvec3& v, const dvec3& d) { return v - glm::dot(v, d) * d; }
 
-/// A unit direction across the unit direction `d`, near `wish` if that says anything.
-dvec3 unit_across(const dvec3& wish, const dvec3& d) {
-  const dvec3 wished = across(wish, d);
-  if (glm::length(wished) > kLeastSine) return glm::normalize(across(glm::normalize(wished), d));
+/// A unit direction perpendicular to the unit direction `d`, as close to `preferred` as possible; any one if
+/// `preferred` is parallel to `d` or 0.
+dvec3 unit_across(const dvec3& preferred, const dvec3& d) {
+  const dvec3 perpendicular = across(preferred, d);
+  if (glm::length(perpendicular) > kLeastSine)
+    return glm::normalize(across(glm::normalize(perpendicular), d));
   dvec3 axis(0);
   const dvec3 size = glm::abs(d);
   axis[size.x <= size.y && size.x <= size.z ? 0 : size.y <= size.z ? 1 : 2] = 1;
@@ -154,7 +156,8 @@ CameraPose pose_of(const SceneHeader& header, double distance) {
       const double upright = glm::dot(candidate, film.up);
       if (upright <= best || std::abs(glm::dot(candidate, film.right)) > std::sin(kLevel) * upright) continue;
       best = upright;
-      // Leant over to where the film is exactly upright, so that nothing turns before somebody turns it.
+      // Leant over to where the film is exactly upright, so that the view does not turn before the user turns
+      // it.
       pose.up = glm::normalize(across(candidate, film.right));
     }
   }

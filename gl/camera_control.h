@@ -43,8 +43,8 @@ CameraPose pose_of(const SceneHeader& header, double distance);
 /// there is one, mirroring stay. Start from the same header each time; in a chain roundings add up.
 void set_camera(const CameraPose& pose, SceneHeader& header);
 
-/// Whether the film shows the scene as a mirror does: right of the picture is the frame's left. Whoever
-/// wants to move to the right of the picture then moves, and turns, to the left.
+/// Whether the film shows the scene as a mirror does: right of the picture is the frame's left. To
+/// move or turn to the right of the picture, the camera then moves or turns to the left.
 bool film_is_mirrored(const SceneHeader& header);
 
 /// The diagonal of the box around all surfaces; 1 where that is no positive number.

@@ -25,7 +25,7 @@
 namespace penumbra {
 namespace {
 
-// While nothing moves: how often it is looked whether something has come.
+// Interval of polling for news while nothing moves.
 constexpr double kIdleSeconds = 0.01;
 constexpr std::uint64_t kMaxScriptBytes = std::uint64_t{1} << 20;
 
@@ -67,7 +67,7 @@ Expected<void> check_files(const ViewOptions& options, const std::vector<ScriptC
   return {};
 }
 
-/// Until somebody quits, or the script is done.
+/// Until the user quits or the script is done.
 Expected<void> show(Viewer& viewer, Window& window, ScriptRunner* script, const std::atomic<bool>& stop) {
   while (!viewer.wants_to_quit() && !stop) {
     viewer.handle(window.poll(viewer.is_stale() ? 0 : kIdleSeconds));

@@ -116,7 +116,7 @@ bool slider(const char* name, float& value, float low, float high, const char* f
     value = usual;
     return true;
   }
-  if (changed && !std::isfinite(value)) value = usual;  // somebody typed it
+  if (changed && !std::isfinite(value)) value = usual;  // typed in
   return changed;
 }
 

@@ -119,7 +119,7 @@ std::string why_no_reload(const ViewStatus& status) {
 
 std::string why_no_more_samples(const ViewStatus& status) {
   if (!status.interactive) return "A batch render takes the samples that it was asked for, and no others.";
-  if (status.connection != ConnectionState::kConnected) return "There is no connection to whoever renders.";
+  if (status.connection != ConnectionState::kConnected) return "There is no connection to the scheduler.";
   return {};
 }
 

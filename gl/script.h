@@ -43,7 +43,7 @@ struct WaitCommand {
   int line = 0;
   WaitFor what = WaitFor::kFinished;
   std::uint32_t samples = 0;                   ///< kSamples, kAnalytic: how many, at least 1
-  std::optional<double> timeout_seconds = {};  ///< greater than 0; nothing: whoever runs the script decides
+  std::optional<double> timeout_seconds = {};  ///< greater than 0; nothing: the script runner decides
 };
 
 /// `set alpha V`

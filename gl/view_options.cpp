@@ -22,7 +22,7 @@ std::string check_address(const std::string& address) {
     const std::string_view port = std::string_view(address).substr(colon + 1);
     if (is_port(port) && port != "0") return {};
   }
-  return fmt::format("'{}' is no address: give unix:/path or host:port", address);
+  return fmt::format("'{}' is not an address: give unix:/path or host:port", address);
 }
 
 std::string check_screenshot(const std::string& path) {

@@ -55,7 +55,7 @@ Expected<void> Viewer::update() {
 
 Expected<void> Viewer::on(watch_news::Connected& news) {
   const bool first = !job_, was_hybrid = status_.hybrid;
-  const bool has_scenes_alpha = !header_ || settings_.alpha == header_->alpha;  // nobody has changed it
+  const bool has_scenes_alpha = !header_ || settings_.alpha == header_->alpha;  // it is unchanged
   const WatchedJob& job = news.job;
   if (!film_ || film_->width() != job.film_width || film_->height() != job.film_height) {
     Expected<FilmTextures> film = FilmTextures::create(job.film_width, job.film_height);
@@ -227,7 +227,7 @@ void Viewer::say(std::string text) {
 
 bool Viewer::refines_closed_form() const {
   if (analytic_ == nullptr || (!analytic_is_old_ && analytic_->frames() >= kAnalyticFrames)) return false;
-  // The processors are the workers' while somebody waits for a first tile, but not for ever.
+  // While the user waits for a first tile the processors are left to the workers, but not for ever.
   return analytic_is_old_ || !asked_ || Clock::now() - *asked_ > kPatienceWithTiles;
 }
 

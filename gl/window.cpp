@@ -133,7 +133,7 @@ Window::State::~State() {
   if (debug_output) glDebugMessageCallback(nullptr, nullptr);
   target = {};
   picture = {};
-  // GLFW itself stays: somebody else may have a window.
+  // GLFW is not terminated: other windows may be open.
   glfwDestroyWindow(window);
 }
 

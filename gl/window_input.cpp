@@ -148,7 +148,7 @@ WindowEvents Window::poll(double wait_seconds) {
   } else {
     glfwPollEvents();
   }
-  glfwSetWindowShouldClose(state_->window, GLFW_FALSE);  // whoever called decides
+  glfwSetWindowShouldClose(state_->window, GLFW_FALSE);  // the caller decides
   return std::exchange(state_->events, {});
 }
 

@@ -6,7 +6,7 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 #ifdef EXTERNAL_TRACER
-/// Somebody else's intersector, for native code: fills HIT of `count` lanes for their rays or shadow rays.
+/// An external intersector, for native code: fills HIT of `count` lanes for their rays or shadow rays.
 typedef struct {
   const void* context;
   void (*intersect)(const void* context, float* f, int* ints, int capacity, int count);

@@ -125,8 +125,8 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, first_light) /* its parts, consecutive lights */                                    \
   F(int, light_count)
 
-// A corner of an outline. Each closed loop repeats its first corner at its end; somebody who sees the front
-// has the inside to the left of every edge (outer loops counter-clockwise, holes clockwise).
+// A corner of an outline. Each closed loop repeats its first corner at its end; seen from the front,
+// the inside is to the left of every edge (outer loops counter-clockwise, holes clockwise).
 #define POLYGON_CORNER_FIELDS(F) \
   F(vec3, p)                     \
   F(int, starts) /* 1: a loop starts here, so no edge leads from the corner before */

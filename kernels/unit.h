@@ -28,13 +28,13 @@ typedef struct {
 
 enum { BAD_NAN, BAD_INFINITE, BAD_KINDS };
 
-/// Where a path first held such a value, see block_probe.h.
+/// Where a path first held a non-finite value, see block_probe.h.
 enum {
   SOURCE_UNKNOWN,
   SOURCE_CAMERA,       ///< the camera ray
   SOURCE_EMISSION,     ///< emission that the path's ray found
   SOURCE_LIGHT,        ///< the light sample
-  SOURCE_DIRECTION,    ///< the next direction and the throughput along it
+  SOURCE_DIRECTION,    ///< the direction sample: next ray and throughput
   SOURCE_CLOSED_FORM,  ///< of polygon lights
   SOURCE_CONTROL,      ///< their control variate
   SOURCE_FILTER        ///< the film's filter, or a layer

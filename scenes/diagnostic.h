@@ -40,8 +40,8 @@ LineColumn line_and_column(SourceLocation location);
 /// "file:line:column".
 std::string describe(SourceLocation location);
 
-/// "file:line:column: severity: message", or without a file what follows; visible (see text.h), and not
-/// longer than anybody reads.
+/// "file:line:column: severity: message", or without a file what follows; visible (see text.h), and
+/// cut to a readable length.
 std::string format_message(SourceLocation location, std::string_view severity, std::string_view message);
 
 /// That, the source line and a caret under the place. Long lines are cut to the part around the caret.

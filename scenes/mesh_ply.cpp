@@ -230,7 +230,7 @@ class PlyReader {
     return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
   }
 
-  /// The next value; nothing at the end of the file or where an ascii token is no number.
+  /// The next value; nothing at the end of the file or where an ascii token is not a number.
   Expected<double> value(Type type, const Element& element, std::uint64_t number) {
     if (format_ == Format::kAscii) {
       while (at_ < text_.size() && std::strchr(" \t\r\n", text_[at_]) != nullptr && text_[at_] != '\0') ++at_;

@@ -20,7 +20,7 @@ struct MeshFile {
 /// Positions, faces (see triangulate), texture coordinates and normals as the file has them, in the file's
 /// own space. Corners with the same position, texture and normal index share a vertex; normals and texture
 /// coordinates are kept only if every corner has them. Groups, materials, lines and points are passed over.
-/// Errors, with line and column: unknown statements, numbers that are none or not finite, indices out of
+/// Errors, with line and column: unknown statements, malformed or non-finite numbers, indices out of
 /// range, faces that cannot be cut into triangles.
 Expected<MeshFile> read_obj(const SourceFile& file);
 

@@ -82,7 +82,7 @@ bool has_light(const SceneDescription& scene) {
          (scene.environment && !is_black(scene.environment->radiance));
 }
 
-/// What makes an image black, or nearly, that nobody would ask for on purpose.
+/// Warns of scenes whose image is black, or nearly, which is hardly intended.
 void warn_of_emptiness(SceneDescription& scene) {
   const bool light = has_light(scene);
   const auto warn = [&](std::string_view message) {

@@ -58,7 +58,7 @@ class StatementScanner {
   }
 
   /// The numbers that the statement has left, `least` to `most` of them, most <= values.size(). Returns how
-  /// many. Errors: another count, tokens that are no finite numbers.
+  /// many. Errors: another count, tokens that are not finite numbers.
   Expected<int> numbers(std::string_view statement, int least, int most, std::span<double> values);
 
  private:

@@ -49,7 +49,7 @@ STAGE void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int fi
   const float radius = h->filter_radius;
   for (int i = 0; i < count; i += LANES) {
     float u[LANES], v[LANES];
-    draw_pair(h->sampler, sequence_length(h), draw_once(0u), ints, capacity, i, u, v);
+    sample_pair(h->sampler, sequence_length(h), one_point(0u), ints, capacity, i, u, v);
     LANE_LOOP
       for (int j = 0; j < LANES; j++) {
         const FilterSample fx = sample_filter(filter, scene->filter_table, u[j]);
@@ -130,7 +130,7 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
 #endif
   bool all_floats = camera_rays;  // CAMERA_RAY_FLOATS too
 #if HAS(PROJECTED)
-  all_floats = all_floats | wants_projected(scene);
+  all_floats = all_floats | uses_projected(scene);
 #endif
   for (int done = 0; done < path_count; done += batch) {
     int count = min_i(batch, path_count - done);

@@ -5,7 +5,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Adds so many bad samples to those noted; the first of them is this one of this pixel.
+/// Counts `count` more non-finite samples of a pixel, the first of which has index `sample`.
 FN void note_bad(GLOBAL BadSamples* bad, uint count, int pixel, int sample) {
   if (count == 0u) return;
   const bool is_first = (bad->count == 0u) | ((uint)pixel < bad->pixel);
@@ -113,7 +113,7 @@ STAGE bool any_bad(const GLOBAL float* RESTRICT slots, int slot_capacity, int fi
 }
 
 /// Samples with a NaN or an infinity in the fields before `fields` are noted in `bad`, of BAD_KINDS. Their
-/// radiance becomes 0, and of the layers what is no number.
+/// radiance becomes 0, and so does each non-finite value of their layers.
 STAGE void remove_bad(GLOBAL float* RESTRICT slots, int slot_capacity, int fields, int pitch, int first_pixel,
                       int pixels, int count, GLOBAL BadSamples* RESTRICT bad) {
   for (int p = 0; p < pixels; p++)
@@ -137,9 +137,9 @@ STAGE void remove_bad(GLOBAL float* RESTRICT slots, int slot_capacity, int field
     }
 }
 
-/// Where a plane from `first_plane` on, which is not made of the samples' own fields, came out as no number
-/// (or more than a float holds), the pixel's is 0 in all of them and its samples become as bad, for
-/// accumulate() to count.
+/// Planes from `first_plane` on are not made of the samples' own fields. Where one of them is NaN or
+/// infinite, all of them become 0 for that pixel, and its samples become NaN or infinite, for accumulate() to
+/// count.
 STAGE void spread_bad_planes(const PRIVATE Unit* unit, int first_pixel, int pixels, int first_plane,
                              int planes, GLOBAL float* RESTRICT slots, int slot_capacity,
                              GLOBAL float* RESTRICT out) {

@@ -60,7 +60,7 @@ STAGE void accumulate_ratio(const PRIVATE Unit* unit, int first_pixel, int pixel
   #endif
 
 /// Completes the samples of the block's pixels by their control variates. For the ratio estimator, whose
-/// ratio the film mends when it has those of other units, leaves in UNSHADOWED what the ratio multiplies.
+/// ratio the film corrects once it has those of other units, leaves in UNSHADOWED what the ratio multiplies.
 /// With `layers` also the means of the closed form G, of what shadows take away (the samples' part of the
 /// estimate less G), and of the light samples with and without shadows, in the planes after the other
 /// layers'.

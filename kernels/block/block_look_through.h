@@ -1,5 +1,5 @@
-// Hidden emitters that camera rays look through, as in Mitsuba from 3.7 on: what is behind them is what the
-// camera sees, and all else that they do stays.
+// Hidden emitters that camera rays pass through, as in Mitsuba from 3.7 on: the camera sees what is behind
+// them; nothing else about them changes.
 #ifndef PENUMBRA_BLOCK_LOOK_THROUGH_H
 #define PENUMBRA_BLOCK_LOOK_THROUGH_H
 #include "kernels/block/block_trace.h"
@@ -8,10 +8,10 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 #if HAS(LOOK_THROUGH)
-  // A ray that has gone through so many emitters sees the next one, unlit.
+  // A ray that has passed through this many emitters sees the next one, unlit.
   #define MAX_LOOKED_THROUGH 4096
 
-/// Moves camera rays, for as long as they are on their way, to and from where shadow rays will be.
+/// Keeps the origins and lengths of the camera rays in the fields of the shadow rays, which come later.
 STAGE void keep_starts(GLOBAL float* RESTRICT f, int capacity, int count) {
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP
@@ -23,8 +23,7 @@ STAGE void keep_starts(GLOBAL float* RESTRICT f, int capacity, int count) {
   }
 }
 
-/// The rays start where they did; what they hit is kept, and their surface_at() the same as if nothing had
-/// been in between.
+/// Restores origins and lengths; the hits stay, and surface_at() is the same as without anything in between.
 STAGE void restore_starts(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity, int count) {
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP
@@ -37,7 +36,7 @@ STAGE void restore_starts(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, i
   }
 }
 
-/// Starts the rays that hit an emitter anew behind it, and leaves in ALIVE which.
+/// Restarts the rays that hit an emitter behind it, and marks them in ALIVE.
 STAGE void start_behind_emitters(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f,
                                  GLOBAL int* RESTRICT ints, int capacity, int count) {
   for (int i = 0; i < count; i += LANES) {

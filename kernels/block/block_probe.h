@@ -1,4 +1,4 @@
-// Finds the stage in which the one path of a block first held a non-finite value.
+// Finds where the one path of a block first held a non-finite value: SOURCE_* and the step.
 #ifndef PENUMBRA_BLOCK_PROBE_H
 #define PENUMBRA_BLOCK_PROBE_H
 #include "kernels/block/path_state.h"
@@ -11,7 +11,7 @@ PENUMBRA_NAMESPACE_BEGIN
 FN bool is_nan_bits(uint bits) { return (bits & 0x7fffffffu) > 0x7f800000u; }
 FN bool is_infinite_bits(uint bits) { return (bits & 0x7fffffffu) == 0x7f800000u; }
 
-/// Whether the three fields from `field` on are numbers, in lane 0.
+/// Whether the three fields from `field` on are finite in lane 0.
 FN bool finite_fields(const GLOBAL float* values, int capacity, int field) {
   bool finite = true;
   for (int k = field; k < field + 3; k++) {
@@ -21,9 +21,10 @@ FN bool finite_fields(const GLOBAL float* values, int capacity, int field) {
   return finite;
 }
 
-FN void probe_source(GLOBAL int* probe, bool finite, int stage, int step) {
+/// Keeps the first source whose values are not finite.
+FN void probe_source(GLOBAL int* probe, bool finite, int source, int step) {
   if (finite | (probe[0] != SOURCE_UNKNOWN)) return;
-  probe[0] = stage;
+  probe[0] = source;
   probe[1] = step;
 }
 
@@ -33,7 +34,7 @@ FN void probe_camera(const PRIVATE Block* block) {
   probe_source(block->probe, finite, SOURCE_CAMERA, 0);
 }
 
-/// After an integrator's step: what it found, and what it asks for.
+/// After an integrator's step: the emission that it added, and the shadow ray and next ray that it requests.
 FN void probe_step(const PRIVATE Block* block, bool control, int step) {
   const GLOBAL float* f = block->f;
   const int capacity = block->capacity;
@@ -54,8 +55,8 @@ FN void probe_light(const PRIVATE Block* block, int step) {
   probe_source(block->probe, finite_fields(block->f, block->capacity, RADIANCE_X), SOURCE_LIGHT, step);
 }
 
-FN void probe_sample(const PRIVATE Block* block, int stage) {
-  probe_source(block->probe, finite_fields(block->slots, block->slot_capacity, SAMPLE_X), stage, 0);
+FN void probe_sample(const PRIVATE Block* block, int source) {
+  probe_source(block->probe, finite_fields(block->slots, block->slot_capacity, SAMPLE_X), source, 0);
 }
 
 PENUMBRA_NAMESPACE_END

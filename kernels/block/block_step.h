@@ -7,22 +7,22 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// The numbers of a path's step, for LANES paths from lane i on; those that it does not need stay as they
-/// are.
-FN void draw_step(const PRIVATE SceneHeader* h, uint pair, bool roulette, const GLOBAL int* RESTRICT ints,
-                  int capacity, int i, PRIVATE float* RESTRICT u) {
+/// Random numbers for a step of LANES paths from lane i on; those that the step does not need are not
+/// written.
+FN void step_numbers(const PRIVATE SceneHeader* h, uint pair, bool roulette, const GLOBAL int* RESTRICT ints,
+                     int capacity, int i, PRIVATE float* RESTRICT u) {
   const uint spp = sequence_length(h);
-  draw_pair(h->sampler, spp, draw_once(pair), ints, capacity, i, u + DRAW_LIGHT_U * LANES,
-            u + DRAW_LIGHT_V * LANES);
-  draw_pair(h->sampler, spp, draw_once(pair + 1u), ints, capacity, i, u + DRAW_BSDF_U * LANES,
-            u + DRAW_BSDF_V * LANES);
-  const bool chooses = h->light_count > 1;  // a single light needs no digits below
+  sample_pair(h->sampler, spp, one_point(pair), ints, capacity, i, u + DIM_LIGHT_U * LANES,
+              u + DIM_LIGHT_V * LANES);
+  sample_pair(h->sampler, spp, one_point(pair + 1u), ints, capacity, i, u + DIM_BSDF_U * LANES,
+              u + DIM_BSDF_V * LANES);
+  const bool chooses = h->light_count > 1;  // a single light needs no finer digits
   if (chooses | HAS(PHONG))
-    draw_pair(h->sampler, spp, draw_once(pair + 2u), ints, capacity, i,
-              u + (chooses ? DRAW_LIGHT_FINE : DRAW_SPARE) * LANES, u + DRAW_LOBE_CHOICE * LANES);
+    sample_pair(h->sampler, spp, one_point(pair + 2u), ints, capacity, i,
+                u + (chooses ? DIM_LIGHT_FINE : DIM_SPARE) * LANES, u + DIM_LOBE_CHOICE * LANES);
   if (roulette)
-    draw_pair(h->sampler, spp, draw_once(pair + 3u), ints, capacity, i, u + DRAW_ROULETTE * LANES,
-              u + DRAW_SPARE * LANES);
+    sample_pair(h->sampler, spp, one_point(pair + 3u), ints, capacity, i, u + DIM_ROULETTE * LANES,
+                u + DIM_SPARE * LANES);
 }
 
 #if HAS(PATH)
@@ -33,16 +33,16 @@ STAGE void step_paths(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOB
   const bool roulette = step + 1 >= h->rr_depth, scatters = step + 1 < h->max_depth;
   const LightRequest request =
       light_request(scene, true, scatters, scatters, h->direct_sampling == SAMPLING_MIS);
-  SurfaceFields lit;
-  lit.hit = HIT;
-  lit.origin_x = RAY_ORIGIN_X;
-  lit.direction_x = RAY_DIRECTION_X;
-  float u[DRAWS * LANES];
-  for (int j = 0; j < DRAWS * LANES; j++) u[j] = 0.0f;
+  SurfaceFields surface;
+  surface.hit = HIT;
+  surface.origin_x = RAY_ORIGIN_X;
+  surface.direction_x = RAY_DIRECTION_X;
+  float u[STEP_DIMENSIONS * LANES];
+  for (int j = 0; j < STEP_DIMENSIONS * LANES; j++) u[j] = 0.0f;
   for (int i = 0; i < count; i += LANES) {
-    if (scatters) draw_step(h, pair, roulette, ints, capacity, i, u);
+    if (scatters) step_numbers(h, pair, roulette, ints, capacity, i, u);
     float samplings[LIGHT_SAMPLING_FLOATS];
-    sample_light_lanes(scene, request, lit, f, ints, capacity, i, u, samplings);
+    sample_light_lanes(scene, request, surface, f, ints, capacity, i, u, samplings);
     LANE_LOOP
       for (int j = 0; j < LANES; j++) path_step(scene, f, ints, capacity, step, i + j, u, j, samplings);
   }
@@ -57,7 +57,7 @@ STAGE void keep_camera_rays(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
   }
 }
 
-// What a scene's sampling does not need is not computed: a stage each.
+// One stage each, so that what a scene does not need is not computed.
 
 STAGE void see_emitters(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                         int capacity, int i) {
@@ -92,21 +92,21 @@ STAGE void begin_steps(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int 
     for (int j = i; j < i + LANES; j++) begin_step(f, ints, capacity, is_last, j);
 }
 
-/// The numbers of a step's samples.
-FN void draw_direct(const PRIVATE SceneHeader* h, int step, const GLOBAL int* RESTRICT ints, int capacity,
-                    int i, PRIVATE float* RESTRICT u) {
+/// Random numbers for a step's light and direction samples.
+FN void direct_numbers(const PRIVATE SceneHeader* h, int step, const GLOBAL int* RESTRICT ints, int capacity,
+                       int i, PRIVATE float* RESTRICT u) {
   const uint spp = sequence_length(h), pair = step_pair(0);
   const int emitter_samples = h->emitter_samples, bsdf_samples = h->bsdf_samples;
   const int most = emitter_samples > bsdf_samples ? emitter_samples : bsdf_samples;
   if (step < emitter_samples)
-    draw_pair(h->sampler, spp, draw_nth(pair, emitter_samples, step), ints, capacity, i,
-              u + DRAW_LIGHT_U * LANES, u + DRAW_LIGHT_V * LANES);
+    sample_pair(h->sampler, spp, nth_point(pair, emitter_samples, step), ints, capacity, i,
+                u + DIM_LIGHT_U * LANES, u + DIM_LIGHT_V * LANES);
   if (step < bsdf_samples)
-    draw_pair(h->sampler, spp, draw_nth(pair + 1u, bsdf_samples, step), ints, capacity, i,
-              u + DRAW_BSDF_U * LANES, u + DRAW_BSDF_V * LANES);
+    sample_pair(h->sampler, spp, nth_point(pair + 1u, bsdf_samples, step), ints, capacity, i,
+                u + DIM_BSDF_U * LANES, u + DIM_BSDF_V * LANES);
   if ((step < bsdf_samples) | ((step < emitter_samples) & (h->light_count > 1)))
-    draw_pair(h->sampler, spp, draw_nth(pair + 2u, most, step), ints, capacity, i,
-              u + DRAW_LIGHT_FINE * LANES, u + DRAW_LOBE_CHOICE * LANES);
+    sample_pair(h->sampler, spp, nth_point(pair + 2u, most, step), ints, capacity, i,
+                u + DIM_LIGHT_FINE * LANES, u + DIM_LOBE_CHOICE * LANES);
 }
 
 STAGE void step_direct(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
@@ -117,16 +117,16 @@ STAGE void step_direct(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLO
   const int rays = balances ? h->bsdf_samples + 1 : 1;
   const bool is_last = step + 1 >= (h->emitter_samples > rays ? h->emitter_samples : rays);
   const LightRequest request = light_request(scene, false, emits, step == 0, balances);
-  SurfaceFields lit;
-  lit.hit = CAMERA_HIT;
-  lit.origin_x = CAMERA_ORIGIN_X;
-  lit.direction_x = CAMERA_DIRECTION_X;
-  float u[DRAWS * LANES];
-  for (int j = 0; j < DRAWS * LANES; j++) u[j] = 0.0f;
+  SurfaceFields surface;
+  surface.hit = CAMERA_HIT;
+  surface.origin_x = CAMERA_ORIGIN_X;
+  surface.direction_x = CAMERA_DIRECTION_X;
+  float u[STEP_DIMENSIONS * LANES];
+  for (int j = 0; j < STEP_DIMENSIONS * LANES; j++) u[j] = 0.0f;
   for (int i = 0; i < count; i += LANES) {
-    draw_direct(h, step, ints, capacity, i, u);
+    direct_numbers(h, step, ints, capacity, i, u);
     float samplings[LIGHT_SAMPLING_FLOATS];
-    sample_light_lanes(scene, request, lit, f, ints, capacity, i, u, samplings);
+    sample_light_lanes(scene, request, surface, f, ints, capacity, i, u, samplings);
     if (balances) weigh_emitters(scene, f, ints, capacity, i, samplings);
     if (!balances & (step == 0)) see_emitters(scene, f, ints, capacity, i);
     begin_steps(f, ints, capacity, is_last, i);

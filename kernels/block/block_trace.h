@@ -121,8 +121,8 @@ STAGE void occlude_block(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, G
 #endif
 }
 
-/// Adds the light of shadow rays to the field, of all or of those that got through; with `control` only of
-/// those whose light goes into closed forms' samples, or is not `controlled`.
+/// Adds the light of shadow rays to the field: of all, or with `unblocked` of the unblocked ones. With
+/// `control` only of those towards lights with a control variate (`controlled`) or of the others.
 STAGE void add_light(int field, bool unblocked, bool control, bool controlled, GLOBAL float* RESTRICT f,
                      const GLOBAL int* RESTRICT ints, int capacity, int count) {
   for (int i = 0; i < count; i += LANES) {

@@ -89,7 +89,7 @@ enum {
   LANE_INTS(ENUMERATE) STATE_INTS
 };
 #undef ENUMERATE
-// Beneath the surface a light is in shadow whatever the shadow ray says; its closed form does not know that.
+// A light beneath the surface is in shadow whatever the shadow ray says; its closed form ignores that.
 enum { CONTROLLED_NOT, CONTROLLED_SEEN, CONTROLLED_BENEATH };
 #define REFERENCE_NORMAL_X CAMERA_DIRECTION_X
 
@@ -107,8 +107,8 @@ typedef struct {
   GLOBAL float* slots;  ///< slot_floats() * slot_capacity
   int capacity;         ///< paths under way at once, a multiple of LANES
   int slot_capacity;    ///< for the samples of the block's pixels and more, see slot_pixels()
-  GLOBAL int* probe;    ///< 0, or for a block of one path: becomes the STAGE_* where it first was not finite,
-                        ///< and the step
+  GLOBAL int* probe;  ///< 0, or for a block of one path: becomes the SOURCE_* of its first non-finite value,
+                      ///< and the step
 } Block;
 
 // Read and write a vec3 whose x, y and z are consecutive fields.

@@ -48,7 +48,7 @@ typedef struct {
   float pdf;    ///< 0: no direction
 } BsdfSample;
 
-/// Draws `wi` with the density that eval_bsdf reports.
+/// Samples `wi` with the density that eval_bsdf reports.
 FN BsdfSample sample_bsdf(GLOBAL const Material* m, vec3 n, vec3 wo, float u, float v, float choice) {
   BsdfSample s;
   s.wi = sample_cosine_hemisphere(n, u, v);

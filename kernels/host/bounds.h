@@ -1,4 +1,4 @@
-// Axis-aligned boxes of primitives, for whoever builds a hierarchy.
+// Axis-aligned boxes of primitives, for building hierarchies.
 #pragma once
 
 #include <algorithm>

@@ -37,7 +37,7 @@ int write_all(int descriptor, std::string_view bytes) {
     const ssize_t written = write(descriptor, bytes.data(), bytes.size());
     if (written >= 0) {
       bytes.remove_prefix(std::size_t(written));
-    } else if (errno == EAGAIN) {  // somebody who shares the terminal or pipe does not want to wait
+    } else if (errno == EAGAIN) {  // another process has made the shared terminal or pipe non-blocking
       pollfd ready{descriptor, POLLOUT, 0};
       if (poll(&ready, 1, -1) < 0 && errno != EINTR) return errno;
     } else if (errno != EINTR) {

@@ -27,10 +27,10 @@ void print_warning(std::string_view text) noexcept;
 
 /// What was asked for, on stdout.
 void print_answer(std::string_view text);
-/// What nobody asked for, on stdout: a render's summary. It is no failure if it cannot be written.
+/// Output that was not requested, on stdout: a render's summary. A failure to write it is ignored.
 void print_remark(std::string_view text);
 
-/// Draws one line of stderr's terminal anew; messages take its place.
+/// Redraws one line of stderr's terminal; messages take its place.
 void redraw_line(std::string_view text);
 /// Clears it, if there is one.
 void clear_line();

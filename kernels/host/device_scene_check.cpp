@@ -77,7 +77,7 @@ class Checker {
   void check_records() {
     require(h_.material_count >= 1, "no material");
     require(in(h_.environment, -1, h_.light_count - 1), "the environment names no light");
-    // Where there is none, record 0 stands for what a ray misses.
+    // Even without triangles, record 0 is read for rays that miss.
     for (const Triangle& t : table<Triangle>(scene_, h_.triangles, at_least_one(h_.triangle_count))) {
       require(is_material(t.front) && is_material(t.back), "a triangle names a material that is not there");
       require(in(t.light, -1, at_least_one(h_.light_count) - 1),

@@ -4,8 +4,8 @@
 
 namespace penumbra {
 
-std::string_view source_name(int stage) {
-  switch (stage) {
+std::string_view source_name(int source) {
+  switch (source) {
     case SOURCE_CAMERA:
       return "camera ray";
     case SOURCE_EMISSION:
@@ -21,7 +21,7 @@ std::string_view source_name(int stage) {
     case SOURCE_FILTER:
       return "film filter, or a layer";
     default:
-      return "unknown stage";
+      return "unknown source";
   }
 }
 

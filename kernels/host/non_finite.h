@@ -9,16 +9,16 @@
 
 namespace penumbra {
 
-/// Where a path was when a value of it first was not finite.
+/// Where a path first held a non-finite value.
 struct NonFiniteSource {
-  int stage = SOURCE_UNKNOWN;  ///< STAGE_*
+  int stage = SOURCE_UNKNOWN;  ///< SOURCE_*
   int step = 0;                ///< of the integrator, from 0: the bounce
 
   friend auto operator<=>(const NonFiniteSource&, const NonFiniteSource&) = default;
 };
 
-/// "emission", "light sample", ...
-std::string_view source_name(int stage);
+/// "camera ray", "light sample", ... for a SOURCE_*.
+std::string_view source_name(int source);
 
 /// Samples of one kind, NaN or infinite; they count as 0 radiance. The first is that of the first row, in it
 /// of the first column, in that pixel of the lowest index.
@@ -26,15 +26,15 @@ struct NonFiniteSamples {
   std::uint64_t count = 0;
   int x = 0, y = 0;            ///< film pixel of the first; means nothing where there is none, as the rest
   std::uint32_t sample = 0;    ///< its index
-  NonFiniteSource stage = {};  ///< where it became so
+  NonFiniteSource stage = {};  ///< where it first held the value
 
-  /// Adds others, in whatever order.
+  /// Adds others, in any order.
   void add(const NonFiniteSamples& others);
 
   friend bool operator==(const NonFiniteSamples&, const NonFiniteSamples&) = default;
 };
 
-/// What a block of a unit noted.
+/// From the counts of a block, with pixels and indices of the unit, to those of the film.
 NonFiniteSamples non_finite_samples(const Unit& unit, const BadSamples& bad);
 
 }  // namespace penumbra

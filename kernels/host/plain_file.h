@@ -1,4 +1,4 @@
-// Reading a whole file that somebody else named: never a device, a pipe or more than was expected.
+// Reading a whole file whose name comes from outside: never a device, a pipe or more than was expected.
 #pragma once
 
 #include <cstdint>

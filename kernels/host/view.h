@@ -29,7 +29,7 @@ inline void apply_view(const View& view, SceneHeader& h) {
 /// To the bit.
 inline bool is_same(const View& a, const View& b) { return std::memcmp(&a, &b, sizeof(View)) == 0; }
 
-/// Whether all of it are numbers.
+/// Whether all components are finite.
 inline bool is_finite(const View& view) {
   for (const vec3& v : {view.origin, view.x, view.y, view.z})
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) return false;

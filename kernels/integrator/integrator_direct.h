@@ -54,7 +54,7 @@ FN void weigh_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOB
   STORE3(f, capacity, RADIANCE_X, i, sum);
 }
 
-/// Lane i's emitter sample by u, which holds DRAWS * LANES numbers, those of lane i at j.
+/// Lane i's emitter sample by u, which holds STEP_DIMENSIONS * LANES numbers, those of lane i at j.
 FN void sample_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                        int capacity, int i, const PRIVATE float* u, int j, LightSampling sampling) {
   const int emitter_samples = scene->header.emitter_samples, bsdf_samples = scene->header.bsdf_samples;
@@ -62,8 +62,8 @@ FN void sample_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLO
   const vec3 origin = LOAD3(f, capacity, CAMERA_ORIGIN_X, i);
   const vec3 direction = LOAD3(f, capacity, CAMERA_DIRECTION_X, i);
   const Surface s = surface_at(scene, primitive, origin, direction);
-  const LightSample light = sample_light(scene, s, u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_V * LANES + j],
-                                         u[DRAW_LIGHT_FINE * LANES + j], sampling);
+  const LightSample light = sample_light(scene, s, u[DIM_LIGHT_U * LANES + j], u[DIM_LIGHT_V * LANES + j],
+                                         u[DIM_LIGHT_FINE * LANES + j], sampling);
   const BsdfValue value = eval_bsdf(scene->materials + s.material, s.shading, s.wo, light.wi);
   const float other = direction_pdf(scene->header.bsdf_sampling, s.shading, light.wi, value.pdf);
   const float by_emitter = (float)emitter_samples * light.pdf, by_direction = (float)bsdf_samples * other;
@@ -83,8 +83,8 @@ FN void sample_direction(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, G
   const vec3 camera_direction = LOAD3(f, capacity, CAMERA_DIRECTION_X, i);
   const Surface s = surface_at(scene, primitive, camera_origin, camera_direction);
   GLOBAL const Material* material = scene->materials + s.material;
-  const float du = u[DRAW_BSDF_U * LANES + j], dv = u[DRAW_BSDF_V * LANES + j];
-  const BsdfSample by_bsdf = sample_bsdf(material, s.shading, s.wo, du, dv, u[DRAW_LOBE_CHOICE * LANES + j]);
+  const float du = u[DIM_BSDF_U * LANES + j], dv = u[DIM_BSDF_V * LANES + j];
+  const BsdfSample by_bsdf = sample_bsdf(material, s.shading, s.wo, du, dv, u[DIM_LOBE_CHOICE * LANES + j]);
   const vec3 by_cosine = sample_cosine_hemisphere(s.shading, du, dv);
   const vec3 by_area = sample_uniform_hemisphere(s.shading, du, dv);
   const vec3 wi =

@@ -21,7 +21,8 @@ FN float roulette_survival(float throughput, int k) {
   return min_f(SQRT(2.0f * throughput), 1.0f - 2.0f / ((float)k + ROULETTE_LASTS));
 }
 
-/// Lane i of the block after `step` earlier steps; u holds DRAWS * LANES numbers, those of lane i at j.
+/// Lane i of the block after `step` earlier steps; u holds STEP_DIMENSIONS * LANES numbers, those of lane i
+/// at j.
 FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                   int capacity, int step, int i, const PRIVATE float* u, int j,
                   const PRIVATE float* samplings) {
@@ -39,7 +40,8 @@ FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL i
                                 ? mis_weight(scene->header.heuristic, direction_pdf, emission.pdf)
                                 : (sampling == SAMPLING_BSDF_ONLY ? 1.0f : 0.0f);
   const float seen = scene->header.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
-  // Whose closed form is added at every surface, next-event estimation finds alone.
+  // Where the closed form of a light is added at every surface, only next-event estimation samples that
+  // light.
   const bool controlled = (scene->header.estimator != ESTIMATOR_SAMPLES) & emission.of_polygon;
   const float emission_weight = step > 0 ? (controlled ? 0.0f : bsdf_weight) : seen;
   const vec3 radiance = LOAD3(f, capacity, RADIANCE_X, i);
@@ -49,8 +51,8 @@ FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL i
   GLOBAL const Material* material = scene->materials + s.material;
   const bool scatters = s.valid & (step + 1 < scene->header.max_depth);
 
-  const LightSample light = sample_light(scene, s, u[DRAW_LIGHT_U * LANES + j], u[DRAW_LIGHT_V * LANES + j],
-                                         u[DRAW_LIGHT_FINE * LANES + j], light_sampling);
+  const LightSample light = sample_light(scene, s, u[DIM_LIGHT_U * LANES + j], u[DIM_LIGHT_V * LANES + j],
+                                         u[DIM_LIGHT_FINE * LANES + j], light_sampling);
   const BsdfValue value = eval_bsdf(material, s.shading, s.wo, light.wi);
   const float shared =
       sampling == SAMPLING_MIS ? mis_weight(scene->header.heuristic, light.pdf, value.pdf) : 1.0f;
@@ -61,15 +63,15 @@ FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL i
   const vec3 arriving = mul(throughput, scale(mul(value.f_cos, light.radiance), light_weight));
   ask_for_shadow_ray(scene, f, ints, capacity, i, s, light, arriving, lit, primitive);
 
-  const BsdfSample next = sample_bsdf(material, s.shading, s.wo, u[DRAW_BSDF_U * LANES + j],
-                                      u[DRAW_BSDF_V * LANES + j], u[DRAW_LOBE_CHOICE * LANES + j]);
+  const BsdfSample next = sample_bsdf(material, s.shading, s.wo, u[DIM_BSDF_U * LANES + j],
+                                      u[DIM_BSDF_V * LANES + j], u[DIM_LOBE_CHOICE * LANES + j]);
   throughput = mul(throughput, next.weight);
   const float strongest = max_component(throughput);
   const bool roulette = step + 1 >= scene->header.rr_depth;
   const int throws = roulette ? step + 1 - scene->header.rr_depth : 0;
   const float survival = roulette ? roulette_survival(strongest, throws) : 1.0f;
   const bool alive = scatters & (next.pdf > 0.0f) & (strongest > 0.0f) & !is_beneath(s, next.wi) &
-                     (u[DRAW_ROULETTE * LANES + j] < survival);
+                     (u[DIM_ROULETTE * LANES + j] < survival);
   throughput = scale(throughput, 1.0f / (alive ? survival : 1.0f));
   const vec3 origin = leave_surface(s.p, s.geometric, s.error, next.wi);
   STORE3(f, capacity, RAY_ORIGIN_X, i, origin);

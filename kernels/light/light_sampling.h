@@ -1,19 +1,19 @@
-// What a stage of its own finds out about lights before an integrator's step: many times the arithmetic of
-// the step itself, which scenes that do not ask for it shall not carry.
+// The result of the light sampling stage, which precedes an integrator's step. The stage takes many times the
+// arithmetic of the step, so it is separate: scenes that do not need it do not pay for it.
 #ifndef PENUMBRA_LIGHT_SAMPLING_H
 #define PENUMBRA_LIGHT_SAMPLING_H
 #include "kernels/intersect/surface.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Number of the polygon light that the surface is a part of, or -1.
+/// Index of the polygon light that the surface is a part of, or -1.
 FN int own_polygon(const PRIVATE Scene* scene, Surface s) {
   const int polygon = scene->lights[s.light >= 0 ? s.light : 0].polygon;
   return s.light >= 0 ? polygon : -1;
 }
 
-/// Index of the light that a ray finds which ends on this surface, or leaves the scene; negative: none, or
-/// the back of it.
+/// Index of the light that a ray hits if it ends on this surface, or of the environment if it leaves the
+/// scene; negative: none, or the light's back.
 FN int light_found(const PRIVATE Scene* scene, Surface s) {
   const int two_sided = scene->lights[s.light >= 0 ? s.light : 0].two_sided;
   int index = (s.front | (two_sided != 0)) ? s.light : -1;
@@ -23,8 +23,8 @@ FN int light_found(const PRIVATE Scene* scene, Surface s) {
   return index;
 }
 
-/// Whether the surface is a part of that light and does not see it: of a flat one, or of a sphere unless it
-/// is the shining inside of one. Formulas cannot tell: rounding puts the surface to either side of the
+/// Whether the surface is a part of that light and receives nothing from it: a part of a flat light, or of a
+/// sphere except its emitting inside. Formulas cannot tell: rounding puts the surface to either side of the
 /// light's plane or sphere, which covers half the directions or nothing.
 FN bool is_own_light(const PRIVATE Scene* scene, Surface s, int light) {
   bool own = light == s.light;
@@ -40,13 +40,14 @@ FN bool is_own_light(const PRIVATE Scene* scene, Surface s, int light) {
   return own;
 }
 
-/// Densities of projected solid angle leave out the choice of the light.
+/// A light sample as far as the stage decides it. Densities by projected solid angle do not include the
+/// probability of choosing the light.
 typedef struct {
-  float found_pdf;  ///< density with which the last ray's direction would have been chosen, or negative
-  float light;      ///< index of the light that the step is to sample; negative: the step chooses by power
-  float pmf;        ///< probability of having chosen it
-  vec3 wi;          ///< towards it
-  float scale;  ///< the density of wi is its cosine times this; negative: the step chooses where on the light
+  float found_pdf;  ///< density with which the last ray's direction would have been sampled, or negative
+  float light;      ///< index of the light that the step samples; negative: the step chooses by power
+  float pmf;        ///< probability of choosing it
+  vec3 wi;          ///< direction towards it
+  float scale;      ///< the density of wi is its cosine times this; negative: the step samples a point
 } LightSampling;
 
 enum {
@@ -60,7 +61,7 @@ enum {
   LIGHT_SAMPLING_COUNT
 };
 #define HAS_LIGHT_SAMPLING (HAS(PROJECTED) || HAS(POLYGONS))
-// Floats of a PRIVATE array of Aims, value V of lane j at V * LANES + j.
+// Floats of a PRIVATE array that holds LANES of LightSampling, value V of lane j at V * LANES + j.
 #define LIGHT_SAMPLING_FLOATS (HAS_LIGHT_SAMPLING ? LIGHT_SAMPLING_COUNT * LANES : 1)
 
 FN LightSampling no_light_sampling(void) {
@@ -83,7 +84,7 @@ FN void store_light_sampling(PRIVATE float* samplings, int j, LightSampling samp
 #endif
 }
 
-/// Lane j's; none where the kernel is compiled without.
+/// Lane j's; no_light_sampling() in kernels that are compiled without.
 FN LightSampling load_light_sampling(const PRIVATE float* samplings, int j) {
   LightSampling sampling = no_light_sampling();
 #if HAS_LIGHT_SAMPLING

@@ -1,6 +1,6 @@
-// A look at all lights from a shading point before it is lit: the closed form of the polygon lights, and the
-// choice of one light in proportion to what each contributes without shadows. LANES points at a time, in
-// double: errors of a closed form are a bias of the image.
+// Unshadowed light at a shading point: the closed form of the polygon lights, and the choice of one light in
+// proportion to its unshadowed contribution. LANES points at a time, in double: errors of a closed form are a
+// bias of the image.
 #ifndef PENUMBRA_LIGHT_UNSHADOWED_H
 #define PENUMBRA_LIGHT_UNSHADOWED_H
 #include "kernels/bsdf/bsdf.h"
@@ -13,19 +13,19 @@ PENUMBRA_NAMESPACE_BEGIN
 
 #if HAS(POLYGONS)
 
-/// Points that lights shine on, and what they reflect.
+/// Shading points and their reflectances, one a lane.
 typedef struct {
   Receivers receivers;
-  double diffuse[3 * LANES];   ///< reflectance, channel c of lane j at c * LANES + j; 0 where nothing is lit
+  double diffuse[3 * LANES];  ///< reflectance, channel c of lane j at c * LANES + j; 0 if it reflects nothing
   double specular[3 * LANES];  ///< likewise
-  double polygon[LANES];  ///< number of the polygon light that the point is on, which adds nothing; or -1
-} LitPoints;
+  double polygon[LANES];       ///< index of the polygon light that the point is on, or -1; it adds nothing
+} ShadingPoints;
 
-/// Lane j is the surface `s` that the ray meets on the primitive. Its place on a triangle is worked out once
-/// more in double: far from the scene's centre a rounded one is off the surface by more than closed forms
-/// are.
-FN void store_lit_point(const PRIVATE Scene* scene, Surface s, int primitive, vec3 o, vec3 d,
-                        PRIVATE LitPoints* points, int j) {
+/// Sets lane j to the surface `s` where the ray meets the primitive. A position on a triangle is computed
+/// again in double: far from the scene's centre a rounded one is further off the surface than the errors of
+/// the closed forms allow.
+FN void store_shading_point(const PRIVATE Scene* scene, Surface s, int primitive, vec3 o, vec3 d,
+                            PRIVATE ShadingPoints* points, int j) {
   const bool on_triangle = s.valid & (primitive < scene->header.triangle_count);
   GLOBAL const Triangle* t = scene->triangles + (on_triangle ? primitive : 0);
   const vec3 p0 = load3(&t->p0), p1 = load3(&t->p1), p2 = load3(&t->p2);
@@ -73,14 +73,15 @@ FN void store_lit_point(const PRIVATE Scene* scene, Surface s, int primitive, ve
   points->specular[2 * LANES + j] = lit ? (double)specular.z : 0.0;
 }
 
-/// One of several things, drawn as they come, each in proportion to its weight: by one number that is spread
-/// out again over [0, 1) after each decision, so that what well-spread numbers draw is well spread too and
-/// the last of it still serves to choose a point. One entry a lane.
+/// A weighted reservoir of one item, with one entry a lane: of a stream of items it keeps each with a
+/// probability in proportion to its weight. One random number serves for all decisions. After each it is
+/// stretched to [0, 1) again, so stratified numbers make stratified choices, and the remainder still serves
+/// to sample a point.
 typedef struct {
-  double u[LANES];
-  double total[LANES];   ///< of all weights
-  double weight[LANES];  ///< of the one that is chosen
-  int chosen[LANES];     ///< its number, -1 at first
+  double u[LANES];       ///< the random number, or its remainder
+  double total[LANES];   ///< sum of all weights
+  double weight[LANES];  ///< of the chosen item
+  int chosen[LANES];     ///< number of the chosen item, -1 before there is one
 } Reservoir;
 
 FN void start_reservoir(PRIVATE Reservoir* reservoir, int j, double u) {
@@ -100,12 +101,14 @@ FN void add_to_reservoir(PRIVATE Reservoir* reservoir, int j, int number, double
   reservoir->chosen[j] = taken ? number : reservoir->chosen[j];
 }
 
+/// Probability of the chosen item.
 FN double reservoir_probability(const PRIVATE Reservoir* reservoir, int j) {
   const double total = reservoir->total[j];
   return reservoir->weight[j] / (total > 0.0 ? total : 1.0);
 }
 
-/// Whether the polygon of that number has a k-th part, and the light that it is; else some light.
+/// Whether that polygon light has a k-th part. part_of: the index of that part among the lights, or of some
+/// light if there is none.
 FN bool is_part(const PRIVATE Scene* scene, int polygon, int k) {
   const bool is_polygon = (polygon >= 0) & (polygon < scene->header.polygon_count);
   const int count = scene->polygons[is_polygon ? polygon : 0].light_count;
@@ -118,7 +121,8 @@ FN int part_of(const PRIVATE Scene* scene, int polygon, int k) {
   return first + (k < count ? k : 0);
 }
 
-/// What a light that is no polygon may contribute to a diffuse point, at most: its choice needs no more.
+/// Rough upper bound of the irradiance from a light without a closed form, channels averaged. Choosing among
+/// lights needs no more.
 FN double rough_irradiance(GLOBAL const Light* light, double x, double y, double z) {
   const vec3 p = load3(&light->p0), radiance = load3(&light->radiance);
   const double dx = p.x - x, dy = p.y - y, dz = p.z - z;
@@ -133,10 +137,10 @@ FN double rough_irradiance(GLOBAL const Light* light, double x, double y, double
   return mean * (light->kind == LIGHT_ENVIRONMENT ? pi : limited);
 }
 
-/// Adds up the closed form of all polygon lights but the point's own: radiance towards the viewer without
-/// shadows, channel c of lane j at `analytic[c * LANES + j]`. With `draw` also draws a light: polygon k as k,
-/// light k that is no part of one as polygon_count + k.
-STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE LitPoints* points, bool draw,
+/// Sums the closed forms of all polygon lights except the point's own: unshadowed radiance towards the
+/// viewer, channel c of lane j at `analytic[c * LANES + j]`. With `choose` also adds all lights to the
+/// reservoir: polygon k as item k, light k that is not a part of a polygon as item polygon_count + k.
+STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* points, bool choose,
                              PRIVATE Reservoir* RESTRICT reservoir, PRIVATE double* RESTRICT analytic) {
   for (int j = 0; j < 3 * LANES; j++) analytic[j] = 0.0;
   for (int k = 0; k < scene->header.polygon_count; k++) {
@@ -156,10 +160,10 @@ STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE LitPoints
         analytic[j] += r;
         analytic[LANES + j] += g;
         analytic[2 * LANES + j] += b;
-        if (draw) add_to_reservoir(reservoir, j, k, r + g + b);
+        if (choose) add_to_reservoir(reservoir, j, k, r + g + b);
       }
   }
-  for (int k = 0; draw && k < scene->header.light_count; k++) {
+  for (int k = 0; choose && k < scene->header.light_count; k++) {
     GLOBAL const Light* light = scene->lights + k;
     if (light->polygon >= 0) continue;
     LANE_LOOP
@@ -174,10 +178,10 @@ STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE LitPoints
   }
 }
 
-/// From the drawn polygon to one of its parts: in proportion to its projected solid angle if that is how it
-/// is sampled, else to its area. Leaves the light and its probability in the samplings, the projected solid
-/// angle in `projected`, and in `u` what the number that drew it has left.
-STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE LitPoints* points, bool by_projection,
+/// Chooses one of the parts of the chosen polygon, in proportion to projected solid angle if the light is
+/// sampled by it, else to area. Stores the light and its probability in the samplings, its projected solid
+/// angle in `projected`, and the remainder of the random number in `u`.
+STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* points, bool by_projection,
                        const PRIVATE Reservoir* RESTRICT reservoir, PRIVATE float* RESTRICT samplings,
                        PRIVATE double* RESTRICT projected, PRIVATE float* RESTRICT u) {
   const int polygons = scene->header.polygon_count;
@@ -212,12 +216,13 @@ STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE LitPoints* poin
   }
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const int chosen = reservoir->chosen[j], drawn = part.chosen[j];
+      const int chosen = reservoir->chosen[j], chosen_part = part.chosen[j];
       const bool is_polygon = (chosen >= 0) & (chosen < polygons);
       const int other = chosen >= polygons ? chosen - polygons : 0;
       const double share =
           reservoir_probability(reservoir, j) * (is_polygon ? reservoir_probability(&part, j) : 1.0);
-      samplings[LIGHT_SAMPLING_LIGHT * LANES + j] = (float)(is_polygon ? (drawn >= 0 ? drawn : 0) : other);
+      samplings[LIGHT_SAMPLING_LIGHT * LANES + j] =
+          (float)(is_polygon ? (chosen_part >= 0 ? chosen_part : 0) : other);
       samplings[LIGHT_SAMPLING_PMF * LANES + j] = chosen >= 0 ? (float)share : 0.0f;
       projected[j] = is_polygon ? part.weight[j] : 0.0;
       const float left = (float)(is_polygon ? part.u[j] : reservoir->u[j]);

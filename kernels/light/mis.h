@@ -6,7 +6,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Weight of a sample drawn with expected density `mine` (samples times pdf) where another strategy has
+/// Weight of a sample of expected density `mine` (samples times pdf) where another strategy has
 /// `other`: the balance heuristic, or the power heuristic with beta = 2. 0 if `mine` is 0. Quotients first:
 /// densities may be so large that their squares overflow.
 FN float mis_weight(int heuristic, float mine, float other) {

@@ -1,4 +1,4 @@
-// Directions to lights by projected solid angle, as a part of the stage that samplings.
+// Sampling lights by projected solid angle: a part of the light sampling stage.
 #ifndef PENUMBRA_PROJECTED_LIGHT_H
 #define PENUMBRA_PROJECTED_LIGHT_H
 #include "kernels/intersect/surface.h"
@@ -10,7 +10,8 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 #if HAS_LIGHT_SAMPLING
-/// Triangle light as a receiver sees it, in double; 0 for other kinds.
+/// Irradiance from a triangle light per unit of its radiance, which is its projected solid angle, in double;
+/// 0 for other kinds.
 FN double light_irradiance(GLOBAL const Light* light, double x, double y, double z, double nx, double ny,
                            double nz) {
   const double e = triangle_irradiance(x, y, z, nx, ny, nz, load3(&light->p0), load3(&light->p1),
@@ -20,8 +21,8 @@ FN double light_irradiance(GLOBAL const Light* light, double x, double y, double
 #endif
 
 #if HAS(PROJECTED)
-/// The light as directions about `n` at `from`. Its area decides whether it is sampled by projected solid
-/// angle; how large that is, the closed form knows better.
+/// The light projected onto the hemisphere about `n` at `from`. It is sampled by projected solid angle if the
+/// `area` of the result is above 0; light_irradiance gives that area more precisely.
 FN ProjectedPolygon project_light(GLOBAL const Light* light, vec3 from, vec3 n) {
   const vec3 p0 = sub(load3(&light->p0), from), p1 = sub(load3(&light->p1), from);
   const vec3 p2 = sub(load3(&light->p2), from);
@@ -33,8 +34,8 @@ FN ProjectedPolygon project_light(GLOBAL const Light* light, vec3 from, vec3 n) 
   return polygon;
 }
 
-/// For the surface that a ray found, or the environment, which left `from` in `direction`; the shading normal
-/// there was `n`.
+/// Stores the density with which sampling by projected solid angle chooses `direction` at `from` with shading
+/// normal `n`. `found` is the surface, or the environment, that a ray in this direction hit.
 FN void projected_density_of_found(const PRIVATE Scene* scene, Surface found, vec3 from, vec3 direction,
                                    vec3 n, PRIVATE float* samplings, int j) {
   const int index = light_found(scene, found);
@@ -46,7 +47,7 @@ FN void projected_density_of_found(const PRIVATE Scene* scene, Surface found, ve
   samplings[LIGHT_SAMPLING_FOUND_PDF * LANES + j] = some ? cosine / (some ? area : 1.0f) : -1.0f;
 }
 
-/// For the light of that index, whose irradiance is `area`, to light the surface.
+/// Samples a direction from the surface to the light of that index by (u, v). `area` is its light_irradiance.
 FN void sample_projected_light(const PRIVATE Scene* scene, Surface s, int light, float area, float u, float v,
                                PRIVATE float* samplings, int j) {
   const ProjectedPolygon polygon = project_light(scene->lights + light, s.p, s.shading);

@@ -34,7 +34,7 @@ typedef struct {
 } ProjectedEdge;
 
 /// The part of a triangle above the horizon: a convex polygon of four edges, some of which may be points,
-/// counter-clockwise for somebody who looks down on the hemisphere.
+/// counter-clockwise as seen from above the hemisphere.
 typedef struct {
   ProjectedEdge e0, e1, e2, e3;
   float area;  ///< projected solid angle, at most pi; 0: none, seen from the back, or too small to be sampled

@@ -1,4 +1,4 @@
-// Orthonormal frames and the directions drawn in them.
+// Orthonormal frames and the directions sampled in them.
 #ifndef PENUMBRA_FRAME_H
 #define PENUMBRA_FRAME_H
 #include "kernels/math/math.h"

@@ -2,7 +2,7 @@
 // onto the sphere. Each edge is independent of the others, so outlines may be concave, have holes and several
 // loops; what closes an outline along the horizon is known from the points where its edges cross it.
 //
-// Somebody who sees the light's front has the inside on the left of every edge. Sums over edges are positive
+// Seen from the light's front, the inside is on the left of every edge. Sums over edges are positive
 // for such a receiver and negative for one that sees the back.
 #ifndef PENUMBRA_POLYGON_EDGE_H
 #define PENUMBRA_POLYGON_EDGE_H
@@ -90,7 +90,7 @@ FN IrradianceSum add_edge_irradiance(IrradianceSum s, vec3d a, vec3d b, vec3d d,
 }
 
 /// The irradiance at the point (px, py, pz) with unit normal (nx, ny, nz) from a triangle of radiance 1 that
-/// faces whoever sees p0, p1, p2 counter-clockwise; 0 to pi. As polygon_terms, to the bit.
+/// faces the side from which p0, p1, p2 run counter-clockwise; 0 to pi. As polygon_terms, to the bit.
 FN double triangle_irradiance(double px, double py, double pz, double nx, double ny, double nz, vec3 p0,
                               vec3 p1, vec3 p2, bool two_sided) {
   const vec3d x = make_vec3d(px, py, pz), n = make_vec3d(nx, ny, nz);

@@ -1,5 +1,6 @@
-// Reconstruction filters by importance sampling: a sample's film position is drawn from the filter about its
-// pixel's centre and touches that pixel only, so tiles have no borders (Ernst, Stamminger and Greiner 2006).
+// Reconstruction filters by importance sampling: a sample's film position is sampled from the filter about
+// its pixel's centre and touches that pixel only, so tiles have no borders (Ernst, Stamminger and Greiner
+// 2006).
 #ifndef PENUMBRA_FILTER_H
 #define PENUMBRA_FILTER_H
 #include "kernels/math/math.h"

@@ -1,6 +1,6 @@
 // Samplers: a number in [0, 1) as a pure function of (seed, pixel, sample index, dimension). Dimensions come
-// in pairs; DIMENSION_FILTER is the film's, then each step of an integrator has a fixed budget of DRAWS, so
-// that Russian roulette never shifts what comes later.
+// in pairs: the first is the film's, then each step of an integrator has STEP_DIMENSIONS of its own, so that
+// Russian roulette never shifts later dimensions.
 #ifndef PENUMBRA_SAMPLER_H
 #define PENUMBRA_SAMPLER_H
 #include "kernels/block/path_state.h"
@@ -9,17 +9,17 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// One step's numbers, by what they are for.
+// The dimensions of one step, by what they are for.
 enum {
-  DRAW_LIGHT_U,
-  DRAW_LIGHT_V,
-  DRAW_BSDF_U,
-  DRAW_BSDF_V,
-  DRAW_LIGHT_FINE,  ///< digits below those of DRAW_LIGHT_U, see choose_light
-  DRAW_LOBE_CHOICE,
-  DRAW_ROULETTE,
-  DRAW_SPARE,
-  DRAWS
+  DIM_LIGHT_U,
+  DIM_LIGHT_V,
+  DIM_BSDF_U,
+  DIM_BSDF_V,
+  DIM_LIGHT_FINE,  ///< digits below those of DIM_LIGHT_U, see choose_light
+  DIM_LOBE_CHOICE,
+  DIM_ROULETTE,
+  DIM_SPARE,
+  STEP_DIMENSIONS
 };
 
 /// PCG output permutation as a hash (O'Neill 2014; Jarzynski and Olano 2020).
@@ -215,32 +215,32 @@ FN void halton_pair(uint pixel, uint index, uint pair, PRIVATE float* u, PRIVATE
 }
 #endif
 
-/// A dimension pair of which each sample of the pixel takes `times` points and asks for the nth: all of them
-/// are one sequence, and so spread as evenly as those of as many samples.
+/// The nth of the `times` points that each sample of a pixel takes of a dimension pair. All points of the
+/// pair are one sequence, so they are distributed as evenly as those of `times` as many samples.
 typedef struct {
   uint pair, times, nth;
-} Draw;
+} PairPoint;
 
-FN Draw draw_once(uint pair) {
-  Draw draw;
-  draw.pair = pair;
-  draw.times = 1u;
-  draw.nth = 0u;
-  return draw;
+FN PairPoint one_point(uint pair) {
+  PairPoint point;
+  point.pair = pair;
+  point.times = 1u;
+  point.nth = 0u;
+  return point;
 }
 
-FN Draw draw_nth(uint pair, int times, int nth) {
-  Draw draw;
-  draw.pair = pair;
-  draw.times = (uint)times;
-  draw.nth = (uint)nth;
-  return draw;
+FN PairPoint nth_point(uint pair, int times, int nth) {
+  PairPoint point;
+  point.pair = pair;
+  point.times = (uint)times;
+  point.nth = (uint)nth;
+  return point;
 }
 
 /// One pair of numbers for each of LANES paths, lanes `first`... of the block.
-FN void draw_pair(int sampler, uint spp, Draw draw, GLOBAL const int* RESTRICT ints, int capacity, int first,
-                  PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT v) {
-  const uint pair = draw.pair, times = draw.times, nth = draw.nth;
+FN void sample_pair(int sampler, uint spp, PairPoint point, GLOBAL const int* RESTRICT ints, int capacity,
+                    int first, PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT v) {
+  const uint pair = point.pair, times = point.times, nth = point.nth;
   const uint points = spp > 0xffffffffu / times ? 0xffffffffu : spp * times;
   GLOBAL const int* pixels = ints + PIXEL_HASH * capacity + first;
   GLOBAL const int* samples = ints + SAMPLE_INDEX * capacity + first;
@@ -285,8 +285,8 @@ FN uint sequence_length(const PRIVATE SceneHeader* h) {
   return in_halves(h) ? h->spp / 2u + h->spp % 2u : h->spp;
 }
 
-/// Dimension pair 0 is the position on the film; step s uses pairs 1 + s DRAWS / 2 ...
-FN uint step_pair(int step) { return 1u + (uint)step * (DRAWS / 2u); }
+/// Dimension pair 0 is the position on the film; step s uses pairs 1 + s STEP_DIMENSIONS / 2 ...
+FN uint step_pair(int step) { return 1u + (uint)step * (STEP_DIMENSIONS / 2u); }
 
 PENUMBRA_NAMESPACE_END
 #endif

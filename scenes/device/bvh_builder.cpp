@@ -158,7 +158,7 @@ class Flattener {
     BvhNode node{};
     for (int k = 0; k < BVH_WIDTH; ++k) {
       set_bounds_of_slot(node, k, Box());
-      node.child[k] = ~0;  // a leaf, in case a ray that is not a number visits it
+      node.child[k] = ~0;  // a leaf, in case a ray with NaNs visits it
     }
     return node;
   }

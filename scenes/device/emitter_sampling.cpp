@@ -8,7 +8,7 @@
 namespace penumbra {
 namespace {
 
-// A light of more parts is made of small ones, which gain nothing, and would take long to look at.
+// A light of more parts has small ones, which gain nothing and would take long to evaluate.
 constexpr std::size_t kMaxParts = 1024;
 constexpr int kNodes = 6;  // of the quadrature along each axis of a part
 constexpr double kOtherVariance = 0.2;

@@ -1,4 +1,4 @@
-// Which way of choosing points on a flat light is worth its cost in a scene.
+// Which way of sampling points on a flat light is worth its cost in a scene.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -10,7 +10,7 @@
 
 namespace penumbra {
 
-/// A point of the scene's surfaces, which a light may shine on from either side.
+/// A point on the scene's surfaces that receives light on either side.
 struct Receiver {
   glm::dvec3 p{0.0}, n{0.0};  ///< n unit
 };

@@ -7,15 +7,15 @@ namespace penumbra {
 namespace {
 
 constexpr int kLatestRoulette = 1024;
-// Evaluating more polygons at every point would cost more than it saves.
-constexpr std::size_t kMaxSurveyedPolygons = 256;
+// Evaluating more polygons at every shading point would cost more than a choice by contribution saves.
+constexpr std::size_t kMaxContributionPolygons = 256;
 
 static_assert(int(SamplerKind::kSobol) == SAMPLER_SOBOL && int(DirectSampling::kMis) == SAMPLING_MIS &&
               int(MisHeuristic::kPower) == HEURISTIC_POWER &&
               int(BsdfSampling::kUniform) == DIRECTION_UNIFORM);
 
 /// The balance of emitter and direction samples needs the density of every direction, which a choice by
-/// contribution does not have for directions that other samples found.
+/// contribution does not provide for directions of other samples.
 bool balances(const IntegratorSettings& integrator, const LightBuilder& lights) {
   switch (integrator.kind) {
     case IntegratorKind::kDirect:
@@ -68,7 +68,7 @@ void set_estimator(const SceneDescription& scene, const LightBuilder& lights, Sc
   if (integrator.kind == IntegratorKind::kPolygonAnalytic) {
     h.estimator = ESTIMATOR_ALPHA;
   } else if (!has_control_variate(integrator)) {
-    // A choice by contribution looks at the closed form: the layers show it.
+    // A choice by contribution evaluates the closed form, so the layers show it.
     if (h.light_choice == CHOICE_ANALYTIC) use_samples_alone(h);
   } else if (integrator.estimator == CvEstimator::kRatio) {
     h.estimator = ESTIMATOR_RATIO;
@@ -124,7 +124,7 @@ Expected<void> set_integrator(const SceneDescription& scene, const LightBuilder&
   const bool by_contribution =
       integrator.light_choice == LightChoice::kAnalytic ||
       (integrator.light_choice == LightChoice::kAuto && has_control_variate(integrator) &&
-       !balances(integrator, lights) && lights.polygons().size() <= kMaxSurveyedPolygons);
+       !balances(integrator, lights) && lights.polygons().size() <= kMaxContributionPolygons);
   h.light_choice = by_contribution && !lights.polygons().empty() ? CHOICE_ANALYTIC : CHOICE_POWER;
   if (by_contribution && balances(integrator, lights))
     return fail(

@@ -8,7 +8,7 @@
 
 namespace penumbra {
 
-/// Whether the settings ask for polygon lights' closed form, be it to choose among lights.
+/// Whether the settings need the closed form of polygon lights, if only to choose among lights.
 bool wants_polygons(const IntegratorSettings& integrator);
 
 /// How lights are sampled that do not say it themselves.

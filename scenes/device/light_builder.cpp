@@ -47,7 +47,7 @@ Corners corners_of(const LightTriangle& t) {
   return least;
 }
 
-/// Each triangle by itself, where nobody asks for more.
+/// Each triangle by itself, where outlines are not needed.
 Outlines separate(std::span<const LightTriangle> triangles) {
   Outlines result;
   std::set<Corners> seen;

@@ -20,8 +20,8 @@ class LightBuilder {
   LightBuilder(EmitterSampling by_default, bool polygons)
       : by_default_(by_default), polygons_wanted_(polygons) {}
 
-  /// What the lights shine on, in their coordinates: a light whose sampling nobody has set gets the one that
-  /// pays there for the integrator (emitter_sampling.h). Without receivers: by area.
+  /// Points that receive light, in the lights' coordinates. A light without a sampling setting gets the
+  /// sampling that pays at these points for the integrator (emitter_sampling.h). Without receivers: by area.
   void set_receivers(std::vector<Receiver> receivers, const IntegratorSettings& integrator) {
     receivers_ = std::move(receivers);
     integrator_ = integrator;

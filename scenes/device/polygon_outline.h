@@ -16,8 +16,8 @@ struct LightTriangle {
 };
 
 struct Outline {
-  /// Closed loops of corners, the first not repeated at the end. Somebody who sees the front has the inside
-  /// to the left of every edge: outer loops run counter-clockwise, holes clockwise. Every edge of a triangle
+  /// Closed loops of corners, the first not repeated at the end. Seen from the front, the inside is to
+  /// the left of every edge: outer loops run counter-clockwise, holes clockwise. Every edge of a triangle
   /// that no other triangle of the outline has in the opposite direction is on one of them, as often as
   /// triangles have it, or on a straight side in place of several. Loops may touch in a corner; none visits
   /// one twice.

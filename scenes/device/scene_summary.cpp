@@ -78,7 +78,7 @@ SceneSummary summarize(const DeviceScene& scene) {
     summary.left_out.emplace_back("light triangles that repeat another one",
                                   std::to_string(h.duplicate_lights));
   if (const int others = lights_without_form(scene); analytic_alone(h) && others > 0)
-    summary.left_out.emplace_back("lights that are no polygons", std::to_string(others));
+    summary.left_out.emplace_back("lights that are not polygons", std::to_string(others));
   for (const Feature& feature : kFeatures) {
     if ((h.features & feature.bit) != 0u)
       summary.needs.emplace_back("feature", feature.description);

@@ -1,5 +1,4 @@
-// Reading one plugin's parameters: every one must be asked for, so that a name that nobody asks for is an
-// error.
+// Reading one plugin's parameters: each must be requested, so that an unknown name is an error.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -65,7 +64,7 @@ class PluginReader {
   /// The only nested object of that kind, if there is one; more are an error.
   const Object* only_nested(std::string_view tag);
 
-  /// Reports parameters and nested objects that nobody has asked for.
+  /// Reports parameters and nested objects that were not requested.
   void finish();
   /// The same for a plugin that is not known: what it has goes unread.
   void skip() { finished_ = true; }

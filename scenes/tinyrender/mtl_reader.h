@@ -25,8 +25,8 @@ struct MtlMaterial {
 using MtlMaterials = std::map<std::string, MtlMaterial, std::less<>>;
 
 /// Adds the materials of `file` to `materials`. Of two with one name the first counts, as in TinyRender, with
-/// a warning; statements that nobody knows and textures are passed over with a warning. Errors: colours,
-/// exponents and numbers of reflection models that are none, values before the first name.
+/// a warning; unknown statements and textures are ignored with a warning. Errors: malformed colours,
+/// exponents and numbers of reflection models, values before the first name.
 void read_mtl(const SourceFile& file, MtlMaterials& materials, Diagnostics& diagnostics);
 
 }  // namespace penumbra::tinyrender

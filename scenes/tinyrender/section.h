@@ -1,5 +1,4 @@
-// Reading one table of a TinyRender scene: every key must be asked for, so that one that nobody asks for is
-// an error.
+// Reading one table of a TinyRender scene: each key must be requested, so that an unknown one is an error.
 #pragma once
 
 #include <optional>
@@ -51,7 +50,7 @@ class Section {
   /// Known, but without effect on the image.
   void accept(std::string_view key) { take(key); }
 
-  /// Reports keys that nobody has asked for: those among `elsewhere` have no effect `where` ("with method =
+  /// Reports keys that were not requested: those among `elsewhere` have no effect `where` ("with method =
   /// area"), and the others are unknown.
   void finish(std::span<const std::string> elsewhere = {}, std::string_view where = "");
 

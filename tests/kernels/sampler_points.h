@@ -19,7 +19,7 @@ struct Point2 {
   float u = 0, v = 0;
 };
 
-/// By draw_pair, as the integrators do; all lanes ask for the same address.
+/// By sample_pair, as the integrators do; all lanes ask for the same address.
 inline Point2 draw(int sampler, const SampleAddress& at) {
   static int ints[STATE_INTS * LANES];
   for (int j = 0; j < LANES; ++j) {
@@ -27,7 +27,7 @@ inline Point2 draw(int sampler, const SampleAddress& at) {
     ints[SAMPLE_INDEX * LANES + j] = int(at.index);
   }
   float u[LANES], v[LANES];
-  draw_pair(sampler, at.spp, draw_once(at.pair), ints, LANES, 0, u, v);
+  sample_pair(sampler, at.spp, one_point(at.pair), ints, LANES, 0, u, v);
   return {u[0], v[0]};
 }
 

@@ -497,7 +497,7 @@ TEST_F(PenumbraViewTest, WhatCannotWorkIsSaid) {
   for (const std::string nowhere : {"nonsense", "unix:", "host:", "host:99999", ":7000", "host:70x"}) {
     const ProgramResult result = view({"--connect", nowhere}, "quit\n");
     EXPECT_EQ(result.exit_code, 2) << nowhere;
-    EXPECT_THAT(result.err, HasSubstr("'" + nowhere + "' is no address")) << nowhere;
+    EXPECT_THAT(result.err, HasSubstr("'" + nowhere + "' is not an address")) << nowhere;
   }
   EXPECT_EQ(view({"scene.xml", "--screenshot", "end.jpg"}, "quit\n").exit_code, 2);
   EXPECT_EQ(view({"scene.xml", "--listen", "127.0.0.1:0"}, "quit\n").exit_code, 2);

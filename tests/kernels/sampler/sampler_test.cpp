@@ -68,7 +68,7 @@ TEST_P(Sampler, LanesAndBlocksDoNotMatter) {
   }
   for (int first = 0; first < kCapacity; first += LANES) {
     float u[LANES], v[LANES];
-    draw_pair(GetParam(), 16, draw_once(3), ints.data(), kCapacity, first, u, v);
+    sample_pair(GetParam(), 16, one_point(3), ints.data(), kCapacity, first, u, v);
     for (int j = 0; j < LANES; ++j) {
       const auto i = std::uint32_t(first + j);
       const Point2 alone = draw_alone(GetParam(), {5, i % 7, i / 7, i * 3 % 16, 3, 16});
@@ -87,7 +87,7 @@ TEST_P(Sampler, SeveralPointsOfASampleAreOneSequence) {
   }
   for (int nth = 0; nth < kTimes; ++nth) {
     float u[LANES], v[LANES];
-    draw_pair(GetParam(), kSpp, draw_nth(3, kTimes, nth), ints.data(), LANES, 0, u, v);
+    sample_pair(GetParam(), kSpp, nth_point(3, kTimes, nth), ints.data(), LANES, 0, u, v);
     for (int j = 0; j < LANES; ++j) {
       const auto index = std::uint32_t(j % kSpp * kTimes + nth);
       const Point2 alone = draw_alone(GetParam(), {5, 1, 2, index, 3, kTimes * kSpp});
@@ -386,7 +386,7 @@ TEST(HaltonSampler, IsARotatedHaltonSequence) {
 
 TEST(StepPairs, StepsUseDisjointPairs) {
   EXPECT_EQ(step_pair(0), 1u);  // pair 0 is the film's
-  EXPECT_EQ(step_pair(1) - step_pair(0), uint(DRAWS / 2));
+  EXPECT_EQ(step_pair(1) - step_pair(0), uint(STEP_DIMENSIONS / 2));
 }
 
 }  // namespace
