@@ -24,7 +24,7 @@ class DeviceWithStages final : public Device {
     Expected<SampleBuffer> result = device_->render(unit);
     if (!result) return result;
     for (NonFiniteSamples* bad : {&result->nan, &result->infinite})
-      if (bad->count > 0) bad->stage = stage_of(*bad);
+      if (bad->count > 0) bad->source = source_of(*bad);
     return result;
   }
 
@@ -38,7 +38,7 @@ class DeviceWithStages final : public Device {
 
  private:
   /// Unknown if the path cannot be repeated, or is another one natively: no reason to lose the unit.
-  NonFiniteSource stage_of(const NonFiniteSamples& bad) {
+  NonFiniteSource source_of(const NonFiniteSamples& bad) {
     if (!prober_) {
       Expected<std::unique_ptr<Device>> made = make_native_device(scene_, options_);
       if (!made) return {};

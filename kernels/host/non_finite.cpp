@@ -38,7 +38,7 @@ NonFiniteSamples non_finite_samples(const Unit& unit, const BadSamples& bad) {
           .x = unit.x + int(bad.pixel) % unit.width,
           .y = unit.y + int(bad.pixel) / unit.width,
           .sample = unit.first_sample + bad.sample,
-          .stage = {}};
+          .source = {}};
 }
 
 }  // namespace penumbra

@@ -11,7 +11,7 @@ namespace penumbra {
 
 /// Where a path first held a non-finite value.
 struct NonFiniteSource {
-  int stage = SOURCE_UNKNOWN;  ///< SOURCE_*
+  int where = SOURCE_UNKNOWN;  ///< SOURCE_*
   int step = 0;                ///< of the integrator, from 0: the bounce
 
   friend auto operator<=>(const NonFiniteSource&, const NonFiniteSource&) = default;
@@ -24,9 +24,9 @@ std::string_view source_name(int source);
 /// of the first column, in that pixel of the lowest index.
 struct NonFiniteSamples {
   std::uint64_t count = 0;
-  int x = 0, y = 0;            ///< film pixel of the first; means nothing where there is none, as the rest
-  std::uint32_t sample = 0;    ///< its index
-  NonFiniteSource stage = {};  ///< where it first held the value
+  int x = 0, y = 0;             ///< film pixel of the first; means nothing where there is none, as the rest
+  std::uint32_t sample = 0;     ///< its index
+  NonFiniteSource source = {};  ///< where it first held the value
 
   /// Adds others, in any order.
   void add(const NonFiniteSamples& others);

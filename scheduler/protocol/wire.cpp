@@ -171,8 +171,8 @@ void encode(const NonFiniteSamples& samples, wire::NonFiniteSamples& message) {
   message.set_x(samples.x);
   message.set_y(samples.y);
   message.set_sample(samples.sample);
-  message.set_stage(samples.stage.stage);
-  message.set_step(samples.stage.step);
+  message.set_source(samples.source.where);
+  message.set_step(samples.source.step);
 }
 
 /// The error says what no unit's result can hold.
@@ -181,7 +181,7 @@ Expected<NonFiniteSamples> decode(const wire::NonFiniteSamples& message, const R
                                  .x = message.x(),
                                  .y = message.y(),
                                  .sample = message.sample(),
-                                 .stage = {message.stage(), message.step()}};
+                                 .source = {message.source(), message.step()}};
   const std::uint64_t all = std::uint64_t(unit.width) * std::uint64_t(unit.height) * unit.sample_count;
   if (samples.count > all)
     return fail(fmt::format("the result counts {} non-finite samples among {}", samples.count, all));
@@ -269,7 +269,7 @@ Expected<View> decode(const wire::Camera& message) {
 
 std::uint64_t result_hash(const wire::UnitResult& message) {
   const wire::NonFiniteSamples &nan = message.nan(), &infinite = message.infinite();
-  // Not the stage, which workers may know or not.
+  // Not the source, which workers may know or not.
   const std::uint64_t parts[] = {checksum_of(message.values()),
                                  nan.count(),
                                  std::uint64_t(nan.x()),

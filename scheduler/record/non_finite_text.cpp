@@ -14,7 +14,7 @@ std::string non_finite_text(const NonFiniteSamples& samples, std::string_view ki
       "{} {} sample{} as black; the first is sample {} of pixel ({}, {}), in the {} of step {}; to repeat "
       "it: {}",
       samples.count, kind, samples.count == 1 ? " counts" : "s count", samples.sample, samples.x, samples.y,
-      source_name(samples.stage.stage), samples.stage.step,
+      source_name(samples.source.where), samples.source.step,
       repeat_sample_command(samples, reproduce_command));
 }
 

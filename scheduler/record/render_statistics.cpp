@@ -46,8 +46,8 @@ Json non_finite_json(const NonFiniteSamples& samples, const std::string& reprodu
            {{"x", samples.x},
             {"y", samples.y},
             {"sample", samples.sample},
-            {"stage", source_name(samples.stage.stage)},
-            {"step", samples.stage.step},
+            {"source", source_name(samples.source.where)},
+            {"step", samples.source.step},
             {"repeat", repeat_sample_command(samples, reproduce_command)}}}};
 }
 

@@ -5,8 +5,8 @@
 
 namespace penumbra {
 
-void SOURCE_FUNCTION(const SceneHeader& header, const uint* words, bool occlude, float* f, int* ints,
-                     int capacity, int count) {
+void STAGE_FUNCTION(const SceneHeader& header, const uint* words, bool occlude, float* f, int* ints,
+                    int capacity, int count) {
   const Scene scene = make_scene(header, words);
   (occlude ? occlude_block : intersect_block)(&scene, f, ints, capacity, count);
 }

@@ -190,7 +190,7 @@ TEST_P(Devices, CountSamplesThatAreNotNumbers) {
       EXPECT_EQ(buffer.nan.count, std::isnan(bad) ? samples : 0);
       EXPECT_EQ(buffer.infinite.count, std::isnan(bad) ? 0 : samples);
       const NonFiniteSamples first{
-          .count = samples, .x = 0, .y = 0, .sample = 0, .stage = {SOURCE_EMISSION, 0}};
+          .count = samples, .x = 0, .y = 0, .sample = 0, .source = {SOURCE_EMISSION, 0}};
       EXPECT_EQ(std::isnan(bad) ? buffer.nan : buffer.infinite, first);
       // They count as no light at all, in every channel.
       EXPECT_EQ(*std::ranges::max_element(buffer.plane(kMeanR)), 0);
@@ -218,7 +218,7 @@ TEST_P(Devices, FindTheFirstSampleThatIsNoNumber) {
       }
   expected.count = buffer.infinite.count;
   EXPECT_EQ(buffer.infinite, expected);
-  EXPECT_EQ(expected.stage.stage, SOURCE_LIGHT);
+  EXPECT_EQ(expected.source.where, SOURCE_LIGHT);
 }
 
 TEST_P(Devices, AnotherViewGivesTheBytesOfADeviceThatWasMadeWithIt) {

@@ -101,7 +101,7 @@ TEST_F(RenderCommand, SamplesThatAreNoNumbersAreReportedOrAnError) {
   EXPECT_THAT(warned.err, AllOf(HasSubstr("infinite samples count as black; the first is sample"),
                                 HasSubstr("in the light sample of step"), HasSubstr("--pixel")));
   const nlohmann::json first = report("bad.json")["samples"]["infinite"]["first"];
-  EXPECT_EQ(first["stage"], "light sample");
+  EXPECT_EQ(first["source"], "light sample");
   // The command that repeats it does.
   std::string repeat = first["repeat"];
   std::istringstream words(repeat.substr(repeat.find("render")));

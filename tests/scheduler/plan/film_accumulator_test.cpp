@@ -121,8 +121,8 @@ TEST(FilmAccumulator, ClearForgetsOneRectangle) {
                       .height = 2,
                       .planes = kRadiancePlanes,
                       .sample_count = 1,
-                      .nan = {.count = 3, .x = 5, .y = 4, .sample = 7, .stage = {SOURCE_LIGHT, 2}},
-                      .infinite = {.count = 1, .x = 0, .y = 0, .sample = 0, .stage = {}},
+                      .nan = {.count = 3, .x = 5, .y = 4, .sample = 7, .source = {SOURCE_LIGHT, 2}},
+                      .infinite = {.count = 1, .x = 0, .y = 0, .sample = 0, .source = {}},
                       .values = std::vector<float>(4 * kRadiancePlanes, 1.0f)};
   FilmAccumulator film(4, 4, 4, 2, kRadiancePlanes);
   film.add(4, 4, result);
@@ -136,13 +136,13 @@ TEST(FilmAccumulator, ClearForgetsOneRectangle) {
   EXPECT_EQ(film.infinite().count, 1u);
 }
 
-TEST(FilmAccumulator, TheFirstSampleThatIsNoNumberDoesNotDependOnTheOrder) {
-  const auto result = [](int x, int y, std::uint32_t sample, int stage) {
+TEST(FilmAccumulator, TheFirstNonFiniteSampleDoesNotDependOnTheOrder) {
+  const auto result = [](int x, int y, std::uint32_t sample, int source) {
     return SampleBuffer{.width = 2,
                         .height = 2,
                         .planes = kRadiancePlanes,
                         .sample_count = 1,
-                        .nan = {.count = 1, .x = x, .y = y, .sample = sample, .stage = {stage, 0}},
+                        .nan = {.count = 1, .x = x, .y = y, .sample = sample, .source = {source, 0}},
                         .infinite = {},
                         .values = std::vector<float>(4 * kRadiancePlanes, 1.0f)};
   };
@@ -157,7 +157,7 @@ TEST(FilmAccumulator, TheFirstSampleThatIsNoNumberDoesNotDependOnTheOrder) {
     EXPECT_EQ(film.nan().x, 5);
     EXPECT_EQ(film.nan().y, 5);
     EXPECT_EQ(film.nan().sample, 3u);
-    EXPECT_EQ(film.nan().stage, (NonFiniteSource{SOURCE_LIGHT, 0}));
+    EXPECT_EQ(film.nan().source, (NonFiniteSource{SOURCE_LIGHT, 0}));
     EXPECT_EQ(film.infinite().count, 0u);
     std::ranges::rotate(all, all.begin() + 1);
   }
