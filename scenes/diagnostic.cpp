@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "kernels/host/utf8.h"
 #include "scenes/text.h"
 
 namespace penumbra {

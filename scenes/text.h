@@ -7,10 +7,6 @@
 
 namespace penumbra {
 
-/// Bytes of the well-formed UTF-8 (RFC 3629) character at `at`, which is inside the text; 0 where there is
-/// none.
-std::size_t character_length(std::string_view text, std::size_t at);
-
 /// Well-formed UTF-8 in which every character takes a column or is a tab: control characters as their
 /// pictures (U+2400 …), and what is no UTF-8, or would change the order or the place of what is beside it, as
 /// U+FFFD. A terminal obeys nothing of it.

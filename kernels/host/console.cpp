@@ -12,6 +12,8 @@
 #include <exception>
 #include <mutex>
 
+#include "kernels/host/utf8.h"
+
 namespace penumbra {
 namespace {
 
@@ -69,25 +71,6 @@ void print_kind(std::string_view text, std::string_view kind) noexcept {
   } catch (const std::exception&) {  // no memory
     print_message(text);
   }
-}
-
-/// Bytes of the code point that the text begins with, 0 if it is no UTF-8.
-std::size_t code_point_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
-  const unsigned first = byte(0), second = byte(1);
-  const auto continues = [&](std::size_t count) {
-    for (std::size_t i = 1; i < count; ++i)
-      if ((byte(i) & 0xC0) != 0x80) return false;
-    return true;
-  };
-  if (first < 0x80) return 1;
-  if (first >= 0xC2 && first < 0xE0) return continues(2) ? 2 : 0;
-  // Not what a shorter form says, no surrogates, nothing beyond U+10FFFF.
-  if (first >= 0xE0 && first < 0xF0)
-    return continues(3) && !(first == 0xE0 && second < 0xA0) && !(first == 0xED && second >= 0xA0) ? 3 : 0;
-  if (first >= 0xF0 && first < 0xF5)
-    return continues(4) && !(first == 0xF0 && second < 0x90) && !(first == 0xF4 && second >= 0x90) ? 4 : 0;
-  return 0;
 }
 
 }  // namespace
@@ -153,7 +136,7 @@ std::string visible_text(std::string_view text) {
   visible.reserve(text.size());
   while (!text.empty()) {
     const auto first = static_cast<unsigned char>(text.front());
-    const std::size_t length = code_point_length(text);
+    const std::size_t length = character_length(text, 0);
     const bool is_c0 = length == 1 && (first < 0x20 || first == 0x7F) && first != '\n' && first != '\t';
     const bool is_c1 = length == 2 && first == 0xC2 && static_cast<unsigned char>(text[1]) < 0xA0;
     if (length == 0) {

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <optional>
 
-#include "scenes/text.h"
+#include "kernels/host/utf8.h"
 
 namespace penumbra::mitsuba {
 namespace {

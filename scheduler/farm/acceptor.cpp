@@ -10,16 +10,17 @@
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include "scheduler/farm/access.h"
+#include "scheduler/farm/unix_socket.h"
 
 namespace penumbra {
 namespace {
@@ -64,14 +65,12 @@ std::expected<int, int> listen_at(const sockaddr* name, socklen_t size) {
 }
 
 std::expected<int, int> listen_unix(const std::string& path) {
-  sockaddr_un name{};
-  name.sun_family = AF_UNIX;
-  if (path.size() >= sizeof name.sun_path) return std::unexpected(ENAMETOOLONG);
-  std::memcpy(name.sun_path, path.data(), path.size());
+  const std::optional<sockaddr_un> name = unix_socket_name(path);
+  if (!name) return std::unexpected(ENAMETOOLONG);
   // A socket's file without a listener is left over from a process that died.
   struct stat status {};
   if (lstat(path.c_str(), &status) == 0 && S_ISSOCK(status.st_mode)) unlink(path.c_str());
-  return listen_at(reinterpret_cast<const sockaddr*>(&name), sizeof name);
+  return listen_at(reinterpret_cast<const sockaddr*>(&*name), sizeof *name);
 }
 
 std::expected<int, int> listen_tcp(const HostAndPort& address) {
@@ -111,7 +110,7 @@ Expected<std::unique_ptr<Acceptor>> Acceptor::listen(const std::string& address,
     getsockname(*listener, reinterpret_cast<sockaddr*>(&name), &size);
     return std::unique_ptr<Acceptor>(new Acceptor(with_port(address, port_of(name)), *listener, limits));
   }
-  if (is_answered(address))
+  if (probe_unix_socket(unix_path(address)) == 0)
     return std::unexpected(cannot_listen(address, "another process is already listening there"));
   const std::expected<int, int> listener = listen_unix(unix_path(address));
   if (!listener) return std::unexpected(cannot_listen(address, std::strerror(listener.error())));

@@ -3,15 +3,12 @@
 #include <fmt/format.h>
 #include <grpcpp/security/auth_metadata_processor.h>
 #include <sys/random.h>
-#include <sys/socket.h>
-#include <sys/un.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <charconv>
-#include <cstring>
 #include <string_view>
 #include <system_error>
 
@@ -102,19 +99,6 @@ Expected<void> check_listen_address(const std::string& address) {
       "cannot listen on {}: other hosts would be let in without encryption. Listen on 127.0.0.1:{} "
       "and reach it through ssh -L",
       address, port));
-}
-
-bool is_answered(const std::string& address) {
-  const std::string path = unix_path(address);
-  sockaddr_un name{};
-  name.sun_family = AF_UNIX;
-  if (path.size() >= sizeof name.sun_path) return false;
-  std::memcpy(name.sun_path, path.data(), path.size());
-  const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  if (probe < 0) return false;
-  const bool answered = connect(probe, reinterpret_cast<const sockaddr*>(&name), sizeof name) == 0;
-  close(probe);
-  return answered;
 }
 
 std::string with_port(const std::string& address, int port) {

@@ -31,10 +31,6 @@ bool is_port(std::string_view text);
 /// "localhost:7000").
 Expected<void> check_listen_address(const std::string& address);
 
-/// Whether a process is listening at "unix:/path". A socket's file that is left over from a process that died
-/// does not count.
-bool is_answered(const std::string& address);
-
 /// "host:0" with the port that was chosen.
 std::string with_port(const std::string& address, int port);
 

@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
-#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -15,6 +14,8 @@
 #include <cstring>
 #include <filesystem>
 #include <utility>
+
+#include "scheduler/farm/unix_socket.h"
 
 namespace penumbra {
 namespace {
@@ -37,21 +38,6 @@ int lock_directory(const fs::path& directory) {
   return -1;
 }
 
-/// Whether the socket has no listener: connecting is refused.
-bool is_without_listener(const fs::path& socket_path) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  if (socket_path.native().size() > kLongestSocketPath) return false;
-  std::memcpy(address.sun_path, socket_path.c_str(), socket_path.native().size() + 1);
-  const int descriptor = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (descriptor < 0) return false;
-  const bool refused =
-      connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 &&
-      errno == ECONNREFUSED;
-  close(descriptor);
-  return refused;
-}
-
 /// One that `create` may have made.
 bool is_mine(const fs::path& path) {
   const std::string name = path.filename();
@@ -63,7 +49,7 @@ bool is_mine(const fs::path& path) {
 /// An empty directory counts too: its owner may have died before it listened.
 bool holds_nothing_in_use(const fs::path& directory) {
   std::error_code error;
-  return fs::is_empty(directory, error) || is_without_listener(directory / kSocketName);
+  return fs::is_empty(directory, error) || probe_unix_socket(directory / kSocketName) == ECONNREFUSED;
 }
 
 void remove_abandoned(const fs::path& parent) {

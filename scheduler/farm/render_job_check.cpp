@@ -34,8 +34,9 @@ Expected<void> check_render_job(const RenderJob& job) {
         fmt::format("tiles of {} pixels cut {} x {} pixels into more than {} pieces; take larger tiles",
                     job.tile, job.width, job.height, kMostTiles));
   }
+  const std::uint32_t features = job.scene.header.features;
   const std::uint64_t bytes_per_pixel =
-      pixel_memory(plane_count(job.scene.header.features)).peak(!job.interactive);
+      pixel_memory(image_plane_count(features), (features & FEATURE_RATIO) != 0u).peak(!job.interactive);
   // No overflow: each side is an int.
   const double bytes = double(job.width) * double(job.height) * double(bytes_per_pixel);
   const std::uint64_t memory = std::uint64_t(sysconf(_SC_PHYS_PAGES)) * std::uint64_t(sysconf(_SC_PAGESIZE));

@@ -31,9 +31,10 @@ class FilmAccumulator {
   /// The same for results of a scene with these FEATURE_* bits.
   static FilmAccumulator of_features(int x, int y, int width, int height, std::uint32_t features);
 
-  /// Of the memory that it takes for results of so many planes.
-  static constexpr std::uint64_t bytes_per_pixel(int planes) {
-    return sizeof(PixelStatistics) + std::uint64_t(planes - kRadiancePlanes) * sizeof(double);
+  /// Of the memory that it takes, with the constructor's arguments.
+  static constexpr std::uint64_t bytes_per_pixel(int planes, bool with_ratio = false) {
+    return sizeof(PixelStatistics) + std::uint64_t(planes - kRadiancePlanes) * sizeof(double) +
+           (with_ratio ? sizeof(std::array<RatioSums, 3>) : 0);
   }
 
   /// Merges a unit's result whose corner is film pixel (x, y), inside the rectangle.

@@ -17,10 +17,10 @@ std::uint64_t PixelMemory::peak(bool writes_files) const {
   return film + std::max(watch, writes_files ? output : 0);
 }
 
-PixelMemory pixel_memory(int planes) {
+PixelMemory pixel_memory(int planes, bool with_ratio) {
   const std::uint64_t image = std::uint64_t(image_channels(planes)) * sizeof(float);
   // What does not compress fills a file as large as the image, in a buffer that doubles as it grows.
-  return {.film = FilmAccumulator::bytes_per_pixel(planes),
+  return {.film = FilmAccumulator::bytes_per_pixel(planes, with_ratio),
           .watch = TileSnapshot::bytes_per_pixel(planes > kDifferenceB),
           .output = image + 2 * image};
 }

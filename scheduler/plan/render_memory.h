@@ -6,10 +6,11 @@
 
 namespace penumbra {
 
-/// How many channels an image file of results with so many planes has, see image_of_film.
+/// How many channels an image file of results with so many SampleBufferPlanes has, see image_of_film.
 int image_channels(int planes);
 
-/// Bytes for each pixel of a render whose results have so many planes (see plane_count).
+/// Bytes for each pixel of a render whose results have so many SampleBufferPlanes, and `with_ratio` those of
+/// RatioPlane.
 struct PixelMemory {
   std::uint64_t film = 0;    ///< while it goes on and after
   std::uint64_t watch = 0;   ///< beside it while it goes on, if there are viewers: the board's newest tiles
@@ -18,6 +19,6 @@ struct PixelMemory {
   /// At the worst time.
   [[nodiscard]] std::uint64_t peak(bool writes_files) const;
 };
-PixelMemory pixel_memory(int planes);
+PixelMemory pixel_memory(int planes, bool with_ratio = false);
 
 }  // namespace penumbra

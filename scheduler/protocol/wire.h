@@ -21,7 +21,7 @@ constexpr std::uint32_t kProtocolVersion = 4;
 constexpr std::size_t kAssetChunkBytes = std::size_t(1) << 20;
 
 /// Largest message that a peer accepts: a tile of 2048 x 2048 pixels with all planes, and some.
-constexpr int kMaxMessageBytes = kMaxTile * kMaxTile * kSampleBufferPlanes * 4 + (1 << 20);
+constexpr int kMaxMessageBytes = kMaxTile * kMaxTile * plane_count(FEATURE_ALL) * 4 + (1 << 20);
 
 /// XXH3-128 of the bytes as 32 hexadecimal digits: the name of an asset.
 std::string content_hash(std::span<const std::uint8_t> bytes);

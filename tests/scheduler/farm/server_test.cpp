@@ -419,5 +419,13 @@ TEST(Server, AnAddressThatCannotBeListenedOnIsAnError) {
   EXPECT_THAT(server.error().message, HasSubstr("/no/such/directory/socket"));
 }
 
+TEST(MessageSize, HoldsTheLargestResultOfAnyScene) {
+  for (const std::uint32_t features : {0u, std::uint32_t(FEATURE_LAYERS), std::uint32_t(FEATURE_RATIO),
+                                       std::uint32_t(FEATURE_LAYERS | FEATURE_POLYGONS | FEATURE_RATIO)}) {
+    const std::int64_t values = std::int64_t(kMaxTile) * kMaxTile * plane_count(features);
+    EXPECT_LT(values * std::int64_t(sizeof(float)), kMaxMessageBytes) << features;
+  }
+}
+
 }  // namespace
 }  // namespace penumbra
