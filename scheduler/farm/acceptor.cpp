@@ -102,19 +102,21 @@ void raise_descriptor_limit() {
 Expected<std::unique_ptr<Acceptor>> Acceptor::listen(const std::string& address, AcceptorLimits limits) {
   if (const Expected<void> checked = check_listen_address(address); !checked)
     return std::unexpected(checked.error());
+  if (!is_tcp(address) && probe_unix_socket(unix_path(address)) == 0)
+    return std::unexpected(cannot_listen(address, "another process is already listening there"));
+  const std::expected<int, int> listener =
+      is_tcp(address) ? listen_tcp(split_address(address)) : listen_unix(unix_path(address));
+  if (!listener) return std::unexpected(cannot_listen(address, std::strerror(listener.error())));
+  std::string reachable = address;
   if (is_tcp(address)) {
-    const std::expected<int, int> listener = listen_tcp(split_address(address));
-    if (!listener) return std::unexpected(cannot_listen(address, std::strerror(listener.error())));
     sockaddr_storage name{};
     socklen_t size = sizeof name;
     getsockname(*listener, reinterpret_cast<sockaddr*>(&name), &size);
-    return std::unique_ptr<Acceptor>(new Acceptor(with_port(address, port_of(name)), *listener, limits));
+    reachable = with_port(address, port_of(name));
   }
-  if (probe_unix_socket(unix_path(address)) == 0)
-    return std::unexpected(cannot_listen(address, "another process is already listening there"));
-  const std::expected<int, int> listener = listen_unix(unix_path(address));
-  if (!listener) return std::unexpected(cannot_listen(address, std::strerror(listener.error())));
-  return std::unique_ptr<Acceptor>(new Acceptor(address, *listener, limits));
+  std::unique_ptr<Acceptor> acceptor(new Acceptor(std::move(reachable), *listener, limits));
+  if (acceptor->wake_ < 0) return std::unexpected(cannot_listen(address, "there are no more descriptors"));
+  return acceptor;
 }
 
 Acceptor::Acceptor(std::string address, int listener, AcceptorLimits limits)

@@ -85,9 +85,13 @@ wire::SchedulerMessage dismissal() {
   return message;
 }
 
+/// What comes beside the beats, of which there is one a second.
 wire::WorkerMessage read(Stream& stream) {
   wire::WorkerMessage message;
-  EXPECT_TRUE(stream.Read(&message));
+  do {
+    message.Clear();
+    EXPECT_TRUE(stream.Read(&message));
+  } while (message.has_beat());
   return message;
 }
 
@@ -193,7 +197,7 @@ TEST_F(WorkerClientTest, NoSchedulerIsAnErrorAfterTheTimeout) {
   options_.connect_timeout = 0.2;
   const auto start = std::chrono::steady_clock::now();
   EXPECT_THAT(error_of(run_worker(options_)), HasSubstr("no scheduler answers at " + socket_.address()));
-  EXPECT_LT(std::chrono::steady_clock::now() - start, 2s);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 8s) << "as long as by default";
 }
 
 TEST_F(WorkerClientTest, ASchedulerThatComesLaterIsFound) {
@@ -354,7 +358,7 @@ TEST_F(WorkerClientTest, ANonsensicalUnitIsAFailedUnit) {
 }
 
 TEST_F(WorkerClientTest, ABrokenConnectionIsNoticedInTheMiddleOfAUnit) {
-  behaviour_.delay_ms = 1000;
+  behaviour_.delay_ms = 4000;
   std::promise<std::chrono::steady_clock::time_point> noticed;
   options_.on_connection_lost = [&](const Error&) { noticed.set_value(std::chrono::steady_clock::now()); };
   std::chrono::steady_clock::time_point left;
@@ -363,11 +367,11 @@ TEST_F(WorkerClientTest, ABrokenConnectionIsNoticedInTheMiddleOfAUnit) {
     std::this_thread::sleep_for(50ms);
     left = std::chrono::steady_clock::now();
   });
-  EXPECT_LT(noticed.get_future().get() - left, 500ms);
+  EXPECT_LT(noticed.get_future().get() - left, 3s);
 }
 
 TEST_F(WorkerClientTest, AResultLeavesWhileTheNextUnitIsRendered) {
-  behaviour_.delay_ms = 100;
+  behaviour_.delay_ms = 1000;
   std::chrono::steady_clock::time_point first, second;
   run_ready([&](Stream& stream) {
     stream.Write(unit_message(1));

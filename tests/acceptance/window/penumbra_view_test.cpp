@@ -98,7 +98,7 @@ class PenumbraViewTest : public GlTest {
     return {std::istreambuf_iterator<char>(file), {}};
   }
   bool says(const std::string& text) const {
-    return eventually([&] { return output(".stdout").find(text) != std::string::npos; }, 30s);
+    return eventually([&] { return output(".stdout").find(text) != std::string::npos; }, 60s);
   }
 
  private:
@@ -225,7 +225,7 @@ TEST_F(PenumbraViewTest, OverTcpATokenIsNeeded) {
   std::smatch found;
   std::string text;
   const std::regex printed("PENUMBRA_TOKEN=(\\S+) penumbra-view --connect (\\S+)");
-  ASSERT_TRUE(eventually([&] { return std::regex_search(text = output(".stderr"), found, printed); }, 10s))
+  ASSERT_TRUE(eventually([&] { return std::regex_search(text = output(".stderr"), found, printed); }, 60s))
       << text;
   const std::string token = found[1], address = found[2];
   TemporaryFolder elsewhere;
@@ -285,7 +285,7 @@ TEST_F(PenumbraViewTest, ABatchRenderIsWatchedByTwoToItsEnd) {
     return std::regex_search(text, found, std::regex("penumbra-view --connect (unix:\\S+)")) ? found[1].str()
                                                                                              : "";
   };
-  ASSERT_TRUE(eventually([&] { return !address().empty(); }, 10s)) << output(".stderr");
+  ASSERT_TRUE(eventually([&] { return !address().empty(); }, 60s)) << output(".stderr");
   const std::string connect = address();
   TemporaryFolder elsewhere;  // each program keeps its output in its folder
   write_text(elsewhere.path() / "watch.txt",
@@ -392,7 +392,7 @@ TEST_F(PenumbraViewTest, ABatchRenderKeepsItsAlphaAndSaysWhatItDoesNotDo) {
   std::smatch found;
   std::string text;
   const std::regex printed("penumbra-view --connect (unix:\\S+)");
-  ASSERT_TRUE(eventually([&] { return std::regex_search(text = output(".stderr"), found, printed); }, 10s))
+  ASSERT_TRUE(eventually([&] { return std::regex_search(text = output(".stderr"), found, printed); }, 60s))
       << text;
   TemporaryFolder elsewhere;
   write_text(elsewhere.path() / "watch.txt",
@@ -417,12 +417,12 @@ TEST_F(PenumbraViewTest, ABatchRenderThatIsStoppedEndsAWaitForItsEnd) {
   std::smatch found;
   std::string text;
   const std::regex printed("penumbra-view --connect (unix:\\S+)");
-  ASSERT_TRUE(eventually([&] { return std::regex_search(text = output(".stderr"), found, printed); }, 10s))
+  ASSERT_TRUE(eventually([&] { return std::regex_search(text = output(".stderr"), found, printed); }, 60s))
       << text;
   TemporaryFolder elsewhere;
   write_text(elsewhere.path() / "watch.txt", "wait samples 1\nlog ready\nwait finished\n");
   Program viewer(elsewhere.path(), {"view", "--connect", found[1], "--script", "watch.txt", "--hidden"});
-  EXPECT_TRUE(eventually([&] { return !file_contents(elsewhere.path() / ".stdout").empty(); }, 30s));
+  EXPECT_TRUE(eventually([&] { return !file_contents(elsewhere.path() / ".stdout").empty(); }, 60s));
   render.send(SIGINT);
   EXPECT_EQ(render.wait().exit_code, 1);
   const ProgramResult watched = viewer.wait();

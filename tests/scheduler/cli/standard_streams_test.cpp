@@ -71,7 +71,7 @@ TEST_F(StandardStreams, AnAnswerThatCannotBeWrittenIsAFailure) {
 
 TEST_F(StandardStreams, AReaderThatWentAwayIsNotWorthAWord) {
   const ProgramResult result = shell(
-      "(sleep 0.3; penumbra info s.xml; echo $? >code) 2>said | true; sleep 0.1; while [ ! -s code ]; do "
+      "(sleep 1; penumbra info s.xml; echo $? >code) 2>said | true; sleep 0.1; while [ ! -s code ]; do "
       "sleep 0.1; done");
   EXPECT_EQ(file_contents(folder_ / "code"), "1\n");
   EXPECT_EQ(file_contents(folder_ / "said"), "");

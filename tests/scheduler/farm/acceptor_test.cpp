@@ -102,7 +102,7 @@ class AcceptorTest : public testing::Test {
 };
 
 TEST_F(AcceptorTest, ConnectionsWithoutATokenAreClosedAndOthersStay) {
-  open("127.0.0.1:0", {.connections = 8, .time_to_show_token = 300ms});
+  open("127.0.0.1:0", {.connections = 8, .time_to_show_token = 2s});
   const Descriptor unadmitted = come();
   const Descriptor unadmitted_end = taken();
   const Descriptor admitted = come();

@@ -24,7 +24,7 @@ ChildProcesses shells(const char* line) { return {"/bin/sh", {"-c", line}}; }
 
 std::vector<ChildExit> reap_one(ChildProcesses& workers) {
   std::vector<ChildExit> ended;
-  EXPECT_TRUE(eventually([&] { return !(ended = workers.reap()).empty(); }, 5s));
+  EXPECT_TRUE(eventually([&] { return !(ended = workers.reap()).empty(); }, 30s));
   return ended;
 }
 
@@ -57,9 +57,9 @@ TEST(ChildProcesses, StopsTheStoppedAndTheStubborn) {
   ChildProcesses workers = shells("trap '' TERM; exec sleep 100");
   std::vector<pid_t> pids;
   for (int i = 0; i < 3; ++i) pids.push_back(workers.start().value());
-  ASSERT_TRUE(eventually([&] { return process_state(pids[0]) == 'S'; }, 5s));
+  ASSERT_TRUE(eventually([&] { return process_state(pids[0]) == 'S'; }, 30s));
   kill(pids[0], SIGSTOP);
-  ASSERT_TRUE(eventually([&] { return process_state(pids[0]) == 'T'; }, 5s));
+  ASSERT_TRUE(eventually([&] { return process_state(pids[0]) == 'T'; }, 30s));
   workers.stop_all();
   EXPECT_THAT(workers.running(), IsEmpty());
   for (const pid_t pid : pids) EXPECT_EQ(process_state(pid), 0);
@@ -121,7 +121,7 @@ TEST(ChildProcesses, NothingIsInheritedButStandardError) {
 TEST(ChildProcesses, CtrlCAtTheTerminalDoesNotReachThem) {
   ChildProcesses workers = shells("exec sleep 100");
   const pid_t pid = workers.start().value();
-  EXPECT_TRUE(eventually([&] { return getpgid(pid) == pid; }, 5s));
+  EXPECT_TRUE(eventually([&] { return getpgid(pid) == pid; }, 30s));
   EXPECT_NE(getpgid(pid), getpgrp());
 }
 

@@ -317,7 +317,7 @@ TEST_F(RenderJobTest, StopKeepsWhatIsMerged) {
     stop = true;
     stopped_at = std::chrono::steady_clock::now();
   });
-  EXPECT_LT(std::chrono::steady_clock::now() - stopped_at, 1s);
+  EXPECT_LT(std::chrono::steady_clock::now() - stopped_at, 5s);
   ASSERT_TRUE(outcome) << outcome.error().message;
   EXPECT_FALSE(outcome->complete);
   EXPECT_GT(outcome->units_done, 0u);
@@ -508,12 +508,12 @@ TEST_F(RenderJobTest, WorkersDieWithAKilledScheduler) {
         workers = children_of(scheduler);
         return workers.size() == 3;
       },
-      10s));
+      60s));
   kill(workers[0], SIGSTOP);  // even this one must not stay
   kill(scheduler, SIGKILL);
   waitpid(scheduler, nullptr, 0);
   for (const pid_t pid : workers) {
-    EXPECT_TRUE(eventually([&] { return process_state(pid) == 0 || process_state(pid) == 'Z'; }, 5s));
+    EXPECT_TRUE(eventually([&] { return process_state(pid) == 0 || process_state(pid) == 'Z'; }, 30s));
   }
 
   // What a killed scheduler leaves in the file system goes with the next render, once it is old enough.

@@ -39,7 +39,7 @@ class ServerTest : public testing::Test {
   }
 
   template <typename T>
-  T next(std::chrono::milliseconds patience = 5s) {
+  T next(std::chrono::milliseconds patience = 30s) {
     std::optional<Arrival> arrival = server_->next(patience);
     EXPECT_TRUE(arrival && std::holds_alternative<T>(*arrival));
     return arrival && std::holds_alternative<T>(*arrival) ? std::get<T>(std::move(*arrival)) : T{};
@@ -198,7 +198,7 @@ TEST_F(ServerTest, WhoIsDismissedIsNotHeardAnyMoreAndCutOff) {
   wire::WorkerMessage failed;
   failed.mutable_job_failed()->set_message("or so");
   stream_->Write(failed);
-  EXPECT_EQ(next<arrivals::Gone>(15s).worker, worker) << "the next that is heard";
+  EXPECT_EQ(next<arrivals::Gone>().worker, worker) << "the next that is heard";
   EXPECT_FALSE(stream_->Read(&message)) << "no unit after the final message";
 }
 

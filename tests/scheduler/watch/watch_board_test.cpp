@@ -312,7 +312,7 @@ TEST(WaitForWatchers, GoesOnWaitingWhileAWatcherMakesProgress) {
   Watcher watcher(board);
   for (std::uint32_t i = 0; i < 20; ++i) board.show_tile(i, tile(1));
   board.close();
-  constexpr auto kPatience = 400ms, kPace = 100ms;  // two seconds in all, five times the patience
+  constexpr auto kPatience = 1000ms, kPace = 100ms;  // two seconds in all, twice the patience
   std::thread reads([&] {
     while (watcher.next(0ms)) std::this_thread::sleep_for(kPace);
   });

@@ -20,7 +20,7 @@ using std::chrono::steady_clock;
 using testing::HasSubstr;
 
 // Far below the deadlines of the calls that it must cut short.
-constexpr auto kSoon = 3s;
+constexpr auto kSoon = 4s;
 
 WatchedJob plain_job() {
   WatchedJob job;
