@@ -4,7 +4,6 @@
 
 #include <exception>
 #include <limits>
-#include <optional>
 #include <span>
 
 #include "gl/script_runner.h"

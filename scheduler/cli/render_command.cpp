@@ -73,9 +73,9 @@ bool print_non_finite(const FilmAccumulator& film, const std::string& reproduce_
     if (samples.count > 0) texts.push_back(non_finite_text(samples, kind, reproduce_command));
   if (const std::uint64_t pixels = pixels_of_infinite_variance(film); pixels > 0)
     texts.push_back(fmt::format(
-        "the variance of {} pixel{} is more than a file's single precision holds, and infinite there; the "
+        "the variance of {} is more than a file's single precision holds, and infinite there; the "
         "radiance is as it should be. Scale the lights down",
-        pixels, pixels == 1 ? "" : "s"));
+        counted(pixels, "pixel")));
   for (const std::string& text : texts) {
     if (strict) {
       print_error({text});

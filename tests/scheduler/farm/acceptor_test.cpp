@@ -14,7 +14,6 @@
 #include <charconv>
 #include <cstring>
 #include <future>
-#include <thread>
 
 #include "scheduler/farm/access.h"
 #include "scheduler/protocol/mailbox.h"

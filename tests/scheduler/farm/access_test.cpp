@@ -5,8 +5,6 @@
 #include <grpcpp/create_channel.h>
 #include <grpcpp/generic/generic_stub.h>
 
-#include <charconv>
-#include <functional>
 #include <set>
 
 #include "scheduler/farm/private_socket.h"

@@ -1,7 +1,6 @@
 // The whole path from job to film with real worker processes over the real wire; only the device is a fake.
 #include "scheduler/farm/render_job.h"
 
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <sys/mman.h>
@@ -13,7 +12,6 @@
 #include <filesystem>
 #include <fstream>
 #include <numeric>
-#include <thread>
 
 #include "kernels/host/peak_memory.h"
 #include "scheduler/farm/render_job_check.h"
