@@ -100,7 +100,7 @@ STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit,
         const float rest = shadowed[s] - a * unshadowed[s];
         sample[s] += rest + a * analytic[s];  // which accumulate() weighs
         shadowed[s] = weight * (rest + (a - 1.0f) * analytic[s]);
-        if (ratio) unshadowed[s] = weight * (analytic[s] - unshadowed[s]);
+        if (ratio) unshadowed[s] = within_floats(weight * (analytic[s] - unshadowed[s]));
         analytic[s] *= weight;
       }
     }

@@ -19,7 +19,6 @@ PENUMBRA_NAMESPACE_BEGIN
 FN double min_d(double a, double b) { return a < b ? a : b; }
 FN double max_d(double a, double b) { return a > b ? a : b; }
 FN double clamp_d(double x, double low, double high) { return min_d(max_d(x, low), high); }
-FN double sqr_d(double x) { return x * x; }
 /// sqrt(max(x, 0))
 FN double safe_sqrt_d(double x) { return SQRT_D(max_d(x, 0.0)); }
 

@@ -57,8 +57,10 @@ Expected<void> check_own_files(const fs::path& folder) {
     std::error_code unknown;
     if (!fs::exists(folder / name, unknown)) continue;
     std::string begin(4096, '\0');
-    std::ifstream file(folder / name, std::ios::binary);
-    file.read(begin.data(), std::streamsize(begin.size()));
+    if (fs::is_regular_file(folder / name, unknown)) {  // a pipe might never have anything to read
+      std::ifstream file(folder / name, std::ios::binary);
+      file.read(begin.data(), std::streamsize(begin.size()));
+    }
     if (begin.find(marker) != std::string::npos) continue;
     return fail(
         fmt::format("{} is not of a report of this program, and would be overwritten; take another "

@@ -116,10 +116,9 @@ Server::~Server() {
   for (const auto& connection : state_->farm.all_connections()) connection->dismiss("the render is over");
   if (state_->acceptor) state_->acceptor->stop();
   // A watcher's call that is cancelled may lose what was written last.
-  const auto deadline = std::chrono::system_clock::now() + kTimeToEnd;
   for (const auto& server : {state_->more_server.get(), state_->own_server.get()}) {
     if (server == nullptr) continue;
-    server->Shutdown(deadline);
+    server->Shutdown(std::chrono::system_clock::now() + kTimeToEnd);
     server->Wait();
   }
 }

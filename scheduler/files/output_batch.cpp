@@ -129,7 +129,7 @@ std::string OutputBatch::rescue() {
   std::string lost;
   for (const Entry& entry : entries_)
     if (!entry.written) lost += (lost.empty() ? "" : ", ") + entry.path.string();
-  if (!lost.empty()) text += "; lost, as there is no room in TMPDIR or /tmp either: " + lost;
+  if (!lost.empty()) text += "; lost, as there is no room in TMPDIR, /tmp or /var/tmp either: " + lost;
   return text;
 }
 

@@ -13,7 +13,6 @@ Quad sqrt_q(Quad x) __asm__("sqrtf128");
 Quad sin_q(Quad x) __asm__("sinf128");
 Quad cos_q(Quad x) __asm__("cosf128");
 Quad asin_q(Quad x) __asm__("asinf128");
-Quad tan_q(Quad x) __asm__("tanf128");
 Quad atan2_q(Quad y, Quad x) __asm__("atan2f128");
 Quad exp_q(Quad x) __asm__("expf128");
 Quad expm1_q(Quad x) __asm__("expm1f128");
