@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "kernels/host/words.h"
+#include "scheduler/files/html_text.h"
 #include "scheduler/files/quoting.h"
-#include "scheduler/report/html_text.h"
 
 namespace penumbra {
 namespace {
@@ -125,13 +125,7 @@ std::string plots_html(const SceneReport& scene, std::size_t number) {
 }  // namespace
 
 std::string report_html(const ReportData& report) {
-  std::string html = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
-      "content=\"width=device-width\">\n{}\n<title>Error against run "
-      "time</title>\n<style>{}</style>\n</head>\n<body>\n"
-      "<h1>Error against run time</h1>\n",
-      kReportPageMarker, kStyle);
-  html += machine_html(report) + method_html(report);
+  std::string html = "<h1>Error against run time</h1>\n" + machine_html(report) + method_html(report);
   for (std::size_t i = 0; i < report.scenes.size(); ++i) {
     const SceneReport& scene = report.scenes[i];
     html += fmt::format("<h2>{}</h2>\n<p class=\"quiet\">{}, {} × {} pixels</p>\n", html_escaped(scene.name),
@@ -141,7 +135,7 @@ std::string report_html(const ReportData& report) {
       html += "<p class=\"warn\">" + html_escaped(remark) + "</p>\n";
     html += plots_html(scene, i) + scene_crops_html(scene) + scene_tables_html(report, scene);
   }
-  return html + "</body>\n</html>\n";
+  return html_page("Error against run time", kStyle, fmt::format("{}\n", kReportPageMarker), html);
 }
 
 }  // namespace penumbra

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
+#include "scheduler/files/html_text.h"
 #include "scheduler/files/quoting.h"
 #include "scheduler/image/metrics/color_map.h"
 #include "scheduler/image/tone_map.h"
 #include "scheduler/report/html.h"
-#include "scheduler/report/html_text.h"
 
 namespace penumbra {
 namespace {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <set>
 
+#include "scheduler/files/html_text.h"
 #include "scheduler/files/quoting.h"
 #include "scheduler/report/curve_builder.h"
 #include "scheduler/report/html.h"
-#include "scheduler/report/html_text.h"
 #include "scheduler/report/plot.h"
 #include "scheduler/report/sampler_orders.h"
 

@@ -2,6 +2,7 @@
 
 #include <iterator>
 
+#include "scheduler/files/html_text.h"
 #include "scheduler/files/quoting.h"
 #include "scheduler/stress/table.h"
 
@@ -57,12 +58,9 @@ void add_case(const CaseResult& r, std::string& html) {
 std::string table_html(std::span<const CaseResult> results, const TableContext& context) {
   const Counts counts = count(results);
   std::string html = fmt::format(
-      "<!doctype html>\n<html lang=en><head><meta charset=utf-8><meta name=viewport "
-      "content=\"width=device-width\"><title>Penumbra: stiff and extreme "
-      "cases</title><style>{}</style></head>"
-      "<body>\n<h1>Stiff and extreme cases</h1>\n<p>{} passed, <b>{} failed</b>, {} skipped, {} pending, in "
+      "<h1>Stiff and extreme cases</h1>\n<p>{} passed, <b>{} failed</b>, {} skipped, {} pending, in "
       "{:.1f} s. A result is shown once where all backends have the same bits.</p>\n",
-      kStyle, counts.passed, counts.failed, counts.skipped, counts.pending, context.seconds);
+      counts.passed, counts.failed, counts.skipped, counts.pending, context.seconds);
   for (const std::string& backend : context.backends) html += "<div>" + html_escaped(backend) + "</div>\n";
   std::string group;
   for (const CaseResult& r : results) {
@@ -85,7 +83,7 @@ std::string table_html(std::span<const CaseResult> results, const TableContext& 
                           html_escaped(std::get<Pending>(r.tested->measurement).feature));
   }
   if (counts.pending > 0) html += "</table>\n";
-  return html + "</body></html>\n";
+  return html_page("Penumbra: stiff and extreme cases", kStyle, "", html);
 }
 
 }  // namespace penumbra::stress

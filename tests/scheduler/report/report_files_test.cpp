@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
+#include "scheduler/files/html_text.h"
 #include "scheduler/report/curve_builder.h"
 #include "scheduler/report/html.h"
-#include "scheduler/report/html_text.h"
 #include "scheduler/report/plot.h"
 #include "scheduler/report/report_json.h"
 

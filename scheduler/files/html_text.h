@@ -9,6 +9,10 @@
 
 namespace penumbra {
 
+/// A page: its title, its style sheet, further elements of its head, and its body.
+std::string html_page(std::string_view title, std::string_view style, std::string_view head,
+                      std::string_view body);
+
 /// RFC 4648, with padding.
 std::string base64(std::span<const std::uint8_t> bytes);
 

@@ -1,10 +1,19 @@
-#include "scheduler/report/html_text.h"
+#include "scheduler/files/html_text.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
 namespace penumbra {
+
+std::string html_page(std::string_view title, std::string_view style, std::string_view head,
+                      std::string_view body) {
+  return fmt::format(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+      "content=\"width=device-width\">\n{}<title>{}</title>\n<style>{}</style>\n</head>\n<body>\n{}</"
+      "body>\n</html>\n",
+      head, title, style, body);
+}
 
 std::string base64(std::span<const std::uint8_t> bytes) {
   static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
