@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 
 #include "kernels/host/utf8.h"
 #include "scenes/text.h"
@@ -26,8 +25,6 @@ std::size_t count_characters(std::string_view text) {
   return count;
 }
 
-char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
-
 std::string_view line_at(const SourceFile& file, std::size_t offset, std::size_t& line_start) {
   const std::string_view text = file.text;
   line_start = offset == 0 ? 0 : text.rfind('\n', offset - 1) + 1;  // npos + 1 is 0
@@ -35,25 +32,6 @@ std::string_view line_at(const SourceFile& file, std::size_t offset, std::size_t
   std::string_view line = text.substr(line_start, end == text.npos ? text.npos : end - line_start);
   if (line.ends_with('\r')) line.remove_suffix(1);
   return line;
-}
-
-/// Optimal string alignment distance, case ignored.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> before(b.size() + 1), previous(b.size() + 1), current(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) previous[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    current[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const char x = lower(a[i - 1]), y = lower(b[j - 1]);
-      current[j] = std::min({previous[j] + 1, current[j - 1] + 1, previous[j - 1] + (x == y ? 0 : 1)});
-      if (i > 1 && j > 1 && x == lower(b[j - 2]) && lower(a[i - 2]) == y) {
-        current[j] = std::min(current[j], before[j - 2] + 1);
-      }
-    }
-    std::swap(before, previous);
-    std::swap(previous, current);
-  }
-  return previous[b.size()];
 }
 
 }  // namespace
@@ -104,26 +82,6 @@ std::string format_diagnostic(SourceLocation location, std::string_view severity
     if (starts_code_point(c)) indent += c == '\t' ? '\t' : ' ';
   }
   return fmt::format("{}\n  {}\n  {}^", text, visible(line), indent);
-}
-
-std::optional<std::string> nearest_name(std::string_view name, std::span<const std::string> candidates) {
-  constexpr std::size_t kLongestName = 64;  // longer ones are no misspelling of ours
-  if (name.empty() || name.size() > kLongestName) return std::nullopt;
-  std::optional<std::string> best;
-  std::size_t best_distance = std::max<std::size_t>(1, name.size() / 3) + 1;
-  for (const std::string& candidate : candidates) {
-    const std::size_t distance = edit_distance(name, candidate);
-    if (distance < best_distance) {
-      best_distance = distance;
-      best = candidate;
-    }
-  }
-  return best;
-}
-
-std::string suggestion(std::string_view name, std::span<const std::string> candidates) {
-  const auto nearest = nearest_name(name, candidates);
-  return nearest ? fmt::format("; did you mean '{}'?", *nearest) : "";
 }
 
 std::string list_names(std::span<const std::string> names) {

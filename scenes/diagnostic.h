@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "kernels/host/error.h"
+#include "kernels/host/suggestion.h"
 
 namespace penumbra {
 
@@ -46,13 +47,6 @@ std::string format_message(SourceLocation location, std::string_view severity, s
 
 /// That, the source line and a caret under the place. Long lines are cut to the part around the caret.
 std::string format_diagnostic(SourceLocation location, std::string_view severity, std::string_view message);
-
-/// The candidate with the fewest edits (insertions, deletions, replacements, swaps of neighbours; case
-/// ignored) to `name`, if it is near enough to be a likely misspelling.
-std::optional<std::string> nearest_name(std::string_view name, std::span<const std::string> candidates);
-
-/// "; did you mean 'x'?" or nothing.
-std::string suggestion(std::string_view name, std::span<const std::string> candidates);
 
 /// "a, b, c", or "none".
 std::string list_names(std::span<const std::string> names);

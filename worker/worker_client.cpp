@@ -120,14 +120,21 @@ Expected<void> Session::run() {
 
 void Session::read() {
   wire::SchedulerMessage message;
+  bool is_answered = false;
   while (stream_->Read(&message)) {
+    is_answered = true;
     leaving_ |= message.has_dismiss() || message.has_refused();
     if (message.has_view()) newest_view_ = message.view().number();
     inbox_.put(std::move(message));
   }
   inbox_.close();
   if (!leaving_ && options_.on_connection_lost) {
-    options_.on_connection_lost(Error{"the connection to the scheduler broke"});
+    options_.on_connection_lost(Error{
+        is_answered
+            ? "the connection to the scheduler broke"
+            : fmt::format("the scheduler at {} ended the connection at once; it takes workers with the token "
+                          "that it printed for them (--token or PENUMBRA_TOKEN)",
+                          options_.address)});
   }
 }
 

@@ -1,24 +1,54 @@
 // How every program's command line ends where there is nothing to run.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "kernels/host/console.h"
+#include "kernels/host/suggestion.h"
 #include "scheduler/cli/exit_code.h"
 
 namespace penumbra {
 
+/// Names of everything that the command takes: its options if the unknown word is one, else its subcommands.
+inline std::vector<std::string> known_names(const CLI::App& command, const std::string& unknown) {
+  std::vector<std::string> names;
+  if (unknown.starts_with("-")) {
+    for (const CLI::Option* option : command.get_options()) {
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    }
+  } else {
+    for (const CLI::App* subcommand : command.get_subcommands([](const CLI::App*) { return true; })) {
+      names.push_back(subcommand->get_name());
+    }
+  }
+  return names;
+}
+
+/// What is wrong with the command line, and where help is.
+inline std::string usage_error(const CLI::App& app, const CLI::Error& error) {
+  const auto chosen = app.get_subcommands();
+  const CLI::App& command = chosen.empty() ? app : *chosen.front();
+  const std::string called = chosen.empty() ? app.get_name() : app.get_name() + " " + command.get_name();
+  std::string what = error.what();
+  if (const auto unknown = command.remaining(); !unknown.empty()) {
+    what = fmt::format("unexpected argument '{}'{}", unknown.front(),
+                       suggestion(unknown.front(), known_names(command, unknown.front())));
+  }
+  return fmt::format("{}: error: {}\nRun '{} --help' for what there is.", called, what, called);
+}
+
 /// Prints what CLI11 says to this end of a parse: the help that was asked for, or what is wrong with the
 /// usage.
 inline ExitCode end_of_parse(const CLI::App& app, const CLI::Error& error) {
-  std::ostringstream answer, message;
-  const bool is_asked_for = app.exit(error, answer, message) == 0;
-  print_answer(answer.str());
-  std::string text = message.str();
-  if (text.ends_with('\n')) text.pop_back();
-  if (!text.empty()) print_message(text);
-  return is_asked_for ? kAllDone : kBadInput;
+  std::ostringstream answer, ignored;
+  if (app.exit(error, answer, ignored) == 0) return print_answer(answer.str()), kAllDone;
+  print_message(usage_error(app, error));
+  return kBadInput;
 }
 
 }  // namespace penumbra

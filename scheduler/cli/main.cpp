@@ -26,34 +26,6 @@ constexpr const char* kExamples =
     "  penumbra compare out/a.exr reference.exr\n"
     "  penumbra report scene.xml -o report --integrator path_ems --integrator path_mis";
 
-/// Names of everything that the command takes: its options if the unknown word is one, else its subcommands.
-std::vector<std::string> known_names(const CLI::App& command, const std::string& unknown) {
-  std::vector<std::string> names;
-  if (unknown.starts_with("-")) {
-    for (const CLI::Option* option : command.get_options()) {
-      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-    }
-  } else {
-    for (const CLI::App* subcommand : command.get_subcommands([](const CLI::App*) { return true; })) {
-      names.push_back(subcommand->get_name());
-    }
-  }
-  return names;
-}
-
-/// What is wrong with the command line, and where help is.
-std::string usage_error(const CLI::App* app, const CLI::Error& error) {
-  const auto chosen = app->get_subcommands();
-  const CLI::App& command = chosen.empty() ? *app : *chosen.front();
-  const std::string called = chosen.empty() ? "penumbra" : "penumbra " + command.get_name();
-  std::string what = error.what();
-  if (const auto unknown = command.remaining(); !unknown.empty()) {
-    what = fmt::format("unexpected argument '{}'{}", unknown.front(),
-                       suggestion(unknown.front(), known_names(command, unknown.front())));
-  }
-  return fmt::format("{}: error: {}\nRun '{} --help' for what there is.\n", called, what, called);
-}
-
 ExitCode run(int argc, char** argv) {
   const std::vector<std::string> command_line(argv, argv + argc);
   if (const std::string program = argc > 1 ? sibling_program(command_line[1]) : ""; !program.empty()) {
@@ -63,7 +35,6 @@ ExitCode run(int argc, char** argv) {
   app.set_version_flag("--version", fmt::format("penumbra {}", kVersion));
   app.require_subcommand(1);
   app.footer(kExamples);
-  app.failure_message(usage_error);
   Command chosen;
   add_render_command(app, command_line, chosen);
   add_preview_command(app, chosen);

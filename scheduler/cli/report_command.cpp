@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "kernels/host/plain_file.h"
+#include "kernels/host/words.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/report_assembly.h"
@@ -144,6 +145,19 @@ bool finish_report(const ReportOptions& options, const std::vector<ScenePlan>& p
   return good;
 }
 
+/// Images that are not there although they were rendered: somebody has removed them.
+std::size_t lost_cells(const std::vector<ScenePlan>& plans, const CellStore& store, std::size_t failed) {
+  std::size_t missing = 0;
+  const auto count = [&](const CellPlan& cell) { missing += store.find(cell.id) ? 0 : 1; };
+  for (const ScenePlan& plan : plans) {
+    for (const CellPlan& cell : plan.reference_cells) count(cell);
+    for (const CurvePlan& curve : plan.curves)
+      for (const auto& budget : curve.cells)
+        for (const CellPlan& cell : budget) count(cell);
+  }
+  return missing > failed ? missing - failed : 0;
+}
+
 ExitCode report_command(ReportOptions options, const std::vector<std::string>& command_line) {
   const std::atomic<bool>& stop = install_stop_signal();
   if (options.budgets.empty()) options.budgets = *parse_budgets("1..64");
@@ -169,8 +183,14 @@ ExitCode report_command(ReportOptions options, const std::vector<std::string>& c
                              run.found + run.rendered, run.total)});
     return kIncomplete;
   }
+  const std::size_t lost = lost_cells(*plans, *store, run.failures.size());
+  if (lost > 0)
+    print_error({fmt::format(
+        "{} of this report have been removed or damaged in {} meanwhile; the same command renders "
+        "them again",
+        counted(lost, "image"), (fs::path(options.out) / "cells").string())});
   const bool good = finish_report(options, *plans, *store, gnuplot, report);
-  return good && run.failures.empty() ? kAllDone : kIncomplete;
+  return good && lost == 0 && run.failures.empty() ? kAllDone : kIncomplete;
 }
 
 }  // namespace

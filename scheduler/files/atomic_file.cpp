@@ -2,12 +2,15 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "scheduler/files/file_target.h"
@@ -18,6 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr mode_t kAllPermissions = 07777;
+constexpr std::chrono::seconds kTimeToRead{10};  // a pipe's reader has
+constexpr std::chrono::milliseconds kPollInterval{20};
 
 /// A name beside `path` that no other process or thread uses.
 fs::path aside_name(const fs::path& path) {
@@ -27,11 +32,31 @@ fs::path aside_name(const fs::path& path) {
 
 int create(const fs::path& name) { return open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); }
 
+/// Opens a device or a pipe, neither made nor cut off: it is there. A pipe's reader may come a little later;
+/// negative with errno = ENXIO if none does.
+int open_for_reader(const fs::path& path) {
+  const auto deadline = std::chrono::steady_clock::now() + kTimeToRead;
+  for (;;) {
+    const int descriptor = open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
+    if (descriptor >= 0 || errno != ENXIO || std::chrono::steady_clock::now() > deadline) return descriptor;
+    std::this_thread::sleep_for(kPollInterval);
+  }
+}
+
+/// Waits until a pipe whose reader is slow takes more; false with errno set.
+bool wait_for_room(int descriptor) {
+  pollfd entry{.fd = descriptor, .events = POLLOUT, .revents = 0};
+  const int ready = poll(&entry, 1, int(std::chrono::milliseconds(kTimeToRead).count()));
+  if (ready == 0) errno = ETIMEDOUT;
+  return ready > 0 || (ready < 0 && errno == EINTR);
+}
+
 /// False with errno set.
 bool write_all(int descriptor, std::span<const std::uint8_t> bytes) {
   while (!bytes.empty()) {
     const ssize_t written = write(descriptor, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
+    if (written < 0 && errno == EAGAIN && wait_for_room(descriptor)) continue;
     if (written < 0) return false;
     bytes = bytes.subspan(std::size_t(written));
   }
@@ -80,10 +105,12 @@ Expected<void> StagedFile::rename_into_place() {
 }
 
 Expected<void> write_directly(const FileTarget& target, std::span<const std::uint8_t> bytes) {
-  // Neither made nor cut off: it is there. Of a pipe this waits for the reader.
   const int descriptor = target.kind == FileTarget::Kind::kDescriptor
                              ? fcntl(target.descriptor, F_DUPFD_CLOEXEC, 0)
-                             : open(target.path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
+                             : open_for_reader(target.path);
+  if (descriptor < 0 && errno == ENXIO)
+    return fail(fmt::format("cannot write {}: no reader has opened this pipe for {} s", target.path.string(),
+                            kTimeToRead.count()));
   if (descriptor < 0) return cannot_write(target.path, errno);
   const bool written = write_all(descriptor, bytes);
   const int error = errno;

@@ -60,18 +60,6 @@ void add_options(CLI::App& app, Options& options) {
   app.footer(kFooter);
 }
 
-std::string usage_error(const CLI::App* app, const CLI::Error& error) {
-  std::string what = error.what();
-  if (const auto unknown = app->remaining(); !unknown.empty()) {
-    std::vector<std::string> names;
-    for (const CLI::Option* option : app->get_options()) {
-      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-    }
-    what = fmt::format("unexpected argument '{}'{}", unknown.front(), suggestion(unknown.front(), names));
-  }
-  return fmt::format("penumbra stress: error: {}\nRun 'penumbra stress --help' for what there is.\n", what);
-}
-
 Expected<void> write_text(const std::string& path, const std::string& text) {
   if (auto made = make_folders(path); !made) return made;
   return write_file_atomically(path, bytes_of(text));
@@ -136,7 +124,6 @@ int main(int argc, char** argv) {
                "penumbra stress");
   stress::Options options;
   stress::add_options(app, options);
-  app.failure_message(stress::usage_error);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -33,6 +33,22 @@ TEST(Usage, VersionAndHelpSucceed) {
   }
 }
 
+TEST(Usage, EveryProgramNamesItselfInAUsageError) {
+  const std::pair<std::vector<std::string>, const char*> mistakes[] = {
+      {{"render", "--sp", "4"}, "penumbra render: error: unexpected argument '--sp'; did you mean '--spp'?"},
+      {{"worker", "--thread", "4"},
+       "penumbra-worker: error: unexpected argument '--thread'; did you mean '--threads'?"},
+      {{"view", "--scrip", "a"},
+       "penumbra-view: error: unexpected argument '--scrip'; did you mean '--script'?"},
+      {{"stress", "--cas", "a"},
+       "penumbra stress: error: unexpected argument '--cas'; did you mean '--case'?"}};
+  for (const auto& [arguments, message] : mistakes) {
+    const ProgramResult result = run(arguments);
+    EXPECT_EQ(result.exit_code, 2) << message;
+    EXPECT_THAT(result.err, HasSubstr(message));
+  }
+}
+
 TEST(Usage, EveryCommandHasHelpWithExamples) {
   for (const char* command : {"render", "preview", "info", "compare"}) {
     const ProgramResult help = run({command, "--help"});

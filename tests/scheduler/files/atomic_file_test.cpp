@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <string>
@@ -31,6 +32,25 @@ TEST(AtomicFile, WritesAndReplacesAndLeavesNothingElse) {
   ASSERT_TRUE(write_file_atomically(path, bytes_of("second, longer")));
   EXPECT_EQ(file_contents(path), "second, longer");
   EXPECT_THAT(folder.names(), ElementsAre("image.exr"));
+}
+
+TEST(AtomicFile, APipeWaitsForItsReaderButNotForEver) {
+  const TemporaryFolder folder;
+  const std::string pipe = (folder / "pipe").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const auto unread = write_file_atomically(pipe, bytes_of("lost"));
+  ASSERT_FALSE(unread);
+  EXPECT_THAT(unread.error().message, HasSubstr("no reader has opened this pipe"));
+  // More than a pipe holds, and a reader that comes late and reads slowly.
+  const std::string text(1 << 20, 'x');
+  std::string read;
+  std::jthread reader([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    read = file_contents(pipe);
+  });
+  EXPECT_TRUE(write_file_atomically(pipe, bytes_of(text)));
+  reader.join();
+  EXPECT_EQ(read, text);
 }
 
 TEST(AtomicFile, OldFileSurvivesAWriteThatFails) {

@@ -321,6 +321,18 @@ TEST_F(ReportCommand, BadInputIsExitCode2AndSaysWhat) {
   EXPECT_EQ(finished_cells(folder_ / "out"), 0u) << "nothing is rendered before all of it is checked";
 }
 
+TEST_F(ReportCommand, RemovedImagesAreMissed) {
+  Program report(folder_.path(), {"report", "s.xml", "-o", "out", "--spp", "1..64", "--seeds", "2",
+                                  "--reference-spp", "64", "--no-plots"});
+  for (int i = 0; i < 3000 && finished_cells(folder_ / "out") == 0; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "out" / "cells"))
+    if (entry.path().filename().string().front() != '.') std::filesystem::remove(entry.path());
+  const auto result = report.wait();
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("removed or damaged"));
+}
+
 TEST_F(ReportCommand, ABackendThatFailsDoesNotKeepTheOthers) {
   const auto result =
       run({"s.xml", "-o", "out", "--budgets", "1,2", "--seeds", "1", "--reference-spp", "16", "--no-plots",
