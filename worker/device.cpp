@@ -105,7 +105,7 @@ Expected<std::unique_ptr<Device>> make_plain_device(const DeviceScene& scene, co
 Expected<std::unique_ptr<Device>> make_device(const DeviceScene& scene, const DeviceOptions& options) {
   Expected<std::unique_ptr<Device>> device = make_plain_device(scene, options);
   if (!device) return device;
-  return with_stages(std::move(*device), scene, options);
+  return with_sources(std::move(*device), scene, options);
 }
 
 }  // namespace penumbra

@@ -58,8 +58,8 @@ class DeviceWithStages final : public Device {
 
 }  // namespace
 
-std::unique_ptr<Device> with_stages(std::unique_ptr<Device> device, const DeviceScene& scene,
-                                    const DeviceOptions& options) {
+std::unique_ptr<Device> with_sources(std::unique_ptr<Device> device, const DeviceScene& scene,
+                                     const DeviceOptions& options) {
   return std::make_unique<DeviceWithStages>(std::move(device), scene, options);
 }
 

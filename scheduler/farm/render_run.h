@@ -1,5 +1,5 @@
 // One call of run_render: passes arrivals to the plan, and the plan's orders to merge, workers, watchers and
-// report.
+// statistics.
 #pragma once
 
 #include <algorithm>

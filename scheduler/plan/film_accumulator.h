@@ -62,7 +62,7 @@ class FilmAccumulator {
   /// SE^2 = m2 / (n (n - 1)) the variance of a pixel's mean, over the pixels with two samples or more; NaN
   /// while there are none.
   [[nodiscard]] double relative_error() const;
-  /// XXH3-64 of all pixel statistics and layers, for tests of reproducibility and for the report.
+  /// XXH3-64 of all pixel statistics and layers, for tests of reproducibility and for statistics.
   [[nodiscard]] std::uint64_t hash() const;
 
  private:

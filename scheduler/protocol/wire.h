@@ -51,7 +51,7 @@ Expected<RenderUnit> decode(const wire::Unit& message);
 
 /// The buffer, its counts and the checksum.
 void encode(const SampleBuffer& buffer, wire::UnitResult& message);
-/// Fails, in words for the report, if the checksum does not match, the buffer is not one of `unit` with
+/// Fails, in words for people, if the checksum does not match, the buffer is not one of `unit` with
 /// `planes` planes, its values are no statistics (see check_statistics), or it took a time that is not
 /// finite.
 Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit& unit, int planes);
