@@ -3,12 +3,19 @@
 #include <fmt/format.h>
 #include <grpcpp/create_channel.h>
 
+#include <chrono>
 #include <vector>
 
 #include "scheduler/protocol/token.h"
 #include "scheduler/protocol/wire.h"
 
 namespace penumbra {
+namespace {
+
+// The largest scenes have some GB, and networks some MB a second.
+constexpr std::chrono::minutes kTimeToFetch{60};
+
+}  // namespace
 
 std::shared_ptr<grpc::Channel> open_channel(const std::string& address) {
   grpc::ChannelArguments arguments;
@@ -29,6 +36,7 @@ void show_token(grpc::ClientContext& context, const std::string& token) {
 
 Expected<DeviceScene> fetch_scene(wire::Farm::Stub& stub, grpc::ClientContext& context,
                                   const std::string& hash) {
+  context.set_deadline(std::chrono::system_clock::now() + kTimeToFetch);
   wire::AssetRequest request;
   request.set_hash(hash);
   const auto reader = stub.Asset(&context, request);
