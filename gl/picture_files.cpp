@@ -121,8 +121,7 @@ Expected<void> save_picture(const std::filesystem::path& path, const Picture& pi
   const auto bytes = extension == ".exr" ? exr_of(picture)
                                          : encode_png_bytes(picture.width, picture.height, picture.display);
   if (!bytes) return std::unexpected(bytes.error());
-  if (auto made = make_folders(path); !made) return made;
-  return write_file_atomically(path, *bytes);
+  return write_output(path, *bytes);
 }
 
 }  // namespace penumbra

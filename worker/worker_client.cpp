@@ -15,6 +15,7 @@
 #include <variant>
 
 #include "kernels/host/peak_memory.h"
+#include "kernels/host/stopwatch.h"
 #include "scheduler/protocol/client.h"
 #include "scheduler/protocol/mailbox.h"
 #include "scheduler/protocol/text.h"
@@ -266,7 +267,7 @@ void Session::render(const wire::Unit& message) {
     } catch (const std::exception& exception) {
       finished.result = fail(exception.what());
     }
-    finished.busy_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    finished.busy_seconds = seconds_since(start);
   }
   outbox_.put(std::move(finished));
 }

@@ -66,11 +66,6 @@ Expected<void> check_outputs(const CompareCommandOptions& options) {
 }
 
 /// Into a folder that may have to be made.
-Expected<void> write_output(const std::string& path, std::span<const std::uint8_t> bytes) {
-  if (auto made = make_folders(path); !made) return made;
-  return write_file_atomically(path, bytes);
-}
-
 /// The images of the command line, in memory.
 struct LoadedImages {
   std::optional<Image> image, reference, second_reference, variance, reference_variance;

@@ -4,6 +4,7 @@
 
 #include <chrono>
 
+#include "kernels/host/stopwatch.h"
 #include "scenes/scene_reader.h"
 #include "scenes/settings.h"
 
@@ -67,7 +68,7 @@ Expected<LoadedScene> load_scene(const SceneOptions& options,
   if (!device) return std::unexpected(device.error());
   LoadedScene scene{std::move(*description), std::move(*device), {}, 0};
   scene.summary = summarize(scene.device);
-  scene.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  scene.seconds = seconds_since(begin);
   return scene;
 }
 

@@ -138,10 +138,14 @@ void add_remarks(SceneReport& scene, std::size_t missing) {
 }  // namespace
 
 Expected<std::optional<SceneReport>> assemble_scene(const ReportOptions& options, const ScenePlan& plan,
-                                                    const CellStore& store, const ReportData& report) {
+                                                    const CellStore& store, const ReportData& report,
+                                                    std::size_t& missing) {
   auto reference = load_reference(plan, store, options.epsilon);
   if (!reference) return std::unexpected(reference.error());
-  if (!*reference) return std::nullopt;
+  if (!*reference) {
+    ++missing;
+    return std::nullopt;
+  }
   const Reference& truth = (*reference)->images;
   SceneReport scene;
   scene.name = plan.name;
@@ -150,9 +154,9 @@ Expected<std::optional<SceneReport>> assemble_scene(const ReportOptions& options
   scene.height = plan.window.height;
   scene.reference = (*reference)->summary;
   ErrorSum errors(truth.window(), options.epsilon);
-  std::size_t missing = 0;
+  std::size_t missing_here = 0;
   for (const CurvePlan& curve : plan.curves) {
-    auto built = rendered_curve(curve, store, truth, options.epsilon, errors, missing);
+    auto built = rendered_curve(curve, store, truth, options.epsilon, errors, missing_here);
     if (!built) return std::unexpected(built.error());
     scene.curves.push_back(std::move(*built));
   }
@@ -167,7 +171,8 @@ Expected<std::optional<SceneReport>> assemble_scene(const ReportOptions& options
     scene.target_chosen = true;
   }
   for (Curve& curve : scene.curves) finish_curve(report, scene.targets, curve);
-  add_remarks(scene, missing);
+  add_remarks(scene, missing_here);
+  missing += missing_here;
   auto crops = make_crops(report, scene, truth, errors.values(),
                           {options.crop, options.crop_seconds, options.exposure});
   if (!crops) return std::unexpected(crops.error());

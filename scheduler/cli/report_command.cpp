@@ -9,7 +9,6 @@
 #include <thread>
 
 #include "kernels/host/plain_file.h"
-#include "kernels/host/words.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/report_assembly.h"
@@ -42,11 +41,6 @@ std::string file_hash(const fs::path& path) {
   constexpr std::uint64_t kMaxProgramBytes = std::uint64_t{4} << 30;
   const std::string bytes = read_plain_file(path, kMaxProgramBytes).value_or("");
   return hash_text(XXH3_64bits(bytes.data(), bytes.size()));
-}
-
-Expected<void> write_text(const fs::path& path, const std::string& text) {
-  if (auto made = make_folders(path); !made) return made;
-  return write_file_atomically(path, bytes_of(text));
 }
 
 /// The files of a report that is there already may be written anew; what another program wrote may not.
@@ -95,7 +89,7 @@ Expected<void> write_report(const fs::path& folder, const ReportData& report) {
   const std::pair<const char*, std::string> files[] = {
       {"report.json", json}, {"report.csv", report_csv(report)}, {"index.html", report_html(report)}};
   for (const auto& [name, text] : files) {
-    if (auto written = write_text(folder / name, text); !written) return written;
+    if (auto written = write_output(folder / name, bytes_of(text)); !written) return written;
   }
   return {};
 }
@@ -116,17 +110,18 @@ void print_summary(const fs::path& folder, const ReportData& report) {
 
 /// Assembles, draws and writes what the cells hold; what went wrong is printed.
 bool finish_report(const ReportOptions& options, const std::vector<ScenePlan>& plans, const CellStore& store,
-                   const fs::path& gnuplot, ReportData& report) {
+                   const fs::path& gnuplot, std::size_t failed, ReportData& report) {
   const fs::path folder = options.out;
   bool good = true;
+  std::size_t missing = 0;
   for (const ScenePlan& plan : plans) {
-    auto scene = assemble_scene(options, plan, store, report);
+    auto scene = assemble_scene(options, plan, store, report, missing);
     if (!scene) {
       print_error(scene.error());
       good = false;
       continue;
     }
-    if (!*scene) continue;  // its reference failed, which has been said
+    if (!*scene) continue;  // its reference is missing
     if (!options.no_plots) {
       auto plots = draw_plots(gnuplot, folder / "plots", report, **scene);
       if (plots) {
@@ -138,24 +133,19 @@ bool finish_report(const ReportOptions& options, const std::vector<ScenePlan>& p
     }
     report.scenes.push_back(std::move(**scene));
   }
+  // What failed has been said; what is missing besides has been removed by somebody.
+  if (missing > failed) {
+    print_error(
+        {fmt::format("images of this report have been removed or damaged in {} meanwhile; the same command "
+                     "renders them again",
+                     (folder / "cells").string())});
+    good = false;
+  }
   report.load_end = load_averages();
   report.finished = utc_now();
   if (auto written = write_report(folder, report); !written) return print_error(written.error()), false;
   if (!options.quiet) print_summary(folder, report);
   return good;
-}
-
-/// Images that are not there although they were rendered: somebody has removed them.
-std::size_t lost_cells(const std::vector<ScenePlan>& plans, const CellStore& store, std::size_t failed) {
-  std::size_t missing = 0;
-  const auto count = [&](const CellPlan& cell) { missing += store.find(cell.id) ? 0 : 1; };
-  for (const ScenePlan& plan : plans) {
-    for (const CellPlan& cell : plan.reference_cells) count(cell);
-    for (const CurvePlan& curve : plan.curves)
-      for (const auto& budget : curve.cells)
-        for (const CellPlan& cell : budget) count(cell);
-  }
-  return missing > failed ? missing - failed : 0;
 }
 
 ExitCode report_command(ReportOptions options, const std::vector<std::string>& command_line) {
@@ -183,14 +173,8 @@ ExitCode report_command(ReportOptions options, const std::vector<std::string>& c
                              run.found + run.rendered, run.total)});
     return kIncomplete;
   }
-  const std::size_t lost = lost_cells(*plans, *store, run.failures.size());
-  if (lost > 0)
-    print_error({fmt::format(
-        "{} of this report have been removed or damaged in {} meanwhile; the same command renders "
-        "them again",
-        counted(lost, "image"), (fs::path(options.out) / "cells").string())});
-  const bool good = finish_report(options, *plans, *store, gnuplot, report);
-  return good && lost == 0 && run.failures.empty() ? kAllDone : kIncomplete;
+  const bool good = finish_report(options, *plans, *store, gnuplot, run.failures.size(), report);
+  return good && run.failures.empty() ? kAllDone : kIncomplete;
 }
 
 }  // namespace

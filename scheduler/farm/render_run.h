@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "kernels/host/stopwatch.h"
 #include "scheduler/farm/private_socket.h"
 #include "scheduler/farm/problem_text.h"
 #include "scheduler/farm/render_job.h"
@@ -77,9 +78,7 @@ class RenderRun {
   void tell_how_to_watch();
   RenderOutcome outcome() &&;
 
-  [[nodiscard]] Seconds since_start() const {
-    return std::chrono::duration<double>(Clock::now() - started_).count();
-  }
+  [[nodiscard]] Seconds since_start() const { return seconds_since(started_); }
   /// An interactive render waits for its watchers' next request.
   [[nodiscard]] bool is_done() const { return !job_.interactive && plan_.finished(); }
   [[nodiscard]] bool can_go_on() const { return workers_here_->any_left() && !plan_.gave_up(); }

@@ -159,4 +159,9 @@ Expected<void> make_folders(const fs::path& path) {
       fmt::format("cannot make the folder {}: {}", folder_of(target->path).string(), error.message()));
 }
 
+Expected<void> write_output(const fs::path& path, std::span<const std::uint8_t> bytes) {
+  if (auto made = make_folders(path); !made) return made;
+  return write_file_atomically(path, bytes);
+}
+
 }  // namespace penumbra

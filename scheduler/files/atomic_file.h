@@ -51,4 +51,7 @@ Expected<void> check_writable(const std::filesystem::path& path);
 /// Makes the folders that the file will be in, where they are missing.
 Expected<void> make_folders(const std::filesystem::path& path);
 
+/// Both: makes the folders and writes the file.
+Expected<void> write_output(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
+
 }  // namespace penumbra

@@ -23,10 +23,6 @@ constexpr std::chrono::seconds kTimeToDraw{300};
 /// Empty if it cannot be read.
 std::string contents(const fs::path& path) { return read_plain_file(path, kMaxPlotBytes).value_or(""); }
 
-Expected<void> write_text(const fs::path& path, const std::string& text) {
-  return write_file_atomically(path, bytes_of(text));
-}
-
 }  // namespace
 
 Expected<fs::path> find_gnuplot() {
@@ -56,7 +52,8 @@ Expected<GnuplotOutput> run_gnuplot(const fs::path& gnuplot, const fs::path& fol
       "'sans-serif,20'\n"
       "set output {1}\nreplot\nset output\n",
       gnuplot_quoted(local(".svg")), gnuplot_quoted(local(".png")), width, height, script);
-  if (auto written = write_text(file(".gp"), text); !written) return std::unexpected(written.error());
+  if (auto written = write_file_atomically(file(".gp"), bytes_of(text)); !written)
+    return std::unexpected(written.error());
   const auto end = run_program(gnuplot.string(), {local(".gp")},
                                {.folder = folder, .errors_too = true, .limit = kTimeToDraw});
   if (!end) return std::unexpected(end.error());

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "kernels/host/console.h"
+#include "kernels/host/stopwatch.h"
 #include "scenes/diagnostic.h"
 #include "scheduler/cli/command_line.h"
 #include "scheduler/cli/exit_code.h"
@@ -60,11 +61,6 @@ void add_options(CLI::App& app, Options& options) {
   app.footer(kFooter);
 }
 
-Expected<void> write_text(const std::string& path, const std::string& text) {
-  if (auto made = make_folders(path); !made) return made;
-  return write_file_atomically(path, bytes_of(text));
-}
-
 std::vector<Backend> make_backends(const Options& options) {
   std::vector<Backend> backends;
   if (options.backend != "opencl") backends = native_backends(options.threads);
@@ -101,14 +97,15 @@ ExitCode run(const Options& options) {
   const std::vector<CaseResult> results =
       run_cases(*cases, backends, [&](const Case& c) { terminal ? show_progress(c) : void(); });
   clear_line();
-  context.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  context.seconds = seconds_since(start);
   print_answer(table_text(results, context));
   if (!options.json.empty()) {
-    if (const auto done = write_text(options.json, table_json(results, context).dump(1) + "\n"); !done)
+    if (const auto done = write_output(options.json, bytes_of(table_json(results, context).dump(1) + "\n"));
+        !done)
       return print_error(done.error()), kIncomplete;
   }
   if (!options.html.empty()) {
-    if (const auto done = write_text(options.html, table_html(results, context)); !done)
+    if (const auto done = write_output(options.html, bytes_of(table_html(results, context))); !done)
       return print_error(done.error()), kIncomplete;
   }
   return all_pass(count(results)) ? kAllDone : kIncomplete;
