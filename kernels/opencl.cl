@@ -12,33 +12,21 @@ FN Unit make_unit(int x, int y, int width, int height, uint first_sample, int sa
   return unit;
 }
 
-FN Block make_block(__global float* f, __global int* ints, __global float* slots, int capacity,
-                    int slot_capacity) {
-  Block block;
-  block.f = f;
-  block.i = ints;
-  block.slots = slots;
-  block.capacity = capacity;
-  block.slot_capacity = slot_capacity;
-  block.probe = 0;
-  return block;
-}
-
 /// For CPUs: pixels [first_pixel, end_pixel) of the unit, a block of `block_pixels` after the other by
-/// whichever work item is free; `next_block` counts from 0. `f`, `ints` and `slots` hold each work item's
+/// whichever work item is free; `next_block` counts from 0. `states` and `slots` hold each work item's
 /// block one after the other; `bad` BAD_KINDS entries a work item.
 __kernel void render_blocks(__global const SceneHeader* header, __global const uint* words, int x, int y,
                             int width, int height, uint first_sample, int sample_count, int first_pixel,
                             int end_pixel, int block_pixels, int capacity, int slot_capacity,
-                            __global float* f, __global int* ints, __global float* slots, __global float* out,
+                            __global uint* states, __global uint* slots, __global float* out,
                             __global BadSamples* bad, volatile __global int* next_block) {
   const int item = (int)get_global_id(0);
   const Unit unit = make_unit(x, y, width, height, first_sample, sample_count);
   const Scene scene = make_scene(*header, words);
-  const Block block = make_block(f + (size_t)item * state_floats(scene.header.features) * capacity,
-                                 ints + (size_t)item * STATE_INTS * capacity,
-                                 slots + (size_t)item * slot_floats(scene.header.features) * slot_capacity,
-                                 capacity, slot_capacity);
+  const uint features = scene.header.features;
+  const Block block =
+      make_block(features, states + (size_t)item * path_words(features) * capacity, capacity,
+                 slots + (size_t)item * slot_words(features) * slot_capacity, slot_capacity);
   const int blocks = (end_pixel - first_pixel + block_pixels - 1) / block_pixels;
   for (int b = atomic_inc(next_block); b < blocks; b = atomic_inc(next_block)) {
     const int pixel = first_pixel + b * block_pixels;
@@ -54,26 +42,26 @@ __kernel void render_blocks(__global const SceneHeader* header, __global const u
 /// Paths [first_path, first_path + path_count) of the pixels; there are at most `capacity`.
 __kernel void trace_paths(__global const SceneHeader* header, __global const uint* words, int x, int y,
                           int width, int height, uint first_sample, int sample_count, int first_pixel,
-                          int first_path, int path_count, int capacity, int slot_capacity, __global float* f,
-                          __global int* ints, __global float* slots) {
+                          int first_path, int path_count, int capacity, int slot_capacity,
+                          __global uint* states, __global uint* slots) {
   const int item = (int)get_global_id(0);
   if (item >= path_count) return;
   const Unit unit = make_unit(x, y, width, height, first_sample, sample_count);
   const Scene scene = make_scene(*header, words);
-  const Block block = make_block(f + item, ints + item, slots, capacity, slot_capacity);
+  const Block block = make_block(scene.header.features, states + item, capacity, slots, slot_capacity);
   render_paths(&scene, &unit, first_pixel, first_path + item, 1, 1, &block);
 }
 
 /// Pixels [first_pixel + from, first_pixel + from + count); `bad` holds BAD_KINDS entries a work item.
 __kernel void finish_samples(__global const SceneHeader* header, __global const uint* words, int x, int y,
                              int width, int height, uint first_sample, int sample_count, int first_pixel,
-                             int from, int count, int slot_capacity, __global float* slots,
+                             int from, int count, int slot_capacity, __global uint* slots,
                              __global float* out, __global BadSamples* bad) {
   const int item = (int)get_global_id(0);
   if (item >= count) return;
   const Unit unit = make_unit(x, y, width, height, first_sample, sample_count);
   const Scene scene = make_scene(*header, words);
-  const Block block = make_block(0, 0, slots + from + item, 1, slot_capacity);
+  const Block block = make_block(scene.header.features, 0, 1, slots + from + item, slot_capacity);
   finish_pixels(&scene, &unit, first_pixel + from + item, 1, &block, out, bad + BAD_KINDS * item);
 }
 #endif

@@ -1,16 +1,18 @@
 // The scene as a kernel sees it: the header and typed pointers into the flat array.
 #ifndef PENUMBRA_SCENE_H
 #define PENUMBRA_SCENE_H
+#include "kernels/block/path_state.h"
 #include "kernels/scene_types.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
 #ifdef EXTERNAL_TRACER
-/// An external intersector, for native code: fills HIT of `count` lanes for their rays or shadow rays.
+/// An external intersector, for native code: finds `hit` of `count` lanes for their rays, or
+/// `shadow_transmittance` for their shadow rays.
 typedef struct {
   const void* context;
-  void (*intersect)(const void* context, float* f, int* ints, int capacity, int count);
-  void (*occlude)(const void* context, float* f, int* ints, int capacity, int count);
+  void (*intersect)(const void* context, const PathState* paths, int count);
+  void (*occlude)(const void* context, const PathState* paths, int count);
 } Tracer;
 #endif
 

@@ -98,41 +98,49 @@ STAGE void weigh_field(GLOBAL float* RESTRICT values, const GLOBAL float* RESTRI
     for (int p = 0; p < count; p++) values[p] = values[p] * weights[p];
 }
 
-/// Whether any of neighbouring slots' samples has a NaN or an infinity in the fields before `fields`.
-STAGE bool any_bad(const GLOBAL float* RESTRICT slots, int slot_capacity, int fields, int count) {
+// A sample's values: the radiance, then those of the layers, in the order of their planes.
+#define RADIANCE_VALUES 3
+#define LAYER_VALUES 7
+
+/// The k-th value of the samples, an array over the slots.
+FN GLOBAL float* slot_values(const PRIVATE SlotState* slots, int k) {
+  if (k < 3) return slots->sample + k * slots->capacity;
+  if (k < 6) return slots->albedo + (k - 3) * slots->capacity;
+  if (k < 9) return slots->normal + (k - 6) * slots->capacity;
+  return slots->distance;
+}
+
+/// Whether any of neighbouring values is a NaN or an infinity.
+STAGE bool any_bad(const GLOBAL float* RESTRICT values, int count) {
   uint bad = 0u;
-  for (int k = SAMPLE_X; k < fields; k++) {
-    const GLOBAL float* RESTRICT field = slots + k * slot_capacity;
-    LANE_LOOP
-      for (int p = 0; p < count; p++) {
-        const uint bits = FLOAT_BITS(field[p]) & 0x7fffffffu;
-        bad |= bits >= 0x7f800000u ? 1u : 0u;
-      }
-  }
+  LANE_LOOP
+    for (int p = 0; p < count; p++) {
+      const uint bits = FLOAT_BITS(values[p]) & 0x7fffffffu;
+      bad |= bits >= 0x7f800000u ? 1u : 0u;
+    }
   return bad != 0u;
 }
 
-/// Samples with a NaN or an infinity in the fields before `fields` are noted in `bad`, of BAD_KINDS. Their
+/// Samples with a NaN or an infinity in the first `values` values are noted in `bad`, of BAD_KINDS. Their
 /// radiance becomes 0, and so does each non-finite value of their layers.
-STAGE void remove_bad(GLOBAL float* RESTRICT slots, int slot_capacity, int fields, int pitch, int first_pixel,
-                      int pixels, int count, GLOBAL BadSamples* RESTRICT bad) {
+STAGE void remove_bad(const PRIVATE SlotState* slots, int values, int pitch, int first_pixel, int pixels,
+                      int count, GLOBAL BadSamples* RESTRICT bad) {
   for (int p = 0; p < pixels; p++)
     for (int i = 0; i < count; i++) {
-      GLOBAL float* sample = slots + i * pitch + p;
+      const int slot = i * pitch + p;
       bool nan = false, infinite = false;
-      for (int k = SAMPLE_X; k < fields; k++) {
-        const uint bits = FLOAT_BITS(sample[k * slot_capacity]);
+      for (int k = 0; k < values; k++) {
+        const uint bits = FLOAT_BITS(slot_values(slots, k)[slot]);
         nan = nan | is_nan_bits(bits);
         infinite = infinite | is_infinite_bits(bits);
       }
       note_bad(bad + BAD_NAN, nan ? 1u : 0u, first_pixel + p, i);
       note_bad(bad + BAD_INFINITE, (infinite & !nan) ? 1u : 0u, first_pixel + p, i);
-      for (int k = SAMPLE_X; k < fields; k++) {
-        const float value = sample[k * slot_capacity];
-        const uint bits = FLOAT_BITS(value);
-        const bool radiance = k < ALBEDO_X;
-        const bool drop = radiance ? (nan | infinite) : (is_nan_bits(bits) | is_infinite_bits(bits));
-        sample[k * slot_capacity] = drop ? 0.0f : value;
+      for (int k = 0; k < values; k++) {
+        GLOBAL float* value = slot_values(slots, k) + slot;
+        const uint bits = FLOAT_BITS(*value);
+        const bool own = is_nan_bits(bits) | is_infinite_bits(bits);
+        *value = (k < RADIANCE_VALUES ? nan | infinite : own) ? 0.0f : *value;
       }
     }
 }
@@ -141,10 +149,9 @@ STAGE void remove_bad(GLOBAL float* RESTRICT slots, int slot_capacity, int field
 /// infinite, all of them become 0 for that pixel, and its samples become NaN or infinite, for accumulate() to
 /// count.
 STAGE void spread_bad_planes(const PRIVATE Unit* unit, int first_pixel, int pixels, int first_plane,
-                             int planes, GLOBAL float* RESTRICT slots, int slot_capacity,
-                             GLOBAL float* RESTRICT out) {
+                             int planes, const PRIVATE SlotState* slots, GLOBAL float* RESTRICT out) {
   const int n = unit->sample_count, area = unit->width * unit->height;
-  const int pitch = slot_pixels(slot_capacity, n, LANES);
+  const int pitch = slot_pixels(slots->capacity, n, LANES);
   for (int p = 0; p < pixels; p++) {
     GLOBAL float* plane = out + first_pixel + p;
     float worst = 0.0f;
@@ -155,29 +162,29 @@ STAGE void spread_bad_planes(const PRIVATE Unit* unit, int first_pixel, int pixe
     }
     const bool any = worst != 0.0f;  // a NaN too
     for (int k = first_plane; any && k < planes; k++) plane[k * area] = 0.0f;
-    for (int i = 0; any && i < n; i++) slots[SAMPLE_X * slot_capacity + i * pitch + p] = worst;
+    for (int i = 0; any && i < n; i++) slots->sample[i * pitch + p] = worst;
   }
 }
 
 /// Statistics of the block's pixels, in sample order, without non-finite samples.
-STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, GLOBAL float* RESTRICT slots,
-                      int slot_capacity, bool layers, GLOBAL float* RESTRICT out,
-                      GLOBAL BadSamples* RESTRICT bad) {
+STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, const PRIVATE SlotState* slots,
+                      bool layers, GLOBAL float* RESTRICT out, GLOBAL BadSamples* RESTRICT bad) {
   const int n = unit->sample_count, area = unit->width * unit->height;
-  const int pitch = slot_pixels(slot_capacity, n, LANES);
-  const int fields = layers ? DEPTH + 1 : ALBEDO_X;
+  const int pitch = slot_pixels(slots->capacity, n, LANES);
+  const int values = RADIANCE_VALUES + (layers ? LAYER_VALUES : 0);
   bool bad_ones = false;
-  for (int i = 0; i < n; i++) {
-    GLOBAL float* row = slots + i * pitch;
-    for (int k = SAMPLE_X; k < fields; k++)
-      weigh_field(row + k * slot_capacity, row + FILTER_WEIGHT * slot_capacity, pixels);
-    bad_ones = bad_ones | any_bad(row, slot_capacity, fields, pixels);
-  }
-  if (bad_ones) remove_bad(slots, slot_capacity, fields, pitch, first_pixel, pixels, n, bad);
-  for (int k = SAMPLE_X; k < fields; k++) {
-    const int plane = k < ALBEDO_X ? k - SAMPLE_X : FIRST_LAYER_PLANE + k - ALBEDO_X;
-    accumulate_field(slots + k * slot_capacity, pitch, pixels, n, out + plane * area + first_pixel,
-                     k < ALBEDO_X ? out + (3 + plane) * area + first_pixel : 0);
+  for (int i = 0; i < n; i++)
+    for (int k = 0; k < values; k++) {
+      GLOBAL float* row = slot_values(slots, k) + i * pitch;
+      weigh_field(row, slots->filter_weight + i * pitch, pixels);
+      bad_ones = bad_ones | any_bad(row, pixels);
+    }
+  if (bad_ones) remove_bad(slots, values, pitch, first_pixel, pixels, n, bad);
+  for (int k = 0; k < values; k++) {
+    const bool radiance = k < RADIANCE_VALUES;
+    const int plane = radiance ? k : FIRST_LAYER_PLANE + k - RADIANCE_VALUES;
+    GLOBAL float* deviations = radiance ? out + (RADIANCE_VALUES + k) * area + first_pixel : 0;
+    accumulate_field(slot_values(slots, k), pitch, pixels, n, out + plane * area + first_pixel, deviations);
   }
 }
 

@@ -2,66 +2,73 @@
 #ifndef PENUMBRA_BLOCK_COMPACT_H
 #define PENUMBRA_BLOCK_COMPACT_H
 #include "kernels/block/path_state.h"
+#include "kernels/scene.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Moves a field's values up to lanes [0, left). In place, since going[m] >= m.
-FN void close_gaps(GLOBAL float* RESTRICT field, const GLOBAL int* RESTRICT going, int left) {
+/// Moves a field's values to lanes [0, count): lane m gets that of lane from[m] >= m.
+FN void move_up_float(GLOBAL float* RESTRICT field, const GLOBAL int* RESTRICT from, int count) {
   LANE_LOOP
-    for (int m = 0; m < left; m++) field[m] = field[going[m]];
+    for (int m = 0; m < count; m++) field[m] = field[from[m]];
+}
+FN void move_up_int(GLOBAL int* RESTRICT field, const GLOBAL int* RESTRICT from, int count) {
+  LANE_LOOP
+    for (int m = 0; m < count; m++) field[m] = field[from[m]];
+}
+#define MOVE_UP_float(field, capacity, from, count) move_up_float(field, from, count)
+#define MOVE_UP_int(field, capacity, from, count) move_up_int(field, from, count)
+#define MOVE_UP_bool(field, capacity, from, count) move_up_int(field, from, count)
+#define MOVE_UP_vec3(field, capacity, from, count) \
+  for (int k = 0; k < 3; k++) move_up_float((field) + k * (capacity), from, count)
+
+/// A field at a time.
+STAGE void close_gaps(uint features, const PRIVATE PathState* paths, int left) {
+  const GLOBAL int* RESTRICT going = paths->going;
+#define MOVE_FIELD(type, name, needs, travels) \
+  if ((features & (needs) & (travels)) != 0u) MOVE_UP_##type(paths->name, paths->capacity, going, left);
+  PATH_FIELDS(MOVE_FIELD)
+#undef MOVE_FIELD
 }
 
-/// Finished paths leave their radiance in their slot, with `control` also what control variates need; the
-/// others move up, in order. Returns how many are left.
-STAGE int compact(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity, int count,
-                  bool all_floats, bool control, GLOBAL float* RESTRICT slots, int slot_capacity) {
-  GLOBAL int* RESTRICT going = ints + GOING * capacity;
-  GLOBAL int* RESTRICT finished = ints + FINISHED * capacity;
+/// Copies lane `from` to lane `to`.
+FN void copy_lane(uint features, const PRIVATE PathState* paths, int to, int from) {
+#define COPY_FIELD(type, name, needs, travels) \
+  if ((features & (needs) & (travels)) != 0u) set_##name(paths, to, get_##name(paths, from));
+  PATH_FIELDS(COPY_FIELD)
+#undef COPY_FIELD
+}
+
+/// Finished paths leave what they found in their slots; the others move up, in order. Returns how many are left.
+STAGE int compact(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
+                  const PRIVATE SlotState* slots) {
+  GLOBAL int* RESTRICT going = paths->going;
+  GLOBAL int* RESTRICT finished = paths->finished;
   int left = 0, gone = 0;
   for (int i = 0; i < count; i++) {  // without a branch: which paths end is not predictable
-    const int alive = ints[ALIVE * capacity + i];
+    const int alive = get_alive(paths, i) ? 1 : 0;
     going[left] = i;
     finished[gone] = i;
     left += alive;
     gone += 1 - alive;
   }
+  const bool polygons = NEEDS(scene, POLYGONS);
   for (int m = 0; m < gone; m++) {
-    const int i = finished[m];
-    const int slot = ints[SLOT * capacity + i];
-    const vec3 radiance = LOAD3(f, capacity, RADIANCE_X, i);
-    STORE3(slots, slot_capacity, SAMPLE_X, slot, radiance);
-#if HAS(POLYGONS)
-    for (int k = SHADOWED_X; control && k < STATE_FLOATS; k++)
-      slots[(SLOT_SHADOWED_X + k - SHADOWED_X) * slot_capacity + slot] = f[k * capacity + i];
-#endif
+    const int i = finished[m], slot = get_slot(paths, i);
+    set_slot_sample(slots, slot, get_radiance(paths, i));
+    if (polygons) {
+      set_slot_shadowed(slots, slot, get_shadowed(paths, i));
+      set_slot_unshadowed(slots, slot, get_unshadowed(paths, i));
+      set_slot_analytic(slots, slot, get_analytic(paths, i));
+    }
   }
-  // A field at a time.
-  const int floats = all_floats ? PATH_AND_CAMERA_RAY_COUNT : PATH_FLOAT_COUNT;
-  for (int k = 0; gone > 0 && k < floats; k++) close_gaps(f + k * capacity, going, left);
-#if HAS(POLYGONS)
-  for (int k = SHADOWED_X; gone > 0 && control && k < STATE_FLOATS; k++)
-    close_gaps(f + k * capacity, going, left);
-#endif
-  for (int k = 0; gone > 0 && k < PATH_INT_COUNT; k++) {
-    GLOBAL int* field = ints + k * capacity;
-    LANE_LOOP
-      for (int m = 0; m < left; m++) field[m] = field[going[m]];
-  }
+  if (gone > 0) close_gaps(scene->header.features, paths, left);
   return left;
 }
 
 /// Lanes from `count` to the next multiple of LANES repeat the last path, so that every lane holds valid
 /// work.
-FN void pad_lanes(GLOBAL float* f, GLOBAL int* ints, int capacity, int count, bool all_floats, bool control) {
-  const int floats = all_floats ? PATH_AND_CAMERA_RAY_COUNT : PATH_FLOAT_COUNT;
-  for (int i = count; i % LANES != 0; i++) {
-    for (int k = 0; k < floats; k++) f[k * capacity + i] = f[k * capacity + count - 1];
-#if HAS(POLYGONS)
-    for (int k = SHADOWED_X; control && k < STATE_FLOATS; k++)
-      f[k * capacity + i] = f[k * capacity + count - 1];
-#endif
-    for (int k = 0; k < PATH_INT_COUNT; k++) ints[k * capacity + i] = ints[k * capacity + count - 1];
-  }
+FN void pad_lanes(uint features, const PRIVATE PathState* paths, int count) {
+  for (int i = count; i % LANES != 0; i++) copy_lane(features, paths, i, count - 1);
 }
 
 PENUMBRA_NAMESPACE_END

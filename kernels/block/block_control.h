@@ -11,19 +11,16 @@ PENUMBRA_NAMESPACE_BEGIN
 #if HAS(POLYGONS)
 /// A sample of which any part is not finite becomes one NaN or infinity of its plain part, for accumulate()
 /// to count.
-FN void check_control(GLOBAL float* RESTRICT slots, int slot_capacity, int s) {
-  const vec3 plain = LOAD3(slots, slot_capacity, SAMPLE_X, s);
-  vec3 sum = plain;
-  for (int k = SLOT_SHADOWED_X; k < SLOT_FLOAT_COUNT; k += 3)
-    sum = add(sum, LOAD3(slots, slot_capacity, k, s));
+FN void check_control(const PRIVATE SlotState* slots, int s) {
+  const vec3 plain = get_slot_sample(slots, s), shadowed = get_slot_shadowed(slots, s);
+  const vec3 unshadowed = get_slot_unshadowed(slots, s), analytic = get_slot_analytic(slots, s);
+  const vec3 sum = add(add(add(plain, shadowed), unshadowed), analytic), zero = make_vec3(0.0f, 0.0f, 0.0f);
   const uint bits = FLOAT_BITS((sum.x + sum.y) + sum.z);
   const bool finite = !(is_nan_bits(bits) | is_infinite_bits(bits));
-  for (int k = SLOT_SHADOWED_X; k < SLOT_FLOAT_COUNT; k++) {
-    const float value = slots[k * slot_capacity + s];
-    slots[k * slot_capacity + s] = finite ? value : 0.0f;
-  }
-  const vec3 kept = select3(finite, plain, sum);
-  STORE3(slots, slot_capacity, SAMPLE_X, s, kept);
+  set_slot_sample(slots, s, select3(finite, plain, sum));
+  set_slot_shadowed(slots, s, select3(finite, shadowed, zero));
+  set_slot_unshadowed(slots, s, select3(finite, unshadowed, zero));
+  set_slot_analytic(slots, s, select3(finite, analytic, zero));
 }
 
 /// Where a unit's RatioPlanes start.
@@ -33,13 +30,12 @@ FN int first_ratio_plane(bool layers) { return layers ? LAYER_PLANES_END : FIRST
 /// For the ratio estimator: mean and deviation of what the ratio multiplies, and its correlation with the
 /// rest, after accumulate().
 STAGE void accumulate_ratio(const PRIVATE Unit* unit, int first_pixel, int pixels,
-                            const GLOBAL float* RESTRICT slots, int slot_capacity, bool layers,
-                            GLOBAL float* RESTRICT out) {
+                            const PRIVATE SlotState* slots, bool layers, GLOBAL float* RESTRICT out) {
   const int n = unit->sample_count, area = unit->width * unit->height;
-  const int pitch = slot_pixels(slot_capacity, n, LANES);
+  const int pitch = slot_pixels(slots->capacity, n, LANES);
   for (int c = 0; c < 3; c++) {
-    const GLOBAL float* a = slots + (SAMPLE_X + c) * slot_capacity;
-    const GLOBAL float* b = slots + (SLOT_UNSHADOWED_X + c) * slot_capacity;
+    const GLOBAL float* a = slots->sample + c * slots->capacity;
+    const GLOBAL float* b = slots->unshadowed + c * slots->capacity;
     GLOBAL float* estimate = out + c * area + first_pixel;  // mean, and three planes on the deviation
     GLOBAL float* planes = out + (first_ratio_plane(layers) + c) * area + first_pixel;
     accumulate_field(b, pitch, pixels, n, planes + RATIO_MEAN_PLANE * area,
@@ -65,24 +61,23 @@ STAGE void accumulate_ratio(const PRIVATE Unit* unit, int first_pixel, int pixel
 /// estimate less G), and of the light samples with and without shadows, in the planes after the other
 /// layers'.
 STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int pixels,
-                           GLOBAL float* RESTRICT slots, int slot_capacity, bool layers,
-                           GLOBAL float* RESTRICT out) {
+                           const PRIVATE SlotState* slots, bool layers, GLOBAL float* RESTRICT out) {
   const int n = unit->sample_count, area = unit->width * unit->height;
-  const int estimator = scene->header.estimator, pitch = slot_pixels(slot_capacity, n, LANES);
+  const int estimator = scene->header.estimator, pitch = slot_pixels(slots->capacity, n, LANES);
   for (int p = 0; p < pixels; p++)
-    for (int s = 0; s < n; s++) check_control(slots, slot_capacity, s * pitch + p);
+    for (int s = 0; s < n; s++) check_control(slots, s * pitch + p);
   const bool ratio = HAS(RATIO) && estimator == ESTIMATOR_RATIO;
   GLOBAL float* ratio_out = out + first_ratio_plane(layers) * area + first_pixel;
   for (int c = 0; c < 3 && ratio; c++)
-    accumulate_field(slots + (SLOT_UNSHADOWED_X + c) * slot_capacity, pitch, pixels, n,
+    accumulate_field(slots->unshadowed + c * slots->capacity, pitch, pixels, n,
                      ratio_out + (RATIO_UNSHADOWED_PLANE + c) * area, 0);
   for (int p = 0; p < pixels; p++) {
     float all_shadowed = 0.0f, all_unshadowed = 0.0f;
     for (int c = 0; c < 3; c++) {
-      GLOBAL float* sample = slots + (SAMPLE_X + c) * slot_capacity + p;
-      GLOBAL float* shadowed = slots + (SLOT_SHADOWED_X + c) * slot_capacity + p;
-      GLOBAL float* unshadowed = slots + (SLOT_UNSHADOWED_X + c) * slot_capacity + p;
-      GLOBAL float* analytic = slots + (SLOT_ANALYTIC_X + c) * slot_capacity + p;
+      GLOBAL float* sample = slots->sample + c * slots->capacity + p;
+      GLOBAL float* shadowed = slots->shadowed + c * slots->capacity + p;
+      GLOBAL float* unshadowed = slots->unshadowed + c * slots->capacity + p;
+      GLOBAL float* analytic = slots->analytic + c * slots->capacity + p;
       const int parity = (int)(unit->first_sample & 1u);
       float alpha[2];
       alpha[0] = alpha[1] = scene->header.alpha;
@@ -96,7 +91,7 @@ STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit,
         const int s = i * pitch;
         all_shadowed += shadowed[s] * HUGE_SAMPLE_SCALE;
         all_unshadowed += unshadowed[s] * HUGE_SAMPLE_SCALE;
-        const float a = alpha[(parity + i) & 1], weight = slots[FILTER_WEIGHT * slot_capacity + p + s];
+        const float a = alpha[(parity + i) & 1], weight = slots->filter_weight[p + s];
         const float rest = shadowed[s] - a * unshadowed[s];
         sample[s] += rest + a * analytic[s];  // which accumulate() weighs
         shadowed[s] = weight * (rest + (a - 1.0f) * analytic[s]);
@@ -112,9 +107,9 @@ STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit,
   #endif
   }
   for (int c = 0; c < 3 && layers; c++) {
-    accumulate_field(slots + (SLOT_ANALYTIC_X + c) * slot_capacity, pitch, pixels, n,
+    accumulate_field(slots->analytic + c * slots->capacity, pitch, pixels, n,
                      out + (ANALYTIC_PLANE + c) * area + first_pixel, 0);
-    accumulate_field(slots + (SLOT_SHADOWED_X + c) * slot_capacity, pitch, pixels, n,
+    accumulate_field(slots->shadowed + c * slots->capacity, pitch, pixels, n,
                      out + (DIFFERENCE_PLANE + c) * area + first_pixel, 0);
   }
 }

@@ -1,126 +1,194 @@
-// A block: the state of many paths, one array per field. Field F of lane i is at f[F * capacity + i].
+// The state of many paths, an array a field: every field is one row, from which its storage, its accessors and
+// its part in the compaction of a block are generated. A field that no feature of the scene needs has no
+// storage.
 #ifndef PENUMBRA_PATH_STATE_H
 #define PENUMBRA_PATH_STATE_H
 #include "kernels/features.h"
-#include "kernels/math/vec3.h"
+#include "kernels/intersect/surface_fields.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
 // clang-format off
-// Fields that travel with a path when the block is compacted.
-#define PATH_FLOATS(F)                                              \
-  F(RAY_ORIGIN_X) F(RAY_ORIGIN_Y) F(RAY_ORIGIN_Z)                   \
-  F(RAY_DIRECTION_X) F(RAY_DIRECTION_Y) F(RAY_DIRECTION_Z) /* unit */ \
-  F(RAY_TMAX)                        /* negative: no ray this time */ \
-  F(THROUGHPUT_X) F(THROUGHPUT_Y) F(THROUGHPUT_Z)                   \
-  F(DIRECTION_PDF)                   /* of the ray's direction, per solid angle */ \
-  F(RADIANCE_X) F(RADIANCE_Y) F(RADIANCE_Z)
+#define EVERY_SCENE 0xffffffffu
+#define NEVER 0u
 
-// As above, used by the direct integrator: the camera ray, whose hit all its samples share. Where lights are
-// sampled by projected solid angle, a path keeps there the shading normal that its ray left.
-#define CAMERA_RAY_FLOATS(F)                               \
-  F(CAMERA_ORIGIN_X) F(CAMERA_ORIGIN_Y) F(CAMERA_ORIGIN_Z) \
-  F(CAMERA_DIRECTION_X) F(CAMERA_DIRECTION_Y) F(CAMERA_DIRECTION_Z)
+#define KEPT_SURFACE_FIELD(X, type, name) X(type, surface_##name, FEATURE_DIRECT, FEATURE_DIRECT)
 
-// Fields that live from a step to its occlusion test.
-#define SHADOW_FLOATS(F)                                        \
-  F(SHADOW_ORIGIN_X) F(SHADOW_ORIGIN_Y) F(SHADOW_ORIGIN_Z)      \
-  F(SHADOW_DIRECTION_X) F(SHADOW_DIRECTION_Y) F(SHADOW_DIRECTION_Z) \
-  F(SHADOW_TMAX)                 /* negative: no shadow ray */  \
-  F(SHADOW_RADIANCE_X) F(SHADOW_RADIANCE_Y) F(SHADOW_RADIANCE_Z) /* added if nothing is in the way */
+// X(type, name, features that need it, features with which it travels when finished paths' lanes are closed).
+// Types are float, int, bool and vec3. What does not travel lives within one step.
+#define PATH_FIELDS(X)                                                                                         \
+  /* the next ray */                                                                                           \
+  X(vec3, ray_origin, EVERY_SCENE, EVERY_SCENE)                                                                \
+  X(vec3, ray_direction, EVERY_SCENE, EVERY_SCENE)      /* unit */                                             \
+  X(float, ray_tmax, EVERY_SCENE, EVERY_SCENE)          /* negative: no ray this time */                       \
+  X(int, ray_skip, EVERY_SCENE, EVERY_SCENE)            /* primitive that it starts on, or -1 */               \
+  X(float, direction_pdf, EVERY_SCENE, EVERY_SCENE)     /* of its direction, per solid angle; see DELTA_PDF */ \
+  X(int, hit, EVERY_SCENE, NEVER)                       /* primitive that it hits, or -1 */                    \
+  /* the path */                                                                                               \
+  X(vec3, throughput, EVERY_SCENE, EVERY_SCENE)                                                                \
+  X(vec3, radiance, EVERY_SCENE, EVERY_SCENE)           /* found so far */                                     \
+  X(int, depth, EVERY_SCENE, EVERY_SCENE)               /* surfaces that scattered it */                       \
+  X(int, slot, EVERY_SCENE, EVERY_SCENE)                /* where its sample goes */                            \
+  X(int, pixel_hash, EVERY_SCENE, EVERY_SCENE)                                                                 \
+  X(int, sample_index, EVERY_SCENE, EVERY_SCENE)                                                               \
+  X(bool, alive, EVERY_SCENE, NEVER)                    /* goes on after the step */                           \
+  /* the surface that the ray left */                                                                          \
+  X(vec3, left_normal, FEATURE_PROJECTED, FEATURE_PROJECTED)    /* its shading normal */                       \
+  X(bool, left_controlled, FEATURE_POLYGONS, FEATURE_POLYGONS)  /* its light of polygons has closed forms */   \
+  /* direct light: the surface that the camera sees, which all samples share */                                \
+  SURFACE_FIELDS(KEPT_SURFACE_FIELD, X)                                                                        \
+  /* the shadow ray */                                                                                         \
+  X(vec3, shadow_origin, EVERY_SCENE, NEVER)                                                                   \
+  X(vec3, shadow_direction, EVERY_SCENE, NEVER)                                                                \
+  X(float, shadow_tmax, EVERY_SCENE, NEVER)             /* negative: no shadow ray */                          \
+  X(int, shadow_skip, EVERY_SCENE, NEVER)               /* primitive that it starts on, or -1 */               \
+  X(vec3, shadow_radiance, EVERY_SCENE, NEVER)          /* arrives if nothing is in the way */                 \
+  X(float, shadow_transmittance, EVERY_SCENE, NEVER)    /* what is in the way lets through: 0 to 1 */          \
+  X(int, shadow_controlled, FEATURE_POLYGONS, NEVER)    /* CONTROLLED_* */                                     \
+  /* polygon lights with control variates: sums over shadow rays with and without shadows, and closed forms */ \
+  X(vec3, shadowed, FEATURE_POLYGONS, FEATURE_POLYGONS)                                                        \
+  X(vec3, unshadowed, FEATURE_POLYGONS, FEATURE_POLYGONS)                                                      \
+  X(vec3, analytic, FEATURE_POLYGONS, FEATURE_POLYGONS)                                                        \
+  /* while camera rays are made, and while a block is compacted */                                             \
+  X(int, film_x, EVERY_SCENE, NEVER)                                                                           \
+  X(int, film_y, EVERY_SCENE, NEVER)                                                                           \
+  X(int, going, EVERY_SCENE, NEVER)                     /* list of lanes */                                    \
+  X(int, finished, EVERY_SCENE, NEVER)                  /* likewise */
 
-// Where polygon lights have control variates: sums over the path's shadow rays towards them, with and without
-// shadows, and over its closed forms. They travel with the path.
-#define CONTROL_FLOATS(F)                                       \
-  F(SHADOWED_X) F(SHADOWED_Y) F(SHADOWED_Z)                     \
-  F(UNSHADOWED_X) F(UNSHADOWED_Y) F(UNSHADOWED_Z)               \
-  F(ANALYTIC_X) F(ANALYTIC_Y) F(ANALYTIC_Z)
-
-// Indexed by the path's slot, not its lane: they stay where they are. FILTER_WEIGHT multiplies the sample.
-#define SLOT_FLOATS(F)                                   \
-  F(FILTER_WEIGHT)                                       \
-  F(SAMPLE_X) F(SAMPLE_Y) F(SAMPLE_Z)                    \
-  F(ALBEDO_X) F(ALBEDO_Y) F(ALBEDO_Z)                    \
-  F(NORMAL_X) F(NORMAL_Y) F(NORMAL_Z)                    \
-  F(DEPTH)
-
-// The same of CONTROL_FLOATS, in its order.
-#define SLOT_CONTROL_FLOATS(F)                                             \
-  F(SLOT_SHADOWED_X) F(SLOT_SHADOWED_Y) F(SLOT_SHADOWED_Z)                 \
-  F(SLOT_UNSHADOWED_X) F(SLOT_UNSHADOWED_Y) F(SLOT_UNSHADOWED_Z)           \
-  F(SLOT_ANALYTIC_X) F(SLOT_ANALYTIC_Y) F(SLOT_ANALYTIC_Z)
-
-#define PATH_INTS(F)                                                 \
-  F(RAY_SKIP)        /* primitive that the ray starts on, or -1 */   \
-  F(SLOT)                                                            \
-  F(PIXEL_HASH)                                                      \
-  F(SAMPLE_INDEX)                                                    \
-  F(CAMERA_HIT)      /* direct: primitive that the camera sees */
-
-#define LANE_INTS(F)                                  \
-  F(HIT)             /* primitive hit, or -1 */       \
-  F(ALIVE)                                            \
-  F(SHADOW_SKIP)     /* primitive that the shadow ray starts on */ \
-  F(SHADOW_CONTROLLED) /* CONTROLLED_*: whether its light goes into SHADOWED, not RADIANCE */ \
-  F(FILM_X) F(FILM_Y) /* the path's pixel, while its camera ray is made */ \
-  F(GOING) F(FINISHED) /* lists of lanes, while the block is compacted */
-
+// The same of a finished path's sample, indexed by its slot.
+#define SLOT_FIELDS(X)                                              \
+  X(float, filter_weight, EVERY_SCENE, NEVER) /* of the sample */   \
+  X(vec3, sample, EVERY_SCENE, NEVER)         /* radiance */        \
+  X(vec3, albedo, FEATURE_LAYERS, NEVER)                            \
+  X(vec3, normal, FEATURE_LAYERS, NEVER)                            \
+  X(float, distance, FEATURE_LAYERS, NEVER)                         \
+  X(vec3, shadowed, FEATURE_POLYGONS, NEVER)                        \
+  X(vec3, unshadowed, FEATURE_POLYGONS, NEVER)                      \
+  X(vec3, analytic, FEATURE_POLYGONS, NEVER)
 // clang-format on
 
-#define ENUMERATE(name) name,
-// Each ..._COUNT is where the next list starts.
-enum {
-  PATH_FLOATS(ENUMERATE) PATH_FLOAT_COUNT,
-  BEFORE_CAMERA_RAY_ = PATH_FLOAT_COUNT - 1,
-  CAMERA_RAY_FLOATS(ENUMERATE) PATH_AND_CAMERA_RAY_COUNT,
-  BEFORE_SHADOW_ = PATH_AND_CAMERA_RAY_COUNT - 1,
-  SHADOW_FLOATS(ENUMERATE) PLAIN_STATE_FLOATS,
-  BEFORE_CONTROL_ = PLAIN_STATE_FLOATS - 1,
-  CONTROL_FLOATS(ENUMERATE) STATE_FLOATS
-};
-enum {
-  SLOT_FLOATS(ENUMERATE) PLAIN_SLOT_FLOATS,
-  BEFORE_SLOT_CONTROL_ = PLAIN_SLOT_FLOATS - 1,
-  SLOT_CONTROL_FLOATS(ENUMERATE) SLOT_FLOAT_COUNT
-};
-enum {
-  PATH_INTS(ENUMERATE) PATH_INT_COUNT,
-  BEFORE_LANE_ = PATH_INT_COUNT - 1,
-  LANE_INTS(ENUMERATE) STATE_INTS
-};
-#undef ENUMERATE
-// A light beneath the surface is in shadow whatever the shadow ray says; its closed form ignores that.
+// Whether a shadow ray's light goes into `shadowed` rather than `radiance`. A light beneath the surface is in
+// shadow whatever the shadow ray says; its closed form ignores that.
 enum { CONTROLLED_NOT, CONTROLLED_SEEN, CONTROLLED_BENEATH };
-#define REFERENCE_NORMAL_X CAMERA_DIRECTION_X
 
-/// How many floats a path and a slot of a scene with these features need.
-FN int state_floats(uint features) {
-  return (features & FEATURE_POLYGONS) != 0u ? STATE_FLOATS : PLAIN_STATE_FLOATS;
+#define WORDS_float 1
+#define WORDS_int 1
+#define WORDS_bool 1
+#define WORDS_vec3 3
+#define POINTER_float GLOBAL float*
+#define POINTER_int GLOBAL int*
+#define POINTER_bool GLOBAL int*
+#define POINTER_vec3 GLOBAL float*
+
+#define STATE_POINTER(type, name, needs, travels) POINTER_##type name;
+/// Where each field's array starts. Value k of a vec3 is k * capacity further on.
+typedef struct {
+  PATH_FIELDS(STATE_POINTER)
+  int capacity;  ///< paths under way at once, a multiple of LANES
+} PathState;
+typedef struct {
+  SLOT_FIELDS(STATE_POINTER)
+  int capacity;  ///< for the samples of the block's pixels and more, see slot_pixels()
+} SlotState;
+#undef STATE_POINTER
+
+#define STATE_WORDS(type, name, needs, travels) words += (features & (needs)) != 0u ? WORDS_##type : 0;
+/// How many words of 4 bytes a path and a sample of a scene with these features take.
+FN int path_words(uint features) {
+  int words = 0;
+  PATH_FIELDS(STATE_WORDS)
+  return words;
 }
-FN int slot_floats(uint features) {
-  return (features & FEATURE_POLYGONS) != 0u ? SLOT_FLOAT_COUNT : PLAIN_SLOT_FLOATS;
+FN int slot_words(uint features) {
+  int words = 0;
+  SLOT_FIELDS(STATE_WORDS)
+  return words;
 }
+#undef STATE_WORDS
+
+#define STATE_PLACE(type, name, needs, travels) \
+  state.name = (POINTER_##type)words;           \
+  words += (features & (needs)) != 0u ? (ulong)WORDS_##type * (ulong)capacity : 0u;
+/// The fields in path_words() * capacity words.
+FN PathState make_path_state(uint features, GLOBAL uint* words, int capacity) {
+  PathState state;
+  PATH_FIELDS(STATE_PLACE)
+  state.capacity = capacity;
+  return state;
+}
+FN SlotState make_slot_state(uint features, GLOBAL uint* words, int capacity) {
+  SlotState state;
+  SLOT_FIELDS(STATE_PLACE)
+  state.capacity = capacity;
+  return state;
+}
+#undef STATE_PLACE
+
+#define LOAD_WORD(array, capacity, i) (array)[i]
+#define LOAD_FLAG(array, capacity, i) ((array)[i] != 0)
+#define LOAD_VEC3(array, capacity, i) \
+  make_vec3((array)[i], (array)[(capacity) + (i)], (array)[2 * (capacity) + (i)])
+#define STORE_WORD(array, capacity, i, value) (array)[i] = (value)
+#define STORE_FLAG(array, capacity, i, value) (array)[i] = (value) ? 1 : 0
+#define STORE_VEC3(array, capacity, i, value) \
+  (array)[i] = (value).x, (array)[(capacity) + (i)] = (value).y, (array)[2 * (capacity) + (i)] = (value).z
+#define LOAD_STATE_float LOAD_WORD
+#define LOAD_STATE_int LOAD_WORD
+#define LOAD_STATE_bool LOAD_FLAG
+#define LOAD_STATE_vec3 LOAD_VEC3
+#define STORE_STATE_float STORE_WORD
+#define STORE_STATE_int STORE_WORD
+#define STORE_STATE_bool STORE_FLAG
+#define STORE_STATE_vec3 STORE_VEC3
+
+// get_throughput(paths, lane), set_throughput(paths, lane, value); get_slot_albedo(slots, slot) ...
+#define PATH_ACCESSORS(type, name, needs, travels)                       \
+  FN type get_##name(const PRIVATE PathState* paths, int i) {            \
+    return LOAD_STATE_##type(paths->name, paths->capacity, i);           \
+  }                                                                      \
+  FN void set_##name(const PRIVATE PathState* paths, int i, type value) { \
+    STORE_STATE_##type(paths->name, paths->capacity, i, value);          \
+  }
+PATH_FIELDS(PATH_ACCESSORS)
+#undef PATH_ACCESSORS
+#define SLOT_ACCESSORS(type, name, needs, travels)                            \
+  FN type get_slot_##name(const PRIVATE SlotState* slots, int i) {            \
+    return LOAD_STATE_##type(slots->name, slots->capacity, i);                \
+  }                                                                           \
+  FN void set_slot_##name(const PRIVATE SlotState* slots, int i, type value) { \
+    STORE_STATE_##type(slots->name, slots->capacity, i, value);               \
+  }
+SLOT_FIELDS(SLOT_ACCESSORS)
+#undef SLOT_ACCESSORS
+
+#define KEPT_SURFACE_GET(a, type, name) s.name = get_surface_##name(paths, i);
+#define KEPT_SURFACE_SET(a, type, name) set_surface_##name(paths, i, s.name);
+/// The surface that a path of the direct integrator keeps.
+FN Surface kept_surface(const PRIVATE PathState* paths, int i) {
+  Surface s;
+  SURFACE_FIELDS(KEPT_SURFACE_GET, )
+  return s;
+}
+FN void keep_surface(const PRIVATE PathState* paths, int i, Surface s) { SURFACE_FIELDS(KEPT_SURFACE_SET, ) }
+#undef KEPT_SURFACE_GET
+#undef KEPT_SURFACE_SET
 
 typedef struct {
-  GLOBAL float* f;      ///< state_floats() * capacity
-  GLOBAL int* i;        ///< STATE_INTS * capacity
-  GLOBAL float* slots;  ///< slot_floats() * slot_capacity
-  int capacity;         ///< paths under way at once, a multiple of LANES
-  int slot_capacity;    ///< for the samples of the block's pixels and more, see slot_pixels()
+  PathState paths;
+  SlotState slots;
   GLOBAL int* probe;  ///< 0, or for a block of one path: becomes the SOURCE_* of its first non-finite value,
                       ///< and the step
 } Block;
 
-// Read and write a vec3 whose x, y and z are consecutive fields.
-#define LOAD3(f, capacity, field, lane)                                                   \
-  make_vec3((f)[(field) * (capacity) + (lane)], (f)[((field) + 1) * (capacity) + (lane)], \
-            (f)[((field) + 2) * (capacity) + (lane)])
-#define STORE3(f, capacity, field, lane, v)           \
-  do {                                                \
-    (f)[(field) * (capacity) + (lane)] = (v).x;       \
-    (f)[((field) + 1) * (capacity) + (lane)] = (v).y; \
-    (f)[((field) + 2) * (capacity) + (lane)] = (v).z; \
-  } while (0)
+/// `path_memory`: path_words(features) * capacity words; `slot_memory`: slot_words(features) * slot_capacity.
+FN Block make_block(uint features, GLOBAL uint* path_memory, int capacity, GLOBAL uint* slot_memory,
+                    int slot_capacity) {
+  Block block;
+  block.paths = make_path_state(features, path_memory, capacity);
+  block.slots = make_slot_state(features, slot_memory, slot_capacity);
+  block.probe = 0;
+  return block;
+}
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -4,6 +4,7 @@
 #ifndef PENUMBRA_BSDF_H
 #define PENUMBRA_BSDF_H
 #include "kernels/math/frame.h"
+#include "kernels/math/lane_record.h"
 #include "kernels/scene.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -19,10 +20,10 @@ FN float cosine_power(vec3 a, vec3 b, float exponent) {
 
 FN vec3 mirror_direction(vec3 n, vec3 wo) { return sub(scale(n, 2.0f * dot3(n, wo)), wo); }
 
-typedef struct {
-  vec3 f_cos;  ///< f times the cosine of wi
-  float pdf;   ///< of sample_bsdf choosing wi
-} BsdfValue;
+#define BSDF_VALUE_FIELDS(F, a)                     \
+  F(a, vec3, f_cos) /* f times the cosine of wi */ \
+  F(a, float, pdf)  /* of sample_bsdf choosing wi */
+LANE_RECORD(BsdfValue, BsdfValues, bsdf_value, BSDF_VALUE_FIELDS)
 
 /// Value and density for a pair of directions; both 0 unless both are on the normal's side.
 FN BsdfValue eval_bsdf(GLOBAL const Material* m, vec3 n, vec3 wo, vec3 wi) {
@@ -42,11 +43,11 @@ FN BsdfValue eval_bsdf(GLOBAL const Material* m, vec3 n, vec3 wo, vec3 wi) {
   return value;
 }
 
-typedef struct {
-  vec3 wi;
-  vec3 weight;  ///< f cos / pdf
-  float pdf;    ///< 0: no direction
-} BsdfSample;
+#define BSDF_SAMPLE_FIELDS(F, a)       \
+  F(a, vec3, wi)                       \
+  F(a, vec3, weight) /* f cos / pdf */ \
+  F(a, float, pdf)   /* 0: no direction */
+LANE_RECORD(BsdfSample, BsdfSamples, bsdf_sample, BSDF_SAMPLE_FIELDS)
 
 /// Samples `wi` with the density that eval_bsdf reports.
 FN BsdfSample sample_bsdf(GLOBAL const Material* m, vec3 n, vec3 wo, float u, float v, float choice) {

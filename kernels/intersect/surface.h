@@ -3,114 +3,141 @@
 #ifndef PENUMBRA_SURFACE_H
 #define PENUMBRA_SURFACE_H
 #include "kernels/intersect/quadric.h"
+#include "kernels/intersect/surface_fields.h"
 #include "kernels/intersect/triangle.h"
 
 PENUMBRA_NAMESPACE_BEGIN
-
-typedef struct {
-  bool valid;      ///< false: nothing was hit; the other fields mean nothing, but `material` exists
-  bool front;      ///< seen from the front side
-  vec3 p;          ///< relative to the scene's centre
-  float error;     ///< how far p may be off the true surface along `geometric`
-  vec3 geometric;  ///< unit normal on the side of the viewer
-  vec3 shading;    ///< unit shading normal, on the same side and facing the viewer
-  vec3 wo;         ///< unit, back along the ray
-  float distance;  ///< along the ray
-  int material;
-  int light;  ///< or -1
-} Surface;
 
 // Rounding of b0 p0 + b1 p1 + b2 p2 with rounded barycentrics, gamma(7), doubled: it also covers the rounding
 // of the offset origin itself (Pharr, Jakob and Humphreys 2016, section 3.9).
 #define POSITION_ERROR (16.0f * HALF_EPSILON)
 
-FN Surface surface_at(const PRIVATE Scene* scene, int primitive, vec3 o, vec3 d) {
-  Surface s;
-  s.valid = primitive >= 0;
-  s.wo = negate(d);
-  const int index = s.valid ? primitive : 0;
-#if HAS(QUADRICS)
-  const int triangle_count = scene->header.triangle_count;
-  const bool is_quadric = s.valid & (index >= triangle_count);
-  GLOBAL const Triangle* triangle = scene->triangles + (is_quadric ? 0 : index);
-#else
+// A surface before it is known which side is seen. `extent` bounds what the position was computed from, by
+// coordinate; b0, b1 and b2 are a triangle's barycentric coordinates, `front` and `back` materials.
+#define PRIMITIVE_POINT_FIELDS(F, a) \
+  F(a, vec3, p)                      \
+  F(a, vec3, extent)                 \
+  F(a, vec3, normal)                 \
+  F(a, vec3, shading)                \
+  F(a, float, distance)              \
+  F(a, float, b0)                    \
+  F(a, float, b1)                    \
+  F(a, float, b2)                    \
+  F(a, int, front)                   \
+  F(a, int, back)                    \
+  F(a, int, light)
+LANE_RECORD(PrimitivePoint, PrimitivePoints, primitive_point, PRIMITIVE_POINT_FIELDS)
+
+/// Record 0 stands in where the primitive is no triangle.
+FN int triangle_of(const PRIVATE Scene* scene, int primitive) {
+  const bool is_triangle = (primitive >= 0) & (primitive < scene->header.triangle_count);
+  return is_triangle ? primitive : 0;
+}
+
+/// Where the ray from `o` along `d` meets the plane of the triangle.
+FN PrimitivePoint triangle_point(const PRIVATE Scene* scene, int index, vec3 o, vec3 d) {
   GLOBAL const Triangle* triangle = scene->triangles + index;
-#endif
   const vec3 p0 = load3(&triangle->p0), p1 = load3(&triangle->p1), p2 = load3(&triangle->p2);
-  Shear shear = make_shear(d);
-  TriangleHit h = intersect_sheared(shear_point(shear, sub(p0, o)), shear_point(shear, sub(p1, o)),
-                                    shear_point(shear, sub(p2, o)));
+  const Shear shear = make_shear(d);
+  const TriangleHit h = intersect_sheared(shear_point(shear, sub(p0, o)), shear_point(shear, sub(p1, o)),
+                                          shear_point(shear, sub(p2, o)));
   const float inverse = h.det != 0.0f ? 1.0f / h.det : 0.0f;
-  const float b0 = h.u * inverse, b1 = h.v * inverse, b2 = h.w * inverse;
-  const vec3 q0 = scale(p0, b0), q1 = scale(p1, b1), q2 = scale(p2, b2);
-  s.p = add(add(q0, q1), q2);
-  const vec3 spread = add(add(abs3(q0), abs3(q1)), abs3(q2));
-  vec3 normal = normalize3(cross3(sub(p1, p0), sub(p2, p0)));
-  vec3 shading = normal;
+  PrimitivePoint r;
+  r.b0 = h.u * inverse;
+  r.b1 = h.v * inverse;
+  r.b2 = h.w * inverse;
+  const vec3 q0 = scale(p0, r.b0), q1 = scale(p1, r.b1), q2 = scale(p2, r.b2);
+  r.p = add(add(q0, q1), q2);
+  r.extent = add(add(abs3(q0), abs3(q1)), abs3(q2));
+  r.normal = r.shading = normalize3(cross3(sub(p1, p0), sub(p2, p0)));
+  r.distance = h.t;
+  r.front = triangle->front;
+  r.back = triangle->back;
+  r.light = triangle->light;
+  return r;
+}
+
 #if HAS(SHADING_NORMALS)
-  {
-    const int at = triangle->normals;
-    GLOBAL const VertexNormals* n = scene->normals + (at >= 0 ? at : 0);
-    vec3 blend = add(add(scale(load3(&n->n0), b0), scale(load3(&n->n1), b1)), scale(load3(&n->n2), b2));
-    const float length2 = dot3(blend, blend);
-    blend = scale(blend, 1.0f / SQRT(max_f(length2, 1e-30f)));
-    shading = select3((at >= 0) & (length2 > 1e-12f), blend, normal);
-  }
+/// The interpolated normal of the triangle at the point, where it has one.
+FN vec3 interpolated_normal(const PRIVATE Scene* scene, int index, PrimitivePoint r) {
+  const int at = scene->triangles[index].normals;
+  GLOBAL const VertexNormals* n = scene->normals + (at >= 0 ? at : 0);
+  vec3 blend = add(add(scale(load3(&n->n0), r.b0), scale(load3(&n->n1), r.b1)), scale(load3(&n->n2), r.b2));
+  const float length2 = dot3(blend, blend);
+  blend = scale(blend, 1.0f / SQRT(max_f(length2, 1e-30f)));
+  return select3((at >= 0) & (length2 > 1e-12f), blend, r.normal);
+}
 #endif
-  s.distance = h.t;
-  vec3 extent = spread;
-  int front = triangle->front, back = triangle->back;
-  s.light = triangle->light;
+
 #if HAS(QUADRICS)
-  {
-    GLOBAL const Quadric* q = scene->quadrics + (is_quadric ? index - triangle_count : 0);
-    const bool sphere = q->kind == QUADRIC_SPHERE;
-    const vec3 center = load3(&q->center), disk_normal = load3(&q->normal);
-    const float radius = q->radius;
-    const float t_sphere = intersect_sphere(o, d, center, radius);
-    const float t_disk = intersect_disk(o, d, center, disk_normal, radius);
-    const float t = sphere ? t_sphere : t_disk;
-    const vec3 at = add_scaled(o, t, d);
-    const vec3 outward = normalize3(sub(at, center));
-    // Back onto the surface: radially for a sphere, along the normal for a disk.
-    const vec3 on_sphere = add_scaled(center, radius, outward);
-    const vec3 on_disk = add_scaled(at, -dot3(sub(at, center), disk_normal), disk_normal);
-    const vec3 quadric_normal = select3(sphere, scale(outward, q->orientation), disk_normal);
-    s.p = select3(is_quadric, select3(sphere, on_sphere, on_disk), s.p);
-    extent = select3(is_quadric, add(abs3(center), make_vec3(radius, radius, radius)), extent);
-    normal = select3(is_quadric, quadric_normal, normal);
-    shading = select3(is_quadric, quadric_normal, shading);
-    s.distance = is_quadric ? t : s.distance;
-    front = is_quadric ? q->front : front;
-    back = is_quadric ? q->back : back;
-    s.light = is_quadric ? q->light : s.light;
-  }
+/// Where the ray from `o` along `d` meets the quadric of that index.
+FN PrimitivePoint quadric_point(const PRIVATE Scene* scene, int index, vec3 o, vec3 d) {
+  GLOBAL const Quadric* q = scene->quadrics + index;
+  const bool sphere = q->kind == QUADRIC_SPHERE;
+  const vec3 center = load3(&q->center), disk_normal = load3(&q->normal);
+  const float radius = q->radius;
+  const float t_sphere = intersect_sphere(o, d, center, radius);
+  const float t_disk = intersect_disk(o, d, center, disk_normal, radius);
+  PrimitivePoint r;
+  r.b0 = r.b1 = r.b2 = 0.0f;
+  r.distance = sphere ? t_sphere : t_disk;
+  const vec3 at = add_scaled(o, r.distance, d);
+  const vec3 outward = normalize3(sub(at, center));
+  // Back onto the surface: radially for a sphere, along the normal for a disk.
+  const vec3 on_sphere = add_scaled(center, radius, outward);
+  const vec3 on_disk = add_scaled(at, -dot3(sub(at, center), disk_normal), disk_normal);
+  r.p = select3(sphere, on_sphere, on_disk);
+  r.extent = add(abs3(center), make_vec3(radius, radius, radius));
+  r.normal = r.shading = select3(sphere, scale(outward, q->orientation), disk_normal);
+  r.front = q->front;
+  r.back = q->back;
+  r.light = q->light;
+  return r;
+}
 #endif
-  s.error = POSITION_ERROR * dot3(abs3(normal), extent);
-  s.front = dot3(normal, s.wo) > 0.0f;
+
+/// The surface of a ray that met the primitive, or nothing (-1), at that point.
+FN Surface seen_surface(int primitive, vec3 o, vec3 d, PrimitivePoint r) {
+  Surface s;
+  s.primitive = primitive;
+  s.from = o;
+  s.wo = negate(d);
+  s.p = r.p;
+  s.distance = r.distance;
+  s.error = POSITION_ERROR * dot3(abs3(r.normal), r.extent);
+  s.front = dot3(r.normal, s.wo) > 0.0f;
   const float side = s.front ? 1.0f : -1.0f;
-  s.geometric = scale(normal, side);
-  s.shading = scale(shading, side);
-#if HAS(SHADING_NORMALS)
+  s.geometric = scale(r.normal, side);
+  s.shading = scale(r.shading, side);
   // The geometric normal alone says which side is seen: it is what rays meet. An interpolated one shapes the
   // light of that side as long as it faces the viewer, which at the rim of a mesh it need not.
   const bool faces = (dot3(s.shading, s.wo) > 0.0f) & (dot3(s.shading, s.geometric) > 0.0f);
   s.shading = select3(faces, s.shading, s.geometric);
-#endif
-  s.material = s.front ? front : back;
-  s.light = s.valid ? s.light : -1;
+  s.material = s.front ? r.front : r.back;
+  s.light = primitive >= 0 ? r.light : -1;
   return s;
 }
 
-/// Whether the direction is beneath the surface, on the side that the viewer does not see. An interpolated
-/// normal's hemisphere reaches there, but nothing gets through: every strategy takes light from there to be
-/// in the surface's own shadow, so that they agree, and none leaks into closed rooms or through sheets.
-FN bool is_beneath(Surface s, vec3 wi) {
+/// The surface that the ray from `o` along the unit direction `d` meets on the primitive; -1: none. Stages that
+/// have LANES of them use surfaces_at.
+FN Surface surface_at(const PRIVATE Scene* scene, int primitive, vec3 o, vec3 d) {
+  const int triangle = triangle_of(scene, primitive);
+  PrimitivePoint r = triangle_point(scene, triangle, o, d);
 #if HAS(SHADING_NORMALS)
-  return dot3(s.geometric, wi) <= 0.0f;
-#else
-  return false;
+  if (NEEDS(scene, SHADING_NORMALS)) r.shading = interpolated_normal(scene, triangle, r);
 #endif
+#if HAS(QUADRICS)
+  const int quadric = primitive - scene->header.triangle_count;
+  if (NEEDS(scene, QUADRICS) & (quadric >= 0)) r = quadric_point(scene, quadric, o, d);
+#endif
+  return seen_surface(primitive, o, d, r);
+}
+
+/// Whether the direction is on the one side of the surface and, by the interpolated normal, on the other.
+/// Nothing gets through there: every strategy takes light from there to be in the surface's own shadow, so that
+/// they agree, and none leaks into closed rooms or through sheets.
+FN bool is_beneath(Surface s, vec3 wi) {
+  return (dot3(s.geometric, wi) > 0.0f) != (dot3(s.shading, wi) > 0.0f);
 }
 
 /// An origin for a ray that leaves the surface along `direction`, on the right side of it whatever the

@@ -1,7 +1,6 @@
 // Lights: choosing one, a point on it, and the densities that multiple importance sampling compares.
 #ifndef PENUMBRA_LIGHT_H
 #define PENUMBRA_LIGHT_H
-#include "kernels/block/path_state.h"
 #include "kernels/intersect/surface.h"
 #include "kernels/light/light_choice.h"
 #include "kernels/light/light_sampling.h"
@@ -16,17 +15,19 @@ PENUMBRA_NAMESPACE_BEGIN
 // Below this solid angle a triangle's area sampling is as good and rounds better.
 #define SMALL_SOLID_ANGLE 3e-4f
 
-typedef struct {
-  vec3 origin;  ///< where the shadow ray starts
-  vec3 toward;  ///< unit, its direction
-  vec3 wi;  ///< unit, direction of the light: the same but for the offset of the origin, which counts near a
-            ///< light
-  float tmax;  ///< of the shadow ray; negative: no contribution possible
-  float pdf;   ///< per solid angle, the choice of the light included; for a point light of the choice alone
-  bool delta;  ///< a point light: no other strategy finds it
-  bool of_polygon;  ///< a part of a polygon light, whose closed form is known
-  vec3 radiance;    ///< arriving along wi, the inverse square law of a point light included
-} LightSample;
+// clang-format off
+#define LIGHT_SAMPLE_FIELDS(F, a)                                                                                   \
+  F(a, vec3, origin)     /* where the shadow ray starts */                                                          \
+  F(a, vec3, toward)     /* unit, its direction */                                                                  \
+  F(a, vec3, wi)         /* unit, direction of the light: the same but for the offset of the origin, which counts  \
+                            near a light */                                                                         \
+  F(a, float, tmax)      /* of the shadow ray; negative: no contribution possible */                                \
+  F(a, float, pdf)       /* per solid angle, the choice of the light included; of a point light of the choice alone */ \
+  F(a, bool, delta)      /* a point light: no other strategy finds it */                                            \
+  F(a, bool, of_polygon) /* a part of a polygon light, whose closed form is known */                                \
+  F(a, vec3, radiance)   /* arriving along wi, the inverse square law of a point light included */
+// clang-format on
+LANE_RECORD(LightSample, LightSamples, light_sample, LIGHT_SAMPLE_FIELDS)
 
 /// Density per solid angle of a point at distance^2 `d2`, seen under `cosine` at the light, chosen uniformly
 /// by area.
@@ -106,8 +107,8 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float number,
                             LightSampling sampling) {
   const ChosenLight by_power = choose_light(scene, number, fine);
 #if HAS(POLYGONS)
-  const bool is_chosen = sampling.light >= 0.0f;
-  const int index = is_chosen ? (int)sampling.light : by_power.light;
+  const bool is_chosen = sampling.light >= 0;
+  const int index = is_chosen ? sampling.light : by_power.light;
   const float u = is_chosen ? number : by_power.u;
   GLOBAL const Light* light = scene->lights + index;
   const float light_pmf = light->pmf;
@@ -245,24 +246,6 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float number,
   return sample;
 }
 
-/// Asks for the shadow ray of lane i's light sample, from the surface and primitive that it starts on;
-/// `arriving` is what it adds if nothing is in the way.
-FN void ask_for_shadow_ray(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
-                           int capacity, int i, Surface s, LightSample light, vec3 arriving, bool lit,
-                           int primitive) {
-  const bool beneath = is_beneath(s, light.wi) & (scene->header.trace_shadows != 0);
-  const bool controlled = (scene->header.estimator != ESTIMATOR_SAMPLES) & light.of_polygon;
-  STORE3(f, capacity, SHADOW_ORIGIN_X, i, light.origin);
-  STORE3(f, capacity, SHADOW_DIRECTION_X, i, light.toward);
-  STORE3(f, capacity, SHADOW_RADIANCE_X, i, arriving);
-  f[SHADOW_TMAX * capacity + i] = (lit & (controlled | !beneath)) ? light.tmax : -1.0f;
-  ints[SHADOW_SKIP * capacity + i] = primitive;
-#if HAS(POLYGONS)
-  ints[SHADOW_CONTROLLED * capacity + i] =
-      controlled ? (beneath ? CONTROLLED_BENEATH : CONTROLLED_SEEN) : CONTROLLED_NOT;
-#endif
-}
-
 /// What the light that a ray found adds to it.
 FN vec3 emitted_radiance(const PRIVATE Scene* scene, Surface s) {
   const int index = light_found(scene, s);
@@ -270,21 +253,21 @@ FN vec3 emitted_radiance(const PRIVATE Scene* scene, Surface s) {
                  make_vec3(0.0f, 0.0f, 0.0f));
 }
 
-/// Radiance that a ray brings when it ends on this surface, or leaves the scene; `pdf` is sample_light's
-/// density for the ray's direction from its origin (0 where no light is there).
-typedef struct {
-  vec3 radiance;
-  float pdf;
-  bool of_polygon;  ///< see LightSample
-} Emission;
+// Radiance that a ray brings when it ends on a surface, or leaves the scene; `pdf` is sample_light's density for
+// the ray's direction from its origin (0 where no light is there).
+#define EMISSION_FIELDS(F, a) \
+  F(a, vec3, radiance)        \
+  F(a, float, pdf)            \
+  F(a, bool, of_polygon) /* see LightSample */
+LANE_RECORD(Emission, Emissions, emission, EMISSION_FIELDS)
 
-FN Emission emission_at(const PRIVATE Scene* scene, Surface s, vec3 from, LightSampling sampling) {
+FN Emission emission_at(const PRIVATE Scene* scene, Surface s, LightSampling sampling) {
   Emission e;
   const int index = light_found(scene, s), safe = index >= 0 ? index : 0;
   e.radiance = emitted_radiance(scene, s);
   const int polygon = scene->lights[safe].polygon;
   e.of_polygon = (index >= 0) & (polygon >= 0);
-  e.pdf = light_pdf(scene, safe, from, s.distance, dot3(s.geometric, s.wo));
+  e.pdf = light_pdf(scene, safe, s.from, s.distance, dot3(s.geometric, s.wo));
 #if HAS(PROJECTED)
   const float pmf = scene->lights[safe].pmf;
   e.pdf = sampling.found_pdf >= 0.0f ? sampling.found_pdf * pmf : e.pdf;

@@ -21,13 +21,13 @@ typedef struct {
   double polygon[LANES];       ///< index of the polygon light that the point is on, or -1; it adds nothing
 } ShadingPoints;
 
-/// Sets lane j to the surface `s` where the ray meets the primitive. A position on a triangle is computed
+/// Sets lane j to the surface `s` . A position on a triangle is computed
 /// again in double: far from the scene's centre a rounded one is further off the surface than the errors of
 /// the closed forms allow.
-FN void store_shading_point(const PRIVATE Scene* scene, Surface s, int primitive, vec3 o, vec3 d,
-                            PRIVATE ShadingPoints* points, int j) {
-  const bool on_triangle = s.valid & (primitive < scene->header.triangle_count);
-  GLOBAL const Triangle* t = scene->triangles + (on_triangle ? primitive : 0);
+FN void store_shading_point(const PRIVATE Scene* scene, Surface s, PRIVATE ShadingPoints* points, int j) {
+  const bool on_triangle = is_hit(s) & (s.primitive < scene->header.triangle_count);
+  const vec3 o = s.from, d = negate(s.wo);
+  GLOBAL const Triangle* t = scene->triangles + (on_triangle ? s.primitive : 0);
   const vec3 p0 = load3(&t->p0), p1 = load3(&t->p1), p2 = load3(&t->p2);
   const double ax = (double)p1.x - p0.x, ay = (double)p1.y - p0.y, az = (double)p1.z - p0.z;
   const double bx = (double)p2.x - p0.x, by = (double)p2.y - p0.y, bz = (double)p2.z - p0.z;
@@ -60,7 +60,7 @@ FN void store_shading_point(const PRIVATE Scene* scene, Surface s, int primitive
   r->wy[j] = wy * shorten;
   r->wz[j] = wz * shorten;
   GLOBAL const Material* m = scene->materials + s.material;
-  const bool lit = s.valid & (dot3(s.shading, s.wo) > 0.0f);
+  const bool lit = is_hit(s) & (dot3(s.shading, s.wo) > 0.0f);
   const vec3 diffuse = load3(&m->diffuse), specular = load3(&m->specular);
   const float exponent = m->exponent, lobe = m->lobe;
   r->exponent[j] = (lit & (lobe > 0.0f)) ? (double)exponent : -1.0;
@@ -182,7 +182,7 @@ STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE ShadingPo
 /// sampled by it, else to area. Stores the light and its probability in the samplings, its projected solid
 /// angle in `projected`, and the remainder of the random number in `u`.
 STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* points, bool by_projection,
-                       const PRIVATE Reservoir* RESTRICT reservoir, PRIVATE float* RESTRICT samplings,
+                       const PRIVATE Reservoir* RESTRICT reservoir, PRIVATE LightSamplings* RESTRICT samplings,
                        PRIVATE double* RESTRICT projected, PRIVATE float* RESTRICT u) {
   const int polygons = scene->header.polygon_count;
   int parts = 0;
@@ -221,9 +221,8 @@ STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* 
       const int other = chosen >= polygons ? chosen - polygons : 0;
       const double share =
           reservoir_probability(reservoir, j) * (is_polygon ? reservoir_probability(&part, j) : 1.0);
-      samplings[LIGHT_SAMPLING_LIGHT * LANES + j] =
-          (float)(is_polygon ? (chosen_part >= 0 ? chosen_part : 0) : other);
-      samplings[LIGHT_SAMPLING_PMF * LANES + j] = chosen >= 0 ? (float)share : 0.0f;
+      samplings->light[j] = is_polygon ? (chosen_part >= 0 ? chosen_part : 0) : other;
+      samplings->pmf[j] = chosen >= 0 ? (float)share : 0.0f;
       projected[j] = is_polygon ? part.weight[j] : 0.0;
       const float left = (float)(is_polygon ? part.u[j] : reservoir->u[j]);
       u[j] = min_f(left, ONE_MINUS_EPSILON);

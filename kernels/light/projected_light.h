@@ -9,7 +9,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if HAS_LIGHT_SAMPLING
+#if HAS(PROJECTED) || HAS(POLYGONS)
 /// Irradiance from a triangle light per unit of its radiance, which is its projected solid angle, in double;
 /// 0 for other kinds.
 FN double light_irradiance(GLOBAL const Light* light, double x, double y, double z, double nx, double ny,
@@ -37,27 +37,25 @@ FN ProjectedPolygon project_light(GLOBAL const Light* light, vec3 from, vec3 n) 
 /// Stores the density with which sampling by projected solid angle chooses `direction` at `from` with shading
 /// normal `n`. `found` is the surface, or the environment, that a ray in this direction hit.
 FN void projected_density_of_found(const PRIVATE Scene* scene, Surface found, vec3 from, vec3 direction,
-                                   vec3 n, PRIVATE float* samplings, int j) {
+                                   vec3 n, PRIVATE LightSamplings* samplings, int j) {
   const int index = light_found(scene, found);
   GLOBAL const Light* light = scene->lights + (index >= 0 ? index : 0);
   const ProjectedPolygon polygon = project_light(light, from, n);
   const float area = (float)light_irradiance(light, from.x, from.y, from.z, n.x, n.y, n.z);
   const bool some = (index >= 0) & (polygon.area > 0.0f) & (area > 0.0f);
   const float cosine = max_f(dot3(n, direction), 0.0f);
-  samplings[LIGHT_SAMPLING_FOUND_PDF * LANES + j] = some ? cosine / (some ? area : 1.0f) : -1.0f;
+  samplings->found_pdf[j] = some ? cosine / (some ? area : 1.0f) : -1.0f;
 }
 
 /// Samples a direction from the surface to the light of that index by (u, v). `area` is its light_irradiance.
 FN void sample_projected_light(const PRIVATE Scene* scene, Surface s, int light, float area, float u, float v,
-                               PRIVATE float* samplings, int j) {
+                               PRIVATE LightSamplings* samplings, int j) {
   const ProjectedPolygon polygon = project_light(scene->lights + light, s.p, s.shading);
   const bool some = (polygon.area > 0.0f) & (area > 0.0f);
   const vec3 w = sample_projected_polygon(polygon, u, v);
   const vec3 wi = from_frame(s.shading, w.x, w.y, w.z);
-  samplings[LIGHT_SAMPLING_X * LANES + j] = wi.x;
-  samplings[LIGHT_SAMPLING_Y * LANES + j] = wi.y;
-  samplings[LIGHT_SAMPLING_Z * LANES + j] = wi.z;
-  samplings[LIGHT_SAMPLING_SCALE * LANES + j] = some ? 1.0f / (some ? area : 1.0f) : -1.0f;
+  STORE_LANE_vec3(samplings->wi, j, wi);
+  samplings->scale[j] = some ? 1.0f / (some ? area : 1.0f) : -1.0f;
 }
 #endif
 

@@ -218,48 +218,64 @@ FN void halton_pair(uint pixel, uint index, uint pair, PRIVATE float* u, PRIVATE
 /// The nth of the `times` points that each sample of a pixel takes of a dimension pair. All points of the
 /// pair are one sequence, so they are distributed as evenly as those of `times` as many samples.
 typedef struct {
-  uint pair, times, nth;
+  uint pair;       ///< of paths of depth 0
+  uint per_depth;  ///< that much more for each surface that scattered the path
+  uint times, nth;
 } PairPoint;
 
 FN PairPoint one_point(uint pair) {
   PairPoint point;
   point.pair = pair;
+  point.per_depth = 0u;
   point.times = 1u;
   point.nth = 0u;
   return point;
 }
 
-FN PairPoint nth_point(uint pair, int times, int nth) {
-  PairPoint point;
-  point.pair = pair;
+/// Dimension pair 0 is the position on the film; a path of depth k uses pairs 1 + k STEP_DIMENSIONS / 2 ... at the
+/// surface that it meets.
+FN PairPoint step_point(uint pair) {
+  PairPoint point = one_point(1u + pair);
+  point.per_depth = STEP_DIMENSIONS / 2u;
+  return point;
+}
+
+FN PairPoint nth_point(PairPoint point, int times, int nth) {
   point.times = (uint)times;
   point.nth = (uint)nth;
   return point;
 }
 
+FN uint pair_of_path(PairPoint point, const PRIVATE PathState* paths, int i) {
+  return point.pair + point.per_depth * (uint)get_depth(paths, i);
+}
+FN uint index_of_path(PairPoint point, const PRIVATE PathState* paths, int i) {
+  return (uint)get_sample_index(paths, i) * point.times + point.nth;
+}
+
 /// One pair of numbers for each of LANES paths, lanes `first`... of the block.
-FN void sample_pair(int sampler, uint spp, PairPoint point, GLOBAL const int* RESTRICT ints, int capacity,
-                    int first, PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT v) {
-  const uint pair = point.pair, times = point.times, nth = point.nth;
-  const uint points = spp > 0xffffffffu / times ? 0xffffffffu : spp * times;
-  GLOBAL const int* pixels = ints + PIXEL_HASH * capacity + first;
-  GLOBAL const int* samples = ints + SAMPLE_INDEX * capacity + first;
+FN void sample_pair(int sampler, uint spp, PairPoint point, const PRIVATE PathState* paths, int first,
+                    PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT v) {
+  const uint points = spp > 0xffffffffu / point.times ? 0xffffffffu : spp * point.times;
 #if HAS(SAMPLERS)
   if (sampler == SAMPLER_STRATIFIED) {
     for (int j = 0; j < LANES; j++)
-      stratified_pair((uint)pixels[j], (uint)samples[j] * times + nth, pair, points, &u[j], &v[j]);
+      stratified_pair((uint)get_pixel_hash(paths, first + j), index_of_path(point, paths, first + j),
+                      pair_of_path(point, paths, first + j), points, &u[j], &v[j]);
     return;
   }
   if (sampler == SAMPLER_HALTON) {
     for (int j = 0; j < LANES; j++)
-      halton_pair((uint)pixels[j], (uint)samples[j] * times + nth, pair, &u[j], &v[j]);
+      halton_pair((uint)get_pixel_hash(paths, first + j), index_of_path(point, paths, first + j),
+                  pair_of_path(point, paths, first + j), &u[j], &v[j]);
     return;
   }
   if (sampler == SAMPLER_INDEPENDENT) {
     LANE_LOOP
       for (int j = 0; j < LANES; j++) {
         float a, b;
-        independent_pair((uint)pixels[j], (uint)samples[j] * times + nth, pair, &a, &b);
+        independent_pair((uint)get_pixel_hash(paths, first + j), index_of_path(point, paths, first + j),
+                         pair_of_path(point, paths, first + j), &a, &b);
         u[j] = a;
         v[j] = b;
       }
@@ -270,7 +286,8 @@ FN void sample_pair(int sampler, uint spp, PairPoint point, GLOBAL const int* RE
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       float a, b;
-      tile_pair((uint)pixels[j], (uint)samples[j] * times + nth, bits, pair, &a, &b);
+      tile_pair((uint)get_pixel_hash(paths, first + j), index_of_path(point, paths, first + j), bits,
+                pair_of_path(point, paths, first + j), &a, &b);
       u[j] = a;
       v[j] = b;
     }
@@ -284,9 +301,6 @@ FN bool in_halves(const PRIVATE SceneHeader* h) { return HAS(POLYGONS) && h->est
 FN uint sequence_length(const PRIVATE SceneHeader* h) {
   return in_halves(h) ? h->spp / 2u + h->spp % 2u : h->spp;
 }
-
-/// Dimension pair 0 is the position on the film; step s uses pairs 1 + s STEP_DIMENSIONS / 2 ...
-FN uint step_pair(int step) { return 1u + (uint)step * (STEP_DIMENSIONS / 2u); }
 
 PENUMBRA_NAMESPACE_END
 #endif

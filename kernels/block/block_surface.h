@@ -1,0 +1,71 @@
+// The surfaces that LANES paths' rays hit, in one lane loop for each part of the work that the scene needs.
+#ifndef PENUMBRA_BLOCK_SURFACE_H
+#define PENUMBRA_BLOCK_SURFACE_H
+#include "kernels/block/path_state.h"
+#include "kernels/intersect/surface.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+STAGE void find_triangle_points(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                                PRIVATE PrimitivePoints* RESTRICT points) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int triangle = triangle_of(scene, get_hit(paths, i + j));
+      store_primitive_point(points, j,
+                            triangle_point(scene, triangle, get_ray_origin(paths, i + j),
+                                           get_ray_direction(paths, i + j)));
+    }
+}
+
+#if HAS(SHADING_NORMALS)
+STAGE void interpolate_normals(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                               PRIVATE PrimitivePoints* RESTRICT points) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int triangle = triangle_of(scene, get_hit(paths, i + j));
+      const vec3 normal = interpolated_normal(scene, triangle, load_primitive_point(points, j));
+      STORE_LANE_vec3(points->shading, j, normal);
+    }
+}
+#endif
+
+#if HAS(QUADRICS)
+STAGE void find_quadric_points(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                               PRIVATE PrimitivePoints* RESTRICT points) {
+  const int triangle_count = scene->header.triangle_count;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int quadric = get_hit(paths, i + j) - triangle_count;
+      const PrimitivePoint other = load_primitive_point(points, j);
+      const PrimitivePoint r = quadric_point(scene, quadric >= 0 ? quadric : 0, get_ray_origin(paths, i + j),
+                                             get_ray_direction(paths, i + j));
+      store_primitive_point(points, j, select_primitive_point(quadric >= 0, r, other));
+    }
+}
+#endif
+
+STAGE void see_surfaces(const PRIVATE PathState* paths, int i, const PRIVATE PrimitivePoints* RESTRICT points,
+                        PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++)
+      store_surface(surfaces, j,
+                    seen_surface(get_hit(paths, i + j), get_ray_origin(paths, i + j),
+                                 get_ray_direction(paths, i + j), load_primitive_point(points, j)));
+}
+
+/// Of the last rays of LANES paths from lane i on.
+FN void find_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                      PRIVATE Surfaces* surfaces) {
+  PrimitivePoints points;
+  find_triangle_points(scene, paths, i, &points);
+#if HAS(SHADING_NORMALS)
+  if (NEEDS(scene, SHADING_NORMALS)) interpolate_normals(scene, paths, i, &points);
+#endif
+#if HAS(QUADRICS)
+  if (NEEDS(scene, QUADRICS)) find_quadric_points(scene, paths, i, &points);
+#endif
+  see_surfaces(paths, i, &points, surfaces);
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

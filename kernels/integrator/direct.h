@@ -1,0 +1,179 @@
+// Direct light with n_g emitter samples and n_f direction samples for each camera ray, in steps: step k
+// traces the k-th direction and asks for the k-th shadow ray, all from the surface that the camera ray hit.
+#ifndef PENUMBRA_INTEGRATOR_DIRECT_H
+#define PENUMBRA_INTEGRATOR_DIRECT_H
+#include "kernels/integrator/step.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// Density of the scene's way of choosing directions about the surface's shading normal.
+FN float direction_pdf(int kind, vec3 n, vec3 wi, float bsdf_pdf) {
+  const float cosine = max_f(dot3(n, wi), 0.0f);
+  const float pdf = kind == DIRECTION_COSINE ? cosine * INV_PI_F : (cosine > 0.0f ? 0.5f * INV_PI_F : 0.0f);
+  return kind == DIRECTION_BSDF ? bsdf_pdf : pdf;
+}
+
+#if HAS(DIRECT)
+/// Random numbers for a step's light and direction samples.
+FN void direct_numbers(const PRIVATE SceneHeader* h, int k, const PRIVATE PathState* paths, int i,
+                       PRIVATE float* u) {
+  const uint spp = sequence_length(h);
+  const int emitter_samples = h->emitter_samples, bsdf_samples = h->bsdf_samples;
+  const int most = emitter_samples > bsdf_samples ? emitter_samples : bsdf_samples;
+  if (k < emitter_samples)
+    sample_pair(h->sampler, spp, nth_point(step_point(0u), emitter_samples, k), paths, i,
+                u + DIM_LIGHT_U * LANES, u + DIM_LIGHT_V * LANES);
+  if (k < bsdf_samples)
+    sample_pair(h->sampler, spp, nth_point(step_point(1u), bsdf_samples, k), paths, i, u + DIM_BSDF_U * LANES,
+                u + DIM_BSDF_V * LANES);
+  if ((k < bsdf_samples) | ((k < emitter_samples) & (h->light_count > 1)))
+    sample_pair(h->sampler, spp, nth_point(step_point(2u), most, k), paths, i, u + DIM_LIGHT_FINE * LANES,
+                u + DIM_LOBE_CHOICE * LANES);
+}
+
+STAGE void keep_surfaces(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) keep_surface(paths, i + j, load_surface(surfaces, j));
+}
+STAGE void load_kept_surfaces(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) store_surface(surfaces, j, kept_surface(paths, i + j));
+}
+
+/// Adds what the camera rays found, where no other sample finds emitters.
+STAGE void see_emitters(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                        const PRIVATE Surfaces* RESTRICT surfaces) {
+  const float seen = scene->header.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const vec3 radiance = emitted_radiance(scene, load_surface(surfaces, j));
+      set_radiance(paths, i + j, add(get_radiance(paths, i + j), scale(radiance, seen)));
+    }
+}
+
+/// Adds what the last rays found: at first the camera's, then those of the direction samples.
+STAGE void weigh_emitters(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                          const PRIVATE Emissions* RESTRICT emissions) {
+  const PRIVATE SceneHeader* h = &scene->header;
+  const float emitter_samples = (float)h->emitter_samples, bsdf_samples = (float)h->bsdf_samples;
+  const float seen = h->hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
+  const int heuristic = h->heuristic;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Emission emission = load_emission(emissions, j);
+      const bool first = get_ray_skip(paths, i + j) < 0;  // a camera ray starts on no primitive
+      const float by_direction = bsdf_samples * get_direction_pdf(paths, i + j);
+      const float share = mis_weight(heuristic, by_direction, emitter_samples * emission.pdf);
+      const bool traced = get_ray_tmax(paths, i + j) > 0.0f;
+      const float weight = first ? seen : (traced ? share : 0.0f);
+      const vec3 found = mul(get_throughput(paths, i + j), scale(emission.radiance, weight));
+      set_radiance(paths, i + j, add(get_radiance(paths, i + j), found));
+    }
+}
+
+/// Before a step's samples ask for rays: none, and a path goes on if a step is left and there is a surface.
+STAGE void begin_steps(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
+                       bool is_last) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      set_ray_tmax(paths, i + j, -1.0f);
+      set_shadow_tmax(paths, i + j, -1.0f);
+      set_alive(paths, i + j, (surfaces->primitive[j] >= 0) & !is_last);
+    }
+}
+
+STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                                   const PRIVATE StepLanes* RESTRICT step) {
+  const PRIVATE SceneHeader* h = &scene->header;
+  const float emitter_samples = (float)h->emitter_samples, bsdf_samples = (float)h->bsdf_samples;
+  const int kind = h->bsdf_sampling, heuristic = h->heuristic;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(&step->surfaces, j);
+      const LightSample light = load_light_sample(&step->lights, j);
+      const BsdfValue value = load_bsdf_value(&step->values, j);
+      const float other = direction_pdf(kind, s.shading, light.wi, value.pdf);
+      const float shared = mis_weight(heuristic, emitter_samples * light.pdf, bsdf_samples * other);
+      const float share = light.delta ? 1.0f : shared;
+      const float weight = share / (emitter_samples * (light.pdf > 0.0f ? light.pdf : 1.0f));
+      const bool lit = is_hit(s) & (light.tmax > 0.0f) & (value.pdf > 0.0f);
+      const vec3 arriving = scale(mul(value.f_cos, light.radiance), weight);
+      request_shadow_ray(scene, paths, i + j, s, light, arriving, lit);
+    }
+}
+
+/// Direction samples as the next rays.
+STAGE void request_directions(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                              const PRIVATE StepLanes* RESTRICT step) {
+  const int kind = scene->header.bsdf_sampling;
+  const float bsdf_samples = (float)scene->header.bsdf_samples;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(&step->surfaces, j);
+      const float du = lane_number(step, DIM_BSDF_U, j), dv = lane_number(step, DIM_BSDF_V, j);
+      const BsdfSample by_bsdf = load_bsdf_sample(&step->samples, j);
+      const vec3 by_cosine = sample_cosine_hemisphere(s.shading, du, dv);
+      const vec3 by_area = sample_uniform_hemisphere(s.shading, du, dv);
+      const vec3 wi =
+          select3(kind == DIRECTION_BSDF, by_bsdf.wi, select3(kind == DIRECTION_COSINE, by_cosine, by_area));
+      const BsdfValue next = eval_bsdf(scene->materials + s.material, s.shading, s.wo, wi);
+      const float pdf = direction_pdf(kind, s.shading, wi, next.pdf);
+      const bool traces = is_hit(s) & (pdf > 0.0f) & (next.pdf > 0.0f) & !is_beneath(s, wi);
+      const vec3 by_quotient = scale(next.f_cos, 1.0f / (pdf > 0.0f ? pdf : 1.0f));
+      const vec3 weight = scale(select3(kind == DIRECTION_BSDF, by_bsdf.weight, by_quotient), 1.0f / bsdf_samples);
+      set_ray_origin(paths, i + j, leave_surface(s.p, s.geometric, s.error, wi));
+      set_ray_direction(paths, i + j, wi);
+      set_throughput(paths, i + j, weight);
+      set_ray_tmax(paths, i + j, traces ? NO_LIMIT : -1.0f);
+      set_direction_pdf(paths, i + j, pdf);
+      set_ray_skip(paths, i + j, s.primitive);
+    }
+}
+
+/// The k-th step.
+FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int k,
+                    const PRIVATE SlotState* slots) {
+  const PRIVATE SceneHeader* h = &scene->header;
+  const bool emits = k < h->emitter_samples, scatters = k < h->bsdf_samples;
+  const bool balances = h->bsdf_samples > 0;
+  const int rays = balances ? h->bsdf_samples + 1 : 1;
+  const bool is_last = k + 1 >= (h->emitter_samples > rays ? h->emitter_samples : rays);
+  const LightRequest request = light_request(scene, false, emits, k == 0, balances);
+  StepLanes step;
+  for (int j = 0; j < STEP_DIMENSIONS * LANES; j++) step.u[j] = 0.0f;
+  for (int i = 0; i < count; i += LANES) {
+    const PRIVATE Surfaces* found = k == 0 ? &step.surfaces : &step.found;
+    if (k == 0) {
+      find_surfaces(scene, paths, i, &step.surfaces);
+      keep_surfaces(paths, i, &step.surfaces);
+    } else {
+      load_kept_surfaces(paths, i, &step.surfaces);
+      if (balances) find_surfaces(scene, paths, i, &step.found);
+    }
+#if HAS(LAYERS)
+    if (NEEDS(scene, LAYERS) && k == 0) record_layers(scene, &step.surfaces, paths, i, slots);
+#endif
+    direct_numbers(h, k, paths, i, step.u);
+    request_lights(scene, request, &step.surfaces, found, paths, i, step.u, &step.samplings);
+    if (balances) {
+      find_emissions(scene, found, &step.samplings, &step.emissions);
+      weigh_emitters(scene, paths, i, &step.emissions);
+    } else if (k == 0) {
+      see_emitters(scene, paths, i, &step.surfaces);
+    }
+    begin_steps(paths, i, &step.surfaces, is_last);
+    if (emits) {
+      sample_lights(scene, &step);
+      eval_bsdfs(scene, &step);
+      request_emitter_samples(scene, paths, i, &step);
+    }
+    if (scatters) {
+      sample_bsdfs(scene, &step);
+      request_directions(scene, paths, i, &step);
+    }
+  }
+}
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,148 @@
+// The light sampling stage, before an integrator's step of LANES paths and only where the scene asks for it:
+// choice of a light by its contribution, closed forms, directions by projected solid angle.
+#ifndef PENUMBRA_LIGHT_REQUEST_H
+#define PENUMBRA_LIGHT_REQUEST_H
+#include "kernels/light/light_choice.h"
+#include "kernels/light/light_unshadowed.h"
+#include "kernels/light/projected_light.h"
+#include "kernels/sampler/sampler.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// What a step requests of the light sampling stage. A kernel may be compiled for more than its scene needs.
+typedef struct {
+  bool choice;     ///< a light, chosen by its contribution
+  bool closed;     ///< the closed form, added to the path's sum
+  bool projected;  ///< directions by projected solid angle
+  bool found;      ///< their densities for the light that the last ray hit
+  bool path;       ///< the surface is the last ray's hit, and that ray left another one
+} LightRequest;
+
+/// `emits`: the step samples a light. `first`: the step is the first one at its surface. `balances`: other
+/// samples may hit lights too.
+FN LightRequest light_request(const PRIVATE Scene* scene, bool path, bool emits, bool first, bool balances) {
+  LightRequest request;
+  request.path = path;
+  request.choice = HAS(POLYGONS) && emits && scene->header.light_choice == CHOICE_ANALYTIC;
+  request.closed = HAS(POLYGONS) && first && scene->header.estimator != ESTIMATOR_SAMPLES;
+  request.projected = NEEDS(scene, PROJECTED) && emits;
+  request.found = NEEDS(scene, PROJECTED) && balances;
+  return request;
+}
+
+#if HAS(POLYGONS)
+STAGE void store_shading_points(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+                                PRIVATE ShadingPoints* RESTRICT points) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) store_shading_point(scene, load_surface(surfaces, j), points, j);
+}
+
+/// Adds the closed form to the sums of the paths, times their throughput.
+STAGE void add_analytic(const PRIVATE PathState* paths, int i, bool path,
+                        const PRIVATE double* RESTRICT analytic) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const vec3 form =
+          make_vec3((float)analytic[j], (float)analytic[LANES + j], (float)analytic[2 * LANES + j]);
+      const vec3 throughput = get_throughput(paths, i + j);
+      const vec3 more = path ? mul(throughput, form) : form;
+      set_analytic(paths, i + j, add(get_analytic(paths, i + j), more));
+    }
+}
+
+/// Unshadowed light at the surfaces of LANES paths: the closed form, and the choice of a light. The choice
+/// shares its random number with the point on the light and replaces it by the remainder, which is uniform in
+/// [0, 1) again.
+STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request,
+                            const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE PathState* paths, int i,
+                            PRIVATE float* RESTRICT u, PRIVATE LightSamplings* RESTRICT samplings,
+                            PRIVATE double* RESTRICT projected) {
+  ShadingPoints points;
+  Reservoir reservoir;
+  double analytic[3 * LANES];
+  store_shading_points(scene, surfaces, &points);
+  for (int j = 0; j < LANES; j++) start_reservoir(&reservoir, j, (double)u[DIM_LIGHT_U * LANES + j]);
+  const bool one_light = scene->polygons[0].light_count == scene->header.light_count;
+  if (request.closed | !one_light)
+    unshadowed_lights(scene, &points, request.choice & !one_light, &reservoir, analytic);
+  if (one_light)
+    for (int j = 0; j < LANES; j++) add_to_reservoir(&reservoir, j, 0, points.polygon[j] == 0.0 ? 0.0 : 1.0);
+  if (request.choice)
+    choose_part(scene, &points, request.projected, &reservoir, samplings, projected, u + DIM_LIGHT_U * LANES);
+  if (request.closed) add_analytic(paths, i, request.path, analytic);
+}
+#endif
+
+#if HAS(PROJECTED)
+/// Projected solid angles of the lights that are chosen by power.
+STAGE void project_by_power(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+                            const PRIVATE float* RESTRICT u, PRIVATE double* RESTRICT projected) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(surfaces, j);
+      const ChosenLight by_power =
+          choose_light(scene, u[DIM_LIGHT_U * LANES + j], u[DIM_LIGHT_FINE * LANES + j]);
+      GLOBAL const Light* light = scene->lights + by_power.light;
+      const double e = light_irradiance(light, s.p.x, s.p.y, s.p.z, s.shading.x, s.shading.y, s.shading.z);
+      projected[j] = is_own_light(scene, s, by_power.light) ? 0.0 : e;
+    }
+}
+
+/// Samples directions by projected solid angle to the lights that were chosen.
+STAGE void sample_projected_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+                                   const PRIVATE float* RESTRICT u, const PRIVATE double* RESTRICT projected,
+                                   PRIVATE LightSamplings* RESTRICT samplings) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(surfaces, j);
+      const float number = u[DIM_LIGHT_U * LANES + j];
+      const ChosenLight by_power = choose_light(scene, number, u[DIM_LIGHT_FINE * LANES + j]);
+      const int chosen = samplings->light[j];
+      const bool is_chosen = chosen >= 0;
+      sample_projected_light(scene, s, is_chosen ? chosen : by_power.light, (float)projected[j],
+                             is_chosen ? number : by_power.u, u[DIM_LIGHT_V * LANES + j], samplings, j);
+    }
+}
+
+/// Densities for the lights that the last rays hit, for multiple importance sampling.
+STAGE void project_found(const PRIVATE Scene* scene, bool path, const PRIVATE Surfaces* RESTRICT surfaces,
+                         const PRIVATE Surfaces* RESTRICT found, const PRIVATE PathState* paths, int i,
+                         PRIVATE LightSamplings* RESTRICT samplings) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface hit = load_surface(found, j);
+      const vec3 shading = LOAD_LANE_vec3(surfaces->shading, j), left = get_left_normal(paths, i + j);
+      projected_density_of_found(scene, hit, hit.from, get_ray_direction(paths, i + j),
+                                 select3(path, left, shading), samplings, j);
+      set_left_normal(paths, i + j, shading);  // of the next ray
+    }
+}
+#endif
+
+STAGE void clear_light_samplings(PRIVATE LightSamplings* RESTRICT samplings) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) store_light_sampling(samplings, j, no_light_sampling());
+}
+
+/// Light samplings of LANES paths from lane i on, at their surfaces; `found` are those that their last rays hit.
+/// u holds a step's STEP_DIMENSIONS * LANES numbers.
+FN void request_lights(const PRIVATE Scene* scene, LightRequest request, const PRIVATE Surfaces* surfaces,
+                       const PRIVATE Surfaces* found, const PRIVATE PathState* paths, int i, PRIVATE float* u,
+                       PRIVATE LightSamplings* samplings) {
+  clear_light_samplings(samplings);
+#if HAS(PROJECTED) || HAS(POLYGONS)
+  double projected[LANES];
+#endif
+#if HAS(POLYGONS)
+  if (request.choice | request.closed)
+    unshadowed_lanes(scene, request, surfaces, paths, i, u, samplings, projected);
+#endif
+#if HAS(PROJECTED)
+  if (request.found) project_found(scene, request.path, surfaces, found, paths, i, samplings);
+  if (request.projected & !request.choice) project_by_power(scene, surfaces, u, projected);
+  if (request.projected) sample_projected_lights(scene, surfaces, u, projected, samplings);
+#endif
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,139 @@
+// Path tracing with next-event estimation, as a step: given the hit of a path's last ray, add what it found and
+// ask for at most one shadow ray and one next ray. It never traces.
+#ifndef PENUMBRA_INTEGRATOR_PATH_H
+#define PENUMBRA_INTEGRATOR_PATH_H
+#include "kernels/integrator/step.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+// Russian roulette: see roulette_survival.
+#define ROULETTE_LASTS 100.0f
+
+/// Probability of going on after the k-th throw, k = 0, 1 ... Paths that carry little end sooner, but later
+/// than their throughput asks for, which costs some steps and saves more variance: sqrt(2 t) was the best of
+/// t, sqrt t, 2 t, 4 t, the fourth root of t, mean and luminance. The cap ends paths that lose nothing, where
+/// albedo is 1: n throws are survived with at most (100 / n)^2, so weights grow like n^2 and no faster, which
+/// any albedo below 1 outweighs. A constant cap has infinite variance beyond albedo sqrt(cap).
+FN float roulette_survival(float throughput, int k) {
+  return min_f(SQRT(2.0f * throughput), 1.0f - 2.0f / ((float)k + ROULETTE_LASTS));
+}
+
+#if HAS(PATH)
+/// Random numbers for a step of LANES paths from lane i on; those that the step does not need are not
+/// written.
+FN void path_numbers(const PRIVATE SceneHeader* h, bool roulette, const PRIVATE PathState* paths, int i,
+                     PRIVATE float* u) {
+  const uint spp = sequence_length(h);
+  sample_pair(h->sampler, spp, step_point(0u), paths, i, u + DIM_LIGHT_U * LANES, u + DIM_LIGHT_V * LANES);
+  sample_pair(h->sampler, spp, step_point(1u), paths, i, u + DIM_BSDF_U * LANES, u + DIM_BSDF_V * LANES);
+  const bool chooses = h->light_count > 1;  // a single light needs no finer digits
+  if (chooses | (HAS(PHONG) && (h->features & FEATURE_PHONG) != 0u))
+    sample_pair(h->sampler, spp, step_point(2u), paths, i, u + (chooses ? DIM_LIGHT_FINE : DIM_SPARE) * LANES,
+                u + DIM_LOBE_CHOICE * LANES);
+  if (roulette)
+    sample_pair(h->sampler, spp, step_point(3u), paths, i, u + DIM_ROULETTE * LANES, u + DIM_SPARE * LANES);
+}
+
+/// Whether any of LANES paths from lane i on may scatter where its last ray ended.
+FN bool any_scatters(const PRIVATE SceneHeader* h, const PRIVATE PathState* paths, int i) {
+  int any = 0;
+  for (int j = i; j < i + LANES; j++) any |= get_depth(paths, j) + 1 < h->max_depth ? 1 : 0;
+  return any != 0;
+}
+
+/// Adds what the last rays found.
+STAGE void add_emissions(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                         const PRIVATE Emissions* RESTRICT emissions) {
+  const int sampling = scene->header.direct_sampling, heuristic = scene->header.heuristic;
+  const float seen = scene->header.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Emission emission = load_emission(emissions, j);
+      const float bsdf_weight = sampling == SAMPLING_MIS
+                                    ? mis_weight(heuristic, get_direction_pdf(paths, i + j), emission.pdf)
+                                    : (sampling == SAMPLING_BSDF_ONLY ? 1.0f : 0.0f);
+      // Where the closed form of a light is added, only next-event estimation samples that light.
+      const bool controlled = is_controlled(scene, emission.of_polygon);
+      const float weight = get_depth(paths, i + j) > 0 ? (controlled ? 0.0f : bsdf_weight) : seen;
+      const vec3 found = mul(get_throughput(paths, i + j), scale(emission.radiance, weight));
+      set_radiance(paths, i + j, add(get_radiance(paths, i + j), found));
+    }
+}
+
+STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                         const PRIVATE StepLanes* RESTRICT step) {
+  const int sampling = scene->header.direct_sampling, heuristic = scene->header.heuristic;
+  const int max_depth = scene->header.max_depth;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(&step->surfaces, j);
+      const LightSample light = load_light_sample(&step->lights, j);
+      const BsdfValue value = load_bsdf_value(&step->values, j);
+      const float shared = sampling == SAMPLING_MIS ? mis_weight(heuristic, light.pdf, value.pdf) : 1.0f;
+      const bool alone = light.delta | is_controlled(scene, light.of_polygon);
+      const float weight = (alone ? 1.0f : shared) / (light.pdf > 0.0f ? light.pdf : 1.0f);
+      const bool scatters = is_hit(s) & (get_depth(paths, i + j) + 1 < max_depth);
+      const bool lit = scatters & (light.tmax > 0.0f) & (value.pdf > 0.0f) &
+                       ((sampling != SAMPLING_BSDF_ONLY) | light.delta);
+      const vec3 arriving =
+          mul(get_throughput(paths, i + j), scale(mul(value.f_cos, light.radiance), weight));
+      request_shadow_ray(scene, paths, i + j, s, light, arriving, lit);
+    }
+}
+
+/// The next rays, or the ends of the paths.
+STAGE void continue_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                          const PRIVATE StepLanes* RESTRICT step) {
+  const int max_depth = scene->header.max_depth, rr_depth = scene->header.rr_depth;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(&step->surfaces, j);
+      const BsdfSample next = load_bsdf_sample(&step->samples, j);
+      const int depth = get_depth(paths, i + j) + 1;
+      const vec3 throughput = mul(get_throughput(paths, i + j), next.weight);
+      const float strongest = max_component(throughput);
+      const bool roulette = depth >= rr_depth;
+      const int throws = roulette ? depth - rr_depth : 0;
+      const float survival = roulette ? roulette_survival(strongest, throws) : 1.0f;
+      const bool alive = is_hit(s) & (depth < max_depth) & (next.pdf > 0.0f) & (strongest > 0.0f) &
+                         !is_beneath(s, next.wi) & (lane_number(step, DIM_ROULETTE, j) < survival);
+      set_ray_origin(paths, i + j, leave_surface(s.p, s.geometric, s.error, next.wi));
+      set_ray_direction(paths, i + j, next.wi);
+      set_throughput(paths, i + j, scale(throughput, 1.0f / (alive ? survival : 1.0f)));
+      set_ray_tmax(paths, i + j, NO_LIMIT);
+      set_direction_pdf(paths, i + j, next.pdf);
+      set_ray_skip(paths, i + j, s.primitive);
+      set_depth(paths, i + j, depth);
+      set_alive(paths, i + j, alive);
+    }
+}
+
+/// The paths' surfaces are where their last rays ended: no more than `steps` steps were taken.
+FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int steps,
+                   const PRIVATE SlotState* slots) {
+  const PRIVATE SceneHeader* h = &scene->header;
+  StepLanes step;
+  for (int k = 0; k < STEP_DIMENSIONS * LANES; k++) step.u[k] = 0.0f;
+  for (int i = 0; i < count; i += LANES) {
+    const bool scatters = any_scatters(h, paths, i);
+    if (scatters) path_numbers(h, steps + 1 >= h->rr_depth, paths, i, step.u);
+    find_surfaces(scene, paths, i, &step.surfaces);
+#if HAS(LAYERS)
+    if (NEEDS(scene, LAYERS) && steps == 0) record_layers(scene, &step.surfaces, paths, i, slots);
+#endif
+    const LightRequest request =
+        light_request(scene, true, scatters, scatters, h->direct_sampling == SAMPLING_MIS);
+    request_lights(scene, request, &step.surfaces, &step.surfaces, paths, i, step.u, &step.samplings);
+    find_emissions(scene, &step.surfaces, &step.samplings, &step.emissions);
+    add_emissions(scene, paths, i, &step.emissions);
+    sample_lights(scene, &step);
+    eval_bsdfs(scene, &step);
+    request_light(scene, paths, i, &step);
+    sample_bsdfs(scene, &step);
+    continue_paths(scene, paths, i, &step);
+  }
+}
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif

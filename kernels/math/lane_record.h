@@ -1,0 +1,54 @@
+// Records of which a stage holds LANES at a time: from one list of fields both the struct of one and the struct
+// of arrays of all, which stay in the first-level cache between the lane loops of a step.
+//
+// A list of fields is FIELDS(F, a) with a row F(a, type, name) for each; types are float, int, bool and vec3.
+#ifndef PENUMBRA_LANE_RECORD_H
+#define PENUMBRA_LANE_RECORD_H
+#include "kernels/math/vec3.h"
+
+#define LANE_ARRAY_float(name) float name[LANES];
+#define LANE_ARRAY_int(name) int name[LANES];
+#define LANE_ARRAY_bool(name) int name[LANES];
+#define LANE_ARRAY_vec3(name) float name[3 * LANES];
+#define LOAD_LANE_float(array, j) (array)[j]
+#define LOAD_LANE_int(array, j) (array)[j]
+#define LOAD_LANE_bool(array, j) ((array)[j] != 0)
+#define LOAD_LANE_vec3(array, j) make_vec3((array)[j], (array)[LANES + (j)], (array)[2 * LANES + (j)])
+#define STORE_LANE_float(array, j, value) (array)[j] = (value)
+#define STORE_LANE_int(array, j, value) (array)[j] = (value)
+#define STORE_LANE_bool(array, j, value) (array)[j] = (value) ? 1 : 0
+#define STORE_LANE_vec3(array, j, value) \
+  (array)[j] = (value).x, (array)[LANES + (j)] = (value).y, (array)[2 * LANES + (j)] = (value).z
+
+#define RECORD_MEMBER(a, type, name) type name;
+#define RECORD_ARRAY(a, type, name) LANE_ARRAY_##type(name)
+#define RECORD_LOAD(a, type, name) record.name = LOAD_LANE_##type(lanes->name, j);
+#define RECORD_SELECT(a, type, name) record.name = SELECT_##type(condition, yes.name, no.name);
+#define SELECT_float(c, yes, no) ((c) ? (yes) : (no))
+#define SELECT_int(c, yes, no) ((c) ? (yes) : (no))
+#define SELECT_bool(c, yes, no) ((c) ? (yes) : (no))
+#define SELECT_vec3(c, yes, no) select3(c, yes, no)
+#define RECORD_STORE(a, type, name) STORE_LANE_##type(lanes->name, j, record.name);
+
+/// struct Name, struct Names of LANES of them, load_name(names, lane), store_name(names, lane, record) and
+/// select_name(condition, yes, no).
+#define LANE_RECORD(Name, Names, name, FIELDS)                            \
+  typedef struct {                                                        \
+    FIELDS(RECORD_MEMBER, )                                               \
+  } Name;                                                                 \
+  typedef struct {                                                        \
+    FIELDS(RECORD_ARRAY, )                                                \
+  } Names;                                                                \
+  FN Name load_##name(const PRIVATE Names* lanes, int j) {                \
+    Name record;                                                          \
+    FIELDS(RECORD_LOAD, )                                                 \
+    return record;                                                        \
+  }                                                                       \
+  FN Name select_##name(bool condition, Name yes, Name no) {              \
+    Name record;                                                          \
+    FIELDS(RECORD_SELECT, )                                               \
+    return record;                                                        \
+  }                                                                       \
+  FN void store_##name(PRIVATE Names* lanes, int j, Name record) { FIELDS(RECORD_STORE, ) }
+
+#endif
