@@ -36,8 +36,8 @@ STAGE void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int fi
     const uint index = unit->first_sample + (uint)sample;
     // Two independent sequences, for an alpha for the samples of each from those of the other.
     const bool second = halves & ((index & 1u) != 0u);
-    const uint seed = second ? hash_uint(h->seed ^ 0x6c078965u) : h->seed;
-    ints[PIXEL_HASH * capacity + i] = (int)pixel_sequence(h->sampler, seed, (uint)x, (uint)y);
+    const uint seed = second ? hash_uint(h->sampler.seed ^ 0x6c078965u) : h->sampler.seed;
+    ints[PIXEL_HASH * capacity + i] = (int)pixel_sequence(h->sampler.kind, seed, (uint)x, (uint)y);
     ints[SAMPLE_INDEX * capacity + i] = (int)(halves ? index >> 1 : index);
     ints[FILM_X * capacity + i] = x;
     ints[FILM_Y * capacity + i] = y;
@@ -45,11 +45,11 @@ STAGE void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int fi
     pixel += (next_pixel & !last) ? 1 : 0;
     sample = last ? sample : (next_pixel ? 0 : sample + 1);
   }
-  const int filter = h->filter;
-  const float radius = h->filter_radius;
+  const int filter = h->film.filter;
+  const float radius = h->film.filter_radius;
   for (int i = 0; i < count; i += LANES) {
     float u[LANES], v[LANES];
-    sample_pair(h->sampler, sequence_length(h), one_point(0u), ints, capacity, i, u, v);
+    sample_pair(h->sampler.kind, sequence_length(h), one_point(0u), ints, capacity, i, u, v);
     LANE_LOOP
       for (int j = 0; j < LANES; j++) {
         const FilterSample fx = sample_filter(filter, scene->filter_table, u[j]);
@@ -106,7 +106,7 @@ STAGE void record_layers(const PRIVATE Scene* scene, const GLOBAL float* RESTRIC
 
 FN bool has_control(const PRIVATE SceneHeader* h) {
 #if HAS(POLYGONS)
-  return h->estimator != ESTIMATOR_SAMPLES;
+  return h->integrator.estimator != ESTIMATOR_SAMPLES;
 #else
   return false;
 #endif
@@ -121,12 +121,12 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
   GLOBAL float* slots = block->slots;
   const int capacity = block->capacity, slot_capacity = block->slot_capacity;
   const PRIVATE SceneHeader* h = &scene->header;
-  const bool camera_rays = h->integrator == INTEGRATOR_DIRECT, control = has_control(h);
+  const bool camera_rays = h->integrator.kind == INTEGRATOR_DIRECT, control = has_control(h);
 #if HAS(LAYERS)
   const bool layers = (h->features & FEATURE_LAYERS) != 0u;
 #endif
 #if HAS(LOOK_THROUGH)
-  const bool look_through = h->hide_emitters == HIDE_LOOK_THROUGH;
+  const bool look_through = h->integrator.hide_emitters == HIDE_LOOK_THROUGH;
 #endif
   bool all_floats = camera_rays;  // CAMERA_RAY_FLOATS too
 #if HAS(PROJECTED)
@@ -149,7 +149,7 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
       if (layers && step == 0) record_layers(scene, f, ints, capacity, count, slots, slot_capacity);
 #endif
 #if HAS(PATH)
-      if (h->integrator == INTEGRATOR_PATH) step_paths(scene, f, ints, capacity, count, step);
+      if (h->integrator.kind == INTEGRATOR_PATH) step_paths(scene, f, ints, capacity, count, step);
 #endif
 #if HAS(DIRECT)
       if (camera_rays && step == 0) keep_camera_rays(f, ints, capacity, count);
@@ -184,7 +184,7 @@ FN void finish_pixels(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int 
   if (block->probe != 0) probe_sample(block, SOURCE_CONTROL);
   accumulate(unit, first_pixel, pixels, block->slots, block->slot_capacity, layers, out, bad);
 #if HAS(POLYGONS) && HAS(RATIO)
-  if (scene->header.estimator == ESTIMATOR_RATIO)
+  if (scene->header.integrator.estimator == ESTIMATOR_RATIO)
     accumulate_ratio(unit, first_pixel, pixels, block->slots, block->slot_capacity, layers, out);
 #endif
   if (block->probe != 0)

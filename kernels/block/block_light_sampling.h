@@ -32,8 +32,8 @@ FN bool uses_projected(const PRIVATE Scene* scene) {
 FN LightRequest light_request(const PRIVATE Scene* scene, bool path, bool emits, bool first, bool balances) {
   LightRequest request;
   request.path = path;
-  request.choice = HAS(POLYGONS) && emits && scene->header.light_choice == CHOICE_ANALYTIC;
-  request.closed = HAS(POLYGONS) && first && scene->header.estimator != ESTIMATOR_SAMPLES;
+  request.choice = HAS(POLYGONS) && emits && scene->header.integrator.light_choice == CHOICE_ANALYTIC;
+  request.closed = HAS(POLYGONS) && first && scene->header.integrator.estimator != ESTIMATOR_SAMPLES;
   request.projected = HAS(PROJECTED) && emits && uses_projected(scene);
   request.found = HAS(PROJECTED) && balances && uses_projected(scene);
   return request;

@@ -12,16 +12,16 @@ PENUMBRA_NAMESPACE_BEGIN
 FN void step_numbers(const PRIVATE SceneHeader* h, uint pair, bool roulette, const GLOBAL int* RESTRICT ints,
                      int capacity, int i, PRIVATE float* RESTRICT u) {
   const uint spp = sequence_length(h);
-  sample_pair(h->sampler, spp, one_point(pair), ints, capacity, i, u + DIM_LIGHT_U * LANES,
+  sample_pair(h->sampler.kind, spp, one_point(pair), ints, capacity, i, u + DIM_LIGHT_U * LANES,
               u + DIM_LIGHT_V * LANES);
-  sample_pair(h->sampler, spp, one_point(pair + 1u), ints, capacity, i, u + DIM_BSDF_U * LANES,
+  sample_pair(h->sampler.kind, spp, one_point(pair + 1u), ints, capacity, i, u + DIM_BSDF_U * LANES,
               u + DIM_BSDF_V * LANES);
   const bool chooses = h->light_count > 1;  // a single light needs no finer digits
   if (chooses | HAS(PHONG))
-    sample_pair(h->sampler, spp, one_point(pair + 2u), ints, capacity, i,
+    sample_pair(h->sampler.kind, spp, one_point(pair + 2u), ints, capacity, i,
                 u + (chooses ? DIM_LIGHT_FINE : DIM_SPARE) * LANES, u + DIM_LOBE_CHOICE * LANES);
   if (roulette)
-    sample_pair(h->sampler, spp, one_point(pair + 3u), ints, capacity, i, u + DIM_ROULETTE * LANES,
+    sample_pair(h->sampler.kind, spp, one_point(pair + 3u), ints, capacity, i, u + DIM_ROULETTE * LANES,
                 u + DIM_SPARE * LANES);
 }
 
@@ -30,9 +30,9 @@ STAGE void step_paths(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOB
                       int capacity, int count, int step) {
   const PRIVATE SceneHeader* h = &scene->header;
   const uint pair = step_pair(step);
-  const bool roulette = step + 1 >= h->rr_depth, scatters = step + 1 < h->max_depth;
+  const bool roulette = step + 1 >= h->integrator.rr_depth, scatters = step + 1 < h->integrator.max_depth;
   const LightRequest request =
-      light_request(scene, true, scatters, scatters, h->direct_sampling == SAMPLING_MIS);
+      light_request(scene, true, scatters, scatters, h->integrator.direct_sampling == SAMPLING_MIS);
   SurfaceFields surface;
   surface.hit = HIT;
   surface.origin_x = RAY_ORIGIN_X;
@@ -96,26 +96,27 @@ STAGE void begin_steps(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int 
 FN void direct_numbers(const PRIVATE SceneHeader* h, int step, const GLOBAL int* RESTRICT ints, int capacity,
                        int i, PRIVATE float* RESTRICT u) {
   const uint spp = sequence_length(h), pair = step_pair(0);
-  const int emitter_samples = h->emitter_samples, bsdf_samples = h->bsdf_samples;
+  const int emitter_samples = h->integrator.emitter_samples, bsdf_samples = h->integrator.bsdf_samples;
   const int most = emitter_samples > bsdf_samples ? emitter_samples : bsdf_samples;
   if (step < emitter_samples)
-    sample_pair(h->sampler, spp, nth_point(pair, emitter_samples, step), ints, capacity, i,
+    sample_pair(h->sampler.kind, spp, nth_point(pair, emitter_samples, step), ints, capacity, i,
                 u + DIM_LIGHT_U * LANES, u + DIM_LIGHT_V * LANES);
   if (step < bsdf_samples)
-    sample_pair(h->sampler, spp, nth_point(pair + 1u, bsdf_samples, step), ints, capacity, i,
+    sample_pair(h->sampler.kind, spp, nth_point(pair + 1u, bsdf_samples, step), ints, capacity, i,
                 u + DIM_BSDF_U * LANES, u + DIM_BSDF_V * LANES);
   if ((step < bsdf_samples) | ((step < emitter_samples) & (h->light_count > 1)))
-    sample_pair(h->sampler, spp, nth_point(pair + 2u, most, step), ints, capacity, i,
+    sample_pair(h->sampler.kind, spp, nth_point(pair + 2u, most, step), ints, capacity, i,
                 u + DIM_LIGHT_FINE * LANES, u + DIM_LOBE_CHOICE * LANES);
 }
 
 STAGE void step_direct(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                        int capacity, int count, int step) {
   const PRIVATE SceneHeader* h = &scene->header;
-  const bool emits = step < h->emitter_samples, scatters = step < h->bsdf_samples;
-  const bool balances = h->bsdf_samples > 0;
-  const int rays = balances ? h->bsdf_samples + 1 : 1;
-  const bool is_last = step + 1 >= (h->emitter_samples > rays ? h->emitter_samples : rays);
+  const bool emits = step < h->integrator.emitter_samples, scatters = step < h->integrator.bsdf_samples;
+  const bool balances = h->integrator.bsdf_samples > 0;
+  const int rays = balances ? h->integrator.bsdf_samples + 1 : 1;
+  const bool is_last =
+      step + 1 >= (h->integrator.emitter_samples > rays ? h->integrator.emitter_samples : rays);
   const LightRequest request = light_request(scene, false, emits, step == 0, balances);
   SurfaceFields surface;
   surface.hit = CAMERA_HIT;

@@ -92,7 +92,7 @@ FN void pad_hits(GLOBAL int* ints, int capacity, int count) {
 STAGE void occlude_block(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                          int capacity, int count) {
 #if HAS(DIRECT)
-  if (!scene->header.trace_shadows) {
+  if (!scene->header.integrator.trace_shadows) {
     for (int i = 0; i < count; i++) ints[HIT * capacity + i] = -1;
     return;
   }

@@ -16,14 +16,14 @@ typedef struct {
 /// clipping plane. Positions are taken from the film's centre in integers first, so that wide films keep
 /// their sub-pixel bits.
 FN Ray camera_ray(const PRIVATE SceneHeader* h, int x, int y, float dx, float dy) {
-  float sx = -((float)(2 * x + 1 - h->film_width) + 2.0f * dx) / (float)h->film_width;
-  float sy = -((float)(2 * y + 1 - h->film_height) + 2.0f * dy) / (float)h->film_height;
-  vec3 d = add(h->camera_z, add(scale(h->camera_x, sx), scale(h->camera_y, sy)));
+  float sx = -((float)(2 * x + 1 - h->film.width) + 2.0f * dx) / (float)h->film.width;
+  float sy = -((float)(2 * y + 1 - h->film.height) + 2.0f * dy) / (float)h->film.height;
+  vec3 d = add(h->camera.z, add(scale(h->camera.x, sx), scale(h->camera.y, sy)));
   Ray r;
-  r.origin = add_scaled(h->camera_origin, h->near_clip, d);
+  r.origin = add_scaled(h->camera.origin, h->camera.near_clip, d);
   float length = length3(d);
   r.direction = scale(d, 1.0f / length);
-  r.tmax = min_f((h->far_clip - h->near_clip) * length, NO_LIMIT);
+  r.tmax = min_f((h->camera.far_clip - h->camera.near_clip) * length, NO_LIMIT);
   return r;
 }
 

@@ -30,7 +30,7 @@ FN void see_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL
   const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i), toward = LOAD3(f, capacity, RAY_DIRECTION_X, i);
   const Surface found = surface_at(scene, ints[HIT * capacity + i], from, toward);
   const vec3 radiance = emitted_radiance(scene, found);
-  const float seen = scene->header.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
+  const float seen = scene->header.integrator.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
   const vec3 sum = add(LOAD3(f, capacity, RADIANCE_X, i), scale(radiance, seen));
   STORE3(f, capacity, RADIANCE_X, i, sum);
 }
@@ -43,10 +43,10 @@ FN void weigh_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOB
   const vec3 throughput = LOAD3(f, capacity, THROUGHPUT_X, i);
   const Surface found = surface_at(scene, ints[HIT * capacity + i], from, toward);
   const Emission emission = emission_at(scene, found, from, sampling);
-  const float by_direction = (float)scene->header.bsdf_samples * f[DIRECTION_PDF * capacity + i];
-  const float by_emitter = (float)scene->header.emitter_samples * emission.pdf;
-  const float share = mis_weight(scene->header.heuristic, by_direction, by_emitter);
-  const float seen = scene->header.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
+  const float by_direction = (float)scene->header.integrator.bsdf_samples * f[DIRECTION_PDF * capacity + i];
+  const float by_emitter = (float)scene->header.integrator.emitter_samples * emission.pdf;
+  const float share = mis_weight(scene->header.integrator.heuristic, by_direction, by_emitter);
+  const float seen = scene->header.integrator.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
   const bool traced = f[RAY_TMAX * capacity + i] > 0.0f;
   const float weight = first ? seen : (traced ? share : 0.0f);
   const vec3 before = LOAD3(f, capacity, RADIANCE_X, i);
@@ -57,7 +57,8 @@ FN void weigh_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOB
 /// Lane i's emitter sample by u, which holds STEP_DIMENSIONS * LANES numbers, those of lane i at j.
 FN void sample_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                        int capacity, int i, const PRIVATE float* u, int j, LightSampling sampling) {
-  const int emitter_samples = scene->header.emitter_samples, bsdf_samples = scene->header.bsdf_samples;
+  const int emitter_samples = scene->header.integrator.emitter_samples,
+            bsdf_samples = scene->header.integrator.bsdf_samples;
   const int primitive = ints[CAMERA_HIT * capacity + i];
   const vec3 origin = LOAD3(f, capacity, CAMERA_ORIGIN_X, i);
   const vec3 direction = LOAD3(f, capacity, CAMERA_DIRECTION_X, i);
@@ -65,9 +66,10 @@ FN void sample_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLO
   const LightSample light = sample_light(scene, s, u[DIM_LIGHT_U * LANES + j], u[DIM_LIGHT_V * LANES + j],
                                          u[DIM_LIGHT_FINE * LANES + j], sampling);
   const BsdfValue value = eval_bsdf(scene->materials + s.material, s.shading, s.wo, light.wi);
-  const float other = direction_pdf(scene->header.bsdf_sampling, s.shading, light.wi, value.pdf);
+  const float other = direction_pdf(scene->header.integrator.bsdf_sampling, s.shading, light.wi, value.pdf);
   const float by_emitter = (float)emitter_samples * light.pdf, by_direction = (float)bsdf_samples * other;
-  const float share = light.delta ? 1.0f : mis_weight(scene->header.heuristic, by_emitter, by_direction);
+  const float share =
+      light.delta ? 1.0f : mis_weight(scene->header.integrator.heuristic, by_emitter, by_direction);
   const float weight = share / ((float)emitter_samples * (light.pdf > 0.0f ? light.pdf : 1.0f));
   const bool lit = s.valid & (light.tmax > 0.0f) & (value.pdf > 0.0f);
   const vec3 arriving = scale(mul(value.f_cos, light.radiance), weight);
@@ -77,7 +79,7 @@ FN void sample_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLO
 /// Lane i's direction sample, as its next ray.
 FN void sample_direction(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                          int capacity, int i, const PRIVATE float* u, int j) {
-  const int kind = scene->header.bsdf_sampling;
+  const int kind = scene->header.integrator.bsdf_sampling;
   const int primitive = ints[CAMERA_HIT * capacity + i];
   const vec3 camera_origin = LOAD3(f, capacity, CAMERA_ORIGIN_X, i);
   const vec3 camera_direction = LOAD3(f, capacity, CAMERA_DIRECTION_X, i);
@@ -94,7 +96,7 @@ FN void sample_direction(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, G
   const bool traces = s.valid & (pdf > 0.0f) & (next.pdf > 0.0f) & !is_beneath(s, wi);
   const vec3 by_quotient = scale(next.f_cos, 1.0f / (pdf > 0.0f ? pdf : 1.0f));
   const vec3 weight = scale(select3(kind == DIRECTION_BSDF, by_bsdf.weight, by_quotient),
-                            1.0f / (float)scene->header.bsdf_samples);
+                            1.0f / (float)scene->header.integrator.bsdf_samples);
   const vec3 origin = leave_surface(s.p, s.geometric, s.error, wi);
   STORE3(f, capacity, RAY_ORIGIN_X, i, origin);
   STORE3(f, capacity, RAY_DIRECTION_X, i, wi);

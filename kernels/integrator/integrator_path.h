@@ -26,7 +26,7 @@ FN float roulette_survival(float throughput, int k) {
 FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                   int capacity, int step, int i, const PRIVATE float* u, int j,
                   const PRIVATE float* samplings) {
-  const int sampling = scene->header.direct_sampling;
+  const int sampling = scene->header.integrator.direct_sampling;
   const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i);
   const vec3 direction = LOAD3(f, capacity, RAY_DIRECTION_X, i);
   vec3 throughput = LOAD3(f, capacity, THROUGHPUT_X, i);
@@ -37,26 +37,27 @@ FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL i
   const LightSampling light_sampling = load_light_sampling(samplings, j);
   const Emission emission = emission_at(scene, s, from, light_sampling);
   const float bsdf_weight = sampling == SAMPLING_MIS
-                                ? mis_weight(scene->header.heuristic, direction_pdf, emission.pdf)
+                                ? mis_weight(scene->header.integrator.heuristic, direction_pdf, emission.pdf)
                                 : (sampling == SAMPLING_BSDF_ONLY ? 1.0f : 0.0f);
-  const float seen = scene->header.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
+  const float seen = scene->header.integrator.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
   // Where the closed form of a light is added at every surface, only next-event estimation samples that
   // light.
-  const bool controlled = (scene->header.estimator != ESTIMATOR_SAMPLES) & emission.of_polygon;
+  const bool controlled = (scene->header.integrator.estimator != ESTIMATOR_SAMPLES) & emission.of_polygon;
   const float emission_weight = step > 0 ? (controlled ? 0.0f : bsdf_weight) : seen;
   const vec3 radiance = LOAD3(f, capacity, RADIANCE_X, i);
   const vec3 found = add(radiance, mul(throughput, scale(emission.radiance, emission_weight)));
   STORE3(f, capacity, RADIANCE_X, i, found);
 
   GLOBAL const Material* material = scene->materials + s.material;
-  const bool scatters = s.valid & (step + 1 < scene->header.max_depth);
+  const bool scatters = s.valid & (step + 1 < scene->header.integrator.max_depth);
 
   const LightSample light = sample_light(scene, s, u[DIM_LIGHT_U * LANES + j], u[DIM_LIGHT_V * LANES + j],
                                          u[DIM_LIGHT_FINE * LANES + j], light_sampling);
   const BsdfValue value = eval_bsdf(material, s.shading, s.wo, light.wi);
   const float shared =
-      sampling == SAMPLING_MIS ? mis_weight(scene->header.heuristic, light.pdf, value.pdf) : 1.0f;
-  const bool alone = light.delta | ((scene->header.estimator != ESTIMATOR_SAMPLES) & light.of_polygon);
+      sampling == SAMPLING_MIS ? mis_weight(scene->header.integrator.heuristic, light.pdf, value.pdf) : 1.0f;
+  const bool alone =
+      light.delta | ((scene->header.integrator.estimator != ESTIMATOR_SAMPLES) & light.of_polygon);
   const float light_weight = (alone ? 1.0f : shared) / (light.pdf > 0.0f ? light.pdf : 1.0f);
   const bool lit =
       scatters & (light.tmax > 0.0f) & (value.pdf > 0.0f) & ((sampling != SAMPLING_BSDF_ONLY) | light.delta);
@@ -67,8 +68,8 @@ FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL i
                                       u[DIM_BSDF_V * LANES + j], u[DIM_LOBE_CHOICE * LANES + j]);
   throughput = mul(throughput, next.weight);
   const float strongest = max_component(throughput);
-  const bool roulette = step + 1 >= scene->header.rr_depth;
-  const int throws = roulette ? step + 1 - scene->header.rr_depth : 0;
+  const bool roulette = step + 1 >= scene->header.integrator.rr_depth;
+  const int throws = roulette ? step + 1 - scene->header.integrator.rr_depth : 0;
   const float survival = roulette ? roulette_survival(strongest, throws) : 1.0f;
   const bool alive = scatters & (next.pdf > 0.0f) & (strongest > 0.0f) & !is_beneath(s, next.wi) &
                      (u[DIM_ROULETTE * LANES + j] < survival);

@@ -250,8 +250,8 @@ FN LightSample sample_light(const PRIVATE Scene* scene, Surface s, float number,
 FN void ask_for_shadow_ray(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                            int capacity, int i, Surface s, LightSample light, vec3 arriving, bool lit,
                            int primitive) {
-  const bool beneath = is_beneath(s, light.wi) & (scene->header.trace_shadows != 0);
-  const bool controlled = (scene->header.estimator != ESTIMATOR_SAMPLES) & light.of_polygon;
+  const bool beneath = is_beneath(s, light.wi) & (scene->header.integrator.trace_shadows != 0);
+  const bool controlled = (scene->header.integrator.estimator != ESTIMATOR_SAMPLES) & light.of_polygon;
   STORE3(f, capacity, SHADOW_ORIGIN_X, i, light.origin);
   STORE3(f, capacity, SHADOW_DIRECTION_X, i, light.toward);
   STORE3(f, capacity, SHADOW_RADIANCE_X, i, arriving);

@@ -253,12 +253,12 @@ EmbreeDifferences find_embree_differences(const DeviceScene& scene, Isa isa) {
   const SceneHeader& h = scene.header;
   EmbreeDifferences differences;
   Comparison comparison(scene, (*embree)->tracer(), differences);
-  comparison.width = h.film_width;
+  comparison.width = h.film.width;
   constexpr int kPaths = 4096;
   render_native_blocks(
       *kernel, scene,
-      {.width = h.film_width, .height = h.film_height, .first_sample = 0, .sample_count = h.spp}, kPaths,
-      comparison.tracer(), [&](const NativeBlock& block) { comparison.block = block; });
+      {.width = h.film.width, .height = h.film.height, .first_sample = 0, .sample_count = h.sampler.spp},
+      kPaths, comparison.tracer(), [&](const NativeBlock& block) { comparison.block = block; });
   return differences;
 }
 

@@ -51,7 +51,7 @@ DeviceOptions opencl_options(int threads = 1) {
 }
 
 RenderUnit whole_film(const DeviceScene& scene, std::uint32_t first_sample = 0, std::uint32_t samples = 8) {
-  return {0, 0, scene.header.film_width, scene.header.film_height, first_sample, samples};
+  return {0, 0, scene.header.film.width, scene.header.film.height, first_sample, samples};
 }
 
 bool same_bytes(const SampleBuffer& a, const SampleBuffer& b) {
@@ -103,7 +103,7 @@ TEST_P(Devices, GiveTheSamePixelsWhateverTheUnits) {
   EXPECT_EQ(whole.nan.count, 0u);
   EXPECT_EQ(whole.infinite.count, 0u);
   EXPECT_GT(*std::ranges::max_element(whole.plane(kMeanG)), 0);
-  const int width = s.header.film_width, height = s.header.film_height;
+  const int width = s.header.film.width, height = s.header.film.height;
   for (int tile : {7, 16})
     for (int y = 0; y < height; y += tile)
       for (int x = 0; x < width; x += tile) {
@@ -184,7 +184,7 @@ TEST_P(Devices, CountSamplesThatAreNotNumbers) {
     const DeviceScene s = build_or_throw(description);
     const auto device = device_or_throw(s, options());
     const std::uint64_t samples =
-        std::uint64_t(s.header.film_width) * std::uint64_t(s.header.film_height) * 8;
+        std::uint64_t(s.header.film.width) * std::uint64_t(s.header.film.height) * 8;
     for (int repeat = 0; repeat < 2; ++repeat) {  // counters start at 0 again
       const SampleBuffer buffer = render(*device, whole_film(s));
       EXPECT_EQ(buffer.nan.count, std::isnan(bad) ? samples : 0);
@@ -380,8 +380,8 @@ TEST(Embree, GivesTheSamePixelsWhateverTheUnits) {
   const DeviceScene scene = build_or_throw(everything_in_a_hierarchy(), true);
   const auto device = device_or_throw(scene, native_options(2));
   const SampleBuffer whole = render(*device, whole_film(scene));
-  for (int y = 0; y < scene.header.film_height; y += 9)
-    for (int x = 0; x < scene.header.film_width; x += 8)
+  for (int y = 0; y < scene.header.film.height; y += 9)
+    for (int x = 0; x < scene.header.film.width; x += 8)
       EXPECT_EQ(differences(whole, render(*device, {x, y, 8, 9, 0, 8}), x, y), 0);
 }
 
