@@ -153,21 +153,21 @@ Expected<void> AnalyticPass::begin(const SceneHeader& view, int width, int heigh
 void AnalyticPass::set_camera(const Program& program, float dx, float dy) const {
   const auto set_vector = [&program](const char* name, vec3 v) { set_uniform(program, name, v.x, v.y, v.z); };
   const float scale = 1 / tables_.unit;
-  const vec3 origin = view_.camera_origin;
+  const vec3 origin = view_.camera.origin;
   set_vector("camera_origin", {origin.x * scale, origin.y * scale, origin.z * scale});
-  set_vector("camera_x", view_.camera_x);
-  set_vector("camera_y", view_.camera_y);
-  set_vector("camera_z", view_.camera_z);
-  set_uniform(program, "near_clip", std::max(view_.near_clip * scale, kNearest));
-  set_uniform(program, "far_clip", std::min(view_.far_clip * scale, kFarthest));
+  set_vector("camera_x", view_.camera.x);
+  set_vector("camera_y", view_.camera.y);
+  set_vector("camera_z", view_.camera.z);
+  set_uniform(program, "near_clip", std::max(view_.camera.near_clip * scale, kNearest));
+  set_uniform(program, "far_clip", std::min(view_.camera.far_clip * scale, kFarthest));
   glUniform2i(glGetUniformLocation(program.name(), "size"), width_, height_);
   set_uniform(program, "offset", dx, dy);
-  set_uniform(program, "look_through", view_.hide_emitters == HIDE_LOOK_THROUGH ? 1 : 0);
+  set_uniform(program, "look_through", view_.integrator.hide_emitters == HIDE_LOOK_THROUGH ? 1 : 0);
   const auto inside = [](int pixels) {
     return static_cast<float>(pixels) / static_cast<float>(pixels + 2 * margin(pixels));
   };
   set_uniform(program, "inside", inside(width_), inside(height_));
-  const glm::dmat3 from_film(-vector(view_.camera_x), -vector(view_.camera_y), vector(view_.camera_z));
+  const glm::dmat3 from_film(-vector(view_.camera.x), -vector(view_.camera.y), vector(view_.camera.z));
   const glm::mat3 to_film(glm::inverse(from_film));
   glUniformMatrix3fv(glGetUniformLocation(program.name(), "to_film"), 1, GL_FALSE, &to_film[0][0]);
 }
@@ -215,7 +215,7 @@ void AnalyticPass::shade(float dx, float dy) {
   set_uniform(shade_, "triangle_count", scene_.triangle_count);
   set_uniform(shade_, "polygon_count", scene_.polygon_count);
   set_uniform(shade_, "environment", scene_.environment);
-  set_uniform(shade_, "hide_emitters", view_.hide_emitters != HIDE_NOTHING ? 1 : 0);
+  set_uniform(shade_, "hide_emitters", view_.integrator.hide_emitters != HIDE_NOTHING ? 1 : 0);
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
@@ -224,9 +224,9 @@ void AnalyticPass::add_frame() {
   const KeptState kept;
   glBindVertexArray(vertices_.name());
   const auto [u, v] = spread_numbers(frames_);
-  const FilterSample x = sample_filter(view_.filter, filter_table_.data(), u);
-  const FilterSample y = sample_filter(view_.filter, filter_table_.data(), v);
-  const float dx = view_.filter_radius * x.x, dy = view_.filter_radius * y.x;
+  const FilterSample x = sample_filter(view_.film.filter, filter_table_.data(), u);
+  const FilterSample y = sample_filter(view_.film.filter, filter_table_.data(), v);
+  const float dx = view_.film.filter_radius * x.x, dy = view_.film.filter_radius * y.x;
   draw_ids(dx, dy);
   // mean + (frame - mean) share, where a frame's weight may be negative.
   const double weight = static_cast<double>(x.weight) * y.weight;

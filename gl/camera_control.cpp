@@ -142,10 +142,10 @@ CameraPose dolly(const CameraPose& pose, double factor) {
 
 CameraPose pose_of(const SceneHeader& header, double distance) {
   constexpr double kLevel = 0.5 * kDegree;
-  const dvec3 forward = direction_of(to_dvec3(header.camera_z));
-  const ViewFrame film = frame_of(forward, to_dvec3(header.camera_y));
+  const dvec3 forward = direction_of(to_dvec3(header.camera.z));
+  const ViewFrame film = frame_of(forward, to_dvec3(header.camera.y));
   CameraPose pose;
-  pose.eye = to_dvec3(header.camera_origin);
+  pose.eye = to_dvec3(header.camera.origin);
   pose.at = pose.eye + distance * forward;
   pose.up = film.up;
   double best = std::cos(kSteepest);
@@ -165,18 +165,18 @@ CameraPose pose_of(const SceneHeader& header, double distance) {
 }
 
 void set_camera(const CameraPose& pose, SceneHeader& header) {
-  const ViewFrame from = frame_of(direction_of(to_dvec3(header.camera_z)), to_dvec3(header.camera_y));
+  const ViewFrame from = frame_of(direction_of(to_dvec3(header.camera.z)), to_dvec3(header.camera.y));
   const ViewFrame to = view_frame(pose);
   const dmat3 turn = columns(to) * glm::transpose(columns(from));
-  header.camera_origin = to_vec3(pose.eye);
-  header.camera_x = to_vec3(turn * to_dvec3(header.camera_x));
-  header.camera_y = to_vec3(turn * to_dvec3(header.camera_y));
-  header.camera_z = to_vec3(to.forward);
+  header.camera.origin = to_vec3(pose.eye);
+  header.camera.x = to_vec3(turn * to_dvec3(header.camera.x));
+  header.camera.y = to_vec3(turn * to_dvec3(header.camera.y));
+  header.camera.z = to_vec3(to.forward);
 }
 
 bool film_is_mirrored(const SceneHeader& header) {
-  return glm::dot(glm::cross(to_dvec3(header.camera_y), to_dvec3(header.camera_z)),
-                  to_dvec3(header.camera_x)) < 0;
+  return glm::dot(glm::cross(to_dvec3(header.camera.y), to_dvec3(header.camera.z)),
+                  to_dvec3(header.camera.x)) < 0;
 }
 
 double scene_extent(const DeviceScene& scene) {
@@ -192,8 +192,8 @@ double scene_extent(const DeviceScene& scene) {
 double default_distance(const DeviceScene& scene) {
   constexpr double kLeast = 1e-6;
   const SceneHeader& h = scene.header;
-  const dvec3 eye = to_dvec3(h.camera_origin), forward = direction_of(to_dvec3(h.camera_z));
-  const double near = std::max(0.0f, h.near_clip), extent = scene_extent(scene);
+  const dvec3 eye = to_dvec3(h.camera.origin), forward = direction_of(to_dvec3(h.camera.z));
+  const double near = std::max(0.0f, h.camera.near_clip), extent = scene_extent(scene);
   double nearest = std::numeric_limits<double>::infinity();
   for (const Triangle& t : table<Triangle>(scene, h.triangles, h.triangle_count))
     nearest = std::min(nearest, distance_to(t, eye, forward, near));

@@ -55,7 +55,7 @@ Expected<void> Viewer::update() {
 
 Expected<void> Viewer::on(watch_news::Connected& news) {
   const bool first = !job_, was_hybrid = status_.hybrid;
-  const bool has_scenes_alpha = !header_ || settings_.alpha == header_->alpha;  // it is unchanged
+  const bool has_scenes_alpha = !header_ || settings_.alpha == header_->adjustable.alpha;  // it is unchanged
   const WatchedJob& job = news.job;
   if (!film_ || film_->width() != job.film_width || film_->height() != job.film_height) {
     Expected<FilmTextures> film = FilmTextures::create(job.film_width, job.film_height);
@@ -93,7 +93,7 @@ Expected<void> Viewer::on(watch_news::Connected& news) {
       pose_ = scene_pose_;
       view_ = view_of(*header_);
     }
-    if (has_scenes_alpha) settings_.alpha = header_->alpha;
+    if (has_scenes_alpha) settings_.alpha = header_->adjustable.alpha;
   }
   // A scene that is read again may have lost its closed form.
   if (first || was_hybrid) settings_.automatic |= job.interactive && !status_.hybrid;
@@ -101,7 +101,7 @@ Expected<void> Viewer::on(watch_news::Connected& news) {
   if (needs_closed_form && !status_.hybrid) settings_.layer = Layer::kComposite;
   job_ = job;
   // A scheduler that has been started anew shows the scene's own view.
-  if (can_steer() && (moved_ || settings_.alpha != header_->alpha)) show_pose();
+  if (can_steer() && (moved_ || settings_.alpha != header_->adjustable.alpha)) show_pose();
   return {};
 }
 

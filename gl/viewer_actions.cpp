@@ -106,7 +106,7 @@ void Viewer::handle(const WindowEvents& events) {
   if (events.pan_x != 0 || events.pan_y != 0) {
     // The target follows the mouse.
     const double distance = glm::length(pose_.at - pose_.eye);
-    const double height = 2 * double(length3(header_->camera_y)) * distance * per_pixel;
+    const double height = 2 * double(length3(header_->camera.y)) * distance * per_pixel;
     set_pose(move(pose_, -side * events.pan_x * height, events.pan_y * height, 0));
   }
   if (events.wheel != 0) set_pose(dolly(pose_, std::pow(kDollyStep, events.wheel)));

@@ -107,6 +107,21 @@ __kernel void report_layout(__global uint* out) {
 #define REPORTED Corner
   CORNER_FIELDS(REPORT_FIELD)
 #undef REPORTED
+#define REPORTED Camera
+  CAMERA_FIELDS(REPORT_FIELD)
+#undef REPORTED
+#define REPORTED FilmParameters
+  FILM_PARAMETERS_FIELDS(REPORT_FIELD)
+#undef REPORTED
+#define REPORTED SamplerParameters
+  SAMPLER_PARAMETERS_FIELDS(REPORT_FIELD)
+#undef REPORTED
+#define REPORTED IntegratorParameters
+  INTEGRATOR_PARAMETERS_FIELDS(REPORT_FIELD)
+#undef REPORTED
+#define REPORTED Adjustable
+  ADJUSTABLE_FIELDS(REPORT_FIELD)
+#undef REPORTED
 #define REPORTED SceneHeader
   SCENE_HEADER_FIELDS(REPORT_FIELD)
 #undef REPORTED

@@ -149,38 +149,54 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, v1)             \
   F(int, v2)
 
+// What a ray through the film starts from; lengths in the scene's units.
+#define CAMERA_FIELDS(F)                                       \
+  F(vec3, origin)                                              \
+  F(vec3, x) /* to the left edge of the film, at distance 1 */ \
+  F(vec3, y) /* to the top edge */                             \
+  F(vec3, z) /* unit viewing direction */                      \
+  F(float, near_clip)                                          \
+  F(float, far_clip)
+
+#define FILM_PARAMETERS_FIELDS(F)        \
+  F(int, width)                          \
+  F(int, height)                         \
+  F(int, filter)          /* FILTER_* */ \
+  F(float, filter_radius) /* half-width in pixels */
+
+#define SAMPLER_PARAMETERS_FIELDS(F) \
+  F(int, kind) /* SAMPLER_* */       \
+  F(uint, spp)                       \
+  F(uint, seed)
+
+#define INTEGRATOR_PARAMETERS_FIELDS(F)                     \
+  F(int, kind)      /* INTEGRATOR_* */                      \
+  F(int, max_depth) /* path: edges; INT_MAX for no limit */ \
+  F(int, rr_depth)                                          \
+  F(int, direct_sampling) /* SAMPLING_* */                  \
+  F(int, emitter_samples)                                   \
+  F(int, bsdf_samples)                                      \
+  F(int, bsdf_sampling) /* DIRECTION_* */                   \
+  F(int, heuristic)     /* HEURISTIC_* */                   \
+  F(int, hide_emitters) /* HIDE_* */                        \
+  F(int, light_choice)  /* CHOICE_* */                      \
+  F(int, trace_shadows) /* 0: nothing blocks shadow rays */ \
+  F(int, estimator)     /* ESTIMATOR_* */
+
+// What a viewer may change besides the camera: no table and no kernel depends on it.
+#define ADJUSTABLE_FIELDS(F) F(float, alpha) /* ESTIMATOR_ALPHA */
+
 // Everything that is not a table. Offsets count 32-bit words from the start of the scene's array; a table
 // that the scene does not need has count 0.
 #define SCENE_HEADER_FIELDS(F)                                                                     \
   F(uint, features)   /* FEATURE_* bits */                                                         \
   F(int, intersector) /* INTERSECTOR_* */                                                          \
-  F(int, film_width)                                                                               \
-  F(int, film_height)                                                                              \
-  F(vec3, camera_origin)                                                                           \
-  F(vec3, camera_x) /* to the left edge of the film, at distance 1 */                              \
-  F(vec3, camera_y) /* to the top edge */                                                          \
-  F(vec3, camera_z) /* unit viewing direction */                                                   \
-  F(float, near_clip)                                                                              \
-  F(float, far_clip)                                                                               \
-  F(int, filter)          /* FILTER_* */                                                           \
-  F(float, filter_radius) /* half-width in pixels */                                               \
-  F(uint, filter_table)   /* FILTER_TABULATED: see filter.h */                                     \
-  F(int, sampler)         /* SAMPLER_* */                                                          \
-  F(uint, spp)                                                                                     \
-  F(uint, seed)                                                                                    \
-  F(int, integrator) /* INTEGRATOR_* */                                                            \
-  F(int, max_depth)  /* path: edges; INT_MAX for no limit */                                       \
-  F(int, rr_depth)                                                                                 \
-  F(int, direct_sampling) /* SAMPLING_* */                                                         \
-  F(int, emitter_samples)                                                                          \
-  F(int, bsdf_samples)                                                                             \
-  F(int, bsdf_sampling)     /* DIRECTION_* */                                                      \
-  F(int, heuristic)         /* HEURISTIC_* */                                                      \
-  F(int, hide_emitters)     /* HIDE_* */                                                           \
-  F(int, light_choice)      /* CHOICE_* */                                                         \
-  F(int, trace_shadows)     /* 0: nothing blocks shadow rays */                                    \
-  F(int, estimator)         /* ESTIMATOR_* */                                                      \
-  F(float, alpha)           /* ESTIMATOR_ALPHA */                                                  \
+  F(Camera, camera)                                                                                \
+  F(FilmParameters, film)                                                                          \
+  F(SamplerParameters, sampler)                                                                    \
+  F(IntegratorParameters, integrator)                                                              \
+  F(Adjustable, adjustable)                                                                        \
+  F(uint, filter_table)     /* FILTER_TABULATED: see filter.h */                                   \
   F(int, environment)       /* index of the environment light, or -1 */                            \
   F(int, dropped_triangles) /* without area in single precision: left out, and said */             \
   F(int, duplicate_lights)  /* light triangles that repeat another one: they do not shine twice */ \
@@ -210,18 +226,23 @@ PENUMBRA_NAMESPACE_BEGIN
   F(uint, quadric_leaves)
 
 // X(struct, field list): for tests and for serialisation.
-#define SHARED_STRUCTS(X)                 \
-  X(Triangle, TRIANGLE_FIELDS)            \
-  X(VertexNormals, VERTEX_NORMALS_FIELDS) \
-  X(Quadric, QUADRIC_FIELDS)              \
-  X(Material, MATERIAL_FIELDS)            \
-  X(Light, LIGHT_FIELDS)                  \
-  X(Polygon, POLYGON_FIELDS)              \
-  X(PolygonCorner, POLYGON_CORNER_FIELDS) \
-  X(BvhNode, BVH_NODE_FIELDS)             \
-  X(TriangleLeaf, TRIANGLE_LEAF_FIELDS)   \
-  X(QuadricLeaf, QUADRIC_LEAF_FIELDS)     \
-  X(Corner, CORNER_FIELDS)                \
+#define SHARED_STRUCTS(X)                               \
+  X(Triangle, TRIANGLE_FIELDS)                          \
+  X(VertexNormals, VERTEX_NORMALS_FIELDS)               \
+  X(Quadric, QUADRIC_FIELDS)                            \
+  X(Material, MATERIAL_FIELDS)                          \
+  X(Light, LIGHT_FIELDS)                                \
+  X(Polygon, POLYGON_FIELDS)                            \
+  X(PolygonCorner, POLYGON_CORNER_FIELDS)               \
+  X(BvhNode, BVH_NODE_FIELDS)                           \
+  X(TriangleLeaf, TRIANGLE_LEAF_FIELDS)                 \
+  X(QuadricLeaf, QUADRIC_LEAF_FIELDS)                   \
+  X(Corner, CORNER_FIELDS)                              \
+  X(Camera, CAMERA_FIELDS)                              \
+  X(FilmParameters, FILM_PARAMETERS_FIELDS)             \
+  X(SamplerParameters, SAMPLER_PARAMETERS_FIELDS)       \
+  X(IntegratorParameters, INTEGRATOR_PARAMETERS_FIELDS) \
+  X(Adjustable, ADJUSTABLE_FIELDS)                      \
   X(SceneHeader, SCENE_HEADER_FIELDS)
 
 #define DECLARE_FIELD(type, name) type name;

@@ -85,29 +85,24 @@ struct EmbreeTracer::Impl {
   std::vector<unsigned> indices;
   int triangle_count = 0;
 
-  /// Fills a packet's rays from lanes first ... of the block; false if none of them is a ray.
+  /// Sets ray j of a packet, which is one if `wanted`.
   template <typename Packet>
-  static bool load(Packet& ray, int* valid, const float* f, const int* ints, int capacity, int first,
-                   int count, int origin, int direction, int tmax, int skip) {
-    bool any = false;
-    for (int j = 0; j < kPacket; ++j) {
-      const int i = std::min(first + j, count - 1);
-      ray.org_x[j] = f[origin * capacity + i];
-      ray.org_y[j] = f[(origin + 1) * capacity + i];
-      ray.org_z[j] = f[(origin + 2) * capacity + i];
-      ray.dir_x[j] = f[direction * capacity + i];
-      ray.dir_y[j] = f[(direction + 1) * capacity + i];
-      ray.dir_z[j] = f[(direction + 2) * capacity + i];
-      ray.tnear[j] = std::numeric_limits<float>::min();
-      ray.tfar[j] = f[tmax * capacity + i];
-      ray.time[j] = 0;
-      ray.mask[j] = ~0u;
-      ray.id[j] = unsigned(ints[skip * capacity + i]);
-      ray.flags[j] = 0;
-      valid[j] = first + j < count && ray.tfar[j] > 0 ? -1 : 0;
-      any = any || valid[j] != 0;
-    }
-    return any;
+  static bool load(Packet& ray, int* valid, int j, bool wanted, const vec3& origin, const vec3& direction,
+                   float tmax, int skip) {
+    ray.org_x[j] = origin.x;
+    ray.org_y[j] = origin.y;
+    ray.org_z[j] = origin.z;
+    ray.dir_x[j] = direction.x;
+    ray.dir_y[j] = direction.y;
+    ray.dir_z[j] = direction.z;
+    ray.tnear[j] = std::numeric_limits<float>::min();
+    ray.tfar[j] = tmax;
+    ray.time[j] = 0;
+    ray.mask[j] = ~0u;
+    ray.id[j] = unsigned(skip);
+    ray.flags[j] = 0;
+    valid[j] = wanted && tmax > 0 ? -1 : 0;
+    return valid[j] != 0;
   }
 
   /// Whether Embree's arithmetic may find the triangle for a ray that starts at this point of it and leads
@@ -128,13 +123,17 @@ struct EmbreeTracer::Impl {
   // goes through the scene's centre. Embree's filters slow every ray down, so only rays whose hit may be that
   // triangle are traced again with one.
 
-  static void intersect(const void* self_, float* f, int* ints, int capacity, int count) {
+  static void intersect(const void* self_, const PathState* paths, int count) {
     const Impl& self = *static_cast<const Impl*>(self_);
     for (int first = 0; first < count; first += kPacket) {
       alignas(64) RTCRayHit16 rays;
       alignas(64) int valid[kPacket];
-      const bool any = load(rays.ray, valid, f, ints, capacity, first, count, RAY_ORIGIN_X, RAY_DIRECTION_X,
-                            RAY_TMAX, RAY_SKIP);
+      bool any = false;
+      for (int j = 0; j < kPacket; ++j) {
+        const int i = std::min(first + j, count - 1);
+        any |= load(rays.ray, valid, j, first + j < count, get_ray_origin(paths, i),
+                    get_ray_direction(paths, i), get_ray_tmax(paths, i), get_ray_skip(paths, i));
+      }
       std::fill_n(rays.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
       if (any) {
         RTCIntersectContext context;
@@ -147,7 +146,7 @@ struct EmbreeTracer::Impl {
           valid[j] = starts_there ? -1 : 0;
           if (!starts_there) continue;
           again = true;
-          rays.ray.tfar[j] = f[RAY_TMAX * capacity + first + j];
+          rays.ray.tfar[j] = get_ray_tmax(paths, first + j);
           rays.hit.geomID[j] = RTC_INVALID_GEOMETRY_ID;
         }
         context.filter = leave_start_out;
@@ -156,19 +155,24 @@ struct EmbreeTracer::Impl {
       for (int j = 0; j < kPacket && first + j < count; ++j) {
         const unsigned geometry = rays.hit.geomID[j];
         const int offset = geometry == kQuadricGeometry ? self.triangle_count : 0;
-        ints[HIT * capacity + first + j] =
-            geometry == RTC_INVALID_GEOMETRY_ID ? -1 : int(rays.hit.primID[j]) + offset;
+        set_hit(paths, first + j,
+                geometry == RTC_INVALID_GEOMETRY_ID ? -1 : int(rays.hit.primID[j]) + offset);
       }
     }
   }
 
-  static void occlude(const void* self_, float* f, int* ints, int capacity, int count) {
+  static void occlude(const void* self_, const PathState* paths, int count) {
     const Impl& self = *static_cast<const Impl*>(self_);
     for (int first = 0; first < count; first += kPacket) {
       alignas(64) RTCRay16 rays;
       alignas(64) int valid[kPacket];
-      if (load(rays, valid, f, ints, capacity, first, count, SHADOW_ORIGIN_X, SHADOW_DIRECTION_X, SHADOW_TMAX,
-               SHADOW_SKIP)) {
+      bool any = false;
+      for (int j = 0; j < kPacket; ++j) {
+        const int i = std::min(first + j, count - 1);
+        any |= load(rays, valid, j, first + j < count, get_shadow_origin(paths, i),
+                    get_shadow_direction(paths, i), get_shadow_tmax(paths, i), get_shadow_skip(paths, i));
+      }
+      if (any) {
         RTCIntersectContext context;
         rtcInitIntersectContext(&context);
         rtcOccluded16(valid, self.scene.get(), &context, &rays);
@@ -181,13 +185,13 @@ struct EmbreeTracer::Impl {
           valid[j] = doubtful ? -1 : 0;
           if (!doubtful) continue;
           again = true;
-          rays.tfar[j] = f[SHADOW_TMAX * capacity + first + j];
+          rays.tfar[j] = get_shadow_tmax(paths, first + j);
         }
         context.filter = leave_start_out;
         if (again) rtcOccluded16(valid, self.scene.get(), &context, &rays);
       }
       for (int j = 0; j < kPacket && first + j < count; ++j)
-        ints[HIT * capacity + first + j] = rays.tfar[j] == kBlocked ? 0 : -1;
+        set_shadow_transmittance(paths, first + j, rays.tfar[j] == kBlocked ? 0.0f : 1.0f);
     }
   }
 };

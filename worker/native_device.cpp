@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "kernels/host/block_memory.h"
 #include "kernels/host/words.h"
 #include "worker/embree_tracer.h"
 
@@ -21,27 +22,6 @@ namespace {
 constexpr int kBlockStride = kBlockPaths + 16;
 // For all samples of a pixel, and for lanes past them.
 constexpr int kSlots = int(kMaxSamplesPerUnit) + 16;
-
-/// One thread's block. The arrays are aligned to cache lines.
-class BlockMemory {
- public:
-  BlockMemory(int capacity, int slot_capacity, std::uint32_t features)
-      : floats_(std::size_t(state_floats(features)) * std::size_t(capacity)),
-        ints_(std::size_t(STATE_INTS) * std::size_t(capacity)),
-        slots_(std::size_t(slot_floats(features)) * std::size_t(slot_capacity)),
-        capacity_(capacity),
-        slot_capacity_(slot_capacity) {}
-
-  [[nodiscard]] Block block() {
-    return {floats_.data(), ints_.data(), slots_.data(), capacity_, slot_capacity_, nullptr};
-  }
-
- private:
-  AlignedVector<float> floats_;  // zeros: lanes that no path ever used hold finite values too
-  AlignedVector<int> ints_;
-  AlignedVector<float> slots_;
-  int capacity_, slot_capacity_;
-};
 
 /// Threads that wait for work: a unit is a few milliseconds, too short to start threads for it.
 class ThreadTeam {
@@ -130,7 +110,7 @@ class NativeDevice final : public Device {
     const int share = (pixels + team_.size() - 1) / team_.size();
     const int block_pixels = options_.block_of_one ? 1 : std::max(1, std::min(kBlockPaths / samples, share));
     while (blocks_.size() < std::size_t(team_.size()))
-      blocks_.emplace_back(capacity, kSlots, scene_.header.features);
+      blocks_.emplace_back(scene_.header.features, capacity, kSlots);
 
     const Unit portable{unit.x, unit.y, unit.width, unit.height, unit.first_sample, samples};
     const Tracer tracer = tracer_ ? tracer_->tracer() : Tracer{};

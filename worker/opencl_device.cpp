@@ -169,9 +169,8 @@ class OpenClDevice final : public Device {
 
   Expected<OpenClMemoryPlan> plan(const RenderUnit& unit, int planes) {
     demand_ = {.scene_bytes = scene_bytes_,
-               .path_floats = std::uint64_t(state_floats(features_)),
-               .path_ints = STATE_INTS,
-               .slot_floats = std::uint64_t(slot_floats(features_)),
+               .path_words = std::uint64_t(path_words(features_)),
+               .slot_words = std::uint64_t(slot_words(features_)),
                .planes = std::uint64_t(planes),
                .bad_bytes = sizeof(BadSamples) * BAD_KINDS,
                .width = unit.width,
@@ -186,8 +185,7 @@ class OpenClDevice final : public Device {
     const Expected<OpenClMemoryPlan> wanted = plan(unit, planes);
     if (!wanted) return std::unexpected(wanted.error());
     plan_ = *wanted;
-    const std::pair<ClReserve*, std::uint64_t> buffers[] = {{&floats_, plan_.float_bytes(demand_)},
-                                                            {&ints_, plan_.int_bytes(demand_)},
+    const std::pair<ClReserve*, std::uint64_t> buffers[] = {{&paths_, plan_.path_bytes(demand_)},
                                                             {&slots_, plan_.slot_bytes(demand_)},
                                                             {&bad_, plan_.bad_bytes(demand_)},
                                                             {&out_, plan_.result_bytes(demand_)}};
@@ -231,7 +229,7 @@ class OpenClDevice final : public Device {
     if (!session_.clear(next_block_, sizeof(cl_int))) return false;
     ClArguments arguments(trace_.get());
     arguments << header_ << words_ << unit << first << end << block_pixels << plan_.paths << plan_.slots
-              << floats_ << ints_ << slots_ << out_ << bad_ << next_block_;
+              << paths_ << slots_ << out_ << bad_ << next_block_;
     return session_.launch(arguments, std::size_t(plan_.items), 1);
   }
 
@@ -266,7 +264,7 @@ class OpenClDevice final : public Device {
   bool launch_trace(const Unit& unit, int first_pixel, int first, int count) {
     ClArguments arguments(trace_.get());
     arguments << header_ << words_ << unit << first_pixel << first << count << plan_.paths << plan_.slots
-              << floats_ << ints_ << slots_;
+              << paths_ << slots_;
     return session_.launch(arguments, std::size_t(count), group_);
   }
 
@@ -327,7 +325,7 @@ class OpenClDevice final : public Device {
   OpenClDemand demand_;
   OpenClMemoryPlan plan_;
   ClBuffer header_, words_, next_block_;
-  ClReserve floats_, ints_, slots_, out_, bad_;
+  ClReserve paths_, slots_, out_, bad_;
   std::vector<BadSamples> counters_;
   std::vector<float> part_values_;
 };

@@ -16,8 +16,8 @@ constexpr int kMostFinishingItems = 1 << 12;
 bool fits(const OpenClMemoryPlan& plan, const OpenClDemand& demand, const OpenClLimits& limits) {
   std::uint64_t sum = demand.scene_bytes;
   bool each = true;
-  for (const std::uint64_t bytes : {plan.float_bytes(demand), plan.int_bytes(demand), plan.slot_bytes(demand),
-                                    plan.bad_bytes(demand), plan.result_bytes(demand)}) {
+  for (const std::uint64_t bytes : {plan.path_bytes(demand), plan.slot_bytes(demand), plan.bad_bytes(demand),
+                                    plan.result_bytes(demand)}) {
     each = each && bytes <= limits.allocation;
     sum += bytes;
   }
@@ -56,7 +56,7 @@ bool shrink(OpenClMemoryPlan& plan, const BlockShape& shape, const OpenClDemand&
     if (!plan.blocks) {
       bool any = halve(plan.items, 1);
       plan.paths = plan.items;
-      if (plan.slot_bytes(demand) >= plan.float_bytes(demand) && plan.slots > demand.samples) {
+      if (plan.slot_bytes(demand) >= plan.path_bytes(demand) && plan.slots > demand.samples) {
         plan.slots = std::max(plan.slots / 2 / demand.samples, 1) * demand.samples;
         plan.finishing_items = std::min(plan.finishing_items, plan.slots / demand.samples);
         any = true;
@@ -76,20 +76,17 @@ bool shrink(OpenClMemoryPlan& plan, const BlockShape& shape, const OpenClDemand&
     return any;
   };
   const bool result_first =
-      plan.result_bytes(demand) > plan.float_bytes(demand) + plan.int_bytes(demand) + plan.slot_bytes(demand);
+      plan.result_bytes(demand) > plan.path_bytes(demand) + plan.slot_bytes(demand);
   return result_first ? smaller_result() || smaller_blocks() : smaller_blocks() || smaller_result();
 }
 
 }  // namespace
 
-std::uint64_t OpenClMemoryPlan::float_bytes(const OpenClDemand& demand) const {
-  return std::uint64_t(blocks ? items : 1) * std::uint64_t(paths) * demand.path_floats * 4;
-}
-std::uint64_t OpenClMemoryPlan::int_bytes(const OpenClDemand& demand) const {
-  return std::uint64_t(blocks ? items : 1) * std::uint64_t(paths) * demand.path_ints * 4;
+std::uint64_t OpenClMemoryPlan::path_bytes(const OpenClDemand& demand) const {
+  return std::uint64_t(blocks ? items : 1) * std::uint64_t(paths) * demand.path_words * 4;
 }
 std::uint64_t OpenClMemoryPlan::slot_bytes(const OpenClDemand& demand) const {
-  return std::uint64_t(blocks ? items : 1) * std::uint64_t(slots) * demand.slot_floats * 4;
+  return std::uint64_t(blocks ? items : 1) * std::uint64_t(slots) * demand.slot_words * 4;
 }
 std::uint64_t OpenClMemoryPlan::bad_bytes(const OpenClDemand& demand) const {
   return std::uint64_t(finishing_items) * demand.bad_bytes;
@@ -106,8 +103,7 @@ Expected<OpenClMemoryPlan> plan_opencl_memory(const BlockShape& shape, const Ope
   OpenClMemoryPlan plan = largest_plan(shape, demand);
   while (!fits(plan, demand, limits)) {
     if (!shrink(plan, shape, demand)) {
-      const std::uint64_t needed = plan.float_bytes(demand) + plan.int_bytes(demand) +
-                                   plan.slot_bytes(demand) + plan.bad_bytes(demand) +
+      const std::uint64_t needed = plan.path_bytes(demand) + plan.slot_bytes(demand) + plan.bad_bytes(demand) +
                                    plan.result_bytes(demand);
       return fail(
           fmt::format("one pixel of {} samples takes {} bytes beside the scene's {}, and {} allows {} in one "

@@ -28,8 +28,8 @@ struct OpenClLimits {
 /// What is to be held.
 struct OpenClDemand {
   std::uint64_t scene_bytes = 0;
-  std::uint64_t path_floats = 0, path_ints = 0;  ///< 4 bytes each, of a path under way
-  std::uint64_t slot_floats = 0;                 ///< of a sample until its pixel is finished
+  std::uint64_t path_words = 0;  ///< 4 bytes each, of a path under way
+  std::uint64_t slot_words = 0;  ///< of a sample until its pixel is finished
   std::uint64_t planes = 0;                      ///< floats of a pixel's result
   std::uint64_t bad_bytes = 0;                   ///< counters of a work item
   int width = 0, height = 0;                     ///< pixels of the unit
@@ -44,8 +44,7 @@ struct OpenClMemoryPlan {
   int slots = 0;                        ///< of a block; with a path an item: of all paths together
   int finishing_items = 0;              ///< those that have counters
 
-  [[nodiscard]] std::uint64_t float_bytes(const OpenClDemand& demand) const;
-  [[nodiscard]] std::uint64_t int_bytes(const OpenClDemand& demand) const;
+  [[nodiscard]] std::uint64_t path_bytes(const OpenClDemand& demand) const;
   [[nodiscard]] std::uint64_t slot_bytes(const OpenClDemand& demand) const;
   [[nodiscard]] std::uint64_t bad_bytes(const OpenClDemand& demand) const;
   [[nodiscard]] std::uint64_t result_bytes(const OpenClDemand& demand) const;

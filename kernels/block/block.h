@@ -36,8 +36,8 @@ STAGE void number_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, in
     const uint index = unit->first_sample + (uint)sample;
     // Two independent sequences, for an alpha for the samples of each from those of the other.
     const bool second = halves & ((index & 1u) != 0u);
-    const uint seed = second ? hash_uint(h->seed ^ 0x6c078965u) : h->seed;
-    set_pixel_hash(paths, i, (int)pixel_sequence(h->sampler, seed, (uint)x, (uint)y));
+    const uint seed = second ? hash_uint(h->sampler.seed ^ 0x6c078965u) : h->sampler.seed;
+    set_pixel_hash(paths, i, (int)pixel_sequence(h->sampler.kind, seed, (uint)x, (uint)y));
     set_sample_index(paths, i, (int)(halves ? index >> 1 : index));
     set_film_x(paths, i, x);
     set_film_y(paths, i, y);
@@ -51,15 +51,14 @@ STAGE void number_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, in
 STAGE void start_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                        const PRIVATE float* RESTRICT u, const PRIVATE float* RESTRICT v,
                        const PRIVATE SlotState* slots) {
-  const PRIVATE SceneHeader* h = &scene->header;
-  const int filter = h->filter;
-  const float radius = h->filter_radius;
+  const Camera camera = scene->header.camera;
+  const FilmParameters film = scene->header.film;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const FilterSample fx = sample_filter(filter, scene->filter_table, u[j]);
-      const FilterSample fy = sample_filter(filter, scene->filter_table, v[j]);
-      const Ray ray = camera_ray(h, get_film_x(paths, i + j), get_film_y(paths, i + j), radius * fx.x,
-                                 radius * fy.x);
+      const FilterSample fx = sample_filter(film.filter, scene->filter_table, u[j]);
+      const FilterSample fy = sample_filter(film.filter, scene->filter_table, v[j]);
+      const Ray ray = camera_ray(camera, film, get_film_x(paths, i + j), get_film_y(paths, i + j),
+                                 film.filter_radius * fx.x, film.filter_radius * fy.x);
       set_ray_origin(paths, i + j, ray.origin);
       set_ray_direction(paths, i + j, ray.direction);
       set_ray_tmax(paths, i + j, ray.tmax);
@@ -90,7 +89,7 @@ FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first
   number_paths(scene, unit, first_pixel, first_path, count, paths, slots);
   for (int i = 0; i < count; i += LANES) {
     float u[LANES], v[LANES];
-    sample_pair(h->sampler, sequence_length(h), one_point(0u), paths, i, u, v);
+    sample_pair(h->sampler.kind, sequence_length(h), one_point(0u), paths, i, u, v);
     start_paths(scene, paths, i, u, v, slots);
 #if HAS(POLYGONS)
     if (NEEDS(scene, POLYGONS)) clear_control(paths, i);
@@ -100,7 +99,7 @@ FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first
 
 /// Whether samples of polygon lights have their closed form as control variate.
 FN bool has_control(const PRIVATE Scene* scene) {
-  return NEEDS(scene, POLYGONS) && scene->header.estimator != ESTIMATOR_SAMPLES;
+  return NEEDS(scene, POLYGONS) && scene->header.integrator.estimator != ESTIMATOR_SAMPLES;
 }
 
 /// Traces `path_count` paths, from the `first_path`-th on, of the block's pixels, which start at the unit's
@@ -119,13 +118,13 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
       intersect_block(scene, paths, count);
       pad_hits(paths, count);
 #if HAS(LOOK_THROUGH)
-      if (step == 0 && h->hide_emitters == HIDE_LOOK_THROUGH) look_through_emitters(scene, paths, count);
+      if (step == 0 && h->integrator.hide_emitters == HIDE_LOOK_THROUGH) look_through_emitters(scene, paths, count);
 #endif
 #if HAS(PATH)
-      if (h->integrator == INTEGRATOR_PATH) step_paths(scene, paths, count, step, slots);
+      if (h->integrator.kind == INTEGRATOR_PATH) step_paths(scene, paths, count, step, slots);
 #endif
 #if HAS(DIRECT)
-      if (h->integrator == INTEGRATOR_DIRECT) step_direct(scene, paths, count, step, slots);
+      if (h->integrator.kind == INTEGRATOR_DIRECT) step_direct(scene, paths, count, step, slots);
 #endif
       if (block->probe != 0) probe_step(block, control, step);
       occlude_block(scene, paths, count);
@@ -154,7 +153,7 @@ FN void finish_pixels(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int 
   if (block->probe != 0) probe_sample(block, SOURCE_CONTROL);
   accumulate(unit, first_pixel, pixels, slots, layers, out, bad);
 #if HAS(POLYGONS) && HAS(RATIO)
-  if (scene->header.estimator == ESTIMATOR_RATIO)
+  if (scene->header.integrator.estimator == ESTIMATOR_RATIO)
     accumulate_ratio(unit, first_pixel, pixels, slots, layers, out);
 #endif
   if (block->probe != 0)

@@ -63,7 +63,7 @@ STAGE void accumulate_ratio(const PRIVATE Unit* unit, int first_pixel, int pixel
 STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int pixels,
                            const PRIVATE SlotState* slots, bool layers, GLOBAL float* RESTRICT out) {
   const int n = unit->sample_count, area = unit->width * unit->height;
-  const int estimator = scene->header.estimator, pitch = slot_pixels(slots->capacity, n, LANES);
+  const int estimator = scene->header.integrator.estimator, pitch = slot_pixels(slots->capacity, n, LANES);
   for (int p = 0; p < pixels; p++)
     for (int s = 0; s < n; s++) check_control(slots, s * pitch + p);
   const bool ratio = HAS(RATIO) && estimator == ESTIMATOR_RATIO;
@@ -80,7 +80,7 @@ STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit,
       GLOBAL float* analytic = slots->analytic + c * slots->capacity + p;
       const int parity = (int)(unit->first_sample & 1u);
       float alpha[2];
-      alpha[0] = alpha[1] = scene->header.alpha;
+      alpha[0] = alpha[1] = scene->header.adjustable.alpha;
       if (ratio) {
         alpha[0] = alpha[1] = ratio_alpha(shadowed, unshadowed, pitch, n);
         ratio_out[(RATIO_PLANE + c) * area + p] = alpha[0];

@@ -93,7 +93,7 @@ FN void pad_hits(const PRIVATE PathState* paths, int count) {
 /// Finds how much of the light of each lane's shadow ray gets through.
 STAGE void occlude_block(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
 #if HAS(DIRECT)
-  if (!scene->header.trace_shadows) {
+  if (!scene->header.integrator.trace_shadows) {
     for (int i = 0; i < count; i++) set_shadow_transmittance(paths, i, 1.0f);
     return;
   }

@@ -2,7 +2,7 @@
 #ifndef PENUMBRA_CAMERA_H
 #define PENUMBRA_CAMERA_H
 #include "kernels/math/math.h"
-#include "kernels/scene.h"
+#include "kernels/scene_types.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -15,15 +15,15 @@ typedef struct {
 /// The ray through the point (dx, dy) pixels off the centre of pixel (x, y), from the near to the far
 /// clipping plane. Positions are taken from the film's centre in integers first, so that wide films keep
 /// their sub-pixel bits.
-FN Ray camera_ray(const PRIVATE SceneHeader* h, int x, int y, float dx, float dy) {
-  float sx = -((float)(2 * x + 1 - h->film_width) + 2.0f * dx) / (float)h->film_width;
-  float sy = -((float)(2 * y + 1 - h->film_height) + 2.0f * dy) / (float)h->film_height;
-  vec3 d = add(h->camera_z, add(scale(h->camera_x, sx), scale(h->camera_y, sy)));
+FN Ray camera_ray(Camera camera, FilmParameters film, int x, int y, float dx, float dy) {
+  float sx = -((float)(2 * x + 1 - film.width) + 2.0f * dx) / (float)film.width;
+  float sy = -((float)(2 * y + 1 - film.height) + 2.0f * dy) / (float)film.height;
+  vec3 d = add(camera.z, add(scale(camera.x, sx), scale(camera.y, sy)));
   Ray r;
-  r.origin = add_scaled(h->camera_origin, h->near_clip, d);
+  r.origin = add_scaled(camera.origin, camera.near_clip, d);
   float length = length3(d);
   r.direction = scale(d, 1.0f / length);
-  r.tmax = min_f((h->far_clip - h->near_clip) * length, NO_LIMIT);
+  r.tmax = min_f((camera.far_clip - camera.near_clip) * length, NO_LIMIT);
   return r;
 }
 

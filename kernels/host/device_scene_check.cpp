@@ -29,17 +29,18 @@ class Checker {
   void check_header() {
     require((h_.features & ~std::uint32_t(FEATURE_ALL)) == 0, "unknown feature bits");
     require(in(h_.intersector, INTERSECTOR_PORTABLE, INTERSECTOR_EMBREE), "unknown intersector");
-    require(in(h_.sampler, SAMPLER_INDEPENDENT, SAMPLER_SOBOL), "unknown sampler");
-    require(in(h_.filter, FILTER_BOX, FILTER_TABULATED), "unknown filter");
-    require(in(h_.integrator, INTEGRATOR_DIRECT, INTEGRATOR_PATH), "unknown integrator");
-    require(h_.film_width > 0 && h_.film_height > 0, "empty film");
-    require(h_.spp > 0, "no samples per pixel");
-    require(h_.rr_depth >= 0, "Russian roulette begins before the path");
-    require(in(h_.emitter_samples, 0, MAX_DIRECT_SAMPLES) && in(h_.bsdf_samples, 0, MAX_DIRECT_SAMPLES),
+    require(in(h_.sampler.kind, SAMPLER_INDEPENDENT, SAMPLER_SOBOL), "unknown sampler");
+    require(in(h_.film.filter, FILTER_BOX, FILTER_TABULATED), "unknown filter");
+    require(in(h_.integrator.kind, INTEGRATOR_DIRECT, INTEGRATOR_PATH), "unknown integrator");
+    require(h_.film.width > 0 && h_.film.height > 0, "empty film");
+    require(h_.sampler.spp > 0, "no samples per pixel");
+    require(h_.integrator.rr_depth >= 0, "Russian roulette begins before the path");
+    require(in(h_.integrator.emitter_samples, 0, MAX_DIRECT_SAMPLES) &&
+                in(h_.integrator.bsdf_samples, 0, MAX_DIRECT_SAMPLES),
             "an implausible number of emitter or BSDF samples");
-    require(in(h_.estimator, ESTIMATOR_SAMPLES, ESTIMATOR_RATIO), "unknown estimator");
-    require(in(h_.hide_emitters, HIDE_NOTHING, HIDE_LOOK_THROUGH), "unknown way to hide emitters");
-    require(in(h_.light_choice, CHOICE_POWER, CHOICE_ANALYTIC), "unknown choice of lights");
+    require(in(h_.integrator.estimator, ESTIMATOR_SAMPLES, ESTIMATOR_RATIO), "unknown estimator");
+    require(in(h_.integrator.hide_emitters, HIDE_NOTHING, HIDE_LOOK_THROUGH), "unknown way to hide emitters");
+    require(in(h_.integrator.light_choice, CHOICE_POWER, CHOICE_ANALYTIC), "unknown choice of lights");
   }
 
   template <typename T>
@@ -101,14 +102,15 @@ class Checker {
               "a light names a polygon that is not there");
     }
     if (has(FEATURE_POLYGONS)) check_polygons();
-    require(has(FEATURE_POLYGONS) || (h_.estimator == ESTIMATOR_SAMPLES && h_.light_choice == CHOICE_POWER),
+    require(has(FEATURE_POLYGONS) ||
+                (h_.integrator.estimator == ESTIMATOR_SAMPLES && h_.integrator.light_choice == CHOICE_POWER),
             "closed forms without their feature bit");
-    require(has(FEATURE_RATIO) == (h_.estimator == ESTIMATOR_RATIO),
+    require(has(FEATURE_RATIO) == (h_.integrator.estimator == ESTIMATOR_RATIO),
             "the ratio estimator and its feature bit go together");
     require(h_.quadric_count == 0 || has(FEATURE_QUADRICS), "quadrics without their feature bit");
-    require(has(h_.integrator == INTEGRATOR_PATH ? FEATURE_PATH : FEATURE_DIRECT),
+    require(has(h_.integrator.kind == INTEGRATOR_PATH ? FEATURE_PATH : FEATURE_DIRECT),
             "an integrator without its feature bit");
-    require(h_.sampler == SAMPLER_SOBOL || has(FEATURE_SAMPLERS), "a sampler without its feature bit");
+    require(h_.sampler.kind == SAMPLER_SOBOL || has(FEATURE_SAMPLERS), "a sampler without its feature bit");
   }
 
   void check_polygons() {

@@ -15,15 +15,15 @@ struct View {
 };
 
 inline View view_of(const SceneHeader& h) {
-  return {h.camera_origin, h.camera_x, h.camera_y, h.camera_z, h.alpha};
+  return {h.camera.origin, h.camera.x, h.camera.y, h.camera.z, h.adjustable.alpha};
 }
 
 inline void apply_view(const View& view, SceneHeader& h) {
-  h.camera_origin = view.origin;
-  h.camera_x = view.x;
-  h.camera_y = view.y;
-  h.camera_z = view.z;
-  h.alpha = view.alpha;
+  h.camera.origin = view.origin;
+  h.camera.x = view.x;
+  h.camera.y = view.y;
+  h.camera.z = view.z;
+  h.adjustable.alpha = view.alpha;
 }
 
 /// To the bit.

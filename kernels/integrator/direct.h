@@ -18,16 +18,16 @@ FN float direction_pdf(int kind, vec3 n, vec3 wi, float bsdf_pdf) {
 FN void direct_numbers(const PRIVATE SceneHeader* h, int k, const PRIVATE PathState* paths, int i,
                        PRIVATE float* u) {
   const uint spp = sequence_length(h);
-  const int emitter_samples = h->emitter_samples, bsdf_samples = h->bsdf_samples;
+  const int emitter_samples = h->integrator.emitter_samples, bsdf_samples = h->integrator.bsdf_samples;
   const int most = emitter_samples > bsdf_samples ? emitter_samples : bsdf_samples;
   if (k < emitter_samples)
-    sample_pair(h->sampler, spp, nth_point(step_point(0u), emitter_samples, k), paths, i,
+    sample_pair(h->sampler.kind, spp, nth_point(step_point(0u), emitter_samples, k), paths, i,
                 u + DIM_LIGHT_U * LANES, u + DIM_LIGHT_V * LANES);
   if (k < bsdf_samples)
-    sample_pair(h->sampler, spp, nth_point(step_point(1u), bsdf_samples, k), paths, i, u + DIM_BSDF_U * LANES,
+    sample_pair(h->sampler.kind, spp, nth_point(step_point(1u), bsdf_samples, k), paths, i, u + DIM_BSDF_U * LANES,
                 u + DIM_BSDF_V * LANES);
   if ((k < bsdf_samples) | ((k < emitter_samples) & (h->light_count > 1)))
-    sample_pair(h->sampler, spp, nth_point(step_point(2u), most, k), paths, i, u + DIM_LIGHT_FINE * LANES,
+    sample_pair(h->sampler.kind, spp, nth_point(step_point(2u), most, k), paths, i, u + DIM_LIGHT_FINE * LANES,
                 u + DIM_LOBE_CHOICE * LANES);
 }
 
@@ -43,7 +43,7 @@ STAGE void load_kept_surfaces(const PRIVATE PathState* paths, int i, PRIVATE Sur
 /// Adds what the camera rays found, where no other sample finds emitters.
 STAGE void see_emitters(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                         const PRIVATE Surfaces* RESTRICT surfaces) {
-  const float seen = scene->header.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
+  const float seen = scene->header.integrator.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const vec3 radiance = emitted_radiance(scene, load_surface(surfaces, j));
@@ -55,9 +55,9 @@ STAGE void see_emitters(const PRIVATE Scene* scene, const PRIVATE PathState* pat
 STAGE void weigh_emitters(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           const PRIVATE Emissions* RESTRICT emissions) {
   const PRIVATE SceneHeader* h = &scene->header;
-  const float emitter_samples = (float)h->emitter_samples, bsdf_samples = (float)h->bsdf_samples;
-  const float seen = h->hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
-  const int heuristic = h->heuristic;
+  const float emitter_samples = (float)h->integrator.emitter_samples, bsdf_samples = (float)h->integrator.bsdf_samples;
+  const float seen = h->integrator.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
+  const int heuristic = h->integrator.heuristic;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Emission emission = load_emission(emissions, j);
@@ -85,8 +85,8 @@ STAGE void begin_steps(const PRIVATE PathState* paths, int i, const PRIVATE Surf
 STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                                    const PRIVATE StepLanes* RESTRICT step) {
   const PRIVATE SceneHeader* h = &scene->header;
-  const float emitter_samples = (float)h->emitter_samples, bsdf_samples = (float)h->bsdf_samples;
-  const int kind = h->bsdf_sampling, heuristic = h->heuristic;
+  const float emitter_samples = (float)h->integrator.emitter_samples, bsdf_samples = (float)h->integrator.bsdf_samples;
+  const int kind = h->integrator.bsdf_sampling, heuristic = h->integrator.heuristic;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(&step->surfaces, j);
@@ -105,8 +105,8 @@ STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE Pat
 /// Direction samples as the next rays.
 STAGE void request_directions(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                               const PRIVATE StepLanes* RESTRICT step) {
-  const int kind = scene->header.bsdf_sampling;
-  const float bsdf_samples = (float)scene->header.bsdf_samples;
+  const int kind = scene->header.integrator.bsdf_sampling;
+  const float bsdf_samples = (float)scene->header.integrator.bsdf_samples;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(&step->surfaces, j);
@@ -134,10 +134,10 @@ STAGE void request_directions(const PRIVATE Scene* scene, const PRIVATE PathStat
 FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int k,
                     const PRIVATE SlotState* slots) {
   const PRIVATE SceneHeader* h = &scene->header;
-  const bool emits = k < h->emitter_samples, scatters = k < h->bsdf_samples;
-  const bool balances = h->bsdf_samples > 0;
-  const int rays = balances ? h->bsdf_samples + 1 : 1;
-  const bool is_last = k + 1 >= (h->emitter_samples > rays ? h->emitter_samples : rays);
+  const bool emits = k < h->integrator.emitter_samples, scatters = k < h->integrator.bsdf_samples;
+  const bool balances = h->integrator.bsdf_samples > 0;
+  const int rays = balances ? h->integrator.bsdf_samples + 1 : 1;
+  const bool is_last = k + 1 >= (h->integrator.emitter_samples > rays ? h->integrator.emitter_samples : rays);
   const LightRequest request = light_request(scene, false, emits, k == 0, balances);
   StepLanes step;
   for (int j = 0; j < STEP_DIMENSIONS * LANES; j++) step.u[j] = 0.0f;

@@ -23,8 +23,8 @@ typedef struct {
 FN LightRequest light_request(const PRIVATE Scene* scene, bool path, bool emits, bool first, bool balances) {
   LightRequest request;
   request.path = path;
-  request.choice = HAS(POLYGONS) && emits && scene->header.light_choice == CHOICE_ANALYTIC;
-  request.closed = HAS(POLYGONS) && first && scene->header.estimator != ESTIMATOR_SAMPLES;
+  request.choice = HAS(POLYGONS) && emits && scene->header.integrator.light_choice == CHOICE_ANALYTIC;
+  request.closed = HAS(POLYGONS) && first && scene->header.integrator.estimator != ESTIMATOR_SAMPLES;
   request.projected = NEEDS(scene, PROJECTED) && emits;
   request.found = NEEDS(scene, PROJECTED) && balances;
   return request;

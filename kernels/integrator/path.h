@@ -24,28 +24,28 @@ FN float roulette_survival(float throughput, int k) {
 FN void path_numbers(const PRIVATE SceneHeader* h, bool roulette, const PRIVATE PathState* paths, int i,
                      PRIVATE float* u) {
   const uint spp = sequence_length(h);
-  sample_pair(h->sampler, spp, step_point(0u), paths, i, u + DIM_LIGHT_U * LANES, u + DIM_LIGHT_V * LANES);
-  sample_pair(h->sampler, spp, step_point(1u), paths, i, u + DIM_BSDF_U * LANES, u + DIM_BSDF_V * LANES);
+  sample_pair(h->sampler.kind, spp, step_point(0u), paths, i, u + DIM_LIGHT_U * LANES, u + DIM_LIGHT_V * LANES);
+  sample_pair(h->sampler.kind, spp, step_point(1u), paths, i, u + DIM_BSDF_U * LANES, u + DIM_BSDF_V * LANES);
   const bool chooses = h->light_count > 1;  // a single light needs no finer digits
   if (chooses | (HAS(PHONG) && (h->features & FEATURE_PHONG) != 0u))
-    sample_pair(h->sampler, spp, step_point(2u), paths, i, u + (chooses ? DIM_LIGHT_FINE : DIM_SPARE) * LANES,
+    sample_pair(h->sampler.kind, spp, step_point(2u), paths, i, u + (chooses ? DIM_LIGHT_FINE : DIM_SPARE) * LANES,
                 u + DIM_LOBE_CHOICE * LANES);
   if (roulette)
-    sample_pair(h->sampler, spp, step_point(3u), paths, i, u + DIM_ROULETTE * LANES, u + DIM_SPARE * LANES);
+    sample_pair(h->sampler.kind, spp, step_point(3u), paths, i, u + DIM_ROULETTE * LANES, u + DIM_SPARE * LANES);
 }
 
 /// Whether any of LANES paths from lane i on may scatter where its last ray ended.
 FN bool any_scatters(const PRIVATE SceneHeader* h, const PRIVATE PathState* paths, int i) {
   int any = 0;
-  for (int j = i; j < i + LANES; j++) any |= get_depth(paths, j) + 1 < h->max_depth ? 1 : 0;
+  for (int j = i; j < i + LANES; j++) any |= get_depth(paths, j) + 1 < h->integrator.max_depth ? 1 : 0;
   return any != 0;
 }
 
 /// Adds what the last rays found.
 STAGE void add_emissions(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                          const PRIVATE Emissions* RESTRICT emissions) {
-  const int sampling = scene->header.direct_sampling, heuristic = scene->header.heuristic;
-  const float seen = scene->header.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
+  const int sampling = scene->header.integrator.direct_sampling, heuristic = scene->header.integrator.heuristic;
+  const float seen = scene->header.integrator.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Emission emission = load_emission(emissions, j);
@@ -62,8 +62,8 @@ STAGE void add_emissions(const PRIVATE Scene* scene, const PRIVATE PathState* pa
 
 STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                          const PRIVATE StepLanes* RESTRICT step) {
-  const int sampling = scene->header.direct_sampling, heuristic = scene->header.heuristic;
-  const int max_depth = scene->header.max_depth;
+  const int sampling = scene->header.integrator.direct_sampling, heuristic = scene->header.integrator.heuristic;
+  const int max_depth = scene->header.integrator.max_depth;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(&step->surfaces, j);
@@ -84,7 +84,7 @@ STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* pa
 /// The next rays, or the ends of the paths.
 STAGE void continue_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           const PRIVATE StepLanes* RESTRICT step) {
-  const int max_depth = scene->header.max_depth, rr_depth = scene->header.rr_depth;
+  const int max_depth = scene->header.integrator.max_depth, rr_depth = scene->header.integrator.rr_depth;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(&step->surfaces, j);
@@ -116,13 +116,13 @@ FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
   for (int k = 0; k < STEP_DIMENSIONS * LANES; k++) step.u[k] = 0.0f;
   for (int i = 0; i < count; i += LANES) {
     const bool scatters = any_scatters(h, paths, i);
-    if (scatters) path_numbers(h, steps + 1 >= h->rr_depth, paths, i, step.u);
+    if (scatters) path_numbers(h, steps + 1 >= h->integrator.rr_depth, paths, i, step.u);
     find_surfaces(scene, paths, i, &step.surfaces);
 #if HAS(LAYERS)
     if (NEEDS(scene, LAYERS) && steps == 0) record_layers(scene, &step.surfaces, paths, i, slots);
 #endif
     const LightRequest request =
-        light_request(scene, true, scatters, scatters, h->direct_sampling == SAMPLING_MIS);
+        light_request(scene, true, scatters, scatters, h->integrator.direct_sampling == SAMPLING_MIS);
     request_lights(scene, request, &step.surfaces, &step.surfaces, paths, i, step.u, &step.samplings);
     find_emissions(scene, &step.surfaces, &step.samplings, &step.emissions);
     add_emissions(scene, paths, i, &step.emissions);

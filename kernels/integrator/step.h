@@ -68,13 +68,13 @@ STAGE void sample_bsdfs(const PRIVATE Scene* scene, PRIVATE StepLanes* RESTRICT 
 
 /// Whether the light's samples at the surface have its closed form as control variate.
 FN bool is_controlled(const PRIVATE Scene* scene, bool of_polygon) {
-  return NEEDS(scene, POLYGONS) & (scene->header.estimator != ESTIMATOR_SAMPLES) & of_polygon;
+  return NEEDS(scene, POLYGONS) & (scene->header.integrator.estimator != ESTIMATOR_SAMPLES) & of_polygon;
 }
 
 /// Requests the shadow ray of lane i's light sample; `arriving` is what it brings if nothing is in the way.
 FN void request_shadow_ray(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, Surface s,
                            LightSample light, vec3 arriving, bool lit) {
-  const bool beneath = is_beneath(s, light.wi) & (scene->header.trace_shadows != 0);
+  const bool beneath = is_beneath(s, light.wi) & (scene->header.integrator.trace_shadows != 0);
   const bool controlled = is_controlled(scene, light.of_polygon);
   set_shadow_origin(paths, i, light.origin);
   set_shadow_direction(paths, i, light.toward);

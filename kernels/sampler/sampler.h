@@ -295,11 +295,11 @@ FN void sample_pair(int sampler, uint spp, PairPoint point, const PRIVATE PathSt
 
 /// Whether a pixel's samples are two independent sequences, those of even and of odd index, so that each half
 /// can fit an alpha for the other.
-FN bool in_halves(const PRIVATE SceneHeader* h) { return HAS(POLYGONS) && h->estimator == ESTIMATOR_AUTO; }
+FN bool in_halves(const PRIVATE SceneHeader* h) { return HAS(POLYGONS) && h->integrator.estimator == ESTIMATOR_AUTO; }
 
 /// Samples of a pixel in one sequence.
 FN uint sequence_length(const PRIVATE SceneHeader* h) {
-  return in_halves(h) ? h->spp / 2u + h->spp % 2u : h->spp;
+  return in_halves(h) ? h->sampler.spp / 2u + h->sampler.spp % 2u : h->sampler.spp;
 }
 
 PENUMBRA_NAMESPACE_END

@@ -220,25 +220,25 @@ class Builder {
                          : along_x                             ? tangent
                                                                : tangent * w / h;
     const glm::dmat3 axes(camera.to_world);
-    h_.camera_origin = local(glm::dvec3(camera.to_world[3]), "the camera");
-    h_.camera_x = to_vec3(glm::normalize(axes[0]) * tan_x);
-    h_.camera_y = to_vec3(glm::normalize(axes[1]) * (tan_x * h / w));
-    h_.camera_z = to_vec3(glm::normalize(axes[2]));
-    h_.near_clip = float(camera.near_clip);
-    h_.far_clip = float(camera.far_clip);
+    h_.camera.origin = local(glm::dvec3(camera.to_world[3]), "the camera");
+    h_.camera.x = to_vec3(glm::normalize(axes[0]) * tan_x);
+    h_.camera.y = to_vec3(glm::normalize(axes[1]) * (tan_x * h / w));
+    h_.camera.z = to_vec3(glm::normalize(axes[2]));
+    h_.camera.near_clip = float(camera.near_clip);
+    h_.camera.far_clip = float(camera.far_clip);
   }
 
   void set_film() {
     const Film& film = scene_.film;
-    h_.film_width = film.width;
-    h_.film_height = film.height;
-    h_.filter = film.filter == FilterKind::kBox    ? FILTER_BOX
-                : film.filter == FilterKind::kTent ? FILTER_TENT
-                                                   : FILTER_TABULATED;
-    h_.filter_radius = film.filter_radius;
-    h_.sampler = int(scene_.sampler.kind);
-    h_.spp = scene_.sampler.spp;
-    h_.seed = scene_.sampler.seed;
+    h_.film.width = film.width;
+    h_.film.height = film.height;
+    h_.film.filter = film.filter == FilterKind::kBox    ? FILTER_BOX
+                     : film.filter == FilterKind::kTent ? FILTER_TENT
+                                                        : FILTER_TABULATED;
+    h_.film.filter_radius = film.filter_radius;
+    h_.sampler.kind = int(scene_.sampler.kind);
+    h_.sampler.spp = scene_.sampler.spp;
+    h_.sampler.seed = scene_.sampler.seed;
   }
 
   Expected<void> choose_intersector() {

@@ -34,27 +34,27 @@ bool balances(const IntegratorSettings& integrator, const LightBuilder& lights) 
 void set_samples(const IntegratorSettings& integrator, SceneHeader& h) {
   switch (integrator.kind) {
     case IntegratorKind::kPolygonAnalytic:
-      h.emitter_samples = h.bsdf_samples = 0;
+      h.integrator.emitter_samples = h.integrator.bsdf_samples = 0;
       return;
     case IntegratorKind::kPolygonCv:
-      h.emitter_samples = integrator.vis_samples;
-      h.bsdf_samples = 0;
+      h.integrator.emitter_samples = integrator.vis_samples;
+      h.integrator.bsdf_samples = 0;
       return;
     case IntegratorKind::kPolygonArea:
-      h.emitter_samples = integrator.emitter_samples;
-      h.bsdf_samples = 0;
+      h.integrator.emitter_samples = integrator.emitter_samples;
+      h.integrator.bsdf_samples = 0;
       return;
     case IntegratorKind::kDirect:
     case IntegratorKind::kPath:
-      h.emitter_samples = integrator.emitter_samples;
-      h.bsdf_samples = integrator.bsdf_samples;
+      h.integrator.emitter_samples = integrator.emitter_samples;
+      h.integrator.bsdf_samples = integrator.bsdf_samples;
   }
 }
 
 /// The closed form is then of interest for the layers only.
 void use_samples_alone(SceneHeader& h) {
-  h.estimator = (h.features & FEATURE_LAYERS) != 0u ? ESTIMATOR_ALPHA : ESTIMATOR_SAMPLES;
-  h.alpha = 0.0f;
+  h.integrator.estimator = (h.features & FEATURE_LAYERS) != 0u ? ESTIMATOR_ALPHA : ESTIMATOR_SAMPLES;
+  h.adjustable.alpha = 0.0f;
 }
 
 /// Where every sample without shadows is the closed form itself, no alpha changes anything, and plain samples
@@ -62,25 +62,25 @@ void use_samples_alone(SceneHeader& h) {
 /// other's alpha.
 void set_estimator(const SceneDescription& scene, const LightBuilder& lights, SceneHeader& h) {
   const IntegratorSettings& integrator = scene.integrator;
-  h.estimator = ESTIMATOR_SAMPLES;
-  h.alpha = 1.0f;
+  h.integrator.estimator = ESTIMATOR_SAMPLES;
+  h.adjustable.alpha = 1.0f;
   if (lights.polygons().empty()) return;
   if (integrator.kind == IntegratorKind::kPolygonAnalytic) {
-    h.estimator = ESTIMATOR_ALPHA;
+    h.integrator.estimator = ESTIMATOR_ALPHA;
   } else if (!has_control_variate(integrator)) {
     // A choice by contribution evaluates the closed form, so the layers show it.
-    if (h.light_choice == CHOICE_ANALYTIC) use_samples_alone(h);
+    if (h.integrator.light_choice == CHOICE_ANALYTIC) use_samples_alone(h);
   } else if (integrator.estimator == CvEstimator::kRatio) {
-    h.estimator = ESTIMATOR_RATIO;
+    h.integrator.estimator = ESTIMATOR_RATIO;
     h.features |= FEATURE_RATIO;
   } else if (integrator.alpha) {
-    h.estimator = ESTIMATOR_ALPHA;
-    h.alpha = *integrator.alpha;
-  } else if ((h.features & FEATURE_PHONG) == 0u && h.light_choice == CHOICE_ANALYTIC &&
+    h.integrator.estimator = ESTIMATOR_ALPHA;
+    h.adjustable.alpha = *integrator.alpha;
+  } else if ((h.features & FEATURE_PHONG) == 0u && h.integrator.light_choice == CHOICE_ANALYTIC &&
              lights.constant_if_projected()) {
     use_samples_alone(h);
   } else {
-    h.estimator = ESTIMATOR_AUTO;
+    h.integrator.estimator = ESTIMATOR_AUTO;
   }
 }
 
@@ -102,30 +102,30 @@ EmitterSampling default_sampling(const IntegratorSettings& integrator) {
 Expected<void> set_integrator(const SceneDescription& scene, const LightBuilder& lights, SceneHeader& h) {
   const IntegratorSettings& integrator = scene.integrator;
   const bool path = integrator.kind == IntegratorKind::kPath;
-  h.integrator = path ? INTEGRATOR_PATH : INTEGRATOR_DIRECT;
+  h.integrator.kind = path ? INTEGRATOR_PATH : INTEGRATOR_DIRECT;
   h.features |= path ? FEATURE_PATH : FEATURE_DIRECT;
-  h.max_depth = integrator.max_depth < 0 ? INT_MAX : integrator.max_depth;
+  h.integrator.max_depth = integrator.max_depth < 0 ? INT_MAX : integrator.max_depth;
   // A path that nothing else ends meets roulette at last, or albedo 1 in a closed room would never end.
-  h.rr_depth =
+  h.integrator.rr_depth =
       integrator.max_depth < 0 ? std::min(integrator.rr_depth, kLatestRoulette) : integrator.rr_depth;
-  h.direct_sampling = int(integrator.direct_sampling);
+  h.integrator.direct_sampling = int(integrator.direct_sampling);
   set_samples(integrator, h);
-  h.bsdf_sampling = int(integrator.bsdf_sampling);
-  h.heuristic = int(integrator.heuristic);
+  h.integrator.bsdf_sampling = int(integrator.bsdf_sampling);
+  h.integrator.heuristic = int(integrator.heuristic);
   const bool looked_through = integrator.hidden_emitters == HiddenEmitters::kLookedThrough;
-  h.hide_emitters = !integrator.hide_emitters ? HIDE_NOTHING
-                    : looked_through          ? HIDE_LOOK_THROUGH
-                                              : HIDE_LIGHT;
-  if (h.hide_emitters == HIDE_LOOK_THROUGH) h.features |= FEATURE_LOOK_THROUGH;
+  h.integrator.hide_emitters = !integrator.hide_emitters ? HIDE_NOTHING
+                               : looked_through          ? HIDE_LOOK_THROUGH
+                                                         : HIDE_LIGHT;
+  if (h.integrator.hide_emitters == HIDE_LOOK_THROUGH) h.features |= FEATURE_LOOK_THROUGH;
   const bool can_trace =
       integrator.kind == IntegratorKind::kDirect || integrator.kind == IntegratorKind::kPolygonArea;
-  h.trace_shadows = can_trace && !integrator.trace_shadows ? 0 : 1;
+  h.integrator.trace_shadows = can_trace && !integrator.trace_shadows ? 0 : 1;
 
   const bool by_contribution =
       integrator.light_choice == LightChoice::kAnalytic ||
       (integrator.light_choice == LightChoice::kAuto && has_control_variate(integrator) &&
        !balances(integrator, lights) && lights.polygons().size() <= kMaxContributionPolygons);
-  h.light_choice = by_contribution && !lights.polygons().empty() ? CHOICE_ANALYTIC : CHOICE_POWER;
+  h.integrator.light_choice = by_contribution && !lights.polygons().empty() ? CHOICE_ANALYTIC : CHOICE_POWER;
   if (by_contribution && balances(integrator, lights))
     return fail(
         "light_choice = analytic needs an integrator that samples lights alone: direct with bsdf_samples = "

@@ -60,8 +60,7 @@ std::optional<SceneHeader> with_polygons(SceneDescription description) {
 }
 
 std::uint64_t path_bytes(std::uint32_t features) {
-  return sizeof(float) * std::uint64_t(state_floats(features) + slot_floats(features)) +
-         sizeof(int) * STATE_INTS;
+  return 4 * std::uint64_t(path_words(features) + slot_words(features));
 }
 
 }  // namespace

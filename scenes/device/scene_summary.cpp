@@ -30,7 +30,8 @@ int edge_count(const DeviceScene& scene) {
 }
 
 bool analytic_alone(const SceneHeader& h) {
-  return h.integrator == INTEGRATOR_DIRECT && h.estimator == ESTIMATOR_ALPHA && h.emitter_samples == 0;
+  return h.integrator.kind == INTEGRATOR_DIRECT && h.integrator.estimator == ESTIMATOR_ALPHA &&
+         h.integrator.emitter_samples == 0;
 }
 
 int lights_without_form(const DeviceScene& scene) {
@@ -39,10 +40,11 @@ int lights_without_form(const DeviceScene& scene) {
 }
 
 std::string estimator_text(const SceneHeader& h) {
-  switch (h.estimator) {
+  switch (h.integrator.estimator) {
     case ESTIMATOR_ALPHA:
       if (analytic_alone(h)) return "closed form alone";
-      return h.alpha == 0.0f ? "samples alone" : fmt::format("control variate, alpha {}", h.alpha);
+      return h.adjustable.alpha == 0.0f ? "samples alone"
+                                        : fmt::format("control variate, alpha {}", h.adjustable.alpha);
     case ESTIMATOR_AUTO:
       return "control variate, alpha fitted for each pixel";
     case ESTIMATOR_RATIO:

@@ -19,11 +19,11 @@ Expected<void> check_render_job(const RenderJob& job) {
   const auto within = [](int from, int size, int limit) {
     return from >= 0 && size >= 1 && size <= limit - from;
   };
-  if (!within(job.x, job.width, job.scene.header.film_width) ||
-      !within(job.y, job.height, job.scene.header.film_height)) {
+  if (!within(job.x, job.width, job.scene.header.film.width) ||
+      !within(job.y, job.height, job.scene.header.film.height)) {
     return fail(fmt::format(
         "the rectangle of {} x {} pixels at ({}, {}) is empty or not inside the film of {} x {}", job.width,
-        job.height, job.x, job.y, job.scene.header.film_width, job.scene.header.film_height));
+        job.height, job.x, job.y, job.scene.header.film.width, job.scene.header.film.height));
   }
   if (job.tile < 1 || job.tile > kMaxTile) {
     return fail(fmt::format("tiles of {} pixels; 1 to {} are possible", job.tile, kMaxTile));

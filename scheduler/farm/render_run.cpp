@@ -66,8 +66,8 @@ Expected<void> RenderRun::start() {
   scene_hash_ = server_->add_asset(job_.scene.serialize());
   WatchedJob watched{.title = job_.title,
                      .integrator = job_.integrator,
-                     .film_width = job_.scene.header.film_width,
-                     .film_height = job_.scene.header.film_height,
+                     .film_width = job_.scene.header.film.width,
+                     .film_height = job_.scene.header.film.height,
                      .x = job_.x,
                      .y = job_.y,
                      .width = job_.width,

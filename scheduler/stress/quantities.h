@@ -322,15 +322,15 @@ STAGE void sphere_quantity(GLOBAL const double* in, GLOBAL double* out) {
 /// In: size of the film, half its extent at distance 1; pixel, offset. Out: direction.
 STAGE void camera_quantity(GLOBAL const double* in, GLOBAL double* out) {
   SceneHeader h;
-  h.film_width = (int)in[0];
-  h.film_height = (int)in[1];
-  h.camera_origin = make_vec3(0.0f, 0.0f, 0.0f);
-  h.camera_x = make_vec3(in_f(in, 2), 0.0f, 0.0f);
-  h.camera_y = make_vec3(0.0f, in_f(in, 3), 0.0f);
-  h.camera_z = make_vec3(0.0f, 0.0f, 1.0f);
-  h.near_clip = 0.01f;
-  h.far_clip = 1e4f;
-  const Ray ray = camera_ray(&h, (int)in[4], (int)in[5], in_f(in, 6), in_f(in, 7));
+  h.film.width = (int)in[0];
+  h.film.height = (int)in[1];
+  h.camera.origin = make_vec3(0.0f, 0.0f, 0.0f);
+  h.camera.x = make_vec3(in_f(in, 2), 0.0f, 0.0f);
+  h.camera.y = make_vec3(0.0f, in_f(in, 3), 0.0f);
+  h.camera.z = make_vec3(0.0f, 0.0f, 1.0f);
+  h.camera.near_clip = 0.01f;
+  h.camera.far_clip = 1e4f;
+  const Ray ray = camera_ray(h.camera, h.film, (int)in[4], (int)in[5], in_f(in, 6), in_f(in, 7));
   out_v(out, 0, ray.direction);
 }
 

@@ -52,8 +52,8 @@ void run_kernel_cases(std::span<const Case> cases, std::span<Backend> backends,
 Expected<FilmAccumulator> render(const DeviceScene& scene, const DeviceOptions& options) {
   Expected<std::unique_ptr<Device>> device = make_device(scene, options);
   if (!device) return std::unexpected(device.error());
-  const int width = scene.header.film_width, height = scene.header.film_height;
-  const std::uint32_t spp = scene.header.spp;
+  const int width = scene.header.film.width, height = scene.header.film.height;
+  const std::uint32_t spp = scene.header.sampler.spp;
   FilmAccumulator film = FilmAccumulator::of_features(0, 0, width, height, scene.header.features);
   for (std::uint32_t first = 0; first < spp;) {
     RenderUnit unit{.x = 0, .y = 0, .width = width, .height = height, .first_sample = first};

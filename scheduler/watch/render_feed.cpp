@@ -23,8 +23,8 @@ float standard_error(const PixelStatistics& pixel) {
 bool is_hybrid(const DeviceScene& scene) {
   const SceneHeader& h = scene.header;
   const std::uint32_t needed = FEATURE_POLYGONS | FEATURE_LAYERS;
-  if ((h.features & needed) != needed || h.integrator != INTEGRATOR_DIRECT ||
-      h.estimator != ESTIMATOR_ALPHA || h.emitter_samples == 0)
+  if ((h.features & needed) != needed || h.integrator.kind != INTEGRATOR_DIRECT ||
+      h.integrator.estimator != ESTIMATOR_ALPHA || h.integrator.emitter_samples == 0)
     return false;
   int parts = 0;
   for (int i = 0; i < h.polygon_count; ++i) {

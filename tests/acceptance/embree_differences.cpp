@@ -145,31 +145,33 @@ class Comparison {
   int width = 1;      ///< of the film
 
  private:
-  static void intersect(const void* self_, float* f, int* ints, int capacity, int count) {
+  static void intersect(const void* self_, const PathState* paths, int count) {
     const auto& self = *static_cast<const Comparison*>(self_);
-    self.embree_.intersect(self.embree_.context, f, ints, capacity, count);
-    self.compare(f, ints, capacity, count, RAY_ORIGIN_X, RAY_DIRECTION_X, RAY_TMAX, RAY_SKIP, false);
+    self.embree_.intersect(self.embree_.context, paths, count);
+    self.compare(paths, count, false);
   }
-  static void occlude(const void* self_, float* f, int* ints, int capacity, int count) {
+  static void occlude(const void* self_, const PathState* paths, int count) {
     const auto& self = *static_cast<const Comparison*>(self_);
-    self.embree_.occlude(self.embree_.context, f, ints, capacity, count);
-    self.compare(f, ints, capacity, count, SHADOW_ORIGIN_X, SHADOW_DIRECTION_X, SHADOW_TMAX, SHADOW_SKIP,
-                 true);
+    self.embree_.occlude(self.embree_.context, paths, count);
+    self.compare(paths, count, true);
   }
 
-  void compare(const float* f, const int* ints, int capacity, int count, int origin, int direction, int tmax,
-               int skip, bool any) const {
+  /// With `any` of the shadow rays, of which it is known only whether they are blocked.
+  void compare(const PathState* paths, int count, bool any) const {
     for (int i = 0; i < count; ++i) {
-      const Ray3 ray{LOAD3(f, capacity, origin, i), LOAD3(f, capacity, direction, i), f[tmax * capacity + i],
-                     ints[skip * capacity + i]};
+      const Ray3 ray = any ? Ray3{get_shadow_origin(paths, i), get_shadow_direction(paths, i),
+                                  get_shadow_tmax(paths, i), get_shadow_skip(paths, i)}
+                           : Ray3{get_ray_origin(paths, i), get_ray_direction(paths, i),
+                                  get_ray_tmax(paths, i), get_ray_skip(paths, i)};
       if (!(ray.tmax > 0)) continue;
       ++out_.rays;
-      const int theirs = ints[HIT * capacity + i], ours = portable_.nearest(ray);
+      const int blocked = get_shadow_transmittance(paths, i) > 0 ? -1 : 0;
+      const int theirs = any ? blocked : get_hit(paths, i), ours = portable_.nearest(ray);
       if (any ? (theirs >= 0) == (ours >= 0) : theirs == ours) continue;
       const DifferenceCause cause = any ? why_blocked(ray) : why(ray, theirs, ours);
       if (out_.by_cause[std::size_t(cause)]++ == 0)
         out_.examples.push_back(example(ray, cause, theirs, ours, any));
-      const int pixel = block.first_pixel + ints[SLOT * capacity + i] % block.row;
+      const int pixel = block.first_pixel + get_slot(paths, i) % block.row;
       out_.pixels.emplace(pixel % width, pixel / width);
     }
   }
@@ -253,12 +255,12 @@ EmbreeDifferences find_embree_differences(const DeviceScene& scene, Isa isa) {
   const SceneHeader& h = scene.header;
   EmbreeDifferences differences;
   Comparison comparison(scene, (*embree)->tracer(), differences);
-  comparison.width = h.film_width;
+  comparison.width = h.film.width;
   constexpr int kPaths = 4096;
   render_native_blocks(
       *kernel, scene,
-      {.width = h.film_width, .height = h.film_height, .first_sample = 0, .sample_count = h.spp}, kPaths,
-      comparison.tracer(), [&](const NativeBlock& block) { comparison.block = block; });
+      {.width = h.film.width, .height = h.film.height, .first_sample = 0, .sample_count = h.sampler.spp},
+      kPaths, comparison.tracer(), [&](const NativeBlock& block) { comparison.block = block; });
   return differences;
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 /// All pixels of the film in one unit.
 RenderUnit whole_film(const SceneHeader& h) {
-  return {.width = h.film_width, .height = h.film_height, .first_sample = 0, .sample_count = h.spp};
+  return {.width = h.film.width, .height = h.film.height, .first_sample = 0, .sample_count = h.sampler.spp};
 }
 
 /// To the bit: a comparison of floats would take -0 for 0.

@@ -117,11 +117,11 @@ FilmAccumulator render_with_opencl(const DeviceScene& scene) {
   if (!device) throw std::runtime_error(device.error().message);
   const SceneHeader& h = scene.header;
   auto result = (*device)->render(
-      {.width = h.film_width, .height = h.film_height, .first_sample = 0, .sample_count = h.spp});
+      {.width = h.film.width, .height = h.film.height, .first_sample = 0, .sample_count = h.sampler.spp});
   if (!result) throw std::runtime_error(result.error().message);
   result->planes = plane_count(h.features);
   result->values.resize(std::size_t(result->planes) * result->pixels());
-  FilmAccumulator film = FilmAccumulator::of_features(0, 0, h.film_width, h.film_height, h.features);
+  FilmAccumulator film = FilmAccumulator::of_features(0, 0, h.film.width, h.film.height, h.features);
   film.add(0, 0, *result);
   return film;
 }

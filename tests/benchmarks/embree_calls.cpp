@@ -7,16 +7,16 @@
 namespace penumbra {
 namespace {
 
-RTCRay load_ray(const float* f, int capacity, int i, int origin, int direction, int tmax) {
+RTCRay load_ray(const vec3& origin, const vec3& direction, float tmax) {
   RTCRay ray;
-  ray.org_x = f[origin * capacity + i];
-  ray.org_y = f[(origin + 1) * capacity + i];
-  ray.org_z = f[(origin + 2) * capacity + i];
-  ray.dir_x = f[direction * capacity + i];
-  ray.dir_y = f[(direction + 1) * capacity + i];
-  ray.dir_z = f[(direction + 2) * capacity + i];
+  ray.org_x = origin.x;
+  ray.org_y = origin.y;
+  ray.org_z = origin.z;
+  ray.dir_x = direction.x;
+  ray.dir_y = direction.y;
+  ray.dir_z = direction.z;
   ray.tnear = 0;
-  ray.tfar = f[tmax * capacity + i];
+  ray.tfar = tmax;
   ray.time = 0;
   ray.mask = ~0u;
   ray.id = 0;
@@ -24,44 +24,46 @@ RTCRay load_ray(const float* f, int capacity, int i, int origin, int direction, 
   return ray;
 }
 
-void intersect_single(const void* scene_, float* f, int* ints, int capacity, int count) {
+void intersect_single(const void* scene_, const PathState* paths, int count) {
   auto* scene = static_cast<RTCSceneTy*>(const_cast<void*>(scene_));
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   for (int i = 0; i < count; ++i) {
     alignas(16) RTCRayHit r;
-    r.ray = load_ray(f, capacity, i, RAY_ORIGIN_X, RAY_DIRECTION_X, RAY_TMAX);
+    r.ray = load_ray(get_ray_origin(paths, i), get_ray_direction(paths, i), get_ray_tmax(paths, i));
     r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     if (r.ray.tfar > 0) rtcIntersect1(scene, &context, &r);
-    ints[HIT * capacity + i] = r.hit.geomID == RTC_INVALID_GEOMETRY_ID ? -1 : int(r.hit.primID);
+    set_hit(paths, i, r.hit.geomID == RTC_INVALID_GEOMETRY_ID ? -1 : int(r.hit.primID));
   }
 }
 
-void occlude_single(const void* scene_, float* f, int* ints, int capacity, int count) {
+void occlude_single(const void* scene_, const PathState* paths, int count) {
   auto* scene = static_cast<RTCSceneTy*>(const_cast<void*>(scene_));
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   for (int i = 0; i < count; ++i) {
-    alignas(16) RTCRay ray = load_ray(f, capacity, i, SHADOW_ORIGIN_X, SHADOW_DIRECTION_X, SHADOW_TMAX);
+    alignas(16) RTCRay ray =
+        load_ray(get_shadow_origin(paths, i), get_shadow_direction(paths, i), get_shadow_tmax(paths, i));
     const bool wanted = ray.tfar > 0;
     if (wanted) rtcOccluded1(scene, &context, &ray);
-    ints[HIT * capacity + i] = wanted && ray.tfar < 0 ? 0 : -1;
+    set_shadow_transmittance(paths, i, wanted && ray.tfar < 0 ? 0.0f : 1.0f);
   }
 }
 
-RTCRayNp stream_rays(float* f, int capacity, int count, int origin, int direction, int tmax) {
+/// The arrays of a block's rays; a vec3's coordinates are `capacity` apart.
+RTCRayNp stream_rays(int capacity, int count, float* origin, float* direction, const float* tmax) {
   static thread_local std::vector<float> zeros, ends;
   static thread_local std::vector<unsigned> ones;
   zeros.assign(std::size_t(count), 0.0f);
   ones.assign(std::size_t(count), ~0u);
-  ends.assign(f + tmax * capacity, f + tmax * capacity + count);
+  ends.assign(tmax, tmax + count);
   RTCRayNp rays;
-  rays.org_x = f + origin * capacity;
-  rays.org_y = f + (origin + 1) * capacity;
-  rays.org_z = f + (origin + 2) * capacity;
-  rays.dir_x = f + direction * capacity;
-  rays.dir_y = f + (direction + 1) * capacity;
-  rays.dir_z = f + (direction + 2) * capacity;
+  rays.org_x = origin;
+  rays.org_y = origin + capacity;
+  rays.org_z = origin + 2 * capacity;
+  rays.dir_x = direction;
+  rays.dir_y = direction + capacity;
+  rays.dir_z = direction + 2 * capacity;
   rays.tnear = zeros.data();
   rays.time = zeros.data();
   rays.tfar = ends.data();
@@ -71,12 +73,12 @@ RTCRayNp stream_rays(float* f, int capacity, int count, int origin, int directio
   return rays;
 }
 
-void intersect_stream(const void* scene_, float* f, int* ints, int capacity, int count) {
+void intersect_stream(const void* scene_, const PathState* paths, int count) {
   auto* scene = static_cast<RTCSceneTy*>(const_cast<void*>(scene_));
   static thread_local std::vector<float> numbers;
   static thread_local std::vector<unsigned> geometry, primitive, instance;
   RTCRayHitNp r;
-  r.ray = stream_rays(f, capacity, count, RAY_ORIGIN_X, RAY_DIRECTION_X, RAY_TMAX);
+  r.ray = stream_rays(paths->capacity, count, paths->ray_origin, paths->ray_direction, paths->ray_tmax);
   numbers.resize(std::size_t(count) * 5);
   geometry.assign(std::size_t(count), RTC_INVALID_GEOMETRY_ID);
   primitive.resize(std::size_t(count));
@@ -92,20 +94,20 @@ void intersect_stream(const void* scene_, float* f, int* ints, int capacity, int
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcIntersectNp(scene, &context, &r, unsigned(count));
-  for (int i = 0; i < count; ++i) {
-    ints[HIT * capacity + i] =
-        geometry[std::size_t(i)] == RTC_INVALID_GEOMETRY_ID ? -1 : int(primitive[std::size_t(i)]);
-  }
+  for (int i = 0; i < count; ++i)
+    set_hit(paths, i,
+            geometry[std::size_t(i)] == RTC_INVALID_GEOMETRY_ID ? -1 : int(primitive[std::size_t(i)]));
 }
 
-void occlude_stream(const void* scene_, float* f, int* ints, int capacity, int count) {
+void occlude_stream(const void* scene_, const PathState* paths, int count) {
   auto* scene = static_cast<RTCSceneTy*>(const_cast<void*>(scene_));
-  RTCRayNp rays = stream_rays(f, capacity, count, SHADOW_ORIGIN_X, SHADOW_DIRECTION_X, SHADOW_TMAX);
+  RTCRayNp rays =
+      stream_rays(paths->capacity, count, paths->shadow_origin, paths->shadow_direction, paths->shadow_tmax);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcOccludedNp(scene, &context, &rays, unsigned(count));
   for (int i = 0; i < count; ++i)
-    ints[HIT * capacity + i] = f[SHADOW_TMAX * capacity + i] > 0 && rays.tfar[i] < 0 ? 0 : -1;
+    set_shadow_transmittance(paths, i, get_shadow_tmax(paths, i) > 0 && rays.tfar[i] < 0 ? 0.0f : 1.0f);
 }
 
 }  // namespace

@@ -5,10 +5,10 @@
 
 namespace penumbra {
 
-void STAGE_FUNCTION(const SceneHeader& header, const uint* words, bool occlude, float* f, int* ints,
-                    int capacity, int count) {
+void STAGE_FUNCTION(const SceneHeader& header, const uint* words, bool occlude, const PathState* paths,
+                    int count) {
   const Scene scene = make_scene(header, words);
-  (occlude ? occlude_block : intersect_block)(&scene, f, ints, capacity, count);
+  (occlude ? occlude_block : intersect_block)(&scene, paths, count);
 }
 
 }  // namespace penumbra

@@ -6,9 +6,9 @@
 
 namespace penumbra {
 
-/// Fills HIT of `count` lanes for their rays or, with `occlude`, their shadow rays.
-using PortableStage = void(const SceneHeader& header, const uint* words, bool occlude, float* f, int* ints,
-                           int capacity, int count);
+/// Traces the rays of `count` lanes or, with `occlude`, their shadow rays.
+using PortableStage = void(const SceneHeader& header, const uint* words, bool occlude, const PathState* paths,
+                           int count);
 
 PortableStage portable_stage_avx2_core, portable_stage_avx2_core_bvh, portable_stage_avx512_core,
     portable_stage_avx512_core_bvh;

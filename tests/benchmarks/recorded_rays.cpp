@@ -14,40 +14,46 @@ constexpr int kPaths = 4096, kLanes = 16;
 
 struct Recorder {
   Tracer inner;
+  std::uint32_t features;
   RecordedRays* out;
   mutable RayKind next = RayKind::kCamera;  ///< of the next intersect stage
 
-  void keep(RayKind kind, const float* f, const int* ints, int capacity, int count) const {
-    RecordedStage stage;
-    stage.kind = kind;
-    stage.count = count;
-    stage.capacity = (count + kLanes - 1) / kLanes * kLanes;
-    for (int k = 0; k < STATE_FLOATS; ++k)
-      stage.floats.insert(stage.floats.end(), f + k * capacity, f + k * capacity + stage.capacity);
-    for (int k = 0; k < STATE_INTS; ++k)
-      stage.ints.insert(stage.ints.end(), ints + k * capacity, ints + k * capacity + stage.capacity);
+  void keep(RayKind kind, const PathState* paths, int count) const {
+    const int capacity = (count + kLanes - 1) / kLanes * kLanes;
+    RecordedStage stage{kind, count, BlockMemory(features, capacity, 0)};
+    const PathState kept = stage.paths();
+    for (int i = 0; i < capacity; ++i) {
+#define KEEP_FIELD(type, name, needs, travels) \
+  if ((features & (needs)) != 0u) set_##name(&kept, i, get_##name(paths, i));
+      PATH_FIELDS(KEEP_FIELD)
+#undef KEEP_FIELD
+    }
     out->rays += count_rays(stage);
     out->stages.push_back(std::move(stage));
   }
-  static void intersect(const void* self_, float* f, int* ints, int capacity, int count) {
+  static void intersect(const void* self_, const PathState* paths, int count) {
     const auto& self = *static_cast<const Recorder*>(self_);
-    self.keep(self.next, f, ints, capacity, count);
+    self.keep(self.next, paths, count);
     self.next = RayKind::kBounce;
-    self.inner.intersect(self.inner.context, f, ints, capacity, count);
+    self.inner.intersect(self.inner.context, paths, count);
   }
-  static void occlude(const void* self_, float* f, int* ints, int capacity, int count) {
+  static void occlude(const void* self_, const PathState* paths, int count) {
     const auto& self = *static_cast<const Recorder*>(self_);
-    self.keep(RayKind::kShadow, f, ints, capacity, count);
-    self.inner.occlude(self.inner.context, f, ints, capacity, count);
+    self.keep(RayKind::kShadow, paths, count);
+    self.inner.occlude(self.inner.context, paths, count);
   }
 };
 
 }  // namespace
 
-std::size_t count_rays(const RecordedStage& stage) {
-  const int field = stage.kind == RayKind::kShadow ? SHADOW_TMAX : RAY_TMAX;
-  const float* tmax = stage.floats.data() + field * stage.capacity;
-  return std::size_t(std::count_if(tmax, tmax + stage.count, [](float t) { return t > 0; }));
+std::size_t count_rays(RecordedStage& stage) {
+  const PathState paths = stage.paths();
+  std::size_t rays = 0;
+  for (int i = 0; i < stage.count; ++i) {
+    const bool shadow = stage.kind == RayKind::kShadow;
+    rays += (shadow ? get_shadow_tmax(&paths, i) : get_ray_tmax(&paths, i)) > 0 ? 1 : 0;
+  }
+  return rays;
 }
 
 RecordedRays record_rays(const DeviceScene& embree_scene, const RenderUnit& unit, Isa isa) {
@@ -57,7 +63,7 @@ RecordedRays record_rays(const DeviceScene& embree_scene, const RenderUnit& unit
   if (!tracer) throw std::runtime_error(tracer.error().message);
   const NativeKernel* kernel = find_native_kernel(kernel_target(isa), embree_scene.header.features);
   RecordedRays recorded;
-  const Recorder recorder{(*tracer)->tracer(), &recorded};
+  const Recorder recorder{(*tracer)->tracer(), embree_scene.header.features, &recorded};
   render_native_blocks(*kernel, embree_scene, unit, kPaths,
                        {&recorder, &Recorder::intersect, &Recorder::occlude},
                        [&](const NativeBlock&) { recorder.next = RayKind::kCamera; });

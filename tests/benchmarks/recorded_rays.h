@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "kernels/host/block_memory.h"
 #include "kernels/host/device_scene.h"
 #include "kernels/host/native_kernels.h"
 #include "worker/device.h"
@@ -11,13 +12,13 @@ namespace penumbra {
 
 enum class RayKind { kCamera, kBounce, kShadow };
 
-/// One call of an intersect or occlude stage: the block's arrays as the stage saw them.
+/// One call of an intersect or occlude stage: the block's paths as the stage saw them.
 struct RecordedStage {
   RayKind kind = RayKind::kCamera;
   int count = 0;
-  int capacity = 0;           ///< `count` rounded up to whole lanes
-  std::vector<float> floats;  ///< STATE_FLOATS arrays of `capacity`
-  std::vector<int> ints;      ///< STATE_INTS arrays, likewise
+  BlockMemory memory;  ///< of `count` rounded up to whole lanes
+
+  [[nodiscard]] PathState paths() { return memory.block().paths; }
 };
 
 struct RecordedRays {
@@ -29,6 +30,6 @@ struct RecordedRays {
 RecordedRays record_rays(const DeviceScene& embree_scene, const RenderUnit& unit, Isa isa);
 
 /// Rays of the stage with a positive length.
-std::size_t count_rays(const RecordedStage& stage);
+std::size_t count_rays(RecordedStage& stage);
 
 }  // namespace penumbra

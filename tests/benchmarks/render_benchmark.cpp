@@ -53,9 +53,11 @@ void bare_embree(benchmark::State& state, const BenchmarkScene& scene, Isa isa) 
   const Tracer tracer = (*made)->tracer();
   auto stages = scene.rays.stages;
   for (auto _ : state)
-    for (RecordedStage& stage : stages)
-      (stage.kind == RayKind::kShadow ? tracer.occlude : tracer.intersect)(
-          tracer.context, stage.floats.data(), stage.ints.data(), stage.capacity, stage.count);
+    for (RecordedStage& stage : stages) {
+      const PathState paths = stage.paths();
+      const bool shadow = stage.kind == RayKind::kShadow;
+      (shadow ? tracer.occlude : tracer.intersect)(tracer.context, &paths, stage.count);
+    }
   report(state, scene, scene.rays.rays);
 }
 

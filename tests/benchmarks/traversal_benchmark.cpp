@@ -31,10 +31,7 @@ void time_rays(benchmark::State& state, const TraversalScene& scene, RayKind kin
   std::vector<RecordedStage> wanted;
   std::size_t rays = 0;
   for (const RecordedStage& recorded : scene.rays.stages)
-    if (recorded.kind == kind) {
-      wanted.push_back(recorded);
-      rays += count_rays(recorded);
-    }
+    if (recorded.kind == kind) rays += count_rays(wanted.emplace_back(recorded));
   for (auto _ : state)
     for (RecordedStage& recorded : wanted) stage(recorded);
   state.counters["rays/s"] = benchmark::Counter(double(rays), benchmark::Counter::kIsIterationInvariantRate);
@@ -43,8 +40,8 @@ void time_rays(benchmark::State& state, const TraversalScene& scene, RayKind kin
 void add_embree(const std::string& name, std::shared_ptr<TraversalScene> scene, RayKind kind, Tracer tracer) {
   benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
     time_rays(state, *scene, kind, [&](RecordedStage& stage) {
-      (kind == RayKind::kShadow ? tracer.occlude : tracer.intersect)(
-          tracer.context, stage.floats.data(), stage.ints.data(), stage.capacity, stage.count);
+      const PathState paths = stage.paths();
+      (kind == RayKind::kShadow ? tracer.occlude : tracer.intersect)(tracer.context, &paths, stage.count);
     });
   });
 }
@@ -53,8 +50,9 @@ void add_portable(const std::string& name, std::shared_ptr<TraversalScene> scene
                   PortableStage* stage) {
   benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
     time_rays(state, *scene, kind, [&](RecordedStage& recorded) {
-      stage(scene->portable.header, scene->portable.words.data(), kind == RayKind::kShadow,
-            recorded.floats.data(), recorded.ints.data(), recorded.capacity, recorded.count);
+      const PathState paths = recorded.paths();
+      stage(scene->portable.header, scene->portable.words.data(), kind == RayKind::kShadow, &paths,
+            recorded.count);
     });
   });
 }

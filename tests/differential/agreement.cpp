@@ -61,7 +61,7 @@ std::vector<Image> our_batches(const SceneText& scene, const fs::path& folder, i
   DeviceScene device_scene = build_or_throw(description, scene.embree);
   std::vector<Image> batches;
   for (int batch = 0; batch < kBatches; ++batch) {
-    device_scene.header.seed = seed + std::uint32_t(batch);
+    device_scene.header.sampler.seed = seed + std::uint32_t(batch);
     batches.push_back(cropped(mean_image(render_or_throw(device_scene)), description.film));
   }
   return batches;

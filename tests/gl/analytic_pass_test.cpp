@@ -144,7 +144,7 @@ Difference largest_difference(const statistics::Image& ours, const statistics::I
 void expect_as_the_kernels(AnalyticPass& pass, const SceneDescription& description,
                            const DeviceScene& scene) {
   const Offline offline = offline_image(scene);
-  ASSERT_TRUE(pass.begin(scene.header, scene.header.film_width, scene.header.film_height));
+  ASSERT_TRUE(pass.begin(scene.header, scene.header.film.width, scene.header.film.height));
   pass.add_frame();
   const std::vector<char> inside = pixels_off_silhouettes(scene);
   const Difference form = largest_difference(read_texture(pass.closed_form()), offline.closed_form, inside,

@@ -52,16 +52,16 @@ class Random {
 SceneHeader header_of(const dvec3& eye, const dvec3& at, const dvec3& up, double tan_x, double tan_y,
                       bool mirrored = false) {
   SceneHeader h{};
-  h.film_width = 101;
-  h.film_height = 51;
-  h.far_clip = 1e30f;
+  h.film.width = 101;
+  h.film.height = 51;
+  h.camera.far_clip = 1e30f;
   const dvec3 z = glm::normalize(at - eye);
   const dvec3 x = glm::normalize(glm::cross(up, z));
   const dvec3 y = glm::cross(z, x);
-  h.camera_origin = narrow(eye);
-  h.camera_x = narrow((mirrored ? -tan_x : tan_x) * x);
-  h.camera_y = narrow(tan_y * y);
-  h.camera_z = narrow(z);
+  h.camera.origin = narrow(eye);
+  h.camera.x = narrow((mirrored ? -tan_x : tan_x) * x);
+  h.camera.y = narrow(tan_y * y);
+  h.camera.z = narrow(z);
   return h;
 }
 
@@ -115,7 +115,7 @@ TEST(CameraControl, TenThousandActionsLeaveTheFilmAsItWas) {
       EXPECT_LE(std::abs(elevation_of(pose)), 89.9 * kDegree + 1e-9);
       SceneHeader h = original;
       set_camera(pose, h);
-      const dvec3 x = wide(h.camera_x), y = wide(h.camera_y), z = wide(h.camera_z);
+      const dvec3 x = wide(h.camera.x), y = wide(h.camera.y), z = wide(h.camera.z);
       EXPECT_NEAR(glm::length(x), 0.7, 0.7 * 2 * kFilmTolerance);  // rounded in the original and here
       EXPECT_NEAR(glm::length(y), 0.35, 0.35 * 2 * kFilmTolerance);
       EXPECT_NEAR(glm::length(z), 1, kFilmTolerance);
@@ -123,7 +123,7 @@ TEST(CameraControl, TenThousandActionsLeaveTheFilmAsItWas) {
       EXPECT_NEAR(glm::dot(y, z), 0, 0.35 * 2 * kFilmTolerance);
       EXPECT_NEAR(glm::dot(z, x), 0, 0.7 * 2 * kFilmTolerance);
       EXPECT_EQ(film_is_mirrored(h), mirrored);
-      expect_near(wide(h.camera_origin), pose.eye, glm::length(pose.eye) * kFilmTolerance, "eye");
+      expect_near(wide(h.camera.origin), pose.eye, glm::length(pose.eye) * kFilmTolerance, "eye");
     }
   }
 }
@@ -137,7 +137,7 @@ TEST(CameraControl, WhatIsSetIsWhatIsSeen) {
     const CameraPose pose{eye, at, random.direction()};
     const ViewFrame frame = view_frame(pose);
     set_camera(pose, h);
-    const auto direction = [&](int x, int y) { return wide(camera_ray(&h, x, y, 0, 0).direction); };
+    const auto direction = [&](int x, int y) { return wide(camera_ray(h.camera, h.film, x, y, 0, 0).direction); };
     // The middle of the film shows the target; its right edge what is to the right.
     expect_near(direction(50, 25), glm::normalize(at - eye), 8 * kFloatUnit, "middle");
     const double side = glm::dot(direction(100, 25), frame.right);
@@ -154,25 +154,25 @@ TEST(CameraControl, AHeadersPoseGivesTheHeaderBack) {
     const dvec3 axis = i % 3 == 0 ? dvec3(0, 1, 0) : i % 3 == 1 ? dvec3(0, 0, 1) : random.direction();
     SceneHeader h = header_of(eye, eye + random.direction(), axis, random.between(0.01, 10),
                               random.between(0.01, 10), i % 2 == 1);
-    if (i % 7 == 0) h.camera_x = add_scaled(h.camera_x, 0.1f, h.camera_y);  // a sheared film
+    if (i % 7 == 0) h.camera.x = add_scaled(h.camera.x, 0.1f, h.camera.y);  // a sheared film
     SceneHeader again = h;
     set_camera(pose_of(h, scale * random.between(0.1, 3)), again);
-    EXPECT_EQ(std::memcmp(&h.camera_origin, &again.camera_origin, sizeof(vec3)), 0);
+    EXPECT_EQ(std::memcmp(&h.camera.origin, &again.camera.origin, sizeof(vec3)), 0);
     // The new axes are rounded to single precision, as the old ones are, which alone leaves them a unit or
     // two short of unit length.
-    expect_near(wide(again.camera_x), wide(h.camera_x), length3(h.camera_x) * kFilmTolerance, "x");
-    expect_near(wide(again.camera_y), wide(h.camera_y), length3(h.camera_y) * kFilmTolerance, "y");
-    expect_near(wide(again.camera_z), wide(h.camera_z), kFilmTolerance, "z");
+    expect_near(wide(again.camera.x), wide(h.camera.x), length3(h.camera.x) * kFilmTolerance, "x");
+    expect_near(wide(again.camera.y), wide(h.camera.y), length3(h.camera.y) * kFilmTolerance, "y");
+    expect_near(wide(again.camera.z), wide(h.camera.z), kFilmTolerance, "z");
   }
 }
 
 TEST(CameraControl, NothingButTheCameraChanges) {
   SceneHeader h = header_of({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 0.5, 0.25), expected = h;
   set_camera({{1, 2, 3}, {0, 0, 0}, {0, 1, 0}}, h);
-  expected.camera_origin = h.camera_origin;
-  expected.camera_x = h.camera_x;
-  expected.camera_y = h.camera_y;
-  expected.camera_z = h.camera_z;
+  expected.camera.origin = h.camera.origin;
+  expected.camera.x = h.camera.x;
+  expected.camera.y = h.camera.y;
+  expected.camera.z = h.camera.z;
   EXPECT_EQ(std::memcmp(&h, &expected, sizeof h), 0);
 }
 
@@ -200,7 +200,7 @@ TEST(CameraControl, AFilmThatIsNearlyUprightCountsAsUprightAndATiltedOneDoesNot)
   EXPECT_LT(slightly, 0.5);
   const SceneHeader tilted =
       header_of({0, 0, 5}, {0, -2, 0}, {std::sin(20 * kDegree), std::cos(20 * kDegree), 0}, 1, 1);
-  expect_near(pose_of(tilted, 5).up, glm::normalize(wide(tilted.camera_y)), kFilmTolerance,
+  expect_near(pose_of(tilted, 5).up, glm::normalize(wide(tilted.camera.y)), kFilmTolerance,
               "the film's axis");
 }
 
@@ -402,7 +402,7 @@ TEST(DefaultDistance, TheExtentWhereThereIsNothingToSee) {
 TEST(DefaultDistance, NotBeforeTheNearPlaneAndNotNothing) {
   DeviceScene scene = SceneOf{}.triangle(8, 1).triangle(0, 1).scene();
   EXPECT_NEAR(default_distance(scene), 2, 1e-6);
-  scene.header.near_clip = 3;
+  scene.header.camera.near_clip = 3;
   EXPECT_NEAR(default_distance(scene), 10, 1e-6);
   // A camera that all but touches what it sees turns about something that is not in its own eye.
   SceneOf touching;

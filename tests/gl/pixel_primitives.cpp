@@ -13,11 +13,11 @@ namespace penumbra {
 std::vector<int> pixel_primitives(const DeviceScene& device_scene) {
   const Scene scene = make_scene(device_scene.header, device_scene.words.data());
   const SceneHeader& h = scene.header;
-  const bool look_through = h.hide_emitters == HIDE_LOOK_THROUGH;
+  const bool look_through = h.integrator.hide_emitters == HIDE_LOOK_THROUGH;
   std::vector<int> primitives;
-  for (int y = 0; y < h.film_height; ++y)
-    for (int x = 0; x < h.film_width; ++x) {
-      const Ray ray = camera_ray(&h, x, y, 0, 0);
+  for (int y = 0; y < h.film.height; ++y)
+    for (int x = 0; x < h.film.width; ++x) {
+      const Ray ray = camera_ray(h.camera, h.film, x, y, 0, 0);
       const Shear shear = make_shear(ray.direction);
       float nearest = ray.tmax;
       int seen = -1;
@@ -45,7 +45,7 @@ std::vector<int> pixel_primitives(const DeviceScene& device_scene) {
 
 std::vector<char> pixels_off_silhouettes(const DeviceScene& scene) {
   const std::vector<int> primitives = pixel_primitives(scene);
-  const int width = scene.header.film_width, height = scene.header.film_height;
+  const int width = scene.header.film.width, height = scene.header.film.height;
   std::vector<char> inside;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {

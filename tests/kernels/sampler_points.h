@@ -6,6 +6,7 @@
 #include <ostream>
 #include <string>
 
+#include "kernels/host/block_memory.h"
 #include "tests/kernels/kernels_under_test.h"
 
 namespace penumbra {
@@ -21,13 +22,14 @@ struct Point2 {
 
 /// By sample_pair, as the integrators do; all lanes ask for the same address.
 inline Point2 draw(int sampler, const SampleAddress& at) {
-  static int ints[STATE_INTS * LANES];
+  static BlockMemory memory(FEATURE_ALL, LANES, 0);
+  const PathState paths = memory.block().paths;
   for (int j = 0; j < LANES; ++j) {
-    ints[PIXEL_HASH * LANES + j] = int(pixel_sequence(sampler, at.seed, at.x, at.y));
-    ints[SAMPLE_INDEX * LANES + j] = int(at.index);
+    set_pixel_hash(&paths, j, int(pixel_sequence(sampler, at.seed, at.x, at.y)));
+    set_sample_index(&paths, j, int(at.index));
   }
   float u[LANES], v[LANES];
-  sample_pair(sampler, at.spp, one_point(at.pair), ints, LANES, 0, u, v);
+  sample_pair(sampler, at.spp, one_point(at.pair), &paths, 0, u, v);
   return {u[0], v[0]};
 }
 

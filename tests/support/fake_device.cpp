@@ -49,7 +49,7 @@ class FakeDevice final : public Device {
   FakeDevice(const DeviceScene& scene, FakeBehaviour behaviour)
       : scene_(scene),
         behaviour_(std::move(behaviour)),
-        shift_(scene.header.camera_origin.x),
+        shift_(scene.header.camera.origin.x),
         planes_(plane_count(scene.header.features)),
         hangs_(claim(behaviour_.hang_claim)),
         lies_(claim(behaviour_.lie_claim)),
@@ -78,7 +78,7 @@ class FakeDevice final : public Device {
   }
 
   Expected<void> take_view() override {
-    shift_ = scene_.header.camera_origin.x;
+    shift_ = scene_.header.camera.origin.x;
     return {};
   }
 
@@ -95,13 +95,13 @@ class FakeDevice final : public Device {
 
 DeviceScene fake_scene(int film_width, int film_height, bool features) {
   DeviceScene scene;
-  scene.header.integrator = INTEGRATOR_PATH;
-  scene.header.sampler = SAMPLER_SOBOL;
+  scene.header.integrator.kind = INTEGRATOR_PATH;
+  scene.header.sampler.kind = SAMPLER_SOBOL;
   scene.header.features = FEATURE_PATH | (features ? FEATURE_LAYERS : 0);
   scene.header.intersector = INTERSECTOR_EMBREE;  // needs no search structure in the data
-  scene.header.film_width = film_width;
-  scene.header.film_height = film_height;
-  scene.header.spp = 1;
+  scene.header.film.width = film_width;
+  scene.header.film.height = film_height;
+  scene.header.sampler.spp = 1;
   scene.header.environment = -1;
   scene.header.material_count = 1;
   scene.words.resize(1024);  // one record of every table, all zero

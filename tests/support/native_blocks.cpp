@@ -2,16 +2,16 @@
 
 #include <algorithm>
 
+#include "kernels/host/block_memory.h"
+
 namespace penumbra {
 
 std::vector<float> render_native_blocks(const NativeKernel& kernel, const DeviceScene& scene,
                                         const RenderUnit& unit, int paths, const Tracer& tracer,
                                         const std::function<void(const NativeBlock&)>& before) {
   const Unit portable{unit.x, unit.y, unit.width, unit.height, unit.first_sample, int(unit.sample_count)};
-  std::vector<float> floats(std::size_t(STATE_FLOATS) * std::size_t(paths)),
-      slots(std::size_t(SLOT_FLOAT_COUNT) * std::size_t(paths));
-  std::vector<int> ints(std::size_t(STATE_INTS) * std::size_t(paths));
-  const Block block{floats.data(), ints.data(), slots.data(), paths, paths, nullptr};
+  BlockMemory memory(scene.header.features, paths, paths);
+  const Block block = memory.block();
   const int pixels = unit.width * unit.height, row = slot_pixels(paths, portable.sample_count, kernel.lanes);
   std::vector<float> planes(std::size_t(plane_count(scene.header.features)) * std::size_t(pixels));
   BadSamples bad[BAD_KINDS] = {};

@@ -59,8 +59,8 @@ TestDevice opencl_device() {
 
 FilmAccumulator render_or_throw(const DeviceScene& scene, const TestDevice& test_device) {
   const auto device = value_or_throw(make_device(scene, test_device.options));
-  const int width = scene.header.film_width, height = scene.header.film_height;
-  const std::uint32_t spp = scene.header.spp, per_pass = std::min(spp, test_device.samples_per_pass);
+  const int width = scene.header.film.width, height = scene.header.film.height;
+  const std::uint32_t spp = scene.header.sampler.spp, per_pass = std::min(spp, test_device.samples_per_pass);
   FilmAccumulator film = FilmAccumulator::of_features(0, 0, width, height, scene.header.features);
   for (std::uint32_t first = 0; first < spp; first += per_pass) {
     const RenderUnit unit{.x = 0,

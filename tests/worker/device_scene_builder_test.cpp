@@ -99,9 +99,9 @@ TEST(Recentring, TheCentreOfTheShapesIsTheOrigin) {
     }
   EXPECT_EQ(low, -2);
   EXPECT_EQ(high, 2);
-  EXPECT_EQ(built.header.camera_origin.x, -11);
-  EXPECT_EQ(built.header.camera_origin.y, -22);
-  EXPECT_EQ(built.header.camera_origin.z, -30);
+  EXPECT_EQ(built.header.camera.origin.x, -11);
+  EXPECT_EQ(built.header.camera.origin.y, -22);
+  EXPECT_EQ(built.header.camera.origin.z, -30);
   EXPECT_EQ(built.header.dropped_triangles, 0);
 }
 
@@ -203,8 +203,8 @@ TEST(Camera, FieldOfViewAlongEveryAxis) {
       scene.camera.fov_axis = axis;
       const SceneHeader h = build(scene).header;
       // Half extents at distance 1: pixels are square, and the named one is tan(35 degrees).
-      const double x = std::sqrt(double(dot3(h.camera_x, h.camera_x))),
-                   y = std::sqrt(double(dot3(h.camera_y, h.camera_y)));
+      const double x = std::sqrt(double(dot3(h.camera.x, h.camera.x))),
+                   y = std::sqrt(double(dot3(h.camera.y, h.camera.y)));
       EXPECT_NEAR(x / y, double(width) / height, 1e-6);
       const bool wide = width > height;
       const double named = axis == FovAxis::kX          ? x
@@ -222,10 +222,10 @@ TEST(Camera, AScaleHasNoEffectOnDirections) {
   const SceneHeader plain = build(scene).header;
   for (int k = 0; k < 3; ++k) scene.camera.to_world[k] *= 7.0 + k;
   const SceneHeader scaled = build(scene).header;
-  EXPECT_NEAR(length3(sub(plain.camera_x, scaled.camera_x)), 0, 1e-6);
-  EXPECT_NEAR(length3(sub(plain.camera_y, scaled.camera_y)), 0, 1e-6);
-  EXPECT_NEAR(length3(sub(plain.camera_z, scaled.camera_z)), 0, 1e-6);
-  EXPECT_NEAR(length3(scaled.camera_z), 1, 1e-6);
+  EXPECT_NEAR(length3(sub(plain.camera.x, scaled.camera.x)), 0, 1e-6);
+  EXPECT_NEAR(length3(sub(plain.camera.y, scaled.camera.y)), 0, 1e-6);
+  EXPECT_NEAR(length3(sub(plain.camera.z, scaled.camera.z)), 0, 1e-6);
+  EXPECT_NEAR(length3(scaled.camera.z), 1, 1e-6);
 }
 
 /// With points on lights by area: what is best for a scene is emitter_sampling_test's.

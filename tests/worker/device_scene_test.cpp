@@ -71,8 +71,8 @@ constexpr std::size_t kPreamble = 16, kWordCountAt = 12, kWordsAt = kPreamble + 
 /// Renders a few pixels of whatever was accepted. Under the address sanitizer a read outside fails here.
 void render_accepted(const DeviceScene& scene) {
   // A path may rightly be asked to go on for as long as it likes.
-  if (scene.header.integrator == INTEGRATOR_PATH && scene.header.max_depth > 1000 &&
-      scene.header.rr_depth > 1000)
+  if (scene.header.integrator.kind == INTEGRATOR_PATH && scene.header.integrator.max_depth > 1000 &&
+      scene.header.integrator.rr_depth > 1000)
     return;
   DeviceOptions options;
   options.isa = best_isa();
@@ -168,18 +168,18 @@ TEST(DeviceSceneCheck, NamesWhatIsWrong) {
   };
   expect_refused(with_header([](SceneHeader& c) { c.features |= 0x80000000; }), "unknown feature bits");
   expect_refused(with_header([](SceneHeader& c) { c.intersector = 7; }), "unknown intersector");
-  expect_refused(with_header([](SceneHeader& c) { c.sampler = -1; }), "unknown sampler");
-  expect_refused(with_header([](SceneHeader& c) { c.filter = 3; }), "unknown filter");
-  expect_refused(with_header([](SceneHeader& c) { c.integrator = 2; }), "unknown integrator");
-  expect_refused(with_header([](SceneHeader& c) { c.integrator = INTEGRATOR_PATH; }),
+  expect_refused(with_header([](SceneHeader& c) { c.sampler.kind = -1; }), "unknown sampler");
+  expect_refused(with_header([](SceneHeader& c) { c.film.filter = 3; }), "unknown filter");
+  expect_refused(with_header([](SceneHeader& c) { c.integrator.kind = 2; }), "unknown integrator");
+  expect_refused(with_header([](SceneHeader& c) { c.integrator.kind = INTEGRATOR_PATH; }),
                  "an integrator without its feature bit");
-  expect_refused(with_header([](SceneHeader& c) { c.sampler = SAMPLER_HALTON; }),
+  expect_refused(with_header([](SceneHeader& c) { c.sampler.kind = SAMPLER_HALTON; }),
                  "a sampler without its feature bit");
-  expect_refused(with_header([](SceneHeader& c) { c.film_width = 0; }), "empty film");
-  expect_refused(with_header([](SceneHeader& c) { c.spp = 0; }), "no samples per pixel");
-  expect_refused(with_header([](SceneHeader& c) { c.bsdf_samples = -1; }),
+  expect_refused(with_header([](SceneHeader& c) { c.film.width = 0; }), "empty film");
+  expect_refused(with_header([](SceneHeader& c) { c.sampler.spp = 0; }), "no samples per pixel");
+  expect_refused(with_header([](SceneHeader& c) { c.integrator.bsdf_samples = -1; }),
                  "number of emitter or BSDF samples");
-  expect_refused(with_header([](SceneHeader& c) { c.emitter_samples = 1 << 30; }),
+  expect_refused(with_header([](SceneHeader& c) { c.integrator.emitter_samples = 1 << 30; }),
                  "number of emitter or BSDF samples");
   expect_refused(with_header([](SceneHeader& c) { c.triangles = 0xfffffff0; }), "triangles lie outside");
   expect_refused(with_header([](SceneHeader& c) { c.light_count = -1; }), "lights lie outside");
@@ -252,9 +252,9 @@ TEST(DeviceSceneCheck, CamerasThatAreNotNumbersRenderSomething) {
     DeviceScene scene = build_or_throw(named.make());
     for (float bad :
          {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 0.0f}) {
-      scene.header.camera_z = make_vec3(bad, bad, bad);
+      scene.header.camera.z = make_vec3(bad, bad, bad);
       render_accepted(scene);
-      scene.header.camera_origin = make_vec3(bad, 0, 0);
+      scene.header.camera.origin = make_vec3(bad, 0, 0);
       render_accepted(scene);
     }
   }

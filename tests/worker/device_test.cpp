@@ -14,6 +14,7 @@
 #include <tuple>
 #include <vector>
 
+#include "kernels/host/block_memory.h"
 #include "kernels/host/native_kernels.h"
 #include "kernels/host/view.h"
 #include "tests/support/render_scene.h"
@@ -51,7 +52,7 @@ DeviceOptions opencl_options(int threads = 1) {
 }
 
 RenderUnit whole_film(const DeviceScene& scene, std::uint32_t first_sample = 0, std::uint32_t samples = 8) {
-  return {0, 0, scene.header.film_width, scene.header.film_height, first_sample, samples};
+  return {0, 0, scene.header.film.width, scene.header.film.height, first_sample, samples};
 }
 
 bool same_bytes(const SampleBuffer& a, const SampleBuffer& b) {
@@ -103,7 +104,7 @@ TEST_P(Devices, GiveTheSamePixelsWhateverTheUnits) {
   EXPECT_EQ(whole.nan.count, 0u);
   EXPECT_EQ(whole.infinite.count, 0u);
   EXPECT_GT(*std::ranges::max_element(whole.plane(kMeanG)), 0);
-  const int width = s.header.film_width, height = s.header.film_height;
+  const int width = s.header.film.width, height = s.header.film.height;
   for (int tile : {7, 16})
     for (int y = 0; y < height; y += tile)
       for (int x = 0; x < width; x += tile) {
@@ -184,7 +185,7 @@ TEST_P(Devices, CountSamplesThatAreNotNumbers) {
     const DeviceScene s = build_or_throw(description);
     const auto device = device_or_throw(s, options());
     const std::uint64_t samples =
-        std::uint64_t(s.header.film_width) * std::uint64_t(s.header.film_height) * 8;
+        std::uint64_t(s.header.film.width) * std::uint64_t(s.header.film.height) * 8;
     for (int repeat = 0; repeat < 2; ++repeat) {  // counters start at 0 again
       const SampleBuffer buffer = render(*device, whole_film(s));
       EXPECT_EQ(buffer.nan.count, std::isnan(bad) ? samples : 0);
@@ -275,10 +276,8 @@ SampleBuffer render_by(const NativeKernel& kernel, const DeviceScene& scene, int
   buffer.sample_count = unit.sample_count;
   buffer.values.resize(std::size_t(buffer.planes) * buffer.pixels());
   const int pixels = int(buffer.pixels()), slots = pixels * int(unit.sample_count) + kernel.lanes - 1;
-  std::vector<float> floats(std::size_t(STATE_FLOATS * capacity)),
-      slot_floats(std::size_t(SLOT_FLOAT_COUNT * slots));
-  std::vector<int> ints(std::size_t(STATE_INTS * capacity));
-  const Block block{floats.data(), ints.data(), slot_floats.data(), capacity, slots, nullptr};
+  BlockMemory memory(scene.header.features, capacity, slots);
+  const Block block = memory.block();
   BadSamples bad[BAD_KINDS] = {};
   kernel.render_block(scene.header, scene.words.data(), Tracer{}, {0, 0, unit.width, unit.height, 0, 4}, 0,
                       pixels, block, buffer.values.data(), bad);
@@ -380,8 +379,8 @@ TEST(Embree, GivesTheSamePixelsWhateverTheUnits) {
   const DeviceScene scene = build_or_throw(everything_in_a_hierarchy(), true);
   const auto device = device_or_throw(scene, native_options(2));
   const SampleBuffer whole = render(*device, whole_film(scene));
-  for (int y = 0; y < scene.header.film_height; y += 9)
-    for (int x = 0; x < scene.header.film_width; x += 8)
+  for (int y = 0; y < scene.header.film.height; y += 9)
+    for (int x = 0; x < scene.header.film.width; x += 8)
       EXPECT_EQ(differences(whole, render(*device, {x, y, 8, 9, 0, 8}), x, y), 0);
 }
 

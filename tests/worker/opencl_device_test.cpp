@@ -41,7 +41,7 @@ DeviceOptions opencl_options(OpenClTuning tuning) {
 }
 
 RenderUnit whole_film(const DeviceScene& scene, std::uint32_t samples = 6) {
-  return {0, 0, scene.header.film_width, scene.header.film_height, 2, samples};
+  return {0, 0, scene.header.film.width, scene.header.film.height, 2, samples};
 }
 
 SampleBuffer render(const DeviceScene& scene, const DeviceOptions& options, const RenderUnit& unit) {

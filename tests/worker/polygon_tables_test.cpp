@@ -65,7 +65,7 @@ class PolygonTables : public testing::Test {
     options.isa = best_isa();
     const auto device = make_device(scene, options);
     if (!device) throw std::runtime_error(device.error().message);
-    const auto buffer = (*device)->render({0, 0, scene.header.film_width, scene.header.film_height, 0, 4});
+    const auto buffer = (*device)->render({0, 0, scene.header.film.width, scene.header.film.height, 0, 4});
     if (!buffer) throw std::runtime_error(buffer.error().message);
     std::set<int> planes;
     for (int plane = 0; plane < kRadiancePlanes; ++plane)
@@ -80,8 +80,8 @@ TEST_F(PolygonTables, AreWhatTheSceneIsMeantToHave) {
   EXPECT_EQ(h_.polygon_count, 3);
   EXPECT_EQ(h_.light_count, 2 + 4 + 1 + 1);
   EXPECT_EQ(h_.polygon_corner_count, 5 + 7 + 4);
-  EXPECT_EQ(h_.estimator, ESTIMATOR_AUTO);
-  EXPECT_EQ(h_.light_choice, CHOICE_ANALYTIC);
+  EXPECT_EQ(h_.integrator.estimator, ESTIMATOR_AUTO);
+  EXPECT_EQ(h_.integrator.light_choice, CHOICE_ANALYTIC);
   EXPECT_EQ(polygons()[1].two_sided, 1);
   const SampleBuffer buffer = render(scene_);
   EXPECT_EQ(buffer.nan.count + buffer.infinite.count, 0u);
@@ -89,9 +89,9 @@ TEST_F(PolygonTables, AreWhatTheSceneIsMeantToHave) {
 
 TEST_F(PolygonTables, HeaderFields) {
   for (const int value : {-1, 4, INT_MAX, INT_MIN})
-    refuse_header([=](SceneHeader& h) { h.estimator = value; }, "unknown estimator");
+    refuse_header([=](SceneHeader& h) { h.integrator.estimator = value; }, "unknown estimator");
   for (const int value : {-1, 2, INT_MAX, INT_MIN})
-    refuse_header([=](SceneHeader& h) { h.light_choice = value; }, "unknown choice of lights");
+    refuse_header([=](SceneHeader& h) { h.integrator.light_choice = value; }, "unknown choice of lights");
   for (const std::uint32_t offset : {std::uint32_t(scene_.words.size()), 0x7fffffffu, 0xffffffffu}) {
     refuse_header([=](SceneHeader& h) { h.polygons = offset; }, "polygons lie outside");
     refuse_header([=](SceneHeader& h) { h.polygon_corners = offset; }, "polygon corners lie outside");
@@ -113,14 +113,14 @@ TEST_F(PolygonTables, ClosedFormsNeedTheirFeatureBit) {
     refuse_header(
         [&](SceneHeader& h) {
           without(h);
-          h.light_choice = CHOICE_POWER;
-          h.estimator = estimator;
+          h.integrator.light_choice = CHOICE_POWER;
+          h.integrator.estimator = estimator;
         },
         "closed forms without their feature bit");
   refuse_header(
       [&](SceneHeader& h) {
         without(h);
-        h.estimator = ESTIMATOR_SAMPLES;
+        h.integrator.estimator = ESTIMATOR_SAMPLES;
       },
       "closed forms without their feature bit");
 }
@@ -183,12 +183,12 @@ TEST_F(PolygonTables, OtherNumbersAreCountedOrRendered) {
     EXPECT_EQ(uncounted(render(with_polygons([&](Polygon& p) { p.radiance = radiance; }))), finite);
     EXPECT_TRUE(uncounted(render(with_polygons([&](Polygon& p) { p.area = p.size = number; }))));
     DeviceScene changed = scene_;
-    changed.header.alpha = number;
+    changed.header.adjustable.alpha = number;
     EXPECT_TRUE(uncounted(render(changed))) << "it is fitted";
-    changed.header.estimator = ESTIMATOR_RATIO;
+    changed.header.integrator.estimator = ESTIMATOR_RATIO;
     changed.header.features |= FEATURE_RATIO;
     EXPECT_TRUE(uncounted(render(changed)));
-    changed.header.estimator = ESTIMATOR_ALPHA;
+    changed.header.integrator.estimator = ESTIMATOR_ALPHA;
     expect_refused(changed, "the ratio estimator and its feature bit");
     changed.header.features &= ~unsigned(FEATURE_RATIO);
     EXPECT_EQ(uncounted(render(changed)), finite);

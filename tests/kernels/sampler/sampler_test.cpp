@@ -60,15 +60,15 @@ TEST_P(Sampler, IsAPureFunctionOfItsArguments) {
 
 TEST_P(Sampler, LanesAndBlocksDoNotMatter) {
   constexpr int kCapacity = 5 * LANES;
-  std::vector<int> ints(std::size_t(STATE_INTS) * kCapacity);
+  BlockMemory memory(FEATURE_ALL, kCapacity, 0);
+  const PathState paths = memory.block().paths;
   for (int i = 0; i < kCapacity; ++i) {
-    ints[std::size_t(PIXEL_HASH * kCapacity + i)] =
-        int(pixel_sequence(GetParam(), 5, uint(i) % 7, uint(i) / 7));
-    ints[std::size_t(SAMPLE_INDEX * kCapacity + i)] = i * 3 % 16;
+    set_pixel_hash(&paths, i, int(pixel_sequence(GetParam(), 5, uint(i) % 7, uint(i) / 7)));
+    set_sample_index(&paths, i, i * 3 % 16);
   }
   for (int first = 0; first < kCapacity; first += LANES) {
     float u[LANES], v[LANES];
-    sample_pair(GetParam(), 16, one_point(3), ints.data(), kCapacity, first, u, v);
+    sample_pair(GetParam(), 16, one_point(3), &paths, first, u, v);
     for (int j = 0; j < LANES; ++j) {
       const auto i = std::uint32_t(first + j);
       const Point2 alone = draw_alone(GetParam(), {5, i % 7, i / 7, i * 3 % 16, 3, 16});
@@ -80,14 +80,15 @@ TEST_P(Sampler, LanesAndBlocksDoNotMatter) {
 
 TEST_P(Sampler, SeveralPointsOfASampleAreOneSequence) {
   constexpr int kTimes = 5, kSpp = 16;
-  std::vector<int> ints(std::size_t(STATE_INTS) * LANES);
+  BlockMemory memory(FEATURE_ALL, LANES, 0);
+  const PathState paths = memory.block().paths;
   for (int j = 0; j < LANES; ++j) {
-    ints[std::size_t(PIXEL_HASH * LANES + j)] = int(pixel_sequence(GetParam(), 5, 1, 2));
-    ints[std::size_t(SAMPLE_INDEX * LANES + j)] = j % kSpp;
+    set_pixel_hash(&paths, j, int(pixel_sequence(GetParam(), 5, 1, 2)));
+    set_sample_index(&paths, j, j % kSpp);
   }
   for (int nth = 0; nth < kTimes; ++nth) {
     float u[LANES], v[LANES];
-    sample_pair(GetParam(), kSpp, nth_point(3, kTimes, nth), ints.data(), LANES, 0, u, v);
+    sample_pair(GetParam(), kSpp, nth_point(one_point(3), kTimes, nth), &paths, 0, u, v);
     for (int j = 0; j < LANES; ++j) {
       const auto index = std::uint32_t(j % kSpp * kTimes + nth);
       const Point2 alone = draw_alone(GetParam(), {5, 1, 2, index, 3, kTimes * kSpp});

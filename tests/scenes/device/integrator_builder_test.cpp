@@ -147,10 +147,10 @@ TEST(IntegratorBuilder, EstimatorsAndChoices) {
       {"path by contribution", kPath, all({ems, by_contribution}), ESTIMATOR_ALPHA, 0, CHOICE_ANALYTIC}};
   for (const EstimatorCase& tested : cases) {
     const SceneHeader h = header(tested.kind, tested.change);
-    EXPECT_EQ(h.estimator, tested.estimator) << tested.what;
-    EXPECT_EQ(h.light_choice, tested.choice) << tested.what;
+    EXPECT_EQ(h.integrator.estimator, tested.estimator) << tested.what;
+    EXPECT_EQ(h.integrator.light_choice, tested.choice) << tested.what;
     if (tested.estimator == ESTIMATOR_ALPHA) {
-      EXPECT_EQ(h.alpha, tested.alpha) << tested.what;
+      EXPECT_EQ(h.adjustable.alpha, tested.alpha) << tested.what;
     }
     // The tables are there if anything reads them, and only then.
     const bool needed = tested.estimator != ESTIMATOR_SAMPLES || tested.choice == CHOICE_ANALYTIC;
@@ -161,13 +161,13 @@ TEST(IntegratorBuilder, EstimatorsAndChoices) {
 }
 
 TEST(IntegratorBuilder, WithoutLayersSamplesAloneNeedNoClosedForm) {
-  EXPECT_EQ(header(kPolygonCv, by_projection, false).estimator, ESTIMATOR_SAMPLES);
-  EXPECT_EQ(header(kPolygonCv, by_projection, false).light_choice, CHOICE_ANALYTIC);
-  EXPECT_EQ(header(kPolygonArea, by_contribution, false).estimator, ESTIMATOR_SAMPLES);
-  EXPECT_EQ(header(kPath, all({ems, by_contribution}), false).estimator, ESTIMATOR_SAMPLES);
-  EXPECT_EQ(header(kPolygonCv, all({by_projection, phong}), false).estimator, ESTIMATOR_AUTO);
-  EXPECT_EQ(header(kPolygonCv, with_alpha(1), false).estimator, ESTIMATOR_ALPHA);
-  EXPECT_EQ(header(kPolygonAnalytic, {}, false).estimator, ESTIMATOR_ALPHA);
+  EXPECT_EQ(header(kPolygonCv, by_projection, false).integrator.estimator, ESTIMATOR_SAMPLES);
+  EXPECT_EQ(header(kPolygonCv, by_projection, false).integrator.light_choice, CHOICE_ANALYTIC);
+  EXPECT_EQ(header(kPolygonArea, by_contribution, false).integrator.estimator, ESTIMATOR_SAMPLES);
+  EXPECT_EQ(header(kPath, all({ems, by_contribution}), false).integrator.estimator, ESTIMATOR_SAMPLES);
+  EXPECT_EQ(header(kPolygonCv, all({by_projection, phong}), false).integrator.estimator, ESTIMATOR_AUTO);
+  EXPECT_EQ(header(kPolygonCv, with_alpha(1), false).integrator.estimator, ESTIMATOR_ALPHA);
+  EXPECT_EQ(header(kPolygonAnalytic, {}, false).integrator.estimator, ESTIMATOR_ALPHA);
 }
 
 TEST(IntegratorBuilder, ManyPolygonsAreNotAllEvaluatedByDefault) {
@@ -177,10 +177,10 @@ TEST(IntegratorBuilder, ManyPolygonsAreNotAllEvaluatedByDefault) {
       for (int i = 0; i < lights; ++i) scene.shapes.push_back(square(i));
     };
   };
-  EXPECT_EQ(header(kPolygonCv, count(256)).light_choice, CHOICE_ANALYTIC);
-  EXPECT_EQ(header(kPolygonCv, count(257)).light_choice, CHOICE_POWER);
-  EXPECT_EQ(header(kPolygonCv, count(257)).estimator, ESTIMATOR_AUTO);
-  EXPECT_EQ(header(kPolygonCv, all({count(257), by_contribution})).light_choice, CHOICE_ANALYTIC);
+  EXPECT_EQ(header(kPolygonCv, count(256)).integrator.light_choice, CHOICE_ANALYTIC);
+  EXPECT_EQ(header(kPolygonCv, count(257)).integrator.light_choice, CHOICE_POWER);
+  EXPECT_EQ(header(kPolygonCv, count(257)).integrator.estimator, ESTIMATOR_AUTO);
+  EXPECT_EQ(header(kPolygonCv, all({count(257), by_contribution})).integrator.light_choice, CHOICE_ANALYTIC);
 }
 
 // --- samples
@@ -192,7 +192,7 @@ TEST(IntegratorBuilder, NumbersOfSamples) {
       scene.integrator.bsdf_samples = 5;
       scene.integrator.vis_samples = 7;
     });
-    return std::pair(h.emitter_samples, h.bsdf_samples);
+    return std::pair(h.integrator.emitter_samples, h.integrator.bsdf_samples);
   };
   EXPECT_EQ(samples(kDirect), std::pair(3, 5));
   EXPECT_EQ(samples(kPolygonArea), std::pair(3, 0));
@@ -231,7 +231,7 @@ TEST(IntegratorBuilder, HowLightsAreSampled) {
 
 TEST(IntegratorBuilder, ShadowsAreLeftOutOnlyWhereThatIsASetting) {
   const auto traced = [](IntegratorKind kind, bool wanted) {
-    return header(kind, [=](S& scene) { scene.integrator.trace_shadows = wanted; }).trace_shadows;
+    return header(kind, [=](S& scene) { scene.integrator.trace_shadows = wanted; }).integrator.trace_shadows;
   };
   for (const IntegratorKind kind : {kDirect, kPath, kPolygonAnalytic, kPolygonArea, kPolygonCv}) {
     EXPECT_EQ(traced(kind, true), 1);
@@ -240,19 +240,19 @@ TEST(IntegratorBuilder, ShadowsAreLeftOutOnlyWhereThatIsASetting) {
 }
 
 TEST(IntegratorBuilder, DepthsAndFlags) {
-  EXPECT_EQ(header(kPath).max_depth, INT_MAX);
-  EXPECT_EQ(header(kPath, [](S& s) { s.integrator.rr_depth = INT_MAX; }).rr_depth, 1024)
+  EXPECT_EQ(header(kPath).integrator.max_depth, INT_MAX);
+  EXPECT_EQ(header(kPath, [](S& s) { s.integrator.rr_depth = INT_MAX; }).integrator.rr_depth, 1024)
       << "a path without end must end";
   const SceneHeader finite = header(kPath, [](S& s) {
     s.integrator.max_depth = 7;
     s.integrator.rr_depth = 5000;
   });
-  EXPECT_EQ(finite.max_depth, 7);
-  EXPECT_EQ(finite.rr_depth, 5000);
+  EXPECT_EQ(finite.integrator.max_depth, 7);
+  EXPECT_EQ(finite.integrator.rr_depth, 5000);
   for (const IntegratorKind kind : {kDirect, kPath, kPolygonAnalytic, kPolygonArea, kPolygonCv}) {
-    EXPECT_EQ(header(kind).hide_emitters, 0);
-    EXPECT_EQ(header(kind, [](S& s) { s.integrator.hide_emitters = true; }).hide_emitters, 1);
-    EXPECT_EQ(header(kind).integrator, kind == kPath ? INTEGRATOR_PATH : INTEGRATOR_DIRECT);
+    EXPECT_EQ(header(kind).integrator.hide_emitters, 0);
+    EXPECT_EQ(header(kind, [](S& s) { s.integrator.hide_emitters = true; }).integrator.hide_emitters, 1);
+    EXPECT_EQ(header(kind).integrator.kind, kind == kPath ? INTEGRATOR_PATH : INTEGRATOR_DIRECT);
     EXPECT_EQ(header(kind).features & (FEATURE_PATH | FEATURE_DIRECT),
               unsigned(kind == kPath ? FEATURE_PATH : FEATURE_DIRECT));
   }
@@ -275,8 +275,8 @@ TEST(IntegratorBuilder, WithoutPolygonLightsNothingOfThemIsLeft) {
     for (const Change& more : {Change([](S&) {}), Change(ratio), Change(by_contribution), with_alpha(0.5f)})
       for (const IntegratorKind kind : {kPolygonAnalytic, kPolygonArea, kPolygonCv}) {
         const SceneHeader h = header(kind, all({change, more}));
-        EXPECT_EQ(h.estimator, ESTIMATOR_SAMPLES) << what;
-        EXPECT_EQ(h.light_choice, CHOICE_POWER) << what;
+        EXPECT_EQ(h.integrator.estimator, ESTIMATOR_SAMPLES) << what;
+        EXPECT_EQ(h.integrator.light_choice, CHOICE_POWER) << what;
         EXPECT_EQ(h.polygon_count + h.polygon_corner_count, 0) << what;
         EXPECT_EQ(h.features & (FEATURE_POLYGONS | FEATURE_PROJECTED | FEATURE_SOLID_ANGLE), 0u) << what;
       }
@@ -337,7 +337,7 @@ TEST(IntegratorBuilder, AChoiceByContributionNeedsEmitterSamplesAlone) {
                                      {kPolygonArea, {}},
                                      {kPolygonCv, {}},
                                      {kPath, with_cv}}) {
-    EXPECT_EQ(header(kind, change ? all({change, by_contribution}) : by_contribution).light_choice,
+    EXPECT_EQ(header(kind, change ? all({change, by_contribution}) : by_contribution).integrator.light_choice,
               CHOICE_ANALYTIC);
   }
 }

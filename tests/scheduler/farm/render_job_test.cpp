@@ -457,7 +457,7 @@ TEST_F(RenderJobTest, NonsenseIsRefusedInWords) {
   EXPECT_THAT(refused([](RenderJob& j) { j.samples_per_pass = 4097; }), HasSubstr("1 to 4096"));
   EXPECT_THAT(refused([](RenderJob& j) { j.workers = 0; }), HasSubstr("0 workers"));
   EXPECT_THAT(refused([](RenderJob& j) {
-                j.scene.header.film_width = j.scene.header.film_height = 1 << 20;
+                j.scene.header.film.width = j.scene.header.film.height = 1 << 20;
                 j.x = j.y = 0;
                 j.width = j.height = 1 << 20;
                 j.tile = 1024;
@@ -470,7 +470,7 @@ TEST_F(RenderJobTest, MemoryIsCountedWithLayersAndFiles) {
   const double memory = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
   const auto fits = [&](double bytes_per_pixel) {
     const int side = int(std::sqrt(memory / bytes_per_pixel));
-    large.scene.header.film_width = large.scene.header.film_height = large.width = large.height = side;
+    large.scene.header.film.width = large.scene.header.film.height = large.width = large.height = side;
     large.x = large.y = 0;
     large.tile = 1024;
     return check_render_job(large);

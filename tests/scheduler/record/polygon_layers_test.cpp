@@ -169,7 +169,7 @@ TEST(PolygonLayers, TheClosedFormIsThatOfPolygonAnalytic) {
     for (const Estimator& each : estimators()) {
       scene.integrator = each.settings;
       const FilmAccumulator film = render_or_throw(scene);
-      const bool same_rays = build_or_throw(scene).header.estimator != ESTIMATOR_AUTO;
+      const bool same_rays = build_or_throw(scene).header.integrator.estimator != ESTIMATOR_AUTO;
       // A fitted alpha takes its camera rays from two other sequences. Each mean errs by no more than that of
       // independent rays would.
       constexpr double kSigmas = 5;

@@ -54,7 +54,7 @@ TEST_F(SteeredRenderTest, NothingIsRenderedUntilSamplesAreWanted) {
   ASSERT_TRUE(onlooker.job);
   EXPECT_TRUE(onlooker.job->interactive);
   ASSERT_NE(onlooker.scene, nullptr);
-  EXPECT_EQ(onlooker.scene->header.film_width, 200);
+  EXPECT_EQ(onlooker.scene->header.film.width, 200);
   // Some ticks of the scheduler.
   EXPECT_FALSE(onlooker.sees([&] { return !onlooker.tiles.empty(); }, 300ms));
   EXPECT_EQ(onlooker.progress.samples_wanted, 0u);
