@@ -1,76 +1,135 @@
-// BSDFs. All are one record, a diffuse and a Phong lobe, so that a lane loop over mixed materials stays
-// straight; a scene without Phong compiles only the first. `n` is the unit shading normal on the viewer's
-// side; f is in 1/sr, pdfs per solid angle.
+// From materials to closures, and from closures to the functions of their families: LANES at a time, a lane loop
+// for each family that is among them. Which families a scene has is known, so one that it lacks costs nothing.
 #ifndef PENUMBRA_BSDF_H
 #define PENUMBRA_BSDF_H
-#include "kernels/math/frame.h"
-#include "kernels/math/lane_record.h"
+#include "kernels/bsdf/diffuse.h"
+#include "kernels/bsdf/phong.h"
+#ifdef EXTRA_BSDF_FAMILY_LIST
+  #include EXTRA_BSDF_FAMILY_FUNCTIONS
+#endif
+#include "kernels/intersect/surface_fields.h"
 #include "kernels/scene.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// max(0, cos alpha)^exponent, alpha between the unit vectors a and b: from their difference, since the power
-/// of a rounded cosine near 1 loses all digits at exponents of 1e4.
-FN float cosine_power(vec3 a, vec3 b, float exponent) {
-  const vec3 difference = sub(a, b);
-  const float versine = 0.5f * dot3(difference, difference);
-  const float power = exp_f(exponent * log1p_f(-min_f(versine, 0.9999999f)));
-  return versine < 1.0f ? power : 0.0f;
+#define MATERIAL_VALUE_int(field) field
+#define MATERIAL_VALUE_float(field) field
+#define MATERIAL_VALUE_vec3(field) load3(&field)
+#define RESOLVE_FIELD(a, type, name) c.name = MATERIAL_VALUE_##type(material->name);
+/// The closure of a material at a surface of it.
+FN Closure resolve_closure(const PRIVATE Scene* scene, Surface s) {
+  GLOBAL const Material* material = scene->materials + s.material;
+  Closure c;
+  CLOSURE_FIELDS(RESOLVE_FIELD, )
+  return c;
+}
+#undef RESOLVE_FIELD
+
+STAGE void resolve_closures(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+                            PRIVATE Closures* RESTRICT closures) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++)
+      store_closure(closures, j, resolve_closure(scene, load_surface(surfaces, j)));
 }
 
-FN vec3 mirror_direction(vec3 n, vec3 wo) { return sub(scale(n, 2.0f * dot3(n, wo)), wo); }
-
-#define BSDF_VALUE_FIELDS(F, a)                     \
-  F(a, vec3, f_cos) /* f times the cosine of wi */ \
-  F(a, float, pdf)  /* of sample_bsdf choosing wi */
-LANE_RECORD(BsdfValue, BsdfValues, bsdf_value, BSDF_VALUE_FIELDS)
-
-/// Value and density for a pair of directions; both 0 unless both are on the normal's side.
-FN BsdfValue eval_bsdf(GLOBAL const Material* m, vec3 n, vec3 wo, vec3 wi) {
-  const float cosine = dot3(n, wi);
-  const bool reflects = (cosine > 0.0f) & (dot3(n, wo) > 0.0f);
-  const float lambert = cosine * INV_PI_F;
-  BsdfValue value;
-  value.f_cos = scale(load3(&m->diffuse), lambert);
-  value.pdf = lambert;
-#if HAS(PHONG)
-  const float lobe = cosine_power(mirror_direction(n, wo), wi, m->exponent) * (0.5f * INV_PI_F);
-  value.f_cos = add(value.f_cos, scale(load3(&m->specular), (m->exponent + 2.0f) * lobe * cosine));
-  value.pdf = (1.0f - m->lobe) * lambert + m->lobe * ((m->exponent + 1.0f) * lobe);
-#endif
-  value.f_cos = select3(reflects, value.f_cos, make_vec3(0.0f, 0.0f, 0.0f));
-  value.pdf = reflects ? value.pdf : 0.0f;
-  return value;
+/// The families of LANES closures.
+FN uint families_among(const PRIVATE Closures* closures) {
+  uint families = 0u;
+  for (int j = 0; j < LANES; j++) families |= 1u << closures->family[j];
+  return families & FAMILIES;
 }
 
-#define BSDF_SAMPLE_FIELDS(F, a)       \
-  F(a, vec3, wi)                       \
-  F(a, vec3, weight) /* f cos / pdf */ \
-  F(a, float, pdf)   /* 0: no direction */
-LANE_RECORD(BsdfSample, BsdfSamples, bsdf_sample, BSDF_SAMPLE_FIELDS)
+#define EVAL_FAMILY(name, NAME, number, properties, text)                                                       \
+  STAGE void eval_##name##_lanes(const PRIVATE Closures* RESTRICT closures,                                     \
+                                 const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE float* RESTRICT wi,   \
+                                 PRIVATE BsdfValues* RESTRICT values) {                                         \
+    LANE_LOOP                                                                                                   \
+      for (int j = 0; j < LANES; j++) {                                                                         \
+        const Closure c = load_closure(closures, j);                                                            \
+        const Surface s = load_surface(surfaces, j);                                                            \
+        const vec3 direction = LOAD_LANE_vec3(wi, j);                                                           \
+        const BsdfValue value = name##_eval(c, to_frame(s.shading, s.wo), to_frame(s.shading, direction));      \
+        store_bsdf_value(values, j,                                                                             \
+                         select_bsdf_value(c.family == (number), value, load_bsdf_value(values, j)));           \
+      }                                                                                                         \
+  }
+#define SAMPLE_FAMILY(name, NAME, number, properties, text)                                                     \
+  STAGE void sample_##name##_lanes(const PRIVATE Closures* RESTRICT closures,                                   \
+                                   const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE float* RESTRICT uv, \
+                                   const PRIVATE float* RESTRICT choice,                                        \
+                                   PRIVATE BsdfSamples* RESTRICT samples) {                                     \
+    LANE_LOOP                                                                                                   \
+      for (int j = 0; j < LANES; j++) {                                                                         \
+        const Closure c = load_closure(closures, j);                                                            \
+        const Surface s = load_surface(surfaces, j);                                                            \
+        BsdfSample next = name##_sample(c, to_frame(s.shading, s.wo), uv[j], uv[LANES + j], choice[j]);         \
+        next.wi = from_frame(s.shading, next.wi.x, next.wi.y, next.wi.z);                                       \
+        store_bsdf_sample(samples, j,                                                                           \
+                          select_bsdf_sample(c.family == (number), next, load_bsdf_sample(samples, j)));        \
+      }                                                                                                         \
+  }
+BSDF_FAMILIES(EVAL_FAMILY)
+BSDF_FAMILIES(SAMPLE_FAMILY)
+#undef EVAL_FAMILY
+#undef SAMPLE_FAMILY
 
-/// Samples `wi` with the density that eval_bsdf reports.
-FN BsdfSample sample_bsdf(GLOBAL const Material* m, vec3 n, vec3 wo, float u, float v, float choice) {
-  BsdfSample s;
-  s.wi = sample_cosine_hemisphere(n, u, v);
-#if HAS(PHONG)
-  const float power = log_f(1.0f - u) / (m->exponent + 1.0f);
-  float sine, cosine;
-  sincos_2pi(v, &sine, &cosine);
-  const float r = safe_sqrt(-expm1_f(2.0f * power));
-  const vec3 around = from_frame(mirror_direction(n, wo), r * cosine, r * sine, exp_f(power));
-  s.wi = select3(choice < m->lobe, around, s.wi);
-#endif
-  const BsdfValue value = eval_bsdf(m, n, wo, s.wi);
-  s.pdf = value.pdf;
-  const bool some = s.pdf > 0.0f;
-  s.weight = scale(value.f_cos, 1.0f / (some ? s.pdf : 1.0f));
-  // A diffuse BSDF's quotient is its reflectance exactly.
-#if HAS(PHONG)
-  s.weight = select3(some & (m->lobe == 0.0f), load3(&m->diffuse), s.weight);
-#else
-  s.weight = select3(some, load3(&m->diffuse), s.weight);
-#endif
+STAGE void clear_bsdf_values(PRIVATE BsdfValues* RESTRICT values) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) store_bsdf_value(values, j, no_bsdf_value());
+}
+STAGE void clear_bsdf_samples(PRIVATE BsdfSamples* RESTRICT samples) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) store_bsdf_sample(samples, j, no_bsdf_sample());
+}
+
+/// Values of the closures, of these `families`, towards the unit directions `wi`, a lane vec3.
+FN void eval_bsdfs(uint families, const PRIVATE Closures* closures, const PRIVATE Surfaces* surfaces,
+                   const PRIVATE float* wi, PRIVATE BsdfValues* values) {
+  clear_bsdf_values(values);
+#define EVAL_IF_THERE(name, NAME, number, properties, text) \
+  if ((families & (1u << (number)) & FAMILIES) != 0u) eval_##name##_lanes(closures, surfaces, wi, values);
+  BSDF_FAMILIES(EVAL_IF_THERE)
+#undef EVAL_IF_THERE
+}
+
+/// Directions by the closures, in world space. `uv`: LANES numbers u, then LANES v.
+FN void sample_bsdfs(uint families, const PRIVATE Closures* closures, const PRIVATE Surfaces* surfaces,
+                     const PRIVATE float* uv, const PRIVATE float* choice, PRIVATE BsdfSamples* samples) {
+  clear_bsdf_samples(samples);
+#define SAMPLE_IF_THERE(name, NAME, number, properties, text) \
+  if ((families & (1u << (number)) & FAMILIES) != 0u)         \
+    sample_##name##_lanes(closures, surfaces, uv, choice, samples);
+  BSDF_FAMILIES(SAMPLE_IF_THERE)
+#undef SAMPLE_IF_THERE
+}
+
+/// One at a time, for the surface's normal n: value of the closure for a pair of directions of world space.
+FN BsdfValue eval_bsdf(Closure c, vec3 n, vec3 wo, vec3 wi) {
+  switch (c.family) {
+#define EVAL_ONE(name, NAME, number, properties, text) \
+  case number:                                         \
+    return name##_eval(c, to_frame(n, wo), to_frame(n, wi));
+    BSDF_FAMILIES(EVAL_ONE)
+#undef EVAL_ONE
+    default:
+      return no_bsdf_value();
+  }
+}
+
+/// The same of a sample.
+FN BsdfSample sample_bsdf(Closure c, vec3 n, vec3 wo, float u, float v, float choice) {
+  BsdfSample s = no_bsdf_sample();
+  switch (c.family) {
+#define SAMPLE_ONE(name, NAME, number, properties, text)   \
+  case number:                                             \
+    s = name##_sample(c, to_frame(n, wo), u, v, choice);   \
+    break;
+    BSDF_FAMILIES(SAMPLE_ONE)
+#undef SAMPLE_ONE
+    default:
+      break;
+  }
+  s.wi = from_frame(n, s.wi.x, s.wi.y, s.wi.z);
   return s;
 }
 

@@ -97,35 +97,61 @@ STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE Pat
       const float share = light.delta ? 1.0f : shared;
       const float weight = share / (emitter_samples * (light.pdf > 0.0f ? light.pdf : 1.0f));
       const bool lit = is_hit(s) & (light.tmax > 0.0f) & (value.pdf > 0.0f);
+      const bool controlled = is_controlled(scene, load_closure(&step->closures, j), light.of_polygon);
       const vec3 arriving = scale(mul(value.f_cos, light.radiance), weight);
-      request_shadow_ray(scene, paths, i + j, s, light, arriving, lit);
+      request_shadow_ray(scene, paths, i + j, s, light, arriving, lit, controlled);
     }
+}
+
+STAGE void direction_samples(int kind, const PRIVATE Surfaces* RESTRICT surfaces,
+                             const PRIVATE float* RESTRICT uv, PRIVATE float* RESTRICT wi) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const vec3 n = LOAD_LANE_vec3(surfaces->shading, j);
+      const vec3 by_cosine = sample_cosine_hemisphere(n, uv[j], uv[LANES + j]);
+      const vec3 by_area = sample_uniform_hemisphere(n, uv[j], uv[LANES + j]);
+      STORE_LANE_vec3(wi, j, select3(kind == DIRECTION_COSINE, by_cosine, by_area));
+    }
+}
+
+STAGE void weigh_directions(int kind, const PRIVATE Surfaces* RESTRICT surfaces,
+                            const PRIVATE float* RESTRICT wi, const PRIVATE BsdfValues* RESTRICT values,
+                            PRIVATE BsdfSamples* RESTRICT samples) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const BsdfValue value = load_bsdf_value(values, j);
+      BsdfSample s = no_bsdf_sample();
+      s.wi = LOAD_LANE_vec3(wi, j);
+      const float pdf = direction_pdf(kind, LOAD_LANE_vec3(surfaces->shading, j), s.wi, value.pdf);
+      s.pdf = value.pdf > 0.0f ? pdf : 0.0f;
+      s.weight = scale(value.f_cos, 1.0f / (pdf > 0.0f ? pdf : 1.0f));
+      store_bsdf_sample(samples, j, s);
+    }
+}
+
+/// Directions that the scene does not leave to the BSDFs, and the closures' values for them, as samples.
+FN void choose_directions(const PRIVATE SceneHeader* h, PRIVATE StepLanes* step) {
+  float wi[3 * LANES];
+  BsdfValues values;
+  direction_samples(h->integrator.bsdf_sampling, &step->surfaces, step->u + DIM_BSDF_U * LANES, wi);
+  eval_bsdfs(step->families, &step->closures, &step->surfaces, wi, &values);
+  weigh_directions(h->integrator.bsdf_sampling, &step->surfaces, wi, &values, &step->samples);
 }
 
 /// Direction samples as the next rays.
 STAGE void request_directions(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                               const PRIVATE StepLanes* RESTRICT step) {
-  const int kind = scene->header.integrator.bsdf_sampling;
-  const float bsdf_samples = (float)scene->header.integrator.bsdf_samples;
+  const float share = 1.0f / (float)scene->header.integrator.bsdf_samples;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(&step->surfaces, j);
-      const float du = lane_number(step, DIM_BSDF_U, j), dv = lane_number(step, DIM_BSDF_V, j);
-      const BsdfSample by_bsdf = load_bsdf_sample(&step->samples, j);
-      const vec3 by_cosine = sample_cosine_hemisphere(s.shading, du, dv);
-      const vec3 by_area = sample_uniform_hemisphere(s.shading, du, dv);
-      const vec3 wi =
-          select3(kind == DIRECTION_BSDF, by_bsdf.wi, select3(kind == DIRECTION_COSINE, by_cosine, by_area));
-      const BsdfValue next = eval_bsdf(scene->materials + s.material, s.shading, s.wo, wi);
-      const float pdf = direction_pdf(kind, s.shading, wi, next.pdf);
-      const bool traces = is_hit(s) & (pdf > 0.0f) & (next.pdf > 0.0f) & !is_beneath(s, wi);
-      const vec3 by_quotient = scale(next.f_cos, 1.0f / (pdf > 0.0f ? pdf : 1.0f));
-      const vec3 weight = scale(select3(kind == DIRECTION_BSDF, by_bsdf.weight, by_quotient), 1.0f / bsdf_samples);
-      set_ray_origin(paths, i + j, leave_surface(s.p, s.geometric, s.error, wi));
-      set_ray_direction(paths, i + j, wi);
-      set_throughput(paths, i + j, weight);
+      const BsdfSample next = load_bsdf_sample(&step->samples, j);
+      const bool traces = is_hit(s) & (next.pdf > 0.0f) & !is_beneath(s, next.wi);
+      set_ray_origin(paths, i + j, leave_surface(s.p, s.geometric, s.error, next.wi));
+      set_ray_direction(paths, i + j, next.wi);
+      set_throughput(paths, i + j, scale(next.weight, share));
       set_ray_tmax(paths, i + j, traces ? NO_LIMIT : -1.0f);
-      set_direction_pdf(paths, i + j, pdf);
+      set_direction_pdf(paths, i + j, next.pdf);
       set_ray_skip(paths, i + j, s.primitive);
     }
 }
@@ -150,11 +176,12 @@ FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
       load_kept_surfaces(paths, i, &step.surfaces);
       if (balances) find_surfaces(scene, paths, i, &step.found);
     }
+    find_closures(scene, &step);
 #if HAS(LAYERS)
-    if (NEEDS(scene, LAYERS) && k == 0) record_layers(scene, &step.surfaces, paths, i, slots);
+    if (NEEDS(scene, LAYERS) && k == 0) record_layers(&step.surfaces, &step.closures, paths, i, slots);
 #endif
     direct_numbers(h, k, paths, i, step.u);
-    request_lights(scene, request, &step.surfaces, found, paths, i, step.u, &step.samplings);
+    request_lights(scene, request, &step.surfaces, &step.closures, found, paths, i, step.u, &step.samplings);
     if (balances) {
       find_emissions(scene, found, &step.samplings, &step.emissions);
       weigh_emitters(scene, paths, i, &step.emissions);
@@ -164,11 +191,15 @@ FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
     begin_steps(paths, i, &step.surfaces, is_last);
     if (emits) {
       sample_lights(scene, &step);
-      eval_bsdfs(scene, &step);
+      eval_bsdfs(step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
       request_emitter_samples(scene, paths, i, &step);
     }
     if (scatters) {
-      sample_bsdfs(scene, &step);
+      if (h->integrator.bsdf_sampling == DIRECTION_BSDF)
+        sample_bsdfs(step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
+                     step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
+      else
+        choose_directions(h, &step);
       request_directions(scene, paths, i, &step);
     }
   }

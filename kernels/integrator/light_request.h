@@ -32,9 +32,11 @@ FN LightRequest light_request(const PRIVATE Scene* scene, bool path, bool emits,
 
 #if HAS(POLYGONS)
 STAGE void store_shading_points(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+                                const PRIVATE Closures* RESTRICT closures,
                                 PRIVATE ShadingPoints* RESTRICT points) {
   LANE_LOOP
-    for (int j = 0; j < LANES; j++) store_shading_point(scene, load_surface(surfaces, j), points, j);
+    for (int j = 0; j < LANES; j++)
+      store_shading_point(scene, load_surface(surfaces, j), load_closure(closures, j), points, j);
 }
 
 /// Adds the closed form to the sums of the paths, times their throughput.
@@ -54,19 +56,20 @@ STAGE void add_analytic(const PRIVATE PathState* paths, int i, bool path,
 /// shares its random number with the point on the light and replaces it by the remainder, which is uniform in
 /// [0, 1) again.
 STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request,
-                            const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE PathState* paths, int i,
+                            const PRIVATE Surfaces* RESTRICT surfaces,
+                            const PRIVATE Closures* RESTRICT closures, const PRIVATE PathState* paths, int i,
                             PRIVATE float* RESTRICT u, PRIVATE LightSamplings* RESTRICT samplings,
                             PRIVATE double* RESTRICT projected) {
   ShadingPoints points;
   Reservoir reservoir;
   double analytic[3 * LANES];
-  store_shading_points(scene, surfaces, &points);
+  store_shading_points(scene, surfaces, closures, &points);
   for (int j = 0; j < LANES; j++) start_reservoir(&reservoir, j, (double)u[DIM_LIGHT_U * LANES + j]);
   const bool one_light = scene->polygons[0].light_count == scene->header.light_count;
   if (request.closed | !one_light)
     unshadowed_lights(scene, &points, request.choice & !one_light, &reservoir, analytic);
   if (one_light)
-    for (int j = 0; j < LANES; j++) add_to_reservoir(&reservoir, j, 0, points.polygon[j] == 0.0 ? 0.0 : 1.0);
+    for (int j = 0; j < LANES; j++) add_to_reservoir(&reservoir, j, 0, (points.polygon[j] == 0.0) | (points.closed[j] == 0) ? 0.0 : 1.0);
   if (request.choice)
     choose_part(scene, &points, request.projected, &reservoir, samplings, projected, u + DIM_LIGHT_U * LANES);
   if (request.closed) add_analytic(paths, i, request.path, analytic);
@@ -127,7 +130,8 @@ STAGE void clear_light_samplings(PRIVATE LightSamplings* RESTRICT samplings) {
 /// Light samplings of LANES paths from lane i on, at their surfaces; `found` are those that their last rays hit.
 /// u holds a step's STEP_DIMENSIONS * LANES numbers.
 FN void request_lights(const PRIVATE Scene* scene, LightRequest request, const PRIVATE Surfaces* surfaces,
-                       const PRIVATE Surfaces* found, const PRIVATE PathState* paths, int i, PRIVATE float* u,
+                       const PRIVATE Closures* closures, const PRIVATE Surfaces* found,
+                       const PRIVATE PathState* paths, int i, PRIVATE float* u,
                        PRIVATE LightSamplings* samplings) {
   clear_light_samplings(samplings);
 #if HAS(PROJECTED) || HAS(POLYGONS)
@@ -135,7 +139,7 @@ FN void request_lights(const PRIVATE Scene* scene, LightRequest request, const P
 #endif
 #if HAS(POLYGONS)
   if (request.choice | request.closed)
-    unshadowed_lanes(scene, request, surfaces, paths, i, u, samplings, projected);
+    unshadowed_lanes(scene, request, surfaces, closures, paths, i, u, samplings, projected);
 #endif
 #if HAS(PROJECTED)
   if (request.found) project_found(scene, request.path, surfaces, found, paths, i, samplings);

@@ -27,7 +27,7 @@ FN void path_numbers(const PRIVATE SceneHeader* h, bool roulette, const PRIVATE 
   sample_pair(h->sampler.kind, spp, step_point(0u), paths, i, u + DIM_LIGHT_U * LANES, u + DIM_LIGHT_V * LANES);
   sample_pair(h->sampler.kind, spp, step_point(1u), paths, i, u + DIM_BSDF_U * LANES, u + DIM_BSDF_V * LANES);
   const bool chooses = h->light_count > 1;  // a single light needs no finer digits
-  if (chooses | (HAS(PHONG) && (h->features & FEATURE_PHONG) != 0u))
+  if (chooses | ((h->families & families_with(SEVERAL_LOBES)) != 0u))
     sample_pair(h->sampler.kind, spp, step_point(2u), paths, i, u + (chooses ? DIM_LIGHT_FINE : DIM_SPARE) * LANES,
                 u + DIM_LOBE_CHOICE * LANES);
   if (roulette)
@@ -41,6 +41,28 @@ FN bool any_scatters(const PRIVATE SceneHeader* h, const PRIVATE PathState* path
   return any != 0;
 }
 
+#if HAS(POLYGONS)
+/// Where the surface that a ray left has the closed form of a light, only next-event estimation samples that
+/// light.
+STAGE void drop_controlled(const PRIVATE PathState* paths, int i, PRIVATE Emissions* RESTRICT emissions) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Emission emission = load_emission(emissions, j);
+      const bool dropped =
+          (get_depth(paths, i + j) > 0) & get_left_controlled(paths, i + j) & emission.of_polygon;
+      STORE_LANE_vec3(emissions->radiance, j, select3(dropped, make_vec3(0.0f, 0.0f, 0.0f), emission.radiance));
+    }
+}
+
+/// Notes whether the next rays leave such surfaces.
+STAGE void note_controlled(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                           const PRIVATE Closures* RESTRICT closures) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++)
+      set_left_controlled(paths, i + j, is_controlled(scene, load_closure(closures, j), true));
+}
+#endif
+
 /// Adds what the last rays found.
 STAGE void add_emissions(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                          const PRIVATE Emissions* RESTRICT emissions) {
@@ -49,12 +71,12 @@ STAGE void add_emissions(const PRIVATE Scene* scene, const PRIVATE PathState* pa
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Emission emission = load_emission(emissions, j);
-      const float bsdf_weight = sampling == SAMPLING_MIS
-                                    ? mis_weight(heuristic, get_direction_pdf(paths, i + j), emission.pdf)
-                                    : (sampling == SAMPLING_BSDF_ONLY ? 1.0f : 0.0f);
-      // Where the closed form of a light is added, only next-event estimation samples that light.
-      const bool controlled = is_controlled(scene, emission.of_polygon);
-      const float weight = get_depth(paths, i + j) > 0 ? (controlled ? 0.0f : bsdf_weight) : seen;
+      const float pdf = get_direction_pdf(paths, i + j);
+      const bool alone = (sampling == SAMPLING_BSDF_ONLY) | (pdf == DELTA_PDF);
+      const float bsdf_weight = alone ? 1.0f
+                                : sampling == SAMPLING_MIS ? mis_weight(heuristic, pdf, emission.pdf)
+                                                           : 0.0f;
+      const float weight = get_depth(paths, i + j) > 0 ? bsdf_weight : seen;
       const vec3 found = mul(get_throughput(paths, i + j), scale(emission.radiance, weight));
       set_radiance(paths, i + j, add(get_radiance(paths, i + j), found));
     }
@@ -70,14 +92,15 @@ STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* pa
       const LightSample light = load_light_sample(&step->lights, j);
       const BsdfValue value = load_bsdf_value(&step->values, j);
       const float shared = sampling == SAMPLING_MIS ? mis_weight(heuristic, light.pdf, value.pdf) : 1.0f;
-      const bool alone = light.delta | is_controlled(scene, light.of_polygon);
+      const bool controlled = is_controlled(scene, load_closure(&step->closures, j), light.of_polygon);
+      const bool alone = light.delta | controlled;
       const float weight = (alone ? 1.0f : shared) / (light.pdf > 0.0f ? light.pdf : 1.0f);
       const bool scatters = is_hit(s) & (get_depth(paths, i + j) + 1 < max_depth);
       const bool lit = scatters & (light.tmax > 0.0f) & (value.pdf > 0.0f) &
                        ((sampling != SAMPLING_BSDF_ONLY) | light.delta);
       const vec3 arriving =
           mul(get_throughput(paths, i + j), scale(mul(value.f_cos, light.radiance), weight));
-      request_shadow_ray(scene, paths, i + j, s, light, arriving, lit);
+      request_shadow_ray(scene, paths, i + j, s, light, arriving, lit, controlled);
     }
 }
 
@@ -118,18 +141,27 @@ FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
     const bool scatters = any_scatters(h, paths, i);
     if (scatters) path_numbers(h, steps + 1 >= h->integrator.rr_depth, paths, i, step.u);
     find_surfaces(scene, paths, i, &step.surfaces);
+    find_closures(scene, &step);
 #if HAS(LAYERS)
-    if (NEEDS(scene, LAYERS) && steps == 0) record_layers(scene, &step.surfaces, paths, i, slots);
+    if (NEEDS(scene, LAYERS) && steps == 0)
+      record_layers(&step.surfaces, &step.closures, paths, i, slots);
 #endif
     const LightRequest request =
         light_request(scene, true, scatters, scatters, h->integrator.direct_sampling == SAMPLING_MIS);
-    request_lights(scene, request, &step.surfaces, &step.surfaces, paths, i, step.u, &step.samplings);
+    request_lights(scene, request, &step.surfaces, &step.closures, &step.surfaces, paths, i, step.u, &step.samplings);
     find_emissions(scene, &step.surfaces, &step.samplings, &step.emissions);
+#if HAS(POLYGONS)
+    if (NEEDS(scene, POLYGONS)) {
+      drop_controlled(paths, i, &step.emissions);
+      note_controlled(scene, paths, i, &step.closures);
+    }
+#endif
     add_emissions(scene, paths, i, &step.emissions);
     sample_lights(scene, &step);
-    eval_bsdfs(scene, &step);
+    eval_bsdfs(step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
     request_light(scene, paths, i, &step);
-    sample_bsdfs(scene, &step);
+    sample_bsdfs(step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
+                 step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
     continue_paths(scene, paths, i, &step);
   }
 }

@@ -15,6 +15,8 @@ PENUMBRA_NAMESPACE_BEGIN
 typedef struct {
   float u[STEP_DIMENSIONS * LANES];  ///< random numbers, DIM_* of lane j at DIM_* * LANES + j
   Surfaces surfaces;                 ///< where they scatter
+  Closures closures;                 ///< what they scatter at there
+  uint families;                     ///< of the closures
   Surfaces found;                    ///< where their last rays ended, if elsewhere
   LightSamplings samplings;
   Emissions emissions;  ///< what their last rays found
@@ -46,36 +48,23 @@ STAGE void sample_lights(const PRIVATE Scene* scene, PRIVATE StepLanes* RESTRICT
                        load_light_sampling(&step->samplings, j)));
 }
 
-STAGE void eval_bsdfs(const PRIVATE Scene* scene, PRIVATE StepLanes* RESTRICT step) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const Surface s = load_surface(&step->surfaces, j);
-      const vec3 wi = LOAD_LANE_vec3(step->lights.wi, j);
-      store_bsdf_value(&step->values, j, eval_bsdf(scene->materials + s.material, s.shading, s.wo, wi));
-    }
+/// Closures of the surfaces, and which families are among them.
+FN void find_closures(const PRIVATE Scene* scene, PRIVATE StepLanes* step) {
+  resolve_closures(scene, &step->surfaces, &step->closures);
+  step->families = families_among(&step->closures);
 }
 
-STAGE void sample_bsdfs(const PRIVATE Scene* scene, PRIVATE StepLanes* RESTRICT step) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const Surface s = load_surface(&step->surfaces, j);
-      store_bsdf_sample(&step->samples, j,
-                        sample_bsdf(scene->materials + s.material, s.shading, s.wo,
-                                    lane_number(step, DIM_BSDF_U, j), lane_number(step, DIM_BSDF_V, j),
-                                    lane_number(step, DIM_LOBE_CHOICE, j)));
-    }
-}
-
-/// Whether the light's samples at the surface have its closed form as control variate.
-FN bool is_controlled(const PRIVATE Scene* scene, bool of_polygon) {
-  return NEEDS(scene, POLYGONS) & (scene->header.integrator.estimator != ESTIMATOR_SAMPLES) & of_polygon;
+/// Whether samples of the light at a surface of the closure have their closed form as control variate.
+FN bool is_controlled(const PRIVATE Scene* scene, Closure c, bool of_polygon) {
+  return NEEDS(scene, POLYGONS) & (scene->header.integrator.estimator != ESTIMATOR_SAMPLES) &
+         has_closed_form(c) & of_polygon;
 }
 
 /// Requests the shadow ray of lane i's light sample; `arriving` is what it brings if nothing is in the way.
+/// `controlled`: see is_controlled.
 FN void request_shadow_ray(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, Surface s,
-                           LightSample light, vec3 arriving, bool lit) {
+                           LightSample light, vec3 arriving, bool lit, bool controlled) {
   const bool beneath = is_beneath(s, light.wi) & (scene->header.integrator.trace_shadows != 0);
-  const bool controlled = is_controlled(scene, light.of_polygon);
   set_shadow_origin(paths, i, light.origin);
   set_shadow_direction(paths, i, light.toward);
   set_shadow_radiance(paths, i, arriving);
@@ -90,16 +79,14 @@ FN void request_shadow_ray(const PRIVATE Scene* scene, const PRIVATE PathState* 
 
 #if HAS(LAYERS)
 /// Albedo, normal and depth of what the camera rays hit.
-STAGE void record_layers(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+STAGE void record_layers(const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE Closures* RESTRICT closures,
                          const PRIVATE PathState* paths, int i, const PRIVATE SlotState* slots) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(surfaces, j);
-      GLOBAL const Material* m = scene->materials + s.material;
       const vec3 zero = make_vec3(0.0f, 0.0f, 0.0f);
       const int slot = get_slot(paths, i + j);
-      set_slot_albedo(slots, slot,
-                      select3(is_hit(s), add(load3(&m->diffuse), load3(&m->specular)), zero));
+      set_slot_albedo(slots, slot, select3(is_hit(s), closure_albedo(load_closure(closures, j)), zero));
       set_slot_normal(slots, slot, select3(is_hit(s), s.shading, zero));
       set_slot_distance(slots, slot, is_hit(s) ? s.distance : 0.0f);
     }

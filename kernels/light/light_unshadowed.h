@@ -3,7 +3,7 @@
 // bias of the image.
 #ifndef PENUMBRA_LIGHT_UNSHADOWED_H
 #define PENUMBRA_LIGHT_UNSHADOWED_H
-#include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/families.h"
 #include "kernels/intersect/surface.h"
 #include "kernels/light/light_sampling.h"
 #include "kernels/light/projected_light.h"
@@ -18,13 +18,15 @@ typedef struct {
   Receivers receivers;
   double diffuse[3 * LANES];  ///< reflectance, channel c of lane j at c * LANES + j; 0 if it reflects nothing
   double specular[3 * LANES];  ///< likewise
+  int closed[LANES];  ///< 0: the surface's BSDF has no closed form, and its lights are chosen by power
   double polygon[LANES];       ///< index of the polygon light that the point is on, or -1; it adds nothing
 } ShadingPoints;
 
 /// Sets lane j to the surface `s` . A position on a triangle is computed
 /// again in double: far from the scene's centre a rounded one is further off the surface than the errors of
 /// the closed forms allow.
-FN void store_shading_point(const PRIVATE Scene* scene, Surface s, PRIVATE ShadingPoints* points, int j) {
+FN void store_shading_point(const PRIVATE Scene* scene, Surface s, Closure c, PRIVATE ShadingPoints* points,
+                            int j) {
   const bool on_triangle = is_hit(s) & (s.primitive < scene->header.triangle_count);
   const vec3 o = s.from, d = negate(s.wo);
   GLOBAL const Triangle* t = scene->triangles + (on_triangle ? s.primitive : 0);
@@ -59,18 +61,16 @@ FN void store_shading_point(const PRIVATE Scene* scene, Surface s, PRIVATE Shadi
   r->wx[j] = wx * shorten;
   r->wy[j] = wy * shorten;
   r->wz[j] = wz * shorten;
-  GLOBAL const Material* m = scene->materials + s.material;
-  const bool lit = is_hit(s) & (dot3(s.shading, s.wo) > 0.0f);
-  const vec3 diffuse = load3(&m->diffuse), specular = load3(&m->specular);
-  const float exponent = m->exponent, lobe = m->lobe;
-  r->exponent[j] = (lit & (lobe > 0.0f)) ? (double)exponent : -1.0;
+  const bool closed = has_closed_form(c), lit = is_hit(s) & closed & (dot3(s.shading, s.wo) > 0.0f);
+  points->closed[j] = closed ? 1 : 0;
+  r->exponent[j] = (lit & (c.lobe > 0.0f)) ? (double)c.exponent : -1.0;
   points->polygon[j] = (double)own_polygon(scene, s);
-  points->diffuse[j] = lit ? (double)diffuse.x : 0.0;
-  points->diffuse[LANES + j] = lit ? (double)diffuse.y : 0.0;
-  points->diffuse[2 * LANES + j] = lit ? (double)diffuse.z : 0.0;
-  points->specular[j] = lit ? (double)specular.x : 0.0;
-  points->specular[LANES + j] = lit ? (double)specular.y : 0.0;
-  points->specular[2 * LANES + j] = lit ? (double)specular.z : 0.0;
+  points->diffuse[j] = lit ? (double)c.diffuse.x : 0.0;
+  points->diffuse[LANES + j] = lit ? (double)c.diffuse.y : 0.0;
+  points->diffuse[2 * LANES + j] = lit ? (double)c.diffuse.z : 0.0;
+  points->specular[j] = lit ? (double)c.specular.x : 0.0;
+  points->specular[LANES + j] = lit ? (double)c.specular.y : 0.0;
+  points->specular[2 * LANES + j] = lit ? (double)c.specular.z : 0.0;
 }
 
 /// A weighted reservoir of one item, with one entry a lane: of a stream of items it keeps each with a
@@ -221,7 +221,8 @@ STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* 
       const int other = chosen >= polygons ? chosen - polygons : 0;
       const double share =
           reservoir_probability(reservoir, j) * (is_polygon ? reservoir_probability(&part, j) : 1.0);
-      samplings->light[j] = is_polygon ? (chosen_part >= 0 ? chosen_part : 0) : other;
+      const int light = is_polygon ? (chosen_part >= 0 ? chosen_part : 0) : other;
+      samplings->light[j] = points->closed[j] != 0 ? light : -1;
       samplings->pmf[j] = chosen >= 0 ? (float)share : 0.0f;
       projected[j] = is_polygon ? part.weight[j] : 0.0;
       const float left = (float)(is_polygon ? part.u[j] : reservoir->u[j]);

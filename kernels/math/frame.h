@@ -26,12 +26,18 @@ FN vec3 to_frame(vec3 n, vec3 v) {
   return make_vec3(dot3(v, s), dot3(v, t), dot3(v, n));
 }
 
-/// Density cos / pi about n.
-FN vec3 sample_cosine_hemisphere(vec3 n, float u, float v) {
+/// Density cos / pi about the z axis.
+FN vec3 cosine_hemisphere(float u, float v) {
   float s, c;
   sincos_2pi(v, &s, &c);
-  float r = SQRT(u);
-  return from_frame(n, r * c, r * s, SQRT(1.0f - u));
+  const float r = SQRT(u);
+  return make_vec3(r * c, r * s, SQRT(1.0f - u));
+}
+
+/// Density cos / pi about n.
+FN vec3 sample_cosine_hemisphere(vec3 n, float u, float v) {
+  const vec3 w = cosine_hemisphere(u, v);
+  return from_frame(n, w.x, w.y, w.z);
 }
 
 /// Density 1 / (2 pi) about n.

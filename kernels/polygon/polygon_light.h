@@ -2,10 +2,11 @@
 // and to a Phong lobe. In double, since their errors are a bias that no number of samples averages out.
 #ifndef PENUMBRA_POLYGON_LIGHT_H
 #define PENUMBRA_POLYGON_LIGHT_H
+#include "kernels/bsdf/families.h"
 #include "kernels/polygon/polygon_edge.h"
 #include "kernels/polygon/polygon_receivers.h"
 #include "kernels/scene.h"
-#if HAS(PHONG)
+#if HAS_FAMILY(PHONG)
   #include "kernels/polygon/polygon_lobe_lanes.h"
 #endif
 
@@ -49,7 +50,7 @@ STAGE void add_edge_irradiances(vec3d from, vec3d to, const PRIVATE Receivers* R
     }
 }
 
-#if HAS(PHONG)
+#if HAS_FAMILY(PHONG)
 /// Where the outlines cross the horizon. Along it, arcs lead from where an outline sets to where it rises.
 /// Since all crossings are within half a turn, it does not matter which ones are joined: on each loop rising
 /// and setting alternate, and every second crossing is joined to the one before it.
@@ -171,7 +172,7 @@ STAGE void polygon_terms(const PRIVATE Scene* scene, const PRIVATE Receivers* r,
     sums.turn_x[j] = 1.0;
   }
   bool with_lobes = false;
-#if HAS(PHONG)
+#if HAS_FAMILY(PHONG)
   Lobes lobes;
   with_lobes = start_lobes(r, &lobes);
   if (with_lobes) {

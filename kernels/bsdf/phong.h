@@ -1,0 +1,44 @@
+// Lambert and a normalised Phong lobe: f = diffuse / pi + specular (n + 2) / (2 pi) max(0, cos alpha)^n, alpha
+// between wi and the mirror direction of wo (Lafortune and Willems 1994).
+#ifndef PENUMBRA_PHONG_H
+#define PENUMBRA_PHONG_H
+#include "kernels/bsdf/families.h"
+#include "kernels/math/frame.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// max(0, cos alpha)^exponent, alpha between the unit vectors a and b: from their difference, since the power
+/// of a rounded cosine near 1 loses all digits at exponents of 1e4.
+FN float cosine_power(vec3 a, vec3 b, float exponent) {
+  const vec3 difference = sub(a, b);
+  const float versine = 0.5f * dot3(difference, difference);
+  const float power = exp_f(exponent * log1p_f(-min_f(versine, 0.9999999f)));
+  return versine < 1.0f ? power : 0.0f;
+}
+
+FN BsdfValue phong_eval(Closure c, vec3 wo, vec3 wi) {
+  const bool reflects = (wi.z > 0.0f) & (wo.z > 0.0f);
+  const float lambert = wi.z * INV_PI_F;
+  const float lobe = cosine_power(make_vec3(-wo.x, -wo.y, wo.z), wi, c.exponent) * (0.5f * INV_PI_F);
+  BsdfValue value;
+  value.f_cos = add(scale(c.diffuse, lambert), scale(c.specular, (c.exponent + 2.0f) * lobe * wi.z));
+  value.pdf = (1.0f - c.lobe) * lambert + c.lobe * ((c.exponent + 1.0f) * lobe);
+  return select_bsdf_value(reflects, value, no_bsdf_value());
+}
+
+FN BsdfSample phong_sample(Closure c, vec3 wo, float u, float v, float choice) {
+  const float power = log_f(1.0f - u) / (c.exponent + 1.0f);
+  float sine, cosine;
+  sincos_2pi(v, &sine, &cosine);
+  const float r = safe_sqrt(-expm1_f(2.0f * power));
+  const vec3 around = from_frame(make_vec3(-wo.x, -wo.y, wo.z), r * cosine, r * sine, exp_f(power));
+  BsdfSample s = no_bsdf_sample();
+  s.wi = select3(choice < c.lobe, around, cosine_hemisphere(u, v));
+  const BsdfValue value = phong_eval(c, wo, s.wi);
+  s.pdf = value.pdf;
+  s.weight = scale(value.f_cos, 1.0f / (s.pdf > 0.0f ? s.pdf : 1.0f));
+  return s;
+}
+
+PENUMBRA_NAMESPACE_END
+#endif
