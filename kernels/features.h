@@ -9,7 +9,6 @@
   X(PATH, 0x001, "path integrator")                                           \
   X(DIRECT, 0x002, "direct integrator")                                       \
   X(BVH, 0x004, "bounding volume hierarchy")                                  \
-  X(PHONG, 0x008, "Phong BSDF")                                               \
   X(SHADING_NORMALS, 0x010, "interpolated vertex normals")                    \
   X(QUADRICS, 0x020, "spheres and disks")                                     \
   X(POINT_LIGHTS, 0x040, "point lights")                                      \
@@ -26,7 +25,6 @@
 #define FEATURE_PATH 0x001
 #define FEATURE_DIRECT 0x002
 #define FEATURE_BVH 0x004
-#define FEATURE_PHONG 0x008
 #define FEATURE_SHADING_NORMALS 0x010
 #define FEATURE_QUADRICS 0x020
 #define FEATURE_POINT_LIGHTS 0x040
@@ -40,7 +38,7 @@
 #define FEATURE_RATIO 0x4000
 #define FEATURE_ALL 0x7fff
 
-/// A kernel source tests `HAS(PHONG)`; FEATURES comes from the build.
+/// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)
 /// Whether the scene needs it too: native kernels are compiled for more than their scene, and do not call what
 /// it does not need.

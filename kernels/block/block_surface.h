@@ -32,7 +32,7 @@ STAGE void interpolate_normals(const PRIVATE Scene* scene, const PRIVATE PathSta
 #if HAS(QUADRICS)
 STAGE void find_quadric_points(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                                PRIVATE PrimitivePoints* RESTRICT points) {
-  const int triangle_count = scene->header.triangle_count;
+  const int triangle_count = scene->header.tables.triangles.count;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const int quadric = get_hit(paths, i + j) - triangle_count;

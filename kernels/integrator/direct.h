@@ -26,7 +26,7 @@ FN void direct_numbers(const PRIVATE SceneHeader* h, int k, const PRIVATE PathSt
   if (k < bsdf_samples)
     sample_pair(h->sampler.kind, spp, nth_point(step_point(1u), bsdf_samples, k), paths, i, u + DIM_BSDF_U * LANES,
                 u + DIM_BSDF_V * LANES);
-  if ((k < bsdf_samples) | ((k < emitter_samples) & (h->light_count > 1)))
+  if ((k < bsdf_samples) | ((k < emitter_samples) & (h->tables.lights.count > 1)))
     sample_pair(h->sampler.kind, spp, nth_point(step_point(2u), most, k), paths, i, u + DIM_LIGHT_FINE * LANES,
                 u + DIM_LOBE_CHOICE * LANES);
 }

@@ -26,7 +26,7 @@ FN void path_numbers(const PRIVATE SceneHeader* h, bool roulette, const PRIVATE 
   const uint spp = sequence_length(h);
   sample_pair(h->sampler.kind, spp, step_point(0u), paths, i, u + DIM_LIGHT_U * LANES, u + DIM_LIGHT_V * LANES);
   sample_pair(h->sampler.kind, spp, step_point(1u), paths, i, u + DIM_BSDF_U * LANES, u + DIM_BSDF_V * LANES);
-  const bool chooses = h->light_count > 1;  // a single light needs no finer digits
+  const bool chooses = h->tables.lights.count > 1;  // a single light needs no finer digits
   if (chooses | ((h->families & families_with(SEVERAL_LOBES)) != 0u))
     sample_pair(h->sampler.kind, spp, step_point(2u), paths, i, u + (chooses ? DIM_LIGHT_FINE : DIM_SPARE) * LANES,
                 u + DIM_LOBE_CHOICE * LANES);

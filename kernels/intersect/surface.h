@@ -30,7 +30,7 @@ LANE_RECORD(PrimitivePoint, PrimitivePoints, primitive_point, PRIMITIVE_POINT_FI
 
 /// Record 0 stands in where the primitive is no triangle.
 FN int triangle_of(const PRIVATE Scene* scene, int primitive) {
-  const bool is_triangle = (primitive >= 0) & (primitive < scene->header.triangle_count);
+  const bool is_triangle = (primitive >= 0) & (primitive < scene->header.tables.triangles.count);
   return is_triangle ? primitive : 0;
 }
 
@@ -127,7 +127,7 @@ FN Surface surface_at(const PRIVATE Scene* scene, int primitive, vec3 o, vec3 d)
   if (NEEDS(scene, SHADING_NORMALS)) r.shading = interpolated_normal(scene, triangle, r);
 #endif
 #if HAS(QUADRICS)
-  const int quadric = primitive - scene->header.triangle_count;
+  const int quadric = primitive - scene->header.tables.triangles.count;
   if (NEEDS(scene, QUADRICS) & (quadric >= 0)) r = quadric_point(scene, quadric, o, d);
 #endif
   return seen_surface(primitive, o, d, r);

@@ -1,10 +1,10 @@
 #include "scheduler/watch/render_feed.h"
 
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "kernels/features.h"
+#include "kernels/host/device_scene_tables.h"
 
 namespace penumbra {
 namespace {
@@ -27,13 +27,8 @@ bool is_hybrid(const DeviceScene& scene) {
       h.integrator.estimator != ESTIMATOR_ALPHA || h.integrator.emitter_samples == 0)
     return false;
   int parts = 0;
-  for (int i = 0; i < h.polygon_count; ++i) {
-    Polygon polygon;
-    std::memcpy(&polygon, scene.words.data() + h.polygons + std::size_t(i) * (sizeof polygon / 4),
-                sizeof polygon);
-    parts += polygon.light_count;
-  }
-  return parts == h.light_count;
+  for (const Polygon& polygon : table<Polygon>(scene, h.tables.polygons)) parts += polygon.light_count;
+  return parts == h.tables.lights.count;
 }
 
 TileSnapshot snapshot_of(const FilmAccumulator& film, const RenderUnit& area, bool hybrid, float alpha) {
