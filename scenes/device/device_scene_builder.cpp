@@ -102,17 +102,20 @@ class Builder {
     records_.materials.push_back({});  // 0: absorbs everything
     for (const Bsdf& bsdf : scene_.bsdfs) {
       Material m{};
-      if (const auto* diffuse = std::get_if<DiffuseBsdf>(&bsdf.model))
+      if (const auto* diffuse = std::get_if<DiffuseBsdf>(&bsdf.model)) {
+        m.family = FAMILY_DIFFUSE;
         m.diffuse = to_vec3(diffuse->reflectance);
+      }
       if (const auto* phong = std::get_if<PhongBsdf>(&bsdf.model)) {
         m.diffuse = to_vec3(phong->diffuse);
         m.specular = to_vec3(phong->specular);
         m.exponent = phong->exponent;
         const double sum = mean(phong->diffuse) + mean(phong->specular);
         m.lobe = sum > 0 ? float(mean(phong->specular) / sum) : 0.0f;
-        if (m.lobe > 0) need(FEATURE_PHONG);
+        m.family = m.lobe > 0 ? FAMILY_PHONG : FAMILY_DIFFUSE;
       }
       records_.materials.push_back(m);
+      h_.families |= 1u << m.family;
     }
   }
 

@@ -76,7 +76,7 @@ void set_estimator(const SceneDescription& scene, const LightBuilder& lights, Sc
   } else if (integrator.alpha) {
     h.integrator.estimator = ESTIMATOR_ALPHA;
     h.adjustable.alpha = *integrator.alpha;
-  } else if ((h.features & FEATURE_PHONG) == 0u && h.integrator.light_choice == CHOICE_ANALYTIC &&
+  } else if ((h.families & ~(1u << FAMILY_DIFFUSE)) == 0u && h.integrator.light_choice == CHOICE_ANALYTIC &&
              lights.constant_if_projected()) {
     use_samples_alone(h);
   } else {
