@@ -4,6 +4,7 @@
 #ifndef PENUMBRA_SCENE_TYPES_H
 #define PENUMBRA_SCENE_TYPES_H
 #include "kernels/features.h"
+#include "kernels/light/light_kinds.h"
 #include "kernels/math/vec3.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -51,13 +52,6 @@ PENUMBRA_NAMESPACE_BEGIN
 #define EMITTER_AREA 0
 #define EMITTER_SOLID_ANGLE 1
 #define EMITTER_PROJECTED 2
-
-#define LIGHT_TRIANGLE 0
-#define LIGHT_SPHERE 1
-#define LIGHT_DISK 2
-#define LIGHT_POINT 3
-#define LIGHT_ENVIRONMENT 4
-#define LIGHT_RECTANGLE 5
 
 #define QUADRIC_SPHERE 0
 #define QUADRIC_DISK 1
@@ -182,6 +176,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, estimator)         /* ESTIMATOR_* */                                                      \
   F(float, alpha)           /* ESTIMATOR_ALPHA */                                                  \
   F(int, environment)       /* index of the environment light, or -1 */                            \
+  F(uint, light_kinds)      /* bits 1 << LIGHT_* of the lights there are */                        \
   F(int, dropped_triangles) /* without area in single precision: left out, and said */             \
   F(int, duplicate_lights)  /* light triangles that repeat another one: they do not shine twice */ \
   F(int, triangle_count)                                                                           \

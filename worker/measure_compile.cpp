@@ -82,6 +82,7 @@ Expected<void> run(int count, char** arguments) {
   const auto own = measure(*scene, options);
   if (!own) return std::unexpected(own.error());
   scene->header.features = (FEATURE_ALL & ~FEATURE_BVH) | (own_features & FEATURE_BVH);
+  scene->header.light_kinds = ALL_LIGHT_KINDS;
   const auto everything = measure(*scene, options);
   if (!everything) return std::unexpected(everything.error());
   std::string device = own->device.substr(0, own->device.find(", features"));

@@ -66,7 +66,8 @@ std::string opencl_error_text(cl_int code) {
 }
 
 OpenClSource opencl_source(const OpenClDeviceInfo& device, std::string_view file,
-                           std::span<const EmbeddedFile> files, std::uint32_t features, int lanes) {
+                           std::span<const EmbeddedFile> files, std::uint32_t features, int lanes,
+                           std::uint32_t light_kinds) {
   SourceText text(files);
   text.append(file);
   cl_uint native_width = 1;
@@ -76,7 +77,8 @@ OpenClSource opencl_source(const OpenClDeviceInfo& device, std::string_view file
   cl_device_fp_config rounding = 0;
   clGetDeviceInfo(device.id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof rounding, &rounding, nullptr);
   std::string options =
-      fmt::format("-cl-std=CL1.2 -w -DFEATURES={} -DLANES={} -DVECTOR_WIDTH={}", features, lanes, width);
+      fmt::format("-cl-std=CL1.2 -w -DFEATURES={} -DLIGHT_KINDS_MASK={} -DLANES={} -DVECTOR_WIDTH={}",
+                  features, light_kinds, lanes, width);
   if ((rounding & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0)
     options += " -cl-fp32-correctly-rounded-divide-sqrt";
   return {std::string(file), text.text(), options};

@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "kernels/host/error.h"
+#include "kernels/light/light_kinds.h"
 #include "worker/embedded_kernels.h"
 #include "worker/opencl_cache.h"
 #include "worker/opencl_devices.h"
@@ -38,9 +39,10 @@ struct OpenClSource {
 };
 
 /// The embedded file of that name, of `files` or the kernels. `lanes`: paths that one vectorised loop
-/// carries.
+/// carries. `light_kinds`: bits 1 << LIGHT_*.
 OpenClSource opencl_source(const OpenClDeviceInfo& device, std::string_view file,
-                           std::span<const EmbeddedFile> files, std::uint32_t features, int lanes);
+                           std::span<const EmbeddedFile> files, std::uint32_t features, int lanes,
+                           std::uint32_t light_kinds = ALL_LIGHT_KINDS);
 
 /// Compiles. The error holds the device's log.
 Expected<ClProgram> compile_opencl(cl_context context, const OpenClDeviceInfo& device,

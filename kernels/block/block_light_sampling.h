@@ -2,7 +2,8 @@
 // choice of a light by its contribution, closed forms, directions by projected solid angle.
 #ifndef PENUMBRA_BLOCK_LIGHT_SAMPLING_H
 #define PENUMBRA_BLOCK_LIGHT_SAMPLING_H
-#include "kernels/light/light_choice.h"
+#include "kernels/intersect/surface_lanes.h"
+#include "kernels/light/light.h"
 #include "kernels/light/light_unshadowed.h"
 #include "kernels/light/projected_light.h"
 #include "kernels/sampler/sampler.h"
@@ -23,9 +24,7 @@ typedef struct {
   bool path;       ///< the surface is the last ray's hit, which left a surface with normal REFERENCE_NORMAL
 } LightRequest;
 
-FN bool uses_projected(const PRIVATE Scene* scene) {
-  return (scene->header.features & FEATURE_PROJECTED) != 0u;
-}
+FN bool uses_projected(const PRIVATE Scene* scene) { return NEEDS(scene, PROJECTED); }
 
 /// `emits`: the step samples a light. `first`: the step is the first one at its surface. `balances`: other
 /// samples may hit lights too.
@@ -34,20 +33,21 @@ FN LightRequest light_request(const PRIVATE Scene* scene, bool path, bool emits,
   request.path = path;
   request.choice = HAS(POLYGONS) && emits && scene->header.light_choice == CHOICE_ANALYTIC;
   request.closed = HAS(POLYGONS) && first && scene->header.estimator != ESTIMATOR_SAMPLES;
-  request.projected = HAS(PROJECTED) && emits && uses_projected(scene);
-  request.found = HAS(PROJECTED) && balances && uses_projected(scene);
+  request.projected = emits && uses_projected(scene);
+  request.found = balances && uses_projected(scene);
   return request;
 }
 
 #if HAS(POLYGONS)
-STAGE void store_shading_points(const PRIVATE Scene* scene, SurfaceFields at, const GLOBAL float* RESTRICT f,
+STAGE void store_shading_points(const PRIVATE Scene* scene, SurfaceFields at,
+                                const PRIVATE Surfaces* RESTRICT surfaces, const GLOBAL float* RESTRICT f,
                                 const GLOBAL int* RESTRICT ints, int capacity, int i,
                                 PRIVATE ShadingPoints* RESTRICT points) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const int primitive = ints[at.hit * capacity + i + j];
       const vec3 o = LOAD3(f, capacity, at.origin_x, i + j), d = LOAD3(f, capacity, at.direction_x, i + j);
-      store_shading_point(scene, surface_at(scene, primitive, o, d), primitive, o, d, points, j);
+      store_shading_point(scene, load_surface(surfaces, j), primitive, o, d, points, j);
     }
 }
 
@@ -69,13 +69,13 @@ STAGE void add_analytic(GLOBAL float* RESTRICT f, int capacity, int i, bool path
 /// shares its random number with the point on the light and replaces it by the remainder, which is uniform in
 /// [0, 1) again.
 STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request, SurfaceFields at,
-                            GLOBAL float* RESTRICT f, const GLOBAL int* RESTRICT ints, int capacity, int i,
-                            PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT samplings,
-                            PRIVATE double* RESTRICT projected) {
+                            const PRIVATE Surfaces* RESTRICT surfaces, GLOBAL float* RESTRICT f,
+                            const GLOBAL int* RESTRICT ints, int capacity, int i, PRIVATE float* RESTRICT u,
+                            PRIVATE float* RESTRICT samplings, PRIVATE double* RESTRICT projected) {
   ShadingPoints points;
   Reservoir reservoir;
   double analytic[3 * LANES];
-  store_shading_points(scene, at, f, ints, capacity, i, &points);
+  store_shading_points(scene, at, surfaces, f, ints, capacity, i, &points);
   for (int j = 0; j < LANES; j++) start_reservoir(&reservoir, j, (double)u[DIM_LIGHT_U * LANES + j]);
   const bool one_light = scene->polygons[0].light_count == scene->header.light_count;
   if (request.closed | !one_light)
@@ -90,80 +90,77 @@ STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request, Su
 
 #if HAS(PROJECTED)
 /// Projected solid angles of the lights that are chosen by power.
-STAGE void project_by_power(const PRIVATE Scene* scene, SurfaceFields at, const GLOBAL float* RESTRICT f,
-                            const GLOBAL int* RESTRICT ints, int capacity, int i,
+STAGE void project_by_power(const PRIVATE Scene* scene, const PRIVATE LightReceivers* RESTRICT receivers,
                             const PRIVATE float* RESTRICT u, PRIVATE double* RESTRICT projected) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const Surface s =
-          surface_at(scene, ints[at.hit * capacity + i + j], LOAD3(f, capacity, at.origin_x, i + j),
-                     LOAD3(f, capacity, at.direction_x, i + j));
+      const LightReceiver r = load_receiver(receivers, j);
       const ChosenLight by_power =
           choose_light(scene, u[DIM_LIGHT_U * LANES + j], u[DIM_LIGHT_FINE * LANES + j]);
       GLOBAL const Light* light = scene->lights + by_power.light;
-      const double e = light_irradiance(light, s.p.x, s.p.y, s.p.z, s.shading.x, s.shading.y, s.shading.z);
-      projected[j] = is_own_light(scene, s, by_power.light) ? 0.0 : e;
+      const double e = light_irradiance(light, r.p.x, r.p.y, r.p.z, r.shading.x, r.shading.y, r.shading.z);
+      projected[j] = is_own_light(scene, r, by_power.light) ? 0.0 : e;
     }
 }
 
 /// Samples directions by projected solid angle to the lights that were chosen.
-STAGE void sample_projected_lights(const PRIVATE Scene* scene, SurfaceFields at,
-                                   const GLOBAL float* RESTRICT f, const GLOBAL int* RESTRICT ints,
-                                   int capacity, int i, const PRIVATE float* RESTRICT u,
-                                   const PRIVATE double* RESTRICT projected,
+STAGE void sample_projected_lights(const PRIVATE Scene* scene,
+                                   const PRIVATE LightReceivers* RESTRICT receivers,
+                                   const PRIVATE float* RESTRICT u, const PRIVATE double* RESTRICT projected,
                                    PRIVATE float* RESTRICT samplings) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const Surface s =
-          surface_at(scene, ints[at.hit * capacity + i + j], LOAD3(f, capacity, at.origin_x, i + j),
-                     LOAD3(f, capacity, at.direction_x, i + j));
       const float number = u[DIM_LIGHT_U * LANES + j];
       const ChosenLight by_power = choose_light(scene, number, u[DIM_LIGHT_FINE * LANES + j]);
       const float chosen = samplings[LIGHT_SAMPLING_LIGHT * LANES + j];
       const bool is_chosen = chosen >= 0.0f;
-      sample_projected_light(scene, s, is_chosen ? (int)chosen : by_power.light, (float)projected[j],
-                             is_chosen ? number : by_power.u, u[DIM_LIGHT_V * LANES + j], samplings, j);
+      sample_projected_light(scene, load_receiver(receivers, j), is_chosen ? (int)chosen : by_power.light,
+                             (float)projected[j], is_chosen ? number : by_power.u, u[DIM_LIGHT_V * LANES + j],
+                             samplings, j);
     }
 }
 
 /// Densities for the lights that the last rays hit, for multiple importance sampling.
-STAGE void project_found(const PRIVATE Scene* scene, bool path, SurfaceFields at, GLOBAL float* RESTRICT f,
-                         const GLOBAL int* RESTRICT ints, int capacity, int i,
-                         PRIVATE float* RESTRICT samplings) {
+STAGE void project_found(const PRIVATE Scene* scene, bool path,
+                         const PRIVATE LightReceivers* RESTRICT receivers,
+                         const PRIVATE FoundLights* RESTRICT found, GLOBAL float* RESTRICT f, int capacity,
+                         int i, PRIVATE float* RESTRICT samplings) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i + j);
       const vec3 toward = LOAD3(f, capacity, RAY_DIRECTION_X, i + j);
-      const Surface found = surface_at(scene, ints[HIT * capacity + i + j], from, toward);
-      const Surface s =
-          surface_at(scene, ints[at.hit * capacity + i + j], LOAD3(f, capacity, at.origin_x, i + j),
-                     LOAD3(f, capacity, at.direction_x, i + j));
+      const vec3 shading = LOAD3(receivers->shading, LANES, 0, j);
       const vec3 kept = LOAD3(f, capacity, REFERENCE_NORMAL_X, i + j);
-      projected_density_of_found(scene, found, from, toward, select3(path, kept, s.shading), samplings, j);
+      projected_density_of_found(scene, found->light[j], from, toward, select3(path, kept, shading),
+                                 samplings, j);
       // A path's next ray leaves this surface. Without `path` the field holds the camera ray's direction.
-      const vec3 keep = select3(path, s.shading, kept);
+      const vec3 keep = select3(path, shading, kept);
       STORE3(f, capacity, REFERENCE_NORMAL_X, i + j, keep);
     }
 }
 #endif
 
 /// Light samplings of LANES paths from lane i on; u holds a step's STEP_DIMENSIONS * LANES numbers. It is a
-/// function of its own because its branches would split the loops of the step.
-STAGE void sample_light_lanes(const PRIVATE Scene* scene, LightRequest request, SurfaceFields at,
-                              GLOBAL float* RESTRICT f, const GLOBAL int* RESTRICT ints, int capacity, int i,
-                              PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT samplings) {
+/// function of its own because its branches would split the loops of the step. `found`: what their last rays
+/// found, where that is requested.
+STAGE void prepare_light_lanes(const PRIVATE Scene* scene, LightRequest request, SurfaceFields at,
+                               const PRIVATE Surfaces* RESTRICT surfaces,
+                               const PRIVATE LightReceivers* RESTRICT receivers,
+                               const PRIVATE FoundLights* RESTRICT found, GLOBAL float* RESTRICT f,
+                               const GLOBAL int* RESTRICT ints, int capacity, int i,
+                               PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT samplings) {
 #if HAS_LIGHT_SAMPLING
   double projected[LANES];
   for (int j = 0; j < LANES; j++) store_light_sampling(samplings, j, no_light_sampling());
 #endif
 #if HAS(POLYGONS)
   if (request.choice | request.closed)
-    unshadowed_lanes(scene, request, at, f, ints, capacity, i, u, samplings, projected);
+    unshadowed_lanes(scene, request, at, surfaces, f, ints, capacity, i, u, samplings, projected);
 #endif
 #if HAS(PROJECTED)
-  if (request.found) project_found(scene, request.path, at, f, ints, capacity, i, samplings);
-  if (request.projected & !request.choice) project_by_power(scene, at, f, ints, capacity, i, u, projected);
-  if (request.projected) sample_projected_lights(scene, at, f, ints, capacity, i, u, projected, samplings);
+  if (request.found) project_found(scene, request.path, receivers, found, f, capacity, i, samplings);
+  if (request.projected & !request.choice) project_by_power(scene, receivers, u, projected);
+  if (request.projected) sample_projected_lights(scene, receivers, u, projected, samplings);
 #endif
 }
 

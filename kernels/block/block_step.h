@@ -26,25 +26,64 @@ FN void step_numbers(const PRIVATE SceneHeader* h, uint pair, bool roulette, con
 }
 
 #if HAS(PATH)
+/// What the last rays of LANES paths from lane i on hit.
+STAGE void find_path_surfaces(const PRIVATE Scene* scene, const GLOBAL float* RESTRICT f,
+                              const GLOBAL int* RESTRICT ints, int capacity, int i,
+                              PRIVATE Surfaces* RESTRICT surfaces, PRIVATE LightReceivers* RESTRICT receivers,
+                              PRIVATE FoundLights* RESTRICT found) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i + j);
+      const vec3 toward = LOAD3(f, capacity, RAY_DIRECTION_X, i + j);
+      const Surface s = surface_at(scene, ints[HIT * capacity + i + j], from, toward);
+      store_surface(surfaces, j, s);
+      store_receiver(receivers, j, receiver_of(s));
+      store_found_light(scene, s, from, found, j);
+    }
+}
+
+STAGE void scatter_paths(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
+                         int capacity, int step, int i, const PRIVATE float* RESTRICT u,
+                         const PRIVATE Surfaces* RESTRICT surfaces,
+                         const PRIVATE Emissions* RESTRICT emissions,
+                         const PRIVATE LightSamples* RESTRICT samples) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++)
+      path_step(scene, f, ints, capacity, step, i + j, u, j, load_surface(surfaces, j),
+                load_emission(emissions, j), load_light_sample(samples, j));
+}
+
 STAGE void step_paths(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                       int capacity, int count, int step) {
   const PRIVATE SceneHeader* h = &scene->header;
   const uint pair = step_pair(step);
   const bool roulette = step + 1 >= h->rr_depth, scatters = step + 1 < h->max_depth;
-  const LightRequest request =
-      light_request(scene, true, scatters, scatters, h->direct_sampling == SAMPLING_MIS);
-  SurfaceFields surface;
-  surface.hit = HIT;
-  surface.origin_x = RAY_ORIGIN_X;
-  surface.direction_x = RAY_DIRECTION_X;
+  const bool balances = h->direct_sampling == SAMPLING_MIS;
+  const LightRequest request = light_request(scene, true, scatters, scatters, balances);
+  SurfaceFields at;
+  at.hit = HIT;
+  at.origin_x = RAY_ORIGIN_X;
+  at.direction_x = RAY_DIRECTION_X;
   float u[STEP_DIMENSIONS * LANES];
   for (int j = 0; j < STEP_DIMENSIONS * LANES; j++) u[j] = 0.0f;
   for (int i = 0; i < count; i += LANES) {
-    if (scatters) step_numbers(h, pair, roulette, ints, capacity, i, u);
+    Surfaces surfaces;
+    LightReceivers receivers;
+    FoundLights found;
+    Emissions emissions;
+    LightSamples samples;
     float samplings[LIGHT_SAMPLING_FLOATS];
-    sample_light_lanes(scene, request, surface, f, ints, capacity, i, u, samplings);
-    LANE_LOOP
-      for (int j = 0; j < LANES; j++) path_step(scene, f, ints, capacity, step, i + j, u, j, samplings);
+    if (scatters) step_numbers(h, pair, roulette, ints, capacity, i, u);
+    find_path_surfaces(scene, f, ints, capacity, i, &surfaces, &receivers, &found);
+    prepare_light_lanes(scene, request, at, &surfaces, &receivers, &found, f, ints, capacity, i, u,
+                        samplings);
+    find_emissions(scene, &found, balances & (step > 0), samplings, &emissions);
+    if (scatters)
+      sample_lights(scene, &receivers, u + DIM_LIGHT_U * LANES, u + DIM_LIGHT_V * LANES,
+                    u + DIM_LIGHT_FINE * LANES, samplings, &samples);
+    else
+      sample_no_lights(&samples);
+    scatter_paths(scene, f, ints, capacity, step, i, u, &surfaces, &emissions, &samples);
   }
 }
 #endif
@@ -59,31 +98,61 @@ STAGE void keep_camera_rays(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
 
 // One stage each, so that what a scene does not need is not computed.
 
-STAGE void see_emitters(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
-                        int capacity, int i) {
+/// What the camera rays of LANES paths from lane i on hit.
+STAGE void find_camera_surfaces(const PRIVATE Scene* scene, const GLOBAL float* RESTRICT f,
+                                const GLOBAL int* RESTRICT ints, int capacity, int i,
+                                PRIVATE Surfaces* RESTRICT surfaces,
+                                PRIVATE LightReceivers* RESTRICT receivers) {
   LANE_LOOP
-    for (int j = i; j < i + LANES; j++) see_emitter(scene, f, ints, capacity, j);
+    for (int j = 0; j < LANES; j++) {
+      const Surface s =
+          surface_at(scene, ints[CAMERA_HIT * capacity + i + j], LOAD3(f, capacity, CAMERA_ORIGIN_X, i + j),
+                     LOAD3(f, capacity, CAMERA_DIRECTION_X, i + j));
+      store_surface(surfaces, j, s);
+      store_receiver(receivers, j, receiver_of(s));
+    }
+}
+
+/// What their last rays found.
+STAGE void find_lights(const PRIVATE Scene* scene, const GLOBAL float* RESTRICT f,
+                       const GLOBAL int* RESTRICT ints, int capacity, int i,
+                       PRIVATE FoundLights* RESTRICT found) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i + j);
+      const vec3 toward = LOAD3(f, capacity, RAY_DIRECTION_X, i + j);
+      store_found_light(scene, surface_at(scene, ints[HIT * capacity + i + j], from, toward), from, found, j);
+    }
+}
+
+STAGE void see_emitters(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, int capacity, int i,
+                        const PRIVATE Emissions* RESTRICT emissions) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) see_emitter(scene, f, capacity, i + j, load_emission(emissions, j));
 }
 
 STAGE void weigh_emitters(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
-                          int capacity, int i, const PRIVATE float* RESTRICT samplings) {
+                          int capacity, int i, const PRIVATE Emissions* RESTRICT emissions) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++)
-      weigh_emitter(scene, f, ints, capacity, i + j, load_light_sampling(samplings, j));
+      weigh_emitter(scene, f, ints, capacity, i + j, load_emission(emissions, j));
 }
 
 STAGE void sample_emitters(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
-                           int capacity, int i, const PRIVATE float* RESTRICT u,
-                           const PRIVATE float* RESTRICT samplings) {
+                           int capacity, int i, const PRIVATE Surfaces* RESTRICT surfaces,
+                           const PRIVATE LightSamples* RESTRICT samples) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++)
-      sample_emitter(scene, f, ints, capacity, i + j, u, j, load_light_sampling(samplings, j));
+      sample_emitter(scene, f, ints, capacity, i + j, load_surface(surfaces, j),
+                     load_light_sample(samples, j));
 }
 
 STAGE void sample_directions(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
-                             int capacity, int i, const PRIVATE float* RESTRICT u) {
+                             int capacity, int i, const PRIVATE float* RESTRICT u,
+                             const PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
-    for (int j = 0; j < LANES; j++) sample_direction(scene, f, ints, capacity, i + j, u, j);
+    for (int j = 0; j < LANES; j++)
+      sample_direction(scene, f, ints, capacity, i + j, u, j, load_surface(surfaces, j));
 }
 
 STAGE void begin_steps(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int capacity, bool is_last,
@@ -113,25 +182,39 @@ STAGE void step_direct(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLO
                        int capacity, int count, int step) {
   const PRIVATE SceneHeader* h = &scene->header;
   const bool emits = step < h->emitter_samples, scatters = step < h->bsdf_samples;
-  const bool balances = h->bsdf_samples > 0;
+  const bool balances = h->bsdf_samples > 0, sees = balances | (step == 0);
   const int rays = balances ? h->bsdf_samples + 1 : 1;
   const bool is_last = step + 1 >= (h->emitter_samples > rays ? h->emitter_samples : rays);
   const LightRequest request = light_request(scene, false, emits, step == 0, balances);
-  SurfaceFields surface;
-  surface.hit = CAMERA_HIT;
-  surface.origin_x = CAMERA_ORIGIN_X;
-  surface.direction_x = CAMERA_DIRECTION_X;
+  SurfaceFields at;
+  at.hit = CAMERA_HIT;
+  at.origin_x = CAMERA_ORIGIN_X;
+  at.direction_x = CAMERA_DIRECTION_X;
   float u[STEP_DIMENSIONS * LANES];
   for (int j = 0; j < STEP_DIMENSIONS * LANES; j++) u[j] = 0.0f;
   for (int i = 0; i < count; i += LANES) {
-    direct_numbers(h, step, ints, capacity, i, u);
+    Surfaces surfaces;
+    LightReceivers receivers;
+    FoundLights found;
+    Emissions emissions;
+    LightSamples samples;
     float samplings[LIGHT_SAMPLING_FLOATS];
-    sample_light_lanes(scene, request, surface, f, ints, capacity, i, u, samplings);
-    if (balances) weigh_emitters(scene, f, ints, capacity, i, samplings);
-    if (!balances & (step == 0)) see_emitters(scene, f, ints, capacity, i);
+    direct_numbers(h, step, ints, capacity, i, u);
+    if (emits | scatters | request.found | request.closed)
+      find_camera_surfaces(scene, f, ints, capacity, i, &surfaces, &receivers);
+    if (sees) find_lights(scene, f, ints, capacity, i, &found);
+    prepare_light_lanes(scene, request, at, &surfaces, &receivers, &found, f, ints, capacity, i, u,
+                        samplings);
+    if (sees) find_emissions(scene, &found, step > 0, samplings, &emissions);
+    if (balances) weigh_emitters(scene, f, ints, capacity, i, &emissions);
+    if (sees & !balances) see_emitters(scene, f, capacity, i, &emissions);
     begin_steps(f, ints, capacity, is_last, i);
-    if (emits) sample_emitters(scene, f, ints, capacity, i, u, samplings);
-    if (scatters) sample_directions(scene, f, ints, capacity, i, u);
+    if (emits) {
+      sample_lights(scene, &receivers, u + DIM_LIGHT_U * LANES, u + DIM_LIGHT_V * LANES,
+                    u + DIM_LIGHT_FINE * LANES, samplings, &samples);
+      sample_emitters(scene, f, ints, capacity, i, &surfaces, &samples);
+    }
+    if (scatters) sample_directions(scene, f, ints, capacity, i, u, &surfaces);
   }
 }
 #endif

@@ -28,6 +28,7 @@ class Checker {
 
   void check_header() {
     require((h_.features & ~std::uint32_t(FEATURE_ALL)) == 0, "unknown feature bits");
+    require((h_.light_kinds & ~ALL_LIGHT_KINDS) == 0, "unknown kinds of lights");
     require(in(h_.intersector, INTERSECTOR_PORTABLE, INTERSECTOR_EMBREE), "unknown intersector");
     require(in(h_.sampler, SAMPLER_INDEPENDENT, SAMPLER_SOBOL), "unknown sampler");
     require(in(h_.filter, FILTER_BOX, FILTER_TABULATED), "unknown filter");
@@ -92,7 +93,10 @@ class Checker {
     }
     for (const Light& l : table<Light>(scene_, h_.lights, at_least_one(h_.light_count))) {
       require(in(l.alias, 0, at_least_one(h_.light_count) - 1), "a light's alias is not there");
-      require(in(l.kind, LIGHT_TRIANGLE, LIGHT_RECTANGLE), "a light of unknown kind");
+      require(in(l.kind, 0, LIGHT_KIND_COUNT - 1), "a light of unknown kind");
+      require(h_.light_count == 0 ||
+                  (in(l.kind, 0, LIGHT_KIND_COUNT - 1) && (h_.light_kinds >> l.kind & 1u) != 0),
+              "a light of a kind that the header does not name");
       require(in(l.sampling, EMITTER_AREA, EMITTER_PROJECTED), "a light of unknown sampling");
       constexpr int kNumbers = 1 << 24;  // that a sampler can give
       require(in(l.rank, -kNumbers, kNumbers) && in(l.alias_rank, -kNumbers, kNumbers),

@@ -2,6 +2,7 @@
 // traces the k-th direction and asks for the k-th shadow ray, all from the surface that the camera ray hit.
 #ifndef PENUMBRA_INTEGRATOR_DIRECT_H
 #define PENUMBRA_INTEGRATOR_DIRECT_H
+#include "kernels/block/shadow_ray.h"
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/light/light.h"
 #include "kernels/light/mis.h"
@@ -25,24 +26,18 @@ FN void keep_camera_ray(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints, int
 }
 
 /// Adds what lane i's camera ray found, where no other sample finds emitters.
-FN void see_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
-                    int capacity, int i) {
-  const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i), toward = LOAD3(f, capacity, RAY_DIRECTION_X, i);
-  const Surface found = surface_at(scene, ints[HIT * capacity + i], from, toward);
-  const vec3 radiance = emitted_radiance(scene, found);
+FN void see_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, int capacity, int i,
+                    Emission emission) {
   const float seen = scene->header.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
-  const vec3 sum = add(LOAD3(f, capacity, RADIANCE_X, i), scale(radiance, seen));
+  const vec3 sum = add(LOAD3(f, capacity, RADIANCE_X, i), scale(emission.radiance, seen));
   STORE3(f, capacity, RADIANCE_X, i, sum);
 }
 
 /// Adds what lane i's last ray found: at first the camera's, then one of the direction samples'.
 FN void weigh_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
-                      int capacity, int i, LightSampling sampling) {
+                      int capacity, int i, Emission emission) {
   const bool first = ints[RAY_SKIP * capacity + i] < 0;  // a camera ray starts on no primitive
-  const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i), toward = LOAD3(f, capacity, RAY_DIRECTION_X, i);
   const vec3 throughput = LOAD3(f, capacity, THROUGHPUT_X, i);
-  const Surface found = surface_at(scene, ints[HIT * capacity + i], from, toward);
-  const Emission emission = emission_at(scene, found, from, sampling);
   const float by_direction = (float)scene->header.bsdf_samples * f[DIRECTION_PDF * capacity + i];
   const float by_emitter = (float)scene->header.emitter_samples * emission.pdf;
   const float share = mis_weight(scene->header.heuristic, by_direction, by_emitter);
@@ -54,16 +49,11 @@ FN void weigh_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOB
   STORE3(f, capacity, RADIANCE_X, i, sum);
 }
 
-/// Lane i's emitter sample by u, which holds STEP_DIMENSIONS * LANES numbers, those of lane i at j.
+/// Lane i's emitter sample: `light`, for the surface that its camera ray hit.
 FN void sample_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
-                       int capacity, int i, const PRIVATE float* u, int j, LightSampling sampling) {
+                       int capacity, int i, Surface s, LightSample light) {
   const int emitter_samples = scene->header.emitter_samples, bsdf_samples = scene->header.bsdf_samples;
   const int primitive = ints[CAMERA_HIT * capacity + i];
-  const vec3 origin = LOAD3(f, capacity, CAMERA_ORIGIN_X, i);
-  const vec3 direction = LOAD3(f, capacity, CAMERA_DIRECTION_X, i);
-  const Surface s = surface_at(scene, primitive, origin, direction);
-  const LightSample light = sample_light(scene, s, u[DIM_LIGHT_U * LANES + j], u[DIM_LIGHT_V * LANES + j],
-                                         u[DIM_LIGHT_FINE * LANES + j], sampling);
   const BsdfValue value = eval_bsdf(scene->materials + s.material, s.shading, s.wo, light.wi);
   const float other = direction_pdf(scene->header.bsdf_sampling, s.shading, light.wi, value.pdf);
   const float by_emitter = (float)emitter_samples * light.pdf, by_direction = (float)bsdf_samples * other;
@@ -74,14 +64,12 @@ FN void sample_emitter(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLO
   ask_for_shadow_ray(scene, f, ints, capacity, i, s, light, arriving, lit, primitive);
 }
 
-/// Lane i's direction sample, as its next ray.
+/// Lane i's direction sample by u, which holds STEP_DIMENSIONS * LANES numbers, those of lane i at j: its
+/// next ray, from the surface that its camera ray hit.
 FN void sample_direction(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
-                         int capacity, int i, const PRIVATE float* u, int j) {
+                         int capacity, int i, const PRIVATE float* u, int j, Surface s) {
   const int kind = scene->header.bsdf_sampling;
   const int primitive = ints[CAMERA_HIT * capacity + i];
-  const vec3 camera_origin = LOAD3(f, capacity, CAMERA_ORIGIN_X, i);
-  const vec3 camera_direction = LOAD3(f, capacity, CAMERA_DIRECTION_X, i);
-  const Surface s = surface_at(scene, primitive, camera_origin, camera_direction);
   GLOBAL const Material* material = scene->materials + s.material;
   const float du = u[DIM_BSDF_U * LANES + j], dv = u[DIM_BSDF_V * LANES + j];
   const BsdfSample by_bsdf = sample_bsdf(material, s.shading, s.wo, du, dv, u[DIM_LOBE_CHOICE * LANES + j]);

@@ -2,6 +2,7 @@
 // it found and ask for at most one shadow ray and one next ray. It never traces.
 #ifndef PENUMBRA_INTEGRATOR_PATH_H
 #define PENUMBRA_INTEGRATOR_PATH_H
+#include "kernels/block/shadow_ray.h"
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/light/light.h"
 #include "kernels/light/mis.h"
@@ -21,21 +22,16 @@ FN float roulette_survival(float throughput, int k) {
   return min_f(SQRT(2.0f * throughput), 1.0f - 2.0f / ((float)k + ROULETTE_LASTS));
 }
 
-/// Lane i of the block after `step` earlier steps; u holds STEP_DIMENSIONS * LANES numbers, those of lane i
-/// at j.
+/// Lane i of the block after `step` earlier steps, whose last ray hit `s`; u holds STEP_DIMENSIONS * LANES
+/// numbers, those of lane i at j.
 FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
-                  int capacity, int step, int i, const PRIVATE float* u, int j,
-                  const PRIVATE float* samplings) {
+                  int capacity, int step, int i, const PRIVATE float* u, int j, Surface s, Emission emission,
+                  LightSample light) {
   const int sampling = scene->header.direct_sampling;
-  const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i);
-  const vec3 direction = LOAD3(f, capacity, RAY_DIRECTION_X, i);
   vec3 throughput = LOAD3(f, capacity, THROUGHPUT_X, i);
   const float direction_pdf = f[DIRECTION_PDF * capacity + i];
   const int primitive = ints[HIT * capacity + i];
-  const Surface s = surface_at(scene, primitive, from, direction);
 
-  const LightSampling light_sampling = load_light_sampling(samplings, j);
-  const Emission emission = emission_at(scene, s, from, light_sampling);
   const float bsdf_weight = sampling == SAMPLING_MIS
                                 ? mis_weight(scene->header.heuristic, direction_pdf, emission.pdf)
                                 : (sampling == SAMPLING_BSDF_ONLY ? 1.0f : 0.0f);
@@ -51,8 +47,6 @@ FN void path_step(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL i
   GLOBAL const Material* material = scene->materials + s.material;
   const bool scatters = s.valid & (step + 1 < scene->header.max_depth);
 
-  const LightSample light = sample_light(scene, s, u[DIM_LIGHT_U * LANES + j], u[DIM_LIGHT_V * LANES + j],
-                                         u[DIM_LIGHT_FINE * LANES + j], light_sampling);
   const BsdfValue value = eval_bsdf(material, s.shading, s.wo, light.wi);
   const float shared =
       sampling == SAMPLING_MIS ? mis_weight(scene->header.heuristic, light.pdf, value.pdf) : 1.0f;

@@ -64,7 +64,7 @@ FN void store_shading_point(const PRIVATE Scene* scene, Surface s, int primitive
   const vec3 diffuse = load3(&m->diffuse), specular = load3(&m->specular);
   const float exponent = m->exponent, lobe = m->lobe;
   r->exponent[j] = (lit & (lobe > 0.0f)) ? (double)exponent : -1.0;
-  points->polygon[j] = (double)own_polygon(scene, s);
+  points->polygon[j] = (double)own_polygon(scene, s.light);
   points->diffuse[j] = lit ? (double)diffuse.x : 0.0;
   points->diffuse[LANES + j] = lit ? (double)diffuse.y : 0.0;
   points->diffuse[2 * LANES + j] = lit ? (double)diffuse.z : 0.0;

@@ -1,7 +1,6 @@
 // Sampling lights by projected solid angle: a part of the light sampling stage.
 #ifndef PENUMBRA_PROJECTED_LIGHT_H
 #define PENUMBRA_PROJECTED_LIGHT_H
-#include "kernels/intersect/surface.h"
 #include "kernels/light/light_sampling.h"
 #include "kernels/light/projected_triangle.h"
 #include "kernels/math/frame.h"
@@ -34,11 +33,10 @@ FN ProjectedPolygon project_light(GLOBAL const Light* light, vec3 from, vec3 n) 
   return polygon;
 }
 
-/// Stores the density with which sampling by projected solid angle chooses `direction` at `from` with shading
-/// normal `n`. `found` is the surface, or the environment, that a ray in this direction hit.
-FN void projected_density_of_found(const PRIVATE Scene* scene, Surface found, vec3 from, vec3 direction,
-                                   vec3 n, PRIVATE float* samplings, int j) {
-  const int index = light_found(scene, found);
+/// Stores the density with which sampling by projected solid angle chooses the direction in which a ray found
+/// the light of that index, or -1, from a point with shading normal `n`.
+FN void projected_density_of_found(const PRIVATE Scene* scene, int index, vec3 from, vec3 direction, vec3 n,
+                                   PRIVATE float* samplings, int j) {
   GLOBAL const Light* light = scene->lights + (index >= 0 ? index : 0);
   const ProjectedPolygon polygon = project_light(light, from, n);
   const float area = (float)light_irradiance(light, from.x, from.y, from.z, n.x, n.y, n.z);
@@ -47,13 +45,14 @@ FN void projected_density_of_found(const PRIVATE Scene* scene, Surface found, ve
   samplings[LIGHT_SAMPLING_FOUND_PDF * LANES + j] = some ? cosine / (some ? area : 1.0f) : -1.0f;
 }
 
-/// Samples a direction from the surface to the light of that index by (u, v). `area` is its light_irradiance.
-FN void sample_projected_light(const PRIVATE Scene* scene, Surface s, int light, float area, float u, float v,
-                               PRIVATE float* samplings, int j) {
-  const ProjectedPolygon polygon = project_light(scene->lights + light, s.p, s.shading);
-  const bool some = (polygon.area > 0.0f) & (area > 0.0f);
+/// Samples a direction from the receiver to the light of that index by (u, v). `area` is its
+/// light_irradiance. Without a normal there is none.
+FN void sample_projected_light(const PRIVATE Scene* scene, LightReceiver r, int light, float area, float u,
+                               float v, PRIVATE float* samplings, int j) {
+  const ProjectedPolygon polygon = project_light(scene->lights + light, r.p, r.shading);
+  const bool some = r.has_normal & (polygon.area > 0.0f) & (area > 0.0f);
   const vec3 w = sample_projected_polygon(polygon, u, v);
-  const vec3 wi = from_frame(s.shading, w.x, w.y, w.z);
+  const vec3 wi = from_frame(r.shading, w.x, w.y, w.z);
   samplings[LIGHT_SAMPLING_X * LANES + j] = wi.x;
   samplings[LIGHT_SAMPLING_Y * LANES + j] = wi.y;
   samplings[LIGHT_SAMPLING_Z * LANES + j] = wi.z;

@@ -21,6 +21,8 @@ struct Named {
 };
 #define LIST_FEATURE(name, bit, description) {bit, #name, description},
 constexpr Named kFeatures[] = {PENUMBRA_FEATURES(LIST_FEATURE)};
+#define LIST_LIGHT_KIND(name, NAME, number, ways, description) {1u << (number), "LIGHT_" #NAME, description},
+constexpr Named kLightKinds[] = {LIGHT_KINDS(LIST_LIGHT_KIND)};
 
 template <typename T>
 std::uint64_t bytes_of(int records) {
@@ -78,6 +80,8 @@ SceneInventory take_inventory(const SceneDescription& description, const DeviceS
   inventory.features = h.features;
   for (const Named& feature : kFeatures)
     inventory.feature_uses.push_back({feature.name, feature.description, (h.features & feature.bit) != 0u});
+  for (const Named& kind : kLightKinds)
+    inventory.feature_uses.push_back({kind.name, kind.description, (h.light_kinds & kind.bit) != 0u});
 
   const bool build = thorough || std::int64_t(h.triangle_count) + h.quadric_count <= kQuicklyBuilt;
   const std::optional<SearchBytes> search = build ? search_bytes(scene) : std::nullopt;
