@@ -65,6 +65,7 @@ Scene SceneTables::scene() {
   s.header.quadric_count = int(quadrics.size());
   s.header.material_count = int(materials.size());
   s.header.light_count = int(lights.size());
+  for (const Light& light : lights) s.header.light_kinds |= 1u << light.kind;
   s.header.vertex_count = int(vertices.size());
   s.header.corner_count = int(corners.size());
   s.header.node_count = int(nodes.size());

@@ -160,8 +160,9 @@ TEST_F(OpenClDevices, KeepNothingWhereThereIsNoFolder) {
 TEST_F(OpenClDevices, CompileAnewWhatTheDeviceRefusesOrTheDiskDamaged) {
   const DeviceOptions options = opencl_options({.kernel_cache = folder_.path()});
   const OpenClDeviceInfo info = *find_opencl_device("");
-  const std::string key =
-      kernel_cache_key(info, opencl_source(info, "kernels/opencl.cl", {}, scene_.header.features, 16));
+  const std::string key = kernel_cache_key(
+      info,
+      opencl_source(info, "kernels/opencl.cl", {}, scene_.header.features, 16, scene_.header.light_kinds));
   // Whole by the cache's measure, but no program.
   const std::vector<unsigned char> nonsense(1000, 0x5a);
   ASSERT_TRUE(cache_.keep(key, nonsense));
@@ -188,6 +189,7 @@ TEST_F(OpenClDevices, KeysChangeWithAllThatAProgramDependsOn) {
   EXPECT_EQ(key, kernel_cache_key(info, source));
   EXPECT_NE(key, kernel_cache_key(info, opencl_source(info, "kernels/opencl.cl", {}, FEATURE_PATH, 1)));
   EXPECT_NE(key, kernel_cache_key(info, opencl_source(info, "kernels/opencl.cl", {}, FEATURE_DIRECT, 16)));
+  EXPECT_NE(key, kernel_cache_key(info, opencl_source(info, "kernels/opencl.cl", {}, FEATURE_PATH, 16, 1)));
   OpenClSource changed = source;
   changed.text += " ";
   EXPECT_NE(key, kernel_cache_key(info, changed));
