@@ -25,23 +25,24 @@ FN void step_numbers(const PRIVATE SceneHeader* h, uint pair, bool roulette, con
                 u + DIM_SPARE * LANES);
 }
 
-#if HAS(PATH)
-/// What the last rays of LANES paths from lane i on hit.
-STAGE void find_path_surfaces(const PRIVATE Scene* scene, const GLOBAL float* RESTRICT f,
-                              const GLOBAL int* RESTRICT ints, int capacity, int i,
-                              PRIVATE Surfaces* RESTRICT surfaces, PRIVATE LightReceivers* RESTRICT receivers,
-                              PRIVATE FoundLights* RESTRICT found) {
+/// The surfaces that the rays of LANES paths from lane i on hit, kept in those fields, and what they found of
+/// lights there.
+STAGE void find_surfaces(const PRIVATE Scene* scene, SurfaceFields at, const GLOBAL float* RESTRICT f,
+                         const GLOBAL int* RESTRICT ints, int capacity, int i,
+                         PRIVATE Surfaces* RESTRICT surfaces, PRIVATE LightReceivers* RESTRICT receivers,
+                         PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const vec3 from = LOAD3(f, capacity, RAY_ORIGIN_X, i + j);
-      const vec3 toward = LOAD3(f, capacity, RAY_DIRECTION_X, i + j);
-      const Surface s = surface_at(scene, ints[HIT * capacity + i + j], from, toward);
+      const vec3 from = LOAD3(f, capacity, at.origin_x, i + j);
+      const vec3 toward = LOAD3(f, capacity, at.direction_x, i + j);
+      const Surface s = surface_at(scene, ints[at.hit * capacity + i + j], from, toward);
       store_surface(surfaces, j, s);
       store_receiver(receivers, j, receiver_of(s));
       store_found_light(scene, s, from, found, j);
     }
 }
 
+#if HAS(PATH)
 STAGE void scatter_paths(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
                          int capacity, int step, int i, const PRIVATE float* RESTRICT u,
                          const PRIVATE Surfaces* RESTRICT surfaces,
@@ -74,7 +75,7 @@ STAGE void step_paths(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLOB
     LightSamples samples;
     float samplings[LIGHT_SAMPLING_FLOATS];
     if (scatters) step_numbers(h, pair, roulette, ints, capacity, i, u);
-    find_path_surfaces(scene, f, ints, capacity, i, &surfaces, &receivers, &found);
+    find_surfaces(scene, at, f, ints, capacity, i, &surfaces, &receivers, &found);
     prepare_light_lanes(scene, request, at, &surfaces, &receivers, &found, f, ints, capacity, i, u,
                         samplings);
     find_emissions(scene, &found, balances & (step > 0), samplings, &emissions);
@@ -98,22 +99,7 @@ STAGE void keep_camera_rays(GLOBAL float* RESTRICT f, GLOBAL int* RESTRICT ints,
 
 // One stage each, so that what a scene does not need is not computed.
 
-/// What the camera rays of LANES paths from lane i on hit.
-STAGE void find_camera_surfaces(const PRIVATE Scene* scene, const GLOBAL float* RESTRICT f,
-                                const GLOBAL int* RESTRICT ints, int capacity, int i,
-                                PRIVATE Surfaces* RESTRICT surfaces,
-                                PRIVATE LightReceivers* RESTRICT receivers) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const Surface s =
-          surface_at(scene, ints[CAMERA_HIT * capacity + i + j], LOAD3(f, capacity, CAMERA_ORIGIN_X, i + j),
-                     LOAD3(f, capacity, CAMERA_DIRECTION_X, i + j));
-      store_surface(surfaces, j, s);
-      store_receiver(receivers, j, receiver_of(s));
-    }
-}
-
-/// What their last rays found.
+/// What the last rays found of lights.
 STAGE void find_lights(const PRIVATE Scene* scene, const GLOBAL float* RESTRICT f,
                        const GLOBAL int* RESTRICT ints, int capacity, int i,
                        PRIVATE FoundLights* RESTRICT found) {
@@ -200,9 +186,10 @@ STAGE void step_direct(const PRIVATE Scene* scene, GLOBAL float* RESTRICT f, GLO
     LightSamples samples;
     float samplings[LIGHT_SAMPLING_FLOATS];
     direct_numbers(h, step, ints, capacity, i, u);
-    if (emits | scatters | request.found | request.closed)
-      find_camera_surfaces(scene, f, ints, capacity, i, &surfaces, &receivers);
-    if (sees) find_lights(scene, f, ints, capacity, i, &found);
+    // At first the last rays are the camera's.
+    if (emits | scatters | balances | (step == 0))
+      find_surfaces(scene, at, f, ints, capacity, i, &surfaces, &receivers, &found);
+    if (balances & (step > 0)) find_lights(scene, f, ints, capacity, i, &found);
     prepare_light_lanes(scene, request, at, &surfaces, &receivers, &found, f, ints, capacity, i, u,
                         samplings);
     if (sees) find_emissions(scene, &found, step > 0, samplings, &emissions);

@@ -58,17 +58,17 @@ FN void keep_light_sample(const PRIVATE ChosenLights* chosen, int kind, LightSam
                           PRIVATE LightSamples* samples, int j) {
   const LightSample before = load_light_sample(samples, j);
   const bool mine = chosen->kind[j] == kind;
-  LightSample after = before;
   const float pdf = s.pdf * chosen->pmf[j];
   const float tmax = ((chosen->own[j] == 0) & (pdf > 0.0f)) ? s.tmax : -1.0f;
-  after.origin = select3(mine, s.origin, before.origin);
-  after.toward = select3(mine, s.toward, before.toward);
-  after.wi = select3(mine, s.wi, before.wi);
-  after.tmax = mine ? tmax : before.tmax;
-  after.pdf = mine ? pdf : before.pdf;
-  after.delta = (mine & s.delta) | (!mine & before.delta);
-  after.radiance = select3(mine, s.radiance, before.radiance);
-  store_light_sample(samples, j, after);
+  const vec3 origin = select3(mine, s.origin, before.origin), toward = select3(mine, s.toward, before.toward);
+  const vec3 wi = select3(mine, s.wi, before.wi), radiance = select3(mine, s.radiance, before.radiance);
+  STORE3(samples->origin, LANES, 0, j, origin);
+  STORE3(samples->toward, LANES, 0, j, toward);
+  STORE3(samples->wi, LANES, 0, j, wi);
+  STORE3(samples->radiance, LANES, 0, j, radiance);
+  samples->tmax[j] = mine ? tmax : before.tmax;
+  samples->pdf[j] = mine ? pdf : before.pdf;
+  samples->delta[j] = ((mine & s.delta) | (!mine & before.delta)) ? 1 : 0;
 }
 
 /// One a lane; coordinate c of lane j at c * LANES + j.
@@ -166,7 +166,7 @@ FN void keep_emission(const PRIVATE FoundLights* found, int kind, vec3 radiance,
         keep_light_sample(chosen, LIGHT_##NAME, s, samples, j);                                       \
       }                                                                                               \
   }
-#define FOUND_LANES(stage, name, NAME, ways)                                                         \
+#define FOUND_LANES(stage, name, NAME, compared, ways)                                               \
   STAGE void stage(const PRIVATE Scene* scene, const PRIVATE FoundLights* RESTRICT found,            \
                    const PRIVATE float* RESTRICT samplings, PRIVATE Emissions* RESTRICT emissions) { \
     LANE_LOOP                                                                                        \
@@ -175,19 +175,24 @@ FN void keep_emission(const PRIVATE FoundLights* found, int kind, vec3 radiance,
         GLOBAL const Light* light = scene->lights + (index >= 0 ? index : 0);                        \
         const FoundLight one = load_found_light(found, samplings, j);                                \
         const vec3 radiance = name##_light_radiance(light, one.at, one.wi);                          \
-        const float pdf = name##_light_pdf(light, one, ways);                                        \
+        const float pdf = compared ? name##_light_pdf(light, one, ways) : 0.0f;                      \
         keep_emission(found, LIGHT_##NAME, radiance, pdf, emissions, j);                             \
       }                                                                                              \
   }
 #define KIND_LANES(name, NAME, number, ways, description)                               \
   SAMPLE_LANES(sample_##name##_lights, name, NAME, 0u)                                  \
   SAMPLE_LANES(sample_##name##_lights_by_ways, name, NAME, (uint)((FEATURES) & (ways))) \
-  FOUND_LANES(find_##name##_lights, name, NAME, 0u)                                     \
-  FOUND_LANES(find_##name##_lights_by_ways, name, NAME, (uint)((FEATURES) & (ways)))
+  FOUND_LANES(see_##name##_lights, name, NAME, 0, 0u)                                   \
+  FOUND_LANES(find_##name##_lights, name, NAME, 1, 0u)                                  \
+  FOUND_LANES(find_##name##_lights_by_ways, name, NAME, 1, (uint)((FEATURES) & (ways)))
 LIGHT_KINDS(KIND_LANES)
 #undef KIND_LANES
 #undef FOUND_LANES
 #undef SAMPLE_LANES
+
+/// Whether the scene is one whose lights of a kind are sampled by these ways.
+#define NEEDS_WAYS(scene, ways) \
+  (((FEATURES) & (ways)) != 0 && ((scene)->header.features & (uint)(ways)) != 0u)
 
 /// Chooses a light for each receiver by `number` and `fine`, see choose_light, and a point on it by what is
 /// left of `number` and by `v`; or as the samplings say.
@@ -198,7 +203,7 @@ FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE LightReceivers* 
   choose_lights(scene, receivers, number, fine, samplings, &chosen, samples);
 #define SAMPLE_KIND(name, NAME, number, ways, description)                              \
   if (NEEDS_LIGHT(scene, NAME)) {                                                       \
-    if (((FEATURES) & (ways)) != 0 && (scene->header.features & (uint)(ways)) != 0u)    \
+    if (NEEDS_WAYS(scene, ways))                                                        \
       sample_##name##_lights_by_ways(scene, receivers, &chosen, v, samplings, samples); \
     else                                                                                \
       sample_##name##_lights(scene, receivers, &chosen, v, samplings, samples);         \
@@ -207,16 +212,18 @@ FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE LightReceivers* 
 #undef SAMPLE_KIND
 }
 
-/// What the lights that rays found add to them. Densities mean nothing unless they are `compared`.
+/// What the lights that rays found add to them. Densities are 0 unless they are `compared`.
 FN void find_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLights* found, bool compared,
                        const PRIVATE float* samplings, PRIVATE Emissions* emissions) {
   no_emissions(scene, found, emissions);
-#define FIND_KIND(name, NAME, number, ways, description)                                         \
-  if (NEEDS_LIGHT(scene, NAME)) {                                                                \
-    if (((FEATURES) & (ways)) != 0 && compared && (scene->header.features & (uint)(ways)) != 0u) \
-      find_##name##_lights_by_ways(scene, found, samplings, emissions);                          \
-    else                                                                                         \
-      find_##name##_lights(scene, found, samplings, emissions);                                  \
+#define FIND_KIND(name, NAME, number, ways, description)                \
+  if (NEEDS_LIGHT(scene, NAME)) {                                       \
+    if (!compared)                                                      \
+      see_##name##_lights(scene, found, samplings, emissions);          \
+    else if (NEEDS_WAYS(scene, ways))                                   \
+      find_##name##_lights_by_ways(scene, found, samplings, emissions); \
+    else                                                                \
+      find_##name##_lights(scene, found, samplings, emissions);         \
   }
   LIGHT_KINDS(FIND_KIND)
 #undef FIND_KIND

@@ -342,7 +342,7 @@ STAGE void mis_quantity(GLOBAL const double* in, GLOBAL double* out) {
 /// In: centre and radius of a sphere light, point, its normal, u, v. Out: direction, density,
 /// sphere_light_pdf of that direction, length of the shadow ray, or a negative number.
 STAGE void sphere_light_quantity(GLOBAL const double* in, GLOBAL double* out, GLOBAL uint* scratch) {
-  const Scene scene = scratch_scene(scratch);
+  scratch_scene(scratch);
   GLOBAL Light* light = (GLOBAL Light*)(scratch + 256);
   const float radius = in_f(in, 3);
   set_v(&light->radiance, make_vec3(1.0f, 1.0f, 1.0f));
