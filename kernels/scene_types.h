@@ -5,6 +5,7 @@
 #define PENUMBRA_SCENE_TYPES_H
 #include "kernels/bsdf/families.h"
 #include "kernels/features.h"
+#include "kernels/light/light_kinds.h"
 #include "kernels/math/vec3.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -52,13 +53,6 @@ PENUMBRA_NAMESPACE_BEGIN
 #define EMITTER_AREA 0
 #define EMITTER_SOLID_ANGLE 1
 #define EMITTER_PROJECTED 2
-
-#define LIGHT_TRIANGLE 0
-#define LIGHT_SPHERE 1
-#define LIGHT_DISK 2
-#define LIGHT_POINT 3
-#define LIGHT_ENVIRONMENT 4
-#define LIGHT_RECTANGLE 5
 
 #define QUADRIC_SPHERE 0
 #define QUADRIC_DISK 1
@@ -227,6 +221,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(IntegratorParameters, integrator)                                                              \
   F(Adjustable, adjustable)                                                                        \
   F(int, environment)       /* index of the environment light, or -1 */                            \
+  F(uint, light_kinds)      /* bits 1 << LIGHT_* of the lights there are */                        \
   F(int, dropped_triangles) /* without area in single precision: left out, and said */             \
   F(int, duplicate_lights)  /* light triangles that repeat another one: they do not shine twice */ \
   F(TableSpans, tables)

@@ -78,10 +78,12 @@ Expected<void> run(int count, char** arguments) {
   if (count > 1) options.opencl_device = arguments[1];
   options.opencl_tuning.kernel_cache = fs::path();
 
-  const std::uint32_t own_features = scene->header.features;
   const auto own = measure(*scene, options);
   if (!own) return std::unexpected(own.error());
-  scene->header.features = (FEATURE_ALL & ~FEATURE_BVH) | (own_features & FEATURE_BVH);
+  const KernelNeeds every = every_need(scene->header);
+  scene->header.features = every.features;
+  scene->header.families = every.families;
+  scene->header.light_kinds = every.light_kinds;
   const auto everything = measure(*scene, options);
   if (!everything) return std::unexpected(everything.error());
   std::string device = own->device.substr(0, own->device.find(", features"));

@@ -114,7 +114,8 @@ class OpenClDevice final : public Device {
 
   Expected<void> make_kernels(const DeviceOptions& options) {
     const OpenClTuning& tuning = options.opencl_tuning;
-    OpenClSource source = opencl_source(info(), "kernels/opencl.cl", {}, features_, shape_.lanes);
+    OpenClSource source =
+        opencl_source(info(), "kernels/opencl.cl", {}, needs_of(scene_.header), shape_.lanes);
     if (!tuning.build_options.empty()) source.options += " " + tuning.build_options;
     const KernelCache cache(tuning.kernel_cache.value_or(default_kernel_cache()));
     KernelOrigin origin;

@@ -66,7 +66,7 @@ std::string opencl_error_text(cl_int code) {
 }
 
 OpenClSource opencl_source(const OpenClDeviceInfo& device, std::string_view file,
-                           std::span<const EmbeddedFile> files, std::uint32_t features, int lanes) {
+                           std::span<const EmbeddedFile> files, const KernelNeeds& needs, int lanes) {
   SourceText text(files);
   text.append(file);
   cl_uint native_width = 1;
@@ -76,7 +76,8 @@ OpenClSource opencl_source(const OpenClDeviceInfo& device, std::string_view file
   cl_device_fp_config rounding = 0;
   clGetDeviceInfo(device.id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof rounding, &rounding, nullptr);
   std::string options =
-      fmt::format("-cl-std=CL1.2 -w -DFEATURES={} -DLANES={} -DVECTOR_WIDTH={}", features, lanes, width);
+      fmt::format("-cl-std=CL1.2 -w -DFEATURES={} -DFAMILIES={} -DLIGHT_KINDS_MASK={} -DLANES={} -DVECTOR_WIDTH={}",
+                  needs.features, needs.families, needs.light_kinds, lanes, width);
   if ((rounding & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0)
     options += " -cl-fp32-correctly-rounded-divide-sqrt";
   return {std::string(file), text.text(), options};
@@ -99,13 +100,13 @@ Expected<ClProgram> compile_opencl(cl_context context, const OpenClDeviceInfo& d
 }
 
 Expected<ClProgram> compile_opencl(cl_context context, const OpenClDeviceInfo& device, std::string_view file,
-                                   std::span<const EmbeddedFile> files, std::uint32_t features, int lanes) {
-  return compile_opencl(context, device, opencl_source(device, file, files, features, lanes));
+                                   std::span<const EmbeddedFile> files, const KernelNeeds& needs, int lanes) {
+  return compile_opencl(context, device, opencl_source(device, file, files, needs, lanes));
 }
 
 Expected<ClProgram> compile_kernels(cl_context context, const OpenClDeviceInfo& device,
-                                    std::uint32_t features, int lanes) {
-  return compile_opencl(context, device, "kernels/opencl.cl", {}, features, lanes);
+                                    const KernelNeeds& needs, int lanes) {
+  return compile_opencl(context, device, "kernels/opencl.cl", {}, needs, lanes);
 }
 
 std::string kernel_cache_key(const OpenClDeviceInfo& device, const OpenClSource& source) {

@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "kernels/host/error.h"
+#include "kernels/host/kernel_needs.h"
 #include "worker/embedded_kernels.h"
 #include "worker/opencl_cache.h"
 #include "worker/opencl_devices.h"
@@ -40,17 +41,17 @@ struct OpenClSource {
 /// The embedded file of that name, of `files` or the kernels. `lanes`: paths that one vectorised loop
 /// carries.
 OpenClSource opencl_source(const OpenClDeviceInfo& device, std::string_view file,
-                           std::span<const EmbeddedFile> files, std::uint32_t features, int lanes);
+                           std::span<const EmbeddedFile> files, const KernelNeeds& needs, int lanes);
 
 /// Compiles. The error holds the device's log.
 Expected<ClProgram> compile_opencl(cl_context context, const OpenClDeviceInfo& device,
                                    const OpenClSource& source);
 Expected<ClProgram> compile_opencl(cl_context context, const OpenClDeviceInfo& device, std::string_view file,
-                                   std::span<const EmbeddedFile> files, std::uint32_t features, int lanes);
+                                   std::span<const EmbeddedFile> files, const KernelNeeds& needs, int lanes);
 
 /// The renderer's kernels.
 Expected<ClProgram> compile_kernels(cl_context context, const OpenClDeviceInfo& device,
-                                    std::uint32_t features, int lanes);
+                                    const KernelNeeds& needs, int lanes);
 
 /// What compiled source is kept under: its text, its options, and the device, its driver and their versions.
 std::string kernel_cache_key(const OpenClDeviceInfo& device, const OpenClSource& source);

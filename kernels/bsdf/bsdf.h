@@ -36,7 +36,7 @@ STAGE void resolve_closures(const PRIVATE Scene* scene, const PRIVATE Surfaces* 
 FN uint families_among(const PRIVATE Closures* closures) {
   uint families = 0u;
   for (int j = 0; j < LANES; j++) families |= 1u << closures->family[j];
-  return families & FAMILIES;
+  return families & compiled_families();
 }
 
 #define EVAL_FAMILY(name, NAME, number, properties, text)                                                       \
@@ -87,7 +87,7 @@ FN void eval_bsdfs(uint families, const PRIVATE Closures* closures, const PRIVAT
                    const PRIVATE float* wi, PRIVATE BsdfValues* values) {
   clear_bsdf_values(values);
 #define EVAL_IF_THERE(name, NAME, number, properties, text) \
-  if ((families & (1u << (number)) & FAMILIES) != 0u) eval_##name##_lanes(closures, surfaces, wi, values);
+  if ((families & compiled_families() & (1u << (number))) != 0u) eval_##name##_lanes(closures, surfaces, wi, values);
   BSDF_FAMILIES(EVAL_IF_THERE)
 #undef EVAL_IF_THERE
 }
@@ -97,7 +97,7 @@ FN void sample_bsdfs(uint families, const PRIVATE Closures* closures, const PRIV
                      const PRIVATE float* uv, const PRIVATE float* choice, PRIVATE BsdfSamples* samples) {
   clear_bsdf_samples(samples);
 #define SAMPLE_IF_THERE(name, NAME, number, properties, text) \
-  if ((families & (1u << (number)) & FAMILIES) != 0u)         \
+  if ((families & compiled_families() & (1u << (number))) != 0u) \
     sample_##name##_lanes(closures, surfaces, uv, choice, samples);
   BSDF_FAMILIES(SAMPLE_IF_THERE)
 #undef SAMPLE_IF_THERE

@@ -45,6 +45,8 @@ LANE_RECORD(Closure, Closures, closure, CLOSURE_FIELDS)
 #endif
 #define HAS_FAMILY(name) (((FAMILIES) & (1u << FAMILY_##name)) != 0u)
 
+FN uint compiled_families(void) { return FAMILIES; }
+
 #define FAMILY_WITH(name, NAME, number, properties, text) | (((properties) & wanted) != 0 ? 1u << (number) : 0u)
 /// Those with any of the wanted properties.
 FN uint families_with(int wanted) { return 0u BSDF_FAMILIES(FAMILY_WITH); }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "kernels/host/device_scene_tables.h"
+#include "kernels/host/kernel_needs.h"
 #include "kernels/intersect/bvh_limits.h"
 
 namespace penumbra {
@@ -32,6 +33,8 @@ class Checker {
 
   void check_header() {
     require((h_.features & ~std::uint32_t(FEATURE_ALL)) == 0, "unknown feature bits");
+    require((h_.light_kinds & ~ALL_LIGHT_KINDS) == 0, "unknown kinds of lights");
+    require((h_.families & ~kEveryFamily) == 0, "unknown families of BSDFs");
     require(in(h_.intersector, INTERSECTOR_PORTABLE, INTERSECTOR_EMBREE), "unknown intersector");
     require(in(h_.sampler.kind, SAMPLER_INDEPENDENT, SAMPLER_SOBOL), "unknown sampler");
     require(in(h_.film.filter, FILTER_BOX, FILTER_TABULATED), "unknown filter");
@@ -68,6 +71,9 @@ class Checker {
 
   void check_records() {
     require(h_.tables.materials.count >= 1, "no material");
+    for (const Material& m : table<Material>(scene_, h_.tables.materials))
+      require(m.family == FAMILY_BLACK || (in(m.family, 1, 31) && (h_.families >> m.family & 1u) != 0),
+              "a material of a family of BSDFs that the header does not name");
     require(in(h_.environment, -1, h_.tables.lights.count - 1), "the environment names no light");
     // Even without triangles, record 0 is read for rays that miss.
     for (const Triangle& t : table<Triangle>(scene_, at_least_one(h_.tables.triangles))) {
@@ -84,7 +90,10 @@ class Checker {
     }
     for (const Light& l : table<Light>(scene_, at_least_one(h_.tables.lights))) {
       require(in(l.alias, 0, at_least_one(h_.tables.lights).count - 1), "a light's alias is not there");
-      require(in(l.kind, LIGHT_TRIANGLE, LIGHT_RECTANGLE), "a light of unknown kind");
+      require(in(l.kind, 0, LIGHT_KIND_COUNT - 1), "a light of unknown kind");
+      require(h_.tables.lights.count == 0 ||
+                  (in(l.kind, 0, LIGHT_KIND_COUNT - 1) && (h_.light_kinds >> l.kind & 1u) != 0),
+              "a light of a kind that the header does not name");
       require(in(l.sampling, EMITTER_AREA, EMITTER_PROJECTED), "a light of unknown sampling");
       constexpr int kNumbers = 1 << 24;  // that a sampler can give
       require(in(l.rank, -kNumbers, kNumbers) && in(l.alias_rank, -kNumbers, kNumbers),

@@ -2,7 +2,7 @@
 // traces the k-th direction and asks for the k-th shadow ray, all from the surface that the camera ray hit.
 #ifndef PENUMBRA_INTEGRATOR_DIRECT_H
 #define PENUMBRA_INTEGRATOR_DIRECT_H
-#include "kernels/integrator/step.h"
+#include "kernels/integrator/light_request.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -42,11 +42,11 @@ STAGE void load_kept_surfaces(const PRIVATE PathState* paths, int i, PRIVATE Sur
 
 /// Adds what the camera rays found, where no other sample finds emitters.
 STAGE void see_emitters(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                        const PRIVATE Surfaces* RESTRICT surfaces) {
+                        const PRIVATE Emissions* RESTRICT emissions) {
   const float seen = scene->header.integrator.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const vec3 radiance = emitted_radiance(scene, load_surface(surfaces, j));
+      const vec3 radiance = LOAD_LANE_vec3(emissions->radiance, j);
       set_radiance(paths, i + j, add(get_radiance(paths, i + j), scale(radiance, seen)));
     }
 }
@@ -168,29 +168,27 @@ FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
   StepLanes step;
   for (int j = 0; j < STEP_DIMENSIONS * LANES; j++) step.u[j] = 0.0f;
   for (int i = 0; i < count; i += LANES) {
-    const PRIVATE Surfaces* found = k == 0 ? &step.surfaces : &step.found;
-    if (k == 0) {
+    // At first the last rays are the camera's.
+    if (k == 0 || balances) {
       find_surfaces(scene, paths, i, &step.surfaces);
-      keep_surfaces(paths, i, &step.surfaces);
-    } else {
-      load_kept_surfaces(paths, i, &step.surfaces);
-      if (balances) find_surfaces(scene, paths, i, &step.found);
+      find_lights(scene, &step.surfaces, &step.found);
     }
-    find_closures(scene, &step);
+    if (k == 0) keep_surfaces(paths, i, &step.surfaces);
+    if (k > 0) load_kept_surfaces(paths, i, &step.surfaces);
+    resolve_surfaces(scene, &step);
 #if HAS(LAYERS)
     if (NEEDS(scene, LAYERS) && k == 0) record_layers(&step.surfaces, &step.closures, paths, i, slots);
 #endif
     direct_numbers(h, k, paths, i, step.u);
-    request_lights(scene, request, &step.surfaces, &step.closures, found, paths, i, step.u, &step.samplings);
-    if (balances) {
-      find_emissions(scene, found, &step.samplings, &step.emissions);
+    request_lights(scene, request, &step, paths, i);
+    if (k == 0 || balances) find_emissions(scene, &step.found, k > 0, &step.emissions);
+    if (balances)
       weigh_emitters(scene, paths, i, &step.emissions);
-    } else if (k == 0) {
-      see_emitters(scene, paths, i, &step.surfaces);
-    }
+    else if (k == 0)
+      see_emitters(scene, paths, i, &step.emissions);
     begin_steps(paths, i, &step.surfaces, is_last);
     if (emits) {
-      sample_lights(scene, &step);
+      sample_step_lights(scene, &step);
       eval_bsdfs(step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
       request_emitter_samples(scene, paths, i, &step);
     }

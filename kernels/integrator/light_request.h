@@ -2,10 +2,9 @@
 // choice of a light by its contribution, closed forms, directions by projected solid angle.
 #ifndef PENUMBRA_LIGHT_REQUEST_H
 #define PENUMBRA_LIGHT_REQUEST_H
-#include "kernels/light/light_choice.h"
+#include "kernels/integrator/step.h"
 #include "kernels/light/light_unshadowed.h"
 #include "kernels/light/projected_light.h"
-#include "kernels/sampler/sampler.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -69,7 +68,10 @@ STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request,
   if (request.closed | !one_light)
     unshadowed_lights(scene, &points, request.choice & !one_light, &reservoir, analytic);
   if (one_light)
-    for (int j = 0; j < LANES; j++) add_to_reservoir(&reservoir, j, 0, (points.polygon[j] == 0.0) | (points.closed[j] == 0) ? 0.0 : 1.0);
+    for (int j = 0; j < LANES; j++) {
+      const bool lit = (points.polygon[j] != 0.0) & (points.closed[j] != 0);
+      add_to_reservoir(&reservoir, j, 0, lit ? 1.0 : 0.0);
+    }
   if (request.choice)
     choose_part(scene, &points, request.projected, &reservoir, samplings, projected, u + DIM_LIGHT_U * LANES);
   if (request.closed) add_analytic(paths, i, request.path, analytic);
@@ -78,45 +80,45 @@ STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request,
 
 #if HAS(PROJECTED)
 /// Projected solid angles of the lights that are chosen by power.
-STAGE void project_by_power(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+STAGE void project_by_power(const PRIVATE Scene* scene, const PRIVATE LightReceivers* RESTRICT receivers,
                             const PRIVATE float* RESTRICT u, PRIVATE double* RESTRICT projected) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const Surface s = load_surface(surfaces, j);
+      const LightReceiver r = load_receiver(receivers, j);
       const ChosenLight by_power =
           choose_light(scene, u[DIM_LIGHT_U * LANES + j], u[DIM_LIGHT_FINE * LANES + j]);
       GLOBAL const Light* light = scene->lights + by_power.light;
-      const double e = light_irradiance(light, s.p.x, s.p.y, s.p.z, s.shading.x, s.shading.y, s.shading.z);
-      projected[j] = is_own_light(scene, s, by_power.light) ? 0.0 : e;
+      const double e = light_irradiance(light, r.p.x, r.p.y, r.p.z, r.shading.x, r.shading.y, r.shading.z);
+      projected[j] = is_own_light(scene, r, by_power.light) ? 0.0 : e;
     }
 }
 
 /// Samples directions by projected solid angle to the lights that were chosen.
-STAGE void sample_projected_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+STAGE void sample_projected_lights(const PRIVATE Scene* scene,
+                                   const PRIVATE LightReceivers* RESTRICT receivers,
                                    const PRIVATE float* RESTRICT u, const PRIVATE double* RESTRICT projected,
                                    PRIVATE LightSamplings* RESTRICT samplings) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const Surface s = load_surface(surfaces, j);
       const float number = u[DIM_LIGHT_U * LANES + j];
       const ChosenLight by_power = choose_light(scene, number, u[DIM_LIGHT_FINE * LANES + j]);
       const int chosen = samplings->light[j];
       const bool is_chosen = chosen >= 0;
-      sample_projected_light(scene, s, is_chosen ? chosen : by_power.light, (float)projected[j],
-                             is_chosen ? number : by_power.u, u[DIM_LIGHT_V * LANES + j], samplings, j);
+      sample_projected_light(scene, load_receiver(receivers, j), is_chosen ? chosen : by_power.light,
+                             (float)projected[j], is_chosen ? number : by_power.u, u[DIM_LIGHT_V * LANES + j],
+                             samplings, j);
     }
 }
 
-/// Densities for the lights that the last rays hit, for multiple importance sampling.
-STAGE void project_found(const PRIVATE Scene* scene, bool path, const PRIVATE Surfaces* RESTRICT surfaces,
-                         const PRIVATE Surfaces* RESTRICT found, const PRIVATE PathState* paths, int i,
-                         PRIVATE LightSamplings* RESTRICT samplings) {
+/// Densities for the lights that the last rays found, for multiple importance sampling.
+STAGE void project_found(const PRIVATE Scene* scene, bool path,
+                         const PRIVATE LightReceivers* RESTRICT receivers, const PRIVATE PathState* paths,
+                         int i, PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const Surface hit = load_surface(found, j);
-      const vec3 shading = LOAD_LANE_vec3(surfaces->shading, j), left = get_left_normal(paths, i + j);
-      projected_density_of_found(scene, hit, hit.from, get_ray_direction(paths, i + j),
-                                 select3(path, left, shading), samplings, j);
+      const vec3 shading = LOAD_LANE_vec3(receivers->shading, j), left = get_left_normal(paths, i + j);
+      found->projected_pdf[j] =
+          projected_density(scene, load_found_light(found, j), select3(path, left, shading));
       set_left_normal(paths, i + j, shading);  // of the next ray
     }
 }
@@ -127,24 +129,23 @@ STAGE void clear_light_samplings(PRIVATE LightSamplings* RESTRICT samplings) {
     for (int j = 0; j < LANES; j++) store_light_sampling(samplings, j, no_light_sampling());
 }
 
-/// Light samplings of LANES paths from lane i on, at their surfaces; `found` are those that their last rays hit.
-/// u holds a step's STEP_DIMENSIONS * LANES numbers.
-FN void request_lights(const PRIVATE Scene* scene, LightRequest request, const PRIVATE Surfaces* surfaces,
-                       const PRIVATE Closures* closures, const PRIVATE Surfaces* found,
-                       const PRIVATE PathState* paths, int i, PRIVATE float* u,
-                       PRIVATE LightSamplings* samplings) {
-  clear_light_samplings(samplings);
+/// What the light sampling stage decides for LANES paths from lane i on.
+FN void request_lights(const PRIVATE Scene* scene, LightRequest request, PRIVATE StepLanes* step,
+                       const PRIVATE PathState* paths, int i) {
+  clear_light_samplings(&step->samplings);
 #if HAS(PROJECTED) || HAS(POLYGONS)
   double projected[LANES];
 #endif
 #if HAS(POLYGONS)
   if (request.choice | request.closed)
-    unshadowed_lanes(scene, request, surfaces, closures, paths, i, u, samplings, projected);
+    unshadowed_lanes(scene, request, &step->surfaces, &step->closures, paths, i, step->u, &step->samplings,
+                     projected);
 #endif
 #if HAS(PROJECTED)
-  if (request.found) project_found(scene, request.path, surfaces, found, paths, i, samplings);
-  if (request.projected & !request.choice) project_by_power(scene, surfaces, u, projected);
-  if (request.projected) sample_projected_lights(scene, surfaces, u, projected, samplings);
+  if (request.found) project_found(scene, request.path, &step->receivers, paths, i, &step->found);
+  if (request.projected & !request.choice) project_by_power(scene, &step->receivers, step->u, projected);
+  if (request.projected)
+    sample_projected_lights(scene, &step->receivers, step->u, projected, &step->samplings);
 #endif
 }
 

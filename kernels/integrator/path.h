@@ -2,7 +2,7 @@
 // ask for at most one shadow ray and one next ray. It never traces.
 #ifndef PENUMBRA_INTEGRATOR_PATH_H
 #define PENUMBRA_INTEGRATOR_PATH_H
-#include "kernels/integrator/step.h"
+#include "kernels/integrator/light_request.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -135,21 +135,21 @@ STAGE void continue_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
 FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int steps,
                    const PRIVATE SlotState* slots) {
   const PRIVATE SceneHeader* h = &scene->header;
+  const bool balances = h->integrator.direct_sampling == SAMPLING_MIS;
   StepLanes step;
   for (int k = 0; k < STEP_DIMENSIONS * LANES; k++) step.u[k] = 0.0f;
   for (int i = 0; i < count; i += LANES) {
     const bool scatters = any_scatters(h, paths, i);
     if (scatters) path_numbers(h, steps + 1 >= h->integrator.rr_depth, paths, i, step.u);
     find_surfaces(scene, paths, i, &step.surfaces);
-    find_closures(scene, &step);
+    resolve_surfaces(scene, &step);
 #if HAS(LAYERS)
     if (NEEDS(scene, LAYERS) && steps == 0)
       record_layers(&step.surfaces, &step.closures, paths, i, slots);
 #endif
-    const LightRequest request =
-        light_request(scene, true, scatters, scatters, h->integrator.direct_sampling == SAMPLING_MIS);
-    request_lights(scene, request, &step.surfaces, &step.closures, &step.surfaces, paths, i, step.u, &step.samplings);
-    find_emissions(scene, &step.surfaces, &step.samplings, &step.emissions);
+    find_lights(scene, &step.surfaces, &step.found);
+    request_lights(scene, light_request(scene, true, scatters, scatters, balances), &step, paths, i);
+    find_emissions(scene, &step.found, balances & (steps > 0), &step.emissions);
 #if HAS(POLYGONS)
     if (NEEDS(scene, POLYGONS)) {
       drop_controlled(paths, i, &step.emissions);
@@ -157,7 +157,7 @@ FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
     }
 #endif
     add_emissions(scene, paths, i, &step.emissions);
-    sample_lights(scene, &step);
+    sample_step_lights(scene, &step);
     eval_bsdfs(step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
     request_light(scene, paths, i, &step);
     sample_bsdfs(step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,

@@ -4,7 +4,6 @@
 #define PENUMBRA_STEP_H
 #include "kernels/block/block_surface.h"
 #include "kernels/bsdf/bsdf.h"
-#include "kernels/integrator/light_request.h"
 #include "kernels/light/light.h"
 #include "kernels/light/mis.h"
 #include "kernels/sampler/sampler.h"
@@ -17,9 +16,10 @@ typedef struct {
   Surfaces surfaces;                 ///< where they scatter
   Closures closures;                 ///< what they scatter at there
   uint families;                     ///< of the closures
-  Surfaces found;                    ///< where their last rays ended, if elsewhere
+  LightReceivers receivers;          ///< the surfaces, to lights
+  FoundLights found;                 ///< the lights on which their last rays ended
+  Emissions emissions;               ///< what those add
   LightSamplings samplings;
-  Emissions emissions;  ///< what their last rays found
   LightSamples lights;
   BsdfValues values;    ///< towards the lights
   BsdfSamples samples;  ///< of a next direction
@@ -29,29 +29,23 @@ FN float lane_number(const PRIVATE StepLanes* step, int dimension, int j) {
   return step->u[dimension * LANES + j];
 }
 
-STAGE void find_emissions(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
-                          const PRIVATE LightSamplings* RESTRICT samplings,
-                          PRIVATE Emissions* RESTRICT emissions) {
+STAGE void find_receivers(const PRIVATE Surfaces* RESTRICT surfaces,
+                          PRIVATE LightReceivers* RESTRICT receivers) {
   LANE_LOOP
-    for (int j = 0; j < LANES; j++)
-      store_emission(emissions, j,
-                     emission_at(scene, load_surface(surfaces, j), load_light_sampling(samplings, j)));
+    for (int j = 0; j < LANES; j++) store_receiver(receivers, j, receiver_of(load_surface(surfaces, j)));
 }
 
-STAGE void sample_lights(const PRIVATE Scene* scene, PRIVATE StepLanes* RESTRICT step) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++)
-      store_light_sample(
-          &step->lights, j,
-          sample_light(scene, load_surface(&step->surfaces, j), lane_number(step, DIM_LIGHT_U, j),
-                       lane_number(step, DIM_LIGHT_V, j), lane_number(step, DIM_LIGHT_FINE, j),
-                       load_light_sampling(&step->samplings, j)));
-}
-
-/// Closures of the surfaces, and which families are among them.
-FN void find_closures(const PRIVATE Scene* scene, PRIVATE StepLanes* step) {
+/// What the surfaces are to rays that scatter there and to lights.
+FN void resolve_surfaces(const PRIVATE Scene* scene, PRIVATE StepLanes* step) {
   resolve_closures(scene, &step->surfaces, &step->closures);
+  find_receivers(&step->surfaces, &step->receivers);
   step->families = families_among(&step->closures);
+}
+
+/// Chooses lights and points on them.
+FN void sample_step_lights(const PRIVATE Scene* scene, PRIVATE StepLanes* step) {
+  sample_lights(scene, &step->receivers, step->u + DIM_LIGHT_U * LANES, step->u + DIM_LIGHT_V * LANES,
+                step->u + DIM_LIGHT_FINE * LANES, &step->samplings, &step->lights);
 }
 
 /// Whether samples of the light at a surface of the closure have their closed form as control variate.

@@ -64,7 +64,7 @@ FN void store_shading_point(const PRIVATE Scene* scene, Surface s, Closure c, PR
   const bool closed = has_closed_form(c), lit = is_hit(s) & closed & (dot3(s.shading, s.wo) > 0.0f);
   points->closed[j] = closed ? 1 : 0;
   r->exponent[j] = (lit & (c.lobe > 0.0f)) ? (double)c.exponent : -1.0;
-  points->polygon[j] = (double)own_polygon(scene, s);
+  points->polygon[j] = (double)own_polygon(scene, s.light);
   points->diffuse[j] = lit ? (double)c.diffuse.x : 0.0;
   points->diffuse[LANES + j] = lit ? (double)c.diffuse.y : 0.0;
   points->diffuse[2 * LANES + j] = lit ? (double)c.diffuse.z : 0.0;

@@ -1,7 +1,6 @@
 // Sampling lights by projected solid angle: a part of the light sampling stage.
 #ifndef PENUMBRA_PROJECTED_LIGHT_H
 #define PENUMBRA_PROJECTED_LIGHT_H
-#include "kernels/intersect/surface.h"
 #include "kernels/light/light_sampling.h"
 #include "kernels/light/projected_triangle.h"
 #include "kernels/math/frame.h"
@@ -34,26 +33,26 @@ FN ProjectedPolygon project_light(GLOBAL const Light* light, vec3 from, vec3 n) 
   return polygon;
 }
 
-/// Stores the density with which sampling by projected solid angle chooses `direction` at `from` with shading
-/// normal `n`. `found` is the surface, or the environment, that a ray in this direction hit.
-FN void projected_density_of_found(const PRIVATE Scene* scene, Surface found, vec3 from, vec3 direction,
-                                   vec3 n, PRIVATE LightSamplings* samplings, int j) {
-  const int index = light_found(scene, found);
-  GLOBAL const Light* light = scene->lights + (index >= 0 ? index : 0);
-  const ProjectedPolygon polygon = project_light(light, from, n);
-  const float area = (float)light_irradiance(light, from.x, from.y, from.z, n.x, n.y, n.z);
-  const bool some = (index >= 0) & (polygon.area > 0.0f) & (area > 0.0f);
-  const float cosine = max_f(dot3(n, direction), 0.0f);
-  samplings->found_pdf[j] = some ? cosine / (some ? area : 1.0f) : -1.0f;
+/// The density with which sampling by projected solid angle chooses the direction in which a ray found the light,
+/// from a point with shading normal `n`; negative: that is not how it is sampled.
+FN float projected_density(const PRIVATE Scene* scene, FoundLight found, vec3 n) {
+  GLOBAL const Light* light = scene->lights + (found.light >= 0 ? found.light : 0);
+  const ProjectedPolygon polygon = project_light(light, found.from, n);
+  const float area =
+      (float)light_irradiance(light, found.from.x, found.from.y, found.from.z, n.x, n.y, n.z);
+  const bool some = (found.light >= 0) & (polygon.area > 0.0f) & (area > 0.0f);
+  const float cosine = max_f(dot3(n, found.wi), 0.0f);
+  return some ? cosine / (some ? area : 1.0f) : -1.0f;
 }
 
-/// Samples a direction from the surface to the light of that index by (u, v). `area` is its light_irradiance.
-FN void sample_projected_light(const PRIVATE Scene* scene, Surface s, int light, float area, float u, float v,
-                               PRIVATE LightSamplings* samplings, int j) {
-  const ProjectedPolygon polygon = project_light(scene->lights + light, s.p, s.shading);
-  const bool some = (polygon.area > 0.0f) & (area > 0.0f);
+/// Samples a direction from the receiver to the light of that index by (u, v). `area` is its
+/// light_irradiance. Without a normal there is none.
+FN void sample_projected_light(const PRIVATE Scene* scene, LightReceiver r, int light, float area, float u,
+                               float v, PRIVATE LightSamplings* samplings, int j) {
+  const ProjectedPolygon polygon = project_light(scene->lights + light, r.p, r.shading);
+  const bool some = r.has_normal & (polygon.area > 0.0f) & (area > 0.0f);
   const vec3 w = sample_projected_polygon(polygon, u, v);
-  const vec3 wi = from_frame(s.shading, w.x, w.y, w.z);
+  const vec3 wi = from_frame(r.shading, w.x, w.y, w.z);
   STORE_LANE_vec3(samplings->wi, j, wi);
   samplings->scale[j] = some ? 1.0f / (some ? area : 1.0f) : -1.0f;
 }

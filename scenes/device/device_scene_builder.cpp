@@ -72,6 +72,7 @@ class Builder {
     if (!problem_.empty()) return fail(scene_.source + ": " + problem_);
     set_film();
     need(lights_.features());
+    h_.light_kinds = lights_.kinds();
     if (options_.feature_layers) need(FEATURE_LAYERS);
     if (Expected<void> done = set_integrator(scene_, lights_, h_); !done)
       return fail(scene_.source + ": " + done.error().message);

@@ -174,10 +174,14 @@ std::uint32_t LightBuilder::features() const {
     const bool flat = light.kind == LIGHT_TRIANGLE || light.kind == LIGHT_RECTANGLE;
     if (flat && light.sampling == EMITTER_SOLID_ANGLE) features |= FEATURE_SOLID_ANGLE;
     if (flat && light.sampling == EMITTER_PROJECTED) features |= FEATURE_PROJECTED;
-    if (light.kind == LIGHT_POINT) features |= FEATURE_POINT_LIGHTS;
-    if (light.kind == LIGHT_ENVIRONMENT) features |= FEATURE_ENVIRONMENT;
   }
   return features;
+}
+
+std::uint32_t LightBuilder::kinds() const {
+  std::uint32_t kinds = 0;
+  for (const Light& light : lights_) kinds |= 1u << light.kind;
+  return kinds;
 }
 
 bool LightBuilder::only_polygons() const {

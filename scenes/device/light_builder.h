@@ -49,6 +49,8 @@ class LightBuilder {
 
   /// FEATURE_* bits that the sampling of the lights needs.
   [[nodiscard]] std::uint32_t features() const;
+  /// Bits 1 << LIGHT_* of the lights there are.
+  [[nodiscard]] std::uint32_t kinds() const;
   [[nodiscard]] bool only_polygons() const;
   /// Whether samples of a diffuse surface's light are constant without shadows: every light is a polygon that
   /// is sampled by projected solid angle, and all have one colour.

@@ -21,6 +21,10 @@ struct Named {
 };
 #define LIST_FEATURE(name, bit, description) {bit, #name, description},
 constexpr Named kFeatures[] = {PENUMBRA_FEATURES(LIST_FEATURE)};
+#define LIST_FAMILY(name, NAME, number, properties, description) {1u << (number), "BSDF_" #NAME, description},
+constexpr Named kFamilies[] = {BSDF_FAMILIES(LIST_FAMILY)};
+#define LIST_LIGHT_KIND(name, NAME, number, ways, description) {1u << (number), "LIGHT_" #NAME, description},
+constexpr Named kLightKinds[] = {LIGHT_KINDS(LIST_LIGHT_KIND)};
 
 constexpr int kUnknown = -1;
 
@@ -71,18 +75,16 @@ std::uint64_t path_bytes(std::uint32_t features) {
 
 }  // namespace
 
-std::uint32_t every_feature(const SceneHeader& header) {
-  return header.intersector == INTERSECTOR_EMBREE
-             ? FEATURE_ALL
-             : (FEATURE_ALL & ~FEATURE_BVH) | (header.features & FEATURE_BVH);
-}
-
 SceneInventory take_inventory(const SceneDescription& description, const DeviceScene& scene, bool thorough) {
   const SceneHeader& h = scene.header;
   SceneInventory inventory;
   inventory.features = h.features;
   for (const Named& feature : kFeatures)
     inventory.feature_uses.push_back({feature.name, feature.description, (h.features & feature.bit) != 0u});
+  for (const Named& family : kFamilies)
+    inventory.feature_uses.push_back({family.name, family.description, (h.families & family.bit) != 0u});
+  for (const Named& kind : kLightKinds)
+    inventory.feature_uses.push_back({kind.name, kind.description, (h.light_kinds & kind.bit) != 0u});
 
   const TableSpans all = count_everything(description, scene, thorough);
   for (const SceneTable& each : kSceneTables) {

@@ -54,10 +54,6 @@ struct SceneInventory {
   std::optional<CompileTimes> opencl;
 };
 
-/// Features that kernels for this scene could have: the hierarchy and testing every primitive exclude each
-/// other.
-std::uint32_t every_feature(const SceneHeader& header);
-
 /// With everything means: shading normals for each triangle, outlines of all mesh lights, both search
 /// structures, all planes. What that takes is found by building it, which for more than 65536 primitives is
 /// done only if `thorough`.

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "kernels/host/kernel_needs.h"
 #include "kernels/host/native_code_size.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/files/run_program.h"
@@ -20,7 +21,7 @@ namespace {
 std::optional<NativeCode> native_code(const DeviceScene& scene, Isa isa) {
   const KernelTarget target = kernel_target(isa);
   const NativeKernel* own = find_native_kernel(target, scene.header.features);
-  const NativeKernel* everything = find_native_kernel(target, every_feature(scene.header));
+  const NativeKernel* everything = find_native_kernel(target, every_need(scene.header).features);
   if (own == nullptr || everything == nullptr) return std::nullopt;
   return NativeCode{std::string(isa_name(isa)),
                     std::string(own->features_name),

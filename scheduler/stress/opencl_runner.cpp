@@ -31,7 +31,7 @@ class OpenClRunner final : public KernelRunner {
     clRetainCommandQueue(queue_.get());
     Expected<ClProgram> program =
         compile_opencl(context_.get(), info, "scheduler/stress/quantities.cl", embedded_quantities(),
-                       FEATURE_ALL, info.is_cpu ? kLanes : 1);
+                       {}, info.is_cpu ? kLanes : 1);
     if (!program) return std::unexpected(program.error());
     program_ = std::move(*program);
     kernel_.reset(clCreateKernel(program_.get(), "answer", &status));

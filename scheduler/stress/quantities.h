@@ -336,10 +336,10 @@ STAGE void mis_quantity(GLOBAL const double* in, GLOBAL double* out) {
   out[0] = mis_weight((int)in[0], in_f(in, 1), in_f(in, 2));
 }
 
-/// In: centre and radius of a sphere light, point, its normal, u, v. Out: direction, density, light_pdf of
-/// that direction, length of the shadow ray, or a negative number.
+/// In: centre and radius of a sphere light, point, its normal, u, v. Out: direction, density,
+/// sphere_light_pdf of that direction, length of the shadow ray, or a negative number.
 STAGE void sphere_light_quantity(GLOBAL const double* in, GLOBAL double* out, GLOBAL uint* scratch) {
-  const Scene scene = scratch_scene(scratch);
+  scratch_scene(scratch);
   GLOBAL Light* light = (GLOBAL Light*)(scratch + 256);
   const float radius = in_f(in, 3);
   set_v(&light->radiance, make_vec3(1.0f, 1.0f, 1.0f));
@@ -350,15 +350,20 @@ STAGE void sphere_light_quantity(GLOBAL const double* in, GLOBAL double* out, GL
   light->polygon = -1;
   light->pmf = light->alias_threshold = 1.0f;
   light->kind = LIGHT_SPHERE;
-  Surface s;
-  s.p = in_v(in, 4);
-  s.geometric = s.shading = in_v(in, 7);
-  s.error = POSITION_ERROR * dot3(abs3(s.geometric), abs3(s.p));
-  const LightSample sample = sample_light(&scene, s, in_f(in, 10), in_f(in, 11), 0.0f, no_light_sampling());
+  LightReceiver r = receiver_in_medium(in_v(in, 4));
+  r.has_normal = true;
+  r.geometric = r.shading = in_v(in, 7);
+  r.error = POSITION_ERROR * dot3(abs3(r.geometric), abs3(r.p));
+  const LightSample sample =
+      sample_sphere_light(light, r, in_f(in, 10), in_f(in, 11), no_light_sampling(), 0u);
   out_v(out, 0, sample.wi);
   out[3] = sample.pdf;
-  const float cosine = 1.0f;  // of no account for a cone
-  out[4] = light_pdf(&scene, 0, s.p, sample.tmax, cosine);
+  FoundLight found;
+  found.from = r.p;
+  found.wi = sample.wi;
+  found.distance = sample.tmax;
+  found.cosine = 1.0f;  // of no account for a cone
+  out[4] = sphere_light_pdf(light, found, 0u);
   out[5] = sample.tmax;
 }
 

@@ -113,6 +113,7 @@ Expected<DeviceScene> build(SceneDescription scene, const FilmCase& film_case) {
 FilmAccumulator render_with_opencl(const DeviceScene& scene) {
   DeviceScene all = scene;
   all.header.features = (FEATURE_ALL & ~FEATURE_BVH) | (scene.header.features & FEATURE_BVH);
+  all.header.light_kinds = ALL_LIGHT_KINDS;
   const auto device = make_device(all, opencl_device().options);
   if (!device) throw std::runtime_error(device.error().message);
   const SceneHeader& h = scene.header;

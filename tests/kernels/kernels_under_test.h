@@ -10,6 +10,7 @@
 #include "kernels/intersect/triangle.h"
 #include "kernels/light/light.h"
 #include "kernels/light/mis.h"
+#include "kernels/light/projected_light.h"
 #include "kernels/light/spherical_triangle.h"
 #include "kernels/math/frame.h"
 #include "kernels/math/math.h"

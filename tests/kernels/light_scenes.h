@@ -79,15 +79,61 @@ inline SceneTables environment_light() {
   return tables;
 }
 
+inline SceneTables point_light(const vec3& position) {
+  SceneTables tables;
+  tables.header.environment = -1;
+  Light light{};
+  light.kind = LIGHT_POINT;
+  light.p0 = position;
+  light.pmf = light.alias_threshold = 1;
+  light.polygon = -1;
+  light.radiance = make_vec3(1, 2, 3);
+  tables.lights.push_back(light);
+  return tables;
+}
+
+/// The corner and those next and previous to it. It is no primitive.
+inline SceneTables rectangle_light(const vec3& corner, const vec3& next, const vec3& previous) {
+  SceneTables tables = triangle_light(corner, next, previous, true);
+  tables.lights[0].kind = LIGHT_RECTANGLE;
+  tables.lights[0].area *= 2;
+  return tables;
+}
+
 /// A receiver at `p` that faces `normal`, its position rounded like a real one's.
-inline Surface receiver(const vec3& p, const vec3& normal) {
-  Surface s{};
-  s.valid = s.front = true;
-  s.p = p;
-  s.geometric = s.shading = s.wo = normal;
-  s.error = POSITION_ERROR * dot3(abs3(normal), abs3(p));
-  s.light = -1;
-  return s;
+inline LightReceiver receiver(const vec3& p, const vec3& normal) {
+  LightReceiver r = receiver_in_medium(p);
+  r.has_normal = r.front = true;
+  r.geometric = r.shading = normal;
+  r.error = POSITION_ERROR * dot3(abs3(normal), abs3(p));
+  return r;
+}
+
+/// One receiver's sample, by all lanes.
+inline LightSample sample_light(const Scene& scene, const LightReceiver& r, float u, float v, float fine) {
+  LightReceivers receivers;
+  LightSamples samples;
+  float number[LANES], other[LANES], digits[LANES], samplings[LIGHT_SAMPLING_FLOATS];
+  for (int j = 0; j < LANES; ++j) {
+    store_receiver(&receivers, j, r);
+    store_light_sampling(samplings, j, no_light_sampling());
+    number[j] = u, other[j] = v, digits[j] = fine;
+  }
+  sample_lights(&scene, &receivers, number, other, digits, samplings, &samples);
+  return load_light_sample(&samples, 0);
+}
+
+/// What a ray from that point finds of lights where it ends on the surface.
+inline Emission emission_at(const Scene& scene, const Surface& s, const vec3& from) {
+  FoundLights found;
+  Emissions emissions;
+  float samplings[LIGHT_SAMPLING_FLOATS];
+  for (int j = 0; j < LANES; ++j) {
+    store_found_light(&scene, s, from, &found, j);
+    store_light_sampling(samplings, j, no_light_sampling());
+  }
+  find_emissions(&scene, &found, true, samplings, &emissions);
+  return load_emission(&emissions, 0);
 }
 
 /// Van Oosterom and Strackee 1983.

@@ -66,6 +66,7 @@ Scene SceneTables::scene() {
   s.name = name.empty() ? no_##name.data() : name.data();
   SCENE_TABLES(POINT_TO_TABLE, _)
 #undef POINT_TO_TABLE
+  for (const Light& light : lights) s.header.light_kinds |= 1u << light.kind;
   return s;
 }
 

@@ -233,17 +233,31 @@ SceneDescription by_area(SceneDescription scene) {
   return scene;
 }
 
+TEST(LightKinds, AreThoseOfTheLights) {
+  const auto with = [](auto change) {
+    SceneDescription scene = by_area(diffuse_box());
+    change(scene);
+    return build(scene).header.light_kinds;
+  };
+  constexpr std::uint32_t kTriangles = 1u << LIGHT_TRIANGLE, kPoints = 1u << LIGHT_POINT;
+  EXPECT_EQ(with([](auto&) {}), kTriangles);
+  EXPECT_EQ(build(environment_alone()).header.light_kinds, 1u << LIGHT_ENVIRONMENT);
+  EXPECT_EQ(with([](auto& s) { s.point_lights.push_back({}); }), kTriangles | kPoints);
+  // What is black is none.
+  EXPECT_EQ(with([](auto& s) { s.point_lights.push_back({dvec3(0), glm::vec3(0)}); }), kTriangles);
+  EXPECT_EQ(with([](auto& s) { s.environment = ConstantEnvironment{glm::vec3(0)}; }), kTriangles);
+}
+
 TEST(Features, AreJustTheNeeded) {
   const std::uint32_t box = FEATURE_PATH | FEATURE_LAYERS;
   EXPECT_EQ(build(by_area(diffuse_box())).header.features, box);
   EXPECT_EQ(build(by_area(diffuse_box()), false).header.features, FEATURE_PATH);
   EXPECT_EQ(build(by_area(many_triangles())).header.features, box | FEATURE_BVH);
   EXPECT_EQ(build(by_area(many_triangles()), true, IntersectorChoice::kEmbree).header.features, box);
-  EXPECT_EQ(build(environment_alone()).header.features, box | FEATURE_ENVIRONMENT);
-  EXPECT_EQ(
-      build(everything()).header.features,
-      std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_PHONG | FEATURE_SHADING_NORMALS |
-                    FEATURE_QUADRICS | FEATURE_POINT_LIGHTS | FEATURE_ENVIRONMENT | FEATURE_SOLID_ANGLE));
+  EXPECT_EQ(build(environment_alone()).header.features, box);
+  EXPECT_EQ(build(everything()).header.features,
+            std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_PHONG | FEATURE_SHADING_NORMALS |
+                          FEATURE_QUADRICS | FEATURE_SOLID_ANGLE));
 
   const auto with = [](auto change) {
     SceneDescription scene = by_area(diffuse_box());
@@ -257,7 +271,7 @@ TEST(Features, AreJustTheNeeded) {
             box | FEATURE_SOLID_ANGLE);
   EXPECT_EQ(with([](auto& s) { s.integrator.emitter_sampling = EmitterSampling::kProjected; }),
             box | FEATURE_PROJECTED);
-  EXPECT_EQ(with([](auto& s) { s.point_lights.push_back({}); }), box | FEATURE_POINT_LIGHTS);
+  EXPECT_EQ(with([](auto& s) { s.point_lights.push_back({}); }), box);
   // What is black or unused needs nothing.
   EXPECT_EQ(with([](auto& s) { s.point_lights.push_back({dvec3(0), glm::vec3(0)}); }), box);
   EXPECT_EQ(with([](auto& s) { s.environment = ConstantEnvironment{glm::vec3(0)}; }), box);

@@ -160,8 +160,9 @@ TEST_F(OpenClDevices, KeepNothingWhereThereIsNoFolder) {
 TEST_F(OpenClDevices, CompileAnewWhatTheDeviceRefusesOrTheDiskDamaged) {
   const DeviceOptions options = opencl_options({.kernel_cache = folder_.path()});
   const OpenClDeviceInfo info = *find_opencl_device("");
-  const std::string key =
-      kernel_cache_key(info, opencl_source(info, "kernels/opencl.cl", {}, scene_.header.features, 16));
+  const std::string key = kernel_cache_key(
+      info,
+      opencl_source(info, "kernels/opencl.cl", {}, needs_of(scene_.header), 16));
   // Whole by the cache's measure, but no program.
   const std::vector<unsigned char> nonsense(1000, 0x5a);
   ASSERT_TRUE(cache_.keep(key, nonsense));
@@ -182,12 +183,15 @@ TEST_F(OpenClDevices, CompileAnewWhatTheDeviceRefusesOrTheDiskDamaged) {
 
 TEST_F(OpenClDevices, KeysChangeWithAllThatAProgramDependsOn) {
   OpenClDeviceInfo info = *find_opencl_device("");
-  const OpenClSource source = opencl_source(info, "kernels/opencl.cl", {}, FEATURE_PATH, 16);
+  const OpenClSource source = opencl_source(info, "kernels/opencl.cl", {}, {FEATURE_PATH}, 16);
   EXPECT_THAT(source.options, HasSubstr("-cl-std=CL1.2"));
   const std::string key = kernel_cache_key(info, source);
   EXPECT_EQ(key, kernel_cache_key(info, source));
-  EXPECT_NE(key, kernel_cache_key(info, opencl_source(info, "kernels/opencl.cl", {}, FEATURE_PATH, 1)));
-  EXPECT_NE(key, kernel_cache_key(info, opencl_source(info, "kernels/opencl.cl", {}, FEATURE_DIRECT, 16)));
+  EXPECT_NE(key, kernel_cache_key(info, opencl_source(info, "kernels/opencl.cl", {}, {FEATURE_PATH}, 1)));
+  EXPECT_NE(key, kernel_cache_key(info, opencl_source(info, "kernels/opencl.cl", {}, {FEATURE_DIRECT}, 16)));
+  for (const KernelNeeds& needs : {KernelNeeds{.features = FEATURE_PATH, .families = 1u << FAMILY_DIFFUSE},
+                                   KernelNeeds{.features = FEATURE_PATH, .light_kinds = 1u << LIGHT_POINT}})
+    EXPECT_NE(key, kernel_cache_key(info, opencl_source(info, "kernels/opencl.cl", {}, needs, 16)));
   OpenClSource changed = source;
   changed.text += " ";
   EXPECT_NE(key, kernel_cache_key(info, changed));

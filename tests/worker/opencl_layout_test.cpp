@@ -62,7 +62,7 @@ TEST(OpenClLayout, IsTheHosts) {
   ASSERT_EQ(status, CL_SUCCESS);
   const ClQueue queue(clCreateCommandQueue(context.get(), device.id, 0, &status));
   ASSERT_EQ(status, CL_SUCCESS);
-  const auto program = compile_kernels(context.get(), device, FEATURE_PATH, 1);
+  const auto program = compile_kernels(context.get(), device, {FEATURE_PATH}, 1);
   ASSERT_TRUE(program) << program.error().message;
   const ClKernel kernel(clCreateKernel(program->get(), "report_layout", &status));
   ASSERT_EQ(status, CL_SUCCESS);

@@ -217,18 +217,23 @@ TEST_F(PolygonTables, OverlappingRangesCanBeRendered) {
 }
 
 TEST_F(PolygonTables, KindsAndSamplingsMayBeMixed) {
+  DeviceScene scene = scene_;
+  scene.header.light_kinds = ALL_LIGHT_KINDS;
   for (std::size_t k = 0; k < std::size_t(h_.tables.lights.count); ++k) {
-    for (const int kind : {-1, LIGHT_RECTANGLE + 1})
+    for (const int kind : {-1, int(LIGHT_KIND_COUNT)})
       expect_refused(
           with_record<Light>(scene_, h_.tables.lights, k, [&](Light& light) { light.kind = kind; }),
           "a light of unknown kind");
+    expect_refused(
+        with_record<Light>(scene_, h_.tables.lights, k, [&](Light& light) { light.kind = LIGHT_DISK; }),
+        "a light of a kind that the header does not name");
     for (const int sampling : {-1, EMITTER_PROJECTED + 1})
       expect_refused(
           with_record<Light>(scene_, h_.tables.lights, k, [&](Light& light) { light.sampling = sampling; }),
           "a light of unknown sampling");
-    for (int kind = LIGHT_TRIANGLE; kind <= LIGHT_RECTANGLE; ++kind)
+    for (int kind = 0; kind < LIGHT_KIND_COUNT; ++kind)
       for (int sampling = EMITTER_AREA; sampling <= EMITTER_PROJECTED; ++sampling)
-        render(with_record<Light>(scene_, h_.tables.lights, k, [&](Light& light) {
+        render(with_record<Light>(scene, h_.tables.lights, k, [&](Light& light) {
           light.kind = kind;
           light.sampling = sampling;
         }));

@@ -453,8 +453,9 @@ TEST(LightBuilder, OtherEmittersAreNoPolygons) {
   std::vector<int> polygon_of;
   for (const Light& light : builder.lights()) polygon_of.push_back(light.polygon);
   EXPECT_THAT(polygon_of, ElementsAre(0, 0, -1, -1, -1, -1));
-  EXPECT_EQ(builder.features(),
-            unsigned(FEATURE_POLYGONS | FEATURE_PROJECTED | FEATURE_POINT_LIGHTS | FEATURE_ENVIRONMENT));
+  EXPECT_EQ(builder.features(), unsigned(FEATURE_POLYGONS | FEATURE_PROJECTED));
+  EXPECT_EQ(builder.kinds(), 1u << LIGHT_TRIANGLE | 1u << LIGHT_SPHERE | 1u << LIGHT_DISK |
+                                 1u << LIGHT_POINT | 1u << LIGHT_ENVIRONMENT);
 }
 
 TEST(LightBuilder, QuadricsAloneNeedNoPolygonsAndNoProjection) {

@@ -1,0 +1,33 @@
+// The environment, the same from all directions.
+#ifndef PENUMBRA_ENVIRONMENT_LIGHT_H
+#define PENUMBRA_ENVIRONMENT_LIGHT_H
+#include "kernels/light/light_sample.h"
+#include "kernels/light/light_sampling.h"
+#include "kernels/math/frame.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+FN vec3 environment_light_radiance(GLOBAL const Light* light, LightPoint at, vec3 wi) {
+  return load3(&light->radiance);
+}
+
+FN LightSample sample_environment_light(GLOBAL const Light* light, LightReceiver r, float u, float v,
+                                        LightSampling sampling, uint ways) {
+  LightSample s = no_light_sample();
+  s.wi = s.toward = sample_uniform_sphere(u, v);
+  s.origin = leave_surface(r.p, r.geometric, r.error, s.wi);
+  s.tmax = NO_LIMIT;
+  s.pdf = 0.25f * INV_PI_F;
+  LightPoint at;
+  at.p = s.origin;
+  at.normal = negate(s.wi);
+  s.radiance = environment_light_radiance(light, at, s.wi);
+  return s;
+}
+
+FN float environment_light_pdf(GLOBAL const Light* light, FoundLight found, uint ways) {
+  return 0.25f * INV_PI_F;
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

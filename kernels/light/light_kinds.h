@@ -1,0 +1,36 @@
+// The kinds of lights: their numbers, which of them kernels are compiled with and which a scene has.
+#ifndef PENUMBRA_LIGHT_KINDS_H
+#define PENUMBRA_LIGHT_KINDS_H
+#include "kernels/features.h"
+#include "kernels/lang.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+// X(name, NAME, number, ways, what it is for people). What a kind is stands in <name>_light.h, which light.h
+// includes: sample_<name>_light, <name>_light_pdf and <name>_light_radiance. `ways`: the features of which
+// each scene has its own that change how the kind is sampled.
+#define LIGHT_KINDS(X)                                                                     \
+  X(triangle, TRIANGLE, 0, FEATURE_SOLID_ANGLE | FEATURE_PROJECTED, "triangles that emit") \
+  X(sphere, SPHERE, 1, 0, "spheres that emit")                                             \
+  X(disk, DISK, 2, 0, "disks that emit")                                                   \
+  X(point, POINT, 3, 0, "point lights")                                                    \
+  X(environment, ENVIRONMENT, 4, 0, "environment light")                                   \
+  X(rectangle, RECTANGLE, 5, 0, "rectangles that emit, each of two triangles")
+
+#define ENUMERATE_KIND(name, NAME, number, ways, description) LIGHT_##NAME = number,
+#define COUNT_KIND(name, NAME, number, ways, description) +1
+enum { LIGHT_KINDS(ENUMERATE_KIND) LIGHT_KIND_COUNT = 0 LIGHT_KINDS(COUNT_KIND) };
+#undef ENUMERATE_KIND
+#undef COUNT_KIND
+
+#define ALL_LIGHT_KINDS ((1u << LIGHT_KIND_COUNT) - 1u)
+// Bits 1 << LIGHT_*. OpenCL kernels are compiled with exactly a scene's kinds, native code with all: a kind
+// that the scene lacks is not called.
+#ifndef LIGHT_KINDS_MASK
+  #define LIGHT_KINDS_MASK ALL_LIGHT_KINDS
+#endif
+#define HAS_LIGHT(NAME) (((LIGHT_KINDS_MASK) >> LIGHT_##NAME & 1u) != 0u)
+#define NEEDS_LIGHT(scene, NAME) (HAS_LIGHT(NAME) && ((scene)->header.light_kinds >> LIGHT_##NAME & 1u) != 0u)
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,30 @@
+// Point lights, which no ray finds.
+#ifndef PENUMBRA_POINT_LIGHT_H
+#define PENUMBRA_POINT_LIGHT_H
+#include "kernels/light/light_sample.h"
+#include "kernels/light/light_sampling.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// Radiant intensity.
+FN vec3 point_light_radiance(GLOBAL const Light* light, LightPoint at, vec3 wi) {
+  return load3(&light->radiance);
+}
+
+FN LightSample sample_point_light(GLOBAL const Light* light, LightReceiver r, float u, float v,
+                                  LightSampling sampling, uint ways) {
+  LightPoint at;
+  at.p = load3(&light->p0);
+  float d2;
+  LightSample s = toward_point(r, at.p, &d2);
+  at.normal = negate(s.wi);
+  s.pdf = 1.0f;
+  s.delta = true;
+  s.radiance = scale(point_light_radiance(light, at, s.wi), 1.0f / d2);
+  return s;
+}
+
+FN float point_light_pdf(GLOBAL const Light* light, FoundLight found, uint ways) { return 0.0f; }
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,44 @@
+// Rectangle lights, by solid angle.
+#ifndef PENUMBRA_RECTANGLE_LIGHT_H
+#define PENUMBRA_RECTANGLE_LIGHT_H
+#include "kernels/light/flat_light.h"
+#include "kernels/light/light_sampling.h"
+#include "kernels/light/spherical_rectangle.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// As `from` sees it; the solid angle is 0 where it is not sampled by it.
+FN SphericalRectangle seen_rectangle(GLOBAL const Light* light, vec3 from) {
+  const vec3 p0 = sub(load3(&light->p0), from), p1 = sub(load3(&light->p1), from);
+  SphericalRectangle s = spherical_rectangle(p0, p1, sub(load3(&light->p2), from));
+  const bool wanted =
+      (light->sampling == EMITTER_SOLID_ANGLE) & (s.solid_angle > SMALL_RECTANGLE_SOLID_ANGLE);
+  s.solid_angle = wanted ? s.solid_angle : 0.0f;
+  return s;
+}
+
+FN vec3 rectangle_light_radiance(GLOBAL const Light* light, LightPoint at, vec3 wi) {
+  return load3(&light->radiance);
+}
+
+FN LightSample sample_rectangle_light(GLOBAL const Light* light, LightReceiver r, float u, float v,
+                                      LightSampling sampling, uint ways) {
+  const FlatLight flat = flat_light(light);
+  float spread;
+  LightPoint at = flat_light_point(flat, r.p, (1.0f - u) - v, u, v, &spread);
+  const SphericalRectangle seen = seen_rectangle(light, r.p);
+  const bool use = seen.solid_angle > 0.0f;
+  at.p = select3(use, flat_light_seen(flat, r.p, sample_spherical_rectangle(seen, u, v)), at.p);
+  LightSample s = toward_light(light, r, at, spread, use ? 1.0f / (use ? seen.solid_angle : 1.0f) : 0.0f);
+  s.radiance = rectangle_light_radiance(light, at, s.wi);
+  return s;
+}
+
+FN float rectangle_light_pdf(GLOBAL const Light* light, FoundLight found, uint ways) {
+  const float by_area = area_to_solid_angle(sqr(found.distance), found.cosine, light->area);
+  const float solid_angle = seen_rectangle(light, found.from).solid_angle;
+  return solid_angle > 0.0f ? 1.0f / (solid_angle > 0.0f ? solid_angle : 1.0f) : by_area;
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,70 @@
+// Sphere lights: by the cone that they subtend, or by area.
+#ifndef PENUMBRA_SPHERE_LIGHT_H
+#define PENUMBRA_SPHERE_LIGHT_H
+#include "kernels/light/light_sample.h"
+#include "kernels/light/light_sampling.h"
+#include "kernels/math/frame.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// 1 - cos of the half-angle of the cone about a sphere at distance^2 d2 > radius^2.
+FN float cone_versine(float d2, float radius2) {
+  const float sine2 = radius2 / d2;
+  return sine2 / (1.0f + safe_sqrt(1.0f - sine2));
+}
+
+/// A sphere that emits inwards is its own receiver: rounding puts points on it to either side of its surface.
+FN bool sphere_light_is_cone(GLOBAL const Light* light, float d2, float r2) {
+  return (light->p2.y > 0.0f) & (d2 > r2) & (light->sampling != EMITTER_AREA);
+}
+
+FN vec3 sphere_light_radiance(GLOBAL const Light* light, LightPoint at, vec3 wi) {
+  return load3(&light->radiance);
+}
+
+FN LightSample sample_sphere_light(GLOBAL const Light* light, LightReceiver r, float u, float v,
+                                   LightSampling sampling, uint ways) {
+  const vec3 center = load3(&light->p0);
+  const float radius = light->p2.x, orientation = light->p2.y;
+  float sine, cosine;
+  sincos_2pi(v, &sine, &cosine);
+  const vec3 uniform = sample_uniform_sphere(u, v);
+  const vec3 to_center = sub(center, r.p);
+  const float d2 = dot3(to_center, to_center), r2 = sqr(radius);
+  const bool cone = sphere_light_is_cone(light, d2, r2);
+  // A direction in the cone that the sphere subtends, and from it the angle at the sphere's centre.
+  const float versine_max = cone_versine(cone ? d2 : 1.0f, cone ? r2 : 0.5f);
+  const float versine = u * versine_max;
+  const float sine2 = versine * (2.0f - versine);
+  const float distance = SQRT(cone ? d2 : 1.0f);
+  const float ratio2 = r2 / (cone ? d2 : 1.0f);
+  const float half_chord = safe_sqrt(1.0f - sine2 / max_f(ratio2, 1e-30f));
+  const float cosine_center = sine2 / SQRT(max_f(ratio2, 1e-30f)) + (1.0f - versine) * half_chord;
+  // By the law of sines from the distance along the direction: the cosine would lose small angles, which
+  // are wide ones for a receiver close to the sphere.
+  const float product = radius * (distance * (1.0f - versine) + radius * half_chord);
+  const float sine_center = SQRT(sine2) * (d2 - r2) / max_f(product, 1e-30f);
+  const vec3 back = scale(to_center, -1.0f / (cone ? distance : 1.0f));
+  const vec3 in_cone = from_frame(select3(cone, back, make_vec3(0.0f, 0.0f, 1.0f)), sine_center * cosine,
+                                  sine_center * sine, cosine_center);
+  const vec3 outward = select3(cone, in_cone, uniform);
+  LightPoint at;
+  at.p = add_scaled(center, radius, outward);
+  at.normal = scale(outward, orientation);
+  const float spread = dot3(abs3(at.normal), add(abs3(center), make_vec3(radius, radius, radius)));
+  LightSample s = toward_light(light, r, at, spread, cone ? 1.0f / (2.0f * PI_F * versine_max) : 0.0f);
+  s.radiance = sphere_light_radiance(light, at, s.wi);
+  return s;
+}
+
+FN float sphere_light_pdf(GLOBAL const Light* light, FoundLight found, uint ways) {
+  const vec3 to_center = sub(load3(&light->p0), found.from);
+  const float d2 = dot3(to_center, to_center), r2 = sqr(light->p2.x);
+  const bool cone = sphere_light_is_cone(light, d2, r2);
+  const float versine = cone_versine(cone ? d2 : 1.0f, cone ? r2 : 0.5f);
+  const float by_area = area_to_solid_angle(sqr(found.distance), found.cosine, light->area);
+  return cone ? 1.0f / (2.0f * PI_F * versine) : by_area;
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

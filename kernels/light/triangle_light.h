@@ -1,0 +1,62 @@
+// Triangle lights: by area, by solid angle, or in the direction that the light sampling stage chose by
+// projected solid angle.
+#ifndef PENUMBRA_TRIANGLE_LIGHT_H
+#define PENUMBRA_TRIANGLE_LIGHT_H
+#include "kernels/light/flat_light.h"
+#include "kernels/light/light_sampling.h"
+#include "kernels/light/spherical_triangle.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+// Below this solid angle a triangle's area sampling is as good and rounds better.
+#define SMALL_SOLID_ANGLE 3e-4f
+
+/// As `from` sees it; the solid angle is 0 where it is not sampled by it.
+FN SphericalTriangle seen_triangle(GLOBAL const Light* light, vec3 from) {
+  const vec3 p0 = sub(load3(&light->p0), from), p1 = sub(load3(&light->p1), from);
+  SphericalTriangle t = spherical_triangle(p0, p1, sub(load3(&light->p2), from));
+  const bool wanted = (light->sampling == EMITTER_SOLID_ANGLE) & (t.solid_angle > SMALL_SOLID_ANGLE);
+  t.solid_angle = wanted ? t.solid_angle : 0.0f;
+  return t;
+}
+
+FN vec3 triangle_light_radiance(GLOBAL const Light* light, LightPoint at, vec3 wi) {
+  return load3(&light->radiance);
+}
+
+FN LightSample sample_triangle_light(GLOBAL const Light* light, LightReceiver r, float u, float v,
+                                     LightSampling sampling, uint ways) {
+  const FlatLight flat = flat_light(light);
+  const float root = SQRT(u), b0 = 1.0f - root, b1 = v * root;
+  float spread, direct_pdf = 0.0f;
+  LightPoint at = flat_light_point(flat, r.p, b0, b1, (1.0f - b0) - b1, &spread);
+  if (BY(ways, SOLID_ANGLE)) {
+    const SphericalTriangle seen = seen_triangle(light, r.p);
+    const bool use = seen.solid_angle > 0.0f;
+    at.p = select3(use, flat_light_seen(flat, r.p, sample_spherical_triangle(seen, u, v)), at.p);
+    direct_pdf = use ? 1.0f / (use ? seen.solid_angle : 1.0f) : 0.0f;
+  }
+  const bool is_directed = BY(ways, PROJECTED) & (sampling.scale > 0.0f);
+  if (BY(ways, PROJECTED)) at.p = select3(is_directed, flat_light_seen(flat, r.p, sampling.wi), at.p);
+  LightSample s = toward_light(light, r, at, spread, direct_pdf);
+  if (BY(ways, PROJECTED)) {
+    // Of the direction itself: seen from the shadow ray's origin it may be below the light's plane.
+    s.wi = select3(is_directed, sampling.wi, s.wi);
+    s.pdf = is_directed ? max_f(dot3(r.shading, s.wi), 0.0f) * sampling.scale : s.pdf;
+  }
+  s.radiance = triangle_light_radiance(light, at, s.wi);
+  return s;
+}
+
+FN float triangle_light_pdf(GLOBAL const Light* light, FoundLight found, uint ways) {
+  float pdf = area_to_solid_angle(sqr(found.distance), found.cosine, light->area);
+  if (BY(ways, SOLID_ANGLE)) {
+    const float solid_angle = seen_triangle(light, found.from).solid_angle;
+    pdf = solid_angle > 0.0f ? 1.0f / (solid_angle > 0.0f ? solid_angle : 1.0f) : pdf;
+  }
+  if (BY(ways, PROJECTED)) pdf = found.projected_pdf >= 0.0f ? found.projected_pdf : pdf;
+  return pdf;
+}
+
+PENUMBRA_NAMESPACE_END
+#endif
