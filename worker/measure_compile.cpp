@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "kernels/host/console.h"
+#include "kernels/host/kernel_needs.h"
 #include "kernels/host/plain_file.h"
 #include "kernels/host/stopwatch.h"
 #include "worker/device.h"
