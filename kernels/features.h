@@ -36,8 +36,8 @@
 
 /// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)
-/// Whether the scene needs it too: native kernels are compiled for more than their scene, and do not call what
-/// it does not need.
+/// Whether the scene needs it too: native kernels are compiled for more than their scene, and do not call
+/// what it does not need.
 #define NEEDS(scene, name) (HAS(name) && ((scene)->header.features & FEATURE_##name) != 0u)
 
 #endif

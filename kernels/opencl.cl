@@ -24,9 +24,8 @@ __kernel void render_blocks(__global const SceneHeader* header, __global const u
   const Unit unit = make_unit(x, y, width, height, first_sample, sample_count);
   const Scene scene = make_scene(*header, words);
   const uint features = scene.header.features;
-  const Block block =
-      make_block(features, states + (size_t)item * path_words(features) * capacity, capacity,
-                 slots + (size_t)item * slot_words(features) * slot_capacity, slot_capacity);
+  const Block block = make_block(features, states + (size_t)item * path_words(features) * capacity, capacity,
+                                 slots + (size_t)item * slot_words(features) * slot_capacity, slot_capacity);
   const int blocks = (end_pixel - first_pixel + block_pixels - 1) / block_pixels;
   for (int b = atomic_inc(next_block); b < blocks; b = atomic_inc(next_block)) {
     const int pixel = first_pixel + b * block_pixels;

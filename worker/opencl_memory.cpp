@@ -75,8 +75,7 @@ bool shrink(OpenClMemoryPlan& plan, const BlockShape& shape, const OpenClDemand&
     }
     return any;
   };
-  const bool result_first =
-      plan.result_bytes(demand) > plan.path_bytes(demand) + plan.slot_bytes(demand);
+  const bool result_first = plan.result_bytes(demand) > plan.path_bytes(demand) + plan.slot_bytes(demand);
   return result_first ? smaller_result() || smaller_blocks() : smaller_blocks() || smaller_result();
 }
 
@@ -103,8 +102,8 @@ Expected<OpenClMemoryPlan> plan_opencl_memory(const BlockShape& shape, const Ope
   OpenClMemoryPlan plan = largest_plan(shape, demand);
   while (!fits(plan, demand, limits)) {
     if (!shrink(plan, shape, demand)) {
-      const std::uint64_t needed = plan.path_bytes(demand) + plan.slot_bytes(demand) + plan.bad_bytes(demand) +
-                                   plan.result_bytes(demand);
+      const std::uint64_t needed = plan.path_bytes(demand) + plan.slot_bytes(demand) +
+                                   plan.bad_bytes(demand) + plan.result_bytes(demand);
       return fail(
           fmt::format("one pixel of {} samples takes {} bytes beside the scene's {}, and {} allows {} in one "
                       "buffer and {} "

@@ -30,11 +30,11 @@ struct OpenClDemand {
   std::uint64_t scene_bytes = 0;
   std::uint64_t path_words = 0;  ///< 4 bytes each, of a path under way
   std::uint64_t slot_words = 0;  ///< of a sample until its pixel is finished
-  std::uint64_t planes = 0;                      ///< floats of a pixel's result
-  std::uint64_t bad_bytes = 0;                   ///< counters of a work item
-  int width = 0, height = 0;                     ///< pixels of the unit
-  int samples = 0;                               ///< of a pixel
-  int items = 1;                                 ///< CPU: work items that keep the device busy
+  std::uint64_t planes = 0;      ///< floats of a pixel's result
+  std::uint64_t bad_bytes = 0;   ///< counters of a work item
+  int width = 0, height = 0;     ///< pixels of the unit
+  int samples = 0;               ///< of a pixel
+  int items = 1;                 ///< CPU: work items that keep the device busy
 };
 
 struct OpenClMemoryPlan {

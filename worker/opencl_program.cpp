@@ -75,9 +75,9 @@ OpenClSource opencl_source(const OpenClDeviceInfo& device, std::string_view file
   const int width = std::clamp(int(native_width), 1, lanes);
   cl_device_fp_config rounding = 0;
   clGetDeviceInfo(device.id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof rounding, &rounding, nullptr);
-  std::string options =
-      fmt::format("-cl-std=CL1.2 -w -DFEATURES={} -DFAMILIES={} -DLIGHT_KINDS_MASK={} -DLANES={} -DVECTOR_WIDTH={}",
-                  needs.features, needs.families, needs.light_kinds, lanes, width);
+  std::string options = fmt::format(
+      "-cl-std=CL1.2 -w -DFEATURES={} -DFAMILIES={} -DLIGHT_KINDS_MASK={} -DLANES={} -DVECTOR_WIDTH={}",
+      needs.features, needs.families, needs.light_kinds, lanes, width);
   if ((rounding & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0)
     options += " -cl-fp32-correctly-rounded-divide-sqrt";
   return {std::string(file), text.text(), options};

@@ -118,7 +118,8 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
       intersect_block(scene, paths, count);
       pad_hits(paths, count);
 #if HAS(LOOK_THROUGH)
-      if (step == 0 && h->integrator.hide_emitters == HIDE_LOOK_THROUGH) look_through_emitters(scene, paths, count);
+      if (step == 0 && h->integrator.hide_emitters == HIDE_LOOK_THROUGH)
+        look_through_emitters(scene, paths, count);
 #endif
 #if HAS(PATH)
       if (h->integrator.kind == INTEGRATOR_PATH) step_paths(scene, paths, count, step, slots);

@@ -38,7 +38,8 @@ FN void copy_lane(uint features, const PRIVATE PathState* paths, int to, int fro
 #undef COPY_FIELD
 }
 
-/// Finished paths leave what they found in their slots; the others move up, in order. Returns how many are left.
+/// Finished paths leave what they found in their slots; the others move up, in order. Returns how many are
+/// left.
 STAGE int compact(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
                   const PRIVATE SlotState* slots) {
   GLOBAL int* RESTRICT going = paths->going;

@@ -22,7 +22,8 @@ STAGE void keep_starts(const PRIVATE PathState* paths, int count) {
   }
 }
 
-/// Restores origins and lengths; the hits stay, and their surfaces are the same as without anything in between.
+/// Restores origins and lengths; the hits stay, and their surfaces are the same as without anything in
+/// between.
 STAGE void restore_starts(const PRIVATE PathState* paths, int count) {
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP

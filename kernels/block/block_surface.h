@@ -11,9 +11,9 @@ STAGE void find_triangle_points(const PRIVATE Scene* scene, const PRIVATE PathSt
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const int triangle = triangle_of(scene, get_hit(paths, i + j));
-      store_primitive_point(points, j,
-                            triangle_point(scene, triangle, get_ray_origin(paths, i + j),
-                                           get_ray_direction(paths, i + j)));
+      store_primitive_point(
+          points, j,
+          triangle_point(scene, triangle, get_ray_origin(paths, i + j), get_ray_direction(paths, i + j)));
     }
 }
 

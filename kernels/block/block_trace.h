@@ -51,7 +51,8 @@ STAGE void gather_shadow_rays(PRIVATE RayLanes* RESTRICT rays, const PRIVATE Pat
 STAGE void scatter_transmittances(const PRIVATE RayLanes* RESTRICT rays, const PRIVATE PathState* paths,
                                   const GLOBAL int* RESTRICT wanted) {
   LANE_LOOP
-    for (int j = 0; j < LANES; j++) set_shadow_transmittance(paths, wanted[j], rays->hit[j] < 0 ? 1.0f : 0.0f);
+    for (int j = 0; j < LANES; j++)
+      set_shadow_transmittance(paths, wanted[j], rays->hit[j] < 0 ? 1.0f : 0.0f);
 }
 
 STAGE void store_hits(const PRIVATE RayLanes* RESTRICT rays, const PRIVATE PathState* paths, int i) {
@@ -140,8 +141,8 @@ STAGE void add_light(const PRIVATE PathState* paths, int count) {
 }
 
 #if HAS(POLYGONS)
-/// The same where polygon lights have control variates: their light goes, with and without shadows, into sums of
-/// its own.
+/// The same where polygon lights have control variates: their light goes, with and without shadows, into sums
+/// of its own.
 STAGE void add_controlled_light(const PRIVATE PathState* paths, int count) {
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP

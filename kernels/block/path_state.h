@@ -1,5 +1,5 @@
-// The state of many paths, an array a field: every field is one row, from which its storage, its accessors and
-// its part in the compaction of a block are generated. A field that no feature of the scene needs has no
+// The state of many paths, an array a field: every field is one row, from which its storage, its accessors
+// and its part in the compaction of a block are generated. A field that no feature of the scene needs has no
 // storage.
 #ifndef PENUMBRA_PATH_STATE_H
 #define PENUMBRA_PATH_STATE_H
@@ -142,21 +142,21 @@ FN SlotState make_slot_state(uint features, GLOBAL uint* words, int capacity) {
 #define STORE_STATE_vec3 STORE_VEC3
 
 // get_throughput(paths, lane), set_throughput(paths, lane, value); get_slot_albedo(slots, slot) ...
-#define PATH_ACCESSORS(type, name, needs, travels)                       \
-  FN type get_##name(const PRIVATE PathState* paths, int i) {            \
-    return LOAD_STATE_##type(paths->name, paths->capacity, i);           \
-  }                                                                      \
+#define PATH_ACCESSORS(type, name, needs, travels)                        \
+  FN type get_##name(const PRIVATE PathState* paths, int i) {             \
+    return LOAD_STATE_##type(paths->name, paths->capacity, i);            \
+  }                                                                       \
   FN void set_##name(const PRIVATE PathState* paths, int i, type value) { \
-    STORE_STATE_##type(paths->name, paths->capacity, i, value);          \
+    STORE_STATE_##type(paths->name, paths->capacity, i, value);           \
   }
 PATH_FIELDS(PATH_ACCESSORS)
 #undef PATH_ACCESSORS
-#define SLOT_ACCESSORS(type, name, needs, travels)                            \
-  FN type get_slot_##name(const PRIVATE SlotState* slots, int i) {            \
-    return LOAD_STATE_##type(slots->name, slots->capacity, i);                \
-  }                                                                           \
+#define SLOT_ACCESSORS(type, name, needs, travels)                             \
+  FN type get_slot_##name(const PRIVATE SlotState* slots, int i) {             \
+    return LOAD_STATE_##type(slots->name, slots->capacity, i);                 \
+  }                                                                            \
   FN void set_slot_##name(const PRIVATE SlotState* slots, int i, type value) { \
-    STORE_STATE_##type(slots->name, slots->capacity, i, value);               \
+    STORE_STATE_##type(slots->name, slots->capacity, i, value);                \
   }
 SLOT_FIELDS(SLOT_ACCESSORS)
 #undef SLOT_ACCESSORS

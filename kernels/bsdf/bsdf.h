@@ -1,5 +1,6 @@
-// From materials to closures, and from closures to the functions of their families: LANES at a time, a lane loop
-// for each family that is among them. Which families a scene has is known, so one that it lacks costs nothing.
+// From materials to closures, and from closures to the functions of their families: LANES at a time, a lane
+// loop for each family that is among them. Which families a scene has is known, so one that it lacks costs
+// nothing.
 #ifndef PENUMBRA_BSDF_H
 #define PENUMBRA_BSDF_H
 #include "kernels/bsdf/diffuse.h"
@@ -15,21 +16,28 @@ PENUMBRA_NAMESPACE_BEGIN
 #define MATERIAL_VALUE_int(field) field
 #define MATERIAL_VALUE_float(field) field
 #define MATERIAL_VALUE_vec3(field) load3(&field)
-#define RESOLVE_FIELD(a, type, name) c.name = MATERIAL_VALUE_##type(material->name);
-/// The closure of a material at a surface of it.
-FN Closure resolve_closure(const PRIVATE Scene* scene, Surface s) {
-  GLOBAL const Material* material = scene->materials + s.material;
-  Closure c;
-  CLOSURE_FIELDS(RESOLVE_FIELD, )
-  return c;
-}
-#undef RESOLVE_FIELD
 
-STAGE void resolve_closures(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
-                            PRIVATE Closures* RESTRICT closures) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++)
-      store_closure(closures, j, resolve_closure(scene, load_surface(surfaces, j)));
+// A field of LANES closures.
+#define RESOLVE_LANES(a, type, name)                                                                   \
+  STAGE void resolve_##name##_lanes(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT materials, \
+                                    PRIVATE Closures* RESTRICT closures) {                             \
+    LANE_LOOP                                                                                          \
+      for (int j = 0; j < LANES; j++) {                                                                \
+        GLOBAL const Material* material = scene->materials + materials[j];                             \
+        STORE_LANE_##type(closures->name, j, MATERIAL_VALUE_##type(material->name));                   \
+      }                                                                                                \
+  }
+CLOSURE_FIELDS(RESOLVE_LANES, )
+#undef RESOLVE_LANES
+
+/// The closures of the surfaces' materials there. Fields that no material of the scene uses stay as they are.
+FN void resolve_closures(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
+                         PRIVATE Closures* closures) {
+  const uint families = scene->header.families & compiled_families();
+#define RESOLVE_IF_USED(a, type, name) \
+  if ((families & USERS_##name) != 0u) resolve_##name##_lanes(scene, surfaces->material, closures);
+  CLOSURE_FIELDS(RESOLVE_IF_USED, )
+#undef RESOLVE_IF_USED
 }
 
 /// The families of LANES closures.
@@ -39,34 +47,34 @@ FN uint families_among(const PRIVATE Closures* closures) {
   return families & compiled_families();
 }
 
-#define EVAL_FAMILY(name, NAME, number, properties, text)                                                       \
-  STAGE void eval_##name##_lanes(const PRIVATE Closures* RESTRICT closures,                                     \
-                                 const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE float* RESTRICT wi,   \
-                                 PRIVATE BsdfValues* RESTRICT values) {                                         \
-    LANE_LOOP                                                                                                   \
-      for (int j = 0; j < LANES; j++) {                                                                         \
-        const Closure c = load_closure(closures, j);                                                            \
-        const Surface s = load_surface(surfaces, j);                                                            \
-        const vec3 direction = LOAD_LANE_vec3(wi, j);                                                           \
-        const BsdfValue value = name##_eval(c, to_frame(s.shading, s.wo), to_frame(s.shading, direction));      \
-        store_bsdf_value(values, j,                                                                             \
-                         select_bsdf_value(c.family == (number), value, load_bsdf_value(values, j)));           \
-      }                                                                                                         \
+#define EVAL_FAMILY(name, NAME, number, properties, text)                                                  \
+  STAGE void eval_##name##_lanes(                                                                          \
+      const PRIVATE Closures* RESTRICT closures, const PRIVATE Surfaces* RESTRICT surfaces,                \
+      const PRIVATE float* RESTRICT wi, bool first, PRIVATE BsdfValues* RESTRICT values) {                 \
+    LANE_LOOP                                                                                              \
+      for (int j = 0; j < LANES; j++) {                                                                    \
+        const Closure c = load_closure(closures, j);                                                       \
+        const Surface s = load_surface(surfaces, j);                                                       \
+        const vec3 direction = LOAD_LANE_vec3(wi, j);                                                      \
+        const BsdfValue value = name##_eval(c, to_frame(s.shading, s.wo), to_frame(s.shading, direction)); \
+        const BsdfValue before = select_bsdf_value(first, no_bsdf_value(), load_bsdf_value(values, j));    \
+        store_bsdf_value(values, j, select_bsdf_value(c.family == (number), value, before));               \
+      }                                                                                                    \
   }
-#define SAMPLE_FAMILY(name, NAME, number, properties, text)                                                     \
-  STAGE void sample_##name##_lanes(const PRIVATE Closures* RESTRICT closures,                                   \
-                                   const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE float* RESTRICT uv, \
-                                   const PRIVATE float* RESTRICT choice,                                        \
-                                   PRIVATE BsdfSamples* RESTRICT samples) {                                     \
-    LANE_LOOP                                                                                                   \
-      for (int j = 0; j < LANES; j++) {                                                                         \
-        const Closure c = load_closure(closures, j);                                                            \
-        const Surface s = load_surface(surfaces, j);                                                            \
-        BsdfSample next = name##_sample(c, to_frame(s.shading, s.wo), uv[j], uv[LANES + j], choice[j]);         \
-        next.wi = from_frame(s.shading, next.wi.x, next.wi.y, next.wi.z);                                       \
-        store_bsdf_sample(samples, j,                                                                           \
-                          select_bsdf_sample(c.family == (number), next, load_bsdf_sample(samples, j)));        \
-      }                                                                                                         \
+#define SAMPLE_FAMILY(name, NAME, number, properties, text)                                                  \
+  STAGE void sample_##name##_lanes(const PRIVATE Closures* RESTRICT closures,                                \
+                                   const PRIVATE Surfaces* RESTRICT surfaces,                                \
+                                   const PRIVATE float* RESTRICT uv, const PRIVATE float* RESTRICT choice,   \
+                                   bool first, PRIVATE BsdfSamples* RESTRICT samples) {                      \
+    LANE_LOOP                                                                                                \
+      for (int j = 0; j < LANES; j++) {                                                                      \
+        const Closure c = load_closure(closures, j);                                                         \
+        const Surface s = load_surface(surfaces, j);                                                         \
+        BsdfSample next = name##_sample(c, to_frame(s.shading, s.wo), uv[j], uv[LANES + j], choice[j]);      \
+        next.wi = from_frame(s.shading, next.wi.x, next.wi.y, next.wi.z);                                    \
+        const BsdfSample before = select_bsdf_sample(first, no_bsdf_sample(), load_bsdf_sample(samples, j)); \
+        store_bsdf_sample(samples, j, select_bsdf_sample(c.family == (number), next, before));               \
+      }                                                                                                      \
   }
 BSDF_FAMILIES(EVAL_FAMILY)
 BSDF_FAMILIES(SAMPLE_FAMILY)
@@ -85,22 +93,29 @@ STAGE void clear_bsdf_samples(PRIVATE BsdfSamples* RESTRICT samples) {
 /// Values of the closures, of these `families`, towards the unit directions `wi`, a lane vec3.
 FN void eval_bsdfs(uint families, const PRIVATE Closures* closures, const PRIVATE Surfaces* surfaces,
                    const PRIVATE float* wi, PRIVATE BsdfValues* values) {
-  clear_bsdf_values(values);
-#define EVAL_IF_THERE(name, NAME, number, properties, text) \
-  if ((families & compiled_families() & (1u << (number))) != 0u) eval_##name##_lanes(closures, surfaces, wi, values);
+  bool first = true;
+#define EVAL_IF_THERE(name, NAME, number, properties, text)        \
+  if ((families & compiled_families() & (1u << (number))) != 0u) { \
+    eval_##name##_lanes(closures, surfaces, wi, first, values);    \
+    first = false;                                                 \
+  }
   BSDF_FAMILIES(EVAL_IF_THERE)
 #undef EVAL_IF_THERE
+  if (first) clear_bsdf_values(values);
 }
 
 /// Directions by the closures, in world space. `uv`: LANES numbers u, then LANES v.
 FN void sample_bsdfs(uint families, const PRIVATE Closures* closures, const PRIVATE Surfaces* surfaces,
                      const PRIVATE float* uv, const PRIVATE float* choice, PRIVATE BsdfSamples* samples) {
-  clear_bsdf_samples(samples);
-#define SAMPLE_IF_THERE(name, NAME, number, properties, text) \
-  if ((families & compiled_families() & (1u << (number))) != 0u) \
-    sample_##name##_lanes(closures, surfaces, uv, choice, samples);
+  bool first = true;
+#define SAMPLE_IF_THERE(name, NAME, number, properties, text)              \
+  if ((families & compiled_families() & (1u << (number))) != 0u) {         \
+    sample_##name##_lanes(closures, surfaces, uv, choice, first, samples); \
+    first = false;                                                         \
+  }
   BSDF_FAMILIES(SAMPLE_IF_THERE)
 #undef SAMPLE_IF_THERE
+  if (first) clear_bsdf_samples(samples);
 }
 
 /// One at a time, for the surface's normal n: value of the closure for a pair of directions of world space.
@@ -120,9 +135,9 @@ FN BsdfValue eval_bsdf(Closure c, vec3 n, vec3 wo, vec3 wi) {
 FN BsdfSample sample_bsdf(Closure c, vec3 n, vec3 wo, float u, float v, float choice) {
   BsdfSample s = no_bsdf_sample();
   switch (c.family) {
-#define SAMPLE_ONE(name, NAME, number, properties, text)   \
-  case number:                                             \
-    s = name##_sample(c, to_frame(n, wo), u, v, choice);   \
+#define SAMPLE_ONE(name, NAME, number, properties, text) \
+  case number:                                           \
+    s = name##_sample(c, to_frame(n, wo), u, v, choice); \
     break;
     BSDF_FAMILIES(SAMPLE_ONE)
 #undef SAMPLE_ONE

@@ -18,9 +18,9 @@ PENUMBRA_NAMESPACE_BEGIN
 #else
   #define EXTRA_BSDF_FAMILIES(X)
 #endif
-#define BSDF_FAMILIES(X)                                          \
-  X(diffuse, DIFFUSE, 1, CLOSED_FORM, "diffuse BSDF")             \
-  X(phong, PHONG, 2, CLOSED_FORM | SEVERAL_LOBES, "Phong BSDF")           \
+#define BSDF_FAMILIES(X)                                        \
+  X(diffuse, DIFFUSE, 1, CLOSED_FORM, "diffuse BSDF")           \
+  X(phong, PHONG, 2, CLOSED_FORM | SEVERAL_LOBES, "Phong BSDF") \
   EXTRA_BSDF_FAMILIES(X)
 
 // Plain macros as well, since the preprocessor has to test them.
@@ -29,13 +29,28 @@ PENUMBRA_NAMESPACE_BEGIN
 #define FAMILY_PHONG 2
 
 // What a material has at a point. The record of a material holds the same.
-#define CLOSURE_FIELDS(F, a)                                          \
-  F(a, int, family)     /* FAMILY_* */                                \
-  F(a, vec3, diffuse)   /* diffuse reflectance */                     \
-  F(a, vec3, specular)  /* reflectance of the other lobe */           \
-  F(a, float, exponent) /* Phong exponent n >= 0 */                   \
+#define CLOSURE_FIELDS(F, a)                                \
+  F(a, int, family)     /* FAMILY_* */                      \
+  F(a, vec3, diffuse)   /* diffuse reflectance */           \
+  F(a, vec3, specular)  /* reflectance of the other lobe */ \
+  F(a, float, exponent) /* Phong exponent n >= 0 */         \
   F(a, float, lobe)     /* probability of sampling the Phong lobe */
 LANE_RECORD(Closure, Closures, closure, CLOSURE_FIELDS)
+
+// The families that use each: what none in a scene uses is not read, and stays as in black_closure.
+#define USERS_family 0xffffffffu
+#define USERS_diffuse ((1u << FAMILY_DIFFUSE) | (1u << FAMILY_PHONG))
+#define USERS_specular (1u << FAMILY_PHONG)
+#define USERS_exponent (1u << FAMILY_PHONG)
+#define USERS_lobe (1u << FAMILY_PHONG)
+
+FN Closure black_closure(void) {
+  Closure c;
+  c.family = FAMILY_BLACK;
+  c.diffuse = c.specular = make_vec3(0.0f, 0.0f, 0.0f);
+  c.exponent = c.lobe = 0.0f;
+  return c;
+}
 
 // Bit masks of families. A kernel is compiled for those of FAMILIES, which comes from the build.
 #define FAMILY_BIT(name, NAME, number, properties, text) | (1u << (number))
@@ -47,7 +62,7 @@ LANE_RECORD(Closure, Closures, closure, CLOSURE_FIELDS)
 
 FN uint compiled_families(void) { return FAMILIES; }
 
-#define FAMILY_WITH(name, NAME, number, properties, text) | (((properties) & wanted) != 0 ? 1u << (number) : 0u)
+#define FAMILY_WITH(name, NAME, number, properties, text) | (((properties)&wanted) != 0 ? 1u << (number) : 0u)
 /// Those with any of the wanted properties.
 FN uint families_with(int wanted) { return 0u BSDF_FAMILIES(FAMILY_WITH); }
 #undef FAMILY_WITH
@@ -60,14 +75,14 @@ FN vec3 closure_albedo(Closure c) { return add(c.diffuse, c.specular); }
 // --- What a family's functions return. Directions are in the frame of the shading normal, whose z is on the
 // viewer's side; f is in 1/sr, pdfs per solid angle.
 
-#define BSDF_VALUE_FIELDS(F, a)                                      \
-  F(a, vec3, f_cos) /* f times the absolute cosine of wi */          \
+#define BSDF_VALUE_FIELDS(F, a)                             \
+  F(a, vec3, f_cos) /* f times the absolute cosine of wi */ \
   F(a, float, pdf)  /* with which the family samples wi */
 LANE_RECORD(BsdfValue, BsdfValues, bsdf_value, BSDF_VALUE_FIELDS)
 
-#define BSDF_SAMPLE_FIELDS(F, a)                                                                 \
-  F(a, vec3, wi)                                                                                 \
-  F(a, vec3, weight) /* f cos / pdf */                                                           \
+#define BSDF_SAMPLE_FIELDS(F, a)                                                                    \
+  F(a, vec3, wi)                                                                                    \
+  F(a, vec3, weight) /* f cos / pdf */                                                              \
   F(a, float, pdf)   /* 0: no direction; DELTA_PDF: one of finitely many, which eval never finds */ \
   F(a, float, eta)   /* refractive index where wi leads over that where wo does; 1 if reflected */
 LANE_RECORD(BsdfSample, BsdfSamples, bsdf_sample, BSDF_SAMPLE_FIELDS)

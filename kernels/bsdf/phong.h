@@ -1,5 +1,5 @@
-// Lambert and a normalised Phong lobe: f = diffuse / pi + specular (n + 2) / (2 pi) max(0, cos alpha)^n, alpha
-// between wi and the mirror direction of wo (Lafortune and Willems 1994).
+// Lambert and a normalised Phong lobe: f = diffuse / pi + specular (n + 2) / (2 pi) max(0, cos alpha)^n,
+// alpha between wi and the mirror direction of wo (Lafortune and Willems 1994).
 #ifndef PENUMBRA_PHONG_H
 #define PENUMBRA_PHONG_H
 #include "kernels/bsdf/families.h"

@@ -24,11 +24,11 @@ FN void direct_numbers(const PRIVATE SceneHeader* h, int k, const PRIVATE PathSt
     sample_pair(h->sampler.kind, spp, nth_point(step_point(0u), emitter_samples, k), paths, i,
                 u + DIM_LIGHT_U * LANES, u + DIM_LIGHT_V * LANES);
   if (k < bsdf_samples)
-    sample_pair(h->sampler.kind, spp, nth_point(step_point(1u), bsdf_samples, k), paths, i, u + DIM_BSDF_U * LANES,
-                u + DIM_BSDF_V * LANES);
+    sample_pair(h->sampler.kind, spp, nth_point(step_point(1u), bsdf_samples, k), paths, i,
+                u + DIM_BSDF_U * LANES, u + DIM_BSDF_V * LANES);
   if ((k < bsdf_samples) | ((k < emitter_samples) & (h->tables.lights.count > 1)))
-    sample_pair(h->sampler.kind, spp, nth_point(step_point(2u), most, k), paths, i, u + DIM_LIGHT_FINE * LANES,
-                u + DIM_LOBE_CHOICE * LANES);
+    sample_pair(h->sampler.kind, spp, nth_point(step_point(2u), most, k), paths, i,
+                u + DIM_LIGHT_FINE * LANES, u + DIM_LOBE_CHOICE * LANES);
 }
 
 STAGE void keep_surfaces(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces) {
@@ -40,22 +40,13 @@ STAGE void load_kept_surfaces(const PRIVATE PathState* paths, int i, PRIVATE Sur
     for (int j = 0; j < LANES; j++) store_surface(surfaces, j, kept_surface(paths, i + j));
 }
 
-/// Adds what the camera rays found, where no other sample finds emitters.
-STAGE void see_emitters(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                        const PRIVATE Emissions* RESTRICT emissions) {
-  const float seen = scene->header.integrator.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const vec3 radiance = LOAD_LANE_vec3(emissions->radiance, j);
-      set_radiance(paths, i + j, add(get_radiance(paths, i + j), scale(radiance, seen)));
-    }
-}
-
 /// Adds what the last rays found: at first the camera's, then those of the direction samples.
-STAGE void weigh_emitters(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                          const PRIVATE Emissions* RESTRICT emissions) {
+STAGE void add_emissions_found(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                               const PRIVATE FoundLights* RESTRICT lights,
+                               const PRIVATE Emissions* RESTRICT emissions) {
   const PRIVATE SceneHeader* h = &scene->header;
-  const float emitter_samples = (float)h->integrator.emitter_samples, bsdf_samples = (float)h->integrator.bsdf_samples;
+  const float emitter_samples = (float)h->integrator.emitter_samples;
+  const float bsdf_samples = (float)h->integrator.bsdf_samples;
   const float seen = h->integrator.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
   const int heuristic = h->integrator.heuristic;
   LANE_LOOP
@@ -64,10 +55,10 @@ STAGE void weigh_emitters(const PRIVATE Scene* scene, const PRIVATE PathState* p
       const bool first = get_ray_skip(paths, i + j) < 0;  // a camera ray starts on no primitive
       const float by_direction = bsdf_samples * get_direction_pdf(paths, i + j);
       const float share = mis_weight(heuristic, by_direction, emitter_samples * emission.pdf);
-      const bool traced = get_ray_tmax(paths, i + j) > 0.0f;
-      const float weight = first ? seen : (traced ? share : 0.0f);
-      const vec3 found = mul(get_throughput(paths, i + j), scale(emission.radiance, weight));
-      set_radiance(paths, i + j, add(get_radiance(paths, i + j), found));
+      const bool counts = (lights->light[j] >= 0) & (first | (get_ray_tmax(paths, i + j) > 0.0f));
+      const vec3 found = mul(get_throughput(paths, i + j), scale(emission.radiance, first ? seen : share));
+      const vec3 before = get_radiance(paths, i + j);
+      set_radiance(paths, i + j, select3(counts, add(before, found), before));
     }
 }
 
@@ -85,7 +76,8 @@ STAGE void begin_steps(const PRIVATE PathState* paths, int i, const PRIVATE Surf
 STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                                    const PRIVATE StepLanes* RESTRICT step) {
   const PRIVATE SceneHeader* h = &scene->header;
-  const float emitter_samples = (float)h->integrator.emitter_samples, bsdf_samples = (float)h->integrator.bsdf_samples;
+  const float emitter_samples = (float)h->integrator.emitter_samples,
+              bsdf_samples = (float)h->integrator.bsdf_samples;
   const int kind = h->integrator.bsdf_sampling, heuristic = h->integrator.heuristic;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -166,26 +158,27 @@ FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
   const bool is_last = k + 1 >= (h->integrator.emitter_samples > rays ? h->integrator.emitter_samples : rays);
   const LightRequest request = light_request(scene, false, emits, k == 0, balances);
   StepLanes step;
-  for (int j = 0; j < STEP_DIMENSIONS * LANES; j++) step.u[j] = 0.0f;
+  start_step(&step);
   for (int i = 0; i < count; i += LANES) {
     // At first the last rays are the camera's.
+    bool finds = false;
     if (k == 0 || balances) {
       find_surfaces(scene, paths, i, &step.surfaces);
-      find_lights(scene, &step.surfaces, &step.found);
+      finds = any_finds_light(scene, &step.surfaces);
+      if (finds) find_lights(scene, &step.surfaces, &step.found);
     }
     if (k == 0) keep_surfaces(paths, i, &step.surfaces);
     if (k > 0) load_kept_surfaces(paths, i, &step.surfaces);
-    resolve_surfaces(scene, &step);
-#if HAS(LAYERS)
+    resolve_step_closures(scene, &step);
+  #if HAS(LAYERS)
     if (NEEDS(scene, LAYERS) && k == 0) record_layers(&step.surfaces, &step.closures, paths, i, slots);
-#endif
+  #endif
     direct_numbers(h, k, paths, i, step.u);
-    request_lights(scene, request, &step, paths, i);
-    if (k == 0 || balances) find_emissions(scene, &step.found, k > 0, &step.emissions);
-    if (balances)
-      weigh_emitters(scene, paths, i, &step.emissions);
-    else if (k == 0)
-      see_emitters(scene, paths, i, &step.emissions);
+    request_lights(scene, request, finds, &step, paths, i);
+    if (finds) {
+      find_emissions(scene, &step.found, k > 0, &step.emissions);
+      add_emissions_found(scene, paths, i, &step.found, &step.emissions);
+    }
     begin_steps(paths, i, &step.surfaces, is_last);
     if (emits) {
       sample_step_lights(scene, &step);

@@ -80,11 +80,11 @@ STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request,
 
 #if HAS(PROJECTED)
 /// Projected solid angles of the lights that are chosen by power.
-STAGE void project_by_power(const PRIVATE Scene* scene, const PRIVATE LightReceivers* RESTRICT receivers,
+STAGE void project_by_power(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
                             const PRIVATE float* RESTRICT u, PRIVATE double* RESTRICT projected) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const LightReceiver r = load_receiver(receivers, j);
+      const LightReceiver r = receiver_of(load_surface(receivers, j));
       const ChosenLight by_power =
           choose_light(scene, u[DIM_LIGHT_U * LANES + j], u[DIM_LIGHT_FINE * LANES + j]);
       GLOBAL const Light* light = scene->lights + by_power.light;
@@ -94,8 +94,7 @@ STAGE void project_by_power(const PRIVATE Scene* scene, const PRIVATE LightRecei
 }
 
 /// Samples directions by projected solid angle to the lights that were chosen.
-STAGE void sample_projected_lights(const PRIVATE Scene* scene,
-                                   const PRIVATE LightReceivers* RESTRICT receivers,
+STAGE void sample_projected_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
                                    const PRIVATE float* RESTRICT u, const PRIVATE double* RESTRICT projected,
                                    PRIVATE LightSamplings* RESTRICT samplings) {
   LANE_LOOP
@@ -104,35 +103,36 @@ STAGE void sample_projected_lights(const PRIVATE Scene* scene,
       const ChosenLight by_power = choose_light(scene, number, u[DIM_LIGHT_FINE * LANES + j]);
       const int chosen = samplings->light[j];
       const bool is_chosen = chosen >= 0;
-      sample_projected_light(scene, load_receiver(receivers, j), is_chosen ? chosen : by_power.light,
-                             (float)projected[j], is_chosen ? number : by_power.u, u[DIM_LIGHT_V * LANES + j],
-                             samplings, j);
+      sample_projected_light(scene, receiver_of(load_surface(receivers, j)),
+                             is_chosen ? chosen : by_power.light, (float)projected[j],
+                             is_chosen ? number : by_power.u, u[DIM_LIGHT_V * LANES + j], samplings, j);
     }
 }
 
 /// Densities for the lights that the last rays found, for multiple importance sampling.
-STAGE void project_found(const PRIVATE Scene* scene, bool path,
-                         const PRIVATE LightReceivers* RESTRICT receivers, const PRIVATE PathState* paths,
-                         int i, PRIVATE FoundLights* RESTRICT found) {
+STAGE void project_found(const PRIVATE Scene* scene, bool path, const PRIVATE Surfaces* RESTRICT receivers,
+                         const PRIVATE PathState* paths, int i, PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const vec3 shading = LOAD_LANE_vec3(receivers->shading, j), left = get_left_normal(paths, i + j);
       found->projected_pdf[j] =
           projected_density(scene, load_found_light(found, j), select3(path, left, shading));
-      set_left_normal(paths, i + j, shading);  // of the next ray
     }
+}
+
+/// The next rays leave these surfaces.
+STAGE void note_left_normals(const PRIVATE PathState* paths, int i,
+                             const PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) set_left_normal(paths, i + j, LOAD_LANE_vec3(surfaces->shading, j));
 }
 #endif
 
-STAGE void clear_light_samplings(PRIVATE LightSamplings* RESTRICT samplings) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) store_light_sampling(samplings, j, no_light_sampling());
-}
-
-/// What the light sampling stage decides for LANES paths from lane i on.
-FN void request_lights(const PRIVATE Scene* scene, LightRequest request, PRIVATE StepLanes* step,
+/// What the light sampling stage decides for LANES paths from lane i on, whose samplings were clear. With
+/// `finds` their last rays found lights.
+FN void request_lights(const PRIVATE Scene* scene, LightRequest request, bool finds, PRIVATE StepLanes* step,
                        const PRIVATE PathState* paths, int i) {
-  clear_light_samplings(&step->samplings);
+  if (request.choice | request.projected) clear_light_samplings(&step->samplings);
 #if HAS(PROJECTED) || HAS(POLYGONS)
   double projected[LANES];
 #endif
@@ -142,10 +142,11 @@ FN void request_lights(const PRIVATE Scene* scene, LightRequest request, PRIVATE
                      projected);
 #endif
 #if HAS(PROJECTED)
-  if (request.found) project_found(scene, request.path, &step->receivers, paths, i, &step->found);
-  if (request.projected & !request.choice) project_by_power(scene, &step->receivers, step->u, projected);
+  if (request.found & finds) project_found(scene, request.path, &step->surfaces, paths, i, &step->found);
+  if (request.found & request.path) note_left_normals(paths, i, &step->surfaces);
+  if (request.projected & !request.choice) project_by_power(scene, &step->surfaces, step->u, projected);
   if (request.projected)
-    sample_projected_lights(scene, &step->receivers, step->u, projected, &step->samplings);
+    sample_projected_lights(scene, &step->surfaces, step->u, projected, &step->samplings);
 #endif
 }
 

@@ -1,5 +1,5 @@
-// Path tracing with next-event estimation, as a step: given the hit of a path's last ray, add what it found and
-// ask for at most one shadow ray and one next ray. It never traces.
+// Path tracing with next-event estimation, as a step: given the hit of a path's last ray, add what it found
+// and ask for at most one shadow ray and one next ray. It never traces.
 #ifndef PENUMBRA_INTEGRATOR_PATH_H
 #define PENUMBRA_INTEGRATOR_PATH_H
 #include "kernels/integrator/light_request.h"
@@ -24,14 +24,16 @@ FN float roulette_survival(float throughput, int k) {
 FN void path_numbers(const PRIVATE SceneHeader* h, bool roulette, const PRIVATE PathState* paths, int i,
                      PRIVATE float* u) {
   const uint spp = sequence_length(h);
-  sample_pair(h->sampler.kind, spp, step_point(0u), paths, i, u + DIM_LIGHT_U * LANES, u + DIM_LIGHT_V * LANES);
+  sample_pair(h->sampler.kind, spp, step_point(0u), paths, i, u + DIM_LIGHT_U * LANES,
+              u + DIM_LIGHT_V * LANES);
   sample_pair(h->sampler.kind, spp, step_point(1u), paths, i, u + DIM_BSDF_U * LANES, u + DIM_BSDF_V * LANES);
   const bool chooses = h->tables.lights.count > 1;  // a single light needs no finer digits
   if (chooses | ((h->families & families_with(SEVERAL_LOBES)) != 0u))
-    sample_pair(h->sampler.kind, spp, step_point(2u), paths, i, u + (chooses ? DIM_LIGHT_FINE : DIM_SPARE) * LANES,
-                u + DIM_LOBE_CHOICE * LANES);
+    sample_pair(h->sampler.kind, spp, step_point(2u), paths, i,
+                u + (chooses ? DIM_LIGHT_FINE : DIM_SPARE) * LANES, u + DIM_LOBE_CHOICE * LANES);
   if (roulette)
-    sample_pair(h->sampler.kind, spp, step_point(3u), paths, i, u + DIM_ROULETTE * LANES, u + DIM_SPARE * LANES);
+    sample_pair(h->sampler.kind, spp, step_point(3u), paths, i, u + DIM_ROULETTE * LANES,
+                u + DIM_SPARE * LANES);
 }
 
 /// Whether any of LANES paths from lane i on may scatter where its last ray ended.
@@ -41,16 +43,17 @@ FN bool any_scatters(const PRIVATE SceneHeader* h, const PRIVATE PathState* path
   return any != 0;
 }
 
-#if HAS(POLYGONS)
+  #if HAS(POLYGONS)
 /// Where the surface that a ray left has the closed form of a light, only next-event estimation samples that
 /// light.
-STAGE void drop_controlled(const PRIVATE PathState* paths, int i, PRIVATE Emissions* RESTRICT emissions) {
+STAGE void drop_controlled(const PRIVATE PathState* paths, int i, const PRIVATE Emissions* RESTRICT emissions,
+                           PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Emission emission = load_emission(emissions, j);
       const bool dropped =
           (get_depth(paths, i + j) > 0) & get_left_controlled(paths, i + j) & emission.of_polygon;
-      STORE_LANE_vec3(emissions->radiance, j, select3(dropped, make_vec3(0.0f, 0.0f, 0.0f), emission.radiance));
+      found->light[j] = dropped ? -1 : found->light[j];
     }
 }
 
@@ -61,30 +64,34 @@ STAGE void note_controlled(const PRIVATE Scene* scene, const PRIVATE PathState* 
     for (int j = 0; j < LANES; j++)
       set_left_controlled(paths, i + j, is_controlled(scene, load_closure(closures, j), true));
 }
-#endif
+  #endif
 
 /// Adds what the last rays found.
 STAGE void add_emissions(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                         const PRIVATE FoundLights* RESTRICT lights,
                          const PRIVATE Emissions* RESTRICT emissions) {
-  const int sampling = scene->header.integrator.direct_sampling, heuristic = scene->header.integrator.heuristic;
+  const int sampling = scene->header.integrator.direct_sampling,
+            heuristic = scene->header.integrator.heuristic;
   const float seen = scene->header.integrator.hide_emitters != HIDE_NOTHING ? 0.0f : 1.0f;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Emission emission = load_emission(emissions, j);
       const float pdf = get_direction_pdf(paths, i + j);
       const bool alone = (sampling == SAMPLING_BSDF_ONLY) | (pdf == DELTA_PDF);
-      const float bsdf_weight = alone ? 1.0f
+      const float bsdf_weight = alone                      ? 1.0f
                                 : sampling == SAMPLING_MIS ? mis_weight(heuristic, pdf, emission.pdf)
                                                            : 0.0f;
       const float weight = get_depth(paths, i + j) > 0 ? bsdf_weight : seen;
       const vec3 found = mul(get_throughput(paths, i + j), scale(emission.radiance, weight));
-      set_radiance(paths, i + j, add(get_radiance(paths, i + j), found));
+      const vec3 before = get_radiance(paths, i + j);
+      set_radiance(paths, i + j, select3(lights->light[j] >= 0, add(before, found), before));
     }
 }
 
 STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                          const PRIVATE StepLanes* RESTRICT step) {
-  const int sampling = scene->header.integrator.direct_sampling, heuristic = scene->header.integrator.heuristic;
+  const int sampling = scene->header.integrator.direct_sampling,
+            heuristic = scene->header.integrator.heuristic;
   const int max_depth = scene->header.integrator.max_depth;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -137,26 +144,26 @@ FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
   const PRIVATE SceneHeader* h = &scene->header;
   const bool balances = h->integrator.direct_sampling == SAMPLING_MIS;
   StepLanes step;
-  for (int k = 0; k < STEP_DIMENSIONS * LANES; k++) step.u[k] = 0.0f;
+  start_step(&step);
   for (int i = 0; i < count; i += LANES) {
     const bool scatters = any_scatters(h, paths, i);
     if (scatters) path_numbers(h, steps + 1 >= h->integrator.rr_depth, paths, i, step.u);
     find_surfaces(scene, paths, i, &step.surfaces);
-    resolve_surfaces(scene, &step);
-#if HAS(LAYERS)
-    if (NEEDS(scene, LAYERS) && steps == 0)
-      record_layers(&step.surfaces, &step.closures, paths, i, slots);
-#endif
-    find_lights(scene, &step.surfaces, &step.found);
-    request_lights(scene, light_request(scene, true, scatters, scatters, balances), &step, paths, i);
-    find_emissions(scene, &step.found, balances & (steps > 0), &step.emissions);
-#if HAS(POLYGONS)
+    resolve_step_closures(scene, &step);
+  #if HAS(LAYERS)
+    if (NEEDS(scene, LAYERS) && steps == 0) record_layers(&step.surfaces, &step.closures, paths, i, slots);
+  #endif
+    const bool finds = any_finds_light(scene, &step.surfaces);
+    if (finds) find_lights(scene, &step.surfaces, &step.found);
+    request_lights(scene, light_request(scene, true, scatters, scatters, balances), finds, &step, paths, i);
+    if (finds) find_emissions(scene, &step.found, balances & (steps > 0), &step.emissions);
+  #if HAS(POLYGONS)
     if (NEEDS(scene, POLYGONS)) {
-      drop_controlled(paths, i, &step.emissions);
+      if (finds) drop_controlled(paths, i, &step.emissions, &step.found);
       note_controlled(scene, paths, i, &step.closures);
     }
-#endif
-    add_emissions(scene, paths, i, &step.emissions);
+  #endif
+    if (finds) add_emissions(scene, paths, i, &step.found, &step.emissions);
     sample_step_lights(scene, &step);
     eval_bsdfs(step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
     request_light(scene, paths, i, &step);

@@ -1,5 +1,5 @@
-// What the steps of all integrators share: LANES paths at a time go through short stages, each a lane loop over
-// records that stay in the first-level cache. A stage that the scene does not need is not called.
+// What the steps of all integrators share: LANES paths at a time go through short stages, each a lane loop
+// over records that stay in the first-level cache. A stage that the scene does not need is not called.
 #ifndef PENUMBRA_STEP_H
 #define PENUMBRA_STEP_H
 #include "kernels/block/block_surface.h"
@@ -16,7 +16,6 @@ typedef struct {
   Surfaces surfaces;                 ///< where they scatter
   Closures closures;                 ///< what they scatter at there
   uint families;                     ///< of the closures
-  LightReceivers receivers;          ///< the surfaces, to lights
   FoundLights found;                 ///< the lights on which their last rays ended
   Emissions emissions;               ///< what those add
   LightSamplings samplings;
@@ -29,22 +28,22 @@ FN float lane_number(const PRIVATE StepLanes* step, int dimension, int j) {
   return step->u[dimension * LANES + j];
 }
 
-STAGE void find_receivers(const PRIVATE Surfaces* RESTRICT surfaces,
-                          PRIVATE LightReceivers* RESTRICT receivers) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) store_receiver(receivers, j, receiver_of(load_surface(surfaces, j)));
+/// Nothing known.
+FN void start_step(PRIVATE StepLanes* step) {
+  for (int k = 0; k < STEP_DIMENSIONS * LANES; k++) step->u[k] = 0.0f;
+  for (int j = 0; j < LANES; j++) store_closure(&step->closures, j, black_closure());
+  clear_light_samplings(&step->samplings);
 }
 
-/// What the surfaces are to rays that scatter there and to lights.
-FN void resolve_surfaces(const PRIVATE Scene* scene, PRIVATE StepLanes* step) {
+/// What the paths scatter at.
+FN void resolve_step_closures(const PRIVATE Scene* scene, PRIVATE StepLanes* step) {
   resolve_closures(scene, &step->surfaces, &step->closures);
-  find_receivers(&step->surfaces, &step->receivers);
   step->families = families_among(&step->closures);
 }
 
 /// Chooses lights and points on them.
 FN void sample_step_lights(const PRIVATE Scene* scene, PRIVATE StepLanes* step) {
-  sample_lights(scene, &step->receivers, step->u + DIM_LIGHT_U * LANES, step->u + DIM_LIGHT_V * LANES,
+  sample_lights(scene, &step->surfaces, step->u + DIM_LIGHT_U * LANES, step->u + DIM_LIGHT_V * LANES,
                 step->u + DIM_LIGHT_FINE * LANES, &step->samplings, &step->lights);
 }
 

@@ -118,8 +118,8 @@ FN Surface seen_surface(int primitive, vec3 o, vec3 d, PrimitivePoint r) {
   return s;
 }
 
-/// The surface that the ray from `o` along the unit direction `d` meets on the primitive; -1: none. Stages that
-/// have LANES of them use surfaces_at.
+/// The surface that the ray from `o` along the unit direction `d` meets on the primitive; -1: none. Stages
+/// that have LANES of them use surfaces_at.
 FN Surface surface_at(const PRIVATE Scene* scene, int primitive, vec3 o, vec3 d) {
   const int triangle = triangle_of(scene, primitive);
   PrimitivePoint r = triangle_point(scene, triangle, o, d);
@@ -134,8 +134,8 @@ FN Surface surface_at(const PRIVATE Scene* scene, int primitive, vec3 o, vec3 d)
 }
 
 /// Whether the direction is on the one side of the surface and, by the interpolated normal, on the other.
-/// Nothing gets through there: every strategy takes light from there to be in the surface's own shadow, so that
-/// they agree, and none leaks into closed rooms or through sheets.
+/// Nothing gets through there: every strategy takes light from there to be in the surface's own shadow, so
+/// that they agree, and none leaks into closed rooms or through sheets.
 FN bool is_beneath(Surface s, vec3 wi) {
   return (dot3(s.geometric, wi) > 0.0f) != (dot3(s.shading, wi) > 0.0f);
 }

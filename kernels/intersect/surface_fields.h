@@ -23,5 +23,18 @@ LANE_RECORD(Surface, Surfaces, surface, SURFACE_FIELDS)
 
 FN bool is_hit(Surface s) { return s.primitive >= 0; }
 
+/// A point of a medium, in the place of a surface: without normals, and no part of anything.
+FN Surface surface_in_medium(vec3 p) {
+  const vec3 zero = make_vec3(0.0f, 0.0f, 0.0f);
+  Surface s;
+  s.primitive = s.light = -1;
+  s.front = false;
+  s.from = s.p = p;
+  s.error = s.distance = 0.0f;
+  s.geometric = s.shading = s.wo = zero;
+  s.material = 0;
+  return s;
+}
+
 PENUMBRA_NAMESPACE_END
 #endif

@@ -20,16 +20,16 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, int, light)                                                     \
   F(a, int, kind)                                                      \
   F(a, bool, own) /* the receiver is a part of it, and gets nothing */ \
-  F(a, float, u)  /* what is left of the number that chose it */       \
+  F(a, bool, of_polygon)                                               \
+  F(a, float, u) /* what is left of the number that chose it */        \
   F(a, float, pmf)
 LANE_RECORD(LaneLight, ChosenLights, chosen_light, CHOSEN_LIGHT_FIELDS)
 
-/// By `number` and `fine`, see choose_light, or as the samplings say. The samples become those of lights that
-/// give nothing.
-STAGE void choose_lights(const PRIVATE Scene* scene, const PRIVATE LightReceivers* RESTRICT receivers,
+/// By `number` and `fine`, see choose_light, or as the samplings say.
+STAGE void choose_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
                          const PRIVATE float* RESTRICT number, const PRIVATE float* RESTRICT fine,
-                         const PRIVATE LightSamplings* RESTRICT samplings, PRIVATE ChosenLights* RESTRICT chosen,
-                         PRIVATE LightSamples* RESTRICT samples) {
+                         const PRIVATE LightSamplings* RESTRICT samplings,
+                         PRIVATE ChosenLights* RESTRICT chosen) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const LightSampling sampling = load_light_sampling(samplings, j);
@@ -41,33 +41,33 @@ STAGE void choose_lights(const PRIVATE Scene* scene, const PRIVATE LightReceiver
       LaneLight choice;
       choice.light = index;
       choice.kind = light->kind;
-      choice.own = is_own_light(scene, load_receiver(receivers, j), index);
+      choice.own = is_own_light(scene, receiver_of(load_surface(receivers, j)), index);
       choice.u = is_chosen ? number[j] : by_power.u;
       choice.pmf = is_chosen ? sampling.pmf : pmf;
+      choice.of_polygon = light->polygon >= 0;
       store_chosen_light(chosen, j, choice);
-      LightSample sample = no_light_sample();
-      sample.light = index;
-      sample.of_polygon = light->polygon >= 0;
-      store_light_sample(samples, j, sample);
     }
 }
 
-/// Where no light is wanted.
-STAGE void sample_no_lights(PRIVATE LightSamples* RESTRICT samples) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) store_light_sample(samples, j, no_light_sample());
-}
-
-/// Makes `s` lane j's sample if its light is of that kind.
-FN void keep_light_sample(const PRIVATE ChosenLights* chosen, int kind, LightSample s,
+/// Makes `s` lane j's sample if its light is of that kind; otherwise it stays, or becomes none if it is the
+/// first.
+FN void keep_light_sample(LaneLight choice, int kind, LightSample s, bool first,
                           PRIVATE LightSamples* samples, int j) {
-  const LightSample before = load_light_sample(samples, j);
-  const LaneLight choice = load_chosen_light(chosen, j);
   s.pdf *= choice.pmf;
   s.tmax = (!choice.own & (s.pdf > 0.0f)) ? s.tmax : -1.0f;
-  s.of_polygon = before.of_polygon;
-  s.light = before.light;
+  s.of_polygon = choice.of_polygon;
+  s.light = choice.light;
+  const LightSample before = select_light_sample(first, no_light_sample(), load_light_sample(samples, j));
   store_light_sample(samples, j, select_light_sample(choice.kind == kind, s, before));
+}
+
+/// Whether any of the rays that ended on these surfaces found a light.
+FN bool any_finds_light(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces) {
+  const int environment = scene->header.environment;
+  int any = 0;
+  for (int j = 0; j < LANES; j++)
+    any |= (surfaces->primitive[j] >= 0 ? surfaces->light[j] : environment) >= 0;
+  return any != 0;
 }
 
 /// What the rays that ended on these surfaces found of lights.
@@ -125,33 +125,41 @@ FN void keep_emission(FoundLight found, int kind, vec3 radiance, float pdf, PRIV
   store_emission(emissions, j, select_emission(found.kind == kind, e, before));
 }
 
+/// Where there is no light.
+STAGE void sample_no_lights(PRIVATE LightSamples* RESTRICT samples) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) store_light_sample(samples, j, no_light_sample());
+}
+
 // For each kind loops over lanes, one for the plain ways and one for those of the kind's features.
-#define SAMPLE_LANES(stage, name, NAME, ways)                                                         \
-  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE LightReceivers* RESTRICT receivers,      \
-                   const PRIVATE ChosenLights* RESTRICT chosen, const PRIVATE float* RESTRICT v,      \
-                   const PRIVATE LightSamplings* RESTRICT samplings, PRIVATE LightSamples* RESTRICT samples) { \
-    LANE_LOOP                                                                                         \
-      for (int j = 0; j < LANES; j++) {                                                               \
-        const LightSample s =                                                                         \
-            sample_##name##_light(scene->lights + chosen->light[j], load_receiver(receivers, j),      \
-                                  chosen->u[j], v[j], load_light_sampling(samplings, j), ways);       \
-        keep_light_sample(chosen, LIGHT_##NAME, s, samples, j);                                       \
-      }                                                                                               \
+#define SAMPLE_LANES(stage, name, NAME, ways)                                                               \
+  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,                  \
+                   const PRIVATE ChosenLights* RESTRICT chosen, const PRIVATE float* RESTRICT v,            \
+                   const PRIVATE LightSamplings* RESTRICT samplings, bool first,                            \
+                   PRIVATE LightSamples* RESTRICT samples) {                                                \
+    LANE_LOOP                                                                                               \
+      for (int j = 0; j < LANES; j++) {                                                                     \
+        const LaneLight choice = load_chosen_light(chosen, j);                                              \
+        const LightReceiver receiver = receiver_of(load_surface(receivers, j));                             \
+        const LightSample s = sample_##name##_light(scene->lights + choice.light, receiver, choice.u, v[j], \
+                                                    load_light_sampling(samplings, j), ways);               \
+        keep_light_sample(choice, LIGHT_##NAME, s, first, samples, j);                                      \
+      }                                                                                                     \
   }
-#define FOUND_LANES(stage, name, NAME, compared, ways)                                          \
-  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE FoundLights* RESTRICT found,       \
-                   PRIVATE Emissions* RESTRICT emissions) {                                     \
-    LANE_LOOP                                                                                   \
-      for (int j = 0; j < LANES; j++) {                                                         \
-        const FoundLight one = load_found_light(found, j);                                      \
-        GLOBAL const Light* light = scene->lights + (one.light >= 0 ? one.light : 0);           \
-        LightPoint at;                                                                          \
-        at.p = one.p;                                                                           \
-        at.normal = one.normal;                                                                 \
-        const vec3 radiance = name##_light_radiance(light, at, one.wi);                         \
-        const float pdf = compared ? name##_light_pdf(light, one, ways) : 0.0f;                 \
-        keep_emission(one, LIGHT_##NAME, radiance, pdf, emissions, j);                          \
-      }                                                                                         \
+#define FOUND_LANES(stage, name, NAME, compared, ways)                                    \
+  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE FoundLights* RESTRICT found, \
+                   PRIVATE Emissions* RESTRICT emissions) {                               \
+    LANE_LOOP                                                                             \
+      for (int j = 0; j < LANES; j++) {                                                   \
+        const FoundLight one = load_found_light(found, j);                                \
+        GLOBAL const Light* light = scene->lights + (one.light >= 0 ? one.light : 0);     \
+        LightPoint at;                                                                    \
+        at.p = one.p;                                                                     \
+        at.normal = one.normal;                                                           \
+        const vec3 radiance = name##_light_radiance(light, at, one.wi);                   \
+        const float pdf = compared ? name##_light_pdf(light, one, ways) : 0.0f;           \
+        keep_emission(one, LIGHT_##NAME, radiance, pdf, emissions, j);                    \
+      }                                                                                   \
   }
 #define KIND_LANES(name, NAME, number, ways, description)                               \
   SAMPLE_LANES(sample_##name##_lights, name, NAME, 0u)                                  \
@@ -170,33 +178,36 @@ LIGHT_KINDS(KIND_LANES)
 
 /// Chooses a light for each receiver by `number` and `fine`, see choose_light, and a point on it by what is
 /// left of `number` and by `v`; or as the samplings say.
-FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE LightReceivers* receivers,
+FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* receivers,
                       const PRIVATE float* number, const PRIVATE float* v, const PRIVATE float* fine,
                       const PRIVATE LightSamplings* samplings, PRIVATE LightSamples* samples) {
   ChosenLights chosen;
-  choose_lights(scene, receivers, number, fine, samplings, &chosen, samples);
-#define SAMPLE_KIND(name, NAME, number, ways, description)                              \
-  if (NEEDS_LIGHT(scene, NAME)) {                                                       \
-    if (NEEDS_WAYS(scene, ways))                                                        \
-      sample_##name##_lights_by_ways(scene, receivers, &chosen, v, samplings, samples); \
-    else                                                                                \
-      sample_##name##_lights(scene, receivers, &chosen, v, samplings, samples);         \
+  choose_lights(scene, receivers, number, fine, samplings, &chosen);
+  bool first = true;
+#define SAMPLE_KIND(name, NAME, number, ways, description)                                     \
+  if (NEEDS_LIGHT(scene, NAME)) {                                                              \
+    if (NEEDS_WAYS(scene, ways))                                                               \
+      sample_##name##_lights_by_ways(scene, receivers, &chosen, v, samplings, first, samples); \
+    else                                                                                       \
+      sample_##name##_lights(scene, receivers, &chosen, v, samplings, first, samples);         \
+    first = false;                                                                             \
   }
   LIGHT_KINDS(SAMPLE_KIND)
 #undef SAMPLE_KIND
+  if (first) sample_no_lights(samples);
 }
 
 /// What the lights that rays found add to them. Densities are 0 unless they are `compared`.
 FN void find_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLights* found, bool compared,
                        PRIVATE Emissions* emissions) {
   no_emissions(scene, found, emissions);
-#define FIND_KIND(name, NAME, number, ways, description)                \
-  if (NEEDS_LIGHT(scene, NAME)) {                                       \
-    if (!compared)                                                      \
+#define FIND_KIND(name, NAME, number, ways, description)     \
+  if (NEEDS_LIGHT(scene, NAME)) {                            \
+    if (!compared)                                           \
       see_##name##_lights(scene, found, emissions);          \
-    else if (NEEDS_WAYS(scene, ways))                                   \
+    else if (NEEDS_WAYS(scene, ways))                        \
       find_##name##_lights_by_ways(scene, found, emissions); \
-    else                                                                \
+    else                                                     \
       find_##name##_lights(scene, found, emissions);         \
   }
   LIGHT_KINDS(FIND_KIND)

@@ -39,11 +39,11 @@ FN bool is_own_light(const PRIVATE Scene* scene, LightReceiver r, int light) {
 
 // A light sample as far as the stage decides it. Densities by projected solid angle do not include the
 // probability of choosing the light.
-#define LIGHT_SAMPLING_FIELDS(F, a)                                                                            \
-  F(a, int, light)       /* index of the light that the step samples; negative: the step chooses by power */   \
-  F(a, float, pmf)       /* probability of choosing it */                                                      \
-  F(a, vec3, wi)         /* direction towards it */                                                            \
-  F(a, float, scale)     /* the density of wi is its cosine times this; negative: the step samples a point */
+#define LIGHT_SAMPLING_FIELDS(F, a)                                                                      \
+  F(a, int, light)   /* index of the light that the step samples; negative: the step chooses by power */ \
+  F(a, float, pmf)   /* probability of choosing it */                                                    \
+  F(a, vec3, wi)     /* direction towards it */                                                          \
+  F(a, float, scale) /* the density of wi is its cosine times this; negative: the step samples a point */
 LANE_RECORD(LightSampling, LightSamplings, light_sampling, LIGHT_SAMPLING_FIELDS)
 
 FN LightSampling no_light_sampling(void) {
@@ -53,6 +53,11 @@ FN LightSampling no_light_sampling(void) {
   sampling.pmf = 0.0f;
   sampling.wi = make_vec3(0.0f, 0.0f, 1.0f);
   return sampling;
+}
+
+STAGE void clear_light_samplings(PRIVATE LightSamplings* RESTRICT samplings) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) store_light_sampling(samplings, j, no_light_sampling());
 }
 
 PENUMBRA_NAMESPACE_END

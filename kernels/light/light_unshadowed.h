@@ -18,8 +18,8 @@ typedef struct {
   Receivers receivers;
   double diffuse[3 * LANES];  ///< reflectance, channel c of lane j at c * LANES + j; 0 if it reflects nothing
   double specular[3 * LANES];  ///< likewise
-  int closed[LANES];  ///< 0: the surface's BSDF has no closed form, and its lights are chosen by power
-  double polygon[LANES];       ///< index of the polygon light that the point is on, or -1; it adds nothing
+  int closed[LANES];      ///< 0: the surface's BSDF has no closed form, and its lights are chosen by power
+  double polygon[LANES];  ///< index of the polygon light that the point is on, or -1; it adds nothing
 } ShadingPoints;
 
 /// Sets lane j to the surface `s` . A position on a triangle is computed
@@ -182,8 +182,9 @@ STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE ShadingPo
 /// sampled by it, else to area. Stores the light and its probability in the samplings, its projected solid
 /// angle in `projected`, and the remainder of the random number in `u`.
 STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* points, bool by_projection,
-                       const PRIVATE Reservoir* RESTRICT reservoir, PRIVATE LightSamplings* RESTRICT samplings,
-                       PRIVATE double* RESTRICT projected, PRIVATE float* RESTRICT u) {
+                       const PRIVATE Reservoir* RESTRICT reservoir,
+                       PRIVATE LightSamplings* RESTRICT samplings, PRIVATE double* RESTRICT projected,
+                       PRIVATE float* RESTRICT u) {
   const int polygons = scene->header.tables.polygons.count;
   int parts = 0;
   Reservoir part;

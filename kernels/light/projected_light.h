@@ -33,13 +33,12 @@ FN ProjectedPolygon project_light(GLOBAL const Light* light, vec3 from, vec3 n) 
   return polygon;
 }
 
-/// The density with which sampling by projected solid angle chooses the direction in which a ray found the light,
-/// from a point with shading normal `n`; negative: that is not how it is sampled.
+/// The density with which sampling by projected solid angle chooses the direction in which a ray found the
+/// light, from a point with shading normal `n`; negative: that is not how it is sampled.
 FN float projected_density(const PRIVATE Scene* scene, FoundLight found, vec3 n) {
   GLOBAL const Light* light = scene->lights + (found.light >= 0 ? found.light : 0);
   const ProjectedPolygon polygon = project_light(light, found.from, n);
-  const float area =
-      (float)light_irradiance(light, found.from.x, found.from.y, found.from.z, n.x, n.y, n.z);
+  const float area = (float)light_irradiance(light, found.from.x, found.from.y, found.from.z, n.x, n.y, n.z);
   const bool some = (found.light >= 0) & (polygon.area > 0.0f) & (area > 0.0f);
   const float cosine = max_f(dot3(n, found.wi), 0.0f);
   return some ? cosine / (some ? area : 1.0f) : -1.0f;

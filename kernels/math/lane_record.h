@@ -1,5 +1,5 @@
-// Records of which a stage holds LANES at a time: from one list of fields both the struct of one and the struct
-// of arrays of all, which stay in the first-level cache between the lane loops of a step.
+// Records of which a stage holds LANES at a time: from one list of fields both the struct of one and the
+// struct of arrays of all, which stay in the first-level cache between the lane loops of a step.
 //
 // A list of fields is FIELDS(F, a) with a row F(a, type, name) for each; types are float, int, bool and vec3.
 #ifndef PENUMBRA_LANE_RECORD_H
@@ -32,23 +32,23 @@
 
 /// struct Name, struct Names of LANES of them, load_name(names, lane), store_name(names, lane, record) and
 /// select_name(condition, yes, no).
-#define LANE_RECORD(Name, Names, name, FIELDS)                            \
-  typedef struct {                                                        \
-    FIELDS(RECORD_MEMBER, )                                               \
-  } Name;                                                                 \
-  typedef struct {                                                        \
-    FIELDS(RECORD_ARRAY, )                                                \
-  } Names;                                                                \
-  FN Name load_##name(const PRIVATE Names* lanes, int j) {                \
-    Name record;                                                          \
-    FIELDS(RECORD_LOAD, )                                                 \
-    return record;                                                        \
-  }                                                                       \
-  FN Name select_##name(bool condition, Name yes, Name no) {              \
-    Name record;                                                          \
-    FIELDS(RECORD_SELECT, )                                               \
-    return record;                                                        \
-  }                                                                       \
+#define LANE_RECORD(Name, Names, name, FIELDS)               \
+  typedef struct {                                           \
+    FIELDS(RECORD_MEMBER, )                                  \
+  } Name;                                                    \
+  typedef struct {                                           \
+    FIELDS(RECORD_ARRAY, )                                   \
+  } Names;                                                   \
+  FN Name load_##name(const PRIVATE Names* lanes, int j) {   \
+    Name record;                                             \
+    FIELDS(RECORD_LOAD, )                                    \
+    return record;                                           \
+  }                                                          \
+  FN Name select_##name(bool condition, Name yes, Name no) { \
+    Name record;                                             \
+    FIELDS(RECORD_SELECT, )                                  \
+    return record;                                           \
+  }                                                          \
   FN void store_##name(PRIVATE Names* lanes, int j, Name record) { FIELDS(RECORD_STORE, ) }
 
 #endif

@@ -232,8 +232,8 @@ FN PairPoint one_point(uint pair) {
   return point;
 }
 
-/// Dimension pair 0 is the position on the film; a path of depth k uses pairs 1 + k STEP_DIMENSIONS / 2 ... at the
-/// surface that it meets.
+/// Dimension pair 0 is the position on the film; a path of depth k uses pairs 1 + k STEP_DIMENSIONS / 2 ...
+/// at the surface that it meets.
 FN PairPoint step_point(uint pair) {
   PairPoint point = one_point(1u + pair);
   point.per_depth = STEP_DIMENSIONS / 2u;
@@ -295,7 +295,9 @@ FN void sample_pair(int sampler, uint spp, PairPoint point, const PRIVATE PathSt
 
 /// Whether a pixel's samples are two independent sequences, those of even and of odd index, so that each half
 /// can fit an alpha for the other.
-FN bool in_halves(const PRIVATE SceneHeader* h) { return HAS(POLYGONS) && h->integrator.estimator == ESTIMATOR_AUTO; }
+FN bool in_halves(const PRIVATE SceneHeader* h) {
+  return HAS(POLYGONS) && h->integrator.estimator == ESTIMATOR_AUTO;
+}
 
 /// Samples of a pixel in one sequence.
 FN uint sequence_length(const PRIVATE SceneHeader* h) {

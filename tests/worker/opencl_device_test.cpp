@@ -160,9 +160,8 @@ TEST_F(OpenClDevices, KeepNothingWhereThereIsNoFolder) {
 TEST_F(OpenClDevices, CompileAnewWhatTheDeviceRefusesOrTheDiskDamaged) {
   const DeviceOptions options = opencl_options({.kernel_cache = folder_.path()});
   const OpenClDeviceInfo info = *find_opencl_device("");
-  const std::string key = kernel_cache_key(
-      info,
-      opencl_source(info, "kernels/opencl.cl", {}, needs_of(scene_.header), 16));
+  const std::string key =
+      kernel_cache_key(info, opencl_source(info, "kernels/opencl.cl", {}, needs_of(scene_.header), 16));
   // Whole by the cache's measure, but no program.
   const std::vector<unsigned char> nonsense(1000, 0x5a);
   ASSERT_TRUE(cache_.keep(key, nonsense));
