@@ -71,6 +71,14 @@ FN void keep_light_sample(const PRIVATE ChosenLights* chosen, int kind, LightSam
   samples->delta[j] = ((mine & s.delta) | (!mine & before.delta)) ? 1 : 0;
 }
 
+/// Index of the light that a ray hits if it ends on this surface, or of the environment if it leaves the
+/// scene; negative: none, or the light's back.
+FN int light_found(const PRIVATE Scene* scene, Surface s) {
+  const int two_sided = scene->lights[s.light >= 0 ? s.light : 0].two_sided;
+  const int index = (s.front | (two_sided != 0)) ? s.light : -1;
+  return s.valid ? index : scene->header.environment;
+}
+
 /// One a lane; coordinate c of lane j at c * LANES + j.
 typedef struct {
   float from[3 * LANES], wi[3 * LANES], p[3 * LANES], normal[3 * LANES];  ///< see FoundLight
