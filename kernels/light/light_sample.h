@@ -71,16 +71,6 @@ typedef struct {
   vec3 normal;  ///< unit, of the side that shines
 } LightPoint;
 
-/// What a ray found of a light.
-typedef struct {
-  vec3 from;      ///< where the ray started
-  vec3 wi;        ///< unit, its direction
-  LightPoint at;  ///< means nothing for an environment
-  float distance;
-  float cosine;         ///< at the light
-  float projected_pdf;  ///< LightSampling.found_pdf
-} FoundLight;
-
 /// Whether a scene's lights are sampled in this way, of `ways`, a constant.
 #define BY(ways, name) (HAS(name) && ((ways)&FEATURE_##name) != 0u)
 

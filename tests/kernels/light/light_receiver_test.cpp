@@ -187,6 +187,7 @@ TEST(MediumReceiver, NoDirectionIsSampledByProjectedSolidAngle) {
   tables.lights[0].sampling = EMITTER_PROJECTED;
   const Scene scene = tables.scene();
   float samplings[LIGHT_SAMPLING_FLOATS];
+  store_light_sampling(samplings, 0, no_light_sampling());
   const vec3 up = make_vec3(0, 0, 1), here = make_vec3(0, 0, 0);
   sample_projected_light(&scene, receiver(here, up), 0, 0.5f, 0.3f, 0.6f, samplings, 0);
   EXPECT_GT(load_light_sampling(samplings, 0).scale, 0);
