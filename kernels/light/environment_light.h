@@ -1,8 +1,7 @@
 // The environment, the same from all directions.
 #ifndef PENUMBRA_ENVIRONMENT_LIGHT_H
 #define PENUMBRA_ENVIRONMENT_LIGHT_H
-#include "kernels/light/light_sample.h"
-#include "kernels/light/light_sampling.h"
+#include "kernels/light/light_found.h"
 #include "kernels/math/frame.h"
 
 PENUMBRA_NAMESPACE_BEGIN

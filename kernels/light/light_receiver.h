@@ -2,6 +2,7 @@
 #ifndef PENUMBRA_LIGHT_RECEIVER_H
 #define PENUMBRA_LIGHT_RECEIVER_H
 #include "kernels/intersect/surface.h"
+#include "kernels/light/light_kinds.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -26,6 +27,29 @@ FN LightReceiver receiver_of(Surface s) {
   r.front = s.front;
   r.light = s.light;
   return r;
+}
+
+/// Index of the polygon light that the light of that index, or -1, is a part of, or -1.
+FN int own_polygon(const PRIVATE Scene* scene, int light) {
+  const int polygon = scene->lights[light >= 0 ? light : 0].polygon;
+  return light >= 0 ? polygon : -1;
+}
+
+/// Whether the receiver is a part of that light and gets nothing from it: a part of a flat light, or of a
+/// sphere except its emitting inside. Formulas cannot tell: rounding puts the surface to either side of the
+/// light's plane or sphere, which covers half the directions or nothing.
+FN bool is_own_light(const PRIVATE Scene* scene, LightReceiver r, int light) {
+  bool own = light == r.light;
+  if (NEEDS_LIGHT(scene, SPHERE)) {
+    const int kind = scene->lights[light].kind;
+    const float orientation = scene->lights[light].p2.y;
+    own = own & !((kind == LIGHT_SPHERE) & (orientation < 0.0f) & r.front);
+  }
+#if HAS(POLYGONS)
+  const int mine = own_polygon(scene, r.light), polygon = scene->lights[light].polygon;
+  own = own | ((mine >= 0) & (polygon == mine));
+#endif
+  return own;
 }
 
 PENUMBRA_NAMESPACE_END

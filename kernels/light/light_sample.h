@@ -41,22 +41,6 @@ typedef struct {
   vec3 normal;  ///< unit, of the side that shines
 } LightPoint;
 
-// What a ray found of a light; point, normal and distance mean nothing for an environment.
-// clang-format off
-#define FOUND_LIGHT_FIELDS(F, a)                                                                             \
-  F(a, vec3, from)           /* where the ray started */                                                     \
-  F(a, vec3, wi)             /* unit, its direction */                                                       \
-  F(a, vec3, p)                                                                                              \
-  F(a, vec3, normal)                                                                                         \
-  F(a, float, distance)                                                                                      \
-  F(a, float, cosine)        /* at the light */                                                              \
-  F(a, float, projected_pdf) /* by projected solid angle, without the choice of the light; negative: not so */ \
-  F(a, float, pmf)           /* of choosing it by power */                                                   \
-  F(a, int, light)           /* index, or negative: none */                                                  \
-  F(a, int, kind)            /* LIGHT_*, or negative */
-// clang-format on
-LANE_RECORD(FoundLight, FoundLights, found_light, FOUND_LIGHT_FIELDS)
-
 /// Whether a scene's lights are sampled in this way, of `ways`, a constant.
 #define BY(ways, name) (HAS(name) && ((ways)&FEATURE_##name) != 0u)
 

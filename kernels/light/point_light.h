@@ -1,8 +1,7 @@
 // Point lights, which no ray finds.
 #ifndef PENUMBRA_POINT_LIGHT_H
 #define PENUMBRA_POINT_LIGHT_H
-#include "kernels/light/light_sample.h"
-#include "kernels/light/light_sampling.h"
+#include "kernels/light/light_found.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 

@@ -2,7 +2,7 @@
 #ifndef PENUMBRA_RECTANGLE_LIGHT_H
 #define PENUMBRA_RECTANGLE_LIGHT_H
 #include "kernels/light/flat_light.h"
-#include "kernels/light/light_sampling.h"
+#include "kernels/light/light_found.h"
 #include "kernels/light/spherical_rectangle.h"
 
 PENUMBRA_NAMESPACE_BEGIN

@@ -1,8 +1,7 @@
 // Sphere lights: by the cone that they subtend, or by area.
 #ifndef PENUMBRA_SPHERE_LIGHT_H
 #define PENUMBRA_SPHERE_LIGHT_H
-#include "kernels/light/light_sample.h"
-#include "kernels/light/light_sampling.h"
+#include "kernels/light/light_found.h"
 #include "kernels/math/frame.h"
 
 PENUMBRA_NAMESPACE_BEGIN

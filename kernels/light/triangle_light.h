@@ -3,7 +3,7 @@
 #ifndef PENUMBRA_TRIANGLE_LIGHT_H
 #define PENUMBRA_TRIANGLE_LIGHT_H
 #include "kernels/light/flat_light.h"
-#include "kernels/light/light_sampling.h"
+#include "kernels/light/light_found.h"
 #include "kernels/light/spherical_triangle.h"
 
 PENUMBRA_NAMESPACE_BEGIN
