@@ -35,6 +35,7 @@ Viewer::Viewer(Window& window, const std::string& address, const std::string& to
       token_(token),
       client_(std::make_unique<WatchClient>(address, token)),
       composite_(std::move(composite)) {
+  view_.adjustable.alpha = settings_.alpha;
   status_.address = address;
   status_.latency_seconds = status_.seconds_left = status_.relative_error =
       std::numeric_limits<double>::quiet_NaN();
@@ -137,7 +138,7 @@ Expected<void> Viewer::on(const WatchView& news) {
   const bool is_scenes = news.number == 0 && is_same(news.view, view_);
   if (!header_ || is_scenes || client_->is_own(news)) return {};
   view_ = news.view;
-  settings_.alpha = view_.alpha;
+  settings_.alpha = view_.adjustable.alpha;
   SceneHeader header = *header_;
   apply_view(view_, header);
   pose_ = pose_of(header, glm::length(pose_.at - pose_.eye));

@@ -58,9 +58,8 @@ TileSnapshot snapshot_of(const FilmAccumulator& film, const RenderUnit& area, bo
   return tile;
 }
 
-void RenderFeed::begin_view(std::uint32_t number, float alpha) {
-  view_ = number;
-  alpha_ = alpha;
+void RenderFeed::begin_view(const WatchView& view) {
+  view_ = view;
   changed_.clear();
 }
 
@@ -85,8 +84,8 @@ void RenderFeed::publish(const FilmAccumulator& film, bool all) {
     changed_.erase(changed_.begin());
     const RenderUnit area = grid_.unit(tile, 0);
     if (film.at(area.x, area.y).count == 0) continue;  // its first pass is not there yet
-    TileSnapshot snapshot = snapshot_of(film, area, hybrid_, alpha_);
-    snapshot.view = view_;
+    TileSnapshot snapshot = snapshot_of(film, area, hybrid_, view_.view.adjustable.alpha);
+    snapshot.view = view_.number;
     snapshot.worker = last_worker_[tile];
     board_.show_tile(tile, std::move(snapshot));
   }
