@@ -123,6 +123,13 @@ LIGHT_KINDS(KIND_LANES)
 #define NEEDS_WAYS(scene, ways) \
   (((FEATURES) & (ways)) != 0 && ((scene)->header.features & (uint)(ways)) != 0u)
 
+/// The kinds, of those of the scene, among LANES; negative ones are none.
+FN uint kinds_among(const PRIVATE Scene* scene, const PRIVATE int* kinds) {
+  uint among = 0u;
+  for (int j = 0; j < LANES; j++) among |= kinds[j] >= 0 ? 1u << kinds[j] : 0u;
+  return among & scene->header.light_kinds & LIGHT_KINDS_MASK;
+}
+
 /// Chooses a light for each receiver by `number` and `fine`, see choose_light, and a point on it by what is
 /// left of `number` and by `v`; or as the samplings say.
 FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* receivers,
@@ -134,9 +141,10 @@ FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* receiv
   const bool one_kind = (kinds & (kinds - 1u)) == 0u;
   if (!one_kind || NEEDS_LIGHT(scene, SPHERE) || NEEDS(scene, POLYGONS))
     detail_choices(scene, receivers, &chosen);
+  const uint among = kinds_among(scene, chosen.kind);
   bool first = true;
 #define SAMPLE_KIND(name, NAME, number, ways, description)                                     \
-  if (NEEDS_LIGHT(scene, NAME)) {                                                              \
+  if ((among >> (number)&1u) != 0u) {                                                          \
     if (NEEDS_WAYS(scene, ways))                                                               \
       sample_##name##_lights_by_ways(scene, receivers, &chosen, v, samplings, first, samples); \
     else                                                                                       \
@@ -151,9 +159,10 @@ FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* receiv
 /// What the lights that rays found add to them. Densities are 0 unless they are `compared`.
 FN void find_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLights* found, bool compared,
                        PRIVATE Emissions* emissions) {
+  const uint among = kinds_among(scene, found->kind);
   no_emissions(scene, found, emissions);
 #define FIND_KIND(name, NAME, number, ways, description)     \
-  if (NEEDS_LIGHT(scene, NAME)) {                            \
+  if ((among >> (number)&1u) != 0u) {                        \
     if (!compared)                                           \
       see_##name##_lights(scene, found, emissions);          \
     else if (NEEDS_WAYS(scene, ways))                        \
