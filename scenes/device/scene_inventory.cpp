@@ -53,8 +53,7 @@ std::optional<SearchBytes> search_bytes(const DeviceScene& scene) {
 
 /// The scene with the closed forms of its polygon lights.
 std::optional<SceneHeader> with_polygons(SceneDescription description) {
-  description.integrator = {};
-  description.integrator.kind = IntegratorKind::kPolygonAnalytic;
+  description.integrator = {.method = PolygonAnalyticIntegrator{}};
   const auto built = build_device_scene(description, {.intersector = IntersectorChoice::kEmbree});
   return built ? std::optional(built->header) : std::nullopt;
 }
