@@ -141,13 +141,13 @@ std::vector<LightKind> kinds() {
        reflected_of_disk},
       {"point",
        [](SceneDescription& scene) {
-         scene.point_lights.push_back({kPoint, glm::vec3(float(kIntensity))});
+         scene.emitters.emplace_back(PointLight{kPoint, glm::vec3(float(kIntensity))});
        },
        [](const BsdfModel& bsdf) {
          const double d2 = glm::dot(kPoint, kPoint);
          return kIntensity / d2 * scattered(bsdf, kPoint / std::sqrt(d2));
        }},
-      {"constant", [](SceneDescription& scene) { scene.environment = ConstantEnvironment{glm::vec3(1)}; },
+      {"constant", [](SceneDescription& scene) { scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(1)}); },
        reflected_of_sky},
   };
 }

@@ -121,7 +121,7 @@ TEST(HiddenEmitters, AllOfARowAreLookedThroughAndStillCastShadows) {
 TEST(HiddenEmitters, TheSkyIsHiddenAndSeenInTheFloor) {
   // The lamp shades the floor from its share of the sky, and the sky itself is black.
   SceneDescription scene = floor_from_above(50'000);
-  scene.environment = ConstantEnvironment{glm::vec3(1)};
+  scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(1)});
   scene.shapes.push_back(lamp(kHeight, kHalf, kBlackBsdf));
   const double share = square_above(kHeight, kHalf);
   expect_radiance(scene, hiding(direct_integrator(1, 1), HiddenEmitters::kLookedThrough),

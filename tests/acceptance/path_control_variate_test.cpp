@@ -20,7 +20,7 @@ constexpr double kBlocks = double(kWidth / kBlock) * (kHeight / kBlock);
 SceneDescription star_light(bool other_light) {
   SceneDescription scene = read_or_throw(project_file("scenes/star-light/star-light.xml"));
   resize_film(scene, kWidth, kHeight);
-  if (other_light) scene.point_lights.push_back({glm::dvec3(-2, 3, 4), glm::vec3(6, 5, 4)});
+  if (other_light) scene.emitters.emplace_back(PointLight{glm::dvec3(-2, 3, 4), glm::vec3(6, 5, 4)});
   scene.integrator = {};
   scene.integrator.kind = IntegratorKind::kPath;
   scene.integrator.max_depth = 4;

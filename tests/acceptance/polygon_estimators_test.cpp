@@ -256,8 +256,8 @@ TEST(LightChoice, OtherLightsHaveTheirShare) {
   sphere.radiance = disk.radiance = glm::vec3(3);
   scene.shapes.push_back(sphere);
   scene.shapes.push_back(disk);
-  scene.point_lights.push_back({{0.2, 0.6, -0.8}, glm::vec3(0.2f)});
-  scene.environment = ConstantEnvironment{glm::vec3(0.3f)};
+  scene.emitters.emplace_back(PointLight{{0.2, 0.6, -0.8}, glm::vec3(0.2f)});
+  scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(0.3f)});
   ManyTests tests;
   scene.integrator = emitter_only(EmitterSampling::kArea, 4, LightChoice::kPower);
   const statistics::Sample by_power = pass_means(scene, 4);

@@ -50,7 +50,7 @@ std::vector<SceneDescription> scenes_of_passes() {
     scene.bsdfs.push_back({"floor", PhongBsdf{glm::vec3(0.5f, 0.7f, 0.2f), glm::vec3(0.3f), 9}});
     scene.shapes.push_back(parallelogram({-2, 0, -2}, {0, 0, 4}, {4, 0, 0}, 0));
     add_light(scene, large_light(kEdge68), glm::vec3(3, 2, 1));
-    scene.point_lights.push_back({dvec3(1, 1, 1), glm::vec3(1)});
+    scene.emitters.emplace_back(PointLight{dvec3(1, 1, 1), glm::vec3(1)});
     scene.film.filter = filter;
     scene.film.filter_radius = filter == FilterKind::kBox ? 0.5f : 2.0f;
     scene.integrator = polygon_ratio(EmitterSampling::kSolidAngle, 2);

@@ -59,7 +59,7 @@ void expect_albedo(const Placed& placed, const dvec3& normal, int cells, double 
       scene.camera = look_at(center + scale * (side * normal + 0.8 * u + 0.3 * v), center, v, 40);
       scene.camera.near_clip = 1e-4 * scale;
       scene.camera.far_clip = 100 * scale;
-      scene.environment = ConstantEnvironment{glm::vec3(1)};
+      scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(1)});
       add_diffuse(scene, kAlbedo);
       scene.shapes.push_back(grid(center, 2 * scale * u, 2 * scale * v, cells));
       if (balance != 0) {  // out of sight, and as bright as the sky behind it

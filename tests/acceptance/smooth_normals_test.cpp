@@ -56,7 +56,7 @@ TEST(SmoothNormals, RimsShowTheOutsideAsBrightAsTheRest) {
     for (const Strategy& strategy : all_strategies()) {
       SceneDescription scene = empty_scene(kPixels, kPixels, 64, 3);
       scene.camera = look_at(dvec3(0, 0, 4), dvec3(0.02, 0.03, 0), dvec3(0, 1, 0), 30);
-      scene.environment = ConstantEnvironment{glm::vec3(1)};
+      scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(1)});
       scene.bsdfs.push_back({"outside", DiffuseBsdf{glm::vec3(0.8f)}});
       scene.bsdfs.push_back({"inside", DiffuseBsdf{glm::vec3(0.8f, 0, 0)}});
       scene.shapes.push_back(icosahedron(dvec3(0), 1));
@@ -90,8 +90,8 @@ void expect_black(SceneDescription scene, const std::string& what) {
 }
 
 void add_lights_beyond(SceneDescription& scene, bool sky) {
-  if (sky) scene.environment = ConstantEnvironment{glm::vec3(1)};
-  scene.point_lights.push_back({dvec3(3, -2.5, 1), glm::vec3(10)});
+  if (sky) scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(1)});
+  scene.emitters.emplace_back(PointLight{dvec3(3, -2.5, 1), glm::vec3(10)});
   scene.shapes.push_back(parallelogram(dvec3(-3, -4, -3), dvec3(0, 0, 6), dvec3(6, 0, 0), kBlackBsdf, 5.0f));
   scene.shapes.back().two_sided_emission = true;
   Shape sphere;

@@ -98,8 +98,8 @@ void rays_on_edges(SceneDescription& scene) {
   shape.front_bsdf = shape.back_bsdf = 0;
   scene.shapes = {std::move(shape)};
   scene.bsdfs = {Bsdf{"grey", DiffuseBsdf{}}};
-  scene.point_lights = {PointLight{{0.3, 0.4, 0.2}, glm::vec3(1)}};
-  scene.environment = ConstantEnvironment{};
+  scene.emitters.emplace_back(PointLight{{0.3, 0.4, 0.2}, glm::vec3(1)});
+  scene.emitters.emplace_back(ConstantEnvironment{});
   scene.camera = {};
   scene.camera.fov = 90;
   resize_film(scene, kEdgePixels, kEdgePixels);

@@ -222,9 +222,9 @@ TEST_F(MitsubaPlugins, Lights) {
       in("emitter", "point", "<rgb name='intensity' value='7'/><point name='position' x='1' y='2' z='3'/>") +
       in("emitter", "constant", "<rgb name='radiance' value='.5'/>") +
       in("shape", "rectangle", in("emitter", "area", "<rgb name='radiance' value='1 2 3'/>")));
-  EXPECT_EQ(s.point_lights.at(0).position, glm::dvec3(1, 2, 3));
-  EXPECT_EQ(s.point_lights.at(0).intensity, glm::vec3(7));
-  EXPECT_EQ(s.environment.value().radiance, glm::vec3(0.5f));
+  EXPECT_EQ(only<PointLight>(s).position, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(only<PointLight>(s).intensity, glm::vec3(7));
+  EXPECT_EQ(only<ConstantEnvironment>(s).radiance, glm::vec3(0.5f));
   EXPECT_EQ(s.shapes.at(0).radiance, glm::vec3(1, 2, 3));
 }
 
@@ -477,8 +477,7 @@ TEST_F(MitsubaPlugins, LenientStandIns) {
   }
   EXPECT_EQ(s.shapes[1].back_bsdf, kBlackBsdf);
   EXPECT_EQ(s.shapes[1].radiance, glm::vec3(0.8f, 0.2f, 0.8f));
-  ASSERT_TRUE(s.environment);
-  EXPECT_EQ(s.environment->radiance, glm::vec3(0.8f, 0.2f, 0.8f));
+  EXPECT_EQ(only<ConstantEnvironment>(s).radiance, glm::vec3(0.8f, 0.2f, 0.8f));
   EXPECT_THAT(s.warnings,
               ::testing::UnorderedElementsAre(
                   HasSubstr("integrator type 'volpath' is not one that Penumbra reads; path stands in"),

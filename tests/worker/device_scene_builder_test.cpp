@@ -28,7 +28,8 @@ SceneDescription moved(SceneDescription scene, const dvec3& shift) {
     if (auto* sphere = std::get_if<Sphere>(&shape.geometry)) sphere->center += shift;
     if (auto* disk = std::get_if<Disk>(&shape.geometry)) disk->center += shift;
   }
-  for (PointLight& light : scene.point_lights) light.position += shift;
+  for (Emitter& emitter : scene.emitters)
+    if (auto* point = std::get_if<PointLight>(&emitter)) point->position += shift;
   scene.camera.to_world[3] += glm::dvec4(shift, 0);
   return scene;
 }
@@ -258,10 +259,10 @@ TEST(Features, AreJustTheNeeded) {
             box | FEATURE_SOLID_ANGLE);
   EXPECT_EQ(with([](auto& s) { s.integrator.emitter_sampling = EmitterSampling::kProjected; }),
             box | FEATURE_PROJECTED);
-  EXPECT_EQ(with([](auto& s) { s.point_lights.push_back({}); }), box | FEATURE_POINT_LIGHTS);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{}); }), box | FEATURE_POINT_LIGHTS);
   // What is black or unused needs nothing.
-  EXPECT_EQ(with([](auto& s) { s.point_lights.push_back({dvec3(0), glm::vec3(0)}); }), box);
-  EXPECT_EQ(with([](auto& s) { s.environment = ConstantEnvironment{glm::vec3(0)}; }), box);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{dvec3(0), glm::vec3(0)}); }), box);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(ConstantEnvironment{glm::vec3(0)}); }), box);
   EXPECT_EQ(with([](auto& s) { s.bsdfs[0].model = PhongBsdf{glm::vec3(0.5f), glm::vec3(0), 30}; }), box);
   EXPECT_EQ(with([](auto& s) {
               s.bsdfs[0].model = PhongBsdf{glm::vec3(0.5f), glm::vec3(0.1f), 30};
@@ -344,7 +345,7 @@ TEST(Errors, PositionsTooLargeForSinglePrecision) {
             }).find(too_large),
             std::string::npos);
   EXPECT_NE(message([](auto& s) { s.camera.to_world[3].y = 1e39; }).find(too_large), std::string::npos);
-  EXPECT_NE(message([](auto& s) { s.point_lights[0].position.z = 1e39; }).find(too_large), std::string::npos);
+  EXPECT_NE(message([](auto& s) { std::get<PointLight>(s.emitters.at(0)).position.z = 1e39; }).find(too_large), std::string::npos);
   for (Shape shape : everything().shapes) {
     if (std::holds_alternative<Mesh>(shape.geometry)) continue;
     EXPECT_NE(message([&](auto& s) {

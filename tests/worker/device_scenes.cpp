@@ -78,8 +78,8 @@ void add_everything(SceneDescription& scene, int sheet_cells) {
   disk.back_bsdf = glossy;
   disk.radiance = glm::vec3(0.5f);
   scene.shapes.push_back(disk);
-  scene.point_lights.push_back({dvec3(0, 0.5, 0.9), glm::vec3(0.5f)});
-  scene.environment = ConstantEnvironment{glm::vec3(0.2f, 0.3f, 0.4f)};
+  scene.emitters.emplace_back(PointLight{dvec3(0, 0.5, 0.9), glm::vec3(0.5f)});
+  scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(0.2f, 0.3f, 0.4f)});
   scene.film.filter = FilterKind::kMitchell;
   scene.film.filter_radius = 2;
 }
@@ -146,7 +146,7 @@ SceneDescription polygon_lights() {
 SceneDescription environment_alone() {
   SceneDescription scene = film_and_camera();
   add_diffuse(scene, 0.5f);
-  scene.environment = ConstantEnvironment{glm::vec3(0.25f, 0.5f, 0.75f)};
+  scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(0.25f, 0.5f, 0.75f)});
   return scene;
 }
 
