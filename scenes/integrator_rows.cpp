@@ -50,8 +50,9 @@ Setting type_row() {
   Setting setting{.key = "integrator.type",
                   .kind = SettingKind::kText,
                   .values = list_names(names),
-                  .description = "which integrator; parameters that the one before has as well are kept, and "
-                                 "`path` is `path_mis`",
+                  .description =
+                      "which integrator; parameters that the one before has as well are kept, and "
+                      "`path` is `path_mis`",
                   .choices = names,
                   .option = "integrator",
                   .recorded = true};
@@ -70,7 +71,8 @@ Setting type_row() {
 /// Mitsuba's name for both numbers of samples.
 Setting shading_samples_row() {
   const WholeNumber values{1, MAX_DIRECT_SAMPLES};
-  Setting setting = setting_of("integrator.shading_samples", values, "emitter_samples and bsdf_samples at once");
+  Setting setting =
+      setting_of("integrator.shading_samples", values, "emitter_samples and bsdf_samples at once");
   setting.is_there = [](const RenderSettings& settings) {
     return settings.integrator.is<DirectIntegrator>();
   };
@@ -101,10 +103,10 @@ void say_when_they_matter(std::vector<Setting>& table) {
 void add_integrator_rows(std::vector<Setting>& table) {
   table.push_back(type_row());
   table.push_back(shading_samples_row());
-  integrator_parameters([&](const char* name, const auto& parameter, const auto& values,
-                            const char* description, auto...) {
-    table.push_back(parameter_row(name, parameter, values, description));
-  });
+  integrator_parameters(
+      [&](const char* name, const auto& parameter, const auto& values, const char* description, auto...) {
+        table.push_back(parameter_row(name, parameter, values, description));
+      });
   say_when_they_matter(table);
 }
 

@@ -139,13 +139,13 @@ inline OneOf<EmitterSampling> emitter_samplings() {
            {"projected", EmitterSampling::kProjected}}};
 }
 
-/// Calls row(name, parameter, values, text[, member of the kernels' parameters that it is copied to]) for each,
-/// in an order in which they may be set one after the other.
+/// Calls row(name, parameter, values, text[, member of the kernels' parameters that it is copied to]) for
+/// each, in an order in which they may be set one after the other.
 template <typename Row>
 void integrator_parameters(const Row& row) {
   using P = IntegratorParameters;
   row("max_depth", PENUMBRA_PARAMETER(max_depth), WholeNumber{-1, kMaxInt},
-      "longest path in edges: 1 is emitters seen directly, 2 direct light, -1 no limit", &P::max_depth);
+      "longest path in edges (1: emitters seen directly, 2: direct light, -1: no limit)", &P::max_depth);
   row("rr_depth", PENUMBRA_PARAMETER(rr_depth), WholeNumber{1, kMaxInt},
       "Russian roulette from this depth on", &P::rr_depth);
   row("direct_sampling", PENUMBRA_PARAMETER(direct_sampling),
@@ -162,8 +162,7 @@ void integrator_parameters(const Row& row) {
                            {"cosine", BsdfSampling::kCosine},
                            {"uniform", BsdfSampling::kUniform}}},
       "density of the sampled directions", &P::bsdf_sampling);
-  row("emitter_sampling", PENUMBRA_PARAMETER(emitter_sampling),
-      emitter_samplings(),
+  row("emitter_sampling", PENUMBRA_PARAMETER(emitter_sampling), emitter_samplings(),
       "density of points on area lights that do not say it themselves");
   row("mis", PENUMBRA_PARAMETER(heuristic),
       OneOf<MisHeuristic>{{{"balance", MisHeuristic::kBalance}, {"power", MisHeuristic::kPower}}},

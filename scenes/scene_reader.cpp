@@ -85,8 +85,9 @@ void warn_of_emptiness(SceneDescription& scene) {
     scene.warnings.push_back(fmt::format("{}: warning: {}", scene.source, message));
   };
   if (scene.shapes.empty())
-    warn(light && std::ranges::any_of(scene.emitters, is_sky) ? "the scene has no shapes; only its sky is seen"
-                                    : "the scene has no shapes; the image is black");
+    warn(light && std::ranges::any_of(scene.emitters, is_sky)
+             ? "the scene has no shapes; only its sky is seen"
+             : "the scene has no shapes; the image is black");
   else if (!light)
     warn("nothing in the scene emits light; the image is black");
 }

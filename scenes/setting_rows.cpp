@@ -13,8 +13,10 @@ namespace {
 
 using S = RenderSettings;
 
-// Half a film's width is far beyond any use; it keeps radii away from overflow.
-constexpr float kMaxRadius = 1024.0f;
+// Far beyond any use; it keeps radii away from overflow.
+constexpr float kMaxStddev = 1024.0f;
+constexpr float kGaussianRadius = 4.0f;  // in standard deviations
+constexpr float kMaxRadius = kGaussianRadius * kMaxStddev;
 // Far less than a pixel, and its square is still a float.
 constexpr float kMinRadius = 1e-4f;
 
@@ -25,7 +27,7 @@ void resize(int& size, int& crop_offset, int& crop_size, int new_size) {
 }
 
 void use_filter(Film& film, FilterKind kind) {
-  const float radii[] = {0.5f, 1.0f, 4.0f * film.filter_stddev, 2.0f};
+  const float radii[] = {0.5f, 1.0f, kGaussianRadius * film.filter_stddev, 2.0f};
   film.filter = kind;
   film.filter_radius = radii[int(kind)];
 }
@@ -121,7 +123,7 @@ void add_film_rows(std::vector<Setting>& table) {
     table.back().matters = [=](const S& s) { return s.film.filter == kind; };
   };
   table.push_back(row(
-      "film.rfilter_stddev", Number<float>{LowEnd::kClosed, kMinRadius, kMaxRadius},
+      "film.rfilter_stddev", Number<float>{LowEnd::kClosed, kMinRadius, kMaxStddev},
       [](const S& s) { return s.film.filter_stddev; },
       [](S& s, float v) {
         s.film.filter_stddev = v;
@@ -145,13 +147,11 @@ void add_camera_rows(std::vector<Setting>& table) {
   constexpr double kFar = std::numeric_limits<float>::max();
   table.push_back(member_row("camera.fov", Number<double>{LowEnd::kOpen, 0.0, 180.0}, &S::camera,
                              &PerspectiveCamera::fov, "full angle of the whole film, degrees"));
-  table.push_back(member_row("camera.fov_axis",
-                             OneOf<FovAxis>{{{"x", kX},
-                                             {"y", kY},
-                                             {"diagonal", kDiagonal},
-                                             {"smaller", kSmaller},
-                                             {"larger", kLarger}}},
-                             &S::camera, &PerspectiveCamera::fov_axis, "what the angle spans"));
+  table.push_back(member_row(
+      "camera.fov_axis",
+      OneOf<FovAxis>{
+          {{"x", kX}, {"y", kY}, {"diagonal", kDiagonal}, {"smaller", kSmaller}, {"larger", kLarger}}},
+      &S::camera, &PerspectiveCamera::fov_axis, "what the angle spans"));
   table.push_back(member_row("camera.near_clip", Number<double>{LowEnd::kOpen, 0.0, kFar}, &S::camera,
                              &PerspectiveCamera::near_clip, "nothing nearer along the view is seen"));
   table.push_back(member_row("camera.far_clip", Number<double>{LowEnd::kOpen, 0.0, kFar}, &S::camera,

@@ -41,8 +41,8 @@ Setting row(std::string key, const Values& values, Load load, Store store, std::
   return setting;
 }
 
-/// A row that is a member of one of the settings' parts: member_row("sampler.seed", …, &RenderSettings::sampler,
-/// &SamplerSettings::seed, …).
+/// A row that is a member of one of the settings' parts: member_row("sampler.seed", …,
+/// &RenderSettings::sampler, &SamplerSettings::seed, …).
 template <typename Values, typename Part, typename T>
 Setting member_row(std::string key, const Values& values, Part RenderSettings::*part, T Part::*member,
                    std::string description) {

@@ -18,7 +18,10 @@ std::string range_text(const Number<T>& number) {
 
 }  // namespace
 
-std::string WholeNumber::values() const { return fmt::format("{} to {}", low, high); }
+std::string WholeNumber::values() const {
+  // An int's limit is none that anybody needs to know.
+  return high == kMaxInt ? fmt::format("{} or more", low) : fmt::format("{} to {}", low, high);
+}
 
 Expected<std::int64_t> WholeNumber::parse(std::string_view text) const {
   return parse_integer(text, low, high);
@@ -28,7 +31,7 @@ std::string WholeNumber::print(std::int64_t value) { return fmt::to_string(value
 
 template <typename T>
 std::string Number<T>::values() const {
-  // Up to the largest float is no limit that anybody needs to know.
+  // Nor is that of a float.
   return high >= std::numeric_limits<float>::max() ? fmt::format("above {}", low) : range_text(*this);
 }
 

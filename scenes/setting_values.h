@@ -1,5 +1,5 @@
-// What values a setting takes: each kind parses text, prints a value as text that parses back to the same, and
-// says in words what is right.
+// What values a setting takes: each kind parses text, prints a value as text that parses back to the same,
+// and says in words what is right.
 #pragma once
 
 #include <cstdint>

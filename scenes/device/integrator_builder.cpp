@@ -10,8 +10,7 @@ constexpr int kLatestRoulette = 1024;
 // Evaluating more polygons at every shading point would cost more than a choice by contribution saves.
 constexpr std::size_t kMaxContributionPolygons = 256;
 
-static_assert(int(DirectSampling::kMis) == SAMPLING_MIS &&
-              int(MisHeuristic::kPower) == HEURISTIC_POWER &&
+static_assert(int(DirectSampling::kMis) == SAMPLING_MIS && int(MisHeuristic::kPower) == HEURISTIC_POWER &&
               int(BsdfSampling::kUniform) == DIRECTION_UNIFORM);
 
 /// The balance of emitter and direction samples needs the density of every direction, which a choice by
@@ -93,8 +92,7 @@ bool wants_polygons(const IntegratorSettings& integrator) {
 }
 
 EmitterSampling default_sampling(const IntegratorSettings& integrator) {
-  const auto wanted =
-      parameter_or(integrator, PENUMBRA_PARAMETER(emitter_sampling), EmitterSampling::kAuto);
+  const auto wanted = parameter_or(integrator, PENUMBRA_PARAMETER(emitter_sampling), EmitterSampling::kAuto);
   if (wanted != EmitterSampling::kAuto) return wanted;
   if (integrator.is<PolygonAreaIntegrator>()) return EmitterSampling::kArea;
   // With the closed form beside it, sampling by solid angle is as good as by projected solid angle in

@@ -21,7 +21,8 @@ void read_point_light(PluginReader& plugin, SceneDescription& scene) {
 }
 
 void read_environment(PluginReader& plugin, SceneDescription& scene) {
-  if (std::ranges::any_of(scene.emitters, is_sky)) plugin.wrong("there is a second constant emitter; a scene has one");
+  if (std::ranges::any_of(scene.emitters, is_sky))
+    plugin.wrong("there is a second constant emitter; a scene has one");
   scene.emitters.emplace_back(
       ConstantEnvironment{plugin.colour("radiance", glm::vec3(1.0f), ColourRole::kEmission)});
   plugin.transform("to_world");  // which a constant does not see

@@ -110,14 +110,10 @@ void read_film(const Context& context, const Object& object, SceneDescription& s
 struct SamplerPlugin {
   std::string_view type, nearest;
 };
-constexpr SamplerPlugin kSamplers[] = {{"halton", "halton"},
-                                       {"hammersley", "halton"},
-                                       {"independent", "independent"},
-                                       {"ldsampler", "sobol"},
-                                       {"multijitter", "stratified"},
-                                       {"orthogonal", "sobol"},
-                                       {"sobol", "sobol"},
-                                       {"stratified", "stratified"}};
+constexpr SamplerPlugin kSamplers[] = {
+    {"halton", "halton"},   {"hammersley", "halton"},      {"independent", "independent"},
+    {"ldsampler", "sobol"}, {"multijitter", "stratified"}, {"orthogonal", "sobol"},
+    {"sobol", "sobol"},     {"stratified", "stratified"}};
 
 void read_sampler(const Context& context, const Object& object, SceneDescription& scene) {
   PluginReader plugin(context, object);
@@ -140,8 +136,7 @@ constexpr WrapperPlugin kWrappers[] = {{"moment"}, {"aov"}};
 /// The integrator itself, out of those that only add outputs to it.
 const Object* unwrap(const Context& context, const Object& object) {
   const Object* inner = &object;
-  for (int depth = 0; inner != nullptr && find_plugin(kWrappers, inner->type) != nullptr;
-       ++depth) {
+  for (int depth = 0; inner != nullptr && find_plugin(kWrappers, inner->type) != nullptr; ++depth) {
     PluginReader plugin(context, *inner);
     const Object* next = plugin.only_nested("integrator");
     plugin.accept({"aovs"});

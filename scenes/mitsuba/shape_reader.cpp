@@ -167,8 +167,9 @@ struct ShapePlugin {
   std::string_view type;
   std::optional<Geometry> (*read)(const ShapeInput&);
 };
-constexpr ShapePlugin kShapes[] = {{"obj", read_mesh},   {"ply", read_mesh},       {"rectangle", read_rectangle},
-                                   {"cube", read_cube},  {"sphere", read_sphere},  {"disk", read_disk}};
+constexpr ShapePlugin kShapes[] = {
+    {"obj", read_mesh},  {"ply", read_mesh},      {"rectangle", read_rectangle},
+    {"cube", read_cube}, {"sphere", read_sphere}, {"disk", read_disk}};
 
 }  // namespace
 

@@ -44,8 +44,8 @@ Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) 
       {"sampler.sample_count", number(options.spp)},
       {"sampler.seed", number(options.seed)},
   };
-  // With the others, which may be parameters of the integrator that is chosen here; and after them, because an
-  // option says the last word.
+  // With the others, which may be parameters of the integrator that is chosen here; and after them, because
+  // an option says the last word.
   for (const auto& [key, value] : overrides)
     if (value) read.settings.emplace_back(key, *value);
   auto description = read_scene(options.scene, read);

@@ -55,9 +55,7 @@ RenderOptions cell_options(const ReportOptions& report, const std::string& scene
 /// One that no method has is a mistake.
 Expected<void> check_common_settings(const ReportOptions& report) {
   for (const std::string& text : report.render.scene.settings) {
-    const auto has = [&](const Method& m) {
-      return m.integrator.empty() || has_setting(m.integrator, text);
-    };
+    const auto has = [&](const Method& m) { return m.integrator.empty() || has_setting(m.integrator, text); };
     if (report.methods.empty() || std::ranges::any_of(report.methods, has)) continue;
     return fail(fmt::format("--set {}: no method of this report has such a parameter", text));
   }

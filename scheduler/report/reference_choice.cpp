@@ -69,8 +69,7 @@ std::array<ReferenceMethod, 2> choose_reference(const IntegratorSettings& integr
     case Quantity::kPaths:
       halves = {{{"path_mis", {"integrator.mis=balance"}, "sobol"},
                  {"path_mis", {"integrator.mis=power"}, "independent"}}};
-      for (ReferenceMethod& half : halves)
-        half.settings.push_back(same("max_depth"));
+      for (ReferenceMethod& half : halves) half.settings.push_back(same("max_depth"));
       break;
   }
   for (ReferenceMethod& half : halves) {

@@ -10,6 +10,7 @@
 #include "scenes/device/device_scene_builder.h"
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/acceptance/shadowed_polygon.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {
@@ -56,9 +57,9 @@ std::vector<SceneDescription> scenes_of_passes() {
     scene.integrator = polygon_ratio(EmitterSampling::kSolidAngle, 2);
     all.push_back(scene);
     scene.integrator = path_integrator(DirectSampling::kEmitterOnly);
-    scene.integrator.max_depth = 3;
-    scene.integrator.next_event = NextEvent::kCv;
-    scene.integrator.estimator = CvEstimator::kRatio;
+    param::max_depth(scene.integrator) = 3;
+    param::next_event(scene.integrator) = NextEvent::kCv;
+    param::estimator(scene.integrator) = CvEstimator::kRatio;
     all.push_back(scene);
   }
   return all;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/acceptance/scene_pieces.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {
@@ -68,7 +69,7 @@ void expect_albedo(const Placed& placed, const dvec3& normal, int cells, double 
         scene.shapes.back().two_sided_emission = true;
       }
       scene.integrator = path_integrator(sampling);
-      scene.integrator.max_depth = 2;
+      param::max_depth(scene.integrator) = 2;
       TestDevice device = native_device();
       device.embree = placed.embree;
       const FilmAccumulator film = render_or_throw(scene, device);

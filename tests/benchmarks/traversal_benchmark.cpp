@@ -12,6 +12,7 @@
 #include "tests/benchmarks/embree_calls.h"
 #include "tests/benchmarks/portable_stages.h"
 #include "tests/benchmarks/recorded_rays.h"
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
@@ -61,7 +62,7 @@ void add_portable(const std::string& name, std::shared_ptr<TraversalScene> scene
 
 bool add_scene(const std::string& name, SceneDescription description) {
   description.sampler.spp = kSamples;
-  description.integrator.kind = IntegratorKind::kPath;
+  use(description.integrator, IntegratorKind::kPath);
   auto scene = std::make_shared<TraversalScene>();
   const bool layers = false;
   auto portable = build_device_scene(description,

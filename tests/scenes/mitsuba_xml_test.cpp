@@ -3,6 +3,7 @@
 
 #include "scenes/spectrum.h"
 #include "tests/scenes/scene_text.h"
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
@@ -236,8 +237,8 @@ TEST_F(MitsubaXml, CamelCaseAndSnakeCaseAreTheSame) {
   camel.replace(camel.find("lookat"), 6, "lookAt");
   const SceneDescription a = good(snake), b = good(camel);
   for (const SceneDescription* s : {&a, &b}) {
-    EXPECT_EQ(s->integrator.max_depth, 7);
-    EXPECT_EQ(s->integrator.rr_depth, 3);
+    EXPECT_EQ(param::max_depth(s->integrator), 7);
+    EXPECT_EQ(param::rr_depth(s->integrator), 3);
     EXPECT_TRUE(s->integrator.hide_emitters);
     EXPECT_EQ(s->camera.near_clip, 0.5);
     EXPECT_EQ(s->camera.far_clip, 99.0);

@@ -13,6 +13,7 @@
 
 #include "kernels/host/device_scene_check.h"
 #include "tests/acceptance/scene_pieces.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 #include "tests/worker/device_scenes.h"
 
@@ -168,7 +169,7 @@ TEST(Sides, QuadricsFaceTheirFront) {
 TEST(Sides, OnlyTheFrontEmits) {
   // The camera looks at the triangle from above, then from below.
   SceneDescription scene = two_sided_triangle();
-  scene.integrator.max_depth = 1;
+  param::max_depth(scene.integrator) = 1;
   for (bool flip : {false, true})
     for (double side : {1.0, -1.0}) {
       scene.shapes[0].flip_normals = flip;
@@ -231,7 +232,7 @@ TEST(Camera, AScaleHasNoEffectOnDirections) {
 
 /// With points on lights by area: what is best for a scene is emitter_sampling_test's.
 SceneDescription by_area(SceneDescription scene) {
-  scene.integrator.emitter_sampling = EmitterSampling::kArea;
+  param::emitter_sampling(scene.integrator) = EmitterSampling::kArea;
   return scene;
 }
 
@@ -252,12 +253,12 @@ TEST(Features, AreJustTheNeeded) {
     change(scene);
     return build(scene).header.features;
   };
-  EXPECT_EQ(with([](auto& s) { s.integrator.kind = IntegratorKind::kDirect; }),
+  EXPECT_EQ(with([](auto& s) { use(s.integrator, IntegratorKind::kDirect); }),
             std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS));
   EXPECT_EQ(with([](auto& s) { s.sampler.kind = SamplerKind::kIndependent; }), box | FEATURE_SAMPLERS);
-  EXPECT_EQ(with([](auto& s) { s.integrator.emitter_sampling = EmitterSampling::kSolidAngle; }),
+  EXPECT_EQ(with([](auto& s) { param::emitter_sampling(s.integrator) = EmitterSampling::kSolidAngle; }),
             box | FEATURE_SOLID_ANGLE);
-  EXPECT_EQ(with([](auto& s) { s.integrator.emitter_sampling = EmitterSampling::kProjected; }),
+  EXPECT_EQ(with([](auto& s) { param::emitter_sampling(s.integrator) = EmitterSampling::kProjected; }),
             box | FEATURE_PROJECTED);
   EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{}); }), box | FEATURE_POINT_LIGHTS);
   // What is black or unused needs nothing.
@@ -310,7 +311,7 @@ TEST(Dummies, AnEmptySceneIsBlack) {
   add_diffuse(scene, 0.5f);
   resize_film(scene, 5, 5);
   for (IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kDirect}) {
-    scene.integrator.kind = kind;
+    use(scene.integrator, kind);
     EXPECT_EQ(render_or_throw(build(scene)).at(4, 4).mean[0], 0);
     EXPECT_EQ(render_or_throw(build(scene, true, IntersectorChoice::kEmbree)).at(4, 4).mean[0], 0);
   }
@@ -345,7 +346,9 @@ TEST(Errors, PositionsTooLargeForSinglePrecision) {
             }).find(too_large),
             std::string::npos);
   EXPECT_NE(message([](auto& s) { s.camera.to_world[3].y = 1e39; }).find(too_large), std::string::npos);
-  EXPECT_NE(message([](auto& s) { std::get<PointLight>(s.emitters.at(0)).position.z = 1e39; }).find(too_large), std::string::npos);
+  EXPECT_NE(
+      message([](auto& s) { std::get<PointLight>(s.emitters.at(0)).position.z = 1e39; }).find(too_large),
+      std::string::npos);
   for (Shape shape : everything().shapes) {
     if (std::holds_alternative<Mesh>(shape.geometry)) continue;
     EXPECT_NE(message([&](auto& s) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tests/acceptance/scene_pieces.h"
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
@@ -102,7 +103,7 @@ SceneDescription everything() {
   SceneDescription scene = film_and_camera();
   add_everything(scene, 4);
   scene.integrator = direct_integrator(2, 1);
-  scene.integrator.emitter_sampling = EmitterSampling::kSolidAngle;
+  param::emitter_sampling(scene.integrator) = EmitterSampling::kSolidAngle;
   return scene;
 }
 
@@ -112,7 +113,7 @@ SceneDescription everything_in_a_hierarchy() {
   for (int i = 0; i < 30; ++i)
     scene.shapes.push_back(sphere(dvec3(-0.8 + 0.06 * i, 0.6 - 0.01 * i * (i % 3), -0.5), 0.05, i % 2));
   scene.integrator = path_integrator(DirectSampling::kMis);
-  scene.integrator.emitter_sampling = EmitterSampling::kProjected;
+  param::emitter_sampling(scene.integrator) = EmitterSampling::kProjected;
   scene.sampler.kind = SamplerKind::kHalton;
   return scene;
 }
@@ -137,9 +138,9 @@ SceneDescription polygon_lights() {
   scene.shapes.push_back(triangle);
   scene.shapes.push_back(sphere(dvec3(0.3, -0.4, 0.2), 0.1, kBlackBsdf, 2.0f));
   scene.integrator = path_integrator(DirectSampling::kEmitterOnly);
-  scene.integrator.emitter_sampling = EmitterSampling::kProjected;
-  scene.integrator.next_event = NextEvent::kCv;
-  scene.integrator.alpha = 0.75f;  // a fitted one would depend on the range of samples
+  param::emitter_sampling(scene.integrator) = EmitterSampling::kProjected;
+  param::next_event(scene.integrator) = NextEvent::kCv;
+  param::alpha(scene.integrator) = 0.75f;  // a fitted one would depend on the range of samples
   return scene;
 }
 

@@ -1,4 +1,5 @@
 #include "scheduler/record/render_record.h"
+#include "tests/support/integrator_parameters.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -38,7 +39,7 @@ TEST(RepeatCommand, NamesEverythingThePixelsDependOn) {
   record.defines = {"albedo=0.5", "name=a b"};
   record.settings = {"integrator.max_depth=3"};
   record.lenient = true;
-  record.integrator.direct_sampling = DirectSampling::kEmitterOnly;
+  param::direct_sampling(record.integrator) = DirectSampling::kEmitterOnly;
   record.embree = true;
   record.isa = "avx2";
   record.film.crop_x = 10;
