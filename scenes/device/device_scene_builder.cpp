@@ -102,9 +102,8 @@ class Builder {
   void add_materials() {
     materials_.push_back({});  // 0: absorbs everything
     for (const Bsdf& bsdf : scene_.bsdfs) {
-      const BuiltMaterial built = build_material(bsdf);
-      materials_.push_back(built.material);
-      need(built.features);
+      materials_.push_back(build_material(bsdf));
+      if (materials_.back().lobe > 0) need(FEATURE_PHONG);
     }
   }
 

@@ -9,25 +9,25 @@ double mean(const glm::vec3& c) { return (double(c.x) + c.y + c.z) / 3; }
 
 // One for each struct of BsdfModel.
 
-BuiltMaterial build(const DiffuseBsdf& diffuse) {
+Material build(const DiffuseBsdf& diffuse) {
   Material m{};
   m.diffuse = to_vec3(diffuse.reflectance);
-  return {m};
+  return m;
 }
 
-BuiltMaterial build(const PhongBsdf& phong) {
+Material build(const PhongBsdf& phong) {
   Material m{};
   m.diffuse = to_vec3(phong.diffuse);
   m.specular = to_vec3(phong.specular);
   m.exponent = phong.exponent;
   const double sum = mean(phong.diffuse) + mean(phong.specular);
   m.lobe = sum > 0 ? float(mean(phong.specular) / sum) : 0.0f;
-  return {m, m.lobe > 0 ? std::uint32_t(FEATURE_PHONG) : 0u};
+  return m;
 }
 
 }  // namespace
 
-BuiltMaterial build_material(const Bsdf& bsdf) {
+Material build_material(const Bsdf& bsdf) {
   return std::visit([](const auto& model) { return build(model); }, bsdf.model);
 }
 
