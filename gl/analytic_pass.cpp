@@ -9,6 +9,7 @@
 
 #include "gl/analytic_shaders.h"
 #include "kernels/features.h"
+#include "kernels/host/device_scene_tables.h"
 #define FEATURES FEATURE_ALL
 #include "kernels/sampler/filter.h"
 
@@ -92,8 +93,8 @@ std::string_view analytic_shader(std::string_view name) {
 }
 
 AnalyticPass::AnalyticPass(const DeviceScene& scene) : scene_(scene.header) {
-  const auto* table = reinterpret_cast<const float*>(scene.words.data() + scene.header.filter_table);
-  filter_table_.assign(table, table + 2 * FILTER_CELLS + 1);
+  const auto filter = table<float>(scene, {FILTER_TABLE_SIZE, scene.header.tables.filter_table.offset});
+  filter_table_.assign(filter.begin(), filter.end());
 }
 
 Expected<std::unique_ptr<AnalyticPass>> AnalyticPass::create(const DeviceScene& scene) {
@@ -183,18 +184,18 @@ void AnalyticPass::draw_ids(float dx, float dy) {
   glClearBufferfv(GL_DEPTH, 0, &farthest);
   const int across = margin(width_), down = margin(height_);
   glViewport(-across, -down, width_ + 2 * across, height_ + 2 * down);
-  if (scene_.triangle_count > 0) {
+  if (scene_.tables.triangles.count > 0) {
     glUseProgram(triangles_.name());
     set_camera(triangles_, dx, dy);
     set_table(triangles_, "triangles", 0, tables_.triangles);
-    glDrawArrays(GL_TRIANGLES, 0, 3 * scene_.triangle_count);
+    glDrawArrays(GL_TRIANGLES, 0, 3 * scene_.tables.triangles.count);
   }
-  if (scene_.quadric_count > 0) {
+  if (scene_.tables.quadrics.count > 0) {
     glUseProgram(quadrics_.name());
     set_camera(quadrics_, dx, dy);
-    set_uniform(quadrics_, "triangle_count", scene_.triangle_count);
+    set_uniform(quadrics_, "triangle_count", scene_.tables.triangles.count);
     set_table(quadrics_, "quadrics", 1, tables_.quadrics);
-    glDrawArraysInstanced(GL_TRIANGLES, 0, 36, scene_.quadric_count);
+    glDrawArraysInstanced(GL_TRIANGLES, 0, 36, scene_.tables.quadrics.count);
   }
   glDisable(GL_DEPTH_TEST);
 }
@@ -212,8 +213,8 @@ void AnalyticPass::shade(float dx, float dy) {
   set_table(shade_, "lights", 5, tables_.lights);
   set_table(shade_, "polygons", 6, tables_.polygons);
   set_table(shade_, "polygon_corners", 7, tables_.polygon_corners);
-  set_uniform(shade_, "triangle_count", scene_.triangle_count);
-  set_uniform(shade_, "polygon_count", scene_.polygon_count);
+  set_uniform(shade_, "triangle_count", scene_.tables.triangles.count);
+  set_uniform(shade_, "polygon_count", scene_.tables.polygons.count);
   set_uniform(shade_, "environment", scene_.environment);
   set_uniform(shade_, "hide_emitters", view_.integrator.hide_emitters != HIDE_NOTHING ? 1 : 0);
   glDrawArrays(GL_TRIANGLES, 0, 3);

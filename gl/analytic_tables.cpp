@@ -6,14 +6,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "kernels/host/device_scene_tables.h"
+
 namespace penumbra {
 namespace {
-
-/// A table of the scene.
-template <typename T>
-std::span<const T> table(const DeviceScene& scene, std::uint32_t offset, int count) {
-  return {reinterpret_cast<const T*>(scene.words.data() + offset), static_cast<std::size_t>(count)};
-}
 
 float largest(vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
@@ -21,9 +17,9 @@ float largest(vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(
 float unit_of(const DeviceScene& scene) {
   const SceneHeader& h = scene.header;
   float most = 0;
-  for (const Triangle& t : table<Triangle>(scene, h.triangles, h.triangle_count))
+  for (const Triangle& t : table<Triangle>(scene, h.tables.triangles))
     most = std::max({most, largest(t.p0), largest(t.p1), largest(t.p2)});
-  for (const Quadric& q : table<Quadric>(scene, h.quadrics, h.quadric_count))
+  for (const Quadric& q : table<Quadric>(scene, h.tables.quadrics))
     most = std::max(most, largest(q.center) + q.radius);
   return most > 0 && std::isfinite(most) ? std::ldexp(1.0f, std::ilogb(most)) : 1.0f;
 }
@@ -54,8 +50,8 @@ class Packer {
 
 Expected<BufferTexture> pack_triangles(const DeviceScene& scene, float unit) {
   Packer p(unit);
-  const auto lights = table<Light>(scene, scene.header.lights, scene.header.light_count);
-  for (const Triangle& t : table<Triangle>(scene, scene.header.triangles, scene.header.triangle_count)) {
+  const auto lights = table<Light>(scene, scene.header.tables.lights);
+  for (const Triangle& t : table<Triangle>(scene, scene.header.tables.triangles)) {
     p.point(t.p0);
     p.number(t.front);
     p.point(t.p1);
@@ -70,7 +66,7 @@ Expected<BufferTexture> pack_triangles(const DeviceScene& scene, float unit) {
 
 Expected<BufferTexture> pack_normals(const DeviceScene& scene) {
   Packer p(1);
-  for (const VertexNormals& n : table<VertexNormals>(scene, scene.header.normals, scene.header.normals_count))
+  for (const VertexNormals& n : table<VertexNormals>(scene, scene.header.tables.normals))
     for (const vec3& normal : {n.n0, n.n1, n.n2}) {
       p.vector(normal);
       p.number(0.0f);
@@ -80,7 +76,7 @@ Expected<BufferTexture> pack_normals(const DeviceScene& scene) {
 
 Expected<BufferTexture> pack_quadrics(const DeviceScene& scene, float unit) {
   Packer p(unit);
-  for (const Quadric& q : table<Quadric>(scene, scene.header.quadrics, scene.header.quadric_count)) {
+  for (const Quadric& q : table<Quadric>(scene, scene.header.tables.quadrics)) {
     p.point(q.center);
     p.length(q.radius);
     p.vector(q.normal);
@@ -92,7 +88,7 @@ Expected<BufferTexture> pack_quadrics(const DeviceScene& scene, float unit) {
 
 Expected<BufferTexture> pack_materials(const DeviceScene& scene) {
   Packer p(1);
-  for (const Material& m : table<Material>(scene, scene.header.materials, scene.header.material_count)) {
+  for (const Material& m : table<Material>(scene, scene.header.tables.materials)) {
     p.vector(m.diffuse);
     p.number(m.exponent);
     p.vector(m.specular);
@@ -103,7 +99,7 @@ Expected<BufferTexture> pack_materials(const DeviceScene& scene) {
 
 Expected<BufferTexture> pack_lights(const DeviceScene& scene) {
   Packer p(1);
-  for (const Light& light : table<Light>(scene, scene.header.lights, scene.header.light_count)) {
+  for (const Light& light : table<Light>(scene, scene.header.tables.lights)) {
     p.vector(light.radiance);
     p.number(light.two_sided != 0 ? 1.0f : 0.0f);
   }
@@ -112,7 +108,7 @@ Expected<BufferTexture> pack_lights(const DeviceScene& scene) {
 
 Expected<BufferTexture> pack_polygons(const DeviceScene& scene) {
   Packer p(1);
-  for (const Polygon& polygon : table<Polygon>(scene, scene.header.polygons, scene.header.polygon_count)) {
+  for (const Polygon& polygon : table<Polygon>(scene, scene.header.tables.polygons)) {
     p.vector(polygon.radiance);
     p.number(polygon.two_sided);
     for (const int word : {polygon.first_corner, polygon.corner_count, 0, 0}) p.number(word);
@@ -122,8 +118,7 @@ Expected<BufferTexture> pack_polygons(const DeviceScene& scene) {
 
 Expected<BufferTexture> pack_corners(const DeviceScene& scene, float unit) {
   Packer p(unit);
-  for (const PolygonCorner& c :
-       table<PolygonCorner>(scene, scene.header.polygon_corners, scene.header.polygon_corner_count)) {
+  for (const PolygonCorner& c : table<PolygonCorner>(scene, scene.header.tables.polygon_corners)) {
     p.point(c.p);
     p.number(c.starts != 0 ? 1.0f : 0.0f);
   }

@@ -11,7 +11,7 @@
 #include <span>
 
 #include "kernels/host/bounds.h"
-#include "kernels/host/device_scene_check.h"
+#include "kernels/host/device_scene_tables.h"
 #include "scenes/device/to_vec3.h"
 
 namespace penumbra {
@@ -182,8 +182,8 @@ bool film_is_mirrored(const SceneHeader& header) {
 double scene_extent(const DeviceScene& scene) {
   const SceneHeader& h = scene.header;
   Box box;
-  for (const Triangle& t : table<Triangle>(scene, h.triangles, h.triangle_count)) box.include(bounds_of(t));
-  for (const Quadric& q : table<Quadric>(scene, h.quadrics, h.quadric_count)) box.include(bounds_of(q));
+  for (const Triangle& t : table<Triangle>(scene, h.tables.triangles)) box.include(bounds_of(t));
+  for (const Quadric& q : table<Quadric>(scene, h.tables.quadrics)) box.include(bounds_of(q));
   const dvec3 size = dvec3(box.high[0], box.high[1], box.high[2]) - dvec3(box.low[0], box.low[1], box.low[2]);
   const double diagonal = glm::length(size);
   return size.x >= 0 && diagonal > 0 && std::isfinite(diagonal) ? diagonal : 1;
@@ -195,9 +195,9 @@ double default_distance(const DeviceScene& scene) {
   const dvec3 eye = to_dvec3(h.camera.origin), forward = direction_of(to_dvec3(h.camera.z));
   const double near = std::max(0.0f, h.camera.near_clip), extent = scene_extent(scene);
   double nearest = std::numeric_limits<double>::infinity();
-  for (const Triangle& t : table<Triangle>(scene, h.triangles, h.triangle_count))
+  for (const Triangle& t : table<Triangle>(scene, h.tables.triangles))
     nearest = std::min(nearest, distance_to(t, eye, forward, near));
-  for (const Quadric& q : table<Quadric>(scene, h.quadrics, h.quadric_count))
+  for (const Quadric& q : table<Quadric>(scene, h.tables.quadrics))
     nearest = std::min(nearest, distance_to(q, eye, forward, near));
   return std::isfinite(nearest) ? std::max(nearest, kLeast * extent) : extent;
 }

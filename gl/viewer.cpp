@@ -137,7 +137,7 @@ Expected<void> Viewer::on(const WatchView& news) {
   const bool is_scenes = news.number == 0 && is_same(news.view, view_);
   if (!header_ || is_scenes || client_->is_own(news)) return {};
   view_ = news.view;
-  settings_.alpha = view_.alpha;
+  settings_.alpha = view_.adjustable.alpha;
   SceneHeader header = *header_;
   apply_view(view_, header);
   pose_ = pose_of(header, glm::length(pose_.at - pose_.eye));

@@ -57,7 +57,7 @@ void Viewer::set_pose(const CameraPose& pose) {
 
 void Viewer::set_alpha(float alpha) {
   if (job_ && !can_steer()) {
-    settings_.alpha = view_.alpha;  // the one that its tiles are of
+    settings_.alpha = view_.adjustable.alpha;  // the one that its tiles are of
     say("warning: alpha of this render cannot be changed");
     return;
   }
@@ -69,8 +69,8 @@ void Viewer::set_alpha(float alpha) {
 void Viewer::show_pose() {
   SceneHeader header = *header_;
   if (moved_) set_camera(pose_, header);
-  view_ = view_of(header);
-  view_.alpha = settings_.alpha;
+  view_.camera = header.camera;
+  view_.adjustable.alpha = settings_.alpha;
   client_->change_view(view_);
   forget_samples();
 }

@@ -78,63 +78,18 @@ __kernel void finish_samples(__global const SceneHeader* header, __global const 
 }
 #endif
 
-/// The size and the field offsets of every shared struct as this device lays them out, in the order of
+/// The size and then the field offsets of every shared struct as this device lays them out, in the order of
 /// SHARED_STRUCTS: for comparison with the host's.
 __kernel void report_layout(__global uint* out) {
   int n = 0;
-#define REPORT_FIELD(type, name) out[n++] = (uint)(size_t) & (((__global REPORTED*)0)->name);
-#define REPORT_STRUCT(name, fields) out[n++] = (uint)sizeof(name);
+#define REPORT_FIELD(type, name) out[n++] = (uint)(size_t) & (object->name);
+#define REPORT_STRUCT(name, fields)  \
+  {                                  \
+    __global const name* object = 0; \
+    out[n++] = (uint)sizeof(name);   \
+    fields(REPORT_FIELD)             \
+  }
   SHARED_STRUCTS(REPORT_STRUCT)
 #undef REPORT_STRUCT
-#define REPORTED Triangle
-  TRIANGLE_FIELDS(REPORT_FIELD)
-#undef REPORTED
-#define REPORTED VertexNormals
-  VERTEX_NORMALS_FIELDS(REPORT_FIELD)
-#undef REPORTED
-#define REPORTED Quadric
-  QUADRIC_FIELDS(REPORT_FIELD)
-#undef REPORTED
-#define REPORTED Material
-  MATERIAL_FIELDS(REPORT_FIELD)
-#undef REPORTED
-#define REPORTED Light
-  LIGHT_FIELDS(REPORT_FIELD)
-#undef REPORTED
-#define REPORTED Polygon
-  POLYGON_FIELDS(REPORT_FIELD)
-#undef REPORTED
-#define REPORTED PolygonCorner
-  POLYGON_CORNER_FIELDS(REPORT_FIELD)
-#undef REPORTED
-#define REPORTED BvhNode
-  BVH_NODE_FIELDS(REPORT_FIELD)
-#undef REPORTED
-#define REPORTED TriangleLeaf
-  TRIANGLE_LEAF_FIELDS(REPORT_FIELD)
-#undef REPORTED
-#define REPORTED QuadricLeaf
-  QUADRIC_LEAF_FIELDS(REPORT_FIELD)
-#undef REPORTED
-#define REPORTED Corner
-  CORNER_FIELDS(REPORT_FIELD)
-#undef REPORTED
-#define REPORTED Camera
-  CAMERA_FIELDS(REPORT_FIELD)
-#undef REPORTED
-#define REPORTED FilmParameters
-  FILM_PARAMETERS_FIELDS(REPORT_FIELD)
-#undef REPORTED
-#define REPORTED SamplerParameters
-  SAMPLER_PARAMETERS_FIELDS(REPORT_FIELD)
-#undef REPORTED
-#define REPORTED IntegratorParameters
-  INTEGRATOR_PARAMETERS_FIELDS(REPORT_FIELD)
-#undef REPORTED
-#define REPORTED Adjustable
-  ADJUSTABLE_FIELDS(REPORT_FIELD)
-#undef REPORTED
-#define REPORTED SceneHeader
-  SCENE_HEADER_FIELDS(REPORT_FIELD)
-#undef REPORTED
+#undef REPORT_FIELD
 }

@@ -19,37 +19,18 @@ typedef struct {
 #ifdef EXTERNAL_TRACER
   Tracer tracer;  ///< null functions: the portable intersector
 #endif
-  GLOBAL const Triangle* triangles;
-  GLOBAL const VertexNormals* normals;
-  GLOBAL const Quadric* quadrics;
-  GLOBAL const Material* materials;
-  GLOBAL const Light* lights;
-  GLOBAL const Polygon* polygons;
-  GLOBAL const PolygonCorner* polygon_corners;
-  GLOBAL const vec3* vertices;
-  GLOBAL const Corner* corners;
-  GLOBAL const BvhNode* nodes;
-  GLOBAL const TriangleLeaf* triangle_leaves;
-  GLOBAL const QuadricLeaf* quadric_leaves;
-  GLOBAL const float* filter_table;
+#define TABLE_POINTER(_, name, record, least, what) GLOBAL const record* name;
+  SCENE_TABLES(TABLE_POINTER, _)
+#undef TABLE_POINTER
 } Scene;
 
 FN Scene make_scene(SceneHeader header, GLOBAL const uint* words) {
   Scene s;
   s.header = header;
-  s.triangles = (GLOBAL const Triangle*)(words + header.triangles);
-  s.normals = (GLOBAL const VertexNormals*)(words + header.normals);
-  s.quadrics = (GLOBAL const Quadric*)(words + header.quadrics);
-  s.materials = (GLOBAL const Material*)(words + header.materials);
-  s.lights = (GLOBAL const Light*)(words + header.lights);
-  s.polygons = (GLOBAL const Polygon*)(words + header.polygons);
-  s.polygon_corners = (GLOBAL const PolygonCorner*)(words + header.polygon_corners);
-  s.vertices = (GLOBAL const vec3*)(words + header.vertices);
-  s.corners = (GLOBAL const Corner*)(words + header.corners);
-  s.nodes = (GLOBAL const BvhNode*)(words + header.nodes);
-  s.triangle_leaves = (GLOBAL const TriangleLeaf*)(words + header.triangle_leaves);
-  s.quadric_leaves = (GLOBAL const QuadricLeaf*)(words + header.quadric_leaves);
-  s.filter_table = (GLOBAL const float*)(words + header.filter_table);
+#define POINT_TO_TABLE(s, name, record, least, what) \
+  s.name = (GLOBAL const record*)(words + header.tables.name.offset);
+  SCENE_TABLES(POINT_TO_TABLE, s)
+#undef POINT_TO_TABLE
   return s;
 }
 

@@ -65,6 +65,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define BVH_WIDTH 8               // children of a node, primitives of a leaf
 #define MAX_DIRECT_SAMPLES 65536  // emitter or BSDF samples of one camera ray
 #define FILTER_CELLS 256
+#define FILTER_TABLE_SIZE (2 * FILTER_CELLS + 1)  // knots and weights, see filter.h
 
 // The scene's centre is the origin: the builder subtracts it in double before anything becomes float.
 #define TRIANGLE_FIELDS(F)                                                    \
@@ -132,7 +133,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, starts) /* 1: a loop starts here, so no edge leads from the corner before */
 
 // Inner node of the wide BVH: child k is a node if child[k] >= 0, else leaf ~child[k]. An empty slot is any
-// leaf in an inverted box. Leaves below `triangle_leaf_count` hold triangles, the others quadrics.
+// leaf in an inverted box. Leaves below `triangle_leaves.count` hold triangles, the others quadrics.
 #define BVH_NODE_FIELDS(F)                                          \
   F(float, bounds[6][BVH_WIDTH]) /* least x, y, z, then greatest */ \
   F(int, child[BVH_WIDTH])
@@ -186,8 +187,37 @@ PENUMBRA_NAMESPACE_BEGIN
 // What a viewer may change besides the camera: no table and no kernel depends on it.
 #define ADJUSTABLE_FIELDS(F) F(float, alpha) /* ESTIMATOR_ALPHA */
 
-// Everything that is not a table. Offsets count 32-bit words from the start of the scene's array; a table
-// that the scene does not need has count 0.
+// The scene's tables, one a row, from which header, pointers, checks, storing and `penumbra info` follow:
+// T(A, name, record, least, what), A whatever is passed on. Kernels read `least` records for rays that miss
+// or lanes that idle, whatever the table's count: they are there. `what` is its name for people.
+#define SCENE_TABLES(T, A)                                                    \
+  T(A, triangles, Triangle, 1, "triangles")                                   \
+  T(A, normals, VertexNormals, 1, "vertex normals")                           \
+  T(A, quadrics, Quadric, 1, "spheres and disks")                             \
+  T(A, materials, Material, 1, "materials")                                   \
+  T(A, lights, Light, 1, "lights")                                            \
+  T(A, polygons, Polygon, 1, "polygon lights")                                \
+  T(A, polygon_corners, PolygonCorner, 1, "corners of polygon lights")        \
+  /* Small scenes: distinct vertices, and three of them for each triangle. */ \
+  T(A, vertices, vec3, 0, "vertices, to test every primitive")                \
+  T(A, corners, Corner, 0, "corners, to test every primitive")                \
+  /* Large scenes: see BVH_NODE_FIELDS. */                                    \
+  T(A, nodes, BvhNode, 0, "nodes of the hierarchy")                           \
+  T(A, triangle_leaves, TriangleLeaf, 0, "leaves of triangles")               \
+  T(A, quadric_leaves, QuadricLeaf, 0, "leaves of spheres and disks")         \
+  /* See filter.h. */                                                         \
+  T(A, filter_table, float, FILTER_TABLE_SIZE, "cells of the pixel filter")
+
+// Where a table is: offsets count 32-bit words from the start of the scene's array. A table that the scene
+// does not need has count 0.
+#define TABLE_SPAN_FIELDS(F) \
+  F(int, count)              \
+  F(uint, offset)
+
+#define TABLE_SPAN_FIELD(F, name, record, least, what) F(TableSpan, name)
+#define TABLE_SPANS_FIELDS(F) SCENE_TABLES(TABLE_SPAN_FIELD, F)
+
+// Everything that is not a record of a table.
 #define SCENE_HEADER_FIELDS(F)                                                                     \
   F(uint, features)   /* FEATURE_* bits */                                                         \
   F(int, intersector) /* INTERSECTOR_* */                                                          \
@@ -196,34 +226,10 @@ PENUMBRA_NAMESPACE_BEGIN
   F(SamplerParameters, sampler)                                                                    \
   F(IntegratorParameters, integrator)                                                              \
   F(Adjustable, adjustable)                                                                        \
-  F(uint, filter_table)     /* FILTER_TABULATED: see filter.h */                                   \
   F(int, environment)       /* index of the environment light, or -1 */                            \
   F(int, dropped_triangles) /* without area in single precision: left out, and said */             \
   F(int, duplicate_lights)  /* light triangles that repeat another one: they do not shine twice */ \
-  F(int, triangle_count)                                                                           \
-  F(uint, triangles)                                                                               \
-  F(int, normals_count)                                                                            \
-  F(uint, normals)                                                                                 \
-  F(int, quadric_count)                                                                            \
-  F(uint, quadrics)                                                                                \
-  F(int, material_count)                                                                           \
-  F(uint, materials)                                                                               \
-  F(int, light_count)                                                                              \
-  F(uint, lights)                                                                                  \
-  F(int, polygon_count)                                                                            \
-  F(uint, polygons)                                                                                \
-  F(int, polygon_corner_count)                                                                     \
-  F(uint, polygon_corners)                                                                         \
-  F(int, vertex_count) /* small scenes: distinct vertices, tested whole */                         \
-  F(uint, vertices)                                                                                \
-  F(int, corner_count) /* small scenes: three vertex indices for each triangle */                  \
-  F(uint, corners)                                                                                 \
-  F(int, node_count) /* large scenes: see BVH_NODE_FIELDS */                                       \
-  F(uint, nodes)                                                                                   \
-  F(int, triangle_leaf_count)                                                                      \
-  F(uint, triangle_leaves)                                                                         \
-  F(int, quadric_leaf_count)                                                                       \
-  F(uint, quadric_leaves)
+  F(TableSpans, tables)
 
 // X(struct, field list): for tests and for serialisation.
 #define SHARED_STRUCTS(X)                               \
@@ -243,6 +249,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(SamplerParameters, SAMPLER_PARAMETERS_FIELDS)       \
   X(IntegratorParameters, INTEGRATOR_PARAMETERS_FIELDS) \
   X(Adjustable, ADJUSTABLE_FIELDS)                      \
+  X(TableSpan, TABLE_SPAN_FIELDS)                       \
+  X(TableSpans, TABLE_SPANS_FIELDS)                     \
   X(SceneHeader, SCENE_HEADER_FIELDS)
 
 #define DECLARE_FIELD(type, name) type name;

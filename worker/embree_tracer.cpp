@@ -10,7 +10,7 @@
 
 #define FEATURES FEATURE_ALL
 #include "kernels/host/bounds.h"
-#include "kernels/host/device_scene_check.h"
+#include "kernels/host/device_scene_tables.h"
 #include "kernels/intersect/quadric.h"
 
 namespace penumbra {
@@ -212,8 +212,8 @@ Expected<std::unique_ptr<EmbreeTracer>> EmbreeTracer::make(const DeviceScene& sc
   rtcSetSceneFlags(impl.scene.get(),
                    RTCSceneFlags(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
 
-  const auto triangles = table<Triangle>(scene, scene.header.triangles, scene.header.triangle_count);
-  const auto quadrics = table<Quadric>(scene, scene.header.quadrics, scene.header.quadric_count);
+  const auto triangles = table<Triangle>(scene, scene.header.tables.triangles);
+  const auto quadrics = table<Quadric>(scene, scene.header.tables.quadrics);
   impl.triangle_count = int(triangles.size());
   if (!triangles.empty()) {
     impl.vertices.reserve(triangles.size() * 9 + 4);

@@ -58,7 +58,7 @@ class Session {
   void beat(const std::stop_token& stop);
   Expected<void> work();
   Expected<void> take_job(const wire::Job& job);
-  Expected<void> take_view(const wire::View& message);
+  Expected<void> take_view(const wire::NumberedView& message);
   void render(const wire::Unit& unit);
   void put_device(std::unique_ptr<Device> device) {
     const std::lock_guard lock(device_mutex_);
@@ -245,8 +245,8 @@ Expected<void> Session::take_job(const wire::Job& job) {
   return {};
 }
 
-Expected<void> Session::take_view(const wire::View& message) {
-  const Expected<View> view = decode(message.camera());
+Expected<void> Session::take_view(const wire::NumberedView& message) {
+  const Expected<View> view = decode(message.view());
   if (!view) return fail("the scheduler sent " + view.error().message);
   apply_view(*view, scene_.header);
   return device_ == nullptr ? Expected<void>{} : device_->take_view();

@@ -77,7 +77,7 @@ STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request, Su
   double analytic[3 * LANES];
   store_shading_points(scene, at, f, ints, capacity, i, &points);
   for (int j = 0; j < LANES; j++) start_reservoir(&reservoir, j, (double)u[DIM_LIGHT_U * LANES + j]);
-  const bool one_light = scene->polygons[0].light_count == scene->header.light_count;
+  const bool one_light = scene->polygons[0].light_count == scene->header.tables.lights.count;
   if (request.closed | !one_light)
     unshadowed_lights(scene, &points, request.choice & !one_light, &reservoir, analytic);
   if (one_light)

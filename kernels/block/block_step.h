@@ -16,7 +16,7 @@ FN void step_numbers(const PRIVATE SceneHeader* h, uint pair, bool roulette, con
               u + DIM_LIGHT_V * LANES);
   sample_pair(h->sampler.kind, spp, one_point(pair + 1u), ints, capacity, i, u + DIM_BSDF_U * LANES,
               u + DIM_BSDF_V * LANES);
-  const bool chooses = h->light_count > 1;  // a single light needs no finer digits
+  const bool chooses = h->tables.lights.count > 1;  // a single light needs no finer digits
   if (chooses | HAS(PHONG))
     sample_pair(h->sampler.kind, spp, one_point(pair + 2u), ints, capacity, i,
                 u + (chooses ? DIM_LIGHT_FINE : DIM_SPARE) * LANES, u + DIM_LOBE_CHOICE * LANES);
@@ -104,7 +104,7 @@ FN void direct_numbers(const PRIVATE SceneHeader* h, int step, const GLOBAL int*
   if (step < bsdf_samples)
     sample_pair(h->sampler.kind, spp, nth_point(pair + 1u, bsdf_samples, step), ints, capacity, i,
                 u + DIM_BSDF_U * LANES, u + DIM_BSDF_V * LANES);
-  if ((step < bsdf_samples) | ((step < emitter_samples) & (h->light_count > 1)))
+  if ((step < bsdf_samples) | ((step < emitter_samples) & (h->tables.lights.count > 1)))
     sample_pair(h->sampler.kind, spp, nth_point(pair + 2u, most, step), ints, capacity, i,
                 u + DIM_LIGHT_FINE * LANES, u + DIM_LOBE_CHOICE * LANES);
 }

@@ -1,7 +1,11 @@
 #include "kernels/host/device_scene_check.h"
 
-#include <cmath>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <string>
+
+#include "kernels/host/device_scene_tables.h"
 #include "kernels/intersect/bvh_limits.h"
 
 namespace penumbra {
@@ -13,7 +17,7 @@ class Checker {
 
   Expected<void> run() {
     check_header();
-    check_tables();
+    if (problem_.empty()) check_tables();
     if (problem_.empty()) check_records();
     if (problem_.empty()) check_search();
     if (!problem_.empty()) return fail("device scene: " + problem_);
@@ -43,62 +47,49 @@ class Checker {
     require(in(h_.integrator.light_choice, CHOICE_POWER, CHOICE_ANALYTIC), "unknown choice of lights");
   }
 
-  template <typename T>
-  void check_table(std::uint32_t offset, int count, int least, const char* what) {
-    const std::uint64_t records = std::uint64_t(count > least ? count : least);
-    require(count >= 0 && std::uint64_t(offset) + records * (sizeof(T) / 4) <= scene_.words.size(), what);
-  }
-
   void check_tables() {
-    // Kernels read record 0 of these for rays that miss, whatever the count and the features.
-    check_table<Triangle>(h_.triangles, h_.triangle_count, 1, "triangles lie outside the data");
-    check_table<Material>(h_.materials, h_.material_count, 1, "materials lie outside the data");
-    check_table<Light>(h_.lights, h_.light_count, 1, "lights lie outside the data");
-    check_table<float>(h_.filter_table, 2 * FILTER_CELLS + 1, 0, "the filter's table lies outside the data");
-    check_table<VertexNormals>(h_.normals, h_.normals_count, 1, "normals lie outside the data");
-    check_table<Quadric>(h_.quadrics, h_.quadric_count, 1, "quadrics lie outside the data");
-    if (has(FEATURE_POLYGONS)) {
-      check_table<Polygon>(h_.polygons, h_.polygon_count, 1, "polygons lie outside the data");
-      check_table<PolygonCorner>(h_.polygon_corners, h_.polygon_corner_count, 1,
-                                 "polygon corners lie outside the data");
+    for (const SceneTable& each : kSceneTables) {
+      const TableSpan span = h_.tables.*each.span;
+      const std::uint64_t records = std::uint64_t(std::max(span.count, each.least));
+      if (span.count >= 0 && span.offset + records * (each.record_bytes / 4) <= scene_.words.size()) continue;
+      problem_ = fmt::format(
+          "the table '{}' lies outside the data: {} records of {} bytes from word {} on, where there are {} "
+          "words",
+          each.what, span.count < 0 ? span.count : std::int64_t(records), each.record_bytes, span.offset,
+          scene_.words.size());
+      return;
     }
-    check_table<vec3>(h_.vertices, h_.vertex_count, 0, "vertices lie outside the data");
-    check_table<Corner>(h_.corners, h_.corner_count, 0, "corners lie outside the data");
-    check_table<BvhNode>(h_.nodes, h_.node_count, 0, "BVH nodes lie outside the data");
-    check_table<TriangleLeaf>(h_.triangle_leaves, h_.triangle_leaf_count, 0,
-                              "BVH leaves lie outside the data");
-    check_table<QuadricLeaf>(h_.quadric_leaves, h_.quadric_leaf_count, 0, "BVH leaves lie outside the data");
   }
 
   [[nodiscard]] bool has(unsigned feature) const { return (h_.features & feature) != 0; }
-  static int at_least_one(int count) { return count > 1 ? count : 1; }
-  [[nodiscard]] bool is_material(int i) const { return in(i, 0, h_.material_count - 1); }
-  [[nodiscard]] bool is_light(int i) const { return in(i, -1, h_.light_count - 1); }
+  static TableSpan at_least_one(TableSpan span) { return {std::max(span.count, 1), span.offset}; }
+  [[nodiscard]] bool is_material(int i) const { return in(i, 0, h_.tables.materials.count - 1); }
+  [[nodiscard]] bool is_light(int i) const { return in(i, -1, h_.tables.lights.count - 1); }
 
   void check_records() {
-    require(h_.material_count >= 1, "no material");
-    require(in(h_.environment, -1, h_.light_count - 1), "the environment names no light");
+    require(h_.tables.materials.count >= 1, "no material");
+    require(in(h_.environment, -1, h_.tables.lights.count - 1), "the environment names no light");
     // Even without triangles, record 0 is read for rays that miss.
-    for (const Triangle& t : table<Triangle>(scene_, h_.triangles, at_least_one(h_.triangle_count))) {
+    for (const Triangle& t : table<Triangle>(scene_, at_least_one(h_.tables.triangles))) {
       require(is_material(t.front) && is_material(t.back), "a triangle names a material that is not there");
-      require(in(t.light, -1, at_least_one(h_.light_count) - 1),
+      require(in(t.light, -1, at_least_one(h_.tables.lights).count - 1),
               "a triangle names a light that is not there");
-      require(in(t.normals, -1, at_least_one(h_.normals_count) - 1),
+      require(in(t.normals, -1, at_least_one(h_.tables.normals).count - 1),
               "a triangle names normals that are not there");
     }
-    for (const Quadric& q : table<Quadric>(scene_, h_.quadrics, h_.quadric_count)) {
+    for (const Quadric& q : table<Quadric>(scene_, h_.tables.quadrics)) {
       require(is_material(q.front) && is_material(q.back), "a quadric names a material that is not there");
       require(is_light(q.light), "a quadric names a light that is not there");
       require(in(q.kind, QUADRIC_SPHERE, QUADRIC_DISK), "a quadric of unknown kind");
     }
-    for (const Light& l : table<Light>(scene_, h_.lights, at_least_one(h_.light_count))) {
-      require(in(l.alias, 0, at_least_one(h_.light_count) - 1), "a light's alias is not there");
+    for (const Light& l : table<Light>(scene_, at_least_one(h_.tables.lights))) {
+      require(in(l.alias, 0, at_least_one(h_.tables.lights).count - 1), "a light's alias is not there");
       require(in(l.kind, LIGHT_TRIANGLE, LIGHT_RECTANGLE), "a light of unknown kind");
       require(in(l.sampling, EMITTER_AREA, EMITTER_PROJECTED), "a light of unknown sampling");
       constexpr int kNumbers = 1 << 24;  // that a sampler can give
       require(in(l.rank, -kNumbers, kNumbers) && in(l.alias_rank, -kNumbers, kNumbers),
               "a light's numbers have ranks that there are not");
-      require(!has(FEATURE_POLYGONS) || in(l.polygon, -1, h_.polygon_count - 1),
+      require(!has(FEATURE_POLYGONS) || in(l.polygon, -1, h_.tables.polygons.count - 1),
               "a light names a polygon that is not there");
     }
     if (has(FEATURE_POLYGONS)) check_polygons();
@@ -107,25 +98,24 @@ class Checker {
             "closed forms without their feature bit");
     require(has(FEATURE_RATIO) == (h_.integrator.estimator == ESTIMATOR_RATIO),
             "the ratio estimator and its feature bit go together");
-    require(h_.quadric_count == 0 || has(FEATURE_QUADRICS), "quadrics without their feature bit");
+    require(h_.tables.quadrics.count == 0 || has(FEATURE_QUADRICS), "quadrics without their feature bit");
     require(has(h_.integrator.kind == INTEGRATOR_PATH ? FEATURE_PATH : FEATURE_DIRECT),
             "an integrator without its feature bit");
     require(h_.sampler.kind == SAMPLER_SOBOL || has(FEATURE_SAMPLERS), "a sampler without its feature bit");
   }
 
   void check_polygons() {
-    for (const Polygon& p : table<Polygon>(scene_, h_.polygons, h_.polygon_count)) {
-      require(
-          in(p.first_light, 0, h_.light_count - 1) && in(p.light_count, 1, h_.light_count - p.first_light),
-          "a polygon names lights that are not there");
-      require(in(p.first_corner, 0, h_.polygon_corner_count - 1) &&
-                  in(p.corner_count, 1, h_.polygon_corner_count - p.first_corner),
+    for (const Polygon& p : table<Polygon>(scene_, h_.tables.polygons)) {
+      require(in(p.first_light, 0, h_.tables.lights.count - 1) &&
+                  in(p.light_count, 1, h_.tables.lights.count - p.first_light),
+              "a polygon names lights that are not there");
+      require(in(p.first_corner, 0, h_.tables.polygon_corners.count - 1) &&
+                  in(p.corner_count, 1, h_.tables.polygon_corners.count - p.first_corner),
               "a polygon names corners that are not there");
       if (!problem_.empty()) return;
-      require(table<PolygonCorner>(scene_, h_.polygon_corners,
-                                   h_.polygon_corner_count)[std::size_t(p.first_corner)]
-                      .starts == 1,
-              "a polygon starts within a loop");
+      require(
+          table<PolygonCorner>(scene_, h_.tables.polygon_corners)[std::size_t(p.first_corner)].starts == 1,
+          "a polygon starts within a loop");
     }
   }
 
@@ -135,18 +125,18 @@ class Checker {
       check_hierarchy();
       return;
     }
-    require(h_.vertex_count <= MAX_WHOLE_VERTICES, "too many vertices to be tested whole");
-    require(h_.corner_count == h_.triangle_count, "corners do not match the triangles");
-    for (const Corner& c : table<Corner>(scene_, h_.corners, h_.corner_count))
-      require(in(c.v0, 0, h_.vertex_count - 1) && in(c.v1, 0, h_.vertex_count - 1) &&
-                  in(c.v2, 0, h_.vertex_count - 1),
+    require(h_.tables.vertices.count <= MAX_WHOLE_VERTICES, "too many vertices to be tested whole");
+    require(h_.tables.corners.count == h_.tables.triangles.count, "corners do not match the triangles");
+    for (const Corner& c : table<Corner>(scene_, h_.tables.corners))
+      require(in(c.v0, 0, h_.tables.vertices.count - 1) && in(c.v1, 0, h_.tables.vertices.count - 1) &&
+                  in(c.v2, 0, h_.tables.vertices.count - 1),
               "a corner names a vertex that is not there");
   }
 
   void check_hierarchy() {
-    require(h_.node_count > 0, "a hierarchy without a root");
-    const int leaves = h_.triangle_leaf_count + h_.quadric_leaf_count;
-    const auto nodes = table<BvhNode>(scene_, h_.nodes, h_.node_count);
+    require(h_.tables.nodes.count > 0, "a hierarchy without a root");
+    const int leaves = h_.tables.triangle_leaves.count + h_.tables.quadric_leaves.count;
+    const auto nodes = table<BvhNode>(scene_, h_.tables.nodes);
     // Children follow their only parent, empty slots too: every ray's way through them ends, whatever its
     // numbers.
     std::vector<int> depth(nodes.size(), 0);
@@ -159,18 +149,21 @@ class Checker {
           require(~child < leaves, "a BVH node names a leaf that is not there");
           continue;
         }
-        require(child > int(i) && child < h_.node_count, "a BVH node names a child that is not there");
+        require(child > int(i) && child < h_.tables.nodes.count,
+                "a BVH node names a child that is not there");
         if (!problem_.empty()) return;
         require(depth[std::size_t(child)] == 0, "a BVH node has two parents");
         depth[std::size_t(child)] = depth[i] + 1;
       }
     }
-    for (const TriangleLeaf& leaf : table<TriangleLeaf>(scene_, h_.triangle_leaves, h_.triangle_leaf_count))
+    for (const TriangleLeaf& leaf : table<TriangleLeaf>(scene_, h_.tables.triangle_leaves))
       for (int primitive : leaf.primitive)
-        require(in(primitive, -1, h_.triangle_count - 1), "a BVH leaf names a triangle that is not there");
-    for (const QuadricLeaf& leaf : table<QuadricLeaf>(scene_, h_.quadric_leaves, h_.quadric_leaf_count))
+        require(in(primitive, -1, h_.tables.triangles.count - 1),
+                "a BVH leaf names a triangle that is not there");
+    for (const QuadricLeaf& leaf : table<QuadricLeaf>(scene_, h_.tables.quadric_leaves))
       for (int primitive : leaf.primitive)
-        require(primitive == -1 || in(primitive, h_.triangle_count, h_.triangle_count + h_.quadric_count - 1),
+        require(primitive == -1 || in(primitive, h_.tables.triangles.count,
+                                      h_.tables.triangles.count + h_.tables.quadrics.count - 1),
                 "a BVH leaf names a quadric that is not there");
   }
 

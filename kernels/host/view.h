@@ -1,39 +1,59 @@
-// The camera, and what else may change of a scene while its device goes on: no table and no kernel depends on
-// it.
+// What may change of a scene while its device goes on: the camera, and what else a viewer may adjust. No
+// table and no kernel depends on it. A field more in either list is all that another parameter takes here and
+// on the wire.
 #pragma once
 
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
 
 #include "kernels/scene_types.h"
 
 namespace penumbra {
 
 struct View {
-  vec3 origin, x, y, z;  ///< as the header's camera_*
-  float alpha = 1;       ///< of the control variate, where the scene has one of a given alpha
+  Camera camera;
+  Adjustable adjustable;
 };
 
-inline View view_of(const SceneHeader& h) {
-  return {h.camera.origin, h.camera.x, h.camera.y, h.camera.z, h.adjustable.alpha};
+#define REQUIRE_FLOATS(type, name) \
+  static_assert(std::is_same_v<type, float> || std::is_same_v<type, vec3>, #name " of a view");
+CAMERA_FIELDS(REQUIRE_FLOATS)
+ADJUSTABLE_FIELDS(REQUIRE_FLOATS)
+#undef REQUIRE_FLOATS
+
+/// The numbers of a part or a field of a view.
+template <typename Part>
+std::array<float, sizeof(Part) / sizeof(float)> as_floats(const Part& part) {
+  return std::bit_cast<std::array<float, sizeof(Part) / sizeof(float)>>(part);
 }
 
+inline View view_of(const SceneHeader& h) { return {h.camera, h.adjustable}; }
+
 inline void apply_view(const View& view, SceneHeader& h) {
-  h.camera.origin = view.origin;
-  h.camera.x = view.x;
-  h.camera.y = view.y;
-  h.camera.z = view.z;
-  h.adjustable.alpha = view.alpha;
+  h.camera = view.camera;
+  h.adjustable = view.adjustable;
 }
 
 /// To the bit.
 inline bool is_same(const View& a, const View& b) { return std::memcmp(&a, &b, sizeof(View)) == 0; }
 
-/// Whether all components are finite.
-inline bool is_finite(const View& view) {
-  for (const vec3& v : {view.origin, view.x, view.y, view.z})
-    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) return false;
-  return std::isfinite(view.alpha);
+/// The name of the first field that is not finite, or null.
+inline const char* non_finite_field(const View& view) {
+#define LOOK_AT_FIELD(part, name)                \
+  for (const float value : as_floats(part.name)) \
+    if (!std::isfinite(value)) return #part "." #name;
+#define LOOK_AT_CAMERA(type, name) LOOK_AT_FIELD(camera, name)
+#define LOOK_AT_ADJUSTABLE(type, name) LOOK_AT_FIELD(adjustable, name)
+  const auto& [camera, adjustable] = view;
+  CAMERA_FIELDS(LOOK_AT_CAMERA)
+  ADJUSTABLE_FIELDS(LOOK_AT_ADJUSTABLE)
+#undef LOOK_AT_CAMERA
+#undef LOOK_AT_ADJUSTABLE
+#undef LOOK_AT_FIELD
+  return nullptr;
 }
 
 }  // namespace penumbra

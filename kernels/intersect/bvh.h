@@ -114,13 +114,14 @@ FN Hit intersect_triangle_leaf(GLOBAL const TriangleLeaf* leaf, const PRIVATE Bv
 /// The closest of the leaf's hits and `best`.
 FN Hit intersect_leaf(const PRIVATE Scene* scene, int leaf, const PRIVATE BvhRay* r, Hit best) {
 #if HAS(QUADRICS)
-  if (leaf >= scene->header.triangle_leaf_count) {
-    GLOBAL const QuadricLeaf* quadrics = scene->quadric_leaves + (leaf - scene->header.triangle_leaf_count);
+  if (leaf >= scene->header.tables.triangle_leaves.count) {
+    GLOBAL const QuadricLeaf* quadrics =
+        scene->quadric_leaves + (leaf - scene->header.tables.triangle_leaves.count);
     for (int j = 0; j < BVH_WIDTH; j++) {
       const int primitive = quadrics->primitive[j];
       if (primitive < 0) continue;
       const float t =
-          intersect_quadric(scene->quadrics[primitive - scene->header.triangle_count], r->o, r->d);
+          intersect_quadric(scene->quadrics[primitive - scene->header.tables.triangles.count], r->o, r->d);
       if (t > 0.0f) best = closer_hit(best, t, primitive);
     }
     return best;

@@ -31,7 +31,7 @@ FN void intersect_whole(const PRIVATE Scene* scene, PRIVATE RayLanes* rays) {
       shear_z[j] = s.z;
       rays->hit[j] = -1;
     }
-  const int vertex_count = scene->header.vertex_count;
+  const int vertex_count = scene->header.tables.vertices.count;
   for (int k = 0; k < vertex_count; k++) {
     const vec3 p = scene->vertices[k];
     LANE_LOOP
@@ -47,7 +47,7 @@ FN void intersect_whole(const PRIVATE Scene* scene, PRIVATE RayLanes* rays) {
         vz[k * LANES + j] = v.z;
       }
   }
-  const int triangle_count = scene->header.triangle_count;
+  const int triangle_count = scene->header.tables.triangles.count;
   for (int k = 0; k < triangle_count; k++) {
     const Corner corner = scene->corners[k];
     const int v0 = corner.v0 * LANES, v1 = corner.v1 * LANES, v2 = corner.v2 * LANES;
@@ -62,7 +62,7 @@ FN void intersect_whole(const PRIVATE Scene* scene, PRIVATE RayLanes* rays) {
       }
   }
   #if HAS(QUADRICS)
-  const int quadric_count = scene->header.quadric_count;
+  const int quadric_count = scene->header.tables.quadrics.count;
   for (int k = 0; k < quadric_count; k++) {
     const Quadric q = scene->quadrics[k];
     const int primitive = triangle_count + k;

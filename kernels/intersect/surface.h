@@ -30,7 +30,7 @@ FN Surface surface_at(const PRIVATE Scene* scene, int primitive, vec3 o, vec3 d)
   s.wo = negate(d);
   const int index = s.valid ? primitive : 0;
 #if HAS(QUADRICS)
-  const int triangle_count = scene->header.triangle_count;
+  const int triangle_count = scene->header.tables.triangles.count;
   const bool is_quadric = s.valid & (index >= triangle_count);
   GLOBAL const Triangle* triangle = scene->triangles + (is_quadric ? 0 : index);
 #else

@@ -15,7 +15,7 @@ typedef struct {
 /// [0, 1) by their rank among them: so numbers that are well spread give well spread points on each light.
 /// `fine` in [0, 1) are the digits below, of which a light that is rarely chosen leaves few.
 FN ChosenLight choose_light(const PRIVATE Scene* scene, float u, float fine) {
-  const int count = scene->header.light_count;
+  const int count = scene->header.tables.lights.count;
   const float position = u * (float)count;
   const int first = min_i((int)position, count > 0 ? count - 1 : 0);
   GLOBAL const Light* place = scene->lights + first;

@@ -26,7 +26,7 @@ typedef struct {
 /// the closed forms allow.
 FN void store_shading_point(const PRIVATE Scene* scene, Surface s, int primitive, vec3 o, vec3 d,
                             PRIVATE ShadingPoints* points, int j) {
-  const bool on_triangle = s.valid & (primitive < scene->header.triangle_count);
+  const bool on_triangle = s.valid & (primitive < scene->header.tables.triangles.count);
   GLOBAL const Triangle* t = scene->triangles + (on_triangle ? primitive : 0);
   const vec3 p0 = load3(&t->p0), p1 = load3(&t->p1), p2 = load3(&t->p2);
   const double ax = (double)p1.x - p0.x, ay = (double)p1.y - p0.y, az = (double)p1.z - p0.z;
@@ -110,12 +110,12 @@ FN double reservoir_probability(const PRIVATE Reservoir* reservoir, int j) {
 /// Whether that polygon light has a k-th part. part_of: the index of that part among the lights, or of some
 /// light if there is none.
 FN bool is_part(const PRIVATE Scene* scene, int polygon, int k) {
-  const bool is_polygon = (polygon >= 0) & (polygon < scene->header.polygon_count);
+  const bool is_polygon = (polygon >= 0) & (polygon < scene->header.tables.polygons.count);
   const int count = scene->polygons[is_polygon ? polygon : 0].light_count;
   return is_polygon & (k < count);
 }
 FN int part_of(const PRIVATE Scene* scene, int polygon, int k) {
-  const bool is_polygon = (polygon >= 0) & (polygon < scene->header.polygon_count);
+  const bool is_polygon = (polygon >= 0) & (polygon < scene->header.tables.polygons.count);
   GLOBAL const Polygon* p = scene->polygons + (is_polygon ? polygon : 0);
   const int first = p->first_light, count = p->light_count;
   return first + (k < count ? k : 0);
@@ -143,7 +143,7 @@ FN double rough_irradiance(GLOBAL const Light* light, double x, double y, double
 STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* points, bool choose,
                              PRIVATE Reservoir* RESTRICT reservoir, PRIVATE double* RESTRICT analytic) {
   for (int j = 0; j < 3 * LANES; j++) analytic[j] = 0.0;
-  for (int k = 0; k < scene->header.polygon_count; k++) {
+  for (int k = 0; k < scene->header.tables.polygons.count; k++) {
     double irradiance[LANES], lobe[LANES];
     polygon_terms(scene, &points->receivers, k, irradiance, lobe);
     GLOBAL const Polygon* polygon = scene->polygons + k;
@@ -163,7 +163,7 @@ STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE ShadingPo
         if (choose) add_to_reservoir(reservoir, j, k, r + g + b);
       }
   }
-  for (int k = 0; choose && k < scene->header.light_count; k++) {
+  for (int k = 0; choose && k < scene->header.tables.lights.count; k++) {
     GLOBAL const Light* light = scene->lights + k;
     if (light->polygon >= 0) continue;
     LANE_LOOP
@@ -173,7 +173,7 @@ STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE ShadingPo
                                    points->diffuse[2 * LANES + j] + points->specular[j] +
                                    points->specular[LANES + j] + points->specular[2 * LANES + j];
         const double most = rough_irradiance(light, r->px[j], r->py[j], r->pz[j]);
-        add_to_reservoir(reservoir, j, scene->header.polygon_count + k, reflectance * most);
+        add_to_reservoir(reservoir, j, scene->header.tables.polygons.count + k, reflectance * most);
       }
   }
 }
@@ -184,7 +184,7 @@ STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE ShadingPo
 STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* points, bool by_projection,
                        const PRIVATE Reservoir* RESTRICT reservoir, PRIVATE float* RESTRICT samplings,
                        PRIVATE double* RESTRICT projected, PRIVATE float* RESTRICT u) {
-  const int polygons = scene->header.polygon_count;
+  const int polygons = scene->header.tables.polygons.count;
   int parts = 0;
   Reservoir part;
   for (int j = 0; j < LANES; j++) {

@@ -4,7 +4,6 @@
 #include <array>
 #include <climits>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -16,6 +15,7 @@
 #include "scenes/device/integrator_builder.h"
 #include "scenes/device/light_builder.h"
 #include "scenes/device/material_builder.h"
+#include "scenes/device/scene_records.h"
 #include "scenes/device/to_vec3.h"
 
 namespace penumbra {
@@ -79,7 +79,8 @@ class Builder {
       return fail(scene_.source + ": " + done.error().message);
     if (scene_.sampler.kind != SamplerKind::kSobol) need(FEATURE_SAMPLERS);
     if (Expected<void> done = choose_intersector(); !done) return std::unexpected(done.error());
-    store_tables();
+    records_.filter_table = filter_table(scene_.film);
+    store(records_, out_);
     if (out_.words.size() > std::size_t(INT_MAX))
       return fail(scene_.source + ": the scene exceeds 8 GiB of tables");
     return std::move(out_);
@@ -100,10 +101,10 @@ class Builder {
   }
 
   void add_materials() {
-    materials_.push_back({});  // 0: absorbs everything
+    records_.materials.push_back({});  // 0: absorbs everything
     for (const Bsdf& bsdf : scene_.bsdfs) {
-      materials_.push_back(build_material(bsdf));
-      if (materials_.back().lobe > 0) need(FEATURE_PHONG);
+      records_.materials.push_back(build_material(bsdf));
+      if (records_.materials.back().lobe > 0) need(FEATURE_PHONG);
     }
   }
 
@@ -116,7 +117,7 @@ class Builder {
   }
 
   void add_mesh(const Shape& shape, const Mesh& mesh, int front, int back) {
-    const std::size_t first = triangles_.size();
+    const std::size_t first = records_.triangles.size();
     for (glm::uvec3 corner : mesh.triangles) {
       if (shape.flip_normals) std::swap(corner.y, corner.z);
       Triangle t{};
@@ -136,12 +137,13 @@ class Builder {
       }
       if (!mesh.normals.empty()) {
         const float sign = shape.flip_normals ? -1.0f : 1.0f;
-        t.normals = int(normals_.size());
-        normals_.push_back({to_vec3(sign * mesh.normals[corner.x]), to_vec3(sign * mesh.normals[corner.y]),
-                            to_vec3(sign * mesh.normals[corner.z])});
+        t.normals = int(records_.normals.size());
+        records_.normals.push_back({to_vec3(sign * mesh.normals[corner.x]),
+                                    to_vec3(sign * mesh.normals[corner.y]),
+                                    to_vec3(sign * mesh.normals[corner.z])});
         need(FEATURE_SHADING_NORMALS);
       }
-      triangles_.push_back(t);
+      records_.triangles.push_back(t);
     }
     if (emits(shape)) add_mesh_lights(shape, first);
   }
@@ -149,10 +151,11 @@ class Builder {
   /// Of the shape's triangles, which are those from `first` on.
   void add_mesh_lights(const Shape& shape, std::size_t first) {
     std::vector<LightTriangle> emitters;
-    for (std::size_t i = first; i < triangles_.size(); ++i)
-      emitters.push_back({triangles_[i].p0, triangles_[i].p1, triangles_[i].p2});
+    for (std::size_t i = first; i < records_.triangles.size(); ++i)
+      emitters.push_back({records_.triangles[i].p0, records_.triangles[i].p1, records_.triangles[i].p2});
     const std::vector<int> index = lights_.add_triangles(emitters, shape);
-    for (std::size_t i = first; i < triangles_.size(); ++i) triangles_[i].light = index[i - first];
+    for (std::size_t i = first; i < records_.triangles.size(); ++i)
+      records_.triangles[i].light = index[i - first];
   }
 
   void add_sphere(const Shape& shape, const Sphere& sphere, int front, int back) {
@@ -187,7 +190,7 @@ class Builder {
       light.p2 = make_vec3(q.radius, q.orientation, 0.0f);
       q.light = lights_.add_quadric(light, shape, area);
     }
-    quadrics_.push_back(q);
+    records_.quadrics.push_back(q);
   }
 
   void add_other_lights() {
@@ -201,6 +204,9 @@ class Builder {
         if (is_sky(emitter)) h_.environment = light;
       }
     lights_.finish();
+    records_.lights = lights_.lights();
+    records_.polygons = lights_.polygons();
+    records_.polygon_corners = lights_.corners();
     h_.duplicate_lights = lights_.duplicates();
   }
 
@@ -224,67 +230,38 @@ class Builder {
 
   Expected<void> choose_intersector() {
     const bool small = collect_corners();
-    h_.intersector = options_.intersector == IntersectorChoice::kAuto     ? intersector_for(triangles_.size())
+    h_.intersector = options_.intersector == IntersectorChoice::kAuto
+                         ? intersector_for(records_.triangles.size())
                      : options_.intersector == IntersectorChoice::kEmbree ? INTERSECTOR_EMBREE
                                                                           : INTERSECTOR_PORTABLE;
     if (h_.intersector == INTERSECTOR_PORTABLE && !small) {
-      Expected<Hierarchy> hierarchy = build_hierarchy(triangles_, quadrics_);
+      Expected<Hierarchy> hierarchy = build_hierarchy(records_.triangles, records_.quadrics);
       if (!hierarchy) return std::unexpected(hierarchy.error());
-      hierarchy_ = std::move(*hierarchy);
+      records_.nodes = std::move(hierarchy->nodes);
+      records_.triangle_leaves = std::move(hierarchy->triangle_leaves);
+      records_.quadric_leaves = std::move(hierarchy->quadric_leaves);
       need(FEATURE_BVH);
     }
     if (h_.intersector != INTERSECTOR_PORTABLE || !small) {
-      corners_.clear();
-      vertices_.clear();
+      records_.corners.clear();
+      records_.vertices.clear();
     }
     return {};
   }
 
   /// Distinct vertices and the triangles over them; false if the scene is too large to be tested whole.
   bool collect_corners() {
-    if (triangles_.size() > kMaxWholeTriangles || quadrics_.size() > kMaxWholeQuadrics) return false;
+    if (records_.triangles.size() > kMaxWholeTriangles || records_.quadrics.size() > kMaxWholeQuadrics)
+      return false;
     std::map<std::array<float, 3>, int> index;
     const auto find = [&](const vec3& p) {
-      const auto [at, added] = index.try_emplace({p.x, p.y, p.z}, int(vertices_.size()));
-      if (added) vertices_.push_back(p);
+      const auto [at, added] = index.try_emplace({p.x, p.y, p.z}, int(records_.vertices.size()));
+      if (added) records_.vertices.push_back(p);
       return at->second;
     };
-    for (const Triangle& t : triangles_) corners_.push_back({find(t.p0), find(t.p1), find(t.p2)});
-    return vertices_.size() <= MAX_WHOLE_VERTICES;
-  }
-
-  /// Appends a table at a multiple of 16 words, so that its vectors are aligned; with `dummy` an empty one
-  /// gets a record that kernels may read unasked.
-  template <typename T>
-  std::uint32_t store(std::vector<T> records, int& count, bool dummy = false) {
-    count = int(records.size());
-    if (records.empty() && dummy) records.push_back(T{});
-    out_.words.resize((out_.words.size() + 15) / 16 * 16);
-    const std::size_t offset = out_.words.size();
-    out_.words.resize(offset + records.size() * (sizeof(T) / 4));
-    if (!records.empty()) std::memcpy(out_.words.data() + offset, records.data(), records.size() * sizeof(T));
-    return std::uint32_t(offset);
-  }
-
-  void store_tables() {
-    h_.triangles = store(triangles_, h_.triangle_count, true);
-    h_.normals = store(normals_, h_.normals_count, (h_.features & FEATURE_SHADING_NORMALS) != 0);
-    h_.quadrics = store(quadrics_, h_.quadric_count, (h_.features & FEATURE_QUADRICS) != 0);
-    h_.materials = store(materials_, h_.material_count);
-    h_.lights = store(lights_.lights(), h_.light_count, true);
-    if ((h_.features & FEATURE_POLYGONS) != 0u) {
-      h_.polygons = store(lights_.polygons(), h_.polygon_count);
-      h_.polygon_corners = store(lights_.corners(), h_.polygon_corner_count);
-    }
-    h_.vertices = store(vertices_, h_.vertex_count);
-    h_.corners = store(corners_, h_.corner_count);
-    h_.nodes = store(hierarchy_.nodes, h_.node_count);
-    h_.triangle_leaves = store(hierarchy_.triangle_leaves, h_.triangle_leaf_count);
-    h_.quadric_leaves = store(hierarchy_.quadric_leaves, h_.quadric_leaf_count);
-    int cells;
-    h_.filter_table = store(filter_table(scene_.film), cells);
-    // Native variants with more features than the scene's read record 0 of these tables too.
-    out_.words.resize(out_.words.size() + (sizeof(VertexNormals) + sizeof(Quadric)) / 4);
+    for (const Triangle& t : records_.triangles)
+      records_.corners.push_back({find(t.p0), find(t.p1), find(t.p2)});
+    return records_.vertices.size() <= MAX_WHOLE_VERTICES;
   }
 
   const SceneDescription& scene_;
@@ -293,14 +270,8 @@ class Builder {
   SceneHeader& h_ = out_.header;
   glm::dvec3 center_{0};
   double radius_ = 0;
-  std::vector<Material> materials_;
-  std::vector<Triangle> triangles_;
-  std::vector<VertexNormals> normals_;
-  std::vector<Quadric> quadrics_;
   LightBuilder lights_;
-  std::vector<vec3> vertices_;
-  std::vector<Corner> corners_;
-  Hierarchy hierarchy_;
+  SceneRecords records_;
   std::string problem_;
 };
 

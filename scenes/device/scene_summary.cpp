@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "kernels/host/device_scene_check.h"
+#include "kernels/host/device_scene_tables.h"
 #include "scenes/device/device_scene_builder.h"
 
 namespace penumbra {
@@ -23,8 +23,7 @@ std::string bytes_text(std::size_t bytes) {
 
 int edge_count(const DeviceScene& scene) {
   int edges = 0;
-  for (const PolygonCorner& corner :
-       table<PolygonCorner>(scene, scene.header.polygon_corners, scene.header.polygon_corner_count))
+  for (const PolygonCorner& corner : table<PolygonCorner>(scene, scene.header.tables.polygon_corners))
     edges += corner.starts != 0 ? 0 : 1;
   return edges;
 }
@@ -35,7 +34,7 @@ bool analytic_alone(const SceneHeader& h) {
 }
 
 int lights_without_form(const DeviceScene& scene) {
-  const auto lights = table<Light>(scene, scene.header.lights, scene.header.light_count);
+  const auto lights = table<Light>(scene, scene.header.tables.lights);
   return int(std::ranges::count_if(lights, [](const Light& light) { return light.polygon < 0; }));
 }
 
@@ -62,12 +61,12 @@ SceneSummary summarize(const DeviceScene& scene) {
   const auto needs = [&](const char* what, std::string amount) {
     summary.needs.emplace_back(what, std::move(amount));
   };
-  needs("triangles", std::to_string(h.triangle_count));
-  needs("spheres and disks", std::to_string(h.quadric_count));
-  needs("materials", std::to_string(h.material_count - 1));
-  needs("lights", std::to_string(h.light_count));
-  if (h.polygon_count > 0) {
-    needs("polygon lights", fmt::format("{}, with {} edges", h.polygon_count, edge_count(scene)));
+  needs("triangles", std::to_string(h.tables.triangles.count));
+  needs("spheres and disks", std::to_string(h.tables.quadrics.count));
+  needs("materials", std::to_string(h.tables.materials.count - 1));
+  needs("lights", std::to_string(h.tables.lights.count));
+  if (h.tables.polygons.count > 0) {
+    needs("polygon lights", fmt::format("{}, with {} edges", h.tables.polygons.count, edge_count(scene)));
     needs("estimator", estimator_text(h));
   }
   needs("intersector", h.intersector == INTERSECTOR_EMBREE ? "embree"

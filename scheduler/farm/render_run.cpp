@@ -78,7 +78,7 @@ Expected<void> RenderRun::start() {
                      .hybrid = is_hybrid(job_.scene)};
   std::ranges::copy(job_.center, watched.center);
   board_.show_view(view_);
-  feed_.begin_view(view_.number, view_.view.alpha);
+  feed_.begin_view(view_);
   board_.describe(std::move(watched));
   if (!job_.tev.empty()) tev_.emplace(board_, job_.tev);
   return {};

@@ -119,7 +119,7 @@ void RenderRun::on(const arrivals::ViewChanged& arrival) {
   samples_done_ = 0;
   relative_error_ = std::numeric_limits<double>::quiet_NaN();
   board_.show_view(view_);
-  feed_.begin_view(view_.number, view_.view.alpha);
+  feed_.begin_view(view_);
   for (const auto& [id, worker] : workers_) {
     if (worker.dismissed || worker.gone) continue;
     server_->send_view(id, view_);

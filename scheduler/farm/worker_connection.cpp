@@ -50,7 +50,7 @@ void WorkerConnection::send_unit(const UnitId& id, const RenderUnit& unit, int p
 void WorkerConnection::send_view(const WatchView& view) {
   wire::SchedulerMessage message;
   message.mutable_view()->set_number(view.number);
-  encode(view.view, *message.mutable_view()->mutable_camera());
+  encode(view.view, *message.mutable_view()->mutable_view());
   {
     const std::lock_guard lock(mutex_);
     view_ = view.number;

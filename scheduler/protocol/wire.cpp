@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -17,6 +18,18 @@ static_assert(std::endian::native == std::endian::little, "sample values travel 
 bool is_time(double seconds) { return std::isfinite(seconds) && seconds >= 0; }
 
 std::uint64_t checksum_of(const std::string& values) { return XXH3_64bits(values.data(), values.size()); }
+
+template <typename Part>
+Expected<void> take_floats(const google::protobuf::RepeatedField<float>& field, const char* name,
+                           Part& part) {
+  auto floats = as_floats(part);
+  if (std::size_t(field.size()) != floats.size())
+    return fail(
+        fmt::format("a view whose {} has {} numbers instead of {}", name, field.size(), floats.size()));
+  std::ranges::copy(field, floats.begin());
+  part = std::bit_cast<Part>(floats);
+  return {};
+}
 
 }  // namespace
 
@@ -244,24 +257,19 @@ Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit&
   return buffer;
 }
 
-void encode(const View& view, wire::Camera& message) {
-  const auto put = [](const vec3& v, google::protobuf::RepeatedField<float>& field) {
-    for (const float value : {v.x, v.y, v.z}) field.Add(value);
-  };
-  put(view.origin, *message.mutable_origin());
-  put(view.x, *message.mutable_x());
-  put(view.y, *message.mutable_y());
-  put(view.z, *message.mutable_z());
-  message.set_alpha(view.alpha);
+void encode(const View& view, wire::View& message) {
+  for (const float value : as_floats(view.camera)) message.add_camera(value);
+  for (const float value : as_floats(view.adjustable)) message.add_adjustable(value);
 }
 
-Expected<View> decode(const wire::Camera& message) {
-  for (const auto* field : {&message.origin(), &message.x(), &message.y(), &message.z()})
-    if (field->size() != 3) return fail(fmt::format("a camera's vector has {} components", field->size()));
-  const auto get = [](const auto& field) { return make_vec3(field.Get(0), field.Get(1), field.Get(2)); };
-  const View view{get(message.origin()), get(message.x()), get(message.y()), get(message.z()),
-                  message.alpha()};
-  if (!is_finite(view)) return fail("a camera that is not all numbers");
+Expected<View> decode(const wire::View& message) {
+  View view;
+  if (Expected<void> taken = take_floats(message.camera(), "camera", view.camera); !taken)
+    return std::unexpected(taken.error());
+  if (Expected<void> taken = take_floats(message.adjustable(), "adjustable", view.adjustable); !taken)
+    return std::unexpected(taken.error());
+  if (const char* field = non_finite_field(view))
+    return fail(fmt::format("a view whose {} is not finite", field));
   return view;
 }
 

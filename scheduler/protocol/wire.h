@@ -17,7 +17,7 @@ namespace penumbra {
 
 namespace wire = penumbra::v1;
 
-constexpr std::uint32_t kProtocolVersion = 4;
+constexpr std::uint32_t kProtocolVersion = 5;
 constexpr std::size_t kAssetChunkBytes = std::size_t(1) << 20;
 
 /// Largest message that a peer accepts: a tile of 2048 x 2048 pixels with all planes, and some.
@@ -56,9 +56,9 @@ void encode(const SampleBuffer& buffer, wire::UnitResult& message);
 /// finite.
 Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit& unit, int planes);
 
-void encode(const View& view, wire::Camera& message);
-/// Fails unless all of it are numbers.
-Expected<View> decode(const wire::Camera& message);
+void encode(const View& view, wire::View& message);
+/// Fails unless all its numbers are there and finite.
+Expected<View> decode(const wire::View& message);
 
 /// 64-bit hash over everything that must be equal in two results of one unit.
 std::uint64_t result_hash(const wire::UnitResult& message);

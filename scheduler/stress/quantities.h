@@ -37,23 +37,20 @@ FN void set_v(GLOBAL vec3* to, vec3 v) {
 FN Scene scratch_scene(GLOBAL uint* scratch) {
   for (int i = 0; i < 2048; i++) scratch[i] = 0u;
   Scene s;
-  s.triangles = (GLOBAL const Triangle*)scratch;
+#define POINT_AT_ZEROS(s, name, record, least, what) s.name = (GLOBAL const record*)scratch;
+  SCENE_TABLES(POINT_AT_ZEROS, s)
+#undef POINT_AT_ZEROS
   s.normals = (GLOBAL const VertexNormals*)(scratch + 64);
   s.quadrics = (GLOBAL const Quadric*)(scratch + 128);
   s.materials = (GLOBAL const Material*)(scratch + 192);
   s.lights = (GLOBAL const Light*)(scratch + 256);
   s.polygons = (GLOBAL const Polygon*)(scratch + 320);
   s.polygon_corners = (GLOBAL const PolygonCorner*)(scratch + 384);
-  s.vertices = (GLOBAL const vec3*)scratch;
-  s.corners = (GLOBAL const Corner*)scratch;
-  s.nodes = (GLOBAL const BvhNode*)scratch;
-  s.triangle_leaves = (GLOBAL const TriangleLeaf*)scratch;
-  s.quadric_leaves = (GLOBAL const QuadricLeaf*)scratch;
   s.filter_table = (GLOBAL const float*)(scratch + 1024);
   s.header.environment = -1;
-  s.header.triangle_count = 1;
-  s.header.quadric_count = 0;
-  s.header.light_count = 1;
+  s.header.tables.triangles.count = 1;
+  s.header.tables.quadrics.count = 0;
+  s.header.tables.lights.count = 1;
 #ifdef EXTERNAL_TRACER
   s.tracer.context = 0;
   s.tracer.intersect = 0;

@@ -1,10 +1,10 @@
 #include "scheduler/watch/render_feed.h"
 
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "kernels/features.h"
+#include "kernels/host/device_scene_tables.h"
 
 namespace penumbra {
 namespace {
@@ -27,13 +27,8 @@ bool is_hybrid(const DeviceScene& scene) {
       h.integrator.estimator != ESTIMATOR_ALPHA || h.integrator.emitter_samples == 0)
     return false;
   int parts = 0;
-  for (int i = 0; i < h.polygon_count; ++i) {
-    Polygon polygon;
-    std::memcpy(&polygon, scene.words.data() + h.polygons + std::size_t(i) * (sizeof polygon / 4),
-                sizeof polygon);
-    parts += polygon.light_count;
-  }
-  return parts == h.light_count;
+  for (const Polygon& polygon : table<Polygon>(scene, h.tables.polygons)) parts += polygon.light_count;
+  return parts == h.tables.lights.count;
 }
 
 TileSnapshot snapshot_of(const FilmAccumulator& film, const RenderUnit& area, bool hybrid, float alpha) {
@@ -63,9 +58,8 @@ TileSnapshot snapshot_of(const FilmAccumulator& film, const RenderUnit& area, bo
   return tile;
 }
 
-void RenderFeed::begin_view(std::uint32_t number, float alpha) {
-  view_ = number;
-  alpha_ = alpha;
+void RenderFeed::begin_view(const WatchView& view) {
+  view_ = view;
   changed_.clear();
 }
 
@@ -90,8 +84,8 @@ void RenderFeed::publish(const FilmAccumulator& film, bool all) {
     changed_.erase(changed_.begin());
     const RenderUnit area = grid_.unit(tile, 0);
     if (film.at(area.x, area.y).count == 0) continue;  // its first pass is not there yet
-    TileSnapshot snapshot = snapshot_of(film, area, hybrid_, alpha_);
-    snapshot.view = view_;
+    TileSnapshot snapshot = snapshot_of(film, area, hybrid_, view_.view.adjustable.alpha);
+    snapshot.view = view_.number;
     snapshot.worker = last_worker_[tile];
     board_.show_tile(tile, std::move(snapshot));
   }

@@ -26,7 +26,7 @@ class RenderFeed {
       : board_(board), grid_(grid), hybrid_(hybrid), last_worker_(grid.tiles()) {}
 
   /// Forgets what has changed: another view begins.
-  void begin_view(std::uint32_t number, float alpha);
+  void begin_view(const WatchView& view);
   /// A result of this worker went into the tile.
   void tile_changed(std::uint32_t tile, WorkerId worker);
   /// Shows changed tiles: all of them, or a few. Does nothing while there are no viewers.
@@ -36,8 +36,7 @@ class RenderFeed {
   WatchBoard& board_;
   TileGrid grid_;
   bool hybrid_;
-  std::uint32_t view_ = 0;
-  float alpha_ = 1;
+  WatchView view_;
   std::set<std::uint32_t> changed_;
   std::vector<WorkerId> last_worker_;
 };

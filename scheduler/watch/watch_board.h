@@ -33,7 +33,7 @@ struct WatchedJob {
 
 struct WatchView {
   std::uint32_t number = 0;
-  View view;
+  View view{};
 };
 
 struct WatchedWorker {

@@ -22,7 +22,7 @@ std::vector<float> floats_of(const std::string& bytes) {
 
 void put(const WatchView& view, wire::WatchEvent& event) {
   event.mutable_view()->set_number(view.number);
-  encode(view.view, *event.mutable_view()->mutable_camera());
+  encode(view.view, *event.mutable_view()->mutable_view());
 }
 
 void put(const std::string& text, wire::WatchEvent& event) {
@@ -121,8 +121,8 @@ wire::WatchEvent encode(const WatchItem& item) {
   return event;
 }
 
-Expected<WatchView> decode(const wire::View& message) {
-  const Expected<View> view = decode(message.camera());
+Expected<WatchView> decode(const wire::NumberedView& message) {
+  const Expected<View> view = decode(message.view());
   if (!view) return std::unexpected(view.error());
   return WatchView{message.number(), *view};
 }

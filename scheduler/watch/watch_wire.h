@@ -15,7 +15,7 @@ wire::WatchEvent encode(const WatchedJob& job);
 Expected<WatchedJob> decode(const wire::WatchedJob& message);
 
 wire::WatchEvent encode(const WatchItem& item);
-Expected<WatchView> decode(const wire::View& message);
+Expected<WatchView> decode(const wire::NumberedView& message);
 WatchProgress decode(const wire::Progress& message);
 /// Fails unless it lies on the job's film and has all values that the job's tiles have.
 Expected<TileSnapshot> decode(const wire::TileState& message, const WatchedJob& job);

@@ -6,7 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "kernels/host/device_scene_check.h"
+#include "kernels/host/device_scene_tables.h"
 #include "kernels/host/native_kernels.h"
 #define FEATURES FEATURE_ALL
 #include "kernels/intersect/quadric.h"
@@ -47,8 +47,8 @@ struct Ray3 {
 class PortableIntersector {
  public:
   explicit PortableIntersector(const DeviceScene& scene)
-      : triangles_(table<Triangle>(scene, scene.header.triangles, scene.header.triangle_count)),
-        quadrics_(table<Quadric>(scene, scene.header.quadrics, scene.header.quadric_count)) {}
+      : triangles_(table<Triangle>(scene, scene.header.tables.triangles)),
+        quadrics_(table<Quadric>(scene, scene.header.tables.quadrics)) {}
 
   [[nodiscard]] int primitives() const { return int(triangles_.size() + quadrics_.size()); }
 

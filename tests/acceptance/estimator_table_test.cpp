@@ -166,7 +166,7 @@ struct Method {
 std::vector<Method> methods() {
   std::vector<Method> all;
   const auto add = [&](std::string name, IntegratorSettings settings, bool finds_points = true) {
-    param::max_depth(settings) = 2;
+    limit_depth(settings, 2);
     all.push_back({std::move(name), settings, finds_points});
   };
   const std::array directions{BsdfSampling::kBsdf, BsdfSampling::kCosine, BsdfSampling::kUniform};

@@ -155,7 +155,7 @@ statistics::Sample rendered(SceneDescription scene, const IntegratorSettings& in
 
 std::vector<Strategy> methods_for_polygons() {
   std::vector<Strategy> all = all_strategies();
-  for (Strategy& strategy : all) param::max_depth(strategy.integrator) = 2;
+  for (Strategy& strategy : all) limit_depth(strategy.integrator, 2);
   for (const EmitterSampling sampling :
        {EmitterSampling::kArea, EmitterSampling::kSolidAngle, EmitterSampling::kProjected}) {
     const std::string how = " by sampling " + std::to_string(int(sampling));

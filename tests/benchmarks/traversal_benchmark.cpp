@@ -91,7 +91,7 @@ bool add_scene(const std::string& name, SceneDescription description) {
   for (const auto& [kind, rays] :
        {std::pair{RayKind::kCamera, "camera"}, {RayKind::kBounce, "bounce"}, {RayKind::kShadow, "shadow"}}) {
     const std::string title =
-        fmt::format("{}/{} triangles/{}/", name, scene->portable.header.triangle_count, rays);
+        fmt::format("{}/{} triangles/{}/", name, scene->portable.header.tables.triangles.count, rays);
     if (best_isa() >= Isa::kAvx512)
       add_portable(title + "portable avx512", scene, kind,
                    hierarchy ? portable_stage_avx512_core_bvh : portable_stage_avx512_core);

@@ -340,15 +340,14 @@ struct SceneOf {
   [[nodiscard]] DeviceScene scene() const {
     DeviceScene s;
     s.header = header_of({0, 0, scale * eye}, {0, 0, 0}, {0, 1, 0}, 0.5, 0.5);
-    const auto add = [&](const auto& records, uint& offset, int& count) {
-      offset = uint(s.words.size());
-      count = int(records.size());
+    const auto add = [&](const auto& records, TableSpan& span) {
+      span = {int(records.size()), uint(s.words.size())};
       const std::size_t words = records.size() * sizeof(records[0]) / 4;
       s.words.resize(s.words.size() + words);
-      if (words > 0) std::memcpy(s.words.data() + offset, records.data(), 4 * words);
+      if (words > 0) std::memcpy(s.words.data() + span.offset, records.data(), 4 * words);
     };
-    add(triangles, s.header.triangles, s.header.triangle_count);
-    add(quadrics, s.header.quadrics, s.header.quadric_count);
+    add(triangles, s.header.tables.triangles);
+    add(quadrics, s.header.tables.quadrics);
     return s;
   }
   [[nodiscard]] double distance() const { return default_distance(scene()) / scale; }

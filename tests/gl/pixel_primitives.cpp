@@ -21,7 +21,7 @@ std::vector<int> pixel_primitives(const DeviceScene& device_scene) {
       const Shear shear = make_shear(ray.direction);
       float nearest = ray.tmax;
       int seen = -1;
-      for (int k = 0; k < h.triangle_count; ++k) {
+      for (int k = 0; k < h.tables.triangles.count; ++k) {
         const Triangle& t = scene.triangles[k];
         if (look_through && t.light >= 0) continue;
         const TriangleHit hit = intersect_sheared(shear_point(shear, sub(t.p0, ray.origin)),
@@ -31,12 +31,12 @@ std::vector<int> pixel_primitives(const DeviceScene& device_scene) {
         nearest = hit.t;
         seen = k;
       }
-      for (int k = 0; k < h.quadric_count; ++k) {
+      for (int k = 0; k < h.tables.quadrics.count; ++k) {
         if (look_through && scene.quadrics[k].light >= 0) continue;
         const float t = intersect_quadric(scene.quadrics[k], ray.origin, ray.direction);
         if (!(t > 0) || !(t < nearest)) continue;
         nearest = t;
-        seen = h.triangle_count + k;
+        seen = h.tables.triangles.count + k;
       }
       primitives.push_back(seen);
     }
@@ -62,7 +62,7 @@ std::vector<char> pixels_on_polygon_lights(const DeviceScene& device_scene) {
   const Scene scene = make_scene(device_scene.header, device_scene.words.data());
   std::vector<char> on_light;
   for (const int primitive : pixel_primitives(device_scene)) {
-    const bool is_triangle = primitive >= 0 && primitive < scene.header.triangle_count;
+    const bool is_triangle = primitive >= 0 && primitive < scene.header.tables.triangles.count;
     const int light = is_triangle ? scene.triangles[primitive].light : -1;
     on_light.push_back(light >= 0 && scene.lights[light].polygon >= 0 ? 1 : 0);
   }

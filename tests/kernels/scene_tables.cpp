@@ -60,32 +60,12 @@ void SceneTables::build_hierarchy() {
 Scene SceneTables::scene() {
   Scene s{};
   s.header = header;
-  s.header.triangle_count = int(triangles.size());
-  s.header.normals_count = int(normals.size());
-  s.header.quadric_count = int(quadrics.size());
-  s.header.material_count = int(materials.size());
-  s.header.light_count = int(lights.size());
-  s.header.vertex_count = int(vertices.size());
-  s.header.corner_count = int(corners.size());
-  s.header.node_count = int(nodes.size());
-  s.header.triangle_leaf_count = int(triangle_leaves.size());
-  s.header.quadric_leaf_count = int(quadric_leaves.size());
-  // Kernels read record 0 of these whatever they hit.
-  static const Triangle no_triangle{};
-  static const VertexNormals no_normals{};
-  static const Quadric no_quadric{};
-  static const Material no_material{};
-  static const Light no_light{};
-  s.triangles = triangles.empty() ? &no_triangle : triangles.data();
-  s.normals = normals.empty() ? &no_normals : normals.data();
-  s.quadrics = quadrics.empty() ? &no_quadric : quadrics.data();
-  s.materials = materials.empty() ? &no_material : materials.data();
-  s.lights = lights.empty() ? &no_light : lights.data();
-  s.vertices = vertices.data();
-  s.corners = corners.data();
-  s.nodes = nodes.data();
-  s.triangle_leaves = triangle_leaves.data();
-  s.quadric_leaves = quadric_leaves.data();
+#define POINT_TO_TABLE(_, name, record, least, what)  \
+  static const std::array<record, least> no_##name{}; \
+  s.header.tables.name.count = int(name.size());      \
+  s.name = name.empty() ? no_##name.data() : name.data();
+  SCENE_TABLES(POINT_TO_TABLE, _)
+#undef POINT_TO_TABLE
   return s;
 }
 

@@ -6,22 +6,13 @@
 #include <vector>
 
 #include "kernels/scene.h"
+#include "scenes/device/scene_records.h"
 #include "tests/kernels/exact_vector.h"
 
 namespace penumbra {
 
-struct SceneTables {
+struct SceneTables : SceneRecords {
   SceneHeader header{};
-  std::vector<Triangle> triangles;
-  std::vector<VertexNormals> normals;
-  std::vector<Quadric> quadrics;
-  std::vector<Material> materials;
-  std::vector<Light> lights;
-  std::vector<vec3> vertices;
-  std::vector<Corner> corners;
-  std::vector<BvhNode> nodes;
-  std::vector<TriangleLeaf> triangle_leaves;
-  std::vector<QuadricLeaf> quadric_leaves;
 
   /// A triangle of material 0 on both sides that emits nothing.
   void add_triangle(const vec3& a, const vec3& b, const vec3& c);

@@ -103,7 +103,7 @@ DeviceScene fake_scene(int film_width, int film_height, bool features) {
   scene.header.film.height = film_height;
   scene.header.sampler.spp = 1;
   scene.header.environment = -1;
-  scene.header.material_count = 1;
+  scene.header.tables.materials.count = 1;
   scene.words.resize(1024);  // one record of every table, all zero
   return scene;
 }

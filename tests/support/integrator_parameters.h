@@ -24,6 +24,11 @@ inline void use(IntegratorSettings& settings, IntegratorKind kind) {
   use_integrator(settings, integrator_of(kind).method);
 }
 
+/// Of a path; other integrators find direct light alone anyway.
+inline void limit_depth(IntegratorSettings& settings, int edges) {
+  if (auto* path = std::get_if<PathIntegrator>(&settings.method)) path->max_depth = edges;
+}
+
 namespace param {
 
 template <typename T, typename Settings, typename Parameter>

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "kernels/host/device_scene_check.h"
+#include "kernels/host/device_scene_tables.h"
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
@@ -36,15 +36,15 @@ SceneDescription moved(SceneDescription scene, const dvec3& shift) {
 }
 
 std::vector<Triangle> triangles_of(const DeviceScene& scene) {
-  const auto all = table<Triangle>(scene, scene.header.triangles, scene.header.triangle_count);
+  const auto all = table<Triangle>(scene, scene.header.tables.triangles);
   return {all.begin(), all.end()};
 }
 std::vector<Light> lights_of(const DeviceScene& scene) {
-  const auto all = table<Light>(scene, scene.header.lights, scene.header.light_count);
+  const auto all = table<Light>(scene, scene.header.tables.lights);
   return {all.begin(), all.end()};
 }
 std::vector<Quadric> quadrics_of(const DeviceScene& scene) {
-  const auto all = table<Quadric>(scene, scene.header.quadrics, scene.header.quadric_count);
+  const auto all = table<Quadric>(scene, scene.header.tables.quadrics);
   return {all.begin(), all.end()};
 }
 
@@ -119,14 +119,13 @@ SceneDescription two_sided_triangle() {
 
 float up(const Triangle& t) { return cross3(sub(t.p1, t.p0), sub(t.p2, t.p0)).z; }
 float reflectance(const DeviceScene& scene, int material) {
-  return table<Material>(scene, scene.header.materials, scene.header.material_count)[std::size_t(material)]
-      .diffuse.x;
+  return table<Material>(scene, scene.header.tables.materials)[std::size_t(material)].diffuse.x;
 }
 
 TEST(Sides, TrianglesFaceTheirFront) {
   SceneDescription scene = two_sided_triangle();
   const DeviceScene plain = build(scene);
-  ASSERT_EQ(plain.header.triangle_count, 1);
+  ASSERT_EQ(plain.header.tables.triangles.count, 1);
   const Triangle t = triangles_of(plain)[0];
   EXPECT_GT(up(t), 0);
   EXPECT_EQ(reflectance(plain, t.front), 0.25f);
@@ -141,7 +140,7 @@ TEST(Sides, TrianglesFaceTheirFront) {
   // The front material goes with the front side.
   EXPECT_EQ(reflectance(flipped, f.front), 0.25f);
   EXPECT_EQ(reflectance(flipped, f.back), 0.75f);
-  EXPECT_EQ(table<VertexNormals>(flipped, flipped.header.normals, 1)[0].n0.z, -1);
+  EXPECT_EQ(table<VertexNormals>(flipped, flipped.header.tables.normals)[0].n0.z, -1);
   const Light light = lights_of(flipped)[0];
   EXPECT_LT(cross3(sub(light.p1, light.p0), sub(light.p2, light.p0)).z, 0)
       << "the light shines from the front";
@@ -280,13 +279,13 @@ TEST(Features, SizesChooseTheSearch) {
   EXPECT_EQ(intersector_for(4'000'000), INTERSECTOR_PORTABLE);
   EXPECT_EQ(intersector_for(4'000'001), INTERSECTOR_EMBREE);
   const SceneHeader small = build(diffuse_box()).header, large = build(many_triangles()).header;
-  EXPECT_GT(small.corner_count, 0);
-  EXPECT_EQ(small.node_count, 0);
-  EXPECT_EQ(large.corner_count, 0);
-  EXPECT_EQ(large.vertex_count, 0);
-  EXPECT_GT(large.node_count, 0);
+  EXPECT_GT(small.tables.corners.count, 0);
+  EXPECT_EQ(small.tables.nodes.count, 0);
+  EXPECT_EQ(large.tables.corners.count, 0);
+  EXPECT_EQ(large.tables.vertices.count, 0);
+  EXPECT_GT(large.tables.nodes.count, 0);
   const SceneHeader embree = build(many_triangles(), true, IntersectorChoice::kEmbree).header;
-  EXPECT_EQ(embree.node_count + embree.corner_count, 0);
+  EXPECT_EQ(embree.tables.nodes.count + embree.tables.corners.count, 0);
 }
 
 TEST(Dummies, ASceneOfOnlyAnEnvironmentShowsIt) {
@@ -297,7 +296,7 @@ TEST(Dummies, ASceneOfOnlyAnEnvironmentShowsIt) {
       SceneDescription description = environment_alone();
       resize_film(description, width, 1);
       const DeviceScene scene = build(description, true, intersector);
-      EXPECT_EQ(scene.header.triangle_count, 0);
+      EXPECT_EQ(scene.header.tables.triangles.count, 0);
       const FilmAccumulator film = render_or_throw(scene);
       for (int x = 0; x < width; ++x) {
         EXPECT_EQ(film.at(x, 0).mean[0], 0.25);
@@ -325,9 +324,9 @@ TEST(DegenerateTriangles, AreLeftOutAndCounted) {
                             dvec3(0, 0, 0), dvec3(1, 1, 1), dvec3(2, 2, 2)},  // collinear
                 kBlackBsdf, 1.0f));
   const SceneHeader h = build(scene).header;
-  EXPECT_EQ(h.triangle_count, 1);
+  EXPECT_EQ(h.tables.triangles.count, 1);
   EXPECT_EQ(h.dropped_triangles, 2);
-  EXPECT_EQ(h.light_count, 1);
+  EXPECT_EQ(h.tables.lights.count, 1);
 }
 
 TEST(Errors, PositionsTooLargeForSinglePrecision) {

@@ -2,9 +2,11 @@
 // that makes a kernel read outside it.
 #include "kernels/host/device_scene.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <climits>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -12,6 +14,7 @@
 #include <vector>
 
 #include "kernels/host/device_scene_check.h"
+#include "kernels/host/device_scene_tables.h"
 #include "tests/support/render_scene.h"
 #include "tests/worker/device_scenes.h"
 
@@ -181,55 +184,81 @@ TEST(DeviceSceneCheck, NamesWhatIsWrong) {
                  "number of emitter or BSDF samples");
   expect_refused(with_header([](SceneHeader& c) { c.integrator.emitter_samples = 1 << 30; }),
                  "number of emitter or BSDF samples");
-  expect_refused(with_header([](SceneHeader& c) { c.triangles = 0xfffffff0; }), "triangles lie outside");
-  expect_refused(with_header([](SceneHeader& c) { c.light_count = -1; }), "lights lie outside");
-  expect_refused(with_header([](SceneHeader& c) { c.quadrics = 0xffffffff; }), "quadrics lie outside");
-  expect_refused(with_header([](SceneHeader& c) { c.filter_table = 0xffffffff; }),
-                 "filter's table lies outside");
-  expect_refused(with_header([](SceneHeader& c) { c.environment = c.light_count; }),
+  expect_refused(with_header([](SceneHeader& c) { c.environment = c.tables.lights.count; }),
                  "the environment names no light");
-  expect_refused(with_header([](SceneHeader& c) { --c.corner_count; }), "corners do not match");
+  expect_refused(with_header([](SceneHeader& c) { --c.tables.corners.count; }), "corners do not match");
   expect_refused(with_header([](SceneHeader& c) { c.features &= ~unsigned(FEATURE_QUADRICS); }),
                  "quadrics without their feature bit");
-  expect_refused(with_record<Triangle>(scene, h.triangles, 3, [](Triangle& t) { t.back = 1000; }),
+  expect_refused(with_record<Triangle>(scene, h.tables.triangles, 3, [](Triangle& t) { t.back = 1000; }),
                  "a triangle names a material");
-  expect_refused(with_record<Triangle>(scene, h.triangles, 3, [](Triangle& t) { t.light = 1000; }),
+  expect_refused(with_record<Triangle>(scene, h.tables.triangles, 3, [](Triangle& t) { t.light = 1000; }),
                  "a triangle names a light");
-  expect_refused(with_record<Triangle>(scene, h.triangles, 3, [](Triangle& t) { t.normals = -2; }),
+  expect_refused(with_record<Triangle>(scene, h.tables.triangles, 3, [](Triangle& t) { t.normals = -2; }),
                  "a triangle names normals");
-  expect_refused(with_record<Quadric>(scene, h.quadrics, 0, [](Quadric& q) { q.front = -1; }),
+  expect_refused(with_record<Quadric>(scene, h.tables.quadrics, 0, [](Quadric& q) { q.front = -1; }),
                  "a quadric names a material");
-  expect_refused(with_record<Quadric>(scene, h.quadrics, 0, [](Quadric& q) { q.kind = 2; }),
+  expect_refused(with_record<Quadric>(scene, h.tables.quadrics, 0, [](Quadric& q) { q.kind = 2; }),
                  "a quadric of unknown kind");
-  expect_refused(with_record<Light>(scene, h.lights, 0, [](Light& l) { l.alias = 99; }), "a light's alias");
-  expect_refused(with_record<Light>(scene, h.lights, 0, [](Light& l) { l.kind = 9; }),
+  expect_refused(with_record<Light>(scene, h.tables.lights, 0, [](Light& l) { l.alias = 99; }),
+                 "a light's alias");
+  expect_refused(with_record<Light>(scene, h.tables.lights, 0, [](Light& l) { l.kind = 9; }),
                  "a light of unknown kind");
-  expect_refused(with_record<Corner>(scene, h.corners, 0, [](Corner& c) { c.v2 = 128; }),
+  expect_refused(with_record<Corner>(scene, h.tables.corners, 0, [](Corner& c) { c.v2 = 128; }),
                  "a corner names a vertex");
+}
+
+TEST(DeviceSceneCheck, EveryTableLiesInsideTheData) {
+  for (const NamedScene& named : device_scenes()) {
+    const DeviceScene scene = build_or_throw(named.make());
+    const auto words = std::uint32_t(scene.words.size());
+    for (const SceneTable& each : kSceneTables) {
+      const TableSpan span = scene.header.tables.*each.span;
+      const auto check = [&](TableSpan wrong) {
+        DeviceScene changed = scene;
+        changed.header.tables.*each.span = wrong;
+        return check_device_scene(changed);
+      };
+      const auto expect_outside = [&](TableSpan wrong) {
+        const auto checked = check(wrong);
+        ASSERT_FALSE(checked) << named.name << ": " << each.what;
+        EXPECT_NE(checked.error().message.find(fmt::format("'{}' lies outside", each.what)),
+                  std::string::npos)
+            << checked.error().message;
+      };
+      const auto record = std::uint32_t(each.record_bytes / 4);
+      const std::uint32_t needed = std::uint32_t(std::max(span.count, each.least)) * record;
+      EXPECT_TRUE(check(span)) << named.name << ": " << each.what;
+      for (const std::uint32_t offset : {words - needed + 1, words + 1, 0x7fffffffu, 0xffffffffu})
+        expect_outside({span.count, offset});
+      const int too_many = int((words - span.offset) / record) + 1;
+      for (const int count : {-1, INT_MIN, too_many, INT_MAX}) expect_outside({count, span.offset});
+    }
+  }
 }
 
 TEST(DeviceSceneCheck, FollowsTheHierarchy) {
   const DeviceScene scene = build_or_throw(everything_in_a_hierarchy());
   const SceneHeader& h = scene.header;
-  ASSERT_GT(h.node_count, 2);
+  ASSERT_GT(h.tables.nodes.count, 2);
   const auto with_child = [&](std::size_t node, std::size_t slot, int child) {
-    return with_record<BvhNode>(scene, h.nodes, node, [&](BvhNode& n) { n.child[slot] = child; });
+    return with_record<BvhNode>(scene, h.tables.nodes, node, [&](BvhNode& n) { n.child[slot] = child; });
   };
   expect_refused(with_child(1, 0, 0), "names a child that is not there");  // a cycle
   expect_refused(with_child(1, 0, 1), "names a child that is not there");
-  expect_refused(with_child(0, 0, h.node_count), "names a child that is not there");
-  expect_refused(with_child(0, 7, ~(h.triangle_leaf_count + h.quadric_leaf_count)),
+  expect_refused(with_child(0, 0, h.tables.nodes.count), "names a child that is not there");
+  expect_refused(with_child(0, 7, ~(h.tables.triangle_leaves.count + h.tables.quadric_leaves.count)),
                  "names a leaf that is not there");
   expect_refused(with_child(0, 7, 1), "has two parents");
   expect_refused(with_child(0, 0, ~0), "has no parent");
-  expect_refused(with_record<TriangleLeaf>(scene, h.triangle_leaves, 0,
-                                           [&](TriangleLeaf& l) { l.primitive[0] = h.triangle_count; }),
-                 "names a triangle that is not there");
   expect_refused(
-      with_record<QuadricLeaf>(scene, h.quadric_leaves, 0, [&](QuadricLeaf& l) { l.primitive[0] = 0; }),
-      "names a quadric that is not there");
+      with_record<TriangleLeaf>(scene, h.tables.triangle_leaves, 0,
+                                [&](TriangleLeaf& l) { l.primitive[0] = h.tables.triangles.count; }),
+      "names a triangle that is not there");
+  expect_refused(with_record<QuadricLeaf>(scene, h.tables.quadric_leaves, 0,
+                                          [&](QuadricLeaf& l) { l.primitive[0] = 0; }),
+                 "names a quadric that is not there");
   DeviceScene rootless = scene;
-  rootless.header.node_count = 0;
+  rootless.header.tables.nodes.count = 0;
   expect_refused(rootless, "a hierarchy without a root");
 }
 

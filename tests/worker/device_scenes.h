@@ -43,9 +43,9 @@ const std::vector<NamedScene>& device_scenes();
 
 /// Changes a record of one of the scene's tables.
 template <typename Record, typename Change>
-DeviceScene with_record(DeviceScene scene, std::uint32_t offset, std::size_t index, Change change) {
+DeviceScene with_record(DeviceScene scene, TableSpan span, std::size_t index, Change change) {
   Record record;
-  std::uint32_t* at = scene.words.data() + offset + index * (sizeof(Record) / 4);
+  std::uint32_t* at = scene.words.data() + span.offset + index * (sizeof(Record) / 4);
   std::memcpy(&record, at, sizeof record);
   change(record);
   std::memcpy(at, &record, sizeof record);

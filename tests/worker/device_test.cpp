@@ -228,15 +228,18 @@ TEST_P(Devices, AnotherViewGivesTheBytesOfADeviceThatWasMadeWithIt) {
   const View first = view_of(s.header);
   // A little to the side and turned; another alpha, which only control variates look at.
   View second = first;
-  second.origin = make_vec3(first.origin.x + 0.1f, first.origin.y - 0.05f, first.origin.z + 0.02f);
+  second.camera.origin =
+      make_vec3(first.camera.origin.x + 0.1f, first.camera.origin.y - 0.05f, first.camera.origin.z + 0.02f);
   const float c = std::cos(0.3f), sine = std::sin(0.3f);
-  second.x = make_vec3(c * first.x.x + sine * first.y.x, c * first.x.y + sine * first.y.y,
-                       c * first.x.z + sine * first.y.z);
-  second.y = make_vec3(c * first.y.x - sine * first.x.x, c * first.y.y - sine * first.x.y,
-                       c * first.y.z - sine * first.x.z);
-  second.alpha = 0.25f;
+  second.camera.x = make_vec3(c * first.camera.x.x + sine * first.camera.y.x,
+                              c * first.camera.x.y + sine * first.camera.y.y,
+                              c * first.camera.x.z + sine * first.camera.y.z);
+  second.camera.y = make_vec3(c * first.camera.y.x - sine * first.camera.x.x,
+                              c * first.camera.y.y - sine * first.camera.x.y,
+                              c * first.camera.y.z - sine * first.camera.x.z);
+  second.adjustable.alpha = 0.25f;
   View third = first;
-  third.alpha = 0.4f;
+  third.adjustable.alpha = 0.4f;
   for (const View& view : {second, third, first}) {
     apply_view(view, s.header);
     ASSERT_TRUE(device->take_view());

@@ -38,16 +38,14 @@ __attribute__((no_sanitize("undefined")))
 std::vector<LayoutValue>
 host_layout() {
   std::vector<LayoutValue> layout;
-#define LIST_SIZE(name, fields) layout.push_back({"sizeof " #name, std::uint32_t(sizeof(name))});
-  SHARED_STRUCTS(LIST_SIZE)
-#undef LIST_SIZE
 #define LIST_FIELD(type, field) \
   layout.push_back({std::string(name) + "::" #field, offset_in(&object, &object.field)});
-#define LIST_STRUCT(struct_name, fields)          \
-  {                                               \
-    const char* name = #struct_name;              \
-    const auto& object = instance<struct_name>(); \
-    fields(LIST_FIELD)                            \
+#define LIST_STRUCT(struct_name, fields)                                             \
+  {                                                                                  \
+    const char* name = #struct_name;                                                 \
+    const auto& object = instance<struct_name>();                                    \
+    layout.push_back({std::string("sizeof ") + name, std::uint32_t(sizeof object)}); \
+    fields(LIST_FIELD)                                                               \
   }
   SHARED_STRUCTS(LIST_STRUCT)
 #undef LIST_STRUCT

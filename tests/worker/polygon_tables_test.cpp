@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "kernels/host/device_scene_check.h"
+#include "kernels/host/device_scene_tables.h"
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 #include "tests/worker/device_scenes.h"
@@ -47,15 +48,15 @@ class PolygonTables : public testing::Test {
     expect_refused(changed, because);
   }
   void refuse_polygon(int index, int Polygon::*field, int value, const std::string& because) const {
-    expect_refused(
-        with_record<Polygon>(scene_, h_.polygons, std::size_t(index), [&](Polygon& p) { p.*field = value; }),
-        because);
+    expect_refused(with_record<Polygon>(scene_, h_.tables.polygons, std::size_t(index),
+                                        [&](Polygon& p) { p.*field = value; }),
+                   because);
   }
   [[nodiscard]] std::span<const Polygon> polygons() const {
-    return table<Polygon>(scene_, h_.polygons, h_.polygon_count);
+    return table<Polygon>(scene_, h_.tables.polygons);
   }
   [[nodiscard]] std::span<const PolygonCorner> corners() const {
-    return table<PolygonCorner>(scene_, h_.polygon_corners, h_.polygon_corner_count);
+    return table<PolygonCorner>(scene_, h_.tables.polygon_corners);
   }
 
   /// Whatever is accepted can be rendered: to finite radiance, with samples that are none counted.
@@ -78,9 +79,9 @@ class PolygonTables : public testing::Test {
 };
 
 TEST_F(PolygonTables, AreWhatTheSceneIsMeantToHave) {
-  EXPECT_EQ(h_.polygon_count, 3);
-  EXPECT_EQ(h_.light_count, 2 + 4 + 1 + 1);
-  EXPECT_EQ(h_.polygon_corner_count, 5 + 7 + 4);
+  EXPECT_EQ(h_.tables.polygons.count, 3);
+  EXPECT_EQ(h_.tables.lights.count, 2 + 4 + 1 + 1);
+  EXPECT_EQ(h_.tables.polygon_corners.count, 5 + 7 + 4);
   EXPECT_EQ(h_.integrator.estimator, ESTIMATOR_AUTO);
   EXPECT_EQ(h_.integrator.light_choice, CHOICE_ANALYTIC);
   EXPECT_EQ(polygons()[1].two_sided, 1);
@@ -93,18 +94,11 @@ TEST_F(PolygonTables, HeaderFields) {
     refuse_header([=](SceneHeader& h) { h.integrator.estimator = value; }, "unknown estimator");
   for (const int value : {-1, 2, INT_MAX, INT_MIN})
     refuse_header([=](SceneHeader& h) { h.integrator.light_choice = value; }, "unknown choice of lights");
-  for (const std::uint32_t offset : {std::uint32_t(scene_.words.size()), 0x7fffffffu, 0xffffffffu}) {
-    refuse_header([=](SceneHeader& h) { h.polygons = offset; }, "polygons lie outside");
-    refuse_header([=](SceneHeader& h) { h.polygon_corners = offset; }, "polygon corners lie outside");
-  }
-  for (const int count : {-1, 1'000'000, INT_MAX, INT_MIN}) {
-    refuse_header([=](SceneHeader& h) { h.polygon_count = count; }, "polygons lie outside");
-    refuse_header([=](SceneHeader& h) { h.polygon_corner_count = count; }, "polygon corners lie outside");
-  }
-  refuse_header([](SceneHeader& h) { --h.polygon_corner_count; }, "names corners that are not there");
-  refuse_header([](SceneHeader& h) { h.polygon_corner_count = 0; }, "names corners that are not there");
-  refuse_header([](SceneHeader& h) { --h.polygon_count; }, "names a polygon that is not there");
-  refuse_header([](SceneHeader& h) { h.polygon_count = 0; }, "names a polygon that is not there");
+  refuse_header([](SceneHeader& h) { --h.tables.polygon_corners.count; }, "names corners that are not there");
+  refuse_header([](SceneHeader& h) { h.tables.polygon_corners.count = 0; },
+                "names corners that are not there");
+  refuse_header([](SceneHeader& h) { --h.tables.polygons.count; }, "names a polygon that is not there");
+  refuse_header([](SceneHeader& h) { h.tables.polygons.count = 0; }, "names a polygon that is not there");
 }
 
 TEST_F(PolygonTables, ClosedFormsNeedTheirFeatureBit) {
@@ -129,39 +123,39 @@ TEST_F(PolygonTables, ClosedFormsNeedTheirFeatureBit) {
 TEST_F(PolygonTables, Ranges) {
   const std::string no_lights = "names lights that are not there",
                     no_corners = "names corners that are not there";
-  for (int k = 0; k < h_.polygon_count; ++k) {
+  for (int k = 0; k < h_.tables.polygons.count; ++k) {
     const Polygon& p = polygons()[std::size_t(k)];
-    for (const int value : {-1, h_.light_count, INT_MAX, INT_MIN})
+    for (const int value : {-1, h_.tables.lights.count, INT_MAX, INT_MIN})
       refuse_polygon(k, &Polygon::first_light, value, no_lights);
-    for (const int value : {-1, 0, h_.light_count - p.first_light + 1, INT_MAX, INT_MIN})
+    for (const int value : {-1, 0, h_.tables.lights.count - p.first_light + 1, INT_MAX, INT_MIN})
       refuse_polygon(k, &Polygon::light_count, value, no_lights);
-    for (const int value : {-1, h_.polygon_corner_count, INT_MAX, INT_MIN})
+    for (const int value : {-1, h_.tables.polygon_corners.count, INT_MAX, INT_MIN})
       refuse_polygon(k, &Polygon::first_corner, value, no_corners);
-    for (const int value : {-1, 0, h_.polygon_corner_count - p.first_corner + 1, INT_MAX, INT_MIN})
+    for (const int value : {-1, 0, h_.tables.polygon_corners.count - p.first_corner + 1, INT_MAX, INT_MIN})
       refuse_polygon(k, &Polygon::corner_count, value, no_corners);
     refuse_polygon(k, &Polygon::first_corner, p.first_corner + 1,
-                   k + 1 < h_.polygon_count ? "a polygon starts within a loop" : no_corners);
-    expect_refused(with_record<PolygonCorner>(scene_, h_.polygon_corners, std::size_t(p.first_corner),
+                   k + 1 < h_.tables.polygons.count ? "a polygon starts within a loop" : no_corners);
+    expect_refused(with_record<PolygonCorner>(scene_, h_.tables.polygon_corners, std::size_t(p.first_corner),
                                               [](PolygonCorner& c) { c.starts = 0; }),
                    "a polygon starts within a loop");
   }
 }
 
 TEST_F(PolygonTables, LightsNamePolygonsThatAreThere) {
-  for (int k = 0; k < h_.light_count; ++k)
-    for (const int value : {-2, h_.polygon_count, INT_MAX, INT_MIN})
-      expect_refused(
-          with_record<Light>(scene_, h_.lights, std::size_t(k), [&](Light& light) { light.polygon = value; }),
-          "a light names a polygon that is not there");
+  for (int k = 0; k < h_.tables.lights.count; ++k)
+    for (const int value : {-2, h_.tables.polygons.count, INT_MAX, INT_MIN})
+      expect_refused(with_record<Light>(scene_, h_.tables.lights, std::size_t(k),
+                                        [&](Light& light) { light.polygon = value; }),
+                     "a light names a polygon that is not there");
 }
 
 // --- what makes no sense but breaks nothing
 
 TEST_F(PolygonTables, CornersThatAreNoNumbersCanBeRendered) {
   for (const float bad : {kNan, kInfinity, -kInfinity, 1e38f})
-    for (int k = 0; k < h_.polygon_corner_count; ++k) {
+    for (int k = 0; k < h_.tables.polygon_corners.count; ++k) {
       SCOPED_TRACE(testing::Message() << bad << " in corner " << k);
-      render(with_record<PolygonCorner>(scene_, h_.polygon_corners, std::size_t(k),
+      render(with_record<PolygonCorner>(scene_, h_.tables.polygon_corners, std::size_t(k),
                                         [&](PolygonCorner& c) { c.p.y = bad; }));
     }
 }
@@ -169,8 +163,8 @@ TEST_F(PolygonTables, CornersThatAreNoNumbersCanBeRendered) {
 TEST_F(PolygonTables, OtherNumbersAreCountedOrRendered) {
   const auto with_polygons = [&](const std::function<void(Polygon&)>& change) {
     DeviceScene changed = scene_;
-    for (int k = 0; k < h_.polygon_count; ++k)
-      changed = with_record<Polygon>(changed, h_.polygons, std::size_t(k), change);
+    for (int k = 0; k < h_.tables.polygons.count; ++k)
+      changed = with_record<Polygon>(changed, h_.tables.polygons, std::size_t(k), change);
     return changed;
   };
   const auto uncounted = [](const SampleBuffer& buffer) {
@@ -196,45 +190,46 @@ TEST_F(PolygonTables, OtherNumbersAreCountedOrRendered) {
   }
   for (const int flag : {-1, 2, INT_MAX, INT_MIN}) {
     EXPECT_TRUE(uncounted(render(with_polygons([&](Polygon& p) { p.two_sided = flag; }))));
-    EXPECT_TRUE(uncounted(render(with_record<PolygonCorner>(scene_, h_.polygon_corners, 2,
+    EXPECT_TRUE(uncounted(render(with_record<PolygonCorner>(scene_, h_.tables.polygon_corners, 2,
                                                             [&](PolygonCorner& c) { c.starts = flag; }))));
   }
 }
 
 TEST_F(PolygonTables, OverlappingRangesCanBeRendered) {
   const auto render_polygon = [&](std::size_t index, const std::function<void(Polygon&)>& change) {
-    render(with_record<Polygon>(scene_, h_.polygons, index, change));
+    render(with_record<Polygon>(scene_, h_.tables.polygons, index, change));
   };
   for (std::size_t k = 0; k < polygons().size(); ++k) {
     render_polygon(k, [&](Polygon& p) {  // all lights, the sphere too
       p.first_light = 0;
-      p.light_count = h_.light_count;
+      p.light_count = h_.tables.lights.count;
     });
     render_polygon(k, [&](Polygon& p) {  // all corners
       p.first_corner = 0;
-      p.corner_count = h_.polygon_corner_count;
+      p.corner_count = h_.tables.polygon_corners.count;
     });
-    render_polygon(k, [&](Polygon& p) { p.first_light = h_.light_count - 1, p.light_count = 1; });
+    render_polygon(k, [&](Polygon& p) { p.first_light = h_.tables.lights.count - 1, p.light_count = 1; });
     for (const int count : {1, 2, 3}) render_polygon(k, [&](Polygon& p) { p.corner_count = count; });
   }
   // Parts that belong to another polygon, or to none.
-  for (std::size_t k = 0; k < std::size_t(h_.light_count); ++k)
-    for (int polygon = -1; polygon < h_.polygon_count; ++polygon)
-      render(with_record<Light>(scene_, h_.lights, k, [&](Light& light) { light.polygon = polygon; }));
+  for (std::size_t k = 0; k < std::size_t(h_.tables.lights.count); ++k)
+    for (int polygon = -1; polygon < h_.tables.polygons.count; ++polygon)
+      render(with_record<Light>(scene_, h_.tables.lights, k, [&](Light& light) { light.polygon = polygon; }));
 }
 
 TEST_F(PolygonTables, KindsAndSamplingsMayBeMixed) {
-  for (std::size_t k = 0; k < std::size_t(h_.light_count); ++k) {
+  for (std::size_t k = 0; k < std::size_t(h_.tables.lights.count); ++k) {
     for (const int kind : {-1, LIGHT_RECTANGLE + 1})
-      expect_refused(with_record<Light>(scene_, h_.lights, k, [&](Light& light) { light.kind = kind; }),
-                     "a light of unknown kind");
+      expect_refused(
+          with_record<Light>(scene_, h_.tables.lights, k, [&](Light& light) { light.kind = kind; }),
+          "a light of unknown kind");
     for (const int sampling : {-1, EMITTER_PROJECTED + 1})
       expect_refused(
-          with_record<Light>(scene_, h_.lights, k, [&](Light& light) { light.sampling = sampling; }),
+          with_record<Light>(scene_, h_.tables.lights, k, [&](Light& light) { light.sampling = sampling; }),
           "a light of unknown sampling");
     for (int kind = LIGHT_TRIANGLE; kind <= LIGHT_RECTANGLE; ++kind)
       for (int sampling = EMITTER_AREA; sampling <= EMITTER_PROJECTED; ++sampling)
-        render(with_record<Light>(scene_, h_.lights, k, [&](Light& light) {
+        render(with_record<Light>(scene_, h_.tables.lights, k, [&](Light& light) {
           light.kind = kind;
           light.sampling = sampling;
         }));

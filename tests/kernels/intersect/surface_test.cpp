@@ -296,7 +296,7 @@ TEST(NoSurface, DoesNotReadAQuadricThatIsNotThere) {
   other_data.front = other_data.back = 0x3f000000;
   tables.quadrics.push_back(other_data);
   Scene scene = tables.scene();
-  scene.header.quadric_count = 0;
+  scene.header.tables.quadrics.count = 0;
   EXPECT_EQ(surface_at(&scene, -1, make_vec3(0, 0, 1), make_vec3(0, 0, 1)).material, 0);
 }
 

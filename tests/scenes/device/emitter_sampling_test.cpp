@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "kernels/host/device_scene_tables.h"
 #include "scenes/device/device_scene_builder.h"
 #include "tests/support/integrator_parameters.h"
 
@@ -95,9 +96,9 @@ int chosen(double half, IntegratorSettings integrator, EmitterSampling wanted = 
   scene.integrator = integrator;
   const DeviceScene built = build_device_scene(scene, {}).value();
   const bool has_bit = (built.header.features & FEATURE_SOLID_ANGLE) != 0u;
-  const auto* light = reinterpret_cast<const Light*>(built.words.data() + built.header.lights);
-  EXPECT_EQ(has_bit, light->sampling == EMITTER_SOLID_ANGLE);
-  return light->sampling;
+  const Light& light = table<Light>(built, built.header.tables.lights)[0];
+  EXPECT_EQ(has_bit, light.sampling == EMITTER_SOLID_ANGLE);
+  return light.sampling;
 }
 
 TEST(EmitterSampling, LargeLightsBySolidAngleSmallOnesByArea) {

@@ -162,8 +162,8 @@ TEST(IntegratorBuilder, EstimatorsAndChoices) {
     // The tables are there if anything reads them, and only then.
     const bool needed = tested.estimator != ESTIMATOR_SAMPLES || tested.choice == CHOICE_ANALYTIC;
     EXPECT_EQ((h.features & FEATURE_POLYGONS) != 0, needed) << tested.what;
-    EXPECT_EQ(h.polygon_count > 0, needed) << tested.what;
-    EXPECT_EQ(h.polygon_corner_count > 0, needed) << tested.what;
+    EXPECT_EQ(h.tables.polygons.count > 0, needed) << tested.what;
+    EXPECT_EQ(h.tables.polygon_corners.count > 0, needed) << tested.what;
   }
 }
 
@@ -285,7 +285,7 @@ TEST(IntegratorBuilder, WithoutPolygonLightsNothingOfThemIsLeft) {
         const SceneHeader h = header(kind, all({change, where_there(more)}));
         EXPECT_EQ(h.integrator.estimator, ESTIMATOR_SAMPLES) << what;
         EXPECT_EQ(h.integrator.light_choice, CHOICE_POWER) << what;
-        EXPECT_EQ(h.polygon_count + h.polygon_corner_count, 0) << what;
+        EXPECT_EQ(h.tables.polygons.count + h.tables.polygon_corners.count, 0) << what;
         EXPECT_EQ(h.features & (FEATURE_POLYGONS | FEATURE_PROJECTED | FEATURE_SOLID_ANGLE), 0u) << what;
       }
 }
@@ -295,8 +295,8 @@ TEST(IntegratorBuilder, WithoutAreaEveryTriangleIsCountedAsDropped) {
     for (dvec3& p : std::get<Mesh>(scene.shapes[1].geometry).positions) p = dvec3(p.x, 1, 0);
   });
   EXPECT_EQ(h.dropped_triangles, 2);
-  EXPECT_EQ(h.triangle_count, 2);
-  EXPECT_EQ(h.light_count, 0);
+  EXPECT_EQ(h.tables.triangles.count, 2);
+  EXPECT_EQ(h.tables.lights.count, 0);
 }
 
 TEST(IntegratorBuilder, DuplicatesAreSaidHoweverLightsAreSampled) {
@@ -308,8 +308,8 @@ TEST(IntegratorBuilder, DuplicatesAreSaidHoweverLightsAreSampled) {
     EXPECT_EQ(header(kind).duplicate_lights, 0);
     const SceneHeader h = header(kind, repeated);
     EXPECT_EQ(h.duplicate_lights, 1);
-    EXPECT_EQ(h.triangle_count, 5);
-    EXPECT_EQ(h.light_count, kind == kPolygonAnalytic || kind == kPolygonArea ? 2 : 1)
+    EXPECT_EQ(h.tables.triangles.count, 5);
+    EXPECT_EQ(h.tables.lights.count, kind == kPolygonAnalytic || kind == kPolygonArea ? 2 : 1)
         << "one rectangle by solid angle";
   }
 }

@@ -61,7 +61,7 @@ TEST(InfoCommand, SaysInNumbersWhatIsLeftOut) {
   EXPECT_EQ(bytes["tables"]["vertex normals"]["own"], 0);
   EXPECT_EQ(bytes["tables"]["vertex normals"]["everything"], 4 * sizeof(VertexNormals));
   EXPECT_EQ(bytes["tables"]["polygon lights"]["everything"], sizeof(Polygon));
-  EXPECT_EQ(bytes["tables"]["their corners"]["everything"], 5 * sizeof(PolygonCorner));
+  EXPECT_EQ(bytes["tables"]["corners of polygon lights"]["everything"], 5 * sizeof(PolygonCorner));
   EXPECT_EQ(bytes["tables"]["nodes of the hierarchy"]["own"], 0);
   EXPECT_GE(bytes["tables"]["nodes of the hierarchy"]["everything"], sizeof(BvhNode));
   std::int64_t more = 0;

@@ -147,7 +147,7 @@ TEST_F(AccessTest, TheTokenIsLookedAtBeforeAnyMessageHasCome) {
 TEST_F(AccessTest, LargeMessagesAreRefused) {
   constexpr std::size_t kHuge = std::size_t(300) << 20;
   wire::ControlRequest request;
-  request.mutable_change_view()->mutable_origin()->Resize(int(kHuge / sizeof(float)), 0);
+  request.mutable_change_view()->mutable_camera()->Resize(int(kHuge / sizeof(float)), 0);
   const auto stub = wire::Farm::NewStub(open_channel(server_->more_address()));
   const auto send = [&](const std::string& token, grpc_compression_algorithm algorithm) {
     grpc::ClientContext context;

@@ -154,7 +154,7 @@ TEST_F(SteeredRenderTest, ManyViewsInARowEndInTheLast) {
       return onlooker.view && onlooker.view->number == last && onlooker.progress.finished &&
              onlooker.progress.spp_done == 3;
     }));
-    EXPECT_EQ(onlooker.view->view.origin.x, 500);
+    EXPECT_EQ(onlooker.view->view.camera.origin.x, 500);
     const RenderOutcome outcome = run.stop();
     expect_film(outcome, 3, 500);
     EXPECT_THAT(outcome.problems, IsEmpty());
@@ -171,7 +171,7 @@ TEST_F(SteeredRenderTest, TheClientSkipsViewsThatAreOutdatedBeforeTheyAreSent) {
   onlooker.client.want_samples(2);
   ASSERT_TRUE(onlooker.sees_samples(2));
   EXPECT_LT(onlooker.view->number, 200u);
-  EXPECT_EQ(onlooker.view->view.origin.x, 2000);
+  EXPECT_EQ(onlooker.view->view.camera.origin.x, 2000);
   expect_film(run.stop(), 2, 2000);
 }
 
@@ -181,7 +181,7 @@ TEST_F(SteeredRenderTest, TwoCanSteerOneRender) {
   ASSERT_TRUE(a.sees_connection());
   ASSERT_TRUE(b.sees_connection());
   a.change_view(10);
-  ASSERT_TRUE(b.sees([&] { return b.view && b.view->view.origin.x == 10; }));
+  ASSERT_TRUE(b.sees([&] { return b.view && b.view->view.camera.origin.x == 10; }));
   b.client.want_samples(1);
   ASSERT_TRUE(a.sees_samples(1));
   ASSERT_TRUE(b.sees_samples(1));
@@ -189,7 +189,7 @@ TEST_F(SteeredRenderTest, TwoCanSteerOneRender) {
   ASSERT_TRUE(b.sees_samples(2));
   a.awaited_shift.reset();
   b.change_view(20);
-  ASSERT_TRUE(a.sees([&] { return a.view && a.view->view.origin.x == 20; }));
+  ASSERT_TRUE(a.sees([&] { return a.view && a.view->view.camera.origin.x == 20; }));
   a.client.want_samples(3);
   ASSERT_TRUE(a.sees_samples(3));
   ASSERT_TRUE(b.sees_samples(3));
@@ -235,7 +235,7 @@ TEST_F(SteeredRenderTest, NonsenseIsRefusedAndChangesNothing) {
   encode(view_at(std::numeric_limits<float>::infinity()), *request.mutable_change_view());
   const grpc::Status status = control(request, reply);
   EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_THAT(status.error_message(), HasSubstr("not all numbers"));
+  EXPECT_THAT(status.error_message(), HasSubstr("a view whose camera.origin is not finite"));
   want_samples(0, 0);
   onlooker.client.want_samples(1);
   ASSERT_TRUE(onlooker.sees_samples(1));

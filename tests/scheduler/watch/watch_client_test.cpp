@@ -216,7 +216,7 @@ TEST_F(WatchClientTest, NonsenseIsRefused) {
   view.mutable_view();
   EXPECT_THAT(refusal({tile}), HasSubstr("did not describe its job"));
   EXPECT_THAT(refusal({bad_job}), HasSubstr("the scheduler describes -1 x 64"));
-  EXPECT_THAT(refusal({job, view}), HasSubstr("a camera's vector has 0 components"));
+  EXPECT_THAT(refusal({job, view}), HasSubstr("a view whose camera has 0 numbers instead of"));
   tile.mutable_tile()->set_x(60);
   EXPECT_THAT(refusal({job, tile}), HasSubstr("not one of this render"));
 }

@@ -1,6 +1,7 @@
 // Messages for watchers: there and back, and what is refused on the way.
 #include "scheduler/watch/watch_wire.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -9,6 +10,9 @@
 #include <cstring>
 #include <functional>
 #include <limits>
+#include <string>
+
+#include "tests/scheduler/watch/watched_run.h"
 
 namespace penumbra {
 namespace {
@@ -90,8 +94,9 @@ TEST(WatchWire, AJobArrivesAsItIs) {
 }
 
 TEST(WatchWire, AViewArrivesAsItIs) {
-  const View view{make_vec3(1, 2, 3), make_vec3(0, -0.0f, 1), make_vec3(4, 5, 6),
-                  make_vec3(1e-40f, 1e30f, -7), 0.25f};
+  const View view{{make_vec3(1, 2, 3), make_vec3(0, -0.0f, 1), make_vec3(4, 5, 6),
+                   make_vec3(1e-40f, 1e30f, -7), 0.5f, 1e30f},
+                  {0.25f}};
   const wire::WatchEvent event = sent(encode(WatchItem(WatchView{4000000000u, view})));
   ASSERT_TRUE(event.has_view());
   const Expected<WatchView> came = decode(event.view());
@@ -268,21 +273,57 @@ TEST(WatchWire, ATileThatMakesNoSenseIsRefused) {
 }
 
 TEST(WatchWire, AViewThatMakesNoSenseIsRefused) {
-  using Change = std::function<void(wire::Camera&)>;
-  const auto accepted = [](const Change& change) {
-    const View view{make_vec3(0, 0, 0), make_vec3(1, 0, 0), make_vec3(0, 1, 0), make_vec3(0, 0, 1), 1};
-    wire::WatchEvent event = encode(WatchItem(WatchView{1, view}));
-    change(*event.mutable_view()->mutable_camera());
-    return decode(event.view()).has_value();
+  using Change = std::function<void(wire::View&)>;
+  const auto answer = [](const Change& change) -> std::string {
+    wire::WatchEvent event = encode(WatchItem(WatchView{1, view_at(0)}));
+    change(*event.mutable_view()->mutable_view());
+    const auto view = decode(event.view());
+    return view ? "" : view.error().message;
   };
-  EXPECT_TRUE(accepted([](auto&) {}));
-  EXPECT_FALSE(accepted([](auto& c) { c.clear_origin(); }));
-  EXPECT_FALSE(accepted([](auto& c) { c.add_z(0); }));
-  EXPECT_FALSE(accepted([](auto& c) { c.mutable_x()->RemoveLast(); }));
-  EXPECT_FALSE(accepted([](auto& c) { c.set_y(1, kNan); }));
-  EXPECT_FALSE(accepted([](auto& c) { c.set_origin(2, std::numeric_limits<float>::infinity()); }));
-  EXPECT_FALSE(accepted([](auto& c) { c.set_alpha(kNan); }));
-  EXPECT_FALSE(decode(wire::View{}).has_value());
+  const auto numbers = [](const char* part, std::size_t count, std::size_t due) {
+    return fmt::format("a view whose {} has {} numbers instead of {}", part, count, due);
+  };
+  constexpr std::size_t kCamera = sizeof(Camera) / sizeof(float), kOther = sizeof(Adjustable) / sizeof(float);
+  EXPECT_EQ(answer([](auto&) {}), "");
+  EXPECT_EQ(answer([](auto& v) { v.clear_camera(); }), numbers("camera", 0, kCamera));
+  EXPECT_EQ(answer([](auto& v) { v.add_camera(0); }), numbers("camera", kCamera + 1, kCamera));
+  EXPECT_EQ(answer([](auto& v) { v.mutable_adjustable()->RemoveLast(); }),
+            numbers("adjustable", kOther - 1, kOther));
+  EXPECT_EQ(answer([](auto& v) { v.add_adjustable(0); }), numbers("adjustable", kOther + 1, kOther));
+  EXPECT_FALSE(decode(wire::NumberedView{}).has_value());
+}
+
+TEST(WatchWire, EveryNumberOfAViewArrivesAndIsFinite) {
+  const float nan = kNan, infinite = std::numeric_limits<float>::infinity();
+  View any = view_at(0);
+  const auto check = [&](const char* name, auto field) {
+    for (std::size_t k = 0; k < sizeof(field(any)) / sizeof(float); ++k) {
+      const auto with = [&](float value) {
+        View view = view_at(0);
+        std::memcpy(reinterpret_cast<char*>(&field(view)) + k * sizeof value, &value, sizeof value);
+        return view;
+      };
+      const auto journey = [](const View& view) {
+        return decode(sent(encode(WatchItem(WatchView{1, view}))).view());
+      };
+      const auto came = journey(with(0.75f));
+      ASSERT_TRUE(came) << name;
+      EXPECT_TRUE(is_same(came->view, with(0.75f))) << name;
+      EXPECT_FALSE(is_same(came->view, view_at(0))) << name;
+      for (const float value : {nan, infinite, -infinite}) {
+        const auto refused = journey(with(value));
+        ASSERT_FALSE(refused) << name;
+        EXPECT_EQ(refused.error().message, std::string("a view whose ") + name + " is not finite");
+      }
+    }
+  };
+#define CHECK_CAMERA(type, name) check("camera." #name, [](View& v) -> type& { return v.camera.name; });
+#define CHECK_ADJUSTABLE(type, name) \
+  check("adjustable." #name, [](View& v) -> type& { return v.adjustable.name; });
+  CAMERA_FIELDS(CHECK_CAMERA)
+  ADJUSTABLE_FIELDS(CHECK_ADJUSTABLE)
+#undef CHECK_CAMERA
+#undef CHECK_ADJUSTABLE
 }
 
 }  // namespace

@@ -33,7 +33,9 @@ inline constexpr std::uint32_t kSpp = 10;
 
 /// A camera whose fake samples lie in [shift, shift + 1).
 inline View view_at(float shift) {
-  return {make_vec3(shift, 0, 0), make_vec3(1, 0, 0), make_vec3(0, 1, 0), make_vec3(0, 0, 1), 1};
+  return {.camera = {make_vec3(shift, 0, 0), make_vec3(1, 0, 0), make_vec3(0, 1, 0), make_vec3(0, 0, 1),
+                     0.01f, 1e4f},
+          .adjustable = {.alpha = 1}};
 }
 
 /// The film that run_render must come to, without scheduler, workers and wire.
