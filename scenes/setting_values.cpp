@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "scenes/diagnostic.h"
 #include "scenes/number.h"
 
 namespace penumbra {
@@ -76,7 +75,5 @@ Expected<std::size_t> parse_name(std::string_view text, const std::vector<std::s
   if (found != names.end()) return std::size_t(found - names.begin());
   return fail(fmt::format("'{}' is not one of: {}{}", name, list_names(names), suggestion(name, names)));
 }
-
-std::string list_values(const std::vector<std::string>& names) { return list_names(names); }
 
 }  // namespace penumbra

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "kernels/host/error.h"
+#include "scenes/diagnostic.h"
 
 namespace penumbra {
 
@@ -61,8 +62,6 @@ struct TrueOrFalse {
 
 /// Which of the names it is; an error lists them, and the nearest.
 Expected<std::size_t> parse_name(std::string_view text, const std::vector<std::string>& names);
-/// "a, b, c".
-std::string list_values(const std::vector<std::string>& names);
 
 /// One of several values by name. Of two names of the same value the first is printed.
 template <typename T>
@@ -75,7 +74,7 @@ struct OneOf {
     for (const auto& [name, value] : choices) result.emplace_back(name);
     return result;
   }
-  [[nodiscard]] std::string values() const { return list_values(names()); }
+  [[nodiscard]] std::string values() const { return list_names(names()); }
   [[nodiscard]] Expected<T> parse(std::string_view text) const {
     const auto index = parse_name(text, names());
     if (!index) return std::unexpected(index.error());

@@ -1,8 +1,9 @@
 #include "tests/acceptance/scene_pieces.h"
-#include "tests/support/integrator_parameters.h"
 
 #include <array>
 #include <cmath>
+
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 

@@ -1,11 +1,12 @@
 #include "tests/acceptance/suite_scenes.h"
-#include "tests/support/integrator_parameters.h"
 #include "tests/support/oracles.h"
 
 #include <gtest/gtest.h>
 
 #include <ostream>
 #include <tuple>
+
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {

@@ -1,9 +1,10 @@
 #include "tests/benchmarks/bumpy_room.h"
-#include "tests/support/integrator_parameters.h"
 
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <initializer_list>
+
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
