@@ -106,7 +106,7 @@ struct IntegratorSettings {
 
 /// A parameter by its name as a member: of the integrators that have such a member, or of all.
 #define PENUMBRA_PARAMETER(member) \
-  [](auto& integrator) -> decltype((integrator.member)) { return integrator.member; }
+  [](auto& owner_of_##member) -> decltype((owner_of_##member.member)) { return owner_of_##member.member; }
 
 /// Calls use(parameter) if the integrator has the parameter; returns whether it has. `Settings` may be const.
 template <typename Settings, typename Parameter, typename Use>
