@@ -35,6 +35,7 @@ Viewer::Viewer(Window& window, const std::string& address, const std::string& to
       token_(token),
       client_(std::make_unique<WatchClient>(address, token)),
       composite_(std::move(composite)) {
+  view_.adjustable.alpha = settings_.alpha;
   status_.address = address;
   status_.latency_seconds = status_.seconds_left = status_.relative_error =
       std::numeric_limits<double>::quiet_NaN();

@@ -105,7 +105,7 @@ class Viewer {
   std::shared_ptr<const DeviceScene> scene_;
   glm::dvec3 center_{0};
   double extent_ = 1;
-  View view_{.camera = {}, .adjustable = {.alpha = 1}};
+  View view_{};
   CameraPose pose_, scene_pose_;
   bool moved_ = false;  // the pose is not the scene's
   bool analytic_is_old_ = true;

@@ -185,7 +185,7 @@ struct Feed {
 TEST(RenderFeed, ShowsChangedTilesAFewAtATimeOrAll) {
   Feed f(100);
   WatchBoard::Watcher watcher(f.board);
-  f.feed.begin_view({4, {.camera = {}, .adjustable = {.alpha = 1}}});
+  f.feed.begin_view({4, {}});
   for (std::uint32_t tile = 0; tile < 100; ++tile) f.merge(tile, tile + 7);
   f.feed.publish(f.film, false);
   const std::size_t some = f.shown(watcher).size();
@@ -228,7 +228,7 @@ TEST(RenderFeed, AnotherViewForgetsWhatHasChanged) {
   WatchBoard::Watcher watcher(f.board);
   f.feed.publish(f.film, true);  // answers the request for all tiles, of which there are none
   f.merge(3);
-  f.feed.begin_view({1, {.camera = {}, .adjustable = {.alpha = 1}}});
+  f.feed.begin_view({1, {}});
   f.feed.publish(f.film, true);
   EXPECT_THAT(f.shown(watcher), IsEmpty());
 }

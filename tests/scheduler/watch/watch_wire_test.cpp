@@ -94,9 +94,10 @@ TEST(WatchWire, AJobArrivesAsItIs) {
 }
 
 TEST(WatchWire, AViewArrivesAsItIs) {
-  const View view{{make_vec3(1, 2, 3), make_vec3(0, -0.0f, 1), make_vec3(4, 5, 6),
-                   make_vec3(1e-40f, 1e30f, -7), 0.5f, 1e30f},
-                  {0.25f}};
+  View view = view_at(1);
+  view.camera.x = make_vec3(0, -0.0f, 1);
+  view.camera.z = make_vec3(1e-40f, 1e30f, -7);
+  view.adjustable.alpha = 0.25f;
   const wire::WatchEvent event = sent(encode(WatchItem(WatchView{4000000000u, view})));
   ASSERT_TRUE(event.has_view());
   const Expected<WatchView> came = decode(event.view());

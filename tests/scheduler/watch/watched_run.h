@@ -33,9 +33,11 @@ inline constexpr std::uint32_t kSpp = 10;
 
 /// A camera whose fake samples lie in [shift, shift + 1).
 inline View view_at(float shift) {
-  return {.camera = {make_vec3(shift, 0, 0), make_vec3(1, 0, 0), make_vec3(0, 1, 0), make_vec3(0, 0, 1),
-                     0.01f, 1e4f},
-          .adjustable = {.alpha = 1}};
+  View view{};
+  view.camera = {
+      make_vec3(shift, 0, 0), make_vec3(1, 0, 0), make_vec3(0, 1, 0), make_vec3(0, 0, 1), 0.01f, 1e4f};
+  view.adjustable.alpha = 1;
+  return view;
 }
 
 /// The film that run_render must come to, without scheduler, workers and wire.
