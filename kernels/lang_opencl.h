@@ -4,7 +4,9 @@
 #define PENUMBRA_NAMESPACE_BEGIN
 #define PENUMBRA_NAMESPACE_END
 
-#define FN static inline __attribute__((always_inline))
+// Not static: compilers change the parameters of static functions before they inline them, and with them goes
+// what LANE_LOOP says of the accesses inside, which then cost a comparison of each two arrays.
+#define FN inline __attribute__((always_inline))
 // Compilers shy away from registers of 512 bits unless told that a function needs them: PoCL 3.1 is 1.4 times
 // as fast with them.
 #if defined(__has_attribute) && VECTOR_WIDTH >= 16

@@ -54,6 +54,7 @@ STAGE void start_paths(const PRIVATE Scene* scene, const PRIVATE PathState* path
                        const PRIVATE SlotState* slots) {
   const Camera camera = scene->header.camera;
   const FilmParameters film = scene->header.film;
+  float weights[LANES];
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const FilterSample fx = sample_filter(film.filter, scene->filter_table, u[j]);
@@ -68,8 +69,9 @@ STAGE void start_paths(const PRIVATE Scene* scene, const PRIVATE PathState* path
       set_throughput(paths, i + j, make_vec3(1.0f, 1.0f, 1.0f));
       set_radiance(paths, i + j, make_vec3(0.0f, 0.0f, 0.0f));
       set_depth(paths, i + j, 0);
-      set_slot_filter_weight(slots, get_slot(paths, i + j), fx.weight * fy.weight);
+      weights[j] = fx.weight * fy.weight;
     }
+  for (int j = 0; j < LANES; j++) set_slot_filter_weight(slots, get_slot(paths, i + j), weights[j]);
 }
 
 #if HAS(POLYGONS)

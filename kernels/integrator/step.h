@@ -78,15 +78,14 @@ FN void request_shadow_ray(const PRIVATE Scene* scene, const PRIVATE PathState* 
 /// Albedo, normal and depth of what the camera rays hit.
 STAGE void record_layers(const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE Closures* RESTRICT closures,
                          const PRIVATE PathState* paths, int i, const PRIVATE SlotState* slots) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const Surface s = load_surface(surfaces, j);
-      const vec3 zero = make_vec3(0.0f, 0.0f, 0.0f);
-      const int slot = get_slot(paths, i + j);
-      set_slot_albedo(slots, slot, select3(is_hit(s), closure_albedo(load_closure(closures, j)), zero));
-      set_slot_normal(slots, slot, select3(is_hit(s), s.shading, zero));
-      set_slot_distance(slots, slot, is_hit(s) ? s.distance : 0.0f);
-    }
+  for (int j = 0; j < LANES; j++) {  // no lane loop: slots are anywhere
+    const Surface s = load_surface(surfaces, j);
+    const vec3 zero = make_vec3(0.0f, 0.0f, 0.0f);
+    const int slot = get_slot(paths, i + j);
+    set_slot_albedo(slots, slot, select3(is_hit(s), closure_albedo(load_closure(closures, j)), zero));
+    set_slot_normal(slots, slot, select3(is_hit(s), s.shading, zero));
+    set_slot_distance(slots, slot, is_hit(s) ? s.distance : 0.0f);
+  }
 }
 #endif
 
