@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "kernels/host/kernel_needs.h"
 #include "kernels/host/native_kernels.h"
 #include "tests/acceptance/suite_scenes.h"
 #include "tests/support/native_blocks.h"
@@ -33,12 +34,12 @@ std::vector<std::uint32_t> render_with(const NativeKernel& kernel, const DeviceS
   return bits_of(render_native_blocks(kernel, scene, whole_film(scene.header), kPaths));
 }
 
-/// By OpenCL kernels compiled for these features and kinds of lights; the planes that the scene has.
-std::vector<std::uint32_t> render_with_opencl(DeviceScene scene, std::uint32_t features,
-                                              std::uint32_t light_kinds) {
+/// By OpenCL kernels compiled for these needs; the planes that the scene has.
+std::vector<std::uint32_t> render_with_opencl(DeviceScene scene, const KernelNeeds& needs) {
   const auto planes = std::size_t(plane_count(scene.header.features));
-  scene.header.features = features;
-  scene.header.light_kinds = light_kinds;
+  scene.header.features = needs.features;
+  scene.header.families = needs.families;
+  scene.header.light_kinds = needs.light_kinds;
   const auto device = make_device(scene, opencl_device().options);
   if (!device) throw std::runtime_error(device.error().message);
   auto result = (*device)->render(whole_film(scene.header));
@@ -82,9 +83,8 @@ TEST_P(FeatureMask, EveryNativeSetThatCoversTheSceneGivesTheSameBytes) {
 TEST_P(FeatureMask, OpenClWithTheScenesOwnFeaturesAndWithAllGivesTheSameBytes) {
   ASSERT_NE(own_, everything_) << "nothing is left out, so nothing is tested";
   const auto native = render_with(*find_native_kernel(KernelTarget::kSse2, own_), scene_);
-  EXPECT_TRUE(render_with_opencl(scene_, own_, scene_.header.light_kinds) == native)
-      << "the scene's own features";
-  EXPECT_TRUE(render_with_opencl(scene_, everything_, ALL_LIGHT_KINDS) == native) << "everything";
+  EXPECT_TRUE(render_with_opencl(scene_, needs_of(scene_.header)) == native) << "the scene's own features";
+  EXPECT_TRUE(render_with_opencl(scene_, {.features = everything_}) == native) << "everything";
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, FeatureMask, testing::ValuesIn(suite_scenes()),

@@ -256,8 +256,8 @@ TEST(Features, AreJustTheNeeded) {
   EXPECT_EQ(build(by_area(many_triangles()), true, IntersectorChoice::kEmbree).header.features, box);
   EXPECT_EQ(build(environment_alone()).header.features, box);
   EXPECT_EQ(build(everything()).header.features,
-            std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_PHONG | FEATURE_SHADING_NORMALS |
-                          FEATURE_QUADRICS | FEATURE_SOLID_ANGLE));
+            std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_SHADING_NORMALS | FEATURE_QUADRICS |
+                          FEATURE_SOLID_ANGLE));
 
   const auto with = [](auto change) {
     SceneDescription scene = by_area(diffuse_box());
@@ -275,11 +275,23 @@ TEST(Features, AreJustTheNeeded) {
   // What is black or unused needs nothing.
   EXPECT_EQ(with([](auto& s) { s.point_lights.push_back({dvec3(0), glm::vec3(0)}); }), box);
   EXPECT_EQ(with([](auto& s) { s.environment = ConstantEnvironment{glm::vec3(0)}; }), box);
-  EXPECT_EQ(with([](auto& s) { s.bsdfs[0].model = PhongBsdf{glm::vec3(0.5f), glm::vec3(0), 30}; }), box);
+}
+
+TEST(Families, AreThoseOfTheBsdfs) {
+  const auto with = [](auto change) {
+    SceneDescription scene = by_area(diffuse_box());
+    change(scene);
+    return build(scene).header.families;
+  };
+  constexpr std::uint32_t kDiffuse = 1u << FAMILY_DIFFUSE, kPhong = 1u << FAMILY_PHONG;
+  EXPECT_EQ(with([](auto&) {}), kDiffuse);
+  EXPECT_EQ(build(everything()).header.families, kDiffuse | kPhong);
+  // Without a lobe that reflects it is diffuse.
+  EXPECT_EQ(with([](auto& s) { s.bsdfs[0].model = PhongBsdf{glm::vec3(0.5f), glm::vec3(0), 30}; }), kDiffuse);
   EXPECT_EQ(with([](auto& s) {
               s.bsdfs[0].model = PhongBsdf{glm::vec3(0.5f), glm::vec3(0.1f), 30};
             }),
-            box | FEATURE_PHONG);
+            kDiffuse | kPhong);
 }
 
 TEST(Features, SizesChooseTheSearch) {
