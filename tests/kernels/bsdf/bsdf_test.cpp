@@ -3,59 +3,17 @@
 
 #include <cmath>
 #include <numbers>
-#include <ostream>
-#include <string>
 #include <utility>
 #include <vector>
 
-#include "tests/kernels/kernels_under_test.h"
+#include "tests/kernels/bsdf/bsdf_cases.h"
 #include "tests/kernels/random_numbers.h"
-#include "tests/kernels/scene_tables.h"
 #include "tests/support/statistics.h"
 
 namespace penumbra {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-Closure closure_of(const Material& m) {
-  Closure c;
-#define COPY_FIELD(_, type, name) c.name = m.name;
-  CLOSURE_FIELDS(COPY_FIELD, _)
-#undef COPY_FIELD
-  return c;
-}
-
-struct BsdfCase {
-  std::string name;
-  float diffuse, specular, exponent;
-
-  /// As the scene builder makes it.
-  [[nodiscard]] Material material() const {
-    Material m{};
-    m.family = specular > 0 ? FAMILY_PHONG : FAMILY_DIFFUSE;
-    m.diffuse = make_vec3(diffuse, diffuse, diffuse);
-    m.specular = make_vec3(specular, specular, specular);
-    m.exponent = exponent;
-    m.lobe = specular > 0 ? specular / (diffuse + specular) : 0;
-    return m;
-  }
-  [[nodiscard]] Closure closure() const { return closure_of(material()); }
-};
-
-void PrintTo(const BsdfCase& bsdf_case, std::ostream* out) { *out << bsdf_case.name; }
-
-const BsdfCase kCases[] = {
-    {"Diffuse", 0.5f, 0, 0},
-    {"Phong0", 0, 0.8f, 0},
-    {"Phong1", 0, 0.8f, 1},
-    {"Phong10", 0, 0.8f, 10},
-    {"Phong100", 0, 0.8f, 100},
-    {"HalfPhong1", 0.4f, 0.4f, 1},
-    {"HalfPhong30", 0.4f, 0.4f, 30},
-    {"MostlyDiffuse100", 0.6f, 0.2f, 100},
-    {"MostlyPhong10000", 0.1f, 0.8f, 1e4f},
-};
 
 vec3 direction(double theta, double phi) {
   return make_vec3(float(std::sin(theta) * std::cos(phi)), float(std::sin(theta) * std::sin(phi)),
@@ -365,111 +323,6 @@ TEST(BlackBsdf, ReflectsNothing) {
   EXPECT_EQ(value.f_cos.x, 0);
   EXPECT_EQ(value.pdf, 0);
   EXPECT_EQ(sample_bsdf(c, kNormal, kViewers[1], 0.5f, 0.5f, 0.5f).pdf, 0);
-}
-
-/// Materials of the cases, and material 0, which is black.
-SceneTables all_materials() {
-  SceneTables tables;
-  tables.materials.push_back({});
-  for (const BsdfCase& each : kCases) tables.materials.push_back(each.material());
-  return tables;
-}
-
-bool same(const vec3& a, const vec3& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
-
-/// LANES surfaces of random materials below `materials`.
-Surfaces random_surfaces(RandomNumbers& random, int materials) {
-  Surfaces surfaces;
-  for (int j = 0; j < LANES; ++j) {
-    Surface s = surface_in_medium(make_vec3(0, 0, 0));
-    s.shading = s.geometric = rounded(random.direction());
-    s.wo = rounded(random.direction());
-    s.material = int(random.below(std::uint64_t(materials)));
-    store_surface(&surfaces, j, s);
-  }
-  return surfaces;
-}
-
-TEST(BsdfLanes, OfSeveralFamiliesAreThoseOfEachByItself) {
-  SceneTables tables = all_materials();
-  const Scene scene = tables.scene();
-  RandomNumbers random(17);
-  uint seen = 0;
-  for (int k = 0; k < 5000; ++k) {
-    // Of few materials, so that some groups of lanes lack a family.
-    const Surfaces surfaces = random_surfaces(random, 1 + k % int(tables.materials.size()));
-    Closures closures;
-    resolve_closures(&scene, &surfaces, &closures);
-    uint expected = 0;
-    for (int j = 0; j < LANES; ++j)
-      expected |= 1u << tables.materials[std::size_t(surfaces.material[j])].family;
-    const uint families = families_among(&closures);
-    ASSERT_EQ(families, expected & EVERY_FAMILY);
-    seen |= 1u << families;
-
-    float wi[3 * LANES], uv[2 * LANES], choice[LANES];
-    for (int j = 0; j < LANES; ++j) {
-      STORE_LANE_vec3(wi, j, rounded(random.direction()));
-      uv[j] = random.unit_float(), uv[LANES + j] = random.unit_float(), choice[j] = random.unit_float();
-    }
-    BsdfValues values;
-    BsdfSamples samples;
-    eval_bsdfs(families, &closures, &surfaces, wi, &values);
-    sample_bsdfs(families, &closures, &surfaces, uv, choice, &samples);
-    for (int j = 0; j < LANES; ++j) {
-      const Surface s = load_surface(&surfaces, j);
-      const Closure c = closure_of(tables.materials[std::size_t(s.material)]);
-      const BsdfValue value = load_bsdf_value(&values, j);
-      const BsdfValue value_alone = eval_bsdf(c, s.shading, s.wo, LOAD_LANE_vec3(wi, j));
-      ASSERT_TRUE(same(value.f_cos, value_alone.f_cos));
-      ASSERT_EQ(value.pdf, value_alone.pdf);
-      const BsdfSample sample = load_bsdf_sample(&samples, j);
-      const BsdfSample sample_alone = sample_bsdf(c, s.shading, s.wo, uv[j], uv[LANES + j], choice[j]);
-      ASSERT_EQ(sample.pdf, sample_alone.pdf);
-      ASSERT_EQ(sample.eta, sample_alone.eta);
-      if (c.family == FAMILY_BLACK) continue;  // no direction
-      ASSERT_TRUE(same(sample.wi, sample_alone.wi));
-      ASSERT_TRUE(same(sample.weight, sample_alone.weight));
-    }
-  }
-  EXPECT_EQ(seen, 1u << 0 | 1u << (1u << FAMILY_DIFFUSE) | 1u << EVERY_FAMILY) << "groups of every mixture";
-}
-
-TEST(Closures, HaveWhatTheMaterialHas) {
-  SceneTables tables = all_materials();
-  const Scene scene = tables.scene();
-  RandomNumbers random(18);
-  const Surfaces surfaces = random_surfaces(random, int(tables.materials.size()));
-  Closures closures;
-  resolve_closures(&scene, &surfaces, &closures);
-  for (int j = 0; j < LANES; ++j) {
-    const Material& m = tables.materials[std::size_t(surfaces.material[j])];
-    const Closure c = load_closure(&closures, j);
-    EXPECT_EQ(c.family, m.family);
-    EXPECT_TRUE(same(c.diffuse, m.diffuse));
-    EXPECT_TRUE(same(c.specular, m.specular));
-    EXPECT_EQ(c.exponent, m.exponent);
-    EXPECT_EQ(c.lobe, m.lobe);
-  }
-}
-
-TEST(Closures, KeepWhatNoFamilyOfTheSceneUses) {
-  SceneTables tables;
-  tables.materials = {{}, kCases[0].material()};
-  tables.materials[1].exponent = 7;  // of no account
-  const Scene scene = tables.scene();
-  RandomNumbers random(19);
-  const Surfaces surfaces = random_surfaces(random, 2);
-  Closures closures;
-  for (int j = 0; j < LANES; ++j) store_closure(&closures, j, black_closure());
-  resolve_closures(&scene, &surfaces, &closures);
-  for (int j = 0; j < LANES; ++j) {
-    const Closure c = load_closure(&closures, j);
-    EXPECT_EQ(c.family, surfaces.material[j] == 1 ? FAMILY_DIFFUSE : FAMILY_BLACK);
-    EXPECT_EQ(c.diffuse.y, surfaces.material[j] == 1 ? 0.5f : 0);
-    EXPECT_EQ(c.exponent, 0);
-    EXPECT_EQ(c.lobe, 0);
-  }
 }
 
 }  // namespace
