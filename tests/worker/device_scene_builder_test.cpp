@@ -395,6 +395,7 @@ TEST(Summary, SaysWhatIsNeededAndWhatIsLeftOut) {
         list, [&](const auto& entry) { return entry.second.find(text) != std::string::npos; });
   };
   EXPECT_TRUE(has(summary.needs, "path integrator"));
+  EXPECT_TRUE(has(summary.needs, "diffuse BSDF"));
   EXPECT_FALSE(has(summary.needs, "Phong BSDF"));
   EXPECT_TRUE(has(summary.left_out, "Phong BSDF"));
   EXPECT_FALSE(has(summary.left_out, "path integrator"));

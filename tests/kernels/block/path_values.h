@@ -3,6 +3,7 @@
 
 #include "kernels/host/block_memory.h"
 #include "tests/kernels/kernels_under_test.h"
+#include "tests/kernels/same_value.h"
 
 namespace penumbra {
 
@@ -28,11 +29,6 @@ inline vec3 value_of<vec3>(int field, int lane) {
   const auto x = float(number_of(field, lane));
   return make_vec3(x, x + 0.25f, x + 0.5f);
 }
-
-inline bool same(int a, int b) { return a == b; }
-inline bool same(float a, float b) { return a == b; }
-inline bool same(bool a, bool b) { return a == b; }
-inline bool same(const vec3& a, const vec3& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
 /// Sets all fields of a path that a scene with these features stores.
 inline void fill_path(std::uint32_t features, const PathState& paths, int lane) {

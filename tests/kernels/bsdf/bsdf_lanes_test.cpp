@@ -5,6 +5,7 @@
 
 #include "tests/kernels/bsdf/bsdf_cases.h"
 #include "tests/kernels/random_numbers.h"
+#include "tests/kernels/same_value.h"
 #include "tests/kernels/scene_tables.h"
 
 namespace penumbra {
@@ -17,8 +18,6 @@ SceneTables all_materials() {
   for (const BsdfCase& each : kCases) tables.materials.push_back(each.material());
   return tables;
 }
-
-bool same(const vec3& a, const vec3& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
 /// LANES surfaces of materials in [first, end).
 Surfaces random_surfaces(RandomNumbers& random, int first, int end) {
