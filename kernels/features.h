@@ -32,7 +32,7 @@
 #define FEATURE_POLYGONS 0x1000
 #define FEATURE_LOOK_THROUGH 0x2000
 #define FEATURE_RATIO 0x4000
-#define FEATURE_ALL 0x7f3f
+#define FEATURE_ALL 0x7f37
 
 /// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)

@@ -294,6 +294,23 @@ TEST(Families, AreThoseOfTheBsdfs) {
             kDiffuse | kPhong);
 }
 
+TEST(Features, AllAreThoseOfTheList) {
+  std::uint32_t listed = 0;
+#define CHECK_FEATURE(name, bit, description) \
+  EXPECT_EQ(bit, FEATURE_##name);             \
+  EXPECT_EQ(listed&(bit), 0u) << #name;       \
+  listed |= (bit);
+  PENUMBRA_FEATURES(CHECK_FEATURE)
+#undef CHECK_FEATURE
+  EXPECT_EQ(listed, std::uint32_t(FEATURE_ALL));
+}
+
+TEST(Families, HaveTheNumbersOfTheList) {
+#define CHECK_FAMILY(name, NAME, number, properties, description) EXPECT_EQ(number, FAMILY_##NAME);
+  BSDF_FAMILIES(CHECK_FAMILY)
+#undef CHECK_FAMILY
+}
+
 TEST(Features, SizesChooseTheSearch) {
   const auto automatic = [](const SceneDescription& scene) {
     return build(scene, true, IntersectorChoice::kAuto).header;
