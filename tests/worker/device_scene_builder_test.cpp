@@ -244,10 +244,10 @@ TEST(LightKinds, AreThoseOfTheLights) {
   constexpr std::uint32_t kTriangles = 1u << LIGHT_TRIANGLE, kPoints = 1u << LIGHT_POINT;
   EXPECT_EQ(with([](auto&) {}), kTriangles);
   EXPECT_EQ(build(environment_alone()).header.light_kinds, 1u << LIGHT_ENVIRONMENT);
-  EXPECT_EQ(with([](auto& s) { s.point_lights.push_back({}); }), kTriangles | kPoints);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{}); }), kTriangles | kPoints);
   // What is black is none.
-  EXPECT_EQ(with([](auto& s) { s.point_lights.push_back({dvec3(0), glm::vec3(0)}); }), kTriangles);
-  EXPECT_EQ(with([](auto& s) { s.environment = ConstantEnvironment{glm::vec3(0)}; }), kTriangles);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{dvec3(0), glm::vec3(0)}); }), kTriangles);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(ConstantEnvironment{glm::vec3(0)}); }), kTriangles);
 }
 
 TEST(Features, AreJustTheNeeded) {
