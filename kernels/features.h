@@ -11,6 +11,7 @@
   X(BVH, 0x004, "bounding volume hierarchy")                                  \
   X(SHADING_NORMALS, 0x010, "interpolated vertex normals")                    \
   X(QUADRICS, 0x020, "spheres and disks")                                     \
+  X(MIXED_FAMILIES, 0x040, "several families of BSDFs")                       \
   X(SOLID_ANGLE, 0x100, "sampling of triangle lights by solid angle")         \
   X(LAYERS, 0x200, "albedo, normal and depth layers")                         \
   X(SAMPLERS, 0x400, "samplers other than Owen-scrambled Sobol")              \
@@ -25,6 +26,7 @@
 #define FEATURE_BVH 0x004
 #define FEATURE_SHADING_NORMALS 0x010
 #define FEATURE_QUADRICS 0x020
+#define FEATURE_MIXED_FAMILIES 0x040
 #define FEATURE_SOLID_ANGLE 0x100
 #define FEATURE_LAYERS 0x200
 #define FEATURE_SAMPLERS 0x400
@@ -32,7 +34,7 @@
 #define FEATURE_POLYGONS 0x1000
 #define FEATURE_LOOK_THROUGH 0x2000
 #define FEATURE_RATIO 0x4000
-#define FEATURE_ALL 0x7f37
+#define FEATURE_ALL 0x7f77
 
 /// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <climits>
 #include <cmath>
 #include <limits>
@@ -107,6 +108,7 @@ class Builder {
       records_.materials.push_back(build_material(bsdf));
       h_.families |= 1u << records_.materials.back().family;
     }
+    if (std::popcount(h_.families) > 1) need(FEATURE_MIXED_FAMILIES);
   }
 
   void add_shape(const Shape& shape) {

@@ -259,7 +259,7 @@ TEST(Features, AreJustTheNeeded) {
   EXPECT_EQ(build(environment_alone()).header.features, box);
   EXPECT_EQ(build(everything()).header.features,
             std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_SHADING_NORMALS | FEATURE_QUADRICS |
-                          FEATURE_SOLID_ANGLE));
+                          FEATURE_SOLID_ANGLE | FEATURE_MIXED_FAMILIES));
 
   const auto with = [](auto change) {
     SceneDescription scene = by_area(diffuse_box());
@@ -274,8 +274,13 @@ TEST(Features, AreJustTheNeeded) {
   EXPECT_EQ(with([](auto& s) { param::emitter_sampling(s.integrator) = EmitterSampling::kProjected; }),
             box | FEATURE_PROJECTED);
   EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{}); }), box);
+  EXPECT_EQ(with([](auto& s) {
+              s.bsdfs[0].model = PhongBsdf{glm::vec3(0.5f), glm::vec3(0.1f), 30};
+            }),
+            box | FEATURE_MIXED_FAMILIES);
   // What is black or unused needs nothing.
   EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{dvec3(0), glm::vec3(0)}); }), box);
+  EXPECT_EQ(with([](auto& s) { s.bsdfs[0].model = PhongBsdf{glm::vec3(0.5f), glm::vec3(0), 30}; }), box);
   EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(ConstantEnvironment{glm::vec3(0)}); }), box);
 }
 

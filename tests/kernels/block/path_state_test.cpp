@@ -29,7 +29,7 @@ const NamedMask kMasks[] = {
     {"Direct", FEATURE_DIRECT},
     {"DirectWithPolygons", FEATURE_DIRECT | FEATURE_POLYGONS | FEATURE_RATIO},
     {"PathWithPolygonsAndLayers", FEATURE_PATH | FEATURE_POLYGONS | FEATURE_PROJECTED | FEATURE_LAYERS},
-    {"OneAtATime", FEATURE_QUADRICS},
+    {"NoIntegrator", FEATURE_QUADRICS | FEATURE_MIXED_FAMILIES},
     {"All", FEATURE_ALL}};
 
 template <typename Value>
