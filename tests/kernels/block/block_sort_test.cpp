@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
-#include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/kernels/block/path_values.h"
@@ -59,7 +59,7 @@ void expect_sorted(std::uint32_t features, RandomNumbers& random) {
   }
   std::vector<int> order(std::size_t(count), 0);
   std::iota(order.begin(), order.end(), 0);
-  std::ranges::stable_sort(order, {}, [&](int i) { return family_of(tables, hits[std::size_t(i)]); });
+  std::ranges::sort(order, {}, [&](int i) { return std::pair(family_of(tables, hits[std::size_t(i)]), i); });
 
   sort_by_family(&scene, &paths, count);
   for (int lane = 0; lane < kCapacity; ++lane) {
