@@ -105,8 +105,9 @@ TEST_P(PathStates, WhatIsSetIsGotFromEachFieldAndLane) {
   for (int i = 0; i < kCapacity; ++i) {
     int field = 0;
 #define CHECK_FIELD(type, name, needs, travels)                                                 \
-  if ((features_ & (needs)) != 0u)                                                              \
+  if ((features_ & (needs)) != 0u) {                                                            \
     EXPECT_TRUE(same(get_##name(&block.paths, i), value_of<type>(field, i))) << #name " " << i; \
+  }                                                                                             \
   ++field;
     PATH_FIELDS(CHECK_FIELD)
 #undef CHECK_FIELD
@@ -114,8 +115,9 @@ TEST_P(PathStates, WhatIsSetIsGotFromEachFieldAndLane) {
   for (int i = 0; i < kSlots; ++i) {
     int field = 100;
 #define CHECK_FIELD(type, name, needs, travels)                                                      \
-  if ((features_ & (needs)) != 0u)                                                                   \
+  if ((features_ & (needs)) != 0u) {                                                                 \
     EXPECT_TRUE(same(get_slot_##name(&block.slots, i), value_of<type>(field, i))) << #name " " << i; \
+  }                                                                                                  \
   ++field;
     SLOT_FIELDS(CHECK_FIELD)
 #undef CHECK_FIELD
