@@ -69,9 +69,9 @@ STAGE void reorder_int(GLOBAL int* RESTRICT field, const GLOBAL int* RESTRICT or
   LANE_LOOP
     for (int m = 0; m < count; m++) field[m] = buffer[m];
 }
-  #define REORDER_float(field) reorder_float(field, order, count, paths->sort_buffer)
-  #define REORDER_int(field) reorder_int(field, order, count, paths->finished)
-  #define REORDER_bool(field) reorder_int(field, order, count, paths->finished)
+  #define REORDER_float(field) reorder_float(field, order, count, floats)
+  #define REORDER_int(field) reorder_int(field, order, count, ints)
+  #define REORDER_bool(field) reorder_int(field, order, count, ints)
   #define REORDER_vec3(field) \
     for (int k = 0; k < 3; k++) REORDER_float((field) + k * paths->capacity)
 
@@ -79,6 +79,8 @@ STAGE void reorder_int(GLOBAL int* RESTRICT field, const GLOBAL int* RESTRICT or
 FN void sort_by_family(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
   const uint features = scene->header.features;
   const GLOBAL int* order = paths->going;
+  GLOBAL float* floats = paths->sort_buffer;
+  GLOBAL int* ints = paths->finished;
   find_hit_families(scene, paths, count, paths->finished);
   if (!order_by_family(paths->finished, count, paths->going)) return;
   REORDER_int(paths->hit);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <span>
 
 #include "kernels/host/device_scene_tables.h"
 #include "scenes/device/device_scene_builder.h"
@@ -14,6 +15,8 @@ struct Feature {
 };
 #define LIST_FEATURE(name, bit, description) {bit, description},
 constexpr Feature kFeatures[] = {PENUMBRA_FEATURES(LIST_FEATURE)};
+#define LIST_FAMILY(name, NAME, number, properties, description) {1u << (number), description},
+constexpr Feature kFamilies[] = {BSDF_FAMILIES(LIST_FAMILY)};
 
 std::string bytes_text(std::size_t bytes) {
   if (bytes < 10'000) return fmt::format("{} B", bytes);
@@ -80,12 +83,14 @@ SceneSummary summarize(const DeviceScene& scene) {
                                   std::to_string(h.duplicate_lights));
   if (const int others = lights_without_form(scene); analytic_alone(h) && others > 0)
     summary.left_out.emplace_back("lights that are not polygons", std::to_string(others));
-  for (const Feature& feature : kFeatures) {
-    if ((h.features & feature.bit) != 0u)
-      summary.needs.emplace_back("feature", feature.description);
-    else
-      summary.left_out.emplace_back("feature", feature.description);
-  }
+  const auto list_uses = [&](std::span<const Feature> list, std::uint32_t used) {
+    for (const Feature& feature : list) {
+      auto& part = (used & feature.bit) != 0u ? summary.needs : summary.left_out;
+      part.emplace_back("feature", feature.description);
+    }
+  };
+  list_uses(kFeatures, h.features);
+  list_uses(kFamilies, h.families);
   return summary;
 }
 

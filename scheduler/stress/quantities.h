@@ -47,6 +47,9 @@ FN Scene scratch_scene(GLOBAL uint* scratch) {
   s.polygons = (GLOBAL const Polygon*)(scratch + 320);
   s.polygon_corners = (GLOBAL const PolygonCorner*)(scratch + 384);
   s.filter_table = (GLOBAL const float*)(scratch + 1024);
+  s.header.features = FEATURE_ALL;
+  s.header.families = EVERY_FAMILY;
+  s.header.light_kinds = ALL_LIGHT_KINDS;
   s.header.environment = -1;
   s.header.tables.triangles.count = 1;
   s.header.tables.quadrics.count = 0;
@@ -131,46 +134,46 @@ STAGE void projected_triangle_quantity(GLOBAL const double* in, GLOBAL double* o
 }
 
 /// In: reflectances of the diffuse and the Phong lobe, exponent, probability of the lobe.
-FN GLOBAL const Material* material_of(GLOBAL const double* in, GLOBAL uint* scratch) {
-  GLOBAL Material* m = (GLOBAL Material*)(scratch + 192);
-  set_v(&m->diffuse, make_vec3(in_f(in, 0), in_f(in, 0), in_f(in, 0)));
-  set_v(&m->specular, make_vec3(in_f(in, 1), in_f(in, 1), in_f(in, 1)));
-  m->exponent = in_f(in, 2);
-  m->lobe = in_f(in, 3);
-  return m;
+FN Closure closure_of(GLOBAL const double* in) {
+  Closure c;
+  c.family = FAMILY_PHONG;
+  c.diffuse = make_vec3(in_f(in, 0), in_f(in, 0), in_f(in, 0));
+  c.specular = make_vec3(in_f(in, 1), in_f(in, 1), in_f(in, 1));
+  c.exponent = in_f(in, 2);
+  c.lobe = in_f(in, 3);
+  return c;
 }
 
-/// In: material, normal, wo, wi. Out: f cos, pdf.
-STAGE void bsdf_value_quantity(GLOBAL const double* in, GLOBAL double* out, GLOBAL uint* scratch) {
-  const BsdfValue value = eval_bsdf(material_of(in, scratch), in_v(in, 4), in_v(in, 7), in_v(in, 10));
+/// In: closure, normal, wo, wi. Out: f cos, pdf.
+STAGE void bsdf_value_quantity(GLOBAL const double* in, GLOBAL double* out) {
+  const BsdfValue value = eval_bsdf(closure_of(in), in_v(in, 4), in_v(in, 7), in_v(in, 10));
   out[0] = value.f_cos.x;
   out[1] = value.pdf;
 }
 
-/// In: material, normal, wo, u, v, choice. Out: direction, weight, pdf.
-STAGE void bsdf_sample_quantity(GLOBAL const double* in, GLOBAL double* out, GLOBAL uint* scratch) {
-  const BsdfSample s = sample_bsdf(material_of(in, scratch), in_v(in, 4), in_v(in, 7), in_f(in, 10),
-                                   in_f(in, 11), in_f(in, 12));
+/// In: closure, normal, wo, u, v, choice. Out: direction, weight, pdf.
+STAGE void bsdf_sample_quantity(GLOBAL const double* in, GLOBAL double* out) {
+  const BsdfSample s =
+      sample_bsdf(closure_of(in), in_v(in, 4), in_v(in, 7), in_f(in, 10), in_f(in, 11), in_f(in, 12));
   out_v(out, 0, s.wi);
   out[3] = s.weight.x;
   out[4] = s.pdf;
 }
 
-/// In: material, normal, wo, size N of a grid. Out: mean weight of the N x N samples at the middles of the
+/// In: closure, normal, wo, size N of a grid. Out: mean weight of the N x N samples at the middles of the
 /// cells of (u, v), each with either lobe as often as it is chosen: the albedo; largest weight; how many
 /// directions are not unit vectors.
-STAGE void bsdf_albedo_quantity(GLOBAL const double* in, GLOBAL double* out, GLOBAL uint* scratch) {
-  GLOBAL const Material* m = material_of(in, scratch);
+STAGE void bsdf_albedo_quantity(GLOBAL const double* in, GLOBAL double* out) {
+  const Closure c = closure_of(in);
   const vec3 n = in_v(in, 4), wo = in_v(in, 7);
   const int size = (int)in[10];
-  const float lobe = m->lobe;
   double sum = 0.0, largest = 0.0, bad = 0.0;
   for (int i = 0; i < size; i++) {
     for (int k = 0; k < size; k++) {
       const float u = ((float)i + 0.5f) / (float)size, v = ((float)k + 0.5f) / (float)size;
-      const BsdfSample a = sample_bsdf(m, n, wo, u, v, 0.0f);
-      const BsdfSample b = sample_bsdf(m, n, wo, u, v, ONE_MINUS_EPSILON);
-      sum += (double)lobe * a.weight.x + (1.0 - (double)lobe) * b.weight.x;
+      const BsdfSample a = sample_bsdf(c, n, wo, u, v, 0.0f);
+      const BsdfSample b = sample_bsdf(c, n, wo, u, v, ONE_MINUS_EPSILON);
+      sum += (double)c.lobe * a.weight.x + (1.0 - (double)c.lobe) * b.weight.x;
       largest = max_d(largest, max_d(a.weight.x, b.weight.x));
       const float length2 = dot3(a.wi, a.wi);
       bad += FABS(length2 - 1.0f) < 1e-5f ? 0.0 : 1.0;
@@ -318,16 +321,17 @@ STAGE void sphere_quantity(GLOBAL const double* in, GLOBAL double* out) {
 
 /// In: size of the film, half its extent at distance 1; pixel, offset. Out: direction.
 STAGE void camera_quantity(GLOBAL const double* in, GLOBAL double* out) {
-  SceneHeader h;
-  h.film.width = (int)in[0];
-  h.film.height = (int)in[1];
-  h.camera.origin = make_vec3(0.0f, 0.0f, 0.0f);
-  h.camera.x = make_vec3(in_f(in, 2), 0.0f, 0.0f);
-  h.camera.y = make_vec3(0.0f, in_f(in, 3), 0.0f);
-  h.camera.z = make_vec3(0.0f, 0.0f, 1.0f);
-  h.camera.near_clip = 0.01f;
-  h.camera.far_clip = 1e4f;
-  const Ray ray = camera_ray(h.camera, h.film, (int)in[4], (int)in[5], in_f(in, 6), in_f(in, 7));
+  FilmParameters film;
+  film.width = (int)in[0];
+  film.height = (int)in[1];
+  Camera camera;
+  camera.origin = make_vec3(0.0f, 0.0f, 0.0f);
+  camera.x = make_vec3(in_f(in, 2), 0.0f, 0.0f);
+  camera.y = make_vec3(0.0f, in_f(in, 3), 0.0f);
+  camera.z = make_vec3(0.0f, 0.0f, 1.0f);
+  camera.near_clip = 0.01f;
+  camera.far_clip = 1e4f;
+  const Ray ray = camera_ray(camera, film, (int)in[4], (int)in[5], in_f(in, 6), in_f(in, 7));
   out_v(out, 0, ray.direction);
 }
 
@@ -350,10 +354,10 @@ STAGE void sphere_light_quantity(GLOBAL const double* in, GLOBAL double* out, GL
   light->polygon = -1;
   light->pmf = light->alias_threshold = 1.0f;
   light->kind = LIGHT_SPHERE;
-  LightReceiver r = receiver_in_medium(in_v(in, 4));
-  r.has_normal = true;
-  r.geometric = r.shading = in_v(in, 7);
-  r.error = POSITION_ERROR * dot3(abs3(r.geometric), abs3(r.p));
+  Surface s = surface_in_medium(in_v(in, 4));
+  s.geometric = s.shading = in_v(in, 7);
+  s.error = POSITION_ERROR * dot3(abs3(s.geometric), abs3(s.p));
+  const LightReceiver r = receiver_of(s);
   const LightSample sample =
       sample_sphere_light(light, r, in_f(in, 10), in_f(in, 11), no_light_sampling(), 0u);
   out_v(out, 0, sample.wi);
@@ -407,9 +411,9 @@ STAGE void quantity(int id, GLOBAL const double* in, GLOBAL double* out, GLOBAL 
   if (id == QUANTITY_SPHERICAL_TRIANGLE) spherical_triangle_quantity(in, out);
   if (id == QUANTITY_SPHERICAL_RECTANGLE) spherical_rectangle_quantity(in, out);
   if (id == QUANTITY_PROJECTED_TRIANGLE) projected_triangle_quantity(in, out);
-  if (id == QUANTITY_BSDF_VALUE) bsdf_value_quantity(in, out, scratch);
-  if (id == QUANTITY_BSDF_SAMPLE) bsdf_sample_quantity(in, out, scratch);
-  if (id == QUANTITY_BSDF_ALBEDO) bsdf_albedo_quantity(in, out, scratch);
+  if (id == QUANTITY_BSDF_VALUE) bsdf_value_quantity(in, out);
+  if (id == QUANTITY_BSDF_SAMPLE) bsdf_sample_quantity(in, out);
+  if (id == QUANTITY_BSDF_ALBEDO) bsdf_albedo_quantity(in, out);
   if (id == QUANTITY_DIRECTION) direction_quantity(in, out);
   if (id == QUANTITY_FRAME) frame_quantity(in, out);
   if (id == QUANTITY_SAMPLER) sampler_quantity(in, out, scratch);

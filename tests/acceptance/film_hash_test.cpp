@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "kernels/host/kernel_needs.h"
 #include "scenes/device/device_scene_builder.h"
 #include "scenes/settings.h"
 #include "tests/acceptance/film_record.h"
@@ -115,6 +116,7 @@ Expected<DeviceScene> build(SceneDescription scene, const FilmCase& film_case) {
 FilmAccumulator render_with_opencl(const DeviceScene& scene) {
   DeviceScene all = scene;
   all.header.features = (FEATURE_ALL & ~FEATURE_BVH) | (scene.header.features & FEATURE_BVH);
+  all.header.families = kEveryFamily;
   all.header.light_kinds = ALL_LIGHT_KINDS;
   const auto device = make_device(all, opencl_device().options);
   if (!device) throw std::runtime_error(device.error().message);

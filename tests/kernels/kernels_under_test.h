@@ -2,6 +2,9 @@
 #pragma once
 
 #define FEATURES FEATURE_ALL
+#include "kernels/block/block_compact.h"
+#include "kernels/block/block_sort.h"
+#include "kernels/block/block_surface.h"
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/camera/camera.h"
 #include "kernels/intersect/bvh.h"

@@ -101,38 +101,37 @@ inline SceneTables rectangle_light(const vec3& corner, const vec3& next, const v
 }
 
 /// A receiver at `p` that faces `normal`, its position rounded like a real one's.
-inline LightReceiver receiver(const vec3& p, const vec3& normal) {
-  LightReceiver r = receiver_in_medium(p);
-  r.has_normal = r.front = true;
-  r.geometric = r.shading = normal;
-  r.error = POSITION_ERROR * dot3(abs3(normal), abs3(p));
-  return r;
+inline Surface receiver(const vec3& p, const vec3& normal) {
+  Surface s = surface_in_medium(p);
+  s.front = true;
+  s.geometric = s.shading = normal;
+  s.error = POSITION_ERROR * dot3(abs3(normal), abs3(p));
+  return s;
 }
 
 /// One receiver's sample, by all lanes.
-inline LightSample sample_light(const Scene& scene, const LightReceiver& r, float u, float v, float fine) {
-  LightReceivers receivers;
+inline LightSample sample_light(const Scene& scene, const Surface& r, float u, float v, float fine) {
+  Surfaces receivers;
   LightSamples samples;
-  float number[LANES], other[LANES], digits[LANES], samplings[LIGHT_SAMPLING_FLOATS];
+  LightSamplings samplings;
+  float number[LANES], other[LANES], digits[LANES];
   for (int j = 0; j < LANES; ++j) {
-    store_receiver(&receivers, j, r);
-    store_light_sampling(samplings, j, no_light_sampling());
+    store_surface(&receivers, j, r);
     number[j] = u, other[j] = v, digits[j] = fine;
   }
-  sample_lights(&scene, &receivers, number, other, digits, samplings, &samples);
+  clear_light_samplings(&samplings);
+  sample_lights(&scene, &receivers, number, other, digits, &samplings, &samples);
   return load_light_sample(&samples, 0);
 }
 
-/// What a ray from that point finds of lights where it ends on the surface.
-inline Emission emission_at(const Scene& scene, const Surface& s, const vec3& from) {
+/// What a ray finds of lights where it ends on the surface.
+inline Emission emission_at(const Scene& scene, const Surface& s) {
+  Surfaces surfaces;
   FoundLights found;
   Emissions emissions;
-  float samplings[LIGHT_SAMPLING_FLOATS];
-  for (int j = 0; j < LANES; ++j) {
-    store_found_light(&scene, s, from, &found, j);
-    store_light_sampling(samplings, j, no_light_sampling());
-  }
-  find_emissions(&scene, &found, true, samplings, &emissions);
+  for (int j = 0; j < LANES; ++j) store_surface(&surfaces, j, s);
+  find_lights(&scene, &surfaces, &found);
+  find_emissions(&scene, &found, true, &emissions);
   return load_emission(&emissions, 0);
 }
 

@@ -66,7 +66,10 @@ Scene SceneTables::scene() {
   s.name = name.empty() ? no_##name.data() : name.data();
   SCENE_TABLES(POINT_TO_TABLE, _)
 #undef POINT_TO_TABLE
+  if (!normals.empty()) s.header.features |= FEATURE_SHADING_NORMALS;
+  if (!quadrics.empty()) s.header.features |= FEATURE_QUADRICS;
   for (const Light& light : lights) s.header.light_kinds |= 1u << light.kind;
+  for (const Material& material : materials) s.header.families |= (1u << material.family) & EVERY_FAMILY;
   return s;
 }
 

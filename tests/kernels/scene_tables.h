@@ -24,7 +24,8 @@ struct SceneTables : SceneRecords {
   /// The hierarchy over everything so far. Throws std::runtime_error.
   void build_hierarchy();
 
-  /// Pointers into the tables; counts as the tables' sizes. Valid until a table changes.
+  /// Pointers into the tables; counts as the tables' sizes; the header names what is in them besides what it
+  /// names already. Valid until a table changes.
   Scene scene();
 };
 

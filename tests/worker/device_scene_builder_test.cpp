@@ -244,10 +244,10 @@ TEST(LightKinds, AreThoseOfTheLights) {
   constexpr std::uint32_t kTriangles = 1u << LIGHT_TRIANGLE, kPoints = 1u << LIGHT_POINT;
   EXPECT_EQ(with([](auto&) {}), kTriangles);
   EXPECT_EQ(build(environment_alone()).header.light_kinds, 1u << LIGHT_ENVIRONMENT);
-  EXPECT_EQ(with([](auto& s) { s.point_lights.push_back({}); }), kTriangles | kPoints);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{}); }), kTriangles | kPoints);
   // What is black is none.
-  EXPECT_EQ(with([](auto& s) { s.point_lights.push_back({dvec3(0), glm::vec3(0)}); }), kTriangles);
-  EXPECT_EQ(with([](auto& s) { s.environment = ConstantEnvironment{glm::vec3(0)}; }), kTriangles);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{dvec3(0), glm::vec3(0)}); }), kTriangles);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(ConstantEnvironment{glm::vec3(0)}); }), kTriangles);
 }
 
 TEST(Features, AreJustTheNeeded) {
@@ -258,8 +258,8 @@ TEST(Features, AreJustTheNeeded) {
   EXPECT_EQ(build(by_area(many_triangles()), true, IntersectorChoice::kEmbree).header.features, box);
   EXPECT_EQ(build(environment_alone()).header.features, box);
   EXPECT_EQ(build(everything()).header.features,
-            std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_SHADING_NORMALS | FEATURE_QUADRICS | |
-                          FEATURE_SOLID_ANGLE));
+            std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_SHADING_NORMALS | FEATURE_QUADRICS |
+                          FEATURE_SOLID_ANGLE | FEATURE_MIXED_FAMILIES));
 
   const auto with = [](auto change) {
     SceneDescription scene = by_area(diffuse_box());
@@ -274,13 +274,17 @@ TEST(Features, AreJustTheNeeded) {
   EXPECT_EQ(with([](auto& s) { param::emitter_sampling(s.integrator) = EmitterSampling::kProjected; }),
             box | FEATURE_PROJECTED);
   EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{}); }), box);
+  EXPECT_EQ(with([](auto& s) {
+              s.bsdfs[0].model = PhongBsdf{glm::vec3(0.5f), glm::vec3(0.1f), 30};
+            }),
+            box | FEATURE_MIXED_FAMILIES);
   // What is black or unused needs nothing.
   EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{dvec3(0), glm::vec3(0)}); }), box);
-  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(ConstantEnvironment{glm::vec3(0)}); }), box);
   EXPECT_EQ(with([](auto& s) { s.bsdfs[0].model = PhongBsdf{glm::vec3(0.5f), glm::vec3(0), 30}; }), box);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(ConstantEnvironment{glm::vec3(0)}); }), box);
 }
 
-TEST(Features, AreTheFamiliesOfTheMaterialsToo) {
+TEST(Families, AreThoseOfTheMaterials) {
   const auto families = [](const BsdfModel& model) {
     SceneDescription scene = diffuse_box();
     for (Bsdf& bsdf : scene.bsdfs) bsdf.model = model;
@@ -289,6 +293,24 @@ TEST(Features, AreTheFamiliesOfTheMaterialsToo) {
   EXPECT_EQ(families(DiffuseBsdf{}), 1u << FAMILY_DIFFUSE);
   EXPECT_EQ(families(PhongBsdf{glm::vec3(0.5f), glm::vec3(0), 30}), 1u << FAMILY_DIFFUSE);
   EXPECT_EQ(families(PhongBsdf{glm::vec3(0.5f), glm::vec3(0.1f), 30}), 1u << FAMILY_PHONG);
+  EXPECT_EQ(build(everything()).header.families, 1u << FAMILY_DIFFUSE | 1u << FAMILY_PHONG);
+}
+
+TEST(Features, AllAreThoseOfTheList) {
+  std::uint32_t listed = 0;
+#define CHECK_FEATURE(name, bit, description) \
+  EXPECT_EQ(bit, FEATURE_##name);             \
+  EXPECT_EQ(listed&(bit), 0u) << #name;       \
+  listed |= (bit);
+  PENUMBRA_FEATURES(CHECK_FEATURE)
+#undef CHECK_FEATURE
+  EXPECT_EQ(listed, std::uint32_t(FEATURE_ALL));
+}
+
+TEST(Families, HaveTheNumbersOfTheList) {
+#define CHECK_FAMILY(name, NAME, number, properties, description) EXPECT_EQ(number, FAMILY_##NAME);
+  BSDF_FAMILIES(CHECK_FAMILY)
+#undef CHECK_FAMILY
 }
 
 TEST(Features, SizesChooseTheSearch) {
@@ -394,6 +416,7 @@ TEST(Summary, SaysWhatIsNeededAndWhatIsLeftOut) {
         list, [&](const auto& entry) { return entry.second.find(text) != std::string::npos; });
   };
   EXPECT_TRUE(has(summary.needs, "path integrator"));
+  EXPECT_TRUE(has(summary.needs, "diffuse BSDF"));
   EXPECT_FALSE(has(summary.needs, "Phong BSDF"));
   EXPECT_TRUE(has(summary.left_out, "Phong BSDF"));
   EXPECT_FALSE(has(summary.left_out, "path integrator"));

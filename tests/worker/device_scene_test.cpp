@@ -170,6 +170,8 @@ TEST(DeviceSceneCheck, NamesWhatIsWrong) {
     return changed;
   };
   expect_refused(with_header([](SceneHeader& c) { c.features |= 0x80000000; }), "unknown feature bits");
+  expect_refused(with_header([](SceneHeader& c) { c.families |= 0x80000000; }), "unknown families of BSDFs");
+  expect_refused(with_header([](SceneHeader& c) { c.light_kinds |= 0x80000000; }), "unknown kinds of lights");
   expect_refused(with_header([](SceneHeader& c) { c.intersector = 7; }), "unknown intersector");
   expect_refused(with_header([](SceneHeader& c) { c.sampler.kind = -1; }), "unknown sampler");
   expect_refused(with_header([](SceneHeader& c) { c.film.filter = 3; }), "unknown filter");
@@ -203,6 +205,13 @@ TEST(DeviceSceneCheck, NamesWhatIsWrong) {
                  "a light's alias");
   expect_refused(with_record<Light>(scene, h.tables.lights, 0, [](Light& l) { l.kind = 9; }),
                  "a light of unknown kind");
+  for (const int family : {FAMILY_DIFFUSE, FAMILY_PHONG})
+    expect_refused(with_header([&](SceneHeader& c) { c.families &= ~(1u << family); }),
+                   "a material of a family of BSDFs that the header does not name");
+  for (const int family : {-1, FAMILY_PHONG + 1, 31, 32, INT_MAX})
+    expect_refused(
+        with_record<Material>(scene, h.tables.materials, 1, [&](Material& m) { m.family = family; }),
+        "a material of a family of BSDFs that the header does not name");
   expect_refused(with_record<Corner>(scene, h.tables.corners, 0, [](Corner& c) { c.v2 = 128; }),
                  "a corner names a vertex");
 }

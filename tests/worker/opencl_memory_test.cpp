@@ -17,9 +17,8 @@ constexpr std::uint64_t kPlenty = std::uint64_t(1) << 40;
 
 OpenClDemand demand_of(int width, int height, int samples, int items = 4) {
   return {.scene_bytes = 1000,
-          .path_floats = 33,
-          .path_ints = 13,
-          .slot_floats = 11,
+          .path_words = 46,
+          .slot_words = 11,
           .planes = 13,
           .bad_bytes = 24,
           .width = width,
@@ -57,9 +56,8 @@ TEST(OpenClMemory, WhateverIsPlannedFitsAndCanRender) {
             }
             ++planned;
             std::uint64_t sum = demand.scene_bytes;
-            for (const std::uint64_t bytes :
-                 {plan->float_bytes(demand), plan->int_bytes(demand), plan->slot_bytes(demand),
-                  plan->bad_bytes(demand), plan->result_bytes(demand)}) {
+            for (const std::uint64_t bytes : {plan->path_bytes(demand), plan->slot_bytes(demand),
+                                              plan->bad_bytes(demand), plan->result_bytes(demand)}) {
               EXPECT_GT(bytes, 0u);
               EXPECT_LE(bytes, limits.allocation);
               sum += bytes;

@@ -3,12 +3,10 @@
 
 #include <cmath>
 #include <numbers>
-#include <ostream>
-#include <string>
 #include <utility>
 #include <vector>
 
-#include "tests/kernels/kernels_under_test.h"
+#include "tests/kernels/bsdf/bsdf_cases.h"
 #include "tests/kernels/random_numbers.h"
 #include "tests/support/statistics.h"
 
@@ -16,35 +14,6 @@ namespace penumbra {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-struct BsdfCase {
-  std::string name;
-  float diffuse, specular, exponent;
-
-  /// As the scene builder makes it.
-  [[nodiscard]] Material material() const {
-    Material m{};
-    m.diffuse = make_vec3(diffuse, diffuse, diffuse);
-    m.specular = make_vec3(specular, specular, specular);
-    m.exponent = exponent;
-    m.lobe = specular > 0 ? specular / (diffuse + specular) : 0;
-    return m;
-  }
-};
-
-void PrintTo(const BsdfCase& bsdf_case, std::ostream* out) { *out << bsdf_case.name; }
-
-const BsdfCase kCases[] = {
-    {"Diffuse", 0.5f, 0, 0},
-    {"Phong0", 0, 0.8f, 0},
-    {"Phong1", 0, 0.8f, 1},
-    {"Phong10", 0, 0.8f, 10},
-    {"Phong100", 0, 0.8f, 100},
-    {"HalfPhong1", 0.4f, 0.4f, 1},
-    {"HalfPhong30", 0.4f, 0.4f, 30},
-    {"MostlyDiffuse100", 0.6f, 0.2f, 100},
-    {"MostlyPhong10000", 0.1f, 0.8f, 1e4f},
-};
 
 vec3 direction(double theta, double phi) {
   return make_vec3(float(std::sin(theta) * std::cos(phi)), float(std::sin(theta) * std::sin(phi)),
@@ -55,6 +24,7 @@ vec3 direction(double theta, double phi) {
 const vec3 kViewers[] = {direction(0, 0), direction(0.5, 0.3), direction(1.0, 2.0), direction(1.4, 4.0),
                          direction(kPi / 2 - 1e-3, 5.5)};
 const vec3 kNormal = make_vec3(0, 0, 1);
+vec3 mirrored(const vec3& v) { return make_vec3(-v.x, -v.y, v.z); }
 
 /// A grid of 10 x 20 cells in (theta, phi) over the hemisphere, and rules inside a cell: two Gauss points on
 /// each of 64 steps of theta, 32 midpoints of phi.
@@ -66,7 +36,7 @@ struct Integrals {
   double total_density = 0, reflectance = 0;
 };
 
-Integrals integrate(const Material& material, const vec3& wo) {
+Integrals integrate(const Closure& closure, const vec3& wo) {
   Integrals result;
   const double d_theta = kPi / 2 / (kRows * kThetaSteps), d_phi = 2 * kPi / (kColumns * kPhiSteps);
   std::vector<std::pair<float, float>> around;
@@ -78,7 +48,7 @@ Integrals integrate(const Material& material, const vec3& wo) {
       const float sine = float(std::sin(theta)), cosine = float(std::cos(theta));
       for (int j = 0; j < kColumns * kPhiSteps; ++j) {
         const auto& [x, y] = around[std::size_t(j)];
-        const BsdfValue value = eval_bsdf(&material, kNormal, wo, make_vec3(sine * x, sine * y, cosine));
+        const BsdfValue value = eval_bsdf(closure, kNormal, wo, make_vec3(sine * x, sine * y, cosine));
         result.density[std::size_t(i / kThetaSteps * kColumns + j / kPhiSteps)] += double(value.pdf) * weight;
         result.reflectance += double(value.f_cos.x) * weight;
       }
@@ -97,7 +67,7 @@ const double kViewerSignificance =
 
 class Bsdfs : public testing::TestWithParam<BsdfCase> {
  protected:
-  Material material_ = GetParam().material();
+  Closure closure_ = GetParam().closure();
 };
 INSTANTIATE_TEST_SUITE_P(All, Bsdfs, testing::ValuesIn(kCases),
                          [](const auto& tested) { return tested.param.name; });
@@ -106,12 +76,12 @@ TEST_P(Bsdfs, SamplesFollowTheDensity) {
   constexpr int kSamples = 5000 * kRows * kColumns;
   RandomNumbers random(7);
   for (const vec3& wo : kViewers) {
-    const Integrals integrals = integrate(material_, wo);
+    const Integrals integrals = integrate(closure_, wo);
     std::vector<double> observed(integrals.density.size());
     double lost = 0;
     for (int k = 0; k < kSamples; ++k) {
       const BsdfSample s =
-          sample_bsdf(&material_, kNormal, wo, random.unit_float(), random.unit_float(), random.unit_float());
+          sample_bsdf(closure_, kNormal, wo, random.unit_float(), random.unit_float(), random.unit_float());
       if (!(s.pdf > 0)) {
         ++lost;
         continue;
@@ -139,21 +109,21 @@ TEST_P(Bsdfs, DensityAndReflectanceHaveTheRightIntegrals) {
   const double albedo = GetParam().diffuse + GetParam().specular;
   RandomNumbers random(8);
   for (const vec3& wo : kViewers) {
-    const Integrals integrals = integrate(material_, wo);
+    const Integrals integrals = integrate(closure_, wo);
     const bool from_above = wo.z > 0.999f;
     // 1 but for what a lobe has below the horizon, at most half of it.
     EXPECT_LE(integrals.total_density, 1 + kQuadratureError);
-    EXPECT_GE(integrals.total_density, (from_above || material_.lobe == 0 ? 1 : 0.5) - kQuadratureError);
+    EXPECT_GE(integrals.total_density, (from_above || closure_.lobe == 0 ? 1 : 0.5) - kQuadratureError);
     // No more than arrives; from above, where (n + 2) / (2 pi) int cos^(n+1) = 1, just the material's
     // reflectances.
     EXPECT_LE(integrals.reflectance, albedo * (1 + kQuadratureError));
-    if (from_above || material_.lobe == 0) {
+    if (from_above || closure_.lobe == 0) {
       EXPECT_NEAR(integrals.reflectance, albedo, albedo * kQuadratureError);
     }
     statistics::Sample weights;
     for (int k = 0; k < 100'000; ++k) {
       const BsdfSample s =
-          sample_bsdf(&material_, kNormal, wo, random.unit_float(), random.unit_float(), random.unit_float());
+          sample_bsdf(closure_, kNormal, wo, random.unit_float(), random.unit_float(), random.unit_float());
       weights.add(s.pdf > 0 ? s.weight.x : 0);
     }
     EXPECT_GT(statistics::t_test(weights, integrals.reflectance, kQuadratureError * albedo).p,
@@ -167,14 +137,14 @@ TEST_P(Bsdfs, AreReciprocal) {
     const vec3 wo = sample_cosine_hemisphere(kNormal, random.unit_float(), random.unit_float());
     if (wo.z < 1e-3f) continue;
     const BsdfSample s =
-        sample_bsdf(&material_, kNormal, wo, random.unit_float(), random.unit_float(), random.unit_float());
+        sample_bsdf(closure_, kNormal, wo, random.unit_float(), random.unit_float(), random.unit_float());
     if (!(s.pdf > 0) || s.wi.z < 1e-3f) continue;
-    const double there = eval_bsdf(&material_, kNormal, wo, s.wi).f_cos.x / double(s.wi.z);
-    const double back = eval_bsdf(&material_, kNormal, s.wi, wo).f_cos.x / double(wo.z);
+    const double there = eval_bsdf(closure_, kNormal, wo, s.wi).f_cos.x / double(s.wi.z);
+    const double back = eval_bsdf(closure_, kNormal, s.wi, wo).f_cos.x / double(wo.z);
     // Rounding of the mirror direction, 2^-23, moves the lobe; that counts times its steepness, at most
     // sqrt(n) where the lobe has any value, and a few roundings more, which 1 / cosine stretches.
-    const double tolerance = 16 * 0x1p-23 * (1 + 10 * std::sqrt(double(material_.exponent))) +
-                             4 * 0x1p-24 / std::min(wo.z, s.wi.z);
+    const double tolerance =
+        16 * 0x1p-23 * (1 + 10 * std::sqrt(double(closure_.exponent))) + 4 * 0x1p-24 / std::min(wo.z, s.wi.z);
     ASSERT_NEAR(there / back, 1, tolerance);
   }
 }
@@ -184,7 +154,7 @@ TEST_P(Bsdfs, ValuesAreNeverNegativeAndZeroBelowTheHorizon) {
   for (int k = 0; k < 50'000; ++k) {
     const vec3 n = rounded(random.direction()), wo = rounded(random.direction()),
                wi = rounded(random.direction());
-    const BsdfValue value = eval_bsdf(&material_, n, wo, wi);
+    const BsdfValue value = eval_bsdf(closure_, n, wo, wi);
     const bool reflects = dot3(n, wo) > 0 && dot3(n, wi) > 0;
     if (!reflects) {
       ASSERT_EQ(value.f_cos.x, 0);
@@ -199,24 +169,35 @@ TEST_P(Bsdfs, ValuesAreNeverNegativeAndZeroBelowTheHorizon) {
 TEST_P(Bsdfs, SampleAgreesWithItsOwnEvaluation) {
   RandomNumbers random(11);
   for (int k = 0; k < 50'000; ++k) {
-    const vec3 n = rounded(random.direction());
-    const vec3 wo = sample_cosine_hemisphere(n, random.unit_float(), random.unit_float());
-    const BsdfSample s =
-        sample_bsdf(&material_, n, wo, random.unit_float(), random.unit_float(), random.unit_float());
-    const BsdfValue value = eval_bsdf(&material_, n, wo, s.wi);
+    // In the frame of the normal exactly.
+    const vec3 wo = sample_cosine_hemisphere(kNormal, random.unit_float(), random.unit_float());
+    const float u = random.unit_float(), v = random.unit_float(), choice = random.unit_float();
+    const BsdfSample s = sample_bsdf(closure_, kNormal, wo, u, v, choice);
+    const BsdfValue value = eval_bsdf(closure_, kNormal, wo, s.wi);
     ASSERT_EQ(s.pdf, value.pdf);
     if (s.pdf > 0) {
       ASSERT_NEAR(s.weight.x * s.pdf, value.f_cos.x, 4e-7 * value.f_cos.x);
     }
     ASSERT_NEAR(double(length(exact(s.wi))), 1, 1e-6);
+    // In the world to the rounding of the directions, see AreReciprocal.
+    const vec3 n = rounded(random.direction()), viewer = from_frame(n, wo.x, wo.y, wo.z);
+    const BsdfSample turned = sample_bsdf(closure_, n, viewer, u, v, choice);
+    ASSERT_NEAR(double(length(exact(turned.wi))), 1, 1e-6);
+    const float cosine = dot3(n, turned.wi);
+    if (!(turned.pdf > 0) || cosine < 1e-3f || wo.z < 1e-3f) continue;
+    const double tolerance =
+        16 * 0x1p-23 * (1 + 10 * std::sqrt(double(closure_.exponent))) + 8 * 0x1p-24 / std::min(wo.z, cosine);
+    const BsdfValue again = eval_bsdf(closure_, n, viewer, turned.wi);
+    ASSERT_NEAR(turned.pdf / again.pdf, 1, tolerance);
+    ASSERT_NEAR(turned.weight.x * turned.pdf / again.f_cos.x, 1, tolerance);
   }
 }
 
 TEST_P(Bsdfs, WeightsAreBoundedAtAnyAngleAndAnyNumbers) {
   // f cos / pdf is a mean of the lobes' quotients: the reflectances' sum, times (n + 2) / (n + 1) for the
   // Phong lobe.
-  const float bound = (GetParam().diffuse + GetParam().specular) * (material_.exponent + 2) /
-                      (material_.exponent + 1) * 1.00001f;
+  const float bound = (GetParam().diffuse + GetParam().specular) * (closure_.exponent + 2) /
+                      (closure_.exponent + 1) * 1.00001f;
   RandomNumbers random(12);
   for (double cosine : {1.0, 0.1, 1e-3, 1e-6, 1e-7})
     for (float u : {0.0f, 0x1p-24f, 0.3f, 0.99f, ONE_MINUS_EPSILON})
@@ -224,7 +205,7 @@ TEST_P(Bsdfs, WeightsAreBoundedAtAnyAngleAndAnyNumbers) {
         for (float choice : {0.0f, 0.3f, 0.7f, ONE_MINUS_EPSILON})
           for (int k = 0; k < 10; ++k) {
             const vec3 wo = direction(std::acos(cosine), random.between(0, 2 * kPi));
-            const BsdfSample s = sample_bsdf(&material_, kNormal, wo, u, v, choice);
+            const BsdfSample s = sample_bsdf(closure_, kNormal, wo, u, v, choice);
             ASSERT_TRUE(std::isfinite(s.pdf));
             ASSERT_TRUE(s.weight.x >= 0 && s.weight.x <= bound) << s.weight.x << " at " << cosine;
             ASSERT_TRUE(std::isfinite(s.wi.x) && std::isfinite(s.wi.y) && std::isfinite(s.wi.z));
@@ -232,8 +213,7 @@ TEST_P(Bsdfs, WeightsAreBoundedAtAnyAngleAndAnyNumbers) {
 }
 
 TEST(DiffuseBsdf, WeightIsTheReflectanceExactly) {
-  const Material m = kCases[0].material();
-  const BsdfSample s = sample_bsdf(&m, kNormal, kViewers[1], 0.3f, 0.7f, 0.5f);
+  const BsdfSample s = sample_bsdf(kCases[0].closure(), kNormal, kViewers[1], 0.3f, 0.7f, 0.5f);
   EXPECT_EQ(s.weight.x, 0.5f);
 }
 
@@ -245,15 +225,14 @@ TEST(PhongLobe, SamplesFollowTheDensityHoweverNarrow) {
   std::vector<double> ps;
   for (double exponent : {100.0, 1e3, 1e4, 1e5})
     for (double theta : {0.0, 0.4, 0.8}) {
-      const Material m = BsdfCase{"", 0, 1, float(exponent)}.material();
+      const Closure c = BsdfCase{"", 0, 1, float(exponent)}.closure();
       const vec3 wo = direction(theta, 1.0);
-      const Exact3 mirror = exact(mirror_direction(kNormal, wo));
+      const Exact3 mirror = exact(mirrored(wo));
       const Exact3 s = normalize(cross(mirror, {0.3L, -0.8L, 0.1L})), t = cross(mirror, s);
       std::vector<double> counts(kSide * kSide);
       int lost = 0;
       for (int k = 0; k < kSamples; ++k) {
-        const BsdfSample sample =
-            sample_bsdf(&m, kNormal, wo, random.unit_float(), random.unit_float(), 0.5f);
+        const BsdfSample sample = sample_bsdf(c, kNormal, wo, random.unit_float(), random.unit_float(), 0.5f);
         lost += sample.pdf > 0 ? 0 : 1;
         const Exact3 wi = exact(sample.wi), difference = wi - mirror;
         const double power =
@@ -275,14 +254,14 @@ TEST(PhongLobe, DensityInItsOwnFrame) {
   // (n + 1) / (2 pi) cos^n, and f = (n + 2) / (2 pi) cos^n.
   RandomNumbers random(16);
   for (double exponent : {0.0, 1.0, 30.0, 1e3, 1e4}) {
-    const Material m = BsdfCase{"", 0, 1, float(exponent)}.material();
+    const Closure c = BsdfCase{"", 0, 1, float(exponent)}.closure();
     for (int k = 0; k < 2000; ++k) {
       const vec3 wo = direction(random.between(0, 1.2), random.between(0, 6));
-      const BsdfSample s = sample_bsdf(&m, kNormal, wo, random.unit_float(), random.unit_float(), 0.5f);
+      const BsdfSample s = sample_bsdf(c, kNormal, wo, random.unit_float(), random.unit_float(), 0.5f);
       if (!(s.pdf > 0)) continue;
-      const double lobe = cosine_power(mirror_direction(kNormal, wo), s.wi, float(exponent));
+      const double lobe = cosine_power(mirrored(wo), s.wi, float(exponent));
       ASSERT_NEAR(s.pdf, (exponent + 1) / (2 * kPi) * lobe, 1e-6 * s.pdf);
-      ASSERT_NEAR(eval_bsdf(&m, kNormal, wo, s.wi).f_cos.x, (exponent + 2) / (2 * kPi) * lobe * s.wi.z,
+      ASSERT_NEAR(eval_bsdf(c, kNormal, wo, s.wi).f_cos.x, (exponent + 2) / (2 * kPi) * lobe * s.wi.z,
                   2e-6 * s.pdf);
     }
   }
@@ -322,13 +301,28 @@ TEST(CosinePower, IsZeroBehindAndOneAhead) {
   }
 }
 
-TEST(MirrorDirection, IsReflectedInTheNormal) {
+TEST(PhongLobe, IsAboutTheMirrorDirectionWhateverTheNormal) {
   RandomNumbers random(14);
+  const Closure c = BsdfCase{"", 0, 1, 1e4f}.closure();
   for (int k = 0; k < 10'000; ++k) {
     const vec3 n = rounded(random.direction()), wo = rounded(random.direction());
-    const Exact3 truth = (2 * dot(exact(n), exact(wo))) * exact(n) - exact(wo);
-    EXPECT_LE(double(length(exact(mirror_direction(n, wo)) - truth)), 8 * 0x1p-24);
+    if (dot3(n, wo) < 1e-3f) continue;
+    const Exact3 mirror = (2 * dot(exact(n), exact(wo))) * exact(n) - exact(wo);
+    const BsdfSample s = sample_bsdf(c, n, wo, 0, random.unit_float(), 0);
+    ASSERT_LE(double(length(exact(s.wi) - mirror)), 24 * 0x1p-24);
+    // At its peak, f cos is (n + 2) / (2 pi) cos.
+    const double peak = (1e4 + 2) / (2 * kPi) * double(dot(exact(n), mirror));
+    ASSERT_NEAR(eval_bsdf(c, n, wo, rounded(mirror)).f_cos.x / peak, 1, 1e-6 / double(dot3(n, wo)) + 1e-5);
   }
+}
+
+TEST(BlackBsdf, ReflectsNothing) {
+  Closure c = kCases[4].closure();
+  c.family = FAMILY_BLACK;
+  const BsdfValue value = eval_bsdf(c, kNormal, kViewers[1], kViewers[2]);
+  EXPECT_EQ(value.f_cos.x, 0);
+  EXPECT_EQ(value.pdf, 0);
+  EXPECT_EQ(sample_bsdf(c, kNormal, kViewers[1], 0.5f, 0.5f, 0.5f).pdf, 0);
 }
 
 }  // namespace

@@ -68,7 +68,7 @@ TEST(SurfaceOfATriangle, PositionIsWithinItsError) {
       const Scene scene = tables.scene();
       const Surface s = surface_at(&scene, 0, c.origin, c.direction);
       const ExactTriangle truth(c.triangle);
-      ASSERT_TRUE(s.valid);
+      ASSERT_TRUE(is_hit(s));
       const double share = double(std::abs(truth.height(s.p)) / s.error);
       largest = std::max(largest, share);
     }
@@ -283,7 +283,7 @@ TEST(NoSurface, NamesAMaterialWhateverIsThere) {
     }
     const Scene scene = tables.scene();
     const Surface s = surface_at(&scene, -1, make_vec3(0, 0, 1), make_vec3(0, 0, 1));
-    EXPECT_FALSE(s.valid);
+    EXPECT_FALSE(is_hit(s));
     EXPECT_EQ(s.light, -1);
     EXPECT_EQ(s.material, 0);
   }

@@ -103,7 +103,7 @@ INSTANTIATE_TEST_SUITE_P(All, InMedium, testing::ValuesIn(medium_cases()),
 
 TEST_P(InMedium, LightArrivesFromAllDirections) {
   const Scene scene = tables_.scene();
-  const LightReceiver r = receiver_in_medium(kHere);
+  const Surface r = surface_in_medium(kHere);
   RandomNumbers random(1);
   statistics::Sample arriving;
   for (int i = 0; i < kSamples; ++i) {
@@ -121,7 +121,7 @@ TEST_P(InMedium, ShadowRaysStartAtThePoint) {
   RandomNumbers random(2);
   for (int i = 0; i < 1000; ++i) {
     const float u = random.unit_float(), v = random.unit_float();
-    const LightSample light = sample_light(scene, receiver_in_medium(kHere), u, v, random.unit_float());
+    const LightSample light = sample_light(scene, surface_in_medium(kHere), u, v, random.unit_float());
     ASSERT_TRUE(light.origin.x == kHere.x && light.origin.y == kHere.y && light.origin.z == kHere.z);
     ASSERT_TRUE(light.toward.x == light.wi.x && light.toward.y == light.wi.y && light.toward.z == light.wi.z);
   }
@@ -148,12 +148,12 @@ TEST_P(FoundFromMedium, DensityOfASampleIsThatOfTheLightFound) {
   int compared = 0;
   for (int i = 0; i < 1000; ++i) {
     const float u = random.unit_float(), v = random.unit_float();
-    const LightSample light = sample_light(scene, receiver_in_medium(kHere), u, v, random.unit_float());
+    const LightSample light = sample_light(scene, surface_in_medium(kHere), u, v, random.unit_float());
     if (!(light.tmax > 0)) continue;
     const Surface found = surface_at(&scene, kind == LIGHT_ENVIRONMENT ? -1 : 0, kHere, light.wi);
     const bool is_rim = !(found.distance > 0) || !found.front || dot3(found.geometric, found.wo) < 0.3f;
     if (kind != LIGHT_ENVIRONMENT && is_rim) continue;  // where rounding may miss it
-    const Emission emission = emission_at(scene, found, kHere);
+    const Emission emission = emission_at(scene, found);
     ASSERT_EQ(emission.radiance.y, kLightRadiance);
     ASSERT_NEAR(light.pdf / emission.pdf, 1, 2e-4);
     ++compared;
@@ -166,7 +166,7 @@ TEST(MediumReceiver, DirectionsAreUniformInACone) {
   const vec3 center = make_vec3(0, 0, 3);
   SceneTables tables = sphere_light(center, 1, 1, true);
   const Scene scene = tables.scene();
-  const LightReceiver r = receiver_in_medium(make_vec3(0, 0, 0));
+  const Surface r = surface_in_medium(make_vec3(0, 0, 0));
   const double versine = 1 - std::sqrt(1 - 1.0 / 9);
   std::vector<double> counts(kSide * kSide);
   RandomNumbers random(4);
@@ -186,13 +186,13 @@ TEST(MediumReceiver, NoDirectionIsSampledByProjectedSolidAngle) {
   SceneTables tables = triangle_light(make_vec3(-1, -1, 1), make_vec3(0, 1, 1), make_vec3(1, -1, 1), false);
   tables.lights[0].sampling = EMITTER_PROJECTED;
   const Scene scene = tables.scene();
-  float samplings[LIGHT_SAMPLING_FLOATS];
-  store_light_sampling(samplings, 0, no_light_sampling());
+  LightSamplings samplings;
+  clear_light_samplings(&samplings);
   const vec3 up = make_vec3(0, 0, 1), here = make_vec3(0, 0, 0);
-  sample_projected_light(&scene, receiver(here, up), 0, 0.5f, 0.3f, 0.6f, samplings, 0);
-  EXPECT_GT(load_light_sampling(samplings, 0).scale, 0);
-  sample_projected_light(&scene, receiver_in_medium(here), 0, 0.5f, 0.3f, 0.6f, samplings, 0);
-  EXPECT_LT(load_light_sampling(samplings, 0).scale, 0);
+  sample_projected_light(&scene, receiver_of(receiver(here, up)), 0, 0.5f, 0.3f, 0.6f, &samplings, 0);
+  EXPECT_GT(load_light_sampling(&samplings, 0).scale, 0);
+  sample_projected_light(&scene, receiver_of(surface_in_medium(here)), 0, 0.5f, 0.3f, 0.6f, &samplings, 0);
+  EXPECT_LT(load_light_sampling(&samplings, 0).scale, 0);
 }
 
 TEST(LightReceiver, OfASurfaceIsWhereItIs) {
@@ -206,7 +206,7 @@ TEST(LightReceiver, OfASurfaceIsWhereItIs) {
   EXPECT_EQ(r.geometric.z, -1);
   EXPECT_EQ(r.error, s.error);
   EXPECT_TRUE(is_own_light(&scene, r, 0));
-  EXPECT_FALSE(is_own_light(&scene, receiver_in_medium(s.p), 0));
+  EXPECT_FALSE(is_own_light(&scene, receiver_of(surface_in_medium(s.p)), 0));
 }
 
 /// Lanes whose lights are of different kinds do not disturb each other.
@@ -225,20 +225,21 @@ TEST(LightLanes, OfSeveralKindsAreThoseOfEachByItself) {
   const int count = int(all.lights.size());
   for (int k = 0; k < count; ++k) all.lights[std::size_t(k)].pmf = 1 / float(count);
   const Scene scene = all.scene();
-  const LightReceiver r = receiver_in_medium(kHere);
+  const Surface r = surface_in_medium(kHere);
   for (int k = 0; k < count; ++k) {
-    LightReceivers receivers;
+    Surfaces receivers;
     LightSamples samples;
-    float u[LANES], v[LANES], samplings[LIGHT_SAMPLING_FLOATS];
+    LightSamplings samplings;
+    float u[LANES], v[LANES];
     for (int j = 0; j < LANES; ++j) {
       LightSampling sampling = no_light_sampling();
-      sampling.light = float((k + j) % count);
+      sampling.light = (k + j) % count;
       sampling.pmf = 1;
-      store_light_sampling(samplings, j, sampling);
-      store_receiver(&receivers, j, r);
+      store_light_sampling(&samplings, j, sampling);
+      store_surface(&receivers, j, r);
       u[j] = 0.37f, v[j] = 0.81f;
     }
-    sample_lights(&scene, &receivers, u, v, v, samplings, &samples);
+    sample_lights(&scene, &receivers, u, v, v, &samplings, &samples);
     for (int j = 0; j < LANES; ++j) {
       SceneTables alone = kinds[(k + j) % count];
       const LightSample expected = sample_light(alone.scene(), r, 0.37f, 0.81f, 0);
@@ -257,9 +258,9 @@ TEST(LightLanes, AKindThatTheSceneDoesNotNameGivesNothing) {
   SceneTables tables = environment_light();
   Scene scene = tables.scene();
   scene.header.light_kinds = 0;
-  EXPECT_LT(sample_light(scene, receiver_in_medium(kHere), 0.5f, 0.5f, 0).tmax, 0);
+  EXPECT_LT(sample_light(scene, surface_in_medium(kHere), 0.5f, 0.5f, 0).tmax, 0);
   const Surface nothing = surface_at(&scene, -1, kHere, make_vec3(0, 0, 1));
-  EXPECT_EQ(emission_at(scene, nothing, kHere).radiance.y, 0);
+  EXPECT_EQ(emission_at(scene, nothing).radiance.y, 0);
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kSignificance = 0.01;
 
-LightSample sample(const Scene& scene, const LightReceiver& r, RandomNumbers& random) {
+LightSample sample(const Scene& scene, const Surface& r, RandomNumbers& random) {
   const float u = random.unit_float(), v = random.unit_float();
   return sample_light(scene, r, u, v, random.unit_float());
 }
@@ -103,7 +103,7 @@ TEST_P(Lights, DensityOfASampleIsThatOfItsDirection) {
     const Scene scene = tables.scene();
     const double curvature = tables.lights[0].kind == LIGHT_SPHERE ? 1 / double(tables.lights[0].p2.x) : 0;
     const vec3 p = rounded(random.point(0.01));
-    const LightReceiver s = receiver(p, rounded(random.direction()));
+    const Surface s = receiver(p, rounded(random.direction()));
     for (int i = 0; i < 50; ++i) {
       const LightSample light = sample(scene, s, random);
       if (!(light.tmax > 0)) continue;
@@ -113,7 +113,7 @@ TEST_P(Lights, DensityOfASampleIsThatOfItsDirection) {
       const float cosine = dot3(found.geometric, found.wo);
       if (!(found.distance > 0) || !found.front || cosine < 0.05f)
         continue;  // the rim, where rounding may miss it
-      const Emission emission = emission_at(scene, found, light.origin);
+      const Emission emission = emission_at(scene, found);
       ASSERT_EQ(emission.radiance.y, 2);
       // The ray meets the light beside the point that was offset from it: where it is curved, under another
       // cosine.
@@ -142,7 +142,7 @@ TEST_P(Lights, ShadowRaysEndBeforeTheLight) {
       for (Triangle& t : tables.triangles) move(t.p0), move(t.p1), move(t.p2);
       for (Quadric& q : tables.quadrics) move(q.center);
       const Scene scene = tables.scene();
-      const LightReceiver s = receiver(shift, rounded(random.direction()));
+      const Surface s = receiver(shift, rounded(random.direction()));
       for (int i = 0; i < 50; ++i) {
         const LightSample light = sample(scene, s, random);
         if (!(light.tmax > 0)) continue;
@@ -166,7 +166,7 @@ TEST_P(Lights, ShadowRaysReachAlmostTheLight) {
   for (int k = 0; k < 1000; ++k) {
     SceneTables tables = GetParam().make(random);
     const Scene scene = tables.scene();
-    const LightReceiver s = receiver(make_vec3(0, 0, 0), rounded(random.direction()));
+    const Surface s = receiver(make_vec3(0, 0, 0), rounded(random.direction()));
     const LightSample light = sample(scene, s, random);
     if (!(light.tmax > 0)) continue;
     const Surface found = surface_at(&scene, 0, light.origin, light.wi);
@@ -183,7 +183,7 @@ TEST_P(Lights, ShadowRaysReachAlmostTheLight) {
 /// Mean of 1 / pdf over samples: the solid angle of what they can reach.
 void expect_solid_angle(SceneTables tables, double expected, const std::string& name) {
   const Scene scene = tables.scene();
-  const LightReceiver s = receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1));
+  const Surface s = receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1));
   RandomNumbers random(4);
   statistics::Sample inverse;
   for (int i = 0; i < 100'000; ++i) {
@@ -256,7 +256,7 @@ TEST(LightPoints, AreUniformOverATriangle) {
   const vec3 a = make_vec3(-1, -1, 2), b = make_vec3(0, 1.5f, 3), c = make_vec3(2, -1, 2.5f);
   SceneTables tables = triangle_light(a, b, c, false);
   const Scene scene = tables.scene();
-  const LightReceiver s = receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1));
+  const Surface s = receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1));
   const Exact3 area = cross(exact(b) - exact(a), exact(c) - exact(a));
   RandomNumbers random(5);
   UnitSquare square;
@@ -276,7 +276,7 @@ TEST(LightPoints, AreUniformOverADisk) {
   const vec3 center = make_vec3(0.5f, -0.5f, 2);
   SceneTables tables = disk_light(center, make_vec3(0, 0, -1), 1.5f);
   const Scene scene = tables.scene();
-  const LightReceiver s = receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1));
+  const Surface s = receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1));
   RandomNumbers random(6);
   UnitSquare square;
   for (int i = 0; i < kUniformSamples; ++i) {
@@ -291,7 +291,7 @@ TEST(LightPoints, AreUniformOverTheConeOfASphere) {
   for (double distance : {1.001, 1.5, 30.0}) {
     SceneTables tables = sphere_light(make_vec3(0, 0, float(distance)), 1, 1, true);
     const Scene scene = tables.scene();
-    const LightReceiver s = receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1));
+    const Surface s = receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1));
     const double versine = 1 - std::sqrt(1 - 1 / (distance * distance));
     RandomNumbers random(7);
     UnitSquare square;
@@ -307,7 +307,7 @@ TEST(LightPoints, AreUniformOverASphereFromInside) {
   const vec3 center = make_vec3(0.3f, 0.2f, -0.4f);
   SceneTables tables = sphere_light(center, 2, -1, true);
   const Scene scene = tables.scene();
-  const LightReceiver s = receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1));
+  const Surface s = receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1));
   RandomNumbers random(8);
   UnitSquare square;
   for (int i = 0; i < kUniformSamples; ++i) {
@@ -321,7 +321,7 @@ TEST(LightPoints, AreUniformOverASphereFromInside) {
 TEST(LightPoints, AreUniformOverTheEnvironment) {
   SceneTables tables = environment_light();
   const Scene scene = tables.scene();
-  const LightReceiver s = receiver(make_vec3(1, 2, 3), make_vec3(0, 0, 1));
+  const Surface s = receiver(make_vec3(1, 2, 3), make_vec3(0, 0, 1));
   RandomNumbers random(9);
   UnitSquare square;
   for (int i = 0; i < kUniformSamples; ++i) {
@@ -357,7 +357,7 @@ TEST(LightChoice, EntersTheDensity) {
   tables.lights[1].pmf = 0.75f;
   tables.lights[1].alias_threshold = 1;
   const Scene scene = tables.scene();
-  const LightReceiver s = receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1));
+  const Surface s = receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1));
   const double cone = 2 * kPi * (1 - std::sqrt(0.75));
   EXPECT_NEAR(sample_light(scene, s, 0.1f, 0.5f, 0.0f).pdf, 0.25 / cone, 1e-5);
   EXPECT_NEAR(sample_light(scene, s, 0.3f, 0.5f, 0.0f).pdf, 0.75 / (4 * kPi), 1e-6);
@@ -369,7 +369,7 @@ TEST(Emission, OfTheEnvironmentReachesWhatLeavesTheScene) {
   tables.lights[0].pmf = 0.5f;
   const Scene scene = tables.scene();
   const Surface nothing = surface_at(&scene, -1, make_vec3(0, 0, 0), make_vec3(0, 0, 1));
-  const Emission e = emission_at(scene, nothing, make_vec3(0, 0, 0));
+  const Emission e = emission_at(scene, nothing);
   EXPECT_EQ(e.radiance.x, 1);
   EXPECT_EQ(e.radiance.z, 3);
   EXPECT_NEAR(e.pdf, 0.5 / (4 * kPi), 1e-7);
@@ -380,10 +380,10 @@ TEST(Emission, IsFromTheFrontOnly) {
   const Scene scene = tables.scene();
   const vec3 above = make_vec3(0, 0, 1), below = make_vec3(0, 0, -1);
   const Surface front = surface_at(&scene, 0, above, below), back = surface_at(&scene, 0, below, above);
-  EXPECT_EQ(emission_at(scene, front, above).radiance.y, 2);
-  EXPECT_NEAR(emission_at(scene, front, above).pdf, 0.5, 1e-6);  // d^2 / (cos A)
-  EXPECT_EQ(emission_at(scene, back, below).radiance.y, 0);
-  EXPECT_EQ(emission_at(scene, back, below).pdf, 0);
+  EXPECT_EQ(emission_at(scene, front).radiance.y, 2);
+  EXPECT_NEAR(emission_at(scene, front).pdf, 0.5, 1e-6);  // d^2 / (cos A)
+  EXPECT_EQ(emission_at(scene, back).radiance.y, 0);
+  EXPECT_EQ(emission_at(scene, back).pdf, 0);
 }
 
 TEST(LightSampling, StaysFiniteWhereTheReceiverTouchesTheLight) {
@@ -413,7 +413,7 @@ TEST(LightSampling, StaysFiniteWhereTheReceiverTouchesTheLight) {
     for (const vec3& p : places)
       for (float u : {0.0f, 0x1p-24f, 0.5f, ONE_MINUS_EPSILON})
         for (float v : {0.0f, 0.25f, 0.5f, ONE_MINUS_EPSILON}) {
-          const LightReceiver s = receiver(p, rounded(random.direction()));
+          const Surface s = receiver(p, rounded(random.direction()));
           const LightSample light = sample_light(scene, s, u, v, 0.5f);
           if (!(light.tmax > 0)) continue;  // no contribution possible
           ASSERT_TRUE(std::isfinite(light.pdf) && light.pdf > 0) << "scene " << k;

@@ -140,8 +140,12 @@ TEST(ProjectedTriangle, AreaIsLamberts) {
     const float area = project(t).area;
     if (smallest_distance(polygon) < 0.01L) continue;
     large += truth > 1.1L * SMALL_PROJECTED_AREA * half;
-    if (truth > 1.1L * SMALL_PROJECTED_AREA * half) ASSERT_GT(area, 0.0f) << t;
-    if (truth < 0.9L * SMALL_PROJECTED_AREA * half) ASSERT_EQ(area, 0.0f) << t;
+    if (truth > 1.1L * SMALL_PROJECTED_AREA * half) {
+      ASSERT_GT(area, 0.0f) << t;
+    }
+    if (truth < 0.9L * SMALL_PROJECTED_AREA * half) {
+      ASSERT_EQ(area, 0.0f) << t;
+    }
     if (area == 0.0f) continue;
     ++used;
     // Relative to the perimeter: the stated 1.5e-7, and what rounding the clipped vertices adds where
@@ -304,7 +308,7 @@ INSTANTIATE_TEST_SUITE_P(
                       {make_vec3(.3f, .2f, .7f), make_vec3(.33f, .2f, .7f), make_vec3(.32f, .23f, .7f)}},
         Configuration{"VerticalEdge",
                       {make_vec3(.8f, .4f, .2f), make_vec3(.4f, .2f, 1), make_vec3(.9f, -.2f, .5f)}}),
-    [](const auto& info) { return info.param.name; });
+    [](const auto& tested) { return tested.param.name; });
 
 TEST(Frame, ToFrameUndoesFromFrame) {
   RandomNumbers random(5);

@@ -289,9 +289,8 @@ TEST(SamplerBits, OnlySobolSharesSequences) {
   for (int sampler : kSamplers)
     for (std::uint32_t x : {0u, 5u, 16u, 1u << 20}) {
       const std::uint32_t pixel = pixel_sequence(sampler, 7, x, 21), hash = pixel_hash(7, x, 21);
-      if (sampler != SAMPLER_SOBOL) EXPECT_EQ(pixel, hash);
-      if (sampler == SAMPLER_SOBOL)
-        EXPECT_EQ(pixel, (pixel_hash(7, x / 16, 1) & ~255u) | morton_index(x % 16, 5));
+      const std::uint32_t in_tile = (pixel_hash(7, x / 16, 1) & ~255u) | morton_index(x % 16, 5);
+      EXPECT_EQ(pixel, sampler == SAMPLER_SOBOL ? in_tile : hash);
     }
 }
 
@@ -385,9 +384,28 @@ TEST(HaltonSampler, IsARotatedHaltonSequence) {
   }
 }
 
-TEST(StepPairs, StepsUseDisjointPairs) {
-  EXPECT_EQ(step_pair(0), 1u);  // pair 0 is the film's
-  EXPECT_EQ(step_pair(1) - step_pair(0), uint(STEP_DIMENSIONS / 2));
+TEST_P(Sampler, StepsUseDisjointPairsByTheDepthOfThePath) {
+  constexpr int kPairs = STEP_DIMENSIONS / 2;
+  BlockMemory memory(FEATURE_ALL, LANES, 0);
+  const PathState paths = memory.block().paths;
+  for (int j = 0; j < LANES; ++j) {
+    set_pixel_hash(&paths, j, int(pixel_sequence(GetParam(), 5, 1, 2)));
+    set_sample_index(&paths, j, 7);
+    set_depth(&paths, j, j);
+  }
+  std::set<uint> pairs{0};  // the film's
+  for (int pair = 0; pair < kPairs; ++pair) {
+    float u[LANES], v[LANES];
+    sample_pair(GetParam(), 16, step_point(uint(pair)), &paths, 0, u, v);
+    for (int j = 0; j < LANES; ++j) {
+      const uint of_path = pair_of_path(step_point(uint(pair)), &paths, j);
+      EXPECT_EQ(of_path, uint(1 + j * kPairs + pair));
+      EXPECT_TRUE(pairs.insert(of_path).second);
+      const Point2 alone = draw_alone(GetParam(), {5, 1, 2, 7, of_path, 16});
+      EXPECT_EQ(u[j], alone.u);
+      EXPECT_EQ(v[j], alone.v);
+    }
+  }
 }
 
 }  // namespace

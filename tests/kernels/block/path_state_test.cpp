@@ -1,0 +1,177 @@
+// The state of paths: which fields have storage, that each has its own, and what goes in and comes out.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <ostream>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "tests/kernels/block/path_values.h"
+#include "tests/kernels/random_numbers.h"
+
+namespace penumbra {
+namespace {
+
+constexpr int kCapacity = 3 * LANES, kSlots = 77;
+
+struct NamedMask {
+  std::string name;
+  std::uint32_t features;
+};
+void PrintTo(const NamedMask& mask, std::ostream* out) { *out << mask.name; }
+
+const NamedMask kMasks[] = {
+    {"Path", FEATURE_PATH},
+    {"PathWithLayers", FEATURE_PATH | FEATURE_LAYERS},
+    {"PathByProjectedSolidAngle", FEATURE_PATH | FEATURE_PROJECTED | FEATURE_BVH},
+    {"Direct", FEATURE_DIRECT},
+    {"DirectWithPolygons", FEATURE_DIRECT | FEATURE_POLYGONS | FEATURE_RATIO},
+    {"PathWithPolygonsAndLayers", FEATURE_PATH | FEATURE_POLYGONS | FEATURE_PROJECTED | FEATURE_LAYERS},
+    {"NoIntegrator", FEATURE_QUADRICS | FEATURE_MIXED_FAMILIES},
+    {"All", FEATURE_ALL}};
+
+template <typename Value>
+constexpr int kWords = std::is_same_v<Value, vec3> ? 3 : 1;
+
+struct Field {
+  std::string name;
+  bool stored;
+  const void* start;
+  int words;
+};
+
+std::vector<Field> path_fields(std::uint32_t features, const PathState& paths) {
+  std::vector<Field> fields;
+#define LIST_FIELD(type, name, needs, travels) \
+  fields.push_back({#name, (features & (needs)) != 0u, paths.name, kWords<type>});
+  PATH_FIELDS(LIST_FIELD)
+#undef LIST_FIELD
+  return fields;
+}
+std::vector<Field> slot_fields(std::uint32_t features, const SlotState& slots) {
+  std::vector<Field> fields;
+#define LIST_FIELD(type, name, needs, travels) \
+  fields.push_back({#name, (features & (needs)) != 0u, slots.name, kWords<type>});
+  SLOT_FIELDS(LIST_FIELD)
+#undef LIST_FIELD
+  return fields;
+}
+
+class PathStates : public testing::TestWithParam<NamedMask> {
+ protected:
+  std::uint32_t features_ = GetParam().features;
+};
+INSTANTIATE_TEST_SUITE_P(All, PathStates, testing::ValuesIn(kMasks),
+                         [](const auto& tested) { return tested.param.name; });
+
+/// Fields with storage lie side by side from the first word to the last, and overlap nowhere.
+void expect_tiled(const std::vector<Field>& fields, const std::vector<uint>& memory, int words,
+                  int capacity) {
+  int sum = 0;
+  std::vector<std::pair<std::ptrdiff_t, std::ptrdiff_t>> places;
+  for (const Field& field : fields) {
+    if (!field.stored) continue;
+    const std::ptrdiff_t first = static_cast<const uint*>(field.start) - memory.data();
+    places.emplace_back(first, first + field.words * capacity);
+    sum += field.words;
+  }
+  EXPECT_EQ(words, sum);
+  std::ranges::sort(places);
+  std::ptrdiff_t end = 0;
+  for (const auto& [first, last] : places) {
+    EXPECT_EQ(first, end);
+    end = last;
+  }
+  EXPECT_EQ(end, std::ptrdiff_t(memory.size()));
+}
+
+TEST_P(PathStates, FieldsThatAreNeededFillTheMemoryAndDoNotOverlap) {
+  std::vector<uint> path_memory(std::size_t(path_words(features_) * kCapacity));
+  std::vector<uint> slot_memory(std::size_t(slot_words(features_) * kSlots));
+  const Block block = make_block(features_, path_memory.data(), kCapacity, slot_memory.data(), kSlots);
+  EXPECT_EQ(block.paths.capacity, kCapacity);
+  EXPECT_EQ(block.slots.capacity, kSlots);
+  expect_tiled(path_fields(features_, block.paths), path_memory, path_words(features_), kCapacity);
+  expect_tiled(slot_fields(features_, block.slots), slot_memory, slot_words(features_), kSlots);
+}
+
+TEST_P(PathStates, WhatIsSetIsGotFromEachFieldAndLane) {
+  BlockMemory memory(features_, kCapacity, kSlots);
+  const Block block = memory.block();
+  for (int i = 0; i < kCapacity; ++i) fill_path(features_, block.paths, i);
+  for (int i = 0; i < kSlots; ++i) fill_slot(features_, block.slots, i);
+  for (int i = 0; i < kCapacity; ++i) {
+    int field = 0;
+#define CHECK_FIELD(type, name, needs, travels)                                                 \
+  if ((features_ & (needs)) != 0u) {                                                            \
+    EXPECT_TRUE(same(get_##name(&block.paths, i), value_of<type>(field, i))) << #name " " << i; \
+  }                                                                                             \
+  ++field;
+    PATH_FIELDS(CHECK_FIELD)
+#undef CHECK_FIELD
+  }
+  for (int i = 0; i < kSlots; ++i) {
+    int field = 100;
+#define CHECK_FIELD(type, name, needs, travels)                                                      \
+  if ((features_ & (needs)) != 0u) {                                                                 \
+    EXPECT_TRUE(same(get_slot_##name(&block.slots, i), value_of<type>(field, i))) << #name " " << i; \
+  }                                                                                                  \
+  ++field;
+    SLOT_FIELDS(CHECK_FIELD)
+#undef CHECK_FIELD
+  }
+}
+
+TEST(PathState, WhatNoFeatureNeedsTakesNothing) {
+  EXPECT_EQ(path_words(0), 0);
+  EXPECT_EQ(slot_words(0), 0);
+  int surface = 0;
+#define ADD_WORDS(_, type, name) surface += kWords<type>;
+  SURFACE_FIELDS(ADD_WORDS, _)
+#undef ADD_WORDS
+  const int least = path_words(FEATURE_PATH);
+  EXPECT_GT(least, 0);
+  EXPECT_EQ(path_words(FEATURE_PATH | FEATURE_LAYERS | FEATURE_BVH | FEATURE_SAMPLERS), least);
+  EXPECT_EQ(path_words(FEATURE_DIRECT), least + surface) << "it keeps a surface";
+  EXPECT_EQ(path_words(FEATURE_PATH | FEATURE_PROJECTED), least + kWords<vec3>) << "a normal";
+  EXPECT_GT(path_words(FEATURE_PATH | FEATURE_POLYGONS), least);
+  EXPECT_EQ(slot_words(FEATURE_DIRECT), slot_words(FEATURE_PATH));
+  EXPECT_GT(slot_words(FEATURE_PATH | FEATURE_LAYERS), slot_words(FEATURE_PATH));
+  EXPECT_GT(slot_words(FEATURE_PATH | FEATURE_POLYGONS), slot_words(FEATURE_PATH));
+}
+
+TEST(PathState, HasFlagsThatAreTrueHoweverTheyAreStored) {
+  BlockMemory memory(FEATURE_ALL, LANES, 0);
+  const PathState paths = memory.block().paths;
+  paths.alive[3] = -7;
+  EXPECT_TRUE(get_alive(&paths, 3));
+  EXPECT_FALSE(get_alive(&paths, 2));
+}
+
+TEST(KeptSurface, IsTheOneThatWasKept) {
+  BlockMemory memory(FEATURE_DIRECT, kCapacity, 0);
+  const PathState paths = memory.block().paths;
+  std::vector<Surface> surfaces;
+  for (int i = 0; i < kCapacity; ++i) {
+    fill_path(FEATURE_DIRECT, paths, i);
+    Surface s;
+    int field = 50;
+#define SET_FIELD(_, type, name) s.name = value_of<type>(field++, i);
+    SURFACE_FIELDS(SET_FIELD, _)
+#undef SET_FIELD
+    surfaces.push_back(s);
+  }
+  for (int i = 0; i < kCapacity; ++i) keep_surface(&paths, i, surfaces[std::size_t(i)]);
+  for (int i = 0; i < kCapacity; ++i) {
+    const Surface s = kept_surface(&paths, i);
+#define CHECK_FIELD(_, type, name) EXPECT_TRUE(same(s.name, surfaces[std::size_t(i)].name)) << #name " " << i;
+    SURFACE_FIELDS(CHECK_FIELD, _)
+#undef CHECK_FIELD
+    EXPECT_TRUE(same(get_ray_origin(&paths, i), value_of<vec3>(0, i))) << "what lies beside it stays";
+  }
+}
+
+}  // namespace
+}  // namespace penumbra

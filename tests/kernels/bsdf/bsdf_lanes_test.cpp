@@ -1,0 +1,121 @@
+// From materials to closures, and BSDFs of LANES closures at a time.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/kernels/bsdf/bsdf_cases.h"
+#include "tests/kernels/random_numbers.h"
+#include "tests/kernels/same_value.h"
+#include "tests/kernels/scene_tables.h"
+
+namespace penumbra {
+namespace {
+
+/// Materials of the cases, and material 0, which is black.
+SceneTables all_materials() {
+  SceneTables tables;
+  tables.materials.push_back({});
+  for (const BsdfCase& each : kCases) tables.materials.push_back(each.material());
+  return tables;
+}
+
+/// LANES surfaces of materials in [first, end).
+Surfaces random_surfaces(RandomNumbers& random, int first, int end) {
+  Surfaces surfaces;
+  for (int j = 0; j < LANES; ++j) {
+    Surface s = surface_in_medium(make_vec3(0, 0, 0));
+    s.shading = s.geometric = rounded(random.direction());
+    s.wo = rounded(random.direction());
+    s.material = first + int(random.below(std::uint64_t(end - first)));
+    store_surface(&surfaces, j, s);
+  }
+  return surfaces;
+}
+
+TEST(BsdfLanes, OfSeveralFamiliesAreThoseOfEachByItself) {
+  SceneTables tables = all_materials();
+  const Scene scene = tables.scene();
+  RandomNumbers random(17);
+  std::set<uint> seen;
+  for (int k = 0; k < 5000; ++k) {
+    // Often of few materials, so that some groups of lanes lack a family.
+    const int count = int(tables.materials.size()), start = k % count;
+    const Surfaces surfaces =
+        random_surfaces(random, start, start + 1 + int(random.below(std::uint64_t(count - start))));
+    Closures closures;
+    resolve_closures(&scene, &surfaces, &closures);
+    uint expected = 0;
+    for (int j = 0; j < LANES; ++j)
+      expected |= 1u << tables.materials[std::size_t(surfaces.material[j])].family;
+    const uint families = families_among(&closures);
+    ASSERT_EQ(families, expected & EVERY_FAMILY);
+    seen.insert(families);
+
+    float wi[3 * LANES], uv[2 * LANES], choice[LANES];
+    for (int j = 0; j < LANES; ++j) {
+      STORE_LANE_vec3(wi, j, rounded(random.direction()));
+      uv[j] = random.unit_float(), uv[LANES + j] = random.unit_float(), choice[j] = random.unit_float();
+    }
+    BsdfValues values;
+    BsdfSamples samples;
+    eval_bsdfs(families, &closures, &surfaces, wi, &values);
+    sample_bsdfs(families, &closures, &surfaces, uv, choice, &samples);
+    for (int j = 0; j < LANES; ++j) {
+      const Surface s = load_surface(&surfaces, j);
+      const Closure c = closure_of(tables.materials[std::size_t(s.material)]);
+      const BsdfValue value = load_bsdf_value(&values, j);
+      const BsdfValue value_alone = eval_bsdf(c, s.shading, s.wo, LOAD_LANE_vec3(wi, j));
+      ASSERT_TRUE(same(value.f_cos, value_alone.f_cos));
+      ASSERT_EQ(value.pdf, value_alone.pdf);
+      const BsdfSample sample = load_bsdf_sample(&samples, j);
+      const BsdfSample sample_alone = sample_bsdf(c, s.shading, s.wo, uv[j], uv[LANES + j], choice[j]);
+      ASSERT_EQ(sample.pdf, sample_alone.pdf);
+      ASSERT_EQ(sample.eta, sample_alone.eta);
+      if (c.family == FAMILY_BLACK) continue;  // no direction
+      ASSERT_TRUE(same(sample.wi, sample_alone.wi));
+      ASSERT_TRUE(same(sample.weight, sample_alone.weight));
+    }
+  }
+  for (const uint families : {0u, 1u << FAMILY_DIFFUSE, 1u << FAMILY_PHONG, EVERY_FAMILY})
+    EXPECT_TRUE(seen.contains(families)) << families;
+}
+
+TEST(Closures, HaveWhatTheMaterialHas) {
+  SceneTables tables = all_materials();
+  const Scene scene = tables.scene();
+  RandomNumbers random(18);
+  const Surfaces surfaces = random_surfaces(random, 0, int(tables.materials.size()));
+  Closures closures;
+  resolve_closures(&scene, &surfaces, &closures);
+  for (int j = 0; j < LANES; ++j) {
+    const Material& m = tables.materials[std::size_t(surfaces.material[j])];
+    const Closure c = load_closure(&closures, j);
+    EXPECT_EQ(c.family, m.family);
+    EXPECT_TRUE(same(c.diffuse, m.diffuse));
+    EXPECT_TRUE(same(c.specular, m.specular));
+    EXPECT_EQ(c.exponent, m.exponent);
+    EXPECT_EQ(c.lobe, m.lobe);
+  }
+}
+
+TEST(Closures, KeepWhatNoFamilyOfTheSceneUses) {
+  SceneTables tables;
+  tables.materials = {{}, kCases[0].material()};
+  tables.materials[1].exponent = 7;  // of no account
+  const Scene scene = tables.scene();
+  RandomNumbers random(19);
+  const Surfaces surfaces = random_surfaces(random, 0, 2);
+  Closures closures;
+  for (int j = 0; j < LANES; ++j) store_closure(&closures, j, black_closure());
+  resolve_closures(&scene, &surfaces, &closures);
+  for (int j = 0; j < LANES; ++j) {
+    const Closure c = load_closure(&closures, j);
+    EXPECT_EQ(c.family, surfaces.material[j] == 1 ? FAMILY_DIFFUSE : FAMILY_BLACK);
+    EXPECT_EQ(c.diffuse.y, surfaces.material[j] == 1 ? 0.5f : 0);
+    EXPECT_EQ(c.exponent, 0);
+    EXPECT_EQ(c.lobe, 0);
+  }
+}
+
+}  // namespace
+}  // namespace penumbra
