@@ -54,21 +54,22 @@ STAGE void start_paths(const PRIVATE Scene* scene, const PRIVATE PathState* path
                        const PRIVATE SlotState* slots) {
   const Camera camera = scene->header.camera;
   const FilmParameters film = scene->header.film;
+  const PathState fields = *paths;  // see step.h
   float weights[LANES];
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const FilterSample fx = sample_filter(film.filter, scene->filter_table, u[j]);
       const FilterSample fy = sample_filter(film.filter, scene->filter_table, v[j]);
-      const Ray ray = camera_ray(camera, film, get_film_x(paths, i + j), get_film_y(paths, i + j),
+      const Ray ray = camera_ray(camera, film, get_film_x(&fields, i + j), get_film_y(&fields, i + j),
                                  film.filter_radius * fx.x, film.filter_radius * fy.x);
-      set_ray_origin(paths, i + j, ray.origin);
-      set_ray_direction(paths, i + j, ray.direction);
-      set_ray_tmax(paths, i + j, ray.tmax);
-      set_ray_skip(paths, i + j, -1);
-      set_direction_pdf(paths, i + j, 0.0f);
-      set_throughput(paths, i + j, make_vec3(1.0f, 1.0f, 1.0f));
-      set_radiance(paths, i + j, make_vec3(0.0f, 0.0f, 0.0f));
-      set_depth(paths, i + j, 0);
+      set_ray_origin(&fields, i + j, ray.origin);
+      set_ray_direction(&fields, i + j, ray.direction);
+      set_ray_tmax(&fields, i + j, ray.tmax);
+      set_ray_skip(&fields, i + j, -1);
+      set_direction_pdf(&fields, i + j, 0.0f);
+      set_throughput(&fields, i + j, make_vec3(1.0f, 1.0f, 1.0f));
+      set_radiance(&fields, i + j, make_vec3(0.0f, 0.0f, 0.0f));
+      set_depth(&fields, i + j, 0);
       weights[j] = fx.weight * fy.weight;
     }
   for (int j = 0; j < LANES; j++) set_slot_filter_weight(slots, get_slot(paths, i + j), weights[j]);

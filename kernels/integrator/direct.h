@@ -134,17 +134,18 @@ FN void choose_directions(const PRIVATE SceneHeader* h, PRIVATE StepLanes* step)
 STAGE void request_directions(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                               const PRIVATE StepLanes* RESTRICT step) {
   const float share = 1.0f / (float)scene->header.integrator.bsdf_samples;
+  const PathState fields = *paths;  // see step.h
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(&step->surfaces, j);
       const BsdfSample next = load_bsdf_sample(&step->samples, j);
       const bool traces = is_hit(s) & (next.pdf > 0.0f) & !is_beneath(s, next.wi);
-      set_ray_origin(paths, i + j, leave_surface(s.p, s.geometric, s.error, next.wi));
-      set_ray_direction(paths, i + j, next.wi);
-      set_throughput(paths, i + j, scale(next.weight, share));
-      set_ray_tmax(paths, i + j, traces ? NO_LIMIT : -1.0f);
-      set_direction_pdf(paths, i + j, next.pdf);
-      set_ray_skip(paths, i + j, s.primitive);
+      set_ray_origin(&fields, i + j, leave_surface(s.p, s.geometric, s.error, next.wi));
+      set_ray_direction(&fields, i + j, next.wi);
+      set_throughput(&fields, i + j, scale(next.weight, share));
+      set_ray_tmax(&fields, i + j, traces ? NO_LIMIT : -1.0f);
+      set_direction_pdf(&fields, i + j, next.pdf);
+      set_ray_skip(&fields, i + j, s.primitive);
     }
 }
 

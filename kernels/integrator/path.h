@@ -93,6 +93,7 @@ STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* pa
   const int sampling = scene->header.integrator.direct_sampling,
             heuristic = scene->header.integrator.heuristic;
   const int max_depth = scene->header.integrator.max_depth;
+  const PathState fields = *paths;  // see step.h
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(&step->surfaces, j);
@@ -102,12 +103,12 @@ STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* pa
       const bool controlled = is_controlled(scene, load_closure(&step->closures, j), light.of_polygon);
       const bool alone = light.delta | controlled;
       const float weight = (alone ? 1.0f : shared) / (light.pdf > 0.0f ? light.pdf : 1.0f);
-      const bool scatters = is_hit(s) & (get_depth(paths, i + j) + 1 < max_depth);
+      const bool scatters = is_hit(s) & (get_depth(&fields, i + j) + 1 < max_depth);
       const bool lit = scatters & (light.tmax > 0.0f) & (value.pdf > 0.0f) &
                        ((sampling != SAMPLING_BSDF_ONLY) | light.delta);
       const vec3 arriving =
-          mul(get_throughput(paths, i + j), scale(mul(value.f_cos, light.radiance), weight));
-      request_shadow_ray(scene, paths, i + j, s, light, arriving, lit, controlled);
+          mul(get_throughput(&fields, i + j), scale(mul(value.f_cos, light.radiance), weight));
+      request_shadow_ray(scene, &fields, i + j, s, light, arriving, lit, controlled);
     }
 }
 
@@ -115,26 +116,27 @@ STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* pa
 STAGE void continue_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           const PRIVATE StepLanes* RESTRICT step) {
   const int max_depth = scene->header.integrator.max_depth, rr_depth = scene->header.integrator.rr_depth;
+  const PathState fields = *paths;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(&step->surfaces, j);
       const BsdfSample next = load_bsdf_sample(&step->samples, j);
-      const int depth = get_depth(paths, i + j) + 1;
-      const vec3 throughput = mul(get_throughput(paths, i + j), next.weight);
+      const int depth = get_depth(&fields, i + j) + 1;
+      const vec3 throughput = mul(get_throughput(&fields, i + j), next.weight);
       const float strongest = max_component(throughput);
       const bool roulette = depth >= rr_depth;
       const int throws = roulette ? depth - rr_depth : 0;
       const float survival = roulette ? roulette_survival(strongest, throws) : 1.0f;
       const bool alive = is_hit(s) & (depth < max_depth) & (next.pdf > 0.0f) & (strongest > 0.0f) &
                          !is_beneath(s, next.wi) & (lane_number(step, DIM_ROULETTE, j) < survival);
-      set_ray_origin(paths, i + j, leave_surface(s.p, s.geometric, s.error, next.wi));
-      set_ray_direction(paths, i + j, next.wi);
-      set_throughput(paths, i + j, scale(throughput, 1.0f / (alive ? survival : 1.0f)));
-      set_ray_tmax(paths, i + j, NO_LIMIT);
-      set_direction_pdf(paths, i + j, next.pdf);
-      set_ray_skip(paths, i + j, s.primitive);
-      set_depth(paths, i + j, depth);
-      set_alive(paths, i + j, alive);
+      set_ray_origin(&fields, i + j, leave_surface(s.p, s.geometric, s.error, next.wi));
+      set_ray_direction(&fields, i + j, next.wi);
+      set_throughput(&fields, i + j, scale(throughput, 1.0f / (alive ? survival : 1.0f)));
+      set_ray_tmax(&fields, i + j, NO_LIMIT);
+      set_direction_pdf(&fields, i + j, next.pdf);
+      set_ray_skip(&fields, i + j, s.primitive);
+      set_depth(&fields, i + j, depth);
+      set_alive(&fields, i + j, alive);
     }
 }
 

@@ -10,6 +10,9 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
+// Stages that write many fields of paths copy the pointers to them first: to compilers of OpenCL drivers
+// every store might change them.
+
 /// LANES paths in a step.
 typedef struct {
   float u[STEP_DIMENSIONS * LANES];  ///< random numbers, DIM_* of lane j at DIM_* * LANES + j
