@@ -9,6 +9,7 @@
   X(PATH, 0x001, "path integrator")                                           \
   X(DIRECT, 0x002, "direct integrator")                                       \
   X(BVH, 0x004, "bounding volume hierarchy")                                  \
+  X(TRANSMISSION, 0x008, "paths through surfaces into other media")           \
   X(SHADING_NORMALS, 0x010, "interpolated vertex normals")                    \
   X(QUADRICS, 0x020, "spheres and disks")                                     \
   X(SOLID_ANGLE, 0x100, "sampling of triangle lights by solid angle")         \
@@ -23,6 +24,7 @@
 #define FEATURE_PATH 0x001
 #define FEATURE_DIRECT 0x002
 #define FEATURE_BVH 0x004
+#define FEATURE_TRANSMISSION 0x008
 #define FEATURE_SHADING_NORMALS 0x010
 #define FEATURE_QUADRICS 0x020
 #define FEATURE_SOLID_ANGLE 0x100

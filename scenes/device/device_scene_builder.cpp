@@ -118,6 +118,7 @@ class Builder {
       records_.materials.push_back(m);
       h_.families |= 1u << m.family;
     }
+    if ((h_.families & families_with(TRANSMITS)) != 0u) need(FEATURE_TRANSMISSION);
   }
 
   void add_shape(const Shape& shape) {

@@ -1,0 +1,46 @@
+#include "tests/support/stand_in_families/stand_in_kernels.h"
+
+#include "kernels/native_variants.h"
+
+namespace penumbra {
+
+NativeRenderBlock render_stand_ins_scalar_all, render_stand_ins_scalar_all_bvh, render_stand_ins_avx2_all,
+    render_stand_ins_avx2_all_bvh, render_stand_ins_avx512_all, render_stand_ins_avx512_all_bvh;
+
+namespace {
+
+#define BOTH_SETS(target, name, lanes)                                                                 \
+  {KernelTarget::target, "all", NATIVE_FEATURES_all, lanes, render_stand_ins_##name##_all}, {          \
+    KernelTarget::target, "all_bvh", NATIVE_FEATURES_all_bvh, lanes, render_stand_ins_##name##_all_bvh \
+  }
+constexpr NativeKernel kKernels[] = {BOTH_SETS(kScalar, scalar, 1), BOTH_SETS(kAvx2, avx2, 16),
+                                     BOTH_SETS(kAvx512, avx512, 16)};
+
+}  // namespace
+
+std::span<const NativeKernel> stand_in_kernels() { return kKernels; }
+
+const NativeKernel* find_stand_in_kernel(KernelTarget target, const DeviceScene& scene) {
+  if (!machine_has(target)) return nullptr;
+  for (const NativeKernel& kernel : kKernels)
+    if (kernel.target == target && ((kernel.features ^ scene.header.features) & FEATURE_BVH) == 0)
+      return &kernel;
+  return nullptr;
+}
+
+void stand_in(DeviceScene& scene, std::span<const StandIn> stand_ins) {
+  const TableSpan span = scene.header.tables.materials;
+  auto* materials = reinterpret_cast<Material*>(scene.words.data() + span.offset);
+  for (const StandIn& each : stand_ins) {
+    Material& m = materials[each.material];
+    m.family = each.family;
+    if (each.specular >= 0) m.specular = {each.specular, each.specular, each.specular};
+    if (each.exponent >= 0) m.exponent = each.exponent;
+  }
+  scene.header.families = 0;
+  for (int i = 0; i < span.count; ++i) scene.header.families |= 1u << materials[i].family;
+  // What the builder does for families that the renderer has.
+  if ((scene.header.families & families_with(TRANSMITS)) != 0) scene.header.features |= FEATURE_TRANSMISSION;
+}
+
+}  // namespace penumbra
