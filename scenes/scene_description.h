@@ -12,6 +12,8 @@
 #include <variant>
 #include <vector>
 
+#include "scenes/integrators.h"
+
 namespace penumbra {
 
 /// Lambertian reflection, f = reflectance / pi.
@@ -27,9 +29,11 @@ struct PhongBsdf {
   float exponent = 30.0f;  ///< n >= 0
 };
 
+using BsdfModel = std::variant<DiffuseBsdf, PhongBsdf>;
+
 struct Bsdf {
   std::string name;  ///< the file's id, or a description of the place, for messages
-  std::variant<DiffuseBsdf, PhongBsdf> model;
+  BsdfModel model;
 };
 
 /// World-space triangles. The geometric normal of (a, b, c) is along (b - a) x (c - a).
@@ -54,11 +58,6 @@ struct Disk {
 
 constexpr int kBlackBsdf = -1;
 
-/// How a point on an area light is chosen: uniformly by area, by solid angle (rectangles, triangles and
-/// spheres; disks by area), by projected solid angle (meshes; others by solid angle), or what is best for the
-/// integrator.
-enum class EmitterSampling { kAuto, kArea, kSolidAngle, kProjected };
-
 struct Shape {
   std::string name;  ///< for messages
   std::variant<Mesh, Sphere, Disk> geometry;
@@ -72,14 +71,27 @@ struct Shape {
 
 /// Radiant intensity, W/sr, the same in all directions.
 struct PointLight {
+  static constexpr bool kIsSky = false;  ///< seen where there is no shape
   glm::dvec3 position{0.0};
   glm::vec3 intensity{1.0f};
+  [[nodiscard]] bool is_black() const { return intensity == glm::vec3(0.0f); }
 };
 
 /// Constant radiance from all directions that leave the scene.
 struct ConstantEnvironment {
+  static constexpr bool kIsSky = true;
   glm::vec3 radiance{1.0f};
+  [[nodiscard]] bool is_black() const { return radiance == glm::vec3(0.0f); }
 };
+
+/// A light that is no shape.
+using Emitter = std::variant<PointLight, ConstantEnvironment>;
+inline bool is_black(const Emitter& emitter) {
+  return std::visit([](const auto& e) { return e.is_black(); }, emitter);
+}
+inline bool is_sky(const Emitter& emitter) {
+  return std::visit([](const auto& e) { return e.kIsSky; }, emitter);
+}
 
 enum class FovAxis { kX, kY, kDiagonal, kSmaller, kLarger };
 
@@ -115,64 +127,22 @@ struct SamplerSettings {
   std::uint32_t seed = 0;
 };
 
-/// kPolygonAnalytic: unshadowed light of the polygon lights in closed form; kPolygonArea: samples of emitters
-/// by area; kPolygonCv: samples of emitters with the closed form as control variate.
-enum class IntegratorKind { kDirect, kPath, kPolygonAnalytic, kPolygonArea, kPolygonCv };
-enum class DirectSampling { kBsdfOnly, kEmitterOnly, kMis };  ///< path: "mats", "ems", "mis"
-enum class MisHeuristic { kBalance, kPower };                 ///< power: beta = 2
-enum class BsdfSampling { kBsdf, kCosine, kUniform };  ///< how direct's `bsdf_samples` choose directions
-/// How samples and the closed form of polygon lights are put together: alpha G + <H - alpha G>, or G <H> /
-/// <G>.
-enum class CvEstimator { kCv, kRatio };
-enum class NextEvent { kSample, kCv };  ///< path: kCv has polygon lights' closed form as control variate
-/// How one of many lights is chosen: in proportion to its power, or to its unshadowed contribution to the
-/// point.
-enum class LightChoice { kAuto, kPower, kAnalytic };
-
-/// What the camera sees where an emitter is hidden: its surface without its light, as Mitsuba up to 3.6 has
-/// it, or what is behind it, as later ones.
-enum class HiddenEmitters { kUnlit, kLookedThrough };
-
-struct IntegratorSettings {
-  IntegratorKind kind = IntegratorKind::kPath;
-  int max_depth =
-      -1;  ///< path: longest path in edges (1: emitters seen directly; 2: direct light); -1: no limit
-  int rr_depth = 5;                                       ///< path: Russian roulette from this depth on
-  DirectSampling direct_sampling = DirectSampling::kMis;  ///< path
-  int emitter_samples = 1;                                ///< direct: n_g, shadow rays per camera ray
-  int bsdf_samples = 1;                                   ///< direct: n_f, BSDF-sampled rays per camera ray
-  BsdfSampling bsdf_sampling = BsdfSampling::kBsdf;       ///< direct
-  EmitterSampling emitter_sampling = EmitterSampling::kAuto;  ///< both
-  MisHeuristic heuristic = MisHeuristic::kBalance;            ///< both
-  LightChoice light_choice = LightChoice::kAuto;              ///< all
-  bool trace_shadows = true;                                  ///< direct, polygon_area
-  int vis_samples = 1;                                        ///< polygon_cv: shadow rays per camera ray
-  std::optional<float> alpha = std::nullopt;                  ///< polygon_cv, path with kCv; none: auto
-  CvEstimator estimator = CvEstimator::kCv;                   ///< polygon_cv, path with kCv
-  NextEvent next_event = NextEvent::kSample;                  ///< path
-  bool hide_emitters = false;
-  HiddenEmitters hidden_emitters = HiddenEmitters::kUnlit;  ///< with hide_emitters
+/// What settings change (settings.h).
+struct RenderSettings {
+  PerspectiveCamera camera;
+  Film film;
+  SamplerSettings sampler;
+  IntegratorSettings integrator;
 };
 
-/// Whether samples of polygon lights have their closed form as control variate.
-inline bool has_control_variate(const IntegratorSettings& integrator) {
-  return integrator.kind == IntegratorKind::kPolygonCv ||
-         (integrator.kind == IntegratorKind::kPath && integrator.next_event == NextEvent::kCv);
-}
-
-struct SceneDescription {
+struct SceneDescription : RenderSettings {
   std::string source;                        ///< the file it was read from
   std::vector<std::filesystem::path> files;  ///< all that were read for it, that one first
   /// Of the contents of those files: the same scene elsewhere has the same.
   std::uint64_t contents_hash = 0;
   std::vector<Bsdf> bsdfs;
   std::vector<Shape> shapes;
-  std::vector<PointLight> point_lights;
-  std::optional<ConstantEnvironment> environment;
-  PerspectiveCamera camera;
-  Film film;
-  SamplerSettings sampler;
-  IntegratorSettings integrator;
+  std::vector<Emitter> emitters;  ///< one sky at most
   std::vector<std::string>
       warnings;  ///< what the reader repaired or stood in for, each with its file position
 };

@@ -72,14 +72,10 @@ Expected<void> apply_all(SceneDescription& scene, const ReadOptions& options) {
   return check_settings(scene);
 }
 
-bool is_black(const glm::vec3& colour) { return colour == glm::vec3(0.0f); }
-
 bool has_light(const SceneDescription& scene) {
   return std::ranges::any_of(scene.shapes,
-                             [](const Shape& s) { return s.radiance && !is_black(*s.radiance); }) ||
-         std::ranges::any_of(scene.point_lights,
-                             [](const PointLight& p) { return !is_black(p.intensity); }) ||
-         (scene.environment && !is_black(scene.environment->radiance));
+                             [](const Shape& s) { return s.radiance && *s.radiance != glm::vec3(0.0f); }) ||
+         std::ranges::any_of(scene.emitters, [](const Emitter& e) { return !is_black(e); });
 }
 
 /// Warns of scenes whose image is black, or nearly, which is hardly intended.
@@ -89,8 +85,9 @@ void warn_of_emptiness(SceneDescription& scene) {
     scene.warnings.push_back(fmt::format("{}: warning: {}", scene.source, message));
   };
   if (scene.shapes.empty())
-    warn(light && scene.environment ? "the scene has no shapes; only its sky is seen"
-                                    : "the scene has no shapes; the image is black");
+    warn(light && std::ranges::any_of(scene.emitters, is_sky)
+             ? "the scene has no shapes; only its sky is seen"
+             : "the scene has no shapes; the image is black");
   else if (!light)
     warn("nothing in the scene emits light; the image is black");
 }

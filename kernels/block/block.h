@@ -107,11 +107,6 @@ FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first
   }
 }
 
-/// Whether samples of polygon lights have their closed form as control variate.
-FN bool has_control(const PRIVATE Scene* scene) {
-  return NEEDS(scene, POLYGONS) && scene->header.integrator.estimator != ESTIMATOR_SAMPLES;
-}
-
 /// Traces `path_count` paths, from the `first_path`-th on, of the block's pixels, which start at the unit's
 /// `first_pixel`-th: `batch` at a time, at most the capacity. Their samples are then in their slots.
 FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int first_path,

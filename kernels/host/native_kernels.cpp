@@ -49,10 +49,9 @@ bool machine_has(KernelTarget target) {
 
 const NativeKernel* find_native_kernel(KernelTarget target, std::uint32_t features) {
   for (const NativeKernel& kernel : kKernels) {
-    // The hierarchy replaces testing every primitive, so that bit must agree; the others may be compiled in
-    // without being needed.
+    // The hierarchy replaces testing every primitive; the other features are compiled in.
     const bool same_search = ((kernel.features ^ features) & FEATURE_BVH) == 0;
-    if (kernel.target == target && same_search && (features & ~kernel.features) == 0) return &kernel;
+    if (kernel.target == target && same_search) return &kernel;
   }
   return nullptr;
 }

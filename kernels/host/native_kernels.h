@@ -29,14 +29,13 @@ struct NativeKernel {
   NativeRenderBlock* render_block;
 };
 
-/// All variants in this binary, of each target the smallest feature sets first.
+/// All variants in this binary.
 std::span<const NativeKernel> native_kernels();
 
 /// Whether this machine can run code built for the target.
 bool machine_has(KernelTarget target);
 
-/// The smallest variant of the target that covers the scene's features; never null for a target of this
-/// binary.
+/// The variant of the target that searches as the scene's features say; never null for a target of this binary.
 const NativeKernel* find_native_kernel(KernelTarget target, std::uint32_t features);
 
 }  // namespace penumbra

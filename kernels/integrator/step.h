@@ -49,10 +49,14 @@ FN void sample_step_lights(const PRIVATE Scene* scene, PRIVATE StepLanes* step) 
                 step->u + DIM_LIGHT_FINE * LANES, &step->samplings, &step->lights);
 }
 
+/// Whether samples of polygon lights have their closed form as control variate.
+FN bool has_control(const PRIVATE Scene* scene) {
+  return NEEDS(scene, POLYGONS) && scene->header.integrator.estimator != ESTIMATOR_SAMPLES;
+}
+
 /// Whether samples of the light at a surface of the closure have their closed form as control variate.
 FN bool is_controlled(const PRIVATE Scene* scene, Closure c, bool of_polygon) {
-  return NEEDS(scene, POLYGONS) & (scene->header.integrator.estimator != ESTIMATOR_SAMPLES) &
-         has_closed_form(c) & of_polygon;
+  return has_control(scene) & has_closed_form(c) & of_polygon;
 }
 
 /// Requests the shadow ray of lane i's light sample; `arriving` is what it brings if nothing is in the way.

@@ -25,8 +25,9 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, float, pmf)
 LANE_RECORD(LaneLight, ChosenLights, chosen_light, CHOSEN_LIGHT_FIELDS)
 
-/// By `number` and `fine`, see choose_light, or as the samplings say.
-STAGE void choose_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+/// By `number` and `fine`, see choose_light, or as the samplings say. `kind` is that of all lights, or of
+/// some of them: then see detail_choices.
+STAGE void choose_lights(const PRIVATE Scene* scene, int kind, const PRIVATE Surfaces* RESTRICT receivers,
                          const PRIVATE float* RESTRICT number, const PRIVATE float* RESTRICT fine,
                          const PRIVATE LightSamplings* RESTRICT samplings,
                          PRIVATE ChosenLights* RESTRICT chosen) {
@@ -35,17 +36,27 @@ STAGE void choose_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RES
       const LightSampling sampling = load_light_sampling(samplings, j);
       const ChosenLight by_power = choose_light(scene, number[j], fine[j]);
       const bool is_chosen = sampling.light >= 0;
-      const int index = is_chosen ? sampling.light : by_power.light;
-      GLOBAL const Light* light = scene->lights + index;
-      const float pmf = light->pmf;
       LaneLight choice;
-      choice.light = index;
-      choice.kind = light->kind;
-      choice.own = is_own_light(scene, receiver_of(load_surface(receivers, j)), index);
+      choice.light = is_chosen ? sampling.light : by_power.light;
+      choice.kind = kind;
+      choice.own = choice.light == receivers->light[j];
+      choice.of_polygon = false;
       choice.u = is_chosen ? number[j] : by_power.u;
-      choice.pmf = is_chosen ? sampling.pmf : pmf;
-      choice.of_polygon = light->polygon >= 0;
+      choice.pmf = is_chosen ? sampling.pmf : by_power.pmf;
       store_chosen_light(chosen, j, choice);
+    }
+}
+
+/// What scenes of several kinds of lights, of spheres or of polygons need besides.
+STAGE void detail_choices(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+                          PRIVATE ChosenLights* RESTRICT chosen) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int index = chosen->light[j];
+      GLOBAL const Light* light = scene->lights + index;
+      chosen->kind[j] = light->kind;
+      chosen->of_polygon[j] = light->polygon >= 0 ? 1 : 0;
+      chosen->own[j] = is_own_light(scene, receiver_of(load_surface(receivers, j)), index) ? 1 : 0;
     }
 }
 
@@ -112,16 +123,28 @@ LIGHT_KINDS(KIND_LANES)
 #define NEEDS_WAYS(scene, ways) \
   (((FEATURES) & (ways)) != 0 && ((scene)->header.features & (uint)(ways)) != 0u)
 
+/// The kinds, of those of the scene, among LANES; negative ones are none.
+FN uint kinds_among(const PRIVATE Scene* scene, const PRIVATE int* kinds) {
+  uint among = 0u;
+  for (int j = 0; j < LANES; j++) among |= kinds[j] >= 0 ? 1u << kinds[j] : 0u;
+  return among & scene->header.light_kinds & LIGHT_KINDS_MASK;
+}
+
 /// Chooses a light for each receiver by `number` and `fine`, see choose_light, and a point on it by what is
 /// left of `number` and by `v`; or as the samplings say.
 FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* receivers,
                       const PRIVATE float* number, const PRIVATE float* v, const PRIVATE float* fine,
                       const PRIVATE LightSamplings* samplings, PRIVATE LightSamples* samples) {
   ChosenLights chosen;
-  choose_lights(scene, receivers, number, fine, samplings, &chosen);
+  const uint kinds = scene->header.light_kinds;
+  choose_lights(scene, kinds != 0u ? LOWEST_BIT(kinds) : 0, receivers, number, fine, samplings, &chosen);
+  const bool one_kind = (kinds & (kinds - 1u)) == 0u;
+  if (!one_kind || NEEDS_LIGHT(scene, SPHERE) || NEEDS(scene, POLYGONS))
+    detail_choices(scene, receivers, &chosen);
+  const uint among = kinds_among(scene, chosen.kind);
   bool first = true;
 #define SAMPLE_KIND(name, NAME, number, ways, description)                                     \
-  if (NEEDS_LIGHT(scene, NAME)) {                                                              \
+  if ((among >> (number)&1u) != 0u) {                                                          \
     if (NEEDS_WAYS(scene, ways))                                                               \
       sample_##name##_lights_by_ways(scene, receivers, &chosen, v, samplings, first, samples); \
     else                                                                                       \
@@ -136,9 +159,10 @@ FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* receiv
 /// What the lights that rays found add to them. Densities are 0 unless they are `compared`.
 FN void find_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLights* found, bool compared,
                        PRIVATE Emissions* emissions) {
+  const uint among = kinds_among(scene, found->kind);
   no_emissions(scene, found, emissions);
 #define FIND_KIND(name, NAME, number, ways, description)     \
-  if (NEEDS_LIGHT(scene, NAME)) {                            \
+  if ((among >> (number)&1u) != 0u) {                        \
     if (!compared)                                           \
       see_##name##_lights(scene, found, emissions);          \
     else if (NEEDS_WAYS(scene, ways))                        \

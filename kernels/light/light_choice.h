@@ -8,7 +8,8 @@ PENUMBRA_NAMESPACE_BEGIN
 
 typedef struct {
   int light;
-  float u;  ///< what is left of the number that chose it, uniform in [0, 1) again
+  float u;    ///< what is left of the number that chose it, uniform in [0, 1) again
+  float pmf;  ///< probability of the choice
 } ChosenLight;
 
 /// Walker's alias method by u, a multiple of 2^-24. The numbers that choose a light are spread out over
@@ -25,9 +26,9 @@ FN ChosenLight choose_light(const PRIVATE Scene* scene, float u, float fine) {
   const bool own = position - (float)first < threshold;
   ChosenLight choice;
   choice.light = own ? first : alias;
-  const float pmf = scene->lights[choice.light].pmf;
+  choice.pmf = scene->lights[choice.light].pmf;
   const int rank = (int)(u * 16777216.0f) + (own ? own_rank : alias_rank);
-  const float left = ((float)rank + fine) / (pmf > 0.0f ? pmf * 16777216.0f : 1.0f);
+  const float left = ((float)rank + fine) / (choice.pmf > 0.0f ? choice.pmf * 16777216.0f : 1.0f);
   choice.u = clamp_f(left, 0.0f, ONE_MINUS_EPSILON);
   return choice;
 }

@@ -10,9 +10,11 @@
 
 #include "kernels/intersect/bvh_limits.h"
 #include "scenes/device/bvh_builder.h"
+#include "scenes/device/camera_builder.h"
 #include "scenes/device/filter_table.h"
 #include "scenes/device/integrator_builder.h"
 #include "scenes/device/light_builder.h"
+#include "scenes/device/material_builder.h"
 #include "scenes/device/scene_records.h"
 #include "scenes/device/to_vec3.h"
 
@@ -25,9 +27,9 @@ constexpr std::size_t kMaxWholeTriangles = 64;
 constexpr std::size_t kMaxPortableTriangles = 4'000'000;
 constexpr std::size_t kMaxWholeQuadrics = 16;
 
-double mean(const glm::vec3& c) { return (double(c.x) + c.y + c.z) / 3; }
-bool is_black(const glm::vec3& c) { return c.x == 0 && c.y == 0 && c.z == 0; }
-bool emits(const Shape& shape) { return shape.radiance && !is_black(*shape.radiance); }
+static_assert(int(SamplerKind::kSobol) == SAMPLER_SOBOL);
+
+bool emits(const Shape& shape) { return shape.radiance && *shape.radiance != glm::vec3(0.0f); }
 bool finite(const vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 struct Bounds {
@@ -74,7 +76,7 @@ class Builder {
     need(lights_.features());
     h_.light_kinds = lights_.kinds();
     if (options_.feature_layers) need(FEATURE_LAYERS);
-    if (Expected<void> done = set_integrator(scene_, lights_, h_); !done)
+    if (Expected<void> done = set_integrator(scene_.integrator, lights_, h_); !done)
       return fail(scene_.source + ": " + done.error().message);
     if (scene_.sampler.kind != SamplerKind::kSobol) need(FEATURE_SAMPLERS);
     if (Expected<void> done = choose_intersector(); !done) return std::unexpected(done.error());
@@ -102,21 +104,8 @@ class Builder {
   void add_materials() {
     records_.materials.push_back({});  // 0: absorbs everything
     for (const Bsdf& bsdf : scene_.bsdfs) {
-      Material m{};
-      if (const auto* diffuse = std::get_if<DiffuseBsdf>(&bsdf.model)) {
-        m.family = FAMILY_DIFFUSE;
-        m.diffuse = to_vec3(diffuse->reflectance);
-      }
-      if (const auto* phong = std::get_if<PhongBsdf>(&bsdf.model)) {
-        m.diffuse = to_vec3(phong->diffuse);
-        m.specular = to_vec3(phong->specular);
-        m.exponent = phong->exponent;
-        const double sum = mean(phong->diffuse) + mean(phong->specular);
-        m.lobe = sum > 0 ? float(mean(phong->specular) / sum) : 0.0f;
-        m.family = m.lobe > 0 ? FAMILY_PHONG : FAMILY_DIFFUSE;
-      }
-      records_.materials.push_back(m);
-      h_.families |= 1u << m.family;
+      records_.materials.push_back(build_material(bsdf));
+      h_.families |= 1u << records_.materials.back().family;
     }
     if ((h_.families & families_with(TRANSMITS)) != 0u) need(FEATURE_TRANSMISSION);
   }
@@ -207,13 +196,15 @@ class Builder {
   }
 
   void add_other_lights() {
-    for (const PointLight& point : scene_.point_lights) {
-      if (!is_black(point.intensity))
-        lights_.add_point(local(point.position, "a point light"), point.intensity);
-    }
     h_.environment = -1;
-    if (scene_.environment && !is_black(scene_.environment->radiance))
-      h_.environment = lights_.add_environment(scene_.environment->radiance, radius_);
+    const auto at = [&](const glm::dvec3& p) { return local(p, "a point light"); };
+    // Kind by kind: the order in which a file has them makes no difference.
+    for (std::size_t kind = 0; kind < std::variant_size_v<Emitter>; ++kind)
+      for (const Emitter& emitter : scene_.emitters) {
+        if (emitter.index() != kind || is_black(emitter)) continue;
+        const int light = lights_.add_emitter(emitter, {at, radius_});
+        if (is_sky(emitter)) h_.environment = light;
+      }
     lights_.finish();
     records_.lights = lights_.lights();
     records_.polygons = lights_.polygons();
@@ -222,21 +213,8 @@ class Builder {
   }
 
   void set_camera() {
-    const PerspectiveCamera& camera = scene_.camera;
-    const double w = scene_.film.width, h = scene_.film.height;
-    const double tangent = std::tan(0.5 * camera.fov * std::numbers::pi / 180);
-    const bool along_x = camera.fov_axis == FovAxis::kX || (camera.fov_axis == FovAxis::kSmaller && w <= h) ||
-                         (camera.fov_axis == FovAxis::kLarger && w > h);
-    const double tan_x = camera.fov_axis == FovAxis::kDiagonal ? tangent * w / std::hypot(w, h)
-                         : along_x                             ? tangent
-                                                               : tangent * w / h;
-    const glm::dmat3 axes(camera.to_world);
-    h_.camera.origin = local(glm::dvec3(camera.to_world[3]), "the camera");
-    h_.camera.x = to_vec3(glm::normalize(axes[0]) * tan_x);
-    h_.camera.y = to_vec3(glm::normalize(axes[1]) * (tan_x * h / w));
-    h_.camera.z = to_vec3(glm::normalize(axes[2]));
-    h_.camera.near_clip = float(camera.near_clip);
-    h_.camera.far_clip = float(camera.far_clip);
+    const vec3 origin = local(glm::dvec3(scene_.camera.to_world[3]), "the camera");
+    h_.camera = build_camera(scene_.camera, scene_.film, origin);
   }
 
   void set_film() {

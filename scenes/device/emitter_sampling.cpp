@@ -158,11 +158,12 @@ SamplingVariance sampling_variance(std::span<const LightTriangle> triangles, con
 }
 
 bool solid_angle_pays(const SamplingVariance& variance, const IntegratorSettings& integrator) {
-  const bool path = integrator.kind == IntegratorKind::kPath;
-  const bool samples = path ? integrator.direct_sampling != DirectSampling::kBsdfOnly
-                            : integrator.kind == IntegratorKind::kDirect && integrator.emitter_samples > 0;
+  const auto* path = integrator.get<PathIntegrator>();
+  const auto* direct = integrator.get<DirectIntegrator>();
+  const bool samples = path != nullptr ? path->direct_sampling != DirectSampling::kBsdfOnly
+                                       : direct != nullptr && direct->emitter_samples > 0;
   if (!samples) return false;
-  const double cost = path ? kPathCost : kDirectCost;
+  const double cost = path != nullptr ? kPathCost : kDirectCost;
   return (kOtherVariance + variance.solid_angle) * (1 + cost) < kOtherVariance + variance.area;
 }
 

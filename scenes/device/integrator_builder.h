@@ -4,7 +4,7 @@
 #include "kernels/host/error.h"
 #include "kernels/scene_types.h"
 #include "scenes/device/light_builder.h"
-#include "scenes/scene_description.h"
+#include "scenes/integrators.h"
 
 namespace penumbra {
 
@@ -16,6 +16,7 @@ EmitterSampling default_sampling(const IntegratorSettings& integrator);
 
 /// Fills in the integrator's fields of the header, `features` among them; `lights` are complete. Errors:
 /// settings that contradict each other or the scene.
-Expected<void> set_integrator(const SceneDescription& scene, const LightBuilder& lights, SceneHeader& header);
+Expected<void> set_integrator(const IntegratorSettings& integrator, const LightBuilder& lights,
+                              SceneHeader& header);
 
 }  // namespace penumbra

@@ -139,20 +139,24 @@ int LightBuilder::add_quadric(Light light, const Shape& shape, double area) {
   return add(light, *shape.radiance, area, std::numbers::pi * area);
 }
 
-int LightBuilder::add_point(const vec3& position, const glm::vec3& intensity) {
-  Light light{};
-  light.kind = LIGHT_POINT;
-  light.p0 = position;
-  light.polygon = -1;
-  return add(light, intensity, 0, 4 * std::numbers::pi);
+int LightBuilder::add_emitter(const Emitter& emitter, const EmitterPlace& place) {
+  return std::visit([&](const auto& e) { return add(e, place); }, emitter);
 }
 
-int LightBuilder::add_environment(const glm::vec3& radiance, double scene_radius) {
+int LightBuilder::add(const PointLight& point, const EmitterPlace& place) {
+  Light light{};
+  light.kind = LIGHT_POINT;
+  light.p0 = place.local(point.position);
+  light.polygon = -1;
+  return add(light, point.intensity, 0, 4 * std::numbers::pi);
+}
+
+int LightBuilder::add(const ConstantEnvironment& environment, const EmitterPlace& place) {
   Light light{};
   light.kind = LIGHT_ENVIRONMENT;
   light.polygon = -1;
-  const double section = std::numbers::pi * std::max(scene_radius * scene_radius, 1e-30);
-  return add(light, radiance, 0, std::numbers::pi * section);
+  const double section = std::numbers::pi * std::max(place.scene_radius * place.scene_radius, 1e-30);
+  return add(light, environment.radiance, 0, std::numbers::pi * section);
 }
 
 /// `power`: per unit of radiance (or intensity).

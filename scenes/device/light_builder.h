@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,12 @@
 #include "scenes/scene_description.h"
 
 namespace penumbra {
+
+/// Where emitters that are no shapes are.
+struct EmitterPlace {
+  std::function<vec3(const glm::dvec3&)> local;  ///< in the coordinates of the device scene
+  double scene_radius;                           ///< of a sphere about everything
+};
 
 /// Collects lights in the order in which they come.
 class LightBuilder {
@@ -34,10 +41,8 @@ class LightBuilder {
   /// A sphere or a disk, all but its radiance and sampling filled in.
   int add_quadric(Light light, const Shape& shape, double area);
 
-  int add_point(const vec3& position, const glm::vec3& intensity);
-
-  /// `scene_radius`: of a sphere about everything.
-  int add_environment(const glm::vec3& radiance, double scene_radius);
+  /// One that is not black.
+  int add_emitter(const Emitter& emitter, const EmitterPlace& place);
 
   /// Sets the probabilities of choosing each light by power.
   void finish();
@@ -58,6 +63,9 @@ class LightBuilder {
 
  private:
   int add(Light light, const glm::vec3& radiance, double area, double power);
+  // One for each struct of Emitter.
+  int add(const PointLight& point, const EmitterPlace& place);
+  int add(const ConstantEnvironment& environment, const EmitterPlace& place);
   void add_polygon(const Outline& outline, const Shape& shape, int first_light, int light_count);
 
   [[nodiscard]] int triangle_sampling(std::span<const LightTriangle> triangles, const Shape& shape) const;

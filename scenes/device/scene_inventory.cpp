@@ -46,8 +46,7 @@ void count_search(const DeviceScene& scene, TableSpans& all) {
 
 /// Counts of the outlines of all mesh lights.
 void count_polygons(SceneDescription description, TableSpans& all) {
-  description.integrator = {};
-  description.integrator.kind = IntegratorKind::kPolygonAnalytic;
+  description.integrator = {.method = PolygonAnalyticIntegrator{}};
   const auto built = build_device_scene(description, {.intersector = IntersectorChoice::kEmbree});
   all.polygons.count = built ? built->header.tables.polygons.count : kUnknown;
   all.polygon_corners.count = built ? built->header.tables.polygon_corners.count : kUnknown;

@@ -8,17 +8,11 @@
 namespace penumbra::mitsuba {
 namespace {
 
-const std::vector<std::string> kBsdfTypes = {"diffuse", "phong", "twosided"};
-
-std::string name_of(const Object& object) {
-  return object.id.empty() ? fmt::format("{} at {}", object.type, describe(object.location)) : object.id;
+BsdfModel read_diffuse(PluginReader& plugin) {
+  return DiffuseBsdf{plugin.colour("reflectance", glm::vec3(0.5f), ColourRole::kReflectance)};
 }
 
-DiffuseBsdf read_diffuse(PluginReader& plugin) {
-  return {plugin.colour("reflectance", glm::vec3(0.5f), ColourRole::kReflectance)};
-}
-
-PhongBsdf read_phong(PluginReader& plugin) {
+BsdfModel read_phong(PluginReader& plugin) {
   PhongBsdf phong;
   phong.diffuse = plugin.colour("diffuse_reflectance", phong.diffuse, ColourRole::kReflectance);
   phong.specular = plugin.colour("specular_reflectance", phong.specular, ColourRole::kReflectance);
@@ -36,6 +30,14 @@ PhongBsdf read_phong(PluginReader& plugin) {
   }
   return phong;
 }
+
+struct BsdfPlugin {
+  std::string_view type;
+  BsdfModel (*read)(PluginReader&);
+};
+constexpr BsdfPlugin kBsdfs[] = {{"diffuse", read_diffuse}, {"phong", read_phong}};
+// One that holds others.
+constexpr std::string_view kTwoSided = "twosided";
 
 }  // namespace
 
@@ -56,14 +58,14 @@ const SurfaceMaterial& MaterialReader::read(const Object& bsdf) {
 SurfaceMaterial MaterialReader::read_new(const Object& bsdf) {
   PluginReader plugin(context_, bsdf);
   SurfaceMaterial result;
-  if (bsdf.type == "diffuse") {
-    result.front = Bsdf{name_of(bsdf), read_diffuse(plugin)};
-  } else if (bsdf.type == "phong") {
-    result.front = Bsdf{name_of(bsdf), read_phong(plugin)};
-  } else if (bsdf.type == "twosided") {
+  if (const auto* known = find_plugin(kBsdfs, bsdf.type)) {
+    result.front = Bsdf{name_of(bsdf), known->read(plugin)};
+  } else if (bsdf.type == kTwoSided) {
     result = read_two_sided(plugin);
   } else {
-    context_.unknown_plugin(bsdf, kBsdfTypes, "a magenta diffuse stands in for it");
+    std::vector<std::string> types = plugin_types(kBsdfs);
+    types.emplace_back(kTwoSided);
+    context_.unknown_plugin(bsdf, types, "a magenta diffuse stands in for it");
     result.front = Bsdf{name_of(bsdf), DiffuseBsdf{kStandInColour}};
     plugin.skip();
   }
@@ -80,7 +82,7 @@ SurfaceMaterial MaterialReader::read_two_sided(PluginReader& plugin) {
     return result;
   }
   for (const Object* side : nested) {
-    if (side->type == "twosided") {
+    if (side->type == kTwoSided) {
       plugin.wrong("a twosided bsdf cannot hold another twosided one");
       return result;
     }

@@ -264,6 +264,10 @@ void PluginReader::wrong(std::string_view parameter, std::string_view message) c
   wrong(message);
 }
 
+std::string name_of(const Object& object) {
+  return object.id.empty() ? fmt::format("{} at {}", object.type, describe(object.location)) : object.id;
+}
+
 void PluginReader::wrong(std::string_view message) const {
   context_.diagnostics.error(object_.location, message);
 }

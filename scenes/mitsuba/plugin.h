@@ -101,6 +101,26 @@ class PluginReader {
   bool finished_ = false;
 };
 
+/// A plugin that is read, by its type: each kind of object has a table of them. Rows have what their kind
+/// needs, a function as a rule.
+template <typename Rows>
+auto find_plugin(const Rows& rows, std::string_view type) -> decltype(&*std::begin(rows)) {
+  for (const auto& row : rows)
+    if (row.type == type) return &row;
+  return nullptr;
+}
+
+/// For messages.
+template <typename Rows>
+std::vector<std::string> plugin_types(const Rows& rows) {
+  std::vector<std::string> types;
+  for (const auto& row : rows) types.emplace_back(row.type);
+  return types;
+}
+
+/// The object's id, or what and where it is.
+std::string name_of(const Object& object);
+
 /// What stands in for a material, light colour or texture that is not read: nothing in nature has this
 /// colour.
 constexpr glm::vec3 kStandInColour(0.8f, 0.2f, 0.8f);

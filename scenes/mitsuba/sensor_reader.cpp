@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 
 #include "scenes/number.h"
@@ -49,7 +48,7 @@ void read_view_angle(PluginReader& plugin, SceneDescription& scene) {
   plugin.accept({"fov", "fov_axis"});
 }
 
-void read_camera(PluginReader& plugin, SceneDescription& scene) {
+void read_perspective(PluginReader& plugin, SceneDescription& scene) {
   read_view_angle(plugin, scene);
   plugin.settings(scene, "camera", Names{"near_clip", "far_clip"});
   const auto frame = without_scale(plugin.transform("to_world"));
@@ -65,65 +64,79 @@ void read_camera(PluginReader& plugin, SceneDescription& scene) {
   plugin.accept({"focus_distance", "shutter_open", "shutter_close"});
 }
 
+struct FilterPlugin {
+  std::string_view type;
+  Names parameters;
+};
+
 void read_filter(const Context& context, const Object& object, SceneDescription& scene) {
-  static const std::map<std::string, Names, std::less<>> kFilters = {
+  static const std::vector<FilterPlugin> kFilters = {
       {"box", {}}, {"tent", {"radius"}}, {"gaussian", {"stddev"}}, {"mitchell", {"b", "c"}}};
   PluginReader plugin(context, object);
-  const auto filter = kFilters.find(object.type);
-  if (filter == kFilters.end()) {
-    context.unknown_plugin(object, Names{"box", "tent", "gaussian", "mitchell"},
-                           "a gaussian stands in for it");
+  const auto* filter = find_plugin(kFilters, object.type);
+  if (filter == nullptr) {
+    context.unknown_plugin(object, plugin_types(kFilters), "a gaussian stands in for it");
     return;
   }
   choose(plugin, scene, "film.rfilter", object.type);
-  plugin.settings(scene, "film", filter->second, "rfilter_");
+  plugin.settings(scene, "film", filter->parameters, "rfilter_");
   plugin.finish();
 }
+
+struct FilmPlugin {
+  std::string_view type;
+};
+constexpr FilmPlugin kFilms[] = {{"hdrfilm"}, {"ldrfilm"}};
 
 void read_film(const Context& context, const Object& object, SceneDescription& scene) {
   PluginReader plugin(context, object);
   plugin.settings(scene, "film",
                   Names{"width", "height", "crop_offset_x", "crop_offset_y", "crop_width", "crop_height"});
   const Object* filter = plugin.only_nested("rfilter");
-  if (object.type == "hdrfilm" || object.type == "ldrfilm") {
+  if (find_plugin(kFilms, object.type) != nullptr) {
     // How Mitsuba writes its files; Penumbra's options are its command line's.
     plugin.accept({"pixel_format", "component_format", "file_format", "gamma", "banner", "attach_log",
                    "high_quality_edges", "exposure", "tonemap_method", "key", "burn", "sample_border",
                    "compensate"});
   } else {
-    context.unknown_plugin(object, Names{"hdrfilm", "ldrfilm"}, "an hdrfilm stands in for it");
+    context.unknown_plugin(object, plugin_types(kFilms), "an hdrfilm stands in for it");
     plugin.skip();
   }
   plugin.finish();
   if (filter != nullptr) read_filter(context, *filter, scene);
 }
 
+/// Mitsuba's samplers, and what comes nearest to each.
+struct SamplerPlugin {
+  std::string_view type, nearest;
+};
+constexpr SamplerPlugin kSamplers[] = {
+    {"halton", "halton"},   {"hammersley", "halton"},      {"independent", "independent"},
+    {"ldsampler", "sobol"}, {"multijitter", "stratified"}, {"orthogonal", "sobol"},
+    {"sobol", "sobol"},     {"stratified", "stratified"}};
+
 void read_sampler(const Context& context, const Object& object, SceneDescription& scene) {
-  /// Mitsuba's samplers, and what comes nearest to each.
-  static const std::map<std::string, std::string, std::less<>> kSamplers = {
-      {"independent", "independent"}, {"stratified", "stratified"},
-      {"multijitter", "stratified"},  {"halton", "halton"},
-      {"hammersley", "halton"},       {"ldsampler", "sobol"},
-      {"orthogonal", "sobol"},        {"sobol", "sobol"}};
   PluginReader plugin(context, object);
   plugin.settings(scene, "sampler", Names{"sample_count", "seed"});
-  const auto sampler = kSamplers.find(object.type);
-  if (sampler != kSamplers.end()) {
-    choose(plugin, scene, "sampler.type", sampler->second);
+  if (const auto* sampler = find_plugin(kSamplers, object.type)) {
+    choose(plugin, scene, "sampler.type", sampler->nearest);
     plugin.accept({"jitter", "scramble", "dimension"});
   } else {
-    Names known;
-    for (const auto& [name, kind] : kSamplers) known.push_back(name);
-    context.unknown_plugin(object, known, "sobol stands in for it");
+    context.unknown_plugin(object, plugin_types(kSamplers), "sobol stands in for it");
     plugin.skip();
   }
   plugin.finish();
 }
 
+struct WrapperPlugin {
+  std::string_view type;
+};
+constexpr WrapperPlugin kWrappers[] = {{"moment"}, {"aov"}};
+
 /// The integrator itself, out of those that only add outputs to it.
 const Object* unwrap(const Context& context, const Object& object) {
   const Object* inner = &object;
-  for (int depth = 0; inner != nullptr && (inner->type == "moment" || inner->type == "aov"); ++depth) {
+  for (int depth = 0; inner != nullptr && find_plugin(kWrappers, inner->type) != nullptr; ++depth) {
     PluginReader plugin(context, *inner);
     const Object* next = plugin.only_nested("integrator");
     plugin.accept({"aovs"});
@@ -135,16 +148,34 @@ const Object* unwrap(const Context& context, const Object& object) {
   return inner;
 }
 
+/// The parameters of the scene's integrator. Those that its name has chosen have no others.
+Names integrator_parameter_names(const SceneDescription& scene, std::string_view type) {
+  const bool preset = type != method_name(scene.integrator.method);
+  Names names;
+  for (const Setting& setting : all_settings())
+    if (setting.key.starts_with("integrator.") && setting.name() != "type" && setting.belongs_to(scene) &&
+        !(preset && setting.name() == "direct_sampling"))
+      names.push_back(setting.name());
+  return names;
+}
+
+struct SensorPlugin {
+  std::string_view type;
+  void (*read)(PluginReader&, SceneDescription&);
+};
+constexpr SensorPlugin kSensors[] = {{"perspective", read_perspective}};
+
 }  // namespace
 
 void read_sensor(const Context& context, const Object& object, SceneDescription& scene) {
   PluginReader plugin(context, object);
-  read_camera(plugin, scene);
+  const SensorPlugin* known = find_plugin(kSensors, object.type);
+  (known != nullptr ? *known : kSensors[0]).read(plugin, scene);
   const Object* film = plugin.only_nested("film");
   const Object* sampler = plugin.only_nested("sampler");
   for (const Object* medium : plugin.nested("medium")) context.unknown_plugin(*medium, {}, "it is left out");
-  if (object.type != "perspective") {
-    context.unknown_plugin(object, Names{"perspective"}, "a perspective one stands in for it");
+  if (known == nullptr) {
+    context.unknown_plugin(object, plugin_types(kSensors), "a perspective one stands in for it");
     plugin.skip();
   }
   plugin.finish();
@@ -153,39 +184,19 @@ void read_sensor(const Context& context, const Object& object, SceneDescription&
 }
 
 void read_integrator(const Context& context, const Object& object, SceneDescription& scene) {
-  static const Names kPath = {"max_depth",     "rr_depth",        "emitter_sampling", "mis",
-                              "hide_emitters", "hidden_emitters", "light_choice",     "nee",
-                              "alpha",         "estimator"};
-  static const std::map<std::string, Names, std::less<>> kIntegrators = {
-      {"direct",
-       {"shading_samples", "emitter_samples", "bsdf_samples", "bsdf_sampling", "emitter_sampling", "mis",
-        "hide_emitters", "hidden_emitters", "light_choice", "trace_shadows"}},
-      {"path",
-       {"max_depth", "rr_depth", "direct_sampling", "emitter_sampling", "mis", "hide_emitters",
-        "hidden_emitters", "light_choice", "nee", "alpha", "estimator"}},
-      {"polygon_analytic", {"hide_emitters", "hidden_emitters"}},
-      {"polygon_area",
-       {"emitter_samples", "emitter_sampling", "light_choice", "trace_shadows", "hide_emitters",
-        "hidden_emitters"}},
-      {"polygon_cv",
-       {"alpha", "vis_samples", "estimator", "emitter_sampling", "light_choice", "hide_emitters",
-        "hidden_emitters"}},
-      {"path_mats", kPath},
-      {"path_ems", kPath},
-      {"path_mis", kPath}};
   const Object* inner = unwrap(context, object);
   if (inner == nullptr) return;
   PluginReader plugin(context, *inner);
-  const auto known = kIntegrators.find(inner->type);
-  if (known == kIntegrators.end()) {
-    Names names = {"moment", "aov"};
-    for (const auto& [name, parameters] : kIntegrators) names.push_back(name);
+  const Names& types = find_setting("integrator.type")->choices;
+  if (std::ranges::find(types, inner->type) == types.end()) {
+    Names names = plugin_types(kWrappers);
+    names.insert(names.end(), types.begin(), types.end());
     context.unknown_plugin(*inner, names, "path stands in for it");
     plugin.settings(scene, "integrator", Names{"max_depth", "rr_depth", "hide_emitters", "hidden_emitters"});
     return;
   }
   choose(plugin, scene, "integrator.type", inner->type);
-  plugin.settings(scene, "integrator", known->second);
+  plugin.settings(scene, "integrator", integrator_parameter_names(scene, inner->type));
   // How Mitsuba divides its work, and a rule about shading normals that its version 3 has dropped.
   plugin.accept({"strict_normals", "samples_per_pass", "block_size", "timeout"});
   plugin.finish();

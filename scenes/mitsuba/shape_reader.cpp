@@ -8,19 +8,21 @@
 
 #include "scenes/mesh_reader.h"
 #include "scenes/mesh_tools.h"
-#include "scenes/settings.h"
+#include "scenes/mitsuba/emitter_reader.h"
 #include "scenes/transform.h"
 
 namespace penumbra::mitsuba {
 namespace {
 
-const std::vector<std::string> kShapeTypes = {"obj", "ply", "rectangle", "cube", "sphere", "disk"};
-
 using Geometry = std::variant<Mesh, Sphere, Disk>;
 
-std::string name_of(const Object& object) {
-  return object.id.empty() ? fmt::format("{} at {}", object.type, describe(object.location)) : object.id;
-}
+/// A shape's plugin, and what its geometry is read with.
+struct ShapeInput {
+  const Context& context;
+  const FileAccess& files;
+  PluginReader& plugin;
+  bool& flip_normals;  ///< which a geometry may turn round
+};
 
 void warn_about(const Context& context, const Object& object, const MeshCleaning& cleaning,
                 const FaceFindings& faces, std::string_view file) {
@@ -59,7 +61,8 @@ std::unique_ptr<SourceFile> open(const Context& context, const FileAccess& files
   return std::move(*file);
 }
 
-std::optional<Geometry> read_mesh(const Context& context, const FileAccess& files, PluginReader& plugin) {
+std::optional<Geometry> read_mesh(const ShapeInput& input) {
+  auto& [context, files, plugin, ignored] = input;
   const bool is_obj = plugin.object().type == "obj";
   const bool has_name = plugin.has("filename");
   const std::string name = plugin.text("filename", "");
@@ -102,7 +105,8 @@ bool is_finite(glm::dvec3 v, double radius) {
          radius < kLargest;
 }
 
-std::optional<Geometry> read_sphere(PluginReader& plugin, bool& flip_normals) {
+std::optional<Geometry> read_sphere(const ShapeInput& input) {
+  PluginReader& plugin = input.plugin;
   const glm::dvec3 center = plugin.point("center").value_or(glm::dvec3(0.0));
   const double radius = plugin.number("radius", 1.0);
   const glm::dmat4 to_world = plugin.transform("to_world");
@@ -116,7 +120,7 @@ std::optional<Geometry> read_sphere(PluginReader& plugin, bool& flip_normals) {
     return std::nullopt;
   }
   // As in Mitsuba 3, a mirror turns a sphere's normals inwards.
-  if (is_mirror(to_world)) flip_normals = !flip_normals;
+  if (is_mirror(to_world)) input.flip_normals = !input.flip_normals;
   const Sphere sphere{transform_point(to_world, center), radius * *scale};
   if (!is_finite(sphere.center, sphere.radius) || !(sphere.radius > 0.0)) {
     plugin.wrong("the sphere is too far away, or its radius too large or too small for a number");
@@ -125,7 +129,8 @@ std::optional<Geometry> read_sphere(PluginReader& plugin, bool& flip_normals) {
   return sphere;
 }
 
-std::optional<Geometry> read_disk(PluginReader& plugin) {
+std::optional<Geometry> read_disk(const ShapeInput& input) {
+  PluginReader& plugin = input.plugin;
   const glm::dmat4 to_world = plugin.transform("to_world");
   const auto radius = uniform_scale(to_world, 2);
   if (!radius) {
@@ -141,10 +146,7 @@ std::optional<Geometry> read_disk(PluginReader& plugin) {
   return disk;
 }
 
-/// Rectangle or cube.
-std::optional<Geometry> read_box(PluginReader& plugin) {
-  const glm::dmat4 to_world = plugin.transform("to_world");
-  Mesh mesh = plugin.object().type == "cube" ? make_cube(to_world) : make_rectangle(to_world);
+std::optional<Geometry> checked(const PluginReader& plugin, Mesh mesh) {
   for (const glm::dvec3& p : mesh.positions) {
     if (is_finite(p, 0.0)) continue;
     plugin.wrong("the shape is too far away or too large");
@@ -153,54 +155,36 @@ std::optional<Geometry> read_box(PluginReader& plugin) {
   return mesh;
 }
 
-std::optional<Geometry> read_geometry(const Context& context, const FileAccess& files, PluginReader& plugin,
-                                      bool& flip_normals) {
-  const std::string& type = plugin.object().type;
-  if (type == "sphere") return read_sphere(plugin, flip_normals);
-  if (type == "disk") return read_disk(plugin);
-  if (type == "rectangle" || type == "cube") return read_box(plugin);
-  return read_mesh(context, files, plugin);
+std::optional<Geometry> read_rectangle(const ShapeInput& input) {
+  return checked(input.plugin, make_rectangle(input.plugin.transform("to_world")));
 }
+
+std::optional<Geometry> read_cube(const ShapeInput& input) {
+  return checked(input.plugin, make_cube(input.plugin.transform("to_world")));
+}
+
+struct ShapePlugin {
+  std::string_view type;
+  std::optional<Geometry> (*read)(const ShapeInput&);
+};
+constexpr ShapePlugin kShapes[] = {
+    {"obj", read_mesh},  {"ply", read_mesh},      {"rectangle", read_rectangle},
+    {"cube", read_cube}, {"sphere", read_sphere}, {"disk", read_disk}};
 
 }  // namespace
 
-void read_area_light(const Context& context, const Object& emitter, Shape& shape) {
-  PluginReader plugin(context, emitter);
-  if (emitter.type != "area") {
-    const std::vector<std::string> known = {"area"};
-    if (emitter.type == "point" || emitter.type == "constant") {
-      plugin.wrong(fmt::format("{} cannot belong to a shape; an area light can", plugin.title()));
-    } else {
-      context.unknown_plugin(emitter, known, "it is left out");
-    }
-    plugin.skip();
-    return;
-  }
-  shape.radiance = plugin.colour("radiance", glm::vec3(1.0f), ColourRole::kEmission);
-  shape.two_sided_emission = plugin.boolean("two_sided", false);
-  if (shape.two_sided_emission && std::holds_alternative<Sphere>(shape.geometry))
-    plugin.wrong("two_sided", "a sphere emits to one side; flip_normals chooses the inside");
-  const std::string name = plugin.text("sampling", "auto");
-  if (const auto sampling = emitter_sampling_from_name(name)) {
-    shape.sampling = *sampling;
-  } else {
-    plugin.wrong("sampling", sampling.error().message);
-  }
-  plugin.accept({"sampling_weight"});
-  plugin.finish();
-}
-
 void read_shape(const Context& context, const Object& object, const FileAccess& files,
                 MaterialReader& materials, SceneDescription& scene) {
-  if (std::find(kShapeTypes.begin(), kShapeTypes.end(), object.type) == kShapeTypes.end()) {
-    context.unknown_plugin(object, kShapeTypes, "it is left out");
+  const ShapePlugin* known = find_plugin(kShapes, object.type);
+  if (known == nullptr) {
+    context.unknown_plugin(object, plugin_types(kShapes), "it is left out");
     return;
   }
   PluginReader plugin(context, object);
   Shape shape;
   shape.name = name_of(object);
   shape.flip_normals = plugin.boolean("flip_normals", false);
-  auto geometry = read_geometry(context, files, plugin, shape.flip_normals);
+  auto geometry = known->read({context, files, plugin, shape.flip_normals});
   const Object* bsdf = plugin.only_nested("bsdf");
   const Object* emitter = plugin.only_nested("emitter");
   for (const char* tag : {"medium", "subsurface"}) {

@@ -1,4 +1,4 @@
-// <shape> objects, with their materials and area lights.
+// <shape> objects, with their materials.
 #pragma once
 
 #include "scenes/file_access.h"
@@ -12,8 +12,5 @@ namespace penumbra::mitsuba {
 /// left out, with a warning.
 void read_shape(const Context& context, const Object& object, const FileAccess& files,
                 MaterialReader& materials, SceneDescription& scene);
-
-/// Makes the shape, whose geometry is known, shine as <emitter type="area"> says; any other type is reported.
-void read_area_light(const Context& context, const Object& emitter, Shape& shape);
 
 }  // namespace penumbra::mitsuba

@@ -50,7 +50,7 @@ struct Strategy {
   std::string bsdf_sampling;
 };
 
-void read_direct(Section& renderer, SceneDescription& scene) {
+void read_direct(Section& renderer, SceneDescription& scene, bool /*realtime*/) {
   static const std::map<std::string, Strategy, std::less<>> kStrategies = {
       {"mis", {true, true, "area", "bsdf"}},        {"emitter", {true, false, "area", "bsdf"}},
       {"area", {true, false, "area", "bsdf"}},      {"solidAngle", {true, false, "solid_angle", "bsdf"}},
@@ -86,25 +86,41 @@ void read_control_variates(Section& renderer, SceneDescription& scene) {
   renderer.set(scene, "integrator.vis_samples", "visSamples");
 }
 
+void read_area(Section& renderer, SceneDescription& scene) {
+  renderer.imply(scene, "integrator.type", "polygon_area");
+  renderer.imply(scene, "integrator.emitter_samples", "1");
+  renderer.imply(scene, "integrator.emitter_sampling", "area");
+  renderer.imply(scene, "integrator.trace_shadows", "false");
+  renderer.set(scene, "integrator.trace_shadows", "traceShadows");
+}
+
+void read_analytic(Section& renderer, SceneDescription& scene) {
+  renderer.imply(scene, "integrator.type", "polygon_analytic");
+}
+
+struct PolygonalMethod {
+  std::string_view name;
+  void (*read)(Section&, SceneDescription&);
+};
+constexpr PolygonalMethod kMethods[] = {
+    {"analytic", read_analytic}, {"area", read_area}, {"controlVariates", read_control_variates}};
+
+template <typename Rows>
+Names names_of(const Rows& rows) {
+  Names names;
+  for (const auto& row : rows) names.emplace_back(row.name);
+  return names;
+}
+
 void read_polygonal(Section& renderer, SceneDescription& scene, bool realtime) {
   // TinyRender's switch for the closed form of its Phong lobes. Ours follows the material, which has a lobe
   // or has none, so that it changes nothing.
   renderer.boolean("bonus", false);
   const bool test = renderer.boolean("test", false);
   const std::string window = test ? "controlVariates" : "analytic";
-  const std::string method = choose(renderer, "method", {"analytic", "area", "controlVariates"})
-                                 .value_or(realtime ? window : "area");
-  if (method == "controlVariates") {
-    read_control_variates(renderer, scene);
-  } else if (method == "area") {
-    renderer.imply(scene, "integrator.type", "polygon_area");
-    renderer.imply(scene, "integrator.emitter_samples", "1");
-    renderer.imply(scene, "integrator.emitter_sampling", "area");
-    renderer.imply(scene, "integrator.trace_shadows", "false");
-    renderer.set(scene, "integrator.trace_shadows", "traceShadows");
-  } else {
-    renderer.imply(scene, "integrator.type", "polygon_analytic");
-  }
+  const std::string method =
+      choose(renderer, "method", names_of(kMethods)).value_or(realtime ? window : "area");
+  std::ranges::find(kMethods, method, &PolygonalMethod::name)->read(renderer, scene);
   renderer.finish(kAllKeys, fmt::format("with method = {}", method));
 }
 
@@ -121,7 +137,7 @@ void read_depth(Section& renderer, SceneDescription& scene, const char* setting,
   renderer.imply(scene, setting, fmt::format("{}", *bounces < 0 ? -1 : *bounces + 1), key);
 }
 
-void read_path(Section& renderer, SceneDescription& scene) {
+void read_path(Section& renderer, SceneDescription& scene, bool /*realtime*/) {
   const bool samples_emitters = renderer.boolean("isExplicit", true);
   renderer.imply(scene, "integrator.type", samples_emitters ? "path" : "path_mats");
   renderer.imply(scene, "integrator.emitter_sampling", "area");
@@ -132,33 +148,43 @@ void read_path(Section& renderer, SceneDescription& scene) {
   renderer.finish(kAllKeys, "with type = path");
 }
 
+struct RendererType {
+  std::string_view name;
+  bool has_window;  ///< what its window shows is read
+  void (*read)(Section&, SceneDescription&, bool realtime);
+};
+// The first stands in for others.
+constexpr RendererType kTypes[] = {
+    {"direct", false, read_direct}, {"polygonal", true, read_polygonal}, {"path", false, read_path}};
+
 }  // namespace
 
 void read_renderer(const Context& context, SceneDescription& scene) {
-  static const Names kTypes = {"direct", "polygonal", "path"};
   Section renderer(context, "renderer");
   renderer.require("type");
   renderer.imply(scene, "sampler.sample_count", "1");
   renderer.set(scene, "sampler.sample_count", "spp");
   const bool realtime = renderer.boolean("realtime", false);
-  std::string type = renderer.text("type").value_or("direct");
-  if (std::ranges::find(kTypes, type) == kTypes.end()) {
-    const std::string hint = suggestion(type, kTypes);
+  const std::string name = renderer.text("type").value_or("direct");
+  const RendererType* type = std::ranges::find(kTypes, name, &RendererType::name);
+  if (type == std::end(kTypes)) {
+    const Names known = names_of(kTypes);
+    const std::string hint = suggestion(name, known);
     context.unknown(renderer.location("type"),
-                    fmt::format("renderer type '{}' is not one that Penumbra reads{} it reads: {}", type,
-                                hint.empty() ? ";" : hint, list_names(kTypes)),
+                    fmt::format("renderer type '{}' is not one that Penumbra reads{} it reads: {}", name,
+                                hint.empty() ? ";" : hint, list_names(known)),
                     "direct stands in for it");
-    type = "direct";
+    type = kTypes;
     if (!context.lenient) return;  // what else it has belongs to a type that is not known
   }
-  if (type == "polygonal") return read_polygonal(renderer, scene, realtime);
-  if (realtime)
-    renderer.warn(
-        "realtime",
-        fmt::format("what the window shows for type = {} is not read; it is rendered offline", type));
-  for (const char* key : {"bonus", "test"}) renderer.accept(key);
-  if (type == "path") return read_path(renderer, scene);
-  read_direct(renderer, scene);
+  if (!type->has_window) {
+    if (realtime)
+      renderer.warn(
+          "realtime",
+          fmt::format("what the window shows for type = {} is not read; it is rendered offline", type->name));
+    for (const char* key : {"bonus", "test"}) renderer.accept(key);
+  }
+  type->read(renderer, scene, realtime);
 }
 
 }  // namespace penumbra::tinyrender

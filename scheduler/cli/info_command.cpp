@@ -28,13 +28,11 @@ std::size_t device_bytes(const DeviceScene& scene) {
 
 RenderRecord record_of(const SceneOptions& options, const LoadedScene& scene) {
   RenderRecord record;
+  static_cast<RenderSettings&>(record) = scene.description;
   record.scene = options.scene;
   record.scene_hash = scene.description.contents_hash;
   record.defines = options.defines;
   record.settings = options.settings;
-  record.film = scene.description.film;
-  record.sampler = scene.description.sampler;
-  record.integrator = scene.description.integrator;
   record.embree = scene.device.header.intersector == INTERSECTOR_EMBREE;
   return record;
 }

@@ -35,8 +35,6 @@ Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) 
   read.defines = split_assignments(options.defines);
   read.settings = split_assignments(options.settings);
   read.lenient = options.lenient;
-  auto description = read_scene(options.scene, read);
-  if (!description) return description;
   const auto number = [](std::optional<std::uint32_t> value) {
     return value ? std::optional(fmt::to_string(*value)) : std::nullopt;
   };
@@ -46,6 +44,12 @@ Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) 
       {"sampler.sample_count", number(options.spp)},
       {"sampler.seed", number(options.seed)},
   };
+  // With the others, which may be parameters of the integrator that is chosen here; and after them, because
+  // an option says the last word.
+  for (const auto& [key, value] : overrides)
+    if (value) read.settings.emplace_back(key, *value);
+  auto description = read_scene(options.scene, read);
+  if (!description) return description;
   for (const auto& [key, value] : overrides) {
     if (!value) continue;
     if (auto applied = apply_setting(*description, key, *value); !applied)

@@ -6,25 +6,15 @@ namespace penumbra {
 namespace {
 
 bool has_only_polygon_lights(const SceneDescription& scene) {
-  return scene.point_lights.empty() && !scene.environment &&
-         std::ranges::all_of(scene.shapes, [](const Shape& s) {
+  return scene.emitters.empty() && std::ranges::all_of(scene.shapes, [](const Shape& s) {
            return !s.radiance || std::holds_alternative<Mesh>(s.geometry);
          });
 }
 
 /// Whether the integrator estimates direct light, which polygon_cv can as well.
 bool is_direct(const IntegratorSettings& integrator, bool was_chosen) {
-  switch (integrator.kind) {
-    case IntegratorKind::kPolygonAnalytic:
-    case IntegratorKind::kPolygonArea:
-    case IntegratorKind::kPolygonCv:
-      return true;
-    case IntegratorKind::kDirect:
-      return !was_chosen;
-    case IntegratorKind::kPath:
-      return false;
-  }
-  return false;
+  if (integrator.is<DirectIntegrator>()) return !was_chosen;
+  return !integrator.is<PathIntegrator>();
 }
 
 }  // namespace
@@ -36,11 +26,13 @@ std::function<void(SceneDescription&)> preview_adjustment(const SceneOptions& op
     if (options.no_features || !has_only_polygon_lights(scene) ||
         !is_direct(integrator, options.integrator.has_value()))
       return;
-    if (integrator.kind != IntegratorKind::kPolygonCv)
-      integrator.vis_samples = std::max(1, integrator.emitter_samples);
-    integrator.kind = IntegratorKind::kPolygonCv;
-    integrator.estimator = CvEstimator::kCv;
-    if (!integrator.alpha) integrator.alpha = 1.0f;
+    const int samples = parameter_or(integrator, PENUMBRA_PARAMETER(emitter_samples), 1);
+    PolygonCvIntegrator cv;
+    cv.vis_samples = std::max(1, parameter_or(integrator, PENUMBRA_PARAMETER(vis_samples), samples));
+    use_integrator(integrator, cv);
+    auto& chosen = std::get<PolygonCvIntegrator>(integrator.method);
+    chosen.estimator = CvEstimator::kCv;
+    if (!chosen.alpha) chosen.alpha = 1.0f;
   };
 }
 

@@ -52,7 +52,7 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
       .add_option(
           "--set", options.settings,
           "Override a parameter of integrator, sampler, film or camera, as in --set integrator.max_depth=3; "
-          "may be repeated")
+          "may be repeated; `penumbra settings` lists them")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false)
       ->check(assignment());

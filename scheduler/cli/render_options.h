@@ -15,7 +15,7 @@ struct SceneOptions {
   std::vector<std::string> defines;   ///< name=value
   std::vector<std::string> settings;  ///< key=value
   bool lenient = false;
-  std::optional<std::string> integrator;  ///< direct, path, path_mats, path_ems, path_mis
+  std::optional<std::string> integrator;  ///< one of the names of integrator.type
   std::optional<std::string> sampler;
   std::optional<std::uint32_t> spp;
   std::optional<std::uint32_t> seed;

@@ -76,15 +76,14 @@ void simplify_for_a_pixel(RenderJob& job) {
 RenderRecord make_record(const RenderOptions& options, const LoadedScene& scene, const Film& film,
                          const DeviceOptions& device) {
   RenderRecord record;
+  static_cast<RenderSettings&>(record) = scene.description;
   record.scene = options.scene.scene;
   record.scene_hash = scene.description.contents_hash;
   record.defines = options.scene.defines;
   record.settings = options.scene.settings;
   record.lenient = options.scene.lenient;
   record.film = film;
-  record.sampler = scene.description.sampler;
   if (options.stop_after && *options.stop_after < record.sampler.spp) record.stop_after = options.stop_after;
-  record.integrator = scene.description.integrator;
   record.samples_per_pass = options.samples_per_pass;
   record.feature_layers = !options.scene.no_features;
   record.embree = scene.device.header.intersector == INTERSECTOR_EMBREE;

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "scenes/names.h"
+#include "scenes/settings.h"
 #include "scheduler/cli/render_preparation.h"
 #include "scheduler/record/version.h"
 #include "scheduler/report/reference_choice.h"
@@ -17,13 +19,27 @@ using Json = nlohmann::ordered_json;
 
 std::string hash_of(const void* data, std::size_t size) { return hash_text(XXH3_64bits(data, size)); }
 
+/// Whether the integrator has the parameter that "key=value" sets; keys that do not exist are left for the
+/// reader to report.
+bool has_setting(const std::string& integrator, const std::string& assignment) {
+  RenderSettings settings;
+  if (!apply_setting(settings, "integrator.type", integrator)) return true;
+  const Setting* setting = find_setting(to_snake_case(assignment.substr(0, assignment.find('='))));
+  return setting == nullptr || setting->belongs_to(settings);
+}
+
 /// Options of any cell of this scene with this method.
 RenderOptions cell_options(const ReportOptions& report, const std::string& scene, const Method& method,
                            const std::string& sampler, const std::string& backend, std::uint32_t spp) {
   RenderOptions options = report.render;
   options.scene.scene = scene;
   options.scene.no_features = true;  // what other renderers do not compute either
-  if (!method.integrator.empty()) options.scene.integrator = method.integrator;
+  if (!method.integrator.empty()) {
+    options.scene.integrator = method.integrator;
+    // What is set for all methods counts for those that have such a parameter.
+    std::erase_if(options.scene.settings,
+                  [&](const std::string& text) { return !has_setting(method.integrator, text); });
+  }
   options.scene.settings.insert(options.scene.settings.end(), method.settings.begin(), method.settings.end());
   if (!sampler.empty()) options.scene.sampler = sampler;
   options.scene.spp = spp;
@@ -34,6 +50,16 @@ RenderOptions cell_options(const ReportOptions& report, const std::string& scene
   if (!in_use.native) options.isa.reset();
   options.no_statistics = true;
   return options;
+}
+
+/// One that no method has is a mistake.
+Expected<void> check_common_settings(const ReportOptions& report) {
+  for (const std::string& text : report.render.scene.settings) {
+    const auto has = [&](const Method& m) { return m.integrator.empty() || has_setting(m.integrator, text); };
+    if (report.methods.empty() || std::ranges::any_of(report.methods, has)) continue;
+    return fail(fmt::format("--set {}: no method of this report has such a parameter", text));
+  }
+  return {};
 }
 
 /// The scene as a method sees it, and what cells are hashed from.
@@ -129,7 +155,7 @@ Expected<CurvePlan> plan_curve(const SceneContext& context, const Method& method
     if (curve.cells.empty()) {
       curve.name.integrator = integrator_name(record.integrator);
       curve.name.settings = method.settings;
-      curve.name.sampler = sampler_name(record.sampler.kind);
+      curve.name.sampler = print_setting(record, "sampler.type");
       curve.name.backend = backend;
       curve.name.quantity = estimated_quantity(record.integrator);
       Method named = method;
@@ -149,6 +175,7 @@ Expected<CurvePlan> plan_curve(const SceneContext& context, const Method& method
 Expected<void> plan_curves(const SceneContext& context, ScenePlan& plan,
                            std::optional<IntegratorSettings>& first) {
   const ReportOptions& options = context.options;
+  if (auto checked = check_common_settings(options); !checked) return checked;
   const auto or_default = [](auto values, auto fallback) {
     if (values.empty()) values.push_back(fallback);
     return values;

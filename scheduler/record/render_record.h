@@ -15,17 +15,15 @@
 
 namespace penumbra {
 
-struct RenderRecord {
+/// The film's crop is what was rendered, and the sampler's number of samples what its sequences are made for.
+struct RenderRecord : RenderSettings {
   std::string scene;                  ///< as named by the user
   std::uint64_t scene_hash = 0;       ///< SceneDescription::contents_hash
   std::vector<std::string> defines;   ///< -D name=value
   std::vector<std::string> settings;  ///< --set key=value
   bool lenient = false;
-  Film film;                ///< with the crop that was rendered
-  SamplerSettings sampler;  ///< with the number of samples that the sequences are made for
   /// Only so many of them are rendered; nothing: all.
   std::optional<std::uint32_t> stop_after;
-  IntegratorSettings integrator;
   std::uint32_t samples_per_pass = 16;
   bool feature_layers = true;
   bool embree = false;  ///< else the portable intersector
@@ -37,8 +35,8 @@ struct RenderRecord {
 /// command for the whole film.
 std::string repeat_command(const RenderRecord& record, bool with_crop);
 
-/// Name and value of every setting, for people and for metadata; names are those of `--set` where it has
-/// them.
+/// Name and value of every setting, for people and for metadata; names are those of `--set` or of the command
+/// line's options, and values what these take.
 std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRecord& record);
 
 /// What of a render is in its image.
@@ -65,11 +63,5 @@ std::vector<std::pair<std::string, MetadataValue>> record_metadata(const RenderR
 
 /// The hash as 16 hexadecimal digits.
 std::string hash_text(std::uint64_t hash);
-
-/// The names that scene files and `--set` use.
-std::string_view filter_name(FilterKind kind);
-std::string_view sampler_name(SamplerKind kind);
-/// One of direct, path_mats, path_ems, path_mis.
-std::string_view integrator_name(const IntegratorSettings& integrator);
 
 }  // namespace penumbra

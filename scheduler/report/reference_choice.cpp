@@ -5,19 +5,25 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <optional>
+
+#include "scenes/settings.h"
 
 namespace penumbra {
 namespace {
 
-enum class Light { kUnshadowed, kDirect, kPaths };
+enum class Quantity { kUnshadowed, kDirect, kPaths };
 
-Light light_of(const IntegratorSettings& integrator) {
-  if (integrator.kind == IntegratorKind::kPath)
-    return integrator.max_depth == 2 ? Light::kDirect : Light::kPaths;
-  if (integrator.kind == IntegratorKind::kPolygonAnalytic) return Light::kUnshadowed;
-  const bool may_leave_shadows_out =
-      integrator.kind == IntegratorKind::kDirect || integrator.kind == IntegratorKind::kPolygonArea;
-  return may_leave_shadows_out && !integrator.trace_shadows ? Light::kUnshadowed : Light::kDirect;
+/// Of a path, else nothing.
+std::optional<int> max_depth(const IntegratorSettings& integrator) {
+  const auto* path = integrator.get<PathIntegrator>();
+  return path != nullptr ? std::optional(path->max_depth) : std::nullopt;
+}
+
+Quantity quantity_of(const IntegratorSettings& integrator) {
+  if (const auto depth = max_depth(integrator)) return *depth == 2 ? Quantity::kDirect : Quantity::kPaths;
+  const bool shadows = parameter_or(integrator, PENUMBRA_PARAMETER(trace_shadows), true);
+  return integrator.is<PolygonAnalyticIntegrator>() || !shadows ? Quantity::kUnshadowed : Quantity::kDirect;
 }
 
 }  // namespace
@@ -27,46 +33,49 @@ std::string estimated_quantity(const IntegratorSettings& integrator) {
   const std::string hidden = !integrator.hide_emitters ? ""
                              : looked_through          ? ", emitters looked through"
                                                        : ", emitters hidden";
-  switch (light_of(integrator)) {
-    case Light::kUnshadowed:
+  switch (quantity_of(integrator)) {
+    case Quantity::kUnshadowed:
       return "direct light without shadows" + hidden;
-    case Light::kDirect:
+    case Quantity::kDirect:
       return "direct light" + hidden;
-    case Light::kPaths:
+    case Quantity::kPaths:
       break;
   }
-  if (integrator.max_depth < 0) return "all light" + hidden;
-  return fmt::format("light along paths of up to {} edges{}", integrator.max_depth, hidden);
+  const int depth = max_depth(integrator).value_or(-1);
+  if (depth < 0) return "all light" + hidden;
+  return fmt::format("light along paths of up to {} edges{}", depth, hidden);
 }
 
 std::array<ReferenceMethod, 2> choose_reference(const IntegratorSettings& integrator) {
   std::array<ReferenceMethod, 2> halves;
-  switch (light_of(integrator)) {
-    case Light::kUnshadowed:
+  RenderSettings settings;
+  settings.integrator = integrator;
+  const auto same = [&](const char* name) {
+    const std::string key = fmt::format("integrator.{}", name);
+    return fmt::format("{}={}", key, print_setting(settings, key));
+  };
+  switch (quantity_of(integrator)) {
+    case Quantity::kUnshadowed:
       halves = {{{"polygon_analytic", {}, "sobol"},
                  {"polygon_area", {"integrator.trace_shadows=false"}, "independent"}}};
       break;
-    case Light::kDirect:
+    case Quantity::kDirect:
       halves = {
           {{"path_mis", {"integrator.max_depth=2"}, "sobol"},
            {"direct",
             {"integrator.emitter_samples=1", "integrator.bsdf_samples=1", "integrator.bsdf_sampling=bsdf"},
             "independent"}}};
       break;
-    case Light::kPaths:
+    case Quantity::kPaths:
       halves = {{{"path_mis", {"integrator.mis=balance"}, "sobol"},
                  {"path_mis", {"integrator.mis=power"}, "independent"}}};
-      for (ReferenceMethod& half : halves)
-        half.settings.push_back(fmt::format("integrator.max_depth={}", integrator.max_depth));
+      for (ReferenceMethod& half : halves) half.settings.push_back(same("max_depth"));
       break;
   }
   for (ReferenceMethod& half : halves) {
-    if (half.integrator != "polygon_analytic" && half.integrator != "polygon_area")
-      half.settings.emplace_back("integrator.nee=sample");
-    half.settings.push_back(fmt::format("integrator.hide_emitters={}", integrator.hide_emitters));
-    half.settings.emplace_back(integrator.hidden_emitters == HiddenEmitters::kLookedThrough
-                                   ? "integrator.hidden_emitters=looked_through"
-                                   : "integrator.hidden_emitters=unlit");
+    if (half.integrator.starts_with("path")) half.settings.emplace_back("integrator.nee=sample");
+    half.settings.push_back(same("hide_emitters"));
+    half.settings.push_back(same("hidden_emitters"));
   }
   return halves;
 }

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/scene_description.h"
+#include "scenes/integrators.h"
 
 namespace penumbra {
 

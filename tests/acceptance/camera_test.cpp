@@ -124,7 +124,7 @@ TEST(FeatureLayers, DepthNormalAndAlbedoOfASphere) {
   sphere.geometry = Sphere{glm::dvec3(0), 2};
   sphere.front_bsdf = add_diffuse(scene, 0.3f);
   scene.shapes.push_back(sphere);
-  scene.environment = ConstantEnvironment{glm::vec3(1)};
+  scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(1)});
   scene.integrator = direct_integrator(0, 1);  // exact under a white sky
   const FilmAccumulator film = render_or_throw(scene);
 

@@ -83,7 +83,7 @@ TEST_P(ClosedForm, DiskHidesPartOfAConstantSky) {
   for (const auto& [d, r, visible] : {std::tuple(2.0, 1.0, 0.894427191), std::tuple(1.0, 1.0, 0.70710678118),
                                       std::tuple(2.0, 2.0, 0.70710678118)}) {
     SceneDescription scene = diffuse_floor();
-    scene.environment = ConstantEnvironment{glm::vec3(1)};
+    scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(1)});
     scene.shapes.push_back(disk({0, d, 0}, {0, -1, 0}, r, kBlackBsdf));
     SCOPED_TRACE(testing::Message() << "height " << d << ", radius " << r);
     expect_radiance(scene, GetParam().integrator, kAlbedo * visible * visible);
@@ -101,7 +101,7 @@ double between_disks(glm::dvec3 light, double power) {
   const int grey = add_diffuse(scene, kAlbedo);
   scene.shapes.push_back(disk({0, -1, 0}, {0, 1, 0}, 1, grey));
   scene.shapes.push_back(disk({0, 1, 0}, {0, -1, 0}, 1, grey));
-  scene.point_lights.push_back({light, glm::vec3(float(power / (4 * std::numbers::pi)))});
+  scene.emitters.emplace_back(PointLight{light, glm::vec3(float(power / (4 * std::numbers::pi)))});
   scene.integrator = direct_integrator(1, 1);
   return pixel_sample(render_or_throw(scene), 0, 0, 0).mean();
 }

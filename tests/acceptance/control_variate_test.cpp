@@ -10,6 +10,7 @@
 
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/acceptance/shadowed_polygon.h"
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
@@ -80,7 +81,7 @@ TEST_P(NoiseTable, IsAsPublished) {
   const TableRow& row = GetParam();
   using enum EmitterSampling;
   IntegratorSettings plain = emitter_only(kArea, kRays);
-  plain.kind = IntegratorKind::kPolygonArea;
+  use(plain, IntegratorKind::kPolygonArea);
   std::uint32_t seed = 1;
   const auto check = [&](const char* column, const IntegratorSettings& integrator, double expected) {
     const double rmse = relative_rmse(row.light, integrator, seed++);
@@ -245,7 +246,7 @@ TEST(NoNoise, ProjectedSolidAngleOfOneColour) {
   const statistics::Sample sample = pass_means(scene, 1);
   EXPECT_NEAR(sample.mean(), truth, kRounding * truth);
   EXPECT_LT(std::sqrt(sample.variance()), 1e-6 * truth);
-  scene.integrator.light_choice = LightChoice::kPower;
+  param::light_choice(scene.integrator) = LightChoice::kPower;
   EXPECT_GT(std::sqrt(pass_means(scene, 1).variance()), 0.1 * truth);
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "scheduler/image/image.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/oracles.h"
 #include "tests/support/render_scene.h"
 
@@ -79,12 +80,12 @@ TEST(MitsubaCornellBox, ReadsUneditedAndStrategiesAgree) {
   PENUMBRA_NEED_ORACLE("mitsuba/scenes/cbox");
   SceneDescription scene = read_or_throw(*find_oracle("mitsuba/scenes/cbox/cbox-rgb.xml"));
   EXPECT_EQ(scene.film.width, 256);
-  EXPECT_EQ(scene.integrator.max_depth, 6);
+  EXPECT_EQ(param::max_depth(scene.integrator), 6);
   EXPECT_TRUE(scene.warnings.empty());
   resize_film(scene, 32, 32);
   // The depth limit binds all strategies alike: a path of six edges.
   const auto estimate = [&](DirectSampling sampling, std::uint32_t spp, std::uint32_t seed) {
-    scene.integrator.direct_sampling = sampling;
+    param::direct_sampling(scene.integrator) = sampling;
     scene.sampler.spp = spp;
     return block_estimate(scene, 8, seed, 4);
   };

@@ -12,6 +12,7 @@
 
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/acceptance/shadowed_polygon.h"
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
@@ -141,13 +142,14 @@ std::vector<LightKind> kinds() {
        reflected_of_disk},
       {"point",
        [](SceneDescription& scene) {
-         scene.point_lights.push_back({kPoint, glm::vec3(float(kIntensity))});
+         scene.emitters.emplace_back(PointLight{kPoint, glm::vec3(float(kIntensity))});
        },
        [](const BsdfModel& bsdf) {
          const double d2 = glm::dot(kPoint, kPoint);
          return kIntensity / d2 * scattered(bsdf, kPoint / std::sqrt(d2));
        }},
-      {"constant", [](SceneDescription& scene) { scene.environment = ConstantEnvironment{glm::vec3(1)}; },
+      {"constant",
+       [](SceneDescription& scene) { scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(1)}); },
        reflected_of_sky},
   };
 }
@@ -164,7 +166,7 @@ struct Method {
 std::vector<Method> methods() {
   std::vector<Method> all;
   const auto add = [&](std::string name, IntegratorSettings settings, bool finds_points = true) {
-    settings.max_depth = 2;
+    limit_depth(settings, 2);
     all.push_back({std::move(name), settings, finds_points});
   };
   const std::array directions{BsdfSampling::kBsdf, BsdfSampling::kCosine, BsdfSampling::kUniform};
@@ -172,7 +174,7 @@ std::vector<Method> methods() {
   for (std::size_t k = 0; k < directions.size(); ++k) {
     const auto direct = [&](const std::string& name, int n_g, int n_f, MisHeuristic heuristic) {
       IntegratorSettings settings = direct_integrator(n_g, n_f, heuristic);
-      settings.bsdf_sampling = directions[k];
+      param::bsdf_sampling(settings) = directions[k];
       add("direct, " + name + " with " + names[k], settings, n_g > 0);
     };
     direct("directions alone", 0, 1, MisHeuristic::kBalance);
@@ -183,15 +185,15 @@ std::vector<Method> methods() {
   }
   add("direct, emitters alone", direct_integrator(1, 0));
   IntegratorSettings by_contribution = direct_integrator(2, 0);
-  by_contribution.light_choice = LightChoice::kAnalytic;
+  param::light_choice(by_contribution) = LightChoice::kAnalytic;
   add("direct, emitters alone, by contribution", by_contribution);
   for (NextEvent next : {NextEvent::kSample, NextEvent::kCv}) {
     const std::string suffix = next == NextEvent::kCv ? " with control variates" : "";
     const auto path = [&](const std::string& name, DirectSampling sampling, MisHeuristic heuristic) {
       IntegratorSettings settings = path_integrator(sampling);
-      settings.heuristic = heuristic;
-      settings.next_event = next;
-      if (next == NextEvent::kCv) settings.alpha = 0.7f;
+      param::heuristic(settings) = heuristic;
+      param::next_event(settings) = next;
+      if (next == NextEvent::kCv) param::alpha(settings) = 0.7f;
       add(name + suffix, settings);
     };
     if (next == NextEvent::kSample) path("path_mats", DirectSampling::kBsdfOnly, MisHeuristic::kBalance);
@@ -200,7 +202,7 @@ std::vector<Method> methods() {
     path("path_mis, power", DirectSampling::kMis, MisHeuristic::kPower);
   }
   IntegratorSettings area = direct_integrator(2, 0);
-  area.kind = IntegratorKind::kPolygonArea;
+  use(area, IntegratorKind::kPolygonArea);
   add("polygon_area", area);
   add("polygon_cv", polygon_cv(0.7f, EmitterSampling::kAuto, 2));
   return all;
@@ -248,7 +250,7 @@ TEST_P(EstimatorTable, EveryEstimatorHasTheKnownMean) {
         lights += (lights.empty() ? "" : " + ") + all[k].name;
       }
       scene.integrator = method.integrator;
-      scene.integrator.emitter_sampling = sampling;
+      param::emitter_sampling(scene.integrator) = sampling;
       scene.sampler.spp = kSamples;
       TestDevice device = native_device();
       device.samples_per_pass = kSamples;

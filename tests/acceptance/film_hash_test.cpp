@@ -102,7 +102,9 @@ Expected<DeviceScene> build(SceneDescription scene, const FilmCase& film_case) {
     if (const auto set = apply_setting(scene, setting.substr(0, equals), setting.substr(equals + 1)); !set)
       throw std::runtime_error(set.error().message);
   }
-  if (scene.integrator.max_depth < 0) scene.integrator.max_depth = 8;  // furnaces have no end
+  // Furnaces have no end.
+  auto* path = std::get_if<PathIntegrator>(&scene.integrator.method);
+  if (path != nullptr && path->max_depth < 0) path->max_depth = 8;
   resize_film(scene, kWidth, kHeight);
   scene.sampler.spp = 4;
   return build_device_scene(scene, {.intersector = IntersectorChoice::kPortable});

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/acceptance/strategies.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {
@@ -70,7 +71,7 @@ TEST_P(PathFurnace, AllBouncesAddUp) {
 TEST_P(PathFurnace, DepthLimitCutsTheSeries) {
   for (int depth = 1; depth <= 6; ++depth) {
     IntegratorSettings integrator = GetParam().integrator;
-    integrator.max_depth = depth;
+    param::max_depth(integrator) = depth;
     SCOPED_TRACE(depth);
     expect_radiance(furnace("0.5", integrator), 2 * (1 - std::pow(0.5, depth)));
   }
@@ -78,7 +79,7 @@ TEST_P(PathFurnace, DepthLimitCutsTheSeries) {
 
 TEST_P(PathFurnace, EarlyRouletteChangesNothing) {
   IntegratorSettings integrator = GetParam().integrator;
-  integrator.rr_depth = 1;
+  param::rr_depth(integrator) = 1;
   expect_radiance(furnace("0.8", integrator), 5);
 }
 
@@ -112,9 +113,9 @@ Moments roulette_moments(double albedo, int rr_depth) {
 
 TEST(Roulette, VarianceIsThatOfItsProbabilitiesUpToAlbedo099) {
   for (const char* albedo : {"0.5", "0.8", "0.97", "0.99"}) {
-    const IntegratorSettings integrator{.kind = IntegratorKind::kPath,
-                                        .direct_sampling = DirectSampling::kBsdfOnly};
-    const Moments moments = roulette_moments(std::stod(albedo), integrator.rr_depth);
+    const PathIntegrator path{.direct_sampling = DirectSampling::kBsdfOnly};
+    const IntegratorSettings integrator{.method = path};
+    const Moments moments = roulette_moments(std::stod(albedo), path.rr_depth);
     EXPECT_NEAR(moments.mean * (1 - std::stod(albedo)), 1, 1e-9) << albedo;
     EXPECT_LT(moments.variance, 8 * moments.mean * moments.mean) << albedo;  // finite, and small
     const FilmAccumulator film = render_or_throw(furnace(albedo, integrator), big_passes());
@@ -128,7 +129,7 @@ TEST(Roulette, VarianceIsThatOfItsProbabilitiesUpToAlbedo099) {
 }
 
 TEST(Roulette, EndsPathsThatLoseNothing) {
-  SceneDescription scene = furnace("1", {.kind = IntegratorKind::kPath});
+  SceneDescription scene = furnace("1", {.method = PathIntegrator{}});
   scene.sampler.spp = 2000;
   const FilmAccumulator film = render_or_throw(scene, big_passes());
   EXPECT_EQ(film.nan().count + film.infinite().count, 0u);

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "tests/acceptance/scene_pieces.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {
@@ -70,10 +71,10 @@ void PrintTo(const Method& method, std::ostream* out) { *out << method.name; }
 
 std::vector<Method> methods() {
   IntegratorSettings short_path = path_integrator(DirectSampling::kMis);
-  short_path.max_depth = 2;  // going through lamps counts for nothing
+  param::max_depth(short_path) = 2;  // going through lamps counts for nothing
   IntegratorSettings analytic, cv;
-  analytic.kind = IntegratorKind::kPolygonAnalytic;
-  cv.kind = IntegratorKind::kPolygonCv;
+  use(analytic, IntegratorKind::kPolygonAnalytic);
+  use(cv, IntegratorKind::kPolygonCv);
   return {{"PathMis", short_path},
           {"PathEms", path_integrator(DirectSampling::kEmitterOnly)},
           {"PathMats", path_integrator(DirectSampling::kBsdfOnly)},
@@ -121,7 +122,7 @@ TEST(HiddenEmitters, AllOfARowAreLookedThroughAndStillCastShadows) {
 TEST(HiddenEmitters, TheSkyIsHiddenAndSeenInTheFloor) {
   // The lamp shades the floor from its share of the sky, and the sky itself is black.
   SceneDescription scene = floor_from_above(50'000);
-  scene.environment = ConstantEnvironment{glm::vec3(1)};
+  scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(1)});
   scene.shapes.push_back(lamp(kHeight, kHalf, kBlackBsdf));
   const double share = square_above(kHeight, kHalf);
   expect_radiance(scene, hiding(direct_integrator(1, 1), HiddenEmitters::kLookedThrough),

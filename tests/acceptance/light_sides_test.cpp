@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/acceptance/strategies.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {
@@ -27,9 +28,9 @@ std::vector<IntegratorSettings> integrators() {
   for (const Strategy& strategy : all_strategies()) all.push_back(strategy.integrator);
   for (const EmitterSampling sampling : {EmitterSampling::kArea, EmitterSampling::kSolidAngle}) {
     IntegratorSettings mis = path_integrator(DirectSampling::kMis);
-    mis.emitter_sampling = sampling;
+    param::emitter_sampling(mis) = sampling;
     all.push_back(mis);
-    mis.next_event = NextEvent::kCv;
+    param::next_event(mis) = NextEvent::kCv;
     all.push_back(mis);
   }
   return all;
@@ -131,7 +132,8 @@ TEST_P(LightSides, TheDarkSideIsBlack) {
       const FilmAccumulator film = render_or_throw(scene);
       for (int y = 0; y < kPixels; ++y)
         for (int x = 0; x < kPixels; ++x)
-          ASSERT_LE(film.at(x, y).mean[1], kCoplanar) << x << ", " << y << " by " << int(integrator.kind);
+          ASSERT_LE(film.at(x, y).mean[1], kCoplanar)
+              << x << ", " << y << " by " << method_name(integrator.method);
     }
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "tests/acceptance/scene_pieces.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {
@@ -20,10 +21,10 @@ constexpr double kBlocks = double(kWidth / kBlock) * (kHeight / kBlock);
 SceneDescription star_light(bool other_light) {
   SceneDescription scene = read_or_throw(project_file("scenes/star-light/star-light.xml"));
   resize_film(scene, kWidth, kHeight);
-  if (other_light) scene.point_lights.push_back({glm::dvec3(-2, 3, 4), glm::vec3(6, 5, 4)});
+  if (other_light) scene.emitters.emplace_back(PointLight{glm::dvec3(-2, 3, 4), glm::vec3(6, 5, 4)});
   scene.integrator = {};
-  scene.integrator.kind = IntegratorKind::kPath;
-  scene.integrator.max_depth = 4;
+  use(scene.integrator, IntegratorKind::kPath);
+  param::max_depth(scene.integrator) = 4;
   scene.sampler.kind = SamplerKind::kSobol;
   scene.sampler.spp = 256;
   return scene;
@@ -50,9 +51,9 @@ INSTANTIATE_TEST_SUITE_P(
 TEST_P(PathControlVariate, HasTheMeanOfPaths) {
   SceneDescription scene = star_light(GetParam().other_light);
   const statistics::Estimate paths = block_estimate(scene, 8, 100, kBlock);
-  scene.integrator.next_event = NextEvent::kCv;
-  scene.integrator.alpha = GetParam().alpha;
-  scene.integrator.emitter_sampling = GetParam().sampling;
+  param::next_event(scene.integrator) = NextEvent::kCv;
+  param::alpha(scene.integrator) = GetParam().alpha;
+  param::emitter_sampling(scene.integrator) = GetParam().sampling;
   const statistics::Estimate controlled = block_estimate(scene, 8, 200, kBlock);
   // The channels of a block go together: the mean of z^2 has the deviation of as many values as there are
   // blocks.

@@ -10,6 +10,7 @@
 
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/acceptance/shadowed_polygon.h"
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
@@ -140,7 +141,7 @@ class Unshadowed : public testing::TestWithParam<UnshadowedCase> {};
 TEST_P(Unshadowed, ClosedFormIsExact) {
   const auto& [name, lights, bsdf] = GetParam();
   SceneDescription scene = scene_of(lights, bsdf, 4, 1);
-  scene.integrator.kind = IntegratorKind::kPolygonAnalytic;
+  use(scene.integrator, IntegratorKind::kPolygonAnalytic);
   for (int c = 0; c < 3; ++c) {
     const double expected = truth(lights, bsdf, c);
     const statistics::Sample sample = pass_means(scene, 2, c);
@@ -158,7 +159,7 @@ TEST_P(Unshadowed, EverySamplingHasItsMean) {
     // Highlights of exponent 300 fill a hundredth of the lights.
     SceneDescription scene = scene_of(lights, bsdf, 128, seed++);
     scene.integrator = integrator;
-    scene.integrator.trace_shadows = false;
+    param::trace_shadows(scene.integrator) = false;
     tests.add(statistics::t_test(pass_means(scene, 4), expected, kRounding * expected), what);
   };
   using enum EmitterSampling;
@@ -167,11 +168,11 @@ TEST_P(Unshadowed, EverySamplingHasItsMean) {
     for (LightChoice choice : {LightChoice::kPower, LightChoice::kAnalytic}) {
       check(emitter_only(sampling, 1, choice), "emitter samples" + by);
       IntegratorSettings area = emitter_only(sampling, 2, choice);
-      area.kind = IntegratorKind::kPolygonArea;
+      use(area, IntegratorKind::kPolygonArea);
       check(area, "polygon_area" + by);
     }
     IntegratorSettings mis = direct_integrator(1, 1);
-    mis.emitter_sampling = sampling;
+    param::emitter_sampling(mis) = sampling;
     check(mis, "MIS" + by);
   }
   check(direct_integrator(0, 1), "BSDF samples");
@@ -185,14 +186,14 @@ TEST_P(Unshadowed, PolygonAreaWithoutShadowsIgnoresOccluders) {
   scene.shapes.push_back(parallelogram({-3, 0.05, -3}, {6, 0, 0}, {0, 0, 6}, kBlackBsdf));
   scene.shapes.push_back(parallelogram({-0.5, -0.1, -3}, {0, 0.2, 0}, {0, 0, 6}, kBlackBsdf));
   scene.integrator = emitter_only(EmitterSampling::kArea, 16);
-  scene.integrator.kind = IntegratorKind::kPolygonArea;
+  use(scene.integrator, IntegratorKind::kPolygonArea);
   EXPECT_EQ(pass_means(scene, 4).mean(), 0);
-  scene.integrator.trace_shadows = false;
+  param::trace_shadows(scene.integrator) = false;
   const double expected = truth(lights, bsdf, 1);
   const statistics::Sample sample = pass_means(scene, 4);
   EXPECT_GT(statistics::t_test(sample, expected, kRounding * expected).p, kSignificance)
       << sample.mean() << " +- " << sample.standard_error() << ", exactly " << expected;
-  scene.integrator.kind = IntegratorKind::kPolygonAnalytic;
+  use(scene.integrator, IntegratorKind::kPolygonAnalytic);
   EXPECT_NEAR(pass_means(scene, 1).mean(), expected, kRounding * expected);
 }
 
@@ -202,7 +203,7 @@ INSTANTIATE_TEST_SUITE_P(Cases, Unshadowed, testing::ValuesIn(unshadowed_cases()
 TEST(OneSided, FromBehindIsDark) {
   for (auto kind : {IntegratorKind::kPolygonAnalytic, IntegratorKind::kPolygonCv, IntegratorKind::kDirect}) {
     SceneDescription scene = scene_of({turned(kTriangle, false)}, DiffuseBsdf{}, 4, 1);
-    scene.integrator.kind = kind;
+    use(scene.integrator, kind);
     EXPECT_EQ(pass_means(scene, 4).mean(), 0);
   }
 }
@@ -233,9 +234,9 @@ TEST(LightChoice, ByContributionHasLessNoiseAndTheSameMean) {
          {EmitterSampling::kArea, EmitterSampling::kSolidAngle, EmitterSampling::kProjected}) {
       SceneDescription scene = scene_of(lights, bsdf, 256, seed++);
       scene.integrator = emitter_only(sampling, 1, LightChoice::kPower);
-      scene.integrator.trace_shadows = false;  // some lights are in front of others
+      param::trace_shadows(scene.integrator) = false;  // some lights are in front of others
       const statistics::Sample by_power = pass_means(scene, 1);
-      scene.integrator.light_choice = LightChoice::kAnalytic;
+      param::light_choice(scene.integrator) = LightChoice::kAnalytic;
       scene.sampler.seed = seed++;
       const statistics::Sample by_contribution = pass_means(scene, 1);
       tests.add(statistics::t_test(by_power, expected, kRounding * expected), "by power");
@@ -256,8 +257,8 @@ TEST(LightChoice, OtherLightsHaveTheirShare) {
   sphere.radiance = disk.radiance = glm::vec3(3);
   scene.shapes.push_back(sphere);
   scene.shapes.push_back(disk);
-  scene.point_lights.push_back({{0.2, 0.6, -0.8}, glm::vec3(0.2f)});
-  scene.environment = ConstantEnvironment{glm::vec3(0.3f)};
+  scene.emitters.emplace_back(PointLight{{0.2, 0.6, -0.8}, glm::vec3(0.2f)});
+  scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(0.3f)});
   ManyTests tests;
   scene.integrator = emitter_only(EmitterSampling::kArea, 4, LightChoice::kPower);
   const statistics::Sample by_power = pass_means(scene, 4);
@@ -299,7 +300,7 @@ TEST(Invariance, ClosedFormDoesNotDependOnScaleOrPlace) {
           EXPECT_NEAR(pass_means(scene, 4).mean(), expected, kTolerance * expected)
               << "scale " << scale << ", shift " << shift;
         }
-        scene.integrator.kind = IntegratorKind::kPolygonAnalytic;
+        use(scene.integrator, IntegratorKind::kPolygonAnalytic);
         EXPECT_NEAR(pass_means(scene, 1).mean(), expected, kTolerance * expected)
             << "scale " << scale << ", shift " << shift;
       }

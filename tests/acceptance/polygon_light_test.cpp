@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tests/acceptance/strategies.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {
@@ -20,8 +21,8 @@ constexpr std::array kRadiance{0.089839259, 0.022920040, 0.053419540, 0.02053139
 
 /// A diffuse receiver that sees all of a light by its projected solid angle has no variance.
 bool has_no_variance(const IntegratorSettings& integrator) {
-  return integrator.kind == IntegratorKind::kDirect && integrator.bsdf_samples == 0 &&
-         integrator.emitter_sampling == EmitterSampling::kProjected;
+  return kind_of(integrator) == IntegratorKind::kDirect && param::bsdf_samples(integrator) == 0 &&
+         param::emitter_sampling(integrator) == EmitterSampling::kProjected;
 }
 
 class PolygonLights : public testing::TestWithParam<Strategy> {};
@@ -51,7 +52,7 @@ TEST(PolygonLightsProjected, EverySampleIsExact) {
                                            {{"light", std::to_string(i + 1)}});
     scene.sampler = {.kind = SamplerKind::kIndependent, .spp = 1000, .seed = 1};
     scene.integrator = direct_integrator(1, 0);
-    scene.integrator.emitter_sampling = EmitterSampling::kProjected;
+    param::emitter_sampling(scene.integrator) = EmitterSampling::kProjected;
     const FilmAccumulator film = render_or_throw(build_or_throw(scene), device);
     const statistics::Sample sample = pixel_sample(film, 0, 0, 1);
     EXPECT_NEAR(sample.mean(), kRadiance[i], 1e-5 * kRadiance[i]) << "light " << i + 1;

@@ -8,6 +8,7 @@
 
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/acceptance/shadowed_polygon.h"
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
@@ -55,7 +56,7 @@ class OwnSurfaces : public testing::TestWithParam<OwnSurface> {};
 
 TEST_P(OwnSurfaces, ClosedFormIsThatOfTheOtherLights) {
   IntegratorSettings integrator;
-  integrator.kind = IntegratorKind::kPolygonAnalytic;
+  use(integrator, IntegratorKind::kPolygonAnalytic);
   const FilmAccumulator shining = render_or_throw(scene_of(GetParam(), true, integrator));
   const FilmAccumulator dark = render_or_throw(scene_of(GetParam(), false, integrator));
   for (int y = 0; y < kHeight; ++y)
@@ -80,23 +81,23 @@ std::vector<Method> methods() {
       const std::string how =
           " by sampling " + std::to_string(int(sampling)) + (by_power ? ", by power" : ", by contribution");
       const auto add = [&](const char* name, IntegratorSettings integrator) {
-        integrator.light_choice = choice;
-        integrator.emitter_sampling = sampling;
+        param::light_choice(integrator) = choice;
+        param::emitter_sampling(integrator) = sampling;
         all.push_back({name + how, integrator});
       };
       IntegratorSettings area = emitter_only(sampling, 2);
       add("emitter samples", area);
-      area.kind = IntegratorKind::kPolygonArea;
+      use(area, IntegratorKind::kPolygonArea);
       add("polygon_area", area);
       add("polygon_cv, alpha 0.5", polygon_cv(0.5f, sampling, 2));
       add("polygon_cv, alpha 1", polygon_cv(1.0f, sampling, 2));
       add("polygon_cv, alpha auto", polygon_cv(std::nullopt, sampling, 2));
       IntegratorSettings paths =
           path_integrator(by_power ? DirectSampling::kMis : DirectSampling::kEmitterOnly);
-      paths.max_depth = 3;
+      param::max_depth(paths) = 3;
       add("paths", paths);
-      paths.next_event = NextEvent::kCv;
-      paths.alpha = 1.0f;
+      param::next_event(paths) = NextEvent::kCv;
+      param::alpha(paths) = 1.0f;
       add("paths with control variates", paths);
       if (by_power) add("MIS", direct_integrator(1, 1));
     }

@@ -10,6 +10,7 @@
 #include "scenes/device/device_scene_builder.h"
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/acceptance/shadowed_polygon.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {
@@ -50,15 +51,15 @@ std::vector<SceneDescription> scenes_of_passes() {
     scene.bsdfs.push_back({"floor", PhongBsdf{glm::vec3(0.5f, 0.7f, 0.2f), glm::vec3(0.3f), 9}});
     scene.shapes.push_back(parallelogram({-2, 0, -2}, {0, 0, 4}, {4, 0, 0}, 0));
     add_light(scene, large_light(kEdge68), glm::vec3(3, 2, 1));
-    scene.point_lights.push_back({dvec3(1, 1, 1), glm::vec3(1)});
+    scene.emitters.emplace_back(PointLight{dvec3(1, 1, 1), glm::vec3(1)});
     scene.film.filter = filter;
     scene.film.filter_radius = filter == FilterKind::kBox ? 0.5f : 2.0f;
     scene.integrator = polygon_ratio(EmitterSampling::kSolidAngle, 2);
     all.push_back(scene);
     scene.integrator = path_integrator(DirectSampling::kEmitterOnly);
-    scene.integrator.max_depth = 3;
-    scene.integrator.next_event = NextEvent::kCv;
-    scene.integrator.estimator = CvEstimator::kRatio;
+    param::max_depth(scene.integrator) = 3;
+    param::next_event(scene.integrator) = NextEvent::kCv;
+    param::estimator(scene.integrator) = CvEstimator::kRatio;
     all.push_back(scene);
   }
   return all;

@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "tests/support/integrator_parameters.h"
+
 namespace penumbra {
 
 PerspectiveCamera look_at(glm::dvec3 origin, glm::dvec3 target, glm::dvec3 up, double fov) {
@@ -53,16 +55,16 @@ SceneDescription empty_scene(int width, int height, std::uint32_t spp, std::uint
 
 IntegratorSettings path_integrator(DirectSampling sampling) {
   IntegratorSettings settings;
-  settings.direct_sampling = sampling;
+  param::direct_sampling(settings) = sampling;
   return settings;
 }
 
 IntegratorSettings direct_integrator(int emitter_samples, int bsdf_samples, MisHeuristic heuristic) {
   IntegratorSettings settings;
-  settings.kind = IntegratorKind::kDirect;
-  settings.emitter_samples = emitter_samples;
-  settings.bsdf_samples = bsdf_samples;
-  settings.heuristic = heuristic;
+  use(settings, IntegratorKind::kDirect);
+  param::emitter_samples(settings) = emitter_samples;
+  param::bsdf_samples(settings) = bsdf_samples;
+  param::heuristic(settings) = heuristic;
   return settings;
 }
 

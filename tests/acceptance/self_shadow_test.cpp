@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/acceptance/scene_pieces.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {
@@ -59,7 +60,7 @@ void expect_albedo(const Placed& placed, const dvec3& normal, int cells, double 
       scene.camera = look_at(center + scale * (side * normal + 0.8 * u + 0.3 * v), center, v, 40);
       scene.camera.near_clip = 1e-4 * scale;
       scene.camera.far_clip = 100 * scale;
-      scene.environment = ConstantEnvironment{glm::vec3(1)};
+      scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(1)});
       add_diffuse(scene, kAlbedo);
       scene.shapes.push_back(grid(center, 2 * scale * u, 2 * scale * v, cells));
       if (balance != 0) {  // out of sight, and as bright as the sky behind it
@@ -68,7 +69,7 @@ void expect_albedo(const Placed& placed, const dvec3& normal, int cells, double 
         scene.shapes.back().two_sided_emission = true;
       }
       scene.integrator = path_integrator(sampling);
-      scene.integrator.max_depth = 2;
+      param::max_depth(scene.integrator) = 2;
       TestDevice device = native_device();
       device.embree = placed.embree;
       const FilmAccumulator film = render_or_throw(scene, device);

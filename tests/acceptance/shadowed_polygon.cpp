@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "tests/acceptance/scene_pieces.h"
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 
@@ -162,23 +163,23 @@ void ManyTests::expect_passed(double significance) const {
 
 IntegratorSettings polygon_cv(std::optional<float> alpha, EmitterSampling sampling, int vis_samples) {
   IntegratorSettings settings;
-  settings.kind = IntegratorKind::kPolygonCv;
-  settings.alpha = alpha;
-  settings.emitter_sampling = sampling;
-  settings.vis_samples = vis_samples;
+  use(settings, IntegratorKind::kPolygonCv);
+  param::alpha(settings) = alpha;
+  param::emitter_sampling(settings) = sampling;
+  param::vis_samples(settings) = vis_samples;
   return settings;
 }
 
 IntegratorSettings polygon_ratio(EmitterSampling sampling, int vis_samples) {
   IntegratorSettings settings = polygon_cv(std::nullopt, sampling, vis_samples);
-  settings.estimator = CvEstimator::kRatio;
+  param::estimator(settings) = CvEstimator::kRatio;
   return settings;
 }
 
 IntegratorSettings emitter_only(EmitterSampling sampling, int samples, LightChoice choice) {
   IntegratorSettings settings = direct_integrator(samples, 0);
-  settings.emitter_sampling = sampling;
-  settings.light_choice = choice;
+  param::emitter_sampling(settings) = sampling;
+  param::light_choice(settings) = choice;
   return settings;
 }
 

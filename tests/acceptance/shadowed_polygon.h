@@ -42,8 +42,6 @@ ShadowedPolygon large_light(std::optional<double> edge = std::nullopt);
 ShadowedPolygon small_light();
 constexpr double kEdge68 = 0.1024763034, kEdge24 = -0.1086023344, kEdgeUmbra = -0.4;
 
-using BsdfModel = std::variant<DiffuseBsdf, PhongBsdf>;
-
 /// Radiance that a receiver at the origin with normal (0, 1, 0) sends to the direction of `viewer` under
 /// uniform radiance 1 from the front of a convex polygon: Gauss-Legendre quadrature over its area. Relative
 /// error below 1e-7 for Phong exponents up to 1000 and polygons that do not come near the origin.

@@ -11,6 +11,7 @@
 
 #include "tests/acceptance/shadowed_polygon.h"
 #include "tests/acceptance/strategies.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {
@@ -56,7 +57,7 @@ TEST(SmoothNormals, RimsShowTheOutsideAsBrightAsTheRest) {
     for (const Strategy& strategy : all_strategies()) {
       SceneDescription scene = empty_scene(kPixels, kPixels, 64, 3);
       scene.camera = look_at(dvec3(0, 0, 4), dvec3(0.02, 0.03, 0), dvec3(0, 1, 0), 30);
-      scene.environment = ConstantEnvironment{glm::vec3(1)};
+      scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(1)});
       scene.bsdfs.push_back({"outside", DiffuseBsdf{glm::vec3(0.8f)}});
       scene.bsdfs.push_back({"inside", DiffuseBsdf{glm::vec3(0.8f, 0, 0)}});
       scene.shapes.push_back(icosahedron(dvec3(0), 1));
@@ -90,8 +91,8 @@ void expect_black(SceneDescription scene, const std::string& what) {
 }
 
 void add_lights_beyond(SceneDescription& scene, bool sky) {
-  if (sky) scene.environment = ConstantEnvironment{glm::vec3(1)};
-  scene.point_lights.push_back({dvec3(3, -2.5, 1), glm::vec3(10)});
+  if (sky) scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(1)});
+  scene.emitters.emplace_back(PointLight{dvec3(3, -2.5, 1), glm::vec3(10)});
   scene.shapes.push_back(parallelogram(dvec3(-3, -4, -3), dvec3(0, 0, 6), dvec3(6, 0, 0), kBlackBsdf, 5.0f));
   scene.shapes.back().two_sided_emission = true;
   Shape sphere;
@@ -154,7 +155,7 @@ statistics::Sample rendered(SceneDescription scene, const IntegratorSettings& in
 
 std::vector<Strategy> methods_for_polygons() {
   std::vector<Strategy> all = all_strategies();
-  for (Strategy& strategy : all) strategy.integrator.max_depth = 2;
+  for (Strategy& strategy : all) limit_depth(strategy.integrator, 2);
   for (const EmitterSampling sampling :
        {EmitterSampling::kArea, EmitterSampling::kSolidAngle, EmitterSampling::kProjected}) {
     const std::string how = " by sampling " + std::to_string(int(sampling));
@@ -162,13 +163,13 @@ std::vector<Strategy> methods_for_polygons() {
     all.push_back({"polygon_cv, alpha 0.4" + how, polygon_cv(0.4f, sampling, 1)});
     all.push_back({"polygon_cv, alpha auto" + how, polygon_cv(std::nullopt, sampling, 1)});
     IntegratorSettings area = emitter_only(sampling, 2);
-    area.kind = IntegratorKind::kPolygonArea;
+    use(area, IntegratorKind::kPolygonArea);
     all.push_back({"polygon_area" + how, area});
     IntegratorSettings path = path_integrator(DirectSampling::kMis);
-    path.max_depth = 2;
-    path.emitter_sampling = sampling;
-    path.next_event = NextEvent::kCv;
-    path.alpha = 1.0f;
+    param::max_depth(path) = 2;
+    param::emitter_sampling(path) = sampling;
+    param::next_event(path) = NextEvent::kCv;
+    param::alpha(path) = 1.0f;
     all.push_back({"path with control variates" + how, path});
   }
   return all;
@@ -217,14 +218,14 @@ TEST_P(LeaningNormals, TheClosedFormIsTheMeanWithoutShadows) {
   SceneDescription scene = leaning_floor(GetParam().bsdf, GetParam().viewer, 1);
   scene.shapes.push_back(light_through_floor());
   IntegratorSettings analytic;
-  analytic.kind = IntegratorKind::kPolygonAnalytic;
+  use(analytic, IntegratorKind::kPolygonAnalytic);
   const double closed = rendered(scene, analytic, 1).mean();
   ManyTests tests;
   for (const EmitterSampling sampling :
        {EmitterSampling::kArea, EmitterSampling::kSolidAngle, EmitterSampling::kProjected}) {
     IntegratorSettings area = emitter_only(sampling, 2);
-    area.kind = IntegratorKind::kPolygonArea;
-    area.trace_shadows = false;
+    use(area, IntegratorKind::kPolygonArea);
+    param::trace_shadows(area) = false;
     tests.add(
         statistics::t_test(rendered(scene, area, 7 + std::uint32_t(sampling)), closed, kRounding * closed),
         std::to_string(int(sampling)));

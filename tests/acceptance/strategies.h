@@ -7,6 +7,7 @@
 
 #include "scenes/scene_description.h"
 #include "tests/acceptance/scene_pieces.h"
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 
@@ -20,19 +21,19 @@ inline void PrintTo(const Strategy& strategy, std::ostream* out) { *out << strat
 inline std::vector<Strategy> direct_strategies() {
   const auto emitter = [](EmitterSampling sampling) {
     IntegratorSettings settings = direct_integrator(1, 0);
-    settings.emitter_sampling = sampling;
+    param::emitter_sampling(settings) = sampling;
     return settings;
   };
   const auto direction = [](BsdfSampling sampling) {
     IntegratorSettings settings = direct_integrator(0, 1);
-    settings.bsdf_sampling = sampling;
+    param::bsdf_sampling(settings) = sampling;
     return settings;
   };
   IntegratorSettings mis_uniform = direct_integrator(2, 1);
-  mis_uniform.bsdf_sampling = BsdfSampling::kUniform;
-  mis_uniform.emitter_sampling = EmitterSampling::kSolidAngle;
+  param::bsdf_sampling(mis_uniform) = BsdfSampling::kUniform;
+  param::emitter_sampling(mis_uniform) = EmitterSampling::kSolidAngle;
   IntegratorSettings mis_projected = direct_integrator(1, 1);
-  mis_projected.emitter_sampling = EmitterSampling::kProjected;
+  param::emitter_sampling(mis_projected) = EmitterSampling::kProjected;
   return {
       {"EmitterArea", emitter(EmitterSampling::kArea)},
       {"EmitterSolidAngle", emitter(EmitterSampling::kSolidAngle)},
@@ -50,9 +51,9 @@ inline std::vector<Strategy> direct_strategies() {
 
 inline std::vector<Strategy> path_strategies() {
   IntegratorSettings power = path_integrator(DirectSampling::kMis);
-  power.heuristic = MisHeuristic::kPower;
+  param::heuristic(power) = MisHeuristic::kPower;
   IntegratorSettings projected = path_integrator(DirectSampling::kMis);
-  projected.emitter_sampling = EmitterSampling::kProjected;
+  param::emitter_sampling(projected) = EmitterSampling::kProjected;
   return {
       {"PathMats", path_integrator(DirectSampling::kBsdfOnly)},
       {"PathEms", path_integrator(DirectSampling::kEmitterOnly)},

@@ -6,15 +6,17 @@
 #include <ostream>
 #include <tuple>
 
+#include "tests/support/integrator_parameters.h"
+
 namespace penumbra {
 namespace {
 
 void by_projection(SceneDescription& scene) {
-  scene.integrator.emitter_sampling = EmitterSampling::kProjected;
+  param::emitter_sampling(scene.integrator) = EmitterSampling::kProjected;
 }
 
 void by_solid_angle(SceneDescription& scene) {
-  scene.integrator.emitter_sampling = EmitterSampling::kSolidAngle;
+  param::emitter_sampling(scene.integrator) = EmitterSampling::kSolidAngle;
 }
 
 void look_through(SceneDescription& scene) {
@@ -24,28 +26,28 @@ void look_through(SceneDescription& scene) {
 
 void look_through_directly(SceneDescription& scene) {
   look_through(scene);
-  scene.integrator.kind = IntegratorKind::kDirect;
+  use(scene.integrator, IntegratorKind::kDirect);
 }
 
-void direct(SceneDescription& scene) { scene.integrator.kind = IntegratorKind::kDirect; }
+void direct(SceneDescription& scene) { use(scene.integrator, IntegratorKind::kDirect); }
 
-void closed_form(SceneDescription& scene) { scene.integrator.kind = IntegratorKind::kPolygonAnalytic; }
+void closed_form(SceneDescription& scene) { use(scene.integrator, IntegratorKind::kPolygonAnalytic); }
 
 void control_variate(SceneDescription& scene) {
-  scene.integrator.kind = IntegratorKind::kPolygonCv;
-  scene.integrator.emitter_sampling = EmitterSampling::kArea;
-  scene.integrator.vis_samples = 3;
+  use(scene.integrator, IntegratorKind::kPolygonCv);
+  param::emitter_sampling(scene.integrator) = EmitterSampling::kArea;
+  param::vis_samples(scene.integrator) = 3;
 }
 
 void ratio(SceneDescription& scene) {
   control_variate(scene);
-  scene.integrator.estimator = CvEstimator::kRatio;
+  param::estimator(scene.integrator) = CvEstimator::kRatio;
 }
 
 void path_with_control_variate(SceneDescription& scene) {
-  scene.integrator.kind = IntegratorKind::kPath;
-  scene.integrator.next_event = NextEvent::kCv;
-  scene.integrator.max_depth = 5;
+  use(scene.integrator, IntegratorKind::kPath);
+  param::next_event(scene.integrator) = NextEvent::kCv;
+  param::max_depth(scene.integrator) = 5;
 }
 
 /// Lobes of low and high, whole and broken exponents.
@@ -63,15 +65,15 @@ void glossy_closed_form(SceneDescription& scene) {
 void glossy_path_with_control_variate(SceneDescription& scene) {
   make_glossy(scene);
   path_with_control_variate(scene);
-  scene.integrator.alpha = 0.75f;
-  scene.integrator.emitter_sampling = EmitterSampling::kSolidAngle;
+  param::alpha(scene.integrator) = 0.75f;
+  param::emitter_sampling(scene.integrator) = EmitterSampling::kSolidAngle;
 }
 
 void glossy_choice(SceneDescription& scene) {
   make_glossy(scene);
-  scene.integrator.kind = IntegratorKind::kDirect;
-  scene.integrator.bsdf_samples = 0;
-  scene.integrator.light_choice = LightChoice::kAnalytic;
+  use(scene.integrator, IntegratorKind::kDirect);
+  param::bsdf_samples(scene.integrator) = 0;
+  param::light_choice(scene.integrator) = LightChoice::kAnalytic;
 }
 
 constexpr int kEdgePixels = 30;
@@ -98,8 +100,7 @@ void rays_on_edges(SceneDescription& scene) {
   shape.front_bsdf = shape.back_bsdf = 0;
   scene.shapes = {std::move(shape)};
   scene.bsdfs = {Bsdf{"grey", DiffuseBsdf{}}};
-  scene.point_lights = {PointLight{{0.3, 0.4, 0.2}, glm::vec3(1)}};
-  scene.environment = ConstantEnvironment{};
+  scene.emitters = {PointLight{{0.3, 0.4, 0.2}, glm::vec3(1)}, ConstantEnvironment{}};
   scene.camera = {};
   scene.camera.fov = 90;
   resize_film(scene, kEdgePixels, kEdgePixels);

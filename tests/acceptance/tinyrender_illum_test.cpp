@@ -7,6 +7,7 @@
 
 #include "tests/acceptance/tinyrender_reference.h"
 #include "tests/scenes/tinyrender_text.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {
@@ -50,7 +51,7 @@ class TinyRenderIllum : public TinyRenderText {
     const PinholeCamera camera{{0.5, 1, 3}, {0, 0, 0}, 30, scene.film.width, scene.film.height};
     sample_pixel_centres(scene);
     scene.sampler.spp = 1;
-    scene.integrator = IntegratorSettings{.kind = IntegratorKind::kPolygonAnalytic};
+    scene.integrator = integrator_of(IntegratorKind::kPolygonAnalytic);
     const statistics::Image image = mean_image(render_or_throw(scene));
     double darkest = 1e9, brightest = 0;
     for (const int x : {2, 9, 15, 22, 28})

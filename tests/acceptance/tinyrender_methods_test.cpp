@@ -12,6 +12,7 @@
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/acceptance/shadowed_polygon.h"
 #include "tests/acceptance/strategies.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/oracles.h"
 #include "tests/support/render_scene.h"
 
@@ -38,13 +39,13 @@ class TinyRenderMethods : public testing::TestWithParam<SceneCase> {
 };
 
 IntegratorSettings without_shadows(IntegratorSettings settings) {
-  settings.trace_shadows = false;
+  param::trace_shadows(settings) = false;
   return settings;
 }
 
 IntegratorSettings polygonal(IntegratorKind kind) {
   IntegratorSettings settings;
-  settings.kind = kind;
+  use(settings, kind);
   return settings;
 }
 
@@ -52,7 +53,7 @@ IntegratorSettings polygonal(IntegratorKind kind) {
 std::vector<Strategy> shadowed_methods() {
   using enum EmitterSampling;
   IntegratorSettings both = direct_integrator(1, 1);
-  both.emitter_sampling = kArea;
+  param::emitter_sampling(both) = kArea;
   return {{"polygon_area", polygonal(IntegratorKind::kPolygonArea)},
           {"alpha_1", polygon_cv(1.0f, kArea, 1)},
           {"alpha_auto", polygon_cv(std::nullopt, kArea, 2)},

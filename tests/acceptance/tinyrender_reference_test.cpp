@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tests/acceptance/tinyrender_reference.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/oracles.h"
 #include "tests/support/render_scene.h"
 
@@ -53,7 +54,7 @@ struct Seen {
   explicit Seen(SceneDescription scene) {
     sample_pixel_centres(scene);
     scene.sampler.spp = 1;
-    scene.integrator = IntegratorSettings{.kind = IntegratorKind::kDirect, .trace_shadows = false};
+    scene.integrator = {.method = DirectIntegrator{.trace_shadows = false}};
     const FilmAccumulator film = render_or_throw(scene);
     emitters = emitter_pixels(film);
     smooth = smooth_pixels(film, emitters);
@@ -211,7 +212,7 @@ TEST_F(TinyRenderGrid, ControlVariates) {
   auto tested_scene = tested("grid", "grid_cv", "grid_cv");
   SceneDescription& scene = tested_scene.scene;
   const statistics::Image& reference = tested_scene.reference;
-  ASSERT_EQ(scene.integrator.vis_samples, 4);
+  ASSERT_EQ(param::vis_samples(scene.integrator), 4);
   ASSERT_EQ(scene.sampler.spp, 1u);
   const statistics::Image ours = transformed(mean_image(render_or_throw(scene)),
                                              [](double value) { return to_half(std::max(value, 0.0)); });
@@ -228,7 +229,7 @@ TEST_F(TinyRenderGrid, RealtimeControlVariates) {
   auto tested_scene = tested("grid", "grid_cv_realtime", "grid_cv_realtime");
   SceneDescription& scene = tested_scene.scene;
   const statistics::Image& reference = tested_scene.reference;
-  scene.integrator.vis_samples = 1;
+  param::vis_samples(scene.integrator) = 1;
   scene.sampler.spp = 1;
   const auto code = [](double value) { return std::round(srgb_code(value)); };
   const statistics::Image ours = transformed(mean_image(render_or_throw(scene)), code);
@@ -253,7 +254,7 @@ TEST_P(TinyRenderVeach, IsTheSameEstimator) {
       tested("veach_test", name == "emitter" ? "veach_area" : "veach_" + name, "veach_" + name);
   ASSERT_EQ(scene.sampler.spp, 1u);
   const Mask mask = Seen(scene).lit;
-  const bool samples_emitters = scene.integrator.emitter_samples > 0;
+  const bool samples_emitters = param::emitter_samples(scene.integrator) > 0;
   if (samples_emitters) make_emitters_spheres_chosen_alike(scene);
   const statistics::Image ours = transformed(mean_image(render_or_throw(scene)), to_half);
   // A direction within the cone of a sphere misses the mesh inside it at times, about 0.8 % as often as it

@@ -4,6 +4,8 @@
 #include <glm/gtc/constants.hpp>
 #include <initializer_list>
 
+#include "tests/support/integrator_parameters.h"
+
 namespace penumbra {
 namespace {
 
@@ -74,7 +76,7 @@ SceneDescription bumpy_room(int ball_triangles) {
   scene.camera.fov = 80;
   scene.film.width = scene.film.crop_width = 512;
   scene.film.height = scene.film.crop_height = 512;
-  scene.integrator.max_depth = 6;
+  param::max_depth(scene.integrator) = 6;
   return scene;
 }
 

@@ -12,6 +12,7 @@
 #include "tests/benchmarks/embree_calls.h"
 #include "tests/benchmarks/portable_stages.h"
 #include "tests/benchmarks/recorded_rays.h"
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
@@ -59,7 +60,7 @@ void add_portable(const std::string& name, std::shared_ptr<TraversalScene> scene
 
 bool add_scene(const std::string& name, SceneDescription description) {
   description.sampler.spp = kSamples;
-  description.integrator.kind = IntegratorKind::kPath;
+  use(description.integrator, IntegratorKind::kPath);
   auto scene = std::make_shared<TraversalScene>();
   const bool layers = false;
   auto portable = build_device_scene(description,
@@ -91,10 +92,10 @@ bool add_scene(const std::string& name, SceneDescription description) {
         fmt::format("{}/{} triangles/{}/", name, scene->portable.header.tables.triangles.count, rays);
     if (best_isa() >= Isa::kAvx512)
       add_portable(title + "portable avx512", scene, kind,
-                   hierarchy ? portable_stage_avx512_core_bvh : portable_stage_avx512_core);
+                   hierarchy ? portable_stage_avx512_bvh : portable_stage_avx512_whole);
     if (best_isa() >= Isa::kAvx2)
       add_portable(title + "portable avx2", scene, kind,
-                   hierarchy ? portable_stage_avx2_core_bvh : portable_stage_avx2_core);
+                   hierarchy ? portable_stage_avx2_bvh : portable_stage_avx2_whole);
     add_embree(title + "Embree single", scene, kind, embree_single(*scene->tracer));
     add_embree(title + "Embree packets", scene, kind, scene->tracer->tracer());
     add_embree(title + "Embree stream", scene, kind, embree_stream(*scene->tracer));

@@ -9,6 +9,7 @@
 
 #include "gl/analytic_pass.h"
 #include "tests/gl/gl_test_context.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/oracles.h"
 #include "tests/support/render_scene.h"
 
@@ -34,7 +35,7 @@ double seconds_of_frame(AnalyticPass& pass) {
 }
 
 double seconds_of_scene(SceneDescription description) {
-  description.integrator = IntegratorSettings{.kind = IntegratorKind::kPolygonAnalytic};
+  description.integrator = integrator_of(IntegratorKind::kPolygonAnalytic);
   resize_film(description, kWidth, kHeight);
   const DeviceScene scene = build_or_throw(description);
   auto pass = AnalyticPass::create(scene);

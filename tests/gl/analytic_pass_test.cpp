@@ -13,6 +13,7 @@
 #include "tests/gl/analytic_scenes.h"
 #include "tests/gl/gl_test_context.h"
 #include "tests/gl/pixel_primitives.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/oracles.h"
 #include "tests/support/render_scene.h"
 
@@ -29,7 +30,7 @@ std::unique_ptr<AnalyticPass> pass_of(const DeviceScene& scene) {
 
 /// The scene as polygon_analytic renders it, at another size.
 SceneDescription analytic_scene(SceneDescription scene, int width, int height) {
-  scene.integrator = IntegratorSettings{.kind = IntegratorKind::kPolygonAnalytic};
+  scene.integrator = integrator_of(IntegratorKind::kPolygonAnalytic);
   resize_film(scene, width, height);
   return scene;
 }

@@ -47,7 +47,7 @@ SceneDescription round_things() {
   light.two_sided_emission = true;
   Shape& lamp = add(Disk{{-2.5, 1, 1}, glm::normalize(glm::dvec3(1, 0, 0.2)), 0.4}, 0, 0);
   lamp.radiance = glm::vec3(2, 1, 1);
-  scene.environment = ConstantEnvironment{glm::vec3(0.1f, 0.2f, 0.3f)};
+  scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(0.1f, 0.2f, 0.3f)});
   scene.camera.to_world = look_at({0.4, 2.2, 6}, {0.1, 1, 0}, {0, 1, 0});
   scene.camera.fov = 55;
   scene.camera.near_clip = 0.1;

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "tests/scenes/scene_text.h"
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
@@ -222,9 +223,9 @@ TEST_F(MitsubaPlugins, Lights) {
       in("emitter", "point", "<rgb name='intensity' value='7'/><point name='position' x='1' y='2' z='3'/>") +
       in("emitter", "constant", "<rgb name='radiance' value='.5'/>") +
       in("shape", "rectangle", in("emitter", "area", "<rgb name='radiance' value='1 2 3'/>")));
-  EXPECT_EQ(s.point_lights.at(0).position, glm::dvec3(1, 2, 3));
-  EXPECT_EQ(s.point_lights.at(0).intensity, glm::vec3(7));
-  EXPECT_EQ(s.environment.value().radiance, glm::vec3(0.5f));
+  EXPECT_EQ(only<PointLight>(s).position, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(only<PointLight>(s).intensity, glm::vec3(7));
+  EXPECT_EQ(only<ConstantEnvironment>(s).radiance, glm::vec3(0.5f));
   EXPECT_EQ(s.shapes.at(0).radiance, glm::vec3(1, 2, 3));
 }
 
@@ -369,34 +370,32 @@ TEST_F(MitsubaPlugins, Integrators) {
   const auto integrator = [&](std::string_view type, std::string_view inside = "") {
     return good(in("integrator", type, inside)).integrator;
   };
-  EXPECT_EQ(good("").integrator.kind, IntegratorKind::kPath);
-  EXPECT_EQ(integrator("path").max_depth, -1);
-  EXPECT_EQ(integrator("path", "<integer name='max_depth' value='65'/>").max_depth, 65);
-  EXPECT_EQ(integrator("path_mats").direct_sampling, DirectSampling::kBsdfOnly);
-  EXPECT_EQ(integrator("path_ems").direct_sampling, DirectSampling::kEmitterOnly);
-  EXPECT_EQ(integrator("path_mis").direct_sampling, DirectSampling::kMis);
-  EXPECT_EQ(integrator("path", "<string name='direct_sampling' value='ems'/>").direct_sampling,
+  EXPECT_EQ(kind_of(good("").integrator), IntegratorKind::kPath);
+  EXPECT_EQ(param::max_depth(integrator("path")), -1);
+  EXPECT_EQ(param::max_depth(integrator("path", "<integer name='max_depth' value='65'/>")), 65);
+  EXPECT_EQ(param::direct_sampling(integrator("path_mats")), DirectSampling::kBsdfOnly);
+  EXPECT_EQ(param::direct_sampling(integrator("path_ems")), DirectSampling::kEmitterOnly);
+  EXPECT_EQ(param::direct_sampling(integrator("path_mis")), DirectSampling::kMis);
+  EXPECT_EQ(param::direct_sampling(integrator("path", "<string name='direct_sampling' value='ems'/>")),
             DirectSampling::kEmitterOnly);
   const IntegratorSettings both = integrator("direct", "<integer name='shading_samples' value='4'/>");
-  EXPECT_EQ(both.kind, IntegratorKind::kDirect);
-  EXPECT_EQ(both.emitter_samples, 4);
-  EXPECT_EQ(both.bsdf_samples, 4);
+  EXPECT_EQ(kind_of(both), IntegratorKind::kDirect);
+  EXPECT_EQ(param::emitter_samples(both), 4);
+  EXPECT_EQ(param::bsdf_samples(both), 4);
   const IntegratorSettings chosen =
       integrator("direct",
                  "<integer name='emitter_samples' value='2'/><integer name='bsdf_samples' value='0'/>"
                  "<string name='bsdf_sampling' value='cosine'/><string name='emitter_sampling' value='area'/>"
                  "<string name='mis' value='power'/><boolean name='hide_emitters' value='true'/>");
-  EXPECT_EQ(chosen.emitter_samples, 2);
-  EXPECT_EQ(chosen.bsdf_samples, 0);
-  EXPECT_EQ(chosen.bsdf_sampling, BsdfSampling::kCosine);
-  EXPECT_EQ(chosen.emitter_sampling, EmitterSampling::kArea);
-  EXPECT_EQ(chosen.heuristic, MisHeuristic::kPower);
+  EXPECT_EQ(param::emitter_samples(chosen), 2);
+  EXPECT_EQ(param::bsdf_samples(chosen), 0);
+  EXPECT_EQ(param::bsdf_sampling(chosen), BsdfSampling::kCosine);
+  EXPECT_EQ(param::emitter_sampling(chosen), EmitterSampling::kArea);
+  EXPECT_EQ(param::heuristic(chosen), MisHeuristic::kPower);
   EXPECT_TRUE(chosen.hide_emitters);
-  EXPECT_EQ(integrator("moment", in("integrator", "aov",
-                                    "<string name='aovs' value='d:depth'/>" +
-                                        in("integrator", "path", "<integer name='max_depth' value='3'/>")))
-                .max_depth,
-            3);
+  const std::string inner = in("integrator", "path", "<integer name='max_depth' value='3'/>");
+  const std::string aov = in("integrator", "aov", "<string name='aovs' value='d:depth'/>" + inner);
+  EXPECT_EQ(param::max_depth(integrator("moment", aov)), 3);
 }
 
 TEST_F(MitsubaPlugins, HiddenEmittersAreAsInTheFilesMitsuba) {
@@ -464,8 +463,8 @@ TEST_F(MitsubaPlugins, LenientStandIns) {
       in("shape", "instance") + in("emitter", "envmap") + in("medium", "homogeneous");
   EXPECT_FALSE(read(scene(text)));
   const SceneDescription s = good(text, {.lenient = true});
-  EXPECT_EQ(s.integrator.kind, IntegratorKind::kPath);
-  EXPECT_EQ(s.integrator.max_depth, 4);
+  EXPECT_EQ(kind_of(s.integrator), IntegratorKind::kPath);
+  EXPECT_EQ(param::max_depth(s.integrator), 4);
   EXPECT_EQ(s.camera.fov, 30.0);
   EXPECT_EQ(s.film.width, 99);
   EXPECT_EQ(s.sampler.spp, 3u);
@@ -477,8 +476,7 @@ TEST_F(MitsubaPlugins, LenientStandIns) {
   }
   EXPECT_EQ(s.shapes[1].back_bsdf, kBlackBsdf);
   EXPECT_EQ(s.shapes[1].radiance, glm::vec3(0.8f, 0.2f, 0.8f));
-  ASSERT_TRUE(s.environment);
-  EXPECT_EQ(s.environment->radiance, glm::vec3(0.8f, 0.2f, 0.8f));
+  EXPECT_EQ(only<ConstantEnvironment>(s).radiance, glm::vec3(0.8f, 0.2f, 0.8f));
   EXPECT_THAT(s.warnings,
               ::testing::UnorderedElementsAre(
                   HasSubstr("integrator type 'volpath' is not one that Penumbra reads; path stands in"),
@@ -508,7 +506,7 @@ TEST_F(MitsubaPlugins, SettingsOverrideTheFile) {
                                                       {"integrator.max_depth", "9"},
                                                       {"film.width", "50"},
                                                       {"film.width", "60"}}});
-  EXPECT_EQ(s.integrator.max_depth, 9);
+  EXPECT_EQ(param::max_depth(s.integrator), 9);
   EXPECT_EQ(s.film.width, 60);
   EXPECT_EQ(s.film.crop_width, 50);
   EXPECT_THAT(error(scene(text), {.settings = {{"film.width", "50"}}}),

@@ -3,6 +3,7 @@
 
 #include "scenes/spectrum.h"
 #include "tests/scenes/scene_text.h"
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
@@ -47,7 +48,7 @@ TEST_F(MitsubaXml, DefaultsAndDefines) {
     std::string filled = text;
     filled.replace(filled.find("$x ${}"), 6, value);
     const SceneDescription result = good(filled, options);
-    return result.point_lights.empty() ? glm::vec3(-1) : result.point_lights[0].intensity;
+    return result.emitters.empty() ? glm::vec3(-1) : only<PointLight>(result).intensity;
   };
   EXPECT_EQ(with("$x", {}), glm::vec3(3));
   EXPECT_EQ(with("$x $xy 1$x", {}), glm::vec3(3, 7, 13));
@@ -121,8 +122,7 @@ TEST_F(MitsubaXml, Includes) {
   const SceneDescription result = good(
       "<default name='c' value='8'/><shape type='sphere'><ref id='late'/></shape>"
       "<include filename='parts/lights.xml'/>");
-  ASSERT_THAT(result.point_lights, SizeIs(1));
-  EXPECT_EQ(result.point_lights[0].intensity, glm::vec3(8));
+  EXPECT_EQ(only<PointLight>(result).intensity, glm::vec3(8));
 }
 
 TEST_F(MitsubaXml, CyclicIncludesShowTheChain) {
@@ -237,8 +237,8 @@ TEST_F(MitsubaXml, CamelCaseAndSnakeCaseAreTheSame) {
   camel.replace(camel.find("lookat"), 6, "lookAt");
   const SceneDescription a = good(snake), b = good(camel);
   for (const SceneDescription* s : {&a, &b}) {
-    EXPECT_EQ(s->integrator.max_depth, 7);
-    EXPECT_EQ(s->integrator.rr_depth, 3);
+    EXPECT_EQ(param::max_depth(s->integrator), 7);
+    EXPECT_EQ(param::rr_depth(s->integrator), 3);
     EXPECT_TRUE(s->integrator.hide_emitters);
     EXPECT_EQ(s->camera.near_clip, 0.5);
     EXPECT_EQ(s->camera.far_clip, 99.0);
@@ -259,7 +259,7 @@ TEST_F(MitsubaXml, CamelCaseAndSnakeCaseAreTheSame) {
 }
 
 TEST_F(MitsubaXml, TransformsComposeInOrder) {
-  const auto at = [&](std::string_view steps) { return good(placed(steps)).point_lights.at(0).position; };
+  const auto at = [&](std::string_view steps) { return only<PointLight>(good(placed(steps))).position; };
   EXPECT_EQ(at("<translate x='1'/><scale value='2'/>"), glm::dvec3(2, 0, 0));
   EXPECT_EQ(at("<scale value='2'/><translate x='1'/>"), glm::dvec3(1, 0, 0));
   EXPECT_EQ(at("<translate value='1, 2 3'/><rotate z='1' angle='90'/>"), glm::dvec3(-2, 1, 3));
@@ -290,7 +290,7 @@ TEST_F(MitsubaXml, TransformErrors) {
 
 TEST_F(MitsubaXml, Colours) {
   const auto colour = [&](std::string_view element) {
-    return good(light(element)).point_lights.at(0).intensity;
+    return only<PointLight>(good(light(element))).intensity;
   };
   EXPECT_EQ(colour("<rgb name='intensity' value='1, 2, 3'/>"), glm::vec3(1, 2, 3));
   EXPECT_EQ(colour("<rgb name='intensity' value='1 2 3'/>"), glm::vec3(1, 2, 3));
@@ -334,7 +334,7 @@ TEST_F(MitsubaXml, ColourErrors) {
 }
 
 TEST_F(MitsubaXml, PointsAndVectors) {
-  const auto at = [&](std::string_view element) { return good(light(element)).point_lights.at(0).position; };
+  const auto at = [&](std::string_view element) { return only<PointLight>(good(light(element))).position; };
   EXPECT_EQ(at("<point name='position' x='1' y='2' z='3'/>"), glm::dvec3(1, 2, 3));
   EXPECT_EQ(at("<vector name='position' value='1, 2, 3'/>"), glm::dvec3(1, 2, 3));
   EXPECT_THAT(error(scene(light("<point name='position' x='1' y='2'/>"))),

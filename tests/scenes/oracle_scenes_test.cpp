@@ -7,6 +7,7 @@
 #include <map>
 
 #include "scenes/scene_reader.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/oracles.h"
 
 namespace penumbra {
@@ -33,7 +34,7 @@ TEST_F(OracleScenes, CornellBox) {
   ASSERT_TRUE(scene) << scene.error().message;
   EXPECT_THAT(scene->warnings, IsEmpty());
   EXPECT_EQ(scene->shapes.size(), 8u);
-  EXPECT_EQ(scene->integrator.max_depth, 65);
+  EXPECT_EQ(param::max_depth(scene->integrator), 65);
   EXPECT_EQ(scene->film.filter, FilterKind::kTent);
   EXPECT_EQ(scene->film.width, 1024);
   EXPECT_EQ(scene->camera.fov, 19.5);
@@ -50,7 +51,7 @@ TEST_F(OracleScenes, CornellBoxOfIncludes) {
   EXPECT_EQ(scene->film.height, 64);
   EXPECT_EQ(scene->camera.fov_axis, FovAxis::kSmaller);
   EXPECT_EQ(scene->camera.near_clip, 10.0);
-  EXPECT_EQ(scene->integrator.max_depth, 6);
+  EXPECT_EQ(param::max_depth(scene->integrator), 6);
   EXPECT_EQ(scene->shapes[0].radiance, glm::vec3(18.387f, 10.9873f, 2.75357f));
   EXPECT_EQ(std::get<Mesh>(scene->shapes[0].geometry).positions[0].y, 548.8 - 0.5);
 }
@@ -119,7 +120,7 @@ TEST_F(OracleScenes, EveryTinyRenderScene) {
     ASSERT_TRUE(scene) << scene.error().message;
     EXPECT_THAT(scene->warnings, IsEmpty());
     ASSERT_TRUE(kinds.contains(name));
-    EXPECT_EQ(scene->integrator.kind, kinds.at(name));
+    EXPECT_EQ(kind_of(scene->integrator), kinds.at(name));
     EXPECT_EQ(scene->film.width, 600);
     EXPECT_EQ(scene->film.height, 400);
     EXPECT_EQ(scene->camera.fov, 35.0);
@@ -135,7 +136,7 @@ TEST_F(OracleScenes, EveryTinyRenderScene) {
 TEST_F(OracleScenes, TinyRenderGrid) {
   const auto scene = read_scene(folder_ / "tinyrender-a4/grid/tinyrender/grid_area.toml", {});
   ASSERT_TRUE(scene) << scene.error().message;
-  EXPECT_TRUE(scene->integrator.trace_shadows);
+  EXPECT_TRUE(param::trace_shadows(scene->integrator));
   ASSERT_EQ(scene->shapes.size(), 3u);
   const Shape &light = scene->shapes[0], &floor = scene->shapes[1], &grid = scene->shapes[2];
   EXPECT_EQ(light.name, "light (light)");
@@ -154,8 +155,8 @@ TEST_F(OracleScenes, TinyRenderGrid) {
 TEST_F(OracleScenes, TinyRenderVeach) {
   const auto scene = read_scene(folder_ / "tinyrender-a4/veach_test/tinyrender/veach_area.toml", {});
   ASSERT_TRUE(scene) << scene.error().message;
-  EXPECT_EQ(scene->integrator.emitter_samples, 64);
-  EXPECT_EQ(scene->integrator.bsdf_samples, 0);
+  EXPECT_EQ(param::emitter_samples(scene->integrator), 64);
+  EXPECT_EQ(param::bsdf_samples(scene->integrator), 0);
   ASSERT_EQ(scene->shapes.size(), 10u);
   // Spheres of 32 x 16 faces, 64 triangles at the poles and 448 quadrilaterals.
   EXPECT_EQ(std::ranges::count_if(scene->shapes, [](const Shape& s) { return triangles(s) == 960u; }), 5);

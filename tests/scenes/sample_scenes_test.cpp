@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "scenes/scene_reader.h"
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
@@ -108,8 +109,10 @@ TEST(SampleScenes, VeachMis) {
   }
   EXPECT_EQ(plates, 4);
   EXPECT_EQ(lights, 4);
-  EXPECT_EQ(scene.integrator.kind, IntegratorKind::kDirect);
-  EXPECT_EQ(read("veach-mis/veach-mis.xml", {.defines = {{"bsdf_samples", "0"}}}).integrator.bsdf_samples, 0);
+  EXPECT_EQ(kind_of(scene.integrator), IntegratorKind::kDirect);
+  EXPECT_EQ(
+      param::bsdf_samples(read("veach-mis/veach-mis.xml", {.defines = {{"bsdf_samples", "0"}}}).integrator),
+      0);
 }
 
 TEST(SampleScenes, Furnace) {

@@ -5,11 +5,22 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "scenes/scene_reader.h"
 #include "tests/support/temporary_folder.h"
 
 namespace penumbra {
+
+/// The only emitter of its kind.
+template <typename Kind>
+Kind only(const SceneDescription& scene) {
+  std::vector<Kind> found;
+  for (const Emitter& emitter : scene.emitters)
+    if (const auto* kind = std::get_if<Kind>(&emitter)) found.push_back(*kind);
+  EXPECT_EQ(found.size(), 1u);
+  return found.empty() ? Kind{} : found.front();
+}
 
 class SceneText : public ::testing::Test {
  protected:

@@ -1,4 +1,5 @@
 #include "scenes/settings.h"
+#include "tests/support/integrator_parameters.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -41,14 +42,14 @@ TEST(Settings, SetEveryGroup) {
     const auto done = apply_setting(scene, key, value);
     ASSERT_TRUE(done) << done.error().message;
   }
-  EXPECT_EQ(scene.integrator.kind, IntegratorKind::kDirect);
-  EXPECT_EQ(scene.integrator.emitter_samples, 4);
-  EXPECT_EQ(scene.integrator.bsdf_samples, 0);
-  EXPECT_EQ(scene.integrator.bsdf_sampling, BsdfSampling::kUniform);
-  EXPECT_EQ(scene.integrator.emitter_sampling, EmitterSampling::kSolidAngle);
+  EXPECT_EQ(kind_of(scene.integrator), IntegratorKind::kDirect);
+  EXPECT_EQ(param::emitter_samples(scene.integrator), 4);
+  EXPECT_EQ(param::bsdf_samples(scene.integrator), 0);
+  EXPECT_EQ(param::bsdf_sampling(scene.integrator), BsdfSampling::kUniform);
+  EXPECT_EQ(param::emitter_sampling(scene.integrator), EmitterSampling::kSolidAngle);
   ASSERT_TRUE(apply_setting(scene, "integrator.emitter_sampling", "projected"));
-  EXPECT_EQ(scene.integrator.emitter_sampling, EmitterSampling::kProjected);
-  EXPECT_EQ(scene.integrator.heuristic, MisHeuristic::kPower);
+  EXPECT_EQ(param::emitter_sampling(scene.integrator), EmitterSampling::kProjected);
+  EXPECT_EQ(param::heuristic(scene.integrator), MisHeuristic::kPower);
   EXPECT_TRUE(scene.integrator.hide_emitters);
   EXPECT_EQ(scene.sampler.kind, SamplerKind::kHalton);
   EXPECT_EQ(scene.sampler.spp, 2147483648u);
@@ -66,12 +67,12 @@ TEST(Settings, SetEveryGroup) {
 TEST(Settings, PathPresets) {
   SceneDescription scene;
   ASSERT_TRUE(apply_setting(scene, "integrator.type", "path_mats"));
-  EXPECT_EQ(scene.integrator.kind, IntegratorKind::kPath);
-  EXPECT_EQ(scene.integrator.direct_sampling, DirectSampling::kBsdfOnly);
+  EXPECT_EQ(kind_of(scene.integrator), IntegratorKind::kPath);
+  EXPECT_EQ(param::direct_sampling(scene.integrator), DirectSampling::kBsdfOnly);
   ASSERT_TRUE(apply_setting(scene, "integrator.type", "path_ems"));
-  EXPECT_EQ(scene.integrator.direct_sampling, DirectSampling::kEmitterOnly);
+  EXPECT_EQ(param::direct_sampling(scene.integrator), DirectSampling::kEmitterOnly);
   ASSERT_TRUE(apply_setting(scene, "integrator.direct_sampling", "mis"));
-  EXPECT_EQ(scene.integrator.direct_sampling, DirectSampling::kMis);
+  EXPECT_EQ(param::direct_sampling(scene.integrator), DirectSampling::kMis);
 }
 
 TEST(Settings, PolygonLights) {
@@ -87,7 +88,7 @@ TEST(Settings, PolygonLights) {
   };
   for (const auto& [name, kind] : kinds) {
     set("integrator.type", name);
-    EXPECT_EQ(settings.kind, kind);
+    EXPECT_EQ(kind_of(settings), kind);
     EXPECT_TRUE(check_settings(scene));
   }
   for (const auto& [text, alpha] : {std::pair<const char*, std::optional<float>>{"0.5", 0.5f},
@@ -95,26 +96,30 @@ TEST(Settings, PolygonLights) {
                                     {"-1e6", -1e6f},
                                     {" auto ", std::nullopt}}) {
     set("integrator.alpha", text);
-    EXPECT_EQ(settings.alpha, alpha) << text;
+    EXPECT_EQ(param::alpha(settings), alpha) << text;
   }
   set("integrator.estimator", "ratio");
-  EXPECT_EQ(settings.estimator, CvEstimator::kRatio);
+  EXPECT_EQ(param::estimator(settings), CvEstimator::kRatio);
   set("integrator.estimator", "cv");
-  EXPECT_EQ(settings.estimator, CvEstimator::kCv);
+  EXPECT_EQ(param::estimator(settings), CvEstimator::kCv);
+  set("integrator.type", "path");
+  EXPECT_EQ(param::estimator(settings), CvEstimator::kCv) << "both have it";
   set("integrator.nee", "cv");
-  EXPECT_EQ(settings.next_event, NextEvent::kCv);
+  EXPECT_EQ(param::next_event(settings), NextEvent::kCv);
   set("integrator.nee", "sample");
-  EXPECT_EQ(settings.next_event, NextEvent::kSample);
+  EXPECT_EQ(param::next_event(settings), NextEvent::kSample);
   for (const auto& [text, choice] : {std::pair{"power", LightChoice::kPower},
                                      {"analytic", LightChoice::kAnalytic},
                                      {"auto", LightChoice::kAuto}}) {
     set("integrator.lightChoice", text);
-    EXPECT_EQ(settings.light_choice, choice);
+    EXPECT_EQ(param::light_choice(settings), choice);
   }
+  set("integrator.type", "polygon_area");
   set("integrator.traceShadows", "false");
-  EXPECT_FALSE(settings.trace_shadows);
+  EXPECT_FALSE(param::trace_shadows(settings));
+  set("integrator.type", "polygon_cv");
   set("integrator.visSamples", "65536");
-  EXPECT_EQ(settings.vis_samples, 65536);
+  EXPECT_EQ(param::vis_samples(settings), 65536);
 }
 
 TEST(Settings, ErrorsOfPolygonLightsSayWhatWouldBeRight) {
@@ -132,15 +137,15 @@ TEST(Settings, ErrorsOfPolygonLightsSayWhatWouldBeRight) {
   EXPECT_THAT(error("integrator.type", "polygon"), HasSubstr("polygon_analytic, polygon_area, polygon_cv"));
 
   SceneDescription scene;
-  scene.integrator.kind = IntegratorKind::kPolygonArea;
-  scene.integrator.emitter_samples = 0;
+  use(scene.integrator, IntegratorKind::kPolygonArea);
+  param::emitter_samples(scene.integrator) = 0;
   EXPECT_THAT(check_settings(scene).error().message, HasSubstr("'polygon_area' needs emitter_samples"));
-  scene.integrator.kind = IntegratorKind::kPolygonCv;
+  use(scene.integrator, IntegratorKind::kPolygonCv);
   EXPECT_TRUE(check_settings(scene)) << "it has vis_samples";
-  scene.integrator.kind = IntegratorKind::kPath;
-  scene.integrator.next_event = NextEvent::kCv;
+  use(scene.integrator, IntegratorKind::kPath);
+  param::next_event(scene.integrator) = NextEvent::kCv;
   EXPECT_TRUE(check_settings(scene));
-  scene.integrator.direct_sampling = DirectSampling::kBsdfOnly;
+  param::direct_sampling(scene.integrator) = DirectSampling::kBsdfOnly;
   EXPECT_THAT(check_settings(scene).error().message, HasSubstr("which direct_sampling = mats forbids"));
 }
 
@@ -198,11 +203,44 @@ TEST(Settings, WhatNoSingleSettingCanTell) {
   EXPECT_THAT(check_settings(scene).error().message, HasSubstr("too large"));
   scene.film = {.width = 65536, .height = 65536, .crop_x = 65000, .crop_width = 500, .crop_height = 65536};
   EXPECT_TRUE(check_settings(scene));
-  scene.integrator = {.kind = IntegratorKind::kDirect, .emitter_samples = 0, .bsdf_samples = 0};
+  scene.integrator = {.method = DirectIntegrator{.emitter_samples = 0, .bsdf_samples = 0}};
   EXPECT_THAT(check_settings(scene).error().message, HasSubstr("at least one of"));
   scene.integrator = {};
   scene.camera.far_clip = scene.camera.near_clip;
   EXPECT_THAT(check_settings(scene).error().message, HasSubstr("near_clip"));
+}
+
+TEST(Settings, ParametersOfOtherIntegratorsAreErrors) {
+  SceneDescription scene;
+  ASSERT_TRUE(apply_setting(scene, "integrator.type", "direct"));
+  const auto done = apply_setting(scene, "integrator.alpha", "1");
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().message,
+            "setting integrator.alpha: integrator 'direct' has no parameter 'alpha'; these have: path, "
+            "polygon_cv");
+  EXPECT_THAT(error("integrator.shading_samples", "1"), HasSubstr("these have: direct"));
+  // What is wrong with the value comes first.
+  EXPECT_THAT(error("integrator.trace_shadows", "0"), HasSubstr("neither true nor false"));
+}
+
+TEST(Settings, AnotherIntegratorKeepsWhatBothHave) {
+  SceneDescription scene;
+  const auto set = [&](std::string_view key, std::string_view value) {
+    const auto done = apply_setting(scene, key, value);
+    EXPECT_TRUE(done) << done.error().message;
+  };
+  const std::pair<const char*, const char*> shared[] = {{"integrator.emitter_sampling", "area"},
+                                                        {"integrator.mis", "power"},
+                                                        {"integrator.light_choice", "power"},
+                                                        {"integrator.hide_emitters", "true"},
+                                                        {"integrator.hidden_emitters", "looked_through"}};
+  set("integrator.type", "path_ems");
+  for (const auto& [key, value] : shared) set(key, value);
+  set("integrator.type", "direct");
+  for (const auto& [key, value] : shared) EXPECT_EQ(print_setting(scene, key), value) << key;
+  set("integrator.type", "path");
+  EXPECT_EQ(print_setting(scene, "integrator.type"), "path_mis") << "the name says how it samples";
+  for (const auto& [key, value] : shared) EXPECT_EQ(print_setting(scene, key), value) << key;
 }
 
 TEST(Settings, KeysAreUnique) {

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "tests/scenes/tinyrender_text.h"
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
@@ -206,7 +207,7 @@ TEST_F(TinyRenderToml, SettingsAndDefines) {
   const SceneDescription scene =
       good_toml(scene_with(kDirect),
                 {.settings = {{"integrator.type", "path"}, {"film.width", "64"}, {"camera.fov", "10"}}});
-  EXPECT_EQ(scene.integrator.kind, IntegratorKind::kPath);
+  EXPECT_EQ(kind_of(scene.integrator), IntegratorKind::kPath);
   EXPECT_EQ(scene.film.crop_width, 64);
   EXPECT_EQ(scene.camera.fov, 10.0);
   EXPECT_THAT(toml_error(scene_with(kDirect), {.defines = {{"a", "1"}}}),

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/scenes/tinyrender_text.h"
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
@@ -24,13 +25,13 @@ class TinyRenderRenderer : public TinyRenderText {
     SCOPED_TRACE(strategy);
     const IntegratorSettings s =
         integrator("type = \"direct\"\nsamplingStrategy = \"" + std::string(strategy) + "\"");
-    EXPECT_EQ(s.kind, IntegratorKind::kDirect);
-    EXPECT_EQ(s.emitter_samples, emitter_samples);
-    EXPECT_EQ(s.bsdf_samples, bsdf_samples);
-    EXPECT_EQ(s.emitter_sampling, emitter_sampling);
-    EXPECT_EQ(s.bsdf_sampling, bsdf_sampling);
-    EXPECT_EQ(s.heuristic, MisHeuristic::kBalance);
-    EXPECT_TRUE(s.trace_shadows);
+    EXPECT_EQ(kind_of(s), IntegratorKind::kDirect);
+    EXPECT_EQ(param::emitter_samples(s), emitter_samples);
+    EXPECT_EQ(param::bsdf_samples(s), bsdf_samples);
+    EXPECT_EQ(param::emitter_sampling(s), emitter_sampling);
+    EXPECT_EQ(param::bsdf_sampling(s), bsdf_sampling);
+    EXPECT_EQ(param::heuristic(s), MisHeuristic::kBalance);
+    EXPECT_TRUE(param::trace_shadows(s));
   }
 };
 
@@ -48,16 +49,16 @@ TEST_F(TinyRenderRenderer, DirectStrategies) {
   for (const char* spelling : {"SolidAngle", "solid_angle", "SOLID-ANGLE", "solid angle"})
     expect_direct(spelling, 1, 0, kSolidAngle);
   const IntegratorSettings by_default = integrator(kDirect);
-  EXPECT_EQ(by_default.emitter_samples, 1);
-  EXPECT_EQ(by_default.bsdf_samples, 1);
+  EXPECT_EQ(param::emitter_samples(by_default), 1);
+  EXPECT_EQ(param::bsdf_samples(by_default), 1);
 }
 
 TEST_F(TinyRenderRenderer, DirectCounts) {
   const IntegratorSettings both = integrator("type = \"direct\"\nemitterSamples = 64\nbsdfSamples = 32");
-  EXPECT_EQ(both.emitter_samples, 64);
-  EXPECT_EQ(both.bsdf_samples, 32);
-  EXPECT_EQ(integrator("type = \"direct\"\nemitterSamples = 0\nbsdfSamples = 64").emitter_samples, 0);
-  EXPECT_EQ(integrator("type = \"direct\"\nemitterSamples = 64\nbsdfSamples = 0").bsdf_samples, 0);
+  EXPECT_EQ(param::emitter_samples(both), 64);
+  EXPECT_EQ(param::bsdf_samples(both), 32);
+  EXPECT_EQ(param::emitter_samples(integrator("type = \"direct\"\nemitterSamples = 0\nbsdfSamples = 64")), 0);
+  EXPECT_EQ(param::bsdf_samples(integrator("type = \"direct\"\nemitterSamples = 64\nbsdfSamples = 0")), 0);
   EXPECT_THAT(toml_error(scene_with("type = \"direct\"\nemitterSamples = 0\nbsdfSamples = 0")),
               HasSubstr("needs at least one of emitter_samples and bsdf_samples"));
   EXPECT_THAT(
@@ -68,48 +69,50 @@ TEST_F(TinyRenderRenderer, DirectCounts) {
       HasSubstr("scene.toml:12:18: error: [renderer] emitterSamples must be an integer, not a number"));
   const SceneDescription unused =
       good_toml(scene_with("type = \"direct\"\nsamplingStrategy = \"emitter\"\nbsdfSamples = 4"));
-  EXPECT_EQ(unused.integrator.bsdf_samples, 0);
+  EXPECT_EQ(param::bsdf_samples(unused.integrator), 0);
   EXPECT_EQ(warnings(unused),
             "scene.toml:13:15: warning: bsdfSamples has no effect with samplingStrategy = emitter\n");
 }
 
 TEST_F(TinyRenderRenderer, PolygonalMethods) {
-  EXPECT_EQ(integrator("type = \"polygonal\"\nmethod = \"analytic\"").kind, IntegratorKind::kPolygonAnalytic);
+  EXPECT_EQ(kind_of(integrator("type = \"polygonal\"\nmethod = \"analytic\"")),
+            IntegratorKind::kPolygonAnalytic);
   for (const char* text : {"type = \"polygonal\"\nmethod = \"area\"", "type = \"polygonal\"",
                            "type = \"polygonal\"\nrealtime = false\ntraceShadows = false"}) {
     const IntegratorSettings area = integrator(text);
-    EXPECT_EQ(area.kind, IntegratorKind::kPolygonArea) << text;
-    EXPECT_EQ(area.emitter_samples, 1);
-    EXPECT_FALSE(area.trace_shadows);
+    EXPECT_EQ(kind_of(area), IntegratorKind::kPolygonArea) << text;
+    EXPECT_EQ(param::emitter_samples(area), 1);
+    EXPECT_FALSE(param::trace_shadows(area));
   }
-  EXPECT_TRUE(integrator("type = \"polygonal\"\nmethod = \"area\"\ntraceShadows = true").trace_shadows);
+  EXPECT_TRUE(
+      param::trace_shadows(integrator("type = \"polygonal\"\nmethod = \"area\"\ntraceShadows = true")));
   for (const char* method : {"controlVariates", "control_variates", "ControlVariates"}) {
     const IntegratorSettings cv = integrator("type = \"polygonal\"\nmethod = \"" + std::string(method) +
                                              "\"\nalpha = 0.75\nvisSamples = 4\nbonus = true");
-    EXPECT_EQ(cv.kind, IntegratorKind::kPolygonCv);
-    EXPECT_EQ(cv.alpha, 0.75f);
-    EXPECT_EQ(cv.vis_samples, 4);
-    EXPECT_EQ(cv.estimator, CvEstimator::kCv);
-    EXPECT_EQ(cv.emitter_sampling, EmitterSampling::kArea);
+    EXPECT_EQ(kind_of(cv), IntegratorKind::kPolygonCv);
+    EXPECT_EQ(param::alpha(cv), 0.75f);
+    EXPECT_EQ(param::vis_samples(cv), 4);
+    EXPECT_EQ(param::estimator(cv), CvEstimator::kCv);
+    EXPECT_EQ(param::emitter_sampling(cv), EmitterSampling::kArea);
   }
   const IntegratorSettings by_default = integrator("type = \"polygonal\"\nmethod = \"controlVariates\"");
-  EXPECT_EQ(by_default.alpha, 1.0f);
-  EXPECT_EQ(by_default.vis_samples, 1);
-  EXPECT_EQ(integrator("type = \"polygonal\"\nmethod = \"controlVariates\"\nalpha = 1").alpha, 1.0f);
-  EXPECT_EQ(integrator("type = \"polygonal\"\nmethod = \"controlVariates\"\nalpha = \"auto\"").alpha,
+  EXPECT_EQ(param::alpha(by_default), 1.0f);
+  EXPECT_EQ(param::vis_samples(by_default), 1);
+  EXPECT_EQ(param::alpha(integrator("type = \"polygonal\"\nmethod = \"controlVariates\"\nalpha = 1")), 1.0f);
+  EXPECT_EQ(param::alpha(integrator("type = \"polygonal\"\nmethod = \"controlVariates\"\nalpha = \"auto\"")),
             std::nullopt);
 }
 
 TEST_F(TinyRenderRenderer, TheWindowsPicture) {
-  EXPECT_EQ(integrator("type = \"polygonal\"\nrealtime = true").kind, IntegratorKind::kPolygonAnalytic);
-  EXPECT_EQ(integrator("type = \"polygonal\"\nrealtime = true\ntest = false").kind,
+  EXPECT_EQ(kind_of(integrator("type = \"polygonal\"\nrealtime = true")), IntegratorKind::kPolygonAnalytic);
+  EXPECT_EQ(kind_of(integrator("type = \"polygonal\"\nrealtime = true\ntest = false")),
             IntegratorKind::kPolygonAnalytic);
   const IntegratorSettings hybrid = integrator("type = \"polygonal\"\nrealtime = true\ntest = true");
-  EXPECT_EQ(hybrid.kind, IntegratorKind::kPolygonCv);
-  EXPECT_EQ(hybrid.alpha, 1.0f);
-  EXPECT_EQ(integrator("type = \"polygonal\"\nrealtime = true\ntest = true\nmethod = \"area\"").kind,
+  EXPECT_EQ(kind_of(hybrid), IntegratorKind::kPolygonCv);
+  EXPECT_EQ(param::alpha(hybrid), 1.0f);
+  EXPECT_EQ(kind_of(integrator("type = \"polygonal\"\nrealtime = true\ntest = true\nmethod = \"area\"")),
             IntegratorKind::kPolygonArea);
-  EXPECT_EQ(integrator("type = \"polygonal\"\nrealtime = true\nmethod = \"controlVariates\"").kind,
+  EXPECT_EQ(kind_of(integrator("type = \"polygonal\"\nrealtime = true\nmethod = \"controlVariates\"")),
             IntegratorKind::kPolygonCv);
   const SceneDescription other = good_toml(scene_with("type = \"direct\"\nrealtime = true"));
   EXPECT_EQ(warnings(other),
@@ -118,14 +121,15 @@ TEST_F(TinyRenderRenderer, TheWindowsPicture) {
 }
 
 TEST_F(TinyRenderRenderer, PathDepthIsInEdges) {
-  EXPECT_EQ(integrator("type = \"path\"").kind, IntegratorKind::kPath);
-  EXPECT_EQ(integrator("type = \"path\"").max_depth, -1);
-  EXPECT_EQ(integrator("type = \"path\"\nmaxDepth = -1").max_depth, -1);
-  EXPECT_EQ(integrator("type = \"path\"\nmaxDepth = 0").max_depth, 1) << "emitters only";
-  EXPECT_EQ(integrator("type = \"path\"\nmaxDepth = 4\nrrDepth = 3\nrrProb = 0.9").max_depth, 5);
-  EXPECT_EQ(integrator("type = \"path\"\nmaxDepth = 4\nrrDepth = 3").rr_depth, 4);
-  EXPECT_EQ(integrator("type = \"path\"\nisExplicit = true").direct_sampling, DirectSampling::kMis);
-  EXPECT_EQ(integrator("type = \"path\"\nisExplicit = false").direct_sampling, DirectSampling::kBsdfOnly);
+  EXPECT_EQ(kind_of(integrator("type = \"path\"")), IntegratorKind::kPath);
+  EXPECT_EQ(param::max_depth(integrator("type = \"path\"")), -1);
+  EXPECT_EQ(param::max_depth(integrator("type = \"path\"\nmaxDepth = -1")), -1);
+  EXPECT_EQ(param::max_depth(integrator("type = \"path\"\nmaxDepth = 0")), 1) << "emitters only";
+  EXPECT_EQ(param::max_depth(integrator("type = \"path\"\nmaxDepth = 4\nrrDepth = 3\nrrProb = 0.9")), 5);
+  EXPECT_EQ(param::rr_depth(integrator("type = \"path\"\nmaxDepth = 4\nrrDepth = 3")), 4);
+  EXPECT_EQ(param::direct_sampling(integrator("type = \"path\"\nisExplicit = true")), DirectSampling::kMis);
+  EXPECT_EQ(param::direct_sampling(integrator("type = \"path\"\nisExplicit = false")),
+            DirectSampling::kBsdfOnly);
   EXPECT_THAT(toml_error(scene_with("type = \"path\"\nmaxDepth = -2")),
               HasSubstr("scene.toml:12:12: error: -2 is not in the range from -1 to 2147483646"));
   EXPECT_THAT(toml_error(scene_with("type = \"path\"\nmaxDepth = 2147483647")),
@@ -150,7 +154,7 @@ TEST_F(TinyRenderRenderer, OtherTypesAndNames) {
   }
   EXPECT_THAT(toml_error(scene_with("type = \"polygonol\"")), HasSubstr("did you mean 'polygonal'?"));
   const SceneDescription stand_in = good_toml(scene_with("type = \"ao\""), {.lenient = true});
-  EXPECT_EQ(stand_in.integrator.kind, IntegratorKind::kDirect);
+  EXPECT_EQ(kind_of(stand_in.integrator), IntegratorKind::kDirect);
   EXPECT_THAT(warnings(stand_in), HasSubstr("direct stands in for it"));
   EXPECT_THAT(
       toml_error(scene_with("type = \"direct\"\nsamplingStrategy = \"light\"")),
@@ -164,7 +168,7 @@ TEST_F(TinyRenderRenderer, OtherTypesAndNames) {
 TEST_F(TinyRenderRenderer, KeysOfOtherTypesHaveNoEffect) {
   const SceneDescription scene = good_toml(
       scene_with("type = \"direct\"\nalpha = 0.5\nbonus = true\ntest = true\ntraceShadows = false"));
-  EXPECT_TRUE(scene.integrator.trace_shadows);
+  EXPECT_TRUE(param::trace_shadows(scene.integrator));
   EXPECT_EQ(warnings(scene),
             "scene.toml:12:1: warning: alpha has no effect with type = direct\n"
             "scene.toml:15:1: warning: traceShadows has no effect with type = direct\n");

@@ -13,6 +13,7 @@
 
 #include "kernels/host/device_scene_tables.h"
 #include "tests/acceptance/scene_pieces.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 #include "tests/worker/device_scenes.h"
 
@@ -28,7 +29,8 @@ SceneDescription moved(SceneDescription scene, const dvec3& shift) {
     if (auto* sphere = std::get_if<Sphere>(&shape.geometry)) sphere->center += shift;
     if (auto* disk = std::get_if<Disk>(&shape.geometry)) disk->center += shift;
   }
-  for (PointLight& light : scene.point_lights) light.position += shift;
+  for (Emitter& emitter : scene.emitters)
+    if (auto* point = std::get_if<PointLight>(&emitter)) point->position += shift;
   scene.camera.to_world[3] += glm::dvec4(shift, 0);
   return scene;
 }
@@ -166,7 +168,7 @@ TEST(Sides, QuadricsFaceTheirFront) {
 TEST(Sides, OnlyTheFrontEmits) {
   // The camera looks at the triangle from above, then from below.
   SceneDescription scene = two_sided_triangle();
-  scene.integrator.max_depth = 1;
+  param::max_depth(scene.integrator) = 1;
   for (bool flip : {false, true})
     for (double side : {1.0, -1.0}) {
       scene.shapes[0].flip_normals = flip;
@@ -229,7 +231,7 @@ TEST(Camera, AScaleHasNoEffectOnDirections) {
 
 /// With points on lights by area: what is best for a scene is emitter_sampling_test's.
 SceneDescription by_area(SceneDescription scene) {
-  scene.integrator.emitter_sampling = EmitterSampling::kArea;
+  param::emitter_sampling(scene.integrator) = EmitterSampling::kArea;
   return scene;
 }
 
@@ -256,30 +258,37 @@ TEST(Features, AreJustTheNeeded) {
   EXPECT_EQ(build(by_area(many_triangles()), true, IntersectorChoice::kEmbree).header.features, box);
   EXPECT_EQ(build(environment_alone()).header.features, box);
   EXPECT_EQ(build(everything()).header.features,
-            std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_PHONG | FEATURE_SHADING_NORMALS |
-                          FEATURE_QUADRICS | FEATURE_SOLID_ANGLE));
+            std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_SHADING_NORMALS | FEATURE_QUADRICS | |
+                          FEATURE_SOLID_ANGLE));
 
   const auto with = [](auto change) {
     SceneDescription scene = by_area(diffuse_box());
     change(scene);
     return build(scene).header.features;
   };
-  EXPECT_EQ(with([](auto& s) { s.integrator.kind = IntegratorKind::kDirect; }),
+  EXPECT_EQ(with([](auto& s) { use(s.integrator, IntegratorKind::kDirect); }),
             std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS));
   EXPECT_EQ(with([](auto& s) { s.sampler.kind = SamplerKind::kIndependent; }), box | FEATURE_SAMPLERS);
-  EXPECT_EQ(with([](auto& s) { s.integrator.emitter_sampling = EmitterSampling::kSolidAngle; }),
+  EXPECT_EQ(with([](auto& s) { param::emitter_sampling(s.integrator) = EmitterSampling::kSolidAngle; }),
             box | FEATURE_SOLID_ANGLE);
-  EXPECT_EQ(with([](auto& s) { s.integrator.emitter_sampling = EmitterSampling::kProjected; }),
+  EXPECT_EQ(with([](auto& s) { param::emitter_sampling(s.integrator) = EmitterSampling::kProjected; }),
             box | FEATURE_PROJECTED);
-  EXPECT_EQ(with([](auto& s) { s.point_lights.push_back({}); }), box);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{}); }), box);
   // What is black or unused needs nothing.
-  EXPECT_EQ(with([](auto& s) { s.point_lights.push_back({dvec3(0), glm::vec3(0)}); }), box);
-  EXPECT_EQ(with([](auto& s) { s.environment = ConstantEnvironment{glm::vec3(0)}; }), box);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{dvec3(0), glm::vec3(0)}); }), box);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(ConstantEnvironment{glm::vec3(0)}); }), box);
   EXPECT_EQ(with([](auto& s) { s.bsdfs[0].model = PhongBsdf{glm::vec3(0.5f), glm::vec3(0), 30}; }), box);
-  EXPECT_EQ(with([](auto& s) {
-              s.bsdfs[0].model = PhongBsdf{glm::vec3(0.5f), glm::vec3(0.1f), 30};
-            }),
-            box | FEATURE_PHONG);
+}
+
+TEST(Features, AreTheFamiliesOfTheMaterialsToo) {
+  const auto families = [](const BsdfModel& model) {
+    SceneDescription scene = diffuse_box();
+    for (Bsdf& bsdf : scene.bsdfs) bsdf.model = model;
+    return build(scene).header.families;
+  };
+  EXPECT_EQ(families(DiffuseBsdf{}), 1u << FAMILY_DIFFUSE);
+  EXPECT_EQ(families(PhongBsdf{glm::vec3(0.5f), glm::vec3(0), 30}), 1u << FAMILY_DIFFUSE);
+  EXPECT_EQ(families(PhongBsdf{glm::vec3(0.5f), glm::vec3(0.1f), 30}), 1u << FAMILY_PHONG);
 }
 
 TEST(Features, SizesChooseTheSearch) {
@@ -322,7 +331,7 @@ TEST(Dummies, AnEmptySceneIsBlack) {
   add_diffuse(scene, 0.5f);
   resize_film(scene, 5, 5);
   for (IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kDirect}) {
-    scene.integrator.kind = kind;
+    use(scene.integrator, kind);
     EXPECT_EQ(render_or_throw(build(scene)).at(4, 4).mean[0], 0);
     EXPECT_EQ(render_or_throw(build(scene, true, IntersectorChoice::kEmbree)).at(4, 4).mean[0], 0);
   }
@@ -357,7 +366,9 @@ TEST(Errors, PositionsTooLargeForSinglePrecision) {
             }).find(too_large),
             std::string::npos);
   EXPECT_NE(message([](auto& s) { s.camera.to_world[3].y = 1e39; }).find(too_large), std::string::npos);
-  EXPECT_NE(message([](auto& s) { s.point_lights[0].position.z = 1e39; }).find(too_large), std::string::npos);
+  EXPECT_NE(
+      message([](auto& s) { std::get<PointLight>(s.emitters.at(0)).position.z = 1e39; }).find(too_large),
+      std::string::npos);
   for (Shape shape : everything().shapes) {
     if (std::holds_alternative<Mesh>(shape.geometry)) continue;
     EXPECT_NE(message([&](auto& s) {

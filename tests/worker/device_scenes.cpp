@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tests/acceptance/scene_pieces.h"
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
@@ -78,8 +79,8 @@ void add_everything(SceneDescription& scene, int sheet_cells) {
   disk.back_bsdf = glossy;
   disk.radiance = glm::vec3(0.5f);
   scene.shapes.push_back(disk);
-  scene.point_lights.push_back({dvec3(0, 0.5, 0.9), glm::vec3(0.5f)});
-  scene.environment = ConstantEnvironment{glm::vec3(0.2f, 0.3f, 0.4f)};
+  scene.emitters.emplace_back(PointLight{dvec3(0, 0.5, 0.9), glm::vec3(0.5f)});
+  scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(0.2f, 0.3f, 0.4f)});
   scene.film.filter = FilterKind::kMitchell;
   scene.film.filter_radius = 2;
 }
@@ -102,7 +103,7 @@ SceneDescription everything() {
   SceneDescription scene = film_and_camera();
   add_everything(scene, 4);
   scene.integrator = direct_integrator(2, 1);
-  scene.integrator.emitter_sampling = EmitterSampling::kSolidAngle;
+  param::emitter_sampling(scene.integrator) = EmitterSampling::kSolidAngle;
   return scene;
 }
 
@@ -112,7 +113,7 @@ SceneDescription everything_in_a_hierarchy() {
   for (int i = 0; i < 30; ++i)
     scene.shapes.push_back(sphere(dvec3(-0.8 + 0.06 * i, 0.6 - 0.01 * i * (i % 3), -0.5), 0.05, i % 2));
   scene.integrator = path_integrator(DirectSampling::kMis);
-  scene.integrator.emitter_sampling = EmitterSampling::kProjected;
+  param::emitter_sampling(scene.integrator) = EmitterSampling::kProjected;
   scene.sampler.kind = SamplerKind::kHalton;
   return scene;
 }
@@ -137,16 +138,16 @@ SceneDescription polygon_lights() {
   scene.shapes.push_back(triangle);
   scene.shapes.push_back(sphere(dvec3(0.3, -0.4, 0.2), 0.1, kBlackBsdf, 2.0f));
   scene.integrator = path_integrator(DirectSampling::kEmitterOnly);
-  scene.integrator.emitter_sampling = EmitterSampling::kProjected;
-  scene.integrator.next_event = NextEvent::kCv;
-  scene.integrator.alpha = 0.75f;  // a fitted one would depend on the range of samples
+  param::emitter_sampling(scene.integrator) = EmitterSampling::kProjected;
+  param::next_event(scene.integrator) = NextEvent::kCv;
+  param::alpha(scene.integrator) = 0.75f;  // a fitted one would depend on the range of samples
   return scene;
 }
 
 SceneDescription environment_alone() {
   SceneDescription scene = film_and_camera();
   add_diffuse(scene, 0.5f);
-  scene.environment = ConstantEnvironment{glm::vec3(0.25f, 0.5f, 0.75f)};
+  scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(0.25f, 0.5f, 0.75f)});
   return scene;
 }
 

@@ -181,7 +181,7 @@ TEST_P(Devices, CountSamplesThatAreNotNumbers) {
   const float infinity = std::numeric_limits<float>::infinity(),
               nan = std::numeric_limits<float>::quiet_NaN();
   for (float bad : {infinity, -infinity, nan}) {
-    description.environment->radiance = glm::vec3(1, bad, 1);
+    std::get<ConstantEnvironment>(description.emitters.back()).radiance = glm::vec3(1, bad, 1);
     const DeviceScene s = build_or_throw(description);
     const auto device = device_or_throw(s, options());
     const std::uint64_t samples =
@@ -203,7 +203,7 @@ TEST_P(Devices, CountSamplesThatAreNotNumbers) {
 TEST_P(Devices, FindTheFirstSampleThatIsNoNumber) {
   // Intensity by the square of a small distance is more than a float holds, for a part of the image.
   SceneDescription description = diffuse_box();
-  description.point_lights.push_back({glm::dvec3(0.1, -0.9, 0.05), glm::vec3(1e38f)});
+  description.emitters.emplace_back(PointLight{glm::dvec3(0.1, -0.9, 0.05), glm::vec3(1e38f)});
   const DeviceScene s = build_or_throw(description);
   const auto device = device_or_throw(s, options(2));
   const RenderUnit film = whole_film(s, 3, 2);

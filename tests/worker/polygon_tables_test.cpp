@@ -14,6 +14,7 @@
 
 #include "kernels/host/device_scene_check.h"
 #include "kernels/host/device_scene_tables.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 #include "tests/worker/device_scenes.h"
 
@@ -24,7 +25,7 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 SceneDescription with_fitted_alpha(SceneDescription scene) {
-  scene.integrator.alpha.reset();
+  param::alpha(scene.integrator).reset();
   return scene;
 }
 

@@ -55,7 +55,7 @@ void add_furnaces(std::vector<Case>& cases) {
                    RenderMeasurement{[] {
                                        SceneDescription scene = empty_scene(1, 1, 1024, {}, {.3, .2, -1}, 10);
                                        add_room(scene, add_diffuse(scene, 1), {}, true);
-                                       scene.environment = ConstantEnvironment{glm::vec3(1)};
+                                       scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(1)});
                                        scene.integrator = path(-1);
                                        return scene;
                                      },
@@ -116,7 +116,7 @@ void add_images(std::vector<Case>& cases) {
          RenderMeasurement{
              [size] {
                SceneDescription scene = empty_scene(size.width, size.height, 4, {}, {0, 0, 1}, 90);
-               scene.environment = ConstantEnvironment{glm::vec3(1)};
+               scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(1)});
                scene.integrator = path(2);
                return scene;
              },
@@ -171,7 +171,7 @@ void add_images(std::vector<Case>& cases) {
                              SceneDescription scene = empty_scene(1, 1, 1024, {-1, 0, c}, {0, 0, 0}, 1e-9);
                              const int grey = add_diffuse(scene, .5f);
                              scene.shapes.push_back(quad_shape({-4, -4, 0}, {8, 0, 0}, {0, 8, 0}, grey, {}));
-                             scene.environment = ConstantEnvironment{glm::vec3(1)};
+                             scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(1)});
                              scene.integrator = path(2);
                              return scene;
                            },

@@ -239,7 +239,7 @@ void add_points(std::vector<Case>& cases) {
                                          SceneDescription scene =
                                              lit_floor(emitter_samples(EmitterSampling::kArea), 0, {}, 4);
                                          scene.shapes.pop_back();
-                                         scene.point_lights.push_back({{0, 0, d}, glm::vec3(2)});
+                                         scene.emitters.emplace_back(PointLight{{0, 0, d}, glm::vec3(2)});
                                          return scene;
                                        },
                                        first_pixel},

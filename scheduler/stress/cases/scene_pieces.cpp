@@ -47,35 +47,22 @@ int add_phong(SceneDescription& scene, float specular, float exponent) {
   return int(scene.bsdfs.size()) - 1;
 }
 
-IntegratorSettings analytic() {
-  IntegratorSettings settings;
-  settings.kind = IntegratorKind::kPolygonAnalytic;
-  return settings;
-}
+IntegratorSettings analytic() { return {.method = PolygonAnalyticIntegrator{}}; }
 
 IntegratorSettings emitter_samples(EmitterSampling sampling) {
-  IntegratorSettings settings;
-  settings.kind = IntegratorKind::kDirect;
-  settings.bsdf_samples = 0;
-  settings.emitter_sampling = sampling;
+  DirectIntegrator direct{.bsdf_samples = 0, .emitter_sampling = sampling};
   // Parts of a light by what they contribute: then samples by projected solid angle are all the same.
-  if (sampling == EmitterSampling::kProjected) settings.light_choice = LightChoice::kAnalytic;
-  return settings;
+  if (sampling == EmitterSampling::kProjected) direct.light_choice = LightChoice::kAnalytic;
+  return {.method = direct};
 }
 
 IntegratorSettings both_samples() {
-  IntegratorSettings settings;
-  settings.kind = IntegratorKind::kDirect;
-  settings.emitter_sampling = EmitterSampling::kArea;
-  return settings;
+  return {.method = DirectIntegrator{.emitter_sampling = EmitterSampling::kArea}};
 }
 
 IntegratorSettings path(int max_depth) {
-  IntegratorSettings settings;
-  settings.direct_sampling = DirectSampling::kBsdfOnly;
-  settings.max_depth = max_depth;
-  settings.rr_depth = 100000;
-  return settings;
+  return {.method = PathIntegrator{
+              .max_depth = max_depth, .rr_depth = 100000, .direct_sampling = DirectSampling::kBsdfOnly}};
 }
 
 Numbers first_pixel(const FilmAccumulator& film) { return {film.at(0, 0).mean[0]}; }

@@ -8,6 +8,7 @@
 
 #include "kernels/host/device_scene_tables.h"
 #include "scenes/device/device_scene_builder.h"
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
@@ -101,7 +102,7 @@ int chosen(double half, IntegratorSettings integrator, EmitterSampling wanted = 
 }
 
 TEST(EmitterSampling, LargeLightsBySolidAngleSmallOnesByArea) {
-  const IntegratorSettings direct{.kind = IntegratorKind::kDirect}, path{.kind = IntegratorKind::kPath};
+  const IntegratorSettings direct{.method = DirectIntegrator{}}, path{.method = PathIntegrator{}};
   EXPECT_EQ(chosen(0.01, direct), EMITTER_AREA);
   EXPECT_EQ(chosen(0.5, direct), EMITTER_SOLID_ANGLE);
   EXPECT_EQ(chosen(0.1, path), EMITTER_AREA);
@@ -109,18 +110,18 @@ TEST(EmitterSampling, LargeLightsBySolidAngleSmallOnesByArea) {
 }
 
 TEST(EmitterSampling, WhatIsSetStays) {
-  const IntegratorSettings direct{.kind = IntegratorKind::kDirect};
+  const IntegratorSettings direct{.method = DirectIntegrator{}};
   EXPECT_EQ(chosen(2, direct, EmitterSampling::kArea), EMITTER_AREA);
   EXPECT_EQ(chosen(0.01, direct, EmitterSampling::kSolidAngle), EMITTER_SOLID_ANGLE);
   EXPECT_EQ(chosen(2, direct, EmitterSampling::kProjected), EMITTER_PROJECTED);
   IntegratorSettings by_area = direct;
-  by_area.emitter_sampling = EmitterSampling::kArea;
+  param::emitter_sampling(by_area) = EmitterSampling::kArea;
   EXPECT_EQ(chosen(2, by_area), EMITTER_AREA);
 }
 
 TEST(EmitterSampling, WithoutEmitterSamplesNothingIsChosen) {
-  EXPECT_EQ(chosen(2, {.kind = IntegratorKind::kDirect, .emitter_samples = 0}), EMITTER_AREA);
-  EXPECT_EQ(chosen(2, {.kind = IntegratorKind::kPath, .direct_sampling = DirectSampling::kBsdfOnly}),
+  EXPECT_EQ(chosen(2, {.method = DirectIntegrator{.emitter_samples = 0}}), EMITTER_AREA);
+  EXPECT_EQ(chosen(2, {.method = PathIntegrator{.direct_sampling = DirectSampling::kBsdfOnly}}),
             EMITTER_AREA);
 }
 

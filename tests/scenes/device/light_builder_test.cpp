@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "scenes/device/to_vec3.h"
 #include "tests/kernels/exact_vector.h"
 #include "tests/kernels/random_numbers.h"
 
@@ -25,6 +26,8 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using enum EmitterSampling;
+
+const EmitterPlace kPlace{[](const glm::dvec3& p) { return to_vec3(p); }, 10};
 
 constexpr EmitterSampling kSamplings[] = {kAuto, kArea, kSolidAngle, kProjected};
 constexpr double kFloat = 1.0 / (1 << 24);  ///< half an ulp, relative
@@ -446,8 +449,8 @@ TEST(LightBuilder, OtherEmittersAreNoPolygons) {
   EXPECT_FALSE(builder.only_polygons());
   quadric.kind = LIGHT_DISK;
   builder.add_quadric(quadric, emitter(), 1);
-  builder.add_point(flat(0, 0), glm::vec3(1));
-  builder.add_environment(glm::vec3(1), 10);
+  builder.add_emitter(PointLight{}, kPlace);
+  builder.add_emitter(ConstantEnvironment{}, kPlace);
   builder.finish();
   EXPECT_THAT(builder.polygons(), SizeIs(1));
   std::vector<int> polygon_of;
@@ -501,7 +504,7 @@ TEST(LightBuilder, IsConstantIfProjectedAndOfOneColour) {
     }
   LightBuilder with_point(kProjected, true);
   with_point.add_triangles(rectangle(), emitter());
-  with_point.add_point(flat(0, 0), glm::vec3(1));
+  with_point.add_emitter(PointLight{}, kPlace);
   EXPECT_FALSE(with_point.constant_if_projected());
   EXPECT_FALSE(build(rectangle(), emitter(), false, kProjected).constant_if_projected())
       << "no polygon without the closed form";

@@ -49,6 +49,8 @@ TEST(PolygonSettings, OverridesReachTheDeviceScene) {
       << "nothing to fit";
   EXPECT_THAT(estimator({"--set", "integrator.light_choice=power"}), HasSubstr("fitted"));
   EXPECT_THAT(estimator({"--set", "integrator.emitter_sampling=area"}), HasSubstr("fitted"));
+  EXPECT_THAT(estimator({"--set", "integrator.vis_samples=4"}), HasSubstr("fitted"))
+      << "a parameter of the integrator that the option chooses";
   EXPECT_THAT(need(info({"--set", "integrator.nee=cv", "--set", "integrator.alpha=1"}), "estimator"),
               HasSubstr("alpha 1"));
 }
@@ -61,6 +63,8 @@ TEST(PolygonSettings, WrongValuesAreBadInput) {
       {"integrator.nee=on", "'on' is not one of: sample, cv"},
       {"integrator.trace_shadows=0", "neither true nor false"},
       {"integrator.vis_samples=0", "from 1 to 65536"},
+      {"integrator.vis_samples=2",
+       "integrator 'path' has no parameter 'vis_samples'; these have: polygon_cv"},
       {"integrator.light_choice=analytic", "direct_sampling = ems"}};  // the scene's path samples BSDFs too
   for (const auto& [setting, message] : cases) {
     const TemporaryFolder folder;

@@ -12,6 +12,7 @@
 #include "scheduler/record/film_image.h"
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/acceptance/shadowed_polygon.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {
@@ -50,9 +51,9 @@ struct Estimator {
 
 std::vector<Estimator> estimators() {
   IntegratorSettings path = path_integrator(DirectSampling::kEmitterOnly), by_contribution = path;
-  path.next_event = NextEvent::kCv;
-  path.max_depth = by_contribution.max_depth = 2;
-  by_contribution.light_choice = LightChoice::kAnalytic;
+  param::next_event(path) = NextEvent::kCv;
+  param::max_depth(path) = param::max_depth(by_contribution) = 2;
+  param::light_choice(by_contribution) = LightChoice::kAnalytic;
   std::vector<Estimator> all{{"alpha 1", polygon_cv(1.0f, kSolidAngle, 2)},
                              {"alpha 0", polygon_cv(0.0f, kSolidAngle, 2)},
                              {"alpha -0.5", polygon_cv(-0.5f, kSolidAngle, 1)},
@@ -105,11 +106,11 @@ TEST(PolygonLayers, AreThereIfWantedAndKnown) {
     EXPECT_EQ(channels(scene, false).size(), 7u) << each.name;
   }
   scene.integrator = {};
-  scene.integrator.kind = IntegratorKind::kPolygonAnalytic;
+  use(scene.integrator, IntegratorKind::kPolygonAnalytic);
   EXPECT_THAT(channels(scene, true), IsSupersetOf(names));
   // No closed form, then.
   IntegratorSettings area;
-  area.kind = IntegratorKind::kPolygonArea;
+  use(area, IntegratorKind::kPolygonArea);
   for (const IntegratorSettings& settings :
        {direct_integrator(1, 1), emitter_only(kProjected, 1), path_integrator(DirectSampling::kMis), area}) {
     scene.integrator = settings;
@@ -163,7 +164,7 @@ TEST(PolygonLayers, TheClosedFormIsThatOfPolygonAnalytic) {
   for (const BsdfModel& bsdf : {BsdfModel(DiffuseBsdf{glm::vec3(0.5f, 0.75f, 0.25f)}), BsdfModel(kGlossy)}) {
     SceneDescription scene = floor_scene(true, bsdf);
     scene.integrator = {};
-    scene.integrator.kind = IntegratorKind::kPolygonAnalytic;
+    use(scene.integrator, IntegratorKind::kPolygonAnalytic);
     scene.integrator.hide_emitters = true;
     const FilmAccumulator alone = render_or_throw(scene);
     for (const Estimator& each : estimators()) {
@@ -197,7 +198,7 @@ TEST(PolygonLayers, WithoutOccludersAllIsVisible) {
         for (int x = 0; x < film.width(); ++x) {
           ASSERT_EQ(film.visibility(x, y), 1) << each.name << " at " << x << ", " << y;
           // H is W to the last bit.
-          if (each.settings.alpha == 1.0f) {
+          if (const auto cv = control_variate(each.settings); cv && cv->alpha == 1.0f) {
             ASSERT_EQ(layer(film, x, y, kDifferenceR, 1), 0);
           }
         }

@@ -6,6 +6,9 @@
 
 #include <map>
 
+#include "scenes/settings.h"
+#include "tests/support/integrator_parameters.h"
+
 namespace penumbra {
 namespace {
 
@@ -38,7 +41,7 @@ TEST(RepeatCommand, NamesEverythingThePixelsDependOn) {
   record.defines = {"albedo=0.5", "name=a b"};
   record.settings = {"integrator.max_depth=3"};
   record.lenient = true;
-  record.integrator.direct_sampling = DirectSampling::kEmitterOnly;
+  param::direct_sampling(record.integrator) = DirectSampling::kEmitterOnly;
   record.embree = true;
   record.isa = "avx2";
   record.film.crop_x = 10;
@@ -90,6 +93,42 @@ TEST(RecordMetadata, OfAnImageThatNoCommandRepeatsSaysSo) {
     EXPECT_EQ(metadata.at("penumbra:samples_per_pixel"),
               MetadataValue(fmt::format("{} to {}", rendered.least, rendered.most)));
   }
+}
+
+/// Sets what the record says on defaults, as --set does, and returns the record of that.
+RenderRecord set_again(const RenderRecord& record) {
+  RenderRecord again;
+  for (const auto& [name, value] : record_entries(record))
+    for (const Setting& setting : all_settings()) {
+      if (name != setting.key && name != setting.option) continue;
+      const int* number = std::get_if<int>(&value);
+      const std::string text = number != nullptr ? fmt::to_string(*number) : std::get<std::string>(value);
+      const auto done = apply_setting(again, setting.key, text);
+      EXPECT_TRUE(done) << done.error().message;
+    }
+  return again;
+}
+
+TEST(RecordEntries, AreWhatSetTakes) {
+  const auto settings_of = [](const RenderRecord& record) {
+    std::vector<std::pair<std::string, MetadataValue>> entries = record_entries(record);
+    std::erase_if(entries, [](const auto& entry) {
+      return find_setting(entry.first) == nullptr && entry.first != "integrator" && entry.first != "spp";
+    });
+    return entries;
+  };
+  for (const IntegratorMethod& method : integrator_methods()) {
+    RenderRecord record = cornell();
+    record.integrator = {
+        .method = method, .hide_emitters = true, .hidden_emitters = HiddenEmitters::kLookedThrough};
+    record.film.filter = FilterKind::kMitchell;
+    record.film.filter_b = 0.1f;
+    EXPECT_EQ(settings_of(set_again(record)), settings_of(record)) << method_name(method);
+  }
+  const auto metadata = metadata_of(cornell(), kAll);
+  EXPECT_EQ(metadata.at("penumbra:integrator.hide_emitters"), MetadataValue("false"));
+  EXPECT_FALSE(metadata.contains("penumbra:integrator.emitter_samples")) << "a path has none";
+  EXPECT_FALSE(metadata.contains("penumbra:film.width")) << "that is the image's";
 }
 
 TEST(RecordMetadata, HoldsSettingsAndHash) {

@@ -8,6 +8,7 @@
 
 #include "scheduler/report/reference_choice.h"
 #include "scheduler/report/sampler_orders.h"
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
@@ -43,11 +44,11 @@ TEST(ReferenceNoise, IsTheMeanOfItsVariance) {
 
 TEST(ReferenceChoice, EstimatesTheSameByOtherMeans) {
   IntegratorSettings direct;
-  direct.kind = IntegratorKind::kDirect;
+  use(direct, IntegratorKind::kDirect);
   IntegratorSettings cv;
-  cv.kind = IntegratorKind::kPolygonCv;
+  use(cv, IntegratorKind::kPolygonCv);
   IntegratorSettings two_edges;
-  two_edges.max_depth = 2;
+  param::max_depth(two_edges) = 2;
   EXPECT_EQ(estimated_quantity(direct), estimated_quantity(cv));
   EXPECT_EQ(estimated_quantity(direct), estimated_quantity(two_edges));
   const auto halves = choose_reference(cv);
@@ -55,10 +56,10 @@ TEST(ReferenceChoice, EstimatesTheSameByOtherMeans) {
   EXPECT_EQ(halves[1].integrator, "direct");
 
   IntegratorSettings unshadowed;
-  unshadowed.kind = IntegratorKind::kPolygonArea;
-  unshadowed.trace_shadows = false;
+  use(unshadowed, IntegratorKind::kPolygonArea);
+  param::trace_shadows(unshadowed) = false;
   IntegratorSettings analytic;
-  analytic.kind = IntegratorKind::kPolygonAnalytic;
+  use(analytic, IntegratorKind::kPolygonAnalytic);
   EXPECT_EQ(estimated_quantity(unshadowed), estimated_quantity(analytic));
   EXPECT_NE(estimated_quantity(unshadowed), estimated_quantity(cv));
 

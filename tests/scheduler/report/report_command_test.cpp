@@ -264,11 +264,28 @@ TEST_F(ReportCommand, TakesReferencesAndPeersFromFiles) {
 }
 
 TEST_F(ReportCommand, BiasedMethodShowsItsBias) {
-  // A closed form without shadows against direct light with them: its error is bias alone.
-  const auto result =
-      run({source_path("scenes/star-light/star-light.xml"), "-o", "out", "--set", "film.width=24", "--set",
-           "film.height=16", "--integrator", "polygon_analytic", "--integrator", "direct",
-           "--reference-integrator", "direct", "--budgets", "16,32", "--seeds", "4", "--no-plots"});
+  // A closed form without shadows against direct light with them: its error is bias alone. What is set for
+  // all counts for those that have such a parameter.
+  const auto result = run({source_path("scenes/star-light/star-light.xml"),
+                           "-o",
+                           "out",
+                           "--set",
+                           "film.width=24",
+                           "--set",
+                           "film.height=16",
+                           "--set",
+                           "integrator.emitter_sampling=area",
+                           "--integrator",
+                           "polygon_analytic",
+                           "--integrator",
+                           "direct",
+                           "--reference-integrator",
+                           "direct",
+                           "--budgets",
+                           "16,32",
+                           "--seeds",
+                           "4",
+                           "--no-plots"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto report = report_of(folder_);
   const auto& curves = report["scenes"][0]["curves"];
@@ -297,6 +314,9 @@ TEST_F(ReportCommand, BadInputIsExitCode2AndSaysWhat) {
       {{"s.xml", "-o", "file"}, "file"},
       {{"s.xml", "-o", "out", "--integrator", "pathh"}, "did you mean 'path'"},
       {{"s.xml", "-o", "out", "--integrator", "path:ne=cv"}, "integrator.ne"},
+      {{"s.xml", "-o", "out", "--integrator", "path", "--set", "integrator.vis_samples=2"},
+       "--set integrator.vis_samples=2: no method of this report has such a parameter"},
+      {{"s.xml", "-o", "out", "--integrator", "path:vis_samples=2"}, "these have: polygon_cv"},
       {{"s.xml", "-o", "out", "--integrator", "path", "--integrator", "path"},
        "two methods are called 'path'"},
       {{"s.xml", "-o", "out", "--spp", "8..4"}, "before it begins"},

@@ -134,7 +134,7 @@ TEST(Run, ASceneThatCannotBeBuiltFails) {
   auto& m = std::get<RenderMeasurement>(cases[0].measurement);
   m.scene = [make = m.scene] {
     SceneDescription scene = make();
-    scene.point_lights.push_back({{1e300, 0, 0}, glm::vec3(1)});
+    scene.emitters.emplace_back(PointLight{{1e300, 0, 0}, glm::vec3(1)});
     return scene;
   };
   const auto results = run(cases, native_backends(1));

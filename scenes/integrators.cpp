@@ -1,0 +1,74 @@
+#include "scenes/integrators.h"
+
+#include <utility>
+
+namespace penumbra {
+namespace {
+
+template <typename Method>
+void add_names(std::vector<std::pair<const char*, IntegratorMethod>>& names) {
+  names.emplace_back(Method::kName, Method{});
+  if constexpr (requires { Method::kPresets; }) {
+    for (const auto& [name, direct_sampling] : Method::kPresets) {
+      Method preset;
+      preset.direct_sampling = direct_sampling;
+      names.emplace_back(name, preset);
+    }
+  }
+}
+
+template <std::size_t... I>
+std::vector<IntegratorMethod> all_methods(std::index_sequence<I...>) {
+  return {std::variant_alternative_t<I, IntegratorMethod>{}...};
+}
+
+}  // namespace
+
+std::vector<IntegratorMethod> integrator_methods() {
+  return all_methods(std::make_index_sequence<std::variant_size_v<IntegratorMethod>>());
+}
+
+const char* method_name(const IntegratorMethod& method) {
+  return std::visit([]<typename Method>(const Method&) { return Method::kName; }, method);
+}
+
+std::vector<std::pair<const char*, IntegratorMethod>> integrator_names() {
+  std::vector<std::pair<const char*, IntegratorMethod>> names;
+  for (const IntegratorMethod& each : integrator_methods())
+    std::visit([&]<typename Method>(const Method&) { add_names<Method>(names); }, each);
+  return names;
+}
+
+const char* integrator_name(const IntegratorSettings& integrator) {
+  return std::visit(
+      []<typename Method>(const Method& method) {
+        if constexpr (requires { Method::kPresets; }) {
+          for (const auto& [name, direct_sampling] : Method::kPresets)
+            if (direct_sampling == method.direct_sampling) return name;
+        }
+        return Method::kName;
+      },
+      integrator.method);
+}
+
+void use_integrator(IntegratorSettings& integrator, IntegratorMethod method) {
+  IntegratorSettings next{method, integrator.hide_emitters, integrator.hidden_emitters};
+  integrator_parameters([&](const char*, const auto& parameter, const auto&, const char*, auto...) {
+    with_parameter(next, parameter, [&](auto& to) {
+      with_parameter(std::as_const(integrator), parameter, [&](const auto& from) { to = from; });
+    });
+  });
+  if (auto* path = std::get_if<PathIntegrator>(&next.method))
+    path->direct_sampling = std::get<PathIntegrator>(method).direct_sampling;
+  integrator = next;
+}
+
+std::optional<ControlVariate> control_variate(const IntegratorSettings& integrator) {
+  if (const auto* cv = integrator.get<PolygonCvIntegrator>()) return ControlVariate{cv->alpha, cv->estimator};
+  const auto* path = integrator.get<PathIntegrator>();
+  if (path != nullptr && path->next_event == NextEvent::kCv)
+    return ControlVariate{path->alpha, path->estimator};
+  return std::nullopt;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,218 @@
+// The integrators, each with its own parameters, and one row for every parameter. A new parameter is a member
+// here, of every integrator that has it, and a row below: scene files, --set, messages, the table of all
+// settings, what a render records of itself and the copy for the kernels follow from the row.
+#pragma once
+
+#include <optional>
+#include <type_traits>
+#include <variant>
+
+#include "kernels/scene_types.h"
+#include "scenes/setting_values.h"
+
+namespace penumbra {
+
+/// How a point on an area light is chosen: uniformly by area, by solid angle (rectangles, triangles and
+/// spheres; disks by area), by projected solid angle (meshes; others by solid angle), or what is best for the
+/// integrator.
+enum class EmitterSampling { kAuto, kArea, kSolidAngle, kProjected };
+
+enum class DirectSampling { kBsdfOnly, kEmitterOnly, kMis };  ///< path: "mats", "ems", "mis"
+enum class MisHeuristic { kBalance, kPower };                 ///< power: beta = 2
+enum class BsdfSampling { kBsdf, kCosine, kUniform };  ///< how direct's `bsdf_samples` choose directions
+/// How samples and the closed form of polygon lights are put together: alpha G + <H - alpha G>, or G <H> /
+/// <G>.
+enum class CvEstimator { kCv, kRatio };
+enum class NextEvent { kSample, kCv };  ///< path: kCv has polygon lights' closed form as control variate
+/// How one of many lights is chosen: in proportion to its power, or to its unshadowed contribution to the
+/// point.
+enum class LightChoice { kAuto, kPower, kAnalytic };
+
+/// What the camera sees where an emitter is hidden: its surface without its light, as Mitsuba up to 3.6 has
+/// it, or what is behind it, as later ones.
+enum class HiddenEmitters { kUnlit, kLookedThrough };
+
+/// Direct light by samples of emitters and of directions.
+struct DirectIntegrator {
+  static constexpr const char* kName = "direct";
+  int emitter_samples = 1;  ///< n_g
+  int bsdf_samples = 1;     ///< n_f
+  BsdfSampling bsdf_sampling = BsdfSampling::kBsdf;
+  EmitterSampling emitter_sampling = EmitterSampling::kAuto;
+  MisHeuristic heuristic = MisHeuristic::kBalance;
+  LightChoice light_choice = LightChoice::kAuto;
+  bool trace_shadows = true;
+};
+
+struct PathIntegrator {
+  static constexpr const char* kName = "path";
+  /// Names of the integrator with its direct_sampling.
+  static constexpr std::pair<const char*, DirectSampling> kPresets[] = {
+      {"path_mats", DirectSampling::kBsdfOnly},
+      {"path_ems", DirectSampling::kEmitterOnly},
+      {"path_mis", DirectSampling::kMis}};
+  int max_depth = -1;  ///< in edges; -1: no limit
+  int rr_depth = 5;
+  DirectSampling direct_sampling = DirectSampling::kMis;
+  EmitterSampling emitter_sampling = EmitterSampling::kAuto;
+  MisHeuristic heuristic = MisHeuristic::kBalance;
+  LightChoice light_choice = LightChoice::kAuto;
+  NextEvent next_event = NextEvent::kSample;
+  std::optional<float> alpha = std::nullopt;  ///< none: fitted
+  CvEstimator estimator = CvEstimator::kCv;
+};
+
+/// The unshadowed light of polygon lights in closed form.
+struct PolygonAnalyticIntegrator {
+  static constexpr const char* kName = "polygon_analytic";
+};
+
+/// Direct light by samples of emitters by area.
+struct PolygonAreaIntegrator {
+  static constexpr const char* kName = "polygon_area";
+  int emitter_samples = 1;
+  EmitterSampling emitter_sampling = EmitterSampling::kAuto;
+  LightChoice light_choice = LightChoice::kAuto;
+  bool trace_shadows = true;
+};
+
+/// Direct light by samples of emitters, with the closed form as control variate.
+struct PolygonCvIntegrator {
+  static constexpr const char* kName = "polygon_cv";
+  std::optional<float> alpha = std::nullopt;  ///< none: fitted
+  int vis_samples = 1;
+  CvEstimator estimator = CvEstimator::kCv;
+  EmitterSampling emitter_sampling = EmitterSampling::kAuto;
+  LightChoice light_choice = LightChoice::kAuto;
+};
+
+using IntegratorMethod = std::variant<DirectIntegrator, PathIntegrator, PolygonAnalyticIntegrator,
+                                      PolygonAreaIntegrator, PolygonCvIntegrator>;
+
+struct IntegratorSettings {
+  IntegratorMethod method = PathIntegrator{};
+  bool hide_emitters = false;
+  HiddenEmitters hidden_emitters = HiddenEmitters::kUnlit;  ///< with hide_emitters
+
+  template <typename Method>
+  [[nodiscard]] bool is() const {
+    return std::holds_alternative<Method>(method);
+  }
+  template <typename Method>
+  [[nodiscard]] const Method* get() const {
+    return std::get_if<Method>(&method);
+  }
+};
+
+/// A parameter by its name as a member: of the integrators that have such a member, or of all.
+#define PENUMBRA_PARAMETER(member) \
+  [](auto& owner_of_##member) -> decltype((owner_of_##member.member)) { return owner_of_##member.member; }
+
+/// Calls use(parameter) if the integrator has the parameter; returns whether it has. `Settings` may be const.
+template <typename Settings, typename Parameter, typename Use>
+bool with_parameter(Settings& settings, const Parameter& parameter, const Use& use) {
+  if constexpr (std::is_invocable_v<const Parameter&, Settings&>) {
+    use(parameter(settings));
+    return true;
+  } else {
+    return std::visit(
+        [&](auto& method) {
+          constexpr bool kHas = std::is_invocable_v<const Parameter&, decltype(method)>;
+          if constexpr (kHas) use(parameter(method));
+          return kHas;
+        },
+        settings.method);
+  }
+}
+
+/// The parameter's value, or `fallback` where the integrator has no such parameter.
+template <typename Parameter, typename T>
+T parameter_or(const IntegratorSettings& settings, const Parameter& parameter, T fallback) {
+  with_parameter(settings, parameter, [&](const T& value) { fallback = value; });
+  return fallback;
+}
+
+inline OneOf<EmitterSampling> emitter_samplings() {
+  return {{{"auto", EmitterSampling::kAuto},
+           {"area", EmitterSampling::kArea},
+           {"solid_angle", EmitterSampling::kSolidAngle},
+           {"projected", EmitterSampling::kProjected}}};
+}
+
+/// Calls row(name, parameter, values, text[, member of the kernels' parameters that it is copied to]) for
+/// each, in an order in which they may be set one after the other.
+template <typename Row>
+void integrator_parameters(const Row& row) {
+  using P = IntegratorParameters;
+  row("max_depth", PENUMBRA_PARAMETER(max_depth), WholeNumber{-1, kMaxInt},
+      "longest path in edges (1: emitters seen directly, 2: direct light, -1: no limit)", &P::max_depth);
+  row("rr_depth", PENUMBRA_PARAMETER(rr_depth), WholeNumber{1, kMaxInt},
+      "Russian roulette from this depth on", &P::rr_depth);
+  row("direct_sampling", PENUMBRA_PARAMETER(direct_sampling),
+      OneOf<DirectSampling>{{{"mats", DirectSampling::kBsdfOnly},
+                             {"ems", DirectSampling::kEmitterOnly},
+                             {"mis", DirectSampling::kMis}}},
+      "samples of BSDFs, of emitters, or of both", &P::direct_sampling);
+  row("emitter_samples", PENUMBRA_PARAMETER(emitter_samples), WholeNumber{0, MAX_DIRECT_SAMPLES},
+      "shadow rays per camera ray", &P::emitter_samples);
+  row("bsdf_samples", PENUMBRA_PARAMETER(bsdf_samples), WholeNumber{0, MAX_DIRECT_SAMPLES},
+      "sampled directions per camera ray", &P::bsdf_samples);
+  row("bsdf_sampling", PENUMBRA_PARAMETER(bsdf_sampling),
+      OneOf<BsdfSampling>{{{"bsdf", BsdfSampling::kBsdf},
+                           {"cosine", BsdfSampling::kCosine},
+                           {"uniform", BsdfSampling::kUniform}}},
+      "density of the sampled directions", &P::bsdf_sampling);
+  row("emitter_sampling", PENUMBRA_PARAMETER(emitter_sampling), emitter_samplings(),
+      "density of points on area lights that do not say it themselves");
+  row("mis", PENUMBRA_PARAMETER(heuristic),
+      OneOf<MisHeuristic>{{{"balance", MisHeuristic::kBalance}, {"power", MisHeuristic::kPower}}},
+      "heuristic that weighs samples of emitters and directions", &P::heuristic);
+  row("light_choice", PENUMBRA_PARAMETER(light_choice),
+      OneOf<LightChoice>{{{"auto", LightChoice::kAuto},
+                          {"power", LightChoice::kPower},
+                          {"analytic", LightChoice::kAnalytic}}},
+      "choice among lights: by power, or by the unshadowed contribution of polygon lights");
+  row("trace_shadows", PENUMBRA_PARAMETER(trace_shadows), TrueOrFalse{},
+      "whether anything blocks shadow rays", &P::trace_shadows);
+  row("vis_samples", PENUMBRA_PARAMETER(vis_samples), WholeNumber{1, MAX_DIRECT_SAMPLES},
+      "shadow rays per camera ray", &P::emitter_samples);
+  row("nee", PENUMBRA_PARAMETER(next_event),
+      OneOf<NextEvent>{{{"sample", NextEvent::kSample}, {"cv", NextEvent::kCv}}},
+      "samples of polygon lights alone, or with their closed form as control variate");
+  row("alpha", PENUMBRA_PARAMETER(alpha), NumberOrAuto{-1e6f, 1e6f},
+      "weight of the control variate; auto: fitted for each pixel");
+  row("estimator", PENUMBRA_PARAMETER(estimator),
+      OneOf<CvEstimator>{{{"cv", CvEstimator::kCv}, {"ratio", CvEstimator::kRatio}}},
+      "control variate, or ratio estimator");
+  row("hide_emitters", PENUMBRA_PARAMETER(hide_emitters), TrueOrFalse{},
+      "whether the camera does not see lights");
+  row("hidden_emitters", PENUMBRA_PARAMETER(hidden_emitters),
+      OneOf<HiddenEmitters>{
+          {{"unlit", HiddenEmitters::kUnlit}, {"looked_through", HiddenEmitters::kLookedThrough}}},
+      "what the camera sees of hidden lights: their surface without light, or what is behind it");
+}
+
+/// Each integrator with its defaults, by all its names.
+std::vector<std::pair<const char*, IntegratorMethod>> integrator_names();
+
+/// One of each, with its defaults.
+std::vector<IntegratorMethod> integrator_methods();
+/// "path", whatever its parameters.
+const char* method_name(const IntegratorMethod& method);
+
+/// The most precise of its names: "path_ems".
+const char* integrator_name(const IntegratorSettings& integrator);
+
+/// Changes to another integrator. Parameters that both have keep their values, but for direct_sampling, which
+/// belongs to the name.
+void use_integrator(IntegratorSettings& integrator, IntegratorMethod method);
+
+/// How samples of polygon lights and their closed form make an estimate.
+struct ControlVariate {
+  std::optional<float> alpha;
+  CvEstimator estimator;
+};
+/// Nothing where the integrator takes no control variate.
+std::optional<ControlVariate> control_variate(const IntegratorSettings& integrator);
+
+}  // namespace penumbra

@@ -1,0 +1,171 @@
+#include "scenes/setting_rows.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+#include "scenes/number.h"
+#include "scenes/transform.h"
+
+namespace penumbra {
+namespace {
+
+using S = RenderSettings;
+
+// Far beyond any use; it keeps radii away from overflow.
+constexpr float kMaxStddev = 1024.0f;
+constexpr float kGaussianRadius = 4.0f;  // in standard deviations
+constexpr float kMaxRadius = kGaussianRadius * kMaxStddev;
+// Far less than a pixel, and its square is still a float.
+constexpr float kMinRadius = 1e-4f;
+
+/// A crop window that was the whole film stays the whole film.
+void resize(int& size, int& crop_offset, int& crop_size, int new_size) {
+  if (crop_offset == 0 && crop_size == size) crop_size = new_size;
+  size = new_size;
+}
+
+void use_filter(Film& film, FilterKind kind) {
+  const float radii[] = {0.5f, 1.0f, kGaussianRadius * film.filter_stddev, 2.0f};
+  film.filter = kind;
+  film.filter_radius = radii[int(kind)];
+}
+
+/// The matrix without its scale, as it is where it has none.
+Expected<glm::dmat4> frame_of(const glm::dmat4& matrix) {
+  if (is_singular(matrix)) return fail("the matrix is singular");
+  auto rigid = without_scale(matrix);
+  if (!rigid) return rigid;
+  constexpr double kRounding = 1e-15;
+  for (int axis = 0; axis < 3; ++axis) {
+    const glm::dvec3 given(matrix[axis]);
+    if (std::abs(glm::dot(given, given) - 1.0) < kRounding) (*rigid)[axis] = matrix[axis];
+  }
+  return rigid;
+}
+
+/// Some numbers that make the camera's frame.
+template <typename Make>
+Setting frame_row(std::string key, std::size_t count, Make make, std::string description) {
+  Setting setting{.key = std::move(key),
+                  .kind = SettingKind::kText,
+                  .values = fmt::format("{} numbers", count),
+                  .description = std::move(description)};
+  setting.apply = [=](RenderSettings& settings, std::string_view text) -> Expected<void> {
+    const auto numbers = parse_numbers(text);
+    if (!numbers) return std::unexpected(numbers.error());
+    if (numbers->size() != count)
+      return fail(fmt::format("it takes {} numbers, not {}", count, numbers->size()));
+    const Expected<glm::dmat4> matrix = make(*numbers);
+    if (!matrix) return std::unexpected(matrix.error());
+    const auto frame = frame_of(*matrix);
+    if (!frame) return std::unexpected(frame.error());
+    settings.camera.to_world = *frame;
+    return {};
+  };
+  return setting;
+}
+
+std::string print_rows(const glm::dmat4& matrix) {
+  std::vector<double> numbers;
+  for (int i = 0; i < 4; ++i)
+    for (int k = 0; k < 4; ++k) numbers.push_back(matrix[k][i]);
+  return fmt::format("{}", fmt::join(numbers, " "));
+}
+
+}  // namespace
+
+void add_sampler_rows(std::vector<Setting>& table) {
+  using enum SamplerKind;
+  const std::size_t first = table.size();
+  table.push_back(member_row("sampler.type",
+                             OneOf<SamplerKind>{{{"independent", kIndependent},
+                                                 {"stratified", kStratified},
+                                                 {"halton", kHalton},
+                                                 {"sobol", kSobol}}},
+                             &S::sampler, &SamplerSettings::kind, "where samples come from"));
+  table.back().option = "sampler";
+  table.push_back(member_row("sampler.sample_count", WholeNumber{1, kMaxSamplesPerPixel}, &S::sampler,
+                             &SamplerSettings::spp, "samples per pixel"));
+  table.back().option = "spp";
+  table.push_back(member_row("sampler.seed", WholeNumber{0, kMaxSeed}, &S::sampler, &SamplerSettings::seed,
+                             "seed of all random numbers"));
+  table.back().option = "seed";
+  for (std::size_t i = first; i < table.size(); ++i) table[i].recorded = true;
+}
+
+void add_film_rows(std::vector<Setting>& table) {
+  using enum FilterKind;
+  table.push_back(row(
+      "film.width", WholeNumber{1, kMaxFilmSide}, [](const S& s) { return s.film.width; },
+      [](S& s, std::int64_t v) { resize(s.film.width, s.film.crop_x, s.film.crop_width, int(v)); },
+      "pixels; a crop window that was the whole film stays so"));
+  table.push_back(row(
+      "film.height", WholeNumber{1, kMaxFilmSide}, [](const S& s) { return s.film.height; },
+      [](S& s, std::int64_t v) { resize(s.film.height, s.film.crop_y, s.film.crop_height, int(v)); },
+      "pixels"));
+  const auto crop = [&](const char* key, int low, int Film::*member, const char* description) {
+    table.push_back(member_row(key, WholeNumber{low, kMaxFilmSide}, &S::film, member, description));
+  };
+  crop("film.crop_offset_x", 0, &Film::crop_x, "left edge of the crop window");
+  crop("film.crop_offset_y", 0, &Film::crop_y, "upper edge of the crop window");
+  crop("film.crop_width", 1, &Film::crop_width, "pixels of the crop window");
+  crop("film.crop_height", 1, &Film::crop_height, "pixels of the crop window");
+
+  const std::size_t first = table.size();
+  table.push_back(row(
+      "film.rfilter",
+      OneOf<FilterKind>{{{"box", kBox}, {"tent", kTent}, {"gaussian", kGaussian}, {"mitchell", kMitchell}}},
+      [](const S& s) { return s.film.filter; }, [](S& s, FilterKind kind) { use_filter(s.film, kind); },
+      "reconstruction filter, with its own radius"));
+  const auto only = [&](FilterKind kind) {
+    table.back().matters = [=](const S& s) { return s.film.filter == kind; };
+  };
+  table.push_back(row(
+      "film.rfilter_stddev", Number<float>{LowEnd::kClosed, kMinRadius, kMaxStddev},
+      [](const S& s) { return s.film.filter_stddev; },
+      [](S& s, float v) {
+        s.film.filter_stddev = v;
+        if (s.film.filter == kGaussian) use_filter(s.film, kGaussian);
+      },
+      "of `gaussian`, in pixels; its radius becomes four times that"));
+  only(kGaussian);
+  table.push_back(member_row("film.rfilter_radius", Number<float>{LowEnd::kClosed, kMinRadius, kMaxRadius},
+                             &S::film, &Film::filter_radius, "half-width in pixels"));
+  table.push_back(member_row("film.rfilter_b", Number<float>{LowEnd::kClosed, -10.0f, 10.0f}, &S::film,
+                             &Film::filter_b, "B of `mitchell`"));
+  only(kMitchell);
+  table.push_back(member_row("film.rfilter_c", Number<float>{LowEnd::kClosed, -10.0f, 10.0f}, &S::film,
+                             &Film::filter_c, "C of `mitchell`"));
+  only(kMitchell);
+  for (std::size_t i = first; i < table.size(); ++i) table[i].recorded = true;
+}
+
+void add_camera_rows(std::vector<Setting>& table) {
+  using enum FovAxis;
+  constexpr double kFar = std::numeric_limits<float>::max();
+  table.push_back(member_row("camera.fov", Number<double>{LowEnd::kOpen, 0.0, 180.0}, &S::camera,
+                             &PerspectiveCamera::fov, "full angle of the whole film, degrees"));
+  table.push_back(member_row(
+      "camera.fov_axis",
+      OneOf<FovAxis>{
+          {{"x", kX}, {"y", kY}, {"diagonal", kDiagonal}, {"smaller", kSmaller}, {"larger", kLarger}}},
+      &S::camera, &PerspectiveCamera::fov_axis, "what the angle spans"));
+  table.push_back(member_row("camera.near_clip", Number<double>{LowEnd::kOpen, 0.0, kFar}, &S::camera,
+                             &PerspectiveCamera::near_clip, "nothing nearer along the view is seen"));
+  table.push_back(member_row("camera.far_clip", Number<double>{LowEnd::kOpen, 0.0, kFar}, &S::camera,
+                             &PerspectiveCamera::far_clip, "nothing farther along the view is seen"));
+  table.push_back(frame_row(
+      "camera.to_world", 16, [](const std::vector<double>& v) { return matrix_from_rows(v); },
+      "camera to world, by rows; its scale has no effect"));
+  table.back().print = [](const S& s) { return print_rows(s.camera.to_world); };
+  table.push_back(frame_row(
+      "camera.lookat", 9,
+      [](const std::vector<double>& v) {
+        return look_at({v[0], v[1], v[2]}, {v[3], v[4], v[5]}, glm::dvec3(v[6], v[7], v[8]));
+      },
+      "camera.to_world by origin, target and up"));
+}
+
+}  // namespace penumbra

@@ -1,0 +1,79 @@
+#include "scenes/setting_values.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "scenes/number.h"
+
+namespace penumbra {
+namespace {
+
+template <typename T>
+std::string range_text(const Number<T>& number) {
+  return fmt::format("{} {} and below {}", number.end == LowEnd::kOpen ? "above" : "at least", number.low,
+                     number.high);
+}
+
+}  // namespace
+
+std::string WholeNumber::values() const {
+  // An int's limit is none that anybody needs to know.
+  return high == kMaxInt ? fmt::format("{} or more", low) : fmt::format("{} to {}", low, high);
+}
+
+Expected<std::int64_t> WholeNumber::parse(std::string_view text) const {
+  return parse_integer(text, low, high);
+}
+
+std::string WholeNumber::print(std::int64_t value) { return fmt::to_string(value); }
+
+template <typename T>
+std::string Number<T>::values() const {
+  // Nor is that of a float.
+  return high >= std::numeric_limits<float>::max() ? fmt::format("above {}", low) : range_text(*this);
+}
+
+template <typename T>
+Expected<T> Number<T>::parse(std::string_view text) const {
+  const auto number = parse_number(text);
+  if (!number) return std::unexpected(number.error());
+  const T value = T(*number);
+  if ((end == LowEnd::kOpen ? value > low : value >= low) && value < high) return value;
+  return fail(fmt::format("{} is not {}", *number, range_text(*this)));
+}
+
+template <typename T>
+std::string Number<T>::print(T value) {
+  return fmt::to_string(value);
+}
+
+template struct Number<float>;
+template struct Number<double>;
+
+std::string NumberOrAuto::values() const { return fmt::format("auto, or {} to {}", low, high); }
+
+Expected<std::optional<float>> NumberOrAuto::parse(std::string_view text) const {
+  if (trim(text) == "auto") return std::nullopt;
+  const auto number = parse_number(text);
+  if (!number) return fail(number.error().message + "; nor is it 'auto'");
+  if (*number >= double(low) && *number <= double(high)) return float(*number);
+  return fail(fmt::format("{} is not between {} and {}", *number, double(low), double(high)));
+}
+
+std::string NumberOrAuto::print(std::optional<float> value) {
+  return value ? fmt::to_string(*value) : "auto";
+}
+
+std::string TrueOrFalse::values() { return "true, false"; }
+Expected<bool> TrueOrFalse::parse(std::string_view text) { return parse_boolean(text); }
+std::string TrueOrFalse::print(bool value) { return value ? "true" : "false"; }
+
+Expected<std::size_t> parse_name(std::string_view text, const std::vector<std::string>& names) {
+  const std::string_view name = trim(text);
+  const auto found = std::ranges::find(names, name);
+  if (found != names.end()) return std::size_t(found - names.begin());
+  return fail(fmt::format("'{}' is not one of: {}{}", name, list_names(names), suggestion(name, names)));
+}
+
+}  // namespace penumbra

@@ -1,0 +1,90 @@
+// What values a setting takes: each kind parses text, prints a value as text that parses back to the same,
+// and says in words what is right.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "kernels/host/error.h"
+#include "scenes/diagnostic.h"
+
+namespace penumbra {
+
+enum class SettingKind { kInteger, kNumber, kBoolean, kText, kNumberOrText };
+
+constexpr std::int64_t kMaxInt = std::numeric_limits<int>::max();
+
+/// A whole number in [low, high].
+struct WholeNumber {
+  std::int64_t low, high;
+
+  static constexpr SettingKind kKind = SettingKind::kInteger;
+  [[nodiscard]] std::string values() const;
+  [[nodiscard]] Expected<std::int64_t> parse(std::string_view text) const;
+  [[nodiscard]] static std::string print(std::int64_t value);
+};
+
+/// A number with low < value < high, or low <= value < high. It is stored as a float or a double, which
+/// is what has to be in the range.
+enum class LowEnd { kOpen, kClosed };
+template <typename T>
+struct Number {
+  LowEnd end;
+  T low, high;
+
+  static constexpr SettingKind kKind = SettingKind::kNumber;
+  [[nodiscard]] std::string values() const;
+  [[nodiscard]] Expected<T> parse(std::string_view text) const;
+  [[nodiscard]] static std::string print(T value);
+};
+
+/// A number in [low, high], or "auto", for which there is none.
+struct NumberOrAuto {
+  float low, high;
+
+  static constexpr SettingKind kKind = SettingKind::kNumberOrText;
+  [[nodiscard]] std::string values() const;
+  [[nodiscard]] Expected<std::optional<float>> parse(std::string_view text) const;
+  [[nodiscard]] static std::string print(std::optional<float> value);
+};
+
+struct TrueOrFalse {
+  static constexpr SettingKind kKind = SettingKind::kBoolean;
+  [[nodiscard]] static std::string values();
+  [[nodiscard]] static Expected<bool> parse(std::string_view text);
+  [[nodiscard]] static std::string print(bool value);
+};
+
+/// Which of the names it is; an error lists them, and the nearest.
+Expected<std::size_t> parse_name(std::string_view text, const std::vector<std::string>& names);
+
+/// One of several values by name. Of two names of the same value the first is printed.
+template <typename T>
+struct OneOf {
+  std::vector<std::pair<const char*, T>> choices;
+
+  static constexpr SettingKind kKind = SettingKind::kText;
+  [[nodiscard]] std::vector<std::string> names() const {
+    std::vector<std::string> result;
+    for (const auto& [name, value] : choices) result.emplace_back(name);
+    return result;
+  }
+  [[nodiscard]] std::string values() const { return list_names(names()); }
+  [[nodiscard]] Expected<T> parse(std::string_view text) const {
+    const auto index = parse_name(text, names());
+    if (!index) return std::unexpected(index.error());
+    return choices[*index].second;
+  }
+  [[nodiscard]] std::string print(T value) const {
+    for (const auto& [name, known] : choices)
+      if (known == value) return name;
+    return "?";
+  }
+};
+
+}  // namespace penumbra
