@@ -11,6 +11,7 @@
 #include <string>
 
 #include "tests/acceptance/stand_in_scenes.h"
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
@@ -27,15 +28,15 @@ void PrintTo(const Method& method, std::ostream* out) { *out << method.name; }
 
 Method sampled(const std::string& name, DirectSampling sampling) {
   IntegratorSettings settings;
-  settings.direct_sampling = sampling;
+  param::direct_sampling(settings) = sampling;
   return {name, settings};
 }
 
 Method controlled(const std::string& name, CvEstimator estimator, std::optional<float> alpha) {
   IntegratorSettings settings;
-  settings.next_event = NextEvent::kCv;
-  settings.estimator = estimator;
-  settings.alpha = alpha;
+  param::next_event(settings) = NextEvent::kCv;
+  param::estimator(settings) = estimator;
+  param::alpha(settings) = alpha;
   return {name, settings};
 }
 

@@ -7,6 +7,7 @@
 
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/acceptance/stand_in_scenes.h"
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
@@ -32,9 +33,9 @@ TEST(StandInFamilies, GiveTheSameBitsForAnyNumberOfLanes) {
     StandInScene room = stand_in_room({.front_pane = true, .many_triangles = many_triangles});
     EXPECT_EQ((room.build().header.features & FEATURE_BVH) != 0, many_triangles);
     expect_same_bits(room);
-    room.description.integrator.next_event = NextEvent::kCv;
+    param::next_event(room.description.integrator) = NextEvent::kCv;
     expect_same_bits(room);
-    room.description.integrator.estimator = CvEstimator::kRatio;
+    param::estimator(room.description.integrator) = CvEstimator::kRatio;
     expect_same_bits(room);
     room.description.integrator = direct_integrator(1, 2);
     expect_same_bits(room);
@@ -47,8 +48,8 @@ TEST(StandInFamilies, WindowsBlockPointLights) {
   StandInScene room = stand_in_room({.mirror = false, .light_pane = true});
   SceneDescription& scene = room.description;
   std::erase_if(scene.shapes, [](const Shape& shape) { return shape.radiance.has_value(); });
-  scene.point_lights.push_back({glm::dvec3(0, 2.4, 0), glm::vec3(1)});
-  scene.integrator.max_depth = 2;  // walls above the window are lit
+  scene.emitters = {PointLight{glm::dvec3(0, 2.4, 0), glm::vec3(1)}};
+  param::max_depth(scene.integrator) = 2;  // walls above the window are lit
   EXPECT_EQ(stand_in_sample(room, 0).mean(), 0);
 }
 
@@ -58,7 +59,7 @@ TEST(StandInFamilies, WindowsBlockPointLights) {
 // variance of 1.9.
 TEST(StandInFamilies, RouletteKnowsThatMediaAreDense) {
   StandInScene ball = glass_ball(4);
-  ball.description.integrator.rr_depth = 0;
+  param::rr_depth(ball.description.integrator) = 0;
   const statistics::Sample sample = stand_in_sample(ball, 0);
   EXPECT_GT(statistics::t_test(sample, 1, 1e-5).p, .01) << sample.mean();
   EXPECT_LT(sample.variance(), .05);
@@ -66,7 +67,7 @@ TEST(StandInFamilies, RouletteKnowsThatMediaAreDense) {
 
 TEST(StandInFamilies, GlassBallInAFurnaceIsInvisible) {
   StandInScene ball = glass_ball(1.5f);
-  ball.description.integrator.max_depth = 4;  // in, out, environment; no roulette
+  param::max_depth(ball.description.integrator) = 4;  // in, out, environment; no roulette
   const statistics::Sample sample = stand_in_sample(ball, 1);
   EXPECT_NEAR(sample.mean(), 1, 1e-5);
   EXPECT_LT(sample.variance(), 1e-9);
@@ -81,14 +82,14 @@ TEST(StandInFamilies, DirectLightIsThatOfPathsOfTwoEdges) {
     return stand_in_estimate(room, 8, seed, 4);
   };
   IntegratorSettings paths;
-  paths.max_depth = 2;
+  param::max_depth(paths) = 2;
   const statistics::ImageTestLimits limits{.accepted_fraction = 1, .mean_square = 2.2};
   const auto direct =
       statistics::z_test(image(paths, true, 100), image(direct_integrator(1, 1), true, 200), limits);
   EXPECT_TRUE(direct.passed) << direct.summary();
   IntegratorSettings closed_forms;
-  closed_forms.kind = IntegratorKind::kPolygonCv;
-  closed_forms.alpha = 1.0f;
+  use(closed_forms, IntegratorKind::kPolygonCv);
+  param::alpha(closed_forms) = 1.0f;
   const auto cv = statistics::z_test(image(paths, false, 300), image(closed_forms, false, 400), limits);
   EXPECT_TRUE(cv.passed) << cv.summary();
 }

@@ -72,7 +72,7 @@ StandInScene glass_ball(float index) {
   SceneDescription& scene = ball.description = empty_scene(kWidth, kHeight, 64, 0);
   scene.camera = look_at({0, 0, -4}, {0, 0, 0}, {0, 1, 0}, 20);
   scene.integrator = path_integrator(DirectSampling::kMis);
-  scene.environment = ConstantEnvironment{glm::vec3(1.0f)};
+  scene.emitters = {ConstantEnvironment{glm::vec3(1.0f)}};
   Shape sphere;
   sphere.name = "ball";
   sphere.geometry = Sphere{};

@@ -4,14 +4,14 @@
 
 namespace penumbra {
 
-NativeRenderBlock render_stand_ins_scalar_all, render_stand_ins_scalar_all_bvh, render_stand_ins_avx2_all,
-    render_stand_ins_avx2_all_bvh, render_stand_ins_avx512_all, render_stand_ins_avx512_all_bvh;
+NativeRenderBlock render_stand_ins_scalar_whole, render_stand_ins_scalar_bvh, render_stand_ins_avx2_whole,
+    render_stand_ins_avx2_bvh, render_stand_ins_avx512_whole, render_stand_ins_avx512_bvh;
 
 namespace {
 
-#define BOTH_SETS(target, name, lanes)                                                                 \
-  {KernelTarget::target, "all", NATIVE_FEATURES_all, lanes, render_stand_ins_##name##_all}, {          \
-    KernelTarget::target, "all_bvh", NATIVE_FEATURES_all_bvh, lanes, render_stand_ins_##name##_all_bvh \
+#define BOTH_SETS(target, name, lanes)                                                              \
+  {KernelTarget::target, "whole", NATIVE_FEATURES_whole, lanes, render_stand_ins_##name##_whole}, { \
+    KernelTarget::target, "bvh", NATIVE_FEATURES_bvh, lanes, render_stand_ins_##name##_bvh          \
   }
 constexpr NativeKernel kKernels[] = {BOTH_SETS(kScalar, scalar, 1), BOTH_SETS(kAvx2, avx2, 16),
                                      BOTH_SETS(kAvx512, avx512, 16)};
