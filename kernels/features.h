@@ -12,6 +12,7 @@
   X(TRANSMISSION, 0x008, "paths through surfaces into other media")           \
   X(SHADING_NORMALS, 0x010, "interpolated vertex normals")                    \
   X(QUADRICS, 0x020, "spheres and disks")                                     \
+  X(MIXED_FAMILIES, 0x040, "several families of BSDFs")                       \
   X(SOLID_ANGLE, 0x100, "sampling of triangle lights by solid angle")         \
   X(LAYERS, 0x200, "albedo, normal and depth layers")                         \
   X(SAMPLERS, 0x400, "samplers other than Owen-scrambled Sobol")              \
@@ -27,6 +28,7 @@
 #define FEATURE_TRANSMISSION 0x008
 #define FEATURE_SHADING_NORMALS 0x010
 #define FEATURE_QUADRICS 0x020
+#define FEATURE_MIXED_FAMILIES 0x040
 #define FEATURE_SOLID_ANGLE 0x100
 #define FEATURE_LAYERS 0x200
 #define FEATURE_SAMPLERS 0x400
@@ -34,7 +36,7 @@
 #define FEATURE_POLYGONS 0x1000
 #define FEATURE_LOOK_THROUGH 0x2000
 #define FEATURE_RATIO 0x4000
-#define FEATURE_ALL 0x7f3f
+#define FEATURE_ALL 0x7f7f
 
 /// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)

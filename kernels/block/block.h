@@ -8,6 +8,7 @@
 #include "kernels/block/block_compact.h"
 #include "kernels/block/block_control.h"
 #include "kernels/block/block_look_through.h"
+#include "kernels/block/block_sort.h"
 #include "kernels/block/block_trace.h"
 #include "kernels/camera/camera.h"
 #include "kernels/integrator/direct.h"
@@ -125,6 +126,10 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
 #if HAS(LOOK_THROUGH)
       if (step == 0 && h->integrator.hide_emitters == HIDE_LOOK_THROUGH)
         look_through_emitters(scene, paths, count);
+#endif
+#if HAS(MIXED_FAMILIES) && LANES > 1
+      if (NEEDS(scene, MIXED_FAMILIES) && (step == 0 || h->integrator.kind == INTEGRATOR_PATH))
+        sort_by_family(scene, paths, count);
 #endif
 #if HAS(PATH)
       if (h->integrator.kind == INTEGRATOR_PATH) step_paths(scene, paths, count, step, slots);

@@ -54,7 +54,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(int, film_x, EVERY_SCENE, NEVER)                                                                           \
   X(int, film_y, EVERY_SCENE, NEVER)                                                                           \
   X(int, going, EVERY_SCENE, NEVER)                     /* list of lanes */                                    \
-  X(int, finished, EVERY_SCENE, NEVER)                  /* likewise */
+  X(int, finished, EVERY_SCENE, NEVER)                  /* likewise */                                         \
+  X(float, sort_buffer, FEATURE_MIXED_FAMILIES, NEVER)
 
 // The same of a finished path's sample, indexed by its slot.
 #define SLOT_FIELDS(X)                                              \

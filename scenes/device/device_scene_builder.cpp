@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <climits>
 #include <cmath>
 #include <limits>
@@ -108,6 +109,7 @@ class Builder {
       h_.families |= 1u << records_.materials.back().family;
     }
     if ((h_.families & families_with(TRANSMITS)) != 0u) need(FEATURE_TRANSMISSION);
+    if (std::popcount(h_.families) > 1) need(FEATURE_MIXED_FAMILIES);
   }
 
   void add_shape(const Shape& shape) {

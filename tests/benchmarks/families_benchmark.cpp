@@ -120,18 +120,29 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
+/// Its paths are not sorted by family.
+DeviceScene unsorted(DeviceScene scene) {
+  scene.header.features &= ~std::uint32_t(FEATURE_MIXED_FAMILIES);
+  return scene;
+}
+
 /// In turns, since a machine's speed changes; medians, since it is interrupted.
 void compare(benchmark::State& state, const NativeKernel& kernel, const DeviceScene& one,
              const DeviceScene& eight) {
-  std::vector<double> ones, eights, ratios;
+  const DeviceScene shuffled = unsorted(eight);
+  std::vector<double> ones, sorted, unsorted, sorted_ratios, unsorted_ratios;
   for (auto _ : state) {
     ones.push_back(milliseconds(kernel, one));
-    eights.push_back(milliseconds(kernel, eight));
-    ratios.push_back(eights.back() / ones.back());
+    sorted.push_back(milliseconds(kernel, eight));
+    unsorted.push_back(milliseconds(kernel, shuffled));
+    sorted_ratios.push_back(sorted.back() / ones.back());
+    unsorted_ratios.push_back(unsorted.back() / ones.back());
   }
   state.counters["one_ms"] = median(ones);
-  state.counters["eight_ms"] = median(eights);
-  state.counters["ratio"] = median(ratios);
+  state.counters["eight_ms"] = median(sorted);
+  state.counters["ratio"] = median(sorted_ratios);
+  state.counters["unsorted_ms"] = median(unsorted);
+  state.counters["unsorted_ratio"] = median(unsorted_ratios);
 }
 
 int run(int argc, char** argv) {

@@ -1,5 +1,7 @@
 #include "tests/support/stand_in_families/stand_in_kernels.h"
 
+#include <bit>
+
 #include "kernels/native_variants.h"
 
 namespace penumbra {
@@ -40,7 +42,10 @@ void stand_in(DeviceScene& scene, std::span<const StandIn> stand_ins) {
   scene.header.families = 0;
   for (int i = 0; i < span.count; ++i) scene.header.families |= 1u << materials[i].family;
   // What the builder does for families that the renderer has.
-  if ((scene.header.families & families_with(TRANSMITS)) != 0) scene.header.features |= FEATURE_TRANSMISSION;
+  std::uint32_t& features = scene.header.features;
+  features &= ~std::uint32_t(FEATURE_TRANSMISSION | FEATURE_MIXED_FAMILIES);
+  if ((scene.header.families & families_with(TRANSMITS)) != 0) features |= FEATURE_TRANSMISSION;
+  if (std::popcount(scene.header.families) > 1) features |= FEATURE_MIXED_FAMILIES;
 }
 
 }  // namespace penumbra

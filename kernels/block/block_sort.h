@@ -1,0 +1,93 @@
+// Paths by the family of the BSDF that they hit: where a scene has several, lanes of a group then mostly
+// share one, and few groups evaluate more. No image depends on it.
+#ifndef PENUMBRA_BLOCK_SORT_H
+#define PENUMBRA_BLOCK_SORT_H
+#include "kernels/block/path_state.h"
+#include "kernels/intersect/surface.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+#if HAS(MIXED_FAMILIES) && LANES > 1
+  #define MAX_FAMILIES 32
+
+/// Family of the primitive's front, or its back where the front is black: which of them is seen is not known
+/// yet. FAMILY_BLACK where there is none.
+STAGE void find_hit_families(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
+                             GLOBAL int* RESTRICT families) {
+  const int triangle_count = scene->header.tables.triangles.count;
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++) {
+        const int hit = get_hit(paths, j);
+        GLOBAL const Triangle* triangle = scene->triangles + triangle_of(scene, hit);
+        int front = triangle->front, back = triangle->back;
+  #if HAS(QUADRICS)
+        const int index = hit - triangle_count;
+        GLOBAL const Quadric* quadric = scene->quadrics + (index >= 0 ? index : 0);
+        const int quadric_front = quadric->front, quadric_back = quadric->back;
+        front = index >= 0 ? quadric_front : front;
+        back = index >= 0 ? quadric_back : back;
+  #endif
+        const int family = scene->materials[front > 0 ? front : back].family;
+        families[j] = hit >= 0 ? family : FAMILY_BLACK;
+      }
+  }
+}
+
+/// Lists the lanes by family, those of one in order. Returns whether that is another order.
+STAGE bool order_by_family(const GLOBAL int* RESTRICT families, int count, GLOBAL int* RESTRICT order) {
+  int starts[MAX_FAMILIES];
+  for (int k = 0; k < MAX_FAMILIES; k++) starts[k] = 0;
+  for (int i = 0; i < count; i++) starts[families[i]]++;
+  int sum = 0;
+  for (int k = 0; k < MAX_FAMILIES; k++) {
+    const int size = starts[k];
+    starts[k] = sum;
+    sum += size;
+  }
+  bool changed = false;
+  for (int i = 0; i < count; i++) {
+    const int to = starts[families[i]]++;
+    order[to] = i;
+    changed = changed | (to != i);
+  }
+  return changed;
+}
+
+/// Lane m gets the value of lane order[m].
+STAGE void reorder_float(GLOBAL float* RESTRICT field, const GLOBAL int* RESTRICT order, int count,
+                         GLOBAL float* RESTRICT buffer) {
+  LANE_LOOP
+    for (int m = 0; m < count; m++) buffer[m] = field[order[m]];
+  LANE_LOOP
+    for (int m = 0; m < count; m++) field[m] = buffer[m];
+}
+STAGE void reorder_int(GLOBAL int* RESTRICT field, const GLOBAL int* RESTRICT order, int count,
+                       GLOBAL int* RESTRICT buffer) {
+  LANE_LOOP
+    for (int m = 0; m < count; m++) buffer[m] = field[order[m]];
+  LANE_LOOP
+    for (int m = 0; m < count; m++) field[m] = buffer[m];
+}
+  #define REORDER_float(field) reorder_float(field, order, count, paths->sort_buffer)
+  #define REORDER_int(field) reorder_int(field, order, count, paths->finished)
+  #define REORDER_bool(field) reorder_int(field, order, count, paths->finished)
+  #define REORDER_vec3(field) \
+    for (int k = 0; k < 3; k++) REORDER_float((field) + k * paths->capacity)
+
+/// Of the paths whose rays were just intersected.
+FN void sort_by_family(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
+  const uint features = scene->header.features;
+  const GLOBAL int* order = paths->going;
+  find_hit_families(scene, paths, count, paths->finished);
+  if (!order_by_family(paths->finished, count, paths->going)) return;
+  REORDER_int(paths->hit);
+  #define REORDER_FIELD(type, name, needs, travels) \
+    if ((features & (needs) & (travels)) != 0u) REORDER_##type(paths->name);
+  PATH_FIELDS(REORDER_FIELD)
+  #undef REORDER_FIELD
+}
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif
