@@ -40,7 +40,7 @@ void stand_in(DeviceScene& scene, std::span<const StandIn> stand_ins) {
     if (each.exponent >= 0) m.exponent = each.exponent;
   }
   scene.header.families = 0;
-  for (int i = 0; i < span.count; ++i) scene.header.families |= 1u << materials[i].family;
+  for (int i = 1; i < span.count; ++i) scene.header.families |= 1u << materials[i].family;
   // What the builder does for families that the renderer has.
   std::uint32_t& features = scene.header.features;
   features &= ~std::uint32_t(FEATURE_TRANSMISSION | FEATURE_MIXED_FAMILIES);
