@@ -9,6 +9,7 @@
   X(PATH, 0x001, "path integrator")                                           \
   X(DIRECT, 0x002, "direct integrator")                                       \
   X(BVH, 0x004, "bounding volume hierarchy")                                  \
+  X(TRANSMISSION, 0x008, "paths through surfaces into other media")           \
   X(SHADING_NORMALS, 0x010, "interpolated vertex normals")                    \
   X(QUADRICS, 0x020, "spheres and disks")                                     \
   X(MIXED_FAMILIES, 0x040, "several families of BSDFs")                       \
@@ -24,6 +25,7 @@
 #define FEATURE_PATH 0x001
 #define FEATURE_DIRECT 0x002
 #define FEATURE_BVH 0x004
+#define FEATURE_TRANSMISSION 0x008
 #define FEATURE_SHADING_NORMALS 0x010
 #define FEATURE_QUADRICS 0x020
 #define FEATURE_MIXED_FAMILIES 0x040
@@ -34,7 +36,7 @@
 #define FEATURE_POLYGONS 0x1000
 #define FEATURE_LOOK_THROUGH 0x2000
 #define FEATURE_RATIO 0x4000
-#define FEATURE_ALL 0x7f77
+#define FEATURE_ALL 0x7f7f
 
 /// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)

@@ -87,6 +87,13 @@ STAGE void clear_control(const PRIVATE PathState* paths, int i) {
 }
 #endif
 
+#if HAS(TRANSMISSION)
+STAGE void start_media(const PRIVATE PathState* paths, int i) {
+  LANE_LOOP
+    for (int j = i; j < i + LANES; j++) set_eta(paths, j, 1.0f);
+}
+#endif
+
 FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int first_path,
                  int count, const PRIVATE PathState* paths, const PRIVATE SlotState* slots) {
   const PRIVATE SceneHeader* h = &scene->header;
@@ -97,6 +104,9 @@ FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first
     start_paths(scene, paths, i, u, v, slots);
 #if HAS(POLYGONS)
     if (NEEDS(scene, POLYGONS)) clear_control(paths, i);
+#endif
+#if HAS(TRANSMISSION)
+    if (NEEDS(scene, TRANSMISSION)) start_media(paths, i);
 #endif
   }
 }

@@ -13,7 +13,7 @@ PENUMBRA_NAMESPACE_BEGIN
 
 // X(name, NAME, its number, properties, what it is for people): `name`_eval and `name`_sample in
 // kernels/bsdf/`name`.h, and FAMILY_`NAME` below. Family 0 absorbs everything.
-#ifdef EXTRA_BSDF_FAMILY_LIST  // of tests
+#ifdef EXTRA_BSDF_FAMILY_LIST  // of tests: see tests/support/stand_in_families
   #include EXTRA_BSDF_FAMILY_LIST
 #else
   #define EXTRA_BSDF_FAMILIES(X)
@@ -37,12 +37,15 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, float, lobe)     /* probability of sampling the Phong lobe */
 LANE_RECORD(Closure, Closures, closure, CLOSURE_FIELDS)
 
-// The families that use each: what none in a scene uses is not read, and stays as in black_closure.
+// The families that use each: what none in a scene uses is not read, and stays as in black_closure. Those of
+// tests may use all.
+#define FAMILY_BIT(name, NAME, number, properties, text) | (1u << (number))
+#define EXTRA_FAMILIES (0u EXTRA_BSDF_FAMILIES(FAMILY_BIT))
 #define USERS_family 0xffffffffu
-#define USERS_diffuse ((1u << FAMILY_DIFFUSE) | (1u << FAMILY_PHONG))
-#define USERS_specular (1u << FAMILY_PHONG)
-#define USERS_exponent (1u << FAMILY_PHONG)
-#define USERS_lobe (1u << FAMILY_PHONG)
+#define USERS_diffuse ((1u << FAMILY_DIFFUSE) | (1u << FAMILY_PHONG) | EXTRA_FAMILIES)
+#define USERS_specular ((1u << FAMILY_PHONG) | EXTRA_FAMILIES)
+#define USERS_exponent ((1u << FAMILY_PHONG) | EXTRA_FAMILIES)
+#define USERS_lobe ((1u << FAMILY_PHONG) | EXTRA_FAMILIES)
 
 FN Closure black_closure(void) {
   Closure c;
@@ -53,7 +56,6 @@ FN Closure black_closure(void) {
 }
 
 // Bit masks of families. A kernel is compiled for those of FAMILIES, which comes from the build.
-#define FAMILY_BIT(name, NAME, number, properties, text) | (1u << (number))
 #define EVERY_FAMILY (0u BSDF_FAMILIES(FAMILY_BIT))
 #ifndef FAMILIES
   #define FAMILIES EVERY_FAMILY

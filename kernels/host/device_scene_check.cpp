@@ -107,6 +107,8 @@ class Checker {
             "closed forms without their feature bit");
     require(has(FEATURE_RATIO) == (h_.integrator.estimator == ESTIMATOR_RATIO),
             "the ratio estimator and its feature bit go together");
+    require((h_.families & families_with(TRANSMITS)) == 0 || has(FEATURE_TRANSMISSION),
+            "BSDFs that transmit without their feature bit");
     require(h_.tables.quadrics.count == 0 || has(FEATURE_QUADRICS), "quadrics without their feature bit");
     require(has(h_.integrator.kind == INTEGRATOR_PATH ? FEATURE_PATH : FEATURE_DIRECT),
             "an integrator without its feature bit");

@@ -112,6 +112,19 @@ STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* pa
     }
 }
 
+  #if HAS(TRANSMISSION)
+/// The media into which the next rays lead.
+STAGE void enter_media(const PRIVATE PathState* paths, int i, const PRIVATE BsdfSamples* RESTRICT samples,
+                       PRIVATE float* RESTRICT etas) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const float eta = get_eta(paths, i + j) * samples->eta[j];
+      set_eta(paths, i + j, eta);
+      etas[j] = eta;
+    }
+}
+  #endif
+
 /// The next rays, or the ends of the paths.
 STAGE void continue_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           const PRIVATE StepLanes* RESTRICT step) {
@@ -124,9 +137,11 @@ STAGE void continue_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
       const int depth = get_depth(&fields, i + j) + 1;
       const vec3 throughput = mul(get_throughput(&fields, i + j), next.weight);
       const float strongest = max_component(throughput);
+      // Radiance is larger in denser media, by the square of the index; what arrives is not.
+      const float carried = strongest * (step->eta[j] * step->eta[j]);
       const bool roulette = depth >= rr_depth;
       const int throws = roulette ? depth - rr_depth : 0;
-      const float survival = roulette ? roulette_survival(strongest, throws) : 1.0f;
+      const float survival = roulette ? roulette_survival(carried, throws) : 1.0f;
       const bool alive = is_hit(s) & (depth < max_depth) & (next.pdf > 0.0f) & (strongest > 0.0f) &
                          !is_beneath(s, next.wi) & (lane_number(step, DIM_ROULETTE, j) < survival);
       set_ray_origin(&fields, i + j, leave_surface(s.p, s.geometric, s.error, next.wi));
@@ -171,6 +186,9 @@ FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
     request_light(scene, paths, i, &step);
     sample_bsdfs(step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
                  step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
+  #if HAS(TRANSMISSION)
+    if (NEEDS(scene, TRANSMISSION)) enter_media(paths, i, &step.samples, step.eta);
+  #endif
     continue_paths(scene, paths, i, &step);
   }
 }

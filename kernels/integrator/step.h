@@ -25,6 +25,7 @@ typedef struct {
   LightSamples lights;
   BsdfValues values;    ///< towards the lights
   BsdfSamples samples;  ///< of a next direction
+  float eta[LANES];     ///< refractive index where that leads over that at the camera
 } StepLanes;
 
 FN float lane_number(const PRIVATE StepLanes* step, int dimension, int j) {
@@ -35,6 +36,7 @@ FN float lane_number(const PRIVATE StepLanes* step, int dimension, int j) {
 FN void start_step(PRIVATE StepLanes* step) {
   for (int k = 0; k < STEP_DIMENSIONS * LANES; k++) step->u[k] = 0.0f;
   for (int j = 0; j < LANES; j++) store_closure(&step->closures, j, black_closure());
+  for (int j = 0; j < LANES; j++) step->eta[j] = 1.0f;
   clear_light_samplings(&step->samplings);
 }
 

@@ -108,6 +108,7 @@ class Builder {
       records_.materials.push_back(build_material(bsdf));
       h_.families |= 1u << records_.materials.back().family;
     }
+    if ((h_.families & families_with(TRANSMITS)) != 0u) need(FEATURE_TRANSMISSION);
     if (std::popcount(h_.families) > 1) need(FEATURE_MIXED_FAMILIES);
   }
 

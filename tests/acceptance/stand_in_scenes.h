@@ -1,0 +1,45 @@
+// Rooms of surfaces that have closed forms and of stand-ins that have none, and renders of them.
+#pragma once
+
+#include <vector>
+
+#include "scenes/scene_description.h"
+#include "tests/support/image_test.h"
+#include "tests/support/stand_in_families/stand_in_kernels.h"
+#include "tests/support/statistics.h"
+
+namespace penumbra {
+
+struct RoomOptions {
+  bool mirror = true;           ///< the back wall, in which the camera sees a light; else glossy
+  bool front_pane = false;      ///< a window between camera and room
+  bool light_pane = false;      ///< windows between the lights and the room
+  bool many_triangles = false;  ///< more than are tested one by one
+};
+
+/// A description whose BSDFs are stand-ins in part.
+struct StandInScene {
+  SceneDescription description;
+  std::vector<StandIn> stand_ins;
+
+  [[nodiscard]] DeviceScene build() const;
+};
+
+/// A room with two polygon lights and something that throws shadows: floor diffuse, left wall Phong, right
+/// wall the same without a closed form. Paths without a depth limit.
+StandInScene stand_in_room(const RoomOptions& options = {});
+
+/// A sphere that refracts and loses nothing, in an environment of radiance 1.
+StandInScene glass_ball(float index);
+
+/// All planes of the whole film, in one unit.
+std::vector<float> render_stand_ins(const NativeKernel& kernel, const DeviceScene& scene);
+
+/// `batches` renders with seeds from `first_seed` on, by the widest kernel of this machine.
+statistics::Estimate stand_in_estimate(const StandInScene& scene, int batches, std::uint32_t first_seed,
+                                       int block);
+
+/// All samples of a channel of the film together.
+statistics::Sample stand_in_sample(const StandInScene& scene, int channel);
+
+}  // namespace penumbra

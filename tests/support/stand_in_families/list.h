@@ -1,0 +1,24 @@
+// Families of BSDFs that only tests have, for kernels/bsdf/families.h: what the renderer's own do not do.
+#ifndef PENUMBRA_STAND_IN_LIST_H
+#define PENUMBRA_STAND_IN_LIST_H
+#include "tests/support/stand_in_families/numbers.h"
+
+// Eight of the same cost, for families_benchmark.
+#define EIGHT_PHONGS(X)                                   \
+  X(phong_a, PHONG_A, FAMILY_PHONG_A, SEVERAL_LOBES, "1") \
+  X(phong_b, PHONG_B, FAMILY_PHONG_B, SEVERAL_LOBES, "2") \
+  X(phong_c, PHONG_C, FAMILY_PHONG_C, SEVERAL_LOBES, "3") \
+  X(phong_d, PHONG_D, FAMILY_PHONG_D, SEVERAL_LOBES, "4") \
+  X(phong_e, PHONG_E, FAMILY_PHONG_E, SEVERAL_LOBES, "5") \
+  X(phong_f, PHONG_F, FAMILY_PHONG_F, SEVERAL_LOBES, "6") \
+  X(phong_g, PHONG_G, FAMILY_PHONG_G, SEVERAL_LOBES, "7") \
+  X(phong_h, PHONG_H, FAMILY_PHONG_H, SEVERAL_LOBES, "8")
+
+#define EXTRA_BSDF_FAMILIES(X)                                                      \
+  X(mirror, MIRROR, FAMILY_MIRROR, 0, "mirror")                                     \
+  X(window, WINDOW, FAMILY_WINDOW, TRANSMITS, "pane that bends nothing")            \
+  X(refracting, REFRACTING, FAMILY_REFRACTING, TRANSMITS, "glass without Fresnel")  \
+  X(glossy, GLOSSY, FAMILY_GLOSSY, SEVERAL_LOBES, "Phong BSDF without closed form") \
+  EIGHT_PHONGS(X)
+
+#endif

@@ -1,0 +1,31 @@
+// Native kernels that have the stand-in families, and scenes of them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "kernels/host/device_scene.h"
+#include "kernels/host/native_kernels.h"
+#include "tests/support/stand_in_families/numbers.h"
+
+namespace penumbra {
+
+/// One lane, AVX2 and AVX-512, all features.
+std::span<const NativeKernel> stand_in_kernels();
+
+/// The one for the scene. Null: this machine lacks the instructions.
+const NativeKernel* find_stand_in_kernel(KernelTarget target, const DeviceScene& scene);
+
+/// What the scene's `material`, counted from 1 as its description's BSDFs are from 0, becomes: the rest of it
+/// stays. A reflectance of the other lobe below 0 stays, too.
+struct StandIn {
+  int material = 1;
+  int family = FAMILY_MIRROR;
+  float specular = -1;
+  float exponent = -1;  ///< likewise
+};
+
+/// Stands them in.
+void stand_in(DeviceScene& scene, std::span<const StandIn> stand_ins);
+
+}  // namespace penumbra
