@@ -35,7 +35,8 @@ std::span<const NativeKernel> native_kernels();
 /// Whether this machine can run code built for the target.
 bool machine_has(KernelTarget target);
 
-/// The variant of the target that searches as the scene's features say; never null for a target of this binary.
+/// The variant of the target that searches as the scene's features say; never null for a target of this
+/// binary.
 const NativeKernel* find_native_kernel(KernelTarget target, std::uint32_t features);
 
 }  // namespace penumbra
