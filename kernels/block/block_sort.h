@@ -54,16 +54,16 @@ STAGE bool order_by_family(const GLOBAL int* RESTRICT families, int count, GLOBA
   return changed;
 }
 
-/// Lane m gets the value of lane order[m].
-STAGE void reorder_float(GLOBAL float* RESTRICT field, const GLOBAL int* RESTRICT order, int count,
-                         GLOBAL float* RESTRICT buffer) {
+/// Lane m gets the value of lane order[m]. (The lists that never travel are fields as well, so g++ would see
+/// them in both places of RESTRICT.)
+STAGE void reorder_float(GLOBAL float* field, const GLOBAL int* RESTRICT order, int count,
+                         GLOBAL float* buffer) {
   LANE_LOOP
     for (int m = 0; m < count; m++) buffer[m] = field[order[m]];
   LANE_LOOP
     for (int m = 0; m < count; m++) field[m] = buffer[m];
 }
-STAGE void reorder_int(GLOBAL int* RESTRICT field, const GLOBAL int* RESTRICT order, int count,
-                       GLOBAL int* RESTRICT buffer) {
+STAGE void reorder_int(GLOBAL int* field, const GLOBAL int* RESTRICT order, int count, GLOBAL int* buffer) {
   LANE_LOOP
     for (int m = 0; m < count; m++) buffer[m] = field[order[m]];
   LANE_LOOP

@@ -28,7 +28,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(vec3, throughput, EVERY_SCENE, EVERY_SCENE)                                                                \
   X(vec3, radiance, EVERY_SCENE, EVERY_SCENE)           /* found so far */                                     \
   X(int, depth, EVERY_SCENE, EVERY_SCENE)               /* surfaces that scattered it */                       \
-  X(float, eta, FEATURE_TRANSMISSION, FEATURE_TRANSMISSION)  /* index where it is over that at the camera */   \
+  X(float, eta, FEATURE_TRANSMISSION, FEATURE_TRANSMISSION) /* refractive index over that at the camera */     \
   X(int, slot, EVERY_SCENE, EVERY_SCENE)                /* where its sample goes */                            \
   X(int, pixel_hash, EVERY_SCENE, EVERY_SCENE)                                                                 \
   X(int, sample_index, EVERY_SCENE, EVERY_SCENE)                                                               \

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <string>
+#include <vector>
 
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/acceptance/stand_in_scenes.h"

@@ -16,12 +16,11 @@ std::span<const NativeKernel> stand_in_kernels();
 /// The one for the scene. Null: this machine lacks the instructions.
 const NativeKernel* find_stand_in_kernel(KernelTarget target, const DeviceScene& scene);
 
-/// What the scene's `material`, counted from 1 as its description's BSDFs are from 0, becomes: the rest of it
-/// stays. A reflectance of the other lobe below 0 stays, too.
+/// What a material of the scene becomes; the rest of it stays.
 struct StandIn {
-  int material = 1;
+  int material = 1;  ///< that of the description's BSDF of index 0 is 1
   int family = FAMILY_MIRROR;
-  float specular = -1;
+  float specular = -1;  ///< negative: stays
   float exponent = -1;  ///< likewise
 };
 
