@@ -11,6 +11,7 @@
 #define GLOBAL
 #define PRIVATE
 #define RESTRICT __restrict
+#define CONSTANT_TABLE static constexpr
 
 // A struct, as STRUCT(Name) { fields };
 #define STRUCT(name)        \

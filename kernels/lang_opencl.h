@@ -20,6 +20,7 @@
 #define GLOBAL __global
 #define PRIVATE __private
 #define RESTRICT restrict
+#define CONSTANT_TABLE __constant
 
 // See lang_cpp.h.
 #define STRUCT(name)        \

@@ -100,7 +100,7 @@ FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first
   number_paths(scene, unit, first_pixel, first_path, count, paths, slots);
   for (int i = 0; i < count; i += LANES) {
     float u[LANES], v[LANES];
-    sample_pair(h->sampler.kind, sequence_length(h), one_point(0u), paths, i, u, v);
+    sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_FILM), paths, i, u, v);
     start_paths(scene, paths, i, u, v, slots);
 #if HAS(POLYGONS)
     if (NEEDS(scene, POLYGONS)) clear_control(paths, i);

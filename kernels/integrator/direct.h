@@ -21,13 +21,13 @@ FN void direct_numbers(const PRIVATE SceneHeader* h, int k, const PRIVATE PathSt
   const int emitter_samples = h->integrator.emitter_samples, bsdf_samples = h->integrator.bsdf_samples;
   const int most = emitter_samples > bsdf_samples ? emitter_samples : bsdf_samples;
   if (k < emitter_samples)
-    sample_pair(h->sampler.kind, spp, nth_point(step_point(0u), emitter_samples, k), paths, i,
+    sample_pair(h->sampler.kind, spp, nth_point(step_point(PAIR_LIGHT), emitter_samples, k), paths, i,
                 u + DIM_LIGHT_U * LANES, u + DIM_LIGHT_V * LANES);
   if (k < bsdf_samples)
-    sample_pair(h->sampler.kind, spp, nth_point(step_point(1u), bsdf_samples, k), paths, i,
+    sample_pair(h->sampler.kind, spp, nth_point(step_point(PAIR_BSDF), bsdf_samples, k), paths, i,
                 u + DIM_BSDF_U * LANES, u + DIM_BSDF_V * LANES);
   if ((k < bsdf_samples) | ((k < emitter_samples) & (h->tables.lights.count > 1)))
-    sample_pair(h->sampler.kind, spp, nth_point(step_point(2u), most, k), paths, i,
+    sample_pair(h->sampler.kind, spp, nth_point(step_point(PAIR_CHOICE), most, k), paths, i,
                 u + DIM_LIGHT_FINE * LANES, u + DIM_LOBE_CHOICE * LANES);
 }
 

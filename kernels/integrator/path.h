@@ -24,16 +24,17 @@ FN float roulette_survival(float throughput, int k) {
 FN void path_numbers(const PRIVATE SceneHeader* h, bool roulette, const PRIVATE PathState* paths, int i,
                      PRIVATE float* u) {
   const uint spp = sequence_length(h);
-  sample_pair(h->sampler.kind, spp, step_point(0u), paths, i, u + DIM_LIGHT_U * LANES,
+  sample_pair(h->sampler.kind, spp, step_point(PAIR_LIGHT), paths, i, u + DIM_LIGHT_U * LANES,
               u + DIM_LIGHT_V * LANES);
-  sample_pair(h->sampler.kind, spp, step_point(1u), paths, i, u + DIM_BSDF_U * LANES, u + DIM_BSDF_V * LANES);
+  sample_pair(h->sampler.kind, spp, step_point(PAIR_BSDF), paths, i, u + DIM_BSDF_U * LANES,
+              u + DIM_BSDF_V * LANES);
   const bool chooses = h->tables.lights.count > 1;  // a single light needs no finer digits
   if (chooses | ((h->families & families_with(SEVERAL_LOBES)) != 0u))
-    sample_pair(h->sampler.kind, spp, step_point(2u), paths, i,
-                u + (chooses ? DIM_LIGHT_FINE : DIM_SPARE) * LANES, u + DIM_LOBE_CHOICE * LANES);
+    sample_pair(h->sampler.kind, spp, step_point(PAIR_CHOICE), paths, i,
+                u + (chooses ? DIM_LIGHT_FINE : DIM_FREE_FLIGHT) * LANES, u + DIM_LOBE_CHOICE * LANES);
   if (roulette)
-    sample_pair(h->sampler.kind, spp, step_point(3u), paths, i, u + DIM_ROULETTE * LANES,
-                u + DIM_SPARE * LANES);
+    sample_pair(h->sampler.kind, spp, step_point(PAIR_END), paths, i, u + DIM_ROULETTE * LANES,
+                u + DIM_FREE_FLIGHT * LANES);
 }
 
 /// Whether any of LANES paths from lane i on may scatter where its last ray ended.

@@ -1,6 +1,6 @@
 // Samplers: a number in [0, 1) as a pure function of (seed, pixel, sample index, dimension). Dimensions come
-// in pairs: the first is the film's, then each step of an integrator has STEP_DIMENSIONS of its own, so that
-// Russian roulette never shifts later dimensions.
+// in pairs that are named once for all that a path may need, so that nothing that one scene leaves out shifts
+// the numbers of another.
 #ifndef PENUMBRA_SAMPLER_H
 #define PENUMBRA_SAMPLER_H
 #include "kernels/block/path_state.h"
@@ -9,7 +9,21 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-// The dimensions of one step, by what they are for.
+// Pairs of the camera ray.
+#define PAIR_FILM 0u              // position on the film
+#define PAIR_LENS 0xffffffffu     // position on the lens
+#define PAIR_CHANNEL 0xfffffffeu  // colour channel, time
+
+// Pairs of each depth: of the surface, or the place in a medium, that scatters a path. See step_point.
+enum {
+  PAIR_LIGHT,   ///< a light and a point on it
+  PAIR_BSDF,    ///< a direction by the BSDF or the phase function
+  PAIR_CHOICE,  ///< digits of PAIR_LIGHT below its own; a lobe
+  PAIR_END,     ///< Russian roulette; the free flight to here
+  STEP_PAIRS
+};
+
+// The numbers of one step, by what they are for, in the order of those pairs.
 enum {
   DIM_LIGHT_U,
   DIM_LIGHT_V,
@@ -18,7 +32,7 @@ enum {
   DIM_LIGHT_FINE,  ///< digits below those of DIM_LIGHT_U, see choose_light
   DIM_LOBE_CHOICE,
   DIM_ROULETTE,
-  DIM_SPARE,
+  DIM_FREE_FLIGHT,
   STEP_DIMENSIONS
 };
 
@@ -198,18 +212,55 @@ FN float radical_inverse(uint index, uint base) {
   return sum;
 }
 
-/// Halton points in the bases of the first pairs, each rotated by a random offset for each pixel (Cranley and
-/// Patterson 1976). Higher dimensions, where Halton points are strongly correlated, are independent.
+  // Two for each of the pairs that have Halton points.
+  #define HALTON_PAIRS 32
+CONSTANT_TABLE uint halton_bases[2 * HALTON_PAIRS] = {
+    2,   3,   5,   7,   11,  13,  17,  19,  23,  29,  31,  37,  41,  43,  47,  53,   // film, first depth ...
+    59,  61,  67,  71,  73,  79,  83,  89,  97,  101, 103, 107, 109, 113, 127, 131,  //
+    137, 139, 149, 151, 157, 163, 167, 173, 179, 181, 191, 193, 197, 199, 211, 223,  //
+    227, 229, 233, 239, 241, 251, 257, 263, 269, 271, 277, 281, 283, 293, 307, 311};
+  // Up to here points of two bases are hardly correlated as they are.
+  #define PLAIN_HALTON_PAIRS 8u
+
+/// Which bases a pair has: the film's and the first depth's come first, then those of the camera, then the
+/// other depths'.
+FN uint halton_place(uint pair) {
+  if (pair == PAIR_LENS) return STEP_PAIRS + 1u;
+  if (pair == PAIR_CHANNEL) return STEP_PAIRS + 2u;
+  return pair <= STEP_PAIRS ? pair : pair + 2u;
+}
+
+/// The radical inverse with digits that are permuted, each place in its own way (Matousek 1998), to 24 bits.
+FN float permuted_inverse(uint index, uint base, uint seed) {
+  float inverse = 1.0f / (float)base, digit_weight = inverse, sum = 0.0f;
+  for (uint place = seed; digit_weight > 2.9802322e-8f; place = hash_uint(place)) {
+    const uint next = index / base;
+    sum += (float)permute(index - next * base, base, place) * digit_weight;
+    digit_weight *= inverse;
+    index = next;
+  }
+  return min_f(sum, ONE_MINUS_EPSILON);
+}
+
+/// Halton points: those of small bases rotated by a random offset for each pixel (Cranley and Patterson
+/// 1976), those of larger ones, which are strongly correlated, with random digits. Higher dimensions are
+/// independent.
 FN void halton_pair(uint pixel, uint index, uint pair, PRIVATE float* u, PRIVATE float* v) {
-  const uint primes[16] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53};
-  if (pair >= 8u) {
+  const uint place = halton_place(pair);
+  if (place >= HALTON_PAIRS) {
     independent_pair(pixel, index, pair, u, v);
+    return;
+  }
+  const uint base_u = halton_bases[2u * place], base_v = halton_bases[2u * place + 1u];
+  if (place >= PLAIN_HALTON_PAIRS) {
+    const uint seed = pair_seed(pixel, pair);
+    *u = permuted_inverse(index, base_u, seed);
+    *v = permuted_inverse(index, base_v, hash_uint(seed ^ 0x02e5be93u));
     return;
   }
   float ru, rv;
   independent_pair(pixel, 0u, pair, &ru, &rv);
-  float a = radical_inverse(index, primes[2u * pair]) + ru;
-  float b = radical_inverse(index, primes[2u * pair + 1u]) + rv;
+  const float a = radical_inverse(index, base_u) + ru, b = radical_inverse(index, base_v) + rv;
   *u = min_f(a >= 1.0f ? a - 1.0f : a, ONE_MINUS_EPSILON);
   *v = min_f(b >= 1.0f ? b - 1.0f : b, ONE_MINUS_EPSILON);
 }
@@ -232,11 +283,10 @@ FN PairPoint one_point(uint pair) {
   return point;
 }
 
-/// Dimension pair 0 is the position on the film; a path of depth k uses pairs 1 + k STEP_DIMENSIONS / 2 ...
-/// at the surface that it meets.
+/// One of STEP_PAIRS, of each path's own depth.
 FN PairPoint step_point(uint pair) {
   PairPoint point = one_point(1u + pair);
-  point.per_depth = STEP_DIMENSIONS / 2u;
+  point.per_depth = STEP_PAIRS;
   return point;
 }
 

@@ -49,7 +49,7 @@ TEST_P(SamplerIndependence, OfPixelsPairsSeedsAndAxes) {
       {"tile below", [](SampleAddress at) { return at.y += 16, at; }},
       {"next column and pair", [](SampleAddress at) { return ++at.x, ++at.pair, at; }},
       {"next pair", [](SampleAddress at) { return ++at.pair, at; }},
-      {"next step's pair", [](SampleAddress at) { return at.pair += STEP_DIMENSIONS / 2, at; }},
+      {"next step's pair", [](SampleAddress at) { return at.pair += STEP_PAIRS, at; }},
       {"next seed", [](SampleAddress at) { return ++at.seed, at; }},
   };
   const int sampler = GetParam();

@@ -339,53 +339,8 @@ TEST(StratifiedSampler, GridIsAsSquareAsTheCountAllows) {
   EXPECT_EQ(strata_columns(16'777'216), 4096u);
 }
 
-/// The radical inverse, its digits reversed as integers.
-double exact_radical_inverse(std::uint32_t index, std::uint32_t base) {
-  long double numerator = 0, denominator = 1;
-  for (; index > 0; index /= base) {
-    numerator = numerator * base + index % base;
-    denominator *= base;
-  }
-  return double(numerator / denominator);
-}
-
-TEST(HaltonSampler, RadicalInverses) {
-  // Each digit adds a product with one rounded weight and a rounded sum: at most 32 digits, but their weights
-  // fall geometrically, so that 4 roundings of numbers up to 1 bound them all.
-  constexpr double kTolerance = 4 * 0x1p-24;
-  EXPECT_EQ(radical_inverse(0, 2), 0.0f);
-  EXPECT_EQ(radical_inverse(6, 2), 0.375f);  // 110 -> .011
-  RandomNumbers random(6);
-  for (std::uint32_t base : {2u, 3u, 5u, 7u, 13u, 29u, 53u}) {
-    for (std::uint32_t i = 0; i < 2000; ++i)
-      ASSERT_NEAR(radical_inverse(i, base), exact_radical_inverse(i, base), kTolerance)
-          << i << " base " << base;
-    for (int i = 0; i < 2000; ++i) {
-      const auto index = std::uint32_t(random.next());
-      ASSERT_NEAR(radical_inverse(index, base), exact_radical_inverse(index, base), kTolerance) << index;
-    }
-  }
-}
-
-TEST(HaltonSampler, IsARotatedHaltonSequence) {
-  constexpr double kTolerance = 8 * 0x1p-24;
-  const std::uint32_t primes[] = {2, 3, 5, 7, 11, 13, 17, 19};
-  for (std::uint32_t pair = 0; pair < 4; ++pair) {
-    const Point2 first = draw_alone(SAMPLER_HALTON, {1, 4, 5, 0, pair, 16});
-    for (std::uint32_t i = 1; i < 500; ++i) {
-      const Point2 p = draw_alone(SAMPLER_HALTON, {1, 4, 5, i, pair, 16});
-      const auto rotation_error = [](double value, double start, double inverse) {
-        const double turns = value - start - inverse;
-        return std::abs(turns - std::round(turns));
-      };
-      EXPECT_LT(rotation_error(p.u, first.u, exact_radical_inverse(i, primes[2 * pair])), kTolerance);
-      EXPECT_LT(rotation_error(p.v, first.v, exact_radical_inverse(i, primes[2 * pair + 1])), kTolerance);
-    }
-  }
-}
-
 TEST_P(Sampler, StepsUseDisjointPairsByTheDepthOfThePath) {
-  constexpr int kPairs = STEP_DIMENSIONS / 2;
+  constexpr int kPairs = STEP_PAIRS;
   BlockMemory memory(FEATURE_ALL, LANES, 0);
   const PathState paths = memory.block().paths;
   for (int j = 0; j < LANES; ++j) {
