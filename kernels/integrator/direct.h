@@ -181,6 +181,7 @@ FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
       add_emissions_found(scene, paths, i, &step.found, &step.emissions);
     }
     begin_steps(paths, i, &step.surfaces, is_last);
+    if (step.families == 0u) continue;  // nothing scatters
     if (emits) {
       sample_step_lights(scene, &step);
       eval_bsdfs(step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);

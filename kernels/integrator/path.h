@@ -31,7 +31,7 @@ FN void path_numbers(const PRIVATE SceneHeader* h, bool roulette, const PRIVATE 
   const bool chooses = h->tables.lights.count > 1;  // a single light needs no finer digits
   if (chooses | ((h->families & families_with(SEVERAL_LOBES)) != 0u))
     sample_pair(h->sampler.kind, spp, step_point(PAIR_CHOICE), paths, i,
-                u + (chooses ? DIM_LIGHT_FINE : DIM_FREE_FLIGHT) * LANES, u + DIM_LOBE_CHOICE * LANES);
+                u + (chooses ? DIM_LIGHT_FINE : DIM_UNUSED) * LANES, u + DIM_LOBE_CHOICE * LANES);
   if (roulette)
     sample_pair(h->sampler.kind, spp, step_point(PAIR_END), paths, i, u + DIM_ROULETTE * LANES,
                 u + DIM_FREE_FLIGHT * LANES);
@@ -39,9 +39,20 @@ FN void path_numbers(const PRIVATE SceneHeader* h, bool roulette, const PRIVATE 
 
 /// Whether any of LANES paths from lane i on may scatter where its last ray ended.
 FN bool any_scatters(const PRIVATE SceneHeader* h, const PRIVATE PathState* paths, int i) {
+  const int max_depth = h->integrator.max_depth;
   int any = 0;
-  for (int j = i; j < i + LANES; j++) any |= get_depth(paths, j) + 1 < h->integrator.max_depth ? 1 : 0;
+  for (int j = i; j < i + LANES; j++)
+    any |= ((get_hit(paths, j) >= 0) & (get_depth(paths, j) + 1 < max_depth)) ? 1 : 0;
   return any != 0;
+}
+
+/// Where none does.
+STAGE void end_paths(const PRIVATE PathState* paths, int i) {
+  LANE_LOOP
+    for (int j = i; j < i + LANES; j++) {
+      set_shadow_tmax(paths, j, -1.0f);
+      set_alive(paths, j, false);
+    }
 }
 
   #if HAS(POLYGONS)
@@ -182,6 +193,10 @@ FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
     }
   #endif
     if (finds) add_emissions(scene, paths, i, &step.found, &step.emissions);
+    if (!scatters) {
+      end_paths(paths, i);
+      continue;
+    }
     sample_step_lights(scene, &step);
     eval_bsdfs(step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
     request_light(scene, paths, i, &step);

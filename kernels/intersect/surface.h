@@ -113,7 +113,7 @@ FN Surface seen_surface(int primitive, vec3 o, vec3 d, PrimitivePoint r) {
   // light of that side as long as it faces the viewer, which at the rim of a mesh it need not.
   const bool faces = (dot3(s.shading, s.wo) > 0.0f) & (dot3(s.shading, s.geometric) > 0.0f);
   s.shading = select3(faces, s.shading, s.geometric);
-  s.material = s.front ? r.front : r.back;
+  s.material = primitive >= 0 ? (s.front ? r.front : r.back) : 0;
   s.light = primitive >= 0 ? r.light : -1;
   return s;
 }

@@ -7,7 +7,7 @@ PENUMBRA_NAMESPACE_BEGIN
 
 // clang-format off
 #define SURFACE_FIELDS(F, a)                                                                            \
-  F(a, int, primitive)   /* -1: nothing was hit; the other fields mean nothing, but `material` exists */ \
+  F(a, int, primitive)   /* -1: nothing was hit; `material` is 0, which absorbs everything, the rest means nothing */ \
   F(a, bool, front)      /* seen from the front side */                                                 \
   F(a, vec3, from)       /* the ray's origin */                                                         \
   F(a, vec3, p)          /* relative to the scene's centre */                                           \

@@ -33,6 +33,7 @@ enum {
   DIM_LOBE_CHOICE,
   DIM_ROULETTE,
   DIM_FREE_FLIGHT,
+  DIM_UNUSED,  ///< where halves of pairs go that nobody wants
   STEP_DIMENSIONS
 };
 
