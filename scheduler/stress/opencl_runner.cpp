@@ -29,9 +29,8 @@ class OpenClRunner final : public KernelRunner {
     // As in worker/opencl_device.cpp: a thread of PoCL may use them a little longer.
     clRetainContext(context_.get());
     clRetainCommandQueue(queue_.get());
-    Expected<ClProgram> program =
-        compile_opencl(context_.get(), info, "scheduler/stress/quantities.cl", embedded_quantities(),
-                       {}, info.is_cpu ? kLanes : 1);
+    Expected<ClProgram> program = compile_opencl(context_.get(), info, "scheduler/stress/quantities.cl",
+                                                 embedded_quantities(), {}, info.is_cpu ? kLanes : 1);
     if (!program) return std::unexpected(program.error());
     program_ = std::move(*program);
     kernel_.reset(clCreateKernel(program_.get(), "answer", &status));

@@ -137,7 +137,9 @@ TEST(CameraControl, WhatIsSetIsWhatIsSeen) {
     const CameraPose pose{eye, at, random.direction()};
     const ViewFrame frame = view_frame(pose);
     set_camera(pose, h);
-    const auto direction = [&](int x, int y) { return wide(camera_ray(h.camera, h.film, x, y, 0, 0).direction); };
+    const auto direction = [&](int x, int y) {
+      return wide(camera_ray(h.camera, h.film, x, y, 0, 0).direction);
+    };
     // The middle of the film shows the target; its right edge what is to the right.
     expect_near(direction(50, 25), glm::normalize(at - eye), 8 * kFloatUnit, "middle");
     const double side = glm::dot(direction(100, 25), frame.right);

@@ -73,7 +73,8 @@ TEST(CameraRay, NeighboursOnAWideFilmAreApart) {
   h.camera.z = make_vec3(0, 0, 1);
   for (int x : {0, 1, 16384, 32766, 32767})
     for (float dx = -0.5f; dx < 0.4f; dx += 0.1f)
-      EXPECT_LT(camera_ray(h.camera, h.film, x, 512, dx + 0.1f, 0).direction.x, camera_ray(h.camera, h.film, x, 512, dx, 0).direction.x)
+      EXPECT_LT(camera_ray(h.camera, h.film, x, 512, dx + 0.1f, 0).direction.x,
+                camera_ray(h.camera, h.film, x, 512, dx, 0).direction.x)
           << x;
 }
 
