@@ -1,7 +1,7 @@
 // What to render, as plain values: the one form that every scene reader produces and that the device scene is
-// built from. No device types, no file formats. Colours are linear Rec. 709 RGB; lengths are in the scene's
-// own unit; angles in degrees; transforms are column vectors' (p' = M p), in double so that far-away scenes
-// keep their precision.
+// built from. No file formats; what becomes a record of the kernels as it is says so beside it. Colours are
+// linear Rec. 709 RGB; lengths are in the scene's own unit; angles in degrees; transforms are column vectors'
+// (p' = M p), in double so that far-away scenes keep their precision.
 #pragma once
 
 #include <cstdint>
@@ -12,29 +12,10 @@
 #include <variant>
 #include <vector>
 
+#include "scenes/bsdfs.h"
 #include "scenes/integrators.h"
 
 namespace penumbra {
-
-/// Lambertian reflection, f = reflectance / pi.
-struct DiffuseBsdf {
-  glm::vec3 reflectance{0.5f};
-};
-
-/// Normalised Phong, f = diffuse / pi + specular (n + 2) / (2 pi) max(0, cos(alpha))^n, alpha being the angle
-/// between `wi` and the mirror direction of `wo`.
-struct PhongBsdf {
-  glm::vec3 diffuse{0.5f};
-  glm::vec3 specular{0.2f};
-  float exponent = 30.0f;  ///< n >= 0
-};
-
-using BsdfModel = std::variant<DiffuseBsdf, PhongBsdf>;
-
-struct Bsdf {
-  std::string name;  ///< the file's id, or a description of the place, for messages
-  BsdfModel model;
-};
 
 /// World-space triangles. The geometric normal of (a, b, c) is along (b - a) x (c - a).
 struct Mesh {

@@ -15,7 +15,6 @@
 #include "scenes/device/filter_table.h"
 #include "scenes/device/integrator_builder.h"
 #include "scenes/device/light_builder.h"
-#include "scenes/device/material_builder.h"
 #include "scenes/device/scene_records.h"
 #include "scenes/device/to_vec3.h"
 
@@ -105,7 +104,7 @@ class Builder {
   void add_materials() {
     records_.materials.push_back({});  // 0: absorbs everything
     for (const Bsdf& bsdf : scene_.bsdfs) {
-      records_.materials.push_back(build_material(bsdf));
+      records_.materials.push_back(material_of(bsdf));
       h_.families |= 1u << records_.materials.back().family;
     }
     if ((h_.families & families_with(TRANSMITS)) != 0u) need(FEATURE_TRANSMISSION);
