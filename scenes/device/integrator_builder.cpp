@@ -24,8 +24,9 @@ bool balances(const IntegratorSettings& integrator, const LightBuilder& lights) 
 
 void copy_parameters(const IntegratorSettings& integrator, IntegratorParameters& p) {
   integrator_parameters([&](const char*, const auto& parameter, const auto&, const char*, auto... member) {
+    const auto copy = [](const auto& value, auto& to) { to = std::remove_reference_t<decltype(to)>(value); };
     if constexpr (sizeof...(member) > 0)
-      with_parameter(integrator, parameter, [&](const auto& value) { ((p.*member = int(value)), ...); });
+      with_parameter(integrator, parameter, [&](const auto& value) { (copy(value, p.*member), ...); });
   });
 }
 
