@@ -88,7 +88,9 @@ Expected<BufferTexture> pack_quadrics(const DeviceScene& scene, float unit) {
 
 Expected<BufferTexture> pack_materials(const DeviceScene& scene) {
   Packer p(1);
-  for (const Material& m : table<Material>(scene, scene.header.tables.materials)) {
+  for (const Material& each : table<Material>(scene, scene.header.tables.materials)) {
+    // What has no closed form reflects nothing in one.
+    const Material m = (families_with(CLOSED_FORM) >> each.family & 1u) != 0u ? each : Material{};
     p.vector(m.diffuse);
     p.number(m.exponent);
     p.vector(m.specular);
