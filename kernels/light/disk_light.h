@@ -6,12 +6,12 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-FN vec3 disk_light_radiance(GLOBAL const Light* light, LightPoint at, vec3 wi) {
+FN vec3 disk_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* light, LightPoint at, vec3 wi) {
   return load3(&light->radiance);
 }
 
-FN LightSample sample_disk_light(GLOBAL const Light* light, LightReceiver r, float u, float v,
-                                 LightSampling sampling, uint ways) {
+FN LightSample sample_disk_light(const PRIVATE Scene* scene, GLOBAL const Light* light, LightReceiver r,
+                                 float u, float v, LightSampling sampling, uint ways) {
   const vec3 center = load3(&light->p0);
   const float radius = light->p2.x, root = SQRT(u);
   float sine, cosine;
@@ -21,11 +21,11 @@ FN LightSample sample_disk_light(GLOBAL const Light* light, LightReceiver r, flo
   at.p = add(center, from_frame(at.normal, radius * root * cosine, radius * root * sine, 0.0f));
   const float spread = dot3(abs3(at.normal), add(abs3(center), make_vec3(radius, radius, radius)));
   LightSample s = toward_light(light, r, at, spread, 0.0f);
-  s.radiance = disk_light_radiance(light, at, s.wi);
+  s.radiance = disk_light_radiance(scene, light, at, s.wi);
   return s;
 }
 
-FN float disk_light_pdf(GLOBAL const Light* light, FoundLight found, uint ways) {
+FN float disk_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found, uint ways) {
   return area_to_solid_angle(sqr(found.distance), found.cosine, light->area);
 }
 

@@ -6,12 +6,14 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-FN vec3 environment_light_radiance(GLOBAL const Light* light, LightPoint at, vec3 wi) {
+FN vec3 environment_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* light, LightPoint at,
+                                   vec3 wi) {
   return load3(&light->radiance);
 }
 
-FN LightSample sample_environment_light(GLOBAL const Light* light, LightReceiver r, float u, float v,
-                                        LightSampling sampling, uint ways) {
+FN LightSample sample_environment_light(const PRIVATE Scene* scene, GLOBAL const Light* light,
+                                        LightReceiver r, float u, float v, LightSampling sampling,
+                                        uint ways) {
   LightSample s = no_light_sample();
   s.wi = s.toward = sample_uniform_sphere(u, v);
   s.origin = leave_surface(r.p, r.geometric, r.error, s.wi);
@@ -20,11 +22,12 @@ FN LightSample sample_environment_light(GLOBAL const Light* light, LightReceiver
   LightPoint at;
   at.p = s.origin;
   at.normal = negate(s.wi);
-  s.radiance = environment_light_radiance(light, at, s.wi);
+  s.radiance = environment_light_radiance(scene, light, at, s.wi);
   return s;
 }
 
-FN float environment_light_pdf(GLOBAL const Light* light, FoundLight found, uint ways) {
+FN float environment_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
+                               uint ways) {
   return 0.25f * INV_PI_F;
 }
 

@@ -6,12 +6,12 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 /// Radiant intensity.
-FN vec3 point_light_radiance(GLOBAL const Light* light, LightPoint at, vec3 wi) {
+FN vec3 point_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* light, LightPoint at, vec3 wi) {
   return load3(&light->radiance);
 }
 
-FN LightSample sample_point_light(GLOBAL const Light* light, LightReceiver r, float u, float v,
-                                  LightSampling sampling, uint ways) {
+FN LightSample sample_point_light(const PRIVATE Scene* scene, GLOBAL const Light* light, LightReceiver r,
+                                  float u, float v, LightSampling sampling, uint ways) {
   LightPoint at;
   at.p = load3(&light->p0);
   float d2;
@@ -19,11 +19,13 @@ FN LightSample sample_point_light(GLOBAL const Light* light, LightReceiver r, fl
   at.normal = negate(s.wi);
   s.pdf = 1.0f;
   s.delta = true;
-  s.radiance = scale(point_light_radiance(light, at, s.wi), 1.0f / d2);
+  s.radiance = scale(point_light_radiance(scene, light, at, s.wi), 1.0f / d2);
   return s;
 }
 
-FN float point_light_pdf(GLOBAL const Light* light, FoundLight found, uint ways) { return 0.0f; }
+FN float point_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found, uint ways) {
+  return 0.0f;
+}
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -17,12 +17,13 @@ FN SphericalRectangle seen_rectangle(GLOBAL const Light* light, vec3 from) {
   return s;
 }
 
-FN vec3 rectangle_light_radiance(GLOBAL const Light* light, LightPoint at, vec3 wi) {
+FN vec3 rectangle_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* light, LightPoint at,
+                                 vec3 wi) {
   return load3(&light->radiance);
 }
 
-FN LightSample sample_rectangle_light(GLOBAL const Light* light, LightReceiver r, float u, float v,
-                                      LightSampling sampling, uint ways) {
+FN LightSample sample_rectangle_light(const PRIVATE Scene* scene, GLOBAL const Light* light, LightReceiver r,
+                                      float u, float v, LightSampling sampling, uint ways) {
   const FlatLight flat = flat_light(light);
   float spread;
   LightPoint at = flat_light_point(flat, r.p, (1.0f - u) - v, u, v, &spread);
@@ -30,11 +31,12 @@ FN LightSample sample_rectangle_light(GLOBAL const Light* light, LightReceiver r
   const bool use = seen.solid_angle > 0.0f;
   at.p = select3(use, flat_light_seen(flat, r.p, sample_spherical_rectangle(seen, u, v)), at.p);
   LightSample s = toward_light(light, r, at, spread, use ? 1.0f / (use ? seen.solid_angle : 1.0f) : 0.0f);
-  s.radiance = rectangle_light_radiance(light, at, s.wi);
+  s.radiance = rectangle_light_radiance(scene, light, at, s.wi);
   return s;
 }
 
-FN float rectangle_light_pdf(GLOBAL const Light* light, FoundLight found, uint ways) {
+FN float rectangle_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
+                             uint ways) {
   const float by_area = area_to_solid_angle(sqr(found.distance), found.cosine, light->area);
   const float solid_angle = seen_rectangle(light, found.from).solid_angle;
   return solid_angle > 0.0f ? 1.0f / (solid_angle > 0.0f ? solid_angle : 1.0f) : by_area;

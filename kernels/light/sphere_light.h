@@ -17,12 +17,12 @@ FN bool sphere_light_is_cone(GLOBAL const Light* light, float d2, float r2) {
   return (light->p2.y > 0.0f) & (d2 > r2) & (light->sampling != EMITTER_AREA);
 }
 
-FN vec3 sphere_light_radiance(GLOBAL const Light* light, LightPoint at, vec3 wi) {
+FN vec3 sphere_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* light, LightPoint at, vec3 wi) {
   return load3(&light->radiance);
 }
 
-FN LightSample sample_sphere_light(GLOBAL const Light* light, LightReceiver r, float u, float v,
-                                   LightSampling sampling, uint ways) {
+FN LightSample sample_sphere_light(const PRIVATE Scene* scene, GLOBAL const Light* light, LightReceiver r,
+                                   float u, float v, LightSampling sampling, uint ways) {
   const vec3 center = load3(&light->p0);
   const float radius = light->p2.x, orientation = light->p2.y;
   float sine, cosine;
@@ -52,11 +52,12 @@ FN LightSample sample_sphere_light(GLOBAL const Light* light, LightReceiver r, f
   at.normal = scale(outward, orientation);
   const float spread = dot3(abs3(at.normal), add(abs3(center), make_vec3(radius, radius, radius)));
   LightSample s = toward_light(light, r, at, spread, cone ? 1.0f / (2.0f * PI_F * versine_max) : 0.0f);
-  s.radiance = sphere_light_radiance(light, at, s.wi);
+  s.radiance = sphere_light_radiance(scene, light, at, s.wi);
   return s;
 }
 
-FN float sphere_light_pdf(GLOBAL const Light* light, FoundLight found, uint ways) {
+FN float sphere_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
+                          uint ways) {
   const vec3 to_center = sub(load3(&light->p0), found.from);
   const float d2 = dot3(to_center, to_center), r2 = sqr(light->p2.x);
   const bool cone = sphere_light_is_cone(light, d2, r2);

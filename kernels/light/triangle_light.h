@@ -20,12 +20,13 @@ FN SphericalTriangle seen_triangle(GLOBAL const Light* light, vec3 from) {
   return t;
 }
 
-FN vec3 triangle_light_radiance(GLOBAL const Light* light, LightPoint at, vec3 wi) {
+FN vec3 triangle_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* light, LightPoint at,
+                                vec3 wi) {
   return load3(&light->radiance);
 }
 
-FN LightSample sample_triangle_light(GLOBAL const Light* light, LightReceiver r, float u, float v,
-                                     LightSampling sampling, uint ways) {
+FN LightSample sample_triangle_light(const PRIVATE Scene* scene, GLOBAL const Light* light, LightReceiver r,
+                                     float u, float v, LightSampling sampling, uint ways) {
   const FlatLight flat = flat_light(light);
   const float root = SQRT(u), b0 = 1.0f - root, b1 = v * root;
   float spread, direct_pdf = 0.0f;
@@ -44,11 +45,12 @@ FN LightSample sample_triangle_light(GLOBAL const Light* light, LightReceiver r,
     s.wi = select3(is_directed, sampling.wi, s.wi);
     s.pdf = is_directed ? max_f(dot3(r.shading, s.wi), 0.0f) * sampling.scale : s.pdf;
   }
-  s.radiance = triangle_light_radiance(light, at, s.wi);
+  s.radiance = triangle_light_radiance(scene, light, at, s.wi);
   return s;
 }
 
-FN float triangle_light_pdf(GLOBAL const Light* light, FoundLight found, uint ways) {
+FN float triangle_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
+                            uint ways) {
   float pdf = area_to_solid_angle(sqr(found.distance), found.cosine, light->area);
   if (BY(ways, SOLID_ANGLE)) {
     const float solid_angle = seen_triangle(light, found.from).solid_angle;
