@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "scenes/bsdfs.h"
+#include "scenes/cameras.h"
+#include "scenes/emitters.h"
 #include "scenes/integrators.h"
 
 namespace penumbra {
@@ -48,42 +50,6 @@ struct Shape {
   bool two_sided_emission = false;                    ///< emits from the back as well (meshes and disks)
   EmitterSampling sampling = EmitterSampling::kAuto;  ///< of an emitter; kAuto: as the integrator says
   bool flip_normals = false;                          ///< swaps front and back
-};
-
-/// Radiant intensity, W/sr, the same in all directions.
-struct PointLight {
-  static constexpr bool kIsSky = false;  ///< seen where there is no shape
-  glm::dvec3 position{0.0};
-  glm::vec3 intensity{1.0f};
-  [[nodiscard]] bool is_black() const { return intensity == glm::vec3(0.0f); }
-};
-
-/// Constant radiance from all directions that leave the scene.
-struct ConstantEnvironment {
-  static constexpr bool kIsSky = true;
-  glm::vec3 radiance{1.0f};
-  [[nodiscard]] bool is_black() const { return radiance == glm::vec3(0.0f); }
-};
-
-/// A light that is no shape.
-using Emitter = std::variant<PointLight, ConstantEnvironment>;
-inline bool is_black(const Emitter& emitter) {
-  return std::visit([](const auto& e) { return e.is_black(); }, emitter);
-}
-inline bool is_sky(const Emitter& emitter) {
-  return std::visit([](const auto& e) { return e.kIsSky; }, emitter);
-}
-
-enum class FovAxis { kX, kY, kDiagonal, kSmaller, kLarger };
-
-/// Camera space looks along +z with +y up and +x to the left of the image (Mitsuba's convention).
-struct PerspectiveCamera {
-  glm::dmat4 to_world{1.0};  ///< camera to world; a scale has no effect on directions
-  double fov =
-      50.0;  ///< full angle, degrees, in (0, 180), along `fov_axis`, of the whole film (not of the crop)
-  FovAxis fov_axis = FovAxis::kX;
-  double near_clip = 1e-2;  ///< distances along +z; nothing outside is seen by the camera
-  double far_clip = 1e4;
 };
 
 enum class FilterKind { kBox, kTent, kGaussian, kMitchell };
@@ -123,7 +89,7 @@ struct SceneDescription : RenderSettings {
   std::uint64_t contents_hash = 0;
   std::vector<Bsdf> bsdfs;
   std::vector<Shape> shapes;
-  std::vector<Emitter> emitters;  ///< one sky at most
+  std::vector<Emitter> emitters;  ///< lights that are no shapes; one sky at most
   std::vector<std::string>
       warnings;  ///< what the reader repaired or stood in for, each with its file position
 };

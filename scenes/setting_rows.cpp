@@ -143,19 +143,9 @@ void add_film_rows(std::vector<Setting>& table) {
 }
 
 void add_camera_rows(std::vector<Setting>& table) {
-  using enum FovAxis;
-  constexpr double kFar = std::numeric_limits<float>::max();
-  table.push_back(member_row("camera.fov", Number<double>{LowEnd::kOpen, 0.0, 180.0}, &S::camera,
-                             &PerspectiveCamera::fov, "full angle of the whole film, degrees"));
-  table.push_back(member_row(
-      "camera.fov_axis",
-      OneOf<FovAxis>{
-          {{"x", kX}, {"y", kY}, {"diagonal", kDiagonal}, {"smaller", kSmaller}, {"larger", kLarger}}},
-      &S::camera, &PerspectiveCamera::fov_axis, "what the angle spans"));
-  table.push_back(member_row("camera.near_clip", Number<double>{LowEnd::kOpen, 0.0, kFar}, &S::camera,
-                             &PerspectiveCamera::near_clip, "nothing nearer along the view is seen"));
-  table.push_back(member_row("camera.far_clip", Number<double>{LowEnd::kOpen, 0.0, kFar}, &S::camera,
-                             &PerspectiveCamera::far_clip, "nothing farther along the view is seen"));
+  camera_parameters([&](const char* name, auto member, const auto& values, const char* description, auto...) {
+    table.push_back(member_row(fmt::format("camera.{}", name), values, &S::camera, member, description));
+  });
   table.push_back(frame_row(
       "camera.to_world", 16, [](const std::vector<double>& v) { return matrix_from_rows(v); },
       "camera to world, by rows; its scale has no effect"));

@@ -140,32 +140,20 @@ int LightBuilder::add_quadric(Light light, const Shape& shape, double area) {
 }
 
 int LightBuilder::add_emitter(const Emitter& emitter, const EmitterPlace& place) {
-  return std::visit([&](const auto& e) { return add(e, place); }, emitter);
+  return add(std::visit([&](const auto& e) { return e.light(place); }, emitter));
 }
 
-int LightBuilder::add(const PointLight& point, const EmitterPlace& place) {
-  Light light{};
-  light.kind = LIGHT_POINT;
-  light.p0 = place.local(point.position);
-  light.polygon = -1;
-  return add(light, point.intensity, 0, 4 * std::numbers::pi);
+int LightBuilder::add(const EmitterLight& made) {
+  lights_.push_back(made.light);
+  power_.push_back(made.power);
+  return int(lights_.size()) - 1;
 }
 
-int LightBuilder::add(const ConstantEnvironment& environment, const EmitterPlace& place) {
-  Light light{};
-  light.kind = LIGHT_ENVIRONMENT;
-  light.polygon = -1;
-  const double section = std::numbers::pi * std::max(place.scene_radius * place.scene_radius, 1e-30);
-  return add(light, environment.radiance, 0, std::numbers::pi * section);
-}
-
-/// `power`: per unit of radiance (or intensity).
+/// `power`: per unit of radiance.
 int LightBuilder::add(Light light, const glm::vec3& radiance, double area, double power) {
   light.radiance = to_vec3(radiance);
   light.area = float(area);
-  lights_.push_back(light);
-  power_.push_back(mean(radiance) * power);
-  return int(lights_.size()) - 1;
+  return add({light, mean(radiance) * power});
 }
 
 void LightBuilder::finish() {

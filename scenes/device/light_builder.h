@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -12,12 +11,6 @@
 #include "scenes/scene_description.h"
 
 namespace penumbra {
-
-/// Where emitters that are no shapes are.
-struct EmitterPlace {
-  std::function<vec3(const glm::dvec3&)> local;  ///< in the coordinates of the device scene
-  double scene_radius;                           ///< of a sphere about everything
-};
 
 /// Collects lights in the order in which they come.
 class LightBuilder {
@@ -63,9 +56,7 @@ class LightBuilder {
 
  private:
   int add(Light light, const glm::vec3& radiance, double area, double power);
-  // One for each struct of Emitter.
-  int add(const PointLight& point, const EmitterPlace& place);
-  int add(const ConstantEnvironment& environment, const EmitterPlace& place);
+  int add(const EmitterLight& made);
   void add_polygon(const Outline& outline, const Shape& shape, int first_light, int light_count);
 
   [[nodiscard]] int triangle_sampling(std::span<const LightTriangle> triangles, const Shape& shape) const;
