@@ -40,8 +40,8 @@ STAGE void load_kept_surfaces(const PRIVATE PathState* paths, int i, PRIVATE Sur
     for (int j = 0; j < LANES; j++) store_surface(surfaces, j, kept_surface(paths, i + j));
 }
 
-/// Adds what the last rays found: at first the camera's, then those of the direction samples.
-STAGE void add_emissions_found(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+/// Adds what the last rays found: at `first` the camera's, then those of the direction samples.
+STAGE void add_emissions_found(const PRIVATE Scene* scene, bool first, const PRIVATE PathState* paths, int i,
                                const PRIVATE FoundLights* RESTRICT lights,
                                const PRIVATE Emissions* RESTRICT emissions) {
   const PRIVATE SceneHeader* h = &scene->header;
@@ -52,7 +52,6 @@ STAGE void add_emissions_found(const PRIVATE Scene* scene, const PRIVATE PathSta
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Emission emission = load_emission(emissions, j);
-      const bool first = get_ray_skip(paths, i + j) < 0;  // a camera ray starts on no primitive
       const float by_direction = bsdf_samples * get_direction_pdf(paths, i + j);
       const float share = mis_weight(heuristic, by_direction, emitter_samples * emission.pdf);
       const bool counts = (lights->light[j] >= 0) & (first | (get_ray_tmax(paths, i + j) > 0.0f));
@@ -178,7 +177,7 @@ FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
     request_lights(scene, request, finds, &step, paths, i);
     if (finds) {
       find_emissions(scene, &step.found, k > 0, &step.emissions);
-      add_emissions_found(scene, paths, i, &step.found, &step.emissions);
+      add_emissions_found(scene, k == 0, paths, i, &step.found, &step.emissions);
     }
     begin_steps(paths, i, &step.surfaces, is_last);
     if (step.families == 0u) continue;  // nothing scatters
