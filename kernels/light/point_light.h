@@ -10,16 +10,15 @@ FN vec3 point_light_radiance(GLOBAL const Light* light, LightPoint at, vec3 wi) 
   return load3(&light->radiance);
 }
 
-FN LightSample sample_point_light(GLOBAL const Light* light, LightReceiver r, float u, float v,
+FN LightSample sample_point_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
                                   LightSampling sampling, uint ways) {
-  LightPoint at;
-  at.p = load3(&light->p0);
+  GLOBAL const Light* light = scene->lights + index;
+  const vec3 p = load3(&light->p0);
   float d2;
-  LightSample s = toward_point(r, at.p, &d2);
-  at.normal = negate(s.wi);
+  LightSample s = toward_point(r, p, &d2);
   s.pdf = 1.0f;
   s.delta = true;
-  s.radiance = scale(point_light_radiance(light, at, s.wi), 1.0f / d2);
+  s.radiance = scale(point_light_radiance(light, light_point(p, negate(s.wi)), s.wi), 1.0f / d2);
   return s;
 }
 

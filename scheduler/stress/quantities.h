@@ -343,7 +343,7 @@ STAGE void mis_quantity(GLOBAL const double* in, GLOBAL double* out) {
 /// In: centre and radius of a sphere light, point, its normal, u, v. Out: direction, density,
 /// sphere_light_pdf of that direction, length of the shadow ray, or a negative number.
 STAGE void sphere_light_quantity(GLOBAL const double* in, GLOBAL double* out, GLOBAL uint* scratch) {
-  scratch_scene(scratch);
+  const Scene scene = scratch_scene(scratch);
   GLOBAL Light* light = (GLOBAL Light*)(scratch + 256);
   const float radius = in_f(in, 3);
   set_v(&light->radiance, make_vec3(1.0f, 1.0f, 1.0f));
@@ -359,7 +359,7 @@ STAGE void sphere_light_quantity(GLOBAL const double* in, GLOBAL double* out, GL
   s.error = POSITION_ERROR * dot3(abs3(s.geometric), abs3(s.p));
   const LightReceiver r = receiver_of(s);
   const LightSample sample =
-      sample_sphere_light(light, r, in_f(in, 10), in_f(in, 11), no_light_sampling(), 0u);
+      sample_sphere_light(&scene, 0, r, in_f(in, 10), in_f(in, 11), no_light_sampling(), 0u);
   out_v(out, 0, sample.wi);
   out[3] = sample.pdf;
   FoundLight found;

@@ -68,7 +68,7 @@ void expect_sorted(std::uint32_t features, RandomNumbers& random) {
     ASSERT_EQ(get_hit(&paths, lane), hits[std::size_t(from)]);
     int field = 0;
 #define CHECK_FIELD(type, name, needs, travels)                                    \
-  if ((features & (needs) & (travels)) != 0u) {                                    \
+  if (is_moved(features, needs, travels)) {                                        \
     ASSERT_TRUE(same(get_##name(&paths, lane), value_of<type>(field, from)))       \
         << #name " of lane " << lane << " of " << count << ", which was " << from; \
   }                                                                                \

@@ -45,7 +45,7 @@ struct Field {
 std::vector<Field> path_fields(std::uint32_t features, const PathState& paths) {
   std::vector<Field> fields;
 #define LIST_FIELD(type, name, needs, travels) \
-  fields.push_back({#name, (features & (needs)) != 0u, paths.name, kWords<type>});
+  fields.push_back({#name, is_stored(features, needs), paths.name, kWords<type>});
   PATH_FIELDS(LIST_FIELD)
 #undef LIST_FIELD
   return fields;
@@ -53,7 +53,7 @@ std::vector<Field> path_fields(std::uint32_t features, const PathState& paths) {
 std::vector<Field> slot_fields(std::uint32_t features, const SlotState& slots) {
   std::vector<Field> fields;
 #define LIST_FIELD(type, name, needs, travels) \
-  fields.push_back({#name, (features & (needs)) != 0u, slots.name, kWords<type>});
+  fields.push_back({#name, is_stored(features, needs), slots.name, kWords<type>});
   SLOT_FIELDS(LIST_FIELD)
 #undef LIST_FIELD
   return fields;
@@ -105,7 +105,7 @@ TEST_P(PathStates, WhatIsSetIsGotFromEachFieldAndLane) {
   for (int i = 0; i < kCapacity; ++i) {
     int field = 0;
 #define CHECK_FIELD(type, name, needs, travels)                                                 \
-  if ((features_ & (needs)) != 0u) {                                                            \
+  if (is_stored(features_, needs)) {                                                            \
     EXPECT_TRUE(same(get_##name(&block.paths, i), value_of<type>(field, i))) << #name " " << i; \
   }                                                                                             \
   ++field;
@@ -115,7 +115,7 @@ TEST_P(PathStates, WhatIsSetIsGotFromEachFieldAndLane) {
   for (int i = 0; i < kSlots; ++i) {
     int field = 100;
 #define CHECK_FIELD(type, name, needs, travels)                                                      \
-  if ((features_ & (needs)) != 0u) {                                                                 \
+  if (is_stored(features_, needs)) {                                                                 \
     EXPECT_TRUE(same(get_slot_##name(&block.slots, i), value_of<type>(field, i))) << #name " " << i; \
   }                                                                                                  \
   ++field;
