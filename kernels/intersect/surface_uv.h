@@ -54,10 +54,10 @@ FN TexturePoint sphere_uv(vec3 outward) {
 
 /// Of a disk's point, as seen from its centre: distance over the radius, and angle.
 FN TexturePoint disk_uv(vec3 from_center, vec3 normal, float radius) {
-  const vec3 local = to_frame(normal, from_center);
+  const vec3 flat = to_frame(normal, from_center);
   TexturePoint t;
-  t.u = min_f(SQRT(sqr(local.x) + sqr(local.y)) / radius, 1.0f);
-  t.v = turns_of(local.x, local.y);
+  t.u = min_f(SQRT(sqr(flat.x) + sqr(flat.y)) / radius, 1.0f);
+  t.v = turns_of(flat.x, flat.y);
   return t;
 }
 

@@ -68,6 +68,7 @@ struct Compacted {
 constexpr std::uint32_t kMasks[] = {FEATURE_PATH,
                                     FEATURE_PATH | FEATURE_PROJECTED | FEATURE_LAYERS,
                                     FEATURE_DIRECT,
+                                    FEATURE_DIRECT | FEATURE_UV,
                                     FEATURE_PATH | FEATURE_POLYGONS,
                                     FEATURE_DIRECT | FEATURE_POLYGONS | FEATURE_LAYERS,
                                     FEATURE_ALL};
