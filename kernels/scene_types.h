@@ -77,6 +77,16 @@ PENUMBRA_NAMESPACE_BEGIN
   F(vec3, n1)                    \
   F(vec3, n2)
 
+// Texture coordinates of a triangle's vertices; barycentric ones, and no tangent, where a mesh has none.
+#define VERTEX_UVS_FIELDS(F) \
+  F(float, u0)               \
+  F(float, v0)               \
+  F(float, u1)               \
+  F(float, v1)               \
+  F(float, u2)               \
+  F(float, v2)               \
+  F(int, given) /* 1: the mesh has some */
+
 #define QUADRIC_FIELDS(F)                                                \
   F(vec3, center)                                                        \
   F(vec3, normal) /* disk: unit, the front side */                       \
@@ -106,6 +116,11 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, rank)              /* to be added to a number's index for its rank among those of this light */ \
   F(int, alias_rank)        /* ... of the alias */                                                       \
   F(int, kind)              /* LIGHT_* */
+
+// The triangles that a light is: one, or a rectangle's two; -1: none.
+#define LIGHT_TRIANGLES_FIELDS(F) \
+  F(int, first)                   \
+  F(int, second) /* the same if there is one */
 
 // A planar light: coplanar triangles (or one rectangle) of equal emission that face the same side, merged
 // into their outline, so that its closed form costs what the outline does.
@@ -191,6 +206,9 @@ PENUMBRA_NAMESPACE_BEGIN
   T(A, lights, Light, 1, "lights")                                            \
   T(A, polygons, Polygon, 1, "polygon lights")                                \
   T(A, polygon_corners, PolygonCorner, 1, "corners of polygon lights")        \
+  /* FEATURE_UV: one for each triangle, one for each light. */                \
+  T(A, vertex_uvs, VertexUvs, 1, "texture coordinates of triangles")          \
+  T(A, light_triangles, LightTriangles, 1, "triangles of lights")             \
   /* Small scenes: distinct vertices, and three of them for each triangle. */ \
   T(A, vertices, vec3, 0, "vertices, to test every primitive")                \
   T(A, corners, Corner, 0, "corners, to test every primitive")                \
@@ -230,9 +248,11 @@ PENUMBRA_NAMESPACE_BEGIN
 #define SHARED_STRUCTS(X)                               \
   X(Triangle, TRIANGLE_FIELDS)                          \
   X(VertexNormals, VERTEX_NORMALS_FIELDS)               \
+  X(VertexUvs, VERTEX_UVS_FIELDS)                       \
   X(Quadric, QUADRIC_FIELDS)                            \
   X(Material, MATERIAL_FIELDS)                          \
   X(Light, LIGHT_FIELDS)                                \
+  X(LightTriangles, LIGHT_TRIANGLES_FIELDS)             \
   X(Polygon, POLYGON_FIELDS)                            \
   X(PolygonCorner, POLYGON_CORNER_FIELDS)               \
   X(BvhNode, BVH_NODE_FIELDS)                           \

@@ -25,7 +25,7 @@ FN void move_up_int(GLOBAL int* RESTRICT field, const GLOBAL int* RESTRICT from,
 STAGE void close_gaps(uint features, const PRIVATE PathState* paths, int left) {
   const GLOBAL int* RESTRICT going = paths->going;
 #define MOVE_FIELD(type, name, needs, travels) \
-  if ((features & (needs) & (travels)) != 0u) MOVE_UP_##type(paths->name, paths->capacity, going, left);
+  if (is_moved(features, needs, travels)) MOVE_UP_##type(paths->name, paths->capacity, going, left);
   PATH_FIELDS(MOVE_FIELD)
 #undef MOVE_FIELD
 }
@@ -33,7 +33,7 @@ STAGE void close_gaps(uint features, const PRIVATE PathState* paths, int left) {
 /// Copies lane `from` to lane `to`.
 FN void copy_lane(uint features, const PRIVATE PathState* paths, int to, int from) {
 #define COPY_FIELD(type, name, needs, travels) \
-  if ((features & (needs) & (travels)) != 0u) set_##name(paths, to, get_##name(paths, from));
+  if (is_moved(features, needs, travels)) set_##name(paths, to, get_##name(paths, from));
   PATH_FIELDS(COPY_FIELD)
 #undef COPY_FIELD
 }

@@ -85,7 +85,7 @@ FN void sort_by_family(const PRIVATE Scene* scene, const PRIVATE PathState* path
   if (!order_by_family(paths->finished, count, paths->going)) return;
   REORDER_int(paths->hit);
   #define REORDER_FIELD(type, name, needs, travels) \
-    if ((features & (needs) & (travels)) != 0u) REORDER_##type(paths->name);
+    if (is_moved(features, needs, travels)) REORDER_##type(paths->name);
   PATH_FIELDS(REORDER_FIELD)
   #undef REORDER_FIELD
 }

@@ -48,10 +48,49 @@ STAGE void see_surfaces(const PRIVATE PathState* paths, int i, const PRIVATE Pri
                         PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++)
-      store_surface(surfaces, j,
-                    seen_surface(get_hit(paths, i + j), get_ray_origin(paths, i + j),
-                                 get_ray_direction(paths, i + j), load_primitive_point(points, j)));
+      store_surface_hit(surfaces, j,
+                        seen_surface(get_hit(paths, i + j), get_ray_origin(paths, i + j),
+                                     get_ray_direction(paths, i + j), load_primitive_point(points, j)));
 }
+
+#if HAS(UV)
+STAGE void find_triangle_uvs(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                             const PRIVATE PrimitivePoints* RESTRICT points,
+                             PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int triangle = triangle_of(scene, get_hit(paths, i + j));
+      store_surface_uv(
+          surfaces, j,
+          with_triangle_uv(scene, triangle, load_primitive_point(points, j), load_surface(surfaces, j)));
+    }
+}
+
+  #if HAS(QUADRICS)
+STAGE void find_quadric_uvs(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                            const PRIVATE PrimitivePoints* RESTRICT points,
+                            PRIVATE Surfaces* RESTRICT surfaces) {
+  const int triangle_count = scene->header.tables.triangles.count;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int quadric = get_hit(paths, i + j) - triangle_count;
+      const Surface other = load_surface(surfaces, j);
+      const Surface s =
+          with_quadric_uv(scene, quadric >= 0 ? quadric : 0, load_primitive_point(points, j), other);
+      store_surface_uv(surfaces, j, select_surface(quadric >= 0, s, other));
+    }
+}
+  #endif
+
+/// Texture coordinates and tangents.
+FN void find_uvs(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                 const PRIVATE PrimitivePoints* points, PRIVATE Surfaces* surfaces) {
+  find_triangle_uvs(scene, paths, i, points, surfaces);
+  #if HAS(QUADRICS)
+  if (NEEDS(scene, QUADRICS)) find_quadric_uvs(scene, paths, i, points, surfaces);
+  #endif
+}
+#endif
 
 /// Of the last rays of LANES paths from lane i on.
 FN void find_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
@@ -65,6 +104,9 @@ FN void find_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
   if (NEEDS(scene, QUADRICS)) find_quadric_points(scene, paths, i, &points);
 #endif
   see_surfaces(paths, i, &points, surfaces);
+#if HAS(UV)
+  if (NEEDS(scene, UV)) find_uvs(scene, paths, i, &points, surfaces);
+#endif
 }
 
 PENUMBRA_NAMESPACE_END

@@ -9,10 +9,13 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 // clang-format off
-#define EVERY_SCENE 0xffffffffu
+#define EVERY_SCENE 0x7fffffffu
 #define NEVER 0u
+// Instead of any of several features: all of them.
+#define ALL_OF(features) (0x80000000u | (features))
 
 #define KEPT_SURFACE_FIELD(X, type, name) X(type, surface_##name, FEATURE_DIRECT, FEATURE_DIRECT)
+#define KEPT_UV_FIELD(X, type, name) X(type, surface_##name, ALL_OF(FEATURE_DIRECT | FEATURE_UV), FEATURE_DIRECT)
 
 // X(type, name, features that need it, features with which it travels when finished paths' lanes are closed).
 // Types are float, int, bool and vec3. What does not travel lives within one step.
@@ -37,7 +40,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(vec3, left_normal, FEATURE_PROJECTED, FEATURE_PROJECTED)    /* its shading normal */                       \
   X(bool, left_controlled, FEATURE_POLYGONS, FEATURE_POLYGONS)  /* its light of polygons has closed forms */   \
   /* direct light: the surface that the camera sees, which all samples share */                                \
-  SURFACE_FIELDS(KEPT_SURFACE_FIELD, X)                                                                        \
+  SURFACE_HIT_FIELDS(KEPT_SURFACE_FIELD, X)                                                                    \
+  SURFACE_UV_FIELDS(KEPT_UV_FIELD, X)                                                                          \
   /* the shadow ray */                                                                                         \
   X(vec3, shadow_origin, EVERY_SCENE, NEVER)                                                                   \
   X(vec3, shadow_direction, EVERY_SCENE, NEVER)                                                                \
@@ -69,6 +73,15 @@ PENUMBRA_NAMESPACE_BEGIN
   X(vec3, analytic, FEATURE_POLYGONS, NEVER)
 // clang-format on
 
+/// Whether a scene with these features has a field that those need; whether it travels.
+FN bool is_stored(uint features, uint needs) {
+  const bool all = (needs & ALL_OF(0u)) != 0u;
+  return all ? (~features & needs & ~ALL_OF(0u)) == 0u : (features & needs) != 0u;
+}
+FN bool is_moved(uint features, uint needs, uint travels) {
+  return is_stored(features, needs) && is_stored(features, travels);
+}
+
 // Whether a shadow ray's light goes into `shadowed` rather than `radiance`. A light beneath the surface is in
 // shadow whatever the shadow ray says; its closed form ignores that.
 enum { CONTROLLED_NOT, CONTROLLED_SEEN, CONTROLLED_BENEATH };
@@ -94,7 +107,7 @@ typedef struct {
 } SlotState;
 #undef STATE_POINTER
 
-#define STATE_WORDS(type, name, needs, travels) words += (features & (needs)) != 0u ? WORDS_##type : 0;
+#define STATE_WORDS(type, name, needs, travels) words += is_stored(features, needs) ? WORDS_##type : 0;
 /// How many words of 4 bytes a path and a sample of a scene with these features take.
 FN int path_words(uint features) {
   int words = 0;
@@ -110,7 +123,7 @@ FN int slot_words(uint features) {
 
 #define STATE_PLACE(type, name, needs, travels) \
   state.name = (POINTER_##type)words;           \
-  words += (features & (needs)) != 0u ? (ulong)WORDS_##type * (ulong)capacity : 0u;
+  words += is_stored(features, needs) ? (ulong)WORDS_##type * (ulong)capacity : 0u;
 /// The fields in path_words() * capacity words.
 FN PathState make_path_state(uint features, GLOBAL uint* words, int capacity) {
   PathState state;
@@ -165,13 +178,19 @@ SLOT_FIELDS(SLOT_ACCESSORS)
 
 #define KEPT_SURFACE_GET(a, type, name) s.name = get_surface_##name(paths, i);
 #define KEPT_SURFACE_SET(a, type, name) set_surface_##name(paths, i, s.name);
-/// The surface that a path of the direct integrator keeps.
+/// The surface that a path of the direct integrator keeps, without texture coordinates; with them.
 FN Surface kept_surface(const PRIVATE PathState* paths, int i) {
   Surface s;
-  SURFACE_FIELDS(KEPT_SURFACE_GET, )
+  SURFACE_HIT_FIELDS(KEPT_SURFACE_GET, )
+  return without_uv(s);
+}
+FN void keep_surface(const PRIVATE PathState* paths, int i,
+                     Surface s){SURFACE_HIT_FIELDS(KEPT_SURFACE_SET, )} FN Surface
+    with_kept_uv(const PRIVATE PathState* paths, int i, Surface s) {
+  SURFACE_UV_FIELDS(KEPT_SURFACE_GET, )
   return s;
 }
-FN void keep_surface(const PRIVATE PathState* paths, int i, Surface s) { SURFACE_FIELDS(KEPT_SURFACE_SET, ) }
+FN void keep_uv(const PRIVATE PathState* paths, int i, Surface s) { SURFACE_UV_FIELDS(KEPT_SURFACE_SET, ) }
 #undef KEPT_SURFACE_GET
 #undef KEPT_SURFACE_SET
 

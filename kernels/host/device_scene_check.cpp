@@ -83,6 +83,7 @@ class Checker {
       require(in(t.normals, -1, at_least_one(h_.tables.normals).count - 1),
               "a triangle names normals that are not there");
     }
+    check_uvs();
     for (const Quadric& q : table<Quadric>(scene_, h_.tables.quadrics)) {
       require(is_material(q.front) && is_material(q.back), "a quadric names a material that is not there");
       require(is_light(q.light), "a quadric names a light that is not there");
@@ -113,6 +114,16 @@ class Checker {
     require(has(h_.integrator.kind == INTEGRATOR_PATH ? FEATURE_PATH : FEATURE_DIRECT),
             "an integrator without its feature bit");
     require(h_.sampler.kind == SAMPLER_SOBOL || has(FEATURE_SAMPLERS), "a sampler without its feature bit");
+  }
+
+  void check_uvs() {
+    const int uvs = h_.tables.vertex_uvs.count, parts = h_.tables.light_triangles.count;
+    require(has(FEATURE_UV) || (uvs == 0 && parts == 0), "texture coordinates without their feature bit");
+    require(uvs == 0 || uvs == h_.tables.triangles.count, "texture coordinates do not match the triangles");
+    require(parts == 0 || parts == h_.tables.lights.count, "triangles of lights do not match the lights");
+    const int last = at_least_one(h_.tables.triangles).count - 1;
+    for (const LightTriangles& l : table<LightTriangles>(scene_, at_least_one(h_.tables.light_triangles)))
+      require(in(l.first, -1, last) && in(l.second, -1, last), "a light names a triangle that is not there");
   }
 
   void check_polygons() {

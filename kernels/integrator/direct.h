@@ -37,8 +37,19 @@ STAGE void keep_surfaces(const PRIVATE PathState* paths, int i, const PRIVATE Su
 }
 STAGE void load_kept_surfaces(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
-    for (int j = 0; j < LANES; j++) store_surface(surfaces, j, kept_surface(paths, i + j));
+    for (int j = 0; j < LANES; j++) store_surface_hit(surfaces, j, kept_surface(paths, i + j));
 }
+  #if HAS(UV)
+STAGE void keep_uvs(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) keep_uv(paths, i + j, load_surface(surfaces, j));
+}
+STAGE void load_kept_uvs(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++)
+      store_surface_uv(surfaces, j, with_kept_uv(paths, i + j, load_surface(surfaces, j)));
+}
+  #endif
 
 /// Adds what the last rays found: at `first` the camera's, then those of the direction samples.
 STAGE void add_emissions_found(const PRIVATE Scene* scene, bool first, const PRIVATE PathState* paths, int i,
@@ -169,6 +180,10 @@ FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
     }
     if (k == 0) keep_surfaces(paths, i, &step.surfaces);
     if (k > 0) load_kept_surfaces(paths, i, &step.surfaces);
+  #if HAS(UV)
+    if (NEEDS(scene, UV) && k == 0) keep_uvs(paths, i, &step.surfaces);
+    if (NEEDS(scene, UV) && k > 0) load_kept_uvs(paths, i, &step.surfaces);
+  #endif
     resolve_step_closures(scene, &step);
   #if HAS(LAYERS)
     if (NEEDS(scene, LAYERS) && k == 0) record_layers(&step.surfaces, &step.closures, paths, i, slots);

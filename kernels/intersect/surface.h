@@ -3,7 +3,7 @@
 #ifndef PENUMBRA_SURFACE_H
 #define PENUMBRA_SURFACE_H
 #include "kernels/intersect/quadric.h"
-#include "kernels/intersect/surface_fields.h"
+#include "kernels/intersect/surface_uv.h"
 #include "kernels/intersect/triangle.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -11,22 +11,6 @@ PENUMBRA_NAMESPACE_BEGIN
 // Rounding of b0 p0 + b1 p1 + b2 p2 with rounded barycentrics, gamma(7), doubled: it also covers the rounding
 // of the offset origin itself (Pharr, Jakob and Humphreys 2016, section 3.9).
 #define POSITION_ERROR (16.0f * HALF_EPSILON)
-
-// A surface before it is known which side is seen. `extent` bounds what the position was computed from, by
-// coordinate; b0, b1 and b2 are a triangle's barycentric coordinates, `front` and `back` materials.
-#define PRIMITIVE_POINT_FIELDS(F, a) \
-  F(a, vec3, p)                      \
-  F(a, vec3, extent)                 \
-  F(a, vec3, normal)                 \
-  F(a, vec3, shading)                \
-  F(a, float, distance)              \
-  F(a, float, b0)                    \
-  F(a, float, b1)                    \
-  F(a, float, b2)                    \
-  F(a, int, front)                   \
-  F(a, int, back)                    \
-  F(a, int, light)
-LANE_RECORD(PrimitivePoint, PrimitivePoints, primitive_point, PRIMITIVE_POINT_FIELDS)
 
 /// Record 0 stands in where the primitive is no triangle.
 FN int triangle_of(const PRIVATE Scene* scene, int primitive) {
@@ -96,7 +80,7 @@ FN PrimitivePoint quadric_point(const PRIVATE Scene* scene, int index, vec3 o, v
 }
 #endif
 
-/// The surface of a ray that met the primitive, or nothing (-1), at that point.
+/// The surface of a ray that met the primitive, or nothing (-1), at that point, without texture coordinates.
 FN Surface seen_surface(int primitive, vec3 o, vec3 d, PrimitivePoint r) {
   Surface s;
   s.primitive = primitive;
@@ -115,7 +99,7 @@ FN Surface seen_surface(int primitive, vec3 o, vec3 d, PrimitivePoint r) {
   s.shading = select3(faces, s.shading, s.geometric);
   s.material = primitive >= 0 ? (s.front ? r.front : r.back) : 0;
   s.light = primitive >= 0 ? r.light : -1;
-  return s;
+  return without_uv(s);
 }
 
 /// The surface that the ray from `o` along the unit direction `d` meets on the primitive; -1: none. Stages
@@ -130,7 +114,14 @@ FN Surface surface_at(const PRIVATE Scene* scene, int primitive, vec3 o, vec3 d)
   const int quadric = primitive - scene->header.tables.triangles.count;
   if (NEEDS(scene, QUADRICS) & (quadric >= 0)) r = quadric_point(scene, quadric, o, d);
 #endif
-  return seen_surface(primitive, o, d, r);
+  Surface s = seen_surface(primitive, o, d, r);
+#if HAS(UV)
+  if (NEEDS(scene, UV)) s = with_triangle_uv(scene, triangle, r, s);
+  #if HAS(QUADRICS)
+  if (NEEDS(scene, UV) & NEEDS(scene, QUADRICS) & (quadric >= 0)) s = with_quadric_uv(scene, quadric, r, s);
+  #endif
+#endif
+  return s;
 }
 
 /// Whether the direction is on the one side of the surface and, by the interpolated normal, on the other.

@@ -6,7 +6,8 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 // clang-format off
-#define SURFACE_FIELDS(F, a)                                                                            \
+// What every scene needs to know.
+#define SURFACE_HIT_FIELDS(F, a)                                                                        \
   F(a, int, primitive)   /* -1: nothing was hit; `material` is 0, which absorbs everything, the rest means nothing */ \
   F(a, bool, front)      /* seen from the front side */                                                 \
   F(a, vec3, from)       /* the ray's origin */                                                         \
@@ -18,10 +19,40 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, float, distance)  /* along the ray */                                                            \
   F(a, int, material)                                                                                   \
   F(a, int, light)       /* that it is a part of, or -1 */
+// What textures and frames along them need: scenes with FEATURE_UV alone. Elsewhere lanes hold nothing here.
+#define SURFACE_UV_FIELDS(F, a)                                                                          \
+  F(a, float, u)         /* texture coordinates */                                                       \
+  F(a, float, v)                                                                                         \
+  F(a, vec3, tangent)    /* unit, where u grows in the tangent plane of the primitive: see tangent_axis */
+#define SURFACE_FIELDS(F, a) SURFACE_HIT_FIELDS(F, a) SURFACE_UV_FIELDS(F, a)
 // clang-format on
 LANE_RECORD(Surface, Surfaces, surface, SURFACE_FIELDS)
+LANE_RECORD_PART(Surface, Surfaces, surface_hit, SURFACE_HIT_FIELDS)
+LANE_RECORD_PART(Surface, Surfaces, surface_uv, SURFACE_UV_FIELDS)
+
+// A surface before it is known which side is seen. `extent` bounds what the position was computed from, by
+// coordinate; b0, b1 and b2 are a triangle's barycentric coordinates, `front` and `back` materials.
+#define PRIMITIVE_POINT_FIELDS(F, a) \
+  F(a, vec3, p)                      \
+  F(a, vec3, extent)                 \
+  F(a, vec3, normal)                 \
+  F(a, vec3, shading)                \
+  F(a, float, distance)              \
+  F(a, float, b0)                    \
+  F(a, float, b1)                    \
+  F(a, float, b2)                    \
+  F(a, int, front)                   \
+  F(a, int, back)                    \
+  F(a, int, light)
+LANE_RECORD(PrimitivePoint, PrimitivePoints, primitive_point, PRIMITIVE_POINT_FIELDS)
 
 FN bool is_hit(Surface s) { return s.primitive >= 0; }
+
+FN Surface without_uv(Surface s) {
+  s.u = s.v = 0.0f;
+  s.tangent = make_vec3(0.0f, 0.0f, 0.0f);
+  return s;
+}
 
 /// A point of a medium, in the place of a surface: without normals, and no part of anything.
 FN Surface surface_in_medium(vec3 p) {
@@ -33,7 +64,7 @@ FN Surface surface_in_medium(vec3 p) {
   s.error = s.distance = 0.0f;
   s.geometric = s.shading = s.wo = zero;
   s.material = 0;
-  return s;
+  return without_uv(s);
 }
 
 PENUMBRA_NAMESPACE_END

@@ -1,6 +1,7 @@
 // Disk lights, by area.
 #ifndef PENUMBRA_DISK_LIGHT_H
 #define PENUMBRA_DISK_LIGHT_H
+#include "kernels/intersect/surface_uv.h"
 #include "kernels/light/light_found.h"
 #include "kernels/math/frame.h"
 
@@ -10,18 +11,32 @@ FN vec3 disk_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* ligh
   return load3(&light->radiance);
 }
 
-FN LightSample sample_disk_light(const PRIVATE Scene* scene, GLOBAL const Light* light, LightReceiver r,
-                                 float u, float v, LightSampling sampling, uint ways) {
-  const vec3 center = load3(&light->p0);
+FN SampledPoint sample_disk_point(GLOBAL const Light* light, float u, float v, uint ways) {
+  const vec3 center = load3(&light->p0), normal = load3(&light->p1);
   const float radius = light->p2.x, root = SQRT(u);
   float sine, cosine;
   sincos_2pi(v, &sine, &cosine);
-  LightPoint at;
-  at.normal = load3(&light->p1);
-  at.p = add(center, from_frame(at.normal, radius * root * cosine, radius * root * sine, 0.0f));
-  const float spread = dot3(abs3(at.normal), add(abs3(center), make_vec3(radius, radius, radius)));
-  LightSample s = toward_light(light, r, at, spread, 0.0f);
-  s.radiance = disk_light_radiance(scene, light, at, s.wi);
+  const vec3 from_center = from_frame(normal, radius * root * cosine, radius * root * sine, 0.0f);
+  SampledPoint s;
+  s.at = light_point(add(center, from_center), normal);
+  s.spread = dot3(abs3(normal), add(abs3(center), make_vec3(radius, radius, radius)));
+  s.pdf = 0.0f;
+#if HAS(UV)
+  if (BY(ways, UV)) {
+    const TexturePoint on = disk_uv(from_center, normal, radius);
+    s.at.u = on.u;
+    s.at.v = on.v;
+  }
+#endif
+  return s;
+}
+
+FN LightSample sample_disk_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
+                                 LightSampling sampling, uint ways) {
+  GLOBAL const Light* light = scene->lights + index;
+  const SampledPoint point = sample_disk_point(light, u, v, ways);
+  LightSample s = toward_light(light, r, point);
+  s.radiance = disk_light_radiance(scene, light, point.at, s.wi);
   return s;
 }
 

@@ -11,18 +11,15 @@ FN vec3 environment_light_radiance(const PRIVATE Scene* scene, GLOBAL const Ligh
   return load3(&light->radiance);
 }
 
-FN LightSample sample_environment_light(const PRIVATE Scene* scene, GLOBAL const Light* light,
-                                        LightReceiver r, float u, float v, LightSampling sampling,
-                                        uint ways) {
+FN LightSample sample_environment_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
+                                        float v, LightSampling sampling, uint ways) {
+  GLOBAL const Light* light = scene->lights + index;
   LightSample s = no_light_sample();
   s.wi = s.toward = sample_uniform_sphere(u, v);
   s.origin = leave_surface(r.p, r.geometric, r.error, s.wi);
   s.tmax = NO_LIMIT;
   s.pdf = 0.25f * INV_PI_F;
-  LightPoint at;
-  at.p = s.origin;
-  at.normal = negate(s.wi);
-  s.radiance = environment_light_radiance(scene, light, at, s.wi);
+  s.radiance = environment_light_radiance(scene, light, light_point(s.origin, negate(s.wi)), s.wi);
   return s;
 }
 

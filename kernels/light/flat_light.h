@@ -1,6 +1,7 @@
 // What triangle and rectangle lights share: points of a plane.
 #ifndef PENUMBRA_FLAT_LIGHT_H
 #define PENUMBRA_FLAT_LIGHT_H
+#include "kernels/intersect/surface_uv.h"
 #include "kernels/light/light_sample.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -19,20 +20,20 @@ FN FlatLight flat_light(GLOBAL const Light* light) {
   return f;
 }
 
-/// The point b0 p0 + b1 p1 + b2 p2; `spread`: see toward_light.
-FN LightPoint flat_light_point(FlatLight f, vec3 from, float b0, float b1, float b2, PRIVATE float* spread) {
-  LightPoint at;
+/// The point b0 p0 + b1 p1 + b2 p2, as if it were uniform by area.
+FN SampledPoint flat_light_point(FlatLight f, vec3 from, float b0, float b1, float b2) {
+  SampledPoint s;
   const vec3 q0 = scale(f.p0, b0), q1 = scale(f.p1, b1), q2 = scale(f.p2, b2);
-  at.p = add(add(q0, q1), q2);
-  at.normal = f.normal;
+  s.at = light_point(add(add(q0, q1), q2), f.normal);
+  s.pdf = 0.0f;
   const vec3 extent = add(add(abs3(q0), abs3(q1)), abs3(q2));
   // Where a ray meets a triangle is known to a few roundings of its vertices seen from the ray's origin: a
   // point close to a large light would lie in its shadow otherwise.
   const float reach =
       max_f(max_component(abs3(sub(f.p0, from))),
             max_f(max_component(abs3(sub(f.p1, from))), max_component(abs3(sub(f.p2, from)))));
-  *spread = max_f(dot3(abs3(f.normal), extent), reach);
-  return at;
+  s.spread = max_f(dot3(abs3(f.normal), extent), reach);
+  return s;
 }
 
 /// The point of the light's plane that is seen in direction w.
@@ -41,6 +42,41 @@ FN vec3 flat_light_seen(FlatLight f, vec3 from, vec3 w) {
   const float distance = dot3(sub(f.p0, from), f.normal) / (along != 0.0f ? along : 1.0f);
   return add_scaled(from, distance, w);
 }
+
+#if HAS(UV)
+typedef struct {
+  float b0, b1, b2;
+} Barycentric;
+
+/// Of a point in the triangle's plane.
+FN Barycentric barycentric_of(GLOBAL const Triangle* triangle, vec3 p) {
+  const vec3 p0 = load3(&triangle->p0);
+  const vec3 e1 = sub(load3(&triangle->p1), p0), e2 = sub(load3(&triangle->p2), p0), d = sub(p, p0);
+  const vec3 n = cross3(e1, e2);
+  const float n2 = dot3(n, n), inverse = n2 > 0.0f ? 1.0f / n2 : 0.0f;
+  Barycentric b;
+  b.b1 = dot3(cross3(d, e2), n) * inverse;
+  b.b2 = dot3(cross3(e1, d), n) * inverse;
+  b.b0 = (1.0f - b.b1) - b.b2;
+  return b;
+}
+FN float least_of(Barycentric b) { return min_f(b.b0, min_f(b.b1, b.b2)); }
+
+/// The point of the light of that index with the texture coordinates of the triangle on which it lies.
+FN LightPoint with_flat_uv(const PRIVATE Scene* scene, int light, LightPoint at) {
+  GLOBAL const LightTriangles* parts =
+      scene->light_triangles + (light < scene->header.tables.light_triangles.count ? light : 0);
+  const int first = parts->first >= 0 ? parts->first : 0, second = parts->second >= 0 ? parts->second : 0;
+  const Barycentric b = barycentric_of(scene->triangles + first, at.p);
+  const Barycentric c = barycentric_of(scene->triangles + second, at.p);
+  const TexturePoint s = triangle_uv(uvs_of(scene, first), b.b0, b.b1, b.b2);
+  const TexturePoint t = triangle_uv(uvs_of(scene, second), c.b0, c.b1, c.b2);
+  const bool on_first = least_of(b) >= least_of(c);
+  at.u = on_first ? s.u : t.u;
+  at.v = on_first ? s.v : t.v;
+  return at;
+}
+#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

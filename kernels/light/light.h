@@ -79,19 +79,19 @@ STAGE void sample_no_lights(PRIVATE LightSamples* RESTRICT samples) {
 }
 
 // For each kind loops over lanes, one for the plain ways and one for those of the kind's features.
-#define SAMPLE_LANES(stage, name, NAME, ways)                                                                \
-  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,                   \
-                   const PRIVATE ChosenLights* RESTRICT chosen, const PRIVATE float* RESTRICT v,             \
-                   const PRIVATE LightSamplings* RESTRICT samplings, bool first,                             \
-                   PRIVATE LightSamples* RESTRICT samples) {                                                 \
-    LANE_LOOP                                                                                                \
-      for (int j = 0; j < LANES; j++) {                                                                      \
-        const LaneLight choice = load_chosen_light(chosen, j);                                               \
-        const LightReceiver receiver = receiver_of(load_surface(receivers, j));                              \
-        const LightSample s = sample_##name##_light(scene, scene->lights + choice.light, receiver, choice.u, \
-                                                    v[j], load_light_sampling(samplings, j), ways);          \
-        keep_light_sample(choice, LIGHT_##NAME, s, first, samples, j);                                       \
-      }                                                                                                      \
+#define SAMPLE_LANES(stage, name, NAME, ways)                                                      \
+  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,         \
+                   const PRIVATE ChosenLights* RESTRICT chosen, const PRIVATE float* RESTRICT v,   \
+                   const PRIVATE LightSamplings* RESTRICT samplings, bool first,                   \
+                   PRIVATE LightSamples* RESTRICT samples) {                                       \
+    LANE_LOOP                                                                                      \
+      for (int j = 0; j < LANES; j++) {                                                            \
+        const LaneLight choice = load_chosen_light(chosen, j);                                     \
+        const LightReceiver receiver = receiver_of(load_surface(receivers, j));                    \
+        const LightSample s = sample_##name##_light(scene, choice.light, receiver, choice.u, v[j], \
+                                                    load_light_sampling(samplings, j), ways);      \
+        keep_light_sample(choice, LIGHT_##NAME, s, first, samples, j);                             \
+      }                                                                                            \
   }
 #define FOUND_LANES(stage, name, NAME, compared, ways)                                    \
   STAGE void stage(const PRIVATE Scene* scene, const PRIVATE FoundLights* RESTRICT found, \
@@ -100,9 +100,9 @@ STAGE void sample_no_lights(PRIVATE LightSamples* RESTRICT samples) {
       for (int j = 0; j < LANES; j++) {                                                   \
         const FoundLight one = load_found_light(found, j);                                \
         GLOBAL const Light* light = scene->lights + (one.light >= 0 ? one.light : 0);     \
-        LightPoint at;                                                                    \
-        at.p = one.p;                                                                     \
-        at.normal = one.normal;                                                           \
+        LightPoint at = light_point(one.p, one.normal);                                   \
+        at.u = one.u;                                                                     \
+        at.v = one.v;                                                                     \
         const vec3 radiance = name##_light_radiance(scene, light, at, one.wi);            \
         const float pdf = compared ? name##_light_pdf(scene, light, one, ways) : 0.0f;    \
         keep_emission(one, LIGHT_##NAME, radiance, pdf, emissions, j);                    \

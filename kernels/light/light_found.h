@@ -15,6 +15,8 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, vec3, p)                                                                                              \
   F(a, vec3, normal)                                                                                         \
   F(a, float, distance)                                                                                      \
+  F(a, float, u)             /* see Surface; 0 in scenes without texture coordinates */                      \
+  F(a, float, v)                                                                                             \
   F(a, float, cosine)        /* at the light */                                                              \
   F(a, float, projected_pdf) /* by projected solid angle, without the choice of the light; negative: not so */ \
   F(a, float, pmf)           /* of choosing it by power */                                                   \
@@ -40,9 +42,8 @@ FN bool any_finds_light(const PRIVATE Scene* scene, const PRIVATE Surfaces* surf
   return any != 0;
 }
 
-/// What the rays that ended on these surfaces found of lights.
-STAGE void find_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
-                       PRIVATE FoundLights* RESTRICT found) {
+STAGE void store_found_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+                              PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(surfaces, j);
@@ -55,6 +56,7 @@ STAGE void find_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTR
       one.p = s.p;
       one.normal = s.geometric;
       one.distance = s.distance;
+      one.u = one.v = 0.0f;
       one.cosine = dot3(s.geometric, s.wo);
       one.projected_pdf = -1.0f;
       one.pmf = light->pmf;
@@ -62,6 +64,25 @@ STAGE void find_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTR
       one.kind = index >= 0 ? kind : -1;
       store_found_light(found, j, one);
     }
+}
+
+#if HAS(UV)
+STAGE void store_found_uvs(const PRIVATE Surfaces* RESTRICT surfaces, PRIVATE FoundLights* RESTRICT found) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      found->u[j] = surfaces->u[j];
+      found->v[j] = surfaces->v[j];
+    }
+}
+#endif
+
+/// What the rays that ended on these surfaces found of lights.
+FN void find_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
+                    PRIVATE FoundLights* found) {
+  store_found_lights(scene, surfaces, found);
+#if HAS(UV)
+  if (NEEDS(scene, UV)) store_found_uvs(surfaces, found);
+#endif
 }
 
 // Radiance that a ray brings when it ends on a light, or leaves the scene; `pdf` is the density with which

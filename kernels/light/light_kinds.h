@@ -8,14 +8,14 @@ PENUMBRA_NAMESPACE_BEGIN
 
 // X(name, NAME, number, ways, what it is for people). What a kind is stands in <name>_light.h, which light.h
 // includes: sample_<name>_light, <name>_light_pdf and <name>_light_radiance. `ways`: the features of which
-// each scene has its own that change how the kind is sampled.
-#define LIGHT_KINDS(X)                                                                     \
-  X(triangle, TRIANGLE, 0, FEATURE_SOLID_ANGLE | FEATURE_PROJECTED, "triangles that emit") \
-  X(sphere, SPHERE, 1, 0, "spheres that emit")                                             \
-  X(disk, DISK, 2, 0, "disks that emit")                                                   \
-  X(point, POINT, 3, 0, "point lights")                                                    \
-  X(environment, ENVIRONMENT, 4, 0, "environment light")                                   \
-  X(rectangle, RECTANGLE, 5, 0, "rectangles that emit, each of two triangles")
+// each scene has its own that change how the kind is sampled, or what is known of its points.
+#define LIGHT_KINDS(X)                                                                                  \
+  X(triangle, TRIANGLE, 0, FEATURE_SOLID_ANGLE | FEATURE_PROJECTED | FEATURE_UV, "triangles that emit") \
+  X(sphere, SPHERE, 1, FEATURE_UV, "spheres that emit")                                                 \
+  X(disk, DISK, 2, FEATURE_UV, "disks that emit")                                                       \
+  X(point, POINT, 3, 0, "point lights")                                                                 \
+  X(environment, ENVIRONMENT, 4, 0, "environment light")                                                \
+  X(rectangle, RECTANGLE, 5, FEATURE_UV, "rectangles that emit, each of two triangles")
 
 #define ENUMERATE_KIND(name, NAME, number, ways, description) LIGHT_##NAME = number,
 #define COUNT_KIND(name, NAME, number, ways, description) +1

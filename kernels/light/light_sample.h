@@ -39,7 +39,23 @@ FN LightSample no_light_sample(void) {
 typedef struct {
   vec3 p;
   vec3 normal;  ///< unit, of the side that shines
+  float u, v;   ///< as of a surface there (FEATURE_UV); 0 if the light is none
 } LightPoint;
+
+FN LightPoint light_point(vec3 p, vec3 normal) {
+  LightPoint at;
+  at.p = p;
+  at.normal = normal;
+  at.u = at.v = 0.0f;
+  return at;
+}
+
+/// A point of a light's surface as it is sampled.
+typedef struct {
+  LightPoint at;
+  float spread;  ///< how far it may be off the light, in units of POSITION_ERROR
+  float pdf;     ///< per solid angle; 0 for points that are uniform by area
+} SampledPoint;
 
 /// Whether a scene's lights are sampled in this way, of `ways`, a constant.
 #define BY(ways, name) (HAS(name) && ((ways)&FEATURE_##name) != 0u)
@@ -63,19 +79,18 @@ FN LightSample toward_point(LightReceiver r, vec3 target, PRIVATE float* d2) {
   return s;
 }
 
-/// The same to a point of a light's surface, with its density. `spread`: how far the point may be off the
-/// light, in units of POSITION_ERROR. `direct_pdf`: per solid angle; 0 for points that are uniform by area.
-FN LightSample toward_light(GLOBAL const Light* light, LightReceiver r, LightPoint at, float spread,
-                            float direct_pdf) {
+/// The same to a point of a light's surface, with its density.
+FN LightSample toward_light(GLOBAL const Light* light, LightReceiver r, SampledPoint point) {
+  const LightPoint at = point.at;
   // At most half the way to the point's side: one that is closer to the light than its position's error would
   // look the wrong way.
   const vec3 back = sub(r.p, at.p);
-  const float error = min_f(POSITION_ERROR * spread, 0.5f * FABS(dot3(back, at.normal)));
+  const float error = min_f(POSITION_ERROR * point.spread, 0.5f * FABS(dot3(back, at.normal)));
   float d2;
   LightSample s = toward_point(r, leave_surface(at.p, at.normal, error, back), &d2);
   const float cosine_front = -dot3(s.wi, at.normal);
   const float cosine = light->two_sided ? FABS(cosine_front) : cosine_front;
-  s.pdf = direct_pdf > 0.0f ? direct_pdf : area_to_solid_angle(d2, cosine, light->area);
+  s.pdf = point.pdf > 0.0f ? point.pdf : area_to_solid_angle(d2, cosine, light->area);
   s.tmax = cosine > 0.0f ? s.tmax : -1.0f;
   return s;
 }

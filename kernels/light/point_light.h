@@ -10,16 +10,15 @@ FN vec3 point_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* lig
   return load3(&light->radiance);
 }
 
-FN LightSample sample_point_light(const PRIVATE Scene* scene, GLOBAL const Light* light, LightReceiver r,
-                                  float u, float v, LightSampling sampling, uint ways) {
-  LightPoint at;
-  at.p = load3(&light->p0);
+FN LightSample sample_point_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
+                                  LightSampling sampling, uint ways) {
+  GLOBAL const Light* light = scene->lights + index;
+  const vec3 p = load3(&light->p0);
   float d2;
-  LightSample s = toward_point(r, at.p, &d2);
-  at.normal = negate(s.wi);
+  LightSample s = toward_point(r, p, &d2);
   s.pdf = 1.0f;
   s.delta = true;
-  s.radiance = scale(point_light_radiance(scene, light, at, s.wi), 1.0f / d2);
+  s.radiance = scale(point_light_radiance(scene, light, light_point(p, negate(s.wi)), s.wi), 1.0f / d2);
   return s;
 }
 

@@ -22,16 +22,27 @@ FN vec3 rectangle_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light*
   return load3(&light->radiance);
 }
 
-FN LightSample sample_rectangle_light(const PRIVATE Scene* scene, GLOBAL const Light* light, LightReceiver r,
-                                      float u, float v, LightSampling sampling, uint ways) {
+FN SampledPoint sample_rectangle_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
+                                       float v, uint ways) {
+  GLOBAL const Light* light = scene->lights + index;
   const FlatLight flat = flat_light(light);
-  float spread;
-  LightPoint at = flat_light_point(flat, r.p, (1.0f - u) - v, u, v, &spread);
+  SampledPoint s = flat_light_point(flat, r.p, (1.0f - u) - v, u, v);
   const SphericalRectangle seen = seen_rectangle(light, r.p);
   const bool use = seen.solid_angle > 0.0f;
-  at.p = select3(use, flat_light_seen(flat, r.p, sample_spherical_rectangle(seen, u, v)), at.p);
-  LightSample s = toward_light(light, r, at, spread, use ? 1.0f / (use ? seen.solid_angle : 1.0f) : 0.0f);
-  s.radiance = rectangle_light_radiance(scene, light, at, s.wi);
+  s.at.p = select3(use, flat_light_seen(flat, r.p, sample_spherical_rectangle(seen, u, v)), s.at.p);
+  s.pdf = use ? 1.0f / (use ? seen.solid_angle : 1.0f) : 0.0f;
+#if HAS(UV)
+  if (BY(ways, UV)) s.at = with_flat_uv(scene, index, s.at);
+#endif
+  return s;
+}
+
+FN LightSample sample_rectangle_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
+                                      float v, LightSampling sampling, uint ways) {
+  GLOBAL const Light* light = scene->lights + index;
+  const SampledPoint point = sample_rectangle_point(scene, index, r, u, v, ways);
+  LightSample s = toward_light(light, r, point);
+  s.radiance = rectangle_light_radiance(scene, light, point.at, s.wi);
   return s;
 }
 

@@ -1,6 +1,7 @@
 // Sphere lights: by the cone that they subtend, or by area.
 #ifndef PENUMBRA_SPHERE_LIGHT_H
 #define PENUMBRA_SPHERE_LIGHT_H
+#include "kernels/intersect/surface_uv.h"
 #include "kernels/light/light_found.h"
 #include "kernels/math/frame.h"
 
@@ -21,8 +22,7 @@ FN vec3 sphere_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* li
   return load3(&light->radiance);
 }
 
-FN LightSample sample_sphere_light(const PRIVATE Scene* scene, GLOBAL const Light* light, LightReceiver r,
-                                   float u, float v, LightSampling sampling, uint ways) {
+FN SampledPoint sample_sphere_point(GLOBAL const Light* light, LightReceiver r, float u, float v, uint ways) {
   const vec3 center = load3(&light->p0);
   const float radius = light->p2.x, orientation = light->p2.y;
   float sine, cosine;
@@ -47,12 +47,26 @@ FN LightSample sample_sphere_light(const PRIVATE Scene* scene, GLOBAL const Ligh
   const vec3 in_cone = from_frame(select3(cone, back, make_vec3(0.0f, 0.0f, 1.0f)), sine_center * cosine,
                                   sine_center * sine, cosine_center);
   const vec3 outward = select3(cone, in_cone, uniform);
-  LightPoint at;
-  at.p = add_scaled(center, radius, outward);
-  at.normal = scale(outward, orientation);
-  const float spread = dot3(abs3(at.normal), add(abs3(center), make_vec3(radius, radius, radius)));
-  LightSample s = toward_light(light, r, at, spread, cone ? 1.0f / (2.0f * PI_F * versine_max) : 0.0f);
-  s.radiance = sphere_light_radiance(scene, light, at, s.wi);
+  SampledPoint s;
+  s.at = light_point(add_scaled(center, radius, outward), scale(outward, orientation));
+  s.spread = dot3(abs3(s.at.normal), add(abs3(center), make_vec3(radius, radius, radius)));
+  s.pdf = cone ? 1.0f / (2.0f * PI_F * versine_max) : 0.0f;
+#if HAS(UV)
+  if (BY(ways, UV)) {
+    const TexturePoint on = sphere_uv(outward);
+    s.at.u = on.u;
+    s.at.v = on.v;
+  }
+#endif
+  return s;
+}
+
+FN LightSample sample_sphere_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
+                                   LightSampling sampling, uint ways) {
+  GLOBAL const Light* light = scene->lights + index;
+  const SampledPoint point = sample_sphere_point(light, r, u, v, ways);
+  LightSample s = toward_light(light, r, point);
+  s.radiance = sphere_light_radiance(scene, light, point.at, s.wi);
   return s;
 }
 

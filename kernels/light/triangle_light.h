@@ -25,27 +25,38 @@ FN vec3 triangle_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* 
   return load3(&light->radiance);
 }
 
-FN LightSample sample_triangle_light(const PRIVATE Scene* scene, GLOBAL const Light* light, LightReceiver r,
-                                     float u, float v, LightSampling sampling, uint ways) {
+FN SampledPoint sample_triangle_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
+                                      float v, LightSampling sampling, uint ways) {
+  GLOBAL const Light* light = scene->lights + index;
   const FlatLight flat = flat_light(light);
   const float root = SQRT(u), b0 = 1.0f - root, b1 = v * root;
-  float spread, direct_pdf = 0.0f;
-  LightPoint at = flat_light_point(flat, r.p, b0, b1, (1.0f - b0) - b1, &spread);
+  SampledPoint s = flat_light_point(flat, r.p, b0, b1, (1.0f - b0) - b1);
   if (BY(ways, SOLID_ANGLE)) {
     const SphericalTriangle seen = seen_triangle(light, r.p);
     const bool use = seen.solid_angle > 0.0f;
-    at.p = select3(use, flat_light_seen(flat, r.p, sample_spherical_triangle(seen, u, v)), at.p);
-    direct_pdf = use ? 1.0f / (use ? seen.solid_angle : 1.0f) : 0.0f;
+    s.at.p = select3(use, flat_light_seen(flat, r.p, sample_spherical_triangle(seen, u, v)), s.at.p);
+    s.pdf = use ? 1.0f / (use ? seen.solid_angle : 1.0f) : 0.0f;
   }
-  const bool is_directed = BY(ways, PROJECTED) & (sampling.scale > 0.0f);
-  if (BY(ways, PROJECTED)) at.p = select3(is_directed, flat_light_seen(flat, r.p, sampling.wi), at.p);
-  LightSample s = toward_light(light, r, at, spread, direct_pdf);
+  if (BY(ways, PROJECTED))
+    s.at.p = select3(sampling.scale > 0.0f, flat_light_seen(flat, r.p, sampling.wi), s.at.p);
+#if HAS(UV)
+  if (BY(ways, UV)) s.at = with_flat_uv(scene, index, s.at);
+#endif
+  return s;
+}
+
+FN LightSample sample_triangle_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
+                                     LightSampling sampling, uint ways) {
+  GLOBAL const Light* light = scene->lights + index;
+  const SampledPoint point = sample_triangle_point(scene, index, r, u, v, sampling, ways);
+  LightSample s = toward_light(light, r, point);
   if (BY(ways, PROJECTED)) {
+    const bool is_directed = sampling.scale > 0.0f;
     // Of the direction itself: seen from the shadow ray's origin it may be below the light's plane.
     s.wi = select3(is_directed, sampling.wi, s.wi);
     s.pdf = is_directed ? max_f(dot3(r.shading, s.wi), 0.0f) * sampling.scale : s.pdf;
   }
-  s.radiance = triangle_light_radiance(scene, light, at, s.wi);
+  s.radiance = triangle_light_radiance(scene, light, point.at, s.wi);
   return s;
 }
 

@@ -26,6 +26,17 @@ FN vec3 to_frame(vec3 n, vec3 v) {
   return make_vec3(dot3(v, s), dot3(v, t), dot3(v, n));
 }
 
+/// The first axis s of a frame (s, cross3(n, s), n) about the unit vector n that follows v: along its part
+/// perpendicular to n. Where there is none: the first axis of from_frame.
+FN vec3 tangent_axis(vec3 n, vec3 v) {
+  const vec3 w = scale(v, 1.0f / max_f(max_component(abs3(v)), 1e-30f));
+  vec3 part = add_scaled(w, -dot3(n, w), n);
+  part = add_scaled(part, -dot3(n, part), n);  // what the first rounded away, where w is nearly along n
+  const float length2 = dot3(part, part);
+  const bool some = length2 > 1e-8f;
+  return select3(some, scale(part, 1.0f / SQRT(some ? length2 : 1.0f)), from_frame(n, 1.0f, 0.0f, 0.0f));
+}
+
 /// Density cos / pi about the z axis.
 FN vec3 cosine_hemisphere(float u, float v) {
   float s, c;

@@ -51,4 +51,8 @@
   }                                                          \
   FN void store_##name(PRIVATE Names* lanes, int j, Name record) { FIELDS(RECORD_STORE, ) }
 
+/// store_part(names, lane, record): some of its fields, the others stay.
+#define LANE_RECORD_PART(Name, Names, part, FIELDS) \
+  FN void store_##part(PRIVATE Names* lanes, int j, Name record) { FIELDS(RECORD_STORE, ) }
+
 #endif

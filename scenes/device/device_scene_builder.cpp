@@ -16,6 +16,7 @@
 #include "scenes/device/integrator_builder.h"
 #include "scenes/device/light_builder.h"
 #include "scenes/device/scene_records.h"
+#include "scenes/device/texture_coordinates.h"
 #include "scenes/device/to_vec3.h"
 
 namespace penumbra {
@@ -76,6 +77,10 @@ class Builder {
     need(lights_.features());
     h_.light_kinds = lights_.kinds();
     if (options_.feature_layers) need(FEATURE_LAYERS);
+    if (options_.surface_uv) {
+      need(FEATURE_UV);
+      records_.light_triangles = light_triangles(records_.triangles, records_.lights.size());
+    }
     if (Expected<void> done = set_integrator(scene_.integrator, lights_, h_); !done)
       return fail(scene_.source + ": " + done.error().message);
     if (scene_.sampler.kind != SamplerKind::kSobol) need(FEATURE_SAMPLERS);
@@ -147,6 +152,7 @@ class Builder {
         need(FEATURE_SHADING_NORMALS);
       }
       records_.triangles.push_back(t);
+      if (options_.surface_uv) records_.vertex_uvs.push_back(vertex_uvs(mesh, corner, shape.flip_normals));
     }
     if (emits(shape)) add_mesh_lights(shape, first);
   }

@@ -55,7 +55,8 @@ void count_polygons(SceneDescription description, TableSpans& all) {
 /// The tables' counts with everything.
 TableSpans count_everything(const SceneDescription& description, const DeviceScene& scene, bool thorough) {
   TableSpans all = scene.header.tables;
-  all.normals.count = all.triangles.count;
+  all.normals.count = all.vertex_uvs.count = all.triangles.count;
+  all.light_triangles.count = all.lights.count;
   if (thorough || std::int64_t(all.triangles.count) + all.quadrics.count <= kQuicklyBuilt) {
     count_search(scene, all);
     count_polygons(description, all);

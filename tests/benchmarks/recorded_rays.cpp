@@ -24,7 +24,7 @@ struct Recorder {
     const PathState kept = stage.paths();
     for (int i = 0; i < capacity; ++i) {
 #define KEEP_FIELD(type, name, needs, travels) \
-  if ((features & (needs)) != 0u) set_##name(&kept, i, get_##name(paths, i));
+  if (is_stored(features, needs)) set_##name(&kept, i, get_##name(paths, i));
       PATH_FIELDS(KEEP_FIELD)
 #undef KEEP_FIELD
     }

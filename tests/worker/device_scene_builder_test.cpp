@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "kernels/host/device_scene_check.h"
 #include "kernels/host/device_scene_tables.h"
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/support/integrator_parameters.h"
@@ -282,6 +283,82 @@ TEST(Features, AreJustTheNeeded) {
   EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{dvec3(0), glm::vec3(0)}); }), box);
   EXPECT_EQ(with([](auto& s) { s.bsdfs[0].model = PhongBsdf{glm::vec3(0.5f), glm::vec3(0), 30}; }), box);
   EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(ConstantEnvironment{glm::vec3(0)}); }), box);
+}
+
+DeviceScene build_with_uv(const SceneDescription& scene) {
+  DeviceSceneOptions options;
+  options.intersector = IntersectorChoice::kPortable;
+  options.surface_uv = true;
+  auto built = build_device_scene(scene, options);
+  if (!built) throw std::runtime_error(built.error().message);
+  return std::move(*built);
+}
+
+TEST(TextureCoordinates, AreThereIfTheyAreWanted) {
+  for (const NamedScene& named : device_scenes()) {
+    const SceneDescription scene = named.make();
+    const DeviceScene without = build(scene), with = build_with_uv(scene);
+    EXPECT_EQ(with.header.features, without.header.features | FEATURE_UV) << named.name;
+    EXPECT_EQ(without.header.tables.vertex_uvs.count, 0);
+    EXPECT_EQ(without.header.tables.light_triangles.count, 0);
+    EXPECT_EQ(with.header.tables.vertex_uvs.count, with.header.tables.triangles.count);
+    EXPECT_EQ(with.header.tables.light_triangles.count, with.header.tables.lights.count);
+    const auto checked = check_device_scene(with);
+    EXPECT_TRUE(checked) << checked.error().message;
+    EXPECT_EQ(render_or_throw(with).hash(), render_or_throw(without).hash()) << named.name;
+  }
+}
+
+TEST(TextureCoordinates, AreTheMeshesOrBarycentricAndFollowItsVertices) {
+  SceneDescription scene = empty_scene(4, 4, 1, 1);
+  const std::vector corners{dvec3(-1, -1, 0), dvec3(1, -1, 0), dvec3(0, 1, 0)};
+  for (const bool flipped : {false, true})
+    for (const bool given : {false, true}) {
+      Shape shape = triangles(corners, kBlackBsdf);
+      shape.flip_normals = flipped;
+      if (given) std::get<Mesh>(shape.geometry).texcoords = {{0.1f, 0.2f}, {0.3f, 0.4f}, {0.5f, 0.6f}};
+      scene.shapes.push_back(shape);
+    }
+  const DeviceScene built = build_with_uv(scene);
+  const auto uvs = table<VertexUvs>(built, built.header.tables.vertex_uvs);
+  ASSERT_EQ(uvs.size(), 4u);
+  const auto expect = [](const VertexUvs& at, const VertexUvs& expected) {
+    EXPECT_TRUE(at.u0 == expected.u0 && at.v0 == expected.v0 && at.u1 == expected.u1 &&
+                at.v1 == expected.v1 && at.u2 == expected.u2 && at.v2 == expected.v2 &&
+                at.given == expected.given);
+  };
+  expect(uvs[0], {0, 0, 1, 0, 0, 1, 0});
+  expect(uvs[1], {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 1});
+  expect(uvs[2], {0, 0, 0, 1, 1, 0, 0});
+  expect(uvs[3], {0.1f, 0.2f, 0.5f, 0.6f, 0.3f, 0.4f, 1});
+}
+
+TEST(TextureCoordinates, OfLightsAreThoseOfTheirTriangles) {
+  SceneDescription scene = empty_scene(4, 4, 1, 1);
+  param::emitter_sampling(scene.integrator) = EmitterSampling::kSolidAngle;
+  scene.shapes.push_back(parallelogram(dvec3(0, 0, 5), dvec3(1, 0, 0), dvec3(0, 1, 0), kBlackBsdf));
+  scene.shapes.push_back(parallelogram(dvec3(0, 0, 0), dvec3(1, 0, 0), dvec3(0, 2, 0), kBlackBsdf, 1.0f));
+  // The same rectangle, its first triangle twice: that one is no second part.
+  Shape repeated = scene.shapes.back();
+  auto& mesh = std::get<Mesh>(repeated.geometry);
+  for (dvec3& p : mesh.positions) p.z = 1;
+  const std::vector<dvec3> three{dvec3(0, 0, 2), dvec3(1, 0, 2), dvec3(0, 1, 2)};
+  mesh.triangles.insert(mesh.triangles.begin() + 1, mesh.triangles[0]);
+  scene.shapes.push_back(repeated);
+  scene.shapes.push_back(triangles(three, kBlackBsdf, 1.0f));
+  scene.emitters.emplace_back(PointLight{});
+  const DeviceScene built = build_with_uv(scene);
+  const auto parts = table<LightTriangles>(built, built.header.tables.light_triangles);
+  ASSERT_EQ(parts.size(), 4u);
+  const auto expect = [&](int light, int kind, int first, int second) {
+    EXPECT_EQ(lights_of(built)[std::size_t(light)].kind, kind);
+    EXPECT_EQ(parts[std::size_t(light)].first, first);
+    EXPECT_EQ(parts[std::size_t(light)].second, second);
+  };
+  expect(0, LIGHT_RECTANGLE, 2, 3);
+  expect(1, LIGHT_RECTANGLE, 4, 6);
+  expect(2, LIGHT_TRIANGLE, 7, 7);
+  expect(3, LIGHT_POINT, -1, -1);
 }
 
 TEST(Families, AreThoseOfTheMaterials) {

@@ -15,6 +15,7 @@
 
 #include "kernels/host/device_scene_check.h"
 #include "kernels/host/device_scene_tables.h"
+#include "scenes/device/device_scene_builder.h"
 #include "tests/support/render_scene.h"
 #include "tests/worker/device_scenes.h"
 
@@ -212,6 +213,24 @@ TEST(DeviceSceneCheck, NamesWhatIsWrong) {
     expect_refused(
         with_record<Material>(scene, h.tables.materials, 1, [&](Material& m) { m.family = family; }),
         "a material of a family of BSDFs that the header does not name");
+  DeviceSceneOptions with_uv;
+  with_uv.surface_uv = true;
+  const DeviceScene uvs = build_device_scene(everything(), with_uv).value();
+  const auto with_uvs = [&](auto change) {
+    DeviceScene changed = uvs;
+    change(changed.header);
+    return changed;
+  };
+  expect_refused(with_uvs([](SceneHeader& c) { c.features &= ~unsigned(FEATURE_UV); }),
+                 "texture coordinates without their feature bit");
+  expect_refused(with_uvs([](SceneHeader& c) { --c.tables.vertex_uvs.count; }),
+                 "texture coordinates do not match the triangles");
+  expect_refused(with_uvs([](SceneHeader& c) { --c.tables.light_triangles.count; }),
+                 "triangles of lights do not match the lights");
+  for (const int triangle : {-2, uvs.header.tables.triangles.count})
+    expect_refused(with_record<LightTriangles>(uvs, uvs.header.tables.light_triangles, 0,
+                                               [&](LightTriangles& l) { l.second = triangle; }),
+                   "a light names a triangle");
   expect_refused(with_record<Corner>(scene, h.tables.corners, 0, [](Corner& c) { c.v2 = 128; }),
                  "a corner names a vertex");
 }

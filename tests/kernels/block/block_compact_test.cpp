@@ -45,7 +45,7 @@ struct Compacted {
   void expect_lane(int lane, int from) const {
     int field = 0;
 #define CHECK_FIELD(type, name, needs, travels)                                                   \
-  if ((features & (needs) & (travels)) != 0u && std::string(#name) != "slot") {                   \
+  if (is_moved(features, needs, travels) && std::string(#name) != "slot") {                       \
     ASSERT_TRUE(same(get_##name(&paths, lane), value_of<type>(field, from)))                      \
         << #name " of lane " << lane << ", which was " << from << ", with features " << features; \
   }                                                                                               \
@@ -68,6 +68,7 @@ struct Compacted {
 constexpr std::uint32_t kMasks[] = {FEATURE_PATH,
                                     FEATURE_PATH | FEATURE_PROJECTED | FEATURE_LAYERS,
                                     FEATURE_DIRECT,
+                                    FEATURE_DIRECT | FEATURE_UV,
                                     FEATURE_PATH | FEATURE_POLYGONS,
                                     FEATURE_DIRECT | FEATURE_POLYGONS | FEATURE_LAYERS,
                                     FEATURE_ALL};
@@ -116,7 +117,7 @@ TEST(Compaction, FinishedPathsLeaveTheirSamplesInTheirSlots) {
                                                   : -1;                                                    \
     const type expected =                                                                                \
         path >= 0 && from >= 0 ? value_of<type>(from, path) : value_of<type>(number, slot);              \
-    if ((c.features & (needs)) != 0u) {                                                                  \
+    if (is_stored(c.features, needs)) {                                                                  \
       ASSERT_TRUE(same(get_slot_##name(&c.slots, slot), expected)) << field_name << " of slot " << slot; \
     }                                                                                                    \
     ++number;                                                                                            \

@@ -68,7 +68,7 @@ void expect_sorted(std::uint32_t features, RandomNumbers& random) {
     ASSERT_EQ(get_hit(&paths, lane), hits[std::size_t(from)]);
     int field = 0;
 #define CHECK_FIELD(type, name, needs, travels)                                    \
-  if ((features & (needs) & (travels)) != 0u) {                                    \
+  if (is_moved(features, needs, travels)) {                                        \
     ASSERT_TRUE(same(get_##name(&paths, lane), value_of<type>(field, from)))       \
         << #name " of lane " << lane << " of " << count << ", which was " << from; \
   }                                                                                \
@@ -81,7 +81,7 @@ void expect_sorted(std::uint32_t features, RandomNumbers& random) {
 TEST(SortByFamily, EveryPathTakesAllThatTravelsAlong) {
   RandomNumbers random(1);
   for (const std::uint32_t more :
-       {FEATURE_PATH | FEATURE_QUADRICS, FEATURE_DIRECT | FEATURE_QUADRICS,
+       {FEATURE_PATH | FEATURE_QUADRICS, FEATURE_DIRECT | FEATURE_QUADRICS, FEATURE_DIRECT | FEATURE_UV,
         FEATURE_PATH | FEATURE_QUADRICS | FEATURE_POLYGONS | FEATURE_PROJECTED, FEATURE_ALL})
     for (int k = 0; k < 100 && !testing::Test::HasFatalFailure(); ++k)
       expect_sorted(more | FEATURE_MIXED_FAMILIES, random);

@@ -12,7 +12,7 @@ namespace penumbra {
 namespace {
 
 /// Of a point inside the unit ball about the centre, for each of the primitives.
-SceneTables random_scene(RandomNumbers& random, bool with_normals, bool with_quadrics) {
+SceneTables random_scene(RandomNumbers& random, bool with_normals, bool with_quadrics, bool with_uv) {
   SceneTables tables;
   for (int k = 0; k < 12; ++k) {
     tables.add_triangle(rounded(random.point(1)), rounded(random.point(1)), rounded(random.point(1)));
@@ -20,6 +20,9 @@ SceneTables random_scene(RandomNumbers& random, bool with_normals, bool with_qua
     t.front = 1 + k;
     t.back = 100 + k;
     t.light = k % 3 - 1;
+    const auto number = [&] { return float(random.between(-1, 2)); };
+    if (with_uv)
+      tables.vertex_uvs.push_back({number(), number(), number(), number(), number(), number(), k % 4 != 0});
     if (!with_normals || k % 2 == 0) continue;
     t.normals = int(tables.normals.size());
     tables.normals.push_back(
@@ -89,7 +92,10 @@ void expect_same_surfaces(SceneTables& tables, RandomNumbers& random) {
     }
 #define CHECK_FIELD(_, type, name) \
   expect_bits(s.name, alone.name, #name " on primitive " + std::to_string(hit));
-    SURFACE_FIELDS(CHECK_FIELD, _)
+    SURFACE_HIT_FIELDS(CHECK_FIELD, _)
+    if ((scene.header.features & FEATURE_UV) != 0) {
+      SURFACE_UV_FIELDS(CHECK_FIELD, _)
+    }
 #undef CHECK_FIELD
   }
 }
@@ -98,17 +104,19 @@ TEST(SurfaceLanes, AreThoseOfEachRayByItself) {
   RandomNumbers random(1);
   for (const bool with_normals : {false, true})
     for (const bool with_quadrics : {false, true})
-      for (int k = 0; k < 300 && !testing::Test::HasFailure(); ++k) {
-        SceneTables tables = random_scene(random, with_normals, with_quadrics);
-        expect_same_surfaces(tables, random);
-      }
+      for (const bool with_uv : {false, true})
+        for (int k = 0; k < 300 && !testing::Test::HasFailure(); ++k) {
+          SceneTables tables = random_scene(random, with_normals, with_quadrics, with_uv);
+          expect_same_surfaces(tables, random);
+        }
 }
 
 TEST(SurfaceLanes, OfASceneWithoutTrianglesAreThoseOfItsQuadrics) {
   RandomNumbers random(2);
   for (int k = 0; k < 300 && !testing::Test::HasFailure(); ++k) {
-    SceneTables tables = random_scene(random, false, true);
+    SceneTables tables = random_scene(random, false, true, false);
     tables.triangles.clear();
+    if (k % 2 == 0) tables.header.features |= FEATURE_UV;
     expect_same_surfaces(tables, random);
   }
 }
@@ -131,6 +139,34 @@ TEST(LaneRecord, StoresLoadsAndSelectsEveryField) {
   expect_bits(yes.name, each[j].name, #name);    \
   expect_bits(no.name, each[j].name, #name);
     SURFACE_FIELDS(CHECK_FIELD, _)
+#undef CHECK_FIELD
+  }
+}
+
+TEST(LaneRecord, StoresAPartAndLeavesTheRest) {
+  Surfaces lanes;
+  for (int j = 0; j < LANES; ++j) {
+    Surface old, hit, uv;
+    int field = 0;
+#define SET_FIELD(_, type, name)                  \
+  old.name = value_of<type>(field, j);            \
+  hit.name = value_of<type>(field, j + LANES);    \
+  uv.name = value_of<type>(field, j + 2 * LANES); \
+  ++field;
+    SURFACE_FIELDS(SET_FIELD, _)
+#undef SET_FIELD
+    store_surface(&lanes, j, old);
+    store_surface_hit(&lanes, j, hit);
+    const Surface first = load_surface(&lanes, j);
+    store_surface_uv(&lanes, j, uv);
+    const Surface both = load_surface(&lanes, j);
+#define CHECK_FIELD(expected, type, name) expect_bits(first.name, (expected).name, #name);
+    SURFACE_HIT_FIELDS(CHECK_FIELD, hit)
+    SURFACE_UV_FIELDS(CHECK_FIELD, old)
+#undef CHECK_FIELD
+#define CHECK_FIELD(expected, type, name) expect_bits(both.name, (expected).name, #name);
+    SURFACE_HIT_FIELDS(CHECK_FIELD, hit)
+    SURFACE_UV_FIELDS(CHECK_FIELD, uv)
 #undef CHECK_FIELD
   }
 }

@@ -27,6 +27,8 @@ const NamedMask kMasks[] = {
     {"PathWithLayers", FEATURE_PATH | FEATURE_LAYERS},
     {"PathByProjectedSolidAngle", FEATURE_PATH | FEATURE_PROJECTED | FEATURE_BVH},
     {"Direct", FEATURE_DIRECT},
+    {"DirectWithUv", FEATURE_DIRECT | FEATURE_UV},
+    {"PathWithUv", FEATURE_PATH | FEATURE_UV},
     {"DirectWithPolygons", FEATURE_DIRECT | FEATURE_POLYGONS | FEATURE_RATIO},
     {"PathWithPolygonsAndLayers", FEATURE_PATH | FEATURE_POLYGONS | FEATURE_PROJECTED | FEATURE_LAYERS},
     {"NoIntegrator", FEATURE_QUADRICS | FEATURE_MIXED_FAMILIES},
@@ -45,7 +47,7 @@ struct Field {
 std::vector<Field> path_fields(std::uint32_t features, const PathState& paths) {
   std::vector<Field> fields;
 #define LIST_FIELD(type, name, needs, travels) \
-  fields.push_back({#name, (features & (needs)) != 0u, paths.name, kWords<type>});
+  fields.push_back({#name, is_stored(features, needs), paths.name, kWords<type>});
   PATH_FIELDS(LIST_FIELD)
 #undef LIST_FIELD
   return fields;
@@ -53,7 +55,7 @@ std::vector<Field> path_fields(std::uint32_t features, const PathState& paths) {
 std::vector<Field> slot_fields(std::uint32_t features, const SlotState& slots) {
   std::vector<Field> fields;
 #define LIST_FIELD(type, name, needs, travels) \
-  fields.push_back({#name, (features & (needs)) != 0u, slots.name, kWords<type>});
+  fields.push_back({#name, is_stored(features, needs), slots.name, kWords<type>});
   SLOT_FIELDS(LIST_FIELD)
 #undef LIST_FIELD
   return fields;
@@ -105,7 +107,7 @@ TEST_P(PathStates, WhatIsSetIsGotFromEachFieldAndLane) {
   for (int i = 0; i < kCapacity; ++i) {
     int field = 0;
 #define CHECK_FIELD(type, name, needs, travels)                                                 \
-  if ((features_ & (needs)) != 0u) {                                                            \
+  if (is_stored(features_, needs)) {                                                            \
     EXPECT_TRUE(same(get_##name(&block.paths, i), value_of<type>(field, i))) << #name " " << i; \
   }                                                                                             \
   ++field;
@@ -115,7 +117,7 @@ TEST_P(PathStates, WhatIsSetIsGotFromEachFieldAndLane) {
   for (int i = 0; i < kSlots; ++i) {
     int field = 100;
 #define CHECK_FIELD(type, name, needs, travels)                                                      \
-  if ((features_ & (needs)) != 0u) {                                                                 \
+  if (is_stored(features_, needs)) {                                                                 \
     EXPECT_TRUE(same(get_slot_##name(&block.slots, i), value_of<type>(field, i))) << #name " " << i; \
   }                                                                                                  \
   ++field;
@@ -127,14 +129,17 @@ TEST_P(PathStates, WhatIsSetIsGotFromEachFieldAndLane) {
 TEST(PathState, WhatNoFeatureNeedsTakesNothing) {
   EXPECT_EQ(path_words(0), 0);
   EXPECT_EQ(slot_words(0), 0);
-  int surface = 0;
-#define ADD_WORDS(_, type, name) surface += kWords<type>;
-  SURFACE_FIELDS(ADD_WORDS, _)
+  int surface = 0, uv = 0;
+#define ADD_WORDS(sum, type, name) (sum) += kWords<type>;
+  SURFACE_HIT_FIELDS(ADD_WORDS, surface)
+  SURFACE_UV_FIELDS(ADD_WORDS, uv)
 #undef ADD_WORDS
   const int least = path_words(FEATURE_PATH);
   EXPECT_GT(least, 0);
   EXPECT_EQ(path_words(FEATURE_PATH | FEATURE_LAYERS | FEATURE_BVH | FEATURE_SAMPLERS), least);
   EXPECT_EQ(path_words(FEATURE_DIRECT), least + surface) << "it keeps a surface";
+  EXPECT_EQ(path_words(FEATURE_DIRECT | FEATURE_UV), least + surface + uv) << "and where on it";
+  EXPECT_EQ(path_words(FEATURE_PATH | FEATURE_UV), least) << "needs both features";
   EXPECT_EQ(path_words(FEATURE_PATH | FEATURE_PROJECTED), least + kWords<vec3>) << "a normal";
   EXPECT_GT(path_words(FEATURE_PATH | FEATURE_POLYGONS), least);
   EXPECT_EQ(slot_words(FEATURE_DIRECT), slot_words(FEATURE_PATH));
@@ -150,12 +155,30 @@ TEST(PathState, HasFlagsThatAreTrueHoweverTheyAreStored) {
   EXPECT_FALSE(get_alive(&paths, 2));
 }
 
-TEST(KeptSurface, IsTheOneThatWasKept) {
-  BlockMemory memory(FEATURE_DIRECT, kCapacity, 0);
+TEST(PathState, FieldsAreStoredForAnyOfTheirFeaturesOrForAll) {
+  EXPECT_TRUE(is_stored(1, 1));
+  EXPECT_TRUE(is_stored(2, 3));
+  EXPECT_FALSE(is_stored(4, 3));
+  EXPECT_TRUE(is_stored(7, ALL_OF(3)));
+  EXPECT_FALSE(is_stored(6, ALL_OF(3)));
+  EXPECT_TRUE(is_stored(FEATURE_PATH, EVERY_SCENE));
+  EXPECT_FALSE(is_stored(FEATURE_ALL, NEVER));
+  EXPECT_TRUE(is_moved(3, ALL_OF(3), 1));
+  EXPECT_FALSE(is_moved(2, ALL_OF(3), 1));
+  EXPECT_FALSE(is_moved(3, 3, NEVER));
+}
+
+class KeptSurface : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Uv, KeptSurface, testing::Bool());
+
+TEST_P(KeptSurface, IsTheOneThatWasKept) {
+  const bool with_uv = GetParam();
+  const std::uint32_t features = FEATURE_DIRECT | (with_uv ? FEATURE_UV : 0);
+  BlockMemory memory(features, kCapacity, 0);
   const PathState paths = memory.block().paths;
   std::vector<Surface> surfaces;
   for (int i = 0; i < kCapacity; ++i) {
-    fill_path(FEATURE_DIRECT, paths, i);
+    fill_path(features, paths, i);
     Surface s;
     int field = 50;
 #define SET_FIELD(_, type, name) s.name = value_of<type>(field++, i);
@@ -163,11 +186,19 @@ TEST(KeptSurface, IsTheOneThatWasKept) {
 #undef SET_FIELD
     surfaces.push_back(s);
   }
-  for (int i = 0; i < kCapacity; ++i) keep_surface(&paths, i, surfaces[std::size_t(i)]);
   for (int i = 0; i < kCapacity; ++i) {
-    const Surface s = kept_surface(&paths, i);
+    keep_surface(&paths, i, surfaces[std::size_t(i)]);
+    if (with_uv) keep_uv(&paths, i, surfaces[std::size_t(i)]);
+  }
+  for (int i = 0; i < kCapacity; ++i) {
+    Surface s = kept_surface(&paths, i);
+    EXPECT_TRUE(same(s.u, 0.0f));
+    if (with_uv) s = with_kept_uv(&paths, i, s);
 #define CHECK_FIELD(_, type, name) EXPECT_TRUE(same(s.name, surfaces[std::size_t(i)].name)) << #name " " << i;
-    SURFACE_FIELDS(CHECK_FIELD, _)
+    SURFACE_HIT_FIELDS(CHECK_FIELD, _)
+    if (with_uv) {
+      SURFACE_UV_FIELDS(CHECK_FIELD, _)
+    }
 #undef CHECK_FIELD
     EXPECT_TRUE(same(get_ray_origin(&paths, i), value_of<vec3>(0, i))) << "what lies beside it stays";
   }

@@ -34,7 +34,7 @@ inline vec3 value_of<vec3>(int field, int lane) {
 inline void fill_path(std::uint32_t features, const PathState& paths, int lane) {
   int field = 0;
 #define FILL_FIELD(type, name, needs, travels)                                           \
-  if ((features & (needs)) != 0u) set_##name(&paths, lane, value_of<type>(field, lane)); \
+  if (is_stored(features, needs)) set_##name(&paths, lane, value_of<type>(field, lane)); \
   ++field;
   PATH_FIELDS(FILL_FIELD)
 #undef FILL_FIELD
@@ -44,7 +44,7 @@ inline void fill_path(std::uint32_t features, const PathState& paths, int lane) 
 inline void fill_slot(std::uint32_t features, const SlotState& slots, int slot) {
   int field = 100;
 #define FILL_FIELD(type, name, needs, travels)                                                \
-  if ((features & (needs)) != 0u) set_slot_##name(&slots, slot, value_of<type>(field, slot)); \
+  if (is_stored(features, needs)) set_slot_##name(&slots, slot, value_of<type>(field, slot)); \
   ++field;
   SLOT_FIELDS(FILL_FIELD)
 #undef FILL_FIELD

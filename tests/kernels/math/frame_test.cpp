@@ -39,6 +39,34 @@ TEST(Frame, IsOrthonormalAboutAnyNormal) {
     expect_orthonormal(rounded(random.direction()));
 }
 
+TEST(Frame, TangentAxisFollowsAVectorPerpendicularlyToTheNormal) {
+  RandomNumbers random(5);
+  for (int i = 0; i < 50'000; ++i) {
+    const Exact3 n = random.direction();
+    const double tilt = std::pow(10, random.between(-3, 0));  // from n
+    const Exact3 v =
+        (long double)std::pow(10, random.between(-20, 20)) * (n + (long double)tilt * random.direction());
+    const vec3 unit = rounded(n), along = rounded(v);
+    const Exact3 part = exact(along) - dot(exact(along), n) * n;
+    if (length(part) < 1e-3L * length(exact(along))) continue;  // either will do
+    const Exact3 s = exact(tangent_axis(unit, along));
+    ASSERT_NEAR(double(dot(s, s)), 1, 8 * 0x1p-24);
+    ASSERT_NEAR(double(dot(s, exact(unit))), 0, 8 * 0x1p-24);
+    ASSERT_LE(length(s - normalize(part)), 16 * 0x1p-24L * length(exact(along)) / length(part));
+  }
+}
+
+TEST(Frame, TangentAxisIsTheFramesFirstWhereThereIsNone) {
+  RandomNumbers random(6);
+  for (int i = 0; i < 1000; ++i) {
+    const vec3 n = rounded(random.direction()), first = from_frame(n, 1, 0, 0);
+    for (const vec3& v : {make_vec3(0, 0, 0), n, scale(n, -1e20f)}) {
+      const vec3 s = tangent_axis(n, v);
+      ASSERT_TRUE(s.x == first.x && s.y == first.y && s.z == first.z);
+    }
+  }
+}
+
 TEST(Frame, IsOrthonormalTowardsThePoles) {
   RandomNumbers random(2);
   for (double tilt = 1; tilt > 1e-20; tilt *= 0.3)

@@ -1,0 +1,42 @@
+#include "scenes/device/texture_coordinates.h"
+
+#include <algorithm>
+#include <array>
+
+namespace penumbra {
+namespace {
+
+bool same(const vec3& a, const vec3& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+/// Whether one has the corners of the other, whatever their order.
+bool repeats(const Triangle& a, const Triangle& b) {
+  const std::array corners{b.p0, b.p1, b.p2};
+  const auto has = [&](const vec3& p) {
+    return std::ranges::any_of(corners, [&](const vec3& q) { return same(p, q); });
+  };
+  return has(a.p0) && has(a.p1) && has(a.p2);
+}
+
+}  // namespace
+
+VertexUvs vertex_uvs(const Mesh& mesh, const glm::uvec3& corner, bool flipped) {
+  if (mesh.texcoords.empty())
+    return flipped ? VertexUvs{0, 0, 0, 1, 1, 0, 0} : VertexUvs{0, 0, 1, 0, 0, 1, 0};
+  const glm::vec2 &a = mesh.texcoords[corner.x], &b = mesh.texcoords[corner.y], &c = mesh.texcoords[corner.z];
+  return {a.x, a.y, b.x, b.y, c.x, c.y, 1};
+}
+
+std::vector<LightTriangles> light_triangles(std::span<const Triangle> triangles, std::size_t lights) {
+  std::vector<LightTriangles> result(lights, LightTriangles{-1, -1});
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    if (triangles[i].light < 0) continue;
+    LightTriangles& parts = result[std::size_t(triangles[i].light)];
+    if (parts.first < 0)
+      parts = {int(i), int(i)};
+    else if (parts.second == parts.first && !repeats(triangles[i], triangles[std::size_t(parts.first)]))
+      parts.second = int(i);
+  }
+  return result;
+}
+
+}  // namespace penumbra

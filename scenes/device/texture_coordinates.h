@@ -1,0 +1,20 @@
+// Texture coordinates of triangles, and the triangles whose coordinates lights have.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "kernels/scene_types.h"
+#include "scenes/scene_description.h"
+
+namespace penumbra {
+
+/// Of the triangle of these vertices of the mesh. Without texture coordinates they are Mitsuba's: barycentric
+/// ones of the second and third vertex; `flipped`: which the caller exchanged.
+VertexUvs vertex_uvs(const Mesh& mesh, const glm::uvec3& corner, bool flipped);
+
+/// For each light the triangles that are it, none twice where triangles repeat others.
+std::vector<LightTriangles> light_triangles(std::span<const Triangle> triangles, std::size_t lights);
+
+}  // namespace penumbra
