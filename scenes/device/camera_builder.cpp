@@ -21,7 +21,7 @@ Camera build_camera(const PerspectiveCamera& camera, const Film& film, const vec
   result.x = to_vec3(glm::normalize(axes[0]) * tan_x);
   result.y = to_vec3(glm::normalize(axes[1]) * (tan_x * h / w));
   result.z = to_vec3(glm::normalize(axes[2]));
-  camera_parameters([&](const char*, auto member, const auto&, const char*, auto... copied) {
+  camera_parameters([&](const char*, [[maybe_unused]] auto member, const auto&, const char*, auto... copied) {
     ((result.*copied = float(camera.*member)), ...);
   });
   return result;
