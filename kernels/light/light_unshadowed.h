@@ -122,8 +122,8 @@ FN int part_of(const PRIVATE Scene* scene, int polygon, int k) {
 }
 
 /// Rough upper bound of the irradiance from a light without a closed form, channels averaged. Choosing among
-/// lights needs no more.
-FN double rough_irradiance(GLOBAL const Light* light, double x, double y, double z) {
+/// lights needs no more. `is_sky`: it surrounds the scene.
+FN double rough_irradiance(GLOBAL const Light* light, bool is_sky, double x, double y, double z) {
   const vec3 p = load3(&light->p0), radiance = load3(&light->radiance);
   const double dx = p.x - x, dy = p.y - y, dz = p.z - z;
   const double d2 = dx * dx + dy * dy + dz * dz;
@@ -134,7 +134,7 @@ FN double rough_irradiance(GLOBAL const Light* light, double x, double y, double
   const double solid = light->kind == LIGHT_POINT ? 1.0 : section;
   const double seen = solid / (d2 > 0.0 ? d2 : 1.0);
   const double limited = ((bounded & (seen > pi)) | (d2 == 0.0)) ? pi : seen;
-  return mean * (light->kind == LIGHT_ENVIRONMENT ? pi : limited);
+  return mean * (is_sky ? pi : limited);
 }
 
 /// Sums the closed forms of all polygon lights except the point's own: unshadowed radiance towards the
@@ -165,6 +165,7 @@ STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE ShadingPo
   }
   for (int k = 0; choose && k < scene->header.tables.lights.count; k++) {
     GLOBAL const Light* light = scene->lights + k;
+    const bool is_sky = k == scene->header.environment;
     if (light->polygon >= 0) continue;
     LANE_LOOP
       for (int j = 0; j < LANES; j++) {
@@ -172,7 +173,7 @@ STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE ShadingPo
         const double reflectance = points->diffuse[j] + points->diffuse[LANES + j] +
                                    points->diffuse[2 * LANES + j] + points->specular[j] +
                                    points->specular[LANES + j] + points->specular[2 * LANES + j];
-        const double most = rough_irradiance(light, r->px[j], r->py[j], r->pz[j]);
+        const double most = rough_irradiance(light, is_sky, r->px[j], r->py[j], r->pz[j]);
         add_to_reservoir(reservoir, j, scene->header.tables.polygons.count + k, reflectance * most);
       }
   }
