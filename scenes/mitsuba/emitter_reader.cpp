@@ -15,7 +15,7 @@ void read_point_light(PluginReader& plugin, SceneDescription& scene) {
   const glm::dmat4 to_world = plugin.transform("to_world");
   if (position && plugin.has("to_world")) plugin.wrong("position", "either position or to_world, not both");
   light.position = position.value_or(transform_point(to_world, glm::dvec3(0.0)));
-  light.intensity = plugin.colour("intensity", light.intensity, ColourRole::kEmission);
+  plugin.read_colour("intensity", light.intensity, ColourRole::kEmission);
   plugin.accept({"sampling_weight"});
   scene.emitters.emplace_back(light);
 }
@@ -23,8 +23,9 @@ void read_point_light(PluginReader& plugin, SceneDescription& scene) {
 void read_environment(PluginReader& plugin, SceneDescription& scene) {
   if (std::ranges::any_of(scene.emitters, is_sky))
     plugin.wrong("there is a second constant emitter; a scene has one");
-  scene.emitters.emplace_back(
-      ConstantEnvironment{plugin.colour("radiance", glm::vec3(1.0f), ColourRole::kEmission)});
+  ConstantEnvironment environment;
+  plugin.read_colour("radiance", environment.radiance, ColourRole::kEmission);
+  scene.emitters.emplace_back(environment);
   plugin.transform("to_world");  // which a constant does not see
   plugin.accept({"sampling_weight"});
 }
@@ -51,7 +52,7 @@ void read_area_light(const Context& context, const Object& emitter, Shape& shape
     plugin.skip();
     return;
   }
-  shape.radiance = plugin.colour("radiance", glm::vec3(1.0f), ColourRole::kEmission);
+  plugin.read_colour("radiance", shape.radiance.emplace(1.0f), ColourRole::kEmission);
   shape.two_sided_emission = plugin.boolean("two_sided", false);
   if (shape.two_sided_emission && std::holds_alternative<Sphere>(shape.geometry))
     plugin.wrong("two_sided", "a sphere emits to one side; flip_normals chooses the inside");

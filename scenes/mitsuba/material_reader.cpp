@@ -9,13 +9,15 @@ namespace penumbra::mitsuba {
 namespace {
 
 BsdfModel read_diffuse(PluginReader& plugin) {
-  return DiffuseBsdf{plugin.colour("reflectance", glm::vec3(0.5f), ColourRole::kReflectance)};
+  DiffuseBsdf diffuse;
+  plugin.read_colour("reflectance", diffuse.reflectance, ColourRole::kReflectance);
+  return diffuse;
 }
 
 BsdfModel read_phong(PluginReader& plugin) {
   PhongBsdf phong;
-  phong.diffuse = plugin.colour("diffuse_reflectance", phong.diffuse, ColourRole::kReflectance);
-  phong.specular = plugin.colour("specular_reflectance", phong.specular, ColourRole::kReflectance);
+  plugin.read_colour("diffuse_reflectance", phong.diffuse, ColourRole::kReflectance);
+  plugin.read_colour("specular_reflectance", phong.specular, ColourRole::kReflectance);
   const double exponent = plugin.number("exponent", double(phong.exponent));
   if (!(exponent >= 0.0 && exponent <= double(std::numeric_limits<float>::max()))) {
     plugin.wrong("exponent", fmt::format("a Phong exponent must be 0 or more, not {}", exponent));

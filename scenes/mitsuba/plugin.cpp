@@ -142,7 +142,7 @@ std::optional<glm::vec3> PluginReader::colour_of(const Parameter& parameter, Col
   return reflects ? reflectance_to_rgb(spectrum->samples) : emission_to_rgb(spectrum->samples);
 }
 
-glm::vec3 PluginReader::colour(std::string_view name, glm::vec3 fallback, ColourRole role) {
+void PluginReader::read_colour(std::string_view name, glm::vec3& colour, ColourRole role) {
   const Parameter* parameter = take(name);
   if (const Object* plugin = colour_plugin(name)) {
     if (parameter != nullptr)
@@ -157,23 +157,22 @@ glm::vec3 PluginReader::colour(std::string_view name, glm::vec3 fallback, Colour
       const std::vector<std::string> known = {"rgb", "srgb", "spectrum with a value"};
       context_.unknown_plugin(*plugin, known, "a plain magenta stands in for it");
     }
-    return kStandInColour;
+    colour = kStandInColour;
+    return;
   }
-  if (parameter == nullptr) return fallback;
+  if (parameter == nullptr) return;
   const auto rgb = colour_of(*parameter, role);
-  if (!rgb) return fallback;
+  if (!rgb) return;
   for (int i = 0; i < 3; ++i) {
     const float value = (*rgb)[i];
     if (role == ColourRole::kReflectance && !(value >= 0.0f && value <= 1.0f)) {
-      wrong(name, fmt::format("a reflectance must be between 0 and 1, not {}", value));
-      return fallback;
+      return wrong(name, fmt::format("a reflectance must be between 0 and 1, not {}", value));
     }
     if (role == ColourRole::kEmission && !(value >= 0.0f && std::isfinite(value))) {
-      wrong(name, fmt::format("an emission must be 0 or more and finite, not {}", value));
-      return fallback;
+      return wrong(name, fmt::format("an emission must be 0 or more and finite, not {}", value));
     }
   }
-  return *rgb;
+  colour = *rgb;
 }
 
 void PluginReader::settings(SceneDescription& scene, std::string_view group,

@@ -45,8 +45,8 @@ class PluginReader {
   std::string text(std::string_view name, std::string_view fallback);
   std::optional<glm::dvec3> point(std::string_view name);
   glm::dmat4 transform(std::string_view name);
-  /// A colour, in linear Rec. 709. A texture is none that can be read.
-  glm::vec3 colour(std::string_view name, glm::vec3 fallback, ColourRole role);
+  /// Sets the colour, in linear Rec. 709, where it is given. A texture is none that can be read.
+  void read_colour(std::string_view name, glm::vec3& colour, ColourRole role);
 
   /// Sets every parameter among `names` that is given, as "group.name" (see settings.h). `prefix` goes before
   /// the parameter's name in the key.
