@@ -217,7 +217,25 @@ PENUMBRA_NAMESPACE_BEGIN
   T(A, triangle_leaves, TriangleLeaf, 0, "leaves of triangles")               \
   T(A, quadric_leaves, QuadricLeaf, 0, "leaves of spheres and disks")         \
   /* See filter.h. */                                                         \
-  T(A, filter_table, float, FILTER_TABLE_SIZE, "cells of the pixel filter")
+  T(A, filter_table, float, FILTER_TABLE_SIZE, "cells of the pixel filter")   \
+  LIGHT_TABLES(T, A)
+
+// I(table, record, member, target table, least, what it is if the member is no index there or less than
+// `least`). Of a table that is empty, the records that kernels read all the same are checked too.
+#define SCENE_INDICES(I)                                                                                  \
+  I(triangles, Triangle, front, materials, 0, "a triangle names a material that is not there")            \
+  I(triangles, Triangle, back, materials, 0, "a triangle names a material that is not there")             \
+  I(triangles, Triangle, light, lights, -1, "a triangle names a light that is not there")                 \
+  I(triangles, Triangle, normals, normals, -1, "a triangle names normals that are not there")             \
+  I(quadrics, Quadric, front, materials, 0, "a quadric names a material that is not there")               \
+  I(quadrics, Quadric, back, materials, 0, "a quadric names a material that is not there")                \
+  I(quadrics, Quadric, light, lights, -1, "a quadric names a light that is not there")                    \
+  I(lights, Light, alias, lights, 0, "a light's alias is not there")                                      \
+  I(light_triangles, LightTriangles, first, triangles, -1, "a light names a triangle that is not there")  \
+  I(light_triangles, LightTriangles, second, triangles, -1, "a light names a triangle that is not there") \
+  I(corners, Corner, v0, vertices, 0, "a corner names a vertex that is not there")                        \
+  I(corners, Corner, v1, vertices, 0, "a corner names a vertex that is not there")                        \
+  I(corners, Corner, v2, vertices, 0, "a corner names a vertex that is not there")
 
 // Where a table is: offsets count 32-bit words from the start of the scene's array. A table that the scene
 // does not need has count 0.

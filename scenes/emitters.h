@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "kernels/scene_types.h"
+#include "scenes/device/scene_records.h"
 #include "scenes/device/to_vec3.h"
 
 namespace penumbra {
@@ -17,6 +18,7 @@ namespace penumbra {
 struct EmitterPlace {
   std::function<vec3(const glm::dvec3&)> local;  ///< in the coordinates of the device scene
   double scene_radius;                           ///< of a sphere about everything
+  SceneRecords& records;                         ///< for tables of a kind's own
 };
 
 struct EmitterLight {

@@ -12,6 +12,13 @@
 namespace penumbra {
 namespace {
 
+// How many records of each table kernels read whatever it holds.
+enum {
+#define LEAST_RECORDS(_, name, record, least, what) LEAST_##name = least,
+  SCENE_TABLES(LEAST_RECORDS, _)
+#undef LEAST_RECORDS
+};
+
 class Checker {
  public:
   explicit Checker(const DeviceScene& scene) : scene_(scene), h_(scene.header) {}
@@ -66,8 +73,16 @@ class Checker {
 
   [[nodiscard]] bool has(unsigned feature) const { return (h_.features & feature) != 0; }
   static TableSpan at_least_one(TableSpan span) { return {std::max(span.count, 1), span.offset}; }
-  [[nodiscard]] bool is_material(int i) const { return in(i, 0, h_.tables.materials.count - 1); }
-  [[nodiscard]] bool is_light(int i) const { return in(i, -1, h_.tables.lights.count - 1); }
+
+  /// Of every record of `from`, and of those that kernels read of an empty table: the member is an index into
+  /// `to`, or at least `least`.
+  template <typename Record>
+  void check_index(TableSpan from, int least_from, int Record::*member, TableSpan to, int least_to, int least,
+                   const char* what) {
+    const int last = (from.count > 0 ? to.count : std::max(to.count, least_to)) - 1;
+    from.count = std::max(from.count, least_from);
+    for (const Record& record : table<Record>(scene_, from)) require(in(record.*member, least, last), what);
+  }
 
   void check_records() {
     require(h_.tables.materials.count >= 1, "no material");
@@ -75,22 +90,14 @@ class Checker {
       require(m.family == FAMILY_BLACK || (in(m.family, 1, 31) && (h_.families >> m.family & 1u) != 0),
               "a material of a family of BSDFs that the header does not name");
     require(in(h_.environment, -1, h_.tables.lights.count - 1), "the environment names no light");
-    // Even without triangles, record 0 is read for rays that miss.
-    for (const Triangle& t : table<Triangle>(scene_, at_least_one(h_.tables.triangles))) {
-      require(is_material(t.front) && is_material(t.back), "a triangle names a material that is not there");
-      require(in(t.light, -1, at_least_one(h_.tables.lights).count - 1),
-              "a triangle names a light that is not there");
-      require(in(t.normals, -1, at_least_one(h_.tables.normals).count - 1),
-              "a triangle names normals that are not there");
-    }
+#define CHECK_INDEX(name, record, member, target, least, what) \
+  check_index(h_.tables.name, LEAST_##name, &record::member, h_.tables.target, LEAST_##target, least, what);
+    SCENE_INDICES(CHECK_INDEX)
+#undef CHECK_INDEX
     check_uvs();
-    for (const Quadric& q : table<Quadric>(scene_, h_.tables.quadrics)) {
-      require(is_material(q.front) && is_material(q.back), "a quadric names a material that is not there");
-      require(is_light(q.light), "a quadric names a light that is not there");
+    for (const Quadric& q : table<Quadric>(scene_, h_.tables.quadrics))
       require(in(q.kind, QUADRIC_SPHERE, QUADRIC_DISK), "a quadric of unknown kind");
-    }
     for (const Light& l : table<Light>(scene_, at_least_one(h_.tables.lights))) {
-      require(in(l.alias, 0, at_least_one(h_.tables.lights).count - 1), "a light's alias is not there");
       require(in(l.kind, 0, LIGHT_KIND_COUNT - 1), "a light of unknown kind");
       require(h_.tables.lights.count == 0 ||
                   (in(l.kind, 0, LIGHT_KIND_COUNT - 1) && (h_.light_kinds >> l.kind & 1u) != 0),
@@ -121,9 +128,6 @@ class Checker {
     require(has(FEATURE_UV) || (uvs == 0 && parts == 0), "texture coordinates without their feature bit");
     require(uvs == 0 || uvs == h_.tables.triangles.count, "texture coordinates do not match the triangles");
     require(parts == 0 || parts == h_.tables.lights.count, "triangles of lights do not match the lights");
-    const int last = at_least_one(h_.tables.triangles).count - 1;
-    for (const LightTriangles& l : table<LightTriangles>(scene_, at_least_one(h_.tables.light_triangles)))
-      require(in(l.first, -1, last) && in(l.second, -1, last), "a light names a triangle that is not there");
   }
 
   void check_polygons() {
@@ -149,10 +153,6 @@ class Checker {
     }
     require(h_.tables.vertices.count <= MAX_WHOLE_VERTICES, "too many vertices to be tested whole");
     require(h_.tables.corners.count == h_.tables.triangles.count, "corners do not match the triangles");
-    for (const Corner& c : table<Corner>(scene_, h_.tables.corners))
-      require(in(c.v0, 0, h_.tables.vertices.count - 1) && in(c.v1, 0, h_.tables.vertices.count - 1) &&
-                  in(c.v2, 0, h_.tables.vertices.count - 1),
-              "a corner names a vertex that is not there");
   }
 
   void check_hierarchy() {

@@ -17,6 +17,9 @@ PENUMBRA_NAMESPACE_BEGIN
   X(environment, ENVIRONMENT, 4, 0, "environment light")                                                \
   X(rectangle, RECTANGLE, 5, FEATURE_UV, "rectangles that emit, each of two triangles")
 
+// Rows of SCENE_TABLES for what single kinds have many numbers of.
+#define LIGHT_TABLES(T, A)
+
 #define ENUMERATE_KIND(name, NAME, number, ways, description) LIGHT_##NAME = number,
 #define COUNT_KIND(name, NAME, number, ways, description) +1
 enum { LIGHT_KINDS(ENUMERATE_KIND) LIGHT_KIND_COUNT = 0 LIGHT_KINDS(COUNT_KIND) };

@@ -209,7 +209,7 @@ class Builder {
     for (std::size_t kind = 0; kind < std::variant_size_v<Emitter>; ++kind)
       for (const Emitter& emitter : scene_.emitters) {
         if (emitter.index() != kind || is_black(emitter)) continue;
-        const int light = lights_.add_emitter(emitter, {at, radius_});
+        const int light = lights_.add_emitter(emitter, {at, radius_, records_});
         if (is_sky(emitter)) h_.environment = light;
       }
     lights_.finish();

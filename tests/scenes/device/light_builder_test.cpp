@@ -27,7 +27,8 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using enum EmitterSampling;
 
-const EmitterPlace kPlace{[](const glm::dvec3& p) { return to_vec3(p); }, 10};
+SceneRecords records;
+const EmitterPlace kPlace{[](const glm::dvec3& p) { return to_vec3(p); }, 10, records};
 
 constexpr EmitterSampling kSamplings[] = {kAuto, kArea, kSolidAngle, kProjected};
 constexpr double kFloat = 1.0 / (1 << 24);  ///< half an ulp, relative
