@@ -139,39 +139,22 @@ FN SlotState make_slot_state(uint features, GLOBAL uint* words, int capacity) {
 }
 #undef STATE_PLACE
 
-#define LOAD_WORD(array, capacity, i) (array)[i]
-#define LOAD_FLAG(array, capacity, i) ((array)[i] != 0)
-#define LOAD_VEC3(array, capacity, i) \
-  make_vec3((array)[i], (array)[(capacity) + (i)], (array)[2 * (capacity) + (i)])
-#define STORE_WORD(array, capacity, i, value) (array)[i] = (value)
-#define STORE_FLAG(array, capacity, i, value) (array)[i] = (value) ? 1 : 0
-#define STORE_VEC3(array, capacity, i, value) \
-  (array)[i] = (value).x, (array)[(capacity) + (i)] = (value).y, (array)[2 * (capacity) + (i)] = (value).z
-#define LOAD_STATE_float LOAD_WORD
-#define LOAD_STATE_int LOAD_WORD
-#define LOAD_STATE_bool LOAD_FLAG
-#define LOAD_STATE_vec3 LOAD_VEC3
-#define STORE_STATE_float STORE_WORD
-#define STORE_STATE_int STORE_WORD
-#define STORE_STATE_bool STORE_FLAG
-#define STORE_STATE_vec3 STORE_VEC3
-
 // get_throughput(paths, lane), set_throughput(paths, lane, value); get_slot_albedo(slots, slot) ...
 #define PATH_ACCESSORS(type, name, needs, travels)                        \
   FN type get_##name(const PRIVATE PathState* paths, int i) {             \
-    return LOAD_STATE_##type(paths->name, paths->capacity, i);            \
+    return LOAD_ENTRY_##type(paths->name, paths->capacity, i);            \
   }                                                                       \
   FN void set_##name(const PRIVATE PathState* paths, int i, type value) { \
-    STORE_STATE_##type(paths->name, paths->capacity, i, value);           \
+    STORE_ENTRY_##type(paths->name, paths->capacity, i, value);           \
   }
 PATH_FIELDS(PATH_ACCESSORS)
 #undef PATH_ACCESSORS
 #define SLOT_ACCESSORS(type, name, needs, travels)                             \
   FN type get_slot_##name(const PRIVATE SlotState* slots, int i) {             \
-    return LOAD_STATE_##type(slots->name, slots->capacity, i);                 \
+    return LOAD_ENTRY_##type(slots->name, slots->capacity, i);                 \
   }                                                                            \
   FN void set_slot_##name(const PRIVATE SlotState* slots, int i, type value) { \
-    STORE_STATE_##type(slots->name, slots->capacity, i, value);                \
+    STORE_ENTRY_##type(slots->name, slots->capacity, i, value);                \
   }
 SLOT_FIELDS(SLOT_ACCESSORS)
 #undef SLOT_ACCESSORS

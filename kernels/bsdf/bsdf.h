@@ -24,7 +24,7 @@ PENUMBRA_NAMESPACE_BEGIN
     LANE_LOOP                                                                                          \
       for (int j = 0; j < LANES; j++) {                                                                \
         GLOBAL const Material* material = scene->materials + materials[j];                             \
-        STORE_LANE_##type(closures->name, j, MATERIAL_VALUE_##type(material->name));                   \
+        STORE_ENTRY_##type(closures->name, LANES, j, MATERIAL_VALUE_##type(material->name));           \
       }                                                                                                \
   }
 CLOSURE_FIELDS(RESOLVE_LANES, )

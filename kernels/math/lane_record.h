@@ -10,25 +10,29 @@
 #define LANE_ARRAY_int(name) int name[LANES];
 #define LANE_ARRAY_bool(name) int name[LANES];
 #define LANE_ARRAY_vec3(name) float name[3 * LANES];
-#define LOAD_LANE_float(array, j) (array)[j]
-#define LOAD_LANE_int(array, j) (array)[j]
-#define LOAD_LANE_bool(array, j) ((array)[j] != 0)
-#define LOAD_LANE_vec3(array, j) make_vec3((array)[j], (array)[LANES + (j)], (array)[2 * LANES + (j)])
-#define STORE_LANE_float(array, j, value) (array)[j] = (value)
-#define STORE_LANE_int(array, j, value) (array)[j] = (value)
-#define STORE_LANE_bool(array, j, value) (array)[j] = (value) ? 1 : 0
-#define STORE_LANE_vec3(array, j, value) \
-  (array)[j] = (value).x, (array)[LANES + (j)] = (value).y, (array)[2 * LANES + (j)] = (value).z
+// Entry i of an array of a type; the coordinates of a vec3 are `stride` apart.
+#define LOAD_ENTRY_float(array, stride, i) (array)[i]
+#define LOAD_ENTRY_int(array, stride, i) (array)[i]
+#define LOAD_ENTRY_bool(array, stride, i) ((array)[i] != 0)
+#define LOAD_ENTRY_vec3(array, stride, i) \
+  make_vec3((array)[i], (array)[(stride) + (i)], (array)[2 * (stride) + (i)])
+#define STORE_ENTRY_float(array, stride, i, value) (array)[i] = (value)
+#define STORE_ENTRY_int(array, stride, i, value) (array)[i] = (value)
+#define STORE_ENTRY_bool(array, stride, i, value) (array)[i] = (value) ? 1 : 0
+#define STORE_ENTRY_vec3(array, stride, i, value) \
+  (array)[i] = (value).x, (array)[(stride) + (i)] = (value).y, (array)[2 * (stride) + (i)] = (value).z
+#define LOAD_LANE_vec3(array, j) LOAD_ENTRY_vec3(array, LANES, j)
+#define STORE_LANE_vec3(array, j, value) STORE_ENTRY_vec3(array, LANES, j, value)
 
 #define RECORD_MEMBER(a, type, name) type name;
 #define RECORD_ARRAY(a, type, name) LANE_ARRAY_##type(name)
-#define RECORD_LOAD(a, type, name) record.name = LOAD_LANE_##type(lanes->name, j);
+#define RECORD_LOAD(a, type, name) record.name = LOAD_ENTRY_##type(lanes->name, LANES, j);
 #define RECORD_SELECT(a, type, name) record.name = SELECT_##type(condition, yes.name, no.name);
 #define SELECT_float(c, yes, no) ((c) ? (yes) : (no))
 #define SELECT_int(c, yes, no) ((c) ? (yes) : (no))
 #define SELECT_bool(c, yes, no) ((c) ? (yes) : (no))
 #define SELECT_vec3(c, yes, no) select3(c, yes, no)
-#define RECORD_STORE(a, type, name) STORE_LANE_##type(lanes->name, j, record.name);
+#define RECORD_STORE(a, type, name) STORE_ENTRY_##type(lanes->name, LANES, j, record.name);
 
 /// struct Name, struct Names of LANES of them, load_name(names, lane), store_name(names, lane, record) and
 /// select_name(condition, yes, no).
