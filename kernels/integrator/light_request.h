@@ -39,14 +39,12 @@ STAGE void store_shading_points(const PRIVATE Scene* scene, const PRIVATE Surfac
 }
 
 /// Adds the closed form to the sums of the paths, times their throughput.
-STAGE void add_analytic(const PRIVATE PathState* paths, int i, bool path,
-                        const PRIVATE double* RESTRICT analytic) {
+STAGE void add_analytic(const PRIVATE PathState* paths, int i, const PRIVATE double* RESTRICT analytic) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const vec3 form =
           make_vec3((float)analytic[j], (float)analytic[LANES + j], (float)analytic[2 * LANES + j]);
-      const vec3 throughput = get_throughput(paths, i + j);
-      const vec3 more = path ? mul(throughput, form) : form;
+      const vec3 more = mul(get_throughput(paths, i + j), form);
       set_analytic(paths, i + j, add(get_analytic(paths, i + j), more));
     }
 }
@@ -74,7 +72,7 @@ STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request,
     }
   if (request.choice)
     choose_part(scene, &points, request.projected, &reservoir, samplings, projected, u + DIM_LIGHT_U * LANES);
-  if (request.closed) add_analytic(paths, i, request.path, analytic);
+  if (request.closed) add_analytic(paths, i, analytic);
 }
 #endif
 
@@ -128,11 +126,10 @@ STAGE void note_left_normals(const PRIVATE PathState* paths, int i,
 }
 #endif
 
-/// What the light sampling stage decides for LANES paths from lane i on, whose samplings were clear. With
-/// `finds` their last rays found lights.
+/// What the light sampling stage decides for LANES paths from lane i on; the rest of their samplings stays as
+/// start_step left it. With `finds` their last rays found lights.
 FN void request_lights(const PRIVATE Scene* scene, LightRequest request, bool finds, PRIVATE StepLanes* step,
                        const PRIVATE PathState* paths, int i) {
-  if (request.choice | request.projected) clear_light_samplings(&step->samplings);
 #if HAS(PROJECTED) || HAS(POLYGONS)
   double projected[LANES];
 #endif
