@@ -20,7 +20,8 @@
   X(POLYGONS, 0x1000, "polygon lights in closed form")                        \
   X(LOOK_THROUGH, 0x2000, "hidden emitters that the camera looks through")    \
   X(RATIO, 0x4000, "ratio estimator of polygon lights")                       \
-  X(UV, 0x8000, "texture coordinates and tangents")
+  X(UV, 0x8000, "texture coordinates and tangents")                           \
+  X(TEXTURES, 0x10000, "textures")
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FEATURE_PATH 0x001
@@ -38,7 +39,8 @@
 #define FEATURE_LOOK_THROUGH 0x2000
 #define FEATURE_RATIO 0x4000
 #define FEATURE_UV 0x8000
-#define FEATURE_ALL 0xff7f
+#define FEATURE_TEXTURES 0x10000
+#define FEATURE_ALL 0x1ff7f
 
 /// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)

@@ -132,11 +132,12 @@ STAGE void weigh_directions(int kind, const PRIVATE Surfaces* RESTRICT surfaces,
 }
 
 /// Directions that the scene does not leave to the BSDFs, and the closures' values for them, as samples.
-FN void choose_directions(const PRIVATE SceneHeader* h, PRIVATE StepLanes* step) {
+FN void choose_directions(const PRIVATE Scene* scene, PRIVATE StepLanes* step) {
+  const PRIVATE SceneHeader* h = &scene->header;
   float wi[3 * LANES];
   BsdfValues values;
   direction_samples(h->integrator.bsdf_sampling, &step->surfaces, step->u + DIM_BSDF_U * LANES, wi);
-  eval_bsdfs(step->families, &step->closures, &step->surfaces, wi, &values);
+  eval_bsdfs(scene, step->families, &step->closures, &step->surfaces, wi, &values);
   weigh_directions(h->integrator.bsdf_sampling, &step->surfaces, wi, &values, &step->samples);
 }
 
@@ -198,15 +199,15 @@ FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
     if (step.families == 0u) continue;  // nothing scatters
     if (emits) {
       sample_step_lights(scene, &step);
-      eval_bsdfs(step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
+      eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
       request_emitter_samples(scene, paths, i, &step);
     }
     if (scatters) {
       if (h->integrator.bsdf_sampling == DIRECTION_BSDF)
-        sample_bsdfs(step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
+        sample_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
                      step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
       else
-        choose_directions(h, &step);
+        choose_directions(scene, &step);
       request_directions(scene, paths, i, &step);
     }
   }

@@ -15,29 +15,35 @@ FN BsdfSample only_direction(Closure c, vec3 wi, float eta) {
   return s;
 }
 
-FN BsdfValue mirror_eval(Closure c, vec3 wo, vec3 wi) { return no_bsdf_value(); }
-FN BsdfSample mirror_sample(Closure c, vec3 wo, float u, float v, float choice) {
+FN BsdfValue mirror_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) { return no_bsdf_value(); }
+FN BsdfSample mirror_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v, float choice) {
   return only_direction(c, make_vec3(-wo.x, -wo.y, wo.z), 1.0f);
 }
 
-FN BsdfValue window_eval(Closure c, vec3 wo, vec3 wi) { return no_bsdf_value(); }
-FN BsdfSample window_sample(Closure c, vec3 wo, float u, float v, float choice) {
+FN BsdfValue window_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) { return no_bsdf_value(); }
+FN BsdfSample window_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v, float choice) {
   return only_direction(c, negate(wo), 1.0f);
 }
 
 /// `exponent` is the refractive index of the other side over that of wo's.
-FN BsdfValue refracting_eval(Closure c, vec3 wo, vec3 wi) { return no_bsdf_value(); }
-FN BsdfSample refracting_sample(Closure c, vec3 wo, float u, float v, float choice) {
+FN BsdfValue refracting_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
+  return no_bsdf_value();
+}
+FN BsdfSample refracting_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v,
+                                float choice) {
   const float x = -wo.x / c.exponent, y = -wo.y / c.exponent, cosine2 = 1.0f - (x * x + y * y);
   const bool gets_through = cosine2 > 0.0f;
   const vec3 through = make_vec3(x, y, -safe_sqrt(cosine2)), reflected = make_vec3(-wo.x, -wo.y, wo.z);
   return only_direction(c, select3(gets_through, through, reflected), gets_through ? c.exponent : 1.0f);
 }
 
-#define PHONG_AGAIN(name, NAME, number, properties, text)                                 \
-  FN BsdfValue name##_eval(Closure c, vec3 wo, vec3 wi) { return phong_eval(c, wo, wi); } \
-  FN BsdfSample name##_sample(Closure c, vec3 wo, float u, float v, float choice) {       \
-    return phong_sample(c, wo, u, v, choice);                                             \
+#define PHONG_AGAIN(name, NAME, number, properties, text)                                       \
+  FN BsdfValue name##_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {           \
+    return phong_eval(scene, c, wo, wi);                                                        \
+  }                                                                                             \
+  FN BsdfSample name##_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v, \
+                              float choice) {                                                   \
+    return phong_sample(scene, c, wo, u, v, choice);                                            \
   }
 PHONG_AGAIN(glossy, , , , )
 EIGHT_PHONGS(PHONG_AGAIN)
