@@ -143,7 +143,10 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
       if (block->probe != 0) probe_step(block, control, step);
       occlude_block(scene, paths, count);
 #if HAS(POLYGONS)
-      if (control) add_controlled_light(paths, count);
+  #if HAS(LTC)
+      if (control && NEEDS(scene, LTC)) add_controlled_light_by_form(paths, count);
+  #endif
+      if (control && !NEEDS(scene, LTC)) add_controlled_light(paths, count);
 #endif
       if (!control) add_light(paths, count);
       if (block->probe != 0) probe_light(block, step);

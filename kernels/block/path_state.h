@@ -50,6 +50,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(vec3, shadow_radiance, EVERY_SCENE, NEVER)          /* arrives if nothing is in the way */                 \
   X(float, shadow_transmittance, EVERY_SCENE, NEVER)    /* what is in the way lets through: 0 to 1 */          \
   X(int, shadow_controlled, FEATURE_POLYGONS, NEVER)    /* CONTROLLED_* */                                     \
+  X(vec3, shadow_control, FEATURE_LTC, NEVER)           /* of the control variate, if nothing is in the way */ \
   /* polygon lights with control variates: sums over shadow rays with and without shadows, and closed forms */ \
   X(vec3, shadowed, FEATURE_POLYGONS, FEATURE_POLYGONS)                                                        \
   X(vec3, unshadowed, FEATURE_POLYGONS, FEATURE_POLYGONS)                                                      \

@@ -12,6 +12,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define TRANSMITS 4      // it scatters to the other side
 #define ANISOTROPIC 8    // the x axis of its frame is where u grows, see tangent_axis
 #define DELTA 16         // all its directions are DELTA_PDF: eval finds nothing
+#define LTC_FORM 32      // its light by polygon lights is nearly known in closed form: see control_lobes.h
 
 // X(name, NAME, its number, properties, what it is for people): `name`_eval and `name`_sample in
 // kernels/bsdf/`name`.h, and FAMILY_`NAME` below. Family 0 absorbs everything.
@@ -24,6 +25,12 @@ PENUMBRA_NAMESPACE_BEGIN
   X(diffuse, DIFFUSE, 1, CLOSED_FORM, "diffuse BSDF")           \
   X(phong, PHONG, 2, CLOSED_FORM | SEVERAL_LOBES, "Phong BSDF") \
   EXTRA_BSDF_FAMILIES(X)
+
+// X(name, NAME, its number): those with LTC_FORM.
+#ifndef EXTRA_LTC_FAMILIES
+  #define EXTRA_LTC_FAMILIES(X)
+#endif
+#define LTC_FAMILIES(X) EXTRA_LTC_FAMILIES(X)
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FAMILY_BLACK 0

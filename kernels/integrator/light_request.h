@@ -38,6 +38,18 @@ STAGE void store_shading_points(const PRIVATE Scene* scene, const PRIVATE Surfac
       store_shading_point(scene, load_surface(surfaces, j), load_closure(closures, j), points, j);
 }
 
+  #if HAS(LTC)
+STAGE void store_control_points(const PRIVATE Surfaces* RESTRICT surfaces,
+                                const PRIVATE Closures* RESTRICT closures,
+                                const PRIVATE ControlLanes* RESTRICT controls,
+                                PRIVATE ShadingPoints* RESTRICT points) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++)
+      store_control_point(load_surface(surfaces, j), load_closure(closures, j),
+                          load_control_lobes(controls, j), points, j);
+}
+  #endif
+
 /// Adds the closed form to the sums of the paths, times their throughput.
 STAGE void add_analytic(const PRIVATE PathState* paths, int i, const PRIVATE double* RESTRICT analytic) {
   LANE_LOOP
@@ -55,12 +67,18 @@ STAGE void add_analytic(const PRIVATE PathState* paths, int i, const PRIVATE dou
 STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request,
                             const PRIVATE Surfaces* RESTRICT surfaces,
                             const PRIVATE Closures* RESTRICT closures, const PRIVATE PathState* paths, int i,
+  #if HAS(LTC)
+                            const PRIVATE ControlLanes* RESTRICT controls,
+  #endif
                             PRIVATE float* RESTRICT u, PRIVATE LightSamplings* RESTRICT samplings,
                             PRIVATE double* RESTRICT projected) {
   ShadingPoints points;
   Reservoir reservoir;
   double analytic[3 * LANES];
   store_shading_points(scene, surfaces, closures, &points);
+  #if HAS(LTC)
+  if (NEEDS(scene, LTC)) store_control_points(surfaces, closures, controls, &points);
+  #endif
   for (int j = 0; j < LANES; j++) start_reservoir(&reservoir, j, (double)u[DIM_LIGHT_U * LANES + j]);
   const bool one_light = scene->polygons[0].light_count == scene->header.tables.lights.count;
   if (request.closed | !one_light)
@@ -133,10 +151,17 @@ FN void request_lights(const PRIVATE Scene* scene, LightRequest request, bool fi
 #if HAS(PROJECTED) || HAS(POLYGONS)
   double projected[LANES];
 #endif
+#if HAS(LTC)
+  if (NEEDS(scene, LTC))
+    find_controls(scene, step->families, &step->closures, &step->surfaces, &step->controls);
+#endif
 #if HAS(POLYGONS)
   if (request.choice | request.closed)
-    unshadowed_lanes(scene, request, &step->surfaces, &step->closures, paths, i, step->u, &step->samplings,
-                     projected);
+    unshadowed_lanes(scene, request, &step->surfaces, &step->closures, paths, i,
+  #if HAS(LTC)
+                     &step->controls,
+  #endif
+                     step->u, &step->samplings, projected);
 #endif
 #if HAS(PROJECTED)
   if (request.found & finds) project_found(scene, request.path, &step->surfaces, paths, i, &step->found);

@@ -3,6 +3,7 @@
 // bias of the image.
 #ifndef PENUMBRA_LIGHT_UNSHADOWED_H
 #define PENUMBRA_LIGHT_UNSHADOWED_H
+#include "kernels/bsdf/control_lobes.h"
 #include "kernels/bsdf/phong.h"
 #include "kernels/intersect/surface.h"
 #include "kernels/light/light_sampling.h"
@@ -72,6 +73,39 @@ FN void store_shading_point(const PRIVATE Scene* scene, Surface s, Closure c, PR
   points->specular[LANES + j] = lit ? (double)c.specular.y : 0.0;
   points->specular[2 * LANES + j] = lit ? (double)c.specular.z : 0.0;
 }
+
+  #if HAS(LTC)
+/// Makes lane j, set by store_shading_point, that of a closure with control lobes, if it is one.
+FN void store_control_point(Surface s, Closure c, ControlLobes control, PRIVATE ShadingPoints* points,
+                            int j) {
+  const bool has = has_ltc_form(c), lit = is_hit(s) & has & (dot3(s.shading, s.wo) > 0.0f);
+  const bool leans = lit & (control.width_x > 0.0f);
+  PRIVATE Receivers* r = &points->receivers;
+  // Of the mirror direction the part across the normal; where there is none the lobe is round.
+  const double nx = r->nx[j], ny = r->ny[j], nz = r->nz[j];
+  const double height = r->wx[j] * nx + r->wy[j] * ny + r->wz[j] * nz;
+  const double x = r->wx[j] - height * nx, y = r->wy[j] - height * ny, z = r->wz[j] - height * nz;
+  const double t2 = x * x + y * y + z * z;
+  const bool across = t2 > 1e-28;
+  const double shorten = 1.0 / SQRT_D(across ? t2 : 1.0);
+  const vec3 axis = from_frame(s.shading, 1.0f, 0.0f, 0.0f);
+  r->tx[j] = across ? x * shorten : (double)axis.x;
+  r->ty[j] = across ? y * shorten : (double)axis.y;
+  r->tz[j] = across ? z * shorten : (double)axis.z;
+  r->inverse_x[j] = leans ? 1.0 / (double)(leans ? control.width_x : 1.0f) : 0.0;
+  r->inverse_y[j] = leans ? 1.0 / (double)(leans ? control.width_y : 1.0f) : 0.0;
+  r->shift[j] = (double)control.shift;
+  r->exponent[j] = has ? -1.0 : r->exponent[j];
+  points->closed[j] = has ? 1 : points->closed[j];
+  const vec3 diffuse = control.diffuse, specular = control.specular;
+  points->diffuse[j] = has ? (lit ? (double)diffuse.x : 0.0) : points->diffuse[j];
+  points->diffuse[LANES + j] = has ? (lit ? (double)diffuse.y : 0.0) : points->diffuse[LANES + j];
+  points->diffuse[2 * LANES + j] = has ? (lit ? (double)diffuse.z : 0.0) : points->diffuse[2 * LANES + j];
+  points->specular[j] = has ? (lit ? (double)specular.x : 0.0) : points->specular[j];
+  points->specular[LANES + j] = has ? (lit ? (double)specular.y : 0.0) : points->specular[LANES + j];
+  points->specular[2 * LANES + j] = has ? (lit ? (double)specular.z : 0.0) : points->specular[2 * LANES + j];
+}
+  #endif
 
 /// A weighted reservoir of one item, with one entry a lane: of a stream of items it keeps each with a
 /// probability in proportion to its weight. One random number serves for all decisions. After each it is

@@ -15,6 +15,7 @@
 #include "scenes/device/filter_table.h"
 #include "scenes/device/integrator_builder.h"
 #include "scenes/device/light_builder.h"
+#include "scenes/device/ltc/ltc_table.h"
 #include "scenes/device/scene_records.h"
 #include "scenes/device/texture_coordinates.h"
 #include "scenes/device/to_vec3.h"
@@ -83,6 +84,10 @@ class Builder {
     }
     if (Expected<void> done = set_integrator(scene_.integrator, lights_, h_); !done)
       return fail(scene_.source + ": " + done.error().message);
+    if ((h_.features & FEATURE_POLYGONS) != 0u && (h_.families & families_with(LTC_FORM)) != 0u) {
+      need(FEATURE_LTC);
+      records_.ltc_cells = ltc_table();
+    }
     if (scene_.sampler.kind != SamplerKind::kSobol) need(FEATURE_SAMPLERS);
     if (Expected<void> done = choose_intersector(); !done) return std::unexpected(done.error());
     records_.filter_table = filter_table(scene_.film);
