@@ -22,7 +22,7 @@
   X(RATIO, 0x4000, "ratio estimator of polygon lights")                       \
   X(UV, 0x8000, "texture coordinates and tangents")                           \
   X(TEXTURES, 0x10000, "textures")                                            \
-  X(LTC, 0x40000, "polygon lights on glossy surfaces by linearly transformed cosines")
+  X(LTC, 0x40000, "glossy surfaces as linearly transformed cosines under triangle lights")
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FEATURE_PATH 0x001

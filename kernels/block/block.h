@@ -144,9 +144,9 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
       occlude_block(scene, paths, count);
 #if HAS(POLYGONS)
   #if HAS(LTC)
-      if (control && NEEDS(scene, LTC)) add_controlled_light_by_form(paths, count);
+      if (has_other_control(scene)) add_controlled_light_by_form(paths, count);
   #endif
-      if (control && !NEEDS(scene, LTC)) add_controlled_light(paths, count);
+      if (control && !has_other_control(scene)) add_controlled_light(paths, count);
 #endif
       if (!control) add_light(paths, count);
       if (block->probe != 0) probe_light(block, step);

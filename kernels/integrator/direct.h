@@ -201,11 +201,11 @@ FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
       sample_step_lights(scene, &step);
       eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
   #if HAS(LTC)
-      if (NEEDS(scene, LTC)) admit_controls(scene, &step);
+      if (has_other_control(scene)) admit_controls(scene, &step);
   #endif
       request_emitter_samples(scene, paths, i, &step);
   #if HAS(LTC)
-      if (NEEDS(scene, LTC))
+      if (has_other_control(scene))
         request_controls(scene, paths, i, (float)h->integrator.emitter_samples, false, &step);
   #endif
     }

@@ -4,6 +4,7 @@
 #define PENUMBRA_LIGHT_REQUEST_H
 #include "kernels/integrator/step.h"
 #include "kernels/light/light_unshadowed.h"
+#include "kernels/light/lobe_projection.h"
 #include "kernels/light/projected_light.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -142,6 +143,59 @@ STAGE void note_left_normals(const PRIVATE PathState* paths, int i,
   LANE_LOOP
     for (int j = 0; j < LANES; j++) set_left_normal(paths, i + j, LOAD_LANE_vec3(surfaces->shading, j));
 }
+
+  #if HAS(LTC)
+// The same three where closures have control lobes.
+STAGE void sample_lobes_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+                               const PRIVATE ControlLanes* RESTRICT controls, const PRIVATE float* RESTRICT u,
+                               PRIVATE LightSamplings* RESTRICT samplings) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(receivers, j);
+      const float number = u[DIM_LIGHT_U * LANES + j];
+      const ChosenLight by_power = choose_light(scene, number, u[DIM_LIGHT_FINE * LANES + j]);
+      const int chosen = samplings->light[j];
+      const bool is_chosen = chosen >= 0;
+      const int light = is_chosen ? chosen : by_power.light;
+      const LightReceiver r = receiver_of(s);
+      sample_lobes_light(scene, r, receiver_lobes(s.shading, s.wo, load_control_lobes(controls, j)), light,
+                         is_own_light(scene, r, light), is_chosen ? number : by_power.u,
+                         u[DIM_LIGHT_V * LANES + j], samplings, j);
+    }
+}
+FN ReceiverLobes left_lobes(const PRIVATE PathState* paths, int i) {
+  ReceiverLobes r;
+  r.normal = get_left_normal(paths, i);
+  r.wo = get_left_wo(paths, i);
+  r.matrix = get_left_matrix(paths, i);
+  r.specular = get_left_specular(paths, i);
+  return r;
+}
+STAGE void project_found_lobes(const PRIVATE Scene* scene, bool path,
+                               const PRIVATE Surfaces* RESTRICT receivers,
+                               const PRIVATE ControlLanes* RESTRICT controls, const PRIVATE PathState* paths,
+                               int i, PRIVATE FoundLights* RESTRICT found) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(receivers, j);
+      const ReceiverLobes here = receiver_lobes(s.shading, s.wo, load_control_lobes(controls, j));
+      const ReceiverLobes lobes = select_receiver_lobes(path, left_lobes(paths, i + j), here);
+      found->projected_pdf[j] = lobes_density(scene, load_found_light(found, j), lobes);
+    }
+}
+STAGE void note_left_lobes(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
+                           const PRIVATE ControlLanes* RESTRICT controls) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(surfaces, j);
+      const ReceiverLobes lobes = receiver_lobes(s.shading, s.wo, load_control_lobes(controls, j));
+      set_left_normal(paths, i + j, lobes.normal);
+      set_left_wo(paths, i + j, lobes.wo);
+      set_left_matrix(paths, i + j, lobes.matrix);
+      set_left_specular(paths, i + j, lobes.specular);
+    }
+}
+  #endif
 #endif
 
 /// What the light sampling stage decides for LANES paths from lane i on; the rest of their samplings stays as
@@ -164,6 +218,16 @@ FN void request_lights(const PRIVATE Scene* scene, LightRequest request, bool fi
                      step->u, &step->samplings, projected);
 #endif
 #if HAS(PROJECTED)
+  #if HAS(LTC)
+  if (NEEDS(scene, LTC)) {
+    if (request.found & finds)
+      project_found_lobes(scene, request.path, &step->surfaces, &step->controls, paths, i, &step->found);
+    if (request.found & request.path) note_left_lobes(paths, i, &step->surfaces, &step->controls);
+    if (request.projected)
+      sample_lobes_lights(scene, &step->surfaces, &step->controls, step->u, &step->samplings);
+    return;
+  }
+  #endif
   if (request.found & finds) project_found(scene, request.path, &step->surfaces, paths, i, &step->found);
   if (request.found & request.path) note_left_normals(paths, i, &step->surfaces);
   if (request.projected & !request.choice) project_by_power(scene, &step->surfaces, step->u, projected);

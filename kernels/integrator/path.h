@@ -200,11 +200,11 @@ FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
     sample_step_lights(scene, &step);
     eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
   #if HAS(LTC)
-    if (NEEDS(scene, LTC)) admit_controls(scene, &step);
+    if (has_other_control(scene)) admit_controls(scene, &step);
   #endif
     request_light(scene, paths, i, &step);
   #if HAS(LTC)
-    if (NEEDS(scene, LTC)) request_controls(scene, paths, i, 1.0f, true, &step);
+    if (has_other_control(scene)) request_controls(scene, paths, i, 1.0f, true, &step);
   #endif
     sample_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
                  step.u + DIM_LOBE_CHOICE * LANES, &step.samples);

@@ -64,6 +64,9 @@ FN bool has_control(const PRIVATE Scene* scene) {
   return NEEDS(scene, POLYGONS) && scene->header.integrator.estimator != ESTIMATOR_SAMPLES;
 }
 
+/// Whether some of them have one whose value is not the closure's own.
+FN bool has_other_control(const PRIVATE Scene* scene) { return NEEDS(scene, LTC) && has_control(scene); }
+
 /// Whether samples of the light at a surface of the closure have their closed form as control variate.
 FN bool is_controlled(const PRIVATE Scene* scene, Closure c, bool of_polygon) {
 #if HAS(LTC)

@@ -213,6 +213,33 @@ STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE ShadingPo
   }
 }
 
+  #if HAS(LTC)
+FN double sum_of_channels(const PRIVATE double* values, int j) {
+  return values[j] + values[LANES + j] + values[2 * LANES + j];
+}
+/// Of the k-th parts that are sampled by projection the weights become what both control lobes get of them.
+STAGE void weigh_part_lobes(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* points,
+                            const PRIVATE Reservoir* RESTRICT reservoir, int k,
+                            PRIVATE double* RESTRICT weights) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      GLOBAL const Light* light = scene->lights + part_of(scene, reservoir->chosen[j], k);
+      const PRIVATE Receivers* r = &points->receivers;
+      const vec3 p0 = load3(&light->p0), p1 = load3(&light->p1), p2 = load3(&light->p2);
+      const vec3d x = receiver_point(r, j);
+      const vec3d a = lane_to_cosine_space(r, j, sub_d(widen3(p0), x));
+      const vec3d b = lane_to_cosine_space(r, j, sub_d(widen3(p1), x));
+      const vec3d c = lane_to_cosine_space(r, j, sub_d(widen3(p2), x));
+      const double lobe = corners_irradiance(a, b, c, sub_d(b, a), sub_d(c, b), sub_d(a, c),
+                                             make_vec3d(0.0, 0.0, 1.0), light->two_sided != 0);
+      const bool by_lobes = (light->sampling == EMITTER_PROJECTED) & (r->inverse_x[j] > 0.0);
+      const double sum =
+          sum_of_channels(points->diffuse, j) * weights[j] + sum_of_channels(points->specular, j) * lobe;
+      weights[j] = by_lobes ? sum : weights[j];
+    }
+}
+  #endif
+
 /// Chooses one of the parts of the chosen polygon, in proportion to projected solid angle if the light is
 /// sampled by it, else to area. Stores the light and its probability in the samplings, its projected solid
 /// angle in `projected`, and the remainder of the random number in `u`.
@@ -229,6 +256,9 @@ STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* 
     const int count = ((chosen >= 0) & (chosen < polygons)) ? scene->polygons[chosen].light_count : 0;
     parts = count > parts ? count : parts;
   }
+  #if HAS(LTC)
+  const bool leans = NEEDS(scene, LTC) && by_projection && any_wants_ltc(&points->receivers);
+  #endif
   for (int k = 0; k < parts; k++) {
     double weights[LANES];
     LANE_LOOP
@@ -244,6 +274,9 @@ STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* 
           weights[j] = light->sampling == EMITTER_PROJECTED ? e : weights[j];
         }
     }
+  #if HAS(LTC)
+    if (leans) weigh_part_lobes(scene, points, reservoir, k, weights);
+  #endif
     LANE_LOOP
       for (int j = 0; j < LANES; j++) {
         const int number = part_of(scene, reservoir->chosen[j], k);

@@ -84,7 +84,7 @@ class Builder {
     }
     if (Expected<void> done = set_integrator(scene_.integrator, lights_, h_); !done)
       return fail(scene_.source + ": " + done.error().message);
-    if ((h_.features & FEATURE_POLYGONS) != 0u && (h_.families & families_with(LTC_FORM)) != 0u) {
+    if ((h_.features & (FEATURE_POLYGONS | FEATURE_PROJECTED)) != 0u && (h_.families & families_with(LTC_FORM)) != 0u) {
       need(FEATURE_LTC);
       records_.ltc_cells = ltc_table();
     }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/acceptance/scene_pieces.h"
+#include "tests/acceptance/shadowed_polygon.h"
 #include "tests/acceptance/stand_in_scenes.h"
 #include "tests/support/integrator_parameters.h"
 
@@ -64,6 +65,30 @@ TEST_P(NearlyClosedForm, DirectLightHasTheMeanOfDirectLight) {
   use_variant(room.description.integrator, GetParam());
   const auto result = statistics::z_test(direct, stand_in_estimate(room, 8, 400, kBlock), kLimits);
   EXPECT_TRUE(result.passed) << result.summary();
+}
+
+// Points on lights by the lobes' own distributions, alone and balanced with the closures' directions.
+TEST(NearlyClosedFormSamples, HaveTheMeanOfPaths) {
+  StandInScene room = stand_in_room({.crude = true});
+  param::max_depth(room.description.integrator) = 4;
+  const statistics::Estimate paths = stand_in_estimate(room, 8, 500, kBlock);
+  EXPECT_EQ(room.build().header.features & FEATURE_LTC, 0u);
+  param::emitter_sampling(room.description.integrator) = EmitterSampling::kProjected;
+  EXPECT_NE(room.build().header.features & FEATURE_LTC, 0u);
+  const auto balanced = statistics::z_test(paths, stand_in_estimate(room, 8, 600, kBlock), kLimits);
+  EXPECT_TRUE(balanced.passed) << balanced.summary();
+
+  StandInScene direct = stand_in_room({.mirror = false, .crude = true});
+  direct.description.integrator = direct_integrator(1, 1);
+  const statistics::Estimate both = stand_in_estimate(direct, 8, 700, kBlock);
+  param::emitter_sampling(direct.description.integrator) = EmitterSampling::kProjected;
+  const auto mis = statistics::z_test(both, stand_in_estimate(direct, 8, 800, kBlock), kLimits);
+  EXPECT_TRUE(mis.passed) << mis.summary();
+  for (const LightChoice choice : {LightChoice::kPower, LightChoice::kAnalytic}) {
+    direct.description.integrator = emitter_only(EmitterSampling::kProjected, 1, choice);
+    const auto alone = statistics::z_test(both, stand_in_estimate(direct, 8, 900, kBlock), kLimits);
+    EXPECT_TRUE(alone.passed) << alone.summary();
+  }
 }
 
 // A wrong G would show: its lobes are far from the closure.

@@ -49,7 +49,9 @@ void stand_in(DeviceScene& scene, std::span<const StandIn> stand_ins) {
   features &= ~std::uint32_t(FEATURE_TRANSMISSION | FEATURE_MIXED_FAMILIES);
   if ((scene.header.families & families_with(TRANSMITS)) != 0) features |= FEATURE_TRANSMISSION;
   if (std::popcount(scene.header.families) > 1) features |= FEATURE_MIXED_FAMILIES;
-  if ((features & FEATURE_POLYGONS) == 0 || (scene.header.families & families_with(LTC_FORM)) == 0) return;
+  if ((features & (FEATURE_POLYGONS | FEATURE_PROJECTED)) == 0 ||
+      (scene.header.families & families_with(LTC_FORM)) == 0)
+    return;
   features |= FEATURE_LTC;
   const std::vector<LtcCell> cells = ltc_table();
   scene.header.tables.ltc_cells = {int(cells.size()), std::uint32_t(scene.words.size())};
