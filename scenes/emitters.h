@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <functional>
 #include <glm/glm.hpp>
+#include <memory>
 #include <numbers>
 #include <variant>
+#include <vector>
 
 #include "kernels/scene_types.h"
 #include "scenes/device/scene_records.h"
@@ -19,6 +21,12 @@ struct EmitterPlace {
   std::function<vec3(const glm::dvec3&)> local;  ///< in the coordinates of the device scene
   double scene_radius;                           ///< of a sphere about everything
   SceneRecords& records;                         ///< for tables of a kind's own
+};
+
+/// Linear Rec. 709, row by row from the top, W x H.
+struct EnvironmentImage {
+  int width = 0, height = 0;
+  std::vector<glm::vec3> texels;  ///< finite, 0 or more
 };
 
 struct EmitterLight {
@@ -58,7 +66,18 @@ struct ConstantEnvironment {
   }
 };
 
-using Emitter = std::variant<PointLight, ConstantEnvironment>;
+/// Radiance from all directions that leave the scene, by an image of the sphere; see
+/// kernels/light/envmap_grid.h for where its texels are.
+struct EnvironmentMapLight {
+  static constexpr bool kIsSky = true;
+  std::shared_ptr<const EnvironmentImage> image;
+  glm::dmat3 to_world{1.0};  ///< a rotation, or one with a mirror
+  double scale = 1.0;
+  [[nodiscard]] bool is_black() const;
+  [[nodiscard]] EmitterLight light(const EmitterPlace& place) const;
+};
+
+using Emitter = std::variant<PointLight, ConstantEnvironment, EnvironmentMapLight>;
 inline bool is_black(const Emitter& emitter) {
   return std::visit([](const auto& e) { return e.is_black(); }, emitter);
 }
