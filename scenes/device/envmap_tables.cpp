@@ -24,7 +24,7 @@ std::vector<double> sums_of_row(const std::vector<vec3>& texels, int width, int 
 }  // namespace
 
 bool EnvironmentMapLight::is_black() const {
-  return scale == 0.0 ||
+  return scale == 0.0f ||
          std::ranges::all_of(image->texels, [](const glm::vec3& t) { return t == glm::vec3(0.0f); });
 }
 
@@ -34,7 +34,7 @@ EmitterLight EnvironmentMapLight::light(const EmitterPlace& place) const {
   records.envmaps.push_back({width, height});
   records.envmap_texels.reserve(image->texels.size());
   for (const glm::vec3& texel : image->texels)
-    records.envmap_texels.push_back(to_vec3(glm::dvec3(texel) * scale));
+    records.envmap_texels.push_back(to_vec3(glm::dvec3(texel) * double(scale)));
   std::vector<double> rows(std::size_t(height), 0.0);
   double last = 0;
   glm::dvec3 mean(0.0);
@@ -57,9 +57,9 @@ EmitterLight EnvironmentMapLight::light(const EmitterPlace& place) const {
   const double section = std::numbers::pi * std::max(place.scene_radius * place.scene_radius, 1e-30);
   EmitterLight made = emitter_light(LIGHT_ENVMAP, glm::vec3(mean / area), std::numbers::pi * section);
   // From directions of the world to those of the image.
-  made.light.p0 = to_vec3(to_world[0]);
-  made.light.p1 = to_vec3(to_world[1]);
-  made.light.p2 = to_vec3(to_world[2]);
+  made.light.p0 = to_vec3(glm::normalize(glm::dvec3(to_world[0])));
+  made.light.p1 = to_vec3(glm::normalize(glm::dvec3(to_world[1])));
+  made.light.p2 = to_vec3(glm::normalize(glm::dvec3(to_world[2])));
   return made;
 }
 

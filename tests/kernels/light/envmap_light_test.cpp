@@ -17,11 +17,14 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 SceneTables envmap_scene(int width, int height, const auto& texel, const glm::dmat3& to_world = glm::dmat3(1),
-                         double scale = 1) {
+                         float scale = 1) {
   EnvironmentImage image{width, height, {}};
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) image.texels.push_back(texel(x, y));
-  const EnvironmentMapLight map{std::make_shared<const EnvironmentImage>(std::move(image)), to_world, scale};
+  EnvironmentMapLight map;
+  map.image = std::make_shared<const EnvironmentImage>(std::move(image));
+  map.to_world = glm::dmat4(to_world);
+  map.scale = scale;
   SceneTables tables;
   const auto local = [](const glm::dvec3& p) { return to_vec3(p); };
   Light light = map.light({local, 1.0, tables}).light;
