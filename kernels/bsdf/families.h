@@ -25,8 +25,9 @@ PENUMBRA_NAMESPACE_BEGIN
   X(diffuse, DIFFUSE, 1, CLOSED_FORM, "diffuse BSDF")                                               \
   X(phong, PHONG, 2, CLOSED_FORM | SEVERAL_LOBES, "Phong BSDF")                                     \
   X(conductor, CONDUCTOR, 3, DELTA, "smooth conductor")                                             \
-  X(roughconductor_ggx, ROUGHCONDUCTOR_GGX, 4, ANISOTROPIC, "rough conductor, GGX")                 \
-  X(roughconductor_beckmann, ROUGHCONDUCTOR_BECKMANN, 5, ANISOTROPIC, "rough conductor, Beckmann")  \
+  X(roughconductor_ggx, ROUGHCONDUCTOR_GGX, 4, ANISOTROPIC | LTC_FORM, "rough conductor, GGX")      \
+  X(roughconductor_beckmann, ROUGHCONDUCTOR_BECKMANN, 5, ANISOTROPIC | LTC_FORM,                    \
+    "rough conductor, Beckmann")                                                                    \
   X(dielectric, DIELECTRIC, 6, SEVERAL_LOBES | TRANSMITS | DELTA, "smooth dielectric")              \
   X(thindielectric, THINDIELECTRIC, 7, SEVERAL_LOBES | TRANSMITS | DELTA, "thin dielectric")        \
   X(roughdielectric_ggx, ROUGHDIELECTRIC_GGX, 8, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,           \
@@ -39,7 +40,10 @@ PENUMBRA_NAMESPACE_BEGIN
 #ifndef EXTRA_LTC_FAMILIES
   #define EXTRA_LTC_FAMILIES(X)
 #endif
-#define LTC_FAMILIES(X) EXTRA_LTC_FAMILIES(X)
+#define LTC_FAMILIES(X)                                  \
+  X(roughconductor_ggx, ROUGHCONDUCTOR_GGX, 4)           \
+  X(roughconductor_beckmann, ROUGHCONDUCTOR_BECKMANN, 5) \
+  EXTRA_LTC_FAMILIES(X)
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FAMILY_BLACK 0
