@@ -10,6 +10,14 @@
 
 namespace penumbra::mitsuba {
 
+namespace {
+
+ColourRole role_of(const ColourWithin& values) {
+  return values.high <= 1.0f ? ColourRole::kReflectance : ColourRole::kEmission;
+}
+
+}  // namespace
+
 Object* Context::resolve(const Child& child) const {
   if (child.object != nullptr) return child.object;
   const auto found = tree.by_id.find(child.reference);
@@ -200,7 +208,11 @@ void PluginReader::read_textured(std::string_view name, TexturedColour& colour, 
     colour.texture = texture.index.value_or(kNoTexture);
     return;
   }
-  glm::vec3 rgb = colour.value;
+  read_plain(name, colour.value, role, values);
+}
+
+void PluginReader::read_plain(std::string_view name, glm::vec3& colour, ColourRole role, const auto& values) {
+  glm::vec3 rgb = colour;
   read_colour(name, rgb, role);
   for (int i = 0; i < 3; ++i)
     if (!values.contains(rgb[i]))
@@ -209,12 +221,7 @@ void PluginReader::read_textured(std::string_view name, TexturedColour& colour, 
 }
 
 void PluginReader::read(std::string_view name, glm::vec3& colour, const ColourWithin& values) {
-  glm::vec3 rgb = colour;
-  read_colour(name, rgb, values.high <= 1.0f ? ColourRole::kReflectance : ColourRole::kEmission);
-  for (int i = 0; i < 3; ++i)
-    if (!values.contains(rgb[i]))
-      return wrong(name, fmt::format("{} must be a {}, not {}", name, values.values(), rgb[i]));
-  colour = rgb;
+  read_plain(name, colour, role_of(values), values);
 }
 
 void PluginReader::read(std::string_view name, glm::dvec3& value, AnyPoint) {
@@ -229,9 +236,8 @@ void PluginReader::read(std::string_view name, glm::dmat4& value, AnyTransform) 
 }
 
 void PluginReader::read(std::string_view name, std::string& value, FileName) { value = text(name, value); }
-
 void PluginReader::read(std::string_view name, TexturedColour& colour, const ColourWithin& values) {
-  read_textured(name, colour, values.high <= 1.0f ? ColourRole::kReflectance : ColourRole::kEmission, values);
+  read_textured(name, colour, role_of(values), values);
 }
 
 void PluginReader::read(std::string_view name, TexturedColour& colour, const IndexColour& values) {

@@ -136,6 +136,7 @@ class PluginReader {
   };
   TakenTexture take_texture(std::string_view name);
   void read_textured(std::string_view name, TexturedColour& colour, ColourRole role, const auto& values);
+  void read_plain(std::string_view name, glm::vec3& colour, ColourRole role, const auto& values);
   template <typename T>
   const T* take_as(std::string_view name, std::string_view wanted);
   void wrong_kind(const Parameter& parameter, std::string_view wanted) const;
