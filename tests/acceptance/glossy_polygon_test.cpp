@@ -1,0 +1,132 @@
+// Rough conductors under polygon lights: control variates and light samples by their control lobes have the
+// mean of paths that sample lights by solid angle and directions by the BSDF, whatever alpha, roughness and
+// distribution; and less variance than those where the lobe matters.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/acceptance/glossy_room.h"
+#include "tests/acceptance/scene_pieces.h"
+#include "tests/support/integrator_parameters.h"
+#include "tests/support/render_scene.h"
+
+namespace penumbra {
+namespace {
+
+constexpr int kWidth = 24, kHeight = 16, kBlock = 4;
+constexpr double kBlocks = double(kWidth / kBlock) * (kHeight / kBlock);
+// The channels of a block go together: the mean of z^2 has the deviation of as many values as there are
+// blocks.
+const statistics::ImageTestLimits kLimits{.accepted_fraction = 1,
+                                          .mean_square = 1 + 4 * std::sqrt(2 / kBlocks)};
+
+SceneDescription room_of(const BsdfModel& floor) {
+  SceneDescription scene = glossy_room(floor, kWidth, kHeight);
+  scene.sampler.kind = SamplerKind::kSobol;
+  scene.sampler.spp = 256;
+  return scene;
+}
+
+struct Variant {
+  std::string name;
+  BsdfModel bsdf;
+  std::optional<float> alpha;
+  EmitterSampling sampling = EmitterSampling::kSolidAngle;
+};
+void PrintTo(const Variant& variant, std::ostream* out) { *out << variant.name; }
+
+std::vector<Variant> variants() {
+  using enum EmitterSampling;
+  const BsdfModel rough = rough_conductor(0.3f, DISTRIBUTION_GGX),
+                  shiny = rough_conductor(0.05f, DISTRIBUTION_GGX),
+                  beckmann = rough_conductor(0.2f, DISTRIBUTION_BECKMANN);
+  return {{"MinusOne", rough, -1.0f},
+          {"Zero", rough, 0.0f},
+          {"Half", rough, 0.5f},
+          {"One", rough, 1.0f},
+          {"Fitted", rough, std::nullopt},
+          {"OneByProjection", rough, 1.0f, kProjected},
+          {"FittedByProjection", rough, std::nullopt, kProjected},
+          {"ShinyMinusOneByProjection", shiny, -1.0f, kProjected},
+          {"ShinyHalfByProjection", shiny, 0.5f, kProjected},
+          {"ShinyOneByProjection", shiny, 1.0f, kProjected},
+          {"BeckmannMinusOne", beckmann, -1.0f},
+          {"BeckmannOne", beckmann, 1.0f},
+          {"BeckmannFitted", beckmann, std::nullopt},
+          {"BeckmannOneByProjection", beckmann, 1.0f, kProjected},
+          {"Roughest", rough_conductor(1.0f, DISTRIBUTION_GGX), 1.0f},
+          {"Anisotropic", rough_conductor(0.1f, DISTRIBUTION_GGX, 0.4f), 1.0f},
+          {"AnisotropicByProjection", rough_conductor(0.4f, DISTRIBUTION_BECKMANN, 0.1f), 1.0f, kProjected}};
+}
+
+class GlossyPolygons : public testing::TestWithParam<Variant> {};
+INSTANTIATE_TEST_SUITE_P(Variants, GlossyPolygons, testing::ValuesIn(variants()),
+                         [](const auto& tested) { return tested.param.name; });
+
+TEST_P(GlossyPolygons, PathsHaveTheMeanOfPaths) {
+  SceneDescription scene = room_of(GetParam().bsdf);
+  use(scene.integrator, IntegratorKind::kPath);
+  param::max_depth(scene.integrator) = 4;
+  const statistics::Estimate paths = block_estimate(scene, 8, 100, kBlock);
+  param::next_event(scene.integrator) = NextEvent::kCv;
+  param::alpha(scene.integrator) = GetParam().alpha;
+  param::emitter_sampling(scene.integrator) = GetParam().sampling;
+  const auto result = statistics::z_test(paths, block_estimate(scene, 8, 200, kBlock), kLimits);
+  EXPECT_TRUE(result.passed) << result.summary();
+}
+
+TEST_P(GlossyPolygons, DirectLightHasTheMeanOfDirectLight) {
+  SceneDescription scene = room_of(GetParam().bsdf);
+  scene.integrator = direct_integrator(1, 1);
+  const statistics::Estimate direct = block_estimate(scene, 8, 300, kBlock);
+  use(scene.integrator, IntegratorKind::kPolygonCv);
+  param::alpha(scene.integrator) = GetParam().alpha;
+  param::emitter_sampling(scene.integrator) = GetParam().sampling;
+  const auto result = statistics::z_test(direct, block_estimate(scene, 8, 400, kBlock), kLimits);
+  EXPECT_TRUE(result.passed) << result.summary();
+}
+
+// The density that directions of the BSDF are told is that with which lights are sampled.
+TEST_P(GlossyPolygons, SamplesOfTheLobesHaveTheMeanOfPaths) {
+  if (GetParam().sampling != EmitterSampling::kProjected) GTEST_SKIP();
+  SceneDescription scene = room_of(GetParam().bsdf);
+  use(scene.integrator, IntegratorKind::kPath);
+  param::max_depth(scene.integrator) = 4;
+  const statistics::Estimate paths = block_estimate(scene, 8, 500, kBlock);
+  param::emitter_sampling(scene.integrator) = EmitterSampling::kProjected;
+  const auto balanced = statistics::z_test(paths, block_estimate(scene, 8, 600, kBlock), kLimits);
+  EXPECT_TRUE(balanced.passed) << balanced.summary();
+}
+
+// G <H> / <W> with W of the control lobes is G times a ratio that is not the visibility, and still tends to
+// the mean: at 4096 samples its bias, of O(1 / spp), is below the noise.
+TEST(GlossyPolygonRatio, TendsToTheMean) {
+  SceneDescription scene = room_of(rough_conductor(0.3f, DISTRIBUTION_GGX));
+  scene.integrator = direct_integrator(1, 1);
+  const statistics::Estimate direct = block_estimate(scene, 8, 300, kBlock);
+  use(scene.integrator, IntegratorKind::kPolygonCv);
+  param::estimator(scene.integrator) = CvEstimator::kRatio;
+  scene.sampler.spp = 1024;
+  const auto result = statistics::z_test(direct, block_estimate(scene, 4, 400, kBlock), kLimits);
+  EXPECT_TRUE(result.passed) << result.summary();
+}
+
+// By the variances of single samples, 2 rays each; see the table in kernels/polygon/README.md.
+TEST(GlossyPolygonVariance, IsLessWithTheLobes) {
+  SceneDescription scene = room_of(rough_conductor(0.1f, DISTRIBUTION_GGX));
+  scene.sampler.kind = SamplerKind::kIndependent;
+  scene.integrator = direct_integrator(1, 1);
+  const double balanced = mean_variance(render_or_throw(scene));
+  param::emitter_sampling(scene.integrator) = EmitterSampling::kProjected;
+  EXPECT_LT(mean_variance(render_or_throw(scene)), balanced);
+  use(scene.integrator, IntegratorKind::kPolygonCv);
+  param::alpha(scene.integrator) = 1.0f;
+  param::vis_samples(scene.integrator) = 2;
+  EXPECT_LT(mean_variance(render_or_throw(scene)), balanced / 2);
+}
+
+}  // namespace
+}  // namespace penumbra
