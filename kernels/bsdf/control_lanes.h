@@ -8,7 +8,7 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 #if HAS(LTC)
-  #define CONTROL_FAMILY(name, NAME, number)                                                                 \
+  #define CONTROL_FAMILY(name, NAME)                                                                         \
     STAGE void control_##name##_lanes(const PRIVATE Scene* scene, const PRIVATE Closures* RESTRICT closures, \
                                       const PRIVATE Surfaces* RESTRICT surfaces,                             \
                                       PRIVATE ControlLanes* RESTRICT controls) {                             \
@@ -18,7 +18,7 @@ PENUMBRA_NAMESPACE_BEGIN
           const Surface s = load_surface(surfaces, j);                                                       \
           const ControlLobes own = name##_control(scene, c, max_f(dot3(s.shading, s.wo), 0.0f));             \
           const ControlLobes before = load_control_lobes(controls, j);                                       \
-          store_control_lobes(controls, j, select_control_lobes(c.family == (number), own, before));         \
+          store_control_lobes(controls, j, select_control_lobes(c.family == FAMILY_##NAME, own, before));    \
         }                                                                                                    \
     }
 LTC_FAMILIES(CONTROL_FAMILY)
@@ -33,8 +33,8 @@ STAGE void clear_controls(PRIVATE ControlLanes* RESTRICT controls) {
 FN void find_controls(const PRIVATE Scene* scene, uint families, const PRIVATE Closures* closures,
                       const PRIVATE Surfaces* surfaces, PRIVATE ControlLanes* controls) {
   clear_controls(controls);
-  #define CONTROL_IF_THERE(name, NAME, number)                     \
-    if ((families & compiled_families() & (1u << (number))) != 0u) \
+  #define CONTROL_IF_THERE(name, NAME)                                  \
+    if ((families & compiled_families() & (1u << FAMILY_##NAME)) != 0u) \
       control_##name##_lanes(scene, closures, surfaces, controls);
   LTC_FAMILIES(CONTROL_IF_THERE)
   #undef CONTROL_IF_THERE

@@ -2,7 +2,7 @@
 // to it, and whose light has a closed form. As a control variate any such pair is without bias; how much it
 // saves depends on how close it is.
 //
-// A family that has one has the property LTC_FORM, a row of LTC_FAMILIES (families.h) and beside its eval
+// A family that has one has a row of LTC_FAMILIES (families.h) and beside its eval
 //   ControlLobes <name>_control(scene, closure, cosine of wo)
 #ifndef PENUMBRA_CONTROL_LOBES_H
 #define PENUMBRA_CONTROL_LOBES_H
@@ -89,7 +89,7 @@ FN vec3 control_value(ControlLobes c, vec3 wo, vec3 wi) {
 }
 
 /// Whether samples of polygon lights at such a closure may have the lobes as control variate.
-FN bool has_ltc_form(Closure c) { return ((families_with(LTC_FORM) >> c.family) & 1u) != 0u; }
+FN bool has_ltc_form(Closure c) { return ((ltc_families() >> c.family) & 1u) != 0u; }
 #endif
 
 PENUMBRA_NAMESPACE_END

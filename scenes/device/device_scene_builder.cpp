@@ -62,7 +62,7 @@ bool has_narrow_lobes(const SceneDescription& scene) {
   constexpr float kBroad = 0.3f;
   return std::ranges::any_of(scene.bsdfs, [](const Bsdf& bsdf) {
     const Material m = material_of(bsdf);
-    return (families_with(LTC_FORM) >> m.family & 1u) != 0u && m.alpha_u * m.alpha_v < kBroad * kBroad;
+    return (ltc_families() >> m.family & 1u) != 0u && m.alpha_u * m.alpha_v < kBroad * kBroad;
   });
 }
 
@@ -96,7 +96,7 @@ class Builder {
     if (Expected<void> done = set_integrator(scene_.integrator, lights_, h_); !done)
       return fail(scene_.source + ": " + done.error().message);
     if ((h_.features & (FEATURE_POLYGONS | FEATURE_PROJECTED)) != 0u &&
-        (h_.families & families_with(LTC_FORM)) != 0u) {
+        (h_.families & ltc_families()) != 0u) {
       need(FEATURE_LTC);
       records_.ltc_cells = ltc_table();
     }

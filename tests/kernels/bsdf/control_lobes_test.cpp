@@ -122,16 +122,5 @@ TEST(ControlLobes, ExtremesAreFinite) {
       }
 }
 
-// Every family that says so has its row among LTC_FAMILIES, and the other way round.
-TEST(ControlLobes, FamiliesAndRowsAgree) {
-  unsigned rows = 0;
-#define NOTE_ROW(name, NAME, number) \
-  rows |= 1u << (number);            \
-  static_assert((number) == FAMILY_##NAME);
-  LTC_FAMILIES(NOTE_ROW)
-#undef NOTE_ROW
-  EXPECT_EQ(rows, families_with(LTC_FORM));
-}
-
 }  // namespace
 }  // namespace penumbra

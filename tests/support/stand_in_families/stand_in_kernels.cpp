@@ -50,7 +50,7 @@ void stand_in(DeviceScene& scene, std::span<const StandIn> stand_ins) {
   if ((scene.header.families & families_with(TRANSMITS)) != 0) features |= FEATURE_TRANSMISSION;
   if (std::popcount(scene.header.families) > 1) features |= FEATURE_MIXED_FAMILIES;
   if ((features & (FEATURE_POLYGONS | FEATURE_PROJECTED)) == 0 ||
-      (scene.header.families & families_with(LTC_FORM)) == 0)
+      (scene.header.families & ltc_families()) == 0)
     return;
   features |= FEATURE_LTC;
   const std::vector<LtcCell> cells = ltc_table();
