@@ -29,6 +29,11 @@ struct NumberWithin {
   [[nodiscard]] std::string values() const;
 };
 
+/// The name of a file, which is looked for beside the scene's.
+struct FileName {
+  [[nodiscard]] static std::string values() { return "name of a file"; }
+};
+
 constexpr float kAnyNumber = std::numeric_limits<float>::max();
 
 /// What is wrong with a plugin as a whole once its parameters are read, or worth a warning.
