@@ -3,8 +3,13 @@
 // nothing.
 #ifndef PENUMBRA_BSDF_H
 #define PENUMBRA_BSDF_H
+#include "kernels/bsdf/blinnphong.h"
 #include "kernels/bsdf/diffuse.h"
+#include "kernels/bsdf/microfacet_diffuse.h"
 #include "kernels/bsdf/phong.h"
+#include "kernels/bsdf/plastic.h"
+#include "kernels/bsdf/roughplastic.h"
+#include "kernels/bsdf/ward.h"
 #ifdef EXTRA_BSDF_FAMILY_LIST
   #include EXTRA_BSDF_FAMILY_FUNCTIONS
 #endif

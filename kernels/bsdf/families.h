@@ -20,15 +20,25 @@ PENUMBRA_NAMESPACE_BEGIN
 #else
   #define EXTRA_BSDF_FAMILIES(X)
 #endif
-#define BSDF_FAMILIES(X)                                        \
-  X(diffuse, DIFFUSE, 1, CLOSED_FORM, "diffuse BSDF")           \
-  X(phong, PHONG, 2, CLOSED_FORM | SEVERAL_LOBES, "Phong BSDF") \
+#define BSDF_FAMILIES(X)                                                                              \
+  X(diffuse, DIFFUSE, 1, CLOSED_FORM, "diffuse BSDF")                                                 \
+  X(phong, PHONG, 2, CLOSED_FORM | SEVERAL_LOBES, "Phong BSDF")                                       \
+  X(plastic, PLASTIC, 10, SEVERAL_LOBES, "plastic BSDF")                                              \
+  X(roughplastic, ROUGHPLASTIC, 11, SEVERAL_LOBES, "rough plastic BSDF")                              \
+  X(ward, WARD, 12, SEVERAL_LOBES | ANISOTROPIC, "Ward BSDF")                                         \
+  X(blinnphong, BLINNPHONG, 13, SEVERAL_LOBES, "Blinn-Phong BSDF")                                    \
+  X(microfacet_diffuse, MICROFACET_DIFFUSE, 14, SEVERAL_LOBES, "microfacet BSDF with a diffuse part") \
   EXTRA_BSDF_FAMILIES(X)
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FAMILY_BLACK 0
 #define FAMILY_DIFFUSE 1
 #define FAMILY_PHONG 2
+#define FAMILY_PLASTIC 10
+#define FAMILY_ROUGHPLASTIC 11
+#define FAMILY_WARD 12
+#define FAMILY_BLINNPHONG 13
+#define FAMILY_MICROFACET_DIFFUSE 14
 
 // What a material has at a point. The record of a material holds the same; of the TEXTURED_FIELDS also a
 // texture each, or -1. What a family makes of fields whose meaning is not the same for all stands in its
@@ -73,6 +83,8 @@ LANE_RECORD(Closure, Closures, closure, CLOSURE_FIELDS)
 enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #undef ENUMERATE_TEXTURED
 
+#define CURVE_KNOTS 64  // values of a curve over the cosines from 0 to 1
+
 #define DISTRIBUTION_BECKMANN 0
 #define DISTRIBUTION_GGX 1
 
@@ -83,23 +95,27 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define USERS(families) ((families) | EXTRA_FAMILIES)
 #define ONLY(NAME) (1u << FAMILY_##NAME)
 #define USERS_family 0xffffffffu
-#define USERS_distribution USERS(0u)
-#define USERS_variant USERS(0u)
-#define USERS_curve USERS(0u)
-#define USERS_internal USERS(0u)
+#define USERS_distribution USERS(ONLY(ROUGHPLASTIC) | ONLY(MICROFACET_DIFFUSE))
+#define USERS_variant USERS(ONLY(PLASTIC) | ONLY(ROUGHPLASTIC) | ONLY(WARD))
+#define USERS_curve USERS(ONLY(ROUGHPLASTIC))
+#define USERS_internal USERS(ONLY(PLASTIC) | ONLY(ROUGHPLASTIC))
 #define USERS_specular_rate USERS(0u)
 #define USERS_diffuse_rate USERS(0u)
 #define USERS_clearcoat_rate USERS(0u)
 #define USERS_diff_trans_rate USERS(0u)
-#define USERS_diffuse USERS(ONLY(DIFFUSE) | ONLY(PHONG))
-#define USERS_specular USERS(ONLY(PHONG))
+#define USERS_diffuse                                                                                      \
+  USERS(ONLY(DIFFUSE) | ONLY(PHONG) | ONLY(PLASTIC) | ONLY(ROUGHPLASTIC) | ONLY(WARD) | ONLY(BLINNPHONG) | \
+        ONLY(MICROFACET_DIFFUSE))
+#define USERS_specular                                                                     \
+  USERS(ONLY(PHONG) | ONLY(PLASTIC) | ONLY(ROUGHPLASTIC) | ONLY(WARD) | ONLY(BLINNPHONG) | \
+        ONLY(MICROFACET_DIFFUSE))
 #define USERS_transmitted USERS(0u)
 #define USERS_eta USERS(0u)
 #define USERS_k USERS(0u)
-#define USERS_ior USERS(0u)
-#define USERS_alpha_u USERS(0u)
-#define USERS_alpha_v USERS(0u)
-#define USERS_exponent USERS(ONLY(PHONG))
+#define USERS_ior USERS(ONLY(PLASTIC) | ONLY(ROUGHPLASTIC) | ONLY(MICROFACET_DIFFUSE))
+#define USERS_alpha_u USERS(ONLY(ROUGHPLASTIC) | ONLY(WARD) | ONLY(MICROFACET_DIFFUSE))
+#define USERS_alpha_v USERS(ONLY(WARD))
+#define USERS_exponent USERS(ONLY(PHONG) | ONLY(BLINNPHONG))
 #define USERS_roughness USERS(0u)
 #define USERS_anisotropic USERS(0u)
 #define USERS_metallic USERS(0u)
@@ -173,6 +189,15 @@ FN BsdfSample no_bsdf_sample(void) {
   s.weight = make_vec3(0.0f, 0.0f, 0.0f);
   s.pdf = 0.0f;
   s.eta = 1.0f;
+  return s;
+}
+
+/// Of the reflected direction wi, for which the family's own eval says this.
+FN BsdfSample sample_of_value(vec3 wi, BsdfValue value) {
+  BsdfSample s = no_bsdf_sample();
+  s.wi = wi;
+  s.pdf = value.pdf;
+  s.weight = scale(value.f_cos, 1.0f / (s.pdf > 0.0f ? s.pdf : 1.0f));
   return s;
 }
 
