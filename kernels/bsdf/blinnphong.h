@@ -4,6 +4,7 @@
 #ifndef PENUMBRA_BLINNPHONG_H
 #define PENUMBRA_BLINNPHONG_H
 #include "kernels/bsdf/families.h"
+#include "kernels/bsdf/microfacet.h"
 #include "kernels/bsdf/phong.h"
 #include "kernels/math/frame.h"
 #include "kernels/scene.h"
@@ -32,7 +33,7 @@ FN BsdfSample blinnphong_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, 
   sincos_2pi(v, &sine, &cosine);
   const float r = safe_sqrt(-expm1_f(2.0f * power));
   const vec3 h = make_vec3(r * cosine, r * sine, exp_f(power));
-  const vec3 mirrored = add_scaled(negate(wo), 2.0f * dot3(wo, h), h);
+  const vec3 mirrored = mirror_about(wo, h);
   const vec3 wi = select3(choice < phong_lobe_share(c), mirrored, cosine_hemisphere(u, v));
   return sample_of_value(wi, blinnphong_eval(scene, c, wo, wi));
 }

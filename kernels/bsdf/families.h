@@ -23,22 +23,40 @@ PENUMBRA_NAMESPACE_BEGIN
 #define BSDF_FAMILIES(X)                                                                              \
   X(diffuse, DIFFUSE, 1, CLOSED_FORM, "diffuse BSDF")                                                 \
   X(phong, PHONG, 2, CLOSED_FORM | SEVERAL_LOBES, "Phong BSDF")                                       \
-  X(plastic, PLASTIC, 10, SEVERAL_LOBES, "plastic BSDF")                                              \
-  X(roughplastic, ROUGHPLASTIC, 11, SEVERAL_LOBES, "rough plastic BSDF")                              \
-  X(ward, WARD, 12, SEVERAL_LOBES | ANISOTROPIC, "Ward BSDF")                                         \
-  X(blinnphong, BLINNPHONG, 13, SEVERAL_LOBES, "Blinn-Phong BSDF")                                    \
-  X(microfacet_diffuse, MICROFACET_DIFFUSE, 14, SEVERAL_LOBES, "microfacet BSDF with a diffuse part") \
+  X(conductor, CONDUCTOR, 3, DELTA, "smooth conductor")                                               \
+  X(roughconductor_ggx, ROUGHCONDUCTOR_GGX, 4, ANISOTROPIC, "rough conductor, GGX")                   \
+  X(roughconductor_beckmann, ROUGHCONDUCTOR_BECKMANN, 5, ANISOTROPIC, "rough conductor, Beckmann")    \
+  X(dielectric, DIELECTRIC, 6, SEVERAL_LOBES | TRANSMITS | DELTA, "smooth dielectric")                \
+  X(thindielectric, THINDIELECTRIC, 7, SEVERAL_LOBES | TRANSMITS | DELTA, "thin dielectric")          \
+  X(roughdielectric_ggx, ROUGHDIELECTRIC_GGX, 8, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,             \
+    "rough dielectric, GGX")                                                                          \
+  X(roughdielectric_beckmann, ROUGHDIELECTRIC_BECKMANN, 9, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,   \
+    "rough dielectric, Beckmann")                                                                     \
+  X(plastic, PLASTIC, 10, SEVERAL_LOBES, "plastic")                                                   \
+  X(roughplastic_ggx, ROUGHPLASTIC_GGX, 11, SEVERAL_LOBES, "rough plastic, GGX")                      \
+  X(roughplastic_beckmann, ROUGHPLASTIC_BECKMANN, 12, SEVERAL_LOBES, "rough plastic, Beckmann")       \
+  X(ward, WARD, 13, SEVERAL_LOBES | ANISOTROPIC, "Ward BSDF")                                         \
+  X(blinnphong, BLINNPHONG, 14, SEVERAL_LOBES, "Blinn-Phong BSDF")                                    \
+  X(microfacet_diffuse, MICROFACET_DIFFUSE, 15, SEVERAL_LOBES, "microfacet BSDF with a diffuse part") \
   EXTRA_BSDF_FAMILIES(X)
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FAMILY_BLACK 0
 #define FAMILY_DIFFUSE 1
 #define FAMILY_PHONG 2
+#define FAMILY_CONDUCTOR 3
+#define FAMILY_ROUGHCONDUCTOR_GGX 4
+#define FAMILY_ROUGHCONDUCTOR_BECKMANN 5
+#define FAMILY_DIELECTRIC 6
+#define FAMILY_THINDIELECTRIC 7
+#define FAMILY_ROUGHDIELECTRIC_GGX 8
+#define FAMILY_ROUGHDIELECTRIC_BECKMANN 9
 #define FAMILY_PLASTIC 10
-#define FAMILY_ROUGHPLASTIC 11
-#define FAMILY_WARD 12
-#define FAMILY_BLINNPHONG 13
-#define FAMILY_MICROFACET_DIFFUSE 14
+#define FAMILY_ROUGHPLASTIC_GGX 11
+#define FAMILY_ROUGHPLASTIC_BECKMANN 12
+#define FAMILY_WARD 13
+#define FAMILY_BLINNPHONG 14
+#define FAMILY_MICROFACET_DIFFUSE 15
 
 // What a material has at a point. The record of a material holds the same; of the TEXTURED_FIELDS also a
 // texture each, or -1. What a family makes of fields whose meaning is not the same for all stands in its
@@ -94,27 +112,31 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define EXTRA_FAMILIES (0u EXTRA_BSDF_FAMILIES(FAMILY_BIT))
 #define USERS(families) ((families) | EXTRA_FAMILIES)
 #define ONLY(NAME) (1u << FAMILY_##NAME)
+#define ROUGH_CONDUCTORS (ONLY(ROUGHCONDUCTOR_GGX) | ONLY(ROUGHCONDUCTOR_BECKMANN))
+#define ROUGH_DIELECTRICS (ONLY(ROUGHDIELECTRIC_GGX) | ONLY(ROUGHDIELECTRIC_BECKMANN))
+#define CONDUCTORS (ONLY(CONDUCTOR) | ROUGH_CONDUCTORS)
+#define DIELECTRICS (ONLY(DIELECTRIC) | ONLY(THINDIELECTRIC) | ROUGH_DIELECTRICS)
+#define ROUGH_PLASTICS (ONLY(ROUGHPLASTIC_GGX) | ONLY(ROUGHPLASTIC_BECKMANN))
+#define PLASTICS (ONLY(PLASTIC) | ROUGH_PLASTICS)
+#define DIFFUSE_AND_LOBE (PLASTICS | ONLY(WARD) | ONLY(BLINNPHONG) | ONLY(MICROFACET_DIFFUSE))
 #define USERS_family 0xffffffffu
-#define USERS_distribution USERS(ONLY(ROUGHPLASTIC) | ONLY(MICROFACET_DIFFUSE))
-#define USERS_variant USERS(ONLY(PLASTIC) | ONLY(ROUGHPLASTIC) | ONLY(WARD))
-#define USERS_curve USERS(ONLY(ROUGHPLASTIC))
-#define USERS_internal USERS(ONLY(PLASTIC) | ONLY(ROUGHPLASTIC))
+#define USERS_distribution USERS(0u)
+#define USERS_variant USERS(PLASTICS | ONLY(WARD))
+#define USERS_curve USERS(ROUGH_PLASTICS)
+#define USERS_internal USERS(PLASTICS)
 #define USERS_specular_rate USERS(0u)
 #define USERS_diffuse_rate USERS(0u)
 #define USERS_clearcoat_rate USERS(0u)
 #define USERS_diff_trans_rate USERS(0u)
-#define USERS_diffuse                                                                                      \
-  USERS(ONLY(DIFFUSE) | ONLY(PHONG) | ONLY(PLASTIC) | ONLY(ROUGHPLASTIC) | ONLY(WARD) | ONLY(BLINNPHONG) | \
-        ONLY(MICROFACET_DIFFUSE))
-#define USERS_specular                                                                     \
-  USERS(ONLY(PHONG) | ONLY(PLASTIC) | ONLY(ROUGHPLASTIC) | ONLY(WARD) | ONLY(BLINNPHONG) | \
-        ONLY(MICROFACET_DIFFUSE))
-#define USERS_transmitted USERS(0u)
-#define USERS_eta USERS(0u)
-#define USERS_k USERS(0u)
-#define USERS_ior USERS(ONLY(PLASTIC) | ONLY(ROUGHPLASTIC) | ONLY(MICROFACET_DIFFUSE))
-#define USERS_alpha_u USERS(ONLY(ROUGHPLASTIC) | ONLY(WARD) | ONLY(MICROFACET_DIFFUSE))
-#define USERS_alpha_v USERS(ONLY(WARD))
+#define USERS_diffuse USERS(ONLY(DIFFUSE) | ONLY(PHONG) | DIFFUSE_AND_LOBE)
+#define USERS_specular USERS(ONLY(PHONG) | DIFFUSE_AND_LOBE | CONDUCTORS | DIELECTRICS)
+#define USERS_transmitted USERS(DIELECTRICS)
+#define USERS_eta USERS(CONDUCTORS)
+#define USERS_k USERS(CONDUCTORS)
+#define USERS_ior USERS(DIELECTRICS | PLASTICS | ONLY(MICROFACET_DIFFUSE))
+#define USERS_alpha_u \
+  USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS | ROUGH_PLASTICS | ONLY(WARD) | ONLY(MICROFACET_DIFFUSE))
+#define USERS_alpha_v USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS | ONLY(WARD))
 #define USERS_exponent USERS(ONLY(PHONG) | ONLY(BLINNPHONG))
 #define USERS_roughness USERS(0u)
 #define USERS_anisotropic USERS(0u)
@@ -155,6 +177,9 @@ FN uint families_with(int wanted) { return 0u BSDF_FAMILIES(FAMILY_WITH); }
 #undef FAMILY_WITH
 
 FN bool has_closed_form(Closure c) { return ((families_with(CLOSED_FORM) >> c.family) & 1u) != 0u; }
+
+/// Whether it matters how its frame lies about the normal.
+FN bool is_anisotropic(Closure c) { return (c.alpha_u != c.alpha_v) | (c.anisotropic != 0.0f); }
 
 /// What it reflects altogether, as far as its colours say.
 FN vec3 closure_albedo(Closure c) { return add(c.diffuse, c.specular); }

@@ -43,7 +43,7 @@ FN BsdfSample ward_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float 
   const float r = SQRT(-log_f(1.0f - u));
   const vec3 h = normalize3(make_vec3(max_f(c.alpha_u, LEAST_ALPHA) * (r * cosine),
                                       max_f(c.alpha_v, LEAST_ALPHA) * (r * sine), 1.0f));
-  const vec3 mirrored = add_scaled(negate(wo), 2.0f * dot3(wo, h), h);
+  const vec3 mirrored = mirror_about(wo, h);
   const vec3 wi = select3(choice < phong_lobe_share(c), mirrored, cosine_hemisphere(u, v));
   return sample_of_value(wi, ward_eval(scene, c, wo, wi));
 }
