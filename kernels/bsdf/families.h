@@ -106,6 +106,15 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define DISTRIBUTION_BECKMANN 0
 #define DISTRIBUTION_GGX 1
 
+// Variants of plastics: what is absorbed at the base each time, see plastic.h.
+#define PLASTIC_LINEAR 0
+#define PLASTIC_NONLINEAR 1
+
+// Variants of Ward's BSDF.
+#define WARD_ORIGINAL 0
+#define WARD_DUER 1
+#define WARD_BALANCED 2
+
 // The families that use each: what none in a scene uses is not read, and stays as in black_closure. Those of
 // tests may use all.
 #define FAMILY_BIT(name, NAME, number, properties, text) | (1u << (number))

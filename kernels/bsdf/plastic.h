@@ -10,9 +10,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#define PLASTIC_LINEAR 0
-#define PLASTIC_NONLINEAR 1
-
 /// pi f of the base for boundaries that let everything through once.
 FN vec3 base_reflectance(Closure c) {
   const vec3 tint = select3(c.variant == PLASTIC_NONLINEAR, c.diffuse, make_vec3(1.0f, 1.0f, 1.0f));

@@ -12,10 +12,6 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#define WARD_ORIGINAL 0
-#define WARD_DUER 1
-#define WARD_BALANCED 2
-
 FN BsdfValue ward_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
   const bool reflects = (wi.z > 0.0f) & (wo.z > 0.0f);
   const float alpha_u = max_f(c.alpha_u, LEAST_ALPHA), alpha_v = max_f(c.alpha_v, LEAST_ALPHA);
