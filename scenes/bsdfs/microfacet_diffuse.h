@@ -3,8 +3,10 @@
 
 #include <algorithm>
 
+#include "kernels/bsdf/microfacet.h"
 #include "scenes/bsdfs/material.h"
 #include "scenes/plugin_values.h"
+#include "scenes/refractive_indices.h"
 
 namespace penumbra {
 
@@ -17,12 +19,11 @@ struct MicrofacetDiffuseBsdf {
 
   template <typename Row>
   static void parameters(const Row& row) {
-    row("alpha", &MicrofacetDiffuseBsdf::alpha, NumberWithin{},
+    row("alpha", &MicrofacetDiffuseBsdf::alpha, NumberWithin{LowEnd::kClosed, 0.0f, MOST_ALPHA},
         "roughness of the microfacets (Beckmann's distribution)");
-    row("int_ior", &MicrofacetDiffuseBsdf::int_ior, NumberWithin{LowEnd::kOpen, 0, kAnyNumber},
+    row("int_ior", &MicrofacetDiffuseBsdf::int_ior, RefractiveIndex{},
         "refractive index beneath the surface");
-    row("ext_ior", &MicrofacetDiffuseBsdf::ext_ior, NumberWithin{LowEnd::kOpen, 0, kAnyNumber},
-        "refractive index above it");
+    row("ext_ior", &MicrofacetDiffuseBsdf::ext_ior, RefractiveIndex{}, "refractive index above it");
     row("kd", &MicrofacetDiffuseBsdf::diffuse, ColourWithin{},
         "albedo of the diffuse part; the lobe's factor is 1 less its largest channel");
   }

@@ -4,6 +4,7 @@
 #include "scenes/bsdfs/material.h"
 #include "scenes/bsdfs/rough_boundary.h"
 #include "scenes/plugin_values.h"
+#include "scenes/refractive_indices.h"
 
 namespace penumbra {
 
@@ -20,10 +21,8 @@ struct PlasticBsdf {
     row("diffuse_reflectance", &PlasticBsdf::diffuse, ColourWithin{}, "albedo of the base");
     row("specular_reflectance", &PlasticBsdf::specular, ColourWithin{},
         "factor of what the boundary reflects");
-    row("int_ior", &PlasticBsdf::int_ior, NumberWithin{LowEnd::kOpen, 0, kAnyNumber},
-        "refractive index beneath the boundary");
-    row("ext_ior", &PlasticBsdf::ext_ior, NumberWithin{LowEnd::kOpen, 0, kAnyNumber},
-        "refractive index above it");
+    row("int_ior", &PlasticBsdf::int_ior, RefractiveIndex{}, "refractive index beneath the boundary");
+    row("ext_ior", &PlasticBsdf::ext_ior, RefractiveIndex{}, "refractive index above it");
     row("nonlinear", &PlasticBsdf::nonlinear, TrueOrFalse{},
         "the base's colour deepens each time that light is reflected back to it");
   }

@@ -2,12 +2,11 @@
 // files of 0.6 too, whose tables were others).
 #pragma once
 
-#include <algorithm>
-
 #include "kernels/bsdf/microfacet.h"
 #include "scenes/bsdfs/material.h"
 #include "scenes/bsdfs/material_tables.h"
 #include "scenes/plugin_values.h"
+#include "scenes/refractive_indices.h"
 
 namespace penumbra {
 
@@ -27,16 +26,15 @@ struct RoughPlasticBsdf {
     row("diffuse_reflectance", &RoughPlasticBsdf::diffuse, ColourWithin{}, "albedo of the base");
     row("specular_reflectance", &RoughPlasticBsdf::specular, ColourWithin{},
         "factor of what the boundary reflects");
-    row("int_ior", &RoughPlasticBsdf::int_ior, NumberWithin{LowEnd::kOpen, 0, kAnyNumber},
-        "refractive index beneath the boundary");
-    row("ext_ior", &RoughPlasticBsdf::ext_ior, NumberWithin{LowEnd::kOpen, 0, kAnyNumber},
-        "refractive index above it");
+    row("int_ior", &RoughPlasticBsdf::int_ior, RefractiveIndex{}, "refractive index beneath the boundary");
+    row("ext_ior", &RoughPlasticBsdf::ext_ior, RefractiveIndex{}, "refractive index above it");
     row("nonlinear", &RoughPlasticBsdf::nonlinear, TrueOrFalse{},
         "the base's colour deepens each time that light is reflected back to it");
     row("distribution", &RoughPlasticBsdf::distribution,
         OneOf<int>{{{"beckmann", DISTRIBUTION_BECKMANN}, {"ggx", DISTRIBUTION_GGX}}},
         "of the boundary's microfacets");
-    row("alpha", &RoughPlasticBsdf::alpha, NumberWithin{}, "their roughness, the same everywhere");
+    row("alpha", &RoughPlasticBsdf::alpha, NumberWithin{LowEnd::kClosed, 0.0f, MOST_ALPHA},
+        "their roughness, the same everywhere");
     row("sample_visible", &RoughPlasticBsdf::sample_visible, TrueOrFalse{},
         "read and ignored: visible microfacets are sampled");
   }
@@ -55,7 +53,7 @@ inline Material material_of(const RoughPlasticBsdf& plastic, MaterialTables& tab
   PENUMBRA_SET_FIELD(m, specular, plastic.specular);
   m.variant = plastic.nonlinear ? PLASTIC_NONLINEAR : PLASTIC_LINEAR;
   m.ior = plastic.int_ior / plastic.ext_ior;
-  m.alpha_u = m.alpha_v = std::max(plastic.alpha, LEAST_ALPHA);
+  m.alpha_u = m.alpha_v = clamp_f(plastic.alpha, LEAST_ALPHA, MOST_ALPHA);
   const auto& boundary = tables.boundary({plastic.distribution, double(m.alpha_u), double(m.ior)});
   m.curve = boundary.curve;
   m.internal = boundary.internal;

@@ -1,8 +1,6 @@
 // Lambert and an anisotropic lobe of Ward's kind (Mitsuba 0.6).
 #pragma once
 
-#include <algorithm>
-
 #include "scenes/bsdfs/material.h"
 #include "scenes/plugin_values.h"
 
