@@ -18,7 +18,7 @@ FN BsdfValue blinnphong_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec
   const float length = SQRT(max_f(dot3(sum, sum), 1e-24f));
   const float power = cosine_power(scale(sum, 1.0f / length), make_vec3(0.0f, 0.0f, 1.0f), n);
   const float lambert = wi.z * INV_PI_F, share = phong_lobe_share(c);
-  const float norm = (n + 2.0f) * (n + 4.0f) / (8.0f * (exp_f(-0.346573590f * n) + n));
+  const float norm = 0.125f * (n + 2.0f) * ((n + 4.0f) / (exp_f(-0.346573590f * n) + n));
   BsdfValue value;
   value.f_cos = scale(add(c.diffuse, scale(c.specular, norm * power)), lambert);
   // Half vectors have the density (n + 1) / (2 pi) cos^n; |wo + wi| = 2 wo . h.

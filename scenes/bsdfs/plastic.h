@@ -1,12 +1,23 @@
 // A diffuse base under a smooth dielectric boundary, with what scatters between the two (Mitsuba 0.6 and 3).
 #pragma once
 
+#include <fmt/format.h>
+
 #include "scenes/bsdfs/material.h"
 #include "scenes/bsdfs/rough_boundary.h"
 #include "scenes/plugin_values.h"
 #include "scenes/refractive_indices.h"
 
 namespace penumbra {
+
+/// Finds indices for which there is no such boundary.
+inline void check_boundary(float int_ior, float ext_ior, Findings& findings) {
+  const float ratio = int_ior / ext_ior;
+  if (!(ratio <= kMostIndexRatio && ratio >= 1 / kMostIndexRatio))
+    findings.push_back(
+        {"int_ior", fmt::format("int_ior and ext_ior may differ by a factor of {} at most, not {} to {}",
+                                kMostIndexRatio, int_ior, ext_ior)});
+}
 
 struct PlasticBsdf {
   static constexpr const char* kPlugin = "plastic";
@@ -26,6 +37,7 @@ struct PlasticBsdf {
     row("nonlinear", &PlasticBsdf::nonlinear, TrueOrFalse{},
         "the base's colour deepens each time that light is reflected back to it");
   }
+  void complete(Findings& findings) const { check_boundary(int_ior, ext_ior, findings); }
 };
 
 inline Material material_of(const PlasticBsdf& plastic) {

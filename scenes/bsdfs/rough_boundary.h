@@ -29,4 +29,8 @@ struct RoughBoundary {
 /// d'Eon and Irving (2011) where the index beneath is the smaller one. Within 0.6% for indices up to 2.
 double smooth_internal_reflectance(double ior);
 
+/// Of the indices on the two sides of a plastic's boundary: beyond, the fit nears 1, and the model breaks
+/// down.
+constexpr float kMostIndexRatio = 3.5f;
+
 }  // namespace penumbra

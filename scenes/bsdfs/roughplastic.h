@@ -5,6 +5,7 @@
 #include "kernels/bsdf/microfacet.h"
 #include "scenes/bsdfs/material.h"
 #include "scenes/bsdfs/material_tables.h"
+#include "scenes/bsdfs/plastic.h"
 #include "scenes/plugin_values.h"
 #include "scenes/refractive_indices.h"
 
@@ -38,7 +39,8 @@ struct RoughPlasticBsdf {
     row("sample_visible", &RoughPlasticBsdf::sample_visible, TrueOrFalse{},
         "read and ignored: visible microfacets are sampled");
   }
-  void complete(Findings& findings) {
+  void complete(Findings& findings) const {
+    check_boundary(int_ior, ext_ior, findings);
     if (int_ior == ext_ior)
       findings.push_back({"int_ior",
                           "int_ior and ext_ior must differ: between equal refractive indices there is no "
