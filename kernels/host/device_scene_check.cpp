@@ -89,6 +89,10 @@ class Checker {
     for (const Material& m : table<Material>(scene_, h_.tables.materials))
       require(m.family == FAMILY_BLACK || (in(m.family, 1, 31) && (h_.families >> m.family & 1u) != 0),
               "a material of a family of BSDFs that the header does not name");
+    for (const Material& m : table<Material>(scene_, h_.tables.materials))
+      require(((USERS_curve & ~EXTRA_FAMILIES) >> m.family & 1u) == 0 ||
+                  in(m.curve, 0, h_.tables.curves.count - CURVE_KNOTS),
+              "a material names a curve that is not there");
     require(in(h_.environment, -1, h_.tables.lights.count - 1), "the environment names no light");
 #define CHECK_INDEX(name, record, member, target, least, what) \
   check_index(h_.tables.name, LEAST_##name, &record::member, h_.tables.target, LEAST_##target, least, what);

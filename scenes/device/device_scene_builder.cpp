@@ -110,8 +110,9 @@ class Builder {
 
   void add_materials() {
     records_.materials.push_back(material_of_family(FAMILY_BLACK));  // 0
+    MaterialTables tables(records_.curves);
     for (const Bsdf& bsdf : scene_.bsdfs) {
-      records_.materials.push_back(material_of(bsdf));
+      records_.materials.push_back(material_of(bsdf, tables));
       h_.families |= 1u << records_.materials.back().family;
       h_.textured |= textured_fields(records_.materials.back());
     }
