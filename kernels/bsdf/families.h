@@ -198,6 +198,10 @@ FN bool is_anisotropic(Closure c) { return (c.alpha_u != c.alpha_v) | (c.anisotr
 #define LTC_FAMILIES(X)                               \
   X(roughconductor_ggx, ROUGHCONDUCTOR_GGX)           \
   X(roughconductor_beckmann, ROUGHCONDUCTOR_BECKMANN) \
+  X(plastic, PLASTIC)                                 \
+  X(roughplastic_ggx, ROUGHPLASTIC_GGX)               \
+  X(roughplastic_beckmann, ROUGHPLASTIC_BECKMANN)     \
+  X(microfacet_diffuse, MICROFACET_DIFFUSE)           \
   EXTRA_LTC_FAMILIES(X)
 #define LTC_FAMILY_BIT(name, NAME) | (1u << FAMILY_##NAME)
 FN uint ltc_families(void) { return 0u LTC_FAMILIES(LTC_FAMILY_BIT); }

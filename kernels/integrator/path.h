@@ -57,14 +57,14 @@ STAGE void end_paths(const PRIVATE PathState* paths, int i) {
 
   #if HAS(POLYGONS)
 /// Where the surface that a ray left has the closed form of a light, only next-event estimation samples that
-/// light.
+/// light; directions of no density it never samples.
 STAGE void drop_controlled(const PRIVATE PathState* paths, int i, const PRIVATE Emissions* RESTRICT emissions,
                            PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Emission emission = load_emission(emissions, j);
-      const bool dropped =
-          (get_depth(paths, i + j) > 0) & get_left_controlled(paths, i + j) & emission.of_polygon;
+      const bool dropped = (get_depth(paths, i + j) > 0) & get_left_controlled(paths, i + j) &
+                           emission.of_polygon & (get_direction_pdf(paths, i + j) != DELTA_PDF);
       found->light[j] = dropped ? -1 : found->light[j];
     }
 }

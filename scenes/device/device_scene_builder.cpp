@@ -63,7 +63,8 @@ bool has_narrow_lobes(const SceneDescription& scene) {
   constexpr float kBroad = 0.3f;
   return std::ranges::any_of(scene.bsdfs, [](const Bsdf& bsdf) {
     const Material m = material_of(bsdf);
-    return (ltc_families() >> m.family & 1u) != 0u && m.alpha_u * m.alpha_v < kBroad * kBroad;
+    const float alpha = m.alpha_v > 0 ? std::sqrt(m.alpha_u * m.alpha_v) : m.alpha_u;
+    return (ltc_families() >> m.family & 1u) != 0u && alpha > 0 && alpha < kBroad;
   });
 }
 
