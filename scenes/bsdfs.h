@@ -13,11 +13,14 @@
 #include <variant>
 
 #include "scenes/bsdfs/diffuse.h"
+#include "scenes/bsdfs/disney.h"
 #include "scenes/bsdfs/phong.h"
+#include "scenes/bsdfs/principled.h"
+#include "scenes/bsdfs/principledthin.h"
 
 namespace penumbra {
 
-using BsdfModel = std::variant<DiffuseBsdf, PhongBsdf>;
+using BsdfModel = std::variant<DiffuseBsdf, PhongBsdf, PrincipledBsdf, PrincipledThinBsdf, DisneyBsdf>;
 
 struct Bsdf {
   std::string name;  ///< the file's id, or a description of the place, for messages

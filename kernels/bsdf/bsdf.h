@@ -4,7 +4,10 @@
 #ifndef PENUMBRA_BSDF_H
 #define PENUMBRA_BSDF_H
 #include "kernels/bsdf/diffuse.h"
+#include "kernels/bsdf/disney.h"
 #include "kernels/bsdf/phong.h"
+#include "kernels/bsdf/principled.h"
+#include "kernels/bsdf/principledthin.h"
 #ifdef EXTRA_BSDF_FAMILY_LIST
   #include EXTRA_BSDF_FAMILY_FUNCTIONS
 #endif
@@ -33,7 +36,7 @@ CLOSURE_FIELDS(RESOLVE_LANES, )
 #undef RESOLVE_LANES
 
 #if HAS(TEXTURES)
-  #define LANE_OF_float(value) texture_number(value)
+  #define LANE_OF_float(value) luminance(value)
   #define LANE_OF_vec3(value) (value)
   // Where materials have a texture for a field, its value there.
   #define TEXTURE_LANES(a, type, name)                                                                   \

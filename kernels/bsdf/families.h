@@ -20,15 +20,21 @@ PENUMBRA_NAMESPACE_BEGIN
 #else
   #define EXTRA_BSDF_FAMILIES(X)
 #endif
-#define BSDF_FAMILIES(X)                                        \
-  X(diffuse, DIFFUSE, 1, CLOSED_FORM, "diffuse BSDF")           \
-  X(phong, PHONG, 2, CLOSED_FORM | SEVERAL_LOBES, "Phong BSDF") \
+#define BSDF_FAMILIES(X)                                                                                 \
+  X(diffuse, DIFFUSE, 1, CLOSED_FORM, "diffuse BSDF")                                                    \
+  X(phong, PHONG, 2, CLOSED_FORM | SEVERAL_LOBES, "Phong BSDF")                                          \
+  X(principled, PRINCIPLED, 13, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "principled BSDF")              \
+  X(principledthin, PRINCIPLEDTHIN, 14, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "thin principled BSDF") \
+  X(disney, DISNEY, 15, SEVERAL_LOBES | ANISOTROPIC, "Disney BRDF")                                      \
   EXTRA_BSDF_FAMILIES(X)
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FAMILY_BLACK 0
 #define FAMILY_DIFFUSE 1
 #define FAMILY_PHONG 2
+#define FAMILY_PRINCIPLED 13
+#define FAMILY_PRINCIPLEDTHIN 14
+#define FAMILY_DISNEY 15
 
 // What a material has at a point. The record of a material holds the same; of the TEXTURED_FIELDS also a
 // texture each, or -1. What a family makes of fields whose meaning is not the same for all stands in its
@@ -75,6 +81,7 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 
 #define DISTRIBUTION_BECKMANN 0
 #define DISTRIBUTION_GGX 1
+#define PRINCIPLED_INSIDE 1  // variant: as seen from inside
 
 // The families that use each: what none in a scene uses is not read, and stays as in black_closure. Those of
 // tests may use all.
@@ -82,36 +89,37 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define EXTRA_FAMILIES (0u EXTRA_BSDF_FAMILIES(FAMILY_BIT))
 #define USERS(families) ((families) | EXTRA_FAMILIES)
 #define ONLY(NAME) (1u << FAMILY_##NAME)
+#define DISNEYS (ONLY(PRINCIPLED) | ONLY(PRINCIPLEDTHIN) | ONLY(DISNEY))
 #define USERS_family 0xffffffffu
 #define USERS_distribution USERS(0u)
-#define USERS_variant USERS(0u)
+#define USERS_variant USERS(ONLY(PRINCIPLED))
 #define USERS_curve USERS(0u)
 #define USERS_internal USERS(0u)
-#define USERS_specular_rate USERS(0u)
-#define USERS_diffuse_rate USERS(0u)
-#define USERS_clearcoat_rate USERS(0u)
-#define USERS_diff_trans_rate USERS(0u)
-#define USERS_diffuse USERS(ONLY(DIFFUSE) | ONLY(PHONG))
+#define USERS_specular_rate USERS(ONLY(PRINCIPLED) | ONLY(PRINCIPLEDTHIN))
+#define USERS_diffuse_rate USERS(ONLY(PRINCIPLED) | ONLY(PRINCIPLEDTHIN))
+#define USERS_clearcoat_rate USERS(ONLY(PRINCIPLED) | ONLY(PRINCIPLEDTHIN))
+#define USERS_diff_trans_rate USERS(ONLY(PRINCIPLEDTHIN))
+#define USERS_diffuse USERS(ONLY(DIFFUSE) | ONLY(PHONG) | DISNEYS)
 #define USERS_specular USERS(ONLY(PHONG))
 #define USERS_transmitted USERS(0u)
 #define USERS_eta USERS(0u)
 #define USERS_k USERS(0u)
-#define USERS_ior USERS(0u)
+#define USERS_ior USERS(ONLY(PRINCIPLED) | ONLY(PRINCIPLEDTHIN))
 #define USERS_alpha_u USERS(0u)
 #define USERS_alpha_v USERS(0u)
 #define USERS_exponent USERS(ONLY(PHONG))
-#define USERS_roughness USERS(0u)
-#define USERS_anisotropic USERS(0u)
-#define USERS_metallic USERS(0u)
-#define USERS_spec_trans USERS(0u)
-#define USERS_diff_trans USERS(0u)
-#define USERS_spec_tint USERS(0u)
-#define USERS_specular_level USERS(0u)
-#define USERS_sheen USERS(0u)
-#define USERS_sheen_tint USERS(0u)
-#define USERS_flatness USERS(0u)
-#define USERS_clearcoat USERS(0u)
-#define USERS_clearcoat_gloss USERS(0u)
+#define USERS_roughness USERS(DISNEYS)
+#define USERS_anisotropic USERS(DISNEYS)
+#define USERS_metallic USERS(ONLY(PRINCIPLED) | ONLY(DISNEY))
+#define USERS_spec_trans USERS(ONLY(PRINCIPLED) | ONLY(PRINCIPLEDTHIN))
+#define USERS_diff_trans USERS(ONLY(PRINCIPLEDTHIN))
+#define USERS_spec_tint USERS(DISNEYS)
+#define USERS_specular_level USERS(ONLY(DISNEY))
+#define USERS_sheen USERS(DISNEYS)
+#define USERS_sheen_tint USERS(DISNEYS)
+#define USERS_flatness USERS(DISNEYS)
+#define USERS_clearcoat USERS(ONLY(PRINCIPLED) | ONLY(DISNEY))
+#define USERS_clearcoat_gloss USERS(ONLY(PRINCIPLED) | ONLY(DISNEY))
 
 #define ZERO_int 0
 #define ZERO_float 0.0f
