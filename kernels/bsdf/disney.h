@@ -48,7 +48,7 @@ FN BsdfSample disney_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, floa
   const DisneyShares shares = disney_shares_of(c);
   const vec3 facet = sample_microfacet(disney_microfacets(c.roughness, c.anisotropic), wo, u, v);
   const vec3 coat = gtr1_sample(clearcoat_alpha(c.clearcoat_gloss), u, v);
-  const vec3 reflected = reflect_about(wo, select3(choice < shares.diffuse + shares.clearcoat, coat, facet));
+  const vec3 reflected = mirror_about(wo, select3(choice < shares.diffuse + shares.clearcoat, coat, facet));
   BsdfSample s = no_bsdf_sample();
   s.wi = select3(choice < shares.diffuse, cosine_hemisphere(u, v), reflected);
   const BsdfValue value = disney_eval(scene, c, wo, s.wi);

@@ -10,26 +10,20 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-FN vec3 reflect_about(vec3 w, vec3 h) { return add_scaled(negate(w), 2.0f * dot3(w, h), h); }
-FN vec3 refract_about(vec3 w, vec3 h, float eta, float cosine, float cos_t) {
-  return add_scaled(scale(w, -1.0f / eta), cosine / eta - cos_t, h);
-}
-
 /// (1 - cosine)^5: how far Fresnel reflectances have grown to 1 (Schlick 1994).
 FN float schlick_weight(float cosine) {
   const float m = clamp_f(1.0f - cosine, 0.0f, 1.0f), m2 = m * m;
   return m2 * m2 * m;
 }
 
-/// The same for refractive index `eta` of the inside over that of the outside: where the inside is the
-/// thinner, of the refracted direction's cosine.
-FN float schlick_weight_of(float eta, float cosine) {
-  const float refracted = safe_sqrt(1.0f - (1.0f - cosine * cosine) / (eta * eta));
-  return schlick_weight(eta > 1.0f ? cosine : refracted);
+/// The same at a boundary of relative refractive index `ior`: where the other side is the thinner, of the
+/// `refracted` direction's cosine.
+FN float schlick_weight_of(float ior, float cosine, float refracted) {
+  return schlick_weight(ior > 1.0f ? cosine : refracted);
 }
 
 /// Reflectance along the normal between media of that relative refractive index.
-FN float normal_reflectance(float eta) { return sqr((eta - 1.0f) / (eta + 1.0f)); }
+FN float normal_reflectance(float ior) { return sqr((ior - 1.0f) / (ior + 1.0f)); }
 
 /// The hue of a colour, of luminance 1; white for black.
 FN vec3 disney_tint(vec3 colour, float its_luminance) {

@@ -23,6 +23,15 @@ PENUMBRA_NAMESPACE_BEGIN
 #define BSDF_FAMILIES(X)                                                                                 \
   X(diffuse, DIFFUSE, 1, CLOSED_FORM, "diffuse BSDF")                                                    \
   X(phong, PHONG, 2, CLOSED_FORM | SEVERAL_LOBES, "Phong BSDF")                                          \
+  X(conductor, CONDUCTOR, 3, DELTA, "smooth conductor")                                                  \
+  X(roughconductor_ggx, ROUGHCONDUCTOR_GGX, 4, ANISOTROPIC, "rough conductor, GGX")                      \
+  X(roughconductor_beckmann, ROUGHCONDUCTOR_BECKMANN, 5, ANISOTROPIC, "rough conductor, Beckmann")       \
+  X(dielectric, DIELECTRIC, 6, SEVERAL_LOBES | TRANSMITS | DELTA, "smooth dielectric")                   \
+  X(thindielectric, THINDIELECTRIC, 7, SEVERAL_LOBES | TRANSMITS | DELTA, "thin dielectric")             \
+  X(roughdielectric_ggx, ROUGHDIELECTRIC_GGX, 8, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,                \
+    "rough dielectric, GGX")                                                                             \
+  X(roughdielectric_beckmann, ROUGHDIELECTRIC_BECKMANN, 9, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,      \
+    "rough dielectric, Beckmann")                                                                        \
   X(principled, PRINCIPLED, 13, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "principled BSDF")              \
   X(principledthin, PRINCIPLEDTHIN, 14, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "thin principled BSDF") \
   X(disney, DISNEY, 15, SEVERAL_LOBES | ANISOTROPIC, "Disney BRDF")                                      \
@@ -32,6 +41,13 @@ PENUMBRA_NAMESPACE_BEGIN
 #define FAMILY_BLACK 0
 #define FAMILY_DIFFUSE 1
 #define FAMILY_PHONG 2
+#define FAMILY_CONDUCTOR 3
+#define FAMILY_ROUGHCONDUCTOR_GGX 4
+#define FAMILY_ROUGHCONDUCTOR_BECKMANN 5
+#define FAMILY_DIELECTRIC 6
+#define FAMILY_THINDIELECTRIC 7
+#define FAMILY_ROUGHDIELECTRIC_GGX 8
+#define FAMILY_ROUGHDIELECTRIC_BECKMANN 9
 #define FAMILY_PRINCIPLED 13
 #define FAMILY_PRINCIPLEDTHIN 14
 #define FAMILY_DISNEY 15
@@ -89,6 +105,10 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define EXTRA_FAMILIES (0u EXTRA_BSDF_FAMILIES(FAMILY_BIT))
 #define USERS(families) ((families) | EXTRA_FAMILIES)
 #define ONLY(NAME) (1u << FAMILY_##NAME)
+#define ROUGH_CONDUCTORS (ONLY(ROUGHCONDUCTOR_GGX) | ONLY(ROUGHCONDUCTOR_BECKMANN))
+#define ROUGH_DIELECTRICS (ONLY(ROUGHDIELECTRIC_GGX) | ONLY(ROUGHDIELECTRIC_BECKMANN))
+#define CONDUCTORS (ONLY(CONDUCTOR) | ROUGH_CONDUCTORS)
+#define DIELECTRICS (ONLY(DIELECTRIC) | ONLY(THINDIELECTRIC) | ROUGH_DIELECTRICS)
 #define DISNEYS (ONLY(PRINCIPLED) | ONLY(PRINCIPLEDTHIN) | ONLY(DISNEY))
 #define USERS_family 0xffffffffu
 #define USERS_distribution USERS(0u)
@@ -100,13 +120,13 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define USERS_clearcoat_rate USERS(ONLY(PRINCIPLED) | ONLY(PRINCIPLEDTHIN))
 #define USERS_diff_trans_rate USERS(ONLY(PRINCIPLEDTHIN))
 #define USERS_diffuse USERS(ONLY(DIFFUSE) | ONLY(PHONG) | DISNEYS)
-#define USERS_specular USERS(ONLY(PHONG))
-#define USERS_transmitted USERS(0u)
-#define USERS_eta USERS(0u)
-#define USERS_k USERS(0u)
-#define USERS_ior USERS(ONLY(PRINCIPLED) | ONLY(PRINCIPLEDTHIN))
-#define USERS_alpha_u USERS(0u)
-#define USERS_alpha_v USERS(0u)
+#define USERS_specular USERS(ONLY(PHONG) | CONDUCTORS | DIELECTRICS)
+#define USERS_transmitted USERS(DIELECTRICS)
+#define USERS_eta USERS(CONDUCTORS)
+#define USERS_k USERS(CONDUCTORS)
+#define USERS_ior USERS(ONLY(PRINCIPLED) | ONLY(PRINCIPLEDTHIN) | DIELECTRICS)
+#define USERS_alpha_u USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS)
+#define USERS_alpha_v USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS)
 #define USERS_exponent USERS(ONLY(PHONG))
 #define USERS_roughness USERS(DISNEYS)
 #define USERS_anisotropic USERS(DISNEYS)
@@ -147,6 +167,9 @@ FN uint families_with(int wanted) { return 0u BSDF_FAMILIES(FAMILY_WITH); }
 #undef FAMILY_WITH
 
 FN bool has_closed_form(Closure c) { return ((families_with(CLOSED_FORM) >> c.family) & 1u) != 0u; }
+
+/// Whether it matters how its frame lies about the normal.
+FN bool is_anisotropic(Closure c) { return (c.alpha_u != c.alpha_v) | (c.anisotropic != 0.0f); }
 
 /// What it reflects altogether, as far as its colours say.
 FN vec3 closure_albedo(Closure c) { return add(c.diffuse, c.specular); }

@@ -3,7 +3,7 @@
 // clearcoat and sheen go on top.
 //
 // From inside (`variant`) it is a rough dielectric alone, without colour, as far as it transmits. Base colour
-// is `diffuse`, and `ior` that of the inside over that of the outside whatever the side.
+// is `diffuse`, and `ior` as of smooth dielectrics.
 //
 // It is Mitsuba's to its clearcoat, which lacks the 1 / (4 cos cos) of a microfacet model and so is darker
 // than that of `disney`.
@@ -17,7 +17,6 @@ PENUMBRA_NAMESPACE_BEGIN
 /// What of it does not depend on directions.
 typedef struct {
   bool inside;
-  float eta;            // refractive index of the other side over that of the viewer's
   float brdf, bsdf;     // how much of it is diffuse, how much transmits
   DisneyShares shares;  // in which the specular lobe reflects and transmits,
   float transmits;      // times what Fresnel lets through: the share of it that transmits
@@ -27,7 +26,6 @@ typedef struct {
 FN Principled principled_of(Closure c) {
   Principled p;
   p.inside = c.variant == PRINCIPLED_INSIDE;
-  p.eta = p.inside ? 1.0f / c.ior : c.ior;
   const float dielectric = 1.0f - c.metallic;
   p.brdf = dielectric * (1.0f - c.spec_trans);
   p.bsdf = dielectric * c.spec_trans;
@@ -39,14 +37,13 @@ FN Principled principled_of(Closure c) {
   return p;
 }
 
-/// What the microfacets reflect at this cosine with their normals, of which a dielectric's would reflect
-/// `fresnel`: Schlick's approximation for what is metallic or tinted.
-FN vec3 principled_fresnel(Closure c, Principled p, float fresnel, float cosine, vec3 tint) {
-  const float weight = schlick_weight_of(p.eta, cosine);
+/// What the microfacets reflect where those of a dielectric reflect `fresnel`: by Schlick's approximation, of
+/// this weight, for what is metallic or tinted.
+FN vec3 principled_fresnel(Closure c, Principled p, float fresnel, float weight, vec3 tint) {
   const vec3 white = make_vec3(1.0f, 1.0f, 1.0f);
   const float dielectric = 1.0f - c.metallic;
   const vec3 metal = mix3(c.diffuse, white, weight);
-  const vec3 tinted = mix3(scale(tint, normal_reflectance(p.eta)), white, weight);
+  const vec3 tinted = mix3(scale(tint, normal_reflectance(c.ior)), white, weight);
   const float plain = dielectric * (1.0f - c.spec_tint) * fresnel;
   vec3 outside = add_scaled(make_vec3(plain, plain, plain), c.metallic, metal);
   outside = add_scaled(outside, dielectric * c.spec_tint, tinted);
@@ -57,7 +54,7 @@ FN vec3 principled_fresnel(Closure c, Principled p, float fresnel, float cosine,
 FN BsdfValue principled_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
   const Principled p = principled_of(c);
   const bool reflects = wi.z > 0.0f;
-  const vec3 sum = add_scaled(wo, reflects ? 1.0f : p.eta, wi);
+  const vec3 sum = add_scaled(wo, reflects ? 1.0f : c.ior, wi);
   const float length2 = dot3(sum, sum);
   const float to_unit = 1.0f / SQRT(max_f(length2, 1e-30f));
   const vec3 h = scale(sum, sum.z < 0.0f ? -to_unit : to_unit);
@@ -66,13 +63,15 @@ FN BsdfValue principled_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec
   const bool facets_reflect = there & reflects & (cos_i > 0.0f);
   const bool facets_transmit = there & (wi.z < 0.0f) & (cos_i < 0.0f);
 
-  const float fresnel = dielectric_fresnel(FABS(cos_o), p.eta).reflectance;
+  const DielectricFresnel boundary = dielectric_fresnel(FABS(cos_o), c.ior);
+  const float fresnel = boundary.reflectance;
+  const float weight = schlick_weight_of(c.ior, cos_o, boundary.cosine);
   const float density = reflected_density(p.facets, wo, h);
   const float masked = density * masking_of_either_side(p.facets, wi);
   const vec3 tint = disney_tint(c.diffuse, luminance(c.diffuse));
 
   // Reflection by the microfacets.
-  const vec3 reflected = principled_fresnel(c, p, fresnel, cos_o, tint);
+  const vec3 reflected = principled_fresnel(c, p, fresnel, weight, tint);
   vec3 f_cos = scale(reflected, facets_reflect ? masked : 0.0f);
   const float share_transmitted = p.transmits * (1.0f - fresnel);
   const float specular_pdf = p.shares.specular * density;
@@ -83,7 +82,7 @@ FN BsdfValue principled_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec
   const float through = p.bsdf * (1.0f - fresnel) * masked * jacobian;
   const vec3 root = make_vec3(SQRT(c.diffuse.x), SQRT(c.diffuse.y), SQRT(c.diffuse.z));
   f_cos = add_scaled(f_cos, facets_transmit ? through : 0.0f, root);
-  pdf += facets_transmit ? specular_pdf * share_transmitted * (p.eta * p.eta) * jacobian : 0.0f;
+  pdf += facets_transmit ? specular_pdf * share_transmitted * (c.ior * c.ior) * jacobian : 0.0f;
 
   // What is outside alone.
   const bool outside = there & reflects & !p.inside;
@@ -94,14 +93,14 @@ FN BsdfValue principled_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec
   const vec3 sheen = mix3(make_vec3(1.0f, 1.0f, 1.0f), tint, c.sheen_tint);
   const float sheens = (p.brdf > 0.0f ? c.sheen * (1.0f - c.metallic) : 0.0f) * schlick_weight(cos_i);
   f_cos = add_scaled(f_cos, sheens * cosine, sheen);
-  const Clearcoat coat = clearcoat_lobe(c.clearcoat_gloss, schlick_weight_of(p.eta, cos_o), wo, wi, h);
+  const Clearcoat coat = clearcoat_lobe(c.clearcoat_gloss, weight, wo, wi, h);
   const float coat_cos = c.clearcoat * coat.value * cosine;
   f_cos = add(f_cos, make_vec3(coat_cos, coat_cos, coat_cos));
   pdf += outside ? p.shares.clearcoat * coat.pdf : 0.0f;
   BsdfValue value;
   value.f_cos = f_cos;
   value.pdf = pdf;
-  return value;
+  return select_bsdf_value(there, value, no_bsdf_value());
 }
 
 FN BsdfSample principled_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v,
@@ -109,7 +108,7 @@ FN BsdfSample principled_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, 
   const Principled p = principled_of(c);
   const vec3 facet = sample_microfacet(p.facets, wo, u, v);
   const float cosine = max_f(dot3(wo, facet), 0.0f);
-  const DielectricFresnel fresnel = dielectric_fresnel(cosine, p.eta);
+  const DielectricFresnel fresnel = dielectric_fresnel(cosine, c.ior);
   const float share_transmitted = p.transmits * (1.0f - fresnel.reflectance);
 
   const float up_to_coat = p.shares.diffuse + p.shares.clearcoat;
@@ -117,11 +116,11 @@ FN BsdfSample principled_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, 
   const bool is_coat = choice < up_to_coat;
   const bool transmits = !is_coat & (choice < up_to_coat + p.shares.specular * share_transmitted);
   const vec3 h = select3(is_coat, gtr1_sample(clearcoat_alpha(c.clearcoat_gloss), u, v), facet);
-  const vec3 reflected = reflect_about(wo, h);
-  const vec3 refracted = refract_about(wo, facet, p.eta, cosine, fresnel.cosine);
+  const vec3 reflected = mirror_about(wo, h);
+  const vec3 refracted = refract_about(wo, facet, cosine, fresnel.cosine, c.ior);
   BsdfSample s = no_bsdf_sample();
   s.wi = select3(is_diffuse, cosine_hemisphere(u, v), select3(transmits, refracted, reflected));
-  s.eta = transmits ? p.eta : 1.0f;
+  s.eta = transmits ? c.ior : 1.0f;
   const BsdfValue value = principled_eval(scene, c, wo, s.wi);
   // A facet may send light to the wrong side of the surface.
   s.pdf = transmits == (s.wi.z < 0.0f) ? value.pdf : 0.0f;

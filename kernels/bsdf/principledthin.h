@@ -51,12 +51,14 @@ FN BsdfValue principledthin_eval(const PRIVATE Scene* scene, Closure c, vec3 wo,
   const bool facets = there & (cos_o > 0.0f) & (reflects ? cos_i > 0.0f : cos_i < 0.0f);
 
   const Microfacets m = disney_microfacets(thin_roughness(c, !reflects), c.anisotropic);
-  const float fresnel = dielectric_fresnel(FABS(cos_o), c.ior).reflectance;
+  const DielectricFresnel boundary = dielectric_fresnel(FABS(cos_o), c.ior);
+  const float fresnel = boundary.reflectance;
+  const float weight = schlick_weight_of(c.ior, cos_o, boundary.cosine);
   const float density = facets ? reflected_density(m, wo, h) : 0.0f;
   const float masked = c.spec_trans * density * masking_of_either_side(m, wi);
   const vec3 white = make_vec3(1.0f, 1.0f, 1.0f);
   const vec3 tint = disney_tint(c.diffuse, luminance(c.diffuse));
-  const vec3 tinted = mix3(scale(tint, normal_reflectance(c.ior)), white, schlick_weight_of(c.ior, cos_o));
+  const vec3 tinted = mix3(scale(tint, normal_reflectance(c.ior)), white, weight);
   const vec3 reflected = mix3(make_vec3(fresnel, fresnel, fresnel), tinted, c.spec_tint);
   const vec3 specular = scale(select3(reflects, reflected, scale(c.diffuse, 1.0f - fresnel)), masked);
 
@@ -80,7 +82,7 @@ FN BsdfSample principledthin_sample(const PRIVATE Scene* scene, Closure c, vec3 
   const bool transmits = is_facet ? choice >= t.facets_reflect : choice >= up_to_facets + t.diffuse_reflects;
   const vec3 facet =
       sample_microfacet(disney_microfacets(thin_roughness(c, transmits), c.anisotropic), wo, u, v);
-  const vec3 above = select3(is_facet, reflect_about(wo, facet), cosine_hemisphere(u, v));
+  const vec3 above = select3(is_facet, mirror_about(wo, facet), cosine_hemisphere(u, v));
   BsdfSample s = no_bsdf_sample();
   s.wi = make_vec3(above.x, above.y, transmits ? -above.z : above.z);
   const BsdfValue value = principledthin_eval(scene, c, wo, s.wi);

@@ -89,7 +89,7 @@ inline Material material_of(const PrincipledBsdf& principled) {
   PENUMBRA_SET_FIELD(m, flatness, principled.flatness);
   PENUMBRA_SET_FIELD(m, clearcoat, principled.clearcoat);
   PENUMBRA_SET_FIELD(m, clearcoat_gloss, principled.clearcoat_gloss);
-  m.ior = principled.eta;
+  m.ior = principled.inside ? 1.0f / principled.eta : principled.eta;
   m.specular_rate = principled.specular_rate;
   m.diffuse_rate = principled.diffuse_rate;
   m.clearcoat_rate = principled.clearcoat_rate;
