@@ -1,7 +1,10 @@
 // Mitsuba 3's principled BSDF, see kernels/bsdf/principled.h.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string>
 
 #include "scenes/bsdfs/material.h"
 #include "scenes/plugin_values.h"
@@ -56,8 +59,14 @@ struct PrincipledBsdf {
     row("clearcoat_sampling_rate", &P::clearcoat_rate, kSamplingRate, "how often the clearcoat is sampled");
   }
 
-  /// Is there anything to see from inside?
   [[nodiscard]] bool transmits() const { return spec_trans.value > 0.0f; }
+  /// From inside: black where it does not transmit.
+  [[nodiscard]] std::optional<PrincipledBsdf> other_side() const {
+    if (!transmits()) return std::nullopt;
+    PrincipledBsdf other = *this;
+    other.inside = true;
+    return other;
+  }
 
   template <typename Given>
   void complete(Findings& findings, const Given& given) {

@@ -45,18 +45,17 @@ BsdfModel model_of(const std::string& xml) {
   write_text(
       folder / "scene.xml",
       "<scene version='3.0.0'><sensor type='perspective'/><shape type='sphere'>" + xml + "</shape></scene>");
-  const auto scene = read_scene(folder / "scene.xml");
+  const auto scene = read_scene(folder / "scene.xml", {});
   EXPECT_TRUE(scene) << scene.error().message;
   return scene->bsdfs.at(0).model;
 }
 
 /// As seen from that side: nothing where it is black from there.
-std::optional<Closure> closure_from(BsdfModel model, bool inside) {
-  if (auto* principled = std::get_if<PrincipledBsdf>(&model)) {
-    if (inside && !principled->transmits()) return std::nullopt;
-    principled->inside = inside;
-  }
-  return closure_of(material_of(Bsdf{"", model}));
+std::optional<Closure> closure_from(const BsdfModel& model, bool inside) {
+  const auto* principled = std::get_if<PrincipledBsdf>(&model);
+  if (principled == nullptr || !inside) return closure_of(material_of(Bsdf{"", model}));
+  const auto other = principled->other_side();
+  return other ? std::optional(closure_of(material_of(*other))) : std::nullopt;
 }
 
 TEST(PrincipledBsdfs, AreWorthWhatMitsubaSays) {
