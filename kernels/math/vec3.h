@@ -35,8 +35,8 @@ FN vec3 scale(vec3 a, float s) { return make_vec3(a.x * s, a.y * s, a.z * s); }
 FN vec3 negate(vec3 a) { return make_vec3(-a.x, -a.y, -a.z); }
 /// a + s b
 FN vec3 add_scaled(vec3 a, float s, vec3 b) { return add(a, scale(b, s)); }
-/// From a to b as t goes from 0 to 1.
-FN vec3 mix3(vec3 a, vec3 b, float t) { return add_scaled(a, t, sub(b, a)); }
+/// From a to b as t goes from 0 to 1, both exactly.
+FN vec3 mix3(vec3 a, vec3 b, float t) { return add(scale(a, 1.0f - t), scale(b, t)); }
 FN vec3 abs3(vec3 a) { return make_vec3(FABS(a.x), FABS(a.y), FABS(a.z)); }
 FN float dot3(vec3 a, vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 /// Exactly antisymmetric in its arguments, since nothing here is contracted to fma.
