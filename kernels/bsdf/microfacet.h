@@ -10,6 +10,7 @@ PENUMBRA_NAMESPACE_BEGIN
 
 // Roughness is at least this: below it, directions in single precision are coarser than the lobe.
 #define LEAST_ALPHA 1e-4f
+#define MOST_ALPHA 100.0f
 #define INV_SQRT_PI_F 0.564189583547756f
 
 typedef struct {
@@ -20,8 +21,8 @@ typedef struct {
 FN Microfacets make_microfacets(int distribution, float alpha_u, float alpha_v) {
   Microfacets m;
   m.distribution = distribution;
-  m.alpha_u = max_f(alpha_u, LEAST_ALPHA);
-  m.alpha_v = max_f(alpha_v, LEAST_ALPHA);
+  m.alpha_u = clamp_f(alpha_u, LEAST_ALPHA, MOST_ALPHA);
+  m.alpha_v = clamp_f(alpha_v, LEAST_ALPHA, MOST_ALPHA);
   return m;
 }
 
