@@ -10,6 +10,14 @@
 
 namespace penumbra::mitsuba {
 
+namespace {
+
+ColourRole role_of(const ColourWithin& values) {
+  return values.high <= 1.0f ? ColourRole::kReflectance : ColourRole::kEmission;
+}
+
+}  // namespace
+
 Object* Context::resolve(const Child& child) const {
   if (child.object != nullptr) return child.object;
   const auto found = tree.by_id.find(child.reference);
@@ -200,7 +208,11 @@ void PluginReader::read_textured(std::string_view name, TexturedColour& colour, 
     colour.texture = texture.index.value_or(kNoTexture);
     return;
   }
-  glm::vec3 rgb = colour.value;
+  read_plain(name, colour.value, role, values);
+}
+
+void PluginReader::read_plain(std::string_view name, glm::vec3& colour, ColourRole role, const auto& values) {
+  glm::vec3 rgb = colour;
   read_colour(name, rgb, role);
   for (int i = 0; i < 3; ++i)
     if (!values.contains(rgb[i]))
@@ -208,8 +220,24 @@ void PluginReader::read_textured(std::string_view name, TexturedColour& colour, 
   colour = rgb;
 }
 
+void PluginReader::read(std::string_view name, glm::vec3& colour, const ColourWithin& values) {
+  read_plain(name, colour, role_of(values), values);
+}
+
+void PluginReader::read(std::string_view name, glm::dvec3& value, AnyPoint) {
+  value = point(name).value_or(value);
+}
+
+void PluginReader::read(std::string_view name, glm::dmat4& value, AnyTransform) {
+  if (has(name))
+    value = transform(name);
+  else
+    skip_parameter(name);
+}
+
+void PluginReader::read(std::string_view name, std::string& value, FileName) { value = text(name, value); }
 void PluginReader::read(std::string_view name, TexturedColour& colour, const ColourWithin& values) {
-  read_textured(name, colour, values.high <= 1.0f ? ColourRole::kReflectance : ColourRole::kEmission, values);
+  read_textured(name, colour, role_of(values), values);
 }
 
 void PluginReader::read(std::string_view name, TexturedColour& colour, const IndexColour& values) {

@@ -63,6 +63,10 @@ class PluginReader {
   void read(std::string_view name, TexturedNumber& number, const NumberWithin& values);
   void read(std::string_view name, float& number, const NumberWithin& values);
   void read(std::string_view name, bool& value, const TrueOrFalse& values);
+  void read(std::string_view name, glm::vec3& colour, const ColourWithin& values);
+  void read(std::string_view name, glm::dvec3& value, AnyPoint values);
+  void read(std::string_view name, glm::dmat4& value, AnyTransform values);
+  void read(std::string_view name, std::string& value, FileName values);
   template <typename T>
   void read(std::string_view name, T& value, const OneOf<T>& values) {
     if (!has(name)) return skip_parameter(name);
@@ -132,6 +136,7 @@ class PluginReader {
   };
   TakenTexture take_texture(std::string_view name);
   void read_textured(std::string_view name, TexturedColour& colour, ColourRole role, const auto& values);
+  void read_plain(std::string_view name, glm::vec3& colour, ColourRole role, const auto& values);
   template <typename T>
   const T* take_as(std::string_view name, std::string_view wanted);
   void wrong_kind(const Parameter& parameter, std::string_view wanted) const;
