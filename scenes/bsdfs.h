@@ -19,17 +19,21 @@
 #include "scenes/bsdfs/conductor.h"
 #include "scenes/bsdfs/dielectric.h"
 #include "scenes/bsdfs/diffuse.h"
+#include "scenes/bsdfs/disney.h"
 #include "scenes/bsdfs/microfacet_diffuse.h"
 #include "scenes/bsdfs/phong.h"
 #include "scenes/bsdfs/plastic.h"
+#include "scenes/bsdfs/principled.h"
+#include "scenes/bsdfs/principledthin.h"
 #include "scenes/bsdfs/roughplastic.h"
 #include "scenes/bsdfs/ward.h"
 
 namespace penumbra {
 
-using BsdfModel = std::variant<DiffuseBsdf, PhongBsdf, ConductorBsdf, RoughConductorBsdf, DielectricBsdf,
-                               ThinDielectricBsdf, RoughDielectricBsdf, PlasticBsdf, RoughPlasticBsdf,
-                               WardBsdf, BlinnPhongBsdf, MicrofacetDiffuseBsdf>;
+using BsdfModel =
+    std::variant<DiffuseBsdf, PhongBsdf, ConductorBsdf, RoughConductorBsdf, DielectricBsdf,
+                 ThinDielectricBsdf, RoughDielectricBsdf, PlasticBsdf, RoughPlasticBsdf, WardBsdf,
+                 BlinnPhongBsdf, MicrofacetDiffuseBsdf, PrincipledBsdf, PrincipledThinBsdf, DisneyBsdf>;
 
 struct Bsdf {
   std::string name;  ///< the file's id, or a description of the place, for messages

@@ -20,24 +20,27 @@ PENUMBRA_NAMESPACE_BEGIN
 #else
   #define EXTRA_BSDF_FAMILIES(X)
 #endif
-#define BSDF_FAMILIES(X)                                                                              \
-  X(diffuse, DIFFUSE, 1, CLOSED_FORM, "diffuse BSDF")                                                 \
-  X(phong, PHONG, 2, CLOSED_FORM | SEVERAL_LOBES, "Phong BSDF")                                       \
-  X(conductor, CONDUCTOR, 3, DELTA, "smooth conductor")                                               \
-  X(roughconductor_ggx, ROUGHCONDUCTOR_GGX, 4, ANISOTROPIC, "rough conductor, GGX")                   \
-  X(roughconductor_beckmann, ROUGHCONDUCTOR_BECKMANN, 5, ANISOTROPIC, "rough conductor, Beckmann")    \
-  X(dielectric, DIELECTRIC, 6, SEVERAL_LOBES | TRANSMITS | DELTA, "smooth dielectric")                \
-  X(thindielectric, THINDIELECTRIC, 7, SEVERAL_LOBES | TRANSMITS | DELTA, "thin dielectric")          \
-  X(roughdielectric_ggx, ROUGHDIELECTRIC_GGX, 8, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,             \
-    "rough dielectric, GGX")                                                                          \
-  X(roughdielectric_beckmann, ROUGHDIELECTRIC_BECKMANN, 9, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,   \
-    "rough dielectric, Beckmann")                                                                     \
-  X(plastic, PLASTIC, 10, SEVERAL_LOBES, "plastic")                                                   \
-  X(roughplastic_ggx, ROUGHPLASTIC_GGX, 11, SEVERAL_LOBES, "rough plastic, GGX")                      \
-  X(roughplastic_beckmann, ROUGHPLASTIC_BECKMANN, 12, SEVERAL_LOBES, "rough plastic, Beckmann")       \
-  X(ward, WARD, 13, SEVERAL_LOBES | ANISOTROPIC, "Ward BSDF")                                         \
-  X(blinnphong, BLINNPHONG, 14, SEVERAL_LOBES, "Blinn-Phong BSDF")                                    \
-  X(microfacet_diffuse, MICROFACET_DIFFUSE, 15, SEVERAL_LOBES, "microfacet BSDF with a diffuse part") \
+#define BSDF_FAMILIES(X)                                                                                 \
+  X(diffuse, DIFFUSE, 1, CLOSED_FORM, "diffuse BSDF")                                                    \
+  X(phong, PHONG, 2, CLOSED_FORM | SEVERAL_LOBES, "Phong BSDF")                                          \
+  X(conductor, CONDUCTOR, 3, DELTA, "smooth conductor")                                                  \
+  X(roughconductor_ggx, ROUGHCONDUCTOR_GGX, 4, ANISOTROPIC, "rough conductor, GGX")                      \
+  X(roughconductor_beckmann, ROUGHCONDUCTOR_BECKMANN, 5, ANISOTROPIC, "rough conductor, Beckmann")       \
+  X(dielectric, DIELECTRIC, 6, SEVERAL_LOBES | TRANSMITS | DELTA, "smooth dielectric")                   \
+  X(thindielectric, THINDIELECTRIC, 7, SEVERAL_LOBES | TRANSMITS | DELTA, "thin dielectric")             \
+  X(roughdielectric_ggx, ROUGHDIELECTRIC_GGX, 8, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,                \
+    "rough dielectric, GGX")                                                                             \
+  X(roughdielectric_beckmann, ROUGHDIELECTRIC_BECKMANN, 9, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,      \
+    "rough dielectric, Beckmann")                                                                        \
+  X(plastic, PLASTIC, 10, SEVERAL_LOBES, "plastic")                                                      \
+  X(roughplastic_ggx, ROUGHPLASTIC_GGX, 11, SEVERAL_LOBES, "rough plastic, GGX")                         \
+  X(roughplastic_beckmann, ROUGHPLASTIC_BECKMANN, 12, SEVERAL_LOBES, "rough plastic, Beckmann")          \
+  X(ward, WARD, 13, SEVERAL_LOBES | ANISOTROPIC, "Ward BSDF")                                            \
+  X(blinnphong, BLINNPHONG, 14, SEVERAL_LOBES, "Blinn-Phong BSDF")                                       \
+  X(microfacet_diffuse, MICROFACET_DIFFUSE, 15, SEVERAL_LOBES, "microfacet BSDF with a diffuse part")    \
+  X(principled, PRINCIPLED, 16, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "principled BSDF")              \
+  X(principledthin, PRINCIPLEDTHIN, 17, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "thin principled BSDF") \
+  X(disney, DISNEY, 18, SEVERAL_LOBES | ANISOTROPIC, "Disney BRDF")                                      \
   EXTRA_BSDF_FAMILIES(X)
 
 // Plain macros as well, since the preprocessor has to test them.
@@ -57,6 +60,9 @@ PENUMBRA_NAMESPACE_BEGIN
 #define FAMILY_WARD 13
 #define FAMILY_BLINNPHONG 14
 #define FAMILY_MICROFACET_DIFFUSE 15
+#define FAMILY_PRINCIPLED 16
+#define FAMILY_PRINCIPLEDTHIN 17
+#define FAMILY_DISNEY 18
 
 // What a material has at a point. The record of a material holds the same; of the TEXTURED_FIELDS also a
 // texture each, or -1. What a family makes of fields whose meaning is not the same for all stands in its
@@ -85,7 +91,6 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, float, clearcoat_gloss)
 #define CLOSURE_FIELDS(F, a)                                                           \
   F(a, int, family)          /* FAMILY_* */                                            \
-  F(a, int, distribution)    /* of microfacets: DISTRIBUTION_* */                      \
   F(a, int, variant)         /* of the family's formula */                             \
   F(a, int, curve)           /* where its values begin in the table of curves */       \
   F(a, float, internal)      /* diffuse reflectance of the boundary from inside */     \
@@ -105,6 +110,7 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 
 #define DISTRIBUTION_BECKMANN 0
 #define DISTRIBUTION_GGX 1
+#define PRINCIPLED_INSIDE 1  // variant: as seen from inside
 
 // Variants of plastics: what is absorbed at the base each time, see plastic.h.
 #define PLASTIC_LINEAR 0
@@ -128,37 +134,38 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define ROUGH_PLASTICS (ONLY(ROUGHPLASTIC_GGX) | ONLY(ROUGHPLASTIC_BECKMANN))
 #define PLASTICS (ONLY(PLASTIC) | ROUGH_PLASTICS)
 #define DIFFUSE_AND_LOBE (PLASTICS | ONLY(WARD) | ONLY(BLINNPHONG) | ONLY(MICROFACET_DIFFUSE))
+#define PRINCIPLEDS (ONLY(PRINCIPLED) | ONLY(PRINCIPLEDTHIN))
+#define DISNEYS (PRINCIPLEDS | ONLY(DISNEY))
 #define USERS_family 0xffffffffu
-#define USERS_distribution USERS(0u)
-#define USERS_variant USERS(PLASTICS | ONLY(WARD))
+#define USERS_variant USERS(PLASTICS | ONLY(WARD) | ONLY(PRINCIPLED))
 #define USERS_curve USERS(ROUGH_PLASTICS)
 #define USERS_internal USERS(PLASTICS)
-#define USERS_specular_rate USERS(0u)
-#define USERS_diffuse_rate USERS(0u)
-#define USERS_clearcoat_rate USERS(0u)
-#define USERS_diff_trans_rate USERS(0u)
-#define USERS_diffuse USERS(ONLY(DIFFUSE) | ONLY(PHONG) | DIFFUSE_AND_LOBE)
+#define USERS_specular_rate USERS(PRINCIPLEDS)
+#define USERS_diffuse_rate USERS(PRINCIPLEDS)
+#define USERS_clearcoat_rate USERS(PRINCIPLEDS)
+#define USERS_diff_trans_rate USERS(ONLY(PRINCIPLEDTHIN))
+#define USERS_diffuse USERS(ONLY(DIFFUSE) | ONLY(PHONG) | DIFFUSE_AND_LOBE | DISNEYS)
 #define USERS_specular USERS(ONLY(PHONG) | DIFFUSE_AND_LOBE | CONDUCTORS | DIELECTRICS)
 #define USERS_transmitted USERS(DIELECTRICS)
 #define USERS_eta USERS(CONDUCTORS)
 #define USERS_k USERS(CONDUCTORS)
-#define USERS_ior USERS(DIELECTRICS | PLASTICS | ONLY(MICROFACET_DIFFUSE))
+#define USERS_ior USERS(DIELECTRICS | PLASTICS | ONLY(MICROFACET_DIFFUSE) | PRINCIPLEDS)
 #define USERS_alpha_u \
   USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS | ROUGH_PLASTICS | ONLY(WARD) | ONLY(MICROFACET_DIFFUSE))
 #define USERS_alpha_v USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS | ONLY(WARD))
 #define USERS_exponent USERS(ONLY(PHONG) | ONLY(BLINNPHONG))
-#define USERS_roughness USERS(0u)
-#define USERS_anisotropic USERS(0u)
-#define USERS_metallic USERS(0u)
-#define USERS_spec_trans USERS(0u)
-#define USERS_diff_trans USERS(0u)
-#define USERS_spec_tint USERS(0u)
-#define USERS_specular_level USERS(0u)
-#define USERS_sheen USERS(0u)
-#define USERS_sheen_tint USERS(0u)
-#define USERS_flatness USERS(0u)
-#define USERS_clearcoat USERS(0u)
-#define USERS_clearcoat_gloss USERS(0u)
+#define USERS_roughness USERS(DISNEYS)
+#define USERS_anisotropic USERS(DISNEYS)
+#define USERS_metallic USERS(ONLY(PRINCIPLED) | ONLY(DISNEY))
+#define USERS_spec_trans USERS(PRINCIPLEDS)
+#define USERS_diff_trans USERS(ONLY(PRINCIPLEDTHIN))
+#define USERS_spec_tint USERS(DISNEYS)
+#define USERS_specular_level USERS(ONLY(DISNEY))
+#define USERS_sheen USERS(DISNEYS)
+#define USERS_sheen_tint USERS(DISNEYS)
+#define USERS_flatness USERS(DISNEYS)
+#define USERS_clearcoat USERS(ONLY(PRINCIPLED) | ONLY(DISNEY))
+#define USERS_clearcoat_gloss USERS(ONLY(PRINCIPLED) | ONLY(DISNEY))
 
 #define ZERO_int 0
 #define ZERO_float 0.0f
@@ -202,6 +209,8 @@ FN bool is_anisotropic(Closure c) { return (c.alpha_u != c.alpha_v) | (c.anisotr
   X(roughplastic_ggx, ROUGHPLASTIC_GGX)               \
   X(roughplastic_beckmann, ROUGHPLASTIC_BECKMANN)     \
   X(microfacet_diffuse, MICROFACET_DIFFUSE)           \
+  X(principled, PRINCIPLED)                           \
+  X(disney, DISNEY)                                   \
   EXTRA_LTC_FAMILIES(X)
 #define LTC_FAMILY_BIT(name, NAME) | (1u << FAMILY_##NAME)
 FN uint ltc_families(void) { return 0u LTC_FAMILIES(LTC_FAMILY_BIT); }

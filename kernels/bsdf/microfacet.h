@@ -169,6 +169,13 @@ FN MicrofacetReflection microfacet_reflection(Microfacets m, vec3 wo, vec3 wi) {
 /// The direction mirrored about the unit normal h.
 FN vec3 mirror_about(vec3 wo, vec3 h) { return sub(scale(h, 2.0f * dot3(wo, h)), wo); }
 
+/// The direction refracted by a facet of unit normal h, under `cosine` to it before and `refracted` after;
+/// `ior` as for dielectric_fresnel.
+FN vec3 refract_about(vec3 wo, vec3 h, float cosine, float refracted, float ior) {
+  const float shrink = 1.0f / ior;
+  return sub(scale(h, cosine * shrink - refracted), scale(wo, shrink));
+}
+
 /// f cos / pdf of it, without Fresnel's factor.
 FN float microfacet_weight(Microfacets m, vec3 wo, vec3 wi) {
   return microfacet_masking(m, wi) * microfacet_masking_ratio(m, wo);

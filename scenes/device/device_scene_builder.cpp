@@ -63,7 +63,9 @@ bool has_narrow_lobes(const SceneDescription& scene) {
   constexpr float kBroad = 0.3f;
   return std::ranges::any_of(scene.bsdfs, [](const Bsdf& bsdf) {
     const Material m = material_of(bsdf);
-    const float alpha = m.alpha_v > 0 ? std::sqrt(m.alpha_u * m.alpha_v) : m.alpha_u;
+    const bool disneys = m.family == FAMILY_PRINCIPLED || m.family == FAMILY_DISNEY;
+    const float rough = m.alpha_v > 0 ? std::sqrt(m.alpha_u * m.alpha_v) : m.alpha_u;
+    const float alpha = disneys ? std::max(m.roughness * m.roughness, 1e-3f) : rough;
     return (ltc_families() >> m.family & 1u) != 0u && alpha > 0 && alpha < kBroad;
   });
 }

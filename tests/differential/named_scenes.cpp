@@ -1,6 +1,9 @@
 #include "tests/differential/named_scenes.h"
 
 #include <cmath>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "scenes/spectrum.h"
 
@@ -355,6 +358,17 @@ SceneText long_axis() {
   return scene;
 }
 
+/// A ball of a principled BSDF of these numbers.
+SceneText principled(std::string_view name, std::string_view type,
+                     const std::vector<std::pair<std::string_view, double>>& numbers) {
+  SceneText scene = begin(name, path(6));
+  std::string bsdf = rgb("base_color", {0.8, 0.35, 0.1});
+  for (const auto& [parameter, value] : numbers) bsdf += real(parameter, value);
+  scene.both(placed("sphere", "<scale value=\"0.8\"/>", plugin("bsdf", type, bsdf)) + floor_at(-1) + kSky +
+             ceiling_lamp());
+  return scene;
+}
+
 }  // namespace
 
 std::vector<SceneText> named_scenes() {
@@ -381,6 +395,16 @@ std::vector<SceneText> named_scenes() {
                                    references()};
   for (const char* shape : {"rectangle", "cube", "sphere", "disk", "obj", "ply", "smooth"})
     for (const bool flipped : {false, true}) scenes.push_back(mirrored(shape, flipped));
+  scenes.push_back(principled("principled-metal", "principled",
+                              {{"metallic", 1}, {"roughness", 0.5}, {"anisotropic", 0.9}, {"clearcoat", 1}}));
+  scenes.push_back(principled("principled-cloth", "principled",
+                              {{"sheen", 1}, {"sheen_tint", 0.5}, {"flatness", 0.7}, {"spec_tint", 1}}));
+  scenes.push_back(principled(
+      "principled-glass", "principled",
+      {{"spec_trans", 0.8}, {"metallic", 0.1}, {"roughness", 0.6}, {"eta", 1.4}, {"anisotropic", 0.5}}));
+  scenes.push_back(principled(
+      "principledthin", "principledthin",
+      {{"spec_trans", 0.5}, {"diff_trans", 0.8}, {"roughness", 0.6}, {"sheen", 0.5}, {"spec_tint", 0.5}}));
   for (const char* axis : {"x", "y", "diagonal", "smaller", "larger"})
     for (const bool wide : {false, true}) scenes.push_back(view_angle(axis, wide));
   return scenes;
