@@ -57,15 +57,15 @@ Bounds bounds_of(const SceneDescription& scene) {
   return bounds;
 }
 
-/// Whether a BSDF has control lobes so narrow that points of lights are better chosen by them, which takes
-/// twice the time: measured by tests/benchmarks/glossy_variance_benchmark.cpp.
-bool has_narrow_lobes(const SceneDescription& scene) {
+/// Whether a material has control lobes so narrow that points of lights are better chosen by them, which
+/// takes twice the time: measured by tests/benchmarks/glossy_variance_benchmark.cpp. Textures count as what
+/// their place is in the material.
+bool has_narrow_lobes(const std::vector<Material>& materials) {
   constexpr float kBroad = 0.3f;
-  return std::ranges::any_of(scene.bsdfs, [](const Bsdf& bsdf) {
-    const Material m = material_of(bsdf);
+  return std::ranges::any_of(materials, [](const Material& m) {
     const bool disneys = m.family == FAMILY_PRINCIPLED || m.family == FAMILY_DISNEY;
     const float rough = m.alpha_v > 0 ? std::sqrt(m.alpha_u * m.alpha_v) : m.alpha_u;
-    const float alpha = disneys ? std::max(m.roughness * m.roughness, 1e-3f) : rough;
+    const float alpha = disneys ? std::max(m.roughness * m.roughness, LEAST_ALPHA) : rough;
     return (ltc_families() >> m.family & 1u) != 0u && alpha > 0 && alpha < kBroad;
   });
 }
@@ -75,8 +75,7 @@ class Builder {
   Builder(const SceneDescription& scene, const DeviceSceneOptions& options)
       : scene_(scene),
         options_(options),
-        lights_(default_sampling(scene.integrator, has_narrow_lobes(scene)),
-                wants_polygons(scene.integrator)) {
+        lights_(default_sampling(scene.integrator), wants_polygons(scene.integrator)) {
     const Bounds bounds = bounds_of(scene);
     center_ = bounds.center();
     radius_ = 0.5 * glm::length(bounds.high - bounds.low);
@@ -85,6 +84,7 @@ class Builder {
 
   Expected<DeviceScene> build() {
     add_materials();
+    lights_.set_default_sampling(default_sampling(scene_.integrator, has_narrow_lobes(records_.materials)));
     for (const Shape& shape : scene_.shapes) add_shape(shape);
     add_other_lights();
     set_camera();

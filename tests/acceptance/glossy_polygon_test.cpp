@@ -30,6 +30,40 @@ SceneDescription room_of(const BsdfModel& floor) {
   return scene;
 }
 
+BsdfModel rough_plastic(float alpha, int distribution) {
+  RoughPlasticBsdf bsdf;
+  bsdf.diffuse = glm::vec3(0.2f, 0.4f, 0.6f);
+  bsdf.distribution = distribution;
+  bsdf.alpha = alpha;
+  return bsdf;
+}
+
+/// With all that the control lobes leave out.
+BsdfModel principled(float metallic, float roughness, float transmits = 0) {
+  PrincipledBsdf bsdf;
+  bsdf.base_color = glm::vec3(0.7f, 0.5f, 0.2f);
+  bsdf.metallic = metallic;
+  bsdf.roughness = roughness;
+  bsdf.spec_trans = transmits;
+  bsdf.anisotropic = 0.3f;
+  bsdf.spec_tint = 0.5f;
+  bsdf.sheen = 0.5f;
+  bsdf.flatness = 0.3f;
+  bsdf.clearcoat = 0.7f;
+  bsdf.clearcoat_gloss = 0.2f;
+  return bsdf;
+}
+BsdfModel disney() {
+  DisneyBsdf bsdf;
+  bsdf.base_color = glm::vec3(0.7f, 0.5f, 0.2f);
+  bsdf.roughness = 0.4f;
+  bsdf.metallic = 0.3f;
+  bsdf.sheen = 0.5f;
+  bsdf.clearcoat = 0.5f;
+  bsdf.clearcoat_gloss = 0.2f;
+  return bsdf;
+}
+
 struct Variant {
   std::string name;
   BsdfModel bsdf;
@@ -58,6 +92,19 @@ std::vector<Variant> variants() {
           {"BeckmannFitted", beckmann, std::nullopt},
           {"BeckmannOneByProjection", beckmann, 1.0f, kProjected},
           {"Roughest", rough_conductor(1.0f, DISTRIBUTION_GGX), 1.0f},
+          {"Plastic", PlasticBsdf{.diffuse = glm::vec3(0.6f, 0.3f, 0.1f)}, 1.0f},
+          {"RoughPlastic", rough_plastic(0.15f, DISTRIBUTION_GGX), 1.0f},
+          {"RoughPlasticMinusOne", rough_plastic(0.3f, DISTRIBUTION_BECKMANN), -1.0f},
+          {"RoughPlasticFitted", rough_plastic(0.3f, DISTRIBUTION_BECKMANN), std::nullopt},
+          {"RoughPlasticByProjection", rough_plastic(0.05f, DISTRIBUTION_GGX), 1.0f, kProjected},
+          {"MicrofacetByProjection", MicrofacetDiffuseBsdf{.diffuse = glm::vec3(0.4f)}, 1.0f, kProjected},
+          {"Principled", principled(0, 0.4f), 1.0f},
+          {"PrincipledMinusOne", principled(0.5f, 0.6f), -1.0f},
+          {"PrincipledByProjection", principled(0.5f, 0.3f), 1.0f, kProjected},
+          {"PrincipledFitted", principled(1, 0.5f), std::nullopt},
+          {"PrincipledGlass", principled(0, 0.5f, 0.5f), 1.0f},
+          {"Disney", disney(), 1.0f},
+          {"DisneyByProjection", disney(), 0.5f, kProjected},
           {"Anisotropic", rough_conductor(0.1f, DISTRIBUTION_GGX, 0.4f), 1.0f},
           {"AnisotropicByProjection", rough_conductor(0.4f, DISTRIBUTION_BECKMANN, 0.1f), 1.0f, kProjected}};
 }
