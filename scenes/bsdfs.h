@@ -12,20 +12,26 @@
 #include <string>
 #include <variant>
 
+#include "scenes/bsdfs/bend.h"
 #include "scenes/bsdfs/diffuse.h"
+#include "scenes/bsdfs/nested.h"
 #include "scenes/bsdfs/phong.h"
 
 namespace penumbra {
 
-using BsdfModel = std::variant<DiffuseBsdf, PhongBsdf>;
+using BsdfModel = std::variant<DiffuseBsdf, PhongBsdf, NullBsdf, MaskBsdf, BlendBsdf>;
 
 struct Bsdf {
   std::string name;  ///< the file's id, or a description of the place, for messages
   BsdfModel model;
+  SurfaceBend bend = {};  ///< of one that holds no others
 };
 
+/// What its children are made of is not known: `passes` is up to the device scene.
 inline Material material_of(const Bsdf& bsdf) {
-  return std::visit([](const auto& model) { return material_of(model); }, bsdf.model);
+  Material m = std::visit([](const auto& model) { return material_of(model); }, bsdf.model);
+  set_bend(m, bsdf.bend);
+  return m;
 }
 
 }  // namespace penumbra

@@ -40,8 +40,6 @@ struct Disk {
   double radius = 1.0;
 };
 
-constexpr int kBlackBsdf = -1;
-
 struct Shape {
   std::string name;  ///< for messages
   std::variant<Mesh, Sphere, Disk> geometry;
@@ -89,7 +87,7 @@ struct SceneDescription : RenderSettings {
   /// Of the contents of those files: the same scene elsewhere has the same.
   std::uint64_t contents_hash = 0;
   std::vector<SceneTexture> textures;  ///< one holds only such as come before it
-  std::vector<Bsdf> bsdfs;
+  std::vector<Bsdf> bsdfs;             ///< likewise
   std::vector<Shape> shapes;
   std::vector<Emitter> emitters;  ///< lights that are no shapes; one sky at most
   std::vector<std::string>
