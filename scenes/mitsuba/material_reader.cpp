@@ -40,6 +40,20 @@ MaterialTree branch(std::string name, BsdfModel model, MaterialTree first, Mater
       MaterialNode{{std::move(name), std::move(model), {}}, std::move(first), std::move(second)});
 }
 
+/// Of one that stands by itself, with what it is seen from behind, if it can be.
+SurfaceMaterial surface_of(const std::string& name, const BsdfModel& model) {
+  const MaterialTree front = leaf(name, model);
+  return std::visit(
+      [&](const auto& known) -> SurfaceMaterial {
+        if constexpr (requires { std::remove_cvref_t<decltype(known)>::kSidesAreAlike; })
+          return {front, front};
+        if constexpr (requires { known.other_side(); })
+          if (const std::optional<BsdfModel> back = known.other_side()) return {front, leaf(name, *back)};
+        return {front, nullptr};
+      },
+      model);
+}
+
 bool is_nothing(const MaterialTree& tree) {
   return tree != nullptr && std::holds_alternative<NullBsdf>(tree->bsdf.model);
 }
@@ -111,7 +125,7 @@ SurfaceMaterial MaterialReader::read_new(const Object& bsdf) {
   if (const auto* holder = find_plugin(holders(), bsdf.type)) {
     result = (this->*holder->read)(plugin);
   } else if (const auto* known = find_plugin(kBsdfs, bsdf.type)) {
-    result.front = leaf(name_of(bsdf), known->read(plugin));
+    result = surface_of(name_of(bsdf), known->read(plugin));
   } else {
     std::vector<std::string> types = plugin_types(kBsdfs);
     for (const Holder& each : holders())
