@@ -47,9 +47,10 @@ SurfaceMaterial surface_of(const std::string& name, const BsdfModel& model) {
       [&](const auto& known) -> SurfaceMaterial {
         if constexpr (requires { std::remove_cvref_t<decltype(known)>::kSidesAreAlike; })
           return {front, front};
-        if constexpr (requires { known.other_side(); })
-          if (const std::optional<BsdfModel> back = known.other_side()) return {front, leaf(name, *back)};
-        return {front, nullptr};
+        else if constexpr (requires { known.other_side(); })
+          return {front, leaf(name, known.other_side())};
+        else
+          return {front, nullptr};
       },
       model);
 }
@@ -164,12 +165,17 @@ SurfaceMaterial MaterialReader::read_two_sided(PluginReader& plugin) {
       plugin.wrong("a twosided bsdf cannot hold another twosided one");
       return result;
     }
-    if (lets_light_through(read(*side).front)) {
+    const SurfaceMaterial& inside = read(*side);
+    if (lets_light_through(inside.front)) {
       plugin.wrong(
           fmt::format("a twosided bsdf cannot hold '{}', which lets light through; it is the same from both "
                       "sides already, "
                       "or takes the twosided one inside it",
                       side->type));
+      return result;
+    }
+    if (inside.back != nullptr) {
+      plugin.wrong(fmt::format("a twosided bsdf cannot hold '{}', which has two sides already", side->type));
       return result;
     }
   }

@@ -100,7 +100,7 @@ void rays_on_edges(SceneDescription& scene) {
   shape.front_bsdf = shape.back_bsdf = 0;
   scene.shapes = {std::move(shape)};
   scene.bsdfs = {Bsdf{"grey", DiffuseBsdf{}}};
-  scene.emitters = {PointLight{{0.3, 0.4, 0.2}, glm::vec3(1)}, ConstantEnvironment{}};
+  scene.emitters = {PointLight{.position = {0.3, 0.4, 0.2}, .intensity = glm::vec3(1)}, ConstantEnvironment{}};
   scene.camera = {};
   scene.camera.fov = 90;
   resize_film(scene, kEdgePixels, kEdgePixels);
