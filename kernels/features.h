@@ -21,7 +21,9 @@
   X(LOOK_THROUGH, 0x2000, "hidden emitters that the camera looks through")    \
   X(RATIO, 0x4000, "ratio estimator of polygon lights")                       \
   X(UV, 0x8000, "texture coordinates and tangents")                           \
-  X(TEXTURES, 0x10000, "textures")
+  X(TEXTURES, 0x10000, "textures")                                            \
+  X(NESTED, 0x20000, "BSDFs that hold others, and surfaces seen through")     \
+  X(BENT, 0x40000, "normal maps and bump maps")
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FEATURE_PATH 0x001
@@ -40,7 +42,9 @@
 #define FEATURE_RATIO 0x4000
 #define FEATURE_UV 0x8000
 #define FEATURE_TEXTURES 0x10000
-#define FEATURE_ALL 0x1ff7f
+#define FEATURE_NESTED 0x20000
+#define FEATURE_BENT 0x40000
+#define FEATURE_ALL 0x7ff7f
 
 /// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)

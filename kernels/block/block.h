@@ -7,7 +7,7 @@
 #include "kernels/block/block_accumulate.h"
 #include "kernels/block/block_compact.h"
 #include "kernels/block/block_control.h"
-#include "kernels/block/block_look_through.h"
+#include "kernels/block/block_see_through.h"
 #include "kernels/block/block_sort.h"
 #include "kernels/block/block_trace.h"
 #include "kernels/camera/camera.h"
@@ -126,9 +126,8 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
     for (int step = 0; count > 0; step++) {
       intersect_block(scene, paths, count);
       pad_hits(paths, count);
-#if HAS(LOOK_THROUGH)
-      if (step == 0 && h->integrator.hide_emitters == HIDE_LOOK_THROUGH)
-        look_through_emitters(scene, paths, count);
+#if HAS(NESTED) || HAS(LOOK_THROUGH)
+      see_through(scene, paths, count, step);
 #endif
 #if HAS(MIXED_FAMILIES) && LANES > 1
       if (NEEDS(scene, MIXED_FAMILIES) && (step == 0 || h->integrator.kind == INTEGRATOR_PATH))
@@ -142,6 +141,9 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
 #endif
       if (block->probe != 0) probe_step(block, control, step);
       occlude_block(scene, paths, count);
+#if HAS(NESTED)
+      if (NEEDS(scene, NESTED)) see_lights_through(scene, paths, count, step);
+#endif
 #if HAS(POLYGONS)
       if (control) add_controlled_light(paths, count);
 #endif

@@ -11,6 +11,7 @@ PENUMBRA_NAMESPACE_BEGIN
 // clang-format off
 #define EVERY_SCENE 0x7fffffffu
 #define NEVER 0u
+#define THROUGH (FEATURE_NESTED | FEATURE_LOOK_THROUGH)
 // Instead of any of several features: all of them.
 #define ALL_OF(features) (0x80000000u | (features))
 
@@ -39,6 +40,13 @@ PENUMBRA_NAMESPACE_BEGIN
   /* the surface that the ray left */                                                                          \
   X(vec3, left_normal, FEATURE_PROJECTED, FEATURE_PROJECTED)    /* its shading normal */                       \
   X(bool, left_controlled, FEATURE_POLYGONS, FEATURE_POLYGONS)  /* its light of polygons has closed forms */   \
+  /* what rays pass through: see block_see_through.h */                                                        \
+  X(int, material, FEATURE_NESTED, FEATURE_NESTED)      /* chosen where the ray ends, or -1: its side's */      \
+  X(vec3, kept_origin, THROUGH, FEATURE_NESTED)         /* where the ray started before it passed */            \
+  X(vec3, kept_direction, FEATURE_NESTED, NEVER)                                                               \
+  X(float, kept_tmax, THROUGH, NEVER)                                                                          \
+  X(int, kept_skip, FEATURE_NESTED, NEVER)                                                                     \
+  X(int, kept_hit, THROUGH, NEVER)                                                                             \
   /* direct light: the surface that the camera sees, which all samples share */                                \
   SURFACE_HIT_FIELDS(KEPT_SURFACE_FIELD, X)                                                                    \
   SURFACE_UV_FIELDS(KEPT_UV_FIELD, X)                                                                          \

@@ -72,6 +72,26 @@ STAGE void add_emissions_found(const PRIVATE Scene* scene, bool first, const PRI
     }
 }
 
+  #if HAS(NESTED)
+/// Adds the light of surfaces that the k-th rays pass, in the lanes with `passes`. The surfaces are as seen
+/// from where the rays started.
+FN void add_passed_directly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int k,
+                            const PRIVATE Surfaces* surfaces, const PRIVATE int* passes) {
+  FoundLights found;
+  Emissions emissions;
+  find_passed_lights(scene, surfaces, passes, &found);
+    #if HAS(PROJECTED)
+  if (NEEDS(scene, PROJECTED) && k > 0) {
+    Surfaces left = *surfaces;
+    load_kept_surfaces(paths, i, &left);
+    project_found(scene, false, &left, paths, i, &found);
+  }
+    #endif
+  find_emissions(scene, &found, k > 0, &emissions);
+  add_emissions_found(scene, k == 0, paths, i, &found, &emissions);
+}
+  #endif
+
 /// Before a step's samples ask for rays: none, and a path goes on if a step is left and there is a surface.
 STAGE void begin_steps(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
                        bool is_last) {

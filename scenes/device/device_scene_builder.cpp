@@ -56,6 +56,16 @@ Bounds bounds_of(const SceneDescription& scene) {
   return bounds;
 }
 
+/// How many rays pass through a material, by its children, which come before it.
+void set_passes(Material& m, const std::vector<Material>& before) {
+  if (m.branches == 0) return;
+  const auto of = [&](int child) { return child < 0 ? PASSES_ALL : before.at(std::size_t(child)).passes; };
+  const bool plain = m.weight_texture == kNoTexture;
+  const int first = plain && m.weight >= 1.0f ? of(m.second) : of(m.first);
+  const int second = plain && m.weight <= 0.0f ? of(m.first) : of(m.second);
+  m.passes = first == second ? first : PASSES_SOME;
+}
+
 class Builder {
  public:
   Builder(const SceneDescription& scene, const DeviceSceneOptions& options)
@@ -111,12 +121,19 @@ class Builder {
   void add_materials() {
     records_.materials.push_back(material_of_family(FAMILY_BLACK));  // 0
     MaterialTables tables(records_.curves);
+    bool textures = false;
     for (const Bsdf& bsdf : scene_.bsdfs) {
-      records_.materials.push_back(material_of(bsdf, tables));
-      h_.families |= 1u << records_.materials.back().family;
-      h_.textured |= textured_fields(records_.materials.back());
+      Material m = material_of(bsdf, tables);
+      set_passes(m, records_.materials);
+      const bool leaf = m.branches == 0 && m.passes == PASSES_NONE;
+      if (leaf) h_.families |= 1u << m.family;
+      if (!leaf) need(FEATURE_NESTED);
+      if (m.bend != BEND_NOT) need(FEATURE_BENT);
+      h_.textured |= textured_fields(m);
+      textures = textures || m.weight_texture != kNoTexture || m.bend_texture != kNoTexture;
+      records_.materials.push_back(m);
     }
-    if (h_.textured != 0u) add_textures();
+    if (textures || h_.textured != 0u) add_textures();
     if ((h_.families & families_with(TRANSMITS)) != 0u) need(FEATURE_TRANSMISSION);
     if (std::popcount(h_.families) > 1) need(FEATURE_MIXED_FAMILIES);
   }
@@ -135,7 +152,7 @@ class Builder {
 
   void add_shape(const Shape& shape) {
     // Materials of the geometric front and back: flipped normals make the other side the front one.
-    const int front = shape.front_bsdf + 1, back = shape.back_bsdf + 1;
+    const int front = material_index(shape.front_bsdf), back = material_index(shape.back_bsdf);
     if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) add_mesh(shape, *mesh, front, back);
     if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) add_sphere(shape, *sphere, front, back);
     if (const auto* disk = std::get_if<Disk>(&shape.geometry)) add_disk(shape, *disk, front, back);
