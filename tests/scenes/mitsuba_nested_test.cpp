@@ -127,7 +127,7 @@ TEST_F(MitsubaNested, WhatIsWrongIsSaid) {
   EXPECT_THAT(material_error(bsdf("bumpmap", board() + bsdf("normalmap", board() + diffuse))),
               HasSubstr("cannot hold another normalmap or bumpmap"));
   EXPECT_THAT(material_error(bsdf("twosided", bsdf("normalmap", board() + bsdf("twosided", diffuse)))),
-              HasSubstr("has two sides already"));
+              HasSubstr("lets light through or has two sides already"));
   EXPECT_THAT(
       error(scene(
           "<bsdf type='mask' id='a'><ref id='b'/></bsdf><bsdf type='mask' id='b'><ref id='a'/></bsdf>")),
