@@ -119,7 +119,7 @@ STAGE void move_coordinates(const PRIVATE Scene* scene, float u_steps, float v_s
 
 STAGE void note_heights(const PRIVATE TextureLanes* RESTRICT found, PRIVATE float* RESTRICT heights) {
   LANE_LOOP
-    for (int j = 0; j < LANES; j++) heights[j] = texture_number(LOAD_LANE_vec3(found->value, j));
+    for (int j = 0; j < LANES; j++) heights[j] = luminance(LOAD_LANE_vec3(found->value, j));
 }
 
 /// Where the surface is displaced along its normal by h(u, v) its normal is that of du + h_u n and dv + h_v n

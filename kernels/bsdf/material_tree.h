@@ -53,7 +53,7 @@ STAGE void textured_weights(const PRIVATE int* RESTRICT textures, const PRIVATE 
                             PRIVATE float* RESTRICT weights) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const float value = clamp_f(texture_number(LOAD_LANE_vec3(found->value, j)), 0.0f, 1.0f);
+      const float value = clamp_f(luminance(LOAD_LANE_vec3(found->value, j)), 0.0f, 1.0f);
       const float plain = weights[j];
       weights[j] = textures[j] >= 0 ? value : plain;
     }
