@@ -89,11 +89,11 @@ class Checker {
     for (const Material& m : table<Material>(scene_, h_.tables.materials))
       require(m.family == FAMILY_BLACK || (in(m.family, 1, 31) && (h_.families >> m.family & 1u) != 0),
               "a material of a family of BSDFs that the header does not name");
+    check_material_trees();
     for (const Material& m : table<Material>(scene_, h_.tables.materials))
       require(((USERS_curve & ~EXTRA_FAMILIES) >> m.family & 1u) == 0 ||
                   in(m.curve, 0, h_.tables.curves.count - CURVE_KNOTS),
               "a material names a curve that is not there");
-    check_material_trees();
     require(in(h_.environment, -1, h_.tables.lights.count - 1), "the environment names no light");
 #define CHECK_INDEX(name, record, member, target, least, what) \
   check_index(h_.tables.name, LEAST_##name, &record::member, h_.tables.target, LEAST_##target, least, what);
@@ -129,6 +129,22 @@ class Checker {
     require(h_.sampler.kind == SAMPLER_SOBOL || has(FEATURE_SAMPLERS), "a sampler without its feature bit");
   }
 
+  /// Walks down trees of materials end, and reach leaves that say what they are.
+  void check_material_trees() {
+    const auto materials = table<Material>(scene_, h_.tables.materials);
+    for (int i = 0; i < int(materials.size()); ++i) {
+      const Material& m = materials[std::size_t(i)];
+      require(m.first < i && m.second < i, "a material holds one that does not come before it");
+      require(in(m.branches, 0, 1) && in(m.passes, PASSES_NONE, PASSES_SOME), "a material of unknown kind");
+      require(m.weight >= 0.0f && m.weight <= 1.0f, "a material's weight is not in [0, 1]");
+      require(in(m.bend, BEND_NOT, BEND_BUMP_MAP), "a normal is bent in an unknown way");
+      require(has(FEATURE_NESTED) || (m.branches == 0 && m.passes == PASSES_NONE),
+              "materials that hold others without their feature bit");
+      require(m.bend == BEND_NOT || (has(FEATURE_BENT) && has(FEATURE_TEXTURES) && has(FEATURE_UV)),
+              "bent normals without their feature bits");
+    }
+  }
+
   void check_texture(const TextureNode& t) {
     require(in(t.kind, 0, TEXTURE_KIND_COUNT - 1) && (h_.texture_kinds >> t.kind & 1u) != 0,
             "a texture of a kind that the header does not name");
@@ -148,22 +164,6 @@ class Checker {
                : shorts ? words - 65536
                         : -1),
             "a bitmap's table of values is not there");
-  }
-
-  /// Walks down trees of materials end, and reach leaves that say what they are.
-  void check_material_trees() {
-    const auto materials = table<Material>(scene_, h_.tables.materials);
-    for (int i = 0; i < int(materials.size()); ++i) {
-      const Material& m = materials[std::size_t(i)];
-      require(m.first < i && m.second < i, "a material holds one that does not come before it");
-      require(in(m.branches, 0, 1) && in(m.passes, PASSES_NONE, PASSES_SOME), "a material of unknown kind");
-      require(m.weight >= 0.0f && m.weight <= 1.0f, "a material's weight is not in [0, 1]");
-      require(in(m.bend, BEND_NOT, BEND_BUMP_MAP), "a normal is bent in an unknown way");
-      require(has(FEATURE_NESTED) || (m.branches == 0 && m.passes == PASSES_NONE),
-              "materials that hold others without their feature bit");
-      require(m.bend == BEND_NOT || (has(FEATURE_BENT) && has(FEATURE_TEXTURES) && has(FEATURE_UV)),
-              "bent normals without their feature bits");
-    }
   }
 
   void check_uvs() {

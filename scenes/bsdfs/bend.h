@@ -18,8 +18,8 @@ struct SurfaceBend {
   friend bool operator==(const SurfaceBend&, const SurfaceBend&) = default;
 };
 
-/// Between texture coordinates whose heights are compared: enough for single precision, and less than a texel
-/// of any but huge images.
+/// Between texture coordinates whose heights are compared, if they are no image's: enough for single
+/// precision.
 constexpr float kBendStep = 1.0f / 4096.0f;
 
 inline void set_bend(Material& m, const SurfaceBend& bend) {

@@ -66,6 +66,17 @@ void set_passes(Material& m, const std::vector<Material>& before) {
   m.passes = first == second ? first : PASSES_SOME;
 }
 
+/// Between texture coordinates whose heights are compared: a small part of a texel.
+float bend_step(const SceneDescription& scene, int texture) {
+  const SceneTexture& heights = scene.textures.at(std::size_t(texture));
+  const auto* image = std::get_if<BitmapTexture>(&heights.model);
+  if (image == nullptr || image->bitmap < 0) return kBendStep;
+  const Bitmap& bitmap = *scene.bitmaps.at(std::size_t(image->bitmap));
+  const double along_u = glm::length(glm::dvec2(heights.to_uv[0])),
+               along_v = glm::length(glm::dvec2(heights.to_uv[1]));
+  return float(1 / (8.0 * std::max({1.0, along_u, along_v}) * std::max(bitmap.width, bitmap.height)));
+}
+
 class Builder {
  public:
   Builder(const SceneDescription& scene, const DeviceSceneOptions& options)
@@ -120,15 +131,18 @@ class Builder {
 
   void add_materials() {
     records_.materials.push_back(material_of_family(FAMILY_BLACK));  // 0
-    MaterialTables tables(records_.curves);
     bool textures = false;
+    MaterialTables tables(records_.curves);
     for (const Bsdf& bsdf : scene_.bsdfs) {
       Material m = material_of(bsdf, tables);
       set_passes(m, records_.materials);
       const bool leaf = m.branches == 0 && m.passes == PASSES_NONE;
       if (leaf) h_.families |= 1u << m.family;
       if (!leaf) need(FEATURE_NESTED);
-      if (m.bend != BEND_NOT) need(FEATURE_BENT);
+      if (m.bend != BEND_NOT) {
+        need(FEATURE_BENT);
+        m.bend_step = bend_step(scene_, m.bend_texture);
+      }
       h_.textured |= textured_fields(m);
       textures = textures || m.weight_texture != kNoTexture || m.bend_texture != kNoTexture;
       records_.materials.push_back(m);

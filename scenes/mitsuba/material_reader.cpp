@@ -40,6 +40,10 @@ MaterialTree branch(std::string name, BsdfModel model, MaterialTree first, Mater
       MaterialNode{{std::move(name), std::move(model), {}}, std::move(first), std::move(second)});
 }
 
+MaterialTree tree_of(const std::string& name, const std::optional<BsdfModel>& model) {
+  return model ? leaf(name, *model) : nullptr;
+}
+
 /// Of one that stands by itself, with what it is seen from behind, if it can be.
 SurfaceMaterial surface_of(const std::string& name, const BsdfModel& model) {
   const MaterialTree front = leaf(name, model);
@@ -48,7 +52,7 @@ SurfaceMaterial surface_of(const std::string& name, const BsdfModel& model) {
         if constexpr (requires { std::remove_cvref_t<decltype(known)>::kSidesAreAlike; })
           return {front, front};
         else if constexpr (requires { known.other_side(); })
-          return {front, leaf(name, known.other_side())};
+          return {front, tree_of(name, known.other_side())};
         else
           return {front, nullptr};
       },
@@ -61,13 +65,6 @@ bool is_nothing(const MaterialTree& tree) {
 bool is_mask(const MaterialTree& tree) { return std::holds_alternative<MaskBsdf>(tree->bsdf.model); }
 bool is_branch(const MaterialTree& tree) {
   return is_mask(tree) || std::holds_alternative<BlendBsdf>(tree->bsdf.model);
-}
-
-bool lets_light_through(const MaterialTree& tree) {
-  if (tree == nullptr) return false;
-  if (is_nothing(tree) || is_mask(tree)) return true;
-  if (is_branch(tree)) return lets_light_through(tree->first) || lets_light_through(tree->second);
-  return (families_with(TRANSMITS) >> material_of(tree->bsdf).family & 1u) != 0u;
 }
 
 bool is_bent(const MaterialTree& tree) {
@@ -165,17 +162,9 @@ SurfaceMaterial MaterialReader::read_two_sided(PluginReader& plugin) {
       plugin.wrong("a twosided bsdf cannot hold another twosided one");
       return result;
     }
-    const SurfaceMaterial& inside = read(*side);
-    if (lets_light_through(inside.front)) {
-      plugin.wrong(
-          fmt::format("a twosided bsdf cannot hold '{}', which lets light through; it is the same from both "
-                      "sides already, "
-                      "or takes the twosided one inside it",
-                      side->type));
-      return result;
-    }
-    if (inside.back != nullptr) {
-      plugin.wrong(fmt::format("a twosided bsdf cannot hold '{}', which has two sides already", side->type));
+    if (read(*side).back != nullptr) {
+      plugin.wrong(fmt::format(
+          "a twosided bsdf cannot hold '{}', which lets light through or has two sides already", side->type));
       return result;
     }
   }
