@@ -13,6 +13,7 @@
   X(SHADING_NORMALS, 0x010, "interpolated vertex normals")                    \
   X(QUADRICS, 0x020, "spheres and disks")                                     \
   X(MIXED_FAMILIES, 0x040, "several families of BSDFs")                       \
+  X(WHITTED, 0x80, "whitted integrator")                                      \
   X(SOLID_ANGLE, 0x100, "sampling of triangle lights by solid angle")         \
   X(LAYERS, 0x200, "albedo, normal and depth layers")                         \
   X(SAMPLERS, 0x400, "samplers other than Owen-scrambled Sobol")              \
@@ -20,7 +21,8 @@
   X(POLYGONS, 0x1000, "polygon lights in closed form")                        \
   X(LOOK_THROUGH, 0x2000, "hidden emitters that the camera looks through")    \
   X(RATIO, 0x4000, "ratio estimator of polygon lights")                       \
-  X(UV, 0x8000, "texture coordinates and tangents")
+  X(UV, 0x8000, "texture coordinates and tangents")                           \
+  X(OCCLUSION, 0x40000, "ambient and reflection occlusion integrators")
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FEATURE_PATH 0x001
@@ -30,6 +32,7 @@
 #define FEATURE_SHADING_NORMALS 0x010
 #define FEATURE_QUADRICS 0x020
 #define FEATURE_MIXED_FAMILIES 0x040
+#define FEATURE_WHITTED 0x80
 #define FEATURE_SOLID_ANGLE 0x100
 #define FEATURE_LAYERS 0x200
 #define FEATURE_SAMPLERS 0x400
@@ -38,7 +41,8 @@
 #define FEATURE_LOOK_THROUGH 0x2000
 #define FEATURE_RATIO 0x4000
 #define FEATURE_UV 0x8000
-#define FEATURE_ALL 0xff7f
+#define FEATURE_OCCLUSION 0x40000
+#define FEATURE_ALL 0x4ffff
 
 /// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)

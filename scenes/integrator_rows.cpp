@@ -68,17 +68,21 @@ Setting type_row() {
   return setting;
 }
 
-/// Mitsuba's name for both numbers of samples.
+/// Mitsuba's name for both numbers of samples, and for those of its ambient occlusion.
 Setting shading_samples_row() {
   const WholeNumber values{1, MAX_DIRECT_SAMPLES};
-  Setting setting =
-      setting_of("integrator.shading_samples", values, "emitter_samples and bsdf_samples at once");
+  Setting setting = setting_of("integrator.shading_samples", values,
+                               "emitter_samples and bsdf_samples at once; the vis_samples of `ao`");
   setting.is_there = [](const RenderSettings& settings) {
-    return settings.integrator.is<DirectIntegrator>();
+    return settings.integrator.is<DirectIntegrator>() || settings.integrator.is<AmbientOcclusionIntegrator>();
   };
   setting.apply = [=](RenderSettings& settings, std::string_view text) -> Expected<void> {
     const auto value = values.parse(text);
     if (!value) return std::unexpected(value.error());
+    if (auto* ambient = std::get_if<AmbientOcclusionIntegrator>(&settings.integrator.method)) {
+      ambient->vis_samples = int(*value);
+      return {};
+    }
     auto* direct = std::get_if<DirectIntegrator>(&settings.integrator.method);
     if (direct == nullptr)
       return not_a_parameter(settings.integrator, "shading_samples", PENUMBRA_PARAMETER(bsdf_samples));

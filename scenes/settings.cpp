@@ -31,6 +31,11 @@ Expected<void> check_integrator(const IntegratorSettings& integrator) {
   if (const auto* path = integrator.get<PathIntegrator>())
     if (path->next_event == NextEvent::kCv && path->direct_sampling == DirectSampling::kBsdfOnly)
       return fail("integrator 'path' with nee = cv samples emitters, which direct_sampling = mats forbids");
+  if (const auto* ambient = integrator.get<AmbientOcclusionIntegrator>())
+    if (ambient->sampling == OcclusionSampling::kCosine && ambient->weighting == OcclusionWeighting::kUniform)
+      return fail(
+          "integrator 'ao' with occlusion_weighting = uniform has no finite variance with "
+          "occlusion_sampling = cosine; set it to hemisphere");
   return {};
 }
 

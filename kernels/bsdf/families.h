@@ -10,6 +10,8 @@ PENUMBRA_NAMESPACE_BEGIN
 #define CLOSED_FORM 1    // its light by polygon lights has a closed form: see light_unshadowed.h
 #define SEVERAL_LOBES 2  // it chooses among lobes by a random number of its own
 #define TRANSMITS 4      // it scatters to the other side
+#define DELTA 8          // all its lobes are mirrors: direction samples alone find its light
+#define SOME_DELTA 16    // some of its lobes are, others are not
 
 // X(name, NAME, its number, properties, what it is for people): `name`_eval and `name`_sample in
 // kernels/bsdf/`name`.h, and FAMILY_`NAME` below. Family 0 absorbs everything.
@@ -22,6 +24,13 @@ PENUMBRA_NAMESPACE_BEGIN
   X(diffuse, DIFFUSE, 1, CLOSED_FORM, "diffuse BSDF")           \
   X(phong, PHONG, 2, CLOSED_FORM | SEVERAL_LOBES, "Phong BSDF") \
   EXTRA_BSDF_FAMILIES(X)
+
+// X(name, NAME): the families with two mirror lobes. `name`_lobe_probability(closure, wo) is that of the
+// first: `name`_sample takes it where its choice is less.
+#ifndef EXTRA_BRANCHING_FAMILIES
+  #define EXTRA_BRANCHING_FAMILIES(X)
+#endif
+#define BRANCHING_FAMILIES(X) EXTRA_BRANCHING_FAMILIES(X)
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FAMILY_BLACK 0
@@ -69,7 +78,14 @@ FN uint compiled_families(void) { return FAMILIES; }
 FN uint families_with(int wanted) { return 0u BSDF_FAMILIES(FAMILY_WITH); }
 #undef FAMILY_WITH
 
-FN bool has_closed_form(Closure c) { return ((families_with(CLOSED_FORM) >> c.family) & 1u) != 0u; }
+#define BRANCHING_FAMILY(name, NAME) | (1u << FAMILY_##NAME)
+FN uint branching_families(void) { return (0u BRANCHING_FAMILIES(BRANCHING_FAMILY)) & compiled_families(); }
+#undef BRANCHING_FAMILY
+
+/// Whether the closure is of one of the families.
+FN bool is_among(Closure c, uint families) { return ((families >> c.family) & 1u) != 0u; }
+
+FN bool has_closed_form(Closure c) { return is_among(c, families_with(CLOSED_FORM)); }
 
 /// What it reflects altogether, as far as its colours say.
 FN vec3 closure_albedo(Closure c) { return add(c.diffuse, c.specular); }
