@@ -50,6 +50,29 @@ void path_with_control_variate(SceneDescription& scene) {
   param::max_depth(scene.integrator) = 5;
 }
 
+void whitted(SceneDescription& scene) {
+  use(scene.integrator, IntegratorKind::kWhitted);
+  param::max_depth(scene.integrator) = 5;
+  param::branch_depth(scene.integrator) = 3;
+  param::indirect_samples(scene.integrator) = 2;
+}
+
+void whitted_with_control_variate(SceneDescription& scene) {
+  whitted(scene);
+  param::next_event(scene.integrator) = NextEvent::kCv;
+  param::indirect_sampling(scene.integrator) = IndirectSampling::kUniform;
+}
+
+void ambient_occlusion(SceneDescription& scene) {
+  use(scene.integrator, IntegratorKind::kAmbientOcclusion);
+  param::vis_samples(scene.integrator) = 3;
+}
+
+void reflection_occlusion(SceneDescription& scene) {
+  use(scene.integrator, IntegratorKind::kReflectionOcclusion);
+  param::exponent(scene.integrator) = 777.25f;
+}
+
 /// Lobes of low and high, whole and broken exponents.
 void make_glossy(SceneDescription& scene) {
   const float exponents[] = {0, 1, 8.5f, 30, 777.25f, 1e4f};
@@ -153,6 +176,10 @@ const std::vector<SuiteScene>& suite_scenes() {
       {"CornellGlossyChoice", "cornell/cornell.xml", false, glossy_choice},
       {"VeachMisLookedThrough", "veach-mis/veach-mis.xml", false, look_through},
       {"CornellLookedThrough", "cornell/cornell.xml", false, look_through_directly},
+      {"CornellWhitted", "cornell/cornell.xml", false, whitted},
+      {"VeachMisWhitted", "veach-mis/veach-mis.xml", false, whitted_with_control_variate},
+      {"CornellAmbientOcclusion", "cornell/cornell.xml", false, ambient_occlusion},
+      {"VeachMisReflectionOcclusion", "veach-mis/veach-mis.xml", false, reflection_occlusion},
       {"RaysOnEdges", "cornell-small/cornell-small.xml", false, rays_on_edges, true},
       {"CoincidentWalls", "cornell-small/cornell-small.xml", false, coincident_walls, true},
       {"BitterliCornellBox", "bitterli/cornell-box/scene.xml", true},

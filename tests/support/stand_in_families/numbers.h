@@ -14,5 +14,6 @@
 #define FAMILY_PHONG_F 25
 #define FAMILY_PHONG_G 26
 #define FAMILY_PHONG_H 27
+#define FAMILY_SPLITTING 28
 
 #endif
