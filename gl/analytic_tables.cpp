@@ -94,7 +94,7 @@ Expected<BufferTexture> pack_materials(const DeviceScene& scene) {
     p.vector(m.diffuse);
     p.number(m.exponent);
     p.vector(m.specular);
-    p.number(m.lobe);
+    p.number(m.family == FAMILY_PHONG ? 1.0f : 0.0f);
   }
   return p.upload("the materials", GL_RGBA32F);
 }

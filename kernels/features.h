@@ -22,6 +22,7 @@
   X(LOOK_THROUGH, 0x2000, "hidden emitters that the camera looks through")    \
   X(RATIO, 0x4000, "ratio estimator of polygon lights")                       \
   X(UV, 0x8000, "texture coordinates and tangents")                           \
+  X(TEXTURES, 0x10000, "textures")                                            \
   X(OCCLUSION, 0x40000, "ambient and reflection occlusion integrators")
 
 // Plain macros as well, since the preprocessor has to test them.
@@ -41,8 +42,9 @@
 #define FEATURE_LOOK_THROUGH 0x2000
 #define FEATURE_RATIO 0x4000
 #define FEATURE_UV 0x8000
+#define FEATURE_TEXTURES 0x10000
 #define FEATURE_OCCLUSION 0x40000
-#define FEATURE_ALL 0x4ffff
+#define FEATURE_ALL 0x5ffff
 
 /// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)

@@ -7,6 +7,7 @@
 #include "kernels/features.h"
 #include "kernels/light/light_kinds.h"
 #include "kernels/math/vec3.h"
+#include "kernels/texture/texture_kinds.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -107,7 +108,10 @@ PENUMBRA_NAMESPACE_BEGIN
 
 // What its closures have; material 0 absorbs everything.
 #define MATERIAL_FIELD(F, type, name) F(type, name)
-#define MATERIAL_FIELDS(F) CLOSURE_FIELDS(MATERIAL_FIELD, F)
+#define MATERIAL_TEXTURE(F, type, name) F(int, name##_texture) /* index, or -1: its value alone */
+#define MATERIAL_FIELDS(F)          \
+  CLOSURE_FIELDS(MATERIAL_FIELD, F) \
+  TEXTURED_FIELDS(MATERIAL_TEXTURE, F)
 
 #define LIGHT_FIELDS(F)                                                                                  \
   F(vec3, radiance) /* radiance; radiant intensity for a point light */                                  \
@@ -216,6 +220,8 @@ PENUMBRA_NAMESPACE_BEGIN
   T(A, normals, VertexNormals, 1, "vertex normals")                           \
   T(A, quadrics, Quadric, 1, "spheres and disks")                             \
   T(A, materials, Material, 1, "materials")                                   \
+  T(A, curves, float, 1, "curves of BSDFs")                                   \
+  T(A, textures, TextureNode, 1, "textures")                                  \
   T(A, lights, Light, 1, "lights")                                            \
   T(A, polygons, Polygon, 1, "polygon lights")                                \
   T(A, polygon_corners, PolygonCorner, 1, "corners of polygon lights")        \
@@ -235,6 +241,8 @@ PENUMBRA_NAMESPACE_BEGIN
 
 // I(table, record, member, target table, least, what it is if the member is no index there or less than
 // `least`). Of a table that is empty, the records that kernels read all the same are checked too.
+#define MATERIAL_TEXTURE_INDEX(I, type, name) \
+  I(materials, Material, name##_texture, textures, -1, "a material names a texture that is not there")
 #define SCENE_INDICES(I)                                                                                  \
   I(triangles, Triangle, front, materials, 0, "a triangle names a material that is not there")            \
   I(triangles, Triangle, back, materials, 0, "a triangle names a material that is not there")             \
@@ -243,6 +251,9 @@ PENUMBRA_NAMESPACE_BEGIN
   I(quadrics, Quadric, front, materials, 0, "a quadric names a material that is not there")               \
   I(quadrics, Quadric, back, materials, 0, "a quadric names a material that is not there")                \
   I(quadrics, Quadric, light, lights, -1, "a quadric names a light that is not there")                    \
+  TEXTURED_FIELDS(MATERIAL_TEXTURE_INDEX, I)                                                              \
+  I(textures, TextureNode, texture0, textures, -1, "a texture names another one that is not there")       \
+  I(textures, TextureNode, texture1, textures, -1, "a texture names another one that is not there")       \
   I(lights, Light, alias, lights, 0, "a light's alias is not there")                                      \
   I(light_triangles, LightTriangles, first, triangles, -1, "a light names a triangle that is not there")  \
   I(light_triangles, LightTriangles, second, triangles, -1, "a light names a triangle that is not there") \
@@ -260,19 +271,21 @@ PENUMBRA_NAMESPACE_BEGIN
 #define TABLE_SPANS_FIELDS(F) SCENE_TABLES(TABLE_SPAN_FIELD, F)
 
 // Everything that is not a record of a table.
-#define SCENE_HEADER_FIELDS(F)                                                                     \
-  F(uint, features)   /* FEATURE_* bits */                                                         \
-  F(uint, families)   /* of its materials, 1 << FAMILY_* */                                        \
-  F(int, intersector) /* INTERSECTOR_* */                                                          \
-  F(Camera, camera)                                                                                \
-  F(FilmParameters, film)                                                                          \
-  F(SamplerParameters, sampler)                                                                    \
-  F(IntegratorParameters, integrator)                                                              \
-  F(Adjustable, adjustable)                                                                        \
-  F(int, environment)       /* index of the environment light, or -1 */                            \
-  F(uint, light_kinds)      /* bits 1 << LIGHT_* of the lights there are */                        \
-  F(int, dropped_triangles) /* without area in single precision: left out, and said */             \
-  F(int, duplicate_lights)  /* light triangles that repeat another one: they do not shine twice */ \
+#define SCENE_HEADER_FIELDS(F)                                                                       \
+  F(uint, features)      /* FEATURE_* bits */                                                        \
+  F(uint, families)      /* of its materials, 1 << FAMILY_* */                                       \
+  F(uint, textured)      /* bits 1 << TEXTURED_* of the fields for which a material has a texture */ \
+  F(uint, texture_kinds) /* bits 1 << TEXTURE_* of the textures there are */                         \
+  F(int, intersector)    /* INTERSECTOR_* */                                                         \
+  F(Camera, camera)                                                                                  \
+  F(FilmParameters, film)                                                                            \
+  F(SamplerParameters, sampler)                                                                      \
+  F(IntegratorParameters, integrator)                                                                \
+  F(Adjustable, adjustable)                                                                          \
+  F(int, environment)       /* index of the environment light, or -1 */                              \
+  F(uint, light_kinds)      /* bits 1 << LIGHT_* of the lights there are */                          \
+  F(int, dropped_triangles) /* without area in single precision: left out, and said */               \
+  F(int, duplicate_lights)  /* light triangles that repeat another one: they do not shine twice */   \
   F(TableSpans, tables)
 
 // X(struct, field list): for tests and for serialisation.
@@ -282,6 +295,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(VertexUvs, VERTEX_UVS_FIELDS)                       \
   X(Quadric, QUADRIC_FIELDS)                            \
   X(Material, MATERIAL_FIELDS)                          \
+  X(TextureNode, TEXTURE_FIELDS)                        \
   X(Light, LIGHT_FIELDS)                                \
   X(LightTriangles, LIGHT_TRIANGLES_FIELDS)             \
   X(Polygon, POLYGON_FIELDS)                            \

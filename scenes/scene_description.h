@@ -16,6 +16,7 @@
 #include "scenes/cameras.h"
 #include "scenes/emitters.h"
 #include "scenes/integrators.h"
+#include "scenes/textures.h"
 
 namespace penumbra {
 
@@ -87,6 +88,7 @@ struct SceneDescription : RenderSettings {
   std::vector<std::filesystem::path> files;  ///< all that were read for it, that one first
   /// Of the contents of those files: the same scene elsewhere has the same.
   std::uint64_t contents_hash = 0;
+  std::vector<SceneTexture> textures;  ///< one holds only such as come before it
   std::vector<Bsdf> bsdfs;
   std::vector<Shape> shapes;
   std::vector<Emitter> emitters;  ///< lights that are no shapes; one sky at most

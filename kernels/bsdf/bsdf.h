@@ -9,7 +9,9 @@
   #include EXTRA_BSDF_FAMILY_FUNCTIONS
 #endif
 #include "kernels/intersect/surface_fields.h"
+#include "kernels/math/frame.h"
 #include "kernels/scene.h"
+#include "kernels/texture/texture.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -30,6 +32,42 @@ PENUMBRA_NAMESPACE_BEGIN
 CLOSURE_FIELDS(RESOLVE_LANES, )
 #undef RESOLVE_LANES
 
+#if HAS(TEXTURES)
+  #define LANE_OF_float(value) texture_number(value)
+  #define LANE_OF_vec3(value) (value)
+  // Where materials have a texture for a field, its value there.
+  #define TEXTURE_LANES(a, type, name)                                                                   \
+    STAGE bool note_##name##_textures(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT materials, \
+                                      PRIVATE int* RESTRICT textures) {                                  \
+      int any = 0;                                                                                       \
+      for (int j = 0; j < LANES; j++) {                                                                  \
+        textures[j] = scene->materials[materials[j]].name##_texture;                                     \
+        any |= textures[j] >= 0 ? 1 : 0;                                                                 \
+      }                                                                                                  \
+      return any != 0;                                                                                   \
+    }                                                                                                    \
+    STAGE void store_##name##_textures(const PRIVATE int* RESTRICT textures,                             \
+                                       const PRIVATE TextureLanes* RESTRICT found,                       \
+                                       PRIVATE Closures* RESTRICT closures) {                            \
+      LANE_LOOP                                                                                          \
+        for (int j = 0; j < LANES; j++) {                                                                \
+          const type before = LOAD_ENTRY_##type(closures->name, LANES, j);                               \
+          const type value = LANE_OF_##type(LOAD_LANE_vec3(found->value, j));                            \
+          STORE_ENTRY_##type(closures->name, LANES, j, SELECT_##type(textures[j] >= 0, value, before));  \
+        }                                                                                                \
+    }                                                                                                    \
+    FN void texture_##name##_lanes(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,         \
+                                   PRIVATE Closures* closures) {                                         \
+      int textures[LANES];                                                                               \
+      TextureLanes found;                                                                                \
+      if (!note_##name##_textures(scene, surfaces->material, textures)) return;                          \
+      eval_textures(scene, surfaces, textures, &found);                                                  \
+      store_##name##_textures(textures, &found, closures);                                               \
+    }
+TEXTURED_FIELDS(TEXTURE_LANES, )
+  #undef TEXTURE_LANES
+#endif
+
 /// The closures of the surfaces' materials there. Fields that no material of the scene uses stay as they are.
 FN void resolve_closures(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
                          PRIVATE Closures* closures) {
@@ -38,6 +76,15 @@ FN void resolve_closures(const PRIVATE Scene* scene, const PRIVATE Surfaces* sur
   if ((families & USERS_##name) != 0u) resolve_##name##_lanes(scene, surfaces->material, closures);
   CLOSURE_FIELDS(RESOLVE_IF_USED, )
 #undef RESOLVE_IF_USED
+#if HAS(TEXTURES)
+  #define TEXTURE_IF_USED(a, type, name)                                                           \
+    if ((families & USERS_##name) != 0u && (scene->header.textured >> TEXTURED_##name & 1u) != 0u) \
+      texture_##name##_lanes(scene, surfaces, closures);
+  if (NEEDS(scene, TEXTURES)) {
+    TEXTURED_FIELDS(TEXTURE_IF_USED, )
+  }
+  #undef TEXTURE_IF_USED
+#endif
 }
 
 /// The families of LANES closures.
@@ -47,22 +94,39 @@ FN uint families_among(const PRIVATE Closures* closures) {
   return families & compiled_families();
 }
 
-#define EVAL_FAMILY(name, NAME, number, properties, text)                                                  \
-  STAGE void eval_##name##_lanes(                                                                          \
-      const PRIVATE Closures* RESTRICT closures, const PRIVATE Surfaces* RESTRICT surfaces,                \
-      const PRIVATE float* RESTRICT wi, bool first, PRIVATE BsdfValues* RESTRICT values) {                 \
-    LANE_LOOP                                                                                              \
-      for (int j = 0; j < LANES; j++) {                                                                    \
-        const Closure c = load_closure(closures, j);                                                       \
-        const Surface s = load_surface(surfaces, j);                                                       \
-        const vec3 direction = LOAD_LANE_vec3(wi, j);                                                      \
-        const BsdfValue value = name##_eval(c, to_frame(s.shading, s.wo), to_frame(s.shading, direction)); \
-        const BsdfValue before = select_bsdf_value(first, no_bsdf_value(), load_bsdf_value(values, j));    \
-        store_bsdf_value(values, j, select_bsdf_value(c.family == (number), value, before));               \
-      }                                                                                                    \
+/// The frame in which a family with these properties, a constant, sees a surface: its x axis, or 0 for any.
+FN vec3 family_axis(int properties, Surface s) {
+  const vec3 none = make_vec3(0.0f, 0.0f, 0.0f);
+  return (properties & ANISOTROPIC) != 0 ? tangent_axis(s.shading, s.tangent) : none;
+}
+FN vec3 to_family_frame(int properties, vec3 n, vec3 axis, vec3 v) {
+  if ((properties & ANISOTROPIC) == 0) return to_frame(n, v);
+  return make_vec3(dot3(axis, v), dot3(cross3(n, axis), v), dot3(n, v));
+}
+FN vec3 from_family_frame(int properties, vec3 n, vec3 axis, vec3 v) {
+  if ((properties & ANISOTROPIC) == 0) return from_frame(n, v.x, v.y, v.z);
+  return add_scaled(add_scaled(scale(axis, v.x), v.y, cross3(n, axis)), v.z, n);
+}
+
+#define EVAL_FAMILY(name, NAME, number, properties, text)                                                 \
+  STAGE void eval_##name##_lanes(const PRIVATE Scene* scene, const PRIVATE Closures* RESTRICT closures,   \
+                                 const PRIVATE Surfaces* RESTRICT surfaces,                               \
+                                 const PRIVATE float* RESTRICT wi, bool first,                            \
+                                 PRIVATE BsdfValues* RESTRICT values) {                                   \
+    LANE_LOOP                                                                                             \
+      for (int j = 0; j < LANES; j++) {                                                                   \
+        const Closure c = load_closure(closures, j);                                                      \
+        const Surface s = load_surface(surfaces, j);                                                      \
+        const vec3 direction = LOAD_LANE_vec3(wi, j);                                                     \
+        const vec3 axis = family_axis(properties, s);                                                     \
+        const BsdfValue value = name##_eval(scene, c, to_family_frame(properties, s.shading, axis, s.wo), \
+                                            to_family_frame(properties, s.shading, axis, direction));     \
+        const BsdfValue before = select_bsdf_value(first, no_bsdf_value(), load_bsdf_value(values, j));   \
+        store_bsdf_value(values, j, select_bsdf_value(c.family == (number), value, before));              \
+      }                                                                                                   \
   }
 #define SAMPLE_FAMILY(name, NAME, number, properties, text)                                                  \
-  STAGE void sample_##name##_lanes(const PRIVATE Closures* RESTRICT closures,                                \
+  STAGE void sample_##name##_lanes(const PRIVATE Scene* scene, const PRIVATE Closures* RESTRICT closures,    \
                                    const PRIVATE Surfaces* RESTRICT surfaces,                                \
                                    const PRIVATE float* RESTRICT uv, const PRIVATE float* RESTRICT choice,   \
                                    bool first, PRIVATE BsdfSamples* RESTRICT samples) {                      \
@@ -70,8 +134,10 @@ FN uint families_among(const PRIVATE Closures* closures) {
       for (int j = 0; j < LANES; j++) {                                                                      \
         const Closure c = load_closure(closures, j);                                                         \
         const Surface s = load_surface(surfaces, j);                                                         \
-        BsdfSample next = name##_sample(c, to_frame(s.shading, s.wo), uv[j], uv[LANES + j], choice[j]);      \
-        next.wi = from_frame(s.shading, next.wi.x, next.wi.y, next.wi.z);                                    \
+        const vec3 axis = family_axis(properties, s);                                                        \
+        const vec3 wo = to_family_frame(properties, s.shading, axis, s.wo);                                  \
+        BsdfSample next = name##_sample(scene, c, wo, uv[j], uv[LANES + j], choice[j]);                      \
+        next.wi = from_family_frame(properties, s.shading, axis, next.wi);                                   \
         const BsdfSample before = select_bsdf_sample(first, no_bsdf_sample(), load_bsdf_sample(samples, j)); \
         store_bsdf_sample(samples, j, select_bsdf_sample(c.family == (number), next, before));               \
       }                                                                                                      \
@@ -91,13 +157,13 @@ STAGE void clear_bsdf_samples(PRIVATE BsdfSamples* RESTRICT samples) {
 }
 
 /// Values of the closures, of these `families`, towards the unit directions `wi`, a lane vec3.
-FN void eval_bsdfs(uint families, const PRIVATE Closures* closures, const PRIVATE Surfaces* surfaces,
-                   const PRIVATE float* wi, PRIVATE BsdfValues* values) {
+FN void eval_bsdfs(const PRIVATE Scene* scene, uint families, const PRIVATE Closures* closures,
+                   const PRIVATE Surfaces* surfaces, const PRIVATE float* wi, PRIVATE BsdfValues* values) {
   bool first = true;
-#define EVAL_IF_THERE(name, NAME, number, properties, text)        \
-  if ((families & compiled_families() & (1u << (number))) != 0u) { \
-    eval_##name##_lanes(closures, surfaces, wi, first, values);    \
-    first = false;                                                 \
+#define EVAL_IF_THERE(name, NAME, number, properties, text)            \
+  if ((families & compiled_families() & (1u << (number))) != 0u) {     \
+    eval_##name##_lanes(scene, closures, surfaces, wi, first, values); \
+    first = false;                                                     \
   }
   BSDF_FAMILIES(EVAL_IF_THERE)
 #undef EVAL_IF_THERE
@@ -105,13 +171,14 @@ FN void eval_bsdfs(uint families, const PRIVATE Closures* closures, const PRIVAT
 }
 
 /// Directions by the closures, in world space. `uv`: LANES numbers u, then LANES v.
-FN void sample_bsdfs(uint families, const PRIVATE Closures* closures, const PRIVATE Surfaces* surfaces,
-                     const PRIVATE float* uv, const PRIVATE float* choice, PRIVATE BsdfSamples* samples) {
+FN void sample_bsdfs(const PRIVATE Scene* scene, uint families, const PRIVATE Closures* closures,
+                     const PRIVATE Surfaces* surfaces, const PRIVATE float* uv, const PRIVATE float* choice,
+                     PRIVATE BsdfSamples* samples) {
   bool first = true;
-#define SAMPLE_IF_THERE(name, NAME, number, properties, text)              \
-  if ((families & compiled_families() & (1u << (number))) != 0u) {         \
-    sample_##name##_lanes(closures, surfaces, uv, choice, first, samples); \
-    first = false;                                                         \
+#define SAMPLE_IF_THERE(name, NAME, number, properties, text)                     \
+  if ((families & compiled_families() & (1u << (number))) != 0u) {                \
+    sample_##name##_lanes(scene, closures, surfaces, uv, choice, first, samples); \
+    first = false;                                                                \
   }
   BSDF_FAMILIES(SAMPLE_IF_THERE)
 #undef SAMPLE_IF_THERE
@@ -144,12 +211,15 @@ FN void lobe_probabilities(uint families, const PRIVATE Closures* closures, cons
 #undef PROBABILITY_IF_THERE
 }
 
-/// One at a time, for the surface's normal n: value of the closure for a pair of directions of world space.
-FN BsdfValue eval_bsdf(Closure c, vec3 n, vec3 wo, vec3 wi) {
+/// One at a time, for the surface's normal n and any tangent: value of the closure for a pair of directions
+/// of world space.
+FN BsdfValue eval_bsdf(const PRIVATE Scene* scene, Closure c, vec3 n, vec3 wo, vec3 wi) {
+  const vec3 axis = tangent_axis(n, make_vec3(0.0f, 0.0f, 0.0f));
   switch (c.family) {
-#define EVAL_ONE(name, NAME, number, properties, text) \
-  case number:                                         \
-    return name##_eval(c, to_frame(n, wo), to_frame(n, wi));
+#define EVAL_ONE(name, NAME, number, properties, text)                     \
+  case number:                                                             \
+    return name##_eval(scene, c, to_family_frame(properties, n, axis, wo), \
+                       to_family_frame(properties, n, axis, wi));
     BSDF_FAMILIES(EVAL_ONE)
 #undef EVAL_ONE
     default:
@@ -158,19 +228,21 @@ FN BsdfValue eval_bsdf(Closure c, vec3 n, vec3 wo, vec3 wi) {
 }
 
 /// The same of a sample.
-FN BsdfSample sample_bsdf(Closure c, vec3 n, vec3 wo, float u, float v, float choice) {
+FN BsdfSample sample_bsdf(const PRIVATE Scene* scene, Closure c, vec3 n, vec3 wo, float u, float v,
+                          float choice) {
+  const vec3 axis = tangent_axis(n, make_vec3(0.0f, 0.0f, 0.0f));
   BsdfSample s = no_bsdf_sample();
   switch (c.family) {
-#define SAMPLE_ONE(name, NAME, number, properties, text) \
-  case number:                                           \
-    s = name##_sample(c, to_frame(n, wo), u, v, choice); \
+#define SAMPLE_ONE(name, NAME, number, properties, text)                                 \
+  case number:                                                                           \
+    s = name##_sample(scene, c, to_family_frame(properties, n, axis, wo), u, v, choice); \
+    s.wi = from_family_frame(properties, n, axis, s.wi);                                 \
     break;
     BSDF_FAMILIES(SAMPLE_ONE)
 #undef SAMPLE_ONE
     default:
       break;
   }
-  s.wi = from_frame(n, s.wi.x, s.wi.y, s.wi.z);
   return s;
 }
 

@@ -10,8 +10,9 @@ PENUMBRA_NAMESPACE_BEGIN
 #define CLOSED_FORM 1    // its light by polygon lights has a closed form: see light_unshadowed.h
 #define SEVERAL_LOBES 2  // it chooses among lobes by a random number of its own
 #define TRANSMITS 4      // it scatters to the other side
-#define DELTA 8          // all its lobes are mirrors: direction samples alone find its light
-#define SOME_DELTA 16    // some of its lobes are, others are not
+#define ANISOTROPIC 8    // the x axis of its frame is where u grows, see tangent_axis
+#define DELTA 16         // all its directions are DELTA_PDF: eval finds nothing
+#define SOME_DELTA 32    // some of its directions are, others are not
 
 // X(name, NAME, its number, properties, what it is for people): `name`_eval and `name`_sample in
 // kernels/bsdf/`name`.h, and FAMILY_`NAME` below. Family 0 absorbs everything.
@@ -37,32 +38,99 @@ PENUMBRA_NAMESPACE_BEGIN
 #define FAMILY_DIFFUSE 1
 #define FAMILY_PHONG 2
 
-// What a material has at a point. The record of a material holds the same.
-#define CLOSURE_FIELDS(F, a)                                \
-  F(a, int, family)     /* FAMILY_* */                      \
-  F(a, vec3, diffuse)   /* diffuse reflectance */           \
-  F(a, vec3, specular)  /* reflectance of the other lobe */ \
-  F(a, float, exponent) /* Phong exponent n >= 0 */         \
-  F(a, float, lobe)     /* probability of sampling the Phong lobe */
+// What a material has at a point. The record of a material holds the same; of the TEXTURED_FIELDS also a
+// texture each, or -1. What a family makes of fields whose meaning is not the same for all stands in its
+// file.
+#define TEXTURED_FIELDS(F, a)                                                              \
+  F(a, vec3, diffuse)     /* diffuse reflectance; base colour */                           \
+  F(a, vec3, specular)    /* reflectance of the other lobe */                              \
+  F(a, vec3, transmitted) /* transmittance of the other lobe */                            \
+  F(a, vec3, eta)         /* conductor: refractive index over that outside */              \
+  F(a, vec3, k)           /* conductor: absorption likewise */                             \
+  F(a, float, ior)        /* refractive index of the inside over that of the outside */    \
+  F(a, float, alpha_u)    /* roughness of the microfacets along the tangent */             \
+  F(a, float, alpha_v)    /* ... and across it */                                          \
+  F(a, float, exponent)   /* Phong exponent n >= 0 */                                      \
+  F(a, float, roughness)  /* these, of Disney's BSDFs, are in [0, 1] (see principled.h) */ \
+  F(a, float, anisotropic)                                                                 \
+  F(a, float, metallic)                                                                    \
+  F(a, float, spec_trans)                                                                  \
+  F(a, float, diff_trans) /* in [0, 2] */                                                  \
+  F(a, float, spec_tint)                                                                   \
+  F(a, float, specular_level)                                                              \
+  F(a, float, sheen)                                                                       \
+  F(a, float, sheen_tint)                                                                  \
+  F(a, float, flatness) /* or subsurface */                                                \
+  F(a, float, clearcoat)                                                                   \
+  F(a, float, clearcoat_gloss)
+#define CLOSURE_FIELDS(F, a)                                                           \
+  F(a, int, family)          /* FAMILY_* */                                            \
+  F(a, int, distribution)    /* of microfacets: DISTRIBUTION_* */                      \
+  F(a, int, variant)         /* of the family's formula */                             \
+  F(a, int, curve)           /* where its values begin in the table of curves */       \
+  F(a, float, internal)      /* diffuse reflectance of the boundary from inside */     \
+  F(a, float, specular_rate) /* principled: how often lobes are sampled, relatively */ \
+  F(a, float, diffuse_rate)                                                            \
+  F(a, float, clearcoat_rate)                                                          \
+  F(a, float, diff_trans_rate)                                                         \
+  TEXTURED_FIELDS(F, a)
 LANE_RECORD(Closure, Closures, closure, CLOSURE_FIELDS)
+
+#define ENUMERATE_TEXTURED(a, type, name) TEXTURED_##name,
+/// Numbers of the fields that may have textures.
+enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
+#undef ENUMERATE_TEXTURED
+
+#define DISTRIBUTION_BECKMANN 0
+#define DISTRIBUTION_GGX 1
 
 // The families that use each: what none in a scene uses is not read, and stays as in black_closure. Those of
 // tests may use all.
 #define FAMILY_BIT(name, NAME, number, properties, text) | (1u << (number))
 #define EXTRA_FAMILIES (0u EXTRA_BSDF_FAMILIES(FAMILY_BIT))
+#define USERS(families) ((families) | EXTRA_FAMILIES)
+#define ONLY(NAME) (1u << FAMILY_##NAME)
 #define USERS_family 0xffffffffu
-#define USERS_diffuse ((1u << FAMILY_DIFFUSE) | (1u << FAMILY_PHONG) | EXTRA_FAMILIES)
-#define USERS_specular ((1u << FAMILY_PHONG) | EXTRA_FAMILIES)
-#define USERS_exponent ((1u << FAMILY_PHONG) | EXTRA_FAMILIES)
-#define USERS_lobe ((1u << FAMILY_PHONG) | EXTRA_FAMILIES)
+#define USERS_distribution USERS(0u)
+#define USERS_variant USERS(0u)
+#define USERS_curve USERS(0u)
+#define USERS_internal USERS(0u)
+#define USERS_specular_rate USERS(0u)
+#define USERS_diffuse_rate USERS(0u)
+#define USERS_clearcoat_rate USERS(0u)
+#define USERS_diff_trans_rate USERS(0u)
+#define USERS_diffuse USERS(ONLY(DIFFUSE) | ONLY(PHONG))
+#define USERS_specular USERS(ONLY(PHONG))
+#define USERS_transmitted USERS(0u)
+#define USERS_eta USERS(0u)
+#define USERS_k USERS(0u)
+#define USERS_ior USERS(0u)
+#define USERS_alpha_u USERS(0u)
+#define USERS_alpha_v USERS(0u)
+#define USERS_exponent USERS(ONLY(PHONG))
+#define USERS_roughness USERS(0u)
+#define USERS_anisotropic USERS(0u)
+#define USERS_metallic USERS(0u)
+#define USERS_spec_trans USERS(0u)
+#define USERS_diff_trans USERS(0u)
+#define USERS_spec_tint USERS(0u)
+#define USERS_specular_level USERS(0u)
+#define USERS_sheen USERS(0u)
+#define USERS_sheen_tint USERS(0u)
+#define USERS_flatness USERS(0u)
+#define USERS_clearcoat USERS(0u)
+#define USERS_clearcoat_gloss USERS(0u)
 
+#define ZERO_int 0
+#define ZERO_float 0.0f
+#define ZERO_vec3 make_vec3(0.0f, 0.0f, 0.0f)
+#define ZERO_FIELD(a, type, name) c.name = ZERO_##type;
 FN Closure black_closure(void) {
   Closure c;
-  c.family = FAMILY_BLACK;
-  c.diffuse = c.specular = make_vec3(0.0f, 0.0f, 0.0f);
-  c.exponent = c.lobe = 0.0f;
+  CLOSURE_FIELDS(ZERO_FIELD, )
   return c;
 }
+#undef ZERO_FIELD
 
 // Bit masks of families. A kernel is compiled for those of FAMILIES, which comes from the build.
 #define EVERY_FAMILY (0u BSDF_FAMILIES(FAMILY_BIT))

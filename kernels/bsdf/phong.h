@@ -4,6 +4,7 @@
 #define PENUMBRA_PHONG_H
 #include "kernels/bsdf/families.h"
 #include "kernels/math/frame.h"
+#include "kernels/scene.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -16,13 +17,21 @@ FN float cosine_power(vec3 a, vec3 b, float exponent) {
   return versine < 1.0f ? power : 0.0f;
 }
 
-FN BsdfValue phong_eval(Closure c, vec3 wo, vec3 wi) {
+/// Probability of sampling the lobe: its share of the reflectances' means.
+FN float phong_lobe_share(Closure c) {
+  const float lobe = (c.specular.x + c.specular.y) + c.specular.z;
+  const float sum = ((c.diffuse.x + c.diffuse.y) + c.diffuse.z) + lobe;
+  return sum > 0.0f ? lobe / sum : 0.0f;
+}
+
+FN BsdfValue phong_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
   const bool reflects = (wi.z > 0.0f) & (wo.z > 0.0f);
   const float lambert = wi.z * INV_PI_F;
   const float lobe = cosine_power(make_vec3(-wo.x, -wo.y, wo.z), wi, c.exponent) * (0.5f * INV_PI_F);
   BsdfValue value;
   value.f_cos = add(scale(c.diffuse, lambert), scale(c.specular, (c.exponent + 2.0f) * lobe * wi.z));
-  value.pdf = (1.0f - c.lobe) * lambert + c.lobe * ((c.exponent + 1.0f) * lobe);
+  const float share = phong_lobe_share(c);
+  value.pdf = (1.0f - share) * lambert + share * ((c.exponent + 1.0f) * lobe);
   return select_bsdf_value(reflects, value, no_bsdf_value());
 }
 
@@ -35,11 +44,11 @@ FN vec3 sample_cosine_power(vec3 axis, float exponent, float u, float v) {
   return from_frame(axis, r * cosine, r * sine, exp_f(power));
 }
 
-FN BsdfSample phong_sample(Closure c, vec3 wo, float u, float v, float choice) {
+FN BsdfSample phong_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v, float choice) {
   const vec3 around = sample_cosine_power(make_vec3(-wo.x, -wo.y, wo.z), c.exponent, u, v);
   BsdfSample s = no_bsdf_sample();
-  s.wi = select3(choice < c.lobe, around, cosine_hemisphere(u, v));
-  const BsdfValue value = phong_eval(c, wo, s.wi);
+  s.wi = select3(choice < phong_lobe_share(c), around, cosine_hemisphere(u, v));
+  const BsdfValue value = phong_eval(scene, c, wo, s.wi);
   s.pdf = value.pdf;
   s.weight = scale(value.f_cos, 1.0f / (s.pdf > 0.0f ? s.pdf : 1.0f));
   return s;

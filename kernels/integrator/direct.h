@@ -139,15 +139,15 @@ FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
     if (step.families == 0u) continue;  // nothing scatters
     if (emits) {
       sample_step_lights(scene, &step);
-      eval_bsdfs(step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
+      eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
       request_emitter_samples(scene, paths, i, &step);
     }
     if (scatters) {
       if (h->integrator.bsdf_sampling == DIRECTION_BSDF)
-        sample_bsdfs(step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
+        sample_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
                      step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
       else
-        choose_directions(h, step.families, &step, &step.samples);
+        choose_directions(scene, step.families, &step, &step.samples);
       request_directions(scene, paths, i, &step);
     }
   }

@@ -42,12 +42,13 @@ STAGE void weigh_directions(int kind, const PRIVATE Surfaces* RESTRICT surfaces,
 
 /// Directions that the scene does not leave to the BSDFs, and the values of the closures of these families
 /// for them, as samples.
-FN void choose_directions(const PRIVATE SceneHeader* h, uint families, const PRIVATE StepLanes* step,
+FN void choose_directions(const PRIVATE Scene* scene, uint families, const PRIVATE StepLanes* step,
                           PRIVATE BsdfSamples* samples) {
+  const PRIVATE SceneHeader* h = &scene->header;
   float wi[3 * LANES];
   BsdfValues values;
   direction_samples(h->integrator.bsdf_sampling, &step->surfaces, step->u + DIM_BSDF_U * LANES, wi);
-  eval_bsdfs(families, &step->closures, &step->surfaces, wi, &values);
+  eval_bsdfs(scene, families, &step->closures, &step->surfaces, wi, &values);
   weigh_directions(h->integrator.bsdf_sampling, &step->surfaces, wi, &values, samples);
 }
 #endif

@@ -198,9 +198,9 @@ FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
       continue;
     }
     sample_step_lights(scene, &step);
-    eval_bsdfs(step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
+    eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
     request_light(scene, paths, i, &step);
-    sample_bsdfs(step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
+    sample_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
                  step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
   #if HAS(TRANSMISSION)
     if (NEEDS(scene, TRANSMISSION)) enter_media(paths, i, &step.samples, step.eta);

@@ -37,6 +37,9 @@ FN void start_step(PRIVATE StepLanes* step) {
   for (int k = 0; k < STEP_DIMENSIONS * LANES; k++) step->u[k] = 0.0f;
   for (int j = 0; j < LANES; j++) store_closure(&step->closures, j, black_closure());
   for (int j = 0; j < LANES; j++) step->eta[j] = 1.0f;
+  // Without a tangent, for scenes that have none.
+  const Surface nothing = surface_in_medium(make_vec3(0.0f, 0.0f, 0.0f));
+  for (int j = 0; j < LANES; j++) store_surface_uv(&step->surfaces, j, nothing);
   clear_light_samplings(&step->samplings);
 }
 

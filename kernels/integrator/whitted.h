@@ -226,9 +226,10 @@ FN void sample_branches(const PRIVATE Scene* scene, const PRIVATE PathState* pat
   find_branching(scene, paths, i, step, &branching);
   const bool lobes = any_of(branching.lobes);
   if (lobes) choose_first_lobes(&branching, choice);
-  sample_bsdfs(step->families & by_themselves, &step->closures, &step->surfaces, uv, choice, &step->samples);
+  sample_bsdfs(scene, step->families & by_themselves, &step->closures, &step->surfaces, uv, choice,
+               &step->samples);
   if ((step->families & ~by_themselves) != 0u) {
-    choose_directions(h, step->families & ~by_themselves, step, &others);
+    choose_directions(scene, step->families & ~by_themselves, step, &others);
     take_chosen(&step->closures, by_themselves, &others, &step->samples);
   }
   lobe_probabilities(lobes ? step->families : 0u, &step->closures, &step->surfaces, probabilities);
@@ -237,7 +238,8 @@ FN void sample_branches(const PRIVATE Scene* scene, const PRIVATE PathState* pat
   if (!lobes) return;
   Branches branches;
   for (int j = 0; j < LANES; j++) choice[j] = ONE_MINUS_EPSILON;
-  sample_bsdfs(step->families & branching_families(), &step->closures, &step->surfaces, uv, choice, &others);
+  sample_bsdfs(scene, step->families & branching_families(), &step->closures, &step->surfaces, uv, choice,
+               &others);
   second_branches(scene, paths, i, step, &branching, probabilities, &others, &branches);
   push_second_branches(paths, i, count, &branches);
 }
@@ -278,7 +280,7 @@ FN void step_whitted(const PRIVATE Scene* scene, const PRIVATE PathState* paths,
     if (finds) add_emissions(scene, paths, i, &step.found, &step.emissions);
     if (scatters) {
       sample_step_lights(scene, &step);
-      eval_bsdfs(step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
+      eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
       balance_values(scene, paths, i, &step);
       request_light(scene, paths, i, &step);
       sample_branches(scene, paths, i, count, &step);

@@ -3,7 +3,7 @@
 // bias of the image.
 #ifndef PENUMBRA_LIGHT_UNSHADOWED_H
 #define PENUMBRA_LIGHT_UNSHADOWED_H
-#include "kernels/bsdf/families.h"
+#include "kernels/bsdf/phong.h"
 #include "kernels/intersect/surface.h"
 #include "kernels/light/light_sampling.h"
 #include "kernels/light/projected_light.h"
@@ -63,7 +63,7 @@ FN void store_shading_point(const PRIVATE Scene* scene, Surface s, Closure c, PR
   r->wz[j] = wz * shorten;
   const bool closed = has_closed_form(c), lit = is_hit(s) & closed & (dot3(s.shading, s.wo) > 0.0f);
   points->closed[j] = closed ? 1 : 0;
-  r->exponent[j] = (lit & (c.lobe > 0.0f)) ? (double)c.exponent : -1.0;
+  r->exponent[j] = (lit & (phong_lobe_share(c) > 0.0f)) ? (double)c.exponent : -1.0;
   points->polygon[j] = (double)own_polygon(scene, s.light);
   points->diffuse[j] = lit ? (double)c.diffuse.x : 0.0;
   points->diffuse[LANES + j] = lit ? (double)c.diffuse.y : 0.0;

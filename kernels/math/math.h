@@ -22,6 +22,13 @@ FN float sqr(float x) { return x * x; }
 FN float safe_sqrt(float x) { return SQRT(max_f(x, 0.0f)); }
 /// 1 or -1; 1 for 0.
 FN float sign_of(float x) { return x < 0.0f ? -1.0f : 1.0f; }
+/// The largest whole number that is not above x; from 2^23 on every float is whole. NaN becomes some number.
+FN float floor_f(float x) {
+  const bool small = (x < 8388608.0f) & (x > -8388608.0f);
+  const float cut = (float)(int)(small ? x : 0.0f);
+  const float below = cut > x ? cut - 1.0f : cut;
+  return small ? below : x;
+}
 
 #ifndef PENUMBRA_GLSL
 /// sin and cos of 2 pi u for |u| <= 2; absolute error below 1.2e-7. Octants are reduced exactly, since 4u is

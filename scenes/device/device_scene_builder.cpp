@@ -77,7 +77,7 @@ class Builder {
     need(lights_.features());
     h_.light_kinds = lights_.kinds();
     if (options_.feature_layers) need(FEATURE_LAYERS);
-    if (options_.surface_uv) {
+    if (wants_uv()) {
       need(FEATURE_UV);
       records_.light_triangles = light_triangles(records_.triangles, records_.lights.size());
     }
@@ -94,6 +94,7 @@ class Builder {
 
  private:
   void need(std::uint32_t feature) { h_.features |= feature; }
+  [[nodiscard]] bool wants_uv() const { return options_.surface_uv || (h_.features & FEATURE_UV) != 0u; }
 
   /// `reach`: how far the shape extends about the position.
   vec3 local(const glm::dvec3& p, const std::string& what, double reach = 0) {
@@ -107,13 +108,23 @@ class Builder {
   }
 
   void add_materials() {
-    records_.materials.push_back({});  // 0: absorbs everything
+    records_.materials.push_back(material_of_family(FAMILY_BLACK));  // 0
     for (const Bsdf& bsdf : scene_.bsdfs) {
       records_.materials.push_back(material_of(bsdf));
       h_.families |= 1u << records_.materials.back().family;
+      h_.textured |= textured_fields(records_.materials.back());
     }
+    if (h_.textured != 0u) add_textures();
     if ((h_.families & families_with(TRANSMITS)) != 0u) need(FEATURE_TRANSMISSION);
     if (std::popcount(h_.families) > 1) need(FEATURE_MIXED_FAMILIES);
+  }
+
+  void add_textures() {
+    for (const SceneTexture& texture : scene_.textures) {
+      records_.textures.push_back(texture_of(texture));
+      h_.texture_kinds |= 1u << records_.textures.back().kind;
+    }
+    need(FEATURE_TEXTURES | FEATURE_UV);
   }
 
   void add_shape(const Shape& shape) {
@@ -152,7 +163,7 @@ class Builder {
         need(FEATURE_SHADING_NORMALS);
       }
       records_.triangles.push_back(t);
-      if (options_.surface_uv) records_.vertex_uvs.push_back(vertex_uvs(mesh, corner, shape.flip_normals));
+      if (wants_uv()) records_.vertex_uvs.push_back(vertex_uvs(mesh, corner, shape.flip_normals));
     }
     if (emits(shape)) add_mesh_lights(shape, first);
   }

@@ -17,7 +17,7 @@ enum class IntersectorChoice { kAuto, kPortable, kEmbree };
 struct DeviceSceneOptions {
   IntersectorChoice intersector = IntersectorChoice::kAuto;
   bool feature_layers = true;  ///< albedo, normal and depth beside the radiance
-  bool surface_uv = false;  ///< texture coordinates and tangents of surfaces: no material asks for them yet
+  bool surface_uv = false;     ///< texture coordinates and tangents of surfaces, textures or not
 };
 
 /// INTERSECTOR_* that is fastest for so many triangles, ours where both are equal: its images are the same

@@ -2,42 +2,27 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <limits>
+#include <array>
 
 namespace penumbra::mitsuba {
 namespace {
 
-BsdfModel read_diffuse(PluginReader& plugin) {
-  DiffuseBsdf diffuse;
-  plugin.read_colour("reflectance", diffuse.reflectance, ColourRole::kReflectance);
-  return diffuse;
-}
-
-BsdfModel read_phong(PluginReader& plugin) {
-  PhongBsdf phong;
-  plugin.read_colour("diffuse_reflectance", phong.diffuse, ColourRole::kReflectance);
-  plugin.read_colour("specular_reflectance", phong.specular, ColourRole::kReflectance);
-  const double exponent = plugin.number("exponent", double(phong.exponent));
-  if (!(exponent >= 0.0 && exponent <= double(std::numeric_limits<float>::max()))) {
-    plugin.wrong("exponent", fmt::format("a Phong exponent must be 0 or more, not {}", exponent));
-  } else {
-    phong.exponent = float(exponent);
-  }
-  const glm::vec3 sum = phong.diffuse + phong.specular;
-  if (std::max(sum.x, std::max(sum.y, sum.z)) > 1.0f) {
-    plugin.warn(
-        "diffuse and specular reflectance are more than 1 together: it gives off more light than it "
-        "receives");
-  }
-  return phong;
+template <typename Model>
+BsdfModel read_bsdf(PluginReader& plugin) {
+  Model model;
+  plugin.read_parameters(model);
+  return model;
 }
 
 struct BsdfPlugin {
   std::string_view type;
   BsdfModel (*read)(PluginReader&);
 };
-constexpr BsdfPlugin kBsdfs[] = {{"diffuse", read_diffuse}, {"phong", read_phong}};
+template <typename... Models>
+constexpr auto bsdf_plugins(const std::variant<Models...>*) {
+  return std::array{BsdfPlugin{Models::kPlugin, read_bsdf<Models>}...};
+}
+constexpr auto kBsdfs = bsdf_plugins(static_cast<const BsdfModel*>(nullptr));
 // One that holds others.
 constexpr std::string_view kTwoSided = "twosided";
 

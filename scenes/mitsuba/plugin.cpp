@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "scenes/mitsuba/texture_reader.h"
 #include "scenes/settings.h"
 #include "scenes/transform.h"
 
@@ -51,6 +52,10 @@ std::string PluginReader::title() const {
 bool PluginReader::has(std::string_view name) const {
   return std::any_of(object_.parameters.begin(), object_.parameters.end(),
                      [&](const Parameter& p) { return p.name == name; });
+}
+
+bool PluginReader::has_nested(std::string_view name) const {
+  return std::any_of(nested_.begin(), nested_.end(), [&](const Nested& n) { return n.name == name; });
 }
 
 const Parameter* PluginReader::take(std::string_view name) {
@@ -173,6 +178,64 @@ void PluginReader::read_colour(std::string_view name, glm::vec3& colour, ColourR
     }
   }
   colour = *rgb;
+}
+
+PluginReader::TakenTexture PluginReader::take_texture(std::string_view name) {
+  for (Nested& each : nested_) {
+    if (each.name != name || each.object->tag != "texture") continue;
+    each.taken = true;
+    if (has(name)) wrong(name, fmt::format("'{}' is there twice, once as <texture>", name));
+    return {true, context_.textures != nullptr ? context_.textures->read(*each.object) : std::nullopt};
+  }
+  return {};
+}
+
+void PluginReader::read(std::string_view name, TexturedColour& colour, const ColourWithin& values) {
+  if (const TakenTexture texture = take_texture(name); texture.there) {
+    skip_parameter(name);
+    colour = glm::vec3(1.0f);
+    colour.texture = texture.index.value_or(kNoTexture);
+    return;
+  }
+  glm::vec3 rgb = colour.value;
+  const bool reflects = values.high <= 1.0f;
+  read_colour(name, rgb, reflects ? ColourRole::kReflectance : ColourRole::kEmission);
+  for (int i = 0; i < 3; ++i)
+    if (!values.contains(rgb[i]))
+      return wrong(name, fmt::format("{} must be a {}, not {}", name, values.values(), rgb[i]));
+  colour = rgb;
+}
+
+void PluginReader::read(std::string_view name, TexturedNumber& number, const NumberWithin& values) {
+  if (const TakenTexture texture = take_texture(name); texture.there) {
+    skip_parameter(name);
+    number = 1.0f;
+    number.texture = texture.index.value_or(kNoTexture);
+    return;
+  }
+  read(name, number.value, values);
+}
+
+void PluginReader::read(std::string_view name, float& number, const NumberWithin& values) {
+  const auto value = float(this->number(name, double(number)));
+  if (!values.contains(value))
+    return wrong(name, fmt::format("{} must be a {}, not {}", name, values.values(), value));
+  number = value;
+}
+
+void PluginReader::read(std::string_view name, bool& value, const TrueOrFalse&) {
+  value = boolean(name, value);
+}
+
+void PluginReader::report(const Findings& findings) const {
+  for (const Finding& finding : findings) {
+    if (finding.is_warning)
+      warn(finding.message);
+    else if (finding.parameter.empty())
+      wrong(finding.message);
+    else
+      wrong(finding.parameter, finding.message);
+  }
 }
 
 void PluginReader::settings(SceneDescription& scene, std::string_view group,

@@ -1,6 +1,8 @@
 // Reading one plugin's parameters: each must be requested, so that an unknown name is an error.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <glm/glm.hpp>
 #include <optional>
 #include <span>
@@ -10,15 +12,19 @@
 
 #include "scenes/diagnostic.h"
 #include "scenes/mitsuba/object_tree.h"
+#include "scenes/plugin_values.h"
 #include "scenes/scene_description.h"
 
 namespace penumbra::mitsuba {
+
+class TextureReader;
 
 /// What the readers of plugins share.
 struct Context {
   ObjectTree& tree;
   Diagnostics& diagnostics;
   bool lenient = false;
+  TextureReader* textures = nullptr;  ///< while a scene is built
 
   /// The object, or the one that is referred to; null, and an error, where there is none of that id.
   Object* resolve(const Child& child) const;
@@ -48,6 +54,34 @@ class PluginReader {
   /// Sets the colour, in linear Rec. 709, where it is given. A texture is none that can be read.
   void read_colour(std::string_view name, glm::vec3& colour, ColourRole role);
 
+  // Rows of parameters (bsdfs.h): sets what is given, if it is one of the values.
+  void read(std::string_view name, TexturedColour& colour, const ColourWithin& values);
+  void read(std::string_view name, TexturedNumber& number, const NumberWithin& values);
+  void read(std::string_view name, float& number, const NumberWithin& values);
+  void read(std::string_view name, bool& value, const TrueOrFalse& values);
+  template <typename T>
+  void read(std::string_view name, T& value, const OneOf<T>& values) {
+    if (!has(name)) return skip_parameter(name);
+    const Expected<T> parsed = values.parse(text(name, ""));
+    if (parsed) value = *parsed;
+    if (!parsed) wrong(name, fmt::format("{}: {}", name, parsed.error().message));
+  }
+
+  /// All the parameters of a struct of rows.
+  template <typename Model>
+  void read_parameters(Model& model) {
+    Model::parameters([&](const char* name, auto member, const auto& values, const char*) {
+      read(name, model.*member, values);
+    });
+    Findings findings;
+    const auto given = [&](std::string_view name) { return has(name) || has_nested(name); };
+    if constexpr (requires { model.complete(findings, given); })
+      model.complete(findings, given);
+    else if constexpr (requires { model.complete(findings); })
+      model.complete(findings);
+    report(findings);
+  }
+
   /// Sets every parameter among `names` that is given, as "group.name" (see settings.h). `prefix` goes before
   /// the parameter's name in the key.
   void settings(SceneDescription& scene, std::string_view group, std::span<const std::string> names,
@@ -57,6 +91,8 @@ class PluginReader {
   void accept(std::initializer_list<std::string_view> names);
 
   [[nodiscard]] bool has(std::string_view name) const;
+  /// A nested object of that name: a texture, for example.
+  [[nodiscard]] bool has_nested(std::string_view name) const;
 
   /// The nested objects of that kind, in order, references followed.
   std::vector<const Object*> nested(std::string_view tag);
@@ -80,6 +116,15 @@ class PluginReader {
 
  private:
   const Parameter* take(std::string_view name);
+  /// Known, and not given.
+  void skip_parameter(std::string_view name) { known_.emplace_back(name); }
+  void report(const Findings& findings) const;
+  /// The texture that stands for the parameter, if one does: its index, or none and an error.
+  struct TakenTexture {
+    bool there = false;
+    std::optional<int> index;
+  };
+  TakenTexture take_texture(std::string_view name);
   template <typename T>
   const T* take_as(std::string_view name, std::string_view wanted);
   void wrong_kind(const Parameter& parameter, std::string_view wanted) const;

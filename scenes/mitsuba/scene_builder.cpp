@@ -6,10 +6,14 @@
 #include "scenes/mitsuba/material_reader.h"
 #include "scenes/mitsuba/sensor_reader.h"
 #include "scenes/mitsuba/shape_reader.h"
+#include "scenes/mitsuba/texture_reader.h"
 
 namespace penumbra::mitsuba {
-SceneDescription build_scene(const Context& context, const FileAccess& files) {
+SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   SceneDescription scene;
+  Context context = plain;
+  TextureReader textures(context);
+  context.textures = &textures;
   scene.source = context.tree.scene.location.file->path.string();
   // Files of Mitsuba 3 say 3.0.0, whatever its version: the present one's rule, which is that from 3.7 on.
   if (context.tree.major_version >= 3) scene.integrator.hidden_emitters = HiddenEmitters::kLookedThrough;
@@ -35,10 +39,12 @@ SceneDescription build_scene(const Context& context, const FileAccess& files) {
   // light.
   if (!all_known && std::ranges::none_of(scene.emitters, is_sky))
     scene.emitters.emplace_back(ConstantEnvironment{kStandInColour});
-  for (const char* tag : {"texture", "medium", "volume", "phase"}) {
+  for (const Object* texture : root.nested("texture")) textures.read(*texture);
+  for (const char* tag : {"medium", "volume", "phase"}) {
     for (const Object* object : root.nested(tag)) context.unknown_plugin(*object, {}, "it is left out");
   }
   root.finish();
+  scene.textures = textures.take();
   return scene;
 }
 

@@ -133,20 +133,19 @@ STAGE void projected_triangle_quantity(GLOBAL const double* in, GLOBAL double* o
   out[5] = bad;
 }
 
-/// In: reflectances of the diffuse and the Phong lobe, exponent, probability of the lobe.
-FN Closure closure_of(GLOBAL const double* in) {
-  Closure c;
+/// In: reflectances of the diffuse and the Phong lobe, exponent, unused.
+FN Closure closure_in(GLOBAL const double* in) {
+  Closure c = black_closure();
   c.family = FAMILY_PHONG;
   c.diffuse = make_vec3(in_f(in, 0), in_f(in, 0), in_f(in, 0));
   c.specular = make_vec3(in_f(in, 1), in_f(in, 1), in_f(in, 1));
   c.exponent = in_f(in, 2);
-  c.lobe = in_f(in, 3);
   return c;
 }
 
 /// In: closure, normal, wo, wi. Out: f cos, pdf.
 STAGE void bsdf_value_quantity(GLOBAL const double* in, GLOBAL double* out) {
-  const BsdfValue value = eval_bsdf(closure_of(in), in_v(in, 4), in_v(in, 7), in_v(in, 10));
+  const BsdfValue value = eval_bsdf(0, closure_in(in), in_v(in, 4), in_v(in, 7), in_v(in, 10));
   out[0] = value.f_cos.x;
   out[1] = value.pdf;
 }
@@ -154,7 +153,7 @@ STAGE void bsdf_value_quantity(GLOBAL const double* in, GLOBAL double* out) {
 /// In: closure, normal, wo, u, v, choice. Out: direction, weight, pdf.
 STAGE void bsdf_sample_quantity(GLOBAL const double* in, GLOBAL double* out) {
   const BsdfSample s =
-      sample_bsdf(closure_of(in), in_v(in, 4), in_v(in, 7), in_f(in, 10), in_f(in, 11), in_f(in, 12));
+      sample_bsdf(0, closure_in(in), in_v(in, 4), in_v(in, 7), in_f(in, 10), in_f(in, 11), in_f(in, 12));
   out_v(out, 0, s.wi);
   out[3] = s.weight.x;
   out[4] = s.pdf;
@@ -164,16 +163,17 @@ STAGE void bsdf_sample_quantity(GLOBAL const double* in, GLOBAL double* out) {
 /// cells of (u, v), each with either lobe as often as it is chosen: the albedo; largest weight; how many
 /// directions are not unit vectors.
 STAGE void bsdf_albedo_quantity(GLOBAL const double* in, GLOBAL double* out) {
-  const Closure c = closure_of(in);
+  const Closure c = closure_in(in);
+  const double share = (double)phong_lobe_share(c);
   const vec3 n = in_v(in, 4), wo = in_v(in, 7);
   const int size = (int)in[10];
   double sum = 0.0, largest = 0.0, bad = 0.0;
   for (int i = 0; i < size; i++) {
     for (int k = 0; k < size; k++) {
       const float u = ((float)i + 0.5f) / (float)size, v = ((float)k + 0.5f) / (float)size;
-      const BsdfSample a = sample_bsdf(c, n, wo, u, v, 0.0f);
-      const BsdfSample b = sample_bsdf(c, n, wo, u, v, ONE_MINUS_EPSILON);
-      sum += (double)c.lobe * a.weight.x + (1.0 - (double)c.lobe) * b.weight.x;
+      const BsdfSample a = sample_bsdf(0, c, n, wo, u, v, 0.0f);
+      const BsdfSample b = sample_bsdf(0, c, n, wo, u, v, ONE_MINUS_EPSILON);
+      sum += share * a.weight.x + (1.0 - share) * b.weight.x;
       largest = max_d(largest, max_d(a.weight.x, b.weight.x));
       const float length2 = dot3(a.wi, a.wi);
       bad += FABS(length2 - 1.0f) < 1e-5f ? 0.0 : 1.0;

@@ -78,10 +78,10 @@ double truth(const std::vector<ColouredLight>& lights, const BsdfModel& bsdf, in
   double sum = 0;
   for (const ColouredLight& light : lights)
     for (const PolygonPoints& part : facing_parts(light))
-      sum += light.radiance[channel] *
-             (std::holds_alternative<DiffuseBsdf>(bsdf)
-                  ? std::get<DiffuseBsdf>(bsdf).reflectance.y / std::numbers::pi * projected_solid_angle(part)
-                  : reflected_radiance(part, bsdf, kViewer));
+      sum += light.radiance[channel] * (std::holds_alternative<DiffuseBsdf>(bsdf)
+                                            ? std::get<DiffuseBsdf>(bsdf).reflectance.value.y /
+                                                  std::numbers::pi * projected_solid_angle(part)
+                                            : reflected_radiance(part, bsdf, kViewer));
   return sum;
 }
 

@@ -117,13 +117,13 @@ TEST_F(TinyRenderModel, MoreThanAllLightIsScaled) {
   // 0.99 of the light in the brightest channel is left: factors of 0.99 / 1.5 and 0.99 / 1.25.
   const SceneDescription phong = material("Kd .5 .5 1\nKs .5 .25 .5\nNs 10");
   const auto& model = std::get<PhongBsdf>(phong.bsdfs.at(0).model);
-  EXPECT_FLOAT_EQ(model.diffuse.z, 0.66f);
-  EXPECT_FLOAT_EQ(model.specular.y, 0.165f);
+  EXPECT_FLOAT_EQ(model.diffuse.value.z, 0.66f);
+  EXPECT_FLOAT_EQ(model.specular.value.y, 0.165f);
   EXPECT_EQ(warnings(phong),
             "m.mtl:1:8: warning: 'white' would reflect 1.5 of the light it receives; Kd and Ks "
             "are scaled by 0.66, as TinyRender does\n");
   const SceneDescription diffuse = material("Kd 1.25 0 0");
-  EXPECT_FLOAT_EQ(std::get<DiffuseBsdf>(diffuse.bsdfs.at(0).model).reflectance.x, 0.99f);
+  EXPECT_FLOAT_EQ(std::get<DiffuseBsdf>(diffuse.bsdfs.at(0).model).reflectance.value.x, 0.99f);
   EXPECT_THAT(diffuse.warnings, SizeIs(1));
   EXPECT_THAT(material("Kd .5 .5 .5\nKs .5 .5 .5\nNs 5").warnings, IsEmpty()) << "all of it is not more";
 }
@@ -139,7 +139,7 @@ TEST_F(TinyRenderModel, MaterialsWithWarnings) {
   EXPECT_TRUE(std::holds_alternative<DiffuseBsdf>(no_exponent.bsdfs.at(0).model));
   const SceneDescription twice = material("Kd .5 .5 .5\nnewmtl white\nKd .1 .1 .1\nKe 1 1 1");
   EXPECT_THAT(warnings(twice), HasSubstr("m.mtl:3:8: warning: the material 'white' is there already, at "));
-  EXPECT_EQ(std::get<DiffuseBsdf>(twice.bsdfs.at(0).model).reflectance.x, 0.5f);
+  EXPECT_EQ(std::get<DiffuseBsdf>(twice.bsdfs.at(0).model).reflectance.value.x, 0.5f);
   EXPECT_FALSE(twice.shapes.at(0).radiance);
 }
 
@@ -190,8 +190,8 @@ TEST_F(TinyRenderModel, FileNames) {
       "usemtl white\nf 1 2 3\nusemtl blue\nf 1 2 3\n",
       "newmtl red\n");
   EXPECT_THAT(scene.warnings, IsEmpty());
-  EXPECT_EQ(std::get<DiffuseBsdf>(scene.bsdfs.at(0).model).reflectance.x, 0.1f);
-  EXPECT_EQ(std::get<DiffuseBsdf>(scene.bsdfs.at(1).model).reflectance.z, 0.9f);
+  EXPECT_EQ(std::get<DiffuseBsdf>(scene.bsdfs.at(0).model).reflectance.value.x, 0.1f);
+  EXPECT_EQ(std::get<DiffuseBsdf>(scene.bsdfs.at(1).model).reflectance.value.z, 0.9f);
   // The OBJ file is looked for beside the TOML file, and the MTL file beside the OBJ file.
   std::filesystem::create_directory(folder_ / "deep");
   write("deep/deep.obj", "mtllib deep.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");

@@ -4,17 +4,10 @@
 #include <ostream>
 #include <string>
 
+#include "kernels/host/material_closure.h"
 #include "tests/kernels/kernels_under_test.h"
 
 namespace penumbra {
-
-inline Closure closure_of(const Material& m) {
-  Closure c;
-#define COPY_FIELD(_, type, name) c.name = m.name;
-  CLOSURE_FIELDS(COPY_FIELD, _)
-#undef COPY_FIELD
-  return c;
-}
 
 struct BsdfCase {
   std::string name;
@@ -27,7 +20,6 @@ struct BsdfCase {
     m.diffuse = make_vec3(diffuse, diffuse, diffuse);
     m.specular = make_vec3(specular, specular, specular);
     m.exponent = exponent;
-    m.lobe = specular > 0 ? specular / (diffuse + specular) : 0;
     return m;
   }
   [[nodiscard]] Closure closure() const { return closure_of(material()); }

@@ -48,7 +48,8 @@ Integrals integrate(const Closure& closure, const vec3& wo) {
       const float sine = float(std::sin(theta)), cosine = float(std::cos(theta));
       for (int j = 0; j < kColumns * kPhiSteps; ++j) {
         const auto& [x, y] = around[std::size_t(j)];
-        const BsdfValue value = eval_bsdf(closure, kNormal, wo, make_vec3(sine * x, sine * y, cosine));
+        const BsdfValue value =
+            eval_bsdf(nullptr, closure, kNormal, wo, make_vec3(sine * x, sine * y, cosine));
         result.density[std::size_t(i / kThetaSteps * kColumns + j / kPhiSteps)] += double(value.pdf) * weight;
         result.reflectance += double(value.f_cos.x) * weight;
       }
@@ -80,8 +81,8 @@ TEST_P(Bsdfs, SamplesFollowTheDensity) {
     std::vector<double> observed(integrals.density.size());
     double lost = 0;
     for (int k = 0; k < kSamples; ++k) {
-      const BsdfSample s =
-          sample_bsdf(closure_, kNormal, wo, random.unit_float(), random.unit_float(), random.unit_float());
+      const BsdfSample s = sample_bsdf(nullptr, closure_, kNormal, wo, random.unit_float(),
+                                       random.unit_float(), random.unit_float());
       if (!(s.pdf > 0)) {
         ++lost;
         continue;
@@ -113,17 +114,18 @@ TEST_P(Bsdfs, DensityAndReflectanceHaveTheRightIntegrals) {
     const bool from_above = wo.z > 0.999f;
     // 1 but for what a lobe has below the horizon, at most half of it.
     EXPECT_LE(integrals.total_density, 1 + kQuadratureError);
-    EXPECT_GE(integrals.total_density, (from_above || closure_.lobe == 0 ? 1 : 0.5) - kQuadratureError);
+    EXPECT_GE(integrals.total_density,
+              (from_above || phong_lobe_share(closure_) == 0 ? 1 : 0.5) - kQuadratureError);
     // No more than arrives; from above, where (n + 2) / (2 pi) int cos^(n+1) = 1, just the material's
     // reflectances.
     EXPECT_LE(integrals.reflectance, albedo * (1 + kQuadratureError));
-    if (from_above || closure_.lobe == 0) {
+    if (from_above || phong_lobe_share(closure_) == 0) {
       EXPECT_NEAR(integrals.reflectance, albedo, albedo * kQuadratureError);
     }
     statistics::Sample weights;
     for (int k = 0; k < 100'000; ++k) {
-      const BsdfSample s =
-          sample_bsdf(closure_, kNormal, wo, random.unit_float(), random.unit_float(), random.unit_float());
+      const BsdfSample s = sample_bsdf(nullptr, closure_, kNormal, wo, random.unit_float(),
+                                       random.unit_float(), random.unit_float());
       weights.add(s.pdf > 0 ? s.weight.x : 0);
     }
     EXPECT_GT(statistics::t_test(weights, integrals.reflectance, kQuadratureError * albedo).p,
@@ -136,11 +138,11 @@ TEST_P(Bsdfs, AreReciprocal) {
   for (int k = 0; k < 20'000; ++k) {
     const vec3 wo = sample_cosine_hemisphere(kNormal, random.unit_float(), random.unit_float());
     if (wo.z < 1e-3f) continue;
-    const BsdfSample s =
-        sample_bsdf(closure_, kNormal, wo, random.unit_float(), random.unit_float(), random.unit_float());
+    const BsdfSample s = sample_bsdf(nullptr, closure_, kNormal, wo, random.unit_float(), random.unit_float(),
+                                     random.unit_float());
     if (!(s.pdf > 0) || s.wi.z < 1e-3f) continue;
-    const double there = eval_bsdf(closure_, kNormal, wo, s.wi).f_cos.x / double(s.wi.z);
-    const double back = eval_bsdf(closure_, kNormal, s.wi, wo).f_cos.x / double(wo.z);
+    const double there = eval_bsdf(nullptr, closure_, kNormal, wo, s.wi).f_cos.x / double(s.wi.z);
+    const double back = eval_bsdf(nullptr, closure_, kNormal, s.wi, wo).f_cos.x / double(wo.z);
     // Rounding of the mirror direction, 2^-23, moves the lobe; that counts times its steepness, at most
     // sqrt(n) where the lobe has any value, and a few roundings more, which 1 / cosine stretches.
     const double tolerance =
@@ -154,7 +156,7 @@ TEST_P(Bsdfs, ValuesAreNeverNegativeAndZeroBelowTheHorizon) {
   for (int k = 0; k < 50'000; ++k) {
     const vec3 n = rounded(random.direction()), wo = rounded(random.direction()),
                wi = rounded(random.direction());
-    const BsdfValue value = eval_bsdf(closure_, n, wo, wi);
+    const BsdfValue value = eval_bsdf(nullptr, closure_, n, wo, wi);
     const bool reflects = dot3(n, wo) > 0 && dot3(n, wi) > 0;
     if (!reflects) {
       ASSERT_EQ(value.f_cos.x, 0);
@@ -172,8 +174,8 @@ TEST_P(Bsdfs, SampleAgreesWithItsOwnEvaluation) {
     // In the frame of the normal exactly.
     const vec3 wo = sample_cosine_hemisphere(kNormal, random.unit_float(), random.unit_float());
     const float u = random.unit_float(), v = random.unit_float(), choice = random.unit_float();
-    const BsdfSample s = sample_bsdf(closure_, kNormal, wo, u, v, choice);
-    const BsdfValue value = eval_bsdf(closure_, kNormal, wo, s.wi);
+    const BsdfSample s = sample_bsdf(nullptr, closure_, kNormal, wo, u, v, choice);
+    const BsdfValue value = eval_bsdf(nullptr, closure_, kNormal, wo, s.wi);
     ASSERT_EQ(s.pdf, value.pdf);
     if (s.pdf > 0) {
       ASSERT_NEAR(s.weight.x * s.pdf, value.f_cos.x, 4e-7 * value.f_cos.x);
@@ -181,13 +183,13 @@ TEST_P(Bsdfs, SampleAgreesWithItsOwnEvaluation) {
     ASSERT_NEAR(double(length(exact(s.wi))), 1, 1e-6);
     // In the world to the rounding of the directions, see AreReciprocal.
     const vec3 n = rounded(random.direction()), viewer = from_frame(n, wo.x, wo.y, wo.z);
-    const BsdfSample turned = sample_bsdf(closure_, n, viewer, u, v, choice);
+    const BsdfSample turned = sample_bsdf(nullptr, closure_, n, viewer, u, v, choice);
     ASSERT_NEAR(double(length(exact(turned.wi))), 1, 1e-6);
     const float cosine = dot3(n, turned.wi);
     if (!(turned.pdf > 0) || cosine < 1e-3f || wo.z < 1e-3f) continue;
     const double tolerance =
         16 * 0x1p-23 * (1 + 10 * std::sqrt(double(closure_.exponent))) + 8 * 0x1p-24 / std::min(wo.z, cosine);
-    const BsdfValue again = eval_bsdf(closure_, n, viewer, turned.wi);
+    const BsdfValue again = eval_bsdf(nullptr, closure_, n, viewer, turned.wi);
     ASSERT_NEAR(turned.pdf / again.pdf, 1, tolerance);
     ASSERT_NEAR(turned.weight.x * turned.pdf / again.f_cos.x, 1, tolerance);
   }
@@ -205,7 +207,7 @@ TEST_P(Bsdfs, WeightsAreBoundedAtAnyAngleAndAnyNumbers) {
         for (float choice : {0.0f, 0.3f, 0.7f, ONE_MINUS_EPSILON})
           for (int k = 0; k < 10; ++k) {
             const vec3 wo = direction(std::acos(cosine), random.between(0, 2 * kPi));
-            const BsdfSample s = sample_bsdf(closure_, kNormal, wo, u, v, choice);
+            const BsdfSample s = sample_bsdf(nullptr, closure_, kNormal, wo, u, v, choice);
             ASSERT_TRUE(std::isfinite(s.pdf));
             ASSERT_TRUE(s.weight.x >= 0 && s.weight.x <= bound) << s.weight.x << " at " << cosine;
             ASSERT_TRUE(std::isfinite(s.wi.x) && std::isfinite(s.wi.y) && std::isfinite(s.wi.z));
@@ -213,7 +215,7 @@ TEST_P(Bsdfs, WeightsAreBoundedAtAnyAngleAndAnyNumbers) {
 }
 
 TEST(DiffuseBsdf, WeightIsTheReflectanceExactly) {
-  const BsdfSample s = sample_bsdf(kCases[0].closure(), kNormal, kViewers[1], 0.3f, 0.7f, 0.5f);
+  const BsdfSample s = sample_bsdf(nullptr, kCases[0].closure(), kNormal, kViewers[1], 0.3f, 0.7f, 0.5f);
   EXPECT_EQ(s.weight.x, 0.5f);
 }
 
@@ -232,7 +234,8 @@ TEST(PhongLobe, SamplesFollowTheDensityHoweverNarrow) {
       std::vector<double> counts(kSide * kSide);
       int lost = 0;
       for (int k = 0; k < kSamples; ++k) {
-        const BsdfSample sample = sample_bsdf(c, kNormal, wo, random.unit_float(), random.unit_float(), 0.5f);
+        const BsdfSample sample =
+            sample_bsdf(nullptr, c, kNormal, wo, random.unit_float(), random.unit_float(), 0.5f);
         lost += sample.pdf > 0 ? 0 : 1;
         const Exact3 wi = exact(sample.wi), difference = wi - mirror;
         const double power =
@@ -257,12 +260,13 @@ TEST(PhongLobe, DensityInItsOwnFrame) {
     const Closure c = BsdfCase{"", 0, 1, float(exponent)}.closure();
     for (int k = 0; k < 2000; ++k) {
       const vec3 wo = direction(random.between(0, 1.2), random.between(0, 6));
-      const BsdfSample s = sample_bsdf(c, kNormal, wo, random.unit_float(), random.unit_float(), 0.5f);
+      const BsdfSample s =
+          sample_bsdf(nullptr, c, kNormal, wo, random.unit_float(), random.unit_float(), 0.5f);
       if (!(s.pdf > 0)) continue;
       const double lobe = cosine_power(mirrored(wo), s.wi, float(exponent));
       ASSERT_NEAR(s.pdf, (exponent + 1) / (2 * kPi) * lobe, 1e-6 * s.pdf);
-      ASSERT_NEAR(eval_bsdf(c, kNormal, wo, s.wi).f_cos.x, (exponent + 2) / (2 * kPi) * lobe * s.wi.z,
-                  2e-6 * s.pdf);
+      ASSERT_NEAR(eval_bsdf(nullptr, c, kNormal, wo, s.wi).f_cos.x,
+                  (exponent + 2) / (2 * kPi) * lobe * s.wi.z, 2e-6 * s.pdf);
     }
   }
 }
@@ -308,21 +312,22 @@ TEST(PhongLobe, IsAboutTheMirrorDirectionWhateverTheNormal) {
     const vec3 n = rounded(random.direction()), wo = rounded(random.direction());
     if (dot3(n, wo) < 1e-3f) continue;
     const Exact3 mirror = (2 * dot(exact(n), exact(wo))) * exact(n) - exact(wo);
-    const BsdfSample s = sample_bsdf(c, n, wo, 0, random.unit_float(), 0);
+    const BsdfSample s = sample_bsdf(nullptr, c, n, wo, 0, random.unit_float(), 0);
     ASSERT_LE(double(length(exact(s.wi) - mirror)), 24 * 0x1p-24);
     // At its peak, f cos is (n + 2) / (2 pi) cos.
     const double peak = (1e4 + 2) / (2 * kPi) * double(dot(exact(n), mirror));
-    ASSERT_NEAR(eval_bsdf(c, n, wo, rounded(mirror)).f_cos.x / peak, 1, 1e-6 / double(dot3(n, wo)) + 1e-5);
+    ASSERT_NEAR(eval_bsdf(nullptr, c, n, wo, rounded(mirror)).f_cos.x / peak, 1,
+                1e-6 / double(dot3(n, wo)) + 1e-5);
   }
 }
 
 TEST(BlackBsdf, ReflectsNothing) {
   Closure c = kCases[4].closure();
   c.family = FAMILY_BLACK;
-  const BsdfValue value = eval_bsdf(c, kNormal, kViewers[1], kViewers[2]);
+  const BsdfValue value = eval_bsdf(nullptr, c, kNormal, kViewers[1], kViewers[2]);
   EXPECT_EQ(value.f_cos.x, 0);
   EXPECT_EQ(value.pdf, 0);
-  EXPECT_EQ(sample_bsdf(c, kNormal, kViewers[1], 0.5f, 0.5f, 0.5f).pdf, 0);
+  EXPECT_EQ(sample_bsdf(nullptr, c, kNormal, kViewers[1], 0.5f, 0.5f, 0.5f).pdf, 0);
 }
 
 }  // namespace

@@ -15,19 +15,22 @@ FN BsdfSample only_direction(Closure c, vec3 wi, float eta) {
   return s;
 }
 
-FN BsdfValue mirror_eval(Closure c, vec3 wo, vec3 wi) { return no_bsdf_value(); }
-FN BsdfSample mirror_sample(Closure c, vec3 wo, float u, float v, float choice) {
+FN BsdfValue mirror_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) { return no_bsdf_value(); }
+FN BsdfSample mirror_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v, float choice) {
   return only_direction(c, make_vec3(-wo.x, -wo.y, wo.z), 1.0f);
 }
 
-FN BsdfValue window_eval(Closure c, vec3 wo, vec3 wi) { return no_bsdf_value(); }
-FN BsdfSample window_sample(Closure c, vec3 wo, float u, float v, float choice) {
+FN BsdfValue window_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) { return no_bsdf_value(); }
+FN BsdfSample window_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v, float choice) {
   return only_direction(c, negate(wo), 1.0f);
 }
 
 /// `exponent` is the refractive index of the other side over that of wo's.
-FN BsdfValue refracting_eval(Closure c, vec3 wo, vec3 wi) { return no_bsdf_value(); }
-FN BsdfSample refracting_sample(Closure c, vec3 wo, float u, float v, float choice) {
+FN BsdfValue refracting_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
+  return no_bsdf_value();
+}
+FN BsdfSample refracting_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v,
+                                float choice) {
   const float x = -wo.x / c.exponent, y = -wo.y / c.exponent, cosine2 = 1.0f - (x * x + y * y);
   const bool gets_through = cosine2 > 0.0f;
   const vec3 through = make_vec3(x, y, -safe_sqrt(cosine2)), reflected = make_vec3(-wo.x, -wo.y, wo.z);
@@ -46,10 +49,13 @@ FN float splitting_lobe_probability(Closure c, vec3 wo) {
   return 0.25f + 0.5f * splitting_reflectance(c, wo);
 }
 
-FN BsdfValue splitting_eval(Closure c, vec3 wo, vec3 wi) { return no_bsdf_value(); }
-FN BsdfSample splitting_sample(Closure c, vec3 wo, float u, float v, float choice) {
+FN BsdfValue splitting_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
+  return no_bsdf_value();
+}
+FN BsdfSample splitting_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v,
+                               float choice) {
   const float reflectance = splitting_reflectance(c, wo), p = splitting_lobe_probability(c, wo);
-  const BsdfSample through = refracting_sample(c, wo, u, v, choice);
+  const BsdfSample through = refracting_sample(scene, c, wo, u, v, choice);
   const BsdfSample reflected = only_direction(c, make_vec3(-wo.x, -wo.y, wo.z), 1.0f);
   const bool reflects = choice < p;
   BsdfSample s = select_bsdf_sample(reflects, reflected, through);
@@ -57,10 +63,13 @@ FN BsdfSample splitting_sample(Closure c, vec3 wo, float u, float v, float choic
   return s;
 }
 
-#define PHONG_AGAIN(name, NAME, number, properties, text)                                 \
-  FN BsdfValue name##_eval(Closure c, vec3 wo, vec3 wi) { return phong_eval(c, wo, wi); } \
-  FN BsdfSample name##_sample(Closure c, vec3 wo, float u, float v, float choice) {       \
-    return phong_sample(c, wo, u, v, choice);                                             \
+#define PHONG_AGAIN(name, NAME, number, properties, text)                                       \
+  FN BsdfValue name##_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {           \
+    return phong_eval(scene, c, wo, wi);                                                        \
+  }                                                                                             \
+  FN BsdfSample name##_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v, \
+                              float choice) {                                                   \
+    return phong_sample(scene, c, wo, u, v, choice);                                            \
   }
 PHONG_AGAIN(glossy, , , , )
 EIGHT_PHONGS(PHONG_AGAIN)

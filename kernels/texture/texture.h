@@ -1,0 +1,71 @@
+// Values of textures at LANES surfaces: a lane loop for each kind that is among them, until no lane has
+// another texture to go to.
+#ifndef PENUMBRA_TEXTURE_H
+#define PENUMBRA_TEXTURE_H
+#include "kernels/intersect/surface_fields.h"
+#include "kernels/texture/checkerboard_texture.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+#define TEXTURE_LANE_FIELDS(F, a)                                       \
+  F(a, vec3, value) /* so far: the product of the factors on the way */ \
+  F(a, int, next)   /* index of the texture that it is to be multiplied by, or -1 */
+LANE_RECORD(TextureLane, TextureLanes, texture_lane, TEXTURE_LANE_FIELDS)
+
+/// As a number: its luminance (Rec. 709), exactly its value where it is grey.
+FN float texture_number(vec3 value) {
+  const bool grey = (value.x == value.y) & (value.y == value.z);
+  const float luminance = (0.212671f * value.x + 0.715160f * value.y) + 0.072169f * value.z;
+  return grey ? value.x : luminance;
+}
+
+#if HAS(TEXTURES)
+  #define STEP_TEXTURES(name, NAME, number, description)                                                     \
+    STAGE void step_##name##_textures(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces, \
+                                      PRIVATE TextureLanes* RESTRICT lanes) {                                \
+      LANE_LOOP                                                                                              \
+        for (int j = 0; j < LANES; j++) {                                                                    \
+          const TextureLane lane = load_texture_lane(lanes, j);                                              \
+          GLOBAL const TextureNode* texture = scene->textures + (lane.next >= 0 ? lane.next : 0);            \
+          const bool here = (lane.next >= 0) & (texture->kind == (number));                                  \
+          const TextureStep step =                                                                           \
+              name##_texture(scene, texture, texture_coordinates(texture, surfaces->u[j], surfaces->v[j]));  \
+          TextureLane after;                                                                                 \
+          after.value = mul(lane.value, step.factor);                                                        \
+          after.next = step.next;                                                                            \
+          store_texture_lane(lanes, j, select_texture_lane(here, after, lane));                              \
+        }                                                                                                    \
+    }
+TEXTURE_KINDS(STEP_TEXTURES)
+  #undef STEP_TEXTURES
+
+/// The kinds of the textures to which lanes go next.
+FN uint texture_kinds_among(const PRIVATE Scene* scene, const PRIVATE TextureLanes* lanes) {
+  uint among = 0u;
+  for (int j = 0; j < LANES; j++)
+    among |= lanes->next[j] >= 0 ? 1u << scene->textures[lanes->next[j]].kind : 0u;
+  return among;
+}
+
+/// The values of the textures, indices or -1, at the surfaces; 1 where there is none. A texture holds only
+/// such of lower indices, so this ends.
+FN void eval_textures(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
+                      const PRIVATE int* textures, PRIVATE TextureLanes* lanes) {
+  for (int j = 0; j < LANES; j++) {
+    TextureLane lane;
+    lane.value = make_vec3(1.0f, 1.0f, 1.0f);
+    lane.next = textures[j];
+    store_texture_lane(lanes, j, lane);
+  }
+  for (uint among = texture_kinds_among(scene, lanes); among != 0u;
+       among = texture_kinds_among(scene, lanes)) {
+  #define STEP_KIND(name, NAME, number, description) \
+    if ((among >> (number)&1u) != 0u) step_##name##_textures(scene, surfaces, lanes);
+    TEXTURE_KINDS(STEP_KIND)
+  #undef STEP_KIND
+  }
+}
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,56 @@
+// Textures, each with its parameters, a row for every one (see bsdfs.h), and the record of the kernels that
+// it becomes.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <string>
+#include <variant>
+
+#include "kernels/scene_types.h"
+#include "scenes/plugin_values.h"
+
+namespace penumbra {
+
+/// Four squares, again and again.
+struct CheckerboardTexture {
+  static constexpr const char* kPlugin = "checkerboard";
+  TexturedColour color0{glm::vec3(0.4f)};
+  TexturedColour color1{glm::vec3(0.2f)};
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("color0", &CheckerboardTexture::color0, ColourWithin{0.0f, kAnyNumber},
+        "colour of one half of the squares");
+    row("color1", &CheckerboardTexture::color1, ColourWithin{0.0f, kAnyNumber}, "colour of the others");
+  }
+};
+
+inline TextureNode texture_of(const CheckerboardTexture& checkerboard) {
+  TextureNode t{};
+  t.kind = TEXTURE_CHECKERBOARD;
+  set_field(t.colour0, t.texture0, checkerboard.color0);
+  set_field(t.colour1, t.texture1, checkerboard.color1);
+  return t;
+}
+
+using TextureModel = std::variant<CheckerboardTexture>;
+
+struct SceneTexture {
+  std::string name;  ///< the file's id, or a description of the place, for messages
+  TextureModel model;
+  glm::dmat3 to_uv{1.0};  ///< from texture coordinates of surfaces, homogeneous, to those of the texture
+};
+
+inline TextureNode texture_of(const SceneTexture& texture) {
+  TextureNode t = std::visit([](const auto& model) { return texture_of(model); }, texture.model);
+  const glm::dmat3& m = texture.to_uv;  // column by column
+  t.u_by_u = float(m[0][0]);
+  t.u_by_v = float(m[1][0]);
+  t.u_offset = float(m[2][0]);
+  t.v_by_u = float(m[0][1]);
+  t.v_by_v = float(m[1][1]);
+  t.v_offset = float(m[2][1]);
+  return t;
+}
+
+}  // namespace penumbra
