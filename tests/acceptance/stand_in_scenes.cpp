@@ -67,6 +67,21 @@ StandInScene stand_in_room(const RoomOptions& options) {
   return room;
 }
 
+StandInScene room_with_glass() {
+  StandInScene room = stand_in_room({.mirror = false});
+  const int inward = add_stand_in(room, FAMILY_SPLITTING, 1.0f, 1.5f);
+  const int outward = add_stand_in(room, FAMILY_SPLITTING, 1.0f, 1 / 1.5f);
+  for (const glm::dvec3& center : {glm::dvec3(0.2, 0.7, -0.3), glm::dvec3(1.0, 1.2, 0.9)}) {
+    Shape sphere;
+    sphere.name = "glass";
+    sphere.geometry = Sphere{.center = center, .radius = 0.6};
+    sphere.front_bsdf = inward;
+    sphere.back_bsdf = outward;
+    room.description.shapes.push_back(sphere);
+  }
+  return room;
+}
+
 StandInScene glass_ball(float index) {
   StandInScene ball;
   SceneDescription& scene = ball.description = empty_scene(kWidth, kHeight, 64, 0);

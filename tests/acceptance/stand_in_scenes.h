@@ -29,6 +29,9 @@ struct StandInScene {
 /// wall the same without a closed form. Paths without a depth limit.
 StandInScene stand_in_room(const RoomOptions& options = {});
 
+/// The same room with balls of glass that reflects and refracts, and no mirror.
+StandInScene room_with_glass();
+
 /// A sphere that refracts and loses nothing, in an environment of radiance 1.
 StandInScene glass_ball(float index);
 
