@@ -129,6 +129,11 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, alias_rank)        /* ... of the alias */                                                       \
   F(int, kind)              /* LIGHT_* */
 
+// An image of radiance from all directions, see envmap_light.h.
+#define ENVIRONMENT_MAP_FIELDS(F) \
+  F(int, width)                   \
+  F(int, height)
+
 // The triangles that a light is: one, or a rectangle's two; -1: none.
 #define LIGHT_TRIANGLES_FIELDS(F) \
   F(int, first)                   \
@@ -298,6 +303,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(TextureNode, TEXTURE_FIELDS)                        \
   X(Light, LIGHT_FIELDS)                                \
   X(LightTriangles, LIGHT_TRIANGLES_FIELDS)             \
+  X(EnvironmentMap, ENVIRONMENT_MAP_FIELDS)             \
   X(Polygon, POLYGON_FIELDS)                            \
   X(PolygonCorner, POLYGON_CORNER_FIELDS)               \
   X(BvhNode, BVH_NODE_FIELDS)                           \

@@ -197,7 +197,11 @@ void PluginReader::read(std::string_view name, TexturedColour& colour, const Col
     colour.texture = texture.index.value_or(kNoTexture);
     return;
   }
-  glm::vec3 rgb = colour.value;
+  read(name, colour.value, values);
+}
+
+void PluginReader::read(std::string_view name, glm::vec3& colour, const ColourWithin& values) {
+  glm::vec3 rgb = colour;
   const bool reflects = values.high <= 1.0f;
   read_colour(name, rgb, reflects ? ColourRole::kReflectance : ColourRole::kEmission);
   for (int i = 0; i < 3; ++i)
@@ -205,6 +209,19 @@ void PluginReader::read(std::string_view name, TexturedColour& colour, const Col
       return wrong(name, fmt::format("{} must be a {}, not {}", name, values.values(), rgb[i]));
   colour = rgb;
 }
+
+void PluginReader::read(std::string_view name, glm::dvec3& value, AnyPoint) {
+  value = point(name).value_or(value);
+}
+
+void PluginReader::read(std::string_view name, glm::dmat4& value, AnyTransform) {
+  if (has(name))
+    value = transform(name);
+  else
+    skip_parameter(name);
+}
+
+void PluginReader::read(std::string_view name, std::string& value, FileName) { value = text(name, value); }
 
 void PluginReader::read(std::string_view name, TexturedNumber& number, const NumberWithin& values) {
   if (const TakenTexture texture = take_texture(name); texture.there) {

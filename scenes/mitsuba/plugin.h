@@ -59,6 +59,10 @@ class PluginReader {
   void read(std::string_view name, TexturedNumber& number, const NumberWithin& values);
   void read(std::string_view name, float& number, const NumberWithin& values);
   void read(std::string_view name, bool& value, const TrueOrFalse& values);
+  void read(std::string_view name, glm::vec3& colour, const ColourWithin& values);
+  void read(std::string_view name, glm::dvec3& value, AnyPoint values);
+  void read(std::string_view name, glm::dmat4& value, AnyTransform values);
+  void read(std::string_view name, std::string& value, FileName values);
   template <typename T>
   void read(std::string_view name, T& value, const OneOf<T>& values) {
     if (!has(name)) return skip_parameter(name);

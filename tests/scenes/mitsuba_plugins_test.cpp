@@ -231,7 +231,7 @@ TEST_F(MitsubaPlugins, Lights) {
 
 TEST_F(MitsubaPlugins, LightErrors) {
   EXPECT_THAT(error(scene(in("emitter", "constant") + in("emitter", "constant"))),
-              HasSubstr("a second constant emitter"));
+              HasSubstr("emitter 'constant' is a second sky"));
   EXPECT_THAT(error(scene(in("emitter", "point", "<point name='position' value='1 2 3'/>" + to_world("")))),
               HasSubstr("either position or to_world"));
   EXPECT_THAT(error(scene(in("shape", "cube", in("emitter", "point")))),
