@@ -147,6 +147,12 @@ TEST(Settings, ErrorsOfPolygonLightsSayWhatWouldBeRight) {
   EXPECT_TRUE(check_settings(scene));
   param::direct_sampling(scene.integrator) = DirectSampling::kBsdfOnly;
   EXPECT_THAT(check_settings(scene).error().message, HasSubstr("which direct_sampling = mats forbids"));
+  use(scene.integrator, IntegratorKind::kWhitted);
+  EXPECT_TRUE(check_settings(scene));
+  param::indirect_samples(scene.integrator) = 64;
+  EXPECT_THAT(check_settings(scene).error().message, HasSubstr("branch 64 times at each of 4 surfaces"));
+  param::max_depth(scene.integrator) = 3;
+  EXPECT_TRUE(check_settings(scene));
   use(scene.integrator, IntegratorKind::kAmbientOcclusion);
   EXPECT_TRUE(check_settings(scene));
   param::weighting(scene.integrator) = OcclusionWeighting::kUniform;
