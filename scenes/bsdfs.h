@@ -6,18 +6,24 @@
 //                                 readers, their messages and the reference of all plugins follow from it;
 //   void complete(findings)       if needed: what no single parameter can tell. `given(name)` of the second
 //                                 form, complete(findings, given), tells which were given;
+//   void written_for(version)     if needed: defaults that depend on the file's major version
+//   Model other_side() const      if it transmits: what its back is, or
+//   kSidesAreAlike = true         if that is the same; without either the back is black
 // and beside it material_of(bsdf).
 #pragma once
 
 #include <string>
 #include <variant>
 
+#include "scenes/bsdfs/conductor.h"
+#include "scenes/bsdfs/dielectric.h"
 #include "scenes/bsdfs/diffuse.h"
 #include "scenes/bsdfs/phong.h"
 
 namespace penumbra {
 
-using BsdfModel = std::variant<DiffuseBsdf, PhongBsdf>;
+using BsdfModel = std::variant<DiffuseBsdf, PhongBsdf, ConductorBsdf, RoughConductorBsdf, DielectricBsdf,
+                               ThinDielectricBsdf, RoughDielectricBsdf>;
 
 struct Bsdf {
   std::string name;  ///< the file's id, or a description of the place, for messages

@@ -9,6 +9,8 @@ std::string ColourWithin::values() const {
   return fmt::format("colour in [{}, {}]", low, high);
 }
 
+std::string IndexColour::values() const { return fmt::format("colour in [0, {}]", kMostIndex); }
+
 std::string NumberWithin::values() const {
   if (high == kAnyNumber)
     return end == LowEnd::kOpen ? fmt::format("number above {}", low)

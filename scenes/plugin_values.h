@@ -20,6 +20,14 @@ struct ColourWithin {
   [[nodiscard]] std::string values() const;
 };
 
+/// A colour whose channels are refractive indices, or absorption: of a spectrum, what it looks like under
+/// D65, without a limit.
+struct IndexColour {
+  [[nodiscard]] bool contains(float value) const { return value >= 0.0f && value <= kMostIndex; }
+  [[nodiscard]] std::string values() const;
+  static constexpr float kMostIndex = 1e4f;
+};
+
 /// A number with low < value <= high, or low <= value <= high.
 struct NumberWithin {
   LowEnd end = LowEnd::kClosed;

@@ -138,8 +138,12 @@ double luminance_of_unit_power() {
 }  // namespace
 
 glm::vec3 reflectance_to_rgb(std::span<const SpectrumSample> samples) {
+  return glm::min(index_to_rgb(samples), 1.0f);
+}
+
+glm::vec3 index_to_rgb(std::span<const SpectrumSample> samples) {
   static const glm::dvec3 white = integrate(kFlat, true);
-  return glm::clamp(integrate(samples, true) / white, 0.0, 1.0);
+  return glm::max(integrate(samples, true) / white, 0.0);
 }
 
 glm::vec3 emission_to_rgb(std::span<const SpectrumSample> samples) {

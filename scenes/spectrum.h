@@ -19,6 +19,10 @@ struct SpectrumSample {
 /// Colours outside the gamut are clamped to it.
 glm::vec3 reflectance_to_rgb(std::span<const SpectrumSample> samples);
 
+/// A tabulated number that has no upper limit, a refractive index for example: the same but for the clamp
+/// at 1.
+glm::vec3 index_to_rgb(std::span<const SpectrumSample> samples);
+
 /// A tabulated emission, scaled so that a constant 1 has luminance 1; otherwise the same.
 glm::vec3 emission_to_rgb(std::span<const SpectrumSample> samples);
 

@@ -3,8 +3,13 @@
 // nothing.
 #ifndef PENUMBRA_BSDF_H
 #define PENUMBRA_BSDF_H
+#include "kernels/bsdf/conductor.h"
+#include "kernels/bsdf/dielectric.h"
 #include "kernels/bsdf/diffuse.h"
 #include "kernels/bsdf/phong.h"
+#include "kernels/bsdf/roughconductor.h"
+#include "kernels/bsdf/roughdielectric.h"
+#include "kernels/bsdf/thindielectric.h"
 #ifdef EXTRA_BSDF_FAMILY_LIST
   #include EXTRA_BSDF_FAMILY_FUNCTIONS
 #endif
@@ -95,9 +100,11 @@ FN uint families_among(const PRIVATE Closures* closures) {
 }
 
 /// The frame in which a family with these properties, a constant, sees a surface: its x axis, or 0 for any.
-FN vec3 family_axis(int properties, Surface s) {
+/// That of an isotropic closure does not follow the tangent, so that no image depends on whether it is known.
+FN vec3 family_axis(int properties, Closure c, Surface s) {
   const vec3 none = make_vec3(0.0f, 0.0f, 0.0f);
-  return (properties & ANISOTROPIC) != 0 ? tangent_axis(s.shading, s.tangent) : none;
+  const vec3 tangent = select3(is_anisotropic(c), s.tangent, none);
+  return (properties & ANISOTROPIC) != 0 ? tangent_axis(s.shading, tangent) : none;
 }
 FN vec3 to_family_frame(int properties, vec3 n, vec3 axis, vec3 v) {
   if ((properties & ANISOTROPIC) == 0) return to_frame(n, v);
@@ -118,7 +125,7 @@ FN vec3 from_family_frame(int properties, vec3 n, vec3 axis, vec3 v) {
         const Closure c = load_closure(closures, j);                                                      \
         const Surface s = load_surface(surfaces, j);                                                      \
         const vec3 direction = LOAD_LANE_vec3(wi, j);                                                     \
-        const vec3 axis = family_axis(properties, s);                                                     \
+        const vec3 axis = family_axis(properties, c, s);                                                  \
         const BsdfValue value = name##_eval(scene, c, to_family_frame(properties, s.shading, axis, s.wo), \
                                             to_family_frame(properties, s.shading, axis, direction));     \
         const BsdfValue before = select_bsdf_value(first, no_bsdf_value(), load_bsdf_value(values, j));   \
@@ -134,7 +141,7 @@ FN vec3 from_family_frame(int properties, vec3 n, vec3 axis, vec3 v) {
       for (int j = 0; j < LANES; j++) {                                                                      \
         const Closure c = load_closure(closures, j);                                                         \
         const Surface s = load_surface(surfaces, j);                                                         \
-        const vec3 axis = family_axis(properties, s);                                                        \
+        const vec3 axis = family_axis(properties, c, s);                                                     \
         const vec3 wo = to_family_frame(properties, s.shading, axis, s.wo);                                  \
         BsdfSample next = name##_sample(scene, c, wo, uv[j], uv[LANES + j], choice[j]);                      \
         next.wi = from_family_frame(properties, s.shading, axis, next.wi);                                   \
@@ -160,10 +167,10 @@ STAGE void clear_bsdf_samples(PRIVATE BsdfSamples* RESTRICT samples) {
 FN void eval_bsdfs(const PRIVATE Scene* scene, uint families, const PRIVATE Closures* closures,
                    const PRIVATE Surfaces* surfaces, const PRIVATE float* wi, PRIVATE BsdfValues* values) {
   bool first = true;
-#define EVAL_IF_THERE(name, NAME, number, properties, text)            \
-  if ((families & compiled_families() & (1u << (number))) != 0u) {     \
-    eval_##name##_lanes(scene, closures, surfaces, wi, first, values); \
-    first = false;                                                     \
+#define EVAL_IF_THERE(name, NAME, number, properties, text)                                     \
+  if (((properties)&DELTA) == 0 && (families & compiled_families() & (1u << (number))) != 0u) { \
+    eval_##name##_lanes(scene, closures, surfaces, wi, first, values);                          \
+    first = false;                                                                              \
   }
   BSDF_FAMILIES(EVAL_IF_THERE)
 #undef EVAL_IF_THERE

@@ -21,9 +21,18 @@ PENUMBRA_NAMESPACE_BEGIN
 #else
   #define EXTRA_BSDF_FAMILIES(X)
 #endif
-#define BSDF_FAMILIES(X)                                        \
-  X(diffuse, DIFFUSE, 1, CLOSED_FORM, "diffuse BSDF")           \
-  X(phong, PHONG, 2, CLOSED_FORM | SEVERAL_LOBES, "Phong BSDF") \
+#define BSDF_FAMILIES(X)                                                                            \
+  X(diffuse, DIFFUSE, 1, CLOSED_FORM, "diffuse BSDF")                                               \
+  X(phong, PHONG, 2, CLOSED_FORM | SEVERAL_LOBES, "Phong BSDF")                                     \
+  X(conductor, CONDUCTOR, 3, DELTA, "smooth conductor")                                             \
+  X(roughconductor_ggx, ROUGHCONDUCTOR_GGX, 4, ANISOTROPIC, "rough conductor, GGX")                 \
+  X(roughconductor_beckmann, ROUGHCONDUCTOR_BECKMANN, 5, ANISOTROPIC, "rough conductor, Beckmann")  \
+  X(dielectric, DIELECTRIC, 6, SEVERAL_LOBES | TRANSMITS | DELTA, "smooth dielectric")              \
+  X(thindielectric, THINDIELECTRIC, 7, SEVERAL_LOBES | TRANSMITS | DELTA, "thin dielectric")        \
+  X(roughdielectric_ggx, ROUGHDIELECTRIC_GGX, 8, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,           \
+    "rough dielectric, GGX")                                                                        \
+  X(roughdielectric_beckmann, ROUGHDIELECTRIC_BECKMANN, 9, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, \
+    "rough dielectric, Beckmann")                                                                   \
   EXTRA_BSDF_FAMILIES(X)
 
 // X(name, NAME): the families with two mirror lobes. `name`_lobe_probability(closure, wo) is that of the
@@ -37,6 +46,13 @@ PENUMBRA_NAMESPACE_BEGIN
 #define FAMILY_BLACK 0
 #define FAMILY_DIFFUSE 1
 #define FAMILY_PHONG 2
+#define FAMILY_CONDUCTOR 3
+#define FAMILY_ROUGHCONDUCTOR_GGX 4
+#define FAMILY_ROUGHCONDUCTOR_BECKMANN 5
+#define FAMILY_DIELECTRIC 6
+#define FAMILY_THINDIELECTRIC 7
+#define FAMILY_ROUGHDIELECTRIC_GGX 8
+#define FAMILY_ROUGHDIELECTRIC_BECKMANN 9
 
 // What a material has at a point. The record of a material holds the same; of the TEXTURED_FIELDS also a
 // texture each, or -1. What a family makes of fields whose meaning is not the same for all stands in its
@@ -90,6 +106,10 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define EXTRA_FAMILIES (0u EXTRA_BSDF_FAMILIES(FAMILY_BIT))
 #define USERS(families) ((families) | EXTRA_FAMILIES)
 #define ONLY(NAME) (1u << FAMILY_##NAME)
+#define ROUGH_CONDUCTORS (ONLY(ROUGHCONDUCTOR_GGX) | ONLY(ROUGHCONDUCTOR_BECKMANN))
+#define ROUGH_DIELECTRICS (ONLY(ROUGHDIELECTRIC_GGX) | ONLY(ROUGHDIELECTRIC_BECKMANN))
+#define CONDUCTORS (ONLY(CONDUCTOR) | ROUGH_CONDUCTORS)
+#define DIELECTRICS (ONLY(DIELECTRIC) | ONLY(THINDIELECTRIC) | ROUGH_DIELECTRICS)
 #define USERS_family 0xffffffffu
 #define USERS_distribution USERS(0u)
 #define USERS_variant USERS(0u)
@@ -100,13 +120,13 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define USERS_clearcoat_rate USERS(0u)
 #define USERS_diff_trans_rate USERS(0u)
 #define USERS_diffuse USERS(ONLY(DIFFUSE) | ONLY(PHONG))
-#define USERS_specular USERS(ONLY(PHONG))
-#define USERS_transmitted USERS(0u)
-#define USERS_eta USERS(0u)
-#define USERS_k USERS(0u)
-#define USERS_ior USERS(0u)
-#define USERS_alpha_u USERS(0u)
-#define USERS_alpha_v USERS(0u)
+#define USERS_specular USERS(ONLY(PHONG) | CONDUCTORS | DIELECTRICS)
+#define USERS_transmitted USERS(DIELECTRICS)
+#define USERS_eta USERS(CONDUCTORS)
+#define USERS_k USERS(CONDUCTORS)
+#define USERS_ior USERS(DIELECTRICS)
+#define USERS_alpha_u USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS)
+#define USERS_alpha_v USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS)
 #define USERS_exponent USERS(ONLY(PHONG))
 #define USERS_roughness USERS(0u)
 #define USERS_anisotropic USERS(0u)
@@ -154,6 +174,9 @@ FN uint branching_families(void) { return (0u BRANCHING_FAMILIES(BRANCHING_FAMIL
 FN bool is_among(Closure c, uint families) { return ((families >> c.family) & 1u) != 0u; }
 
 FN bool has_closed_form(Closure c) { return is_among(c, families_with(CLOSED_FORM)); }
+
+/// Whether it matters how its frame lies about the normal.
+FN bool is_anisotropic(Closure c) { return (c.alpha_u != c.alpha_v) | (c.anisotropic != 0.0f); }
 
 /// What it reflects altogether, as far as its colours say.
 FN vec3 closure_albedo(Closure c) { return add(c.diffuse, c.specular); }

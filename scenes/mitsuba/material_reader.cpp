@@ -14,6 +14,28 @@ BsdfModel read_bsdf(PluginReader& plugin) {
   return model;
 }
 
+/// What it is seen from behind, if it can be.
+template <typename Model>
+std::optional<BsdfModel> other_side(const Model& model) {
+  if constexpr (requires { model.other_side(); }) return model.other_side();
+  return std::nullopt;
+}
+template <typename Model>
+constexpr bool sides_are_alike(const Model&) {
+  return requires { Model::kSidesAreAlike; };
+}
+
+/// Of one that stands by itself.
+SurfaceMaterial surface_of(Bsdf bsdf) {
+  SurfaceMaterial result;
+  result.same = std::visit([](const auto& model) { return sides_are_alike(model); }, bsdf.model);
+  const auto back = std::visit([](const auto& model) { return other_side(model); }, bsdf.model);
+  if (back) result.back = Bsdf{bsdf.name, *back};
+  if (result.same) result.back = bsdf;
+  result.front = std::move(bsdf);
+  return result;
+}
+
 struct BsdfPlugin {
   std::string_view type;
   BsdfModel (*read)(PluginReader&);
@@ -46,7 +68,7 @@ SurfaceMaterial MaterialReader::read_new(const Object& bsdf) {
   PluginReader plugin(context_, bsdf);
   SurfaceMaterial result;
   if (const auto* known = find_plugin(kBsdfs, bsdf.type)) {
-    result.front = Bsdf{name_of(bsdf), known->read(plugin)};
+    result = surface_of(Bsdf{name_of(bsdf), known->read(plugin)});
   } else if (bsdf.type == kTwoSided) {
     result = read_two_sided(plugin);
   } else {
@@ -74,6 +96,11 @@ SurfaceMaterial MaterialReader::read_two_sided(PluginReader& plugin) {
       return result;
     }
   }
+  for (const Object* side : nested)
+    if (read(*side).back) {
+      plugin.wrong(fmt::format("a twosided bsdf cannot hold '{}', which lets light through", side->type));
+      return {};
+    }
   result.front = read(*nested[0]).front;
   result.back = nested.size() == 2 ? read(*nested[1]).front : result.front;
   result.same = nested.size() == 1;

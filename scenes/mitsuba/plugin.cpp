@@ -10,6 +10,14 @@
 
 namespace penumbra::mitsuba {
 
+namespace {
+
+ColourRole role_of(const ColourWithin& values) {
+  return values.high <= 1.0f ? ColourRole::kReflectance : ColourRole::kEmission;
+}
+
+}  // namespace
+
 Object* Context::resolve(const Child& child) const {
   if (child.object != nullptr) return child.object;
   const auto found = tree.by_id.find(child.reference);
@@ -132,9 +140,9 @@ std::optional<glm::vec3> PluginReader::colour_of(const Parameter& parameter, Col
     wrong_kind(parameter, "colour, such as <rgb>");
     return std::nullopt;
   }
-  const bool reflects = role == ColourRole::kReflectance;
+  const bool reflects = role == ColourRole::kReflectance, emits = role == ColourRole::kEmission;
   if (spectrum->samples.empty()) {
-    return reflects ? glm::vec3(float(spectrum->constant)) : emission_to_rgb(spectrum->constant);
+    return emits ? emission_to_rgb(spectrum->constant) : glm::vec3(float(spectrum->constant));
   }
   for (const SpectrumSample& sample : spectrum->samples) {
     // Conversion clamps to the gamut, and would hide these.
@@ -144,7 +152,9 @@ std::optional<glm::vec3> PluginReader::colour_of(const Parameter& parameter, Col
       return std::nullopt;
     }
   }
-  return reflects ? reflectance_to_rgb(spectrum->samples) : emission_to_rgb(spectrum->samples);
+  return emits      ? emission_to_rgb(spectrum->samples)
+         : reflects ? reflectance_to_rgb(spectrum->samples)
+                    : index_to_rgb(spectrum->samples);
 }
 
 void PluginReader::read_colour(std::string_view name, glm::vec3& colour, ColourRole role) {
@@ -190,24 +200,28 @@ PluginReader::TakenTexture PluginReader::take_texture(std::string_view name) {
   return {};
 }
 
-void PluginReader::read(std::string_view name, TexturedColour& colour, const ColourWithin& values) {
+void PluginReader::read_textured(std::string_view name, TexturedColour& colour, ColourRole role,
+                                 const auto& values) {
   if (const TakenTexture texture = take_texture(name); texture.there) {
     skip_parameter(name);
     colour = glm::vec3(1.0f);
     colour.texture = texture.index.value_or(kNoTexture);
     return;
   }
-  read(name, colour.value, values);
+  read_plain(name, colour.value, role, values);
 }
 
-void PluginReader::read(std::string_view name, glm::vec3& colour, const ColourWithin& values) {
+void PluginReader::read_plain(std::string_view name, glm::vec3& colour, ColourRole role, const auto& values) {
   glm::vec3 rgb = colour;
-  const bool reflects = values.high <= 1.0f;
-  read_colour(name, rgb, reflects ? ColourRole::kReflectance : ColourRole::kEmission);
+  read_colour(name, rgb, role);
   for (int i = 0; i < 3; ++i)
     if (!values.contains(rgb[i]))
       return wrong(name, fmt::format("{} must be a {}, not {}", name, values.values(), rgb[i]));
   colour = rgb;
+}
+
+void PluginReader::read(std::string_view name, glm::vec3& colour, const ColourWithin& values) {
+  read_plain(name, colour, role_of(values), values);
 }
 
 void PluginReader::read(std::string_view name, glm::dvec3& value, AnyPoint) {
@@ -222,6 +236,28 @@ void PluginReader::read(std::string_view name, glm::dmat4& value, AnyTransform) 
 }
 
 void PluginReader::read(std::string_view name, std::string& value, FileName) { value = text(name, value); }
+void PluginReader::read(std::string_view name, TexturedColour& colour, const ColourWithin& values) {
+  read_textured(name, colour, role_of(values), values);
+}
+
+void PluginReader::read(std::string_view name, TexturedColour& colour, const IndexColour& values) {
+  read_textured(name, colour, ColourRole::kIndex, values);
+}
+
+void PluginReader::read(std::string_view name, float& index, const RefractiveIndex& values) {
+  const Parameter* parameter = take(name);
+  if (parameter == nullptr) return;
+  if (std::holds_alternative<std::string>(parameter->value)) {
+    const Expected<float> known = values.parse(std::get<std::string>(parameter->value));
+    if (known) index = *known;
+    if (!known) wrong(name, fmt::format("{}: {}", name, known.error().message));
+    return;
+  }
+  const auto value = float(number(name, double(index)));
+  if (!values.contains(value))
+    return wrong(name, fmt::format("{} must be a {}, not {}", name, values.values(), value));
+  index = value;
+}
 
 void PluginReader::read(std::string_view name, TexturedNumber& number, const NumberWithin& values) {
   if (const TakenTexture texture = take_texture(name); texture.there) {

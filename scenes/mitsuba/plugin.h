@@ -13,6 +13,7 @@
 #include "scenes/diagnostic.h"
 #include "scenes/mitsuba/object_tree.h"
 #include "scenes/plugin_values.h"
+#include "scenes/refractive_indices.h"
 #include "scenes/scene_description.h"
 
 namespace penumbra::mitsuba {
@@ -39,6 +40,7 @@ struct Context {
 enum class ColourRole {
   kReflectance,  ///< in [0, 1]
   kEmission,     ///< at least 0
+  kIndex,        ///< likewise, without a colour of its own
 };
 
 class PluginReader {
@@ -56,6 +58,8 @@ class PluginReader {
 
   // Rows of parameters (bsdfs.h): sets what is given, if it is one of the values.
   void read(std::string_view name, TexturedColour& colour, const ColourWithin& values);
+  void read(std::string_view name, TexturedColour& colour, const IndexColour& values);
+  void read(std::string_view name, float& index, const RefractiveIndex& values);
   void read(std::string_view name, TexturedNumber& number, const NumberWithin& values);
   void read(std::string_view name, float& number, const NumberWithin& values);
   void read(std::string_view name, bool& value, const TrueOrFalse& values);
@@ -74,6 +78,8 @@ class PluginReader {
   /// All the parameters of a struct of rows.
   template <typename Model>
   void read_parameters(Model& model) {
+    if constexpr (requires { model.written_for(context_.tree.major_version); })
+      model.written_for(context_.tree.major_version);
     Model::parameters([&](const char* name, auto member, const auto& values, const char*) {
       read(name, model.*member, values);
     });
@@ -129,6 +135,8 @@ class PluginReader {
     std::optional<int> index;
   };
   TakenTexture take_texture(std::string_view name);
+  void read_textured(std::string_view name, TexturedColour& colour, ColourRole role, const auto& values);
+  void read_plain(std::string_view name, glm::vec3& colour, ColourRole role, const auto& values);
   template <typename T>
   const T* take_as(std::string_view name, std::string_view wanted);
   void wrong_kind(const Parameter& parameter, std::string_view wanted) const;

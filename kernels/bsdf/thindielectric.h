@@ -1,0 +1,33 @@
+// A pane between two smooth boundaries, so thin that it moves no ray: what is reflected within it any number
+// of times comes out as well.
+#ifndef PENUMBRA_THINDIELECTRIC_H
+#define PENUMBRA_THINDIELECTRIC_H
+#include "kernels/bsdf/families.h"
+#include "kernels/bsdf/fresnel.h"
+#include "kernels/scene.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// Probability of the reflection, which is sampled for a choice below it: with Fresnel's r and t = 1 - r,
+/// r + t^2 r + t^2 r^3 + ... = 2 r / (1 + r).
+FN float thindielectric_lobe_probability(Closure c, vec3 wo) {
+  const float r = dielectric_fresnel(wo.z, c.ior).reflectance;
+  return 2.0f * r / (1.0f + r);
+}
+
+FN BsdfValue thindielectric_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
+  return no_bsdf_value();
+}
+
+FN BsdfSample thindielectric_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v,
+                                    float choice) {
+  const bool reflects = choice < thindielectric_lobe_probability(c, wo);
+  BsdfSample s = no_bsdf_sample();
+  s.wi = select3(reflects, make_vec3(-wo.x, -wo.y, wo.z), negate(wo));
+  s.weight = select3(reflects, c.specular, c.transmitted);
+  s.pdf = wo.z > 0.0f ? DELTA_PDF : 0.0f;
+  return s;
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,100 @@
+// Boundaries between dielectrics, smooth, rough, and of thin panes: they have two sides, which see each
+// other.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "scenes/bsdfs/material.h"
+#include "scenes/bsdfs/microfacet.h"
+#include "scenes/plugin_values.h"
+#include "scenes/refractive_indices.h"
+
+namespace penumbra {
+
+/// What dielectrics are made of.
+struct DielectricSurface {
+  float int_ior = 1.5046f;    ///< refractive index on the back, BK7
+  float ext_ior = 1.000277f;  ///< on the front, air
+  TexturedColour specular_reflectance{glm::vec3(1.0f)};
+  TexturedColour specular_transmittance{glm::vec3(1.0f)};
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("int_ior", &DielectricSurface::int_ior, RefractiveIndex{}, "refractive index inside");
+    row("ext_ior", &DielectricSurface::ext_ior, RefractiveIndex{}, "refractive index outside");
+    row("specular_reflectance", &DielectricSurface::specular_reflectance, ColourWithin{},
+        "factor of the reflection");
+    row("specular_transmittance", &DielectricSurface::specular_transmittance, ColourWithin{},
+        "factor of what passes");
+  }
+
+  [[nodiscard]] float ior() const { return int_ior / ext_ior; }
+  [[nodiscard]] Material material_with(int family) const {
+    Material m = material_of_family(family);
+    PENUMBRA_SET_FIELD(m, specular, specular_reflectance);
+    PENUMBRA_SET_FIELD(m, transmitted, specular_transmittance);
+    m.ior = ior();
+    return m;
+  }
+};
+
+/// As its other side sees it.
+template <typename Model>
+Model turned_dielectric(Model model) {
+  std::swap(model.int_ior, model.ext_ior);
+  return model;
+}
+
+struct DielectricBsdf : DielectricSurface {
+  static constexpr const char* kPlugin = "dielectric";
+
+  [[nodiscard]] DielectricBsdf other_side() const { return turned_dielectric(*this); }
+};
+
+struct ThinDielectricBsdf : DielectricSurface {
+  static constexpr const char* kPlugin = "thindielectric";
+  static constexpr bool kSidesAreAlike = true;
+};
+
+struct RoughDielectricBsdf : DielectricSurface, RoughSurface {
+  static constexpr const char* kPlugin = "roughdielectric";
+  /// Indices that differ by less pass everything, as if they were the same: which normal refracts light where
+  /// it goes is not known in single precision then.
+  static constexpr float kLeastStep = 1e-3f;
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    DielectricSurface::parameters(row);
+    RoughSurface::parameters(row);
+  }
+  template <typename Given>
+  void complete(Findings& findings, const Given& given) {
+    RoughSurface::complete(findings, given);
+    if (passes())
+      findings.push_back({"", "int_ior and ext_ior are the same, or nearly: everything passes", true});
+  }
+  [[nodiscard]] RoughDielectricBsdf other_side() const { return turned_dielectric(*this); }
+  [[nodiscard]] bool passes() const {
+    return std::abs(int_ior - ext_ior) < kLeastStep * std::min(int_ior, ext_ior);
+  }
+};
+
+inline Material material_of(const DielectricBsdf& dielectric) {
+  return dielectric.material_with(FAMILY_DIELECTRIC);
+}
+inline Material material_of(const ThinDielectricBsdf& dielectric) {
+  return dielectric.material_with(FAMILY_THINDIELECTRIC);
+}
+inline Material material_of(const RoughDielectricBsdf& dielectric) {
+  const bool passes = dielectric.passes();
+  Material m = dielectric.material_with(
+      passes ? FAMILY_DIELECTRIC
+             : dielectric.family(FAMILY_ROUGHDIELECTRIC_GGX, FAMILY_ROUGHDIELECTRIC_BECKMANN));
+  if (passes) m.ior = 1.0f;
+  if (!passes) dielectric.set_roughness(m);
+  return m;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,32 @@
+// Refractive indices of known materials, by the names that Mitsuba has for them.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <string>
+#include <string_view>
+
+#include "scenes/plugin_values.h"
+
+namespace penumbra {
+
+/// Of a conductor: eta - i k, each as linear Rec. 709. As it stands, a perfect mirror.
+struct ComplexIndex {
+  glm::vec3 eta{0.0f}, k{1.0f};
+};
+
+constexpr int kMirror = -1;  ///< the conductor "none"
+
+/// "none" and the conductors, and their numbers.
+OneOf<int> conductor_names();
+ComplexIndex conductor_index(int conductor);
+
+/// The index of a dielectric: a number, or the name of a material.
+struct RefractiveIndex {
+  static constexpr float kLeast = 1e-3f, kMost = 1e3f;
+  [[nodiscard]] bool contains(float value) const { return value >= kLeast && value <= kMost; }
+  [[nodiscard]] std::string values() const;
+  /// Of a name; letters may be of either case.
+  [[nodiscard]] Expected<float> parse(std::string_view name) const;
+};
+
+}  // namespace penumbra
