@@ -40,7 +40,10 @@ PENUMBRA_NAMESPACE_BEGIN
 #ifndef EXTRA_BRANCHING_FAMILIES
   #define EXTRA_BRANCHING_FAMILIES(X)
 #endif
-#define BRANCHING_FAMILIES(X) EXTRA_BRANCHING_FAMILIES(X)
+#define BRANCHING_FAMILIES(X)       \
+  X(dielectric, DIELECTRIC)         \
+  X(thindielectric, THINDIELECTRIC) \
+  EXTRA_BRANCHING_FAMILIES(X)
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FAMILY_BLACK 0

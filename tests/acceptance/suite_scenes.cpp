@@ -63,6 +63,35 @@ void whitted_with_control_variate(SceneDescription& scene) {
   param::indirect_sampling(scene.integrator) = IndirectSampling::kUniform;
 }
 
+/// Returns the index.
+int add_bsdf(SceneDescription& scene, const BsdfModel& model) {
+  scene.bsdfs.push_back({"added", model});
+  return int(scene.bsdfs.size()) - 1;
+}
+
+void add_sphere(SceneDescription& scene, glm::dvec3 center, double radius, int front, int back) {
+  Shape sphere;
+  sphere.name = "added";
+  sphere.geometry = Sphere{.center = center, .radius = radius};
+  sphere.front_bsdf = front;
+  sphere.back_bsdf = back;
+  scene.shapes.push_back(sphere);
+}
+
+/// For the Cornell box of 556 units.
+void whitted_through_glass(SceneDescription& scene) {
+  const DielectricBsdf glass;
+  const int mirror = add_bsdf(scene, ConductorBsdf{}), pane = add_bsdf(scene, ThinDielectricBsdf{});
+  const int outside = add_bsdf(scene, glass), inside = add_bsdf(scene, glass.other_side());
+  add_sphere(scene, {200, 120, 150}, 90, outside, inside);
+  add_sphere(scene, {400, 350, 200}, 80, pane, pane);
+  add_sphere(scene, {150, 400, 250}, 70, mirror, mirror);
+  whitted(scene);
+  param::max_depth(scene.integrator) = 9;
+  param::branch_depth(scene.integrator) = 6;
+  param::indirect_samples(scene.integrator) = 1;
+}
+
 void ambient_occlusion(SceneDescription& scene) {
   use(scene.integrator, IntegratorKind::kAmbientOcclusion);
   param::vis_samples(scene.integrator) = 3;
@@ -177,6 +206,7 @@ const std::vector<SuiteScene>& suite_scenes() {
       {"VeachMisLookedThrough", "veach-mis/veach-mis.xml", false, look_through},
       {"CornellLookedThrough", "cornell/cornell.xml", false, look_through_directly},
       {"CornellWhitted", "cornell/cornell.xml", false, whitted},
+      {"CornellWhittedGlass", "cornell/cornell.xml", false, whitted_through_glass},
       {"VeachMisWhitted", "veach-mis/veach-mis.xml", false, whitted_with_control_variate},
       {"CornellAmbientOcclusion", "cornell/cornell.xml", false, ambient_occlusion},
       {"VeachMisReflectionOcclusion", "veach-mis/veach-mis.xml", false, reflection_occlusion},

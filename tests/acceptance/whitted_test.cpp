@@ -8,6 +8,7 @@
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/acceptance/stand_in_scenes.h"
 #include "tests/support/integrator_parameters.h"
+#include "tests/support/render_scene.h"
 
 namespace penumbra {
 namespace {
@@ -117,6 +118,49 @@ TEST(Whitted, ChoosesBeyondItsBranches) {
           << branches << " " << rr_depth;
       EXPECT_GT(sample.variance(), 1e-6);
     }
+  }
+}
+
+/// A closed room with a ball of glass, a bubble, a mirror and a lamp.
+SceneDescription room_of_the_renderers_own() {
+  SceneDescription scene = empty_scene(24, 16, 128, 0);
+  scene.sampler.kind = SamplerKind::kSobol;
+  scene.camera = look_at({0, 1, -3.5}, {0, 1, 2}, {0, 1, 0}, 60);
+  const auto add = [&](const BsdfModel& model) {
+    scene.bsdfs.push_back({"", model});
+    return int(scene.bsdfs.size()) - 1;
+  };
+  const auto add_ball = [&](glm::dvec3 center, double radius, int front, int back) {
+    Shape ball;
+    ball.name = "ball";
+    ball.geometry = Sphere{.center = center, .radius = radius};
+    ball.front_bsdf = front;
+    ball.back_bsdf = back;
+    scene.shapes.push_back(ball);
+  };
+  const int white = add_diffuse(scene, 0.7f);
+  const DielectricBsdf glass;
+  const int outside = add(glass), inside = add(glass.other_side()), pane = add(ThinDielectricBsdf{});
+  add_ball({0, 0, 0}, 5, kBlackBsdf, white);
+  add_ball({-0.7, 0.8, 0.5}, 0.8, outside, inside);
+  add_ball({0.9, 1.6, 0.2}, 0.6, pane, pane);
+  add_ball({0.8, 0.3, 0.8}, 0.5, add(ConductorBsdf{}), kBlackBsdf);
+  scene.shapes.push_back(parallelogram({-3, -0.5, -3}, {0, 0, 6}, {6, 0, 0}, white));
+  scene.shapes.push_back(parallelogram({-1, 3, -1}, {2, 0, 0}, {0, 0, 2}, kBlackBsdf, 4.0f));
+  return scene;
+}
+
+TEST(Whitted, IsPathInARoomOfTheRenderersOwnMirrorsAndGlass) {
+  SceneDescription room = room_of_the_renderers_own();
+  room.integrator = path_integrator(DirectSampling::kMis);
+  param::max_depth(room.integrator) = 7;
+  const statistics::Estimate by_path = block_estimate(room, 8, 100, 4);
+  use(room.integrator, IntegratorKind::kWhitted);
+  param::branch_depth(room.integrator) = 5;
+  for (const TestDevice& device : {native_device(), opencl_device()}) {
+    const auto result = statistics::z_test(by_path, block_estimate(room, 8, 200, 4, device),
+                                           {.accepted_fraction = 1, .mean_square = 2.2});
+    EXPECT_TRUE(result.passed) << result.summary();
   }
 }
 
