@@ -46,12 +46,8 @@ FN vec3 sample_cosine_power(vec3 axis, float exponent, float u, float v) {
 
 FN BsdfSample phong_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v, float choice) {
   const vec3 around = sample_cosine_power(make_vec3(-wo.x, -wo.y, wo.z), c.exponent, u, v);
-  BsdfSample s = no_bsdf_sample();
-  s.wi = select3(choice < phong_lobe_share(c), around, cosine_hemisphere(u, v));
-  const BsdfValue value = phong_eval(scene, c, wo, s.wi);
-  s.pdf = value.pdf;
-  s.weight = scale(value.f_cos, 1.0f / (s.pdf > 0.0f ? s.pdf : 1.0f));
-  return s;
+  const vec3 wi = select3(choice < phong_lobe_share(c), around, cosine_hemisphere(u, v));
+  return sample_of_value(wi, phong_eval(scene, c, wo, wi));
 }
 
 PENUMBRA_NAMESPACE_END

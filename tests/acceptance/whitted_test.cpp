@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "tests/acceptance/scene_pieces.h"
@@ -78,7 +79,9 @@ TEST_P(Whitted, IsPathInARoomWithAGlassBall) { expect_light_of_path(room_with_gl
 /// A ball of glass of index 4, seen along its axis, in an environment of radiance 1.
 StandInScene ball_of_glass() {
   StandInScene ball = glass_ball(4);
-  for (StandIn& each : ball.stand_ins) each.family = FAMILY_SPLITTING;
+  ball.stand_ins.clear();
+  Shape& sphere = ball.description.shapes.at(0);
+  std::tie(sphere.front_bsdf, sphere.back_bsdf) = add_glass(ball.description, 4);
   SceneDescription& scene = ball.description;
   scene.camera = look_at({0, 0, -4}, {0, 0, 0}, {0, 1, 0}, 0.01);
   scene.sampler.spp = 64;
@@ -145,7 +148,7 @@ SceneDescription room_of_the_renderers_own() {
   add_ball({-0.7, 0.8, 0.5}, 0.8, outside, inside);
   add_ball({0.9, 1.6, 0.2}, 0.6, pane, pane);
   add_ball({0.8, 0.3, 0.8}, 0.5, add(ConductorBsdf{}), kBlackBsdf);
-  scene.shapes.push_back(parallelogram({-3, -0.5, -3}, {0, 0, 6}, {6, 0, 0}, white));
+  scene.shapes.push_back(parallelogram({-3, -0.5, -3}, {0, 0, 6}, {6, 0, 0}, add(PlasticBsdf{})));
   scene.shapes.push_back(parallelogram({-1, 3, -1}, {2, 0, 0}, {0, 0, 2}, kBlackBsdf, 4.0f));
   return scene;
 }

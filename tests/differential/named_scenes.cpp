@@ -1,6 +1,9 @@
 #include "tests/differential/named_scenes.h"
 
 #include <cmath>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "scenes/spectrum.h"
 
@@ -298,6 +301,29 @@ SceneText phong_sides() {
   return scene;
 }
 
+/// Plastics, smooth and rough, one- and two-sided.
+SceneText plastics(bool nonlinear) {
+  SceneText scene = begin(nonlinear ? "plastics-nonlinear" : "plastics", path(4), {0, 1, 5}, 40);
+  const auto plastic = [&](std::string_view type, const glm::dvec3& colour, const std::string& more) {
+    return plugin("bsdf", type, rgb("diffuse_reflectance", colour) + boolean("nonlinear", nonlinear) + more);
+  };
+  const std::string smooth = plastic("plastic", {0.8, 0.3, 0.1}, real("int_ior", 1.9));
+  const std::string ggx = plastic("roughplastic", {0.1, 0.5, 0.9},
+                                  text("distribution", "ggx") + real("alpha", 0.3) + text("int_ior", "bk7"));
+  const std::string beckmann = plastic("roughplastic", {0.7, 0.7, 0.2},
+                                       real("alpha", 0.15) + rgb("specular_reflectance", {0.9, 0.6, 0.3}));
+  double x = -1.2;
+  for (const std::string& bsdf : {smooth, ggx, beckmann}) {
+    scene.both(placed("sphere", "<scale value=\"0.5\"/>" + translate({x, -0.3, 0}), bsdf));
+    x += 1.2;
+  }
+  scene.both(placed("rectangle",
+                    "<scale value=\"2\"/><rotate x=\"1\" angle=\"-90\"/><translate y=\"-0.8\"/>\n",
+                    plugin("bsdf", "twosided", plastic("roughplastic", {0.4, 0.4, 0.4}, ""))));
+  scene.both(ceiling_lamp() + kSky);
+  return scene;
+}
+
 /// The inside of a box light with light that goes to and fro.
 SceneText box_light() {
   SceneText scene = begin("box-light", path(5), {0, 0, 0.8}, 60);
@@ -332,6 +358,17 @@ SceneText long_axis() {
   return scene;
 }
 
+/// A ball of a principled BSDF of these numbers.
+SceneText principled(std::string_view name, std::string_view type,
+                     const std::vector<std::pair<std::string_view, double>>& numbers) {
+  SceneText scene = begin(name, path(6));
+  std::string bsdf = rgb("base_color", {0.8, 0.35, 0.1});
+  for (const auto& [parameter, value] : numbers) bsdf += real(parameter, value);
+  scene.both(placed("sphere", "<scale value=\"0.8\"/>", plugin("bsdf", type, bsdf)) + floor_at(-1) + kSky +
+             ceiling_lamp());
+  return scene;
+}
+
 }  // namespace
 
 std::vector<SceneText> named_scenes() {
@@ -351,11 +388,23 @@ std::vector<SceneText> named_scenes() {
                                    old_spelling(),
                                    colours(),
                                    phong_sides(),
+                                   plastics(false),
+                                   plastics(true),
                                    box_light(),
                                    long_axis(),
                                    references()};
   for (const char* shape : {"rectangle", "cube", "sphere", "disk", "obj", "ply", "smooth"})
     for (const bool flipped : {false, true}) scenes.push_back(mirrored(shape, flipped));
+  scenes.push_back(principled("principled-metal", "principled",
+                              {{"metallic", 1}, {"roughness", 0.5}, {"anisotropic", 0.9}, {"clearcoat", 1}}));
+  scenes.push_back(principled("principled-cloth", "principled",
+                              {{"sheen", 1}, {"sheen_tint", 0.5}, {"flatness", 0.7}, {"spec_tint", 1}}));
+  scenes.push_back(principled(
+      "principled-glass", "principled",
+      {{"spec_trans", 0.8}, {"metallic", 0.1}, {"roughness", 0.6}, {"eta", 1.4}, {"anisotropic", 0.5}}));
+  scenes.push_back(principled(
+      "principledthin", "principledthin",
+      {{"spec_trans", 0.5}, {"diff_trans", 0.8}, {"roughness", 0.6}, {"sheen", 0.5}, {"spec_tint", 0.5}}));
   for (const char* axis : {"x", "y", "diagonal", "smaller", "larger"})
     for (const bool wide : {false, true}) scenes.push_back(view_angle(axis, wide));
   return scenes;

@@ -37,32 +37,6 @@ FN BsdfSample refracting_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, 
   return only_direction(c, select3(gets_through, through, reflected), gets_through ? c.exponent : 1.0f);
 }
 
-/// Of a dielectric of relative index `exponent`, unpolarised (Fresnel's equations); 1 where it is total.
-FN float splitting_reflectance(Closure c, vec3 wo) {
-  const float inside2 = 1.0f - (1.0f - wo.z * wo.z) / (c.exponent * c.exponent);
-  const float a = wo.z, b = safe_sqrt(inside2), n = c.exponent;
-  const float parallel = (n * a - b) / (n * a + b), perpendicular = (a - n * b) / (a + n * b);
-  return inside2 > 0.0f ? 0.5f * (parallel * parallel + perpendicular * perpendicular) : 1.0f;
-}
-/// Some way from the reflectance, so that the lobes' weights differ from 1.
-FN float splitting_lobe_probability(Closure c, vec3 wo) {
-  return 0.25f + 0.5f * splitting_reflectance(c, wo);
-}
-
-FN BsdfValue splitting_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
-  return no_bsdf_value();
-}
-FN BsdfSample splitting_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v,
-                               float choice) {
-  const float reflectance = splitting_reflectance(c, wo), p = splitting_lobe_probability(c, wo);
-  const BsdfSample through = refracting_sample(scene, c, wo, u, v, choice);
-  const BsdfSample reflected = only_direction(c, make_vec3(-wo.x, -wo.y, wo.z), 1.0f);
-  const bool reflects = choice < p;
-  BsdfSample s = select_bsdf_sample(reflects, reflected, through);
-  s.weight = scale(s.weight, reflects ? reflectance / p : (1.0f - reflectance) / (1.0f - p));
-  return s;
-}
-
 #define PHONG_AGAIN(name, NAME, number, properties, text)                                       \
   FN BsdfValue name##_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {           \
     return phong_eval(scene, c, wo, wi);                                                        \

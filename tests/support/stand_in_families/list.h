@@ -18,10 +18,7 @@
   X(mirror, MIRROR, FAMILY_MIRROR, DELTA, "mirror")                                        \
   X(window, WINDOW, FAMILY_WINDOW, TRANSMITS | DELTA, "pane that bends nothing")           \
   X(refracting, REFRACTING, FAMILY_REFRACTING, TRANSMITS | DELTA, "glass without Fresnel") \
-  X(splitting, SPLITTING, FAMILY_SPLITTING, TRANSMITS | DELTA | SEVERAL_LOBES, "glass")    \
   X(glossy, GLOSSY, FAMILY_GLOSSY, SEVERAL_LOBES, "Phong BSDF without closed form")        \
   EIGHT_PHONGS(X)
-
-#define EXTRA_BRANCHING_FAMILIES(X) X(splitting, SPLITTING)
 
 #endif
