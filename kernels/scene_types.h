@@ -78,6 +78,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define MAX_DIRECT_SAMPLES 65536  // emitter or BSDF samples of one camera ray
 #define MAX_BRANCH_DEPTH 8        // surfaces at which a path may branch, one after the other
 #define FILTER_CELLS 256
+#define LTC_SIZE 32  // rows and columns of a table of linearly transformed cosines
 #define FILTER_TABLE_SIZE (2 * FILTER_CELLS + 1)  // knots and weights, see filter.h
 
 // The scene's centre is the origin: the builder subtracts it in double before anything becomes float.
@@ -195,6 +196,18 @@ PENUMBRA_NAMESPACE_BEGIN
 
 #define QUADRIC_LEAF_FIELDS(F) F(int, primitive[BVH_WIDTH])
 
+// A linearly transformed cosine (Heitz et al. 2016) for a microfacet reflection of roughness alpha under
+// cosine c and sine s of the viewer. It leans from the mirror direction to the normal by an angle of sine
+// s * lean; with q the tangent of what is left of the viewer's angle its half-widths in the plane z = 1,
+// where it is centred at (q, 0), are 2 alpha (1 + q^2) width_x and 2 alpha width_y. Row i is that of
+// roughness (i / (LTC_SIZE - 1))^2, column j that of c = (j / (LTC_SIZE - 1))^2.
+#define LTC_CELL_FIELDS(F)                                                       \
+  F(float, lean)                                                                 \
+  F(float, width_x)                                                              \
+  F(float, width_y)                                                              \
+  F(float, albedo)  /* what the reflection gives off without its Fresnel term */ \
+  F(float, schlick) /* mean of (1 - cos)^5 over it, of the angle at the microfacets */
+
 #define CORNER_FIELDS(F) \
   F(int, v0)             \
   F(int, v1)             \
@@ -259,6 +272,8 @@ PENUMBRA_NAMESPACE_BEGIN
   /* FEATURE_UV: one for each triangle, one for each light. */                \
   T(A, vertex_uvs, VertexUvs, 1, "texture coordinates of triangles")          \
   T(A, light_triangles, LightTriangles, 1, "triangles of lights")             \
+  /* FEATURE_LTC: that of GGX, then that of Beckmann's distribution. */       \
+  T(A, ltc_cells, LtcCell, 0, "linearly transformed cosines")                 \
   /* Small scenes: distinct vertices, and three of them for each triangle. */ \
   T(A, vertices, vec3, 0, "vertices, to test every primitive")                \
   T(A, corners, Corner, 0, "corners, to test every primitive")                \
@@ -340,6 +355,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(TriangleLeaf, TRIANGLE_LEAF_FIELDS)                 \
   X(QuadricLeaf, QUADRIC_LEAF_FIELDS)                   \
   X(Corner, CORNER_FIELDS)                              \
+  X(LtcCell, LTC_CELL_FIELDS)                           \
   X(Camera, CAMERA_FIELDS)                              \
   X(FilmParameters, FILM_PARAMETERS_FIELDS)             \
   X(SamplerParameters, SAMPLER_PARAMETERS_FIELDS)       \

@@ -159,7 +159,10 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
       if (NEEDS(scene, NESTED)) see_lights_through(scene, paths, count, step);
 #endif
 #if HAS(POLYGONS)
-      if (control) add_controlled_light(paths, count);
+  #if HAS(LTC)
+      if (has_other_control(scene)) add_controlled_light_by_form(paths, count);
+  #endif
+      if (control && !has_other_control(scene)) add_controlled_light(paths, count);
 #endif
       if (!control) add_light(paths, count);
       if (block->probe != 0) probe_light(block, step);

@@ -195,25 +195,42 @@ STAGE void add_light(const PRIVATE PathState* paths, int count) {
 }
 
 #if HAS(POLYGONS)
-/// The same where polygon lights have control variates: their light goes, with and without shadows, into sums
-/// of its own.
+/// The same of a path where polygon lights have control variates: their light goes, with and without shadows,
+/// into sums of its own. `other_form`: what the variate gets is not what the path does.
+FN void add_controlled(const PRIVATE PathState* paths, int i, bool other_form) {
+  const int kind = get_shadow_controlled(paths, i);
+  const bool controlled = kind != CONTROLLED_NOT;
+  const float transmittance = get_shadow_transmittance(paths, i);
+  const float seen = kind == CONTROLLED_BENEATH ? 0.0f : transmittance;
+  const vec3 other = shadow_ray_light(paths, i, !controlled, transmittance);
+  vec3 unshadowed = shadow_ray_light(paths, i, controlled, 1.0f);
+  #if HAS(LTC)
+  if (other_form) {
+    const bool lit = controlled & (get_shadow_tmax(paths, i) > 0.0f);
+    unshadowed = select3(lit, get_shadow_control(paths, i), make_vec3(0.0f, 0.0f, 0.0f));
+  }
+  #endif
+  const vec3 shadowed = shadow_ray_light(paths, i, controlled, seen);
+  set_radiance(paths, i, add(get_radiance(paths, i), other));
+  set_unshadowed(paths, i, add(get_unshadowed(paths, i), unshadowed));
+  set_shadowed(paths, i, add(get_shadowed(paths, i), shadowed));
+}
+
 STAGE void add_controlled_light(const PRIVATE PathState* paths, int count) {
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP
-      for (int j = i; j < i + LANES; j++) {
-        const int kind = get_shadow_controlled(paths, j);
-        const bool controlled = kind != CONTROLLED_NOT;
-        const float transmittance = get_shadow_transmittance(paths, j);
-        const float seen = kind == CONTROLLED_BENEATH ? 0.0f : transmittance;
-        const vec3 other = shadow_ray_light(paths, j, !controlled, transmittance);
-        const vec3 unshadowed = shadow_ray_light(paths, j, controlled, 1.0f);
-        const vec3 shadowed = shadow_ray_light(paths, j, controlled, seen);
-        set_radiance(paths, j, add(get_radiance(paths, j), other));
-        set_unshadowed(paths, j, add(get_unshadowed(paths, j), unshadowed));
-        set_shadowed(paths, j, add(get_shadowed(paths, j), shadowed));
-      }
+      for (int j = i; j < i + LANES; j++) add_controlled(paths, j, false);
   }
 }
+
+  #if HAS(LTC)
+STAGE void add_controlled_light_by_form(const PRIVATE PathState* paths, int count) {
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++) add_controlled(paths, j, true);
+  }
+}
+  #endif
 #endif
 
 PENUMBRA_NAMESPACE_END

@@ -16,6 +16,8 @@ PENUMBRA_NAMESPACE_BEGIN
 // Instead of any of several features: all of them.
 #define ALL_OF(features) (0x80000000u | (features))
 
+#define LTC_PROJECTED ALL_OF(FEATURE_LTC | FEATURE_PROJECTED)
+#define LTC_CONTROLLED ALL_OF(FEATURE_LTC | FEATURE_POLYGONS)
 #define KEEPS_SURFACE (FEATURE_DIRECT | FEATURE_OCCLUSION)
 #define KEPT_SURFACE_FIELD(X, type, name) X(type, surface_##name, KEEPS_SURFACE, KEEPS_SURFACE)
 #define KEPT_UV_FIELD(X, type, name) X(type, surface_##name, ALL_OF(FEATURE_DIRECT | FEATURE_UV), FEATURE_DIRECT)
@@ -41,6 +43,9 @@ PENUMBRA_NAMESPACE_BEGIN
   X(bool, alive, EVERY_SCENE, NEVER)                    /* goes on after the step */                           \
   /* the surface that the ray left */                                                                          \
   X(vec3, left_normal, FEATURE_PROJECTED, FEATURE_PROJECTED)    /* its shading normal */                       \
+  X(vec3, left_wo, LTC_PROJECTED, LTC_PROJECTED)                /* and control lobes: see ReceiverLobes */     \
+  X(vec3, left_matrix, LTC_PROJECTED, LTC_PROJECTED)                                                           \
+  X(float, left_specular, LTC_PROJECTED, LTC_PROJECTED)                                                        \
   X(bool, left_controlled, FEATURE_POLYGONS, FEATURE_POLYGONS)  /* its light of polygons has closed forms */   \
   /* what rays pass through: see block_see_through.h */                                                        \
   X(int, material, FEATURE_NESTED, FEATURE_NESTED)      /* chosen where the ray ends, or -1: its side's */      \
@@ -64,6 +69,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(vec3, shadow_radiance, EVERY_SCENE, NEVER)          /* arrives if nothing is in the way */                 \
   X(float, shadow_transmittance, EVERY_SCENE, NEVER)    /* what is in the way lets through: 0 to 1 */          \
   X(int, shadow_controlled, FEATURE_POLYGONS, NEVER)    /* CONTROLLED_* */                                     \
+  X(vec3, shadow_control, LTC_CONTROLLED, NEVER)           /* of the control variate, if nothing is in the way */ \
   /* polygon lights with control variates: sums over shadow rays with and without shadows, and closed forms */ \
   X(vec3, shadowed, FEATURE_POLYGONS, FEATURE_POLYGONS)                                                        \
   X(vec3, unshadowed, FEATURE_POLYGONS, FEATURE_POLYGONS)                                                      \

@@ -209,6 +209,24 @@ FN bool has_closed_form(Closure c) { return is_among(c, families_with(CLOSED_FOR
 /// Whether it matters how its frame lies about the normal.
 FN bool is_anisotropic(Closure c) { return (c.alpha_u != c.alpha_v) | (c.anisotropic != 0.0f); }
 
+// The families whose light by polygon lights is nearly known in closed form: X(name, NAME), `name`_control in
+// their files, see control_lobes.h.
+#ifndef EXTRA_LTC_FAMILIES
+  #define EXTRA_LTC_FAMILIES(X)
+#endif
+#define LTC_FAMILIES(X)                               \
+  X(roughconductor_ggx, ROUGHCONDUCTOR_GGX)           \
+  X(roughconductor_beckmann, ROUGHCONDUCTOR_BECKMANN) \
+  X(plastic, PLASTIC)                                 \
+  X(roughplastic_ggx, ROUGHPLASTIC_GGX)               \
+  X(roughplastic_beckmann, ROUGHPLASTIC_BECKMANN)     \
+  X(microfacet_diffuse, MICROFACET_DIFFUSE)           \
+  X(principled, PRINCIPLED)                           \
+  X(disney, DISNEY)                                   \
+  EXTRA_LTC_FAMILIES(X)
+#define LTC_FAMILY_BIT(name, NAME) | (1u << FAMILY_##NAME)
+FN uint ltc_families(void) { return 0u LTC_FAMILIES(LTC_FAMILY_BIT); }
+
 /// What it reflects altogether, as far as its colours say.
 FN vec3 closure_albedo(Closure c) { return add(c.diffuse, c.specular); }
 

@@ -123,6 +123,8 @@ class Checker {
     require(has(FEATURE_POLYGONS) ||
                 (h_.integrator.estimator == ESTIMATOR_SAMPLES && h_.integrator.light_choice == CHOICE_POWER),
             "closed forms without their feature bit");
+    require(!has(FEATURE_LTC) || h_.tables.ltc_cells.count == 2 * LTC_SIZE * LTC_SIZE,
+            "linearly transformed cosines without their tables");
     require(has(FEATURE_RATIO) == (h_.integrator.estimator == ESTIMATOR_RATIO),
             "the ratio estimator and its feature bit go together");
     require((h_.families & families_with(TRANSMITS)) == 0 || has(FEATURE_TRANSMISSION),

@@ -160,7 +160,14 @@ FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
     if (emits) {
       sample_step_lights(scene, &step);
       eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
+  #if HAS(LTC)
+      if (has_other_control(scene)) admit_controls(scene, &step);
+  #endif
       request_emitter_samples(scene, paths, i, &step);
+  #if HAS(LTC)
+      if (has_other_control(scene))
+        request_controls(scene, paths, i, (float)h->integrator.emitter_samples, false, &step);
+  #endif
     }
     if (scatters) {
       if (h->integrator.bsdf_sampling == DIRECTION_BSDF)

@@ -4,6 +4,7 @@
 #define PENUMBRA_LIGHT_REQUEST_H
 #include "kernels/integrator/step.h"
 #include "kernels/light/light_unshadowed.h"
+#include "kernels/light/lobe_projection.h"
 #include "kernels/light/projected_light.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -38,6 +39,18 @@ STAGE void store_shading_points(const PRIVATE Scene* scene, const PRIVATE Surfac
       store_shading_point(scene, load_surface(surfaces, j), load_closure(closures, j), points, j);
 }
 
+  #if HAS(LTC)
+STAGE void store_control_points(const PRIVATE Surfaces* RESTRICT surfaces,
+                                const PRIVATE Closures* RESTRICT closures,
+                                const PRIVATE ControlLanes* RESTRICT controls,
+                                PRIVATE ShadingPoints* RESTRICT points) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++)
+      store_control_point(load_surface(surfaces, j), load_closure(closures, j),
+                          load_control_lobes(controls, j), points, j);
+}
+  #endif
+
 /// Adds the closed form to the sums of the paths, times their throughput.
 STAGE void add_analytic(const PRIVATE PathState* paths, int i, const PRIVATE double* RESTRICT analytic) {
   LANE_LOOP
@@ -55,12 +68,18 @@ STAGE void add_analytic(const PRIVATE PathState* paths, int i, const PRIVATE dou
 STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request,
                             const PRIVATE Surfaces* RESTRICT surfaces,
                             const PRIVATE Closures* RESTRICT closures, const PRIVATE PathState* paths, int i,
+  #if HAS(LTC)
+                            const PRIVATE ControlLanes* RESTRICT controls,
+  #endif
                             PRIVATE float* RESTRICT u, PRIVATE LightSamplings* RESTRICT samplings,
                             PRIVATE double* RESTRICT projected) {
   ShadingPoints points;
   Reservoir reservoir;
   double analytic[3 * LANES];
   store_shading_points(scene, surfaces, closures, &points);
+  #if HAS(LTC)
+  if (NEEDS(scene, LTC)) store_control_points(surfaces, closures, controls, &points);
+  #endif
   for (int j = 0; j < LANES; j++) start_reservoir(&reservoir, j, (double)u[DIM_LIGHT_U * LANES + j]);
   const bool one_light = scene->polygons[0].light_count == scene->header.tables.lights.count;
   if (request.closed | !one_light)
@@ -124,6 +143,59 @@ STAGE void note_left_normals(const PRIVATE PathState* paths, int i,
   LANE_LOOP
     for (int j = 0; j < LANES; j++) set_left_normal(paths, i + j, LOAD_LANE_vec3(surfaces->shading, j));
 }
+
+  #if HAS(LTC)
+// The same three where closures have control lobes.
+STAGE void sample_lobes_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+                               const PRIVATE ControlLanes* RESTRICT controls, const PRIVATE float* RESTRICT u,
+                               PRIVATE LightSamplings* RESTRICT samplings) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(receivers, j);
+      const float number = u[DIM_LIGHT_U * LANES + j];
+      const ChosenLight by_power = choose_light(scene, number, u[DIM_LIGHT_FINE * LANES + j]);
+      const int chosen = samplings->light[j];
+      const bool is_chosen = chosen >= 0;
+      const int light = is_chosen ? chosen : by_power.light;
+      const LightReceiver r = receiver_of(s);
+      sample_lobes_light(scene, r, receiver_lobes(s.shading, s.wo, load_control_lobes(controls, j)), light,
+                         is_own_light(scene, r, light), is_chosen ? number : by_power.u,
+                         u[DIM_LIGHT_V * LANES + j], samplings, j);
+    }
+}
+FN ReceiverLobes left_lobes(const PRIVATE PathState* paths, int i) {
+  ReceiverLobes r;
+  r.normal = get_left_normal(paths, i);
+  r.wo = get_left_wo(paths, i);
+  r.matrix = get_left_matrix(paths, i);
+  r.specular = get_left_specular(paths, i);
+  return r;
+}
+STAGE void project_found_lobes(const PRIVATE Scene* scene, bool path,
+                               const PRIVATE Surfaces* RESTRICT receivers,
+                               const PRIVATE ControlLanes* RESTRICT controls, const PRIVATE PathState* paths,
+                               int i, PRIVATE FoundLights* RESTRICT found) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(receivers, j);
+      const ReceiverLobes here = receiver_lobes(s.shading, s.wo, load_control_lobes(controls, j));
+      const ReceiverLobes lobes = select_receiver_lobes(path, left_lobes(paths, i + j), here);
+      found->projected_pdf[j] = lobes_density(scene, load_found_light(found, j), lobes);
+    }
+}
+STAGE void note_left_lobes(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
+                           const PRIVATE ControlLanes* RESTRICT controls) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(surfaces, j);
+      const ReceiverLobes lobes = receiver_lobes(s.shading, s.wo, load_control_lobes(controls, j));
+      set_left_normal(paths, i + j, lobes.normal);
+      set_left_wo(paths, i + j, lobes.wo);
+      set_left_matrix(paths, i + j, lobes.matrix);
+      set_left_specular(paths, i + j, lobes.specular);
+    }
+}
+  #endif
 #endif
 
 #if HAS(NESTED)
@@ -146,12 +218,29 @@ FN void request_lights(const PRIVATE Scene* scene, LightRequest request, bool fi
 #if HAS(PROJECTED) || HAS(POLYGONS)
   double projected[LANES];
 #endif
+#if HAS(LTC)
+  if (NEEDS(scene, LTC))
+    find_controls(scene, step->families, &step->closures, &step->surfaces, &step->controls);
+#endif
 #if HAS(POLYGONS)
   if (request.choice | request.closed)
-    unshadowed_lanes(scene, request, &step->surfaces, &step->closures, paths, i, step->u, &step->samplings,
-                     projected);
+    unshadowed_lanes(scene, request, &step->surfaces, &step->closures, paths, i,
+  #if HAS(LTC)
+                     &step->controls,
+  #endif
+                     step->u, &step->samplings, projected);
 #endif
 #if HAS(PROJECTED)
+  #if HAS(LTC)
+  if (NEEDS(scene, LTC)) {
+    if (request.found & finds)
+      project_found_lobes(scene, request.path, &step->surfaces, &step->controls, paths, i, &step->found);
+    if (request.found & request.path) note_left_lobes(paths, i, &step->surfaces, &step->controls);
+    if (request.projected)
+      sample_lobes_lights(scene, &step->surfaces, &step->controls, step->u, &step->samplings);
+    return;
+  }
+  #endif
   if (request.found & finds) project_found(scene, request.path, &step->surfaces, paths, i, &step->found);
   if (request.found & request.path) note_left_normals(paths, i, &step->surfaces);
   if (request.projected & !request.choice) project_by_power(scene, &step->surfaces, step->u, projected);

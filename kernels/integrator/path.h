@@ -57,14 +57,14 @@ STAGE void end_paths(const PRIVATE PathState* paths, int i) {
 
   #if HAS(POLYGONS)
 /// Where the surface that a ray left has the closed form of a light, only next-event estimation samples that
-/// light.
+/// light; directions of no density it never samples.
 STAGE void drop_controlled(const PRIVATE PathState* paths, int i, const PRIVATE Emissions* RESTRICT emissions,
                            PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Emission emission = load_emission(emissions, j);
-      const bool dropped =
-          (get_depth(paths, i + j) > 0) & get_left_controlled(paths, i + j) & emission.of_polygon;
+      const bool dropped = (get_depth(paths, i + j) > 0) & get_left_controlled(paths, i + j) &
+                           emission.of_polygon & (get_direction_pdf(paths, i + j) != DELTA_PDF);
       found->light[j] = dropped ? -1 : found->light[j];
     }
 }
@@ -219,7 +219,13 @@ FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
     }
     sample_step_lights(scene, &step);
     eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
+  #if HAS(LTC)
+    if (has_other_control(scene)) admit_controls(scene, &step);
+  #endif
     request_light(scene, paths, i, &step);
+  #if HAS(LTC)
+    if (has_other_control(scene)) request_controls(scene, paths, i, 1.0f, true, &step);
+  #endif
     sample_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
                  step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
   #if HAS(TRANSMISSION)

@@ -15,6 +15,7 @@
 #include "scenes/device/filter_table.h"
 #include "scenes/device/integrator_builder.h"
 #include "scenes/device/light_builder.h"
+#include "scenes/device/ltc/ltc_table.h"
 #include "scenes/device/scene_records.h"
 #include "scenes/device/texel_table.h"
 #include "scenes/device/texture_coordinates.h"
@@ -77,6 +78,19 @@ float bend_step(const SceneDescription& scene, int texture) {
   return float(1 / (8.0 * std::max({1.0, along_u, along_v}) * std::max(bitmap.width, bitmap.height)));
 }
 
+/// Whether a material has control lobes so narrow that points of lights are better chosen by them, which
+/// takes twice the time: measured by tests/benchmarks/glossy_variance_benchmark.cpp. Textures count as what
+/// their place is in the material.
+bool has_narrow_lobes(const std::vector<Material>& materials) {
+  constexpr float kBroad = 0.3f;
+  return std::ranges::any_of(materials, [](const Material& m) {
+    const bool disneys = m.family == FAMILY_PRINCIPLED || m.family == FAMILY_DISNEY;
+    const float rough = m.alpha_v > 0 ? std::sqrt(m.alpha_u * m.alpha_v) : m.alpha_u;
+    const float alpha = disneys ? std::max(m.roughness * m.roughness, LEAST_ALPHA) : rough;
+    return (ltc_families() >> m.family & 1u) != 0u && alpha > 0 && alpha < kBroad;
+  });
+}
+
 class Builder {
  public:
   Builder(const SceneDescription& scene, const DeviceSceneOptions& options)
@@ -91,6 +105,7 @@ class Builder {
 
   Expected<DeviceScene> build() {
     add_materials();
+    lights_.set_default_sampling(default_sampling(scene_.integrator, has_narrow_lobes(records_.materials)));
     for (const Shape& shape : scene_.shapes) add_shape(shape);
     add_other_lights();
     set_camera();
@@ -105,6 +120,11 @@ class Builder {
     }
     if (Expected<void> done = set_integrator(scene_.integrator, lights_, radius_, h_); !done)
       return fail(scene_.source + ": " + done.error().message);
+    if ((h_.features & (FEATURE_POLYGONS | FEATURE_PROJECTED)) != 0u &&
+        (h_.families & ltc_families()) != 0u) {
+      need(FEATURE_LTC);
+      records_.ltc_cells = ltc_table();
+    }
     if (scene_.sampler.kind != SamplerKind::kSobol) need(FEATURE_SAMPLERS);
     if (Expected<void> done = choose_intersector(); !done) return std::unexpected(done.error());
     records_.filter_table = filter_table(scene_.film);

@@ -145,13 +145,14 @@ bool wants_polygons(const IntegratorSettings& integrator) {
          light_choice(integrator) == LightChoice::kAnalytic;
 }
 
-EmitterSampling default_sampling(const IntegratorSettings& integrator) {
+EmitterSampling default_sampling(const IntegratorSettings& integrator, bool narrow) {
   const auto wanted = parameter_or(integrator, PENUMBRA_PARAMETER(emitter_sampling), EmitterSampling::kAuto);
   if (wanted != EmitterSampling::kAuto) return wanted;
   if (integrator.is<PolygonAreaIntegrator>()) return EmitterSampling::kArea;
   // With the closed form beside it, sampling by solid angle is as good as by projected solid angle in
-  // penumbrae and exact elsewhere, at a third of the cost.
-  return control_variate(integrator) ? EmitterSampling::kSolidAngle : EmitterSampling::kAuto;
+  // penumbrae and exact elsewhere, at a third of the cost; unless the lobe covers a part of the light.
+  if (!control_variate(integrator)) return EmitterSampling::kAuto;
+  return narrow ? EmitterSampling::kProjected : EmitterSampling::kSolidAngle;
 }
 
 Expected<void> set_integrator(const IntegratorSettings& integrator, const LightBuilder& lights,

@@ -57,9 +57,10 @@ StandInScene stand_in_room(const RoomOptions& options) {
   scene.camera = look_at({0, 1, -3}, {0, 1.2, 2}, {0, 1, 0}, 60);
   scene.integrator = path_integrator(DirectSampling::kMis);
   const int diffuse = add_diffuse(scene, 0.6f), phong = add_phong(scene), glossy = add_phong(scene);
-  room.stand_ins.push_back({.material = glossy + 1, .family = FAMILY_GLOSSY});
+  room.stand_ins.push_back({.material = glossy + 1, .family = options.crude ? FAMILY_CRUDE : FAMILY_GLOSSY});
   const glm::dvec3 right(1, 0, 0), up(0, 1, 0), away(0, 0, 1);
-  add_wall(scene, {-2, 0, -2}, 4.0 * right, 4.0 * away, diffuse, options.many_triangles ? 8 : 1);
+  add_wall(scene, {-2, 0, -2}, 4.0 * right, 4.0 * away, options.crude ? glossy : diffuse,
+           options.many_triangles ? 8 : 1);
   add_wall(scene, {-2, 0, -2}, 2.5 * up, 4.0 * away, phong);
   add_wall(scene, {2, 0, -2}, 2.5 * up, 4.0 * away, glossy);
   add_wall(scene, {-2, 0, 2}, 4.0 * right, 2.5 * up,

@@ -16,6 +16,7 @@ struct RoomOptions {
   bool front_pane = false;      ///< a window between camera and room
   bool light_pane = false;      ///< windows between the lights and the room
   bool many_triangles = false;  ///< more than are tested one by one
+  bool crude = false;           ///< what has no closed form, and the floor, have control lobes
 };
 
 /// A description whose BSDFs are stand-ins in part.

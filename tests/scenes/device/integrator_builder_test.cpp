@@ -436,6 +436,7 @@ TEST(IntegratorBuilder, HelpersSayWhatIsWanted) {
   EXPECT_EQ(default_sampling(settings(kDirect)), EmitterSampling::kAuto);
   EXPECT_EQ(default_sampling(settings(kPolygonArea)), EmitterSampling::kArea);
   EXPECT_EQ(default_sampling(settings(kPolygonCv)), EmitterSampling::kSolidAngle);
+  EXPECT_EQ(default_sampling(settings(kPolygonCv), true), EmitterSampling::kProjected);
   EXPECT_EQ(default_sampling(path), EmitterSampling::kSolidAngle);
   param::emitter_sampling(path) = EmitterSampling::kProjected;
   EXPECT_EQ(default_sampling(path), EmitterSampling::kProjected);

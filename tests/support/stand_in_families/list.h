@@ -19,6 +19,8 @@
   X(window, WINDOW, FAMILY_WINDOW, TRANSMITS | DELTA, "pane that bends nothing")           \
   X(refracting, REFRACTING, FAMILY_REFRACTING, TRANSMITS | DELTA, "glass without Fresnel") \
   X(glossy, GLOSSY, FAMILY_GLOSSY, SEVERAL_LOBES, "Phong BSDF without closed form")        \
+  X(crude, CRUDE, FAMILY_CRUDE, SEVERAL_LOBES, "Phong BSDF with crude control lobes")      \
   EIGHT_PHONGS(X)
+#define EXTRA_LTC_FAMILIES(X) X(crude, CRUDE)
 
 #endif
