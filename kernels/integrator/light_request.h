@@ -198,6 +198,19 @@ STAGE void note_left_lobes(const PRIVATE PathState* paths, int i, const PRIVATE 
   #endif
 #endif
 
+#if HAS(NESTED)
+/// The lights of surfaces that rays pass, in the lanes with `passes`.
+FN void find_passed_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
+                           const PRIVATE int* passes, PRIVATE FoundLights* found) {
+  find_lights(scene, surfaces, found);
+  for (int j = 0; j < LANES; j++) {
+    const bool passed = passes[j] != 0;
+    found->light[j] = passed ? found->light[j] : -1;
+    found->kind[j] = passed ? found->kind[j] : -1;
+  }
+}
+#endif
+
 /// What the light sampling stage decides for LANES paths from lane i on; the rest of their samplings stays as
 /// start_step left it. With `finds` their last rays found lights.
 FN void request_lights(const PRIVATE Scene* scene, LightRequest request, bool finds, PRIVATE StepLanes* step,

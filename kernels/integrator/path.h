@@ -18,7 +18,7 @@ FN float roulette_survival(float throughput, int k) {
   return min_f(SQRT(2.0f * throughput), 1.0f - 2.0f / ((float)k + ROULETTE_LASTS));
 }
 
-#if HAS(PATH)
+#if HAS(PATH) || HAS(WHITTED)
 /// Random numbers for a step of LANES paths from lane i on; those that the step does not need are not
 /// written.
 FN void path_numbers(const PRIVATE SceneHeader* h, bool roulette, const PRIVATE PathState* paths, int i,
@@ -99,6 +99,26 @@ STAGE void add_emissions(const PRIVATE Scene* scene, const PRIVATE PathState* pa
       set_radiance(paths, i + j, select3(lights->light[j] >= 0, add(before, found), before));
     }
 }
+
+  #if HAS(NESTED)
+/// Adds the light of surfaces that rays of the `step`-th step pass, in the lanes with `passes`. The surfaces
+/// are as seen from where the rays started.
+FN void add_passed_by_path(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step,
+                           const PRIVATE Surfaces* surfaces, const PRIVATE int* passes) {
+  const bool balances = scene->header.integrator.direct_sampling == SAMPLING_MIS;
+  FoundLights found;
+  Emissions emissions;
+  find_passed_lights(scene, surfaces, passes, &found);
+    #if HAS(PROJECTED)
+  if (NEEDS(scene, PROJECTED) && balances) project_found(scene, true, surfaces, paths, i, &found);
+    #endif
+  find_emissions(scene, &found, balances & (step > 0), &emissions);
+    #if HAS(POLYGONS)
+  if (NEEDS(scene, POLYGONS)) drop_controlled(paths, i, &emissions, &found);
+    #endif
+  add_emissions(scene, paths, i, &found, &emissions);
+}
+  #endif
 
 STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                          const PRIVATE StepLanes* RESTRICT step) {
