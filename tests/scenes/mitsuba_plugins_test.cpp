@@ -454,8 +454,7 @@ TEST_F(MitsubaPlugins, LenientStandIns) {
          "<float name='fov' value='30'/><float name='aperture_radius' value='1'/>" +
              in("film", "specfilm", "<integer name='width' value='99'/>" + in("rfilter", "lanczos")) +
              in("sampler", "magic", "<integer name='sample_count' value='3'/>")) +
-      in("shape", "sphere",
-         in("bsdf", "twosided", in("bsdf", "roughconductor", "<float name='alpha' value='.1'/>"))) +
+      in("shape", "sphere", in("bsdf", "twosided", in("bsdf", "hair", "<float name='alpha' value='.1'/>"))) +
       in("shape", "cube",
          in("bsdf", "diffuse",
             "<texture type='bitmap' name='reflectance'><string name='filename' value='x'/></texture>") +
@@ -482,7 +481,7 @@ TEST_F(MitsubaPlugins, LenientStandIns) {
                   HasSubstr("integrator type 'volpath' is not one that Penumbra reads; path stands in"),
                   HasSubstr("sensor type 'thinlens'"), HasSubstr("film type 'specfilm'"),
                   HasSubstr("rfilter type 'lanczos'"), HasSubstr("sampler type 'magic'"),
-                  HasSubstr("bsdf type 'roughconductor'"), HasSubstr("texture type 'bitmap'"),
+                  HasSubstr("bsdf type 'hair'"), HasSubstr("texture type 'bitmap'"),
                   HasSubstr("texture type 'bitmap'"), HasSubstr("shape type 'instance'"),
                   HasSubstr("emitter type 'envmap'"), HasSubstr("medium type 'homogeneous'")));
 }
