@@ -5,20 +5,31 @@
 #include <algorithm>
 #include <functional>
 #include <glm/glm.hpp>
+#include <memory>
 #include <numbers>
 #include <variant>
+#include <vector>
 
 #include "kernels/scene_types.h"
 #include "scenes/device/scene_records.h"
 #include "scenes/device/to_vec3.h"
+#include "scenes/plugin_values.h"
 
 namespace penumbra {
+
+constexpr ColourWithin kEmission{0.0f, kAnyNumber};
 
 /// Where emitters are.
 struct EmitterPlace {
   std::function<vec3(const glm::dvec3&)> local;  ///< in the coordinates of the device scene
   double scene_radius;                           ///< of a sphere about everything
   SceneRecords& records;                         ///< for tables of a kind's own
+};
+
+/// Linear Rec. 709, row by row from the top, W x H.
+struct EnvironmentImage {
+  int width = 0, height = 0;
+  std::vector<glm::vec3> texels;  ///< finite, 0 or more
 };
 
 struct EmitterLight {
@@ -36,9 +47,26 @@ inline EmitterLight emitter_light(int kind, const glm::vec3& radiance, double po
 
 /// Radiant intensity, W/sr, the same in all directions.
 struct PointLight {
+  static constexpr const char* kPlugin = "point";
+  static constexpr const char* kText = "the same radiant intensity in all directions, from a point";
   static constexpr bool kIsSky = false;  ///< seen where there is no shape
   glm::dvec3 position{0.0};
   glm::vec3 intensity{1.0f};
+  glm::dmat4 to_world{1.0};  ///< instead of a position: where it brings the origin
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("position", &PointLight::position, AnyPoint{}, "where it is");
+    row("to_world", &PointLight::to_world, AnyTransform{},
+        "instead of a position: where it brings the origin");
+    row("intensity", &PointLight::intensity, kEmission, "radiant intensity, W/sr");
+  }
+  template <typename Given>
+  void complete(Findings& findings, const Given& given) {
+    if (given("position") && given("to_world"))
+      findings.push_back({"position", "either position or to_world, not both"});
+    if (given("to_world")) position = glm::dvec3(to_world[3]) / to_world[3].w;
+  }
   [[nodiscard]] bool is_black() const { return intensity == glm::vec3(0.0f); }
   [[nodiscard]] EmitterLight light(const EmitterPlace& place) const {
     EmitterLight made = emitter_light(LIGHT_POINT, intensity, 4 * std::numbers::pi);
@@ -49,8 +77,17 @@ struct PointLight {
 
 /// Constant radiance from all directions that leave the scene.
 struct ConstantEnvironment {
+  static constexpr const char* kPlugin = "constant";
+  static constexpr const char* kText = "the same radiance from all directions that leave the scene";
   static constexpr bool kIsSky = true;
   glm::vec3 radiance{1.0f};
+  glm::dmat4 to_world{1.0};  ///< which it does not see
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("radiance", &ConstantEnvironment::radiance, kEmission, "radiance");
+    row("to_world", &ConstantEnvironment::to_world, AnyTransform{}, "without effect");
+  }
   [[nodiscard]] bool is_black() const { return radiance == glm::vec3(0.0f); }
   [[nodiscard]] EmitterLight light(const EmitterPlace& place) const {
     const double section = std::numbers::pi * std::max(place.scene_radius * place.scene_radius, 1e-30);
@@ -58,7 +95,29 @@ struct ConstantEnvironment {
   }
 };
 
-using Emitter = std::variant<PointLight, ConstantEnvironment>;
+/// Radiance from all directions that leave the scene, by an image of the sphere; see
+/// kernels/light/envmap_grid.h for where its texels are.
+struct EnvironmentMapLight {
+  static constexpr const char* kPlugin = "envmap";
+  static constexpr const char* kText = "radiance by an image of all directions, longitude by polar angle";
+  static constexpr bool kIsSky = true;
+  std::string filename;
+  glm::dmat4 to_world{1.0};  ///< a rotation, mirrored or not; its lengths do not count
+  float scale = 1.0f;
+  std::shared_ptr<const EnvironmentImage> image;
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("filename", &EnvironmentMapLight::filename, FileName{}, "the image");
+    row("to_world", &EnvironmentMapLight::to_world, AnyTransform{}, "turns it; as it is, y is up");
+    row("scale", &EnvironmentMapLight::scale, NumberWithin{LowEnd::kClosed, 0.0f, kAnyNumber},
+        "by which radiance is multiplied");
+  }
+  [[nodiscard]] bool is_black() const;
+  [[nodiscard]] EmitterLight light(const EmitterPlace& place) const;
+};
+
+using Emitter = std::variant<PointLight, ConstantEnvironment, EnvironmentMapLight>;
 inline bool is_black(const Emitter& emitter) {
   return std::visit([](const auto& e) { return e.is_black(); }, emitter);
 }

@@ -18,4 +18,21 @@ std::string NumberWithin::values() const {
   return fmt::format("number in {}{}, {}]", end == LowEnd::kOpen ? '(' : '[', low, high);
 }
 
+std::string print_default(const glm::vec3& colour) {
+  if (colour.x == colour.y && colour.y == colour.z) return fmt::format("{}", colour.x);
+  return fmt::format("{}, {}, {}", colour.x, colour.y, colour.z);
+}
+std::string print_default(const TexturedColour& colour) { return print_default(colour.value); }
+std::string print_default(const TexturedNumber& number) { return print_default(number.value); }
+std::string print_default(const glm::dvec3& point) {
+  return fmt::format("{}, {}, {}", point.x, point.y, point.z);
+}
+std::string print_default(const glm::dmat4& transform) {
+  return transform == glm::dmat4(1.0) ? "identity" : "other";
+}
+std::string print_default(const std::string& text) { return text; }
+std::string print_default(float number) { return fmt::format("{}", number); }
+std::string print_default(double number) { return fmt::format("{}", number); }
+std::string print_default(bool value) { return value ? "true" : "false"; }
+
 }  // namespace penumbra

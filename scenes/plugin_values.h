@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "scenes/setting_values.h"
@@ -37,7 +38,33 @@ struct NumberWithin {
   [[nodiscard]] std::string values() const;
 };
 
+/// A point of the scene, a file's name, a transform; what is read is what is given.
+struct AnyPoint {
+  [[nodiscard]] static std::string values() { return "point"; }
+};
+struct FileName {
+  [[nodiscard]] static std::string values() { return "name of a file"; }
+};
+struct AnyTransform {
+  [[nodiscard]] static std::string values() { return "transform"; }
+};
+
 constexpr float kAnyNumber = std::numeric_limits<float>::max();
+
+/// Defaults, for people.
+std::string print_default(const TexturedColour& colour);
+std::string print_default(const TexturedNumber& number);
+std::string print_default(const glm::vec3& colour);
+std::string print_default(const glm::dvec3& point);
+std::string print_default(const glm::dmat4& transform);
+std::string print_default(const std::string& text);
+std::string print_default(float number);
+std::string print_default(double number);
+std::string print_default(bool value);
+
+/// Whether a texture may stand for it.
+template <typename T>
+constexpr bool kMayBeTexture = std::is_same_v<T, TexturedColour> || std::is_same_v<T, TexturedNumber>;
 
 /// What is wrong with a plugin as a whole once its parameters are read, or worth a warning.
 struct Finding {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -39,8 +40,6 @@ struct Disk {
   glm::dvec3 normal{0.0, 0.0, 1.0};  ///< unit; the front side
   double radius = 1.0;
 };
-
-constexpr int kBlackBsdf = -1;
 
 struct Shape {
   std::string name;  ///< for messages
@@ -88,8 +87,9 @@ struct SceneDescription : RenderSettings {
   std::vector<std::filesystem::path> files;  ///< all that were read for it, that one first
   /// Of the contents of those files: the same scene elsewhere has the same.
   std::uint64_t contents_hash = 0;
-  std::vector<SceneTexture> textures;  ///< one holds only such as come before it
-  std::vector<Bsdf> bsdfs;
+  std::vector<SceneTexture> textures;                  ///< one holds only such as come before it
+  std::vector<std::shared_ptr<const Bitmap>> bitmaps;  ///< of textures, each once
+  std::vector<Bsdf> bsdfs;                             ///< one holds only such as come before it
   std::vector<Shape> shapes;
   std::vector<Emitter> emitters;  ///< lights that are no shapes; one sky at most
   std::vector<std::string>

@@ -3,13 +3,21 @@
 // nothing.
 #ifndef PENUMBRA_BSDF_H
 #define PENUMBRA_BSDF_H
+#include "kernels/bsdf/blinnphong.h"
 #include "kernels/bsdf/conductor.h"
 #include "kernels/bsdf/dielectric.h"
 #include "kernels/bsdf/diffuse.h"
+#include "kernels/bsdf/disney.h"
+#include "kernels/bsdf/microfacet_diffuse.h"
 #include "kernels/bsdf/phong.h"
+#include "kernels/bsdf/plastic.h"
+#include "kernels/bsdf/principled.h"
+#include "kernels/bsdf/principledthin.h"
 #include "kernels/bsdf/roughconductor.h"
 #include "kernels/bsdf/roughdielectric.h"
+#include "kernels/bsdf/roughplastic.h"
 #include "kernels/bsdf/thindielectric.h"
+#include "kernels/bsdf/ward.h"
 #ifdef EXTRA_BSDF_FAMILY_LIST
   #include EXTRA_BSDF_FAMILY_FUNCTIONS
 #endif
@@ -38,7 +46,7 @@ CLOSURE_FIELDS(RESOLVE_LANES, )
 #undef RESOLVE_LANES
 
 #if HAS(TEXTURES)
-  #define LANE_OF_float(value) texture_number(value)
+  #define LANE_OF_float(value) luminance(value)
   #define LANE_OF_vec3(value) (value)
   // Where materials have a texture for a field, its value there.
   #define TEXTURE_LANES(a, type, name)                                                                   \
@@ -190,6 +198,32 @@ FN void sample_bsdfs(const PRIVATE Scene* scene, uint families, const PRIVATE Cl
   BSDF_FAMILIES(SAMPLE_IF_THERE)
 #undef SAMPLE_IF_THERE
   if (first) clear_bsdf_samples(samples);
+}
+
+#define LOBE_PROBABILITY(name, NAME)                                             \
+  STAGE void name##_probability_lanes(const PRIVATE Closures* RESTRICT closures, \
+                                      const PRIVATE Surfaces* RESTRICT surfaces, \
+                                      PRIVATE float* RESTRICT probabilities) {   \
+    LANE_LOOP                                                                    \
+      for (int j = 0; j < LANES; j++) {                                          \
+        const Closure c = load_closure(closures, j);                             \
+        const Surface s = load_surface(surfaces, j);                             \
+        const float p = name##_lobe_probability(c, to_frame(s.shading, s.wo));   \
+        probabilities[j] = c.family == FAMILY_##NAME ? p : probabilities[j];     \
+      }                                                                          \
+  }
+BRANCHING_FAMILIES(LOBE_PROBABILITY)
+#undef LOBE_PROBABILITY
+
+/// The probabilities of the first lobes of the closures of BRANCHING_FAMILIES; 1 for others.
+FN void lobe_probabilities(uint families, const PRIVATE Closures* closures, const PRIVATE Surfaces* surfaces,
+                           PRIVATE float* probabilities) {
+  for (int j = 0; j < LANES; j++) probabilities[j] = 1.0f;
+#define PROBABILITY_IF_THERE(name, NAME)                              \
+  if ((families & compiled_families() & (1u << FAMILY_##NAME)) != 0u) \
+    name##_probability_lanes(closures, surfaces, probabilities);
+  BRANCHING_FAMILIES(PROBABILITY_IF_THERE)
+#undef PROBABILITY_IF_THERE
 }
 
 /// One at a time, for the surface's normal n and any tangent: value of the closure for a pair of directions

@@ -12,6 +12,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define TRANSMITS 4      // it scatters to the other side
 #define ANISOTROPIC 8    // the x axis of its frame is where u grows, see tangent_axis
 #define DELTA 16         // all its directions are DELTA_PDF: eval finds nothing
+#define SOME_DELTA 32    // some of its directions are, others are not
 
 // X(name, NAME, its number, properties, what it is for people): `name`_eval and `name`_sample in
 // kernels/bsdf/`name`.h, and FAMILY_`NAME` below. Family 0 absorbs everything.
@@ -20,19 +21,32 @@ PENUMBRA_NAMESPACE_BEGIN
 #else
   #define EXTRA_BSDF_FAMILIES(X)
 #endif
-#define BSDF_FAMILIES(X)                                                                            \
-  X(diffuse, DIFFUSE, 1, CLOSED_FORM, "diffuse BSDF")                                               \
-  X(phong, PHONG, 2, CLOSED_FORM | SEVERAL_LOBES, "Phong BSDF")                                     \
-  X(conductor, CONDUCTOR, 3, DELTA, "smooth conductor")                                             \
-  X(roughconductor_ggx, ROUGHCONDUCTOR_GGX, 4, ANISOTROPIC, "rough conductor, GGX")                 \
-  X(roughconductor_beckmann, ROUGHCONDUCTOR_BECKMANN, 5, ANISOTROPIC, "rough conductor, Beckmann")  \
-  X(dielectric, DIELECTRIC, 6, SEVERAL_LOBES | TRANSMITS | DELTA, "smooth dielectric")              \
-  X(thindielectric, THINDIELECTRIC, 7, SEVERAL_LOBES | TRANSMITS | DELTA, "thin dielectric")        \
-  X(roughdielectric_ggx, ROUGHDIELECTRIC_GGX, 8, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,           \
-    "rough dielectric, GGX")                                                                        \
-  X(roughdielectric_beckmann, ROUGHDIELECTRIC_BECKMANN, 9, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, \
-    "rough dielectric, Beckmann")                                                                   \
+#define BSDF_FAMILIES(X)                                                                                 \
+  X(diffuse, DIFFUSE, 1, CLOSED_FORM, "diffuse BSDF")                                                    \
+  X(phong, PHONG, 2, CLOSED_FORM | SEVERAL_LOBES, "Phong BSDF")                                          \
+  X(conductor, CONDUCTOR, 3, DELTA, "smooth conductor")                                                  \
+  X(roughconductor_ggx, ROUGHCONDUCTOR_GGX, 4, ANISOTROPIC, "rough conductor, GGX")                      \
+  X(roughconductor_beckmann, ROUGHCONDUCTOR_BECKMANN, 5, ANISOTROPIC, "rough conductor, Beckmann")       \
+  X(dielectric, DIELECTRIC, 6, SEVERAL_LOBES | TRANSMITS | DELTA, "smooth dielectric")                   \
+  X(thindielectric, THINDIELECTRIC, 7, SEVERAL_LOBES | TRANSMITS | DELTA, "thin dielectric")             \
+  X(roughdielectric_ggx, ROUGHDIELECTRIC_GGX, 8, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,                \
+    "rough dielectric, GGX")                                                                             \
+  X(roughdielectric_beckmann, ROUGHDIELECTRIC_BECKMANN, 9, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,      \
+    "rough dielectric, Beckmann")                                                                        \
+  X(plastic, PLASTIC, 10, SEVERAL_LOBES | SOME_DELTA, "plastic")                                         \
+  X(roughplastic_ggx, ROUGHPLASTIC_GGX, 11, SEVERAL_LOBES, "rough plastic, GGX")                         \
+  X(roughplastic_beckmann, ROUGHPLASTIC_BECKMANN, 12, SEVERAL_LOBES, "rough plastic, Beckmann")          \
+  X(ward, WARD, 13, SEVERAL_LOBES | ANISOTROPIC, "Ward BSDF")                                            \
+  X(blinnphong, BLINNPHONG, 14, SEVERAL_LOBES, "Blinn-Phong BSDF")                                       \
+  X(microfacet_diffuse, MICROFACET_DIFFUSE, 15, SEVERAL_LOBES, "microfacet BSDF with a diffuse part")    \
+  X(principled, PRINCIPLED, 16, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "principled BSDF")              \
+  X(principledthin, PRINCIPLEDTHIN, 17, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "thin principled BSDF") \
+  X(disney, DISNEY, 18, SEVERAL_LOBES | ANISOTROPIC, "Disney BRDF")                                      \
   EXTRA_BSDF_FAMILIES(X)
+
+// X(name, NAME): the families with two mirror lobes. `name`_lobe_probability(closure, wo) is that of the
+// first: `name`_sample takes it where its choice is less.
+#define BRANCHING_FAMILIES(X) X(dielectric, DIELECTRIC) X(thindielectric, THINDIELECTRIC)
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FAMILY_BLACK 0
@@ -45,6 +59,15 @@ PENUMBRA_NAMESPACE_BEGIN
 #define FAMILY_THINDIELECTRIC 7
 #define FAMILY_ROUGHDIELECTRIC_GGX 8
 #define FAMILY_ROUGHDIELECTRIC_BECKMANN 9
+#define FAMILY_PLASTIC 10
+#define FAMILY_ROUGHPLASTIC_GGX 11
+#define FAMILY_ROUGHPLASTIC_BECKMANN 12
+#define FAMILY_WARD 13
+#define FAMILY_BLINNPHONG 14
+#define FAMILY_MICROFACET_DIFFUSE 15
+#define FAMILY_PRINCIPLED 16
+#define FAMILY_PRINCIPLEDTHIN 17
+#define FAMILY_DISNEY 18
 
 // What a material has at a point. The record of a material holds the same; of the TEXTURED_FIELDS also a
 // texture each, or -1. What a family makes of fields whose meaning is not the same for all stands in its
@@ -73,7 +96,6 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, float, clearcoat_gloss)
 #define CLOSURE_FIELDS(F, a)                                                           \
   F(a, int, family)          /* FAMILY_* */                                            \
-  F(a, int, distribution)    /* of microfacets: DISTRIBUTION_* */                      \
   F(a, int, variant)         /* of the family's formula */                             \
   F(a, int, curve)           /* where its values begin in the table of curves */       \
   F(a, float, internal)      /* diffuse reflectance of the boundary from inside */     \
@@ -89,8 +111,20 @@ LANE_RECORD(Closure, Closures, closure, CLOSURE_FIELDS)
 enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #undef ENUMERATE_TEXTURED
 
+#define CURVE_KNOTS 64  // values of a curve over the cosines from 0 to 1
+
 #define DISTRIBUTION_BECKMANN 0
 #define DISTRIBUTION_GGX 1
+#define PRINCIPLED_INSIDE 1  // variant: as seen from inside
+
+// Variants of plastics: what is absorbed at the base each time, see plastic.h.
+#define PLASTIC_LINEAR 0
+#define PLASTIC_NONLINEAR 1
+
+// Variants of Ward's BSDF.
+#define WARD_ORIGINAL 0
+#define WARD_DUER 1
+#define WARD_BALANCED 2
 
 // The families that use each: what none in a scene uses is not read, and stays as in black_closure. Those of
 // tests may use all.
@@ -102,36 +136,41 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define ROUGH_DIELECTRICS (ONLY(ROUGHDIELECTRIC_GGX) | ONLY(ROUGHDIELECTRIC_BECKMANN))
 #define CONDUCTORS (ONLY(CONDUCTOR) | ROUGH_CONDUCTORS)
 #define DIELECTRICS (ONLY(DIELECTRIC) | ONLY(THINDIELECTRIC) | ROUGH_DIELECTRICS)
+#define ROUGH_PLASTICS (ONLY(ROUGHPLASTIC_GGX) | ONLY(ROUGHPLASTIC_BECKMANN))
+#define PLASTICS (ONLY(PLASTIC) | ROUGH_PLASTICS)
+#define DIFFUSE_AND_LOBE (PLASTICS | ONLY(WARD) | ONLY(BLINNPHONG) | ONLY(MICROFACET_DIFFUSE))
+#define PRINCIPLEDS (ONLY(PRINCIPLED) | ONLY(PRINCIPLEDTHIN))
+#define DISNEYS (PRINCIPLEDS | ONLY(DISNEY))
 #define USERS_family 0xffffffffu
-#define USERS_distribution USERS(0u)
-#define USERS_variant USERS(0u)
-#define USERS_curve USERS(0u)
-#define USERS_internal USERS(0u)
-#define USERS_specular_rate USERS(0u)
-#define USERS_diffuse_rate USERS(0u)
-#define USERS_clearcoat_rate USERS(0u)
-#define USERS_diff_trans_rate USERS(0u)
-#define USERS_diffuse USERS(ONLY(DIFFUSE) | ONLY(PHONG))
-#define USERS_specular USERS(ONLY(PHONG) | CONDUCTORS | DIELECTRICS)
+#define USERS_variant USERS(PLASTICS | ONLY(WARD) | ONLY(PRINCIPLED))
+#define USERS_curve USERS(ROUGH_PLASTICS)
+#define USERS_internal USERS(PLASTICS)
+#define USERS_specular_rate USERS(PRINCIPLEDS)
+#define USERS_diffuse_rate USERS(PRINCIPLEDS)
+#define USERS_clearcoat_rate USERS(PRINCIPLEDS)
+#define USERS_diff_trans_rate USERS(ONLY(PRINCIPLEDTHIN))
+#define USERS_diffuse USERS(ONLY(DIFFUSE) | ONLY(PHONG) | DIFFUSE_AND_LOBE | DISNEYS)
+#define USERS_specular USERS(ONLY(PHONG) | DIFFUSE_AND_LOBE | CONDUCTORS | DIELECTRICS)
 #define USERS_transmitted USERS(DIELECTRICS)
 #define USERS_eta USERS(CONDUCTORS)
 #define USERS_k USERS(CONDUCTORS)
-#define USERS_ior USERS(DIELECTRICS)
-#define USERS_alpha_u USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS)
-#define USERS_alpha_v USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS)
-#define USERS_exponent USERS(ONLY(PHONG))
-#define USERS_roughness USERS(0u)
-#define USERS_anisotropic USERS(0u)
-#define USERS_metallic USERS(0u)
-#define USERS_spec_trans USERS(0u)
-#define USERS_diff_trans USERS(0u)
-#define USERS_spec_tint USERS(0u)
-#define USERS_specular_level USERS(0u)
-#define USERS_sheen USERS(0u)
-#define USERS_sheen_tint USERS(0u)
-#define USERS_flatness USERS(0u)
-#define USERS_clearcoat USERS(0u)
-#define USERS_clearcoat_gloss USERS(0u)
+#define USERS_ior USERS(DIELECTRICS | PLASTICS | ONLY(MICROFACET_DIFFUSE) | PRINCIPLEDS)
+#define USERS_alpha_u \
+  USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS | ROUGH_PLASTICS | ONLY(WARD) | ONLY(MICROFACET_DIFFUSE))
+#define USERS_alpha_v USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS | ONLY(WARD))
+#define USERS_exponent USERS(ONLY(PHONG) | ONLY(BLINNPHONG))
+#define USERS_roughness USERS(DISNEYS)
+#define USERS_anisotropic USERS(DISNEYS)
+#define USERS_metallic USERS(ONLY(PRINCIPLED) | ONLY(DISNEY))
+#define USERS_spec_trans USERS(PRINCIPLEDS)
+#define USERS_diff_trans USERS(ONLY(PRINCIPLEDTHIN))
+#define USERS_spec_tint USERS(DISNEYS)
+#define USERS_specular_level USERS(ONLY(DISNEY))
+#define USERS_sheen USERS(DISNEYS)
+#define USERS_sheen_tint USERS(DISNEYS)
+#define USERS_flatness USERS(DISNEYS)
+#define USERS_clearcoat USERS(ONLY(PRINCIPLED) | ONLY(DISNEY))
+#define USERS_clearcoat_gloss USERS(ONLY(PRINCIPLED) | ONLY(DISNEY))
 
 #define ZERO_int 0
 #define ZERO_float 0.0f
@@ -158,13 +197,41 @@ FN uint compiled_families(void) { return FAMILIES; }
 FN uint families_with(int wanted) { return 0u BSDF_FAMILIES(FAMILY_WITH); }
 #undef FAMILY_WITH
 
-/// Whether light from behind comes through.
-FN bool lets_light_through(int family) { return ((families_with(TRANSMITS) >> family) & 1u) != 0u; }
+#define BRANCHING_FAMILY(name, NAME) | (1u << FAMILY_##NAME)
+FN uint branching_families(void) { return (0u BRANCHING_FAMILIES(BRANCHING_FAMILY)) & compiled_families(); }
+#undef BRANCHING_FAMILY
 
-FN bool has_closed_form(Closure c) { return ((families_with(CLOSED_FORM) >> c.family) & 1u) != 0u; }
+/// Whether the closure is of one of the families.
+FN bool is_among(Closure c, uint families) { return ((families >> c.family) & 1u) != 0u; }
+
+/// Whether light from behind comes through: of a family that transmits, some of principled BSDFs do not.
+FN bool lets_light_through(Closure c) {
+  const bool by_amount = is_among(c, ONLY(PRINCIPLED) | ONLY(PRINCIPLEDTHIN));
+  return is_among(c, families_with(TRANSMITS)) & (!by_amount | (c.spec_trans + c.diff_trans > 0.0f));
+}
+
+FN bool has_closed_form(Closure c) { return is_among(c, families_with(CLOSED_FORM)); }
 
 /// Whether it matters how its frame lies about the normal.
 FN bool is_anisotropic(Closure c) { return (c.alpha_u != c.alpha_v) | (c.anisotropic != 0.0f); }
+
+// The families whose light by polygon lights is nearly known in closed form: X(name, NAME), `name`_control in
+// their files, see control_lobes.h.
+#ifndef EXTRA_LTC_FAMILIES
+  #define EXTRA_LTC_FAMILIES(X)
+#endif
+#define LTC_FAMILIES(X)                               \
+  X(roughconductor_ggx, ROUGHCONDUCTOR_GGX)           \
+  X(roughconductor_beckmann, ROUGHCONDUCTOR_BECKMANN) \
+  X(plastic, PLASTIC)                                 \
+  X(roughplastic_ggx, ROUGHPLASTIC_GGX)               \
+  X(roughplastic_beckmann, ROUGHPLASTIC_BECKMANN)     \
+  X(microfacet_diffuse, MICROFACET_DIFFUSE)           \
+  X(principled, PRINCIPLED)                           \
+  X(disney, DISNEY)                                   \
+  EXTRA_LTC_FAMILIES(X)
+#define LTC_FAMILY_BIT(name, NAME) | (1u << FAMILY_##NAME)
+FN uint ltc_families(void) { return 0u LTC_FAMILIES(LTC_FAMILY_BIT); }
 
 /// What it reflects altogether, as far as its colours say.
 FN vec3 closure_albedo(Closure c) { return add(c.diffuse, c.specular); }
@@ -199,6 +266,15 @@ FN BsdfSample no_bsdf_sample(void) {
   s.weight = make_vec3(0.0f, 0.0f, 0.0f);
   s.pdf = 0.0f;
   s.eta = 1.0f;
+  return s;
+}
+
+/// Of the reflected direction wi, for which the family's own eval says this.
+FN BsdfSample sample_of_value(vec3 wi, BsdfValue value) {
+  BsdfSample s = no_bsdf_sample();
+  s.wi = wi;
+  s.pdf = value.pdf;
+  s.weight = scale(value.f_cos, 1.0f / (s.pdf > 0.0f ? s.pdf : 1.0f));
   return s;
 }
 

@@ -5,6 +5,7 @@
 #define PENUMBRA_LIGHT_H
 #include "kernels/light/disk_light.h"
 #include "kernels/light/environment_light.h"
+#include "kernels/light/envmap_light.h"
 #include "kernels/light/light_choice.h"
 #include "kernels/light/light_sample.h"
 #include "kernels/light/light_sampling.h"

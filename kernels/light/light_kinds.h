@@ -15,10 +15,16 @@ PENUMBRA_NAMESPACE_BEGIN
   X(disk, DISK, 2, FEATURE_UV, "disks that emit")                                                       \
   X(point, POINT, 3, 0, "point lights")                                                                 \
   X(environment, ENVIRONMENT, 4, 0, "environment light")                                                \
-  X(rectangle, RECTANGLE, 5, FEATURE_UV, "rectangles that emit, each of two triangles")
+  X(rectangle, RECTANGLE, 5, FEATURE_UV, "rectangles that emit, each of two triangles")                 \
+  X(envmap, ENVMAP, 6, 0, "environment map")
 
 // Rows of SCENE_TABLES for what single kinds have many numbers of.
-#define LIGHT_TABLES(T, A)
+#define LIGHT_TABLES(T, A)                                                      \
+  /* See envmap_light.h. */                                                     \
+  T(A, envmaps, EnvironmentMap, 1, "environment maps")                          \
+  T(A, envmap_texels, vec3, 1, "texels of environment maps")                    \
+  T(A, envmap_rows, float, 2, "distribution over the rows of environment maps") \
+  T(A, envmap_columns, float, 2, "distribution over the columns of environment maps")
 
 #define ENUMERATE_KIND(name, NAME, number, ways, description) LIGHT_##NAME = number,
 #define COUNT_KIND(name, NAME, number, ways, description) +1

@@ -16,6 +16,8 @@ PENUMBRA_NAMESPACE_BEGIN
 FN float min_f(float a, float b) { return a < b ? a : b; }
 FN float max_f(float a, float b) { return a > b ? a : b; }
 FN float clamp_f(float x, float low, float high) { return min_f(max_f(x, low), high); }
+/// From a to b as t goes from 0 to 1, both exactly.
+FN float mix_f(float a, float b, float t) { return (1.0f - t) * a + t * b; }
 FN int min_i(int a, int b) { return a < b ? a : b; }
 FN float sqr(float x) { return x * x; }
 /// sqrt(max(x, 0))

@@ -3,7 +3,9 @@
 #ifndef PENUMBRA_TEXTURE_H
 #define PENUMBRA_TEXTURE_H
 #include "kernels/intersect/surface_fields.h"
+#include "kernels/texture/bitmap_texture.h"
 #include "kernels/texture/checkerboard_texture.h"
+#include "kernels/texture/scale_texture.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -11,13 +13,6 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, vec3, value) /* so far: the product of the factors on the way */ \
   F(a, int, next)   /* index of the texture that it is to be multiplied by, or -1 */
 LANE_RECORD(TextureLane, TextureLanes, texture_lane, TEXTURE_LANE_FIELDS)
-
-/// As a number: its luminance (Rec. 709), exactly its value where it is grey.
-FN float texture_number(vec3 value) {
-  const bool grey = (value.x == value.y) & (value.y == value.z);
-  const float luminance = (0.212671f * value.x + 0.715160f * value.y) + 0.072169f * value.z;
-  return grey ? value.x : luminance;
-}
 
 #if HAS(TEXTURES)
   #define STEP_TEXTURES(name, NAME, number, description)                                                     \

@@ -3,38 +3,30 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-
-#include "scenes/transform.h"
+#include <array>
 
 namespace penumbra::mitsuba {
 namespace {
 
-void read_point_light(PluginReader& plugin, SceneDescription& scene) {
-  PointLight light;
-  const auto position = plugin.point("position");
-  const glm::dmat4 to_world = plugin.transform("to_world");
-  if (position && plugin.has("to_world")) plugin.wrong("position", "either position or to_world, not both");
-  light.position = position.value_or(transform_point(to_world, glm::dvec3(0.0)));
-  plugin.read_colour("intensity", light.intensity, ColourRole::kEmission);
+template <typename Model>
+void read_light(PluginReader& plugin, SceneDescription& scene) {
+  if (Model::kIsSky && std::ranges::any_of(scene.emitters, is_sky))
+    plugin.wrong(fmt::format("{} is a second sky; a scene has one", plugin.title()));
+  Model light;
+  plugin.read_parameters(light);
   plugin.accept({"sampling_weight"});
-  scene.emitters.emplace_back(light);
-}
-
-void read_environment(PluginReader& plugin, SceneDescription& scene) {
-  if (std::ranges::any_of(scene.emitters, is_sky))
-    plugin.wrong("there is a second constant emitter; a scene has one");
-  ConstantEnvironment environment;
-  plugin.read_colour("radiance", environment.radiance, ColourRole::kEmission);
-  scene.emitters.emplace_back(environment);
-  plugin.transform("to_world");  // which a constant does not see
-  plugin.accept({"sampling_weight"});
+  scene.emitters.emplace_back(std::move(light));
 }
 
 struct EmitterPlugin {
   std::string_view type;
   void (*read)(PluginReader&, SceneDescription&);
 };
-constexpr EmitterPlugin kEmitters[] = {{"point", read_point_light}, {"constant", read_environment}};
+template <typename... Models>
+constexpr auto emitter_plugins(const std::variant<Models...>*) {
+  return std::array{EmitterPlugin{Models::kPlugin, read_light<Models>}...};
+}
+constexpr auto kEmitters = emitter_plugins(static_cast<const Emitter*>(nullptr));
 // One that belongs to shapes.
 constexpr std::string_view kArea = "area";
 

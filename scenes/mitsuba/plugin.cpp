@@ -10,6 +10,14 @@
 
 namespace penumbra::mitsuba {
 
+namespace {
+
+ColourRole role_of(const ColourWithin& values) {
+  return values.high <= 1.0f ? ColourRole::kReflectance : ColourRole::kEmission;
+}
+
+}  // namespace
+
 Object* Context::resolve(const Child& child) const {
   if (child.object != nullptr) return child.object;
   const auto found = tree.by_id.find(child.reference);
@@ -34,6 +42,12 @@ void Context::unknown_plugin(const Object& object, std::span<const std::string> 
   } else {
     diagnostics.error(object.type_location, what + reads);
   }
+}
+
+std::vector<std::filesystem::path> Context::folders(const Object& object) const {
+  std::vector<std::filesystem::path> result = {object.location.file->path.parent_path()};
+  result.insert(result.end(), tree.folders.begin(), tree.folders.end());
+  return result;
 }
 
 PluginReader::PluginReader(const Context& context, const Object& object)
@@ -200,7 +214,11 @@ void PluginReader::read_textured(std::string_view name, TexturedColour& colour, 
     colour.texture = texture.index.value_or(kNoTexture);
     return;
   }
-  glm::vec3 rgb = colour.value;
+  read_plain(name, colour.value, role, values);
+}
+
+void PluginReader::read_plain(std::string_view name, glm::vec3& colour, ColourRole role, const auto& values) {
+  glm::vec3 rgb = colour;
   read_colour(name, rgb, role);
   for (int i = 0; i < 3; ++i)
     if (!values.contains(rgb[i]))
@@ -208,8 +226,23 @@ void PluginReader::read_textured(std::string_view name, TexturedColour& colour, 
   colour = rgb;
 }
 
+void PluginReader::read(std::string_view name, glm::vec3& colour, const ColourWithin& values) {
+  read_plain(name, colour, role_of(values), values);
+}
+
+void PluginReader::read(std::string_view name, glm::dvec3& value, AnyPoint) {
+  value = point(name).value_or(value);
+}
+
+void PluginReader::read(std::string_view name, glm::dmat4& value, AnyTransform) {
+  if (has(name))
+    value = transform(name);
+  else
+    skip_parameter(name);
+}
+
 void PluginReader::read(std::string_view name, TexturedColour& colour, const ColourWithin& values) {
-  read_textured(name, colour, values.high <= 1.0f ? ColourRole::kReflectance : ColourRole::kEmission, values);
+  read_textured(name, colour, role_of(values), values);
 }
 
 void PluginReader::read(std::string_view name, TexturedColour& colour, const IndexColour& values) {
@@ -250,6 +283,10 @@ void PluginReader::read(std::string_view name, float& number, const NumberWithin
 
 void PluginReader::read(std::string_view name, bool& value, const TrueOrFalse&) {
   value = boolean(name, value);
+}
+
+void PluginReader::read(std::string_view name, std::string& value, FileName) {
+  value = text(name, value);
 }
 
 void PluginReader::report(const Findings& findings) const {

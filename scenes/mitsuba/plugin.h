@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <glm/glm.hpp>
 #include <optional>
 #include <span>
@@ -29,6 +30,9 @@ struct Context {
 
   /// The object, or the one that is referred to; null, and an error, where there is none of that id.
   Object* resolve(const Child& child) const;
+
+  /// Where the files that the object names are looked for: beside its own file, then where the scene says.
+  [[nodiscard]] std::vector<std::filesystem::path> folders(const Object& object) const;
 
   /// "bsdf type 'x' is not one that Penumbra reads; …": an error, or with `lenient` a warning that ends in
   /// `instead`, "it is left out" for example.
@@ -63,6 +67,10 @@ class PluginReader {
   void read(std::string_view name, TexturedNumber& number, const NumberWithin& values);
   void read(std::string_view name, float& number, const NumberWithin& values);
   void read(std::string_view name, bool& value, const TrueOrFalse& values);
+  void read(std::string_view name, glm::vec3& colour, const ColourWithin& values);
+  void read(std::string_view name, glm::dvec3& value, AnyPoint values);
+  void read(std::string_view name, glm::dmat4& value, AnyTransform values);
+  void read(std::string_view name, std::string& value, FileName values);
   template <typename T>
   void read(std::string_view name, T& value, const OneOf<T>& values) {
     if (!has(name)) return skip_parameter(name);
@@ -132,6 +140,7 @@ class PluginReader {
   };
   TakenTexture take_texture(std::string_view name);
   void read_textured(std::string_view name, TexturedColour& colour, ColourRole role, const auto& values);
+  void read_plain(std::string_view name, glm::vec3& colour, ColourRole role, const auto& values);
   template <typename T>
   const T* take_as(std::string_view name, std::string_view wanted);
   void wrong_kind(const Parameter& parameter, std::string_view wanted) const;

@@ -1,0 +1,74 @@
+// Disney's BRDF (Burley 2012), with the masking of its revision of 2014: that of the anisotropic GGX
+// microfacets themselves. The paper's own widened them; `disney` of Disney's BRDF Explorer has this one.
+//
+// Base colour is `diffuse`, subsurface `flatness`, and `specular_level` is specular: 0.08 of it is reflected
+// along the normal.
+#ifndef PENUMBRA_DISNEY_H
+#define PENUMBRA_DISNEY_H
+#include "kernels/bsdf/disney_lobes.h"
+#include "kernels/scene.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+FN DisneyShares disney_shares_of(Closure c) {
+  return disney_shares(1.0f - c.metallic, 0.25f * c.clearcoat, 1.0f);
+}
+
+FN BsdfValue disney_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
+  const DisneyShares shares = disney_shares_of(c);
+  const vec3 sum = add(wo, wi);
+  const vec3 h = scale(sum, 1.0f / SQRT(max_f(dot3(sum, sum), 1e-30f)));
+  const float cos_h = dot3(wi, h), weight = schlick_weight(cos_h);
+  const vec3 white = make_vec3(1.0f, 1.0f, 1.0f);
+  // Disney's weights of the colours, not those of Rec. 709.
+  const vec3 tint = disney_tint(c.diffuse, (0.3f * c.diffuse.x + 0.6f * c.diffuse.y) + 0.1f * c.diffuse.z);
+
+  const float dielectric = 1.0f - c.metallic;
+  const float diffuse = disney_diffuse(FABS(wo.z), FABS(wi.z), cos_h, c.roughness, c.flatness);
+  const vec3 sheen = scale(mix3(white, tint, c.sheen_tint), c.sheen * weight);
+  const vec3 dull = scale(add_scaled(sheen, INV_PI_F * diffuse, c.diffuse), dielectric * wi.z);
+
+  const Microfacets m = disney_microfacets(c.roughness, c.anisotropic);
+  const float density = reflected_density(m, wo, h);
+  const vec3 plain = scale(mix3(white, tint, c.spec_tint), 0.08f * c.specular_level);
+  const vec3 fresnel = mix3(mix3(plain, c.diffuse, c.metallic), white, weight);
+  const vec3 shiny = scale(fresnel, density * masking_of_either_side(m, wi));
+
+  const Clearcoat coat = clearcoat_lobe(c.clearcoat_gloss, weight, wo, wi, h);
+  const float coat_cos = c.clearcoat * coat.value * (0.25f / max_f(wo.z, 1e-30f));
+
+  BsdfValue value;
+  value.f_cos = add(add(dull, shiny), make_vec3(coat_cos, coat_cos, coat_cos));
+  value.pdf = (shares.diffuse * INV_PI_F * wi.z + shares.specular * density) + shares.clearcoat * coat.pdf;
+  const bool reflects = (wi.z > 0.0f) & (wo.z > 0.0f);
+  return select_bsdf_value(reflects, value, no_bsdf_value());
+}
+
+FN BsdfSample disney_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v, float choice) {
+  const DisneyShares shares = disney_shares_of(c);
+  const vec3 facet = sample_microfacet(disney_microfacets(c.roughness, c.anisotropic), wo, u, v);
+  const vec3 coat = gtr1_sample(clearcoat_alpha(c.clearcoat_gloss), u, v);
+  const vec3 reflected = mirror_about(wo, select3(choice < shares.diffuse + shares.clearcoat, coat, facet));
+  BsdfSample s = no_bsdf_sample();
+  s.wi = select3(choice < shares.diffuse, cosine_hemisphere(u, v), reflected);
+  const BsdfValue value = disney_eval(scene, c, wo, s.wi);
+  s.pdf = value.pdf;
+  s.weight = scale(value.f_cos, s.pdf > 0.0f ? 1.0f / s.pdf : 0.0f);
+  return s;
+}
+
+#if HAS(LTC)
+/// Without sheen and clearcoat.
+FN ControlLobes disney_control(const PRIVATE Scene* scene, Closure c, float cosine) {
+  const MicrofacetLobe lobe = disney_lobe(scene, c, cosine);
+  const vec3 white = make_vec3(1.0f, 1.0f, 1.0f);
+  const vec3 tint = disney_tint(c.diffuse, (0.3f * c.diffuse.x + 0.6f * c.diffuse.y) + 0.1f * c.diffuse.z);
+  const vec3 plain = scale(mix3(white, tint, c.spec_tint), 0.08f * c.specular_level);
+  const vec3 fresnel = mix3(mix3(plain, c.diffuse, c.metallic), white, schlick_weight(fresnel_cosine(lobe)));
+  const float diffuse = mean_disney_diffuse(cosine, c.roughness, c.flatness);
+  return make_control_lobes(scale(c.diffuse, (1.0f - c.metallic) * diffuse), lobe, fresnel);
+}
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,147 @@
+// The principled BSDF of Mitsuba 3, after Burley (2012, 2015): by `metallic` from a metal to a dielectric,
+// which by `spec_trans` is opaque and diffuse or transmits; its GGX microfacets reflect and refract. A
+// clearcoat and sheen go on top.
+//
+// From inside (`variant`) it is a rough dielectric alone, without colour, as far as it transmits. Base colour
+// is `diffuse`, and `ior` as of smooth dielectrics.
+//
+// It is Mitsuba's to its clearcoat, which lacks the 1 / (4 cos cos) of a microfacet model and so is darker
+// than that of `disney`.
+#ifndef PENUMBRA_PRINCIPLED_H
+#define PENUMBRA_PRINCIPLED_H
+#include "kernels/bsdf/disney_lobes.h"
+#include "kernels/scene.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// What of it does not depend on directions.
+typedef struct {
+  bool inside;
+  float brdf, bsdf;     // how much of it is diffuse, how much transmits
+  DisneyShares shares;  // in which the specular lobe reflects and transmits,
+  float transmits;      // times what Fresnel lets through: the share of it that transmits
+  Microfacets facets;
+} Principled;
+
+FN Principled principled_of(Closure c) {
+  Principled p;
+  p.inside = c.variant == PRINCIPLED_INSIDE;
+  const float dielectric = 1.0f - c.metallic;
+  p.brdf = dielectric * (1.0f - c.spec_trans);
+  p.bsdf = dielectric * c.spec_trans;
+  p.transmits = p.inside ? 1.0f : p.bsdf;
+  p.shares = disney_shares(p.inside ? 0.0f : p.brdf * c.diffuse_rate,
+                           p.inside ? 0.0f : 0.25f * c.clearcoat * c.clearcoat_rate,
+                           p.inside ? 1.0f : c.specular_rate);
+  p.facets = disney_microfacets(c.roughness, c.anisotropic);
+  return p;
+}
+
+/// What the microfacets reflect where those of a dielectric reflect `fresnel`: by Schlick's approximation, of
+/// this weight, for what is metallic or tinted.
+FN vec3 principled_fresnel(Closure c, Principled p, float fresnel, float weight, vec3 tint) {
+  const vec3 white = make_vec3(1.0f, 1.0f, 1.0f);
+  const float dielectric = 1.0f - c.metallic;
+  const vec3 metal = mix3(c.diffuse, white, weight);
+  const vec3 tinted = mix3(scale(tint, normal_reflectance(c.ior)), white, weight);
+  const float plain = dielectric * (1.0f - c.spec_tint) * fresnel;
+  vec3 outside = add_scaled(make_vec3(plain, plain, plain), c.metallic, metal);
+  outside = add_scaled(outside, dielectric * c.spec_tint, tinted);
+  const float within = p.bsdf * fresnel;
+  return select3(p.inside, make_vec3(within, within, within), outside);
+}
+
+FN BsdfValue principled_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
+  const Principled p = principled_of(c);
+  const bool reflects = wi.z > 0.0f;
+  const vec3 sum = add_scaled(wo, reflects ? 1.0f : c.ior, wi);
+  const float length2 = dot3(sum, sum);
+  const float to_unit = 1.0f / SQRT(max_f(length2, 1e-30f));
+  const vec3 h = scale(sum, sum.z < 0.0f ? -to_unit : to_unit);
+  const float cos_o = dot3(wo, h), cos_i = dot3(wi, h);
+  const bool there = (wo.z > 0.0f) & (length2 > 0.0f) & (cos_o > 0.0f);
+  const bool facets_reflect = there & reflects & (cos_i > 0.0f);
+  const bool facets_transmit = there & (wi.z < 0.0f) & (cos_i < 0.0f);
+
+  const DielectricFresnel boundary = dielectric_fresnel(FABS(cos_o), c.ior);
+  const float fresnel = boundary.reflectance;
+  const float weight = schlick_weight_of(c.ior, cos_o, boundary.cosine);
+  const float density = reflected_density(p.facets, wo, h);
+  const float masked = density * masking_of_either_side(p.facets, wi);
+  const vec3 tint = disney_tint(c.diffuse, luminance(c.diffuse));
+
+  // Reflection by the microfacets.
+  const vec3 reflected = principled_fresnel(c, p, fresnel, weight, tint);
+  vec3 f_cos = scale(reflected, facets_reflect ? masked : 0.0f);
+  const float share_transmitted = p.transmits * (1.0f - fresnel);
+  const float specular_pdf = p.shares.specular * density;
+  float pdf = facets_reflect ? specular_pdf * (1.0f - share_transmitted) : 0.0f;
+
+  // Transmission: radiance is that of the other side over eta^2.
+  const float jacobian = 4.0f * cos_o * FABS(cos_i) * (to_unit * to_unit);
+  const float through = p.bsdf * (1.0f - fresnel) * masked * jacobian;
+  const vec3 root = make_vec3(SQRT(c.diffuse.x), SQRT(c.diffuse.y), SQRT(c.diffuse.z));
+  f_cos = add_scaled(f_cos, facets_transmit ? through : 0.0f, root);
+  pdf += facets_transmit ? specular_pdf * share_transmitted * (c.ior * c.ior) * jacobian : 0.0f;
+
+  // What is outside alone.
+  const bool outside = there & reflects & !p.inside;
+  const float cosine = outside ? wi.z : 0.0f;
+  const float diffuse = disney_diffuse(wo.z, FABS(wi.z), cos_i, c.roughness, c.flatness);
+  f_cos = add_scaled(f_cos, p.brdf * INV_PI_F * diffuse * cosine, c.diffuse);
+  pdf += p.shares.diffuse * INV_PI_F * cosine;
+  const vec3 sheen = mix3(make_vec3(1.0f, 1.0f, 1.0f), tint, c.sheen_tint);
+  const float sheens = (p.brdf > 0.0f ? c.sheen * (1.0f - c.metallic) : 0.0f) * schlick_weight(cos_i);
+  f_cos = add_scaled(f_cos, sheens * cosine, sheen);
+  const Clearcoat coat = clearcoat_lobe(c.clearcoat_gloss, weight, wo, wi, h);
+  const float coat_cos = c.clearcoat * coat.value * cosine;
+  f_cos = add(f_cos, make_vec3(coat_cos, coat_cos, coat_cos));
+  pdf += outside ? p.shares.clearcoat * coat.pdf : 0.0f;
+  BsdfValue value;
+  value.f_cos = f_cos;
+  value.pdf = pdf;
+  return select_bsdf_value(there, value, no_bsdf_value());
+}
+
+FN BsdfSample principled_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v,
+                                float choice) {
+  const Principled p = principled_of(c);
+  const vec3 facet = sample_microfacet(p.facets, wo, u, v);
+  const float cosine = max_f(dot3(wo, facet), 0.0f);
+  const DielectricFresnel fresnel = dielectric_fresnel(cosine, c.ior);
+  const float share_transmitted = p.transmits * (1.0f - fresnel.reflectance);
+
+  const float up_to_coat = p.shares.diffuse + p.shares.clearcoat;
+  const bool is_diffuse = choice < p.shares.diffuse;
+  const bool is_coat = choice < up_to_coat;
+  const bool transmits = !is_coat & (choice < up_to_coat + p.shares.specular * share_transmitted);
+  const vec3 h = select3(is_coat, gtr1_sample(clearcoat_alpha(c.clearcoat_gloss), u, v), facet);
+  const vec3 reflected = mirror_about(wo, h);
+  const vec3 refracted = refract_about(wo, facet, cosine, fresnel.cosine, c.ior);
+  BsdfSample s = no_bsdf_sample();
+  s.wi = select3(is_diffuse, cosine_hemisphere(u, v), select3(transmits, refracted, reflected));
+  s.eta = transmits ? c.ior : 1.0f;
+  const BsdfValue value = principled_eval(scene, c, wo, s.wi);
+  // A facet may send light to the wrong side of the surface.
+  s.pdf = transmits == (s.wi.z < 0.0f) ? value.pdf : 0.0f;
+  s.weight = scale(value.f_cos, s.pdf > 0.0f ? 1.0f / s.pdf : 0.0f);
+  return s;
+}
+
+#if HAS(LTC)
+/// Without sheen and clearcoat; for closures that do not transmit, which from inside are black.
+FN ControlLobes principled_control(const PRIVATE Scene* scene, Closure c, float cosine) {
+  const Principled p = principled_of(c);
+  const MicrofacetLobe lobe = disney_lobe(scene, c, cosine);
+  const float at = fresnel_cosine(lobe);
+  const DielectricFresnel boundary = dielectric_fresnel(at, c.ior);
+  const float weight = schlick_weight_of(c.ior, at, boundary.cosine);
+  const vec3 tint = disney_tint(c.diffuse, luminance(c.diffuse));
+  const float diffuse = mean_disney_diffuse(cosine, c.roughness, c.flatness);
+  return make_control_lobes(scale(c.diffuse, p.inside ? 0.0f : p.brdf * diffuse), lobe,
+                            principled_fresnel(c, p, boundary.reflectance, weight, tint));
+}
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif

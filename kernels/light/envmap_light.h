@@ -1,0 +1,153 @@
+// An environment map: radiance bilinear over the grid of envmap_grid.h, and directions whose density over
+// that grid is bilinear as well, exactly.
+//
+// Tables: the texels row by row; for each row y of the grid and each column x the sum of the row's weights,
+// of columns as between texels, up to x (envmap_columns, W + 1 a row from 0 on); and of the rows likewise, in
+// shares of the whole (envmap_rows, H from 0 to 1), followed by the whole.
+#ifndef PENUMBRA_ENVMAP_LIGHT_H
+#define PENUMBRA_ENVMAP_LIGHT_H
+#include "kernels/light/envmap_grid.h"
+#include "kernels/light/light_found.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+#define ENVMAP_SEARCH_STEPS 15  // 2^15 columns and more than the rows
+
+/// The cell that holds a point of the grid, and where in it.
+typedef struct {
+  int x, next_x, y;
+  float s, t;
+} EnvmapPoint;
+
+FN EnvmapPoint envmap_point(EnvironmentMap map, float x, float y) {
+  EnvmapPoint p;
+  const int column = (int)x, row = (int)y;
+  p.x = column < map.width - 1 ? column : map.width - 1;
+  p.next_x = p.x + 1 < map.width ? p.x + 1 : 0;
+  p.y = row < map.height - 2 ? row : map.height - 2;
+  p.s = x - (float)p.x;
+  p.t = y - (float)p.y;
+  return p;
+}
+
+/// The point of the grid in the unit direction, and the sine of its angle from the axis.
+FN EnvmapPoint envmap_at(GLOBAL const Light* light, EnvironmentMap map, vec3 wi, PRIVATE float* sine) {
+  const float x = dot3(load3(&light->p0), wi), y = dot3(load3(&light->p1), wi),
+              z = dot3(load3(&light->p2), wi);
+  const float turns = atan2_f(x, -z) * (0.5f * INV_PI_F);
+  const float u = turns < 0.0f ? turns + 1.0f : turns;
+  const float column = u * (float)map.width - 0.5f;
+  *sine = SQRT(sqr(x) + sqr(z));
+  const float angle = atan2_f(*sine, y) * INV_PI_F;
+  return envmap_point(map, column < 0.0f ? column + (float)map.width : column,
+                      clamp_f(angle, 0.0f, 1.0f) * (float)(map.height - 1));
+}
+
+/// The direction of a point of the grid, and the sine of its angle from the axis.
+FN vec3 envmap_direction(GLOBAL const Light* light, EnvironmentMap map, float x, float y,
+                         PRIVATE float* sine) {
+  float sine_u, cosine_u, cosine;
+  sincos_2pi((x + 0.5f) / (float)map.width, &sine_u, &cosine_u);
+  sincos_2pi(0.5f * y / (float)(map.height - 1), sine, &cosine);
+  const vec3 along_x = scale(load3(&light->p0), sine_u * *sine), along_y = scale(load3(&light->p1), cosine);
+  return add(add(along_x, along_y), scale(load3(&light->p2), -cosine_u * *sine));
+}
+
+FN vec3 envmap_texel(const PRIVATE Scene* scene, EnvironmentMap map, int x, int y) {
+  return load3(scene->envmap_texels + y * map.width + x);
+}
+
+FN vec3 envmap_radiance(const PRIVATE Scene* scene, EnvironmentMap map, EnvmapPoint p) {
+  const vec3 a = envmap_texel(scene, map, p.x, p.y), b = envmap_texel(scene, map, p.next_x, p.y);
+  const vec3 c = envmap_texel(scene, map, p.x, p.y + 1), d = envmap_texel(scene, map, p.next_x, p.y + 1);
+  const vec3 above = add(scale(a, 1.0f - p.s), scale(b, p.s)),
+             below = add(scale(c, 1.0f - p.s), scale(d, p.s));
+  return add(scale(above, 1.0f - p.t), scale(below, p.t));
+}
+
+/// Weights of the grid along one column of it, between the rows of p.
+FN float envmap_column_weight(const PRIVATE Scene* scene, EnvironmentMap map, EnvmapPoint p, int x) {
+  const float above = envmap_weight(envmap_texel(scene, map, x, p.y), envmap_row_sine(p.y, map.height));
+  const float below =
+      envmap_weight(envmap_texel(scene, map, x, p.y + 1), envmap_row_sine(p.y + 1, map.height));
+  return mix_f(above, below, p.t);
+}
+
+/// Per solid angle, at a point of that weight.
+FN float envmap_density(const PRIVATE Scene* scene, EnvironmentMap map, float weight, float sine) {
+  const float whole = scene->envmap_rows[map.height];
+  const float cells = (float)map.width * (float)(map.height - 1);
+  const float area = (2.0f * PI_F * PI_F) * max_f(sine, 1e-12f);
+  return whole > 0.0f ? weight / whole * (cells / area) : 0.0f;
+}
+
+FN vec3 envmap_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* light, LightPoint at, vec3 wi) {
+  const EnvironmentMap map = scene->envmaps[0];
+  float sine;
+  return envmap_radiance(scene, map, envmap_at(light, map, wi, &sine));
+}
+
+/// Where in [0, 1] a density that goes from a to b >= 0 in a straight line has the share u of itself below.
+FN float sample_linear(float u, float a, float b) {
+  const float root = SQRT(mix_f(sqr(a), sqr(b), u));
+  const float sum = a + root;
+  return min_f(sum > 0.0f ? u * (a + b) / sum : u, ONE_MINUS_EPSILON);
+}
+
+FN LightSample sample_envmap_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
+                                   LightSampling sampling, uint ways) {
+  GLOBAL const Light* light = scene->lights + index;
+  const EnvironmentMap map = scene->envmaps[0];
+  // The row: rows[y] <= v < rows[y + 1].
+  GLOBAL const float* rows = scene->envmap_rows;
+  int y = 0, size = map.height - 1;
+  UNROLL
+  for (int k = 0; k < ENVMAP_SEARCH_STEPS; k++) {
+    const int half_size = size >> 1, middle = y + half_size;
+    const bool above = (half_size > 0) & (rows[middle] <= v);
+    y = above ? middle : y;
+    size = above ? size - half_size : (half_size > 0 ? half_size : size);
+  }
+  const int stride = map.width + 1;
+  GLOBAL const float* columns = scene->envmap_columns + y * stride;
+  const float first = columns[map.width], second = columns[stride + map.width];
+  const float share = rows[y + 1] - rows[y], left = share > 0.0f ? (v - rows[y]) / share : 0.5f;
+  const float t = sample_linear(clamp_f(left, 0.0f, ONE_MINUS_EPSILON), first, second);
+  // The column, in a row between the two.
+  const float target = u * mix_f(first, second, t);
+  int x = 0;
+  size = map.width;
+  UNROLL
+  for (int k = 0; k < ENVMAP_SEARCH_STEPS; k++) {
+    const int half_size = size >> 1, middle = x + half_size;
+    const bool above = (half_size > 0) & (mix_f(columns[middle], columns[stride + middle], t) <= target);
+    x = above ? middle : x;
+    size = above ? size - half_size : (half_size > 0 ? half_size : size);
+  }
+  EnvmapPoint p = envmap_point(map, (float)x, (float)y);
+  p.t = t;
+  const float a = envmap_column_weight(scene, map, p, p.x), b = envmap_column_weight(scene, map, p, p.next_x);
+  const float below = mix_f(columns[x], columns[stride + x], t);
+  const float cell = mix_f(columns[x + 1], columns[stride + x + 1], t) - below;
+  p.s = sample_linear(clamp_f(cell > 0.0f ? (target - below) / cell : 0.5f, 0.0f, ONE_MINUS_EPSILON), a, b);
+  LightSample s = no_light_sample();
+  float sine;
+  s.wi = s.toward = envmap_direction(light, map, (float)p.x + p.s, (float)p.y + p.t, &sine);
+  s.origin = leave_surface(r.p, r.geometric, r.error, s.wi);
+  s.tmax = NO_LIMIT;
+  s.pdf = envmap_density(scene, map, mix_f(a, b, p.s), sine);
+  s.radiance = envmap_radiance(scene, map, p);
+  return s;
+}
+
+FN float envmap_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
+                          uint ways) {
+  const EnvironmentMap map = scene->envmaps[0];
+  float sine;
+  const EnvmapPoint p = envmap_at(light, map, found.wi, &sine);
+  const float a = envmap_column_weight(scene, map, p, p.x), b = envmap_column_weight(scene, map, p, p.next_x);
+  return envmap_density(scene, map, mix_f(a, b, p.s), sine);
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

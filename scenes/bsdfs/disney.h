@@ -1,0 +1,55 @@
+// Disney's BRDF of 2012 by the names of its authors, see kernels/bsdf/disney.h.
+#pragma once
+
+#include "scenes/bsdfs/material.h"
+#include "scenes/plugin_values.h"
+
+namespace penumbra {
+
+struct DisneyBsdf {
+  static constexpr const char* kPlugin = "disney";
+  TexturedColour base_color{glm::vec3(0.5f)};
+  TexturedNumber subsurface, metallic;
+  TexturedNumber specular{0.5f};
+  TexturedNumber specular_tint;
+  TexturedNumber roughness{0.5f};
+  TexturedNumber anisotropic, sheen;
+  TexturedNumber sheen_tint{0.5f};
+  TexturedNumber clearcoat;
+  TexturedNumber clearcoat_gloss{1.0f};
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    using P = DisneyBsdf;
+    row("baseColor", &P::base_color, ColourWithin{}, "colour of the material");
+    row("subsurface", &P::subsurface, NumberWithin{}, "from diffuse to like scattering beneath the surface");
+    row("metallic", &P::metallic, NumberWithin{}, "from a dielectric to a metal");
+    row("specular", &P::specular, NumberWithin{},
+        "of a dielectric: 0.08 of it is reflected along the normal");
+    row("specularTint", &P::specular_tint, NumberWithin{}, "how much that reflection has the base colour");
+    row("roughness", &P::roughness, NumberWithin{}, "of the microfacets: their alpha is its square");
+    row("anisotropic", &P::anisotropic, NumberWithin{}, "how much longer highlights are along the tangent");
+    row("sheen", &P::sheen, NumberWithin{}, "of cloth, at grazing angles");
+    row("sheenTint", &P::sheen_tint, NumberWithin{}, "how much the sheen has the base colour");
+    row("clearcoat", &P::clearcoat, NumberWithin{}, "of a second, colourless reflection");
+    row("clearcoatGloss", &P::clearcoat_gloss, NumberWithin{}, "from a satin to a glossy clearcoat");
+  }
+};
+
+inline Material material_of(const DisneyBsdf& disney) {
+  Material m = material_of_family(FAMILY_DISNEY);
+  PENUMBRA_SET_FIELD(m, diffuse, disney.base_color);
+  PENUMBRA_SET_FIELD(m, flatness, disney.subsurface);
+  PENUMBRA_SET_FIELD(m, metallic, disney.metallic);
+  PENUMBRA_SET_FIELD(m, specular_level, disney.specular);
+  PENUMBRA_SET_FIELD(m, spec_tint, disney.specular_tint);
+  PENUMBRA_SET_FIELD(m, roughness, disney.roughness);
+  PENUMBRA_SET_FIELD(m, anisotropic, disney.anisotropic);
+  PENUMBRA_SET_FIELD(m, sheen, disney.sheen);
+  PENUMBRA_SET_FIELD(m, sheen_tint, disney.sheen_tint);
+  PENUMBRA_SET_FIELD(m, clearcoat, disney.clearcoat);
+  PENUMBRA_SET_FIELD(m, clearcoat_gloss, disney.clearcoat_gloss);
+  return m;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,89 @@
+// The principled BSDFs, as files describe them, against values of Mitsuba 3.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "kernels/host/material_closure.h"
+#include "scenes/scene_reader.h"
+#include "tests/kernels/kernels_under_test.h"
+#include "tests/support/temporary_folder.h"
+
+namespace penumbra {
+namespace {
+
+/// A BSDF of principled_values.txt, and its values.
+struct MitsubaValue {
+  vec3 wo, wi, f_cos;
+  float pdf;
+};
+struct MitsubaBsdf {
+  std::string xml;
+  std::vector<MitsubaValue> values;
+};
+
+std::vector<MitsubaBsdf> mitsuba_bsdfs() {
+  std::vector<MitsubaBsdf> result;
+  std::ifstream file(PENUMBRA_SOURCE_DIR "/tests/kernels/bsdf/principled_values.txt");
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with('<')) {
+      result.push_back({line, {}});
+      continue;
+    }
+    std::istringstream numbers(line);
+    MitsubaValue v{};
+    for (vec3* each : {&v.wo, &v.wi, &v.f_cos}) numbers >> each->x >> each->y >> each->z;
+    numbers >> v.pdf;
+    EXPECT_TRUE(numbers) << line;
+    result.back().values.push_back(v);
+  }
+  return result;
+}
+
+BsdfModel model_of(const std::string& xml) {
+  TemporaryFolder folder;
+  write_text(
+      folder / "scene.xml",
+      "<scene version='3.0.0'><sensor type='perspective'/><shape type='sphere'>" + xml + "</shape></scene>");
+  const auto scene = read_scene(folder / "scene.xml", {});
+  EXPECT_TRUE(scene) << scene.error().message;
+  return scene->bsdfs.at(0).model;
+}
+
+/// As seen from that side: nothing where it is black from there.
+std::optional<Closure> closure_from(const BsdfModel& model, bool inside) {
+  const auto* principled = std::get_if<PrincipledBsdf>(&model);
+  if (principled == nullptr || !inside) return closure_of(material_of(Bsdf{"", model}));
+  const auto other = principled->other_side();
+  return other ? std::optional(closure_of(material_of(*other))) : std::nullopt;
+}
+
+TEST(PrincipledBsdfs, AreWorthWhatMitsubaSays) {
+  const std::vector<MitsubaBsdf> bsdfs = mitsuba_bsdfs();
+  ASSERT_EQ(bsdfs.size(), 18u);
+  for (const MitsubaBsdf& bsdf : bsdfs) {
+    const BsdfModel model = model_of(bsdf.xml);
+    EXPECT_EQ(bsdf.values.size(), 36u);
+    for (const MitsubaValue& v : bsdf.values) {
+      const bool inside = v.wo.z < 0;
+      const std::optional<Closure> c = closure_from(model, inside);
+      const auto turned = [&](const vec3& w) { return inside ? make_vec3(w.x, -w.y, -w.z) : w; };
+      if (!c) {
+        EXPECT_EQ(v.f_cos.x, 0);
+        continue;
+      }
+      const BsdfValue ours = eval_bsdf(nullptr, *c, make_vec3(0, 0, 1), turned(v.wo), turned(v.wi));
+      const auto close = [&](float a, float b) {
+        EXPECT_NEAR(a, b, 1e-4 * b) << bsdf.xml << " viewer " << v.wo.x << ' ' << v.wo.y << ' ' << v.wo.z
+                                    << " light " << v.wi.x << ' ' << v.wi.y << ' ' << v.wi.z;
+      };
+      close(ours.f_cos.x, v.f_cos.x);
+      close(ours.f_cos.y, v.f_cos.y);
+      close(ours.f_cos.z, v.f_cos.z);
+      close(ours.pdf, v.pdf);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace penumbra
