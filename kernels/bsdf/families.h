@@ -234,7 +234,12 @@ FN bool is_anisotropic(Closure c) { return (c.alpha_u != c.alpha_v) | (c.anisotr
 FN uint ltc_families(void) { return 0u LTC_FAMILIES(LTC_FAMILY_BIT); }
 
 /// What it reflects altogether, as far as its colours say.
-FN vec3 closure_albedo(Closure c) { return add(c.diffuse, c.specular); }
+FN vec3 closure_albedo(Closure c) {
+  // Of a coat's boundary, what it reflects along the normal.
+  const bool coated = (((PLASTICS | ONLY(MICROFACET_DIFFUSE)) >> c.family) & 1u) != 0u;
+  const float step = (c.ior - 1.0f) / (c.ior + 1.0f);
+  return add(c.diffuse, scale(c.specular, coated ? step * step : 1.0f));
+}
 
 // --- What a family's functions return. Directions are in the frame of the shading normal, whose z is on the
 // viewer's side; f is in 1/sr, pdfs per solid angle.

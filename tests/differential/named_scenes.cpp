@@ -303,8 +303,8 @@ SceneText phong_sides() {
 }
 
 /// Plastics, smooth and rough, one- and two-sided.
-SceneText plastics(bool nonlinear) {
-  SceneText scene = begin(nonlinear ? "plastics-nonlinear" : "plastics", path(4), {0, 1, 5}, 40);
+SceneText plastics(std::string_view name, const std::string& integrator, bool nonlinear) {
+  SceneText scene = begin(name, integrator);
   const auto plastic = [&](std::string_view type, const glm::dvec3& colour, const std::string& more) {
     return plugin("bsdf", type, rgb("diffuse_reflectance", colour) + boolean("nonlinear", nonlinear) + more);
   };
@@ -495,8 +495,8 @@ std::vector<SceneText> named_scenes() {
                                    old_spelling(),
                                    colours(),
                                    phong_sides(),
-                                   plastics(false),
-                                   plastics(true),
+                                   plastics("plastics", path(4), false),
+                                   plastics("plastics-nonlinear", path(4), true),
                                    box_light(),
                                    long_axis(),
                                    references(),
@@ -505,6 +505,9 @@ std::vector<SceneText> named_scenes() {
                                    blends(),
                                    bent("normalmap"),
                                    bent("bumpmap")};
+  const std::string direct =
+      plugin("integrator", "direct", integer("emitter_samples", 2) + integer("bsdf_samples", 2));
+  scenes.push_back(plastics("plastics-direct", direct, false));
   for (const char* shape : {"rectangle", "cube", "sphere", "disk", "obj", "ply", "smooth"})
     for (const bool flipped : {false, true}) scenes.push_back(mirrored(shape, flipped));
   scenes.push_back(principled("principled-metal", "principled",
