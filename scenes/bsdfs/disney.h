@@ -9,13 +9,13 @@ namespace penumbra {
 struct DisneyBsdf {
   static constexpr const char* kPlugin = "disney";
   TexturedColour base_color{glm::vec3(0.5f)};
-  TexturedNumber subsurface, metallic;
+  TexturedNumber subsurface{}, metallic{};
   TexturedNumber specular{0.5f};
-  TexturedNumber specular_tint;
+  TexturedNumber specular_tint{};
   TexturedNumber roughness{0.5f};
-  TexturedNumber anisotropic, sheen;
+  TexturedNumber anisotropic{}, sheen{};
   TexturedNumber sheen_tint{0.5f};
-  TexturedNumber clearcoat;
+  TexturedNumber clearcoat{};
   TexturedNumber clearcoat_gloss{1.0f};
 
   template <typename Row>

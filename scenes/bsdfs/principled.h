@@ -27,10 +27,10 @@ struct PrincipledBsdf {
   static constexpr const char* kPlugin = "principled";
   TexturedColour base_color{glm::vec3(0.5f)};
   TexturedNumber roughness{0.5f};
-  TexturedNumber anisotropic, metallic, spec_trans;
+  TexturedNumber anisotropic{}, metallic{}, spec_trans{};
   float eta = 1.5f;       ///< inside over outside
   float specular = 0.5f;  ///< instead of eta
-  TexturedNumber spec_tint, sheen, sheen_tint, flatness, clearcoat, clearcoat_gloss;
+  TexturedNumber spec_tint{}, sheen{}, sheen_tint{}, flatness{}, clearcoat{}, clearcoat_gloss{};
   float specular_rate = 1.0f, diffuse_rate = 1.0f, clearcoat_rate = 1.0f;
   bool inside = false;  ///< as seen from there
 
