@@ -86,7 +86,8 @@ struct PrincipledBsdf {
 };
 
 inline Material material_of(const PrincipledBsdf& principled) {
-  Material m = material_of_family(FAMILY_PRINCIPLED);
+  Material m =
+      material_of_family(principled.transmits() ? FAMILY_PRINCIPLED_TRANSMITTING : FAMILY_PRINCIPLED);
   PENUMBRA_SET_FIELD(m, diffuse, principled.base_color);
   PENUMBRA_SET_FIELD(m, roughness, principled.roughness);
   PENUMBRA_SET_FIELD(m, anisotropic, principled.anisotropic);
