@@ -170,6 +170,9 @@ FN uint compiled_families(void) { return FAMILIES; }
 FN uint families_with(int wanted) { return 0u BSDF_FAMILIES(FAMILY_WITH); }
 #undef FAMILY_WITH
 
+/// Whether light from behind comes through.
+FN bool lets_light_through(int family) { return ((families_with(TRANSMITS) >> family) & 1u) != 0u; }
+
 FN bool has_closed_form(Closure c) { return ((families_with(CLOSED_FORM) >> c.family) & 1u) != 0u; }
 
 /// Whether it matters how its frame lies about the normal.

@@ -6,10 +6,12 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Density of the scene's way of choosing directions about the surface's shading normal.
-FN float direction_pdf(int kind, vec3 n, vec3 wi, float bsdf_pdf) {
-  const float cosine = max_f(dot3(n, wi), 0.0f);
-  const float pdf = kind == DIRECTION_COSINE ? cosine * INV_PI_F : (cosine > 0.0f ? 0.5f * INV_PI_F : 0.0f);
+/// Density of the scene's way of choosing directions about the surface's shading normal: on both sides where
+/// light comes `through`.
+FN float direction_pdf(int kind, vec3 n, vec3 wi, bool through, float bsdf_pdf) {
+  const float along = dot3(n, wi), cosine = through ? 0.5f * FABS(along) : max_f(along, 0.0f);
+  const float uniform = through ? 0.25f * INV_PI_F : 0.5f * INV_PI_F;
+  const float pdf = kind == DIRECTION_COSINE ? cosine * INV_PI_F : (cosine > 0.0f ? uniform : 0.0f);
   return kind == DIRECTION_BSDF ? bsdf_pdf : pdf;
 }
 
@@ -94,7 +96,8 @@ STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE Pat
       const Surface s = load_surface(&step->surfaces, j);
       const LightSample light = load_light_sample(&step->lights, j);
       const BsdfValue value = load_bsdf_value(&step->values, j);
-      const float other = direction_pdf(kind, s.shading, light.wi, value.pdf);
+      const bool through = lets_light_through(step->closures.family[j]);
+      const float other = direction_pdf(kind, s.shading, light.wi, through, value.pdf);
       const float shared = mis_weight(heuristic, emitter_samples * light.pdf, bsdf_samples * other);
       const float share = light.delta ? 1.0f : shared;
       const float weight = share / (emitter_samples * (light.pdf > 0.0f ? light.pdf : 1.0f));
@@ -106,25 +109,31 @@ STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE Pat
 }
 
 STAGE void direction_samples(int kind, const PRIVATE Surfaces* RESTRICT surfaces,
-                             const PRIVATE float* RESTRICT uv, PRIVATE float* RESTRICT wi) {
+                             const PRIVATE int* RESTRICT families, const PRIVATE float* RESTRICT uv,
+                             const PRIVATE float* RESTRICT choice, PRIVATE float* RESTRICT wi) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const vec3 n = LOAD_LANE_vec3(surfaces->shading, j);
       const vec3 by_cosine = sample_cosine_hemisphere(n, uv[j], uv[LANES + j]);
       const vec3 by_area = sample_uniform_hemisphere(n, uv[j], uv[LANES + j]);
-      STORE_LANE_vec3(wi, j, select3(kind == DIRECTION_COSINE, by_cosine, by_area));
+      const vec3 above = select3(kind == DIRECTION_COSINE, by_cosine, by_area);
+      const vec3 below = add_scaled(above, -2.0f * dot3(n, above), n);
+      const bool turned = lets_light_through(families[j]) & (choice[j] < 0.5f);
+      STORE_LANE_vec3(wi, j, select3(turned, below, above));
     }
 }
 
 STAGE void weigh_directions(int kind, const PRIVATE Surfaces* RESTRICT surfaces,
-                            const PRIVATE float* RESTRICT wi, const PRIVATE BsdfValues* RESTRICT values,
+                            const PRIVATE int* RESTRICT families, const PRIVATE float* RESTRICT wi,
+                            const PRIVATE BsdfValues* RESTRICT values,
                             PRIVATE BsdfSamples* RESTRICT samples) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const BsdfValue value = load_bsdf_value(values, j);
       BsdfSample s = no_bsdf_sample();
       s.wi = LOAD_LANE_vec3(wi, j);
-      const float pdf = direction_pdf(kind, LOAD_LANE_vec3(surfaces->shading, j), s.wi, value.pdf);
+      const bool through = lets_light_through(families[j]);
+      const float pdf = direction_pdf(kind, LOAD_LANE_vec3(surfaces->shading, j), s.wi, through, value.pdf);
       s.pdf = value.pdf > 0.0f ? pdf : 0.0f;
       s.weight = scale(value.f_cos, 1.0f / (pdf > 0.0f ? pdf : 1.0f));
       store_bsdf_sample(samples, j, s);
@@ -136,9 +145,11 @@ FN void choose_directions(const PRIVATE Scene* scene, PRIVATE StepLanes* step) {
   const PRIVATE SceneHeader* h = &scene->header;
   float wi[3 * LANES];
   BsdfValues values;
-  direction_samples(h->integrator.bsdf_sampling, &step->surfaces, step->u + DIM_BSDF_U * LANES, wi);
+  const PRIVATE int* families = step->closures.family;
+  direction_samples(h->integrator.bsdf_sampling, &step->surfaces, families, step->u + DIM_BSDF_U * LANES,
+                    step->u + DIM_LOBE_CHOICE * LANES, wi);
   eval_bsdfs(scene, step->families, &step->closures, &step->surfaces, wi, &values);
-  weigh_directions(h->integrator.bsdf_sampling, &step->surfaces, wi, &values, &step->samples);
+  weigh_directions(h->integrator.bsdf_sampling, &step->surfaces, families, wi, &values, &step->samples);
 }
 
 /// Direction samples as the next rays.

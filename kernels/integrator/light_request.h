@@ -77,8 +77,12 @@ STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request,
 #endif
 
 #if HAS(PROJECTED)
+// Projection is onto one side of a surface. Where light comes through, points on lights are sampled
+// otherwise.
+
 /// Projected solid angles of the lights that are chosen by power.
 STAGE void project_by_power(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+                            const PRIVATE int* RESTRICT families, const PRIVATE int* RESTRICT chosen,
                             const PRIVATE float* RESTRICT u, PRIVATE double* RESTRICT projected) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -87,7 +91,8 @@ STAGE void project_by_power(const PRIVATE Scene* scene, const PRIVATE Surfaces* 
           choose_light(scene, u[DIM_LIGHT_U * LANES + j], u[DIM_LIGHT_FINE * LANES + j]);
       GLOBAL const Light* light = scene->lights + by_power.light;
       const double e = light_irradiance(light, r.p.x, r.p.y, r.p.z, r.shading.x, r.shading.y, r.shading.z);
-      projected[j] = is_own_light(scene, r, by_power.light) ? 0.0 : e;
+      const bool none = is_own_light(scene, r, by_power.light) | lets_light_through(families[j]);
+      projected[j] = chosen[j] >= 0 ? projected[j] : (none ? 0.0 : e);
     }
 }
 
@@ -107,22 +112,30 @@ STAGE void sample_projected_lights(const PRIVATE Scene* scene, const PRIVATE Sur
     }
 }
 
+/// The normal about which lights are projected; 0 for none, and no density.
+FN vec3 projected_about(vec3 normal, int family) {
+  return select3(lets_light_through(family), make_vec3(0.0f, 0.0f, 0.0f), normal);
+}
+
 /// Densities for the lights that the last rays found, for multiple importance sampling.
 STAGE void project_found(const PRIVATE Scene* scene, bool path, const PRIVATE Surfaces* RESTRICT receivers,
-                         const PRIVATE PathState* paths, int i, PRIVATE FoundLights* RESTRICT found) {
+                         const PRIVATE int* RESTRICT families, const PRIVATE PathState* paths, int i,
+                         PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const vec3 shading = LOAD_LANE_vec3(receivers->shading, j), left = get_left_normal(paths, i + j);
+      const vec3 shading = projected_about(LOAD_LANE_vec3(receivers->shading, j), families[j]);
+      const vec3 left = get_left_normal(paths, i + j);
       found->projected_pdf[j] =
           projected_density(scene, load_found_light(found, j), select3(path, left, shading));
     }
 }
 
 /// The next rays leave these surfaces.
-STAGE void note_left_normals(const PRIVATE PathState* paths, int i,
-                             const PRIVATE Surfaces* RESTRICT surfaces) {
+STAGE void note_left_normals(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
+                             const PRIVATE int* RESTRICT families) {
   LANE_LOOP
-    for (int j = 0; j < LANES; j++) set_left_normal(paths, i + j, LOAD_LANE_vec3(surfaces->shading, j));
+    for (int j = 0; j < LANES; j++)
+      set_left_normal(paths, i + j, projected_about(LOAD_LANE_vec3(surfaces->shading, j), families[j]));
 }
 #endif
 
@@ -132,6 +145,7 @@ FN void request_lights(const PRIVATE Scene* scene, LightRequest request, bool fi
                        const PRIVATE PathState* paths, int i) {
 #if HAS(PROJECTED) || HAS(POLYGONS)
   double projected[LANES];
+  for (int j = 0; j < LANES; j++) projected[j] = 0.0;
 #endif
 #if HAS(POLYGONS)
   if (request.choice | request.closed)
@@ -139,9 +153,12 @@ FN void request_lights(const PRIVATE Scene* scene, LightRequest request, bool fi
                      projected);
 #endif
 #if HAS(PROJECTED)
-  if (request.found & finds) project_found(scene, request.path, &step->surfaces, paths, i, &step->found);
-  if (request.found & request.path) note_left_normals(paths, i, &step->surfaces);
-  if (request.projected & !request.choice) project_by_power(scene, &step->surfaces, step->u, projected);
+  const PRIVATE int* families = step->closures.family;
+  if (request.found & finds)
+    project_found(scene, request.path, &step->surfaces, families, paths, i, &step->found);
+  if (request.found & request.path) note_left_normals(paths, i, &step->surfaces, families);
+  if (request.projected)
+    project_by_power(scene, &step->surfaces, families, step->samplings.light, step->u, projected);
   if (request.projected)
     sample_projected_lights(scene, &step->surfaces, step->u, projected, &step->samplings);
 #endif

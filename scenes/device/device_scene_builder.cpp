@@ -9,6 +9,7 @@
 #include <map>
 #include <numbers>
 
+#include "kernels/host/material_closure.h"
 #include "kernels/intersect/bvh_limits.h"
 #include "scenes/device/bvh_builder.h"
 #include "scenes/device/camera_builder.h"
@@ -113,6 +114,7 @@ class Builder {
       records_.materials.push_back(material_of(bsdf));
       h_.families |= 1u << records_.materials.back().family;
       h_.textured |= textured_fields(records_.materials.back());
+      if (is_anisotropic(closure_of(records_.materials.back()))) need(FEATURE_UV);
     }
     if (h_.textured != 0u) add_textures();
     if ((h_.families & families_with(TRANSMITS)) != 0u) need(FEATURE_TRANSMISSION);

@@ -77,7 +77,10 @@ TEST(BsdfLanes, OfSeveralFamiliesAreThoseOfEachByItself) {
       ASSERT_TRUE(same(sample.weight, sample_alone.weight));
     }
   }
-  for (const uint families : {0u, 1u << FAMILY_DIFFUSE, 1u << FAMILY_PHONG, EVERY_FAMILY})
+  uint all = 0;
+  for (const BsdfCase& each : kCases) all |= 1u << each.made.family;
+  EXPECT_EQ(all, EVERY_FAMILY);
+  for (const uint families : {0u, 1u << FAMILY_ROUGHDIELECTRIC_BECKMANN, EVERY_FAMILY})
     EXPECT_TRUE(seen.contains(families)) << families;
 }
 
@@ -95,6 +98,9 @@ TEST(Closures, HaveWhatTheMaterialHas) {
     EXPECT_TRUE(same(c.diffuse, m.diffuse));
     EXPECT_TRUE(same(c.specular, m.specular));
     EXPECT_EQ(c.exponent, m.exponent);
+    EXPECT_TRUE(same(c.k, m.k));
+    EXPECT_EQ(c.ior, m.ior);
+    EXPECT_EQ(c.alpha_v, m.alpha_v);
   }
 }
 
@@ -113,7 +119,7 @@ TEST(Closures, KeepWhatNoFamilyOfTheSceneUses) {
     EXPECT_EQ(c.family, surfaces.material[j] == 1 ? FAMILY_DIFFUSE : FAMILY_BLACK);
     EXPECT_EQ(c.diffuse.y, surfaces.material[j] == 1 ? 0.5f : 0);
     EXPECT_EQ(c.exponent, 0);
-    EXPECT_EQ(c.exponent, 0);
+    EXPECT_EQ(c.ior, 0);
   }
 }
 
