@@ -214,6 +214,7 @@ PENUMBRA_NAMESPACE_BEGIN
   T(A, materials, Material, 1, "materials")                                   \
   T(A, curves, float, 1, "curves of BSDFs")                                   \
   T(A, textures, TextureNode, 1, "textures")                                  \
+  T(A, texels, uint, LEAST_TEXELS, "words of texels")                         \
   T(A, lights, Light, 1, "lights")                                            \
   T(A, polygons, Polygon, 1, "polygon lights")                                \
   T(A, polygon_corners, PolygonCorner, 1, "corners of polygon lights")        \

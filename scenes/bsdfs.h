@@ -9,33 +9,45 @@
 //   void written_for(version)     if needed: defaults that depend on the file's major version
 //   Model other_side() const      if it transmits: what its back is, or
 //   kSidesAreAlike = true         if that is the same; without either the back is black
-// and beside it material_of(bsdf).
+// and beside it material_of(bsdf), or material_of(bsdf, tables) where materials share tables of the scene.
 #pragma once
 
 #include <string>
 #include <variant>
 
+#include "scenes/bsdfs/blinnphong.h"
 #include "scenes/bsdfs/conductor.h"
 #include "scenes/bsdfs/dielectric.h"
 #include "scenes/bsdfs/diffuse.h"
 #include "scenes/bsdfs/disney.h"
+#include "scenes/bsdfs/microfacet_diffuse.h"
 #include "scenes/bsdfs/phong.h"
+#include "scenes/bsdfs/plastic.h"
 #include "scenes/bsdfs/principled.h"
 #include "scenes/bsdfs/principledthin.h"
+#include "scenes/bsdfs/roughplastic.h"
+#include "scenes/bsdfs/ward.h"
 
 namespace penumbra {
 
 using BsdfModel =
     std::variant<DiffuseBsdf, PhongBsdf, ConductorBsdf, RoughConductorBsdf, DielectricBsdf,
-                 ThinDielectricBsdf, RoughDielectricBsdf, PrincipledBsdf, PrincipledThinBsdf, DisneyBsdf>;
+                 ThinDielectricBsdf, RoughDielectricBsdf, PlasticBsdf, RoughPlasticBsdf, WardBsdf,
+                 BlinnPhongBsdf, MicrofacetDiffuseBsdf, PrincipledBsdf, PrincipledThinBsdf, DisneyBsdf>;
 
 struct Bsdf {
   std::string name;  ///< the file's id, or a description of the place, for messages
   BsdfModel model;
 };
 
-inline Material material_of(const Bsdf& bsdf) {
-  return std::visit([](const auto& model) { return material_of(model); }, bsdf.model);
+inline Material material_of(const Bsdf& bsdf, MaterialTables& tables) {
+  const auto material = [&](const auto& model) {
+    if constexpr (requires { material_of(model, tables); })
+      return material_of(model, tables);
+    else
+      return material_of(model);
+  };
+  return std::visit(material, bsdf.model);
 }
 
 }  // namespace penumbra

@@ -80,18 +80,24 @@ Expected<fs::path> FileAccess::find(std::string_view name, std::span<const fs::p
   return fail(fmt::format("there is no file '{}'; looked in: {}", name, list_names(places)));
 }
 
-Expected<std::unique_ptr<SourceFile>> FileAccess::read(const fs::path& file, std::uint64_t max_bytes) const {
+Expected<std::string> FileAccess::read_bytes(const fs::path& file, std::uint64_t max_bytes) const {
   if (!allows(file)) {
     return fail(fmt::format("'{}' is outside the folder that this scene is confined to, '{}'", file.string(),
                             root_->string()));
   }
-  Expected<std::string> text = read_plain_file(file, max_bytes);
+  Expected<std::string> bytes = read_plain_file(file, max_bytes);
+  if (!bytes) return bytes;
+  files_read_.push_back(file);
+  contents_hash_ = XXH3_64bits_withSeed(bytes->data(), bytes->size(), contents_hash_);
+  return bytes;
+}
+
+Expected<std::unique_ptr<SourceFile>> FileAccess::read(const fs::path& file, std::uint64_t max_bytes) const {
+  Expected<std::string> text = read_bytes(file, max_bytes);
   if (!text) return std::unexpected(text.error());
   auto result = std::make_unique<SourceFile>();
   result->path = file;
   result->text = std::move(*text);
-  files_read_.push_back(file);
-  contents_hash_ = XXH3_64bits_withSeed(result->text.data(), result->text.size(), contents_hash_);
   if (const auto done = take_byte_order_mark(result->text); !done)
     return fail(fmt::format("'{}' {}", file.string(), done.error().message));
   return result;

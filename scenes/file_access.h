@@ -16,6 +16,7 @@ namespace penumbra {
 
 constexpr std::uint64_t kMaxSceneFileBytes = std::uint64_t{64} << 20;
 constexpr std::uint64_t kMaxMeshFileBytes = std::uint64_t{4} << 30;
+constexpr std::uint64_t kMaxImageFileBytes = std::uint64_t{4} << 30;
 
 class FileAccess {
  public:
@@ -27,6 +28,10 @@ class FileAccess {
   /// looked), outside the confinement, longer than any name.
   [[nodiscard]] Expected<std::filesystem::path> find(std::string_view name,
                                                      std::span<const std::filesystem::path> folders) const;
+
+  /// All bytes of the file. Errors: as of read, but for those of text.
+  [[nodiscard]] Expected<std::string> read_bytes(const std::filesystem::path& file,
+                                                 std::uint64_t max_bytes) const;
 
   /// The whole file, without the byte order mark of UTF-8. Errors: not there, not a plain file, larger than
   /// `max_bytes`, unreadable, UTF-16 or UTF-32 by its byte order mark.

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -88,7 +89,8 @@ struct SceneDescription : RenderSettings {
   std::vector<std::filesystem::path> files;  ///< all that were read for it, that one first
   /// Of the contents of those files: the same scene elsewhere has the same.
   std::uint64_t contents_hash = 0;
-  std::vector<SceneTexture> textures;  ///< one holds only such as come before it
+  std::vector<SceneTexture> textures;                  ///< one holds only such as come before it
+  std::vector<std::shared_ptr<const Bitmap>> bitmaps;  ///< of textures, each once
   std::vector<Bsdf> bsdfs;
   std::vector<Shape> shapes;
   std::vector<Emitter> emitters;  ///< lights that are no shapes; one sky at most

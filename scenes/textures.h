@@ -7,33 +7,13 @@
 #include <variant>
 
 #include "kernels/scene_types.h"
-#include "scenes/plugin_values.h"
+#include "scenes/textures/bitmap.h"
+#include "scenes/textures/checkerboard.h"
+#include "scenes/textures/scale.h"
 
 namespace penumbra {
 
-/// Four squares, again and again.
-struct CheckerboardTexture {
-  static constexpr const char* kPlugin = "checkerboard";
-  TexturedColour color0{glm::vec3(0.4f)};
-  TexturedColour color1{glm::vec3(0.2f)};
-
-  template <typename Row>
-  static void parameters(const Row& row) {
-    row("color0", &CheckerboardTexture::color0, ColourWithin{0.0f, kAnyNumber},
-        "colour of one half of the squares");
-    row("color1", &CheckerboardTexture::color1, ColourWithin{0.0f, kAnyNumber}, "colour of the others");
-  }
-};
-
-inline TextureNode texture_of(const CheckerboardTexture& checkerboard) {
-  TextureNode t{};
-  t.kind = TEXTURE_CHECKERBOARD;
-  set_field(t.colour0, t.texture0, checkerboard.color0);
-  set_field(t.colour1, t.texture1, checkerboard.color1);
-  return t;
-}
-
-using TextureModel = std::variant<CheckerboardTexture>;
+using TextureModel = std::variant<CheckerboardTexture, BitmapTexture, ScaleTexture>;
 
 struct SceneTexture {
   std::string name;  ///< the file's id, or a description of the place, for messages

@@ -32,11 +32,17 @@ PENUMBRA_NAMESPACE_BEGIN
     "rough dielectric, GGX")                                                                             \
   X(roughdielectric_beckmann, ROUGHDIELECTRIC_BECKMANN, 9, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,      \
     "rough dielectric, Beckmann")                                                                        \
-  X(principled, PRINCIPLED, 12, SEVERAL_LOBES | ANISOTROPIC, "principled BSDF")                          \
-  X(principled_transmitting, PRINCIPLED_TRANSMITTING, 13, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,       \
+  X(plastic, PLASTIC, 10, SEVERAL_LOBES, "plastic")                                                      \
+  X(roughplastic_ggx, ROUGHPLASTIC_GGX, 11, SEVERAL_LOBES, "rough plastic, GGX")                         \
+  X(roughplastic_beckmann, ROUGHPLASTIC_BECKMANN, 12, SEVERAL_LOBES, "rough plastic, Beckmann")          \
+  X(ward, WARD, 13, SEVERAL_LOBES | ANISOTROPIC, "Ward BSDF")                                            \
+  X(blinnphong, BLINNPHONG, 14, SEVERAL_LOBES, "Blinn-Phong BSDF")                                       \
+  X(microfacet_diffuse, MICROFACET_DIFFUSE, 15, SEVERAL_LOBES, "microfacet BSDF with a diffuse part")    \
+  X(principled, PRINCIPLED, 16, SEVERAL_LOBES | ANISOTROPIC, "principled BSDF")                          \
+  X(principledthin, PRINCIPLEDTHIN, 17, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "thin principled BSDF") \
+  X(disney, DISNEY, 18, SEVERAL_LOBES | ANISOTROPIC, "Disney BRDF")                                      \
+  X(principled_transmitting, PRINCIPLED_TRANSMITTING, 19, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,       \
     "principled BSDF that transmits")                                                                    \
-  X(principledthin, PRINCIPLEDTHIN, 14, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "thin principled BSDF") \
-  X(disney, DISNEY, 15, SEVERAL_LOBES | ANISOTROPIC, "Disney BRDF")                                      \
   EXTRA_BSDF_FAMILIES(X)
 
 // Plain macros as well, since the preprocessor has to test them.
@@ -50,10 +56,16 @@ PENUMBRA_NAMESPACE_BEGIN
 #define FAMILY_THINDIELECTRIC 7
 #define FAMILY_ROUGHDIELECTRIC_GGX 8
 #define FAMILY_ROUGHDIELECTRIC_BECKMANN 9
-#define FAMILY_PRINCIPLED 12
-#define FAMILY_PRINCIPLED_TRANSMITTING 13
-#define FAMILY_PRINCIPLEDTHIN 14
-#define FAMILY_DISNEY 15
+#define FAMILY_PLASTIC 10
+#define FAMILY_ROUGHPLASTIC_GGX 11
+#define FAMILY_ROUGHPLASTIC_BECKMANN 12
+#define FAMILY_WARD 13
+#define FAMILY_BLINNPHONG 14
+#define FAMILY_MICROFACET_DIFFUSE 15
+#define FAMILY_PRINCIPLED 16
+#define FAMILY_PRINCIPLEDTHIN 17
+#define FAMILY_DISNEY 18
+#define FAMILY_PRINCIPLED_TRANSMITTING 19
 
 // What a material has at a point. The record of a material holds the same; of the TEXTURED_FIELDS also a
 // texture each, or -1. What a family makes of fields whose meaning is not the same for all stands in its
@@ -82,7 +94,6 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, float, clearcoat_gloss)
 #define CLOSURE_FIELDS(F, a)                                                           \
   F(a, int, family)          /* FAMILY_* */                                            \
-  F(a, int, distribution)    /* of microfacets: DISTRIBUTION_* */                      \
   F(a, int, variant)         /* of the family's formula */                             \
   F(a, int, curve)           /* where its values begin in the table of curves */       \
   F(a, float, internal)      /* diffuse reflectance of the boundary from inside */     \
@@ -98,9 +109,20 @@ LANE_RECORD(Closure, Closures, closure, CLOSURE_FIELDS)
 enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #undef ENUMERATE_TEXTURED
 
+#define CURVE_KNOTS 64  // values of a curve over the cosines from 0 to 1
+
 #define DISTRIBUTION_BECKMANN 0
 #define DISTRIBUTION_GGX 1
 #define PRINCIPLED_INSIDE 1  // variant: as seen from inside
+
+// Variants of plastics: what is absorbed at the base each time, see plastic.h.
+#define PLASTIC_LINEAR 0
+#define PLASTIC_NONLINEAR 1
+
+// Variants of Ward's BSDF.
+#define WARD_ORIGINAL 0
+#define WARD_DUER 1
+#define WARD_BALANCED 2
 
 // The families that use each: what none in a scene uses is not read, and stays as in black_closure. Those of
 // tests may use all.
@@ -112,29 +134,33 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define ROUGH_DIELECTRICS (ONLY(ROUGHDIELECTRIC_GGX) | ONLY(ROUGHDIELECTRIC_BECKMANN))
 #define CONDUCTORS (ONLY(CONDUCTOR) | ROUGH_CONDUCTORS)
 #define DIELECTRICS (ONLY(DIELECTRIC) | ONLY(THINDIELECTRIC) | ROUGH_DIELECTRICS)
-#define PRINCIPLEDS (ONLY(PRINCIPLED) | ONLY(PRINCIPLED_TRANSMITTING))
-#define DISNEYS (PRINCIPLEDS | ONLY(PRINCIPLEDTHIN) | ONLY(DISNEY))
+#define ROUGH_PLASTICS (ONLY(ROUGHPLASTIC_GGX) | ONLY(ROUGHPLASTIC_BECKMANN))
+#define PLASTICS (ONLY(PLASTIC) | ROUGH_PLASTICS)
+#define DIFFUSE_AND_LOBE (PLASTICS | ONLY(WARD) | ONLY(BLINNPHONG) | ONLY(MICROFACET_DIFFUSE))
+#define PRINCIPLED_SOLIDS (ONLY(PRINCIPLED) | ONLY(PRINCIPLED_TRANSMITTING))
+#define PRINCIPLEDS (PRINCIPLED_SOLIDS | ONLY(PRINCIPLEDTHIN))
+#define DISNEYS (PRINCIPLEDS | ONLY(DISNEY))
 #define USERS_family 0xffffffffu
-#define USERS_distribution USERS(0u)
-#define USERS_variant USERS(ONLY(PRINCIPLED_TRANSMITTING))
-#define USERS_curve USERS(0u)
-#define USERS_internal USERS(0u)
-#define USERS_specular_rate USERS(PRINCIPLEDS | ONLY(PRINCIPLEDTHIN))
-#define USERS_diffuse_rate USERS(PRINCIPLEDS | ONLY(PRINCIPLEDTHIN))
-#define USERS_clearcoat_rate USERS(PRINCIPLEDS | ONLY(PRINCIPLEDTHIN))
+#define USERS_variant USERS(PLASTICS | ONLY(WARD) | ONLY(PRINCIPLED_TRANSMITTING))
+#define USERS_curve USERS(ROUGH_PLASTICS)
+#define USERS_internal USERS(PLASTICS)
+#define USERS_specular_rate USERS(PRINCIPLEDS)
+#define USERS_diffuse_rate USERS(PRINCIPLEDS)
+#define USERS_clearcoat_rate USERS(PRINCIPLEDS)
 #define USERS_diff_trans_rate USERS(ONLY(PRINCIPLEDTHIN))
-#define USERS_diffuse USERS(ONLY(DIFFUSE) | ONLY(PHONG) | DISNEYS)
-#define USERS_specular USERS(ONLY(PHONG) | CONDUCTORS | DIELECTRICS)
+#define USERS_diffuse USERS(ONLY(DIFFUSE) | ONLY(PHONG) | DIFFUSE_AND_LOBE | DISNEYS)
+#define USERS_specular USERS(ONLY(PHONG) | DIFFUSE_AND_LOBE | CONDUCTORS | DIELECTRICS)
 #define USERS_transmitted USERS(DIELECTRICS)
 #define USERS_eta USERS(CONDUCTORS)
 #define USERS_k USERS(CONDUCTORS)
-#define USERS_ior USERS(PRINCIPLEDS | ONLY(PRINCIPLEDTHIN) | DIELECTRICS)
-#define USERS_alpha_u USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS)
-#define USERS_alpha_v USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS)
-#define USERS_exponent USERS(ONLY(PHONG))
+#define USERS_ior USERS(DIELECTRICS | PLASTICS | ONLY(MICROFACET_DIFFUSE) | PRINCIPLEDS)
+#define USERS_alpha_u \
+  USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS | ROUGH_PLASTICS | ONLY(WARD) | ONLY(MICROFACET_DIFFUSE))
+#define USERS_alpha_v USERS(ROUGH_CONDUCTORS | ROUGH_DIELECTRICS | ONLY(WARD))
+#define USERS_exponent USERS(ONLY(PHONG) | ONLY(BLINNPHONG))
 #define USERS_roughness USERS(DISNEYS)
 #define USERS_anisotropic USERS(DISNEYS)
-#define USERS_metallic USERS(PRINCIPLEDS | ONLY(DISNEY))
+#define USERS_metallic USERS(PRINCIPLED_SOLIDS | ONLY(DISNEY))
 #define USERS_spec_trans USERS(ONLY(PRINCIPLED_TRANSMITTING) | ONLY(PRINCIPLEDTHIN))
 #define USERS_diff_trans USERS(ONLY(PRINCIPLEDTHIN))
 #define USERS_spec_tint USERS(DISNEYS)
@@ -142,8 +168,8 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define USERS_sheen USERS(DISNEYS)
 #define USERS_sheen_tint USERS(DISNEYS)
 #define USERS_flatness USERS(DISNEYS)
-#define USERS_clearcoat USERS(PRINCIPLEDS | ONLY(DISNEY))
-#define USERS_clearcoat_gloss USERS(PRINCIPLEDS | ONLY(DISNEY))
+#define USERS_clearcoat USERS(PRINCIPLED_SOLIDS | ONLY(DISNEY))
+#define USERS_clearcoat_gloss USERS(PRINCIPLED_SOLIDS | ONLY(DISNEY))
 
 #define ZERO_int 0
 #define ZERO_float 0.0f
@@ -211,6 +237,15 @@ FN BsdfSample no_bsdf_sample(void) {
   s.weight = make_vec3(0.0f, 0.0f, 0.0f);
   s.pdf = 0.0f;
   s.eta = 1.0f;
+  return s;
+}
+
+/// Of the reflected direction wi, for which the family's own eval says this.
+FN BsdfSample sample_of_value(vec3 wi, BsdfValue value) {
+  BsdfSample s = no_bsdf_sample();
+  s.wi = wi;
+  s.pdf = value.pdf;
+  s.weight = scale(value.f_cos, 1.0f / (s.pdf > 0.0f ? s.pdf : 1.0f));
   return s;
 }
 

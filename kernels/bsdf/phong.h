@@ -41,12 +41,8 @@ FN BsdfSample phong_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float
   sincos_2pi(v, &sine, &cosine);
   const float r = safe_sqrt(-expm1_f(2.0f * power));
   const vec3 around = from_frame(make_vec3(-wo.x, -wo.y, wo.z), r * cosine, r * sine, exp_f(power));
-  BsdfSample s = no_bsdf_sample();
-  s.wi = select3(choice < phong_lobe_share(c), around, cosine_hemisphere(u, v));
-  const BsdfValue value = phong_eval(scene, c, wo, s.wi);
-  s.pdf = value.pdf;
-  s.weight = scale(value.f_cos, 1.0f / (s.pdf > 0.0f ? s.pdf : 1.0f));
-  return s;
+  const vec3 wi = select3(choice < phong_lobe_share(c), around, cosine_hemisphere(u, v));
+  return sample_of_value(wi, phong_eval(scene, c, wo, wi));
 }
 
 PENUMBRA_NAMESPACE_END

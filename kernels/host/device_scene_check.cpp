@@ -89,12 +89,17 @@ class Checker {
     for (const Material& m : table<Material>(scene_, h_.tables.materials))
       require(m.family == FAMILY_BLACK || (in(m.family, 1, 31) && (h_.families >> m.family & 1u) != 0),
               "a material of a family of BSDFs that the header does not name");
+    for (const Material& m : table<Material>(scene_, h_.tables.materials))
+      require(((USERS_curve & ~EXTRA_FAMILIES) >> m.family & 1u) == 0 ||
+                  in(m.curve, 0, h_.tables.curves.count - CURVE_KNOTS),
+              "a material names a curve that is not there");
     require(in(h_.environment, -1, h_.tables.lights.count - 1), "the environment names no light");
 #define CHECK_INDEX(name, record, member, target, least, what) \
   check_index(h_.tables.name, LEAST_##name, &record::member, h_.tables.target, LEAST_##target, least, what);
     SCENE_INDICES(CHECK_INDEX)
 #undef CHECK_INDEX
     check_uvs();
+    for (const TextureNode& t : table<TextureNode>(scene_, h_.tables.textures)) check_texture(t);
     for (const Quadric& q : table<Quadric>(scene_, h_.tables.quadrics))
       require(in(q.kind, QUADRIC_SPHERE, QUADRIC_DISK), "a quadric of unknown kind");
     for (const Light& l : table<Light>(scene_, at_least_one(h_.tables.lights))) {
@@ -121,6 +126,27 @@ class Checker {
     require(has(h_.integrator.kind == INTEGRATOR_PATH ? FEATURE_PATH : FEATURE_DIRECT),
             "an integrator without its feature bit");
     require(h_.sampler.kind == SAMPLER_SOBOL || has(FEATURE_SAMPLERS), "a sampler without its feature bit");
+  }
+
+  void check_texture(const TextureNode& t) {
+    require(in(t.kind, 0, TEXTURE_KIND_COUNT - 1) && (h_.texture_kinds >> t.kind & 1u) != 0,
+            "a texture of a kind that the header does not name");
+    if (!in(t.kind, TEXTURE_BYTE_BITMAP, TEXTURE_FLOAT_BITMAP)) return;
+    require(t.width > 0 && t.height > 0 && (t.channels == 1 || t.channels == 3) &&
+                in(t.wrap_u, WRAP_REPEAT, WRAP_ONE) && in(t.wrap_v, WRAP_REPEAT, WRAP_ONE),
+            "a bitmap of implausible size, channels or edges");
+    const bool bytes = t.kind == TEXTURE_BYTE_BITMAP, shorts = t.kind == TEXTURE_SHORT_BITMAP;
+    const std::uint64_t values = std::uint64_t(t.width) * std::uint64_t(t.height) * std::uint64_t(t.channels);
+    const int size = bytes ? 1 : t.kind == TEXTURE_FLOAT_BITMAP ? 4 : 2, words = h_.tables.texels.count;
+    // Kernels count values in 32 bits, and may read the word beyond the last texel.
+    require(values < std::uint64_t{1} << 32 && t.texels >= 0 &&
+                std::uint64_t(t.texels) + (values * std::uint64_t(size) + 3) / 4 < std::uint64_t(words),
+            "a bitmap's texels are not there");
+    require(in(t.decoding, bytes ? 0 : -1,
+               bytes    ? words - 256
+               : shorts ? words - 65536
+                        : -1),
+            "a bitmap's table of values is not there");
   }
 
   void check_uvs() {

@@ -3,7 +3,9 @@
 #ifndef PENUMBRA_TEXTURE_H
 #define PENUMBRA_TEXTURE_H
 #include "kernels/intersect/surface_fields.h"
+#include "kernels/texture/bitmap_texture.h"
 #include "kernels/texture/checkerboard_texture.h"
+#include "kernels/texture/scale_texture.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 

@@ -7,7 +7,13 @@ PENUMBRA_NAMESPACE_BEGIN
 
 // X(name, NAME, number, what it is for people). What a kind is stands in <name>_texture.h, which texture.h
 // includes: one function, <name>_texture.
-#define TEXTURE_KINDS(X) X(checkerboard, CHECKERBOARD, 0, "checkerboards")
+#define TEXTURE_KINDS(X)                                          \
+  X(checkerboard, CHECKERBOARD, 0, "checkerboards")               \
+  X(byte_bitmap, BYTE_BITMAP, 1, "bitmaps of 8 bit")              \
+  X(short_bitmap, SHORT_BITMAP, 2, "bitmaps of 16 bit")           \
+  X(half_bitmap, HALF_BITMAP, 3, "bitmaps of half precision")     \
+  X(float_bitmap, FLOAT_BITMAP, 4, "bitmaps of single precision") \
+  X(scale, SCALE, 5, "scaled textures")
 
 #define ENUMERATE_KIND(name, NAME, number, description) TEXTURE_##NAME = number,
 #define COUNT_KIND(name, NAME, number, description) +1
@@ -15,18 +21,36 @@ enum { TEXTURE_KINDS(ENUMERATE_KIND) TEXTURE_KIND_COUNT = 0 TEXTURE_KINDS(COUNT_
 #undef ENUMERATE_KIND
 #undef COUNT_KIND
 
-#define TEXTURE_FIELDS(F)                                                                      \
-  F(int, kind)     /* TEXTURE_* */                                                             \
-  F(float, u_by_u) /* its own coordinates: u_by_u u + u_by_v v + u_offset ... */               \
-  F(float, u_by_v)                                                                             \
-  F(float, u_offset)                                                                           \
-  F(float, v_by_u) /* ... and v_by_u u + v_by_v v + v_offset */                                \
-  F(float, v_by_v)                                                                             \
-  F(float, v_offset)                                                                           \
-  F(vec3, colour0)                                                                             \
-  F(vec3, colour1)                                                                             \
-  F(int, texture0) /* by which colour0 is multiplied, or -1; it has a lower index than this */ \
-  F(int, texture1) /* ... colour1 */
+#define LEAST_TEXELS 256  // words that kernels read whatever the textures
+
+// What a bitmap is beyond its edges.
+#define WRAP_REPEAT 0
+#define WRAP_MIRROR 1
+#define WRAP_CLAMP 2
+#define WRAP_ZERO 3
+#define WRAP_ONE 4
+
+#define TEXTURE_FIELDS(F)                                                                       \
+  F(int, kind)     /* TEXTURE_* */                                                              \
+  F(float, u_by_u) /* its own coordinates: u_by_u u + u_by_v v + u_offset ... */                \
+  F(float, u_by_v)                                                                              \
+  F(float, u_offset)                                                                            \
+  F(float, v_by_u) /* ... and v_by_u u + v_by_v v + v_offset */                                 \
+  F(float, v_by_v)                                                                              \
+  F(float, v_offset)                                                                            \
+  F(vec3, colour0)                                                                              \
+  F(vec3, colour1)                                                                              \
+  F(int, texture0) /* by which colour0 is multiplied, or -1; it has a lower index than this */  \
+  F(int, texture1) /* ... colour1 */                                                            \
+  /* Bitmaps: see texel.h. */                                                                   \
+  F(int, width)                                                                                 \
+  F(int, height)                                                                                \
+  F(int, channels) /* 1 or 3 */                                                                 \
+  F(int, texels)   /* first word of the first row, which is at v = 0, in the table of texels */ \
+  F(int, decoding) /* word where its table of decoded values begins, or -1: none */             \
+  F(int, wrap_u)   /* WRAP_* */                                                                 \
+  F(int, wrap_v)                                                                                \
+  F(int, nearest) /* 1: the nearest texel alone, 0: bilinear */
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -17,6 +17,7 @@
 #include "scenes/device/integrator_builder.h"
 #include "scenes/device/light_builder.h"
 #include "scenes/device/scene_records.h"
+#include "scenes/device/texel_table.h"
 #include "scenes/device/texture_coordinates.h"
 #include "scenes/device/to_vec3.h"
 
@@ -110,8 +111,9 @@ class Builder {
 
   void add_materials() {
     records_.materials.push_back(material_of_family(FAMILY_BLACK));  // 0
+    MaterialTables tables(records_.curves);
     for (const Bsdf& bsdf : scene_.bsdfs) {
-      records_.materials.push_back(material_of(bsdf));
+      records_.materials.push_back(material_of(bsdf, tables));
       h_.families |= 1u << records_.materials.back().family;
       h_.textured |= textured_fields(records_.materials.back());
       if (is_anisotropic(closure_of(records_.materials.back()))) need(FEATURE_UV);
@@ -122,10 +124,14 @@ class Builder {
   }
 
   void add_textures() {
+    TexelTable texels(scene_.bitmaps);
     for (const SceneTexture& texture : scene_.textures) {
       records_.textures.push_back(texture_of(texture));
+      if (const auto* bitmap = std::get_if<BitmapTexture>(&texture.model))
+        texels.place(*bitmap, records_.textures.back());
       h_.texture_kinds |= 1u << records_.textures.back().kind;
     }
+    records_.texels = texels.take();
     need(FEATURE_TEXTURES | FEATURE_UV);
   }
 

@@ -44,6 +44,12 @@ void Context::unknown_plugin(const Object& object, std::span<const std::string> 
   }
 }
 
+std::vector<std::filesystem::path> Context::folders(const Object& object) const {
+  std::vector<std::filesystem::path> result = {object.location.file->path.parent_path()};
+  result.insert(result.end(), tree.folders.begin(), tree.folders.end());
+  return result;
+}
+
 PluginReader::PluginReader(const Context& context, const Object& object)
     : context_(context), object_(object), taken_(object.parameters.size(), false) {
   for (const Child& child : object.children) {
@@ -235,8 +241,6 @@ void PluginReader::read(std::string_view name, glm::dmat4& value, AnyTransform) 
     skip_parameter(name);
 }
 
-void PluginReader::read(std::string_view name, std::string& value, FileName) { value = text(name, value); }
-void PluginReader::read(std::string_view name, TexturedColour& colour, const ColourWithin& values) {
   read_textured(name, colour, role_of(values), values);
 }
 
@@ -278,6 +282,10 @@ void PluginReader::read(std::string_view name, float& number, const NumberWithin
 
 void PluginReader::read(std::string_view name, bool& value, const TrueOrFalse&) {
   value = boolean(name, value);
+}
+
+void PluginReader::read(std::string_view name, std::string& value, FileName) {
+  value = text(name, value);
 }
 
 void PluginReader::report(const Findings& findings) const {

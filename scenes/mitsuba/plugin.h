@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <glm/glm.hpp>
 #include <optional>
 #include <span>
@@ -29,6 +30,9 @@ struct Context {
 
   /// The object, or the one that is referred to; null, and an error, where there is none of that id.
   Object* resolve(const Child& child) const;
+
+  /// Where the files that the object names are looked for: beside its own file, then where the scene says.
+  [[nodiscard]] std::vector<std::filesystem::path> folders(const Object& object) const;
 
   /// "bsdf type 'x' is not one that Penumbra reads; …": an error, or with `lenient` a warning that ends in
   /// `instead`, "it is left out" for example.

@@ -12,7 +12,7 @@ namespace penumbra::mitsuba {
 SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   SceneDescription scene;
   Context context = plain;
-  TextureReader textures(context);
+  TextureReader textures(context, files);
   context.textures = &textures;
   scene.source = context.tree.scene.location.file->path.string();
   // Files of Mitsuba 3 say 3.0.0, whatever its version: the present one's rule, which is that from 3.7 on.
@@ -44,7 +44,7 @@ SceneDescription build_scene(const Context& plain, const FileAccess& files) {
     for (const Object* object : root.nested(tag)) context.unknown_plugin(*object, {}, "it is left out");
   }
   root.finish();
-  scene.textures = textures.take();
+  textures.install(scene);
   return scene;
 }
 

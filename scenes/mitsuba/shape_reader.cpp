@@ -45,10 +45,7 @@ void warn_about(const Context& context, const Object& object, const MeshCleaning
 /// The file a parameter names, as text.
 std::unique_ptr<SourceFile> open(const Context& context, const FileAccess& files, PluginReader& plugin,
                                  const std::string& name) {
-  const SourceFile* named_in = plugin.object().location.file;
-  std::vector<std::filesystem::path> folders = {named_in->path.parent_path()};
-  folders.insert(folders.end(), context.tree.folders.begin(), context.tree.folders.end());
-  const auto path = files.find(name, folders);
+  const auto path = files.find(name, context.folders(plugin.object()));
   if (!path) {
     plugin.wrong("filename", path.error().message);
     return nullptr;

@@ -5,24 +5,32 @@
 #include <array>
 
 namespace penumbra::mitsuba {
+
+struct TexturePlugins {
+  struct Row {
+    std::string_view type;
+    std::optional<TextureModel> (*read)(TextureReader&, PluginReader&);
+  };
+  template <typename... Models>
+  static constexpr auto rows(const std::variant<Models...>*) {
+    return std::array{Row{Models::kPlugin, TextureReader::read_as<Models>}...};
+  }
+};
+
 namespace {
 
-template <typename Model>
-TextureModel read_texture(PluginReader& plugin) {
-  Model model;
-  plugin.read_parameters(model);
-  return model;
-}
+constexpr auto kTextures = TexturePlugins::rows(static_cast<const TextureModel*>(nullptr));
 
-struct TexturePlugin {
-  std::string_view type;
-  TextureModel (*read)(PluginReader&);
-};
-template <typename... Models>
-constexpr auto texture_plugins(const std::variant<Models...>*) {
-  return std::array{TexturePlugin{Models::kPlugin, read_texture<Models>}...};
+/// Where Mitsuba 0.6 has its own parameters for what `to_uv` is.
+glm::dmat3 read_to_uv(PluginReader& plugin) {
+  const glm::dmat4 m = plugin.transform("to_uv");
+  const glm::dmat3 to_uv(glm::dvec3(m[0].x, m[0].y, 0), glm::dvec3(m[1].x, m[1].y, 0),
+                         glm::dvec3(m[3].x, m[3].y, 1));
+  const double scale = plugin.number("uvscale", 1.0);
+  const glm::dvec2 scales(plugin.number("uscale", scale), plugin.number("vscale", scale));
+  const glm::dvec2 offsets(plugin.number("uoffset", 0.0), plugin.number("voffset", 0.0));
+  return glm::dmat3(glm::dvec3(scales.x, 0, 0), glm::dvec3(0, scales.y, 0), glm::dvec3(offsets, 1)) * to_uv;
 }
-constexpr auto kTextures = texture_plugins(static_cast<const TextureModel*>(nullptr));
 
 }  // namespace
 
@@ -51,12 +59,72 @@ std::optional<SceneTexture> TextureReader::read_new(const Object& object) {
     stand_in.color0 = kStandInColour;
     return SceneTexture{name_of(object), stand_in};
   }
-  SceneTexture texture{name_of(object), known->read(plugin)};
-  const glm::dmat4 m = plugin.transform("to_uv");
-  texture.to_uv =
-      glm::dmat3(glm::dvec3(m[0].x, m[0].y, 0), glm::dvec3(m[1].x, m[1].y, 0), glm::dvec3(m[3].x, m[3].y, 1));
+  const glm::dmat3 to_uv = read_to_uv(plugin);
+  std::optional<TextureModel> model = known->read(*this, plugin);
   plugin.finish();
-  return texture;
+  if (!model) return std::nullopt;
+  return SceneTexture{name_of(object), std::move(*model), to_uv};
+}
+
+std::optional<TextureModel> TextureReader::read_model(PluginReader& plugin, ScaleTexture model) {
+  plugin.read_parameters(model);
+  const Object* inside = plugin.only_nested("texture");
+  if (inside == nullptr) {
+    plugin.wrong("a scale texture holds the texture that it scales");
+    return std::nullopt;
+  }
+  const std::optional<int> index = read(*inside);
+  model.texture = index.value_or(kNoTexture);
+  return index ? std::optional<TextureModel>(model) : std::nullopt;
+}
+
+std::optional<TextureModel> TextureReader::read_model(PluginReader& plugin, BitmapTexture model) {
+  plugin.read_parameters(model);
+  // How others store and look up texels.
+  plugin.accept({"max_anisotropy", "cache", "format", "accel"});
+  if (model.filename.empty()) return std::nullopt;
+  const auto path = files_.find(model.filename, context_.folders(plugin.object()));
+  if (!path) return without_bitmap(plugin, path.error().message);
+  const auto entry = bitmaps_.read(*path, model.channel);
+  if (!entry) return without_bitmap(plugin, entry.error().message);
+  model.bitmap = entry->bitmap;
+  report(plugin, model, entry->findings);
+  return model;
+}
+
+std::optional<TextureModel> TextureReader::without_bitmap(PluginReader& plugin, const std::string& message) {
+  if (!context_.lenient) {
+    plugin.wrong("filename", message);
+    return std::nullopt;
+  }
+  plugin.warn(message + "; a magenta checkerboard stands in for it");
+  CheckerboardTexture stand_in;
+  stand_in.color0 = kStandInColour;
+  return stand_in;
+}
+
+void TextureReader::report(PluginReader& plugin, const BitmapTexture& model, const BitmapFindings& findings) {
+  const Bitmap& bitmap = bitmaps_.bitmap(model.bitmap);
+  if (findings.not_finite > 0) {
+    plugin.warn(fmt::format("'{}' has {} {} not finite, the first at texel ({}, {}); 0 stands in for {}",
+                            bitmap.name, findings.not_finite,
+                            findings.not_finite == 1 ? "value that is" : "values that are", findings.first_x,
+                            findings.first_y, findings.not_finite == 1 ? "it" : "them"));
+  }
+  if (findings.outside_unit > 0 && !model.raw) {
+    plugin.warn(
+        fmt::format("'{}' has {} values outside [0, 1]; a reflectance above 1 gives off more light "
+                    "than it receives",
+                    bitmap.name, findings.outside_unit));
+  }
+  const bool whole_numbers = bitmap.type == TexelType::kByte || bitmap.type == TexelType::kShort;
+  if (!whole_numbers && plugin.has("gamma") && model.gamma != 1.0f)
+    plugin.warn(fmt::format("'{}' holds linear numbers; gamma does nothing", bitmap.name));
+}
+
+void TextureReader::install(SceneDescription& scene) {
+  scene.textures = std::move(textures_);
+  scene.bitmaps = bitmaps_.take();
 }
 
 }  // namespace penumbra::mitsuba

@@ -6,6 +6,7 @@
 #include <set>
 #include <vector>
 
+#include "scenes/mitsuba/bitmap_files.h"
 #include "scenes/mitsuba/plugin.h"
 #include "scenes/textures.h"
 
@@ -13,18 +14,37 @@ namespace penumbra::mitsuba {
 
 class TextureReader {
  public:
-  explicit TextureReader(const Context& context) : context_(context) {}
+  TextureReader(const Context& context, const FileAccess& files)
+      : context_(context), files_(files), bitmaps_(files) {}
 
   /// Its index among the textures, which it is added to where it is new. What is wrong with it is reported,
   /// once; then there is none.
   std::optional<int> read(const Object& object);
 
-  [[nodiscard]] std::vector<SceneTexture> take() { return std::move(textures_); }
+  /// Moves what was read to the scene.
+  void install(SceneDescription& scene);
 
  private:
+  friend struct TexturePlugins;
   std::optional<SceneTexture> read_new(const Object& object);
 
+  std::optional<TextureModel> read_model(PluginReader& plugin, BitmapTexture model);
+  std::optional<TextureModel> read_model(PluginReader& plugin, ScaleTexture model);
+  template <typename Model>
+  std::optional<TextureModel> read_model(PluginReader& plugin, Model model) {
+    plugin.read_parameters(model);
+    return model;
+  }
+  template <typename Model>
+  static std::optional<TextureModel> read_as(TextureReader& reader, PluginReader& plugin) {
+    return reader.read_model(plugin, Model{});
+  }
+  std::optional<TextureModel> without_bitmap(PluginReader& plugin, const std::string& message);
+  void report(PluginReader& plugin, const BitmapTexture& model, const BitmapFindings& findings);
+
   const Context& context_;
+  const FileAccess& files_;
+  BitmapFiles bitmaps_;
   std::map<const Object*, std::optional<int>> known_;
   std::set<const Object*> reading_;
   std::vector<SceneTexture> textures_;

@@ -3,33 +3,16 @@
 
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <ostream>
-#include <stdexcept>
 #include <string>
-#include <vector>
 
-#include "scheduler/image/image.h"
+#include "tests/acceptance/mitsuba_reference.h"
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/oracles.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {
 namespace {
-
-statistics::Image read_rgb(const std::filesystem::path& path) {
-  const auto file = read_image(path);
-  if (!file) throw std::runtime_error(file.error().message);
-  const auto channels = file->beauty_channels();
-  if (!channels) throw std::runtime_error(path.string() + " has no colour channels");
-  statistics::Image image(file->data.width, file->data.height, 3);
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      for (int c = 0; c < 3; ++c) image.at(x, y, c) = file->at(x, y, (*channels)[c]);
-    }
-  }
-  return image;
-}
 
 struct BackendCase {
   std::string name;
@@ -55,10 +38,7 @@ TEST_P(BitterliCornellBox, AgreesWithTungstenAndMitsuba) {
   const statistics::Estimate ours = block_estimate(scene, backend.batches, 1, 4, backend.device());
 
   const statistics::Image tungsten = read_rgb(folder / "TungstenRender.exr");
-  // What 1024 to 1536 samples a pixel know of a block's standard error is exact beside our few batches.
-  const statistics::Estimate mitsuba{.mean = read_rgb(folder / "mitsuba_ref_4x4.exr"),
-                                     .standard_error = read_rgb(folder / "mitsuba_ref_4x4_stderr.exr"),
-                                     .dof = std::numeric_limits<double>::infinity()};
+  const statistics::Estimate mitsuba = mitsuba_blocks(folder);
   for (int channel = 0; channel < 3; ++channel) {
     const double mean = channel_mean(ours.mean, channel);
     const double by_tungsten = channel_mean(tungsten, channel),

@@ -301,6 +301,29 @@ SceneText phong_sides() {
   return scene;
 }
 
+/// Plastics, smooth and rough, one- and two-sided.
+SceneText plastics(bool nonlinear) {
+  SceneText scene = begin(nonlinear ? "plastics-nonlinear" : "plastics", path(4), {0, 1, 5}, 40);
+  const auto plastic = [&](std::string_view type, const glm::dvec3& colour, const std::string& more) {
+    return plugin("bsdf", type, rgb("diffuse_reflectance", colour) + boolean("nonlinear", nonlinear) + more);
+  };
+  const std::string smooth = plastic("plastic", {0.8, 0.3, 0.1}, real("int_ior", 1.9));
+  const std::string ggx = plastic("roughplastic", {0.1, 0.5, 0.9},
+                                  text("distribution", "ggx") + real("alpha", 0.3) + text("int_ior", "bk7"));
+  const std::string beckmann = plastic("roughplastic", {0.7, 0.7, 0.2},
+                                       real("alpha", 0.15) + rgb("specular_reflectance", {0.9, 0.6, 0.3}));
+  double x = -1.2;
+  for (const std::string& bsdf : {smooth, ggx, beckmann}) {
+    scene.both(placed("sphere", "<scale value=\"0.5\"/>" + translate({x, -0.3, 0}), bsdf));
+    x += 1.2;
+  }
+  scene.both(placed("rectangle",
+                    "<scale value=\"2\"/><rotate x=\"1\" angle=\"-90\"/><translate y=\"-0.8\"/>\n",
+                    plugin("bsdf", "twosided", plastic("roughplastic", {0.4, 0.4, 0.4}, ""))));
+  scene.both(ceiling_lamp() + kSky);
+  return scene;
+}
+
 /// The inside of a box light with light that goes to and fro.
 SceneText box_light() {
   SceneText scene = begin("box-light", path(5), {0, 0, 0.8}, 60);
@@ -365,6 +388,8 @@ std::vector<SceneText> named_scenes() {
                                    old_spelling(),
                                    colours(),
                                    phong_sides(),
+                                   plastics(false),
+                                   plastics(true),
                                    box_light(),
                                    long_axis(),
                                    references()};

@@ -210,8 +210,10 @@ TEST_F(MitsubaPlugins, PrincipledIsSeenFromInsideWhereItTransmits) {
   const SceneDescription glass = good(
       in("shape", "sphere",
          in("bsdf", "principled", "<float name='spec_trans' value='1'/><float name='eta' value='1.6'/>")));
-  const Material front = material_of(glass.bsdfs.at(std::size_t(glass.shapes.at(0).front_bsdf)));
-  const Material back = material_of(glass.bsdfs.at(std::size_t(glass.shapes.at(0).back_bsdf)));
+  const auto side = [&](int bsdf) {
+    return material_of(std::get<PrincipledBsdf>(glass.bsdfs.at(std::size_t(bsdf)).model));
+  };
+  const Material front = side(glass.shapes.at(0).front_bsdf), back = side(glass.shapes.at(0).back_bsdf);
   EXPECT_EQ(front.ior, 1.6f);
   EXPECT_EQ(back.ior, 1 / 1.6f);
   EXPECT_NE(front.variant, back.variant);
@@ -244,7 +246,7 @@ TEST_F(MitsubaPlugins, DisneyByTheNamesOfItsAuthors) {
               in("bsdf", "disney",
                  "<rgb name='baseColor' value='.2 .4 .6'/><float name='clearcoatGloss' value='.3'/><float "
                  "name='specularTint' value='.25'/><float name='subsurface' value='.75'/>")));
-  const Material m = material_of(s.bsdfs.at(0));
+  const Material m = material_of(std::get<DisneyBsdf>(s.bsdfs.at(0).model));
   EXPECT_EQ(m.diffuse.z, 0.6f);
   EXPECT_EQ(m.clearcoat_gloss, 0.3f);
   EXPECT_EQ(m.spec_tint, 0.25f);

@@ -1,0 +1,59 @@
+// A diffuse base under a smooth dielectric boundary (Mitsuba's plastic): a mirror of the boundary's
+// reflectance F beside f = d (1 - F(wo)) (1 - F(wi)) / (pi ior^2 (1 - internal)), what is reflected back
+// inside scattering again and again; d internal in place of internal where variant is PLASTIC_NONLINEAR.
+#ifndef PENUMBRA_PLASTIC_H
+#define PENUMBRA_PLASTIC_H
+#include "kernels/bsdf/families.h"
+#include "kernels/bsdf/fresnel.h"
+#include "kernels/math/frame.h"
+#include "kernels/scene.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// pi f of the base for boundaries that let everything through once.
+FN vec3 base_reflectance(Closure c) {
+  const vec3 tint = select3(c.variant == PLASTIC_NONLINEAR, c.diffuse, make_vec3(1.0f, 1.0f, 1.0f));
+  const float ior2 = c.ior * c.ior;
+  return make_vec3(c.diffuse.x / (ior2 * (1.0f - c.internal * tint.x)),
+                   c.diffuse.y / (ior2 * (1.0f - c.internal * tint.y)),
+                   c.diffuse.z / (ior2 * (1.0f - c.internal * tint.z)));
+}
+
+/// Probability of sampling what the boundary reflects, where it lets `through` as much of the viewer's light:
+/// by the reflectances' means.
+FN float boundary_share(Closure c, float through) {
+  const float boundary = (1.0f - through) * ((c.specular.x + c.specular.y) + c.specular.z);
+  const float sum = boundary + through * ((c.diffuse.x + c.diffuse.y) + c.diffuse.z);
+  return sum > 0.0f ? boundary / sum : 0.0f;
+}
+
+FN float smooth_transmittance(Closure c, float cosine) {
+  return 1.0f - dielectric_fresnel(max_f(cosine, 0.0f), c.ior).reflectance;
+}
+
+FN BsdfValue plastic_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
+  const bool reflects = (wi.z > 0.0f) & (wo.z > 0.0f);
+  const float out = smooth_transmittance(c, wo.z), in = smooth_transmittance(c, wi.z);
+  const float lambert = wi.z * INV_PI_F;
+  BsdfValue value;
+  value.f_cos = scale(base_reflectance(c), (out * in) * lambert);
+  value.pdf = (1.0f - boundary_share(c, out)) * lambert;
+  return select_bsdf_value(reflects, value, no_bsdf_value());
+}
+
+FN BsdfSample plastic_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v, float choice) {
+  const float out = smooth_transmittance(c, wo.z), share = boundary_share(c, out);
+  const bool mirrors = choice < share;
+  const vec3 mirrored = make_vec3(-wo.x, -wo.y, wo.z), scattered = cosine_hemisphere(u, v);
+  BsdfSample s = no_bsdf_sample();
+  s.wi = select3(mirrors, mirrored, scattered);
+  s.pdf = mirrors ? DELTA_PDF : (1.0f - share) * (scattered.z * INV_PI_F);
+  const vec3 mirror = scale(c.specular, (1.0f - out) / (share > 0.0f ? share : 1.0f));
+  const float in = smooth_transmittance(c, scattered.z);
+  const vec3 base = scale(base_reflectance(c), out * in / max_f(1.0f - share, 1e-30f));
+  s.weight = select3(mirrors, mirror, base);
+  return select_bsdf_sample(wo.z > 0.0f, s, no_bsdf_sample());
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,96 @@
+// Bitmaps, as in Mitsuba 3: the first row is at v = 0, the centre of texel (i, j) at ((i + 1/2) / width,
+// (j + 1/2) / height), and between centres values are bilinear. Beyond the edges the whole repeats, is
+// mirrored, goes on as it ends, or is 0 or 1 (as in Mitsuba 0.6).
+#ifndef PENUMBRA_BITMAP_TEXTURE_H
+#define PENUMBRA_BITMAP_TEXTURE_H
+#include "kernels/texture/texel.h"
+#include "kernels/texture/texture_step.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// Two neighbours along an axis, and how far the place is from the first to the second. Outside the bitmap
+/// they are `border` instead, where that is 0 or more.
+typedef struct {
+  int low, high;
+  float share;
+  float low_border, high_border;
+} TexelPair;
+
+/// A coordinate within one repetition; numbers that are none become 0.
+FN float wrapped_coordinate(int wrap, float t) {
+  const float repeated = t - floor_f(t);
+  const float of_two = t - 2.0f * floor_f(0.5f * t);
+  const float mirrored = of_two > 1.0f ? 2.0f - of_two : of_two;
+  const float folded = wrap == WRAP_REPEAT ? repeated : (wrap == WRAP_MIRROR ? mirrored : t);
+  const bool bordered = wrap >= WRAP_ZERO;
+  return clamp_f(folded, bordered ? -1.0f : 0.0f, bordered ? 2.0f : 1.0f);
+}
+
+/// Index of a texel at most one beyond the edges, or any with a border.
+FN int wrapped_texel(int wrap, int size, int i) {
+  const int repeated = i < 0 ? i + size : (i >= size ? i - size : i);
+  const int at = wrap == WRAP_REPEAT ? repeated : i;
+  return at < 0 ? 0 : min_i(at, size - 1);
+}
+
+FN float border_of(int wrap, int size, int i) {
+  const bool outside = (wrap >= WRAP_ZERO) & ((i < 0) | (i >= size));
+  return outside ? (wrap == WRAP_ONE ? 1.0f : 0.0f) : -1.0f;
+}
+
+FN TexelPair texel_pair(int wrap, bool nearest, int size, float t) {
+  const float at = wrapped_coordinate(wrap, t) * (float)size - (nearest ? 0.0f : 0.5f);
+  const float whole = floor_f(at);
+  const int i = (int)whole;
+  TexelPair pair;
+  pair.low = wrapped_texel(wrap, size, i);
+  pair.high = wrapped_texel(wrap, size, i + 1);
+  pair.low_border = border_of(wrap, size, i);
+  pair.high_border = border_of(wrap, size, i + 1);
+  pair.share = nearest ? 0.0f : at - whole;
+  return pair;
+}
+
+FN vec3 blend3(vec3 a, vec3 b, float share) { return add_scaled(a, share, sub(b, a)); }
+
+FN vec3 bordered_texel(float border_u, float border_v, vec3 texel) {
+  const float border = border_u >= 0.0f ? border_u : border_v;
+  return select3(border >= 0.0f, make_vec3(border, border, border), texel);
+}
+
+// A lane whose texture is of another kind looks at the first words.
+#define BITMAP_TEXTURE(name, kind_number)                                                             \
+  FN TextureStep name##_bitmap_texture(const PRIVATE Scene* scene, GLOBAL const TextureNode* texture, \
+                                       TextureCoordinates at) {                                       \
+    const bool here = texture->kind == (kind_number);                                                 \
+    const int width = here ? texture->width : 1, height = here ? texture->height : 1;                 \
+    TexelFormat format;                                                                               \
+    format.words = here ? (uint)texture->texels : 0u;                                                 \
+    format.decodes = here & (texture->decoding >= 0);                                                 \
+    format.table = format.decodes ? (uint)texture->decoding : 0u;                                     \
+    format.grey = texture->channels == 1;                                                             \
+    const bool nearest = texture->nearest != 0;                                                       \
+    const TexelPair x = texel_pair(texture->wrap_u, nearest, width, at.u);                            \
+    const TexelPair y = texel_pair(texture->wrap_v, nearest, height, at.v);                           \
+    const uint low = (uint)y.low * (uint)width, high = (uint)y.high * (uint)width;                    \
+    const vec3 t00 = name##_texel(scene, format, low + (uint)x.low);                                  \
+    const vec3 t10 = name##_texel(scene, format, low + (uint)x.high);                                 \
+    const vec3 t01 = name##_texel(scene, format, high + (uint)x.low);                                 \
+    const vec3 t11 = name##_texel(scene, format, high + (uint)x.high);                                \
+    const vec3 first = blend3(bordered_texel(x.low_border, y.low_border, t00),                        \
+                              bordered_texel(x.high_border, y.low_border, t10), x.share);             \
+    const vec3 second = blend3(bordered_texel(x.low_border, y.high_border, t01),                      \
+                               bordered_texel(x.high_border, y.high_border, t11), x.share);           \
+    TextureStep step;                                                                                 \
+    step.factor = blend3(first, second, y.share);                                                     \
+    step.next = -1;                                                                                   \
+    return step;                                                                                      \
+  }
+BITMAP_TEXTURE(byte, TEXTURE_BYTE_BITMAP)
+BITMAP_TEXTURE(short, TEXTURE_SHORT_BITMAP)
+BITMAP_TEXTURE(half, TEXTURE_HALF_BITMAP)
+BITMAP_TEXTURE(float, TEXTURE_FLOAT_BITMAP)
+#undef BITMAP_TEXTURE
+
+PENUMBRA_NAMESPACE_END
+#endif

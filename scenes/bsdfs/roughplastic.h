@@ -1,0 +1,65 @@
+// A diffuse base under a rough dielectric boundary, with what scatters between the two (Mitsuba 3; read from
+// files of 0.6 too, whose tables were others).
+#pragma once
+
+#include "kernels/bsdf/microfacet.h"
+#include "scenes/bsdfs/material.h"
+#include "scenes/bsdfs/material_tables.h"
+#include "scenes/bsdfs/plastic.h"
+#include "scenes/plugin_values.h"
+#include "scenes/refractive_indices.h"
+
+namespace penumbra {
+
+struct RoughPlasticBsdf {
+  static constexpr const char* kPlugin = "roughplastic";
+  TexturedColour diffuse{glm::vec3(0.5f)};
+  TexturedColour specular{glm::vec3(1.0f)};
+  float int_ior = 1.49f;
+  float ext_ior = 1.000277f;
+  bool nonlinear = false;
+  int distribution = DISTRIBUTION_BECKMANN;
+  float alpha = 0.1f;
+  bool sample_visible = true;  ///< always so
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("diffuse_reflectance", &RoughPlasticBsdf::diffuse, ColourWithin{}, "albedo of the base");
+    row("specular_reflectance", &RoughPlasticBsdf::specular, ColourWithin{},
+        "factor of what the boundary reflects");
+    row("int_ior", &RoughPlasticBsdf::int_ior, RefractiveIndex{}, "refractive index beneath the boundary");
+    row("ext_ior", &RoughPlasticBsdf::ext_ior, RefractiveIndex{}, "refractive index above it");
+    row("nonlinear", &RoughPlasticBsdf::nonlinear, TrueOrFalse{},
+        "the base's colour deepens each time that light is reflected back to it");
+    row("distribution", &RoughPlasticBsdf::distribution,
+        OneOf<int>{{{"beckmann", DISTRIBUTION_BECKMANN}, {"ggx", DISTRIBUTION_GGX}}},
+        "of the boundary's microfacets");
+    row("alpha", &RoughPlasticBsdf::alpha, NumberWithin{LowEnd::kClosed, 0.0f, MOST_ALPHA},
+        "their roughness, the same everywhere");
+    row("sample_visible", &RoughPlasticBsdf::sample_visible, TrueOrFalse{},
+        "read and ignored: visible microfacets are sampled");
+  }
+  void complete(Findings& findings) const {
+    check_boundary(int_ior, ext_ior, findings);
+    if (int_ior == ext_ior)
+      findings.push_back({"int_ior",
+                          "int_ior and ext_ior must differ: between equal refractive indices there is no "
+                          "boundary (a diffuse bsdf has none)"});
+  }
+};
+
+inline Material material_of(const RoughPlasticBsdf& plastic, MaterialTables& tables) {
+  const bool ggx = plastic.distribution == DISTRIBUTION_GGX;
+  Material m = material_of_family(ggx ? FAMILY_ROUGHPLASTIC_GGX : FAMILY_ROUGHPLASTIC_BECKMANN);
+  PENUMBRA_SET_FIELD(m, diffuse, plastic.diffuse);
+  PENUMBRA_SET_FIELD(m, specular, plastic.specular);
+  m.variant = plastic.nonlinear ? PLASTIC_NONLINEAR : PLASTIC_LINEAR;
+  m.ior = plastic.int_ior / plastic.ext_ior;
+  m.alpha_u = m.alpha_v = clamp_f(plastic.alpha, LEAST_ALPHA, MOST_ALPHA);
+  const auto& boundary = tables.boundary({plastic.distribution, double(m.alpha_u), double(m.ior)});
+  m.curve = boundary.curve;
+  m.internal = boundary.internal;
+  return m;
+}
+
+}  // namespace penumbra

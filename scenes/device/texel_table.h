@@ -1,0 +1,41 @@
+// The table of texels: what the bitmaps of a scene's textures are, and what their whole numbers count.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "kernels/scene_types.h"
+#include "scenes/image/bitmap.h"
+#include "scenes/textures.h"
+
+namespace penumbra {
+
+class TexelTable {
+ public:
+  explicit TexelTable(std::span<const std::shared_ptr<const Bitmap>> bitmaps) : bitmaps_(bitmaps) {}
+
+  /// Completes the record of a texture: its kind, and where its texels are. A bitmap is there once, however
+  /// many textures show it.
+  void place(const BitmapTexture& texture, TextureNode& node);
+
+  /// The table, with the word that kernels may read beyond the last texel.
+  [[nodiscard]] std::vector<std::uint32_t> take();
+
+ private:
+  int place_bitmap(int index);
+  int place_decoding(int values, float gamma);
+
+  std::span<const std::shared_ptr<const Bitmap>> bitmaps_;
+  std::vector<std::uint32_t> words_;
+  std::map<int, int> places_;                       ///< by bitmap
+  std::map<std::pair<int, float>, int> decodings_;  ///< by the number of values and gamma
+};
+
+/// What a whole number n of 0 ... most counts: (n / most)^gamma, or by sRGB (IEC 61966-2-1) with kSrgb.
+float decoded_value(int n, int most, float gamma);
+
+}  // namespace penumbra
