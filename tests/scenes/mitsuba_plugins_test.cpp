@@ -185,7 +185,7 @@ TEST_F(MitsubaPlugins, PrincipledByIndexOrBySpecular) {
         good(in("shape", "sphere", in("bsdf", "principled", content))).bsdfs.at(0).model);
   };
   EXPECT_NEAR(read_one("").eta, 1.5f, 1e-6f);  // specular 0.5
-  EXPECT_NEAR(read_one("<float name='specular' value='1'/>").eta, 1.78886f, 1e-5f);
+  EXPECT_NEAR(read_one("<float name='specular' value='1'/>").eta, 1.788789f, 1e-6f);
   EXPECT_EQ(read_one("<float name='specular' value='0'/>").eta, 1.0f);
   EXPECT_EQ(read_one("<float name='eta' value='1'/>").eta, 1.0f);
   EXPECT_EQ(read_one("<float name='eta' value='0.8'/>").eta, 0.8f);
