@@ -25,6 +25,8 @@ PENUMBRA_NAMESPACE_BEGIN
 
 #define INTEGRATOR_DIRECT 0
 #define INTEGRATOR_PATH 1
+#define INTEGRATOR_WHITTED 2
+#define INTEGRATOR_OCCLUSION 3
 
 #define SAMPLING_BSDF_ONLY 0
 #define SAMPLING_EMITTER_ONLY 1
@@ -50,6 +52,11 @@ PENUMBRA_NAMESPACE_BEGIN
 #define DIRECTION_BSDF 0
 #define DIRECTION_COSINE 1
 #define DIRECTION_UNIFORM 2
+#define DIRECTION_SPHERE 3  // occlusion alone, and ...
+#define DIRECTION_LOBE 4    // ... about the mirror direction
+
+#define WEIGHTING_COSINE 0
+#define WEIGHTING_UNIFORM 1
 
 #define EMITTER_AREA 0
 #define EMITTER_SOLID_ANGLE 1
@@ -58,9 +65,20 @@ PENUMBRA_NAMESPACE_BEGIN
 #define QUADRIC_SPHERE 0
 #define QUADRIC_DISK 1
 
+// How many rays pass through a material: none, all, or as its leaves are chosen.
+#define PASSES_NONE 0
+#define PASSES_ALL 1
+#define PASSES_SOME 2
+
+#define BEND_NOT 0
+#define BEND_NORMAL_MAP 1
+#define BEND_BUMP_MAP 2
+
 #define BVH_WIDTH 8               // children of a node, primitives of a leaf
 #define MAX_DIRECT_SAMPLES 65536  // emitter or BSDF samples of one camera ray
+#define MAX_BRANCH_DEPTH 8        // surfaces at which a path may branch, one after the other
 #define FILTER_CELLS 256
+#define LTC_SIZE 32  // rows and columns of a table of linearly transformed cosines
 #define FILTER_TABLE_SIZE (2 * FILTER_CELLS + 1)  // knots and weights, see filter.h
 
 // The scene's centre is the origin: the builder subtracts it in double before anything becomes float.
@@ -101,9 +119,25 @@ PENUMBRA_NAMESPACE_BEGIN
 // What its closures have; material 0 absorbs everything.
 #define MATERIAL_FIELD(F, type, name) F(type, name)
 #define MATERIAL_TEXTURE(F, type, name) F(int, name##_texture) /* index, or -1: its value alone */
-#define MATERIAL_FIELDS(F)          \
-  CLOSURE_FIELDS(MATERIAL_FIELD, F) \
-  TEXTURED_FIELDS(MATERIAL_TEXTURE, F)
+// A material is a leaf, which scatters by its closure, or one of two others, each point of a surface by
+// chance: `first` and `second` have lower indices than it, or are -1, nothing, through which rays pass. A
+// leaf's shading normal may be bent by a texture.
+#define MATERIAL_TREE_FIELDS(F)                                                                   \
+  F(int, passes)         /* PASSES_* */                                                           \
+  F(int, first)          /* index, or -1 */                                                       \
+  F(int, second)         /* likewise; in a leaf it is -1, and `branches` 0 */                     \
+  F(int, branches)       /* 1: it is one of those two */                                          \
+  F(float, weight)       /* probability of the second */                                          \
+  F(int, weight_texture) /* index of a texture that is it, clamped to [0, 1], or -1 */            \
+  F(int, bend)           /* BEND_*: what bends the normal of a leaf */                            \
+  F(int, bend_texture)   /* index, or -1 */                                                       \
+  F(float, bend_scale)   /* how much, see bend_normal.h; negative: the bumps of the other side */ \
+  F(float, bend_step)    /* between texture coordinates whose heights are compared */
+
+#define MATERIAL_FIELDS(F)             \
+  CLOSURE_FIELDS(MATERIAL_FIELD, F)    \
+  TEXTURED_FIELDS(MATERIAL_TEXTURE, F) \
+  MATERIAL_TREE_FIELDS(F)
 
 #define LIGHT_FIELDS(F)                                                                                  \
   F(vec3, radiance) /* radiance; radiant intensity for a point light */                                  \
@@ -162,6 +196,18 @@ PENUMBRA_NAMESPACE_BEGIN
 
 #define QUADRIC_LEAF_FIELDS(F) F(int, primitive[BVH_WIDTH])
 
+// A linearly transformed cosine (Heitz et al. 2016) for a microfacet reflection of roughness alpha under
+// cosine c and sine s of the viewer. It leans from the mirror direction to the normal by an angle of sine
+// s * lean; with q the tangent of what is left of the viewer's angle its half-widths in the plane z = 1,
+// where it is centred at (q, 0), are 2 alpha (1 + q^2) width_x and 2 alpha width_y. Row i is that of
+// roughness (i / (LTC_SIZE - 1))^2, column j that of c = (j / (LTC_SIZE - 1))^2.
+#define LTC_CELL_FIELDS(F)                                                       \
+  F(float, lean)                                                                 \
+  F(float, width_x)                                                              \
+  F(float, width_y)                                                              \
+  F(float, albedo)  /* what the reflection gives off without its Fresnel term */ \
+  F(float, schlick) /* mean of (1 - cos)^5 over it, of the angle at the microfacets */
+
 #define CORNER_FIELDS(F) \
   F(int, v0)             \
   F(int, v1)             \
@@ -187,19 +233,24 @@ PENUMBRA_NAMESPACE_BEGIN
   F(uint, spp)                       \
   F(uint, seed)
 
-#define INTEGRATOR_PARAMETERS_FIELDS(F)                     \
-  F(int, kind)      /* INTEGRATOR_* */                      \
-  F(int, max_depth) /* path: edges; INT_MAX for no limit */ \
-  F(int, rr_depth)                                          \
-  F(int, direct_sampling) /* SAMPLING_* */                  \
-  F(int, emitter_samples)                                   \
-  F(int, bsdf_samples)                                      \
-  F(int, bsdf_sampling) /* DIRECTION_* */                   \
-  F(int, heuristic)     /* HEURISTIC_* */                   \
-  F(int, hide_emitters) /* HIDE_* */                        \
-  F(int, light_choice)  /* CHOICE_* */                      \
-  F(int, trace_shadows) /* 0: nothing blocks shadow rays */ \
-  F(int, estimator)     /* ESTIMATOR_* */
+#define INTEGRATOR_PARAMETERS_FIELDS(F)                                                            \
+  F(int, kind)      /* INTEGRATOR_* */                                                             \
+  F(int, max_depth) /* path: edges; INT_MAX for no limit */                                        \
+  F(int, rr_depth)                                                                                 \
+  F(int, direct_sampling) /* SAMPLING_* */                                                         \
+  F(int, emitter_samples)                                                                          \
+  F(int, bsdf_samples)                                                                             \
+  F(int, bsdf_sampling) /* DIRECTION_* */                                                          \
+  F(int, heuristic)     /* HEURISTIC_* */                                                          \
+  F(int, hide_emitters) /* HIDE_* */                                                               \
+  F(int, light_choice)  /* CHOICE_* */                                                             \
+  F(int, trace_shadows) /* 0: nothing blocks shadow rays */                                        \
+  F(int, estimator)     /* ESTIMATOR_* */                                                          \
+  F(int, branch_depth)  /* whitted: surfaces at which a path branches, at most MAX_BRANCH_DEPTH */ \
+  F(int, weighting)     /* occlusion: WEIGHTING_* of directions */                                 \
+  F(float, exponent)    /* occlusion: of DIRECTION_LOBE */                                         \
+  F(float, background)  /* occlusion: what camera rays see that meet nothing */                    \
+  F(float, ray_length)  /* occlusion: what is farther away blocks nothing; NO_LIMIT for none */
 
 // What a viewer may change besides the camera: no table and no kernel depends on it.
 #define ADJUSTABLE_FIELDS(F) F(float, alpha) /* ESTIMATOR_ALPHA */
@@ -221,6 +272,8 @@ PENUMBRA_NAMESPACE_BEGIN
   /* FEATURE_UV: one for each triangle, one for each light. */                \
   T(A, vertex_uvs, VertexUvs, 1, "texture coordinates of triangles")          \
   T(A, light_triangles, LightTriangles, 1, "triangles of lights")             \
+  /* FEATURE_LTC: that of GGX, then that of Beckmann's distribution. */       \
+  T(A, ltc_cells, LtcCell, 0, "linearly transformed cosines")                 \
   /* Small scenes: distinct vertices, and three of them for each triangle. */ \
   T(A, vertices, vec3, 0, "vertices, to test every primitive")                \
   T(A, corners, Corner, 0, "corners, to test every primitive")                \
@@ -245,6 +298,10 @@ PENUMBRA_NAMESPACE_BEGIN
   I(quadrics, Quadric, back, materials, 0, "a quadric names a material that is not there")                \
   I(quadrics, Quadric, light, lights, -1, "a quadric names a light that is not there")                    \
   TEXTURED_FIELDS(MATERIAL_TEXTURE_INDEX, I)                                                              \
+  I(materials, Material, weight_texture, textures, -1, "a material names a texture that is not there")    \
+  I(materials, Material, bend_texture, textures, -1, "a material names a texture that is not there")      \
+  I(materials, Material, first, materials, -1, "a material names another one that is not there")          \
+  I(materials, Material, second, materials, -1, "a material names another one that is not there")         \
   I(textures, TextureNode, texture0, textures, -1, "a texture names another one that is not there")       \
   I(textures, TextureNode, texture1, textures, -1, "a texture names another one that is not there")       \
   I(lights, Light, alias, lights, 0, "a light's alias is not there")                                      \
@@ -298,6 +355,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(TriangleLeaf, TRIANGLE_LEAF_FIELDS)                 \
   X(QuadricLeaf, QUADRIC_LEAF_FIELDS)                   \
   X(Corner, CORNER_FIELDS)                              \
+  X(LtcCell, LTC_CELL_FIELDS)                           \
   X(Camera, CAMERA_FIELDS)                              \
   X(FilmParameters, FILM_PARAMETERS_FIELDS)             \
   X(SamplerParameters, SAMPLER_PARAMETERS_FIELDS)       \

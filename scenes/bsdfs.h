@@ -15,12 +15,14 @@
 #include <string>
 #include <variant>
 
+#include "scenes/bsdfs/bend.h"
 #include "scenes/bsdfs/blinnphong.h"
 #include "scenes/bsdfs/conductor.h"
 #include "scenes/bsdfs/dielectric.h"
 #include "scenes/bsdfs/diffuse.h"
 #include "scenes/bsdfs/disney.h"
 #include "scenes/bsdfs/microfacet_diffuse.h"
+#include "scenes/bsdfs/nested.h"
 #include "scenes/bsdfs/phong.h"
 #include "scenes/bsdfs/plastic.h"
 #include "scenes/bsdfs/principled.h"
@@ -30,16 +32,18 @@
 
 namespace penumbra {
 
-using BsdfModel =
-    std::variant<DiffuseBsdf, PhongBsdf, ConductorBsdf, RoughConductorBsdf, DielectricBsdf,
-                 ThinDielectricBsdf, RoughDielectricBsdf, PlasticBsdf, RoughPlasticBsdf, WardBsdf,
-                 BlinnPhongBsdf, MicrofacetDiffuseBsdf, PrincipledBsdf, PrincipledThinBsdf, DisneyBsdf>;
+using BsdfModel = std::variant<DiffuseBsdf, PhongBsdf, ConductorBsdf, RoughConductorBsdf, DielectricBsdf,
+                               ThinDielectricBsdf, RoughDielectricBsdf, PlasticBsdf, RoughPlasticBsdf,
+                               WardBsdf, BlinnPhongBsdf, MicrofacetDiffuseBsdf, PrincipledBsdf,
+                               PrincipledThinBsdf, DisneyBsdf, NullBsdf, MaskBsdf, BlendBsdf>;
 
 struct Bsdf {
   std::string name;  ///< the file's id, or a description of the place, for messages
   BsdfModel model;
+  SurfaceBend bend = {};  ///< of one that holds no others
 };
 
+/// What its children are made of is not known: `passes` is up to the device scene.
 inline Material material_of(const Bsdf& bsdf, MaterialTables& tables) {
   const auto material = [&](const auto& model) {
     if constexpr (requires { material_of(model, tables); })
@@ -47,7 +51,9 @@ inline Material material_of(const Bsdf& bsdf, MaterialTables& tables) {
     else
       return material_of(model);
   };
-  return std::visit(material, bsdf.model);
+  Material m = std::visit(material, bsdf.model);
+  set_bend(m, bsdf.bend);
+  return m;
 }
 
 }  // namespace penumbra

@@ -41,8 +41,6 @@ struct Disk {
   double radius = 1.0;
 };
 
-constexpr int kBlackBsdf = -1;
-
 struct Shape {
   std::string name;  ///< for messages
   std::variant<Mesh, Sphere, Disk> geometry;
@@ -91,7 +89,7 @@ struct SceneDescription : RenderSettings {
   std::uint64_t contents_hash = 0;
   std::vector<SceneTexture> textures;                  ///< one holds only such as come before it
   std::vector<std::shared_ptr<const Bitmap>> bitmaps;  ///< of textures, each once
-  std::vector<Bsdf> bsdfs;
+  std::vector<Bsdf> bsdfs;                             ///< one holds only such as come before it
   std::vector<Shape> shapes;
   std::vector<Emitter> emitters;  ///< lights that are no shapes; one sky at most
   std::vector<std::string>

@@ -14,25 +14,32 @@ PENUMBRA_NAMESPACE_BEGIN
 /// yet. FAMILY_BLACK where there is none.
 STAGE void find_hit_families(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
                              GLOBAL int* RESTRICT families) {
-  const int triangle_count = scene->header.tables.triangles.count;
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP
       for (int j = i; j < i + LANES; j++) {
         const int hit = get_hit(paths, j);
-        GLOBAL const Triangle* triangle = scene->triangles + triangle_of(scene, hit);
-        int front = triangle->front, back = triangle->back;
-  #if HAS(QUADRICS)
-        const int index = hit - triangle_count;
-        GLOBAL const Quadric* quadric = scene->quadrics + (index >= 0 ? index : 0);
-        const int quadric_front = quadric->front, quadric_back = quadric->back;
-        front = index >= 0 ? quadric_front : front;
-        back = index >= 0 ? quadric_back : back;
-  #endif
-        const int family = scene->materials[front > 0 ? front : back].family;
+        const SideMaterials sides = side_materials(scene, hit);
+        const int side = sides.front > 0 ? sides.front : sides.back;
+        const int family = scene->materials[side].family;
         families[j] = hit >= 0 ? family : FAMILY_BLACK;
       }
   }
 }
+
+  #if HAS(NESTED)
+/// Where leaves were chosen, theirs.
+STAGE void find_leaf_families(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
+                              GLOBAL int* RESTRICT families) {
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++) {
+        const int leaf = get_material(paths, j), plain = families[j];
+        const int family = scene->materials[leaf >= 0 ? leaf : 0].family;
+        families[j] = leaf >= 0 ? family : plain;
+      }
+  }
+}
+  #endif
 
 /// Lists the lanes by family, those of one in order. Returns whether that is another order.
 STAGE bool order_by_family(const GLOBAL int* RESTRICT families, int count, GLOBAL int* RESTRICT order) {
@@ -82,6 +89,9 @@ FN void sort_by_family(const PRIVATE Scene* scene, const PRIVATE PathState* path
   GLOBAL float* floats = paths->sort_buffer;
   GLOBAL int* ints = paths->finished;
   find_hit_families(scene, paths, count, paths->finished);
+  #if HAS(NESTED)
+  if (NEEDS(scene, NESTED)) find_leaf_families(scene, paths, count, paths->finished);
+  #endif
   if (!order_by_family(paths->finished, count, paths->going)) return;
   REORDER_int(paths->hit);
   #define REORDER_FIELD(type, name, needs, travels) \

@@ -2,6 +2,7 @@
 #ifndef PENUMBRA_BLOCK_SURFACE_H
 #define PENUMBRA_BLOCK_SURFACE_H
 #include "kernels/block/path_state.h"
+#include "kernels/bsdf/bend_normal.h"
 #include "kernels/intersect/surface.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -92,9 +93,9 @@ FN void find_uvs(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int
 }
 #endif
 
-/// Of the last rays of LANES paths from lane i on.
-FN void find_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                      PRIVATE Surfaces* surfaces) {
+/// Those that the last rays of LANES paths from lane i on hit, as rays and geometry have them.
+FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                          PRIVATE Surfaces* surfaces) {
   PrimitivePoints points;
   find_triangle_points(scene, paths, i, &points);
 #if HAS(SHADING_NORMALS)
@@ -106,6 +107,40 @@ FN void find_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
   see_surfaces(paths, i, &points, surfaces);
 #if HAS(UV)
   if (NEEDS(scene, UV)) find_uvs(scene, paths, i, &points, surfaces);
+#endif
+}
+
+#if HAS(NESTED)
+/// As seen from where rays started, whatever they passed.
+STAGE void see_from_starts(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const vec3 start = get_kept_origin(paths, i + j), d = get_ray_direction(paths, i + j);
+      surfaces->distance[j] += dot3(sub(get_ray_origin(paths, i + j), start), d);
+      STORE_LANE_vec3(surfaces->from, j, start);
+    }
+}
+
+/// Made of the leaves that were chosen.
+STAGE void see_leaves(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int leaf = get_material(paths, i + j), own = surfaces->material[j];
+      surfaces->material[j] = leaf >= 0 ? leaf : own;
+    }
+}
+#endif
+
+/// Where the last rays of LANES paths from lane i on ended.
+FN void find_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                      PRIVATE Surfaces* surfaces) {
+  find_hit_surfaces(scene, paths, i, surfaces);
+#if HAS(NESTED)
+  if (NEEDS(scene, NESTED)) see_from_starts(paths, i, surfaces);
+  if (NEEDS(scene, NESTED)) see_leaves(paths, i, surfaces);
+#endif
+#if HAS(BENT) && HAS(TEXTURES) && HAS(UV)
+  if (NEEDS(scene, BENT)) bend_normals(scene, surfaces);
 #endif
 }
 

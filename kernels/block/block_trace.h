@@ -4,8 +4,32 @@
 #include "kernels/block/path_state.h"
 #include "kernels/intersect/bvh.h"
 #include "kernels/intersect/intersect_whole.h"
+#include "kernels/intersect/surface.h"
 
 PENUMBRA_NAMESPACE_BEGIN
+
+/// Whether any of LANES paths from lane i on has a ray.
+FN bool any_ray(const PRIVATE PathState* paths, int i) {
+  int any = 0;
+  for (int j = i; j < i + LANES; j++) any |= get_ray_tmax(paths, j) > 0.0f ? 1 : 0;
+  return any != 0;
+}
+
+#if HAS(NESTED)
+/// The share of light that passes the primitive, if that is known without a look at the place: 1 where there
+/// is none, 0 if none passes; else negative.
+FN float share_behind(const PRIVATE Scene* scene, int primitive) {
+  const SideMaterials sides = side_materials(scene, primitive);
+  const int front = scene->materials[sides.front].passes, back = scene->materials[sides.back].passes;
+  return primitive < 0 ? 1.0f : ((front | back) != PASSES_NONE ? -1.0f : 0.0f);
+}
+
+/// What stopped rays of intersectors that do not say what did may let light through.
+STAGE void doubt_occluded(const PRIVATE PathState* paths, int count) {
+  for (int i = 0; i < count; i++)
+    if (!(get_shadow_transmittance(paths, i) > 0.0f)) set_shadow_transmittance(paths, i, -1.0f);
+}
+#endif
 
 #if !HAS(BVH)
 FN void load_lane_ray(PRIVATE RayLanes* rays, int j, vec3 origin, vec3 direction, float tmax, int skip) {
@@ -55,11 +79,26 @@ STAGE void scatter_transmittances(const PRIVATE RayLanes* RESTRICT rays, const P
       set_shadow_transmittance(paths, wanted[j], rays->hit[j] < 0 ? 1.0f : 0.0f);
 }
 
+  #if HAS(NESTED)
+/// Where what is in the way may let light through: negative.
+STAGE void doubt_transmittances(const PRIVATE Scene* scene, const PRIVATE RayLanes* RESTRICT rays,
+                                const PRIVATE PathState* paths, const GLOBAL int* RESTRICT wanted) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++)
+      set_shadow_transmittance(paths, wanted[j], share_behind(scene, rays->hit[j]));
+}
+  #endif
+
 STAGE void store_hits(const PRIVATE RayLanes* RESTRICT rays, const PRIVATE PathState* paths, int i) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) set_hit(paths, i + j, rays->hit[j]);
 }
 #endif
+
+/// Of lanes without rays.
+FN void clear_hits(const PRIVATE PathState* paths, int i) {
+  for (int j = i; j < i + LANES; j++) set_hit(paths, j, -1);
+}
 
 /// Finds the primitive that each lane's ray hits.
 STAGE void intersect_block(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
@@ -77,6 +116,10 @@ STAGE void intersect_block(const PRIVATE Scene* scene, const PRIVATE PathState* 
                 .primitive);
 #else
   for (int i = 0; i < count; i += LANES) {
+    if (!any_ray(paths, i)) {
+      clear_hits(paths, i);
+      continue;
+    }
     RayLanes rays;
     load_rays(&rays, paths, i);
     intersect_whole(scene, &rays);
@@ -91,7 +134,8 @@ FN void pad_hits(const PRIVATE PathState* paths, int count) {
   for (int i = count; i % LANES != 0; i++) set_hit(paths, i, get_hit(paths, count - 1));
 }
 
-/// Finds how much of the light of each lane's shadow ray gets through.
+/// Finds how much of the light of each lane's shadow ray gets through; negative where what stops it may let
+/// some through.
 STAGE void occlude_block(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
 #if HAS(DIRECT)
   if (!scene->header.integrator.trace_shadows) {
@@ -102,6 +146,9 @@ STAGE void occlude_block(const PRIVATE Scene* scene, const PRIVATE PathState* pa
 #ifdef EXTERNAL_TRACER
   if (scene->tracer.occlude) {
     scene->tracer.occlude(scene->tracer.context, paths, count);
+  #if HAS(NESTED)
+    if (NEEDS(scene, NESTED)) doubt_occluded(paths, count);
+  #endif
     return;
   }
 #endif
@@ -109,7 +156,11 @@ STAGE void occlude_block(const PRIVATE Scene* scene, const PRIVATE PathState* pa
   for (int i = 0; i < count; i++) {
     const Hit hit = occlude_bvh(scene, get_shadow_origin(paths, i), get_shadow_direction(paths, i),
                                 get_shadow_tmax(paths, i), get_shadow_skip(paths, i));
-    set_shadow_transmittance(paths, i, hit.primitive < 0 ? 1.0f : 0.0f);
+    float share = hit.primitive < 0 ? 1.0f : 0.0f;
+  #if HAS(NESTED)
+    if (NEEDS(scene, NESTED)) share = share_behind(scene, hit.primitive);
+  #endif
+    set_shadow_transmittance(paths, i, share);
   }
 #else
   GLOBAL int* RESTRICT wanted = paths->going;
@@ -119,6 +170,9 @@ STAGE void occlude_block(const PRIVATE Scene* scene, const PRIVATE PathState* pa
     gather_shadow_rays(&lanes, paths, wanted + i);
     intersect_whole(scene, &lanes);
     scatter_transmittances(&lanes, paths, wanted + i);
+  #if HAS(NESTED)
+    if (NEEDS(scene, NESTED)) doubt_transmittances(scene, &lanes, paths, wanted + i);
+  #endif
   }
 #endif
 }
@@ -141,25 +195,42 @@ STAGE void add_light(const PRIVATE PathState* paths, int count) {
 }
 
 #if HAS(POLYGONS)
-/// The same where polygon lights have control variates: their light goes, with and without shadows, into sums
-/// of its own.
+/// The same of a path where polygon lights have control variates: their light goes, with and without shadows,
+/// into sums of its own. `other_form`: what the variate gets is not what the path does.
+FN void add_controlled(const PRIVATE PathState* paths, int i, bool other_form) {
+  const int kind = get_shadow_controlled(paths, i);
+  const bool controlled = kind != CONTROLLED_NOT;
+  const float transmittance = get_shadow_transmittance(paths, i);
+  const float seen = kind == CONTROLLED_BENEATH ? 0.0f : transmittance;
+  const vec3 other = shadow_ray_light(paths, i, !controlled, transmittance);
+  vec3 unshadowed = shadow_ray_light(paths, i, controlled, 1.0f);
+  #if HAS(LTC)
+  if (other_form) {
+    const bool lit = controlled & (get_shadow_tmax(paths, i) > 0.0f);
+    unshadowed = select3(lit, get_shadow_control(paths, i), make_vec3(0.0f, 0.0f, 0.0f));
+  }
+  #endif
+  const vec3 shadowed = shadow_ray_light(paths, i, controlled, seen);
+  set_radiance(paths, i, add(get_radiance(paths, i), other));
+  set_unshadowed(paths, i, add(get_unshadowed(paths, i), unshadowed));
+  set_shadowed(paths, i, add(get_shadowed(paths, i), shadowed));
+}
+
 STAGE void add_controlled_light(const PRIVATE PathState* paths, int count) {
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP
-      for (int j = i; j < i + LANES; j++) {
-        const int kind = get_shadow_controlled(paths, j);
-        const bool controlled = kind != CONTROLLED_NOT;
-        const float transmittance = get_shadow_transmittance(paths, j);
-        const float seen = kind == CONTROLLED_BENEATH ? 0.0f : transmittance;
-        const vec3 other = shadow_ray_light(paths, j, !controlled, transmittance);
-        const vec3 unshadowed = shadow_ray_light(paths, j, controlled, 1.0f);
-        const vec3 shadowed = shadow_ray_light(paths, j, controlled, seen);
-        set_radiance(paths, j, add(get_radiance(paths, j), other));
-        set_unshadowed(paths, j, add(get_unshadowed(paths, j), unshadowed));
-        set_shadowed(paths, j, add(get_shadowed(paths, j), shadowed));
-      }
+      for (int j = i; j < i + LANES; j++) add_controlled(paths, j, false);
   }
 }
+
+  #if HAS(LTC)
+STAGE void add_controlled_light_by_form(const PRIVATE PathState* paths, int count) {
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++) add_controlled(paths, j, true);
+  }
+}
+  #endif
 #endif
 
 PENUMBRA_NAMESPACE_END

@@ -57,5 +57,18 @@ FN BsdfSample disney_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, floa
   return s;
 }
 
+#if HAS(LTC)
+/// Without sheen and clearcoat.
+FN ControlLobes disney_control(const PRIVATE Scene* scene, Closure c, float cosine) {
+  const MicrofacetLobe lobe = disney_lobe(scene, c, cosine);
+  const vec3 white = make_vec3(1.0f, 1.0f, 1.0f);
+  const vec3 tint = disney_tint(c.diffuse, (0.3f * c.diffuse.x + 0.6f * c.diffuse.y) + 0.1f * c.diffuse.z);
+  const vec3 plain = scale(mix3(white, tint, c.spec_tint), 0.08f * c.specular_level);
+  const vec3 fresnel = mix3(mix3(plain, c.diffuse, c.metallic), white, schlick_weight(fresnel_cosine(lobe)));
+  const float diffuse = mean_disney_diffuse(cosine, c.roughness, c.flatness);
+  return make_control_lobes(scale(c.diffuse, (1.0f - c.metallic) * diffuse), lobe, fresnel);
+}
+#endif
+
 PENUMBRA_NAMESPACE_END
 #endif

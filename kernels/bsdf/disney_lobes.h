@@ -3,6 +3,7 @@
 // and disney weigh these.
 #ifndef PENUMBRA_DISNEY_LOBES_H
 #define PENUMBRA_DISNEY_LOBES_H
+#include "kernels/bsdf/control_lobes.h"
 #include "kernels/bsdf/families.h"
 #include "kernels/bsdf/fresnel.h"
 #include "kernels/bsdf/microfacet.h"
@@ -74,6 +75,19 @@ FN DisneyShares disney_shares(float diffuse, float clearcoat, float specular) {
   shares.specular = specular * scaled;
   return shares;
 }
+
+#if HAS(LTC)
+/// pi f of the diffuse lobe for a viewer's cosine, about its mean over the light's directions: at theirs of
+/// 0.7, at right angles to the viewer.
+FN float mean_disney_diffuse(float cosine, float roughness, float flatness) {
+  return disney_diffuse(max_f(cosine, 1e-6f), 0.7f, SQRT(0.5f + 0.35f * cosine), roughness, flatness);
+}
+/// The microfacets as a lobe; of anisotropic ones the round one of the same size.
+FN MicrofacetLobe disney_lobe(const PRIVATE Scene* scene, Closure c, float cosine) {
+  const Microfacets m = disney_microfacets(c.roughness, c.anisotropic);
+  return microfacet_lobe(scene, DISTRIBUTION_GGX, SQRT(m.alpha_u * m.alpha_v), cosine);
+}
+#endif
 
 // --- The clearcoat: generalised Trowbridge-Reitz microfacets with exponent 1 (Burley 2012, B.2), reflectance
 // 0.04 along the normal, and the masking of GGX with alpha 0.25.

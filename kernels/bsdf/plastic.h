@@ -3,6 +3,7 @@
 // inside scattering again and again; d internal in place of internal where variant is PLASTIC_NONLINEAR.
 #ifndef PENUMBRA_PLASTIC_H
 #define PENUMBRA_PLASTIC_H
+#include "kernels/bsdf/control_lobes.h"
 #include "kernels/bsdf/families.h"
 #include "kernels/bsdf/fresnel.h"
 #include "kernels/math/frame.h"
@@ -54,6 +55,22 @@ FN BsdfSample plastic_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, flo
   s.weight = select3(mirrors, mirror, base);
   return select_bsdf_sample(wo.z > 0.0f, s, no_bsdf_sample());
 }
+
+#if HAS(LTC)
+/// The base as a Lambert, for a viewer whose light the boundary lets `through`: what arrives from all around
+/// gets through it as much as diffuse light from inside does, times ior^2.
+FN vec3 base_as_lambert(Closure c, float through) {
+  const float around = min_f((1.0f - c.internal) * (c.ior * c.ior), 1.0f);
+  return scale(base_reflectance(c), through * around);
+}
+
+/// Of the mirror there is none: its directions count for themselves.
+FN ControlLobes plastic_control(const PRIVATE Scene* scene, Closure c, float cosine) {
+  ControlLobes lobes = no_control_lobes();
+  lobes.diffuse = base_as_lambert(c, smooth_transmittance(c, cosine));
+  return lobes;
+}
+#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

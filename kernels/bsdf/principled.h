@@ -143,5 +143,20 @@ PRINCIPLED_FAMILY(principled, false)
 PRINCIPLED_FAMILY(principled_transmitting, true)
 #undef PRINCIPLED_FAMILY
 
+#if HAS(LTC)
+/// Without sheen and clearcoat.
+FN ControlLobes principled_control(const PRIVATE Scene* scene, Closure c, float cosine) {
+  const Principled p = principled_of(c, false);
+  const MicrofacetLobe lobe = disney_lobe(scene, c, cosine);
+  const float at = fresnel_cosine(lobe);
+  const DielectricFresnel boundary = dielectric_fresnel(at, c.ior);
+  const float weight = schlick_weight_of(c.ior, at, boundary.cosine);
+  const vec3 tint = disney_tint(c.diffuse, luminance(c.diffuse));
+  const float diffuse = mean_disney_diffuse(cosine, c.roughness, c.flatness);
+  return make_control_lobes(scale(c.diffuse, p.brdf * diffuse), lobe,
+                            principled_fresnel(c, p, boundary.reflectance, weight, tint));
+}
+#endif
+
 PENUMBRA_NAMESPACE_END
 #endif

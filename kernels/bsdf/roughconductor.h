@@ -1,6 +1,7 @@
 // Rough conductors: microfacets of Fresnel's reflectance, a family for each distribution.
 #ifndef PENUMBRA_ROUGHCONDUCTOR_H
 #define PENUMBRA_ROUGHCONDUCTOR_H
+#include "kernels/bsdf/control_lobes.h"
 #include "kernels/bsdf/fresnel.h"
 #include "kernels/bsdf/microfacet.h"
 #include "kernels/scene.h"
@@ -42,6 +43,21 @@ FN BsdfSample conductor_lobe_sample(Microfacets m, Closure c, vec3 wo, float u, 
 ROUGH_CONDUCTOR(roughconductor_ggx, GGX)
 ROUGH_CONDUCTOR(roughconductor_beckmann, BECKMANN)
 #undef ROUGH_CONDUCTOR
+
+#if HAS(LTC)
+  /// Of an anisotropic lobe the round one of the same size.
+  #define ROUGH_CONDUCTOR_CONTROL(name, NAME)                                                 \
+    FN ControlLobes name##_control(const PRIVATE Scene* scene, Closure c, float cosine) {     \
+      const Microfacets m = make_microfacets(DISTRIBUTION_##NAME, c.alpha_u, c.alpha_v);      \
+      const MicrofacetLobe lobe =                                                             \
+          microfacet_lobe(scene, DISTRIBUTION_##NAME, SQRT(m.alpha_u * m.alpha_v), cosine);   \
+      const vec3 fresnel = conductor_fresnel(fresnel_cosine(lobe), c.eta, c.k);               \
+      return make_control_lobes(make_vec3(0.0f, 0.0f, 0.0f), lobe, mul(c.specular, fresnel)); \
+    }
+ROUGH_CONDUCTOR_CONTROL(roughconductor_ggx, GGX)
+ROUGH_CONDUCTOR_CONTROL(roughconductor_beckmann, BECKMANN)
+  #undef ROUGH_CONDUCTOR_CONTROL
+#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

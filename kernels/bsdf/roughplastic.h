@@ -51,5 +51,19 @@ ROUGH_PLASTIC(roughplastic_ggx, GGX)
 ROUGH_PLASTIC(roughplastic_beckmann, BECKMANN)
 #undef ROUGH_PLASTIC
 
+#if HAS(LTC)
+  #define ROUGH_PLASTIC_CONTROL(name, NAME)                                                       \
+    FN ControlLobes name##_control(const PRIVATE Scene* scene, Closure c, float cosine) {         \
+      const Microfacets m = make_microfacets(DISTRIBUTION_##NAME, c.alpha_u, c.alpha_u);          \
+      const MicrofacetLobe lobe = microfacet_lobe(scene, DISTRIBUTION_##NAME, m.alpha_u, cosine); \
+      const float fresnel = dielectric_fresnel(fresnel_cosine(lobe), c.ior).reflectance;          \
+      return make_control_lobes(base_as_lambert(c, curve_at(scene, c.curve, cosine)), lobe,       \
+                                scale(c.specular, fresnel));                                      \
+    }
+ROUGH_PLASTIC_CONTROL(roughplastic_ggx, GGX)
+ROUGH_PLASTIC_CONTROL(roughplastic_beckmann, BECKMANN)
+  #undef ROUGH_PLASTIC_CONTROL
+#endif
+
 PENUMBRA_NAMESPACE_END
 #endif

@@ -45,7 +45,7 @@ class Checker {
     require(in(h_.intersector, INTERSECTOR_PORTABLE, INTERSECTOR_EMBREE), "unknown intersector");
     require(in(h_.sampler.kind, SAMPLER_INDEPENDENT, SAMPLER_SOBOL), "unknown sampler");
     require(in(h_.film.filter, FILTER_BOX, FILTER_TABULATED), "unknown filter");
-    require(in(h_.integrator.kind, INTEGRATOR_DIRECT, INTEGRATOR_PATH), "unknown integrator");
+    require(in(h_.integrator.kind, INTEGRATOR_DIRECT, INTEGRATOR_OCCLUSION), "unknown integrator");
     require(h_.film.width > 0 && h_.film.height > 0, "empty film");
     require(h_.sampler.spp > 0, "no samples per pixel");
     require(h_.integrator.rr_depth >= 0, "Russian roulette begins before the path");
@@ -53,6 +53,10 @@ class Checker {
                 in(h_.integrator.bsdf_samples, 0, MAX_DIRECT_SAMPLES),
             "an implausible number of emitter or BSDF samples");
     require(in(h_.integrator.estimator, ESTIMATOR_SAMPLES, ESTIMATOR_RATIO), "unknown estimator");
+    require(in(h_.integrator.bsdf_sampling, DIRECTION_BSDF, DIRECTION_LOBE), "unknown density of directions");
+    require(in(h_.integrator.branch_depth, 0, MAX_BRANCH_DEPTH), "paths branch too often");
+    require(h_.integrator.kind != INTEGRATOR_OCCLUSION || h_.integrator.emitter_samples > 0,
+            "no rays that anything could block");
     require(in(h_.integrator.hide_emitters, HIDE_NOTHING, HIDE_LOOK_THROUGH), "unknown way to hide emitters");
     require(in(h_.integrator.light_choice, CHOICE_POWER, CHOICE_ANALYTIC), "unknown choice of lights");
   }
@@ -89,6 +93,7 @@ class Checker {
     for (const Material& m : table<Material>(scene_, h_.tables.materials))
       require(m.family == FAMILY_BLACK || (in(m.family, 1, 31) && (h_.families >> m.family & 1u) != 0),
               "a material of a family of BSDFs that the header does not name");
+    check_material_trees();
     for (const Material& m : table<Material>(scene_, h_.tables.materials))
       require(((USERS_curve & ~EXTRA_FAMILIES) >> m.family & 1u) == 0 ||
                   in(m.curve, 0, h_.tables.curves.count - CURVE_KNOTS),
@@ -118,14 +123,33 @@ class Checker {
     require(has(FEATURE_POLYGONS) ||
                 (h_.integrator.estimator == ESTIMATOR_SAMPLES && h_.integrator.light_choice == CHOICE_POWER),
             "closed forms without their feature bit");
+    require(!has(FEATURE_LTC) || h_.tables.ltc_cells.count == 2 * LTC_SIZE * LTC_SIZE,
+            "linearly transformed cosines without their tables");
     require(has(FEATURE_RATIO) == (h_.integrator.estimator == ESTIMATOR_RATIO),
             "the ratio estimator and its feature bit go together");
     require((h_.families & families_with(TRANSMITS)) == 0 || has(FEATURE_TRANSMISSION),
             "BSDFs that transmit without their feature bit");
     require(h_.tables.quadrics.count == 0 || has(FEATURE_QUADRICS), "quadrics without their feature bit");
-    require(has(h_.integrator.kind == INTEGRATOR_PATH ? FEATURE_PATH : FEATURE_DIRECT),
+    constexpr unsigned kIntegrators[] = {FEATURE_DIRECT, FEATURE_PATH, FEATURE_WHITTED, FEATURE_OCCLUSION};
+    require(in(h_.integrator.kind, 0, 3) && has(kIntegrators[h_.integrator.kind]),
             "an integrator without its feature bit");
     require(h_.sampler.kind == SAMPLER_SOBOL || has(FEATURE_SAMPLERS), "a sampler without its feature bit");
+  }
+
+  /// Walks down trees of materials end, and reach leaves that say what they are.
+  void check_material_trees() {
+    const auto materials = table<Material>(scene_, h_.tables.materials);
+    for (int i = 0; i < int(materials.size()); ++i) {
+      const Material& m = materials[std::size_t(i)];
+      require(m.first < i && m.second < i, "a material holds one that does not come before it");
+      require(in(m.branches, 0, 1) && in(m.passes, PASSES_NONE, PASSES_SOME), "a material of unknown kind");
+      require(m.weight >= 0.0f && m.weight <= 1.0f, "a material's weight is not in [0, 1]");
+      require(in(m.bend, BEND_NOT, BEND_BUMP_MAP), "a normal is bent in an unknown way");
+      require(has(FEATURE_NESTED) || (m.branches == 0 && m.passes == PASSES_NONE),
+              "materials that hold others without their feature bit");
+      require(m.bend == BEND_NOT || (has(FEATURE_BENT) && has(FEATURE_TEXTURES) && has(FEATURE_UV)),
+              "bent normals without their feature bits");
+    }
   }
 
   void check_texture(const TextureNode& t) {

@@ -2,18 +2,11 @@
 // traces the k-th direction and asks for the k-th shadow ray, all from the surface that the camera ray hit.
 #ifndef PENUMBRA_INTEGRATOR_DIRECT_H
 #define PENUMBRA_INTEGRATOR_DIRECT_H
+#include "kernels/integrator/directions.h"
+#include "kernels/integrator/kept_surfaces.h"
 #include "kernels/integrator/light_request.h"
 
 PENUMBRA_NAMESPACE_BEGIN
-
-/// Density of the scene's way of choosing directions about the surface's shading normal: on both sides where
-/// light comes `through`.
-FN float direction_pdf(int kind, vec3 n, vec3 wi, bool through, float bsdf_pdf) {
-  const float along = dot3(n, wi), cosine = through ? 0.5f * FABS(along) : max_f(along, 0.0f);
-  const float uniform = through ? 0.25f * INV_PI_F : 0.5f * INV_PI_F;
-  const float pdf = kind == DIRECTION_COSINE ? cosine * INV_PI_F : (cosine > 0.0f ? uniform : 0.0f);
-  return kind == DIRECTION_BSDF ? bsdf_pdf : pdf;
-}
 
 #if HAS(DIRECT)
 /// Random numbers for a step's light and direction samples.
@@ -33,14 +26,6 @@ FN void direct_numbers(const PRIVATE SceneHeader* h, int k, const PRIVATE PathSt
                 u + DIM_LIGHT_FINE * LANES, u + DIM_LOBE_CHOICE * LANES);
 }
 
-STAGE void keep_surfaces(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) keep_surface(paths, i + j, load_surface(surfaces, j));
-}
-STAGE void load_kept_surfaces(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RESTRICT surfaces) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) store_surface_hit(surfaces, j, kept_surface(paths, i + j));
-}
   #if HAS(UV)
 STAGE void keep_uvs(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
@@ -74,16 +59,28 @@ STAGE void add_emissions_found(const PRIVATE Scene* scene, bool first, const PRI
     }
 }
 
-/// Before a step's samples ask for rays: none, and a path goes on if a step is left and there is a surface.
-STAGE void begin_steps(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
-                       bool is_last) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      set_ray_tmax(paths, i + j, -1.0f);
-      set_shadow_tmax(paths, i + j, -1.0f);
-      set_alive(paths, i + j, (surfaces->primitive[j] >= 0) & !is_last);
-    }
+  #if HAS(NESTED)
+/// Adds the light of surfaces that the k-th rays pass, in the lanes with `passes`. The surfaces are as seen
+/// from where the rays started.
+FN void add_passed_directly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int k,
+                            const PRIVATE Surfaces* surfaces, const PRIVATE int* passes) {
+  FoundLights found;
+  Emissions emissions;
+  find_passed_lights(scene, surfaces, passes, &found);
+    #if HAS(PROJECTED)
+  if (NEEDS(scene, PROJECTED) && k > 0) {
+    Surfaces left = *surfaces;
+    load_kept_surfaces(paths, i, &left);
+    Closures closures;
+    for (int j = 0; j < LANES; j++) store_closure(&closures, j, black_closure());
+    resolve_closures(scene, &left, &closures);
+    project_found(scene, &left, &closures, &found);
+  }
+    #endif
+  find_emissions(scene, &found, k > 0, &emissions);
+  add_emissions_found(scene, k == 0, paths, i, &found, &emissions);
 }
+  #endif
 
 STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                                    const PRIVATE StepLanes* RESTRICT step) {
@@ -91,13 +88,14 @@ STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE Pat
   const float emitter_samples = (float)h->integrator.emitter_samples,
               bsdf_samples = (float)h->integrator.bsdf_samples;
   const int kind = h->integrator.bsdf_sampling, heuristic = h->integrator.heuristic;
+  const uint by_themselves = families_by_themselves(h);
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(&step->surfaces, j);
       const LightSample light = load_light_sample(&step->lights, j);
       const BsdfValue value = load_bsdf_value(&step->values, j);
-      const bool through = lets_light_through(step->closures.family[j]);
-      const float other = direction_pdf(kind, s.shading, light.wi, through, value.pdf);
+      const bool own = is_among(load_closure(&step->closures, j), by_themselves);
+      const float other = own ? value.pdf : direction_pdf(kind, s.shading, light.wi, value.pdf);
       const float shared = mis_weight(heuristic, emitter_samples * light.pdf, bsdf_samples * other);
       const float share = light.delta ? 1.0f : shared;
       const float weight = share / (emitter_samples * (light.pdf > 0.0f ? light.pdf : 1.0f));
@@ -106,50 +104,6 @@ STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE Pat
       const vec3 arriving = scale(mul(value.f_cos, light.radiance), weight);
       request_shadow_ray(scene, paths, i + j, s, light, arriving, lit, controlled);
     }
-}
-
-STAGE void direction_samples(int kind, const PRIVATE Surfaces* RESTRICT surfaces,
-                             const PRIVATE int* RESTRICT families, const PRIVATE float* RESTRICT uv,
-                             const PRIVATE float* RESTRICT choice, PRIVATE float* RESTRICT wi) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const vec3 n = LOAD_LANE_vec3(surfaces->shading, j);
-      const vec3 by_cosine = sample_cosine_hemisphere(n, uv[j], uv[LANES + j]);
-      const vec3 by_area = sample_uniform_hemisphere(n, uv[j], uv[LANES + j]);
-      const vec3 above = select3(kind == DIRECTION_COSINE, by_cosine, by_area);
-      const vec3 below = add_scaled(above, -2.0f * dot3(n, above), n);
-      const bool turned = lets_light_through(families[j]) & (choice[j] < 0.5f);
-      STORE_LANE_vec3(wi, j, select3(turned, below, above));
-    }
-}
-
-STAGE void weigh_directions(int kind, const PRIVATE Surfaces* RESTRICT surfaces,
-                            const PRIVATE int* RESTRICT families, const PRIVATE float* RESTRICT wi,
-                            const PRIVATE BsdfValues* RESTRICT values,
-                            PRIVATE BsdfSamples* RESTRICT samples) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const BsdfValue value = load_bsdf_value(values, j);
-      BsdfSample s = no_bsdf_sample();
-      s.wi = LOAD_LANE_vec3(wi, j);
-      const bool through = lets_light_through(families[j]);
-      const float pdf = direction_pdf(kind, LOAD_LANE_vec3(surfaces->shading, j), s.wi, through, value.pdf);
-      s.pdf = value.pdf > 0.0f ? pdf : 0.0f;
-      s.weight = scale(value.f_cos, 1.0f / (pdf > 0.0f ? pdf : 1.0f));
-      store_bsdf_sample(samples, j, s);
-    }
-}
-
-/// Directions that the scene does not leave to the BSDFs, and the closures' values for them, as samples.
-FN void choose_directions(const PRIVATE Scene* scene, PRIVATE StepLanes* step) {
-  const PRIVATE SceneHeader* h = &scene->header;
-  float wi[3 * LANES];
-  BsdfValues values;
-  const PRIVATE int* families = step->closures.family;
-  direction_samples(h->integrator.bsdf_sampling, &step->surfaces, families, step->u + DIM_BSDF_U * LANES,
-                    step->u + DIM_LOBE_CHOICE * LANES, wi);
-  eval_bsdfs(scene, step->families, &step->closures, &step->surfaces, wi, &values);
-  weigh_directions(h->integrator.bsdf_sampling, &step->surfaces, families, wi, &values, &step->samples);
 }
 
 /// Direction samples as the next rays.
@@ -211,14 +165,24 @@ FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
     if (emits) {
       sample_step_lights(scene, &step);
       eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
+  #if HAS(LTC)
+      if (has_other_control(scene)) admit_controls(scene, &step);
+  #endif
       request_emitter_samples(scene, paths, i, &step);
+  #if HAS(LTC)
+      if (has_other_control(scene))
+        request_controls(scene, paths, i, (float)h->integrator.emitter_samples, false, &step);
+  #endif
     }
     if (scatters) {
-      if (h->integrator.bsdf_sampling == DIRECTION_BSDF)
-        sample_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
-                     step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
-      else
-        choose_directions(scene, &step);
+      const uint by_themselves = families_by_themselves(h);
+      sample_bsdfs(scene, step.families & by_themselves, &step.closures, &step.surfaces,
+                   step.u + DIM_BSDF_U * LANES, step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
+      if (h->integrator.bsdf_sampling != DIRECTION_BSDF) {
+        BsdfSamples others;
+        choose_directions(scene, step.families & ~by_themselves, &step, &others);
+        take_chosen(&step.closures, by_themselves, &others, &step.samples);
+      }
       request_directions(scene, paths, i, &step);
     }
   }

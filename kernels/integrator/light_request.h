@@ -4,6 +4,7 @@
 #define PENUMBRA_LIGHT_REQUEST_H
 #include "kernels/integrator/step.h"
 #include "kernels/light/light_unshadowed.h"
+#include "kernels/light/lobe_projection.h"
 #include "kernels/light/projected_light.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -38,6 +39,18 @@ STAGE void store_shading_points(const PRIVATE Scene* scene, const PRIVATE Surfac
       store_shading_point(scene, load_surface(surfaces, j), load_closure(closures, j), points, j);
 }
 
+  #if HAS(LTC)
+STAGE void store_control_points(const PRIVATE Surfaces* RESTRICT surfaces,
+                                const PRIVATE Closures* RESTRICT closures,
+                                const PRIVATE ControlLanes* RESTRICT controls,
+                                PRIVATE ShadingPoints* RESTRICT points) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++)
+      store_control_point(load_surface(surfaces, j), load_closure(closures, j),
+                          load_control_lobes(controls, j), points, j);
+}
+  #endif
+
 /// Adds the closed form to the sums of the paths, times their throughput.
 STAGE void add_analytic(const PRIVATE PathState* paths, int i, const PRIVATE double* RESTRICT analytic) {
   LANE_LOOP
@@ -55,12 +68,18 @@ STAGE void add_analytic(const PRIVATE PathState* paths, int i, const PRIVATE dou
 STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request,
                             const PRIVATE Surfaces* RESTRICT surfaces,
                             const PRIVATE Closures* RESTRICT closures, const PRIVATE PathState* paths, int i,
+  #if HAS(LTC)
+                            const PRIVATE ControlLanes* RESTRICT controls,
+  #endif
                             PRIVATE float* RESTRICT u, PRIVATE LightSamplings* RESTRICT samplings,
                             PRIVATE double* RESTRICT projected) {
   ShadingPoints points;
   Reservoir reservoir;
   double analytic[3 * LANES];
   store_shading_points(scene, surfaces, closures, &points);
+  #if HAS(LTC)
+  if (NEEDS(scene, LTC)) store_control_points(surfaces, closures, controls, &points);
+  #endif
   for (int j = 0; j < LANES; j++) start_reservoir(&reservoir, j, (double)u[DIM_LIGHT_U * LANES + j]);
   const bool one_light = scene->polygons[0].light_count == scene->header.tables.lights.count;
   if (request.closed | !one_light)
@@ -80,9 +99,14 @@ STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request,
 // Projection is onto one side of a surface. Where light comes through, points on lights are sampled
 // otherwise.
 
+/// The normal about which lights are projected; 0 for none, and no density.
+FN vec3 projected_about(vec3 normal, Closure c) {
+  return select3(lets_light_through(c), make_vec3(0.0f, 0.0f, 0.0f), normal);
+}
+
 /// Projected solid angles of the lights that are chosen by power.
 STAGE void project_by_power(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
-                            const PRIVATE int* RESTRICT families, const PRIVATE int* RESTRICT chosen,
+                            const PRIVATE Closures* RESTRICT closures, const PRIVATE int* RESTRICT chosen,
                             const PRIVATE float* RESTRICT u, PRIVATE double* RESTRICT projected) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -91,7 +115,8 @@ STAGE void project_by_power(const PRIVATE Scene* scene, const PRIVATE Surfaces* 
           choose_light(scene, u[DIM_LIGHT_U * LANES + j], u[DIM_LIGHT_FINE * LANES + j]);
       GLOBAL const Light* light = scene->lights + by_power.light;
       const double e = light_irradiance(light, r.p.x, r.p.y, r.p.z, r.shading.x, r.shading.y, r.shading.z);
-      const bool none = is_own_light(scene, r, by_power.light) | lets_light_through(families[j]);
+      const bool none =
+          is_own_light(scene, r, by_power.light) | lets_light_through(load_closure(closures, j));
       projected[j] = chosen[j] >= 0 ? projected[j] : (none ? 0.0 : e);
     }
 }
@@ -112,30 +137,104 @@ STAGE void sample_projected_lights(const PRIVATE Scene* scene, const PRIVATE Sur
     }
 }
 
-/// The normal about which lights are projected; 0 for none, and no density.
-FN vec3 projected_about(vec3 normal, int family) {
-  return select3(lets_light_through(family), make_vec3(0.0f, 0.0f, 0.0f), normal);
-}
-
-/// Densities for the lights that the last rays found, for multiple importance sampling.
-STAGE void project_found(const PRIVATE Scene* scene, bool path, const PRIVATE Surfaces* RESTRICT receivers,
-                         const PRIVATE int* RESTRICT families, const PRIVATE PathState* paths, int i,
-                         PRIVATE FoundLights* RESTRICT found) {
+/// Densities for the lights that the last rays found, for multiple importance sampling: from these surfaces.
+STAGE void project_found(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+                         const PRIVATE Closures* RESTRICT closures, PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const vec3 shading = projected_about(LOAD_LANE_vec3(receivers->shading, j), families[j]);
-      const vec3 left = get_left_normal(paths, i + j);
-      found->projected_pdf[j] =
-          projected_density(scene, load_found_light(found, j), select3(path, left, shading));
+      const vec3 n = projected_about(LOAD_LANE_vec3(receivers->shading, j), load_closure(closures, j));
+      found->projected_pdf[j] = projected_density(scene, load_found_light(found, j), n);
     }
+}
+/// From the surfaces that the paths left.
+STAGE void project_found_of_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                                  PRIVATE FoundLights* RESTRICT found) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++)
+      found->projected_pdf[j] =
+          projected_density(scene, load_found_light(found, j), get_left_normal(paths, i + j));
 }
 
 /// The next rays leave these surfaces.
 STAGE void note_left_normals(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
-                             const PRIVATE int* RESTRICT families) {
+                             const PRIVATE Closures* RESTRICT closures) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++)
-      set_left_normal(paths, i + j, projected_about(LOAD_LANE_vec3(surfaces->shading, j), families[j]));
+      set_left_normal(paths, i + j,
+                      projected_about(LOAD_LANE_vec3(surfaces->shading, j), load_closure(closures, j)));
+}
+
+  #if HAS(LTC)
+// The same three where closures have control lobes.
+STAGE void sample_lobes_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+                               const PRIVATE Closures* RESTRICT closures,
+                               const PRIVATE ControlLanes* RESTRICT controls, const PRIVATE float* RESTRICT u,
+                               PRIVATE LightSamplings* RESTRICT samplings) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(receivers, j);
+      const float number = u[DIM_LIGHT_U * LANES + j];
+      const ChosenLight by_power = choose_light(scene, number, u[DIM_LIGHT_FINE * LANES + j]);
+      const int chosen = samplings->light[j];
+      const bool is_chosen = chosen >= 0;
+      const int light = is_chosen ? chosen : by_power.light;
+      const LightReceiver r = receiver_of(s);
+      sample_lobes_light(scene, r,
+                         receiver_lobes(projected_about(s.shading, load_closure(closures, j)), s.wo,
+                                        load_control_lobes(controls, j)),
+                         light, is_own_light(scene, r, light), is_chosen ? number : by_power.u,
+                         u[DIM_LIGHT_V * LANES + j], samplings, j);
+    }
+}
+FN ReceiverLobes left_lobes(const PRIVATE PathState* paths, int i) {
+  ReceiverLobes r;
+  r.normal = get_left_normal(paths, i);
+  r.wo = get_left_wo(paths, i);
+  r.matrix = get_left_matrix(paths, i);
+  r.specular = get_left_specular(paths, i);
+  return r;
+}
+STAGE void project_found_lobes(const PRIVATE Scene* scene, bool path,
+                               const PRIVATE Surfaces* RESTRICT receivers,
+                               const PRIVATE Closures* RESTRICT closures,
+                               const PRIVATE ControlLanes* RESTRICT controls, const PRIVATE PathState* paths,
+                               int i, PRIVATE FoundLights* RESTRICT found) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(receivers, j);
+      const ReceiverLobes here = receiver_lobes(projected_about(s.shading, load_closure(closures, j)), s.wo,
+                                                load_control_lobes(controls, j));
+      const ReceiverLobes lobes = select_receiver_lobes(path, left_lobes(paths, i + j), here);
+      found->projected_pdf[j] = lobes_density(scene, load_found_light(found, j), lobes);
+    }
+}
+STAGE void note_left_lobes(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
+                           const PRIVATE Closures* RESTRICT closures,
+                           const PRIVATE ControlLanes* RESTRICT controls) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(surfaces, j);
+      const ReceiverLobes lobes = receiver_lobes(projected_about(s.shading, load_closure(closures, j)), s.wo,
+                                                 load_control_lobes(controls, j));
+      set_left_normal(paths, i + j, lobes.normal);
+      set_left_wo(paths, i + j, lobes.wo);
+      set_left_matrix(paths, i + j, lobes.matrix);
+      set_left_specular(paths, i + j, lobes.specular);
+    }
+}
+  #endif
+#endif
+
+#if HAS(NESTED)
+/// The lights of surfaces that rays pass, in the lanes with `passes`.
+FN void find_passed_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
+                           const PRIVATE int* passes, PRIVATE FoundLights* found) {
+  find_lights(scene, surfaces, found);
+  for (int j = 0; j < LANES; j++) {
+    const bool passed = passes[j] != 0;
+    found->light[j] = passed ? found->light[j] : -1;
+    found->kind[j] = passed ? found->kind[j] : -1;
+  }
 }
 #endif
 
@@ -147,18 +246,38 @@ FN void request_lights(const PRIVATE Scene* scene, LightRequest request, bool fi
   double projected[LANES];
   for (int j = 0; j < LANES; j++) projected[j] = 0.0;
 #endif
+#if HAS(LTC)
+  if (NEEDS(scene, LTC))
+    find_controls(scene, step->families, &step->closures, &step->surfaces, &step->controls);
+#endif
 #if HAS(POLYGONS)
   if (request.choice | request.closed)
-    unshadowed_lanes(scene, request, &step->surfaces, &step->closures, paths, i, step->u, &step->samplings,
-                     projected);
+    unshadowed_lanes(scene, request, &step->surfaces, &step->closures, paths, i,
+  #if HAS(LTC)
+                     &step->controls,
+  #endif
+                     step->u, &step->samplings, projected);
 #endif
 #if HAS(PROJECTED)
-  const PRIVATE int* families = step->closures.family;
-  if (request.found & finds)
-    project_found(scene, request.path, &step->surfaces, families, paths, i, &step->found);
-  if (request.found & request.path) note_left_normals(paths, i, &step->surfaces, families);
+  #if HAS(LTC)
+  if (NEEDS(scene, LTC)) {
+    if (request.found & finds)
+      project_found_lobes(scene, request.path, &step->surfaces, &step->closures, &step->controls, paths, i,
+                          &step->found);
+    if (request.found & request.path)
+      note_left_lobes(paths, i, &step->surfaces, &step->closures, &step->controls);
+    if (request.projected)
+      sample_lobes_lights(scene, &step->surfaces, &step->closures, &step->controls, step->u,
+                          &step->samplings);
+    return;
+  }
+  #endif
+  if (request.found & finds & request.path) project_found_of_paths(scene, paths, i, &step->found);
+  if (request.found & finds & !request.path)
+    project_found(scene, &step->surfaces, &step->closures, &step->found);
+  if (request.found & request.path) note_left_normals(paths, i, &step->surfaces, &step->closures);
   if (request.projected)
-    project_by_power(scene, &step->surfaces, families, step->samplings.light, step->u, projected);
+    project_by_power(scene, &step->surfaces, &step->closures, step->samplings.light, step->u, projected);
   if (request.projected)
     sample_projected_lights(scene, &step->surfaces, step->u, projected, &step->samplings);
 #endif

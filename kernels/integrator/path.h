@@ -18,7 +18,7 @@ FN float roulette_survival(float throughput, int k) {
   return min_f(SQRT(2.0f * throughput), 1.0f - 2.0f / ((float)k + ROULETTE_LASTS));
 }
 
-#if HAS(PATH)
+#if HAS(PATH) || HAS(WHITTED)
 /// Random numbers for a step of LANES paths from lane i on; those that the step does not need are not
 /// written.
 FN void path_numbers(const PRIVATE SceneHeader* h, bool roulette, const PRIVATE PathState* paths, int i,
@@ -57,14 +57,14 @@ STAGE void end_paths(const PRIVATE PathState* paths, int i) {
 
   #if HAS(POLYGONS)
 /// Where the surface that a ray left has the closed form of a light, only next-event estimation samples that
-/// light.
+/// light; directions of no density it never samples.
 STAGE void drop_controlled(const PRIVATE PathState* paths, int i, const PRIVATE Emissions* RESTRICT emissions,
                            PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Emission emission = load_emission(emissions, j);
-      const bool dropped =
-          (get_depth(paths, i + j) > 0) & get_left_controlled(paths, i + j) & emission.of_polygon;
+      const bool dropped = (get_depth(paths, i + j) > 0) & get_left_controlled(paths, i + j) &
+                           emission.of_polygon & (get_direction_pdf(paths, i + j) != DELTA_PDF);
       found->light[j] = dropped ? -1 : found->light[j];
     }
 }
@@ -99,6 +99,26 @@ STAGE void add_emissions(const PRIVATE Scene* scene, const PRIVATE PathState* pa
       set_radiance(paths, i + j, select3(lights->light[j] >= 0, add(before, found), before));
     }
 }
+
+  #if HAS(NESTED)
+/// Adds the light of surfaces that rays of the `step`-th step pass, in the lanes with `passes`. The surfaces
+/// are as seen from where the rays started.
+FN void add_passed_by_path(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step,
+                           const PRIVATE Surfaces* surfaces, const PRIVATE int* passes) {
+  const bool balances = scene->header.integrator.direct_sampling == SAMPLING_MIS;
+  FoundLights found;
+  Emissions emissions;
+  find_passed_lights(scene, surfaces, passes, &found);
+    #if HAS(PROJECTED)
+  if (NEEDS(scene, PROJECTED) && balances) project_found_of_paths(scene, paths, i, &found);
+    #endif
+  find_emissions(scene, &found, balances & (step > 0), &emissions);
+    #if HAS(POLYGONS)
+  if (NEEDS(scene, POLYGONS)) drop_controlled(paths, i, &emissions, &found);
+    #endif
+  add_emissions(scene, paths, i, &found, &emissions);
+}
+  #endif
 
 STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                          const PRIVATE StepLanes* RESTRICT step) {
@@ -199,7 +219,13 @@ FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
     }
     sample_step_lights(scene, &step);
     eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
+  #if HAS(LTC)
+    if (has_other_control(scene)) admit_controls(scene, &step);
+  #endif
     request_light(scene, paths, i, &step);
+  #if HAS(LTC)
+    if (has_other_control(scene)) request_controls(scene, paths, i, 1.0f, true, &step);
+  #endif
     sample_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
                  step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
   #if HAS(TRANSMISSION)

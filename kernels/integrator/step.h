@@ -4,6 +4,7 @@
 #define PENUMBRA_STEP_H
 #include "kernels/block/block_surface.h"
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/control_lanes.h"
 #include "kernels/light/light.h"
 #include "kernels/light/mis.h"
 #include "kernels/sampler/sampler.h"
@@ -23,6 +24,9 @@ typedef struct {
   Emissions emissions;               ///< what those add
   LightSamplings samplings;
   LightSamples lights;
+#if HAS(LTC)
+  ControlLanes controls;  ///< of the closures, see request_lights
+#endif
   BsdfValues values;    ///< towards the lights
   BsdfSamples samples;  ///< of a next direction
   float eta[LANES];     ///< refractive index where that leads over that at the camera
@@ -60,9 +64,17 @@ FN bool has_control(const PRIVATE Scene* scene) {
   return NEEDS(scene, POLYGONS) && scene->header.integrator.estimator != ESTIMATOR_SAMPLES;
 }
 
+/// Whether some of them have one whose value is not the closure's own.
+FN bool has_other_control(const PRIVATE Scene* scene) { return NEEDS(scene, LTC) && has_control(scene); }
+
 /// Whether samples of the light at a surface of the closure have their closed form as control variate.
 FN bool is_controlled(const PRIVATE Scene* scene, Closure c, bool of_polygon) {
+#if HAS(LTC)
+  const bool nearly = NEEDS(scene, LTC) & has_ltc_form(c);
+  return has_control(scene) & (has_closed_form(c) | nearly) & of_polygon;
+#else
   return has_control(scene) & has_closed_form(c) & of_polygon;
+#endif
 }
 
 /// Requests the shadow ray of lane i's light sample; `arriving` is what it brings if nothing is in the way.
@@ -81,6 +93,41 @@ FN void request_shadow_ray(const PRIVATE Scene* scene, const PRIVATE PathState* 
                           controlled ? (beneath ? CONTROLLED_BENEATH : CONTROLLED_SEEN) : CONTROLLED_NOT);
 #endif
 }
+
+#if HAS(LTC)
+/// Light samples whose control variate is not the closure's own value count wherever that variate is above 0,
+/// whatever the closure's value.
+STAGE void admit_controls(const PRIVATE Scene* scene, PRIVATE StepLanes* RESTRICT step) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Closure c = load_closure(&step->closures, j);
+      const LightSample light = load_light_sample(&step->lights, j);
+      const bool counts = is_controlled(scene, c, light.of_polygon) & has_ltc_form(c) &
+                          (dot3(LOAD_LANE_vec3(step->surfaces.shading, j), light.wi) > 0.0f);
+      const float pdf = step->values.pdf[j];
+      step->values.pdf[j] = counts ? max_f(pdf, 1e-30f) : pdf;
+    }
+}
+
+/// What shadow rays bring to the control variate if nothing is in the way: of exact closed forms what they
+/// bring to the path. A light's sample is one of `samples`; `path`: paths carry throughput.
+STAGE void request_controls(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, float samples,
+                            bool path, const PRIVATE StepLanes* RESTRICT step) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(&step->surfaces, j);
+      const LightSample light = load_light_sample(&step->lights, j);
+      const vec3 value = control_value(load_control_lobes(&step->controls, j), to_frame(s.shading, s.wo),
+                                       to_frame(s.shading, light.wi));
+      const float weight = 1.0f / (samples * (light.pdf > 0.0f ? light.pdf : 1.0f));
+      const vec3 one = make_vec3(1.0f, 1.0f, 1.0f);
+      const vec3 carried = select3(path, get_throughput(paths, i + j), one);
+      const vec3 arriving = mul(carried, scale(mul(value, light.radiance), weight));
+      const bool own = has_ltc_form(load_closure(&step->closures, j));
+      set_shadow_control(paths, i + j, select3(own, arriving, get_shadow_radiance(paths, i + j)));
+    }
+}
+#endif
 
 #if HAS(LAYERS)
 /// Albedo, normal and depth of what the camera rays hit.

@@ -18,6 +18,27 @@ FN int triangle_of(const PRIVATE Scene* scene, int primitive) {
   return is_triangle ? primitive : 0;
 }
 
+/// The materials of a primitive's sides; of one that is not there, of some.
+typedef struct {
+  int front, back;
+} SideMaterials;
+
+FN SideMaterials side_materials(const PRIVATE Scene* scene, int primitive) {
+  GLOBAL const Triangle* triangle = scene->triangles + triangle_of(scene, primitive);
+  const int front = triangle->front, back = triangle->back;
+  SideMaterials sides;
+  sides.front = front;
+  sides.back = back;
+#if HAS(QUADRICS)
+  const int index = primitive - scene->header.tables.triangles.count;
+  GLOBAL const Quadric* quadric = scene->quadrics + (index >= 0 ? index : 0);
+  const int quadric_front = quadric->front, quadric_back = quadric->back;
+  sides.front = index >= 0 ? quadric_front : front;
+  sides.back = index >= 0 ? quadric_back : back;
+#endif
+  return sides;
+}
+
 /// Where the ray from `o` along `d` meets the plane of the triangle.
 FN PrimitivePoint triangle_point(const PRIVATE Scene* scene, int index, vec3 o, vec3 d) {
   GLOBAL const Triangle* triangle = scene->triangles + index;

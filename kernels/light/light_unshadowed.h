@@ -3,6 +3,7 @@
 // bias of the image.
 #ifndef PENUMBRA_LIGHT_UNSHADOWED_H
 #define PENUMBRA_LIGHT_UNSHADOWED_H
+#include "kernels/bsdf/control_lobes.h"
 #include "kernels/bsdf/phong.h"
 #include "kernels/intersect/surface.h"
 #include "kernels/light/light_sampling.h"
@@ -72,6 +73,39 @@ FN void store_shading_point(const PRIVATE Scene* scene, Surface s, Closure c, PR
   points->specular[LANES + j] = lit ? (double)c.specular.y : 0.0;
   points->specular[2 * LANES + j] = lit ? (double)c.specular.z : 0.0;
 }
+
+  #if HAS(LTC)
+/// Makes lane j, set by store_shading_point, that of a closure with control lobes, if it is one.
+FN void store_control_point(Surface s, Closure c, ControlLobes control, PRIVATE ShadingPoints* points,
+                            int j) {
+  const bool has = has_ltc_form(c), lit = is_hit(s) & has & (dot3(s.shading, s.wo) > 0.0f);
+  const bool leans = lit & (control.width_x > 0.0f);
+  PRIVATE Receivers* r = &points->receivers;
+  // Of the mirror direction the part across the normal; where there is none the lobe is round.
+  const double nx = r->nx[j], ny = r->ny[j], nz = r->nz[j];
+  const double height = r->wx[j] * nx + r->wy[j] * ny + r->wz[j] * nz;
+  const double x = r->wx[j] - height * nx, y = r->wy[j] - height * ny, z = r->wz[j] - height * nz;
+  const double t2 = x * x + y * y + z * z;
+  const bool across = t2 > 1e-28;
+  const double shorten = 1.0 / SQRT_D(across ? t2 : 1.0);
+  const vec3 axis = from_frame(s.shading, 1.0f, 0.0f, 0.0f);
+  r->tx[j] = across ? x * shorten : (double)axis.x;
+  r->ty[j] = across ? y * shorten : (double)axis.y;
+  r->tz[j] = across ? z * shorten : (double)axis.z;
+  r->inverse_x[j] = leans ? 1.0 / (double)(leans ? control.width_x : 1.0f) : 0.0;
+  r->inverse_y[j] = leans ? 1.0 / (double)(leans ? control.width_y : 1.0f) : 0.0;
+  r->shift[j] = (double)control.shift;
+  r->exponent[j] = has ? -1.0 : r->exponent[j];
+  points->closed[j] = has ? 1 : points->closed[j];
+  const vec3 diffuse = control.diffuse, specular = control.specular;
+  points->diffuse[j] = has ? (lit ? (double)diffuse.x : 0.0) : points->diffuse[j];
+  points->diffuse[LANES + j] = has ? (lit ? (double)diffuse.y : 0.0) : points->diffuse[LANES + j];
+  points->diffuse[2 * LANES + j] = has ? (lit ? (double)diffuse.z : 0.0) : points->diffuse[2 * LANES + j];
+  points->specular[j] = has ? (lit ? (double)specular.x : 0.0) : points->specular[j];
+  points->specular[LANES + j] = has ? (lit ? (double)specular.y : 0.0) : points->specular[LANES + j];
+  points->specular[2 * LANES + j] = has ? (lit ? (double)specular.z : 0.0) : points->specular[2 * LANES + j];
+}
+  #endif
 
 /// A weighted reservoir of one item, with one entry a lane: of a stream of items it keeps each with a
 /// probability in proportion to its weight. One random number serves for all decisions. After each it is
@@ -179,6 +213,33 @@ STAGE void unshadowed_lights(const PRIVATE Scene* scene, const PRIVATE ShadingPo
   }
 }
 
+  #if HAS(LTC)
+FN double sum_of_channels(const PRIVATE double* values, int j) {
+  return values[j] + values[LANES + j] + values[2 * LANES + j];
+}
+/// Of the k-th parts that are sampled by projection the weights become what both control lobes get of them.
+STAGE void weigh_part_lobes(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* points,
+                            const PRIVATE Reservoir* RESTRICT reservoir, int k,
+                            PRIVATE double* RESTRICT weights) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      GLOBAL const Light* light = scene->lights + part_of(scene, reservoir->chosen[j], k);
+      const PRIVATE Receivers* r = &points->receivers;
+      const vec3 p0 = load3(&light->p0), p1 = load3(&light->p1), p2 = load3(&light->p2);
+      const vec3d x = receiver_point(r, j);
+      const vec3d a = lane_to_cosine_space(r, j, sub_d(widen3(p0), x));
+      const vec3d b = lane_to_cosine_space(r, j, sub_d(widen3(p1), x));
+      const vec3d c = lane_to_cosine_space(r, j, sub_d(widen3(p2), x));
+      const double lobe = corners_irradiance(a, b, c, sub_d(b, a), sub_d(c, b), sub_d(a, c),
+                                             make_vec3d(0.0, 0.0, 1.0), light->two_sided != 0);
+      const bool by_lobes = (light->sampling == EMITTER_PROJECTED) & (r->inverse_x[j] > 0.0);
+      const double sum =
+          sum_of_channels(points->diffuse, j) * weights[j] + sum_of_channels(points->specular, j) * lobe;
+      weights[j] = by_lobes ? sum : weights[j];
+    }
+}
+  #endif
+
 /// Chooses one of the parts of the chosen polygon, in proportion to projected solid angle if the light is
 /// sampled by it, else to area. Stores the light and its probability in the samplings, its projected solid
 /// angle in `projected`, and the remainder of the random number in `u`.
@@ -195,6 +256,9 @@ STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* 
     const int count = ((chosen >= 0) & (chosen < polygons)) ? scene->polygons[chosen].light_count : 0;
     parts = count > parts ? count : parts;
   }
+  #if HAS(LTC)
+  const bool leans = NEEDS(scene, LTC) && by_projection && any_wants_ltc(&points->receivers);
+  #endif
   for (int k = 0; k < parts; k++) {
     double weights[LANES];
     LANE_LOOP
@@ -210,6 +274,9 @@ STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* 
           weights[j] = light->sampling == EMITTER_PROJECTED ? e : weights[j];
         }
     }
+  #if HAS(LTC)
+    if (leans) weigh_part_lobes(scene, points, reservoir, k, weights);
+  #endif
     LANE_LOOP
       for (int j = 0; j < LANES; j++) {
         const int number = part_of(scene, reservoir->chosen[j], k);

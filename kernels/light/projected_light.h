@@ -1,6 +1,7 @@
 // Sampling lights by projected solid angle: a part of the light sampling stage.
 #ifndef PENUMBRA_PROJECTED_LIGHT_H
 #define PENUMBRA_PROJECTED_LIGHT_H
+#include "kernels/light/light_found.h"
 #include "kernels/light/light_sampling.h"
 #include "kernels/light/projected_triangle.h"
 #include "kernels/math/frame.h"

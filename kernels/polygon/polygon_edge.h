@@ -89,18 +89,24 @@ FN IrradianceSum add_edge_irradiance(IrradianceSum s, vec3d a, vec3d b, vec3d d,
   return add_irradiance(s, e, atan2_d(e.sine, e.cosine), n);
 }
 
-/// The irradiance at the point (px, py, pz) with unit normal (nx, ny, nz) from a triangle of radiance 1 that
-/// faces the side from which p0, p1, p2 run counter-clockwise; 0 to pi. As polygon_terms, to the bit.
+/// The irradiance at the origin with unit normal n from a triangle of radiance 1 with these corners, of which
+/// the edges lead to the next, that faces the side from which they run counter-clockwise; 0 to pi.
+FN double corners_irradiance(vec3d a, vec3d b, vec3d c, vec3d ab, vec3d bc, vec3d ca, vec3d n,
+                             bool two_sided) {
+  IrradianceSum s = no_irradiance();
+  s = add_edge_irradiance(s, a, b, ab, n);
+  s = add_edge_irradiance(s, b, c, bc, n);
+  s = add_edge_irradiance(s, c, a, ca, n);
+  return total_irradiance(s, two_sided);
+}
+
+/// The same at the point (px, py, pz) with unit normal (nx, ny, nz). As polygon_terms, to the bit.
 FN double triangle_irradiance(double px, double py, double pz, double nx, double ny, double nz, vec3 p0,
                               vec3 p1, vec3 p2, bool two_sided) {
   const vec3d x = make_vec3d(px, py, pz), n = make_vec3d(nx, ny, nz);
   const vec3d q0 = widen3(p0), q1 = widen3(p1), q2 = widen3(p2);
-  const vec3d a = sub_d(q0, x), b = sub_d(q1, x), c = sub_d(q2, x);
-  IrradianceSum s = no_irradiance();
-  s = add_edge_irradiance(s, a, b, sub_d(q1, q0), n);
-  s = add_edge_irradiance(s, b, c, sub_d(q2, q1), n);
-  s = add_edge_irradiance(s, c, a, sub_d(q0, q2), n);
-  return total_irradiance(s, two_sided);
+  return corners_irradiance(sub_d(q0, x), sub_d(q1, x), sub_d(q2, x), sub_d(q1, q0), sub_d(q2, q1),
+                            sub_d(q0, q2), n, two_sided);
 }
 
 PENUMBRA_NAMESPACE_END

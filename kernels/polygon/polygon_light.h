@@ -153,13 +153,80 @@ STAGE void add_polygon_with_lobes(GLOBAL const PolygonCorner* corners, int count
 }
 #endif
 
+#if HAS(LTC)
+/// A vector of world space in the space of lane j's cosine, whose normal is the z axis.
+FN vec3d lane_to_cosine_space(const PRIVATE Receivers* r, int j, vec3d v) {
+  const vec3d n = receiver_normal(r, j), t = make_vec3d(r->tx[j], r->ty[j], r->tz[j]);
+  const double z = dot3_d(n, v);
+  return make_vec3d((dot3_d(t, v) - r->shift[j] * z) * r->inverse_x[j],
+                    dot3_d(cross3_d(n, t), v) * r->inverse_y[j], z);
+}
+
+/// As add_edge_irradiances, in the spaces of the lanes' cosines.
+STAGE void add_ltc_edges(vec3d from, vec3d to, const PRIVATE Receivers* RESTRICT r,
+                         PRIVATE IrradianceSums* RESTRICT sums) {
+  const vec3d d = sub_d(to, from);
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const vec3d x = receiver_point(r, j), up = make_vec3d(0.0, 0.0, 1.0);
+      const vec3d a = lane_to_cosine_space(r, j, sub_d(from, x));
+      const vec3d b = lane_to_cosine_space(r, j, sub_d(to, x));
+      const VisibleEdge e = visible_edge(a, b, lane_to_cosine_space(r, j, d), up);
+      add_lane_irradiance(sums, j, e, atan2_d(e.sine, e.cosine), up);
+    }
+}
+#endif
+
+FN void start_irradiances(PRIVATE IrradianceSums* sums) {
+  for (int j = 0; j < LANES; j++) {
+    sums->sum[j] = sums->turn_y[j] = 0.0;
+    sums->turn_x[j] = 1.0;
+  }
+}
+
+STAGE void total_irradiances(const PRIVATE IrradianceSums* RESTRICT sums, bool two_sided,
+                             PRIVATE double* RESTRICT irradiance) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      IrradianceSum s;
+      s.sum = sums->sum[j];
+      s.turn_x = sums->turn_x[j];
+      s.turn_y = sums->turn_y[j];
+      irradiance[j] = total_irradiance(s, two_sided);
+    }
+}
+
+#if HAS(LTC)
+/// Replaces the lobes of the lanes that want a linearly transformed cosine by the integral of its density
+/// over the light: the irradiance in the cosine's space, over pi.
+STAGE void add_ltc_lobes(GLOBAL const PolygonCorner* corners, int count, bool two_sided,
+                         const PRIVATE Receivers* RESTRICT r, PRIVATE double* RESTRICT lobe) {
+  IrradianceSums sums;
+  double irradiance[LANES];
+  start_irradiances(&sums);
+  for (int i = 1; i < count; i++) {
+    if (corners[i].starts == 0)
+      add_ltc_edges(widen3(load3(&corners[i - 1].p)), widen3(load3(&corners[i].p)), r, &sums);
+  }
+  total_irradiances(&sums, two_sided, irradiance);
+  for (int j = 0; j < LANES; j++) lobe[j] = r->inverse_x[j] > 0.0 ? irradiance[j] * (1.0 / PI_D) : lobe[j];
+}
+
+FN bool any_wants_ltc(const PRIVATE Receivers* r) {
+  bool any = false;
+  for (int j = 0; j < LANES; j++) any |= r->inverse_x[j] > 0.0;
+  return any;
+}
+#endif
+
 /// For polygon `index` of the scene and per unit of its radiance: `irradiance` is the integral of max(0, n.u)
 /// over the directions u of its visible part, 0 to pi; `lobe`, where the scene has Phong lobes,
 /// (e + 2) / (2 pi) times that of max(0, w.u)^e max(0, n.u), which times specular reflectance and radiance is
-/// the reflected radiance. Both LANES long and always written; 0 for a one-sided light seen from behind.
-/// Absolute errors below 1.4e-14 and 2e-10; relative errors of a light of small angular size below 3e-15 /
-/// size, for the lobe's up to a size of 0.3 / sqrt(max(e, 1)). In a light's plane the limit from either side;
-/// on its outline, some finite number of the range. A lane's results do not depend on the other lanes.
+/// the reflected radiance, or the integral of the density of the transformed cosine. Both LANES long and
+/// always written; 0 for a one-sided light seen from behind. Absolute errors below 1.4e-14 and 2e-10;
+/// relative errors of a light of small angular size below 3e-15 / size, for the lobe's up to a size of 0.3 /
+/// sqrt(max(e, 1)). In a light's plane the limit from either side; on its outline, some finite number of the
+/// range. A lane's results do not depend on the other lanes.
 STAGE void polygon_terms(const PRIVATE Scene* scene, const PRIVATE Receivers* r, int index,
                          PRIVATE double* RESTRICT irradiance, PRIVATE double* RESTRICT lobe) {
   GLOBAL const Polygon* polygon = scene->polygons + index;
@@ -167,10 +234,8 @@ STAGE void polygon_terms(const PRIVATE Scene* scene, const PRIVATE Receivers* r,
   const int count = polygon->corner_count;
   const bool two_sided = polygon->two_sided != 0;
   IrradianceSums sums;
-  for (int j = 0; j < LANES; j++) {
-    sums.sum[j] = sums.turn_y[j] = lobe[j] = 0.0;
-    sums.turn_x[j] = 1.0;
-  }
+  start_irradiances(&sums);
+  for (int j = 0; j < LANES; j++) lobe[j] = 0.0;
   bool with_lobes = false;
 #if HAS_FAMILY(PHONG)
   Lobes lobes;
@@ -188,14 +253,10 @@ STAGE void polygon_terms(const PRIVATE Scene* scene, const PRIVATE Receivers* r,
     if (!with_lobes & (corners[i].starts == 0))
       add_edge_irradiances(widen3(load3(&corners[i - 1].p)), widen3(load3(&corners[i].p)), r, &sums);
   }
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      IrradianceSum s;
-      s.sum = sums.sum[j];
-      s.turn_x = sums.turn_x[j];
-      s.turn_y = sums.turn_y[j];
-      irradiance[j] = total_irradiance(s, two_sided);
-    }
+  total_irradiances(&sums, two_sided, irradiance);
+#if HAS(LTC)
+  if (NEEDS(scene, LTC) && any_wants_ltc(r)) add_ltc_lobes(corners, count, two_sided, r, lobe);
+#endif
 }
 
 PENUMBRA_NAMESPACE_END

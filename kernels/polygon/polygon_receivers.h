@@ -1,6 +1,7 @@
 // LANES shading points that ask for a polygon light's closed forms.
 #ifndef PENUMBRA_POLYGON_RECEIVERS_H
 #define PENUMBRA_POLYGON_RECEIVERS_H
+#include "kernels/features.h"
 #include "kernels/lang.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -11,6 +12,12 @@ typedef struct {
   double wx[LANES], wy[LANES], wz[LANES];  ///< unit mirror direction of wo about the normal, at most rounding
                                            ///< below the horizon
   double exponent[LANES];  ///< of the Phong lobe, any real number from 0; negative: no lobe is wanted
+#if HAS(LTC)
+  // Instead of it, in scenes that need them, a linearly transformed cosine: of its frame the unit x axis, and
+  // of its matrix (see Ltc) the inverse widths, 0 where none is wanted, and the shift.
+  double tx[LANES], ty[LANES], tz[LANES];
+  double inverse_x[LANES], inverse_y[LANES], shift[LANES];
+#endif
 } Receivers;
 
 PENUMBRA_NAMESPACE_END

@@ -284,6 +284,19 @@ FN PairPoint one_point(uint pair) {
   return point;
 }
 
+// Pairs for what a ray meets and may pass through, one for each surface on its way, apart from all others:
+// they shift no numbers of scenes without such surfaces. MOST_PASSED is the most that one ray passes.
+#define MOST_PASSED 4096
+#define PAIR_RAY_SURFACES 0x80000000u
+#define PAIR_SHADOW_SURFACES 0xc0000000u
+
+/// Of the k-th surface that a ray meets which left a surface of that depth; `pairs`: of PAIR_*_SURFACES.
+FN PairPoint met_point(uint pairs, int k) {
+  PairPoint point = one_point(pairs + (uint)k);
+  point.per_depth = MOST_PASSED;
+  return point;
+}
+
 /// One of STEP_PAIRS, of each path's own depth.
 FN PairPoint step_point(uint pair) {
   PairPoint point = one_point(1u + pair);

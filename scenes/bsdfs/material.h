@@ -6,12 +6,14 @@
 
 namespace penumbra {
 
-/// Of that family, with 0 for all it has and no textures.
+/// A leaf of that family, with 0 for all it has and no textures.
 inline Material material_of_family(int family) {
   Material m{};
 #define NO_TEXTURE(_, type, name) m.name##_texture = kNoTexture;
   TEXTURED_FIELDS(NO_TEXTURE, _)
 #undef NO_TEXTURE
+  m.first = m.second = -1;
+  m.weight_texture = m.bend_texture = kNoTexture;
   m.family = family;
   return m;
 }

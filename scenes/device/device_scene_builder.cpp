@@ -16,6 +16,7 @@
 #include "scenes/device/filter_table.h"
 #include "scenes/device/integrator_builder.h"
 #include "scenes/device/light_builder.h"
+#include "scenes/device/ltc/ltc_table.h"
 #include "scenes/device/scene_records.h"
 #include "scenes/device/texel_table.h"
 #include "scenes/device/texture_coordinates.h"
@@ -57,6 +58,40 @@ Bounds bounds_of(const SceneDescription& scene) {
   return bounds;
 }
 
+/// How many rays pass through a material, by its children, which come before it.
+void set_passes(Material& m, const std::vector<Material>& before) {
+  if (m.branches == 0) return;
+  const auto of = [&](int child) { return child < 0 ? PASSES_ALL : before.at(std::size_t(child)).passes; };
+  const bool plain = m.weight_texture == kNoTexture;
+  const int first = plain && m.weight >= 1.0f ? of(m.second) : of(m.first);
+  const int second = plain && m.weight <= 0.0f ? of(m.first) : of(m.second);
+  m.passes = first == second ? first : PASSES_SOME;
+}
+
+/// Between texture coordinates whose heights are compared: a small part of a texel.
+float bend_step(const SceneDescription& scene, int texture) {
+  const SceneTexture& heights = scene.textures.at(std::size_t(texture));
+  const auto* image = std::get_if<BitmapTexture>(&heights.model);
+  if (image == nullptr || image->bitmap < 0) return kBendStep;
+  const Bitmap& bitmap = *scene.bitmaps.at(std::size_t(image->bitmap));
+  const double along_u = glm::length(glm::dvec2(heights.to_uv[0])),
+               along_v = glm::length(glm::dvec2(heights.to_uv[1]));
+  return float(1 / (8.0 * std::max({1.0, along_u, along_v}) * std::max(bitmap.width, bitmap.height)));
+}
+
+/// Whether a material has control lobes so narrow that points of lights are better chosen by them, which
+/// takes twice the time: measured by tests/benchmarks/glossy_variance_benchmark.cpp. Textures count as what
+/// their place is in the material.
+bool has_narrow_lobes(const std::vector<Material>& materials) {
+  constexpr float kBroad = 0.3f;
+  return std::ranges::any_of(materials, [](const Material& m) {
+    const bool disneys = m.family == FAMILY_PRINCIPLED || m.family == FAMILY_DISNEY;
+    const float rough = m.alpha_v > 0 ? std::sqrt(m.alpha_u * m.alpha_v) : m.alpha_u;
+    const float alpha = disneys ? std::max(m.roughness * m.roughness, LEAST_ALPHA) : rough;
+    return (ltc_families() >> m.family & 1u) != 0u && alpha > 0 && alpha < kBroad;
+  });
+}
+
 class Builder {
  public:
   Builder(const SceneDescription& scene, const DeviceSceneOptions& options)
@@ -71,6 +106,7 @@ class Builder {
 
   Expected<DeviceScene> build() {
     add_materials();
+    lights_.set_default_sampling(default_sampling(scene_.integrator, has_narrow_lobes(records_.materials)));
     for (const Shape& shape : scene_.shapes) add_shape(shape);
     add_other_lights();
     set_camera();
@@ -83,8 +119,13 @@ class Builder {
       need(FEATURE_UV);
       records_.light_triangles = light_triangles(records_.triangles, records_.lights.size());
     }
-    if (Expected<void> done = set_integrator(scene_.integrator, lights_, h_); !done)
+    if (Expected<void> done = set_integrator(scene_.integrator, lights_, radius_, h_); !done)
       return fail(scene_.source + ": " + done.error().message);
+    if ((h_.features & (FEATURE_POLYGONS | FEATURE_PROJECTED)) != 0u &&
+        (h_.families & ltc_families()) != 0u) {
+      need(FEATURE_LTC);
+      records_.ltc_cells = ltc_table();
+    }
     if (scene_.sampler.kind != SamplerKind::kSobol) need(FEATURE_SAMPLERS);
     if (Expected<void> done = choose_intersector(); !done) return std::unexpected(done.error());
     records_.filter_table = filter_table(scene_.film);
@@ -111,14 +152,24 @@ class Builder {
 
   void add_materials() {
     records_.materials.push_back(material_of_family(FAMILY_BLACK));  // 0
+    bool textures = false;
     MaterialTables tables(records_.curves);
     for (const Bsdf& bsdf : scene_.bsdfs) {
-      records_.materials.push_back(material_of(bsdf, tables));
-      h_.families |= 1u << records_.materials.back().family;
-      h_.textured |= textured_fields(records_.materials.back());
-      if (is_anisotropic(closure_of(records_.materials.back()))) need(FEATURE_UV);
+      Material m = material_of(bsdf, tables);
+      set_passes(m, records_.materials);
+      const bool leaf = m.branches == 0 && m.passes == PASSES_NONE;
+      if (leaf) h_.families |= 1u << m.family;
+      if (!leaf) need(FEATURE_NESTED);
+      if (m.bend != BEND_NOT) {
+        need(FEATURE_BENT);
+        m.bend_step = bend_step(scene_, m.bend_texture);
+      }
+      if (is_anisotropic(closure_of(m))) need(FEATURE_UV);
+      h_.textured |= textured_fields(m);
+      textures = textures || m.weight_texture != kNoTexture || m.bend_texture != kNoTexture;
+      records_.materials.push_back(m);
     }
-    if (h_.textured != 0u) add_textures();
+    if (textures || h_.textured != 0u) add_textures();
     if ((h_.families & families_with(TRANSMITS)) != 0u) need(FEATURE_TRANSMISSION);
     if (std::popcount(h_.families) > 1) need(FEATURE_MIXED_FAMILIES);
   }
@@ -137,7 +188,7 @@ class Builder {
 
   void add_shape(const Shape& shape) {
     // Materials of the geometric front and back: flipped normals make the other side the front one.
-    const int front = shape.front_bsdf + 1, back = shape.back_bsdf + 1;
+    const int front = material_index(shape.front_bsdf), back = material_index(shape.back_bsdf);
     if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) add_mesh(shape, *mesh, front, back);
     if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) add_sphere(shape, *sphere, front, back);
     if (const auto* disk = std::get_if<Disk>(&shape.geometry)) add_disk(shape, *disk, front, back);

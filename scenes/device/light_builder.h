@@ -20,6 +20,8 @@ class LightBuilder {
   LightBuilder(EmitterSampling by_default, bool polygons)
       : by_default_(by_default), polygons_wanted_(polygons) {}
 
+  void set_default_sampling(EmitterSampling by_default) { by_default_ = by_default; }
+
   /// Points that receive light, in the lights' coordinates. A light without a sampling setting gets the
   /// sampling that pays at these points for the integrator (emitter_sampling.h). Without receivers: by area.
   void set_receivers(std::vector<Receiver> receivers, const IntegratorSettings& integrator) {

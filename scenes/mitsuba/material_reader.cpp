@@ -2,7 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <numeric>
+
+#include "scenes/mitsuba/texture_reader.h"
+#include "scenes/number.h"
 
 namespace penumbra::mitsuba {
 namespace {
@@ -14,41 +19,89 @@ BsdfModel read_bsdf(PluginReader& plugin) {
   return model;
 }
 
-/// What it is seen from behind, if it can be.
-template <typename Model>
-std::optional<BsdfModel> other_side(const Model& model) {
-  if constexpr (requires { model.other_side(); }) return model.other_side();
-  return std::nullopt;
-}
-template <typename Model>
-constexpr bool sides_are_alike(const Model&) {
-  return requires { Model::kSidesAreAlike; };
-}
-
-/// Of one that stands by itself.
-SurfaceMaterial surface_of(Bsdf bsdf) {
-  SurfaceMaterial result;
-  result.same = std::visit([](const auto& model) { return sides_are_alike(model); }, bsdf.model);
-  const auto back = std::visit([](const auto& model) { return other_side(model); }, bsdf.model);
-  if (back) result.back = Bsdf{bsdf.name, *back};
-  if (result.same) result.back = bsdf;
-  result.front = std::move(bsdf);
-  return result;
-}
-
 struct BsdfPlugin {
   std::string_view type;
   BsdfModel (*read)(PluginReader&);
 };
+/// Those that hold no others: what MaterialReader::holders() has is read there.
 template <typename... Models>
 constexpr auto bsdf_plugins(const std::variant<Models...>*) {
   return std::array{BsdfPlugin{Models::kPlugin, read_bsdf<Models>}...};
 }
 constexpr auto kBsdfs = bsdf_plugins(static_cast<const BsdfModel*>(nullptr));
-// One that holds others.
 constexpr std::string_view kTwoSided = "twosided";
 
+MaterialTree leaf(std::string name, BsdfModel model) {
+  return std::make_shared<MaterialNode>(MaterialNode{{std::move(name), std::move(model), {}}, {}, {}});
+}
+
+MaterialTree branch(std::string name, BsdfModel model, MaterialTree first, MaterialTree second) {
+  return std::make_shared<MaterialNode>(
+      MaterialNode{{std::move(name), std::move(model), {}}, std::move(first), std::move(second)});
+}
+
+MaterialTree tree_of(const std::string& name, const std::optional<BsdfModel>& model) {
+  return model ? leaf(name, *model) : nullptr;
+}
+
+/// Of one that stands by itself, with what it is seen from behind, if it can be.
+SurfaceMaterial surface_of(const std::string& name, const BsdfModel& model) {
+  const MaterialTree front = leaf(name, model);
+  return std::visit(
+      [&](const auto& known) -> SurfaceMaterial {
+        if constexpr (requires { std::remove_cvref_t<decltype(known)>::kSidesAreAlike; })
+          return {front, front};
+        else if constexpr (requires { known.other_side(); })
+          return {front, tree_of(name, known.other_side())};
+        else
+          return {front, nullptr};
+      },
+      model);
+}
+
+bool is_nothing(const MaterialTree& tree) {
+  return tree != nullptr && std::holds_alternative<NullBsdf>(tree->bsdf.model);
+}
+bool is_mask(const MaterialTree& tree) { return std::holds_alternative<MaskBsdf>(tree->bsdf.model); }
+bool is_branch(const MaterialTree& tree) {
+  return is_mask(tree) || std::holds_alternative<BlendBsdf>(tree->bsdf.model);
+}
+
+bool is_bent(const MaterialTree& tree) {
+  if (tree == nullptr) return false;
+  if (is_branch(tree)) return is_bent(tree->first) || is_bent(tree->second);
+  return tree->bsdf.bend.kind != BendKind::kNone;
+}
+
+/// With leaves that are bent so.
+MaterialTree bent(const MaterialTree& tree, const SurfaceBend& bend) {
+  if (tree == nullptr || is_nothing(tree)) return tree;
+  MaterialNode copy = *tree;
+  if (is_branch(tree)) {
+    copy.first = bent(tree->first, bend);
+    copy.second = bent(tree->second, bend);
+  } else {
+    copy.bsdf.bend = bend;
+  }
+  return std::make_shared<MaterialNode>(std::move(copy));
+}
+
 }  // namespace
+
+/// A BSDF that holds others, or is none.
+struct MaterialReader::Holder {
+  std::string_view type;
+  SurfaceMaterial (MaterialReader::*read)(PluginReader&);
+};
+
+const std::vector<MaterialReader::Holder>& MaterialReader::holders() {
+  static const std::vector<Holder> all = {
+      {kTwoSided, &MaterialReader::read_two_sided},    {NullBsdf::kPlugin, &MaterialReader::read_null},
+      {MaskBsdf::kPlugin, &MaterialReader::read_mask}, {BlendBsdf::kPlugin, &MaterialReader::read_blend},
+      {"mixturebsdf", &MaterialReader::read_mixture},  {"normalmap", &MaterialReader::read_normal_map},
+      {"bumpmap", &MaterialReader::read_bump_map}};
+  return all;
+}
 
 const SurfaceMaterial& MaterialReader::read(const Object& bsdf) {
   const auto known = materials_.find(&bsdf);
@@ -67,18 +120,32 @@ const SurfaceMaterial& MaterialReader::read(const Object& bsdf) {
 SurfaceMaterial MaterialReader::read_new(const Object& bsdf) {
   PluginReader plugin(context_, bsdf);
   SurfaceMaterial result;
-  if (const auto* known = find_plugin(kBsdfs, bsdf.type)) {
-    result = surface_of(Bsdf{name_of(bsdf), known->read(plugin)});
-  } else if (bsdf.type == kTwoSided) {
-    result = read_two_sided(plugin);
+  if (const auto* holder = find_plugin(holders(), bsdf.type)) {
+    result = (this->*holder->read)(plugin);
+  } else if (const auto* known = find_plugin(kBsdfs, bsdf.type)) {
+    result = surface_of(name_of(bsdf), known->read(plugin));
   } else {
     std::vector<std::string> types = plugin_types(kBsdfs);
-    types.emplace_back(kTwoSided);
+    for (const Holder& each : holders())
+      if (std::ranges::find(types, each.type) == types.end()) types.emplace_back(each.type);
     context_.unknown_plugin(bsdf, types, "a magenta diffuse stands in for it");
-    result.front = Bsdf{name_of(bsdf), DiffuseBsdf{kStandInColour}};
+    result.front = leaf(name_of(bsdf), DiffuseBsdf{kStandInColour});
     plugin.skip();
   }
   plugin.finish();
+  return result;
+}
+
+/// The BSDFs that it holds, of which there have to be so many; else none, and an error.
+std::vector<const SurfaceMaterial*> MaterialReader::read_nested(PluginReader& plugin, std::size_t count) {
+  const std::vector<const Object*> nested = plugin.nested("bsdf");
+  std::vector<const SurfaceMaterial*> result;
+  if (nested.size() != count) {
+    plugin.wrong(fmt::format("{} holds {}, not {}", plugin.title(),
+                             count == 1 ? "one bsdf" : fmt::format("{} bsdfs", count), nested.size()));
+    return result;
+  }
+  for (const Object* each : nested) result.push_back(&read(*each));
   return result;
 }
 
@@ -95,33 +162,144 @@ SurfaceMaterial MaterialReader::read_two_sided(PluginReader& plugin) {
       plugin.wrong("a twosided bsdf cannot hold another twosided one");
       return result;
     }
-  }
-  for (const Object* side : nested)
-    if (read(*side).back) {
-      plugin.wrong(fmt::format("a twosided bsdf cannot hold '{}', which lets light through", side->type));
-      return {};
+    if (read(*side).back != nullptr) {
+      plugin.wrong(fmt::format(
+          "a twosided bsdf cannot hold '{}', which lets light through or has two sides already", side->type));
+      return result;
     }
+  }
   result.front = read(*nested[0]).front;
   result.back = nested.size() == 2 ? read(*nested[1]).front : result.front;
-  result.same = nested.size() == 1;
   return result;
+}
+
+SurfaceMaterial MaterialReader::read_null(PluginReader& plugin) {
+  const MaterialTree nothing = leaf(name_of(plugin.object()), read_bsdf<NullBsdf>(plugin));
+  return {nothing, nothing};
+}
+
+SurfaceMaterial MaterialReader::read_mask(PluginReader& plugin) {
+  const BsdfModel model = read_bsdf<MaskBsdf>(plugin);
+  const auto inside = read_nested(plugin, 1);
+  if (inside.empty()) return {};
+  const std::string name = name_of(plugin.object());
+  const MaterialTree front = branch(name, model, {}, inside[0]->front);
+  const bool same = inside[0]->front == inside[0]->back;
+  return {front, same ? front : branch(name, model, {}, inside[0]->back)};
+}
+
+SurfaceMaterial MaterialReader::read_blend(PluginReader& plugin) {
+  const BsdfModel model = read_bsdf<BlendBsdf>(plugin);
+  const auto inside = read_nested(plugin, 2);
+  if (inside.empty()) return {};
+  const std::string name = name_of(plugin.object());
+  const MaterialTree front = branch(name, model, inside[0]->front, inside[1]->front);
+  const bool same = inside[0]->front == inside[0]->back && inside[1]->front == inside[1]->back;
+  const bool black = inside[0]->back == nullptr && inside[1]->back == nullptr;
+  return {front, same ? front : black ? nullptr : branch(name, model, inside[0]->back, inside[1]->back)};
+}
+
+/// Of Mitsuba 0.5 and 0.6: any number, each with its weight; what is missing to 1 is black.
+SurfaceMaterial MaterialReader::read_mixture(PluginReader& plugin) {
+  const Expected<std::vector<double>> parsed = parse_numbers(plugin.text("weights", ""));
+  if (!parsed) {
+    plugin.wrong("weights", fmt::format("weights: {}", parsed.error().message));
+    return {};
+  }
+  const std::vector<double>& weights = *parsed;
+  for (const double weight : weights) {
+    if (weight >= 0.0 && weight <= 1.0) continue;
+    plugin.wrong("weights", fmt::format("weights must be in [0, 1], not {}", weight));
+    return {};
+  }
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  if (sum > 1.0 + 1e-6) {
+    plugin.wrong("weights", fmt::format("weights add up to {}, more than 1", sum));
+    return {};
+  }
+  if (weights.empty()) {
+    plugin.wrong("weights",
+                 fmt::format("{} needs weights, a number for each bsdf that it holds", plugin.title()));
+    return {};
+  }
+  const auto inside = read_nested(plugin, weights.size());
+  if (inside.empty()) return {};
+  // From the last on: the first of the weights against all that follow, and so on.
+  const std::string name = name_of(plugin.object());
+  SurfaceMaterial rest;
+  double before = 1.0 - sum;
+  for (std::size_t i = inside.size(); i-- > 0;) {
+    const double all = before + weights[i];
+    const float weight = all > 0.0 ? float(std::min(weights[i] / all, 1.0)) : 0.0f;
+    rest.front = branch(name, BlendBsdf{weight}, rest.front, inside[i]->front);
+    if (rest.back != nullptr || inside[i]->back != nullptr)
+      rest.back = branch(name, BlendBsdf{weight}, rest.back, inside[i]->back);
+    before = all;
+  }
+  return rest;
+}
+
+SurfaceMaterial MaterialReader::read_normal_map(PluginReader& plugin) {
+  SurfaceBend bend{BendKind::kNormalMap};
+  return read_bent(plugin, bend);
+}
+
+SurfaceMaterial MaterialReader::read_bump_map(PluginReader& plugin) {
+  SurfaceBend bend{BendKind::kBumpMap};
+  plugin.read("scale", bend.scale, NumberWithin{LowEnd::kClosed, -kAnyNumber, kAnyNumber});
+  return read_bent(plugin, bend);
+}
+
+SurfaceMaterial MaterialReader::read_bent(PluginReader& plugin, SurfaceBend bend) {
+  // Mitsuba 3's ways with normals that look away, and with the shadows of bumps.
+  if (!plugin.boolean("flip_invalid_normals", true))
+    plugin.warn("normals that face away from the viewer lean the other way all the same");
+  if (plugin.has("use_shadowing_function") && plugin.boolean("use_shadowing_function", true))
+    plugin.warn("shadows of bumps on themselves are not rendered");
+  plugin.accept({"use_shadowing_function"});
+  const std::vector<const Object*> textures = plugin.nested("texture");
+  const auto inside = read_nested(plugin, 1);
+  if (textures.size() != 1) {
+    plugin.wrong(fmt::format("{} holds one texture, not {}", plugin.title(), textures.size()));
+    return {};
+  }
+  const std::optional<int> texture = context_.textures->read(*textures[0]);
+  if (inside.empty() || !texture) return {};
+  if (is_bent(inside[0]->front) || is_bent(inside[0]->back)) {
+    plugin.wrong(fmt::format("{} cannot hold another normalmap or bumpmap", plugin.title()));
+    return {};
+  }
+  bend.texture = *texture;
+  SurfaceBend behind = bend;
+  behind.scale = -bend.scale;  // what leans out in front leans in behind
+  return {bent(inside[0]->front, bend), bent(inside[0]->back, behind)};
+}
+
+/// The index of the BSDF, which follows those that it holds.
+int MaterialReader::add(const MaterialTree& tree, SceneDescription& scene) {
+  if (tree == nullptr) return kBlackBsdf;
+  if (const auto known = installed_.find(tree); known != installed_.end()) return known->second;
+  Bsdf bsdf = tree->bsdf;
+  const auto inside = [&](const MaterialTree& child) {
+    return is_nothing(child) ? kNoBsdf : add(child, scene);
+  };
+  if (auto* mask = std::get_if<MaskBsdf>(&bsdf.model)) mask->inside = inside(tree->second);
+  if (auto* blend = std::get_if<BlendBsdf>(&bsdf.model)) {
+    blend->first = inside(tree->first);
+    blend->second = inside(tree->second);
+  }
+  scene.bsdfs.push_back(std::move(bsdf));
+  const int index = int(scene.bsdfs.size()) - 1;
+  installed_.emplace(tree, index);
+  return index;
 }
 
 std::pair<int, int> MaterialReader::install(const Object* bsdf, bool emits, SceneDescription& scene) {
   if (bsdf == nullptr && emits) return {kBlackBsdf, kBlackBsdf};
-  const auto known = installed_.find(bsdf);
-  if (known != installed_.end()) return known->second;
-  static const SurfaceMaterial kDefault{Bsdf{"default", DiffuseBsdf{}}, std::nullopt, false};
+  static const SurfaceMaterial kDefault{leaf("default", DiffuseBsdf{}), nullptr};
   const SurfaceMaterial& material = bsdf != nullptr ? read(*bsdf) : kDefault;
-  const auto add = [&](const std::optional<Bsdf>& side) {
-    if (!side) return kBlackBsdf;
-    scene.bsdfs.push_back(*side);
-    return int(scene.bsdfs.size()) - 1;
-  };
-  const int front = add(material.front);
-  const std::pair<int, int> indices(front, material.same ? front : add(material.back));
-  installed_.emplace(bsdf, indices);
-  return indices;
+  const int front = add(material.front, scene);
+  return {front, add(material.back, scene)};
 }
 
 }  // namespace penumbra::mitsuba

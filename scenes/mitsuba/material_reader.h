@@ -2,18 +2,27 @@
 #pragma once
 
 #include <map>
-#include <optional>
+#include <memory>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "scenes/mitsuba/plugin.h"
 #include "scenes/scene_description.h"
 
 namespace penumbra::mitsuba {
 
-/// What each side of a surface is made of; nothing: black.
+/// A BSDF of one side with those that it holds; none: black.
+struct MaterialNode;
+using MaterialTree = std::shared_ptr<const MaterialNode>;
+struct MaterialNode {
+  Bsdf bsdf;
+  MaterialTree first, second;  ///< of a blend; of a mask the second
+};
+
+/// What each side of a surface is made of.
 struct SurfaceMaterial {
-  std::optional<Bsdf> front, back;
-  bool same = false;  ///< both sides are the front's
+  MaterialTree front, back;
 };
 
 class MaterialReader {
@@ -30,10 +39,22 @@ class MaterialReader {
  private:
   SurfaceMaterial read_new(const Object& bsdf);
   SurfaceMaterial read_two_sided(PluginReader& plugin);
+  SurfaceMaterial read_null(PluginReader& plugin);
+  SurfaceMaterial read_mask(PluginReader& plugin);
+  SurfaceMaterial read_blend(PluginReader& plugin);
+  SurfaceMaterial read_mixture(PluginReader& plugin);
+  SurfaceMaterial read_normal_map(PluginReader& plugin);
+  SurfaceMaterial read_bump_map(PluginReader& plugin);
+  SurfaceMaterial read_bent(PluginReader& plugin, SurfaceBend bend);
+  std::vector<const SurfaceMaterial*> read_nested(PluginReader& plugin, std::size_t count);
+  int add(const MaterialTree& tree, SceneDescription& scene);
+
+  struct Holder;
+  static const std::vector<Holder>& holders();
 
   const Context& context_;
   std::map<const Object*, SurfaceMaterial> materials_;
-  std::map<const Object*, std::pair<int, int>> installed_;
+  std::map<MaterialTree, int> installed_;
   std::set<const Object*> reading_;
 };
 

@@ -50,6 +50,58 @@ void path_with_control_variate(SceneDescription& scene) {
   param::max_depth(scene.integrator) = 5;
 }
 
+void whitted(SceneDescription& scene) {
+  use(scene.integrator, IntegratorKind::kWhitted);
+  param::max_depth(scene.integrator) = 5;
+  param::branch_depth(scene.integrator) = 3;
+  param::indirect_samples(scene.integrator) = 2;
+}
+
+void whitted_with_control_variate(SceneDescription& scene) {
+  whitted(scene);
+  param::next_event(scene.integrator) = NextEvent::kCv;
+  param::indirect_sampling(scene.integrator) = IndirectSampling::kUniform;
+}
+
+/// Returns the index.
+int add_bsdf(SceneDescription& scene, const BsdfModel& model) {
+  scene.bsdfs.push_back({"added", model});
+  return int(scene.bsdfs.size()) - 1;
+}
+
+void add_sphere(SceneDescription& scene, glm::dvec3 center, double radius, int front, int back) {
+  Shape sphere;
+  sphere.name = "added";
+  sphere.geometry = Sphere{.center = center, .radius = radius};
+  sphere.front_bsdf = front;
+  sphere.back_bsdf = back;
+  scene.shapes.push_back(sphere);
+}
+
+/// For the Cornell box of 556 units.
+void whitted_through_glass(SceneDescription& scene) {
+  const DielectricBsdf glass;
+  const int mirror = add_bsdf(scene, ConductorBsdf{}), pane = add_bsdf(scene, ThinDielectricBsdf{});
+  const int outside = add_bsdf(scene, glass), inside = add_bsdf(scene, glass.other_side());
+  add_sphere(scene, {200, 120, 150}, 90, outside, inside);
+  add_sphere(scene, {400, 350, 200}, 80, pane, pane);
+  add_sphere(scene, {150, 400, 250}, 70, mirror, mirror);
+  whitted(scene);
+  param::max_depth(scene.integrator) = 9;
+  param::branch_depth(scene.integrator) = 6;
+  param::indirect_samples(scene.integrator) = 1;
+}
+
+void ambient_occlusion(SceneDescription& scene) {
+  use(scene.integrator, IntegratorKind::kAmbientOcclusion);
+  param::vis_samples(scene.integrator) = 3;
+}
+
+void reflection_occlusion(SceneDescription& scene) {
+  use(scene.integrator, IntegratorKind::kReflectionOcclusion);
+  param::exponent(scene.integrator) = 777.25f;
+}
+
 /// Lobes of low and high, whole and broken exponents.
 void make_glossy(SceneDescription& scene) {
   const float exponents[] = {0, 1, 8.5f, 30, 777.25f, 1e4f};
@@ -100,7 +152,8 @@ void rays_on_edges(SceneDescription& scene) {
   shape.front_bsdf = shape.back_bsdf = 0;
   scene.shapes = {std::move(shape)};
   scene.bsdfs = {Bsdf{"grey", DiffuseBsdf{}}};
-  scene.emitters = {PointLight{{0.3, 0.4, 0.2}, glm::vec3(1)}, ConstantEnvironment{}};
+  scene.emitters = {PointLight{.position = {0.3, 0.4, 0.2}, .intensity = glm::vec3(1)},
+                    ConstantEnvironment{}};
   scene.camera = {};
   scene.camera.fov = 90;
   resize_film(scene, kEdgePixels, kEdgePixels);
@@ -128,6 +181,71 @@ void coincident_walls(SceneDescription& scene) {
   }
 }
 
+/// Masks with a texture, one in a blend, null surfaces of which one shines, and bent normals.
+void nest(SceneDescription& scene) {
+  CheckerboardTexture board, leaning;
+  board.color0 = glm::vec3(0.2f, 0.9f, 0.4f);
+  board.color1 = glm::vec3(1.4f);
+  leaning.color0 = glm::vec3(0.7f, 0.45f, 0.9f);
+  leaning.color1 = glm::vec3(0.2f, 0.6f, 0.8f);
+  const int first = int(scene.textures.size());
+  scene.textures.push_back({"board", board, glm::dmat3(3)});
+  scene.textures.push_back({"leaning", leaning, glm::dmat3(5)});
+  const auto add = [&](BsdfModel model, SurfaceBend bend = {}) {
+    scene.bsdfs.push_back({"nested", std::move(model), bend});
+    return int(scene.bsdfs.size()) - 1;
+  };
+  const int bumpy = add(DiffuseBsdf{glm::vec3(0.6f)}, {BendKind::kNormalMap, first + 1});
+  const int glossy =
+      add(PhongBsdf{glm::vec3(0.3f), glm::vec3(0.4f), 20.0f}, {BendKind::kBumpMap, first, 0.01f});
+  MaskBsdf holes{1.0f, glossy};
+  holes.opacity.texture = first;
+  BlendBsdf both{1.0f, add(MaskBsdf{0.3f, bumpy}), add(holes)};
+  both.weight.texture = first + 1;
+  const int blend = add(both), nothing = add(NullBsdf{}), mask = add(MaskBsdf{0.5f, bumpy});
+  for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
+    Shape& shape = scene.shapes[i];
+    if (shape.radiance) continue;
+    const int bsdfs[] = {blend, bumpy, mask, shape.front_bsdf};
+    shape.front_bsdf = bsdfs[i % 4];
+    shape.back_bsdf = bsdfs[(i + 1) % 4];
+  }
+  glm::dvec3 low(1e30), high(-1e30);
+  for (const Shape& shape : scene.shapes)
+    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry))
+      for (const glm::dvec3& p : mesh->positions) low = glm::min(low, p), high = glm::max(high, p);
+  // Off the floor: of masks in one place either may be passed as both.
+  for (Shape& shape : scene.shapes)
+    if (auto* mesh = std::get_if<Mesh>(&shape.geometry); mesh != nullptr && mesh->triangles.size() == 12)
+      for (glm::dvec3& p : mesh->positions) p.y += 0.01 * (high.y - low.y);
+  for (const double share : {0.3, 0.6}) {
+    Shape ball;
+    ball.name = "ball";
+    ball.geometry = Sphere{low + share * (high - low), 0.12 * glm::length(high - low)};
+    ball.front_bsdf = ball.back_bsdf = share < 0.5 ? nothing : blend;
+    if (share < 0.5) ball.radiance = glm::vec3(0.5f, 0.2f, 0.1f);
+    scene.shapes.push_back(ball);
+  }
+}
+
+void nest_directly(SceneDescription& scene) {
+  nest(scene);
+  use(scene.integrator, IntegratorKind::kDirect);
+  param::emitter_samples(scene.integrator) = 2;
+  param::bsdf_samples(scene.integrator) = 3;
+}
+
+void nest_with_control_variate(SceneDescription& scene) {
+  nest(scene);
+  path_with_control_variate(scene);
+}
+
+void nest_hidden(SceneDescription& scene) {
+  nest(scene);
+  look_through(scene);
+  param::emitter_sampling(scene.integrator) = EmitterSampling::kProjected;
+}
+
 }  // namespace
 
 void PrintTo(const SuiteScene& scene, std::ostream* out) { *out << scene.name; }
@@ -153,6 +271,16 @@ const std::vector<SuiteScene>& suite_scenes() {
       {"CornellGlossyChoice", "cornell/cornell.xml", false, glossy_choice},
       {"VeachMisLookedThrough", "veach-mis/veach-mis.xml", false, look_through},
       {"CornellLookedThrough", "cornell/cornell.xml", false, look_through_directly},
+      {"Nested", "cornell-small/cornell-small.xml", false, nest},
+      {"NestedCornell", "cornell/cornell.xml", false, nest},
+      {"NestedDirect", "cornell-small/cornell-small.xml", false, nest_directly},
+      {"NestedControlVariate", "cornell-small/cornell-small.xml", false, nest_with_control_variate},
+      {"NestedLookedThrough", "cornell/cornell.xml", false, nest_hidden},
+      {"CornellWhitted", "cornell/cornell.xml", false, whitted},
+      {"CornellWhittedGlass", "cornell/cornell.xml", false, whitted_through_glass},
+      {"VeachMisWhitted", "veach-mis/veach-mis.xml", false, whitted_with_control_variate},
+      {"CornellAmbientOcclusion", "cornell/cornell.xml", false, ambient_occlusion},
+      {"VeachMisReflectionOcclusion", "veach-mis/veach-mis.xml", false, reflection_occlusion},
       {"RaysOnEdges", "cornell-small/cornell-small.xml", false, rays_on_edges, true},
       {"CoincidentWalls", "cornell-small/cornell-small.xml", false, coincident_walls, true},
       {"BitterliCornellBox", "bitterli/cornell-box/scene.xml", true},

@@ -1,6 +1,7 @@
 #include "tests/differential/named_scenes.h"
 
 #include <cmath>
+#include <functional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -369,6 +370,112 @@ SceneText principled(std::string_view name, std::string_view type,
   return scene;
 }
 
+const std::string kBoard =
+    "<texture type=\"checkerboard\" name=\"NAME\"><rgb name=\"color0\" value=\"0.1\"/><rgb name=\"color1\" "
+    "value=\"0.8\"/><transform name=\"to_uv\"><scale x=\"3\" y=\"2\"/></transform></texture>\n";
+
+std::string board(std::string_view name) {
+  std::string text = kBoard;
+  return text.replace(text.find("NAME"), 4, name);
+}
+
+std::string diffuse(glm::dvec3 colour) { return plugin("bsdf", "diffuse", rgb("reflectance", colour)); }
+std::string two_sided(const std::string& bsdf) { return plugin("bsdf", "twosided", bsdf); }
+
+/// Masks in a row, one of squares and one in a blend, before a lamp and the sky. Passed surfaces are bounces
+/// to Mitsuba, so depth has no limit; its shadow rays do not pass, which is only noise.
+SceneText masks() {
+  SceneText scene = begin("masks", path(-1));
+  scene.samples = 4;
+  const std::string orange = two_sided(diffuse({0.8, 0.5, 0.2}));
+  const std::string holes = plugin("bsdf", "mask", board("opacity") + orange);
+  const std::string one_sided = plugin("bsdf", "mask", real("opacity", 0.6) + diffuse({0.2, 0.5, 0.7}));
+  const std::string blend =
+      plugin("bsdf", "blendbsdf", real("weight", 0.3) + holes + plugin("bsdf", "null", ""));
+  scene.both(floor_at(-1) + ceiling_lamp() + kSky);
+  scene.both(placed("rectangle", "<scale value=\"0.8\"/><translate x=\"-0.6\" z=\"1\"/>\n", holes));
+  scene.both(placed("sphere", "<scale value=\"0.5\"/><translate x=\"0.9\"/>\n", one_sided));
+  scene.both(placed("cube", "<scale value=\"0.4\"/><rotate y=\"1\" angle=\"30\"/>\n", holes));
+  scene.both(placed("rectangle",
+                    "<scale value=\"1.5\"/><rotate x=\"1\" angle=\"-90\"/><translate y=\"0.8\"/>\n", blend));
+  return scene;
+}
+
+/// A lamp of nothing, through which another is seen.
+SceneText null_lamps() {
+  SceneText scene = begin("null-lamps", path(-1));
+  const std::string nothing = plugin("bsdf", "null", "");
+  scene.both(floor_at(-1) + ceiling_lamp());
+  scene.both(placed("sphere", "<scale value=\"0.5\"/><translate y=\"-0.2\"/>\n", nothing + area(0.7)));
+  scene.both(
+      placed("rectangle", "<scale value=\"0.5\"/><translate x=\"0.6\" z=\"0.8\"/>\n", nothing + area(0.4)));
+  scene.both(placed("cube", "<scale value=\"0.3\"/><translate x=\"-0.8\" z=\"-0.5\"/>\n", kGrey));
+  return scene;
+}
+
+SceneText blends() {
+  SceneText scene = begin("blends", path(4));
+  const std::string pair = diffuse({0.9, 0.2, 0.1}) + diffuse({0.1, 0.3, 0.9});
+  scene.both(floor_at(-1) + ceiling_lamp() + kSky);
+  scene.both(placed("sphere", "<scale value=\"0.5\"/><translate x=\"-0.7\"/>\n",
+                    plugin("bsdf", "blendbsdf", board("weight") + pair)));
+  scene.both(placed("cube", "<scale value=\"0.4\"/><rotate y=\"1\" angle=\"30\"/><translate x=\"0.7\"/>\n",
+                    two_sided(plugin("bsdf", "blendbsdf", real("weight", 0.25) + pair))));
+  return scene;
+}
+
+/// An image of 24-bit texels, rows from the bottom, as a TGA file.
+std::string tga_text(int size, const std::function<glm::dvec3(double, double)>& value) {
+  std::string text = {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, char(size), 0, char(size), 0, 24, 0};
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x) {
+      const glm::dvec3 colour = value((x + 0.5) / size, (y + 0.5) / size);
+      for (const int k : {2, 1, 0}) text += char(int(std::lround(255 * colour[k])));
+    }
+  return text;
+}
+
+/// Maps that bend the normals of a wall, of a ball and of a sheet seen from behind, two-sided in two ways.
+/// Mitsuba darkens bumps by a term of its own, unless told not to.
+SceneText bent(std::string_view type) {
+  SceneText scene = begin(type, path(3), {0, 0.6, 5}, 36);
+  scene.samples = 2;
+  const double turn = 2 * 3.14159265358979;
+  const bool normals = type == "normalmap";
+  scene.meshes.push_back({"map.tga", tga_text(16, [&](double u, double v) {
+                            const double h_u = std::cos(turn * u), h_v = -0.7 * std::sin(turn * v);
+                            if (!normals)
+                              return glm::dvec3(0.5 + 0.2 * std::sin(turn * u) + 0.15 * std::cos(turn * v));
+                            return 0.5 + 0.5 * glm::normalize(glm::dvec3(-0.6 * h_u, -0.6 * h_v, 1));
+                          })});
+  const std::string texture = plugin(
+      "texture", "bitmap", text("filename", "map.tga") + boolean("raw", true) + text("wrap_mode", "clamp"));
+  const std::string name = "<texture type=\"bitmap\" name=\"normalmap\">";
+  const std::string named = name + texture.substr(texture.find('>') + 1);
+  const auto add = [&](const std::string& place, const std::string& shape, bool outside, double bump) {
+    const std::string white = diffuse(glm::dvec3(0.7));
+    const auto with = [&](const std::string& more) {
+      const std::string map =
+          (normals ? named : texture + real("scale", bump)) + more + (outside ? two_sided(white) : white);
+      const std::string bsdf = plugin("bsdf", type, map);
+      return placed(shape, place, outside ? bsdf : two_sided(bsdf));
+    };
+    scene.each(with(""), with(boolean("use_shadowing_function", false)));
+  };
+  add("<scale value=\"0.7\"/><translate x=\"-0.8\"/>\n", "rectangle", false, 0.4);
+  add("<scale value=\"0.6\"/><rotate y=\"1\" angle=\"200\"/><translate x=\"0.8\" y=\"0.6\"/>\n", "rectangle",
+      true, 0.4);
+  add("<scale value=\"0.6\"/><rotate y=\"1\" angle=\"160\"/><translate x=\"0.8\" y=\"-0.7\"/>\n", "rectangle",
+      false, 0.4);
+  add("<scale value=\"0.5\"/><translate y=\"0.9\" z=\"-1\"/>\n", "sphere", false, 0.3);
+  scene.both(floor_at(-1.4));
+  scene.both(
+      placed("rectangle",
+             "<scale value=\"0.6\"/><rotate y=\"1\" angle=\"110\"/><translate x=\"-3\" z=\"2\" y=\"1\"/>\n",
+             kGrey + area(12)));
+  return scene;
+}
+
 }  // namespace
 
 std::vector<SceneText> named_scenes() {
@@ -392,7 +499,12 @@ std::vector<SceneText> named_scenes() {
                                    plastics(true),
                                    box_light(),
                                    long_axis(),
-                                   references()};
+                                   references(),
+                                   masks(),
+                                   null_lamps(),
+                                   blends(),
+                                   bent("normalmap"),
+                                   bent("bumpmap")};
   for (const char* shape : {"rectangle", "cube", "sphere", "disk", "obj", "ply", "smooth"})
     for (const bool flipped : {false, true}) scenes.push_back(mirrored(shape, flipped));
   scenes.push_back(principled("principled-metal", "principled",

@@ -24,6 +24,8 @@ struct PolygonLight {
 struct Receiver {
   Exact3 x, n, w{};  ///< rounded to double for the kernel; n and w unit
   double exponent = -1;
+  // Of a transformed cosine about the mirror direction w, where the inverse widths are above 0.
+  double inverse_x = 0, inverse_y = 0, shift = 0;
 };
 
 struct PolygonTerms {
@@ -66,6 +68,7 @@ inline std::vector<PolygonTerms> polygon_terms_of(const PolygonLight& light,
   polygon.two_sided = light.two_sided ? 1 : 0;
   polygon.corner_count = int(corners.size());
   Scene scene{};
+  scene.header.features = FEATURE_ALL;
   scene.polygons = &polygon;
   scene.polygon_corners = corners.data();
   std::vector<PolygonTerms> terms(receivers.size());
@@ -77,6 +80,11 @@ inline std::vector<PolygonTerms> polygon_terms_of(const PolygonLight& light,
       lanes.nx[j] = double(r.n.x), lanes.ny[j] = double(r.n.y), lanes.nz[j] = double(r.n.z);
       lanes.wx[j] = double(r.w.x), lanes.wy[j] = double(r.w.y), lanes.wz[j] = double(r.w.z);
       lanes.exponent[j] = r.exponent;
+      const Exact3 across = r.w - dot(r.w, r.n) * r.n;
+      const bool leans = r.inverse_x > 0;
+      const Exact3 t = leans ? normalize(across) : Exact3{1, 0, 0};
+      lanes.tx[j] = double(t.x), lanes.ty[j] = double(t.y), lanes.tz[j] = double(t.z);
+      lanes.inverse_x[j] = r.inverse_x, lanes.inverse_y[j] = r.inverse_y, lanes.shift[j] = r.shift;
     }
     double irradiance[LANES], lobe[LANES];
     polygon_terms(&scene, &lanes, 0, irradiance, lobe);

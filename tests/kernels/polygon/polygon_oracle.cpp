@@ -176,6 +176,27 @@ Quad oracle_lobe(const QuadLoops& loops, const QuadReceiver& receiver, int expon
   return (exponent + 2) / (2 * kQuadPi) * total;
 }
 
+double quadrature(const QuadLoops& loops, const QuadReceiver& receiver,
+                  const std::function<double(double x, double y, double z)>& f, double tolerance) {
+  const Point n = point(receiver.n);
+  double total = 0;
+  for_fan(loops, receiver.x, [&](const QuadLoop& triangle, Quad sign) {
+    const QuadLoop p = clip(triangle, receiver.n);
+    for (std::size_t i = 1; i + 1 < p.size(); ++i) {
+      // d sigma = det / |p|^3 times the area in the triangle's parameters.
+      const double determinant = double(dot(p[0], cross(p[i] - p[0], p[i + 1] - p[0])));
+      const Integrand over_area = [&](const Point& q) {
+        const double r2 = dot(q, q), r = std::sqrt(r2);
+        return f(q.x / r, q.y / r, q.z / r) * std::max(dot(n, q) / r, 0.0) * determinant / (r2 * r);
+      };
+      const Point a = point(p[0]), b = point(p[i]), c = point(p[i + 1]);
+      total += double(sign) *
+               adaptive_triangle(over_area, a, b, c, gauss_triangle(over_area, a, b, c), tolerance, 14);
+    }
+  });
+  return total;
+}
+
 double quadrature_lobe(const QuadLoops& loops, const QuadReceiver& receiver, double exponent,
                        double tolerance) {
   const Point n = point(receiver.n), w = point(receiver.w);

@@ -2,6 +2,7 @@
 // Arvo's closed forms for clipped triangles in 113 bits, and quadrature over the light's area.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "tests/kernels/quad_vector.h"
@@ -29,6 +30,11 @@ Quad oracle_irradiance(const QuadLoops& loops, const QuadReceiver& receiver);
 /// (e + 2) / (2 pi) times the integral of max(0, w.u)^e max(0, n.u), with the same sign: Arvo's (1995)
 /// recurrence for the double-axis moments of triangles clipped by both planes.
 Quad oracle_lobe(const QuadLoops& loops, const QuadReceiver& receiver, int exponent);
+
+/// The integral of f(u) max(0, n.u) over the unit directions u to a planar polygon by adaptive quadrature, to
+/// some `tolerance`, with the same sign.
+double quadrature(const QuadLoops& loops, const QuadReceiver& receiver,
+                  const std::function<double(double x, double y, double z)>& f, double tolerance);
 
 /// The same by adaptive quadrature over the area, for any exponent, to some `tolerance`. Not for receivers
 /// close to the light.

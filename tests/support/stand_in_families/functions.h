@@ -1,6 +1,7 @@
 // Values and samples of the stand-in families, for kernels/bsdf/bsdf.h.
 #ifndef PENUMBRA_STAND_IN_FUNCTIONS_H
 #define PENUMBRA_STAND_IN_FUNCTIONS_H
+#include "kernels/bsdf/control_lobes.h"
 #include "kernels/bsdf/phong.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -46,8 +47,19 @@ FN BsdfSample refracting_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, 
     return phong_sample(scene, c, wo, u, v, choice);                                            \
   }
 PHONG_AGAIN(glossy, , , , )
+PHONG_AGAIN(crude, , , , )
 EIGHT_PHONGS(PHONG_AGAIN)
 #undef PHONG_AGAIN
+
+#if HAS(LTC)
+/// A microfacet lobe of about the width, half as bright again, beside too dark a Lambert of another colour.
+FN ControlLobes crude_control(const PRIVATE Scene* scene, Closure c, float cosine) {
+  const MicrofacetLobe lobe =
+      microfacet_lobe(scene, DISTRIBUTION_GGX, SQRT(2.0f / (c.exponent + 2.0f)), cosine);
+  const vec3 diffuse = make_vec3(0.5f * c.diffuse.x, 0.8f * c.diffuse.y, 0.2f * c.diffuse.z);
+  return make_control_lobes(diffuse, lobe, scale(c.specular, 1.5f));
+}
+#endif
 
 PENUMBRA_NAMESPACE_END
 #endif

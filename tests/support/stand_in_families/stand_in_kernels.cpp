@@ -1,8 +1,11 @@
 #include "tests/support/stand_in_families/stand_in_kernels.h"
 
 #include <bit>
+#include <cstring>
+#include <vector>
 
 #include "kernels/native_variants.h"
+#include "scenes/device/ltc/ltc_table.h"
 
 namespace penumbra {
 
@@ -46,6 +49,15 @@ void stand_in(DeviceScene& scene, std::span<const StandIn> stand_ins) {
   features &= ~std::uint32_t(FEATURE_TRANSMISSION | FEATURE_MIXED_FAMILIES);
   if ((scene.header.families & families_with(TRANSMITS)) != 0) features |= FEATURE_TRANSMISSION;
   if (std::popcount(scene.header.families) > 1) features |= FEATURE_MIXED_FAMILIES;
+  if ((features & (FEATURE_POLYGONS | FEATURE_PROJECTED)) == 0 ||
+      (scene.header.families & ltc_families()) == 0)
+    return;
+  features |= FEATURE_LTC;
+  const std::vector<LtcCell> cells = ltc_table();
+  scene.header.tables.ltc_cells = {int(cells.size()), std::uint32_t(scene.words.size())};
+  scene.words.resize(scene.words.size() + cells.size() * sizeof(LtcCell) / 4);
+  std::memcpy(scene.words.data() + scene.header.tables.ltc_cells.offset, cells.data(),
+              cells.size() * sizeof(LtcCell));
 }
 
 }  // namespace penumbra

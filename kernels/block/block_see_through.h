@@ -1,0 +1,330 @@
+// What rays pass through: surfaces whose chosen leaf is nothing (opacity masks, `null`), for all rays, and
+// hidden emitters, for the camera's, as in Mitsuba from 3.7 on. The step that follows finds the surface where
+// a ray ends, as seen from where it started: whatever it passed counts neither as depth nor for roulette, and
+// densities are those without it. A passed surface that shines adds its light on the way. Shadow rays bring
+// the share of light that gets through.
+//
+// A ray is under way while its `ray_tmax` is above 0; one that has arrived is set aside until all have.
+// Surfaces in one place may be passed as one.
+#ifndef PENUMBRA_BLOCK_SEE_THROUGH_H
+#define PENUMBRA_BLOCK_SEE_THROUGH_H
+#include "kernels/block/block_surface.h"
+#include "kernels/block/block_trace.h"
+#include "kernels/bsdf/material_tree.h"
+#include "kernels/integrator/direct.h"
+#include "kernels/integrator/path.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+#if HAS(NESTED) || HAS(LOOK_THROUGH)
+/// Keeps what restarting changes; those that hit nothing have arrived.
+STAGE void keep_starts(const PRIVATE PathState* paths, int count) {
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++) {
+        const float tmax = get_ray_tmax(paths, j);
+        const int hit = get_hit(paths, j);
+        set_kept_origin(paths, j, get_ray_origin(paths, j));
+        set_kept_tmax(paths, j, tmax);
+        set_kept_hit(paths, j, hit);
+        set_ray_tmax(paths, j, hit >= 0 ? tmax : -1.0f);
+      }
+  }
+}
+
+/// Where rays that pass through these surfaces go on. Others that were under way have arrived. Returns
+/// whether any goes on.
+STAGE bool restart_behind(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
+                          const PRIVATE int* RESTRICT passes) {
+  int any = 0;
+  const PathState fields = *paths;  // see step.h
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(surfaces, j);
+      const vec3 origin = get_ray_origin(&fields, i + j), toward = get_ray_direction(&fields, i + j);
+      const int skip = get_ray_skip(&fields, i + j), hit = get_hit(&fields, i + j);
+      const int kept = get_kept_hit(&fields, i + j);
+      const float tmax = get_ray_tmax(&fields, i + j);
+      const bool under_way = tmax > 0.0f, through = passes[j] != 0;
+      const float left = tmax < NO_LIMIT ? tmax - s.distance : tmax;
+      const bool goes_on = through & (left > 0.0f);
+      set_ray_origin(&fields, i + j,
+                     select3(through, leave_surface(s.p, s.geometric, s.error, toward), origin));
+      set_ray_skip(&fields, i + j, through ? s.primitive : skip);
+      set_ray_tmax(&fields, i + j, goes_on ? left : -1.0f);
+      set_kept_hit(&fields, i + j, under_way ? (through ? -1 : hit) : kept);
+      any |= goes_on ? 1 : 0;
+    }
+  return any != 0;
+}
+
+/// Where all have arrived that were under way.
+STAGE void arrive(const PRIVATE PathState* paths, int i) {
+  LANE_LOOP
+    for (int j = i; j < i + LANES; j++) {
+      const int hit = get_hit(paths, j), kept = get_kept_hit(paths, j);
+      set_kept_hit(paths, j, get_ray_tmax(paths, j) > 0.0f ? hit : kept);
+      set_ray_tmax(paths, j, -1.0f);
+    }
+}
+
+/// Which of the rays under way pass: those that end on hidden emitters, where the camera looks through them.
+STAGE void pass_hidden(const PRIVATE PathState* paths, int i, bool hides,
+                       const PRIVATE Surfaces* RESTRICT surfaces, PRIVATE int* RESTRICT passes) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const bool hit = (get_ray_tmax(paths, i + j) > 0.0f) & (surfaces->primitive[j] >= 0);
+      passes[j] = (hides & hit & (surfaces->light[j] >= 0)) ? 1 : 0;
+    }
+}
+
+  #if HAS(NESTED)
+STAGE void clear_leaves(const PRIVATE PathState* paths, int count) {
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++) set_material(paths, j, -1);
+  }
+}
+
+/// Whether any of the rays under way met a surface that takes a choice.
+FN bool any_choice(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
+  int any = 0;
+  for (int j = i; j < i + LANES; j++) {
+    const int hit = get_hit(paths, j);
+    const SideMaterials sides = side_materials(scene, hit);
+    GLOBAL const Material* front = scene->materials + sides.front;
+    GLOBAL const Material* back = scene->materials + sides.back;
+    const int special = front->branches | front->passes | back->branches | back->passes;
+    any |= ((get_ray_tmax(paths, j) > 0.0f) & (hit >= 0) & (special != 0)) ? 1 : 0;
+  }
+  return any != 0;
+}
+
+/// Notes the leaves where rays arrive; the others that are under way pass.
+STAGE void note_leaves(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
+                       const PRIVATE int* RESTRICT leaves, PRIVATE int* RESTRICT passes) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int before = get_material(paths, i + j), leaf = leaves[j], hidden = passes[j];
+      const bool hit = (get_ray_tmax(paths, i + j) > 0.0f) & (surfaces->primitive[j] >= 0);
+      const bool through = hit & ((leaf < 0) | (hidden != 0));
+      passes[j] = through ? 1 : 0;
+      set_material(paths, i + j, (hit & !through) ? leaf : before);
+    }
+}
+
+/// The light of passed surfaces, in the `step`-th step.
+FN void add_passed_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step,
+                         const PRIVATE Surfaces* surfaces, const PRIVATE int* passes) {
+    #if HAS(PATH)
+  if (scene->header.integrator.kind == INTEGRATOR_PATH)
+    add_passed_by_path(scene, paths, i, step, surfaces, passes);
+    #endif
+    #if HAS(DIRECT)
+  if (scene->header.integrator.kind == INTEGRATOR_DIRECT)
+    add_passed_directly(scene, paths, i, step, surfaces, passes);
+    #endif
+}
+
+FN bool any_passed_light(const PRIVATE Surfaces* surfaces, const PRIVATE int* passes) {
+  int any = 0;
+  for (int j = 0; j < LANES; j++) any |= ((passes[j] != 0) & (surfaces->light[j] >= 0)) ? 1 : 0;
+  return any != 0;
+}
+
+/// The points for the k-th surfaces that the rays of the step meet. Directions of direct light are of depth 0
+/// like the camera's ray, but of the next surface, as it were.
+FN PairPoint ray_surface_point(const PRIVATE Scene* scene, int step, int k) {
+  PairPoint point = met_point(PAIR_RAY_SURFACES, k);
+  if (scene->header.integrator.kind == INTEGRATOR_PATH || step == 0) return point;
+  point.pair += MOST_PASSED;
+  return nth_point(point, scene->header.integrator.bsdf_samples, step - 1);
+}
+
+/// Chooses leaves at the surfaces, the k-th that the rays meet, and adds the light of those that they pass.
+FN void pass_by_chance(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step, int k,
+                       const PRIVATE Surfaces* surfaces, PRIVATE int* passes) {
+  const PRIVATE SceneHeader* h = &scene->header;
+  float numbers[LANES], others[LANES];
+  int leaves[LANES];
+  for (int j = 0; j < LANES; j++) {
+    leaves[j] = surfaces->material[j];
+    numbers[j] = 0.0f;
+  }
+  if (any_branch(scene, leaves))
+    sample_pair(h->sampler.kind, sequence_length(h), ray_surface_point(scene, step, k), paths, i, numbers,
+                others);
+  choose_leaves(scene, surfaces, numbers, leaves);
+  note_leaves(paths, i, surfaces, leaves, passes);
+  if (any_passed_light(surfaces, passes)) {
+    Surfaces seen = *surfaces;
+    see_from_starts(paths, i, &seen);
+    add_passed_light(scene, paths, i, step, &seen, passes);
+  }
+}
+  #endif
+
+/// Those of LANES rays from lane i on that pass the k-th surface they meet start behind it. Returns whether
+/// any does.
+FN bool pass_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step, int k,
+                      bool hides) {
+  Surfaces surfaces;
+  int passes[LANES];
+  bool chooses = false;
+  #if HAS(NESTED)
+  chooses = NEEDS(scene, NESTED) && any_choice(scene, paths, i);
+  #endif
+  if (!hides && !chooses) {
+    arrive(paths, i);
+    return false;
+  }
+  find_hit_surfaces(scene, paths, i, &surfaces);
+  pass_hidden(paths, i, hides, &surfaces, passes);
+  #if HAS(NESTED)
+  if (chooses) pass_by_chance(scene, paths, i, step, k, &surfaces, passes);
+  #endif
+  return restart_behind(paths, i, &surfaces, passes);
+}
+
+/// Restores what was kept. Rays that passed too many surfaces see the next hidden emitter, unlit, or black.
+/// Without choices the surfaces are those without anything in between, from the ray's own origin.
+STAGE void end_ways(const PRIVATE PathState* paths, int count, bool restores_origins) {
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++) {
+        const vec3 start = get_kept_origin(paths, j), origin = get_ray_origin(paths, j);
+        const int skip = get_ray_skip(paths, j), hit = get_hit(paths, j), kept = get_kept_hit(paths, j);
+        set_hit(paths, j, get_ray_tmax(paths, j) > 0.0f ? hit : kept);
+        set_ray_origin(paths, j, select3(restores_origins, start, origin));
+        set_ray_skip(paths, j, restores_origins ? -1 : skip);
+        set_ray_tmax(paths, j, get_kept_tmax(paths, j));
+      }
+  }
+}
+
+  #if HAS(NESTED)
+/// Rays that passed too many surfaces end on black ones.
+STAGE void blacken_unfinished(const PRIVATE PathState* paths, int count) {
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++) {
+        const int leaf = get_material(paths, j);
+        set_material(paths, j, get_ray_tmax(paths, j) > 0.0f ? 0 : leaf);
+      }
+  }
+}
+  #endif
+
+/// From what the rays of the `step`-th step hit to where they end.
+FN void see_through(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int step) {
+  const bool nested = NEEDS(scene, NESTED);
+  const bool hides = step == 0 && scene->header.integrator.hide_emitters == HIDE_LOOK_THROUGH;
+  if (!nested && !hides) return;
+  keep_starts(paths, count);
+  #if HAS(NESTED)
+  if (nested) clear_leaves(paths, count);
+  #endif
+  bool any = true;
+  for (int k = 0; any && k < MOST_PASSED; k++) {
+    any = false;
+    for (int i = 0; i < count; i += LANES)
+      if (any_ray(paths, i)) any = pass_surfaces(scene, paths, i, step, k, hides) | any;
+    if (any) intersect_block(scene, paths, count);
+    if (any) pad_hits(paths, count);
+  }
+  #if HAS(NESTED)
+  if (nested) blacken_unfinished(paths, count);
+  #endif
+  end_ways(paths, count, !nested);
+}
+#endif
+
+#if HAS(NESTED)
+/// Exchanges rays and what was kept of them for shadow rays, of which only those that something stops which
+/// may let light through are to be followed.
+STAGE bool follow_shadow_rays(const PRIVATE PathState* paths, int count) {
+  int any = 0;
+  const PathState fields = *paths;
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++) {
+        const float share = get_shadow_transmittance(&fields, j), tmax = get_shadow_tmax(&fields, j);
+        const bool follows = (j < count) & (tmax > 0.0f) & (share < 0.0f);
+        set_kept_origin(&fields, j, get_ray_origin(&fields, j));
+        set_kept_direction(&fields, j, get_ray_direction(&fields, j));
+        set_kept_tmax(&fields, j, get_ray_tmax(&fields, j));
+        set_kept_skip(&fields, j, get_ray_skip(&fields, j));
+        set_kept_hit(&fields, j, get_hit(&fields, j));
+        set_ray_origin(&fields, j, get_shadow_origin(&fields, j));
+        set_ray_direction(&fields, j, get_shadow_direction(&fields, j));
+        set_ray_skip(&fields, j, get_shadow_skip(&fields, j));
+        set_ray_tmax(&fields, j, follows ? tmax : -1.0f);
+        set_shadow_transmittance(&fields, j, follows ? 1.0f : share);
+        any |= follows ? 1 : 0;
+      }
+  }
+  return any != 0;
+}
+
+/// Those that passed too many surfaces bring nothing.
+STAGE void leave_shadow_rays(const PRIVATE PathState* paths, int count) {
+  const PathState fields = *paths;
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++) {
+        const float share = get_shadow_transmittance(&fields, j);
+        set_shadow_transmittance(&fields, j, get_ray_tmax(&fields, j) > 0.0f ? 0.0f : share);
+        set_ray_origin(&fields, j, get_kept_origin(&fields, j));
+        set_ray_direction(&fields, j, get_kept_direction(&fields, j));
+        set_ray_tmax(&fields, j, get_kept_tmax(&fields, j));
+        set_ray_skip(&fields, j, get_kept_skip(&fields, j));
+        set_hit(&fields, j, get_kept_hit(&fields, j));
+      }
+  }
+}
+
+/// Multiplies what shadow rays bring by the shares that get through these surfaces.
+STAGE void dim_shadow_rays(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
+                           const PRIVATE float* RESTRICT shares, PRIVATE int* RESTRICT passes) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const float before = get_shadow_transmittance(paths, i + j);
+      const bool hit = (get_ray_tmax(paths, i + j) > 0.0f) & (surfaces->primitive[j] >= 0);
+      const float after = hit ? before * shares[j] : before;
+      set_shadow_transmittance(paths, i + j, after);
+      passes[j] = (hit & (after > 0.0f)) ? 1 : 0;
+    }
+}
+
+FN bool pass_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step, int k) {
+  const PRIVATE SceneHeader* h = &scene->header;
+  PairPoint point = met_point(PAIR_SHADOW_SURFACES, k);
+  if (h->integrator.kind == INTEGRATOR_DIRECT) point = nth_point(point, h->integrator.emitter_samples, step);
+  Surfaces surfaces;
+  float numbers[LANES], others[LANES], shares[LANES];
+  int passes[LANES];
+  for (int j = 0; j < LANES; j++) numbers[j] = 0.0f;
+  find_hit_surfaces(scene, paths, i, &surfaces);
+  if (any_branch(scene, surfaces.material))
+    sample_pair(h->sampler.kind, sequence_length(h), point, paths, i, numbers, others);
+  passing_shares(scene, &surfaces, numbers, shares);
+  dim_shadow_rays(paths, i, &surfaces, shares, passes);
+  return restart_behind(paths, i, &surfaces, passes);
+}
+
+/// After occlude_block: what gets through the surfaces that stopped shadow rays.
+FN void see_lights_through(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int step) {
+  bool any = follow_shadow_rays(paths, count);
+  for (int k = 0; any && k < MOST_PASSED; k++) {
+    intersect_block(scene, paths, count);
+    pad_hits(paths, count);
+    any = false;
+    for (int i = 0; i < count; i += LANES)
+      if (any_ray(paths, i)) any = pass_light(scene, paths, i, step, k) | any;
+  }
+  leave_shadow_rays(paths, count);
+}
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,204 @@
+// Shading normals bent by normal maps and bump maps: where they lean, in the frame of the surface's own
+// shading normal, decides a texture.
+//
+// The normal stays on the side that is seen and faces the viewer. Where the texture's would not, it leans the
+// other way by as much, as in Mitsuba 3 from 3.7 on (Schuessler et al. 2017 discuss why); if it points into
+// the surface, the surface's own takes over.
+#ifndef PENUMBRA_BEND_NORMAL_H
+#define PENUMBRA_BEND_NORMAL_H
+#include "kernels/intersect/surface_uv.h"
+#include "kernels/math/frame.h"
+#include "kernels/scene.h"
+#include "kernels/texture/texture.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+#if HAS(BENT) && HAS(TEXTURES) && HAS(UV)
+  /// How a surface's shading normal n is bent: to the direction of along + up n, `along` being tangential.
+  #define BEND_FIELDS(F, a) \
+    F(a, vec3, along)       \
+    F(a, float, up)
+LANE_RECORD(Bend, Bends, bend, BEND_FIELDS)
+
+/// Changes of position with the texture coordinates.
+typedef struct {
+  vec3 du, dv;
+} Derivatives;
+
+FN Derivatives triangle_derivatives(const PRIVATE Scene* scene, int index, vec3 normal) {
+  GLOBAL const Triangle* triangle = scene->triangles + index;
+  GLOBAL const VertexUvs* at = uvs_of(scene, index);
+  const vec3 p0 = load3(&triangle->p0);
+  const vec3 e1 = sub(load3(&triangle->p1), p0), e2 = sub(load3(&triangle->p2), p0);
+  const float u1 = at->u1 - at->u0, v1 = at->v1 - at->v0, u2 = at->u2 - at->u0, v2 = at->v2 - at->v0;
+  const float determinant = u1 * v2 - v1 * u2;
+  const int given = at->given;
+  const bool some = (given != 0) & (determinant != 0.0f);
+  const float inverse = 1.0f / (some ? determinant : 1.0f);
+  const vec3 axis = tangent_axis(normal, make_vec3(0.0f, 0.0f, 0.0f));
+  Derivatives d;
+  d.du = select3(some, scale(sub(scale(e1, v2), scale(e2, v1)), inverse), axis);
+  d.dv = select3(some, scale(sub(scale(e2, u1), scale(e1, u2)), inverse), cross3(normal, axis));
+  return d;
+}
+
+  #if HAS(QUADRICS)
+/// See sphere_uv and disk_uv.
+FN Derivatives quadric_derivatives(const PRIVATE Scene* scene, int index, vec3 p) {
+  GLOBAL const Quadric* q = scene->quadrics + index;
+  const int kind = q->kind;
+  const float radius = q->radius;
+  const vec3 c = sub(p, load3(&q->center)), axis = load3(&q->normal);
+  const float r = max_f(SQRT(sqr(c.x) + sqr(c.y)), 1e-30f);
+  const vec3 radial = normalize3(c);
+  Derivatives sphere, disk, d;
+  sphere.du = scale(make_vec3(-c.y, c.x, 0.0f), 2.0f * PI_F);
+  sphere.dv = scale(make_vec3(c.z * (c.x / r), c.z * (c.y / r), -r), PI_F);
+  disk.du = scale(radial, radius);
+  disk.dv = scale(cross3(axis, c), 2.0f * PI_F);
+  d.du = select3(kind == QUADRIC_SPHERE, sphere.du, disk.du);
+  d.dv = select3(kind == QUADRIC_SPHERE, sphere.dv, disk.dv);
+  return d;
+}
+  #endif
+
+FN Derivatives surface_derivatives(const PRIVATE Scene* scene, Surface s, vec3 front) {
+  const int triangles = scene->header.tables.triangles.count;
+  const bool is_triangle = (s.primitive >= 0) & (s.primitive < triangles);
+  Derivatives d = triangle_derivatives(scene, is_triangle ? s.primitive : 0, front);
+  #if HAS(QUADRICS)
+  const bool is_quadric = s.primitive >= triangles;
+  const Derivatives q = quadric_derivatives(scene, is_quadric ? s.primitive - triangles : 0, s.p);
+  d.du = select3(is_quadric, q.du, d.du);
+  d.dv = select3(is_quadric, q.dv, d.dv);
+  #endif
+  return d;
+}
+
+/// The textures of the materials that bend in that way, BEND_*, or -1.
+STAGE bool note_bend_textures(const PRIVATE Scene* scene, int way, const PRIVATE Surfaces* RESTRICT surfaces,
+                              PRIVATE int* RESTRICT textures) {
+  int any = 0;
+  for (int j = 0; j < LANES; j++) {
+    GLOBAL const Material* m = scene->materials + surfaces->material[j];
+    textures[j] = m->bend == way ? m->bend_texture : -1;
+    any |= textures[j] >= 0 ? 1 : 0;
+  }
+  return any != 0;
+}
+
+/// A normal map's value t means (2 t - 1) in the frame of the tangent, the cross product of the front's
+/// normal and it, and the normal of the side that is seen: seen from behind its bumps are the same ones
+/// mirrored.
+STAGE void bends_of_normals(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+                            const PRIVATE TextureLanes* RESTRICT found, PRIVATE Bends* RESTRICT bends) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(surfaces, j);
+      const vec3 value = LOAD_LANE_vec3(found->value, j);
+      const float lean = scene->materials[s.material].bend_scale;
+      const vec3 x = tangent_axis(s.shading, s.tangent);
+      const vec3 y = scale(cross3(s.shading, x), s.front ? 1.0f : -1.0f);
+      Bend bend;
+      bend.along = add(scale(x, lean * (2.0f * value.x - 1.0f)), scale(y, lean * (2.0f * value.y - 1.0f)));
+      bend.up = 2.0f * value.z - 1.0f;
+      store_bend(bends, j, bend);
+    }
+}
+
+/// Coordinates moved by `u_steps` and `v_steps` of the materials' steps.
+STAGE void move_coordinates(const PRIVATE Scene* scene, float u_steps, float v_steps,
+                            PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const float step = scene->materials[surfaces->material[j]].bend_step;
+      surfaces->u[j] += u_steps * step;
+      surfaces->v[j] += v_steps * step;
+    }
+}
+
+STAGE void note_heights(const PRIVATE TextureLanes* RESTRICT found, PRIVATE float* RESTRICT heights) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) heights[j] = luminance(LOAD_LANE_vec3(found->value, j));
+}
+
+/// Where the surface is displaced along its normal by h(u, v) its normal is that of du + h_u n and dv + h_v n
+/// (Blinn 1978), n's own change left out, as in Mitsuba 3.
+STAGE void bends_of_heights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+                            const PRIVATE float* RESTRICT heights, PRIVATE Bends* RESTRICT bends) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(surfaces, j);
+      GLOBAL const Material* m = scene->materials + s.material;
+      const float bump = m->bend_scale, step = m->bend_step;
+      const float per_step = bump / (2.0f * (step > 0.0f ? step : 1.0f));
+      const float h_u = per_step * (heights[j] - heights[LANES + j]);
+      const float h_v = per_step * (heights[2 * LANES + j] - heights[3 * LANES + j]);
+      const vec3 front = scale(s.shading, s.front ? 1.0f : -1.0f);
+      const Derivatives d = surface_derivatives(scene, s, front);
+      const vec3 du = add_scaled(d.du, -dot3(front, d.du), front);
+      const vec3 dv = add_scaled(d.dv, -dot3(front, d.dv), front);
+      const float area = dot3(cross3(du, dv), front);
+      const vec3 lean = add(scale(cross3(du, front), h_v), scale(cross3(front, dv), h_u));
+      Bend bend;
+      bend.along = scale(lean, area < 0.0f ? -1.0f : 1.0f);
+      bend.up = FABS(area);
+      store_bend(bends, j, bend);
+    }
+}
+
+/// The bent normal of a surface, on the side that is seen and facing the viewer.
+FN vec3 bent_normal(Surface s, Bend bend) {
+  const vec3 up = scale(s.shading, bend.up);
+  const vec3 there = add(bend.along, up), mirrored = sub(up, bend.along);
+  const vec3 n = select3(dot3(there, s.wo) > 0.0f, there, mirrored);
+  const float length2 = dot3(n, n);
+  const bool good = (bend.up > 0.0f) & (length2 > 1e-30f) & (length2 < 1e30f) & (dot3(n, s.wo) > 0.0f) &
+                    (dot3(n, s.geometric) > 0.0f);
+  return select3(good, scale(n, 1.0f / SQRT(good ? length2 : 1.0f)), s.shading);
+}
+
+STAGE void apply_bends(const PRIVATE int* RESTRICT textures, const PRIVATE Bends* RESTRICT bends,
+                       PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(surfaces, j);
+      const vec3 n = bent_normal(s, load_bend(bends, j));
+      STORE_LANE_vec3(surfaces->shading, j, select3((textures[j] >= 0) & is_hit(s), n, s.shading));
+    }
+}
+
+/// Bends the shading normals of the surfaces, whose materials are leaves.
+FN void bend_normals(const PRIVATE Scene* scene, PRIVATE Surfaces* surfaces) {
+  int textures[LANES];
+  TextureLanes found;
+  Bends bends;
+  if (note_bend_textures(scene, BEND_NORMAL_MAP, surfaces, textures)) {
+    eval_textures(scene, surfaces, textures, &found);
+    bends_of_normals(scene, surfaces, &found, &bends);
+    apply_bends(textures, &bends, surfaces);
+  }
+  if (note_bend_textures(scene, BEND_BUMP_MAP, surfaces, textures)) {
+    float heights[4 * LANES], u[LANES], v[LANES];
+    for (int j = 0; j < LANES; j++) {
+      u[j] = surfaces->u[j];
+      v[j] = surfaces->v[j];
+    }
+    for (int k = 0; k < 4; k++) {
+      move_coordinates(scene, k == 0 ? 1.0f : (k == 1 ? -1.0f : 0.0f),
+                       k == 2 ? 1.0f : (k == 3 ? -1.0f : 0.0f), surfaces);
+      eval_textures(scene, surfaces, textures, &found);
+      note_heights(&found, heights + k * LANES);
+      for (int j = 0; j < LANES; j++) {
+        surfaces->u[j] = u[j];
+        surfaces->v[j] = v[j];
+      }
+    }
+    bends_of_heights(scene, surfaces, heights, &bends);
+    apply_bends(textures, &bends, surfaces);
+  }
+}
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif

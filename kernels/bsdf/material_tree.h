@@ -1,0 +1,192 @@
+// Materials that are one of two others at each point of a surface, by chance: trees, whose leaves scatter, or
+// are nothing, so that rays pass through. A walk down a tree ends, since children have lower indices.
+#ifndef PENUMBRA_MATERIAL_TREE_H
+#define PENUMBRA_MATERIAL_TREE_H
+#include "kernels/intersect/surface_fields.h"
+#include "kernels/scene.h"
+#include "kernels/texture/texture.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+#if HAS(NESTED)
+/// PASSES_* of the material of that index, or -1.
+FN int passes_of(const PRIVATE Scene* scene, int material) {
+  const int passes = scene->materials[material >= 0 ? material : 0].passes;
+  return material >= 0 ? passes : PASSES_ALL;
+}
+
+/// Whether the material of that index, or -1, is one of two others.
+FN bool is_branch(const PRIVATE Scene* scene, int material) {
+  const int branches = scene->materials[material >= 0 ? material : 0].branches;
+  return (material >= 0) & (branches != 0);
+}
+
+FN bool any_branch(const PRIVATE Scene* scene, const PRIVATE int* materials) {
+  int any = 0;
+  for (int j = 0; j < LANES; j++) any |= is_branch(scene, materials[j]) ? 1 : 0;
+  return any != 0;
+}
+
+STAGE void plain_weights(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT materials,
+                         PRIVATE float* RESTRICT weights) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int material = materials[j];
+      weights[j] = scene->materials[material >= 0 ? material : 0].weight;
+    }
+}
+
+  #if HAS(TEXTURES)
+STAGE bool note_weight_textures(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT materials,
+                                PRIVATE int* RESTRICT textures) {
+  int any = 0;
+  for (int j = 0; j < LANES; j++) {
+    const int material = materials[j];
+    const int texture = scene->materials[material >= 0 ? material : 0].weight_texture;
+    textures[j] = material >= 0 ? texture : -1;
+    any |= textures[j] >= 0 ? 1 : 0;
+  }
+  return any != 0;
+}
+
+STAGE void textured_weights(const PRIVATE int* RESTRICT textures, const PRIVATE TextureLanes* RESTRICT found,
+                            PRIVATE float* RESTRICT weights) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const float value = clamp_f(luminance(LOAD_LANE_vec3(found->value, j)), 0.0f, 1.0f);
+      const float plain = weights[j];
+      weights[j] = textures[j] >= 0 ? value : plain;
+    }
+}
+  #endif
+
+/// With which materials, which are no leaves, are the second of their two.
+FN void branch_weights(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
+                       const PRIVATE int* materials, PRIVATE float* weights) {
+  plain_weights(scene, materials, weights);
+  #if HAS(TEXTURES)
+  int textures[LANES];
+  if (NEEDS(scene, TEXTURES) && note_weight_textures(scene, materials, textures)) {
+    TextureLanes found;
+    eval_textures(scene, surfaces, textures, &found);
+    textured_weights(textures, &found, weights);
+  }
+  #endif
+}
+
+/// What is left of a number in [0, 1) that was below `weight`, or was not: uniform in [0, 1) again.
+FN float rest_of_number(float number, float weight, bool below) {
+  const float rest = below ? number / (weight > 0.0f ? weight : 1.0f)
+                           : (number - weight) / (weight < 1.0f ? 1.0f - weight : 1.0f);
+  return min_f(rest, ONE_MINUS_EPSILON);
+}
+
+STAGE void descend(const PRIVATE Scene* scene, const PRIVATE float* RESTRICT weights,
+                   PRIVATE float* RESTRICT numbers, PRIVATE int* RESTRICT materials) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int material = materials[j];
+      GLOBAL const Material* m = scene->materials + (material >= 0 ? material : 0);
+      const int first = m->first, second = m->second, branches = m->branches;
+      const bool branch = (material >= 0) & (branches != 0);
+      const float number = numbers[j], weight = weights[j];
+      const bool below = number < weight;
+      const float rest = rest_of_number(number, weight, below);
+      const int child = below ? second : first;
+      numbers[j] = branch ? rest : number;
+      materials[j] = branch ? child : material;
+    }
+}
+
+STAGE void leaves_of_nothing(const PRIVATE Scene* scene, PRIVATE int* RESTRICT materials) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int material = materials[j];
+      materials[j] = passes_of(scene, material) == PASSES_ALL ? -1 : material;
+    }
+}
+
+/// From the surfaces' materials to leaves of theirs, or -1 where a ray passes through. The numbers, uniform
+/// in [0, 1), choose.
+FN void choose_leaves(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces, PRIVATE float* numbers,
+                      PRIVATE int* materials) {
+  float weights[LANES];
+  while (any_branch(scene, materials)) {
+    branch_weights(scene, surfaces, materials, weights);
+    descend(scene, weights, numbers, materials);
+  }
+  leaves_of_nothing(scene, materials);
+}
+
+  // A walk for the share of light that gets through a material: sum + factor * the share of `material`.
+  #define PASSING_SHARE_FIELDS(F, a) \
+    F(a, float, sum)                 \
+    F(a, float, factor)              \
+    F(a, int, material)
+LANE_RECORD(PassingShare, PassingShares, passing_share, PASSING_SHARE_FIELDS)
+
+STAGE void start_shares(const PRIVATE int* RESTRICT materials, PRIVATE PassingShares* RESTRICT shares) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      PassingShare share;
+      share.sum = 0.0f;
+      share.factor = 1.0f;
+      share.material = materials[j];
+      store_passing_share(shares, j, share);
+    }
+}
+
+/// One step: exact where at most one of the two passes some, by the number where both do.
+STAGE void descend_shares(const PRIVATE Scene* scene, const PRIVATE float* RESTRICT weights,
+                          PRIVATE float* RESTRICT numbers, PRIVATE PassingShares* RESTRICT shares) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const PassingShare before = load_passing_share(shares, j);
+      GLOBAL const Material* m = scene->materials + (before.material >= 0 ? before.material : 0);
+      const int first = m->first, second = m->second, branches = m->branches;
+      const bool branch = (before.material >= 0) & (branches != 0);
+      const int by_first = passes_of(scene, first), by_second = passes_of(scene, second);
+      const float number = numbers[j], weight = weights[j];
+      const bool both = (by_first == PASSES_SOME) & (by_second == PASSES_SOME);
+      const bool below = number < weight;
+      const float rest = rest_of_number(number, weight, below);
+      const bool to_second = both ? below : by_second == PASSES_SOME;
+      const float whole =
+          (by_first == PASSES_ALL ? 1.0f - weight : 0.0f) + (by_second == PASSES_ALL ? weight : 0.0f);
+      const bool goes_on = (by_first == PASSES_SOME) | (by_second == PASSES_SOME);
+      PassingShare after;
+      after.sum = before.sum + before.factor * whole;
+      after.factor = before.factor * (goes_on ? (both ? 1.0f : (to_second ? weight : 1.0f - weight)) : 0.0f);
+      after.material = goes_on ? (to_second ? second : first) : 0;
+      numbers[j] = (branch & both) ? rest : number;
+      store_passing_share(shares, j, select_passing_share(branch, after, before));
+    }
+}
+
+STAGE void finish_shares(const PRIVATE Scene* scene, const PRIVATE PassingShares* RESTRICT shares,
+                         PRIVATE float* RESTRICT passing) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const PassingShare share = load_passing_share(shares, j);
+      const float leaf = passes_of(scene, share.material) == PASSES_ALL ? 1.0f : 0.0f;
+      passing[j] = share.sum + share.factor * leaf;
+    }
+}
+
+/// The shares of light that get through the surfaces, in [0, 1]; where the numbers have to choose, their
+/// means are.
+FN void passing_shares(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces, PRIVATE float* numbers,
+                       PRIVATE float* passing) {
+  PassingShares shares;
+  float weights[LANES];
+  start_shares(surfaces->material, &shares);
+  while (any_branch(scene, shares.material)) {
+    branch_weights(scene, surfaces, shares.material, weights);
+    descend_shares(scene, weights, numbers, &shares);
+  }
+  finish_shares(scene, &shares, passing);
+}
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,33 @@
+// What bends the shading normal of a surface.
+#pragma once
+
+#include "kernels/scene_types.h"
+#include "scenes/textured.h"
+
+namespace penumbra {
+
+enum class BendKind { kNone, kNormalMap, kBumpMap };
+static_assert(int(BendKind::kNormalMap) == BEND_NORMAL_MAP && int(BendKind::kBumpMap) == BEND_BUMP_MAP);
+
+/// A texture of normals, each (2 t - 1) in the frame of tangent, bitangent and normal, or of heights in the
+/// scene's units.
+struct SurfaceBend {
+  BendKind kind = BendKind::kNone;
+  int texture = kNoTexture;  ///< an index into SceneDescription::textures
+  float scale = 1.0f;        ///< of heights; negative: the bumps of the other side
+  friend bool operator==(const SurfaceBend&, const SurfaceBend&) = default;
+};
+
+/// Between texture coordinates whose heights are compared, if they are no image's: enough for single
+/// precision.
+constexpr float kBendStep = 1.0f / 4096.0f;
+
+inline void set_bend(Material& m, const SurfaceBend& bend) {
+  const bool bends = bend.kind != BendKind::kNone && bend.texture != kNoTexture;
+  m.bend = bends ? int(bend.kind) : BEND_NOT;
+  m.bend_texture = bends ? bend.texture : kNoTexture;
+  m.bend_scale = bend.scale;
+  m.bend_step = kBendStep;
+}
+
+}  // namespace penumbra

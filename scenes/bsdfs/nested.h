@@ -1,0 +1,71 @@
+// BSDFs that hold others, and what they hold where there is nothing. A BSDF holds only such as come before
+// it.
+#pragma once
+
+#include "scenes/bsdfs/material.h"
+#include "scenes/plugin_values.h"
+
+namespace penumbra {
+
+/// In the place of an index of a BSDF: it absorbs everything; there is none, so that rays pass through.
+constexpr int kBlackBsdf = -1;
+constexpr int kNoBsdf = -2;
+
+/// Index of its material among those of a device scene, where the black one comes first; -1: nothing.
+constexpr int material_index(int bsdf) { return bsdf + 1; }
+
+/// Rays pass through as if it were not there. If it belongs to a light, that shines all the same.
+struct NullBsdf {
+  static constexpr const char* kPlugin = "null";
+
+  template <typename Row>
+  static void parameters(const Row&) {}
+};
+
+/// Rays pass through, as many as the opacity leaves.
+struct MaskBsdf {
+  static constexpr const char* kPlugin = "mask";
+  TexturedNumber opacity{0.5f};
+  int inside = kBlackBsdf;
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("opacity", &MaskBsdf::opacity, NumberWithin{}, "share of the rays that meet the bsdf inside");
+  }
+};
+
+/// One or the other, the sum of both so weighed.
+struct BlendBsdf {
+  static constexpr const char* kPlugin = "blendbsdf";
+  TexturedNumber weight{0.5f};
+  int first = kBlackBsdf, second = kBlackBsdf;
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("weight", &BlendBsdf::weight, NumberWithin{}, "share of the second bsdf inside");
+  }
+};
+
+/// `weight` of the second; values of its texture beyond [0, 1] are clamped.
+inline Material branching_material(int first, int second, const TexturedNumber& weight) {
+  Material m = material_of_family(FAMILY_BLACK);
+  m.branches = 1;
+  m.first = material_index(first);
+  m.second = material_index(second);
+  set_field(m.weight, m.weight_texture, weight);
+  return m;
+}
+
+inline Material material_of(const NullBsdf&) {
+  Material m = material_of_family(FAMILY_BLACK);
+  m.passes = PASSES_ALL;
+  return m;
+}
+inline Material material_of(const MaskBsdf& mask) {
+  return branching_material(kNoBsdf, mask.inside, mask.opacity);
+}
+inline Material material_of(const BlendBsdf& blend) {
+  return branching_material(blend.first, blend.second, blend.weight);
+}
+
+}  // namespace penumbra

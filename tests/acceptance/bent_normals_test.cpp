@@ -1,0 +1,125 @@
+// Normal maps and bump maps against surfaces whose vertex normals say the same.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/acceptance/scene_pieces.h"
+#include "tests/support/integrator_parameters.h"
+#include "tests/support/render_scene.h"
+
+namespace penumbra {
+namespace {
+
+using glm::dvec3;
+
+/// A square of side 2 in the plane z = 0 that faces +z, u along x and v along y, under a lamp on one side.
+SceneDescription square(const SurfaceBend& bend, glm::vec3 normal = {0, 0, 1}, bool behind = false) {
+  SceneDescription scene = empty_scene(4, 4, 64, 5);
+  scene.camera = look_at(dvec3(0.2, 0.1, behind ? -4 : 4), dvec3(0), dvec3(0, 1, 0), 20);
+  scene.bsdfs.push_back({"white", DiffuseBsdf{glm::vec3(0.8f)}, bend});
+  Shape wall = parallelogram({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 0);
+  auto& mesh = std::get<Mesh>(wall.geometry);
+  mesh.texcoords = {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}};
+  if (normal != glm::vec3(0, 0, 1)) mesh.normals.assign(6, glm::normalize(normal));
+  wall.back_bsdf = 0;
+  scene.shapes.push_back(wall);
+  scene.shapes.push_back(parallelogram({2, -1, behind ? -3 : 1}, {0, 2, 0}, {0, 0, 2}, kBlackBsdf, 5.0f));
+  scene.shapes.back().two_sided_emission = true;
+  scene.integrator = path_integrator(DirectSampling::kMis);
+  return scene;
+}
+
+/// A texture of one value.
+void set_texture(SceneDescription& scene, glm::vec3 value) {
+  CheckerboardTexture plain;
+  plain.color0 = plain.color1 = value;
+  scene.textures = {{"plain", plain}};
+}
+
+void expect_same(const SceneDescription& a, const SceneDescription& b, double tolerance = 1e-5) {
+  const FilmAccumulator film_a = render_or_throw(a), film_b = render_or_throw(b);
+  double sum = 0;
+  for (int y = 0; y < 4; ++y)
+    for (int x = 0; x < 4; ++x) {
+      EXPECT_NEAR(film_a.at(x, y).mean[1], film_b.at(x, y).mean[1], tolerance) << x << ' ' << y;
+      for (const auto plane : {kNormalX, kNormalY, kNormalZ})
+        EXPECT_NEAR(film_a.layer(x, y, plane), film_b.layer(x, y, plane), 1e-5) << x << ' ' << y;
+      sum += film_b.at(x, y).mean[1];
+    }
+  EXPECT_GT(sum, 0.1);
+}
+
+TEST(BentNormals, AFlatMapChangesNothing) {
+  SceneDescription mapped = square({BendKind::kNormalMap, 0});
+  set_texture(mapped, {0.5f, 0.5f, 1});
+  expect_same(mapped, square({}));
+  SceneDescription bumped = square({BendKind::kBumpMap, 0, 3});
+  set_texture(bumped, glm::vec3(0.7f));
+  expect_same(bumped, square({}));
+}
+
+TEST(BentNormals, AMapOfOneNormalIsASurfaceOfThatNormal) {
+  for (const glm::vec3 n : {glm::vec3(0.3f, -0.2f, 0.9f), glm::vec3(-0.5f, 0.4f, 0.7f)}) {
+    SceneDescription mapped = square({BendKind::kNormalMap, 0});
+    set_texture(mapped, 0.5f * (n + 1.0f));
+    expect_same(mapped, square({}, n));
+  }
+}
+
+TEST(BentNormals, FromBehindTheBumpsAreMirroredOrTheOtherSides) {
+  const glm::vec3 n(0.3f, -0.2f, 0.9f);
+  SceneDescription mirrored = square({BendKind::kNormalMap, 0}, {0, 0, 1}, true);
+  set_texture(mirrored, 0.5f * (n + 1.0f));
+  expect_same(mirrored, square({}, {-n.x, -n.y, n.z}, true));  // whose other side is (n.x, n.y, -n.z)
+  SceneDescription other = square({BendKind::kNormalMap, 0, -1}, {0, 0, 1}, true);
+  set_texture(other, 0.5f * (n + 1.0f));
+  expect_same(other, square({}, n, true));
+}
+
+TEST(BentNormals, NormalsThatLookAwayLeanTheOtherWay) {
+  const glm::vec3 away(0.95f, 0, 0.1f);
+  SceneDescription mapped = square({BendKind::kNormalMap, 0});
+  mapped.camera = look_at(dvec3(-4, 0.1, 1), dvec3(0), dvec3(0, 0, 1), 1);
+  SceneDescription plain = square({}, {-away.x, away.y, away.z});
+  plain.camera = mapped.camera;
+  set_texture(mapped, 0.5f * (away + 1.0f));
+  const FilmAccumulator a = render_or_throw(mapped), b = render_or_throw(plain);
+  EXPECT_NEAR(a.layer(2, 2, kNormalX), b.layer(2, 2, kNormalX), 1e-5);
+  EXPECT_NEAR(a.layer(2, 2, kNormalX), -0.9945, 1e-3);
+  // And a normal that points into the surface counts for nothing.
+  set_texture(mapped, {0.7f, 0.5f, 0.2f});
+  EXPECT_NEAR(render_or_throw(mapped).layer(2, 2, kNormalZ), 1, 1e-6);
+}
+
+TEST(BentNormals, BumpsAreSlopesOfHeights) {
+  // The surface is so small in its coordinates that a step to either side of any point crosses the edge
+  // between two squares of the board: the slope is the same everywhere.
+  for (const bool along_v : {false, true}) {
+    const float scale = 3;
+    SceneDescription bumped = square({BendKind::kBumpMap, 0, scale});
+    CheckerboardTexture board;
+    board.color0 = glm::vec3(0);
+    board.color1 = glm::vec3(1);
+    SceneTexture texture{"board", board};
+    // Coordinates that change by less than a step over the surface, to both sides of an edge.
+    const double slow = kBendStep / 4;
+    const glm::dmat3 along_u_only(glm::dvec3(1, 0, 0), glm::dvec3(0, slow, 0), glm::dvec3(0, 0.25, 1));
+    const glm::dmat3 along_v_only(glm::dvec3(slow, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0.25, 0, 1));
+    texture.to_uv = along_v ? along_v_only : along_u_only;
+    bumped.textures = {texture};
+    Shape& wall = bumped.shapes[0];
+    for (glm::vec2& uv : std::get<Mesh>(wall.geometry).texcoords) {
+      (along_v ? uv.y : uv.x) = 0.5f + ((along_v ? uv.y : uv.x) - 0.5f) * kBendStep;
+    }
+    // In these coordinates dp/du is 2 / kBendStep, and heights change by scale / (2 kBendStep).
+    const double slope = scale / (2.0 * kBendStep) / (2.0 / kBendStep);
+    const glm::vec3 n = along_v ? glm::vec3(0, -slope, 1) : glm::vec3(-slope, 0, 1);
+    SceneDescription plain = square({}, n);
+    const FilmAccumulator a = render_or_throw(bumped), b = render_or_throw(plain);
+    for (const auto plane : {kNormalX, kNormalY, kNormalZ})
+      EXPECT_NEAR(a.layer(2, 2, plane), b.layer(2, 2, plane), 1e-4 * slope) << along_v;
+  }
+}
+
+}  // namespace
+}  // namespace penumbra

@@ -1,0 +1,125 @@
+// Control variates whose value is not the closure's own: however far their lobes are from the closure, the
+// mean is that of paths, and lanes and structures do not matter.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/acceptance/scene_pieces.h"
+#include "tests/acceptance/shadowed_polygon.h"
+#include "tests/acceptance/stand_in_scenes.h"
+#include "tests/support/integrator_parameters.h"
+
+namespace penumbra {
+namespace {
+
+constexpr int kBlock = 4;
+constexpr double kBlocks = 24.0 / kBlock * 16 / kBlock;
+// The channels of a block go together: the mean of z^2 has the deviation of as many values as there are
+// blocks.
+const statistics::ImageTestLimits kLimits{.accepted_fraction = 1,
+                                          .mean_square = 1 + 4 * std::sqrt(2 / kBlocks)};
+
+struct Variant {
+  std::string name;
+  std::optional<float> alpha;
+  EmitterSampling sampling = EmitterSampling::kSolidAngle;
+  CvEstimator estimator = CvEstimator::kCv;
+};
+void PrintTo(const Variant& variant, std::ostream* out) { *out << variant.name; }
+
+void use_variant(IntegratorSettings& integrator, const Variant& variant) {
+  param::alpha(integrator) = variant.alpha;
+  param::emitter_sampling(integrator) = variant.sampling;
+  param::estimator(integrator) = variant.estimator;
+}
+
+class NearlyClosedForm : public testing::TestWithParam<Variant> {};
+INSTANTIATE_TEST_SUITE_P(Variants, NearlyClosedForm,
+                         testing::Values(Variant{"MinusOne", -1.0f}, Variant{"Zero", 0.0f},
+                                         Variant{"Half", 0.5f}, Variant{"One", 1.0f},
+                                         Variant{"Fitted", std::nullopt},
+                                         Variant{"OneByArea", 1.0f, EmitterSampling::kArea},
+                                         Variant{"OneByProjection", 1.0f, EmitterSampling::kProjected}),
+                         [](const auto& tested) { return tested.param.name; });
+
+TEST_P(NearlyClosedForm, PathsHaveTheMeanOfPaths) {
+  StandInScene room = stand_in_room({.crude = true});
+  param::max_depth(room.description.integrator) = 4;
+  const statistics::Estimate paths = stand_in_estimate(room, 8, 100, kBlock);
+  param::next_event(room.description.integrator) = NextEvent::kCv;
+  use_variant(room.description.integrator, GetParam());
+  EXPECT_NE(room.build().header.features & FEATURE_LTC, 0u);
+  const auto result = statistics::z_test(paths, stand_in_estimate(room, 8, 200, kBlock), kLimits);
+  EXPECT_TRUE(result.passed) << result.summary();
+}
+
+TEST_P(NearlyClosedForm, DirectLightHasTheMeanOfDirectLight) {
+  StandInScene room = stand_in_room({.mirror = false, .crude = true});
+  room.description.integrator = direct_integrator(1, 1);
+  const statistics::Estimate direct = stand_in_estimate(room, 8, 300, kBlock);
+  use(room.description.integrator, IntegratorKind::kPolygonCv);
+  use_variant(room.description.integrator, GetParam());
+  const auto result = statistics::z_test(direct, stand_in_estimate(room, 8, 400, kBlock), kLimits);
+  EXPECT_TRUE(result.passed) << result.summary();
+}
+
+// Points on lights by the lobes' own distributions, alone and balanced with the closures' directions.
+TEST(NearlyClosedFormSamples, HaveTheMeanOfPaths) {
+  StandInScene room = stand_in_room({.crude = true});
+  param::max_depth(room.description.integrator) = 4;
+  const statistics::Estimate paths = stand_in_estimate(room, 8, 500, kBlock);
+  EXPECT_EQ(room.build().header.features & FEATURE_LTC, 0u);
+  param::emitter_sampling(room.description.integrator) = EmitterSampling::kProjected;
+  EXPECT_NE(room.build().header.features & FEATURE_LTC, 0u);
+  const auto balanced = statistics::z_test(paths, stand_in_estimate(room, 8, 600, kBlock), kLimits);
+  EXPECT_TRUE(balanced.passed) << balanced.summary();
+
+  StandInScene direct = stand_in_room({.mirror = false, .crude = true});
+  direct.description.integrator = direct_integrator(1, 1);
+  const statistics::Estimate both = stand_in_estimate(direct, 8, 700, kBlock);
+  param::emitter_sampling(direct.description.integrator) = EmitterSampling::kProjected;
+  const auto mis = statistics::z_test(both, stand_in_estimate(direct, 8, 800, kBlock), kLimits);
+  EXPECT_TRUE(mis.passed) << mis.summary();
+  for (const LightChoice choice : {LightChoice::kPower, LightChoice::kAnalytic}) {
+    direct.description.integrator = emitter_only(EmitterSampling::kProjected, 1, choice);
+    const auto alone = statistics::z_test(both, stand_in_estimate(direct, 8, 900, kBlock), kLimits);
+    EXPECT_TRUE(alone.passed) << alone.summary();
+  }
+}
+
+// A wrong G would show: its lobes are far from the closure.
+TEST(NearlyClosedFormImages, TheClosedFormAloneIsAnother) {
+  StandInScene room = stand_in_room({.mirror = false, .crude = true});
+  room.description.integrator = direct_integrator(1, 1);
+  const statistics::Estimate direct = stand_in_estimate(room, 8, 300, kBlock);
+  use(room.description.integrator, IntegratorKind::kPolygonAnalytic);
+  EXPECT_FALSE(statistics::z_test(direct, stand_in_estimate(room, 2, 400, kBlock), kLimits).passed);
+}
+
+TEST(NearlyClosedFormImages, DoNotDependOnLanes) {
+  for (const bool many_triangles : {false, true}) {
+    StandInScene room = stand_in_room({.many_triangles = many_triangles, .crude = true});
+    param::next_event(room.description.integrator) = NextEvent::kCv;
+    room.description.sampler.spp = 8;
+    for (const CvEstimator estimator : {CvEstimator::kCv, CvEstimator::kRatio}) {
+      param::estimator(room.description.integrator) = estimator;
+      const DeviceScene built = room.build();
+      const std::vector<float> one_lane =
+          render_stand_ins(*find_stand_in_kernel(KernelTarget::kScalar, built), built);
+      for (const KernelTarget target : {KernelTarget::kAvx2, KernelTarget::kAvx512}) {
+        const NativeKernel* kernel = find_stand_in_kernel(target, built);
+        if (!kernel) continue;
+        const std::vector<float> many = render_stand_ins(*kernel, built);
+        ASSERT_EQ(many.size(), one_lane.size());
+        EXPECT_EQ(std::memcmp(many.data(), one_lane.data(), many.size() * sizeof(float)), 0);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace penumbra

@@ -1,0 +1,91 @@
+// Variance of direct light on a rough conductor under polygon lights, of one sample by independent numbers,
+// relative to the mean squared radiance, for ways to sample that trace two rays; and the seconds that each
+// takes for its samples, so that time to equal error is their product. Prints one line a roughness.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "tests/acceptance/glossy_room.h"
+#include "tests/acceptance/scene_pieces.h"
+#include "tests/support/integrator_parameters.h"
+#include "tests/support/render_scene.h"
+
+namespace penumbra {
+namespace {
+
+struct Way {
+  const char* name;
+  IntegratorSettings integrator;
+};
+
+std::vector<Way> ways() {
+  const auto lights = [](EmitterSampling sampling) {
+    IntegratorSettings integrator = direct_integrator(2, 0);
+    param::emitter_sampling(integrator) = sampling;
+    param::light_choice(integrator) = LightChoice::kAnalytic;
+    return integrator;
+  };
+  const auto both = [](EmitterSampling sampling) {
+    IntegratorSettings integrator = direct_integrator(1, 1);
+    param::emitter_sampling(integrator) = sampling;
+    return integrator;
+  };
+  const auto control = [](EmitterSampling sampling, std::optional<float> alpha) {
+    IntegratorSettings integrator;
+    use(integrator, IntegratorKind::kPolygonCv);
+    param::vis_samples(integrator) = 2;
+    param::alpha(integrator) = alpha;
+    param::emitter_sampling(integrator) = sampling;
+    return integrator;
+  };
+  using enum EmitterSampling;
+  return {{"light", lights(kSolidAngle)},
+          {"BSDF", direct_integrator(0, 2)},
+          {"MIS", both(kSolidAngle)},
+          {"LTC light", lights(kProjected)},
+          {"LTC MIS", both(kProjected)},
+          {"cv 1", control(kSolidAngle, 1.0f)},
+          {"cv auto", control(kSolidAngle, std::nullopt)},
+          {"LTC cv 1", control(kProjected, 1.0f)},
+          {"LTC cv auto", control(kProjected, std::nullopt)}};
+}
+
+void measure(int distribution, int spp) {
+  const std::vector<Way> all = ways();
+  fmt::print("{}\n| roughness |", distribution == DISTRIBUTION_GGX ? "GGX" : "Beckmann");
+  for (const Way& way : all) fmt::print(" {} |", way.name);
+  fmt::print("\n");
+  for (const float alpha : {0.02f, 0.05f, 0.1f, 0.2f, 0.4f, 0.7f, 1.0f}) {
+    fmt::print("| {} |", alpha);
+    for (const Way& way : all) {
+      SceneDescription scene = glossy_room(rough_conductor(alpha, distribution), 96, 64);
+      scene.sampler.spp = std::uint32_t(spp);
+      scene.integrator = way.integrator;
+      scene.integrator.hide_emitters = true;
+      const DeviceScene built = build_or_throw(scene);
+      const auto start = std::chrono::steady_clock::now();
+      const FilmAccumulator film = render_or_throw(built);
+      const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+      const statistics::Image mean = mean_image(film);
+      double squares = 0;
+      for (const double v : mean.values) squares += v * v;
+      fmt::print(" {:.3g} ({:.2f} s) |", mean_variance(film) / (squares / double(mean.values.size())),
+                 seconds.count());
+      std::fflush(stdout);
+    }
+    fmt::print("\n");
+  }
+}
+
+}  // namespace
+}  // namespace penumbra
+
+int main(int argc, char** argv) {
+  const int spp = argc > 1 ? std::max(std::atoi(argv[1]), 2) : 256;
+  penumbra::measure(DISTRIBUTION_GGX, spp);
+  penumbra::measure(DISTRIBUTION_BECKMANN, spp);
+}
