@@ -168,10 +168,10 @@ FN MicrofacetReflection microfacet_reflection(Microfacets m, vec3 wo, vec3 wi) {
 FN vec3 mirror_about(vec3 wo, vec3 h) { return sub(scale(h, 2.0f * dot3(wo, h)), wo); }
 
 /// The direction refracted by a facet of unit normal h, under `cosine` to it before and `refracted` after;
-/// `ior` as for dielectric_fresnel.
+/// `ior` as for dielectric_fresnel. Made unit: the rounding of wo would grow by 1 / ior each time.
 FN vec3 refract_about(vec3 wo, vec3 h, float cosine, float refracted, float ior) {
   const float shrink = 1.0f / ior;
-  return sub(scale(h, cosine * shrink - refracted), scale(wo, shrink));
+  return normalize3(sub(scale(h, cosine * shrink - refracted), scale(wo, shrink)));
 }
 
 /// f cos / pdf of it, without Fresnel's factor.

@@ -36,8 +36,7 @@ FN BsdfSample dielectric_lobe_sample(Microfacets m, Closure c, vec3 wo, float u,
   const float cosine = dot3(wo, h), n = c.ior, shrink = 1.0f / n;
   const DielectricFresnel f = dielectric_fresnel(cosine, n);
   const bool reflects = choice < f.reflectance;
-  // Rounding of wo would grow by 1 / n each time.
-  const vec3 refracted = normalize3(refract_about(wo, h, cosine, f.cosine, n));
+  const vec3 refracted = refract_about(wo, h, cosine, f.cosine, n);
   BsdfSample s = no_bsdf_sample();
   s.wi = select3(reflects, mirror_about(wo, h), refracted);
   // |wo + n wi| = cosine - n f.cosine = (1 - n^2) / (cosine + n f.cosine).

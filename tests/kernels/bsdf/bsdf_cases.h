@@ -3,46 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ostream>
 #include <string>
 #include <vector>
 
-#include "kernels/host/material_closure.h"
-#include "tests/kernels/kernels_under_test.h"
+#include "tests/kernels/bsdf/disney_cases.h"
 
 namespace penumbra {
-
-struct BsdfCase {
-  std::string name;
-  Material made;             ///< as the scene builder makes it
-  double most_weight = 1;    ///< of a sample's f cos / pdf, in any channel
-  double steepness = 0;      ///< without microfacets: |d ln f| per radian that wo or wi turns, at most
-  double most_energy = 1;    ///< that leaves for what arrives, see bsdf_test.cpp
-  bool fits_a_grid = true;   ///< its lobe is wider than the steps of the grid there
-  bool all_is_found = true;  ///< from above, all directions that are sampled leave the surface
-
-  [[nodiscard]] const Material& material() const { return made; }
-  [[nodiscard]] Closure closure() const { return closure_of(made); }
-  [[nodiscard]] bool is_ggx() const {
-    return made.family == FAMILY_ROUGHCONDUCTOR_GGX || made.family == FAMILY_ROUGHDIELECTRIC_GGX;
-  }
-  [[nodiscard]] bool has(int properties) const {
-    return ((families_with(properties) >> made.family) & 1u) != 0;
-  }
-};
-
-inline void PrintTo(const BsdfCase& bsdf_case, std::ostream* out) { *out << bsdf_case.name; }
-
-inline vec3 grey(double value) { return make_vec3(float(value), float(value), float(value)); }
-
-inline Material empty_material(int family) {
-  Material m{};
-#define NO_TEXTURE(_, type, name) m.name##_texture = -1;
-  TEXTURED_FIELDS(NO_TEXTURE, _)
-#undef NO_TEXTURE
-  m.family = family;
-  return m;
-}
 
 /// Diffuse where there is no lobe.
 inline BsdfCase phong_case(const std::string& name, double diffuse, double specular, double exponent) {
@@ -137,6 +103,7 @@ inline std::vector<BsdfCase> all_bsdf_cases() {
     cases.push_back(dielectric_case("GlassSmooth", ggx, 1e-3, 1e-3, 1.5));
     cases.push_back(dielectric_case("GlassSmoothestInside", ggx, 1e-4, 1e-4, 1 / 1.5));
   }
+  for (const BsdfCase& each : disney_cases()) cases.push_back(each);
   return cases;
 }
 
