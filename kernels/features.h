@@ -13,6 +13,7 @@
   X(SHADING_NORMALS, 0x010, "interpolated vertex normals")                    \
   X(QUADRICS, 0x020, "spheres and disks")                                     \
   X(MIXED_FAMILIES, 0x040, "several families of BSDFs")                       \
+  X(WHITTED, 0x80, "whitted integrator")                                      \
   X(SOLID_ANGLE, 0x100, "sampling of triangle lights by solid angle")         \
   X(LAYERS, 0x200, "albedo, normal and depth layers")                         \
   X(SAMPLERS, 0x400, "samplers other than Owen-scrambled Sobol")              \
@@ -23,7 +24,8 @@
   X(UV, 0x8000, "texture coordinates and tangents")                           \
   X(TEXTURES, 0x10000, "textures")                                            \
   X(NESTED, 0x20000, "BSDFs that hold others, and surfaces seen through")     \
-  X(BENT, 0x40000, "normal maps and bump maps")
+  X(BENT, 0x40000, "normal maps and bump maps")                               \
+  X(OCCLUSION, 0x80000, "ambient and reflection occlusion integrators")
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FEATURE_PATH 0x001
@@ -33,6 +35,7 @@
 #define FEATURE_SHADING_NORMALS 0x010
 #define FEATURE_QUADRICS 0x020
 #define FEATURE_MIXED_FAMILIES 0x040
+#define FEATURE_WHITTED 0x80
 #define FEATURE_SOLID_ANGLE 0x100
 #define FEATURE_LAYERS 0x200
 #define FEATURE_SAMPLERS 0x400
@@ -44,7 +47,8 @@
 #define FEATURE_TEXTURES 0x10000
 #define FEATURE_NESTED 0x20000
 #define FEATURE_BENT 0x40000
-#define FEATURE_ALL 0x7ff7f
+#define FEATURE_OCCLUSION 0x80000
+#define FEATURE_ALL 0xfffff
 
 /// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)

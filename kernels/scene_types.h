@@ -25,6 +25,8 @@ PENUMBRA_NAMESPACE_BEGIN
 
 #define INTEGRATOR_DIRECT 0
 #define INTEGRATOR_PATH 1
+#define INTEGRATOR_WHITTED 2
+#define INTEGRATOR_OCCLUSION 3
 
 #define SAMPLING_BSDF_ONLY 0
 #define SAMPLING_EMITTER_ONLY 1
@@ -50,6 +52,11 @@ PENUMBRA_NAMESPACE_BEGIN
 #define DIRECTION_BSDF 0
 #define DIRECTION_COSINE 1
 #define DIRECTION_UNIFORM 2
+#define DIRECTION_SPHERE 3  // occlusion alone, and ...
+#define DIRECTION_LOBE 4    // ... about the mirror direction
+
+#define WEIGHTING_COSINE 0
+#define WEIGHTING_UNIFORM 1
 
 #define EMITTER_AREA 0
 #define EMITTER_SOLID_ANGLE 1
@@ -69,6 +76,7 @@ PENUMBRA_NAMESPACE_BEGIN
 
 #define BVH_WIDTH 8               // children of a node, primitives of a leaf
 #define MAX_DIRECT_SAMPLES 65536  // emitter or BSDF samples of one camera ray
+#define MAX_BRANCH_DEPTH 8        // surfaces at which a path may branch, one after the other
 #define FILTER_CELLS 256
 #define FILTER_TABLE_SIZE (2 * FILTER_CELLS + 1)  // knots and weights, see filter.h
 
@@ -212,19 +220,24 @@ PENUMBRA_NAMESPACE_BEGIN
   F(uint, spp)                       \
   F(uint, seed)
 
-#define INTEGRATOR_PARAMETERS_FIELDS(F)                     \
-  F(int, kind)      /* INTEGRATOR_* */                      \
-  F(int, max_depth) /* path: edges; INT_MAX for no limit */ \
-  F(int, rr_depth)                                          \
-  F(int, direct_sampling) /* SAMPLING_* */                  \
-  F(int, emitter_samples)                                   \
-  F(int, bsdf_samples)                                      \
-  F(int, bsdf_sampling) /* DIRECTION_* */                   \
-  F(int, heuristic)     /* HEURISTIC_* */                   \
-  F(int, hide_emitters) /* HIDE_* */                        \
-  F(int, light_choice)  /* CHOICE_* */                      \
-  F(int, trace_shadows) /* 0: nothing blocks shadow rays */ \
-  F(int, estimator)     /* ESTIMATOR_* */
+#define INTEGRATOR_PARAMETERS_FIELDS(F)                                                            \
+  F(int, kind)      /* INTEGRATOR_* */                                                             \
+  F(int, max_depth) /* path: edges; INT_MAX for no limit */                                        \
+  F(int, rr_depth)                                                                                 \
+  F(int, direct_sampling) /* SAMPLING_* */                                                         \
+  F(int, emitter_samples)                                                                          \
+  F(int, bsdf_samples)                                                                             \
+  F(int, bsdf_sampling) /* DIRECTION_* */                                                          \
+  F(int, heuristic)     /* HEURISTIC_* */                                                          \
+  F(int, hide_emitters) /* HIDE_* */                                                               \
+  F(int, light_choice)  /* CHOICE_* */                                                             \
+  F(int, trace_shadows) /* 0: nothing blocks shadow rays */                                        \
+  F(int, estimator)     /* ESTIMATOR_* */                                                          \
+  F(int, branch_depth)  /* whitted: surfaces at which a path branches, at most MAX_BRANCH_DEPTH */ \
+  F(int, weighting)     /* occlusion: WEIGHTING_* of directions */                                 \
+  F(float, exponent)    /* occlusion: of DIRECTION_LOBE */                                         \
+  F(float, background)  /* occlusion: what camera rays see that meet nothing */                    \
+  F(float, ray_length)  /* occlusion: what is farther away blocks nothing; NO_LIMIT for none */
 
 // What a viewer may change besides the camera: no table and no kernel depends on it.
 #define ADJUSTABLE_FIELDS(F) F(float, alpha) /* ESTIMATOR_ALPHA */

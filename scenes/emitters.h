@@ -51,8 +51,8 @@ struct PointLight {
   static constexpr const char* kText = "the same radiant intensity in all directions, from a point";
   static constexpr bool kIsSky = false;  ///< seen where there is no shape
   glm::dvec3 position{0.0};
-  glm::dmat4 to_world{1.0};  ///< instead of a position: where it brings the origin
   glm::vec3 intensity{1.0f};
+  glm::dmat4 to_world{1.0};  ///< instead of a position: where it brings the origin
 
   template <typename Row>
   static void parameters(const Row& row) {

@@ -7,14 +7,13 @@
 namespace penumbra {
 namespace {
 
-template <typename Parameter>
+/// `is_owner`: of an integrator's settings, whether it has the parameter.
+template <typename IsOwner>
 std::unexpected<Error> not_a_parameter(const IntegratorSettings& integrator, const char* name,
-                                       const Parameter& parameter) {
+                                       const IsOwner& is_owner) {
   std::vector<std::string> owners;
-  for (const IntegratorMethod& method : integrator_methods()) {
-    const IntegratorSettings other{.method = method};
-    if (with_parameter(other, parameter, [](const auto&) {})) owners.emplace_back(method_name(method));
-  }
+  for (const IntegratorMethod& method : integrator_methods())
+    if (is_owner(IntegratorSettings{.method = method})) owners.emplace_back(method_name(method));
   return fail(fmt::format("integrator '{}' has no parameter '{}'; these have: {}",
                           method_name(integrator.method), name, list_names(owners)));
 }
@@ -28,7 +27,9 @@ Setting parameter_row(const char* name, const Parameter& parameter, const Values
     if (!value) return std::unexpected(value.error());
     const auto set = [&]<typename T>(T& member) { member = T(*value); };
     if (with_parameter(settings.integrator, parameter, set)) return {};
-    return not_a_parameter(settings.integrator, name, parameter);
+    return not_a_parameter(settings.integrator, name, [&](const IntegratorSettings& other) {
+      return with_parameter(other, parameter, [](const auto&) {});
+    });
   };
   setting.print = [=](const RenderSettings& settings) {
     std::string text;
@@ -68,20 +69,24 @@ Setting type_row() {
   return setting;
 }
 
-/// Mitsuba's name for both numbers of samples.
+/// Mitsuba's name for both numbers of samples, and for those of its ambient occlusion.
 Setting shading_samples_row() {
   const WholeNumber values{1, MAX_DIRECT_SAMPLES};
-  Setting setting =
-      setting_of("integrator.shading_samples", values, "emitter_samples and bsdf_samples at once");
-  setting.is_there = [](const RenderSettings& settings) {
-    return settings.integrator.is<DirectIntegrator>();
+  Setting setting = setting_of("integrator.shading_samples", values,
+                               "emitter_samples and bsdf_samples at once; the vis_samples of `ao`");
+  const auto is_owner = [](const IntegratorSettings& integrator) {
+    return integrator.is<DirectIntegrator>() || integrator.is<AmbientOcclusionIntegrator>();
   };
+  setting.is_there = [=](const RenderSettings& settings) { return is_owner(settings.integrator); };
   setting.apply = [=](RenderSettings& settings, std::string_view text) -> Expected<void> {
     const auto value = values.parse(text);
     if (!value) return std::unexpected(value.error());
+    if (auto* ambient = std::get_if<AmbientOcclusionIntegrator>(&settings.integrator.method)) {
+      ambient->vis_samples = int(*value);
+      return {};
+    }
     auto* direct = std::get_if<DirectIntegrator>(&settings.integrator.method);
-    if (direct == nullptr)
-      return not_a_parameter(settings.integrator, "shading_samples", PENUMBRA_PARAMETER(bsdf_samples));
+    if (direct == nullptr) return not_a_parameter(settings.integrator, "shading_samples", is_owner);
     direct->emitter_samples = direct->bsdf_samples = int(*value);
     return {};
   };

@@ -65,10 +65,13 @@ void use_integrator(IntegratorSettings& integrator, IntegratorMethod method) {
 
 std::optional<ControlVariate> control_variate(const IntegratorSettings& integrator) {
   if (const auto* cv = integrator.get<PolygonCvIntegrator>()) return ControlVariate{cv->alpha, cv->estimator};
-  const auto* path = integrator.get<PathIntegrator>();
-  if (path != nullptr && path->next_event == NextEvent::kCv)
-    return ControlVariate{path->alpha, path->estimator};
-  return std::nullopt;
+  return std::visit(
+      []<typename Method>(const Method& method) -> std::optional<ControlVariate> {
+        if constexpr (requires { method.next_event; })
+          if (method.next_event == NextEvent::kCv) return ControlVariate{method.alpha, method.estimator};
+        return std::nullopt;
+      },
+      integrator.method);
 }
 
 }  // namespace penumbra

@@ -28,6 +28,10 @@ enum class NextEvent { kSample, kCv };  ///< path: kCv has polygon lights' close
 /// point.
 enum class LightChoice { kAuto, kPower, kAnalytic };
 
+enum class IndirectSampling { kBsdf, kCosine, kUniform };        ///< whitted: how its directions are chosen
+enum class OcclusionSampling { kCosine, kHemisphere, kSphere };  ///< ao: density of its directions
+enum class OcclusionWeighting { kCosine, kUniform };             ///< ao: what a direction counts for
+
 /// What the camera sees where an emitter is hidden: its surface without its light, as Mitsuba up to 3.6 has
 /// it, or what is behind it, as later ones.
 enum class HiddenEmitters { kUnlit, kLookedThrough };
@@ -62,6 +66,42 @@ struct PathIntegrator {
   CvEstimator estimator = CvEstimator::kCv;
 };
 
+/// Both branches of mirrors and glass, and directions of the hemisphere at other surfaces: the light of
+/// `path`.
+struct WhittedIntegrator {
+  static constexpr const char* kName = "whitted";
+  int max_depth = -1;  ///< in edges; -1: no limit
+  int rr_depth = 5;
+  int branch_depth = 4;      ///< surfaces at which a path branches; beyond, it chooses a branch
+  int indirect_samples = 1;  ///< directions of a surface that is no mirror
+  IndirectSampling indirect_sampling = IndirectSampling::kCosine;
+  EmitterSampling emitter_sampling = EmitterSampling::kAuto;
+  MisHeuristic heuristic = MisHeuristic::kBalance;
+  LightChoice light_choice = LightChoice::kAuto;
+  NextEvent next_event = NextEvent::kSample;
+  std::optional<float> alpha = std::nullopt;  ///< none: fitted
+  CvEstimator estimator = CvEstimator::kCv;
+};
+
+/// Ambient occlusion: the share of the directions above a surface in which nothing is within `ray_length`.
+struct AmbientOcclusionIntegrator {
+  static constexpr const char* kName = "ao";
+  int vis_samples = 1;
+  OcclusionSampling sampling = OcclusionSampling::kCosine;
+  OcclusionWeighting weighting = OcclusionWeighting::kCosine;
+  float ray_length = -1;  ///< scene units; negative: half the radius of the scene; 0: no limit
+  float background = 1;
+};
+
+/// Reflection occlusion: the same for a Phong lobe about the mirror direction, weighed by the cosine.
+struct ReflectionOcclusionIntegrator {
+  static constexpr const char* kName = "ro";
+  int vis_samples = 1;
+  float exponent = 30;
+  float ray_length = 0;  ///< likewise
+  float background = 0;
+};
+
 /// The unshadowed light of polygon lights in closed form.
 struct PolygonAnalyticIntegrator {
   static constexpr const char* kName = "polygon_analytic";
@@ -87,7 +127,8 @@ struct PolygonCvIntegrator {
 };
 
 using IntegratorMethod = std::variant<DirectIntegrator, PathIntegrator, PolygonAnalyticIntegrator,
-                                      PolygonAreaIntegrator, PolygonCvIntegrator>;
+                                      PolygonAreaIntegrator, PolygonCvIntegrator, WhittedIntegrator,
+                                      AmbientOcclusionIntegrator, ReflectionOcclusionIntegrator>;
 
 struct IntegratorSettings {
   IntegratorMethod method = PathIntegrator{};
@@ -162,6 +203,16 @@ void integrator_parameters(const Row& row) {
                            {"cosine", BsdfSampling::kCosine},
                            {"uniform", BsdfSampling::kUniform}}},
       "density of the sampled directions", &P::bsdf_sampling);
+  row("branch_depth", PENUMBRA_PARAMETER(branch_depth), WholeNumber{0, MAX_BRANCH_DEPTH},
+      "surfaces, one after the other, at which paths branch; beyond them one branch is chosen at random",
+      &P::branch_depth);
+  row("indirect_samples", PENUMBRA_PARAMETER(indirect_samples), WholeNumber{0, MAX_DIRECT_SAMPLES},
+      "directions sampled at each surface that is no mirror; 0: direct light alone there", &P::bsdf_samples);
+  row("indirect_sampling", PENUMBRA_PARAMETER(indirect_sampling),
+      OneOf<IndirectSampling>{{{"cosine", IndirectSampling::kCosine},
+                               {"uniform", IndirectSampling::kUniform},
+                               {"bsdf", IndirectSampling::kBsdf}}},
+      "density of these directions", &P::bsdf_sampling);
   row("emitter_sampling", PENUMBRA_PARAMETER(emitter_sampling), emitter_samplings(),
       "density of points on area lights that do not say it themselves");
   row("mis", PENUMBRA_PARAMETER(heuristic),
@@ -176,6 +227,22 @@ void integrator_parameters(const Row& row) {
       "whether anything blocks shadow rays", &P::trace_shadows);
   row("vis_samples", PENUMBRA_PARAMETER(vis_samples), WholeNumber{1, MAX_DIRECT_SAMPLES},
       "shadow rays per camera ray", &P::emitter_samples);
+  row("occlusion_sampling", PENUMBRA_PARAMETER(sampling),
+      OneOf<OcclusionSampling>{{{"cosine", OcclusionSampling::kCosine},
+                                {"hemisphere", OcclusionSampling::kHemisphere},
+                                {"sphere", OcclusionSampling::kSphere}}},
+      "density of the directions in which rays are traced");
+  row("occlusion_weighting", PENUMBRA_PARAMETER(weighting),
+      OneOf<OcclusionWeighting>{
+          {{"cosine", OcclusionWeighting::kCosine}, {"uniform", OcclusionWeighting::kUniform}}},
+      "what directions count for: in proportion to their cosine, or all the same", &P::weighting);
+  row("exponent", PENUMBRA_PARAMETER(exponent), Number<float>{LowEnd::kClosed, 0.0f, 1e6f},
+      "of the Phong lobe about the mirror direction", &P::exponent);
+  row("ray_length", PENUMBRA_PARAMETER(ray_length), Number<float>{LowEnd::kClosed, -1.0f, 1e30f},
+      "beyond this nothing blocks a ray (0: no limit; negative: half the radius of the sphere about the box "
+      "of all shapes)");
+  row("background", PENUMBRA_PARAMETER(background), Number<float>{LowEnd::kClosed, 0.0f, 1e30f},
+      "what the camera sees where there is no surface", &P::background);
   row("nee", PENUMBRA_PARAMETER(next_event),
       OneOf<NextEvent>{{{"sample", NextEvent::kSample}, {"cv", NextEvent::kCv}}},
       "samples of polygon lights alone, or with their closed form as control variate");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "scenes/diagnostic.h"
 #include "scenes/names.h"
@@ -22,6 +23,9 @@ std::vector<Setting> make_table() {
   return table;
 }
 
+/// Of one camera ray.
+constexpr double kMostBranches = 1 << 20;
+
 Expected<void> check_integrator(const IntegratorSettings& integrator) {
   if (const auto* direct = integrator.get<DirectIntegrator>())
     if (direct->emitter_samples == 0 && direct->bsdf_samples == 0)
@@ -31,6 +35,20 @@ Expected<void> check_integrator(const IntegratorSettings& integrator) {
   if (const auto* path = integrator.get<PathIntegrator>())
     if (path->next_event == NextEvent::kCv && path->direct_sampling == DirectSampling::kBsdfOnly)
       return fail("integrator 'path' with nee = cv samples emitters, which direct_sampling = mats forbids");
+  if (const auto* whitted = integrator.get<WhittedIntegrator>()) {
+    const int surfaces = whitted->max_depth < 0 ? whitted->branch_depth
+                                                : std::min(whitted->branch_depth, whitted->max_depth - 1);
+    if (std::pow(double(whitted->indirect_samples), surfaces) > kMostBranches)
+      return fail(fmt::format(
+          "integrator 'whitted' would branch {} times at each of {} surfaces in a row; a lower branch_depth "
+          "than {} would leave that to the first ones",
+          whitted->indirect_samples, surfaces, surfaces));
+  }
+  if (const auto* ambient = integrator.get<AmbientOcclusionIntegrator>())
+    if (ambient->sampling == OcclusionSampling::kCosine && ambient->weighting == OcclusionWeighting::kUniform)
+      return fail(
+          "integrator 'ao' with occlusion_weighting = uniform has no finite variance with "
+          "occlusion_sampling = cosine; set it to hemisphere");
   return {};
 }
 

@@ -12,7 +12,9 @@
 #include "kernels/block/block_trace.h"
 #include "kernels/camera/camera.h"
 #include "kernels/integrator/direct.h"
+#include "kernels/integrator/occlusion.h"
 #include "kernels/integrator/path.h"
+#include "kernels/integrator/whitted.h"
 #include "kernels/sampler/filter.h"
 
 #if (FEATURES) == 0
@@ -111,6 +113,13 @@ FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first
   }
 }
 
+/// Whether the integrator evaluates BSDFs where the rays of a step end.
+FN bool hits_scatter(const PRIVATE SceneHeader* h, int step) {
+  const int kind = h->integrator.kind;
+  return (kind == INTEGRATOR_PATH) | (kind == INTEGRATOR_WHITTED) |
+         ((kind == INTEGRATOR_DIRECT) & (step == 0));
+}
+
 /// Traces `path_count` paths, from the `first_path`-th on, of the block's pixels, which start at the unit's
 /// `first_pixel`-th: `batch` at a time, at most the capacity. Their samples are then in their slots.
 FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int first_path,
@@ -130,14 +139,19 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
       see_through(scene, paths, count, step);
 #endif
 #if HAS(MIXED_FAMILIES) && LANES > 1
-      if (NEEDS(scene, MIXED_FAMILIES) && (step == 0 || h->integrator.kind == INTEGRATOR_PATH))
-        sort_by_family(scene, paths, count);
+      if (NEEDS(scene, MIXED_FAMILIES) && hits_scatter(h, step)) sort_by_family(scene, paths, count);
 #endif
 #if HAS(PATH)
       if (h->integrator.kind == INTEGRATOR_PATH) step_paths(scene, paths, count, step, slots);
 #endif
 #if HAS(DIRECT)
       if (h->integrator.kind == INTEGRATOR_DIRECT) step_direct(scene, paths, count, step, slots);
+#endif
+#if HAS(WHITTED)
+      if (h->integrator.kind == INTEGRATOR_WHITTED) step_whitted(scene, paths, count, step, slots);
+#endif
+#if HAS(OCCLUSION)
+      if (h->integrator.kind == INTEGRATOR_OCCLUSION) step_occlusion(scene, paths, count, step, slots);
 #endif
       if (block->probe != 0) probe_step(block, control, step);
       occlude_block(scene, paths, count);

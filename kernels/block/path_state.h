@@ -5,6 +5,7 @@
 #define PENUMBRA_PATH_STATE_H
 #include "kernels/features.h"
 #include "kernels/intersect/surface_fields.h"
+#include "kernels/scene_types.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -15,7 +16,8 @@ PENUMBRA_NAMESPACE_BEGIN
 // Instead of any of several features: all of them.
 #define ALL_OF(features) (0x80000000u | (features))
 
-#define KEPT_SURFACE_FIELD(X, type, name) X(type, surface_##name, FEATURE_DIRECT, FEATURE_DIRECT)
+#define KEEPS_SURFACE (FEATURE_DIRECT | FEATURE_OCCLUSION)
+#define KEPT_SURFACE_FIELD(X, type, name) X(type, surface_##name, KEEPS_SURFACE, KEEPS_SURFACE)
 #define KEPT_UV_FIELD(X, type, name) X(type, surface_##name, ALL_OF(FEATURE_DIRECT | FEATURE_UV), FEATURE_DIRECT)
 
 // X(type, name, features that need it, features with which it travels when finished paths' lanes are closed).
@@ -47,7 +49,11 @@ PENUMBRA_NAMESPACE_BEGIN
   X(float, kept_tmax, THROUGH, NEVER)                                                                          \
   X(int, kept_skip, FEATURE_NESTED, NEVER)                                                                     \
   X(int, kept_hit, THROUGH, NEVER)                                                                             \
-  /* direct light: the surface that the camera sees, which all samples share */                                \
+  /* whitted: what is left to do when the path ends, see BRANCH_FIELDS */                                      \
+  X(int, branch_place, FEATURE_WHITTED, FEATURE_WHITTED)   /* the lane where its branches are */               \
+  X(int, branch_count, FEATURE_WHITTED, FEATURE_WHITTED)                                                       \
+  X(int, revisit, FEATURE_WHITTED, FEATURE_WHITTED)        /* its `more` if it is back at a surface, else 0 */ \
+  /* direct light, occlusion: the surface that the camera sees, which all samples share */                     \
   SURFACE_HIT_FIELDS(KEPT_SURFACE_FIELD, X)                                                                    \
   SURFACE_UV_FIELDS(KEPT_UV_FIELD, X)                                                                          \
   /* the shadow ray */                                                                                         \
@@ -68,6 +74,21 @@ PENUMBRA_NAMESPACE_BEGIN
   X(int, going, EVERY_SCENE, NEVER)                     /* list of lanes */                                    \
   X(int, finished, EVERY_SCENE, NEVER)                  /* likewise */                                         \
   X(float, sort_buffer, FEATURE_MIXED_FAMILIES, NEVER)
+
+// Of a branch that a path has left for later: its next ray, or, where a surface has more samples of
+// directions to give, the ray that leads back to it.
+#define BRANCH_FIELDS(F, a)                                                    \
+  F(a, vec3, origin)                                                           \
+  F(a, vec3, direction)                                                        \
+  F(a, vec3, throughput)                                                       \
+  F(a, int, depth)                                                             \
+  F(a, int, skip)       /* primitive that it starts on, or -1 */               \
+  F(a, float, eta)      /* refractive index over that at the camera */         \
+  F(a, int, pixel_hash)                                                        \
+  F(a, int, more)       /* 0: a branch of its own; else samples yet to give */
+// A path's MAX_BRANCH_DEPTH branches stay where they are: `branch_place` says where, whatever its lane.
+#define STACKED_FIELD(X, type, name) X(type, branch_##name, FEATURE_WHITTED, NEVER)
+#define STACKED_FIELDS(X) BRANCH_FIELDS(STACKED_FIELD, X)
 
 // The same of a finished path's sample, indexed by its slot.
 #define SLOT_FIELDS(X)                                              \
@@ -107,6 +128,7 @@ enum { CONTROLLED_NOT, CONTROLLED_SEEN, CONTROLLED_BENEATH };
 /// Where each field's array starts. Value k of a vec3 is k * capacity further on.
 typedef struct {
   PATH_FIELDS(STATE_POINTER)
+  STACKED_FIELDS(STATE_POINTER)
   int capacity;  ///< paths under way at once, a multiple of LANES
 } PathState;
 typedef struct {
@@ -116,10 +138,13 @@ typedef struct {
 #undef STATE_POINTER
 
 #define STATE_WORDS(type, name, needs, travels) words += is_stored(features, needs) ? WORDS_##type : 0;
+#define STACK_WORDS(type, name, needs, travels) \
+  words += is_stored(features, needs) ? MAX_BRANCH_DEPTH * WORDS_##type : 0;
 /// How many words of 4 bytes a path and a sample of a scene with these features take.
 FN int path_words(uint features) {
   int words = 0;
   PATH_FIELDS(STATE_WORDS)
+  STACKED_FIELDS(STACK_WORDS)
   return words;
 }
 FN int slot_words(uint features) {
@@ -128,14 +153,19 @@ FN int slot_words(uint features) {
   return words;
 }
 #undef STATE_WORDS
+#undef STACK_WORDS
 
 #define STATE_PLACE(type, name, needs, travels) \
   state.name = (POINTER_##type)words;           \
   words += is_stored(features, needs) ? (ulong)WORDS_##type * (ulong)capacity : 0u;
+#define STACK_PLACE(type, name, needs, travels) \
+  state.name = (POINTER_##type)words;           \
+  words += is_stored(features, needs) ? (ulong)(MAX_BRANCH_DEPTH * WORDS_##type) * (ulong)capacity : 0u;
 /// The fields in path_words() * capacity words.
 FN PathState make_path_state(uint features, GLOBAL uint* words, int capacity) {
   PathState state;
   PATH_FIELDS(STATE_PLACE)
+  STACKED_FIELDS(STACK_PLACE)
   state.capacity = capacity;
   return state;
 }
@@ -146,6 +176,7 @@ FN SlotState make_slot_state(uint features, GLOBAL uint* words, int capacity) {
   return state;
 }
 #undef STATE_PLACE
+#undef STACK_PLACE
 
 // get_throughput(paths, lane), set_throughput(paths, lane, value); get_slot_albedo(slots, slot) ...
 #define PATH_ACCESSORS(type, name, needs, travels)                        \
@@ -181,9 +212,29 @@ FN void keep_surface(const PRIVATE PathState* paths, int i,
   SURFACE_UV_FIELDS(KEPT_SURFACE_GET, )
   return s;
 }
-FN void keep_uv(const PRIVATE PathState* paths, int i, Surface s) { SURFACE_UV_FIELDS(KEPT_SURFACE_SET, ) }
+FN void keep_uv(const PRIVATE PathState* paths, int i, Surface s){SURFACE_UV_FIELDS(KEPT_SURFACE_SET, )}
 #undef KEPT_SURFACE_GET
 #undef KEPT_SURFACE_SET
+
+LANE_RECORD(Branch, Branches, branch, BRANCH_FIELDS)
+
+#define STACKED_AT(type, name) paths->branch_##name + level* WORDS_##type * paths->capacity
+#define STACKED_GET(a, type, name) \
+  b.name = LOAD_ENTRY_##type((STACKED_AT(type, name)), paths->capacity, place);
+#define STACKED_SET(a, type, name) \
+  STORE_ENTRY_##type((STACKED_AT(type, name)), paths->capacity, place, b.name);
+    /// Branch `level`, from 0 on, at a place.
+    FN Branch stacked_branch(const PRIVATE PathState* paths, int place, int level) {
+  Branch b;
+  BRANCH_FIELDS(STACKED_GET, )
+  return b;
+}
+FN void stack_branch(const PRIVATE PathState* paths, int place, int level, Branch b) {
+  BRANCH_FIELDS(STACKED_SET, )
+}
+#undef STACKED_AT
+#undef STACKED_GET
+#undef STACKED_SET
 
 typedef struct {
   PathState paths;

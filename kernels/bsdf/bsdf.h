@@ -200,6 +200,32 @@ FN void sample_bsdfs(const PRIVATE Scene* scene, uint families, const PRIVATE Cl
   if (first) clear_bsdf_samples(samples);
 }
 
+#define LOBE_PROBABILITY(name, NAME)                                             \
+  STAGE void name##_probability_lanes(const PRIVATE Closures* RESTRICT closures, \
+                                      const PRIVATE Surfaces* RESTRICT surfaces, \
+                                      PRIVATE float* RESTRICT probabilities) {   \
+    LANE_LOOP                                                                    \
+      for (int j = 0; j < LANES; j++) {                                          \
+        const Closure c = load_closure(closures, j);                             \
+        const Surface s = load_surface(surfaces, j);                             \
+        const float p = name##_lobe_probability(c, to_frame(s.shading, s.wo));   \
+        probabilities[j] = c.family == FAMILY_##NAME ? p : probabilities[j];     \
+      }                                                                          \
+  }
+BRANCHING_FAMILIES(LOBE_PROBABILITY)
+#undef LOBE_PROBABILITY
+
+/// The probabilities of the first lobes of the closures of BRANCHING_FAMILIES; 1 for others.
+FN void lobe_probabilities(uint families, const PRIVATE Closures* closures, const PRIVATE Surfaces* surfaces,
+                           PRIVATE float* probabilities) {
+  for (int j = 0; j < LANES; j++) probabilities[j] = 1.0f;
+#define PROBABILITY_IF_THERE(name, NAME)                              \
+  if ((families & compiled_families() & (1u << FAMILY_##NAME)) != 0u) \
+    name##_probability_lanes(closures, surfaces, probabilities);
+  BRANCHING_FAMILIES(PROBABILITY_IF_THERE)
+#undef PROBABILITY_IF_THERE
+}
+
 /// One at a time, for the surface's normal n and any tangent: value of the closure for a pair of directions
 /// of world space.
 FN BsdfValue eval_bsdf(const PRIVATE Scene* scene, Closure c, vec3 n, vec3 wo, vec3 wi) {

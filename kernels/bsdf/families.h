@@ -12,6 +12,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define TRANSMITS 4      // it scatters to the other side
 #define ANISOTROPIC 8    // the x axis of its frame is where u grows, see tangent_axis
 #define DELTA 16         // all its directions are DELTA_PDF: eval finds nothing
+#define SOME_DELTA 32    // some of its directions are, others are not
 
 // X(name, NAME, its number, properties, what it is for people): `name`_eval and `name`_sample in
 // kernels/bsdf/`name`.h, and FAMILY_`NAME` below. Family 0 absorbs everything.
@@ -32,7 +33,7 @@ PENUMBRA_NAMESPACE_BEGIN
     "rough dielectric, GGX")                                                                             \
   X(roughdielectric_beckmann, ROUGHDIELECTRIC_BECKMANN, 9, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,      \
     "rough dielectric, Beckmann")                                                                        \
-  X(plastic, PLASTIC, 10, SEVERAL_LOBES, "plastic")                                                      \
+  X(plastic, PLASTIC, 10, SEVERAL_LOBES | SOME_DELTA, "plastic")                                         \
   X(roughplastic_ggx, ROUGHPLASTIC_GGX, 11, SEVERAL_LOBES, "rough plastic, GGX")                         \
   X(roughplastic_beckmann, ROUGHPLASTIC_BECKMANN, 12, SEVERAL_LOBES, "rough plastic, Beckmann")          \
   X(ward, WARD, 13, SEVERAL_LOBES | ANISOTROPIC, "Ward BSDF")                                            \
@@ -42,6 +43,10 @@ PENUMBRA_NAMESPACE_BEGIN
   X(principledthin, PRINCIPLEDTHIN, 17, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "thin principled BSDF") \
   X(disney, DISNEY, 18, SEVERAL_LOBES | ANISOTROPIC, "Disney BRDF")                                      \
   EXTRA_BSDF_FAMILIES(X)
+
+// X(name, NAME): the families with two mirror lobes. `name`_lobe_probability(closure, wo) is that of the
+// first: `name`_sample takes it where its choice is less.
+#define BRANCHING_FAMILIES(X) X(dielectric, DIELECTRIC) X(thindielectric, THINDIELECTRIC)
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FAMILY_BLACK 0
@@ -192,7 +197,14 @@ FN uint compiled_families(void) { return FAMILIES; }
 FN uint families_with(int wanted) { return 0u BSDF_FAMILIES(FAMILY_WITH); }
 #undef FAMILY_WITH
 
-FN bool has_closed_form(Closure c) { return ((families_with(CLOSED_FORM) >> c.family) & 1u) != 0u; }
+#define BRANCHING_FAMILY(name, NAME) | (1u << FAMILY_##NAME)
+FN uint branching_families(void) { return (0u BRANCHING_FAMILIES(BRANCHING_FAMILY)) & compiled_families(); }
+#undef BRANCHING_FAMILY
+
+/// Whether the closure is of one of the families.
+FN bool is_among(Closure c, uint families) { return ((families >> c.family) & 1u) != 0u; }
+
+FN bool has_closed_form(Closure c) { return is_among(c, families_with(CLOSED_FORM)); }
 
 /// Whether it matters how its frame lies about the normal.
 FN bool is_anisotropic(Closure c) { return (c.alpha_u != c.alpha_v) | (c.anisotropic != 0.0f); }

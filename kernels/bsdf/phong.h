@@ -35,12 +35,17 @@ FN BsdfValue phong_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi)
   return select_bsdf_value(reflects, value, no_bsdf_value());
 }
 
-FN BsdfSample phong_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v, float choice) {
-  const float power = log_f(1.0f - u) / (c.exponent + 1.0f);
+/// Density (n + 1) / (2 pi) cos^n about the unit vector `axis`, n the exponent.
+FN vec3 sample_cosine_power(vec3 axis, float exponent, float u, float v) {
+  const float power = log_f(1.0f - u) / (exponent + 1.0f);
   float sine, cosine;
   sincos_2pi(v, &sine, &cosine);
   const float r = safe_sqrt(-expm1_f(2.0f * power));
-  const vec3 around = from_frame(make_vec3(-wo.x, -wo.y, wo.z), r * cosine, r * sine, exp_f(power));
+  return from_frame(axis, r * cosine, r * sine, exp_f(power));
+}
+
+FN BsdfSample phong_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v, float choice) {
+  const vec3 around = sample_cosine_power(make_vec3(-wo.x, -wo.y, wo.z), c.exponent, u, v);
   const vec3 wi = select3(choice < phong_lobe_share(c), around, cosine_hemisphere(u, v));
   return sample_of_value(wi, phong_eval(scene, c, wo, wi));
 }

@@ -45,7 +45,7 @@ class Checker {
     require(in(h_.intersector, INTERSECTOR_PORTABLE, INTERSECTOR_EMBREE), "unknown intersector");
     require(in(h_.sampler.kind, SAMPLER_INDEPENDENT, SAMPLER_SOBOL), "unknown sampler");
     require(in(h_.film.filter, FILTER_BOX, FILTER_TABULATED), "unknown filter");
-    require(in(h_.integrator.kind, INTEGRATOR_DIRECT, INTEGRATOR_PATH), "unknown integrator");
+    require(in(h_.integrator.kind, INTEGRATOR_DIRECT, INTEGRATOR_OCCLUSION), "unknown integrator");
     require(h_.film.width > 0 && h_.film.height > 0, "empty film");
     require(h_.sampler.spp > 0, "no samples per pixel");
     require(h_.integrator.rr_depth >= 0, "Russian roulette begins before the path");
@@ -53,6 +53,10 @@ class Checker {
                 in(h_.integrator.bsdf_samples, 0, MAX_DIRECT_SAMPLES),
             "an implausible number of emitter or BSDF samples");
     require(in(h_.integrator.estimator, ESTIMATOR_SAMPLES, ESTIMATOR_RATIO), "unknown estimator");
+    require(in(h_.integrator.bsdf_sampling, DIRECTION_BSDF, DIRECTION_LOBE), "unknown density of directions");
+    require(in(h_.integrator.branch_depth, 0, MAX_BRANCH_DEPTH), "paths branch too often");
+    require(h_.integrator.kind != INTEGRATOR_OCCLUSION || h_.integrator.emitter_samples > 0,
+            "no rays that anything could block");
     require(in(h_.integrator.hide_emitters, HIDE_NOTHING, HIDE_LOOK_THROUGH), "unknown way to hide emitters");
     require(in(h_.integrator.light_choice, CHOICE_POWER, CHOICE_ANALYTIC), "unknown choice of lights");
   }
@@ -124,7 +128,8 @@ class Checker {
     require((h_.families & families_with(TRANSMITS)) == 0 || has(FEATURE_TRANSMISSION),
             "BSDFs that transmit without their feature bit");
     require(h_.tables.quadrics.count == 0 || has(FEATURE_QUADRICS), "quadrics without their feature bit");
-    require(has(h_.integrator.kind == INTEGRATOR_PATH ? FEATURE_PATH : FEATURE_DIRECT),
+    constexpr unsigned kIntegrators[] = {FEATURE_DIRECT, FEATURE_PATH, FEATURE_WHITTED, FEATURE_OCCLUSION};
+    require(in(h_.integrator.kind, 0, 3) && has(kIntegrators[h_.integrator.kind]),
             "an integrator without its feature bit");
     require(h_.sampler.kind == SAMPLER_SOBOL || has(FEATURE_SAMPLERS), "a sampler without its feature bit");
   }

@@ -2,16 +2,11 @@
 // traces the k-th direction and asks for the k-th shadow ray, all from the surface that the camera ray hit.
 #ifndef PENUMBRA_INTEGRATOR_DIRECT_H
 #define PENUMBRA_INTEGRATOR_DIRECT_H
+#include "kernels/integrator/directions.h"
+#include "kernels/integrator/kept_surfaces.h"
 #include "kernels/integrator/light_request.h"
 
 PENUMBRA_NAMESPACE_BEGIN
-
-/// Density of the scene's way of choosing directions about the surface's shading normal.
-FN float direction_pdf(int kind, vec3 n, vec3 wi, float bsdf_pdf) {
-  const float cosine = max_f(dot3(n, wi), 0.0f);
-  const float pdf = kind == DIRECTION_COSINE ? cosine * INV_PI_F : (cosine > 0.0f ? 0.5f * INV_PI_F : 0.0f);
-  return kind == DIRECTION_BSDF ? bsdf_pdf : pdf;
-}
 
 #if HAS(DIRECT)
 /// Random numbers for a step's light and direction samples.
@@ -31,14 +26,6 @@ FN void direct_numbers(const PRIVATE SceneHeader* h, int k, const PRIVATE PathSt
                 u + DIM_LIGHT_FINE * LANES, u + DIM_LOBE_CHOICE * LANES);
 }
 
-STAGE void keep_surfaces(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) keep_surface(paths, i + j, load_surface(surfaces, j));
-}
-STAGE void load_kept_surfaces(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RESTRICT surfaces) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) store_surface_hit(surfaces, j, kept_surface(paths, i + j));
-}
   #if HAS(UV)
 STAGE void keep_uvs(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
@@ -92,17 +79,6 @@ FN void add_passed_directly(const PRIVATE Scene* scene, const PRIVATE PathState*
 }
   #endif
 
-/// Before a step's samples ask for rays: none, and a path goes on if a step is left and there is a surface.
-STAGE void begin_steps(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
-                       bool is_last) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      set_ray_tmax(paths, i + j, -1.0f);
-      set_shadow_tmax(paths, i + j, -1.0f);
-      set_alive(paths, i + j, (surfaces->primitive[j] >= 0) & !is_last);
-    }
-}
-
 STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                                    const PRIVATE StepLanes* RESTRICT step) {
   const PRIVATE SceneHeader* h = &scene->header;
@@ -123,42 +99,6 @@ STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE Pat
       const vec3 arriving = scale(mul(value.f_cos, light.radiance), weight);
       request_shadow_ray(scene, paths, i + j, s, light, arriving, lit, controlled);
     }
-}
-
-STAGE void direction_samples(int kind, const PRIVATE Surfaces* RESTRICT surfaces,
-                             const PRIVATE float* RESTRICT uv, PRIVATE float* RESTRICT wi) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const vec3 n = LOAD_LANE_vec3(surfaces->shading, j);
-      const vec3 by_cosine = sample_cosine_hemisphere(n, uv[j], uv[LANES + j]);
-      const vec3 by_area = sample_uniform_hemisphere(n, uv[j], uv[LANES + j]);
-      STORE_LANE_vec3(wi, j, select3(kind == DIRECTION_COSINE, by_cosine, by_area));
-    }
-}
-
-STAGE void weigh_directions(int kind, const PRIVATE Surfaces* RESTRICT surfaces,
-                            const PRIVATE float* RESTRICT wi, const PRIVATE BsdfValues* RESTRICT values,
-                            PRIVATE BsdfSamples* RESTRICT samples) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const BsdfValue value = load_bsdf_value(values, j);
-      BsdfSample s = no_bsdf_sample();
-      s.wi = LOAD_LANE_vec3(wi, j);
-      const float pdf = direction_pdf(kind, LOAD_LANE_vec3(surfaces->shading, j), s.wi, value.pdf);
-      s.pdf = value.pdf > 0.0f ? pdf : 0.0f;
-      s.weight = scale(value.f_cos, 1.0f / (pdf > 0.0f ? pdf : 1.0f));
-      store_bsdf_sample(samples, j, s);
-    }
-}
-
-/// Directions that the scene does not leave to the BSDFs, and the closures' values for them, as samples.
-FN void choose_directions(const PRIVATE Scene* scene, PRIVATE StepLanes* step) {
-  const PRIVATE SceneHeader* h = &scene->header;
-  float wi[3 * LANES];
-  BsdfValues values;
-  direction_samples(h->integrator.bsdf_sampling, &step->surfaces, step->u + DIM_BSDF_U * LANES, wi);
-  eval_bsdfs(scene, step->families, &step->closures, &step->surfaces, wi, &values);
-  weigh_directions(h->integrator.bsdf_sampling, &step->surfaces, wi, &values, &step->samples);
 }
 
 /// Direction samples as the next rays.
@@ -227,7 +167,7 @@ FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
         sample_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
                      step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
       else
-        choose_directions(scene, &step);
+        choose_directions(scene, step.families, &step, &step.samples);
       request_directions(scene, paths, i, &step);
     }
   }

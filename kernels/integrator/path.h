@@ -18,7 +18,7 @@ FN float roulette_survival(float throughput, int k) {
   return min_f(SQRT(2.0f * throughput), 1.0f - 2.0f / ((float)k + ROULETTE_LASTS));
 }
 
-#if HAS(PATH)
+#if HAS(PATH) || HAS(WHITTED)
 /// Random numbers for a step of LANES paths from lane i on; those that the step does not need are not
 /// written.
 FN void path_numbers(const PRIVATE SceneHeader* h, bool roulette, const PRIVATE PathState* paths, int i,

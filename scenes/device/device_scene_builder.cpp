@@ -103,7 +103,7 @@ class Builder {
       need(FEATURE_UV);
       records_.light_triangles = light_triangles(records_.triangles, records_.lights.size());
     }
-    if (Expected<void> done = set_integrator(scene_.integrator, lights_, h_); !done)
+    if (Expected<void> done = set_integrator(scene_.integrator, lights_, radius_, h_); !done)
       return fail(scene_.source + ": " + done.error().message);
     if (scene_.sampler.kind != SamplerKind::kSobol) need(FEATURE_SAMPLERS);
     if (Expected<void> done = choose_intersector(); !done) return std::unexpected(done.error());

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <climits>
+#include <ranges>
+
+#include "kernels/math/math.h"
 
 namespace penumbra {
 namespace {
@@ -11,15 +14,61 @@ constexpr int kLatestRoulette = 1024;
 constexpr std::size_t kMaxContributionPolygons = 256;
 
 static_assert(int(DirectSampling::kMis) == SAMPLING_MIS && int(MisHeuristic::kPower) == HEURISTIC_POWER &&
-              int(BsdfSampling::kUniform) == DIRECTION_UNIFORM);
+              int(BsdfSampling::kUniform) == DIRECTION_UNIFORM &&
+              int(IndirectSampling::kUniform) == DIRECTION_UNIFORM &&
+              int(OcclusionWeighting::kUniform) == WEIGHTING_UNIFORM);
 
 /// The balance of emitter and direction samples needs the density of every direction, which a choice by
 /// contribution does not provide for directions of other samples.
 bool balances(const IntegratorSettings& integrator, const LightBuilder& lights) {
   if (const auto* direct = integrator.get<DirectIntegrator>()) return direct->bsdf_samples > 0;
   const auto* path = integrator.get<PathIntegrator>();
-  return path != nullptr && path->direct_sampling != DirectSampling::kEmitterOnly &&
-         !(control_variate(integrator) && lights.only_polygons());
+  const auto* whitted = integrator.get<WhittedIntegrator>();
+  const bool finds = path != nullptr ? path->direct_sampling != DirectSampling::kEmitterOnly
+                                     : whitted != nullptr && whitted->indirect_samples > 0;
+  return finds && !(control_variate(integrator) && lights.only_polygons());
+}
+
+bool is_occlusion(const IntegratorSettings& integrator) {
+  return integrator.is<AmbientOcclusionIntegrator>() || integrator.is<ReflectionOcclusionIntegrator>();
+}
+
+int kind_of(const IntegratorSettings& integrator) {
+  if (integrator.is<PathIntegrator>()) return INTEGRATOR_PATH;
+  if (integrator.is<WhittedIntegrator>()) return INTEGRATOR_WHITTED;
+  return is_occlusion(integrator) ? INTEGRATOR_OCCLUSION : INTEGRATOR_DIRECT;
+}
+
+std::uint32_t feature_of(int kind) {
+  switch (kind) {
+    case INTEGRATOR_PATH:
+      return FEATURE_PATH;
+    case INTEGRATOR_WHITTED:
+      return FEATURE_WHITTED;
+    case INTEGRATOR_OCCLUSION:
+      return FEATURE_OCCLUSION;
+    default:
+      return FEATURE_DIRECT;
+  }
+}
+
+int direction_kind(OcclusionSampling sampling) {
+  switch (sampling) {
+    case OcclusionSampling::kSphere:
+      return DIRECTION_SPHERE;
+    case OcclusionSampling::kHemisphere:
+      return DIRECTION_UNIFORM;
+    default:
+      return DIRECTION_COSINE;
+  }
+}
+
+void set_occlusion(const IntegratorSettings& integrator, double scene_radius, IntegratorParameters& p) {
+  if (const auto* ambient = integrator.get<AmbientOcclusionIntegrator>())
+    p.bsdf_sampling = direction_kind(ambient->sampling);
+  if (integrator.is<ReflectionOcclusionIntegrator>()) p.bsdf_sampling = DIRECTION_LOBE;
+  const float length = parameter_or(integrator, PENUMBRA_PARAMETER(ray_length), 0.0f);
+  p.ray_length = length > 0 ? length : length < 0 ? float(0.5 * scene_radius) : NO_LIMIT;
 }
 
 void copy_parameters(const IntegratorSettings& integrator, IntegratorParameters& p) {
@@ -30,18 +79,22 @@ void copy_parameters(const IntegratorSettings& integrator, IntegratorParameters&
   });
 }
 
-void set_parameters(const IntegratorSettings& integrator, IntegratorParameters& p) {
-  // What an integrator has no parameter for is the default of those that have.
-  for (const IntegratorMethod& method : integrator_methods()) copy_parameters({.method = method}, p);
+void set_parameters(const IntegratorSettings& integrator, double scene_radius, IntegratorParameters& p) {
+  // What an integrator has no parameter for is the default of the first that has it.
+  for (const IntegratorMethod& method : integrator_methods() | std::views::reverse)
+    copy_parameters({.method = method}, p);
   copy_parameters(integrator, p);
-  p.kind = integrator.is<PathIntegrator>() ? INTEGRATOR_PATH : INTEGRATOR_DIRECT;
+  p.kind = kind_of(integrator);
   if (p.max_depth < 0) {
     p.max_depth = INT_MAX;
     // A path that nothing else ends meets roulette at last, or albedo 1 in a closed room would never end.
     p.rr_depth = std::min(p.rr_depth, kLatestRoulette);
   }
   if (integrator.is<PolygonAnalyticIntegrator>()) p.emitter_samples = 0;
-  if (!integrator.is<PathIntegrator>() && !integrator.is<DirectIntegrator>()) p.bsdf_samples = 0;
+  if (!integrator.is<PathIntegrator>() && !integrator.is<DirectIntegrator>() &&
+      !integrator.is<WhittedIntegrator>())
+    p.bsdf_samples = 0;
+  set_occlusion(integrator, scene_radius, p);
   const bool looked_through = integrator.hidden_emitters == HiddenEmitters::kLookedThrough;
   p.hide_emitters = !integrator.hide_emitters ? HIDE_NOTHING
                     : looked_through          ? HIDE_LOOK_THROUGH
@@ -102,9 +155,9 @@ EmitterSampling default_sampling(const IntegratorSettings& integrator) {
 }
 
 Expected<void> set_integrator(const IntegratorSettings& integrator, const LightBuilder& lights,
-                              SceneHeader& h) {
-  set_parameters(integrator, h.integrator);
-  h.features |= h.integrator.kind == INTEGRATOR_PATH ? FEATURE_PATH : FEATURE_DIRECT;
+                              double scene_radius, SceneHeader& h) {
+  set_parameters(integrator, scene_radius, h.integrator);
+  h.features |= feature_of(h.integrator.kind);
   if (h.integrator.hide_emitters == HIDE_LOOK_THROUGH) h.features |= FEATURE_LOOK_THROUGH;
 
   const LightChoice wanted = light_choice(integrator);
@@ -117,7 +170,7 @@ Expected<void> set_integrator(const IntegratorSettings& integrator, const LightB
     return fail(
         "light_choice = analytic needs an integrator that samples lights alone: direct with bsdf_samples = "
         "0, "
-        "path with direct_sampling = ems, polygon_area or polygon_cv");
+        "path with direct_sampling = ems, whitted with indirect_samples = 0, polygon_area or polygon_cv");
   set_estimator(integrator, lights, h);
   return {};
 }

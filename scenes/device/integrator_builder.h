@@ -14,9 +14,9 @@ bool wants_polygons(const IntegratorSettings& integrator);
 /// How lights are sampled that do not say it themselves.
 EmitterSampling default_sampling(const IntegratorSettings& integrator);
 
-/// Fills in the integrator's fields of the header, `features` among them; `lights` are complete. Errors:
-/// settings that contradict each other or the scene.
+/// Fills in the integrator's fields of the header, `features` among them; `lights` are complete.
+/// `scene_radius`: of a sphere about all shapes. Errors: settings that contradict each other or the scene.
 Expected<void> set_integrator(const IntegratorSettings& integrator, const LightBuilder& lights,
-                              SceneHeader& header);
+                              double scene_radius, SceneHeader& header);
 
 }  // namespace penumbra

@@ -241,6 +241,7 @@ void PluginReader::read(std::string_view name, glm::dmat4& value, AnyTransform) 
     skip_parameter(name);
 }
 
+void PluginReader::read(std::string_view name, TexturedColour& colour, const ColourWithin& values) {
   read_textured(name, colour, role_of(values), values);
 }
 

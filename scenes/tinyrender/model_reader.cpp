@@ -117,12 +117,11 @@ class ModelReader {
     Surface result;
     if (!is_black(material.emission)) result.radiance = material.emission;
     if (material.illum == kMirror) {
-      context_.unknown(material.illum_location,
-                       fmt::format("the material '{}' is a mirror (illum 5), which Penumbra does not read; "
-                                   "it reads diffuse (illum 7) and Phong surfaces (other numbers)",
-                                   found->first),
-                       "a magenta diffuse stands in for it");
-      result.bsdf = install(found->first, DiffuseBsdf{kStandInColour});
+      // A mirror without a colour reflects all.
+      const glm::vec3 reflectance = material.specular.value_or(glm::vec3(1.0f));
+      ConductorBsdf mirror;
+      mirror.specular_reflectance = energy_scale(found->first, material.location, reflectance) * reflectance;
+      result.bsdf = install(found->first, mirror);
       return result;
     }
     const bool glossy = material.illum != kDiffuse && !is_black(material.specular);

@@ -9,8 +9,8 @@ namespace penumbra::tinyrender {
 /// Reads the OBJ file that `objfile` names and its MTL files, each looked for beside the file that names it.
 /// The faces of one object and one material become a shape:
 ///  - Kd is a diffuse surface, Kd with Ks and Ns a Phong one, on both sides; `illum 7` is diffuse whatever Ks
-///    says, and `illum 5`, a mirror, an error; where Kd and Ks together reflect more than all light in a
-///    channel they are scaled to 0.99 of it, as TinyRender does, with a warning;
+///    says, and `illum 5` a mirror that reflects Ks, or all without it; where Kd and Ks together reflect more
+///    than all light in a channel they are scaled to 0.99 of it, as TinyRender does, with a warning;
 ///  - Ke makes it a light that shines from its front; without Kd and Ks it reflects nothing. The front is
 ///  where
 ///    vertex normals point to, or without them where the corners run counterclockwise;

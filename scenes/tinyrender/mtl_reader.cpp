@@ -91,7 +91,6 @@ class MtlReader {
       return;
     }
     material_->illum = *number;
-    material_->illum_location = scanner_.location();
   }
 
   /// 1 or `most` numbers; none, and an error, where there is anything else. MTL's "spectral" and "xyz" are no

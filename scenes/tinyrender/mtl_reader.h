@@ -19,7 +19,6 @@ struct MtlMaterial {
   std::optional<glm::vec3> emission = std::nullopt;  ///< Ke
   std::optional<float> exponent = std::nullopt;      ///< Ns
   std::int64_t illum = 0;                            ///< the number of a reflection model
-  SourceLocation illum_location = {};
 };
 
 using MtlMaterials = std::map<std::string, MtlMaterial, std::less<>>;

@@ -12,10 +12,10 @@ namespace {
 using Names = std::vector<std::string>;
 
 /// Everything that a [renderer] of any type may hold.
-const Names kAllKeys = {"type",           "realtime",    "method", "samplingStrategy",
-                        "emitterSamples", "bsdfSamples", "alpha",  "visSamples",
-                        "traceShadows",   "bonus",       "spp",    "test",
-                        "maxDepth",       "rrDepth",     "rrProb", "isExplicit"};
+const Names kAllKeys = {"type",        "realtime",      "method",     "samplingStrategy", "emitterSamples",
+                        "bsdfSamples", "alpha",         "visSamples", "traceShadows",     "bonus",
+                        "spp",         "test",          "maxDepth",   "rrDepth",          "rrProb",
+                        "isExplicit",  "sampling_type", "exponent",   "samplesByVertex"};
 
 /// "Solid_Angle" and "solidAngle" → "solidangle".
 std::string folded(std::string_view name) {
@@ -148,14 +148,52 @@ void read_path(Section& renderer, SceneDescription& scene, bool /*realtime*/) {
   renderer.finish(kAllKeys, "with type = path");
 }
 
+/// TinyRender bakes light into vertices, each by `samplesByVertex` paths; here every pixel has as many.
+void read_baked(Section& renderer, SceneDescription& scene, bool /*realtime*/) {
+  const bool samples_emitters = renderer.boolean("isExplicit", true);
+  renderer.imply(scene, "integrator.type", samples_emitters ? "path" : "path_mats");
+  renderer.imply(scene, "integrator.emitter_sampling", "area");
+  renderer.imply(scene, "integrator.max_depth", "6");
+  read_depth(renderer, scene, "integrator.max_depth", "maxDepth", -1);
+  read_depth(renderer, scene, "integrator.rr_depth", "rrDepth", 0);
+  renderer.accept("rrProb");
+  if (renderer.has("spp")) {
+    renderer.accept("samplesByVertex");
+  } else {
+    renderer.imply(scene, "sampler.sample_count", "100");
+    renderer.set(scene, "sampler.sample_count", "samplesByVertex");
+  }
+  for (const char* key : {"bonus", "test"}) renderer.accept(key);
+  renderer.finish(kAllKeys, "with type = gi");
+}
+
+/// Rays of half the radius of the scene, and black where there is nothing.
+void read_ambient_occlusion(Section& renderer, SceneDescription& scene, bool /*realtime*/) {
+  renderer.imply(scene, "integrator.type", "ao");
+  renderer.imply(scene, "integrator.background", "0");
+  const auto sampling = choose(renderer, "sampling_type", {"sphere", "hemisphere", "cosine"});
+  renderer.imply(scene, "integrator.occlusion_sampling", sampling.value_or("cosine"));
+  renderer.finish(kAllKeys, "with type = ao");
+}
+
+void read_reflection_occlusion(Section& renderer, SceneDescription& scene, bool /*realtime*/) {
+  renderer.imply(scene, "integrator.type", "ro");
+  renderer.set(scene, "integrator.exponent", "exponent");
+  renderer.finish(kAllKeys, "with type = ro");
+}
+
 struct RendererType {
   std::string_view name;
   bool has_window;  ///< what its window shows is read
   void (*read)(Section&, SceneDescription&, bool realtime);
 };
 // The first stands in for others.
-constexpr RendererType kTypes[] = {
-    {"direct", false, read_direct}, {"polygonal", true, read_polygonal}, {"path", false, read_path}};
+constexpr RendererType kTypes[] = {{"direct", false, read_direct},
+                                   {"polygonal", true, read_polygonal},
+                                   {"path", false, read_path},
+                                   {"gi", true, read_baked},
+                                   {"ao", false, read_ambient_occlusion},
+                                   {"ro", false, read_reflection_occlusion}};
 
 }  // namespace
 

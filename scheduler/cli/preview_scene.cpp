@@ -14,7 +14,8 @@ bool has_only_polygon_lights(const SceneDescription& scene) {
 /// Whether the integrator estimates direct light, which polygon_cv can as well.
 bool is_direct(const IntegratorSettings& integrator, bool was_chosen) {
   if (integrator.is<DirectIntegrator>()) return !was_chosen;
-  return !integrator.is<PathIntegrator>();
+  return integrator.is<PolygonAnalyticIntegrator>() || integrator.is<PolygonAreaIntegrator>() ||
+         integrator.is<PolygonCvIntegrator>();
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "scheduler/report/reference_choice.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <bit>
@@ -12,18 +13,48 @@
 namespace penumbra {
 namespace {
 
-enum class Quantity { kUnshadowed, kDirect, kPaths };
+/// kOwn: what no other integrator estimates.
+enum class Quantity { kUnshadowed, kDirect, kPaths, kOwn };
 
-/// Of a path, else nothing.
+/// Of paths, else nothing.
 std::optional<int> max_depth(const IntegratorSettings& integrator) {
-  const auto* path = integrator.get<PathIntegrator>();
-  return path != nullptr ? std::optional(path->max_depth) : std::nullopt;
+  std::optional<int> depth;
+  with_parameter(integrator, PENUMBRA_PARAMETER(max_depth), [&](int edges) { depth = edges; });
+  return depth;
+}
+
+bool is_occlusion(const IntegratorSettings& integrator) {
+  return integrator.is<AmbientOcclusionIntegrator>() || integrator.is<ReflectionOcclusionIntegrator>();
 }
 
 Quantity quantity_of(const IntegratorSettings& integrator) {
+  if (is_occlusion(integrator) || parameter_or(integrator, PENUMBRA_PARAMETER(indirect_samples), 1) == 0)
+    return Quantity::kOwn;
   if (const auto depth = max_depth(integrator)) return *depth == 2 ? Quantity::kDirect : Quantity::kPaths;
   const bool shadows = parameter_or(integrator, PENUMBRA_PARAMETER(trace_shadows), true);
   return integrator.is<PolygonAnalyticIntegrator>() || !shadows ? Quantity::kUnshadowed : Quantity::kDirect;
+}
+
+/// Of the integrator, as `--set` takes them: those that change what it estimates, or all.
+std::vector<std::string> parameters_of(const IntegratorSettings& integrator, bool all) {
+  std::vector<std::string> parameters;
+  integrator_parameters(
+      [&](const char* name, const auto& parameter, const auto& values, const char*, auto...) {
+        const std::string_view n = name;
+        const bool counts = all || n == "ray_length" || n == "occlusion_weighting" || n == "background" ||
+                            n == "exponent" || n == "max_depth";
+        with_parameter(integrator, parameter, [&](const auto& value) {
+          if (counts) parameters.push_back(fmt::format("integrator.{}={}", name, values.print(value)));
+        });
+      });
+  return parameters;
+}
+
+std::string own_quantity(const IntegratorSettings& integrator) {
+  const std::string name = integrator.is<AmbientOcclusionIntegrator>()      ? "ambient occlusion"
+                           : integrator.is<ReflectionOcclusionIntegrator>() ? "reflection occlusion"
+                                                                            : "direct light and mirrors";
+  return fmt::format("{}, {}", name, fmt::join(parameters_of(integrator, false), ", "));
 }
 
 }  // namespace
@@ -38,6 +69,8 @@ std::string estimated_quantity(const IntegratorSettings& integrator) {
       return "direct light without shadows" + hidden;
     case Quantity::kDirect:
       return "direct light" + hidden;
+    case Quantity::kOwn:
+      return own_quantity(integrator) + (is_occlusion(integrator) ? "" : hidden);
     case Quantity::kPaths:
       break;
   }
@@ -71,6 +104,11 @@ std::array<ReferenceMethod, 2> choose_reference(const IntegratorSettings& integr
                  {"path_mis", {"integrator.mis=power"}, "independent"}}};
       for (ReferenceMethod& half : halves) half.settings.push_back(same("max_depth"));
       break;
+    case Quantity::kOwn:
+      for (ReferenceMethod& half : halves)
+        half = {method_name(integrator.method), parameters_of(integrator, true), "sobol"};
+      halves[1].sampler = "independent";
+      return halves;
   }
   for (ReferenceMethod& half : halves) {
     if (half.integrator.starts_with("path")) half.settings.emplace_back("integrator.nee=sample");

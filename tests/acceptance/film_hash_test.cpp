@@ -44,6 +44,11 @@ const std::vector<Settings> kIntegrators{
     {"integrator.type=polygon_area", "integrator.emitter_samples=2"},
     {"integrator.type=polygon_cv"},
     {"integrator.type=polygon_cv", "integrator.estimator=ratio", "integrator.vis_samples=2"},
+    {"integrator.type=whitted"},
+    {"integrator.type=whitted", "integrator.indirect_samples=2", "integrator.branch_depth=2",
+     "integrator.indirect_sampling=uniform", "integrator.nee=cv"},
+    {"integrator.type=ao", "integrator.vis_samples=2"},
+    {"integrator.type=ro"},
 };
 const std::vector<std::string> kSamplers{"independent", "stratified", "halton", "sobol"};
 const std::vector<std::string> kFilters{"box", "tent", "gaussian", "mitchell"};
@@ -104,8 +109,9 @@ Expected<DeviceScene> build(SceneDescription scene, const FilmCase& film_case) {
       throw std::runtime_error(set.error().message);
   }
   // Furnaces have no end.
-  auto* path = std::get_if<PathIntegrator>(&scene.integrator.method);
-  if (path != nullptr && path->max_depth < 0) path->max_depth = 8;
+  with_parameter(scene.integrator, PENUMBRA_PARAMETER(max_depth), [](int& depth) {
+    if (depth < 0) depth = 8;
+  });
   resize_film(scene, kWidth, kHeight);
   scene.sampler.spp = 4;
   return build_device_scene(scene, {.intersector = IntersectorChoice::kPortable});

@@ -39,7 +39,15 @@ TEST(StandInFamilies, GiveTheSameBitsForAnyNumberOfLanes) {
     expect_same_bits(room);
     room.description.integrator = direct_integrator(1, 2);
     expect_same_bits(room);
+    use(room.description.integrator, IntegratorKind::kWhitted);
+    param::indirect_samples(room.description.integrator) = 2;
+    param::max_depth(room.description.integrator) = 5;
+    expect_same_bits(room);
   }
+  StandInScene glass = room_with_glass();
+  use(glass.description.integrator, IntegratorKind::kWhitted);
+  param::branch_depth(glass.description.integrator) = 6;
+  expect_same_bits(glass);
   expect_same_bits(glass_ball(1.5f));
 }
 

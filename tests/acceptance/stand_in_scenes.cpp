@@ -35,6 +35,15 @@ void add_wall(SceneDescription& scene, glm::dvec3 corner, glm::dvec3 u, glm::dve
 
 }  // namespace
 
+std::pair<int, int> add_glass(SceneDescription& scene, float index) {
+  DielectricBsdf glass;
+  glass.int_ior = index;
+  glass.ext_ior = 1;
+  scene.bsdfs.push_back({"glass", glass});
+  scene.bsdfs.push_back({"glass", glass.other_side()});
+  return {int(scene.bsdfs.size()) - 2, int(scene.bsdfs.size()) - 1};
+}
+
 DeviceScene StandInScene::build() const {
   DeviceScene scene = build_or_throw(description);
   stand_in(scene, stand_ins);
@@ -63,6 +72,20 @@ StandInScene stand_in_room(const RoomOptions& options) {
     const int window = add_stand_in(room, FAMILY_WINDOW, 1.0f);
     if (options.front_pane) add_wall(scene, {-3, -2, -2.5}, 6.0 * right, 6.0 * up, window);
     if (options.light_pane) add_wall(scene, {-2, 2.2, -2}, 4.0 * right, 4.0 * away, window);
+  }
+  return room;
+}
+
+StandInScene room_with_glass() {
+  StandInScene room = stand_in_room({.mirror = false});
+  const auto [inward, outward] = add_glass(room.description, 1.5f);
+  for (const glm::dvec3& center : {glm::dvec3(0.2, 0.7, -0.3), glm::dvec3(1.0, 1.2, 0.9)}) {
+    Shape sphere;
+    sphere.name = "glass";
+    sphere.geometry = Sphere{.center = center, .radius = 0.6};
+    sphere.front_bsdf = inward;
+    sphere.back_bsdf = outward;
+    room.description.shapes.push_back(sphere);
   }
   return room;
 }

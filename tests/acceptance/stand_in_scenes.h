@@ -1,6 +1,7 @@
 // Rooms of surfaces that have closed forms and of stand-ins that have none, and renders of them.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "scenes/scene_description.h"
@@ -28,6 +29,12 @@ struct StandInScene {
 /// A room with two polygon lights and something that throws shadows: floor diffuse, left wall Phong, right
 /// wall the same without a closed form. Paths without a depth limit.
 StandInScene stand_in_room(const RoomOptions& options = {});
+
+/// Glass of that index in a vacuum: the indices of what it is from outside and from inside.
+std::pair<int, int> add_glass(SceneDescription& scene, float index);
+
+/// The same room with balls of glass that reflects and refracts, and no mirror.
+StandInScene room_with_glass();
 
 /// A sphere that refracts and loses nothing, in an environment of radiance 1.
 StandInScene glass_ball(float index);

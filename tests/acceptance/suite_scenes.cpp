@@ -50,6 +50,58 @@ void path_with_control_variate(SceneDescription& scene) {
   param::max_depth(scene.integrator) = 5;
 }
 
+void whitted(SceneDescription& scene) {
+  use(scene.integrator, IntegratorKind::kWhitted);
+  param::max_depth(scene.integrator) = 5;
+  param::branch_depth(scene.integrator) = 3;
+  param::indirect_samples(scene.integrator) = 2;
+}
+
+void whitted_with_control_variate(SceneDescription& scene) {
+  whitted(scene);
+  param::next_event(scene.integrator) = NextEvent::kCv;
+  param::indirect_sampling(scene.integrator) = IndirectSampling::kUniform;
+}
+
+/// Returns the index.
+int add_bsdf(SceneDescription& scene, const BsdfModel& model) {
+  scene.bsdfs.push_back({"added", model});
+  return int(scene.bsdfs.size()) - 1;
+}
+
+void add_sphere(SceneDescription& scene, glm::dvec3 center, double radius, int front, int back) {
+  Shape sphere;
+  sphere.name = "added";
+  sphere.geometry = Sphere{.center = center, .radius = radius};
+  sphere.front_bsdf = front;
+  sphere.back_bsdf = back;
+  scene.shapes.push_back(sphere);
+}
+
+/// For the Cornell box of 556 units.
+void whitted_through_glass(SceneDescription& scene) {
+  const DielectricBsdf glass;
+  const int mirror = add_bsdf(scene, ConductorBsdf{}), pane = add_bsdf(scene, ThinDielectricBsdf{});
+  const int outside = add_bsdf(scene, glass), inside = add_bsdf(scene, glass.other_side());
+  add_sphere(scene, {200, 120, 150}, 90, outside, inside);
+  add_sphere(scene, {400, 350, 200}, 80, pane, pane);
+  add_sphere(scene, {150, 400, 250}, 70, mirror, mirror);
+  whitted(scene);
+  param::max_depth(scene.integrator) = 9;
+  param::branch_depth(scene.integrator) = 6;
+  param::indirect_samples(scene.integrator) = 1;
+}
+
+void ambient_occlusion(SceneDescription& scene) {
+  use(scene.integrator, IntegratorKind::kAmbientOcclusion);
+  param::vis_samples(scene.integrator) = 3;
+}
+
+void reflection_occlusion(SceneDescription& scene) {
+  use(scene.integrator, IntegratorKind::kReflectionOcclusion);
+  param::exponent(scene.integrator) = 777.25f;
+}
+
 /// Lobes of low and high, whole and broken exponents.
 void make_glossy(SceneDescription& scene) {
   const float exponents[] = {0, 1, 8.5f, 30, 777.25f, 1e4f};
@@ -224,6 +276,11 @@ const std::vector<SuiteScene>& suite_scenes() {
       {"NestedDirect", "cornell-small/cornell-small.xml", false, nest_directly},
       {"NestedControlVariate", "cornell-small/cornell-small.xml", false, nest_with_control_variate},
       {"NestedLookedThrough", "cornell/cornell.xml", false, nest_hidden},
+      {"CornellWhitted", "cornell/cornell.xml", false, whitted},
+      {"CornellWhittedGlass", "cornell/cornell.xml", false, whitted_through_glass},
+      {"VeachMisWhitted", "veach-mis/veach-mis.xml", false, whitted_with_control_variate},
+      {"CornellAmbientOcclusion", "cornell/cornell.xml", false, ambient_occlusion},
+      {"VeachMisReflectionOcclusion", "veach-mis/veach-mis.xml", false, reflection_occlusion},
       {"RaysOnEdges", "cornell-small/cornell-small.xml", false, rays_on_edges, true},
       {"CoincidentWalls", "cornell-small/cornell-small.xml", false, coincident_walls, true},
       {"BitterliCornellBox", "bitterli/cornell-box/scene.xml", true},

@@ -75,17 +75,35 @@ TEST_F(TinyRenderIllum, AllOthersButTheMirrorArePhongWhichIsBothToo) {
     expect_floor("illum " + std::to_string(illum) + "\n", kDiffuse, kSpecular);
 }
 
-TEST_F(TinyRenderIllum, FiveIsAMirrorAndRefused) {
+// A ray from the eye goes on from the floor to the lamp, of which it shows Ks, or beside it.
+TEST_F(TinyRenderIllum, FiveIsAMirror) {
   use(kRoom, floor_of("illum 5\n"));
-  const std::string text = scene_with(kDirect);
-  EXPECT_EQ(toml_error(text),
-            "m.mtl:5:7: error: the material 'white' is a mirror (illum 5), which Penumbra does not read; it "
-            "reads diffuse (illum 7) and Phong surfaces (other numbers)\n  illum 5\n        ^");
-  const SceneDescription lenient = good_toml(text, {.lenient = true});
-  EXPECT_EQ(warnings(lenient).substr(0, 60), "m.mtl:5:7: warning: the material 'white' is a mirror (illum ");
-  EXPECT_NE(warnings(lenient).find("; a magenta diffuse stands in for it"), std::string::npos);
-  const auto& stand_in = std::get<DiffuseBsdf>(lenient.bsdfs.at(0).model);
-  EXPECT_EQ(stand_in.reflectance, glm::vec3(0.8f, 0.2f, 0.8f));
+  SceneDescription scene = good_toml(scene_with(kDirect, "eye = [0.5, 1, 3]\nat = [0, 0, 0.8]\nfov = 50"));
+  const PinholeCamera camera{{0.5, 1, 3}, {0, 0, 0.8}, 50, scene.film.width, scene.film.height};
+  sample_pixel_centres(scene);
+  scene.sampler.spp = 1;
+  scene.integrator = integrator_of(IntegratorKind::kPath);
+  param::max_depth(scene.integrator) = 3;
+  const statistics::Image image = mean_image(render_or_throw(scene));
+  int lit = 0, unlit = 0;
+  for (int y = scene.film.height / 2; y < scene.film.height; ++y)
+    for (int x = 0; x < scene.film.width; ++x) {
+      const glm::dvec3 floor = camera.floor_point(x, y), out = (floor - camera.eye) * glm::dvec3(1, -1, 1);
+      if (!(out.y > 0)) continue;
+      const glm::dvec3 at = floor + out * (kHeight / out.y);
+      const double outside = std::max(std::abs(at.x), std::abs(at.z)) - kHalf;
+      if (std::abs(outside) < 1e-3) continue;
+      ++(outside < 0 ? lit : unlit);
+      EXPECT_NEAR(image.at(x, y, 1), outside < 0 ? kSpecular * kRadiance : 0, 1e-5) << x << ", " << y;
+    }
+  EXPECT_GT(lit, 20);
+  EXPECT_GT(unlit, 20);
+}
+
+TEST_F(TinyRenderIllum, AMirrorWithoutKsReflectsAll) {
+  use(kRoom, "newmtl white\nillum 5\nnewmtl lamp\nKe 10 10 10\n");
+  const SceneDescription scene = good_toml(scene_with(kDirect));
+  EXPECT_EQ(std::get<ConductorBsdf>(scene.bsdfs.at(0).model).specular_reflectance.value, glm::vec3(1.0f));
 }
 
 }  // namespace

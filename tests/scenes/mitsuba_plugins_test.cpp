@@ -393,6 +393,22 @@ TEST_F(MitsubaPlugins, Integrators) {
   EXPECT_EQ(param::emitter_sampling(chosen), EmitterSampling::kArea);
   EXPECT_EQ(param::heuristic(chosen), MisHeuristic::kPower);
   EXPECT_TRUE(chosen.hide_emitters);
+  const IntegratorSettings ambient =
+      integrator("ao", "<integer name='shadingSamples' value='3'/><float name='rayLength' value='-1'/>");
+  EXPECT_EQ(kind_of(ambient), IntegratorKind::kAmbientOcclusion);
+  EXPECT_EQ(param::vis_samples(ambient), 3);
+  EXPECT_EQ(param::ray_length(ambient), -1);
+  EXPECT_EQ(param::background(ambient), 1);
+  const IntegratorSettings whitted = integrator(
+      "whitted",
+      "<integer name='max_depth' value='4'/><integer name='branch_depth' value='2'/>"
+      "<integer name='indirect_samples' value='5'/><string name='indirect_sampling' value='uniform'/>");
+  EXPECT_EQ(kind_of(whitted), IntegratorKind::kWhitted);
+  EXPECT_EQ(param::max_depth(whitted), 4);
+  EXPECT_EQ(param::branch_depth(whitted), 2);
+  EXPECT_EQ(param::indirect_samples(whitted), 5);
+  EXPECT_EQ(param::indirect_sampling(whitted), IndirectSampling::kUniform);
+  EXPECT_EQ(param::exponent(integrator("ro", "<float name='exponent' value='7.5'/>")), 7.5f);
   const std::string inner = in("integrator", "path", "<integer name='max_depth' value='3'/>");
   const std::string aov = in("integrator", "aov", "<string name='aovs' value='d:depth'/>" + inner);
   EXPECT_EQ(param::max_depth(integrator("moment", aov)), 3);

@@ -147,6 +147,18 @@ TEST(Settings, ErrorsOfPolygonLightsSayWhatWouldBeRight) {
   EXPECT_TRUE(check_settings(scene));
   param::direct_sampling(scene.integrator) = DirectSampling::kBsdfOnly;
   EXPECT_THAT(check_settings(scene).error().message, HasSubstr("which direct_sampling = mats forbids"));
+  use(scene.integrator, IntegratorKind::kWhitted);
+  EXPECT_TRUE(check_settings(scene));
+  param::indirect_samples(scene.integrator) = 64;
+  EXPECT_THAT(check_settings(scene).error().message, HasSubstr("branch 64 times at each of 4 surfaces"));
+  param::max_depth(scene.integrator) = 3;
+  EXPECT_TRUE(check_settings(scene));
+  use(scene.integrator, IntegratorKind::kAmbientOcclusion);
+  EXPECT_TRUE(check_settings(scene));
+  param::weighting(scene.integrator) = OcclusionWeighting::kUniform;
+  EXPECT_THAT(check_settings(scene).error().message, HasSubstr("no finite variance"));
+  param::sampling(scene.integrator) = OcclusionSampling::kSphere;
+  EXPECT_TRUE(check_settings(scene));
 }
 
 TEST(Settings, ACropWindowFollowsTheFilmOnlyIfItWasAllOfIt) {
@@ -217,8 +229,8 @@ TEST(Settings, ParametersOfOtherIntegratorsAreErrors) {
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().message,
             "setting integrator.alpha: integrator 'direct' has no parameter 'alpha'; these have: path, "
-            "polygon_cv");
-  EXPECT_THAT(error("integrator.shading_samples", "1"), HasSubstr("these have: direct"));
+            "polygon_cv, whitted");
+  EXPECT_THAT(error("integrator.shading_samples", "1"), HasSubstr("these have: ao, direct"));
   // What is wrong with the value comes first.
   EXPECT_THAT(error("integrator.trace_shadows", "0"), HasSubstr("neither true nor false"));
 }

@@ -136,6 +136,57 @@ TEST_F(TinyRenderRenderer, PathDepthIsInEdges) {
               HasSubstr("not in the range"));
 }
 
+TEST_F(TinyRenderRenderer, AmbientOcclusion) {
+  const IntegratorSettings ambient = integrator("type = \"ao\"");
+  EXPECT_EQ(kind_of(ambient), IntegratorKind::kAmbientOcclusion);
+  EXPECT_EQ(param::sampling(ambient), OcclusionSampling::kCosine);
+  EXPECT_EQ(param::weighting(ambient), OcclusionWeighting::kCosine);
+  EXPECT_LT(param::ray_length(ambient), 0) << "half the scene's radius";
+  EXPECT_EQ(param::background(ambient), 0);
+  EXPECT_EQ(param::vis_samples(ambient), 1);
+  const auto sampling = [&](const std::string& name) {
+    return param::sampling(integrator("type = \"ao\"\nsampling_type = \"" + name + "\""));
+  };
+  EXPECT_EQ(sampling("cosine"), OcclusionSampling::kCosine);
+  EXPECT_EQ(sampling("hemisphere"), OcclusionSampling::kHemisphere);
+  EXPECT_EQ(sampling("sphere"), OcclusionSampling::kSphere);
+  EXPECT_THAT(
+      toml_error(scene_with("type = \"ao\"\nsampling_type = \"spere\"")),
+      HasSubstr("scene.toml:12:17: error: sampling_type 'spere' is not one that Penumbra reads; did you "
+                "mean 'sphere'?"));
+  EXPECT_EQ(warnings(good_toml(scene_with("type = \"ao\"\nexponent = 4"))),
+            "scene.toml:12:1: warning: exponent has no effect with type = ao\n");
+}
+
+TEST_F(TinyRenderRenderer, ReflectionOcclusion) {
+  const IntegratorSettings reflected = integrator("type = \"ro\"");
+  EXPECT_EQ(kind_of(reflected), IntegratorKind::kReflectionOcclusion);
+  EXPECT_EQ(param::exponent(reflected), 30);
+  EXPECT_EQ(param::ray_length(reflected), 0) << "no limit";
+  EXPECT_EQ(param::background(reflected), 0);
+  EXPECT_EQ(param::exponent(integrator("type = \"ro\"\nexponent = 2.5")), 2.5f);
+  EXPECT_THAT(toml_error(scene_with("type = \"ro\"\nexponent = -1")),
+              HasSubstr("scene.toml:12:12: error: [renderer] exponent: -1 is not at least 0"));
+}
+
+TEST_F(TinyRenderRenderer, GiIsPathTracing) {
+  const SceneDescription by_default = good_toml(scene_with("type = \"gi\"\nrealtime = true"));
+  EXPECT_EQ(kind_of(by_default.integrator), IntegratorKind::kPath);
+  EXPECT_EQ(param::direct_sampling(by_default.integrator), DirectSampling::kMis);
+  EXPECT_EQ(param::max_depth(by_default.integrator), 6);
+  EXPECT_EQ(by_default.sampler.spp, 100u);
+  EXPECT_EQ(warnings(by_default), "");
+  const SceneDescription given =
+      good_toml(scene_with("type = \"gi\"\nmaxDepth = 2\nrrDepth = 3\nrrProb = 0.5\nsamplesByVertex = 7\n"
+                           "isExplicit = false"));
+  EXPECT_EQ(param::max_depth(given.integrator), 3);
+  EXPECT_EQ(param::rr_depth(given.integrator), 4);
+  EXPECT_EQ(param::direct_sampling(given.integrator), DirectSampling::kBsdfOnly);
+  EXPECT_EQ(given.sampler.spp, 7u);
+  EXPECT_EQ(good_toml(scene_with("type = \"gi\"\nsamplesByVertex = 7\nspp = 3")).sampler.spp, 3u);
+  EXPECT_EQ(param::max_depth(integrator("type = \"gi\"\nmaxDepth = -1")), -1);
+}
+
 TEST_F(TinyRenderRenderer, Samples) {
   EXPECT_EQ(good_toml(scene_with(kDirect)).sampler.spp, 1u);
   EXPECT_EQ(good_toml(scene_with("type = \"direct\"\nspp = 17")).sampler.spp, 17u);
@@ -146,14 +197,15 @@ TEST_F(TinyRenderRenderer, Samples) {
 }
 
 TEST_F(TinyRenderRenderer, OtherTypesAndNames) {
-  for (const char* type : {"normal", "ao", "ro", "simple", "gi"}) {
+  for (const char* type : {"normal", "ssao", "simple"}) {
     EXPECT_THAT(toml_error(scene_with("type = \"" + std::string(type) + "\"\nexponent = 30")),
                 AllOf(HasSubstr("scene.toml:11:8: error: renderer type '" + std::string(type) +
                                 "' is not one that Penumbra reads"),
-                      HasSubstr("it reads: direct, polygonal, path\n  type = "), HasSubstr("\n         ^")));
+                      HasSubstr("it reads: direct, polygonal, path, gi, ao, ro\n  type = "),
+                      HasSubstr("\n         ^")));
   }
   EXPECT_THAT(toml_error(scene_with("type = \"polygonol\"")), HasSubstr("did you mean 'polygonal'?"));
-  const SceneDescription stand_in = good_toml(scene_with("type = \"ao\""), {.lenient = true});
+  const SceneDescription stand_in = good_toml(scene_with("type = \"ssao\""), {.lenient = true});
   EXPECT_EQ(kind_of(stand_in.integrator), IntegratorKind::kDirect);
   EXPECT_THAT(warnings(stand_in), HasSubstr("direct stands in for it"));
   EXPECT_THAT(

@@ -9,7 +9,16 @@
 namespace penumbra {
 
 /// In the order of IntegratorMethod.
-enum class IntegratorKind { kDirect, kPath, kPolygonAnalytic, kPolygonArea, kPolygonCv };
+enum class IntegratorKind {
+  kDirect,
+  kPath,
+  kPolygonAnalytic,
+  kPolygonArea,
+  kPolygonCv,
+  kWhitted,
+  kAmbientOcclusion,
+  kReflectionOcclusion
+};
 
 inline IntegratorKind kind_of(const IntegratorSettings& settings) {
   return IntegratorKind(settings.method.index());
@@ -26,7 +35,7 @@ inline void use(IntegratorSettings& settings, IntegratorKind kind) {
 
 /// Of a path; other integrators find direct light alone anyway.
 inline void limit_depth(IntegratorSettings& settings, int edges) {
-  if (auto* path = std::get_if<PathIntegrator>(&settings.method)) path->max_depth = edges;
+  with_parameter(settings, PENUMBRA_PARAMETER(max_depth), [&](int& depth) { depth = edges; });
 }
 
 namespace param {
@@ -61,6 +70,14 @@ PENUMBRA_TEST_PARAMETER(int, vis_samples)
 PENUMBRA_TEST_PARAMETER(std::optional<float>, alpha)
 PENUMBRA_TEST_PARAMETER(CvEstimator, estimator)
 PENUMBRA_TEST_PARAMETER(NextEvent, next_event)
+PENUMBRA_TEST_PARAMETER(int, branch_depth)
+PENUMBRA_TEST_PARAMETER(int, indirect_samples)
+PENUMBRA_TEST_PARAMETER(IndirectSampling, indirect_sampling)
+PENUMBRA_TEST_PARAMETER(OcclusionSampling, sampling)
+PENUMBRA_TEST_PARAMETER(OcclusionWeighting, weighting)
+PENUMBRA_TEST_PARAMETER(float, exponent)
+PENUMBRA_TEST_PARAMETER(float, ray_length)
+PENUMBRA_TEST_PARAMETER(float, background)
 #undef PENUMBRA_TEST_PARAMETER
 
 }  // namespace param

@@ -71,6 +71,7 @@ constexpr std::uint32_t kMasks[] = {FEATURE_PATH,
                                     FEATURE_DIRECT | FEATURE_UV,
                                     FEATURE_PATH | FEATURE_POLYGONS,
                                     FEATURE_DIRECT | FEATURE_POLYGONS | FEATURE_LAYERS,
+                                    FEATURE_WHITTED | FEATURE_TRANSMISSION,
                                     FEATURE_ALL};
 
 template <typename Check>

@@ -31,6 +31,8 @@ const NamedMask kMasks[] = {
     {"PathWithUv", FEATURE_PATH | FEATURE_UV},
     {"DirectWithPolygons", FEATURE_DIRECT | FEATURE_POLYGONS | FEATURE_RATIO},
     {"PathWithPolygonsAndLayers", FEATURE_PATH | FEATURE_POLYGONS | FEATURE_PROJECTED | FEATURE_LAYERS},
+    {"Whitted", FEATURE_WHITTED},
+    {"Occlusion", FEATURE_OCCLUSION | FEATURE_LAYERS},
     {"NoIntegrator", FEATURE_QUADRICS | FEATURE_MIXED_FAMILIES},
     {"All", FEATURE_ALL}};
 
@@ -49,6 +51,10 @@ std::vector<Field> path_fields(std::uint32_t features, const PathState& paths) {
 #define LIST_FIELD(type, name, needs, travels) \
   fields.push_back({#name, is_stored(features, needs), paths.name, kWords<type>});
   PATH_FIELDS(LIST_FIELD)
+#undef LIST_FIELD
+#define LIST_FIELD(type, name, needs, travels) \
+  fields.push_back({#name, is_stored(features, needs), paths.name, MAX_BRANCH_DEPTH * kWords<type>});
+  STACKED_FIELDS(LIST_FIELD)
 #undef LIST_FIELD
   return fields;
 }
@@ -142,9 +148,38 @@ TEST(PathState, WhatNoFeatureNeedsTakesNothing) {
   EXPECT_EQ(path_words(FEATURE_PATH | FEATURE_UV), least) << "needs both features";
   EXPECT_EQ(path_words(FEATURE_PATH | FEATURE_PROJECTED), least + kWords<vec3>) << "a normal";
   EXPECT_GT(path_words(FEATURE_PATH | FEATURE_POLYGONS), least);
+  int branch = 0;
+#define ADD_WORDS(sum, type, name) (sum) += kWords<type>;
+  BRANCH_FIELDS(ADD_WORDS, branch)
+#undef ADD_WORDS
+  EXPECT_EQ(path_words(FEATURE_WHITTED), least + 3 + MAX_BRANCH_DEPTH * branch) << "a stack";
+  EXPECT_EQ(path_words(FEATURE_OCCLUSION), path_words(FEATURE_DIRECT)) << "it keeps a surface too";
   EXPECT_EQ(slot_words(FEATURE_DIRECT), slot_words(FEATURE_PATH));
   EXPECT_GT(slot_words(FEATURE_PATH | FEATURE_LAYERS), slot_words(FEATURE_PATH));
   EXPECT_GT(slot_words(FEATURE_PATH | FEATURE_POLYGONS), slot_words(FEATURE_PATH));
+}
+
+TEST(PathState, BranchesAreThoseOfTheirPlaceAndLevel) {
+  BlockMemory memory(FEATURE_WHITTED, kCapacity, 0);
+  const PathState paths = memory.block().paths;
+  const auto value = [](int place, int level) {
+    Branch b;
+    int field = level;
+#define SET_FIELD(_, type, name) b.name = value_of<type>(field += MAX_BRANCH_DEPTH, place);
+    BRANCH_FIELDS(SET_FIELD, _)
+#undef SET_FIELD
+    return b;
+  };
+  for (int place = 0; place < kCapacity; ++place)
+    for (int level = 0; level < MAX_BRANCH_DEPTH; ++level)
+      stack_branch(&paths, place, level, value(place, level));
+  for (int place = 0; place < kCapacity; ++place)
+    for (int level = 0; level < MAX_BRANCH_DEPTH; ++level) {
+      const Branch b = stacked_branch(&paths, place, level), expected = value(place, level);
+#define CHECK_FIELD(_, type, name) EXPECT_TRUE(same(b.name, expected.name)) << #name << place << level;
+      BRANCH_FIELDS(CHECK_FIELD, _)
+#undef CHECK_FIELD
+    }
 }
 
 TEST(PathState, HasFlagsThatAreTrueHoweverTheyAreStored) {

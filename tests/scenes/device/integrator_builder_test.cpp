@@ -1,6 +1,7 @@
 // What an integrator's settings and a scene's lights come to in the header of the device scene, which
 // features that takes, and which settings contradict each other.
 #include "scenes/device/integrator_builder.h"
+#include "kernels/math/math.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -264,6 +265,70 @@ TEST(IntegratorBuilder, DepthsAndFlags) {
     EXPECT_EQ(header(kind).features & (FEATURE_PATH | FEATURE_DIRECT),
               unsigned(kind == kPath ? FEATURE_PATH : FEATURE_DIRECT));
   }
+}
+
+TEST(IntegratorBuilder, EachIntegratorHasItsKernelAndFeature) {
+  const std::pair<int, std::uint32_t> expected[] = {
+      {INTEGRATOR_DIRECT, FEATURE_DIRECT},       {INTEGRATOR_PATH, FEATURE_PATH},
+      {INTEGRATOR_DIRECT, FEATURE_DIRECT},       {INTEGRATOR_DIRECT, FEATURE_DIRECT},
+      {INTEGRATOR_DIRECT, FEATURE_DIRECT},       {INTEGRATOR_WHITTED, FEATURE_WHITTED},
+      {INTEGRATOR_OCCLUSION, FEATURE_OCCLUSION}, {INTEGRATOR_OCCLUSION, FEATURE_OCCLUSION}};
+  ASSERT_EQ(std::size(expected), integrator_methods().size());
+  for (std::size_t i = 0; i < std::size(expected); ++i) {
+    const SceneHeader h = header(IntegratorKind(i));
+    EXPECT_EQ(h.integrator.kind, expected[i].first) << i;
+    EXPECT_EQ(h.features & (FEATURE_PATH | FEATURE_DIRECT | FEATURE_WHITTED | FEATURE_OCCLUSION),
+              expected[i].second)
+        << i;
+  }
+}
+
+TEST(IntegratorBuilder, WhittedSamplesDirectionsAndLights) {
+  const IntegratorParameters by_default = header(kWhitted).integrator;
+  EXPECT_EQ(by_default.bsdf_samples, 1);
+  EXPECT_EQ(by_default.bsdf_sampling, DIRECTION_COSINE);
+  EXPECT_EQ(by_default.branch_depth, 4);
+  EXPECT_EQ(by_default.max_depth, INT_MAX);
+  EXPECT_EQ(by_default.direct_sampling, SAMPLING_MIS);
+  const IntegratorParameters changed = header(kWhitted, [](S& s) {
+                                         param::indirect_samples(s.integrator) = 3;
+                                         param::indirect_sampling(s.integrator) = IndirectSampling::kUniform;
+                                         param::branch_depth(s.integrator) = 2;
+                                         param::max_depth(s.integrator) = 7;
+                                       }).integrator;
+  EXPECT_EQ(changed.bsdf_samples, 3);
+  EXPECT_EQ(changed.bsdf_sampling, DIRECTION_UNIFORM);
+  EXPECT_EQ(changed.branch_depth, 2);
+  EXPECT_EQ(changed.max_depth, 7);
+  EXPECT_EQ(header(kWhitted, with_cv).integrator.estimator, ESTIMATOR_AUTO);
+  EXPECT_EQ(header(kPath).integrator.bsdf_sampling, DIRECTION_BSDF) << "the default of direct";
+}
+
+TEST(IntegratorBuilder, RaysOfOcclusionHaveALength) {
+  const auto length = [](IntegratorKind kind, float given) {
+    return header(kind, [=](S& s) { param::ray_length(s.integrator) = given; }).integrator.ray_length;
+  };
+  for (const IntegratorKind kind : {kAmbientOcclusion, kReflectionOcclusion}) {
+    EXPECT_EQ(length(kind, 2.5f), 2.5f);
+    EXPECT_EQ(length(kind, 0), NO_LIMIT);
+    glm::dvec3 low(1e30), high(-1e30);
+    for (const Shape& shape : under_a_square(kind).shapes)
+      for (const dvec3& p : std::get<Mesh>(shape.geometry).positions) {
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+      }
+    EXPECT_EQ(length(kind, -1), float(0.25 * glm::length(high - low)));
+  }
+  EXPECT_EQ(header(kAmbientOcclusion).integrator.bsdf_sampling, DIRECTION_COSINE);
+  EXPECT_EQ(header(kReflectionOcclusion).integrator.bsdf_sampling, DIRECTION_LOBE);
+  EXPECT_EQ(header(kReflectionOcclusion).integrator.exponent, 30);
+  EXPECT_EQ(header(kAmbientOcclusion,
+                   [](S& s) {
+                     param::sampling(s.integrator) = OcclusionSampling::kSphere;
+                     param::weighting(s.integrator) = OcclusionWeighting::kUniform;
+                   })
+                .integrator.bsdf_sampling,
+            DIRECTION_SPHERE);
 }
 
 // --- what is not there

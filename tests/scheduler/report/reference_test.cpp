@@ -78,6 +78,35 @@ TEST(ReferenceChoice, EstimatesTheSameByOtherMeans) {
   EXPECT_NE(choose_reference(path)[0].sampler, choose_reference(path)[1].sampler);
 }
 
+TEST(ReferenceChoice, WhittedIsPathAndWhatNoOtherEstimatesIsItsOwn) {
+  IntegratorSettings path, whitted;
+  param::max_depth(path) = 5;
+  whitted = path;
+  use(whitted, IntegratorKind::kWhitted);
+  EXPECT_EQ(estimated_quantity(path), estimated_quantity(whitted));
+  EXPECT_EQ(choose_reference(whitted)[0].integrator, "path_mis");
+  param::indirect_samples(whitted) = 0;
+  EXPECT_NE(estimated_quantity(path), estimated_quantity(whitted));
+  EXPECT_EQ(choose_reference(whitted)[0].integrator, "whitted");
+  for (const IntegratorKind kind :
+       {IntegratorKind::kAmbientOcclusion, IntegratorKind::kReflectionOcclusion}) {
+    IntegratorSettings occlusion, longer;
+    use(occlusion, kind);
+    longer = occlusion;
+    param::ray_length(longer) = 3;
+    EXPECT_NE(estimated_quantity(occlusion), estimated_quantity(longer));
+    const auto halves = choose_reference(longer);
+    EXPECT_EQ(halves[0].integrator, method_name(longer.method));
+    EXPECT_EQ(halves[0].settings, halves[1].settings);
+    EXPECT_NE(halves[0].sampler, halves[1].sampler);
+    EXPECT_NE(std::ranges::find(halves[0].settings, "integrator.ray_length=3"), halves[0].settings.end());
+    param::vis_samples(longer) = 9;
+    IntegratorSettings fewer = longer;
+    param::vis_samples(fewer) = 1;
+    EXPECT_EQ(estimated_quantity(longer), estimated_quantity(fewer));
+  }
+}
+
 TEST(ReferenceChoice, HasFiftyTimesTheSamples) {
   for (const std::uint32_t largest : {1u, 16u, 64u, 1000u})
     EXPECT_GE(2 * std::uint64_t(half_reference_spp(largest, 0)), kReferenceFactor * largest);

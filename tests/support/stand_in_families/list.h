@@ -14,11 +14,11 @@
   X(phong_g, PHONG_G, FAMILY_PHONG_G, SEVERAL_LOBES, "7") \
   X(phong_h, PHONG_H, FAMILY_PHONG_H, SEVERAL_LOBES, "8")
 
-#define EXTRA_BSDF_FAMILIES(X)                                                      \
-  X(mirror, MIRROR, FAMILY_MIRROR, 0, "mirror")                                     \
-  X(window, WINDOW, FAMILY_WINDOW, TRANSMITS, "pane that bends nothing")            \
-  X(refracting, REFRACTING, FAMILY_REFRACTING, TRANSMITS, "glass without Fresnel")  \
-  X(glossy, GLOSSY, FAMILY_GLOSSY, SEVERAL_LOBES, "Phong BSDF without closed form") \
+#define EXTRA_BSDF_FAMILIES(X)                                                             \
+  X(mirror, MIRROR, FAMILY_MIRROR, DELTA, "mirror")                                        \
+  X(window, WINDOW, FAMILY_WINDOW, TRANSMITS | DELTA, "pane that bends nothing")           \
+  X(refracting, REFRACTING, FAMILY_REFRACTING, TRANSMITS | DELTA, "glass without Fresnel") \
+  X(glossy, GLOSSY, FAMILY_GLOSSY, SEVERAL_LOBES, "Phong BSDF without closed form")        \
   EIGHT_PHONGS(X)
 
 #endif

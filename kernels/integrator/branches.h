@@ -1,0 +1,89 @@
+// The branches that paths have left for later, where an integrator follows several: a path takes one of them,
+// stacks the others, and when it ends takes the last of those. Depth first, so one for each surface on the
+// way from the camera is all that a path ever has.
+#ifndef PENUMBRA_BRANCHES_H
+#define PENUMBRA_BRANCHES_H
+#include "kernels/integrator/step.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+#if HAS(WHITTED)
+/// The random numbers of another branch of a path of pixel sequence `hash`: a sequence of its own, whose
+/// points are spread over the same pixels' neighbours.
+FN int branch_sequence(int hash, int branch) {
+  const uint other = hash_uint((uint)hash ^ hash_uint((uint)branch));
+  return (int)((other & ~TILE_PLACE) | ((uint)hash & TILE_PLACE));
+}
+
+STAGE void start_branches(const PRIVATE PathState* paths, int i) {
+  LANE_LOOP
+    for (int j = i; j < i + LANES; j++) {
+      set_branch_place(paths, j, j);
+      set_branch_count(paths, j, 0);
+      set_revisit(paths, j, 0);
+    }
+}
+
+/// The branch that starts with the path's last ray, again.
+FN Branch arriving_branch(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int more) {
+  Branch b;
+  b.origin = get_ray_origin(paths, i);
+  b.direction = get_ray_direction(paths, i);
+  b.throughput = get_throughput(paths, i);
+  b.depth = get_depth(paths, i);
+  b.skip = get_ray_skip(paths, i);
+  b.eta = 1.0f;
+  #if HAS(TRANSMISSION)
+  if (NEEDS(scene, TRANSMISSION)) b.eta = get_eta(paths, i);
+  #endif
+  b.pixel_hash = get_pixel_hash(paths, i);
+  b.more = more;
+  return b;
+}
+
+FN void push_branch(const PRIVATE PathState* paths, int i, Branch b) {
+  const int count = get_branch_count(paths, i);
+  stack_branch(paths, get_branch_place(paths, i), count, b);
+  set_branch_count(paths, i, count + 1);
+}
+
+/// The path goes on along the branch. No light on its next hit is found by another strategy too: the ray
+/// leaves a mirror or leads back to a surface.
+FN void follow_branch(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, Branch b) {
+  set_ray_origin(paths, i, b.origin);
+  set_ray_direction(paths, i, b.direction);
+  set_ray_tmax(paths, i, NO_LIMIT);
+  set_ray_skip(paths, i, b.skip);
+  set_direction_pdf(paths, i, DELTA_PDF);
+  set_throughput(paths, i, b.throughput);
+  set_depth(paths, i, b.depth);
+  set_revisit(paths, i, b.more);
+  set_pixel_hash(paths, i, b.more > 0 ? branch_sequence(b.pixel_hash, b.more) : b.pixel_hash);
+  set_alive(paths, i, true);
+  #if HAS(TRANSMISSION)
+  if (NEEDS(scene, TRANSMISSION)) set_eta(paths, i, b.eta);
+  #endif
+  #if HAS(POLYGONS)
+  if (NEEDS(scene, POLYGONS)) set_left_controlled(paths, i, false);
+  #endif
+}
+
+/// Paths from lane i on that have ended take their last branch, if they have one. `count`: of the lanes that
+/// are paths. (Those beyond repeat the last path, and its branches are not theirs.)
+STAGE void take_branches(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int count) {
+  for (int j = i; j < min_i(i + LANES, count); j++) {
+    const int branches = get_branch_count(paths, j), place = get_branch_place(paths, j);
+    if (get_alive(paths, j) || branches == 0) continue;
+    Branch b = stacked_branch(paths, place, branches - 1);
+    follow_branch(scene, paths, j, b);
+    b.more--;
+    if (b.more > 0)
+      stack_branch(paths, place, branches - 1, b);
+    else
+      set_branch_count(paths, j, branches - 1);
+  }
+}
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif

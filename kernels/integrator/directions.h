@@ -1,0 +1,57 @@
+// Directions that an integrator chooses itself, about the shading normal, instead of leaving them to the
+// BSDFs.
+#ifndef PENUMBRA_DIRECTIONS_H
+#define PENUMBRA_DIRECTIONS_H
+#include "kernels/integrator/step.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// Density of the scene's way of choosing directions about the surface's shading normal.
+FN float direction_pdf(int kind, vec3 n, vec3 wi, float bsdf_pdf) {
+  const float cosine = max_f(dot3(n, wi), 0.0f);
+  const float pdf = kind == DIRECTION_COSINE ? cosine * INV_PI_F : (cosine > 0.0f ? 0.5f * INV_PI_F : 0.0f);
+  return kind == DIRECTION_BSDF ? bsdf_pdf : pdf;
+}
+
+#if HAS(DIRECT) || HAS(WHITTED)
+STAGE void direction_samples(int kind, const PRIVATE Surfaces* RESTRICT surfaces,
+                             const PRIVATE float* RESTRICT uv, PRIVATE float* RESTRICT wi) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const vec3 n = LOAD_LANE_vec3(surfaces->shading, j);
+      const vec3 by_cosine = sample_cosine_hemisphere(n, uv[j], uv[LANES + j]);
+      const vec3 by_area = sample_uniform_hemisphere(n, uv[j], uv[LANES + j]);
+      STORE_LANE_vec3(wi, j, select3(kind == DIRECTION_COSINE, by_cosine, by_area));
+    }
+}
+
+STAGE void weigh_directions(int kind, const PRIVATE Surfaces* RESTRICT surfaces,
+                            const PRIVATE float* RESTRICT wi, const PRIVATE BsdfValues* RESTRICT values,
+                            PRIVATE BsdfSamples* RESTRICT samples) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const BsdfValue value = load_bsdf_value(values, j);
+      BsdfSample s = no_bsdf_sample();
+      s.wi = LOAD_LANE_vec3(wi, j);
+      const float pdf = direction_pdf(kind, LOAD_LANE_vec3(surfaces->shading, j), s.wi, value.pdf);
+      s.pdf = value.pdf > 0.0f ? pdf : 0.0f;
+      s.weight = scale(value.f_cos, 1.0f / (pdf > 0.0f ? pdf : 1.0f));
+      store_bsdf_sample(samples, j, s);
+    }
+}
+
+/// Directions that the scene does not leave to the BSDFs, and the values of the closures of these families
+/// for them, as samples.
+FN void choose_directions(const PRIVATE Scene* scene, uint families, const PRIVATE StepLanes* step,
+                          PRIVATE BsdfSamples* samples) {
+  const PRIVATE SceneHeader* h = &scene->header;
+  float wi[3 * LANES];
+  BsdfValues values;
+  direction_samples(h->integrator.bsdf_sampling, &step->surfaces, step->u + DIM_BSDF_U * LANES, wi);
+  eval_bsdfs(scene, families, &step->closures, &step->surfaces, wi, &values);
+  weigh_directions(h->integrator.bsdf_sampling, &step->surfaces, wi, &values, samples);
+}
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,98 @@
+// How open the surroundings of what the camera sees are: ambient occlusion, the share of directions in which
+// nothing is near, and reflection occlusion, the same of a lobe about the mirror direction. Lights and
+// materials play no part. In steps: step k asks for the k-th ray from the surface that the camera ray hit.
+#ifndef PENUMBRA_INTEGRATOR_OCCLUSION_H
+#define PENUMBRA_INTEGRATOR_OCCLUSION_H
+#include "kernels/bsdf/phong.h"
+#include "kernels/integrator/kept_surfaces.h"
+#include "kernels/integrator/step.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+#if HAS(OCCLUSION)
+/// A direction about the unit normal n by its DIRECTION_*; `mirror` is that of the viewer.
+FN vec3 occlusion_direction(int kind, float exponent, vec3 n, vec3 mirror, float u, float v) {
+  const vec3 cosine = sample_cosine_hemisphere(n, u, v), hemisphere = sample_uniform_hemisphere(n, u, v);
+  const vec3 sphere = sample_uniform_sphere(u, v), lobe = sample_cosine_power(mirror, exponent, u, v);
+  const vec3 about_normal = select3(kind == DIRECTION_COSINE, cosine, hemisphere);
+  const vec3 elsewhere = select3(kind == DIRECTION_SPHERE, sphere, lobe);
+  return select3((kind == DIRECTION_COSINE) | (kind == DIRECTION_UNIFORM), about_normal, elsewhere);
+}
+
+/// What a direction at this cosine to the normal counts for over its density: cos / pi, or 1 / (2 pi), above
+/// the surface; with DIRECTION_LOBE (n + 2) / (2 pi) cos^n alpha cos, alpha being its angle to the mirror
+/// direction and n the exponent.
+FN float occlusion_weight(int kind, int weighting, float exponent, float cosine) {
+  const float wanted = weighting == WEIGHTING_UNIFORM ? 0.5f : cosine;  // times 1 / pi
+  const float density = kind == DIRECTION_COSINE ? cosine : (kind == DIRECTION_SPHERE ? 0.25f : 0.5f);
+  const float of_lobe = (exponent + 2.0f) / (exponent + 1.0f) * cosine;
+  return kind == DIRECTION_LOBE ? of_lobe : wanted / density;
+}
+
+/// What camera rays see that meet nothing.
+STAGE void add_background(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                          const PRIVATE Surfaces* RESTRICT surfaces) {
+  const float background = scene->header.integrator.background;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const float seen = surfaces->primitive[j] >= 0 ? 0.0f : background;
+      set_radiance(paths, i + j, make_vec3(seen, seen, seen));
+    }
+}
+
+STAGE void request_occlusion_rays(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                                  const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE float* RESTRICT u,
+                                  const PRIVATE float* RESTRICT v) {
+  const PRIVATE SceneHeader* h = &scene->header;
+  const int kind = h->integrator.bsdf_sampling, weighting = h->integrator.weighting;
+  const float exponent = h->integrator.exponent, length = h->integrator.ray_length;
+  const float share = 1.0f / (float)h->integrator.emitter_samples;
+  const PathState fields = *paths;  // see step.h
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(surfaces, j);
+      const vec3 mirror = sub(scale(s.shading, 2.0f * dot3(s.shading, s.wo)), s.wo);
+      const vec3 wi = occlusion_direction(kind, exponent, s.shading, mirror, u[j], v[j]);
+      const float cosine = dot3(s.shading, wi);
+      const bool above = is_hit(s) & (cosine > 0.0f) & !is_beneath(s, wi);
+      const float weight = share * occlusion_weight(kind, weighting, exponent, above ? cosine : 1.0f);
+      set_shadow_origin(&fields, i + j, leave_surface(s.p, s.geometric, s.error, wi));
+      set_shadow_direction(&fields, i + j, wi);
+      set_shadow_radiance(&fields, i + j, make_vec3(weight, weight, weight));
+      set_shadow_tmax(&fields, i + j, above ? length : -1.0f);
+      set_shadow_skip(&fields, i + j, s.primitive);
+    }
+}
+
+/// The k-th step.
+FN void step_occlusion(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int k,
+                       const PRIVATE SlotState* slots) {
+  const PRIVATE SceneHeader* h = &scene->header;
+  const int samples = h->integrator.emitter_samples;
+  Surfaces surfaces;
+  float u[LANES], v[LANES];
+  for (int i = 0; i < count; i += LANES) {
+    if (k == 0) {
+      find_surfaces(scene, paths, i, &surfaces);
+      add_background(scene, paths, i, &surfaces);
+    }
+    if (k == 0 && samples > 1) keep_surfaces(paths, i, &surfaces);
+    if (k > 0) load_kept_surfaces(paths, i, &surfaces);
+  #if HAS(LAYERS)
+    if (NEEDS(scene, LAYERS) && k == 0) {
+      Closures closures;
+      for (int j = 0; j < LANES; j++) store_closure(&closures, j, black_closure());
+      resolve_closures(scene, &surfaces, &closures);
+      record_layers(&surfaces, &closures, paths, i, slots);
+    }
+  #endif
+    sample_pair(h->sampler.kind, sequence_length(h), nth_point(step_point(PAIR_BSDF), samples, k), paths, i,
+                u, v);
+    begin_steps(paths, i, &surfaces, k + 1 >= samples);
+    request_occlusion_rays(scene, paths, i, &surfaces, u, v);
+  }
+}
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif
