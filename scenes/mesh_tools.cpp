@@ -31,6 +31,19 @@ bool is_flat(const Mesh& mesh, const glm::uvec3& t) {
   return !(glm::length(glm::cross((b - a) / longest, (c - a) / longest)) > kFlatTriangle);
 }
 
+std::size_t drop_flat_triangles(Mesh& mesh) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (is_flat(mesh, mesh.triangles[i])) continue;
+    if (!mesh.face_colours.empty()) mesh.face_colours[kept] = mesh.face_colours[i];
+    mesh.triangles[kept++] = mesh.triangles[i];
+  }
+  const std::size_t dropped = mesh.triangles.size() - kept;
+  mesh.triangles.resize(kept);
+  if (!mesh.face_colours.empty()) mesh.face_colours.resize(kept);
+  return dropped;
+}
+
 double angle(glm::dvec3 u, glm::dvec3 v) { return std::atan2(glm::length(glm::cross(u, v)), glm::dot(u, v)); }
 
 /// Angle-weighted sums of the unit normals of the faces about each vertex, not normalised.
@@ -118,8 +131,7 @@ Expected<MeshCleaning> place_mesh(Mesh& mesh, const glm::dmat4& to_world, bool f
       return fail(fmt::format("the texture coordinates of vertex {} are too large", i + 1));
     }
   }
-  cleaning.flat_triangles =
-      std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return is_flat(mesh, t); });
+  cleaning.flat_triangles = drop_flat_triangles(mesh);
   if (face_normals) mesh.normals.clear();
   if (!mesh.normals.empty()) {
     cleaning.bad_normals = transform_normals(mesh, normal_matrix(to_world));

@@ -64,6 +64,7 @@ class PluginReader {
   void read(std::string_view name, float& number, const NumberWithin& values);
   void read(std::string_view name, bool& value, const TrueOrFalse& values);
   void read(std::string_view name, std::string& value, const FileName& values);
+  void read(std::string_view name, std::int64_t& value, const WholeNumber& values);
   template <typename T>
   void read(std::string_view name, T& value, const OneOf<T>& values) {
     if (!has(name)) return skip_parameter(name);

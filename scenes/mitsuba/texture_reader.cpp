@@ -50,7 +50,9 @@ std::optional<int> TextureReader::read(const Object& object) {
 
 std::optional<SceneTexture> TextureReader::read_new(const Object& object) {
   PluginReader plugin(context_, object);
-  const auto* known = find_plugin(kTextures, object.type);
+  // Mitsuba 0.6 has its own name for the colours of vertices.
+  const bool vertex_colours = object.type == "vertexcolors";
+  const auto* known = find_plugin(kTextures, vertex_colours ? MeshAttributeTexture::kPlugin : object.type);
   if (known == nullptr) {
     context_.unknown_plugin(object, plugin_types(kTextures), "a magenta checkerboard stands in for it");
     plugin.skip();

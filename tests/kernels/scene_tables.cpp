@@ -24,6 +24,8 @@ void SceneTables::add_sphere(const vec3& center, float radius, float orientation
   q.center = center;
   q.radius = radius;
   q.orientation = orientation;
+  q.x_axis = make_vec3(1, 0, 0);
+  q.y_axis = make_vec3(0, 1, 0);
   q.light = -1;
   quadrics.push_back(q);
 }
@@ -35,6 +37,8 @@ void SceneTables::add_disk(const vec3& center, const vec3& normal, float radius)
   q.normal = normal;
   q.radius = radius;
   q.orientation = 1;
+  q.x_axis = from_frame(normal, 1, 0, 0);
+  q.y_axis = from_frame(normal, 0, 1, 0);
   q.light = -1;
   quadrics.push_back(q);
 }
