@@ -26,9 +26,9 @@ struct Mesh {
   std::vector<glm::dvec3> positions;
   std::vector<glm::vec3> normals;    ///< one for each position, unit, or empty: faceted
   std::vector<glm::vec2> texcoords;  ///< one for each position, or empty
-  std::vector<glm::vec3> colours;    ///< linear, one for each position, or empty
+  std::vector<glm::vec3> colours{};  ///< linear, one for each position, or empty
   std::vector<glm::uvec3> triangles;
-  std::vector<glm::vec3> face_colours;  ///< linear, one for each triangle, or empty
+  std::vector<glm::vec3> face_colours{};  ///< linear, one for each triangle, or empty
 };
 
 /// The front (emitting) side is outside unless `Shape::flip_normals`.

@@ -30,7 +30,7 @@ enum { TEXTURE_KINDS(ENUMERATE_KIND) TEXTURE_KIND_COUNT = 0 TEXTURE_KINDS(COUNT_
   #define TEXTURE_KINDS_MASK ALL_TEXTURE_KINDS
 #endif
 
-#define LEAST_TEXELS 256  // words that kernels read whatever the textures
+#define LEAST_TEXELS 3  // words that kernels read whatever the textures
 
 #define MAX_NOISE_OCTAVES 10
 

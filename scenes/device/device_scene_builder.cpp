@@ -16,8 +16,8 @@
 #include "scenes/device/integrator_builder.h"
 #include "scenes/device/light_builder.h"
 #include "scenes/device/scene_records.h"
-#include "scenes/device/texel_table.h"
 #include "scenes/device/texture_coordinates.h"
+#include "scenes/device/texture_tables.h"
 #include "scenes/device/to_vec3.h"
 
 namespace penumbra {
@@ -122,24 +122,12 @@ class Builder {
   }
 
   void add_textures() {
-    TexelTable texels(scene_.bitmaps);
-    for (const SceneTexture& texture : scene_.textures) {
-      records_.textures.push_back(texture_of(texture));
-      if (const auto* bitmap = std::get_if<BitmapTexture>(&texture.model))
-        texels.place(*bitmap, records_.textures.back());
-      if (const auto* colours = std::get_if<MeshAttributeTexture>(&texture.model))
-        records_.textures.back().attribute = place_attribute(colours->attribute);
-      h_.texture_kinds |= 1u << records_.textures.back().kind;
-    }
-    records_.texels = texels.take();
+    TextureTables tables = texture_tables(scene_, records_.materials);
+    for (const TextureNode& texture : tables.textures) h_.texture_kinds |= 1u << texture.kind;
+    records_.textures = std::move(tables.textures);
+    records_.texels = std::move(tables.texels);
+    attributes_ = std::move(tables.attributes);
     need(FEATURE_TEXTURES | FEATURE_UV);
-  }
-
-  int place_attribute(MeshAttribute attribute) {
-    const auto found = std::ranges::find(attributes_, attribute);
-    const int index = int(found - attributes_.begin());
-    if (found == attributes_.end()) attributes_.push_back(attribute);
-    return index;
   }
 
   void add_shape(const Shape& shape) {

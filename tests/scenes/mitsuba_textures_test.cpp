@@ -254,6 +254,31 @@ TEST_F(MitsubaTextures, EqualFilesAreReadAndShippedOnce) {
   EXPECT_EQ(nodes[1].u_by_u, 2.0f);
 }
 
+TEST_F(MitsubaTextures, ThoseThatNothingShowsAreNotShipped) {
+  write_tga("a.tga", 4, 4, 1, std::vector<std::uint8_t>(16, 7));
+  write_tga("b.tga", 2, 2, 1, std::vector<std::uint8_t>(4, 9));
+  const auto unused = [](const std::string& name) {
+    return "<texture type='bitmap' id='" + name + "'><string name='filename' value='" + name +
+           "'/></texture>";
+  };
+  const SceneDescription s =
+      good(unused("a.tga") + unused("b.tga") +
+           shape("<texture type='scale' name='reflectance'>" + std::string("<ref id='b.tga'/></texture>")));
+  EXPECT_THAT(s.textures, SizeIs(3));
+  const auto built = build_device_scene(s, {});
+  ASSERT_TRUE(built) << built.error().message;
+  EXPECT_EQ(built->header.tables.textures.count, 2);
+  EXPECT_EQ(built->header.tables.texels.count, 256 + 1 + 1);
+  const auto nodes = table<TextureNode>(*built, built->header.tables.textures);
+  EXPECT_EQ(nodes[0].width, 2);
+  EXPECT_EQ(nodes[1].texture0, 0);
+  EXPECT_EQ(table<Material>(*built, built->header.tables.materials)[1].diffuse_texture, 1);
+  const auto without = build_device_scene(good(unused("a.tga") + shape("")), {});
+  ASSERT_TRUE(without);
+  EXPECT_EQ(without->header.tables.texels.count, 0);
+  EXPECT_EQ(without->header.features & (FEATURE_TEXTURES | FEATURE_UV), 0u);
+}
+
 TEST_F(MitsubaTextures, FilesAreAPartOfTheScenesHash) {
   write_tga("a.tga", 1, 1, 1, {1});
   const std::uint64_t before = good(shape(bitmap("a.tga"))).contents_hash;

@@ -22,7 +22,8 @@ inline std::string tga_file(int width, int height, int channels, std::span<const
       const int from = channels == 1 || c == 3 ? c : 2 - c;  // blue, green, red
       file += char(values[i + std::size_t(from)]);
     }
-  return file;
+  // The footer, without which Mitsuba does not know the format.
+  return file + std::string(8, '\0') + std::string("TRUEVISION-XFILE.", 18);
 }
 
 }  // namespace penumbra
