@@ -88,17 +88,16 @@ PENUMBRA_NAMESPACE_BEGIN
   F(float, v2)               \
   F(int, given) /* 1: the mesh has some */
 
-#define QUADRIC_FIELDS(F)                                                                                \
-  F(vec3, center)                                                                                        \
-  F(vec3, normal) /* disk: unit, the front side */                                                       \
-  F(float, radius)                                                                                       \
-  F(vec3, x_axis) /* unit, at right angles: its own frame, for texture coordinates; z: sphere x cross y, \
-                     disk its normal */                                                                  \
-  F(vec3, y_axis)                                                                                        \
-  F(float, orientation) /* sphere: 1 if outside is the front, else -1 */                                 \
-  F(int, kind)          /* QUADRIC_* */                                                                  \
-  F(int, front)                                                                                          \
-  F(int, back)                                                                                           \
+#define QUADRIC_FIELDS(F)                                                                                    \
+  F(vec3, center)                                                                                            \
+  F(vec3, normal) /* unit; disk: the front side, sphere: the pole of its texture coordinates */              \
+  F(float, radius)                                                                                           \
+  F(vec3, x_axis)       /* unit, at right angles to the normal and each other, mirrored or not: the frame */ \
+  F(vec3, y_axis)       /* ... of texture coordinates */                                                     \
+  F(float, orientation) /* sphere: 1 if outside is the front, else -1 */                                     \
+  F(int, kind)          /* QUADRIC_* */                                                                      \
+  F(int, front)                                                                                              \
+  F(int, back)                                                                                               \
   F(int, light)
 
 // What its closures have; material 0 absorbs everything.

@@ -111,6 +111,15 @@ void add_quads(Mesh& mesh, const glm::dmat4& to_world) {
   }
 }
 
+/// Of a corner of the cube's side along `axis`, as Mitsuba's cube has them.
+glm::vec2 cube_texcoord(int axis, double side, const glm::dvec3& p) {
+  const bool far = side > 0.0;
+  const glm::dvec2 uv = axis == 0   ? glm::dvec2(p.y, far ? -p.z : p.z)
+                        : axis == 1 ? (far ? glm::dvec2(-p.x, -p.z) : glm::dvec2(p.z, p.x))
+                                    : glm::dvec2(far ? p.y : -p.y, p.x);
+  return 0.5 * (uv + 1.0);
+}
+
 constexpr glm::vec2 kQuadTexcoords[4] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {1.0f, 1.0f}, {0.0f, 1.0f}};
 
 }  // namespace
@@ -174,7 +183,7 @@ Mesh make_cube(const glm::dmat4& to_world) {
         p[u] = side * (2.0 * double(corner.x) - 1.0);
         p[v] = 2.0 * double(corner.y) - 1.0;
         mesh.positions.push_back(p);
-        mesh.texcoords.push_back(corner);
+        mesh.texcoords.push_back(cube_texcoord(axis, side, p));
       }
     }
   }

@@ -35,8 +35,8 @@ struct Mesh {
 struct Sphere {
   glm::dvec3 center{0.0};
   double radius = 1.0;
-  /// Unit axes of its own frame, whose z axis is the one to its poles: texture coordinates turn with it.
-  glm::dvec3 x_axis{1.0, 0.0, 0.0}, y_axis{0.0, 1.0, 0.0};
+  /// Unit axes of its own frame, mirrored or not: texture coordinates turn with it. The poles lie along z.
+  glm::dvec3 x_axis{1.0, 0.0, 0.0}, y_axis{0.0, 1.0, 0.0}, z_axis{0.0, 0.0, 1.0};
 };
 
 struct Disk {

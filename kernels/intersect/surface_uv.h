@@ -41,11 +41,9 @@ FN float turns_of(float x, float y) {
   return min_f(turns < 0.0f ? turns + 1.0f : turns, ONE_MINUS_EPSILON);
 }
 
-/// A direction, or an offset from the centre, in the frame of a sphere; its z axis is the one to its poles.
-/// Of a disk x and y alone count.
+/// A direction, or an offset from the centre, in the frame of a sphere or a disk.
 FN vec3 to_quadric_frame(GLOBAL const Quadric* q, vec3 v) {
-  const vec3 x = load3(&q->x_axis), y = load3(&q->y_axis);
-  return make_vec3(dot3(v, x), dot3(v, y), dot3(v, cross3(x, y)));
+  return make_vec3(dot3(v, load3(&q->x_axis)), dot3(v, load3(&q->y_axis)), dot3(v, load3(&q->normal)));
 }
 
 /// Of the point of a sphere in that unit direction of its frame: longitude, and angle from its z axis.

@@ -203,6 +203,7 @@ class Builder {
     q.orientation = shape.flip_normals ? -1.0f : 1.0f;
     q.x_axis = to_vec3(sphere.x_axis);
     q.y_axis = to_vec3(sphere.y_axis);
+    q.normal = to_vec3(sphere.z_axis);
     add_quadric(shape, q, front, back, LIGHT_SPHERE, 4 * std::numbers::pi * sphere.radius * sphere.radius);
   }
 
@@ -227,7 +228,7 @@ class Builder {
       Light light{};
       light.kind = light_kind;
       light.p0 = q.center;
-      light.p1 = q.normal;
+      if (q.kind == QUADRIC_DISK) light.p1 = q.normal;
       light.p2 = make_vec3(q.radius, q.orientation, 0.0f);
       q.light = lights_.add_quadric(light, shape, area);
     }

@@ -124,10 +124,10 @@ std::optional<Geometry> read_sphere(const ShapeInput& input) {
   }
   // As in Mitsuba 3, a mirror turns a sphere's normals inwards.
   if (is_mirror(to_world)) input.flip_normals = !input.flip_normals;
-  // A mirror turns everything about the centre round, so that a rotation is left, as in Mitsuba 3.
-  const auto [x_axis, y_axis] =
-      frame_axes(is_mirror(to_world) ? scaling(glm::dvec3(-1.0)) * to_world : to_world);
-  const Sphere sphere{transform_point(to_world, center), radius * *scale, x_axis, y_axis};
+  const auto [x_axis, y_axis] = frame_axes(to_world);
+  const double side = is_mirror(to_world) ? -1.0 : 1.0;
+  const Sphere sphere{transform_point(to_world, center), radius * *scale, x_axis, y_axis,
+                      side * glm::cross(x_axis, y_axis)};
   if (!is_finite(sphere.center, sphere.radius) || !(sphere.radius > 0.0)) {
     plugin.wrong("the sphere is too far away, or its radius too large or too small for a number");
     return std::nullopt;

@@ -54,6 +54,7 @@ inline SceneTables sphere_light(const vec3& center, float radius, float orientat
   q.center = center;
   q.radius = radius;
   q.orientation = orientation;
+  q.normal = make_vec3(0, 0, 1);
   q.x_axis = make_vec3(1, 0, 0);
   q.y_axis = make_vec3(0, 1, 0);
   return quadric_light(q, by_solid_angle);

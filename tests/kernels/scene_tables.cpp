@@ -24,6 +24,7 @@ void SceneTables::add_sphere(const vec3& center, float radius, float orientation
   q.center = center;
   q.radius = radius;
   q.orientation = orientation;
+  q.normal = make_vec3(0, 0, 1);
   q.x_axis = make_vec3(1, 0, 0);
   q.y_axis = make_vec3(0, 1, 0);
   q.light = -1;

@@ -414,7 +414,8 @@ TEST_F(MitsubaTextures, SpheresAndDisksTurnTheirFrames) {
   const Sphere& turned = std::get<Sphere>(s.shapes.at(0).geometry);
   EXPECT_TRUE(near(turned.x_axis, {0, 1, 0}) && near(turned.y_axis, {-1, 0, 0}));
   const Sphere& mirrored = std::get<Sphere>(s.shapes.at(1).geometry);
-  EXPECT_TRUE(near(mirrored.x_axis, {1, 0, 0}) && near(mirrored.y_axis, {0, -1, 0}));
+  EXPECT_TRUE(near(mirrored.x_axis, {-1, 0, 0}) && near(mirrored.y_axis, {0, 1, 0}) &&
+              near(mirrored.z_axis, {0, 0, 1}));
   const Disk& disk = std::get<Disk>(s.shapes.at(2).geometry);
   EXPECT_TRUE(near(disk.x_axis, {1, 0, 0}) && near(disk.y_axis, {0, -1, 0}));
 }

@@ -224,6 +224,7 @@ TEST(UvOfQuadrics, TurnsWithTheirFrames) {
         tables->add_sphere(make_vec3(0, 0, 0), 1);
       tables->quadrics[0].x_axis = tables == &plain ? make_vec3(1, 0, 0) : x;
       tables->quadrics[0].y_axis = tables == &plain ? make_vec3(0, 1, 0) : y;
+      tables->quadrics[0].normal = axis;
     }
     const vec3 o = rounded(3.0L * random.direction());
     const vec3 d = rounded(normalize(0.8L * random.uniform() * random.direction() - exact(o)));

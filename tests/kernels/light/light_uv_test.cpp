@@ -100,11 +100,12 @@ TEST(LightUv, OfASphereAndADiskIsThatOfTheirSurface) {
                               : sphere_light(rounded(center), radius, 1, i % 4 == 1);
     tables.header.features |= FEATURE_UV;
     tables.light_triangles.push_back({-1, -1, 0});
-    // Turned anyhow: the disk about its normal.
+    // Turned and mirrored anyhow: the disk about its normal.
     Quadric& q = tables.quadrics[0];
     const vec3 pole = disk ? q.normal : rounded(random.direction());
     q.x_axis = tangent_axis(pole, rounded(random.direction()));
-    q.y_axis = cross3(pole, q.x_axis);
+    q.y_axis = scale(cross3(pole, q.x_axis), i % 3 == 0 ? -1.0f : 1.0f);
+    q.normal = pole;
     const Scene scene = tables.scene();
     const vec3 here = make_vec3(0, 0, 0);
     const LightReceiver r = receiver_at(here, make_vec3(0, 0, 1));
