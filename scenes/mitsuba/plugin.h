@@ -71,6 +71,7 @@ class PluginReader {
   void read(std::string_view name, glm::dvec3& value, AnyPoint values);
   void read(std::string_view name, glm::dmat4& value, AnyTransform values);
   void read(std::string_view name, std::string& value, FileName values);
+  void read(std::string_view name, std::int64_t& value, const WholeNumber& values);
   template <typename T>
   void read(std::string_view name, T& value, const OneOf<T>& values) {
     if (!has(name)) return skip_parameter(name);

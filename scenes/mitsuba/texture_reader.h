@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "scenes/mitsuba/bitmap_files.h"
+#include "scenes/image/bitmap_files.h"
 #include "scenes/mitsuba/plugin.h"
 #include "scenes/textures.h"
 

@@ -6,6 +6,7 @@
 #include <ostream>
 #include <tuple>
 
+#include "tests/support/every_texture.h"
 #include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
@@ -246,6 +247,13 @@ void nest_hidden(SceneDescription& scene) {
   param::emitter_sampling(scene.integrator) = EmitterSampling::kProjected;
 }
 
+void textured(SceneDescription& scene) { add_every_texture(scene); }
+
+void textured_directly(SceneDescription& scene) {
+  add_every_texture(scene);
+  direct(scene);
+}
+
 }  // namespace
 
 void PrintTo(const SuiteScene& scene, std::ostream* out) { *out << scene.name; }
@@ -256,6 +264,8 @@ const std::vector<SuiteScene>& suite_scenes() {
       {"CornellSmall", "cornell-small/cornell-small.xml"},
       {"VeachMis", "veach-mis/veach-mis.xml"},
       {"Furnace", "furnace/furnace.xml"},
+      {"Textures", "veach-mis/veach-mis.xml", false, textured},
+      {"TexturesDirect", "cornell-small/cornell-small.xml", false, textured_directly},
       {"UnitSphere", "furnace/unit-sphere.xml"},
       {"PolygonLights", "polygon-lights/polygon-lights.xml"},
       {"CornellDirect", "cornell/cornell.xml", false, direct},

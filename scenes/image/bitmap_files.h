@@ -12,7 +12,7 @@
 #include "scenes/file_access.h"
 #include "scenes/image/bitmap_reader.h"
 
-namespace penumbra::mitsuba {
+namespace penumbra {
 
 class BitmapFiles {
  public:
@@ -39,4 +39,4 @@ class BitmapFiles {
   std::map<std::pair<Digest, BitmapChannels>, int> by_contents_;
 };
 
-}  // namespace penumbra::mitsuba
+}  // namespace penumbra
