@@ -15,10 +15,11 @@ PENUMBRA_NAMESPACE_BEGIN
   #define NO_RIVAL 1e-37f
 
 /// How many directions a path samples at a surface that scatters in all of them. (Camera rays that look
-/// through emitters would not find back to what they see.)
+/// through emitters, and rays that pass surfaces by chance, would not find back to what they see.)
 FN int directions_at(const PRIVATE SceneHeader* h, int depth) {
   const int samples = h->integrator.bsdf_samples;
-  const bool leads_back = (depth > 0) | (h->integrator.hide_emitters != HIDE_LOOK_THROUGH);
+  const bool leads_back = ((depth > 0) | (h->integrator.hide_emitters != HIDE_LOOK_THROUGH)) &
+                          ((h->features & FEATURE_NESTED) == 0u);
   return ((depth < h->integrator.branch_depth) & leads_back) ? samples : min_i(samples, 1);
 }
 
@@ -264,8 +265,14 @@ FN void step_whitted(const PRIVATE Scene* scene, const PRIVATE PathState* paths,
     if (scatters) {
       sample_step_lights(scene, &step);
       eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
+  #if HAS(LTC)
+      if (has_other_control(scene)) admit_controls(scene, &step);
+  #endif
       balance_values(scene, paths, i, &step);
       request_light(scene, paths, i, &step);
+  #if HAS(LTC)
+      if (has_other_control(scene)) request_controls(scene, paths, i, 1.0f, true, &step);
+  #endif
       sample_branches(scene, paths, i, count, &step);
   #if HAS(TRANSMISSION)
       if (NEEDS(scene, TRANSMISSION)) enter_media(paths, i, &step.samples, step.eta);

@@ -229,6 +229,11 @@ void nest(SceneDescription& scene) {
   }
 }
 
+void whitted_nested(SceneDescription& scene) {
+  nest(scene);
+  whitted(scene);
+}
+
 void nest_directly(SceneDescription& scene) {
   nest(scene);
   use(scene.integrator, IntegratorKind::kDirect);
@@ -287,6 +292,7 @@ const std::vector<SuiteScene>& suite_scenes() {
       {"NestedControlVariate", "cornell-small/cornell-small.xml", false, nest_with_control_variate},
       {"NestedLookedThrough", "cornell/cornell.xml", false, nest_hidden},
       {"CornellWhitted", "cornell/cornell.xml", false, whitted},
+      {"CornellWhittedNested", "cornell/cornell.xml", false, whitted_nested},
       {"CornellWhittedGlass", "cornell/cornell.xml", false, whitted_through_glass},
       {"VeachMisWhitted", "veach-mis/veach-mis.xml", false, whitted_with_control_variate},
       {"CornellAmbientOcclusion", "cornell/cornell.xml", false, ambient_occlusion},
