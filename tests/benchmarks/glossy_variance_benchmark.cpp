@@ -1,11 +1,14 @@
-// Variance of direct light on a rough conductor under polygon lights, of one sample by independent numbers,
+// Variance of direct light on glossy BSDFs under polygon lights, of one sample by independent numbers,
 // relative to the mean squared radiance, for ways to sample that trace two rays; and the seconds that each
 // takes for its samples, so that time to equal error is their product. Prints one line a roughness.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -54,15 +57,15 @@ std::vector<Way> ways() {
           {"LTC cv auto", control(kProjected, std::nullopt)}};
 }
 
-void measure(int distribution, int spp) {
+void measure(const char* name, const std::function<BsdfModel(float alpha)>& bsdf, int spp) {
   const std::vector<Way> all = ways();
-  fmt::print("{}\n| roughness |", distribution == DISTRIBUTION_GGX ? "GGX" : "Beckmann");
+  fmt::print("{}\n| alpha |", name);
   for (const Way& way : all) fmt::print(" {} |", way.name);
   fmt::print("\n");
   for (const float alpha : {0.02f, 0.05f, 0.1f, 0.2f, 0.4f, 0.7f, 1.0f}) {
     fmt::print("| {} |", alpha);
     for (const Way& way : all) {
-      SceneDescription scene = glossy_room(rough_conductor(alpha, distribution), 96, 64);
+      SceneDescription scene = glossy_room(bsdf(alpha), 96, 64);
       scene.sampler.spp = std::uint32_t(spp);
       scene.integrator = way.integrator;
       scene.integrator.hide_emitters = true;
@@ -85,7 +88,25 @@ void measure(int distribution, int spp) {
 }  // namespace penumbra
 
 int main(int argc, char** argv) {
+  using namespace penumbra;
   const int spp = argc > 1 ? std::max(std::atoi(argv[1]), 2) : 256;
-  penumbra::measure(DISTRIBUTION_GGX, spp);
-  penumbra::measure(DISTRIBUTION_BECKMANN, spp);
+  const auto conductor = [](int distribution) {
+    return [distribution](float alpha) { return rough_conductor(alpha, distribution); };
+  };
+  measure("rough conductor, GGX", conductor(DISTRIBUTION_GGX), spp);
+  measure("rough conductor, Beckmann", conductor(DISTRIBUTION_BECKMANN), spp);
+  const auto plastic = [](float alpha) {
+    RoughPlasticBsdf bsdf;
+    bsdf.distribution = DISTRIBUTION_GGX;
+    bsdf.alpha = alpha;
+    return BsdfModel(bsdf);
+  };
+  measure("rough plastic, GGX", plastic, spp);
+  const auto principled = [](float alpha) {
+    PrincipledBsdf bsdf;
+    bsdf.metallic = 0.5f;
+    bsdf.roughness = std::sqrt(alpha);
+    return BsdfModel(bsdf);
+  };
+  measure("principled, metallic 0.5", principled, spp);
 }
