@@ -68,7 +68,8 @@ void set_passes(Material& m, const std::vector<Material>& before) {
   m.passes = first == second ? first : PASSES_SOME;
 }
 
-/// Between texture coordinates whose heights are compared: a small part of a texel.
+/// Between texture coordinates whose heights are compared: a small part of a texel, across whose edges slopes
+/// change.
 float bend_step(const SceneDescription& scene, int texture) {
   const SceneTexture& heights = scene.textures.at(std::size_t(texture));
   const auto* image = std::get_if<BitmapTexture>(&heights.model);
@@ -76,7 +77,9 @@ float bend_step(const SceneDescription& scene, int texture) {
   const Bitmap& bitmap = *scene.bitmaps.at(std::size_t(image->bitmap));
   const double along_u = glm::length(glm::dvec2(heights.to_uv[0])),
                along_v = glm::length(glm::dvec2(heights.to_uv[1]));
-  return float(1 / (8.0 * std::max({1.0, along_u, along_v}) * std::max(bitmap.width, bitmap.height)));
+  constexpr double kLeast = 1.0 / (1 << 16);  // 250 times what rounds coordinates
+  return float(std::max(
+      kLeast, 1 / (32.0 * std::max({1.0, along_u, along_v}) * std::max(bitmap.width, bitmap.height))));
 }
 
 /// Whether a material has control lobes so narrow that points of lights are better chosen by them, which
