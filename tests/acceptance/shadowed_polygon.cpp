@@ -74,11 +74,11 @@ constexpr int kCells = 128;  // an eighth of the width of a lobe with exponent 1
 
 double brdf(const BsdfModel& model, double lobe_cosine) {
   if (const auto* diffuse = std::get_if<DiffuseBsdf>(&model))
-    return diffuse->reflectance.y / std::numbers::pi;
+    return diffuse->reflectance.value.y / std::numbers::pi;
   const PhongBsdf& phong = std::get<PhongBsdf>(model);
-  const double n = phong.exponent;
-  return phong.diffuse.y / std::numbers::pi +
-         phong.specular.y * (n + 2) / (2 * std::numbers::pi) * std::pow(std::max(lobe_cosine, 0.0), n);
+  const double n = phong.exponent.value;
+  return phong.diffuse.value.y / std::numbers::pi +
+         phong.specular.value.y * (n + 2) / (2 * std::numbers::pi) * std::pow(std::max(lobe_cosine, 0.0), n);
 }
 
 }  // namespace
