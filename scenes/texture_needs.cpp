@@ -20,11 +20,21 @@ void add_needs(const SceneDescription& scene, int texture, TextureNeeds& needs) 
 }
 
 void add_needs_of_bsdf(const SceneDescription& scene, int bsdf, TextureNeeds& needs) {
-  if (bsdf == kBlackBsdf) return;
-  const Material material = material_of(scene.bsdfs[std::size_t(bsdf)]);
-#define ADD_NEEDS(_, type, name) add_needs(scene, material.name##_texture, needs);
-  TEXTURED_FIELDS(ADD_NEEDS, )
-#undef ADD_NEEDS
+  if (bsdf < 0) return;  // black, or none
+  const Bsdf& each = scene.bsdfs[std::size_t(bsdf)];
+  add_needs(scene, each.bend.texture, needs);
+  std::visit(
+      [&](const auto& model) {
+        using Model = std::remove_cvref_t<decltype(model)>;
+        Model::parameters([&](const char*, auto member, const auto&, const char*) {
+          if constexpr (kMayBeTexture<std::remove_cvref_t<decltype(model.*member)>>)
+            add_needs(scene, (model.*member).texture, needs);
+        });
+        if constexpr (std::is_same_v<Model, MaskBsdf>) add_needs_of_bsdf(scene, model.inside, needs);
+        if constexpr (std::is_same_v<Model, BlendBsdf>)
+          for (const int child : {model.first, model.second}) add_needs_of_bsdf(scene, child, needs);
+      },
+      each.model);
 }
 
 }  // namespace

@@ -27,6 +27,7 @@ class BitmapFiles {
   Expected<Entry> read(const std::filesystem::path& file, BitmapChannels channels);
 
   [[nodiscard]] const Bitmap& bitmap(int index) const { return *bitmaps_[std::size_t(index)]; }
+  [[nodiscard]] std::shared_ptr<const Bitmap> shared(int index) const { return bitmaps_[std::size_t(index)]; }
   [[nodiscard]] std::vector<std::shared_ptr<const Bitmap>> take() { return std::move(bitmaps_); }
 
  private:

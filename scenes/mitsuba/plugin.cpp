@@ -196,6 +196,10 @@ void PluginReader::read_colour(std::string_view name, glm::vec3& colour, ColourR
   colour = *rgb;
 }
 
+std::shared_ptr<const Bitmap> PluginReader::read_image(const std::string& filename) {
+  return context_.textures != nullptr ? context_.textures->read_image(*this, filename) : nullptr;
+}
+
 PluginReader::TakenTexture PluginReader::take_texture(std::string_view name) {
   for (Nested& each : nested_) {
     if (each.name != name || each.object->tag != "texture") continue;
@@ -285,9 +289,7 @@ void PluginReader::read(std::string_view name, bool& value, const TrueOrFalse&) 
   value = boolean(name, value);
 }
 
-void PluginReader::read(std::string_view name, std::string& value, FileName) {
-  value = text(name, value);
-}
+void PluginReader::read(std::string_view name, std::string& value, FileName) { value = text(name, value); }
 
 void PluginReader::read(std::string_view name, std::int64_t& value, const WholeNumber& values) {
   const auto* given = take_as<std::int64_t>(name, "<integer>");

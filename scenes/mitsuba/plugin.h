@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <glm/glm.hpp>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "scenes/diagnostic.h"
+#include "scenes/image/bitmap.h"
 #include "scenes/mitsuba/object_tree.h"
 #include "scenes/plugin_values.h"
 #include "scenes/refractive_indices.h"
@@ -59,6 +61,9 @@ class PluginReader {
   glm::dmat4 transform(std::string_view name);
   /// Sets the colour, in linear Rec. 709, where it is given. A texture is none that can be read.
   void read_colour(std::string_view name, glm::vec3& colour, ColourRole role);
+
+  /// See TextureReader::read_image.
+  std::shared_ptr<const Bitmap> read_image(const std::string& filename);
 
   // Rows of parameters (bsdfs.h): sets what is given, if it is one of the values.
   void read(std::string_view name, TexturedColour& colour, const ColourWithin& values);

@@ -113,6 +113,20 @@ void TextureReader::report(PluginReader& plugin, const BitmapTexture& model, con
     plugin.warn(fmt::format("'{}' holds linear numbers; gamma does nothing", bitmap.name));
 }
 
+std::shared_ptr<const Bitmap> TextureReader::read_image(PluginReader& plugin, const std::string& filename) {
+  const auto fail_with = [&](const std::string& message) {
+    context_.lenient ? plugin.warn(message) : plugin.wrong("filename", message);
+    return nullptr;
+  };
+  const auto path = files_.find(filename, context_.folders(plugin.object()));
+  if (!path) return fail_with(path.error().message);
+  const auto entry = bitmaps_.read(*path, BitmapChannels::kAll);
+  if (!entry) return fail_with(entry.error().message);
+  const Bitmap& bitmap = bitmaps_.bitmap(entry->bitmap);
+  for (const std::string& finding : describe(entry->findings, bitmap.name, false)) plugin.warn(finding);
+  return bitmaps_.shared(entry->bitmap);
+}
+
 void TextureReader::install(SceneDescription& scene) {
   scene.textures = std::move(textures_);
   scene.bitmaps = bitmaps_.take();
