@@ -7,6 +7,23 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
+typedef struct {
+  float b0, b1, b2;
+} Barycentric;
+
+/// Of a point in the triangle's plane.
+FN Barycentric barycentric_of(GLOBAL const Triangle* triangle, vec3 p) {
+  const vec3 p0 = load3(&triangle->p0);
+  const vec3 e1 = sub(load3(&triangle->p1), p0), e2 = sub(load3(&triangle->p2), p0), d = sub(p, p0);
+  const vec3 n = cross3(e1, e2);
+  const float n2 = dot3(n, n), inverse = n2 > 0.0f ? 1.0f / n2 : 0.0f;
+  Barycentric b;
+  b.b1 = dot3(cross3(d, e2), n) * inverse;
+  b.b2 = dot3(cross3(e1, d), n) * inverse;
+  b.b0 = (1.0f - b.b1) - b.b2;
+  return b;
+}
+
 #if HAS(UV)
 typedef struct {
   float u, v;
@@ -68,23 +85,6 @@ FN GLOBAL const Quadric* quadric_of_light(const PRIVATE Scene* scene, int light)
       scene->light_triangles + (light < scene->header.tables.light_triangles.count ? light : 0);
   const int quadric = parts->quadric;
   return scene->quadrics + (quadric >= 0 ? quadric : 0);
-}
-
-typedef struct {
-  float b0, b1, b2;
-} Barycentric;
-
-/// Of a point in the triangle's plane.
-FN Barycentric barycentric_of(GLOBAL const Triangle* triangle, vec3 p) {
-  const vec3 p0 = load3(&triangle->p0);
-  const vec3 e1 = sub(load3(&triangle->p1), p0), e2 = sub(load3(&triangle->p2), p0), d = sub(p, p0);
-  const vec3 n = cross3(e1, e2);
-  const float n2 = dot3(n, n), inverse = n2 > 0.0f ? 1.0f / n2 : 0.0f;
-  Barycentric b;
-  b.b1 = dot3(cross3(d, e2), n) * inverse;
-  b.b2 = dot3(cross3(e1, d), n) * inverse;
-  b.b0 = (1.0f - b.b1) - b.b2;
-  return b;
 }
 
 /// The surface with what only scenes with FEATURE_UV know of it.
