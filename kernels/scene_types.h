@@ -256,6 +256,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, trace_shadows) /* 0: nothing blocks shadow rays */                                        \
   F(int, estimator)     /* ESTIMATOR_* */                                                          \
   F(int, branch_depth)  /* whitted: surfaces at which a path branches, at most MAX_BRANCH_DEPTH */ \
+  F(int, leads_back)    /* whitted: 1 if rays always find back to a surface, to sample it again */ \
   F(int, weighting)     /* occlusion: WEIGHTING_* of directions */                                 \
   F(float, exponent)    /* occlusion: of DIRECTION_LOBE */                                         \
   F(float, background)  /* occlusion: what camera rays see that meet nothing */                    \

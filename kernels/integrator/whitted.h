@@ -18,8 +18,8 @@ PENUMBRA_NAMESPACE_BEGIN
 /// through emitters, and rays that pass surfaces by chance, would not find back to what they see.)
 FN int directions_at(const PRIVATE SceneHeader* h, int depth) {
   const int samples = h->integrator.bsdf_samples;
-  const bool leads_back = ((depth > 0) | (h->integrator.hide_emitters != HIDE_LOOK_THROUGH)) &
-                          ((h->features & FEATURE_NESTED) == 0u);
+  const bool leads_back =
+      ((depth > 0) | (h->integrator.hide_emitters != HIDE_LOOK_THROUGH)) & (h->integrator.leads_back != 0);
   return ((depth < h->integrator.branch_depth) & leads_back) ? samples : min_i(samples, 1);
 }
 
