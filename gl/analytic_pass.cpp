@@ -105,7 +105,10 @@ Expected<std::unique_ptr<AnalyticPass>> AnalyticPass::create(const DeviceScene& 
   const bool glossy = (scene.header.families & (1u << FAMILY_PHONG)) != 0;
   auto triangles = link_shaders("triangles.vert", "triangles.frag");
   auto quadrics = link_shaders("quadrics.vert", "quadrics.frag");
-  auto shade = link_shaders("screen.vert", glossy ? "shade_phong.frag" : "shade_diffuse.frag");
+  const bool lobes = (scene.header.features & FEATURE_LTC) != 0;
+  auto shade = link_shaders("screen.vert", lobes ? glossy ? "shade_phong_ltc.frag" : "shade_diffuse_ltc.frag"
+                                           : glossy ? "shade_phong.frag"
+                                                    : "shade_diffuse.frag");
   for (const auto* program : {&triangles, &quadrics, &shade})
     if (!*program) return std::unexpected(program->error());
   pass->triangles_ = std::move(*triangles);
@@ -213,6 +216,7 @@ void AnalyticPass::shade(float dx, float dy) {
   set_table(shade_, "lights", 5, tables_.lights);
   set_table(shade_, "polygons", 6, tables_.polygons);
   set_table(shade_, "polygon_corners", 7, tables_.polygon_corners);
+  if ((scene_.features & FEATURE_LTC) != 0) set_table(shade_, "control_lobes", 8, tables_.control_lobes);
   set_uniform(shade_, "triangle_count", scene_.tables.triangles.count);
   set_uniform(shade_, "polygon_count", scene_.tables.polygons.count);
   set_uniform(shade_, "environment", scene_.environment);

@@ -25,6 +25,8 @@ foreach(name triangles.vert triangles.frag quadrics.vert quadrics.frag screen.ve
 endforeach()
 analytic_shader(shade_diffuse.frag analytic_shade.frag)
 analytic_shader(shade_phong.frag analytic_shade.frag PENUMBRA_PHONG)
+analytic_shader(shade_diffuse_ltc.frag analytic_shade.frag PENUMBRA_LTC)
+analytic_shader(shade_phong_ltc.frag analytic_shade.frag PENUMBRA_PHONG PENUMBRA_LTC)
 
 add_custom_command(
   OUTPUT ${PENUMBRA_ANALYTIC_SHADERS}

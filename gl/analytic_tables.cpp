@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kernels/host/device_scene_tables.h"
+#include "scenes/device/ltc/control_knots.h"
 
 namespace penumbra {
 namespace {
@@ -99,6 +100,19 @@ Expected<BufferTexture> pack_materials(const DeviceScene& scene) {
   return p.upload("the materials", GL_RGBA32F);
 }
 
+Expected<BufferTexture> pack_control_lobes(const DeviceScene& scene) {
+  static_assert(kControlKnots == 125, "as CONTROL_KNOTS of analytic_shade.frag");
+  Packer p(1);
+  for (const ControlKnot& knot : control_knots(scene)) {
+    p.vector(knot.diffuse);
+    p.number(knot.lean);
+    p.vector(knot.specular);
+    p.number(knot.width_x);
+    for (const float word : {knot.width_y, 0.0f, 0.0f, 0.0f}) p.number(word);
+  }
+  return p.upload("the control lobes of the materials", GL_RGBA32F);
+}
+
 Expected<BufferTexture> pack_lights(const DeviceScene& scene) {
   Packer p(1);
   for (const Light& light : table<Light>(scene, scene.header.tables.lights)) {
@@ -144,6 +158,7 @@ Expected<AnalyticTables> make_analytic_tables(const DeviceScene& scene) {
   take(made.quadrics, pack_quadrics(scene, made.unit));
   take(made.vertex_normals, pack_normals(scene));
   take(made.materials, pack_materials(scene));
+  if ((scene.header.features & FEATURE_LTC) != 0) take(made.control_lobes, pack_control_lobes(scene));
   take(made.lights, pack_lights(scene));
   take(made.polygons, pack_polygons(scene));
   take(made.polygon_corners, pack_corners(scene, made.unit));

@@ -11,6 +11,7 @@ namespace penumbra {
 /// scenes of any size.
 struct AnalyticTables {
   BufferTexture triangles, quadrics, vertex_normals, materials, lights, polygons, polygon_corners;
+  BufferTexture control_lobes;  ///< of the materials, FEATURE_LTC
   float unit = 1;
 };
 

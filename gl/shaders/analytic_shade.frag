@@ -1,5 +1,6 @@
 // What the primitives that the pixels see emit, and what they reflect of all polygon lights without shadows,
-// as unshadowed_lights of kernels/light/light_unshadowed.h says. With PENUMBRA_PHONG lobes are counted too.
+// as unshadowed_lights of kernels/light/light_unshadowed.h says. With PENUMBRA_PHONG lobes are counted too,
+// with PENUMBRA_LTC the control lobes of glossy surfaces.
 #include "gl/shaders/analytic_camera.glsl"
 #include "gl/shaders/analytic_tables.glsl"
 #include "gl/shaders/analytic_surface.glsl"
@@ -7,6 +8,11 @@
 #include "gl/shaders/analytic_phong.glsl"
 #else
 #include "gl/shaders/analytic_diffuse.glsl"
+#endif
+
+#ifdef PENUMBRA_LTC
+#define CONTROL_KNOTS 125
+#include "gl/shaders/analytic_ltc.glsl"
 #endif
 
 uniform isampler2D ids;
@@ -31,6 +37,10 @@ vec3 emitted_radiance(Surface s) {
 
 vec3 reflected_radiance(Surface s, vec3 d) {
   vec4 diffuse = texelFetch(materials, 2 * s.material), specular = texelFetch(materials, 2 * s.material + 1);
+#ifdef PENUMBRA_LTC
+  Control control = control_at(s, d);
+  diffuse.xyz += control.diffuse;
+#endif
   Receiver r = receiver_at(s, d, diffuse, specular);
   vec3 sum = vec3(0.0);
   for (int k = 0; k < polygon_count; k++) {
@@ -39,6 +49,11 @@ vec3 reflected_radiance(Surface s, vec3 d) {
     uvec4 shine = texelFetch(polygons, 2 * k), outline = texelFetch(polygons, 2 * k + 1);
     int first = int(outline.x), end = int(outline.x + outline.y);
     sum += uintBitsToFloat(shine.xyz) * reflected_of_polygon(r, first, end, shine.w != 0u);
+#ifdef PENUMBRA_LTC
+    if (control.leans)
+      sum += uintBitsToFloat(shine.xyz) * control.specular *
+             lobe_of_polygon(control, s.p, first, end, shine.w != 0u);
+#endif
   }
   return sum;
 }

@@ -39,6 +39,19 @@ FN void find_controls(const PRIVATE Scene* scene, uint families, const PRIVATE C
   LTC_FAMILIES(CONTROL_IF_THERE)
   #undef CONTROL_IF_THERE
 }
+
+/// One at a time, for a viewer at that cosine.
+FN ControlLobes control_of(const PRIVATE Scene* scene, Closure c, float cosine) {
+  switch (c.family) {
+  #define CONTROL_ONE(name, NAME) \
+    case FAMILY_##NAME:           \
+      return name##_control(scene, c, cosine);
+    LTC_FAMILIES(CONTROL_ONE)
+  #undef CONTROL_ONE
+    default:
+      return no_control_lobes();
+  }
+}
 #endif
 
 PENUMBRA_NAMESPACE_END

@@ -82,6 +82,7 @@ const Compared kScenes[] = {
     {"Strips", strips, 240, 160},
     {"OnAPlain", on_a_plain, 200, 150},
     {"RoundThings", round_things, 200, 150},
+    {"RoundLobes", round_lobes, 200, 150},
     {"CoarseRims", coarse_rims, 200, 150},
     {"TinyRoundThings", [] { return scaled(round_things(), 1e-5); }, 200, 150},
     {"HugeRoundThings", [] { return scaled(round_things(), 1e6); }, 200, 150},
@@ -109,7 +110,9 @@ double most_reflected(const SceneDescription& scene) {
   for (const Bsdf& bsdf : scene.bsdfs) {
     const auto* diffuse = std::get_if<DiffuseBsdf>(&bsdf.model);
     const auto* phong = std::get_if<PhongBsdf>(&bsdf.model);
-    const glm::vec3 most = diffuse != nullptr ? diffuse->reflectance : phong->diffuse + phong->specular;
+    const glm::vec3 most = diffuse != nullptr ? diffuse->reflectance.value
+                           : phong != nullptr ? phong->diffuse.value + phong->specular.value
+                                              : glm::vec3(1);
     reflectance = std::max<double>(reflectance, std::max({most.r, most.g, most.b}));
   }
   return light * reflectance;

@@ -54,6 +54,22 @@ SceneDescription round_things() {
   return scene;
 }
 
+SceneDescription round_lobes() {
+  SceneDescription scene = round_things();
+  RoughConductorBsdf conductor;
+  conductor.eta = glm::vec3(0.2f, 0.9f, 1.1f);
+  conductor.k = glm::vec3(3.9f, 2.4f, 2.2f);
+  conductor.alpha_u = conductor.alpha_v = 0.3f;
+  conductor.distribution = DISTRIBUTION_GGX;
+  RoughPlasticBsdf plastic;
+  plastic.alpha = 0.2f;
+  PrincipledBsdf principled;
+  principled.base_color = glm::vec3(0.7f, 0.5f, 0.2f);
+  principled.metallic = 0.3f;
+  scene.bsdfs = {{"conductor", conductor}, {"plastic", plastic}, {"principled", principled}};
+  return scene;
+}
+
 SceneDescription coarse_rims() {
   SceneDescription scene;
   scene.bsdfs = {{"outside", PhongBsdf{glm::vec3(0.4f, 0.3f, 0.2f), glm::vec3(0.4f), 8}},

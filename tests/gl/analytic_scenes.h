@@ -12,6 +12,9 @@ glm::dmat4 look_at(glm::dvec3 eye, glm::dvec3 target, glm::dvec3 up);
 /// over them, an environment.
 SceneDescription round_things();
 
+/// The same with surfaces that have control lobes: conductors, plastics, principled.
+SceneDescription round_lobes();
+
 /// A coarse mesh with vertex normals, which face away from the camera at its rims, and a light over it.
 SceneDescription coarse_rims();
 
