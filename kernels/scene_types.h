@@ -121,24 +121,27 @@ PENUMBRA_NAMESPACE_BEGIN
 // What its closures have; material 0 absorbs everything.
 #define MATERIAL_FIELD(F, type, name) F(type, name)
 #define MATERIAL_TEXTURE(F, type, name) F(int, name##_texture) /* index, or -1: its value alone */
+// Whatever of a material may have a texture: its closure's fields, and two of its own.
+#define MATERIAL_TEXTURES(F, a) \
+  TEXTURED_FIELDS(F, a)         \
+  F(a, float, weight)           \
+  F(a, int, bend)
 // A material is a leaf, which scatters by its closure, or one of two others, each point of a surface by
 // chance: `first` and `second` have lower indices than it, or are -1, nothing, through which rays pass. A
 // leaf's shading normal may be bent by a texture.
-#define MATERIAL_TREE_FIELDS(F)                                                                   \
-  F(int, passes)         /* PASSES_* */                                                           \
-  F(int, first)          /* index, or -1 */                                                       \
-  F(int, second)         /* likewise; in a leaf it is -1, and `branches` 0 */                     \
-  F(int, branches)       /* 1: it is one of those two */                                          \
-  F(float, weight)       /* probability of the second */                                          \
-  F(int, weight_texture) /* index of a texture that is it, clamped to [0, 1], or -1 */            \
-  F(int, bend)           /* BEND_*: what bends the normal of a leaf */                            \
-  F(int, bend_texture)   /* index, or -1 */                                                       \
-  F(float, bend_scale)   /* how much, see bend_normal.h; negative: the bumps of the other side */ \
-  F(float, bend_step)    /* between texture coordinates whose heights are compared */
+#define MATERIAL_TREE_FIELDS(F)                                                                 \
+  F(int, passes)       /* PASSES_* */                                                           \
+  F(int, first)        /* index, or -1 */                                                       \
+  F(int, second)       /* likewise; in a leaf it is -1, and `branches` 0 */                     \
+  F(int, branches)     /* 1: it is one of those two */                                          \
+  F(float, weight)     /* probability of the second; a texture's value is clamped to [0, 1] */  \
+  F(int, bend)         /* BEND_*: what bends the normal of a leaf */                            \
+  F(float, bend_scale) /* how much, see bend_normal.h; negative: the bumps of the other side */ \
+  F(float, bend_step)  /* between texture coordinates whose heights are compared */
 
-#define MATERIAL_FIELDS(F)             \
-  CLOSURE_FIELDS(MATERIAL_FIELD, F)    \
-  TEXTURED_FIELDS(MATERIAL_TEXTURE, F) \
+#define MATERIAL_FIELDS(F)               \
+  CLOSURE_FIELDS(MATERIAL_FIELD, F)      \
+  MATERIAL_TEXTURES(MATERIAL_TEXTURE, F) \
   MATERIAL_TREE_FIELDS(F)
 
 #define LIGHT_FIELDS(F)                                                                                  \
@@ -310,9 +313,7 @@ PENUMBRA_NAMESPACE_BEGIN
   I(quadrics, Quadric, front, materials, 0, "a quadric names a material that is not there")               \
   I(quadrics, Quadric, back, materials, 0, "a quadric names a material that is not there")                \
   I(quadrics, Quadric, light, lights, -1, "a quadric names a light that is not there")                    \
-  TEXTURED_FIELDS(MATERIAL_TEXTURE_INDEX, I)                                                              \
-  I(materials, Material, weight_texture, textures, -1, "a material names a texture that is not there")    \
-  I(materials, Material, bend_texture, textures, -1, "a material names a texture that is not there")      \
+  MATERIAL_TEXTURES(MATERIAL_TEXTURE_INDEX, I)                                                            \
   I(materials, Material, first, materials, -1, "a material names another one that is not there")          \
   I(materials, Material, second, materials, -1, "a material names another one that is not there")         \
   I(textures, TextureNode, texture0, textures, -1, "a texture names another one that is not there")       \

@@ -24,7 +24,7 @@ TextureTables texture_tables(const SceneDescription& scene, std::span<Material> 
   };
   for (const Material& material : materials) {
 #define USE_TEXTURE(_, type, name) use(material.name##_texture);
-    TEXTURED_FIELDS(USE_TEXTURE, )
+    MATERIAL_TEXTURES(USE_TEXTURE, )
 #undef USE_TEXTURE
   }
   // One holds only such as come before it.
@@ -53,7 +53,7 @@ TextureTables texture_tables(const SceneDescription& scene, std::span<Material> 
   }
   for (Material& material : materials) {
 #define REPLACE_TEXTURE(_, type, name) replace(material.name##_texture);
-    TEXTURED_FIELDS(REPLACE_TEXTURE, )
+    MATERIAL_TEXTURES(REPLACE_TEXTURE, )
 #undef REPLACE_TEXTURE
   }
   tables.texels = texels.take();
