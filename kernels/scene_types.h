@@ -106,37 +106,42 @@ PENUMBRA_NAMESPACE_BEGIN
   F(float, v2)               \
   F(int, given) /* 1: the mesh has some */
 
-#define QUADRIC_FIELDS(F)                                                \
-  F(vec3, center)                                                        \
-  F(vec3, normal) /* disk: unit, the front side */                       \
-  F(float, radius)                                                       \
-  F(float, orientation) /* sphere: 1 if outside is the front, else -1 */ \
-  F(int, kind)          /* QUADRIC_* */                                  \
-  F(int, front)                                                          \
-  F(int, back)                                                           \
+#define QUADRIC_FIELDS(F)                                                                                    \
+  F(vec3, center)                                                                                            \
+  F(vec3, normal) /* unit; disk: the front side, sphere: the pole of its texture coordinates */              \
+  F(float, radius)                                                                                           \
+  F(vec3, x_axis)       /* unit, at right angles to the normal and each other, mirrored or not: the frame */ \
+  F(vec3, y_axis)       /* ... of texture coordinates */                                                     \
+  F(float, orientation) /* sphere: 1 if outside is the front, else -1 */                                     \
+  F(int, kind)          /* QUADRIC_* */                                                                      \
+  F(int, front)                                                                                              \
+  F(int, back)                                                                                               \
   F(int, light)
 
 // What its closures have; material 0 absorbs everything.
 #define MATERIAL_FIELD(F, type, name) F(type, name)
 #define MATERIAL_TEXTURE(F, type, name) F(int, name##_texture) /* index, or -1: its value alone */
+// Whatever of a material may have a texture: its closure's fields, and two of its own.
+#define MATERIAL_TEXTURES(F, a) \
+  TEXTURED_FIELDS(F, a)         \
+  F(a, float, weight)           \
+  F(a, int, bend)
 // A material is a leaf, which scatters by its closure, or one of two others, each point of a surface by
 // chance: `first` and `second` have lower indices than it, or are -1, nothing, through which rays pass. A
 // leaf's shading normal may be bent by a texture.
-#define MATERIAL_TREE_FIELDS(F)                                                                   \
-  F(int, passes)         /* PASSES_* */                                                           \
-  F(int, first)          /* index, or -1 */                                                       \
-  F(int, second)         /* likewise; in a leaf it is -1, and `branches` 0 */                     \
-  F(int, branches)       /* 1: it is one of those two */                                          \
-  F(float, weight)       /* probability of the second */                                          \
-  F(int, weight_texture) /* index of a texture that is it, clamped to [0, 1], or -1 */            \
-  F(int, bend)           /* BEND_*: what bends the normal of a leaf */                            \
-  F(int, bend_texture)   /* index, or -1 */                                                       \
-  F(float, bend_scale)   /* how much, see bend_normal.h; negative: the bumps of the other side */ \
-  F(float, bend_step)    /* between texture coordinates whose heights are compared */
+#define MATERIAL_TREE_FIELDS(F)                                                                 \
+  F(int, passes)       /* PASSES_* */                                                           \
+  F(int, first)        /* index, or -1 */                                                       \
+  F(int, second)       /* likewise; in a leaf it is -1, and `branches` 0 */                     \
+  F(int, branches)     /* 1: it is one of those two */                                          \
+  F(float, weight)     /* probability of the second; a texture's value is clamped to [0, 1] */  \
+  F(int, bend)         /* BEND_*: what bends the normal of a leaf */                            \
+  F(float, bend_scale) /* how much, see bend_normal.h; negative: the bumps of the other side */ \
+  F(float, bend_step)  /* between texture coordinates whose heights are compared */
 
-#define MATERIAL_FIELDS(F)             \
-  CLOSURE_FIELDS(MATERIAL_FIELD, F)    \
-  TEXTURED_FIELDS(MATERIAL_TEXTURE, F) \
+#define MATERIAL_FIELDS(F)               \
+  CLOSURE_FIELDS(MATERIAL_FIELD, F)      \
+  MATERIAL_TEXTURES(MATERIAL_TEXTURE, F) \
   MATERIAL_TREE_FIELDS(F)
 
 #define LIGHT_FIELDS(F)                                                                                  \
@@ -160,10 +165,17 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, width)                   \
   F(int, height)
 
-// The triangles that a light is: one, or a rectangle's two; -1: none.
-#define LIGHT_TRIANGLES_FIELDS(F) \
-  F(int, first)                   \
-  F(int, second) /* the same if there is one */
+// What a light is: one triangle, or a rectangle's two, or a quadric; -1: none.
+#define LIGHT_TRIANGLES_FIELDS(F)                \
+  F(int, first)                                  \
+  F(int, second)  /* the same if there is one */ \
+  F(int, quadric) /* the sphere or disk that it is, or -1 */
+
+// What a mesh_attribute texture shows.
+#define VERTEX_COLOURS_FIELDS(F) \
+  F(vec3, c0)                    \
+  F(vec3, c1)                    \
+  F(vec3, c2)
 
 // A planar light: coplanar triangles (or one rectangle) of equal emission that face the same side, merged
 // into their outline, so that its closed form costs what the outline does.
@@ -247,6 +259,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, trace_shadows) /* 0: nothing blocks shadow rays */                                        \
   F(int, estimator)     /* ESTIMATOR_* */                                                          \
   F(int, branch_depth)  /* whitted: surfaces at which a path branches, at most MAX_BRANCH_DEPTH */ \
+  F(int, leads_back)    /* whitted: 1 if rays always find back to a surface, to sample it again */ \
   F(int, weighting)     /* occlusion: WEIGHTING_* of directions */                                 \
   F(float, exponent)    /* occlusion: of DIRECTION_LOBE */                                         \
   F(float, background)  /* occlusion: what camera rays see that meet nothing */                    \
@@ -258,31 +271,34 @@ PENUMBRA_NAMESPACE_BEGIN
 // The scene's tables, one a row, from which header, pointers, checks, storing and `penumbra info` follow:
 // T(A, name, record, least, what), A whatever is passed on. Kernels read `least` records for rays that miss
 // or lanes that idle, whatever the table's count: they are there. `what` is its name for people.
-#define SCENE_TABLES(T, A)                                                    \
-  T(A, triangles, Triangle, 1, "triangles")                                   \
-  T(A, normals, VertexNormals, 1, "vertex normals")                           \
-  T(A, quadrics, Quadric, 1, "spheres and disks")                             \
-  T(A, materials, Material, 1, "materials")                                   \
-  T(A, curves, float, 1, "curves of BSDFs")                                   \
-  T(A, textures, TextureNode, 1, "textures")                                  \
-  T(A, texels, uint, LEAST_TEXELS, "words of texels")                         \
-  T(A, lights, Light, 1, "lights")                                            \
-  T(A, polygons, Polygon, 1, "polygon lights")                                \
-  T(A, polygon_corners, PolygonCorner, 1, "corners of polygon lights")        \
-  /* FEATURE_UV: one for each triangle, one for each light. */                \
-  T(A, vertex_uvs, VertexUvs, 1, "texture coordinates of triangles")          \
-  T(A, light_triangles, LightTriangles, 1, "triangles of lights")             \
-  /* FEATURE_LTC: that of GGX, then that of Beckmann's distribution. */       \
-  T(A, ltc_cells, LtcCell, 0, "linearly transformed cosines")                 \
-  /* Small scenes: distinct vertices, and three of them for each triangle. */ \
-  T(A, vertices, vec3, 0, "vertices, to test every primitive")                \
-  T(A, corners, Corner, 0, "corners, to test every primitive")                \
-  /* Large scenes: see BVH_NODE_FIELDS. */                                    \
-  T(A, nodes, BvhNode, 0, "nodes of the hierarchy")                           \
-  T(A, triangle_leaves, TriangleLeaf, 0, "leaves of triangles")               \
-  T(A, quadric_leaves, QuadricLeaf, 0, "leaves of spheres and disks")         \
-  /* See filter.h. */                                                         \
-  T(A, filter_table, float, FILTER_TABLE_SIZE, "cells of the pixel filter")   \
+#define SCENE_TABLES(T, A)                                                             \
+  T(A, triangles, Triangle, 1, "triangles")                                            \
+  T(A, normals, VertexNormals, 1, "vertex normals")                                    \
+  T(A, quadrics, Quadric, 1, "spheres and disks")                                      \
+  T(A, materials, Material, 1, "materials")                                            \
+  T(A, curves, float, 1, "curves of BSDFs")                                            \
+  T(A, textures, TextureNode, 1, "textures")                                           \
+  T(A, texels, uint, LEAST_TEXELS, "words of texels")                                  \
+  T(A, lights, Light, 1, "lights")                                                     \
+  T(A, polygons, Polygon, 1, "polygon lights")                                         \
+  T(A, polygon_corners, PolygonCorner, 1, "corners of polygon lights")                 \
+  /* FEATURE_UV: one for each triangle, one for each light. */                         \
+  T(A, vertex_uvs, VertexUvs, 1, "texture coordinates of triangles")                   \
+  T(A, light_triangles, LightTriangles, 1, "triangles of lights")                      \
+  /* Textures of mesh attributes: of each triangle the first of its colours, or -1. */ \
+  T(A, triangle_colours, int, 1, "triangles that may have colours")                    \
+  T(A, vertex_colours, VertexColours, 1, "colours of vertices")                        \
+  /* FEATURE_LTC: that of GGX, then that of Beckmann's distribution. */                \
+  T(A, ltc_cells, LtcCell, 0, "linearly transformed cosines")                          \
+  /* Small scenes: distinct vertices, and three of them for each triangle. */          \
+  T(A, vertices, vec3, 0, "vertices, to test every primitive")                         \
+  T(A, corners, Corner, 0, "corners, to test every primitive")                         \
+  /* Large scenes: see BVH_NODE_FIELDS. */                                             \
+  T(A, nodes, BvhNode, 0, "nodes of the hierarchy")                                    \
+  T(A, triangle_leaves, TriangleLeaf, 0, "leaves of triangles")                        \
+  T(A, quadric_leaves, QuadricLeaf, 0, "leaves of spheres and disks")                  \
+  /* See filter.h. */                                                                  \
+  T(A, filter_table, float, FILTER_TABLE_SIZE, "cells of the pixel filter")            \
   LIGHT_TABLES(T, A)
 
 // I(table, record, member, target table, least, what it is if the member is no index there or less than
@@ -297,9 +313,7 @@ PENUMBRA_NAMESPACE_BEGIN
   I(quadrics, Quadric, front, materials, 0, "a quadric names a material that is not there")               \
   I(quadrics, Quadric, back, materials, 0, "a quadric names a material that is not there")                \
   I(quadrics, Quadric, light, lights, -1, "a quadric names a light that is not there")                    \
-  TEXTURED_FIELDS(MATERIAL_TEXTURE_INDEX, I)                                                              \
-  I(materials, Material, weight_texture, textures, -1, "a material names a texture that is not there")    \
-  I(materials, Material, bend_texture, textures, -1, "a material names a texture that is not there")      \
+  MATERIAL_TEXTURES(MATERIAL_TEXTURE_INDEX, I)                                                            \
   I(materials, Material, first, materials, -1, "a material names another one that is not there")          \
   I(materials, Material, second, materials, -1, "a material names another one that is not there")         \
   I(textures, TextureNode, texture0, textures, -1, "a texture names another one that is not there")       \
@@ -307,6 +321,7 @@ PENUMBRA_NAMESPACE_BEGIN
   I(lights, Light, alias, lights, 0, "a light's alias is not there")                                      \
   I(light_triangles, LightTriangles, first, triangles, -1, "a light names a triangle that is not there")  \
   I(light_triangles, LightTriangles, second, triangles, -1, "a light names a triangle that is not there") \
+  I(light_triangles, LightTriangles, quadric, quadrics, -1, "a light names a quadric that is not there")  \
   I(corners, Corner, v0, vertices, 0, "a corner names a vertex that is not there")                        \
   I(corners, Corner, v1, vertices, 0, "a corner names a vertex that is not there")                        \
   I(corners, Corner, v2, vertices, 0, "a corner names a vertex that is not there")
@@ -343,6 +358,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(Triangle, TRIANGLE_FIELDS)                          \
   X(VertexNormals, VERTEX_NORMALS_FIELDS)               \
   X(VertexUvs, VERTEX_UVS_FIELDS)                       \
+  X(VertexColours, VERTEX_COLOURS_FIELDS)               \
   X(Quadric, QUADRIC_FIELDS)                            \
   X(Material, MATERIAL_FIELDS)                          \
   X(TextureNode, TEXTURE_FIELDS)                        \

@@ -13,6 +13,7 @@
 #include "kernels/scene_types.h"
 #include "scenes/device/scene_records.h"
 #include "scenes/device/to_vec3.h"
+#include "scenes/image/bitmap.h"
 #include "scenes/plugin_values.h"
 
 namespace penumbra {
@@ -24,12 +25,6 @@ struct EmitterPlace {
   std::function<vec3(const glm::dvec3&)> local;  ///< in the coordinates of the device scene
   double scene_radius;                           ///< of a sphere about everything
   SceneRecords& records;                         ///< for tables of a kind's own
-};
-
-/// Linear Rec. 709, row by row from the top, W x H.
-struct EnvironmentImage {
-  int width = 0, height = 0;
-  std::vector<glm::vec3> texels;  ///< finite, 0 or more
 };
 
 struct EmitterLight {
@@ -104,7 +99,7 @@ struct EnvironmentMapLight {
   std::string filename;
   glm::dmat4 to_world{1.0};  ///< a rotation, mirrored or not; its lengths do not count
   float scale = 1.0f;
-  std::shared_ptr<const EnvironmentImage> image;
+  std::shared_ptr<const Bitmap> image;  ///< rows from the top; whole numbers are sRGB; 2 x 2 texels or more
 
   template <typename Row>
   static void parameters(const Row& row) {

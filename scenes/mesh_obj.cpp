@@ -62,8 +62,12 @@ class ObjReader {
     std::array<double, 7> v{};
     if (keyword == "v") {
       // A fourth number is a weight that only rational curves use; three or four more are a colour.
-      if (const auto count = scanner_.numbers(keyword, 3, 7, v); !count)
-        return std::unexpected(count.error());
+      const auto count = scanner_.numbers(keyword, 3, 7, v);
+      if (!count) return std::unexpected(count.error());
+      if (*count >= 6) {
+        colours_.resize(positions_.size() + 1, glm::vec3(1.0f));
+        colours_.back() = glm::vec3(v[3], v[4], v[5]);
+      }
       positions_.push_back({v[0], v[1], v[2]});
     } else if (keyword == "vn") {
       if (const auto count = scanner_.numbers(keyword, 3, 3, v); !count)
@@ -204,6 +208,10 @@ class ObjReader {
     mesh.positions.reserve(corners.size());
     for (const Corner& each : corners) {
       mesh.positions.push_back(positions_[std::size_t(each.position)]);
+      if (!colours_.empty())
+        mesh.colours.push_back(std::size_t(each.position) < colours_.size()
+                                   ? colours_[std::size_t(each.position)]
+                                   : glm::vec3(1.0f));
       if (all_normals) mesh.normals.push_back(normals_[std::size_t(each.normal)]);
       if (all_texcoords) mesh.texcoords.push_back(texcoords_[std::size_t(each.texcoord)]);
     }
@@ -213,6 +221,7 @@ class ObjReader {
   const SourceFile& file_;
   const bool by_group_;
   std::vector<glm::dvec3> positions_;
+  std::vector<glm::vec3> colours_;  ///< as far as the last vertex that has one
   std::vector<glm::dvec3> normals_;
   std::vector<glm::dvec2> texcoords_;
   std::string object_;

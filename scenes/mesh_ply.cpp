@@ -56,15 +56,25 @@ std::optional<Type> type_named(std::string_view name) {
 }
 
 /// Which of a vertex's numbers a property is; -1: none of interest.
-enum Field : int { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kU, kV, kFields };
+enum Field : int { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kU, kV, kRed, kGreen, kBlue, kFields };
 int field_named(std::string_view name) {
   static constexpr std::pair<std::string_view, int> kNames[] = {
-      {"x", kX}, {"y", kY}, {"z", kZ},         {"nx", kNormalX}, {"ny", kNormalY}, {"nz", kNormalZ},
-      {"u", kU}, {"s", kU}, {"texture_u", kU}, {"v", kV},        {"t", kV},        {"texture_v", kV}};
+      {"x", kX},        {"y", kY},         {"z", kZ},     {"nx", kNormalX},  {"ny", kNormalY},
+      {"nz", kNormalZ}, {"u", kU},         {"s", kU},     {"texture_u", kU}, {"v", kV},
+      {"t", kV},        {"texture_v", kV}, {"red", kRed}, {"green", kGreen}, {"blue", kBlue},
+      {"r", kRed},      {"g", kGreen},     {"b", kBlue}};
   for (const auto& [text, field] : kNames) {
     if (text == name) return field;
   }
   return -1;
+}
+
+/// Whole numbers are sRGB, the largest being 1, as programs write them; others are linear, as Mitsuba 3 has
+/// them.
+double linear_colour(Type type, double value) {
+  if (type == Type::kFloat || type == Type::kDouble) return value;
+  const double x = std::clamp(value / (std::exp2(8.0 * double(size_of(type))) - 1.0), 0.0, 1.0);
+  return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
 }
 
 class PlyReader {
@@ -77,7 +87,8 @@ class PlyReader {
       if (auto done = body(element); !done) return std::unexpected(done.error());
     }
     for (const EarlyFace& face : early_faces_) {
-      if (auto done = finish_face(face.number, face.corners); !done) return std::unexpected(done.error());
+      if (auto done = finish_face(face.number, face.corners, face.colour); !done)
+        return std::unexpected(done.error());
     }
     return MeshFile{std::move(mesh_), std::move(faces_)};
   }
@@ -289,7 +300,9 @@ class PlyReader {
       std::array<bool, kFields> has{};
       polygon_.clear();
       for (const Property& property : element.properties) {
-        const int field = element.name == "vertex" && !property.count_type ? field_named(property.name) : -1;
+        const int named = property.count_type ? -1 : field_named(property.name);
+        const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
+        const int field = is_vertex || (is_face && named >= kRed) ? named : -1;
         const bool indices = element.name == "face" && is_indices(property);
         std::uint64_t count = 1;
         if (property.count_type) {
@@ -308,7 +321,7 @@ class PlyReader {
               return wrong(element, number,
                            fmt::format("{} is {}, not a finite number", property.name, *item));
             }
-            fields[std::size_t(field)] = *item;
+            fields[std::size_t(field)] = field >= kRed ? linear_colour(property.type, *item) : *item;
             has[std::size_t(field)] = true;
           }
           if (indices) polygon_.push_back(*item);
@@ -316,6 +329,8 @@ class PlyReader {
       }
       if (element.name == "vertex") add_vertex(fields, has);
       if (element.name == "face") {
+        if (has[kRed] && has[kGreen] && has[kBlue])
+          face_colour_ = {float(fields[kRed]), float(fields[kGreen]), float(fields[kBlue])};
         if (auto done = add_face(element, number); !done) return done;
       }
     }
@@ -327,6 +342,8 @@ class PlyReader {
     if (has[kNormalX] && has[kNormalY] && has[kNormalZ]) {
       mesh_.normals.push_back({float(f[kNormalX]), float(f[kNormalY]), float(f[kNormalZ])});
     }
+    if (has[kRed] && has[kGreen] && has[kBlue])
+      mesh_.colours.push_back({float(f[kRed]), float(f[kGreen]), float(f[kBlue])});
     if (has[kU] && has[kV]) mesh_.texcoords.push_back({float(f[kU]), float(f[kV])});
   }
 
@@ -343,17 +360,19 @@ class PlyReader {
       }
     }
     corners_.assign(polygon_.begin(), polygon_.end());
-    if (mesh_.positions.size() == vertices) return finish_face(number, corners_);
-    early_faces_.push_back({number, corners_});
+    if (mesh_.positions.size() == vertices) return finish_face(number, corners_, face_colour_);
+    early_faces_.push_back({number, corners_, face_colour_});
     return {};
   }
 
-  Expected<void> finish_face(std::uint64_t number, const std::vector<std::uint32_t>& corners) {
+  Expected<void> finish_face(std::uint64_t number, const std::vector<std::uint32_t>& corners,
+                             const std::optional<glm::vec3>& colour) {
     outline_.clear();
     for (const std::uint32_t corner : corners) outline_.push_back(mesh_.positions[corner]);
     const std::string name = corners.size() > 3 ? fmt::format("face {}", number) : "";
     if (const auto done = cut_face(outline_, corners, {}, name, mesh_.triangles, faces_); !done)
       return fail(fmt::format("{}: error: {}: {}", file_.path.string(), name, done.error().message));
+    if (colour) mesh_.face_colours.resize(mesh_.triangles.size(), *colour);
     return {};
   }
 
@@ -368,8 +387,10 @@ class PlyReader {
   struct EarlyFace {
     std::uint64_t number;
     std::vector<std::uint32_t> corners;
+    std::optional<glm::vec3> colour;
   };
 
+  std::optional<glm::vec3> face_colour_;  ///< of the last face
   std::vector<double> polygon_;
   std::vector<std::uint32_t> corners_;
   std::vector<glm::dvec3> outline_;

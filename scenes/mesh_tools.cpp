@@ -31,6 +31,19 @@ bool is_flat(const Mesh& mesh, const glm::uvec3& t) {
   return !(glm::length(glm::cross((b - a) / longest, (c - a) / longest)) > kFlatTriangle);
 }
 
+std::size_t drop_flat_triangles(Mesh& mesh) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (is_flat(mesh, mesh.triangles[i])) continue;
+    if (!mesh.face_colours.empty()) mesh.face_colours[kept] = mesh.face_colours[i];
+    mesh.triangles[kept++] = mesh.triangles[i];
+  }
+  const std::size_t dropped = mesh.triangles.size() - kept;
+  mesh.triangles.resize(kept);
+  if (!mesh.face_colours.empty()) mesh.face_colours.resize(kept);
+  return dropped;
+}
+
 double angle(glm::dvec3 u, glm::dvec3 v) { return std::atan2(glm::length(glm::cross(u, v)), glm::dot(u, v)); }
 
 /// Angle-weighted sums of the unit normals of the faces about each vertex, not normalised.
@@ -98,6 +111,15 @@ void add_quads(Mesh& mesh, const glm::dmat4& to_world) {
   }
 }
 
+/// Of a corner of the cube's side along `axis`, as Mitsuba's cube has them.
+glm::vec2 cube_texcoord(int axis, double side, const glm::dvec3& p) {
+  const bool far = side > 0.0;
+  const glm::dvec2 uv = axis == 0   ? glm::dvec2(p.y, far ? -p.z : p.z)
+                        : axis == 1 ? (far ? glm::dvec2(-p.x, -p.z) : glm::dvec2(p.z, p.x))
+                                    : glm::dvec2(far ? p.y : -p.y, p.x);
+  return 0.5 * (uv + 1.0);
+}
+
 constexpr glm::vec2 kQuadTexcoords[4] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {1.0f, 1.0f}, {0.0f, 1.0f}};
 
 }  // namespace
@@ -118,8 +140,7 @@ Expected<MeshCleaning> place_mesh(Mesh& mesh, const glm::dmat4& to_world, bool f
       return fail(fmt::format("the texture coordinates of vertex {} are too large", i + 1));
     }
   }
-  cleaning.flat_triangles =
-      std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return is_flat(mesh, t); });
+  cleaning.flat_triangles = drop_flat_triangles(mesh);
   if (face_normals) mesh.normals.clear();
   if (!mesh.normals.empty()) {
     cleaning.bad_normals = transform_normals(mesh, normal_matrix(to_world));
@@ -162,7 +183,7 @@ Mesh make_cube(const glm::dmat4& to_world) {
         p[u] = side * (2.0 * double(corner.x) - 1.0);
         p[v] = 2.0 * double(corner.y) - 1.0;
         mesh.positions.push_back(p);
-        mesh.texcoords.push_back(corner);
+        mesh.texcoords.push_back(cube_texcoord(axis, side, p));
       }
     }
   }

@@ -26,19 +26,24 @@ struct Mesh {
   std::vector<glm::dvec3> positions;
   std::vector<glm::vec3> normals;    ///< one for each position, unit, or empty: faceted
   std::vector<glm::vec2> texcoords;  ///< one for each position, or empty
+  std::vector<glm::vec3> colours{};  ///< linear, one for each position, or empty
   std::vector<glm::uvec3> triangles;
+  std::vector<glm::vec3> face_colours{};  ///< linear, one for each triangle, or empty
 };
 
 /// The front (emitting) side is outside unless `Shape::flip_normals`.
 struct Sphere {
   glm::dvec3 center{0.0};
   double radius = 1.0;
+  /// Unit axes of its own frame, mirrored or not: texture coordinates turn with it. The poles lie along z.
+  glm::dvec3 x_axis{1.0, 0.0, 0.0}, y_axis{0.0, 1.0, 0.0}, z_axis{0.0, 0.0, 1.0};
 };
 
 struct Disk {
   glm::dvec3 center{0.0};
   glm::dvec3 normal{0.0, 0.0, 1.0};  ///< unit; the front side
   double radius = 1.0;
+  glm::dvec3 x_axis{1.0, 0.0, 0.0}, y_axis{0.0, 1.0, 0.0};  ///< of its own frame, unit, in its plane
 };
 
 struct Shape {

@@ -42,6 +42,15 @@ class StatementScanner {
     return text_.substr(start_, end - start_);
   }
 
+  /// The same, to look at only.
+  std::string_view rest_of_line() {
+    const std::size_t at = at_, start = start_;
+    const std::string_view text = rest();
+    at_ = at;
+    start_ = start;
+    return text;
+  }
+
   /// Goes to the next statement.
   void next() {
     while (!token_text().empty()) {

@@ -9,11 +9,14 @@
 #include "kernels/scene_types.h"
 #include "scenes/textures/bitmap.h"
 #include "scenes/textures/checkerboard.h"
+#include "scenes/textures/mesh_attribute.h"
+#include "scenes/textures/noise.h"
 #include "scenes/textures/scale.h"
 
 namespace penumbra {
 
-using TextureModel = std::variant<CheckerboardTexture, BitmapTexture, ScaleTexture>;
+using TextureModel =
+    std::variant<CheckerboardTexture, BitmapTexture, ScaleTexture, NoiseTexture, MeshAttributeTexture>;
 
 struct SceneTexture {
   std::string name;  ///< the file's id, or a description of the place, for messages

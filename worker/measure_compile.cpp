@@ -85,6 +85,7 @@ Expected<void> run(int count, char** arguments) {
   scene->header.features = every.features;
   scene->header.families = every.families;
   scene->header.light_kinds = every.light_kinds;
+  scene->header.texture_kinds = every.texture_kinds;
   const auto everything = measure(*scene, options);
   if (!everything) return std::unexpected(everything.error());
   std::string device = own->device.substr(0, own->device.find(", features"));

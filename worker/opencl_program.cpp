@@ -76,8 +76,9 @@ OpenClSource opencl_source(const OpenClDeviceInfo& device, std::string_view file
   cl_device_fp_config rounding = 0;
   clGetDeviceInfo(device.id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof rounding, &rounding, nullptr);
   std::string options = fmt::format(
-      "-cl-std=CL1.2 -w -DFEATURES={} -DFAMILIES={} -DLIGHT_KINDS_MASK={} -DLANES={} -DVECTOR_WIDTH={}",
-      needs.features, needs.families, needs.light_kinds, lanes, width);
+      "-cl-std=CL1.2 -w -DFEATURES={} -DFAMILIES={} -DLIGHT_KINDS_MASK={} -DTEXTURE_KINDS_MASK={} -DLANES={} "
+      "-DVECTOR_WIDTH={}",
+      needs.features, needs.families, needs.light_kinds, needs.texture_kinds, lanes, width);
   if ((rounding & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0)
     options += " -cl-fp32-correctly-rounded-divide-sqrt";
   return {std::string(file), text.text(), options};

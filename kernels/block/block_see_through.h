@@ -116,13 +116,13 @@ STAGE void note_leaves(const PRIVATE PathState* paths, int i, const PRIVATE Surf
 /// The light of passed surfaces, in the `step`-th step.
 FN void add_passed_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step,
                          const PRIVATE Surfaces* surfaces, const PRIVATE int* passes) {
-    #if HAS(PATH)
-  if (scene->header.integrator.kind == INTEGRATOR_PATH)
+  const int kind = scene->header.integrator.kind;
+    #if HAS(PATH) || HAS(WHITTED)
+  if (kind == INTEGRATOR_PATH || kind == INTEGRATOR_WHITTED)
     add_passed_by_path(scene, paths, i, step, surfaces, passes);
     #endif
     #if HAS(DIRECT)
-  if (scene->header.integrator.kind == INTEGRATOR_DIRECT)
-    add_passed_directly(scene, paths, i, step, surfaces, passes);
+  if (kind == INTEGRATOR_DIRECT) add_passed_directly(scene, paths, i, step, surfaces, passes);
     #endif
 }
 
@@ -136,7 +136,7 @@ FN bool any_passed_light(const PRIVATE Surfaces* surfaces, const PRIVATE int* pa
 /// like the camera's ray, but of the next surface, as it were.
 FN PairPoint ray_surface_point(const PRIVATE Scene* scene, int step, int k) {
   PairPoint point = met_point(PAIR_RAY_SURFACES, k);
-  if (scene->header.integrator.kind == INTEGRATOR_PATH || step == 0) return point;
+  if (scene->header.integrator.kind != INTEGRATOR_DIRECT || step == 0) return point;
   point.pair += MOST_PASSED;
   return nth_point(point, scene->header.integrator.bsdf_samples, step - 1);
 }
@@ -299,7 +299,9 @@ STAGE void dim_shadow_rays(const PRIVATE PathState* paths, int i, const PRIVATE 
 FN bool pass_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step, int k) {
   const PRIVATE SceneHeader* h = &scene->header;
   PairPoint point = met_point(PAIR_SHADOW_SURFACES, k);
-  if (h->integrator.kind == INTEGRATOR_DIRECT) point = nth_point(point, h->integrator.emitter_samples, step);
+  const int kind = h->integrator.kind;
+  if (kind == INTEGRATOR_DIRECT || kind == INTEGRATOR_OCCLUSION)
+    point = nth_point(point, h->integrator.emitter_samples, step);
   Surfaces surfaces;
   float numbers[LANES], others[LANES], shares[LANES];
   int passes[LANES];

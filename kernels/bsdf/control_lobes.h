@@ -88,11 +88,9 @@ FN vec3 control_value(ControlLobes c, vec3 wo, vec3 wi) {
   return add(scale(c.diffuse, cosine * INV_PI_F), scale(c.specular, density));
 }
 
-/// Whether samples of polygon lights at such a closure may have the lobes as control variate: not where light
-/// gets through, which would have to be sampled otherwise.
-FN bool has_ltc_form(Closure c) {
-  return (((ltc_families() >> c.family) & 1u) != 0u) & !(c.spec_trans > 0.0f);
-}
+/// Whether samples of polygon lights at such a closure may have the lobes as control variate. Families that
+/// light gets through have none: it would have to be sampled otherwise.
+FN bool has_ltc_form(Closure c) { return ((ltc_families() >> c.family) & 1u) != 0u; }
 #endif
 
 PENUMBRA_NAMESPACE_END

@@ -39,9 +39,11 @@ PENUMBRA_NAMESPACE_BEGIN
   X(ward, WARD, 13, SEVERAL_LOBES | ANISOTROPIC, "Ward BSDF")                                            \
   X(blinnphong, BLINNPHONG, 14, SEVERAL_LOBES, "Blinn-Phong BSDF")                                       \
   X(microfacet_diffuse, MICROFACET_DIFFUSE, 15, SEVERAL_LOBES, "microfacet BSDF with a diffuse part")    \
-  X(principled, PRINCIPLED, 16, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "principled BSDF")              \
+  X(principled, PRINCIPLED, 16, SEVERAL_LOBES | ANISOTROPIC, "principled BSDF")                          \
   X(principledthin, PRINCIPLEDTHIN, 17, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC, "thin principled BSDF") \
   X(disney, DISNEY, 18, SEVERAL_LOBES | ANISOTROPIC, "Disney BRDF")                                      \
+  X(principled_transmitting, PRINCIPLED_TRANSMITTING, 19, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,       \
+    "principled BSDF that transmits")                                                                    \
   EXTRA_BSDF_FAMILIES(X)
 
 // X(name, NAME): the families with two mirror lobes. `name`_lobe_probability(closure, wo) is that of the
@@ -68,6 +70,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define FAMILY_PRINCIPLED 16
 #define FAMILY_PRINCIPLEDTHIN 17
 #define FAMILY_DISNEY 18
+#define FAMILY_PRINCIPLED_TRANSMITTING 19
 
 // What a material has at a point. The record of a material holds the same; of the TEXTURED_FIELDS also a
 // texture each, or -1. What a family makes of fields whose meaning is not the same for all stands in its
@@ -139,10 +142,11 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define ROUGH_PLASTICS (ONLY(ROUGHPLASTIC_GGX) | ONLY(ROUGHPLASTIC_BECKMANN))
 #define PLASTICS (ONLY(PLASTIC) | ROUGH_PLASTICS)
 #define DIFFUSE_AND_LOBE (PLASTICS | ONLY(WARD) | ONLY(BLINNPHONG) | ONLY(MICROFACET_DIFFUSE))
-#define PRINCIPLEDS (ONLY(PRINCIPLED) | ONLY(PRINCIPLEDTHIN))
+#define PRINCIPLED_SOLIDS (ONLY(PRINCIPLED) | ONLY(PRINCIPLED_TRANSMITTING))
+#define PRINCIPLEDS (PRINCIPLED_SOLIDS | ONLY(PRINCIPLEDTHIN))
 #define DISNEYS (PRINCIPLEDS | ONLY(DISNEY))
 #define USERS_family 0xffffffffu
-#define USERS_variant USERS(PLASTICS | ONLY(WARD) | ONLY(PRINCIPLED))
+#define USERS_variant USERS(PLASTICS | ONLY(WARD) | ONLY(PRINCIPLED_TRANSMITTING))
 #define USERS_curve USERS(ROUGH_PLASTICS)
 #define USERS_internal USERS(PLASTICS)
 #define USERS_specular_rate USERS(PRINCIPLEDS)
@@ -161,16 +165,16 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define USERS_exponent USERS(ONLY(PHONG) | ONLY(BLINNPHONG))
 #define USERS_roughness USERS(DISNEYS)
 #define USERS_anisotropic USERS(DISNEYS)
-#define USERS_metallic USERS(ONLY(PRINCIPLED) | ONLY(DISNEY))
-#define USERS_spec_trans USERS(PRINCIPLEDS)
+#define USERS_metallic USERS(PRINCIPLED_SOLIDS | ONLY(DISNEY))
+#define USERS_spec_trans USERS(ONLY(PRINCIPLED_TRANSMITTING) | ONLY(PRINCIPLEDTHIN))
 #define USERS_diff_trans USERS(ONLY(PRINCIPLEDTHIN))
 #define USERS_spec_tint USERS(DISNEYS)
 #define USERS_specular_level USERS(ONLY(DISNEY))
 #define USERS_sheen USERS(DISNEYS)
 #define USERS_sheen_tint USERS(DISNEYS)
 #define USERS_flatness USERS(DISNEYS)
-#define USERS_clearcoat USERS(ONLY(PRINCIPLED) | ONLY(DISNEY))
-#define USERS_clearcoat_gloss USERS(ONLY(PRINCIPLED) | ONLY(DISNEY))
+#define USERS_clearcoat USERS(PRINCIPLED_SOLIDS | ONLY(DISNEY))
+#define USERS_clearcoat_gloss USERS(PRINCIPLED_SOLIDS | ONLY(DISNEY))
 
 #define ZERO_int 0
 #define ZERO_float 0.0f
@@ -204,6 +208,12 @@ FN uint branching_families(void) { return (0u BRANCHING_FAMILIES(BRANCHING_FAMIL
 /// Whether the closure is of one of the families.
 FN bool is_among(Closure c, uint families) { return ((families >> c.family) & 1u) != 0u; }
 
+/// Whether light from behind comes through: of a family that transmits, some of principled BSDFs do not.
+FN bool lets_light_through(Closure c) {
+  const bool by_amount = is_among(c, ONLY(PRINCIPLED) | ONLY(PRINCIPLEDTHIN));
+  return is_among(c, families_with(TRANSMITS)) & (!by_amount | (c.spec_trans + c.diff_trans > 0.0f));
+}
+
 FN bool has_closed_form(Closure c) { return is_among(c, families_with(CLOSED_FORM)); }
 
 /// Whether it matters how its frame lies about the normal.
@@ -228,7 +238,12 @@ FN bool is_anisotropic(Closure c) { return (c.alpha_u != c.alpha_v) | (c.anisotr
 FN uint ltc_families(void) { return 0u LTC_FAMILIES(LTC_FAMILY_BIT); }
 
 /// What it reflects altogether, as far as its colours say.
-FN vec3 closure_albedo(Closure c) { return add(c.diffuse, c.specular); }
+FN vec3 closure_albedo(Closure c) {
+  // Of a coat's boundary, what it reflects along the normal.
+  const bool coated = (((PLASTICS | ONLY(MICROFACET_DIFFUSE)) >> c.family) & 1u) != 0u;
+  const float step = (c.ior - 1.0f) / (c.ior + 1.0f);
+  return add(c.diffuse, scale(c.specular, coated ? step * step : 1.0f));
+}
 
 // --- What a family's functions return. Directions are in the frame of the shading normal, whose z is on the
 // viewer's side; f is in 1/sr, pdfs per solid angle.

@@ -71,20 +71,18 @@ FN float inverse_erfc(float w) {
 }
 
 /// Smith's masking G1(w) / w.z, for w.z > 0: the share of the microfacets facing w that w sees. Beckmann's is
-/// Walter's rational approximation, off by up to 0.35%, which Mitsuba has made part of the model.
+/// Walter's rational approximation, off by up to 0.35% and above
+/// 1 by up to 6e-5, which Mitsuba has made part of the model.
 FN float microfacet_masking_over_cosine(Microfacets m, vec3 w) {
   const float slant = microfacet_slant(m, w);
   const float ggx = 2.0f / (w.z + SQRT(w.z * w.z + slant * slant));
   const bool masks = w.z < 1.6f * slant;
   const float a = masks ? w.z / (masks ? slant : 1.0f) : 1.6f;
   const float rational = (3.535f + 2.181f * a) / (1.0f + a * (2.276f + 2.577f * a));
-  // The approximation exceeds 1 by up to 6e-5 next to where it ends.
-  const float beckmann = masks ? min_f(rational / (masks ? slant : 1.0f), 1.0f / w.z) : 1.0f / w.z;
+  const float beckmann = masks ? rational / (masks ? slant : 1.0f) : 1.0f / w.z;
   return m.distribution == DISTRIBUTION_GGX ? ggx : beckmann;
 }
-FN float microfacet_masking(Microfacets m, vec3 w) {
-  return min_f(microfacet_masking_over_cosine(m, w) * w.z, 1.0f);
-}
+FN float microfacet_masking(Microfacets m, vec3 w) { return microfacet_masking_over_cosine(m, w) * w.z; }
 
 /// The same without approximation, as the normals that sample_microfacet chooses are distributed.
 FN float microfacet_visible_over_cosine(Microfacets m, vec3 w) {
@@ -170,10 +168,10 @@ FN MicrofacetReflection microfacet_reflection(Microfacets m, vec3 wo, vec3 wi) {
 FN vec3 mirror_about(vec3 wo, vec3 h) { return sub(scale(h, 2.0f * dot3(wo, h)), wo); }
 
 /// The direction refracted by a facet of unit normal h, under `cosine` to it before and `refracted` after;
-/// `ior` as for dielectric_fresnel.
+/// `ior` as for dielectric_fresnel. Made unit: the rounding of wo would grow by 1 / ior each time.
 FN vec3 refract_about(vec3 wo, vec3 h, float cosine, float refracted, float ior) {
   const float shrink = 1.0f / ior;
-  return sub(scale(h, cosine * shrink - refracted), scale(wo, shrink));
+  return normalize3(sub(scale(h, cosine * shrink - refracted), scale(wo, shrink)));
 }
 
 /// f cos / pdf of it, without Fresnel's factor.

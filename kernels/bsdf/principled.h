@@ -2,11 +2,13 @@
 // which by `spec_trans` is opaque and diffuse or transmits; its GGX microfacets reflect and refract. A
 // clearcoat and sheen go on top.
 //
+// A family for those that are opaque, and one for those that transmit.
+//
 // From inside (`variant`) it is a rough dielectric alone, without colour, as far as it transmits. Base colour
 // is `diffuse`, and `ior` as of smooth dielectrics.
 //
-// It is Mitsuba's to its clearcoat, which lacks the 1 / (4 cos cos) of a microfacet model and so is darker
-// than that of `disney`.
+// It is Mitsuba's to its clearcoat, which lacks the 1 / (4 cos cos) of a microfacet model: brighter than that
+// of `disney` along the normal, darker at grazing angles.
 #ifndef PENUMBRA_PRINCIPLED_H
 #define PENUMBRA_PRINCIPLED_H
 #include "kernels/bsdf/disney_lobes.h"
@@ -23,12 +25,14 @@ typedef struct {
   Microfacets facets;
 } Principled;
 
-FN Principled principled_of(Closure c) {
+/// `can_transmit`: a constant, for which the family stands.
+FN Principled principled_of(Closure c, bool can_transmit) {
   Principled p;
-  p.inside = c.variant == PRINCIPLED_INSIDE;
+  p.inside = can_transmit & (c.variant == PRINCIPLED_INSIDE);
+  const float spec_trans = can_transmit ? c.spec_trans : 0.0f;
   const float dielectric = 1.0f - c.metallic;
-  p.brdf = dielectric * (1.0f - c.spec_trans);
-  p.bsdf = dielectric * c.spec_trans;
+  p.brdf = dielectric * (1.0f - spec_trans);
+  p.bsdf = dielectric * spec_trans;
   p.transmits = p.inside ? 1.0f : p.bsdf;
   p.shares = disney_shares(p.inside ? 0.0f : p.brdf * c.diffuse_rate,
                            p.inside ? 0.0f : 0.25f * c.clearcoat * c.clearcoat_rate,
@@ -51,17 +55,16 @@ FN vec3 principled_fresnel(Closure c, Principled p, float fresnel, float weight,
   return select3(p.inside, make_vec3(within, within, within), outside);
 }
 
-FN BsdfValue principled_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
-  const Principled p = principled_of(c);
-  const bool reflects = wi.z > 0.0f;
+FN BsdfValue principled_lobes_eval(Closure c, Principled p, bool can_transmit, vec3 wo, vec3 wi) {
+  const bool reflects = !can_transmit | (wi.z > 0.0f);
   const vec3 sum = add_scaled(wo, reflects ? 1.0f : c.ior, wi);
   const float length2 = dot3(sum, sum);
   const float to_unit = 1.0f / SQRT(max_f(length2, 1e-30f));
   const vec3 h = scale(sum, sum.z < 0.0f ? -to_unit : to_unit);
   const float cos_o = dot3(wo, h), cos_i = dot3(wi, h);
   const bool there = (wo.z > 0.0f) & (length2 > 0.0f) & (cos_o > 0.0f);
-  const bool facets_reflect = there & reflects & (cos_i > 0.0f);
-  const bool facets_transmit = there & (wi.z < 0.0f) & (cos_i < 0.0f);
+  const bool facets_reflect = there & (wi.z > 0.0f) & (cos_i > 0.0f);
+  const bool facets_transmit = can_transmit & there & (wi.z < 0.0f) & (cos_i < 0.0f);
 
   const DielectricFresnel boundary = dielectric_fresnel(FABS(cos_o), c.ior);
   const float fresnel = boundary.reflectance;
@@ -85,7 +88,7 @@ FN BsdfValue principled_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec
   pdf += facets_transmit ? specular_pdf * share_transmitted * (c.ior * c.ior) * jacobian : 0.0f;
 
   // What is outside alone.
-  const bool outside = there & reflects & !p.inside;
+  const bool outside = there & (wi.z > 0.0f) & !p.inside;
   const float cosine = outside ? wi.z : 0.0f;
   const float diffuse = disney_diffuse(wo.z, FABS(wi.z), cos_i, c.roughness, c.flatness);
   f_cos = add_scaled(f_cos, p.brdf * INV_PI_F * diffuse * cosine, c.diffuse);
@@ -103,9 +106,8 @@ FN BsdfValue principled_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec
   return select_bsdf_value(there, value, no_bsdf_value());
 }
 
-FN BsdfSample principled_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v,
-                                float choice) {
-  const Principled p = principled_of(c);
+FN BsdfSample principled_lobes_sample(Closure c, bool can_transmit, vec3 wo, float u, float v, float choice) {
+  const Principled p = principled_of(c, can_transmit);
   const vec3 facet = sample_microfacet(p.facets, wo, u, v);
   const float cosine = max_f(dot3(wo, facet), 0.0f);
   const DielectricFresnel fresnel = dielectric_fresnel(cosine, c.ior);
@@ -114,31 +116,44 @@ FN BsdfSample principled_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, 
   const float up_to_coat = p.shares.diffuse + p.shares.clearcoat;
   const bool is_diffuse = choice < p.shares.diffuse;
   const bool is_coat = choice < up_to_coat;
-  const bool transmits = !is_coat & (choice < up_to_coat + p.shares.specular * share_transmitted);
+  const bool transmits =
+      can_transmit & !is_coat & (choice < up_to_coat + p.shares.specular * share_transmitted);
   const vec3 h = select3(is_coat, gtr1_sample(clearcoat_alpha(c.clearcoat_gloss), u, v), facet);
   const vec3 reflected = mirror_about(wo, h);
   const vec3 refracted = refract_about(wo, facet, cosine, fresnel.cosine, c.ior);
   BsdfSample s = no_bsdf_sample();
   s.wi = select3(is_diffuse, cosine_hemisphere(u, v), select3(transmits, refracted, reflected));
   s.eta = transmits ? c.ior : 1.0f;
-  const BsdfValue value = principled_eval(scene, c, wo, s.wi);
+  const BsdfValue value = principled_lobes_eval(c, p, can_transmit, wo, s.wi);
   // A facet may send light to the wrong side of the surface.
   s.pdf = transmits == (s.wi.z < 0.0f) ? value.pdf : 0.0f;
   s.weight = scale(value.f_cos, s.pdf > 0.0f ? 1.0f / s.pdf : 0.0f);
   return s;
 }
 
+#define PRINCIPLED_FAMILY(name, can_transmit)                                                   \
+  FN BsdfValue name##_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {           \
+    return principled_lobes_eval(c, principled_of(c, can_transmit), can_transmit, wo, wi);      \
+  }                                                                                             \
+  FN BsdfSample name##_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, float u, float v, \
+                              float choice) {                                                   \
+    return principled_lobes_sample(c, can_transmit, wo, u, v, choice);                          \
+  }
+PRINCIPLED_FAMILY(principled, false)
+PRINCIPLED_FAMILY(principled_transmitting, true)
+#undef PRINCIPLED_FAMILY
+
 #if HAS(LTC)
-/// Without sheen and clearcoat; for closures that do not transmit, which from inside are black.
+/// Without sheen and clearcoat.
 FN ControlLobes principled_control(const PRIVATE Scene* scene, Closure c, float cosine) {
-  const Principled p = principled_of(c);
+  const Principled p = principled_of(c, false);
   const MicrofacetLobe lobe = disney_lobe(scene, c, cosine);
   const float at = fresnel_cosine(lobe);
   const DielectricFresnel boundary = dielectric_fresnel(at, c.ior);
   const float weight = schlick_weight_of(c.ior, at, boundary.cosine);
   const vec3 tint = disney_tint(c.diffuse, luminance(c.diffuse));
   const float diffuse = mean_disney_diffuse(cosine, c.roughness, c.flatness);
-  return make_control_lobes(scale(c.diffuse, p.inside ? 0.0f : p.brdf * diffuse), lobe,
+  return make_control_lobes(scale(c.diffuse, p.brdf * diffuse), lobe,
                             principled_fresnel(c, p, boundary.reflectance, weight, tint));
 }
 #endif

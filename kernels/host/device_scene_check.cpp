@@ -104,7 +104,7 @@ class Checker {
     SCENE_INDICES(CHECK_INDEX)
 #undef CHECK_INDEX
     check_uvs();
-    for (const TextureNode& t : table<TextureNode>(scene_, h_.tables.textures)) check_texture(t);
+    check_textures();
     for (const Quadric& q : table<Quadric>(scene_, h_.tables.quadrics))
       require(in(q.kind, QUADRIC_SPHERE, QUADRIC_DISK), "a quadric of unknown kind");
     for (const Light& l : table<Light>(scene_, at_least_one(h_.tables.lights))) {
@@ -150,6 +150,26 @@ class Checker {
       require(m.bend == BEND_NOT || (has(FEATURE_BENT) && has(FEATURE_TEXTURES) && has(FEATURE_UV)),
               "bent normals without their feature bits");
     }
+  }
+
+  void check_textures() {
+    int colours = 0;  // of a triangle
+    const auto textures = table<TextureNode>(scene_, h_.tables.textures);
+    for (std::size_t i = 0; i < textures.size(); ++i) {
+      const TextureNode& t = textures[i];
+      // Walks from one to the next end.
+      require(t.texture0 < int(i) && t.texture1 < int(i), "a texture holds one that does not come before it");
+      check_texture(t);
+      if (t.kind == TEXTURE_MESH_ATTRIBUTE) {
+        require(in(t.attribute, 0, 31), "a texture shows an implausible attribute of meshes");
+        colours = std::max(colours, t.attribute + 1);
+      }
+    }
+    const int triangles = h_.tables.triangle_colours.count;
+    require(triangles == 0 || triangles == h_.tables.triangles.count, "colours do not match the triangles");
+    for (const int first : table<int>(scene_, h_.tables.triangle_colours))
+      require(first == -1 || in(first, 0, h_.tables.vertex_colours.count - colours),
+              "a triangle has colours that are not there");
   }
 
   void check_texture(const TextureNode& t) {

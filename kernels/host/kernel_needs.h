@@ -11,13 +11,16 @@ constexpr std::uint32_t kEveryFamily = EVERY_FAMILY;
 
 /// Bit masks.
 struct KernelNeeds {
-  std::uint32_t features = FEATURE_ALL;         ///< FEATURE_*
-  std::uint32_t families = kEveryFamily;        ///< 1 << FAMILY_*
-  std::uint32_t light_kinds = ALL_LIGHT_KINDS;  ///< 1 << LIGHT_*
+  std::uint32_t features = FEATURE_ALL;             ///< FEATURE_*
+  std::uint32_t families = kEveryFamily;            ///< 1 << FAMILY_*
+  std::uint32_t light_kinds = ALL_LIGHT_KINDS;      ///< 1 << LIGHT_*
+  std::uint32_t texture_kinds = ALL_TEXTURE_KINDS;  ///< 1 << TEXTURE_*
 };
 
 /// Exactly what the scene needs.
-inline KernelNeeds needs_of(const SceneHeader& h) { return {h.features, h.families, h.light_kinds}; }
+inline KernelNeeds needs_of(const SceneHeader& h) {
+  return {h.features, h.families, h.light_kinds, h.texture_kinds};
+}
 
 /// Everything that kernels for such a scene could have: the hierarchy and testing every primitive exclude
 /// each other.

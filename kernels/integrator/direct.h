@@ -71,7 +71,10 @@ FN void add_passed_directly(const PRIVATE Scene* scene, const PRIVATE PathState*
   if (NEEDS(scene, PROJECTED) && k > 0) {
     Surfaces left = *surfaces;
     load_kept_surfaces(paths, i, &left);
-    project_found(scene, false, &left, paths, i, &found);
+    Closures closures;
+    for (int j = 0; j < LANES; j++) store_closure(&closures, j, black_closure());
+    resolve_closures(scene, &left, &closures);
+    project_found(scene, &left, &closures, &found);
   }
     #endif
   find_emissions(scene, &found, k > 0, &emissions);
@@ -85,12 +88,14 @@ STAGE void request_emitter_samples(const PRIVATE Scene* scene, const PRIVATE Pat
   const float emitter_samples = (float)h->integrator.emitter_samples,
               bsdf_samples = (float)h->integrator.bsdf_samples;
   const int kind = h->integrator.bsdf_sampling, heuristic = h->integrator.heuristic;
+  const uint by_themselves = families_by_themselves(h);
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(&step->surfaces, j);
       const LightSample light = load_light_sample(&step->lights, j);
       const BsdfValue value = load_bsdf_value(&step->values, j);
-      const float other = direction_pdf(kind, s.shading, light.wi, value.pdf);
+      const bool own = is_among(load_closure(&step->closures, j), by_themselves);
+      const float other = own ? value.pdf : direction_pdf(kind, s.shading, light.wi, value.pdf);
       const float shared = mis_weight(heuristic, emitter_samples * light.pdf, bsdf_samples * other);
       const float share = light.delta ? 1.0f : shared;
       const float weight = share / (emitter_samples * (light.pdf > 0.0f ? light.pdf : 1.0f));
@@ -170,11 +175,14 @@ FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
   #endif
     }
     if (scatters) {
-      if (h->integrator.bsdf_sampling == DIRECTION_BSDF)
-        sample_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
-                     step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
-      else
-        choose_directions(scene, step.families, &step, &step.samples);
+      const uint by_themselves = families_by_themselves(h);
+      sample_bsdfs(scene, step.families & by_themselves, &step.closures, &step.surfaces,
+                   step.u + DIM_BSDF_U * LANES, step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
+      if (h->integrator.bsdf_sampling != DIRECTION_BSDF) {
+        BsdfSamples others;
+        choose_directions(scene, step.families & ~by_themselves, &step, &others);
+        take_chosen(&step.closures, by_themselves, &others, &step.samples);
+      }
       request_directions(scene, paths, i, &step);
     }
   }

@@ -14,6 +14,12 @@ FN float direction_pdf(int kind, vec3 n, vec3 wi, float bsdf_pdf) {
 }
 
 #if HAS(DIRECT) || HAS(WHITTED)
+/// Where directions of the hemisphere would miss light, the BSDFs' own are used.
+FN uint families_by_themselves(const PRIVATE SceneHeader* h) {
+  return h->integrator.bsdf_sampling == DIRECTION_BSDF ? 0xffffffffu
+                                                       : families_with(DELTA | SOME_DELTA | TRANSMITS);
+}
+
 STAGE void direction_samples(int kind, const PRIVATE Surfaces* RESTRICT surfaces,
                              const PRIVATE float* RESTRICT uv, PRIVATE float* RESTRICT wi) {
   LANE_LOOP
@@ -37,6 +43,17 @@ STAGE void weigh_directions(int kind, const PRIVATE Surfaces* RESTRICT surfaces,
       s.pdf = value.pdf > 0.0f ? pdf : 0.0f;
       s.weight = scale(value.f_cos, 1.0f / (pdf > 0.0f ? pdf : 1.0f));
       store_bsdf_sample(samples, j, s);
+    }
+}
+
+/// Samples of directions about the hemisphere where the closures are not of these families.
+STAGE void take_chosen(const PRIVATE Closures* RESTRICT closures, uint by_themselves,
+                       const PRIVATE BsdfSamples* RESTRICT chosen, PRIVATE BsdfSamples* RESTRICT samples) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const bool own = is_among(load_closure(closures, j), by_themselves);
+      store_bsdf_sample(samples, j,
+                        select_bsdf_sample(own, load_bsdf_sample(samples, j), load_bsdf_sample(chosen, j)));
     }
 }
 

@@ -96,8 +96,17 @@ STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request,
 #endif
 
 #if HAS(PROJECTED)
+// Projection is onto one side of a surface. Where light comes through, points on lights are sampled
+// otherwise.
+
+/// The normal about which lights are projected; 0 for none, and no density.
+FN vec3 projected_about(vec3 normal, Closure c) {
+  return select3(lets_light_through(c), make_vec3(0.0f, 0.0f, 0.0f), normal);
+}
+
 /// Projected solid angles of the lights that are chosen by power.
 STAGE void project_by_power(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+                            const PRIVATE Closures* RESTRICT closures, const PRIVATE int* RESTRICT chosen,
                             const PRIVATE float* RESTRICT u, PRIVATE double* RESTRICT projected) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -106,7 +115,9 @@ STAGE void project_by_power(const PRIVATE Scene* scene, const PRIVATE Surfaces* 
           choose_light(scene, u[DIM_LIGHT_U * LANES + j], u[DIM_LIGHT_FINE * LANES + j]);
       GLOBAL const Light* light = scene->lights + by_power.light;
       const double e = light_irradiance(light, r.p.x, r.p.y, r.p.z, r.shading.x, r.shading.y, r.shading.z);
-      projected[j] = is_own_light(scene, r, by_power.light) ? 0.0 : e;
+      const bool none =
+          is_own_light(scene, r, by_power.light) | lets_light_through(load_closure(closures, j));
+      projected[j] = chosen[j] >= 0 ? projected[j] : (none ? 0.0 : e);
     }
 }
 
@@ -126,27 +137,37 @@ STAGE void sample_projected_lights(const PRIVATE Scene* scene, const PRIVATE Sur
     }
 }
 
-/// Densities for the lights that the last rays found, for multiple importance sampling.
-STAGE void project_found(const PRIVATE Scene* scene, bool path, const PRIVATE Surfaces* RESTRICT receivers,
-                         const PRIVATE PathState* paths, int i, PRIVATE FoundLights* RESTRICT found) {
+/// Densities for the lights that the last rays found, for multiple importance sampling: from these surfaces.
+STAGE void project_found(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+                         const PRIVATE Closures* RESTRICT closures, PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const vec3 shading = LOAD_LANE_vec3(receivers->shading, j), left = get_left_normal(paths, i + j);
-      found->projected_pdf[j] =
-          projected_density(scene, load_found_light(found, j), select3(path, left, shading));
+      const vec3 n = projected_about(LOAD_LANE_vec3(receivers->shading, j), load_closure(closures, j));
+      found->projected_pdf[j] = projected_density(scene, load_found_light(found, j), n);
     }
+}
+/// From the surfaces that the paths left.
+STAGE void project_found_of_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                                  PRIVATE FoundLights* RESTRICT found) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++)
+      found->projected_pdf[j] =
+          projected_density(scene, load_found_light(found, j), get_left_normal(paths, i + j));
 }
 
 /// The next rays leave these surfaces.
-STAGE void note_left_normals(const PRIVATE PathState* paths, int i,
-                             const PRIVATE Surfaces* RESTRICT surfaces) {
+STAGE void note_left_normals(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
+                             const PRIVATE Closures* RESTRICT closures) {
   LANE_LOOP
-    for (int j = 0; j < LANES; j++) set_left_normal(paths, i + j, LOAD_LANE_vec3(surfaces->shading, j));
+    for (int j = 0; j < LANES; j++)
+      set_left_normal(paths, i + j,
+                      projected_about(LOAD_LANE_vec3(surfaces->shading, j), load_closure(closures, j)));
 }
 
   #if HAS(LTC)
 // The same three where closures have control lobes.
 STAGE void sample_lobes_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
+                               const PRIVATE Closures* RESTRICT closures,
                                const PRIVATE ControlLanes* RESTRICT controls, const PRIVATE float* RESTRICT u,
                                PRIVATE LightSamplings* RESTRICT samplings) {
   LANE_LOOP
@@ -158,8 +179,10 @@ STAGE void sample_lobes_lights(const PRIVATE Scene* scene, const PRIVATE Surface
       const bool is_chosen = chosen >= 0;
       const int light = is_chosen ? chosen : by_power.light;
       const LightReceiver r = receiver_of(s);
-      sample_lobes_light(scene, r, receiver_lobes(s.shading, s.wo, load_control_lobes(controls, j)), light,
-                         is_own_light(scene, r, light), is_chosen ? number : by_power.u,
+      sample_lobes_light(scene, r,
+                         receiver_lobes(projected_about(s.shading, load_closure(closures, j)), s.wo,
+                                        load_control_lobes(controls, j)),
+                         light, is_own_light(scene, r, light), is_chosen ? number : by_power.u,
                          u[DIM_LIGHT_V * LANES + j], samplings, j);
     }
 }
@@ -173,22 +196,26 @@ FN ReceiverLobes left_lobes(const PRIVATE PathState* paths, int i) {
 }
 STAGE void project_found_lobes(const PRIVATE Scene* scene, bool path,
                                const PRIVATE Surfaces* RESTRICT receivers,
+                               const PRIVATE Closures* RESTRICT closures,
                                const PRIVATE ControlLanes* RESTRICT controls, const PRIVATE PathState* paths,
                                int i, PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(receivers, j);
-      const ReceiverLobes here = receiver_lobes(s.shading, s.wo, load_control_lobes(controls, j));
+      const ReceiverLobes here = receiver_lobes(projected_about(s.shading, load_closure(closures, j)), s.wo,
+                                                load_control_lobes(controls, j));
       const ReceiverLobes lobes = select_receiver_lobes(path, left_lobes(paths, i + j), here);
       found->projected_pdf[j] = lobes_density(scene, load_found_light(found, j), lobes);
     }
 }
 STAGE void note_left_lobes(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
+                           const PRIVATE Closures* RESTRICT closures,
                            const PRIVATE ControlLanes* RESTRICT controls) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(surfaces, j);
-      const ReceiverLobes lobes = receiver_lobes(s.shading, s.wo, load_control_lobes(controls, j));
+      const ReceiverLobes lobes = receiver_lobes(projected_about(s.shading, load_closure(closures, j)), s.wo,
+                                                 load_control_lobes(controls, j));
       set_left_normal(paths, i + j, lobes.normal);
       set_left_wo(paths, i + j, lobes.wo);
       set_left_matrix(paths, i + j, lobes.matrix);
@@ -217,6 +244,7 @@ FN void request_lights(const PRIVATE Scene* scene, LightRequest request, bool fi
                        const PRIVATE PathState* paths, int i) {
 #if HAS(PROJECTED) || HAS(POLYGONS)
   double projected[LANES];
+  for (int j = 0; j < LANES; j++) projected[j] = 0.0;
 #endif
 #if HAS(LTC)
   if (NEEDS(scene, LTC))
@@ -234,16 +262,22 @@ FN void request_lights(const PRIVATE Scene* scene, LightRequest request, bool fi
   #if HAS(LTC)
   if (NEEDS(scene, LTC)) {
     if (request.found & finds)
-      project_found_lobes(scene, request.path, &step->surfaces, &step->controls, paths, i, &step->found);
-    if (request.found & request.path) note_left_lobes(paths, i, &step->surfaces, &step->controls);
+      project_found_lobes(scene, request.path, &step->surfaces, &step->closures, &step->controls, paths, i,
+                          &step->found);
+    if (request.found & request.path)
+      note_left_lobes(paths, i, &step->surfaces, &step->closures, &step->controls);
     if (request.projected)
-      sample_lobes_lights(scene, &step->surfaces, &step->controls, step->u, &step->samplings);
+      sample_lobes_lights(scene, &step->surfaces, &step->closures, &step->controls, step->u,
+                          &step->samplings);
     return;
   }
   #endif
-  if (request.found & finds) project_found(scene, request.path, &step->surfaces, paths, i, &step->found);
-  if (request.found & request.path) note_left_normals(paths, i, &step->surfaces);
-  if (request.projected & !request.choice) project_by_power(scene, &step->surfaces, step->u, projected);
+  if (request.found & finds & request.path) project_found_of_paths(scene, paths, i, &step->found);
+  if (request.found & finds & !request.path)
+    project_found(scene, &step->surfaces, &step->closures, &step->found);
+  if (request.found & request.path) note_left_normals(paths, i, &step->surfaces, &step->closures);
+  if (request.projected)
+    project_by_power(scene, &step->surfaces, &step->closures, step->samplings.light, step->u, projected);
   if (request.projected)
     sample_projected_lights(scene, &step->surfaces, step->u, projected, &step->samplings);
 #endif

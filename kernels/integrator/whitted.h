@@ -14,17 +14,12 @@ PENUMBRA_NAMESPACE_BEGIN
   // A density that takes no weight from any other, where no direction is sampled.
   #define NO_RIVAL 1e-37f
 
-/// Where directions of the hemisphere would miss light, the BSDFs' own are used.
-FN uint families_by_themselves(const PRIVATE SceneHeader* h) {
-  return h->integrator.bsdf_sampling == DIRECTION_BSDF ? 0xffffffffu
-                                                       : families_with(DELTA | SOME_DELTA | TRANSMITS);
-}
-
 /// How many directions a path samples at a surface that scatters in all of them. (Camera rays that look
-/// through emitters would not find back to what they see.)
+/// through emitters, and rays that pass surfaces by chance, would not find back to what they see.)
 FN int directions_at(const PRIVATE SceneHeader* h, int depth) {
   const int samples = h->integrator.bsdf_samples;
-  const bool leads_back = (depth > 0) | (h->integrator.hide_emitters != HIDE_LOOK_THROUGH);
+  const bool leads_back =
+      ((depth > 0) | (h->integrator.hide_emitters != HIDE_LOOK_THROUGH)) & (h->integrator.leads_back != 0);
   return ((depth < h->integrator.branch_depth) & leads_back) ? samples : min_i(samples, 1);
 }
 
@@ -129,17 +124,6 @@ FN bool any_of(const PRIVATE int* flags) {
 STAGE void choose_first_lobes(const PRIVATE Branching* RESTRICT branching, PRIVATE float* RESTRICT choice) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) choice[j] = branching->lobes[j] != 0 ? 0.0f : choice[j];
-}
-
-/// Samples of directions about the hemisphere where the closures are not of these families.
-STAGE void take_chosen(const PRIVATE Closures* RESTRICT closures, uint by_themselves,
-                       const PRIVATE BsdfSamples* RESTRICT chosen, PRIVATE BsdfSamples* RESTRICT samples) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const bool own = is_among(load_closure(closures, j), by_themselves);
-      store_bsdf_sample(samples, j,
-                        select_bsdf_sample(own, load_bsdf_sample(samples, j), load_bsdf_sample(chosen, j)));
-    }
 }
 
 /// Weighs samples as one of several, or as a lobe that is taken for certain.
@@ -281,8 +265,14 @@ FN void step_whitted(const PRIVATE Scene* scene, const PRIVATE PathState* paths,
     if (scatters) {
       sample_step_lights(scene, &step);
       eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
+  #if HAS(LTC)
+      if (has_other_control(scene)) admit_controls(scene, &step);
+  #endif
       balance_values(scene, paths, i, &step);
       request_light(scene, paths, i, &step);
+  #if HAS(LTC)
+      if (has_other_control(scene)) request_controls(scene, paths, i, 1.0f, true, &step);
+  #endif
       sample_branches(scene, paths, i, count, &step);
   #if HAS(TRANSMISSION)
       if (NEEDS(scene, TRANSMISSION)) enter_media(paths, i, &step.samples, step.eta);

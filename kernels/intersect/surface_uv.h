@@ -1,7 +1,4 @@
-// Texture coordinates and tangents, as Mitsuba 3 has them. Spheres and disks are not rotated here: readers
-// keep a sphere's centre and radius and a disk's normal of their transform, so that a sphere's poles lie
-// along the z axis of the scene, and a disk's angle starts along the first axis of from_frame, whatever the
-// file says.
+// Texture coordinates and tangents, as Mitsuba 3 has them.
 #ifndef PENUMBRA_SURFACE_UV_H
 #define PENUMBRA_SURFACE_UV_H
 #include "kernels/intersect/surface_fields.h"
@@ -9,6 +6,23 @@
 #include "kernels/scene.h"
 
 PENUMBRA_NAMESPACE_BEGIN
+
+typedef struct {
+  float b0, b1, b2;
+} Barycentric;
+
+/// Of a point in the triangle's plane.
+FN Barycentric barycentric_of(GLOBAL const Triangle* triangle, vec3 p) {
+  const vec3 p0 = load3(&triangle->p0);
+  const vec3 e1 = sub(load3(&triangle->p1), p0), e2 = sub(load3(&triangle->p2), p0), d = sub(p, p0);
+  const vec3 n = cross3(e1, e2);
+  const float n2 = dot3(n, n), inverse = n2 > 0.0f ? 1.0f / n2 : 0.0f;
+  Barycentric b;
+  b.b1 = dot3(cross3(d, e2), n) * inverse;
+  b.b2 = dot3(cross3(e1, d), n) * inverse;
+  b.b0 = (1.0f - b.b1) - b.b2;
+  return b;
+}
 
 #if HAS(UV)
 typedef struct {
@@ -44,7 +58,12 @@ FN float turns_of(float x, float y) {
   return min_f(turns < 0.0f ? turns + 1.0f : turns, ONE_MINUS_EPSILON);
 }
 
-/// Of the point of a sphere in that unit direction from its centre: longitude, and angle from the z axis.
+/// A direction, or an offset from the centre, in the frame of a sphere or a disk.
+FN vec3 to_quadric_frame(GLOBAL const Quadric* q, vec3 v) {
+  return make_vec3(dot3(v, load3(&q->x_axis)), dot3(v, load3(&q->y_axis)), dot3(v, load3(&q->normal)));
+}
+
+/// Of the point of a sphere in that unit direction of its frame: longitude, and angle from its z axis.
 FN TexturePoint sphere_uv(vec3 outward) {
   TexturePoint t;
   t.u = turns_of(outward.x, outward.y);
@@ -52,13 +71,20 @@ FN TexturePoint sphere_uv(vec3 outward) {
   return t;
 }
 
-/// Of a disk's point, as seen from its centre: distance over the radius, and angle.
-FN TexturePoint disk_uv(vec3 from_center, vec3 normal, float radius) {
-  const vec3 flat = to_frame(normal, from_center);
+/// Of a disk's point, as seen from its centre in its frame: distance over the radius, and angle.
+FN TexturePoint disk_uv(vec3 from_center, float radius) {
   TexturePoint t;
-  t.u = min_f(SQRT(sqr(flat.x) + sqr(flat.y)) / radius, 1.0f);
-  t.v = turns_of(flat.x, flat.y);
+  t.u = min_f(SQRT(sqr(from_center.x) + sqr(from_center.y)) / radius, 1.0f);
+  t.v = turns_of(from_center.x, from_center.y);
   return t;
+}
+
+/// The frame of a light that is a sphere or a disk: its primitive's.
+FN GLOBAL const Quadric* quadric_of_light(const PRIVATE Scene* scene, int light) {
+  GLOBAL const LightTriangles* parts =
+      scene->light_triangles + (light < scene->header.tables.light_triangles.count ? light : 0);
+  const int quadric = parts->quadric;
+  return scene->quadrics + (quadric >= 0 ? quadric : 0);
 }
 
 /// The surface with what only scenes with FEATURE_UV know of it.
@@ -75,13 +101,14 @@ FN Surface with_triangle_uv(const PRIVATE Scene* scene, int triangle, PrimitiveP
 FN Surface with_quadric_uv(const PRIVATE Scene* scene, int index, PrimitivePoint r, Surface s) {
   GLOBAL const Quadric* q = scene->quadrics + index;
   const bool sphere = q->kind == QUADRIC_SPHERE;
-  const vec3 from_center = sub(r.p, load3(&q->center));
+  const vec3 from_center = to_quadric_frame(q, sub(r.p, load3(&q->center)));
   const TexturePoint on_sphere = sphere_uv(normalize3(from_center));
-  const TexturePoint on_disk = disk_uv(from_center, load3(&q->normal), q->radius);
+  const TexturePoint on_disk = disk_uv(from_center, q->radius);
   s.u = sphere ? on_sphere.u : on_disk.u;
   s.v = sphere ? on_sphere.v : on_disk.v;
-  const vec3 east = make_vec3(-from_center.y, from_center.x, 0.0f);
-  s.tangent = tangent_axis(r.normal, select3(sphere, east, from_center));
+  // To the east on a sphere, away from the centre on a disk.
+  const float x = sphere ? -from_center.y : from_center.x, y = sphere ? from_center.x : from_center.y;
+  s.tangent = tangent_axis(r.normal, add_scaled(scale(load3(&q->x_axis), x), y, load3(&q->y_axis)));
   return s;
 }
   #endif

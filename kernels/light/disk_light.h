@@ -11,7 +11,8 @@ FN vec3 disk_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* ligh
   return load3(&light->radiance);
 }
 
-FN SampledPoint sample_disk_point(GLOBAL const Light* light, float u, float v, uint ways) {
+FN SampledPoint sample_disk_point(const PRIVATE Scene* scene, int index, float u, float v, uint ways) {
+  GLOBAL const Light* light = scene->lights + index;
   const vec3 center = load3(&light->p0), normal = load3(&light->p1);
   const float radius = light->p2.x, root = SQRT(u);
   float sine, cosine;
@@ -23,7 +24,7 @@ FN SampledPoint sample_disk_point(GLOBAL const Light* light, float u, float v, u
   s.pdf = 0.0f;
 #if HAS(UV)
   if (BY(ways, UV)) {
-    const TexturePoint on = disk_uv(from_center, normal, radius);
+    const TexturePoint on = disk_uv(to_quadric_frame(quadric_of_light(scene, index), from_center), radius);
     s.at.u = on.u;
     s.at.v = on.v;
   }
@@ -34,7 +35,7 @@ FN SampledPoint sample_disk_point(GLOBAL const Light* light, float u, float v, u
 FN LightSample sample_disk_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
                                  LightSampling sampling, uint ways) {
   GLOBAL const Light* light = scene->lights + index;
-  const SampledPoint point = sample_disk_point(light, u, v, ways);
+  const SampledPoint point = sample_disk_point(scene, index, u, v, ways);
   LightSample s = toward_light(light, r, point);
   s.radiance = disk_light_radiance(scene, light, point.at, s.wi);
   return s;

@@ -60,9 +60,7 @@ FN vec3 envmap_texel(const PRIVATE Scene* scene, EnvironmentMap map, int x, int 
 FN vec3 envmap_radiance(const PRIVATE Scene* scene, EnvironmentMap map, EnvmapPoint p) {
   const vec3 a = envmap_texel(scene, map, p.x, p.y), b = envmap_texel(scene, map, p.next_x, p.y);
   const vec3 c = envmap_texel(scene, map, p.x, p.y + 1), d = envmap_texel(scene, map, p.next_x, p.y + 1);
-  const vec3 above = add(scale(a, 1.0f - p.s), scale(b, p.s)),
-             below = add(scale(c, 1.0f - p.s), scale(d, p.s));
-  return add(scale(above, 1.0f - p.t), scale(below, p.t));
+  return mix3(mix3(a, b, p.s), mix3(c, d, p.s), p.t);
 }
 
 /// Weights of the grid along one column of it, between the rows of p.

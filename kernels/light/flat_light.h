@@ -44,22 +44,6 @@ FN vec3 flat_light_seen(FlatLight f, vec3 from, vec3 w) {
 }
 
 #if HAS(UV)
-typedef struct {
-  float b0, b1, b2;
-} Barycentric;
-
-/// Of a point in the triangle's plane.
-FN Barycentric barycentric_of(GLOBAL const Triangle* triangle, vec3 p) {
-  const vec3 p0 = load3(&triangle->p0);
-  const vec3 e1 = sub(load3(&triangle->p1), p0), e2 = sub(load3(&triangle->p2), p0), d = sub(p, p0);
-  const vec3 n = cross3(e1, e2);
-  const float n2 = dot3(n, n), inverse = n2 > 0.0f ? 1.0f / n2 : 0.0f;
-  Barycentric b;
-  b.b1 = dot3(cross3(d, e2), n) * inverse;
-  b.b2 = dot3(cross3(e1, d), n) * inverse;
-  b.b0 = (1.0f - b.b1) - b.b2;
-  return b;
-}
 FN float least_of(Barycentric b) { return min_f(b.b0, min_f(b.b1, b.b2)); }
 
 /// The point of the light of that index with the texture coordinates of the triangle on which it lies.

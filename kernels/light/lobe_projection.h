@@ -19,11 +19,11 @@ PENUMBRA_NAMESPACE_BEGIN
 // clang-format on
 LANE_RECORD(ReceiverLobes, ReceiverLobesLanes, receiver_lobes, RECEIVER_LOBES_FIELDS)
 
-/// A closure without control lobes is taken for a Lambert.
+/// A closure without control lobes is taken for a Lambert; without a normal (0) there is no projection.
 FN ReceiverLobes receiver_lobes(vec3 normal, vec3 wo, ControlLobes c) {
   const float diffuse = (c.diffuse.x + c.diffuse.y) + c.diffuse.z;
   const float specular = (c.specular.x + c.specular.y) + c.specular.z, sum = diffuse + specular;
-  const bool leans = (c.width_x > 0.0f) & (specular > 0.0f);
+  const bool leans = (c.width_x > 0.0f) & (specular > 0.0f) & (dot3(normal, normal) > 0.0f);
   ReceiverLobes r;
   r.normal = normal;
   r.wo = wo;

@@ -22,7 +22,9 @@ FN vec3 sphere_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* li
   return load3(&light->radiance);
 }
 
-FN SampledPoint sample_sphere_point(GLOBAL const Light* light, LightReceiver r, float u, float v, uint ways) {
+FN SampledPoint sample_sphere_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
+                                    uint ways) {
+  GLOBAL const Light* light = scene->lights + index;
   const vec3 center = load3(&light->p0);
   const float radius = light->p2.x, orientation = light->p2.y;
   float sine, cosine;
@@ -53,7 +55,7 @@ FN SampledPoint sample_sphere_point(GLOBAL const Light* light, LightReceiver r, 
   s.pdf = cone ? 1.0f / (2.0f * PI_F * versine_max) : 0.0f;
 #if HAS(UV)
   if (BY(ways, UV)) {
-    const TexturePoint on = sphere_uv(outward);
+    const TexturePoint on = sphere_uv(to_quadric_frame(quadric_of_light(scene, index), outward));
     s.at.u = on.u;
     s.at.v = on.v;
   }
@@ -64,7 +66,7 @@ FN SampledPoint sample_sphere_point(GLOBAL const Light* light, LightReceiver r, 
 FN LightSample sample_sphere_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
                                    LightSampling sampling, uint ways) {
   GLOBAL const Light* light = scene->lights + index;
-  const SampledPoint point = sample_sphere_point(light, r, u, v, ways);
+  const SampledPoint point = sample_sphere_point(scene, index, r, u, v, ways);
   LightSample s = toward_light(light, r, point);
   s.radiance = sphere_light_radiance(scene, light, point.at, s.wi);
   return s;

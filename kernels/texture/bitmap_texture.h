@@ -61,7 +61,7 @@ FN vec3 bordered_texel(float border_u, float border_v, vec3 texel) {
 // A lane whose texture is of another kind looks at the first words.
 #define BITMAP_TEXTURE(name, kind_number)                                                             \
   FN TextureStep name##_bitmap_texture(const PRIVATE Scene* scene, GLOBAL const TextureNode* texture, \
-                                       TextureCoordinates at) {                                       \
+                                       TexturePlace at) {                                             \
     const bool here = texture->kind == (kind_number);                                                 \
     const int width = here ? texture->width : 1, height = here ? texture->height : 1;                 \
     TexelFormat format;                                                                               \

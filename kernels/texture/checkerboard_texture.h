@@ -7,7 +7,7 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 FN TextureStep checkerboard_texture(const PRIVATE Scene* scene, GLOBAL const TextureNode* texture,
-                                    TextureCoordinates at) {
+                                    TexturePlace at) {
   const float u = at.u - floor_f(at.u), v = at.v - floor_f(at.v);
   const bool first = (u > 0.5f) == (v > 0.5f);
   const vec3 colour0 = load3(&texture->colour0), colour1 = load3(&texture->colour1);

@@ -5,8 +5,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-FN TextureStep scale_texture(const PRIVATE Scene* scene, GLOBAL const TextureNode* texture,
-                             TextureCoordinates at) {
+FN TextureStep scale_texture(const PRIVATE Scene* scene, GLOBAL const TextureNode* texture, TexturePlace at) {
   TextureStep step;
   step.factor = load3(&texture->colour0);
   step.next = texture->texture0;

@@ -29,7 +29,8 @@ FN float decoded_value(const PRIVATE Scene* scene, TexelFormat format, uint valu
 
 /// 8 bit have a table of 256 values, sRGB or not.
 FN vec3 byte_texel(const PRIVATE Scene* scene, TexelFormat format, uint index) {
-  const uint bits = texel_bits(scene, format, format.grey ? index : 3u * index);
+  const uint found = texel_bits(scene, format, format.grey ? index : 3u * index);
+  const uint bits = format.decodes ? found : 0u;
   const uint r = bits & 255u, g = format.grey ? r : (bits >> 8) & 255u,
              b = format.grey ? r : (bits >> 16) & 255u;
   return make_vec3(decoded_value(scene, format, r), decoded_value(scene, format, g),

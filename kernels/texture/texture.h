@@ -5,6 +5,8 @@
 #include "kernels/intersect/surface_fields.h"
 #include "kernels/texture/bitmap_texture.h"
 #include "kernels/texture/checkerboard_texture.h"
+#include "kernels/texture/mesh_attribute_texture.h"
+#include "kernels/texture/noise_texture.h"
 #include "kernels/texture/scale_texture.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -24,7 +26,7 @@ LANE_RECORD(TextureLane, TextureLanes, texture_lane, TEXTURE_LANE_FIELDS)
           GLOBAL const TextureNode* texture = scene->textures + (lane.next >= 0 ? lane.next : 0);            \
           const bool here = (lane.next >= 0) & (texture->kind == (number));                                  \
           const TextureStep step =                                                                           \
-              name##_texture(scene, texture, texture_coordinates(texture, surfaces->u[j], surfaces->v[j]));  \
+              name##_texture(scene, texture, texture_place(texture, load_surface(surfaces, j)));             \
           TextureLane after;                                                                                 \
           after.value = mul(lane.value, step.factor);                                                        \
           after.next = step.next;                                                                            \
@@ -54,8 +56,9 @@ FN void eval_textures(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfac
   }
   for (uint among = texture_kinds_among(scene, lanes); among != 0u;
        among = texture_kinds_among(scene, lanes)) {
-  #define STEP_KIND(name, NAME, number, description) \
-    if ((among >> (number)&1u) != 0u) step_##name##_textures(scene, surfaces, lanes);
+  #define STEP_KIND(name, NAME, number, description)                                 \
+    if (((TEXTURE_KINDS_MASK) >> (number)&1u) != 0u && (among >> (number)&1u) != 0u) \
+      step_##name##_textures(scene, surfaces, lanes);
     TEXTURE_KINDS(STEP_KIND)
   #undef STEP_KIND
   }

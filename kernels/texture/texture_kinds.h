@@ -13,7 +13,9 @@ PENUMBRA_NAMESPACE_BEGIN
   X(short_bitmap, SHORT_BITMAP, 2, "bitmaps of 16 bit")           \
   X(half_bitmap, HALF_BITMAP, 3, "bitmaps of half precision")     \
   X(float_bitmap, FLOAT_BITMAP, 4, "bitmaps of single precision") \
-  X(scale, SCALE, 5, "scaled textures")
+  X(scale, SCALE, 5, "scaled textures")                           \
+  X(noise, NOISE, 6, "value noise")                               \
+  X(mesh_attribute, MESH_ATTRIBUTE, 7, "colours of meshes")
 
 #define ENUMERATE_KIND(name, NAME, number, description) TEXTURE_##NAME = number,
 #define COUNT_KIND(name, NAME, number, description) +1
@@ -21,7 +23,16 @@ enum { TEXTURE_KINDS(ENUMERATE_KIND) TEXTURE_KIND_COUNT = 0 TEXTURE_KINDS(COUNT_
 #undef ENUMERATE_KIND
 #undef COUNT_KIND
 
-#define LEAST_TEXELS 256  // words that kernels read whatever the textures
+#define ALL_TEXTURE_KINDS ((1u << TEXTURE_KIND_COUNT) - 1u)
+// Bits 1 << TEXTURE_*. OpenCL kernels are compiled with exactly a scene's kinds, native code with all: a kind
+// that the scene lacks is not called.
+#ifndef TEXTURE_KINDS_MASK
+  #define TEXTURE_KINDS_MASK ALL_TEXTURE_KINDS
+#endif
+
+#define LEAST_TEXELS 3  // words that kernels read whatever the textures
+
+#define MAX_NOISE_OCTAVES 10
 
 // What a bitmap is beyond its edges.
 #define WRAP_REPEAT 0
@@ -50,7 +61,14 @@ enum { TEXTURE_KINDS(ENUMERATE_KIND) TEXTURE_KIND_COUNT = 0 TEXTURE_KINDS(COUNT_
   F(int, decoding) /* word where its table of decoded values begins, or -1: none */             \
   F(int, wrap_u)   /* WRAP_* */                                                                 \
   F(int, wrap_v)                                                                                \
-  F(int, nearest) /* 1: the nearest texel alone, 0: bilinear */
+  F(int, nearest) /* 1: the nearest texel alone, 0: bilinear */                                 \
+  /* Noise: see noise_texture.h. */                                                             \
+  F(uint, seed)                                                                                 \
+  F(int, octaves)                                                                               \
+  F(float, persistence)                                                                         \
+  F(float, lacunarity)                                                                          \
+  /* Colours of meshes: which of a triangle's. */                                               \
+  F(int, attribute)
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -2,7 +2,7 @@
 // hold others are walks from one to the next, without recursion.
 #ifndef PENUMBRA_TEXTURE_STEP_H
 #define PENUMBRA_TEXTURE_STEP_H
-#include "kernels/math/lane_record.h"
+#include "kernels/intersect/surface_fields.h"
 #include "kernels/scene.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -12,15 +12,19 @@ typedef struct {
   int next;  ///< index of the other texture, or -1: the factor is the value
 } TextureStep;
 
-/// Coordinates of a point on a texture, its transform applied.
+/// Where a texture is evaluated.
 typedef struct {
-  float u, v;
-} TextureCoordinates;
+  float u, v;     ///< its own coordinates: its transform is applied
+  vec3 p;         ///< of the surface
+  int primitive;  ///< that the surface is on
+} TexturePlace;
 
-FN TextureCoordinates texture_coordinates(GLOBAL const TextureNode* texture, float u, float v) {
-  TextureCoordinates at;
-  at.u = (texture->u_by_u * u + texture->u_by_v * v) + texture->u_offset;
-  at.v = (texture->v_by_u * u + texture->v_by_v * v) + texture->v_offset;
+FN TexturePlace texture_place(GLOBAL const TextureNode* texture, Surface s) {
+  TexturePlace at;
+  at.u = (texture->u_by_u * s.u + texture->u_by_v * s.v) + texture->u_offset;
+  at.v = (texture->v_by_u * s.u + texture->v_by_v * s.v) + texture->v_offset;
+  at.p = s.p;
+  at.primitive = s.primitive;
   return at;
 }
 

@@ -1,4 +1,5 @@
-// Disney's BRDF of 2012 by the names of its authors, see kernels/bsdf/disney.h.
+// Disney's BRDF of 2012 by the names of its authors, baseColor for example, which readers spell base_color.
+// See kernels/bsdf/disney.h.
 #pragma once
 
 #include "scenes/bsdfs/material.h"
@@ -9,30 +10,30 @@ namespace penumbra {
 struct DisneyBsdf {
   static constexpr const char* kPlugin = "disney";
   TexturedColour base_color{glm::vec3(0.5f)};
-  TexturedNumber subsurface, metallic;
+  TexturedNumber subsurface{}, metallic{};
   TexturedNumber specular{0.5f};
-  TexturedNumber specular_tint;
+  TexturedNumber specular_tint{};
   TexturedNumber roughness{0.5f};
-  TexturedNumber anisotropic, sheen;
+  TexturedNumber anisotropic{}, sheen{};
   TexturedNumber sheen_tint{0.5f};
-  TexturedNumber clearcoat;
+  TexturedNumber clearcoat{};
   TexturedNumber clearcoat_gloss{1.0f};
 
   template <typename Row>
   static void parameters(const Row& row) {
     using P = DisneyBsdf;
-    row("baseColor", &P::base_color, ColourWithin{}, "colour of the material");
+    row("base_color", &P::base_color, ColourWithin{}, "colour of the material");
     row("subsurface", &P::subsurface, NumberWithin{}, "from diffuse to like scattering beneath the surface");
     row("metallic", &P::metallic, NumberWithin{}, "from a dielectric to a metal");
     row("specular", &P::specular, NumberWithin{},
         "of a dielectric: 0.08 of it is reflected along the normal");
-    row("specularTint", &P::specular_tint, NumberWithin{}, "how much that reflection has the base colour");
+    row("specular_tint", &P::specular_tint, NumberWithin{}, "how much that reflection has the base colour");
     row("roughness", &P::roughness, NumberWithin{}, "of the microfacets: their alpha is its square");
     row("anisotropic", &P::anisotropic, NumberWithin{}, "how much longer highlights are along the tangent");
     row("sheen", &P::sheen, NumberWithin{}, "of cloth, at grazing angles");
-    row("sheenTint", &P::sheen_tint, NumberWithin{}, "how much the sheen has the base colour");
+    row("sheen_tint", &P::sheen_tint, NumberWithin{}, "how much the sheen has the base colour");
     row("clearcoat", &P::clearcoat, NumberWithin{}, "of a second, colourless reflection");
-    row("clearcoatGloss", &P::clearcoat_gloss, NumberWithin{}, "from a satin to a glossy clearcoat");
+    row("clearcoat_gloss", &P::clearcoat_gloss, NumberWithin{}, "from a satin to a glossy clearcoat");
   }
 };
 

@@ -10,10 +10,9 @@ namespace penumbra {
 inline Material material_of_family(int family) {
   Material m{};
 #define NO_TEXTURE(_, type, name) m.name##_texture = kNoTexture;
-  TEXTURED_FIELDS(NO_TEXTURE, _)
+  MATERIAL_TEXTURES(NO_TEXTURE, _)
 #undef NO_TEXTURE
   m.first = m.second = -1;
-  m.weight_texture = m.bend_texture = kNoTexture;
   m.family = family;
   return m;
 }

@@ -27,10 +27,10 @@ struct PrincipledBsdf {
   static constexpr const char* kPlugin = "principled";
   TexturedColour base_color{glm::vec3(0.5f)};
   TexturedNumber roughness{0.5f};
-  TexturedNumber anisotropic, metallic, spec_trans;
+  TexturedNumber anisotropic{}, metallic{}, spec_trans{};
   float eta = 1.5f;       ///< inside over outside
   float specular = 0.5f;  ///< instead of eta
-  TexturedNumber spec_tint, sheen, sheen_tint, flatness, clearcoat, clearcoat_gloss;
+  TexturedNumber spec_tint{}, sheen{}, sheen_tint{}, flatness{}, clearcoat{}, clearcoat_gloss{};
   float specular_rate = 1.0f, diffuse_rate = 1.0f, clearcoat_rate = 1.0f;
   bool inside = false;  ///< as seen from there
 
@@ -86,7 +86,8 @@ struct PrincipledBsdf {
 };
 
 inline Material material_of(const PrincipledBsdf& principled) {
-  Material m = material_of_family(FAMILY_PRINCIPLED);
+  Material m =
+      material_of_family(principled.transmits() ? FAMILY_PRINCIPLED_TRANSMITTING : FAMILY_PRINCIPLED);
   PENUMBRA_SET_FIELD(m, diffuse, principled.base_color);
   PENUMBRA_SET_FIELD(m, roughness, principled.roughness);
   PENUMBRA_SET_FIELD(m, anisotropic, principled.anisotropic);

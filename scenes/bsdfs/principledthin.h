@@ -10,9 +10,9 @@ struct PrincipledThinBsdf {
   static constexpr bool kSidesAreAlike = true;
   TexturedColour base_color{glm::vec3(0.5f)};
   TexturedNumber roughness{0.5f};
-  TexturedNumber anisotropic, spec_trans;
+  TexturedNumber anisotropic{}, spec_trans{};
   TexturedNumber eta{1.5f};
-  TexturedNumber spec_tint, sheen, sheen_tint, flatness, diff_trans;
+  TexturedNumber spec_tint{}, sheen{}, sheen_tint{}, flatness{}, diff_trans{};
   float diffuse_rate = 1.0f, diff_trans_rate = 1.0f, specular_rate = 1.0f, spec_trans_rate = 1.0f;
 
   template <typename Row>

@@ -9,6 +9,7 @@
 #include <map>
 #include <numbers>
 
+#include "kernels/host/material_closure.h"
 #include "kernels/intersect/bvh_limits.h"
 #include "scenes/device/bvh_builder.h"
 #include "scenes/device/camera_builder.h"
@@ -17,8 +18,8 @@
 #include "scenes/device/light_builder.h"
 #include "scenes/device/ltc/ltc_table.h"
 #include "scenes/device/scene_records.h"
-#include "scenes/device/texel_table.h"
 #include "scenes/device/texture_coordinates.h"
+#include "scenes/device/texture_tables.h"
 #include "scenes/device/to_vec3.h"
 
 namespace penumbra {
@@ -67,7 +68,8 @@ void set_passes(Material& m, const std::vector<Material>& before) {
   m.passes = first == second ? first : PASSES_SOME;
 }
 
-/// Between texture coordinates whose heights are compared: a small part of a texel.
+/// Between texture coordinates whose heights are compared: a small part of a texel, across whose edges slopes
+/// change.
 float bend_step(const SceneDescription& scene, int texture) {
   const SceneTexture& heights = scene.textures.at(std::size_t(texture));
   const auto* image = std::get_if<BitmapTexture>(&heights.model);
@@ -75,7 +77,9 @@ float bend_step(const SceneDescription& scene, int texture) {
   const Bitmap& bitmap = *scene.bitmaps.at(std::size_t(image->bitmap));
   const double along_u = glm::length(glm::dvec2(heights.to_uv[0])),
                along_v = glm::length(glm::dvec2(heights.to_uv[1]));
-  return float(1 / (8.0 * std::max({1.0, along_u, along_v}) * std::max(bitmap.width, bitmap.height)));
+  constexpr double kLeast = 1.0 / (1 << 16);  // 250 times what rounds coordinates
+  return float(std::max(
+      kLeast, 1 / (32.0 * std::max({1.0, along_u, along_v}) * std::max(bitmap.width, bitmap.height))));
 }
 
 /// Whether a material has control lobes so narrow that points of lights are better chosen by them, which
@@ -116,7 +120,8 @@ class Builder {
     if (options_.feature_layers) need(FEATURE_LAYERS);
     if (wants_uv()) {
       need(FEATURE_UV);
-      records_.light_triangles = light_triangles(records_.triangles, records_.lights.size());
+      records_.light_triangles =
+          light_triangles(records_.triangles, records_.quadrics, records_.lights.size());
     }
     if (Expected<void> done = set_integrator(scene_.integrator, lights_, radius_, h_); !done)
       return fail(scene_.source + ": " + done.error().message);
@@ -163,6 +168,7 @@ class Builder {
         need(FEATURE_BENT);
         m.bend_step = bend_step(scene_, m.bend_texture);
       }
+      if (is_anisotropic(closure_of(m))) need(FEATURE_UV);
       h_.textured |= textured_fields(m);
       textures = textures || m.weight_texture != kNoTexture || m.bend_texture != kNoTexture;
       records_.materials.push_back(m);
@@ -173,14 +179,11 @@ class Builder {
   }
 
   void add_textures() {
-    TexelTable texels(scene_.bitmaps);
-    for (const SceneTexture& texture : scene_.textures) {
-      records_.textures.push_back(texture_of(texture));
-      if (const auto* bitmap = std::get_if<BitmapTexture>(&texture.model))
-        texels.place(*bitmap, records_.textures.back());
-      h_.texture_kinds |= 1u << records_.textures.back().kind;
-    }
-    records_.texels = texels.take();
+    TextureTables tables = texture_tables(scene_, records_.materials);
+    for (const TextureNode& texture : tables.textures) h_.texture_kinds |= 1u << texture.kind;
+    records_.textures = std::move(tables.textures);
+    records_.texels = std::move(tables.texels);
+    attributes_ = std::move(tables.attributes);
     need(FEATURE_TEXTURES | FEATURE_UV);
   }
 
@@ -194,7 +197,8 @@ class Builder {
 
   void add_mesh(const Shape& shape, const Mesh& mesh, int front, int back) {
     const std::size_t first = records_.triangles.size();
-    for (glm::uvec3 corner : mesh.triangles) {
+    for (std::size_t index = 0; index < mesh.triangles.size(); ++index) {
+      glm::uvec3 corner = mesh.triangles[index];
       if (shape.flip_normals) std::swap(corner.y, corner.z);
       Triangle t{};
       t.p0 = local(mesh.positions[corner.x], shape);
@@ -220,6 +224,7 @@ class Builder {
         need(FEATURE_SHADING_NORMALS);
       }
       records_.triangles.push_back(t);
+      add_colours(mesh, corner, index);
       if (wants_uv()) records_.vertex_uvs.push_back(vertex_uvs(mesh, corner, shape.flip_normals));
     }
     if (emits(shape)) add_mesh_lights(shape, first);
@@ -235,12 +240,27 @@ class Builder {
       records_.triangles[i].light = index[i - first];
   }
 
+  /// Of a triangle of the mesh, where a texture shows such colours.
+  void add_colours(const Mesh& mesh, const glm::uvec3& corner, std::size_t triangle) {
+    if (attributes_.empty()) return;
+    if (mesh.colours.empty() && mesh.face_colours.empty()) {
+      records_.triangle_colours.push_back(-1);
+      return;
+    }
+    records_.triangle_colours.push_back(int(records_.vertex_colours.size()));
+    for (const MeshAttribute attribute : attributes_)
+      records_.vertex_colours.push_back(triangle_colours(mesh, attribute, corner, triangle));
+  }
+
   void add_sphere(const Shape& shape, const Sphere& sphere, int front, int back) {
     Quadric q{};
     q.kind = QUADRIC_SPHERE;
     q.center = local(sphere.center, shape, sphere.radius);
     q.radius = float(sphere.radius);
     q.orientation = shape.flip_normals ? -1.0f : 1.0f;
+    q.x_axis = to_vec3(sphere.x_axis);
+    q.y_axis = to_vec3(sphere.y_axis);
+    q.normal = to_vec3(sphere.z_axis);
     add_quadric(shape, q, front, back, LIGHT_SPHERE, 4 * std::numbers::pi * sphere.radius * sphere.radius);
   }
 
@@ -251,6 +271,8 @@ class Builder {
     q.normal = to_vec3(shape.flip_normals ? -disk.normal : disk.normal);
     q.radius = float(disk.radius);
     q.orientation = 1.0f;
+    q.x_axis = to_vec3(disk.x_axis);
+    q.y_axis = to_vec3(disk.y_axis);
     add_quadric(shape, q, front, back, LIGHT_DISK, std::numbers::pi * disk.radius * disk.radius);
   }
 
@@ -263,7 +285,7 @@ class Builder {
       Light light{};
       light.kind = light_kind;
       light.p0 = q.center;
-      light.p1 = q.normal;
+      if (q.kind == QUADRIC_DISK) light.p1 = q.normal;
       light.p2 = make_vec3(q.radius, q.orientation, 0.0f);
       q.light = lights_.add_quadric(light, shape, area);
     }
@@ -349,6 +371,7 @@ class Builder {
   double radius_ = 0;
   LightBuilder lights_;
   SceneRecords records_;
+  std::vector<MeshAttribute> attributes_;  ///< that textures show, in the order of a triangle's colours
   std::string problem_;
 };
 

@@ -159,6 +159,7 @@ Expected<void> set_integrator(const IntegratorSettings& integrator, const LightB
                               double scene_radius, SceneHeader& h) {
   set_parameters(integrator, scene_radius, h.integrator);
   h.features |= feature_of(h.integrator.kind);
+  h.integrator.leads_back = (h.features & FEATURE_NESTED) == 0u ? 1 : 0;
   if (h.integrator.hide_emitters == HIDE_LOOK_THROUGH) h.features |= FEATURE_LOOK_THROUGH;
 
   const LightChoice wanted = light_choice(integrator);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "scenes/device/to_vec3.h"
+
 namespace penumbra {
 namespace {
 
@@ -26,13 +28,28 @@ VertexUvs vertex_uvs(const Mesh& mesh, const glm::uvec3& corner, bool flipped) {
   return {a.x, a.y, b.x, b.y, c.x, c.y, 1};
 }
 
-std::vector<LightTriangles> light_triangles(std::span<const Triangle> triangles, std::size_t lights) {
-  std::vector<LightTriangles> result(lights, LightTriangles{-1, -1});
+VertexColours triangle_colours(const Mesh& mesh, MeshAttribute attribute, const glm::uvec3& corner,
+                               std::size_t triangle) {
+  if (attribute == MeshAttribute::kVertexColour && !mesh.colours.empty())
+    return {to_vec3(mesh.colours[corner.x]), to_vec3(mesh.colours[corner.y]),
+            to_vec3(mesh.colours[corner.z])};
+  if (attribute == MeshAttribute::kFaceColour && !mesh.face_colours.empty()) {
+    const vec3 colour = to_vec3(mesh.face_colours[triangle]);
+    return {colour, colour, colour};
+  }
+  return {};
+}
+
+std::vector<LightTriangles> light_triangles(std::span<const Triangle> triangles,
+                                            std::span<const Quadric> quadrics, std::size_t lights) {
+  std::vector<LightTriangles> result(lights, LightTriangles{-1, -1, -1});
+  for (std::size_t i = 0; i < quadrics.size(); ++i)
+    if (quadrics[i].light >= 0) result[std::size_t(quadrics[i].light)].quadric = int(i);
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     if (triangles[i].light < 0) continue;
     LightTriangles& parts = result[std::size_t(triangles[i].light)];
     if (parts.first < 0)
-      parts = {int(i), int(i)};
+      parts.first = parts.second = int(i);
     else if (parts.second == parts.first && !repeats(triangles[i], triangles[std::size_t(parts.first)]))
       parts.second = int(i);
   }

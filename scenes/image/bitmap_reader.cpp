@@ -75,6 +75,23 @@ float half_range(std::uint16_t bits) {
 
 }  // namespace
 
+std::vector<std::string> describe(const BitmapFindings& findings, const std::string& name, bool reflects) {
+  std::vector<std::string> result;
+  if (findings.not_finite > 0) {
+    const bool one = findings.not_finite == 1;
+    result.push_back(fmt::format("'{}' has {} {} not finite, the first at texel ({}, {}); 0 stands in for {}",
+                                 name, findings.not_finite, one ? "value that is" : "values that are",
+                                 findings.first_x, findings.first_y, one ? "it" : "them"));
+  }
+  if (findings.outside_unit > 0 && reflects) {
+    result.push_back(fmt::format(
+        "'{}' has {} outside [0, 1]; a reflectance above 1 gives off more light than "
+        "it receives",
+        name, findings.outside_unit == 1 ? "1 value" : fmt::format("{} values", findings.outside_unit)));
+  }
+  return result;
+}
+
 Expected<Bitmap> read_bitmap(const std::string& name, std::string_view contents, BitmapChannels channels,
                              BitmapFindings& findings) {
   static_assert(std::endian::native == std::endian::little, "words are packed lowest byte first");

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "kernels/host/error.h"
 #include "scenes/image/bitmap.h"
@@ -20,6 +21,10 @@ struct BitmapFindings {
   std::size_t outside_unit = 0;  ///< values below 0 or above 1
   int first_x = 0, first_y = 0;  ///< of the first that is not finite
 };
+
+/// What is to be warned of, in words; `reflects`: values are colours of surfaces.
+std::vector<std::string> describe(const BitmapFindings& findings, const std::string& name,
+                                  bool reflects = true);
 
 /// A bitmap from the contents of an image file of that name, colours as they are encoded; their alpha is left
 /// out. Errors, which say the name: of no format that OpenImageIO reads, no texels, more than

@@ -65,8 +65,11 @@ Expected<ImageContents> read_pixels(OIIO::ImageInput& input, std::size_t most_by
                     double(most_bytes) / double(1 << 30)));
   }
   image.bytes.resize(std::size_t(bytes));
-  if (!input.read_image(0, 0, 0, spec.nchannels, format_of(image.type), image.bytes.data()))
-    return fail(fmt::format("cannot be read as an image: {}", one_line(input.geterror())));
+  const bool done = input.read_image(0, 0, 0, spec.nchannels, format_of(image.type), image.bytes.data());
+  // Readers of JPEG and TIFF fill up what a file that ends early lacks, and say so.
+  const std::string problem = input.geterror();
+  if (!done || !problem.empty())
+    return fail(fmt::format("cannot be read as an image: {}", one_line(problem)));
   return image;
 }
 

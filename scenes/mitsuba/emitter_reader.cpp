@@ -18,6 +18,27 @@ void read_light(PluginReader& plugin, SceneDescription& scene) {
   scene.emitters.emplace_back(std::move(light));
 }
 
+template <>
+void read_light<EnvironmentMapLight>(PluginReader& plugin, SceneDescription& scene) {
+  if (std::ranges::any_of(scene.emitters, is_sky))
+    plugin.wrong(fmt::format("{} is a second sky; a scene has one", plugin.title()));
+  EnvironmentMapLight light;
+  plugin.read_parameters(light);
+  plugin.accept({"sampling_weight", "mis_compensation", "cache"});
+  if (light.filename.empty())
+    return plugin.wrong(fmt::format("{} needs a <string name=\"filename\" …>", plugin.title()));
+  light.image = plugin.read_image(light.filename);
+  if (light.image == nullptr) {
+    scene.emitters.emplace_back(ConstantEnvironment{kStandInColour});
+    return;
+  }
+  if (light.image->width < 2 || light.image->height < 2 || light.image->width > (1 << 15))
+    return plugin.wrong("filename",
+                        fmt::format("an environment map has 2 x 2 to 32768 x 32768 texels, not {} x {}",
+                                    light.image->width, light.image->height));
+  scene.emitters.emplace_back(std::move(light));
+}
+
 struct EmitterPlugin {
   std::string_view type;
   void (*read)(PluginReader&, SceneDescription&);

@@ -168,12 +168,12 @@ void PluginReader::read_colour(std::string_view name, glm::vec3& colour, ColourR
   if (const Object* plugin = colour_plugin(name)) {
     if (parameter != nullptr)
       wrong(name, fmt::format("'{}' is there twice, once as <{}>", name, plugin->tag));
-    if (plugin->tag == "texture" && !context_.lenient) {
-      context_.diagnostics.error(
-          plugin->type_location,
-          fmt::format("texture type '{}' is not one that Penumbra reads; it reads colours only: "
-                      "rgb, srgb, spectrum",
-                      plugin->type));
+    if (plugin->tag == "texture") {
+      const std::string what = fmt::format("'{}' of {} takes no texture", name, title());
+      if (context_.lenient)
+        context_.diagnostics.warn(plugin->location, what + "; a plain magenta stands in for it");
+      else
+        context_.diagnostics.error(plugin->location, what + ", only a colour: rgb, srgb, spectrum");
     } else {
       const std::vector<std::string> known = {"rgb", "srgb", "spectrum with a value"};
       context_.unknown_plugin(*plugin, known, "a plain magenta stands in for it");
@@ -194,6 +194,10 @@ void PluginReader::read_colour(std::string_view name, glm::vec3& colour, ColourR
     }
   }
   colour = *rgb;
+}
+
+std::shared_ptr<const Bitmap> PluginReader::read_image(const std::string& filename) {
+  return context_.textures != nullptr ? context_.textures->read_image(*this, filename) : nullptr;
 }
 
 PluginReader::TakenTexture PluginReader::take_texture(std::string_view name) {
@@ -285,8 +289,14 @@ void PluginReader::read(std::string_view name, bool& value, const TrueOrFalse&) 
   value = boolean(name, value);
 }
 
-void PluginReader::read(std::string_view name, std::string& value, FileName) {
-  value = text(name, value);
+void PluginReader::read(std::string_view name, std::string& value, FileName) { value = text(name, value); }
+
+void PluginReader::read(std::string_view name, std::int64_t& value, const WholeNumber& values) {
+  const auto* given = take_as<std::int64_t>(name, "<integer>");
+  if (given == nullptr) return;
+  if (*given < values.low || *given > values.high)
+    return wrong(name, fmt::format("{} must be a {}, not {}", name, values.values(), *given));
+  value = *given;
 }
 
 void PluginReader::report(const Findings& findings) const {

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <glm/glm.hpp>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "scenes/diagnostic.h"
+#include "scenes/image/bitmap.h"
 #include "scenes/mitsuba/object_tree.h"
 #include "scenes/plugin_values.h"
 #include "scenes/refractive_indices.h"
@@ -60,6 +62,9 @@ class PluginReader {
   /// Sets the colour, in linear Rec. 709, where it is given. A texture is none that can be read.
   void read_colour(std::string_view name, glm::vec3& colour, ColourRole role);
 
+  /// See TextureReader::read_image.
+  std::shared_ptr<const Bitmap> read_image(const std::string& filename);
+
   // Rows of parameters (bsdfs.h): sets what is given, if it is one of the values.
   void read(std::string_view name, TexturedColour& colour, const ColourWithin& values);
   void read(std::string_view name, TexturedColour& colour, const IndexColour& values);
@@ -71,6 +76,7 @@ class PluginReader {
   void read(std::string_view name, glm::dvec3& value, AnyPoint values);
   void read(std::string_view name, glm::dmat4& value, AnyTransform values);
   void read(std::string_view name, std::string& value, FileName values);
+  void read(std::string_view name, std::int64_t& value, const WholeNumber& values);
   template <typename T>
   void read(std::string_view name, T& value, const OneOf<T>& values) {
     if (!has(name)) return skip_parameter(name);

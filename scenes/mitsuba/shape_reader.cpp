@@ -102,6 +102,12 @@ bool is_finite(glm::dvec3 v, double radius) {
          radius < kLargest;
 }
 
+/// Where the transform, a similarity or nearly, takes the first two axes: unit, at right angles.
+std::pair<glm::dvec3, glm::dvec3> frame_axes(const glm::dmat4& to_world) {
+  const glm::dvec3 x = glm::normalize(glm::dvec3(to_world[0])), y(to_world[1]);
+  return {x, glm::normalize(y - glm::dot(x, y) * x)};
+}
+
 std::optional<Geometry> read_sphere(const ShapeInput& input) {
   PluginReader& plugin = input.plugin;
   const glm::dvec3 center = plugin.point("center").value_or(glm::dvec3(0.0));
@@ -118,7 +124,10 @@ std::optional<Geometry> read_sphere(const ShapeInput& input) {
   }
   // As in Mitsuba 3, a mirror turns a sphere's normals inwards.
   if (is_mirror(to_world)) input.flip_normals = !input.flip_normals;
-  const Sphere sphere{transform_point(to_world, center), radius * *scale};
+  const auto [x_axis, y_axis] = frame_axes(to_world);
+  const double side = is_mirror(to_world) ? -1.0 : 1.0;
+  const Sphere sphere{transform_point(to_world, center), radius * *scale, x_axis, y_axis,
+                      side * glm::cross(x_axis, y_axis)};
   if (!is_finite(sphere.center, sphere.radius) || !(sphere.radius > 0.0)) {
     plugin.wrong("the sphere is too far away, or its radius too large or too small for a number");
     return std::nullopt;
@@ -134,8 +143,10 @@ std::optional<Geometry> read_disk(const ShapeInput& input) {
     plugin.wrong("to_world", "a disk's transform must scale all directions of its plane alike");
     return std::nullopt;
   }
+  const auto [x_axis, y_axis] = frame_axes(to_world);
   const Disk disk{transform_point(to_world, glm::dvec3(0.0)),
-                  glm::normalize(normal_matrix(to_world) * glm::dvec3(0.0, 0.0, 1.0)), *radius};
+                  glm::normalize(normal_matrix(to_world) * glm::dvec3(0.0, 0.0, 1.0)), *radius, x_axis,
+                  y_axis};
   if (!is_finite(disk.center, disk.radius)) {
     plugin.wrong("the disk is too far away or too large");
     return std::nullopt;

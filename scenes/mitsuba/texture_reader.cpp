@@ -50,7 +50,9 @@ std::optional<int> TextureReader::read(const Object& object) {
 
 std::optional<SceneTexture> TextureReader::read_new(const Object& object) {
   PluginReader plugin(context_, object);
-  const auto* known = find_plugin(kTextures, object.type);
+  // Mitsuba 0.6 has its own name for the colours of vertices.
+  const bool vertex_colours = object.type == "vertexcolors";
+  const auto* known = find_plugin(kTextures, vertex_colours ? MeshAttributeTexture::kPlugin : object.type);
   if (known == nullptr) {
     context_.unknown_plugin(object, plugin_types(kTextures), "a magenta checkerboard stands in for it");
     plugin.skip();
@@ -105,21 +107,24 @@ std::optional<TextureModel> TextureReader::without_bitmap(PluginReader& plugin, 
 
 void TextureReader::report(PluginReader& plugin, const BitmapTexture& model, const BitmapFindings& findings) {
   const Bitmap& bitmap = bitmaps_.bitmap(model.bitmap);
-  if (findings.not_finite > 0) {
-    plugin.warn(fmt::format("'{}' has {} {} not finite, the first at texel ({}, {}); 0 stands in for {}",
-                            bitmap.name, findings.not_finite,
-                            findings.not_finite == 1 ? "value that is" : "values that are", findings.first_x,
-                            findings.first_y, findings.not_finite == 1 ? "it" : "them"));
-  }
-  if (findings.outside_unit > 0 && !model.raw) {
-    plugin.warn(
-        fmt::format("'{}' has {} values outside [0, 1]; a reflectance above 1 gives off more light "
-                    "than it receives",
-                    bitmap.name, findings.outside_unit));
-  }
+  for (const std::string& finding : describe(findings, bitmap.name, !model.raw)) plugin.warn(finding);
   const bool whole_numbers = bitmap.type == TexelType::kByte || bitmap.type == TexelType::kShort;
   if (!whole_numbers && plugin.has("gamma") && model.gamma != 1.0f)
     plugin.warn(fmt::format("'{}' holds linear numbers; gamma does nothing", bitmap.name));
+}
+
+std::shared_ptr<const Bitmap> TextureReader::read_image(PluginReader& plugin, const std::string& filename) {
+  const auto fail_with = [&](const std::string& message) {
+    context_.lenient ? plugin.warn(message) : plugin.wrong("filename", message);
+    return nullptr;
+  };
+  const auto path = files_.find(filename, context_.folders(plugin.object()));
+  if (!path) return fail_with(path.error().message);
+  const auto entry = bitmaps_.read(*path, BitmapChannels::kAll);
+  if (!entry) return fail_with(entry.error().message);
+  const Bitmap& bitmap = bitmaps_.bitmap(entry->bitmap);
+  for (const std::string& finding : describe(entry->findings, bitmap.name, false)) plugin.warn(finding);
+  return bitmaps_.shared(entry->bitmap);
 }
 
 void TextureReader::install(SceneDescription& scene) {

@@ -2,11 +2,12 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <vector>
 
-#include "scenes/mitsuba/bitmap_files.h"
+#include "scenes/image/bitmap_files.h"
 #include "scenes/mitsuba/plugin.h"
 #include "scenes/textures.h"
 
@@ -20,6 +21,10 @@ class TextureReader {
   /// Its index among the textures, which it is added to where it is new. What is wrong with it is reported,
   /// once; then there is none.
   std::optional<int> read(const Object& object);
+
+  /// The image that the plugin's `filename` names, which is this one; null, and an error or with leniency a
+  /// warning, if it cannot be read.
+  std::shared_ptr<const Bitmap> read_image(PluginReader& plugin, const std::string& filename);
 
   /// Moves what was read to the scene.
   void install(SceneDescription& scene);

@@ -7,6 +7,7 @@
 #include <map>
 #include <sstream>
 
+#include "scenes/image/bitmap_files.h"
 #include "scenes/mesh_reader.h"
 #include "scenes/mesh_tools.h"
 #include "scenes/tinyrender/mtl_reader.h"
@@ -32,7 +33,7 @@ std::string counted(std::size_t count, std::string_view one, std::string_view ma
 class ModelReader {
  public:
   ModelReader(const Context& context, const FileAccess& files, SceneDescription& scene)
-      : context_(context), files_(files), scene_(scene) {}
+      : context_(context), files_(files), scene_(scene), bitmaps_(files) {}
 
   void read() {
     Section input(context_, "input");
@@ -54,6 +55,7 @@ class ModelReader {
       if (context_.diagnostics.full()) return;
       add_shape(group);
     }
+    scene_.bitmaps = bitmaps_.take();
   }
 
  private:
@@ -125,17 +127,63 @@ class ModelReader {
       return result;
     }
     const bool glossy = material.illum != kDiffuse && !is_black(material.specular);
-    const glm::vec3 diffuse = material.diffuse.value_or(glm::vec3(0.0f));
+    const glm::vec3 diffuse = material.diffuse.value_or(glm::vec3(material.diffuse_map ? 1.0f : 0.0f));
     const glm::vec3 specular = glossy && material.exponent ? *material.specular : glm::vec3(0.0f);
     if (glossy && !material.exponent)
       warn(material.location, fmt::format("'{}' has Ks but no Ns; Ks is left out", found->first));
     const float scale = energy_scale(found->first, material.location, diffuse + specular);
     if (specular != glm::vec3(0.0f)) {
-      result.bsdf = install(found->first, PhongBsdf{scale * diffuse, scale * specular, *material.exponent});
+      PhongBsdf phong{scale * diffuse, scale * specular, *material.exponent};
+      set_map(phong.diffuse, material.diffuse_map);
+      set_map(phong.specular, material.specular_map);
+      set_map(phong.exponent, material.exponent_map);
+      result.bsdf = install(found->first, phong);
     } else if (diffuse != glm::vec3(0.0f)) {
-      result.bsdf = install(found->first, DiffuseBsdf{scale * diffuse});
+      DiffuseBsdf plain{scale * diffuse};
+      set_map(plain.reflectance, material.diffuse_map);
+      result.bsdf = install(found->first, plain);
     }
     return result;
+  }
+
+  /// The image times the value in its place. Colours are sRGB, as programs write them; an exponent's numbers
+  /// are linear.
+  template <typename Parameter>
+  void set_map(Parameter& parameter, const std::optional<MtlMap>& map) {
+    if (!map) return;
+    const bool is_number = std::is_same_v<Parameter, TexturedNumber>;
+    std::optional<int> texture = read_map(*map, is_number);
+    if (!texture) return;
+    if (parameter.value != decltype(parameter.value)(1.0f)) {
+      scene_.textures.push_back({map->name, ScaleTexture{glm::vec3(parameter.value), *texture}});
+      texture = int(scene_.textures.size()) - 1;
+    }
+    parameter.texture = *texture;
+  }
+
+  std::optional<int> read_map(const MtlMap& map, bool raw) {
+    const std::array<fs::path, 1> folder = {map.location.file->path.parent_path()};
+    const auto path = files_.find(map.name, folder);
+    BitmapTexture bitmap;
+    bitmap.filename = map.name;
+    bitmap.wrap = bitmap.wrap_u = bitmap.wrap_v = map.clamp ? WRAP_CLAMP : WRAP_REPEAT;
+    bitmap.gamma = raw ? 1.0f : kSrgb;
+    const auto entry = path ? bitmaps_.read(*path, BitmapChannels::kAll) : std::unexpected(path.error());
+    SceneTexture texture{map.name, bitmap};
+    if (entry) {
+      std::get<BitmapTexture>(texture.model).bitmap = entry->bitmap;
+      // v counts from the bottom, the rows of a bitmap from the top.
+      texture.to_uv = glm::dmat3(glm::dvec3(map.scale.x, 0, 0), glm::dvec3(0, -map.scale.y, 0),
+                                 glm::dvec3(map.offset.x, 1 - map.offset.y, 1));
+      for (const std::string& finding : describe(entry->findings, map.name)) warn(map.location, finding);
+    } else {
+      context_.unknown(map.location, entry.error().message, "a magenta checkerboard stands in for it");
+      CheckerboardTexture stand_in;
+      stand_in.color0 = kStandInColour;
+      texture.model = stand_in;
+    }
+    scene_.textures.push_back(std::move(texture));
+    return int(scene_.textures.size()) - 1;
   }
 
   /// What TinyRender scales reflectances with.
@@ -194,6 +242,11 @@ class ModelReader {
                                        material.radiance ? ", and its light with it" : ""));
       return;
     }
+    if (has_map(group.material.name) && group.mesh.texcoords.empty())
+      warn(group.location,
+           fmt::format("'{}' has textures, but not every corner has texture coordinates; those "
+                       "of each triangle are its barycentric ones",
+                       name));
     drop_face_normals(group.mesh);
     Shape shape;
     shape.name = name;
@@ -218,6 +271,11 @@ class ModelReader {
     }
   }
 
+  [[nodiscard]] bool has_map(const std::string& material) const {
+    const auto found = materials_.find(material);
+    return found != materials_.end() && (found->second.diffuse_map || found->second.specular_map);
+  }
+
   static std::string name_of(const ObjGroup& group) {
     if (group.object.empty()) return group.material.name;
     if (group.material.name.empty()) return group.object;
@@ -231,6 +289,7 @@ class ModelReader {
   const Context& context_;
   const FileAccess& files_;
   SceneDescription& scene_;
+  BitmapFiles bitmaps_;
   std::vector<std::unique_ptr<SourceFile>> sources_;
   std::vector<std::string> libraries_;  ///< that were read or looked for
   bool all_libraries_ = true;           ///< none was missing

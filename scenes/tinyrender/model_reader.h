@@ -11,6 +11,7 @@ namespace penumbra::tinyrender {
 ///  - Kd is a diffuse surface, Kd with Ks and Ns a Phong one, on both sides; `illum 7` is diffuse whatever Ks
 ///    says, and `illum 5` a mirror that reflects Ks, or all without it; where Kd and Ks together reflect more
 ///    than all light in a channel they are scaled to 0.99 of it, as TinyRender does, with a warning;
+///  - map_Kd, map_Ks and map_Ns are images that multiply these;
 ///  - Ke makes it a light that shines from its front; without Kd and Ks it reflects nothing. The front is
 ///  where
 ///    vertex normals point to, or without them where the corners run counterclockwise;

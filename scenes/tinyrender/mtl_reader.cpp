@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -15,7 +16,7 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-const Names kRead = {"newmtl", "Kd", "Ks", "Ke", "Ns", "illum"};
+const Names kRead = {"newmtl", "Kd", "Ks", "Ke", "Ns", "illum", "map_Kd", "map_Ks", "map_Ns"};
 /// Without effect on what TinyRender's surfaces look like.
 const Names kIgnored = {"Ka", "Ni", "d",  "Tr", "Tf",  "sharpness", "Km",
                         "Pr", "Pm", "Ps", "Pc", "Pcr", "aniso",     "anisor"};
@@ -43,7 +44,7 @@ class MtlReader {
         return diagnostics_.error(location, fmt::format("{} before any newmtl", keyword));
       value(keyword);
     } else if (keyword.starts_with("map_") || std::ranges::find(kTextures, keyword) != kTextures.end()) {
-      diagnostics_.warn(location, fmt::format("{}: textures are not read; the plain colours count", keyword));
+      diagnostics_.warn(location, fmt::format("{}: this texture is not read; what is plain counts", keyword));
     } else if (std::ranges::find(kIgnored, keyword) == kIgnored.end()) {
       Names known = kRead;
       known.insert(known.end(), kIgnored.begin(), kIgnored.end());
@@ -70,6 +71,7 @@ class MtlReader {
 
   void value(std::string_view keyword) {
     if (keyword == "illum") return illum();
+    if (keyword.starts_with("map_")) return map(keyword);
     if (keyword == "Ns") {
       if (const auto numbers = read_numbers(keyword, 1); !numbers.empty()) material_->exponent = numbers[0];
       return;
@@ -81,6 +83,63 @@ class MtlReader {
                                      : material_->emission;
     // One number is a grey, as MTL has it.
     target = v.size() == 1 ? glm::vec3(v[0]) : glm::vec3(v[0], v[1], v[2]);
+  }
+
+  /// The options that place it, then its name.
+  void map(std::string_view keyword) {
+    MtlMap result;
+    for (;;) {
+      const std::string_view rest = scanner_.rest_of_line();
+      if (rest.empty() || rest.front() != '-') break;
+      const std::string_view option = scanner_.token();
+      if (option == "-s" || option == "-o") {
+        if (!pair(option, option == "-s" ? result.scale : result.offset)) return;
+      } else if (option == "-clamp") {
+        result.clamp = scanner_.token() == "on";
+      } else if (const auto* ignored = ignored_option(option)) {
+        for (int i = 0; i < ignored->arguments; ++i) scanner_.token();
+        diagnostics_.warn(scanner_.location(), fmt::format("{}: the option {} is left out", keyword, option));
+      } else {
+        wrong(fmt::format("'{}' is not an option of {}; it has -s, -o, -clamp and others", option, keyword));
+        return;
+      }
+    }
+    result.name = scanner_.rest();
+    result.location = scanner_.location();
+    if (result.name.empty()) {
+      wrong(fmt::format("{} needs the name of an image", keyword));
+      return;
+    }
+    auto& target = keyword == "map_Kd"   ? material_->diffuse_map
+                   : keyword == "map_Ks" ? material_->specular_map
+                                         : material_->exponent_map;
+    target = std::move(result);
+  }
+
+  struct IgnoredOption {
+    std::string_view name;
+    int arguments;
+  };
+  static const IgnoredOption* ignored_option(std::string_view name) {
+    static constexpr IgnoredOption kOptions[] = {{"-blendu", 1}, {"-blendv", 1}, {"-bm", 1},
+                                                 {"-boost", 1},  {"-cc", 1},     {"-imfchan", 1},
+                                                 {"-mm", 2},     {"-texres", 1}, {"-type", 1}};
+    const auto found = std::ranges::find(kOptions, name, &IgnoredOption::name);
+    return found == std::end(kOptions) ? nullptr : found;
+  }
+
+  /// One to three numbers, of which the third, for volumes, does not count.
+  bool pair(std::string_view option, glm::dvec2& target) {
+    int count = 0;
+    for (; count < 3; ++count) {
+      const std::string_view next = scanner_.rest_of_line();
+      const auto value = parse_number(next.substr(0, next.find_first_of(" \t")));
+      if (!value || !std::isfinite(*value)) break;
+      scanner_.token();
+      if (count < 2) target[count] = *value;
+    }
+    if (count == 0) wrong(fmt::format("'{}' takes one to three numbers", option));
+    return count > 0;
   }
 
   void illum() {

@@ -184,6 +184,51 @@ STAGE void bsdf_albedo_quantity(GLOBAL const double* in, GLOBAL double* out) {
   out[2] = bad;
 }
 
+/// In: family, variant, reflectances of base and lobe, refractive index, internal reflectance, roughness
+/// along and across, exponent.
+FN Closure mixture_in(GLOBAL const double* in) {
+  Closure c = black_closure();
+  c.family = (int)in[0];
+  c.variant = (int)in[1];
+  c.diffuse = make_vec3(in_f(in, 2), in_f(in, 2), in_f(in, 2));
+  c.specular = make_vec3(in_f(in, 3), in_f(in, 3), in_f(in, 3));
+  c.ior = in_f(in, 4);
+  c.internal = in_f(in, 5);
+  c.alpha_u = in_f(in, 6);
+  c.alpha_v = in_f(in, 7);
+  c.exponent = in_f(in, 8);
+  return c;
+}
+
+/// In: closure, wo, wi about the z axis. Out: f cos, pdf.
+STAGE void mixture_value_quantity(GLOBAL const double* in, GLOBAL double* out) {
+  const vec3 z = make_vec3(0.0f, 0.0f, 1.0f);
+  const BsdfValue value = eval_bsdf(0, mixture_in(in), z, in_v(in, 9), in_v(in, 12));
+  out[0] = value.f_cos.x;
+  out[1] = value.pdf;
+}
+
+/// In: closure, wo about the z axis, size N of a grid. Out: largest weight of N x N samples by either lobe;
+/// how many have a weight or a direction that is none.
+STAGE void mixture_samples_quantity(GLOBAL const double* in, GLOBAL double* out) {
+  const vec3 z = make_vec3(0.0f, 0.0f, 1.0f);
+  const Closure c = mixture_in(in);
+  const int size = (int)in[12];
+  double largest = 0.0, bad = 0.0;
+  for (int i = 0; i < size * size; i++) {
+    const float u = ((float)(i / size) + 0.5f) / (float)size, v = ((float)(i % size) + 0.5f) / (float)size;
+    for (int lobe = 0; lobe < 2; lobe++) {
+      const BsdfSample s = sample_bsdf(0, c, z, in_v(in, 9), u, v, lobe == 0 ? 0.0f : ONE_MINUS_EPSILON);
+      const bool unit = FABS(dot3(s.wi, s.wi) - 1.0f) < 1e-5f;
+      const bool found = s.pdf > 0.0f;
+      bad += (unit & (!found | ((s.weight.x >= 0.0f) & (s.weight.x < 1e30f) & (s.wi.z > 0.0f)))) ? 0.0 : 1.0;
+      largest = max_d(largest, found ? s.weight.x : 0.0);
+    }
+  }
+  out[0] = largest;
+  out[1] = bad;
+}
+
 /// In: 0 cosine, 1 uniform hemisphere, 2 uniform sphere; normal, u, v. Out: direction.
 STAGE void direction_quantity(GLOBAL const double* in, GLOBAL double* out) {
   const int kind = (int)in[0];
@@ -427,6 +472,8 @@ STAGE void quantity(int id, GLOBAL const double* in, GLOBAL double* out, GLOBAL 
   if (id == QUANTITY_ACCUMULATE) accumulate_quantity(in, out, scratch);
   if (id == QUANTITY_MATH) math_quantity(in, out);
   if (id == QUANTITY_FILTER) filter_quantity(in, out, scratch);
+  if (id == QUANTITY_MIXTURE_VALUE) mixture_value_quantity(in, out);
+  if (id == QUANTITY_MIXTURE_SAMPLES) mixture_samples_quantity(in, out);
 }
 
 PENUMBRA_NAMESPACE_END

@@ -75,6 +75,18 @@ TEST(AmbientOcclusion, BelowADisk) {
   }
 }
 
+TEST(AmbientOcclusion, BelowADiskThatIsHalfThere) {
+  SceneDescription scene = floor_seen_from({0.6, 0.3, 0.4});
+  hang_disk(scene, 2, 1);
+  scene.bsdfs.push_back({"mask", MaskBsdf{0.5f, kBlackBsdf}});
+  Shape& disk = scene.shapes.back();
+  disk.front_bsdf = disk.back_bsdf = int(scene.bsdfs.size()) - 1;
+  expect_openness(scene, 0, 1 - 0.5 * 0.2, 1 - 0.5 * (1 - std::sqrt(0.8)));
+  AmbientOcclusionIntegrator several = ambient(OcclusionSampling::kCosine, OcclusionWeighting::kCosine);
+  several.vis_samples = 4;
+  expect_openness(scene, several, 0.9);
+}
+
 // Half the directions have the same openness as the other half of a mirror image.
 TEST(AmbientOcclusion, BelowAHalfPlane) {
   SceneDescription scene = floor_seen_from({0.6, 0.3, 0.4});

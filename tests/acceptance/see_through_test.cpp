@@ -80,6 +80,12 @@ std::vector<Strategy> strategies() {
   param::next_event(path_cv) = NextEvent::kCv;
   all.push_back({"PolygonCv", cv});
   all.push_back({"PathCv", path_cv});
+  IntegratorSettings whitted = path_cv;
+  use(whitted, IntegratorKind::kWhitted);
+  param::indirect_samples(whitted) = 3;
+  all.push_back({"WhittedCv", whitted});
+  param::next_event(whitted) = NextEvent::kSample;
+  all.push_back({"Whitted", whitted});
   return all;
 }
 

@@ -6,6 +6,7 @@
 #include <ostream>
 #include <tuple>
 
+#include "tests/support/every_texture.h"
 #include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
@@ -228,6 +229,11 @@ void nest(SceneDescription& scene) {
   }
 }
 
+void whitted_nested(SceneDescription& scene) {
+  nest(scene);
+  whitted(scene);
+}
+
 void nest_directly(SceneDescription& scene) {
   nest(scene);
   use(scene.integrator, IntegratorKind::kDirect);
@@ -246,6 +252,13 @@ void nest_hidden(SceneDescription& scene) {
   param::emitter_sampling(scene.integrator) = EmitterSampling::kProjected;
 }
 
+void textured(SceneDescription& scene) { add_every_texture(scene); }
+
+void textured_directly(SceneDescription& scene) {
+  add_every_texture(scene);
+  direct(scene);
+}
+
 }  // namespace
 
 void PrintTo(const SuiteScene& scene, std::ostream* out) { *out << scene.name; }
@@ -256,6 +269,8 @@ const std::vector<SuiteScene>& suite_scenes() {
       {"CornellSmall", "cornell-small/cornell-small.xml"},
       {"VeachMis", "veach-mis/veach-mis.xml"},
       {"Furnace", "furnace/furnace.xml"},
+      {"Textures", "veach-mis/veach-mis.xml", false, textured},
+      {"TexturesDirect", "cornell-small/cornell-small.xml", false, textured_directly},
       {"UnitSphere", "furnace/unit-sphere.xml"},
       {"PolygonLights", "polygon-lights/polygon-lights.xml"},
       {"CornellDirect", "cornell/cornell.xml", false, direct},
@@ -277,6 +292,7 @@ const std::vector<SuiteScene>& suite_scenes() {
       {"NestedControlVariate", "cornell-small/cornell-small.xml", false, nest_with_control_variate},
       {"NestedLookedThrough", "cornell/cornell.xml", false, nest_hidden},
       {"CornellWhitted", "cornell/cornell.xml", false, whitted},
+      {"CornellWhittedNested", "cornell/cornell.xml", false, whitted_nested},
       {"CornellWhittedGlass", "cornell/cornell.xml", false, whitted_through_glass},
       {"VeachMisWhitted", "veach-mis/veach-mis.xml", false, whitted_with_control_variate},
       {"CornellAmbientOcclusion", "cornell/cornell.xml", false, ambient_occlusion},

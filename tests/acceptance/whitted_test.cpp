@@ -165,6 +165,12 @@ TEST(Whitted, IsPathInARoomOfTheRenderersOwnMirrorsAndGlass) {
                                            {.accepted_fraction = 1, .mean_square = 2.2});
     EXPECT_TRUE(result.passed) << result.summary();
   }
+  // Plastic has a control lobe.
+  param::next_event(room.integrator) = NextEvent::kCv;
+  param::alpha(room.integrator) = 0.8f;
+  const auto cv = statistics::z_test(by_path, block_estimate(room, 8, 300, 4),
+                                     {.accepted_fraction = 1, .mean_square = 2.2});
+  EXPECT_TRUE(cv.passed) << cv.summary();
 }
 
 // Light that is reflected by a diffuse surface and found by no mirror.

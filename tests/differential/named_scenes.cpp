@@ -303,8 +303,8 @@ SceneText phong_sides() {
 }
 
 /// Plastics, smooth and rough, one- and two-sided.
-SceneText plastics(bool nonlinear) {
-  SceneText scene = begin(nonlinear ? "plastics-nonlinear" : "plastics", path(4), {0, 1, 5}, 40);
+SceneText plastics(std::string_view name, const std::string& integrator, bool nonlinear) {
+  SceneText scene = begin(name, integrator);
   const auto plastic = [&](std::string_view type, const glm::dvec3& colour, const std::string& more) {
     return plugin("bsdf", type, rgb("diffuse_reflectance", colour) + boolean("nonlinear", nonlinear) + more);
   };
@@ -379,6 +379,13 @@ std::string board(std::string_view name) {
   return text.replace(text.find("NAME"), 4, name);
 }
 
+/// A checkerboard that is a number has its colours exchanged in Mitsuba 3.9.
+std::string as_mitsuba_has_it(std::string text) {
+  for (std::size_t at = text.find("\"color"); at != text.npos; at = text.find("\"color", at + 1))
+    text[at + 6] = text[at + 6] == '0' ? '1' : '0';
+  return text;
+}
+
 std::string diffuse(glm::dvec3 colour) { return plugin("bsdf", "diffuse", rgb("reflectance", colour)); }
 std::string two_sided(const std::string& bsdf) { return plugin("bsdf", "twosided", bsdf); }
 
@@ -393,11 +400,12 @@ SceneText masks() {
   const std::string blend =
       plugin("bsdf", "blendbsdf", real("weight", 0.3) + holes + plugin("bsdf", "null", ""));
   scene.both(floor_at(-1) + ceiling_lamp() + kSky);
-  scene.both(placed("rectangle", "<scale value=\"0.8\"/><translate x=\"-0.6\" z=\"1\"/>\n", holes));
+  const auto add = [&](const std::string& shape) { scene.each(shape, as_mitsuba_has_it(shape)); };
+  add(placed("rectangle", "<scale value=\"0.8\"/><translate x=\"-0.6\" z=\"1\"/>\n", holes));
   scene.both(placed("sphere", "<scale value=\"0.5\"/><translate x=\"0.9\"/>\n", one_sided));
-  scene.both(placed("cube", "<scale value=\"0.4\"/><rotate y=\"1\" angle=\"30\"/>\n", holes));
-  scene.both(placed("rectangle",
-                    "<scale value=\"1.5\"/><rotate x=\"1\" angle=\"-90\"/><translate y=\"0.8\"/>\n", blend));
+  add(placed("sphere", "<scale value=\"0.4\"/>\n", holes));
+  add(placed("rectangle", "<scale value=\"1.5\"/><rotate x=\"1\" angle=\"-90\"/><translate y=\"0.8\"/>\n",
+             blend));
   return scene;
 }
 
@@ -405,7 +413,8 @@ SceneText masks() {
 SceneText null_lamps() {
   SceneText scene = begin("null-lamps", path(-1));
   const std::string nothing = plugin("bsdf", "null", "");
-  scene.both(floor_at(-1) + ceiling_lamp());
+  // With a sky: rays that end on nothing are black in Mitsuba, whatever they passed.
+  scene.both(floor_at(-1) + ceiling_lamp() + kSky);
   scene.both(placed("sphere", "<scale value=\"0.5\"/><translate y=\"-0.2\"/>\n", nothing + area(0.7)));
   scene.both(
       placed("rectangle", "<scale value=\"0.5\"/><translate x=\"0.6\" z=\"0.8\"/>\n", nothing + area(0.4)));
@@ -417,20 +426,21 @@ SceneText blends() {
   SceneText scene = begin("blends", path(4));
   const std::string pair = diffuse({0.9, 0.2, 0.1}) + diffuse({0.1, 0.3, 0.9});
   scene.both(floor_at(-1) + ceiling_lamp() + kSky);
-  scene.both(placed("sphere", "<scale value=\"0.5\"/><translate x=\"-0.7\"/>\n",
-                    plugin("bsdf", "blendbsdf", board("weight") + pair)));
+  const std::string ball = placed("sphere", "<scale value=\"0.5\"/><translate x=\"-0.7\"/>\n",
+                                  plugin("bsdf", "blendbsdf", board("weight") + pair));
+  scene.each(ball, as_mitsuba_has_it(ball));
   scene.both(placed("cube", "<scale value=\"0.4\"/><rotate y=\"1\" angle=\"30\"/><translate x=\"0.7\"/>\n",
                     two_sided(plugin("bsdf", "blendbsdf", real("weight", 0.25) + pair))));
   return scene;
 }
 
-/// An image of 24-bit texels, rows from the bottom, as a TGA file.
-std::string tga_text(int size, const std::function<glm::dvec3(double, double)>& value) {
-  std::string text = {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, char(size), 0, char(size), 0, 24, 0};
+/// An image of 24-bit texels, rows from the top, as a PPM file.
+std::string ppm_text(int size, const std::function<glm::dvec3(double, double)>& value) {
+  std::string text = fmt::format("P6\n{} {}\n255\n", size, size);
   for (int y = 0; y < size; ++y)
     for (int x = 0; x < size; ++x) {
       const glm::dvec3 colour = value((x + 0.5) / size, (y + 0.5) / size);
-      for (const int k : {2, 1, 0}) text += char(int(std::lround(255 * colour[k])));
+      for (int k = 0; k < 3; ++k) text += char(int(std::lround(255 * colour[k])));
     }
   return text;
 }
@@ -442,14 +452,14 @@ SceneText bent(std::string_view type) {
   scene.samples = 2;
   const double turn = 2 * 3.14159265358979;
   const bool normals = type == "normalmap";
-  scene.meshes.push_back({"map.tga", tga_text(16, [&](double u, double v) {
+  scene.meshes.push_back({"map.ppm", ppm_text(16, [&](double u, double v) {
                             const double h_u = std::cos(turn * u), h_v = -0.7 * std::sin(turn * v);
                             if (!normals)
                               return glm::dvec3(0.5 + 0.2 * std::sin(turn * u) + 0.15 * std::cos(turn * v));
                             return 0.5 + 0.5 * glm::normalize(glm::dvec3(-0.6 * h_u, -0.6 * h_v, 1));
                           })});
   const std::string texture = plugin(
-      "texture", "bitmap", text("filename", "map.tga") + boolean("raw", true) + text("wrap_mode", "clamp"));
+      "texture", "bitmap", text("filename", "map.ppm") + boolean("raw", true) + text("wrap_mode", "clamp"));
   const std::string name = "<texture type=\"bitmap\" name=\"normalmap\">";
   const std::string named = name + texture.substr(texture.find('>') + 1);
   const auto add = [&](const std::string& place, const std::string& shape, bool outside, double bump) {
@@ -495,8 +505,8 @@ std::vector<SceneText> named_scenes() {
                                    old_spelling(),
                                    colours(),
                                    phong_sides(),
-                                   plastics(false),
-                                   plastics(true),
+                                   plastics("plastics", path(4), false),
+                                   plastics("plastics-nonlinear", path(4), true),
                                    box_light(),
                                    long_axis(),
                                    references(),
@@ -505,6 +515,9 @@ std::vector<SceneText> named_scenes() {
                                    blends(),
                                    bent("normalmap"),
                                    bent("bumpmap")};
+  const std::string direct =
+      plugin("integrator", "direct", integer("emitter_samples", 2) + integer("bsdf_samples", 2));
+  scenes.push_back(plastics("plastics-direct", direct, false));
   for (const char* shape : {"rectangle", "cube", "sphere", "disk", "obj", "ply", "smooth"})
     for (const bool flipped : {false, true}) scenes.push_back(mirrored(shape, flipped));
   scenes.push_back(principled("principled-metal", "principled",

@@ -6,6 +6,7 @@
 #include "kernels/block/block_sort.h"
 #include "kernels/block/block_surface.h"
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/material_tree.h"
 #include "kernels/camera/camera.h"
 #include "kernels/intersect/bvh.h"
 #include "kernels/intersect/quadric.h"

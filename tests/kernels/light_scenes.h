@@ -54,6 +54,9 @@ inline SceneTables sphere_light(const vec3& center, float radius, float orientat
   q.center = center;
   q.radius = radius;
   q.orientation = orientation;
+  q.normal = make_vec3(0, 0, 1);
+  q.x_axis = make_vec3(1, 0, 0);
+  q.y_axis = make_vec3(0, 1, 0);
   return quadric_light(q, by_solid_angle);
 }
 
@@ -64,6 +67,8 @@ inline SceneTables disk_light(const vec3& center, const vec3& normal, float radi
   q.normal = normal;
   q.radius = radius;
   q.orientation = 1;
+  q.x_axis = from_frame(normal, 1, 0, 0);
+  q.y_axis = from_frame(normal, 0, 1, 0);
   return quadric_light(q, false);
 }
 

@@ -24,6 +24,9 @@ void SceneTables::add_sphere(const vec3& center, float radius, float orientation
   q.center = center;
   q.radius = radius;
   q.orientation = orientation;
+  q.normal = make_vec3(0, 0, 1);
+  q.x_axis = make_vec3(1, 0, 0);
+  q.y_axis = make_vec3(0, 1, 0);
   q.light = -1;
   quadrics.push_back(q);
 }
@@ -35,6 +38,8 @@ void SceneTables::add_disk(const vec3& center, const vec3& normal, float radius)
   q.normal = normal;
   q.radius = radius;
   q.orientation = 1;
+  q.x_axis = from_frame(normal, 1, 0, 0);
+  q.y_axis = from_frame(normal, 0, 1, 0);
   q.light = -1;
   quadrics.push_back(q);
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/scenes/tinyrender_text.h"
+#include "tests/support/tga_file.h"
 
 namespace penumbra {
 namespace {
@@ -128,10 +129,56 @@ TEST_F(TinyRenderModel, MoreThanAllLightIsScaled) {
   EXPECT_THAT(material("Kd .5 .5 .5\nKs .5 .5 .5\nNs 5").warnings, IsEmpty()) << "all of it is not more";
 }
 
+TEST_F(TinyRenderModel, ImagesMultiplyWhatMaterialsSay) {
+  const std::uint8_t grey[] = {10, 20, 30, 40};
+  write("a map.tga", tga_file(2, 2, 1, grey));
+  write("b.tga", tga_file(1, 4, 1, grey));
+  const SceneDescription plain = material("map_Kd -s 2 3 1 -o .5 .25 -clamp on a map.tga");
+  const auto& diffuse = std::get<DiffuseBsdf>(plain.bsdfs.at(0).model);
+  ASSERT_EQ(diffuse.reflectance.texture, 0) << "white where there is no Kd";
+  const SceneTexture& texture = plain.textures.at(0);
+  const auto& bitmap = std::get<BitmapTexture>(texture.model);
+  EXPECT_EQ(bitmap.wrap_u, WRAP_CLAMP);
+  EXPECT_EQ(bitmap.gamma, kSrgb);
+  EXPECT_EQ(plain.bitmaps.at(0)->width, 2);
+  EXPECT_EQ(texture.to_uv * glm::dvec3(0, 0, 1), glm::dvec3(0.5, 0.75, 1)) << "v counts from the bottom";
+  EXPECT_EQ(texture.to_uv * glm::dvec3(1, 1, 1), glm::dvec3(2.5, -2.25, 1));
+  EXPECT_THAT(warnings(plain), HasSubstr("not every corner has texture coordinates"));
+  const SceneDescription phong =
+      material("Kd .5 .25 .5\nKs .25 .25 .25\nNs 20\nmap_Kd a map.tga\nmap_Ks b.tga\nmap_Ns b.tga");
+  const auto& glossy = std::get<PhongBsdf>(phong.bsdfs.at(0).model);
+  EXPECT_THAT(phong.bitmaps, SizeIs(2)) << "one file, one bitmap";
+  const auto scale_of = [&](int index) {
+    return std::get<ScaleTexture>(phong.textures.at(std::size_t(index)).model);
+  };
+  EXPECT_EQ(scale_of(glossy.diffuse.texture).scale.value, glm::vec3(.5f, .25f, .5f));
+  EXPECT_EQ(scale_of(glossy.specular.texture).scale.value, glm::vec3(.25f));
+  EXPECT_EQ(scale_of(glossy.exponent.texture).scale.value, glm::vec3(20));
+  const int numbers = scale_of(glossy.exponent.texture).texture;
+  EXPECT_EQ(std::get<BitmapTexture>(phong.textures.at(std::size_t(numbers)).model).gamma, 1.0f);
+  EXPECT_EQ(
+      warnings(material("map_Kd -bm 1 -mm 0 1 b.tga")).find("m.mtl:2:12: warning: map_Kd: the option -bm"),
+      0u);
+}
+
+TEST_F(TinyRenderModel, ImagesThatAreNotThereAreErrors) {
+  const auto wrong = [&](const std::string& line) {
+    return model_error(std::string(kTriangle), "newmtl white\n" + line + "\n");
+  };
+  EXPECT_THAT(wrong("map_Kd none.png"), HasSubstr("m.mtl:2:8: error: there is no file 'none.png'"));
+  EXPECT_THAT(wrong("map_Kd -q 1 a.png"), HasSubstr("'-q' is not an option of map_Kd"));
+  EXPECT_THAT(wrong("map_Kd -s x a.png"), HasSubstr("'-s' takes one to three numbers"));
+  EXPECT_THAT(wrong("map_Kd"), HasSubstr("map_Kd needs the name of an image"));
+  use(std::string(kTriangle), "newmtl white\nmap_Kd none.png\n");
+  const auto lenient = read_toml(scene_with(kDirect), {.lenient = true});
+  ASSERT_TRUE(lenient) << lenient.error().message;
+  EXPECT_EQ(std::get<CheckerboardTexture>(lenient->textures.at(0).model).color0, glm::vec3(0.8f, 0.2f, 0.8f));
+}
+
 TEST_F(TinyRenderModel, MaterialsWithWarnings) {
-  EXPECT_EQ(warnings(material("Kd .5 .5 .5\nmap_Kd wood.png\nbump -bm 1 b.png\nKX 1\nillu 2")),
-            "m.mtl:3:1: warning: map_Kd: textures are not read; the plain colours count\n"
-            "m.mtl:4:1: warning: bump: textures are not read; the plain colours count\n"
+  EXPECT_EQ(warnings(material("Kd .5 .5 .5\nmap_d wood.png\nbump -bm 1 b.png\nKX 1\nillu 2")),
+            "m.mtl:3:1: warning: map_d: this texture is not read; what is plain counts\n"
+            "m.mtl:4:1: warning: bump: this texture is not read; what is plain counts\n"
             "m.mtl:5:1: warning: 'KX' is not an MTL statement; did you mean 'Kd'?; it is left out\n"
             "m.mtl:6:1: warning: 'illu' is not an MTL statement; did you mean 'illum'?; it is left out\n");
   const SceneDescription no_exponent = material("Kd .5 .5 .5\nKs .1 .1 .1");

@@ -16,6 +16,7 @@
 #include "kernels/host/device_scene_check.h"
 #include "kernels/host/device_scene_tables.h"
 #include "scenes/device/device_scene_builder.h"
+#include "tests/support/every_texture.h"
 #include "tests/support/render_scene.h"
 #include "tests/worker/device_scenes.h"
 
@@ -235,6 +236,43 @@ TEST(DeviceSceneCheck, NamesWhatIsWrong) {
                    "a light names a triangle");
   expect_refused(with_record<Corner>(scene, h.tables.corners, 0, [](Corner& c) { c.v2 = 128; }),
                  "a corner names a vertex");
+}
+
+TEST(DeviceSceneCheck, NamesWhatIsWrongWithTextures) {
+  SceneDescription description = everything();
+  add_every_texture(description);
+  const DeviceScene scene = build_or_throw(description);
+  const SceneHeader& h = scene.header;
+  const auto with_texture = [&](int index, auto change) {
+    return with_record<TextureNode>(scene, h.tables.textures, index, change);
+  };
+  // As add_every_texture has them: bitmaps of 8 bit, 16 bit, halves and floats first, checkerboard, noise,
+  // colours, scaled ones.
+  constexpr int kColours = 12, kScaled = 13;
+  expect_refused(with_texture(0, [](TextureNode& t) { t.kind = TEXTURE_KIND_COUNT; }), "a texture of a kind");
+  expect_refused(with_texture(0, [](TextureNode& t) { t.kind = -1; }), "a texture of a kind");
+  for (const int width : {0, -1, 1 << 20})
+    for (const int index : {0, 1, 2, 3})
+      expect_refused(with_texture(index, [&](TextureNode& t) { t.width = width; }), "a bitmap");
+  expect_refused(with_texture(0, [](TextureNode& t) { t.channels = 2; }), "a bitmap of implausible");
+  expect_refused(with_texture(0, [](TextureNode& t) { t.wrap_v = 5; }), "a bitmap of implausible");
+  expect_refused(with_texture(0, [](TextureNode& t) { t.texels = -1; }), "a bitmap's texels are not there");
+  expect_refused(with_texture(3, [&](TextureNode& t) { t.texels = h.tables.texels.count - 9 * 13 * 3; }),
+                 "a bitmap's texels are not there");
+  expect_refused(with_texture(0, [](TextureNode& t) { t.decoding = -1; }), "a bitmap's table of values");
+  expect_refused(with_texture(1, [&](TextureNode& t) { t.decoding = h.tables.texels.count - 65535; }),
+                 "a bitmap's table of values");
+  expect_refused(with_texture(kScaled, [](TextureNode& t) { t.texture0 = kScaled; }),
+                 "a texture holds one that does not come before it");
+  expect_refused(with_texture(kColours, [](TextureNode& t) { t.attribute = 99; }),
+                 "an implausible attribute");
+  expect_refused(with_texture(kColours, [](TextureNode& t) { t.attribute = 1; }),
+                 "a triangle has colours that are not there");
+  expect_refused(with_record<int>(scene, h.tables.triangle_colours, 0, [](int& first) { first = -2; }),
+                 "a triangle has colours that are not there");
+  DeviceScene fewer = scene;
+  --fewer.header.tables.triangle_colours.count;
+  expect_refused(fewer, "colours do not match the triangles");
 }
 
 TEST(DeviceSceneCheck, EveryTableLiesInsideTheData) {

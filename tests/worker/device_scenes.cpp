@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tests/acceptance/scene_pieces.h"
+#include "tests/support/every_texture.h"
 #include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
@@ -151,13 +152,22 @@ SceneDescription environment_alone() {
   return scene;
 }
 
+SceneDescription textured() {
+  SceneDescription scene = everything();
+  add_every_texture(scene);
+  return scene;
+}
+
 void PrintTo(const NamedScene& scene, std::ostream* out) { *out << scene.name; }
 
 const std::vector<NamedScene>& device_scenes() {
-  static const std::vector<NamedScene> scenes{
-      {"DiffuseBox", diffuse_box},       {"ManyTriangles", many_triangles},
-      {"Everything", everything},        {"EverythingInAHierarchy", everything_in_a_hierarchy},
-      {"PolygonLights", polygon_lights}, {"EnvironmentAlone", environment_alone}};
+  static const std::vector<NamedScene> scenes{{"DiffuseBox", diffuse_box},
+                                              {"ManyTriangles", many_triangles},
+                                              {"Everything", everything},
+                                              {"EverythingInAHierarchy", everything_in_a_hierarchy},
+                                              {"PolygonLights", polygon_lights},
+                                              {"Textures", textured},
+                                              {"EnvironmentAlone", environment_alone}};
   return scenes;
 }
 

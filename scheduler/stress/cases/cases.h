@@ -10,6 +10,7 @@ void add_lobe_cases(std::vector<Case>& cases);
 void add_solid_angle_cases(std::vector<Case>& cases);
 void add_projected_cases(std::vector<Case>& cases);
 void add_bsdf_cases(std::vector<Case>& cases);
+void add_mixture_cases(std::vector<Case>& cases);
 void add_sampler_cases(std::vector<Case>& cases);
 void add_intersection_cases(std::vector<Case>& cases);
 void add_small_function_cases(std::vector<Case>& cases);

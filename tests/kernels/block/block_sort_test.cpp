@@ -34,6 +34,12 @@ SceneTables families_scene(RandomNumbers& random, std::uint32_t features) {
   return tables;
 }
 
+enum {
+#define NUMBER_FIELD(type, name, needs, travels) FIELD_##name,
+  PATH_FIELDS(NUMBER_FIELD) kFieldCount
+#undef NUMBER_FIELD
+};
+
 /// Of the front, or of the back of what is black in front.
 int family_of(const SceneTables& tables, int primitive) {
   if (primitive < 0) return FAMILY_BLACK;
@@ -51,21 +57,33 @@ void expect_sorted(std::uint32_t features, RandomNumbers& random) {
   BlockMemory memory(features, kCapacity, 0);
   const PathState paths = memory.block().paths;
   const int count = 1 + int(random.below(kCapacity));
-  std::vector<int> hits(kCapacity);
+  const bool chooses = (features & FEATURE_NESTED) != 0;
+  std::vector<int> hits(kCapacity), leaves(kCapacity, -1);
   for (int i = 0; i < kCapacity; ++i) {
     fill_path(features, paths, i);
     hits[std::size_t(i)] = int(random.below(std::uint64_t(primitives + 1))) - 1;
     set_hit(&paths, i, hits[std::size_t(i)]);
+    if (!chooses) continue;
+    leaves[std::size_t(i)] = int(random.below(5)) - 1;
+    set_material(&paths, i, leaves[std::size_t(i)]);
   }
+  const auto family = [&](int i) {
+    const int leaf = leaves[std::size_t(i)];
+    return leaf < 0 ? family_of(tables, hits[std::size_t(i)]) : tables.materials[std::size_t(leaf)].family;
+  };
   std::vector<int> order(std::size_t(count), 0);
   std::iota(order.begin(), order.end(), 0);
-  std::ranges::sort(order, {}, [&](int i) { return std::pair(family_of(tables, hits[std::size_t(i)]), i); });
+  std::ranges::sort(order, {}, [&](int i) { return std::pair(family(i), i); });
 
   sort_by_family(&scene, &paths, count);
   for (int lane = 0; lane < kCapacity; ++lane) {
     // Lanes past the count stay.
     const int from = lane < count ? order[std::size_t(lane)] : lane;
     ASSERT_EQ(get_hit(&paths, lane), hits[std::size_t(from)]);
+    if (chooses) {
+      ASSERT_EQ(get_material(&paths, lane), leaves[std::size_t(from)]);
+      set_material(&paths, lane, value_of<int>(FIELD_material, from));  // as it was filled
+    }
     int field = 0;
 #define CHECK_FIELD(type, name, needs, travels)                                    \
   if (is_moved(features, needs, travels)) {                                        \

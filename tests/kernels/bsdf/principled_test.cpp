@@ -53,7 +53,8 @@ BsdfModel model_of(const std::string& xml) {
 /// As seen from that side: nothing where it is black from there.
 std::optional<Closure> closure_from(const BsdfModel& model, bool inside) {
   const auto* principled = std::get_if<PrincipledBsdf>(&model);
-  if (principled == nullptr || !inside) return closure_of(material_of(Bsdf{"", model}));
+  if (principled == nullptr) return closure_of(material_of(std::get<PrincipledThinBsdf>(model)));
+  if (!inside) return closure_of(material_of(*principled));
   const auto other = principled->other_side();
   return other ? std::optional(closure_of(material_of(*other))) : std::nullopt;
 }

@@ -208,6 +208,38 @@ TEST(UvOfADisk, IsDistanceAndAngleAboutItsCentre) {
   }
 }
 
+TEST(UvOfQuadrics, TurnsWithTheirFrames) {
+  RandomNumbers random(5);
+  for (int i = 0; i < 4000; ++i) {
+    const bool disk = i % 2 == 0;
+    const vec3 z = rounded(random.direction());
+    const vec3 x = tangent_axis(z, rounded(random.direction())), y = cross3(z, x);
+    const auto turned = [&](const vec3& v) { return add(add(scale(x, v.x), scale(y, v.y)), scale(z, v.z)); };
+    SceneTables plain, other;
+    for (SceneTables* tables : {&plain, &other}) {
+      const vec3 axis = tables == &plain ? make_vec3(0, 0, 1) : z;
+      if (disk)
+        tables->add_disk(make_vec3(0, 0, 0), axis, 1);
+      else
+        tables->add_sphere(make_vec3(0, 0, 0), 1);
+      tables->quadrics[0].x_axis = tables == &plain ? make_vec3(1, 0, 0) : x;
+      tables->quadrics[0].y_axis = tables == &plain ? make_vec3(0, 1, 0) : y;
+      tables->quadrics[0].normal = axis;
+    }
+    const vec3 o = rounded(3.0L * random.direction());
+    const vec3 d = rounded(normalize(0.8L * random.uniform() * random.direction() - exact(o)));
+    const Surface a = surface_with_uv(plain, o, d), b = surface_with_uv(other, turned(o), turned(d));
+    if (!(a.distance > 0) || !(b.distance > 0) || std::abs(dot3(a.geometric, d)) < 0.1f) continue;
+    const double reach = std::hypot(double(a.p.x), double(a.p.y));
+    if (reach < 1e-2 || std::abs(a.distance - b.distance) > 1e-4f) continue;
+    const double tolerance = 1e-5 / reach;
+    const auto apart = [](float s, float t) { return double(turn_between(s, t)); };
+    ASSERT_LE(disk ? std::abs(a.u - b.u) : apart(a.u, b.u), tolerance);
+    ASSERT_LE(disk ? apart(a.v, b.v) : std::abs(a.v - b.v), tolerance);
+    ASSERT_LE(length3(sub(turned(a.tangent), b.tangent)), 10 * tolerance);
+  }
+}
+
 TEST(Uv, IsNothingInScenesWithoutIt) {
   SceneTables tables;
   tables.add_triangle(make_vec3(-1, -1, 0), make_vec3(1, -1, 0), make_vec3(0, 1, 0));

@@ -18,11 +18,12 @@ constexpr double kPi = std::numbers::pi;
 
 SceneTables envmap_scene(int width, int height, const auto& texel, const glm::dmat3& to_world = glm::dmat3(1),
                          float scale = 1) {
-  EnvironmentImage image{width, height, {}};
+  Bitmap image{"map", width, height, 3, TexelType::kFloat, {}};
   for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) image.texels.push_back(texel(x, y));
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < 3; ++c) image.words.push_back(FLOAT_BITS(glm::vec3(texel(x, y))[c]));
   EnvironmentMapLight map;
-  map.image = std::make_shared<const EnvironmentImage>(std::move(image));
+  map.image = std::make_shared<const Bitmap>(std::move(image));
   map.to_world = glm::dmat4(to_world);
   map.scale = scale;
   SceneTables tables;

@@ -46,7 +46,7 @@ TEST(LightUv, OfATriangleIsThatOfItsSurface) {
       SceneTables tables = triangle_light(a, b, c, by_solid_angle);
       const auto number = [&] { return float(random.between(0, 0.4)); };
       tables.vertex_uvs.push_back({number(), number(), number(), number(), number(), number(), 1});
-      tables.light_triangles.push_back({0, 0});
+      tables.light_triangles.push_back({0, 0, -1});
       const Scene scene = tables.scene();
       const vec3 here = make_vec3(0, 0, 0);
       const SampledPoint point =
@@ -74,7 +74,7 @@ TEST(LightUv, OfARectangleIsThatOfTheTriangleUnderIt) {
       const auto number = [&] { return float(random.between(0, 0.4)); };
       tables.vertex_uvs.push_back({number(), number(), number(), number(), number(), number(), 1});
     }
-    tables.light_triangles.push_back({0, 1});
+    tables.light_triangles.push_back({0, 1, -1});
     const Scene scene = tables.scene();
     const vec3 here = make_vec3(0, 0, 0);
     const SampledPoint point = sample_rectangle_point(&scene, 0, receiver_at(here, make_vec3(0, 0, 1)),
@@ -99,16 +99,22 @@ TEST(LightUv, OfASphereAndADiskIsThatOfTheirSurface) {
     SceneTables tables = disk ? disk_light(rounded(center), rounded(random.direction()), radius)
                               : sphere_light(rounded(center), radius, 1, i % 4 == 1);
     tables.header.features |= FEATURE_UV;
+    tables.light_triangles.push_back({-1, -1, 0});
+    // Turned and mirrored anyhow: the disk about its normal.
+    Quadric& q = tables.quadrics[0];
+    const vec3 pole = disk ? q.normal : rounded(random.direction());
+    q.x_axis = tangent_axis(pole, rounded(random.direction()));
+    q.y_axis = scale(cross3(pole, q.x_axis), i % 3 == 0 ? -1.0f : 1.0f);
+    q.normal = pole;
     const Scene scene = tables.scene();
     const vec3 here = make_vec3(0, 0, 0);
     const LightReceiver r = receiver_at(here, make_vec3(0, 0, 1));
     const float u = random.unit_float(), v = random.unit_float();
-    const Light* light = scene.lights;
     const SampledPoint point =
-        disk ? sample_disk_point(light, u, v, kWays) : sample_sphere_point(light, r, u, v, kWays);
+        disk ? sample_disk_point(&scene, 0, u, v, kWays) : sample_sphere_point(&scene, 0, r, u, v, kWays);
     // Angles widen towards the axis.
     const vec3 w = sub(point.at.p, rounded(center));
-    const vec3 from_axis = disk ? to_frame(point.at.normal, w) : w;
+    const vec3 from_axis = to_quadric_frame(&tables.quadrics[0], w);
     const double reach = std::hypot(double(from_axis.x), double(from_axis.y));
     if (reach < 1e-2) continue;
     expect_found(scene, 0, here, point.at, 2e-5 / reach);
@@ -118,7 +124,7 @@ TEST(LightUv, OfASphereAndADiskIsThatOfTheirSurface) {
 TEST(LightUv, IsNotComputedForScenesWithoutIt) {
   SceneTables tables = disk_light(make_vec3(0, 0, 2), make_vec3(0, 0, -1), 1);
   const Scene scene = tables.scene();
-  const SampledPoint point = sample_disk_point(scene.lights, 0.5f, 0.3f, 0u);
+  const SampledPoint point = sample_disk_point(&scene, 0, 0.5f, 0.3f, 0u);
   EXPECT_EQ(point.at.u, 0);
   EXPECT_EQ(point.at.v, 0);
 }

@@ -1,8 +1,8 @@
-#include "scenes/mitsuba/bitmap_files.h"
+#include "scenes/image/bitmap_files.h"
 
 #include <xxhash.h>
 
-namespace penumbra::mitsuba {
+namespace penumbra {
 
 Expected<BitmapFiles::Entry> BitmapFiles::read(const std::filesystem::path& file, BitmapChannels channels) {
   std::error_code ignored;
@@ -32,4 +32,4 @@ Expected<BitmapFiles::Entry> BitmapFiles::read_new(const std::filesystem::path& 
   return entry;
 }
 
-}  // namespace penumbra::mitsuba
+}  // namespace penumbra

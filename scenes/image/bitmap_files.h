@@ -12,7 +12,7 @@
 #include "scenes/file_access.h"
 #include "scenes/image/bitmap_reader.h"
 
-namespace penumbra::mitsuba {
+namespace penumbra {
 
 class BitmapFiles {
  public:
@@ -27,6 +27,7 @@ class BitmapFiles {
   Expected<Entry> read(const std::filesystem::path& file, BitmapChannels channels);
 
   [[nodiscard]] const Bitmap& bitmap(int index) const { return *bitmaps_[std::size_t(index)]; }
+  [[nodiscard]] std::shared_ptr<const Bitmap> shared(int index) const { return bitmaps_[std::size_t(index)]; }
   [[nodiscard]] std::vector<std::shared_ptr<const Bitmap>> take() { return std::move(bitmaps_); }
 
  private:
@@ -39,4 +40,4 @@ class BitmapFiles {
   std::map<std::pair<Digest, BitmapChannels>, int> by_contents_;
 };
 
-}  // namespace penumbra::mitsuba
+}  // namespace penumbra

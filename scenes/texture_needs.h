@@ -1,0 +1,20 @@
+// What the textures of a shape's materials need of the shape.
+#pragma once
+
+#include <vector>
+
+#include "scenes/scene_description.h"
+
+namespace penumbra {
+
+struct TextureNeeds {
+  bool coordinates = false;  ///< texture coordinates
+  std::vector<MeshAttribute> attributes;
+};
+TextureNeeds texture_needs(const SceneDescription& scene, const Shape& shape);
+
+/// What is missing of it: coordinates of a mesh that has none (barycentric ones stand in for them),
+/// attributes.
+TextureNeeds missing_for_textures(const SceneDescription& scene, const Shape& shape);
+
+}  // namespace penumbra

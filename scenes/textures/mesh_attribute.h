@@ -1,0 +1,37 @@
+// Colours that meshes bring along.
+#pragma once
+
+#include "scenes/plugin_values.h"
+#include "scenes/textured.h"
+
+namespace penumbra {
+
+enum class MeshAttribute { kVertexColour, kFaceColour };
+
+inline OneOf<MeshAttribute> mesh_attributes() {
+  return {{{"vertex_color", MeshAttribute::kVertexColour}, {"face_color", MeshAttribute::kFaceColour}}};
+}
+
+struct MeshAttributeTexture {
+  static constexpr const char* kPlugin = "mesh_attribute";
+  MeshAttribute attribute = MeshAttribute::kVertexColour;
+  float scale = 1.0f;
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("name", &MeshAttributeTexture::attribute, mesh_attributes(), "which colours");
+    row("scale", &MeshAttributeTexture::scale, NumberWithin{LowEnd::kClosed, 0.0f, kAnyNumber},
+        "by which they are multiplied");
+  }
+};
+
+/// But for its place among the colours of a triangle.
+inline TextureNode texture_of(const MeshAttributeTexture& texture) {
+  TextureNode t{};
+  t.kind = TEXTURE_MESH_ATTRIBUTE;
+  t.texture0 = t.texture1 = kNoTexture;
+  t.colour0 = to_vec3(glm::vec3(texture.scale));
+  return t;
+}
+
+}  // namespace penumbra
