@@ -108,8 +108,10 @@ struct EnvironmentMapLight {
     row("scale", &EnvironmentMapLight::scale, NumberWithin{LowEnd::kClosed, 0.0f, kAnyNumber},
         "by which radiance is multiplied");
   }
-  [[nodiscard]] bool is_black() const;
-  [[nodiscard]] EmitterLight light(const EmitterPlace& place) const;
+  [[nodiscard]] bool is_black() const {
+    return scale == 0.0f || std::ranges::all_of(image->words, [](std::uint32_t w) { return w == 0u; });
+  }
+  [[nodiscard]] EmitterLight light(const EmitterPlace& place) const;  ///< scenes/device/envmap_tables.cpp
 };
 
 using Emitter = std::variant<PointLight, ConstantEnvironment, EnvironmentMapLight>;

@@ -74,7 +74,7 @@ FN void add_passed_directly(const PRIVATE Scene* scene, const PRIVATE PathState*
     Closures closures;
     for (int j = 0; j < LANES; j++) store_closure(&closures, j, black_closure());
     resolve_closures(scene, &left, &closures);
-    project_found(scene, &left, &closures, &found);
+    project_from_surfaces(scene, families_among(&closures), &left, &closures, &found);
   }
     #endif
   find_emissions(scene, &found, k > 0, &emissions);

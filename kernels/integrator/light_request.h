@@ -194,19 +194,23 @@ FN ReceiverLobes left_lobes(const PRIVATE PathState* paths, int i) {
   r.specular = get_left_specular(paths, i);
   return r;
 }
-STAGE void project_found_lobes(const PRIVATE Scene* scene, bool path,
-                               const PRIVATE Surfaces* RESTRICT receivers,
+STAGE void project_found_lobes(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
                                const PRIVATE Closures* RESTRICT closures,
-                               const PRIVATE ControlLanes* RESTRICT controls, const PRIVATE PathState* paths,
-                               int i, PRIVATE FoundLights* RESTRICT found) {
+                               const PRIVATE ControlLanes* RESTRICT controls,
+                               PRIVATE FoundLights* RESTRICT found) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(receivers, j);
-      const ReceiverLobes here = receiver_lobes(projected_about(s.shading, load_closure(closures, j)), s.wo,
-                                                load_control_lobes(controls, j));
-      const ReceiverLobes lobes = select_receiver_lobes(path, left_lobes(paths, i + j), here);
+      const ReceiverLobes lobes = receiver_lobes(projected_about(s.shading, load_closure(closures, j)), s.wo,
+                                                 load_control_lobes(controls, j));
       found->projected_pdf[j] = lobes_density(scene, load_found_light(found, j), lobes);
     }
+}
+STAGE void project_found_lobes_of_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                                        PRIVATE FoundLights* RESTRICT found) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++)
+      found->projected_pdf[j] = lobes_density(scene, load_found_light(found, j), left_lobes(paths, i + j));
 }
 STAGE void note_left_lobes(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
                            const PRIVATE Closures* RESTRICT closures,
@@ -223,6 +227,30 @@ STAGE void note_left_lobes(const PRIVATE PathState* paths, int i, const PRIVATE 
     }
 }
   #endif
+
+/// Densities for lights found, from the surfaces that the paths left; from these surfaces.
+FN void project_from_left(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                          PRIVATE FoundLights* found) {
+  #if HAS(LTC)
+  if (NEEDS(scene, LTC)) {
+    project_found_lobes_of_paths(scene, paths, i, found);
+    return;
+  }
+  #endif
+  project_found_of_paths(scene, paths, i, found);
+}
+FN void project_from_surfaces(const PRIVATE Scene* scene, uint families, const PRIVATE Surfaces* surfaces,
+                              const PRIVATE Closures* closures, PRIVATE FoundLights* found) {
+  #if HAS(LTC)
+  if (NEEDS(scene, LTC)) {
+    ControlLanes controls;
+    find_controls(scene, families, closures, surfaces, &controls);
+    project_found_lobes(scene, surfaces, closures, &controls, found);
+    return;
+  }
+  #endif
+  project_found(scene, surfaces, closures, found);
+}
 #endif
 
 #if HAS(NESTED)
@@ -261,9 +289,9 @@ FN void request_lights(const PRIVATE Scene* scene, LightRequest request, bool fi
 #if HAS(PROJECTED)
   #if HAS(LTC)
   if (NEEDS(scene, LTC)) {
-    if (request.found & finds)
-      project_found_lobes(scene, request.path, &step->surfaces, &step->closures, &step->controls, paths, i,
-                          &step->found);
+    if (request.found & finds & request.path) project_found_lobes_of_paths(scene, paths, i, &step->found);
+    if (request.found & finds & !request.path)
+      project_found_lobes(scene, &step->surfaces, &step->closures, &step->controls, &step->found);
     if (request.found & request.path)
       note_left_lobes(paths, i, &step->surfaces, &step->closures, &step->controls);
     if (request.projected)

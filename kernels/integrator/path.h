@@ -110,7 +110,7 @@ FN void add_passed_by_path(const PRIVATE Scene* scene, const PRIVATE PathState* 
   Emissions emissions;
   find_passed_lights(scene, surfaces, passes, &found);
     #if HAS(PROJECTED)
-  if (NEEDS(scene, PROJECTED) && balances) project_found_of_paths(scene, paths, i, &found);
+  if (NEEDS(scene, PROJECTED) && balances) project_from_left(scene, paths, i, &found);
     #endif
   find_emissions(scene, &found, balances & (step > 0), &emissions);
     #if HAS(POLYGONS)

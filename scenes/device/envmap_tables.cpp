@@ -56,10 +56,6 @@ vec3 radiance_of_texel(const Bitmap& image, std::size_t index, float scale) {
 
 }  // namespace
 
-bool EnvironmentMapLight::is_black() const {
-  return scale == 0.0f || std::ranges::all_of(image->words, [](std::uint32_t w) { return w == 0u; });
-}
-
 EmitterLight EnvironmentMapLight::light(const EmitterPlace& place) const {
   const int width = image->width, height = image->height;
   SceneRecords& records = place.records;

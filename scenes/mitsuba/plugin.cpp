@@ -200,19 +200,19 @@ std::shared_ptr<const Bitmap> PluginReader::read_image(const std::string& filena
   return context_.textures != nullptr ? context_.textures->read_image(*this, filename) : nullptr;
 }
 
-PluginReader::TakenTexture PluginReader::take_texture(std::string_view name) {
+PluginReader::TakenTexture PluginReader::take_texture(std::string_view name, TextureUse use) {
   for (Nested& each : nested_) {
     if (each.name != name || each.object->tag != "texture") continue;
     each.taken = true;
     if (has(name)) wrong(name, fmt::format("'{}' is there twice, once as <texture>", name));
-    return {true, context_.textures != nullptr ? context_.textures->read(*each.object) : std::nullopt};
+    return {true, context_.textures != nullptr ? context_.textures->read(*each.object, use) : std::nullopt};
   }
   return {};
 }
 
 void PluginReader::read_textured(std::string_view name, TexturedColour& colour, ColourRole role,
                                  const auto& values) {
-  if (const TakenTexture texture = take_texture(name); texture.there) {
+  if (const TakenTexture texture = take_texture(name, TextureUse::kColour); texture.there) {
     skip_parameter(name);
     colour = glm::vec3(1.0f);
     colour.texture = texture.index.value_or(kNoTexture);
@@ -269,7 +269,7 @@ void PluginReader::read(std::string_view name, float& index, const RefractiveInd
 }
 
 void PluginReader::read(std::string_view name, TexturedNumber& number, const NumberWithin& values) {
-  if (const TakenTexture texture = take_texture(name); texture.there) {
+  if (const TakenTexture texture = take_texture(name, TextureUse::kNumber); texture.there) {
     skip_parameter(name);
     number = 1.0f;
     number.texture = texture.index.value_or(kNoTexture);

@@ -22,6 +22,7 @@
 namespace penumbra::mitsuba {
 
 class TextureReader;
+enum class TextureUse;
 
 /// What the readers of plugins share.
 struct Context {
@@ -144,7 +145,7 @@ class PluginReader {
     bool there = false;
     std::optional<int> index;
   };
-  TakenTexture take_texture(std::string_view name);
+  TakenTexture take_texture(std::string_view name, TextureUse use);
   void read_textured(std::string_view name, TexturedColour& colour, ColourRole role, const auto& values);
   void read_plain(std::string_view name, glm::vec3& colour, ColourRole role, const auto& values);
   template <typename T>

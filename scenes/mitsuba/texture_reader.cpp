@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <utility>
 
 namespace penumbra::mitsuba {
 
@@ -34,21 +35,22 @@ glm::dmat3 read_to_uv(PluginReader& plugin) {
 
 }  // namespace
 
-std::optional<int> TextureReader::read(const Object& object) {
-  if (const auto known = known_.find(&object); known != known_.end()) return known->second;
+std::optional<int> TextureReader::read(const Object& object, TextureUse use) {
+  if (const auto known = known_.find({&object, use}); known != known_.end()) return known->second;
   if (!reading_.insert(&object).second) {
     context_.diagnostics.error(
         object.location, fmt::format("texture '{}' holds itself, through its references", name_of(object)));
     return std::nullopt;
   }
-  std::optional<SceneTexture> texture = read_new(object);
+  std::optional<SceneTexture> texture = read_new(object, use);
   reading_.erase(&object);
   if (texture) textures_.push_back(std::move(*texture));
-  return known_.emplace(&object, texture ? std::optional(int(textures_.size()) - 1) : std::nullopt)
+  return known_
+      .emplace(std::pair(&object, use), texture ? std::optional(int(textures_.size()) - 1) : std::nullopt)
       .first->second;
 }
 
-std::optional<SceneTexture> TextureReader::read_new(const Object& object) {
+std::optional<SceneTexture> TextureReader::read_new(const Object& object, TextureUse use) {
   PluginReader plugin(context_, object);
   // Mitsuba 0.6 has its own name for the colours of vertices.
   const bool vertex_colours = object.type == "vertexcolors";
@@ -62,9 +64,14 @@ std::optional<SceneTexture> TextureReader::read_new(const Object& object) {
     return SceneTexture{name_of(object), stand_in};
   }
   const glm::dmat3 to_uv = read_to_uv(plugin);
+  const TextureUse outer = std::exchange(use_, use);
   std::optional<TextureModel> model = known->read(*this, plugin);
+  use_ = outer;
   plugin.finish();
   if (!model) return std::nullopt;
+  // Mitsuba 3 exchanges the colours of a checkerboard that is a number.
+  if (auto* board = std::get_if<CheckerboardTexture>(&*model); board != nullptr && use == TextureUse::kNumber)
+    std::swap(board->color0, board->color1);
   return SceneTexture{name_of(object), std::move(*model), to_uv};
 }
 
@@ -75,7 +82,7 @@ std::optional<TextureModel> TextureReader::read_model(PluginReader& plugin, Scal
     plugin.wrong("a scale texture holds the texture that it scales");
     return std::nullopt;
   }
-  const std::optional<int> index = read(*inside);
+  const std::optional<int> index = read(*inside, use_);
   model.texture = index.value_or(kNoTexture);
   return index ? std::optional<TextureModel>(model) : std::nullopt;
 }

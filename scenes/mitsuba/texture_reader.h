@@ -13,6 +13,9 @@
 
 namespace penumbra::mitsuba {
 
+/// What a texture stands for.
+enum class TextureUse { kColour, kNumber };
+
 class TextureReader {
  public:
   TextureReader(const Context& context, const FileAccess& files)
@@ -20,7 +23,7 @@ class TextureReader {
 
   /// Its index among the textures, which it is added to where it is new. What is wrong with it is reported,
   /// once; then there is none.
-  std::optional<int> read(const Object& object);
+  std::optional<int> read(const Object& object, TextureUse use = TextureUse::kColour);
 
   /// The image that the plugin's `filename` names, which is this one; null, and an error or with leniency a
   /// warning, if it cannot be read.
@@ -31,7 +34,7 @@ class TextureReader {
 
  private:
   friend struct TexturePlugins;
-  std::optional<SceneTexture> read_new(const Object& object);
+  std::optional<SceneTexture> read_new(const Object& object, TextureUse use);
 
   std::optional<TextureModel> read_model(PluginReader& plugin, BitmapTexture model);
   std::optional<TextureModel> read_model(PluginReader& plugin, ScaleTexture model);
@@ -50,7 +53,8 @@ class TextureReader {
   const Context& context_;
   const FileAccess& files_;
   BitmapFiles bitmaps_;
-  std::map<const Object*, std::optional<int>> known_;
+  std::map<std::pair<const Object*, TextureUse>, std::optional<int>> known_;
+  TextureUse use_ = TextureUse::kColour;  ///< of the one that is being read
   std::set<const Object*> reading_;
   std::vector<SceneTexture> textures_;
 };

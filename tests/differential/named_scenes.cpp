@@ -379,13 +379,6 @@ std::string board(std::string_view name) {
   return text.replace(text.find("NAME"), 4, name);
 }
 
-/// A checkerboard that is a number has its colours exchanged in Mitsuba 3.9.
-std::string as_mitsuba_has_it(std::string text) {
-  for (std::size_t at = text.find("\"color"); at != text.npos; at = text.find("\"color", at + 1))
-    text[at + 6] = text[at + 6] == '0' ? '1' : '0';
-  return text;
-}
-
 std::string diffuse(glm::dvec3 colour) { return plugin("bsdf", "diffuse", rgb("reflectance", colour)); }
 std::string two_sided(const std::string& bsdf) { return plugin("bsdf", "twosided", bsdf); }
 
@@ -400,12 +393,11 @@ SceneText masks() {
   const std::string blend =
       plugin("bsdf", "blendbsdf", real("weight", 0.3) + holes + plugin("bsdf", "null", ""));
   scene.both(floor_at(-1) + ceiling_lamp() + kSky);
-  const auto add = [&](const std::string& shape) { scene.each(shape, as_mitsuba_has_it(shape)); };
-  add(placed("rectangle", "<scale value=\"0.8\"/><translate x=\"-0.6\" z=\"1\"/>\n", holes));
+  scene.both(placed("rectangle", "<scale value=\"0.8\"/><translate x=\"-0.6\" z=\"1\"/>\n", holes));
   scene.both(placed("sphere", "<scale value=\"0.5\"/><translate x=\"0.9\"/>\n", one_sided));
-  add(placed("sphere", "<scale value=\"0.4\"/>\n", holes));
-  add(placed("rectangle", "<scale value=\"1.5\"/><rotate x=\"1\" angle=\"-90\"/><translate y=\"0.8\"/>\n",
-             blend));
+  scene.both(placed("sphere", "<scale value=\"0.4\"/>\n", holes));
+  scene.both(placed("rectangle",
+                    "<scale value=\"1.5\"/><rotate x=\"1\" angle=\"-90\"/><translate y=\"0.8\"/>\n", blend));
   return scene;
 }
 
@@ -428,7 +420,7 @@ SceneText blends() {
   scene.both(floor_at(-1) + ceiling_lamp() + kSky);
   const std::string ball = placed("sphere", "<scale value=\"0.5\"/><translate x=\"-0.7\"/>\n",
                                   plugin("bsdf", "blendbsdf", board("weight") + pair));
-  scene.each(ball, as_mitsuba_has_it(ball));
+  scene.both(ball);
   scene.both(placed("cube", "<scale value=\"0.4\"/><rotate y=\"1\" angle=\"30\"/><translate x=\"0.7\"/>\n",
                     two_sided(plugin("bsdf", "blendbsdf", real("weight", 0.25) + pair))));
   return scene;
