@@ -137,7 +137,8 @@ PENUMBRA_NAMESPACE_BEGIN
   F(float, weight)     /* probability of the second; a texture's value is clamped to [0, 1] */  \
   F(int, bend)         /* BEND_*: what bends the normal of a leaf */                            \
   F(float, bend_scale) /* how much, see bend_normal.h; negative: the bumps of the other side */ \
-  F(float, bend_step)  /* between texture coordinates whose heights are compared */
+  F(float, bend_step)  /* between texture coordinates whose heights are compared */             \
+  F(int, bend_shadows) /* 1: its bumps shade each other, see bump_shadow */
 
 #define MATERIAL_FIELDS(F)               \
   CLOSURE_FIELDS(MATERIAL_FIELD, F)      \

@@ -158,6 +158,9 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
 #if HAS(NESTED)
       if (NEEDS(scene, NESTED)) see_lights_through(scene, paths, count, step);
 #endif
+#if HAS(BENT)
+      if (NEEDS(scene, BENT) && h->integrator.kind != INTEGRATOR_OCCLUSION) shade_shadow_rays(paths, count);
+#endif
 #if HAS(POLYGONS)
   #if HAS(LTC)
       if (has_other_control(scene)) add_controlled_light_by_form(paths, count);

@@ -183,6 +183,17 @@ FN vec3 shadow_ray_light(const PRIVATE PathState* paths, int i, bool wanted, flo
   return select3(lit, scale(get_shadow_radiance(paths, i), share), make_vec3(0.0f, 0.0f, 0.0f));
 }
 
+#if HAS(BENT)
+/// Of shadow rays that got through, what bumps where they start let through.
+STAGE void shade_shadow_rays(const PRIVATE PathState* paths, int count) {
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++)
+        set_shadow_transmittance(paths, j, get_shadow_transmittance(paths, j) * get_shadow_share(paths, j));
+  }
+}
+#endif
+
 /// Adds the light of shadow rays that got through to what the paths found.
 STAGE void add_light(const PRIVATE PathState* paths, int count) {
   for (int i = 0; i < count; i += LANES) {

@@ -68,6 +68,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(int, shadow_skip, EVERY_SCENE, NEVER)               /* primitive that it starts on, or -1 */               \
   X(vec3, shadow_radiance, EVERY_SCENE, NEVER)          /* arrives if nothing is in the way */                 \
   X(float, shadow_transmittance, EVERY_SCENE, NEVER)    /* what is in the way lets through: 0 to 1 */          \
+  X(float, shadow_share, FEATURE_BENT, NEVER)           /* of it that bumps of the surface let through */     \
   X(int, shadow_controlled, FEATURE_POLYGONS, NEVER)    /* CONTROLLED_* */                                     \
   X(vec3, shadow_control, LTC_CONTROLLED, NEVER)           /* of the control variate, if nothing is in the way */ \
   /* polygon lights with control variates: sums over shadow rays with and without shadows, and closed forms */ \

@@ -48,14 +48,14 @@ FN Derivatives quadric_derivatives(const PRIVATE Scene* scene, int index, vec3 p
   GLOBAL const Quadric* q = scene->quadrics + index;
   const int kind = q->kind;
   const float radius = q->radius;
-  const vec3 c = sub(p, load3(&q->center)), axis = load3(&q->normal);
+  const vec3 x = load3(&q->x_axis), y = load3(&q->y_axis), z = load3(&q->normal);
+  const vec3 c = to_quadric_frame(q, sub(p, load3(&q->center)));
   const float r = max_f(SQRT(sqr(c.x) + sqr(c.y)), 1e-30f);
-  const vec3 radial = normalize3(c);
+  const vec3 around = add_scaled(scale(x, -c.y), c.x, y), outward = add_scaled(scale(x, c.x / r), c.y / r, y);
   Derivatives sphere, disk, d;
-  sphere.du = scale(make_vec3(-c.y, c.x, 0.0f), 2.0f * PI_F);
-  sphere.dv = scale(make_vec3(c.z * (c.x / r), c.z * (c.y / r), -r), PI_F);
-  disk.du = scale(radial, radius);
-  disk.dv = scale(cross3(axis, c), 2.0f * PI_F);
+  sphere.du = disk.dv = scale(around, 2.0f * PI_F);
+  sphere.dv = scale(add_scaled(scale(outward, c.z), -r, z), PI_F);
+  disk.du = scale(outward, radius);
   d.du = select3(kind == QUADRIC_SPHERE, sphere.du, disk.du);
   d.dv = select3(kind == QUADRIC_SPHERE, sphere.dv, disk.dv);
   return d;
@@ -158,13 +158,23 @@ FN vec3 bent_normal(Surface s, Bend bend) {
   return select3(good, scale(n, 1.0f / SQRT(good ? length2 : 1.0f)), s.shading);
 }
 
-STAGE void apply_bends(const PRIVATE int* RESTRICT textures, const PRIVATE Bends* RESTRICT bends,
-                       PRIVATE Surfaces* RESTRICT surfaces) {
+/// The squared roughness of bumps whose normals lean so: an eighth of the squared tangent (Estevez, Lecocq
+/// and Stein 2019).
+FN float bump_roughness(vec3 smooth, vec3 bent) {
+  const float cosine2 = sqr(dot3(smooth, bent));
+  return min_f(0.125f * max_f(1.0f - cosine2, 0.0f) / max_f(cosine2, 1e-12f), 1.0f);
+}
+
+STAGE void apply_bends(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT textures,
+                       const PRIVATE Bends* RESTRICT bends, PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(surfaces, j);
       const vec3 n = bent_normal(s, load_bend(bends, j));
-      STORE_LANE_vec3(surfaces->shading, j, select3((textures[j] >= 0) & is_hit(s), n, s.shading));
+      const bool bends_it = (textures[j] >= 0) & is_hit(s);
+      const int shadows = scene->materials[s.material].bend_shadows;
+      surfaces->bumps[j] = (bends_it & (shadows != 0)) ? bump_roughness(s.shading, n) : s.bumps;
+      STORE_LANE_vec3(surfaces->shading, j, select3(bends_it, n, s.shading));
     }
 }
 
@@ -176,7 +186,7 @@ FN void bend_normals(const PRIVATE Scene* scene, PRIVATE Surfaces* surfaces) {
   if (note_bend_textures(scene, BEND_NORMAL_MAP, surfaces, textures)) {
     eval_textures(scene, surfaces, textures, &found);
     bends_of_normals(scene, surfaces, &found, &bends);
-    apply_bends(textures, &bends, surfaces);
+    apply_bends(scene, textures, &bends, surfaces);
   }
   if (note_bend_textures(scene, BEND_BUMP_MAP, surfaces, textures)) {
     float heights[4 * LANES], u[LANES], v[LANES];
@@ -195,8 +205,16 @@ FN void bend_normals(const PRIVATE Scene* scene, PRIVATE Surfaces* surfaces) {
       }
     }
     bends_of_heights(scene, surfaces, heights, &bends);
-    apply_bends(textures, &bends, surfaces);
+    apply_bends(scene, textures, &bends, surfaces);
   }
+}
+
+/// What bumps let through of the light from w, or towards it, as the shadows that they would cast on each
+/// other: masking of GGX about the smooth normal (Estevez, Lecocq and Stein 2019). 1 where nothing is bent.
+FN float bump_shadow(Surface s, vec3 w) {
+  const float cosine2 = sqr(dot3(s.smooth, w));
+  const float tangent2 = max_f(1.0f - cosine2, 0.0f) / max_f(cosine2, 1e-12f);
+  return 2.0f / (1.0f + SQRT(1.0f + s.bumps * tangent2));
 }
 #endif
 

@@ -141,7 +141,8 @@ class Checker {
     const auto materials = table<Material>(scene_, h_.tables.materials);
     for (int i = 0; i < int(materials.size()); ++i) {
       const Material& m = materials[std::size_t(i)];
-      require(m.first < i && m.second < i, "a material holds one that does not come before it");
+      require(m.branches == 0 || (m.first < i && m.second < i),
+              "a material holds one that does not come before it");
       require(in(m.branches, 0, 1) && in(m.passes, PASSES_NONE, PASSES_SOME), "a material of unknown kind");
       require(m.weight >= 0.0f && m.weight <= 1.0f, "a material's weight is not in [0, 1]");
       require(in(m.bend, BEND_NOT, BEND_BUMP_MAP), "a normal is bent in an unknown way");

@@ -183,6 +183,7 @@ FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
         choose_directions(scene, step.families & ~by_themselves, &step, &others);
         take_chosen(&step.closures, by_themselves, &others, &step.samples);
       }
+      shade_bumps(scene, &step.surfaces, &step.samples);
       request_directions(scene, paths, i, &step);
     }
   }

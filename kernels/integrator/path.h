@@ -228,6 +228,7 @@ FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
   #endif
     sample_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
                  step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
+    shade_bumps(scene, &step.surfaces, &step.samples);
   #if HAS(TRANSMISSION)
     if (NEEDS(scene, TRANSMISSION)) enter_media(paths, i, &step.samples, step.eta);
   #endif

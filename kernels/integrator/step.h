@@ -87,6 +87,9 @@ FN void request_shadow_ray(const PRIVATE Scene* scene, const PRIVATE PathState* 
   set_shadow_radiance(paths, i, arriving);
   set_shadow_tmax(paths, i, (lit & (controlled | !beneath)) ? light.tmax : -1.0f);
   set_shadow_skip(paths, i, s.primitive);
+#if HAS(BENT) && HAS(UV)
+  if (NEEDS(scene, BENT)) set_shadow_share(paths, i, bump_shadow(s, light.wi));
+#endif
 #if HAS(POLYGONS)
   if (NEEDS(scene, POLYGONS))
     set_shadow_controlled(paths, i,
@@ -128,6 +131,26 @@ STAGE void request_controls(const PRIVATE Scene* scene, const PRIVATE PathState*
     }
 }
 #endif
+
+#if HAS(BENT) && HAS(UV)
+/// What bumps let through in the directions that are sampled.
+STAGE void shade_samples(const PRIVATE Surfaces* RESTRICT surfaces, PRIVATE BsdfSamples* RESTRICT samples) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const float share = bump_shadow(load_surface(surfaces, j), LOAD_LANE_vec3(samples->wi, j));
+      const vec3 weight = LOAD_LANE_vec3(samples->weight, j);
+      STORE_LANE_vec3(samples->weight, j, scale(weight, share));
+    }
+}
+#endif
+
+/// After directions are sampled.
+FN void shade_bumps(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
+                    PRIVATE BsdfSamples* samples) {
+#if HAS(BENT) && HAS(UV)
+  if (NEEDS(scene, BENT)) shade_samples(surfaces, samples);
+#endif
+}
 
 #if HAS(LAYERS)
 /// Albedo, normal and depth of what the camera rays hit.

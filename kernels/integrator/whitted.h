@@ -216,6 +216,7 @@ FN void sample_branches(const PRIVATE Scene* scene, const PRIVATE PathState* pat
     choose_directions(scene, step->families & ~by_themselves, step, &others);
     take_chosen(&step->closures, by_themselves, &others, &step->samples);
   }
+  shade_bumps(scene, &step->surfaces, &step->samples);
   lobe_probabilities(lobes ? step->families : 0u, &step->closures, &step->surfaces, probabilities);
   weigh_branches(scene, paths, i, &branching, probabilities, step);
   if (any_of(branching.more)) push_revisits(scene, paths, i, count, &branching);
@@ -224,6 +225,7 @@ FN void sample_branches(const PRIVATE Scene* scene, const PRIVATE PathState* pat
   for (int j = 0; j < LANES; j++) choice[j] = ONE_MINUS_EPSILON;
   sample_bsdfs(scene, step->families & branching_families(), &step->closures, &step->surfaces, uv, choice,
                &others);
+  shade_bumps(scene, &step->surfaces, &others);
   second_branches(scene, paths, i, step, &branching, probabilities, &others, &branches);
   push_second_branches(paths, i, count, &branches);
 }

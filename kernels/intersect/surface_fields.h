@@ -23,7 +23,9 @@ PENUMBRA_NAMESPACE_BEGIN
 #define SURFACE_UV_FIELDS(F, a)                                                                          \
   F(a, float, u)         /* texture coordinates */                                                       \
   F(a, float, v)                                                                                         \
-  F(a, vec3, tangent)    /* unit, where u grows in the tangent plane of the primitive: see tangent_axis */
+  F(a, vec3, tangent)    /* unit, where u grows in the tangent plane of the primitive: see tangent_axis */ \
+  F(a, vec3, smooth)     /* unit shading normal before a texture bent it */                              \
+  F(a, float, bumps)     /* squared roughness of the bumps that bent it: see bump_shadow */
 #define SURFACE_FIELDS(F, a) SURFACE_HIT_FIELDS(F, a) SURFACE_UV_FIELDS(F, a)
 // clang-format on
 LANE_RECORD(Surface, Surfaces, surface, SURFACE_FIELDS)
@@ -50,7 +52,8 @@ FN bool is_hit(Surface s) { return s.primitive >= 0; }
 
 FN Surface without_uv(Surface s) {
   s.u = s.v = 0.0f;
-  s.tangent = make_vec3(0.0f, 0.0f, 0.0f);
+  s.tangent = s.smooth = make_vec3(0.0f, 0.0f, 0.0f);
+  s.bumps = 0.0f;
   return s;
 }
 

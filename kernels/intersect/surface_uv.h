@@ -94,6 +94,8 @@ FN Surface with_triangle_uv(const PRIVATE Scene* scene, int triangle, PrimitiveP
   s.u = t.u;
   s.v = t.v;
   s.tangent = triangle_tangent(at, scene->triangles + triangle, r.normal);
+  s.smooth = s.shading;
+  s.bumps = 0.0f;
   return s;
 }
 
@@ -109,6 +111,8 @@ FN Surface with_quadric_uv(const PRIVATE Scene* scene, int index, PrimitivePoint
   // To the east on a sphere, away from the centre on a disk.
   const float x = sphere ? -from_center.y : from_center.x, y = sphere ? from_center.x : from_center.y;
   s.tangent = tangent_axis(r.normal, add_scaled(scale(load3(&q->x_axis), x), y, load3(&q->y_axis)));
+  s.smooth = s.shading;
+  s.bumps = 0.0f;
   return s;
 }
   #endif

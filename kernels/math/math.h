@@ -26,7 +26,7 @@ FN float safe_sqrt(float x) { return SQRT(max_f(x, 0.0f)); }
 FN float sign_of(float x) { return x < 0.0f ? -1.0f : 1.0f; }
 /// The largest whole number that is not above x; from 2^23 on every float is whole. NaN becomes some number.
 FN float floor_f(float x) {
-  const bool small = BOTH(x < 8388608.0f, x > -8388608.0f);
+  const bool small = FABS(x) < 8388608.0f;
   const float cut = TO_FLOAT(TO_INT(small ? x : 0.0f));
   const float below = cut > x ? cut - 1.0f : cut;
   return small ? below : x;

@@ -15,6 +15,7 @@ struct SurfaceBend {
   BendKind kind = BendKind::kNone;
   int texture = kNoTexture;  ///< an index into SceneDescription::textures
   float scale = 1.0f;        ///< of heights; negative: the bumps of the other side
+  bool shadows = true;       ///< bumps shade each other
   friend bool operator==(const SurfaceBend&, const SurfaceBend&) = default;
 };
 
@@ -28,6 +29,7 @@ inline void set_bend(Material& m, const SurfaceBend& bend) {
   m.bend_texture = bends ? bend.texture : kNoTexture;
   m.bend_scale = bend.scale;
   m.bend_step = kBendStep;
+  m.bend_shadows = bends && bend.shadows ? 1 : 0;
 }
 
 }  // namespace penumbra

@@ -157,7 +157,25 @@ int LightBuilder::add(Light light, const glm::vec3& radiance, double area, doubl
 }
 
 void LightBuilder::finish() {
-  if (!lights_.empty()) set_light_probabilities(lights_, power_);
+  if (lights_.empty()) return;
+  const auto class_of = [](const Light& light) {
+    return light.kind == LIGHT_ENVIRONMENT || light.kind == LIGHT_ENVMAP ? kSkies
+           : light.kind == LIGHT_POINT                                   ? kPoints
+                                                                         : kShapes;
+  };
+  std::array<double, kClasses> power{};
+  for (std::size_t i = 0; i < lights_.size(); ++i) power[class_of(lights_[i])] += power_[i];
+  // A sky's power is over a sphere about the scene, which says nothing of what arrives.
+  const double others = power[kShapes] + power[kPoints];
+  const double all = others > 0 ? others + std::min(power[kSkies], others) : power[kSkies];
+  const auto present = std::ranges::count_if(power, [](double p) { return p > 0; });
+  for (std::size_t i = 0; i < lights_.size() && present > 1; ++i) {
+    const Class its = class_of(lights_[i]);
+    const double share =
+        0.5 * std::min(power[its], its == kSkies ? others : all) / all + 0.5 / double(present);
+    power_[i] *= power[its] > 0 ? share / power[its] : 0.0;
+  }
+  set_light_probabilities(lights_, power_);
 }
 
 std::uint32_t LightBuilder::features() const {

@@ -57,6 +57,10 @@ class LightBuilder {
   [[nodiscard]] bool constant_if_projected() const;
 
  private:
+  /// Powers of different classes do not compare: half of all samples go by power, half to each class that is
+  /// there alike; within a class all go by power.
+  enum Class { kShapes, kPoints, kSkies, kClasses };
+
   int add(Light light, const glm::vec3& radiance, double area, double power);
   int add(const EmitterLight& made);
   void add_polygon(const Outline& outline, const Shape& shape, int first_light, int light_count);

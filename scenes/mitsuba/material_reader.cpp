@@ -251,12 +251,10 @@ SurfaceMaterial MaterialReader::read_bump_map(PluginReader& plugin) {
 }
 
 SurfaceMaterial MaterialReader::read_bent(PluginReader& plugin, SurfaceBend bend) {
-  // Mitsuba 3's ways with normals that look away, and with the shadows of bumps.
+  // Mitsuba 3's way with normals that look away.
   if (!plugin.boolean("flip_invalid_normals", true))
     plugin.warn("normals that face away from the viewer lean the other way all the same");
-  if (plugin.has("use_shadowing_function") && plugin.boolean("use_shadowing_function", true))
-    plugin.warn("shadows of bumps on themselves are not rendered");
-  plugin.accept({"use_shadowing_function"});
+  bend.shadows = plugin.boolean("use_shadowing_function", true);
   const std::vector<const Object*> textures = plugin.nested("texture");
   const auto inside = read_nested(plugin, 1);
   if (textures.size() != 1) {

@@ -30,10 +30,13 @@ const dvec3 kViewer(0.6, 1.1, -0.4);
 double scattered(const BsdfModel& model, const dvec3& wi) {
   if (wi.y <= 0) return 0;
   const dvec3 wo = glm::normalize(kViewer), mirror(-wo.x, wo.y, -wo.z);
-  if (const auto* diffuse = std::get_if<DiffuseBsdf>(&model)) return diffuse->reflectance.y / kPi * wi.y;
+  if (const auto* diffuse = std::get_if<DiffuseBsdf>(&model))
+    return diffuse->reflectance.value.y / kPi * wi.y;
   const PhongBsdf& phong = std::get<PhongBsdf>(model);
-  const double lobe = std::pow(std::max(glm::dot(wi, mirror), 0.0), double(phong.exponent));
-  return (phong.diffuse.y / kPi + phong.specular.y * (phong.exponent + 2) / (2 * kPi) * lobe) * wi.y;
+  const double lobe = std::pow(std::max(glm::dot(wi, mirror), 0.0), double(phong.exponent.value));
+  return (phong.diffuse.value.y / kPi +
+          phong.specular.value.y * (phong.exponent.value + 2) / (2 * kPi) * lobe) *
+         wi.y;
 }
 
 /// Integral of `value` over the unit square by midpoints.

@@ -190,11 +190,12 @@ double reflected_of_light(const Leaning& tested) {
       if (wi.y <= 0 || glm::dot(n, wi) <= 0) continue;
       double f = 0;
       if (const auto* diffuse = std::get_if<DiffuseBsdf>(&tested.bsdf)) {
-        f = diffuse->reflectance.y / std::numbers::pi;
+        f = diffuse->reflectance.value.y / std::numbers::pi;
       } else {
         const PhongBsdf& phong = std::get<PhongBsdf>(tested.bsdf);
-        const double lobe = std::pow(std::max(glm::dot(wi, mirror), 0.0), double(phong.exponent));
-        f = (phong.diffuse.y + phong.specular.y * (phong.exponent + 2) / 2 * lobe) / std::numbers::pi;
+        const double lobe = std::pow(std::max(glm::dot(wi, mirror), 0.0), double(phong.exponent.value));
+        f = (phong.diffuse.value.y + phong.specular.value.y * (phong.exponent.value + 2) / 2 * lobe) /
+            std::numbers::pi;
       }
       sum += f * glm::dot(n, wi) * std::abs(glm::dot(area, wi)) / d2;
     }

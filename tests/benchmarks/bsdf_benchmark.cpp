@@ -19,9 +19,9 @@ void add(const char* name, const Model& model) {
     if (std::string_view(target) == "avx512" && !__builtin_cpu_supports("avx512f")) continue;
     for (const bool sample : {false, true})
       benchmark::RegisterBenchmark(fmt::format("{}/{}/{}", name, sample ? "sample" : "value", target).c_str(),
-                                   [=, stages = stages](benchmark::State& state) {
+                                   [=, run = stages](benchmark::State& state) {
                                      for (auto _ : state)
-                                       benchmark::DoNotOptimize(stages(closure, sample, kGroups));
+                                       benchmark::DoNotOptimize(run(closure, sample, kGroups));
                                      state.counters["each"] = benchmark::Counter(
                                          double(state.iterations()) * kGroups * LANES,
                                          benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
