@@ -8,10 +8,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <cstring>
 #include <limits>
 #include <thread>
 
 #include "kernels/features.h"
+#include "scenes/bsdfs/material.h"
 #include "tests/support/fake_samples.h"
 
 namespace penumbra {
@@ -103,8 +105,10 @@ DeviceScene fake_scene(int film_width, int film_height, bool features) {
   scene.header.film.height = film_height;
   scene.header.sampler.spp = 1;
   scene.header.environment = -1;
-  scene.header.tables.materials.count = 1;
-  scene.words.resize(1024);  // one record of every table, all zero
+  scene.words.resize(1024);  // one record of every table, all zero, and the black material
+  scene.header.tables.materials = {1, 512};
+  const Material black = material_of_family(FAMILY_BLACK);
+  std::memcpy(scene.words.data() + 512, &black, sizeof black);
   return scene;
 }
 
