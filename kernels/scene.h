@@ -36,10 +36,8 @@ FN Scene make_scene(SceneHeader header, GLOBAL const uint* words) {
   return s;
 }
 
-/// Whether its glossy surfaces are linearly transformed cosines to lights: then their table is there.
-FN bool needs_ltc(const PRIVATE Scene* scene) {
-  return NEEDS(scene, LTC) && scene->header.tables.ltc_cells.count > 0;
-}
+// Whether its glossy surfaces are linearly transformed cosines to lights: then their table is there.
+#define NEEDS_LTC(scene) (NEEDS(scene, LTC) && (scene)->header.tables.ltc_cells.count > 0)
 
 PENUMBRA_NAMESPACE_END
 #endif

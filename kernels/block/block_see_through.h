@@ -109,7 +109,8 @@ STAGE void note_leaves(const PRIVATE PathState* paths, int i, const PRIVATE Surf
       const bool hit = (get_ray_tmax(paths, i + j) > 0.0f) & (surfaces->primitive[j] >= 0);
       const bool through = hit & ((leaf < 0) | (hidden != 0));
       passes[j] = through ? 1 : 0;
-      set_material(paths, i + j, (hit & !through) ? leaf : before);
+      // Its side's own is not noted, so that what is does not depend on the other lanes.
+      set_material(paths, i + j, (hit & !through & (leaf != surfaces->material[j])) ? leaf : before);
     }
 }
 
@@ -187,20 +188,29 @@ FN bool pass_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
 }
 
 /// Restores what was kept. Rays that passed too many surfaces see the next hidden emitter, unlit, or black.
-/// Without choices the surfaces are those without anything in between, from the ray's own origin.
-STAGE void end_ways(const PRIVATE PathState* paths, int count, bool restores_origins) {
+/// Where no leaf was chosen the surfaces are those without anything in between, from the ray's own origin.
+FN void end_way(const PRIVATE PathState* paths, int j, bool restores_origin) {
+  const vec3 start = get_kept_origin(paths, j), origin = get_ray_origin(paths, j);
+  const int skip = get_ray_skip(paths, j), hit = get_hit(paths, j), kept = get_kept_hit(paths, j);
+  set_hit(paths, j, get_ray_tmax(paths, j) > 0.0f ? hit : kept);
+  set_ray_origin(paths, j, select3(restores_origin, start, origin));
+  set_ray_skip(paths, j, restores_origin ? -1 : skip);
+  set_ray_tmax(paths, j, get_kept_tmax(paths, j));
+}
+STAGE void end_ways(const PRIVATE PathState* paths, int count) {
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP
-      for (int j = i; j < i + LANES; j++) {
-        const vec3 start = get_kept_origin(paths, j), origin = get_ray_origin(paths, j);
-        const int skip = get_ray_skip(paths, j), hit = get_hit(paths, j), kept = get_kept_hit(paths, j);
-        set_hit(paths, j, get_ray_tmax(paths, j) > 0.0f ? hit : kept);
-        set_ray_origin(paths, j, select3(restores_origins, start, origin));
-        set_ray_skip(paths, j, restores_origins ? -1 : skip);
-        set_ray_tmax(paths, j, get_kept_tmax(paths, j));
-      }
+      for (int j = i; j < i + LANES; j++) end_way(paths, j, true);
   }
 }
+  #if HAS(NESTED)
+STAGE void end_ways_by_choice(const PRIVATE PathState* paths, int count) {
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++) end_way(paths, j, get_material(paths, j) < 0);
+  }
+}
+  #endif
 
   #if HAS(NESTED)
 /// Rays that passed too many surfaces end on black ones.
@@ -234,8 +244,9 @@ FN void see_through(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
   }
   #if HAS(NESTED)
   if (nested) blacken_unfinished(paths, count);
+  if (nested) end_ways_by_choice(paths, count);
   #endif
-  end_ways(paths, count, !nested);
+  if (!nested) end_ways(paths, count);
 }
 #endif
 

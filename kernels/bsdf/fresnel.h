@@ -17,7 +17,7 @@ typedef struct {
 FN DielectricFresnel dielectric_fresnel(float cosine, float ior) {
   const float excess = (ior - 1.0f) * (ior + 1.0f), ior2 = ior * ior, cosine2 = cosine * cosine;
   const float refracted2 = (cosine2 + excess) / ior2;
-  const bool total = !(refracted2 > 0.0f);
+  const bool total = (excess < 0.0f) & !(refracted2 > 0.0f);
   DielectricFresnel f;
   f.cosine = safe_sqrt(refracted2);
   const float across = cosine + ior * f.cosine, along = ior * cosine + f.cosine;

@@ -78,7 +78,7 @@ STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request,
   double analytic[3 * LANES];
   store_shading_points(scene, surfaces, closures, &points);
   #if HAS(LTC)
-  if (needs_ltc(scene)) store_control_points(surfaces, closures, controls, &points);
+  if (NEEDS_LTC(scene)) store_control_points(surfaces, closures, controls, &points);
   #endif
   for (int j = 0; j < LANES; j++) start_reservoir(&reservoir, j, (double)u[DIM_LIGHT_U * LANES + j]);
   const bool one_light = scene->polygons[0].light_count == scene->header.tables.lights.count;
@@ -232,7 +232,7 @@ STAGE void note_left_lobes(const PRIVATE PathState* paths, int i, const PRIVATE 
 FN void project_from_left(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           PRIVATE FoundLights* found) {
   #if HAS(LTC)
-  if (needs_ltc(scene)) {
+  if (NEEDS_LTC(scene)) {
     project_found_lobes_of_paths(scene, paths, i, found);
     return;
   }
@@ -242,7 +242,7 @@ FN void project_from_left(const PRIVATE Scene* scene, const PRIVATE PathState* p
 FN void project_from_surfaces(const PRIVATE Scene* scene, uint families, const PRIVATE Surfaces* surfaces,
                               const PRIVATE Closures* closures, PRIVATE FoundLights* found) {
   #if HAS(LTC)
-  if (needs_ltc(scene)) {
+  if (NEEDS_LTC(scene)) {
     ControlLanes controls;
     find_controls(scene, families, closures, surfaces, &controls);
     project_found_lobes(scene, surfaces, closures, &controls, found);
@@ -275,7 +275,7 @@ FN void request_lights(const PRIVATE Scene* scene, LightRequest request, bool fi
   for (int j = 0; j < LANES; j++) projected[j] = 0.0;
 #endif
 #if HAS(LTC)
-  if (needs_ltc(scene))
+  if (NEEDS_LTC(scene))
     find_controls(scene, step->families, &step->closures, &step->surfaces, &step->controls);
 #endif
 #if HAS(POLYGONS)
@@ -288,7 +288,7 @@ FN void request_lights(const PRIVATE Scene* scene, LightRequest request, bool fi
 #endif
 #if HAS(PROJECTED)
   #if HAS(LTC)
-  if (needs_ltc(scene)) {
+  if (NEEDS_LTC(scene)) {
     if (request.found & finds & request.path) project_found_lobes_of_paths(scene, paths, i, &step->found);
     if (request.found & finds & !request.path)
       project_found_lobes(scene, &step->surfaces, &step->closures, &step->controls, &step->found);

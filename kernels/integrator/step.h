@@ -65,12 +65,12 @@ FN bool has_control(const PRIVATE Scene* scene) {
 }
 
 /// Whether some of them have one whose value is not the closure's own.
-FN bool has_other_control(const PRIVATE Scene* scene) { return needs_ltc(scene) && has_control(scene); }
+FN bool has_other_control(const PRIVATE Scene* scene) { return NEEDS_LTC(scene) && has_control(scene); }
 
 /// Whether samples of the light at a surface of the closure have their closed form as control variate.
 FN bool is_controlled(const PRIVATE Scene* scene, Closure c, bool of_polygon) {
 #if HAS(LTC)
-  const bool nearly = needs_ltc(scene) & has_ltc_form(c);
+  const bool nearly = NEEDS_LTC(scene) & has_ltc_form(c);
   return has_control(scene) & (has_closed_form(c) | nearly) & of_polygon;
 #else
   return has_control(scene) & has_closed_form(c) & of_polygon;
