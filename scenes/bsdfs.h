@@ -37,6 +37,10 @@ using BsdfModel = std::variant<DiffuseBsdf, PhongBsdf, ConductorBsdf, RoughCondu
                                WardBsdf, BlinnPhongBsdf, MicrofacetDiffuseBsdf, PrincipledBsdf,
                                PrincipledThinBsdf, DisneyBsdf, NullBsdf, MaskBsdf, BlendBsdf>;
 
+/// The parameters of those that hold others and are none of these themselves.
+using HolderParameters =
+    std::variant<TwoSidedParameters, MixtureParameters, NormalMapParameters, BumpMapParameters>;
+
 struct Bsdf {
   std::string name;  ///< the file's id, or a description of the place, for messages
   BsdfModel model;

@@ -14,11 +14,29 @@
 #include "scenes/device/scene_records.h"
 #include "scenes/device/to_vec3.h"
 #include "scenes/image/bitmap.h"
+#include "scenes/integrators.h"
 #include "scenes/plugin_values.h"
 
 namespace penumbra {
 
 constexpr ColourWithin kEmission{0.0f, kAnyNumber};
+
+/// What a shape that emits has beside its geometry.
+struct AreaLightParameters {
+  static constexpr const char* kPlugin = "area";
+  static constexpr const char* kText = "the radiance of the shape that holds it, from its front";
+  glm::vec3 radiance{1.0f};
+  bool two_sided = false;
+  EmitterSampling sampling = EmitterSampling::kAuto;
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("radiance", &AreaLightParameters::radiance, kEmission, "radiance");
+    row("two_sided", &AreaLightParameters::two_sided, TrueOrFalse{},
+        "whether its back shines too; no sphere's does");
+    row("sampling", &AreaLightParameters::sampling, emitter_samplings(), "density of points on it");
+  }
+};
 
 /// Where emitters are.
 struct EmitterPlace {

@@ -4,6 +4,7 @@
 
 #include <variant>
 
+#include "scenes/mitsuba/shape_parameters.h"
 #include "scenes/scene_description.h"
 
 namespace penumbra {
@@ -51,8 +52,11 @@ std::string plugin_reference() {
       "Anything else is an error, which names what there is. With --lenient a plugin that is not here has a "
       "stand-in, and a warning.\n\n";
   describe_all(out, "BSDFs", static_cast<const BsdfModel*>(nullptr));
+  describe_all(out, "BSDFs that hold others", static_cast<const HolderParameters*>(nullptr));
   describe_all(out, "Textures", static_cast<const TextureModel*>(nullptr));
   describe_all(out, "Emitters", static_cast<const Emitter*>(nullptr));
+  describe<AreaLightParameters>(out);
+  describe_all(out, "Shapes", static_cast<const mitsuba::ShapeParameters*>(nullptr));
   return out;
 }
 

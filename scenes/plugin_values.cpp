@@ -12,6 +12,7 @@ std::string ColourWithin::values() const {
 std::string IndexColour::values() const { return fmt::format("colour in [0, {}]", kMostIndex); }
 
 std::string NumberWithin::values() const {
+  if (low == -kAnyNumber && high == kAnyNumber) return "number";
   if (high == kAnyNumber)
     return end == LowEnd::kOpen ? fmt::format("number above {}", low)
                                 : fmt::format("number, {} or more", low);

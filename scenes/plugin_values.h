@@ -45,6 +45,15 @@ struct AnyPoint {
 struct FileName {
   [[nodiscard]] static std::string values() { return "name of a file"; }
 };
+/// A number in double precision, which its plugin checks.
+struct AnyNumber {
+  const char* words;
+  [[nodiscard]] std::string values() const { return words; }
+};
+struct AnyText {
+  const char* words;
+  [[nodiscard]] std::string values() const { return words; }
+};
 struct AnyTransform {
   [[nodiscard]] static std::string values() { return "transform"; }
 };

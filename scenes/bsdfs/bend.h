@@ -2,7 +2,7 @@
 #pragma once
 
 #include "kernels/scene_types.h"
-#include "scenes/textured.h"
+#include "scenes/plugin_values.h"
 
 namespace penumbra {
 
@@ -17,6 +17,37 @@ struct SurfaceBend {
   float scale = 1.0f;        ///< of heights; negative: the bumps of the other side
   bool shadows = true;       ///< bumps shade each other
   friend bool operator==(const SurfaceBend&, const SurfaceBend&) = default;
+};
+
+/// The parameters of plugins that bend normals, beside the texture and the BSDF that they hold.
+template <typename Parameters>
+struct BendParameters {
+  bool flip_invalid_normals = true;
+  bool use_shadowing_function = true;
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("flip_invalid_normals", &Parameters::flip_invalid_normals, TrueOrFalse{},
+        "true: normals that face away lean the other way (false is read as true, with a warning)");
+    row("use_shadowing_function", &Parameters::use_shadowing_function, TrueOrFalse{},
+        "whether bumps shade each other (Estevez et al. 2019)");
+  }
+};
+struct NormalMapParameters : BendParameters<NormalMapParameters> {
+  static constexpr const char* kPlugin = "normalmap";
+  static constexpr const char* kText = "a BSDF on normals of a texture, raw as a rule: both are nested";
+};
+struct BumpMapParameters : BendParameters<BumpMapParameters> {
+  static constexpr const char* kPlugin = "bumpmap";
+  static constexpr const char* kText = "a BSDF on the slopes of a texture of heights: both are nested";
+  float scale = 1.0f;
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("scale", &BumpMapParameters::scale, NumberWithin{LowEnd::kClosed, -kAnyNumber, kAnyNumber},
+        "of the heights, which are in the scene's units");
+    BendParameters::parameters(row);
+  }
 };
 
 /// Between texture coordinates whose heights are compared, if they are no image's: enough for single

@@ -7,6 +7,29 @@
 
 namespace penumbra {
 
+/// Holds one BSDF for both sides, or two.
+struct TwoSidedParameters {
+  static constexpr const char* kPlugin = "twosided";
+  static constexpr const char* kText =
+      "holds one BSDF that lets nothing through for both sides, or two for front and back";
+
+  template <typename Row>
+  static void parameters(const Row&) {}
+};
+
+/// A sum of several BSDFs, each with its weight.
+struct MixtureParameters {
+  static constexpr const char* kPlugin = "mixturebsdf";
+  static constexpr const char* kText = "holds several BSDFs";
+  std::string weights;
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("weights", &MixtureParameters::weights, AnyText{"numbers, 1 at most together"},
+        "share of each BSDF, in order");
+  }
+};
+
 /// In the place of an index of a BSDF: it absorbs everything; there is none, so that rays pass through.
 constexpr int kBlackBsdf = -1;
 constexpr int kNoBsdf = -2;

@@ -65,16 +65,13 @@ void read_area_light(const Context& context, const Object& emitter, Shape& shape
     plugin.skip();
     return;
   }
-  plugin.read_colour("radiance", shape.radiance.emplace(1.0f), ColourRole::kEmission);
-  shape.two_sided_emission = plugin.boolean("two_sided", false);
+  AreaLightParameters light;
+  plugin.read_parameters(light);
+  shape.radiance = light.radiance;
+  shape.two_sided_emission = light.two_sided;
+  shape.sampling = light.sampling;
   if (shape.two_sided_emission && std::holds_alternative<Sphere>(shape.geometry))
     plugin.wrong("two_sided", "a sphere emits to one side; flip_normals chooses the inside");
-  const std::string name = plugin.text("sampling", "auto");
-  if (const auto sampling = emitter_samplings().parse(name)) {
-    shape.sampling = *sampling;
-  } else {
-    plugin.wrong("sampling", sampling.error().message);
-  }
   plugin.accept({"sampling_weight"});
   plugin.finish();
 }

@@ -201,7 +201,9 @@ SurfaceMaterial MaterialReader::read_blend(PluginReader& plugin) {
 
 /// Of Mitsuba 0.5 and 0.6: any number, each with its weight; what is missing to 1 is black.
 SurfaceMaterial MaterialReader::read_mixture(PluginReader& plugin) {
-  const Expected<std::vector<double>> parsed = parse_numbers(plugin.text("weights", ""));
+  MixtureParameters mixture;
+  plugin.read_parameters(mixture);
+  const Expected<std::vector<double>> parsed = parse_numbers(mixture.weights);
   if (!parsed) {
     plugin.wrong("weights", fmt::format("weights: {}", parsed.error().message));
     return {};
@@ -239,22 +241,14 @@ SurfaceMaterial MaterialReader::read_mixture(PluginReader& plugin) {
   return rest;
 }
 
-SurfaceMaterial MaterialReader::read_normal_map(PluginReader& plugin) {
-  SurfaceBend bend{BendKind::kNormalMap};
-  return read_bent(plugin, bend);
-}
-
-SurfaceMaterial MaterialReader::read_bump_map(PluginReader& plugin) {
-  SurfaceBend bend{BendKind::kBumpMap};
-  plugin.read("scale", bend.scale, NumberWithin{LowEnd::kClosed, -kAnyNumber, kAnyNumber});
-  return read_bent(plugin, bend);
-}
-
-SurfaceMaterial MaterialReader::read_bent(PluginReader& plugin, SurfaceBend bend) {
+template <typename Parameters>
+SurfaceMaterial MaterialReader::read_bent(PluginReader& plugin, Parameters parameters, SurfaceBend bend) {
+  plugin.read_parameters(parameters);
   // Mitsuba 3's way with normals that look away.
-  if (!plugin.boolean("flip_invalid_normals", true))
+  if (!parameters.flip_invalid_normals)
     plugin.warn("normals that face away from the viewer lean the other way all the same");
-  bend.shadows = plugin.boolean("use_shadowing_function", true);
+  bend.shadows = parameters.use_shadowing_function;
+  if constexpr (requires { parameters.scale; }) bend.scale = parameters.scale;
   const std::vector<const Object*> textures = plugin.nested("texture");
   const auto inside = read_nested(plugin, 1);
   if (textures.size() != 1) {
@@ -271,6 +265,14 @@ SurfaceMaterial MaterialReader::read_bent(PluginReader& plugin, SurfaceBend bend
   SurfaceBend behind = bend;
   behind.scale = -bend.scale;  // what leans out in front leans in behind
   return {bent(inside[0]->front, bend), bent(inside[0]->back, behind)};
+}
+
+SurfaceMaterial MaterialReader::read_normal_map(PluginReader& plugin) {
+  return read_bent(plugin, NormalMapParameters{}, {BendKind::kNormalMap});
+}
+
+SurfaceMaterial MaterialReader::read_bump_map(PluginReader& plugin) {
+  return read_bent(plugin, BumpMapParameters{}, {BendKind::kBumpMap});
 }
 
 /// The index of the BSDF, which follows those that it holds.

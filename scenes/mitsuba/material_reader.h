@@ -45,7 +45,8 @@ class MaterialReader {
   SurfaceMaterial read_mixture(PluginReader& plugin);
   SurfaceMaterial read_normal_map(PluginReader& plugin);
   SurfaceMaterial read_bump_map(PluginReader& plugin);
-  SurfaceMaterial read_bent(PluginReader& plugin, SurfaceBend bend);
+  template <typename Parameters>
+  SurfaceMaterial read_bent(PluginReader& plugin, Parameters parameters, SurfaceBend bend);
   std::vector<const SurfaceMaterial*> read_nested(PluginReader& plugin, std::size_t count);
   int add(const MaterialTree& tree, SceneDescription& scene);
 

@@ -238,6 +238,10 @@ void PluginReader::read(std::string_view name, glm::dvec3& value, AnyPoint) {
   value = point(name).value_or(value);
 }
 
+void PluginReader::read(std::string_view name, std::string& value, AnyText) { value = text(name, value); }
+
+void PluginReader::read(std::string_view name, double& value, AnyNumber) { value = number(name, value); }
+
 void PluginReader::read(std::string_view name, glm::dmat4& value, AnyTransform) {
   if (has(name))
     value = transform(name);

@@ -75,8 +75,10 @@ class PluginReader {
   void read(std::string_view name, bool& value, const TrueOrFalse& values);
   void read(std::string_view name, glm::vec3& colour, const ColourWithin& values);
   void read(std::string_view name, glm::dvec3& value, AnyPoint values);
+  void read(std::string_view name, double& value, AnyNumber values);
   void read(std::string_view name, glm::dmat4& value, AnyTransform values);
   void read(std::string_view name, std::string& value, FileName values);
+  void read(std::string_view name, std::string& value, AnyText values);
   void read(std::string_view name, std::int64_t& value, const WholeNumber& values);
   template <typename T>
   void read(std::string_view name, T& value, const OneOf<T>& values) {

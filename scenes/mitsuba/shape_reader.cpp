@@ -9,6 +9,7 @@
 #include "scenes/mesh_reader.h"
 #include "scenes/mesh_tools.h"
 #include "scenes/mitsuba/emitter_reader.h"
+#include "scenes/mitsuba/shape_parameters.h"
 #include "scenes/transform.h"
 
 namespace penumbra::mitsuba {
@@ -58,15 +59,21 @@ std::unique_ptr<SourceFile> open(const Context& context, const FileAccess& files
   return std::move(*file);
 }
 
+template <typename Parameters>
+Parameters read_parameters(const ShapeInput& input) {
+  Parameters parameters;
+  input.plugin.read_parameters(parameters);
+  input.flip_normals = parameters.flip_normals;
+  return parameters;
+}
+
+template <typename Parameters>
 std::optional<Geometry> read_mesh(const ShapeInput& input) {
   auto& [context, files, plugin, ignored] = input;
-  const bool is_obj = plugin.object().type == "obj";
-  const bool has_name = plugin.has("filename");
-  const std::string name = plugin.text("filename", "");
-  const glm::dmat4 to_world = plugin.transform("to_world");
-  const bool face_normals = plugin.boolean("face_normals", false);
-  const bool flip_texcoords = plugin.boolean("flip_tex_coords", is_obj);
-  if (!has_name) {
+  constexpr bool is_obj = std::is_same_v<Parameters, ObjShape>;
+  const auto given = read_parameters<Parameters>(input);
+  const std::string& name = given.filename;
+  if (!plugin.has("filename")) {
     plugin.wrong(fmt::format("{} needs a <string name=\"filename\" …>", plugin.title()));
     return std::nullopt;
   }
@@ -79,10 +86,10 @@ std::optional<Geometry> read_mesh(const ShapeInput& input) {
     return std::nullopt;
   }
   Mesh& mesh = read->mesh;
-  if (flip_texcoords) {
+  if (given.flip_tex_coords) {
     for (glm::vec2& uv : mesh.texcoords) uv.y = 1.0f - uv.y;
   }
-  const auto cleaning = place_mesh(mesh, to_world, face_normals);
+  const auto cleaning = place_mesh(mesh, given.to_world, given.face_normals);
   if (!cleaning) {
     plugin.wrong("filename", fmt::format("{}: {}", name, cleaning.error().message));
     return std::nullopt;
@@ -110,9 +117,10 @@ std::pair<glm::dvec3, glm::dvec3> frame_axes(const glm::dmat4& to_world) {
 
 std::optional<Geometry> read_sphere(const ShapeInput& input) {
   PluginReader& plugin = input.plugin;
-  const glm::dvec3 center = plugin.point("center").value_or(glm::dvec3(0.0));
-  const double radius = plugin.number("radius", 1.0);
-  const glm::dmat4 to_world = plugin.transform("to_world");
+  const auto given = read_parameters<SphereShape>(input);
+  const glm::dmat4& to_world = given.to_world;
+  const glm::dvec3& center = given.center;
+  const double radius = given.radius;
   if (!(radius > 0.0)) {
     plugin.wrong("radius", fmt::format("a radius must be above 0, not {}", radius));
     return std::nullopt;
@@ -137,7 +145,7 @@ std::optional<Geometry> read_sphere(const ShapeInput& input) {
 
 std::optional<Geometry> read_disk(const ShapeInput& input) {
   PluginReader& plugin = input.plugin;
-  const glm::dmat4 to_world = plugin.transform("to_world");
+  const glm::dmat4 to_world = read_parameters<DiskShape>(input).to_world;
   const auto radius = uniform_scale(to_world, 2);
   if (!radius) {
     plugin.wrong("to_world", "a disk's transform must scale all directions of its plane alike");
@@ -164,11 +172,11 @@ std::optional<Geometry> checked(const PluginReader& plugin, Mesh mesh) {
 }
 
 std::optional<Geometry> read_rectangle(const ShapeInput& input) {
-  return checked(input.plugin, make_rectangle(input.plugin.transform("to_world")));
+  return checked(input.plugin, make_rectangle(read_parameters<RectangleShape>(input).to_world));
 }
 
 std::optional<Geometry> read_cube(const ShapeInput& input) {
-  return checked(input.plugin, make_cube(input.plugin.transform("to_world")));
+  return checked(input.plugin, make_cube(read_parameters<CubeShape>(input).to_world));
 }
 
 struct ShapePlugin {
@@ -176,8 +184,9 @@ struct ShapePlugin {
   std::optional<Geometry> (*read)(const ShapeInput&);
 };
 constexpr ShapePlugin kShapes[] = {
-    {"obj", read_mesh},  {"ply", read_mesh},      {"rectangle", read_rectangle},
-    {"cube", read_cube}, {"sphere", read_sphere}, {"disk", read_disk}};
+    {ObjShape::kPlugin, read_mesh<ObjShape>},  {PlyShape::kPlugin, read_mesh<PlyShape>},
+    {RectangleShape::kPlugin, read_rectangle}, {CubeShape::kPlugin, read_cube},
+    {SphereShape::kPlugin, read_sphere},       {DiskShape::kPlugin, read_disk}};
 
 }  // namespace
 
@@ -191,7 +200,6 @@ void read_shape(const Context& context, const Object& object, const FileAccess& 
   PluginReader plugin(context, object);
   Shape shape;
   shape.name = name_of(object);
-  shape.flip_normals = plugin.boolean("flip_normals", false);
   auto geometry = known->read({context, files, plugin, shape.flip_normals});
   const Object* bsdf = plugin.only_nested("bsdf");
   const Object* emitter = plugin.only_nested("emitter");
