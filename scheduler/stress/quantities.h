@@ -221,7 +221,8 @@ STAGE void mixture_samples_quantity(GLOBAL const double* in, GLOBAL double* out)
       const BsdfSample s = sample_bsdf(0, c, z, in_v(in, 9), u, v, lobe == 0 ? 0.0f : ONE_MINUS_EPSILON);
       const bool unit = FABS(dot3(s.wi, s.wi) - 1.0f) < 1e-5f;
       const bool found = s.pdf > 0.0f;
-      bad += (unit & (!found | ((s.weight.x >= 0.0f) & (s.weight.x < 1e30f) & (s.wi.z > 0.0f)))) ? 0.0 : 1.0;
+      const bool good = (s.weight.x >= 0.0f) & (s.weight.x < 1e30f) & (s.wi.z > 0.0f);
+      bad += (unit & (found ? good : true)) ? 0.0 : 1.0;
       largest = max_d(largest, found ? s.weight.x : 0.0);
     }
   }
