@@ -257,7 +257,7 @@ STAGE void choose_part(const PRIVATE Scene* scene, const PRIVATE ShadingPoints* 
     parts = count > parts ? count : parts;
   }
   #if HAS(LTC)
-  const bool leans = NEEDS(scene, LTC) && by_projection && any_wants_ltc(&points->receivers);
+  const bool leans = NEEDS_LTC(scene) && by_projection && any_wants_ltc(&points->receivers);
   #endif
   for (int k = 0; k < parts; k++) {
     double weights[LANES];

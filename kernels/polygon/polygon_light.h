@@ -255,7 +255,7 @@ STAGE void polygon_terms(const PRIVATE Scene* scene, const PRIVATE Receivers* r,
   }
   total_irradiances(&sums, two_sided, irradiance);
 #if HAS(LTC)
-  if (NEEDS(scene, LTC) && any_wants_ltc(r)) add_ltc_lobes(corners, count, two_sided, r, lobe);
+  if (NEEDS_LTC(scene) && any_wants_ltc(r)) add_ltc_lobes(corners, count, two_sided, r, lobe);
 #endif
 }
 

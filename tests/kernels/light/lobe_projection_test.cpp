@@ -61,6 +61,7 @@ class Fixture {
  public:
   explicit Fixture(const LobeCase& c, RandomNumbers& random) {
     scene_.ltc_cells = cells_.data();
+    scene_.header.tables.ltc_cells.count = int(cells_.size());
     scene_.lights = &light_;
     const Exact3 n = random.direction(), t = normalize(cross(n, random.direction())), b = cross(n, t);
     const long double sine = std::sqrt(1.0L - (long double)c.cosine * c.cosine);

@@ -69,6 +69,7 @@ inline std::vector<PolygonTerms> polygon_terms_of(const PolygonLight& light,
   polygon.corner_count = int(corners.size());
   Scene scene{};
   scene.header.features = FEATURE_ALL;
+  scene.header.tables.ltc_cells.count = 1;  // closed forms read none of them
   scene.polygons = &polygon;
   scene.polygon_corners = corners.data();
   std::vector<PolygonTerms> terms(receivers.size());
