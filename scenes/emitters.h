@@ -58,6 +58,12 @@ inline EmitterLight emitter_light(int kind, const glm::vec3& radiance, double po
   return {light, (double(radiance.x) + radiance.y + radiance.z) / 3 * power_of_one};
 }
 
+/// Of a sky of unit radiance: what it sends through a sphere about everything.
+inline double sky_power(const EmitterPlace& place) {
+  const double section = std::numbers::pi * std::max(place.scene_radius * place.scene_radius, 1e-30);
+  return std::numbers::pi * section;
+}
+
 /// Radiant intensity, W/sr, the same in all directions.
 struct PointLight {
   static constexpr const char* kPlugin = "point";
@@ -103,8 +109,7 @@ struct ConstantEnvironment {
   }
   [[nodiscard]] bool is_black() const { return radiance == glm::vec3(0.0f); }
   [[nodiscard]] EmitterLight light(const EmitterPlace& place) const {
-    const double section = std::numbers::pi * std::max(place.scene_radius * place.scene_radius, 1e-30);
-    return emitter_light(LIGHT_ENVIRONMENT, radiance, std::numbers::pi * section);
+    return emitter_light(LIGHT_ENVIRONMENT, radiance, sky_power(place));
   }
 };
 

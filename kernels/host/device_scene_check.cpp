@@ -119,6 +119,7 @@ class Checker {
       require(!has(FEATURE_POLYGONS) || in(l.polygon, -1, h_.tables.polygons.count - 1),
               "a light names a polygon that is not there");
     }
+    if ((h_.light_kinds >> LIGHT_ENVMAP & 1u) != 0) check_envmap();
     if (has(FEATURE_POLYGONS)) check_polygons();
     require(has(FEATURE_POLYGONS) ||
                 (h_.integrator.estimator == ESTIMATOR_SAMPLES && h_.integrator.light_choice == CHOICE_POWER),
@@ -199,6 +200,20 @@ class Checker {
     require(has(FEATURE_UV) || (uvs == 0 && parts == 0), "texture coordinates without their feature bit");
     require(uvs == 0 || uvs == h_.tables.triangles.count, "texture coordinates do not match the triangles");
     require(parts == 0 || parts == h_.tables.lights.count, "triangles of lights do not match the lights");
+  }
+
+  /// What an environment map's light reads of its tables, see envmap_light.h.
+  void check_envmap() {
+    const TableSpans& t = h_.tables;
+    require(t.envmaps.count == 1, "an environment map is not there");
+    if (!problem_.empty()) return;
+    const EnvironmentMap map = table<EnvironmentMap>(scene_, t.envmaps)[0];
+    constexpr int kMostTexels = 1 << 15;  // of a side
+    const bool sized = in(map.width, 2, kMostTexels) && in(map.height, 2, kMostTexels);
+    const std::int64_t texels = std::int64_t{map.width} * map.height;
+    require(sized && t.envmap_texels.count == texels && t.envmap_rows.count == map.height + 1 &&
+                t.envmap_columns.count == texels + map.height,
+            "an environment map's tables do not match its size");
   }
 
   void check_polygons() {

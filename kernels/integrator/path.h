@@ -18,6 +18,14 @@ FN float roulette_survival(float throughput, int k) {
   return min_f(SQRT(2.0f * throughput), 1.0f - 2.0f / ((float)k + ROULETTE_LASTS));
 }
 
+/// Of a path that was thrown on to `depth`, whose strongest channel carries `strongest` into a medium of the
+/// relative index `eta`. Radiance is larger in denser media, by the square of the index; what arrives is not.
+FN float path_survival(int rr_depth, int depth, float strongest, float eta) {
+  const bool roulette = depth >= rr_depth;
+  const int throws = roulette ? depth - rr_depth : 0;
+  return roulette ? roulette_survival(strongest * (eta * eta), throws) : 1.0f;
+}
+
 #if HAS(PATH) || HAS(WHITTED)
 /// Random numbers for a step of LANES paths from lane i on; those that the step does not need are not
 /// written.
@@ -169,11 +177,7 @@ STAGE void continue_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
       const int depth = get_depth(&fields, i + j) + 1;
       const vec3 throughput = mul(get_throughput(&fields, i + j), next.weight);
       const float strongest = max_component(throughput);
-      // Radiance is larger in denser media, by the square of the index; what arrives is not.
-      const float carried = strongest * (step->eta[j] * step->eta[j]);
-      const bool roulette = depth >= rr_depth;
-      const int throws = roulette ? depth - rr_depth : 0;
-      const float survival = roulette ? roulette_survival(carried, throws) : 1.0f;
+      const float survival = path_survival(rr_depth, depth, strongest, step->eta[j]);
       const bool alive = is_hit(s) & (depth < max_depth) & (next.pdf > 0.0f) & (strongest > 0.0f) &
                          !is_beneath(s, next.wi) & (lane_number(step, DIM_ROULETTE, j) < survival);
       set_ray_origin(&fields, i + j, leave_surface(s.p, s.geometric, s.error, next.wi));

@@ -161,9 +161,7 @@ STAGE void second_branches(const PRIVATE Scene* scene, const PRIVATE PathState* 
       b.eta *= next.eta;
       const vec3 throughput = mul(b.throughput, scale(next.weight, 1.0f - probabilities[j]));
       const float strongest = max_component(throughput);
-      const bool roulette = b.depth >= rr_depth;
-      const int throws = roulette ? b.depth - rr_depth : 0;
-      const float survival = roulette ? roulette_survival(strongest * (b.eta * b.eta), throws) : 1.0f;
+      const float survival = path_survival(rr_depth, b.depth, strongest, b.eta);
       // The first branch has this number for its own.
       const float number = ONE_MINUS_EPSILON - lane_number(step, DIM_ROULETTE, j);
       const bool alive = (branching->lobes[j] != 0) & (next.pdf > 0.0f) & (strongest > 0.0f) &

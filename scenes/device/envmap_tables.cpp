@@ -82,8 +82,7 @@ EmitterLight EnvironmentMapLight::light(const EmitterPlace& place) const {
   const double whole = rows.back();
   for (const double row : rows) records.envmap_rows.push_back(whole > 0 ? float(row / whole) : 0.0f);
   records.envmap_rows.push_back(float(whole));
-  const double section = std::numbers::pi * std::max(place.scene_radius * place.scene_radius, 1e-30);
-  EmitterLight made = emitter_light(LIGHT_ENVMAP, glm::vec3(mean / area), std::numbers::pi * section);
+  EmitterLight made = emitter_light(LIGHT_ENVMAP, glm::vec3(mean / area), sky_power(place));
   // From directions of the world to those of the image.
   made.light.p0 = to_vec3(glm::normalize(glm::dvec3(to_world[0])));
   made.light.p1 = to_vec3(glm::normalize(glm::dvec3(to_world[1])));

@@ -8,23 +8,26 @@
 namespace penumbra::mitsuba {
 namespace {
 
+/// Its parameters.
 template <typename Model>
-void read_light(PluginReader& plugin, SceneDescription& scene) {
+Model read_emitter_parameters(PluginReader& plugin, const SceneDescription& scene) {
   if (Model::kIsSky && std::ranges::any_of(scene.emitters, is_sky))
     plugin.wrong(fmt::format("{} is a second sky; a scene has one", plugin.title()));
   Model light;
   plugin.read_parameters(light);
   plugin.accept({"sampling_weight"});
-  scene.emitters.emplace_back(std::move(light));
+  return light;
+}
+
+template <typename Model>
+void read_light(PluginReader& plugin, SceneDescription& scene) {
+  scene.emitters.emplace_back(read_emitter_parameters<Model>(plugin, scene));
 }
 
 template <>
 void read_light<EnvironmentMapLight>(PluginReader& plugin, SceneDescription& scene) {
-  if (std::ranges::any_of(scene.emitters, is_sky))
-    plugin.wrong(fmt::format("{} is a second sky; a scene has one", plugin.title()));
-  EnvironmentMapLight light;
-  plugin.read_parameters(light);
-  plugin.accept({"sampling_weight", "mis_compensation", "cache"});
+  auto light = read_emitter_parameters<EnvironmentMapLight>(plugin, scene);
+  plugin.accept({"mis_compensation", "cache"});
   if (light.filename.empty())
     return plugin.wrong(fmt::format("{} needs a <string name=\"filename\" …>", plugin.title()));
   light.image = plugin.read_image(light.filename);
@@ -32,7 +35,8 @@ void read_light<EnvironmentMapLight>(PluginReader& plugin, SceneDescription& sce
     scene.emitters.emplace_back(ConstantEnvironment{kStandInColour});
     return;
   }
-  if (light.image->width < 2 || light.image->height < 2 || light.image->width > (1 << 15))
+  if (light.image->width < 2 || light.image->height < 2 || light.image->width > (1 << 15) ||
+      light.image->height > (1 << 15))
     return plugin.wrong("filename",
                         fmt::format("an environment map has 2 x 2 to 32768 x 32768 texels, not {} x {}",
                                     light.image->width, light.image->height));

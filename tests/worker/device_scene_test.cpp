@@ -216,6 +216,24 @@ TEST(DeviceSceneCheck, NamesWhatIsWrong) {
     expect_refused(
         with_record<Material>(scene, h.tables.materials, 1, [&](Material& m) { m.family = family; }),
         "a material of a family of BSDFs that the header does not name");
+  SceneDescription under_map = everything();
+  under_map.emitters.clear();
+  EnvironmentMapLight map;
+  map.image = std::make_shared<const Bitmap>(
+      Bitmap{"map", 3, 2, 1, TexelType::kFloat, std::vector<std::uint32_t>(6, FLOAT_BITS(1.0f))});
+  under_map.emitters.emplace_back(map);
+  const DeviceScene mapped = build_device_scene(under_map, {}).value();
+  EXPECT_TRUE(check_device_scene(mapped));
+  for (TableSpan TableSpans::*span : {&TableSpans::envmap_texels, &TableSpans::envmap_rows,
+                                      &TableSpans::envmap_columns, &TableSpans::envmaps}) {
+    DeviceScene changed = mapped;
+    --(changed.header.tables.*span).count;
+    expect_refused(changed, "an environment map");
+  }
+  for (const int side : {1, 4, 1 << 16})
+    expect_refused(with_record<EnvironmentMap>(mapped, mapped.header.tables.envmaps, 0,
+                                               [&](EnvironmentMap& e) { e.width = side; }),
+                   "an environment map's tables");
   DeviceSceneOptions with_uv;
   with_uv.surface_uv = true;
   const DeviceScene uvs = build_device_scene(everything(), with_uv).value();
