@@ -37,6 +37,10 @@ class Checker {
     if (!ok && problem_.empty()) problem_ = what;
   }
   static bool in(int value, int low, int high) { return value >= low && value <= high; }
+  /// Whether the number is that of a bit which the mask has.
+  static bool holds(std::uint32_t mask, int number) {
+    return in(number, 0, 31) && (mask >> number & 1u) != 0;
+  }
 
   void check_header() {
     require((h_.features & ~std::uint32_t(FEATURE_ALL)) == 0, "unknown feature bits");
@@ -91,11 +95,11 @@ class Checker {
   void check_records() {
     require(h_.tables.materials.count >= 1, "no material");
     for (const Material& m : table<Material>(scene_, h_.tables.materials))
-      require(m.family == FAMILY_BLACK || (in(m.family, 1, 31) && (h_.families >> m.family & 1u) != 0),
+      require(m.family == FAMILY_BLACK || (m.family > 0 && holds(h_.families, m.family)),
               "a material of a family of BSDFs that the header does not name");
     check_material_trees();
     for (const Material& m : table<Material>(scene_, h_.tables.materials))
-      require(((USERS_curve & ~EXTRA_FAMILIES) >> m.family & 1u) == 0 ||
+      require(!holds(USERS_curve & ~EXTRA_FAMILIES, m.family) ||
                   in(m.curve, 0, h_.tables.curves.count - CURVE_KNOTS),
               "a material names a curve that is not there");
     require(in(h_.environment, -1, h_.tables.lights.count - 1), "the environment names no light");
@@ -109,8 +113,7 @@ class Checker {
       require(in(q.kind, QUADRIC_SPHERE, QUADRIC_DISK), "a quadric of unknown kind");
     for (const Light& l : table<Light>(scene_, at_least_one(h_.tables.lights))) {
       require(in(l.kind, 0, LIGHT_KIND_COUNT - 1), "a light of unknown kind");
-      require(h_.tables.lights.count == 0 ||
-                  (in(l.kind, 0, LIGHT_KIND_COUNT - 1) && (h_.light_kinds >> l.kind & 1u) != 0),
+      require(h_.tables.lights.count == 0 || holds(h_.light_kinds, l.kind),
               "a light of a kind that the header does not name");
       require(in(l.sampling, EMITTER_AREA, EMITTER_PROJECTED), "a light of unknown sampling");
       constexpr int kNumbers = 1 << 24;  // that a sampler can give
@@ -118,8 +121,8 @@ class Checker {
               "a light's numbers have ranks that there are not");
       require(!has(FEATURE_POLYGONS) || in(l.polygon, -1, h_.tables.polygons.count - 1),
               "a light names a polygon that is not there");
+      if (l.kind == LIGHT_ENVMAP) check_envmap();
     }
-    if ((h_.light_kinds >> LIGHT_ENVMAP & 1u) != 0) check_envmap();
     if (has(FEATURE_POLYGONS)) check_polygons();
     require(has(FEATURE_POLYGONS) ||
                 (h_.integrator.estimator == ESTIMATOR_SAMPLES && h_.integrator.light_choice == CHOICE_POWER),
@@ -175,7 +178,7 @@ class Checker {
   }
 
   void check_texture(const TextureNode& t) {
-    require(in(t.kind, 0, TEXTURE_KIND_COUNT - 1) && (h_.texture_kinds >> t.kind & 1u) != 0,
+    require(in(t.kind, 0, TEXTURE_KIND_COUNT - 1) && holds(h_.texture_kinds, t.kind),
             "a texture of a kind that the header does not name");
     if (!in(t.kind, TEXTURE_BYTE_BITMAP, TEXTURE_FLOAT_BITMAP)) return;
     require(t.width > 0 && t.height > 0 && (t.channels == 1 || t.channels == 3) &&

@@ -232,12 +232,17 @@ TEST_F(PolygonTables, KindsAndSamplingsMayBeMixed) {
       expect_refused(
           with_record<Light>(scene_, h_.tables.lights, k, [&](Light& light) { light.sampling = sampling; }),
           "a light of unknown sampling");
-    for (int kind = 0; kind < LIGHT_KIND_COUNT; ++kind)
+    expect_refused(
+        with_record<Light>(scene, h_.tables.lights, k, [&](Light& light) { light.kind = LIGHT_ENVMAP; }),
+        "an environment map is not there");
+    for (int kind = 0; kind < LIGHT_KIND_COUNT; ++kind) {
+      if (kind == LIGHT_ENVMAP) continue;
       for (int sampling = EMITTER_AREA; sampling <= EMITTER_PROJECTED; ++sampling)
         render(with_record<Light>(scene, h_.tables.lights, k, [&](Light& light) {
           light.kind = kind;
           light.sampling = sampling;
         }));
+    }
   }
 }
 
