@@ -77,6 +77,7 @@ PENUMBRA_NAMESPACE_BEGIN
 
 #define BVH_WIDTH 8               // children of a node, primitives of a leaf
 #define MAX_DIRECT_SAMPLES 65536  // emitter or BSDF samples of one camera ray
+#define LIGHT_CUT 16              // nodes at most from which a walk through the hierarchy of lights begins
 #define MAX_BRANCH_DEPTH 8        // surfaces at which a path may branch, one after the other
 #define FILTER_CELLS 256
 #define LTC_SIZE 32  // rows and columns of a table of linearly transformed cosines
@@ -165,17 +166,20 @@ PENUMBRA_NAMESPACE_BEGIN
 // A node of the hierarchy of lights, see light_tree.h: bounds of its lights, which shine within an angle of
 // cosine cos_e about axes within cos_o of its own, weaker by the cosine of the angle between. An infinite
 // one has no place; its axes are where its light travels, its intensity irradiance.
-#define LIGHT_NODE_FIELDS(F)                                                       \
-  F(vec3, center)                                                                  \
-  F(vec3, half_size) /* of the box about the centre */                             \
-  F(vec3, axis)      /* unit */                                                    \
-  F(float, cos_o)                                                                  \
-  F(float, sin_o)                                                                  \
-  F(float, cos_e)                                                                  \
-  F(float, intensity) /* along an axis, all together; in units of the hierarchy */ \
-  F(int, two_sided)   /* 1: along the other direction of an axis as well */        \
-  F(int, infinite)    /* 1: all its lights are */                                  \
-  F(int, child)       /* index of the first of two neighbours, or ~light */
+#define LIGHT_NODE_FIELDS(F)                                                            \
+  F(vec3, center)                                                                       \
+  F(vec3, half_size) /* of the box about the centre */                                  \
+  F(vec3, axis)      /* unit */                                                         \
+  F(float, radius)   /* of the ball about the box */                                    \
+  F(float, inverse_radius)                                                              \
+  F(float, cos_o)                                                                       \
+  F(float, sin_o)                                                                       \
+  F(float, cos_e)                                                                       \
+  F(float, intensity)      /* along an axis, all together; in units of the hierarchy */ \
+  F(int, flags)            /* LIGHTS_* */                                               \
+  F(int, child)            /* index of the first of two neighbours, or ~light */
+#define LIGHTS_TWO_SIDED 1 /* along the other direction of an axis as well */
+#define LIGHTS_INFINITE 2  /* all of them */
 
 // An image of radiance from all directions, see envmap_light.h.
 #define ENVIRONMENT_MAP_FIELDS(F) \
@@ -288,37 +292,37 @@ PENUMBRA_NAMESPACE_BEGIN
 // The scene's tables, one a row, from which header, pointers, checks, storing and `penumbra info` follow:
 // T(A, name, record, least, what), A whatever is passed on. Kernels read `least` records for rays that miss
 // or lanes that idle, whatever the table's count: they are there. `what` is its name for people.
-#define SCENE_TABLES(T, A)                                                                  \
-  T(A, triangles, Triangle, 1, "triangles")                                                 \
-  T(A, normals, VertexNormals, 1, "vertex normals")                                         \
-  T(A, quadrics, Quadric, 1, "spheres and disks")                                           \
-  T(A, materials, Material, 1, "materials")                                                 \
-  T(A, curves, float, 1, "curves of BSDFs")                                                 \
-  T(A, textures, TextureNode, 1, "textures")                                                \
-  T(A, texels, uint, LEAST_TEXELS, "words of texels")                                       \
-  T(A, lights, Light, 1, "lights")                                                          \
-  T(A, polygons, Polygon, 1, "polygon lights")                                              \
-  T(A, polygon_corners, PolygonCorner, 1, "corners of polygon lights")                      \
-  /* FEATURE_UV: one for each triangle, one for each light. */                              \
-  T(A, vertex_uvs, VertexUvs, 1, "texture coordinates of triangles")                        \
-  T(A, light_triangles, LightTriangles, 1, "triangles of lights")                           \
-  /* FEATURE_LIGHT_TREE: the root first; of each light its turns from there, bit by bit. */ \
-  T(A, light_nodes, LightNode, 2, "nodes of the hierarchy of lights")                       \
-  T(A, light_trails, uint, 1, "ways to lights in their hierarchy")                          \
-  /* Textures of mesh attributes: of each triangle the first of its colours, or -1. */      \
-  T(A, triangle_colours, int, 1, "triangles that may have colours")                         \
-  T(A, vertex_colours, VertexColours, 1, "colours of vertices")                             \
-  /* FEATURE_LTC: that of GGX, then that of Beckmann's distribution. */                     \
-  T(A, ltc_cells, LtcCell, 0, "linearly transformed cosines")                               \
-  /* Small scenes: distinct vertices, and three of them for each triangle. */               \
-  T(A, vertices, vec3, 0, "vertices, to test every primitive")                              \
-  T(A, corners, Corner, 0, "corners, to test every primitive")                              \
-  /* Large scenes: see BVH_NODE_FIELDS. */                                                  \
-  T(A, nodes, BvhNode, 0, "nodes of the hierarchy")                                         \
-  T(A, triangle_leaves, TriangleLeaf, 0, "leaves of triangles")                             \
-  T(A, quadric_leaves, QuadricLeaf, 0, "leaves of spheres and disks")                       \
-  /* See filter.h. */                                                                       \
-  T(A, filter_table, float, FILTER_TABLE_SIZE, "cells of the pixel filter")                 \
+#define SCENE_TABLES(T, A)                                                             \
+  T(A, triangles, Triangle, 1, "triangles")                                            \
+  T(A, normals, VertexNormals, 1, "vertex normals")                                    \
+  T(A, quadrics, Quadric, 1, "spheres and disks")                                      \
+  T(A, materials, Material, 1, "materials")                                            \
+  T(A, curves, float, 1, "curves of BSDFs")                                            \
+  T(A, textures, TextureNode, 1, "textures")                                           \
+  T(A, texels, uint, LEAST_TEXELS, "words of texels")                                  \
+  T(A, lights, Light, 1, "lights")                                                     \
+  T(A, polygons, Polygon, 1, "polygon lights")                                         \
+  T(A, polygon_corners, PolygonCorner, 1, "corners of polygon lights")                 \
+  /* FEATURE_UV: one for each triangle, one for each light. */                         \
+  T(A, vertex_uvs, VertexUvs, 1, "texture coordinates of triangles")                   \
+  T(A, light_triangles, LightTriangles, 1, "triangles of lights")                      \
+  /* FEATURE_LIGHT_TREE: those of the cut first; see light_tree_builder.h. */          \
+  T(A, light_nodes, LightNode, 2, "nodes of the hierarchy of lights")                  \
+  T(A, light_trails, uint, 1, "ways to lights in their hierarchy")                     \
+  /* Textures of mesh attributes: of each triangle the first of its colours, or -1. */ \
+  T(A, triangle_colours, int, 1, "triangles that may have colours")                    \
+  T(A, vertex_colours, VertexColours, 1, "colours of vertices")                        \
+  /* FEATURE_LTC: that of GGX, then that of Beckmann's distribution. */                \
+  T(A, ltc_cells, LtcCell, 0, "linearly transformed cosines")                          \
+  /* Small scenes: distinct vertices, and three of them for each triangle. */          \
+  T(A, vertices, vec3, 0, "vertices, to test every primitive")                         \
+  T(A, corners, Corner, 0, "corners, to test every primitive")                         \
+  /* Large scenes: see BVH_NODE_FIELDS. */                                             \
+  T(A, nodes, BvhNode, 0, "nodes of the hierarchy")                                    \
+  T(A, triangle_leaves, TriangleLeaf, 0, "leaves of triangles")                        \
+  T(A, quadric_leaves, QuadricLeaf, 0, "leaves of spheres and disks")                  \
+  /* See filter.h. */                                                                  \
+  T(A, filter_table, float, FILTER_TABLE_SIZE, "cells of the pixel filter")            \
   LIGHT_TABLES(T, A)
 
 // I(table, record, member, target table, least, what it is if the member is no index there or less than
@@ -369,7 +373,8 @@ PENUMBRA_NAMESPACE_BEGIN
   F(Adjustable, adjustable)                                                                          \
   F(int, environment)       /* index of the environment light, or -1 */                              \
   F(uint, light_kinds)      /* bits 1 << LIGHT_* of the lights there are */                          \
-  F(int, light_tree_depth)  /* turns from the root to the lowest leaf of the hierarchy of lights */  \
+  F(int, light_cut)         /* nodes that have no parent */                                          \
+  F(int, light_tree_depth)  /* turns from there to the lowest leaf of the hierarchy of lights */     \
   F(int, dropped_triangles) /* without area in single precision: left out, and said */               \
   F(int, duplicate_lights)  /* light triangles that repeat another one: they do not shine twice */   \
   F(TableSpans, tables)

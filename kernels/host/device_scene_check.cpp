@@ -241,17 +241,18 @@ class Checker {
 
   /// Walks end at a light, whatever the numbers of the nodes.
   void check_light_tree() {
-    require(h_.tables.light_nodes.count > 0, "a hierarchy of lights without a root");
+    require(in(h_.light_cut, 1, LIGHT_CUT) && h_.light_cut <= h_.tables.light_nodes.count,
+            "a hierarchy of lights without a root");
     require(h_.tables.light_trails.count == h_.tables.lights.count, "ways to lights do not match the lights");
-    require(in(h_.light_tree_depth, 0, 32), "the hierarchy of lights is too deep");
+    require(in(h_.light_tree_depth, 0, 28), "the hierarchy of lights is too deep");
     const auto nodes = table<LightNode>(scene_, h_.tables.light_nodes);
     std::vector<int> depth(nodes.size(), -1);
-    if (!depth.empty()) depth[0] = 0;
+    for (std::size_t k = 0; k < nodes.size() && int(k) < h_.light_cut; ++k) depth[k] = 0;
     for (std::size_t i = 0; i < nodes.size() && problem_.empty(); ++i) {
       const LightNode& node = nodes[i];
       require(depth[i] >= 0, "a node of lights has no parent");
       require(depth[i] <= h_.light_tree_depth, "a node of lights is deeper than its hierarchy");
-      require(in(node.two_sided, 0, 1) && in(node.infinite, 0, 1), "a node of lights of unknown kind");
+      require(in(node.flags, 0, LIGHTS_TWO_SIDED | LIGHTS_INFINITE), "a node of lights of unknown kind");
       const float largest = std::numeric_limits<float>::max();
       require(node.intensity >= 0.0f && node.intensity <= largest, "a node of lights without an intensity");
       if (node.child < 0) {

@@ -352,9 +352,16 @@ class Builder {
     return {};
   }
 
+  /// Of no light where none has power.
   void set_light_tree(const LightTree& tree) {
+    if (tree.nodes.empty()) {
+      h_.integrator.light_choice = CHOICE_POWER;
+      h_.features &= ~std::uint32_t(FEATURE_LIGHT_TREE);
+      return;
+    }
     records_.light_nodes = tree.nodes;
     records_.light_trails = tree.trails;
+    h_.light_cut = tree.cut;
     h_.light_tree_depth = tree.depth;
   }
 

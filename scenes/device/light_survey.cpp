@@ -106,33 +106,32 @@ class Survey {
     return arrival && is_seen(arrival->sample, s.primitive) ? arrival->irradiance : 0.0;
   }
 
-  /// From one of the lights of the hierarchy.
-  double arriving_by_tree(const Surface& s, bool all_around, const LitPlace& place) {
-    LongNumber x = long_number(number(), number());
-    int node = 0;
-    double pmf = 1;
-    while (scene_.light_nodes[node].child > 0) {
-      const int child = scene_.light_nodes[node].child;
-      bool any;
-      const int numbers = numbers_of_first(scene_.light_nodes + child, place, &any);
-      if (!any) return 0;
-      const bool first = x.high < numbers;
-      const int width = first ? numbers : (1 << 24) - numbers;
-      if (!first) x.high -= numbers;
-      x = stretched(x, width);
-      pmf *= double(width) * 0x1p-24;
-      node = child + (first ? 0 : 1);
+  /// From lights of the hierarchy, and what the choice among them takes that to be.
+  double arriving_by_tree(const Surface& s, bool all_around, const LitPlace& lit, double& importance) {
+    LitPlaces places;
+    LightSamplings chosen;
+    float u[LANES], fine[LANES];
+    for (int j = 0; j < LANES; ++j) {
+      store_lit_place(&places, j, lit);
+      u[j] = number();
+      fine[j] = number();
     }
-    const float u = clamp_f(float(x.high) * 0x1p-24f, 0.0f, ONE_MINUS_EPSILON);
-    return arriving(s, all_around, ~scene_.light_nodes[node].child, u, pmf);
+    choose_by_tree(&scene_, &places, u, fine, &chosen);
+    importance = 0;
+    for (int k = 0; k < scene_.header.light_cut; ++k)
+      importance += double(light_importance(scene_.light_nodes + k, lit));
+    double sum = 0;
+    for (int j = 0; j < std::min(kSamples, LANES); ++j)
+      if (chosen.pmf[j] > 0) sum += arriving(s, all_around, chosen.light[j], u[j], double(chosen.pmf[j]));
+    return sum;
   }
 
   void visit(const Surface& s, bool all_around, double weight) {
     LitPlace lit;
     lit.p = s.p;
     lit.facing = all_around ? make_vec3(0, 0, 0) : s.shading;
-    Place place{weight, double(light_importance(scene_.light_nodes, lit)), 0, {}};
-    for (int k = 0; k < kSamples; ++k) place.finite += arriving_by_tree(s, all_around, lit);
+    Place place{weight, 0, 0, {}};
+    place.finite = arriving_by_tree(s, all_around, lit, place.importance);
     double all = place.finite;
     for (const int light : infinite_) {
       double sum = 0;

@@ -47,8 +47,9 @@ LightNode node_of(const LightBounds& b, double unit) {
   node.cos_e = std::abs(reach - 0.5 * std::numbers::pi) < kSlack ? 0.0f : float(std::cos(reach + kSlack));
   if (reach >= std::numbers::pi) node.cos_e = -2.0f;
   node.intensity = float(std::clamp(b.intensity * unit, 1e-30, 1e30));
-  node.two_sided = b.two_sided ? 1 : 0;
-  node.infinite = b.infinite ? 1 : 0;
+  node.radius = above(double(length3(node.half_size)) * (1 + 1e-6));
+  node.inverse_radius = node.radius > 0 ? std::min(1 / node.radius, 1e18f) : 1e18f;
+  node.flags = (b.two_sided ? LIGHTS_TWO_SIDED : 0) | (b.infinite ? LIGHTS_INFINITE : 0);
   return node;
 }
 
@@ -62,17 +63,10 @@ class Builder {
     std::vector<int> finite, infinite;
     for (std::size_t i = 0; i < lights_.size(); ++i)
       if (lights_[i].intensity > 0) (lights_[i].infinite ? infinite : finite).push_back(int(i));
-    if (finite.empty() && infinite.empty()) return std::move(tree_);
-    tree_.nodes.emplace_back();
-    if (finite.empty() || infinite.empty()) {
-      add(0, finite.empty() ? infinite : finite, 0, 0);
-      return std::move(tree_);
-    }
-    // The root itself is never compared with anything.
-    tree_.nodes[0] = node_of(bounds_of(finite), unit_);
-    const int pair = add_pair(0);
-    add(pair, finite, 1, 0);
-    add(pair + 1, infinite, 1, 1);
+    const std::vector<std::span<int>> cut = cut_of(finite, infinite);
+    tree_.cut = int(cut.size());
+    tree_.nodes.resize(cut.size());
+    for (std::size_t k = 0; k < cut.size(); ++k) add(int(k), cut[k], 0, std::uint32_t(k));
     return std::move(tree_);
   }
 
@@ -85,6 +79,28 @@ class Builder {
     return all;
   }
 
+  /// Splits what costs most again and again.
+  std::vector<std::span<int>> cut_of(std::span<int> finite, std::span<int> infinite) {
+    std::vector<std::span<int>> cut;
+    for (const std::span<int> lights : {finite, infinite})
+      if (!lights.empty()) cut.push_back(lights);
+    while (!cut.empty() && cut.size() < LIGHT_CUT) {
+      std::size_t most = 0;
+      double highest = -1;
+      for (std::size_t k = 0; k < cut.size(); ++k)
+        if (const double cost = cut[k].size() > 1 ? cost_of(bounds_of(cut[k])) : -1; cost > highest) {
+          most = k;
+          highest = cost;
+        }
+      if (highest < 0) break;
+      const std::span<int> lights = cut[most];
+      const std::size_t first = split(lights, kMaxLightTreeDepth);
+      cut[most] = lights.first(first);
+      cut.insert(cut.begin() + std::ptrdiff_t(most) + 1, lights.subspan(first));
+    }
+    return cut;
+  }
+
   int add_pair(int parent) {
     const int pair = int(tree_.nodes.size());
     tree_.nodes.resize(tree_.nodes.size() + 2);
@@ -92,7 +108,7 @@ class Builder {
     return pair;
   }
 
-  /// Makes node `index`, `depth` turns below the root along `trail`.
+  /// Makes node `index`, `depth` turns below the cut along `trail`.
   void add(int index, std::span<int> lights, int depth, std::uint32_t trail) {
     tree_.depth = std::max(tree_.depth, depth);
     tree_.nodes[std::size_t(index)] = node_of(bounds_of(lights), unit_);
@@ -104,7 +120,7 @@ class Builder {
     const std::size_t first = split(lights, kMaxLightTreeDepth - depth);
     const int pair = add_pair(index);
     add(pair, lights.first(first), depth + 1, trail);
-    add(pair + 1, lights.subspan(first), depth + 1, trail | 1u << depth);
+    add(pair + 1, lights.subspan(first), depth + 1, trail | std::uint32_t(LIGHT_CUT) << depth);
   }
 
   /// Orders the lights and returns how many of them the first child gets; `levels` may follow.

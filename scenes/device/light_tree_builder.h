@@ -9,18 +9,22 @@
 
 namespace penumbra {
 
-/// A trail has a bit for each turn.
-constexpr int kMaxLightTreeDepth = 32;
+/// Turns below the cut: a trail has a bit for each.
+constexpr int kMaxLightTreeDepth = 28;
 
 struct LightTree {
-  std::vector<LightNode> nodes;       ///< the root first, neighbours after their parent
-  std::vector<std::uint32_t> trails;  ///< of each light; of one without intensity no way to it
-  int depth = 0;                      ///< turns from the root to the lowest leaf
+  std::vector<LightNode>
+      nodes;  ///< those of the cut first, infinite ones last among them; pairs after their parent
+  /// Of each light the number of its node of the cut, times LIGHT_CUT its turns from there on, the first one
+  /// lowest; of a light without intensity no way to it.
+  std::vector<std::uint32_t> trails;
+  int cut = 0;    ///< nodes from which walks begin
+  int depth = 0;  ///< turns from there to the lowest leaf
 };
 
-/// Over the lights that have an intensity; infinite ones are a subtree of their own. Intensities of nodes are
-/// those of the bounds times `unit`. Splits by the surface area orientation heuristic (Conty Estevez and
-/// Kulla 2018, section 4.4).
+/// Over the lights that have an intensity; no node is of both infinite lights and others. Intensities of
+/// nodes are those of the bounds times `unit`. Splits by the surface area orientation heuristic (Conty
+/// Estevez and Kulla 2018, section 4.4).
 LightTree build_light_tree(std::span<const LightBounds> lights, double unit);
 
 }  // namespace penumbra

@@ -314,13 +314,15 @@ TEST(DeviceSceneCheck, FollowsTheHierarchyOfLights) {
   expect_refused(with_header([](SceneHeader& c) { c.features &= ~unsigned(FEATURE_LIGHT_TREE); }),
                  "the choice of lights by their hierarchy and its feature bit go together");
   expect_refused(with_header([](SceneHeader& c) { c.tables.light_nodes.count = 0; }), "without a root");
+  for (const int cut : {0, -1, LIGHT_CUT + 1, h.tables.light_nodes.count + 1})
+    expect_refused(with_header([&](SceneHeader& c) { c.light_cut = cut; }), "without a root");
   expect_refused(with_header([](SceneHeader& c) { --c.tables.light_nodes.count; }),
                  "a node of lights names a child that is not there");
   expect_refused(with_header([](SceneHeader& c) { --c.tables.light_trails.count; }),
                  "ways to lights do not match the lights");
   expect_refused(with_header([](SceneHeader& c) { --c.light_tree_depth; }),
                  "a node of lights is deeper than its hierarchy");
-  for (const int depth : {-1, 33, INT_MAX})
+  for (const int depth : {-1, 29, INT_MAX})
     expect_refused(with_header([&](SceneHeader& c) { c.light_tree_depth = depth; }),
                    "the hierarchy of lights is too deep");
   for (const int child : {0, h.tables.light_nodes.count - 1, h.tables.light_nodes.count, INT_MAX})
@@ -331,7 +333,7 @@ TEST(DeviceSceneCheck, FollowsTheHierarchyOfLights) {
   for (const float intensity : {-1.0f, std::numeric_limits<float>::infinity(), std::nanf("")})
     expect_refused(with_node(1, [&](LightNode& n) { n.intensity = intensity; }),
                    "a node of lights without an intensity");
-  expect_refused(with_node(1, [](LightNode& n) { n.infinite = 2; }), "a node of lights of unknown kind");
+  expect_refused(with_node(1, [](LightNode& n) { n.flags = 4; }), "a node of lights of unknown kind");
 }
 
 TEST(DeviceSceneCheck, EveryTableLiesInsideTheData) {

@@ -116,6 +116,7 @@ struct Lights {
     const LightTree tree = build_light_tree(bounds, intensity > 0 ? 9 / intensity : 1.0);
     tables.light_nodes = tree.nodes;
     tables.light_trails = tree.trails;
+    tables.header.light_cut = tree.cut;
     tables.header.light_tree_depth = tree.depth;
     tables.header.features |= FEATURE_LIGHT_TREE;
     scene = tables.scene();
@@ -289,8 +290,8 @@ TEST(LightTree, BoundsWhatArrives) {
     const long double received = faces ? -dot(way, exact(place.facing)) / d : 1;
     if (!(emitted > 1e-5L && received > 1e-5L)) continue;
     ++arrivals;
-    int node = 0;
-    std::uint32_t trail = lights.tables.light_trails[index];
+    int node = int(lights.tables.light_trails[index] % LIGHT_CUT);
+    std::uint32_t trail = lights.tables.light_trails[index] / LIGHT_CUT;
     for (;;) {
       const LightNode& n = lights.tables.light_nodes[std::size_t(node)];
       const long double bound = light_importance(scene.light_nodes + node, place);
@@ -383,6 +384,7 @@ TEST(LightTree, LeavesInfiniteLightsAndOthersAShare) {
     const LightTree tree = build_light_tree(lights.bounds, 1);
     lights.tables.light_nodes = tree.nodes;
     lights.tables.light_trails = tree.trails;
+    lights.tables.header.light_cut = tree.cut;
     lights.tables.header.light_tree_depth = tree.depth;
     const Scene scene = lights.tables.scene();
     for (int k = 0; k < 100; ++k) {
@@ -411,10 +413,11 @@ TEST(LightTree, IsNeverTooDeep) {
     }
     const LightTree tree = build_light_tree(lights, 1);
     EXPECT_LE(tree.depth, kMaxLightTreeDepth);
-    EXPECT_EQ(tree.nodes.size(), 2 * lights.size() - 1);
+    EXPECT_EQ(tree.nodes.size(), 2 * lights.size() - std::size_t(tree.cut));
     for (std::size_t i = 0; i < lights.size(); ++i) {
-      int node = 0;
-      for (std::uint32_t trail = tree.trails[i]; tree.nodes[std::size_t(node)].child >= 0; trail >>= 1)
+      int node = int(tree.trails[i] % LIGHT_CUT);
+      for (std::uint32_t trail = tree.trails[i] / LIGHT_CUT; tree.nodes[std::size_t(node)].child >= 0;
+           trail >>= 1)
         node = tree.nodes[std::size_t(node)].child + int(trail & 1u);
       ASSERT_EQ(tree.nodes[std::size_t(node)].child, ~int(i));
     }
@@ -427,11 +430,12 @@ TEST(LightTree, LeavesOutLightsWithoutPower) {
   std::vector<LightBounds> bounds;
   for (const Light& light : lights) bounds.push_back(bounds_of_light(light, &light == &lights[1] ? 0 : 1));
   const LightTree tree = build_light_tree(bounds, 1);
-  EXPECT_EQ(tree.nodes.size(), 3u);
+  EXPECT_EQ(tree.nodes.size(), 2u);
   SceneTables tables;
   tables.lights = lights;
   tables.light_nodes = tree.nodes;
   tables.light_trails = tree.trails;
+  tables.header.light_cut = tree.cut;
   tables.header.light_tree_depth = tree.depth;
   const Scene scene = tables.scene();
   for (int k = 0; k < 100; ++k) EXPECT_EQ(pmfs(scene, random_place(random))[1], 0);
