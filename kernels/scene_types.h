@@ -34,6 +34,7 @@ PENUMBRA_NAMESPACE_BEGIN
 
 #define CHOICE_POWER 0
 #define CHOICE_ANALYTIC 1
+#define CHOICE_TREE 2
 
 // How the samples H of the polygon lights, W without shadows, and their closed form G make an estimate.
 #define ESTIMATOR_SAMPLES 0  // H alone
@@ -76,6 +77,7 @@ PENUMBRA_NAMESPACE_BEGIN
 
 #define BVH_WIDTH 8               // children of a node, primitives of a leaf
 #define MAX_DIRECT_SAMPLES 65536  // emitter or BSDF samples of one camera ray
+#define LIGHT_CUT 16              // nodes at most from which a walk through the hierarchy of lights begins
 #define MAX_BRANCH_DEPTH 8        // surfaces at which a path may branch, one after the other
 #define FILTER_CELLS 256
 #define LTC_SIZE 32  // rows and columns of a table of linearly transformed cosines
@@ -160,6 +162,24 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, rank)              /* to be added to a number's index for its rank among those of this light */ \
   F(int, alias_rank)        /* ... of the alias */                                                       \
   F(int, kind)              /* LIGHT_* */
+
+// A node of the hierarchy of lights, see light_tree.h: bounds of its lights, which shine within an angle of
+// cosine cos_e about axes within cos_o of its own, weaker by the cosine of the angle between. An infinite
+// one has no place; its axes are where its light travels, its intensity irradiance.
+#define LIGHT_NODE_FIELDS(F)                                                            \
+  F(vec3, center)                                                                       \
+  F(vec3, half_size) /* of the box about the centre */                                  \
+  F(vec3, axis)      /* unit */                                                         \
+  F(float, radius)   /* of the ball about the box */                                    \
+  F(float, inverse_radius)                                                              \
+  F(float, cos_o)                                                                       \
+  F(float, sin_o)                                                                       \
+  F(float, cos_e)                                                                       \
+  F(float, intensity)      /* along an axis, all together; in units of the hierarchy */ \
+  F(int, flags)            /* LIGHTS_* */                                               \
+  F(int, child)            /* index of the first of two neighbours, or ~light */
+#define LIGHTS_TWO_SIDED 1 /* along the other direction of an axis as well */
+#define LIGHTS_INFINITE 2  /* all of them */
 
 // An image of radiance from all directions, see envmap_light.h.
 #define ENVIRONMENT_MAP_FIELDS(F) \
@@ -286,6 +306,9 @@ PENUMBRA_NAMESPACE_BEGIN
   /* FEATURE_UV: one for each triangle, one for each light. */                         \
   T(A, vertex_uvs, VertexUvs, 1, "texture coordinates of triangles")                   \
   T(A, light_triangles, LightTriangles, 1, "triangles of lights")                      \
+  /* FEATURE_LIGHT_TREE: those of the cut first; see light_tree_builder.h. */          \
+  T(A, light_nodes, LightNode, 2, "nodes of the hierarchy of lights")                  \
+  T(A, light_trails, uint, 1, "ways to lights in their hierarchy")                     \
   /* Textures of mesh attributes: of each triangle the first of its colours, or -1. */ \
   T(A, triangle_colours, int, 1, "triangles that may have colours")                    \
   T(A, vertex_colours, VertexColours, 1, "colours of vertices")                        \
@@ -350,6 +373,8 @@ PENUMBRA_NAMESPACE_BEGIN
   F(Adjustable, adjustable)                                                                          \
   F(int, environment)       /* index of the environment light, or -1 */                              \
   F(uint, light_kinds)      /* bits 1 << LIGHT_* of the lights there are */                          \
+  F(int, light_cut)         /* nodes that have no parent */                                          \
+  F(int, light_tree_depth)  /* turns from there to the lowest leaf of the hierarchy of lights */     \
   F(int, dropped_triangles) /* without area in single precision: left out, and said */               \
   F(int, duplicate_lights)  /* light triangles that repeat another one: they do not shine twice */   \
   F(TableSpans, tables)
@@ -365,6 +390,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(TextureNode, TEXTURE_FIELDS)                        \
   X(Light, LIGHT_FIELDS)                                \
   X(LightTriangles, LIGHT_TRIANGLES_FIELDS)             \
+  X(LightNode, LIGHT_NODE_FIELDS)                       \
   X(EnvironmentMap, ENVIRONMENT_MAP_FIELDS)             \
   X(Polygon, POLYGON_FIELDS)                            \
   X(PolygonCorner, POLYGON_CORNER_FIELDS)               \

@@ -7,10 +7,12 @@
 #include <glm/glm.hpp>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <variant>
 #include <vector>
 
 #include "kernels/scene_types.h"
+#include "scenes/device/light_bounds.h"
 #include "scenes/device/scene_records.h"
 #include "scenes/device/to_vec3.h"
 #include "scenes/image/bitmap.h"
@@ -48,6 +50,8 @@ struct EmitterPlace {
 struct EmitterLight {
   Light light;
   double power;  ///< by which it is chosen among others
+  /// Where it shines, for the choice by contribution; none: what bounds_of_light knows of its kind.
+  std::optional<LightBounds> bounds = std::nullopt;
 };
 
 inline EmitterLight emitter_light(int kind, const glm::vec3& radiance, double power_of_one) {

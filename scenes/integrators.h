@@ -26,7 +26,7 @@ enum class CvEstimator { kCv, kRatio };
 enum class NextEvent { kSample, kCv };  ///< path: kCv has polygon lights' closed form as control variate
 /// How one of many lights is chosen: in proportion to its power, or to its unshadowed contribution to the
 /// point.
-enum class LightChoice { kAuto, kPower, kAnalytic };
+enum class LightChoice { kAuto, kPower, kAnalytic, kTree };
 
 enum class IndirectSampling { kBsdf, kCosine, kUniform };        ///< whitted: how its directions are chosen
 enum class OcclusionSampling { kCosine, kHemisphere, kSphere };  ///< ao: density of its directions
@@ -221,8 +221,10 @@ void integrator_parameters(const Row& row) {
   row("light_choice", PENUMBRA_PARAMETER(light_choice),
       OneOf<LightChoice>{{{"auto", LightChoice::kAuto},
                           {"power", LightChoice::kPower},
-                          {"analytic", LightChoice::kAnalytic}}},
-      "choice among lights: by power, or by the unshadowed contribution of polygon lights");
+                          {"analytic", LightChoice::kAnalytic},
+                          {"tree", LightChoice::kTree}}},
+      "choice among lights: by power, by the unshadowed contribution of polygon lights, or by bounds of what "
+      "each may contribute");
   row("trace_shadows", PENUMBRA_PARAMETER(trace_shadows), TrueOrFalse{},
       "whether anything blocks shadow rays", &P::trace_shadows);
   row("vis_samples", PENUMBRA_PARAMETER(vis_samples), WholeNumber{1, MAX_DIRECT_SAMPLES},

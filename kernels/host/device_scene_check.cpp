@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <string>
+#include <vector>
 
 #include "kernels/host/device_scene_tables.h"
 #include "kernels/host/kernel_needs.h"
@@ -62,7 +64,7 @@ class Checker {
     require(h_.integrator.kind != INTEGRATOR_OCCLUSION || h_.integrator.emitter_samples > 0,
             "no rays that anything could block");
     require(in(h_.integrator.hide_emitters, HIDE_NOTHING, HIDE_LOOK_THROUGH), "unknown way to hide emitters");
-    require(in(h_.integrator.light_choice, CHOICE_POWER, CHOICE_ANALYTIC), "unknown choice of lights");
+    require(in(h_.integrator.light_choice, CHOICE_POWER, CHOICE_TREE), "unknown choice of lights");
   }
 
   void check_tables() {
@@ -125,8 +127,11 @@ class Checker {
       if (l.kind == LIGHT_ENVMAP) check_envmap();
     }
     if (has(FEATURE_POLYGONS)) check_polygons();
-    require(has(FEATURE_POLYGONS) ||
-                (h_.integrator.estimator == ESTIMATOR_SAMPLES && h_.integrator.light_choice == CHOICE_POWER),
+    if (has(FEATURE_LIGHT_TREE)) check_light_tree();
+    require(has(FEATURE_LIGHT_TREE) == (h_.integrator.light_choice == CHOICE_TREE),
+            "the choice of lights by their hierarchy and its feature bit go together");
+    require(has(FEATURE_POLYGONS) || (h_.integrator.estimator == ESTIMATOR_SAMPLES &&
+                                      h_.integrator.light_choice != CHOICE_ANALYTIC),
             "closed forms without their feature bit");
     require(!has(FEATURE_LTC) || h_.tables.ltc_cells.count == 2 * LTC_SIZE * LTC_SIZE,
             "linearly transformed cosines without their tables");
@@ -232,6 +237,36 @@ class Checker {
       require(
           table<PolygonCorner>(scene_, h_.tables.polygon_corners)[std::size_t(p.first_corner)].starts == 1,
           "a polygon starts within a loop");
+    }
+  }
+
+  /// Walks end at a light, whatever the numbers of the nodes.
+  void check_light_tree() {
+    require(in(h_.light_cut, 1, LIGHT_CUT) && h_.light_cut <= h_.tables.light_nodes.count,
+            "a hierarchy of lights without a root");
+    require(h_.tables.light_trails.count == h_.tables.lights.count, "ways to lights do not match the lights");
+    require(in(h_.light_tree_depth, 0, 28), "the hierarchy of lights is too deep");
+    const auto nodes = table<LightNode>(scene_, h_.tables.light_nodes);
+    std::vector<int> depth(nodes.size(), -1);
+    for (std::size_t k = 0; k < nodes.size() && int(k) < h_.light_cut; ++k) depth[k] = 0;
+    for (std::size_t i = 0; i < nodes.size() && problem_.empty(); ++i) {
+      const LightNode& node = nodes[i];
+      require(depth[i] >= 0, "a node of lights has no parent");
+      require(depth[i] <= h_.light_tree_depth, "a node of lights is deeper than its hierarchy");
+      require(in(node.flags, 0, LIGHTS_TWO_SIDED | LIGHTS_INFINITE), "a node of lights of unknown kind");
+      const float largest = std::numeric_limits<float>::max();
+      require(node.intensity >= 0.0f && node.intensity <= largest, "a node of lights without an intensity");
+      if (node.child < 0) {
+        require(~node.child < h_.tables.lights.count, "a node names a light that is not there");
+        continue;
+      }
+      require(node.child > int(i) && node.child + 1 < h_.tables.light_nodes.count,
+              "a node of lights names a child that is not there");
+      if (!problem_.empty()) return;
+      for (const int child : {node.child, node.child + 1}) {
+        require(depth[std::size_t(child)] < 0, "a node of lights has two parents");
+        depth[std::size_t(child)] = depth[i] + 1;
+      }
     }
   }
 

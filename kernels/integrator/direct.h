@@ -67,14 +67,22 @@ FN void add_passed_directly(const PRIVATE Scene* scene, const PRIVATE PathState*
   FoundLights found;
   Emissions emissions;
   find_passed_lights(scene, surfaces, passes, &found);
-    #if HAS(PROJECTED)
-  if (NEEDS(scene, PROJECTED) && k > 0) {
+    #if HAS(PROJECTED) || HAS(LIGHT_TREE)
+  if ((NEEDS(scene, PROJECTED) || NEEDS(scene, LIGHT_TREE)) && k > 0) {
     Surfaces left = *surfaces;
     load_kept_surfaces(paths, i, &left);
     Closures closures;
     for (int j = 0; j < LANES; j++) store_closure(&closures, j, black_closure());
     resolve_closures(scene, &left, &closures);
-    project_from_surfaces(scene, families_among(&closures), &left, &closures, &found);
+      #if HAS(PROJECTED)
+    if (NEEDS(scene, PROJECTED))
+      project_from_surfaces(scene, families_among(&closures), &left, &closures, &found);
+      #endif
+      #if HAS(LIGHT_TREE)
+    LitPlaces places;
+    find_lit_places(&left, &closures, &places);
+    if (NEEDS(scene, LIGHT_TREE)) find_tree_pmfs(scene, &places, &found);
+      #endif
   }
     #endif
   find_emissions(scene, &found, k > 0, &emissions);

@@ -3,6 +3,7 @@
 #ifndef PENUMBRA_LIGHT_REQUEST_H
 #define PENUMBRA_LIGHT_REQUEST_H
 #include "kernels/integrator/step.h"
+#include "kernels/light/light_tree.h"
 #include "kernels/light/light_unshadowed.h"
 #include "kernels/light/lobe_projection.h"
 #include "kernels/light/projected_light.h"
@@ -11,11 +12,13 @@ PENUMBRA_NAMESPACE_BEGIN
 
 /// What a step requests of the light sampling stage. A kernel may be compiled for more than its scene needs.
 typedef struct {
-  bool choice;     ///< a light, chosen by its contribution
-  bool closed;     ///< the closed form, added to the path's sum
-  bool projected;  ///< directions by projected solid angle
-  bool found;      ///< their densities for the light that the last ray hit
-  bool path;       ///< the surface is the last ray's hit, and that ray left another one
+  bool choice;      ///< a light, chosen by its contribution
+  bool closed;      ///< the closed form, added to the path's sum
+  bool projected;   ///< directions by projected solid angle
+  bool found;       ///< their densities for the light that the last ray hit
+  bool tree;        ///< a light, chosen by the hierarchy
+  bool tree_found;  ///< its probability for the light that the last ray hit
+  bool path;        ///< the surface is the last ray's hit, and that ray left another one
 } LightRequest;
 
 /// `emits`: the step samples a light. `first`: the step is the first one at its surface. `balances`: other
@@ -27,6 +30,8 @@ FN LightRequest light_request(const PRIVATE Scene* scene, bool path, bool emits,
   request.closed = HAS(POLYGONS) && first && scene->header.integrator.estimator != ESTIMATOR_SAMPLES;
   request.projected = NEEDS(scene, PROJECTED) && emits;
   request.found = NEEDS(scene, PROJECTED) && balances;
+  request.tree = NEEDS(scene, LIGHT_TREE) && emits;
+  request.tree_found = NEEDS(scene, LIGHT_TREE) && balances;
   return request;
 }
 
@@ -104,20 +109,21 @@ FN vec3 projected_about(vec3 normal, Closure c) {
   return select3(lets_light_through(c), make_vec3(0.0f, 0.0f, 0.0f), normal);
 }
 
-/// Projected solid angles of the lights that are chosen by power.
+/// Projected solid angles of the lights that are chosen by power, or by the hierarchy.
 STAGE void project_by_power(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
                             const PRIVATE Closures* RESTRICT closures, const PRIVATE int* RESTRICT chosen,
                             const PRIVATE float* RESTRICT u, PRIVATE double* RESTRICT projected) {
+  const bool by_tree = NEEDS(scene, LIGHT_TREE);
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const LightReceiver r = receiver_of(load_surface(receivers, j));
       const ChosenLight by_power =
           choose_light(scene, u[DIM_LIGHT_U * LANES + j], u[DIM_LIGHT_FINE * LANES + j]);
-      GLOBAL const Light* light = scene->lights + by_power.light;
+      const int index = by_tree ? chosen[j] : by_power.light;
+      GLOBAL const Light* light = scene->lights + index;
       const double e = light_irradiance(light, r.p.x, r.p.y, r.p.z, r.shading.x, r.shading.y, r.shading.z);
-      const bool none =
-          is_own_light(scene, r, by_power.light) | lets_light_through(load_closure(closures, j));
-      projected[j] = chosen[j] >= 0 ? projected[j] : (none ? 0.0 : e);
+      const bool none = is_own_light(scene, r, index) | lets_light_through(load_closure(closures, j));
+      projected[j] = (!by_tree & (chosen[j] >= 0)) ? projected[j] : (none ? 0.0 : e);
     }
 }
 
@@ -253,6 +259,64 @@ FN void project_from_surfaces(const PRIVATE Scene* scene, uint families, const P
 }
 #endif
 
+#if HAS(LIGHT_TREE)
+/// What the choice among lights depends on: where light comes through, no side counts.
+STAGE void find_lit_places(const PRIVATE Surfaces* RESTRICT surfaces,
+                           const PRIVATE Closures* RESTRICT closures, PRIVATE LitPlaces* RESTRICT places) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const bool all_around = lets_light_through(load_closure(closures, j));
+      const vec3 facing = LOAD_LANE_vec3(surfaces->shading, j);
+      LitPlace place;
+      place.p = LOAD_LANE_vec3(surfaces->p, j);
+      place.facing = select3(all_around, make_vec3(0.0f, 0.0f, 0.0f), facing);
+      store_lit_place(places, j, place);
+    }
+}
+
+/// Those that the last rays left.
+STAGE void load_left_places(const PRIVATE PathState* paths, int i, PRIVATE LitPlaces* RESTRICT places) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      LitPlace place;
+      place.p = get_left_place(paths, i + j);
+      place.facing = get_left_facing(paths, i + j);
+      store_lit_place(places, j, place);
+    }
+}
+
+/// The next rays leave these.
+STAGE void note_left_places(const PRIVATE PathState* paths, int i, const PRIVATE LitPlaces* RESTRICT places) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const LitPlace place = load_lit_place(places, j);
+      set_left_place(paths, i + j, place.p);
+      set_left_facing(paths, i + j, place.facing);
+    }
+}
+
+/// Probabilities of lights that rays found from the surfaces that paths left.
+FN void find_left_pmfs(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                       PRIVATE FoundLights* found) {
+  LitPlaces places;
+  load_left_places(paths, i, &places);
+  find_tree_pmfs(scene, &places, found);
+}
+
+/// Chooses lights at the surfaces, and finds the probabilities of the lights that rays have found.
+FN void request_by_tree(const PRIVATE Scene* scene, LightRequest request, bool finds, PRIVATE StepLanes* step,
+                        const PRIVATE PathState* paths, int i) {
+  LitPlaces places;
+  find_lit_places(&step->surfaces, &step->closures, &places);
+  if (request.tree_found & finds & request.path) find_left_pmfs(scene, paths, i, &step->found);
+  if (request.tree_found & finds & !request.path) find_tree_pmfs(scene, &places, &step->found);
+  if (request.tree_found & request.path) note_left_places(paths, i, &places);
+  if (request.tree)
+    choose_by_tree(scene, &places, step->u + DIM_LIGHT_U * LANES, step->u + DIM_LIGHT_FINE * LANES,
+                   &step->samplings);
+}
+#endif
+
 #if HAS(NESTED)
 /// The lights of surfaces that rays pass, in the lanes with `passes`.
 FN void find_passed_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
@@ -285,6 +349,9 @@ FN void request_lights(const PRIVATE Scene* scene, LightRequest request, bool fi
                      &step->controls,
   #endif
                      step->u, &step->samplings, projected);
+#endif
+#if HAS(LIGHT_TREE)
+  if (request.tree | request.tree_found) request_by_tree(scene, request, finds, step, paths, i);
 #endif
 #if HAS(PROJECTED)
   #if HAS(LTC)

@@ -120,6 +120,9 @@ FN void add_passed_by_path(const PRIVATE Scene* scene, const PRIVATE PathState* 
     #if HAS(PROJECTED)
   if (NEEDS(scene, PROJECTED) && balances) project_from_left(scene, paths, i, &found);
     #endif
+    #if HAS(LIGHT_TREE)
+  if (NEEDS(scene, LIGHT_TREE) && balances) find_left_pmfs(scene, paths, i, &found);
+    #endif
   find_emissions(scene, &found, balances & (step > 0), &emissions);
     #if HAS(POLYGONS)
   if (NEEDS(scene, POLYGONS)) drop_controlled(paths, i, &emissions, &found);

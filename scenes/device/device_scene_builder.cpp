@@ -16,6 +16,8 @@
 #include "scenes/device/filter_table.h"
 #include "scenes/device/integrator_builder.h"
 #include "scenes/device/light_builder.h"
+#include "scenes/device/light_survey.h"
+#include "scenes/device/light_tree_builder.h"
 #include "scenes/device/ltc/ltc_table.h"
 #include "scenes/device/scene_records.h"
 #include "scenes/device/texture_coordinates.h"
@@ -133,6 +135,8 @@ class Builder {
     if (scene_.sampler.kind != SamplerKind::kSobol) need(FEATURE_SAMPLERS);
     if (Expected<void> done = choose_intersector(); !done) return std::unexpected(done.error());
     records_.filter_table = filter_table(scene_.film);
+    if ((h_.features & FEATURE_LIGHT_TREE) != 0u)
+      if (Expected<void> done = add_light_tree(); !done) return std::unexpected(done.error());
     store(records_, out_);
     if (out_.words.size() > std::size_t(INT_MAX))
       return fail(scene_.source + ": the scene exceeds 8 GiB of tables");
@@ -346,6 +350,67 @@ class Builder {
       records_.vertices.clear();
     }
     return {};
+  }
+
+  /// Of no light where none has power.
+  void set_light_tree(const LightTree& tree) {
+    if (tree.nodes.empty()) {
+      h_.integrator.light_choice = CHOICE_POWER;
+      h_.features &= ~std::uint32_t(FEATURE_LIGHT_TREE);
+      return;
+    }
+    records_.light_nodes = tree.nodes;
+    records_.light_trails = tree.trails;
+    h_.light_cut = tree.cut;
+    h_.light_tree_depth = tree.depth;
+  }
+
+  /// What infinite lights count for beside others takes a look at the scene.
+  Expected<void> add_light_tree() {
+    std::vector<LightBounds> all = lights_.bounds(), finite = all;
+    std::vector<int> infinite;
+    double intensity = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (all[i].infinite && all[i].intensity > 0) infinite.push_back(int(i));
+      if (all[i].infinite) finite[i].intensity = 0;
+      intensity += finite[i].intensity;
+    }
+    const double size2 = std::clamp(radius_ * radius_, 1e-30, 1e30);
+    const double unit = intensity > 0 ? size2 / intensity : 1.0;
+    if (infinite.empty() || !(intensity > 0)) {
+      set_light_tree(build_light_tree(all, unit));
+      return {};
+    }
+    set_light_tree(build_light_tree(finite, unit));
+    Expected<std::vector<double>> found = survey(infinite);
+    if (!found) return std::unexpected(found.error());
+    for (std::size_t i = 0; i < infinite.size(); ++i)
+      all[std::size_t(infinite[i])].intensity = (*found)[i] / unit;
+    set_light_tree(build_light_tree(all, unit));
+    return {};
+  }
+
+  /// See survey_infinite_lights; in a copy of the scene that has the portable hierarchy in any case.
+  Expected<std::vector<double>> survey(std::span<const int> infinite) {
+    if (records_.triangles.empty() && records_.quadrics.empty())
+      return std::vector<double>(infinite.size(), 1.0);
+    const auto store_and_survey = [&] {
+      DeviceScene surveyed;
+      surveyed.header = h_;
+      store(records_, surveyed);
+      return survey_infinite_lights(surveyed, infinite);
+    };
+    if (!records_.nodes.empty()) return store_and_survey();
+    Expected<Hierarchy> hierarchy = build_hierarchy(records_.triangles, records_.quadrics);
+    if (!hierarchy) return std::unexpected(hierarchy.error());
+    records_.nodes.swap(hierarchy->nodes);
+    records_.triangle_leaves.swap(hierarchy->triangle_leaves);
+    records_.quadric_leaves.swap(hierarchy->quadric_leaves);
+    std::vector<double> found = store_and_survey();
+    records_.nodes.clear();
+    records_.triangle_leaves.clear();
+    records_.quadric_leaves.clear();
+    return found;
   }
 
   /// Distinct vertices and the triangles over them; false if the scene is too large to be tested whole.

@@ -138,6 +138,20 @@ LightChoice light_choice(const IntegratorSettings& integrator) {
   return parameter_or(integrator, PENUMBRA_PARAMETER(light_choice), LightChoice::kAuto);
 }
 
+/// Whether samples choose among lights for which the hierarchy's choice is to be had.
+bool chooses_lights(const IntegratorSettings& integrator, const LightBuilder& lights) {
+  if (is_occlusion(integrator) || integrator.is<PolygonAnalyticIntegrator>()) return false;
+  if (const auto* direct = integrator.get<DirectIntegrator>(); direct && direct->emitter_samples == 0)
+    return false;
+  // Samples of lights that rays find count for nothing.
+  constexpr std::uint32_t kFound = 1u << LIGHT_TRIANGLE | 1u << LIGHT_RECTANGLE | 1u << LIGHT_SPHERE |
+                                   1u << LIGHT_DISK | 1u << LIGHT_ENVIRONMENT | 1u << LIGHT_ENVMAP;
+  const auto* path = integrator.get<PathIntegrator>();
+  const bool finds_all = path != nullptr && path->direct_sampling == DirectSampling::kBsdfOnly &&
+                         (lights.kinds() & ~kFound) == 0u;
+  return lights.lights().size() > 1 && !finds_all;
+}
+
 }  // namespace
 
 bool wants_polygons(const IntegratorSettings& integrator) {
@@ -173,6 +187,13 @@ Expected<void> set_integrator(const IntegratorSettings& integrator, const LightB
         "light_choice = analytic needs an integrator that samples lights alone: direct with bsdf_samples = "
         "0, "
         "path with direct_sampling = ems, whitted with indirect_samples = 0, polygon_area or polygon_cv");
+  // Where closed forms choose, or are subtracted, by default nothing else does.
+  const bool by_tree =
+      wanted == LightChoice::kTree || (wanted == LightChoice::kAuto && !wants_polygons(integrator));
+  if (by_tree && chooses_lights(integrator, lights)) {
+    h.integrator.light_choice = CHOICE_TREE;
+    h.features |= FEATURE_LIGHT_TREE;
+  }
   set_estimator(integrator, lights, h);
   return {};
 }

@@ -146,6 +146,7 @@ int LightBuilder::add_emitter(const Emitter& emitter, const EmitterPlace& place)
 int LightBuilder::add(const EmitterLight& made) {
   lights_.push_back(made.light);
   power_.push_back(made.power);
+  bounds_.push_back(made.bounds ? *made.bounds : bounds_of_light(made.light, made.power));
   return int(lights_.size()) - 1;
 }
 

@@ -7,6 +7,7 @@
 
 #include "kernels/scene_types.h"
 #include "scenes/device/emitter_sampling.h"
+#include "scenes/device/light_bounds.h"
 #include "scenes/device/polygon_outline.h"
 #include "scenes/scene_description.h"
 
@@ -43,6 +44,7 @@ class LightBuilder {
   void finish();
 
   [[nodiscard]] const std::vector<Light>& lights() const { return lights_; }
+  [[nodiscard]] const std::vector<LightBounds>& bounds() const { return bounds_; }  ///< of each light
   [[nodiscard]] const std::vector<Polygon>& polygons() const { return polygons_; }
   [[nodiscard]] const std::vector<PolygonCorner>& corners() const { return corners_; }
   [[nodiscard]] int duplicates() const { return duplicates_; }
@@ -73,6 +75,7 @@ class LightBuilder {
   std::vector<Receiver> receivers_;
   std::vector<Light> lights_;
   std::vector<double> power_;
+  std::vector<LightBounds> bounds_;
   std::vector<Polygon> polygons_;
   std::vector<PolygonCorner> corners_;
   int duplicates_ = 0;

@@ -155,7 +155,7 @@ TEST_F(MitsubaPolygonLights, WrongValuesSayWhereAndWhatWouldBeRight) {
       {"polygon_cv", "string", "estimator", "ratoi",
        "estimator: 'ratoi' is not one of: cv, ratio; did you mean 'ratio'?"},
       {"polygon_cv", "string", "light_choice", "analytical",
-       "light_choice: 'analytical' is not one of: auto, power, analytic; did you mean 'analytic'?"},
+       "light_choice: 'analytical' is not one of: auto, power, analytic, tree; did you mean 'analytic'?"},
       {"polygon_cv", "string", "emitter_sampling", "cosine",
        "emitter_sampling: 'cosine' is not one of: auto, area, solid_angle, projected"},
       {"polygon_area", "boolean", "trace_shadows", "1", "'1' is neither true nor false"},

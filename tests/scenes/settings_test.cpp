@@ -129,7 +129,7 @@ TEST(Settings, ErrorsOfPolygonLightsSayWhatWouldBeRight) {
   EXPECT_THAT(error("integrator.alpha", "-1000001"), HasSubstr("not between -1000000 and 1000000"));
   EXPECT_THAT(error("integrator.estimator", "auto"), HasSubstr("'auto' is not one of: cv, ratio"));
   EXPECT_THAT(error("integrator.light_choice", "all"),
-              HasSubstr("'all' is not one of: auto, power, analytic"));
+              HasSubstr("'all' is not one of: auto, power, analytic, tree"));
   EXPECT_THAT(error("integrator.nee", "none"), HasSubstr("'none' is not one of: sample, cv"));
   EXPECT_THAT(error("integrator.trace_shadows", "no"), HasSubstr("neither true nor false"));
   EXPECT_THAT(error("integrator.vis_samples", "0"), HasSubstr("from 1 to 65536"));

@@ -293,6 +293,49 @@ TEST(DeviceSceneCheck, NamesWhatIsWrongWithTextures) {
   expect_refused(fewer, "colours do not match the triangles");
 }
 
+TEST(DeviceSceneCheck, FollowsTheHierarchyOfLights) {
+  const DeviceScene scene = build_or_throw(everything());
+  const SceneHeader& h = scene.header;
+  ASSERT_GT(h.tables.light_nodes.count, 2);
+  EXPECT_TRUE(check_device_scene(scene));
+  const auto with_header = [&](auto change) {
+    DeviceScene changed = scene;
+    change(changed.header);
+    return changed;
+  };
+  const auto with_node = [&](int index, auto change) {
+    return with_record<LightNode>(scene, h.tables.light_nodes, std::size_t(index), change);
+  };
+  const auto with_child = [&](int index, int child) {
+    return with_node(index, [&](LightNode& n) { n.child = child; });
+  };
+  expect_refused(with_header([](SceneHeader& c) { c.integrator.light_choice = CHOICE_POWER; }),
+                 "the choice of lights by their hierarchy and its feature bit go together");
+  expect_refused(with_header([](SceneHeader& c) { c.features &= ~unsigned(FEATURE_LIGHT_TREE); }),
+                 "the choice of lights by their hierarchy and its feature bit go together");
+  expect_refused(with_header([](SceneHeader& c) { c.tables.light_nodes.count = 0; }), "without a root");
+  for (const int cut : {0, -1, LIGHT_CUT + 1, h.tables.light_nodes.count + 1})
+    expect_refused(with_header([&](SceneHeader& c) { c.light_cut = cut; }), "without a root");
+  expect_refused(with_header([](SceneHeader& c) { --c.tables.light_nodes.count; }),
+                 "a node of lights names a child that is not there");
+  expect_refused(with_header([](SceneHeader& c) { --c.tables.light_trails.count; }),
+                 "ways to lights do not match the lights");
+  expect_refused(with_header([](SceneHeader& c) { --c.light_tree_depth; }),
+                 "a node of lights is deeper than its hierarchy");
+  for (const int depth : {-1, 29, INT_MAX})
+    expect_refused(with_header([&](SceneHeader& c) { c.light_tree_depth = depth; }),
+                   "the hierarchy of lights is too deep");
+  for (const int child : {0, h.tables.light_nodes.count - 1, h.tables.light_nodes.count, INT_MAX})
+    expect_refused(with_child(0, child), "a node of lights names a child that is not there");
+  for (const int light : {h.tables.lights.count, INT_MAX})
+    expect_refused(with_child(h.tables.light_nodes.count - 1, ~light), "a node names a light");
+  expect_refused(with_child(0, ~0), "a node of lights has no parent");
+  for (const float intensity : {-1.0f, std::numeric_limits<float>::infinity(), std::nanf("")})
+    expect_refused(with_node(1, [&](LightNode& n) { n.intensity = intensity; }),
+                   "a node of lights without an intensity");
+  expect_refused(with_node(1, [](LightNode& n) { n.flags = 4; }), "a node of lights of unknown kind");
+}
+
 TEST(DeviceSceneCheck, EveryTableLiesInsideTheData) {
   for (const NamedScene& named : device_scenes()) {
     const DeviceScene scene = build_or_throw(named.make());

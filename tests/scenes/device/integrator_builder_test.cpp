@@ -81,6 +81,7 @@ void by_projection(S& scene) { param::emitter_sampling(scene.integrator) = Emitt
 void two_colours(S& scene) { scene.shapes.push_back(square(2, glm::vec3(1, 2, 3))); }
 void with_sphere(S& scene) { scene.shapes.push_back(sphere_light()); }
 void by_power(S& scene) { param::light_choice(scene.integrator) = LightChoice::kPower; }
+void by_tree(S& scene) { param::light_choice(scene.integrator) = LightChoice::kTree; }
 void by_contribution(S& scene) { param::light_choice(scene.integrator) = LightChoice::kAnalytic; }
 void with_cv(S& scene) { param::next_event(scene.integrator) = NextEvent::kCv; }
 void ratio(S& scene) { param::estimator(scene.integrator) = CvEstimator::kRatio; }
@@ -125,8 +126,16 @@ TEST(IntegratorBuilder, EstimatorsAndChoices) {
       {"path, emitters alone", kPath, ems, ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
       {"alpha without a control variate", kPath, with_alpha(0.5f), ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
       {"ratio without a control variate", kPath, ratio, ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
+      {"direct, two lights", kDirect, with_sphere, ESTIMATOR_SAMPLES, 1, CHOICE_TREE},
+      {"path, two lights", kPath, with_sphere, ESTIMATOR_SAMPLES, 1, CHOICE_TREE},
+      {"whitted, two lights", kWhitted, with_sphere, ESTIMATOR_SAMPLES, 1, CHOICE_TREE},
+      {"path, two lights by power", kPath, all({with_sphere, by_power}), ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
+      {"path, two lights, directions alone", kPath, all({with_sphere, mats}), ESTIMATOR_SAMPLES, 1,
+       CHOICE_POWER},
+      {"cv, by hierarchy", kPolygonCv, all({with_alpha(1), with_sphere, by_tree}), ESTIMATOR_ALPHA, 1,
+       CHOICE_TREE},
       {"analytic", kPolygonAnalytic, {}, ESTIMATOR_ALPHA, 1, CHOICE_POWER},
-      {"area", kPolygonArea, {}, ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
+      {"area", kPolygonArea, {}, ESTIMATOR_SAMPLES, 1, CHOICE_TREE},
       {"area by contribution", kPolygonArea, by_contribution, ESTIMATOR_ALPHA, 0, CHOICE_ANALYTIC},
       {"direct by contribution", kDirect, all({no_bsdf_samples, by_contribution}), ESTIMATOR_ALPHA, 0,
        CHOICE_ANALYTIC},

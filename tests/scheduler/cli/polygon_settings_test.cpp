@@ -59,7 +59,7 @@ TEST(PolygonSettings, WrongValuesAreBadInput) {
   const std::pair<const char*, const char*> cases[] = {
       {"integrator.alpha=much", "nor is it 'auto'"},
       {"integrator.estimator=mean", "'mean' is not one of: cv, ratio"},
-      {"integrator.light_choice=random", "'random' is not one of: auto, power, analytic"},
+      {"integrator.light_choice=random", "'random' is not one of: auto, power, analytic, tree"},
       {"integrator.nee=on", "'on' is not one of: sample, cv"},
       {"integrator.trace_shadows=0", "neither true nor false"},
       {"integrator.vis_samples=0", "from 1 to 65536"},

@@ -1,0 +1,374 @@
+// Choosing one of many lights by what it may contribute at a point: a hierarchy over all lights, whose nodes
+// bound where their lights are and into which directions they shine (Conty Estevez and Kulla, "Importance
+// Sampling of Many Lights with Adaptive Tree Splitting", 2018). Nodes are taken in proportion to a bound of
+// the irradiance that arrives from them; one that cannot reach the side of the surface has none, and is never
+// taken. The upper part of the hierarchy is flat: one of its LIGHT_CUT nodes or fewer is taken at once, and
+// so with few lights one of those; from there on one of two children. Infinite lights (skies, directional
+// ones) are nodes whose intensities are irradiances: see scenes/device/light_survey.h.
+//
+// Walks take LANES points a level at a time. What a walk does is a function of the point, so that densities
+// for multiple importance sampling repeat the same arithmetic along the way to the light.
+#ifndef PENUMBRA_LIGHT_TREE_H
+#define PENUMBRA_LIGHT_TREE_H
+#include "kernels/light/light_found.h"
+#include "kernels/light/light_sampling.h"
+#include "kernels/math/math.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+// Where infinite lights and others meet, neither gets less than this if it may contribute: the estimate that
+// compares them is one of the whole scene.
+#define LEAST_LIGHT_SHARE 0.05f
+// How far bounds of cosines may be off in single precision, where the sine of an angle near 180 degrees
+// counts.
+#define LIGHT_COSINE_SLACK 5e-4f
+#define LEAST_IMPORTANCE 1e-30f
+#define LIGHT_NUMBERS 16777216.0f  // 2^24: probabilities of children are multiples of its inverse
+
+// What is lit, as far as the choice depends on it.
+#define LIT_PLACE_FIELDS(F, a) \
+  F(a, vec3, p)                \
+  F(a, vec3, facing) /* unit shading normal; 0 where light from all directions counts */
+LANE_RECORD(LitPlace, LitPlaces, lit_place, LIT_PLACE_FIELDS)
+
+// cos(max(a - b, 0)) and its sine, of two angles in [0, pi] by their cosines and sines.
+FN float cos_of_excess(float cos_a, float sin_a, float cos_b, float sin_b) {
+  return cos_a >= cos_b ? 1.0f : cos_a * cos_b + sin_a * sin_b;
+}
+FN float sin_of_excess(float cos_a, float sin_a, float cos_b, float sin_b) {
+  return cos_a >= cos_b ? 0.0f : max_f(sin_a * cos_b - cos_a * sin_b, 0.0f);
+}
+
+/// A bound, in units that all nodes share, of the irradiance at a place from a node's lights together, as if
+/// they were at least as far off as the box about them is large: of intensity, cosines and distance. 0 only
+/// where no light arrives on the side that the place faces.
+FN float light_importance(GLOBAL const LightNode* node, LitPlace place) {
+  const vec3 axis = load3(&node->axis), half_size = load3(&node->half_size);
+  const int flags = node->flags;
+  const bool infinite = (flags & LIGHTS_INFINITE) != 0, two_sided = (flags & LIGHTS_TWO_SIDED) != 0;
+  const float cos_o = node->cos_o, sin_o = node->sin_o, cos_e = node->cos_e, radius = node->radius;
+  const vec3 way = sub(place.p, load3(&node->center));
+  const float d2 = dot3(way, way), inverse = 1.0f / SQRT(max_f(d2, 1e-30f));
+  // Half the angle under which the ball about the box is seen; everything from inside of it.
+  const float sine = radius * inverse;
+  const bool outside = sine < 1.0f;
+  const float ball_sin = outside ? sine : 0.0f;
+  const float ball_cos = outside ? SQRT(1.0f - sqr(ball_sin)) : -1.0f;
+
+  // At the lights: the least angle between a way to the place and an axis, beyond the cone of axes.
+  const float along = dot3(way, axis), cos_along = clamp_f(along * inverse, -1.0f, 1.0f);
+  const float cos_w = two_sided ? FABS(cos_along) : cos_along, sin_w = SQRT(1.0f - sqr(cos_w));
+  const float cos_x = cos_of_excess(cos_w, sin_w, cos_o, sin_o);
+  const float sin_x = sin_of_excess(cos_w, sin_w, cos_o, sin_o);
+  const float cos_emitted = cos_of_excess(cos_x, sin_x, ball_cos, ball_sin);
+  // Lights that all face one way send nothing behind the last of them.
+  const bool flat = (cos_o == 1.0f) & !two_sided & (cos_e >= 0.0f);
+  const bool behind = flat & !(along + dot3(abs3(axis), half_size) > 0.0f);
+  const bool shines = infinite | ((cos_emitted > cos_e - LIGHT_COSINE_SLACK) & !behind);
+
+  // At the place: the least angle between its normal and a way to the lights.
+  const float height = -dot3(way, place.facing);
+  const float cos_i = clamp_f(infinite ? -dot3(axis, place.facing) : height * inverse, -1.0f, 1.0f);
+  const float around_cos = infinite ? cos_o : ball_cos, around_sin = infinite ? sin_o : ball_sin;
+  const float cos_received = cos_of_excess(cos_i, SQRT(1.0f - sqr(cos_i)), around_cos, around_sin);
+  const float slack = around_sin > 0.0f ? LIGHT_COSINE_SLACK : 0.0f;
+  const bool above = infinite | (height + dot3(abs3(place.facing), half_size) > 0.0f);
+  const bool all_around = dot3(place.facing, place.facing) == 0.0f;
+  const bool reaches = all_around | (above & (cos_received > -slack));
+
+  const float received = all_around ? 1.0f : max_f(cos_received, slack);
+  const float emitted = max_f(cos_emitted, LIGHT_COSINE_SLACK);
+  const float falls = emitted * sqr(min_f(inverse, node->inverse_radius));
+  const float bound = node->intensity * received * (infinite ? 1.0f : falls);
+  // Whatever may arrive keeps a probability, however little it is.
+  return (shines & reaches) ? clamp_f(bound, LEAST_IMPORTANCE, 1.0f / LEAST_IMPORTANCE) : 0.0f;
+}
+
+/// Of the LIGHT_NUMBERS numbers that choose, how many take the first of a pair of nodes; `any` becomes
+/// whether there is anything to choose.
+FN int numbers_of_first(GLOBAL const LightNode* pair, LitPlace place, PRIVATE bool* any) {
+  const float first = light_importance(pair, place), second = light_importance(pair + 1, place);
+  const float sum = first + second;
+  const int numbers = (int)(first / (sum > 0.0f ? sum : 1.0f) * LIGHT_NUMBERS);
+  const int all = (int)LIGHT_NUMBERS;
+  const int inside = numbers < 1 ? 1 : (numbers > all - 1 ? all - 1 : numbers);
+  *any = sum > 0.0f;
+  return first > 0.0f ? (second > 0.0f ? inside : all) : 0;
+}
+
+/// A number in [0, 1) of twice the digits of a float: (high + low) / LIGHT_NUMBERS, high a whole number.
+typedef struct {
+  int high;
+  float low;
+} LongNumber;
+
+FN LongNumber long_number(float u, float fine) {
+  LongNumber x;
+  x.high = (int)(u * LIGHT_NUMBERS);
+  x.low = fine;
+  return x;
+}
+
+/// What is left of a number below `width` / LIGHT_NUMBERS when it is stretched to [0, 1): well spread numbers
+/// stay so, digit by digit. The quotient is corrected by its remainder, which is small and so exact modulo
+/// 2^32.
+FN LongNumber stretched(LongNumber x, int width) {
+  const float w = (float)width;
+  const int quotient = (int)((float)x.high / w * LIGHT_NUMBERS);
+  const int remainder = (int)(((uint)x.high << 24) - (uint)quotient * (uint)width);
+  const float more = ((float)remainder + x.low * LIGHT_NUMBERS) / w;
+  const float whole = floor_f(more);
+  const int high = quotient + (int)whole;
+  const int last = (int)LIGHT_NUMBERS - 1;
+  LongNumber left;
+  left.high = high < 0 ? 0 : (high > last ? last : high);
+  left.low = clamp_f(more - whole, 0.0f, ONE_MINUS_EPSILON);
+  return left;
+}
+
+#if HAS(LIGHT_TREE)
+  // A walk from a node of the cut: to a leaf by a number, or towards a light by its trail, whose lowest bit
+  // is the next turn.
+  #define LIGHT_WALK_FIELDS(F, a)                            \
+    F(a, int, node)                                          \
+    F(a, int, high) /* the number, or the rest of a trail */ \
+    F(a, float, low)                                         \
+    F(a, float, pmf) /* of the way so far */
+LANE_RECORD(LightWalk, LightWalks, light_walk, LIGHT_WALK_FIELDS)
+
+/// What the nodes of the cut may contribute, and by what that is multiplied to be a count of numbers.
+typedef struct {
+  float importance[LIGHT_CUT * LANES];  ///< of lane j at node * LANES + j
+  float finite[LANES], infinite[LANES];
+} LightCut;
+
+STAGE void weigh_cut_node(GLOBAL const LightNode* node, const PRIVATE LitPlaces* RESTRICT places,
+                          PRIVATE float* RESTRICT importance, PRIVATE float* RESTRICT sums) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const float own = light_importance(node, load_lit_place(places, j));
+      importance[j] = own;
+      sums[j] += own;
+    }
+}
+
+/// Rounding leaves some numbers over; the last node that has any gets them.
+STAGE void scale_cut(PRIVATE LightCut* RESTRICT cut) {
+  const float numbers = LIGHT_NUMBERS - 4.0f * (float)LIGHT_CUT;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const float finite = cut->finite[j], infinite = cut->infinite[j];
+      const bool mixed = (finite > 0.0f) & (infinite > 0.0f);
+      const float sum = finite + infinite, share = infinite / (sum > 0.0f ? sum : 1.0f);
+      const float of_infinite = mixed ? clamp_f(share, LEAST_LIGHT_SHARE, 1.0f - LEAST_LIGHT_SHARE)
+                                      : (infinite > 0.0f ? 1.0f : 0.0f);
+      cut->finite[j] = (1.0f - of_infinite) * numbers / (finite > 0.0f ? finite : 1.0f);
+      cut->infinite[j] = of_infinite * numbers / (infinite > 0.0f ? infinite : 1.0f);
+    }
+}
+
+FN void weigh_cut(const PRIVATE Scene* scene, const PRIVATE LitPlaces* places, PRIVATE LightCut* cut) {
+  for (int j = 0; j < LANES; j++) cut->finite[j] = cut->infinite[j] = 0.0f;
+  for (int k = 0; k < scene->header.light_cut; k++) {
+    GLOBAL const LightNode* node = scene->light_nodes + k;
+    const bool infinite = (node->flags & LIGHTS_INFINITE) != 0;
+    weigh_cut_node(node, places, cut->importance + k * LANES, infinite ? cut->infinite : cut->finite);
+  }
+  scale_cut(cut);
+}
+
+/// Which of the numbers take which node, as they are dealt out node by node.
+typedef struct {
+  int below[LANES];  ///< that are dealt out
+  int node[LANES], start[LANES], width[LANES];
+  int last[LANES], last_start[LANES];  ///< the last node that has any
+} CutNumbers;
+
+/// Deals out those of the k-th node. A walk takes the node that its number is of, or that its trail says.
+STAGE void deal_numbers(int k, bool by_trail, const PRIVATE float* RESTRICT importance,
+                        const PRIVATE float* RESTRICT scales, const PRIVATE LightWalks* RESTRICT walks,
+                        PRIVATE CutNumbers* RESTRICT dealt) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const float own = importance[j];
+      const int some = (int)(own * scales[j]), at_least_one = some < 1 ? 1 : some;
+      const int numbers = own > 0.0f ? at_least_one : 0;
+      const int start = dealt->below[j], number = walks->high[j], wanted = walks->node[j];
+      const int node = dealt->node[j], node_start = dealt->start[j], width = dealt->width[j];
+      const int last = dealt->last[j], last_start = dealt->last_start[j];
+      const bool taken = by_trail ? wanted == k : (number >= start) & (number < start + numbers);
+      dealt->node[j] = taken ? k : node;
+      dealt->start[j] = taken ? start : node_start;
+      dealt->width[j] = taken ? numbers : width;
+      dealt->last[j] = numbers > 0 ? k : last;
+      dealt->last_start[j] = numbers > 0 ? start : last_start;
+      dealt->below[j] = start + numbers;
+    }
+}
+
+/// Walks begin at a node of the cut.
+STAGE void enter_cut(bool by_trail, const PRIVATE CutNumbers* RESTRICT dealt,
+                     PRIVATE LightWalks* RESTRICT walks) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const LightWalk before = load_light_walk(walks, j);
+      const int last = dealt->last[j], last_start = dealt->last_start[j];
+      const int taken = dealt->node[j], taken_start = dealt->start[j], taken_width = dealt->width[j];
+      const bool to_last = (taken == last) | (!by_trail & (taken < 0));
+      const int node = to_last ? last : taken, start = to_last ? last_start : taken_start;
+      const int width = to_last ? (int)LIGHT_NUMBERS - last_start : taken_width;
+      const bool any = (last >= 0) & (width > 0);
+      LongNumber x;
+      x.high = before.high - start;
+      x.low = before.low;
+      const LongNumber left = stretched(x, width > 0 ? width : 1);
+      LightWalk walk;
+      walk.node = node >= 0 ? node : 0;
+      walk.high = by_trail ? before.high : left.high;
+      walk.low = left.low;
+      walk.pmf = any ? before.pmf * ((float)width * (1.0f / LIGHT_NUMBERS)) : 0.0f;
+      store_light_walk(walks, j, walk);
+    }
+}
+
+FN void start_walks(const PRIVATE Scene* scene, bool by_trail, const PRIVATE LitPlaces* places,
+                    PRIVATE LightWalks* walks) {
+  LightCut cut;
+  CutNumbers dealt;
+  weigh_cut(scene, places, &cut);
+  for (int j = 0; j < LANES; j++) {
+    dealt.below[j] = dealt.start[j] = dealt.width[j] = dealt.last_start[j] = 0;
+    dealt.node[j] = dealt.last[j] = -1;
+  }
+  for (int k = 0; k < scene->header.light_cut; k++) {
+    const bool infinite = (scene->light_nodes[k].flags & LIGHTS_INFINITE) != 0;
+    deal_numbers(k, by_trail, cut.importance + k * LANES, infinite ? cut.infinite : cut.finite, walks,
+                 &dealt);
+  }
+  enter_cut(by_trail, &dealt, walks);
+}
+
+/// Walks take a turn each unless they are at a leaf. Returns whether any goes on. `by_trail`, a constant.
+FN bool turn_walks(const PRIVATE Scene* scene, bool by_trail, const PRIVATE LitPlaces* RESTRICT places,
+                   PRIVATE LightWalks* RESTRICT walks) {
+  int any_left = 0;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const LightWalk before = load_light_walk(walks, j);
+      const int child = scene->light_nodes[before.node].child;
+      const bool inner = child > 0;
+      bool any;
+      const int numbers =
+          numbers_of_first(scene->light_nodes + (inner ? child : 0), load_lit_place(places, j), &any);
+      LongNumber x;
+      x.high = before.high;
+      x.low = before.low;
+      const bool first = by_trail ? (before.high & 1) == 0 : x.high < numbers;
+      const int width = first ? numbers : (int)LIGHT_NUMBERS - numbers;
+      x.high = first ? x.high : x.high - numbers;
+      LongNumber left;
+      if (by_trail) {
+        left.high = (int)((uint)before.high >> 1);
+        left.low = 0.0f;
+      } else {
+        left = stretched(x, width > 0 ? width : 1);
+      }
+      const float pmf = any ? before.pmf * ((float)width * (1.0f / LIGHT_NUMBERS)) : 0.0f;
+      LightWalk after;
+      after.node = inner ? child + (first ? 0 : 1) : before.node;
+      after.high = inner ? left.high : before.high;
+      after.low = inner ? left.low : before.low;
+      after.pmf = inner ? pmf : before.pmf;
+      store_light_walk(walks, j, after);
+      any_left |= (inner & (after.pmf > 0.0f)) ? 1 : 0;
+    }
+  return any_left != 0;
+}
+STAGE bool turn_by_numbers(const PRIVATE Scene* scene, const PRIVATE LitPlaces* RESTRICT places,
+                           PRIVATE LightWalks* RESTRICT walks) {
+  return turn_walks(scene, false, places, walks);
+}
+STAGE bool turn_by_trails(const PRIVATE Scene* scene, const PRIVATE LitPlaces* RESTRICT places,
+                          PRIVATE LightWalks* RESTRICT walks) {
+  return turn_walks(scene, true, places, walks);
+}
+
+STAGE void start_by_numbers(const PRIVATE float* RESTRICT u, const PRIVATE float* RESTRICT fine,
+                            PRIVATE LightWalks* RESTRICT walks) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const LongNumber x = long_number(u[j], fine[j]);
+      LightWalk walk;
+      walk.node = -1;
+      walk.high = x.high;
+      walk.low = x.low;
+      walk.pmf = 1.0f;
+      store_light_walk(walks, j, walk);
+    }
+}
+
+/// Notes the lights where walks ended; none, of probability 0, where no light can arrive.
+STAGE void end_by_numbers(const PRIVATE Scene* scene, const PRIVATE LightWalks* RESTRICT walks,
+                          PRIVATE float* RESTRICT u, PRIVATE LightSamplings* RESTRICT samplings) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const LightWalk walk = load_light_walk(walks, j);
+      const int child = scene->light_nodes[walk.node].child;
+      const bool at_light = (child < 0) & (walk.pmf > 0.0f);
+      u[j] = clamp_f(((float)walk.high + walk.low) * (1.0f / LIGHT_NUMBERS), 0.0f, ONE_MINUS_EPSILON);
+      samplings->light[j] = at_light ? ~child : 0;
+      samplings->pmf[j] = at_light ? walk.pmf : 0.0f;
+    }
+}
+
+/// Chooses a light for each place by u and the digits below it, `fine` in [0, 1). What is left of them
+/// replaces u: uniform in [0, 1) again, and as well spread.
+FN void choose_by_tree(const PRIVATE Scene* scene, const PRIVATE LitPlaces* places, PRIVATE float* u,
+                       const PRIVATE float* fine, PRIVATE LightSamplings* samplings) {
+  LightWalks walks;
+  start_by_numbers(u, fine, &walks);
+  start_walks(scene, false, places, &walks);
+  for (int level = 0; level < scene->header.light_tree_depth; level++)
+    if (!turn_by_numbers(scene, places, &walks)) break;
+  end_by_numbers(scene, &walks, u, samplings);
+}
+
+STAGE void start_by_trails(const PRIVATE Scene* scene, const PRIVATE FoundLights* RESTRICT found,
+                           PRIVATE LightWalks* RESTRICT walks) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int light = found->light[j];
+      LightWalk walk;
+      const uint trail = scene->light_trails[light >= 0 ? light : 0];
+      walk.node = (int)(trail & (LIGHT_CUT - 1u));
+      walk.high = (int)(trail / LIGHT_CUT);
+      walk.low = 0.0f;
+      walk.pmf = light >= 0 ? 1.0f : 0.0f;
+      store_light_walk(walks, j, walk);
+    }
+}
+
+STAGE void end_by_trails(const PRIVATE Scene* scene, const PRIVATE LightWalks* RESTRICT walks,
+                         PRIVATE FoundLights* RESTRICT found) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const LightWalk walk = load_light_walk(walks, j);
+      const int child = scene->light_nodes[walk.node].child;
+      found->pmf[j] = child == ~found->light[j] ? walk.pmf : 0.0f;
+    }
+}
+
+/// Makes the probabilities of the lights found those with which choose_by_tree chooses them for the places.
+FN void find_tree_pmfs(const PRIVATE Scene* scene, const PRIVATE LitPlaces* places,
+                       PRIVATE FoundLights* found) {
+  LightWalks walks;
+  start_by_trails(scene, found, &walks);
+  start_walks(scene, true, places, &walks);
+  for (int level = 0; level < scene->header.light_tree_depth; level++)
+    if (!turn_by_trails(scene, places, &walks)) break;
+  end_by_trails(scene, &walks, found);
+}
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,102 @@
+#include "scenes/device/light_bounds.h"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <numbers>
+
+namespace penumbra {
+namespace {
+
+glm::dvec3 widened(const vec3& v) { return {double(v.x), double(v.y), double(v.z)}; }
+
+/// Flat, facing `axis`, over these points.
+void bound_flat(LightBounds& bounds, const Light& light, const glm::dvec3& axis, double power,
+                std::initializer_list<glm::dvec3> points) {
+  bounds.low = bounds.high = *points.begin();
+  for (const glm::dvec3& p : points) {
+    bounds.low = glm::min(bounds.low, p);
+    bounds.high = glm::max(bounds.high, p);
+  }
+  bounds.axis = axis;
+  bounds.spread = 0;
+  bounds.intensity = power / std::numbers::pi;
+  bounds.two_sided = light.two_sided != 0;
+}
+
+/// The cone about both cones of axes.
+void join_cones(LightBounds& all, const LightBounds& a, LightBounds b) {
+  constexpr double kPi = std::numbers::pi;
+  if (a.two_sided && b.two_sided && glm::dot(a.axis, b.axis) < 0) b.axis = -b.axis;
+  all.axis = a.axis;
+  all.spread = std::max(a.spread, b.spread);
+  if (a.axis == b.axis) return;
+  const glm::dvec3 normal = glm::cross(a.axis, b.axis);
+  const double sine = glm::length(normal), between = std::atan2(sine, glm::dot(a.axis, b.axis));
+  if (std::min(between + b.spread, kPi) <= a.spread) return;
+  all.axis = b.axis;
+  if (std::min(between + a.spread, kPi) <= b.spread) return;
+  all.spread = 0.5 * (a.spread + between + b.spread);
+  all.axis = a.axis;
+  if (all.spread >= kPi || !(sine > 0)) {
+    all.spread = kPi;
+    return;
+  }
+  // From a's axis towards b's.
+  const double turn = all.spread - a.spread;
+  const glm::dvec3 across = glm::normalize(glm::cross(normal, a.axis));
+  all.axis = glm::normalize(std::cos(turn) * a.axis + std::sin(turn) * across);
+}
+
+}  // namespace
+
+LightBounds bounds_of_light(const Light& light, double power) {
+  LightBounds bounds;
+  bounds.infinite = false;
+  const glm::dvec3 p0 = widened(light.p0), p1 = widened(light.p1), p2 = widened(light.p2);
+  switch (light.kind) {
+    case LIGHT_TRIANGLE:
+    case LIGHT_RECTANGLE: {
+      const glm::dvec3 normal = glm::cross(p1 - p0, p2 - p0);
+      const glm::dvec3 last = light.kind == LIGHT_RECTANGLE ? p1 + p2 - p0 : p2;
+      bound_flat(bounds, light, normal / std::max(glm::length(normal), 1e-300), power, {p0, p1, p2, last});
+      break;
+    }
+    case LIGHT_DISK: {
+      // Half its extent along each coordinate axis.
+      const glm::dvec3 axis = glm::normalize(p1);
+      const glm::dvec3 extent = p2.x * glm::sqrt(glm::max(glm::dvec3(1.0) - axis * axis, glm::dvec3(0.0)));
+      bound_flat(bounds, light, axis, power, {p0 - extent, p0 + extent});
+      break;
+    }
+    case LIGHT_SPHERE:
+      bounds.low = p0 - p2.x;
+      bounds.high = p0 + p2.x;
+      bounds.intensity = power / (4 * std::numbers::pi);
+      break;
+    case LIGHT_POINT:
+      bounds.low = bounds.high = p0;
+      bounds.intensity = power / (4 * std::numbers::pi);
+      break;
+    default: {
+      LightBounds anywhere;
+      anywhere.intensity = power > 0 ? 1 : 0;
+      return anywhere;
+    }
+  }
+  return bounds;
+}
+
+LightBounds joined(const LightBounds& a, const LightBounds& b) {
+  LightBounds all;
+  all.low = glm::min(a.low, b.low);
+  all.high = glm::max(a.high, b.high);
+  join_cones(all, a, b);
+  all.reach = std::max(a.reach, b.reach);
+  all.intensity = a.intensity + b.intensity;
+  all.two_sided = a.two_sided || b.two_sided;
+  all.infinite = a.infinite;
+  return all;
+}
+
+}  // namespace penumbra

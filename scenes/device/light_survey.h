@@ -1,0 +1,19 @@
+// What infinite lights bring to a scene beside the others, found once while the scene is built.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "kernels/host/device_scene.h"
+
+namespace penumbra {
+
+/// For each of the infinite lights, by index, the intensity that it has in the hierarchy of lights: such that
+/// on average, over places that the camera sees and others that light reaches from there, lights are chosen
+/// by the share of the irradiance that arrives. Always the same for the same scene.
+///
+/// `scene` has the hierarchy of the portable intersector, and a hierarchy of all lights but these. Rays find
+/// what is in the way; glass and mirrors are, as for shadow rays. Materials count as what their records say.
+std::vector<double> survey_infinite_lights(const DeviceScene& scene, std::span<const int> infinite);
+
+}  // namespace penumbra

@@ -1,0 +1,141 @@
+// The choice among lights changes noise and nothing else: images by the hierarchy are those by power.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "kernels/host/device_scene_tables.h"
+#include "scenes/device/device_scene_builder.h"
+#include "tests/acceptance/many_lights.h"
+#include "tests/acceptance/scene_pieces.h"
+#include "tests/support/integrator_parameters.h"
+#include "tests/support/render_scene.h"
+
+namespace penumbra {
+namespace {
+
+struct Way {
+  std::string name;
+  void (*set)(IntegratorSettings&);
+};
+void PrintTo(const Way& way, std::ostream* out) { *out << way.name; }
+
+const Way kWays[] = {
+    {"PathMis", [](IntegratorSettings& i) { param::max_depth(i) = 3; }},
+    {"PathEmitters",
+     [](IntegratorSettings& i) {
+       param::max_depth(i) = 3;
+       param::direct_sampling(i) = DirectSampling::kEmitterOnly;
+     }},
+    {"PathSolidAngle",
+     [](IntegratorSettings& i) {
+       param::max_depth(i) = 2;
+       param::emitter_sampling(i) = EmitterSampling::kSolidAngle;
+     }},
+    {"PathProjected",
+     [](IntegratorSettings& i) {
+       param::max_depth(i) = 2;
+       param::emitter_sampling(i) = EmitterSampling::kProjected;
+     }},
+    {"Direct", [](IntegratorSettings& i) { i = direct_integrator(2, 1); }},
+    {"Whitted",
+     [](IntegratorSettings& i) {
+       use(i, IntegratorKind::kWhitted);
+       param::max_depth(i) = 3;
+       param::indirect_samples(i) = 2;
+     }},
+};
+
+class LightChoices : public testing::TestWithParam<std::tuple<std::size_t, Way>> {};
+INSTANTIATE_TEST_SUITE_P(Scenes, LightChoices,
+                         testing::Combine(testing::Range(std::size_t{0}, many_lights().size()),
+                                          testing::ValuesIn(kWays)),
+                         [](const auto& tested) {
+                           return "Scene" + std::to_string(std::get<0>(tested.param)) +
+                                  std::get<1>(tested.param).name;
+                         });
+
+TEST_P(LightChoices, AreUnbiased) {
+  const auto& [index, way] = GetParam();
+  SceneDescription scene = many_lights()[index].scene;
+  way.set(scene.integrator);
+  resize_film(scene, 24, 16);
+  scene.sampler.kind = SamplerKind::kIndependent;
+  scene.sampler.spp = 256;
+  const auto by = [&](LightChoice choice, std::uint32_t seed) {
+    param::light_choice(scene.integrator) = choice;
+    return block_estimate(scene, 16, seed, 8);
+  };
+  const auto result = statistics::z_test(by(LightChoice::kTree, 1), by(LightChoice::kPower, 1000),
+                                         {.accepted_fraction = 1, .mean_square = 2.2});
+  EXPECT_TRUE(result.passed) << many_lights()[index].name << ": " << result.summary();
+}
+
+const DeviceScene& built(const std::string& name) {
+  static std::vector<std::pair<std::string, DeviceScene>> all;
+  for (const auto& [known, scene] : all)
+    if (known == name) return scene;
+  for (ManyLights& each : many_lights())
+    if (each.name == name) return all.emplace_back(name, build_or_throw(each.scene)).second;
+  throw std::runtime_error("no scene '" + name + "'");
+}
+
+/// What the sky's node has, relative to that of all others as the middle of the scene gets it.
+float sky_intensity(const DeviceScene& scene) {
+  for (const LightNode& node : table<LightNode>(scene, scene.header.tables.light_nodes))
+    if ((node.flags & LIGHTS_INFINITE) != 0) return node.intensity;
+  throw std::runtime_error("no infinite light");
+}
+
+// What cannot be seen counts for next to nothing, whatever its radiance; what is seen does not depend on how
+// far the scene reaches.
+TEST(SkyShare, IsWhatArrives) {
+  const float closed = sky_intensity(built("lamp in a closed room under a bright sky"));
+  const float open = sky_intensity(built("room with a window"));
+  EXPECT_LT(closed, 1e-6f * open);
+}
+
+TEST(SkyShare, IsTheSameEachTime) {
+  for (const ManyLights& each : many_lights()) {
+    const DeviceScene a = build_or_throw(each.scene), b = build_or_throw(each.scene);
+    EXPECT_EQ(a.words, b.words) << each.name;
+  }
+}
+
+// The same hierarchy whichever intersector traces the image.
+TEST(SkyShare, DoesNotDependOnTheIntersector) {
+  for (const ManyLights& each : many_lights()) {
+    const DeviceScene a = build_or_throw(each.scene), b = build_or_throw(each.scene, true);
+    EXPECT_TRUE(std::ranges::equal(table<std::uint32_t>(a, a.header.tables.light_trails),
+                                   table<std::uint32_t>(b, b.header.tables.light_trails)));
+    const auto of_a = table<LightNode>(a, a.header.tables.light_nodes),
+               of_b = table<LightNode>(b, b.header.tables.light_nodes);
+    ASSERT_EQ(of_a.size(), of_b.size());
+    for (std::size_t i = 0; i < of_a.size(); ++i) EXPECT_EQ(of_a[i].intensity, of_b[i].intensity);
+  }
+}
+
+// A scene of one light has no hierarchy, and none is stored.
+TEST(LightChoice, CostsNothingWhereThereIsNone) {
+  SceneDescription scene = many_lights()[2].scene;
+  scene.emitters.clear();
+  std::erase_if(scene.shapes, [](const Shape& s) { return s.radiance.has_value(); });
+  PointLight lamp;
+  lamp.position = {0, 2, 0};
+  scene.emitters.emplace_back(lamp);
+  const DeviceScene one = build_or_throw(scene);
+  EXPECT_EQ(one.header.features & FEATURE_LIGHT_TREE, 0u);
+  EXPECT_EQ(one.header.integrator.light_choice, CHOICE_POWER);
+  EXPECT_EQ(one.header.tables.light_nodes.count, 0);
+  EXPECT_EQ(one.header.tables.light_trails.count, 0);
+  scene.emitters.emplace_back(lamp);
+  const DeviceScene two = build_or_throw(scene);
+  EXPECT_NE(two.header.features & FEATURE_LIGHT_TREE, 0u);
+  EXPECT_EQ(two.header.tables.light_nodes.count, 2);
+}
+
+}  // namespace
+}  // namespace penumbra

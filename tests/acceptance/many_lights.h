@@ -1,0 +1,20 @@
+// Scenes of several lights, in which power says little of what each brings where.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scenes/scene_description.h"
+
+namespace penumbra {
+
+struct ManyLights {
+  std::string name;
+  SceneDescription scene;
+};
+
+/// 48 x 32 pixels each, path tracing of up to 4 edges: many small emitters, lamps in rooms that do not see
+/// each other, skies beside lamps, indoors and out.
+std::vector<ManyLights> many_lights();
+
+}  // namespace penumbra

@@ -1,0 +1,88 @@
+// Choice among lights by their hierarchy against that by power: relative mean squared error of equally many
+// samples, the processor's time that they take, and the quotient of the products, so that 2 is half the time
+// to equal error. Prints one line a scene.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <ctime>
+#include <string>
+#include <vector>
+
+#include "tests/acceptance/many_lights.h"
+#include "tests/support/integrator_parameters.h"
+#include "tests/support/render_scene.h"
+
+namespace penumbra {
+namespace {
+
+struct Measured {
+  double seconds = 0, relative_error = 0;
+};
+
+struct Options {
+  int spp = 16, batches = 8, reference_spp = 2048;
+};
+
+SceneDescription with_choice(SceneDescription scene, LightChoice choice, int spp, std::uint32_t seed) {
+  param::light_choice(scene.integrator) = choice;
+  scene.sampler.spp = std::uint32_t(spp);
+  scene.sampler.seed = seed;
+  return scene;
+}
+
+/// Mean over pixels and channels of (image - reference)^2 / (reference^2 + 1 % of the mean squared).
+double relative_error(const statistics::Image& image, const statistics::Image& reference) {
+  double squares = 0, sum = 0;
+  for (const double v : reference.values) squares += v * v;
+  const double floor = 0.01 * squares / double(reference.values.size());
+  for (std::size_t i = 0; i < image.values.size(); ++i) {
+    const double d = image.values[i] - reference.values[i];
+    sum += d * d / (reference.values[i] * reference.values[i] + floor);
+  }
+  return sum / double(image.values.size());
+}
+
+void compare(const std::string& name, const SceneDescription& scene, const Options& options) {
+  constexpr LightChoice kChoices[] = {LightChoice::kPower, LightChoice::kTree};
+  const statistics::Image reference =
+      mean_image(render_or_throw(with_choice(scene, LightChoice::kTree, options.reference_spp, 999)));
+  Measured measured[2];
+  for (int k = 0; k < options.batches; ++k)
+    for (int way = 0; way < 2; ++way) {
+      const DeviceScene built =
+          build_or_throw(with_choice(scene, kChoices[way], options.spp, std::uint32_t(k + 1)));
+      const std::clock_t start = std::clock();
+      const FilmAccumulator film = render_or_throw(built);
+      measured[way].seconds += double(std::clock() - start) / CLOCKS_PER_SEC;
+      measured[way].relative_error += relative_error(mean_image(film), reference) / options.batches;
+    }
+  fmt::print(
+      "| {} | {:.4g} | {:.4g} | {:.3f} | {:.3f} | {:.2f} |\n", name, measured[0].relative_error,
+      measured[1].relative_error, measured[0].seconds, measured[1].seconds,
+      measured[0].relative_error * measured[0].seconds / (measured[1].relative_error * measured[1].seconds));
+  std::fflush(stdout);
+}
+
+}  // namespace
+}  // namespace penumbra
+
+// light_choice_benchmark [SPP [REFERENCE_SPP [WIDTH FILE]...]]
+int main(int argc, char** argv) {
+  using namespace penumbra;
+  Options options;
+  if (argc > 1) options.spp = std::max(std::atoi(argv[1]), 1);
+  if (argc > 2) options.reference_spp = std::max(std::atoi(argv[2]), 1);
+  fmt::print(
+      "| scene | relMSE by power | by tree | s by power | by tree | efficiency "
+      "|\n|---|---|---|---|---|---|\n");
+  for (int i = 3; i + 1 < argc; i += 2) {
+    SceneDescription scene = read_or_throw(argv[i + 1]);
+    const int width = std::max(std::atoi(argv[i]), 1);
+    resize_film(scene, width, std::max(1, width * scene.film.height / scene.film.width));
+    compare(std::filesystem::path(argv[i + 1]).parent_path().filename().string(), scene, options);
+  }
+  if (argc <= 3)
+    for (const ManyLights& each : many_lights()) compare(each.name, each.scene, options);
+}
