@@ -49,7 +49,7 @@ struct EmitterPlace {
   std::function<vec3(const glm::dvec3&)> local;  ///< in the coordinates of the device scene
   double scene_radius;                           ///< of a sphere about everything
   SceneRecords& records;                         ///< for tables of a kind's own
-  const LightTextures& textures;
+  const LightTextures* textures = nullptr;       ///< null: no light has one
 };
 
 struct EmitterLight {

@@ -27,7 +27,7 @@ Beam frame_of(const glm::dmat4& to_world) {
 EmitterLight beam_light(int kind, const TexturedColour& texture, const glm::vec3& colour, double power_of_one,
                         const Beam& beam, const glm::dmat4& to_world, const EmitterPlace& place) {
   LightTexture shown;
-  if (texture.texture != kNoTexture) shown = place.textures.of_image(texture.texture);
+  if (texture.texture != kNoTexture) shown = place.textures->of_image(texture.texture);
   EmitterLight made = emitter_light(kind, colour * texture.value, power_of_one * shown.mean);
   made.light.texture = shown.texture;
   made.light.p0 = place.local(glm::dvec3(to_world[3]) / to_world[3].w);
@@ -57,7 +57,8 @@ EmitterLight SpotLight::light(const EmitterPlace& place) const {
 }
 
 EmitterLight ProjectorLight::light(const EmitterPlace& place) const {
-  const glm::ivec2 size = place.textures.size_of(irradiance.texture);
+  const bool image = irradiance.texture != kNoTexture;
+  const glm::ivec2 size = image ? place.textures->size_of(irradiance.texture) : glm::ivec2(1);
   const double x = half_width_tangent(fov, fov_axis, size.x, size.y), y = x * size.y / size.x;
   Beam beam = frame_of(to_world);
   beam.u_by_x = float(-0.5 / x);

@@ -292,7 +292,7 @@ class Builder {
       light.p0 = q.center;
       if (q.kind == QUADRIC_DISK) light.p1 = q.normal;
       light.p2 = make_vec3(q.radius, q.orientation, 0.0f);
-      q.light = lights_.add_quadric(light, shape, q, area);
+      q.light = lights_.add_quadric(light, shape, area, q);
     }
     records_.quadrics.push_back(q);
   }
@@ -304,7 +304,7 @@ class Builder {
     for (std::size_t kind = 0; kind < std::variant_size_v<Emitter>; ++kind)
       for (const Emitter& emitter : scene_.emitters) {
         if (emitter.index() != kind || is_black(emitter)) continue;
-        const int light = lights_.add_emitter(emitter, {at, radius_, records_, light_textures_});
+        const int light = lights_.add_emitter(emitter, {at, radius_, records_, &light_textures_});
         if (is_sky(emitter)) h_.environment = light;
       }
     lights_.finish();

@@ -163,7 +163,7 @@ void LightBuilder::add_polygon(const Outline& outline, const Shape& shape, int f
   polygons_.push_back(polygon);
 }
 
-int LightBuilder::add_quadric(Light light, const Shape& shape, const Quadric& quadric, double area) {
+int LightBuilder::add_quadric(Light light, const Shape& shape, double area, const Quadric& quadric) {
   light.sampling =
       code(shape.sampling == EmitterSampling::kAuto ? by_default_ : shape.sampling, EMITTER_SOLID_ANGLE);
   light.two_sided = shape.two_sided_emission && light.kind == LIGHT_DISK ? 1 : 0;

@@ -37,8 +37,8 @@ class LightBuilder {
   /// light of each. One that repeats another is the same light, or it would shine twice.
   std::vector<int> add_triangles(std::span<const LightTriangle> triangles, const Shape& shape, int first = 0);
 
-  /// A sphere or a disk, all but its radiance and sampling filled in.
-  int add_quadric(Light light, const Shape& shape, const Quadric& quadric, double area);
+  /// A sphere or a disk, all but its radiance and sampling filled in; the quadric for its texture.
+  int add_quadric(Light light, const Shape& shape, double area, const Quadric& quadric = {});
 
   /// One that is not black.
   int add_emitter(const Emitter& emitter, const EmitterPlace& place);
