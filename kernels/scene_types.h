@@ -147,21 +147,27 @@ PENUMBRA_NAMESPACE_BEGIN
   MATERIAL_TEXTURES(MATERIAL_TEXTURE, F) \
   MATERIAL_TREE_FIELDS(F)
 
-#define LIGHT_FIELDS(F)                                                                                  \
-  F(vec3, radiance) /* radiance; radiant intensity for a point light */                                  \
-  F(vec3, p0)       /* triangle vertex, rectangle corner, centre of sphere or disk, or position */       \
-  F(vec3, p1)       /* triangle vertex, next corner; disk: unit normal of the front */                   \
-  F(vec3, p2)       /* triangle vertex, previous corner; sphere, disk: (radius, orientation, 0) */       \
-  F(float, area)                                                                                         \
-  F(int, sampling)          /* EMITTER_* */                                                              \
-  F(int, two_sided)         /* 1: emits from the back as well */                                         \
-  F(int, polygon)           /* index of the polygon light that it is a part of, or -1 */                 \
-  F(float, pmf)             /* probability of choosing this light */                                     \
-  F(float, alias_threshold) /* Walker's alias table: keep this light below, else take ... */             \
-  F(int, alias)             /* ... this one */                                                           \
-  F(int, rank)              /* to be added to a number's index for its rank among those of this light */ \
-  F(int, alias_rank)        /* ... of the alias */                                                       \
-  F(int, kind)              /* LIGHT_* */
+#define LIGHT_FIELDS(F)                                                                                   \
+  F(vec3,                                                                                                 \
+    radiance) /* radiance; radiant intensity of a point or spot light, irradiance of a directional one */ \
+  F(vec3, p0) /* triangle vertex, rectangle corner, centre of sphere or disk, or position */              \
+  F(vec3, p1) /* triangle vertex, next corner; disk: unit normal of the front; unit direction of a        \
+                 directional light */                                                                     \
+  F(vec3, p2) /* triangle vertex, previous corner; sphere, disk: (radius, orientation, 0) */              \
+  F(float, area)                                                                                          \
+  F(int, sampling)          /* EMITTER_* */                                                               \
+  F(int, two_sided)         /* 1: emits from the back as well */                                          \
+  F(int, polygon)           /* index of the polygon light that it is a part of, or -1 */                  \
+  F(float, pmf)             /* probability of choosing this light */                                      \
+  F(float, alias_threshold) /* Walker's alias table: keep this light below, else take ... */              \
+  F(int, alias)             /* ... this one */                                                            \
+  F(int, rank)              /* to be added to a number's index for its rank among those of this light */  \
+  F(int, alias_rank)        /* ... of the alias */                                                        \
+  F(int, kind)              /* LIGHT_* */                                                                 \
+  F(int, texture)           /* by whose values its radiance is multiplied, an index, or -1 */             \
+  F(int, grid)              /* where its distribution begins in the light grids, or -1: it has none */    \
+  F(int, grid_side)                                                                                       \
+  F(int, beam) /* of a spot light or a projector, an index */
 
 // A node of the hierarchy of lights, see light_tree.h: bounds of its lights, which shine within an angle of
 // cosine cos_e about axes within cos_o of its own, weaker by the cosine of the angle between. An infinite
@@ -185,6 +191,18 @@ PENUMBRA_NAMESPACE_BEGIN
 #define ENVIRONMENT_MAP_FIELDS(F) \
   F(int, width)                   \
   F(int, height)
+
+// The directions into which a spot light or a projector shines, see beam.h.
+#define BEAM_FIELDS(F)                                                                           \
+  F(vec3, x) /* unit, of the light's own frame, mirrored or not */                               \
+  F(vec3, y)                                                                                     \
+  F(vec3, z)       /* the middle of the beam */                                                  \
+  F(float, u_by_x) /* texture coordinates: 1/2 + u_by_x x / z and 1/2 + v_by_y y / z */          \
+  F(float, v_by_y)                                                                               \
+  F(int, smooth)          /* 1: falls off as a cubic in cosines, 0: linearly in angles */        \
+  F(float, beam_width)    /* spot: within it all light; an angle, or 1 - its cosine if smooth */ \
+  F(float, cutoff)        /* ... beyond it none; likewise */                                     \
+  F(float, inverse_width) /* 1 / (cutoff - beam_width), or 0 if both are the same */
 
 // What a light is: one triangle, or a rectangle's two, or a quadric; -1: none.
 #define LIGHT_TRIANGLES_FIELDS(F)                \
@@ -343,6 +361,7 @@ PENUMBRA_NAMESPACE_BEGIN
   I(textures, TextureNode, texture0, textures, -1, "a texture names another one that is not there")       \
   I(textures, TextureNode, texture1, textures, -1, "a texture names another one that is not there")       \
   I(lights, Light, alias, lights, 0, "a light's alias is not there")                                      \
+  I(lights, Light, texture, textures, -1, "a light names a texture that is not there")                    \
   I(light_triangles, LightTriangles, first, triangles, -1, "a light names a triangle that is not there")  \
   I(light_triangles, LightTriangles, second, triangles, -1, "a light names a triangle that is not there") \
   I(light_triangles, LightTriangles, quadric, quadrics, -1, "a light names a quadric that is not there")  \
@@ -392,6 +411,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(LightTriangles, LIGHT_TRIANGLES_FIELDS)             \
   X(LightNode, LIGHT_NODE_FIELDS)                       \
   X(EnvironmentMap, ENVIRONMENT_MAP_FIELDS)             \
+  X(Beam, BEAM_FIELDS)                                  \
   X(Polygon, POLYGON_FIELDS)                            \
   X(PolygonCorner, POLYGON_CORNER_FIELDS)               \
   X(BvhNode, BVH_NODE_FIELDS)                           \

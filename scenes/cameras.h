@@ -13,6 +13,14 @@ namespace penumbra {
 
 enum class FovAxis { kX, kY, kDiagonal, kSmaller, kLarger };
 
+inline OneOf<FovAxis> fov_axes() {
+  return {{{"x", FovAxis::kX},
+           {"y", FovAxis::kY},
+           {"diagonal", FovAxis::kDiagonal},
+           {"smaller", FovAxis::kSmaller},
+           {"larger", FovAxis::kLarger}}};
+}
+
 /// Camera space looks along +z with +y up and +x to the left of the image (Mitsuba's convention).
 struct PerspectiveCamera {
   glm::dmat4 to_world{1.0};  ///< camera to world; a scale has no effect on directions
@@ -29,13 +37,7 @@ void camera_parameters(const Row& row) {
   using C = PerspectiveCamera;
   constexpr double kFar = std::numeric_limits<float>::max();
   row("fov", &C::fov, Number<double>{LowEnd::kOpen, 0.0, 180.0}, "full angle of the whole film, degrees");
-  row("fov_axis", &C::fov_axis,
-      OneOf<FovAxis>{{{"x", FovAxis::kX},
-                      {"y", FovAxis::kY},
-                      {"diagonal", FovAxis::kDiagonal},
-                      {"smaller", FovAxis::kSmaller},
-                      {"larger", FovAxis::kLarger}}},
-      "what the angle spans");
+  row("fov_axis", &C::fov_axis, fov_axes(), "what the angle spans");
   row("near_clip", &C::near_clip, Number<double>{LowEnd::kOpen, 0.0, kFar},
       "nothing nearer along the view is seen", &Camera::near_clip);
   row("far_clip", &C::far_clip, Number<double>{LowEnd::kOpen, 0.0, kFar},

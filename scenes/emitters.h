@@ -8,16 +8,19 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <string>
 #include <variant>
 #include <vector>
 
 #include "kernels/scene_types.h"
 #include "scenes/device/light_bounds.h"
+#include "scenes/cameras.h"
 #include "scenes/device/scene_records.h"
 #include "scenes/device/to_vec3.h"
 #include "scenes/image/bitmap.h"
 #include "scenes/integrators.h"
 #include "scenes/plugin_values.h"
+#include "scenes/textured.h"
 
 namespace penumbra {
 
@@ -27,7 +30,7 @@ constexpr ColourWithin kEmission{0.0f, kAnyNumber};
 struct AreaLightParameters {
   static constexpr const char* kPlugin = "area";
   static constexpr const char* kText = "the radiance of the shape that holds it, from its front";
-  glm::vec3 radiance{1.0f};
+  TexturedColour radiance{glm::vec3(1.0f)};
   bool two_sided = false;
   EmitterSampling sampling = EmitterSampling::kAuto;
 
@@ -40,11 +43,15 @@ struct AreaLightParameters {
   }
 };
 
+/// What the builder of a device scene knows of the textures that lights have.
+class LightTextures;
+
 /// Where emitters are.
 struct EmitterPlace {
   std::function<vec3(const glm::dvec3&)> local;  ///< in the coordinates of the device scene
   double scene_radius;                           ///< of a sphere about everything
   SceneRecords& records;                         ///< for tables of a kind's own
+  const LightTextures* textures = nullptr;       ///< null: no light has one
 };
 
 struct EmitterLight {
@@ -57,7 +64,7 @@ struct EmitterLight {
 inline EmitterLight emitter_light(int kind, const glm::vec3& radiance, double power_of_one) {
   Light light{};
   light.kind = kind;
-  light.polygon = -1;
+  light.polygon = light.texture = light.grid = -1;
   light.radiance = to_vec3(radiance);
   return {light, (double(radiance.x) + radiance.y + radiance.z) / 3 * power_of_one};
 }
@@ -141,7 +148,119 @@ struct EnvironmentMapLight {
   [[nodiscard]] EmitterLight light(const EmitterPlace& place) const;  ///< scenes/device/envmap_tables.cpp
 };
 
-using Emitter = std::variant<PointLight, ConstantEnvironment, EnvironmentMapLight>;
+enum class SpotFalloff { kLinear, kSmoothstep };
+
+/// Radiant intensity about an axis, the z axis of its frame; see kernels/light/spot_light.h.
+struct SpotLight {
+  static constexpr const char* kPlugin = "spot";
+  static constexpr const char* kText = "radiant intensity from a point, within a cone about the z axis";
+  static constexpr bool kIsSky = false;
+  glm::vec3 intensity{1.0f};
+  TexturedColour texture{glm::vec3(1.0f)};
+  double cutoff_angle = 20.0;  ///< degrees, from the axis
+  double beam_width = 15.0;    ///< likewise
+  SpotFalloff falloff = SpotFalloff::kLinear;
+  glm::dmat4 to_world{1.0};
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("intensity", &SpotLight::intensity, kEmission, "radiant intensity within the beam, W/sr");
+    row("texture", &SpotLight::texture, kEmission,
+        "multiplies the intensity: an image across the beam, as wide as the cutoff angle");
+    row("cutoff_angle", &SpotLight::cutoff_angle, AnyNumber{"number in (0, 180]"},
+        "beyond it there is no light, degrees from the axis");
+    row("beam_width", &SpotLight::beam_width, AnyNumber{"number in [0, cutoff_angle]"},
+        "within it intensity is constant, degrees from the axis; unless given 3/4 of the cutoff angle");
+    row("falloff", &SpotLight::falloff,
+        OneOf<SpotFalloff>{{{"linear", SpotFalloff::kLinear}, {"smoothstep", SpotFalloff::kSmoothstep}}},
+        "between both: linear in the angle, as Mitsuba's, or 3t² - 2t³ of its cosine, as pbrt's");
+    row("to_world", &SpotLight::to_world, AnyTransform{}, "brings the origin to it and the z axis along it");
+  }
+  template <typename Given>
+  void complete(Findings& findings, const Given& given) {
+    if (!given("beam_width")) beam_width = 0.75 * cutoff_angle;
+    check(findings);
+  }
+  void check(Findings& findings) const;
+  [[nodiscard]] bool is_black() const { return intensity == glm::vec3(0.0f) || !texture.is_lit(); }
+  [[nodiscard]] EmitterLight light(const EmitterPlace& place) const;  ///< scenes/device/beam_lights.cpp
+};
+
+/// Irradiance across one direction, from beyond the scene.
+struct DirectionalLight {
+  static constexpr const char* kPlugin = "directional";
+  static constexpr const char* kText = "light of one direction, from beyond the scene";
+  static constexpr bool kIsSky = false;
+  glm::vec3 irradiance{1.0f};
+  glm::dvec3 direction{0.0, 0.0, 1.0};  ///< in which it travels, of any length above 0
+  glm::dmat4 to_world{1.0};             ///< instead of a direction: where it brings the z axis
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("irradiance", &DirectionalLight::irradiance, kEmission, "of a surface across the direction, W/m²");
+    row("direction", &DirectionalLight::direction, AnyPoint{}, "in which the light travels");
+    row("to_world", &DirectionalLight::to_world, AnyTransform{},
+        "instead of a direction: where it brings the z axis");
+  }
+  template <typename Given>
+  void complete(Findings& findings, const Given& given) {
+    if (given("direction") && given("to_world"))
+      findings.push_back({"direction", "either direction or to_world, not both"});
+    if (given("to_world")) direction = glm::dvec3(to_world[2]);
+    const double length = glm::length(direction);
+    if (!(length > 0.0 && length < 1e150))
+      findings.push_back({given("to_world") ? "to_world" : "direction",
+                          "the direction must have a length above 0, and one that is a number"});
+  }
+  [[nodiscard]] bool is_black() const { return irradiance == glm::vec3(0.0f); }
+  [[nodiscard]] EmitterLight light(const EmitterPlace& place) const {
+    const double radius = std::max(place.scene_radius, 1e-15);
+    EmitterLight made = emitter_light(LIGHT_DIRECTIONAL, irradiance, std::numbers::pi * radius * radius);
+    made.light.p1 = to_vec3(glm::normalize(direction));
+    return made;
+  }
+};
+
+/// An image that is in focus at every distance; see kernels/light/projector_light.h.
+struct ProjectorLight {
+  static constexpr const char* kPlugin = "projector";
+  static constexpr const char* kText = "an image, from a point along the z axis, in focus at every distance";
+  static constexpr bool kIsSky = false;
+  TexturedColour irradiance{glm::vec3(1.0f)};
+  float scale = 1.0f;
+  double fov = 50.0;  ///< degrees; 0 < fov < 180
+  FovAxis fov_axis = FovAxis::kX;
+  std::string focal_length = "50mm";
+  glm::dmat4 to_world{1.0};
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("irradiance", &ProjectorLight::irradiance, kEmission,
+        "the image: radiance of a white surface across the beam at distance 1");
+    row("scale", &ProjectorLight::scale, NumberWithin{LowEnd::kClosed, 0.0f, kAnyNumber},
+        "by which it is multiplied");
+    row("fov", &ProjectorLight::fov, AnyNumber{"number in (0, 180)"}, "full angle of the image, degrees");
+    row("fov_axis", &ProjectorLight::fov_axis, fov_axes(), "what the angle spans");
+    row("focal_length", &ProjectorLight::focal_length, AnyText{"length such as 50mm"},
+        "instead of an angle: of a lens before 36 mm by 24 mm");
+    row("to_world", &ProjectorLight::to_world, AnyTransform{},
+        "brings the origin to it and the z axis along it");
+  }
+  template <typename Given>
+  void complete(Findings& findings, const Given& given) {
+    if (given("fov") && given("focal_length"))
+      findings.push_back({"focal_length", "either fov or focal_length, not both"});
+    if (!given("fov")) use_focal_length(findings);
+    check(findings);
+  }
+  void use_focal_length(Findings& findings);
+  void check(Findings& findings) const;
+  [[nodiscard]] bool is_black() const { return scale == 0.0f || !irradiance.is_lit(); }
+  [[nodiscard]] EmitterLight light(const EmitterPlace& place) const;  ///< scenes/device/beam_lights.cpp
+};
+
+using Emitter = std::variant<PointLight, ConstantEnvironment, EnvironmentMapLight, SpotLight,
+                             DirectionalLight, ProjectorLight>;
 inline bool is_black(const Emitter& emitter) {
   return std::visit([](const auto& e) { return e.is_black(); }, emitter);
 }

@@ -52,6 +52,7 @@ struct Shape {
   int front_bsdf = kBlackBsdf;  ///< index into SceneDescription::bsdfs; kBlackBsdf absorbs everything
   int back_bsdf = kBlackBsdf;
   std::optional<glm::vec3> radiance;                  ///< diffuse area emission from the front side
+  int radiance_texture = kNoTexture;                  ///< by which it is multiplied: an index, or kNoTexture
   bool two_sided_emission = false;                    ///< emits from the back as well (meshes and disks)
   EmitterSampling sampling = EmitterSampling::kAuto;  ///< of an emitter; kAuto: as the integrator says
   bool flip_normals = false;                          ///< swaps front and back

@@ -43,6 +43,7 @@ TextureNeeds texture_needs(const SceneDescription& scene, const Shape& shape) {
   TextureNeeds needs;
   add_needs_of_bsdf(scene, shape.front_bsdf, needs);
   add_needs_of_bsdf(scene, shape.back_bsdf, needs);
+  add_needs(scene, shape.radiance_texture, needs);
   return needs;
 }
 

@@ -1,4 +1,4 @@
-// What the textures of a shape's materials need of the shape.
+// What the textures of a shape's materials and of its light need of the shape.
 #pragma once
 
 #include <vector>

@@ -125,6 +125,8 @@ class Checker {
       require(!has(FEATURE_POLYGONS) || in(l.polygon, -1, h_.tables.polygons.count - 1),
               "a light names a polygon that is not there");
       if (l.kind == LIGHT_ENVMAP) check_envmap();
+      check_beam(l);
+      check_light_texture(l);
     }
     if (has(FEATURE_POLYGONS)) check_polygons();
     if (has(FEATURE_LIGHT_TREE)) check_light_tree();
@@ -207,6 +209,8 @@ class Checker {
   void check_uvs() {
     const int uvs = h_.tables.vertex_uvs.count, parts = h_.tables.light_triangles.count;
     require(has(FEATURE_UV) || (uvs == 0 && parts == 0), "texture coordinates without their feature bit");
+    require(!has(FEATURE_LIGHT_TEXTURES) || (has(FEATURE_TEXTURES) && has(FEATURE_UV)),
+            "lights with textures without the feature bits of textures");
     require(uvs == 0 || uvs == h_.tables.triangles.count, "texture coordinates do not match the triangles");
     require(parts == 0 || parts == h_.tables.lights.count, "triangles of lights do not match the lights");
   }
@@ -223,6 +227,27 @@ class Checker {
     require(sized && t.envmap_texels.count == texels && t.envmap_rows.count == map.height + 1 &&
                 t.envmap_columns.count == texels + map.height,
             "an environment map's tables do not match its size");
+  }
+
+  void check_beam(const Light& l) {
+    const bool has_beam = l.kind == LIGHT_SPOT || l.kind == LIGHT_PROJECTOR;
+    require(!has_beam || h_.tables.lights.count == 0 || in(l.beam, 0, h_.tables.beams.count - 1),
+            "a light's beam is not there");
+  }
+
+  /// What its texture needs, and its grid, see light_grid.h.
+  void check_light_texture(const Light& l) {
+    if (h_.tables.lights.count == 0) return;
+    require(l.texture < 0 || has(FEATURE_LIGHT_TEXTURES), "a light's texture without its feature bit");
+    if (l.grid == -1) return;
+    require(has(FEATURE_LIGHT_TEXTURES), "a light's distribution without its feature bit");
+    const bool sized = in(l.grid_side, 1, MOST_LIGHT_GRID_SIDE);
+    const std::int64_t numbers = std::int64_t{l.grid_side + 1} * (l.grid_side + 1);
+    require(sized && l.grid >= 0 && l.grid + numbers <= h_.tables.light_grids.count,
+            "a light's distribution is not there");
+    require(l.sampling == EMITTER_AREA &&
+                (l.kind == LIGHT_TRIANGLE || l.kind == LIGHT_SPHERE || l.kind == LIGHT_DISK),
+            "a distribution over a light that is not sampled by area");
   }
 
   void check_polygons() {

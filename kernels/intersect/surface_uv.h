@@ -11,10 +11,9 @@ typedef struct {
   float b0, b1, b2;
 } Barycentric;
 
-/// Of a point in the triangle's plane.
-FN Barycentric barycentric_of(GLOBAL const Triangle* triangle, vec3 p) {
-  const vec3 p0 = load3(&triangle->p0);
-  const vec3 e1 = sub(load3(&triangle->p1), p0), e2 = sub(load3(&triangle->p2), p0), d = sub(p, p0);
+/// Of a point in the plane of three others.
+FN Barycentric barycentric_among(vec3 p0, vec3 p1, vec3 p2, vec3 p) {
+  const vec3 e1 = sub(p1, p0), e2 = sub(p2, p0), d = sub(p, p0);
   const vec3 n = cross3(e1, e2);
   const float n2 = dot3(n, n), inverse = n2 > 0.0f ? 1.0f / n2 : 0.0f;
   Barycentric b;
@@ -22,6 +21,10 @@ FN Barycentric barycentric_of(GLOBAL const Triangle* triangle, vec3 p) {
   b.b2 = dot3(cross3(e1, d), n) * inverse;
   b.b0 = (1.0f - b.b1) - b.b2;
   return b;
+}
+/// Of a point in the triangle's plane.
+FN Barycentric barycentric_of(GLOBAL const Triangle* triangle, vec3 p) {
+  return barycentric_among(load3(&triangle->p0), load3(&triangle->p1), load3(&triangle->p2), p);
 }
 
 #if HAS(UV)

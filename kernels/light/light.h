@@ -3,15 +3,19 @@
 // own; a kind that it lacks costs nothing.
 #ifndef PENUMBRA_LIGHT_H
 #define PENUMBRA_LIGHT_H
+#include "kernels/light/directional_light.h"
 #include "kernels/light/disk_light.h"
 #include "kernels/light/environment_light.h"
 #include "kernels/light/envmap_light.h"
 #include "kernels/light/light_choice.h"
 #include "kernels/light/light_sample.h"
 #include "kernels/light/light_sampling.h"
+#include "kernels/light/light_texture.h"
 #include "kernels/light/point_light.h"
+#include "kernels/light/projector_light.h"
 #include "kernels/light/rectangle_light.h"
 #include "kernels/light/sphere_light.h"
+#include "kernels/light/spot_light.h"
 #include "kernels/light/triangle_light.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -63,14 +67,16 @@ STAGE void detail_choices(const PRIVATE Scene* scene, const PRIVATE Surfaces* RE
 
 /// Makes `s` lane j's sample if its light is of that kind; otherwise it stays, or becomes none if it is the
 /// first.
-FN void keep_light_sample(LaneLight choice, int kind, LightSample s, bool first,
+FN void keep_light_sample(LaneLight choice, int kind, LightSample s, bool first, uint ways,
                           PRIVATE LightSamples* samples, int j) {
   s.pdf *= choice.pmf;
   s.tmax = (!choice.own & (s.pdf > 0.0f)) ? s.tmax : -1.0f;
   s.of_polygon = choice.of_polygon;
   s.light = choice.light;
   const LightSample before = select_light_sample(first, no_light_sample(), load_light_sample(samples, j));
-  store_light_sample(samples, j, select_light_sample(choice.kind == kind, s, before));
+  const LightSample kept = select_light_sample(choice.kind == kind, s, before);
+  store_light_sample_direction(samples, j, kept);
+  if (BY(ways, LIGHT_TEXTURES)) store_light_sample_place(samples, j, kept);
 }
 
 /// Where there is no light.
@@ -91,7 +97,7 @@ STAGE void sample_no_lights(PRIVATE LightSamples* RESTRICT samples) {
         const LightReceiver receiver = receiver_of(load_surface(receivers, j));                    \
         const LightSample s = sample_##name##_light(scene, choice.light, receiver, choice.u, v[j], \
                                                     load_light_sampling(samplings, j), ways);      \
-        keep_light_sample(choice, LIGHT_##NAME, s, first, samples, j);                             \
+        keep_light_sample(choice, LIGHT_##NAME, s, first, ways, samples, j);                       \
       }                                                                                            \
   }
 #define FOUND_LANES(stage, name, NAME, compared, ways)                                    \
@@ -143,6 +149,14 @@ FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* receiv
   if (!one_kind || NEEDS_LIGHT(scene, SPHERE) || NEEDS(scene, POLYGONS))
     detail_choices(scene, receivers, &chosen);
   const uint among = kinds_among(scene, chosen.kind);
+#if HAS(LIGHT_TEXTURES) && HAS(TEXTURES) && HAS(UV)
+  float of_grid[LANES];
+  if (NEEDS(scene, LIGHT_TEXTURES)) {
+    for (int j = 0; j < LANES; j++) of_grid[j] = v[j];
+    choose_by_light_grids(scene, chosen.light, chosen.u, of_grid, chosen.pmf);
+    v = of_grid;
+  }
+#endif
   bool first = true;
 #define SAMPLE_KIND(name, NAME, number, ways, description)                                     \
   if ((among >> (number)&1u) != 0u) {                                                          \
@@ -155,6 +169,9 @@ FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* receiv
   LIGHT_KINDS(SAMPLE_KIND)
 #undef SAMPLE_KIND
   if (first) sample_no_lights(samples);
+#if HAS(LIGHT_TEXTURES) && HAS(TEXTURES) && HAS(UV)
+  if (NEEDS(scene, LIGHT_TEXTURES)) texture_light_samples(scene, samples);
+#endif
 }
 
 /// What the lights that rays found add to them. Densities are 0 unless they are `compared`.
@@ -173,6 +190,9 @@ FN void find_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLights* fo
   }
   LIGHT_KINDS(FIND_KIND)
 #undef FIND_KIND
+#if HAS(LIGHT_TEXTURES) && HAS(TEXTURES) && HAS(UV)
+  if (NEEDS(scene, LIGHT_TEXTURES) && among != 0u) texture_emissions(scene, found, emissions);
+#endif
 }
 
 PENUMBRA_NAMESPACE_END

@@ -9,22 +9,33 @@ PENUMBRA_NAMESPACE_BEGIN
 // X(name, NAME, number, ways, what it is for people). What a kind is stands in <name>_light.h, which light.h
 // includes: sample_<name>_light, <name>_light_pdf and <name>_light_radiance. `ways`: the features of which
 // each scene has its own that change how the kind is sampled, or what is known of its points.
-#define LIGHT_KINDS(X)                                                                                  \
-  X(triangle, TRIANGLE, 0, FEATURE_SOLID_ANGLE | FEATURE_PROJECTED | FEATURE_UV, "triangles that emit") \
-  X(sphere, SPHERE, 1, FEATURE_UV, "spheres that emit")                                                 \
-  X(disk, DISK, 2, FEATURE_UV, "disks that emit")                                                       \
-  X(point, POINT, 3, 0, "point lights")                                                                 \
-  X(environment, ENVIRONMENT, 4, 0, "environment light")                                                \
-  X(rectangle, RECTANGLE, 5, FEATURE_UV, "rectangles that emit, each of two triangles")                 \
-  X(envmap, ENVMAP, 6, 0, "environment map")
+#define LIGHT_KINDS(X)                                                                                    \
+  X(triangle, TRIANGLE, 0, FEATURE_SOLID_ANGLE | FEATURE_PROJECTED | FEATURE_UV | FEATURE_LIGHT_TEXTURES, \
+    "triangles that emit")                                                                                \
+  X(sphere, SPHERE, 1, FEATURE_UV | FEATURE_LIGHT_TEXTURES, "spheres that emit")                          \
+  X(disk, DISK, 2, FEATURE_UV | FEATURE_LIGHT_TEXTURES, "disks that emit")                                \
+  X(point, POINT, 3, 0, "point lights")                                                                   \
+  X(environment, ENVIRONMENT, 4, 0, "environment light")                                                  \
+  X(rectangle, RECTANGLE, 5, FEATURE_UV, "rectangles that emit, each of two triangles")                   \
+  X(envmap, ENVMAP, 6, 0, "environment map")                                                              \
+  X(spot, SPOT, 7, FEATURE_LIGHT_TEXTURES, "spot lights")                                                 \
+  X(directional, DIRECTIONAL, 8, 0, "directional lights")                                                 \
+  X(projector, PROJECTOR, 9, FEATURE_LIGHT_TEXTURES, "projectors")
+
+#define LIGHT_GRID_STEPS 7
+#define MOST_LIGHT_GRID_SIDE 128  // 2^LIGHT_GRID_STEPS: cells of a textured light, one way
 
 // Rows of SCENE_TABLES for what single kinds have many numbers of.
-#define LIGHT_TABLES(T, A)                                                      \
-  /* See envmap_light.h. */                                                     \
-  T(A, envmaps, EnvironmentMap, 1, "environment maps")                          \
-  T(A, envmap_texels, vec3, 1, "texels of environment maps")                    \
-  T(A, envmap_rows, float, 2, "distribution over the rows of environment maps") \
-  T(A, envmap_columns, float, 2, "distribution over the columns of environment maps")
+#define LIGHT_TABLES(T, A)                                                            \
+  /* See envmap_light.h. */                                                           \
+  T(A, envmaps, EnvironmentMap, 1, "environment maps")                                \
+  T(A, envmap_texels, vec3, 1, "texels of environment maps")                          \
+  T(A, envmap_rows, float, 2, "distribution over the rows of environment maps")       \
+  T(A, envmap_columns, float, 2, "distribution over the columns of environment maps") \
+  /* See beam.h. */                                                                   \
+  T(A, beams, Beam, 1, "beams of spot lights and projectors")                         \
+  /* See light_grid.h. */                                                             \
+  T(A, light_grids, float, 3, "distributions over textured lights")
 
 #define ENUMERATE_KIND(name, NAME, number, ways, description) LIGHT_##NAME = number,
 #define COUNT_KIND(name, NAME, number, ways, description) +1
@@ -38,6 +49,10 @@ enum { LIGHT_KINDS(ENUMERATE_KIND) LIGHT_KIND_COUNT = 0 LIGHT_KINDS(COUNT_KIND) 
 #ifndef LIGHT_KINDS_MASK
   #define LIGHT_KINDS_MASK ALL_LIGHT_KINDS
 #endif
+/// Whether light of that kind comes from one point.
+FN bool is_point_of_light(int kind) {
+  return (kind == LIGHT_POINT) | (kind == LIGHT_SPOT) | (kind == LIGHT_PROJECTOR);
+}
 #define HAS_LIGHT(NAME) (((LIGHT_KINDS_MASK) >> LIGHT_##NAME & 1u) != 0u)
 #define NEEDS_LIGHT(scene, NAME) (HAS_LIGHT(NAME) && ((scene)->header.light_kinds >> LIGHT_##NAME & 1u) != 0u)
 

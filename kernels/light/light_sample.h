@@ -15,13 +15,21 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, vec3, wi)         /* unit, direction of the light: the same but for the offset of the origin, which counts \
                             near a light */                                                                       \
   F(a, float, tmax)      /* of the shadow ray; negative: no contribution possible */                              \
-  F(a, float, pdf)       /* per solid angle, the choice of the light included; of a point light the choice's */   \
-  F(a, bool, delta)      /* a point light: no other strategy finds it */                                          \
+  F(a, float, pdf)       /* per solid angle, the choice of the light included; of a delta light the choice's */   \
+  F(a, bool, delta)      /* a light of one point or direction: no other strategy finds it */                                          \
   F(a, bool, of_polygon) /* a part of a polygon light, whose closed form is known */                              \
   F(a, vec3, radiance)   /* arriving along wi if nothing is in the way, the inverse square law included */        \
   F(a, int, light)       /* index of the light */
 // clang-format on
-LANE_RECORD(LightSample, LightSamples, light_sample, LIGHT_SAMPLE_FIELDS)
+// Where on the light it is, for scenes with FEATURE_LIGHT_TEXTURES. Elsewhere lanes hold nothing here.
+#define LIGHT_SAMPLE_PLACE_FIELDS(F, a)          \
+  F(a, vec3, place)                              \
+  F(a, float, place_u) /* texture coordinates */ \
+  F(a, float, place_v)
+#define LIGHT_SAMPLE_ALL_FIELDS(F, a) LIGHT_SAMPLE_FIELDS(F, a) LIGHT_SAMPLE_PLACE_FIELDS(F, a)
+LANE_RECORD(LightSample, LightSamples, light_sample, LIGHT_SAMPLE_ALL_FIELDS)
+LANE_RECORD_PART(LightSample, LightSamples, light_sample_direction, LIGHT_SAMPLE_FIELDS)
+LANE_RECORD_PART(LightSample, LightSamples, light_sample_place, LIGHT_SAMPLE_PLACE_FIELDS)
 
 /// Of a light that gives nothing.
 FN LightSample no_light_sample(void) {
@@ -32,6 +40,8 @@ FN LightSample no_light_sample(void) {
   s.pdf = 0.0f;
   s.delta = s.of_polygon = false;
   s.light = 0;
+  s.place = s.origin;
+  s.place_u = s.place_v = 0.0f;
   return s;
 }
 
@@ -59,6 +69,14 @@ typedef struct {
 
 /// Whether a scene's lights are sampled in this way, of `ways`, a constant.
 #define BY(ways, name) (HAS(name) && ((ways)&FEATURE_##name) != 0u)
+
+/// The sample of a light that is there, with the place on it.
+FN LightSample at_place(LightSample s, LightPoint at) {
+  s.place = at.p;
+  s.place_u = at.u;
+  s.place_v = at.v;
+  return s;
+}
 
 /// Density per solid angle of a point at distance^2 `d2`, seen under `cosine` at the light, chosen uniformly
 /// by area.
@@ -92,7 +110,7 @@ FN LightSample toward_light(GLOBAL const Light* light, LightReceiver r, SampledP
   const float cosine = light->two_sided ? FABS(cosine_front) : cosine_front;
   s.pdf = point.pdf > 0.0f ? point.pdf : area_to_solid_angle(d2, cosine, light->area);
   s.tmax = cosine > 0.0f ? s.tmax : -1.0f;
-  return s;
+  return at_place(s, at);
 }
 
 PENUMBRA_NAMESPACE_END

@@ -164,11 +164,12 @@ FN double rough_irradiance(GLOBAL const Light* light, bool is_sky, double x, dou
   const double mean = ((double)radiance.x + radiance.y + radiance.z) / 3.0;
   const double section = light->kind == LIGHT_SPHERE ? 0.25 * light->area : (double)light->area;
   const double pi = 3.14159265358979323846;
-  const bool bounded = light->kind != LIGHT_POINT;
-  const double solid = light->kind == LIGHT_POINT ? 1.0 : section;
+  const bool of_point = is_point_of_light(light->kind), across = light->kind == LIGHT_DIRECTIONAL;
+  const bool bounded = !of_point;
+  const double solid = of_point ? 1.0 : section;
   const double seen = solid / (d2 > 0.0 ? d2 : 1.0);
   const double limited = ((bounded & (seen > pi)) | (d2 == 0.0)) ? pi : seen;
-  return mean * (is_sky ? pi : limited);
+  return mean * (is_sky ? pi : across ? 1.0 : limited);
 }
 
 /// Sums the closed forms of all polygon lights except the point's own: unshadowed radiance towards the

@@ -18,6 +18,7 @@
 #include "scenes/device/light_builder.h"
 #include "scenes/device/light_survey.h"
 #include "scenes/device/light_tree_builder.h"
+#include "scenes/device/light_textures.h"
 #include "scenes/device/ltc/ltc_table.h"
 #include "scenes/device/scene_records.h"
 #include "scenes/device/texture_coordinates.h"
@@ -102,10 +103,12 @@ class Builder {
   Builder(const SceneDescription& scene, const DeviceSceneOptions& options)
       : scene_(scene),
         options_(options),
-        lights_(default_sampling(scene.integrator), wants_polygons(scene.integrator)) {
+        lights_(default_sampling(scene.integrator), wants_polygons(scene.integrator)),
+        light_textures_(scene, records_, {}) {
     const Bounds bounds = bounds_of(scene);
     center_ = bounds.center();
     radius_ = 0.5 * glm::length(bounds.high - bounds.low);
+    lights_.set_textures(light_textures_);
     lights_.set_receivers(light_receivers(scene, center_), scene.integrator);
   }
 
@@ -160,7 +163,8 @@ class Builder {
 
   void add_materials() {
     records_.materials.push_back(material_of_family(FAMILY_BLACK));  // 0
-    bool textures = false;
+    const std::vector<int> of_lights = textures_of_lights(scene_);
+    bool textures = std::ranges::any_of(of_lights, [](int t) { return t != kNoTexture; });
     MaterialTables tables(records_.curves);
     for (const Bsdf& bsdf : scene_.bsdfs) {
       Material m = material_of(bsdf, tables);
@@ -177,17 +181,18 @@ class Builder {
       textures = textures || m.weight_texture != kNoTexture || m.bend_texture != kNoTexture;
       records_.materials.push_back(m);
     }
-    if (textures || h_.textured != 0u) add_textures();
+    if (textures || h_.textured != 0u) add_textures(of_lights);
     if ((h_.families & families_with(TRANSMITS)) != 0u) need(FEATURE_TRANSMISSION);
     if (std::popcount(h_.families) > 1) need(FEATURE_MIXED_FAMILIES);
   }
 
-  void add_textures() {
-    TextureTables tables = texture_tables(scene_, records_.materials);
+  void add_textures(const std::vector<int>& of_lights) {
+    TextureTables tables = texture_tables(scene_, records_.materials, of_lights);
     for (const TextureNode& texture : tables.textures) h_.texture_kinds |= 1u << texture.kind;
     records_.textures = std::move(tables.textures);
     records_.texels = std::move(tables.texels);
     attributes_ = std::move(tables.attributes);
+    light_textures_ = LightTextures(scene_, records_, std::move(tables.places));
     need(FEATURE_TEXTURES | FEATURE_UV);
   }
 
@@ -239,7 +244,7 @@ class Builder {
     std::vector<LightTriangle> emitters;
     for (std::size_t i = first; i < records_.triangles.size(); ++i)
       emitters.push_back({records_.triangles[i].p0, records_.triangles[i].p1, records_.triangles[i].p2});
-    const std::vector<int> index = lights_.add_triangles(emitters, shape);
+    const std::vector<int> index = lights_.add_triangles(emitters, shape, int(first));
     for (std::size_t i = first; i < records_.triangles.size(); ++i)
       records_.triangles[i].light = index[i - first];
   }
@@ -291,19 +296,19 @@ class Builder {
       light.p0 = q.center;
       if (q.kind == QUADRIC_DISK) light.p1 = q.normal;
       light.p2 = make_vec3(q.radius, q.orientation, 0.0f);
-      q.light = lights_.add_quadric(light, shape, area);
+      q.light = lights_.add_quadric(light, shape, area, q);
     }
     records_.quadrics.push_back(q);
   }
 
   void add_other_lights() {
     h_.environment = -1;
-    const auto at = [&](const glm::dvec3& p) { return local(p, "a point light"); };
+    const auto at = [&](const glm::dvec3& p) { return local(p, "a light"); };
     // Kind by kind: the order in which a file has them makes no difference.
     for (std::size_t kind = 0; kind < std::variant_size_v<Emitter>; ++kind)
       for (const Emitter& emitter : scene_.emitters) {
         if (emitter.index() != kind || is_black(emitter)) continue;
-        const int light = lights_.add_emitter(emitter, {at, radius_, records_});
+        const int light = lights_.add_emitter(emitter, {at, radius_, records_, &light_textures_});
         if (is_sky(emitter)) h_.environment = light;
       }
     lights_.finish();
@@ -436,6 +441,7 @@ class Builder {
   double radius_ = 0;
   LightBuilder lights_;
   SceneRecords records_;
+  LightTextures light_textures_;
   std::vector<MeshAttribute> attributes_;  ///< that textures show, in the order of a triangle's colours
   std::string problem_;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <set>
@@ -12,6 +13,11 @@
 
 namespace penumbra {
 namespace {
+
+// By how much a grid has to lower the second moment of a textured light's samples: by area the numbers are
+// all that it changes; other ways of sampling choose points by where the receiver is, and a cone leaves out
+// the half of a sphere that is not seen.
+constexpr double kGainOverArea = 1.2, kGainOverSolidAngle = 2, kGainOverCone = 4;
 
 double mean(const glm::vec3& c) { return (double(c.x) + c.y + c.z) / 3; }
 
@@ -71,9 +77,31 @@ int LightBuilder::triangle_sampling(std::span<const LightTriangle> triangles, co
   return solid_angle_pays(variance, integrator_) ? EMITTER_SOLID_ANGLE : EMITTER_AREA;
 }
 
-std::vector<int> LightBuilder::add_triangles(std::span<const LightTriangle> triangles, const Shape& shape) {
+bool LightBuilder::is_textured(const Shape& shape) const {
+  return shape.radiance_texture != kNoTexture && textures_ != nullptr;
+}
+
+/// What a grid must gain over the other way of sampling; one that a user has chosen stays.
+double LightBuilder::least_gain(const Shape& shape, double gain) const {
+  const EmitterSampling wanted = shape.sampling == EmitterSampling::kAuto ? by_default_ : shape.sampling;
+  return wanted == EmitterSampling::kAuto ? gain : std::numeric_limits<double>::infinity();
+}
+
+/// The light with its texture; returns what that makes of its power.
+double LightBuilder::show(const LightTexture& texture, Light& light) {
+  light.texture = texture.texture;
+  light.grid = texture.grid;
+  light.grid_side = texture.grid_side;
+  if (texture.grid >= 0) light.sampling = EMITTER_AREA;
+  return texture.mean;
+}
+
+std::vector<int> LightBuilder::add_triangles(std::span<const LightTriangle> triangles, const Shape& shape,
+                                             int first_triangle) {
   const int sampling = triangle_sampling(triangles, shape);
-  const bool merges = polygons_wanted_ || sampling == EMITTER_SOLID_ANGLE;
+  const bool textured = is_textured(shape), polygons = polygons_wanted_ && !textured;
+  const bool merges = !textured && (polygons || sampling == EMITTER_SOLID_ANGLE);
+  const double gain = least_gain(shape, sampling == EMITTER_AREA ? kGainOverArea : kGainOverSolidAngle);
   const Outlines merged = merges ? merge_coplanar(triangles) : separate(triangles);
   duplicates_ += int(merged.duplicates.size());
   std::vector<int> index(triangles.size(), -1);
@@ -81,9 +109,10 @@ std::vector<int> LightBuilder::add_triangles(std::span<const LightTriangle> tria
     const int first = int(lights_.size());
     const bool rectangle = outline.rectangle && sampling == EMITTER_SOLID_ANGLE;
     Light light{};
+    light.texture = light.grid = -1;
     light.sampling = sampling;
     light.two_sided = shape.two_sided_emission ? 1 : 0;
-    light.polygon = polygons_wanted_ ? int(polygons_.size()) : -1;
+    light.polygon = polygons ? int(polygons_.size()) : -1;
     if (rectangle) {
       light.kind = LIGHT_RECTANGLE;
       light.p0 = (*outline.rectangle)[0];
@@ -100,9 +129,12 @@ std::vector<int> LightBuilder::add_triangles(std::span<const LightTriangle> tria
       light.p1 = triangle.p1;
       light.p2 = triangle.p2;
       const double area = triangle_area(triangle);
-      index[std::size_t(t)] = add(light, *shape.radiance, area, std::numbers::pi * area);
+      const double mean =
+          textured ? show(textures_->of_triangle(shape.radiance_texture, first_triangle + t, gain), light)
+                   : 1;
+      index[std::size_t(t)] = add(light, *shape.radiance, area, mean * std::numbers::pi * area);
     }
-    if (polygons_wanted_) add_polygon(outline, shape, first, int(lights_.size()) - first);
+    if (polygons) add_polygon(outline, shape, first, int(lights_.size()) - first);
   }
   if (!merged.duplicates.empty()) {
     std::map<Corners, int> light_of;
@@ -131,12 +163,15 @@ void LightBuilder::add_polygon(const Outline& outline, const Shape& shape, int f
   polygons_.push_back(polygon);
 }
 
-int LightBuilder::add_quadric(Light light, const Shape& shape, double area) {
+int LightBuilder::add_quadric(Light light, const Shape& shape, double area, const Quadric& quadric) {
   light.sampling =
       code(shape.sampling == EmitterSampling::kAuto ? by_default_ : shape.sampling, EMITTER_SOLID_ANGLE);
   light.two_sided = shape.two_sided_emission && light.kind == LIGHT_DISK ? 1 : 0;
-  light.polygon = -1;
-  return add(light, *shape.radiance, area, std::numbers::pi * area);
+  light.polygon = light.texture = light.grid = -1;
+  const double gain = least_gain(shape, light.kind == LIGHT_DISK ? kGainOverArea : kGainOverCone);
+  const double mean =
+      is_textured(shape) ? show(textures_->of_quadric(shape.radiance_texture, quadric, gain), light) : 1;
+  return add(light, *shape.radiance, area, mean * std::numbers::pi * area);
 }
 
 int LightBuilder::add_emitter(const Emitter& emitter, const EmitterPlace& place) {
@@ -160,9 +195,10 @@ int LightBuilder::add(Light light, const glm::vec3& radiance, double area, doubl
 void LightBuilder::finish() {
   if (lights_.empty()) return;
   const auto class_of = [](const Light& light) {
-    return light.kind == LIGHT_ENVIRONMENT || light.kind == LIGHT_ENVMAP ? kSkies
-           : light.kind == LIGHT_POINT                                   ? kPoints
-                                                                         : kShapes;
+    const bool distant = light.kind == LIGHT_DIRECTIONAL;
+    return distant || light.kind == LIGHT_ENVIRONMENT || light.kind == LIGHT_ENVMAP ? kSkies
+           : is_point_of_light(light.kind)                                          ? kPoints
+                                                                                    : kShapes;
   };
   std::array<double, kClasses> power{};
   for (std::size_t i = 0; i < lights_.size(); ++i) power[class_of(lights_[i])] += power_[i];
@@ -185,6 +221,7 @@ std::uint32_t LightBuilder::features() const {
     const bool flat = light.kind == LIGHT_TRIANGLE || light.kind == LIGHT_RECTANGLE;
     if (flat && light.sampling == EMITTER_SOLID_ANGLE) features |= FEATURE_SOLID_ANGLE;
     if (flat && light.sampling == EMITTER_PROJECTED) features |= FEATURE_PROJECTED;
+    if (light.texture >= 0) features |= FEATURE_LIGHT_TEXTURES;
   }
   return features;
 }

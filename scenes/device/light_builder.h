@@ -8,6 +8,7 @@
 #include "kernels/scene_types.h"
 #include "scenes/device/emitter_sampling.h"
 #include "scenes/device/light_bounds.h"
+#include "scenes/device/light_textures.h"
 #include "scenes/device/polygon_outline.h"
 #include "scenes/scene_description.h"
 
@@ -30,12 +31,15 @@ class LightBuilder {
     integrator_ = integrator;
   }
 
-  /// The triangles of an emitting shape; returns the index of the light of each. One that repeats another is
-  /// the same light, or it would shine twice.
-  std::vector<int> add_triangles(std::span<const LightTriangle> triangles, const Shape& shape);
+  /// For shapes whose radiance has a texture.
+  void set_textures(const LightTextures& textures) { textures_ = &textures; }
 
-  /// A sphere or a disk, all but its radiance and sampling filled in.
-  int add_quadric(Light light, const Shape& shape, double area);
+  /// The triangles of an emitting shape, in the table of triangles from `first` on; returns the index of the
+  /// light of each. One that repeats another is the same light, or it would shine twice.
+  std::vector<int> add_triangles(std::span<const LightTriangle> triangles, const Shape& shape, int first = 0);
+
+  /// A sphere or a disk, all but its radiance and sampling filled in; the quadric for its texture.
+  int add_quadric(Light light, const Shape& shape, double area, const Quadric& quadric = {});
 
   /// One that is not black.
   int add_emitter(const Emitter& emitter, const EmitterPlace& place);
@@ -61,17 +65,21 @@ class LightBuilder {
  private:
   /// Powers of different classes do not compare: half of all samples go by power, half to each class that is
   /// there alike; within a class all go by power.
-  enum Class { kShapes, kPoints, kSkies, kClasses };
+  enum Class { kShapes, kPoints, kSkies, kClasses };  ///< a directional light is a part of the sky
 
   int add(Light light, const glm::vec3& radiance, double area, double power);
   int add(const EmitterLight& made);
   void add_polygon(const Outline& outline, const Shape& shape, int first_light, int light_count);
 
+  [[nodiscard]] bool is_textured(const Shape& shape) const;
+  [[nodiscard]] double least_gain(const Shape& shape, double gain) const;
+  static double show(const LightTexture& texture, Light& light);
   [[nodiscard]] int triangle_sampling(std::span<const LightTriangle> triangles, const Shape& shape) const;
 
   IntegratorSettings integrator_;  ///< of the receivers
   EmitterSampling by_default_;
   bool polygons_wanted_;
+  const LightTextures* textures_ = nullptr;
   std::vector<Receiver> receivers_;
   std::vector<Light> lights_;
   std::vector<double> power_;

@@ -16,7 +16,8 @@ int place_of(MeshAttribute attribute, std::vector<MeshAttribute>& attributes) {
 
 }  // namespace
 
-TextureTables texture_tables(const SceneDescription& scene, std::span<Material> materials) {
+TextureTables texture_tables(const SceneDescription& scene, std::span<Material> materials,
+                             std::span<const int> others) {
   // Where each is in the table; at first, whether it is there.
   std::vector<int> places(scene.textures.size(), kNoTexture);
   const auto use = [&](int texture) {
@@ -27,6 +28,7 @@ TextureTables texture_tables(const SceneDescription& scene, std::span<Material> 
     MATERIAL_TEXTURES(USE_TEXTURE, )
 #undef USE_TEXTURE
   }
+  for (const int texture : others) use(texture);
   // One holds only such as come before it.
   for (std::size_t i = places.size(); i-- > 0;) {
     if (places[i] == kNoTexture) continue;
@@ -57,6 +59,7 @@ TextureTables texture_tables(const SceneDescription& scene, std::span<Material> 
 #undef REPLACE_TEXTURE
   }
   tables.texels = texels.take();
+  tables.places = std::move(places);
   return tables;
 }
 

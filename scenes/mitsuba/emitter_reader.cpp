@@ -71,7 +71,8 @@ void read_area_light(const Context& context, const Object& emitter, Shape& shape
   }
   AreaLightParameters light;
   plugin.read_parameters(light);
-  shape.radiance = light.radiance;
+  shape.radiance = light.radiance.value;
+  shape.radiance_texture = light.radiance.texture;
   shape.two_sided_emission = light.two_sided;
   shape.sampling = light.sampling;
   if (shape.two_sided_emission && std::holds_alternative<Sphere>(shape.geometry))

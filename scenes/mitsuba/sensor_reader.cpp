@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
-#include "scenes/number.h"
 #include "scenes/settings.h"
 #include "scenes/transform.h"
+#include "scenes/view_angle.h"
 
 namespace penumbra::mitsuba {
 namespace {
@@ -20,18 +18,14 @@ void choose(const PluginReader& plugin, SceneDescription& scene, std::string_vie
   if (const auto done = apply_setting(scene, key, value); !done) plugin.wrong(done.error().message);
 }
 
-/// The full angle along the diagonal of a 35 mm film, 36 mm by 24 mm, for "50mm" (or "50").
 void read_focal_length(PluginReader& plugin, SceneDescription& scene) {
   const std::string text = plugin.text("focal_length", "50mm");
-  std::string_view digits = trim(text);
-  if (digits.ends_with("mm")) digits.remove_suffix(2);
-  const auto millimetres = parse_number(digits);
-  if (!millimetres || !(*millimetres > 0.0)) {
+  const auto angle = angle_of_focal_length(text);
+  if (!angle) {
     plugin.wrong("focal_length", fmt::format("'{}' is not a focal length such as 50mm", text));
     return;
   }
-  constexpr double kFilmDiagonal = 43.266615305567875;  // mm
-  scene.camera.fov = 2.0 * std::atan(0.5 * kFilmDiagonal / *millimetres) * 180.0 / std::numbers::pi;
+  scene.camera.fov = *angle;
   scene.camera.fov_axis = FovAxis::kDiagonal;
 }
 

@@ -9,6 +9,8 @@
 #include <ostream>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "scheduler/image/image.h"
 #include "tests/support/oracles.h"
@@ -61,6 +63,7 @@ struct ReferenceCase {
   std::string name;
   std::string folder, scene, reference;
   TestDevice (*device)();
+  std::vector<std::pair<std::string, std::string>> defines = {};  ///< as for -D
 };
 void PrintTo(const ReferenceCase& tested, std::ostream* out) { *out << tested.name; }
 
@@ -71,7 +74,7 @@ TEST_P(MitsubaReference, PixelsAgree) {
   const std::string folder = "mitsuba/tests/scenes/" + tested.folder;
   PENUMBRA_NEED_ORACLE(folder);
   const auto root = *find_oracle(folder);
-  SceneDescription scene = read_or_throw(root / (tested.scene + ".xml"));
+  SceneDescription scene = read_or_throw(root / (tested.scene + ".xml"), tested.defines);
   EXPECT_TRUE(scene.warnings.empty()) << scene.warnings.front();
   const XyzImage reference(root / "refs" / (tested.reference + "_ref_rgb.exr"));
   const XyzImage variance(root / "refs" / (tested.reference + "_ref_rgb_var.exr"));
@@ -120,7 +123,20 @@ const ReferenceCase kReferences[] = {
     {"TexturedPrincipledNative", "bsdf_spheres", "test_texturedprincipled1_path", "test_texturedprincipled1",
      native_device},
     {"TexturedPrincipledOpenCl", "bsdf_spheres", "test_texturedprincipled1_path", "test_texturedprincipled1",
-     opencl_device}};
+     opencl_device},
+    // Its reference is that of a path tracer too, as its file says.
+    {"VariousEmittersNative",
+     "various_emitters",
+     "test_various_emitters_ptracer",
+     "test_various_emitters",
+     native_device,
+     {{"integrator", "path"}}},
+    {"VariousEmittersOpenCl",
+     "various_emitters",
+     "test_various_emitters_ptracer",
+     "test_various_emitters",
+     opencl_device,
+     {{"integrator", "path"}}}};
 
 INSTANTIATE_TEST_SUITE_P(Scenes, MitsubaReference, testing::ValuesIn(kReferences),
                          [](const auto& info) { return info.param.name; });

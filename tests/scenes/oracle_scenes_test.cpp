@@ -61,7 +61,7 @@ TEST_F(OracleScenes, TheOthersAreReadLeniently) {
       {"mitsuba/tests/scenes/instancing/test_instancing_path.xml", "shape type 'instance'"},
       {"mitsuba/tests/scenes/participating_media/test_homo_area_light_volpath.xml",
        "medium type 'homogeneous'"},
-      {"mitsuba/tests/scenes/various_emitters/test_various_emitters_ptracer.xml", "emitter type 'spot'"},
+      {"mitsuba/tests/scenes/various_emitters/test_various_emitters_ptracer.xml", "integrator type 'ptracer'"},
   };
   for (const auto& [file, unknown] : scenes) {
     const auto strict = read_scene(folder_ / file, {});

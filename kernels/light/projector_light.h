@@ -1,0 +1,36 @@
+// Projectors, which no ray finds: an image in focus at every distance (Mitsuba 3). `radiance`, and the
+// texture that multiplies it, is irradiance over pi on a plane at distance 1 across the beam.
+#ifndef PENUMBRA_PROJECTOR_LIGHT_H
+#define PENUMBRA_PROJECTOR_LIGHT_H
+#include "kernels/light/beam.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// Radiant intensity, without its texture: a plane across the beam at distance z is at z / cos, and sees it
+/// under that cosine.
+FN vec3 projector_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* light, LightPoint at,
+                                 vec3 wi) {
+  const float cosine = -dot3(load3(&beam_of(scene, light)->z), wi);
+  const bool within = (cosine > 0.0f) & (at.u >= 0.0f) & (at.u <= 1.0f) & (at.v >= 0.0f) & (at.v <= 1.0f);
+  const float divisor = within ? cosine * sqr(cosine) : 1.0f;
+  return scale(load3(&light->radiance), within ? PI_F / divisor : 0.0f);
+}
+
+FN LightSample sample_projector_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
+                                      float v, LightSampling sampling, uint ways) {
+  GLOBAL const Light* light = scene->lights + index;
+  float inverse_d2;
+  LightSample s = toward_delta_point(light, r, &inverse_d2);
+  const LightPoint at = beam_point(light, beam_of(scene, light), s.wi);
+  s.radiance = scale(projector_light_radiance(scene, light, at, s.wi), inverse_d2);
+  s.tmax = max_component(s.radiance) > 0.0f ? s.tmax : -1.0f;
+  return at_place(s, at);
+}
+
+FN float projector_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
+                             uint ways) {
+  return 0.0f;
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

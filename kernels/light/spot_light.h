@@ -1,0 +1,43 @@
+// Spot lights, which no ray finds: radiant intensity that falls off between two angles about an axis,
+// linearly in the angle (Mitsuba) or as a cubic in its cosine (pbrt), and that a texture may colour.
+#ifndef PENUMBRA_SPOT_LIGHT_H
+#define PENUMBRA_SPOT_LIGHT_H
+#include "kernels/light/beam.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+/// Share of the intensity that leaves in the unit direction. Angles come from sines and 1 - cosine from their
+/// squares, so that narrow beams keep their digits.
+FN float spot_falloff(GLOBAL const Beam* beam, vec3 w) {
+  const float x = dot3(load3(&beam->x), w), y = dot3(load3(&beam->y), w), z = dot3(load3(&beam->z), w);
+  const float sine2 = sqr(x) + sqr(y);
+  const float versine = z > 0.0f ? sine2 / (1.0f + z) : 1.0f - z;
+  const bool cubic = beam->smooth != 0;
+  const float off = cubic ? versine : atan2_f(SQRT(sine2), z);
+  const float t = clamp_f((beam->cutoff - off) * beam->inverse_width, 0.0f, 1.0f);
+  const float fallen = cubic ? sqr(t) * (3.0f - 2.0f * t) : t;
+  return off <= beam->beam_width ? 1.0f : fallen;
+}
+
+/// Radiant intensity, without its texture.
+FN vec3 spot_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* light, LightPoint at, vec3 wi) {
+  return scale(load3(&light->radiance), spot_falloff(beam_of(scene, light), negate(wi)));
+}
+
+FN LightSample sample_spot_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
+                                 LightSampling sampling, uint ways) {
+  GLOBAL const Light* light = scene->lights + index;
+  float inverse_d2;
+  LightSample s = toward_delta_point(light, r, &inverse_d2);
+  const LightPoint at = beam_point(light, beam_of(scene, light), s.wi);
+  s.radiance = scale(spot_light_radiance(scene, light, at, s.wi), inverse_d2);
+  s.tmax = max_component(s.radiance) > 0.0f ? s.tmax : -1.0f;
+  return at_place(s, at);
+}
+
+FN float spot_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found, uint ways) {
+  return 0.0f;
+}
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,70 @@
+// Spot lights and projectors as records, see kernels/light/beam.h.
+#include <cmath>
+#include <numbers>
+
+#include "scenes/device/light_textures.h"
+#include "scenes/emitters.h"
+#include "scenes/transform.h"
+#include "scenes/view_angle.h"
+
+namespace penumbra {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// The frame of a light: unit axes at right angles, the z axis as the transform has it, mirrored if it is.
+Beam frame_of(const glm::dmat4& to_world) {
+  const glm::dvec3 z = glm::normalize(glm::dvec3(to_world[2])), given(to_world[0]);
+  const glm::dvec3 x = glm::normalize(given - glm::dot(given, z) * z);
+  Beam beam{};
+  beam.x = to_vec3(x);
+  beam.y = to_vec3((is_mirror(to_world) ? -1.0 : 1.0) * glm::cross(z, x));
+  beam.z = to_vec3(z);
+  return beam;
+}
+
+/// A light at the transform's origin; `colour` over all directions has `power_of_one` of its intensity.
+EmitterLight beam_light(int kind, const TexturedColour& texture, const glm::vec3& colour, double power_of_one,
+                        const Beam& beam, const glm::dmat4& to_world, const EmitterPlace& place) {
+  LightTexture shown;
+  if (texture.texture != kNoTexture) shown = place.textures->of_image(texture.texture);
+  EmitterLight made = emitter_light(kind, colour * texture.value, power_of_one * shown.mean);
+  made.light.texture = shown.texture;
+  made.light.p0 = place.local(glm::dvec3(to_world[3]) / to_world[3].w);
+  made.light.beam = int(place.records.beams.size());
+  place.records.beams.push_back(beam);
+  return made;
+}
+
+}  // namespace
+
+EmitterLight SpotLight::light(const EmitterPlace& place) const {
+  const double beam_angle = beam_width * kPi / 180, cutoff = cutoff_angle * kPi / 180;
+  const auto versine = [](double angle) { return 2 * std::sin(0.5 * angle) * std::sin(0.5 * angle); };
+  const bool cubic = falloff == SpotFalloff::kSmoothstep;
+  const double from = cubic ? versine(beam_angle) : beam_angle, to = cubic ? versine(cutoff) : cutoff;
+  Beam beam = frame_of(to_world);
+  beam.smooth = cubic ? 1 : 0;
+  beam.beam_width = float(from);
+  beam.cutoff = float(to);
+  beam.inverse_width = beam.cutoff > beam.beam_width ? 1.0f / (beam.cutoff - beam.beam_width) : 0.0f;
+  if (texture.texture != kNoTexture) beam.u_by_x = beam.v_by_y = float(0.5 / std::tan(cutoff));
+  // Integrals of the falloff over all directions: a cubic has the mean of its ends, and of a line
+  // (cutoff - angle) / (cutoff - beam) the primitive is taken by parts.
+  const double linear = to > from ? 1 - (std::sin(to) - std::sin(from)) / (to - from) : versine(cutoff);
+  const double solid_angle = 2 * kPi * (cubic ? 0.5 * (from + to) : linear);
+  return beam_light(LIGHT_SPOT, texture, intensity, solid_angle, beam, to_world, place);
+}
+
+EmitterLight ProjectorLight::light(const EmitterPlace& place) const {
+  const bool image = irradiance.texture != kNoTexture;
+  const glm::ivec2 size = image ? place.textures->size_of(irradiance.texture) : glm::ivec2(1);
+  const double x = half_width_tangent(fov, fov_axis, size.x, size.y), y = x * size.y / size.x;
+  Beam beam = frame_of(to_world);
+  beam.u_by_x = float(-0.5 / x);
+  beam.v_by_y = float(-0.5 / y);
+  // Irradiance pi on the plane at distance 1.
+  return beam_light(LIGHT_PROJECTOR, irradiance, glm::vec3(scale), kPi * 4 * x * y, beam, to_world, place);
+}
+
+}  // namespace penumbra

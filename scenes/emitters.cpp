@@ -1,0 +1,50 @@
+#include "scenes/emitters.h"
+
+#include <fmt/format.h>
+
+#include "scenes/transform.h"
+#include "scenes/view_angle.h"
+
+namespace penumbra {
+namespace {
+
+void check_frame(const glm::dmat4& to_world, Findings& findings) {
+  if (is_singular(to_world))
+    findings.push_back({"to_world", "to_world flattens space: every axis must keep a length"});
+}
+
+}  // namespace
+
+void SpotLight::check(Findings& findings) const {
+  check_frame(to_world, findings);
+  const bool flat = texture.texture != kNoTexture;
+  if (!(cutoff_angle > 0.0 && cutoff_angle <= 180.0))
+    findings.push_back(
+        {"cutoff_angle", fmt::format("cutoff_angle must be a number in (0, 180], not {}", cutoff_angle)});
+  else if (flat && !(cutoff_angle < 90.0))
+    findings.push_back({"cutoff_angle", fmt::format("the cutoff_angle of a spot with a texture must be below "
+                                                    "90 degrees, not {}: no image is as wide",
+                                                    cutoff_angle)});
+  else if (!(beam_width >= 0.0 && beam_width <= cutoff_angle))
+    findings.push_back({"beam_width", fmt::format("beam_width must be a number between 0 and the "
+                                                  "cutoff_angle {}, not {}",
+                                                  cutoff_angle, beam_width)});
+}
+
+void ProjectorLight::use_focal_length(Findings& findings) {
+  fov_axis = FovAxis::kDiagonal;
+  const auto angle = angle_of_focal_length(focal_length);
+  if (angle)
+    fov = *angle;
+  else
+    findings.push_back(
+        {"focal_length", fmt::format("'{}' is not a focal length such as 50mm", focal_length)});
+}
+
+void ProjectorLight::check(Findings& findings) const {
+  check_frame(to_world, findings);
+  if (!(fov > 0.0 && fov < 180.0))
+    findings.push_back({"fov", fmt::format("fov must be a number in (0, 180), not {}", fov)});
+}
+
+}  // namespace penumbra

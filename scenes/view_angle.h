@@ -1,0 +1,36 @@
+// What an angle of view spans, for whatever looks or shines through a rectangle.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string_view>
+
+#include "scenes/cameras.h"
+#include "scenes/number.h"
+#include "scenes/text.h"
+
+namespace penumbra {
+
+/// Tangent of half the angle that the width spans, of a rectangle of that width and height whose full angle
+/// along `axis` is `fov` degrees.
+inline double half_width_tangent(double fov, FovAxis axis, double width, double height) {
+  const double tangent = std::tan(0.5 * fov * std::numbers::pi / 180);
+  const bool along_x = axis == FovAxis::kX || (axis == FovAxis::kSmaller && width <= height) ||
+                       (axis == FovAxis::kLarger && width > height);
+  return axis == FovAxis::kDiagonal ? tangent * width / std::hypot(width, height)
+         : along_x                  ? tangent
+                                    : tangent * width / height;
+}
+
+/// The full angle, degrees, along the diagonal of a 35 mm film, 36 mm by 24 mm, for "50mm" (or "50").
+inline std::optional<double> angle_of_focal_length(std::string_view text) {
+  std::string_view digits = trim(text);
+  if (digits.ends_with("mm")) digits.remove_suffix(2);
+  const auto millimetres = parse_number(digits);
+  if (!millimetres || !(*millimetres > 0.0)) return std::nullopt;
+  constexpr double kFilmDiagonal = 43.266615305567875;  // mm
+  return 2.0 * std::atan(0.5 * kFilmDiagonal / *millimetres) * 180.0 / std::numbers::pi;
+}
+
+}  // namespace penumbra
