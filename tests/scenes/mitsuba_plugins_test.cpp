@@ -551,7 +551,7 @@ TEST_F(MitsubaPlugins, LenientStandIns) {
          in("bsdf", "diffuse",
             "<texture type='bitmap' name='reflectance'><string name='filename' value='x'/></texture>") +
              in("emitter", "area", "<texture type='bitmap' name='radiance'/>")) +
-      in("shape", "instance") + in("emitter", "sunsky") + in("medium", "homogeneous");
+      in("shape", "hair") + in("emitter", "sunsky") + in("medium", "homogeneous");
   EXPECT_FALSE(read(scene(text)));
   const SceneDescription s = good(text, {.lenient = true});
   EXPECT_EQ(kind_of(s.integrator), IntegratorKind::kPath);
@@ -577,7 +577,7 @@ TEST_F(MitsubaPlugins, LenientStandIns) {
           HasSubstr("sensor type 'thinlens'"), HasSubstr("film type 'specfilm'"),
           HasSubstr("rfilter type 'lanczos'"), HasSubstr("sampler type 'magic'"),
           HasSubstr("bsdf type 'hair'"), HasSubstr("no file 'x'"),
-          HasSubstr("'radiance' of emitter 'area' takes no texture"), HasSubstr("shape type 'instance'"),
+          HasSubstr("'radiance' of emitter 'area' takes no texture"), HasSubstr("shape type 'hair'"),
           HasSubstr("emitter type 'sunsky'"), HasSubstr("medium type 'homogeneous'")));
 }
 
