@@ -120,6 +120,27 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, back)                                                                                               \
   F(int, light)
 
+// A group of shapes in its place. The group's triangles and quadrics are relative to its own centre; a point
+// p of it lies at x p.x + y p.y + z p.z + at in the scene. Rows are those of the inverse matrix.
+#define INSTANCE_FIELDS(F) \
+  F(vec3, x)               \
+  F(vec3, y)               \
+  F(vec3, z)               \
+  F(vec3, at)              \
+  F(vec3, row_x)           \
+  F(vec3, row_y)           \
+  F(vec3, row_z)           \
+  F(int, group)
+
+// Consecutive primitives. Group 0 of a scene with instances is what is in it once, the others are what
+// instances place.
+#define PRIMITIVE_GROUP_FIELDS(F)                         \
+  F(int, root) /* of its part of the hierarchy: a node */ \
+  F(int, first_triangle)                                  \
+  F(int, triangle_count)                                  \
+  F(int, first_quadric)                                   \
+  F(int, quadric_count)
+
 // What its closures have; material 0 absorbs everything.
 #define MATERIAL_FIELD(F, type, name) F(type, name)
 #define MATERIAL_TEXTURE(F, type, name) F(int, name##_texture) /* index, or -1: its value alone */
@@ -235,7 +256,8 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, starts) /* 1: a loop starts here, so no edge leads from the corner before */
 
 // Inner node of the wide BVH: child k is a node if child[k] >= 0, else leaf ~child[k]. An empty slot is any
-// leaf in an inverted box. Leaves below `triangle_leaves.count` hold triangles, the others quadrics.
+// leaf in an inverted box. Leaves below `triangle_leaves.count` hold triangles, the next
+// `quadric_leaves.count` quadrics; those that follow are instances, which only what is below node 0 has.
 #define BVH_NODE_FIELDS(F)                                          \
   F(float, bounds[6][BVH_WIDTH]) /* least x, y, z, then greatest */ \
   F(int, child[BVH_WIDTH])
@@ -339,6 +361,9 @@ PENUMBRA_NAMESPACE_BEGIN
   T(A, nodes, BvhNode, 0, "nodes of the hierarchy")                                    \
   T(A, triangle_leaves, TriangleLeaf, 0, "leaves of triangles")                        \
   T(A, quadric_leaves, QuadricLeaf, 0, "leaves of spheres and disks")                  \
+  /* FEATURE_INSTANCES. */                                                             \
+  T(A, groups, PrimitiveGroup, 1, "groups of shapes")                                  \
+  T(A, instances, Instance, 1, "instances")                                            \
   /* See filter.h. */                                                                  \
   T(A, filter_table, float, FILTER_TABLE_SIZE, "cells of the pixel filter")            \
   LIGHT_TABLES(T, A)
@@ -365,6 +390,7 @@ PENUMBRA_NAMESPACE_BEGIN
   I(light_triangles, LightTriangles, first, triangles, -1, "a light names a triangle that is not there")  \
   I(light_triangles, LightTriangles, second, triangles, -1, "a light names a triangle that is not there") \
   I(light_triangles, LightTriangles, quadric, quadrics, -1, "a light names a quadric that is not there")  \
+  I(instances, Instance, group, groups, 0, "an instance names a group that is not there")                 \
   I(corners, Corner, v0, vertices, 0, "a corner names a vertex that is not there")                        \
   I(corners, Corner, v1, vertices, 0, "a corner names a vertex that is not there")                        \
   I(corners, Corner, v2, vertices, 0, "a corner names a vertex that is not there")
@@ -405,6 +431,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(VertexUvs, VERTEX_UVS_FIELDS)                       \
   X(VertexColours, VERTEX_COLOURS_FIELDS)               \
   X(Quadric, QUADRIC_FIELDS)                            \
+  X(Instance, INSTANCE_FIELDS)                          \
+  X(PrimitiveGroup, PRIMITIVE_GROUP_FIELDS)             \
   X(Material, MATERIAL_FIELDS)                          \
   X(TextureNode, TEXTURE_FIELDS)                        \
   X(Light, LIGHT_FIELDS)                                \

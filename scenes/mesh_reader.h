@@ -1,4 +1,4 @@
-// Triangle meshes from Wavefront OBJ and Stanford PLY files.
+// Triangle meshes from Wavefront OBJ, Stanford PLY and Mitsuba's serialized files.
 #pragma once
 
 #include <string>
@@ -15,6 +15,7 @@ namespace penumbra {
 struct MeshFile {
   Mesh mesh;
   FaceFindings faces;
+  bool face_normals = false;  ///< the file says that vertex normals are not wanted
 };
 
 /// Positions, faces (see triangulate), texture coordinates and normals as the file has them, in the file's
@@ -52,5 +53,11 @@ Expected<ObjModel> read_obj_groups(const SourceFile& file);
 /// vertex_index) of `face`. Other elements and properties are passed over. Errors: as of read_obj (binary:
 /// with the vertex's or face's number), a file that ends early.
 Expected<MeshFile> read_ply(const SourceFile& file);
+
+/// A mesh of a serialized file of Mitsuba, of version 3 or 4, by its index from 0 on: single or double
+/// precision, with normals, texture coordinates and colours where it has them. Errors: another format or
+/// version, no mesh of that index, data that are damaged or end early, numbers that are not finite, indices
+/// out of range.
+Expected<MeshFile> read_serialized(const SourceFile& file, std::int64_t index);
 
 }  // namespace penumbra

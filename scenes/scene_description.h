@@ -58,6 +58,20 @@ struct Shape {
   bool flip_normals = false;                          ///< swaps front and back
 };
 
+/// A group of shapes in a place.
+struct ShapeInstance {
+  std::string name;  ///< for messages
+  int group = 0;     ///< index into SceneDescription::groups
+  glm::dmat4 to_world{1.0};
+};
+
+/// Shapes that are in the scene, or in another group, wherever an instance of the group is, and nowhere else.
+struct ShapeGroup {
+  std::string name;  ///< for messages
+  std::vector<Shape> shapes;
+  std::vector<ShapeInstance> instances;  ///< of groups that come before it
+};
+
 enum class FilterKind { kBox, kTent, kGaussian, kMitchell };
 
 struct Film {
@@ -97,6 +111,8 @@ struct SceneDescription : RenderSettings {
   std::vector<std::shared_ptr<const Bitmap>> bitmaps;  ///< of textures, each once
   std::vector<Bsdf> bsdfs;                             ///< one holds only such as come before it
   std::vector<Shape> shapes;
+  std::vector<ShapeGroup> groups;
+  std::vector<ShapeInstance> instances;
   std::vector<Emitter> emitters;  ///< lights that are no shapes; one sky at most
   std::vector<std::string>
       warnings;  ///< what the reader repaired or stood in for, each with its file position

@@ -11,6 +11,7 @@
 
 #include "scenes/diagnostic.h"
 #include "scenes/file_access.h"
+#include "scenes/instances.h"
 #include "scenes/mitsuba/mitsuba_scene.h"
 #include "scenes/names.h"
 #include "scenes/settings.h"
@@ -73,9 +74,10 @@ Expected<void> apply_all(SceneDescription& scene, const ReadOptions& options) {
 }
 
 bool has_light(const SceneDescription& scene) {
-  return std::ranges::any_of(scene.shapes,
-                             [](const Shape& s) { return s.radiance && *s.radiance != glm::vec3(0.0f); }) ||
-         std::ranges::any_of(scene.emitters, [](const Emitter& e) { return !is_black(e); });
+  bool shines = false;
+  each_shape(scene,
+             [&](const Shape& s) { shines = shines || (s.radiance && *s.radiance != glm::vec3(0.0f)); });
+  return shines || std::ranges::any_of(scene.emitters, [](const Emitter& e) { return !is_black(e); });
 }
 
 /// Warns of scenes whose image is black, or nearly, which is hardly intended.
@@ -84,7 +86,7 @@ void warn_of_emptiness(SceneDescription& scene) {
   const auto warn = [&](std::string_view message) {
     scene.warnings.push_back(fmt::format("{}: warning: {}", scene.source, message));
   };
-  if (scene.shapes.empty())
+  if (scene.shapes.empty() && scene.instances.empty())
     warn(light && std::ranges::any_of(scene.emitters, is_sky)
              ? "the scene has no shapes; only its sky is seen"
              : "the scene has no shapes; the image is black");

@@ -110,6 +110,9 @@ FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first
 #if HAS(TRANSMISSION)
     if (NEEDS(scene, TRANSMISSION)) start_media(paths, i);
 #endif
+#if HAS(INSTANCES)
+    if (NEEDS(scene, INSTANCES)) start_outside(paths, i);
+#endif
   }
 }
 
@@ -134,7 +137,7 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
     if (block->probe != 0) probe_camera(block);
     for (int step = 0; count > 0; step++) {
       intersect_block(scene, paths, count);
-      pad_hits(paths, count);
+      pad_hits(scene, paths, count);
 #if HAS(NESTED) || HAS(LOOK_THROUGH)
       see_through(scene, paths, count, step);
 #endif

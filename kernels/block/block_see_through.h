@@ -8,6 +8,7 @@
 // Surfaces in one place may be passed as one.
 #ifndef PENUMBRA_BLOCK_SEE_THROUGH_H
 #define PENUMBRA_BLOCK_SEE_THROUGH_H
+#include "kernels/block/block_instances.h"
 #include "kernels/block/block_surface.h"
 #include "kernels/block/block_trace.h"
 #include "kernels/bsdf/material_tree.h"
@@ -176,6 +177,9 @@ FN bool pass_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
   chooses = NEEDS(scene, NESTED) && any_choice(scene, paths, i);
   #endif
   if (!hides && !chooses) {
+  #if HAS(INSTANCES)
+    if (NEEDS(scene, INSTANCES)) arrive_at_instances(paths, i);
+  #endif
     arrive(paths, i);
     return false;
   }
@@ -183,6 +187,9 @@ FN bool pass_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
   pass_hidden(paths, i, hides, &surfaces, passes);
   #if HAS(NESTED)
   if (chooses) pass_by_chance(scene, paths, i, step, k, &surfaces, passes);
+  #endif
+  #if HAS(INSTANCES)
+  if (NEEDS(scene, INSTANCES)) restart_behind_instances(paths, i, &surfaces, passes);
   #endif
   return restart_behind(paths, i, &surfaces, passes);
 }
@@ -231,6 +238,9 @@ FN void see_through(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
   const bool hides = step == 0 && scene->header.integrator.hide_emitters == HIDE_LOOK_THROUGH;
   if (!nested && !hides) return;
   keep_starts(paths, count);
+  #if HAS(INSTANCES)
+  if (NEEDS(scene, INSTANCES)) keep_start_instances(paths, count);
+  #endif
   #if HAS(NESTED)
   if (nested) clear_leaves(paths, count);
   #endif
@@ -240,8 +250,11 @@ FN void see_through(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
     for (int i = 0; i < count; i += LANES)
       if (any_ray(paths, i)) any = pass_surfaces(scene, paths, i, step, k, hides) | any;
     if (any) intersect_block(scene, paths, count);
-    if (any) pad_hits(paths, count);
+    if (any) pad_hits(scene, paths, count);
   }
+  #if HAS(INSTANCES)
+  if (NEEDS(scene, INSTANCES)) end_ways_at_instances(paths, count);
+  #endif
   #if HAS(NESTED)
   if (nested) blacken_unfinished(paths, count);
   if (nested) end_ways_by_choice(paths, count);
@@ -322,19 +335,28 @@ FN bool pass_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
     sample_pair(h->sampler.kind, sequence_length(h), point, paths, i, numbers, others);
   passing_shares(scene, &surfaces, numbers, shares);
   dim_shadow_rays(paths, i, &surfaces, shares, passes);
+  #if HAS(INSTANCES)
+  if (NEEDS(scene, INSTANCES)) restart_behind_instances(paths, i, &surfaces, passes);
+  #endif
   return restart_behind(paths, i, &surfaces, passes);
 }
 
 /// After occlude_block: what gets through the surfaces that stopped shadow rays.
 FN void see_lights_through(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int step) {
+  #if HAS(INSTANCES)
+  if (NEEDS(scene, INSTANCES)) follow_from_instances(paths, count);
+  #endif
   bool any = follow_shadow_rays(paths, count);
   for (int k = 0; any && k < MOST_PASSED; k++) {
     intersect_block(scene, paths, count);
-    pad_hits(paths, count);
+    pad_hits(scene, paths, count);
     any = false;
     for (int i = 0; i < count; i += LANES)
       if (any_ray(paths, i)) any = pass_light(scene, paths, i, step, k) | any;
   }
+  #if HAS(INSTANCES)
+  if (NEEDS(scene, INSTANCES)) leave_for_instances(paths, count);
+  #endif
   leave_shadow_rays(paths, count);
 }
 #endif

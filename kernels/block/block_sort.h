@@ -94,6 +94,9 @@ FN void sort_by_family(const PRIVATE Scene* scene, const PRIVATE PathState* path
   #endif
   if (!order_by_family(paths->finished, count, paths->going)) return;
   REORDER_int(paths->hit);
+  #if HAS(INSTANCES)
+  if (NEEDS(scene, INSTANCES)) REORDER_int(paths->hit_instance);
+  #endif
   #define REORDER_FIELD(type, name, needs, travels) \
     if (is_moved(features, needs, travels)) REORDER_##type(paths->name);
   PATH_FIELDS(REORDER_FIELD)

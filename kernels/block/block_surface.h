@@ -1,6 +1,7 @@
 // The surfaces that LANES paths' rays hit, in one lane loop for each part of the work that the scene needs.
 #ifndef PENUMBRA_BLOCK_SURFACE_H
 #define PENUMBRA_BLOCK_SURFACE_H
+#include "kernels/block/block_instances.h"
 #include "kernels/block/path_state.h"
 #include "kernels/bsdf/bend_normal.h"
 #include "kernels/intersect/surface.h"
@@ -45,6 +46,38 @@ STAGE void find_quadric_points(const PRIVATE Scene* scene, const PRIVATE PathSta
 }
 #endif
 
+#if HAS(INSTANCES)
+/// The instance of which a lane's ray hit a primitive, or -1.
+FN int instance_hit(const PRIVATE PathState* paths, int i) {
+  const int hit = get_hit(paths, i), instance = get_hit_instance(paths, i);
+  return hit >= 0 ? instance : -1;
+}
+
+FN bool any_instance_hit(const PRIVATE PathState* paths, int i) {
+  int any = 0;
+  for (int j = i; j < i + LANES; j++) any |= instance_hit(paths, j) >= 0 ? 1 : 0;
+  return any != 0;
+}
+
+/// Of lanes whose rays hit instances, instead of what was found as if the primitive were the scene's own.
+STAGE void find_instance_points(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                                PRIVATE PrimitivePoints* RESTRICT points) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int instance = instance_hit(paths, i + j);
+      const PrimitivePoint other = load_primitive_point(points, j);
+      const PrimitivePoint r = instance_point(scene, get_hit(paths, i + j), instance >= 0 ? instance : 0,
+                                              get_ray_origin(paths, i + j), get_ray_direction(paths, i + j));
+      store_primitive_point(points, j, select_primitive_point(instance >= 0, r, other));
+    }
+}
+
+STAGE void note_instances(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) surfaces->instance[j] = instance_hit(paths, i + j);
+}
+#endif
+
 STAGE void see_surfaces(const PRIVATE PathState* paths, int i, const PRIVATE PrimitivePoints* RESTRICT points,
                         PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
@@ -83,6 +116,20 @@ STAGE void find_quadric_uvs(const PRIVATE Scene* scene, const PRIVATE PathState*
 }
   #endif
 
+  #if HAS(INSTANCES)
+/// The surfaces' instances are known.
+STAGE void find_instance_uvs(const PRIVATE Scene* scene, const PRIVATE PrimitivePoints* RESTRICT points,
+                             PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface other = load_surface(surfaces, j);
+      const Surface s = with_instance_uv(scene, other.primitive, other.instance >= 0 ? other.instance : 0,
+                                         load_primitive_point(points, j), other);
+      store_surface_uv(surfaces, j, select_surface(other.instance >= 0, s, other));
+    }
+}
+  #endif
+
 /// Texture coordinates and tangents.
 FN void find_uvs(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                  const PRIVATE PrimitivePoints* points, PRIVATE Surfaces* surfaces) {
@@ -104,9 +151,19 @@ FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* p
 #if HAS(QUADRICS)
   if (NEEDS(scene, QUADRICS)) find_quadric_points(scene, paths, i, &points);
 #endif
+#if HAS(INSTANCES)
+  const bool instances = NEEDS(scene, INSTANCES) && any_instance_hit(paths, i);
+  if (instances) find_instance_points(scene, paths, i, &points);
+#endif
   see_surfaces(paths, i, &points, surfaces);
+#if HAS(INSTANCES)
+  if (NEEDS(scene, INSTANCES)) note_instances(paths, i, surfaces);
+#endif
 #if HAS(UV)
   if (NEEDS(scene, UV)) find_uvs(scene, paths, i, &points, surfaces);
+  #if HAS(INSTANCES)
+  if (NEEDS(scene, UV) && instances) find_instance_uvs(scene, &points, surfaces);
+  #endif
 #endif
 }
 

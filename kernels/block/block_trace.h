@@ -108,6 +108,18 @@ STAGE void intersect_block(const PRIVATE Scene* scene, const PRIVATE PathState* 
     return;
   }
 #endif
+#if HAS(BVH) && HAS(INSTANCES)
+  if (NEEDS(scene, INSTANCES)) {
+    for (int i = 0; i < count; i++) {
+      const Hit hit = intersect_levels(scene, get_ray_origin(paths, i), get_ray_direction(paths, i),
+                                       get_ray_tmax(paths, i), get_ray_skip(paths, i),
+                                       get_ray_skip_instance(paths, i), true);
+      set_hit(paths, i, hit.primitive);
+      set_hit_instance(paths, i, hit.instance);
+    }
+    return;
+  }
+#endif
 #if HAS(BVH)
   for (int i = 0; i < count; i++)
     set_hit(paths, i,
@@ -130,9 +142,27 @@ STAGE void intersect_block(const PRIVATE Scene* scene, const PRIVATE PathState* 
 
 /// Intersectors that take one ray at a time leave lanes from `count` on alone: they repeat the last path's
 /// hit too.
-FN void pad_hits(const PRIVATE PathState* paths, int count) {
+FN void pad_hits(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
   for (int i = count; i % LANES != 0; i++) set_hit(paths, i, get_hit(paths, count - 1));
+#if HAS(INSTANCES)
+  if (!NEEDS(scene, INSTANCES)) return;
+  for (int i = count; i % LANES != 0; i++) set_hit_instance(paths, i, get_hit_instance(paths, count - 1));
+#endif
 }
+
+#if HAS(BVH)
+/// Some hit of the lane's shadow ray.
+FN Hit shadow_ray_hit(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
+  const vec3 origin = get_shadow_origin(paths, i), direction = get_shadow_direction(paths, i);
+  const float tmax = get_shadow_tmax(paths, i);
+  const int skip = get_shadow_skip(paths, i);
+  #if HAS(INSTANCES)
+  if (NEEDS(scene, INSTANCES))
+    return occlude_levels(scene, origin, direction, tmax, skip, get_shadow_skip_instance(paths, i), true);
+  #endif
+  return occlude_bvh(scene, origin, direction, tmax, skip);
+}
+#endif
 
 /// Finds how much of the light of each lane's shadow ray gets through; negative where what stops it may let
 /// some through.
@@ -154,8 +184,7 @@ STAGE void occlude_block(const PRIVATE Scene* scene, const PRIVATE PathState* pa
 #endif
 #if HAS(BVH)
   for (int i = 0; i < count; i++) {
-    const Hit hit = occlude_bvh(scene, get_shadow_origin(paths, i), get_shadow_direction(paths, i),
-                                get_shadow_tmax(paths, i), get_shadow_skip(paths, i));
+    const Hit hit = shadow_ray_hit(scene, paths, i);
     float share = hit.primitive < 0 ? 1.0f : 0.0f;
   #if HAS(NESTED)
     if (NEEDS(scene, NESTED)) share = share_behind(scene, hit.primitive);

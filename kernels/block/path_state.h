@@ -22,6 +22,8 @@ PENUMBRA_NAMESPACE_BEGIN
 #define KEPT_SURFACE_FIELD(X, type, name) X(type, surface_##name, KEEPS_SURFACE, KEEPS_SURFACE)
 #define KEPT_UV_FIELD(X, type, name) X(type, surface_##name, ALL_OF(FEATURE_DIRECT | FEATURE_UV), FEATURE_DIRECT)
 
+#define KEPT_INSTANCE_FIELD(X, type, name) X(type, surface_##name, FEATURE_INSTANCES, FEATURE_INSTANCES)
+
 // X(type, name, features that need it, features with which it travels when finished paths' lanes are closed).
 // Types are float, int, bool and vec3. What does not travel lives within one step.
 #define PATH_FIELDS(X)                                                                                         \
@@ -30,8 +32,10 @@ PENUMBRA_NAMESPACE_BEGIN
   X(vec3, ray_direction, EVERY_SCENE, EVERY_SCENE)      /* unit */                                             \
   X(float, ray_tmax, EVERY_SCENE, EVERY_SCENE)          /* negative: no ray this time */                       \
   X(int, ray_skip, EVERY_SCENE, EVERY_SCENE)            /* primitive that it starts on, or -1 */               \
+  X(int, ray_skip_instance, FEATURE_INSTANCES, FEATURE_INSTANCES) /* the instance that that is a part of, or -1 */ \
   X(float, direction_pdf, EVERY_SCENE, EVERY_SCENE)     /* of its direction, per solid angle; see DELTA_PDF */ \
   X(int, hit, EVERY_SCENE, NEVER)                       /* primitive that it hits, or -1 */                    \
+  X(int, hit_instance, FEATURE_INSTANCES, NEVER)        /* the instance that that is a part of, or -1 */      \
   /* the path */                                                                                               \
   X(vec3, throughput, EVERY_SCENE, EVERY_SCENE)                                                                \
   X(vec3, radiance, EVERY_SCENE, EVERY_SCENE)           /* found so far */                                     \
@@ -56,6 +60,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(float, kept_tmax, THROUGH, NEVER)                                                                          \
   X(int, kept_skip, FEATURE_NESTED, NEVER)                                                                     \
   X(int, kept_hit, THROUGH, NEVER)                                                                             \
+  X(int, kept_skip_instance, ALL_OF(FEATURE_NESTED | FEATURE_INSTANCES), NEVER)                                \
+  X(int, kept_hit_instance, FEATURE_INSTANCES, NEVER)                                                          \
   /* whitted: what is left to do when the path ends, see BRANCH_FIELDS */                                      \
   X(int, branch_place, FEATURE_WHITTED, FEATURE_WHITTED)   /* the lane where its branches are */               \
   X(int, branch_count, FEATURE_WHITTED, FEATURE_WHITTED)                                                       \
@@ -63,11 +69,13 @@ PENUMBRA_NAMESPACE_BEGIN
   /* direct light, occlusion: the surface that the camera sees, which all samples share */                     \
   SURFACE_HIT_FIELDS(KEPT_SURFACE_FIELD, X)                                                                    \
   SURFACE_UV_FIELDS(KEPT_UV_FIELD, X)                                                                          \
+  SURFACE_INSTANCE_FIELDS(KEPT_INSTANCE_FIELD, X)                                                              \
   /* the shadow ray */                                                                                         \
   X(vec3, shadow_origin, EVERY_SCENE, NEVER)                                                                   \
   X(vec3, shadow_direction, EVERY_SCENE, NEVER)                                                                \
   X(float, shadow_tmax, EVERY_SCENE, NEVER)             /* negative: no shadow ray */                          \
   X(int, shadow_skip, EVERY_SCENE, NEVER)               /* primitive that it starts on, or -1 */               \
+  X(int, shadow_skip_instance, FEATURE_INSTANCES, NEVER) /* the instance that that is a part of, or -1 */     \
   X(vec3, shadow_radiance, EVERY_SCENE, NEVER)          /* arrives if nothing is in the way */                 \
   X(float, shadow_transmittance, EVERY_SCENE, NEVER)    /* what is in the way lets through: 0 to 1 */          \
   X(float, shadow_share, FEATURE_BENT, NEVER)           /* of it that bumps of the surface let through */     \
@@ -92,6 +100,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, vec3, throughput)                                                       \
   F(a, int, depth)                                                             \
   F(a, int, skip)       /* primitive that it starts on, or -1 */               \
+  F(a, int, instance)   /* that that is a part of, or -1 */                    \
   F(a, float, eta)      /* refractive index over that at the camera */         \
   F(a, int, pixel_hash)                                                        \
   F(a, int, more)       /* 0: a branch of its own; else samples yet to give */

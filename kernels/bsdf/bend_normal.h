@@ -20,10 +20,11 @@ PENUMBRA_NAMESPACE_BEGIN
     F(a, float, up)
 LANE_RECORD(Bend, Bends, bend, BEND_FIELDS)
 
-/// Changes of position with the texture coordinates.
-typedef struct {
-  vec3 du, dv;
-} Derivatives;
+  // Changes of position with the texture coordinates.
+  #define DERIVATIVES_FIELDS(F, a) \
+    F(a, vec3, du)                 \
+    F(a, vec3, dv)
+LANE_RECORD(Derivatives, DerivativesLanes, derivatives, DERIVATIVES_FIELDS)
 
 FN Derivatives triangle_derivatives(const PRIVATE Scene* scene, int index, vec3 normal) {
   GLOBAL const Triangle* triangle = scene->triangles + index;
@@ -59,6 +60,29 @@ FN Derivatives quadric_derivatives(const PRIVATE Scene* scene, int index, vec3 p
   d.du = select3(kind == QUADRIC_SPHERE, sphere.du, disk.du);
   d.dv = select3(kind == QUADRIC_SPHERE, sphere.dv, disk.dv);
   return d;
+}
+  #endif
+
+  #if HAS(INSTANCES)
+/// `d`: as if the primitive were the scene's own.
+FN Derivatives instance_derivatives(const PRIVATE Scene* scene, Surface s, Derivatives d) {
+  GLOBAL const Instance* at = scene->instances + (s.instance >= 0 ? s.instance : 0);
+  const int triangles = scene->header.tables.triangles.count;
+  const bool is_quadric = s.primitive >= triangles;
+  const bool is_triangle = (s.primitive >= 0) & !is_quadric;
+  const int given = uvs_of(scene, is_triangle ? s.primitive : 0)->given;
+  Derivatives own = d;
+    #if HAS(QUADRICS)
+  const Derivatives q =
+      quadric_derivatives(scene, is_quadric ? s.primitive - triangles : 0, to_group_point(at, s.p));
+  own.du = select3(is_quadric, q.du, own.du);
+  own.dv = select3(is_quadric, q.dv, own.dv);
+    #endif
+  const bool moves = (s.instance >= 0) & (is_quadric | (given != 0));
+  Derivatives there;
+  there.du = select3(moves, from_group_vector(at, own.du), d.du);
+  there.dv = select3(moves, from_group_vector(at, own.dv), d.dv);
+  return there;
 }
   #endif
 
@@ -122,9 +146,31 @@ STAGE void note_heights(const PRIVATE TextureLanes* RESTRICT found, PRIVATE floa
     for (int j = 0; j < LANES; j++) heights[j] = luminance(LOAD_LANE_vec3(found->value, j));
 }
 
+STAGE void find_derivatives(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+                            PRIVATE DerivativesLanes* RESTRICT derivatives) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(surfaces, j);
+      store_derivatives(derivatives, j,
+                        surface_derivatives(scene, s, scale(s.shading, s.front ? 1.0f : -1.0f)));
+    }
+}
+
+  #if HAS(INSTANCES)
+STAGE void find_instance_derivatives(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+                                     PRIVATE DerivativesLanes* RESTRICT derivatives) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++)
+      store_derivatives(
+          derivatives, j,
+          instance_derivatives(scene, load_surface(surfaces, j), load_derivatives(derivatives, j)));
+}
+  #endif
+
 /// Where the surface is displaced along its normal by h(u, v) its normal is that of du + h_u n and dv + h_v n
 /// (Blinn 1978), n's own change left out, as in Mitsuba 3.
 STAGE void bends_of_heights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+                            const PRIVATE DerivativesLanes* RESTRICT derivatives,
                             const PRIVATE float* RESTRICT heights, PRIVATE Bends* RESTRICT bends) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -135,7 +181,7 @@ STAGE void bends_of_heights(const PRIVATE Scene* scene, const PRIVATE Surfaces* 
       const float h_u = per_step * (heights[j] - heights[LANES + j]);
       const float h_v = per_step * (heights[2 * LANES + j] - heights[3 * LANES + j]);
       const vec3 front = scale(s.shading, s.front ? 1.0f : -1.0f);
-      const Derivatives d = surface_derivatives(scene, s, front);
+      const Derivatives d = load_derivatives(derivatives, j);
       const vec3 du = add_scaled(d.du, -dot3(front, d.du), front);
       const vec3 dv = add_scaled(d.dv, -dot3(front, d.dv), front);
       const float area = dot3(cross3(du, dv), front);
@@ -204,7 +250,12 @@ FN void bend_normals(const PRIVATE Scene* scene, PRIVATE Surfaces* surfaces) {
         surfaces->v[j] = v[j];
       }
     }
-    bends_of_heights(scene, surfaces, heights, &bends);
+    DerivativesLanes derivatives;
+    find_derivatives(scene, surfaces, &derivatives);
+  #if HAS(INSTANCES)
+    if (NEEDS(scene, INSTANCES)) find_instance_derivatives(scene, surfaces, &derivatives);
+  #endif
+    bends_of_heights(scene, surfaces, &derivatives, heights, &bends);
     apply_bends(scene, textures, &bends, surfaces);
   }
 }

@@ -111,6 +111,7 @@ class Checker {
     SCENE_INDICES(CHECK_INDEX)
 #undef CHECK_INDEX
     check_uvs();
+    check_instances();
     check_textures();
     for (const Quadric& q : table<Quadric>(scene_, h_.tables.quadrics))
       require(in(q.kind, QUADRIC_SPHERE, QUADRIC_DISK), "a quadric of unknown kind");
@@ -215,6 +216,25 @@ class Checker {
     require(parts == 0 || parts == h_.tables.lights.count, "triangles of lights do not match the lights");
   }
 
+  void check_instances() {
+    const auto groups = table<PrimitiveGroup>(scene_, h_.tables.groups);
+    const bool some = h_.tables.instances.count > 0;
+    require(some == has(FEATURE_INSTANCES), "instances and their feature bit go together");
+    require(some == !groups.empty(), "instances without groups, or groups without instances");
+    require(!some || has(FEATURE_BVH) || h_.intersector == INTERSECTOR_EMBREE,
+            "instances without a hierarchy");
+    for (const Instance& i : table<Instance>(scene_, h_.tables.instances))
+      require(i.group > 0, "an instance names the scene itself");
+    for (const PrimitiveGroup& g : groups) {
+      require(in(g.first_triangle, 0, h_.tables.triangles.count) &&
+                  in(g.triangle_count, 0, h_.tables.triangles.count - g.first_triangle),
+              "a group names triangles that are not there");
+      require(in(g.first_quadric, 0, h_.tables.quadrics.count) &&
+                  in(g.quadric_count, 0, h_.tables.quadrics.count - g.first_quadric),
+              "a group names quadrics that are not there");
+    }
+  }
+
   /// What an environment map's light reads of its tables, see envmap_light.h.
   void check_envmap() {
     const TableSpans& t = h_.tables;
@@ -307,15 +327,29 @@ class Checker {
 
   void check_hierarchy() {
     require(h_.tables.nodes.count > 0, "a hierarchy without a root");
-    const int leaves = h_.tables.triangle_leaves.count + h_.tables.quadric_leaves.count;
+    const std::int64_t shapes =
+        std::int64_t{h_.tables.triangle_leaves.count} + h_.tables.quadric_leaves.count;
+    require(shapes > 0, "a hierarchy without leaves");
     const auto nodes = table<BvhNode>(scene_, h_.tables.nodes);
     // Children follow their only parent, empty slots too: every ray's way through them ends, whatever its
-    // numbers.
+    // numbers. What is below the root of a group has no instances.
     std::vector<int> depth(nodes.size(), 0);
+    std::vector<bool> in_group(nodes.size(), false);
     if (!depth.empty()) depth[0] = 1;
+    const auto groups = table<PrimitiveGroup>(scene_, h_.tables.groups);
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      require(g == 0 ? groups[g].root == 0 : in(groups[g].root, 1, h_.tables.nodes.count - 1),
+              "a group's root is not there");
+      if (!problem_.empty()) return;
+      const auto root = std::size_t(groups[g].root);
+      require(g == 0 || depth[root] == 0, "two groups have one root");
+      depth[root] = 1;
+      in_group[root] = g > 0;
+    }
     for (std::size_t i = 0; i < nodes.size() && problem_.empty(); ++i) {
       require(depth[i] > 0, "a BVH node has no parent");
       require(depth[i] <= BVH_MAX_DEPTH, "the hierarchy is too deep");
+      const std::int64_t leaves = shapes + (in_group[i] ? 0 : h_.tables.instances.count);
       for (int child : nodes[i].child) {
         if (child < 0) {
           require(~child < leaves, "a BVH node names a leaf that is not there");
@@ -326,6 +360,7 @@ class Checker {
         if (!problem_.empty()) return;
         require(depth[std::size_t(child)] == 0, "a BVH node has two parents");
         depth[std::size_t(child)] = depth[i] + 1;
+        in_group[std::size_t(child)] = in_group[i];
       }
     }
     for (const TriangleLeaf& leaf : table<TriangleLeaf>(scene_, h_.tables.triangle_leaves))

@@ -32,6 +32,10 @@ FN Branch arriving_branch(const PRIVATE Scene* scene, const PRIVATE PathState* p
   b.throughput = get_throughput(paths, i);
   b.depth = get_depth(paths, i);
   b.skip = get_ray_skip(paths, i);
+  b.instance = -1;
+  #if HAS(INSTANCES)
+  if (NEEDS(scene, INSTANCES)) b.instance = get_ray_skip_instance(paths, i);
+  #endif
   b.eta = 1.0f;
   #if HAS(TRANSMISSION)
   if (NEEDS(scene, TRANSMISSION)) b.eta = get_eta(paths, i);
@@ -54,6 +58,9 @@ FN void follow_branch(const PRIVATE Scene* scene, const PRIVATE PathState* paths
   set_ray_direction(paths, i, b.direction);
   set_ray_tmax(paths, i, NO_LIMIT);
   set_ray_skip(paths, i, b.skip);
+  #if HAS(INSTANCES)
+  if (NEEDS(scene, INSTANCES)) set_ray_skip_instance(paths, i, b.instance);
+  #endif
   set_direction_pdf(paths, i, DELTA_PDF);
   set_throughput(paths, i, b.throughput);
   set_depth(paths, i, b.depth);

@@ -158,6 +158,9 @@ FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
     if (NEEDS(scene, UV) && k == 0) keep_uvs(paths, i, &step.surfaces);
     if (NEEDS(scene, UV) && k > 0) load_kept_uvs(paths, i, &step.surfaces);
   #endif
+  #if HAS(INSTANCES)
+    if (NEEDS(scene, INSTANCES)) keep_at_instances(paths, i, k, &step.surfaces);
+  #endif
     resolve_step_closures(scene, &step);
   #if HAS(LAYERS)
     if (NEEDS(scene, LAYERS) && k == 0) record_layers(&step.surfaces, &step.closures, paths, i, slots);

@@ -78,6 +78,9 @@ FN void step_occlusion(const PRIVATE Scene* scene, const PRIVATE PathState* path
     }
     if (k == 0 && samples > 1) keep_surfaces(paths, i, &surfaces);
     if (k > 0) load_kept_surfaces(paths, i, &surfaces);
+  #if HAS(INSTANCES)
+    if (NEEDS(scene, INSTANCES)) keep_at_instances(paths, i, k, &surfaces);
+  #endif
   #if HAS(LAYERS)
     if (NEEDS(scene, LAYERS) && k == 0) {
       Closures closures;

@@ -240,6 +240,9 @@ FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
     if (NEEDS(scene, TRANSMISSION)) enter_media(paths, i, &step.samples, step.eta);
   #endif
     continue_paths(scene, paths, i, &step);
+  #if HAS(INSTANCES)
+    if (NEEDS(scene, INSTANCES)) leave_instances(paths, i, &step.surfaces);
+  #endif
   }
 }
 #endif

@@ -44,6 +44,7 @@ FN void start_step(PRIVATE StepLanes* step) {
   // Without a tangent, for scenes that have none.
   const Surface nothing = surface_in_medium(make_vec3(0.0f, 0.0f, 0.0f));
   for (int j = 0; j < LANES; j++) store_surface_uv(&step->surfaces, j, nothing);
+  for (int j = 0; j < LANES; j++) step->surfaces.instance[j] = -1;
   clear_light_samplings(&step->samplings);
 }
 

@@ -171,6 +171,7 @@ STAGE void second_branches(const PRIVATE Scene* scene, const PRIVATE PathState* 
       b.throughput =
           select3(alive, scale(throughput, 1.0f / (alive ? survival : 1.0f)), make_vec3(0.0f, 0.0f, 0.0f));
       b.skip = s.primitive;
+      b.instance = s.instance;
       b.pixel_hash = branch_sequence(b.pixel_hash, 0);
       store_branch(branches, j, b);
     }
@@ -278,6 +279,9 @@ FN void step_whitted(const PRIVATE Scene* scene, const PRIVATE PathState* paths,
       if (NEEDS(scene, TRANSMISSION)) enter_media(paths, i, &step.samples, step.eta);
   #endif
       continue_paths(scene, paths, i, &step);
+  #if HAS(INSTANCES)
+      if (NEEDS(scene, INSTANCES)) leave_instances(paths, i, &step.surfaces);
+  #endif
       if (revisits) end_revisits(paths, i);
     } else {
       end_paths(paths, i);

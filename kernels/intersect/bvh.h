@@ -2,18 +2,28 @@
 #ifndef PENUMBRA_BVH_H
 #define PENUMBRA_BVH_H
 #include "kernels/intersect/bvh_limits.h"
+#include "kernels/intersect/instance.h"
 #include "kernels/intersect/quadric.h"
 #include "kernels/intersect/triangle.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#define BVH_STACK (BVH_MAX_DEPTH * (BVH_WIDTH - 1) + BVH_WIDTH)
+// The scene's hierarchy, and within it that of one group.
+#if HAS(INSTANCES)
+  #define BVH_LEVELS 2
+#else
+  #define BVH_LEVELS 1
+#endif
+#define BVH_STACK (BVH_LEVELS * (BVH_MAX_DEPTH * (BVH_WIDTH - 1) + BVH_WIDTH))
 // 1 + 2 gamma(3): a slab test that never misses a box through rounding (Ize 2013).
 #define SLAB_MARGIN 1.0000005f
 
 typedef struct {
   int primitive;  ///< -1: nothing before tmax
   float t;
+#if HAS(INSTANCES)
+  int instance;  ///< that the primitive is a part of, or -1
+#endif
 } Hit;
 
 FN Hit closer_hit(Hit best, float t, int primitive) {
@@ -111,8 +121,24 @@ FN Hit intersect_triangle_leaf(GLOBAL const TriangleLeaf* leaf, const PRIVATE Bv
   return best;
 }
 
-/// The closest of the leaf's hits and `best`.
-FN Hit intersect_leaf(const PRIVATE Scene* scene, int leaf, const PRIVATE BvhRay* r, Hit best) {
+#if HAS(QUADRICS)
+/// Distance in units of the direction's length; `any_length`: it may be another than 1.
+FN float quadric_distance(const PRIVATE Scene* scene, int primitive, const PRIVATE BvhRay* r,
+                          bool any_length) {
+  const Quadric q = scene->quadrics[primitive - scene->header.tables.triangles.count];
+  #if HAS(INSTANCES)
+  if (any_length) {
+    const UnitDirection unit = unit_direction(r->d);
+    return intersect_quadric(q, r->o, unit.d) / unit.length;
+  }
+  #endif
+  return intersect_quadric(q, r->o, r->d);
+}
+#endif
+
+/// The closest of the leaf's hits and `best`. `any_length`: see quadric_distance.
+FN Hit intersect_leaf(const PRIVATE Scene* scene, int leaf, const PRIVATE BvhRay* r, Hit best,
+                      bool any_length) {
 #if HAS(QUADRICS)
   if (leaf >= scene->header.tables.triangle_leaves.count) {
     GLOBAL const QuadricLeaf* quadrics =
@@ -120,8 +146,7 @@ FN Hit intersect_leaf(const PRIVATE Scene* scene, int leaf, const PRIVATE BvhRay
     for (int j = 0; j < BVH_WIDTH; j++) {
       const int primitive = quadrics->primitive[j];
       if (primitive < 0) continue;
-      const float t =
-          intersect_quadric(scene->quadrics[primitive - scene->header.tables.triangles.count], r->o, r->d);
+      const float t = quadric_distance(scene, primitive, r, any_length);
       if (t > 0.0f) best = closer_hit(best, t, primitive);
     }
     return best;
@@ -134,21 +159,77 @@ FN Hit no_hit(float tmax) {
   Hit none;
   none.primitive = -1;
   none.t = tmax;
+#if HAS(INSTANCES)
+  none.instance = -1;
+#endif
   return none;
 }
 
-/// The closest hit in (0, tmax).
-FN Hit intersect_bvh(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip) {
+/// Where a traversal is: in the scene, or in one of its instances.
+typedef struct {
+  BvhRay ray;
+#if HAS(INSTANCES)
+  BvhRay outside;  ///< the ray in the scene
+  int instance;    ///< or -1
+  int bottom;      ///< of the part of the stack that is the instance's
+#endif
+} Traversal;
+
+/// `instances`: whether the scene has some. Skipped is the primitive `skip` of `skip_instance`, or of none.
+FN Traversal start_traversal(vec3 o, vec3 d, int skip, int skip_instance, bool instances) {
+  Traversal t;
+  t.ray = make_bvh_ray(o, d, skip);
+#if HAS(INSTANCES)
+  if (instances) {
+    t.outside = t.ray;
+    t.ray.skip = skip_instance < 0 ? skip : -1;
+  }
+  t.instance = -1;
+  t.bottom = 0;
+#endif
+  return t;
+}
+
+#if HAS(INSTANCES)
+/// Of a leaf, its instance, or negative.
+FN int instance_of_leaf(const PRIVATE Scene* scene, int leaf) {
+  return leaf - scene->header.tables.triangle_leaves.count - scene->header.tables.quadric_leaves.count;
+}
+
+/// Into the instance; the node that is its root.
+FN int enter_instance(const PRIVATE Scene* scene, PRIVATE Traversal* t, int instance, int skip_instance,
+                      int top) {
+  GLOBAL const Instance* at = scene->instances + instance;
+  const GroupRay r = group_ray(at, t->outside.o, t->outside.d);
+  t->ray = make_bvh_ray(r.o, r.d, instance == skip_instance ? t->outside.skip : -1);
+  t->instance = instance;
+  t->bottom = top;
+  return scene->groups[at->group].root;
+}
+
+/// Out of the instance if all of it was visited.
+FN void leave_instance(PRIVATE Traversal* t, int skip_instance, int top) {
+  if (t->instance < 0 || top > t->bottom) return;
+  t->ray = t->outside;
+  t->ray.skip = skip_instance < 0 ? t->outside.skip : -1;
+  t->instance = -1;
+}
+#endif
+
+/// The closest hit in (0, tmax), but of primitive `skip` of `skip_instance`, which are -1 for none.
+/// `instances`: whether the scene has some; a constant, for code without where it has none.
+FN Hit intersect_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip, int skip_instance,
+                        bool instances) {
   int stack[BVH_STACK];
   float distances[BVH_STACK], entries[BVH_WIDTH];
   Hit best = no_hit(tmax);
   if (tmax < 0.0f) return best;
-  const BvhRay ray = make_bvh_ray(o, d, skip);
+  Traversal at = start_traversal(o, d, skip, skip_instance, instances);
   int top = 0, entry = 0;
   for (;;) {
     if (entry >= 0) {
       GLOBAL const BvhNode* node = scene->nodes + entry;
-      uint hits = enter_children(node, &ray, best.t, entries);
+      uint hits = enter_children(node, &at.ray, best.t, entries);
       if (hits != 0u) {
         // The nearest child next, the others on the stack by falling distance.
         const int base = top;
@@ -162,48 +243,82 @@ FN Hit intersect_bvh(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int
           const float distance = nearer ? nearest : entries[j];
           entry = nearer ? node->child[j] : entry;
           nearest = nearer ? entries[j] : nearest;
-          int at = top++;
-          for (; at > base && distances[at - 1] < distance; at--) {
-            distances[at] = distances[at - 1];
-            stack[at] = stack[at - 1];
+          int place = top++;
+          for (; place > base && distances[place - 1] < distance; place--) {
+            distances[place] = distances[place - 1];
+            stack[place] = stack[place - 1];
           }
-          distances[at] = distance;
-          stack[at] = other;
+          distances[place] = distance;
+          stack[place] = other;
         }
         continue;
       }
     } else {
-      best = intersect_leaf(scene, ~entry, &ray, best);
+#if HAS(INSTANCES)
+      const int instance = instances ? instance_of_leaf(scene, ~entry) : -1;
+      if (instance >= 0) {
+        entry = enter_instance(scene, &at, instance, skip_instance, top);
+        continue;
+      }
+#endif
+      const Hit found = intersect_leaf(scene, ~entry, &at.ray, best, instances);
+#if HAS(INSTANCES)
+      const bool other = (found.primitive != best.primitive) | (found.t != best.t);
+      const int before = best.instance;
+      best = found;
+      best.instance = other ? at.instance : before;
+#else
+      best = found;
+#endif
     }
     do {
+#if HAS(INSTANCES)
+      if (instances) leave_instance(&at, skip_instance, top);
+#endif
       if (top == 0) return best;
       entry = stack[--top];
     } while (distances[top] > best.t);
   }
 }
 
-/// Some hit in (0, tmax). A node's last child has the fewest primitives: it is
+/// Some hit in (0, tmax), likewise. A node's last child has the fewest primitives: it is
 /// visited first, since few large ones are what blocks most rays (distances would find the clutter around the
 /// ray's origin first).
-FN Hit occlude_bvh(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip) {
+FN Hit occlude_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip, int skip_instance,
+                      bool instances) {
   int stack[BVH_STACK];
   float entries[BVH_WIDTH];
   if (tmax < 0.0f) return no_hit(tmax);
-  const BvhRay ray = make_bvh_ray(o, d, skip);
+  Traversal at = start_traversal(o, d, skip, skip_instance, instances);
   int top = 0;
   stack[top++] = 0;
   while (top > 0) {
-    const int entry = stack[--top];
+    int entry = stack[--top];
+#if HAS(INSTANCES)
+    const int instance = (instances && entry < 0) ? instance_of_leaf(scene, ~entry) : -1;
+    if (instance >= 0) entry = enter_instance(scene, &at, instance, skip_instance, top);
+#endif
     if (entry >= 0) {
       GLOBAL const BvhNode* node = scene->nodes + entry;
-      for (uint hits = enter_children(node, &ray, tmax, entries); hits != 0u; hits &= hits - 1u)
+      for (uint hits = enter_children(node, &at.ray, tmax, entries); hits != 0u; hits &= hits - 1u)
         stack[top++] = node->child[LOWEST_BIT(hits)];
     } else {
-      const Hit some = intersect_leaf(scene, ~entry, &ray, no_hit(tmax));
+      const Hit some = intersect_leaf(scene, ~entry, &at.ray, no_hit(tmax), instances);
       if (some.primitive >= 0) return some;
     }
+#if HAS(INSTANCES)
+    if (instances) leave_instance(&at, skip_instance, top);
+#endif
   }
   return no_hit(tmax);
+}
+
+/// In a scene without instances.
+FN Hit intersect_bvh(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip) {
+  return intersect_levels(scene, o, d, tmax, skip, -1, false);
+}
+FN Hit occlude_bvh(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip) {
+  return occlude_levels(scene, o, d, tmax, skip, -1, false);
 }
 
 PENUMBRA_NAMESPACE_END

@@ -2,6 +2,7 @@
 // primitive itself, so that all intersectors agree and positions stay exact far along a ray.
 #ifndef PENUMBRA_SURFACE_H
 #define PENUMBRA_SURFACE_H
+#include "kernels/intersect/instance.h"
 #include "kernels/intersect/quadric.h"
 #include "kernels/intersect/surface_uv.h"
 #include "kernels/intersect/triangle.h"
@@ -101,6 +102,31 @@ FN PrimitivePoint quadric_point(const PRIVATE Scene* scene, int index, vec3 o, v
 }
 #endif
 
+#if HAS(INSTANCES)
+/// Where the ray from `o` along `d` meets the primitive of the instance, in the scene.
+FN PrimitivePoint instance_point(const PRIVATE Scene* scene, int primitive, int instance, vec3 o, vec3 d) {
+  GLOBAL const Instance* at = scene->instances + instance;
+  const GroupRay ray = group_ray(at, o, d);
+  const int triangle = triangle_of(scene, primitive);
+  PrimitivePoint r = triangle_point(scene, triangle, ray.o, ray.d);
+  #if HAS(SHADING_NORMALS)
+  r.shading = interpolated_normal(scene, triangle, r);
+  #endif
+  #if HAS(QUADRICS)
+  const int quadric = primitive - scene->header.tables.triangles.count;
+  const UnitDirection unit = unit_direction(ray.d);
+  PrimitivePoint q = quadric_point(scene, quadric >= 0 ? quadric : 0, ray.o, unit.d);
+  q.distance /= unit.length;
+  r = select_primitive_point(quadric >= 0, q, r);
+  #endif
+  r.p = from_group_point(at, r.p);
+  r.extent = from_group_extent(at, r.extent, r.p);
+  r.normal = from_group_normal(at, r.normal);
+  r.shading = from_group_normal(at, r.shading);
+  return r;
+}
+#endif
+
 /// The surface of a ray that met the primitive, or nothing (-1), at that point, without texture coordinates.
 FN Surface seen_surface(int primitive, vec3 o, vec3 d, PrimitivePoint r) {
   Surface s;
@@ -122,6 +148,19 @@ FN Surface seen_surface(int primitive, vec3 o, vec3 d, PrimitivePoint r) {
   s.light = primitive >= 0 ? r.light : -1;
   return without_uv(s);
 }
+
+#if HAS(INSTANCES)
+/// The same as surface_at of a primitive of an instance.
+FN Surface surface_at_instance(const PRIVATE Scene* scene, int primitive, int instance, vec3 o, vec3 d) {
+  const PrimitivePoint r = instance_point(scene, primitive, instance, o, d);
+  Surface s = seen_surface(primitive, o, d, r);
+  s.instance = instance;
+  #if HAS(UV)
+  if (NEEDS(scene, UV)) s = with_instance_uv(scene, primitive, instance, r, s);
+  #endif
+  return s;
+}
+#endif
 
 /// The surface that the ray from `o` along the unit direction `d` meets on the primitive; -1: none. Stages
 /// that have LANES of them use surfaces_at.

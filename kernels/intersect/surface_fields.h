@@ -26,7 +26,9 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, vec3, tangent)    /* unit, where u grows in the tangent plane of the primitive: see tangent_axis */ \
   F(a, vec3, smooth)     /* unit shading normal before a texture bent it */                              \
   F(a, float, bumps)     /* squared roughness of the bumps that bent it: see bump_shadow */
-#define SURFACE_FIELDS(F, a) SURFACE_HIT_FIELDS(F, a) SURFACE_UV_FIELDS(F, a)
+// Scenes with FEATURE_INSTANCES alone.
+#define SURFACE_INSTANCE_FIELDS(F, a) F(a, int, instance)  /* that the primitive is a part of, or -1 */
+#define SURFACE_FIELDS(F, a) SURFACE_HIT_FIELDS(F, a) SURFACE_UV_FIELDS(F, a) SURFACE_INSTANCE_FIELDS(F, a)
 // clang-format on
 LANE_RECORD(Surface, Surfaces, surface, SURFACE_FIELDS)
 LANE_RECORD_PART(Surface, Surfaces, surface_hit, SURFACE_HIT_FIELDS)
@@ -50,10 +52,12 @@ LANE_RECORD(PrimitivePoint, PrimitivePoints, primitive_point, PRIMITIVE_POINT_FI
 
 FN bool is_hit(Surface s) { return s.primitive >= 0; }
 
+/// Outside of instances too.
 FN Surface without_uv(Surface s) {
   s.u = s.v = 0.0f;
   s.tangent = s.smooth = make_vec3(0.0f, 0.0f, 0.0f);
   s.bumps = 0.0f;
+  s.instance = -1;
   return s;
 }
 

@@ -1,6 +1,7 @@
 // Texture coordinates and tangents, as Mitsuba 3 has them.
 #ifndef PENUMBRA_SURFACE_UV_H
 #define PENUMBRA_SURFACE_UV_H
+#include "kernels/intersect/instance.h"
 #include "kernels/intersect/surface_fields.h"
 #include "kernels/math/frame.h"
 #include "kernels/scene.h"
@@ -44,15 +45,20 @@ FN TexturePoint triangle_uv(GLOBAL const VertexUvs* at, float b0, float b1, floa
   return t;
 }
 
-/// dp/du of a triangle about its unit normal.
-FN vec3 triangle_tangent(GLOBAL const VertexUvs* at, GLOBAL const Triangle* triangle, vec3 normal) {
+/// Along dp/du of a triangle, or nothing.
+FN vec3 triangle_du(GLOBAL const VertexUvs* at, GLOBAL const Triangle* triangle) {
   const vec3 p0 = load3(&triangle->p0);
   const vec3 e1 = sub(load3(&triangle->p1), p0), e2 = sub(load3(&triangle->p2), p0);
   const float u1 = at->u1 - at->u0, v1 = at->v1 - at->v0, u2 = at->u2 - at->u0, v2 = at->v2 - at->v0;
   const float determinant = u1 * v2 - v1 * u2;
   const vec3 along = scale(sub(scale(e1, v2), scale(e2, v1)), sign_of(determinant));
   const bool some = (at->given != 0) & (determinant != 0.0f);
-  return tangent_axis(normal, select3(some, along, make_vec3(0.0f, 0.0f, 0.0f)));
+  return select3(some, along, make_vec3(0.0f, 0.0f, 0.0f));
+}
+
+/// dp/du of a triangle about its unit normal.
+FN vec3 triangle_tangent(GLOBAL const VertexUvs* at, GLOBAL const Triangle* triangle, vec3 normal) {
+  return tangent_axis(normal, triangle_du(at, triangle));
 }
 
 /// Of the angle of (x, y), in [0, 1).
@@ -103,17 +109,57 @@ FN Surface with_triangle_uv(const PRIVATE Scene* scene, int triangle, PrimitiveP
 }
 
   #if HAS(QUADRICS)
-FN Surface with_quadric_uv(const PRIVATE Scene* scene, int index, PrimitivePoint r, Surface s) {
-  GLOBAL const Quadric* q = scene->quadrics + index;
+/// Texture coordinates of a quadric's point, and the direction in which u grows.
+typedef struct {
+  TexturePoint at;
+  vec3 du;
+} QuadricUv;
+
+FN QuadricUv quadric_uv(GLOBAL const Quadric* q, vec3 p) {
   const bool sphere = q->kind == QUADRIC_SPHERE;
-  const vec3 from_center = to_quadric_frame(q, sub(r.p, load3(&q->center)));
+  const vec3 from_center = to_quadric_frame(q, sub(p, load3(&q->center)));
   const TexturePoint on_sphere = sphere_uv(normalize3(from_center));
   const TexturePoint on_disk = disk_uv(from_center, q->radius);
-  s.u = sphere ? on_sphere.u : on_disk.u;
-  s.v = sphere ? on_sphere.v : on_disk.v;
+  QuadricUv r;
+  r.at.u = sphere ? on_sphere.u : on_disk.u;
+  r.at.v = sphere ? on_sphere.v : on_disk.v;
   // To the east on a sphere, away from the centre on a disk.
   const float x = sphere ? -from_center.y : from_center.x, y = sphere ? from_center.x : from_center.y;
-  s.tangent = tangent_axis(r.normal, add_scaled(scale(load3(&q->x_axis), x), y, load3(&q->y_axis)));
+  r.du = add_scaled(scale(load3(&q->x_axis), x), y, load3(&q->y_axis));
+  return r;
+}
+
+FN Surface with_quadric_uv(const PRIVATE Scene* scene, int index, PrimitivePoint r, Surface s) {
+  const QuadricUv uv = quadric_uv(scene->quadrics + index, r.p);
+  s.u = uv.at.u;
+  s.v = uv.at.v;
+  s.tangent = tangent_axis(r.normal, uv.du);
+  s.smooth = s.shading;
+  s.bumps = 0.0f;
+  return s;
+}
+  #endif
+
+  #if HAS(INSTANCES)
+/// Of a primitive of an instance. `r` is in the scene.
+FN Surface with_instance_uv(const PRIVATE Scene* scene, int primitive, int instance, PrimitivePoint r,
+                            Surface s) {
+  GLOBAL const Instance* at = scene->instances + instance;
+  const int quadric = primitive - scene->header.tables.triangles.count;
+  const bool is_triangle = (primitive >= 0) & (quadric < 0);
+  const int triangle = is_triangle ? primitive : 0;
+  GLOBAL const VertexUvs* corners = uvs_of(scene, triangle);
+  TexturePoint t = triangle_uv(corners, r.b0, r.b1, r.b2);
+  vec3 du = triangle_du(corners, scene->triangles + triangle);
+    #if HAS(QUADRICS)
+  const QuadricUv uv = quadric_uv(scene->quadrics + (quadric >= 0 ? quadric : 0), to_group_point(at, r.p));
+  t.u = quadric >= 0 ? uv.at.u : t.u;
+  t.v = quadric >= 0 ? uv.at.v : t.v;
+  du = select3(quadric >= 0, uv.du, du);
+    #endif
+  s.u = t.u;
+  s.v = t.v;
+  s.tangent = tangent_axis(r.normal, from_group_vector(at, du));
   s.smooth = s.shading;
   s.bumps = 0.0f;
   return s;

@@ -28,7 +28,10 @@ typedef struct {
 /// the closed forms allow.
 FN void store_shading_point(const PRIVATE Scene* scene, Surface s, Closure c, PRIVATE ShadingPoints* points,
                             int j) {
-  const bool on_triangle = is_hit(s) & (s.primitive < scene->header.tables.triangles.count);
+  bool on_triangle = is_hit(s) & (s.primitive < scene->header.tables.triangles.count);
+  #if HAS(INSTANCES)
+  on_triangle = on_triangle & (!NEEDS(scene, INSTANCES) | (s.instance < 0));
+  #endif
   const vec3 o = s.from, d = negate(s.wo);
   GLOBAL const Triangle* t = scene->triangles + (on_triangle ? s.primitive : 0);
   const vec3 p0 = load3(&t->p0), p1 = load3(&t->p1), p2 = load3(&t->p2);

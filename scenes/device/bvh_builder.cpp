@@ -2,11 +2,14 @@
 
 #include <embree3/rtcore.h>
 
+#include <array>
+#include <cmath>
 #include <deque>
 #include <memory>
 
 #include "kernels/host/bounds.h"
 #include "kernels/intersect/bvh_limits.h"
+#include "kernels/math/math.h"
 #include "scenes/device/triangle_split.h"
 
 namespace penumbra {
@@ -80,11 +83,17 @@ struct BvhRelease {
 };
 using BvhHandle = std::unique_ptr<RTCBVHTy, BvhRelease>;
 
+/// What a leaf holds. Until the numbers of leaves of each kind are known a child is the code of a leaf.
+enum LeafKind { kTriangleLeaf, kQuadricLeaf, kInstanceLeaf, kLeafKinds };
+constexpr int kCodeBits = 29;
+int leaf_code(LeafKind kind, std::size_t index) { return ~(int(kind) << kCodeBits | int(index)); }
+
 /// Triangles are split where that pays, into up to half as many parts again: bounced rays are 8 % (classroom)
 /// and 34 % (spaceship) faster.
 constexpr double kRoomForParts = 1.5;
 
-Expected<BuildNode*> build_tree(RTCDevice device, const std::vector<Box>& boxes, Build build) {
+Expected<BuildNode*> build_tree(RTCDevice device, const std::vector<Box>& boxes, LeafKind kind, Build build) {
+  const unsigned in_leaf = kind == kInstanceLeaf ? 1 : BVH_WIDTH;
   const bool splits = !build.triangles.empty();
   std::vector<RTCBuildPrimitive> primitives(splits ? std::size_t(double(boxes.size()) * kRoomForParts)
                                                    : boxes.size());
@@ -99,8 +108,8 @@ Expected<BuildNode*> build_tree(RTCDevice device, const std::vector<Box>& boxes,
   arguments.maxBranchingFactor = BVH_WIDTH;
   arguments.maxDepth = BVH_MAX_DEPTH - 2;  // the root over both kinds of primitive and a margin
   arguments.sahBlockSize = BVH_WIDTH;
-  arguments.minLeafSize = BVH_WIDTH;  // testing a full leaf costs as much as testing a node
-  arguments.maxLeafSize = BVH_WIDTH;
+  arguments.minLeafSize = in_leaf;  // testing a full leaf costs as much as testing a node
+  arguments.maxLeafSize = in_leaf;
   arguments.traversalCost = 1;
   arguments.intersectionCost = 1;
   arguments.bvh = bvh.get();
@@ -119,31 +128,46 @@ Expected<BuildNode*> build_tree(RTCDevice device, const std::vector<Box>& boxes,
   return root;
 }
 
+/// A part of the hierarchy: its primitives are consecutive ones of the tables.
+struct Part {
+  BuildNode* root = nullptr;  ///< null: none
+  Box box;
+  LeafKind kind = kTriangleLeaf;
+  std::span<const Triangle> triangles;  ///< of leaves of triangles
+  int first = 0;                        ///< number of the first primitive
+};
+
 class Flattener {
  public:
-  Flattener(std::span<const Triangle> triangles, Hierarchy& out) : triangles_(triangles), out_(out) {}
+  explicit Flattener(Hierarchy& out) : out_(out) {}
 
-  /// Leaves get final numbers only when all triangle leaves are known, so quadric leaves are numbered from
-  /// the other end of the negative range first.
-  void flatten(const BuildNode* triangle_root, Box triangle_box, const BuildNode* quadric_root,
-               Box quadric_box) {
-    const BuildNode* only = triangle_root && quadric_root ? nullptr
-                            : triangle_root               ? triangle_root
-                                                          : quadric_root;
-    if (only && only->child_count > 0) {
-      emit(only, only == quadric_root);
-      return;
+  /// Appends a tree over the parts that have a root; at least one has. Returns its root.
+  int flatten(std::span<const Part> parts) {
+    const Part* only = nullptr;
+    int count = 0;
+    for (const Part& part : parts) {
+      if (part.root == nullptr) continue;
+      only = &part;
+      ++count;
     }
+    if (count == 1 && only->root->child_count > 0) return emit(only->root, *only);
+    const std::size_t at = out_.nodes.size();
     out_.nodes.push_back(empty_node());
     int slot = 0;
-    if (triangle_root) set_child(0, slot++, triangle_box, emit(triangle_root, false));
-    const std::size_t quadric_nodes = out_.nodes.size();
-    if (quadric_root) set_child(0, slot, quadric_box, emit(quadric_root, true));
-    const int shift = int(out_.triangle_leaves.size());
-    if (quadric_root && out_.nodes[0].child[slot] < 0) out_.nodes[0].child[slot] -= shift;
-    for (std::size_t i = quadric_nodes; i < out_.nodes.size(); ++i)
-      for (int& child : out_.nodes[i].child)
-        if (child < 0) child -= shift;
+    for (const Part& part : parts)
+      if (part.root != nullptr) set_child(at, slot++, part.box, emit(part.root, part));
+    return int(at);
+  }
+
+  /// Replaces codes by numbers: those of triangle leaves come first, then those of quadric leaves.
+  void number_leaves() {
+    const int first[kLeafKinds] = {0, int(out_.triangle_leaves.size()),
+                                   int(out_.triangle_leaves.size() + out_.quadric_leaves.size())};
+    for (BvhNode& node : out_.nodes)
+      for (int& child : node.child) {
+        const int code = ~child;
+        if (child < 0) child = ~(first[code >> kCodeBits] + (code & ((1 << kCodeBits) - 1)));
+      }
   }
 
  private:
@@ -168,22 +192,32 @@ class Flattener {
     out_.nodes[at].child[slot] = child;
   }
 
-  int emit(const BuildNode* node, bool quadrics) {
-    if (node->child_count == 0) return quadrics ? emit_quadrics(*node) : emit_triangles(*node);
+  int emit(const BuildNode* node, const Part& part) {
+    if (node->child_count == 0) {
+      switch (part.kind) {
+        case kTriangleLeaf:
+          return emit_triangles(*node, part);
+        case kQuadricLeaf:
+          return emit_quadrics(*node, part);
+        default:
+          return leaf_code(kInstanceLeaf, std::size_t(node->primitives.front()));
+      }
+    }
     const std::size_t at = out_.nodes.size();
     out_.nodes.push_back(empty_node());
     for (int k = 0; k < node->child_count; ++k)
-      set_child(at, k, node->bounds[k], emit(node->children[k], quadrics));
+      set_child(at, k, node->bounds[k], emit(node->children[k], part));
     return int(at);
   }
 
-  int emit_triangles(const BuildNode& node) {
+  int emit_triangles(const BuildNode& node, const Part& part) {
     TriangleLeaf leaf{};
     for (int j = 0; j < BVH_WIDTH; ++j) {
       leaf.primitive[j] = -1;
       if (j >= int(node.primitives.size())) continue;
-      leaf.primitive[j] = node.primitives[std::size_t(j)];
-      const Triangle& t = triangles_[std::size_t(leaf.primitive[j])];
+      const int index = node.primitives[std::size_t(j)];
+      leaf.primitive[j] = part.first + index;
+      const Triangle& t = part.triangles[std::size_t(index)];
       const vec3 p[3] = {t.p0, t.p1, t.p2};
       for (int v = 0; v < 3; ++v) {
         leaf.p[v][0][j] = p[v].x;
@@ -192,19 +226,17 @@ class Flattener {
       }
     }
     out_.triangle_leaves.push_back(leaf);
-    return ~int(out_.triangle_leaves.size() - 1);
+    return leaf_code(kTriangleLeaf, out_.triangle_leaves.size() - 1);
   }
 
-  int emit_quadrics(const BuildNode& node) {
+  int emit_quadrics(const BuildNode& node, const Part& part) {
     QuadricLeaf leaf{};
     for (int j = 0; j < BVH_WIDTH; ++j)
-      leaf.primitive[j] =
-          j < int(node.primitives.size()) ? node.primitives[std::size_t(j)] + int(triangles_.size()) : -1;
+      leaf.primitive[j] = j < int(node.primitives.size()) ? part.first + node.primitives[std::size_t(j)] : -1;
     out_.quadric_leaves.push_back(leaf);
-    return ~int(out_.quadric_leaves.size() - 1);
+    return leaf_code(kQuadricLeaf, out_.quadric_leaves.size() - 1);
   }
 
-  std::span<const Triangle> triangles_;
   Hierarchy& out_;
 };
 
@@ -219,28 +251,112 @@ std::vector<Box> all_bounds(std::span<const Primitive> primitives, Box& total) {
   return boxes;
 }
 
+Box bounds_of(std::span<const Triangle> triangles, std::span<const Quadric> quadrics,
+              const PrimitiveGroup& group) {
+  Box box;
+  for (int i = 0; i < group.triangle_count; ++i)
+    box.include(bounds_of(triangles[std::size_t(group.first_triangle + i)]));
+  for (int i = 0; i < group.quadric_count; ++i)
+    box.include(bounds_of(quadrics[std::size_t(group.first_quadric + i)]));
+  return box;
+}
+
+/// Of what is placed, and of the roundings of rays on their way into a group from anywhere in the scene: some
+/// 5 of either way's products, see from_group_extent.
+std::vector<Box> instance_bounds(std::span<const Instance> instances, std::span<const Box> groups) {
+  constexpr double kRoundings = 16 * HALF_EPSILON;
+  const auto axes = [](const vec3& v) { return std::array<double, 3>{v.x, v.y, v.z}; };
+  std::vector<Box> boxes;
+  boxes.reserve(instances.size());
+  std::vector<std::array<double, 3>> stretches;  // by which a transform's way there and back grows roundings
+  std::array<double, 3> reach{};                 // of the scene from its centre
+  const Box& once = groups.front();
+  for (std::size_t k = 0; k < 3 && once.low[0] <= once.high[0]; ++k)
+    reach[k] = std::max(std::abs(once.low[k]), std::abs(once.high[k]));
+  for (const Instance& instance : instances) {
+    const Box& group = groups[std::size_t(instance.group)];
+    const std::array<double, 3> columns[] = {axes(instance.x), axes(instance.y), axes(instance.z)};
+    const std::array<double, 3> rows[] = {axes(instance.row_x), axes(instance.row_y), axes(instance.row_z)};
+    const std::array<double, 3> at = axes(instance.at);
+    Box box;
+    std::array<double, 3> stretch{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      double low = at[k], high = at[k], rounding = std::abs(at[k]);
+      for (std::size_t i = 0; i < 3; ++i) {
+        const double a = columns[i][k] * group.low[i], b = columns[i][k] * group.high[i];
+        low += std::min(a, b);
+        high += std::max(a, b);
+        rounding += std::max(std::abs(a), std::abs(b));
+        for (std::size_t j = 0; j < 3; ++j)
+          stretch[k] = std::max(stretch[k], 3 * std::abs(columns[i][k]) * std::abs(rows[i][j]));
+      }
+      box.low[k] = float(low - kRoundings * rounding);
+      box.high[k] = float(high + kRoundings * rounding);
+      reach[k] = std::max({reach[k], std::abs(low), std::abs(high)});
+    }
+    boxes.push_back(box);
+    stretches.push_back(stretch);
+  }
+  const double farthest = reach[0] + reach[1] + reach[2];
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double margin = kRoundings * stretches[i][k] * farthest;
+      boxes[i].low[k] = float(boxes[i].low[k] - margin);
+      boxes[i].high[k] = float(boxes[i].high[k] + margin);
+    }
+  return boxes;
+}
+
 }  // namespace
 
 Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::span<const Quadric> quadrics) {
+  const PrimitiveGroup all{0, 0, int(triangles.size()), 0, int(quadrics.size())};
+  return build_hierarchy(triangles, quadrics, std::span(&all, 1), {});
+}
+
+Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::span<const Quadric> quadrics,
+                                    std::span<const PrimitiveGroup> groups,
+                                    std::span<const Instance> instances) {
   DeviceHandle device(rtcNewDevice("threads=1,isa=sse2"));
   if (!device) return fail("Embree does not start on this machine");
-  Box triangle_box, quadric_box;
-  const std::vector<Box> triangle_boxes = all_bounds(triangles, triangle_box);
-  const std::vector<Box> quadric_boxes = all_bounds(quadrics, quadric_box);
-  NodePool pool;
-  BuildNode *triangle_root = nullptr, *quadric_root = nullptr;
-  if (!triangles.empty()) {
-    Expected<BuildNode*> root = build_tree(device.get(), triangle_boxes, {pool, triangles});
-    if (!root) return std::unexpected(root.error());
-    triangle_root = *root;
-  }
-  if (!quadrics.empty()) {
-    Expected<BuildNode*> root = build_tree(device.get(), quadric_boxes, {pool, {}});
-    if (!root) return std::unexpected(root.error());
-    quadric_root = *root;
-  }
   Hierarchy hierarchy;
-  Flattener(triangles, hierarchy).flatten(triangle_root, triangle_box, quadric_root, quadric_box);
+  Flattener flattener(hierarchy);
+  hierarchy.roots.resize(groups.size());
+  std::vector<Box> group_boxes(groups.size());
+  std::vector<Box> placed;
+  const auto add = [&](std::size_t g) -> Expected<void> {
+    const PrimitiveGroup& group = groups[g];
+    NodePool pool;
+    Part parts[kLeafKinds];
+    for (int kind = 0; kind < kLeafKinds; ++kind) parts[kind].kind = LeafKind(kind);
+    parts[kTriangleLeaf].triangles =
+        triangles.subspan(std::size_t(group.first_triangle), std::size_t(group.triangle_count));
+    parts[kTriangleLeaf].first = group.first_triangle;
+    parts[kQuadricLeaf].first = int(triangles.size()) + group.first_quadric;
+    const auto its_quadrics =
+        quadrics.subspan(std::size_t(group.first_quadric), std::size_t(group.quadric_count));
+    const std::vector<Box> boxes[kLeafKinds] = {all_bounds(parts[0].triangles, parts[0].box),
+                                                all_bounds(its_quadrics, parts[1].box),
+                                                g == 0 ? std::move(placed) : std::vector<Box>()};
+    for (const Box& box : boxes[kInstanceLeaf]) parts[kInstanceLeaf].box.include(box);
+    for (Part& part : parts) {
+      if (boxes[part.kind].empty()) continue;
+      Expected<BuildNode*> root =
+          build_tree(device.get(), boxes[part.kind], part.kind, {pool, part.triangles});
+      if (!root) return std::unexpected(root.error());
+      part.root = *root;
+    }
+    hierarchy.roots[g] = flattener.flatten(parts);
+    return {};
+  };
+  // The scene's own root is node 0, so it comes first; its instances' bounds are known before their trees
+  // are.
+  for (std::size_t g = 0; g < groups.size() && !instances.empty(); ++g)
+    group_boxes[g] = bounds_of(triangles, quadrics, groups[g]);
+  placed = instance_bounds(instances, group_boxes);
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    if (auto done = add(g); !done) return std::unexpected(done.error());
+  flattener.number_leaves();
   return hierarchy;
 }
 

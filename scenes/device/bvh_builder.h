@@ -11,6 +11,7 @@ namespace penumbra {
 
 struct Hierarchy {
   std::vector<BvhNode> nodes;  ///< the root first; children after their parent
+  std::vector<int> roots;      ///< of each group, a node
   std::vector<TriangleLeaf> triangle_leaves;
   std::vector<QuadricLeaf> quadric_leaves;
 };
@@ -18,5 +19,11 @@ struct Hierarchy {
 /// Over all triangles and quadrics; at least one of either. Built by Embree's builder on one thread of a
 /// fixed instruction set, so that the same scene always gets the same hierarchy.
 Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::span<const Quadric> quadrics);
+
+/// Over the primitives of group 0 and the instances, and for each other group over its primitives. Group 0
+/// may be empty where there are instances, the others have primitives.
+Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::span<const Quadric> quadrics,
+                                    std::span<const PrimitiveGroup> groups,
+                                    std::span<const Instance> instances);
 
 }  // namespace penumbra

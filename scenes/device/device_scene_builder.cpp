@@ -8,6 +8,8 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <optional>
+#include <span>
 
 #include "kernels/host/material_closure.h"
 #include "kernels/intersect/bvh_limits.h"
@@ -24,6 +26,8 @@
 #include "scenes/device/texture_coordinates.h"
 #include "scenes/device/texture_tables.h"
 #include "scenes/device/to_vec3.h"
+#include "scenes/instances.h"
+#include "scenes/transform.h"
 
 namespace penumbra {
 namespace {
@@ -33,6 +37,7 @@ constexpr std::size_t kMaxWholeTriangles = 64;
 // Where Embree becomes as fast as our own hierarchy, measured by tests/benchmarks/traversal_benchmark.cpp.
 constexpr std::size_t kMaxPortableTriangles = 4'000'000;
 constexpr std::size_t kMaxWholeQuadrics = 16;
+constexpr std::size_t kMaxPlacedEmitters = 1'000'000;  // each a light
 
 static_assert(int(SamplerKind::kSobol) == SAMPLER_SOBOL);
 
@@ -48,14 +53,31 @@ struct Bounds {
   [[nodiscard]] glm::dvec3 center() const { return 0.5 * (low + high); }
 };
 
-Bounds bounds_of(const SceneDescription& scene) {
+Bounds bounds_of(std::span<const Shape> shapes) {
   Bounds bounds;
-  for (const Shape& shape : scene.shapes) {
+  for (const Shape& shape : shapes) {
     if (const auto* mesh = std::get_if<Mesh>(&shape.geometry))
       for (const glm::dvec3& p : mesh->positions) bounds.include(p);
     if (const auto* sphere = std::get_if<Sphere>(&shape.geometry))
       bounds.include(sphere->center, sphere->radius);
     if (const auto* disk = std::get_if<Disk>(&shape.geometry)) bounds.include(disk->center, disk->radius);
+  }
+  return bounds;
+}
+
+/// Instances count as the boxes about their groups.
+Bounds bounds_of(const SceneDescription& scene, std::span<const PlacedGroup> placed) {
+  Bounds bounds = bounds_of(scene.shapes);
+  std::vector<Bounds> groups;
+  for (const ShapeGroup& group : scene.groups) groups.push_back(bounds_of(group.shapes));
+  for (const PlacedGroup& place : placed) {
+    const Bounds& group = groups[std::size_t(place.group)];
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::dvec3 p((corner & 1) != 0 ? group.high.x : group.low.x,
+                         (corner & 2) != 0 ? group.high.y : group.low.y,
+                         (corner & 4) != 0 ? group.high.z : group.low.z);
+      bounds.include(transform_point(place.to_world, p));
+    }
   }
   if (bounds.low.x > bounds.high.x) bounds.include(glm::dvec3(scene.camera.to_world[3]));
   return bounds;
@@ -105,7 +127,11 @@ class Builder {
         options_(options),
         lights_(default_sampling(scene.integrator), wants_polygons(scene.integrator)),
         light_textures_(scene, records_, {}) {
-    const Bounds bounds = bounds_of(scene);
+    if (auto placed = place_groups(scene))
+      placed_ = std::move(*placed);
+    else
+      problem_ = placed.error().message;
+    const Bounds bounds = bounds_of(scene, placed_);
     center_ = bounds.center();
     radius_ = 0.5 * glm::length(bounds.high - bounds.low);
     lights_.set_textures(light_textures_);
@@ -116,6 +142,7 @@ class Builder {
     add_materials();
     lights_.set_default_sampling(default_sampling(scene_.integrator, has_narrow_lobes(records_.materials)));
     for (const Shape& shape : scene_.shapes) add_shape(shape);
+    add_instances();
     add_other_lights();
     set_camera();
     if (!problem_.empty()) return fail(scene_.source + ": " + problem_);
@@ -152,7 +179,7 @@ class Builder {
 
   /// `reach`: how far the shape extends about the position.
   vec3 local(const glm::dvec3& p, const std::string& what, double reach = 0) {
-    const vec3 v = to_vec3(p - center_);
+    const vec3 v = to_vec3(p - (in_group_ ? *in_group_ : center_));
     if (!(finite(v) && std::isfinite(float(reach))) && problem_.empty())
       problem_ = what + " has a position or a size that is too large for single precision";
     return v;
@@ -261,6 +288,76 @@ class Builder {
       records_.vertex_colours.push_back(triangle_colours(mesh, attribute, corner, triangle));
   }
 
+  /// Groups' shapes once, but for those that emit: they are in the scene wherever an instance places them,
+  /// since each is a light of its own.
+  void add_instances() {
+    if (placed_.empty()) return;
+    add_instances_of_emitters();
+    records_.groups.push_back({0, 0, int(records_.triangles.size()), 0, int(records_.quadrics.size())});
+    std::vector<int> index(scene_.groups.size(), -1);
+    std::vector<glm::dvec3> centers(scene_.groups.size());
+    for (const PlacedGroup& place : placed_) {
+      const auto g = std::size_t(place.group);
+      if (index[g] == -1) {
+        centers[g] = bounds_of(scene_.groups[g].shapes).center();
+        index[g] = add_group(scene_.groups[g], centers[g]);
+      }
+      if (index[g] > 0) records_.instances.push_back(instance(place, index[g], centers[g]));
+    }
+    if (!records_.instances.empty()) need(FEATURE_INSTANCES);
+    if (records_.instances.empty()) records_.groups.clear();
+  }
+
+  void add_instances_of_emitters() {
+    std::size_t triangles = 0;
+    for (const PlacedGroup& place : placed_) {
+      for (const Shape& shape : scene_.groups[std::size_t(place.group)].shapes) {
+        if (!emits(shape)) continue;
+        const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+        triangles += mesh != nullptr ? mesh->triangles.size() : 1;
+        if (triangles > kMaxPlacedEmitters && problem_.empty())
+          problem_ = "instances of emitting shapes make more than " + std::to_string(kMaxPlacedEmitters) +
+                     " triangles that emit";
+        if (!problem_.empty()) return;
+        auto placed = placed_shape(shape, place.to_world);
+        if (placed) add_shape(*placed);
+        if (!placed) problem_ = placed.error().message;
+      }
+    }
+  }
+
+  /// The index of its record, or 0 where it has no shape but such as emit.
+  int add_group(const ShapeGroup& group, const glm::dvec3& center) {
+    PrimitiveGroup record{};
+    record.first_triangle = int(records_.triangles.size());
+    record.first_quadric = int(records_.quadrics.size());
+    in_group_ = center;
+    for (const Shape& shape : group.shapes)
+      if (!emits(shape)) add_shape(shape);
+    in_group_.reset();
+    record.triangle_count = int(records_.triangles.size()) - record.first_triangle;
+    record.quadric_count = int(records_.quadrics.size()) - record.first_quadric;
+    if (record.triangle_count + record.quadric_count == 0) return 0;
+    records_.groups.push_back(record);
+    return int(records_.groups.size()) - 1;
+  }
+
+  Instance instance(const PlacedGroup& place, int group, const glm::dvec3& center) {
+    const glm::dmat3 there(place.to_world), back = glm::inverse(there);
+    Instance i{};
+    i.x = to_vec3(there[0]);
+    i.y = to_vec3(there[1]);
+    i.z = to_vec3(there[2]);
+    i.at = local(transform_point(place.to_world, center),
+                 "instance '" + scene_.instances[place.instance].name + "'");
+    const glm::dmat3 rows = glm::transpose(back);
+    i.row_x = to_vec3(rows[0]);
+    i.row_y = to_vec3(rows[1]);
+    i.row_z = to_vec3(rows[2]);
+    i.group = group;
+    return i;
+  }
+
   void add_sphere(const Shape& shape, const Sphere& sphere, int front, int back) {
     Quadric q{};
     q.kind = QUADRIC_SPHERE;
@@ -343,8 +440,13 @@ class Builder {
                      : options_.intersector == IntersectorChoice::kEmbree ? INTERSECTOR_EMBREE
                                                                           : INTERSECTOR_PORTABLE;
     if (h_.intersector == INTERSECTOR_PORTABLE && !small) {
-      Expected<Hierarchy> hierarchy = build_hierarchy(records_.triangles, records_.quadrics);
+      const PrimitiveGroup all{0, 0, int(records_.triangles.size()), 0, int(records_.quadrics.size())};
+      const std::span<const PrimitiveGroup> groups =
+          records_.groups.empty() ? std::span(&all, 1) : std::span<const PrimitiveGroup>(records_.groups);
+      Expected<Hierarchy> hierarchy =
+          build_hierarchy(records_.triangles, records_.quadrics, groups, records_.instances);
       if (!hierarchy) return std::unexpected(hierarchy.error());
+      for (std::size_t g = 0; g < records_.groups.size(); ++g) records_.groups[g].root = hierarchy->roots[g];
       records_.nodes = std::move(hierarchy->nodes);
       records_.triangle_leaves = std::move(hierarchy->triangle_leaves);
       records_.quadric_leaves = std::move(hierarchy->quadric_leaves);
@@ -420,7 +522,8 @@ class Builder {
 
   /// Distinct vertices and the triangles over them; false if the scene is too large to be tested whole.
   bool collect_corners() {
-    if (records_.triangles.size() > kMaxWholeTriangles || records_.quadrics.size() > kMaxWholeQuadrics)
+    if (!records_.instances.empty() || records_.triangles.size() > kMaxWholeTriangles ||
+        records_.quadrics.size() > kMaxWholeQuadrics)
       return false;
     std::map<std::array<float, 3>, int> index;
     const auto find = [&](const vec3& p) {
@@ -439,6 +542,8 @@ class Builder {
   SceneHeader& h_ = out_.header;
   glm::dvec3 center_{0};
   double radius_ = 0;
+  std::vector<PlacedGroup> placed_;
+  std::optional<glm::dvec3> in_group_;  ///< the centre of the group whose shapes are added
   LightBuilder lights_;
   SceneRecords records_;
   LightTextures light_textures_;
@@ -448,7 +553,10 @@ class Builder {
 
 }  // namespace
 
-glm::dvec3 scene_center(const SceneDescription& scene) { return bounds_of(scene).center(); }
+glm::dvec3 scene_center(const SceneDescription& scene) {
+  const auto placed = place_groups(scene);
+  return bounds_of(scene, placed ? *placed : std::vector<PlacedGroup>()).center();
+}
 
 int intersector_for(std::size_t triangles) {
   return triangles > kMaxPortableTriangles ? INTERSECTOR_EMBREE : INTERSECTOR_PORTABLE;

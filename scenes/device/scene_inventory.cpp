@@ -38,7 +38,11 @@ void count_search(const DeviceScene& scene, TableSpans& all) {
     for (const vec3& p : {t.p0, t.p1, t.p2}) vertices.insert({p.x, p.y, p.z});
   all.vertices.count = int(vertices.size());
   all.corners.count = int(triangles.size());
-  const Expected<Hierarchy> hierarchy = build_hierarchy(triangles, quadrics);
+  const auto groups = table<PrimitiveGroup>(scene, scene.header.tables.groups);
+  const PrimitiveGroup whole{0, 0, int(triangles.size()), 0, int(quadrics.size())};
+  const Expected<Hierarchy> hierarchy =
+      build_hierarchy(triangles, quadrics, groups.empty() ? std::span(&whole, 1) : groups,
+                      table<Instance>(scene, scene.header.tables.instances));
   all.nodes.count = hierarchy ? int(hierarchy->nodes.size()) : kUnknown;
   all.triangle_leaves.count = hierarchy ? int(hierarchy->triangle_leaves.size()) : kUnknown;
   all.quadric_leaves.count = hierarchy ? int(hierarchy->quadric_leaves.size()) : kUnknown;

@@ -66,6 +66,8 @@ SceneSummary summarize(const DeviceScene& scene) {
   };
   needs("triangles", std::to_string(h.tables.triangles.count));
   needs("spheres and disks", std::to_string(h.tables.quadrics.count));
+  if (h.tables.instances.count > 0)
+    needs("instances", fmt::format("{}, of {} groups", h.tables.instances.count, h.tables.groups.count - 1));
   needs("materials", std::to_string(h.tables.materials.count - 1));
   needs("lights", std::to_string(h.tables.lights.count));
   if (h.tables.polygons.count > 0) {

@@ -1,7 +1,5 @@
 #include "scenes/mitsuba/scene_builder.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "scenes/mitsuba/emitter_reader.h"
@@ -9,37 +7,8 @@
 #include "scenes/mitsuba/sensor_reader.h"
 #include "scenes/mitsuba/shape_reader.h"
 #include "scenes/mitsuba/texture_reader.h"
-#include "scenes/texture_needs.h"
 
 namespace penumbra::mitsuba {
-namespace {
-
-/// That shapes have what their textures show.
-void check_textures(const Context& context, const SceneDescription& scene,
-                    const std::vector<const Object*>& objects) {
-  for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
-    const TextureNeeds missing = missing_for_textures(scene, scene.shapes[i]);
-    const std::string& name = scene.shapes[i].name;
-    if (missing.coordinates) {
-      context.diagnostics.warn(
-          objects[i]->location,
-          fmt::format("shape '{}' has textures, but no texture coordinates; those of each triangle are its "
-                      "barycentric ones",
-                      name));
-    }
-    for (const MeshAttribute attribute : missing.attributes) {
-      const std::string text = fmt::format("a texture shows '{}' of the shape '{}', which has none",
-                                           mesh_attributes().print(attribute), name);
-      if (context.lenient)
-        context.diagnostics.warn(objects[i]->location, text + "; it is black");
-      else
-        context.diagnostics.error(objects[i]->location, text);
-    }
-  }
-}
-
-}  // namespace
-
 SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   SceneDescription scene;
   Context context = plain;
@@ -59,11 +28,10 @@ SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   }
   MaterialReader materials(context);
   for (const Object* bsdf : root.nested("bsdf")) materials.read(*bsdf);
-  std::vector<const Object*> shapes;  // what those of the scene were read from
+  ShapeReader shapes(context, files, materials, scene);
   for (const Object* shape : root.nested("shape")) {
     if (context.diagnostics.full()) break;
-    read_shape(context, *shape, files, materials, scene);
-    shapes.resize(scene.shapes.size(), shape);
+    shapes.read(*shape);
   }
   bool all_known = true;
   for (const Object* light : root.nested("emitter"))
@@ -78,7 +46,7 @@ SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   }
   root.finish();
   textures.install(scene);
-  if (!context.diagnostics.failed()) check_textures(context, scene, shapes);
+  if (!context.diagnostics.failed()) shapes.check_textures();
   return scene;
 }
 

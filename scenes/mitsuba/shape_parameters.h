@@ -1,6 +1,7 @@
 // The parameters of shapes, a row for every one (see bsdfs.h).
 #pragma once
 
+#include <limits>
 #include <string>
 #include <variant>
 
@@ -45,6 +46,22 @@ struct PlyShape : MeshFileShape<PlyShape> {
   static constexpr const char* kText = "triangles and polygons of a PLY file, text or binary";
 };
 
+struct SerializedShape : MeshFileShape<SerializedShape> {
+  static constexpr bool kFlips = false;
+  static constexpr const char* kPlugin = "serialized";
+  static constexpr const char* kText = "triangles of a compressed file of Mitsuba's";
+  std::int64_t shape_index = 0;
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    placement<SerializedShape>(row);
+    row("filename", &SerializedShape::filename, FileName{}, "the file");
+    row("shape_index", &SerializedShape::shape_index, WholeNumber{0, std::numeric_limits<int>::max()},
+        "which of its meshes, from 0 on");
+    row("face_normals", &SerializedShape::face_normals, TrueOrFalse{}, "whether vertex normals are ignored");
+  }
+};
+
 struct SphereShape : PlacedShape {
   static constexpr const char* kPlugin = "sphere";
   static constexpr const char* kText = "a sphere; its transform scales all directions alike";
@@ -80,6 +97,34 @@ struct CubeShape : PlainShape<CubeShape> {
   static constexpr const char* kText = "the cube from (-1, -1, -1) to (1, 1, 1), which faces outwards";
 };
 
-using ShapeParameters = std::variant<ObjShape, PlyShape, SphereShape, DiskShape, RectangleShape, CubeShape>;
+/// One that has no parameters.
+struct BareShape {
+  template <typename Row>
+  static void parameters(const Row&) {}
+};
+struct ShapeGroupShape : BareShape {
+  static constexpr const char* kPlugin = "shapegroup";
+  static constexpr const char* kText =
+      "shapes that are in the scene wherever an `instance` of the group is, stored once; it may hold "
+      "instances "
+      "of others";
+};
+struct MergeShape : BareShape {
+  static constexpr const char* kPlugin = "merge";
+  static constexpr const char* kText = "the shapes that it holds, each with its own material";
+};
+struct InstanceShape {
+  static constexpr const char* kPlugin = "instance";
+  static constexpr const char* kText = "the `shapegroup` that it holds, or refers to, in a place";
+  glm::dmat4 to_world{1.0};
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("to_world", &InstanceShape::to_world, AnyTransform{}, "where it is");
+  }
+};
+
+using ShapeParameters = std::variant<ObjShape, PlyShape, SerializedShape, SphereShape, DiskShape,
+                                     RectangleShape, CubeShape, ShapeGroupShape, InstanceShape, MergeShape>;
 
 }  // namespace penumbra::mitsuba

@@ -10,6 +10,7 @@
 #include "scenes/mesh_tools.h"
 #include "scenes/mitsuba/emitter_reader.h"
 #include "scenes/mitsuba/shape_parameters.h"
+#include "scenes/texture_needs.h"
 #include "scenes/transform.h"
 
 namespace penumbra::mitsuba {
@@ -67,10 +68,15 @@ Parameters read_parameters(const ShapeInput& input) {
   return parameters;
 }
 
+Expected<MeshFile> read_file(const ObjShape&, const SourceFile& file) { return read_obj(file); }
+Expected<MeshFile> read_file(const PlyShape&, const SourceFile& file) { return read_ply(file); }
+Expected<MeshFile> read_file(const SerializedShape& shape, const SourceFile& file) {
+  return read_serialized(file, shape.shape_index);
+}
+
 template <typename Parameters>
 std::optional<Geometry> read_mesh(const ShapeInput& input) {
   auto& [context, files, plugin, ignored] = input;
-  constexpr bool is_obj = std::is_same_v<Parameters, ObjShape>;
   const auto given = read_parameters<Parameters>(input);
   const std::string& name = given.filename;
   if (!plugin.has("filename")) {
@@ -79,7 +85,7 @@ std::optional<Geometry> read_mesh(const ShapeInput& input) {
   }
   const auto file = open(context, files, plugin, name);
   if (!file) return std::nullopt;
-  auto read = is_obj ? read_obj(*file) : read_ply(*file);
+  auto read = read_file(given, *file);
   if (!read) {
     context.diagnostics.error_text(fmt::format("{}\n  (which is named at {})", read.error().message,
                                                describe(plugin.object().location)));
@@ -89,7 +95,7 @@ std::optional<Geometry> read_mesh(const ShapeInput& input) {
   if (given.flip_tex_coords) {
     for (glm::vec2& uv : mesh.texcoords) uv.y = 1.0f - uv.y;
   }
-  const auto cleaning = place_mesh(mesh, given.to_world, given.face_normals);
+  const auto cleaning = place_mesh(mesh, given.to_world, given.face_normals || read->face_normals);
   if (!cleaning) {
     plugin.wrong("filename", fmt::format("{}: {}", name, cleaning.error().message));
     return std::nullopt;
@@ -183,36 +189,135 @@ struct ShapePlugin {
   std::string_view type;
   std::optional<Geometry> (*read)(const ShapeInput&);
 };
-constexpr ShapePlugin kShapes[] = {
-    {ObjShape::kPlugin, read_mesh<ObjShape>},  {PlyShape::kPlugin, read_mesh<PlyShape>},
-    {RectangleShape::kPlugin, read_rectangle}, {CubeShape::kPlugin, read_cube},
-    {SphereShape::kPlugin, read_sphere},       {DiskShape::kPlugin, read_disk}};
+constexpr ShapePlugin kShapes[] = {{ObjShape::kPlugin, read_mesh<ObjShape>},
+                                   {PlyShape::kPlugin, read_mesh<PlyShape>},
+                                   {SerializedShape::kPlugin, read_mesh<SerializedShape>},
+                                   {RectangleShape::kPlugin, read_rectangle},
+                                   {CubeShape::kPlugin, read_cube},
+                                   {SphereShape::kPlugin, read_sphere},
+                                   {DiskShape::kPlugin, read_disk}};
 
 }  // namespace
 
-void read_shape(const Context& context, const Object& object, const FileAccess& files,
-                MaterialReader& materials, SceneDescription& scene) {
-  const ShapePlugin* known = find_plugin(kShapes, object.type);
-  if (known == nullptr) {
-    context.unknown_plugin(object, plugin_types(kShapes), "it is left out");
+void ShapeReader::read(const Object& object) {
+  if (object.type == ShapeGroupShape::kPlugin) {
+    group_of(object);
     return;
   }
-  PluginReader plugin(context, object);
+  Holder holder{std::move(scene_.shapes), std::move(scene_.instances), std::move(objects_)};
+  read_into(object, holder);
+  scene_.shapes = std::move(holder.shapes);
+  scene_.instances = std::move(holder.instances);
+  objects_ = std::move(holder.objects);
+}
+
+void ShapeReader::read_into(const Object& object, Holder& holder) {
+  if (object.type == InstanceShape::kPlugin)
+    read_instance(object, holder);
+  else if (object.type == MergeShape::kPlugin)
+    read_merged(object, holder);
+  else
+    read_shape(object, holder);
+}
+
+/// Each shape keeps its own material, so that there is nothing to merge.
+void ShapeReader::read_merged(const Object& object, Holder& holder) {
+  PluginReader plugin(context_, object);
+  const std::vector<const Object*> inside = plugin.nested("shape");
+  plugin.finish();
+  if (!reading_.insert(&object).second) return plugin.wrong("the shape holds itself");
+  for (const Object* shape : inside) read_into(*shape, holder);
+  reading_.erase(&object);
+}
+
+void ShapeReader::read_instance(const Object& object, Holder& holder) {
+  PluginReader plugin(context_, object);
+  InstanceShape parameters;
+  plugin.read_parameters(parameters);
+  const Object* group = plugin.only_nested("shape");
+  plugin.finish();
+  if (group == nullptr || group->type != ShapeGroupShape::kPlugin)
+    return plugin.wrong("an instance needs a <shape type=\"shapegroup\">, or a <ref> to one");
+  const int index = group_of(*group);
+  if (index >= 0) holder.instances.push_back({name_of(object), index, parameters.to_world});
+}
+
+int ShapeReader::group_of(const Object& object) {
+  if (const auto known = groups_.find(&object); known != groups_.end()) return known->second;
+  PluginReader plugin(context_, object);
+  if (!reading_.insert(&object).second) {
+    plugin.wrong("the group holds an instance of itself");
+    plugin.skip();
+    return -1;
+  }
+  Holder holder;
+  for (const Object* shape : plugin.nested("shape")) {
+    if (shape->type == ShapeGroupShape::kPlugin)
+      plugin.wrong("a group holds no groups, but may hold instances of them");
+    else
+      read_into(*shape, holder);
+  }
+  plugin.finish();
+  reading_.erase(&object);
+  const int index = int(scene_.groups.size());
+  scene_.groups.push_back({name_of(object), std::move(holder.shapes), std::move(holder.instances)});
+  group_objects_.push_back(std::move(holder.objects));
+  groups_.emplace(&object, index);
+  return index;
+}
+
+void ShapeReader::read_shape(const Object& object, Holder& holder) {
+  const ShapePlugin* known = find_plugin(kShapes, object.type);
+  if (known == nullptr) {
+    std::vector<std::string> types = plugin_types(kShapes);
+    for (const char* other : {ShapeGroupShape::kPlugin, InstanceShape::kPlugin, MergeShape::kPlugin})
+      types.emplace_back(other);
+    context_.unknown_plugin(object, types, "it is left out");
+    return;
+  }
+  PluginReader plugin(context_, object);
   Shape shape;
   shape.name = name_of(object);
-  auto geometry = known->read({context, files, plugin, shape.flip_normals});
+  auto geometry = known->read({context_, files_, plugin, shape.flip_normals});
   const Object* bsdf = plugin.only_nested("bsdf");
   const Object* emitter = plugin.only_nested("emitter");
   for (const char* tag : {"medium", "subsurface"}) {
-    for (const Object* inside : plugin.nested(tag)) context.unknown_plugin(*inside, {}, "it is left out");
+    for (const Object* inside : plugin.nested(tag)) context_.unknown_plugin(*inside, {}, "it is left out");
   }
   plugin.finish();
-  if (bsdf != nullptr) materials.read(*bsdf);
+  if (bsdf != nullptr) materials_.read(*bsdf);
   if (geometry) shape.geometry = std::move(*geometry);
-  if (emitter != nullptr) read_area_light(context, *emitter, shape);
+  if (emitter != nullptr) read_area_light(context_, *emitter, shape);
   if (!geometry) return;
-  std::tie(shape.front_bsdf, shape.back_bsdf) = materials.install(bsdf, shape.radiance.has_value(), scene);
-  scene.shapes.push_back(std::move(shape));
+  std::tie(shape.front_bsdf, shape.back_bsdf) = materials_.install(bsdf, shape.radiance.has_value(), scene_);
+  holder.shapes.push_back(std::move(shape));
+  holder.objects.push_back(&object);
+}
+
+void ShapeReader::check_textures() const {
+  const auto check = [&](const std::vector<Shape>& shapes, const std::vector<const Object*>& objects) {
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      const TextureNeeds missing = missing_for_textures(scene_, shapes[i]);
+      const std::string& name = shapes[i].name;
+      if (missing.coordinates) {
+        context_.diagnostics.warn(
+            objects[i]->location,
+            fmt::format("shape '{}' has textures, but no texture coordinates; those of each triangle are its "
+                        "barycentric ones",
+                        name));
+      }
+      for (const MeshAttribute attribute : missing.attributes) {
+        const std::string text = fmt::format("a texture shows '{}' of the shape '{}', which has none",
+                                             mesh_attributes().print(attribute), name);
+        if (context_.lenient)
+          context_.diagnostics.warn(objects[i]->location, text + "; it is black");
+        else
+          context_.diagnostics.error(objects[i]->location, text);
+      }
+    }
+  };
+  check(scene_.shapes, objects_);
+  for (std::size_t g = 0; g < scene_.groups.size(); ++g) check(scene_.groups[g].shapes, group_objects_[g]);
 }
 
 }  // namespace penumbra::mitsuba

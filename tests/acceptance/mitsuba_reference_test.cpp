@@ -111,6 +111,8 @@ const ReferenceCase kReferences[] = {
     {"EnvmapNative", "bsdf_spheres", "test_envmap_path", "test_envmap", native_device},
     {"EnvmapOpenCl", "bsdf_spheres", "test_envmap_path", "test_envmap", opencl_device},
     {"PointlightNative", "bsdf_spheres", "test_pointlight_path", "test_pointlight", native_device},
+    {"InstancingNative", "instancing", "test_instancing_path", "test_instancing", native_device},
+    {"InstancingOpenCl", "instancing", "test_instancing_path", "test_instancing", opencl_device},
     {"NormalmapNative", "bsdf_spheres", "test_normalmap_path", "test_normalmap", native_device},
     {"RoughdielectricNative", "bsdf_spheres", "test_roughdielectric_path", "test_roughdielectric",
      native_device},

@@ -623,7 +623,7 @@ TEST_F(MitsubaPlugins, LenientStandIns) {
          in("bsdf", "diffuse",
             "<texture type='bitmap' name='reflectance'><string name='filename' value='x'/></texture>") +
              in("emitter", "area", "<texture type='marble' name='radiance'/>")) +
-      in("shape", "instance") + in("emitter", "laser") + in("medium", "homogeneous");
+      in("shape", "hair") + in("emitter", "laser") + in("medium", "homogeneous");
   EXPECT_FALSE(read(scene(text)));
   const SceneDescription s = good(text, {.lenient = true});
   EXPECT_EQ(kind_of(s.integrator), IntegratorKind::kPath);
@@ -651,7 +651,7 @@ TEST_F(MitsubaPlugins, LenientStandIns) {
                   HasSubstr("sensor type 'thinlens'"), HasSubstr("film type 'specfilm'"),
                   HasSubstr("rfilter type 'lanczos'"), HasSubstr("sampler type 'magic'"),
                   HasSubstr("bsdf type 'hair'"), HasSubstr("no file 'x'"), HasSubstr("texture type 'marble'"),
-                  HasSubstr("shape type 'instance'"), HasSubstr("emitter type 'laser'"),
+                  HasSubstr("shape type 'hair'"), HasSubstr("emitter type 'laser'"),
                   HasSubstr("medium type 'homogeneous'")));
 }
 

@@ -10,6 +10,7 @@
 
 #include "scenes/scene_reader.h"
 #include "tests/scenes/ply_writer.h"
+#include "tests/scenes/serialized_writer.h"
 #include "tests/support/temporary_folder.h"
 
 namespace penumbra {
@@ -195,6 +196,43 @@ TEST(MutatedMeshes, EveryPlyEncoding) {
     write_text(folder / "m.ply", odd_square_ply(encoding));
     expect_survival(folder.path(), "scene.xml", "m.ply", 77);
   }
+}
+
+/// Bytes of the file, which is compressed, and of what a mesh unpacks to.
+TEST(MutatedMeshes, Serialized) {
+  const TemporaryFolder folder;
+  write_text(folder / "scene.xml",
+             "<scene version='3.0.0'><sensor type='perspective'/>"
+             "<shape type='serialized'><string name='filename' value='m.serialized'/>"
+             "<integer name='shape_index' value='1'/></shape></scene>");
+  for (const int version : {3, 4}) {
+    SerializedWriter writer(version);
+    for (const double x : {0.0, 1.0}) writer.add(serialized_square(x), {version});
+    write_text(folder / "m.serialized", writer.file());
+    expect_survival(folder.path(), "scene.xml", "m.serialized", 101);
+  }
+  Mutator mutator(102);
+  std::string data;
+  for (const std::uint32_t word : {0xbu, 4u, 0u, 2u, 0u}) SerializedWriter::put(data, word);
+  const Mesh mesh = serialized_square(0);
+  for (const glm::dvec3& p : mesh.positions) SerializedWriter::put(data, glm::vec3(p));
+  for (const glm::vec3& n : mesh.normals) SerializedWriter::put(data, n);
+  for (const glm::vec2& t : mesh.texcoords) SerializedWriter::put(data, t);
+  for (const glm::vec3& c : mesh.colours) SerializedWriter::put(data, c);
+  for (const glm::uvec3& t : mesh.triangles) SerializedWriter::put(data, t);
+  int good = 0;
+  for (int i = 0; i < mutations_per_file(); ++i) {
+    SerializedWriter writer(3);
+    writer.add(mesh, {3});
+    writer.add_packed(i == 0 ? data : mutator.mutate(data));
+    write_text(folder / "m.serialized", writer.file());
+    const auto result = read_scene(folder / "scene.xml", {.confine_to = folder.path()});
+    if (i == 0) ASSERT_TRUE(result) << result.error().message;
+    if (result) expect_fit(*result);
+    good += result ? 1 : 0;
+  }
+  EXPECT_GT(good, 1);
+  EXPECT_LT(good, mutations_per_file());
 }
 
 TEST(MutatedMeshes, ObjWithEverything) {

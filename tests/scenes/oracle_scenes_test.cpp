@@ -58,7 +58,6 @@ TEST_F(OracleScenes, CornellBoxOfIncludes) {
 
 TEST_F(OracleScenes, TheOthersAreReadLeniently) {
   const std::pair<const char*, const char*> scenes[] = {
-      {"mitsuba/tests/scenes/instancing/test_instancing_path.xml", "shape type 'instance'"},
       {"mitsuba/tests/scenes/participating_media/test_homo_area_light_volpath.xml",
        "medium type 'homogeneous'"},
       {"mitsuba/tests/scenes/various_emitters/test_various_emitters_ptracer.xml", "integrator type 'ptracer'"},

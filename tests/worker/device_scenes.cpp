@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "scenes/transform.h"
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/support/every_texture.h"
 #include "tests/support/integrator_parameters.h"
@@ -145,6 +146,33 @@ SceneDescription polygon_lights() {
   return scene;
 }
 
+SceneDescription instances() {
+  SceneDescription scene = film_and_camera();
+  add_box(scene);
+  const int glossy = int(scene.bsdfs.size());
+  scene.bsdfs.push_back({"glossy", PhongBsdf{glm::vec3(0.3f), glm::vec3(0.5f), 40}});
+  scene.bsdfs.push_back({"half there", MaskBsdf{0.5f, glossy}});
+  ShapeGroup group{"group", {}, {}}, outer{"outer", {}, {}};
+  group.shapes.push_back(bumpy_sheet(4, glossy, true));
+  group.shapes.push_back(bumpy_sheet(2, glossy + 1, false));
+  group.shapes.push_back(sphere(dvec3(0.3, 0, 0.2), 0.4, 0));
+  Shape disk;
+  disk.name = "disk";
+  disk.geometry = Disk{dvec3(-0.5, 0.2, 0), glm::normalize(dvec3(-1, 0.5, 1)), 0.5};
+  disk.front_bsdf = 0;
+  disk.back_bsdf = glossy;
+  group.shapes.push_back(disk);
+  outer.instances.push_back({"twice", 0, glm::dmat4(1.0)});
+  outer.instances.push_back({"twice", 0, translation({0, 0.9, 0}) * scaling({-0.7, 0.7, 1.2})});
+  scene.groups = {std::move(group), std::move(outer)};
+  for (int i = 0; i < 6; ++i)
+    scene.instances.push_back({"placed", 1,
+                               translation({-0.7 + 0.28 * i, -0.6 + 0.2 * (i % 3), 0.4 - 0.2 * (i % 2)}) *
+                                   rotation({0.2 * i, 1, 0.3}, 50.0 * i) * scaling(glm::dvec3(0.35))});
+  scene.integrator = path_integrator(DirectSampling::kMis);
+  return scene;
+}
+
 SceneDescription environment_alone() {
   SceneDescription scene = film_and_camera();
   add_diffuse(scene, 0.5f);
@@ -167,6 +195,7 @@ const std::vector<NamedScene>& device_scenes() {
                                               {"EverythingInAHierarchy", everything_in_a_hierarchy},
                                               {"PolygonLights", polygon_lights},
                                               {"Textures", textured},
+                                              {"Instances", instances},
                                               {"EnvironmentAlone", environment_alone}};
   return scenes;
 }

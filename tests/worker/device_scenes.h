@@ -31,6 +31,10 @@ SceneDescription everything_in_a_hierarchy();
 /// a glossy floor: path tracing with control variates, lights chosen by their contribution.
 SceneDescription polygon_lights();
 
+/// A group of smooth and glossy shapes, some of them seen through, placed turned, mirrored and stretched, by
+/// path tracing.
+SceneDescription instances();
+
 /// No shape at all, only a constant environment, and a material that nothing uses.
 SceneDescription environment_alone();
 

@@ -1,0 +1,82 @@
+// Groups of shapes that scenes have in several places, stored once. Rays go into a group's own space, and
+// what they find comes back.
+#ifndef PENUMBRA_INSTANCE_H
+#define PENUMBRA_INSTANCE_H
+#include "kernels/math/math.h"
+#include "kernels/scene.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+#if HAS(INSTANCES)
+FN vec3 to_group_vector(GLOBAL const Instance* at, vec3 v) {
+  return make_vec3(dot3(load3(&at->row_x), v), dot3(load3(&at->row_y), v), dot3(load3(&at->row_z), v));
+}
+FN vec3 to_group_point(GLOBAL const Instance* at, vec3 p) {
+  return to_group_vector(at, sub(p, load3(&at->at)));
+}
+
+FN vec3 from_group_vector(GLOBAL const Instance* at, vec3 v) {
+  return add(add(scale(load3(&at->x), v.x), scale(load3(&at->y), v.y)), scale(load3(&at->z), v.z));
+}
+FN vec3 from_group_point(GLOBAL const Instance* at, vec3 p) {
+  return add(from_group_vector(at, p), load3(&at->at));
+}
+
+/// Of any length that floats hold.
+FN vec3 normalize_any(vec3 v) {
+  const vec3 w = scale(v, 1.0f / max_f(max_component(abs3(v)), 1e-37f));
+  const float length2 = dot3(w, w);
+  return scale(w, 1.0f / SQRT(length2 > 0.0f ? length2 : 1.0f));
+}
+
+/// A unit normal in the scene, on the side where the group's is.
+FN vec3 from_group_normal(GLOBAL const Instance* at, vec3 n) {
+  return normalize_any(
+      add(add(scale(load3(&at->row_x), n.x), scale(load3(&at->row_y), n.y)), scale(load3(&at->row_z), n.z)));
+}
+
+/// A ray in the space of a group. Its direction is not of unit length, so that distances along it are those
+/// in the scene.
+typedef struct {
+  vec3 o, d;
+} GroupRay;
+
+FN GroupRay group_ray(GLOBAL const Instance* at, vec3 o, vec3 d) {
+  GroupRay r;
+  r.o = to_group_point(at, o);
+  r.d = to_group_vector(at, d);
+  return r;
+}
+
+/// The unit direction, and the length that it had.
+typedef struct {
+  vec3 d;
+  float length;
+} UnitDirection;
+
+FN UnitDirection unit_direction(vec3 d) {
+  const float largest = max_f(max_component(abs3(d)), 1e-37f);
+  const vec3 w = scale(d, 1.0f / largest);
+  const float length = SQRT(dot3(w, w));
+  UnitDirection u;
+  u.d = scale(w, 1.0f / length);
+  u.length = largest * length;
+  return u;
+}
+
+/// Bounds by coordinate what a position was computed from that is that of a group's point, whose own bounds
+/// are `extent`. What the transform adds: at most 5 roundings of either way's products, where a position has
+/// 7 (see POSITION_ERROR). A ray that starts there goes the other way first.
+FN vec3 from_group_extent(GLOBAL const Instance* at, vec3 extent, vec3 p) {
+  const vec3 q = abs3(sub(p, load3(&at->at)));
+  const vec3 back = make_vec3(dot3(abs3(load3(&at->row_x)), q), dot3(abs3(load3(&at->row_y)), q),
+                              dot3(abs3(load3(&at->row_z)), q));
+  const vec3 e = add(scale(extent, 2.0f), back);
+  const vec3 there = add(add(scale(abs3(load3(&at->x)), e.x), scale(abs3(load3(&at->y)), e.y)),
+                         scale(abs3(load3(&at->z)), e.z));
+  return add(there, abs3(load3(&at->at)));
+}
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif

@@ -1,0 +1,134 @@
+// A scene with instances is the scene with all their shapes in place, to the rounding of single precision: the
+// same paths see the same things.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "scenes/instances.h"
+#include "scenes/transform.h"
+#include "tests/acceptance/scene_pieces.h"
+#include "tests/support/every_texture.h"
+#include "tests/support/render_scene.h"
+#include "tests/worker/device_scenes.h"
+
+namespace penumbra {
+namespace {
+
+using glm::dvec3;
+
+/// Of pixels of two renders of the same samples, those that differ by more than some roundings: where a ray
+/// goes past a rim on the other side.
+void expect_same_image(const SceneDescription& scene, const TestDevice& device, double most_differing) {
+  const auto flat = without_instances(scene);
+  ASSERT_TRUE(flat) << flat.error().message;
+  const statistics::Image a = mean_image(render_or_throw(scene, device));
+  const statistics::Image b = mean_image(render_or_throw(*flat, device));
+  double sum_a = 0, sum_b = 0;
+  int differing = 0, bright = 0;
+  for (int y = 0; y < scene.film.height; ++y)
+    for (int x = 0; x < scene.film.width; ++x) {
+      const double ours = a.at(x, y, 1), theirs = b.at(x, y, 1);
+      sum_a += ours;
+      sum_b += theirs;
+      bright += ours > 0 ? 1 : 0;
+      differing += std::abs(ours - theirs) > 1e-3 * std::max(ours, theirs) ? 1 : 0;
+    }
+  const int pixels = scene.film.width * scene.film.height;
+  EXPECT_GT(bright, pixels / 2);
+  EXPECT_LE(differing, most_differing * pixels);
+  EXPECT_NEAR(sum_a / sum_b, 1, 5e-3);
+}
+
+struct Tracing {
+  std::string name;
+  TestDevice (*device)();
+  bool embree;
+};
+void PrintTo(const Tracing& tested, std::ostream* out) { *out << tested.name; }
+
+class InstancedScenes : public testing::TestWithParam<Tracing> {
+ protected:
+  static TestDevice device() {
+    TestDevice device = GetParam().device();
+    device.embree = GetParam().embree;
+    return device;
+  }
+};
+
+/// Similarities only: spheres and disks stay such. Seen directly, then after two more surfaces.
+SceneDescription similar_instances(int max_depth) {
+  SceneDescription scene = instances();
+  scene.groups[1].instances[1].to_world = translation({0, 0.9, 0}) * scaling({-0.7, 0.7, 0.7});
+  scene.integrator = path_integrator(DirectSampling::kMis);
+  param::max_depth(scene.integrator) = max_depth;
+  resize_film(scene, 48, 36);
+  return scene;
+}
+
+TEST_P(InstancedScenes, AreThoseOfTheirShapesInPlace) {
+  expect_same_image(similar_instances(2), device(), 0.02);
+  expect_same_image(similar_instances(4), device(), 0.06);
+}
+
+TEST_P(InstancedScenes, WithTheirTextures) {
+  SceneDescription scene = similar_instances(2);
+  for (Shape& shape : scene.groups[0].shapes) scene.shapes.push_back(shape);  // which textures look for
+  add_every_texture(scene);
+  scene.shapes.resize(scene.shapes.size() - scene.groups[0].shapes.size());
+  expect_same_image(scene, device(), 0.03);
+}
+
+TEST_P(InstancedScenes, OfStretchedMeshes) {
+  SceneDescription scene = instances();
+  std::erase_if(scene.groups[0].shapes,
+                [](const Shape& shape) { return !std::holds_alternative<Mesh>(shape.geometry); });
+  param::max_depth(scene.integrator) = 2;
+  resize_film(scene, 48, 36);
+  expect_same_image(scene, device(), 0.02);
+}
+
+TEST_P(InstancedScenes, ByEveryIntegrator) {
+  SceneDescription scene = similar_instances(2);
+  scene.integrator = direct_integrator(2, 2);
+  expect_same_image(scene, device(), 0.03);
+  scene.integrator = {.method = WhittedIntegrator{}};
+  param::max_depth(scene.integrator) = 2;
+  expect_same_image(scene, device(), 0.03);
+  scene.integrator = {.method = AmbientOcclusionIntegrator{}};
+  expect_same_image(scene, device(), 0.03);
+}
+
+/// Those that emit are in the scene where they are placed, each a light.
+TEST_P(InstancedScenes, OfEmitters) {
+  SceneDescription scene = similar_instances(3);
+  Shape lamp = parallelogram(dvec3(-0.2, 0.8, 0), dvec3(0.4, 0, 0), dvec3(0, 0, 0.4), kBlackBsdf, 4.0f);
+  scene.groups[0].shapes.push_back(lamp);
+  expect_same_image(scene, device(), 0.05);
+  const DeviceScene built = build_or_throw(scene);
+  EXPECT_EQ(built.header.tables.lights.count, 2 + 12 * 2) << "the ceiling's and those of the instances";
+}
+
+const Tracing kTracings[] = {{"Portable", native_device, false},
+                             {"Embree", native_device, true},
+                             {"OpenCl", opencl_device, false}};
+INSTANTIATE_TEST_SUITE_P(All, InstancedScenes, testing::ValuesIn(kTracings),
+                         [](const auto& tested) { return tested.param.name; });
+
+/// Groups are stored once, whatever the number of places.
+TEST(InstancedGeometry, IsStoredOnce) {
+  SceneDescription scene = instances();
+  const DeviceScene few = build_or_throw(scene);
+  const std::vector<ShapeInstance> placed = scene.instances;
+  for (int i = 1; i < 1000; ++i) scene.instances.insert(scene.instances.end(), placed.begin(), placed.end());
+  const DeviceScene many = build_or_throw(scene);
+  EXPECT_EQ(many.header.tables.triangles.count, few.header.tables.triangles.count);
+  EXPECT_EQ(many.header.tables.triangle_leaves.count, few.header.tables.triangle_leaves.count);
+  EXPECT_EQ(many.header.tables.instances.count, 1000 * few.header.tables.instances.count);
+  const double bytes = 4.0 * double(many.words.size()) / many.header.tables.instances.count;
+  EXPECT_LT(bytes, 256) << "of each instance, its part of the hierarchy included";
+}
+
+}  // namespace
+}  // namespace penumbra
