@@ -26,7 +26,8 @@
   X(NESTED, 0x20000, "BSDFs that hold others, and surfaces seen through")     \
   X(BENT, 0x40000, "normal maps and bump maps")                               \
   X(OCCLUSION, 0x80000, "ambient and reflection occlusion integrators")       \
-  X(LTC, 0x100000, "glossy BSDFs under polygon lights")
+  X(LTC, 0x100000, "glossy BSDFs under polygon lights")                       \
+  X(CAMERA, 0x800000, "lenses, parallel projection and distorted images")
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FEATURE_PATH 0x001
@@ -50,7 +51,8 @@
 #define FEATURE_BENT 0x40000
 #define FEATURE_OCCLUSION 0x80000
 #define FEATURE_LTC 0x100000
-#define FEATURE_ALL 0x1fffff
+#define FEATURE_CAMERA 0x800000
+#define FEATURE_ALL 0x9fffff
 
 /// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)

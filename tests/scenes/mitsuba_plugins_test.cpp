@@ -320,10 +320,10 @@ TEST_F(MitsubaPlugins, LightErrors) {
 // --- cameras and films
 
 TEST_F(MitsubaPlugins, FieldsOfView) {
-  const PerspectiveCamera standard = good(in("sensor", "perspective")).camera;
+  const CameraSettings standard = good(in("sensor", "perspective")).camera;
   EXPECT_EQ(standard.fov_axis, FovAxis::kDiagonal);
   EXPECT_NEAR(standard.fov, 46.7930033, 1e-6);  // of a 50 mm lens
-  const PerspectiveCamera wide =
+  const CameraSettings wide =
       good(in("sensor", "perspective", "<string name='focal_length' value='35mm'/>")).camera;
   EXPECT_NEAR(std::tan(wide.fov * std::numbers::pi / 360.0), std::hypot(36.0, 24.0) / 70.0, 1e-12);
   const std::pair<const char*, FovAxis> axes[] = {{"x", FovAxis::kX},
@@ -332,7 +332,7 @@ TEST_F(MitsubaPlugins, FieldsOfView) {
                                                   {"smaller", FovAxis::kSmaller},
                                                   {"larger", FovAxis::kLarger}};
   for (const auto& [name, axis] : axes) {
-    const PerspectiveCamera camera =
+    const CameraSettings camera =
         good(
             in("sensor", "perspective",
                "<float name='fov' value='1e-6'/><string name='fov_axis' value='" + std::string(name) + "'/>"))
@@ -345,12 +345,12 @@ TEST_F(MitsubaPlugins, FieldsOfView) {
 }
 
 TEST_F(MitsubaPlugins, CameraFrames) {
-  const PerspectiveCamera camera =
+  const CameraSettings camera =
       good(in("sensor", "perspective",
               to_world("<scale value='1 2 3'/><lookat origin='1 2 3' target='1 2 9' up='0 1 0'/>")))
           .camera;
   EXPECT_EQ(camera.to_world, glm::dmat4({1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {1, 2, 3, 1}));
-  const PerspectiveCamera mirrored = good(in("sensor", "perspective", to_world("<scale x='-2'/>"))).camera;
+  const CameraSettings mirrored = good(in("sensor", "perspective", to_world("<scale x='-2'/>"))).camera;
   EXPECT_EQ(mirrored.to_world[0], glm::dvec4(-1, 0, 0, 0));
 }
 
