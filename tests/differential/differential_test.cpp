@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "tests/differential/agreement.h"
+#include "tests/differential/camera_scenes.h"
 #include "tests/differential/named_scenes.h"
 #include "tests/differential/random_scene.h"
 #include "tests/differential/textured_scenes.h"
@@ -25,8 +26,8 @@ void compare(std::vector<SceneText> scenes) {
     if (mitsuba.named()) FAIL() << mitsuba.ready().error().message;
     GTEST_SKIP() << mitsuba.ready().error().message;
   }
-  const std::size_t all =
-      named_scenes().size() + textured_scenes().size() + std::size_t(kParts * kScenesOfPart);
+  const std::size_t all = named_scenes().size() + camera_scenes().size() + textured_scenes().size() +
+                          std::size_t(kParts * kScenesOfPart);
   expect_agreement(mitsuba, scenes, all, only != nullptr);
 }
 
@@ -42,6 +43,8 @@ TEST_P(Differential, RandomScenesAreAsMitsubaRendersThem) {
 INSTANTIATE_TEST_SUITE_P(Parts, Differential, testing::Range(0, kParts));
 
 TEST(DifferentialTest, NamedScenesAreAsMitsubaRendersThem) { compare(named_scenes()); }
+
+TEST(DifferentialTest, CamerasAreMitsubas) { compare(camera_scenes()); }
 
 TEST(DifferentialTest, TexturedScenesAreAsMitsubaRendersThem) { compare(textured_scenes()); }
 
