@@ -29,6 +29,7 @@
   X(LTC, 0x100000, "glossy BSDFs under polygon lights")                       \
   X(LIGHT_TREE, 0x200000, "choice among lights by their contribution")        \
   X(INSTANCES, 0x400000, "instances of groups of shapes")                     \
+  X(CAMERA, 0x800000, "lenses, parallel projection and distorted images")     \
   X(LIGHT_TEXTURES, 0x1000000, "lights with textures")
 
 // Plain macros as well, since the preprocessor has to test them.
@@ -55,8 +56,9 @@
 #define FEATURE_LTC 0x100000
 #define FEATURE_LIGHT_TREE 0x200000
 #define FEATURE_INSTANCES 0x400000
+#define FEATURE_CAMERA 0x800000
 #define FEATURE_LIGHT_TEXTURES 0x1000000
-#define FEATURE_ALL 0x17fffff
+#define FEATURE_ALL 0x1ffffff
 
 /// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)

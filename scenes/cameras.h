@@ -6,11 +6,13 @@
 #include <glm/glm.hpp>
 #include <limits>
 
+#include "kernels/host/error.h"
 #include "kernels/scene_types.h"
 #include "scenes/setting_values.h"
 
 namespace penumbra {
 
+enum class Projection { kPerspective, kOrthographic };
 enum class FovAxis { kX, kY, kDiagonal, kSmaller, kLarger };
 
 inline OneOf<FovAxis> fov_axes() {
@@ -21,27 +23,96 @@ inline OneOf<FovAxis> fov_axes() {
            {"larger", FovAxis::kLarger}}};
 }
 
-/// Camera space looks along +z with +y up and +x to the left of the image (Mitsuba's convention).
-struct PerspectiveCamera {
-  glm::dmat4 to_world{1.0};  ///< camera to world; a scale has no effect on directions
+/// Camera space looks along +z with +y up and +x to the left of the image (Mitsuba's convention). Lens,
+/// distortion and images of channels are effects that any of them may have, but that distortion is of
+/// perspective.
+struct CameraSettings {
+  Projection projection = Projection::kPerspective;
+  glm::dmat4 to_world{1.0};  ///< camera to world: axes at right angles, mirrored or not, whose lengths do not
+                             ///< count
   double fov =
       50.0;  ///< full angle, degrees, in (0, 180), along `fov_axis`, of the whole film (not of the crop)
   FovAxis fov_axis = FovAxis::kX;
-  double near_clip = 1e-2;  ///< distances along +z; nothing outside is seen by the camera
+  double scale_x = 1.0, scale_y = 1.0;  ///< orthographic: half the film's width, and its height over its
+                                        ///< aspect
+  double near_clip = 1e-2;              ///< distances along +z; nothing outside is seen by the camera
   double far_clip = 1e4;
+  double principal_point_offset_x = 0.0,
+         principal_point_offset_y = 0.0;  ///< of the film that is seen, to the right and down, in widths, heights
+  double aperture_radius = 0.0;           ///< scene units; 0: a pinhole
+  double focus_distance = 1e4;            ///< along +z; what is there is sharp
+  int blades = 0;                         ///< corners of the lens, on its circle; 0: the disk
+  double blade_rotation = 0.0;            ///< degrees, from camera space's x towards y to the first corner
+  /// What a pinhole shows at r from the axis is at r (1 + k1 r^2 + k2 r^4), both as tangents of angles.
+  double distortion_k1 = 0.0, distortion_k2 = 0.0;
+  /// Shares by which a channel's image is larger than the film's, and its plane of focus farther away.
+  double magnify_red = 0.0, magnify_green = 0.0, magnify_blue = 0.0;
+  double refocus_red = 0.0, refocus_green = 0.0, refocus_blue = 0.0;
+
+  [[nodiscard]] glm::dvec3 magnify() const { return {magnify_red, magnify_green, magnify_blue}; }
+  [[nodiscard]] glm::dvec3 refocus() const { return {refocus_red, refocus_green, refocus_blue}; }
+  [[nodiscard]] bool is_distorted() const { return distortion_k1 != 0.0 || distortion_k2 != 0.0; }
 };
 
 /// Calls row(name, member, values, text[, member of the kernels' camera that it is copied to]) for each.
 template <typename Row>
 void camera_parameters(const Row& row) {
-  using C = PerspectiveCamera;
+  using C = CameraSettings;
   constexpr double kFar = std::numeric_limits<float>::max();
-  row("fov", &C::fov, Number<double>{LowEnd::kOpen, 0.0, 180.0}, "full angle of the whole film, degrees");
+  constexpr Number<double> kLength{LowEnd::kOpen, 0.0, kFar};
+  constexpr Number<double> kShare{LowEnd::kOpen, -1.0, 1.0};
+  row("projection", &C::projection,
+      OneOf<Projection>{
+          {{"perspective", Projection::kPerspective}, {"orthographic", Projection::kOrthographic}}},
+      "whether rays meet in the camera's origin or are parallel");
+  row("fov", &C::fov, Number<double>{LowEnd::kOpen, 0.0, 180.0},
+      "full angle of the whole film, degrees; perspective");
   row("fov_axis", &C::fov_axis, fov_axes(), "what the angle spans");
-  row("near_clip", &C::near_clip, Number<double>{LowEnd::kOpen, 0.0, kFar},
-      "nothing nearer along the view is seen", &Camera::near_clip);
-  row("far_clip", &C::far_clip, Number<double>{LowEnd::kOpen, 0.0, kFar},
-      "nothing farther along the view is seen", &Camera::far_clip);
+  row("scale_x", &C::scale_x, kLength, "half the width that the film sees; orthographic");
+  row("scale_y", &C::scale_y, kLength,
+      "half the height that it would see if it were square; orthographic");
+  row("near_clip", &C::near_clip, kLength, "nothing nearer along the view is seen", &Camera::near_clip);
+  row("far_clip", &C::far_clip, kLength, "nothing farther along the view is seen", &Camera::far_clip);
+  row("principal_point_offset_x", &C::principal_point_offset_x, Number<double>{LowEnd::kClosed, -1e3, 1e3},
+      "how far to the right of what is in the film's centre the picture is moved from, in widths");
+  row("principal_point_offset_y", &C::principal_point_offset_y, Number<double>{LowEnd::kClosed, -1e3, 1e3},
+      "likewise downwards, in heights");
+  row("aperture_radius", &C::aperture_radius, Number<double>{LowEnd::kClosed, 0.0, kFar},
+      "of the lens; 0: a pinhole", &Camera::lens_radius);
+  row("focus_distance", &C::focus_distance, kLength, "along the view: what is there is sharp");
+  row("blades", &C::blades, WholeNumber{0, 64},
+      "corners of the lens, which lie on its circle; 0: it is a disk", &Camera::blades);
+  row("blade_rotation", &C::blade_rotation, Number<double>{LowEnd::kClosed, -3600.0, 3600.0},
+      "degrees from the left of the picture upwards to the first corner");
+  row("distortion_k1", &C::distortion_k1, Number<double>{LowEnd::kClosed, -1e6, 1e6},
+      "what belongs at r from the axis is at r (1 + k1 r^2 + k2 r^4), by tangents of the angles; below 0: a "
+      "barrel",
+      &Camera::k1);
+  row("distortion_k2", &C::distortion_k2, Number<double>{LowEnd::kClosed, -1e6, 1e6}, "likewise",
+      &Camera::k2);
+  row("magnify_red", &C::magnify_red, kShare, "share by which the red image is larger than the film's");
+  row("magnify_green", &C::magnify_green, kShare, "the green image");
+  row("magnify_blue", &C::magnify_blue, kShare, "the blue image");
+  row("refocus_red", &C::refocus_red, kShare, "share by which red is sharp farther away");
+  row("refocus_green", &C::refocus_green, kShare, "green");
+  row("refocus_blue", &C::refocus_blue, kShare, "blue");
 }
+
+struct Film;
+
+/// Half of what the film sees at distance 1, or of what it sees in parallel projection.
+struct HalfFilm {
+  double x, y;
+};
+HalfFilm half_film(const CameraSettings& camera, const Film& film);
+
+/// A bound of the r whose places are within reach of the film, of a distorted image that check_camera
+/// accepts.
+double distortion_reach(const CameraSettings& camera, const Film& film);
+
+/// What no single parameter can tell. Errors: near is not before far, a lens of one or two corners, a
+/// distorted orthographic image, a distortion that does not grow up to the corners of the film (it says up to
+/// where it does).
+Expected<void> check_camera(const CameraSettings& camera, const Film& film);
 
 }  // namespace penumbra

@@ -96,7 +96,7 @@ struct SamplerSettings {
 
 /// What settings change (settings.h).
 struct RenderSettings {
-  PerspectiveCamera camera;
+  CameraSettings camera;
   Film film;
   SamplerSettings sampler;
   IntegratorSettings integrator;

@@ -121,10 +121,7 @@ Expected<void> check_settings(const RenderSettings& settings) {
     return fail(fmt::format("an image of {} x {} pixels is too large: at most {} pixels, {} a side",
                             film.crop_width, film.crop_height, kMaxFilmPixels, kMaxFilmSide));
   }
-  if (!(settings.camera.near_clip < settings.camera.far_clip)) {
-    return fail(fmt::format("the camera's near_clip, {}, must be less than its far_clip, {}",
-                            settings.camera.near_clip, settings.camera.far_clip));
-  }
+  if (auto checked = check_camera(settings.camera, settings.film); !checked) return checked;
   return check_integrator(settings.integrator);
 }
 

@@ -11,6 +11,7 @@
 #include "kernels/block/block_sort.h"
 #include "kernels/block/block_trace.h"
 #include "kernels/camera/camera.h"
+#include "kernels/camera/lens_camera.h"
 #include "kernels/integrator/direct.h"
 #include "kernels/integrator/occlusion.h"
 #include "kernels/integrator/path.h"
@@ -50,6 +51,18 @@ STAGE void number_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, in
   }
 }
 
+/// What a path is before its camera ray has met anything.
+FN void start_path(const PRIVATE PathState* fields, int i, Ray ray) {
+  set_ray_origin(fields, i, ray.origin);
+  set_ray_direction(fields, i, ray.direction);
+  set_ray_tmax(fields, i, ray.tmax);
+  set_ray_skip(fields, i, -1);
+  set_direction_pdf(fields, i, 0.0f);
+  set_throughput(fields, i, make_vec3(1.0f, 1.0f, 1.0f));
+  set_radiance(fields, i, make_vec3(0.0f, 0.0f, 0.0f));
+  set_depth(fields, i, 0);
+}
+
 /// Camera rays of LANES paths, through the points that the film's filter chooses by (u, v).
 STAGE void start_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                        const PRIVATE float* RESTRICT u, const PRIVATE float* RESTRICT v,
@@ -64,18 +77,55 @@ STAGE void start_paths(const PRIVATE Scene* scene, const PRIVATE PathState* path
       const FilterSample fy = sample_filter(film.filter, scene->filter_table, v[j]);
       const Ray ray = camera_ray(camera, film, get_film_x(&fields, i + j), get_film_y(&fields, i + j),
                                  film.filter_radius * fx.x, film.filter_radius * fy.x);
-      set_ray_origin(&fields, i + j, ray.origin);
-      set_ray_direction(&fields, i + j, ray.direction);
-      set_ray_tmax(&fields, i + j, ray.tmax);
-      set_ray_skip(&fields, i + j, -1);
-      set_direction_pdf(&fields, i + j, 0.0f);
-      set_throughput(&fields, i + j, make_vec3(1.0f, 1.0f, 1.0f));
-      set_radiance(&fields, i + j, make_vec3(0.0f, 0.0f, 0.0f));
-      set_depth(&fields, i + j, 0);
+      start_path(&fields, i + j, ray);
       weights[j] = fx.weight * fy.weight;
     }
   for (int j = 0; j < LANES; j++) set_slot_filter_weight(slots, get_slot(paths, i + j), weights[j]);
 }
+
+#if HAS(CAMERA)
+/// The same through lenses, see lens_camera.h.
+STAGE void start_lens_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int channel,
+                            const PRIVATE float* RESTRICT u, const PRIVATE float* RESTRICT v,
+                            const PRIVATE SlotState* slots) {
+  const PRIVATE SceneHeader* h = &scene->header;
+  const Camera camera = h->camera;
+  const FilmParameters film = h->film;
+  const float image_scale = of_channel(h->camera.image_scale, channel);
+  const float focus = of_channel(h->camera.focus, channel);
+  const PathState fields = *paths;  // see step.h
+  float weights[LANES], x[LANES], y[LANES], lens_u[LANES], lens_v[LANES];
+  float lens_x[LANES], lens_y[LANES];
+  if (camera.lens_radius > 0.0f) {
+    sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_LENS), paths, i, lens_u, lens_v);
+  } else {
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++) lens_u[j] = lens_v[j] = 0.5f;
+  }
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const FilterSample fx = sample_filter(film.filter, scene->filter_table, u[j]);
+      const FilterSample fy = sample_filter(film.filter, scene->filter_table, v[j]);
+      const FilmPoint p =
+          film_point(camera, film, image_scale, get_film_x(&fields, i + j), get_film_y(&fields, i + j),
+                     film.filter_radius * fx.x, film.filter_radius * fy.x);
+      x[j] = p.x;
+      y[j] = p.y;
+      weights[j] = fx.weight * fy.weight;
+    }
+  if (camera.reach > 0.0f) undistort(camera, x, y);
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const LensPoint lens = lens_point(camera, lens_u[j], lens_v[j]);
+      lens_x[j] = lens.x;
+      lens_y[j] = lens.y;
+    }
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++)
+      start_path(&fields, i + j, lens_ray(camera, focus, x[j], y[j], lens_x[j], lens_y[j]));
+  for (int j = 0; j < LANES; j++) set_slot_filter_weight(slots, get_slot(paths, i + j), weights[j]);
+}
+#endif
 
 #if HAS(POLYGONS)
 STAGE void clear_control(const PRIVATE PathState* paths, int i) {
@@ -97,13 +147,18 @@ STAGE void start_media(const PRIVATE PathState* paths, int i) {
 #endif
 
 FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int first_path,
-                 int count, const PRIVATE PathState* paths, const PRIVATE SlotState* slots) {
+                 int count, int channel, const PRIVATE PathState* paths, const PRIVATE SlotState* slots) {
   const PRIVATE SceneHeader* h = &scene->header;
   number_paths(scene, unit, first_pixel, first_path, count, paths, slots);
   for (int i = 0; i < count; i += LANES) {
     float u[LANES], v[LANES];
     sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_FILM), paths, i, u, v);
+#if HAS(CAMERA)
+    if (NEEDS(scene, CAMERA)) start_lens_paths(scene, paths, i, channel, u, v, slots);
+    if (!NEEDS(scene, CAMERA)) start_paths(scene, paths, i, u, v, slots);
+#else
     start_paths(scene, paths, i, u, v, slots);
+#endif
 #if HAS(POLYGONS)
     if (NEEDS(scene, POLYGONS)) clear_control(paths, i);
 #endif
@@ -124,16 +179,25 @@ FN bool hits_scatter(const PRIVATE SceneHeader* h, int step) {
 }
 
 /// Traces `path_count` paths, from the `first_path`-th on, of the block's pixels, which start at the unit's
-/// `first_pixel`-th: `batch` at a time, at most the capacity. Their samples are then in their slots.
+/// `first_pixel`-th: `batch` at a time, at most the capacity. Their samples are then in their slots. Where
+/// channels have images of their own, each path is traced once for each, by the same numbers, and its sample
+/// takes that channel alone; layers are those of green.
 FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int first_path,
                      int path_count, int batch, const PRIVATE Block* block) {
   const PRIVATE PathState* paths = &block->paths;
   const PRIVATE SlotState* slots = &block->slots;
   const PRIVATE SceneHeader* h = &scene->header;
   const bool control = has_control(scene);
-  for (int done = 0; done < path_count; done += batch) {
+#if HAS(CAMERA)
+  const int channels = camera_channels(h);
+#else
+  const int channels = 1;
+#endif
+  const int turns = channels * ((path_count + batch - 1) / batch);
+  for (int turn = 0; turn < turns; turn++) {
+    const int done = turn / channels * batch, channel = (turn + 2) % channels;  // green comes last
     int count = min_i(batch, path_count - done);
-    generate(scene, unit, first_pixel, first_path + done, count, paths, slots);
+    generate(scene, unit, first_pixel, first_path + done, count, channel, paths, slots);
     if (block->probe != 0) probe_camera(block);
     for (int step = 0; count > 0; step++) {
       intersect_block(scene, paths, count);
@@ -172,7 +236,7 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
 #endif
       if (!control) add_light(paths, count);
       if (block->probe != 0) probe_light(block, step);
-      count = compact(scene, paths, count, slots);
+      count = compact(scene, paths, count, channels == 1 ? EVERY_CHANNEL : channel, slots);
       if (count > 0) pad_lanes(h->features, paths, count);
     }
   }

@@ -38,9 +38,35 @@ FN void copy_lane(uint features, const PRIVATE PathState* paths, int to, int fro
 #undef COPY_FIELD
 }
 
-/// Finished paths leave what they found in their slots; the others move up, in order. Returns how many are
-/// left.
-STAGE int compact(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
+// Of a path that is traced for all channels at once.
+#define EVERY_CHANNEL -1
+
+/// One channel of `found` beside the others of what is known.
+FN vec3 with_channel(vec3 known, vec3 found, int channel) {
+  return make_vec3(channel == 0 ? found.x : known.x, channel == 1 ? found.y : known.y,
+                   channel == 2 ? found.z : known.z);
+}
+
+#if HAS(CAMERA)
+/// What a finished path found, of one channel: see camera_channels.
+FN void finish_channel(const PRIVATE PathState* paths, int i, int channel, bool polygons,
+                       const PRIVATE SlotState* slots) {
+  const int slot = get_slot(paths, i);
+  set_slot_sample(slots, slot, with_channel(get_slot_sample(slots, slot), get_radiance(paths, i), channel));
+  if (polygons) {
+    set_slot_shadowed(slots, slot,
+                      with_channel(get_slot_shadowed(slots, slot), get_shadowed(paths, i), channel));
+    set_slot_unshadowed(slots, slot,
+                        with_channel(get_slot_unshadowed(slots, slot), get_unshadowed(paths, i), channel));
+    set_slot_analytic(slots, slot,
+                      with_channel(get_slot_analytic(slots, slot), get_analytic(paths, i), channel));
+  }
+}
+#endif
+
+/// Finished paths leave what they found in their slots, of one channel or of EVERY_CHANNEL; the others move
+/// up, in order. Returns how many are left.
+STAGE int compact(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int channel,
                   const PRIVATE SlotState* slots) {
   GLOBAL int* RESTRICT going = paths->going;
   GLOBAL int* RESTRICT finished = paths->finished;
@@ -53,7 +79,11 @@ STAGE int compact(const PRIVATE Scene* scene, const PRIVATE PathState* paths, in
     gone += 1 - alive;
   }
   const bool polygons = NEEDS(scene, POLYGONS);
-  for (int m = 0; m < gone; m++) {
+#if HAS(CAMERA)
+  for (int m = 0; m < gone && channel != EVERY_CHANNEL; m++)
+    finish_channel(paths, finished[m], channel, polygons, slots);
+#endif
+  for (int m = 0; m < gone && channel == EVERY_CHANNEL; m++) {
     const int i = finished[m], slot = get_slot(paths, i);
     set_slot_sample(slots, slot, get_radiance(paths, i));
     if (polygons) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
@@ -51,6 +52,7 @@ class Checker {
     require(in(h_.intersector, INTERSECTOR_PORTABLE, INTERSECTOR_EMBREE), "unknown intersector");
     require(in(h_.sampler.kind, SAMPLER_INDEPENDENT, SAMPLER_SOBOL), "unknown sampler");
     require(in(h_.film.filter, FILTER_BOX, FILTER_TABULATED), "unknown filter");
+    check_camera();
     require(in(h_.integrator.kind, INTEGRATOR_DIRECT, INTEGRATOR_OCCLUSION), "unknown integrator");
     require(h_.film.width > 0 && h_.film.height > 0, "empty film");
     require(h_.sampler.spp > 0, "no samples per pixel");
@@ -65,6 +67,23 @@ class Checker {
             "no rays that anything could block");
     require(in(h_.integrator.hide_emitters, HIDE_NOTHING, HIDE_LOOK_THROUGH), "unknown way to hide emitters");
     require(in(h_.integrator.light_choice, CHOICE_POWER, CHOICE_TREE), "unknown choice of lights");
+  }
+
+  void check_camera() {
+    const Camera& c = h_.camera;
+    const bool plain = c.parallel == 0 && c.offset_x == 0 && c.offset_y == 0 && c.lens_radius == 0 &&
+                       c.reach == 0 && c.split == 0;
+    require(plain || has(FEATURE_CAMERA), "a camera with a lens without its feature bit");
+    if (!has(FEATURE_CAMERA)) return;
+    const auto positive = [](const vec3& v) { return v.x > 0 && v.y > 0 && v.z > 0; };
+    require((c.parallel == 0 || c.parallel == 1) && (c.split == 0 || c.split == 1),
+            "a camera of unknown kind");
+    require(c.lens_radius >= 0 && positive(c.focus) && positive(c.image_scale),
+            "a camera with an implausible lens");
+    require(c.blades >= 0 && c.blades <= 1024 && c.blades == std::floor(c.blades) && c.blade_turn >= 0 &&
+                c.blade_turn <= 1,
+            "a lens with implausible blades");
+    require(c.reach >= 0, "an implausible distortion");
   }
 
   void check_tables() {

@@ -418,6 +418,7 @@ class Builder {
   void set_camera() {
     const vec3 origin = local(glm::dvec3(scene_.camera.to_world[3]), "the camera");
     h_.camera = build_camera(scene_.camera, scene_.film, origin);
+    need(camera_features(scene_.camera));
   }
 
   void set_film() {

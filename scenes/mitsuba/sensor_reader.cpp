@@ -42,20 +42,85 @@ void read_view_angle(PluginReader& plugin, SceneDescription& scene) {
   plugin.accept({"fov", "fov_axis"});
 }
 
-void read_perspective(PluginReader& plugin, SceneDescription& scene) {
-  read_view_angle(plugin, scene);
-  plugin.settings(scene, "camera", Names{"near_clip", "far_clip"});
-  const auto frame = without_scale(plugin.transform("to_world"));
-  if (frame) {
+/// What every camera has: where it is, what it sees along its view, and effects that are no lens'.
+void read_place(PluginReader& plugin, SceneDescription& scene) {
+  plugin.settings(scene, "camera",
+                  Names{"near_clip", "far_clip", "principal_point_offset_x", "principal_point_offset_y",
+                        "magnify_red", "magnify_green", "magnify_blue"});
+  const glm::dmat4 to_world = plugin.transform("to_world");
+  if (const auto frame = without_scale(to_world)) {
     scene.camera.to_world = *frame;
   } else {
     plugin.wrong("to_world", frame.error().message);
   }
-  for (const char* name : {"principal_point_offset_x", "principal_point_offset_y"}) {
-    if (plugin.number(name, 0.0) != 0.0) plugin.wrong(name, fmt::format("{} other than 0 is not read", name));
+  // Its scale makes an orthographic film larger, and takes its near plane along.
+  if (scene.camera.projection == Projection::kOrthographic) {
+    const glm::dmat3 axes(to_world);
+    scene.camera.scale_x = glm::length(axes[0]);
+    scene.camera.scale_y = glm::length(axes[1]);
+    const double length = scene.camera.far_clip - scene.camera.near_clip;
+    scene.camera.near_clip *= glm::length(axes[2]);
+    scene.camera.far_clip = scene.camera.near_clip + length;
   }
-  // Depth of field and motion blur are those of other cameras.
-  plugin.accept({"focus_distance", "shutter_open", "shutter_close"});
+  if (plugin.number("shutter_close", 0.0) > plugin.number("shutter_open", 0.0))
+    plugin.warn("nothing moves in Penumbra, so shutter_open and shutter_close have no effect");
+}
+
+void read_lens(PluginReader& plugin, SceneDescription& scene) {
+  plugin.settings(scene, "camera",
+                  Names{"aperture_radius", "focus_distance", "blades", "blade_rotation", "refocus_red",
+                        "refocus_green", "refocus_blue"});
+  if (!plugin.has("focus_distance")) scene.camera.focus_distance = scene.camera.far_clip;
+  if (!plugin.has("aperture_radius")) {
+    plugin.wrong(fmt::format("{} needs an aperture_radius", plugin.title()));
+  } else if (scene.camera.aperture_radius == 0.0) {
+    plugin.warn("with an aperture_radius of 0 it is a pinhole");
+  }
+}
+
+void read_distortion(PluginReader& plugin, SceneDescription& scene) {
+  plugin.settings(scene, "camera", Names{"distortion_k1", "distortion_k2"});
+}
+
+void read_perspective(PluginReader& plugin, SceneDescription& scene) {
+  read_view_angle(plugin, scene);
+  read_place(plugin, scene);
+  read_distortion(plugin, scene);
+  plugin.accept({"focus_distance"});  // of a lens that it does not have
+}
+
+void read_thin_lens(PluginReader& plugin, SceneDescription& scene) {
+  read_view_angle(plugin, scene);
+  read_place(plugin, scene);
+  read_lens(plugin, scene);
+  read_distortion(plugin, scene);
+}
+
+/// Mitsuba 0.6's: kc has both coefficients.
+void read_distorted_perspective(PluginReader& plugin, SceneDescription& scene) {
+  read_view_angle(plugin, scene);
+  read_place(plugin, scene);
+  const auto numbers = parse_numbers(plugin.text("kc", "0, 0"));
+  if (!numbers || numbers->size() != 2) {
+    plugin.wrong("kc", fmt::format("kc: '{}' is not two numbers, k1 and k2", plugin.text("kc", "")));
+  } else {
+    scene.camera.distortion_k1 = (*numbers)[0];
+    scene.camera.distortion_k2 = (*numbers)[1];
+  }
+  plugin.accept({"focus_distance"});
+}
+
+void read_orthographic(PluginReader& plugin, SceneDescription& scene) {
+  scene.camera.projection = Projection::kOrthographic;
+  read_place(plugin, scene);
+  plugin.accept({"focus_distance"});
+}
+
+/// Mitsuba 0.6's: an orthographic camera with a lens.
+void read_telecentric(PluginReader& plugin, SceneDescription& scene) {
+  scene.camera.projection = Projection::kOrthographic;
+  read_place(plugin, scene);
+  read_lens(plugin, scene);
 }
 
 struct FilterPlugin {
@@ -157,7 +222,11 @@ struct SensorPlugin {
   std::string_view type;
   void (*read)(PluginReader&, SceneDescription&);
 };
-constexpr SensorPlugin kSensors[] = {{"perspective", read_perspective}};
+constexpr SensorPlugin kSensors[] = {{"perspective", read_perspective},
+                                     {"thinlens", read_thin_lens},
+                                     {"orthographic", read_orthographic},
+                                     {"telecentric", read_telecentric},
+                                     {"perspective_rdist", read_distorted_perspective}};
 
 }  // namespace
 

@@ -12,7 +12,7 @@
 namespace penumbra {
 
 /// Whether viewers can draw the closed form themselves, and tiles hold the difference to it: direct lighting
-/// from polygon lights only, with feature layers and a given alpha.
+/// from polygon lights only, seen by a pinhole, with feature layers and a given alpha.
 bool is_hybrid(const DeviceScene& scene);
 
 /// A tile's means over what is merged of it. With `hybrid` the difference to alpha times the closed form.

@@ -7,11 +7,11 @@
 
 namespace penumbra {
 
-PerspectiveCamera look_at(glm::dvec3 origin, glm::dvec3 target, glm::dvec3 up, double fov) {
+CameraSettings look_at(glm::dvec3 origin, glm::dvec3 target, glm::dvec3 up, double fov) {
   const glm::dvec3 forward = glm::normalize(target - origin);
   const glm::dvec3 left = glm::normalize(glm::cross(up, forward));
   const glm::dvec3 above = glm::cross(forward, left);
-  PerspectiveCamera camera;
+  CameraSettings camera;
   camera.to_world =
       glm::dmat4(glm::dvec4(left, 0), glm::dvec4(above, 0), glm::dvec4(forward, 0), glm::dvec4(origin, 1));
   camera.fov = fov;

@@ -10,7 +10,7 @@
 namespace penumbra {
 
 /// A camera at `origin` that looks at `target`.
-PerspectiveCamera look_at(glm::dvec3 origin, glm::dvec3 target, glm::dvec3 up, double fov);
+CameraSettings look_at(glm::dvec3 origin, glm::dvec3 target, glm::dvec3 up, double fov);
 
 /// A grey diffuse reflector; returns its index.
 int add_diffuse(SceneDescription& scene, float reflectance);

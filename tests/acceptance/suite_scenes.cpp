@@ -259,6 +259,33 @@ void textured_directly(SceneDescription& scene) {
   direct(scene);
 }
 
+void through_a_lens(SceneDescription& scene) {
+  scene.camera.aperture_radius = 20;
+  scene.camera.focus_distance = 1000;
+  scene.camera.blades = 7;
+  scene.camera.blade_rotation = 20;
+  scene.camera.distortion_k1 = -0.2;
+  scene.camera.distortion_k2 = 0.3;
+  scene.camera.principal_point_offset_x = 0.1;
+  scene.camera.magnify_red = 0.02;
+  scene.camera.magnify_blue = -0.03;
+  scene.camera.refocus_red = 0.1;
+}
+
+void through_a_lens_with_control_variate(SceneDescription& scene) {
+  path_with_control_variate(scene);
+  through_a_lens(scene);
+}
+
+void in_parallel(SceneDescription& scene) {
+  direct(scene);
+  scene.camera.projection = Projection::kOrthographic;
+  scene.camera.scale_x = 5;
+  scene.camera.scale_y = 7;
+  scene.camera.aperture_radius = 0.5;
+  scene.camera.focus_distance = 10;
+}
+
 }  // namespace
 
 void PrintTo(const SuiteScene& scene, std::ostream* out) { *out << scene.name; }
@@ -297,6 +324,9 @@ const std::vector<SuiteScene>& suite_scenes() {
       {"VeachMisWhitted", "veach-mis/veach-mis.xml", false, whitted_with_control_variate},
       {"CornellAmbientOcclusion", "cornell/cornell.xml", false, ambient_occlusion},
       {"VeachMisReflectionOcclusion", "veach-mis/veach-mis.xml", false, reflection_occlusion},
+      {"CornellLens", "cornell/cornell.xml", false, through_a_lens},
+      {"CornellLensControlVariate", "cornell/cornell.xml", false, through_a_lens_with_control_variate},
+      {"VeachMisParallel", "veach-mis/veach-mis.xml", false, in_parallel},
       {"RaysOnEdges", "cornell-small/cornell-small.xml", false, rays_on_edges, true},
       {"CoincidentWalls", "cornell-small/cornell-small.xml", false, coincident_walls, true},
       {"BitterliCornellBox", "bitterli/cornell-box/scene.xml", true},

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "tests/differential/agreement.h"
+#include "tests/differential/camera_scenes.h"
 #include "tests/differential/emitter_scenes.h"
 #include "tests/differential/named_scenes.h"
 #include "tests/differential/random_scene.h"
@@ -26,7 +27,8 @@ void compare(std::vector<SceneText> scenes) {
     if (mitsuba.named()) FAIL() << mitsuba.ready().error().message;
     GTEST_SKIP() << mitsuba.ready().error().message;
   }
-  const std::size_t all = named_scenes().size() + textured_scenes().size() + emitter_scenes().size() +
+  const std::size_t all = named_scenes().size() + camera_scenes().size() + textured_scenes().size() +
+                          emitter_scenes().size() +
                           std::size_t(kParts * kScenesOfPart);
   expect_agreement(mitsuba, scenes, all, only != nullptr);
 }
@@ -45,6 +47,8 @@ INSTANTIATE_TEST_SUITE_P(Parts, Differential, testing::Range(0, kParts));
 TEST(DifferentialTest, NamedScenesAreAsMitsubaRendersThem) { compare(named_scenes()); }
 
 TEST(DifferentialTest, ScenesOfEmittersAreAsMitsubaRendersThem) { compare(emitter_scenes()); }
+
+TEST(DifferentialTest, CamerasAreMitsubas) { compare(camera_scenes()); }
 
 TEST(DifferentialTest, TexturedScenesAreAsMitsubaRendersThem) { compare(textured_scenes()); }
 

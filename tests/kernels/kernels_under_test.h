@@ -8,6 +8,7 @@
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/material_tree.h"
 #include "kernels/camera/camera.h"
+#include "kernels/camera/lens_camera.h"
 #include "kernels/intersect/bvh.h"
 #include "kernels/intersect/quadric.h"
 #include "kernels/intersect/surface.h"

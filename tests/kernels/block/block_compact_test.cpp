@@ -38,7 +38,7 @@ struct Compacted {
       if (alive && i < count) going.push_back(i);
     }
     const Scene scene = tables.scene();
-    left = compact(&scene, &paths, count, &slots);
+    left = compact(&scene, &paths, count, EVERY_CHANNEL, &slots);
   }
 
   /// That the lane holds everything that travels of what was lane `from`.
