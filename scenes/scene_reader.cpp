@@ -11,6 +11,7 @@
 
 #include "scenes/diagnostic.h"
 #include "scenes/file_access.h"
+#include "scenes/gltf/gltf_scene.h"
 #include "scenes/mitsuba/mitsuba_scene.h"
 #include "scenes/names.h"
 #include "scenes/settings.h"
@@ -29,7 +30,9 @@ struct Format {
 
 std::span<const Format> formats() {
   static const std::vector<Format> table = {{"Mitsuba XML", ".xml", '<', mitsuba::read_scene},
-                                            {"TinyRender TOML", ".toml", '[', tinyrender::read_scene}};
+                                            {"TinyRender TOML", ".toml", '[', tinyrender::read_scene},
+                                            {"glTF 2.0", ".gltf", '{', gltf::read_scene},
+                                            {"glTF 2.0 binary", ".glb", 'g', gltf::read_scene}};
   return table;
 }
 
