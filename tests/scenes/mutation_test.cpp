@@ -297,5 +297,22 @@ TEST(MutatedGltf, TextAndBinary) {
   }
 }
 
+TEST(MutatedNori, EverythingOfIt) {
+  const TemporaryFolder folder;
+  write_text(folder / "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n");
+  write_text(
+      folder / "scene.xml",
+      "<scene>\n<integrator type=\"path_mis\"/>\n<camera type=\"perspective\">\n<float name=\"fov\" "
+      "value=\"30\"/>\n<transform name=\"toWorld\"><scale value=\"-1,1,1\"/>\n<lookat target=\"0,0,1\" "
+      "origin=\"0,0,-5\" up=\"0,1,0\"/></transform>\n<integer name=\"width\" value=\"80\"/>\n<rfilter "
+      "type=\"gaussian\"/>\n</camera>\n<sampler type=\"independent\"><integer name=\"sampleCount\" "
+      "value=\"4\"/></sampler>\n<mesh type=\"obj\">\n<string name=\"filename\" value=\"m.obj\"/>\n<transform "
+      "name=\"toWorld\"><rotate axis=\"0,1,0\" angle=\"30\"/></transform>\n<bsdf type=\"microfacet\"><color "
+      "name=\"kd\" value=\".1,.2,.3\"/></bsdf>\n<emitter type=\"area\"><color name=\"radiance\" "
+      "value=\"1,2,3\"/></emitter>\n</mesh>\n<emitter type=\"point\"><point name=\"position\" "
+      "value=\"1,2,3\"/><color name=\"power\" value=\"1,1,1\"/></emitter>\n</scene>\n");
+  expect_survival(folder.path(), "scene.xml", "scene.xml", 4001);
+}
+
 }  // namespace
 }  // namespace penumbra
