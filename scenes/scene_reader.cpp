@@ -11,9 +11,11 @@
 
 #include "scenes/diagnostic.h"
 #include "scenes/file_access.h"
+#include "scenes/gltf/gltf_scene.h"
 #include "scenes/instances.h"
 #include "scenes/mitsuba/mitsuba_scene.h"
 #include "scenes/names.h"
+#include "scenes/nori/nori_scene.h"
 #include "scenes/settings.h"
 #include "scenes/tinyrender/tinyrender_scene.h"
 
@@ -26,11 +28,18 @@ struct Format {
   std::string extension;
   char first_character;  ///< after white space and lines of comment, where the extension says nothing
   std::function<Expected<SceneDescription>(const std::filesystem::path&, const ReadOptions&)> read;
+  /// Of formats that share an extension: whether the file is of this one. Empty: what is of no other.
+  std::function<bool(const std::filesystem::path&)> is_one = {};
+
+  [[nodiscard]] bool may_be(const std::filesystem::path& file) const { return !is_one || is_one(file); }
 };
 
 std::span<const Format> formats() {
-  static const std::vector<Format> table = {{"Mitsuba XML", ".xml", '<', mitsuba::read_scene},
-                                            {"TinyRender TOML", ".toml", '[', tinyrender::read_scene}};
+  static const std::vector<Format> table = {{"Nori XML", ".xml", '<', nori::read_scene, nori::is_scene},
+                                            {"Mitsuba XML", ".xml", '<', mitsuba::read_scene},
+                                            {"TinyRender TOML", ".toml", '[', tinyrender::read_scene},
+                                            {"glTF 2.0", ".gltf", '{', gltf::read_scene},
+                                            {"glTF 2.0 binary", ".glb", 'g', gltf::read_scene}};
   return table;
 }
 
@@ -50,11 +59,11 @@ const Format* format_of(const std::filesystem::path& file) {
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   for (const Format& each : formats()) {
-    if (each.extension == extension) return &each;
+    if (each.extension == extension && each.may_be(file)) return &each;
   }
   const char first = first_character(file);
   for (const Format& each : formats()) {
-    if (each.first_character == first) return &each;
+    if (each.first_character == first && each.may_be(file)) return &each;
   }
   return nullptr;
 }

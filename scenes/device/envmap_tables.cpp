@@ -1,14 +1,13 @@
 // The tables of an environment map, see kernels/light/envmap_light.h.
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <glm/gtc/packing.hpp>
 #include <limits>
 #include <numbers>
 
 #include "kernels/light/envmap_grid.h"
-#include "scenes/device/texel_table.h"
 #include "scenes/emitters.h"
+#include "scenes/image/bitmap_values.h"
+#include "scenes/textures/bitmap.h"
 
 namespace penumbra {
 namespace {
@@ -25,31 +24,13 @@ std::vector<double> sums_of_row(const std::vector<vec3>& texels, int width, int 
   return sums;
 }
 
-/// Value k of a bitmap.
-double bitmap_value(const Bitmap& bitmap, std::size_t k) {
-  const auto bits = [&](std::size_t per_word) {
-    const std::size_t size = 32 / per_word;
-    return int(bitmap.words[k / per_word] >> (k % per_word * size) & ((1u << size) - 1u));
-  };
-  switch (bitmap.type) {
-    case TexelType::kByte:
-      return double(decoded_value(bits(4), 255, kSrgb));
-    case TexelType::kShort:
-      return double(decoded_value(bits(2), 65535, kSrgb));
-    case TexelType::kHalf:
-      return double(glm::unpackHalf1x16(glm::uint16(bits(2))));
-    case TexelType::kFloat:
-      break;
-  }
-  return double(std::bit_cast<float>(bitmap.words[k]));
-}
-
 /// What is below 0, as resampled images have it beside bright texels, shines not.
 vec3 radiance_of_texel(const Bitmap& image, std::size_t index, float scale) {
   const std::size_t n = std::size_t(image.channels);
   const auto channel = [&](std::size_t c) {
     const double most = double(std::numeric_limits<float>::max());
-    return float(std::clamp(bitmap_value(image, n * index + std::min(c, n - 1)) * double(scale), 0.0, most));
+    return float(
+        std::clamp(bitmap_value(image, n * index + std::min(c, n - 1), kSrgb) * double(scale), 0.0, most));
   };
   return make_vec3(channel(0), channel(1), channel(2));
 }

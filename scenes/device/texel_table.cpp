@@ -6,12 +6,6 @@
 
 namespace penumbra {
 
-float decoded_value(int n, int most, float gamma) {
-  const double x = double(n) / most;
-  if (gamma != kSrgb) return float(gamma == 1.0f ? x : std::pow(x, double(gamma)));
-  return float(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4));
-}
-
 void TexelTable::place(const BitmapTexture& texture, TextureNode& node) {
   const Bitmap& bitmap = *bitmaps_[std::size_t(texture.bitmap)];
   node.kind = bitmap.type == TexelType::kByte    ? TEXTURE_BYTE_BITMAP

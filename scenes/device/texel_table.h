@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "kernels/scene_types.h"
-#include "scenes/image/bitmap.h"
+#include "scenes/image/bitmap_values.h"
 #include "scenes/textures.h"
 
 namespace penumbra {
@@ -34,8 +34,5 @@ class TexelTable {
   std::map<int, int> places_;                       ///< by bitmap
   std::map<std::pair<int, float>, int> decodings_;  ///< by the number of values and gamma
 };
-
-/// What a whole number n of 0 ... most counts: (n / most)^gamma, or by sRGB (IEC 61966-2-1) with kSrgb.
-float decoded_value(int n, int most, float gamma);
 
 }  // namespace penumbra

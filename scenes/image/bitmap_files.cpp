@@ -20,16 +20,25 @@ Expected<BitmapFiles::Entry> BitmapFiles::read_new(const std::filesystem::path& 
                                                    BitmapChannels channels) {
   const Expected<std::string> contents = files_.read_bytes(file, kMaxImageFileBytes);
   if (!contents) return std::unexpected(contents.error());
-  const XXH128_hash_t digest = XXH3_128bits(contents->data(), contents->size());
+  return read_contents(file.string(), *contents, channels);
+}
+
+Expected<BitmapFiles::Entry> BitmapFiles::read_contents(const std::string& name, std::string_view contents,
+                                                        BitmapChannels channels) {
+  const XXH128_hash_t digest = XXH3_128bits(contents.data(), contents.size());
   const std::pair key(Digest(digest.high64, digest.low64), channels);
   if (const auto known = by_contents_.find(key); known != by_contents_.end()) return Entry{known->second, {}};
   Entry entry;
-  Expected<Bitmap> bitmap = read_bitmap(file.string(), *contents, channels, entry.findings);
+  Expected<Bitmap> bitmap = read_bitmap(name, contents, channels, entry.findings);
   if (!bitmap) return std::unexpected(bitmap.error());
-  entry.bitmap = int(bitmaps_.size());
-  bitmaps_.push_back(std::make_shared<const Bitmap>(std::move(*bitmap)));
+  entry.bitmap = add(std::move(*bitmap));
   by_contents_.emplace(key, entry.bitmap);
   return entry;
+}
+
+int BitmapFiles::add(Bitmap bitmap) {
+  bitmaps_.push_back(std::make_shared<const Bitmap>(std::move(bitmap)));
+  return int(bitmaps_.size()) - 1;
 }
 
 }  // namespace penumbra

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -25,6 +26,11 @@ class BitmapFiles {
   /// The index of a bitmap among those of the scene. Files of the same contents are one, whatever their
   /// names. Errors: see FileAccess::read_bytes and read_bitmap, the same for the same file.
   Expected<Entry> read(const std::filesystem::path& file, BitmapChannels channels);
+
+  /// The same of contents that are in memory; `name` is for messages, and its ending may say the format.
+  Expected<Entry> read_contents(const std::string& name, std::string_view contents, BitmapChannels channels);
+  /// One that was made.
+  int add(Bitmap bitmap);
 
   [[nodiscard]] const Bitmap& bitmap(int index) const { return *bitmaps_[std::size_t(index)]; }
   [[nodiscard]] std::shared_ptr<const Bitmap> shared(int index) const { return bitmaps_[std::size_t(index)]; }

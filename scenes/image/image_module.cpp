@@ -80,7 +80,11 @@ Expected<ImageContents> read_file(const std::string& name, std::string_view cont
   wishes["oiio:UnassociatedAlpha"] = 1;  // colours as the file has them
   try {
     // Formats that cannot be read from memory are read again from their file.
-    auto input = OIIO::ImageInput::open(name, &wishes, &memory);
+    OIIO::ImageSpec from_memory = wishes;
+    void* proxy = &memory;
+    // As an attribute: given to open() it does not work for names of no file (OpenImageIO 2.4).
+    from_memory.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+    auto input = OIIO::ImageInput::open(name, &from_memory);
     if (!input) {
       static_cast<void>(OIIO::geterror());
       input = OIIO::ImageInput::open(name, &wishes);

@@ -31,61 +31,6 @@ constexpr auto bsdf_plugins(const std::variant<Models...>*) {
 constexpr auto kBsdfs = bsdf_plugins(static_cast<const BsdfModel*>(nullptr));
 constexpr std::string_view kTwoSided = "twosided";
 
-MaterialTree leaf(std::string name, BsdfModel model) {
-  return std::make_shared<MaterialNode>(MaterialNode{{std::move(name), std::move(model), {}}, {}, {}});
-}
-
-MaterialTree branch(std::string name, BsdfModel model, MaterialTree first, MaterialTree second) {
-  return std::make_shared<MaterialNode>(
-      MaterialNode{{std::move(name), std::move(model), {}}, std::move(first), std::move(second)});
-}
-
-MaterialTree tree_of(const std::string& name, const std::optional<BsdfModel>& model) {
-  return model ? leaf(name, *model) : nullptr;
-}
-
-/// Of one that stands by itself, with what it is seen from behind, if it can be.
-SurfaceMaterial surface_of(const std::string& name, const BsdfModel& model) {
-  const MaterialTree front = leaf(name, model);
-  return std::visit(
-      [&](const auto& known) -> SurfaceMaterial {
-        if constexpr (requires { std::remove_cvref_t<decltype(known)>::kSidesAreAlike; })
-          return {front, front};
-        else if constexpr (requires { known.other_side(); })
-          return {front, tree_of(name, known.other_side())};
-        else
-          return {front, nullptr};
-      },
-      model);
-}
-
-bool is_nothing(const MaterialTree& tree) {
-  return tree != nullptr && std::holds_alternative<NullBsdf>(tree->bsdf.model);
-}
-bool is_mask(const MaterialTree& tree) { return std::holds_alternative<MaskBsdf>(tree->bsdf.model); }
-bool is_branch(const MaterialTree& tree) {
-  return is_mask(tree) || std::holds_alternative<BlendBsdf>(tree->bsdf.model);
-}
-
-bool is_bent(const MaterialTree& tree) {
-  if (tree == nullptr) return false;
-  if (is_branch(tree)) return is_bent(tree->first) || is_bent(tree->second);
-  return tree->bsdf.bend.kind != BendKind::kNone;
-}
-
-/// With leaves that are bent so.
-MaterialTree bent(const MaterialTree& tree, const SurfaceBend& bend) {
-  if (tree == nullptr || is_nothing(tree)) return tree;
-  MaterialNode copy = *tree;
-  if (is_branch(tree)) {
-    copy.first = bent(tree->first, bend);
-    copy.second = bent(tree->second, bend);
-  } else {
-    copy.bsdf.bend = bend;
-  }
-  return std::make_shared<MaterialNode>(std::move(copy));
-}
-
 }  // namespace
 
 /// A BSDF that holds others, or is none.
@@ -179,24 +124,19 @@ SurfaceMaterial MaterialReader::read_null(PluginReader& plugin) {
 }
 
 SurfaceMaterial MaterialReader::read_mask(PluginReader& plugin) {
-  const BsdfModel model = read_bsdf<MaskBsdf>(plugin);
+  MaskBsdf model;
+  plugin.read_parameters(model);
   const auto inside = read_nested(plugin, 1);
   if (inside.empty()) return {};
-  const std::string name = name_of(plugin.object());
-  const MaterialTree front = branch(name, model, {}, inside[0]->front);
-  const bool same = inside[0]->front == inside[0]->back;
-  return {front, same ? front : branch(name, model, {}, inside[0]->back)};
+  return masked(name_of(plugin.object()), model, *inside[0]);
 }
 
 SurfaceMaterial MaterialReader::read_blend(PluginReader& plugin) {
-  const BsdfModel model = read_bsdf<BlendBsdf>(plugin);
+  BlendBsdf model;
+  plugin.read_parameters(model);
   const auto inside = read_nested(plugin, 2);
   if (inside.empty()) return {};
-  const std::string name = name_of(plugin.object());
-  const MaterialTree front = branch(name, model, inside[0]->front, inside[1]->front);
-  const bool same = inside[0]->front == inside[0]->back && inside[1]->front == inside[1]->back;
-  const bool black = inside[0]->back == nullptr && inside[1]->back == nullptr;
-  return {front, same ? front : black ? nullptr : branch(name, model, inside[0]->back, inside[1]->back)};
+  return blended(name_of(plugin.object()), model, *inside[0], *inside[1]);
 }
 
 /// Of Mitsuba 0.5 and 0.6: any number, each with its weight; what is missing to 1 is black.
@@ -262,9 +202,7 @@ SurfaceMaterial MaterialReader::read_bent(PluginReader& plugin, Parameters param
     return {};
   }
   bend.texture = *texture;
-  SurfaceBend behind = bend;
-  behind.scale = -bend.scale;  // what leans out in front leans in behind
-  return {bent(inside[0]->front, bend), bent(inside[0]->back, behind)};
+  return bent(*inside[0], bend);
 }
 
 SurfaceMaterial MaterialReader::read_normal_map(PluginReader& plugin) {
@@ -275,31 +213,11 @@ SurfaceMaterial MaterialReader::read_bump_map(PluginReader& plugin) {
   return read_bent(plugin, BumpMapParameters{}, {BendKind::kBumpMap});
 }
 
-/// The index of the BSDF, which follows those that it holds.
-int MaterialReader::add(const MaterialTree& tree, SceneDescription& scene) {
-  if (tree == nullptr) return kBlackBsdf;
-  if (const auto known = installed_.find(tree); known != installed_.end()) return known->second;
-  Bsdf bsdf = tree->bsdf;
-  const auto inside = [&](const MaterialTree& child) {
-    return is_nothing(child) ? kNoBsdf : add(child, scene);
-  };
-  if (auto* mask = std::get_if<MaskBsdf>(&bsdf.model)) mask->inside = inside(tree->second);
-  if (auto* blend = std::get_if<BlendBsdf>(&bsdf.model)) {
-    blend->first = inside(tree->first);
-    blend->second = inside(tree->second);
-  }
-  scene.bsdfs.push_back(std::move(bsdf));
-  const int index = int(scene.bsdfs.size()) - 1;
-  installed_.emplace(tree, index);
-  return index;
-}
-
 std::pair<int, int> MaterialReader::install(const Object* bsdf, bool emits, SceneDescription& scene) {
   if (bsdf == nullptr && emits) return {kBlackBsdf, kBlackBsdf};
   static const SurfaceMaterial kDefault{leaf("default", DiffuseBsdf{}), nullptr};
   const SurfaceMaterial& material = bsdf != nullptr ? read(*bsdf) : kDefault;
-  const int front = add(material.front, scene);
-  return {front, add(material.back, scene)};
+  return installer_.add(material, scene);
 }
 
 }  // namespace penumbra::mitsuba

@@ -7,23 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include "scenes/material_tree.h"
 #include "scenes/mitsuba/plugin.h"
 #include "scenes/scene_description.h"
 
 namespace penumbra::mitsuba {
-
-/// A BSDF of one side with those that it holds; none: black.
-struct MaterialNode;
-using MaterialTree = std::shared_ptr<const MaterialNode>;
-struct MaterialNode {
-  Bsdf bsdf;
-  MaterialTree first, second;  ///< of a blend; of a mask the second
-};
-
-/// What each side of a surface is made of.
-struct SurfaceMaterial {
-  MaterialTree front, back;
-};
 
 class MaterialReader {
  public:
@@ -48,14 +36,13 @@ class MaterialReader {
   template <typename Parameters>
   SurfaceMaterial read_bent(PluginReader& plugin, Parameters parameters, SurfaceBend bend);
   std::vector<const SurfaceMaterial*> read_nested(PluginReader& plugin, std::size_t count);
-  int add(const MaterialTree& tree, SceneDescription& scene);
 
   struct Holder;
   static const std::vector<Holder>& holders();
 
   const Context& context_;
   std::map<const Object*, SurfaceMaterial> materials_;
-  std::map<MaterialTree, int> installed_;
+  MaterialInstaller installer_;
   std::set<const Object*> reading_;
 };
 

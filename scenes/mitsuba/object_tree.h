@@ -67,6 +67,7 @@ struct ObjectTree {
   std::deque<Object> objects;                      ///< addresses stay valid
   Object scene;                                    ///< its children are the top level of all included files
   std::int64_t major_version = 3;                  ///< of the scene file
+  bool faceted_without_normals = false;            ///< meshes whose files have no normals (Nori)
   std::map<std::string, Object*> by_id;
   std::vector<std::filesystem::path>
       folders;  ///< of the scene file, then of each <path>: where files are looked for

@@ -95,7 +95,9 @@ std::optional<Geometry> read_mesh(const ShapeInput& input) {
   if (given.flip_tex_coords) {
     for (glm::vec2& uv : mesh.texcoords) uv.y = 1.0f - uv.y;
   }
-  const auto cleaning = place_mesh(mesh, given.to_world, given.face_normals || read->face_normals);
+  const bool faceted = given.face_normals || read->face_normals ||
+                       (context.tree.faceted_without_normals && mesh.normals.empty());
+  const auto cleaning = place_mesh(mesh, given.to_world, faceted);
   if (!cleaning) {
     plugin.wrong("filename", fmt::format("{}: {}", name, cleaning.error().message));
     return std::nullopt;

@@ -49,7 +49,9 @@ std::optional<glm::dvec3> read_xyz(const ElementReader& element, double fallback
 }
 
 std::optional<glm::dmat4> read_rotation(const ElementReader& element) {
-  const auto axis = read_xyz(element, 0.0, false);
+  // Nori's axis is one attribute.
+  const auto axis = element.element().attribute("axis") ? read_numbers(element, "axis", false)
+                                                        : read_xyz(element, 0.0, false);
   if (!axis || !element.required("angle")) return std::nullopt;
   const auto angle = read_number(element, "angle", 0.0);
   if (!angle) return std::nullopt;
@@ -96,7 +98,7 @@ std::optional<glm::dmat4> read_step(const ElementReader& element) {
     return scaling(*factors);
   }
   if (tag == "rotate") {
-    if (!element.check_attributes({"value", "x", "y", "z", "angle"})) return std::nullopt;
+    if (!element.check_attributes({"value", "x", "y", "z", "angle", "axis"})) return std::nullopt;
     return read_rotation(element);
   }
   if (tag == "matrix") return element.check_attributes({"value"}) ? read_matrix(element) : std::nullopt;

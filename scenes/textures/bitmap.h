@@ -4,14 +4,13 @@
 #include <string>
 
 #include "scenes/image/bitmap_reader.h"
+#include "scenes/image/bitmap_values.h"
 #include "scenes/plugin_values.h"
 #include "scenes/textured.h"
 
 namespace penumbra {
 
 enum class BitmapFilter { kNearest, kBilinear, kTrilinear, kAnisotropic };
-
-constexpr float kSrgb = -1.0f;  ///< in the place of a gamma
 
 struct BitmapTexture {
   static constexpr const char* kPlugin = "bitmap";

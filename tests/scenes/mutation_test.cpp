@@ -9,9 +9,11 @@
 #include <tuple>
 
 #include "scenes/scene_reader.h"
+#include "tests/scenes/gltf_text.h"
 #include "tests/scenes/ply_writer.h"
 #include "tests/scenes/serialized_writer.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/tga_file.h"
 
 namespace penumbra {
 namespace {
@@ -289,6 +291,66 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) {
       return "of_" + std::get<1>(test.param).substr(0, 1) + std::to_string(test.index);
     });
+
+/// A file with a texture, a strip, sparse numbers, a light, a camera, nested nodes.
+GltfFile everything_of_gltf() {
+  GltfFile file;
+  file.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}, 4);
+  file.accessor<float>("VEC2", {0, 1, 1, 1, 0, 0, 1, 0}, 4);
+  file.accessor<std::uint16_t>("SCALAR", {0, 1, 2, 3}, 4);
+  file.accessor<float>("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}, 4);
+  const int where = file.view(std::vector<std::uint16_t>{1});
+  const int what = file.view(std::vector<float>{2, 0, 0});
+  file.raw_accessor(fmt::format(
+      R"({{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "sparse": {{"count": 1,
+ "indices": {{"bufferView": {}, "componentType": 5123}}, "values": {{"bufferView": {}}}}}}})",
+      where, what));
+  return file;
+}
+constexpr const char* kEverythingOfGltf =
+    R"("scene": 0, "scenes": [{"nodes": [0, 3]}], "extensionsUsed": ["KHR_lights_punctual"],
+"nodes": [{"mesh": 0, "children": [1, 2], "scale": [1, 2, 3]}, {"mesh": 1, "rotation": [0, 0, 0, 1]},
+{"camera": 0, "translation": [0, 0, 5]}, {"extensions": {"KHR_lights_punctual": {"light": 0}}}],
+"cameras": [{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1, "zfar": 100, "aspectRatio": 1.5}}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 3, "TEXCOORD_0": 1}, "indices": 2, "mode": 5, "material": 0}]},
+{"primitives": [{"attributes": {"POSITION": 4}, "mode": 6, "material": 1}]}],
+"images": [{"uri": "t.tga"}], "samplers": [{"wrapS": 33071}], "textures": [{"source": 0, "sampler": 0}],
+"materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "texCoord": 0}, "metallicRoughnessTexture": {"index": 0},
+"baseColorFactor": [0.5, 0.5, 0.5, 1]}, "normalTexture": {"index": 0, "scale": 0.5}, "alphaMode": "MASK"},
+{"emissiveFactor": [1, 1, 1], "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 3},
+"KHR_materials_transmission": {"transmissionFactor": 0.5}}}],
+"extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 100, "color": [1, 1, 0.5]}]}})";
+
+TEST(MutatedGltf, TextAndBinary) {
+  const TemporaryFolder folder;
+  const std::vector<std::uint8_t> texels = {51, 102, 153, 0, 204, 255, 0, 128};
+  write_text(folder / "t.tga", tga_file(2, 1, 4, texels));
+  write_text(folder / "scene.gltf", everything_of_gltf().text(kEverythingOfGltf));
+  write_text(folder / "scene.glb", everything_of_gltf().binary(kEverythingOfGltf));
+  for (const char* file : {"scene.gltf", "scene.glb"}) {
+    const auto whole = read_scene(folder / file, {.confine_to = folder.path()});
+    ASSERT_TRUE(whole) << whole.error().message;
+    EXPECT_EQ(whole->shapes.size(), 2u);
+    expect_survival(folder.path(), file, file, 3001);
+  }
+}
+
+TEST(MutatedNori, EverythingOfIt) {
+  const TemporaryFolder folder;
+  write_text(folder / "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n");
+  write_text(
+      folder / "scene.xml",
+      "<scene>\n<integrator type=\"path_mis\"/>\n<camera type=\"perspective\">\n<float name=\"fov\" "
+      "value=\"30\"/>\n<transform name=\"toWorld\"><scale value=\"-1,1,1\"/>\n<lookat target=\"0,0,1\" "
+      "origin=\"0,0,-5\" up=\"0,1,0\"/></transform>\n<integer name=\"width\" value=\"80\"/>\n<rfilter "
+      "type=\"gaussian\"/>\n</camera>\n<sampler type=\"independent\"><integer name=\"sampleCount\" "
+      "value=\"4\"/></sampler>\n<mesh type=\"obj\">\n<string name=\"filename\" value=\"m.obj\"/>\n<transform "
+      "name=\"toWorld\"><rotate axis=\"0,1,0\" angle=\"30\"/></transform>\n<bsdf type=\"microfacet\"><color "
+      "name=\"kd\" value=\".1,.2,.3\"/></bsdf>\n<emitter type=\"area\"><color name=\"radiance\" "
+      "value=\"1,2,3\"/></emitter>\n</mesh>\n<emitter type=\"point\"><point name=\"position\" "
+      "value=\"1,2,3\"/><color name=\"power\" value=\"1,1,1\"/></emitter>\n</scene>\n");
+  expect_survival(folder.path(), "scene.xml", "scene.xml", 4001);
+}
 
 }  // namespace
 }  // namespace penumbra

@@ -19,9 +19,9 @@ TEST_F(SceneReader, TellsFormatsByNameAndContent) {
   write("b", "  \n" + scene(""));
   EXPECT_TRUE(read_scene(folder_ / "b", {}));
   write("c.blend", "BLENDER");
-  EXPECT_THAT(
-      read_scene(folder_ / "c.blend", {}).error().message,
-      HasSubstr("c.blend: not a scene in a format that Penumbra reads; it reads: Mitsuba XML (.xml)"));
+  EXPECT_THAT(read_scene(folder_ / "c.blend", {}).error().message,
+              HasSubstr("c.blend: not a scene in a format that Penumbra reads; it reads: Nori XML (.xml), "
+                        "Mitsuba XML (.xml), "));
 }
 
 TEST_F(SceneReader, MissingAndOddFiles) {

@@ -1,0 +1,123 @@
+#include "scenes/gltf/view_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "scenes/transform.h"
+
+namespace penumbra::gltf {
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr int kMostSide = 16384;  ///< of a film whose shape follows from an aspect ratio
+
+struct Punctual {
+  std::string type;
+  glm::dvec3 position{0.0};
+  glm::dvec3 direction{0.0};                    ///< in which it shines
+  glm::vec3 strength{0.0f};                     ///< W/sr; of a directional light W/m²
+  double inner_angle = 0.0, outer_angle = 0.0;  ///< of a spot, from its axis, degrees
+};
+
+/// The scene's light, by type.
+void add_light(const Punctual& light, SourceLocation location, ReaderReport& report,
+               SceneDescription& scene) {
+  if (light.type == "point") {
+    PointLight point;
+    point.position = light.position;
+    point.intensity = light.strength;
+    scene.emitters.emplace_back(point);
+  } else if (light.type == "spot" || light.type == "directional") {
+    report.unsupported(location, fmt::format("{} lights are not read", light.type), "it is left out");
+  } else {
+    report.unsupported(location,
+                       fmt::format("'{}' is no type of a light: point, spot, directional", light.type),
+                       "it is left out");
+  }
+}
+
+}  // namespace
+
+void read_camera(const Asset& asset, int camera, const glm::dmat4& to_world, ReaderReport& report,
+                 SceneDescription& scene) {
+  const SourceLocation location = asset.place({"cameras", std::size_t(camera)});
+  const tinygltf::Camera& gltf = asset.model.cameras[std::size_t(camera)];
+  // +x is to the left of the image and +z the view here.
+  const auto frame = without_scale(to_world * scaling(glm::dvec3(-1.0, 1.0, -1.0)));
+  if (!frame) return report.error(location, frame.error().message);
+  scene.camera.to_world = *frame;
+  if (gltf.type != "perspective")
+    return report.unsupported(location, fmt::format("{} cameras are not read", gltf.type),
+                              "a perspective one stands in for it");
+  const tinygltf::PerspectiveCamera& view = gltf.perspective;
+  if (!(view.yfov > 0.0 && view.yfov < std::numbers::pi))
+    return report.error(location, fmt::format("yfov must be between 0 and pi, not {}", view.yfov));
+  scene.camera.fov = view.yfov * kDegrees;
+  scene.camera.fov_axis = FovAxis::kY;
+  if (!(view.znear > 0.0) || !std::isfinite(view.znear))
+    return report.error(location, fmt::format("znear must be above 0, not {}", view.znear));
+  scene.camera.near_clip = view.znear;
+  // Without an end, the view is infinite.
+  scene.camera.far_clip = view.zfar > 0.0 && std::isfinite(view.zfar) ? view.zfar : 1e30;
+  if (!(scene.camera.far_clip > scene.camera.near_clip) || scene.camera.far_clip > 1e37)
+    return report.error(location,
+                        fmt::format("zfar must be beyond znear, {}, not {}", view.znear, view.zfar));
+  if (view.aspectRatio > 0.0) {
+    // glTF has no resolution.
+    const double width = std::round(scene.film.height * view.aspectRatio);
+    if (!(width >= 1 && width <= kMostSide))
+      return report.error(location, fmt::format("an image {} times as wide as high", view.aspectRatio));
+    scene.film.width = scene.film.crop_width = int(width);
+  }
+}
+
+void look_at_everything(SceneDescription& scene) {
+  glm::dvec3 low(std::numeric_limits<double>::max()), high(-std::numeric_limits<double>::max());
+  for (const Shape& shape : scene.shapes)
+    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry))
+      for (const glm::dvec3& p : mesh->positions) low = glm::min(low, p), high = glm::max(high, p);
+  if (!(low.x <= high.x)) return;
+  const double radius = std::max(0.5 * glm::length(high - low), 1e-6);
+  constexpr double kFov = 40.0;
+  const glm::dvec3 middle = 0.5 * (low + high);
+  const glm::dvec3 away = glm::normalize(glm::dvec3(0.4, 0.3, 1.0));
+  const glm::dvec3 eye = middle + 1.05 * radius / std::sin(0.5 * kFov / kDegrees) * away;
+  if (const auto frame = look_at(eye, middle, glm::dvec3(0.0, 1.0, 0.0))) scene.camera.to_world = *frame;
+  scene.camera.fov = kFov;
+  scene.camera.fov_axis = FovAxis::kSmaller;
+  scene.camera.near_clip = 1e-3 * radius;
+  scene.camera.far_clip = 1e3 * radius;
+}
+
+void read_light(const Asset& asset, int light, const glm::dmat4& to_world, ReaderReport& report,
+                SceneDescription& scene) {
+  const SourceLocation location =
+      asset.place({"extensions", "KHR_lights_punctual", "lights", std::size_t(light)});
+  const tinygltf::Light& gltf = asset.model.lights[std::size_t(light)];
+  Punctual punctual;
+  punctual.type = gltf.type;
+  punctual.position = glm::dvec3(to_world[3]);
+  punctual.direction = glm::normalize(-glm::dvec3(to_world[2]));
+  glm::dvec3 colour(1.0);
+  for (std::size_t c = 0; c < 3 && c < gltf.color.size(); ++c) colour[int(c)] = gltf.color[c];
+  const glm::dvec3 strength = colour * (gltf.intensity / kLumensPerWatt);
+  for (int c = 0; c < 3; ++c)
+    if (!(strength[c] >= 0.0 && strength[c] < 1e37))
+      return report.error(location,
+                          "the colour times the intensity of a light must be at least 0 and finite");
+  punctual.strength = glm::vec3(strength);
+  punctual.inner_angle = gltf.spot.innerConeAngle * kDegrees;
+  punctual.outer_angle = gltf.spot.outerConeAngle * kDegrees;
+  if (punctual.type == "spot" &&
+      !(punctual.inner_angle >= 0.0 && punctual.inner_angle < punctual.outer_angle &&
+        punctual.outer_angle <= 90.0))
+    return report.error(location, "a spot has 0 <= innerConeAngle < outerConeAngle <= pi/2");
+  if (gltf.range > 0.0) report.warn_once(location, "the range of lights is ignored: theirs has no end");
+  add_light(punctual, location, report, scene);
+}
+
+}  // namespace penumbra::gltf

@@ -1,0 +1,102 @@
+#include "scenes/material_tree.h"
+
+#include <optional>
+
+namespace penumbra {
+namespace {
+
+MaterialTree tree_of(const std::string& name, const std::optional<BsdfModel>& model) {
+  return model ? leaf(name, *model) : nullptr;
+}
+
+bool is_mask(const MaterialTree& tree) { return std::holds_alternative<MaskBsdf>(tree->bsdf.model); }
+bool is_branch(const MaterialTree& tree) {
+  return is_mask(tree) || std::holds_alternative<BlendBsdf>(tree->bsdf.model);
+}
+
+}  // namespace
+
+MaterialTree leaf(std::string name, BsdfModel model) {
+  return std::make_shared<MaterialNode>(MaterialNode{{std::move(name), std::move(model), {}}, {}, {}});
+}
+
+MaterialTree branch(std::string name, BsdfModel model, MaterialTree first, MaterialTree second) {
+  return std::make_shared<MaterialNode>(
+      MaterialNode{{std::move(name), std::move(model), {}}, std::move(first), std::move(second)});
+}
+
+SurfaceMaterial surface_of(const std::string& name, const BsdfModel& model) {
+  const MaterialTree front = leaf(name, model);
+  return std::visit(
+      [&](const auto& known) -> SurfaceMaterial {
+        if constexpr (requires { std::remove_cvref_t<decltype(known)>::kSidesAreAlike; })
+          return {front, front};
+        else if constexpr (requires { known.other_side(); })
+          return {front, tree_of(name, known.other_side())};
+        else
+          return {front, nullptr};
+      },
+      model);
+}
+
+SurfaceMaterial masked(const std::string& name, const MaskBsdf& mask, const SurfaceMaterial& inside) {
+  const MaterialTree front = branch(name, mask, {}, inside.front);
+  const bool same = inside.front == inside.back;
+  return {front, same ? front : branch(name, mask, {}, inside.back)};
+}
+
+SurfaceMaterial blended(const std::string& name, const BlendBsdf& blend, const SurfaceMaterial& first,
+                        const SurfaceMaterial& second) {
+  const MaterialTree front = branch(name, blend, first.front, second.front);
+  const bool same = first.front == first.back && second.front == second.back;
+  const bool black = first.back == nullptr && second.back == nullptr;
+  return {front, same ? front : black ? nullptr : branch(name, blend, first.back, second.back)};
+}
+
+bool is_nothing(const MaterialTree& tree) {
+  return tree != nullptr && std::holds_alternative<NullBsdf>(tree->bsdf.model);
+}
+
+bool is_bent(const MaterialTree& tree) {
+  if (tree == nullptr) return false;
+  if (is_branch(tree)) return is_bent(tree->first) || is_bent(tree->second);
+  return tree->bsdf.bend.kind != BendKind::kNone;
+}
+
+MaterialTree bent(const MaterialTree& tree, const SurfaceBend& bend) {
+  if (tree == nullptr || is_nothing(tree)) return tree;
+  MaterialNode copy = *tree;
+  if (is_branch(tree)) {
+    copy.first = bent(tree->first, bend);
+    copy.second = bent(tree->second, bend);
+  } else {
+    copy.bsdf.bend = bend;
+  }
+  return std::make_shared<MaterialNode>(std::move(copy));
+}
+
+SurfaceMaterial bent(const SurfaceMaterial& material, const SurfaceBend& bend) {
+  SurfaceBend behind = bend;
+  behind.scale = -bend.scale;
+  return {bent(material.front, bend), bent(material.back, behind)};
+}
+
+int MaterialInstaller::add(const MaterialTree& tree, SceneDescription& scene) {
+  if (tree == nullptr) return kBlackBsdf;
+  if (const auto known = installed_.find(tree); known != installed_.end()) return known->second;
+  Bsdf bsdf = tree->bsdf;
+  const auto inside = [&](const MaterialTree& child) {
+    return is_nothing(child) ? kNoBsdf : add(child, scene);
+  };
+  if (auto* mask = std::get_if<MaskBsdf>(&bsdf.model)) mask->inside = inside(tree->second);
+  if (auto* blend = std::get_if<BlendBsdf>(&bsdf.model)) {
+    blend->first = inside(tree->first);
+    blend->second = inside(tree->second);
+  }
+  scene.bsdfs.push_back(std::move(bsdf));
+  const int index = int(scene.bsdfs.size()) - 1;
+  installed_.emplace(tree, index);
+  return index;
+}
+
+}  // namespace penumbra

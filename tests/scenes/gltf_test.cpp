@@ -1,0 +1,470 @@
+// Reading glTF: meshes, nodes, cameras, lights, materials; what is wrong with a file.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "scenes/gltf/texture_builder.h"
+#include "tests/scenes/gltf_text.h"
+#include "tests/support/tga_file.h"
+
+namespace penumbra {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+void expect_near(glm::dvec3 a, glm::dvec3 b, double tolerance = 1e-12) {
+  EXPECT_NEAR(a.x, b.x, tolerance);
+  EXPECT_NEAR(a.y, b.y, tolerance);
+  EXPECT_NEAR(a.z, b.z, tolerance);
+}
+
+TEST_F(GltfText, ATriangleIsFacetedAndSeenFromInFront) {
+  const SceneDescription scene = good_gltf(triangle().text(one_mesh(kTriangle)));
+  ASSERT_EQ(scene.shapes.size(), 1u);
+  EXPECT_TRUE(mesh(scene).normals.empty());
+  EXPECT_EQ(mesh(scene).positions[1], glm::dvec3(1, 0, 0));
+  EXPECT_EQ(mesh(scene).texcoords[0], glm::vec2(0, 1));
+  EXPECT_EQ(mesh(scene).triangles, std::vector<glm::uvec3>({{0, 1, 2}}));
+  EXPECT_THAT(warnings(scene), AllOf(HasSubstr("no camera"), HasSubstr("no light; a white sky")));
+  const auto& material =
+      std::get<PrincipledBsdf>(scene.bsdfs.at(std::size_t(scene.shapes[0].front_bsdf)).model);
+  EXPECT_EQ(material.base_color.value, glm::vec3(1.0f));
+  EXPECT_EQ(material.metallic.value, 1.0f);
+  EXPECT_EQ(material.roughness.value, 1.0f);
+  EXPECT_EQ(scene.shapes[0].front_bsdf, scene.shapes[0].back_bsdf);
+}
+
+TEST_F(GltfText, BinaryFilesAndExternalBuffersAreTheSame) {
+  const GltfFile file = triangle();
+  write("scene.glb", file.binary(one_mesh(kTriangle)));
+  const auto binary = read_scene(folder_ / "scene.glb", {});
+  ASSERT_TRUE(binary) << binary.error().message;
+  write("a b.bin", file.buffer());
+  const SceneDescription external =
+      good_gltf(fmt::format("{{\"asset\": {{\"version\": \"2.0\"}}, {}, {}}}", one_mesh(kTriangle),
+                            file.buffers("\"uri\": \"a%20b.bin\", ")),
+                {.confine_to = folder_.path()});
+  const SceneDescription embedded = good_gltf(file.text(one_mesh(kTriangle)));
+  EXPECT_EQ(mesh(*binary).positions, mesh(embedded).positions);
+  EXPECT_EQ(mesh(external).positions, mesh(embedded).positions);
+  EXPECT_EQ(external.files.size(), 2u) << "the buffer is one of the scene's files";
+}
+
+TEST_F(GltfText, StripsAndFansHaveTheTrianglesOfTheSpecification) {
+  // Section 3.7.2.1: strips p(i) = {v(i), v(i + 1 + i % 2), v(i + 2 - i % 2)}, fans {v(i + 1), v(i + 2),
+  // v(0)}.
+  GltfFile file;
+  file.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0}, 5);
+  const auto triangles = [&](int mode) {
+    return mesh(good_gltf(file.text(
+                    one_mesh(fmt::format(R"({{"attributes": {{"POSITION": 0}}, "mode": {}}})", mode)))))
+        .triangles;
+  };
+  EXPECT_EQ(triangles(5), std::vector<glm::uvec3>({{0, 1, 2}, {1, 3, 2}, {2, 3, 4}}));
+  EXPECT_EQ(triangles(6), std::vector<glm::uvec3>({{1, 2, 0}, {2, 3, 0}, {3, 4, 0}}));
+}
+
+TEST_F(GltfText, AllComponentTypesAndSparseAccessors) {
+  GltfFile file;
+  file.accessor<std::int8_t>("VEC3", {0, 0, 0, 127, 0, 0, 0, -128, 0}, 3, R"(, "normalized": true)");
+  file.accessor<std::uint8_t>("SCALAR", {0, 1, 2}, 3);
+  file.accessor<std::uint16_t>("SCALAR", {2, 1, 0}, 3);
+  file.accessor<std::uint32_t>("SCALAR", {1, 2, 0}, 3);
+  file.accessor<std::uint16_t>("VEC2", {0, 0, 65535, 0, 0, 65535}, 3, R"(, "normalized": true)");
+  file.accessor<std::int16_t>("VEC3", {0, 0, 0, 300, 0, 0, 0, -7, 0}, 3);
+  const int where = file.view(std::vector<std::uint16_t>{1, 2});
+  const int what = file.view(std::vector<float>{4, 0, 0, 0, 5, 0});
+  const int sparse = file.raw_accessor(fmt::format(
+      R"({{"componentType": 5126, "count": 3, "type": "VEC3", "sparse": {{"count": 2,
+ "indices": {{"bufferView": {}, "componentType": 5123}}, "values": {{"bufferView": {}}}}}}})",
+      where, what));
+  const SceneDescription scene = good_gltf(file.text(one_mesh(fmt::format(
+      R"({{"attributes": {{"POSITION": 0, "TEXCOORD_0": 4}}, "indices": 1}},
+{{"attributes": {{"POSITION": 5}}, "indices": 2}}, {{"attributes": {{"POSITION": {}}}, "indices": 3}})",
+      sparse))));
+  ASSERT_EQ(scene.shapes.size(), 3u);
+  EXPECT_EQ(mesh(scene, 0).positions[1], glm::dvec3(1, 0, 0));
+  EXPECT_EQ(mesh(scene, 0).positions[2], glm::dvec3(0, -1, 0)) << "-128 of 127 is -1";
+  EXPECT_EQ(mesh(scene, 0).texcoords[2], glm::vec2(0, 1));
+  EXPECT_EQ(mesh(scene, 1).positions[1], glm::dvec3(300, 0, 0));
+  EXPECT_EQ(mesh(scene, 1).triangles, std::vector<glm::uvec3>({{2, 1, 0}}));
+  EXPECT_EQ(mesh(scene, 2).positions[0], glm::dvec3(0, 0, 0));
+  EXPECT_EQ(mesh(scene, 2).positions[1], glm::dvec3(4, 0, 0));
+  EXPECT_EQ(mesh(scene, 2).positions[2], glm::dvec3(0, 5, 0));
+  EXPECT_EQ(mesh(scene, 2).triangles, std::vector<glm::uvec3>({{1, 2, 0}}));
+}
+
+TEST_F(GltfText, NodesAreNestedAndMirrorsKeepTheFront) {
+  // (1, 0, 0), twice as large, turned by 90 degrees about z, moved by (0, 0, 3), below a mirror in x.
+  const double s = std::sqrt(0.5);
+  const std::string nodes = fmt::format(
+      R"("scenes": [{{"nodes": [0]}}], "nodes": [{{"children": [1], "matrix": [-1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}},
+{{"mesh": 0, "translation": [0,0,3], "rotation": [0,0,{:.17g},{:.17g}], "scale": [2,2,2]}}],
+"meshes": [{{"primitives": [{}]}}])",
+      s, s, kTriangle);
+  const SceneDescription scene = good_gltf(triangle().text(nodes));
+  expect_near(mesh(scene).positions[1], {0, 2, 3});
+  expect_near(mesh(scene).positions[2], {2, 0, 3});
+  // The front of the triangle, +z, is so still.
+  const auto& m = mesh(scene);
+  const glm::uvec3 t = m.triangles.at(0);
+  EXPECT_GT(glm::cross(m.positions[t.y] - m.positions[t.x], m.positions[t.z] - m.positions[t.x]).z, 0.0);
+}
+
+TEST_F(GltfText, ACameraLooksAlongItsNegativeZ) {
+  const SceneDescription scene = good_gltf(triangle().text(one_mesh(
+      kTriangle,
+      R"(, "cameras": [{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.5, "aspectRatio": 2.0}}])",
+      R"(, "camera": 0, "translation": [1, 2, 3])")));
+  EXPECT_NEAR(scene.camera.fov, 180.0 / std::numbers::pi, 1e-12);
+  EXPECT_EQ(scene.camera.fov_axis, FovAxis::kY);
+  EXPECT_EQ(scene.film.width, 2 * scene.film.height);
+  EXPECT_EQ(scene.camera.near_clip, 0.5);
+  // A point to the right of and above the axis is to the right and above: in camera space +x is left.
+  const glm::dvec4 seen = glm::inverse(scene.camera.to_world) * glm::dvec4(1 + 0.25, 2 + 0.5, 3 - 2.0, 1);
+  expect_near(glm::dvec3(seen), {-0.25, 0.5, 2.0});
+}
+
+TEST_F(GltfText, CandelaAreWattsBy683) {
+  const SceneDescription scene = good_gltf(triangle().text(one_mesh(
+      kTriangle,
+      R"(, "extensionsUsed": ["KHR_lights_punctual"], "extensions": {"KHR_lights_punctual": {"lights":
+ [{"type": "point", "intensity": 1366, "color": [1, 0.5, 0]}]}})",
+      R"(, "translation": [0, 5, 0], "extensions": {"KHR_lights_punctual": {"light": 0}})")));
+  const PointLight light = only<PointLight>(scene);
+  EXPECT_EQ(light.intensity, glm::vec3(2, 1, 0));
+  EXPECT_EQ(light.position, glm::dvec3(0, 5, 0));
+}
+
+TEST_F(GltfText, MetalRoughnessEmissionAndExtensions) {
+  const SceneDescription scene = good_gltf(triangle().text(one_mesh(
+      R"({"attributes": {"POSITION": 0}, "material": 0}, {"attributes": {"POSITION": 0}, "material": 1},
+{"attributes": {"POSITION": 0}, "material": 2}, {"attributes": {"POSITION": 0}, "material": 3})",
+      R"(, "extensionsUsed": ["KHR_materials_emissive_strength", "KHR_materials_transmission", "KHR_materials_ior",
+"KHR_materials_volume", "KHR_materials_unlit"],
+"materials": [{"name": "lamp", "pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.2, 0.3, 1], "roughnessFactor": 0.4,
+"metallicFactor": 0.6}, "emissiveFactor": [1, 0.5, 0.25], "doubleSided": true,
+"extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 8}}},
+{"pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0}, "extensions": {"KHR_materials_transmission":
+{"transmissionFactor": 1}, "KHR_materials_ior": {"ior": 1.33}}},
+{"pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {"KHR_materials_transmission":
+{"transmissionFactor": 1}, "KHR_materials_volume": {"thicknessFactor": 1}}},
+{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.5, 0.25, 0.5]}, "alphaMode": "BLEND",
+"extensions": {"KHR_materials_unlit": {}}}])")));
+  ASSERT_EQ(scene.shapes.size(), 4u);
+  const auto bsdf = [&](std::size_t shape) -> const BsdfModel& {
+    return scene.bsdfs.at(std::size_t(scene.shapes[shape].front_bsdf)).model;
+  };
+  const auto& lamp = std::get<PrincipledBsdf>(bsdf(0));
+  EXPECT_EQ(lamp.base_color.value, glm::vec3(0.1f, 0.2f, 0.3f));
+  EXPECT_EQ(lamp.roughness.value, 0.4f);
+  EXPECT_EQ(lamp.metallic.value, 0.6f);
+  EXPECT_NEAR(lamp.eta, 1.5f, 1e-6f);
+  EXPECT_EQ(scene.shapes[0].radiance, glm::vec3(8, 4, 2));
+  EXPECT_TRUE(scene.shapes[0].two_sided_emission);
+  const auto& pane = std::get<PrincipledThinBsdf>(bsdf(1));
+  EXPECT_NEAR(pane.eta.value, 1.33f, 1e-6f);
+  EXPECT_EQ(pane.spec_trans.value, 1.0f);
+  EXPECT_TRUE(std::get<PrincipledBsdf>(bsdf(2)).transmits()) << "a volume has an inside";
+  EXPECT_TRUE(std::get<PrincipledBsdf>(scene.bsdfs.at(std::size_t(scene.shapes[2].back_bsdf)).model).inside);
+  EXPECT_EQ(std::get<MaskBsdf>(bsdf(3)).opacity.value, 0.5f);
+  EXPECT_EQ(std::get<MaskBsdf>(bsdf(3)).inside, kBlackBsdf);
+  EXPECT_EQ(scene.shapes[3].radiance, glm::vec3(0.5f, 0.5f, 0.25f));
+}
+
+TEST_F(GltfText, ColoursOfVerticesAreTheBaseColour) {
+  GltfFile file;
+  file.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0}, 3);
+  file.accessor<std::uint8_t>("VEC4", {255, 0, 0, 255, 0, 51, 0, 255, 0, 0, 102, 255}, 3,
+                              R"(, "normalized": true)");
+  const SceneDescription scene = good_gltf(file.text(
+      one_mesh(R"({"attributes": {"POSITION": 0, "COLOR_0": 1}, "material": 0})",
+               R"(, "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 1, 1]}}])")));
+  EXPECT_EQ(mesh(scene).colours[1], glm::vec3(0, 0.2f, 0));
+  const auto& material = std::get<PrincipledBsdf>(scene.bsdfs.at(0).model);
+  const auto& scale =
+      std::get<ScaleTexture>(scene.textures.at(std::size_t(material.base_color.texture)).model);
+  EXPECT_EQ(scale.scale.value, glm::vec3(0.5f, 1, 1));
+  EXPECT_TRUE(
+      std::holds_alternative<MeshAttributeTexture>(scene.textures.at(std::size_t(scale.texture)).model));
+}
+
+class GltfTextures : public GltfText {
+ protected:
+  /// 2 x 1 texels (51, 102, 153, 0) and (204, 255, 0, 128).
+  GltfTextures() {
+    const std::vector<std::uint8_t> texels = {51, 102, 153, 0, 204, 255, 0, 128};
+    write("t.tga", tga_file(2, 1, 4, texels));
+  }
+  SceneDescription with_material(std::string_view material, std::string_view sampler = "{}") {
+    return good_gltf(triangle().text(one_mesh(
+        R"({"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0})",
+        fmt::format(
+            R"(, "images": [{{"uri": "t.tga"}}], "samplers": [{}], "textures": [{{"source": 0, "sampler": 0}}],
+"extensionsUsed": ["KHR_texture_transform"], "materials": [{}])",
+            sampler, material))));
+  }
+  static const BitmapTexture& bitmap(const SceneDescription& scene, int texture) {
+    return std::get<BitmapTexture>(scene.textures.at(std::size_t(texture)).model);
+  }
+  /// Value of texel x, channel c.
+  static double texel(const SceneDescription& scene, int texture, std::size_t x, std::size_t c) {
+    const BitmapTexture& model = bitmap(scene, texture);
+    const Bitmap& image = *scene.bitmaps.at(std::size_t(model.bitmap));
+    return bitmap_value(image, x * std::size_t(image.channels) + c, model.gamma);
+  }
+};
+
+TEST_F(GltfTextures, MetalnessIsBlueAndRoughnessGreenBothLinear) {
+  const SceneDescription scene = with_material(
+      R"({"pbrMetallicRoughness": {"metallicRoughnessTexture": {"index": 0}, "roughnessFactor": 0.5,
+"baseColorTexture": {"index": 0, "extensions": {"KHR_texture_transform": {"offset": [0.25, 0.5], "scale": [2, 4]}}}}})",
+      R"({"wrapS": 33071, "wrapT": 33648, "magFilter": 9728})");
+  const auto& material = std::get<PrincipledBsdf>(scene.bsdfs.at(0).model);
+  EXPECT_NEAR(texel(scene, material.metallic.texture, 0, 0), 0.6, 1e-6);
+  const auto& rough =
+      std::get<ScaleTexture>(scene.textures.at(std::size_t(material.roughness.texture)).model);
+  EXPECT_EQ(rough.scale.value, glm::vec3(0.5f));
+  EXPECT_NEAR(texel(scene, rough.texture, 0, 0), 0.4, 1e-6);
+  const int base = material.base_color.texture;
+  EXPECT_NEAR(texel(scene, base, 0, 2), std::pow((0.6 + 0.055) / 1.055, 2.4), 1e-6) << "colours are sRGB";
+  EXPECT_EQ(bitmap(scene, base).wrap_u, WRAP_CLAMP);
+  EXPECT_EQ(bitmap(scene, base).wrap_v, WRAP_MIRROR);
+  EXPECT_EQ(bitmap(scene, base).filter, BitmapFilter::kNearest);
+  EXPECT_EQ(scene.textures.at(std::size_t(base)).to_uv * glm::dvec3(1, 1, 1), glm::dvec3(2.25, 4.5, 1));
+}
+
+TEST_F(GltfTextures, AlphaIsCutOrBlended) {
+  const auto mask = [&](std::string_view mode) {
+    const SceneDescription scene = with_material(fmt::format(
+        R"({{"pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0}}, "baseColorFactor": [1, 1, 1, 0.5]}}, {}}})",
+        mode));
+    const auto& found = std::get<MaskBsdf>(scene.bsdfs.at(std::size_t(scene.shapes.at(0).front_bsdf)).model);
+    double factor = 1;
+    int texture = found.opacity.texture;
+    if (const auto* scaled = std::get_if<ScaleTexture>(&scene.textures.at(std::size_t(texture)).model)) {
+      factor = double(scaled->scale.value.x);
+      texture = scaled->texture;
+    }
+    return std::pair(factor * texel(scene, texture, 0, 0), factor * texel(scene, texture, 1, 0));
+  };
+  EXPECT_EQ(mask(R"("alphaMode": "MASK", "alphaCutoff": 0.25)"), std::pair(0.0, 1.0));  // 128 / 255 / 2 > 1/4
+  EXPECT_EQ(mask(R"("alphaMode": "MASK", "alphaCutoff": 0.26)"), std::pair(0.0, 0.0));
+  const auto blend = mask(R"("alphaMode": "BLEND")");
+  EXPECT_EQ(blend.first, 0.0);
+  EXPECT_NEAR(blend.second, 0.5 * 128 / 255, 1e-6);
+}
+
+TEST_F(GltfTextures, NormalsAreLinearAndTheirScaleFlattensThem) {
+  const auto normal = [&](std::string_view scale) {
+    const SceneDescription scene =
+        with_material(fmt::format(R"({{"normalTexture": {{"index": 0{}}}}})", scale));
+    const SurfaceBend& bend = scene.bsdfs.at(0).bend;
+    EXPECT_EQ(bend.kind, BendKind::kNormalMap);
+    glm::dvec3 n;
+    for (int c = 0; c < 3; ++c) n[c] = 2 * texel(scene, bend.texture, 0, std::size_t(c)) - 1;
+    return n;
+  };
+  const glm::dvec3 stored(2 * 51 / 255. - 1, 2 * 102 / 255. - 1, 2 * 153 / 255. - 1);
+  expect_near(normal(""), stored, 1e-6);
+  expect_near(normal(R"(, "scale": 0.5)"),
+              glm::normalize(glm::dvec3(0.5 * stored.x, 0.5 * stored.y, stored.z)), 1e-6);
+}
+
+TEST_F(GltfTextures, ALampWithATextureShinesWithItsMean) {
+  const SceneDescription scene =
+      with_material(R"({"emissiveFactor": [1, 1, 0.5], "emissiveTexture": {"index": 0}})");
+  const auto linear = [](double n) { return double(decoded_value(int(n), 255, kSrgb)); };
+  const glm::vec3 radiance = scene.shapes.at(0).radiance.value();
+  EXPECT_NEAR(radiance.x, 0.5 * (linear(51) + linear(204)), 1e-6);
+  EXPECT_NEAR(radiance.y, 0.5 * (linear(102) + linear(255)), 1e-6);
+  EXPECT_NEAR(radiance.z, 0.25 * (linear(153) + linear(0)), 1e-6);
+  EXPECT_THAT(warnings(scene), HasSubstr("shines with the mean of its colours"));
+}
+
+TEST_F(GltfTextures, ImagesInBuffersAndDataAddressesAreTheSame) {
+  // A PNG of one texel (255, 0, 0).
+  const std::string png =
+      "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGP4z8AAAAMBAQDJ/pLvAAAAAElFTkSuQmCC";
+  const SceneDescription data = good_gltf(triangle().text(one_mesh(
+      R"({"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0})",
+      fmt::format(R"(, "images": [{{"uri": "data:image/png;base64,{}"}}], "textures": [{{"source": 0}}],
+"materials": [{{"pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0}}}}}}])",
+                  png))));
+  const auto& material = std::get<PrincipledBsdf>(data.bsdfs.at(0).model);
+  for (const std::size_t c : {0u, 1u, 2u})
+    EXPECT_EQ(texel(data, material.base_color.texture, 0, c), c == 0 ? 1.0 : 0.0);
+  EXPECT_EQ(bitmap(data, material.base_color.texture).wrap_u, WRAP_REPEAT);
+}
+
+TEST_F(GltfTextures, ImagesThatAreNotThereAreErrors) {
+  const auto error_with = [&](std::string_view image) {
+    return gltf_error(
+        triangle().text(one_mesh(R"({"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0})",
+                                 fmt::format(R"(, "images": [{}], "textures": [{{"source": 0}}],
+"materials": [{{"pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0}}}}}}])",
+                                             image))));
+  };
+  EXPECT_THAT(error_with(R"({"uri": "none.png"})"), AllOf(HasSubstr("scene.gltf:5:40"), HasSubstr("none.png")));
+  EXPECT_THAT(error_with(R"({"bufferView": 0, "mimeType": "image/png"})"),
+              HasSubstr("cannot be read as an image"));
+  EXPECT_THAT(error_with(R"({"bufferView": 7, "mimeType": "image/png"})"), HasSubstr("error"));
+}
+
+TEST(GltfTextureTransform, TheExamplesOfTheExtension) {
+  // "utilizes only the lower left quadrant of the source image, rotated": u' in [0, 1/2], v' in [1/2, 1].
+  const glm::dmat3 quadrant = gltf::texture_transform({0, 1}, std::numbers::pi / 2, {0.5, 0.5});
+  const auto at = [](const glm::dmat3& m, double u, double v) { return glm::dvec2(m * glm::dvec3(u, v, 1)); };
+  for (const auto& [u, v] : {std::pair(0.0, 0.0), std::pair(1.0, 1.0), std::pair(0.25, 0.75)}) {
+    EXPECT_NEAR(at(quadrant, u, v).x, 0.5 * v, 1e-12);
+    EXPECT_NEAR(at(quadrant, u, v).y, 1.0 - 0.5 * u, 1e-12);
+  }
+  // "inverts the T axis".
+  const glm::dmat3 inverted = gltf::texture_transform({0, 1}, 0, {1, -1});
+  EXPECT_EQ(at(inverted, 0.25, 0.25), glm::dvec2(0.25, 0.75));
+}
+
+struct BadGltf {
+  std::string name, members, error;
+};
+class BadGltfText : public GltfText, public ::testing::WithParamInterface<BadGltf> {};
+
+TEST_P(BadGltfText, IsAClearErrorWithItsPlace) {
+  const std::string message = gltf_error(triangle().text(GetParam().members));
+  EXPECT_THAT(message, HasSubstr("scene.gltf:"));
+  EXPECT_THAT(message, HasSubstr(GetParam().error));
+}
+
+std::string meshed(std::string_view node, std::string_view more = "") {
+  return fmt::format(R"("scenes": [{{"nodes": [0]}}], "nodes": [{}],
+"meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}]{})",
+                     node, more);
+}
+std::string primitive(std::string_view text) {
+  return fmt::format(R"("nodes": [{{"mesh": 0}}], "meshes": [{{"primitives": [{}]}}])", text);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, BadGltfText,
+    ::testing::Values(
+        BadGltf{"NotJson", "\"nodes\": [,]", "scene.gltf:3:11: error: not JSON"},
+        BadGltf{"Cycle", meshed(R"({"children": [1]}, {"children": [0]})"),
+                "node 0 is there twice, or below itself"},
+        BadGltf{"TwoParents", meshed(R"({"children": [1, 2]}, {"children": [2]}, {"mesh": 0})"),
+                "node 2 is there twice"},
+        BadGltf{"NoSuchChild", meshed(R"({"children": [7]})"), "there is no node 7"},
+        BadGltf{"NoSuchMesh", meshed(R"({"mesh": 4})"), "scene.gltf:3:39: error: node 0: there is no mesh 4"},
+        BadGltf{"NoSuchCamera", meshed(R"({"camera": 4})"), "there is no camera 4"},
+        BadGltf{"NoSuchMaterial", primitive(R"({"attributes": {"POSITION": 0}, "material": 3})"),
+                "there is no material 3"},
+        BadGltf{"NoPositions", primitive(R"({"attributes": {"NORMAL": 0}})"), "without POSITION"},
+        BadGltf{"WrongShape", primitive(R"({"attributes": {"POSITION": 1}})"),
+                "POSITION: accessor 1 is not of vectors of 3"},
+        BadGltf{"IndicesOfVectors", primitive(R"({"attributes": {"POSITION": 0}, "indices": 0})"),
+                "indices: accessor 0 is not of numbers"},
+        BadGltf{"RequiredExtension", meshed(R"({"mesh": 0})", R"(, "extensionsRequired": ["KHR_draco"])"),
+                "requires the extension 'KHR_draco'"},
+        BadGltf{"FlatCamera",
+                meshed(R"({"mesh": 0, "camera": 0})",
+                       R"(, "cameras": [{"type": "perspective", "perspective": {"yfov": 0, "znear": 1}}])"),
+                "yfov must be between 0 and pi"},
+        BadGltf{
+            "FarBeforeNear",
+            meshed(
+                R"({"mesh": 0, "camera": 0})",
+                R"(, "cameras": [{"type": "perspective", "perspective": {"yfov": 1, "znear": 2, "zfar": 1}}])"),
+            "zfar must be beyond znear"},
+        BadGltf{"Perspective", meshed(R"({"mesh": 0, "matrix": [1,0,0,1, 0,1,0,0, 0,0,1,0, 0,0,0,1]})"),
+                "the last row of its matrix must be 0 0 0 1"},
+        BadGltf{
+            "NegativeLight",
+            meshed(
+                R"({"mesh": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}})",
+                R"(, "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": -1}]}})"),
+            "at least 0 and finite"},
+        BadGltf{"TooFarAway", meshed(R"({"mesh": 0, "translation": [1e38, 0, 0]})"), "too far away"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST_F(GltfText, BrokenBuffersAreErrors) {
+  const auto with = [&](std::string_view accessor) {
+    GltfFile file = triangle();
+    file.raw_accessor(std::string(accessor));
+    return gltf_error(file.text(one_mesh(R"({"attributes": {"POSITION": 2}})")));
+  };
+  EXPECT_THAT(with(R"({"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"})"),
+              HasSubstr("POSITION: accessor 2: 4 elements end beyond the 36 bytes of buffer view 0"));
+  EXPECT_THAT(
+      with(R"({"bufferView": 0, "byteOffset": 4, "componentType": 5126, "count": 3, "type": "VEC3"})"),
+      HasSubstr("end beyond"));
+  EXPECT_THAT(with(R"({"bufferView": 9, "componentType": 5126, "count": 3, "type": "VEC3"})"),
+              HasSubstr("there is no buffer view 9"));
+  EXPECT_THAT(with(R"({"componentType": 5126, "count": 4000000000, "type": "VEC3"})"), HasSubstr("too many"));
+  GltfFile nan;
+  nan.accessor<float>("VEC3", {0, 0, 0, 1, 0, std::nanf(""), 0, 1, 0}, 3);
+  EXPECT_THAT(gltf_error(nan.text(one_mesh(R"({"attributes": {"POSITION": 0}})"))), HasSubstr("not finite"));
+  GltfFile index = triangle();
+  index.accessor<std::uint8_t>("SCALAR", {0, 1, 3}, 3);
+  EXPECT_THAT(gltf_error(index.text(one_mesh(R"({"attributes": {"POSITION": 0}, "indices": 2})"))),
+              HasSubstr("an index 3, where there are 3 vertices"));
+  EXPECT_THAT(gltf_error("{\"asset\": {\"version\": \"2.0\"}, " + one_mesh(kTriangle) + ", " +
+                         triangle().buffers("\"uri\": \"none.bin\", ") + "}"),
+              HasSubstr("none.bin"));
+}
+
+TEST_F(GltfText, FilesOutsideTheirFolderAreRefused) {
+  const TemporaryFolder elsewhere;
+  write_text(elsewhere / "x.bin", triangle().buffer());
+  const std::string text =
+      "{\"asset\": {\"version\": \"2.0\"}, " + one_mesh(kTriangle) + ", " +
+      triangle().buffers(fmt::format("\"uri\": \"{}\", ", (elsewhere / "x.bin").string())) + "}";
+  EXPECT_TRUE(read_gltf(text));
+  EXPECT_THAT(gltf_error(text, {.confine_to = folder_.path()}), HasSubstr("leads outside the folder"));
+}
+
+TEST_F(GltfText, BinaryFilesWithWrongLengthsAreErrors) {
+  const std::string good = triangle().binary(one_mesh(kTriangle));
+  const auto error_of = [&](std::string bytes) {
+    write("scene.glb", bytes);
+    const auto result = read_scene(folder_ / "scene.glb", {});
+    EXPECT_FALSE(result);
+    return result ? "" : result.error().message;
+  };
+  EXPECT_THAT(error_of(good.substr(0, 10)), HasSubstr("ends in its header"));
+  EXPECT_THAT(error_of(good.substr(0, good.size() - 8)), HasSubstr("which says that it has"));
+  std::string version = good;
+  version[4] = 1;
+  EXPECT_THAT(error_of(version), HasSubstr("GLB version 1"));
+  std::string chunk = good;
+  chunk[15] = 0x7f;
+  EXPECT_THAT(error_of(chunk), HasSubstr("longer than the file"));
+}
+
+TEST_F(GltfText, DeepNestingIsAnErrorNotACrash) {
+  std::string deep = "\"extras\": ";
+  for (int i = 0; i < 100000; ++i) deep += "[";
+  for (int i = 0; i < 100000; ++i) deep += "]";
+  EXPECT_THAT(gltf_error(triangle().text(deep)), HasSubstr("nested more than 64 deep"));
+}
+
+TEST_F(GltfText, LeniencyLeavesOutWhatIsUnknown) {
+  const std::string text = triangle().text(
+      one_mesh(kTriangle,
+               R"(, "extensionsRequired": ["EXT_unknown"], "extensionsUsed": ["EXT_unknown", "EXT_other"])"));
+  EXPECT_FALSE(read_gltf(text));
+  EXPECT_THAT(warnings(good_gltf(text, {.lenient = true})),
+              AllOf(HasSubstr("requires the extension 'EXT_unknown'"), HasSubstr("what it does is left out"),
+                    HasSubstr("the extension 'EXT_other' is ignored")));
+}
+
+TEST_F(GltfText, PointsAreLeftOut) {
+  const SceneDescription scene = good_gltf(triangle().text(
+      one_mesh(R"({"attributes": {"POSITION": 0}, "mode": 0}, {"attributes": {"POSITION": 0}})")));
+  EXPECT_EQ(scene.shapes.size(), 1u);
+  EXPECT_THAT(warnings(scene), HasSubstr("points and lines have no surface"));
+}
+
+}  // namespace
+}  // namespace penumbra
