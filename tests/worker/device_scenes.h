@@ -31,6 +31,9 @@ SceneDescription everything_in_a_hierarchy();
 /// a glossy floor: path tracing with control variates, lights chosen by their contribution.
 SceneDescription polygon_lights();
 
+/// A sky and more lights than the cut of their hierarchy has nodes, path tracing.
+SceneDescription lights_in_a_hierarchy();
+
 /// No shape at all, only a constant environment, and a material that nothing uses.
 SceneDescription environment_alone();
 
