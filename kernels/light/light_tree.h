@@ -31,6 +31,18 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, vec3, facing) /* unit shading normal; 0 where light from all directions counts */
 LANE_RECORD(LitPlace, LitPlaces, lit_place, LIT_PLACE_FIELDS)
 
+#define READ_float(place) (place)
+#define READ_int(place) (place)
+#define READ_vec3(place) load3(&(place))
+#define READ_FIELD(type, name) record.name = READ_##type(node->name);
+/// A copy: once for all lanes where all want the same.
+FN LightNode read_light_node(GLOBAL const LightNode* node) {
+  LightNode record;
+  LIGHT_NODE_FIELDS(READ_FIELD)
+  return record;
+}
+#undef READ_FIELD
+
 // What is known of a node for all lanes.
 enum { NODE_ANY, NODE_INFINITE, NODE_ALL_AROUND /* it has a place, and shines in all directions alike */ };
 
@@ -47,14 +59,14 @@ FN float sin_of_excess(float cos_a, float sin_a, float cos_b, float sin_b) {
 /// where no light arrives on the side that the place faces.
 ///
 /// `ways`, a constant: NODE_ANY, or what is known of the node.
-FN float light_importance_by(GLOBAL const LightNode* node, LitPlace place, int ways) {
-  const vec3 axis = load3(&node->axis), half_size = load3(&node->half_size);
-  const int flags = node->flags;
+FN float light_importance_by(LightNode node, LitPlace place, int ways) {
+  const vec3 axis = node.axis, half_size = node.half_size;
+  const int flags = node.flags;
   const bool infinite = ways == NODE_INFINITE || (ways == NODE_ANY && (flags & LIGHTS_INFINITE) != 0);
   const bool two_sided = (flags & LIGHTS_TWO_SIDED) != 0;
-  const float cos_o = node->cos_o, sin_o = node->sin_o, cos_e = node->cos_e, radius = node->radius;
+  const float cos_o = node.cos_o, sin_o = node.sin_o, cos_e = node.cos_e, radius = node.radius;
   const bool all_around = dot3(place.facing, place.facing) == 0.0f;
-  const vec3 way = sub(place.p, load3(&node->center));
+  const vec3 way = sub(place.p, node.center);
   float inverse = 1.0f, ball_cos = 1.0f, ball_sin = 0.0f;
   if (ways != NODE_INFINITE) {
     inverse = 1.0f / SQRT(max_f(dot3(way, way), 1e-30f));
@@ -91,13 +103,13 @@ FN float light_importance_by(GLOBAL const LightNode* node, LitPlace place, int w
   const bool reaches = all_around | (above & (cos_received > -slack));
 
   const float received = all_around ? 1.0f : max_f(cos_received, slack);
-  const float falls = emitted * sqr(min_f(inverse, node->inverse_radius));
-  const float bound = node->intensity * received * (infinite ? 1.0f : falls);
+  const float falls = emitted * sqr(min_f(inverse, node.inverse_radius));
+  const float bound = node.intensity * received * (infinite ? 1.0f : falls);
   // Whatever may arrive keeps a probability, however little it is.
   return (shines & reaches) ? clamp_f(bound, LEAST_IMPORTANCE, 1.0f / LEAST_IMPORTANCE) : 0.0f;
 }
 FN float light_importance(GLOBAL const LightNode* node, LitPlace place) {
-  return light_importance_by(node, place, NODE_ANY);
+  return light_importance_by(read_light_node(node), place, NODE_ANY);
 }
 
 /// Of the LIGHT_NUMBERS numbers that choose, how many take the first of a pair of nodes; `any` becomes
@@ -158,15 +170,16 @@ typedef struct {
   float finite[LANES], infinite[LANES];
 } LightCut;
 
-  #define WEIGH_CUT_NODE(name, ways)                                                        \
-    STAGE void name(GLOBAL const LightNode* node, const PRIVATE LitPlaces* RESTRICT places, \
-                    PRIVATE float* RESTRICT importance, PRIVATE float* RESTRICT sums) {     \
-      LANE_LOOP                                                                             \
-        for (int j = 0; j < LANES; j++) {                                                   \
-          const float own = light_importance_by(node, load_lit_place(places, j), ways);     \
-          importance[j] = own;                                                              \
-          sums[j] += own;                                                                   \
-        }                                                                                   \
+  #define WEIGH_CUT_NODE(name, ways)                                                          \
+    STAGE void name(GLOBAL const LightNode* shared, const PRIVATE LitPlaces* RESTRICT places, \
+                    PRIVATE float* RESTRICT importance, PRIVATE float* RESTRICT sums) {       \
+      const LightNode node = read_light_node(shared);                                         \
+      LANE_LOOP                                                                               \
+        for (int j = 0; j < LANES; j++) {                                                     \
+          const float own = light_importance_by(node, load_lit_place(places, j), ways);       \
+          importance[j] = own;                                                                \
+          sums[j] += own;                                                                     \
+        }                                                                                     \
     }
 WEIGH_CUT_NODE(weigh_any_node, NODE_ANY)
 WEIGH_CUT_NODE(weigh_infinite_node, NODE_INFINITE)
