@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <limits>
 
 #include "kernels/host/material_closure.h"
 #define FEATURES FEATURE_ALL
@@ -16,16 +16,19 @@
 namespace penumbra {
 namespace {
 
+static_assert(LANES >= 4);
+
 constexpr int kCameraRays = 1024, kBounces = 3, kMostPassed = 16;
-constexpr int kSamples = 2;           // of each light at a place, and of all others together
+constexpr int kSamples = 4;           // of each light at a place, and of all others together
 constexpr double kLaterWeight = 0.5;  // of a place against the one from which it was found
 // No infinite light gets less than this of what all of them get, per light.
 constexpr double kLeastOfInfinite = 0.05;
 
-/// A place's irradiance from one sample of a light, channels averaged.
+/// What one sample of a light brings to a place.
 struct Arrival {
-  LightSample sample;
-  double irradiance;  ///< if nothing is in the way
+  double light = 0;      ///< radiance times the receiver's cosine, channels averaged; 0: nothing
+  double pdf = 1;        ///< per solid angle, the choice among the lights of its group included
+  double other_pdf = 0;  ///< with which a direction of the surface is sampled, were it diffuse
 };
 
 class Survey {
@@ -39,10 +42,11 @@ class Survey {
   }
 
  private:
-  /// What a place gets: `finite` and each of the infinite lights in shares of all.
+  /// Of a place the samples that brought light: of lights that are not infinite, and of each that is.
   struct Place {
-    double weight, importance, finite;
-    std::vector<double> infinite;
+    double weight, importance, irradiance;
+    std::vector<Arrival> finite;
+    std::vector<std::vector<Arrival>> infinite;
   };
 
   float number() { return unit_float(hash_uint(count_++)); }
@@ -78,9 +82,9 @@ class Survey {
   }
 
   /// A sample of the light at the surface, by `u`.
-  std::optional<Arrival> sample(const Surface& s, bool all_around, int light, float u, double pmf) {
+  Arrival arriving(const Surface& s, bool all_around, int light, float u, double pmf) {
     const LightReceiver r = receiver_of(s);
-    if (is_own_light(&scene_, r, light)) return std::nullopt;
+    if (is_own_light(&scene_, r, light)) return {};
     const float v = number();
     LightSample found = no_light_sample();
     switch (scene_.lights[light].kind) {
@@ -91,58 +95,48 @@ class Survey {
       LIGHT_KINDS(SAMPLE_KIND)
 #undef SAMPLE_KIND
       default:
-        return std::nullopt;
+        return {};
     }
-    if (!(found.tmax > 0 && found.pdf > 0) || (is_beneath(s, found.wi) && !all_around)) return std::nullopt;
+    if (!(found.tmax > 0 && found.pdf > 0) || (is_beneath(s, found.wi) && !all_around)) return {};
     const double cosine = double(dot3(s.shading, found.wi));
     const double kept = all_around ? std::abs(cosine) : std::max(cosine, 0.0);
     const double mean = (double(found.radiance.x) + found.radiance.y + found.radiance.z) / 3;
-    const double irradiance = mean * kept / (double(found.pdf) * pmf);
-    if (!(irradiance > 0) || !std::isfinite(irradiance)) return std::nullopt;
-    return Arrival{found, irradiance};
-  }
-  double arriving(const Surface& s, bool all_around, int light, float u, double pmf) {
-    const std::optional<Arrival> arrival = sample(s, all_around, light, u, pmf);
-    return arrival && is_seen(arrival->sample, s.primitive) ? arrival->irradiance : 0.0;
+    const Arrival arrival{mean * kept, double(found.pdf) * pmf, found.delta ? 0.0 : kept / double(PI_F)};
+    const double irradiance = arrival.light / arrival.pdf;
+    if (!(irradiance > 0) || !std::isfinite(irradiance * irradiance)) return {};
+    return is_seen(found, s.primitive) ? arrival : Arrival{};
   }
 
-  /// From lights of the hierarchy, and what the choice among them takes that to be.
-  double arriving_by_tree(const Surface& s, bool all_around, const LitPlace& lit, double& importance) {
+  void visit(const Surface& s, bool all_around, double weight) {
     LitPlaces places;
     LightSamplings chosen;
+    LitPlace lit;
     float u[LANES], fine[LANES];
+    lit.p = s.p;
+    lit.facing = all_around ? make_vec3(0, 0, 0) : s.shading;
     for (int j = 0; j < LANES; ++j) {
       store_lit_place(&places, j, lit);
       u[j] = number();
       fine[j] = number();
     }
     choose_by_tree(&scene_, &places, u, fine, &chosen);
-    importance = 0;
+    Place place{weight, 0, 0, {}, {}};
     for (int k = 0; k < scene_.header.light_cut; ++k)
-      importance += double(light_importance(scene_.light_nodes + k, lit));
-    double sum = 0;
-    for (int j = 0; j < std::min(kSamples, LANES); ++j)
-      if (chosen.pmf[j] > 0) sum += arriving(s, all_around, chosen.light[j], u[j], double(chosen.pmf[j]));
-    return sum;
-  }
-
-  void visit(const Surface& s, bool all_around, double weight) {
-    LitPlace lit;
-    lit.p = s.p;
-    lit.facing = all_around ? make_vec3(0, 0, 0) : s.shading;
-    Place place{weight, 0, 0, {}};
-    place.finite = arriving_by_tree(s, all_around, lit, place.importance);
-    double all = place.finite;
+      place.importance += double(light_importance(scene_.light_nodes + k, lit));
+    const auto add = [&](std::vector<Arrival>& to, const Arrival& arrival) {
+      if (!(arrival.light > 0)) return;
+      place.irradiance += arrival.light / arrival.pdf / kSamples;
+      to.push_back(arrival);
+    };
+    for (int j = 0; j < kSamples; ++j)
+      if (chosen.pmf[j] > 0)
+        add(place.finite, arriving(s, all_around, chosen.light[j], u[j], double(chosen.pmf[j])));
     for (const int light : infinite_) {
-      double sum = 0;
-      for (int k = 0; k < kSamples; ++k) sum += arriving(s, all_around, light, number(), 1);
-      place.infinite.push_back(sum);
-      all += sum;
+      place.infinite.emplace_back();
+      for (int k = 0; k < kSamples; ++k)
+        add(place.infinite.back(), arriving(s, all_around, light, number(), 1));
     }
-    if (!(all > 0) || !std::isfinite(all)) return;
-    place.finite /= all;
-    for (double& share : place.infinite) share /= all;
-    places_.push_back(std::move(place));
+    if (place.irradiance > 0) places_.push_back(std::move(place));
   }
 
   /// The k-th camera ray and where light goes on from there.
@@ -187,37 +181,71 @@ class Survey {
     }
   }
 
-  /// Mean probability of the infinite lights, of intensity x all together.
-  [[nodiscard]] double mean_share(double x) const {
+  /// Second moment of the light of samples, of which a group's are taken with probability p, together with
+  /// those of directions by the balance heuristic: of f, the integral of f^2 / (p pdf + other_pdf).
+  static double moment(const std::vector<Arrival>& samples, double p) {
     double sum = 0;
-    for (const Place& p : places_) sum += p.weight * (x / (x + p.importance));
+    for (const Arrival& a : samples) sum += a.light * a.light / (a.pdf * (p * a.pdf + a.other_pdf));
+    return sum / kSamples;
+  }
+
+  /// Relative to the light there, as far as one place tells.
+  [[nodiscard]] double relative_weight(const Place& place) const {
+    const double irradiance = place.irradiance + mean_irradiance_;
+    return place.weight / (irradiance * irradiance);
+  }
+
+  /// Of all places, where infinite lights have intensities that are shares of x.
+  [[nodiscard]] double moment_of_all(double x, std::span<const double> shares) const {
+    double sum = 0;
+    for (const Place& place : places_) {
+      const double importance = place.importance, least = double(LEAST_LIGHT_SHARE);
+      const double p = importance > 0 ? std::clamp(x / (x + importance), least, 1 - least) : 1.0;
+      double here = p < 1 ? moment(place.finite, 1 - p) : 0.0;
+      for (std::size_t i = 0; i < shares.size(); ++i) here += moment(place.infinite[i], p * shares[i]);
+      sum += relative_weight(place) * here;
+    }
     return sum;
   }
 
-  [[nodiscard]] std::vector<double> intensities() const {
-    std::vector<double> of_each(infinite_.size(), 0.0);
-    double wanted = 0;
-    for (const Place& p : places_)
-      for (std::size_t i = 0; i < of_each.size(); ++i) {
-        of_each[i] += p.weight * p.infinite[i];
-        wanted += p.weight * p.infinite[i];
-      }
-    double low = -60, high = 60;  // of log x
-    for (int k = 0; k < 60; ++k) {
-      const double middle = 0.5 * (low + high);
-      (mean_share(std::exp(middle)) < wanted ? low : high) = middle;
+  [[nodiscard]] std::vector<double> intensities() {
+    double irradiances = 0, weights = 0;
+    for (const Place& place : places_) {
+      irradiances += place.weight * place.irradiance;
+      weights += place.weight;
     }
-    const double all = places_.empty() ? 1.0 : std::exp(0.5 * (low + high));
-    const double least = kLeastOfInfinite / double(infinite_.size());
+    mean_irradiance_ = weights > 0 ? irradiances / weights : 0.0;
+    // Among each other as the roots of their moments, which is best where light of one comes without others.
+    const double equal = 1 / double(infinite_.size());
+    std::vector<double> shares(infinite_.size(), 0.0);
+    double all = 0;
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      for (const Place& place : places_) shares[i] += relative_weight(place) * moment(place.infinite[i], 1);
+      all += shares[i] = std::sqrt(shares[i]);
+    }
     double sum = 0;
-    for (double& x : of_each) sum += x = std::max(wanted > 0 ? x / wanted : 0.0, least);
-    for (double& x : of_each) x *= all / sum;
-    return of_each;
+    for (double& share : shares)
+      sum += share = std::max(all > 0 ? share / all : equal, kLeastOfInfinite * equal);
+    for (double& share : shares) share /= sum;
+    // The least moment, by factors of two, then within the best of them.
+    double best = 0, least = std::numeric_limits<double>::infinity();
+    const auto consider = [&](double exponent) {
+      if (const double value = moment_of_all(std::exp2(exponent), shares); value < least) {
+        least = value;
+        best = exponent;
+      }
+    };
+    for (int k = -60; k <= 60; ++k) consider(k);
+    for (double step = 0.5; step > 0.05; step *= 0.5)
+      for (const double exponent : {best - step, best + step}) consider(exponent);
+    for (double& share : shares) share *= std::exp2(best);
+    return shares;
   }
 
   Scene scene_;
   std::span<const int> infinite_;
   std::vector<Place> places_;
+  double mean_irradiance_ = 0;
   std::uint32_t count_ = 0;
 };
 

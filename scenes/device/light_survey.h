@@ -9,8 +9,9 @@
 namespace penumbra {
 
 /// For each of the infinite lights, by index, the intensity that it has in the hierarchy of lights: such that
-/// on average, over places that the camera sees and others that light reaches from there, lights are chosen
-/// by the share of the irradiance that arrives. Always the same for the same scene.
+/// the variance of light samples, balanced with samples of diffuse directions, is least, relative to the
+/// light there, over places that the camera sees and others that light reaches from there. Always the same
+/// for the same scene.
 ///
 /// `scene` has the hierarchy of the portable intersector, and a hierarchy of all lights but these. Rays find
 /// what is in the way; glass and mirrors are, as for shadow rays. Materials count as what their records say.

@@ -294,9 +294,10 @@ TEST(DeviceSceneCheck, NamesWhatIsWrongWithTextures) {
 }
 
 TEST(DeviceSceneCheck, FollowsTheHierarchyOfLights) {
-  const DeviceScene scene = build_or_throw(everything());
+  const DeviceScene scene = build_or_throw(lights_in_a_hierarchy());
   const SceneHeader& h = scene.header;
-  ASSERT_GT(h.tables.light_nodes.count, 2);
+  ASSERT_EQ(h.light_cut, LIGHT_CUT);
+  ASSERT_GE(h.light_tree_depth, 1);
   EXPECT_TRUE(check_device_scene(scene));
   const auto with_header = [&](auto change) {
     DeviceScene changed = scene;
@@ -325,11 +326,15 @@ TEST(DeviceSceneCheck, FollowsTheHierarchyOfLights) {
   for (const int depth : {-1, 29, INT_MAX})
     expect_refused(with_header([&](SceneHeader& c) { c.light_tree_depth = depth; }),
                    "the hierarchy of lights is too deep");
+  const auto nodes = table<LightNode>(scene, h.tables.light_nodes);
+  const int inner =
+      int(std::ranges::find_if(nodes, [](const LightNode& n) { return n.child > 0; }) - nodes.begin());
   for (const int child : {0, h.tables.light_nodes.count - 1, h.tables.light_nodes.count, INT_MAX})
-    expect_refused(with_child(0, child), "a node of lights names a child that is not there");
+    expect_refused(with_child(inner, child), "a node of lights names a child that is not there");
   for (const int light : {h.tables.lights.count, INT_MAX})
     expect_refused(with_child(h.tables.light_nodes.count - 1, ~light), "a node names a light");
-  expect_refused(with_child(0, ~0), "a node of lights has no parent");
+  expect_refused(with_child(inner, ~0), "a node of lights has no parent");
+  expect_refused(with_child(inner == 0 ? 1 : 0, LIGHT_CUT), "a node of lights has two parents");
   for (const float intensity : {-1.0f, std::numeric_limits<float>::infinity(), std::nanf("")})
     expect_refused(with_node(1, [&](LightNode& n) { n.intensity = intensity; }),
                    "a node of lights without an intensity");

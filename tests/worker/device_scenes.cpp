@@ -180,6 +180,16 @@ SceneDescription environment_alone() {
   return scene;
 }
 
+SceneDescription lights_in_a_hierarchy() {
+  SceneDescription scene = many_triangles();
+  for (int k = 0; k < 30; ++k)
+    scene.emitters.emplace_back(
+        PointLight{dvec3(-0.8 + 0.3 * (k % 6), -0.5 + 0.25 * (k / 6), 0.1 * (k % 4)), glm::vec3(0.05f)});
+  scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(0.3f)});
+  scene.integrator = path_integrator(DirectSampling::kMis);
+  return scene;
+}
+
 SceneDescription textured() {
   SceneDescription scene = everything();
   add_every_texture(scene);
@@ -196,6 +206,7 @@ const std::vector<NamedScene>& device_scenes() {
                                               {"PolygonLights", polygon_lights},
                                               {"Textures", textured},
                                               {"Instances", instances},
+                                              {"LightsInAHierarchy", lights_in_a_hierarchy},
                                               {"EnvironmentAlone", environment_alone}};
   return scenes;
 }

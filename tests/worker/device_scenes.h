@@ -34,6 +34,8 @@ SceneDescription polygon_lights();
 /// A group of smooth and glossy shapes, some of them seen through, placed turned, mirrored and stretched, by
 /// path tracing.
 SceneDescription instances();
+/// A sky and more lights than the cut of their hierarchy has nodes, path tracing.
+SceneDescription lights_in_a_hierarchy();
 
 /// No shape at all, only a constant environment, and a material that nothing uses.
 SceneDescription environment_alone();
