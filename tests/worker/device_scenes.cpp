@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tests/acceptance/scene_pieces.h"
+#include "tests/support/every_emitter.h"
 #include "tests/support/every_texture.h"
 #include "tests/support/integrator_parameters.h"
 
@@ -158,6 +159,12 @@ SceneDescription textured() {
   return scene;
 }
 
+SceneDescription emitters() {
+  SceneDescription scene = diffuse_box();
+  add_every_emitter(scene, dvec3(0), 1.5);
+  return scene;
+}
+
 void PrintTo(const NamedScene& scene, std::ostream* out) { *out << scene.name; }
 
 const std::vector<NamedScene>& device_scenes() {
@@ -167,6 +174,7 @@ const std::vector<NamedScene>& device_scenes() {
                                               {"EverythingInAHierarchy", everything_in_a_hierarchy},
                                               {"PolygonLights", polygon_lights},
                                               {"Textures", textured},
+                                              {"Emitters", emitters},
                                               {"EnvironmentAlone", environment_alone}};
   return scenes;
 }
