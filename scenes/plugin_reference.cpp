@@ -6,6 +6,7 @@
 
 #include "scenes/mitsuba/shape_parameters.h"
 #include "scenes/scene_description.h"
+#include "scenes/sky/sky_parameters.h"
 
 namespace penumbra {
 namespace {
@@ -56,6 +57,7 @@ std::string plugin_reference() {
   describe_all(out, "Textures", static_cast<const TextureModel*>(nullptr));
   describe_all(out, "Emitters", static_cast<const Emitter*>(nullptr));
   describe<AreaLightParameters>(out);
+  describe_all(out, "Skies", static_cast<const SkyModels*>(nullptr));
   describe_all(out, "Shapes", static_cast<const mitsuba::ShapeParameters*>(nullptr));
   return out;
 }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 
+#include "scenes/sky/sky_parameters.h"
+
 namespace penumbra::mitsuba {
 namespace {
 
@@ -43,6 +45,15 @@ void read_light<EnvironmentMapLight>(PluginReader& plugin, SceneDescription& sce
   scene.emitters.emplace_back(std::move(light));
 }
 
+/// A sky that becomes an environment map.
+template <typename Sky>
+void read_sky(PluginReader& plugin, SceneDescription& scene) {
+  const auto sky = read_emitter_parameters<Sky>(plugin, scene);
+  plugin.accept({"extend", "complex_sun"});
+  Emitter made = sky.emitter(Sky::kIs);
+  if (!is_black(made)) scene.emitters.push_back(std::move(made));
+}
+
 struct EmitterPlugin {
   std::string_view type;
   void (*read)(PluginReader&, SceneDescription&);
@@ -51,7 +62,19 @@ template <typename... Models>
 constexpr auto emitter_plugins(const std::variant<Models...>*) {
   return std::array{EmitterPlugin{Models::kPlugin, read_light<Models>}...};
 }
-constexpr auto kEmitters = emitter_plugins(static_cast<const Emitter*>(nullptr));
+template <typename... Skies>
+constexpr auto sky_plugins(const std::variant<Skies...>*) {
+  return std::array{EmitterPlugin{Skies::kPlugin, read_sky<Skies>}...};
+}
+template <std::size_t N, std::size_t M>
+constexpr auto both(const std::array<EmitterPlugin, N>& first, const std::array<EmitterPlugin, M>& second) {
+  std::array<EmitterPlugin, N + M> all{};
+  std::ranges::copy(first, all.begin());
+  std::ranges::copy(second, all.begin() + N);
+  return all;
+}
+constexpr auto kEmitters = both(emitter_plugins(static_cast<const Emitter*>(nullptr)),
+                                sky_plugins(static_cast<const SkyModels*>(nullptr)));
 // One that belongs to shapes.
 constexpr std::string_view kArea = "area";
 

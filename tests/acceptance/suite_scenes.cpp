@@ -6,6 +6,7 @@
 #include <ostream>
 #include <tuple>
 
+#include "tests/support/every_emitter.h"
 #include "tests/support/every_texture.h"
 #include "tests/support/integrator_parameters.h"
 
@@ -254,6 +255,15 @@ void nest_hidden(SceneDescription& scene) {
 
 void textured(SceneDescription& scene) { add_every_texture(scene); }
 
+void every_emitter(SceneDescription& scene) { add_every_emitter(scene, {278, 274, 280}, 500); }
+
+/// Beside polygons in closed form.
+void every_emitter_controlled(SceneDescription& scene) {
+  every_emitter(scene);
+  scene.shapes.front().radiance_texture = kNoTexture;
+  path_with_control_variate(scene);
+}
+
 void textured_directly(SceneDescription& scene) {
   add_every_texture(scene);
   direct(scene);
@@ -298,6 +308,8 @@ const std::vector<SuiteScene>& suite_scenes() {
       {"Furnace", "furnace/furnace.xml"},
       {"Textures", "veach-mis/veach-mis.xml", false, textured},
       {"TexturesDirect", "cornell-small/cornell-small.xml", false, textured_directly},
+      {"Emitters", "cornell/cornell.xml", false, every_emitter},
+      {"EmittersControlVariate", "cornell/cornell.xml", false, every_emitter_controlled},
       {"UnitSphere", "furnace/unit-sphere.xml"},
       {"PolygonLights", "polygon-lights/polygon-lights.xml"},
       {"CornellDirect", "cornell/cornell.xml", false, direct},

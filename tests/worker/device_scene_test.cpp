@@ -207,7 +207,7 @@ TEST(DeviceSceneCheck, NamesWhatIsWrong) {
                  "a quadric of unknown kind");
   expect_refused(with_record<Light>(scene, h.tables.lights, 0, [](Light& l) { l.alias = 99; }),
                  "a light's alias");
-  expect_refused(with_record<Light>(scene, h.tables.lights, 0, [](Light& l) { l.kind = 9; }),
+  expect_refused(with_record<Light>(scene, h.tables.lights, 0, [](Light& l) { l.kind = LIGHT_KIND_COUNT; }),
                  "a light of unknown kind");
   for (const int family : {FAMILY_DIFFUSE, FAMILY_PHONG})
     expect_refused(with_header([&](SceneHeader& c) { c.families &= ~(1u << family); }),
@@ -339,6 +339,41 @@ TEST(DeviceSceneCheck, FollowsTheHierarchyOfLights) {
     expect_refused(with_node(1, [&](LightNode& n) { n.intensity = intensity; }),
                    "a node of lights without an intensity");
   expect_refused(with_node(1, [](LightNode& n) { n.flags = 4; }), "a node of lights of unknown kind");
+}
+
+TEST(DeviceSceneCheck, NamesWhatIsWrongWithLights) {
+  const DeviceScene scene = build_or_throw(emitters());
+  const SceneHeader& h = scene.header;
+  const auto lights = table<Light>(scene, h.tables.lights);
+  const auto with_light = [&](auto is_wanted, auto change) {
+    const auto found = std::find_if(lights.begin(), lights.end(), is_wanted);
+    EXPECT_NE(found, lights.end());
+    return with_record<Light>(scene, h.tables.lights, std::size_t(found - lights.begin()), change);
+  };
+  const auto with_grid = [](const Light& l) { return l.grid >= 0; };
+  for (const int kind : {LIGHT_SPOT, LIGHT_PROJECTOR})
+    for (const int beam : {-1, h.tables.beams.count})
+      expect_refused(
+          with_light([&](const Light& l) { return l.kind == kind; }, [&](Light& l) { l.beam = beam; }),
+          "a light's beam is not there");
+  for (const int texture : {-2, h.tables.textures.count})
+    expect_refused(with_light(with_grid, [&](Light& l) { l.texture = texture; }), "a light names a texture");
+  for (const int grid : {-2, h.tables.light_grids.count, INT_MAX})
+    expect_refused(with_light(with_grid, [&](Light& l) { l.grid = grid; }),
+                   "a light's distribution is not there");
+  for (const int side : {-1, 0, MOST_LIGHT_GRID_SIDE + 1, INT_MAX})
+    expect_refused(with_light(with_grid, [&](Light& l) { l.grid_side = side; }),
+                   "a light's distribution is not there");
+  expect_refused(with_light(with_grid, [](Light& l) { l.sampling = EMITTER_SOLID_ANGLE; }),
+                 "a light that is not sampled by area");
+  DeviceScene fewer = scene;
+  --fewer.header.tables.light_grids.count;
+  expect_refused(fewer, "a light's distribution is not there");
+  for (const unsigned feature : {FEATURE_LIGHT_TEXTURES, FEATURE_TEXTURES}) {
+    DeviceScene without = scene;
+    without.header.features &= ~feature;
+    expect_refused(without, "feature bit");
+  }
 }
 
 TEST(DeviceSceneCheck, EveryTableLiesInsideTheData) {

@@ -5,6 +5,7 @@
 
 #include "scenes/transform.h"
 #include "tests/acceptance/scene_pieces.h"
+#include "tests/support/every_emitter.h"
 #include "tests/support/every_texture.h"
 #include "tests/support/integrator_parameters.h"
 
@@ -196,6 +197,12 @@ SceneDescription textured() {
   return scene;
 }
 
+SceneDescription emitters() {
+  SceneDescription scene = diffuse_box();
+  add_every_emitter(scene, dvec3(0), 1.5);
+  return scene;
+}
+
 void PrintTo(const NamedScene& scene, std::ostream* out) { *out << scene.name; }
 
 const std::vector<NamedScene>& device_scenes() {
@@ -207,6 +214,7 @@ const std::vector<NamedScene>& device_scenes() {
                                               {"Textures", textured},
                                               {"Instances", instances},
                                               {"LightsInAHierarchy", lights_in_a_hierarchy},
+                                              {"Emitters", emitters},
                                               {"EnvironmentAlone", environment_alone}};
   return scenes;
 }

@@ -40,6 +40,9 @@ SceneDescription lights_in_a_hierarchy();
 /// No shape at all, only a constant environment, and a material that nothing uses.
 SceneDescription environment_alone();
 
+/// The box with lights of all kinds, those of shapes with textures.
+SceneDescription emitters();
+
 struct NamedScene {
   std::string name;
   SceneDescription (*make)();

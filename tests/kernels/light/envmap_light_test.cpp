@@ -2,6 +2,7 @@
 // own integral, spikes and black parts.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -130,6 +131,77 @@ TEST(EnvmapLight, SamplesFollowTheDensity) {
     EXPECT_NEAR(total, 1, 5e-3);  // of midpoints on a spike of a sixteenth of a turn
     EXPECT_GT(statistics::chi_square_test(counts, expected).p, significance);
   }
+}
+
+/// Where a sample lies on the grid, from 0 to the width and to the height - 1.
+glm::dvec2 on_grid(const vec3& wi, int width, int height) {
+  const double turns = std::atan2(double(wi.x), -double(wi.z)) / (2 * kPi);
+  const double angle = std::atan2(std::hypot(double(wi.x), double(wi.z)), double(wi.y)) / kPi;
+  const double column = (turns < 0 ? turns + 1 : turns) * width - 0.5;
+  return {column < 0 ? column + width : column, angle * (height - 1)};
+}
+
+/// Sums up to each place, in shares of the whole, of a density that is linear between `weights`.
+double share_below(const std::vector<double>& weights, double place) {
+  double sum = 0, below = 0;
+  for (std::size_t k = 0; k + 1 < weights.size(); ++k) {
+    const double a = weights[k], b = weights[k + 1], part = std::clamp(place - double(k), 0.0, 1.0);
+    below += part * (a + 0.5 * part * (b - a));
+    sum += 0.5 * (a + b);
+  }
+  return below / sum;
+}
+
+// As wide, and as high, as maps become, with one texel that outshines the others by 1e8: numbers of 24 bits
+// still lead where the distributions have as much below them, to a few roundings.
+TEST(EnvmapLight, DistributionsOfWideMapsWithASpikeAreInverted) {
+  constexpr int kWidth = 16384, kHeight = 3, kSpike = 9000;
+  SceneTables tables = envmap_scene(
+      kWidth, kHeight, [](int x, int y) { return glm::vec3(x == kSpike && y == 1 ? 1e8f : 1.0f); });
+  const Scene scene = tables.scene();
+  const Surface point = surface_in_medium(make_vec3(0, 0, 0));
+  int beyond = 0;
+  for (const float v : {0.2f, 0.45f, 0.7f})
+    for (int k = 0; k < 600; ++k) {
+      // Near both ends of the range: between them it is the spike.
+      const float u = k % 2 == 0 ? float(k) * 0x1p-24f * 7 : 1.0f - float(k) * 0x1p-24f * 3;
+      const LightSample s = sample_light(scene, point, u, v, 0.0f);
+      glm::dvec2 at = on_grid(s.wi, kWidth, kHeight);
+      if (u < 0.5f && at.x > kWidth - 0.01) at.x = 0;  // rounded to the other side of the seam
+      if (std::abs(at.x - kSpike) < 2) continue;
+      const int row = int(at.y);
+      std::vector<double> weights(kWidth + 1);
+      for (int x = 0; x <= kWidth; ++x) {
+        const auto weight = [&](int y) {
+          return 3 * (x == kSpike && y == 1 ? 1e8 : 1.0) * double(envmap_row_sine(y, kHeight));
+        };
+        weights[std::size_t(x)] = glm::mix(weight(row), weight(row + 1), at.y - row);
+      }
+      ASSERT_NEAR(share_below(weights, at.x), double(u), 6 * 0x1p-24) << u << " at " << at.x << ", " << at.y;
+      beyond += at.x > kSpike ? 1 : 0;
+    }
+  EXPECT_GT(beyond, 300);
+}
+
+TEST(EnvmapLight, DistributionsOfHighMapsWithASpikeAreInverted) {
+  constexpr int kWidth = 2, kHeight = 8192, kSpike = 3000;
+  SceneTables tables = envmap_scene(
+      kWidth, kHeight, [](int x, int y) { return glm::vec3(x == 1 && y == kSpike ? 1e8f : 1.0f); });
+  const Scene scene = tables.scene();
+  const Surface point = surface_in_medium(make_vec3(0, 0, 0));
+  std::vector<double> rows(kHeight);
+  for (int y = 0; y < kHeight; ++y)
+    rows[std::size_t(y)] = (y == kSpike ? 1e8 + 1 : 2) * double(envmap_row_sine(y, kHeight));
+  int beyond = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const float v = k % 2 == 0 ? float(k) * 0x1p-24f : 1.0f - float(k) * 0x1p-24f / 2;
+    const LightSample s = sample_light(scene, point, 0.3f, v, 0.0f);
+    const glm::dvec2 at = on_grid(s.wi, kWidth, kHeight);
+    if (std::abs(at.y - kSpike) < 2) continue;
+    ASSERT_NEAR(share_below(rows, at.y), double(v), 6 * 0x1p-24) << v << " at " << at.y;
+    beyond += at.y > kSpike ? 1 : 0;
+  }
+  EXPECT_GT(beyond, 100);
 }
 
 TEST(EnvmapLight, ASampleSaysWhatARayFinds) {
