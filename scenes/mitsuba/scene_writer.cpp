@@ -6,9 +6,11 @@
 #include <array>
 #include <bit>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <optional>
 #include <type_traits>
+#include <utility>
 
 #include "scenes/mitsuba/shape_parameters.h"
 #include "scenes/settings.h"
@@ -36,6 +38,8 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
+std::string texture_id(int index) { return fmt::format("texture-{}", index); }
+
 /// Elements, one a line, indented.
 class XmlText {
  public:
@@ -55,6 +59,13 @@ class XmlText {
     line(name.empty() ? fmt::format("<ref id=\"{}\"/>", id)
                       : fmt::format("<ref name=\"{}\" id=\"{}\"/>", name, id));
   }
+  void texture(int index, std::string_view name = "") {
+    reference(texture_id(index), name);
+    least_texture_ = std::min(least_texture_, index);
+  }
+  /// Of those that are referred to, or a large number.
+  [[nodiscard]] int least_texture() const { return least_texture_; }
+  void append(const XmlText& other) { text_ += other.text_; }
   void transform(std::string_view name, const glm::dmat4& m) {
     std::string rows;
     for (int i = 0; i < 4; ++i)
@@ -72,18 +83,18 @@ class XmlText {
 
   std::string text_;
   std::vector<std::string> tags_;
+  int least_texture_ = std::numeric_limits<int>::max();
 };
 
-std::string texture_id(int index) { return fmt::format("texture-{}", index); }
 std::string colour_text(const glm::vec3& c) { return fmt::format("{}, {}, {}", c.x, c.y, c.z); }
 
 // A parameter's value by its type.
 void put(XmlText& xml, std::string_view name, const TexturedColour& colour, const auto&) {
-  if (colour.texture != kNoTexture) return xml.reference(texture_id(colour.texture), name);
+  if (colour.texture != kNoTexture) return xml.texture(colour.texture, name);
   xml.value("rgb", name, colour_text(colour.value));
 }
 void put(XmlText& xml, std::string_view name, const TexturedNumber& number, const auto&) {
-  if (number.texture != kNoTexture) return xml.reference(texture_id(number.texture), name);
+  if (number.texture != kNoTexture) return xml.texture(number.texture, name);
   xml.value("float", name, fmt::format("{}", number.value));
 }
 void put(XmlText& xml, std::string_view name, const glm::vec3& colour, const auto&) {
@@ -108,43 +119,43 @@ void put(XmlText& xml, std::string_view name, const T& value, const Values& valu
     xml.value("float", name, fmt::format("{}", value));
 }
 
+template <typename Model>
+constexpr bool kIsRough = requires(const Model& model) {
+  model.alpha;
+  model.alpha_u;
+  model.sample_visible;
+};
+
 // Where parameters exclude each other, those that say what the others came to.
 template <typename Model>
 bool is_said_by_others(const Model& model, std::string_view name) {
-  if constexpr (requires {
-                  model.alpha_u;
-                  model.alpha;
-                  model.sample_visible;
-                }) {
-    if (name == "alpha") return !(model.alpha_u == model.alpha_v);
-    if (name == "alpha_u" || name == "alpha_v") return model.alpha_u == model.alpha_v;
+  bool said = false;
+  if constexpr (kIsRough<Model>) {
+    const bool alike = model.alpha_u == model.alpha_v;
+    said |= alike ? name == "alpha_u" || name == "alpha_v" : name == "alpha";
   }
-  if constexpr (std::is_base_of_v<ConductorSurface, Model>) return name == "material";
-  if constexpr (std::is_same_v<Model, PrincipledBsdf>) return name == "specular";
-  if constexpr (std::is_same_v<Model, PointLight>) return name == "to_world";
+  if constexpr (std::is_base_of_v<ConductorSurface, Model>) said |= name == "material";
+  if constexpr (std::is_same_v<Model, PrincipledBsdf>) said |= name == "specular";
+  if constexpr (std::is_same_v<Model, PointLight>) said |= name == "to_world";
   if constexpr (std::is_same_v<Model, BitmapTexture>) {
-    if (name == "wrap_mode") return model.wrap_u != model.wrap_v;
-    if (name == "wrap_mode_u" || name == "wrap_mode_v") return model.wrap_u == model.wrap_v;
-    if (name == "gamma") return model.raw;
+    const bool alike = model.wrap_u == model.wrap_v;
+    said |= alike ? name == "wrap_mode_u" || name == "wrap_mode_v" : name == "wrap_mode";
+    said |= name == "gamma" && model.raw;
   }
-  return false;
+  return said;
 }
 
-// Parameters of which a reader wants all or none.
+// Parameters of which a reader wants all or none, or takes others for them where they are not given.
 template <typename Model>
-bool is_written_together(const Model& model, std::string_view name) {
+bool is_written_anyway(const Model& model, std::string_view name) {
+  bool anyway = false;
   if constexpr (std::is_base_of_v<ConductorSurface, Model>) {
     const Model plain;
-    return (name == "eta" || name == "k") && !(model.eta == plain.eta && model.k == plain.k);
+    anyway |= (name == "eta" || name == "k") && !(model.eta == plain.eta && model.k == plain.k);
   }
-  if constexpr (requires {
-                  model.alpha_u;
-                  model.alpha;
-                  model.sample_visible;
-                })
-    return name == "alpha_u" || name == "alpha_v";
-  if constexpr (std::is_same_v<Model, PrincipledBsdf>) return name == "eta";
-  return false;
+  if constexpr (kIsRough<Model>) anyway |= name == "alpha_u" || name == "alpha_v";
+  if constexpr (std::is_same_v<Model, PrincipledBsdf>) anyway |= name == "eta";
+  return anyway;
 }
 
 /// With what its reader has made of it put back into the parameters that say it.
@@ -169,7 +180,7 @@ void put_parameters(XmlText& xml, const Model& read) {
   const Model model = as_given(read);
   Model::parameters([&](const char* name, auto member, const auto& values, const char*) {
     if (is_said_by_others(model, name)) return;
-    if (model.*member == plain.*member && !is_written_together(model, name)) return;
+    if (model.*member == plain.*member && !is_written_anyway(model, name)) return;
     put(xml, name, model.*member, values);
   });
 }
@@ -228,9 +239,7 @@ class SceneWriter {
     put_integrator();
     put_sensor();
     for (std::size_t i = 0; i < scene_.textures.size(); ++i) put_texture(int(i));
-    for (const Shape& shape : scene_.shapes)
-      if (shape.front_bsdf != kBlackBsdf || shape.back_bsdf != kBlackBsdf || !shape.radiance)
-        name_surface(shape.front_bsdf, shape.back_bsdf);
+    put_surfaces();
     for (std::size_t i = 0; i < scene_.shapes.size(); ++i)
       if (auto done = put_shape(scene_.shapes[i], i); !done) return done;
     for (const Emitter& emitter : scene_.emitters)
@@ -296,7 +305,9 @@ class SceneWriter {
     }
     xml_.transform("to_world",
                    flat ? camera.to_world * scaling({camera.scale_x, camera.scale_y, 1.0}) : camera.to_world);
-    xml_.open("sampler", print_setting(scene_, "sampler.type"));
+    // Mitsuba 3's name of it. Its other samplers have ours; Halton's points are no longer among them.
+    const bool sobol = scene_.sampler.kind == SamplerKind::kSobol;
+    xml_.open("sampler", sobol ? "ldsampler" : print_setting(scene_, "sampler.type"));
     put_always("sampler.sample_count");
     put_setting(*find_setting("sampler.seed"), plain, "seed");
     xml_.close();
@@ -336,7 +347,7 @@ class SceneWriter {
             model.filename = fs::absolute(scene_.bitmaps[std::size_t(model.bitmap)]->name).string();
           xml_.open("texture", Model::kPlugin, fmt::format(" id=\"{}\"", texture_id(index)));
           put_parameters(xml_, model);
-          if constexpr (requires { model.texture; }) xml_.reference(texture_id(model.texture));
+          if constexpr (requires { model.texture; }) xml_.texture(model.texture);
           const glm::dmat3& m = texture.to_uv;
           if (m != glm::dmat3(1.0)) {
             glm::dmat4 to_uv(1.0);
@@ -359,9 +370,20 @@ class SceneWriter {
     return bsdf != nullptr ? std::get_if<Model>(&bsdf->model) : nullptr;
   }
 
-  void name_surface(int front, int back) {
-    const auto [at, added] = surfaces_.try_emplace({front, back}, fmt::format("bsdf-{}", surfaces_.size()));
-    if (added) put_surface(front, back, fmt::format(" id=\"{}\"", at->second));
+  /// Those of all shapes, in the order of their textures: as they are read, textures are numbered.
+  void put_surfaces() {
+    std::multimap<int, XmlText> surfaces;  // by their first textures
+    for (const Shape& shape : scene_.shapes) {
+      const std::pair sides{shape.front_bsdf, shape.back_bsdf};
+      if (shape.radiance && sides == std::pair{kBlackBsdf, kBlackBsdf}) continue;
+      const auto [at, added] = surfaces_.try_emplace(sides, fmt::format("bsdf-{}", surfaces_.size()));
+      if (!added) continue;
+      const XmlText before = std::exchange(xml_, XmlText());
+      put_surface(sides.first, sides.second, fmt::format(" id=\"{}\"", at->second));
+      const XmlText text = std::exchange(xml_, before);
+      surfaces.emplace(text.least_texture(), text);
+    }
+    for (const auto& [first, text] : surfaces) xml_.append(text);
   }
 
   /// The plugin of a front and a back: what readers of it make of its sides is that again.
@@ -445,7 +467,7 @@ class SceneWriter {
       put_parameters(xml_, parameters);
     };
     bend.kind == BendKind::kNormalMap ? open(NormalMapParameters{}) : open(BumpMapParameters{});
-    xml_.reference(texture_id(bend.texture));
+    xml_.texture(bend.texture);
   }
 
   void put_leaf(int index, const std::string& attributes, bool bent) {
@@ -478,7 +500,8 @@ class SceneWriter {
       if (mesh->normals.empty()) xml_.value("boolean", "face_normals", "true");
     } else if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
       xml_.open("shape", SphereShape::kPlugin);
-      put_frame(sphere->x_axis, sphere->y_axis, sphere->z_axis, sphere->radius, sphere->center);
+      put_frame(sphere->x_axis, sphere->y_axis, sphere->z_axis, 1.0, sphere->center);
+      xml_.value("float", "radius", fmt::format("{}", sphere->radius));
       // As it is read, a mirror turns it inside out.
       if (glm::dot(glm::cross(sphere->x_axis, sphere->y_axis), sphere->z_axis) < 0) flipped = !flipped;
     } else if (const auto* disk = std::get_if<Disk>(&shape.geometry)) {
