@@ -21,6 +21,7 @@ void add_report_command(CLI::App& app, const std::vector<std::string>& command_l
 void add_info_command(CLI::App& app, Command& chosen);
 void add_settings_command(CLI::App& app, Command& chosen);
 void add_plugins_command(CLI::App& app, Command& chosen);
+void add_convert_command(CLI::App& app, Command& chosen);
 void add_compare_command(CLI::App& app, Command& chosen);
 /// Commands that are programs of their own, such as `penumbra worker`: listed for the help, they never get to
 /// the parser, see run_sibling.

@@ -1,0 +1,552 @@
+#include "scenes/mitsuba/scene_writer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <optional>
+#include <type_traits>
+#include <utility>
+
+#include "scenes/mitsuba/shape_parameters.h"
+#include "scenes/settings.h"
+#include "scenes/transform.h"
+
+namespace penumbra::mitsuba {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += c;
+  }
+  return out;
+}
+
+std::string texture_id(int index) { return fmt::format("texture-{}", index); }
+
+/// Elements, one a line, indented.
+class XmlText {
+ public:
+  void open(std::string_view tag, std::string_view type, std::string_view attributes = "") {
+    line(fmt::format("<{} type=\"{}\"{}>", tag, escaped(type), attributes));
+    tags_.emplace_back(tag);
+  }
+  void close() {
+    const std::string tag = std::move(tags_.back());
+    tags_.pop_back();
+    line(fmt::format("</{}>", tag));
+  }
+  void value(std::string_view tag, std::string_view name, std::string_view text) {
+    line(fmt::format("<{} name=\"{}\" value=\"{}\"/>", tag, name, escaped(text)));
+  }
+  void reference(std::string_view id, std::string_view name = "") {
+    line(name.empty() ? fmt::format("<ref id=\"{}\"/>", id)
+                      : fmt::format("<ref name=\"{}\" id=\"{}\"/>", name, id));
+  }
+  void texture(int index, std::string_view name = "") {
+    reference(texture_id(index), name);
+    least_texture_ = std::min(least_texture_, index);
+  }
+  /// Of those that are referred to, or a large number.
+  [[nodiscard]] int least_texture() const { return least_texture_; }
+  void append(const XmlText& other) { text_ += other.text_; }
+  void transform(std::string_view name, const glm::dmat4& m) {
+    std::string rows;
+    for (int i = 0; i < 4; ++i)
+      for (int k = 0; k < 4; ++k) rows += fmt::format("{}{}", rows.empty() ? "" : " ", m[k][i]);
+    line(fmt::format("<transform name=\"{}\"><matrix value=\"{}\"/></transform>", name, rows));
+  }
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  void line(std::string_view what) {
+    text_ += std::string(2 * (tags_.size() + 1), ' ');
+    text_ += what;
+    text_ += '\n';
+  }
+
+  std::string text_;
+  std::vector<std::string> tags_;
+  int least_texture_ = std::numeric_limits<int>::max();
+};
+
+std::string colour_text(const glm::vec3& c) { return fmt::format("{}, {}, {}", c.x, c.y, c.z); }
+
+// A parameter's value by its type.
+void put(XmlText& xml, std::string_view name, const TexturedColour& colour, const auto&) {
+  if (colour.texture != kNoTexture) return xml.texture(colour.texture, name);
+  xml.value("rgb", name, colour_text(colour.value));
+}
+void put(XmlText& xml, std::string_view name, const TexturedNumber& number, const auto&) {
+  if (number.texture != kNoTexture) return xml.texture(number.texture, name);
+  xml.value("float", name, fmt::format("{}", number.value));
+}
+void put(XmlText& xml, std::string_view name, const glm::vec3& colour, const auto&) {
+  xml.value("rgb", name, colour_text(colour));
+}
+void put(XmlText& xml, std::string_view name, const glm::dvec3& p, const auto&) {
+  xml.value("point", name, fmt::format("{}, {}, {}", p.x, p.y, p.z));
+}
+void put(XmlText& xml, std::string_view name, const glm::dmat4& m, const auto&) { xml.transform(name, m); }
+void put(XmlText& xml, std::string_view name, const std::string& text, const auto&) {
+  xml.value("string", name, text);
+}
+template <typename T, typename Values>
+void put(XmlText& xml, std::string_view name, const T& value, const Values& values) {
+  if constexpr (requires { values.choices; })
+    xml.value("string", name, values.print(value));
+  else if constexpr (std::is_same_v<T, bool>)
+    xml.value("boolean", name, value ? "true" : "false");
+  else if constexpr (std::is_integral_v<T>)
+    xml.value("integer", name, fmt::format("{}", value));
+  else
+    xml.value("float", name, fmt::format("{}", value));
+}
+
+template <typename Model>
+constexpr bool kIsRough = requires(const Model& model) {
+  model.alpha;
+  model.alpha_u;
+  model.sample_visible;
+};
+
+// Where parameters exclude each other, those that say what the others came to.
+template <typename Model>
+bool is_said_by_others(const Model& model, std::string_view name) {
+  bool said = false;
+  if constexpr (kIsRough<Model>) {
+    const bool alike = model.alpha_u == model.alpha_v;
+    said |= alike ? name == "alpha_u" || name == "alpha_v" : name == "alpha";
+  }
+  if constexpr (std::is_base_of_v<ConductorSurface, Model>) said |= name == "material";
+  if constexpr (std::is_same_v<Model, PrincipledBsdf>) said |= name == "specular";
+  if constexpr (std::is_same_v<Model, PointLight>) said |= name == "to_world";
+  if constexpr (std::is_same_v<Model, BitmapTexture>) {
+    const bool alike = model.wrap_u == model.wrap_v;
+    said |= alike ? name == "wrap_mode_u" || name == "wrap_mode_v" : name == "wrap_mode";
+    said |= name == "gamma" && model.raw;
+  }
+  return said;
+}
+
+// Parameters of which a reader wants all or none, or takes others for them where they are not given.
+template <typename Model>
+bool is_written_anyway(const Model& model, std::string_view name) {
+  bool anyway = false;
+  if constexpr (std::is_base_of_v<ConductorSurface, Model>) {
+    const Model plain;
+    anyway |= (name == "eta" || name == "k") && !(model.eta == plain.eta && model.k == plain.k);
+  }
+  if constexpr (kIsRough<Model>) anyway |= name == "alpha_u" || name == "alpha_v";
+  if constexpr (std::is_same_v<Model, PrincipledBsdf>) anyway |= name == "eta";
+  return anyway;
+}
+
+/// With what its reader has made of it put back into the parameters that say it.
+template <typename Model>
+Model as_given(Model model) {
+  if constexpr (requires {
+                  model.alpha_u;
+                  model.alpha;
+                  model.sample_visible;
+                })
+    if (model.alpha_u == model.alpha_v) model.alpha = model.alpha_u;
+  if constexpr (std::is_same_v<Model, BitmapTexture>)
+    if (model.wrap_u == model.wrap_v) model.wrap = model.wrap_u;
+  return model;
+}
+
+/// Its parameters but for those that have their defaults.
+template <typename Model>
+void put_parameters(XmlText& xml, const Model& read) {
+  Model plain;
+  if constexpr (requires { plain.written_for(3); }) plain.written_for(3);
+  const Model model = as_given(read);
+  Model::parameters([&](const char* name, auto member, const auto& values, const char*) {
+    if (is_said_by_others(model, name)) return;
+    if (model.*member == plain.*member && !is_written_anyway(model, name)) return;
+    put(xml, name, model.*member, values);
+  });
+}
+
+/// A little-endian PLY file of what a mesh has.
+std::string ply_of(const Mesh& mesh) {
+  const bool normals = !mesh.normals.empty(), uvs = !mesh.texcoords.empty();
+  const bool colours = !mesh.colours.empty(), faces = !mesh.face_colours.empty();
+  std::string out =
+      fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", mesh.positions.size());
+  const auto properties = [&](const char* type, std::initializer_list<const char*> names) {
+    for (const char* name : names) out += fmt::format("property {} {}\n", type, name);
+  };
+  properties("double", {"x", "y", "z"});
+  if (normals) properties("float", {"nx", "ny", "nz"});
+  if (uvs) properties("float", {"u", "v"});
+  if (colours) properties("float", {"r", "g", "b"});
+  out += fmt::format("element face {}\nproperty list uchar uint vertex_indices\n", mesh.triangles.size());
+  if (faces) properties("float", {"r", "g", "b"});
+  out += "end_header\n";
+  const auto bytes = [&](const auto& value) {
+    auto raw = std::bit_cast<std::array<char, sizeof(value)>>(value);
+    if constexpr (std::endian::native == std::endian::big) std::ranges::reverse(raw);
+    out.append(raw.data(), raw.size());
+  };
+  const auto vector = [&](const auto& v) {
+    for (int axis = 0; axis < v.length(); ++axis) bytes(v[axis]);
+  };
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    vector(mesh.positions[i]);
+    if (normals) vector(mesh.normals[i]);
+    if (uvs) vector(mesh.texcoords[i]);
+    if (colours) vector(mesh.colours[i]);
+  }
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    out += char(3);
+    vector(mesh.triangles[i]);
+    if (faces) vector(mesh.face_colours[i]);
+  }
+  return out;
+}
+
+Expected<void> write_file(const fs::path& path, std::string_view contents) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(contents.data(), std::streamsize(contents.size()));
+  file.close();
+  if (!file) return fail(fmt::format("cannot write '{}'", path.string()));
+  return {};
+}
+
+class SceneWriter {
+ public:
+  SceneWriter(const SceneDescription& scene, fs::path file) : scene_(scene), file_(std::move(file)) {}
+
+  Expected<void> write() {
+    put_integrator();
+    put_sensor();
+    for (std::size_t i = 0; i < scene_.textures.size(); ++i) put_texture(int(i));
+    put_surfaces();
+    for (std::size_t i = 0; i < scene_.shapes.size(); ++i)
+      if (auto done = put_shape(scene_.shapes[i], i); !done) return done;
+    for (const Emitter& emitter : scene_.emitters)
+      std::visit([&](const auto& e) { put_emitter(e); }, emitter);
+    return write_file(file_, "<scene version=\"3.0.0\">\n" + xml_.text() + "</scene>\n");
+  }
+
+ private:
+  /// A setting that is not what a file has that does not say it.
+  void put_setting(const Setting& setting, const RenderSettings& plain, std::string_view name) {
+    if (!setting.print || !setting.belongs_to(scene_) || setting.print(scene_) == setting.print(plain))
+      return;
+    put_always(setting, name);
+  }
+  void put_always(const Setting& setting, std::string_view name) {
+    const std::string text = setting.print(scene_);
+    const bool number = setting.kind == SettingKind::kNumber ||
+                        (setting.kind == SettingKind::kNumberOrText && text != "auto");
+    xml_.value(number                                  ? "float"
+               : setting.kind == SettingKind::kInteger ? "integer"
+               : setting.kind == SettingKind::kBoolean ? "boolean"
+                                                       : "string",
+               name, text);
+  }
+  void put_always(std::string_view key) {
+    const Setting* setting = find_setting(key);
+    put_always(*setting, setting->name());
+  }
+
+  void put_integrator() {
+    RenderSettings plain;
+    use_integrator(plain.integrator, scene_.integrator.method);
+    for (const IntegratorMethod& method : integrator_methods())
+      if (method.index() == scene_.integrator.method.index()) plain.integrator.method = method;
+    plain.integrator.hide_emitters = false;
+    // What version 3 does; it matters where emitters are hidden.
+    plain.integrator.hidden_emitters =
+        scene_.integrator.hide_emitters ? HiddenEmitters::kLookedThrough : scene_.integrator.hidden_emitters;
+    xml_.open("integrator", method_name(scene_.integrator.method));
+    for (const Setting& setting : all_settings())
+      if (setting.key.starts_with("integrator.") && setting.name() != "type")
+        put_setting(setting, plain, setting.name());
+    xml_.close();
+  }
+
+  void put_sensor() {
+    const CameraSettings& camera = scene_.camera;
+    const bool flat = camera.projection == Projection::kOrthographic, lens = camera.aperture_radius > 0;
+    xml_.open("sensor", flat ? (lens ? "telecentric" : "orthographic") : lens ? "thinlens" : "perspective");
+    if (!flat) put_always("camera.fov");
+    if (!flat) put_always("camera.fov_axis");
+    if (lens) put_always("camera.aperture_radius");
+    if (lens) put_always("camera.focus_distance");
+    const RenderSettings plain;
+    for (const Setting& setting : all_settings()) {
+      const std::string name = setting.name();
+      if (!setting.key.starts_with("camera.") || name == "to_world" || name == "projection" ||
+          name == "fov" || name == "fov_axis" || name == "scale_x" || name == "scale_y" ||
+          name == "aperture_radius" || name == "focus_distance")
+        continue;
+      const bool of_lens = name.starts_with("blade") || name.starts_with("refocus");
+      if (lens || !of_lens) put_setting(setting, plain, name);
+    }
+    xml_.transform("to_world",
+                   flat ? camera.to_world * scaling({camera.scale_x, camera.scale_y, 1.0}) : camera.to_world);
+    // Mitsuba 3's name of it. Its other samplers have ours; Halton's points are no longer among them.
+    const bool sobol = scene_.sampler.kind == SamplerKind::kSobol;
+    xml_.open("sampler", sobol ? "ldsampler" : print_setting(scene_, "sampler.type"));
+    put_always("sampler.sample_count");
+    put_setting(*find_setting("sampler.seed"), plain, "seed");
+    xml_.close();
+    put_film(plain);
+    xml_.close();
+  }
+
+  void put_film(const RenderSettings& plain) {
+    const Film& film = scene_.film;
+    xml_.open("film", "hdrfilm");
+    put_always("film.width");
+    put_always("film.height");
+    if (film.crop_x != 0 || film.crop_y != 0 || film.crop_width != film.width ||
+        film.crop_height != film.height)
+      for (const char* key :
+           {"film.crop_offset_x", "film.crop_offset_y", "film.crop_width", "film.crop_height"})
+        put_always(key);
+    xml_.open("rfilter", print_setting(scene_, "film.rfilter"));
+    if (film.filter == FilterKind::kTent && film.filter_radius != 1.0f)
+      xml_.value("float", "radius", print_setting(scene_, "film.rfilter_radius"));
+    if (film.filter == FilterKind::kGaussian)
+      put_setting(*find_setting("film.rfilter_stddev"), plain, "stddev");
+    if (film.filter == FilterKind::kMitchell) {
+      put_setting(*find_setting("film.rfilter_b"), plain, "b");
+      put_setting(*find_setting("film.rfilter_c"), plain, "c");
+    }
+    xml_.close();
+    xml_.close();
+  }
+
+  void put_texture(int index) {
+    const SceneTexture& texture = scene_.textures[std::size_t(index)];
+    std::visit(
+        [&](auto model) {
+          using Model = decltype(model);
+          if constexpr (std::is_same_v<Model, BitmapTexture>)
+            model.filename = fs::absolute(scene_.bitmaps[std::size_t(model.bitmap)]->name).string();
+          xml_.open("texture", Model::kPlugin, fmt::format(" id=\"{}\"", texture_id(index)));
+          put_parameters(xml_, model);
+          if constexpr (requires { model.texture; }) xml_.texture(model.texture);
+          const glm::dmat3& m = texture.to_uv;
+          if (m != glm::dmat3(1.0)) {
+            glm::dmat4 to_uv(1.0);
+            to_uv[0] = {m[0].x, m[0].y, 0, 0};
+            to_uv[1] = {m[1].x, m[1].y, 0, 0};
+            to_uv[3] = {m[2].x, m[2].y, 0, 1};
+            xml_.transform("to_uv", to_uv);
+          }
+          xml_.close();
+        },
+        texture.model);
+  }
+
+  [[nodiscard]] const Bsdf* bsdf_at(int index) const {
+    return index >= 0 ? &scene_.bsdfs[std::size_t(index)] : nullptr;
+  }
+  template <typename Model>
+  [[nodiscard]] const Model* get(int index) const {
+    const Bsdf* bsdf = bsdf_at(index);
+    return bsdf != nullptr ? std::get_if<Model>(&bsdf->model) : nullptr;
+  }
+
+  /// Those of all shapes, in the order of their textures: as they are read, textures are numbered.
+  void put_surfaces() {
+    std::multimap<int, XmlText> surfaces;  // by their first textures
+    for (const Shape& shape : scene_.shapes) {
+      const std::pair sides{shape.front_bsdf, shape.back_bsdf};
+      if (shape.radiance && sides == std::pair{kBlackBsdf, kBlackBsdf}) continue;
+      const auto [at, added] = surfaces_.try_emplace(sides, fmt::format("bsdf-{}", surfaces_.size()));
+      if (!added) continue;
+      const XmlText before = std::exchange(xml_, XmlText());
+      put_surface(sides.first, sides.second, fmt::format(" id=\"{}\"", at->second));
+      const XmlText text = std::exchange(xml_, before);
+      surfaces.emplace(text.least_texture(), text);
+    }
+    for (const auto& [first, text] : surfaces) xml_.append(text);
+  }
+
+  /// The plugin of a front and a back: what readers of it make of its sides is that again.
+  void put_surface(int front, int back, const std::string& attributes = "") {
+    if (front == kNoBsdf || get<NullBsdf>(front) != nullptr) {
+      xml_.open("bsdf", NullBsdf::kPlugin, attributes);
+      return xml_.close();
+    }
+    const auto* mask = get<MaskBsdf>(front);
+    const auto* blend = get<BlendBsdf>(front);
+    if (mask != nullptr || blend != nullptr) {
+      const Bsdf* holder = bsdf_at(front);
+      std::visit(
+          [&](const auto& model) {
+            using Model = std::remove_cvref_t<decltype(model)>;
+            xml_.open("bsdf", Model::kPlugin, attributes);
+            put_parameters(xml_, model);
+          },
+          holder->model);
+      if (mask != nullptr) {
+        const auto* behind = get<MaskBsdf>(back);
+        put_surface(mask->inside, behind != nullptr ? behind->inside : kBlackBsdf);
+      } else {
+        const auto* behind = get<BlendBsdf>(back);
+        put_surface(blend->first, behind != nullptr ? behind->first : kBlackBsdf);
+        put_surface(blend->second, behind != nullptr ? behind->second : kBlackBsdf);
+      }
+      return xml_.close();
+    }
+    const Bsdf *ahead = bsdf_at(front), *behind = bsdf_at(back);
+    if (ahead != nullptr && behind != nullptr && front != back && ahead->bend.kind != BendKind::kNone) {
+      SurfaceBend turned = ahead->bend;
+      turned.scale = -turned.scale;
+      if (behind->bend == turned) {
+        open_bend(ahead->bend, attributes);
+        put_sides(front, back, "", false);
+        return xml_.close();
+      }
+    }
+    put_sides(front, back, attributes, true);
+  }
+
+  /// Of two leaves, or black ones; with what bends each.
+  void put_sides(int front, int back, const std::string& attributes, bool bent) {
+    const bool two_sides = back != kBlackBsdf && !has_own_back(front);
+    if (!two_sides) return put_leaf(front, attributes, bent);
+    xml_.open("bsdf", TwoSidedParameters::kPlugin, attributes);
+    put_leaf(front, "", bent);
+    if (back != front && bent) put_leaf(back, "", bent);
+    xml_.close();
+  }
+
+  /// Whether its plugin by itself has a back.
+  [[nodiscard]] bool has_own_back(int front) const {
+    const Bsdf* bsdf = bsdf_at(front);
+    return bsdf != nullptr && std::visit(
+                                  [](const auto& model) {
+                                    using Model = std::remove_cvref_t<decltype(model)>;
+                                    if constexpr (requires { Model::kSidesAreAlike; })
+                                      return true;
+                                    else if constexpr (requires { model.other_side(); })
+                                      return std::optional<BsdfModel>(model.other_side()).has_value() &&
+                                             transmits(model);
+                                    else
+                                      return false;
+                                  },
+                                  bsdf->model);
+  }
+  template <typename Model>
+  static bool transmits(const Model& model) {
+    if constexpr (requires { model.other_side().has_value(); }) return model.other_side().has_value();
+    return true;
+  }
+
+  void open_bend(const SurfaceBend& bend, const std::string& attributes) {
+    const auto open = [&](auto parameters) {
+      using Parameters = decltype(parameters);
+      parameters.use_shadowing_function = bend.shadows;
+      if constexpr (requires { parameters.scale; }) parameters.scale = bend.scale;
+      xml_.open("bsdf", Parameters::kPlugin, attributes);
+      put_parameters(xml_, parameters);
+    };
+    bend.kind == BendKind::kNormalMap ? open(NormalMapParameters{}) : open(BumpMapParameters{});
+    xml_.texture(bend.texture);
+  }
+
+  void put_leaf(int index, const std::string& attributes, bool bent) {
+    const Bsdf* bsdf = bsdf_at(index);
+    if (bsdf == nullptr) {
+      xml_.open("bsdf", DiffuseBsdf::kPlugin, attributes);
+      xml_.value("rgb", "reflectance", "0, 0, 0");
+      return xml_.close();
+    }
+    const bool bends = bent && bsdf->bend.kind != BendKind::kNone;
+    if (bends) open_bend(bsdf->bend, attributes);
+    std::visit(
+        [&](const auto& model) {
+          using Model = std::remove_cvref_t<decltype(model)>;
+          xml_.open("bsdf", Model::kPlugin, bends ? "" : attributes);
+          put_parameters(xml_, model);
+          xml_.close();
+        },
+        bsdf->model);
+    if (bends) xml_.close();
+  }
+
+  Expected<void> put_shape(const Shape& shape, std::size_t index) {
+    bool flipped = shape.flip_normals;
+    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
+      const std::string name = fmt::format("{}-{}.ply", file_.stem().string(), index);
+      if (auto done = write_file(file_.parent_path() / name, ply_of(*mesh)); !done) return done;
+      xml_.open("shape", PlyShape::kPlugin);
+      xml_.value("string", "filename", name);
+      if (mesh->normals.empty()) xml_.value("boolean", "face_normals", "true");
+    } else if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
+      xml_.open("shape", SphereShape::kPlugin);
+      put_frame(sphere->x_axis, sphere->y_axis, sphere->z_axis, 1.0, sphere->center);
+      xml_.value("float", "radius", fmt::format("{}", sphere->radius));
+      // As it is read, a mirror turns it inside out.
+      if (glm::dot(glm::cross(sphere->x_axis, sphere->y_axis), sphere->z_axis) < 0) flipped = !flipped;
+    } else if (const auto* disk = std::get_if<Disk>(&shape.geometry)) {
+      xml_.open("shape", DiskShape::kPlugin);
+      put_frame(disk->x_axis, disk->y_axis, disk->normal, disk->radius, disk->center);
+    }
+    if (flipped) xml_.value("boolean", "flip_normals", "true");
+    if (const auto known = surfaces_.find({shape.front_bsdf, shape.back_bsdf}); known != surfaces_.end())
+      xml_.reference(known->second);
+    if (shape.radiance) {
+      xml_.open("emitter", AreaLightParameters::kPlugin);
+      AreaLightParameters light{.radiance = *shape.radiance, .two_sided = shape.two_sided_emission};
+      light.sampling = shape.sampling;
+      put_parameters(xml_, light);
+      if (light.radiance == AreaLightParameters{}.radiance) xml_.value("rgb", "radiance", "1, 1, 1");
+      xml_.close();
+    }
+    xml_.close();
+    return {};
+  }
+
+  void put_frame(const glm::dvec3& x, const glm::dvec3& y, const glm::dvec3& z, double size,
+                 const glm::dvec3& at) {
+    xml_.transform("to_world", glm::dmat4(glm::dvec4(size * x, 0), glm::dvec4(size * y, 0),
+                                          glm::dvec4(size * z, 0), glm::dvec4(at, 1)));
+  }
+
+  template <typename Light>
+  void put_emitter(Light light) {
+    xml_.open("emitter", Light::kPlugin);
+    if constexpr (requires { light.image; }) light.filename = fs::absolute(light.image->name).string();
+    put_parameters(xml_, light);
+    xml_.close();
+  }
+
+  const SceneDescription& scene_;
+  const fs::path file_;
+  XmlText xml_;
+  std::map<std::pair<int, int>, std::string> surfaces_;  ///< fronts and backs, and their ids
+};
+
+}  // namespace
+
+Expected<void> write_scene(const SceneDescription& scene, const fs::path& file) {
+  return SceneWriter(scene, file).write();
+}
+
+}  // namespace penumbra::mitsuba

@@ -1,0 +1,135 @@
+// Scenes that are written and read again are what they were: the same records for the kernels.
+#include "scenes/mitsuba/scene_writer.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <string>
+
+#include "scenes/device/device_scene_builder.h"
+#include "tests/scenes/scene_text.h"
+
+namespace penumbra {
+namespace {
+
+class MitsubaWriter : public SceneText {
+ protected:
+  SceneDescription again(const SceneDescription& scene) {
+    const auto written = mitsuba::write_scene(scene, folder_ / "written.xml");
+    EXPECT_TRUE(written) << written.error().message;
+    auto read = read_scene(folder_ / "written.xml", {});
+    EXPECT_TRUE(read) << read.error().message;
+    return read ? std::move(*read) : SceneDescription{};
+  }
+
+  static DeviceScene device(const SceneDescription& scene) {
+    auto built = build_device_scene(scene, {});
+    EXPECT_TRUE(built) << built.error().message;
+    return built ? std::move(*built) : DeviceScene{};
+  }
+
+  /// To the bit: cameras, settings and tables.
+  void expect_same(const SceneDescription& scene) {
+    const DeviceScene before = device(scene), after = device(again(scene));
+    EXPECT_EQ(std::memcmp(&before.header, &after.header, sizeof(SceneHeader)), 0);
+    ASSERT_EQ(before.words.size(), after.words.size());
+    const auto differ = std::ranges::mismatch(before.words, after.words).in1 - before.words.begin();
+    EXPECT_EQ(std::size_t(differ), before.words.size()) << "the first word that differs";
+  }
+
+  /// A scene of one ball of that BSDF, and a lamp.
+  void expect_same_bsdf(const std::string& bsdf) {
+    SCOPED_TRACE(bsdf);
+    expect_same(good("<shape type='sphere'><point name='center' x='1' y='2' z='3'/>" + bsdf +
+                     "</shape><shape type='rectangle'><emitter type='area'><rgb name='radiance' "
+                     "value='1, 2, 3'/></emitter></shape>"));
+  }
+};
+
+std::string diffuse(const std::string& colour) {
+  return "<bsdf type='diffuse'><rgb name='reflectance' value='" + colour + "'/></bsdf>";
+}
+
+TEST_F(MitsubaWriter, SampleScenesStayTheSame) {
+  const std::filesystem::path scenes = PENUMBRA_SOURCE_DIR "/scenes";
+  for (const char* file :
+       {"cornell/cornell.xml", "cornell-small/cornell-small.xml", "veach-mis/veach-mis.xml",
+        "materials/materials.xml", "star-light/star-light.xml", "furnace/furnace.xml",
+        "furnace/unit-sphere.xml", "polygon-lights/polygon-lights.xml"}) {
+    SCOPED_TRACE(file);
+    const auto scene = read_scene(scenes / file, {});
+    ASSERT_TRUE(scene) << scene.error().message;
+    expect_same(*scene);
+  }
+}
+
+TEST_F(MitsubaWriter, BsdfsStayTheSame) {
+  const std::string board =
+      "<texture type='checkerboard'><rgb name='color0' value='0.1, 0.2, 0.3'/><transform name='to_uv'><scale "
+      "x='3' y='5'/><rotate z='1' angle='30'/></transform></texture>";
+  const std::string red = diffuse("0.7, 0.2, 0.1"), blue = diffuse("0.1, 0.2, 0.7");
+  const auto in_bsdf = [](const std::string& type, const std::string& inside) {
+    return "<bsdf type='" + type + "'>" + inside + "</bsdf>";
+  };
+  for (const std::string& bsdf :
+       {red,
+        in_bsdf("twosided", red),
+        in_bsdf("twosided", red + blue),
+        in_bsdf("dielectric", ""),
+        in_bsdf("dielectric", "<string name='int_ior' value='diamond'/>"),
+        in_bsdf("thindielectric", "<float name='int_ior' value='1.7'/>"),
+        in_bsdf("roughdielectric", "<float name='alpha' value='0.3'/>"),
+        in_bsdf("conductor", "<string name='material' value='Au'/>"),
+        in_bsdf("conductor", "<string name='material' value='none'/>"),
+        in_bsdf("conductor", ""),
+        in_bsdf("roughconductor", "<float name='alpha_u' value='0.3'/><float name='alpha_v' value='0.1'/>"),
+        in_bsdf("roughconductor",
+                "<float name='alpha' value='0.25'/><string name='distribution' "
+                "value='ggx'/><rgb name='eta' value='1,2,3'/><rgb name='k' value='3,4,5'/>"),
+        in_bsdf("plastic", "<boolean name='nonlinear' value='true'/>"),
+        in_bsdf("roughplastic", "<float name='alpha' value='0.2'/>"),
+        in_bsdf("principled", "<float name='roughness' value='0.4'/><float name='specular' value='0.7'/>"),
+        in_bsdf("principled", "<float name='spec_trans' value='0.5'/><float name='eta' value='1.3'/>"),
+        in_bsdf("principledthin", "<float name='spec_trans' value='0.5'/>"),
+        in_bsdf("null", ""),
+        in_bsdf("mask", "<float name='opacity' value='0.3'/>" + red),
+        in_bsdf("mask", in_bsdf("twosided", red + blue)),
+        in_bsdf("blendbsdf", "<float name='weight' value='0.3'/>" + red + in_bsdf("dielectric", "")),
+        in_bsdf("blendbsdf", in_bsdf("null", "") + in_bsdf("mask", blue)),
+        in_bsdf("diffuse", "<texture name='reflectance' " + board.substr(9)),
+        in_bsdf("bumpmap", board + "<float name='scale' value='0.4'/>" + in_bsdf("twosided", red)),
+        in_bsdf("twosided", in_bsdf("normalmap", board + red)),
+        in_bsdf("bumpmap", board + in_bsdf("roughdielectric", ""))})
+    expect_same_bsdf(bsdf);
+}
+
+TEST_F(MitsubaWriter, CamerasAndSettingsStayTheSame) {
+  for (const char* text :
+       {"<sensor type='perspective'><string name='focal_length' value='35mm'/><transform "
+        "name='to_world'><scale x='-1'/><lookat origin='1,2,3' target='0,0,1' "
+        "up='0,1,0'/></transform></sensor>",
+        "<sensor type='thinlens'><float name='fov' value='33'/><float name='aperture_radius' "
+        "value='0.1'/><integer name='blades' value='6'/><float name='refocus_red' value='0.1'/><float "
+        "name='distortion_k1' value='-0.01'/><film type='hdrfilm'><integer name='width' value='99'/><integer "
+        "name='crop_width' value='40'/><rfilter type='tent'><float name='radius' "
+        "value='1.5'/></rfilter></film>"
+        "<sampler type='independent'><integer name='seed' value='9'/></sampler></sensor>",
+        "<sensor type='orthographic'><transform name='to_world'><scale x='2' y='3' z='4'/><translate "
+        "x='5'/></transform><float name='near_clip' value='0.5'/></sensor>"})
+    expect_same(good(std::string(text) +
+                     "<integrator type='path'><integer name='max_depth' value='7'/><boolean "
+                     "name='hide_emitters' value='true'/></integrator><shape type='cube'/><emitter "
+                     "type='point'><point name='position' value='1,2,3'/></emitter>"));
+}
+
+TEST_F(MitsubaWriter, WhatCannotBeWrittenIsAnError) {
+  const auto done = mitsuba::write_scene(good("<shape type='sphere'/>"), folder_ / "none" / "out.xml");
+  ASSERT_FALSE(done);
+  EXPECT_THAT(done.error().message, ::testing::HasSubstr("cannot write"));
+}
+
+}  // namespace
+}  // namespace penumbra
