@@ -101,6 +101,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, int, family)          /* FAMILY_* */                                            \
   F(a, int, variant)         /* of the family's formula */                             \
   F(a, int, curve)           /* where its values begin in the table of curves */       \
+  F(a, int, curve_rows)      /* 1, or CURVE_ROWS: how many curves, over roughness */   \
   F(a, float, internal)      /* diffuse reflectance of the boundary from inside */     \
   F(a, float, specular_rate) /* principled: how often lobes are sampled, relatively */ \
   F(a, float, diffuse_rate)                                                            \
@@ -115,6 +116,8 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #undef ENUMERATE_TEXTURED
 
 #define CURVE_KNOTS 64  // values of a curve over the cosines from 0 to 1
+#define CURVE_ROWS 32   // curves of a material whose roughness is a texture's, see roughplastic.h
+#define CURVE_STRIDE (CURVE_KNOTS + 1)  // from curve to curve
 
 #define DISTRIBUTION_BECKMANN 0
 #define DISTRIBUTION_GGX 1
@@ -148,7 +151,8 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define USERS_family 0xffffffffu
 #define USERS_variant USERS(PLASTICS | ONLY(WARD) | ONLY(PRINCIPLED_TRANSMITTING))
 #define USERS_curve USERS(ROUGH_PLASTICS)
-#define USERS_internal USERS(PLASTICS)
+#define USERS_curve_rows USERS(ROUGH_PLASTICS)
+#define USERS_internal USERS(ONLY(PLASTIC))
 #define USERS_specular_rate USERS(PRINCIPLEDS)
 #define USERS_diffuse_rate USERS(PRINCIPLEDS)
 #define USERS_clearcoat_rate USERS(PRINCIPLEDS)

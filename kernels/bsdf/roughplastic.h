@@ -1,7 +1,8 @@
 // A diffuse base under a rough dielectric boundary (Mitsuba 3's roughplastic): F D G / (4 cos cos) of
 // isotropic microfacets, roughness alpha_u, a family for each distribution, beside what plastic.h has for the
-// base, with the boundary's transmittance from a curve over the cosine. scenes/bsdfs/rough_boundary.h makes
-// the curve.
+// base, with the boundary's transmittance from a curve over the cosine and, after its knots, what the
+// boundary reflects of diffuse light from inside: for one roughness, or rows of them.
+// scenes/bsdfs/rough_boundary.h makes them.
 #ifndef PENUMBRA_ROUGHPLASTIC_H
 #define PENUMBRA_ROUGHPLASTIC_H
 #include "kernels/bsdf/microfacet.h"
@@ -9,22 +10,56 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
+#define FIRST_ROW_PLACE 0.1f  // fourth root of LEAST_ALPHA
+
+/// The two rows, by where they begin in the table of curves, between which a roughness is. Rows are even in
+/// its fourth root, from LEAST_ALPHA to 1, beyond which the last one counts: what is between them is off by
+/// up to 0.003, and by 0.005 where light from outside may be reflected totally.
+typedef struct {
+  int first, second;
+  float w;
+} CurveRows;
+
+FN CurveRows curve_rows(Closure c) {
+  const float place = SQRT(SQRT(clamp_f(c.alpha_u, LEAST_ALPHA, 1.0f)));
+  const float x =
+      max_f((place - FIRST_ROW_PLACE) / (1.0f - FIRST_ROW_PLACE), 0.0f) * (float)(c.curve_rows - 1);
+  const int row = min_i((int)x, c.curve_rows - 1), next = min_i(row + 1, c.curve_rows - 1);
+  CurveRows rows;
+  rows.first = c.curve + row * CURVE_STRIDE;
+  rows.second = c.curve + next * CURVE_STRIDE;
+  rows.w = x - (float)row;
+  return rows;
+}
+
+/// Between the rows, the value that is as far from their beginnings.
+FN float between_rows(const PRIVATE Scene* scene, CurveRows rows, int at) {
+  return (1.0f - rows.w) * scene->curves[rows.first + at] + rows.w * scene->curves[rows.second + at];
+}
+
 /// The curve's value between its knots.
-FN float curve_at(const PRIVATE Scene* scene, int curve, float cosine) {
+FN float curve_at(const PRIVATE Scene* scene, CurveRows rows, float cosine) {
   const float x = clamp_f(cosine, 0.0f, 1.0f) * (float)(CURVE_KNOTS - 1);
   const int knot = min_i((int)x, CURVE_KNOTS - 2);
   const float w = x - (float)knot;
-  return (1.0f - w) * scene->curves[curve + knot] + w * scene->curves[curve + knot + 1];
+  return (1.0f - w) * between_rows(scene, rows, knot) + w * between_rows(scene, rows, knot + 1);
+}
+
+FN Closure with_internal(const PRIVATE Scene* scene, Closure c, CurveRows rows) {
+  c.internal = between_rows(scene, rows, CURVE_KNOTS);
+  return c;
 }
 
 FN BsdfValue plastic_lobes_eval(Microfacets m, const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
   const bool reflects = (wi.z > 0.0f) & (wo.z > 0.0f);
   const MicrofacetReflection r = microfacet_reflection(m, wo, wi);
   const float fresnel = dielectric_fresnel(r.cosine, c.ior).reflectance;
-  const float out = curve_at(scene, c.curve, wo.z), in = curve_at(scene, c.curve, wi.z);
+  const CurveRows rows = curve_rows(c);
+  const float out = curve_at(scene, rows, wo.z), in = curve_at(scene, rows, wi.z);
   const float lambert = wi.z * INV_PI_F, share = boundary_share(c, out);
+  const vec3 base = base_reflectance(with_internal(scene, c, rows));
   BsdfValue value;
-  value.f_cos = add(scale(c.specular, r.f_cos * fresnel), scale(base_reflectance(c), (out * in) * lambert));
+  value.f_cos = add(scale(c.specular, r.f_cos * fresnel), scale(base, (out * in) * lambert));
   value.pdf = (1.0f - share) * lambert + share * r.pdf;
   return select_bsdf_value(reflects, value, no_bsdf_value());
 }
@@ -32,7 +67,7 @@ FN BsdfValue plastic_lobes_eval(Microfacets m, const PRIVATE Scene* scene, Closu
 FN BsdfSample plastic_lobes_sample(Microfacets m, const PRIVATE Scene* scene, Closure c, vec3 wo, float u,
                                    float v, float choice) {
   const vec3 mirrored = mirror_about(wo, sample_microfacet(m, wo, u, v));
-  const float share = boundary_share(c, curve_at(scene, c.curve, wo.z));
+  const float share = boundary_share(c, curve_at(scene, curve_rows(c), wo.z));
   const vec3 wi = select3(choice < share, mirrored, cosine_hemisphere(u, v));
   return sample_of_value(wi, plastic_lobes_eval(m, scene, c, wo, wi));
 }
@@ -57,7 +92,9 @@ ROUGH_PLASTIC(roughplastic_beckmann, BECKMANN)
       const Microfacets m = make_microfacets(DISTRIBUTION_##NAME, c.alpha_u, c.alpha_u);          \
       const MicrofacetLobe lobe = microfacet_lobe(scene, DISTRIBUTION_##NAME, m.alpha_u, cosine); \
       const float fresnel = dielectric_fresnel(fresnel_cosine(lobe), c.ior).reflectance;          \
-      return make_control_lobes(base_as_lambert(c, curve_at(scene, c.curve, cosine)), lobe,       \
+      const CurveRows rows = curve_rows(c);                                                       \
+      const Closure base = with_internal(scene, c, rows);                                         \
+      return make_control_lobes(base_as_lambert(base, curve_at(scene, rows, cosine)), lobe,       \
                                 scale(c.specular, fresnel));                                      \
     }
 ROUGH_PLASTIC_CONTROL(roughplastic_ggx, GGX)

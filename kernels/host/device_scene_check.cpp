@@ -100,7 +100,8 @@ class Checker {
     check_material_trees();
     for (const Material& m : table<Material>(scene_, h_.tables.materials))
       require(!holds(USERS_curve & ~EXTRA_FAMILIES, m.family) ||
-                  in(m.curve, 0, h_.tables.curves.count - CURVE_KNOTS),
+                  (in(m.curve_rows, 1, CURVE_ROWS) &&
+                   in(m.curve, 0, h_.tables.curves.count - m.curve_rows * CURVE_STRIDE)),
               "a material names a curve that is not there");
     require(in(h_.environment, -1, h_.tables.lights.count - 1), "the environment names no light");
 #define CHECK_INDEX(name, record, member, target, least, what) \

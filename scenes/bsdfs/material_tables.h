@@ -1,8 +1,14 @@
 // What materials share: tables of the scene that they point into.
 #pragma once
 
+#include <cmath>
+#include <future>
 #include <map>
+#include <optional>
+#include <utility>
 #include <vector>
+
+#include "kernels/bsdf/microfacet.h"
 
 #include "scenes/bsdfs/rough_boundary.h"
 
@@ -13,23 +19,36 @@ class MaterialTables {
   /// Of the scene's table of curves, to which it adds.
   explicit MaterialTables(std::vector<float>& curves) : curves_(curves) {}
 
-  struct StoredBoundary {
-    int curve;       ///< where its transmittance begins in the table of curves
-    float internal;  ///< its internal reflectance
-  };
-  /// Equal boundaries are computed and stored once.
-  const StoredBoundary& boundary(const RoughBoundary& boundary) {
-    const auto [at, added] = boundaries_.try_emplace(boundary);
-    if (added) {
-      at->second = {int(curves_.size()), float(boundary.internal_reflectance())};
-      for (const double value : boundary.transmittance()) curves_.push_back(float(value));
+  /// Where the curves of the boundary begin in the table of curves; of `rows` roughnesses, if there is more
+  /// than one, instead of its own. Equal boundaries are computed and stored once.
+  int boundary(RoughBoundary boundary, int rows) {
+    if (rows > 1) boundary.alpha = 0;
+    const auto [at, added] = boundaries_.try_emplace({boundary, rows}, int(curves_.size()));
+    if (!added) return at->second;
+    std::vector<std::future<std::vector<double>>> computed;
+    for (int row = 0; row < rows; ++row) {
+      if (rows > 1) boundary.alpha = row_alpha(row, rows);
+      computed.push_back(std::async([boundary] {
+        const auto through = boundary.transmittance();
+        std::vector<double> values(through.begin(), through.end());
+        values.push_back(boundary.internal_reflectance());
+        return values;
+      }));
     }
+    for (auto& values : computed)
+      for (const double value : values.get()) curves_.push_back(float(value));
     return at->second;
+  }
+
+  /// The roughness that curve_rows() finds in a row.
+  static double row_alpha(int row, int rows) {
+    const double first = std::pow(double(LEAST_ALPHA), 0.25);
+    return std::pow(first + (1 - first) * row / (rows - 1), 4);
   }
 
  private:
   std::vector<float>& curves_;
-  std::map<RoughBoundary, StoredBoundary> boundaries_;
+  std::map<std::pair<RoughBoundary, int>, int> boundaries_;
 };
 
 }  // namespace penumbra

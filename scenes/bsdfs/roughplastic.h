@@ -19,7 +19,7 @@ struct RoughPlasticBsdf {
   float ext_ior = 1.000277f;
   bool nonlinear = false;
   int distribution = DISTRIBUTION_BECKMANN;
-  float alpha = 0.1f;
+  TexturedNumber alpha{0.1f};
   bool sample_visible = true;  ///< always so
 
   template <typename Row>
@@ -35,7 +35,7 @@ struct RoughPlasticBsdf {
         OneOf<int>{{{"beckmann", DISTRIBUTION_BECKMANN}, {"ggx", DISTRIBUTION_GGX}}},
         "of the boundary's microfacets");
     row("alpha", &RoughPlasticBsdf::alpha, NumberWithin{LowEnd::kClosed, 0.0f, MOST_ALPHA},
-        "their roughness, the same everywhere");
+        "their roughness");
     row("sample_visible", &RoughPlasticBsdf::sample_visible, TrueOrFalse{},
         "read and ignored: visible microfacets are sampled");
   }
@@ -55,10 +55,10 @@ inline Material material_of(const RoughPlasticBsdf& plastic, MaterialTables& tab
   PENUMBRA_SET_FIELD(m, specular, plastic.specular);
   m.variant = plastic.nonlinear ? PLASTIC_NONLINEAR : PLASTIC_LINEAR;
   m.ior = plastic.int_ior / plastic.ext_ior;
-  m.alpha_u = m.alpha_v = clamp_f(plastic.alpha, LEAST_ALPHA, MOST_ALPHA);
-  const auto& boundary = tables.boundary({plastic.distribution, double(m.alpha_u), double(m.ior)});
-  m.curve = boundary.curve;
-  m.internal = boundary.internal;
+  PENUMBRA_SET_FIELD(m, alpha_u, plastic.alpha);
+  m.alpha_u = clamp_f(m.alpha_u, LEAST_ALPHA, MOST_ALPHA);
+  m.curve_rows = plastic.alpha.texture == kNoTexture ? 1 : CURVE_ROWS;
+  m.curve = tables.boundary({plastic.distribution, double(m.alpha_u), double(m.ior)}, m.curve_rows);
   return m;
 }
 

@@ -184,16 +184,19 @@ STAGE void bsdf_albedo_quantity(GLOBAL const double* in, GLOBAL double* out) {
   out[2] = bad;
 }
 
-/// In: family, variant, reflectances of base and lobe, refractive index, internal reflectance, roughness
-/// along and across, exponent.
+/// In: family, variant, reflectances of base and lobe, refractive index, internal reflectance (of a conductor
+/// its absorption), roughness along and across, exponent.
 FN Closure mixture_in(GLOBAL const double* in) {
   Closure c = black_closure();
   c.family = (int)in[0];
   c.variant = (int)in[1];
   c.diffuse = make_vec3(in_f(in, 2), in_f(in, 2), in_f(in, 2));
   c.specular = make_vec3(in_f(in, 3), in_f(in, 3), in_f(in, 3));
+  c.transmitted = c.specular;
   c.ior = in_f(in, 4);
+  c.eta = make_vec3(c.ior, c.ior, c.ior);
   c.internal = in_f(in, 5);
+  c.k = make_vec3(c.internal, c.internal, c.internal);
   c.alpha_u = in_f(in, 6);
   c.alpha_v = in_f(in, 7);
   c.exponent = in_f(in, 8);
@@ -214,6 +217,7 @@ STAGE void mixture_samples_quantity(GLOBAL const double* in, GLOBAL double* out)
   const vec3 z = make_vec3(0.0f, 0.0f, 1.0f);
   const Closure c = mixture_in(in);
   const int size = (int)in[12];
+  const bool transmits = (families_with(TRANSMITS) >> c.family & 1u) != 0u;
   double largest = 0.0, bad = 0.0;
   for (int i = 0; i < size * size; i++) {
     const float u = ((float)(i / size) + 0.5f) / (float)size, v = ((float)(i % size) + 0.5f) / (float)size;
@@ -221,13 +225,22 @@ STAGE void mixture_samples_quantity(GLOBAL const double* in, GLOBAL double* out)
       const BsdfSample s = sample_bsdf(0, c, z, in_v(in, 9), u, v, lobe == 0 ? 0.0f : ONE_MINUS_EPSILON);
       const bool unit = FABS(dot3(s.wi, s.wi) - 1.0f) < 1e-5f;
       const bool found = s.pdf > 0.0f;
-      const bool good = (s.weight.x >= 0.0f) & (s.weight.x < 1e30f) & (s.wi.z > 0.0f);
+      const bool good = (s.weight.x >= 0.0f) & (s.weight.x < 1e30f) & (transmits | (s.wi.z > 0.0f));
       bad += (unit & (found ? good : true)) ? 0.0 : 1.0;
       largest = max_d(largest, found ? s.weight.x : 0.0);
     }
   }
   out[0] = largest;
   out[1] = bad;
+}
+
+/// In: cosine, refractive index, absorption. Out: reflectance of a dielectric, cosine beyond; reflectance of
+/// a conductor.
+STAGE void fresnel_quantity(GLOBAL const double* in, GLOBAL double* out) {
+  const DielectricFresnel f = dielectric_fresnel(in_f(in, 0), in_f(in, 1));
+  out[0] = f.reflectance;
+  out[1] = f.cosine;
+  out[2] = conductor_reflectance(in_f(in, 0), in_f(in, 1), in_f(in, 2));
 }
 
 /// In: 0 cosine, 1 uniform hemisphere, 2 uniform sphere; normal, u, v. Out: direction.
@@ -475,6 +488,7 @@ STAGE void quantity(int id, GLOBAL const double* in, GLOBAL double* out, GLOBAL 
   if (id == QUANTITY_FILTER) filter_quantity(in, out, scratch);
   if (id == QUANTITY_MIXTURE_VALUE) mixture_value_quantity(in, out);
   if (id == QUANTITY_MIXTURE_SAMPLES) mixture_samples_quantity(in, out);
+  if (id == QUANTITY_FRESNEL) fresnel_quantity(in, out);
 }
 
 PENUMBRA_NAMESPACE_END

@@ -1,5 +1,6 @@
 #include "tests/acceptance/mitsuba_reference.h"
 
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -21,10 +22,15 @@ statistics::Image read_rgb(const std::filesystem::path& path) {
   return image;
 }
 
-statistics::Estimate mitsuba_blocks(const std::filesystem::path& folder) {
+statistics::Estimate mitsuba_blocks(const std::filesystem::path& folder, int size) {
   // What 1024 to 1536 samples a pixel know of a block's standard error is exact beside a test's few batches.
-  return {.mean = read_rgb(folder / "mitsuba_ref_4x4.exr"),
-          .standard_error = read_rgb(folder / "mitsuba_ref_4x4_stderr.exr"),
+  const int blocks = size / 4;  // of a side
+  statistics::Image error = read_rgb(folder / "mitsuba_ref_4x4_stderr.exr");
+  for (double& value : error.values) value *= value;
+  error = block_average(error, blocks);
+  for (double& value : error.values) value = std::sqrt(value) / blocks;
+  return {.mean = block_average(read_rgb(folder / "mitsuba_ref_4x4.exr"), blocks),
+          .standard_error = error,
           .dof = std::numeric_limits<double>::infinity()};
 }
 

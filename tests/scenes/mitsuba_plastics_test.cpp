@@ -36,7 +36,7 @@ TEST_F(MitsubaPlastics, Defaults) {
   EXPECT_EQ(plastic.specular, glm::vec3(1));
   EXPECT_FALSE(plastic.nonlinear);
   const auto rough = bsdf<RoughPlasticBsdf>();
-  EXPECT_EQ(rough.alpha, 0.1f);
+  EXPECT_EQ(rough.alpha, TexturedNumber(0.1f));
   EXPECT_EQ(rough.distribution, DISTRIBUTION_BECKMANN);
   EXPECT_EQ(rough.int_ior, 1.49f);
   const auto ward = bsdf<WardBsdf>();
@@ -55,7 +55,7 @@ TEST_F(MitsubaPlastics, AreReadAsOldFilesSpellThem) {
       "<string name='intIOR' value='bk7'/><float name='extIOR' value='1'/>"
       "<boolean name='nonlinear' value='true'/><boolean name='sampleVisible' value='false'/>"
       "<rgb name='diffuseReflectance' value='.1 .2 .3'/><rgb name='specularReflectance' value='.4'/>");
-  EXPECT_EQ(plastic.alpha, 0.4f);
+  EXPECT_EQ(plastic.alpha, TexturedNumber(0.4f));
   EXPECT_EQ(plastic.distribution, DISTRIBUTION_GGX);
   EXPECT_EQ(plastic.int_ior, 1.5046f);
   EXPECT_EQ(plastic.ext_ior, 1.0f);
@@ -73,8 +73,6 @@ TEST_F(MitsubaPlastics, AreReadAsOldFilesSpellThem) {
 TEST_F(MitsubaPlastics, BadValuesAreNamed) {
   EXPECT_THAT(bad("roughplastic", "<float name='alpha' value='-0.1'/>"),
               AllOf(HasSubstr("alpha must be a number in [0, 100], not -0.1"), HasSubstr("^")));
-  EXPECT_THAT(bad("roughplastic", "<texture type='checkerboard' name='alpha'/>"),
-              HasSubstr("cannot hold a <texture> of type 'checkerboard' named 'alpha'"));
   EXPECT_THAT(bad("roughplastic", "<string name='distribution' value='phong'/>"), HasSubstr("beckmann, ggx"));
   EXPECT_THAT(bad("roughplastic", "<float name='int_ior' value='1.5'/><float name='ext_ior' value='1.5'/>"),
               HasSubstr("int_ior and ext_ior must differ"));
@@ -96,11 +94,24 @@ TEST_F(MitsubaPlastics, EqualBoundariesShareACurve) {
            sphere("roughplastic", "<string name='distribution' value='ggx'/>" + rough) + sphere("plastic"));
   const auto device = build_device_scene(s, {});
   ASSERT_TRUE(device) << device.error().message;
-  EXPECT_EQ(device->header.tables.curves.count, 2 * CURVE_KNOTS);
+  EXPECT_EQ(device->header.tables.curves.count, 2 * CURVE_STRIDE);
   const auto materials = table<Material>(*device, device->header.tables.materials);
   EXPECT_EQ(materials[1].curve, materials[2].curve);
   EXPECT_NE(materials[1].curve, materials[3].curve);
-  EXPECT_EQ(materials[1].internal, materials[2].internal);
+}
+
+TEST_F(MitsubaPlastics, TexturedRoughnessHasRowsOfCurves) {
+  const std::string textured = "<texture type='checkerboard' name='alpha'/>";
+  const SceneDescription s =
+      good(sphere("roughplastic", textured) + sphere("roughplastic", textured) + sphere("roughplastic"));
+  const auto device = build_device_scene(s, {});
+  ASSERT_TRUE(device) << device.error().message;
+  EXPECT_EQ(device->header.tables.curves.count, (CURVE_ROWS + 1) * CURVE_STRIDE);
+  const auto materials = table<Material>(*device, device->header.tables.materials);
+  EXPECT_EQ(materials[1].curve_rows, CURVE_ROWS);
+  EXPECT_EQ(materials[1].curve, materials[2].curve);
+  EXPECT_EQ(materials[1].alpha_u_texture, 0);
+  EXPECT_EQ(materials[3].curve_rows, 1);
 }
 
 }  // namespace

@@ -44,14 +44,17 @@ Estimate estimate_from_batches(std::span<const Image> batches);
 struct ImageTestLimits {
   double significance = 0.01;         ///< chance that any value of a correct image passes the limit
   double accepted_fraction = 0.9975;  ///< of the values that must be inside the limit
-  double mean_square = 1.1;           ///< upper bound on the mean of z^2
+  double mean_square = 1.1;           ///< upper bound on the mean of z^2 ...
+  double set_aside = 0;               ///< ... of all values but this share, of those with the largest
 };
 
 struct ImageTestResult {
   std::size_t count = 0;  ///< values compared: pixels times channels
   double limit = 0;       ///< |z| allowed, two-sided, Sidak-corrected for `count`
   double accepted_fraction = 0;
-  double mean_square = 0;                           ///< of z; about 1 where both standard errors are right
+  /// Of z, without what is set aside; about 1 where both standard errors are right, less where some is set
+  /// aside.
+  double mean_square = 0;
   double worst = 0;                                 ///< z farthest from 0 ...
   int worst_x = 0, worst_y = 0, worst_channel = 0;  ///< ... and where
   bool passed = false;

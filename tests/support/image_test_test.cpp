@@ -119,6 +119,20 @@ TEST(ImageZTest, ErrorsThatAreTooSmallShow) {
   EXPECT_FALSE(result.passed) << result.summary();
 }
 
+TEST(ImageZTest, KnownDifferencesMayBeSetAsideButNotMore) {
+  std::mt19937_64 random(16);
+  const Estimate exact = noisy_estimate(random, 1000, 0.01);
+  Estimate ours = noisy_estimate(random, 16, 0.1);
+  // 8 values, 1000 times the noise off.
+  for (int x = 0; x < 8; ++x) ours.mean.at(x, 3, 0) += 100;
+  const double share = 8.5 / double(ours.mean.values.size());
+  const ImageTestLimits all{.accepted_fraction = 0.9}, most{.accepted_fraction = 0.9, .set_aside = share},
+      fewer{.accepted_fraction = 0.9, .set_aside = 0.5 * share};
+  EXPECT_FALSE(z_test(ours, exact, all).passed);
+  EXPECT_FALSE(z_test(ours, exact, fewer).passed);
+  EXPECT_TRUE(z_test(ours, exact, most).passed) << z_test(ours, exact, most).summary();
+}
+
 TEST(ImageZTest, ExactValues) {
   const Estimate exact{.mean = Image(8, 8, 1), .standard_error = Image(8, 8, 1), .dof = kInfinity};
   EXPECT_TRUE(z_test(exact, exact).passed);

@@ -1,4 +1,5 @@
-// Plastics, Ward's and Blinn's lobes beside a diffuse base, from mirrors to flat lobes.
+// Plastics, Ward's and Blinn's lobes beside a diffuse base, and microfacets of conductors and dielectrics,
+// from mirrors to flat lobes; Fresnel's equations.
 #include <fmt/format.h>
 
 #include "kernels/bsdf/families.h"
@@ -19,6 +20,7 @@ struct Mixture {
   double ior = 1.5, alpha_u = 0, alpha_v = 0, exponent = 0;
   double most_weight = 0;  ///< of a sample; 0: any
   double width = 0;        ///< of the lobe, in slopes
+  bool transmits = false;  ///< whether the value is that of light from beneath
 };
 
 std::vector<Mixture> mixtures() {
@@ -53,6 +55,23 @@ std::vector<Mixture> mixtures() {
                    .ior = ior,
                    .most_weight = kSpecular / std::min(1.0, ior * ior * (1 - kInternal)),
                    .width = .1});
+  for (const auto& [name, alpha] : {std::pair("1e-4", 1e-4), std::pair("1", 1.0)}) {
+    const Mixture ggx{.name = "",
+                      .stiff = fmt::format("GGX microfacets of roughness {}", alpha),
+                      .family = 0,
+                      .alpha_u = alpha,
+                      .alpha_v = alpha,
+                      .most_weight = kSpecular,
+                      .width = alpha};
+    Mixture conductor = ggx, reflected = ggx, transmitted = ggx;
+    conductor.name = fmt::format("ggx-conductor-{}", name);
+    conductor.family = FAMILY_ROUGHCONDUCTOR_GGX;
+    reflected.name = fmt::format("ggx-dielectric-{}", name);
+    transmitted.name = fmt::format("ggx-dielectric-{}-through", name);
+    reflected.family = transmitted.family = FAMILY_ROUGHDIELECTRIC_GGX;
+    transmitted.transmits = true;
+    all.insert(all.end(), {conductor, reflected, transmitted});
+  }
   return all;
 }
 
@@ -65,9 +84,12 @@ QuadFunction value_function(const Mixture& m, bool pdf) {
   const int family = m.family, variant = m.variant;
   return [family, variant, pdf](const Quads& in) {
     const MixtureDirections d{quad(in, 0), quad(in, 3)};
-    const MixtureValue v = family == FAMILY_WARD ? ward_mixture(variant, in[6], in[7], in[10], in[11], d)
-                           : family == FAMILY_BLINNPHONG ? blinnphong_mixture(in[6], in[7], in[12], d)
-                                                         : plastic_base(in[6], in[7], in[8], in[9], d);
+    const MixtureValue v =
+        family == FAMILY_ROUGHCONDUCTOR_GGX    ? ggx_conductor(in[7], in[8], in[9], in[10], in[11], d)
+        : family == FAMILY_ROUGHDIELECTRIC_GGX ? ggx_dielectric(in[7], in[8], in[10], in[11], d)
+        : family == FAMILY_WARD                ? ward_mixture(variant, in[6], in[7], in[10], in[11], d)
+        : family == FAMILY_BLINNPHONG          ? blinnphong_mixture(in[6], in[7], in[12], d)
+                                               : plastic_base(in[6], in[7], in[8], in[9], d);
     return Quads{pdf ? v.pdf : v.f_cos};
   };
 }
@@ -79,8 +101,11 @@ void add_values(const Mixture& m, std::vector<Case>& cases) {
       {"shoulder", "a width off the peak", .5, 1},
       {"grazing", "grazing", 1.5, .3}};
   for (const auto& [pair, where, tilt, widths] : pairs) {
-    const double angle = tilt - 2 * std::atan(widths * std::min(m.width, .3));
-    const Points directions{{std::sin(tilt), 0, std::cos(tilt)}, {-std::sin(angle), 0, std::cos(angle)}};
+    const double lean = std::atan(widths * std::min(m.width, .3)), angle = tilt - 2 * lean;
+    const double refracted = std::asin(std::sin(tilt - lean) / m.ior) + lean;
+    const Points directions{{std::sin(tilt), 0, std::cos(tilt)},
+                            m.transmits ? Point{-std::sin(refracted), 0, -std::cos(refracted)}
+                                        : Point{-std::sin(angle), 0, std::cos(angle)}};
     Numbers inputs = floats({}, closure_of(m)), order = floats(directions);
     for (const double v : floats(directions)) inputs.push_back(v);
     for (std::size_t i = 2; i < 9; ++i) order.push_back(inputs[i]);
@@ -120,13 +145,53 @@ void add_samples(const Mixture& m, std::vector<Case>& cases) {
   }
 }
 
+void add_fresnel(std::vector<Case>& cases) {
+  struct Entry {
+    const char *name, *stiff;
+    double ior, k;
+  };
+  const Entry entries[] = {{"1+1e-7", "a refraction that all but changes nothing", 1 + 2 * kUlp, 1},
+                           {"1-1e-7", "total reflection in a sliver of directions", 1 - 2 * kUlp, .01},
+                           {"1.5", "glass", 1.5, 1},
+                           {"0.67", "glass from inside", 0.67, 3},
+                           {"100", "an index of 100", 100, 1e4}};
+  for (const Entry& e : entries) {
+    for (const auto& [name, cosine] : {std::pair("normal", 1.0), std::pair("1e-3", 1e-3),
+                                       std::pair("1e-6", 1e-6), std::pair("0.745", 0.745)}) {
+      const Numbers inputs = {rounded(cosine), rounded(e.ior), rounded(e.k)};
+      const std::tuple<const char*, const char*, QuadFunction> outcomes[] = {
+          {"dielectric", "reflectance",
+           [](const Quads& in) { return Quads{boundary_fresnel(in[0], in[1]).reflectance}; }},
+          {"refracted", "cosine beyond",
+           [](const Quads& in) { return Quads{boundary_fresnel(in[0], in[1]).cosine}; }},
+          {"conductor", "reflectance",
+           [](const Quads& in) { return Quads{conductor_fresnel(in[0], in[1], in[2])}; }}};
+      std::size_t at = 0;
+      for (const auto& [of, quantity, f] : outcomes) {
+        Allowed allowed{
+            1e-30, 2e-6, "some twenty roundings, the first of them near angles of total reflection", {}};
+        allowed.computed = [f, inputs] {
+          std::vector<double> deltas;
+          for (const double v : inputs) deltas.push_back(kUlp * v);
+          return sensitivity(f, quads(inputs), deltas);
+        };
+        cases.push_back({fmt::format("fresnel/{}-{}-{}", of, e.name, name),
+                         fmt::format("{}, under a cosine of {}", e.stiff, cosine), quantity,
+                         KernelMeasurement{QUANTITY_FRESNEL, inputs, outputs(at++, 1)},
+                         truth_of(f, inputs, "the definition in 113 bits"), allowed});
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void add_mixture_cases(std::vector<Case>& cases) {
   for (const Mixture& m : mixtures()) {
     add_values(m, cases);
-    add_samples(m, cases);
+    if (!m.transmits) add_samples(m, cases);
   }
+  add_fresnel(cases);
 }
 
 }  // namespace penumbra::stress

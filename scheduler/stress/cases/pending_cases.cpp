@@ -9,11 +9,6 @@ struct Entry {
 };
 
 constexpr Entry kPending[] = {
-    {"ggx/alpha-1e-4", "a GGX lobe as narrow as a mirror's", "rough BSDFs (GGX)"},
-    {"ggx/alpha-1", "a GGX lobe as wide as the hemisphere", "rough BSDFs (GGX)"},
-    {"ggx/grazing-1e-6", "GGX seen under a cosine of 1e-6", "rough BSDFs (GGX)"},
-    {"dielectric/index-1+1e-7", "a refraction that all but changes nothing", "dielectric BSDFs"},
-    {"dielectric/index-1-1e-7", "total reflection in a sliver of directions", "dielectric BSDFs"},
     {"media/hg-forward-.9999", "Henyey-Greenstein scattering with g = .9999", "media"},
     {"media/hg-backward-.9999", "Henyey-Greenstein scattering with g = -.9999", "media"},
     {"media/optical-depth-1e-8", "a medium of optical depth 1e-8", "media"},

@@ -20,14 +20,65 @@ MixtureValue mixed(Quad diffuse, Quad specular, Quad lobe, Quad lobe_pdf, Quad c
   return {(diffuse / kQuadPi + specular * lobe) * cosine, (1 - share) * cosine / kQuadPi + share * lobe_pdf};
 }
 
-Quad transmittance(Quad cosine, Quad ior) {
-  const Quad beyond = sqrt_q(1 - (1 - cosine * cosine) / (ior * ior));
-  const Quad s = (cosine - ior * beyond) / (cosine + ior * beyond);
-  const Quad p = (ior * cosine - beyond) / (ior * cosine + beyond);
-  return 1 - (s * s + p * p) / 2;
-}
+Quad transmittance(Quad cosine, Quad ior) { return 1 - boundary_fresnel(cosine, ior).reflectance; }
+
+struct Ggx {
+  Quad alpha_u, alpha_v;
+  [[nodiscard]] Quad density(const Quad3& h) const {
+    const Quad x = h.x / alpha_u, y = h.y / alpha_v, sum = x * x + y * y + h.z * h.z;
+    return 1 / (kQuadPi * alpha_u * alpha_v * sum * sum);
+  }
+  [[nodiscard]] Quad masking(const Quad3& w) const {
+    const Quad x = alpha_u * w.x, y = alpha_v * w.y, z = w.z < 0 ? -w.z : w.z;
+    return 2 * z / (z + sqrt_q(z * z + x * x + y * y));
+  }
+};
 
 }  // namespace
+
+Quad conductor_fresnel(Quad cosine, Quad eta, Quad k) {
+  const Quad c2 = cosine * cosine, s2 = 1 - c2, t = eta * eta - k * k - s2;
+  const Quad sum = sqrt_q(t * t + 4 * eta * eta * k * k);  // a^2 + b^2
+  const Quad a = sqrt_q((sum + t) / 2), across = sum + c2, twice = 2 * a * cosine;
+  const Quad s = (across - twice) / (across + twice);
+  const Quad along = c2 * sum + s2 * s2, likewise = twice * s2;
+  return s * (1 + (along - likewise) / (along + likewise)) / 2;
+}
+
+BoundaryFresnel boundary_fresnel(Quad cosine, Quad ior) {
+  const Quad beyond2 = 1 - (1 - cosine * cosine) / (ior * ior);
+  if (beyond2 <= 0) return {1, 0};
+  const Quad beyond = sqrt_q(beyond2);
+  const Quad s = (cosine - ior * beyond) / (cosine + ior * beyond);
+  const Quad p = (ior * cosine - beyond) / (ior * cosine + beyond);
+  return {(s * s + p * p) / 2, beyond};
+}
+
+MixtureValue ggx_conductor(Quad specular, Quad eta, Quad k, Quad alpha_u, Quad alpha_v,
+                           const MixtureDirections& directions) {
+  const HalfVector half = half_vector(directions);
+  const Quad3 wo = normalize(directions.wo), wi = normalize(directions.wi);
+  const Ggx ggx{alpha_u, alpha_v};
+  const Quad pdf = ggx.density(half.h) * ggx.masking(wo) / (4 * wo.z);
+  return {specular * conductor_fresnel(half.cosine, eta, k) * pdf * ggx.masking(wi), pdf};
+}
+
+MixtureValue ggx_dielectric(Quad specular, Quad ior, Quad alpha_u, Quad alpha_v,
+                            const MixtureDirections& directions) {
+  const Quad3 wo = normalize(directions.wo), wi = normalize(directions.wi);
+  const bool reflects = wi.z > 0;
+  const Quad n = reflects ? Quad(1) : ior;
+  const Quad3 sum = wo + n * wi;
+  const Quad3 h = (sum.z < 0 ? Quad(-1) : Quad(1)) * normalize(sum);
+  const Quad out = dot(wo, h), in = dot(wi, h), reflected = boundary_fresnel(out, ior).reflectance;
+  if (out <= 0 || (!reflects && in >= 0)) return {};
+  const Ggx ggx{alpha_u, alpha_v};
+  // Of normals, then per solid angle of wi.
+  const Quad jacobian = reflects ? 1 / (4 * out) : n * n * -in / dot(sum, sum);
+  const Quad pdf =
+      (reflects ? reflected : 1 - reflected) * ggx.density(h) * ggx.masking(wo) * out / wo.z * jacobian;
+  return {specular * pdf * ggx.masking(wi) / (n * n), pdf};
+}
 
 MixtureValue ward_mixture(int variant, Quad diffuse, Quad specular, Quad alpha_u, Quad alpha_v,
                           const MixtureDirections& directions) {
