@@ -16,6 +16,7 @@
 #include "scenes/mitsuba/mitsuba_scene.h"
 #include "scenes/names.h"
 #include "scenes/nori/nori_scene.h"
+#include "scenes/pbrt/pbrt_scene.h"
 #include "scenes/settings.h"
 #include "scenes/tinyrender/tinyrender_scene.h"
 
@@ -39,7 +40,8 @@ std::span<const Format> formats() {
                                             {"Mitsuba XML", ".xml", '<', mitsuba::read_scene},
                                             {"TinyRender TOML", ".toml", '[', tinyrender::read_scene},
                                             {"glTF 2.0", ".gltf", '{', gltf::read_scene},
-                                            {"glTF 2.0 binary", ".glb", 'g', gltf::read_scene}};
+                                            {"glTF 2.0 binary", ".glb", 'g', gltf::read_scene},
+                                            {"pbrt-v4", ".pbrt", 'W', pbrt::read_scene}};
   return table;
 }
 

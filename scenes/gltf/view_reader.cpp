@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "scenes/punctual_lights.h"
 #include "scenes/transform.h"
 
 namespace penumbra::gltf {
@@ -14,31 +15,6 @@ namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr int kMostSide = 16384;  ///< of a film whose shape follows from an aspect ratio
-
-struct Punctual {
-  std::string type;
-  glm::dvec3 position{0.0};
-  glm::dvec3 direction{0.0};                    ///< in which it shines
-  glm::vec3 strength{0.0f};                     ///< W/sr; of a directional light W/m²
-  double inner_angle = 0.0, outer_angle = 0.0;  ///< of a spot, from its axis, degrees
-};
-
-/// The scene's light, by type.
-void add_light(const Punctual& light, SourceLocation location, ReaderReport& report,
-               SceneDescription& scene) {
-  if (light.type == "point") {
-    PointLight point;
-    point.position = light.position;
-    point.intensity = light.strength;
-    scene.emitters.emplace_back(point);
-  } else if (light.type == "spot" || light.type == "directional") {
-    report.unsupported(location, fmt::format("{} lights are not read", light.type), "it is left out");
-  } else {
-    report.unsupported(location,
-                       fmt::format("'{}' is no type of a light: point, spot, directional", light.type),
-                       "it is left out");
-  }
-}
 
 }  // namespace
 
@@ -98,8 +74,15 @@ void read_light(const Asset& asset, int light, const glm::dmat4& to_world, Reade
   const SourceLocation location =
       asset.place({"extensions", "KHR_lights_punctual", "lights", std::size_t(light)});
   const tinygltf::Light& gltf = asset.model.lights[std::size_t(light)];
-  Punctual punctual;
-  punctual.type = gltf.type;
+  PunctualLight punctual;
+  if (gltf.type == "spot")
+    punctual.kind = PunctualKind::kSpot;
+  else if (gltf.type == "directional")
+    punctual.kind = PunctualKind::kDirectional;
+  else if (gltf.type != "point")
+    return report.unsupported(location,
+                              fmt::format("'{}' is no type of a light: point, spot, directional", gltf.type),
+                              "it is left out");
   punctual.position = glm::dvec3(to_world[3]);
   punctual.direction = glm::normalize(-glm::dvec3(to_world[2]));
   glm::dvec3 colour(1.0);
@@ -112,12 +95,12 @@ void read_light(const Asset& asset, int light, const glm::dmat4& to_world, Reade
   punctual.strength = glm::vec3(strength);
   punctual.inner_angle = gltf.spot.innerConeAngle * kDegrees;
   punctual.outer_angle = gltf.spot.outerConeAngle * kDegrees;
-  if (punctual.type == "spot" &&
+  if (punctual.kind == PunctualKind::kSpot &&
       !(punctual.inner_angle >= 0.0 && punctual.inner_angle < punctual.outer_angle &&
         punctual.outer_angle <= 90.0))
     return report.error(location, "a spot has 0 <= innerConeAngle < outerConeAngle <= pi/2");
   if (gltf.range > 0.0) report.warn_once(location, "the range of lights is ignored: theirs has no end");
-  add_light(punctual, location, report, scene);
+  add_punctual_light(punctual, location, report, scene);
 }
 
 }  // namespace penumbra::gltf

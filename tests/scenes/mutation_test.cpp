@@ -352,5 +352,51 @@ TEST(MutatedNori, EverythingOfIt) {
   expect_survival(folder.path(), "scene.xml", "scene.xml", 4001);
 }
 
+TEST(MutatedPbrt, EverythingOfIt) {
+  const TemporaryFolder folder;
+  const std::vector<std::uint8_t> texels = {51, 102, 153, 204};
+  write_text(folder / "t.tga", tga_file(2, 2, 1, texels));
+  write_text(folder / "m.pbrt", "Shape \"sphere\" \"float radius\" 2\n");
+  write_text(folder / "m.ply", odd_square_ply(PlyEncoding::kAscii));
+  write_text(folder / "scene.pbrt", R"(# all of it
+LookAt 0 0 -5  0 0 0  0 1 0
+Camera "perspective" "float fov" 40 "float screenwindow" [-1.5 1.5 -1 1]
+Film "rgb" "integer xresolution" 60 "integer yresolution" 40 "float cropwindow" [0 1 0.25 1]
+Sampler "halton" "integer pixelsamples" 4
+Integrator "path" "integer maxdepth" 3
+PixelFilter "mitchell" "float B" 0.3
+WorldBegin
+LightSource "point" "blackbody I" 3000 "point3 from" [1 2 3]
+LightSource "infinite" "string filename" "t.tga" "float scale" 2
+Texture "t" "spectrum" "imagemap" "string filename" "t.tga" "float uscale" 2
+Texture "s" "spectrum" "scale" "texture tex" "t" "rgb scale" [0.5 0.5 1]
+Texture "c" "spectrum" "checkerboard" "texture tex1" "s" "rgb tex2" [0 1 0]
+MakeNamedMaterial "a" "string type" "diffuse" "texture reflectance" "c"
+MakeNamedMaterial "b" "string type" "conductor" "spectrum eta" "metal-Au-eta" "float roughness" 0.1
+AttributeBegin
+  Material "mix" "string materials" ["a" "b"] "float amount" 0.25
+  AreaLightSource "diffuse" "rgb L" [3 2 1] "bool twosided" true
+  Rotate 30 0 1 0
+  Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0] "integer indices" [0 1 2] "point2 uv" [0 0 1 0 0 1]
+AttributeEnd
+ObjectBegin "o"
+  Material "coateddiffuse" "float roughness" 0.1 "float eta" 1.4
+  Shape "plymesh" "string filename" "m.ply"
+  Shape "disk" "float height" 1 "float alpha" 0.5
+ObjectEnd
+AttributeBegin
+  ConcatTransform [2 0 0 0 0 2 0 0 0 0 2 0 1 1 1 1]
+  ReverseOrientation
+  ObjectInstance "o"
+AttributeEnd
+Material "dielectric" "float eta" 1.5
+Include "m.pbrt"
+)");
+  const auto whole = read_scene(folder / "scene.pbrt", {.confine_to = folder.path()});
+  ASSERT_TRUE(whole) << whole.error().message;
+  EXPECT_EQ(whole->shapes.size(), 4u);
+  expect_survival(folder.path(), "scene.pbrt", "scene.pbrt", 5001);
+}
+
 }  // namespace
 }  // namespace penumbra

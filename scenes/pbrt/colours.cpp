@@ -1,0 +1,130 @@
+#include "scenes/pbrt/colours.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "scenes/number.h"
+#include "scenes/refractive_indices.h"
+#include "scenes/spectrum.h"
+
+namespace penumbra::pbrt {
+namespace {
+
+double luminance(const glm::vec3& c) { return 0.212671 * c.x + 0.71516 * c.y + 0.072169 * c.z; }
+
+glm::vec3 with_luminance_1(const glm::vec3& colour) {
+  const double y = luminance(colour);
+  return y > 0.0 ? glm::vec3(glm::dvec3(colour) / y) : glm::vec3(0.0f);
+}
+
+/// Planck's law, but for a factor.
+glm::vec3 black_body(double kelvin) {
+  std::vector<SpectrumSample> samples;
+  for (double nm = 360.0; nm <= 830.0; nm += 5.0) {
+    const double x = 1.4387769e7 / (nm * kelvin);  // second radiation constant, nm K
+    const double reference = 1.4387769e7 / (560.0 * kelvin);
+    samples.push_back({nm, std::pow(560.0 / nm, 5.0) * std::expm1(reference) / std::expm1(x)});
+  }
+  return with_luminance_1(emission_to_rgb(samples));
+}
+
+std::optional<glm::vec3> of_samples(const Parameter& parameter, const std::vector<double>& numbers,
+                                    ColourOf use, ReaderReport& report) {
+  std::vector<SpectrumSample> samples;
+  for (std::size_t i = 0; i + 1 < numbers.size(); i += 2) samples.push_back({numbers[i], numbers[i + 1]});
+  const bool ascend = std::ranges::adjacent_find(samples, [](const auto& a, const auto& b) {
+                        return !(a.wavelength < b.wavelength);
+                      }) == samples.end();
+  const bool positive = std::ranges::all_of(samples, [](const auto& s) { return s.value >= 0.0; });
+  if (samples.empty() || numbers.size() % 2 != 0 || !ascend || !positive) {
+    report.error(parameter.location,
+                 "a spectrum is pairs of ascending wavelengths, nm, and values of at least 0");
+    return std::nullopt;
+  }
+  report.warn_once(parameter.location, "spectra are read as the colours that they have");
+  if (use == ColourOf::kReflectance) return reflectance_to_rgb(samples);
+  if (use == ColourOf::kIndex) return index_to_rgb(samples);
+  return with_luminance_1(emission_to_rgb(samples));
+}
+
+std::optional<glm::vec3> named(const Parameter& parameter, const std::string& name, ColourOf use,
+                               const FileAccess& files, const std::filesystem::path& folder,
+                               ReaderReport& report) {
+  if (name.starts_with("metal-")) {
+    const std::size_t end = name.rfind('-');
+    const auto conductor = conductor_names().parse(name.substr(6, end > 6 ? end - 6 : 0));
+    if (conductor) {
+      report.warn_once(parameter.location, "spectra are read as the colours that they have");
+      const ComplexIndex index = conductor_index(*conductor);
+      return name.ends_with("-k") ? index.k : index.eta;
+    }
+  }
+  if (use == ColourOf::kLight && name.starts_with("stdillum-D65")) return glm::vec3(1.0f);
+  const std::array<std::filesystem::path, 1> folders = {folder};
+  const auto path = files.find(name, folders);
+  const auto file = path ? files.read(*path, kMaxSceneFileBytes) : std::unexpected(path.error());
+  if (!file) {
+    report.error(parameter.location, fmt::format("'{}' is no spectrum that is known, nor a file: {}", name,
+                                                 file.error().message));
+    return std::nullopt;
+  }
+  std::string text;
+  for (std::size_t i = 0; i < (*file)->text.size(); ++i) {
+    if ((*file)->text[i] == '#') i = std::min((*file)->text.find('\n', i), (*file)->text.size() - 1);
+    text += (*file)->text[i];
+  }
+  const auto numbers = parse_numbers(trim(text));
+  if (!numbers) {
+    report.error(parameter.location, fmt::format("'{}': {}", name, numbers.error().message));
+    return std::nullopt;
+  }
+  return of_samples(parameter, *numbers, use, report);
+}
+
+}  // namespace
+
+std::optional<glm::vec3> colour_of(const Parameter& parameter, ColourOf use, const FileAccess& files,
+                                   const std::filesystem::path& folder, ReaderReport& report) {
+  const auto wrong = [&](std::string_view message) {
+    report.error(parameter.location, fmt::format("'{}': {}", parameter.name, message));
+    return std::nullopt;
+  };
+  const std::vector<double>& n = parameter.numbers;
+  if (parameter.type == "rgb") {
+    if (n.size() != 3) return wrong("an rgb has three numbers");
+    const double most = use == ColourOf::kReflectance ? 1.0 : 1e30;
+    for (const double x : n)
+      if (!(x >= 0.0 && x <= most))
+        return wrong(fmt::format("numbers must be in [0, {}], not {}",
+                                 use == ColourOf::kReflectance ? "1" : "1e30", x));
+    return glm::vec3(n[0], n[1], n[2]);
+  }
+  if (parameter.type == "blackbody") {
+    if (n.size() != 1 || !(n[0] >= 100.0 && n[0] <= 1e6))
+      return wrong("a blackbody has one temperature, 100 to 1e6 K");
+    if (use != ColourOf::kLight) return wrong("only lights are black bodies");
+    return black_body(n[0]);
+  }
+  if (parameter.type == "spectrum") {
+    if (parameter.texts.size() == 1 && n.empty())
+      return named(parameter, parameter.texts[0], use, files, folder, report);
+    return of_samples(parameter, n, use, report);
+  }
+  return wrong(fmt::format("a colour is of the type rgb, spectrum or blackbody, not {}", parameter.type));
+}
+
+std::optional<double> glass_index(std::string_view name) {
+  // Of the makers' data sheets, n_d; diamond: Phillip and Taft (1964).
+  static constexpr std::pair<std::string_view, double> kGlasses[] = {
+      {"glass-BK7", 1.5168},   {"glass-BAF10", 1.6700}, {"glass-F11", 1.6206},
+      {"glass-FK51A", 1.4866}, {"glass-LASF9", 1.8503}, {"glass-SF5", 1.6727},
+      {"glass-SF10", 1.7283},  {"glass-SF11", 1.7847},  {"diamond", 2.4176}};
+  for (const auto& [glass, index] : kGlasses)
+    if (glass == name) return index;
+  return std::nullopt;
+}
+
+}  // namespace penumbra::pbrt

@@ -1,0 +1,470 @@
+#include "scenes/pbrt/pbrt_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "scenes/number.h"
+#include "scenes/pbrt/light_reader.h"
+#include "scenes/pbrt/material_reader.h"
+#include "scenes/pbrt/shape_reader.h"
+#include "scenes/pbrt/view_reader.h"
+#include "scenes/settings.h"
+#include "scenes/transform.h"
+
+namespace penumbra::pbrt {
+namespace {
+
+constexpr std::size_t kMostNesting = 1024;
+
+class SceneParser {
+ public:
+  SceneParser(Context& context, TokenReader& tokens)
+      : context_(context),
+        report_(context.report),
+        tokens_(tokens),
+        textures_(context),
+        materials_(context, textures_),
+        shapes_(context, textures_) {
+    static const auto kDefault = std::make_shared<const SurfaceMaterial>([] {
+      const MaterialTree tree = leaf("default", DiffuseBsdf{});
+      return SurfaceMaterial{tree, tree};
+    }());
+    state_.material = kDefault;
+  }
+
+  void parse() {
+    defaults();
+    while (!report_.full()) {
+      leave_imports();
+      const Token token = tokens_.next();
+      if (token.kind == TokenKind::kEnd) break;
+      directive(token);
+    }
+    finish();
+  }
+
+ private:
+  struct Directive {
+    const char* name;
+    void (SceneParser::*read)(const Token&);
+  };
+  static std::span<const Directive> directives();
+
+  void directive(const Token& token) {
+    if (token.kind == TokenKind::kWord) {
+      for (const Directive& each : directives())
+        if (token.text == each.name) return (this->*each.read)(token);
+    }
+    std::vector<std::string> known;
+    for (const Directive& each : directives()) known.emplace_back(each.name);
+    const std::string hint = suggestion(token.text, known);
+    report_.error(token.location, fmt::format("'{}' is not a directive of pbrt-v4{}", token.text,
+                                              hint.empty() ? "; there are: " + list_names(known) : hint));
+    // On to the next word that is one.
+    for (;;) {
+      const Token& next = tokens_.peek();
+      if (next.kind == TokenKind::kEnd) return;
+      if (next.kind == TokenKind::kWord &&
+          std::ranges::any_of(directives(), [&](const Directive& d) { return next.text == d.name; }))
+        return;
+      tokens_.next();
+    }
+  }
+
+  // --- what directives are made of
+
+  std::string quoted(const char* what) {
+    const Token token = tokens_.peek();
+    if (token.kind == TokenKind::kText) return std::string(tokens_.next().text);
+    report_.error(token.location, fmt::format("{} in quotes is wanted here", what));
+    return "";
+  }
+
+  template <std::size_t N>
+  std::optional<std::array<double, N>> numbers() {
+    std::array<double, N> result{};
+    const bool in_brackets = tokens_.peek().kind == TokenKind::kOpen;
+    if (in_brackets) tokens_.next();
+    for (double& each : result) {
+      const Token token = tokens_.peek();
+      const auto number = token.kind == TokenKind::kWord
+                              ? parse_number(token.text)
+                              : Expected<double>(fail(fmt::format("{} numbers are wanted here", N)));
+      if (!number) {
+        report_.error(token.location, number.error().message);
+        return std::nullopt;
+      }
+      tokens_.next();
+      each = *number;
+    }
+    if (in_brackets) {
+      const Token token = tokens_.peek();
+      if (token.kind == TokenKind::kClose)
+        tokens_.next();
+      else
+        report_.error(token.location, fmt::format("{} numbers and a closing bracket are wanted here", N));
+    }
+    return result;
+  }
+
+  Parameters parameters() { return Parameters::read(tokens_, report_); }
+  Parameters parameters_with(const char* target) {
+    Parameters result = parameters();
+    if (const auto found = state_.defaults.find(target); found != state_.defaults.end())
+      result.add_defaults(found->second);
+    return result;
+  }
+
+  bool in_world(const Token& token) {
+    if (world_) return true;
+    report_.error(token.location, fmt::format("{} belongs after WorldBegin", token.text));
+    return false;
+  }
+
+  // --- transforms
+
+  void transform(const glm::dmat4& m) { state_.ctm = state_.ctm * m; }
+
+  void identity(const Token&) { state_.ctm = glm::dmat4(1.0); }
+  void translate(const Token&) {
+    if (const auto n = numbers<3>()) transform(translation({(*n)[0], (*n)[1], (*n)[2]}));
+  }
+  void scale(const Token&) {
+    if (const auto n = numbers<3>()) transform(scaling({(*n)[0], (*n)[1], (*n)[2]}));
+  }
+  void rotate(const Token& token) {
+    const auto n = numbers<4>();
+    if (!n) return;
+    const glm::dvec3 axis((*n)[1], (*n)[2], (*n)[3]);
+    if (!(glm::length(axis) > 0.0)) return report_.error(token.location, "a rotation needs an axis");
+    transform(rotation(axis, (*n)[0]));
+  }
+  void look_at_directive(const Token& token) {
+    const auto n = numbers<9>();
+    if (!n) return;
+    const auto& v = *n;
+    const auto frame = look_at({v[0], v[1], v[2]}, {v[3], v[4], v[5]}, glm::dvec3(v[6], v[7], v[8]));
+    if (!frame) return report_.error(token.location, frame.error().message);
+    // The same axes: up x view, up, view; pbrt's first is to the right of the image.
+    transform(glm::inverse(*frame));
+  }
+  static glm::dmat4 matrix(const std::array<double, 16>& n) {
+    glm::dmat4 result;
+    for (std::size_t i = 0; i < 16; ++i) result[int(i / 4)][int(i % 4)] = n[i];  // column by column
+    return result;
+  }
+  bool affine(const glm::dmat4& m, const Token& token) {
+    if (m[0].w == 0 && m[1].w == 0 && m[2].w == 0 && m[3].w == 1) return true;
+    report_.error(token.location,
+                  "the last row of a matrix must be 0 0 0 1: numbers are given column by column");
+    return false;
+  }
+  void set_transform(const Token& token) {
+    if (const auto n = numbers<16>(); n && affine(matrix(*n), token)) state_.ctm = matrix(*n);
+  }
+  void concat_transform(const Token& token) {
+    if (const auto n = numbers<16>(); n && affine(matrix(*n), token)) transform(matrix(*n));
+  }
+  void coordinate_system(const Token&) { systems_[quoted("a name")] = state_.ctm; }
+  void coord_sys_transform(const Token& token) {
+    const std::string name = quoted("a name");
+    const auto found = systems_.find(name);
+    if (found == systems_.end())
+      return report_.error(token.location, fmt::format("there is no coordinate system '{}'", name));
+    state_.ctm = found->second;
+  }
+  void active_transform(const Token& token) {
+    tokens_.next();
+    report_.warn_once(token.location, "ActiveTransform is ignored: everything is where it ends up");
+  }
+  void transform_times(const Token&) { static_cast<void>(numbers<2>()); }
+
+  // --- blocks
+
+  void push(const Token& token, const char* end) {
+    if (stack_.size() >= kMostNesting) return report_.error(token.location, "blocks are nested too deep");
+    stack_.push_back({state_, end, token.location});
+  }
+  void pop(const Token& token, const char* begin, const char* end) {
+    if (stack_.empty() || stack_.back().end != end)
+      return report_.error(token.location, fmt::format("{} without {}", token.text, begin));
+    state_ = std::move(stack_.back().state);
+    stack_.pop_back();
+  }
+  void attribute_begin(const Token& token) { push(token, "AttributeEnd"); }
+  void attribute_end(const Token& token) { pop(token, "AttributeBegin", "AttributeEnd"); }
+  void transform_begin(const Token& token) { push(token, "TransformEnd"); }
+  void transform_end(const Token& token) {
+    const GraphicsState inner = state_;
+    pop(token, "TransformBegin", "TransformEnd");
+    const glm::dmat4 outer = state_.ctm;
+    state_ = inner;
+    state_.ctm = outer;
+  }
+  void object_begin(const Token& token) {
+    const std::string name = quoted("a name");
+    if (object_ != nullptr) return report_.error(token.location, "objects cannot hold others");
+    if (!in_world(token)) return;
+    push(token, "ObjectEnd");
+    if (objects_.contains(name))
+      report_.error(token.location, fmt::format("the object '{}' is there twice", name));
+    object_ = &objects_[name];
+  }
+  void object_end(const Token& token) {
+    pop(token, "ObjectBegin", "ObjectEnd");
+    object_ = nullptr;
+  }
+  void object_instance(const Token& token) {
+    const std::string name = quoted("a name");
+    if (!in_world(token)) return;
+    if (object_ != nullptr) return report_.error(token.location, "objects cannot hold others");
+    const auto found = objects_.find(name);
+    if (found == objects_.end())
+      return report_.error(token.location, fmt::format("there is no object '{}' before this", name));
+    for (const ReadShape& shape : found->second) {
+      if (report_.full()) return;
+      shapes_.place(shape, state_.ctm);
+    }
+  }
+  void attribute(const Token&) {
+    const std::string target = quoted("shape, light, material, medium or texture");
+    state_.defaults[target].append(parameters());
+  }
+  void reverse_orientation(const Token&) { state_.reverse_orientation = !state_.reverse_orientation; }
+
+  // --- files
+
+  void include(const Token& token) {
+    const std::string name = quoted("the name of a file");
+    if (!name.empty()) tokens_.include(name, token.location);
+  }
+  /// As Include, but what it sets ends with it.
+  void import(const Token& token) {
+    const std::string name = quoted("the name of a file");
+    if (name.empty()) return;
+    imports_.push_back({tokens_.depth(), state_});
+    tokens_.include(name, token.location);
+  }
+  void leave_imports() {
+    if (imports_.empty()) return;
+    tokens_.peek();
+    while (!imports_.empty() && tokens_.depth() <= imports_.back().depth) {
+      state_ = std::move(imports_.back().state);
+      imports_.pop_back();
+    }
+  }
+
+  // --- what is in the scene
+
+  void world_begin(const Token& token) {
+    if (world_) return report_.error(token.location, "a second WorldBegin");
+    world_ = true;
+    state_.ctm = glm::dmat4(1.0);
+    systems_["world"] = state_.ctm;
+  }
+  void camera(const Token& token) {
+    camera_.type = quoted("a type");
+    camera_.parameters = parameters();
+    camera_.camera_from_world = state_.ctm;
+    camera_.location = token.location;
+    has_camera_ = true;
+    systems_["camera"] = is_singular(state_.ctm) ? glm::dmat4(1.0) : glm::inverse(state_.ctm);
+  }
+  void film(const Token& token) { view(token, read_film); }
+  void sampler(const Token& token) { view(token, read_sampler); }
+  void filter(const Token& token) { view(token, read_filter); }
+  void integrator(const Token& token) { view(token, read_integrator); }
+  void view(const Token& token, void (*read)(Context&, const std::string&, Parameters&, SourceLocation)) {
+    const std::string type = quoted("a type");
+    Parameters given = parameters();
+    read(context_, type, given, token.location);
+  }
+  void ignored(const Token&) {
+    quoted("a type");
+    parameters();
+  }
+  void option(const Token& token) {
+    if (tokens_.peek().kind == TokenKind::kText) parameters();
+    report_.warn_once(token.location, "Option is ignored");
+  }
+  void color_space(const Token& token) {
+    const std::string name = quoted("a name");
+    if (name != "srgb")
+      report_.unsupported(token.location, fmt::format("the colour space '{}' is not read; srgb is", name),
+                          "colours are sRGB's");
+  }
+  void texture(const Token& token) {
+    const std::string name = quoted("a name"), kind = quoted("float or spectrum"), type = quoted("a type");
+    textures_.read(name, kind, type, parameters_with("texture"), token.location);
+  }
+  void material(const Token& token) {
+    const std::string type = quoted("a type");
+    Parameters given = parameters_with("material");
+    state_.material = materials_.read(type, given, token.location);
+  }
+  void make_named_material(const Token& token) {
+    const std::string name = quoted("a name");
+    Parameters given = parameters_with("material");
+    const std::string type = given.text("type", "", report_);
+    if (type.empty())
+      return report_.error(token.location, fmt::format("the material '{}' needs a \"string type\"", name));
+    materials_.name(name, materials_.read(type, given, token.location));
+  }
+  void named_material(const Token& token) {
+    state_.material = materials_.named(quoted("a name"), token.location);
+  }
+  void light_source(const Token& token) {
+    const std::string type = quoted("a type");
+    Parameters given = parameters_with("light");
+    if (in_world(token)) read_light(context_, textures_, type, given, state_, token.location);
+  }
+  void area_light_source(const Token& token) {
+    const std::string type = quoted("a type");
+    Parameters given = parameters_with("light");
+    state_.area_light = read_area_light(context_, type, given, token.location);
+  }
+  void shape(const Token& token) {
+    const std::string type = quoted("a type");
+    Parameters given = parameters_with("shape");
+    if (!in_world(token)) return;
+    auto read = shapes_.read(type, given, state_, token.location);
+    if (!read) return;
+    if (object_ != nullptr)
+      object_->push_back(std::move(*read));
+    else
+      shapes_.place(*read, glm::dmat4(1.0));
+  }
+  void medium(const Token& token) {
+    if (token.text == "MediumInterface") {
+      const std::string inside = quoted("a name");
+      const std::string outside = tokens_.peek().kind == TokenKind::kText ? quoted("a name") : "";
+      if (inside.empty() && outside.empty()) return;
+    } else {
+      quoted("a name");
+      parameters();
+    }
+    report_.unsupported(token.location, "media are not read", "they are left out");
+  }
+
+  // --- the ends
+
+  /// pbrt's own, where a file says nothing.
+  void defaults() {
+    Parameters none;
+    read_film(context_, "rgb", none, {});
+    read_sampler(context_, "zsobol", none, {});
+    read_filter(context_, "gaussian", none, {});
+    read_integrator(context_, "volpath", none, {});
+  }
+
+  void finish() {
+    const SourceLocation end = tokens_.peek().location;
+    if (!report_.full()) {
+      if (!stack_.empty())
+        report_.error(stack_.back().begin, fmt::format("there is no {} for this", stack_.back().end));
+      if (!world_) report_.error(end, "the file has no WorldBegin");
+      if (!has_camera_) report_.error(end, "the file has no Camera");
+      if (has_camera_) read_camera(context_, camera_);
+    }
+    textures_.install();
+  }
+
+  struct Block {
+    GraphicsState state;
+    std::string_view end;
+    SourceLocation begin;
+  };
+  struct Import {
+    std::size_t depth;
+    GraphicsState state;
+  };
+
+  Context& context_;
+  ReaderReport& report_;
+  TokenReader& tokens_;
+  TextureReader textures_;
+  MaterialReader materials_;
+  ShapeReader shapes_;
+  GraphicsState state_;
+  std::vector<Block> stack_;
+  std::vector<Import> imports_;
+  std::map<std::string, glm::dmat4> systems_;
+  std::map<std::string, std::vector<ReadShape>> objects_;
+  std::vector<ReadShape>* object_ = nullptr;  ///< that is being read
+  CameraDirective camera_;
+  bool has_camera_ = false, world_ = false;
+};
+
+std::span<const SceneParser::Directive> SceneParser::directives() {
+  using P = SceneParser;
+  static constexpr Directive kAll[] = {{"Accelerator", &P::ignored},
+                                       {"ActiveTransform", &P::active_transform},
+                                       {"AreaLightSource", &P::area_light_source},
+                                       {"Attribute", &P::attribute},
+                                       {"AttributeBegin", &P::attribute_begin},
+                                       {"AttributeEnd", &P::attribute_end},
+                                       {"Camera", &P::camera},
+                                       {"ColorSpace", &P::color_space},
+                                       {"ConcatTransform", &P::concat_transform},
+                                       {"CoordSysTransform", &P::coord_sys_transform},
+                                       {"CoordinateSystem", &P::coordinate_system},
+                                       {"Film", &P::film},
+                                       {"Identity", &P::identity},
+                                       {"Import", &P::import},
+                                       {"Include", &P::include},
+                                       {"Integrator", &P::integrator},
+                                       {"LightSource", &P::light_source},
+                                       {"LookAt", &P::look_at_directive},
+                                       {"MakeNamedMaterial", &P::make_named_material},
+                                       {"MakeNamedMedium", &P::medium},
+                                       {"Material", &P::material},
+                                       {"MediumInterface", &P::medium},
+                                       {"NamedMaterial", &P::named_material},
+                                       {"ObjectBegin", &P::object_begin},
+                                       {"ObjectEnd", &P::object_end},
+                                       {"ObjectInstance", &P::object_instance},
+                                       {"Option", &P::option},
+                                       {"PixelFilter", &P::filter},
+                                       {"ReverseOrientation", &P::reverse_orientation},
+                                       {"Rotate", &P::rotate},
+                                       {"Sampler", &P::sampler},
+                                       {"Scale", &P::scale},
+                                       {"Shape", &P::shape},
+                                       {"Texture", &P::texture},
+                                       {"Transform", &P::set_transform},
+                                       {"TransformBegin", &P::transform_begin},
+                                       {"TransformEnd", &P::transform_end},
+                                       {"TransformTimes", &P::transform_times},
+                                       {"Translate", &P::translate},
+                                       {"WorldBegin", &P::world_begin}};
+  return kAll;
+}
+
+}  // namespace
+
+Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options) {
+  const FileAccess files(options.confine_to);
+  Diagnostics diagnostics;
+  ReaderReport report(diagnostics, options.lenient);
+  for (const auto& [name, value] : options.defines)
+    report.error({}, fmt::format("-D {}={}: a pbrt scene has no variables", name, value));
+  SceneDescription scene;
+  scene.source = file.string();
+  Context context{report, files, file.parent_path(), scene};
+  TokenReader tokens(files, report);
+  tokens.enter(file, {});
+  if (!diagnostics.failed()) SceneParser(context, tokens).parse();
+  if (diagnostics.failed()) return std::unexpected(diagnostics.error());
+  if (options.settings.empty()) {  // else they may put it right
+    if (const auto checked = check_settings(scene); !checked)
+      return fail(fmt::format("{}: {}", file.string(), checked.error().message));
+  }
+  scene.contents_hash = files.contents_hash();
+  scene.warnings = diagnostics.take_warnings();
+  scene.files = files.files_read();
+  return scene;
+}
+
+}  // namespace penumbra::pbrt

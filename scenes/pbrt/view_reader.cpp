@@ -1,0 +1,212 @@
+#include "scenes/pbrt/view_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "scenes/settings.h"
+#include "scenes/transform.h"
+
+namespace penumbra::pbrt {
+namespace {
+
+/// Sets a setting; what is wrong is an error at the place.
+template <typename T>
+void set(Context& context, std::string_view key, const T& value, SourceLocation location) {
+  if (const auto done = apply_setting(context.scene, key, fmt::format("{}", value)); !done)
+    context.report.error(location, done.error().message);
+}
+
+/// Of a name: its row, or null and a message.
+template <typename Rows>
+const auto* find_row(Context& context, const Rows& rows, const std::string& type, const char* what,
+                     const char* instead, SourceLocation location) {
+  for (const auto& row : rows)
+    if (type == row.type) return &row;
+  std::vector<std::string> known;
+  for (const auto& row : rows) known.emplace_back(row.type);
+  const std::string hint = suggestion(type, known);
+  context.report.unsupported(location,
+                             fmt::format("{} '{}' is not one that Penumbra reads{} It reads: {}", what, type,
+                                         hint.empty() ? "." : hint, list_names(known)),
+                             instead);
+  return static_cast<decltype(&*std::begin(rows))>(nullptr);
+}
+
+}  // namespace
+
+void read_film(Context& context, const std::string& type, Parameters& parameters, SourceLocation location) {
+  ReaderReport& report = context.report;
+  SceneDescription& scene = context.scene;
+  set(context, "film.width", parameters.integer("xresolution", 1280, report), location);
+  set(context, "film.height", parameters.integer("yresolution", 720, report), location);
+  Film& film = scene.film;
+  const std::vector<double> crop = parameters.numbers("cropwindow", {"float"}, 4, report);
+  if (crop.size() == 4) {
+    if (!(crop[0] >= 0 && crop[0] < crop[1] && crop[1] <= 1 && crop[2] >= 0 && crop[2] < crop[3] &&
+          crop[3] <= 1))
+      return report.error(parameters.location("cropwindow", location),
+                          "a cropwindow is x0 < x1, y0 < y1 in [0, 1]");
+    film.crop_x = int(std::ceil(film.width * crop[0]));
+    film.crop_y = int(std::ceil(film.height * crop[2]));
+    film.crop_width = int(std::ceil(film.width * crop[1])) - film.crop_x;
+    film.crop_height = int(std::ceil(film.height * crop[3])) - film.crop_y;
+  }
+  const std::vector<double> bounds = parameters.numbers("pixelbounds", {"integer"}, 4, report);
+  if (bounds.size() == 4) {
+    if (!(bounds[0] >= 0 && bounds[0] < bounds[1] && bounds[1] <= film.width && bounds[2] >= 0 &&
+          bounds[2] < bounds[3] && bounds[3] <= film.height))
+      return report.error(parameters.location("pixelbounds", location), "pixelbounds lie within the film");
+    film.crop_x = int(bounds[0]);
+    film.crop_y = int(bounds[2]);
+    film.crop_width = int(bounds[1] - bounds[0]);
+    film.crop_height = int(bounds[3] - bounds[2]);
+  }
+  // pbrt multiplies the image by exposuretime * iso / 100; ours holds radiance.
+  const double ratio =
+      parameters.number("exposuretime", 1.0, report) * parameters.number("iso", 100.0, report) / 100.0;
+  const std::string sensor = parameters.text("sensor", "cie1931", report);
+  if (ratio != 1.0 || sensor != "cie1931" || parameters.has("whitebalance"))
+    report.warn(location,
+                fmt::format("the image holds radiance: the sensor '{}', its white balance, and the exposure, "
+                            "by which pbrt's is {} times as bright, are ignored",
+                            sensor, ratio));
+  if (parameters.has("maxcomponentvalue"))
+    report.warn_once(parameters.location("maxcomponentvalue", location), "bright samples are not clamped");
+  if (type != "rgb") report.warn(location, fmt::format("a film 'rgb' stands in for '{}'", type));
+  parameters.accept({"filename", "diagonal", "savefp16", "whitebalance", "maxcomponentvalue",
+                     "coordinatesystem", "nbuckets", "lambdamin", "lambdamax"});
+  parameters.finish("the film", report);
+}
+
+void read_camera(Context& context, CameraDirective& camera) {
+  ReaderReport& report = context.report;
+  SceneDescription& scene = context.scene;
+  Parameters& parameters = camera.parameters;
+  const SourceLocation location = camera.location;
+  if (is_singular(camera.camera_from_world))
+    return report.error(location, "the camera's transform flattens everything");
+  // pbrt's +x is to the right of the image.
+  const auto frame =
+      without_scale(glm::inverse(camera.camera_from_world) * scaling(glm::dvec3(-1.0, 1.0, 1.0)));
+  if (!frame) return report.error(location, frame.error().message);
+  scene.camera.to_world = *frame;
+  scene.camera.near_clip = 1e-2;
+  scene.camera.far_clip = 1e30;
+  if (camera.type != "perspective")
+    return report.unsupported(location, fmt::format("camera '{}' is not read; perspective is", camera.type),
+                              "a perspective one stands in for it");
+  const double fov = parameters.number("fov", 90.0, report);
+  if (!(fov > 0.0 && fov < 180.0))
+    return report.error(location, fmt::format("fov must be between 0 and 180, not {}", fov));
+  scene.camera.fov = fov;
+  scene.camera.fov_axis = FovAxis::kSmaller;
+  const double aspect = double(scene.film.width) / scene.film.height;
+  const double half = std::tan(fov * std::numbers::pi / 360.0);
+  const double frame_aspect = parameters.number("frameaspectratio", aspect, report);
+  std::vector<double> window = parameters.numbers("screenwindow", {"float"}, 4, report);
+  if (window.size() == 4) {
+    const double width = window[1] - window[0], height = window[3] - window[2];
+    if (!(width > 0.0 && height > 0.0 && width < 1e10 && height < 1e10))
+      return report.error(parameters.location("screenwindow", location),
+                          "a screenwindow is x0 < x1, y0 < y1");
+    if (std::abs(window[0] + window[1]) > 1e-6 * width || std::abs(window[2] + window[3]) > 1e-6 * height)
+      report.unsupported(parameters.location("screenwindow", location),
+                         "a screenwindow whose middle is not (0, 0) is not read", "its middle is (0, 0)");
+    if (std::abs(width / height - aspect) > 1e-4 * aspect)
+      report.warn(parameters.location("screenwindow", location),
+                  "the screenwindow is not of the film's shape; its height follows from the film");
+    scene.camera.fov = 2 * std::atan(half * 0.5 * width) * 180.0 / std::numbers::pi;
+    scene.camera.fov_axis = FovAxis::kX;
+  } else if (std::abs(frame_aspect - aspect) > 1e-4 * aspect) {
+    report.warn(parameters.location("frameaspectratio", location),
+                "the frameaspectratio is not the film's; pixels are square");
+  }
+  if (parameters.number("lensradius", 0.0, report) > 0.0)
+    report.unsupported(parameters.location("lensradius", location), "the blur of lenses is not read",
+                       "everything is sharp");
+  parameters.accept({"focaldistance", "shutteropen", "shutterclose"});
+  parameters.finish("the camera", report);
+}
+
+void read_sampler(Context& context, const std::string& type, Parameters& parameters,
+                  SourceLocation location) {
+  struct Row {
+    const char *type, *ours;
+  };
+  static constexpr Row kRows[] = {{"halton", "halton"},        {"independent", "independent"},
+                                  {"sobol", "sobol"},          {"zsobol", "sobol"},
+                                  {"paddedsobol", "sobol"},    {"pmj02bn", "sobol"},
+                                  {"stratified", "stratified"}};
+  ReaderReport& report = context.report;
+  const auto* row = find_row(context, kRows, type, "sampler", "sobol stands in for it", location);
+  set(context, "sampler.type", row != nullptr ? row->ours : "sobol", location);
+  std::int64_t samples = parameters.integer("pixelsamples", 16, report);
+  if (type == "stratified")
+    samples = parameters.integer("xsamples", 4, report) * parameters.integer("ysamples", 4, report);
+  set(context, "sampler.sample_count", samples, location);
+  set(context, "sampler.seed", parameters.integer("seed", 0, report), location);
+  parameters.accept({"jitter", "randomization"});
+  parameters.finish("the sampler", report);
+}
+
+void read_filter(Context& context, const std::string& type, Parameters& parameters, SourceLocation location) {
+  struct Row {
+    const char *type, *ours;
+    double radius;
+  };
+  static constexpr Row kRows[] = {{"box", "box", 0.5},
+                                  {"triangle", "tent", 2.0},
+                                  {"gaussian", "gaussian", 1.5},
+                                  {"mitchell", "mitchell", 2.0}};
+  ReaderReport& report = context.report;
+  const auto* row = find_row(context, kRows, type, "filter", "a gaussian stands in for it", location);
+  set(context, "film.rfilter", row != nullptr ? row->ours : "gaussian", location);
+  if (row == nullptr) return;
+  const double x = parameters.number("xradius", row->radius, report);
+  if (parameters.number("yradius", row->radius, report) != x)
+    report.warn(location, "filters are as high as wide: yradius is ignored");
+  if (type == "gaussian") {
+    const double sigma = parameters.number("sigma", 0.5, report);
+    set(context, "film.rfilter_stddev", sigma, location);
+    if (parameters.has("xradius") && x != 4 * sigma)
+      report.warn(location, fmt::format("the filter ends at 4 sigma, {} pixels, not at {}", 4 * sigma, x));
+  } else {
+    set(context, "film.rfilter_radius", x, location);
+  }
+  if (type == "mitchell") {
+    set(context, "film.rfilter_b", parameters.number("B", 1.0 / 3.0, report), location);
+    set(context, "film.rfilter_c", parameters.number("C", 1.0 / 3.0, report), location);
+  }
+  parameters.finish("the filter", report);
+}
+
+void read_integrator(Context& context, const std::string& type, Parameters& parameters,
+                     SourceLocation location) {
+  struct Row {
+    const char* type;
+    bool same;  ///< its mean is that of path tracing without media
+  };
+  static constexpr Row kRows[] = {{"path", true},          {"volpath", true},     {"simplepath", true},
+                                  {"simplevolpath", true}, {"bdpt", false},       {"mlt", false},
+                                  {"lightpath", false},    {"randomwalk", false}, {"sppm", false}};
+  ReaderReport& report = context.report;
+  const auto* row = find_row(context, kRows, type, "integrator", "path stands in for it", location);
+  set(context, "integrator.type", "path_mis", location);
+  if (row != nullptr && !row->same)
+    report.warn(location, fmt::format("path stands in for the integrator '{}'", type));
+  // pbrt counts the surfaces between the light and the camera, Penumbra edges.
+  const std::int64_t depth = parameters.integer("maxdepth", 5, report);
+  if (depth < 0)
+    return report.error(parameters.location("maxdepth", location), "maxdepth must be at least 0");
+  set(context, "integrator.max_depth", depth + 1, location);
+  parameters.accept({"regularize", "lightsampler", "rrthreshold", "samplebsdf", "samplelights", "usemis",
+                     "visualizestrategies", "visualizeweights", "bootstrapsamples", "chains",
+                     "mutationsperpixel", "largestepprobability", "sigma", "photonsperiteration", "radius",
+                     "iterations"});
+  parameters.finish("the integrator", report);
+}
+
+}  // namespace penumbra::pbrt

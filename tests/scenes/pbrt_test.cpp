@@ -1,0 +1,382 @@
+// Reading pbrt-v4: where things are, what lights shine, what materials become; what is wrong with a file.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "scenes/image/bitmap_values.h"
+#include "scenes/pbrt/light_reader.h"
+#include "scenes/settings.h"
+#include "tests/scenes/ply_writer.h"
+#include "tests/scenes/scene_text.h"
+#include "tests/support/tga_file.h"
+
+namespace penumbra {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class PbrtText : public SceneText {
+ protected:
+  static std::string pbrt(std::string_view world, std::string_view view = "Camera \"perspective\"") {
+    return std::string(view) + "\nWorldBegin\n" + std::string(world) + "\n";
+  }
+  Expected<SceneDescription> read_pbrt(std::string_view text, const ReadOptions& options = {}) {
+    write("scene.pbrt", text);
+    return read_scene(folder_ / "scene.pbrt", options);
+  }
+  SceneDescription good_pbrt(std::string_view world, std::string_view view = "Camera \"perspective\"",
+                             const ReadOptions& options = {}) {
+    auto result = read_pbrt(pbrt(world, view), options);
+    EXPECT_TRUE(result) << result.error().message;
+    return result ? lit(std::move(*result)) : SceneDescription{};
+  }
+  std::string wrong(std::string_view world, std::string_view view = "Camera \"perspective\"") {
+    const auto result = read_pbrt(pbrt(world, view));
+    EXPECT_FALSE(result) << "this scene should be an error:\n" << world;
+    return result ? "" : without_folder(result.error().message);
+  }
+  std::string warnings(const SceneDescription& scene) {
+    std::string all;
+    for (const std::string& warning : scene.warnings) all += warning + "\n";
+    return without_folder(all);
+  }
+  static constexpr const char* kTriangle =
+      "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2]\n";
+  static const Mesh& mesh(const SceneDescription& scene, std::size_t index = 0) {
+    return std::get<Mesh>(scene.shapes.at(index).geometry);
+  }
+  /// The material of a shape's front.
+  static const BsdfModel& front(const SceneDescription& scene, std::size_t index = 0) {
+    return scene.bsdfs.at(std::size_t(scene.shapes.at(index).front_bsdf)).model;
+  }
+};
+
+void expect_near(glm::dvec3 a, glm::dvec3 b, double tolerance = 1e-12) {
+  EXPECT_NEAR(a.x, b.x, tolerance);
+  EXPECT_NEAR(a.y, b.y, tolerance);
+  EXPECT_NEAR(a.z, b.z, tolerance);
+}
+
+/// The front of a triangle: the side to which its winding, or being turned round, points.
+glm::dvec3 front_normal(const SceneDescription& scene, std::size_t index = 0) {
+  const Shape& shape = scene.shapes.at(index);
+  const Mesh& mesh = std::get<Mesh>(shape.geometry);
+  const glm::uvec3 t = mesh.triangles.at(0);
+  const glm::dvec3 n = glm::normalize(
+      glm::cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]));
+  return shape.flip_normals ? -n : n;
+}
+
+TEST_F(PbrtText, ItsDefaultsArePbrts) {
+  const SceneDescription scene = good_pbrt(kTriangle);
+  EXPECT_EQ(scene.film.width, 1280);
+  EXPECT_EQ(scene.film.height, 720);
+  EXPECT_EQ(scene.camera.fov, 90.0);
+  EXPECT_EQ(scene.camera.fov_axis, FovAxis::kSmaller);
+  EXPECT_EQ(scene.sampler.spp, 16u);
+  EXPECT_EQ(print_setting(scene, "integrator.max_depth"), "6") << "5 surfaces are 6 edges";
+  EXPECT_EQ(std::get<DiffuseBsdf>(front(scene)).reflectance.value, glm::vec3(0.5f));
+  EXPECT_EQ(scene.shapes[0].front_bsdf, scene.shapes[0].back_bsdf);
+}
+
+TEST_F(PbrtText, TheCameraSeesWhatPbrtsSees) {
+  // pbrt: x = w/2 (1 + X/(Z tan)), with X along up x view, to the right; the angle spans the shorter side.
+  const SceneDescription scene =
+      good_pbrt(kTriangle,
+                "LookAt 0 0 -5  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 40\n"
+                "Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 100");
+  const glm::dvec3 point(0.5, 0.25, 1.0);
+  const double half = std::tan(20 * std::numbers::pi / 180);
+  const glm::dvec2 expected(100 + 50 * point.x / ((point.z + 5) * half),
+                            50 - 50 * point.y / ((point.z + 5) * half));
+  EXPECT_GT(expected.x, 100.0) << "+x is to the right";
+  const glm::dvec3 seen(glm::inverse(scene.camera.to_world) * glm::dvec4(point, 1));
+  EXPECT_NEAR(100 - 50 * seen.x / (seen.z * half), expected.x, 1e-9);
+  EXPECT_NEAR(50 - 50 * seen.y / (seen.z * half), expected.y, 1e-9);
+}
+
+TEST_F(PbrtText, ScreenWindowsAndCrops) {
+  const SceneDescription scene =
+      good_pbrt(kTriangle,
+                "Camera \"perspective\" \"float fov\" 90 \"float screenwindow\" [-0.5 0.5 -0.25 0.25]\n"
+                "Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 100 "
+                "\"float cropwindow\" [0.25 0.5 0 0.101]");
+  EXPECT_NEAR(scene.camera.fov, 2 * std::atan(0.5) * 180 / std::numbers::pi, 1e-12);
+  EXPECT_EQ(scene.camera.fov_axis, FovAxis::kX);
+  EXPECT_EQ(scene.film.crop_x, 50);
+  EXPECT_EQ(scene.film.crop_width, 50);
+  EXPECT_EQ(scene.film.crop_height, 11);
+}
+
+TEST_F(PbrtText, TransformsApplyFromTheInside) {
+  const SceneDescription scene = good_pbrt(
+      std::string("AttributeBegin\nTranslate 1 0 0\nRotate 90 0 0 1\nScale 2 2 2\n") + kTriangle +
+      "AttributeEnd\n"
+      "Transform [1 0 0 0  0 1 0 0  0 0 1 0  7 8 9 1]\nCoordinateSystem \"there\"\nIdentity\n" +
+      kTriangle +
+      "TransformBegin\nCoordSysTransform \"there\"\nConcatTransform [2 0 0 0 0 2 0 0 0 0 2 0 0 0 0 1]\n" +
+      kTriangle + "TransformEnd\n" + kTriangle);
+  ASSERT_EQ(scene.shapes.size(), 4u);
+  expect_near(mesh(scene, 0).positions[1], {1, 2, 0});
+  expect_near(mesh(scene, 1).positions[1], {1, 0, 0});
+  expect_near(mesh(scene, 2).positions[1], {9, 8, 9});
+  expect_near(mesh(scene, 3).positions[1], {1, 0, 0});
+}
+
+TEST_F(PbrtText, TheFrontIsWhereTheNormalOfItsOwnSpacePoints) {
+  const std::string mirrored = std::string("AttributeBegin\nScale -1 1 1\n") + kTriangle + "AttributeEnd\n";
+  const std::string turned =
+      std::string("AttributeBegin\nReverseOrientation\n") + kTriangle + "AttributeEnd\n";
+  const std::string with_normals =
+      "AttributeBegin\nScale -1 1 1\nReverseOrientation\nShape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 "
+      "1 0] "
+      "\"normal N\" [0 0 1 0 0 1 0 0 1] \"integer indices\" [0 1 2]\nAttributeEnd\n";
+  const SceneDescription scene = good_pbrt(kTriangle + mirrored + turned + with_normals);
+  ASSERT_EQ(scene.shapes.size(), 4u);
+  expect_near(front_normal(scene, 0), {0, 0, 1});
+  expect_near(front_normal(scene, 1), {0, 0, 1});
+  expect_near(front_normal(scene, 2), {0, 0, -1});
+  expect_near(front_normal(scene, 3), {0, 0, -1});
+}
+
+TEST_F(PbrtText, ObjectsAreWhereTheirInstancesAre) {
+  const SceneDescription scene =
+      good_pbrt(std::string("ObjectBegin \"o\"\nTranslate 0 0 1\n") + kTriangle + "ObjectEnd\n" +
+                "AttributeBegin\nScale 2 2 2\nObjectInstance \"o\"\nAttributeEnd\nTranslate 5 0 "
+                "0\nObjectInstance \"o\"\n");
+  ASSERT_EQ(scene.shapes.size(), 2u);
+  expect_near(mesh(scene, 0).positions[1], {2, 0, 2});
+  expect_near(mesh(scene, 1).positions[1], {6, 0, 1});
+}
+
+TEST_F(PbrtText, ShapesOfAllKinds) {
+  write("m.ply", odd_square_ply(PlyEncoding::kBigEndian));
+  const SceneDescription scene = good_pbrt(
+      "Shape \"sphere\" \"float radius\" 2\n"
+      "AttributeBegin\nTranslate 1 2 3\nRotate 90 1 0 0\nShape \"disk\" \"float height\" 1 \"float radius\" "
+      "[ 3 ]\n"
+      "AttributeEnd\n"
+      "Shape \"bilinearmesh\" \"point3 P\" [0 0 0  1 0 0  0 1 0  1 1 0] \"point2 uv\" [0 0 1 0 0 1 1 1]\n"
+      "Shape \"plymesh\" \"string filename\" \"m.ply\"\n");
+  ASSERT_EQ(scene.shapes.size(), 4u);
+  EXPECT_EQ(std::get<Sphere>(scene.shapes[0].geometry).radius, 2.0);
+  const auto& disk = std::get<Disk>(scene.shapes[1].geometry);
+  expect_near(disk.center, {1, 1, 3});
+  expect_near(disk.normal, {0, -1, 0});
+  EXPECT_EQ(disk.radius, 3.0);
+  EXPECT_EQ(mesh(scene, 2).triangles, std::vector<glm::uvec3>({{0, 1, 3}, {0, 3, 2}}));
+  expect_near(front_normal(scene, 2), {0, 0, 1});
+}
+
+TEST_F(PbrtText, LightsHaveTheRadianceThatPbrtsHave) {
+  const SceneDescription scene = good_pbrt(
+      std::string("LightSource \"point\" \"rgb I\" [1 2 3] \"float scale\" 2 \"point3 from\" [1 0 0]\n") +
+      "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [3 2 1] \"bool twosided\" true\n" + kTriangle +
+      "AttributeEnd\nAttributeBegin\nAreaLightSource \"diffuse\" \"float power\" 10\nScale 2 2 2\n" +
+      "Shape \"sphere\"\nAttributeEnd\nLightSource \"infinite\" \"float illuminance\" 6\n");
+  EXPECT_EQ(only<PointLight>(scene).intensity, glm::vec3(2, 4, 6));
+  EXPECT_EQ(only<PointLight>(scene).position, glm::dvec3(1, 0, 0));
+  EXPECT_EQ(scene.shapes.at(0).radiance, glm::vec3(3, 2, 1));
+  EXPECT_TRUE(scene.shapes[0].two_sided_emission);
+  // Power = pi area L.
+  EXPECT_NEAR(scene.shapes.at(1).radiance->x, 10 / (std::numbers::pi * 16 * std::numbers::pi), 1e-6);
+  EXPECT_NEAR(only<ConstantEnvironment>(scene).radiance.x, 6 / std::numbers::pi, 1e-6);
+}
+
+TEST_F(PbrtText, BlackBodiesHaveLuminance1) {
+  const auto colour = [&](const char* kelvin) {
+    return only<ConstantEnvironment>(
+               good_pbrt(std::string(kTriangle) + "LightSource \"infinite\" \"blackbody L\" " + kelvin))
+        .radiance;
+  };
+  for (const char* kelvin : {"2700", "6504", "12000"}) {
+    const glm::vec3 c = colour(kelvin);
+    EXPECT_NEAR(0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z, 1.0f, 2e-3f);
+  }
+  // Planckian locus at 2700 K: x = 0.4599, y = 0.4106 (Wyszecki and Stiles); as linear Rec. 709 of
+  // luminance 1.
+  const double x = 0.4599 / 0.4106, z = (1 - 0.4599 - 0.4106) / 0.4106;
+  expect_near(
+      glm::dvec3(colour("2700")),
+      {3.2406 * x - 1.5372 - 0.4986 * z, -0.9689 * x + 1.8758 + 0.0415 * z, 0.0557 * x - 0.2040 + 1.0570 * z},
+      0.01);
+}
+
+TEST_F(PbrtText, Materials) {
+  const SceneDescription scene =
+      good_pbrt(std::string("Material \"diffuse\" \"rgb reflectance\" [.1 .2 .3]\n") + kTriangle +
+                "Material \"conductor\" \"spectrum eta\" \"metal-Ag-eta\" \"spectrum k\" \"metal-Ag-k\" "
+                "\"float roughness\" 0.25\n" +
+                kTriangle + "Material \"conductor\" \"rgb reflectance\" [.5 .5 .5] \"float roughness\" 0\n" +
+                kTriangle + "Material \"dielectric\" \"float eta\" 1.4\n" + kTriangle +
+                "Material \"dielectric\" \"spectrum eta\" \"glass-BK7\" \"float uroughness\" 0.2 \"float "
+                "vroughness\" 0.3 "
+                "\"bool remaproughness\" false\n" +
+                kTriangle + "Material \"coateddiffuse\" \"rgb reflectance\" [.4 .4 .4]\n" + kTriangle +
+                "Material \"coateddiffuse\" \"float roughness\" 0.04\n" + kTriangle +
+                "Material \"interface\"\n" + kTriangle +
+                "MakeNamedMaterial \"a\" \"string type\" \"diffuse\"\nMakeNamedMaterial \"b\" \"string "
+                "type\" \"conductor\"\n" +
+                "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" 0.25\n" + kTriangle +
+                "NamedMaterial \"a\"\n" +
+                "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"float alpha\" 0.5\n");
+  ASSERT_EQ(scene.shapes.size(), 10u);
+  EXPECT_EQ(std::get<DiffuseBsdf>(front(scene, 0)).reflectance.value, glm::vec3(0.1f, 0.2f, 0.3f));
+  const auto& silver = std::get<RoughConductorBsdf>(front(scene, 1));
+  EXPECT_EQ(silver.alpha_u.value, 0.5f) << "the square root of the roughness";
+  EXPECT_EQ(silver.distribution, DISTRIBUTION_GGX);
+  EXPECT_EQ(silver.eta.value, conductor_index(*conductor_names().parse("Ag")).eta);
+  // (eta, k) = (1, 2) reflect k² / (4 + k²) = 1/2 along the normal.
+  EXPECT_NEAR(std::get<ConductorBsdf>(front(scene, 2)).k.value.x, 2.0f, 1e-6f);
+  EXPECT_EQ(std::get<DielectricBsdf>(front(scene, 3)).int_ior, 1.4f);
+  EXPECT_EQ(std::get<DielectricBsdf>(scene.bsdfs.at(std::size_t(scene.shapes[3].back_bsdf)).model).ext_ior,
+            1.4f);
+  const auto& glass = std::get<RoughDielectricBsdf>(front(scene, 4));
+  EXPECT_EQ(glass.alpha_u.value, 0.2f);
+  EXPECT_EQ(glass.alpha_v.value, 0.3f);
+  EXPECT_EQ(glass.int_ior, 1.5168f);
+  EXPECT_EQ(std::get<PlasticBsdf>(front(scene, 5)).diffuse.value, glm::vec3(0.4f));
+  EXPECT_NEAR(std::get<RoughPlasticBsdf>(front(scene, 6)).alpha, 0.2f, 1e-6f);
+  EXPECT_EQ(std::get<MaskBsdf>(front(scene, 7)).opacity.value, 0.0f) << "rays pass an interface";
+  EXPECT_EQ(std::get<BlendBsdf>(front(scene, 8)).weight.value, 0.25f);
+  EXPECT_TRUE(std::holds_alternative<ConductorBsdf>(
+      scene.bsdfs.at(std::size_t(std::get<BlendBsdf>(front(scene, 8)).second)).model));
+  EXPECT_EQ(std::get<MaskBsdf>(front(scene, 9)).opacity.value, 0.5f);
+  EXPECT_THAT(warnings(scene), AllOf(HasSubstr("coateddiffuse is approximated by a plastic"),
+                                     HasSubstr("glasses have one refractive index")));
+}
+
+TEST_F(PbrtText, TexturesCountVFromTheBottom) {
+  const std::vector<std::uint8_t> texels = {255, 0};
+  write("t.tga", tga_file(1, 2, 1, texels));
+  const SceneDescription scene = good_pbrt(
+      "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.tga\" \"float uscale\" 2 \"float "
+      "vdelta\" 0.25 "
+      "\"string encoding\" \"linear\"\nTexture \"s\" \"spectrum\" \"scale\" \"texture tex\" \"t\" \"float "
+      "scale\" 0.5\n"
+      "Texture \"c\" \"spectrum\" \"checkerboard\" \"rgb tex1\" [1 0 0] \"rgb tex2\" [0 1 0]\n"
+      "Texture \"m\" \"spectrum\" \"mix\" \"rgb tex1\" [1 0 0] \"rgb tex2\" [0 1 0] \"float amount\" 0.25\n"
+      "Material \"diffuse\" \"texture reflectance\" \"s\"\n"
+      "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"point2 uv\" [0 0 1 0 0 1]\n"
+      "Material \"diffuse\" \"texture reflectance\" \"c\"\n"
+      "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"point2 uv\" [0 0 1 0 0 1]\n"
+      "Material \"diffuse\" \"texture reflectance\" \"m\"\n" +
+      std::string(kTriangle));
+  const auto reflectance = [&](std::size_t shape) {
+    return std::get<DiffuseBsdf>(front(scene, shape)).reflectance;
+  };
+  const auto& scale = std::get<ScaleTexture>(scene.textures.at(std::size_t(reflectance(0).texture)).model);
+  EXPECT_EQ(scale.scale.value, glm::vec3(0.5f));
+  const SceneTexture& image = scene.textures.at(std::size_t(scale.texture));
+  EXPECT_EQ(image.to_uv * glm::dvec3(1, 0, 1), glm::dvec3(2, 0.75, 1));
+  EXPECT_EQ(std::get<BitmapTexture>(image.model).gamma, 1.0f);
+  const SceneTexture& board = scene.textures.at(std::size_t(reflectance(1).texture));
+  EXPECT_EQ(std::get<CheckerboardTexture>(board.model).color0.value, glm::vec3(1, 0, 0));
+  EXPECT_EQ(board.to_uv * glm::dvec3(1, 1, 1), glm::dvec3(0.5, 0.5, 1)) << "squares of unit size";
+  EXPECT_EQ(reflectance(2).value, glm::vec3(0.75f, 0.25f, 0));
+}
+
+TEST(PbrtOctahedron, IsItsInverseOfEqualAreas) {
+  // The square's middle is +z, its corners -z, the middles of its edges the equator.
+  EXPECT_EQ(pbrt::octahedral_square({0, 0, 1}), glm::dvec2(0.5, 0.5));
+  const auto near = [](glm::dvec2 a, glm::dvec2 b) { return glm::length(a - b) < 1e-9; };
+  EXPECT_TRUE(near(pbrt::octahedral_square({1, 0, 0}), {1.0, 0.5}));
+  EXPECT_TRUE(near(pbrt::octahedral_square({0, -1, 0}), {0.5, 0.0}));
+  // Uniform directions make a uniform square: 16 cells, 16000 points, chi-square of 15 degrees below its
+  // 1e-6 quantile.
+  std::mt19937_64 random(17);
+  std::normal_distribution<double> normal;
+  std::array<int, 16> counts{};
+  for (int i = 0; i < 16000; ++i) {
+    const glm::dvec2 at = pbrt::octahedral_square({normal(random), normal(random), normal(random)});
+    ASSERT_TRUE(at.x >= 0 && at.x <= 1 && at.y >= 0 && at.y <= 1);
+    ++counts[std::size_t(std::min(int(4 * at.x), 3) + 4 * std::min(int(4 * at.y), 3))];
+  }
+  double chi = 0;
+  for (const int count : counts) chi += (count - 1000.0) * (count - 1000.0) / 1000.0;
+  EXPECT_LT(chi, 56.5);
+}
+
+TEST_F(PbrtText, ImagesOfTheSkyAreResampled) {
+  // 16 x 16, the half with x > 0 white.
+  std::vector<std::uint8_t> texels(256, 0);
+  for (std::size_t y = 0; y < 16; ++y)
+    for (std::size_t x = 8; x < 16; ++x) texels[16 * y + x] = 255;
+  write("sky.tga", tga_file(16, 16, 1, texels));
+  const SceneDescription scene =
+      good_pbrt(std::string(kTriangle) +
+                "LightSource \"infinite\" \"string filename\" \"sky.tga\" \"float scale\" 3\n");
+  const auto sky = only<EnvironmentMapLight>(scene);
+  EXPECT_EQ(sky.scale, 3.0f);
+  ASSERT_EQ(sky.image->width, 2 * sky.image->height);
+  // Texel (x, y) is at (sin p sin t, cos t, -cos p sin t), p = 2 pi (x + 1/2) / W, t = pi y / (H - 1).
+  for (const auto [column, expected] : {std::pair(8, 1.0), std::pair(24, 0.0)})  // p = 95 and 275 degrees
+    EXPECT_EQ(bitmap_value(*sky.image, 3 * (std::size_t(8) * 32 + std::size_t(column)), 1.0f), expected);
+}
+
+TEST_F(PbrtText, IncludesImportsAndAttributes) {
+  write("geometry.pbrt", std::string("Material \"diffuse\" \"rgb reflectance\" [0 1 0]\n") + kTriangle);
+  const SceneDescription scene = good_pbrt(
+      std::string("Import \"geometry.pbrt\"\n") + kTriangle + "Include \"geometry.pbrt\"\n" + kTriangle +
+      "Attribute \"material\" \"rgb reflectance\" [1 0 0]\nMaterial \"diffuse\"\n" + kTriangle);
+  ASSERT_EQ(scene.shapes.size(), 5u);
+  const auto colour = [&](std::size_t i) { return std::get<DiffuseBsdf>(front(scene, i)).reflectance.value; };
+  EXPECT_EQ(colour(0), glm::vec3(0, 1, 0));
+  EXPECT_EQ(colour(1), glm::vec3(0.5f)) << "what an import sets ends with it";
+  EXPECT_EQ(colour(2), glm::vec3(0, 1, 0));
+  EXPECT_EQ(colour(3), glm::vec3(0, 1, 0));
+  EXPECT_EQ(colour(4), glm::vec3(1, 0, 0));
+  EXPECT_EQ(scene.files.size(), 3u);
+}
+
+TEST_F(PbrtText, WhatIsWrongIsSaidWithItsPlace) {
+  EXPECT_THAT(wrong("Shap \"sphere\""),
+              AllOf(HasSubstr("scene.pbrt:3:1: error: 'Shap' is not a directive"), HasSubstr("Shape")));
+  EXPECT_THAT(wrong("Shape \"spher\""), AllOf(HasSubstr("shape 'spher' is not one"), HasSubstr("sphere")));
+  EXPECT_THAT(wrong("Shape \"sphere\" \"float radius\" [1"),
+              HasSubstr("scene.pbrt:3:31: error: this bracket"));
+  EXPECT_THAT(wrong("Shape \"sphere\" \"float radius\" \"x\""), HasSubstr("'radius' needs numbers"));
+  EXPECT_THAT(wrong("Shape \"sphere\" \"float radius\" -1"), HasSubstr("must be above 0"));
+  EXPECT_THAT(wrong("Shape \"sphere\" \"flat radius\" 1"), HasSubstr("types are"));
+  EXPECT_THAT(wrong("Shape \"sphere\" \"float radios\" 1"), HasSubstr("the parameter 'radios' of the shape"));
+  EXPECT_THAT(wrong("Shape \"sphere\" \"float radius\" 1 \"float radius\" 2"), HasSubstr("there twice"));
+  EXPECT_THAT(wrong("Translate 1 2"), HasSubstr("3 numbers are wanted here"));
+  EXPECT_THAT(wrong("Translate 1 2 x"), HasSubstr("scene.pbrt:3:15"));
+  EXPECT_THAT(wrong("AttributeEnd"), HasSubstr("AttributeEnd without AttributeBegin"));
+  EXPECT_THAT(wrong("AttributeBegin"), HasSubstr("there is no AttributeEnd for this"));
+  EXPECT_THAT(wrong("Material \"diffuse\" \"texture reflectance\" \"t\""),
+              HasSubstr("there is no texture 't'"));
+  EXPECT_THAT(wrong("Material \"diffuse\" \"rgb reflectance\" [1 2 0]"),
+              HasSubstr("must be in [0, 1], not 2"));
+  EXPECT_THAT(wrong("NamedMaterial \"m\""), HasSubstr("there is no material 'm'"));
+  EXPECT_THAT(wrong("ObjectInstance \"o\""), HasSubstr("there is no object 'o'"));
+  EXPECT_THAT(wrong("Include \"none.pbrt\""), HasSubstr("there is no file 'none.pbrt'"));
+  EXPECT_THAT(wrong("Include \"scene.pbrt\""), HasSubstr("error"));
+  EXPECT_THAT(wrong("Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 3]"),
+              HasSubstr("an index 3, where there are 3 points"));
+  EXPECT_THAT(wrong("Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1]"), HasSubstr("3 for each"));
+  EXPECT_THAT(wrong("Scale 0 1 1\nShape \"sphere\""), HasSubstr("flattens it"));
+  EXPECT_THAT(wrong("MakeNamedMedium \"m\" \"string type\" \"homogeneous\""),
+              HasSubstr("media are not read"));
+  EXPECT_THAT(wrong("Material \"diffusetransmission\""), HasSubstr("not one that Penumbra reads"));
+  EXPECT_THAT(wrong("Translate 1 1 \"open"), HasSubstr("no closing quote"));
+  EXPECT_THAT(wrong("LightSource \"infinite\" \"blackbody L\" 3"), HasSubstr("100 to 1e6 K"));
+  EXPECT_THAT(wrong(kTriangle, "Camera \"perspective\" \"float fov\" 180"), HasSubstr("fov must be between"));
+  EXPECT_THAT(wrong(kTriangle, ""), HasSubstr("the file has no Camera"));
+  EXPECT_THAT(without_folder(read_pbrt("Camera \"perspective\"\nShape \"sphere\"").error().message),
+              AllOf(HasSubstr("Shape belongs after WorldBegin"), HasSubstr("no WorldBegin")));
+}
+
+TEST_F(PbrtText, LeniencyStandsIn) {
+  const SceneDescription scene =
+      good_pbrt(std::string("Material \"hair\"\n") + kTriangle + "Shape \"curve\"\nMakeNamedMedium \"m\"\n",
+                "Camera \"perspective\"", {.lenient = true});
+  ASSERT_EQ(scene.shapes.size(), 1u);
+  EXPECT_THAT(warnings(scene), AllOf(HasSubstr("magenta diffuse"), HasSubstr("it is left out")));
+}
+
+}  // namespace
+}  // namespace penumbra
