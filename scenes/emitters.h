@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "kernels/scene_types.h"
-#include "scenes/device/light_bounds.h"
 #include "scenes/cameras.h"
+#include "scenes/device/light_bounds.h"
 #include "scenes/device/scene_records.h"
 #include "scenes/device/to_vec3.h"
 #include "scenes/image/bitmap.h"
@@ -217,6 +217,8 @@ struct DirectionalLight {
     const double radius = std::max(place.scene_radius, 1e-15);
     EmitterLight made = emitter_light(LIGHT_DIRECTIONAL, irradiance, std::numbers::pi * radius * radius);
     made.light.p1 = to_vec3(glm::normalize(direction));
+    made.bounds =
+        LightBounds{.axis = glm::normalize(direction), .spread = 0, .intensity = made.power > 0 ? 1.0 : 0.0};
     return made;
   }
 };

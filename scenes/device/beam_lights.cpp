@@ -1,4 +1,5 @@
 // Spot lights and projectors as records, see kernels/light/beam.h.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -36,6 +37,20 @@ EmitterLight beam_light(int kind, const TexturedColour& texture, const glm::vec3
   return made;
 }
 
+/// Of a light that shines evenly within `angle` of its axis, and not beyond.
+LightBounds beam_bounds(const EmitterLight& made, const glm::dmat4& to_world, double angle,
+                        double intensity) {
+  constexpr double kMargin = 1e-3;  // for rounding
+  LightBounds bounds;
+  bounds.infinite = false;
+  bounds.low = bounds.high = glm::dvec3(made.light.p0.x, made.light.p0.y, made.light.p0.z);
+  bounds.axis = glm::normalize(glm::dvec3(to_world[2]));
+  bounds.spread = std::min(angle, kPi);
+  bounds.reach = kMargin;
+  bounds.intensity = intensity;
+  return bounds;
+}
+
 }  // namespace
 
 EmitterLight SpotLight::light(const EmitterPlace& place) const {
@@ -53,7 +68,9 @@ EmitterLight SpotLight::light(const EmitterPlace& place) const {
   // (cutoff - angle) / (cutoff - beam) the primitive is taken by parts.
   const double linear = to > from ? 1 - (std::sin(to) - std::sin(from)) / (to - from) : versine(cutoff);
   const double solid_angle = 2 * kPi * (cubic ? 0.5 * (from + to) : linear);
-  return beam_light(LIGHT_SPOT, texture, intensity, solid_angle, beam, to_world, place);
+  EmitterLight made = beam_light(LIGHT_SPOT, texture, intensity, solid_angle, beam, to_world, place);
+  made.bounds = beam_bounds(made, to_world, cutoff, made.power / std::max(solid_angle, 1e-30));
+  return made;
 }
 
 EmitterLight ProjectorLight::light(const EmitterPlace& place) const {
@@ -64,7 +81,11 @@ EmitterLight ProjectorLight::light(const EmitterPlace& place) const {
   beam.u_by_x = float(-0.5 / x);
   beam.v_by_y = float(-0.5 / y);
   // Irradiance pi on the plane at distance 1.
-  return beam_light(LIGHT_PROJECTOR, irradiance, glm::vec3(scale), kPi * 4 * x * y, beam, to_world, place);
+  const double area = 4 * x * y;
+  EmitterLight made =
+      beam_light(LIGHT_PROJECTOR, irradiance, glm::vec3(scale), kPi * area, beam, to_world, place);
+  made.bounds = beam_bounds(made, to_world, std::atan(std::hypot(x, y)), made.power / area);
+  return made;
 }
 
 }  // namespace penumbra
