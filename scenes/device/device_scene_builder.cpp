@@ -417,14 +417,12 @@ class Builder {
   /// An infinite light beside one that is as one: how often each is chosen matters, where does not, and the
   /// table takes no time.
   void choose_alike(int infinite, double share) {
-    constexpr double kLeast = 0.1;
-    const double kept = std::clamp(share, kLeast, 1 - kLeast);
     std::vector<double> shares;
     double intensity = 0;
     for (const LightBounds& light : lights_.bounds()) intensity += light.infinite ? 0.0 : light.intensity;
     for (const LightBounds& light : lights_.bounds())
-      shares.push_back(light.infinite ? 0.0 : (1 - kept) * light.intensity / intensity);
-    shares[std::size_t(infinite)] = kept;
+      shares.push_back(light.infinite ? 0.0 : (1 - share) * light.intensity / intensity);
+    shares[std::size_t(infinite)] = share;
     set_light_probabilities(records_.lights, shares);
     set_light_tree({});
     records_.light_nodes.clear();

@@ -184,7 +184,7 @@ class Survey {
   /// squares of both means. Which light is taken is well spread, so most of that makes no noise: the mean of
   /// a group counts as if it were taken for certain.
   static double variance(const std::vector<Arrival>& samples, double p) {
-    constexpr double kSpread = 0.9;
+    constexpr double kSpread = 0.5;
     double moment = 0, sum = 0, squares = 0, other_sum = 0, other_squares = 0;
     for (const Arrival& a : samples) {
       const double both = p * a.pdf + a.other_pdf, value = a.light / a.pdf;
@@ -243,16 +243,16 @@ class Survey {
     for (double& share : shares)
       sum += share = std::max(all > 0 ? share / all : equal, kLeastOfInfinite * equal);
     for (double& share : shares) share /= sum;
-    const double x = least_at(1, shares), constant = least_at(0, shares);
+    const double constant = constant_share(shares), x = least_intensity(shares);
     for (double& share : shares) share *= x;
-    return {shares, constant / (1 + constant)};
+    return {shares, constant};
   }
 
-  /// The x of the least variance, by factors of two, then within the best of them.
-  [[nodiscard]] double least_at(double exponent, std::span<const double> shares) const {
+  /// Of the least variance, by factors of two, then within the best of them.
+  [[nodiscard]] double least_intensity(std::span<const double> shares) const {
     double best = 0, least = std::numeric_limits<double>::infinity();
     const auto consider = [&](double k) {
-      if (const double value = variance_of_all(std::exp2(k), exponent, shares); value < least) {
+      if (const double value = variance_of_all(std::exp2(k), 1, shares); value < least) {
         least = value;
         best = k;
       }
@@ -261,6 +261,20 @@ class Survey {
     for (double step = 0.5; step > 0.05; step *= 0.5)
       for (const double k : {best - step, best + step}) consider(k);
     return std::exp2(best);
+  }
+
+  /// A half, which well spread numbers divide best and which is never worse than twice the best, unless
+  /// another part of a power of two promises much less.
+  [[nodiscard]] double constant_share(std::span<const double> shares) const {
+    constexpr double kMuchLess = 0.7;
+    double best = 0.5, least = kMuchLess * variance_of_all(1, 0, shares);
+    for (const double share : {0.25, 0.75, 0.125, 0.875}) {
+      if (const double value = variance_of_all(share / (1 - share), 0, shares); value < least) {
+        least = value;
+        best = share;
+      }
+    }
+    return best;
   }
 
   Scene scene_;
