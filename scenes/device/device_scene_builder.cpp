@@ -19,6 +19,7 @@
 #include "scenes/device/integrator_builder.h"
 #include "scenes/device/light_builder.h"
 #include "scenes/device/light_survey.h"
+#include "scenes/device/light_table.h"
 #include "scenes/device/light_tree_builder.h"
 #include "scenes/device/light_textures.h"
 #include "scenes/device/ltc/ltc_table.h"
@@ -463,6 +464,7 @@ class Builder {
   /// Of no light where none has power.
   void set_light_tree(const LightTree& tree) {
     if (tree.nodes.empty()) {
+      h_.light_cut = h_.light_tree_depth = 0;
       h_.integrator.light_choice = CHOICE_POWER;
       h_.features &= ~std::uint32_t(FEATURE_LIGHT_TREE);
       return;
@@ -490,18 +492,53 @@ class Builder {
       return {};
     }
     set_light_tree(build_light_tree(finite, unit));
-    Expected<std::vector<double>> found = survey(infinite);
+    Expected<InfiniteLights> found = survey(infinite);
     if (!found) return std::unexpected(found.error());
+    if (infinite.size() == 1 && in_one_place(finite) && chooses_as_it_likes(scene_.integrator)) {
+      choose_alike(infinite[0], found->share);
+      return {};
+    }
     for (std::size_t i = 0; i < infinite.size(); ++i)
-      all[std::size_t(infinite[i])].intensity = (*found)[i] / unit;
+      all[std::size_t(infinite[i])].intensity = found->intensities[i] / unit;
     set_light_tree(build_light_tree(all, unit));
     return {};
   }
 
+  /// Whether these are as one, say the triangles of a lamp.
+  static bool in_one_place(const std::vector<LightBounds>& lights) {
+    constexpr int kMost = 4;
+    const auto size = [](const LightBounds& b) { return glm::length(b.high - b.low); };
+    std::optional<LightBounds> all;
+    double largest = 0;
+    int count = 0;
+    for (const LightBounds& light : lights) {
+      if (!(light.intensity > 0)) continue;
+      all = all ? joined(*all, light) : light;
+      largest = std::max(largest, size(light));
+      if (++count > kMost) return false;
+    }
+    return all && size(*all) <= 1.01 * largest;
+  }
+
+  /// An infinite light beside one that is as one: how often each is chosen matters, where does not, and the
+  /// table takes no time.
+  void choose_alike(int infinite, double share) {
+    std::vector<double> shares;
+    double intensity = 0;
+    for (const LightBounds& light : lights_.bounds()) intensity += light.infinite ? 0.0 : light.intensity;
+    for (const LightBounds& light : lights_.bounds())
+      shares.push_back(light.infinite ? 0.0 : (1 - share) * light.intensity / intensity);
+    shares[std::size_t(infinite)] = share;
+    set_light_probabilities(records_.lights, shares);
+    set_light_tree({});
+    records_.light_nodes.clear();
+    records_.light_trails.clear();
+  }
+
   /// See survey_infinite_lights; in a copy of the scene that has the portable hierarchy in any case.
-  Expected<std::vector<double>> survey(std::span<const int> infinite) {
+  Expected<InfiniteLights> survey(std::span<const int> infinite) {
     if (records_.triangles.empty() && records_.quadrics.empty())
-      return std::vector<double>(infinite.size(), 1.0);
+      return InfiniteLights{.intensities = std::vector<double>(infinite.size(), 1.0)};
     const auto store_and_survey = [&] {
       DeviceScene surveyed;
       surveyed.header = h_;
@@ -514,7 +551,7 @@ class Builder {
     records_.nodes.swap(hierarchy->nodes);
     records_.triangle_leaves.swap(hierarchy->triangle_leaves);
     records_.quadric_leaves.swap(hierarchy->quadric_leaves);
-    std::vector<double> found = store_and_survey();
+    InfiniteLights found = store_and_survey();
     records_.nodes.clear();
     records_.triangle_leaves.clear();
     records_.quadric_leaves.clear();

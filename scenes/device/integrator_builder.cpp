@@ -159,6 +159,10 @@ bool wants_polygons(const IntegratorSettings& integrator) {
          light_choice(integrator) == LightChoice::kAnalytic;
 }
 
+bool chooses_as_it_likes(const IntegratorSettings& integrator) {
+  return light_choice(integrator) == LightChoice::kAuto;
+}
+
 EmitterSampling default_sampling(const IntegratorSettings& integrator, bool narrow) {
   const auto wanted = parameter_or(integrator, PENUMBRA_PARAMETER(emitter_sampling), EmitterSampling::kAuto);
   if (wanted != EmitterSampling::kAuto) return wanted;

@@ -11,6 +11,9 @@ namespace penumbra {
 /// Whether the settings need the closed form of polygon lights, if only to choose among lights.
 bool wants_polygons(const IntegratorSettings& integrator);
 
+/// Whether how lights are chosen is left open.
+bool chooses_as_it_likes(const IntegratorSettings& integrator);
+
 /// How lights are sampled that do not say it themselves. `narrow`: surfaces have lobes of which control
 /// variates and samples know, and which are narrower than most lights.
 EmitterSampling default_sampling(const IntegratorSettings& integrator, bool narrow = false);

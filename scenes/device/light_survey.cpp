@@ -16,10 +16,8 @@
 namespace penumbra {
 namespace {
 
-static_assert(LANES >= 4);
-
 constexpr int kCameraRays = 1024, kBounces = 3, kMostPassed = 16;
-constexpr int kSamples = 4;           // of each light at a place, and of all others together
+constexpr int kSamples = 8;           // of each light at a place, and of all others together
 constexpr double kLaterWeight = 0.5;  // of a place against the one from which it was found
 // No infinite light gets less than this of what all of them get, per light.
 constexpr double kLeastOfInfinite = 0.05;
@@ -36,9 +34,9 @@ class Survey {
   Survey(const DeviceScene& scene, std::span<const int> infinite)
       : scene_(make_scene(scene.header, scene.words.data())), infinite_(infinite) {}
 
-  std::vector<double> run() {
+  InfiniteLights run() {
     for (int k = 0; k < kCameraRays; ++k) follow(k);
-    return intensities();
+    return found();
   }
 
  private:
@@ -181,12 +179,27 @@ class Survey {
     }
   }
 
-  /// Second moment of the light of samples, of which a group's are taken with probability p, together with
-  /// those of directions by the balance heuristic: of f, the integral of f^2 / (p pdf + other_pdf).
-  static double moment(const std::vector<Arrival>& samples, double p) {
-    double sum = 0;
-    for (const Arrival& a : samples) sum += a.light * a.light / (a.pdf * (p * a.pdf + a.other_pdf));
-    return sum / kSamples;
+  /// Variance of the light that samples bring, of which a group's are taken with probability p, and of that
+  /// which directions find, by the balance heuristic: of f the integral of f^2 / (p pdf + other_pdf) less the
+  /// squares of both means. Which light is taken is well spread, so most of that makes no noise: the mean of
+  /// a group counts as if it were taken for certain.
+  static double variance(const std::vector<Arrival>& samples, double p) {
+    constexpr double kSpread = 0.5;
+    double moment = 0, sum = 0, squares = 0, other_sum = 0, other_squares = 0;
+    for (const Arrival& a : samples) {
+      const double both = p * a.pdf + a.other_pdf, value = a.light / a.pdf;
+      const double own = value * (p * a.pdf / both), other = value * (a.other_pdf / both);
+      moment += value * a.light / both;
+      sum += own;
+      squares += own * own;
+      other_sum += other;
+      other_squares += other * other;
+    }
+    // Squared means without bias, by pairs of samples.
+    constexpr double kPairs = double(kSamples) * (kSamples - 1);
+    const double mean2 = (sum * sum - squares) / kPairs,
+                 other_mean2 = (other_sum * other_sum - other_squares) / kPairs;
+    return moment / kSamples - kSpread * (mean2 / p + other_mean2);
   }
 
   /// Relative to the light there, as far as one place tells.
@@ -195,51 +208,73 @@ class Survey {
     return place.weight / (irradiance * irradiance);
   }
 
-  /// Of all places, where infinite lights have intensities that are shares of x.
-  [[nodiscard]] double moment_of_all(double x, std::span<const double> shares) const {
+  /// Of all places, where infinite lights have intensities that are shares of x, beside importances to the
+  /// power of `exponent`.
+  [[nodiscard]] double variance_of_all(double x, double exponent, std::span<const double> shares) const {
     double sum = 0;
     for (const Place& place : places_) {
       const double importance = place.importance, least = double(LEAST_LIGHT_SHARE);
-      const double p = importance > 0 ? std::clamp(x / (x + importance), least, 1 - least) : 1.0;
-      double here = p < 1 ? moment(place.finite, 1 - p) : 0.0;
-      for (std::size_t i = 0; i < shares.size(); ++i) here += moment(place.infinite[i], p * shares[i]);
+      const bool any = importance > 0 || exponent == 0;
+      const double p = any ? std::clamp(x / (x + std::pow(importance, exponent)), least, 1 - least) : 1.0;
+      double here = p < 1 ? variance(place.finite, 1 - p) : 0.0;
+      for (std::size_t i = 0; i < shares.size(); ++i) here += variance(place.infinite[i], p * shares[i]);
       sum += relative_weight(place) * here;
     }
     return sum;
   }
 
-  [[nodiscard]] std::vector<double> intensities() {
+  [[nodiscard]] InfiniteLights found() {
     double irradiances = 0, weights = 0;
     for (const Place& place : places_) {
       irradiances += place.weight * place.irradiance;
       weights += place.weight;
     }
     mean_irradiance_ = weights > 0 ? irradiances / weights : 0.0;
-    // Among each other as the roots of their moments, which is best where light of one comes without others.
+    // Among each other as the roots of their variances, which is best where light of one comes without
+    // others.
     const double equal = 1 / double(infinite_.size());
     std::vector<double> shares(infinite_.size(), 0.0);
     double all = 0;
     for (std::size_t i = 0; i < shares.size(); ++i) {
-      for (const Place& place : places_) shares[i] += relative_weight(place) * moment(place.infinite[i], 1);
-      all += shares[i] = std::sqrt(shares[i]);
+      for (const Place& place : places_) shares[i] += relative_weight(place) * variance(place.infinite[i], 1);
+      all += shares[i] = std::sqrt(std::max(shares[i], 0.0));
     }
     double sum = 0;
     for (double& share : shares)
       sum += share = std::max(all > 0 ? share / all : equal, kLeastOfInfinite * equal);
     for (double& share : shares) share /= sum;
-    // The least moment, by factors of two, then within the best of them.
+    const double constant = constant_share(shares), x = least_intensity(shares);
+    for (double& share : shares) share *= x;
+    return {shares, constant};
+  }
+
+  /// Of the least variance, by factors of two, then within the best of them.
+  [[nodiscard]] double least_intensity(std::span<const double> shares) const {
     double best = 0, least = std::numeric_limits<double>::infinity();
-    const auto consider = [&](double exponent) {
-      if (const double value = moment_of_all(std::exp2(exponent), shares); value < least) {
+    const auto consider = [&](double k) {
+      if (const double value = variance_of_all(std::exp2(k), 1, shares); value < least) {
         least = value;
-        best = exponent;
+        best = k;
       }
     };
     for (int k = -60; k <= 60; ++k) consider(k);
     for (double step = 0.5; step > 0.05; step *= 0.5)
-      for (const double exponent : {best - step, best + step}) consider(exponent);
-    for (double& share : shares) share *= std::exp2(best);
-    return shares;
+      for (const double k : {best - step, best + step}) consider(k);
+    return std::exp2(best);
+  }
+
+  /// A half, which well spread numbers divide best and which is never worse than twice the best, unless
+  /// another part of a power of two promises much less.
+  [[nodiscard]] double constant_share(std::span<const double> shares) const {
+    constexpr double kMuchLess = 0.7;
+    double best = 0.5, least = kMuchLess * variance_of_all(1, 0, shares);
+    for (const double share : {0.25, 0.75, 0.125, 0.875}) {
+      if (const double value = variance_of_all(share / (1 - share), 0, shares); value < least) {
+        least = value;
+        best = share;
+      }
+    }
+    return best;
   }
 
   Scene scene_;
@@ -251,7 +286,7 @@ class Survey {
 
 }  // namespace
 
-std::vector<double> survey_infinite_lights(const DeviceScene& scene, std::span<const int> infinite) {
+InfiniteLights survey_infinite_lights(const DeviceScene& scene, std::span<const int> infinite) {
   return Survey(scene, infinite).run();
 }
 

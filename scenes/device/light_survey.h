@@ -8,13 +8,18 @@
 
 namespace penumbra {
 
-/// For each of the infinite lights, by index, the intensity that it has in the hierarchy of lights: such that
-/// the variance of light samples, balanced with samples of diffuse directions, is least, relative to the
-/// light there, over places that the camera sees and others that light reaches from there. Always the same
-/// for the same scene.
+struct InfiniteLights {
+  std::vector<double>
+      intensities;     ///< of each in the hierarchy of lights, by which it is chosen beside others
+  double share = 0.5;  ///< probability of all together where all places choose alike
+};
+
+/// What the infinite lights get, by index: such that the variance of light samples, balanced with samples of
+/// diffuse directions, is least, relative to the light there, over places that the camera sees and others
+/// that light reaches from there. Always the same for the same scene.
 ///
 /// `scene` has the hierarchy of the portable intersector, and a hierarchy of all lights but these. Rays find
 /// what is in the way; glass and mirrors are, as for shadow rays. Materials count as what their records say.
-std::vector<double> survey_infinite_lights(const DeviceScene& scene, std::span<const int> infinite);
+InfiniteLights survey_infinite_lights(const DeviceScene& scene, std::span<const int> infinite);
 
 }  // namespace penumbra

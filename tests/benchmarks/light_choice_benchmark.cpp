@@ -1,4 +1,4 @@
-// Choice among lights by their hierarchy against that by power: relative mean squared error of equally many
+// The choice among lights that scenes get against that by power: relative mean squared error of equally many
 // samples, the processor's time that they take (the least of all batches), and the quotient of the products,
 // so that 2 is half the time to equal error. Prints one line a scene.
 #include <fmt/format.h>
@@ -45,7 +45,7 @@ double relative_error(const statistics::Image& image, const statistics::Image& r
 }
 
 void compare(const std::string& name, const SceneDescription& scene, const Options& options) {
-  constexpr LightChoice kChoices[] = {LightChoice::kPower, LightChoice::kTree};
+  constexpr LightChoice kChoices[] = {LightChoice::kPower, LightChoice::kAuto};
   const statistics::Image reference =
       mean_image(render_or_throw(with_choice(scene, LightChoice::kTree, options.reference_spp, 999)));
   Measured measured[2];
@@ -76,7 +76,7 @@ int main(int argc, char** argv) {
   if (argc > 1) options.spp = std::max(std::atoi(argv[1]), 1);
   if (argc > 2) options.reference_spp = std::max(std::atoi(argv[2]), 1);
   fmt::print(
-      "| scene | relMSE by power | by tree | s by power | by tree | efficiency "
+      "| scene | relMSE by power | auto | s by power | auto | efficiency "
       "|\n|---|---|---|---|---|---|\n");
   for (int i = 3; i + 1 < argc; i += 2) {
     SceneDescription scene = read_or_throw(argv[i + 1]);
