@@ -2,21 +2,11 @@
 
 #include <fmt/format.h>
 
-#include "scenes/transform.h"
 #include "scenes/view_angle.h"
 
 namespace penumbra {
-namespace {
-
-void check_frame(const glm::dmat4& to_world, Findings& findings) {
-  if (is_singular(to_world))
-    findings.push_back({"to_world", "to_world flattens space: every axis must keep a length"});
-}
-
-}  // namespace
 
 void SpotLight::check(Findings& findings) const {
-  check_frame(to_world, findings);
   const bool flat = texture.texture != kNoTexture;
   if (!(cutoff_angle > 0.0 && cutoff_angle <= 180.0))
     findings.push_back(
@@ -42,7 +32,6 @@ void ProjectorLight::use_focal_length(Findings& findings) {
 }
 
 void ProjectorLight::check(Findings& findings) const {
-  check_frame(to_world, findings);
   if (!(fov > 0.0 && fov < 180.0))
     findings.push_back({"fov", fmt::format("fov must be a number in (0, 180), not {}", fov)});
 }

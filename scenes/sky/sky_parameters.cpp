@@ -8,7 +8,6 @@
 
 #include "scenes/sky/preetham_sky.h"
 #include "scenes/sky/sky_image.h"
-#include "scenes/transform.h"
 
 namespace penumbra {
 
@@ -20,8 +19,6 @@ glm::dmat3 SkyParameters::frame() const {
 }
 
 void SkyParameters::check(Findings& findings, bool has_direction) {
-  if (is_singular(to_world))
-    findings.push_back({"to_world", "to_world flattens space: every axis must keep a length"});
   const auto within = [&](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
       findings.push_back(

@@ -64,6 +64,8 @@ struct ReferenceCase {
   std::string folder, scene, reference;
   TestDevice (*device)();
   std::vector<std::pair<std::string, std::string>> defines = {};  ///< as for -D
+  /// How many times the samples, where ours vary by more than the reference's; the limit stays.
+  std::uint32_t times = 1;
 };
 void PrintTo(const ReferenceCase& tested, std::ostream* out) { *out << tested.name; }
 
@@ -81,7 +83,8 @@ TEST_P(MitsubaReference, PixelsAgree) {
   const int pixels = scene.film.width * scene.film.height;
   ASSERT_EQ(reference.width(), scene.film.width);
   ASSERT_EQ(reference.height(), scene.film.height);
-  scene.sampler.spp = std::uint32_t(kSamples / pixels);
+  const auto samples = std::uint32_t(kSamples / pixels);
+  scene.sampler.spp = tested.times * samples;
   const statistics::Image ours = mean_image(render_or_throw(scene, tested.device()));
   const double limit = statistics::sidak_limit(kSignificance, std::size_t(pixels));
   int accepted = 0;
@@ -92,8 +95,7 @@ TEST_P(MitsubaReference, PixelsAgree) {
       const Triple a = to_xyz({ours.at(x, y, 0), ours.at(x, y, 1), ours.at(x, y, 2)});
       const Triple b = reference.at(x, y), v = variance.at(x, y);
       for (std::size_t c = 0; c < 3; ++c) {
-        const double z =
-            std::abs(a[c] - b[c]) * std::sqrt(scene.sampler.spp / std::max(v[c], kLeastVariance));
+        const double z = std::abs(a[c] - b[c]) * std::sqrt(samples / std::max(v[c], kLeastVariance));
         accepted += z <= limit ? 1 : 0;
         if (!(z <= worst)) {
           worst = z;
@@ -126,19 +128,22 @@ const ReferenceCase kReferences[] = {
      native_device},
     {"TexturedPrincipledOpenCl", "bsdf_spheres", "test_texturedprincipled1_path", "test_texturedprincipled1",
      opencl_device},
-    // Its reference is that of a path tracer too, as its file says.
+    // Its reference is that of a path tracer too, as its file says. Of ten lights Mitsuba takes each as
+    // often; here the brightest are taken more often than where they are far.
     {"VariousEmittersNative",
      "various_emitters",
      "test_various_emitters_ptracer",
      "test_various_emitters",
      native_device,
-     {{"integrator", "path"}}},
+     {{"integrator", "path"}},
+     8},
     {"VariousEmittersOpenCl",
      "various_emitters",
      "test_various_emitters_ptracer",
      "test_various_emitters",
      opencl_device,
-     {{"integrator", "path"}}}};
+     {{"integrator", "path"}},
+     8}};
 
 INSTANTIATE_TEST_SUITE_P(Scenes, MitsubaReference, testing::ValuesIn(kReferences),
                          [](const auto& info) { return info.param.name; });

@@ -22,6 +22,7 @@ class Generator {
  public:
   explicit Generator(std::uint32_t seed)
       : random_(0x9e3779b97f4a7c15u * (seed + 1)),
+        beams_(0xd1b54a32d192ed03u * (seed + 1)),
         unit_(random_.one_of({0.3, 1.0, 1.0, 40.0})),
         plan_(plan_integrator(int(seed % 12), random_)) {
     scene_.name = fmt::format("{}", seed);
@@ -263,6 +264,7 @@ class Generator {
     }
     if (sky_) scene_.both(plugin("emitter", "constant", colour("radiance", 0.2, 0.8)));
     if (point_) add_point();
+    if (plan_.point_lights && beams_.chance(0.35)) add_beam();
   }
 
   void add_point() {
@@ -272,6 +274,27 @@ class Generator {
     const std::string where =
         random_.chance(0.5) ? element("point", "position", vector_text(at)) : to_world(translate(at));
     scene_.both(plugin("emitter", "point", where + rgb("intensity", random_.vector(1, 3) * unit_ * unit_)));
+  }
+
+  /// A spot light, a projector or a directional light, by numbers of its own.
+  void add_beam() {
+    const glm::dvec3 eye = beams_.vector(-1.5, 1.5) + glm::dvec3(0, 3, 0), target = beams_.vector(-0.6, 0.6);
+    const std::string colour = rgb("COLOUR", beams_.vector(1, 4) * unit_ * unit_);
+    const auto named = [&](const char* name) {
+      std::string text = colour;
+      return text.replace(text.find("COLOUR"), 6, name);
+    };
+    const std::string place = look_at(eye * unit_, target * unit_);
+    const int kind = beams_.below(3);
+    const double cutoff = beams_.between(20, 80);
+    if (kind == 0)
+      scene_.both(plugin("emitter", "spot",
+                         named("intensity") + real("cutoff_angle", cutoff) +
+                             real("beam_width", beams_.between(0, 0.95) * cutoff) + place));
+    if (kind == 1)
+      scene_.both(plugin("emitter", "projector", named("irradiance") + real("fov", 1.5 * cutoff) + place));
+    if (kind == 2)
+      scene_.both(plugin("emitter", "directional", rgb("irradiance", beams_.vector(0.1, 1)) + place));
   }
 
   void add_lamp(const Ball& place) {
@@ -334,6 +357,7 @@ class Generator {
   }
 
   Random random_;
+  Random beams_;
   double unit_;  ///< of length
   IntegratorPlan plan_;
   bool sky_ = false, point_ = false;
