@@ -27,7 +27,8 @@
   X(BENT, 0x40000, "normal maps and bump maps")                               \
   X(OCCLUSION, 0x80000, "ambient and reflection occlusion integrators")       \
   X(LTC, 0x100000, "glossy BSDFs under polygon lights")                       \
-  X(INSTANCES, 0x400000, "instances of groups of shapes")
+  X(INSTANCES, 0x400000, "instances of groups of shapes")                     \
+  X(CYLINDERS, 0x10000000, "cylinders")
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FEATURE_PATH 0x001
@@ -52,7 +53,8 @@
 #define FEATURE_OCCLUSION 0x80000
 #define FEATURE_LTC 0x100000
 #define FEATURE_INSTANCES 0x400000
-#define FEATURE_ALL 0x5fffff
+#define FEATURE_CYLINDERS 0x10000000
+#define FEATURE_ALL 0x105fffff
 
 /// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)

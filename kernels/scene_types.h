@@ -64,6 +64,7 @@ PENUMBRA_NAMESPACE_BEGIN
 
 #define QUADRIC_SPHERE 0
 #define QUADRIC_DISK 1
+#define QUADRIC_CYLINDER 2
 
 // How many rays pass through a material: none, all, or as its leaves are chosen.
 #define PASSES_NONE 0
@@ -107,12 +108,14 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, given) /* 1: the mesh has some */
 
 #define QUADRIC_FIELDS(F)                                                                                    \
-  F(vec3, center)                                                                                            \
-  F(vec3, normal) /* unit; disk: the front side, sphere: the pole of its texture coordinates */              \
+  F(vec3, center) /* cylinder: of its first end */                                                           \
+  F(vec3, normal) /* unit; disk: the front side, sphere: the pole of its texture coordinates, cylinder: its  \
+                     axis */                                                                                 \
   F(float, radius)                                                                                           \
+  F(float, length)      /* of a cylinder, else 1 */                                                          \
   F(vec3, x_axis)       /* unit, at right angles to the normal and each other, mirrored or not: the frame */ \
   F(vec3, y_axis)       /* ... of texture coordinates */                                                     \
-  F(float, orientation) /* sphere: 1 if outside is the front, else -1 */                                     \
+  F(float, orientation) /* sphere, cylinder: 1 if outside is the front, else -1 */                           \
   F(int, kind)          /* QUADRIC_* */                                                                      \
   F(int, front)                                                                                              \
   F(int, back)                                                                                               \
@@ -166,20 +169,20 @@ PENUMBRA_NAMESPACE_BEGIN
   MATERIAL_TEXTURES(MATERIAL_TEXTURE, F) \
   MATERIAL_TREE_FIELDS(F)
 
-#define LIGHT_FIELDS(F)                                                                                  \
-  F(vec3, radiance) /* radiance; radiant intensity for a point light */                                  \
-  F(vec3, p0)       /* triangle vertex, rectangle corner, centre of sphere or disk, or position */       \
-  F(vec3, p1)       /* triangle vertex, next corner; disk: unit normal of the front */                   \
-  F(vec3, p2)       /* triangle vertex, previous corner; sphere, disk: (radius, orientation, 0) */       \
-  F(float, area)                                                                                         \
-  F(int, sampling)          /* EMITTER_* */                                                              \
-  F(int, two_sided)         /* 1: emits from the back as well */                                         \
-  F(int, polygon)           /* index of the polygon light that it is a part of, or -1 */                 \
-  F(float, pmf)             /* probability of choosing this light */                                     \
-  F(float, alias_threshold) /* Walker's alias table: keep this light below, else take ... */             \
-  F(int, alias)             /* ... this one */                                                           \
-  F(int, rank)              /* to be added to a number's index for its rank among those of this light */ \
-  F(int, alias_rank)        /* ... of the alias */                                                       \
+#define LIGHT_FIELDS(F)                                                                                      \
+  F(vec3, radiance) /* radiance; radiant intensity for a point light */                                      \
+  F(vec3, p0)       /* triangle vertex, rectangle corner, centre (of a cylinder's first end), or position */ \
+  F(vec3, p1)       /* triangle vertex, next corner; disk: unit normal of the front; cylinder: unit axis */  \
+  F(vec3, p2)       /* triangle vertex, previous corner; others: (radius, orientation, length) */            \
+  F(float, area)                                                                                             \
+  F(int, sampling)          /* EMITTER_* */                                                                  \
+  F(int, two_sided)         /* 1: emits from the back as well */                                             \
+  F(int, polygon)           /* index of the polygon light that it is a part of, or -1 */                     \
+  F(float, pmf)             /* probability of choosing this light */                                         \
+  F(float, alias_threshold) /* Walker's alias table: keep this light below, else take ... */                 \
+  F(int, alias)             /* ... this one */                                                               \
+  F(int, rank)              /* to be added to a number's index for its rank among those of this light */     \
+  F(int, alias_rank)        /* ... of the alias */                                                           \
   F(int, kind)              /* LIGHT_* */
 
 // An image of radiance from all directions, see envmap_light.h.
@@ -297,7 +300,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define SCENE_TABLES(T, A)                                                             \
   T(A, triangles, Triangle, 1, "triangles")                                            \
   T(A, normals, VertexNormals, 1, "vertex normals")                                    \
-  T(A, quadrics, Quadric, 1, "spheres and disks")                                      \
+  T(A, quadrics, Quadric, 1, "spheres, disks and cylinders")                           \
   T(A, materials, Material, 1, "materials")                                            \
   T(A, curves, float, 1, "curves of BSDFs")                                            \
   T(A, textures, TextureNode, 1, "textures")                                           \
@@ -319,7 +322,7 @@ PENUMBRA_NAMESPACE_BEGIN
   /* Large scenes: see BVH_NODE_FIELDS. */                                             \
   T(A, nodes, BvhNode, 0, "nodes of the hierarchy")                                    \
   T(A, triangle_leaves, TriangleLeaf, 0, "leaves of triangles")                        \
-  T(A, quadric_leaves, QuadricLeaf, 0, "leaves of spheres and disks")                  \
+  T(A, quadric_leaves, QuadricLeaf, 0, "leaves of spheres, disks and cylinders")       \
   /* FEATURE_INSTANCES. */                                                             \
   T(A, groups, PrimitiveGroup, 1, "groups of shapes")                                  \
   T(A, instances, Instance, 1, "instances")                                            \

@@ -16,7 +16,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(point, POINT, 3, 0, "point lights")                                                                 \
   X(environment, ENVIRONMENT, 4, 0, "environment light")                                                \
   X(rectangle, RECTANGLE, 5, FEATURE_UV, "rectangles that emit, each of two triangles")                 \
-  X(envmap, ENVMAP, 6, 0, "environment map")
+  X(envmap, ENVMAP, 6, 0, "environment map")                                                            \
+  X(cylinder, CYLINDER, 10, FEATURE_UV, "cylinders that emit")
 
 // Rows of SCENE_TABLES for what single kinds have many numbers of.
 #define LIGHT_TABLES(T, A)                                                      \
@@ -32,7 +33,8 @@ enum { LIGHT_KINDS(ENUMERATE_KIND) LIGHT_KIND_COUNT = 0 LIGHT_KINDS(COUNT_KIND) 
 #undef ENUMERATE_KIND
 #undef COUNT_KIND
 
-#define ALL_LIGHT_KINDS ((1u << LIGHT_KIND_COUNT) - 1u)
+#define KIND_BIT(name, NAME, number, ways, description) | 1u << (number)
+#define ALL_LIGHT_KINDS (0u LIGHT_KINDS(KIND_BIT))
 // Bits 1 << LIGHT_*. OpenCL kernels are compiled with exactly a scene's kinds, native code with all: a kind
 // that the scene lacks is not called.
 #ifndef LIGHT_KINDS_MASK
