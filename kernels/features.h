@@ -30,7 +30,8 @@
   X(LIGHT_TREE, 0x200000, "choice among lights by their contribution")        \
   X(INSTANCES, 0x400000, "instances of groups of shapes")                     \
   X(CAMERA, 0x800000, "lenses, parallel projection and distorted images")     \
-  X(LIGHT_TEXTURES, 0x1000000, "lights with textures")
+  X(LIGHT_TEXTURES, 0x1000000, "lights with textures")                        \
+  X(CYLINDERS, 0x2000000, "cylinders")
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FEATURE_PATH 0x001
@@ -58,7 +59,8 @@
 #define FEATURE_INSTANCES 0x400000
 #define FEATURE_CAMERA 0x800000
 #define FEATURE_LIGHT_TEXTURES 0x1000000
-#define FEATURE_ALL 0x1ffffff
+#define FEATURE_CYLINDERS 0x2000000
+#define FEATURE_ALL 0x3ffffff
 
 /// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)

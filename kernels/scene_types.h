@@ -65,6 +65,7 @@ PENUMBRA_NAMESPACE_BEGIN
 
 #define QUADRIC_SPHERE 0
 #define QUADRIC_DISK 1
+#define QUADRIC_CYLINDER 2
 
 // How many rays pass through a material: none, all, or as its leaves are chosen.
 #define PASSES_NONE 0
@@ -109,12 +110,14 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, given) /* 1: the mesh has some */
 
 #define QUADRIC_FIELDS(F)                                                                                    \
-  F(vec3, center)                                                                                            \
-  F(vec3, normal) /* unit; disk: the front side, sphere: the pole of its texture coordinates */              \
+  F(vec3, center) /* cylinder: of its first end */                                                           \
+  F(vec3, normal) /* unit; disk: the front side, sphere: the pole of its texture coordinates, cylinder: its  \
+                     axis */                                                                                 \
   F(float, radius)                                                                                           \
+  F(float, length)      /* of a cylinder, else 1 */                                                          \
   F(vec3, x_axis)       /* unit, at right angles to the normal and each other, mirrored or not: the frame */ \
   F(vec3, y_axis)       /* ... of texture coordinates */                                                     \
-  F(float, orientation) /* sphere: 1 if outside is the front, else -1 */                                     \
+  F(float, orientation) /* sphere, cylinder: 1 if outside is the front, else -1 */                           \
   F(int, kind)          /* QUADRIC_* */                                                                      \
   F(int, front)                                                                                              \
   F(int, back)                                                                                               \
@@ -171,10 +174,10 @@ PENUMBRA_NAMESPACE_BEGIN
 #define LIGHT_FIELDS(F)                                                                                   \
   F(vec3,                                                                                                 \
     radiance) /* radiance; radiant intensity of a point or spot light, irradiance of a directional one */ \
-  F(vec3, p0) /* triangle vertex, rectangle corner, centre of sphere or disk, or position */              \
-  F(vec3, p1) /* triangle vertex, next corner; disk: unit normal of the front; unit direction of a        \
-                 directional light */                                                                     \
-  F(vec3, p2) /* triangle vertex, previous corner; sphere, disk: (radius, orientation, 0) */              \
+  F(vec3, p0) /* triangle vertex, rectangle corner, centre (of a cylinder's first end), or position */     \
+  F(vec3, p1) /* triangle vertex, next corner; disk: unit normal of the front; cylinder: unit axis;        \
+                 unit direction of a directional light */                                                  \
+  F(vec3, p2) /* triangle vertex, previous corner; others: (radius, orientation, length) */                \
   F(float, area)                                                                                          \
   F(int, sampling)          /* EMITTER_* */                                                               \
   F(int, two_sided)         /* 1: emits from the back as well */                                          \
@@ -349,7 +352,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define SCENE_TABLES(T, A)                                                             \
   T(A, triangles, Triangle, 1, "triangles")                                            \
   T(A, normals, VertexNormals, 1, "vertex normals")                                    \
-  T(A, quadrics, Quadric, 1, "spheres and disks")                                      \
+  T(A, quadrics, Quadric, 1, "spheres, disks and cylinders")                           \
   T(A, materials, Material, 1, "materials")                                            \
   T(A, curves, float, 1, "curves of BSDFs")                                            \
   T(A, textures, TextureNode, 1, "textures")                                           \
@@ -374,7 +377,7 @@ PENUMBRA_NAMESPACE_BEGIN
   /* Large scenes: see BVH_NODE_FIELDS. */                                             \
   T(A, nodes, BvhNode, 0, "nodes of the hierarchy")                                    \
   T(A, triangle_leaves, TriangleLeaf, 0, "leaves of triangles")                        \
-  T(A, quadric_leaves, QuadricLeaf, 0, "leaves of spheres and disks")                  \
+  T(A, quadric_leaves, QuadricLeaf, 0, "leaves of spheres, disks and cylinders")       \
   /* FEATURE_INSTANCES. */                                                             \
   T(A, groups, PrimitiveGroup, 1, "groups of shapes")                                  \
   T(A, instances, Instance, 1, "instances")                                            \

@@ -93,6 +93,27 @@ Expected<std::vector<PlacedGroup>> place_groups(const SceneDescription& scene) {
   return Placement(scene).run();
 }
 
+std::optional<Cylinder> placed_cylinder(const Cylinder& cylinder, const glm::dmat4& to_world) {
+  constexpr double kSameScale = 1e-4;  // as of uniform_scale
+  const glm::dvec3 x = transform_vector(to_world, cylinder.x_axis),
+                   y = transform_vector(to_world, cylinder.y_axis),
+                   z = transform_vector(to_world, cylinder.axis);
+  const double across = glm::length(x), along = glm::length(z);
+  if (!(std::abs(glm::length(y) / across - 1) < kSameScale) ||
+      !(std::abs(glm::dot(x, y)) < kSameScale * across * across) ||
+      !(std::abs(glm::dot(x, z)) < kSameScale * across * along) ||
+      !(std::abs(glm::dot(y, z)) < kSameScale * across * along))
+    return std::nullopt;
+  const glm::dvec3 axis = z / along, first = glm::normalize(x - glm::dot(x, axis) * axis);
+  const double side = glm::dot(glm::cross(axis, first), y) < 0 ? -1.0 : 1.0;
+  return Cylinder{transform_point(to_world, cylinder.center),
+                  axis,
+                  cylinder.radius * across,
+                  cylinder.length * along,
+                  first,
+                  side * glm::cross(axis, first)};
+}
+
 Expected<Shape> placed_shape(const Shape& shape, const glm::dmat4& to_world) {
   Shape placed = shape;
   const auto wrong = [&](std::string_view what) {
@@ -128,6 +149,11 @@ Expected<Shape> placed_shape(const Shape& shape, const glm::dmat4& to_world) {
     disk->radius *= scale;
     disk->x_axis = x / scale;
     disk->y_axis = glm::normalize(y);
+  }
+  if (auto* cylinder = std::get_if<Cylinder>(&placed.geometry)) {
+    const auto there = placed_cylinder(*cylinder, to_world);
+    if (!there) return wrong("an instance's transform makes an emitting cylinder something else");
+    *cylinder = *there;
   }
   return placed;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "kernels/host/error.h"
@@ -22,6 +23,9 @@ struct PlacedGroup {
 /// Every group that has shapes, in each of its places. Errors: too many; a transform that flattens space, or
 /// whose numbers are too large or too small for single precision.
 Expected<std::vector<PlacedGroup>> place_groups(const SceneDescription& scene);
+
+/// The cylinder where the transform takes it; nothing where that is none.
+std::optional<Cylinder> placed_cylinder(const Cylinder& cylinder, const glm::dmat4& to_world);
 
 /// The shape in the place where the transform takes it. The front of a mesh follows its transformed normal,
 /// also where the transform mirrors. Errors: a sphere or disk that would not be one, a position too far away.

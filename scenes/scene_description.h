@@ -46,9 +46,17 @@ struct Disk {
   glm::dvec3 x_axis{1.0, 0.0, 0.0}, y_axis{0.0, 1.0, 0.0};  ///< of its own frame, unit, in its plane
 };
 
+/// Without caps. The front (emitting) side is outside unless `Shape::flip_normals`.
+struct Cylinder {
+  glm::dvec3 center{0.0};          ///< of its first end
+  glm::dvec3 axis{0.0, 0.0, 1.0};  ///< unit, towards the other end
+  double radius = 1.0, length = 1.0;
+  glm::dvec3 x_axis{1.0, 0.0, 0.0}, y_axis{0.0, 1.0, 0.0};  ///< of its own frame, unit, across the axis
+};
+
 struct Shape {
   std::string name;  ///< for messages
-  std::variant<Mesh, Sphere, Disk> geometry;
+  std::variant<Mesh, Sphere, Disk, Cylinder> geometry;
   int front_bsdf = kBlackBsdf;  ///< index into SceneDescription::bsdfs; kBlackBsdf absorbs everything
   int back_bsdf = kBlackBsdf;
   std::optional<glm::vec3> radiance;                  ///< diffuse area emission from the front side

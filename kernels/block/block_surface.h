@@ -46,6 +46,21 @@ STAGE void find_quadric_points(const PRIVATE Scene* scene, const PRIVATE PathSta
 }
 #endif
 
+#if HAS(QUADRICS) && HAS(CYLINDERS)
+STAGE void find_cylinder_points(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                                PRIVATE PrimitivePoints* RESTRICT points) {
+  const int triangle_count = scene->header.tables.triangles.count;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int quadric = get_hit(paths, i + j) - triangle_count;
+      const PrimitivePoint other = load_primitive_point(points, j);
+      const PrimitivePoint r = cylinder_point(scene, quadric >= 0 ? quadric : 0, get_ray_origin(paths, i + j),
+                                              get_ray_direction(paths, i + j));
+      store_primitive_point(points, j, select_primitive_point(is_cylinder(scene, quadric), r, other));
+    }
+}
+#endif
+
 #if HAS(INSTANCES)
 /// The instance of which a lane's ray hit a primitive, or -1.
 FN int instance_hit(const PRIVATE PathState* paths, int i) {
@@ -150,6 +165,9 @@ FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* p
 #endif
 #if HAS(QUADRICS)
   if (NEEDS(scene, QUADRICS)) find_quadric_points(scene, paths, i, &points);
+  #if HAS(CYLINDERS)
+  if (NEEDS(scene, CYLINDERS)) find_cylinder_points(scene, paths, i, &points);
+  #endif
 #endif
 #if HAS(INSTANCES)
   const bool instances = NEEDS(scene, INSTANCES) && any_instance_hit(paths, i);

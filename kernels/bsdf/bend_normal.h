@@ -44,7 +44,7 @@ FN Derivatives triangle_derivatives(const PRIVATE Scene* scene, int index, vec3 
 }
 
   #if HAS(QUADRICS)
-/// See sphere_uv and disk_uv.
+/// See sphere_uv, disk_uv and cylinder_uv.
 FN Derivatives quadric_derivatives(const PRIVATE Scene* scene, int index, vec3 p) {
   GLOBAL const Quadric* q = scene->quadrics + index;
   const int kind = q->kind;
@@ -57,8 +57,11 @@ FN Derivatives quadric_derivatives(const PRIVATE Scene* scene, int index, vec3 p
   sphere.du = disk.dv = scale(around, 2.0f * PI_F);
   sphere.dv = scale(add_scaled(scale(outward, c.z), -r, z), PI_F);
   disk.du = scale(outward, radius);
-  d.du = select3(kind == QUADRIC_SPHERE, sphere.du, disk.du);
-  d.dv = select3(kind == QUADRIC_SPHERE, sphere.dv, disk.dv);
+  d.du = select3(kind == QUADRIC_DISK, disk.du, sphere.du);
+  d.dv = select3(kind == QUADRIC_DISK, disk.dv, sphere.dv);
+    #if HAS(CYLINDERS)
+  d.dv = select3(kind == QUADRIC_CYLINDER, scale(z, q->length), d.dv);
+    #endif
   return d;
 }
   #endif

@@ -38,20 +38,22 @@ inline Box bounds_of(const Triangle& t) {
   return box;
 }
 
-/// A little more than the sphere or the disk, for the rounding of centre, normal and radius.
+/// A little more than the sphere, disk or cylinder, for the rounding of centre, normal and radius.
 inline Box bounds_of(const Quadric& q) {
   constexpr float kMargin = 1e-5f;
   const float center[3] = {q.center.x, q.center.y, q.center.z};
+  const float axis[3] = {q.normal.x, q.normal.y, q.normal.z};
   // Along an axis a disk reaches as far as its normal leans away from it; the axis's own component would hide
   // small leans.
   const float lean[3] = {std::hypot(q.normal.y, q.normal.z), std::hypot(q.normal.z, q.normal.x),
                          std::hypot(q.normal.x, q.normal.y)};
   Box box;
   for (int k = 0; k < 3; ++k) {
-    const float reach = q.kind == QUADRIC_DISK ? q.radius * lean[k] : q.radius;
-    const float margin = (std::abs(center[k]) + q.radius) * kMargin;
-    box.low[k] = center[k] - reach - margin;
-    box.high[k] = center[k] + reach + margin;
+    const float reach = q.kind == QUADRIC_SPHERE ? q.radius : q.radius * lean[k];
+    const float along = q.kind == QUADRIC_CYLINDER ? q.length * axis[k] : 0.0f;
+    const float margin = (std::abs(center[k]) + q.radius + std::abs(along)) * kMargin;
+    box.low[k] = center[k] + std::min(along, 0.0f) - reach - margin;
+    box.high[k] = center[k] + std::max(along, 0.0f) + reach + margin;
   }
   return box;
 }

@@ -133,9 +133,10 @@ class Checker {
     check_instances();
     check_textures();
     for (const Quadric& q : table<Quadric>(scene_, h_.tables.quadrics))
-      require(in(q.kind, QUADRIC_SPHERE, QUADRIC_DISK), "a quadric of unknown kind");
+      require(in(q.kind, QUADRIC_SPHERE, has(FEATURE_CYLINDERS) ? QUADRIC_CYLINDER : QUADRIC_DISK),
+              "a quadric of unknown kind");
     for (const Light& l : table<Light>(scene_, at_least_one(h_.tables.lights))) {
-      require(in(l.kind, 0, LIGHT_KIND_COUNT - 1), "a light of unknown kind");
+      require(holds(ALL_LIGHT_KINDS, l.kind), "a light of unknown kind");
       require(h_.tables.lights.count == 0 || holds(h_.light_kinds, l.kind),
               "a light of a kind that the header does not name");
       require(in(l.sampling, EMITTER_AREA, EMITTER_PROJECTED), "a light of unknown sampling");

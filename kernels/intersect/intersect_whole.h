@@ -66,10 +66,24 @@ FN void intersect_whole(const PRIVATE Scene* scene, PRIVATE RayLanes* rays) {
   for (int k = 0; k < quadric_count; k++) {
     const Quadric q = scene->quadrics[k];
     const int primitive = triangle_count + k;
+    #if HAS(CYLINDERS)
+    if (q.kind == QUADRIC_CYLINDER) {
+      LANE_LOOP
+        for (int j = 0; j < LANES; j++) {
+          const float t = intersect_cylinder(make_vec3(rays->ox[j], rays->oy[j], rays->oz[j]),
+                                             make_vec3(rays->dx[j], rays->dy[j], rays->dz[j]), q.center,
+                                             q.normal, q.radius, q.length);
+          const bool closer = (t > 0.0f) & (t < rays->tmax[j]);
+          rays->tmax[j] = closer ? t : rays->tmax[j];
+          rays->hit[j] = closer ? primitive : rays->hit[j];
+        }
+      continue;
+    }
+    #endif
     LANE_LOOP
       for (int j = 0; j < LANES; j++) {
-        float t = intersect_quadric(q, make_vec3(rays->ox[j], rays->oy[j], rays->oz[j]),
-                                    make_vec3(rays->dx[j], rays->dy[j], rays->dz[j]));
+        float t = intersect_sphere_or_disk(q, make_vec3(rays->ox[j], rays->oy[j], rays->oz[j]),
+                                           make_vec3(rays->dx[j], rays->dy[j], rays->dz[j]));
         bool closer = (t > 0.0f) & (t < rays->tmax[j]);
         rays->tmax[j] = closer ? t : rays->tmax[j];
         rays->hit[j] = closer ? primitive : rays->hit[j];

@@ -1,4 +1,4 @@
-// Spheres and disks.
+// Spheres, disks and cylinders.
 #ifndef PENUMBRA_QUADRIC_H
 #define PENUMBRA_QUADRIC_H
 #include "kernels/math/math.h"
@@ -32,10 +32,43 @@ FN float intersect_disk(vec3 o, vec3 d, vec3 center, vec3 normal, float radius) 
   return dot3(offset, offset) <= sqr(radius) ? t : -1.0f;
 }
 
-FN float intersect_quadric(Quadric q, vec3 o, vec3 d) {
+#if HAS(CYLINDERS)
+/// Distance along the unit direction `d` to the nearest point in front of `o` of the cylinder, without caps,
+/// about the line from `center` along the unit `axis`, as far as `length`; or a negative number. As for
+/// spheres the discriminant is that of the ray's closest point to the axis.
+FN float intersect_cylinder(vec3 o, vec3 d, vec3 center, vec3 axis, float radius, float length) {
+  const vec3 f = sub(o, center);
+  const float height = dot3(f, axis), climb = dot3(d, axis);
+  const vec3 f_across = add_scaled(f, -height, axis), d_across = add_scaled(d, -climb, axis);
+  const float a = dot3(d_across, d_across), inverse = a > 0.0f ? 1.0f / a : 0.0f;
+  const float b = -dot3(f_across, d_across);
+  const vec3 closest = add_scaled(f_across, b * inverse, d_across);
+  const float discriminant = sqr(radius) - dot3(closest, closest);
+  const float root = safe_sqrt(a * discriminant);
+  const float q = b >= 0.0f ? b + root : b - root;
+  const float c = dot3(f_across, f_across) - sqr(radius);
+  const float t0 = q != 0.0f ? c / q : 0.0f, t1 = q * inverse;
+  const float near = min_f(t0, t1), far = max_f(t0, t1);
+  const float near_height = height + near * climb, far_height = height + far * climb;
+  const bool meets = (discriminant >= 0.0f) & (a > 0.0f);
+  const bool near_is_there = meets & (near > 0.0f) & (near_height >= 0.0f) & (near_height <= length);
+  const bool far_is_there = meets & (far_height >= 0.0f) & (far_height <= length);
+  return near_is_there ? near : (far_is_there ? far : -1.0f);
+}
+#endif
+
+/// Not of cylinders.
+FN float intersect_sphere_or_disk(Quadric q, vec3 o, vec3 d) {
   float sphere = intersect_sphere(o, d, q.center, q.radius);
   float disk = intersect_disk(o, d, q.center, q.normal, q.radius);
   return q.kind == QUADRIC_DISK ? disk : sphere;
+}
+
+FN float intersect_quadric(Quadric q, vec3 o, vec3 d) {
+#if HAS(CYLINDERS)
+  if (q.kind == QUADRIC_CYLINDER) return intersect_cylinder(o, d, q.center, q.normal, q.radius, q.length);
+#endif
+  return intersect_sphere_or_disk(q, o, d);
 }
 
 PENUMBRA_NAMESPACE_END

@@ -76,7 +76,36 @@ FN vec3 interpolated_normal(const PRIVATE Scene* scene, int index, PrimitivePoin
 #endif
 
 #if HAS(QUADRICS)
-/// Where the ray from `o` along `d` meets the quadric of that index.
+  #if HAS(CYLINDERS)
+FN bool is_cylinder(const PRIVATE Scene* scene, int quadric) {
+  const int kind = scene->quadrics[quadric >= 0 ? quadric : 0].kind;
+  return (quadric >= 0) & (kind == QUADRIC_CYLINDER);
+}
+
+/// Where the ray from `o` along `d` meets the cylinder of that index.
+FN PrimitivePoint cylinder_point(const PRIVATE Scene* scene, int index, vec3 o, vec3 d) {
+  GLOBAL const Quadric* q = scene->quadrics + index;
+  const vec3 center = load3(&q->center), axis = load3(&q->normal);
+  const float radius = q->radius, length = q->length;
+  PrimitivePoint r;
+  r.b0 = r.b1 = r.b2 = 0.0f;
+  r.distance = intersect_cylinder(o, d, center, axis, radius, length);
+  const vec3 from = sub(add_scaled(o, r.distance, d), center);
+  const float height = dot3(from, axis);
+  const vec3 across = add_scaled(from, -height, axis);
+  const vec3 outward = scale(across, 1.0f / SQRT(max_f(dot3(across, across), 1e-37f)));
+  // Back onto the surface, away from the axis.
+  r.p = add_scaled(add_scaled(center, height, axis), radius, outward);
+  r.extent = add(abs3(center), make_vec3(radius + length, radius + length, radius + length));
+  r.normal = r.shading = scale(outward, q->orientation);
+  r.front = q->front;
+  r.back = q->back;
+  r.light = q->light;
+  return r;
+}
+  #endif
+
+/// Where the ray from `o` along `d` meets the sphere or disk of that index.
 FN PrimitivePoint quadric_point(const PRIVATE Scene* scene, int index, vec3 o, vec3 d) {
   GLOBAL const Quadric* q = scene->quadrics + index;
   const bool sphere = q->kind == QUADRIC_SPHERE;
@@ -116,6 +145,10 @@ FN PrimitivePoint instance_point(const PRIVATE Scene* scene, int primitive, int 
   const int quadric = primitive - scene->header.tables.triangles.count;
   const UnitDirection unit = unit_direction(ray.d);
   PrimitivePoint q = quadric_point(scene, quadric >= 0 ? quadric : 0, ray.o, unit.d);
+    #if HAS(CYLINDERS)
+  const PrimitivePoint c = cylinder_point(scene, quadric >= 0 ? quadric : 0, ray.o, unit.d);
+  q = select_primitive_point(is_cylinder(scene, quadric), c, q);
+    #endif
   q.distance /= unit.length;
   r = select_primitive_point(quadric >= 0, q, r);
   #endif
@@ -173,6 +206,9 @@ FN Surface surface_at(const PRIVATE Scene* scene, int primitive, vec3 o, vec3 d)
 #if HAS(QUADRICS)
   const int quadric = primitive - scene->header.tables.triangles.count;
   if (NEEDS(scene, QUADRICS) & (quadric >= 0)) r = quadric_point(scene, quadric, o, d);
+  #if HAS(CYLINDERS)
+  if (NEEDS(scene, CYLINDERS) & is_cylinder(scene, quadric)) r = cylinder_point(scene, quadric, o, d);
+  #endif
 #endif
   Surface s = seen_surface(primitive, o, d, r);
 #if HAS(UV)

@@ -88,6 +88,14 @@ FN TexturePoint disk_uv(vec3 from_center, float radius) {
   return t;
 }
 
+/// Of a cylinder's point, as seen from its first end in its frame: angle, and height over the length.
+FN TexturePoint cylinder_uv(vec3 from_center, float length) {
+  TexturePoint t;
+  t.u = turns_of(from_center.x, from_center.y);
+  t.v = min_f(max_f(from_center.z / length, 0.0f), 1.0f);
+  return t;
+}
+
 /// The frame of a light that is a sphere or a disk: its primitive's.
 FN GLOBAL const Quadric* quadric_of_light(const PRIVATE Scene* scene, int light) {
   GLOBAL const LightTriangles* parts =
@@ -116,15 +124,21 @@ typedef struct {
 } QuadricUv;
 
 FN QuadricUv quadric_uv(GLOBAL const Quadric* q, vec3 p) {
-  const bool sphere = q->kind == QUADRIC_SPHERE;
+  const int kind = q->kind;
+  const bool disk = kind == QUADRIC_DISK;
   const vec3 from_center = to_quadric_frame(q, sub(p, load3(&q->center)));
   const TexturePoint on_sphere = sphere_uv(normalize3(from_center));
   const TexturePoint on_disk = disk_uv(from_center, q->radius);
   QuadricUv r;
-  r.at.u = sphere ? on_sphere.u : on_disk.u;
-  r.at.v = sphere ? on_sphere.v : on_disk.v;
-  // To the east on a sphere, away from the centre on a disk.
-  const float x = sphere ? -from_center.y : from_center.x, y = sphere ? from_center.x : from_center.y;
+  r.at.u = disk ? on_disk.u : on_sphere.u;
+  r.at.v = disk ? on_disk.v : on_sphere.v;
+    #if HAS(CYLINDERS)
+  const TexturePoint on_cylinder = cylinder_uv(from_center, q->length);
+  r.at.u = kind == QUADRIC_CYLINDER ? on_cylinder.u : r.at.u;
+  r.at.v = kind == QUADRIC_CYLINDER ? on_cylinder.v : r.at.v;
+    #endif
+  // Away from the centre on a disk, to the east on the others.
+  const float x = disk ? from_center.x : -from_center.y, y = disk ? from_center.y : from_center.x;
   r.du = add_scaled(scale(load3(&q->x_axis), x), y, load3(&q->y_axis));
   return r;
 }

@@ -3,6 +3,7 @@
 // own; a kind that it lacks costs nothing.
 #ifndef PENUMBRA_LIGHT_H
 #define PENUMBRA_LIGHT_H
+#include "kernels/light/cylinder_light.h"
 #include "kernels/light/directional_light.h"
 #include "kernels/light/disk_light.h"
 #include "kernels/light/environment_light.h"
@@ -146,7 +147,7 @@ FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* receiv
   const uint kinds = scene->header.light_kinds;
   choose_lights(scene, kinds != 0u ? LOWEST_BIT(kinds) : 0, receivers, number, fine, samplings, &chosen);
   const bool one_kind = (kinds & (kinds - 1u)) == 0u;
-  if (!one_kind || NEEDS_LIGHT(scene, SPHERE) || NEEDS(scene, POLYGONS))
+  if (!one_kind || NEEDS_LIGHT(scene, SPHERE) || NEEDS_LIGHT(scene, CYLINDER) || NEEDS(scene, POLYGONS))
     detail_choices(scene, receivers, &chosen);
   const uint among = kinds_among(scene, chosen.kind);
 #if HAS(LIGHT_TEXTURES) && HAS(TEXTURES) && HAS(UV)

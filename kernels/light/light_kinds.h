@@ -20,7 +20,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(envmap, ENVMAP, 6, 0, "environment map")                                                              \
   X(spot, SPOT, 7, FEATURE_LIGHT_TEXTURES, "spot lights")                                                 \
   X(directional, DIRECTIONAL, 8, 0, "directional lights")                                                 \
-  X(projector, PROJECTOR, 9, FEATURE_LIGHT_TEXTURES, "projectors")
+  X(projector, PROJECTOR, 9, FEATURE_LIGHT_TEXTURES, "projectors")                                         \
+  X(cylinder, CYLINDER, 10, FEATURE_UV, "cylinders that emit")
 
 #define LIGHT_GRID_STEPS 7
 #define MOST_LIGHT_GRID_SIDE 128  // 2^LIGHT_GRID_STEPS: cells of a textured light, one way
@@ -43,7 +44,8 @@ enum { LIGHT_KINDS(ENUMERATE_KIND) LIGHT_KIND_COUNT = 0 LIGHT_KINDS(COUNT_KIND) 
 #undef ENUMERATE_KIND
 #undef COUNT_KIND
 
-#define ALL_LIGHT_KINDS ((1u << LIGHT_KIND_COUNT) - 1u)
+#define KIND_BIT(name, NAME, number, ways, description) | 1u << (number)
+#define ALL_LIGHT_KINDS (0u LIGHT_KINDS(KIND_BIT))
 // Bits 1 << LIGHT_*. OpenCL kernels are compiled with exactly a scene's kinds, native code with all: a kind
 // that the scene lacks is not called.
 #ifndef LIGHT_KINDS_MASK

@@ -36,14 +36,15 @@ FN int own_polygon(const PRIVATE Scene* scene, int light) {
 }
 
 /// Whether the receiver is a part of that light and gets nothing from it: a part of a flat light, or of a
-/// sphere except its emitting inside. Formulas cannot tell: rounding puts the surface to either side of the
-/// light's plane or sphere, which covers half the directions or nothing.
+/// sphere or cylinder except its emitting inside. Formulas cannot tell: rounding puts the surface to either
+/// side of the light's plane or sphere, which covers half the directions or nothing.
 FN bool is_own_light(const PRIVATE Scene* scene, LightReceiver r, int light) {
   bool own = light == r.light;
-  if (NEEDS_LIGHT(scene, SPHERE)) {
+  if (NEEDS_LIGHT(scene, SPHERE) || NEEDS_LIGHT(scene, CYLINDER)) {
     const int kind = scene->lights[light].kind;
     const float orientation = scene->lights[light].p2.y;
-    own = own & !((kind == LIGHT_SPHERE) & (orientation < 0.0f) & r.front);
+    const bool hollow = (kind == LIGHT_SPHERE) | (kind == LIGHT_CYLINDER);
+    own = own & !(hollow & (orientation < 0.0f) & r.front);
   }
 #if HAS(POLYGONS)
   const int mine = own_polygon(scene, r.light), polygon = scene->lights[light].polygon;

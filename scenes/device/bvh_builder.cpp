@@ -4,8 +4,10 @@
 
 #include <array>
 #include <cmath>
-#include <deque>
 #include <memory>
+#include <new>
+#include <string>
+#include <thread>
 
 #include "kernels/host/bounds.h"
 #include "kernels/intersect/bvh_limits.h"
@@ -15,48 +17,56 @@
 namespace penumbra {
 namespace {
 
-/// What Embree's builder hands back, before it is flattened.
+/// What Embree's builder hands back, before it is flattened: in memory of the builder's, which its threads
+/// get without waiting for each other.
 struct BuildNode {
+  int child_count;  ///< 0: it is a leaf
+};
+struct InnerNode : BuildNode {
   Box bounds[BVH_WIDTH];
   BuildNode* children[BVH_WIDTH];
-  int child_count = 0;
-  std::vector<int> primitives;  ///< a leaf's
 };
-
-using NodePool = std::deque<BuildNode>;  // stable addresses; the build runs on one thread
+struct LeafNode : BuildNode {
+  int primitive_count;
+  int primitives[BVH_WIDTH];
+};
 
 /// What the builder's calls back work on.
 struct Build {
-  NodePool& nodes;
   std::span<const Triangle> triangles;  ///< the primitives, if they are triangles
 };
 
-BuildNode* new_node(void* build) { return &static_cast<Build*>(build)->nodes.emplace_back(); }
+template <typename Node>
+Node* new_node(RTCThreadLocalAllocator allocator) {
+  return new (rtcThreadLocalAlloc(allocator, sizeof(Node), 16)) Node{};
+}
 
-void* create_node(RTCThreadLocalAllocator, unsigned count, void* build) {
-  BuildNode* node = new_node(build);
+void* create_node(RTCThreadLocalAllocator allocator, unsigned count, void*) {
+  auto* node = new_node<InnerNode>(allocator);
   node->child_count = int(count);
-  return node;
+  return static_cast<BuildNode*>(node);
 }
 
-void set_children(void* node, void** children, unsigned count, void*) {
-  for (unsigned i = 0; i < count; ++i)
-    static_cast<BuildNode*>(node)->children[i] = static_cast<BuildNode*>(children[i]);
+void set_children(void* to, void** children, unsigned count, void*) {
+  auto* node = static_cast<InnerNode*>(static_cast<BuildNode*>(to));
+  for (unsigned i = 0; i < count; ++i) node->children[i] = static_cast<BuildNode*>(children[i]);
 }
 
-void set_bounds(void* node, const RTCBounds** bounds, unsigned count, void*) {
+void set_bounds(void* to, const RTCBounds** bounds, unsigned count, void*) {
+  auto* node = static_cast<InnerNode*>(static_cast<BuildNode*>(to));
   for (unsigned i = 0; i < count; ++i) {
     const RTCBounds& b = *bounds[i];
-    Box& box = static_cast<BuildNode*>(node)->bounds[i];
-    box.include(make_vec3(b.lower_x, b.lower_y, b.lower_z));
-    box.include(make_vec3(b.upper_x, b.upper_y, b.upper_z));
+    node->bounds[i].include(make_vec3(b.lower_x, b.lower_y, b.lower_z));
+    node->bounds[i].include(make_vec3(b.upper_x, b.upper_y, b.upper_z));
   }
 }
 
-void* create_leaf(RTCThreadLocalAllocator, const RTCBuildPrimitive* primitives, size_t count, void* build) {
-  BuildNode* node = new_node(build);
-  for (size_t i = 0; i < count; ++i) node->primitives.push_back(int(primitives[i].primID));
-  return node;
+void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* primitives, size_t count,
+                  void*) {
+  auto* leaf = new_node<LeafNode>(allocator);
+  leaf->primitive_count = int(std::min<size_t>(count, BVH_WIDTH));
+  for (int i = 0; i < leaf->primitive_count; ++i) leaf->primitives[i] = int(primitives[i].primID);
+  return static_cast<BuildNode*>(leaf);
 }
 
 RTCBounds to_bounds(const Box& b) {
@@ -89,19 +99,19 @@ constexpr int kCodeBits = 29;
 int leaf_code(LeafKind kind, std::size_t index) { return ~(int(kind) << kCodeBits | int(index)); }
 
 /// Triangles are split where that pays, into up to half as many parts again: bounced rays are 8 % (classroom)
-/// and 34 % (spaceship) faster.
+/// and 34 % (spaceship) faster. That takes three times as long, so not where there are very many.
 constexpr double kRoomForParts = 1.5;
+constexpr std::size_t kMostSplit = 1'000'000;
 
-Expected<BuildNode*> build_tree(RTCDevice device, const std::vector<Box>& boxes, LeafKind kind, Build build) {
+Expected<BuildNode*> build_tree(RTCBVH bvh, const std::vector<Box>& boxes, LeafKind kind, Build build) {
   const unsigned in_leaf = kind == kInstanceLeaf ? 1 : BVH_WIDTH;
-  const bool splits = !build.triangles.empty();
+  const bool splits = !build.triangles.empty() && build.triangles.size() <= kMostSplit;
   std::vector<RTCBuildPrimitive> primitives(splits ? std::size_t(double(boxes.size()) * kRoomForParts)
                                                    : boxes.size());
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     const Box& b = boxes[i];
     primitives[i] = {b.low[0], b.low[1], b.low[2], 0, b.high[0], b.high[1], b.high[2], unsigned(i)};
   }
-  BvhHandle bvh(rtcNewBVH(device));
   RTCBuildArguments arguments = rtcDefaultBuildArguments();
   arguments.byteSize = sizeof arguments;
   arguments.buildQuality = splits ? RTC_BUILD_QUALITY_HIGH : RTC_BUILD_QUALITY_MEDIUM;
@@ -112,7 +122,7 @@ Expected<BuildNode*> build_tree(RTCDevice device, const std::vector<Box>& boxes,
   arguments.maxLeafSize = in_leaf;
   arguments.traversalCost = 1;
   arguments.intersectionCost = 1;
-  arguments.bvh = bvh.get();
+  arguments.bvh = bvh;
   arguments.primitives = primitives.data();
   arguments.primitiveCount = boxes.size();
   arguments.primitiveArrayCapacity = primitives.size();
@@ -196,26 +206,27 @@ class Flattener {
     if (node->child_count == 0) {
       switch (part.kind) {
         case kTriangleLeaf:
-          return emit_triangles(*node, part);
+          return emit_triangles(static_cast<const LeafNode&>(*node), part);
         case kQuadricLeaf:
-          return emit_quadrics(*node, part);
+          return emit_quadrics(static_cast<const LeafNode&>(*node), part);
         default:
-          return leaf_code(kInstanceLeaf, std::size_t(node->primitives.front()));
+          return leaf_code(kInstanceLeaf, std::size_t(static_cast<const LeafNode*>(node)->primitives[0]));
       }
     }
     const std::size_t at = out_.nodes.size();
     out_.nodes.push_back(empty_node());
-    for (int k = 0; k < node->child_count; ++k)
-      set_child(at, k, node->bounds[k], emit(node->children[k], part));
+    const auto* inner = static_cast<const InnerNode*>(node);
+    for (int k = 0; k < inner->child_count; ++k)
+      set_child(at, k, inner->bounds[k], emit(inner->children[k], part));
     return int(at);
   }
 
-  int emit_triangles(const BuildNode& node, const Part& part) {
+  int emit_triangles(const LeafNode& node, const Part& part) {
     TriangleLeaf leaf{};
     for (int j = 0; j < BVH_WIDTH; ++j) {
       leaf.primitive[j] = -1;
-      if (j >= int(node.primitives.size())) continue;
-      const int index = node.primitives[std::size_t(j)];
+      if (j >= node.primitive_count) continue;
+      const int index = node.primitives[j];
       leaf.primitive[j] = part.first + index;
       const Triangle& t = part.triangles[std::size_t(index)];
       const vec3 p[3] = {t.p0, t.p1, t.p2};
@@ -229,10 +240,10 @@ class Flattener {
     return leaf_code(kTriangleLeaf, out_.triangle_leaves.size() - 1);
   }
 
-  int emit_quadrics(const BuildNode& node, const Part& part) {
+  int emit_quadrics(const LeafNode& node, const Part& part) {
     QuadricLeaf leaf{};
     for (int j = 0; j < BVH_WIDTH; ++j)
-      leaf.primitive[j] = j < int(node.primitives.size()) ? part.first + node.primitives[std::size_t(j)] : -1;
+      leaf.primitive[j] = j < node.primitive_count ? part.first + node.primitives[j] : -1;
     out_.quadric_leaves.push_back(leaf);
     return leaf_code(kQuadricLeaf, out_.quadric_leaves.size() - 1);
   }
@@ -316,8 +327,10 @@ Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::sp
 
 Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::span<const Quadric> quadrics,
                                     std::span<const PrimitiveGroup> groups,
-                                    std::span<const Instance> instances) {
-  DeviceHandle device(rtcNewDevice("threads=1,isa=sse2"));
+                                    std::span<const Instance> instances, int threads) {
+  const unsigned wanted = threads > 0 ? unsigned(threads) : std::max(1u, std::thread::hardware_concurrency());
+  // The tree is the same whatever the number of threads.
+  DeviceHandle device(rtcNewDevice(("isa=sse2,threads=" + std::to_string(wanted)).c_str()));
   if (!device) return fail("Embree does not start on this machine");
   Hierarchy hierarchy;
   Flattener flattener(hierarchy);
@@ -326,7 +339,7 @@ Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::sp
   std::vector<Box> placed;
   const auto add = [&](std::size_t g) -> Expected<void> {
     const PrimitiveGroup& group = groups[g];
-    NodePool pool;
+    BvhHandle trees[kLeafKinds];  // whose memory the parts are in
     Part parts[kLeafKinds];
     for (int kind = 0; kind < kLeafKinds; ++kind) parts[kind].kind = LeafKind(kind);
     parts[kTriangleLeaf].triangles =
@@ -341,8 +354,9 @@ Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::sp
     for (const Box& box : boxes[kInstanceLeaf]) parts[kInstanceLeaf].box.include(box);
     for (Part& part : parts) {
       if (boxes[part.kind].empty()) continue;
+      trees[part.kind].reset(rtcNewBVH(device.get()));
       Expected<BuildNode*> root =
-          build_tree(device.get(), boxes[part.kind], part.kind, {pool, part.triangles});
+          build_tree(trees[part.kind].get(), boxes[part.kind], part.kind, {part.triangles});
       if (!root) return std::unexpected(root.error());
       part.root = *root;
     }

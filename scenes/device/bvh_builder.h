@@ -16,14 +16,14 @@ struct Hierarchy {
   std::vector<QuadricLeaf> quadric_leaves;
 };
 
-/// Over all triangles and quadrics; at least one of either. Built by Embree's builder on one thread of a
-/// fixed instruction set, so that the same scene always gets the same hierarchy.
+/// Over all triangles and quadrics; at least one of either. Built by Embree's builder with a
+/// fixed instruction set, on all cores: the same scene always gets the same hierarchy.
 Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::span<const Quadric> quadrics);
 
 /// Over the primitives of group 0 and the instances, and for each other group over its primitives. Group 0
 /// may be empty where there are instances, the others have primitives.
 Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::span<const Quadric> quadrics,
                                     std::span<const PrimitiveGroup> groups,
-                                    std::span<const Instance> instances);
+                                    std::span<const Instance> instances, int threads = 0);
 
 }  // namespace penumbra

@@ -62,6 +62,10 @@ Bounds bounds_of(std::span<const Shape> shapes) {
     if (const auto* sphere = std::get_if<Sphere>(&shape.geometry))
       bounds.include(sphere->center, sphere->radius);
     if (const auto* disk = std::get_if<Disk>(&shape.geometry)) bounds.include(disk->center, disk->radius);
+    if (const auto* cylinder = std::get_if<Cylinder>(&shape.geometry)) {
+      bounds.include(cylinder->center, cylinder->radius);
+      bounds.include(cylinder->center + cylinder->length * cylinder->axis, cylinder->radius);
+    }
   }
   return bounds;
 }
@@ -230,6 +234,8 @@ class Builder {
     if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) add_mesh(shape, *mesh, front, back);
     if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) add_sphere(shape, *sphere, front, back);
     if (const auto* disk = std::get_if<Disk>(&shape.geometry)) add_disk(shape, *disk, front, back);
+    if (const auto* cylinder = std::get_if<Cylinder>(&shape.geometry))
+      add_cylinder(shape, *cylinder, front, back);
   }
 
   void add_mesh(const Shape& shape, const Mesh& mesh, int front, int back) {
@@ -362,6 +368,7 @@ class Builder {
   void add_sphere(const Shape& shape, const Sphere& sphere, int front, int back) {
     Quadric q{};
     q.kind = QUADRIC_SPHERE;
+    q.length = 1.0f;
     q.center = local(sphere.center, shape, sphere.radius);
     q.radius = float(sphere.radius);
     q.orientation = shape.flip_normals ? -1.0f : 1.0f;
@@ -374,6 +381,7 @@ class Builder {
   void add_disk(const Shape& shape, const Disk& disk, int front, int back) {
     Quadric q{};
     q.kind = QUADRIC_DISK;
+    q.length = 1.0f;
     q.center = local(disk.center, shape, disk.radius);
     q.normal = to_vec3(shape.flip_normals ? -disk.normal : disk.normal);
     q.radius = float(disk.radius);
@@ -381,6 +389,21 @@ class Builder {
     q.x_axis = to_vec3(disk.x_axis);
     q.y_axis = to_vec3(disk.y_axis);
     add_quadric(shape, q, front, back, LIGHT_DISK, std::numbers::pi * disk.radius * disk.radius);
+  }
+
+  void add_cylinder(const Shape& shape, const Cylinder& cylinder, int front, int back) {
+    need(FEATURE_CYLINDERS);
+    Quadric q{};
+    q.kind = QUADRIC_CYLINDER;
+    q.center = local(cylinder.center, shape, cylinder.radius + cylinder.length);
+    q.normal = to_vec3(cylinder.axis);
+    q.radius = float(cylinder.radius);
+    q.length = float(cylinder.length);
+    q.orientation = shape.flip_normals ? -1.0f : 1.0f;
+    q.x_axis = to_vec3(cylinder.x_axis);
+    q.y_axis = to_vec3(cylinder.y_axis);
+    add_quadric(shape, q, front, back, LIGHT_CYLINDER,
+                2 * std::numbers::pi * cylinder.radius * cylinder.length);
   }
 
   void add_quadric(const Shape& shape, Quadric q, int front, int back, int light_kind, double area) {
@@ -392,8 +415,8 @@ class Builder {
       Light light{};
       light.kind = light_kind;
       light.p0 = q.center;
-      if (q.kind == QUADRIC_DISK) light.p1 = q.normal;
-      light.p2 = make_vec3(q.radius, q.orientation, 0.0f);
+      if (q.kind != QUADRIC_SPHERE) light.p1 = q.normal;
+      light.p2 = make_vec3(q.radius, q.orientation, q.kind == QUADRIC_CYLINDER ? q.length : 0.0f);
       q.light = lights_.add_quadric(light, shape, area, q);
     }
     records_.quadrics.push_back(q);

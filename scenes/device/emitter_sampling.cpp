@@ -50,6 +50,13 @@ void each_piece(const Shape& shape, const Add& add) {
       return Receiver{disk->center + r * (std::cos(phi) * s + std::sin(phi) * t), n};
     });
   }
+  if (const auto* cylinder = std::get_if<Cylinder>(&shape.geometry)) {
+    add(2 * std::numbers::pi * cylinder->radius * cylinder->length, [=](double u, double v) {
+      const double phi = 2 * std::numbers::pi * v;
+      const glm::dvec3 n = std::cos(phi) * cylinder->x_axis + std::sin(phi) * cylinder->y_axis;
+      return Receiver{cylinder->center + u * cylinder->length * cylinder->axis + cylinder->radius * n, n};
+    });
+  }
 }
 
 /// A parallelogram, or half of one.

@@ -74,6 +74,14 @@ LightBounds bounds_of_light(const Light& light, double power) {
       bounds.high = p0 + p2.x;
       bounds.intensity = power / (4 * std::numbers::pi);
       break;
+    case LIGHT_CYLINDER: {
+      const glm::dvec3 end = p0 + p2.z * p1;
+      const glm::dvec3 extent = p2.x * glm::sqrt(glm::max(glm::dvec3(1.0) - p1 * p1, glm::dvec3(0.0)));
+      bounds.low = glm::min(p0, end) - extent;
+      bounds.high = glm::max(p0, end) + extent;
+      bounds.intensity = power / (std::numbers::pi * std::numbers::pi);  // across its axis
+      break;
+    }
     case LIGHT_POINT:
       bounds.low = bounds.high = p0;
       bounds.intensity = power / (4 * std::numbers::pi);

@@ -168,7 +168,9 @@ int LightBuilder::add_quadric(Light light, const Shape& shape, double area, cons
       code(shape.sampling == EmitterSampling::kAuto ? by_default_ : shape.sampling, EMITTER_SOLID_ANGLE);
   light.two_sided = shape.two_sided_emission && light.kind == LIGHT_DISK ? 1 : 0;
   light.polygon = light.texture = light.grid = -1;
-  const double gain = least_gain(shape, light.kind == LIGHT_DISK ? kGainOverArea : kGainOverCone);
+  // Points of cylinders are not chosen by their texture.
+  const double gain = light.kind == LIGHT_CYLINDER ? std::numeric_limits<double>::infinity()
+                      : least_gain(shape, light.kind == LIGHT_DISK ? kGainOverArea : kGainOverCone);
   const double mean =
       is_textured(shape) ? show(textures_->of_quadric(shape.radiance_texture, quadric, gain), light) : 1;
   return add(light, *shape.radiance, area, mean * std::numbers::pi * area);

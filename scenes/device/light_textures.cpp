@@ -173,6 +173,7 @@ LightTexture LightTextures::of_quadric(int texture, const Quadric& quadric, doub
   const glm::dvec2 density = texels_a_unit(texture);
   const bool sphere = quadric.kind == QUADRIC_SPHERE;
   const auto place = [&](double u, double v) {
+    if (quadric.kind == QUADRIC_CYLINDER) return Place{float(v), float(u), quadric.center, 0};
     float sine, cosine;
     sincos_2pi(float(v), &sine, &cosine);
     const float r = quadric.radius * std::sqrt(float(u));

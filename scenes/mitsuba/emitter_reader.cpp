@@ -98,8 +98,11 @@ void read_area_light(const Context& context, const Object& emitter, Shape& shape
   shape.radiance_texture = light.radiance.texture;
   shape.two_sided_emission = light.two_sided;
   shape.sampling = light.sampling;
-  if (shape.two_sided_emission && std::holds_alternative<Sphere>(shape.geometry))
-    plugin.wrong("two_sided", "a sphere emits to one side; flip_normals chooses the inside");
+  const char* round = std::holds_alternative<Sphere>(shape.geometry)     ? "sphere"
+                      : std::holds_alternative<Cylinder>(shape.geometry) ? "cylinder"
+                                                                         : nullptr;
+  if (shape.two_sided_emission && round != nullptr)
+    plugin.wrong("two_sided", fmt::format("a {} emits to one side; flip_normals chooses the inside", round));
   plugin.accept({"sampling_weight"});
   plugin.finish();
 }

@@ -76,6 +76,22 @@ struct SphereShape : PlacedShape {
   }
 };
 
+struct CylinderShape : PlacedShape {
+  static constexpr const char* kPlugin = "cylinder";
+  static constexpr const char* kText =
+      "a cylinder without caps; its transform scales all directions across the axis alike";
+  glm::dvec3 p0{0.0}, p1{0.0, 0.0, 1.0};
+  double radius = 1.0;
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    placement<CylinderShape>(row);
+    row("p0", &CylinderShape::p0, AnyPoint{}, "centre of one end");
+    row("p1", &CylinderShape::p1, AnyPoint{}, "centre of the other");
+    row("radius", &CylinderShape::radius, AnyNumber{"number above 0"}, "its radius");
+  }
+};
+
 /// One that has no parameters of its own.
 template <typename Shape>
 struct PlainShape : PlacedShape {
@@ -124,7 +140,8 @@ struct InstanceShape {
   }
 };
 
-using ShapeParameters = std::variant<ObjShape, PlyShape, SerializedShape, SphereShape, DiskShape,
-                                     RectangleShape, CubeShape, ShapeGroupShape, InstanceShape, MergeShape>;
+using ShapeParameters =
+    std::variant<ObjShape, PlyShape, SerializedShape, SphereShape, CylinderShape, DiskShape, RectangleShape,
+                 CubeShape, ShapeGroupShape, InstanceShape, MergeShape>;
 
 }  // namespace penumbra::mitsuba

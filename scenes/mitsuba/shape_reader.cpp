@@ -6,17 +6,19 @@
 #include <cmath>
 #include <limits>
 
+#include "scenes/instances.h"
 #include "scenes/mesh_reader.h"
 #include "scenes/mesh_tools.h"
 #include "scenes/mitsuba/emitter_reader.h"
 #include "scenes/mitsuba/shape_parameters.h"
+#include "scenes/names.h"
 #include "scenes/texture_needs.h"
 #include "scenes/transform.h"
 
 namespace penumbra::mitsuba {
 namespace {
 
-using Geometry = std::variant<Mesh, Sphere, Disk>;
+using Geometry = std::variant<Mesh, Sphere, Disk, Cylinder>;
 
 /// A shape's plugin, and what its geometry is read with.
 struct ShapeInput {
@@ -74,41 +76,83 @@ Expected<MeshFile> read_file(const SerializedShape& shape, const SourceFile& fil
   return read_serialized(file, shape.shape_index);
 }
 
+/// The file of a mesh; null, and an error, where there is none.
 template <typename Parameters>
-std::optional<Geometry> read_mesh(const ShapeInput& input) {
-  auto& [context, files, plugin, ignored] = input;
-  const auto given = read_parameters<Parameters>(input);
+std::unique_ptr<SourceFile> mesh_file(const ShapeInput& input, const Parameters& given) {
+  if (input.plugin.has("filename")) return open(input.context, input.files, input.plugin, given.filename);
+  input.plugin.wrong(fmt::format("{} needs a <string name=\"filename\" …>", input.plugin.title()));
+  return nullptr;
+}
+
+void report_mesh_error(const ShapeInput& input, const Error& error) {
+  input.context.diagnostics.error_text(
+      fmt::format("{}\n  (which is named at {})", error.message, describe(input.plugin.object().location)));
+}
+
+/// From the file's space to the world's; nothing where that cannot be, which is reported.
+template <typename Parameters>
+std::optional<Mesh> placed_mesh(const ShapeInput& input, const Parameters& given, MeshFile read) {
   const std::string& name = given.filename;
-  if (!plugin.has("filename")) {
-    plugin.wrong(fmt::format("{} needs a <string name=\"filename\" …>", plugin.title()));
-    return std::nullopt;
-  }
-  const auto file = open(context, files, plugin, name);
-  if (!file) return std::nullopt;
-  auto read = read_file(given, *file);
-  if (!read) {
-    context.diagnostics.error_text(fmt::format("{}\n  (which is named at {})", read.error().message,
-                                               describe(plugin.object().location)));
-    return std::nullopt;
-  }
-  Mesh& mesh = read->mesh;
+  Mesh& mesh = read.mesh;
   if (given.flip_tex_coords) {
     for (glm::vec2& uv : mesh.texcoords) uv.y = 1.0f - uv.y;
   }
-  const bool faceted = given.face_normals || read->face_normals ||
-                       (context.tree.faceted_without_normals && mesh.normals.empty());
+  const bool faceted = given.face_normals || read.face_normals ||
+                       (input.context.tree.faceted_without_normals && mesh.normals.empty());
   const auto cleaning = place_mesh(mesh, given.to_world, faceted);
   if (!cleaning) {
-    plugin.wrong("filename", fmt::format("{}: {}", name, cleaning.error().message));
+    input.plugin.wrong("filename", fmt::format("{}: {}", name, cleaning.error().message));
     return std::nullopt;
   }
-  warn_about(context, plugin.object(), *cleaning, read->faces, name);
-  if (mesh.triangles.empty()) {
-    context.diagnostics.warn(plugin.object().location,
-                             fmt::format("{}: the shape has no triangles; it is left out", name));
-    return std::nullopt;
-  }
+  warn_about(input.context, input.plugin.object(), *cleaning, read.faces, name);
   return std::move(mesh);
+}
+
+void warn_of_no_triangles(const ShapeInput& input, const std::string& name) {
+  input.context.diagnostics.warn(input.plugin.object().location,
+                                 fmt::format("{}: the shape has no triangles; it is left out", name));
+}
+
+template <typename Parameters>
+std::optional<Geometry> read_mesh(const ShapeInput& input) {
+  const auto given = read_parameters<Parameters>(input);
+  const auto file = mesh_file(input, given);
+  if (!file) return std::nullopt;
+  auto read = read_file(given, *file);
+  if (!read) {
+    report_mesh_error(input, read.error());
+    return std::nullopt;
+  }
+  auto mesh = placed_mesh(input, given, std::move(*read));
+  if (mesh && mesh->triangles.empty()) {
+    warn_of_no_triangles(input, given.filename);
+    return std::nullopt;
+  }
+  if (!mesh) return std::nullopt;
+  return std::move(*mesh);
+}
+
+/// The parts of a Wavefront file, by material.
+struct MeshPart {
+  std::string material;  ///< as `usemtl` names it; empty: none
+  Mesh mesh;
+};
+std::vector<MeshPart> read_obj_parts(const ShapeInput& input) {
+  const auto given = read_parameters<ObjShape>(input);
+  const auto file = mesh_file(input, given);
+  if (!file) return {};
+  auto model = read_obj_groups(*file);
+  if (!model) {
+    report_mesh_error(input, model.error());
+    return {};
+  }
+  std::vector<MeshPart> parts;
+  for (ObjGroup& group : model->groups) {
+    auto mesh = placed_mesh(input, given, {std::move(group.mesh), std::move(group.faces)});
+    if (mesh && !mesh->triangles.empty()) parts.push_back({group.material.name, std::move(*mesh)});
+  }
+  if (parts.empty() && !input.context.diagnostics.failed()) warn_of_no_triangles(input, given.filename);
+  return parts;
 }
 
 bool is_finite(glm::dvec3 v, double radius) {
@@ -170,6 +214,42 @@ std::optional<Geometry> read_disk(const ShapeInput& input) {
   return disk;
 }
 
+std::optional<Geometry> read_cylinder(const ShapeInput& input) {
+  PluginReader& plugin = input.plugin;
+  const auto given = read_parameters<CylinderShape>(input);
+  if (!(given.radius > 0.0)) {
+    plugin.wrong("radius", fmt::format("a radius must be above 0, not {}", given.radius));
+    return std::nullopt;
+  }
+  const double length = glm::distance(given.p0, given.p1);
+  if (!(length > 0.0) || !std::isfinite(length)) {
+    plugin.wrong("p1", "the ends of a cylinder must be apart");
+    return std::nullopt;
+  }
+  const glm::dvec3 axis = (given.p1 - given.p0) / length;
+  // Mitsuba's frame about the axis (Duff et al. 2017).
+  const double sign = axis.z >= 0 ? 1.0 : -1.0, a = -1 / (sign + axis.z), b = axis.x * axis.y * a;
+  const Cylinder own{given.p0,
+                     axis,
+                     given.radius,
+                     length,
+                     {1 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x},
+                     {b, sign + axis.y * axis.y * a, -axis.y}};
+  const auto placed = placed_cylinder(own, given.to_world);
+  if (!placed) {
+    plugin.wrong("to_world", "a cylinder's transform must scale all directions across its axis alike");
+    return std::nullopt;
+  }
+  // As of a sphere.
+  if (is_mirror(given.to_world)) input.flip_normals = !input.flip_normals;
+  if (!is_finite(placed->center, placed->radius + placed->length) || !(placed->radius > 0.0) ||
+      !(placed->length > 0.0)) {
+    plugin.wrong("the cylinder is too far away, or too large or too small for a number");
+    return std::nullopt;
+  }
+  return *placed;
+}
+
 std::optional<Geometry> checked(const PluginReader& plugin, Mesh mesh) {
   for (const glm::dvec3& p : mesh.positions) {
     if (is_finite(p, 0.0)) continue;
@@ -197,6 +277,7 @@ constexpr ShapePlugin kShapes[] = {{ObjShape::kPlugin, read_mesh<ObjShape>},
                                    {RectangleShape::kPlugin, read_rectangle},
                                    {CubeShape::kPlugin, read_cube},
                                    {SphereShape::kPlugin, read_sphere},
+                                   {CylinderShape::kPlugin, read_cylinder},
                                    {DiskShape::kPlugin, read_disk}};
 
 }  // namespace
@@ -277,6 +358,7 @@ void ShapeReader::read_shape(const Object& object, Holder& holder) {
     context_.unknown_plugin(object, types, "it is left out");
     return;
   }
+  if (object.type == ObjShape::kPlugin && names_materials(object)) return read_parts(object, holder);
   PluginReader plugin(context_, object);
   Shape shape;
   shape.name = name_of(object);
@@ -294,6 +376,57 @@ void ShapeReader::read_shape(const Object& object, Holder& holder) {
   std::tie(shape.front_bsdf, shape.back_bsdf) = materials_.install(bsdf, shape.radiance.has_value(), scene_);
   holder.shapes.push_back(std::move(shape));
   holder.objects.push_back(&object);
+}
+
+/// Whether its BSDFs are those of materials of its file, by their names, as in Mitsuba 0.6: several, of which
+/// some have names.
+bool ShapeReader::names_materials(const Object& object) const {
+  int count = 0, named = 0;
+  for (const Child& child : object.children) {
+    const Object* inside = context_.resolve(child);
+    if (inside == nullptr || inside->tag != "bsdf") continue;
+    ++count;
+    named += child.name.empty() ? 0 : 1;
+  }
+  return count > 1 && named > 0;
+}
+
+void ShapeReader::read_parts(const Object& object, Holder& holder) {
+  PluginReader plugin(context_, object);
+  Shape whole;
+  whole.name = name_of(object);
+  std::vector<MeshPart> parts = read_obj_parts({context_, files_, plugin, whole.flip_normals});
+  plugin.nested("bsdf");
+  const Object* emitter = plugin.only_nested("emitter");
+  plugin.finish();
+  if (emitter != nullptr) read_area_light(context_, *emitter, whole);
+  const Object* others = nullptr;  // for materials that have no BSDF of their name
+  std::map<std::string, const Object*> by_name;
+  for (const Child& child : object.children) {
+    const Object* bsdf = context_.resolve(child);
+    if (bsdf == nullptr || bsdf->tag != "bsdf") continue;
+    materials_.read(*bsdf);
+    if (child.name.empty())
+      others = bsdf;
+    else if (!by_name.emplace(child.name, bsdf).second)
+      plugin.wrong(fmt::format("two BSDFs are named '{}'", child.name));
+  }
+  std::set<std::string> used;
+  for (MeshPart& part : parts) {
+    const auto named = by_name.find(to_snake_case(part.material));
+    const Object* bsdf = named != by_name.end() ? named->second : others;
+    if (named != by_name.end()) used.insert(named->first);
+    Shape shape = whole;
+    if (!part.material.empty()) shape.name += fmt::format(" ({})", part.material);
+    shape.geometry = std::move(part.mesh);
+    std::tie(shape.front_bsdf, shape.back_bsdf) =
+        materials_.install(bsdf, shape.radiance.has_value(), scene_);
+    holder.shapes.push_back(std::move(shape));
+    holder.objects.push_back(&object);
+  }
+  for (const auto& [name, bsdf] : by_name)
+    if (!parts.empty() && !used.contains(name))
+      plugin.warn(fmt::format("no faces of the file have the material '{}'", name));
 }
 
 void ShapeReader::check_textures() const {

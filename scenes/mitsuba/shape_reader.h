@@ -38,6 +38,9 @@ class ShapeReader {
   void read_merged(const Object& object, Holder& holder);
   void read_instance(const Object& object, Holder& holder);
   void read_shape(const Object& object, Holder& holder);
+  [[nodiscard]] bool names_materials(const Object& object) const;
+  /// A Wavefront file as a shape for each object and material.
+  void read_parts(const Object& object, Holder& holder);
   /// Its index in the scene, or -1 where something is wrong, which was reported.
   int group_of(const Object& object);
 

@@ -5,8 +5,13 @@
 namespace penumbra {
 namespace {
 
+bool has_cylinder(const SceneDescription& scene) {
+  return std::ranges::any_of(scene.shapes,
+                             [](const Shape& s) { return std::holds_alternative<Cylinder>(s.geometry); });
+}
+
 bool has_only_polygon_lights(const SceneDescription& scene) {
-  if (!scene.instances.empty()) return false;  // the window's closed forms draw every triangle once
+  if (!scene.instances.empty() || has_cylinder(scene)) return false;  // which the window does not draw
   return scene.emitters.empty() && std::ranges::all_of(scene.shapes, [](const Shape& s) {
            return !s.radiance || std::holds_alternative<Mesh>(s.geometry);
          });

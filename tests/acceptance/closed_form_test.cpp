@@ -63,6 +63,47 @@ TEST_P(ClosedForm, DiskLightSeenFromBehindIsDark) {
   expect_radiance(scene, GetParam().integrator, 0);
 }
 
+/// Irradiance of the floor at the origin from the side of the cylinder that emits, outside or inside,
+/// radiance 1: by the midpoints of a grid.
+double cylinder_irradiance(const Cylinder& c, double side) {
+  constexpr int kAround = 4000, kAlong = 1000;
+  double sum = 0;
+  for (int i = 0; i < kAround; ++i) {
+    const double phi = 2 * std::numbers::pi * (i + 0.5) / kAround;
+    const glm::dvec3 n = std::cos(phi) * c.x_axis + std::sin(phi) * c.y_axis;
+    for (int j = 0; j < kAlong; ++j) {
+      const glm::dvec3 p = c.center + c.length * (j + 0.5) / kAlong * c.axis + c.radius * n;
+      const double d2 = glm::dot(p, p), at_light = -side * glm::dot(n, p), at_floor = p.y;
+      if (at_light > 0 && at_floor > 0) sum += at_light * at_floor / (d2 * d2);
+    }
+  }
+  return sum * 2 * std::numbers::pi * c.radius * c.length / (double(kAround) * kAlong);
+}
+
+TEST_P(ClosedForm, CylinderLightAboveTheFloor) {
+  const auto along = [](glm::dvec3 center, glm::dvec3 axis, double radius, double length) {
+    const glm::dvec3 z = glm::normalize(axis), x = glm::normalize(glm::cross(z, glm::dvec3(0.3, 0.1, 1)));
+    return Cylinder{center, z, radius, length, x, glm::cross(z, x)};
+  };
+  // A lying tube, one that leans, and one from within, seen through its open end: the floor's point is
+  // between its ends.
+  for (const auto& [cylinder, inside] : {std::pair(along({-1, 1, 0.2}, {1, 0, 0}, 0.3, 2), false),
+                                         std::pair(along({0.5, 0.8, 0.4}, {0.3, 1, -0.2}, 0.25, 1.5), false),
+                                         std::pair(along({0.1, 0.05, 0}, {0, 1, 0}, 0.7, 1), true)}) {
+    SceneDescription scene = diffuse_floor();
+    Shape lamp;
+    lamp.name = "cylinder";
+    lamp.geometry = cylinder;
+    lamp.front_bsdf = lamp.back_bsdf = kBlackBsdf;
+    lamp.radiance = glm::vec3(3.0f);
+    lamp.flip_normals = inside;
+    scene.shapes.push_back(lamp);
+    const double expected = cylinder_irradiance(cylinder, inside ? -1 : 1);
+    EXPECT_GT(expected, 0.1);
+    expect_radiance(scene, GetParam().integrator, kAlbedo / std::numbers::pi * 3 * expected);
+  }
+}
+
 TEST_P(ClosedForm, SphereLightAboveTheFloor) {
   // A sphere at angle t from the normal, all above the horizon: E = pi L (r / d)^2 cos t.
   const glm::dvec3 center(0.8, 1.5, -0.4);

@@ -34,12 +34,13 @@ inline SceneTables quadric_light(const Quadric& quadric, bool by_solid_angle) {
   tables.quadrics.push_back(quadric);
   tables.quadrics[0].light = 0;
   Light light{};
-  const bool sphere = quadric.kind == QUADRIC_SPHERE;
-  light.kind = sphere ? LIGHT_SPHERE : LIGHT_DISK;
+  const bool sphere = quadric.kind == QUADRIC_SPHERE, cylinder = quadric.kind == QUADRIC_CYLINDER;
+  light.kind = sphere ? LIGHT_SPHERE : cylinder ? LIGHT_CYLINDER : LIGHT_DISK;
   light.p0 = quadric.center;
   light.p1 = quadric.normal;
-  light.p2 = make_vec3(quadric.radius, quadric.orientation, 0);
-  light.area = (sphere ? 4 : 1) * PI_F * sqr(quadric.radius);
+  light.p2 = make_vec3(quadric.radius, quadric.orientation, cylinder ? quadric.length : 0);
+  light.area =
+      cylinder ? 2 * PI_F * quadric.radius * quadric.length : (sphere ? 4 : 1) * PI_F * sqr(quadric.radius);
   light.pmf = light.alias_threshold = 1;
   light.sampling = by_solid_angle ? EMITTER_SOLID_ANGLE : EMITTER_AREA;
   light.polygon = -1;
@@ -69,6 +70,20 @@ inline SceneTables disk_light(const vec3& center, const vec3& normal, float radi
   q.orientation = 1;
   q.x_axis = from_frame(normal, 1, 0, 0);
   q.y_axis = from_frame(normal, 0, 1, 0);
+  return quadric_light(q, false);
+}
+
+inline SceneTables cylinder_light(const vec3& end, const vec3& axis, float radius, float length,
+                                  float orientation) {
+  Quadric q{};
+  q.kind = QUADRIC_CYLINDER;
+  q.center = end;
+  q.normal = axis;
+  q.radius = radius;
+  q.length = length;
+  q.orientation = orientation;
+  q.x_axis = from_frame(axis, 1, 0, 0);
+  q.y_axis = from_frame(axis, 0, 1, 0);
   return quadric_light(q, false);
 }
 

@@ -73,6 +73,8 @@ Scene SceneTables::scene() {
 #undef POINT_TO_TABLE
   if (!normals.empty()) s.header.features |= FEATURE_SHADING_NORMALS;
   if (!quadrics.empty()) s.header.features |= FEATURE_QUADRICS;
+  for (const Quadric& q : quadrics)
+    if (q.kind == QUADRIC_CYLINDER) s.header.features |= FEATURE_CYLINDERS;
   if (!vertex_uvs.empty()) s.header.features |= FEATURE_UV;
   for (const Light& light : lights) s.header.light_kinds |= 1u << light.kind;
   for (const Material& material : materials) s.header.families |= (1u << material.family) & EVERY_FAMILY;

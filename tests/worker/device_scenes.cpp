@@ -163,6 +163,14 @@ SceneDescription instances() {
   disk.front_bsdf = 0;
   disk.back_bsdf = glossy;
   group.shapes.push_back(disk);
+  Shape tube;
+  tube.name = "cylinder";
+  tube.geometry =
+      Cylinder{dvec3(0.2, -0.3, -0.4), dvec3(0, 0.6, 0.8), 0.2, 0.7, dvec3(1, 0, 0), dvec3(0, 0.8, -0.6)};
+  tube.front_bsdf = tube.back_bsdf = glossy;
+  group.shapes.push_back(tube);
+  tube.radiance = glm::vec3(0.5f);
+  scene.shapes.push_back(tube);
   outer.instances.push_back({"twice", 0, glm::dmat4(1.0)});
   outer.instances.push_back({"twice", 0, translation({0, 0.9, 0}) * scaling({-0.7, 0.7, 1.2})});
   scene.groups = {std::move(group), std::move(outer)};

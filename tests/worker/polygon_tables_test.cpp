@@ -221,7 +221,7 @@ TEST_F(PolygonTables, KindsAndSamplingsMayBeMixed) {
   DeviceScene scene = scene_;
   scene.header.light_kinds = ALL_LIGHT_KINDS;
   for (std::size_t k = 0; k < std::size_t(h_.tables.lights.count); ++k) {
-    for (const int kind : {-1, int(LIGHT_KIND_COUNT)})
+    for (const int kind : {-1, 31})
       expect_refused(
           with_record<Light>(scene_, h_.tables.lights, k, [&](Light& light) { light.kind = kind; }),
           "a light of unknown kind");
@@ -235,8 +235,8 @@ TEST_F(PolygonTables, KindsAndSamplingsMayBeMixed) {
     expect_refused(
         with_record<Light>(scene, h_.tables.lights, k, [&](Light& light) { light.kind = LIGHT_ENVMAP; }),
         "an environment map is not there");
-    for (int kind = 0; kind < LIGHT_KIND_COUNT; ++kind) {
-      if (kind == LIGHT_ENVMAP) continue;
+    for (int kind = 0; kind < 32; ++kind) {
+      if (kind == LIGHT_ENVMAP || (ALL_LIGHT_KINDS >> kind & 1u) == 0u) continue;
       for (int sampling = EMITTER_AREA; sampling <= EMITTER_PROJECTED; ++sampling)
         render(with_record<Light>(scene, h_.tables.lights, k, [&](Light& light) {
           light.kind = kind;

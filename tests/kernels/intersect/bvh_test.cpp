@@ -9,6 +9,7 @@
 #include <map>
 #include <utility>
 
+#include "scenes/device/bvh_builder.h"
 #include "tests/kernels/kernels_under_test.h"
 #include "tests/kernels/random_numbers.h"
 #include "tests/kernels/scene_tables.h"
@@ -395,6 +396,31 @@ TEST(Hierarchy, IsTheSameEveryTime) {
   EXPECT_EQ(std::memcmp(a.triangle_leaves.data(), b.triangle_leaves.data(),
                         a.triangle_leaves.size() * sizeof(TriangleLeaf)),
             0);
+}
+
+/// Long triangles, which are split, and short ones; enough for all threads.
+TEST(Hierarchies, AreTheSameWhateverTheNumberOfThreads) {
+  RandomNumbers random(77);
+  SceneTables tables;
+  for (int i = 0; i < 60000; ++i) {
+    const Exact3 a = random.point(1);
+    const double size = i % 50 == 0 ? 1 : 0.02;
+    tables.add_triangle(rounded(a), rounded(a + random.point(size)), rounded(a + random.point(0.1 * size)));
+  }
+  const PrimitiveGroup all{0, 0, int(tables.triangles.size()), 0, 0};
+  const auto one = build_hierarchy(tables.triangles, {}, std::span(&all, 1), {}, 1);
+  ASSERT_TRUE(one);
+  EXPECT_GT(one->triangle_leaves.size(), tables.triangles.size() / 8);
+  for (const int threads : {2, 3, 4, 8}) {
+    const auto many = build_hierarchy(tables.triangles, {}, std::span(&all, 1), {}, threads);
+    ASSERT_TRUE(many);
+    ASSERT_EQ(many->nodes.size(), one->nodes.size()) << threads;
+    ASSERT_EQ(many->triangle_leaves.size(), one->triangle_leaves.size()) << threads;
+    EXPECT_EQ(std::memcmp(many->nodes.data(), one->nodes.data(), one->nodes.size() * sizeof(BvhNode)), 0);
+    EXPECT_EQ(std::memcmp(many->triangle_leaves.data(), one->triangle_leaves.data(),
+                          one->triangle_leaves.size() * sizeof(TriangleLeaf)),
+              0);
+  }
 }
 
 }  // namespace

@@ -68,6 +68,17 @@ const LightCase kLightCases[] = {
        const Exact3 toward = normalize(r.direction() - 1.5L * normalize(at));
        return disk_light(rounded(at), rounded(toward), float(r.between(0.1, 1.5)));
      }},
+    {"Cylinder",
+     [](RandomNumbers& r) {
+       return cylinder_light(rounded(3.0L * r.direction()), rounded(r.direction()),
+                             float(r.between(0.1, 0.8)), float(r.between(0.1, 1.5)), 1);
+     }},
+    {"CylinderFromInside",
+     [](RandomNumbers& r) {
+       const Exact3 axis = r.direction();
+       return cylinder_light(rounded(r.point(0.3) - 1.5L * axis), rounded(axis), float(r.between(1, 2)), 3,
+                             -1);
+     }},
 };
 
 class Lights : public testing::TestWithParam<LightCase> {};
@@ -80,7 +91,8 @@ double light_offset(const SceneTables& tables) {
   double extent = double(length(exact(light.p0)));
   if (light.kind == LIGHT_TRIANGLE)
     extent = std::max({extent, double(length(exact(light.p1))), double(length(exact(light.p2)))});
-  if (light.kind == LIGHT_SPHERE || light.kind == LIGHT_DISK) extent += light.p2.x;
+  if (light.kind == LIGHT_SPHERE || light.kind == LIGHT_DISK || light.kind == LIGHT_CYLINDER)
+    extent += light.p2.x + light.p2.z;
   return std::sqrt(3.0) * POSITION_ERROR * extent;
 }
 
@@ -88,7 +100,10 @@ double light_offset(const SceneTables& tables) {
 double cosine_at_light(const SceneTables& tables, const LightSample& sample) {
   const Light& light = tables.lights[0];
   const Exact3 end = exact(sample.origin) + (long double)sample.tmax * exact(sample.wi);
-  const Exact3 normal = light.kind == LIGHT_TRIANGLE
+  const Exact3 from = end - exact(light.p0), axis = exact(light.p1);
+  const Exact3 normal = light.kind == LIGHT_CYLINDER
+                            ? (long double)light.p2.y * (from - dot(from, axis) * axis)
+                        : light.kind == LIGHT_TRIANGLE
                             ? cross(exact(light.p1) - exact(light.p0), exact(light.p2) - exact(light.p0))
                         : light.kind == LIGHT_DISK ? exact(light.p1)
                                                    : (long double)light.p2.y * (end - exact(light.p0));
@@ -101,7 +116,9 @@ TEST_P(Lights, DensityOfASampleIsThatOfItsDirection) {
   for (int k = 0; k < 400; ++k) {
     SceneTables tables = GetParam().make(random);
     const Scene scene = tables.scene();
-    const double curvature = tables.lights[0].kind == LIGHT_SPHERE ? 1 / double(tables.lights[0].p2.x) : 0;
+    const int kind = tables.lights[0].kind;
+    const bool round = kind == LIGHT_SPHERE || kind == LIGHT_CYLINDER;
+    const double curvature = round ? 1 / double(tables.lights[0].p2.x) : 0;
     const vec3 p = rounded(random.point(0.01));
     const Surface s = receiver(p, rounded(random.direction()));
     for (int i = 0; i < 50; ++i) {

@@ -1,0 +1,54 @@
+// Cylinder lights, by area.
+#ifndef PENUMBRA_CYLINDER_LIGHT_H
+#define PENUMBRA_CYLINDER_LIGHT_H
+#include "kernels/intersect/surface_uv.h"
+#include "kernels/light/light_found.h"
+#include "kernels/math/frame.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+FN vec3 cylinder_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* light, LightPoint at,
+                                vec3 wi) {
+  return load3(&light->radiance);
+}
+
+FN SampledPoint sample_cylinder_point(const PRIVATE Scene* scene, int index, float u, float v, uint ways) {
+  GLOBAL const Light* light = scene->lights + index;
+  const vec3 center = load3(&light->p0), axis = load3(&light->p1);
+  const float radius = light->p2.x, orientation = light->p2.y, length = light->p2.z;
+  float sine, cosine;
+  sincos_2pi(v, &sine, &cosine);
+  const vec3 outward = from_frame(axis, cosine, sine, 0.0f);
+  const vec3 from_center = add_scaled(scale(outward, radius), u * length, axis);
+  SampledPoint s;
+  s.at = light_point(add(center, from_center), scale(outward, orientation));
+  const float reach = radius + length;
+  s.spread = dot3(abs3(outward), add(abs3(center), make_vec3(reach, reach, reach)));
+  s.pdf = 0.0f;
+#if HAS(UV)
+  if (BY(ways, UV)) {
+    const TexturePoint on =
+        cylinder_uv(to_quadric_frame(quadric_of_light(scene, index), from_center), length);
+    s.at.u = on.u;
+    s.at.v = on.v;
+  }
+#endif
+  return s;
+}
+
+FN LightSample sample_cylinder_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
+                                     LightSampling sampling, uint ways) {
+  GLOBAL const Light* light = scene->lights + index;
+  const SampledPoint point = sample_cylinder_point(scene, index, u, v, ways);
+  LightSample s = toward_light(light, r, point);
+  s.radiance = cylinder_light_radiance(scene, light, point.at, s.wi);
+  return s;
+}
+
+FN float cylinder_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
+                            uint ways) {
+  return area_to_solid_angle(sqr(found.distance), found.cosine, light->area);
+}
+
+PENUMBRA_NAMESPACE_END
+#endif
