@@ -6,13 +6,16 @@
 #include <array>
 #include <bit>
 #include <fstream>
+#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <type_traits>
 #include <utility>
 
 #include "scenes/mitsuba/shape_parameters.h"
+#include "scenes/mitsuba/texture_reader.h"
 #include "scenes/settings.h"
 #include "scenes/transform.h"
 
@@ -43,6 +46,9 @@ std::string texture_id(int index) { return fmt::format("texture-{}", index); }
 /// Elements, one a line, indented.
 class XmlText {
  public:
+  using PutTexture = std::function<void(int, TextureUse, std::string_view)>;
+  explicit XmlText(PutTexture put_texture) : put_texture_(std::move(put_texture)) {}
+
   void open(std::string_view tag, std::string_view type, std::string_view attributes = "") {
     line(fmt::format("<{} type=\"{}\"{}>", tag, escaped(type), attributes));
     tags_.emplace_back(tag);
@@ -59,9 +65,10 @@ class XmlText {
     line(name.empty() ? fmt::format("<ref id=\"{}\"/>", id)
                       : fmt::format("<ref name=\"{}\" id=\"{}\"/>", name, id));
   }
-  void texture(int index, std::string_view name = "") {
-    reference(texture_id(index), name);
+  /// A texture that is a parameter, or, without a name, what its plugin holds.
+  void texture(int index, TextureUse use, std::string_view name = "") {
     least_texture_ = std::min(least_texture_, index);
+    put_texture_(index, use, name);
   }
   /// Of those that are referred to, or a large number.
   [[nodiscard]] int least_texture() const { return least_texture_; }
@@ -81,6 +88,7 @@ class XmlText {
     text_ += '\n';
   }
 
+  PutTexture put_texture_;
   std::string text_;
   std::vector<std::string> tags_;
   int least_texture_ = std::numeric_limits<int>::max();
@@ -90,11 +98,11 @@ std::string colour_text(const glm::vec3& c) { return fmt::format("{}, {}, {}", c
 
 // A parameter's value by its type.
 void put(XmlText& xml, std::string_view name, const TexturedColour& colour, const auto&) {
-  if (colour.texture != kNoTexture) return xml.texture(colour.texture, name);
+  if (colour.texture != kNoTexture) return xml.texture(colour.texture, TextureUse::kColour, name);
   xml.value("rgb", name, colour_text(colour.value));
 }
 void put(XmlText& xml, std::string_view name, const TexturedNumber& number, const auto&) {
-  if (number.texture != kNoTexture) return xml.texture(number.texture, name);
+  if (number.texture != kNoTexture) return xml.texture(number.texture, TextureUse::kNumber, name);
   xml.value("float", name, fmt::format("{}", number.value));
 }
 void put(XmlText& xml, std::string_view name, const glm::vec3& colour, const auto&) {
@@ -238,7 +246,6 @@ class SceneWriter {
   Expected<void> write() {
     put_integrator();
     put_sensor();
-    for (std::size_t i = 0; i < scene_.textures.size(); ++i) put_texture(int(i));
     put_surfaces();
     for (std::size_t i = 0; i < scene_.shapes.size(); ++i)
       if (auto done = put_shape(scene_.shapes[i], i); !done) return done;
@@ -338,16 +345,27 @@ class SceneWriter {
     xml_.close();
   }
 
-  void put_texture(int index) {
+  [[nodiscard]] XmlText new_text() {
+    return XmlText(
+        [this](int index, TextureUse use, std::string_view name) { put_texture(index, use, name); });
+  }
+
+  /// Where it is first used; later it is referred to.
+  void put_texture(int index, TextureUse use, std::string_view name) {
+    if (!textures_.insert(index).second) return xml_.reference(texture_id(index), name);
     const SceneTexture& texture = scene_.textures[std::size_t(index)];
+    const std::string named = name.empty() ? "" : fmt::format(" name=\"{}\"", name);
     std::visit(
         [&](auto model) {
           using Model = decltype(model);
           if constexpr (std::is_same_v<Model, BitmapTexture>)
             model.filename = fs::absolute(scene_.bitmaps[std::size_t(model.bitmap)]->name).string();
-          xml_.open("texture", Model::kPlugin, fmt::format(" id=\"{}\"", texture_id(index)));
+          // A reader exchanges the colours of one that is a number, as Mitsuba does.
+          if constexpr (std::is_same_v<Model, CheckerboardTexture>)
+            if (use == TextureUse::kNumber) std::swap(model.color0, model.color1);
+          xml_.open("texture", Model::kPlugin, fmt::format(" id=\"{}\"{}", texture_id(index), named));
           put_parameters(xml_, model);
-          if constexpr (requires { model.texture; }) xml_.texture(model.texture);
+          if constexpr (requires { model.texture; }) xml_.texture(model.texture, use);
           const glm::dmat3& m = texture.to_uv;
           if (m != glm::dmat3(1.0)) {
             glm::dmat4 to_uv(1.0);
@@ -378,7 +396,7 @@ class SceneWriter {
       if (shape.radiance && sides == std::pair{kBlackBsdf, kBlackBsdf}) continue;
       const auto [at, added] = surfaces_.try_emplace(sides, fmt::format("bsdf-{}", surfaces_.size()));
       if (!added) continue;
-      const XmlText before = std::exchange(xml_, XmlText());
+      const XmlText before = std::exchange(xml_, new_text());
       put_surface(sides.first, sides.second, fmt::format(" id=\"{}\"", at->second));
       const XmlText text = std::exchange(xml_, before);
       surfaces.emplace(text.least_texture(), text);
@@ -467,7 +485,7 @@ class SceneWriter {
       put_parameters(xml_, parameters);
     };
     bend.kind == BendKind::kNormalMap ? open(NormalMapParameters{}) : open(BumpMapParameters{});
-    xml_.texture(bend.texture);
+    xml_.texture(bend.texture, TextureUse::kColour);
   }
 
   void put_leaf(int index, const std::string& attributes, bool bent) {
@@ -539,7 +557,8 @@ class SceneWriter {
 
   const SceneDescription& scene_;
   const fs::path file_;
-  XmlText xml_;
+  XmlText xml_ = new_text();
+  std::set<int> textures_;                               ///< written so far
   std::map<std::pair<int, int>, std::string> surfaces_;  ///< fronts and backs, and their ids
 };
 
