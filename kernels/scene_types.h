@@ -291,25 +291,25 @@ PENUMBRA_NAMESPACE_BEGIN
 
 // What a ray through the film starts from; lengths in the scene's units. From `parallel` on only cameras of
 // FEATURE_CAMERA have a use for them, see lens_camera.h.
-#define CAMERA_FIELDS(F)                                                                                \
-  F(vec3, origin)                                                                                       \
-  F(vec3, x) /* to the left edge of the film, at distance 1 */                                          \
-  F(vec3, y) /* to the top edge */                                                                      \
-  F(vec3, z) /* unit viewing direction */                                                               \
-  F(float, near_clip)                                                                                   \
-  F(float, far_clip)                                                                                    \
-  F(float, parallel) /* 1: rays through the lens' centre are parallel to z, x and y half the film's */  \
-                     /* size; 0: they meet at the origin */                                             \
-  F(float, offset_x) /* of the axis from the film's centre, to the left in half widths */               \
-  F(float, offset_y) /* ... upwards in half heights */                                                  \
-  F(float, lens_radius)                                                                                 \
-  F(float, blades)     /* corners of the lens; 0: a disk */                                             \
-  F(float, blade_turn) /* from x towards y to the first corner, in turns, 0 to 1 */                     \
-  F(float, k1)         /* r (1 + k1 r^2 + k2 r^4) is where what belongs to r is on the film, by the */  \
-  F(float, k2)         /* ... tangents of the angles off the axis */                                    \
-  F(float, reach)      /* the greatest r that is on the film, at most; 0: there is no distortion */     \
-  F(float, split)      /* 1: channels have rays of their own, 0: all are as the first is below */       \
-  F(vec3, image_scale) /* by how much the image of each channel is larger */                            \
+#define CAMERA_FIELDS(F)                                                                               \
+  F(vec3, origin)                                                                                      \
+  F(vec3, x) /* to the left edge of the film, at distance 1 */                                         \
+  F(vec3, y) /* to the top edge */                                                                     \
+  F(vec3, z) /* unit viewing direction */                                                              \
+  F(float, near_clip)                                                                                  \
+  F(float, far_clip)                                                                                   \
+  F(float, parallel) /* 1: rays through the lens' centre are parallel to z, x and y half the film's */ \
+                     /* size; 0: they meet at the origin */                                            \
+  F(float, offset_x) /* of the axis from the film's centre, to the left in half widths */              \
+  F(float, offset_y) /* ... upwards in half heights */                                                 \
+  F(float, lens_radius)                                                                                \
+  F(float, blades)     /* corners of the lens; 0: a disk */                                            \
+  F(float, blade_turn) /* from x towards y to the first corner, in turns, 0 to 1 */                    \
+  F(float, k1)         /* r (1 + k1 r^2 + k2 r^4) is where what belongs to r is on the film, by the */ \
+  F(float, k2)         /* ... tangents of the angles off the axis */                                   \
+  F(float, reach)      /* the greatest r that is on the film, at most; 0: there is no distortion */    \
+  F(float, split)      /* 1: channels have rays of their own, 0: all are as the first is below */      \
+  F(vec3, image_scale) /* by how much the image of each channel is larger */                           \
   F(vec3, focus)       /* distance along z at which each is sharp */
 
 #define FILM_PARAMETERS_FIELDS(F)        \

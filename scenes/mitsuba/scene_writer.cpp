@@ -2,16 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <bit>
 #include <fstream>
-#include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <type_traits>
 #include <utility>
 
+#include "scenes/mesh_writer.h"
+#include "scenes/mitsuba/plugin_writer.h"
 #include "scenes/mitsuba/shape_parameters.h"
 #include "scenes/settings.h"
 #include "scenes/transform.h"
@@ -20,208 +19,6 @@ namespace penumbra::mitsuba {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
-}
-
-std::string texture_id(int index) { return fmt::format("texture-{}", index); }
-
-/// Elements, one a line, indented.
-class XmlText {
- public:
-  void open(std::string_view tag, std::string_view type, std::string_view attributes = "") {
-    line(fmt::format("<{} type=\"{}\"{}>", tag, escaped(type), attributes));
-    tags_.emplace_back(tag);
-  }
-  void close() {
-    const std::string tag = std::move(tags_.back());
-    tags_.pop_back();
-    line(fmt::format("</{}>", tag));
-  }
-  void value(std::string_view tag, std::string_view name, std::string_view text) {
-    line(fmt::format("<{} name=\"{}\" value=\"{}\"/>", tag, name, escaped(text)));
-  }
-  void reference(std::string_view id, std::string_view name = "") {
-    line(name.empty() ? fmt::format("<ref id=\"{}\"/>", id)
-                      : fmt::format("<ref name=\"{}\" id=\"{}\"/>", name, id));
-  }
-  void texture(int index, std::string_view name = "") {
-    reference(texture_id(index), name);
-    least_texture_ = std::min(least_texture_, index);
-  }
-  /// Of those that are referred to, or a large number.
-  [[nodiscard]] int least_texture() const { return least_texture_; }
-  void append(const XmlText& other) { text_ += other.text_; }
-  void transform(std::string_view name, const glm::dmat4& m) {
-    std::string rows;
-    for (int i = 0; i < 4; ++i)
-      for (int k = 0; k < 4; ++k) rows += fmt::format("{}{}", rows.empty() ? "" : " ", m[k][i]);
-    line(fmt::format("<transform name=\"{}\"><matrix value=\"{}\"/></transform>", name, rows));
-  }
-  [[nodiscard]] const std::string& text() const { return text_; }
-
- private:
-  void line(std::string_view what) {
-    text_ += std::string(2 * (tags_.size() + 1), ' ');
-    text_ += what;
-    text_ += '\n';
-  }
-
-  std::string text_;
-  std::vector<std::string> tags_;
-  int least_texture_ = std::numeric_limits<int>::max();
-};
-
-std::string colour_text(const glm::vec3& c) { return fmt::format("{}, {}, {}", c.x, c.y, c.z); }
-
-// A parameter's value by its type.
-void put(XmlText& xml, std::string_view name, const TexturedColour& colour, const auto&) {
-  if (colour.texture != kNoTexture) return xml.texture(colour.texture, name);
-  xml.value("rgb", name, colour_text(colour.value));
-}
-void put(XmlText& xml, std::string_view name, const TexturedNumber& number, const auto&) {
-  if (number.texture != kNoTexture) return xml.texture(number.texture, name);
-  xml.value("float", name, fmt::format("{}", number.value));
-}
-void put(XmlText& xml, std::string_view name, const glm::vec3& colour, const auto&) {
-  xml.value("rgb", name, colour_text(colour));
-}
-void put(XmlText& xml, std::string_view name, const glm::dvec3& p, const auto&) {
-  xml.value("point", name, fmt::format("{}, {}, {}", p.x, p.y, p.z));
-}
-void put(XmlText& xml, std::string_view name, const glm::dmat4& m, const auto&) { xml.transform(name, m); }
-void put(XmlText& xml, std::string_view name, const std::string& text, const auto&) {
-  xml.value("string", name, text);
-}
-template <typename T, typename Values>
-void put(XmlText& xml, std::string_view name, const T& value, const Values& values) {
-  if constexpr (requires { values.choices; })
-    xml.value("string", name, values.print(value));
-  else if constexpr (std::is_same_v<T, bool>)
-    xml.value("boolean", name, value ? "true" : "false");
-  else if constexpr (std::is_integral_v<T>)
-    xml.value("integer", name, fmt::format("{}", value));
-  else
-    xml.value("float", name, fmt::format("{}", value));
-}
-
-template <typename Model>
-constexpr bool kIsRough = requires(const Model& model) {
-  model.alpha;
-  model.alpha_u;
-  model.sample_visible;
-};
-
-// Where parameters exclude each other, those that say what the others came to.
-template <typename Model>
-bool is_said_by_others(const Model& model, std::string_view name) {
-  bool said = false;
-  if constexpr (kIsRough<Model>) {
-    const bool alike = model.alpha_u == model.alpha_v;
-    said |= alike ? name == "alpha_u" || name == "alpha_v" : name == "alpha";
-  }
-  if constexpr (std::is_base_of_v<ConductorSurface, Model>) said |= name == "material";
-  if constexpr (std::is_same_v<Model, PrincipledBsdf>) said |= name == "specular";
-  if constexpr (std::is_same_v<Model, PointLight>) said |= name == "to_world";
-  if constexpr (std::is_same_v<Model, BitmapTexture>) {
-    const bool alike = model.wrap_u == model.wrap_v;
-    said |= alike ? name == "wrap_mode_u" || name == "wrap_mode_v" : name == "wrap_mode";
-    said |= name == "gamma" && model.raw;
-  }
-  return said;
-}
-
-// Parameters of which a reader wants all or none, or takes others for them where they are not given.
-template <typename Model>
-bool is_written_anyway(const Model& model, std::string_view name) {
-  bool anyway = false;
-  if constexpr (std::is_base_of_v<ConductorSurface, Model>) {
-    const Model plain;
-    anyway |= (name == "eta" || name == "k") && !(model.eta == plain.eta && model.k == plain.k);
-  }
-  if constexpr (kIsRough<Model>) anyway |= name == "alpha_u" || name == "alpha_v";
-  if constexpr (std::is_same_v<Model, PrincipledBsdf>) anyway |= name == "eta";
-  return anyway;
-}
-
-/// With what its reader has made of it put back into the parameters that say it.
-template <typename Model>
-Model as_given(Model model) {
-  if constexpr (requires {
-                  model.alpha_u;
-                  model.alpha;
-                  model.sample_visible;
-                })
-    if (model.alpha_u == model.alpha_v) model.alpha = model.alpha_u;
-  if constexpr (std::is_same_v<Model, BitmapTexture>)
-    if (model.wrap_u == model.wrap_v) model.wrap = model.wrap_u;
-  return model;
-}
-
-/// Its parameters but for those that have their defaults.
-template <typename Model>
-void put_parameters(XmlText& xml, const Model& read) {
-  Model plain;
-  if constexpr (requires { plain.written_for(3); }) plain.written_for(3);
-  const Model model = as_given(read);
-  Model::parameters([&](const char* name, auto member, const auto& values, const char*) {
-    if (is_said_by_others(model, name)) return;
-    if (model.*member == plain.*member && !is_written_anyway(model, name)) return;
-    put(xml, name, model.*member, values);
-  });
-}
-
-/// A little-endian PLY file of what a mesh has.
-std::string ply_of(const Mesh& mesh) {
-  const bool normals = !mesh.normals.empty(), uvs = !mesh.texcoords.empty();
-  const bool colours = !mesh.colours.empty(), faces = !mesh.face_colours.empty();
-  std::string out =
-      fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", mesh.positions.size());
-  const auto properties = [&](const char* type, std::initializer_list<const char*> names) {
-    for (const char* name : names) out += fmt::format("property {} {}\n", type, name);
-  };
-  properties("double", {"x", "y", "z"});
-  if (normals) properties("float", {"nx", "ny", "nz"});
-  if (uvs) properties("float", {"u", "v"});
-  if (colours) properties("float", {"r", "g", "b"});
-  out += fmt::format("element face {}\nproperty list uchar uint vertex_indices\n", mesh.triangles.size());
-  if (faces) properties("float", {"r", "g", "b"});
-  out += "end_header\n";
-  const auto bytes = [&](const auto& value) {
-    auto raw = std::bit_cast<std::array<char, sizeof(value)>>(value);
-    if constexpr (std::endian::native == std::endian::big) std::ranges::reverse(raw);
-    out.append(raw.data(), raw.size());
-  };
-  const auto vector = [&](const auto& v) {
-    for (int axis = 0; axis < v.length(); ++axis) bytes(v[axis]);
-  };
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    vector(mesh.positions[i]);
-    if (normals) vector(mesh.normals[i]);
-    if (uvs) vector(mesh.texcoords[i]);
-    if (colours) vector(mesh.colours[i]);
-  }
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    out += char(3);
-    vector(mesh.triangles[i]);
-    if (faces) vector(mesh.face_colours[i]);
-  }
-  return out;
-}
 
 Expected<void> write_file(const fs::path& path, std::string_view contents) {
   std::ofstream file(path, std::ios::binary);
@@ -238,7 +35,6 @@ class SceneWriter {
   Expected<void> write() {
     put_integrator();
     put_sensor();
-    for (std::size_t i = 0; i < scene_.textures.size(); ++i) put_texture(int(i));
     put_surfaces();
     for (std::size_t i = 0; i < scene_.shapes.size(); ++i)
       if (auto done = put_shape(scene_.shapes[i], i); !done) return done;
@@ -338,16 +134,27 @@ class SceneWriter {
     xml_.close();
   }
 
-  void put_texture(int index) {
+  [[nodiscard]] XmlText new_text() {
+    return XmlText(
+        [this](int index, TextureUse use, std::string_view name) { put_texture(index, use, name); });
+  }
+
+  /// Where it is first used; later it is referred to.
+  void put_texture(int index, TextureUse use, std::string_view name) {
+    if (!textures_.insert(index).second) return xml_.reference(texture_id(index), name);
     const SceneTexture& texture = scene_.textures[std::size_t(index)];
+    const std::string named = name.empty() ? "" : fmt::format(" name=\"{}\"", name);
     std::visit(
         [&](auto model) {
           using Model = decltype(model);
           if constexpr (std::is_same_v<Model, BitmapTexture>)
             model.filename = fs::absolute(scene_.bitmaps[std::size_t(model.bitmap)]->name).string();
-          xml_.open("texture", Model::kPlugin, fmt::format(" id=\"{}\"", texture_id(index)));
+          // A reader exchanges the colours of one that is a number, as Mitsuba does.
+          if constexpr (std::is_same_v<Model, CheckerboardTexture>)
+            if (use == TextureUse::kNumber) std::swap(model.color0, model.color1);
+          xml_.open("texture", Model::kPlugin, fmt::format(" id=\"{}\"{}", texture_id(index), named));
           put_parameters(xml_, model);
-          if constexpr (requires { model.texture; }) xml_.texture(model.texture);
+          if constexpr (requires { model.texture; }) xml_.texture(model.texture, use);
           const glm::dmat3& m = texture.to_uv;
           if (m != glm::dmat3(1.0)) {
             glm::dmat4 to_uv(1.0);
@@ -378,7 +185,7 @@ class SceneWriter {
       if (shape.radiance && sides == std::pair{kBlackBsdf, kBlackBsdf}) continue;
       const auto [at, added] = surfaces_.try_emplace(sides, fmt::format("bsdf-{}", surfaces_.size()));
       if (!added) continue;
-      const XmlText before = std::exchange(xml_, XmlText());
+      const XmlText before = std::exchange(xml_, new_text());
       put_surface(sides.first, sides.second, fmt::format(" id=\"{}\"", at->second));
       const XmlText text = std::exchange(xml_, before);
       surfaces.emplace(text.least_texture(), text);
@@ -467,7 +274,7 @@ class SceneWriter {
       put_parameters(xml_, parameters);
     };
     bend.kind == BendKind::kNormalMap ? open(NormalMapParameters{}) : open(BumpMapParameters{});
-    xml_.texture(bend.texture);
+    xml_.texture(bend.texture, TextureUse::kColour);
   }
 
   void put_leaf(int index, const std::string& attributes, bool bent) {
@@ -539,7 +346,8 @@ class SceneWriter {
 
   const SceneDescription& scene_;
   const fs::path file_;
-  XmlText xml_;
+  XmlText xml_ = new_text();
+  std::set<int> textures_;                               ///< written so far
   std::map<std::pair<int, int>, std::string> surfaces_;  ///< fronts and backs, and their ids
 };
 

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <string>
 
+#include "kernels/host/device_scene_tables.h"
 #include "scenes/device/device_scene_builder.h"
 #include "tests/scenes/scene_text.h"
 
@@ -37,7 +38,14 @@ class MitsubaWriter : public SceneText {
     EXPECT_EQ(std::memcmp(&before.header, &after.header, sizeof(SceneHeader)), 0);
     ASSERT_EQ(before.words.size(), after.words.size());
     const auto differ = std::ranges::mismatch(before.words, after.words).in1 - before.words.begin();
-    EXPECT_EQ(std::size_t(differ), before.words.size()) << "the first word that differs";
+    for (const SceneTable& each : kSceneTables) {
+      const TableSpan span = before.header.tables.*each.span;
+      const int words = std::max(span.count, each.least) * each.record_bytes / 4, first = int(span.offset);
+      EXPECT_FALSE(differ >= first && differ < first + words)
+          << each.what << " differ in record " << (differ - first) / (each.record_bytes / 4) << ", word "
+          << (differ - first) % (each.record_bytes / 4);
+    }
+    EXPECT_EQ(std::size_t(differ), before.words.size());
   }
 
   /// A scene of one ball of that BSDF, and a lamp.
