@@ -220,9 +220,11 @@ SurfaceMaterial MaterialReader::coated_diffuse(Parameters& parameters, SourceLoc
   model.ext_ior = 1.0f;
   model.nonlinear = true;
   model.distribution = DISTRIBUTION_GGX;
-  if (rough.u != rough.v || rough.u.texture != kNoTexture)
-    report.warn(location, "the boundary of a coateddiffuse is as rough everywhere and in all directions");
-  model.alpha = rough.u.texture != kNoTexture ? 0.5f : std::sqrt(rough.u.value * rough.v.value);
+  if (rough.u != rough.v)
+    report.warn(location, "the boundary of a coateddiffuse is as rough in all directions");
+  model.alpha = rough.u;
+  if (rough.u.texture == kNoTexture && rough.v.texture == kNoTexture)
+    model.alpha = TexturedNumber(std::sqrt(rough.u.value * rough.v.value));
   return both_sides("coateddiffuse", model);
 }
 

@@ -239,7 +239,7 @@ TEST_F(PbrtText, Materials) {
   EXPECT_EQ(glass.alpha_v.value, 0.3f);
   EXPECT_EQ(glass.int_ior, 1.5168f);
   EXPECT_EQ(std::get<PlasticBsdf>(front(scene, 5)).diffuse.value, glm::vec3(0.4f));
-  EXPECT_NEAR(std::get<RoughPlasticBsdf>(front(scene, 6)).alpha, 0.2f, 1e-6f);
+  EXPECT_NEAR(std::get<RoughPlasticBsdf>(front(scene, 6)).alpha.value, 0.2f, 1e-6f);
   EXPECT_EQ(std::get<MaskBsdf>(front(scene, 7)).opacity.value, 0.0f) << "rays pass an interface";
   EXPECT_EQ(std::get<BlendBsdf>(front(scene, 8)).weight.value, 0.25f);
   EXPECT_TRUE(std::holds_alternative<ConductorBsdf>(
