@@ -174,10 +174,10 @@ PENUMBRA_NAMESPACE_BEGIN
 #define LIGHT_FIELDS(F)                                                                                   \
   F(vec3,                                                                                                 \
     radiance) /* radiance; radiant intensity of a point or spot light, irradiance of a directional one */ \
-  F(vec3, p0) /* triangle vertex, rectangle corner, centre (of a cylinder's first end), or position */     \
-  F(vec3, p1) /* triangle vertex, next corner; disk: unit normal of the front; cylinder: unit axis;        \
-                 unit direction of a directional light */                                                  \
-  F(vec3, p2) /* triangle vertex, previous corner; others: (radius, orientation, length) */                \
+  F(vec3, p0) /* triangle vertex, rectangle corner, centre (of a cylinder's first end), or position */    \
+  F(vec3, p1) /* triangle vertex, next corner; disk: unit normal of the front; cylinder: unit axis;       \
+                 unit direction of a directional light */                                                 \
+  F(vec3, p2) /* triangle vertex, previous corner; others: (radius, orientation, length) */               \
   F(float, area)                                                                                          \
   F(int, sampling)          /* EMITTER_* */                                                               \
   F(int, two_sided)         /* 1: emits from the back as well */                                          \

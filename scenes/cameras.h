@@ -38,11 +38,12 @@ struct CameraSettings {
   double near_clip = 1e-2;              ///< distances along +z; nothing outside is seen by the camera
   double far_clip = 1e4;
   double principal_point_offset_x = 0.0,
-         principal_point_offset_y = 0.0;  ///< of the film that is seen, to the right and down, in widths, heights
-  double aperture_radius = 0.0;           ///< scene units; 0: a pinhole
-  double focus_distance = 1e4;            ///< along +z; what is there is sharp
-  int blades = 0;                         ///< corners of the lens, on its circle; 0: the disk
-  double blade_rotation = 0.0;            ///< degrees, from camera space's x towards y to the first corner
+         principal_point_offset_y =
+             0.0;                ///< of the film that is seen, to the right and down, in widths, heights
+  double aperture_radius = 0.0;  ///< scene units; 0: a pinhole
+  double focus_distance = 1e4;   ///< along +z; what is there is sharp
+  int blades = 0;                ///< corners of the lens, on its circle; 0: the disk
+  double blade_rotation = 0.0;   ///< degrees, from camera space's x towards y to the first corner
   /// What a pinhole shows at r from the axis is at r (1 + k1 r^2 + k2 r^4), both as tangents of angles.
   double distortion_k1 = 0.0, distortion_k2 = 0.0;
   /// Shares by which a channel's image is larger than the film's, and its plane of focus farther away.
@@ -69,8 +70,7 @@ void camera_parameters(const Row& row) {
       "full angle of the whole film, degrees; perspective");
   row("fov_axis", &C::fov_axis, fov_axes(), "what the angle spans");
   row("scale_x", &C::scale_x, kLength, "half the width that the film sees; orthographic");
-  row("scale_y", &C::scale_y, kLength,
-      "half the height that it would see if it were square; orthographic");
+  row("scale_y", &C::scale_y, kLength, "half the height that it would see if it were square; orthographic");
   row("near_clip", &C::near_clip, kLength, "nothing nearer along the view is seen", &Camera::near_clip);
   row("far_clip", &C::far_clip, kLength, "nothing farther along the view is seen", &Camera::far_clip);
   row("principal_point_offset_x", &C::principal_point_offset_x, Number<double>{LowEnd::kClosed, -1e3, 1e3},

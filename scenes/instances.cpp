@@ -52,6 +52,7 @@ class Placement {
   /// Before anything is placed: groups of groups multiply.
   [[nodiscard]] Expected<void> count() const {
     std::vector<std::size_t> places(scene_.groups.size());
+    std::vector<int> levels(scene_.groups.size(), 1);
     const auto sum = [&](const std::vector<ShapeInstance>& instances) {
       std::size_t total = 0;
       for (const ShapeInstance& i : instances)
@@ -60,11 +61,17 @@ class Placement {
     };
     for (std::size_t g = 0; g < places.size(); ++g) {
       const ShapeGroup& group = scene_.groups[g];
-      for (const ShapeInstance& inside : group.instances)
+      for (const ShapeInstance& inside : group.instances) {
         if (std::size_t(inside.group) >= g)
           return fail(fmt::format("group '{}' holds one that does not come before it", group.name));
+        levels[g] = std::max(levels[g], levels[std::size_t(inside.group)] + 1);
+      }
       places[g] = sum(group.instances) + (group.shapes.empty() ? 0 : 1);
     }
+    for (const ShapeInstance& instance : scene_.instances)
+      if (levels[std::size_t(instance.group)] > kMaxGroupLevels)
+        return fail(fmt::format("instance '{}' is of groups within groups of more than {} levels",
+                                instance.name, kMaxGroupLevels));
     if (sum(scene_.instances) <= kMaxInstances) return {};
     return fail(
         fmt::format("the scene has more than {} instances, those within groups counted wherever their "
@@ -72,7 +79,7 @@ class Placement {
                     kMaxInstances));
   }
 
-  // Groups hold only such as come before them: this ends, after fewer levels than there are groups.
+  // Groups hold only such as come before them, and few levels of them.
   Expected<void> place(const ShapeInstance& instance, const glm::dmat4& outside, std::size_t outermost) {
     const glm::dmat4 to_world = outside * instance.to_world;
     if (auto done = check_transform(to_world, scene_.instances[outermost].name); !done) return done;

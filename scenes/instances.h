@@ -13,6 +13,9 @@ namespace penumbra {
 /// The most instances that a scene may have, those within groups counted wherever their groups are.
 constexpr std::size_t kMaxInstances = std::size_t{1} << 24;
 
+/// The most levels of groups within groups.
+constexpr int kMaxGroupLevels = 64;
+
 /// Shapes of a group in the scene, instances of instances resolved.
 struct PlacedGroup {
   int group = 0;
@@ -20,8 +23,8 @@ struct PlacedGroup {
   glm::dmat4 to_world{1.0};
 };
 
-/// Every group that has shapes, in each of its places. Errors: too many; a transform that flattens space, or
-/// whose numbers are too large or too small for single precision.
+/// Every group that has shapes, in each of its places. Errors: too many, or too many levels; a transform that
+/// flattens space, or whose numbers are too large or too small for single precision.
 Expected<std::vector<PlacedGroup>> place_groups(const SceneDescription& scene);
 
 /// The cylinder where the transform takes it; nothing where that is none.

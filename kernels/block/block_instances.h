@@ -14,6 +14,14 @@ STAGE void start_outside(const PRIVATE PathState* paths, int i) {
     for (int j = i; j < i + LANES; j++) set_ray_skip_instance(paths, j, -1);
 }
 
+/// Of scenes that are tested whole, which have none whatever their header says.
+STAGE void clear_hit_instances(const PRIVATE PathState* paths, int count) {
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++) set_hit_instance(paths, j, -1);
+  }
+}
+
 /// The next rays of LANES paths, and their shadow rays, start on these surfaces.
 STAGE void leave_instances(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces) {
   const PathState fields = *paths;

@@ -1,6 +1,7 @@
 // The stages of a block that trace: intersect, occlude, and adding the light of shadow rays that got through.
 #ifndef PENUMBRA_BLOCK_TRACE_H
 #define PENUMBRA_BLOCK_TRACE_H
+#include "kernels/block/block_instances.h"
 #include "kernels/block/path_state.h"
 #include "kernels/intersect/bvh.h"
 #include "kernels/intersect/intersect_whole.h"
@@ -127,6 +128,9 @@ STAGE void intersect_block(const PRIVATE Scene* scene, const PRIVATE PathState* 
                           get_ray_tmax(paths, i), get_ray_skip(paths, i))
                 .primitive);
 #else
+  #if HAS(INSTANCES)
+  if (NEEDS(scene, INSTANCES)) clear_hit_instances(paths, count);
+  #endif
   for (int i = 0; i < count; i += LANES) {
     if (!any_ray(paths, i)) {
       clear_hits(paths, i);

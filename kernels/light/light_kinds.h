@@ -20,7 +20,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(envmap, ENVMAP, 6, 0, "environment map")                                                              \
   X(spot, SPOT, 7, FEATURE_LIGHT_TEXTURES, "spot lights")                                                 \
   X(directional, DIRECTIONAL, 8, 0, "directional lights")                                                 \
-  X(projector, PROJECTOR, 9, FEATURE_LIGHT_TEXTURES, "projectors")                                         \
+  X(projector, PROJECTOR, 9, FEATURE_LIGHT_TEXTURES, "projectors")                                        \
   X(cylinder, CYLINDER, 10, FEATURE_UV, "cylinders that emit")
 
 #define LIGHT_GRID_STEPS 7

@@ -169,8 +169,9 @@ int LightBuilder::add_quadric(Light light, const Shape& shape, double area, cons
   light.two_sided = shape.two_sided_emission && light.kind == LIGHT_DISK ? 1 : 0;
   light.polygon = light.texture = light.grid = -1;
   // Points of cylinders are not chosen by their texture.
-  const double gain = light.kind == LIGHT_CYLINDER ? std::numeric_limits<double>::infinity()
-                      : least_gain(shape, light.kind == LIGHT_DISK ? kGainOverArea : kGainOverCone);
+  const double gain = light.kind == LIGHT_CYLINDER
+                          ? std::numeric_limits<double>::infinity()
+                          : least_gain(shape, light.kind == LIGHT_DISK ? kGainOverArea : kGainOverCone);
   const double mean =
       is_textured(shape) ? show(textures_->of_quadric(shape.radiance_texture, quadric, gain), light) : 1;
   return add(light, *shape.radiance, area, mean * std::numbers::pi * area);

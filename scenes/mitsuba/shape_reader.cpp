@@ -303,12 +303,23 @@ void ShapeReader::read_into(const Object& object, Holder& holder) {
     read_shape(object, holder);
 }
 
+/// Whether what is inside may be read: it is not being read already, and not too deep within others.
+bool ShapeReader::begin(PluginReader& plugin, std::string_view if_cyclic) {
+  const bool is_new = reading_.insert(&plugin.object()).second;
+  if (is_new && reading_.size() <= std::size_t(kMaxGroupLevels)) return true;
+  plugin.wrong(is_new ? fmt::format("shapes within shapes of more than {} levels", kMaxGroupLevels)
+                      : std::string(if_cyclic));
+  plugin.skip();
+  if (is_new) reading_.erase(&plugin.object());
+  return false;
+}
+
 /// Each shape keeps its own material, so that there is nothing to merge.
 void ShapeReader::read_merged(const Object& object, Holder& holder) {
   PluginReader plugin(context_, object);
   const std::vector<const Object*> inside = plugin.nested("shape");
   plugin.finish();
-  if (!reading_.insert(&object).second) return plugin.wrong("the shape holds itself");
+  if (!begin(plugin, "the shape holds itself")) return;
   for (const Object* shape : inside) read_into(*shape, holder);
   reading_.erase(&object);
 }
@@ -328,11 +339,7 @@ void ShapeReader::read_instance(const Object& object, Holder& holder) {
 int ShapeReader::group_of(const Object& object) {
   if (const auto known = groups_.find(&object); known != groups_.end()) return known->second;
   PluginReader plugin(context_, object);
-  if (!reading_.insert(&object).second) {
-    plugin.wrong("the group holds an instance of itself");
-    plugin.skip();
-    return -1;
-  }
+  if (!begin(plugin, "the group holds an instance of itself")) return -1;
   Holder holder;
   for (const Object* shape : plugin.nested("shape")) {
     if (shape->type == ShapeGroupShape::kPlugin)

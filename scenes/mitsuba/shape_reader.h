@@ -34,6 +34,7 @@ class ShapeReader {
     std::vector<const Object*> objects;  ///< what the shapes were read from
   };
 
+  bool begin(PluginReader& plugin, std::string_view if_cyclic);
   void read_into(const Object& object, Holder& holder);
   void read_merged(const Object& object, Holder& holder);
   void read_instance(const Object& object, Holder& holder);

@@ -28,8 +28,7 @@ void compare(std::vector<SceneText> scenes) {
     GTEST_SKIP() << mitsuba.ready().error().message;
   }
   const std::size_t all = named_scenes().size() + camera_scenes().size() + textured_scenes().size() +
-                          emitter_scenes().size() +
-                          std::size_t(kParts * kScenesOfPart);
+                          emitter_scenes().size() + std::size_t(kParts * kScenesOfPart);
   expect_agreement(mitsuba, scenes, all, only != nullptr);
 }
 

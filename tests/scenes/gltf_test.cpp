@@ -308,7 +308,8 @@ TEST_F(GltfTextures, ImagesThatAreNotThereAreErrors) {
 "materials": [{{"pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0}}}}}}])",
                                              image))));
   };
-  EXPECT_THAT(error_with(R"({"uri": "none.png"})"), AllOf(HasSubstr("scene.gltf:5:40"), HasSubstr("none.png")));
+  EXPECT_THAT(error_with(R"({"uri": "none.png"})"),
+              AllOf(HasSubstr("scene.gltf:5:40"), HasSubstr("none.png")));
   EXPECT_THAT(error_with(R"({"bufferView": 0, "mimeType": "image/png"})"),
               HasSubstr("cannot be read as an image"));
   EXPECT_THAT(error_with(R"({"bufferView": 7, "mimeType": "image/png"})"), HasSubstr("error"));

@@ -81,6 +81,20 @@ TEST_F(MitsubaInstances, Errors) {
               HasSubstr("bsdf"));
 }
 
+TEST_F(MitsubaInstances, NotTooDeep) {
+  std::string text = "<shape type='shapegroup' id='g0'><shape type='disk'/></shape>";
+  for (int i = 1; i < 5000; ++i)
+    text += "<shape type='shapegroup' id='g" + std::to_string(i) + "'>" +
+            instance("g" + std::to_string(i - 1)) + "</shape>";
+  EXPECT_THAT(error(scene(instance("g4999") + text)),
+              HasSubstr("shapes within shapes of more than 64 levels"));
+  EXPECT_THAT(place_groups(good(text + instance("g63"))).value(), SizeIs(1));
+  // Read from the innermost on, what is inside is known already.
+  const auto placed = place_groups(good(text + instance("g64")));
+  ASSERT_FALSE(placed);
+  EXPECT_THAT(placed.error().message, HasSubstr("more than 64 levels"));
+}
+
 TEST_F(MitsubaInstances, MergedShapesKeepTheirMaterials) {
   const SceneDescription s = good(
       "<shape type='merge'><shape type='sphere'><bsdf type='conductor'/></shape><shape type='merge'>"

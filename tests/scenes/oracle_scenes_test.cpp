@@ -60,7 +60,8 @@ TEST_F(OracleScenes, TheOthersAreReadLeniently) {
   const std::pair<const char*, const char*> scenes[] = {
       {"mitsuba/tests/scenes/participating_media/test_homo_area_light_volpath.xml",
        "medium type 'homogeneous'"},
-      {"mitsuba/tests/scenes/various_emitters/test_various_emitters_ptracer.xml", "integrator type 'ptracer'"},
+      {"mitsuba/tests/scenes/various_emitters/test_various_emitters_ptracer.xml",
+       "integrator type 'ptracer'"},
   };
   for (const auto& [file, unknown] : scenes) {
     const auto strict = read_scene(folder_ / file, {});
