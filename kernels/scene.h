@@ -38,6 +38,9 @@ FN Scene make_scene(SceneHeader header, GLOBAL const uint* words) {
 
 // Whether its glossy surfaces are linearly transformed cosines to lights: then their table is there.
 #define NEEDS_LTC(scene) (NEEDS(scene, LTC) && (scene)->header.tables.ltc_cells.count > 0)
+// Whether its lights are chosen by their hierarchy: then that is there.
+#define NEEDS_LIGHT_TREE(scene) \
+  (NEEDS(scene, LIGHT_TREE) && (scene)->header.integrator.light_choice == CHOICE_TREE)
 
 PENUMBRA_NAMESPACE_END
 #endif

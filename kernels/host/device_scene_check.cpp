@@ -325,7 +325,7 @@ class Checker {
         require(~node.child < h_.tables.lights.count, "a node names a light that is not there");
         continue;
       }
-      require(node.child > int(i) && node.child + 1 < h_.tables.light_nodes.count,
+      require(node.child > int(i) && node.child < h_.tables.light_nodes.count - 1,
               "a node of lights names a child that is not there");
       if (!problem_.empty()) return;
       for (const int child : {node.child, node.child + 1}) {

@@ -68,7 +68,7 @@ FN void add_passed_directly(const PRIVATE Scene* scene, const PRIVATE PathState*
   Emissions emissions;
   find_passed_lights(scene, surfaces, passes, &found);
     #if HAS(PROJECTED) || HAS(LIGHT_TREE)
-  if ((NEEDS(scene, PROJECTED) || NEEDS(scene, LIGHT_TREE)) && k > 0) {
+  if ((NEEDS(scene, PROJECTED) || NEEDS_LIGHT_TREE(scene)) && k > 0) {
     Surfaces left = *surfaces;
     load_kept_surfaces(paths, i, &left);
     Closures closures;
@@ -81,7 +81,7 @@ FN void add_passed_directly(const PRIVATE Scene* scene, const PRIVATE PathState*
       #if HAS(LIGHT_TREE)
     LitPlaces places;
     find_lit_places(&left, &closures, &places);
-    if (NEEDS(scene, LIGHT_TREE)) find_tree_pmfs(scene, &places, &found);
+    if (NEEDS_LIGHT_TREE(scene)) find_tree_pmfs(scene, &places, &found);
       #endif
   }
     #endif

@@ -30,8 +30,8 @@ FN LightRequest light_request(const PRIVATE Scene* scene, bool path, bool emits,
   request.closed = HAS(POLYGONS) && first && scene->header.integrator.estimator != ESTIMATOR_SAMPLES;
   request.projected = NEEDS(scene, PROJECTED) && emits;
   request.found = NEEDS(scene, PROJECTED) && balances;
-  request.tree = NEEDS(scene, LIGHT_TREE) && emits;
-  request.tree_found = NEEDS(scene, LIGHT_TREE) && balances;
+  request.tree = NEEDS_LIGHT_TREE(scene) && emits;
+  request.tree_found = NEEDS_LIGHT_TREE(scene) && balances;
   return request;
 }
 
@@ -113,7 +113,7 @@ FN vec3 projected_about(vec3 normal, Closure c) {
 STAGE void project_by_power(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
                             const PRIVATE Closures* RESTRICT closures, const PRIVATE int* RESTRICT chosen,
                             const PRIVATE float* RESTRICT u, PRIVATE double* RESTRICT projected) {
-  const bool by_tree = NEEDS(scene, LIGHT_TREE);
+  const bool by_tree = NEEDS_LIGHT_TREE(scene);
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const LightReceiver r = receiver_of(load_surface(receivers, j));

@@ -121,7 +121,7 @@ FN void add_passed_by_path(const PRIVATE Scene* scene, const PRIVATE PathState* 
   if (NEEDS(scene, PROJECTED) && balances) project_from_left(scene, paths, i, &found);
     #endif
     #if HAS(LIGHT_TREE)
-  if (NEEDS(scene, LIGHT_TREE) && balances) find_left_pmfs(scene, paths, i, &found);
+  if (NEEDS_LIGHT_TREE(scene) && balances) find_left_pmfs(scene, paths, i, &found);
     #endif
   find_emissions(scene, &found, balances & (step > 0), &emissions);
     #if HAS(POLYGONS)

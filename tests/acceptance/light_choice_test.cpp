@@ -64,14 +64,14 @@ TEST_P(LightChoices, AreUnbiased) {
   way.set(scene.integrator);
   resize_film(scene, 24, 16);
   scene.sampler.kind = SamplerKind::kIndependent;
-  scene.sampler.spp = 96;
+  scene.sampler.spp = 256;
   const auto by = [&](LightChoice choice, std::uint32_t seed) {
     param::light_choice(scene.integrator) = choice;
     return block_estimate(scene, 16, seed, 4);
   };
   // 24 blocks of grey, each by 16 batches: of Student's t with 15 degrees of freedom squares have a mean of
   // 1.15 and a deviation of 1.84, so this is 4.4 standard errors above.
-  const auto result = statistics::z_test(by(LightChoice::kTree, 1), by(LightChoice::kPower, 1000),
+  const auto result = statistics::z_test(by(LightChoice::kTree, 1), by(LightChoice::kPower, 5000),
                                          {.accepted_fraction = 1, .mean_square = 2.8});
   EXPECT_TRUE(result.passed) << many_lights()[index].name << ": " << result.summary();
 }
