@@ -128,8 +128,8 @@ const ReferenceCase kReferences[] = {
      native_device},
     {"TexturedPrincipledOpenCl", "bsdf_spheres", "test_texturedprincipled1_path", "test_texturedprincipled1",
      opencl_device},
-    // Its reference is that of a path tracer too, as its file says. Of ten lights Mitsuba takes each as
-    // often; here the brightest are taken more often than where they are far.
+    // Its reference is that of a path tracer too, as its file says. Mitsuba samples each of the ten lights as
+    // often; here power decides, and pixels near a weak light vary by more.
     {"VariousEmittersNative",
      "various_emitters",
      "test_various_emitters_ptracer",
