@@ -13,7 +13,7 @@ packages=(
   # Scheduler and workers.
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
   # Files, command line, messages.
-  libpugixml-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libfmt-dev libxxhash-dev
+  zlib1g-dev libpugixml-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libfmt-dev libxxhash-dev
   libtinygltf-dev
   # The preview window.
   libglfw3-dev libepoxy-dev libimgui-dev

@@ -223,10 +223,16 @@ PENUMBRA_NAMESPACE_BEGIN
   F(vec3, z)       /* the middle of the beam */                                                  \
   F(float, u_by_x) /* texture coordinates: 1/2 + u_by_x x / z and 1/2 + v_by_y y / z */          \
   F(float, v_by_y)                                                                               \
-  F(int, smooth)          /* 1: falls off as a cubic in cosines, 0: linearly in angles */        \
-  F(float, beam_width)    /* spot: within it all light; an angle, or 1 - its cosine if smooth */ \
+  F(int, falloff)         /* SPOT_* */                                                           \
+  F(float, beam_width)    /* spot: within it all light; an angle if linear, or 1 - its cosine */ \
   F(float, cutoff)        /* ... beyond it none; likewise */                                     \
   F(float, inverse_width) /* 1 / (cutoff - beam_width), or 0 if both are the same */
+
+// How a spot light falls off from its beam to its cutoff: linearly in the angle (Mitsuba), as 3t^2 - 2t^3 of
+// the cosine (pbrt), as its square (glTF).
+#define SPOT_LINEAR 0
+#define SPOT_SMOOTHSTEP 1
+#define SPOT_SQUARED 2
 
 // What a light is: one triangle, or a rectangle's two, or a quadric; -1: none.
 #define LIGHT_TRIANGLES_FIELDS(F)                \

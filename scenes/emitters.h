@@ -148,7 +148,7 @@ struct EnvironmentMapLight {
   [[nodiscard]] EmitterLight light(const EmitterPlace& place) const;  ///< scenes/device/envmap_tables.cpp
 };
 
-enum class SpotFalloff { kLinear, kSmoothstep };
+enum class SpotFalloff { kLinear = SPOT_LINEAR, kSmoothstep = SPOT_SMOOTHSTEP, kSquared = SPOT_SQUARED };
 
 /// Radiant intensity about an axis, the z axis of its frame; see kernels/light/spot_light.h.
 struct SpotLight {
@@ -172,8 +172,10 @@ struct SpotLight {
     row("beam_width", &SpotLight::beam_width, AnyNumber{"number in [0, cutoff_angle]"},
         "within it intensity is constant, degrees from the axis; unless given 3/4 of the cutoff angle");
     row("falloff", &SpotLight::falloff,
-        OneOf<SpotFalloff>{{{"linear", SpotFalloff::kLinear}, {"smoothstep", SpotFalloff::kSmoothstep}}},
-        "between both: linear in the angle, as Mitsuba's, or 3t² - 2t³ of its cosine, as pbrt's");
+        OneOf<SpotFalloff>{{{"linear", SpotFalloff::kLinear},
+                            {"smoothstep", SpotFalloff::kSmoothstep},
+                            {"squared", SpotFalloff::kSquared}}},
+        "between both: linear in the angle, as Mitsuba's; of its cosine 3t² - 2t³, as pbrt's, or t², as glTF's");
     row("to_world", &SpotLight::to_world, AnyTransform{}, "brings the origin to it and the z axis along it");
   }
   template <typename Given>

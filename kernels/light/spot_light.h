@@ -12,10 +12,10 @@ FN float spot_falloff(GLOBAL const Beam* beam, vec3 w) {
   const float x = dot3(load3(&beam->x), w), y = dot3(load3(&beam->y), w), z = dot3(load3(&beam->z), w);
   const float sine2 = sqr(x) + sqr(y);
   const float versine = z > 0.0f ? sine2 / (1.0f + z) : 1.0f - z;
-  const bool cubic = beam->smooth != 0;
-  const float off = cubic ? versine : atan2_f(SQRT(sine2), z);
+  const int falloff = beam->falloff;
+  const float off = falloff == SPOT_LINEAR ? atan2_f(SQRT(sine2), z) : versine;
   const float t = clamp_f((beam->cutoff - off) * beam->inverse_width, 0.0f, 1.0f);
-  const float fallen = cubic ? sqr(t) * (3.0f - 2.0f * t) : t;
+  const float fallen = falloff == SPOT_LINEAR ? t : sqr(t) * (falloff == SPOT_SQUARED ? 1.0f : 3.0f - 2.0f * t);
   return off <= beam->beam_width ? 1.0f : fallen;
 }
 

@@ -56,18 +56,20 @@ LightBounds beam_bounds(const EmitterLight& made, const glm::dmat4& to_world, do
 EmitterLight SpotLight::light(const EmitterPlace& place) const {
   const double beam_angle = beam_width * kPi / 180, cutoff = cutoff_angle * kPi / 180;
   const auto versine = [](double angle) { return 2 * std::sin(0.5 * angle) * std::sin(0.5 * angle); };
-  const bool cubic = falloff == SpotFalloff::kSmoothstep;
-  const double from = cubic ? versine(beam_angle) : beam_angle, to = cubic ? versine(cutoff) : cutoff;
+  const bool of_cosine = falloff != SpotFalloff::kLinear;
+  const double from = of_cosine ? versine(beam_angle) : beam_angle, to = of_cosine ? versine(cutoff) : cutoff;
   Beam beam = frame_of(to_world);
-  beam.smooth = cubic ? 1 : 0;
+  beam.falloff = int(falloff);
   beam.beam_width = float(from);
   beam.cutoff = float(to);
   beam.inverse_width = beam.cutoff > beam.beam_width ? 1.0f / (beam.cutoff - beam.beam_width) : 0.0f;
   if (texture.texture != kNoTexture) beam.u_by_x = beam.v_by_y = float(0.5 / std::tan(cutoff));
-  // Integrals of the falloff over all directions: a cubic has the mean of its ends, and of a line
+  // Integrals of the falloff over all directions: a cubic has the mean of its ends, a square a third, and of a line
   // (cutoff - angle) / (cutoff - beam) the primitive is taken by parts.
   const double linear = to > from ? 1 - (std::sin(to) - std::sin(from)) / (to - from) : versine(cutoff);
-  const double solid_angle = 2 * kPi * (cubic ? 0.5 * (from + to) : linear);
+  const double solid_angle = 2 * kPi * (falloff == SpotFalloff::kSmoothstep ? 0.5 * (from + to)
+                                        : falloff == SpotFalloff::kSquared  ? from + (to - from) / 3
+                                                                            : linear);
   EmitterLight made = beam_light(LIGHT_SPOT, texture, intensity, solid_angle, beam, to_world, place);
   made.bounds = beam_bounds(made, to_world, cutoff, made.power / std::max(solid_angle, 1e-30));
   return made;

@@ -16,6 +16,14 @@ namespace {
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr int kMostSide = 16384;  ///< of a film whose shape follows from an aspect ratio
 
+/// glTF has no resolution: the film's height stays. False where the film would be too wide or have no width.
+bool set_width(double aspect, SceneDescription& scene) {
+  const double width = std::round(scene.film.height * aspect);
+  if (!(width >= 1 && width <= kMostSide)) return false;
+  scene.film.width = scene.film.crop_width = int(width);
+  return true;
+}
+
 }  // namespace
 
 void read_camera(const Asset& asset, int camera, const glm::dmat4& to_world, ReaderReport& report,
@@ -26,6 +34,21 @@ void read_camera(const Asset& asset, int camera, const glm::dmat4& to_world, Rea
   const auto frame = without_scale(to_world * scaling(glm::dvec3(-1.0, 1.0, -1.0)));
   if (!frame) return report.error(location, frame.error().message);
   scene.camera.to_world = *frame;
+  if (gltf.type == "orthographic") {
+    const tinygltf::OrthographicCamera& view = gltf.orthographic;
+    if (!(view.xmag > 0.0 && view.ymag > 0.0 && view.xmag < 1e30 && view.ymag < 1e30))
+      return report.error(location, fmt::format("xmag and ymag must be above 0, not {} and {}", view.xmag, view.ymag));
+    if (!(view.znear >= 0.0 && view.zfar > view.znear && view.zfar < 1e37))
+      return report.error(location, fmt::format("zfar must be beyond znear, {}, not {}", view.znear, view.zfar));
+    scene.camera.projection = Projection::kOrthographic;
+    if (!set_width(view.xmag / view.ymag, scene))
+      return report.error(location, fmt::format("an image {} times as wide as high", view.xmag / view.ymag));
+    scene.camera.scale_x = view.xmag;
+    scene.camera.scale_y = view.ymag * scene.film.width / scene.film.height;
+    scene.camera.near_clip = std::max(view.znear, 1e-6 * view.zfar);
+    scene.camera.far_clip = view.zfar;
+    return;
+  }
   if (gltf.type != "perspective")
     return report.unsupported(location, fmt::format("{} cameras are not read", gltf.type),
                               "a perspective one stands in for it");
@@ -42,13 +65,8 @@ void read_camera(const Asset& asset, int camera, const glm::dmat4& to_world, Rea
   if (!(scene.camera.far_clip > scene.camera.near_clip) || scene.camera.far_clip > 1e37)
     return report.error(location,
                         fmt::format("zfar must be beyond znear, {}, not {}", view.znear, view.zfar));
-  if (view.aspectRatio > 0.0) {
-    // glTF has no resolution.
-    const double width = std::round(scene.film.height * view.aspectRatio);
-    if (!(width >= 1 && width <= kMostSide))
-      return report.error(location, fmt::format("an image {} times as wide as high", view.aspectRatio));
-    scene.film.width = scene.film.crop_width = int(width);
-  }
+  if (view.aspectRatio > 0.0 && !set_width(view.aspectRatio, scene))
+    report.error(location, fmt::format("an image {} times as wide as high", view.aspectRatio));
 }
 
 void look_at_everything(SceneDescription& scene) {
@@ -100,7 +118,7 @@ void read_light(const Asset& asset, int light, const glm::dmat4& to_world, Reade
         punctual.outer_angle <= 90.0))
     return report.error(location, "a spot has 0 <= innerConeAngle < outerConeAngle <= pi/2");
   if (gltf.range > 0.0) report.warn_once(location, "the range of lights is ignored: theirs has no end");
-  add_punctual_light(punctual, location, report, scene);
+  add_punctual_light(punctual, scene);
 }
 
 }  // namespace penumbra::gltf

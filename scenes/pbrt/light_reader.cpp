@@ -45,7 +45,7 @@ void read_point(Context& context, Parameters& parameters, const GraphicsState& s
   light.strength = emitted(context, parameters, "I", location);
   light.strength *= float(factor_of(context, parameters, "power", 4 * kPi));
   light.position = transform_point(state.ctm, parameters.point("from", glm::dvec3(0.0), context.report));
-  add_punctual_light(light, location, context.report, context.scene);
+  add_punctual_light(light, context.scene);
 }
 
 /// From `from` to `to` in the world; none, and an error, where they are the same.
@@ -64,7 +64,7 @@ void read_spot(Context& context, Parameters& parameters, const GraphicsState& st
                SourceLocation location) {
   PunctualLight light;
   light.kind = PunctualKind::kSpot;
-  light.falloff = PunctualFalloff::kSmoothstep;
+  light.falloff = SpotFalloff::kSmoothstep;
   light.strength = emitted(context, parameters, "I", location);
   light.outer_angle = parameters.number("coneangle", 30.0, context.report);
   light.inner_angle = light.outer_angle - parameters.number("conedeltaangle", 5.0, context.report);
@@ -76,7 +76,7 @@ void read_spot(Context& context, Parameters& parameters, const GraphicsState& st
   const auto direction = direction_of(context, parameters, state, location, light.position);
   if (!direction) return;
   light.direction = *direction;
-  add_punctual_light(light, location, context.report, context.scene);
+  add_punctual_light(light, context.scene);
 }
 
 void read_distant(Context& context, Parameters& parameters, const GraphicsState& state,
@@ -88,7 +88,7 @@ void read_distant(Context& context, Parameters& parameters, const GraphicsState&
   const auto direction = direction_of(context, parameters, state, location, light.position);
   if (!direction) return;
   light.direction = *direction;
-  add_punctual_light(light, location, context.report, context.scene);
+  add_punctual_light(light, context.scene);
 }
 
 /// The octahedral image as one of longitudes and polar angles, y up, texels of half as many rows.

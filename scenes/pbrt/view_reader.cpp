@@ -95,16 +95,19 @@ void read_camera(Context& context, CameraDirective& camera) {
   scene.camera.to_world = *frame;
   scene.camera.near_clip = 1e-2;
   scene.camera.far_clip = 1e30;
-  if (camera.type != "perspective")
-    return report.unsupported(location, fmt::format("camera '{}' is not read; perspective is", camera.type),
+  const bool parallel = camera.type == "orthographic";
+  if (!parallel && camera.type != "perspective")
+    return report.unsupported(location,
+                              fmt::format("camera '{}' is not read; perspective and orthographic are", camera.type),
                               "a perspective one stands in for it");
-  const double fov = parameters.number("fov", 90.0, report);
+  const double fov = parallel ? 90.0 : parameters.number("fov", 90.0, report);
   if (!(fov > 0.0 && fov < 180.0))
     return report.error(location, fmt::format("fov must be between 0 and 180, not {}", fov));
   scene.camera.fov = fov;
   scene.camera.fov_axis = FovAxis::kSmaller;
   const double aspect = double(scene.film.width) / scene.film.height;
   const double half = std::tan(fov * std::numbers::pi / 360.0);
+  glm::dvec2 seen(std::max(aspect, 1.0), std::max(1.0 / aspect, 1.0));  // half of what is, at distance 1
   const double frame_aspect = parameters.number("frameaspectratio", aspect, report);
   std::vector<double> window = parameters.numbers("screenwindow", {"float"}, 4, report);
   if (window.size() == 4) {
@@ -112,22 +115,31 @@ void read_camera(Context& context, CameraDirective& camera) {
     if (!(width > 0.0 && height > 0.0 && width < 1e10 && height < 1e10))
       return report.error(parameters.location("screenwindow", location),
                           "a screenwindow is x0 < x1, y0 < y1");
-    if (std::abs(window[0] + window[1]) > 1e-6 * width || std::abs(window[2] + window[3]) > 1e-6 * height)
-      report.unsupported(parameters.location("screenwindow", location),
-                         "a screenwindow whose middle is not (0, 0) is not read", "its middle is (0, 0)");
+    // What is in the film's centre is that far from the axis.
+    scene.camera.principal_point_offset_x = -0.5 * (window[0] + window[1]) / width;
+    scene.camera.principal_point_offset_y = 0.5 * (window[2] + window[3]) / height;
     if (std::abs(width / height - aspect) > 1e-4 * aspect)
       report.warn(parameters.location("screenwindow", location),
                   "the screenwindow is not of the film's shape; its height follows from the film");
+    seen = 0.5 * glm::dvec2(width, height);
     scene.camera.fov = 2 * std::atan(half * 0.5 * width) * 180.0 / std::numbers::pi;
     scene.camera.fov_axis = FovAxis::kX;
   } else if (std::abs(frame_aspect - aspect) > 1e-4 * aspect) {
     report.warn(parameters.location("frameaspectratio", location),
                 "the frameaspectratio is not the film's; pixels are square");
   }
-  if (parameters.number("lensradius", 0.0, report) > 0.0)
-    report.unsupported(parameters.location("lensradius", location), "the blur of lenses is not read",
-                       "everything is sharp");
-  parameters.accept({"focaldistance", "shutteropen", "shutterclose"});
+  if (parallel) {
+    scene.camera.projection = Projection::kOrthographic;
+    scene.camera.scale_x = seen.x;
+    scene.camera.scale_y = seen.y * aspect;
+  }
+  const double lens = parameters.number("lensradius", 0.0, report), focus = parameters.number("focaldistance", 1e6, report);
+  if (!(lens >= 0.0 && lens < 1e30 && focus > 0.0 && focus < 1e30))
+    return report.error(parameters.location("lensradius", location),
+                        "a lensradius is at least 0, a focaldistance above 0, and both are finite");
+  scene.camera.aperture_radius = lens;
+  scene.camera.focus_distance = focus;
+  parameters.accept({"shutteropen", "shutterclose"});
   parameters.finish("the camera", report);
 }
 

@@ -56,11 +56,13 @@ double expected_share(const SpotLight& spot, double angle) {
   const auto versine = [](double a) { return 2 * std::pow(std::sin(a * kPi / 360), 2); };
   const double t =
       (versine(spot.cutoff_angle) - versine(angle)) / (versine(spot.cutoff_angle) - versine(spot.beam_width));
-  return t * t * (3 - 2 * t);
+  return spot.falloff == SpotFalloff::kSquared ? t * t : t * t * (3 - 2 * t);
 }
 
+constexpr SpotFalloff kFalloffs[] = {SpotFalloff::kLinear, SpotFalloff::kSmoothstep, SpotFalloff::kSquared};
+
 TEST(SpotLight, FallsOffAsItsFormulaSays) {
-  for (const SpotFalloff falloff : {SpotFalloff::kLinear, SpotFalloff::kSmoothstep})
+  for (const SpotFalloff falloff : kFalloffs)
     for (const auto& [cutoff, beam] :
          {std::pair{20.0, 15.0}, {75.0, 0.0}, {1e-3, 5e-4}, {120.0, 100.0}, {180.0, 90.0}}) {
       SpotLight spot;
@@ -88,7 +90,7 @@ TEST(SpotLight, FallsOffAsItsFormulaSays) {
 }
 
 TEST(SpotLight, WithoutATransitionHasAnEdge) {
-  for (const SpotFalloff falloff : {SpotFalloff::kLinear, SpotFalloff::kSmoothstep}) {
+  for (const SpotFalloff falloff : kFalloffs) {
     SpotLight spot;
     spot.cutoff_angle = spot.beam_width = 30;
     spot.falloff = falloff;
@@ -105,7 +107,7 @@ TEST(SpotLight, WithoutATransitionHasAnEdge) {
 }
 
 TEST(SpotLight, PowerIsTheIntegralOfItsIntensity) {
-  for (const SpotFalloff falloff : {SpotFalloff::kLinear, SpotFalloff::kSmoothstep})
+  for (const SpotFalloff falloff : kFalloffs)
     for (const auto& [cutoff, beam] : {std::pair{20.0, 15.0}, {75.0, 0.0}, {170.0, 60.0}, {0.01, 0.002}}) {
       SpotLight spot;
       spot.cutoff_angle = cutoff;

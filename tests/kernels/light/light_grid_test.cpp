@@ -23,7 +23,7 @@ constexpr int kWidth = 13, kHeight = 7;
 float texel(int x, int y) { return (x * 5 + y * 3) % 11 == 4 ? float(3 + x) : 0.05f * float(1 + y); }
 
 /// One light whose radiance is an image, without filter.
-SceneDescription lit_by_image(std::variant<Mesh, Sphere, Disk> geometry, BitmapFilter filter,
+SceneDescription lit_by_image(Geometry geometry, BitmapFilter filter,
                               bool inwards = false) {
   SceneDescription scene;
   scene.source = "a test";
@@ -48,7 +48,7 @@ SceneDescription lit_by_image(std::variant<Mesh, Sphere, Disk> geometry, BitmapF
 
 struct TexturedCase {
   std::string name;
-  std::variant<Mesh, Sphere, Disk> geometry;
+  Geometry geometry;
   double widest = 0.55;  ///< 1 - cosine from the z axis: the light is within
   bool inwards = false;
 };
