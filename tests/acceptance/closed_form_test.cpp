@@ -99,7 +99,7 @@ TEST_P(ClosedForm, CylinderLightAboveTheFloor) {
     lamp.flip_normals = inside;
     scene.shapes.push_back(lamp);
     const double expected = cylinder_irradiance(cylinder, inside ? -1 : 1);
-    EXPECT_GT(expected, 0.1);
+    EXPECT_GT(expected, 0.05);
     expect_radiance(scene, GetParam().integrator, kAlbedo / std::numbers::pi * 3 * expected);
   }
 }

@@ -29,10 +29,12 @@ SceneDescription moved(SceneDescription scene, const dvec3& shift) {
       for (dvec3& p : mesh->positions) p += shift;
     if (auto* sphere = std::get_if<Sphere>(&shape.geometry)) sphere->center += shift;
     if (auto* disk = std::get_if<Disk>(&shape.geometry)) disk->center += shift;
+    if (auto* cylinder = std::get_if<Cylinder>(&shape.geometry)) cylinder->center += shift;
   }
   for (Emitter& emitter : scene.emitters)
     if (auto* point = std::get_if<PointLight>(&emitter)) point->position += shift;
   scene.camera.to_world[3] += glm::dvec4(shift, 0);
+  for (ShapeInstance& instance : scene.instances) instance.to_world[3] += glm::dvec4(shift, 0);
   return scene;
 }
 
