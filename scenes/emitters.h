@@ -175,7 +175,8 @@ struct SpotLight {
         OneOf<SpotFalloff>{{{"linear", SpotFalloff::kLinear},
                             {"smoothstep", SpotFalloff::kSmoothstep},
                             {"squared", SpotFalloff::kSquared}}},
-        "between both: linear in the angle, as Mitsuba's; of its cosine 3t² - 2t³, as pbrt's, or t², as glTF's");
+        "between both: linear in the angle, as Mitsuba's; of its cosine 3t² - 2t³, as pbrt's, or t², as "
+        "glTF's");
     row("to_world", &SpotLight::to_world, AnyTransform{}, "brings the origin to it and the z axis along it");
   }
   template <typename Given>

@@ -15,7 +15,8 @@ FN float spot_falloff(GLOBAL const Beam* beam, vec3 w) {
   const int falloff = beam->falloff;
   const float off = falloff == SPOT_LINEAR ? atan2_f(SQRT(sine2), z) : versine;
   const float t = clamp_f((beam->cutoff - off) * beam->inverse_width, 0.0f, 1.0f);
-  const float fallen = falloff == SPOT_LINEAR ? t : sqr(t) * (falloff == SPOT_SQUARED ? 1.0f : 3.0f - 2.0f * t);
+  const float fallen =
+      falloff == SPOT_LINEAR ? t : sqr(t) * (falloff == SPOT_SQUARED ? 1.0f : 3.0f - 2.0f * t);
   return off <= beam->beam_width ? 1.0f : fallen;
 }
 

@@ -64,12 +64,13 @@ EmitterLight SpotLight::light(const EmitterPlace& place) const {
   beam.cutoff = float(to);
   beam.inverse_width = beam.cutoff > beam.beam_width ? 1.0f / (beam.cutoff - beam.beam_width) : 0.0f;
   if (texture.texture != kNoTexture) beam.u_by_x = beam.v_by_y = float(0.5 / std::tan(cutoff));
-  // Integrals of the falloff over all directions: a cubic has the mean of its ends, a square a third, and of a line
-  // (cutoff - angle) / (cutoff - beam) the primitive is taken by parts.
+  // Integrals of the falloff over all directions: a cubic has the mean of its ends, a square a third, and of
+  // a line (cutoff - angle) / (cutoff - beam) the primitive is taken by parts.
   const double linear = to > from ? 1 - (std::sin(to) - std::sin(from)) / (to - from) : versine(cutoff);
-  const double solid_angle = 2 * kPi * (falloff == SpotFalloff::kSmoothstep ? 0.5 * (from + to)
-                                        : falloff == SpotFalloff::kSquared  ? from + (to - from) / 3
-                                                                            : linear);
+  const double solid_angle = 2 * kPi *
+                             (falloff == SpotFalloff::kSmoothstep ? 0.5 * (from + to)
+                              : falloff == SpotFalloff::kSquared  ? from + (to - from) / 3
+                                                                  : linear);
   EmitterLight made = beam_light(LIGHT_SPOT, texture, intensity, solid_angle, beam, to_world, place);
   made.bounds = beam_bounds(made, to_world, cutoff, made.power / std::max(solid_angle, 1e-30));
   return made;

@@ -37,9 +37,11 @@ void read_camera(const Asset& asset, int camera, const glm::dmat4& to_world, Rea
   if (gltf.type == "orthographic") {
     const tinygltf::OrthographicCamera& view = gltf.orthographic;
     if (!(view.xmag > 0.0 && view.ymag > 0.0 && view.xmag < 1e30 && view.ymag < 1e30))
-      return report.error(location, fmt::format("xmag and ymag must be above 0, not {} and {}", view.xmag, view.ymag));
+      return report.error(location,
+                          fmt::format("xmag and ymag must be above 0, not {} and {}", view.xmag, view.ymag));
     if (!(view.znear >= 0.0 && view.zfar > view.znear && view.zfar < 1e37))
-      return report.error(location, fmt::format("zfar must be beyond znear, {}, not {}", view.znear, view.zfar));
+      return report.error(location,
+                          fmt::format("zfar must be beyond znear, {}, not {}", view.znear, view.zfar));
     scene.camera.projection = Projection::kOrthographic;
     if (!set_width(view.xmag / view.ymag, scene))
       return report.error(location, fmt::format("an image {} times as wide as high", view.xmag / view.ymag));

@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "scenes/instances.h"
 #include "scenes/mesh_writer.h"
 #include "scenes/mitsuba/plugin_writer.h"
 #include "scenes/mitsuba/shape_parameters.h"
@@ -36,10 +37,14 @@ class SceneWriter {
     put_integrator();
     put_sensor();
     put_surfaces();
-    for (std::size_t i = 0; i < scene_.shapes.size(); ++i)
-      if (auto done = put_shape(scene_.shapes[i], i); !done) return done;
+    for (std::size_t i = 0; i < scene_.groups.size(); ++i) {
+      xml_.open("shape", ShapeGroupShape::kPlugin, fmt::format(" id=\"group-{}\"", i));
+      if (auto done = put_shapes(scene_.groups[i].shapes, scene_.groups[i].instances); !done) return done;
+      xml_.close();
+    }
+    if (auto done = put_shapes(scene_.shapes, scene_.instances); !done) return done;
     for (const Emitter& emitter : scene_.emitters)
-      std::visit([&](const auto& e) { put_emitter(e); }, emitter);
+      if (auto done = std::visit([&](const auto& e) { return put_emitter(e); }, emitter); !done) return done;
     return write_file(file_, "<scene version=\"3.0.0\">\n" + xml_.text() + "</scene>\n");
   }
 
@@ -180,16 +185,16 @@ class SceneWriter {
   /// Those of all shapes, in the order of their textures: as they are read, textures are numbered.
   void put_surfaces() {
     std::multimap<int, XmlText> surfaces;  // by their first textures
-    for (const Shape& shape : scene_.shapes) {
+    each_shape(scene_, [&](const Shape& shape) {
       const std::pair sides{shape.front_bsdf, shape.back_bsdf};
-      if (shape.radiance && sides == std::pair{kBlackBsdf, kBlackBsdf}) continue;
+      if (shape.radiance && sides == std::pair{kBlackBsdf, kBlackBsdf}) return;
       const auto [at, added] = surfaces_.try_emplace(sides, fmt::format("bsdf-{}", surfaces_.size()));
-      if (!added) continue;
+      if (!added) return;
       const XmlText before = std::exchange(xml_, new_text());
       put_surface(sides.first, sides.second, fmt::format(" id=\"{}\"", at->second));
       const XmlText text = std::exchange(xml_, before);
       surfaces.emplace(text.least_texture(), text);
-    }
+    });
     for (const auto& [first, text] : surfaces) xml_.append(text);
   }
 
@@ -297,10 +302,22 @@ class SceneWriter {
     if (bends) xml_.close();
   }
 
-  Expected<void> put_shape(const Shape& shape, std::size_t index) {
+  Expected<void> put_shapes(const std::vector<Shape>& shapes, const std::vector<ShapeInstance>& instances) {
+    for (const Shape& shape : shapes)
+      if (auto done = put_shape(shape); !done) return done;
+    for (const ShapeInstance& instance : instances) {
+      xml_.open("shape", InstanceShape::kPlugin);
+      xml_.transform("to_world", instance.to_world);
+      xml_.reference(fmt::format("group-{}", instance.group));
+      xml_.close();
+    }
+    return {};
+  }
+
+  Expected<void> put_shape(const Shape& shape) {
     bool flipped = shape.flip_normals;
     if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
-      const std::string name = fmt::format("{}-{}.ply", file_.stem().string(), index);
+      const std::string name = fmt::format("{}-{}.ply", file_.stem().string(), meshes_++);
       if (auto done = write_file(file_.parent_path() / name, ply_of(*mesh)); !done) return done;
       xml_.open("shape", PlyShape::kPlugin);
       xml_.value("string", "filename", name);
@@ -314,13 +331,23 @@ class SceneWriter {
     } else if (const auto* disk = std::get_if<Disk>(&shape.geometry)) {
       xml_.open("shape", DiskShape::kPlugin);
       put_frame(disk->x_axis, disk->y_axis, disk->normal, disk->radius, disk->center);
+    } else if (const auto* cylinder = std::get_if<Cylinder>(&shape.geometry)) {
+      xml_.open("shape", CylinderShape::kPlugin);
+      put_frame(cylinder->x_axis, cylinder->y_axis, cylinder->axis, 1.0, cylinder->center);
+      xml_.value("float", "radius", fmt::format("{}", cylinder->radius));
+      xml_.value("point", "p1", fmt::format("0, 0, {}", cylinder->length));
+      if (glm::dot(glm::cross(cylinder->x_axis, cylinder->y_axis), cylinder->axis) < 0) flipped = !flipped;
     }
     if (flipped) xml_.value("boolean", "flip_normals", "true");
     if (const auto known = surfaces_.find({shape.front_bsdf, shape.back_bsdf}); known != surfaces_.end())
       xml_.reference(known->second);
     if (shape.radiance) {
       xml_.open("emitter", AreaLightParameters::kPlugin);
+      if (shape.radiance_texture != kNoTexture && *shape.radiance != glm::vec3(1.0f))
+        return fail(
+            fmt::format("{} has a radiance that multiplies a texture, which Mitsuba has not", shape.name));
       AreaLightParameters light{.radiance = *shape.radiance, .two_sided = shape.two_sided_emission};
+      light.radiance.texture = shape.radiance_texture;
       light.sampling = shape.sampling;
       put_parameters(xml_, light);
       if (light.radiance == AreaLightParameters{}.radiance) xml_.value("rgb", "radiance", "1, 1, 1");
@@ -337,16 +364,23 @@ class SceneWriter {
   }
 
   template <typename Light>
-  void put_emitter(Light light) {
+  Expected<void> put_emitter(Light light) {
     xml_.open("emitter", Light::kPlugin);
-    if constexpr (requires { light.image; }) light.filename = fs::absolute(light.image->name).string();
+    if constexpr (requires { light.image; }) {
+      if (!fs::exists(light.image->name))
+        return fail(fmt::format("the image of the environment, '{}', is no file that another could refer to",
+                                light.image->name));
+      light.filename = fs::absolute(light.image->name).string();
+    }
     put_parameters(xml_, light);
     xml_.close();
+    return {};
   }
 
   const SceneDescription& scene_;
   const fs::path file_;
   XmlText xml_ = new_text();
+  int meshes_ = 0;                                       ///< files written so far
   std::set<int> textures_;                               ///< written so far
   std::map<std::pair<int, int>, std::string> surfaces_;  ///< fronts and backs, and their ids
 };

@@ -97,9 +97,9 @@ void read_camera(Context& context, CameraDirective& camera) {
   scene.camera.far_clip = 1e30;
   const bool parallel = camera.type == "orthographic";
   if (!parallel && camera.type != "perspective")
-    return report.unsupported(location,
-                              fmt::format("camera '{}' is not read; perspective and orthographic are", camera.type),
-                              "a perspective one stands in for it");
+    return report.unsupported(
+        location, fmt::format("camera '{}' is not read; perspective and orthographic are", camera.type),
+        "a perspective one stands in for it");
   const double fov = parallel ? 90.0 : parameters.number("fov", 90.0, report);
   if (!(fov > 0.0 && fov < 180.0))
     return report.error(location, fmt::format("fov must be between 0 and 180, not {}", fov));
@@ -133,7 +133,8 @@ void read_camera(Context& context, CameraDirective& camera) {
     scene.camera.scale_x = seen.x;
     scene.camera.scale_y = seen.y * aspect;
   }
-  const double lens = parameters.number("lensradius", 0.0, report), focus = parameters.number("focaldistance", 1e6, report);
+  const double lens = parameters.number("lensradius", 0.0, report),
+               focus = parameters.number("focaldistance", 1e6, report);
   if (!(lens >= 0.0 && lens < 1e30 && focus > 0.0 && focus < 1e30))
     return report.error(parameters.location("lensradius", location),
                         "a lensradius is at least 0, a focaldistance above 0, and both are finite");

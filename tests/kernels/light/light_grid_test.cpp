@@ -23,8 +23,7 @@ constexpr int kWidth = 13, kHeight = 7;
 float texel(int x, int y) { return (x * 5 + y * 3) % 11 == 4 ? float(3 + x) : 0.05f * float(1 + y); }
 
 /// One light whose radiance is an image, without filter.
-SceneDescription lit_by_image(Geometry geometry, BitmapFilter filter,
-                              bool inwards = false) {
+SceneDescription lit_by_image(Geometry geometry, BitmapFilter filter, bool inwards = false) {
   SceneDescription scene;
   scene.source = "a test";
   Bitmap image{"image", kWidth, kHeight, 1, TexelType::kFloat, {}};
