@@ -14,7 +14,7 @@ namespace penumbra::pbrt {
 /// A shape as it was met, in its own space: an object holds such, which each of its instances puts in place.
 struct ReadShape {
   std::string name;
-  std::variant<Mesh, Sphere, Disk> geometry;
+  decltype(Shape::geometry) geometry;
   glm::dmat4 ctm{1.0};
   bool reverse_orientation = false;
   std::shared_ptr<const SurfaceMaterial> material;
@@ -35,7 +35,7 @@ class ShapeReader {
   void place(const ReadShape& shape, const glm::dmat4& instance);
 
  private:
-  using Geometry = std::variant<Mesh, Sphere, Disk>;
+  using Geometry = decltype(Shape::geometry);
   std::optional<Geometry> triangle_mesh(Parameters& parameters, SourceLocation location);
   std::optional<Geometry> bilinear_mesh(Parameters& parameters, SourceLocation location);
   std::optional<Geometry> ply_mesh(Parameters& parameters, SourceLocation location);

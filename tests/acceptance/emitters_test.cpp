@@ -82,7 +82,7 @@ double of_area(const dvec3& at, const dvec3& normal, double area) {
   return reflected(at / std::sqrt(d2)) * std::max(-glm::dot(normal, at) / std::sqrt(d2), 0.0) / d2 * area;
 }
 
-Shape shape_of(const std::variant<Mesh, Sphere, Disk>& geometry, int texture) {
+Shape shape_of(const decltype(Shape::geometry)& geometry, int texture) {
   Shape shape;
   shape.name = "light";
   shape.geometry = geometry;
@@ -116,8 +116,7 @@ void add_textured_shapes(std::vector<EmitterCase>& cases) {
                                  : std::vector<glm::uvec3>{{0, 1, 2}, {0, 2, 3}};
     triangle = rectangle;
     triangle.triangles.pop_back();
-    const auto add = [&](const std::string& name, const std::variant<Mesh, Sphere, Disk>& geometry,
-                         double sum) {
+    const auto add = [&](const std::string& name, const decltype(Shape::geometry)& geometry, double sum) {
       cases.push_back({suffix + name,
                        [=](SceneDescription& scene) {
                          scene.shapes.push_back(shape_of(geometry, add_image(scene, sparse)));

@@ -101,7 +101,7 @@ double reflected_of_sky(const BsdfModel& bsdf) {
          });
 }
 
-Shape light_of(const std::variant<Mesh, Sphere, Disk>& geometry) {
+Shape light_of(const decltype(Shape::geometry)& geometry) {
   Shape shape;
   shape.name = "light";
   shape.geometry = geometry;

@@ -44,7 +44,7 @@ struct LightShape {
 };
 void PrintTo(const LightShape& shape, std::ostream* out) { *out << shape.name; }
 
-Shape round_light(const std::variant<Mesh, Sphere, Disk>& geometry, bool turned) {
+Shape round_light(const decltype(Shape::geometry)& geometry, bool turned) {
   Shape shape;
   shape.name = "light";
   shape.geometry = geometry;

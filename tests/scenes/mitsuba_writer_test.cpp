@@ -114,6 +114,27 @@ TEST_F(MitsubaWriter, BsdfsStayTheSame) {
     expect_same_bsdf(bsdf);
 }
 
+TEST_F(MitsubaWriter, LightsCylindersAndInstancesStayTheSame) {
+  const std::string frame =
+      "<transform name='to_world'><rotate y='1' angle='30'/><translate x='2'/></transform>";
+  for (const std::string& text :
+       {"<shape type='cylinder'><point name='p0' x='1' y='2' z='3'/><point name='p1' x='1' y='2' z='7'/>"
+        "<float name='radius' value='0.5'/>" +
+            diffuse("0.1, 0.2, 0.3") + "</shape><emitter type='constant'/>",
+        "<shape type='shapegroup' id='inner'><shape type='sphere'>" + diffuse("0.7, 0.2, 0.1") +
+            "</shape></shape><shape type='instance'><ref id='inner'/>" + frame +
+            "</shape><emitter type='directional'><vector name='direction' x='1' y='-1' z='2'/></emitter>",
+        "<shape type='sphere'/><emitter type='spot'><float name='cutoff_angle' value='40'/><string "
+        "name='falloff' value='squared'/>" +
+            frame + "</emitter>",
+        std::string(
+            "<shape type='rectangle'><emitter type='area'><texture type='checkerboard' name='radiance'><rgb "
+            "name='color0' value='1, 2, 3'/><rgb name='color1' value='0.5'/></texture></emitter></shape>")}) {
+    SCOPED_TRACE(text);
+    expect_same(good(text));
+  }
+}
+
 TEST_F(MitsubaWriter, CamerasAndSettingsStayTheSame) {
   for (const char* text :
        {"<sensor type='perspective'><string name='focal_length' value='35mm'/><transform "

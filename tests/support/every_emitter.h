@@ -34,7 +34,7 @@ inline void add_every_emitter(SceneDescription& scene, const glm::dvec3& middle,
     which = !which;
   }
   const glm::dvec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
-  const auto add = [&](std::variant<Mesh, Sphere, Disk> geometry, int texture) {
+  const auto add = [&](decltype(Shape::geometry) geometry, int texture) {
     Shape shape;
     shape.name = "textured";
     shape.geometry = std::move(geometry);

@@ -15,6 +15,7 @@ void add_sampler_cases(std::vector<Case>& cases);
 void add_intersection_cases(std::vector<Case>& cases);
 void add_small_function_cases(std::vector<Case>& cases);
 void add_render_light_cases(std::vector<Case>& cases);
+void add_sky_and_beam_cases(std::vector<Case>& cases);
 void add_render_cases(std::vector<Case>& cases);
 void add_merge_cases(std::vector<Case>& cases);
 void add_pending_cases(std::vector<Case>& cases);

@@ -15,11 +15,7 @@ constexpr Entry kPending[] = {
     {"media/optical-depth-1e8", "a medium of optical depth 1e8", "media"},
     {"media/transmittance-underflow", "a transmittance below the smallest number", "media"},
     {"media/free-flight-u-1", "free flights for u -> 1", "media"},
-    {"environment/spike-1e8", "one pixel of 1e8 in an environment map", "environment maps"},
-    {"environment/poles", "directions of the map's poles, where sin(theta) is 0", "environment maps"},
-    {"camera/aperture-0", "a thin lens without an aperture", "thin lens cameras"},
     {"camera/folding-distortion", "a radial distortion that folds the film", "camera distortion"},
-    {"light/spot-1e-3-degrees", "a spot light of a thousandth of a degree", "spot lights"},
     {"texture/nan", "NaN in a texture: counted, and nowhere else", "image textures"},
 };
 

@@ -23,7 +23,7 @@ constexpr int kWidth = 13, kHeight = 7;
 float texel(int x, int y) { return (x * 5 + y * 3) % 11 == 4 ? float(3 + x) : 0.05f * float(1 + y); }
 
 /// One light whose radiance is an image, without filter.
-SceneDescription lit_by_image(Geometry geometry, BitmapFilter filter, bool inwards = false) {
+SceneDescription lit_by_image(decltype(Shape::geometry) geometry, BitmapFilter filter, bool inwards = false) {
   SceneDescription scene;
   scene.source = "a test";
   Bitmap image{"image", kWidth, kHeight, 1, TexelType::kFloat, {}};
@@ -47,7 +47,7 @@ SceneDescription lit_by_image(Geometry geometry, BitmapFilter filter, bool inwar
 
 struct TexturedCase {
   std::string name;
-  Geometry geometry;
+  decltype(Shape::geometry) geometry;
   double widest = 0.55;  ///< 1 - cosine from the z axis: the light is within
   bool inwards = false;
 };
