@@ -34,8 +34,12 @@ inline constexpr std::uint32_t kSpp = 10;
 /// A camera whose fake samples lie in [shift, shift + 1).
 inline View view_at(float shift) {
   View view{};
-  view.camera = {
-      make_vec3(shift, 0, 0), make_vec3(1, 0, 0), make_vec3(0, 1, 0), make_vec3(0, 0, 1), 0.01f, 1e4f};
+  view.camera.origin = make_vec3(shift, 0, 0);
+  view.camera.x = make_vec3(1, 0, 0);
+  view.camera.y = make_vec3(0, 1, 0);
+  view.camera.z = make_vec3(0, 0, 1);
+  view.camera.near_clip = 0.01f;
+  view.camera.far_clip = 1e4f;
   view.adjustable.alpha = 1;
   return view;
 }
