@@ -125,7 +125,8 @@ TEST_P(InstancedScenes, OfEmitters) {
   expect_same_image(scene, device(), 0.05);
   each_shape(scene, [](Shape& shape) { shape.sampling = EmitterSampling::kArea; });
   const DeviceScene built = build_or_throw(scene);
-  EXPECT_EQ(built.header.tables.lights.count, 2 + 12 * 2) << "the ceiling's and those of the instances";
+  EXPECT_EQ(built.header.tables.lights.count, 2 + 1 + 12 * 2)
+      << "the ceiling's, the tube and those of the instances";
 }
 
 // OpenCL gives the bits of native code: devices_test.

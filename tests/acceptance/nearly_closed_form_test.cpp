@@ -80,13 +80,13 @@ TEST(NearlyClosedFormSamples, HaveTheMeanOfPaths) {
 
   StandInScene direct = stand_in_room({.mirror = false, .crude = true});
   direct.description.integrator = direct_integrator(1, 1);
-  const statistics::Estimate both = stand_in_estimate(direct, 8, 700, kBlock);
+  const statistics::Estimate both = stand_in_estimate(direct, 32, 700, kBlock);
   param::emitter_sampling(direct.description.integrator) = EmitterSampling::kProjected;
   const auto mis = statistics::z_test(both, stand_in_estimate(direct, 8, 800, kBlock), kLimits);
   EXPECT_TRUE(mis.passed) << mis.summary();
   for (const LightChoice choice : {LightChoice::kPower, LightChoice::kAnalytic}) {
     direct.description.integrator = emitter_only(EmitterSampling::kProjected, 1, choice);
-    const auto alone = statistics::z_test(both, stand_in_estimate(direct, 8, 900, kBlock), kLimits);
+    const auto alone = statistics::z_test(both, stand_in_estimate(direct, 32, 900, kBlock), kLimits);
     EXPECT_TRUE(alone.passed) << alone.summary();
   }
 }

@@ -92,7 +92,7 @@ TEST_F(PolygonTables, AreWhatTheSceneIsMeantToHave) {
 TEST_F(PolygonTables, HeaderFields) {
   for (const int value : {-1, 4, INT_MAX, INT_MIN})
     refuse_header([=](SceneHeader& h) { h.integrator.estimator = value; }, "unknown estimator");
-  for (const int value : {-1, 2, INT_MAX, INT_MIN})
+  for (const int value : {-1, CHOICE_TREE + 1, INT_MAX, INT_MIN})
     refuse_header([=](SceneHeader& h) { h.integrator.light_choice = value; }, "unknown choice of lights");
   refuse_header([](SceneHeader& h) { --h.tables.polygon_corners.count; }, "names corners that are not there");
   refuse_header([](SceneHeader& h) { h.tables.polygon_corners.count = 0; },

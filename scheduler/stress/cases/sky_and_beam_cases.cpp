@@ -71,7 +71,7 @@ void add_skies(std::vector<Case>& cases) {
       return Quad(kAlbedo) / kQuadPi *
              (kQuadPi + Quad(double(float(1 + e.spike)) - 1) * texel_irradiance(e.row));
     };
-    cases.push_back({fmt::format("environment/{}", e.name),
+    cases.push_back({fmt::format("render/sky-{}", e.name),
                      e.stiff,
                      "radiance of a floor under a sky",
                      RenderMeasurement{[e] {
@@ -96,7 +96,7 @@ void add_beams(std::vector<Case>& cases) {
          {std::tuple("axis", 0.0, 1.0), std::tuple("beside", 4e-5, 0.0)}) {
       const SpotFalloff by = falloff;
       const double x = shift;
-      cases.push_back({fmt::format("light/spot-1e-3-degrees-{}-{}", name, place),
+      cases.push_back({fmt::format("render/spot-1e-3-degrees-{}-{}", name, place),
                        "a spot light of a thousandth of a degree",
                        "radiance of a floor under it",
                        RenderMeasurement{[by, x] {
@@ -118,7 +118,7 @@ void add_beams(std::vector<Case>& cases) {
 }
 
 void add_lens(std::vector<Case>& cases) {
-  cases.push_back({"camera/aperture-0",
+  cases.push_back({"render/lens-aperture-0",
                    "a lens without an aperture, beside the film's axis",
                    "radiance of a floor under a point light",
                    RenderMeasurement{[] {
