@@ -274,8 +274,9 @@ TEST(Features, AreJustTheNeeded) {
   EXPECT_EQ(with([](auto& s) { use(s.integrator, IntegratorKind::kDirect); }),
             std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_LIGHT_TREE));
   EXPECT_EQ(with([](auto& s) { s.sampler.kind = SamplerKind::kIndependent; }), box | FEATURE_SAMPLERS);
+  // A rectangle then.
   EXPECT_EQ(with([](auto& s) { param::emitter_sampling(s.integrator) = EmitterSampling::kSolidAngle; }),
-            box | FEATURE_SOLID_ANGLE);
+            plain | FEATURE_SOLID_ANGLE);
   EXPECT_EQ(with([](auto& s) { param::emitter_sampling(s.integrator) = EmitterSampling::kProjected; }),
             box | FEATURE_PROJECTED);
   EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{}); }), box);
