@@ -5,7 +5,7 @@
 #define PENUMBRA_STRESS_QUANTITIES_H
 #include "kernels/block/block_accumulate.h"
 #include "kernels/bsdf/bsdf.h"
-#include "kernels/camera/camera.h"
+#include "kernels/camera/lens_camera.h"
 #include "kernels/light/light.h"
 #include "kernels/light/mis.h"
 #include "kernels/light/projected_triangle.h"
@@ -394,6 +394,23 @@ STAGE void camera_quantity(GLOBAL const double* in, GLOBAL double* out) {
   out_v(out, 0, ray.direction);
 }
 
+/// In: k1, k2, reach, distance from the axis on a distorted film. Out: the same without distortion.
+STAGE void undistort_quantity(GLOBAL const double* in, GLOBAL double* out) {
+  Camera camera;
+  camera.x = make_vec3(1.0f, 0.0f, 0.0f);
+  camera.y = make_vec3(0.0f, 1.0f, 0.0f);
+  camera.k1 = in_f(in, 0);
+  camera.k2 = in_f(in, 1);
+  camera.reach = in_f(in, 2);
+  float x[LANES], y[LANES];
+  for (int j = 0; j < LANES; j++) {
+    x[j] = in_f(in, 3);
+    y[j] = 0.0f;
+  }
+  undistort(camera, x, y);
+  out[0] = x[0];
+}
+
 /// In: HEURISTIC_*, density of the strategy, of the other. Out: weight.
 STAGE void mis_quantity(GLOBAL const double* in, GLOBAL double* out) {
   out[0] = mis_weight((int)in[0], in_f(in, 1), in_f(in, 2));
@@ -489,6 +506,7 @@ STAGE void quantity(int id, GLOBAL const double* in, GLOBAL double* out, GLOBAL 
   if (id == QUANTITY_MIXTURE_VALUE) mixture_value_quantity(in, out);
   if (id == QUANTITY_MIXTURE_SAMPLES) mixture_samples_quantity(in, out);
   if (id == QUANTITY_FRESNEL) fresnel_quantity(in, out);
+  if (id == QUANTITY_UNDISTORT) undistort_quantity(in, out);
 }
 
 PENUMBRA_NAMESPACE_END

@@ -203,6 +203,43 @@ void add_sphere_lights(std::vector<Case>& cases) {
   }
 }
 
+/// Up to next to where a distortion folds the film: r of d = r (1 + k1 r^2 + k2 r^4) on the part that grows.
+void add_distortions(std::vector<Case>& cases) {
+  struct Entry {
+    const char *name, *stiff;
+    double k1, k2, share;  ///< ... of the largest d
+  };
+  const Entry entries[] = {
+      {"folding-barrel", "a barrel distortion, next to where it folds the film", -.3, 0, .9999},
+      {"folding-barrel-half", "a barrel distortion that folds farther out", -.3, 0, .5},
+      {"folding-moustache", "a pincushion that turns, next to its fold", .5, -.4, .9999},
+      {"pincushion-1e3", "a distortion of 1e3 r^3", 1e3, 1e3, 1}};
+  for (const Entry& e : entries) {
+    const Quad k1 = rounded(e.k1), k2 = rounded(e.k2);
+    const auto distorted = [k1, k2](Quad r) { return r * (1 + r * r * (k1 + k2 * r * r)); };
+    // The least root of 1 + 3 k1 s + 5 k2 s^2, s = r^2.
+    const Quad root = sqrt_q(9 * k1 * k1 - 20 * k2 < 0 ? Quad(0) : 9 * k1 * k1 - 20 * k2);
+    const bool folds = e.k1 < 0 || e.k2 < 0;
+    const Quad fold = folds ? sqrt_q(2 / (-3 * k1 + root)) : Quad(2);
+    const Numbers inputs = floats({}, {e.k1, e.k2, double(fold), e.share * double(distorted(fold))});
+    const QuadFunction undistorted = [fold](const Quads& in) {
+      Quad low = 0, high = fold;
+      for (int k = 0; k < 120; ++k) {
+        const Quad r = (low + high) / 2;
+        (r * (1 + r * r * (in[0] + in[1] * r * r)) < in[3] ? low : high) = r;
+      }
+      return Quads{low};
+    };
+    Allowed allowed{0, 8 * kUlp, "rounding of the distorted distance, a few times", {}};
+    allowed.computed = [undistorted, inputs] {
+      return sensitivity(undistorted, quads(inputs), {0, 0, 0, 8 * kUlp * inputs[3]});
+    };
+    cases.push_back({fmt::format("camera/{}", e.name), e.stiff, "distance from the axis without distortion",
+                     KernelMeasurement{QUANTITY_UNDISTORT, inputs, outputs(0, 1)},
+                     truth_of(undistorted, inputs, "bisection in 113 bits"), allowed});
+  }
+}
+
 void add_cameras(std::vector<Case>& cases) {
   struct Entry {
     const char *name, *stiff;
@@ -245,6 +282,7 @@ void add_intersection_cases(std::vector<Case>& cases) {
   add_spheres(cases);
   add_sphere_lights(cases);
   add_cameras(cases);
+  add_distortions(cases);
 }
 
 }  // namespace penumbra::stress

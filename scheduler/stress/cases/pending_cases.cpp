@@ -15,8 +15,6 @@ constexpr Entry kPending[] = {
     {"media/optical-depth-1e8", "a medium of optical depth 1e8", "media"},
     {"media/transmittance-underflow", "a transmittance below the smallest number", "media"},
     {"media/free-flight-u-1", "free flights for u -> 1", "media"},
-    {"camera/folding-distortion", "a radial distortion that folds the film", "camera distortion"},
-    {"texture/nan", "NaN in a texture: counted, and nowhere else", "image textures"},
 };
 
 }  // namespace
