@@ -511,7 +511,8 @@ class Builder {
     const double size2 = std::clamp(radius_ * radius_, 1e-30, 1e30);
     const double unit = intensity > 0 ? size2 / intensity : 1.0;
     if (infinite.empty() || !(intensity > 0)) {
-      set_light_tree(build_light_tree(all, unit));
+      const bool alike = infinite.empty() && in_one_place(all) && chooses_as_it_likes(scene_.integrator);
+      set_light_tree(alike ? LightTree{} : build_light_tree(all, unit));
       return {};
     }
     set_light_tree(build_light_tree(finite, unit));

@@ -255,13 +255,13 @@ TEST(LightKinds, AreThoseOfTheLights) {
 }
 
 TEST(Features, AreJustTheNeeded) {
-  // The ceiling of the box is of two triangles: lights to choose among.
-  const std::uint32_t plain = FEATURE_PATH | FEATURE_LAYERS, box = plain | FEATURE_LIGHT_TREE;
+  // The ceiling of the box is of two triangles, which are as one.
+  const std::uint32_t box = FEATURE_PATH | FEATURE_LAYERS;
   EXPECT_EQ(build(by_area(diffuse_box())).header.features, box);
-  EXPECT_EQ(build(by_area(diffuse_box()), false).header.features, FEATURE_PATH | FEATURE_LIGHT_TREE);
+  EXPECT_EQ(build(by_area(diffuse_box()), false).header.features, FEATURE_PATH);
   EXPECT_EQ(build(by_area(many_triangles())).header.features, box | FEATURE_BVH);
   EXPECT_EQ(build(by_area(many_triangles()), true, IntersectorChoice::kEmbree).header.features, box);
-  EXPECT_EQ(build(environment_alone()).header.features, plain);
+  EXPECT_EQ(build(environment_alone()).header.features, box);
   EXPECT_EQ(build(everything()).header.features,
             std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_SHADING_NORMALS | FEATURE_QUADRICS |
                           FEATURE_SOLID_ANGLE | FEATURE_MIXED_FAMILIES | FEATURE_LIGHT_TREE));
@@ -272,14 +272,13 @@ TEST(Features, AreJustTheNeeded) {
     return build(scene).header.features;
   };
   EXPECT_EQ(with([](auto& s) { use(s.integrator, IntegratorKind::kDirect); }),
-            std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_LIGHT_TREE));
+            std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS));
   EXPECT_EQ(with([](auto& s) { s.sampler.kind = SamplerKind::kIndependent; }), box | FEATURE_SAMPLERS);
-  // A rectangle then.
   EXPECT_EQ(with([](auto& s) { param::emitter_sampling(s.integrator) = EmitterSampling::kSolidAngle; }),
-            plain | FEATURE_SOLID_ANGLE);
+            box | FEATURE_SOLID_ANGLE);
   EXPECT_EQ(with([](auto& s) { param::emitter_sampling(s.integrator) = EmitterSampling::kProjected; }),
             box | FEATURE_PROJECTED);
-  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{}); }), box);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{}); }), box | FEATURE_LIGHT_TREE);
   EXPECT_EQ(with([](auto& s) {
               s.bsdfs[0].model = PhongBsdf{glm::vec3(0.5f), glm::vec3(0.1f), 30};
             }),

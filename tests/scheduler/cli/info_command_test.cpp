@@ -50,8 +50,7 @@ TEST(InfoCommand, SaysInNumbersWhatIsLeftOut) {
   std::set<std::string> used, left_out;
   for (const auto& feature : costs["used"]) used.insert(feature["name"]);
   for (const auto& feature : costs["left_out"]) left_out.insert(feature["name"]);
-  EXPECT_EQ(used, (std::set<std::string>{"PATH", "LAYERS", "SAMPLERS", "BSDF_DIFFUSE", "LIGHT_TRIANGLE",
-                                         "LIGHT_TREE"}));
+  EXPECT_EQ(used, (std::set<std::string>{"PATH", "LAYERS", "SAMPLERS", "BSDF_DIFFUSE", "LIGHT_TRIANGLE"}));
   EXPECT_TRUE(left_out.contains("BSDF_PHONG"));
   EXPECT_EQ(used.size() + left_out.size(), std::size_t(std::popcount(unsigned(FEATURE_ALL)) +
                                                        std::popcount(EVERY_FAMILY) + LIGHT_KIND_COUNT));
