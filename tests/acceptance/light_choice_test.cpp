@@ -134,6 +134,9 @@ TEST(LightChoice, CostsNothingWhereThereIsNone) {
   EXPECT_EQ(one.header.tables.light_nodes.count, 0);
   EXPECT_EQ(one.header.tables.light_trails.count, 0);
   scene.emitters.emplace_back(lamp);
+  EXPECT_EQ(build_or_throw(scene).header.features & FEATURE_LIGHT_TREE, 0u) << "two in one place";
+  lamp.position.x = 1;
+  scene.emitters.back() = lamp;
   const DeviceScene two = build_or_throw(scene);
   EXPECT_NE(two.header.features & FEATURE_LIGHT_TREE, 0u);
   EXPECT_EQ(two.header.tables.light_nodes.count, 2);
