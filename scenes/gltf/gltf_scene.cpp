@@ -227,6 +227,7 @@ class SceneBuilder {
     shape.front_bsdf = surface.front;
     shape.back_bsdf = surface.back;
     shape.radiance = surface.radiance;
+    shape.radiance_texture = surface.radiance_texture;
     shape.two_sided_emission = surface.two_sided_emission;
     if (missing_for_textures(scene_, shape).coordinates)
       report_.warn(location,

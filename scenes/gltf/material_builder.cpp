@@ -236,10 +236,7 @@ SurfaceOfMaterial MaterialBuilder::build(const tinygltf::Material& material, std
     glow = use(material.pbrMetallicRoughness.baseColorTexture, index, "pbrMetallicRoughness");
   }
   if (emitted != glm::vec3(0.0f)) {
-    if (glow.there()) {
-      report_.warn_once(glow.location, "a lamp with a texture shines with the mean of its colours");
-      emitted *= textures_.mean_colour(glow);
-    }
+    if (glow.there()) result.radiance_texture = textures_.colours(glow).value_or(kNoTexture);
     result.radiance = emitted;
     result.two_sided_emission = material.doubleSided;
   }

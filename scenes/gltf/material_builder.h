@@ -15,6 +15,7 @@ namespace penumbra::gltf {
 struct SurfaceOfMaterial {
   int front = kBlackBsdf, back = kBlackBsdf;
   std::optional<glm::vec3> radiance = std::nullopt;
+  int radiance_texture = kNoTexture;  ///< by which it is multiplied
   bool two_sided_emission = false;
   int texcoord = -1;  ///< the set of texture coordinates; none: -1
   bool has_normal_map = false;

@@ -153,19 +153,6 @@ std::optional<int> TextureBuilder::normals(const TextureUse& use, double scale) 
   return add(use, *index, 1.0f, BitmapChannels::kAll);
 }
 
-glm::vec3 TextureBuilder::mean_colour(const TextureUse& use) {
-  const auto index = bitmap(use, BitmapChannels::kAll);
-  if (!index) return glm::vec3(1.0f);
-  const Bitmap& image = bitmaps_.bitmap(*index);
-  const std::size_t texels = std::size_t(image.width) * std::size_t(image.height);
-  const auto channels = std::size_t(image.channels);
-  glm::dvec3 sum(0.0);
-  for (std::size_t i = 0; i < texels; ++i)
-    for (std::size_t c = 0; c < 3; ++c)
-      sum[int(c)] += bitmap_value(image, i * channels + std::min(c, channels - 1), kSrgb);
-  return glm::vec3(sum / double(texels));
-}
-
 int TextureBuilder::scaled(int texture, const glm::vec3& factor) {
   if (factor == glm::vec3(1.0f)) return texture;
   scene_.textures.push_back({scene_.textures[std::size_t(texture)].name, ScaleTexture{factor, texture}});

@@ -47,9 +47,6 @@ class TextureBuilder {
   /// Its normals, x and y times `scale`.
   std::optional<int> normals(const TextureUse& use, double scale);
 
-  /// The mean of its colours; white where there is none.
-  glm::vec3 mean_colour(const TextureUse& use);
-
   /// A texture times a colour.
   int scaled(int texture, const glm::vec3& factor);
 
