@@ -9,6 +9,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -95,7 +96,9 @@ struct PointLight {
   void complete(Findings& findings, const Given& given) {
     if (given("position") && given("to_world"))
       findings.push_back({"position", "either position or to_world, not both"});
-    if (given("to_world")) position = glm::dvec3(to_world[3]) / to_world[3].w;
+    if (!given("to_world")) return;
+    const glm::dmat4 placed = std::exchange(to_world, glm::dmat4(1.0));
+    position = glm::dvec3(placed[3]) / placed[3].w;
   }
   [[nodiscard]] bool is_black() const { return intensity == glm::vec3(0.0f); }
   [[nodiscard]] EmitterLight light(const EmitterPlace& place) const {
@@ -209,7 +212,7 @@ struct DirectionalLight {
   void complete(Findings& findings, const Given& given) {
     if (given("direction") && given("to_world"))
       findings.push_back({"direction", "either direction or to_world, not both"});
-    if (given("to_world")) direction = glm::dvec3(to_world[2]);
+    if (given("to_world")) direction = glm::dvec3(std::exchange(to_world, glm::dmat4(1.0))[2]);
     const double length = glm::length(direction);
     if (!(length > 0.0 && length < 1e150))
       findings.push_back({given("to_world") ? "to_world" : "direction",

@@ -456,13 +456,10 @@ SceneText bent(std::string_view type) {
   const std::string named = name + texture.substr(texture.find('>') + 1);
   const auto add = [&](const std::string& place, const std::string& shape, bool outside, double bump) {
     const std::string white = diffuse(glm::dvec3(0.7));
-    const auto with = [&](const std::string& more) {
-      const std::string map =
-          (normals ? named : texture + real("scale", bump)) + more + (outside ? two_sided(white) : white);
-      const std::string bsdf = plugin("bsdf", type, map);
-      return placed(shape, place, outside ? bsdf : two_sided(bsdf));
-    };
-    scene.each(with(""), with(boolean("use_shadowing_function", false)));
+    const std::string map =
+        (normals ? named : texture + real("scale", bump)) + (outside ? two_sided(white) : white);
+    const std::string bsdf = plugin("bsdf", type, map);
+    scene.both(placed(shape, place, outside ? bsdf : two_sided(bsdf)));
   };
   add("<scale value=\"0.7\"/><translate x=\"-0.8\"/>\n", "rectangle", false, 0.4);
   add("<scale value=\"0.6\"/><rotate y=\"1\" angle=\"200\"/><translate x=\"0.8\" y=\"0.6\"/>\n", "rectangle",

@@ -124,6 +124,8 @@ TEST_F(MitsubaWriter, LightsCylindersAndInstancesStayTheSame) {
         "<shape type='shapegroup' id='inner'><shape type='sphere'>" + diffuse("0.7, 0.2, 0.1") +
             "</shape></shape><shape type='instance'><ref id='inner'/>" + frame +
             "</shape><emitter type='directional'><vector name='direction' x='1' y='-1' z='2'/></emitter>",
+        "<shape type='sphere'/><emitter type='directional'>" + frame + "</emitter><emitter type='point'>" +
+            frame + "</emitter>",
         "<shape type='sphere'/><emitter type='spot'><float name='cutoff_angle' value='40'/><string "
         "name='falloff' value='squared'/>" +
             frame + "</emitter>",
