@@ -139,12 +139,13 @@ FN LongNumber long_number(float u, float fine) {
 
 /// What is left of a number below `width` / LIGHT_NUMBERS when it is stretched to [0, 1): well spread numbers
 /// stay so, digit by digit. The quotient is corrected by its remainder, which is small and so exact modulo
-/// 2^32.
+/// 2^32. Lanes without such a number get some: bounds keep theirs from what no int holds.
 FN LongNumber stretched(LongNumber x, int width) {
   const float w = (float)width;
-  const int quotient = (int)((float)x.high / w * LIGHT_NUMBERS);
+  const int quotient = (int)clamp_f((float)x.high / w * LIGHT_NUMBERS, 0.0f, LIGHT_NUMBERS);
   const int remainder = (int)(((uint)x.high << 24) - (uint)quotient * (uint)width);
-  const float more = ((float)remainder + x.low * LIGHT_NUMBERS) / w;
+  const float rest = ((float)remainder + x.low * LIGHT_NUMBERS) / w;
+  const float more = clamp_f(rest, -LIGHT_NUMBERS, LIGHT_NUMBERS);
   const float whole = floor_f(more);
   const int high = quotient + (int)whole;
   const int last = (int)LIGHT_NUMBERS - 1;

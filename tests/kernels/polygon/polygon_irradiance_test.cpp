@@ -19,16 +19,16 @@ constexpr double kTolerance = 1.4e-14;
 
 const Exact3 kUp{0, 1, 0};
 
-double truth_of(const PolygonLight& light, const Receiver& r) {
+double truth_of(const PolygonLight& light, const ExactReceiver& r) {
   const double e = double(oracle_irradiance(quad(light.loops), quad_receiver(r)));
   return light.two_sided ? std::abs(e) : std::max(e, 0.0);
 }
 
-double irradiance_of(const PolygonLight& light, const Receiver& r) {
+double irradiance_of(const PolygonLight& light, const ExactReceiver& r) {
   return polygon_terms_of(light, r).irradiance;
 }
 
-double of_triangle(const Receiver& r, const std::vector<vec3>& p, bool two_sided) {
+double of_triangle(const ExactReceiver& r, const std::vector<vec3>& p, bool two_sided) {
   return triangle_irradiance(double(r.x.x), double(r.x.y), double(r.x.z), double(r.n.x), double(r.n.y),
                              double(r.n.z), p[0], p[1], p[2], two_sided);
 }
@@ -52,7 +52,7 @@ const PublishedTriangle kPublished[] = {
      0.261739859}};
 
 TEST(PolygonIrradiance, PublishedTriangles) {
-  const Receiver floor{{0, 0, 0}, kUp};
+  const ExactReceiver floor{{0, 0, 0}, kUp};
   for (const PublishedTriangle& t : kPublished) {
     SCOPED_TRACE(t.exact);
     // The oracle by itself, for the decimal corners: half a unit of the last printed digit.
@@ -74,7 +74,7 @@ TEST(PolygonIrradiance, RandomLights) {
   for (int i = 0; i < 3'000; ++i) {
     PolygonLight light = random_light(random);
     light.two_sided = random.below(2) == 0;
-    const Receiver r{{0, 0, 0}, random.direction()};
+    const ExactReceiver r{{0, 0, 0}, random.direction()};
     const double truth = truth_of(light, r);
     ASSERT_NEAR(irradiance_of(light, r), truth, kTolerance) << r << light;
     lit += truth > 1e-6;
@@ -87,7 +87,7 @@ TEST(PolygonIrradiance, IsTheIntegralOverTheArea) {
   int lit = 0;
   for (int i = 0; i < 100; ++i) {
     const PolygonLight light = random_light(random, random_plane(random, random.direction()), .5);
-    Receiver r{{0, 0, 0}, random.direction()};
+    ExactReceiver r{{0, 0, 0}, random.direction()};
     r.w = r.n;
     const double area = std::abs(quadrature_lobe(quad(light.loops), quad_receiver(r), 0, 1e-11));
     // The quadrature gives irradiance / pi; its tolerance is that of each of its parts.
@@ -105,7 +105,7 @@ TEST(PolygonIrradiance, DiskBetweenPolygons) {
   for (double theta : {0.01, 0.3, 0.8, 1.3, 1.5}) {
     const Plane plane{{0, 1, 0}, {1, 0, 0}, {0, 0, 1}};
     const double radius = std::tan(theta), disk = kPi * std::sin(theta) * std::sin(theta);
-    const Receiver r{{0, 0, 0}, kUp};
+    const ExactReceiver r{{0, 0, 0}, kUp};
     const double inner = irradiance_of({{ring(plane, kCorners, radius, radius)}}, r);
     const double outer = irradiance_of({{ring(plane, kCorners, radius / ratio, radius / ratio)}}, r);
     EXPECT_LT(inner, disk) << theta;
@@ -122,7 +122,7 @@ TEST(PolygonIrradiance, PartsAddUp) {
     const double size = std::pow(10.0, random.between(-2, 1));
     const std::vector<vec3> star = ring(plane, 10, size, .4 * size),
                             hole = ring(plane, 4, .3 * size, .2 * size);
-    const Receiver r{{0, 0, 0}, random.direction()};
+    const ExactReceiver r{{0, 0, 0}, random.direction()};
     // The star's points and its inner pentagon, as triangles. All are seen from the same side.
     const PolygonLight whole{{star}};
     double sum = 0;
@@ -151,7 +151,7 @@ TEST(PolygonIrradiance, SweepsThroughTheHorizon) {
   for (int i = 0; i <= kSteps; ++i) {
     // The horizon meets every corner, and edges at all angles.
     const double t = 2 * kPi * i / kSteps;
-    const Receiver r{{0, 0, 0}, normalize(Exact3{std::cos(t), std::sin(t), .3L * std::sin(3 * t)})};
+    const ExactReceiver r{{0, 0, 0}, normalize(Exact3{std::cos(t), std::sin(t), .3L * std::sin(3 * t)})};
     const double irradiance = irradiance_of(light, r);
     ASSERT_NEAR(irradiance, truth_of(light, r), kTolerance) << r;
     // The normal turns by less than 1.4 radians for each of t, and the integral of |n.u - n'.u| over all
@@ -165,7 +165,7 @@ TEST(PolygonIrradiance, SweepsThroughTheHorizon) {
 
 TEST(PolygonIrradiance, CornersOnTheHorizon) {
   // Exactly: corners with n.p = 0, one, two or all, where the rest is above or below.
-  const Receiver r{{0, 0, 0}, kUp};
+  const ExactReceiver r{{0, 0, 0}, kUp};
   const vec3 a = make_vec3(1, 0, -1), b = make_vec3(1, 0, 1), c = make_vec3(2, 0, .5f);
   const vec3 high = make_vec3(1, 1, .25f), low = make_vec3(1, -1, .25f), higher = make_vec3(1, 2, -.5f);
   for (const std::vector<vec3>& loop : std::vector<std::vector<vec3>>{{a, b, high},
@@ -186,7 +186,7 @@ TEST(PolygonIrradiance, DoesNotDependOnTheFirstCornerOrTheAxes) {
   RandomNumbers random(4);
   for (int i = 0; i < 500; ++i) {
     PolygonLight light = random_light(random);
-    Receiver r{{0, 0, 0}, random.direction()};
+    ExactReceiver r{{0, 0, 0}, random.direction()};
     const double irradiance = irradiance_of(light, r);
     PolygonLight shifted = light;
     for (std::vector<vec3>& loop : shifted.loops) std::rotate(loop.begin(), loop.begin() + 1, loop.end());
@@ -210,13 +210,14 @@ TEST(PolygonIrradiance, DoesNotDependOnTheScaleOrTheOrigin) {
       const float x = coordinate(), y = coordinate();
       light.loops[0].push_back(make_vec3(x, y, coordinate()));
     }
-    Receiver r{{random.between(-4, 4), random.between(-4, 4), random.between(-4, 4)}, random.direction()};
+    ExactReceiver r{{random.between(-4, 4), random.between(-4, 4), random.between(-4, 4)},
+                    random.direction()};
     for (long double* x : {&r.x.x, &r.x.y, &r.x.z}) *x = std::round(*x * 0x1p20L) * 0x1p-20L;
     const double irradiance = irradiance_of(light, r);
     for (float scale : {0x1p-14f, 0x1p17f}) {
       PolygonLight scaled = light;
       for (vec3& corner : scaled.loops[0]) corner = penumbra::scale(corner, scale);
-      const Receiver there{(long double)scale * r.x, r.n};
+      const ExactReceiver there{(long double)scale * r.x, r.n};
       ASSERT_EQ(irradiance_of(scaled, there), irradiance) << r << light;
     }
     for (float shift : {1024.0f, 0x1p20f}) {
@@ -237,7 +238,7 @@ TEST(PolygonIrradiance, SmallLightsKeepTheirDigits) {
       const Plane plane{center, u, normalize(cross(center, u) + random.between(-2, 2) * center)};
       const PolygonLight light{{ring(plane, 4, size / 2, size / 2)}};
       // Not in the origin: differences of floats would be exact.
-      const Receiver r{1e-3L * random.direction(), normalize(center + .8L * random.direction())};
+      const ExactReceiver r{1e-3L * random.direction(), normalize(center + .8L * random.direction())};
       const double truth = truth_of(light, r);
       worst = std::max(worst, std::abs(irradiance_of(light, r) / truth - 1));
     }
@@ -252,7 +253,7 @@ TEST(PolygonIrradiance, SliversAndRepeatedCorners) {
     const Plane plane = random_plane(random, random.direction());
     const double thin = random.below(2) == 0 ? 1e-7 : 1e-5;
     const vec3 a = plane.at(-1, 0), b = plane.at(1, thin), c = plane.at(random.between(-1, 1), -thin);
-    const Receiver r{{0, 0, 0}, random.direction()};
+    const ExactReceiver r{{0, 0, 0}, random.direction()};
     const PolygonLight sliver{{{a, b, c}}};
     const double irradiance = irradiance_of(sliver, r);
     ASSERT_NEAR(irradiance, truth_of(sliver, r), kTolerance) << r << sliver;
@@ -267,7 +268,7 @@ TEST(PolygonIrradiance, FrontAndBack) {
   int front = 0, back = 0;
   for (int i = 0; i < 300; ++i) {
     PolygonLight light = random_light(random);
-    const Receiver r{{0, 0, 0}, random.direction()};
+    const ExactReceiver r{{0, 0, 0}, random.direction()};
     const double both = irradiance_of(light, r);
     light.two_sided = false;
     const double one = irradiance_of(light, r);
@@ -311,12 +312,12 @@ TEST(PolygonIrradiance, ReceiverInTheLightsPlane) {
 TEST(PolygonIrradiance, AntipodalCorners) {
   // The receiver is on an edge between two corners exactly; the limits from in front and from behind.
   const PolygonLight light{{{make_vec3(-1, 0, 0), make_vec3(2, 0, 0), make_vec3(0, 1, -1)}}};
-  const Receiver r{{0, 0, 0}, kUp};
+  const ExactReceiver r{{0, 0, 0}, kUp};
   const double there = irradiance_of(light, r);
   EXPECT_TRUE(there >= 0 && there <= kPi) << there;
   for (double distance : {1e-3, 1e-6, 1e-9, 1e-12}) {
     for (double side : {1.0, -1.0}) {
-      const Receiver close{{0, side * distance, side * distance * .5}, kUp};
+      const ExactReceiver close{{0, side * distance, side * distance * .5}, kUp};
       EXPECT_NEAR(irradiance_of(light, close), truth_of(light, close), kTolerance) << distance;
     }
   }
@@ -328,7 +329,7 @@ TEST(PolygonIrradiance, TrianglesOneByOneAreTheSame) {
     const Plane plane = random_plane(random, random.direction());
     std::vector<vec3> p;
     for (int k = 0; k < 3; ++k) p.push_back(plane.at(random.between(-2, 2), random.between(-2, 2)));
-    const Receiver r{random.point(.5), random.direction()};
+    const ExactReceiver r{random.point(.5), random.direction()};
     for (bool two_sided : {false, true})
       ASSERT_EQ(of_triangle(r, p, two_sided), irradiance_of({{p}, two_sided}, r));
   }

@@ -21,7 +21,7 @@ struct PolygonLight {
   bool two_sided = true;
 };
 
-struct Receiver {
+struct ExactReceiver {
   Exact3 x, n, w{};  ///< rounded to double for the kernel; n and w unit
   double exponent = -1;
   // Of a transformed cosine about the mirror direction w, where the inverse widths are above 0.
@@ -33,7 +33,7 @@ struct PolygonTerms {
 };
 
 /// For messages, all digits.
-inline std::ostream& operator<<(std::ostream& out, const Receiver& r) {
+inline std::ostream& operator<<(std::ostream& out, const ExactReceiver& r) {
   const auto digits = out.precision(17);
   for (const Exact3& v : {r.x, r.n, r.w})
     out << "(" << double(v.x) << ", " << double(v.y) << ", " << double(v.z) << ") ";
@@ -52,14 +52,14 @@ inline std::ostream& operator<<(std::ostream& out, const PolygonLight& light) {
 }
 
 /// The same receiver as the kernel gets it.
-inline QuadReceiver quad_receiver(const Receiver& r) {
+inline QuadReceiver quad_receiver(const ExactReceiver& r) {
   const auto as_double = [](const Exact3& v) { return Quad3{double(v.x), double(v.y), double(v.z)}; };
   return {as_double(r.x), as_double(r.n), as_double(r.w)};
 }
 
 /// polygon_terms for each receiver, LANES of them at a time.
 inline std::vector<PolygonTerms> polygon_terms_of(const PolygonLight& light,
-                                                  std::span<const Receiver> receivers) {
+                                                  std::span<const ExactReceiver> receivers) {
   std::vector<PolygonCorner> corners;
   for (const std::vector<vec3>& loop : light.loops) {
     for (std::size_t i = 0; i <= loop.size(); ++i) corners.push_back({loop[i % loop.size()], i == 0 ? 1 : 0});
@@ -76,7 +76,7 @@ inline std::vector<PolygonTerms> polygon_terms_of(const PolygonLight& light,
   for (std::size_t first = 0; first < receivers.size(); first += LANES) {
     Receivers lanes;
     for (std::size_t j = 0; j < LANES; ++j) {
-      const Receiver& r = receivers[std::min(first + j, receivers.size() - 1)];
+      const ExactReceiver& r = receivers[std::min(first + j, receivers.size() - 1)];
       lanes.px[j] = double(r.x.x), lanes.py[j] = double(r.x.y), lanes.pz[j] = double(r.x.z);
       lanes.nx[j] = double(r.n.x), lanes.ny[j] = double(r.n.y), lanes.nz[j] = double(r.n.z);
       lanes.wx[j] = double(r.w.x), lanes.wy[j] = double(r.w.y), lanes.wz[j] = double(r.w.z);
@@ -95,7 +95,7 @@ inline std::vector<PolygonTerms> polygon_terms_of(const PolygonLight& light,
   return terms;
 }
 
-inline PolygonTerms polygon_terms_of(const PolygonLight& light, const Receiver& receiver) {
+inline PolygonTerms polygon_terms_of(const PolygonLight& light, const ExactReceiver& receiver) {
   return polygon_terms_of(light, std::span(&receiver, 1))[0];
 }
 

@@ -18,12 +18,12 @@ constexpr double kTolerance = 2e-10;
 // Below, an area's quadrature ends, which it does for each of some ten parts.
 constexpr double kAreaTolerance = 1e-11;
 
-double truth_of(const PolygonLight& light, const Receiver& r) {
+double truth_of(const PolygonLight& light, const ExactReceiver& r) {
   const double lobe = double(oracle_lobe(quad(light.loops), quad_receiver(r), int(r.exponent)));
   return light.two_sided ? std::abs(lobe) : std::max(lobe, 0.0);
 }
 
-double lobe_of(const PolygonLight& light, const Receiver& r) { return polygon_terms_of(light, r).lobe; }
+double lobe_of(const PolygonLight& light, const ExactReceiver& r) { return polygon_terms_of(light, r).lobe; }
 
 /// A direction some 1e-17 to 0.1 away from `d`.
 Exact3 beside(RandomNumbers& random, const Exact3& d) {
@@ -31,7 +31,7 @@ Exact3 beside(RandomNumbers& random, const Exact3& d) {
 }
 
 /// Turns n or w to the same side.
-Receiver facing(RandomNumbers& random, Receiver r) {
+ExactReceiver facing(RandomNumbers& random, ExactReceiver r) {
   Exact3& other = random.below(2) == 0 ? r.n : r.w;
   if (dot(r.n, r.w) < 0) other = -1.0L * other;
   return r;
@@ -39,11 +39,11 @@ Receiver facing(RandomNumbers& random, Receiver r) {
 
 /// Receivers in the origin that are hard in different ways for this light, `kinds` of them.
 constexpr int kKinds = 8;
-Receiver hard_receiver(RandomNumbers& random, const PolygonLight& light, int kind, double exponent) {
+ExactReceiver hard_receiver(RandomNumbers& random, const PolygonLight& light, int kind, double exponent) {
   const Exact3 a = exact(light.loops[0][0]), b = exact(light.loops[0][1]), c = exact(light.loops[0][2]);
   const Exact3 on_edge = a + random.uniform() * (b - a),
                inside = a + random.uniform() * (on_edge + c - 2 * a);
-  Receiver r{{0, 0, 0}, random.direction(), random.direction(), exponent};
+  ExactReceiver r{{0, 0, 0}, random.direction(), random.direction(), exponent};
   switch (kind) {
     case 0:  // the lobe about the normal
       r.w = r.n;
@@ -88,7 +88,7 @@ TEST_P(PolygonLobeExponent, ArvosRecurrence) {
   for (int i = 0; i < GetParam().lights; ++i) {
     PolygonLight light = random_light(random);
     light.two_sided = random.below(4) != 0;
-    const Receiver r = hard_receiver(random, light, i % kKinds, GetParam().exponent);
+    const ExactReceiver r = hard_receiver(random, light, i % kKinds, GetParam().exponent);
     const double truth = truth_of(light, r);
     ASSERT_NEAR(lobe_of(light, r), truth, kTolerance) << "kind " << i % kKinds << " " << r << light;
     lit += truth > 1e-3;
@@ -121,7 +121,7 @@ TEST(PolygonLobe, AnyRealExponent) {
       const Exact3 center = random.direction();
       const PolygonLight light =
           random_light(random, random_plane(random, center), random.between(.3, .8) * width);
-      Receiver r = hard_receiver(random, light, 1 + i % 3, exponent);
+      ExactReceiver r = hard_receiver(random, light, 1 + i % 3, exponent);
       // The area's quadrature needs a smooth integrand: low exponents only up to the lobe's own horizon.
       if (exponent < 4) {
         do r.w = random.direction();
@@ -143,7 +143,7 @@ TEST(PolygonLobe, OracleIsTheIntegralOverTheArea) {
   for (int exponent : {0, 1, 2, 7, 40}) {
     for (int i = 0; i < 12; ++i) {
       const PolygonLight light = random_light(random, random_plane(random, random.direction()), .4);
-      const Receiver r = hard_receiver(random, light, i % 4, exponent);
+      const ExactReceiver r = hard_receiver(random, light, i % 4, exponent);
       const double area = quadrature_lobe(quad(light.loops), quad_receiver(r), exponent, kAreaTolerance);
       EXPECT_NEAR(double(oracle_lobe(quad(light.loops), quad_receiver(r), exponent)), area,
                   10 * kAreaTolerance)
@@ -157,7 +157,7 @@ TEST(PolygonLobe, ExponentZeroIsIrradiance) {
   int lit = 0;
   for (int i = 0; i < 500; ++i) {
     const PolygonLight light = random_light(random);
-    Receiver r{{0, 0, 0}, random.direction(), {}, 0};
+    ExactReceiver r{{0, 0, 0}, random.direction(), {}, 0};
     r.w = r.n;
     const PolygonTerms terms = polygon_terms_of(light, r);
     ASSERT_NEAR(terms.lobe, terms.irradiance / kPi, kTolerance) << r << light;
@@ -187,7 +187,7 @@ std::vector<PolygonLight> box() {
 TEST(PolygonLobe, WholeHemisphere) {
   const std::vector<PolygonLight> faces = box();
   RandomNumbers random(4);
-  const auto sum = [&](const Receiver& r) {
+  const auto sum = [&](const ExactReceiver& r) {
     PolygonTerms total;
     for (const PolygonLight& face : faces) {
       const PolygonTerms terms = polygon_terms_of(face, r);
@@ -197,7 +197,7 @@ TEST(PolygonLobe, WholeHemisphere) {
     return total;
   };
   for (int i = 0; i < 100; ++i) {
-    Receiver r{random.point(.9), random.direction(), random.direction()};
+    ExactReceiver r{random.point(.9), random.direction(), random.direction()};
     r = facing(random, r);
     EXPECT_NEAR(sum(r).irradiance, kPi, 1e-13);
     // e = 0: half of what the cosine weighs, and the part between the two horizons. e = 1: Cho and Saul's
@@ -222,7 +222,7 @@ TEST(PolygonLobe, LightThatFillsTheLobe) {
   for (double exponent : {1e3, 1e4, 1e5, 1e6, 1e8, 1e10}) {
     const double reach = 8 / std::sqrt(exponent);  // beyond it is e^-32 of the lobe
     for (int i = 0; i < 30; ++i) {
-      Receiver r{{0, 0, 0}, random.direction(), random.direction(), exponent};
+      ExactReceiver r{{0, 0, 0}, random.direction(), random.direction(), exponent};
       r = facing(random, r);
       if (dot(r.n, r.w) < 3 * reach) continue;
       const Plane plane{r.w, normalize(cross(r.w, random.direction())), {}};
@@ -244,7 +244,7 @@ TEST(PolygonLobe, SmallLightsKeepTheirDigits) {
         const Plane plane{center, u, normalize(cross(center, u) + random.between(-2, 2) * center)};
         const PolygonLight light{{ring(plane, 4, size / 2, size / 2)}};
         // Not in the origin: differences of floats would be exact.
-        Receiver r{1e-3L * random.direction(), normalize(center + .5L * random.direction()), {}};
+        ExactReceiver r{1e-3L * random.direction(), normalize(center + .5L * random.direction()), {}};
         r.w = normalize(center + random.uniform() * std::min(2 * width, .5) * random.direction());
         r.exponent = exponent;
         worst = std::max(worst, std::abs(lobe_of(light, r) / truth_of(light, r) - 1));
@@ -264,7 +264,7 @@ TEST(PolygonLobe, SweepsOfTheAxis) {
     constexpr int kSteps = 300;
     for (int i = 0; i <= kSteps; ++i) {
       const double t = -1.5 + 3.0 * i / kSteps;
-      const Receiver r{{0, 0, 0}, {0, 1, 0}, {std::sin(t), std::cos(t), 0}, double(exponent)};
+      const ExactReceiver r{{0, 0, 0}, {0, 1, 0}, {std::sin(t), std::cos(t), 0}, double(exponent)};
       const double lobe = lobe_of(light, r);
       ASSERT_NEAR(lobe, truth_of(light, r), kTolerance) << r;
       // Each step moves a lobe of width 1 / sqrt(e) by 0.01; a lobe's total variation along a line is below
@@ -282,10 +282,10 @@ TEST(PolygonLobe, LanesDoNotDependOnEachOther) {
   RandomNumbers random(7);
   for (int i = 0; i < 60; ++i) {
     const PolygonLight light = random_light(random);
-    std::vector<Receiver> receivers;
+    std::vector<ExactReceiver> receivers;
     for (int k = 0; k < 3 * LANES; ++k) {
       const double exponents[] = {-1, 0, 3, 20, 500, 3e4};
-      Receiver r = hard_receiver(random, light, k % kKinds, exponents[random.below(6)]);
+      ExactReceiver r = hard_receiver(random, light, k % kKinds, exponents[random.below(6)]);
       r.x = random.point(.3);
       receivers.push_back(r);
     }
@@ -307,7 +307,7 @@ TEST(PolygonLobe, FrontAndBackAndFirstCorner) {
   int front = 0, back = 0;
   for (int i = 0; i < 400; ++i) {
     PolygonLight light = random_light(random);
-    const Receiver r = hard_receiver(random, light, i % kKinds, 12);
+    const ExactReceiver r = hard_receiver(random, light, i % kKinds, 12);
     const double both = lobe_of(light, r);
     light.two_sided = false;
     const double one = lobe_of(light, r);
@@ -331,7 +331,7 @@ TEST(PolygonLobe, DoesNotDependOnTheScaleOrTheOrigin) {
   const Plane plane{{3, 4, 2}, {1, 0, 0}, {0, 1, 0}};
   const PolygonLight light{{{plane.at(-2, -1), plane.at(3, -1.5L), plane.at(.5L, 2.25L)}}};
   for (int i = 0; i < 200; ++i) {
-    Receiver r = hard_receiver(random, light, i % kKinds, 30);
+    ExactReceiver r = hard_receiver(random, light, i % kKinds, 30);
     const double lobe = lobe_of(light, r);
     for (float scale : {0x1p-14f, 0x1p17f}) {
       PolygonLight scaled = light;
@@ -352,7 +352,7 @@ TEST(PolygonLobe, DegenerateLightsAndReceiversOnThem) {
   RandomNumbers random(10);
   for (int i = 0; i < 200; ++i) {
     for (double exponent : {0.0, 1.0, 40.0, 5e3}) {
-      Receiver r{{0, 0, 0}, random.direction(), random.direction(), exponent};
+      ExactReceiver r{{0, 0, 0}, random.direction(), random.direction(), exponent};
       if (i % 4 == 0) r.w = {0, 1, 0};
       if (i % 4 == 1) r.n = {0, -1, 0};
       r = facing(random, r);

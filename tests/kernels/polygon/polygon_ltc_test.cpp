@@ -17,7 +17,7 @@ struct TestLobe {
   ltc::Transform transform;
 };
 
-TestLobe lobe_of(const Receiver& r) {
+TestLobe lobe_of(const ExactReceiver& r) {
   TestLobe lobe;
   lobe.n = r.n;
   lobe.t = normalize(r.w - dot(r.w, r.n) * r.n);
@@ -28,8 +28,8 @@ TestLobe lobe_of(const Receiver& r) {
 
 /// A receiver in the origin with the lobe of some roughness from 1e-3 to 1 under some angle, now and then
 /// next to the normal or to grazing; turned so that the lobe is towards `toward` for one in two.
-Receiver random_receiver(RandomNumbers& random, const Exact3& toward) {
-  Receiver r{{0, 0, 0}, random.direction()};
+ExactReceiver random_receiver(RandomNumbers& random, const Exact3& toward) {
+  ExactReceiver r{{0, 0, 0}, random.direction()};
   if (random.below(2) == 0) r.n = normalize(normalize(toward) + random.uniform() * random.direction());
   Exact3 w = random.below(2) == 0 ? normalize(toward) : random.direction();
   if (random.below(6) == 0) w = r.n + std::pow(10.0, random.between(-6, -1)) * random.direction();
@@ -46,7 +46,7 @@ Receiver random_receiver(RandomNumbers& random, const Exact3& toward) {
   return r;
 }
 
-double truth_of(const PolygonLight& light, const Receiver& r) {
+double truth_of(const PolygonLight& light, const ExactReceiver& r) {
   const TestLobe lobe = lobe_of(r);
   QuadLoops loops = quad(light.loops);
   const Quad3 t = quad(lobe.t), b = quad(lobe.b), n = quad(lobe.n);
@@ -69,7 +69,7 @@ TEST(PolygonLtc, LambertInTheCosinesSpace) {
   for (int i = 0; i < 4'000; ++i) {
     PolygonLight light = random_light(random);
     light.two_sided = random.below(3) != 0;
-    const Receiver r = random_receiver(random, exact(light.loops[0][0]));
+    const ExactReceiver r = random_receiver(random, exact(light.loops[0][0]));
     const double truth = truth_of(light, r);
     ASSERT_NEAR(polygon_terms_of(light, r).lobe, truth, kTolerance) << r << light;
     lit += truth > 1e-3;
@@ -87,7 +87,7 @@ TEST(PolygonLtc, IsTheIntegralOfItsDensity) {
   for (int i = 0; i < 300; ++i) {
     const Exact3 center = random.direction();
     PolygonLight light = random_light(random, random_plane(random, center), random.between(.02, .6));
-    const Receiver r = random_receiver(random, center);
+    const ExactReceiver r = random_receiver(random, center);
     const TestLobe lobe = lobe_of(r);
     const auto density = [&](double x, double y, double z) {
       const Exact3 u{x, y, z};
@@ -111,7 +111,7 @@ TEST(PolygonLtc, AllDirectionsAreOne) {
   // A square so large that it covers the hemisphere but for a rim below it.
   RandomNumbers random(3);
   for (int i = 0; i < 200; ++i) {
-    Receiver r = random_receiver(random, random.direction());
+    ExactReceiver r = random_receiver(random, random.direction());
     r.n = {0, 1, 0};
     const Exact3 across = normalize(Exact3{random.between(-1, 1), 0, random.between(-1, 1)});
     r.w = normalize(across + random.uniform() * r.n);
@@ -128,9 +128,9 @@ TEST(PolygonLtc, LanesAreIndependent) {
   RandomNumbers random(4);
   for (int i = 0; i < 50; ++i) {
     const PolygonLight light = random_light(random);
-    std::vector<Receiver> receivers;
+    std::vector<ExactReceiver> receivers;
     for (int j = 0; j < 16; ++j) {
-      Receiver r = random_receiver(random, exact(light.loops[0][0]));
+      ExactReceiver r = random_receiver(random, exact(light.loops[0][0]));
       if (j % 3 == 1) r.inverse_x = r.inverse_y = 0, r.exponent = 7.5;  // a Phong lobe
       if (j % 3 == 2) r.inverse_x = r.inverse_y = 0;                    // none
       receivers.push_back(r);
