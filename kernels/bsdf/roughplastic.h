@@ -22,9 +22,9 @@ typedef struct {
 
 FN CurveRows curve_rows(Closure c) {
   const float place = SQRT(SQRT(clamp_f(c.alpha_u, LEAST_ALPHA, 1.0f)));
-  const float x =
-      max_f((place - FIRST_ROW_PLACE) / (1.0f - FIRST_ROW_PLACE), 0.0f) * (float)(c.curve_rows - 1);
-  const int row = min_i((int)x, c.curve_rows - 1), next = min_i(row + 1, c.curve_rows - 1);
+  const int last = c.curve_rows > 0 ? c.curve_rows - 1 : 0;  // lanes of other families have no rows
+  const float x = max_f((place - FIRST_ROW_PLACE) / (1.0f - FIRST_ROW_PLACE), 0.0f) * (float)last;
+  const int row = min_i((int)x, last), next = min_i(row + 1, last);
   CurveRows rows;
   rows.first = c.curve + row * CURVE_STRIDE;
   rows.second = c.curve + next * CURVE_STRIDE;
