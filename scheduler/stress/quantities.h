@@ -87,6 +87,10 @@ STAGE void polygon_quantity(GLOBAL const double* in, GLOBAL double* out, GLOBAL 
     r.wy[j] = in[7];
     r.wz[j] = in[8];
     r.exponent[j] = in[9];
+#if HAS(LTC)
+    r.tx[j] = r.ty[j] = r.tz[j] = 0.0;
+    r.inverse_x[j] = r.inverse_y[j] = r.shift[j] = 0.0;
+#endif
   }
   double irradiance[LANES], lobe[LANES];
   polygon_terms(&scene, &r, 0, irradiance, lobe);
@@ -133,7 +137,7 @@ STAGE void projected_triangle_quantity(GLOBAL const double* in, GLOBAL double* o
   out[5] = bad;
 }
 
-/// In: reflectances of the diffuse and the Phong lobe, exponent, unused.
+/// In: reflectances of the diffuse and the Phong lobe, exponent.
 FN Closure closure_in(GLOBAL const double* in) {
   Closure c = black_closure();
   c.family = FAMILY_PHONG;
@@ -145,7 +149,7 @@ FN Closure closure_in(GLOBAL const double* in) {
 
 /// In: closure, normal, wo, wi. Out: f cos, pdf.
 STAGE void bsdf_value_quantity(GLOBAL const double* in, GLOBAL double* out) {
-  const BsdfValue value = eval_bsdf(0, closure_in(in), in_v(in, 4), in_v(in, 7), in_v(in, 10));
+  const BsdfValue value = eval_bsdf(0, closure_in(in), in_v(in, 3), in_v(in, 6), in_v(in, 9));
   out[0] = value.f_cos.x;
   out[1] = value.pdf;
 }
@@ -153,7 +157,7 @@ STAGE void bsdf_value_quantity(GLOBAL const double* in, GLOBAL double* out) {
 /// In: closure, normal, wo, u, v, choice. Out: direction, weight, pdf.
 STAGE void bsdf_sample_quantity(GLOBAL const double* in, GLOBAL double* out) {
   const BsdfSample s =
-      sample_bsdf(0, closure_in(in), in_v(in, 4), in_v(in, 7), in_f(in, 10), in_f(in, 11), in_f(in, 12));
+      sample_bsdf(0, closure_in(in), in_v(in, 3), in_v(in, 6), in_f(in, 9), in_f(in, 10), in_f(in, 11));
   out_v(out, 0, s.wi);
   out[3] = s.weight.x;
   out[4] = s.pdf;
@@ -165,8 +169,8 @@ STAGE void bsdf_sample_quantity(GLOBAL const double* in, GLOBAL double* out) {
 STAGE void bsdf_albedo_quantity(GLOBAL const double* in, GLOBAL double* out) {
   const Closure c = closure_in(in);
   const double share = (double)phong_lobe_share(c);
-  const vec3 n = in_v(in, 4), wo = in_v(in, 7);
-  const int size = (int)in[10];
+  const vec3 n = in_v(in, 3), wo = in_v(in, 6);
+  const int size = (int)in[9];
   double sum = 0.0, largest = 0.0, bad = 0.0;
   for (int i = 0; i < size; i++) {
     for (int k = 0; k < size; k++) {

@@ -33,7 +33,7 @@ const Pair kPairs[] = {{"peak", "the peak of the lobe", .5, 0},
 
 QuadFunction value_function(bool pdf) {
   return [pdf](const Quads& in) {
-    const PhongValue v = phong(in[9], in[10], in[11], in[12], quad(in, 0), quad(in, 3), quad(in, 6));
+    const PhongValue v = phong(in[9], in[10], in[11], quad(in, 0), quad(in, 3), quad(in, 6));
     return Quads{pdf ? v.pdf : v.f_cos};
   };
 }
@@ -45,15 +45,15 @@ void add_values(std::vector<Case>& cases) {
       const double angle = pair.tilt - off;
       const Points directions{
           {0, 0, 1}, {std::sin(pair.tilt), 0, std::cos(pair.tilt)}, {-std::sin(angle), 0, std::cos(angle)}};
-      Numbers inputs = floats({}, {.3, .6, e.value, .4});
+      Numbers inputs = floats({}, {.3, .6, e.value});
       for (const double v : floats(directions)) inputs.push_back(v);
-      Numbers order = floats(directions, {.3, .6, e.value, .4});
+      Numbers order = floats(directions, {.3, .6, e.value});
       // exp of a product of up to 88: its rounding is multiplied by it.
       const double power = std::min(-e.value * std::log(std::cos(off)), 88.0);
       const double functions = 1e-6 + 4e-7 * power;
       for (const bool pdf : {false, true}) {
         const QuadFunction f = value_function(pdf);
-        // The reflectances, the exponent and the probability are exact.
+        // The reflectances and the exponent are exact.
         auto deltas = [order] {
           std::vector<double> d = rounding(quads(order), 3, kDirectionRounding);
           std::fill(d.begin() + 9, d.end(), 0.0);
@@ -83,7 +83,7 @@ void add_albedos(std::vector<Case>& cases) {
   for (const Exponent& e : kExponents) {
     for (const Tilt& tilt : tilts) {
       for (const double lobe : {1.0, .5}) {
-        Numbers inputs = floats({}, {lobe == 1 ? 0 : .5, lobe == 1 ? 1 : .5, e.value, lobe});
+        Numbers inputs = floats({}, {lobe == 1 ? 0 : .5, lobe == 1 ? 1 : .5, e.value});
         const Point wo = rounded(Point{std::sin(tilt.angle), 0, std::cos(tilt.angle)});
         for (const double v : floats({{0, 0, 1}, wo}, {double(kGrid)})) inputs.push_back(v);
         const double exponent = e.value;
@@ -107,7 +107,7 @@ void add_albedos(std::vector<Case>& cases) {
   cases.push_back(
       {"albedo/largest-weight", "a sample of a lobe of exponent 1e5 along the horizon",
        "largest weight of a sample",
-       KernelMeasurement{QUANTITY_BSDF_ALBEDO, floats({}, {0, 1, 1e5, 1, 0, 0, 1, 1, 0, 1e-6, kGrid}),
+       KernelMeasurement{QUANTITY_BSDF_ALBEDO, floats({}, {0, 1, 1e5, 0, 0, 1, 1, 0, 1e-6, kGrid}),
                          [](const Numbers& out) {
                            return Numbers{worst({0.0, out[1] - 1.00002})};
                          }},
@@ -118,7 +118,7 @@ void add_sample_ends(std::vector<Case>& cases) {
   for (const Exponent& e : kExponents) {
     for (const auto& [name, u, v] :
          {std::tuple("u0", 0.0, 0.0), std::tuple("u1", kBelow1, kBelow1), std::tuple("u-2^-24", kUlp, .25)}) {
-      Numbers inputs = floats({}, {0, 1, e.value, 1});
+      Numbers inputs = floats({}, {0, 1, e.value});
       const Points directions{{0, 0, 1}, {0, 0, 1}};
       for (const double x : floats(directions, {u, v, 0})) inputs.push_back(x);
       // Along the normal the lobe is about it: cos^(n+1) = 1 - u.

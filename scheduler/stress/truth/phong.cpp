@@ -4,14 +4,14 @@
 
 namespace penumbra::stress {
 
-PhongValue phong(Quad diffuse, Quad specular, Quad exponent, Quad lobe, const Quad3& n, const Quad3& wo,
+PhongValue phong(Quad diffuse, Quad specular, Quad exponent, const Quad3& n, const Quad3& wo,
                  const Quad3& wi) {
   const Quad3 normal = normalize(n), out = normalize(wo), in = normalize(wi);
   const Quad cosine = dot(normal, in);
   if (cosine <= 0 || dot(normal, out) <= 0) return {0, 0};
   const Quad angle = angle_between(2 * dot(normal, out) * normal - out, in);
   const Quad power = 2 * angle < kQuadPi ? exp_q(exponent * log_q(cos_q(angle))) : Quad(0);
-  const Quad lambert = cosine / kQuadPi;
+  const Quad lambert = cosine / kQuadPi, lobe = specular / (diffuse + specular);
   return {diffuse * lambert + specular * (exponent + 2) / (2 * kQuadPi) * power * cosine,
           (1 - lobe) * lambert + lobe * (exponent + 1) / (2 * kQuadPi) * power};
 }

@@ -6,11 +6,11 @@
 namespace penumbra::stress {
 
 /// diffuse / pi + specular (e + 2) / (2 pi) cos^e, times the cosine of wi; and the density that chooses the
-/// lobe with probability `lobe`. Directions need not be unit vectors.
+/// lobe with its share of the reflectances. Directions need not be unit vectors.
 struct PhongValue {
   Quad f_cos, pdf;
 };
-PhongValue phong(Quad diffuse, Quad specular, Quad exponent, Quad lobe, const Quad3& n, const Quad3& wo,
+PhongValue phong(Quad diffuse, Quad specular, Quad exponent, const Quad3& n, const Quad3& wo,
                  const Quad3& wi);
 
 /// Share of the light from a direction at `angle` to the normal that the lobe of reflectance 1 sends above

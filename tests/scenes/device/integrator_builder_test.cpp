@@ -135,7 +135,7 @@ TEST(IntegratorBuilder, EstimatorsAndChoices) {
       {"cv, by hierarchy", kPolygonCv, all({with_alpha(1), with_sphere, by_tree}), ESTIMATOR_ALPHA, 1,
        CHOICE_TREE},
       {"analytic", kPolygonAnalytic, {}, ESTIMATOR_ALPHA, 1, CHOICE_POWER},
-      {"area", kPolygonArea, {}, ESTIMATOR_SAMPLES, 1, CHOICE_TREE},
+      {"area", kPolygonArea, {}, ESTIMATOR_SAMPLES, 1, CHOICE_POWER},
       {"area by contribution", kPolygonArea, by_contribution, ESTIMATOR_ALPHA, 0, CHOICE_ANALYTIC},
       {"direct by contribution", kDirect, all({no_bsdf_samples, by_contribution}), ESTIMATOR_ALPHA, 0,
        CHOICE_ANALYTIC},

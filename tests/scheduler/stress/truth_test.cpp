@@ -108,11 +108,11 @@ TEST(Quadrature, KnownIntegrals) {
 
 TEST(Phong, KnownValues) {
   const Quad3 n{0, 0, 2}, wo{1, 0, 1}, mirror{-3, 0, 3};
-  const PhongValue peak = phong(.5, .25, 100, .5, n, wo, mirror);
+  const PhongValue peak = phong(.5, .25, 100, n, wo, mirror);
   const Quad cosine = 1 / sqrt_q(2);
   EXPECT_LT(error(peak.f_cos, (Quad(.5) / kQuadPi + Quad(.25) * 102 / (2 * kQuadPi)) * cosine), 1e-29);
-  EXPECT_LT(error(peak.pdf, (cosine / kQuadPi + 101 / (2 * kQuadPi)) / 2), 1e-29);
-  EXPECT_EQ(double(phong(.5, .25, 100, .5, n, wo, {1, 0, -1}).f_cos), 0);
+  EXPECT_LT(error(peak.pdf, (2 * cosine / kQuadPi + 101 / (2 * kQuadPi)) / 3), 1e-29);
+  EXPECT_EQ(double(phong(.5, .25, 100, n, wo, {1, 0, -1}).f_cos), 0);
 }
 
 TEST(Phong, Albedos) {
