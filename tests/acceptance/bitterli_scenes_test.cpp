@@ -12,8 +12,9 @@ namespace {
 
 struct Room {
   std::string name;
-  int batches, spp;  ///< other seeds, and samples per pixel of each
-  int block;         ///< pixels of a side of what is compared
+  int batches, spp;    ///< other seeds, and samples per pixel of each
+  int block;           ///< pixels of a side of what is compared
+  double mean_within;  ///< relative, of the image's mean
   /// Of the values, which are farther from the reference than noise for a reason that is known.
   double set_aside = 0;
 };
@@ -28,7 +29,8 @@ TEST_P(BitterliRooms, AgreeWithMitsuba) {
   const statistics::Estimate ours = block_estimate(scene, GetParam().batches, 1, GetParam().block),
                              mitsuba = mitsuba_blocks(folder, GetParam().block);
   for (int channel = 0; channel < 3; ++channel)
-    EXPECT_NEAR(channel_mean(ours.mean, channel) / channel_mean(mitsuba.mean, channel), 1, 0.003)
+    EXPECT_NEAR(channel_mean(ours.mean, channel) / channel_mean(mitsuba.mean, channel), 1,
+                GetParam().mean_within)
         << "channel " << channel;
   const auto result = statistics::z_test(ours, mitsuba, {.set_aside = GetParam().set_aside});
   EXPECT_TRUE(result.passed) << result.summary();
@@ -36,13 +38,14 @@ TEST_P(BitterliRooms, AgreeWithMitsuba) {
 }
 INSTANTIATE_TEST_SUITE_P(
     All, BitterliRooms,
-    testing::Values(Room{"spaceship", 8, 8, 4},
+    testing::Values(Room{"spaceship", 8, 8, 4, 0.003},
                     // Rare paths (the sun by way of chair legs) leave few of the blocks' means normal unless
                     // blocks are large. Interpolated normals let light through sheets in Mitsuba (a flag, the
                     // desks) and show the backs of tubes at their rims: within 60 of its 57600 blocks.
-                    Room{"classroom", 8, 8, 16, 0.01},
-                    // Caustics by rare paths: but for the whole image the samples are too few.
-                    Room{"veach-bidir", 8, 8, 1024}),
+                    Room{"classroom", 8, 8, 16, 0.003, 0.01},
+                    // Caustics by rare paths: but for the whole image the samples are too few, and the
+                    // standard error of its mean is 0.9%, three of which the mean may be off.
+                    Room{"veach-bidir", 8, 8, 1024, 0.027}),
     [](const auto& tested) {
       std::string name = tested.param.name;
       std::erase(name, '-');
