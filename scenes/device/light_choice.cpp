@@ -1,0 +1,137 @@
+#include "scenes/device/light_choice.h"
+
+#include <algorithm>
+#include <glm/glm.hpp>
+#include <optional>
+#include <vector>
+
+#include "kernels/host/device_scene.h"
+#include "scenes/device/bvh_builder.h"
+#include "scenes/device/integrator_builder.h"
+#include "scenes/device/light_survey.h"
+#include "scenes/device/light_table.h"
+#include "scenes/device/light_tree_builder.h"
+
+namespace penumbra {
+namespace {
+
+class Chooser {
+ public:
+  Chooser(std::span<const LightBounds> lights, bool open, double radius, SceneHeader& header,
+          SceneRecords& records)
+      : lights_(lights), open_(open), radius_(radius), h_(header), records_(records) {}
+
+  /// What infinite lights count for beside others takes a look at the scene.
+  Expected<void> add() {
+    std::vector<LightBounds> all(lights_.begin(), lights_.end()), finite = all;
+    std::vector<int> infinite;
+    double intensity = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (all[i].infinite && all[i].intensity > 0) infinite.push_back(int(i));
+      if (all[i].infinite) finite[i].intensity = 0;
+      intensity += finite[i].intensity;
+    }
+    const double size2 = std::clamp(radius_ * radius_, 1e-30, 1e30);
+    const double unit = intensity > 0 ? size2 / intensity : 1.0;
+    if (infinite.empty() || !(intensity > 0)) {
+      const bool alike = infinite.empty() && in_one_place(all) && open_;
+      set_light_tree(alike ? LightTree{} : build_light_tree(all, unit));
+      return {};
+    }
+    set_light_tree(build_light_tree(finite, unit));
+    Expected<InfiniteLights> found = survey(infinite);
+    if (!found) return std::unexpected(found.error());
+    if (infinite.size() == 1 && in_one_place(finite) && open_) {
+      choose_alike(infinite[0], found->share);
+      return {};
+    }
+    for (std::size_t i = 0; i < infinite.size(); ++i)
+      all[std::size_t(infinite[i])].intensity = found->intensities[i] / unit;
+    set_light_tree(build_light_tree(all, unit));
+    return {};
+  }
+
+ private:
+  /// Of no light where none has power.
+  void set_light_tree(const LightTree& tree) {
+    if (tree.nodes.empty()) {
+      h_.light_cut = h_.light_tree_depth = 0;
+      h_.integrator.light_choice = CHOICE_POWER;
+      h_.features &= ~std::uint32_t(FEATURE_LIGHT_TREE);
+      return;
+    }
+    records_.light_nodes = tree.nodes;
+    records_.light_trails = tree.trails;
+    h_.light_cut = tree.cut;
+    h_.light_tree_depth = tree.depth;
+  }
+
+  /// Whether these are as one, say the triangles of a lamp.
+  static bool in_one_place(const std::vector<LightBounds>& lights) {
+    constexpr int kMost = 4;
+    const auto size = [](const LightBounds& b) { return glm::length(b.high - b.low); };
+    std::optional<LightBounds> all;
+    double largest = 0;
+    int count = 0;
+    for (const LightBounds& light : lights) {
+      if (!(light.intensity > 0)) continue;
+      all = all ? joined(*all, light) : light;
+      largest = std::max(largest, size(light));
+      if (++count > kMost) return false;
+    }
+    return all && size(*all) <= 1.01 * largest;
+  }
+
+  /// An infinite light beside one that is as one: how often each is chosen matters, where does not, and the
+  /// table takes no time.
+  void choose_alike(int infinite, double share) {
+    std::vector<double> shares;
+    double intensity = 0;
+    for (const LightBounds& light : lights_) intensity += light.infinite ? 0.0 : light.intensity;
+    for (const LightBounds& light : lights_)
+      shares.push_back(light.infinite ? 0.0 : (1 - share) * light.intensity / intensity);
+    shares[std::size_t(infinite)] = share;
+    set_light_probabilities(records_.lights, shares);
+    set_light_tree({});
+    records_.light_nodes.clear();
+    records_.light_trails.clear();
+  }
+
+  /// See survey_infinite_lights; in a copy of the scene that has the portable hierarchy in any case.
+  Expected<InfiniteLights> survey(std::span<const int> infinite) {
+    if (records_.triangles.empty() && records_.quadrics.empty())
+      return InfiniteLights{.intensities = std::vector<double>(infinite.size(), 1.0)};
+    const auto store_and_survey = [&] {
+      DeviceScene surveyed;
+      surveyed.header = h_;
+      store(records_, surveyed);
+      return survey_infinite_lights(surveyed, infinite);
+    };
+    if (!records_.nodes.empty()) return store_and_survey();
+    Expected<Hierarchy> hierarchy = build_hierarchy(records_.triangles, records_.quadrics);
+    if (!hierarchy) return std::unexpected(hierarchy.error());
+    records_.nodes.swap(hierarchy->nodes);
+    records_.triangle_leaves.swap(hierarchy->triangle_leaves);
+    records_.quadric_leaves.swap(hierarchy->quadric_leaves);
+    InfiniteLights found = store_and_survey();
+    records_.nodes.clear();
+    records_.triangle_leaves.clear();
+    records_.quadric_leaves.clear();
+    return found;
+  }
+
+  std::span<const LightBounds> lights_;
+  bool open_;  ///< whether how lights are chosen is left to what is best
+  double radius_;
+  SceneHeader& h_;
+  SceneRecords& records_;
+};
+
+}  // namespace
+
+Expected<void> add_light_tree(std::span<const LightBounds> bounds, const IntegratorSettings& integrator,
+                              double scene_radius, SceneHeader& header, SceneRecords& records) {
+  return Chooser(bounds, chooses_as_it_likes(integrator), scene_radius, header, records).add();
+}
+
+}  // namespace penumbra
