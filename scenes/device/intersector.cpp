@@ -45,16 +45,7 @@ Expected<void> add_intersector(IntersectorChoice choice, SceneHeader& header, Sc
                        : choice == IntersectorChoice::kEmbree ? INTERSECTOR_EMBREE
                                                               : INTERSECTOR_PORTABLE;
   if (header.intersector == INTERSECTOR_PORTABLE && !small) {
-    const PrimitiveGroup all{0, 0, int(records.triangles.size()), 0, int(records.quadrics.size())};
-    const std::span<const PrimitiveGroup> groups =
-        records.groups.empty() ? std::span(&all, 1) : std::span<const PrimitiveGroup>(records.groups);
-    Expected<Hierarchy> hierarchy =
-        build_hierarchy(records.triangles, records.quadrics, groups, records.instances);
-    if (!hierarchy) return std::unexpected(hierarchy.error());
-    for (std::size_t g = 0; g < records.groups.size(); ++g) records.groups[g].root = hierarchy->roots[g];
-    records.nodes = std::move(hierarchy->nodes);
-    records.triangle_leaves = std::move(hierarchy->triangle_leaves);
-    records.quadric_leaves = std::move(hierarchy->quadric_leaves);
+    if (Expected<void> done = add_hierarchy(records); !done) return done;
     header.features |= FEATURE_BVH;
   }
   if (header.intersector != INTERSECTOR_PORTABLE || !small) {
@@ -62,6 +53,27 @@ Expected<void> add_intersector(IntersectorChoice choice, SceneHeader& header, Sc
     records.vertices.clear();
   }
   return {};
+}
+
+Expected<void> add_hierarchy(SceneRecords& records) {
+  const PrimitiveGroup all{0, 0, int(records.triangles.size()), 0, int(records.quadrics.size())};
+  const std::span<const PrimitiveGroup> groups =
+      records.groups.empty() ? std::span(&all, 1) : std::span<const PrimitiveGroup>(records.groups);
+  Expected<Hierarchy> hierarchy =
+      build_hierarchy(records.triangles, records.quadrics, groups, records.instances);
+  if (!hierarchy) return std::unexpected(hierarchy.error());
+  for (std::size_t g = 0; g < records.groups.size(); ++g) records.groups[g].root = hierarchy->roots[g];
+  records.nodes = std::move(hierarchy->nodes);
+  records.triangle_leaves = std::move(hierarchy->triangle_leaves);
+  records.quadric_leaves = std::move(hierarchy->quadric_leaves);
+  return {};
+}
+
+void drop_hierarchy(SceneRecords& records) {
+  for (PrimitiveGroup& group : records.groups) group.root = 0;
+  records.nodes.clear();
+  records.triangle_leaves.clear();
+  records.quadric_leaves.clear();
 }
 
 }  // namespace penumbra

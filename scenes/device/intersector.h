@@ -20,4 +20,11 @@ int intersector_for(std::size_t triangles);
 /// the hierarchy.
 Expected<void> add_intersector(IntersectorChoice choice, SceneHeader& header, SceneRecords& records);
 
+/// The portable intersector's hierarchy over the records' primitives and instances, of which there are some,
+/// and the roots of their groups. Errors: as of build_hierarchy.
+Expected<void> add_hierarchy(SceneRecords& records);
+
+/// Takes it away.
+void drop_hierarchy(SceneRecords& records);
+
 }  // namespace penumbra

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "kernels/host/device_scene.h"
-#include "scenes/device/bvh_builder.h"
 #include "scenes/device/integrator_builder.h"
+#include "scenes/device/intersector.h"
 #include "scenes/device/light_survey.h"
 #include "scenes/device/light_table.h"
 #include "scenes/device/light_tree_builder.h"
@@ -108,15 +108,9 @@ class Chooser {
       return survey_infinite_lights(surveyed, infinite);
     };
     if (!records_.nodes.empty()) return store_and_survey();
-    Expected<Hierarchy> hierarchy = build_hierarchy(records_.triangles, records_.quadrics);
-    if (!hierarchy) return std::unexpected(hierarchy.error());
-    records_.nodes.swap(hierarchy->nodes);
-    records_.triangle_leaves.swap(hierarchy->triangle_leaves);
-    records_.quadric_leaves.swap(hierarchy->quadric_leaves);
+    if (Expected<void> done = add_hierarchy(records_); !done) return std::unexpected(done.error());
     InfiniteLights found = store_and_survey();
-    records_.nodes.clear();
-    records_.triangle_leaves.clear();
-    records_.quadric_leaves.clear();
+    drop_hierarchy(records_);
     return found;
   }
 
