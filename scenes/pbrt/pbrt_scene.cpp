@@ -10,7 +10,7 @@
 #include "scenes/pbrt/material_reader.h"
 #include "scenes/pbrt/shape_reader.h"
 #include "scenes/pbrt/view_reader.h"
-#include "scenes/settings.h"
+#include "scenes/reading.h"
 #include "scenes/transform.h"
 
 namespace penumbra::pbrt {
@@ -445,26 +445,15 @@ std::span<const SceneParser::Directive> SceneParser::directives() {
 }  // namespace
 
 Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options) {
-  const FileAccess files(options.confine_to);
-  Diagnostics diagnostics;
-  ReaderReport report(diagnostics, options.lenient);
-  for (const auto& [name, value] : options.defines)
-    report.error({}, fmt::format("-D {}={}: a pbrt scene has no variables", name, value));
+  Reading reading(options);
+  reading.refuse_variables("pbrt");
   SceneDescription scene;
   scene.source = file.string();
-  Context context{report, files, file.parent_path(), scene};
-  TokenReader tokens(files, report);
+  Context context{reading.report, reading.files, file.parent_path(), scene};
+  TokenReader tokens(reading.files, reading.report);
   tokens.enter(file, {});
-  if (!diagnostics.failed()) SceneParser(context, tokens).parse();
-  if (diagnostics.failed()) return std::unexpected(diagnostics.error());
-  if (options.settings.empty()) {  // else they may put it right
-    if (const auto checked = check_settings(scene); !checked)
-      return fail(fmt::format("{}: {}", file.string(), checked.error().message));
-  }
-  scene.contents_hash = files.contents_hash();
-  scene.warnings = diagnostics.take_warnings();
-  scene.files = files.files_read();
-  return scene;
+  if (!reading.failed()) SceneParser(context, tokens).parse();
+  return reading.finish(std::move(scene));
 }
 
 }  // namespace penumbra::pbrt
