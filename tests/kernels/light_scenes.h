@@ -51,41 +51,33 @@ inline SceneTables quadric_light(const Quadric& quadric, bool by_solid_angle) {
   return tables;
 }
 
-inline SceneTables sphere_light(const vec3& center, float radius, float orientation, bool by_solid_angle) {
+/// Its frame is about `pole`: the normal of a disk, the axis of a cylinder.
+inline Quadric quadric_about(int kind, const vec3& center, const vec3& pole, float radius,
+                             float orientation) {
   Quadric q{};
-  q.kind = QUADRIC_SPHERE;
+  q.kind = kind;
   q.center = center;
+  q.normal = pole;
   q.radius = radius;
   q.orientation = orientation;
-  q.normal = make_vec3(0, 0, 1);
-  q.x_axis = make_vec3(1, 0, 0);
-  q.y_axis = make_vec3(0, 1, 0);
-  return quadric_light(q, by_solid_angle);
+  q.x_axis = from_frame(pole, 1, 0, 0);
+  q.y_axis = from_frame(pole, 0, 1, 0);
+  return q;
+}
+
+inline SceneTables sphere_light(const vec3& center, float radius, float orientation, bool by_solid_angle) {
+  return quadric_light(quadric_about(QUADRIC_SPHERE, center, make_vec3(0, 0, 1), radius, orientation),
+                       by_solid_angle);
 }
 
 inline SceneTables disk_light(const vec3& center, const vec3& normal, float radius) {
-  Quadric q{};
-  q.kind = QUADRIC_DISK;
-  q.center = center;
-  q.normal = normal;
-  q.radius = radius;
-  q.orientation = 1;
-  q.x_axis = from_frame(normal, 1, 0, 0);
-  q.y_axis = from_frame(normal, 0, 1, 0);
-  return quadric_light(q, false);
+  return quadric_light(quadric_about(QUADRIC_DISK, center, normal, radius, 1), false);
 }
 
 inline SceneTables cylinder_light(const vec3& end, const vec3& axis, float radius, float length,
                                   float orientation) {
-  Quadric q{};
-  q.kind = QUADRIC_CYLINDER;
-  q.center = end;
-  q.normal = axis;
-  q.radius = radius;
+  Quadric q = quadric_about(QUADRIC_CYLINDER, end, axis, radius, orientation);
   q.length = length;
-  q.orientation = orientation;
-  q.x_axis = from_frame(axis, 1, 0, 0);
-  q.y_axis = from_frame(axis, 0, 1, 0);
   return quadric_light(q, false);
 }
 

@@ -1,16 +1,8 @@
 // What Mitsuba's shapes mean.
-#include <gmock/gmock.h>
-
 #include "tests/scenes/mitsuba_text.h"
 
 namespace penumbra {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-using ::testing::SizeIs;
 
 TEST_F(MitsubaPlugins, Sphere) {
   const SceneDescription s =

@@ -1,14 +1,9 @@
 // What Mitsuba's integrators mean.
-#include <gmock/gmock.h>
-
 #include "tests/scenes/mitsuba_text.h"
 #include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::HasSubstr;
 
 TEST_F(MitsubaPlugins, Integrators) {
   const auto integrator = [&](std::string_view type, std::string_view inside = "") {

@@ -1,14 +1,9 @@
 // What stands in for plugins that are not read, and settings that override the file.
-#include <gmock/gmock.h>
-
 #include "tests/scenes/mitsuba_text.h"
 #include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
-
-using ::testing::HasSubstr;
-using ::testing::SizeIs;
 
 TEST_F(MitsubaPlugins, LenientStandIns) {
   const std::string text =

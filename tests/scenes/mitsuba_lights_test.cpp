@@ -1,12 +1,8 @@
 // What Mitsuba's emitters mean.
-#include <gmock/gmock.h>
-
 #include "tests/scenes/mitsuba_text.h"
 
 namespace penumbra {
 namespace {
-
-using ::testing::HasSubstr;
 
 TEST_F(MitsubaPlugins, Lights) {
   const SceneDescription s = good(

@@ -1,15 +1,8 @@
 // What Mitsuba's BSDFs mean.
-#include <gmock/gmock.h>
-
 #include "tests/scenes/mitsuba_text.h"
 
 namespace penumbra {
 namespace {
-
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-using ::testing::SizeIs;
 
 TEST_F(MitsubaPlugins, DiffuseIsOneSidedAndTheDefault) {
   const SceneDescription s =

@@ -1,6 +1,4 @@
 // What Mitsuba's cameras, films and samplers mean.
-#include <gmock/gmock.h>
-
 #include <cmath>
 #include <numbers>
 
@@ -8,9 +6,6 @@
 
 namespace penumbra {
 namespace {
-
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 TEST_F(MitsubaPlugins, FieldsOfView) {
   const CameraSettings standard = good(in("sensor", "perspective")).camera;

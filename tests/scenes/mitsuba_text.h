@@ -1,6 +1,8 @@
 // Plugins of Mitsuba's scenes as text.
 #pragma once
 
+#include <gmock/gmock.h>
+
 #include <string>
 #include <string_view>
 
@@ -8,6 +10,11 @@
 
 namespace penumbra {
 
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
 using MitsubaPlugins = SceneText;
 
 inline std::string in(std::string_view tag, std::string_view type, std::string_view content = "") {
