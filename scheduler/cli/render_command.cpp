@@ -116,6 +116,7 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
   }
   statistics.command_line = command_line;
   statistics.job = &prepared.job;
+  statistics.workers = prepared.farm.workers;
   statistics.outcome = &outcome;
   statistics.warnings = prepared.scene.description.warnings;
   statistics.needs = prepared.scene.summary.needs;
@@ -133,13 +134,14 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
 
 /// Renders. Where the machine was to choose what computes, and its choice brings down every worker (a driver
 /// that crashes is none that fails), native code renders after all.
-Expected<RenderOutcome> render_with_fallback(RenderJob& job, const std::atomic<bool>& stop,
+Expected<RenderOutcome> render_with_fallback(RenderJob& job, const FarmOptions& farm,
+                                             const std::atomic<bool>& stop,
                                              const std::function<void(const RenderProgress&)>& on_progress) {
-  auto outcome = run_render(job, stop, on_progress);
+  auto outcome = run_render(job, farm, stop, on_progress);
   if (outcome || job.device.backend != Backend::kAuto || stop) return outcome;
   std::string warning = "native code renders: " + outcome.error().message;
   job.device.backend = Backend::kNative;
-  outcome = run_render(job, stop, on_progress);
+  outcome = run_render(job, farm, stop, on_progress);
   if (outcome) outcome->problems.insert(outcome->problems.begin(), std::move(warning));
   return outcome;
 }
@@ -152,12 +154,13 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
 
   const bool show = !options.quiet && !options.pixel;
   ProgressPrinter progress(show ? progress_style() : ProgressStyle::kNone, terminal_columns());
-  const auto outcome = render_with_fallback(prepared->job, stop, [&](const RenderProgress& now) {
-    progress.update(now);
-    // The address and its token are printed even so, since the user asked for an address.
-    if (!show && !options.listen.empty())
-      for (const std::string& notice : now.notices) print_message(notice);
-  });
+  const auto outcome =
+      render_with_fallback(prepared->job, prepared->farm, stop, [&](const RenderProgress& now) {
+        progress.update(now);
+        // The address and its token are printed even so, since the user asked for an address.
+        if (!show && !options.listen.empty())
+          for (const std::string& notice : now.notices) print_message(notice);
+      });
   progress.finish();
   if (!outcome) return print_error(outcome.error()), kIncomplete;
   if (sample_range(outcome->film).total == 0) {

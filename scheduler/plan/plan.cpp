@@ -235,7 +235,8 @@ void Plan::on(const Tick&) {
 void Plan::order_jobs() {
   order_.clear();
   for (const auto& [id, job] : jobs_) order_.push_back(id);
-  std::ranges::sort(order_, {}, [this](JobId id) { return std::pair(-std::int64_t(jobs_.at(id).priority), id); });
+  std::ranges::sort(order_, {},
+                    [this](JobId id) { return std::pair(-std::int64_t(jobs_.at(id).priority), id); });
 }
 
 /// All that was issued of a job, also from workers' hands: whatever they send of it does not come here.
