@@ -131,6 +131,8 @@ class SceneWriter {
       xml_.value("float", "radius", print_setting(scene_, "film.rfilter_radius"));
     if (film.filter == FilterKind::kGaussian)
       put_setting(*find_setting("film.rfilter_stddev"), plain, "stddev");
+    if (film.filter == FilterKind::kLanczos)
+      xml_.value("integer", "lobes", fmt::format("{}", std::lround(film.filter_radius)));
     if (film.filter == FilterKind::kMitchell) {
       put_setting(*find_setting("film.rfilter_b"), plain, "b");
       put_setting(*find_setting("film.rfilter_c"), plain, "c");

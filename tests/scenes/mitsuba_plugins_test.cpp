@@ -325,8 +325,6 @@ TEST_F(MitsubaPlugins, TwoSided) {
   EXPECT_TRUE(std::holds_alternative<DiffuseBsdf>(s.bsdfs.at(std::size_t(s.shapes.at(1).front_bsdf)).model));
   EXPECT_TRUE(std::holds_alternative<PhongBsdf>(s.bsdfs.at(std::size_t(s.shapes.at(1).back_bsdf)).model));
   EXPECT_THAT(error(scene(in("bsdf", "twosided"))), HasSubstr("one bsdf (for both sides) or two, not 0"));
-  EXPECT_THAT(error(scene(in("bsdf", "twosided", in("bsdf", "twosided", in("bsdf", "diffuse"))))),
-              HasSubstr("cannot hold another twosided"));
 }
 
 TEST_F(MitsubaPlugins, ReflectancesAreChecked) {
@@ -510,8 +508,6 @@ TEST_F(MitsubaPlugins, CameraErrors) {
               HasSubstr("must be less than"));
   EXPECT_THAT(message(to_world("<matrix value='1 1 0 0 1 0 0 0 1'/>")), HasSubstr("shears"));
   EXPECT_THAT(error("<scene version='3.0.0'/>"), HasSubstr("the scene has no <sensor>"));
-  EXPECT_THAT(error(scene(in("sensor", "perspective") + in("sensor", "perspective"))),
-              HasSubstr("the scene has 2 of <sensor>"));
 }
 
 TEST_F(MitsubaPlugins, Lenses) {
@@ -602,7 +598,7 @@ TEST_F(MitsubaPlugins, FilmErrors) {
   EXPECT_THAT(message("<integer name='width' value='65536'/><integer name='height' value='65536'/>"),
               HasSubstr("too large"));
   EXPECT_THAT(message("<integer name='crop_offset_x' value='1'/>"), HasSubstr("is not inside the film"));
-  EXPECT_THAT(message(in("rfilter", "lanczos")), HasSubstr("rfilter type 'lanczos' is not one"));
+  EXPECT_THAT(message(in("rfilter", "welch")), HasSubstr("rfilter type 'welch' is not one"));
   EXPECT_THAT(message(in("rfilter", "box", "<float name='stddev' value='1'/>")),
               HasSubstr("rfilter 'box' has no parameter 'stddev'"));
   EXPECT_THAT(error(scene(in("sensor", "perspective", in("film", "hdrfilm") + in("film", "hdrfilm")))),
@@ -723,7 +719,7 @@ TEST_F(MitsubaPlugins, IntegratorErrors) {
                       "<integer name='emitter_samples' value='0'/><integer name='bsdf_samples' value='0'/>"),
               HasSubstr("at least one of emitter_samples and bsdf_samples"));
   EXPECT_THAT(message("moment"), HasSubstr("needs an <integrator>"));
-  EXPECT_THAT(message("volpath"), HasSubstr("integrator type 'volpath' is not one that Penumbra reads"));
+  EXPECT_THAT(message("stokes"), HasSubstr("integrator type 'stokes' is not one that Penumbra reads"));
   EXPECT_THAT(error(scene("<integrator type='moment' id='a'><ref id='a'/></integrator>")),
               HasSubstr("needs an <integrator>"));
   EXPECT_THAT(error(scene(in("integrator", "path") + in("integrator", "path"))),
@@ -734,10 +730,10 @@ TEST_F(MitsubaPlugins, IntegratorErrors) {
 
 TEST_F(MitsubaPlugins, LenientStandIns) {
   const std::string text =
-      in("integrator", "volpath", "<integer name='max_depth' value='4'/>") +
+      in("integrator", "stokes", "<integer name='max_depth' value='4'/>") +
       in("sensor", "spherical",
          "<float name='fov' value='30'/><float name='aperture_radius' value='1'/>" +
-             in("film", "specfilm", "<integer name='width' value='99'/>" + in("rfilter", "lanczos")) +
+             in("film", "specfilm", "<integer name='width' value='99'/>" + in("rfilter", "welch")) +
              in("sampler", "magic", "<integer name='sample_count' value='3'/>")) +
       in("shape", "sphere", in("bsdf", "twosided", in("bsdf", "hair", "<float name='alpha' value='.1'/>"))) +
       in("shape", "cube",
@@ -766,14 +762,14 @@ TEST_F(MitsubaPlugins, LenientStandIns) {
   EXPECT_EQ(std::get<CheckerboardTexture>(s.textures.at(std::size_t(shown)).model).color0,
             glm::vec3(0.8f, 0.2f, 0.8f));
   EXPECT_EQ(only<ConstantEnvironment>(s).radiance, glm::vec3(0.8f, 0.2f, 0.8f));
-  EXPECT_THAT(s.warnings,
-              ::testing::UnorderedElementsAre(
-                  HasSubstr("integrator type 'volpath' is not one that Penumbra reads; path stands in"),
-                  HasSubstr("sensor type 'spherical'"), HasSubstr("film type 'specfilm'"),
-                  HasSubstr("rfilter type 'lanczos'"), HasSubstr("sampler type 'magic'"),
-                  HasSubstr("bsdf type 'hair'"), HasSubstr("no file 'x'"), HasSubstr("texture type 'marble'"),
-                  HasSubstr("shape type 'hair'"), HasSubstr("emitter type 'laser'"),
-                  HasSubstr("medium type 'homogeneous'")));
+  EXPECT_THAT(
+      s.warnings,
+      ::testing::UnorderedElementsAre(
+          HasSubstr("integrator type 'stokes' is not one that Penumbra reads; path stands in"),
+          HasSubstr("sensor type 'spherical'"), HasSubstr("film type 'specfilm'"),
+          HasSubstr("rfilter type 'welch'"), HasSubstr("sampler type 'magic'"), HasSubstr("bsdf type 'hair'"),
+          HasSubstr("no file 'x'"), HasSubstr("texture type 'marble'"), HasSubstr("shape type 'hair'"),
+          HasSubstr("emitter type 'laser'"), HasSubstr("medium type 'homogeneous'")));
 }
 
 TEST_F(MitsubaPlugins, LeniencyIsForPluginsOnly) {
