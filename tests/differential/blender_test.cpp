@@ -66,19 +66,46 @@ TEST(Blender, MetalsInDirectLightAreAsCyclesRendersThem) {
   EXPECT_TRUE(result.passed) << result.summary();
 }
 
-/// Disney's diffuse lobe is not Cycles', which takes away what the boundary reflects: the means are within a
-/// tenth of each other all the same.
+double ratio_of_means(const SceneDescription& scene, const std::vector<Image>& theirs, int channel) {
+  double mean = 0;
+  for (const Image& batch : theirs) mean += channel_mean(batch, channel) / double(theirs.size());
+  return channel_mean(mean_image(render_or_throw(scene)), channel) / mean;
+}
+
+/// A plane under one lamp, in direct light alone, so that what differs is the material.
+double ratio_of_plane(const char* name) {
+  const TemporaryFolder folder;
+  if (!make_scene(folder.path(), name).empty()) return 0;
+  const std::vector<Image> theirs = cycles_batches(folder.path());
+  SceneDescription scene = exported(folder.path(), theirs.front());
+  EXPECT_TRUE(apply_setting(scene, "integrator.max_depth", "2"));
+  return ratio_of_means(scene, theirs, 0);
+}
+
+/// What is between Cycles' plastics and ours, at a roughness of 0.6:
+///  - the boundary is the same (GGX, Fresnel of 1.5), but that its masking is separable: it loses some 0.2 %
+///  under this lamp, more at grazing angles;
+///  - the diffuse lobe is Disney's (Burley 2012), which is not lessened by what the boundary reflects, and
+///  reflects more towards the light. In Cycles it is Lambert's times 1 less the boundary's albedo as seen by
+///  the camera. Worked out over this plane that makes us 7.7 % brighter for the boundary and 2.3 % for the
+///  shape of the lobe. glTF's own lobe, Lambert's times 1 - F of the half vector, is 3.2 % brighter than
+///  Cycles'.
+TEST(Blender, PlasticsDifferByTheirDiffuseLobeAlone) {
+  {
+    const TemporaryFolder folder;
+    if (const std::string why = make_scene(folder.path(), "black_plane"); !why.empty()) GTEST_SKIP() << why;
+  }
+  EXPECT_NEAR(ratio_of_plane("black_plane"), 0.998, 0.004);
+  EXPECT_NEAR(ratio_of_plane("grey_plane"), 1.10, 0.015);
+}
+
+/// The lobes' difference in a whole scene.
 TEST(Blender, PlasticsAreNearlyAsBright) {
   const TemporaryFolder folder;
   if (const std::string why = make_scene(folder.path(), "plastics"); !why.empty()) GTEST_SKIP() << why;
   const std::vector<Image> theirs = cycles_batches(folder.path());
   const SceneDescription scene = exported(folder.path(), theirs.front());
-  const Image ours = mean_image(render_or_throw(scene));
-  for (int c = 0; c < 3; ++c) {
-    double mean = 0;
-    for (const Image& batch : theirs) mean += channel_mean(batch, c) / kBatches;
-    EXPECT_NEAR(channel_mean(ours, c) / mean, 1.0, 0.1);
-  }
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(ratio_of_means(scene, theirs, c), 1.0, 0.1);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "tests/differential/agreement.h"
 #include "tests/differential/camera_scenes.h"
+#include "tests/differential/converted_scenes.h"
 #include "tests/differential/emitter_scenes.h"
 #include "tests/differential/named_scenes.h"
 #include "tests/differential/random_scene.h"
@@ -28,7 +29,8 @@ void compare(std::vector<SceneText> scenes) {
     GTEST_SKIP() << mitsuba.ready().error().message;
   }
   const std::size_t all = named_scenes().size() + camera_scenes().size() + textured_scenes().size() +
-                          emitter_scenes().size() + std::size_t(kParts * kScenesOfPart);
+                          emitter_scenes().size() + converted_scenes().size() +
+                          std::size_t(kParts * kScenesOfPart);
   expect_agreement(mitsuba, scenes, all, only != nullptr);
 }
 
@@ -46,6 +48,8 @@ INSTANTIATE_TEST_SUITE_P(Parts, Differential, testing::Range(0, kParts));
 TEST(DifferentialTest, NamedScenesAreAsMitsubaRendersThem) { compare(named_scenes()); }
 
 TEST(DifferentialTest, ScenesOfEmittersAreAsMitsubaRendersThem) { compare(emitter_scenes()); }
+
+TEST(DifferentialTest, ConvertedScenesAreAsTheyWere) { compare(converted_scenes()); }
 
 TEST(DifferentialTest, CamerasAreMitsubas) { compare(camera_scenes()); }
 
