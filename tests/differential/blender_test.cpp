@@ -83,20 +83,21 @@ double ratio_of_plane(const char* name) {
 }
 
 /// What is between Cycles' plastics and ours, at a roughness of 0.6:
-///  - the boundary is the same (GGX, Fresnel of 1.5), but that its masking is separable: it loses some 0.2 %
-///  under this lamp, more at grazing angles;
+///  - the boundary is the same (GGX, Fresnel of 1.5), but that its masking is separable: under this lamp it
+///  loses 0.2 %, at grazing angles more;
 ///  - the diffuse lobe is Disney's (Burley 2012), which is not lessened by what the boundary reflects, and
-///  reflects more towards the light. In Cycles it is Lambert's times 1 less the boundary's albedo as seen by
-///  the camera. Worked out over this plane that makes us 7.7 % brighter for the boundary and 2.3 % for the
-///  shape of the lobe. glTF's own lobe, Lambert's times 1 - F of the half vector, is 3.2 % brighter than
-///  Cycles'.
+///  gives more back towards the light. Cycles' is Lambert's, lessened by the boundary's albedo as seen by the
+///  camera. Integrated over this plane the formulas make us 4.6 % brighter for the boundary and 1.2 % for
+///  the lobe's shape; Cycles 4.2 takes away 1.3 % more than they do. glTF's own lobe, Lambert's times 1 - F
+///  of the half vector, is 0.4 % brighter than the formulas' Cycles.
+/// No BSDF that we have is glTF's; the reading of the numbers is right, as the boundary shows.
 TEST(Blender, PlasticsDifferByTheirDiffuseLobeAlone) {
   {
     const TemporaryFolder folder;
     if (const std::string why = make_scene(folder.path(), "black_plane"); !why.empty()) GTEST_SKIP() << why;
   }
   EXPECT_NEAR(ratio_of_plane("black_plane"), 0.998, 0.004);
-  EXPECT_NEAR(ratio_of_plane("grey_plane"), 1.10, 0.015);
+  EXPECT_NEAR(ratio_of_plane("grey_plane"), 1.071, 0.008);
 }
 
 /// The lobes' difference in a whole scene.
