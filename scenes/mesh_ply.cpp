@@ -23,6 +23,7 @@ struct Property {
   std::string name;
   Type type = Type::kFloat;
   std::optional<Type> count_type;  ///< of a list
+  int field = -1;                  ///< which of an element's numbers it is; -1: none of interest
 };
 
 struct Element {
@@ -69,6 +70,31 @@ int field_named(std::string_view name) {
   return -1;
 }
 
+/// What the properties of an element are. An attribute's are its channels, one or three of them.
+void find_fields(std::vector<Property>& properties, bool is_vertex, std::string_view attribute) {
+  std::vector<Property*> channels;
+  const std::string_view stem =
+      attribute.ends_with("_color") ? attribute.substr(0, attribute.size() - 6) : attribute;
+  bool is_rgb = false;
+  for (Property& each : properties) {
+    if (each.count_type) continue;
+    const int field = field_named(each.name);
+    const bool is_colour = field >= kRed;
+    if (is_vertex && !is_colour) each.field = field;
+    if (is_colour && attribute == "color") each.field = field;
+    is_rgb = is_rgb || (is_colour && attribute == "color");
+    const std::size_t end = each.name.rfind('_');
+    if (field >= 0 || end == std::string::npos) continue;
+    const std::string_view name = std::string_view(each.name).substr(0, end),
+                           ending = std::string_view(each.name).substr(end + 1);
+    const bool of_colour =
+        stem != attribute && name == stem && (ending == "r" || ending == "g" || ending == "b");
+    if (of_colour || name == attribute) channels.push_back(&each);
+  }
+  if (is_rgb || (channels.size() != 1 && channels.size() != 3)) return;
+  for (std::size_t i = 0; i < channels.size(); ++i) channels[i]->field = kRed + int(i);
+}
+
 /// Whole numbers are sRGB, the largest being 1, as programs write them; others are linear, as Mitsuba 3 has
 /// them.
 double linear_colour(Type type, double value) {
@@ -79,10 +105,16 @@ double linear_colour(Type type, double value) {
 
 class PlyReader {
  public:
-  explicit PlyReader(const SourceFile& file) : file_(file), text_(file.text) {}
+  PlyReader(const SourceFile& file, const MeshAttributeNames& attributes)
+      : file_(file), text_(file.text), attributes_(attributes) {}
 
   Expected<MeshFile> read() {
     if (auto done = header(); !done) return std::unexpected(done.error());
+    for (Element& element : elements_) {
+      const bool is_vertex = element.name == "vertex";
+      if (is_vertex || element.name == "face")
+        find_fields(element.properties, is_vertex, is_vertex ? attributes_.vertex : attributes_.face);
+    }
     for (const Element& element : elements_) {
       if (auto done = body(element); !done) return std::unexpected(done.error());
     }
@@ -300,9 +332,7 @@ class PlyReader {
       std::array<bool, kFields> has{};
       polygon_.clear();
       for (const Property& property : element.properties) {
-        const int named = property.count_type ? -1 : field_named(property.name);
-        const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
-        const int field = is_vertex || (is_face && named >= kRed) ? named : -1;
+        const int field = property.field;
         const bool indices = element.name == "face" && is_indices(property);
         std::uint64_t count = 1;
         if (property.count_type) {
@@ -329,6 +359,7 @@ class PlyReader {
       }
       if (element.name == "vertex") add_vertex(fields, has);
       if (element.name == "face") {
+        if (has[kRed] && !has[kGreen] && !has[kBlue]) spread_grey(fields, has);
         if (has[kRed] && has[kGreen] && has[kBlue])
           face_colour_ = {float(fields[kRed]), float(fields[kGreen]), float(fields[kBlue])};
         if (auto done = add_face(element, number); !done) return done;
@@ -337,7 +368,13 @@ class PlyReader {
     return {};
   }
 
-  void add_vertex(const std::array<double, kFields>& f, const std::array<bool, kFields>& has) {
+  static void spread_grey(std::array<double, kFields>& f, std::array<bool, kFields>& has) {
+    f[kGreen] = f[kBlue] = f[kRed];
+    has[kGreen] = has[kBlue] = true;
+  }
+
+  void add_vertex(std::array<double, kFields>& f, std::array<bool, kFields>& has) {
+    if (has[kRed] && !has[kGreen] && !has[kBlue]) spread_grey(f, has);
     mesh_.positions.push_back({f[kX], f[kY], f[kZ]});
     if (has[kNormalX] && has[kNormalY] && has[kNormalZ]) {
       mesh_.normals.push_back({float(f[kNormalX]), float(f[kNormalY]), float(f[kNormalZ])});
@@ -378,6 +415,7 @@ class PlyReader {
 
   const SourceFile& file_;
   std::string_view text_;
+  const MeshAttributeNames& attributes_;
   std::size_t at_ = 0;
   std::size_t line_start_ = 0;
   std::size_t token_start_ = 0;
@@ -401,6 +439,8 @@ class PlyReader {
 
 }  // namespace
 
-Expected<MeshFile> read_ply(const SourceFile& file) { return PlyReader(file).read(); }
+Expected<MeshFile> read_ply(const SourceFile& file, const MeshAttributeNames& attributes) {
+  return PlyReader(file, attributes).read();
+}
 
 }  // namespace penumbra

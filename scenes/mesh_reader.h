@@ -11,6 +11,11 @@
 
 namespace penumbra {
 
+/// Which attributes of vertices and of faces become a mesh's colours.
+struct MeshAttributeNames {
+  std::string vertex = "color", face = "color";
+};
+
 /// The mesh of a whole file.
 struct MeshFile {
   Mesh mesh;
@@ -52,7 +57,10 @@ Expected<ObjModel> read_obj_groups(const SourceFile& file);
 /// properties: x y z, nx ny nz, and u v (or s t, texture_u texture_v) of `vertex`, vertex_indices (or
 /// vertex_index) of `face`. Other elements and properties are passed over. Errors: as of read_obj (binary:
 /// with the vertex's or face's number), a file that ends early.
-Expected<MeshFile> read_ply(const SourceFile& file);
+/// Colours of vertices and faces are the attributes of these names, as Mitsuba 3 has them: NAME is made of
+/// the properties NAME_0, NAME_1, NAME_2 (or of other endings; a single one is grey), of P_r, P_g, P_b where
+/// NAME is P_color, and `color` of red, green, blue (or r, g, b), too.
+Expected<MeshFile> read_ply(const SourceFile& file, const MeshAttributeNames& attributes = {});
 
 /// A mesh of a serialized file of Mitsuba, of version 3 or 4, by its index from 0 on: single or double
 /// precision, with normals, texture coordinates and colours where it has them. Errors: another format or

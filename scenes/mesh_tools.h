@@ -24,6 +24,12 @@ struct MeshCleaning {
 /// `to_world` is not singular. Errors: a coordinate that overflows.
 Expected<MeshCleaning> place_mesh(Mesh& mesh, const glm::dmat4& to_world, bool face_normals);
 
+/// Gives a faceted mesh normals that are smooth but for edges: about every point, faces that are at most
+/// `degrees` from the first of them share a normal, weighted by the angles of their corners; then the first
+/// of those that are left, and so on (Mitsuba 0.6's rule). Vertices are split where that takes it. One
+/// without a smooth vertex stays faceted. Its triangles have area.
+void smooth_up_to(Mesh& mesh, double degrees);
+
 /// Takes a mesh's normals away if all of them are those of its faces, but for the rounding of files: normals
 /// of four decimals, on triangles of six decimals and a thousandth of the scene's unit. Then it is faceted,
 /// and exactly so. Its triangles have area.

@@ -80,7 +80,7 @@ struct ShapeGroup {
   std::vector<ShapeInstance> instances;  ///< of groups that come before it
 };
 
-enum class FilterKind { kBox, kTent, kGaussian, kMitchell };
+enum class FilterKind { kBox, kTent, kGaussian, kMitchell, kLanczos };
 
 struct Film {
   int width = 768;
@@ -88,7 +88,8 @@ struct Film {
   int crop_x = 0, crop_y = 0;
   int crop_width = 768, crop_height = 576;
   FilterKind filter = FilterKind::kGaussian;
-  float filter_radius = 2.0f;    ///< half-width in pixels; box .5, tent 1, gaussian 4 stddev, Mitchell 2
+  float filter_radius = 2.0f;    ///< half-width in pixels; box .5, tent 1, gaussian 4 stddev, Mitchell 2,
+                                 ///< Lanczos its lobes
   float filter_stddev = 0.5f;    ///< Gaussian
   float filter_b = 1.0f / 3.0f;  ///< Mitchell-Netravali B
   float filter_c = 1.0f / 3.0f;  ///< Mitchell-Netravali C

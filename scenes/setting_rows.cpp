@@ -27,7 +27,7 @@ void resize(int& size, int& crop_offset, int& crop_size, int new_size) {
 }
 
 void use_filter(Film& film, FilterKind kind) {
-  const float radii[] = {0.5f, 1.0f, kGaussianRadius * film.filter_stddev, 2.0f};
+  const float radii[] = {0.5f, 1.0f, kGaussianRadius * film.filter_stddev, 2.0f, 3.0f};
   film.filter = kind;
   film.filter_radius = radii[int(kind)];
 }
@@ -116,7 +116,11 @@ void add_film_rows(std::vector<Setting>& table) {
   const std::size_t first = table.size();
   table.push_back(row(
       "film.rfilter",
-      OneOf<FilterKind>{{{"box", kBox}, {"tent", kTent}, {"gaussian", kGaussian}, {"mitchell", kMitchell}}},
+      OneOf<FilterKind>{{{"box", kBox},
+                         {"tent", kTent},
+                         {"gaussian", kGaussian},
+                         {"mitchell", kMitchell},
+                         {"lanczos", kLanczos}}},
       [](const S& s) { return s.film.filter; }, [](S& s, FilterKind kind) { use_filter(s.film, kind); },
       "reconstruction filter, with its own radius"));
   const auto only = [&](FilterKind kind) {

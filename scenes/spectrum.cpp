@@ -156,6 +156,18 @@ glm::vec3 emission_to_rgb(double constant) {
   return white * constant;
 }
 
+glm::vec3 blackbody_to_rgb(double temperature) {
+  constexpr double kPlanck = 6.62607015e-34, kLight = 299792458.0, kBoltzmann = 1.380649e-23;  // SI, exact
+  std::vector<SpectrumSample> samples;
+  for (double nanometres = kFirstWavelength; nanometres <= kLastWavelength; nanometres += 1.0) {
+    const double metres = nanometres * 1e-9;
+    const double exponent = kPlanck * kLight / (metres * kBoltzmann * temperature);
+    const double per_metre = 2 * kPlanck * kLight * kLight / (std::pow(metres, 5) * std::expm1(exponent));
+    samples.push_back({nanometres, per_metre * 1e-9});
+  }
+  return emission_to_rgb(samples);
+}
+
 double srgb_to_linear(double encoded) {
   return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }

@@ -26,6 +26,9 @@ glm::vec3 index_to_rgb(std::span<const SpectrumSample> samples);
 /// A tabulated emission, scaled so that a constant 1 has luminance 1; otherwise the same.
 glm::vec3 emission_to_rgb(std::span<const SpectrumSample> samples);
 
+/// The radiance of a black body (Planck's law) of that temperature in kelvins, W/(m² sr nm), as an emission.
+glm::vec3 blackbody_to_rgb(double temperature);
+
 /// An emission that is the same at all wavelengths.
 glm::vec3 emission_to_rgb(double constant);
 

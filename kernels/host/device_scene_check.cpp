@@ -78,12 +78,15 @@ class Checker {
     const auto positive = [](const vec3& v) { return v.x > 0 && v.y > 0 && v.z > 0; };
     require((c.parallel == 0 || c.parallel == 1) && (c.split == 0 || c.split == 1),
             "a camera of unknown kind");
-    require(c.lens_radius >= 0 && positive(c.focus) && positive(c.image_scale),
+    const auto finite = [](auto... numbers) { return (std::isfinite(numbers) && ...); };
+    require(c.lens_radius >= 0 && positive(c.focus) && positive(c.image_scale) &&
+                finite(c.lens_radius, c.image_scale.x, c.image_scale.y, c.image_scale.z),
             "a camera with an implausible lens");
-    require(c.blades >= 0 && c.blades <= 1024 && c.blades == std::floor(c.blades) && c.blade_turn >= 0 &&
-                c.blade_turn <= 1,
+    require((c.blades == 0 || c.blades >= 3) && c.blades <= 1024 && c.blades == std::floor(c.blades) &&
+                c.blade_turn >= 0 && c.blade_turn <= 1,
             "a lens with implausible blades");
-    require(c.reach >= 0, "an implausible distortion");
+    require(c.reach >= 0 && finite(c.reach, c.k1, c.k2), "an implausible distortion");
+    require(finite(c.offset_x, c.offset_y), "a camera whose axis beside the film is nowhere");
   }
 
   void check_tables() {

@@ -21,7 +21,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(spot, SPOT, 7, FEATURE_LIGHT_TEXTURES, "spot lights")                                                 \
   X(directional, DIRECTIONAL, 8, 0, "directional lights")                                                 \
   X(projector, PROJECTOR, 9, FEATURE_LIGHT_TEXTURES, "projectors")                                        \
-  X(cylinder, CYLINDER, 10, FEATURE_UV, "cylinders that emit")
+  X(cylinder, CYLINDER, 10, FEATURE_UV | FEATURE_LIGHT_TEXTURES, "cylinders that emit")
 
 #define LIGHT_GRID_STEPS 7
 #define MOST_LIGHT_GRID_SIDE 128  // 2^LIGHT_GRID_STEPS: cells of a textured light, one way

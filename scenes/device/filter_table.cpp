@@ -1,6 +1,7 @@
 #include "scenes/device/filter_table.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "kernels/scene_types.h"
 
@@ -20,6 +21,11 @@ double mitchell(double x, double b, double c) {
          6;
 }
 
+double sinc(double x) {
+  x *= std::numbers::pi;
+  return std::abs(x) < 1e-8 ? 1 : std::sin(x) / x;
+}
+
 }  // namespace
 
 double filter_value(const Film& film, double x) {
@@ -36,6 +42,8 @@ double filter_value(const Film& film, double x) {
     }
     case FilterKind::kMitchell:
       return mitchell(2 * x, film.filter_b, film.filter_c);  // stretched to the radius
+    case FilterKind::kLanczos:
+      return sinc(x * r) * sinc(x);
   }
   return 0;
 }

@@ -10,25 +10,37 @@
 namespace penumbra::mitsuba {
 namespace {
 
-/// Its parameters.
+/// What lights are added to.
+struct Lights {
+  SceneDescription& scene;
+  SkyReader& sky;
+};
+
 template <typename Model>
-Model read_emitter_parameters(PluginReader& plugin, const SceneDescription& scene) {
-  if (Model::kIsSky && std::ranges::any_of(scene.emitters, is_sky))
-    plugin.wrong(fmt::format("{} is a second sky; a scene has one", plugin.title()));
+Model read_emitter_parameters(PluginReader& plugin) {
   Model light;
   plugin.read_parameters(light);
   plugin.accept({"sampling_weight"});
   return light;
 }
 
+/// Its parameters; an error for one of two skies.
 template <typename Model>
-void read_light(PluginReader& plugin, SceneDescription& scene) {
-  scene.emitters.emplace_back(read_emitter_parameters<Model>(plugin, scene));
+Model read_one_emitter(PluginReader& plugin, const SceneDescription& scene) {
+  if (Model::kIsSky && std::ranges::any_of(scene.emitters, is_sky))
+    plugin.wrong(fmt::format("{} is a second sky; a scene has one", plugin.title()));
+  return read_emitter_parameters<Model>(plugin);
+}
+
+template <typename Model>
+void read_light(PluginReader& plugin, Lights& lights) {
+  lights.scene.emitters.emplace_back(read_one_emitter<Model>(plugin, lights.scene));
 }
 
 template <>
-void read_light<EnvironmentMapLight>(PluginReader& plugin, SceneDescription& scene) {
-  auto light = read_emitter_parameters<EnvironmentMapLight>(plugin, scene);
+void read_light<EnvironmentMapLight>(PluginReader& plugin, Lights& lights) {
+  SceneDescription& scene = lights.scene;
+  auto light = read_one_emitter<EnvironmentMapLight>(plugin, scene);
   plugin.accept({"mis_compensation", "cache"});
   if (light.filename.empty())
     return plugin.wrong(fmt::format("{} needs a <string name=\"filename\" …>", plugin.title()));
@@ -47,16 +59,15 @@ void read_light<EnvironmentMapLight>(PluginReader& plugin, SceneDescription& sce
 
 /// A sky that becomes an environment map.
 template <typename Sky>
-void read_sky(PluginReader& plugin, SceneDescription& scene) {
-  const auto sky = read_emitter_parameters<Sky>(plugin, scene);
+void read_sky(PluginReader& plugin, Lights& lights) {
+  const auto sky = read_emitter_parameters<Sky>(plugin);
   plugin.accept({"extend", "complex_sun"});
-  Emitter made = sky.emitter(Sky::kIs);
-  if (!is_black(made)) scene.emitters.push_back(std::move(made));
+  lights.sky.add(plugin, sky, Sky::kIs, lights.scene);
 }
 
 struct EmitterPlugin {
   std::string_view type;
-  void (*read)(PluginReader&, SceneDescription&);
+  void (*read)(PluginReader&, Lights&);
 };
 template <typename... Models>
 constexpr auto emitter_plugins(const std::variant<Models...>*) {
@@ -107,11 +118,12 @@ void read_area_light(const Context& context, const Object& emitter, Shape& shape
   plugin.finish();
 }
 
-bool read_emitter(const Context& context, const Object& object, SceneDescription& scene) {
+bool read_emitter(const Context& context, const Object& object, SceneDescription& scene, SkyReader& sky) {
   PluginReader plugin(context, object);
   const EmitterPlugin* known = find_plugin(kEmitters, object.type);
   if (known != nullptr) {
-    known->read(plugin, scene);
+    Lights lights{scene, sky};
+    known->read(plugin, lights);
   } else if (object.type == kArea) {
     // It shines only from the shapes that refer to it.
     Shape nowhere;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scenes/mitsuba/plugin.h"
+#include "scenes/mitsuba/sky_reader.h"
 #include "scenes/scene_description.h"
 
 namespace penumbra::mitsuba {
@@ -11,6 +12,6 @@ void read_area_light(const Context& context, const Object& emitter, Shape& shape
 
 /// Reads a light that is no shape into `scene.emitters`; what is wrong is reported. False for one that needs
 /// a stand-in.
-bool read_emitter(const Context& context, const Object& object, SceneDescription& scene);
+bool read_emitter(const Context& context, const Object& object, SceneDescription& scene, SkyReader& sky);
 
 }  // namespace penumbra::mitsuba

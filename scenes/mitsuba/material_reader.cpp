@@ -40,11 +40,14 @@ struct MaterialReader::Holder {
 };
 
 const std::vector<MaterialReader::Holder>& MaterialReader::holders() {
-  static const std::vector<Holder> all = {
-      {kTwoSided, &MaterialReader::read_two_sided},    {NullBsdf::kPlugin, &MaterialReader::read_null},
-      {MaskBsdf::kPlugin, &MaterialReader::read_mask}, {BlendBsdf::kPlugin, &MaterialReader::read_blend},
-      {"mixturebsdf", &MaterialReader::read_mixture},  {"normalmap", &MaterialReader::read_normal_map},
-      {"bumpmap", &MaterialReader::read_bump_map}};
+  static const std::vector<Holder> all = {{kTwoSided, &MaterialReader::read_two_sided},
+                                          {NullBsdf::kPlugin, &MaterialReader::read_null},
+                                          {MaskBsdf::kPlugin, &MaterialReader::read_mask},
+                                          {BlendBsdf::kPlugin, &MaterialReader::read_blend},
+                                          {"mixturebsdf", &MaterialReader::read_mixture},
+                                          {"normalmap", &MaterialReader::read_normal_map},
+                                          {"bumpmap", &MaterialReader::read_bump_map},
+                                          {"bump", &MaterialReader::read_bump_map}};  // Mitsuba 0.5's name
   return all;
 }
 
@@ -103,11 +106,8 @@ SurfaceMaterial MaterialReader::read_two_sided(PluginReader& plugin) {
     return result;
   }
   for (const Object* side : nested) {
-    if (side->type == kTwoSided) {
-      plugin.wrong("a twosided bsdf cannot hold another twosided one");
-      return result;
-    }
-    if (read(*side).back != nullptr) {
+    // Of another twosided one the front is seen from both sides.
+    if (read(*side).back != nullptr && side->type != kTwoSided) {
       plugin.wrong(fmt::format(
           "a twosided bsdf cannot hold '{}', which lets light through or has two sides already", side->type));
       return result;

@@ -22,10 +22,11 @@ struct RgbValue {
   glm::vec3 rgb{0.0f};
 };
 
-/// <spectrum>: the same at all wavelengths (no samples), or tabulated.
+/// <spectrum>: the same at all wavelengths (no samples), tabulated, or tabulated in a file.
 struct SpectrumValue {
   double constant = 0.0;
   std::vector<SpectrumSample> samples;
+  std::string filename;
 };
 
 /// <integer>, <float>, <boolean>, <string>, <point> or <vector>, <rgb> or <srgb>, <spectrum>, <transform>.

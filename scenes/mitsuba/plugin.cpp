@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "scenes/mitsuba/spectrum_file.h"
+#include "scenes/mitsuba/spectrum_reader.h"
 #include "scenes/mitsuba/texture_reader.h"
 #include "scenes/settings.h"
 #include "scenes/transform.h"
@@ -146,21 +148,50 @@ std::optional<glm::vec3> PluginReader::colour_of(const Parameter& parameter, Col
     wrong_kind(parameter, "colour, such as <rgb>");
     return std::nullopt;
   }
-  const bool reflects = role == ColourRole::kReflectance, emits = role == ColourRole::kEmission;
-  if (spectrum->samples.empty()) {
-    return emits ? emission_to_rgb(spectrum->constant) : glm::vec3(float(spectrum->constant));
+  if (spectrum->samples.empty() && spectrum->filename.empty())
+    return role == ColourRole::kEmission ? emission_to_rgb(spectrum->constant)
+                                         : glm::vec3(float(spectrum->constant));
+  std::vector<SpectrumSample> samples = spectrum->samples;
+  if (!spectrum->filename.empty()) {
+    auto read = spectrum_of_file(parameter, spectrum->filename);
+    if (!read) return std::nullopt;
+    samples = std::move(*read);
   }
-  for (const SpectrumSample& sample : spectrum->samples) {
-    // Conversion clamps to the gamut, and would hide these.
-    if (sample.value < 0.0 || (reflects && sample.value > 1.0)) {
-      wrong(parameter.name, fmt::format("the value {} at {} nm is not {}", sample.value, sample.wavelength,
-                                        reflects ? "between 0 and 1" : "0 or more"));
-      return std::nullopt;
-    }
-  }
-  return emits      ? emission_to_rgb(spectrum->samples)
-         : reflects ? reflectance_to_rgb(spectrum->samples)
-                    : index_to_rgb(spectrum->samples);
+  const Expected<glm::vec3> rgb = table_to_rgb(samples, role);
+  if (rgb) return *rgb;
+  wrong(parameter.name, rgb.error().message);
+  return std::nullopt;
+}
+
+std::optional<std::vector<SpectrumSample>> PluginReader::spectrum_of_file(const Parameter& parameter,
+                                                                          const std::string& filename) const {
+  const auto wrong_file = [&](const std::string& message) {
+    wrong(parameter.name, message);
+    return std::nullopt;
+  };
+  if (context_.files == nullptr) return wrong_file("no files are read here");
+  const auto path = context_.files->find(filename, context_.folders(object_));
+  if (!path) return wrong_file(path.error().message);
+  const auto file = context_.files->read(*path, kMaxSpectrumFileBytes);
+  if (!file) return wrong_file(file.error().message);
+  auto samples = read_spectrum_file(**file);
+  if (samples) return *samples;
+  context_.diagnostics.error_text(
+      fmt::format("{}\n  (which is named at {})", samples.error().message, describe(parameter.location)));
+  return std::nullopt;
+}
+
+std::optional<float> PluginReader::number_of_colour(std::string_view name) {
+  bool there = false;
+  for (const Nested& each : nested_) there = there || (each.name == name && each.object->tag == "spectrum");
+  for (const Parameter& each : object_.parameters)
+    if (each.name == name)
+      there = there || std::holds_alternative<RgbValue>(each.value) ||
+              std::holds_alternative<SpectrumValue>(each.value);
+  if (!there) return std::nullopt;
+  glm::vec3 rgb(0.0f);
+  read_colour(name, rgb, ColourRole::kIndex);
+  return (rgb.x + rgb.y + rgb.z) / 3.0f;
 }
 
 void PluginReader::read_colour(std::string_view name, glm::vec3& colour, ColourRole role) {
@@ -174,18 +205,20 @@ void PluginReader::read_colour(std::string_view name, glm::vec3& colour, ColourR
         context_.diagnostics.warn(plugin->location, what + "; a plain magenta stands in for it");
       else
         context_.diagnostics.error(plugin->location, what + ", only a colour: rgb, srgb, spectrum");
-    } else {
-      const std::vector<std::string> known = {"rgb", "srgb", "spectrum with a value"};
-      context_.unknown_plugin(*plugin, known, "a plain magenta stands in for it");
+    } else if (const auto rgb = read_spectrum_plugin(context_, *plugin, role)) {
+      return set_colour(name, *rgb, colour, role);
     }
     colour = kStandInColour;
     return;
   }
   if (parameter == nullptr) return;
-  const auto rgb = colour_of(*parameter, role);
-  if (!rgb) return;
+  if (const auto rgb = colour_of(*parameter, role)) set_colour(name, *rgb, colour, role);
+}
+
+void PluginReader::set_colour(std::string_view name, const glm::vec3& rgb, glm::vec3& colour,
+                              ColourRole role) const {
   for (int i = 0; i < 3; ++i) {
-    const float value = (*rgb)[i];
+    const float value = rgb[i];
     if (role == ColourRole::kReflectance && !(value >= 0.0f && value <= 1.0f)) {
       return wrong(name, fmt::format("a reflectance must be between 0 and 1, not {}", value));
     }
@@ -193,7 +226,7 @@ void PluginReader::read_colour(std::string_view name, glm::vec3& colour, ColourR
       return wrong(name, fmt::format("an emission must be 0 or more and finite, not {}", value));
     }
   }
-  colour = *rgb;
+  colour = rgb;
 }
 
 std::shared_ptr<const Bitmap> PluginReader::read_image(const std::string& filename) {
@@ -279,7 +312,11 @@ void PluginReader::read(std::string_view name, TexturedNumber& number, const Num
     number.texture = texture.index.value_or(kNoTexture);
     return;
   }
-  read(name, number.value, values);
+  const auto grey = number_of_colour(name);
+  if (!grey) return read(name, number.value, values);
+  if (!values.contains(*grey))
+    return wrong(name, fmt::format("{} must be a {}, not {}", name, values.values(), *grey));
+  number = *grey;
 }
 
 void PluginReader::read(std::string_view name, float& number, const NumberWithin& values) {

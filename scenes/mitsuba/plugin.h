@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "scenes/diagnostic.h"
+#include "scenes/file_access.h"
 #include "scenes/image/bitmap.h"
 #include "scenes/mitsuba/object_tree.h"
 #include "scenes/plugin_values.h"
@@ -30,6 +31,7 @@ struct Context {
   Diagnostics& diagnostics;
   bool lenient = false;
   TextureReader* textures = nullptr;  ///< while a scene is built
+  const FileAccess* files = nullptr;  ///< likewise
 
   /// The object, or the one that is referred to; null, and an error, where there is none of that id.
   Object* resolve(const Child& child) const;
@@ -154,7 +156,13 @@ class PluginReader {
   const T* take_as(std::string_view name, std::string_view wanted);
   void wrong_kind(const Parameter& parameter, std::string_view wanted) const;
   std::optional<glm::vec3> colour_of(const Parameter& parameter, ColourRole role) const;
+  std::optional<std::vector<SpectrumSample>> spectrum_of_file(const Parameter& parameter,
+                                                              const std::string& filename) const;
+  /// The one number that stands for a colour where a number is wanted, as in Mitsuba 3: the mean of its
+  /// channels. Nothing where the parameter is no colour.
+  std::optional<float> number_of_colour(std::string_view name);
   [[nodiscard]] const Object* colour_plugin(std::string_view name);
+  void set_colour(std::string_view name, const glm::vec3& rgb, glm::vec3& colour, ColourRole role) const;
 
   struct Nested {
     const Object* object;

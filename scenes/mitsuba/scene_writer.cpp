@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -37,12 +39,17 @@ class SceneWriter {
     put_integrator();
     put_sensor();
     put_surfaces();
+    // Mitsuba has no instances within groups: all are the scene's own.
+    const auto placed = place_groups(scene_);
+    if (!placed) return std::unexpected(placed.error());
     for (std::size_t i = 0; i < scene_.groups.size(); ++i) {
+      if (scene_.groups[i].shapes.empty()) continue;
       xml_.open("shape", ShapeGroupShape::kPlugin, fmt::format(" id=\"group-{}\"", i));
-      if (auto done = put_shapes(scene_.groups[i].shapes, scene_.groups[i].instances); !done) return done;
+      if (auto done = put_shapes(scene_.groups[i].shapes); !done) return done;
       xml_.close();
     }
-    if (auto done = put_shapes(scene_.shapes, scene_.instances); !done) return done;
+    if (auto done = put_shapes(scene_.shapes); !done) return done;
+    for (const PlacedGroup& each : *placed) put_instance(each);
     for (const Emitter& emitter : scene_.emitters)
       if (auto done = std::visit([&](const auto& e) { return put_emitter(e); }, emitter); !done) return done;
     return write_file(file_, "<scene version=\"3.0.0\">\n" + xml_.text() + "</scene>\n");
@@ -81,9 +88,19 @@ class SceneWriter {
         scene_.integrator.hide_emitters ? HiddenEmitters::kLookedThrough : scene_.integrator.hidden_emitters;
     xml_.open("integrator", method_name(scene_.integrator.method));
     for (const Setting& setting : all_settings())
-      if (setting.key.starts_with("integrator.") && setting.name() != "type")
+      if (setting.key.starts_with("integrator.") && setting.name() != "type" && !is_own_way(setting.name()))
         put_setting(setting, plain, setting.name());
     xml_.close();
+  }
+
+  /// Of an integrator that Mitsuba has too: what makes another noise alone, and has no name there.
+  [[nodiscard]] bool is_own_way(std::string_view name) const {
+    static constexpr std::string_view kWays[] = {
+        "direct_sampling", "emitter_sampling", "bsdf_sampling", "light_choice", "mis", "nee",
+        "alpha",           "estimator"};
+    const bool shared = scene_.integrator.get<PathIntegrator>() != nullptr ||
+                        scene_.integrator.get<DirectIntegrator>() != nullptr;
+    return shared && std::ranges::find(kWays, name) != std::end(kWays);
   }
 
   void put_sensor() {
@@ -131,6 +148,8 @@ class SceneWriter {
       xml_.value("float", "radius", print_setting(scene_, "film.rfilter_radius"));
     if (film.filter == FilterKind::kGaussian)
       put_setting(*find_setting("film.rfilter_stddev"), plain, "stddev");
+    if (film.filter == FilterKind::kLanczos)
+      xml_.value("integer", "lobes", fmt::format("{}", std::lround(film.filter_radius)));
     if (film.filter == FilterKind::kMitchell) {
       put_setting(*find_setting("film.rfilter_b"), plain, "b");
       put_setting(*find_setting("film.rfilter_c"), plain, "c");
@@ -302,16 +321,17 @@ class SceneWriter {
     if (bends) xml_.close();
   }
 
-  Expected<void> put_shapes(const std::vector<Shape>& shapes, const std::vector<ShapeInstance>& instances) {
+  Expected<void> put_shapes(const std::vector<Shape>& shapes) {
     for (const Shape& shape : shapes)
       if (auto done = put_shape(shape); !done) return done;
-    for (const ShapeInstance& instance : instances) {
-      xml_.open("shape", InstanceShape::kPlugin);
-      xml_.transform("to_world", instance.to_world);
-      xml_.reference(fmt::format("group-{}", instance.group));
-      xml_.close();
-    }
     return {};
+  }
+
+  void put_instance(const PlacedGroup& placed) {
+    xml_.open("shape", InstanceShape::kPlugin);
+    xml_.transform("to_world", placed.to_world);
+    xml_.reference(fmt::format("group-{}", placed.group));
+    xml_.close();
   }
 
   Expected<void> put_shape(const Shape& shape) {

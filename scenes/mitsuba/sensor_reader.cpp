@@ -64,6 +64,8 @@ void read_place(PluginReader& plugin, SceneDescription& scene) {
   }
   if (plugin.number("shutter_close", 0.0) > plugin.number("shutter_open", 0.0))
     plugin.warn("nothing moves in Penumbra, so shutter_open and shutter_close have no effect");
+  if (!plugin.boolean("jitter", true)) plugin.warn("samples are spread over their pixels all the same");
+  plugin.accept({"cone_scale"});  // of lookups in images by size, of which there are none
 }
 
 void read_lens(PluginReader& plugin, SceneDescription& scene) {
@@ -125,19 +127,32 @@ void read_telecentric(PluginReader& plugin, SceneDescription& scene) {
 
 struct FilterPlugin {
   std::string_view type;
+  const char* ours;
   Names parameters;
 };
 
 void read_filter(const Context& context, const Object& object, SceneDescription& scene) {
   static const std::vector<FilterPlugin> kFilters = {
-      {"box", {}}, {"tent", {"radius"}}, {"gaussian", {"stddev"}}, {"mitchell", {"b", "c"}}};
+      {"box", "box", {"radius"}},           {"tent", "tent", {"radius"}},
+      {"gaussian", "gaussian", {"stddev"}}, {"mitchell", "mitchell", {"b", "c"}},
+      {"catmullrom", "mitchell", {}},       {"lanczos", "lanczos", {}}};
   PluginReader plugin(context, object);
   const auto* filter = find_plugin(kFilters, object.type);
   if (filter == nullptr) {
     context.unknown_plugin(object, plugin_types(kFilters), "a gaussian stands in for it");
     return;
   }
-  choose(plugin, scene, "film.rfilter", object.type);
+  choose(plugin, scene, "film.rfilter", filter->ours);
+  if (filter->type == "catmullrom") {  // Mitchell and Netravali 1988, section 3: B = 0, C = 1/2
+    scene.film.filter_b = 0.0f;
+    scene.film.filter_c = 0.5f;
+  }
+  if (filter->type == "lanczos") {  // as wide as it has lobes
+    constexpr std::int64_t kMostLobes = 64;
+    std::int64_t lobes = 3;
+    plugin.read("lobes", lobes, WholeNumber{1, kMostLobes});
+    scene.film.filter_radius = float(lobes);
+  }
   plugin.settings(scene, "film", filter->parameters, "rfilter_");
   plugin.finish();
 }
@@ -145,7 +160,8 @@ void read_filter(const Context& context, const Object& object, SceneDescription&
 struct FilmPlugin {
   std::string_view type;
 };
-constexpr FilmPlugin kFilms[] = {{"hdrfilm"}, {"ldrfilm"}};
+/// That of spectral bands (specfilm) has no image in red, green and blue.
+constexpr FilmPlugin kFilms[] = {{"hdrfilm"}, {"ldrfilm"}, {"mfilm"}, {"tiledhdrfilm"}};
 
 void read_film(const Context& context, const Object& object, SceneDescription& scene) {
   PluginReader plugin(context, object);
@@ -156,7 +172,7 @@ void read_film(const Context& context, const Object& object, SceneDescription& s
     // How Mitsuba writes its files; Penumbra's options are its command line's.
     plugin.accept({"pixel_format", "component_format", "file_format", "gamma", "banner", "attach_log",
                    "high_quality_edges", "exposure", "tonemap_method", "key", "burn", "sample_border",
-                   "compensate"});
+                   "compensate", "filename", "variable", "digits"});
   } else {
     context.unknown_plugin(object, plugin_types(kFilms), "an hdrfilm stands in for it");
     plugin.skip();
@@ -179,43 +195,12 @@ void read_sampler(const Context& context, const Object& object, SceneDescription
   plugin.settings(scene, "sampler", Names{"sample_count", "seed"});
   if (const auto* sampler = find_plugin(kSamplers, object.type)) {
     choose(plugin, scene, "sampler.type", sampler->nearest);
-    plugin.accept({"jitter", "scramble", "dimension"});
+    plugin.accept({"jitter", "scramble", "dimension", "strength"});
   } else {
     context.unknown_plugin(object, plugin_types(kSamplers), "sobol stands in for it");
     plugin.skip();
   }
   plugin.finish();
-}
-
-struct WrapperPlugin {
-  std::string_view type;
-};
-constexpr WrapperPlugin kWrappers[] = {{"moment"}, {"aov"}};
-
-/// The integrator itself, out of those that only add outputs to it.
-const Object* unwrap(const Context& context, const Object& object) {
-  const Object* inner = &object;
-  for (int depth = 0; inner != nullptr && find_plugin(kWrappers, inner->type) != nullptr; ++depth) {
-    PluginReader plugin(context, *inner);
-    const Object* next = plugin.only_nested("integrator");
-    plugin.accept({"aovs"});
-    plugin.finish();
-    if (next == nullptr || depth > 16)
-      plugin.wrong(fmt::format("{} needs an <integrator> to work on", plugin.title()));
-    inner = depth > 16 ? nullptr : next;
-  }
-  return inner;
-}
-
-/// The parameters of the scene's integrator. Those that its name has chosen have no others.
-Names integrator_parameter_names(const SceneDescription& scene, std::string_view type) {
-  const bool preset = type != method_name(scene.integrator.method);
-  Names names;
-  for (const Setting& setting : all_settings())
-    if (setting.key.starts_with("integrator.") && setting.name() != "type" && setting.belongs_to(scene) &&
-        !(preset && setting.name() == "direct_sampling"))
-      names.push_back(setting.name());
-  return names;
 }
 
 struct SensorPlugin {
@@ -244,25 +229,6 @@ void read_sensor(const Context& context, const Object& object, SceneDescription&
   plugin.finish();
   if (film != nullptr) read_film(context, *film, scene);
   if (sampler != nullptr) read_sampler(context, *sampler, scene);
-}
-
-void read_integrator(const Context& context, const Object& object, SceneDescription& scene) {
-  const Object* inner = unwrap(context, object);
-  if (inner == nullptr) return;
-  PluginReader plugin(context, *inner);
-  const Names& types = find_setting("integrator.type")->choices;
-  if (std::ranges::find(types, inner->type) == types.end()) {
-    Names names = plugin_types(kWrappers);
-    names.insert(names.end(), types.begin(), types.end());
-    context.unknown_plugin(*inner, names, "path stands in for it");
-    plugin.settings(scene, "integrator", Names{"max_depth", "rr_depth", "hide_emitters", "hidden_emitters"});
-    return;
-  }
-  choose(plugin, scene, "integrator.type", inner->type);
-  plugin.settings(scene, "integrator", integrator_parameter_names(scene, inner->type));
-  // How Mitsuba divides its work, and a rule about shading normals that its version 3 has dropped.
-  plugin.accept({"strict_normals", "samples_per_pass", "block_size", "timeout"});
-  plugin.finish();
 }
 
 }  // namespace penumbra::mitsuba

@@ -26,6 +26,7 @@ struct MeshFileShape : PlacedShape {
   std::string filename;
   bool face_normals = false;
   bool flip_tex_coords = Shape::kFlips;
+  double max_smooth_angle = 0;  ///< degrees; 0: vertex normals are the file's, or smooth
 
   template <typename Row>
   static void parameters(const Row& row) {
@@ -33,6 +34,18 @@ struct MeshFileShape : PlacedShape {
     row("filename", &Shape::filename, FileName{}, "the mesh");
     row("face_normals", &Shape::face_normals, TrueOrFalse{}, "whether vertex normals are ignored");
     row("flip_tex_coords", &Shape::flip_tex_coords, TrueOrFalse{}, "whether v counts from the top");
+    max_smooth_angle_row(row);
+  }
+  template <typename Row>
+  static void max_smooth_angle_row(const Row& row) {
+    row("max_smooth_angle", &Shape::max_smooth_angle, AnyNumber{"number in (0, 180]"},
+        "normals are computed: faces that meet at more than this, in degrees, have an edge between them");
+  }
+  void complete(Findings& findings) const {
+    if (!(max_smooth_angle >= 0 && max_smooth_angle <= 180))
+      findings.push_back({"max_smooth_angle", "max_smooth_angle must be a number in (0, 180]"});
+    if (max_smooth_angle > 0 && face_normals)
+      findings.push_back({"max_smooth_angle", "either max_smooth_angle or face_normals, not both"});
   }
 };
 struct ObjShape : MeshFileShape<ObjShape> {
@@ -59,6 +72,7 @@ struct SerializedShape : MeshFileShape<SerializedShape> {
     row("shape_index", &SerializedShape::shape_index, WholeNumber{0, std::numeric_limits<int>::max()},
         "which of its meshes, from 0 on");
     row("face_normals", &SerializedShape::face_normals, TrueOrFalse{}, "whether vertex normals are ignored");
+    max_smooth_angle_row(row);
   }
 };
 

@@ -10,6 +10,7 @@
 #include "scenes/mesh_reader.h"
 #include "scenes/mesh_tools.h"
 #include "scenes/mitsuba/emitter_reader.h"
+#include "scenes/mitsuba/mesh_attribute_names.h"
 #include "scenes/mitsuba/shape_parameters.h"
 #include "scenes/names.h"
 #include "scenes/texture_needs.h"
@@ -66,14 +67,23 @@ template <typename Parameters>
 Parameters read_parameters(const ShapeInput& input) {
   Parameters parameters;
   input.plugin.read_parameters(parameters);
+  // Of gradients; of vertices that are stored once; of materials, which are those of the scene's file.
+  input.plugin.accept({"silhouette_sampling_weight", "collapse", "load_materials"});
   input.flip_normals = parameters.flip_normals;
   return parameters;
 }
 
-Expected<MeshFile> read_file(const ObjShape&, const SourceFile& file) { return read_obj(file); }
-Expected<MeshFile> read_file(const PlyShape&, const SourceFile& file) { return read_ply(file); }
-Expected<MeshFile> read_file(const SerializedShape& shape, const SourceFile& file) {
-  return read_serialized(file, shape.shape_index);
+Expected<MeshFile> read_file(const ObjShape&, const SourceFile& file, const MeshAttributeNames&) {
+  return read_obj(file);
+}
+Expected<MeshFile> read_file(const PlyShape&, const SourceFile& file, const MeshAttributeNames& attributes) {
+  return read_ply(file, attributes);
+}
+Expected<MeshFile> read_file(const SerializedShape& shape, const SourceFile& file,
+                             const MeshAttributeNames& attributes) {
+  Expected<MeshFile> read = read_serialized(file, shape.shape_index);
+  if (read && attributes.vertex != "color") read->mesh.colours.clear();
+  return read;
 }
 
 /// The file of a mesh; null, and an error, where there is none.
@@ -99,11 +109,13 @@ std::optional<Mesh> placed_mesh(const ShapeInput& input, const Parameters& given
   }
   const bool faceted = given.face_normals || read.face_normals ||
                        (input.context.tree.faceted_without_normals && mesh.normals.empty());
-  const auto cleaning = place_mesh(mesh, given.to_world, faceted);
+  const bool has_edges = given.max_smooth_angle > 0;
+  const auto cleaning = place_mesh(mesh, given.to_world, faceted || has_edges);
   if (!cleaning) {
     input.plugin.wrong("filename", fmt::format("{}: {}", name, cleaning.error().message));
     return std::nullopt;
   }
+  if (has_edges) smooth_up_to(mesh, given.max_smooth_angle);
   warn_about(input.context, input.plugin.object(), *cleaning, read.faces, name);
   return std::move(mesh);
 }
@@ -118,7 +130,7 @@ std::optional<Geometry> read_mesh(const ShapeInput& input) {
   const auto given = read_parameters<Parameters>(input);
   const auto file = mesh_file(input, given);
   if (!file) return std::nullopt;
-  auto read = read_file(given, *file);
+  auto read = read_file(given, *file, mesh_attribute_names(input.context, input.plugin.object()));
   if (!read) {
     report_mesh_error(input, read.error());
     return std::nullopt;
@@ -449,8 +461,11 @@ void ShapeReader::check_textures() const {
                         name));
       }
       for (const MeshAttribute attribute : missing.attributes) {
-        const std::string text = fmt::format("a texture shows '{}' of the shape '{}', which has none",
-                                             mesh_attributes().print(attribute), name);
+        const MeshAttributeNames names = mesh_attribute_names(context_, *objects[i]);
+        const std::string shown =
+            attribute == MeshAttribute::kFaceColour ? "face_" + names.face : "vertex_" + names.vertex;
+        const std::string text =
+            fmt::format("a texture shows '{}' of the shape '{}', which has none", shown, name);
         if (context_.lenient)
           context_.diagnostics.warn(objects[i]->location, text + "; it is black");
         else

@@ -101,6 +101,19 @@ std::optional<TextureModel> TextureReader::read_model(PluginReader& plugin, Bitm
   return model;
 }
 
+std::optional<TextureModel> TextureReader::read_model(PluginReader& plugin, MeshAttributeTexture model) {
+  // Meshes bring one attribute of each kind: that which is asked for here (mesh_attribute_names.h).
+  const std::string name = plugin.text("name", "vertex_color");
+  plugin.read("scale", model.scale, NumberWithin{LowEnd::kClosed, 0.0f, kAnyNumber});
+  model.attribute = name.starts_with("face_") ? MeshAttribute::kFaceColour : MeshAttribute::kVertexColour;
+  if (!name.starts_with("face_") && !name.starts_with("vertex_")) {
+    plugin.wrong("name",
+                 fmt::format("name: '{}' is no attribute of a mesh: it begins with vertex_ or face_", name));
+    return std::nullopt;
+  }
+  return model;
+}
+
 std::optional<TextureModel> TextureReader::without_bitmap(PluginReader& plugin, const std::string& message) {
   if (!context_.lenient) {
     plugin.wrong("filename", message);

@@ -38,6 +38,7 @@ class TextureReader {
 
   std::optional<TextureModel> read_model(PluginReader& plugin, BitmapTexture model);
   std::optional<TextureModel> read_model(PluginReader& plugin, ScaleTexture model);
+  std::optional<TextureModel> read_model(PluginReader& plugin, MeshAttributeTexture model);
   template <typename Model>
   std::optional<TextureModel> read_model(PluginReader& plugin, Model model) {
     plugin.read_parameters(model);

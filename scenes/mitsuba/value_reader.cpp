@@ -198,20 +198,24 @@ std::optional<Parameter> read_value(const ElementReader& element) {
     if (const auto matrix = read_transform(element)) value = *matrix;
   } else {
     const bool triple = result.tag == "point" || result.tag == "vector";
-    const bool known = triple ? element.check_attributes({"name", "value", "x", "y", "z"})
-                       : result.tag == "spectrum"
-                           ? element.check_attributes({"name", "value", "intent", "filename"})
-                           : element.check_attributes({"name", "value"});
+    const bool known =
+        triple                     ? element.check_attributes({"name", "value", "x", "y", "z"})
+        : result.tag == "spectrum" ? element.check_attributes({"name", "value", "intent", "filename"})
+        : result.tag == "rgb" || result.tag == "srgb" ? element.check_attributes({"name", "value", "intent"})
+                                                      : element.check_attributes({"name", "value"});
     if (!known) return std::nullopt;
-    if (element.element().attribute("filename")) {
-      return element.wrong_value("filename", "spectra from files are not read; give the table as the value");
+    if (const auto file = element.attribute("filename")) {
+      if (element.element().attribute("value"))
+        return element.wrong("a spectrum has a value or a filename, not both");
+      result.value_location = element.value_location("filename");
+      value = SpectrumValue{0.0, {}, *file};
     }
     for (const pugi::xml_node& child : element.element().children()) {
       if (child.type() == pugi::node_element) {
         return element.child(child).wrong(fmt::format("<{}> cannot hold other elements", result.tag));
       }
     }
-    value = triple ? read_triple(element) : read_text_value(element, result.tag, result.text);
+    if (!value) value = triple ? read_triple(element) : read_text_value(element, result.tag, result.text);
   }
   if (!value) return std::nullopt;
   result.value = std::move(*value);

@@ -278,7 +278,10 @@ class XmlReader {
     object.type_location = element.value_location("type");
     if (object.tag == "blackbody") {  // a value with two attributes, and so no plugin by its form
       object.type = "blackbody";
-      element.check_attributes({"name", "temperature", "scale"});
+      if (element.check_attributes({"name", "temperature", "scale"})) {
+        add_attribute(object, element, "temperature");
+        add_attribute(object, element, "scale");
+      }
     } else {
       element.check_attributes({"type", "id", "name"});
       const auto type = element.required("type");
@@ -294,6 +297,15 @@ class XmlReader {
       if (child.type() == pugi::node_element) read_into(object, element.child(child));
     }
     parent.children.push_back({to_snake_case(name.value_or("")), &object, "", object.location});
+  }
+
+  /// An attribute as if it were the parameter of that name: a number, if it is one.
+  static void add_attribute(Object& object, const ElementReader& element, const char* name) {
+    const auto text = element.attribute(name);
+    if (!text) return;
+    const SourceLocation place = element.value_location(name);
+    const auto number = parse_number(*text);
+    object.parameters.push_back({name, "float", number ? Value(*number) : Value(*text), *text, place, place});
   }
 
   void name_object(const std::string& id, Object& object, SourceLocation location) {

@@ -52,6 +52,23 @@ void SkyParameters::check(Findings& findings, bool has_direction) {
          true});
 }
 
+Expected<SkyParameters> SkyParameters::with_sun(const SkyParameters& sun) const {
+  const auto differ = [](const char* what) {
+    return fail(fmt::format("sky and sun of a scene have the same {}", what));
+  };
+  if (turbidity != sun.turbidity) return differ("turbidity");
+  if (to_world != sun.to_world) return differ("to_world");
+  // Given as numbers of a file each, or computed alike.
+  if (!(glm::length(to_sun_ - sun.to_sun_) < 1e-6)) return differ("sun_direction, or place and time");
+  SkyParameters both = *this;
+  both.sky_scale = scale * sky_scale;
+  both.sun_scale = sun.scale * sun.sun_scale;
+  both.scale = 1.0f;
+  both.sun_radius_scale = sun.sun_radius_scale;
+  both.resolution = std::max(resolution, sun.resolution);
+  return both;
+}
+
 Emitter SkyParameters::emitter(SkyPart part) const {
   const glm::dmat4 placed = to_world * glm::dmat4(frame());
   if (part == SkyPart::kSun && sun_radius_scale == 0.0f) {

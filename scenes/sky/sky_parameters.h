@@ -68,6 +68,9 @@ struct SkyParameters {
   }
   void check(Findings& findings, bool has_direction);
 
+  /// This sky with that sun in it, for `emitter` of both parts. Errors: they do not belong together.
+  [[nodiscard]] Expected<SkyParameters> with_sun(const SkyParameters& sun) const;
+
   /// As the part says: of an image that is not black, or of a sun without a disk.
   [[nodiscard]] Emitter emitter(SkyPart part) const;
 

@@ -99,8 +99,8 @@ void add_textured_shapes(std::vector<EmitterCase>& cases) {
   const dvec3 a(0.5, 1.3, 0.9), u(-0.4, 0.8, -0.7), v(-1.2, 0.2, 0.1), n = glm::cross(u, v);
   const dvec3 z = glm::normalize(dvec3(-0.2, -0.9, 0.5)), x = glm::normalize(glm::cross(dvec3(0, 0, 1), z)),
               y = glm::cross(z, x);
-  const dvec3 disk(0.3, 1.9, -0.9), sphere(1.1, 1.4, 0.3);
-  constexpr double kDisk = 0.7, kSphere = 0.8;
+  const dvec3 disk(0.3, 1.9, -0.9), sphere(1.1, 1.4, 0.3), cylinder(-0.7, 1.6, 0.2);
+  constexpr double kDisk = 0.7, kSphere = 0.8, kCylinder = 0.3, kLength = 1.1;
   const dvec3 facing = glm::dot(n, a) < 0 ? glm::normalize(n) : -glm::normalize(n);
   const bool turned = glm::dot(n, a) > 0;
   for (const bool sparse : {false, true}) {
@@ -136,6 +136,13 @@ void add_textured_shapes(std::vector<EmitterCase>& cases) {
           const dvec3 out = std::sin(theta) * (std::cos(phi) * x + std::sin(phi) * y) + std::cos(theta) * z;
           return image(sparse, s, t) *
                  of_area(sphere + kSphere * out, out, 2 * kPi * kPi * kSphere * kSphere * std::sin(theta));
+        }));
+    // In a frame of its own, not the one about its axis in which points on it are chosen.
+    add("Cylinder", Cylinder{cylinder, z, kCylinder, kLength, x, y}, integral([&](double s, double t) {
+          const double phi = 2 * kPi * s;
+          const dvec3 out = std::cos(phi) * x + std::sin(phi) * y;
+          return image(sparse, s, t) *
+                 of_area(cylinder + kCylinder * out + t * kLength * z, out, 2 * kPi * kCylinder * kLength);
         }));
   }
 }

@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "scenes/settings.h"
 #include "tests/support/render_scene.h"
 #include "tests/support/temporary_folder.h"
 
@@ -56,7 +57,10 @@ Image cropped(const Image& image, const Film& film) {
 }
 
 std::vector<Image> our_batches(const SceneText& scene, const fs::path& folder, int spp, std::uint32_t seed) {
-  SceneDescription description = read_or_throw(folder / "ours.xml");
+  SceneDescription description = read_or_throw(folder / scene.our_file());
+  for (const auto& [key, value] : scene.settings)
+    if (const auto done = apply_setting(description, key, value); !done)
+      throw std::runtime_error(done.error().message);
   description.sampler.spp = std::uint32_t(spp);
   DeviceScene device_scene = build_or_throw(description, scene.embree);
   std::vector<Image> batches;

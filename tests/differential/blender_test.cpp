@@ -66,19 +66,47 @@ TEST(Blender, MetalsInDirectLightAreAsCyclesRendersThem) {
   EXPECT_TRUE(result.passed) << result.summary();
 }
 
-/// Disney's diffuse lobe is not Cycles', which takes away what the boundary reflects: the means are within a
-/// tenth of each other all the same.
+double ratio_of_means(const SceneDescription& scene, const std::vector<Image>& theirs, int channel) {
+  double mean = 0;
+  for (const Image& batch : theirs) mean += channel_mean(batch, channel) / double(theirs.size());
+  return channel_mean(mean_image(render_or_throw(scene)), channel) / mean;
+}
+
+/// A plane under one lamp, in direct light alone, so that what differs is the material.
+double ratio_of_plane(const char* name) {
+  const TemporaryFolder folder;
+  if (!make_scene(folder.path(), name).empty()) return 0;
+  const std::vector<Image> theirs = cycles_batches(folder.path());
+  SceneDescription scene = exported(folder.path(), theirs.front());
+  EXPECT_TRUE(apply_setting(scene, "integrator.max_depth", "2"));
+  return ratio_of_means(scene, theirs, 0);
+}
+
+/// What is between Cycles' plastics and ours, at a roughness of 0.6:
+///  - the boundary is the same (GGX, Fresnel of 1.5), but that its masking is separable: under this lamp it
+///  loses 0.2 %, at grazing angles more;
+///  - the diffuse lobe is Disney's (Burley 2012), which is not lessened by what the boundary reflects, and
+///  gives more back towards the light. Cycles' is Lambert's, lessened by the boundary's albedo as seen by the
+///  camera. Integrated over this plane the formulas make us 4.6 % brighter for the boundary and 1.2 % for
+///  the lobe's shape; Cycles 4.2 takes away 1.3 % more than they do. glTF's own lobe, Lambert's times 1 - F
+///  of the half vector, is 0.4 % brighter than the formulas' Cycles.
+/// No BSDF that we have is glTF's; the reading of the numbers is right, as the boundary shows.
+TEST(Blender, PlasticsDifferByTheirDiffuseLobeAlone) {
+  {
+    const TemporaryFolder folder;
+    if (const std::string why = make_scene(folder.path(), "black_plane"); !why.empty()) GTEST_SKIP() << why;
+  }
+  EXPECT_NEAR(ratio_of_plane("black_plane"), 0.998, 0.004);
+  EXPECT_NEAR(ratio_of_plane("grey_plane"), 1.071, 0.008);
+}
+
+/// The lobes' difference in a whole scene.
 TEST(Blender, PlasticsAreNearlyAsBright) {
   const TemporaryFolder folder;
   if (const std::string why = make_scene(folder.path(), "plastics"); !why.empty()) GTEST_SKIP() << why;
   const std::vector<Image> theirs = cycles_batches(folder.path());
   const SceneDescription scene = exported(folder.path(), theirs.front());
-  const Image ours = mean_image(render_or_throw(scene));
-  for (int c = 0; c < 3; ++c) {
-    double mean = 0;
-    for (const Image& batch : theirs) mean += channel_mean(batch, c) / kBatches;
-    EXPECT_NEAR(channel_mean(ours, c) / mean, 1.0, 0.1);
-  }
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(ratio_of_means(scene, theirs, c), 1.0, 0.1);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "tests/differential/agreement.h"
 #include "tests/differential/camera_scenes.h"
+#include "tests/differential/converted_scenes.h"
 #include "tests/differential/emitter_scenes.h"
 #include "tests/differential/material_scenes.h"
 #include "tests/differential/named_scenes.h"
@@ -29,7 +30,7 @@ void compare(std::vector<SceneText> scenes) {
     GTEST_SKIP() << mitsuba.ready().error().message;
   }
   const std::size_t all = named_scenes().size() + material_scenes().size() + camera_scenes().size() +
-                          textured_scenes().size() + emitter_scenes().size() +
+                          textured_scenes().size() + emitter_scenes().size() + converted_scenes().size() +
                           std::size_t(kParts * kScenesOfPart);
   expect_agreement(mitsuba, scenes, all, only != nullptr);
 }
@@ -50,6 +51,8 @@ TEST(DifferentialTest, NamedScenesAreAsMitsubaRendersThem) { compare(named_scene
 TEST(DifferentialTest, MaterialsAreAsMitsubaRendersThem) { compare(material_scenes()); }
 
 TEST(DifferentialTest, ScenesOfEmittersAreAsMitsubaRendersThem) { compare(emitter_scenes()); }
+
+TEST(DifferentialTest, ConvertedScenesAreAsTheyWere) { compare(converted_scenes()); }
 
 TEST(DifferentialTest, CamerasAreMitsubas) { compare(camera_scenes()); }
 

@@ -1,7 +1,7 @@
 """Makes a scene in Blender, exports it as glTF and renders it with Cycles, for blender_test.
 
-Arguments: folder, scene (metals or plastics), batches, samples per pixel of a batch. The folder then holds scene.glb and
-the images 0.exr, 1.exr, ... of other seeds.
+Arguments: folder, scene (metals, plastics, black_plane or grey_plane), batches, samples per pixel of a batch. The folder
+then holds scene.glb and the images 0.exr, 1.exr, ... of other seeds.
 """
 
 import math
@@ -52,15 +52,19 @@ def give(made):
     return made
 
 
+plane = name.endswith("_plane")
 bpy.ops.mesh.primitive_plane_add(size=10)
-chequers(give(material("floor", (0.6, 0.6, 0.6), rough)))
-bpy.ops.mesh.primitive_cube_add(size=1, location=(0, 0, 0.5), rotation=(0, 0, 0.4))
-give(material("cube", (0.8, 0.4, 0.2), rough))
-bpy.ops.mesh.primitive_uv_sphere_add(segments=256, ring_count=128, radius=0.5, location=(1.3, -0.5, 0.5))
-bpy.ops.object.shade_smooth()
-give(material("sphere", (0.9, 0.8, 0.3), rough))
-bpy.ops.mesh.primitive_plane_add(size=1.5, location=(-1, 0, 2.5), rotation=(math.pi, 0.3, 0))
-give(material("lamp", (1, 0.8, 0.6), rough, 5.0))
+floor = give(material("floor", (0, 0, 0) if name == "black_plane" else (0.6, 0.6, 0.6), rough))
+if not plane:
+    chequers(floor)
+if not plane:
+    bpy.ops.mesh.primitive_cube_add(size=1, location=(0, 0, 0.5), rotation=(0, 0, 0.4))
+    give(material("cube", (0.8, 0.4, 0.2), rough))
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=256, ring_count=128, radius=0.5, location=(1.3, -0.5, 0.5))
+    bpy.ops.object.shade_smooth()
+    give(material("sphere", (0.9, 0.8, 0.3), rough))
+    bpy.ops.mesh.primitive_plane_add(size=1.5, location=(-1, 0, 2.5), rotation=(math.pi, 0.3, 0))
+    give(material("lamp", (1, 0.8, 0.6), rough, 5.0))
 bpy.ops.object.light_add(type="POINT", location=(2, -2, 3))
 bpy.context.object.data.energy = 200
 bpy.context.object.data.shadow_soft_size = 0
@@ -82,7 +86,7 @@ cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
 cycles.light_sampling_threshold = 0
 cycles.blur_glossy = 0
 # Of metals direct light: what mirrors gather from a point shines on too few samples for a test of means.
-bounces = 0 if name == "metals" else 64
+bounces = 0 if name == "metals" or plane else 64
 cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = bounces
 cycles.pixel_filter_type = "BOX"
 scene.render.use_motion_blur = False

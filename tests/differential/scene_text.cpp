@@ -1,14 +1,28 @@
 #include "tests/differential/scene_text.h"
 
+#include <stdexcept>
+
+#include "scenes/mitsuba/scene_writer.h"
+#include "scenes/scene_reader.h"
 #include "tests/support/temporary_folder.h"
 
 namespace penumbra::differential {
 
 void SceneText::write(const std::filesystem::path& folder) const {
   std::filesystem::create_directories(folder);
+  if (!converted.empty()) return write_converted(folder);
   write_text(folder / "ours.xml", fmt::format("<scene version=\"{}\">\n{}</scene>\n", version, ours));
   write_text(folder / "mitsuba.xml", fmt::format("<scene version=\"{}\">\n{}</scene>\n", version, mitsubas));
   for (const MeshFile& mesh : meshes) write_text(folder / mesh.name, mesh.text);
+}
+
+void SceneText::write_converted(const std::filesystem::path& folder) const {
+  for (const MeshFile& mesh : meshes) write_text(folder / mesh.name, mesh.text);
+  write_text(folder / converted, ours);
+  const auto scene = read_scene(folder / converted, {.settings = settings});
+  if (!scene) throw std::runtime_error(scene.error().message);
+  if (const auto done = mitsuba::write_scene(*scene, folder / "mitsuba.xml"); !done)
+    throw std::runtime_error(done.error().message);
 }
 
 std::string number_text(double value) { return fmt::format("{:.7g}", value); }

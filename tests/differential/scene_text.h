@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <glm/glm.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/differential/mesh_text.h"
@@ -22,14 +23,21 @@ struct SceneText {
   bool embree = false;            ///< traced with Embree
   double colour_error = 0;        ///< relative: where spectra are integrated to colours by other tables
   double samples = 1;             ///< how many times the usual number
+  /// `ours` is this file, whole, of whatever format; Mitsuba renders what is made of it by `convert`.
+  std::string converted{};
+  std::vector<std::pair<std::string, std::string>> settings{};  ///< over what a file that is converted says
 
   void both(std::string_view text) { ours += text, mitsubas += text; }
   void each(std::string_view our_text, std::string_view their_text) {
     ours += our_text, mitsubas += their_text;
   }
 
-  /// Writes ours.xml, mitsuba.xml and the meshes into a folder.
+  [[nodiscard]] std::string our_file() const { return converted.empty() ? "ours.xml" : converted; }
+  /// Writes our file, mitsuba.xml and the meshes into a folder. Throws where a file cannot be converted.
   void write(const std::filesystem::path& folder) const;
+
+ private:
+  void write_converted(const std::filesystem::path& folder) const;
 };
 
 std::string number_text(double value);

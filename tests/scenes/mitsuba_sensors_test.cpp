@@ -64,8 +64,6 @@ TEST_F(MitsubaPlugins, CameraErrors) {
               HasSubstr("must be less than"));
   EXPECT_THAT(message(to_world("<matrix value='1 1 0 0 1 0 0 0 1'/>")), HasSubstr("shears"));
   EXPECT_THAT(error("<scene version='3.0.0'/>"), HasSubstr("the scene has no <sensor>"));
-  EXPECT_THAT(error(scene(in("sensor", "perspective") + in("sensor", "perspective"))),
-              HasSubstr("the scene has 2 of <sensor>"));
 }
 
 TEST_F(MitsubaPlugins, Lenses) {
@@ -156,7 +154,7 @@ TEST_F(MitsubaPlugins, FilmErrors) {
   EXPECT_THAT(message("<integer name='width' value='65536'/><integer name='height' value='65536'/>"),
               HasSubstr("too large"));
   EXPECT_THAT(message("<integer name='crop_offset_x' value='1'/>"), HasSubstr("is not inside the film"));
-  EXPECT_THAT(message(in("rfilter", "lanczos")), HasSubstr("rfilter type 'lanczos' is not one"));
+  EXPECT_THAT(message(in("rfilter", "welch")), HasSubstr("rfilter type 'welch' is not one"));
   EXPECT_THAT(message(in("rfilter", "box", "<float name='stddev' value='1'/>")),
               HasSubstr("rfilter 'box' has no parameter 'stddev'"));
   EXPECT_THAT(error(scene(in("sensor", "perspective", in("film", "hdrfilm") + in("film", "hdrfilm")))),

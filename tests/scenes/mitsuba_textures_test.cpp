@@ -391,7 +391,7 @@ TEST_F(MitsubaTextures, MeshesBringColours) {
   EXPECT_THAT(good(shape(attribute("vertex_color")), {.lenient = true}).warnings,
               ElementsAre(HasSubstr("which has none; it is black")));
   EXPECT_THAT(error(scene(shape(attribute("vertex_weight"), "ply", file))),
-              HasSubstr("vertex_color, face_color"));
+              HasSubstr("shows 'vertex_weight' of the shape"));
 }
 
 TEST_F(MitsubaTextures, MeshesWithoutCoordinatesAreWarnedOf) {

@@ -12,6 +12,7 @@
 #include "kernels/host/device_scene_tables.h"
 #include "scenes/device/device_scene_builder.h"
 #include "tests/scenes/scene_text.h"
+#include "tests/support/integrator_parameters.h"
 
 namespace penumbra {
 namespace {
@@ -135,6 +136,35 @@ TEST_F(MitsubaWriter, LightsCylindersAndInstancesStayTheSame) {
     SCOPED_TRACE(text);
     expect_same(good(text));
   }
+}
+
+TEST_F(MitsubaWriter, InstancesWithinGroupsAreWrittenAsTheScenesOwn) {
+  const auto instance = [](const std::string& id, const std::string& steps) {
+    return "<shape type='instance'><ref id='" + id + "'/><transform name='to_world'>" + steps +
+           "</transform></shape>";
+  };
+  const SceneDescription scene =
+      good("<shape type='shapegroup' id='inner'><shape type='sphere'>" + diffuse("0.7, 0.2, 0.1") +
+           "</shape></shape><shape type='shapegroup' id='outer'>" + instance("inner", "<translate x='2'/>") +
+           instance("inner", "<scale value='0.5'/>") + "</shape>" +
+           instance("outer", "<rotate y='1' angle='90'/>") + instance("inner", "<translate y='4'/>") +
+           "<emitter type='constant'/>");
+  expect_same(scene);
+  const SceneDescription written = again(scene);
+  EXPECT_EQ(written.instances.size(), 3u);
+  for (const ShapeGroup& group : written.groups) EXPECT_TRUE(group.instances.empty());
+}
+
+TEST_F(MitsubaWriter, WhatMitsubasIntegratorsHaveNoNameForIsLeftOut) {
+  const SceneDescription written = again(good(
+      "<integrator type='path'><string name='emitter_sampling' value='area'/><string name='light_choice' "
+      "value='power'/><integer name='max_depth' value='3'/></integrator><shape type='sphere'/>"));
+  EXPECT_EQ(param::max_depth(written.integrator), 3);
+  EXPECT_EQ(param::emitter_sampling(written.integrator), EmitterSampling::kAuto);
+  const SceneDescription own =
+      again(good("<integrator type='whitted'><string name='light_choice' value='power'/>"
+                 "</integrator><shape type='sphere'/>"));
+  EXPECT_EQ(param::light_choice(own.integrator), LightChoice::kPower);
 }
 
 TEST_F(MitsubaWriter, CamerasAndSettingsStayTheSame) {

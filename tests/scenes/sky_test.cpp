@@ -257,7 +257,7 @@ TEST_F(SkyReader, SaysWhatIsWrong) {
   EXPECT_THAT(wrong("<float name='month' value='13'/>"), HasSubstr("month must be"));
   EXPECT_THAT(wrong("<float name='stretch' value='3'/>"), HasSubstr("stretch must be"));
   EXPECT_THAT(wrong("<integer name='resolution' value='2'/>"), HasSubstr("resolution must be"));
-  EXPECT_THAT(error("<emitter type='sky'/><emitter type='sun'/>"), HasSubstr("a scene has one"));
+  EXPECT_THAT(error("<emitter type='sky'/><emitter type='sunsky'/>"), HasSubstr("a scene has one"));
   const auto night = read("<emitter type='sky'><float name='hour' value='2'/></emitter>");
   ASSERT_TRUE(night);
   ASSERT_FALSE(night->warnings.empty());

@@ -60,6 +60,29 @@ TEST(Spectrum, ColoursAreClampedToTheGamut) {
   EXPECT_LE(cyan.z, 1.0f);
 }
 
+/// CIE 1931 x and y of a colour in Rec. 709 (IEC 61966-2-1).
+glm::dvec2 chromaticity(const glm::dvec3& c) {
+  const glm::dvec3 xyz(0.4124564 * c.x + 0.3575761 * c.y + 0.1804375 * c.z,
+                       0.2126729 * c.x + 0.7151522 * c.y + 0.0721750 * c.z,
+                       0.0193339 * c.x + 0.1191920 * c.y + 0.9503041 * c.z);
+  return {xyz.x / (xyz.x + xyz.y + xyz.z), xyz.y / (xyz.x + xyz.y + xyz.z)};
+}
+
+TEST(BlackBody, IlluminantA) {
+  // Of 2848 K when c2 was 1.435e-2 m K: 2855.54 K today (CIE 015:2018, 4.1).
+  const glm::dvec2 xy = chromaticity(blackbody_to_rgb(2855.54));
+  EXPECT_NEAR(xy.x, 0.44758, 2e-4);
+  EXPECT_NEAR(xy.y, 0.40745, 2e-4);
+}
+
+TEST(BlackBody, FreezingPlatinumIsTheCandelaOf1948) {
+  // 60 cd/cm² at 2041.4 K (ITS-90), which 683 lm/W were chosen by, to some tenths of a percent.
+  const glm::dvec3 c(blackbody_to_rgb(2041.4));
+  const double luminance = 0.2126729 * c.x + 0.7151522 * c.y + 0.0721750 * c.z;
+  constexpr double kNanometres = 106.857;  // the integral of y(lambda), by which unit power has luminance 1
+  EXPECT_NEAR(683 * kNanometres * luminance, 6e5, 0.01 * 6e5);
+}
+
 TEST(Srgb, TransferFunction) {
   EXPECT_EQ(srgb_to_linear(0.0), 0.0);
   EXPECT_NEAR(srgb_to_linear(1.0), 1.0, 1e-15);

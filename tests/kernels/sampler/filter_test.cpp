@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <numeric>
 #include <ostream>
 #include <string>
@@ -77,7 +78,9 @@ INSTANTIATE_TEST_SUITE_P(
                     FilterCase{"NarrowGaussian", FilterKind::kGaussian, 2.0f, 0.15f},
                     FilterCase{"Mitchell", FilterKind::kMitchell, 2.0f},
                     FilterCase{"CatmullRom", FilterKind::kMitchell, 2.0f, 0.5f, 0.0f, 0.5f},
-                    FilterCase{"BSpline", FilterKind::kMitchell, 3.0f, 0.5f, 1.0f, 0.0f}),
+                    FilterCase{"BSpline", FilterKind::kMitchell, 3.0f, 0.5f, 1.0f, 0.0f},
+                    FilterCase{"Lanczos", FilterKind::kLanczos, 3.0f},
+                    FilterCase{"LanczosOfTwoLobes", FilterKind::kLanczos, 2.0f}),
     [](const auto& tested) { return tested.param.name; });
 
 // Between knots the inverse distribution is interpolated: its error is second order in the cell's width,
@@ -151,7 +154,11 @@ TEST(FilterValues, ClosedForms) {
   EXPECT_NEAR(filter_value(mitchell, 0), 8.0 / 9, 1e-7);     // (6 - 2 B) / 6
   EXPECT_NEAR(filter_value(mitchell, 0.5), 1.0 / 18, 1e-7);  // B / 6 at one pixel
   EXPECT_NEAR(filter_value(mitchell, 1), 0, 1e-7);
-  EXPECT_LT(filter_value(mitchell, 0.75), 0);  // the negative lobe
+  EXPECT_LT(filter_value(mitchell, 0.75), 0);                      // the negative lobe
+  const Film lanczos = film_of({"", FilterKind::kLanczos, 3.0f});  // sinc(x) sinc(x / 3), x in pixels
+  EXPECT_EQ(filter_value(lanczos, 0), 1);
+  for (const double pixels : {1.0, 2.0, 3.0}) EXPECT_NEAR(filter_value(lanczos, pixels / 3), 0, 1e-12);
+  EXPECT_NEAR(filter_value(lanczos, 0.5), -4 / (3 * std::numbers::pi * std::numbers::pi), 1e-12);  // at 1.5
   const Film gaussian = film_of({"", FilterKind::kGaussian, 2.0f});
   EXPECT_EQ(filter_value(gaussian, 1), 0);
   EXPECT_NEAR(filter_value(gaussian, 0), 1 - std::exp(-8.0), 1e-12);

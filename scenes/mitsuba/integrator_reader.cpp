@@ -1,0 +1,138 @@
+#include "scenes/mitsuba/integrator_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "scenes/settings.h"
+
+namespace penumbra::mitsuba {
+namespace {
+
+using Names = std::vector<std::string>;
+
+/// Those that add something to another.
+struct WrapperPlugin {
+  std::string_view type;
+  std::string_view without;  ///< what the image goes without; empty: nothing
+};
+constexpr WrapperPlugin kWrappers[] = {{"moment", ""},
+                                       {"aov", ""},
+                                       {"adaptive", ""},  // every pixel has the same number of samples
+                                       {"irrcache", "its cache, so that nothing is interpolated"},
+                                       {"multichannel", ""}};
+
+/// The integrator itself, out of those that only add to it.
+const Object* unwrap(const Context& context, const Object& object) {
+  const Object* inner = &object;
+  for (int depth = 0; inner != nullptr; ++depth) {
+    const WrapperPlugin* wrapper = find_plugin(kWrappers, inner->type);
+    if (wrapper == nullptr) break;
+    PluginReader plugin(context, *inner);
+    // Several of them make several images: the first is the one that others are added to.
+    const std::vector<const Object*> inside = plugin.nested("integrator");
+    const Object* next = inside.empty() ? nullptr : inside.front();
+    plugin.accept({"aovs", "max_error", "p_value", "max_sample_factor", "resolution", "quality",
+                   "quality_adjustment", "gradients", "clamp_neighbor", "clamp_screen", "overture",
+                   "indirect_only", "debug"});
+    plugin.finish();
+    if (next == nullptr || depth > 16)
+      plugin.wrong(fmt::format("{} needs an <integrator> to work on", plugin.title()));
+    else if (!wrapper->without.empty())
+      plugin.warn(fmt::format("{} is rendered without {}", next->type, wrapper->without));
+    if (inside.size() > 1)
+      plugin.warn(fmt::format("the first of {} integrators is rendered, {}", inside.size(), next->type));
+    inner = depth > 16 ? nullptr : next;
+  }
+  return inner;
+}
+
+/// Mitsuba's ways to compute what `path` does, with the parameters of their own.
+struct StandIn {
+  std::string_view type;
+  bool same;  ///< it is `path` where there are no media, sample by sample
+  std::vector<std::string_view> parameters;
+};
+const std::vector<StandIn>& stand_ins() {
+  static const std::vector<StandIn> all = {
+      {"volpath", true, {}},
+      {"volpath_simple", true, {}},
+      {"volpathmis", true, {"use_spectral_mis"}},
+      {"prb", true, {}},
+      {"prb_basic", true, {}},
+      {"prbvolpath", true, {}},
+      {"bdpt", false, {"light_image", "sample_direct"}},
+      {"ptracer", false, {"granularity", "brute_force"}},
+      {"photonmapper",
+       false,
+       {"direct_samples", "glossy_samples", "global_photons", "caustic_photons", "volume_photons",
+        "global_lookup_radius", "caustic_lookup_radius", "lookup_size", "granularity", "max_specular_depth"}},
+      {"ppm", false, {"photon_count", "initial_radius", "alpha", "granularity", "max_passes"}},
+      {"sppm", false, {"photon_count", "initial_radius", "alpha", "granularity", "max_passes"}},
+      {"pssmlt",
+       false,
+       {"bidirectional", "direct_samples", "luminance_samples", "two_stage", "p_large", "separate_direct"}},
+      {"mlt",
+       false,
+       {"direct_samples", "luminance_samples", "two_stage", "bidirectional_mutation", "lens_perturbation",
+        "multi_chain_perturbation", "caustic_perturbation", "manifold_perturbation", "lambda",
+        "separate_direct"}},
+      {"erpt",
+       false,
+       {"num_chains", "max_chains", "chain_length", "direct_samples", "bidirectional_mutation",
+        "lens_perturbation", "multi_chain_perturbation", "caustic_perturbation", "manifold_perturbation",
+        "lambda", "separate_direct"}},
+      {"vpl", false, {"shadow_map_resolution", "clamping"}}};
+  return all;
+}
+
+/// How Mitsuba divides its work, and a rule about shading normals that its version 3 has dropped.
+void accept_ways_of_working(PluginReader& plugin) {
+  plugin.accept({"strict_normals", "samples_per_pass", "block_size", "timeout"});
+}
+
+void read_stand_in(PluginReader& plugin, const StandIn& stand_in, SceneDescription& scene) {
+  plugin.settings(scene, "integrator", Names{"max_depth", "rr_depth", "hide_emitters", "hidden_emitters"});
+  accept_ways_of_working(plugin);
+  for (const std::string_view parameter : stand_in.parameters) plugin.accept({parameter});
+  plugin.finish();
+  if (!stand_in.same) plugin.warn(fmt::format("path stands in for the integrator '{}'", stand_in.type));
+}
+
+/// The parameters of the scene's integrator. Those that its name has chosen have no others.
+Names integrator_parameter_names(const SceneDescription& scene, std::string_view type) {
+  const bool preset = type != method_name(scene.integrator.method);
+  Names names;
+  for (const Setting& setting : all_settings())
+    if (setting.key.starts_with("integrator.") && setting.name() != "type" && setting.belongs_to(scene) &&
+        !(preset && setting.name() == "direct_sampling"))
+      names.push_back(setting.name());
+  return names;
+}
+
+}  // namespace
+
+void read_integrator(const Context& context, const Object& object, SceneDescription& scene) {
+  const Object* inner = unwrap(context, object);
+  if (inner == nullptr) return;
+  PluginReader plugin(context, *inner);
+  if (const StandIn* stand_in = find_plugin(stand_ins(), inner->type))
+    return read_stand_in(plugin, *stand_in, scene);
+  const Names& types = find_setting("integrator.type")->choices;
+  if (std::ranges::find(types, inner->type) == types.end()) {
+    Names names = plugin_types(kWrappers);
+    names.insert(names.end(), types.begin(), types.end());
+    const Names others = plugin_types(stand_ins());
+    names.insert(names.end(), others.begin(), others.end());
+    context.unknown_plugin(*inner, names, "path stands in for it");
+    plugin.settings(scene, "integrator", Names{"max_depth", "rr_depth", "hide_emitters", "hidden_emitters"});
+    return;
+  }
+  if (const auto done = apply_setting(scene, "integrator.type", inner->type); !done)
+    plugin.wrong(done.error().message);
+  plugin.settings(scene, "integrator", integrator_parameter_names(scene, inner->type));
+  accept_ways_of_working(plugin);
+  plugin.finish();
+}
+
+}  // namespace penumbra::mitsuba

@@ -1,0 +1,37 @@
+#include "scenes/mitsuba/sky_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace penumbra::mitsuba {
+
+void SkyReader::add(const PluginReader& plugin, const SkyParameters& sky, SkyPart part,
+                    SceneDescription& scene) {
+  const bool has_no_disk = part == SkyPart::kSun && sky.sun_radius_scale == 0.0f;  // no sky, but a light
+  const bool pair = first_ && first_->is != part && first_->is != SkyPart::kBoth && part != SkyPart::kBoth;
+  const auto other = std::ranges::find_if(scene.emitters, [](const Emitter& e) { return is_sky(e); });
+  const bool is_second = first_ ? !pair : other != scene.emitters.end();
+  if (!has_no_disk && is_second)
+    return plugin.wrong(fmt::format("{} is a second sky; a scene has one", plugin.title()));
+  if (pair && !has_no_disk) {
+    const bool is_sun = part == SkyPart::kSun;
+    const SkyParameters& above = is_sun ? first_->parameters : sky;
+    const Expected<SkyParameters> both = above.with_sun(is_sun ? sky : first_->parameters);
+    if (!both) return plugin.wrong(both.error().message);
+    Emitter made = both->emitter(SkyPart::kBoth);
+    first_->is = SkyPart::kBoth;
+    if (is_black(made)) return;
+    if (first_->emitter)
+      scene.emitters[*first_->emitter] = std::move(made);
+    else
+      scene.emitters.push_back(std::move(made));
+    return;
+  }
+  Emitter made = sky.emitter(part);
+  const bool black = is_black(made);
+  if (!has_no_disk) first_ = Part{sky, part, black ? std::nullopt : std::optional(scene.emitters.size())};
+  if (!black) scene.emitters.push_back(std::move(made));
+}
+
+}  // namespace penumbra::mitsuba

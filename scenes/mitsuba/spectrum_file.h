@@ -1,0 +1,18 @@
+// Spectra in files of their own: lines of a wavelength in nm and a value.
+#pragma once
+
+#include <vector>
+
+#include "kernels/host/error.h"
+#include "scenes/diagnostic.h"
+#include "scenes/spectrum.h"
+
+namespace penumbra::mitsuba {
+
+constexpr std::uint64_t kMaxSpectrumFileBytes = std::uint64_t{1} << 20;
+
+/// Two numbers a line, of which the first ascend; `#` begins a comment. Errors, with line and column:
+/// anything else, fewer than two lines.
+Expected<std::vector<SpectrumSample>> read_spectrum_file(const SourceFile& file);
+
+}  // namespace penumbra::mitsuba
