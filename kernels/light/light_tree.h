@@ -3,8 +3,9 @@
 // Sampling of Many Lights with Adaptive Tree Splitting", 2018). Nodes are taken in proportion to a bound of
 // the irradiance that arrives from them; one that cannot reach the side of the surface has none, and is never
 // taken. The upper part of the hierarchy is flat: one of its LIGHT_CUT nodes or fewer is taken at once, and
-// so with few lights one of those; from there on one of two children. Infinite lights (skies, directional
-// ones) are nodes whose intensities are irradiances: see scenes/device/light_survey.h.
+// so with few lights one of those; from there on one of two children. A leaf may have several lights that are
+// as one from wherever they are seen: they keep their shares (scenes/device/light_groups.h). Infinite lights
+// (skies, directional ones) are nodes whose intensities are irradiances: see scenes/device/light_survey.h.
 //
 // Walks take LANES points a level at a time. What a walk does is a function of the point, so that densities
 // for multiple importance sampling repeat the same arithmetic along the way to the light.
@@ -23,7 +24,6 @@ PENUMBRA_NAMESPACE_BEGIN
 // counts.
 #define LIGHT_COSINE_SLACK 5e-4f
 #define LEAST_IMPORTANCE 1e-30f
-#define LIGHT_NUMBERS 16777216.0f  // 2^24: probabilities of children are multiples of its inverse
 
 // What is lit, as far as the choice depends on it.
 #define LIT_PLACE_FIELDS(F, a) \
@@ -334,6 +334,14 @@ STAGE bool turn_by_trails(const PRIVATE Scene* scene, const PRIVATE LitPlaces* R
   return turn_walks(scene, true, places, walks);
 }
 
+/// Whether a walk has turns to take.
+FN bool any_turns_left(const PRIVATE Scene* scene, const PRIVATE LightWalks* walks) {
+  int any = 0;
+  for (int j = 0; j < LANES; j++)
+    any |= ((scene->light_nodes[walks->node[j]].child > 0) & (walks->pmf[j] > 0.0f)) ? 1 : 0;
+  return any != 0;
+}
+
 STAGE void start_by_numbers(const PRIVATE float* RESTRICT u, const PRIVATE float* RESTRICT fine,
                             PRIVATE LightWalks* RESTRICT walks) {
   LANE_LOOP
@@ -345,6 +353,64 @@ STAGE void start_by_numbers(const PRIVATE float* RESTRICT u, const PRIVATE float
       walk.low = x.low;
       walk.pmf = 1.0f;
       store_light_walk(walks, j, walk);
+    }
+}
+
+/// Of the leaves where walks ended the lights, whose shares are the same for all places: the search for the
+/// one that a number takes.
+typedef struct {
+  int first[LANES], count[LANES];  ///< of the leaf's members; one of them if it has none
+  int at[LANES];                   ///< that of the number is among those from here on
+} LeafSearch;
+
+STAGE void start_search(const PRIVATE Scene* scene, const PRIVATE LightWalks* RESTRICT walks,
+                        PRIVATE LeafSearch* RESTRICT search) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      GLOBAL const LightNode* node = scene->light_nodes + walks->node[j];
+      const int child = node->child, count = node->lights;
+      const bool several = (child < 0) & (count > 1);
+      search->first[j] = several ? ~child : 0;
+      search->count[j] = several ? count : 1;
+      search->at[j] = 0;
+    }
+}
+
+/// Moves on by `step` lights, if the number is not of one before that.
+STAGE void turn_search(const PRIVATE Scene* scene, int step, const PRIVATE LightWalks* RESTRICT walks,
+                       PRIVATE LeafSearch* RESTRICT search) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int at = search->at[j], next = at + step, number = walks->high[j];
+      const bool there = next < search->count[j];
+      const int start = scene->light_members[search->first[j] + (there ? next : 0)].start;
+      search->at[j] = (there & (start <= number)) ? next : at;
+    }
+}
+
+/// Notes the lights that walks took in leaves of several.
+STAGE void take_members(const PRIVATE Scene* scene, const PRIVATE LeafSearch* RESTRICT search,
+                        const PRIVATE LightWalks* RESTRICT walks, PRIVATE float* RESTRICT u,
+                        PRIVATE LightSamplings* RESTRICT samplings) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const LightWalk walk = load_light_walk(walks, j);
+      const bool several = search->count[j] > 1;
+      GLOBAL const LightMember* member = scene->light_members + (search->first[j] + search->at[j]);
+      const int light = member->light, start = member->start;
+      const int numbers = scene->light_numbers[light];
+      LongNumber x;
+      x.high = walk.high - start;
+      x.low = walk.low;
+      const LongNumber left = stretched(x, numbers > 0 ? numbers : 1);
+      const float own =
+          clamp_f(((float)left.high + left.low) * (1.0f / LIGHT_NUMBERS), 0.0f, ONE_MINUS_EPSILON);
+      const float pmf = walk.pmf * ((float)numbers * (1.0f / LIGHT_NUMBERS));
+      const int only_light = samplings->light[j];
+      const float only_u = u[j], only_pmf = samplings->pmf[j];
+      u[j] = several ? own : only_u;
+      samplings->light[j] = (several & (walk.pmf > 0.0f)) ? light : only_light;
+      samplings->pmf[j] = several ? pmf : only_pmf;
     }
 }
 
@@ -369,9 +435,19 @@ FN void choose_by_tree(const PRIVATE Scene* scene, const PRIVATE LitPlaces* plac
   LightWalks walks;
   start_by_numbers(u, fine, &walks);
   start_walks(scene, false, places, &walks);
-  for (int level = 0; level < scene->header.light_tree_depth; level++)
-    if (!turn_by_numbers(scene, places, &walks)) break;
+  if (any_turns_left(scene, &walks))
+    for (int level = 0; level < scene->header.light_tree_depth; level++)
+      if (!turn_by_numbers(scene, places, &walks)) break;
   end_by_numbers(scene, &walks, u, samplings);
+  const int turns = scene->header.light_leaf_turns;
+  if (turns == 0) return;
+  LeafSearch search;
+  start_search(scene, &walks, &search);
+  int any = 0;
+  for (int j = 0; j < LANES; j++) any |= search.count[j] > 1 ? 1 : 0;
+  if (any == 0) return;
+  for (int turn = turns - 1; turn >= 0; turn--) turn_search(scene, 1 << turn, &walks, &search);
+  take_members(scene, &search, &walks, u, samplings);
 }
 
 STAGE void start_by_trails(const PRIVATE Scene* scene, const PRIVATE FoundLights* RESTRICT found,
@@ -399,15 +475,33 @@ STAGE void end_by_trails(const PRIVATE Scene* scene, const PRIVATE LightWalks* R
     }
 }
 
+/// The same where leaves have several lights.
+STAGE void end_at_members(const PRIVATE Scene* scene, const PRIVATE LightWalks* RESTRICT walks,
+                          PRIVATE FoundLights* RESTRICT found) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const LightWalk walk = load_light_walk(walks, j);
+      const int light = found->light[j];
+      GLOBAL const LightNode* node = scene->light_nodes + walk.node;
+      const int child = node->child, count = node->lights;
+      const int numbers = scene->light_numbers[light >= 0 ? light : 0];
+      const float pmf = walk.pmf * ((float)numbers * (1.0f / LIGHT_NUMBERS));
+      const float only_pmf = found->pmf[j];
+      found->pmf[j] = ((child < 0) & (count > 1) & (light >= 0)) ? pmf : only_pmf;
+    }
+}
+
 /// Makes the probabilities of the lights found those with which choose_by_tree chooses them for the places.
 FN void find_tree_pmfs(const PRIVATE Scene* scene, const PRIVATE LitPlaces* places,
                        PRIVATE FoundLights* found) {
   LightWalks walks;
   start_by_trails(scene, found, &walks);
   start_walks(scene, true, places, &walks);
-  for (int level = 0; level < scene->header.light_tree_depth; level++)
-    if (!turn_by_trails(scene, places, &walks)) break;
+  if (any_turns_left(scene, &walks))
+    for (int level = 0; level < scene->header.light_tree_depth; level++)
+      if (!turn_by_trails(scene, places, &walks)) break;
   end_by_trails(scene, &walks, found);
+  if (scene->header.light_leaf_turns > 0) end_at_members(scene, &walks, found);
 }
 #endif
 
