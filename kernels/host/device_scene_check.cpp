@@ -311,6 +311,10 @@ class Checker {
             "a hierarchy of lights without a root");
     require(h_.tables.light_trails.count == h_.tables.lights.count, "ways to lights do not match the lights");
     require(in(h_.light_tree_depth, 0, 28), "the hierarchy of lights is too deep");
+    require(h_.light_leaf_turns == 0 || (in(h_.light_leaf_turns, 1, 20) && h_.tables.light_members.count > 0),
+            "lights of leaves that no search finds");
+    require(h_.light_leaf_turns == 0 || h_.tables.light_numbers.count == h_.tables.lights.count,
+            "shares of lights do not match the lights");
     const auto nodes = table<LightNode>(scene_, h_.tables.light_nodes);
     std::vector<int> depth(nodes.size(), -1);
     for (std::size_t k = 0; k < nodes.size() && int(k) < h_.light_cut; ++k) depth[k] = 0;
@@ -322,10 +326,10 @@ class Checker {
       const float largest = std::numeric_limits<float>::max();
       require(node.intensity >= 0.0f && node.intensity <= largest, "a node of lights without an intensity");
       if (node.child < 0) {
-        if (node.lights == 1)
-          require(~node.child < h_.tables.lights.count, "a node names a light that is not there");
-        else
+        if (node.lights > 1)
           check_light_leaf(~node.child, node.lights);
+        else
+          require(~node.child < h_.tables.lights.count, "a node names a light that is not there");
         continue;
       }
       require(node.child > int(i) && node.child < h_.tables.light_nodes.count - 1,
@@ -342,11 +346,8 @@ class Checker {
   void check_light_leaf(int first, int count) {
     const auto members = table<LightMember>(scene_, h_.tables.light_members);
     const auto numbers = table<int>(scene_, h_.tables.light_numbers);
-    require(in(h_.light_leaf_turns, 1, 20), "lights of leaves that no search finds");
-    require(numbers.size() == std::size_t(h_.tables.lights.count),
-            "shares of lights do not match the lights");
-    require(count > 1 && first <= int(members.size()) - count,
-            "a leaf of lights names lights that are not there");
+    require(h_.light_leaf_turns > 0, "lights of leaves that no search finds");
+    require(first <= int(members.size()) - count, "a leaf of lights names lights that are not there");
     if (!problem_.empty()) return;
     require(count <= 1 << h_.light_leaf_turns, "a leaf of lights has more than a search finds");
     for (int k = 0; k < count && problem_.empty(); ++k) {

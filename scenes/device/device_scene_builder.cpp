@@ -459,6 +459,21 @@ class Builder {
     h_.sampler.seed = scene_.sampler.seed;
   }
 
+  /// That of the portable intersector.
+  Expected<void> add_hierarchy() {
+    const PrimitiveGroup all{0, 0, int(records_.triangles.size()), 0, int(records_.quadrics.size())};
+    const std::span<const PrimitiveGroup> groups =
+        records_.groups.empty() ? std::span(&all, 1) : std::span<const PrimitiveGroup>(records_.groups);
+    Expected<Hierarchy> hierarchy =
+        build_hierarchy(records_.triangles, records_.quadrics, groups, records_.instances);
+    if (!hierarchy) return std::unexpected(hierarchy.error());
+    for (std::size_t g = 0; g < records_.groups.size(); ++g) records_.groups[g].root = hierarchy->roots[g];
+    records_.nodes = std::move(hierarchy->nodes);
+    records_.triangle_leaves = std::move(hierarchy->triangle_leaves);
+    records_.quadric_leaves = std::move(hierarchy->quadric_leaves);
+    return {};
+  }
+
   Expected<void> choose_intersector() {
     const bool small = collect_corners();
     h_.intersector = options_.intersector == IntersectorChoice::kAuto
@@ -466,16 +481,7 @@ class Builder {
                      : options_.intersector == IntersectorChoice::kEmbree ? INTERSECTOR_EMBREE
                                                                           : INTERSECTOR_PORTABLE;
     if (h_.intersector == INTERSECTOR_PORTABLE && !small) {
-      const PrimitiveGroup all{0, 0, int(records_.triangles.size()), 0, int(records_.quadrics.size())};
-      const std::span<const PrimitiveGroup> groups =
-          records_.groups.empty() ? std::span(&all, 1) : std::span<const PrimitiveGroup>(records_.groups);
-      Expected<Hierarchy> hierarchy =
-          build_hierarchy(records_.triangles, records_.quadrics, groups, records_.instances);
-      if (!hierarchy) return std::unexpected(hierarchy.error());
-      for (std::size_t g = 0; g < records_.groups.size(); ++g) records_.groups[g].root = hierarchy->roots[g];
-      records_.nodes = std::move(hierarchy->nodes);
-      records_.triangle_leaves = std::move(hierarchy->triangle_leaves);
-      records_.quadric_leaves = std::move(hierarchy->quadric_leaves);
+      if (Expected<void> done = add_hierarchy(); !done) return done;
       need(FEATURE_BVH);
     }
     if (h_.intersector != INTERSECTOR_PORTABLE || !small) {
@@ -589,22 +595,18 @@ class Builder {
   template <typename Look>
   Expected<void> survey(const Look& look) {
     if (records_.triangles.empty() && records_.quadrics.empty()) return {};
-    const auto store_and_look = [&] {
+    const bool has_hierarchy = !records_.nodes.empty();
+    const std::vector<PrimitiveGroup> groups = records_.groups;
+    if (!has_hierarchy)
+      if (Expected<void> done = add_hierarchy(); !done) return done;
+    {
       DeviceScene surveyed;
       surveyed.header = h_;
       store(records_, surveyed);
       look(surveyed);
-    };
-    if (!records_.nodes.empty()) {
-      store_and_look();
-      return {};
     }
-    Expected<Hierarchy> hierarchy = build_hierarchy(records_.triangles, records_.quadrics);
-    if (!hierarchy) return std::unexpected(hierarchy.error());
-    records_.nodes.swap(hierarchy->nodes);
-    records_.triangle_leaves.swap(hierarchy->triangle_leaves);
-    records_.quadric_leaves.swap(hierarchy->quadric_leaves);
-    store_and_look();
+    if (has_hierarchy) return {};
+    records_.groups = groups;
     records_.nodes.clear();
     records_.triangle_leaves.clear();
     records_.quadric_leaves.clear();

@@ -74,19 +74,40 @@ class Survey {
            scene_.materials[sides.back].passes != PASSES_NONE;
   }
 
-  /// Whether nothing that is certain to be in the way blocks the sample.
-  [[nodiscard]] bool is_seen(const LightSample& sample, int skip) const {
+  [[nodiscard]] bool has_instances() const { return scene_.header.tables.instances.count > 0; }
+  [[nodiscard]] Hit closest(const vec3& origin, const vec3& toward, float limit, const Hit& skip) const {
+    return has_instances()
+               ? intersect_levels(&scene_, origin, toward, limit, skip.primitive, skip.instance, true)
+               : intersect_bvh(&scene_, origin, toward, limit, skip.primitive);
+  }
+  [[nodiscard]] Surface surface_of(const Hit& hit, const vec3& origin, const vec3& toward) const {
+    if (has_instances() && hit.instance >= 0)
+      return surface_at_instance(&scene_, hit.primitive, hit.instance, origin, toward);
+    Surface s = surface_at(&scene_, hit.primitive, origin, toward);
+    s.instance = -1;
+    return s;
+  }
+
+  /// Whether nothing that is certain to be in the way blocks the sample from where the hit is.
+  [[nodiscard]] bool is_seen(const LightSample& sample, Hit skip) const {
     vec3 origin = sample.origin;
     float left = sample.tmax;
     for (int k = 0; k < kMostPassed && left > 0; ++k) {
-      const Hit hit = intersect_bvh(&scene_, origin, sample.toward, left, skip);
+      const Hit hit = closest(origin, sample.toward, left, skip);
       if (hit.primitive < 0) return true;
       if (!may_pass(hit.primitive)) return false;
       origin = add_scaled(origin, hit.t, sample.toward);
       if (left < NO_LIMIT) left -= hit.t;
-      skip = hit.primitive;
+      skip = hit;
     }
     return false;
+  }
+
+  [[nodiscard]] Hit start_at(const Surface& s) const {
+    Hit hit = no_hit(NO_LIMIT);
+    hit.primitive = s.primitive;
+    hit.instance = s.instance;
+    return hit;
   }
 
   /// A sample of the light at the surface, by `u`.
@@ -112,7 +133,7 @@ class Survey {
     const Arrival arrival{mean * kept, double(found.pdf) * pmf, found.delta ? 0.0 : kept / double(PI_F)};
     const double irradiance = arrival.light / arrival.pdf;
     if (!(irradiance > 0) || !std::isfinite(irradiance * irradiance)) return {};
-    return is_seen(found, s.primitive) ? arrival : Arrival{};
+    return is_seen(found, start_at(s)) ? arrival : Arrival{};
   }
 
   void visit(const Surface& s, bool all_around, double weight) {
@@ -127,7 +148,8 @@ class Survey {
       u[j] = number();
       fine[j] = number();
     }
-    choose_by_tree(&scene_, &places, u, fine, &chosen);
+    LightScales scales;
+    choose_by_tree(&scene_, &places, u, fine, &chosen, &scales);
     Place place{weight, 0, 0, {}, {}};
     for (int k = 0; k < scene_.header.light_cut; ++k)
       place.importance += double(light_importance(scene_.light_nodes + k, lit));
@@ -159,14 +181,14 @@ class Survey {
                                float(y - std::floor(y)) - 0.5f);
     vec3 origin = ray.origin, toward = ray.direction;
     float limit = ray.tmax;
-    int skip = -1;
+    Hit skip = no_hit(NO_LIMIT);
     double weight = 1;
     for (int bounce = 0, passed = 0; bounce < kBounces && passed < kMostPassed;) {
-      const Hit hit = intersect_bvh(&scene_, origin, toward, limit, skip);
+      const Hit hit = closest(origin, toward, limit, skip);
       if (hit.primitive < 0) return;
-      const Surface s = surface_at(&scene_, hit.primitive, origin, toward);
+      const Surface s = surface_of(hit, origin, toward);
       const Material* leaf = leaf_of(s.material);
-      skip = hit.primitive;
+      skip = hit;
       limit = NO_LIMIT;
       ++passed;
       if (leaf != nullptr && leaf->family == FAMILY_BLACK) return;

@@ -113,12 +113,14 @@ double second_moment(const std::vector<LightBounds>& lights, const LightTree& tr
     lit.facing = place.facing;
     LitPlaces lanes;
     for (int j = 0; j < LANES; ++j) store_lit_place(&lanes, j, lit);
+    LightScales scales;
+    find_light_scales(&scene, &lanes, &scales);
     double moment = 0, all = 0;
     for (std::size_t first = 0; first < lights.size(); first += LANES) {
       FoundLights found{};
       for (int j = 0; j < LANES; ++j)
         found.light[j] = first + std::size_t(j) < lights.size() ? int(first) + j : -1;
-      find_tree_pmfs(&scene, &lanes, &found);
+      find_tree_pmfs(&scene, &lanes, &scales, &found);
       for (int j = 0; j < LANES && first + std::size_t(j) < lights.size(); ++j) {
         const double light = double(light_importance(leaf_of[first + std::size_t(j)], lit));
         all += light;

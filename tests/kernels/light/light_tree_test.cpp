@@ -163,7 +163,8 @@ std::vector<Choice> choose(const Scene& scene, const LitPlace& place, const std:
     number[j] = u[std::size_t(j) % u.size()];
     digits[j] = fine[std::size_t(j) % fine.size()];
   }
-  choose_by_tree(&scene, &places, number, digits, &samplings);
+  LightScales scales;
+  choose_by_tree(&scene, &places, number, digits, &samplings, &scales);
   std::vector<Choice> choices;
   for (int j = 0; j < LANES; ++j) choices.push_back({samplings.light[j], samplings.pmf[j], number[j]});
   return choices;
@@ -174,10 +175,12 @@ std::vector<float> pmfs(const Scene& scene, const LitPlace& place) {
   std::vector<float> all;
   LitPlaces places;
   for (int j = 0; j < LANES; ++j) store_lit_place(&places, j, place);
+  LightScales scales;
+  find_light_scales(&scene, &places, &scales);
   for (int first = 0; first < count; first += LANES) {
     FoundLights found{};
     for (int j = 0; j < LANES; ++j) found.light[j] = first + j < count ? first + j : -1;
-    find_tree_pmfs(&scene, &places, &found);
+    find_tree_pmfs(&scene, &places, &scales, &found);
     for (int j = 0; j < LANES && first + j < count; ++j) all.push_back(found.pmf[j]);
   }
   return all;
