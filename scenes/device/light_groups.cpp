@@ -13,7 +13,7 @@ namespace {
 // well spread numbers make of a good choice more than its moment says: measured by light_choice_benchmark,
 // 0.1 costs half of what the hierarchy gains with 1000 point lights, and saves another 4 % of the time in
 // spaceship.
-constexpr double kMostAdded = 1e-3;
+constexpr double kMostAdded = 1e-4;
 // Times nodes of the hierarchy: how often a bound is computed. That takes some 15 ns.
 constexpr std::size_t kMostWork = std::size_t{1} << 22, kLeastPlaces = 16, kMostPlaces = 256;
 
