@@ -88,6 +88,11 @@ std::string list_names(std::span<const std::string> names) {
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
 
+std::string known_names(std::string_view name, std::span<const std::string> known, std::string_view these) {
+  const std::string hint = suggestion(name, known);
+  return fmt::format("{} {}: {}", hint.empty() ? "." : hint, these, list_names(known));
+}
+
 void Diagnostics::error(SourceLocation location, std::string_view message) {
   if (!full()) error_text(format_diagnostic(location, "error", message));
 }

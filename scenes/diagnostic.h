@@ -51,6 +51,10 @@ std::string format_diagnostic(SourceLocation location, std::string_view severity
 /// "a, b, c", or "none".
 std::string list_names(std::span<const std::string> names);
 
+/// The end of a message that a name is not one of those known, after what is wrong with it: "; did you mean
+/// 'x'? It has: x, y" or ". It has: x, y", where `these` is "It has".
+std::string known_names(std::string_view name, std::span<const std::string> known, std::string_view these);
+
 /// Collects what a reader finds. An error does not stop the reading, so that several are shown at once; a
 /// reader that has had any returns `error()` and no scene.
 class Diagnostics {

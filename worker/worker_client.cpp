@@ -8,7 +8,9 @@
 #include <condition_variable>
 #include <cstdlib>
 #include <exception>
+#include <map>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <thread>
 #include <utility>
@@ -39,10 +41,15 @@ std::string own_key() {
 }
 
 struct FinishedUnit {
-  UnitId id;
-  std::uint32_t job = 0;
+  wire::UnitId id;
   Expected<SampleBuffer> result;
   double busy_seconds = 0;
+};
+
+/// A job that the scheduler has given, and not yet told to forget.
+struct KnownJob {
+  std::unique_ptr<DeviceScene> scene;
+  std::unique_ptr<Device> device;  // after the scene that it renders
 };
 
 /// One connection to a scheduler, from Hello to the end of the stream.
@@ -57,13 +64,12 @@ class Session {
   void write();
   void beat(const std::stop_token& stop);
   Expected<void> work();
+  [[nodiscard]] Expected<void> end_of_work() const;
   Expected<void> take_job(const wire::Job& job);
+  void forget_job(JobId job);
   Expected<void> take_view(const wire::NumberedView& message);
   void render(const wire::Unit& unit);
-  void put_device(std::unique_ptr<Device> device) {
-    const std::lock_guard lock(device_mutex_);
-    device_ = std::move(device);
-  }
+  [[nodiscard]] bool is_outdated(const wire::UnitId& unit);
   void say(wire::WorkerMessage message) { outbox_.put(std::move(message)); }
 
   const WorkerClientOptions& options_;
@@ -73,13 +79,16 @@ class Session {
   Mailbox<wire::SchedulerMessage> inbox_;
   Mailbox<std::variant<wire::WorkerMessage, FinishedUnit>> outbox_;
   bool leaving_ = false;  // of the reading thread: the scheduler has said that it is over
-  std::atomic<std::uint32_t> newest_view_ = 0;  // that has come, if not yet its turn
+  std::mutex views_mutex_;
+  std::map<JobId, std::uint32_t> newest_views_;  // that have come, if not yet their turn
 
   std::atomic<bool> beat_waits_ = false;  // in the outbox
 
-  DeviceScene scene_;
-  std::mutex device_mutex_;         // while the pointer changes: beats come from another thread
-  std::unique_ptr<Device> device_;  // after the scene that it renders
+  std::mutex jobs_mutex_;  // while it changes: beats come from another thread
+  std::map<JobId, KnownJob> jobs_;
+  std::uint64_t forgotten_parts_ = 0;  // that devices of forgotten jobs have done
+  bool was_ready_ = false;
+  std::optional<Error> failure_;  // of the last job that could not be done here
 };
 
 Expected<void> Session::run() {
@@ -125,7 +134,10 @@ void Session::read() {
   while (stream_->Read(&message)) {
     is_answered = true;
     leaving_ |= message.has_dismiss() || message.has_refused();
-    if (message.has_view()) newest_view_ = message.view().number();
+    if (message.has_view()) {
+      const std::lock_guard lock(views_mutex_);
+      newest_views_[message.view().job()] = message.view().number();
+    }
     inbox_.put(std::move(message));
   }
   inbox_.close();
@@ -149,14 +161,12 @@ void Session::write() {
       const FinishedUnit& unit = std::get<FinishedUnit>(*item);
       if (unit.result) {
         wire::UnitResult& result = *message.mutable_result();
-        result.set_job(unit.job);
-        encode(unit.id, *result.mutable_id());
+        *result.mutable_id() = unit.id;
         encode(*unit.result, result);
         result.set_busy_seconds(unit.busy_seconds);
         result.set_peak_memory_bytes(peak_memory_bytes());
       } else {
-        message.mutable_unit_failed()->set_job(unit.job);
-        encode(unit.id, *message.mutable_unit_failed()->mutable_id());
+        *message.mutable_unit_failed()->mutable_id() = unit.id;
         message.mutable_unit_failed()->set_message(wire_text(unit.result.error().message, kLongestText));
       }
     }
@@ -175,8 +185,10 @@ void Session::beat(const std::stop_token& stop) {
     wire::WorkerMessage message;
     message.mutable_beat();
     {
-      const std::lock_guard device_lock(device_mutex_);
-      if (device_ != nullptr) message.mutable_beat()->set_parts(device_->parts_done());
+      const std::lock_guard jobs_lock(jobs_mutex_);
+      std::uint64_t parts = forgotten_parts_;
+      for (const auto& [id, job] : jobs_) parts += job.device->parts_done();
+      message.mutable_beat()->set_parts(parts);
     }
     say(std::move(message));
   }
@@ -193,27 +205,51 @@ Expected<void> Session::work() {
           failure.mutable_job_failed()->set_job(message->job().id());
           failure.mutable_job_failed()->set_message(wire_text(taken.error().message, kLongestText));
           say(std::move(failure));
-          return taken;
+          failure_ = taken.error();
         }
         break;
+      case wire::SchedulerMessage::kForget:
+        forget_job(message->forget().job());
+        break;
       case wire::SchedulerMessage::kUnit:
-        // A unit of an older view is no longer needed.
-        if (message->unit().id().image() >= newest_view_) render(message->unit());
+        if (!is_outdated(message->unit().id())) render(message->unit());
         break;
       case wire::SchedulerMessage::kView:
         if (const Expected<void> taken = take_view(message->view()); !taken) return taken;
         break;
       case wire::SchedulerMessage::kDismiss:
-        return {};
+        return end_of_work();
       default:
         return fail("the scheduler sent a message of an unknown kind");
     }
   }
-  return {};
+  return end_of_work();
+}
+
+/// A worker that could do nothing has failed.
+Expected<void> Session::end_of_work() const {
+  return failure_ && !was_ready_ ? Expected<void>(std::unexpected(*failure_)) : Expected<void>();
+}
+
+/// A unit of an older view is no longer needed.
+bool Session::is_outdated(const wire::UnitId& unit) {
+  const std::lock_guard lock(views_mutex_);
+  const auto newest = newest_views_.find(unit.job());
+  return newest != newest_views_.end() && unit.view() < newest->second;
+}
+
+void Session::forget_job(JobId job) {
+  KnownJob forgotten;  // goes when beats need not wait for it
+  const std::lock_guard lock(jobs_mutex_);
+  const auto found = jobs_.find(job);
+  if (found == jobs_.end()) return;
+  forgotten_parts_ += found->second.device->parts_done();
+  forgotten = std::move(found->second);
+  jobs_.erase(found);
 }
 
 Expected<void> Session::take_job(const wire::Job& job) {
-  put_device(nullptr);
+  forget_job(job.id());
   Expected<DeviceOptions> device_options = decode(job.device());
   if (!device_options) return std::unexpected(device_options.error());
   device_options->backend = options_.backend.value_or(device_options->backend);
@@ -232,15 +268,20 @@ Expected<void> Session::take_job(const wire::Job& job) {
   show_token(context, options_.token);
   Expected<DeviceScene> scene = fetch_scene(*stub_, context, job.scene());
   if (!scene) return std::unexpected(scene.error());
-  scene_ = std::move(*scene);
-  Expected<std::unique_ptr<Device>> device = options_.make_device(scene_, *device_options);
+  KnownJob known{.scene = std::make_unique<DeviceScene>(std::move(*scene)), .device = {}};
+  Expected<std::unique_ptr<Device>> device = options_.make_device(*known.scene, *device_options);
   if (!device) return std::unexpected(device.error());
-  put_device(std::move(*device));
+  known.device = std::move(*device);
 
   wire::WorkerMessage ready;
   ready.mutable_ready()->set_job(job.id());
-  ready.mutable_ready()->set_device(wire_text(device_->description(), kLongestName));
-  encode(device_->preparation(), *ready.mutable_ready());
+  ready.mutable_ready()->set_device(wire_text(known.device->description(), kLongestName));
+  encode(known.device->preparation(), *ready.mutable_ready());
+  {
+    const std::lock_guard lock(jobs_mutex_);
+    jobs_[job.id()] = std::move(known);
+  }
+  was_ready_ = true;
   say(std::move(ready));
   return {};
 }
@@ -248,22 +289,24 @@ Expected<void> Session::take_job(const wire::Job& job) {
 Expected<void> Session::take_view(const wire::NumberedView& message) {
   const Expected<View> view = decode(message.view());
   if (!view) return fail("the scheduler sent " + view.error().message);
-  apply_view(*view, scene_.header);
-  return device_ == nullptr ? Expected<void>{} : device_->take_view();
+  const auto job = jobs_.find(message.job());
+  if (job == jobs_.end()) return {};  // it could not be done here
+  apply_view(*view, job->second.scene->header);
+  return job->second.device->take_view();
 }
 
 void Session::render(const wire::Unit& message) {
-  FinishedUnit finished{
-      .id = decode(message.id()), .job = message.job(), .result = fail(""), .busy_seconds = 0};
+  FinishedUnit finished{.id = message.id(), .result = fail(""), .busy_seconds = 0};
   const Expected<RenderUnit> unit = decode(message);
+  const auto job = jobs_.find(message.id().job());
   if (!unit) {
     finished.result = std::unexpected(unit.error());
-  } else if (device_ == nullptr) {
+  } else if (job == jobs_.end()) {
     finished.result = fail("a unit came before its job");
   } else {
     const auto start = std::chrono::steady_clock::now();
     try {
-      finished.result = device_->render(*unit);
+      finished.result = job->second.device->render(*unit);
     } catch (const std::exception& exception) {
       finished.result = fail(exception.what());
     }

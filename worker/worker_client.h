@@ -34,7 +34,7 @@ struct WorkerClientOptions {
 };
 
 /// Works until the scheduler has no more work. Fails if the connection cannot be made or breaks, if the
-/// scheduler refuses this worker, or if the job cannot be done here (no such device, damaged scene). Results
+/// scheduler refuses this worker, or if no job could be done here (no such device, damaged scene). Results
 /// leave from a thread of their own, so that the next unit does not wait for the network.
 Expected<void> run_worker(const WorkerClientOptions& options);
 

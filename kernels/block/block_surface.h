@@ -32,33 +32,26 @@ STAGE void interpolate_normals(const PRIVATE Scene* scene, const PRIVATE PathSta
 #endif
 
 #if HAS(QUADRICS)
-STAGE void find_quadric_points(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                               PRIVATE PrimitivePoints* RESTRICT points) {
-  const int triangle_count = scene->header.tables.triangles.count;
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const int quadric = get_hit(paths, i + j) - triangle_count;
-      const PrimitivePoint other = load_primitive_point(points, j);
-      const PrimitivePoint r = quadric_point(scene, quadric >= 0 ? quadric : 0, get_ray_origin(paths, i + j),
-                                             get_ray_direction(paths, i + j));
-      store_primitive_point(points, j, select_primitive_point(quadric >= 0, r, other));
+  // Of lanes whose primitive is a quadric and `such` a one, the points by `point_of`, instead of what was
+  // found.
+  #define FIND_POINTS_OF_QUADRICS(stage, point_of, such)                                                     \
+    STAGE void stage(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,                      \
+                     PRIVATE PrimitivePoints* RESTRICT points) {                                             \
+      const int triangle_count = scene->header.tables.triangles.count;                                       \
+      LANE_LOOP                                                                                              \
+        for (int j = 0; j < LANES; j++) {                                                                    \
+          const int quadric = get_hit(paths, i + j) - triangle_count;                                        \
+          const PrimitivePoint other = load_primitive_point(points, j);                                      \
+          const PrimitivePoint r = point_of(scene, quadric >= 0 ? quadric : 0, get_ray_origin(paths, i + j), \
+                                            get_ray_direction(paths, i + j));                                \
+          store_primitive_point(points, j, select_primitive_point(such(scene, quadric), r, other));          \
+        }                                                                                                    \
     }
-}
-#endif
-
-#if HAS(QUADRICS) && HAS(CYLINDERS)
-STAGE void find_cylinder_points(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                                PRIVATE PrimitivePoints* RESTRICT points) {
-  const int triangle_count = scene->header.tables.triangles.count;
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const int quadric = get_hit(paths, i + j) - triangle_count;
-      const PrimitivePoint other = load_primitive_point(points, j);
-      const PrimitivePoint r = cylinder_point(scene, quadric >= 0 ? quadric : 0, get_ray_origin(paths, i + j),
-                                              get_ray_direction(paths, i + j));
-      store_primitive_point(points, j, select_primitive_point(is_cylinder(scene, quadric), r, other));
-    }
-}
+FIND_POINTS_OF_QUADRICS(find_quadric_points, quadric_point, is_quadric)
+  #if HAS(CYLINDERS)
+FIND_POINTS_OF_QUADRICS(find_cylinder_points, cylinder_point, is_cylinder)
+  #endif
+  #undef FIND_POINTS_OF_QUADRICS
 #endif
 
 #if HAS(INSTANCES)

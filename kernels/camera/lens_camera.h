@@ -4,6 +4,7 @@
 #ifndef PENUMBRA_LENS_CAMERA_H
 #define PENUMBRA_LENS_CAMERA_H
 #include "kernels/camera/camera.h"
+#include "kernels/math/lane_record.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -40,11 +41,14 @@ FN FilmPoint film_point(Camera camera, FilmParameters film, float image_scale, i
 // three million random searches, up to the fold, none took more than 12 steps.
 #define DISTORTION_STEPS 16
 
-typedef struct {
-  float low, high;  ///< bounds of r
-  float r;
-  float off;  ///< |d(r) - d| one step before
-} DistortionSearch;
+// clang-format off
+#define DISTORTION_SEARCH_FIELDS(F, a)                   \
+  F(a, float, low)  /* bounds of r */                    \
+  F(a, float, high)                                      \
+  F(a, float, r)                                         \
+  F(a, float, off)  /* |d(r) - d| one step before */
+// clang-format on
+LANE_RECORD(DistortionSearch, DistortionSearches, distortion_search, DISTORTION_SEARCH_FIELDS)
 
 FN DistortionSearch start_distortion_search(Camera camera, float d) {
   DistortionSearch s;
@@ -77,35 +81,24 @@ FN float film_radius(Camera camera, float x, float y) {
 
 /// Moves LANES points of the film to where they would be without distortion.
 STAGE void undistort(Camera camera, PRIVATE float* RESTRICT x, PRIVATE float* RESTRICT y) {
-  float d[LANES], low[LANES], high[LANES], r[LANES], off[LANES];
+  float d[LANES];
+  DistortionSearches searches;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       d[j] = film_radius(camera, x[j], y[j]);
-      const DistortionSearch s = start_distortion_search(camera, d[j]);
-      low[j] = s.low;
-      high[j] = s.high;
-      r[j] = s.r;
-      off[j] = s.off;
+      store_distortion_search(&searches, j, start_distortion_search(camera, d[j]));
     }
   for (int step = 0; step < DISTORTION_STEPS; step++) {
     LANE_LOOP
       for (int j = 0; j < LANES; j++) {
-        DistortionSearch s;
-        s.low = low[j];
-        s.high = high[j];
-        s.r = r[j];
-        s.off = off[j];
-        s = narrowed(camera, d[j], s);
-        low[j] = s.low;
-        high[j] = s.high;
-        r[j] = s.r;
-        off[j] = s.off;
+        const DistortionSearch before = load_distortion_search(&searches, j);
+        store_distortion_search(&searches, j, narrowed(camera, d[j], before));
       }
   }
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const bool beside = d[j] > 0.0f;
-      const float factor = beside ? r[j] / (beside ? d[j] : 1.0f) : 1.0f;
+      const float factor = beside ? searches.r[j] / (beside ? d[j] : 1.0f) : 1.0f;
       x[j] *= factor;
       y[j] *= factor;
     }

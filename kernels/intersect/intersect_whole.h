@@ -19,16 +19,11 @@ typedef struct {
 
 #if !HAS(BVH)
 FN void intersect_whole(const PRIVATE Scene* scene, PRIVATE RayLanes* rays) {
-  int axis[LANES];
-  float shear_x[LANES], shear_y[LANES], shear_z[LANES];
+  Shears shears;
   float vx[MAX_WHOLE_VERTICES * LANES], vy[MAX_WHOLE_VERTICES * LANES], vz[MAX_WHOLE_VERTICES * LANES];
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      Shear s = make_shear(make_vec3(rays->dx[j], rays->dy[j], rays->dz[j]));
-      axis[j] = s.axis;
-      shear_x[j] = s.x;
-      shear_y[j] = s.y;
-      shear_z[j] = s.z;
+      store_shear(&shears, j, make_shear(make_vec3(rays->dx[j], rays->dy[j], rays->dz[j])));
       rays->hit[j] = -1;
     }
   const int vertex_count = scene->header.tables.vertices.count;
@@ -36,11 +31,7 @@ FN void intersect_whole(const PRIVATE Scene* scene, PRIVATE RayLanes* rays) {
     const vec3 p = scene->vertices[k];
     LANE_LOOP
       for (int j = 0; j < LANES; j++) {
-        Shear s;
-        s.axis = axis[j];
-        s.x = shear_x[j];
-        s.y = shear_y[j];
-        s.z = shear_z[j];
+        const Shear s = load_shear(&shears, j);
         vec3 v = shear_point(s, make_vec3(p.x - rays->ox[j], p.y - rays->oy[j], p.z - rays->oz[j]));
         vx[k * LANES + j] = v.x;
         vy[k * LANES + j] = v.y;

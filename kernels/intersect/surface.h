@@ -76,6 +76,9 @@ FN vec3 interpolated_normal(const PRIVATE Scene* scene, int index, PrimitivePoin
 #endif
 
 #if HAS(QUADRICS)
+/// Whether a primitive's index, less the number of triangles, is that of a quadric.
+FN bool is_quadric(const PRIVATE Scene* scene, int quadric) { return quadric >= 0; }
+
   #if HAS(CYLINDERS)
 FN bool is_cylinder(const PRIVATE Scene* scene, int quadric) {
   const int kind = scene->quadrics[quadric >= 0 ? quadric : 0].kind;

@@ -1,6 +1,7 @@
 // Watertight ray-triangle intersection.
 #ifndef PENUMBRA_TRIANGLE_H
 #define PENUMBRA_TRIANGLE_H
+#include "kernels/math/lane_record.h"
 #include "kernels/math/math.h"
 #include "kernels/scene.h"
 
@@ -10,10 +11,12 @@ PENUMBRA_NAMESPACE_BEGIN
 /// largest direction component is z, shear x and y, scale z. A vertex maps to the same point for every
 /// triangle that shares it, and the sign of an edge function of two rounded products is never wrong, only
 /// sometimes 0; with 0 counted as inside no ray slips between neighbours.
-typedef struct {
-  int axis;  ///< 0, 1, 2: the direction's largest component
-  float x, y, z;
-} Shear;
+#define SHEAR_FIELDS(F, a)                                         \
+  F(a, int, axis) /* 0, 1, 2: the direction's largest component */ \
+  F(a, float, x)                                                   \
+  F(a, float, y)                                                   \
+  F(a, float, z)
+LANE_RECORD(Shear, Shears, shear, SHEAR_FIELDS)
 
 FN Shear make_shear(vec3 d) {
   float ax = FABS(d.x), ay = FABS(d.y), az = FABS(d.z);

@@ -2,7 +2,7 @@
 // beam, and the samples of a light at a point whose radiant intensity depends on them.
 #ifndef PENUMBRA_BEAM_H
 #define PENUMBRA_BEAM_H
-#include "kernels/light/light_found.h"
+#include "kernels/light/kind_functions.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
@@ -22,15 +22,18 @@ FN LightPoint beam_point(GLOBAL const Light* light, GLOBAL const Beam* beam, vec
   return at;
 }
 
-/// From a point: the light's sample but for its radiance. Nothing where the receiver is that point itself.
-FN LightSample toward_delta_point(GLOBAL const Light* light, LightReceiver r, PRIVATE float* inverse_d2) {
-  float d2;
-  LightSample s = toward_point(r, load3(&light->p0), &d2);
-  s.pdf = 1.0f;
-  s.delta = true;
-  *inverse_d2 = 1.0f / d2;
-  return s;
-}
+// sample_<name>_light of a light with a beam.
+#define SAMPLE_LIGHT_BY_BEAM(name)                                                                      \
+  FN LightSample sample_##name##_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, \
+                                       float v, LightSampling sampling, uint ways) {                    \
+    GLOBAL const Light* light = scene->lights + index;                                                  \
+    float inverse_d2;                                                                                   \
+    LightSample s = toward_delta_point(light, r, &inverse_d2);                                          \
+    const LightPoint at = beam_point(light, beam_of(scene, light), s.wi);                               \
+    s.radiance = scale(name##_light_radiance(scene, light, at, s.wi), inverse_d2);                      \
+    s.tmax = max_component(s.radiance) > 0.0f ? s.tmax : -1.0f;                                         \
+    return at_place(s, at);                                                                             \
+  }
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -2,17 +2,15 @@
 #ifndef PENUMBRA_CYLINDER_LIGHT_H
 #define PENUMBRA_CYLINDER_LIGHT_H
 #include "kernels/intersect/surface_uv.h"
-#include "kernels/light/light_found.h"
+#include "kernels/light/kind_functions.h"
 #include "kernels/math/frame.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-FN vec3 cylinder_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* light, LightPoint at,
-                                vec3 wi) {
-  return load3(&light->radiance);
-}
+LIGHT_SHINES_ALIKE(cylinder)
 
-FN SampledPoint sample_cylinder_point(const PRIVATE Scene* scene, int index, float u, float v, uint ways) {
+FN SampledPoint sample_cylinder_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
+                                      float v, uint ways) {
   GLOBAL const Light* light = scene->lights + index;
   const vec3 center = load3(&light->p0), axis = load3(&light->p1);
   const float radius = light->p2.x, orientation = light->p2.y, length = light->p2.z;
@@ -36,19 +34,9 @@ FN SampledPoint sample_cylinder_point(const PRIVATE Scene* scene, int index, flo
   return s;
 }
 
-FN LightSample sample_cylinder_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
-                                     LightSampling sampling, uint ways) {
-  GLOBAL const Light* light = scene->lights + index;
-  const SampledPoint point = sample_cylinder_point(scene, index, u, v, ways);
-  LightSample s = toward_light(light, r, point);
-  s.radiance = cylinder_light_radiance(scene, light, point.at, s.wi);
-  return s;
-}
+SAMPLE_LIGHT_BY_POINT(cylinder)
 
-FN float cylinder_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
-                            uint ways) {
-  return area_to_solid_angle(sqr(found.distance), found.cosine, light->area);
-}
+FIND_LIGHT_BY_AREA(cylinder)
 
 PENUMBRA_NAMESPACE_END
 #endif

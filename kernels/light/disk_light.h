@@ -2,16 +2,15 @@
 #ifndef PENUMBRA_DISK_LIGHT_H
 #define PENUMBRA_DISK_LIGHT_H
 #include "kernels/intersect/surface_uv.h"
-#include "kernels/light/light_found.h"
+#include "kernels/light/kind_functions.h"
 #include "kernels/math/frame.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-FN vec3 disk_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* light, LightPoint at, vec3 wi) {
-  return load3(&light->radiance);
-}
+LIGHT_SHINES_ALIKE(disk)
 
-FN SampledPoint sample_disk_point(const PRIVATE Scene* scene, int index, float u, float v, uint ways) {
+FN SampledPoint sample_disk_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
+                                  uint ways) {
   GLOBAL const Light* light = scene->lights + index;
   const vec3 center = load3(&light->p0), normal = load3(&light->p1);
   const float radius = light->p2.x, root = SQRT(u);
@@ -32,18 +31,9 @@ FN SampledPoint sample_disk_point(const PRIVATE Scene* scene, int index, float u
   return s;
 }
 
-FN LightSample sample_disk_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
-                                 LightSampling sampling, uint ways) {
-  GLOBAL const Light* light = scene->lights + index;
-  const SampledPoint point = sample_disk_point(scene, index, u, v, ways);
-  LightSample s = toward_light(light, r, point);
-  s.radiance = disk_light_radiance(scene, light, point.at, s.wi);
-  return s;
-}
+SAMPLE_LIGHT_BY_POINT(disk)
 
-FN float disk_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found, uint ways) {
-  return area_to_solid_angle(sqr(found.distance), found.cosine, light->area);
-}
+FIND_LIGHT_BY_AREA(disk)
 
 PENUMBRA_NAMESPACE_END
 #endif

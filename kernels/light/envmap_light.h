@@ -128,11 +128,8 @@ FN LightSample sample_envmap_light(const PRIVATE Scene* scene, int index, LightR
   const float below = mix_f(columns[x], columns[stride + x], t);
   const float cell = mix_f(columns[x + 1], columns[stride + x + 1], t) - below;
   p.s = sample_linear(clamp_f(cell > 0.0f ? (target - below) / cell : 0.5f, 0.0f, ONE_MINUS_EPSILON), a, b);
-  LightSample s = no_light_sample();
   float sine;
-  s.wi = s.toward = envmap_direction(light, map, (float)p.x + p.s, (float)p.y + p.t, &sine);
-  s.origin = leave_surface(r.p, r.geometric, r.error, s.wi);
-  s.tmax = NO_LIMIT;
+  LightSample s = toward_infinity(r, envmap_direction(light, map, (float)p.x + p.s, (float)p.y + p.t, &sine));
   s.pdf = envmap_density(scene, map, mix_f(a, b, p.s), sine);
   s.radiance = envmap_radiance(scene, map, p);
   return s;

@@ -84,6 +84,15 @@ FN float area_to_solid_angle(float d2, float cosine, float area) {
   return cosine > 0.0f ? d2 / (cosine * area) : 0.0f;
 }
 
+/// The sample of a light at infinity in the unit direction. Density and radiance are up to the caller.
+FN LightSample toward_infinity(LightReceiver r, vec3 wi) {
+  LightSample s = no_light_sample();
+  s.wi = s.toward = wi;
+  s.origin = leave_surface(r.p, r.geometric, r.error, wi);
+  s.tmax = NO_LIMIT;
+  return s;
+}
+
 /// The shadow ray from the receiver to a point, and distance^2 of it from the ray's origin. Density and
 /// radiance are up to the caller.
 FN LightSample toward_point(LightReceiver r, vec3 target, PRIVATE float* d2) {
@@ -111,6 +120,17 @@ FN LightSample toward_light(GLOBAL const Light* light, LightReceiver r, SampledP
   s.pdf = point.pdf > 0.0f ? point.pdf : area_to_solid_angle(d2, cosine, light->area);
   s.tmax = cosine > 0.0f ? s.tmax : -1.0f;
   return at_place(s, at);
+}
+
+/// The sample of a light that is a point, but for its radiance, which is intensity times `inverse_d2`.
+/// Nothing where the receiver is that point itself.
+FN LightSample toward_delta_point(GLOBAL const Light* light, LightReceiver r, PRIVATE float* inverse_d2) {
+  float d2;
+  LightSample s = toward_point(r, load3(&light->p0), &d2);
+  s.pdf = 1.0f;
+  s.delta = true;
+  *inverse_d2 = 1.0f / d2;
+  return s;
 }
 
 PENUMBRA_NAMESPACE_END

@@ -2,7 +2,7 @@
 #ifndef PENUMBRA_RECTANGLE_LIGHT_H
 #define PENUMBRA_RECTANGLE_LIGHT_H
 #include "kernels/light/flat_light.h"
-#include "kernels/light/light_found.h"
+#include "kernels/light/kind_functions.h"
 #include "kernels/light/spherical_rectangle.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -17,10 +17,7 @@ FN SphericalRectangle seen_rectangle(GLOBAL const Light* light, vec3 from) {
   return s;
 }
 
-FN vec3 rectangle_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* light, LightPoint at,
-                                 vec3 wi) {
-  return load3(&light->radiance);
-}
+LIGHT_SHINES_ALIKE(rectangle)
 
 FN SampledPoint sample_rectangle_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
                                        float v, uint ways) {
@@ -37,14 +34,7 @@ FN SampledPoint sample_rectangle_point(const PRIVATE Scene* scene, int index, Li
   return s;
 }
 
-FN LightSample sample_rectangle_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
-                                      float v, LightSampling sampling, uint ways) {
-  GLOBAL const Light* light = scene->lights + index;
-  const SampledPoint point = sample_rectangle_point(scene, index, r, u, v, ways);
-  LightSample s = toward_light(light, r, point);
-  s.radiance = rectangle_light_radiance(scene, light, point.at, s.wi);
-  return s;
-}
+SAMPLE_LIGHT_BY_POINT(rectangle)
 
 FN float rectangle_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
                              uint ways) {

@@ -2,7 +2,7 @@
 #ifndef PENUMBRA_SPHERE_LIGHT_H
 #define PENUMBRA_SPHERE_LIGHT_H
 #include "kernels/intersect/surface_uv.h"
-#include "kernels/light/light_found.h"
+#include "kernels/light/kind_functions.h"
 #include "kernels/math/frame.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -18,9 +18,7 @@ FN bool sphere_light_is_cone(GLOBAL const Light* light, float d2, float r2) {
   return (light->p2.y > 0.0f) & (d2 > r2) & (light->sampling != EMITTER_AREA);
 }
 
-FN vec3 sphere_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* light, LightPoint at, vec3 wi) {
-  return load3(&light->radiance);
-}
+LIGHT_SHINES_ALIKE(sphere)
 
 FN SampledPoint sample_sphere_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
                                     uint ways) {
@@ -63,14 +61,7 @@ FN SampledPoint sample_sphere_point(const PRIVATE Scene* scene, int index, Light
   return s;
 }
 
-FN LightSample sample_sphere_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
-                                   LightSampling sampling, uint ways) {
-  GLOBAL const Light* light = scene->lights + index;
-  const SampledPoint point = sample_sphere_point(scene, index, r, u, v, ways);
-  LightSample s = toward_light(light, r, point);
-  s.radiance = sphere_light_radiance(scene, light, point.at, s.wi);
-  return s;
-}
+SAMPLE_LIGHT_BY_POINT(sphere)
 
 FN float sphere_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found,
                           uint ways) {

@@ -25,20 +25,9 @@ FN vec3 spot_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* ligh
   return scale(load3(&light->radiance), spot_falloff(beam_of(scene, light), negate(wi)));
 }
 
-FN LightSample sample_spot_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
-                                 LightSampling sampling, uint ways) {
-  GLOBAL const Light* light = scene->lights + index;
-  float inverse_d2;
-  LightSample s = toward_delta_point(light, r, &inverse_d2);
-  const LightPoint at = beam_point(light, beam_of(scene, light), s.wi);
-  s.radiance = scale(spot_light_radiance(scene, light, at, s.wi), inverse_d2);
-  s.tmax = max_component(s.radiance) > 0.0f ? s.tmax : -1.0f;
-  return at_place(s, at);
-}
+SAMPLE_LIGHT_BY_BEAM(spot)
 
-FN float spot_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found, uint ways) {
-  return 0.0f;
-}
+NO_RAY_FINDS_LIGHT(spot)
 
 PENUMBRA_NAMESPACE_END
 #endif

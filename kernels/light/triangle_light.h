@@ -3,7 +3,7 @@
 #ifndef PENUMBRA_TRIANGLE_LIGHT_H
 #define PENUMBRA_TRIANGLE_LIGHT_H
 #include "kernels/light/flat_light.h"
-#include "kernels/light/light_found.h"
+#include "kernels/light/kind_functions.h"
 #include "kernels/light/spherical_triangle.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -20,10 +20,7 @@ FN SphericalTriangle seen_triangle(GLOBAL const Light* light, vec3 from) {
   return t;
 }
 
-FN vec3 triangle_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* light, LightPoint at,
-                                vec3 wi) {
-  return load3(&light->radiance);
-}
+LIGHT_SHINES_ALIKE(triangle)
 
 FN SampledPoint sample_triangle_point(const PRIVATE Scene* scene, int index, LightReceiver r, float u,
                                       float v, LightSampling sampling, uint ways) {

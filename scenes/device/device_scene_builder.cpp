@@ -1,130 +1,37 @@
 #include "scenes/device/device_scene_builder.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <climits>
 #include <cmath>
-#include <limits>
-#include <map>
 #include <numbers>
 #include <optional>
-#include <span>
 
 #include "kernels/host/material_closure.h"
-#include "kernels/intersect/bvh_limits.h"
-#include "scenes/device/bvh_builder.h"
 #include "scenes/device/camera_builder.h"
+#include "scenes/device/device_materials.h"
 #include "scenes/device/filter_table.h"
 #include "scenes/device/integrator_builder.h"
 #include "scenes/device/light_builder.h"
-#include "scenes/device/light_groups.h"
-#include "scenes/device/light_survey.h"
-#include "scenes/device/light_table.h"
+#include "scenes/device/light_choice.h"
 #include "scenes/device/light_textures.h"
-#include "scenes/device/light_tree_builder.h"
 #include "scenes/device/ltc/ltc_table.h"
+#include "scenes/device/scene_bounds.h"
 #include "scenes/device/scene_records.h"
 #include "scenes/device/texture_coordinates.h"
 #include "scenes/device/texture_tables.h"
 #include "scenes/device/to_vec3.h"
-#include "scenes/instances.h"
 #include "scenes/transform.h"
 
 namespace penumbra {
 namespace {
 
-// Up to this many triangles testing all of them in lanes beats any hierarchy.
-constexpr std::size_t kMaxWholeTriangles = 64;
-// Where Embree becomes as fast as our own hierarchy, measured by tests/benchmarks/traversal_benchmark.cpp.
-constexpr std::size_t kMaxPortableTriangles = 4'000'000;
-constexpr std::size_t kMaxWholeQuadrics = 16;
 constexpr std::size_t kMaxPlacedEmitters = 1'000'000;  // each a light
 
 static_assert(int(SamplerKind::kSobol) == SAMPLER_SOBOL);
 
 bool emits(const Shape& shape) { return shape.radiance && *shape.radiance != glm::vec3(0.0f); }
 bool finite(const vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
-struct Bounds {
-  glm::dvec3 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
-  void include(const glm::dvec3& p, double reach = 0) {
-    low = glm::min(low, p - reach);
-    high = glm::max(high, p + reach);
-  }
-  [[nodiscard]] glm::dvec3 center() const { return 0.5 * (low + high); }
-};
-
-Bounds bounds_of(std::span<const Shape> shapes) {
-  Bounds bounds;
-  for (const Shape& shape : shapes) {
-    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry))
-      for (const glm::dvec3& p : mesh->positions) bounds.include(p);
-    if (const auto* sphere = std::get_if<Sphere>(&shape.geometry))
-      bounds.include(sphere->center, sphere->radius);
-    if (const auto* disk = std::get_if<Disk>(&shape.geometry)) bounds.include(disk->center, disk->radius);
-    if (const auto* cylinder = std::get_if<Cylinder>(&shape.geometry)) {
-      bounds.include(cylinder->center, cylinder->radius);
-      bounds.include(cylinder->center + cylinder->length * cylinder->axis, cylinder->radius);
-    }
-  }
-  return bounds;
-}
-
-/// Instances count as the boxes about their groups.
-Bounds bounds_of(const SceneDescription& scene, std::span<const PlacedGroup> placed) {
-  Bounds bounds = bounds_of(scene.shapes);
-  std::vector<Bounds> groups;
-  for (const ShapeGroup& group : scene.groups) groups.push_back(bounds_of(group.shapes));
-  for (const PlacedGroup& place : placed) {
-    const Bounds& group = groups[std::size_t(place.group)];
-    for (int corner = 0; corner < 8; ++corner) {
-      const glm::dvec3 p((corner & 1) != 0 ? group.high.x : group.low.x,
-                         (corner & 2) != 0 ? group.high.y : group.low.y,
-                         (corner & 4) != 0 ? group.high.z : group.low.z);
-      bounds.include(transform_point(place.to_world, p));
-    }
-  }
-  if (bounds.low.x > bounds.high.x) bounds.include(glm::dvec3(scene.camera.to_world[3]));
-  return bounds;
-}
-
-/// How many rays pass through a material, by its children, which come before it.
-void set_passes(Material& m, const std::vector<Material>& before) {
-  if (m.branches == 0) return;
-  const auto of = [&](int child) { return child < 0 ? PASSES_ALL : before.at(std::size_t(child)).passes; };
-  const bool plain = m.weight_texture == kNoTexture;
-  const int first = plain && m.weight >= 1.0f ? of(m.second) : of(m.first);
-  const int second = plain && m.weight <= 0.0f ? of(m.first) : of(m.second);
-  m.passes = first == second ? first : PASSES_SOME;
-}
-
-/// Between texture coordinates whose heights are compared: a small part of a texel, across whose edges slopes
-/// change.
-float bend_step(const SceneDescription& scene, int texture) {
-  const SceneTexture& heights = scene.textures.at(std::size_t(texture));
-  const auto* image = std::get_if<BitmapTexture>(&heights.model);
-  if (image == nullptr || image->bitmap < 0) return kBendStep;
-  const Bitmap& bitmap = *scene.bitmaps.at(std::size_t(image->bitmap));
-  const double along_u = glm::length(glm::dvec2(heights.to_uv[0])),
-               along_v = glm::length(glm::dvec2(heights.to_uv[1]));
-  constexpr double kLeast = 1.0 / (1 << 16);  // 250 times what rounds coordinates
-  return float(std::max(
-      kLeast, 1 / (32.0 * std::max({1.0, along_u, along_v}) * std::max(bitmap.width, bitmap.height))));
-}
-
-/// Whether a material has control lobes so narrow that points of lights are better chosen by them, which
-/// takes twice the time: measured by tests/benchmarks/glossy_variance_benchmark.cpp. Textures count as what
-/// their place is in the material.
-bool has_narrow_lobes(const std::vector<Material>& materials) {
-  constexpr float kBroad = 0.3f;
-  return std::ranges::any_of(materials, [](const Material& m) {
-    const bool disneys = m.family == FAMILY_PRINCIPLED || m.family == FAMILY_DISNEY;
-    const float rough = m.alpha_v > 0 ? std::sqrt(m.alpha_u * m.alpha_v) : m.alpha_u;
-    const float alpha = disneys ? std::max(m.roughness * m.roughness, LEAST_ALPHA) : rough;
-    return (ltc_families() >> m.family & 1u) != 0u && alpha > 0 && alpha < kBroad;
-  });
-}
 
 class Builder {
  public:
@@ -137,7 +44,7 @@ class Builder {
       placed_ = std::move(*placed);
     else
       problem_ = placed.error().message;
-    const Bounds bounds = bounds_of(scene, placed_);
+    const SceneBounds bounds = bounds_of(scene, placed_);
     center_ = bounds.center();
     radius_ = 0.5 * glm::length(bounds.high - bounds.low);
     lights_.set_textures(light_textures_);
@@ -169,10 +76,13 @@ class Builder {
       records_.ltc_cells = ltc_table();
     }
     if (scene_.sampler.kind != SamplerKind::kSobol) need(FEATURE_SAMPLERS);
-    if (Expected<void> done = choose_intersector(); !done) return std::unexpected(done.error());
+    if (Expected<void> done = add_intersector(options_.intersector, h_, records_); !done)
+      return std::unexpected(done.error());
     records_.filter_table = filter_table(scene_.film);
     if ((h_.features & FEATURE_LIGHT_TREE) != 0u)
-      if (Expected<void> done = add_light_tree(); !done) return std::unexpected(done.error());
+      if (Expected<void> done = add_light_tree(lights_.bounds(), scene_.integrator, radius_, h_, records_);
+          !done)
+        return std::unexpected(done.error());
     store(records_, out_);
     if (out_.words.size() > std::size_t(INT_MAX))
       return fail(scene_.source + ": the scene exceeds 8 GiB of tables");
@@ -459,176 +369,6 @@ class Builder {
     h_.sampler.seed = scene_.sampler.seed;
   }
 
-  /// That of the portable intersector.
-  Expected<void> add_hierarchy() {
-    const PrimitiveGroup all{0, 0, int(records_.triangles.size()), 0, int(records_.quadrics.size())};
-    const std::span<const PrimitiveGroup> groups =
-        records_.groups.empty() ? std::span(&all, 1) : std::span<const PrimitiveGroup>(records_.groups);
-    Expected<Hierarchy> hierarchy =
-        build_hierarchy(records_.triangles, records_.quadrics, groups, records_.instances);
-    if (!hierarchy) return std::unexpected(hierarchy.error());
-    for (std::size_t g = 0; g < records_.groups.size(); ++g) records_.groups[g].root = hierarchy->roots[g];
-    records_.nodes = std::move(hierarchy->nodes);
-    records_.triangle_leaves = std::move(hierarchy->triangle_leaves);
-    records_.quadric_leaves = std::move(hierarchy->quadric_leaves);
-    return {};
-  }
-
-  Expected<void> choose_intersector() {
-    const bool small = collect_corners();
-    h_.intersector = options_.intersector == IntersectorChoice::kAuto
-                         ? intersector_for(records_.triangles.size())
-                     : options_.intersector == IntersectorChoice::kEmbree ? INTERSECTOR_EMBREE
-                                                                          : INTERSECTOR_PORTABLE;
-    if (h_.intersector == INTERSECTOR_PORTABLE && !small) {
-      if (Expected<void> done = add_hierarchy(); !done) return done;
-      need(FEATURE_BVH);
-    }
-    if (h_.intersector != INTERSECTOR_PORTABLE || !small) {
-      records_.corners.clear();
-      records_.vertices.clear();
-    }
-    return {};
-  }
-
-  /// Of no light where none has power.
-  void set_light_tree(const LightTree& tree) {
-    if (tree.nodes.empty()) {
-      h_.light_cut = h_.light_tree_depth = 0;
-      h_.integrator.light_choice = CHOICE_POWER;
-      h_.features &= ~std::uint32_t(FEATURE_LIGHT_TREE);
-      return;
-    }
-    records_.light_nodes = tree.nodes;
-    records_.light_trails = tree.trails;
-    records_.light_members = tree.members;
-    records_.light_numbers = tree.numbers;
-    h_.light_cut = tree.cut;
-    h_.light_tree_depth = tree.depth;
-    h_.light_leaf_turns = tree.leaf_turns;
-  }
-
-  /// What infinite lights count for beside others takes a look at the scene.
-  Expected<void> add_light_tree() {
-    std::vector<LightBounds> all = lights_.bounds(), finite = all;
-    std::vector<int> infinite;
-    double intensity = 0;
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      if (all[i].infinite && all[i].intensity > 0) infinite.push_back(int(i));
-      if (all[i].infinite) finite[i].intensity = 0;
-      intensity += finite[i].intensity;
-    }
-    const double size2 = std::clamp(radius_ * radius_, 1e-30, 1e30);
-    const double unit = intensity > 0 ? size2 / intensity : 1.0;
-    if (infinite.empty() || !(intensity > 0)) {
-      const bool alike = infinite.empty() && in_one_place(all) && chooses_as_it_likes(scene_.integrator);
-      if (alike) {
-        set_light_tree({});
-        return {};
-      }
-      const Expected<std::vector<LightGroup>> groups = groups_of(finite, unit);
-      if (!groups) return std::unexpected(groups.error());
-      set_light_tree(build_light_tree(all, unit, *groups));
-      return {};
-    }
-    const Expected<std::vector<LightGroup>> groups = groups_of(finite, unit);
-    if (!groups) return std::unexpected(groups.error());
-    set_light_tree(build_light_tree(finite, unit, *groups));
-    InfiniteLights found{.intensities = std::vector<double>(infinite.size(), 1.0)};
-    Expected<void> done =
-        survey([&](const DeviceScene& scene) { found = survey_infinite_lights(scene, infinite); });
-    if (!done) return done;
-    if (infinite.size() == 1 && in_one_place(finite) && chooses_as_it_likes(scene_.integrator)) {
-      choose_alike(infinite[0], found.share);
-      return {};
-    }
-    for (std::size_t i = 0; i < infinite.size(); ++i)
-      all[std::size_t(infinite[i])].intensity = found.intensities[i] / unit;
-    set_light_tree(build_light_tree(all, unit, *groups));
-    return {};
-  }
-
-  /// Whether these are as one, say the triangles of a lamp.
-  static bool in_one_place(const std::vector<LightBounds>& lights) {
-    constexpr int kMost = 4;
-    const auto size = [](const LightBounds& b) { return glm::length(b.high - b.low); };
-    std::optional<LightBounds> all;
-    double largest = 0;
-    int count = 0;
-    for (const LightBounds& light : lights) {
-      if (!(light.intensity > 0)) continue;
-      all = all ? joined(*all, light) : light;
-      largest = std::max(largest, size(light));
-      if (++count > kMost) return false;
-    }
-    return all && size(*all) <= 1.01 * largest;
-  }
-
-  /// An infinite light beside one that is as one: how often each is chosen matters, where does not, and the
-  /// table takes no time.
-  void choose_alike(int infinite, double share) {
-    std::vector<double> shares;
-    double intensity = 0;
-    for (const LightBounds& light : lights_.bounds()) intensity += light.infinite ? 0.0 : light.intensity;
-    for (const LightBounds& light : lights_.bounds())
-      shares.push_back(light.infinite ? 0.0 : (1 - share) * light.intensity / intensity);
-    shares[std::size_t(infinite)] = share;
-    set_light_probabilities(records_.lights, shares);
-    set_light_tree({});
-    records_.light_nodes.clear();
-    records_.light_trails.clear();
-    records_.light_members.clear();
-    records_.light_numbers.clear();
-  }
-
-  /// See light_groups; of at least two lights that have a place.
-  Expected<std::vector<LightGroup>> groups_of(const std::vector<LightBounds>& finite, double unit) {
-    if (std::ranges::count_if(finite, [](const LightBounds& b) { return b.intensity > 0; }) < 2)
-      return std::vector<LightGroup>{};
-    std::vector<SurveyedPlace> places;
-    if (Expected<void> done = survey([&](const DeviceScene& scene) { places = survey_places(scene); }); !done)
-      return std::unexpected(done.error());
-    return light_groups(finite, unit, places);
-  }
-
-  /// Looks at a copy of the scene that has the portable hierarchy in any case; not at an empty scene.
-  template <typename Look>
-  Expected<void> survey(const Look& look) {
-    if (records_.triangles.empty() && records_.quadrics.empty()) return {};
-    const bool has_hierarchy = !records_.nodes.empty();
-    const std::vector<PrimitiveGroup> groups = records_.groups;
-    if (!has_hierarchy)
-      if (Expected<void> done = add_hierarchy(); !done) return done;
-    {
-      DeviceScene surveyed;
-      surveyed.header = h_;
-      store(records_, surveyed);
-      look(surveyed);
-    }
-    if (has_hierarchy) return {};
-    records_.groups = groups;
-    records_.nodes.clear();
-    records_.triangle_leaves.clear();
-    records_.quadric_leaves.clear();
-    return {};
-  }
-
-  /// Distinct vertices and the triangles over them; false if the scene is too large to be tested whole.
-  bool collect_corners() {
-    if (!records_.instances.empty() || records_.triangles.size() > kMaxWholeTriangles ||
-        records_.quadrics.size() > kMaxWholeQuadrics)
-      return false;
-    std::map<std::array<float, 3>, int> index;
-    const auto find = [&](const vec3& p) {
-      const auto [at, added] = index.try_emplace({p.x, p.y, p.z}, int(records_.vertices.size()));
-      if (added) records_.vertices.push_back(p);
-      return at->second;
-    };
-    for (const Triangle& t : records_.triangles)
-      records_.corners.push_back({find(t.p0), find(t.p1), find(t.p2)});
-    return records_.vertices.size() <= MAX_WHOLE_VERTICES;
-  }
-
   const SceneDescription& scene_;
   const DeviceSceneOptions& options_;
   DeviceScene out_;
@@ -649,10 +389,6 @@ class Builder {
 glm::dvec3 scene_center(const SceneDescription& scene) {
   const auto placed = place_groups(scene);
   return bounds_of(scene, placed ? *placed : std::vector<PlacedGroup>()).center();
-}
-
-int intersector_for(std::size_t triangles) {
-  return triangles > kMaxPortableTriangles ? INTERSECTOR_EMBREE : INTERSECTOR_PORTABLE;
 }
 
 Expected<DeviceScene> build_device_scene(const SceneDescription& scene, const DeviceSceneOptions& options) {

@@ -1,28 +1,22 @@
 // From a scene description to the flat arrays that the kernels read.
 #pragma once
 
-#include <cstddef>
 #include <glm/vec3.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "kernels/host/device_scene.h"
+#include "scenes/device/intersector.h"
 #include "scenes/scene_description.h"
 
 namespace penumbra {
-
-enum class IntersectorChoice { kAuto, kPortable, kEmbree };
 
 struct DeviceSceneOptions {
   IntersectorChoice intersector = IntersectorChoice::kAuto;
   bool feature_layers = true;  ///< albedo, normal and depth beside the radiance
   bool surface_uv = false;     ///< texture coordinates and tangents of surfaces, textures or not
 };
-
-/// INTERSECTOR_* that is fastest for so many triangles, ours where both are equal: its images are the same
-/// everywhere.
-int intersector_for(std::size_t triangles);
 
 /// The middle of the scene's bounding box, which the device scene's positions are relative to.
 glm::dvec3 scene_center(const SceneDescription& scene);

@@ -74,40 +74,31 @@ class Survey {
            scene_.materials[sides.back].passes != PASSES_NONE;
   }
 
-  [[nodiscard]] bool has_instances() const { return scene_.header.tables.instances.count > 0; }
-  [[nodiscard]] Hit closest(const vec3& origin, const vec3& toward, float limit, const Hit& skip) const {
-    return has_instances()
-               ? intersect_levels(&scene_, origin, toward, limit, skip.primitive, skip.instance, true)
-               : intersect_bvh(&scene_, origin, toward, limit, skip.primitive);
+  /// The closest hit in (0, tmax), but of what the ray starts on: `skip`, of instance `skip_instance`.
+  [[nodiscard]] Hit closest(vec3 o, vec3 d, float tmax, int skip, int skip_instance) const {
+    const bool instances = scene_.header.tables.instances.count > 0;
+    return intersect_levels(&scene_, o, d, tmax, skip, skip_instance, instances);
   }
-  [[nodiscard]] Surface surface_of(const Hit& hit, const vec3& origin, const vec3& toward) const {
-    if (has_instances() && hit.instance >= 0)
-      return surface_at_instance(&scene_, hit.primitive, hit.instance, origin, toward);
-    Surface s = surface_at(&scene_, hit.primitive, origin, toward);
-    s.instance = -1;
-    return s;
+  [[nodiscard]] Surface surface_of(const Hit& hit, vec3 o, vec3 d) const {
+    return hit.instance >= 0 ? surface_at_instance(&scene_, hit.primitive, hit.instance, o, d)
+                             : surface_at(&scene_, hit.primitive, o, d);
   }
 
-  /// Whether nothing that is certain to be in the way blocks the sample from where the hit is.
-  [[nodiscard]] bool is_seen(const LightSample& sample, Hit skip) const {
+  /// Whether nothing that is certain to be in the way blocks the sample, which starts at `s`.
+  [[nodiscard]] bool is_seen(const LightSample& sample, const Surface& s) const {
     vec3 origin = sample.origin;
     float left = sample.tmax;
+    int skip = s.primitive, skip_instance = s.instance;
     for (int k = 0; k < kMostPassed && left > 0; ++k) {
-      const Hit hit = closest(origin, sample.toward, left, skip);
+      const Hit hit = closest(origin, sample.toward, left, skip, skip_instance);
       if (hit.primitive < 0) return true;
       if (!may_pass(hit.primitive)) return false;
       origin = add_scaled(origin, hit.t, sample.toward);
       if (left < NO_LIMIT) left -= hit.t;
-      skip = hit;
+      skip = hit.primitive;
+      skip_instance = hit.instance;
     }
     return false;
-  }
-
-  [[nodiscard]] Hit start_at(const Surface& s) const {
-    Hit hit = no_hit(NO_LIMIT);
-    hit.primitive = s.primitive;
-    hit.instance = s.instance;
-    return hit;
   }
 
   /// A sample of the light at the surface, by `u`.
@@ -133,7 +124,7 @@ class Survey {
     const Arrival arrival{mean * kept, double(found.pdf) * pmf, found.delta ? 0.0 : kept / double(PI_F)};
     const double irradiance = arrival.light / arrival.pdf;
     if (!(irradiance > 0) || !std::isfinite(irradiance * irradiance)) return {};
-    return is_seen(found, start_at(s)) ? arrival : Arrival{};
+    return is_seen(found, s) ? arrival : Arrival{};
   }
 
   void visit(const Surface& s, bool all_around, double weight) {
@@ -181,14 +172,15 @@ class Survey {
                                float(y - std::floor(y)) - 0.5f);
     vec3 origin = ray.origin, toward = ray.direction;
     float limit = ray.tmax;
-    Hit skip = no_hit(NO_LIMIT);
+    int skip = -1, skip_instance = -1;
     double weight = 1;
     for (int bounce = 0, passed = 0; bounce < kBounces && passed < kMostPassed;) {
-      const Hit hit = closest(origin, toward, limit, skip);
+      const Hit hit = closest(origin, toward, limit, skip, skip_instance);
       if (hit.primitive < 0) return;
       const Surface s = surface_of(hit, origin, toward);
       const Material* leaf = leaf_of(s.material);
-      skip = hit;
+      skip = hit.primitive;
+      skip_instance = hit.instance;
       limit = NO_LIMIT;
       ++passed;
       if (leaf != nullptr && leaf->family == FAMILY_BLACK) return;

@@ -9,7 +9,7 @@
 #include "scenes/gltf/material_builder.h"
 #include "scenes/gltf/primitive.h"
 #include "scenes/gltf/view_reader.h"
-#include "scenes/settings.h"
+#include "scenes/reading.h"
 #include "scenes/texture_needs.h"
 #include "scenes/transform.h"
 
@@ -266,21 +266,14 @@ class SceneBuilder {
 }  // namespace
 
 Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options) {
-  const FileAccess files(options.confine_to);
-  const auto asset = read_asset(file, files);
+  Reading reading(options);
+  const auto asset = read_asset(file, reading.files);
   if (!asset) return std::unexpected(asset.error());
-  Diagnostics diagnostics;
-  ReaderReport report(diagnostics, options.lenient);
-  for (const auto& [name, value] : options.defines)
-    report.error({}, fmt::format("-D {}={}: a glTF scene has no variables", name, value));
+  reading.refuse_variables("glTF");
   SceneDescription scene;
   scene.source = file.string();
-  SceneBuilder(**asset, files, report, scene).build();
-  if (diagnostics.failed()) return std::unexpected(diagnostics.error());
-  scene.contents_hash = files.contents_hash();
-  scene.warnings = diagnostics.take_warnings();
-  scene.files = files.files_read();
-  return scene;
+  SceneBuilder(**asset, reading.files, reading.report, scene).build();
+  return reading.finish(std::move(scene));
 }
 
 }  // namespace penumbra::gltf

@@ -379,10 +379,9 @@ void PluginReader::finish() {
   for (std::size_t i = 0; i < object_.parameters.size(); ++i) {
     if (taken_[i]) continue;
     const Parameter& parameter = object_.parameters[i];
-    const std::string hint = suggestion(parameter.name, known_);
     context_.diagnostics.error(parameter.location,
-                               fmt::format("{} has no parameter '{}'{} It has: {}", title(), parameter.name,
-                                           hint.empty() ? "." : hint, list_names(known_)));
+                               fmt::format("{} has no parameter '{}'{}", title(), parameter.name,
+                                           known_names(parameter.name, known_, "It has")));
   }
   for (const Nested& each : nested_) {
     if (each.taken) continue;

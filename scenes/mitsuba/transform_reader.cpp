@@ -106,8 +106,8 @@ std::optional<glm::dmat4> read_step(const ElementReader& element) {
     return element.check_attributes({"origin", "target", "up"}) ? read_look_at(element) : std::nullopt;
   }
   const std::vector<std::string> known = {"translate", "rotate", "scale", "matrix", "lookat"};
-  return element.wrong(fmt::format("<{}> is not a step of a transform{} It has: {}", element.element().name(),
-                                   suggestion(tag, known), list_names(known)));
+  return element.wrong(fmt::format("<{}> is not a step of a transform{}", element.element().name(),
+                                   known_names(tag, known, "It has")));
 }
 
 }  // namespace

@@ -39,8 +39,8 @@ bool ElementReader::check_attributes(std::initializer_list<std::string_view> kno
     const SourceLocation place = locate_attribute(file_, element_, each.name());
     if (std::find(known.begin(), known.end(), each.name()) == known.end()) {
       const std::vector<std::string> names(known.begin(), known.end());
-      diagnostics_.error(place, fmt::format("<{}> has no attribute '{}'{} It has: {}", element_.name(),
-                                            each.name(), suggestion(each.name(), names), list_names(names)));
+      diagnostics_.error(place, fmt::format("<{}> has no attribute '{}'{}", element_.name(), each.name(),
+                                            known_names(each.name(), names, "It has")));
       good = false;
     } else if (std::find(seen.begin(), seen.end(), each.name()) != seen.end()) {
       diagnostics_.error(place, fmt::format("the attribute '{}' is there twice", each.name()));

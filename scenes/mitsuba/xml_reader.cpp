@@ -355,9 +355,8 @@ class XmlReader {
     const std::vector<std::string> known(used_.begin(), used_.end());
     for (const auto& [name, value] : options_.defines) {
       if (used_.contains(name)) continue;
-      diagnostics_.error({}, fmt::format("-D {}={}: the scene uses no ${}{} It uses: {}", name, value, name,
-                                         suggestion(name, known).empty() ? "." : suggestion(name, known),
-                                         list_names(known)));
+      diagnostics_.error({}, fmt::format("-D {}={}: the scene uses no ${}{}", name, value, name,
+                                         known_names(name, known, "It uses")));
     }
   }
 

@@ -1,16 +1,15 @@
 #include "scenes/nori/nori_scene.h"
 
-#include <fmt/format.h>
-
 #include <pugixml.hpp>
 #include <string_view>
+#include <utility>
 
 #include "scenes/file_access.h"
 #include "scenes/mitsuba/plugin.h"
 #include "scenes/mitsuba/scene_builder.h"
 #include "scenes/mitsuba/xml_source.h"
 #include "scenes/nori/nori_tree.h"
-#include "scenes/settings.h"
+#include "scenes/reading.h"
 
 namespace penumbra::nori {
 
@@ -27,25 +26,12 @@ bool is_scene(const std::filesystem::path& file) {
 }
 
 Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options) {
-  const FileAccess files(options.confine_to);
-  Diagnostics diagnostics;
-  ReaderReport report(diagnostics, options.lenient);
-  for (const auto& [name, value] : options.defines)
-    diagnostics.error({}, fmt::format("-D {}={}: a Nori scene has no variables", name, value));
-  mitsuba::ObjectTree tree = read_tree(file, files, diagnostics, report);
-  if (diagnostics.failed()) return std::unexpected(diagnostics.error());
-  SceneDescription scene = mitsuba::build_scene({tree, diagnostics, options.lenient}, files);
-  if (diagnostics.failed()) return std::unexpected(diagnostics.error());
-  if (options.settings.empty()) {  // else they may put it right
-    if (const auto checked = check_settings(scene); !checked) {
-      diagnostics.error(tree.scene.location, checked.error().message);
-      return std::unexpected(diagnostics.error());
-    }
-  }
-  scene.contents_hash = files.contents_hash();
-  scene.warnings = diagnostics.take_warnings();
-  scene.files = files.files_read();
-  return scene;
+  Reading reading(options);
+  reading.refuse_variables("Nori");
+  mitsuba::ObjectTree tree = read_tree(file, reading.files, reading.diagnostics, reading.report);
+  if (reading.failed()) return reading.error();
+  SceneDescription scene = mitsuba::build_scene({tree, reading.diagnostics, options.lenient}, reading.files);
+  return reading.finish(std::move(scene), tree.scene.location);
 }
 
 }  // namespace penumbra::nori

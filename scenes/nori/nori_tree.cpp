@@ -267,13 +267,10 @@ class TreeReader {
     if (found == known.end()) {
       std::vector<std::string> names;
       for (const Integrator& each : known) names.emplace_back(each.nori);
-      report_.unsupported(
-          object.type_location,
-          fmt::format("integrator type '{}' is not one of Nori's that Penumbra reads{} It reads: {}",
-                      object.type,
-                      suggestion(object.type, names).empty() ? "." : suggestion(object.type, names),
-                      list_names(names)),
-          "path_mis stands in for it");
+      report_.unsupported(object.type_location,
+                          fmt::format("integrator type '{}' is not one of Nori's that Penumbra reads{}",
+                                      object.type, known_names(object.type, names, "It reads")),
+                          "path_mis stands in for it");
       object.type = "path_mis";
       object.parameters.clear();
       return;

@@ -193,10 +193,9 @@ void read_light(Context& context, TextureReader& textures, const std::string& ty
     read_infinite(context, textures, parameters, state, location);
   } else {
     const std::vector<std::string> known = {"point", "spot", "distant", "infinite"};
-    const std::string hint = suggestion(type, known);
     return context.report.unsupported(location,
-                                      fmt::format("light '{}' is not one that Penumbra reads{} It reads: {}",
-                                                  type, hint.empty() ? "." : hint, list_names(known)),
+                                      fmt::format("light '{}' is not one that Penumbra reads{}", type,
+                                                  known_names(type, known, "It reads")),
                                       "it is left out");
   }
   parameters.finish(fmt::format("the light '{}'", type), context.report);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/pbrt/type_rows.h"
 #include "scenes/refractive_indices.h"
 
 namespace penumbra::pbrt {
@@ -38,9 +39,8 @@ std::shared_ptr<const SurfaceMaterial> MaterialReader::named(const std::string& 
   if (found != named_.end()) return found->second;
   std::vector<std::string> known;
   for (const auto& [each, ignored] : named_) known.push_back(each);
-  const std::string hint = suggestion(name, known);
-  context_.report.error(location, fmt::format("there is no material '{}' before this{} There are: {}", name,
-                                              hint.empty() ? "." : hint, list_names(known)));
+  context_.report.error(location, fmt::format("there is no material '{}' before this{}", name,
+                                              known_names(name, known, "There are")));
   return std::make_shared<SurfaceMaterial>(both_sides("missing", DiffuseBsdf{}));
 }
 
@@ -60,18 +60,10 @@ std::shared_ptr<const SurfaceMaterial> MaterialReader::read(const std::string& t
                                         {"mix", &MaterialReader::mix}};
   if (type == "interface" || type.empty() || type == "none")
     return std::make_shared<SurfaceMaterial>(both_sides("interface", NullBsdf{}));
-  const auto* found = std::ranges::find_if(kReaders, [&](const Reader& each) { return type == each.type; });
-  if (found == std::end(kReaders)) {
-    std::vector<std::string> known;
-    for (const Reader& each : kReaders) known.emplace_back(each.type);
-    known.emplace_back("interface");
-    report.unsupported(
-        location,
-        fmt::format("material '{}' is not one that Penumbra reads{} It reads: {}", type,
-                    suggestion(type, known).empty() ? "." : suggestion(type, known), list_names(known)),
-        "a magenta diffuse stands in for it");
+  const auto* found = find_row(kReaders, type, "material", "a magenta diffuse stands in for it", location,
+                               report, {"interface"});
+  if (found == nullptr)
     return std::make_shared<SurfaceMaterial>(both_sides(type.c_str(), DiffuseBsdf{kUnreadColour}));
-  }
   SurfaceMaterial material = (this->*found->read)(parameters, location);
   SurfaceBend bend;
   if (const std::string file = parameters.text("normalmap", "", report); !file.empty()) {

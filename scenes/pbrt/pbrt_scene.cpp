@@ -3,14 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
-#include "scenes/number.h"
 #include "scenes/pbrt/light_reader.h"
 #include "scenes/pbrt/material_reader.h"
 #include "scenes/pbrt/shape_reader.h"
+#include "scenes/pbrt/transform_reader.h"
 #include "scenes/pbrt/view_reader.h"
-#include "scenes/settings.h"
+#include "scenes/reading.h"
 #include "scenes/transform.h"
 
 namespace penumbra::pbrt {
@@ -82,33 +81,6 @@ class SceneParser {
     return "";
   }
 
-  template <std::size_t N>
-  std::optional<std::array<double, N>> numbers() {
-    std::array<double, N> result{};
-    const bool in_brackets = tokens_.peek().kind == TokenKind::kOpen;
-    if (in_brackets) tokens_.next();
-    for (double& each : result) {
-      const Token token = tokens_.peek();
-      const auto number = token.kind == TokenKind::kWord
-                              ? parse_number(token.text)
-                              : Expected<double>(fail(fmt::format("{} numbers are wanted here", N)));
-      if (!number) {
-        report_.error(token.location, number.error().message);
-        return std::nullopt;
-      }
-      tokens_.next();
-      each = *number;
-    }
-    if (in_brackets) {
-      const Token token = tokens_.peek();
-      if (token.kind == TokenKind::kClose)
-        tokens_.next();
-      else
-        report_.error(token.location, fmt::format("{} numbers and a closing bracket are wanted here", N));
-    }
-    return result;
-  }
-
   Parameters parameters() { return Parameters::read(tokens_, report_); }
   Parameters parameters_with(const char* target) {
     Parameters result = parameters();
@@ -125,47 +97,12 @@ class SceneParser {
 
   // --- transforms
 
-  void transform(const glm::dmat4& m) { state_.ctm = state_.ctm * m; }
-
   void identity(const Token&) { state_.ctm = glm::dmat4(1.0); }
-  void translate(const Token&) {
-    if (const auto n = numbers<3>()) transform(translation({(*n)[0], (*n)[1], (*n)[2]}));
-  }
-  void scale(const Token&) {
-    if (const auto n = numbers<3>()) transform(scaling({(*n)[0], (*n)[1], (*n)[2]}));
-  }
-  void rotate(const Token& token) {
-    const auto n = numbers<4>();
-    if (!n) return;
-    const glm::dvec3 axis((*n)[1], (*n)[2], (*n)[3]);
-    if (!(glm::length(axis) > 0.0)) return report_.error(token.location, "a rotation needs an axis");
-    transform(rotation(axis, (*n)[0]));
-  }
-  void look_at_directive(const Token& token) {
-    const auto n = numbers<9>();
-    if (!n) return;
-    const auto& v = *n;
-    const auto frame = look_at({v[0], v[1], v[2]}, {v[3], v[4], v[5]}, glm::dvec3(v[6], v[7], v[8]));
-    if (!frame) return report_.error(token.location, frame.error().message);
-    // The same axes: up x view, up, view; pbrt's first is to the right of the image.
-    transform(glm::inverse(*frame));
-  }
-  static glm::dmat4 matrix(const std::array<double, 16>& n) {
-    glm::dmat4 result;
-    for (std::size_t i = 0; i < 16; ++i) result[int(i / 4)][int(i % 4)] = n[i];  // column by column
-    return result;
-  }
-  bool affine(const glm::dmat4& m, const Token& token) {
-    if (m[0].w == 0 && m[1].w == 0 && m[2].w == 0 && m[3].w == 1) return true;
-    report_.error(token.location,
-                  "the last row of a matrix must be 0 0 0 1: numbers are given column by column");
-    return false;
-  }
   void set_transform(const Token& token) {
-    if (const auto n = numbers<16>(); n && affine(matrix(*n), token)) state_.ctm = matrix(*n);
+    if (const auto m = read_transform(token, tokens_, report_)) state_.ctm = *m;
   }
   void concat_transform(const Token& token) {
-    if (const auto n = numbers<16>(); n && affine(matrix(*n), token)) transform(matrix(*n));
+    if (const auto m = read_transform(token, tokens_, report_)) state_.ctm = state_.ctm * *m;
   }
   void coordinate_system(const Token&) { systems_[quoted("a name")] = state_.ctm; }
   void coord_sys_transform(const Token& token) {
@@ -179,7 +116,7 @@ class SceneParser {
     tokens_.next();
     report_.warn_once(token.location, "ActiveTransform is ignored: everything is where it ends up");
   }
-  void transform_times(const Token&) { static_cast<void>(numbers<2>()); }
+  void transform_times(const Token&) { static_cast<void>(read_numbers(2, tokens_, report_)); }
 
   // --- blocks
 
@@ -416,7 +353,7 @@ std::span<const SceneParser::Directive> SceneParser::directives() {
                                        {"Include", &P::include},
                                        {"Integrator", &P::integrator},
                                        {"LightSource", &P::light_source},
-                                       {"LookAt", &P::look_at_directive},
+                                       {"LookAt", &P::concat_transform},
                                        {"MakeNamedMaterial", &P::make_named_material},
                                        {"MakeNamedMedium", &P::medium},
                                        {"Material", &P::material},
@@ -428,16 +365,16 @@ std::span<const SceneParser::Directive> SceneParser::directives() {
                                        {"Option", &P::option},
                                        {"PixelFilter", &P::filter},
                                        {"ReverseOrientation", &P::reverse_orientation},
-                                       {"Rotate", &P::rotate},
+                                       {"Rotate", &P::concat_transform},
                                        {"Sampler", &P::sampler},
-                                       {"Scale", &P::scale},
+                                       {"Scale", &P::concat_transform},
                                        {"Shape", &P::shape},
                                        {"Texture", &P::texture},
                                        {"Transform", &P::set_transform},
                                        {"TransformBegin", &P::transform_begin},
                                        {"TransformEnd", &P::transform_end},
                                        {"TransformTimes", &P::transform_times},
-                                       {"Translate", &P::translate},
+                                       {"Translate", &P::concat_transform},
                                        {"WorldBegin", &P::world_begin}};
   return kAll;
 }
@@ -445,26 +382,15 @@ std::span<const SceneParser::Directive> SceneParser::directives() {
 }  // namespace
 
 Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options) {
-  const FileAccess files(options.confine_to);
-  Diagnostics diagnostics;
-  ReaderReport report(diagnostics, options.lenient);
-  for (const auto& [name, value] : options.defines)
-    report.error({}, fmt::format("-D {}={}: a pbrt scene has no variables", name, value));
+  Reading reading(options);
+  reading.refuse_variables("pbrt");
   SceneDescription scene;
   scene.source = file.string();
-  Context context{report, files, file.parent_path(), scene};
-  TokenReader tokens(files, report);
+  Context context{reading.report, reading.files, file.parent_path(), scene};
+  TokenReader tokens(reading.files, reading.report);
   tokens.enter(file, {});
-  if (!diagnostics.failed()) SceneParser(context, tokens).parse();
-  if (diagnostics.failed()) return std::unexpected(diagnostics.error());
-  if (options.settings.empty()) {  // else they may put it right
-    if (const auto checked = check_settings(scene); !checked)
-      return fail(fmt::format("{}: {}", file.string(), checked.error().message));
-  }
-  scene.contents_hash = files.contents_hash();
-  scene.warnings = diagnostics.take_warnings();
-  scene.files = files.files_read();
-  return scene;
+  if (!reading.failed()) SceneParser(context, tokens).parse();
+  return reading.finish(std::move(scene));
 }
 
 }  // namespace penumbra::pbrt

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "scenes/mesh_reader.h"
+#include "scenes/pbrt/type_rows.h"
 #include "scenes/texture_needs.h"
 #include "scenes/transform.h"
 
@@ -33,6 +34,15 @@ double area_of(const Shape& shape) {
 std::pair<glm::dvec3, glm::dvec3> frame_axes(const glm::dmat4& m) {
   const glm::dvec3 x = glm::normalize(glm::dvec3(m[0])), y(m[1]);
   return {x, glm::normalize(y - glm::dot(x, y) * x)};
+}
+
+/// Nothing, and an error, where it is none.
+std::optional<double> read_radius(Parameters& parameters, SourceLocation location, ReaderReport& report) {
+  const double radius = parameters.number("radius", 1.0, report);
+  if (radius > 0.0) return radius;
+  report.error(parameters.location("radius", location),
+               fmt::format("a radius must be above 0, not {}", radius));
+  return std::nullopt;
 }
 
 }  // namespace
@@ -146,34 +156,26 @@ std::optional<ShapeReader::Geometry> ShapeReader::ply_mesh(Parameters& parameter
 
 std::optional<ShapeReader::Geometry> ShapeReader::sphere(Parameters& parameters, SourceLocation location) {
   ReaderReport& report = context_.report;
-  const double radius = parameters.number("radius", 1.0, report);
-  if (!(radius > 0.0)) {
-    report.error(parameters.location("radius", location),
-                 fmt::format("a radius must be above 0, not {}", radius));
-    return std::nullopt;
-  }
-  if (parameters.number("zmin", -radius, report) > -radius ||
-      parameters.number("zmax", radius, report) < radius ||
+  const auto radius = read_radius(parameters, location, report);
+  if (!radius) return std::nullopt;
+  if (parameters.number("zmin", -*radius, report) > -*radius ||
+      parameters.number("zmax", *radius, report) < *radius ||
       parameters.number("phimax", 360.0, report) < 360.0)
     report.unsupported(location, "parts of spheres are not read", "it is a whole one");
   Sphere sphere;
-  sphere.radius = radius;
+  sphere.radius = *radius;
   return sphere;
 }
 
 std::optional<ShapeReader::Geometry> ShapeReader::disk(Parameters& parameters, SourceLocation location) {
   ReaderReport& report = context_.report;
-  const double radius = parameters.number("radius", 1.0, report);
-  if (!(radius > 0.0)) {
-    report.error(parameters.location("radius", location),
-                 fmt::format("a radius must be above 0, not {}", radius));
-    return std::nullopt;
-  }
+  const auto radius = read_radius(parameters, location, report);
+  if (!radius) return std::nullopt;
   if (parameters.number("innerradius", 0.0, report) > 0.0 ||
       parameters.number("phimax", 360.0, report) < 360.0)
     report.unsupported(location, "rings and parts of disks are not read", "it is a whole disk");
   Disk disk;
-  disk.radius = radius;
+  disk.radius = *radius;
   disk.center = {0.0, 0.0, parameters.number("height", 0.0, report)};
   return disk;
 }
@@ -190,17 +192,8 @@ std::optional<ReadShape> ShapeReader::read(const std::string& type, Parameters& 
                                         {"plymesh", &ShapeReader::ply_mesh},
                                         {"sphere", &ShapeReader::sphere},
                                         {"disk", &ShapeReader::disk}};
-  const auto* found = std::ranges::find_if(kReaders, [&](const Reader& each) { return type == each.type; });
-  if (found == std::end(kReaders)) {
-    std::vector<std::string> known;
-    for (const Reader& each : kReaders) known.emplace_back(each.type);
-    const std::string hint = suggestion(type, known);
-    report.unsupported(location,
-                       fmt::format("shape '{}' is not one that Penumbra reads{} It reads: {}", type,
-                                   hint.empty() ? "." : hint, list_names(known)),
-                       "it is left out");
-    return std::nullopt;
-  }
+  const auto* found = find_row(kReaders, type, "shape", "it is left out", location, report);
+  if (found == nullptr) return std::nullopt;
   ReadShape shape;
   shape.alpha = textures_.number(parameters, "alpha", 1.0, 0.0, 1e30);
   auto geometry = (this->*found->read)(parameters, location);

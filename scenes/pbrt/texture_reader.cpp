@@ -143,10 +143,8 @@ TextureValue TextureReader::value(Parameters& parameters, std::string_view name,
     std::vector<std::string> known;
     for (const auto& [each, ignored] : textures_) known.push_back(each);
     const std::string wanted = parameter->texts.empty() ? "" : parameter->texts[0];
-    report.error(
-        parameter->location,
-        fmt::format("there is no texture '{}' before this{} There are: {}", wanted,
-                    suggestion(wanted, known).empty() ? "." : suggestion(wanted, known), list_names(known)));
+    report.error(parameter->location, fmt::format("there is no texture '{}' before this{}", wanted,
+                                                  known_names(wanted, known, "There are")));
     return {};
   }
   if (parameter->type == "float") {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "scenes/pbrt/type_rows.h"
 #include "scenes/settings.h"
 #include "scenes/transform.h"
 
@@ -17,22 +18,6 @@ template <typename T>
 void set(Context& context, std::string_view key, const T& value, SourceLocation location) {
   if (const auto done = apply_setting(context.scene, key, fmt::format("{}", value)); !done)
     context.report.error(location, done.error().message);
-}
-
-/// Of a name: its row, or null and a message.
-template <typename Rows>
-const auto* find_row(Context& context, const Rows& rows, const std::string& type, const char* what,
-                     const char* instead, SourceLocation location) {
-  for (const auto& row : rows)
-    if (type == row.type) return &row;
-  std::vector<std::string> known;
-  for (const auto& row : rows) known.emplace_back(row.type);
-  const std::string hint = suggestion(type, known);
-  context.report.unsupported(location,
-                             fmt::format("{} '{}' is not one that Penumbra reads{} It reads: {}", what, type,
-                                         hint.empty() ? "." : hint, list_names(known)),
-                             instead);
-  return static_cast<decltype(&*std::begin(rows))>(nullptr);
 }
 
 }  // namespace
@@ -154,7 +139,7 @@ void read_sampler(Context& context, const std::string& type, Parameters& paramet
                                   {"paddedsobol", "sobol"},    {"pmj02bn", "sobol"},
                                   {"stratified", "stratified"}};
   ReaderReport& report = context.report;
-  const auto* row = find_row(context, kRows, type, "sampler", "sobol stands in for it", location);
+  const auto* row = find_row(kRows, type, "sampler", "sobol stands in for it", location, report);
   set(context, "sampler.type", row != nullptr ? row->ours : "sobol", location);
   std::int64_t samples = parameters.integer("pixelsamples", 16, report);
   if (type == "stratified")
@@ -175,7 +160,7 @@ void read_filter(Context& context, const std::string& type, Parameters& paramete
                                   {"gaussian", "gaussian", 1.5},
                                   {"mitchell", "mitchell", 2.0}};
   ReaderReport& report = context.report;
-  const auto* row = find_row(context, kRows, type, "filter", "a gaussian stands in for it", location);
+  const auto* row = find_row(kRows, type, "filter", "a gaussian stands in for it", location, report);
   set(context, "film.rfilter", row != nullptr ? row->ours : "gaussian", location);
   if (row == nullptr) return;
   const double x = parameters.number("xradius", row->radius, report);
@@ -206,7 +191,7 @@ void read_integrator(Context& context, const std::string& type, Parameters& para
                                   {"simplevolpath", true}, {"bdpt", false},       {"mlt", false},
                                   {"lightpath", false},    {"randomwalk", false}, {"sppm", false}};
   ReaderReport& report = context.report;
-  const auto* row = find_row(context, kRows, type, "integrator", "path stands in for it", location);
+  const auto* row = find_row(kRows, type, "integrator", "path stands in for it", location, report);
   set(context, "integrator.type", "path_mis", location);
   if (row != nullptr && !row->same)
     report.warn(location, fmt::format("path stands in for the integrator '{}'", type));

@@ -207,10 +207,9 @@ class ModelReader {
     }
     std::vector<std::string> known;
     for (const auto& [name, material] : materials_) known.push_back(name);
-    const std::string hint = suggestion(group.material.name, known);
     context_.unknown(group.material.location,
-                     fmt::format("the material '{}' is not defined{} The MTL files define: {}",
-                                 group.material.name, hint.empty() ? "." : hint, list_names(known)),
+                     fmt::format("the material '{}' is not defined{}", group.material.name,
+                                 known_names(group.material.name, known, "The MTL files define")),
                      instead);
   }
 

@@ -142,11 +142,10 @@ void Section::finish(std::span<const std::string> elsewhere, std::string_view wh
       context_.diagnostics.warn(entry.key_location, fmt::format("{} has no effect {}", entry.key, where));
       continue;
     }
-    const std::string hint = suggestion(entry.key, all);
-    context_.unknown(entry.key_location,
-                     fmt::format("[{}] has no key '{}'{} It has: {}", name_, entry.key,
-                                 hint.empty() ? "." : hint, list_names(all)),
-                     "it is left out");
+    context_.unknown(
+        entry.key_location,
+        fmt::format("[{}] has no key '{}'{}", name_, entry.key, known_names(entry.key, all, "It has")),
+        "it is left out");
   }
 }
 

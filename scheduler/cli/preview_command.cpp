@@ -15,7 +15,7 @@ ExitCode preview(const RenderOptions& options) {
   const std::atomic<bool>& stop = install_stop_signal();
   auto prepared = prepare_watched_render(options);
   if (!prepared) return prepared.error();
-  const auto outcome = run_render(prepared->job, stop, [](const RenderProgress& progress) {
+  const auto outcome = run_render(prepared->job, prepared->farm, stop, [](const RenderProgress& progress) {
     for (const std::string& notice : progress.notices) print_message(notice);
   });
   if (!outcome) return print_error(outcome.error()), kIncomplete;

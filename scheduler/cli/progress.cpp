@@ -62,14 +62,14 @@ std::string progress_bar(const RenderProgress& progress, int columns) {
 
 ProgressPrinter::ProgressPrinter(ProgressStyle style, int columns) : style_(style), columns_(columns) {}
 
-void ProgressPrinter::update(const RenderProgress& progress) {
+void ProgressPrinter::update(const RenderProgress& progress, const std::string& what) {
   if (style_ == ProgressStyle::kNone) return;
   for (const std::string& notice : progress.notices) print_message(notice);
   if (style_ == ProgressStyle::kBar) {
     // One column stays free: terminals wrap a line that fills the last one.
-    redraw_line(progress_bar(progress, columns_ - 1));
-  } else if (progress.elapsed_seconds - last_line_ >= kSecondsBetweenLines) {
-    print_message(progress_text(progress));
+    redraw_line(what + progress_bar(progress, columns_ - 1 - int(what.size())));
+  } else if (std::abs(progress.elapsed_seconds - last_line_) >= kSecondsBetweenLines) {
+    print_message(what + progress_text(progress));
     last_line_ = progress.elapsed_seconds;
   }
 }

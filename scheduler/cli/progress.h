@@ -29,8 +29,8 @@ class ProgressPrinter {
  public:
   /// `columns` is the width of the terminal, for kBar.
   ProgressPrinter(ProgressStyle style, int columns);
-  /// Notices become lines that stay.
-  void update(const RenderProgress& progress);
+  /// Notices become lines that stay; `what` is put before the rest.
+  void update(const RenderProgress& progress, const std::string& what = {});
   /// Clears the bar.
   void finish();
 

@@ -27,6 +27,8 @@ bool parse_integers(const std::string& text, std::span<int> values) {
   return at == end;
 }
 
+void add_overrides(CLI::App& command, SceneOptions& options);
+
 }  // namespace
 
 std::optional<CropRectangle> parse_crop(const std::string& text) {
@@ -43,6 +45,12 @@ std::optional<PixelPosition> parse_pixel(const std::string& text) {
 
 void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("SCENE", options.scene, "Scene file: " + list_names(scene_formats()))->required();
+  add_overrides(command, options);
+}
+
+namespace {
+
+void add_overrides(CLI::App& command, SceneOptions& options) {
   command
       .add_option("-D", options.defines, "Fill $NAME of the scene file, as in -D albedo=0.5; may be repeated")
       ->type_name("NAME=VALUE")
@@ -81,8 +89,6 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
       ->capture_default_str();
   command.add_flag("--no-features", options.no_features, "Leave out the albedo, normal and depth layers");
 }
-
-namespace {
 
 /// Options for workers and viewers.
 void add_worker_options(CLI::App& command, RenderOptions& options) {
@@ -138,12 +144,14 @@ void add_worker_options(CLI::App& command, RenderOptions& options) {
 }  // namespace
 
 void add_render_options(CLI::App& command, RenderOptions& options) {
-  add_scene_options(command, options.scene);
+  command.add_option("SCENE", options.scenes, "Scene files: " + list_names(scene_formats()))->required();
+  add_overrides(command, options.scene);
   command
       .add_option(
           "-o,--out", options.out,
           "x.exr writes x.exr and x.png, x.png only that; a folder: the scene's name in it (default: the "
-          "scene's name with .exr in the current folder)")
+          "scene's name with .exr in the current folder). Of several scenes a folder, or a name with {scene} "
+          "or {folder}, the scene's own")
       ->type_name("FILE");
   auto* statistics =
       command.add_option("--statistics,--report", options.statistics,
@@ -195,6 +203,12 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   command.add_flag(
       "--strict-numerics", options.strict_numerics,
       "NaN and infinite samples are an error (exit code 1) instead of a warning; files are written");
+  command.add_flag("--force", options.force,
+                   "Of several scenes, render also those whose images are there and would be the same");
+  command
+      .add_option("--summary", options.summary,
+                  "Of several scenes, JSON of what became of each (default: jobs.json beside the images)")
+      ->type_name("FILE");
   command.add_flag("-q,--quiet", options.quiet, "No progress and no summary; warnings and errors only");
 }
 

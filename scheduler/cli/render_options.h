@@ -33,8 +33,9 @@ struct PixelPosition {
 };
 
 struct RenderOptions {
-  SceneOptions scene;
-  std::string out;  ///< empty: named after the scene, in the current folder
+  std::vector<std::string> scenes;  ///< of one command
+  SceneOptions scene;               ///< of one of them
+  std::string out;                  ///< empty: named after the scene, in the current folder
   std::string statistics;
   bool no_statistics = false;
   std::string backend = "native";
@@ -53,6 +54,9 @@ struct RenderOptions {
   std::optional<PixelPosition> pixel;
   bool strict_numerics = false;  ///< a non-finite sample is an error
   bool quiet = false;
+  // Of several scenes.
+  bool force = false;   ///< also what is there unchanged
+  std::string summary;  ///< file that says what became of each; empty: beside the images
 };
 
 /// Adds the options to a command; they are stored when it is parsed.

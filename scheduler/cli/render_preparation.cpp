@@ -66,9 +66,8 @@ Expected<DeviceOptions> device_options(const RenderOptions& options, const Devic
   return device;
 }
 
-/// The one pixel is rendered as simply as can be: one worker, one thread, one path at a time.
+/// The one pixel is rendered as simply as can be: one thread, one path at a time.
 void simplify_for_a_pixel(RenderJob& job) {
-  job.workers = 1;
   job.device.threads = 1;
   job.device.block_of_one = job.device.backend == Backend::kNative;
 }
@@ -104,19 +103,24 @@ RenderJob make_job(const RenderOptions& options, const RenderRecord& record, con
   job.spp = record.stop_after.value_or(record.sampler.spp);
   job.samples_per_pass = options.samples_per_pass;
   job.tile = options.tile;
-  job.workers = options.workers;
   job.device = device;
   job.reproduce_command = repeat_command(record, false);
   job.time_budget = options.time_budget;
   job.title = options.scene.scene;
   job.integrator = integrator_name(record.integrator);
-  job.listen = options.listen;
   job.tev = options.tev;
   job.interactive = options.interactive;
-  // A unit is one sample of a tile, and every view begins with workers of which nothing is known.
-  if (job.interactive) job.leases.initial = kPreviewLease;
   if (options.pixel) simplify_for_a_pixel(job);
   return job;
+}
+
+FarmOptions make_farm(const RenderOptions& options) {
+  FarmOptions farm;
+  farm.workers = options.pixel ? 1 : options.workers;
+  farm.listen = options.listen;
+  // A unit is one sample of a tile, and every view begins with workers of which nothing is known.
+  if (options.interactive) farm.leases.initial = kPreviewLease;
+  return farm;
 }
 
 }  // namespace
@@ -154,6 +158,7 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options) {
   prepared.files = std::move(*files);
   prepared.record = make_record(options, *scene, *film, *device);
   prepared.job = make_job(options, prepared.record, *device, std::move(scene->device));
+  prepared.farm = make_farm(options);
   const glm::dvec3 center = scene_center(scene->description);
   for (int axis = 0; axis < 3; ++axis) prepared.job.center[axis] = center[axis];
   prepared.scene = std::move(*scene);
@@ -173,8 +178,8 @@ std::expected<PreparedRender, ExitCode> prepare_watched_render(const RenderOptio
   for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
   const auto worker = find_program("penumbra-worker");
   if (!worker) return complain(worker.error(), kIncomplete);
-  prepared->job.worker_executable = worker->string();
-  prepared->job.tells_how_to_watch = true;
+  prepared->farm.worker_executable = worker->string();
+  prepared->farm.tells_how_to_watch = true;
   return std::move(*prepared);
 }
 

@@ -5,7 +5,7 @@
 #include "scheduler/cli/loaded_scene.h"
 #include "scheduler/cli/output_files.h"
 #include "scheduler/cli/render_options.h"
-#include "scheduler/farm/render_job.h"
+#include "scheduler/farm/render_farm.h"
 #include "scheduler/record/render_record.h"
 
 namespace penumbra {
@@ -14,7 +14,8 @@ struct PreparedRender {
   OutputFiles files;
   LoadedScene scene;  ///< its device form is in the job
   RenderRecord record;
-  RenderJob job;  ///< all but the worker's executable
+  RenderJob job;
+  FarmOptions farm;  ///< all but the worker's executable
 };
 
 /// Chooses the files, reads the scene, applies the options. Errors, all of them of the input: an output that

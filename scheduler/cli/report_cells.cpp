@@ -51,9 +51,9 @@ Expected<bool> run_cell(const CellPlan& cell, const CellStore& store, int repeat
   for (int i = 0; i < repeats; ++i) {
     auto prepared = prepare_render(cell.options);
     if (!prepared) return std::unexpected(prepared.error());
-    prepared->job.worker_executable = options.worker_executable;
-    const auto outcome =
-        run_render(prepared->job, stop, [&](const RenderProgress& now) { progress.update(now); });
+    prepared->farm.worker_executable = options.worker_executable;
+    const auto outcome = run_render(prepared->job, prepared->farm, stop,
+                                    [&](const RenderProgress& now) { progress.update(now); });
     progress.finish();
     if (stop) return false;
     if (!outcome) return std::unexpected(outcome.error());

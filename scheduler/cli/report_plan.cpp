@@ -91,7 +91,7 @@ Json cell_settings(const ReportOptions& report, const MethodScene& method, std::
           {"seed", seed},
           {"samples_per_pass", job.samples_per_pass},
           {"tile", job.tile},
-          {"workers", job.workers},
+          {"workers", method.prepared.farm.workers},
           {"threads", job.device.threads},
           {"backend", native ? "native" : "opencl"},
           {"isa", native ? std::string(isa_name(job.device.isa)) : ""},

@@ -31,6 +31,7 @@ struct Compiling {  ///< kernels, before it is ready
 };
 struct Ready {
   WorkerId worker;
+  JobId job;
   std::string device;  ///< for people
   DevicePreparation preparation;
 };
@@ -40,11 +41,13 @@ struct Beat {  ///< the worker is alive
 };
 struct JobFailed {  ///< the worker cannot do this job at all
   WorkerId worker;
+  JobId job;
   std::string message;
 };
 struct Result {  ///< checked: its size is the unit's, its checksum is right
   WorkerId worker;
   UnitId unit;
+  std::uint32_t view;  ///< of the job, when the unit was given out
   SampleBuffer buffer;
   std::uint64_t hash;  ///< equal for results of equal content
   double busy_seconds;
@@ -53,20 +56,24 @@ struct Result {  ///< checked: its size is the unit's, its checksum is right
 struct BadResult {
   WorkerId worker;
   UnitId unit;
+  std::uint32_t view;  ///< of the job, when the unit was given out
   std::string why;
 };
 struct UnitFailed {
   WorkerId worker;
   UnitId unit;
+  std::uint32_t view;  ///< of the job, when the unit was given out
   std::string message;
 };
 struct Gone {
   WorkerId worker;
 };
 struct ViewChanged {  ///< by a watcher; numbers only grow
+  JobId job;
   WatchView view;
 };
 struct SamplesWanted {  ///< by a watcher: so many of each pixel of the view
+  JobId job;
   std::uint32_t view;
   std::uint32_t spp;
 };

@@ -41,13 +41,20 @@ grpc::Status read_all(WorkerConnection::Stream& stream, WorkerConnection& connec
 
 void Farm::add_asset(std::string hash, std::vector<std::uint8_t> bytes) {
   const std::lock_guard lock(mutex_);
-  assets_[std::move(hash)] = std::make_shared<const std::vector<std::uint8_t>>(std::move(bytes));
+  CountedAsset& asset = assets_[std::move(hash)];
+  if (asset.users++ == 0) asset.bytes = std::make_shared<const std::vector<std::uint8_t>>(std::move(bytes));
+}
+
+void Farm::remove_asset(const std::string& hash) {
+  const std::lock_guard lock(mutex_);
+  const auto found = assets_.find(hash);
+  if (found != assets_.end() && --found->second.users == 0) assets_.erase(found);
 }
 
 std::shared_ptr<const std::vector<std::uint8_t>> Farm::asset(const std::string& hash) {
   const std::lock_guard lock(mutex_);
   const auto found = assets_.find(hash);
-  return found == assets_.end() ? nullptr : found->second;
+  return found == assets_.end() ? nullptr : found->second.bytes;
 }
 
 std::pair<WorkerId, std::shared_ptr<WorkerConnection>> Farm::open() {
@@ -74,10 +81,60 @@ std::vector<std::shared_ptr<WorkerConnection>> Farm::all_connections() {
   return all;
 }
 
-std::uint32_t Farm::change_view(const View& view) {
+void Farm::show(JobId job, std::shared_ptr<WatchBoard> board, bool interactive) {
+  {
+    const std::lock_guard lock(boards_mutex_);
+    boards_[job] = {std::move(board), interactive};
+  }
+  boards_changed_.notify_all();
+}
+
+void Farm::hide(JobId job) {
+  const std::lock_guard lock(boards_mutex_);
+  boards_.erase(job);
+}
+
+std::shared_ptr<WatchBoard> Farm::board(JobId job, std::chrono::milliseconds patience) {
+  std::unique_lock lock(boards_mutex_);
+  const auto found = [&] { return job == 0 ? boards_.begin() : boards_.find(job); };
+  if (job == 0) boards_changed_.wait_for(lock, patience, [&] { return closed_ || !boards_.empty(); });
+  return found() == boards_.end() ? nullptr : found()->second.board;
+}
+
+void Farm::close_boards() {
+  {
+    const std::lock_guard lock(boards_mutex_);
+    closed_ = true;
+  }
+  boards_changed_.notify_all();
+}
+
+bool Farm::is_closed() {
+  const std::lock_guard lock(boards_mutex_);
+  return closed_;
+}
+
+Expected<JobId> Farm::controlled(JobId job, grpc::StatusCode& code) {
+  const std::lock_guard lock(boards_mutex_);
+  const auto found = job == 0 ? boards_.begin() : boards_.find(job);
+  code = grpc::StatusCode::NOT_FOUND;
+  if (found == boards_.end())
+    return fail(job == 0 ? "there is no job" : fmt::format("there is no job {}, or it is over", job));
+  code = grpc::StatusCode::FAILED_PRECONDITION;
+  if (!found->second.interactive) return fail("this render goes its own way: it can be watched only");
+  return found->first;
+}
+
+std::uint32_t Farm::change_view(JobId job, const View& view) {
   const std::lock_guard lock(view_mutex_);  // so that numbers arrive in order
-  mailbox.put(arrivals::ViewChanged{{++last_view_, view}});
-  return last_view_;
+  const std::uint32_t number = ++last_views_[job];
+  mailbox.put(arrivals::ViewChanged{job, {number, view}});
+  return number;
+}
+
+std::uint32_t Farm::next_view_number(JobId job) {
+  const std::lock_guard lock(view_mutex_);
+  return ++last_views_[job];
 }
 
 // --- The calls
@@ -139,7 +196,14 @@ grpc::Status FarmService::Watch(grpc::ServerContext* context, const wire::WatchR
     writer->Write(refusal);
     return {grpc::StatusCode::FAILED_PRECONDITION, mismatch};
   }
-  WatchBoard::Watcher watcher(farm_.board);
+  std::shared_ptr<WatchBoard> board;
+  while (!board && !farm_.is_closed() && !context->IsCancelled()) {
+    board = farm_.board(request->job(), kWatchInterval);
+    if (!board && request->job() != 0)
+      return {grpc::StatusCode::NOT_FOUND, fmt::format("there is no job {}, or it is over", request->job())};
+  }
+  if (!board) return grpc::Status::CANCELLED;
+  WatchBoard::Watcher watcher(*board);
   std::optional<WatchedJob> job;
   while (!job && !watcher.at_end() && !context->IsCancelled()) job = watcher.job(kWatchInterval);
   if (!job || !writer->Write(encode(*job))) return grpc::Status::CANCELLED;
@@ -154,17 +218,19 @@ grpc::Status FarmService::Watch(grpc::ServerContext* context, const wire::WatchR
 grpc::Status FarmService::Control(grpc::ServerContext* context, const wire::ControlRequest* request,
                                   wire::ControlReply* reply) {
   called(*context);
-  if (!farm_.interactive)
-    return {grpc::StatusCode::FAILED_PRECONDITION, "this render goes its own way: it can be watched only"};
+  grpc::StatusCode code{};
+  const Expected<JobId> job = farm_.controlled(request->job(), code);
+  if (!job) return {code, job.error().message};
   if (request->has_want_samples()) {
-    farm_.mailbox.put(arrivals::SamplesWanted{request->want_samples().view(), request->want_samples().spp()});
+    farm_.mailbox.put(
+        arrivals::SamplesWanted{*job, request->want_samples().view(), request->want_samples().spp()});
     return grpc::Status::OK;
   }
   if (!request->has_change_view())
     return {grpc::StatusCode::INVALID_ARGUMENT, "a request that this scheduler does not know"};
   const Expected<View> view = decode(request->change_view());
   if (!view) return {grpc::StatusCode::INVALID_ARGUMENT, view.error().message};
-  reply->set_view(farm_.change_view(*view));
+  reply->set_view(farm_.change_view(*job, *view));
   return grpc::Status::OK;
 }
 

@@ -1,6 +1,8 @@
 // The calls of penumbra.proto, as the scheduler answers them.
 #pragma once
 
+#include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -20,14 +22,23 @@ namespace penumbra {
 /// The state shared by all addresses on which the scheduler listens. Thread-safe.
 class Farm {
  public:
-  Farm(WatchBoard& shown, bool takes_control) : board(shown), interactive(takes_control) {}
-
   /// Its length is bounded: a sender that is faster than the render's loop waits.
   Mailbox<Arrival> mailbox{kMostArrivals};
-  WatchBoard& board;
-  const bool interactive;
 
+  /// A job that can be watched from now on; `interactive` ones take Control.
+  void show(JobId job, std::shared_ptr<WatchBoard> board, bool interactive);
+  /// It is over. Those who watch it see its end.
+  void hide(JobId job);
+  /// What is shown of the job, waiting for it at most so long; of the oldest one for 0. Nothing if there is
+  /// none.
+  std::shared_ptr<WatchBoard> board(JobId job, std::chrono::milliseconds patience);
+  /// Nothing more will be shown.
+  void close_boards();
+  [[nodiscard]] bool is_closed();
+
+  /// Equal assets are kept once, until each has been removed.
   void add_asset(std::string hash, std::vector<std::uint8_t> bytes);
+  void remove_asset(const std::string& hash);
   /// Nothing if there is none of this hash.
   std::shared_ptr<const std::vector<std::uint8_t>> asset(const std::string& hash);
 
@@ -37,18 +48,35 @@ class Farm {
   std::shared_ptr<WorkerConnection> connection(WorkerId worker);
   std::vector<std::shared_ptr<WorkerConnection>> all_connections();
 
-  /// Another view, with the next number.
-  std::uint32_t change_view(const View& view);
+  /// The job that Control means, 0 the oldest one; or why there is none to control.
+  Expected<JobId> controlled(JobId job, grpc::StatusCode& code);
+  /// Another view, with the job's next number.
+  std::uint32_t change_view(JobId job, const View& view);
+  /// Takes the job's next number for what makes it begin anew.
+  std::uint32_t next_view_number(JobId job);
 
  private:
   static constexpr std::size_t kMostArrivals = 1024;
 
+  struct Shown {
+    std::shared_ptr<WatchBoard> board;
+    bool interactive = false;
+  };
+  std::mutex boards_mutex_;
+  std::condition_variable boards_changed_;
+  std::map<JobId, Shown> boards_;
+  bool closed_ = false;
+
   std::mutex view_mutex_;
-  std::uint32_t last_view_ = 0;
+  std::map<JobId, std::uint32_t> last_views_;
   std::mutex mutex_;
   WorkerId next_worker_ = 1;
   std::map<WorkerId, std::shared_ptr<WorkerConnection>> connections_;
-  std::map<std::string, std::shared_ptr<const std::vector<std::uint8_t>>> assets_;
+  struct CountedAsset {
+    std::shared_ptr<const std::vector<std::uint8_t>> bytes;
+    int users = 0;
+  };
+  std::map<std::string, CountedAsset> assets_;
 };
 
 /// The service at one address. `on_call` is called with the peer of each call, after the token has been

@@ -1,18 +1,13 @@
-// One image to render with local worker processes, and its outcome: the interface between the command line
-// and the scheduler.
+// One image to render, and its outcome.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "kernels/host/device_scene.h"
-#include "kernels/host/error.h"
 #include "scheduler/plan/film_accumulator.h"
-#include "scheduler/plan/plan.h"
 #include "worker/device.h"
 
 namespace penumbra {
@@ -23,23 +18,19 @@ struct RenderJob {
   std::uint32_t spp = 16;
   std::uint32_t samples_per_pass = 16;  ///< the image depends on it, see FilmAccumulator
   int tile = 64;                        ///< the image does not depend on it
-  int workers = 1;                      ///< local worker processes
+  int priority = 0;                     ///< of jobs with work, that with the highest goes first
   DeviceOptions device;
-  std::string worker_executable;  ///< path of penumbra-worker
   std::string reproduce_command;  ///< the `penumbra render` command without a crop, quoted for a shell; a
                                   ///< failed unit is named with it plus `--crop x0,y0,x1,y1`
   std::optional<double>
-      time_budget;   ///< seconds of rendering after which no further pass is begun; the first
-                     ///< pass is always rendered, and an image that ends so counts as complete
-  LeaseRule leases;  ///< when a worker counts as hung
+      time_budget;  ///< seconds of rendering after which no further pass is begun; the first
+                    ///< pass is always rendered, and an image that ends so counts as complete
 
   // For viewers.
-  std::string title;                ///< the scene file
-  std::string integrator;           ///< its name
-  double center[3] = {0, 0, 0};     ///< of the scene in world space
-  std::string listen = {};          ///< another address to be reached at, see ListenOptions::more
-  std::string tev = {};             ///< address of a tev that shows the render, see parse_tev_address
-  bool tells_how_to_watch = false;  ///< in the first notices of RenderProgress
+  std::string title;             ///< the scene file
+  std::string integrator;        ///< its name
+  double center[3] = {0, 0, 0};  ///< of the scene in world space
+  std::string tev = {};          ///< address of a tev that shows the render, see parse_tev_address
   /// Watchers choose camera and samples: nothing is rendered until one of them wants samples, at most `spp`,
   /// and the render ends only with `stop`.
   bool interactive = false;
@@ -73,17 +64,11 @@ struct RenderOutcome {
   std::uint64_t units_done = 0, units_duplicated = 0, units_requeued = 0;
   std::uint64_t units_set_aside = 0;  ///< missing in the film, maybe before others that are not
   std::uint32_t passes_finished = 0, passes_total = 0;  ///< merged in every tile; asked for
-  double seconds_to_ready = 0;       ///< from the call until the first worker has the scene and its kernels
-  double seconds_to_first_tile = 0;  ///< from the call
-  double seconds_to_last_tile = 0;   ///< from the call until the last result is merged
+  // From when the farm took the job, of a single render from the call.
+  double seconds_to_ready = 0;  ///< until the first worker has the scene and its kernels
+  double seconds_to_first_tile = 0;
+  double seconds_to_last_tile = 0;  ///< until the last result is merged
   double seconds = 0;
 };
-
-/// Renders with `job.workers` child processes over a Unix socket in a private directory. Blocks until the
-/// image is complete, `stop` becomes true (the outcome then holds what is merged), or nothing can go on. All
-/// children are reaped before it returns. `on_progress` (which may be empty) is called a few times a second
-/// from the calling thread. Fails if the job makes no sense, or if no worker could be started or do the job.
-Expected<RenderOutcome> run_render(const RenderJob& job, const std::atomic<bool>& stop,
-                                   const std::function<void(const RenderProgress&)>& on_progress);
 
 }  // namespace penumbra

@@ -52,7 +52,6 @@ Expected<void> check_render_job(const RenderJob& job) {
     return fail(
         fmt::format("passes of {} samples; 1 to {} are possible", job.samples_per_pass, kMaxSamplesPerUnit));
   }
-  if (job.workers < 1) return fail(fmt::format("{} workers; at least 1 is needed", job.workers));
   return {};
 }
 

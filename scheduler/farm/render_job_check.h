@@ -6,7 +6,7 @@
 
 namespace penumbra {
 
-/// The error says what is wrong with the job's rectangle, tiles, passes, samples or workers, and what is
+/// The error says what is wrong with the job's rectangle, tiles, passes or samples, and what is
 /// possible.
 Expected<void> check_render_job(const RenderJob& job);
 

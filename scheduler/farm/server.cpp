@@ -35,8 +35,6 @@ void set_what_holds_for_all(grpc::ServerBuilder& builder, const ListenOptions& o
 }  // namespace
 
 struct Server::State {
-  State(WatchBoard& board, bool interactive) : farm(board, interactive) {}
-
   Farm farm;
   Tokens tokens;
   std::string more_address;
@@ -99,9 +97,9 @@ Expected<void> Server::listen_for_all(const ListenOptions& options) {
   return {};
 }
 
-Expected<std::unique_ptr<Server>> Server::listen(const ListenOptions& options, WatchBoard& board) {
+Expected<std::unique_ptr<Server>> Server::listen(const ListenOptions& options) {
   raise_descriptor_limit();
-  std::unique_ptr<Server> server(new Server(std::make_unique<State>(board, options.interactive)));
+  std::unique_ptr<Server> server(new Server(std::make_unique<State>()));
   Expected<void> listens = server->listen_for_own(options);
   if (listens && !options.more.empty()) listens = server->listen_for_all(options);
   if (!listens) return std::unexpected(listens.error());
@@ -113,6 +111,7 @@ const Tokens& Server::tokens() const { return state_->tokens; }
 
 Server::~Server() {
   state_->farm.mailbox.close();
+  state_->farm.close_boards();
   for (const auto& connection : state_->farm.all_connections()) connection->dismiss("the render is over");
   if (state_->acceptor) state_->acceptor->stop();
   // A watcher's call that is cancelled may lose what was written last.
@@ -129,17 +128,32 @@ std::string Server::add_asset(std::vector<std::uint8_t> bytes) {
   return hash;
 }
 
-void Server::send_job(WorkerId worker, const std::string& scene_hash, const DeviceOptions& device) {
-  if (const auto connection = state_->farm.connection(worker)) connection->send_job(scene_hash, device);
+void Server::remove_asset(const std::string& hash) { state_->farm.remove_asset(hash); }
+
+void Server::show_job(JobId job, std::shared_ptr<WatchBoard> board, bool interactive) {
+  state_->farm.show(job, std::move(board), interactive);
+}
+
+void Server::hide_job(JobId job) { state_->farm.hide(job); }
+
+void Server::send_job(WorkerId worker, JobId job, const std::string& scene_hash,
+                      const DeviceOptions& device) {
+  if (const auto connection = state_->farm.connection(worker)) connection->send_job(job, scene_hash, device);
+}
+
+void Server::forget_job(WorkerId worker, JobId job) {
+  if (const auto connection = state_->farm.connection(worker)) connection->forget_job(job);
 }
 
 void Server::send_unit(WorkerId worker, const UnitId& id, const RenderUnit& unit, int planes) {
   if (const auto connection = state_->farm.connection(worker)) connection->send_unit(id, unit, planes);
 }
 
-void Server::send_view(WorkerId worker, const WatchView& view) {
-  if (const auto connection = state_->farm.connection(worker)) connection->send_view(view);
+void Server::send_view(WorkerId worker, JobId job, const WatchView& view) {
+  if (const auto connection = state_->farm.connection(worker)) connection->send_view(job, view);
 }
+
+std::uint32_t Server::next_view_number(JobId job) { return state_->farm.next_view_number(job); }
 
 void Server::dismiss(WorkerId worker, const std::string& reason) {
   if (const auto connection = state_->farm.connection(worker)) connection->dismiss(reason);

@@ -28,16 +28,15 @@ struct ListenOptions {
   /// Bytes of the largest unit's samples: larger messages are not taken.
   std::size_t largest_result = std::size_t(1) << 20;
   AcceptorLimits limits = {};  ///< of `more`
-  bool interactive = false;    ///< takes Control
 };
 
 /// Threads for each connected worker read, check, decode and write; `next` gives the arrivals to the one
 /// thread that drives the plan. Sending to a worker that is gone does nothing: its Gone is on the way.
 class Server {
  public:
-  /// Watchers see the board. Errors: an address that is taken, makes no sense, or is of other hosts too,
+  /// Errors: an address that is taken, makes no sense, or is of other hosts too,
   /// which would need encryption.
-  static Expected<std::unique_ptr<Server>> listen(const ListenOptions& options, WatchBoard& board);
+  static Expected<std::unique_ptr<Server>> listen(const ListenOptions& options);
   /// Dismisses the remaining workers, breaks all streams that do not end very soon, and waits for the
   /// threads.
   ~Server();
@@ -49,12 +48,22 @@ class Server {
 
   /// Offers data to workers; the result is its content hash.
   std::string add_asset(std::vector<std::uint8_t> bytes);
-  void send_job(WorkerId worker, const std::string& scene_hash, const DeviceOptions& device);
+  /// What nobody needs any more.
+  void remove_asset(const std::string& hash);
+  /// A job that can be watched from now on; `interactive` ones take Control.
+  void show_job(JobId job, std::shared_ptr<WatchBoard> board, bool interactive);
+  /// It is over; its board is to be closed.
+  void hide_job(JobId job);
+
+  void send_job(WorkerId worker, JobId job, const std::string& scene_hash, const DeviceOptions& device);
+  void forget_job(WorkerId worker, JobId job);
   /// `planes`: how many the result must have, see SampleBuffer.
   void send_unit(WorkerId worker, const UnitId& id, const RenderUnit& unit, int planes);
-  /// Another camera for the units that follow; those of older views are dropped by the worker, and their
-  /// results here.
-  void send_view(WorkerId worker, const WatchView& view);
+  /// Another camera for the job's units that follow; those of older views are dropped by the worker, and
+  /// their results here.
+  void send_view(WorkerId worker, JobId job, const WatchView& view);
+  /// The number of the job's next view, where it begins anew without a watcher's wish.
+  [[nodiscard]] std::uint32_t next_view_number(JobId job);
   /// Its later messages are ignored.
   void dismiss(WorkerId worker, const std::string& reason);
   /// Sends a worker away that cannot do the job; it says the reason to its user and fails.

@@ -27,35 +27,56 @@ void WorkerConnection::send(wire::SchedulerMessage message) {
   changed_.notify_all();
 }
 
-void WorkerConnection::send_job(const std::string& scene_hash, const DeviceOptions& device) {
+void WorkerConnection::send_job(JobId job, const std::string& scene_hash, const DeviceOptions& device) {
   wire::SchedulerMessage message;
-  message.mutable_job()->set_id(kJob);
+  message.mutable_job()->set_id(job);
   message.mutable_job()->set_scene(scene_hash);
   encode(device, *message.mutable_job()->mutable_device());
+  {
+    const std::lock_guard lock(mutex_);
+    ++awaited_[job];
+    forgotten_.erase(job);
+    compiles_ = 0;
+  }
+  send(std::move(message));
+}
+
+void WorkerConnection::forget_job(JobId job) {
+  wire::SchedulerMessage message;
+  message.mutable_forget()->set_job(job);
+  {
+    const std::lock_guard lock(mutex_);
+    forgotten_.insert(job);
+    std::erase_if(expected_, [&](const auto& expected) { return expected.first.job == job; });
+  }
   send(std::move(message));
 }
 
 void WorkerConnection::send_unit(const UnitId& id, const RenderUnit& unit, int planes) {
   wire::SchedulerMessage message;
-  message.mutable_unit()->set_job(kJob);
-  encode(id, *message.mutable_unit()->mutable_id());
-  encode(unit, *message.mutable_unit());
   {
     const std::lock_guard lock(mutex_);
     expected_[id] = {unit, planes};
+    encode(id, view_of(id.job), *message.mutable_unit()->mutable_id());
   }
+  encode(unit, *message.mutable_unit());
   send(std::move(message));
 }
 
-void WorkerConnection::send_view(const WatchView& view) {
+void WorkerConnection::send_view(JobId job, const WatchView& view) {
   wire::SchedulerMessage message;
+  message.mutable_view()->set_job(job);
   message.mutable_view()->set_number(view.number);
   encode(view.view, *message.mutable_view()->mutable_view());
+  const auto is_of_older_view = [job](const wire::SchedulerMessage& waiting) {
+    return (waiting.has_unit() && waiting.unit().id().job() == job) ||
+           (waiting.has_view() && waiting.view().job() == job);
+  };
   {
     const std::lock_guard lock(mutex_);
-    view_ = view.number;
-    std::erase_if(expected_, [&](const auto& expected) { return expected.first.image < view_; });
-    std::erase_if(outbox_, [](const auto& waiting) { return waiting.has_unit() || waiting.has_view(); });
+    views_[job] = view.number;
+    std::erase_if(expected_, [&](const auto& expected) { return expected.first.job == job; });
+    std::erase_if(outbox_, is_of_older_view);
   }
   send(std::move(message));
 }
@@ -120,12 +141,33 @@ void WorkerConnection::close() {
 
 bool WorkerConnection::has_ended() const {
   const std::lock_guard lock(mutex_);
-  return sent_away_ || said_failed_;
+  return sent_away_;
+}
+
+std::uint32_t WorkerConnection::view_of(JobId job) const {
+  const auto found = views_.find(job);
+  return found == views_.end() ? 0 : found->second;
 }
 
 bool WorkerConnection::is_outdated(const wire::UnitId& id) const {
   const std::lock_guard lock(mutex_);
-  return id.image() < view_;
+  return id.view() < view_of(id.job()) || forgotten_.contains(id.job());
+}
+
+bool WorkerConnection::is_awaited(JobId job) const {
+  const std::lock_guard lock(mutex_);
+  return awaited_.contains(job);
+}
+
+/// What the worker says of a job that it was given; whether that is still of interest.
+Expected<bool> WorkerConnection::end_preparing(JobId job) {
+  const std::lock_guard lock(mutex_);
+  const auto found = awaited_.find(job);
+  if (found == awaited_.end())
+    return fail("a worker is ready for a job once for each time that it is given it");
+  const bool is_last = --found->second == 0;
+  if (is_last) awaited_.erase(found);
+  return is_last && !forgotten_.contains(job);
 }
 
 std::optional<WorkerConnection::Expectation> WorkerConnection::fulfil(const UnitId& id) {
@@ -137,12 +179,13 @@ std::optional<WorkerConnection::Expectation> WorkerConnection::fulfil(const Unit
 Arrival WorkerConnection::decode_result(const wire::UnitResult& message) {
   const UnitId id = decode(message.id());
   const std::optional<Expectation> expected = fulfil(id);
-  if (!expected || message.job() != kJob)
-    return arrivals::BadResult{worker_, id, "the worker was not asked for this unit"};
+  if (!expected)
+    return arrivals::BadResult{worker_, id, message.id().view(), "the worker was not asked for this unit"};
   Expected<SampleBuffer> buffer = decode(message, expected->unit, expected->planes);
-  if (!buffer) return arrivals::BadResult{worker_, id, buffer.error().message};
+  if (!buffer) return arrivals::BadResult{worker_, id, message.id().view(), buffer.error().message};
   return arrivals::Result{.worker = worker_,
                           .unit = id,
+                          .view = message.id().view(),
                           .buffer = std::move(*buffer),
                           .hash = result_hash(message),
                           .busy_seconds = message.busy_seconds(),
@@ -151,8 +194,9 @@ Arrival WorkerConnection::decode_result(const wire::UnitResult& message) {
 
 Arrival WorkerConnection::decode_failure(const wire::UnitFailed& message) {
   const UnitId id = decode(message.id());
-  if (!fulfil(id)) return arrivals::BadResult{worker_, id, "the worker was not asked for this unit"};
-  return arrivals::UnitFailed{worker_, id, wire_text(message.message(), kLongestText)};
+  if (!fulfil(id))
+    return arrivals::BadResult{worker_, id, message.id().view(), "the worker was not asked for this unit"};
+  return arrivals::UnitFailed{worker_, id, message.id().view(), wire_text(message.message(), kLongestText)};
 }
 
 Expected<std::variant<WorkerConnection::Nothing, Arrival>> WorkerConnection::understand(
@@ -160,21 +204,27 @@ Expected<std::variant<WorkerConnection::Nothing, Arrival>> WorkerConnection::und
   if (has_ended()) return Nothing{};
   switch (message.content_case()) {
     case wire::WorkerMessage::kCompiling:
-      if (said_ready_ || ++compiles_ > kMostCompiles) return fail("a worker compiles before it is ready");
+      if (!is_awaited(message.compiling().job()) || ++compiles_ > kMostCompiles)
+        return fail("a worker compiles for a job that it was given, before it is ready");
       return arrivals::Compiling{worker_, wire_text(message.compiling().device(), kLongestName)};
     case wire::WorkerMessage::kReady: {
-      if (std::exchange(said_ready_, true)) return fail("a worker is ready once");
+      const JobId job = message.ready().job();
+      const Expected<bool> wanted = end_preparing(job);
+      if (!wanted) return std::unexpected(wanted.error());
+      if (!*wanted) return Nothing{};
       Expected<DevicePreparation> preparation = decode(message.ready());
       if (!preparation) return std::unexpected(preparation.error());
-      return arrivals::Ready{worker_, wire_text(message.ready().device(), kLongestName),
+      return arrivals::Ready{worker_, job, wire_text(message.ready().device(), kLongestName),
                              std::move(*preparation)};
     }
     case wire::WorkerMessage::kBeat:
       return arrivals::Beat{worker_, message.beat().parts()};
     case wire::WorkerMessage::kJobFailed: {
-      const std::lock_guard lock(mutex_);
-      said_failed_ = true;
-      return arrivals::JobFailed{worker_, wire_text(message.job_failed().message(), kLongestText)};
+      const JobId job = message.job_failed().job();
+      const Expected<bool> wanted = end_preparing(job);
+      if (!wanted) return std::unexpected(wanted.error());
+      if (!*wanted) return Nothing{};
+      return arrivals::JobFailed{worker_, job, wire_text(message.job_failed().message(), kLongestText)};
     }
     case wire::WorkerMessage::kResult:
       if (is_outdated(message.result().id())) return Nothing{};

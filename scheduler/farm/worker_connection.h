@@ -11,6 +11,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <variant>
 
@@ -18,8 +19,6 @@
 #include "scheduler/protocol/wire.h"
 
 namespace penumbra {
-
-constexpr std::uint32_t kJob = 1;  // one job a run, so far
 
 /// One thread reads the stream and decodes its messages here. Another one writes what any thread sends, so no
 /// sender waits for a worker that does not read.
@@ -31,10 +30,12 @@ class WorkerConnection {
 
   // --- To the worker; nothing after the first final message (Refused or Dismiss)
 
-  void send_job(const std::string& scene_hash, const DeviceOptions& device);
+  void send_job(JobId job, const std::string& scene_hash, const DeviceOptions& device);
+  /// Units of the job are not expected to be answered any more.
+  void forget_job(JobId job);
   void send_unit(const UnitId& id, const RenderUnit& unit, int planes);
-  /// Units of older views that have not left yet need not.
-  void send_view(const WatchView& view);
+  /// Units of the job's older views that have not left yet need not.
+  void send_view(JobId job, const WatchView& view);
   void dismiss(const std::string& reason);
   void refuse(const std::string& reason);
 
@@ -48,7 +49,7 @@ class WorkerConnection {
 
   // --- From the worker
 
-  struct Nothing {};  ///< it is too late for that: of an older view, or from one that has been sent away
+  struct Nothing {};  ///< it is too late for that: of an older view or a forgotten job, or from one sent away
   /// What a message after Hello means; or what is wrong about it, and ends the connection.
   Expected<std::variant<Nothing, Arrival>> understand(const wire::WorkerMessage& message);
   /// The scheduler, or the worker itself, has said that this is over.
@@ -63,6 +64,9 @@ class WorkerConnection {
   void send(wire::SchedulerMessage message);
   void write_all(Stream& stream, grpc::ServerContext& context);
   void send_final(wire::SchedulerMessage message);
+  [[nodiscard]] std::uint32_t view_of(JobId job) const;  // the lock is held
+  [[nodiscard]] bool is_awaited(JobId job) const;
+  Expected<bool> end_preparing(JobId job);
   bool is_outdated(const wire::UnitId& id) const;
   std::optional<Expectation> fulfil(const UnitId& id);
   Arrival decode_result(const wire::UnitResult& message);
@@ -73,8 +77,10 @@ class WorkerConnection {
   std::condition_variable changed_;
   std::deque<wire::SchedulerMessage> outbox_;
   std::map<UnitId, Expectation> expected_;
-  std::uint32_t view_ = 0;
-  bool said_ready_ = false, said_failed_ = false, sent_away_ = false, closed_ = false, written_ = false;
+  std::map<JobId, std::uint32_t> views_;  // of jobs that have had another one than the first
+  std::map<JobId, int> awaited_;          // how often it was given without a Ready or JobFailed so far
+  std::set<JobId> forgotten_;
+  bool sent_away_ = false, closed_ = false, written_ = false;
   int compiles_ = 0;
 };
 

@@ -38,7 +38,8 @@ class WorkerProcesses {
   void has_worked() { failed_starts_ = fruitless_deaths_ = 0; }
   void kill(int pid) { children_.kill(pid); }
   void stop_all() { children_.stop_all(); }
-  [[nodiscard]] bool any_left() const { return !children_.running().empty(); }
+  [[nodiscard]] std::size_t running() const { return children_.running().size(); }
+  [[nodiscard]] bool any_left() const { return running() > 0; }
   /// What could not be done, for people; each once.
   [[nodiscard]] std::vector<std::string> take_problems();
   /// What is waited for, likewise.

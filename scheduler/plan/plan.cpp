@@ -7,12 +7,18 @@
 
 namespace penumbra {
 
-Plan::Plan(std::vector<ImageUnits> images, LeaseRule leases) : leases_(leases) {
-  for (const ImageUnits& image : images) {
-    images_.push_back({.all = image, .passes = image.passes});
-    units_total_ += std::uint64_t(image.tiles) * image.passes;
-  }
-  units_left_ = units_total_;
+Plan::Phase::Phase(const PhaseUnits& units)
+    : all(units), passes(units.passes), left(std::uint64_t(units.tiles) * units.passes) {}
+
+void Plan::Job::begin() {
+  phases.clear();
+  for (const PhaseUnits& units : as_added) phases.emplace_back(units);
+  phase = 0;
+  waits = false;
+  units_left = 0;
+  for (const Phase& p : phases) units_left += p.left;
+  counts = {};
+  set_aside.clear();
 }
 
 std::vector<PlanOrder> Plan::handle(const PlanEvent& event, Seconds now) {
@@ -29,9 +35,102 @@ std::optional<UnitId> Plan::in_hand(WorkerId worker) const {
   return found->second.units.front();
 }
 
-// --- What happened
+// --- What happened to jobs
+
+void Plan::on(const JobAdded& event) {
+  const auto [added, is_new] = jobs_.try_emplace(event.job);
+  if (!is_new) return;
+  Job& job = added->second;
+  job.priority = event.priority;
+  job.as_added = event.phases;
+  job.begin();
+  units_left_ += job.units_left;
+  order_jobs();
+  tell_if_phase_is_done(event.job);
+}
+
+void Plan::on(const JobRemoved& event) {
+  const auto found = jobs_.find(event.job);
+  if (found == jobs_.end()) return;
+  forget_units(event.job);
+  units_left_ -= found->second.units_left;
+  jobs_.erase(found);
+  order_jobs();
+  for (auto& [id, worker] : workers_) {
+    if (worker.prepared.erase(event.job) > 0 || worker.preparing == event.job)
+      orders_.push_back(Forget{id, event.job});
+    if (worker.preparing == event.job) worker.preparing.reset();
+    worker.unfit.erase(event.job);
+    worker.proven.erase(event.job);
+  }
+}
+
+void Plan::on(const PriorityChanged& event) {
+  const auto found = jobs_.find(event.job);
+  if (found == jobs_.end()) return;
+  found->second.priority = event.priority;
+  order_jobs();
+}
+
+void Plan::on(const JobRestarted& event) {
+  if (jobs_.contains(event.job)) restart(event.job);
+}
+
+void Plan::on(const PhaseOpened& event) {
+  const auto found = jobs_.find(event.job);
+  if (found == jobs_.end() || found->second.phase != event.phase) return;
+  found->second.waits = false;
+  tell_if_phase_is_done(event.job);
+}
+
+void Plan::on(const MorePasses& event) {
+  const auto found = jobs_.find(event.job);
+  if (found == jobs_.end()) return;
+  Job& job = found->second;
+  Phase& phase = job.phases[job.phase];
+  if (event.passes <= phase.passes) return;
+  const std::uint64_t more = std::uint64_t(phase.all.tiles) * (event.passes - phase.passes);
+  phase.passes = event.passes;
+  phase.left += more;
+  job.units_left += more;
+  units_left_ += more;
+}
+
+void Plan::on(const NoFurtherPasses& event) {
+  const auto found = jobs_.find(event.job);
+  if (found == jobs_.end()) return;
+  Job& job = found->second;
+  Phase& phase = job.phases.back();
+  const std::uint32_t begun = phase.next_pass + (phase.next_tile > 0 ? 1 : 0);
+  const std::uint32_t passes = std::min(phase.passes, std::max(1u, begun));
+  const std::uint64_t dropped = std::uint64_t(phase.all.tiles) * (phase.passes - passes);
+  phase.passes = passes;
+  phase.left -= dropped;
+  job.units_left -= dropped;
+  units_left_ -= dropped;
+}
+
+// --- What happened to workers
 
 void Plan::on(const WorkerJoined& event) { workers_.try_emplace(event.worker).first->second.heard_at = now_; }
+
+void Plan::on(const WorkerPrepared& event) {
+  const auto found = workers_.find(event.worker);
+  // What it was told to forget meanwhile it is not asked for.
+  if (found == workers_.end() || found->second.preparing != event.job) return;
+  found->second.preparing.reset();
+  found->second.prepared.insert(event.job);
+  found->second.heard_at = now_;
+}
+
+void Plan::on(const WorkerUnfit& event) {
+  const auto found = workers_.find(event.worker);
+  if (found == workers_.end() || found->second.preparing != event.job) return;
+  found->second.preparing.reset();
+  found->second.unfit.insert(event.job);
+  if (std::ranges::all_of(workers_, [&](const auto& w) { return w.second.unfit.contains(event.job); }))
+    orders_.push_back(NobodyCan{event.job});
+}
 
 void Plan::on(const Alive& event) {
   const auto found = workers_.find(event.worker);
@@ -69,11 +168,12 @@ void Plan::on(const UnitDone& event) {
     dismiss(event.worker, Fault::kCorrupt, event.unit);  // it was not asked for this unit
     return;
   }
-  worker->second.proven = true;
+  worker->second.proven.insert(event.unit.job);
   worker->second.failures_in_a_row = 0;
   if (was_in_hand && !was_hung) {  // a pause of the worker says nothing about the units
-    total_ += taken;
-    ++timed_;
+    Job& job = jobs_.at(event.unit.job);
+    job.total += taken;
+    ++job.timed;
   }
 
   Unit& unit = units_.at(event.unit);
@@ -105,26 +205,6 @@ void Plan::on(const ResultCorrupt& event) {
   dismiss(event.worker, Fault::kCorrupt, event.unit);
 }
 
-void Plan::on(const MorePasses& event) {
-  Image& image = images_[event.image];
-  if (event.passes <= image.passes) return;
-  const std::uint64_t more = std::uint64_t(image.all.tiles) * (event.passes - image.passes);
-  image.passes = event.passes;
-  units_left_ += more;
-  units_total_ += more;
-}
-
-void Plan::on(const NoFurtherPasses&) {
-  for (Image& image : images_) {
-    const std::uint32_t begun = image.next_pass + (image.next_tile > 0 ? 1 : 0);
-    const std::uint32_t passes = std::min(image.passes, std::max(1u, begun));
-    const std::uint64_t dropped = std::uint64_t(image.all.tiles) * (image.passes - passes);
-    image.passes = passes;
-    units_left_ -= dropped;
-    units_total_ -= dropped;
-  }
-}
-
 void Plan::on(const Tick&) {
   std::vector<std::pair<WorkerId, UnitId>> silent;
   for (auto& [id, worker] : workers_) {
@@ -148,6 +228,55 @@ void Plan::on(const Tick&) {
     for (const UnitId& unit : std::vector(worker.units.begin(), worker.units.end())) settle(unit);
   }
   for (const auto& [id, unit] : silent) dismiss(id, Fault::kHung, unit);
+}
+
+// --- Bookkeeping of jobs
+
+void Plan::order_jobs() {
+  order_.clear();
+  for (const auto& [id, job] : jobs_) order_.push_back(id);
+  std::ranges::sort(order_, {},
+                    [this](JobId id) { return std::pair(-std::int64_t(jobs_.at(id).priority), id); });
+}
+
+/// All that was issued of a job, also from workers' hands: whatever they send of it does not come here.
+void Plan::forget_units(JobId job) {
+  const auto is_of_job = [job](const UnitId& unit) { return unit.job == job; };
+  for (auto& [id, worker] : workers_) {
+    const bool loses_hand = !worker.units.empty() && is_of_job(worker.units.front());
+    std::erase_if(worker.units, is_of_job);
+    if (!loses_hand) continue;
+    worker.hung = false;
+    take_in_hand(worker);
+  }
+  std::erase_if(units_, [&](const auto& unit) { return is_of_job(unit.first); });
+  std::erase_if(requeued_, is_of_job);
+  std::erase_if(suspects_, is_of_job);
+  std::erase_if(contributions_, [job](const auto& tiles) { return std::get<1>(tiles.first) == job; });
+}
+
+void Plan::restart(JobId id) {
+  Job& job = jobs_.at(id);
+  forget_units(id);
+  units_left_ -= job.units_left;
+  job.begin();
+  units_left_ += job.units_left;
+  tell_if_phase_is_done(id);
+}
+
+void Plan::count_left(UnitId id, std::int64_t more) {
+  Job& job = jobs_.at(id.job);
+  job.phases[id.phase].left += std::uint64_t(more);
+  job.units_left += std::uint64_t(more);
+  units_left_ += std::uint64_t(more);
+}
+
+/// The next phase is then the present one, and waits.
+void Plan::tell_if_phase_is_done(JobId id) {
+  Job& job = jobs_.at(id);
+  if (job.waits || present(job).left > 0 || job.phase + 1 == job.phases.size()) return;
+  orders_.push_back(PhaseDone{id, job.phase++});
+  job.waits = true;
 }
 
 // --- Bookkeeping of units and workers
@@ -176,9 +305,10 @@ void Plan::settle(UnitId id) {
     if (unit.faults.size() >= kFaultsToSetAside) {
       unit.closed = true;
       dequeue(id);
-      set_aside_.insert(id);
-      --units_left_;
+      jobs_.at(id.job).set_aside.insert(id);
+      count_left(id, -1);
       orders_.push_back(SetAside{id, unit.faults});
+      tell_if_phase_is_done(id.job);
     } else {
       enqueue(id, unit);
     }
@@ -189,7 +319,7 @@ void Plan::settle(UnitId id) {
 void Plan::enqueue(UnitId id, const Unit& unit) {
   const bool waited = requeued_.erase(id) + suspects_.erase(id) > 0;
   (unit.faults.empty() ? requeued_ : suspects_).insert(id);
-  if (!waited) ++units_requeued_;
+  if (!waited) ++jobs_.at(id.job).counts.requeued;
 }
 
 void Plan::dequeue(UnitId id) {
@@ -224,9 +354,11 @@ void Plan::accept(const UnitDone& event, Unit& unit) {
   unit.hash = event.hash;
   unit.done_by = event.worker;
   dequeue(event.unit);
-  --units_left_;
-  contributions(event.worker, event.unit.image)[event.unit.tile] = true;
+  count_left(event.unit, -1);
+  ++jobs_.at(event.unit.job).counts.done;
+  contributions(event.worker, event.unit.job, event.unit.phase)[event.unit.tile] = true;
   orders_.push_back(MergeResult{event.worker, event.unit});
+  tell_if_phase_is_done(event.unit.job);
 }
 
 void Plan::dispute(const UnitDone& event, Unit& unit) {
@@ -242,168 +374,50 @@ void Plan::dispute(const UnitDone& event, Unit& unit) {
   redo_work_of(first, second);
 }
 
-/// Chan's merge cannot be undone for one unit, so the tiles that the two workers had a hand in start afresh.
 void Plan::redo_work_of(WorkerId first, WorkerId second) {
-  for (std::uint32_t i = 0; i < images_.size(); ++i) {
-    const Image& image = images_[i];
-    const std::vector<bool>& of_first = contributions(first, i);
-    const std::vector<bool>& of_second = contributions(second, i);
-    for (std::uint32_t tile = 0; tile < image.all.tiles; ++tile) {
-      if (!of_first[tile] && !of_second[tile]) continue;
-      orders_.push_back(RedoTile{i, tile});
-      const std::uint32_t issued = image.next_pass + (tile < image.next_tile ? 1 : 0);
-      for (std::uint32_t pass = 0; pass < issued; ++pass) reopen({i, pass, tile});
-    }
-    contributions_.erase({first, i});
-    contributions_.erase({second, i});
+  for (const JobId id : order_) redo_work_of(first, second, id);
+}
+
+/// Chan's merge cannot be undone for one unit, so the tiles that the two workers had a hand in start afresh;
+/// and what an earlier phase made cannot be undone at all.
+void Plan::redo_work_of(WorkerId first, WorkerId second, JobId id) {
+  Job& job = jobs_.at(id);
+  for (std::uint32_t phase = 0; phase < job.phase; ++phase) {
+    if (!contributions_.contains({first, id, phase}) && !contributions_.contains({second, id, phase}))
+      continue;
+    orders_.push_back(StartAgain{id});
+    restart(id);
+    return;
   }
+  const Phase& phase = present(job);
+  const std::vector<bool> of_first = contributions(first, id, job.phase),
+                          of_second = contributions(second, id, job.phase);
+  for (std::uint32_t tile = 0; tile < phase.all.tiles; ++tile) {
+    if (!of_first[tile] && !of_second[tile]) continue;
+    orders_.push_back(RedoTile{id, job.phase, tile});
+    const std::uint32_t issued = phase.next_pass + (tile < phase.next_tile ? 1 : 0);
+    for (std::uint32_t pass = 0; pass < issued; ++pass) reopen({id, job.phase, pass, tile});
+  }
+  contributions_.erase({first, id, job.phase});
+  contributions_.erase({second, id, job.phase});
 }
 
 void Plan::reopen(UnitId id) {
-  if (set_aside_.contains(id)) return;
+  if (jobs_.at(id.job).set_aside.contains(id)) return;
   const auto [found, is_new] = units_.try_emplace(id);
   Unit& unit = found->second;
   if (!is_new && !unit.closed) return;  // on its way already
   unit.closed = false;
   unit.done_by.reset();
-  ++units_left_;
+  count_left(id, 1);
+  --jobs_.at(id.job).counts.done;
   settle(id);
 }
 
-std::vector<bool>& Plan::contributions(WorkerId worker, std::uint32_t image) {
-  std::vector<bool>& tiles = contributions_[{worker, image}];
-  tiles.resize(images_[image].all.tiles);
+std::vector<bool>& Plan::contributions(WorkerId worker, JobId job, std::uint32_t phase) {
+  std::vector<bool>& tiles = contributions_[{worker, job, phase}];
+  tiles.resize(jobs_.at(job).phases[phase].all.tiles);
   return tiles;
-}
-
-// --- Who gets what
-
-void Plan::issue() {
-  // Breadth first: no worker gets a second unit while another one has none.
-  for (std::size_t wanted = 1; wanted <= kUnitsPerWorker; ++wanted) {
-    for (auto& [id, worker] : workers_) {
-      if (worker.hung || worker.units.size() >= wanted) continue;
-      const std::optional<UnitId> unit = next_for(id);
-      if (!unit) continue;
-      if (worker.units.empty()) take_in_hand(worker);
-      worker.units.push_back(*unit);
-      units_[*unit].holders.insert(id);
-      dequeue(*unit);
-      orders_.push_back(Assign{id, *unit});
-    }
-  }
-}
-
-std::optional<UnitId> Plan::next_for(WorkerId id) {
-  const Worker& worker = workers_.at(id);
-  const std::optional<UnitId> suspect = suspect_for(id);
-  if (worker.units.empty()) {
-    if (suspect) return suspect;
-  } else if (suspect || !units_.at(worker.units.front()).faults.empty()) {
-    return {};  // a blamed unit travels alone: nothing follows it, and a worker empties its hands to take one
-  }
-  if (const auto unit = requeued_for(id)) return unit;
-  if (const auto unit = fresh()) return unit;
-  return worker.units.empty() ? straggler_for(id) : std::nullopt;
-}
-
-std::optional<UnitId> Plan::suspect_for(WorkerId id) const {
-  const auto found = std::ranges::find_if(suspects_, [&](const UnitId& candidate) {
-    const Unit& unit = units_.at(candidate);
-    return !unit.holders.contains(id) && !better_elsewhere(unit, id);
-  });
-  return found == suspects_.end() ? std::nullopt : std::optional(*found);
-}
-
-std::optional<UnitId> Plan::requeued_for(WorkerId id) const {
-  const auto found = std::ranges::find_if(
-      requeued_, [&](const UnitId& candidate) { return !units_.at(candidate).holders.contains(id); });
-  return found == requeued_.end() ? std::nullopt : std::optional(*found);
-}
-
-std::optional<UnitId> Plan::fresh() {
-  for (std::uint32_t i = 0; i < images_.size(); ++i) {
-    Image& image = images_[i];
-    if (image.next_pass >= image.passes || image.all.tiles == 0) continue;
-    const UnitId unit{i, image.next_pass, image.next_tile};
-    if (++image.next_tile == image.all.tiles) {
-      image.next_tile = 0;
-      ++image.next_pass;
-    }
-    return unit;
-  }
-  return {};
-}
-
-std::optional<UnitId> Plan::straggler_for(WorkerId id) {
-  const Seconds straggler_age = timed_ == 0 ? kFirstStragglerAge : total_ / double(timed_);
-  std::optional<UnitId> chosen;
-  Seconds chosen_age = -1;
-  for (const auto& [candidate, unit] : units_) {
-    if (unit.closed || unit.holders.size() != 1 || unit.holders.contains(id) || !unit.faults.empty())
-      continue;
-    const Worker& holder = workers_.at(*unit.holders.begin());
-    const bool in_hand = holder.units.front() == candidate;
-    // One that has not been begun is the best to take over.
-    const Seconds age = in_hand ? now_ - holder.in_hand_since : std::numeric_limits<Seconds>::infinity();
-    if (age < straggler_age || age <= chosen_age) continue;
-    chosen = candidate;
-    chosen_age = age;
-  }
-  if (chosen) ++units_duplicated_;
-  return chosen;
-}
-
-/// Whether the unit has failed on this worker while there is another one that it has not failed on.
-bool Plan::better_elsewhere(const Unit& unit, WorkerId id) const {
-  const auto failed_on = [&unit](WorkerId worker) {
-    return std::ranges::any_of(unit.faults, [&](const auto& fault) { return fault.first == worker; });
-  };
-  if (!failed_on(id)) return false;
-  return std::ranges::any_of(
-      workers_, [&](const auto& other) { return !other.second.hung && !failed_on(other.first); });
-}
-
-bool Plan::rendered_by_someone(const Unit& unit) const {
-  return std::ranges::any_of(unit.holders, [this](WorkerId holder) { return !workers_.at(holder).hung; });
-}
-
-// --- Who takes too long
-
-/// A pause of the worker says nothing about how long parts of units take.
-void Plan::show_progress(Worker& worker) {
-  if (!worker.hung) longest_wait_ = std::max(longest_wait_, now_ - worker.progress_at);
-  worker.hung = worker.overdue = false;
-  worker.heard_at = worker.progress_at = now_;
-}
-
-/// Its lease begins now. A worker without a unit is not expected to report anything.
-void Plan::take_in_hand(Worker& worker) {
-  worker.in_hand_since = worker.progress_at = now_;
-  if (worker.units.empty()) worker.heard_at = now_;
-  worker.overdue = false;
-}
-
-void Plan::tell_if_overdue(WorkerId id, Worker& worker) {
-  const Seconds since_heard = now_ - worker.heard_at, since_progress = now_ - worker.progress_at;
-  const bool is_silent = since_heard >= leases_.patience;
-  const bool is_slow = since_progress >= std::max(leases_.patience, 2 * longest_wait_);
-  if (worker.overdue || (!is_silent && !is_slow)) return;
-  worker.overdue = true;
-  orders_.push_back(Overdue{id, worker.units.front(), is_silent, is_silent ? since_heard : since_progress,
-                            hung_at(worker) - now_});
-}
-
-Plan::Lease Plan::lease(const Worker& worker) const {
-  Seconds base = std::max(leases_.minimum, leases_.factor * longest_wait_);
-  if (!worker.proven) base = std::max(base, leases_.initial);
-  const double growth = std::pow(leases_.growth, units_.at(worker.units.front()).expired_leases);
-  return {base * growth, leases_.silence * growth};
-}
-
-Seconds Plan::hung_at(const Worker& worker) const {
-  const Lease given = lease(worker);
-  return std::min(worker.progress_at + given.progress, worker.heard_at + given.silence);
 }
 
 }  // namespace penumbra

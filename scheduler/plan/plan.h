@@ -8,181 +8,95 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <tuple>
 #include <utility>
-#include <variant>
 #include <vector>
 
-#include "scheduler/plan/work_unit.h"
+#include "scheduler/plan/plan_messages.h"
 
 namespace penumbra {
 
-/// Any monotonic time, in seconds.
-using Seconds = double;
-
-/// How long a worker may go without a sign of progress at its unit (a part of it done, or all of it) before
-/// it counts as hung: `factor` times the longest that any took so far, at least `minimum`; at least `initial`
-/// for a worker that has not finished a unit yet, because nothing is known about the scene then and giving up
-/// a worker that is merely slow is worse than waiting for one that hangs. One that is not heard of at all for
-/// `silence`, while it should say every second that it is alive, is stopped, or its machine is. Each time
-/// that a unit's lease has expired its next one is `growth` times longer, so a unit that is slow gets its
-/// time. A worker that goes on like that for as long again is dismissed. What takes longer than `patience`,
-/// and than twice the longest so far, is told to the user.
-struct LeaseRule {
-  Seconds initial = 120;
-  Seconds minimum = 30;
-  double factor = 20;
-  double growth = 3;
-  Seconds silence = 10;
-  Seconds patience = 5;
-};
-
-constexpr int kUnitsPerWorker = 2;     ///< one in hand, one on the way
-constexpr int kFaultsToSetAside = 3;   ///< a unit that failed so often is left out
-constexpr int kFailuresToDismiss = 3;  ///< so many failed units one after the other, and the worker goes
-constexpr int kDisputesToGiveUp = 3;   ///< so many pairs of workers that disagreed, and none can be trusted
-constexpr Seconds kFirstStragglerAge = 1;  ///< see Plan; only while no unit is finished
-
-/// The work units of one image: tiles x passes.
-struct ImageUnits {
-  std::uint32_t tiles = 0;
-  std::uint32_t passes = 0;
-};
-
-/// What a worker did to a unit.
-enum class Fault {
-  kDied,      ///< it was lost with the unit in hand
-  kFailed,    ///< it reported that the unit cannot be rendered
-  kHung,      ///< the unit's lease expired
-  kCorrupt,   ///< its result was damaged
-  kDisputed,  ///< its result has other bytes than another worker's
-};
-
-// --- Events: what happened.
-
-struct WorkerJoined {  ///< ready to render
-  WorkerId worker;
-};
-struct WorkerLost {
-  WorkerId worker;
-};
-struct Alive {  ///< the worker has sent a sign of life
-  WorkerId worker;
-};
-struct Progressed {  ///< it has done a part of the unit in its hand
-  WorkerId worker;
-};
-struct UnitDone {
-  WorkerId worker;
-  UnitId unit;
-  std::uint64_t hash;  ///< of the result, to compare it with a second one
-};
-struct UnitFailed {
-  WorkerId worker;
-  UnitId unit;
-};
-struct ResultCorrupt {  ///< the received data is not a valid result of this unit
-  WorkerId worker;
-  UnitId unit;
-};
-struct MorePasses {  ///< so many in all; no fewer than before
-  std::uint32_t image;
-  std::uint32_t passes;
-};
-struct NoFurtherPasses {};  ///< finish the passes that are begun (the first one at least), then stop
-struct Tick {};             ///< time has passed
-
-using PlanEvent = std::variant<WorkerJoined, WorkerLost, Alive, Progressed, UnitDone, UnitFailed,
-                               ResultCorrupt, MorePasses, NoFurtherPasses, Tick>;
-
-// --- Orders: what to do, in this order.
-
-struct Assign {
-  WorkerId worker;
-  UnitId unit;
-};
-struct MergeResult {  ///< the result that the event brought is the first of its unit
-  WorkerId worker;
-  UnitId unit;
-};
-struct DiscardResult {  ///< the result that the event brought is not needed, or not to be trusted
-  WorkerId worker;
-  UnitId unit;
-};
-struct SetAside {  ///< the unit will never come
-  UnitId unit;
-  std::vector<std::pair<WorkerId, Fault>> faults;
-};
-struct DismissWorker {
-  WorkerId worker;
-  Fault fault;                      ///< why
-  UnitId unit;                      ///< the unit at which it showed
-  std::optional<WorkerId> accuser;  ///< kDisputed: the worker that disagrees; it is dismissed as well
-};
-struct RedoTile {  ///< forget what was merged of it: untrustworthy work went in, and all of it comes again
-  std::uint32_t image;
-  std::uint32_t tile;
-};
-struct Overdue {  ///< people should know what is waited for; once for each time that it happens
-  WorkerId worker;
-  UnitId unit;         ///< in its hand
-  bool is_silent;      ///< it is not heard of at all; else it shows no progress
-  Seconds since;       ///< its last sign
-  Seconds until_hung;  ///< from now
-};
-struct GiveUp {};  ///< workers keep disagreeing; no result can be trusted
-
-using PlanOrder =
-    std::variant<Assign, MergeResult, DiscardResult, SetAside, DismissWorker, RedoTile, Overdue, GiveUp>;
-
-/// The state of a run. Rules:
+/// The state of all jobs and workers of a scheduler. Rules:
+/// - Jobs are ordered by priority, then by age. A worker gets units of the first job that has any for it. One
+///   that does not know a job with work for it is told to prepare it, behind what it holds, and gets nothing
+///   more until it has; it keeps up to kJobsPerWorker jobs, and prepares one in advance when it has nothing
+///   else to do.
+/// - Phases of a job follow each other: the next one waits for its PhaseOpened.
 /// - Units are issued pass by pass. A worker has at most `kUnitsPerWorker`; only the first is in its hand.
-/// - A unit that comes back unfinished (worker lost, dismissed or hung) is issued again before anything new.
-///   The unit in hand is blamed for it. A blamed unit is issued alone from then on, so that the next blame
-///   cannot hit the wrong unit, and goes to a worker that it has not failed on while there is one. Three
-///   faults set it aside.
+/// - A unit that comes back unfinished (worker lost, dismissed or hung) is issued again before anything new
+/// of
+///   its job. The unit in hand is blamed for it. A blamed unit is issued alone from then on, so that the next
+///   blame cannot hit the wrong unit, and goes to a worker that it has not failed on while there is one.
+///   Three faults set it aside.
 /// - When nothing is left to issue, idle workers get copies of units that wait at a busy worker, or that have
 ///   been in hand for longer than the mean unit. The first result counts. A second one must have the same
 ///   hash: otherwise one of the two workers computes wrongly. It is not known which, so both are dismissed
-///   and every tile that either worked on is done again from its first pass.
+///   and every tile that either worked on is done again from its first pass; a job with an earlier phase that
+///   they worked on starts again.
 /// - A late result of a unit that is still open counts like any other.
 class Plan {
  public:
-  explicit Plan(std::vector<ImageUnits> images, LeaseRule leases = {});
+  explicit Plan(LeaseRule leases = {}) : leases_(leases) {}
 
   std::vector<PlanOrder> handle(const PlanEvent& event, Seconds now);
 
-  /// Every unit is done or set aside.
+  /// Every unit of every job is done or set aside, of all phases.
   [[nodiscard]] bool finished() const { return units_left_ == 0; }
+  [[nodiscard]] bool finished(JobId job) const { return jobs_.at(job).units_left == 0; }
   [[nodiscard]] bool gave_up() const { return disputes_ >= kDisputesToGiveUp; }
   [[nodiscard]] std::uint64_t units_left() const { return units_left_; }
-  [[nodiscard]] std::uint64_t units_done() const { return units_total_ - units_left_ - set_aside_.size(); }
-  [[nodiscard]] std::uint64_t units_duplicated() const { return units_duplicated_; }  ///< copies given out
-  [[nodiscard]] std::uint64_t units_requeued() const { return units_requeued_; }
+
+  /// Of one job, since it was added or began anew.
+  struct Counts {
+    std::uint64_t done = 0, duplicated = 0, requeued = 0;  ///< duplicated: copies given out
+  };
+  [[nodiscard]] Counts counts(JobId job) const { return jobs_.at(job).counts; }
+  [[nodiscard]] const std::set<UnitId>& set_aside(JobId job) const { return jobs_.at(job).set_aside; }
+  /// Passes of the present phase that will be rendered, as MorePasses and NoFurtherPasses left them.
+  [[nodiscard]] std::uint32_t passes(JobId job) const { return present(jobs_.at(job)).passes; }
   /// What the worker renders at the moment, as far as is known here.
   [[nodiscard]] std::optional<UnitId> in_hand(WorkerId worker) const;
-  [[nodiscard]] const std::set<UnitId>& set_aside() const { return set_aside_; }
-  /// Passes of an image that will be rendered, as MorePasses and NoFurtherPasses left them.
-  [[nodiscard]] std::uint32_t passes(std::uint32_t image) const { return images_[image].passes; }
 
  private:
-  struct Image {
-    ImageUnits all;
+  struct Phase {
+    PhaseUnits all;
     std::uint32_t passes;  // to be issued
     std::uint32_t next_pass = 0, next_tile = 0;
+    std::uint64_t left = 0;  // units that are neither done nor set aside
+
+    explicit Phase(const PhaseUnits& units);
+  };
+  struct Job {
+    int priority = 0;
+    std::vector<PhaseUnits> as_added;
+    std::vector<Phase> phases;
+    std::uint32_t phase = 0;
+    bool waits = false;  // for the present phase to be opened
+    std::uint64_t units_left = 0;
+    Counts counts;
+    std::set<UnitId> set_aside;
+    // What its units take.
+    Seconds longest_wait = 0;  // for a sign of progress
+    Seconds total = 0;         // of finished units
+    std::uint64_t timed = 0;
+
+    void begin();
   };
   struct Worker {
     std::deque<UnitId> units;  // the first is in hand
     Seconds in_hand_since = 0;
     Seconds heard_at = 0, progress_at = 0;  // last signs of life, and of progress at what is in hand
-    bool proven = false;                    // has finished a unit
-    bool overdue = false;                   // which has been told
+    std::set<JobId> prepared, unfit;
+    std::optional<JobId> preparing;
+    std::set<JobId> proven;  // of which it has finished a unit
+    bool overdue = false;    // which has been told
     int failures_in_a_row = 0;
     bool hung = false;       // its lease expired and nothing came since
     bool silent = false;     // ... for silence
     Seconds hung_until = 0;  // then it is dismissed
   };
   // A unit that was issued and that a worker still holds, or that waits to be issued again. A unit before its
-  // image's `next` that has no record is done or set aside.
+  // phase's `next` that has no record is done or set aside.
   struct Unit {
     std::set<WorkerId> holders;
     bool closed = false;  // done or set aside; kept for the holders' results
@@ -191,9 +105,15 @@ class Plan {
     int expired_leases = 0;
     std::vector<std::pair<WorkerId, Fault>> faults;
   };
-  using Records = std::map<UnitId, Unit>;
 
+  void on(const JobAdded& event);
+  void on(const JobRemoved& event);
+  void on(const PriorityChanged& event);
+  void on(const JobRestarted& event);
+  void on(const PhaseOpened& event);
   void on(const WorkerJoined& event);
+  void on(const WorkerPrepared& event);
+  void on(const WorkerUnfit& event);
   void on(const WorkerLost& event);
   void on(const Alive& event);
   void on(const Progressed& event);
@@ -203,6 +123,14 @@ class Plan {
   void on(const MorePasses& event);
   void on(const NoFurtherPasses& event);
   void on(const Tick& event);
+
+  [[nodiscard]] static const Phase& present(const Job& job) { return job.phases[job.phase]; }
+  [[nodiscard]] Phase& phase_of(UnitId id) { return jobs_.at(id.job).phases[id.phase]; }
+  void order_jobs();
+  void forget_units(JobId job);
+  void restart(JobId job);
+  void count_left(UnitId id, std::int64_t more);
+  void tell_if_phase_is_done(JobId id);
 
   bool take_back(WorkerId worker, UnitId id);
   void settle(UnitId id);
@@ -214,15 +142,21 @@ class Plan {
   void accept(const UnitDone& event, Unit& unit);
   void dispute(const UnitDone& event, Unit& unit);
   void redo_work_of(WorkerId first, WorkerId second);
+  void redo_work_of(WorkerId first, WorkerId second, JobId id);
   void reopen(UnitId id);
+  [[nodiscard]] std::vector<bool>& contributions(WorkerId worker, JobId job, std::uint32_t phase);
 
+  // In plan_issue.cpp.
   void issue();
   std::optional<UnitId> next_for(WorkerId worker);
-  [[nodiscard]] std::optional<UnitId> suspect_for(WorkerId worker) const;
-  [[nodiscard]] std::optional<UnitId> requeued_for(WorkerId worker) const;
-  std::optional<UnitId> fresh();
+  [[nodiscard]] bool has_work(const Job& job, JobId id) const;
+  void prepare_one(WorkerId id, bool in_advance);
+  [[nodiscard]] bool make_room(WorkerId id);
+  [[nodiscard]] std::optional<UnitId> suspect_for(WorkerId worker, JobId job) const;
+  [[nodiscard]] std::optional<UnitId> requeued_for(WorkerId worker, JobId job) const;
+  std::optional<UnitId> fresh(JobId job);
   std::optional<UnitId> straggler_for(WorkerId worker);
-  [[nodiscard]] bool better_elsewhere(const Unit& unit, WorkerId worker) const;
+  [[nodiscard]] bool better_elsewhere(const Unit& unit, WorkerId worker, JobId job) const;
   [[nodiscard]] bool rendered_by_someone(const Unit& unit) const;
   void show_progress(Worker& worker);
   void take_in_hand(Worker& worker);
@@ -233,23 +167,19 @@ class Plan {
   };
   [[nodiscard]] Lease lease(const Worker& worker) const;
   [[nodiscard]] Seconds hung_at(const Worker& worker) const;
-  [[nodiscard]] std::vector<bool>& contributions(WorkerId worker, std::uint32_t image);
 
   LeaseRule leases_;
-  std::vector<Image> images_;
+  std::map<JobId, Job> jobs_;
+  std::vector<JobId> order_;  // of jobs_, as units are taken from them
   std::map<WorkerId, Worker> workers_;
-  Records units_;
+  std::map<UnitId, Unit> units_;
   std::set<UnitId> requeued_;  // to be issued again
   std::set<UnitId> suspects_;  // likewise, but blamed for something
-  std::set<UnitId> set_aside_;
-  std::map<std::pair<WorkerId, std::uint32_t>, std::vector<bool>>
-      contributions_;  // tiles, also of lost workers
+  std::map<std::tuple<WorkerId, JobId, std::uint32_t>, std::vector<bool>>
+      contributions_;  // tiles of a phase, also of lost workers
 
   Seconds now_ = 0;
-  Seconds longest_wait_ = 0;  // for a sign of progress
-  Seconds total_ = 0;         // of finished units
-  std::uint64_t timed_ = 0;
-  std::uint64_t units_total_ = 0, units_left_ = 0, units_duplicated_ = 0, units_requeued_ = 0;
+  std::uint64_t units_left_ = 0;
   int disputes_ = 0;
   std::vector<PlanOrder> orders_;
 };

@@ -1,4 +1,4 @@
-// The name and the largest size of a work unit: one tile of one image for one pass of samples.
+// The name and the largest size of a work unit: one tile of one job's phase for one pass of samples.
 #pragma once
 
 #include <compare>
@@ -9,9 +9,13 @@ namespace penumbra {
 /// Pixels along a side of a unit: what fits one message between worker and scheduler.
 constexpr int kMaxTile = 2048;
 
-/// Ordered as units are issued: image by image, and within an image pass by pass.
+/// A job of a scheduler; numbers begin at 1 and are never used again.
+using JobId = std::uint32_t;
+
+/// Ordered as units of a job are issued: phase by phase, and within a phase pass by pass.
 struct UnitId {
-  std::uint32_t image = 0;  ///< index within the run; a single render has image 0 only
+  JobId job = 0;
+  std::uint32_t phase = 0;  ///< what of the job; an image has one phase, 0
   std::uint32_t pass = 0;
   std::uint32_t tile = 0;
 

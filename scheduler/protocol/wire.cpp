@@ -140,41 +140,46 @@ Expected<DevicePreparation> decode(const wire::Ready& message) {
   return preparation;
 }
 
-void encode(const UnitId& id, wire::UnitId& message) {
-  message.set_image(id.image);
+void encode(const UnitId& id, std::uint32_t view, wire::UnitId& message) {
+  message.set_job(id.job);
+  message.set_phase(id.phase);
   message.set_pass(id.pass);
   message.set_tile(id.tile);
+  message.set_view(view);
 }
 
 UnitId decode(const wire::UnitId& message) {
-  return {.image = message.image(), .pass = message.pass(), .tile = message.tile()};
+  return {.job = message.job(), .phase = message.phase(), .pass = message.pass(), .tile = message.tile()};
 }
 
 void encode(const RenderUnit& unit, wire::Unit& message) {
-  message.set_x(unit.x);
-  message.set_y(unit.y);
-  message.set_width(unit.width);
-  message.set_height(unit.height);
-  message.set_first_sample(unit.first_sample);
-  message.set_sample_count(unit.sample_count);
+  wire::PixelUnit& pixels = *message.mutable_pixels();
+  pixels.set_x(unit.x);
+  pixels.set_y(unit.y);
+  pixels.set_width(unit.width);
+  pixels.set_height(unit.height);
+  pixels.set_first_sample(unit.first_sample);
+  pixels.set_sample_count(unit.sample_count);
 }
 
 Expected<RenderUnit> decode(const wire::Unit& message) {
-  const auto side = [](int pixels) { return pixels >= 1 && pixels <= kMaxTile; };
-  if (!side(message.width()) || !side(message.height())) {
-    return fail(fmt::format("a unit of {} x {} pixels; 1 to {} a side make sense", message.width(),
-                            message.height(), kMaxTile));
+  if (!message.has_pixels()) return fail("a unit of a kind that this program does not know");
+  const wire::PixelUnit& pixels = message.pixels();
+  const auto is_side = [](int length) { return length >= 1 && length <= kMaxTile; };
+  if (!is_side(pixels.width()) || !is_side(pixels.height())) {
+    return fail(fmt::format("a unit of {} x {} pixels; 1 to {} a side make sense", pixels.width(),
+                            pixels.height(), kMaxTile));
   }
-  if (message.sample_count() < 1 || message.sample_count() > kMaxSamplesPerUnit) {
+  if (pixels.sample_count() < 1 || pixels.sample_count() > kMaxSamplesPerUnit) {
     return fail(
-        fmt::format("a unit of {} samples; 1 to {} make sense", message.sample_count(), kMaxSamplesPerUnit));
+        fmt::format("a unit of {} samples; 1 to {} make sense", pixels.sample_count(), kMaxSamplesPerUnit));
   }
-  return RenderUnit{.x = message.x(),
-                    .y = message.y(),
-                    .width = message.width(),
-                    .height = message.height(),
-                    .first_sample = message.first_sample(),
-                    .sample_count = message.sample_count()};
+  return RenderUnit{.x = pixels.x(),
+                    .y = pixels.y(),
+                    .width = pixels.width(),
+                    .height = pixels.height(),
+                    .first_sample = pixels.first_sample(),
+                    .sample_count = pixels.sample_count()};
 }
 
 namespace {
@@ -210,7 +215,8 @@ Expected<NonFiniteSamples> decode(const wire::NonFiniteSamples& message, const R
 
 }  // namespace
 
-void encode(const SampleBuffer& buffer, wire::UnitResult& message) {
+void encode(const SampleBuffer& buffer, wire::UnitResult& result) {
+  wire::PixelResult& message = *result.mutable_pixels();
   message.set_width(buffer.width);
   message.set_height(buffer.height);
   message.set_planes(buffer.planes);
@@ -221,7 +227,9 @@ void encode(const SampleBuffer& buffer, wire::UnitResult& message) {
   message.set_checksum(checksum_of(message.values()));
 }
 
-Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit& unit, int planes) {
+Expected<SampleBuffer> decode(const wire::UnitResult& result, const RenderUnit& unit, int planes) {
+  if (!result.has_pixels()) return fail("the result is of another kind than its unit");
+  const wire::PixelResult& message = result.pixels();
   if (message.width() != unit.width || message.height() != unit.height || message.planes() != planes ||
       message.sample_count() != unit.sample_count) {
     return fail(
@@ -241,7 +249,7 @@ Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit&
     return fail(fmt::format("the result has {} bytes of samples instead of {}", message.values().size(),
                             count * sizeof(float)));
   }
-  if (!is_time(message.busy_seconds())) return fail("the time for the result is negative or not finite");
+  if (!is_time(result.busy_seconds())) return fail("the time for the result is negative or not finite");
   const auto nan = decode(message.nan(), unit), infinite = decode(message.infinite(), unit);
   if (!nan) return std::unexpected(nan.error());
   if (!infinite) return std::unexpected(infinite.error());
@@ -274,9 +282,9 @@ Expected<View> decode(const wire::View& message) {
 }
 
 std::uint64_t result_hash(const wire::UnitResult& message) {
-  const wire::NonFiniteSamples &nan = message.nan(), &infinite = message.infinite();
+  const wire::NonFiniteSamples &nan = message.pixels().nan(), &infinite = message.pixels().infinite();
   // Not the source, which workers may know or not.
-  const std::uint64_t parts[] = {checksum_of(message.values()),
+  const std::uint64_t parts[] = {checksum_of(message.pixels().values()),
                                  nan.count(),
                                  std::uint64_t(nan.x()),
                                  std::uint64_t(nan.y()),

@@ -17,7 +17,7 @@ namespace penumbra {
 
 namespace wire = penumbra::v1;
 
-constexpr std::uint32_t kProtocolVersion = 5;
+constexpr std::uint32_t kProtocolVersion = 6;
 constexpr std::size_t kAssetChunkBytes = std::size_t(1) << 20;
 
 /// Largest message that a peer accepts: a tile of 2048 x 2048 pixels with all planes, and some.
@@ -41,12 +41,13 @@ void encode(const DevicePreparation& preparation, wire::Ready& message);
 /// warnings.
 Expected<DevicePreparation> decode(const wire::Ready& message);
 
-void encode(const UnitId& id, wire::UnitId& message);
+/// `view`: of the job, when the unit was given out.
+void encode(const UnitId& id, std::uint32_t view, wire::UnitId& message);
 UnitId decode(const wire::UnitId& message);
 
 void encode(const RenderUnit& unit, wire::Unit& message);
-/// Fails unless the rectangle is not empty, at most kMaxTile a side and the sample count in [1,
-/// kMaxSamplesPerUnit].
+/// Fails unless its work is pixels, their rectangle is not empty, at most kMaxTile a side and the sample
+/// count in [1, kMaxSamplesPerUnit].
 Expected<RenderUnit> decode(const wire::Unit& message);
 
 /// The buffer, its counts and the checksum.

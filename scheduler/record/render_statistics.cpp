@@ -31,7 +31,7 @@ Json settings_json(const RenderStatistics& statistics) {
   settings["defines"] = statistics.record.defines;
   settings["set"] = statistics.record.settings;
   settings["tile"] = statistics.job->tile;
-  settings["workers"] = statistics.job->workers;
+  settings["workers"] = statistics.workers;
   settings["threads_per_worker"] = statistics.job->device.threads;
   settings["time_budget"] = statistics.job->time_budget ? Json(*statistics.job->time_budget) : Json(nullptr);
   return settings;

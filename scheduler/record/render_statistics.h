@@ -18,6 +18,7 @@ struct RenderStatistics {
   RenderRecord record;
   std::vector<std::string> command_line;  ///< as typed
   const RenderJob* job = nullptr;
+  int workers = 1;  ///< processes on this machine that it was begun with
   const RenderOutcome* outcome = nullptr;
   std::vector<std::string> warnings;                                 ///< of the scene's reader
   std::vector<std::pair<std::string, std::string>> needs, left_out;  ///< of the scene, see SceneSummary

@@ -20,6 +20,7 @@ namespace penumbra {
 
 /// What does not change while the render goes on.
 struct WatchedJob {
+  std::uint32_t id = 0;
   std::string title;  ///< the scene file, for people
   std::string integrator;
   int film_width = 0, film_height = 0;
@@ -40,6 +41,7 @@ struct WatchedWorker {
   std::uint32_t number = 0;
   std::string name, device;
   std::uint64_t units = 0;
+  std::uint32_t job = 0;                    ///< that it works at
   int x = 0, y = 0, width = 0, height = 0;  ///< film pixels in hand; no width: none
 };
 

@@ -115,6 +115,7 @@ bool WatchClient::receive(wire::Farm::Stub& stub, const wire::WatchEvent& event,
     {
       const std::lock_guard lock(mutex_);
       ++connection_;
+      job_ = job->id;
       newest_view_ = wanted_spp_ = sent_spp_ = 0;
       own_view_.reset();
     }
@@ -231,6 +232,7 @@ void WatchClient::send() {
     changed_.wait(lock, [this] { return stopping_ || next_view_ || wanted_spp_ > sent_spp_; });
     if (stopping_) return;
     wire::ControlRequest request;
+    request.set_job(job_);
     const bool changes_view = next_view_.has_value();
     const std::uint32_t spp = wanted_spp_;
     if (changes_view) {

@@ -92,6 +92,7 @@ class WatchClient {
   std::optional<View> next_view_;  // to be sent
   bool view_on_its_way_ = false;   // its number is not known yet
   std::uint32_t connection_ = 0;   // each may be to another scheduler, which numbers its views anew
+  std::uint32_t job_ = 0;          // of this connection
   std::uint32_t newest_view_ = 0;
   std::optional<std::uint32_t> own_view_;  // the last that was asked for from here
   std::uint32_t wanted_spp_ = 0, sent_spp_ = 0;

@@ -91,11 +91,13 @@ wire::WatchEvent encode(const WatchedJob& job) {
   for (const double coordinate : job.center) message.add_center(coordinate);
   message.set_interactive(job.interactive);
   message.set_hybrid(job.hybrid);
+  message.set_id(job.id);
   return event;
 }
 
 Expected<WatchedJob> decode(const wire::WatchedJob& message) {
-  WatchedJob job{.title = message.title(),
+  WatchedJob job{.id = message.id(),
+                 .title = message.title(),
                  .integrator = message.integrator(),
                  .film_width = message.film_width(),
                  .film_height = message.film_height(),

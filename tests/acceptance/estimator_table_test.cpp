@@ -13,6 +13,7 @@
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/acceptance/shadowed_polygon.h"
 #include "tests/support/integrator_parameters.h"
+#include "tests/support/unit_square.h"
 
 namespace penumbra {
 namespace {
@@ -39,13 +40,8 @@ double scattered(const BsdfModel& model, const dvec3& wi) {
          wi.y;
 }
 
-/// Integral of `value` over the unit square by midpoints.
 double integral(const std::function<double(double, double)>& value) {
-  constexpr int kNodes = 600;
-  double sum = 0;
-  for (int i = 0; i < kNodes; ++i)
-    for (int j = 0; j < kNodes; ++j) sum += value((i + 0.5) / kNodes, (j + 0.5) / kNodes);
-  return sum / (kNodes * kNodes);
+  return unit_square_integral(600, value);
 }
 
 /// What a surface of radiance 1 adds whose point at (u, v) stands for `area`; its front has this normal.

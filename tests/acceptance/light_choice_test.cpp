@@ -9,6 +9,8 @@
 
 #include "kernels/host/device_scene_tables.h"
 #include "scenes/device/device_scene_builder.h"
+#include "scenes/instances.h"
+#include "scenes/transform.h"
 #include "tests/acceptance/many_lights.h"
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/support/integrator_parameters.h"
@@ -76,17 +78,20 @@ TEST_P(LightChoices, AreUnbiased) {
   EXPECT_TRUE(result.passed) << many_lights()[index].name << ": " << result.summary();
 }
 
-/// Probability of the environment where all places choose alike.
-float sky_share(const std::string& name) {
+SceneDescription scene_named(const std::string& name) {
   for (ManyLights& each : many_lights())
-    if (each.name == name) {
-      const DeviceScene scene = build_or_throw(each.scene);
-      EXPECT_EQ(scene.header.integrator.light_choice, CHOICE_POWER);
-      EXPECT_EQ(scene.header.tables.light_nodes.count, 0);
-      return table<Light>(scene, scene.header.tables.lights)[std::size_t(scene.header.environment)].pmf;
-    }
+    if (each.name == name) return std::move(each.scene);
   throw std::runtime_error("no scene '" + name + "'");
 }
+
+/// Probability of the environment where all places choose alike.
+float sky_share(const SceneDescription& description, bool embree = false) {
+  const DeviceScene scene = build_or_throw(description, embree);
+  EXPECT_EQ(scene.header.integrator.light_choice, CHOICE_POWER);
+  EXPECT_EQ(scene.header.tables.light_nodes.count, 0);
+  return table<Light>(scene, scene.header.tables.lights)[std::size_t(scene.header.environment)].pmf;
+}
+float sky_share(const std::string& name) { return sky_share(scene_named(name)); }
 
 // What cannot be seen gets little, whatever its radiance, and how far the scene reaches makes no difference.
 TEST(SkyShare, IsByWhatArrives) {
@@ -94,6 +99,24 @@ TEST(SkyShare, IsByWhatArrives) {
   EXPECT_LE(sky_share("torch in a field at night"), 0.25f + 1e-6f);
   EXPECT_NEAR(sky_share("room with a window"), 0.5, 1e-6);
   EXPECT_GE(sky_share("torch in a wide field by day"), 0.5f - 1e-6f);
+}
+
+// Walls of an instance keep the sky out as those of the scene itself do, whichever intersector traces the
+// image.
+TEST(SkyShare, IsByWhatArrivesPastInstances) {
+  SceneDescription scene = scene_named("lamp in a closed room under a bright sky");
+  ShapeGroup room{"room", {}, {}};
+  std::vector<Shape> lamps;
+  for (const Shape& shape : scene.shapes) {
+    if (shape.radiance)
+      lamps.push_back(shape);
+    else
+      room.shapes.push_back(placed_shape(shape, scaling(glm::dvec3(0.5))).value());
+  }
+  scene.shapes = std::move(lamps);
+  scene.groups.push_back(std::move(room));
+  scene.instances.push_back({"room", 0, scaling(glm::dvec3(2))});
+  for (const bool embree : {false, true}) EXPECT_NEAR(sky_share(scene, embree), 0.125, 1e-6) << embree;
 }
 
 TEST(SkyShare, IsTheSameEachTime) {

@@ -7,6 +7,7 @@
 #include "tests/differential/agreement.h"
 #include "tests/differential/camera_scenes.h"
 #include "tests/differential/emitter_scenes.h"
+#include "tests/differential/material_scenes.h"
 #include "tests/differential/named_scenes.h"
 #include "tests/differential/random_scene.h"
 #include "tests/differential/textured_scenes.h"
@@ -27,8 +28,9 @@ void compare(std::vector<SceneText> scenes) {
     if (mitsuba.named()) FAIL() << mitsuba.ready().error().message;
     GTEST_SKIP() << mitsuba.ready().error().message;
   }
-  const std::size_t all = named_scenes().size() + camera_scenes().size() + textured_scenes().size() +
-                          emitter_scenes().size() + std::size_t(kParts * kScenesOfPart);
+  const std::size_t all = named_scenes().size() + material_scenes().size() + camera_scenes().size() +
+                          textured_scenes().size() + emitter_scenes().size() +
+                          std::size_t(kParts * kScenesOfPart);
   expect_agreement(mitsuba, scenes, all, only != nullptr);
 }
 
@@ -44,6 +46,8 @@ TEST_P(Differential, RandomScenesAreAsMitsubaRendersThem) {
 INSTANTIATE_TEST_SUITE_P(Parts, Differential, testing::Range(0, kParts));
 
 TEST(DifferentialTest, NamedScenesAreAsMitsubaRendersThem) { compare(named_scenes()); }
+
+TEST(DifferentialTest, MaterialsAreAsMitsubaRendersThem) { compare(material_scenes()); }
 
 TEST(DifferentialTest, ScenesOfEmittersAreAsMitsubaRendersThem) { compare(emitter_scenes()); }
 

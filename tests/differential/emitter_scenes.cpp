@@ -3,18 +3,11 @@
 #include <cstdint>
 
 #include "tests/differential/random.h"
+#include "tests/differential/scene_parts.h"
 #include "tests/support/tga_file.h"
 
 namespace penumbra::differential {
 namespace {
-
-const std::string kWhite =
-    "<bsdf type=\"twosided\"><bsdf type=\"diffuse\"><rgb name=\"reflectance\" "
-    "value=\"0.7\"/></bsdf></bsdf>\n";
-
-std::string placed(std::string_view type, std::string_view steps, const std::string& inside) {
-  return plugin("shape", type, to_world(steps) + inside);
-}
 
 /// Unlike texels, so that it is seen which way round they are; few of them bright if it is `sparse`.
 MeshFile image(const std::string& name, int width, int height, bool sparse) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "tests/differential/scene_parts.h"
 #include "tests/support/tga_file.h"
 
 namespace penumbra::differential {
@@ -24,10 +25,6 @@ std::string bitmap(const std::string& inside = "", const std::string& file = "im
       "<bsdf type=\"twosided\"><bsdf type=\"diffuse\"><texture type=\"bitmap\" name=\"reflectance\">\n{}{}"
       "</texture></bsdf></bsdf>\n",
       text("filename", file), inside);
-}
-
-std::string placed(std::string_view type, std::string_view steps, const std::string& inside) {
-  return plugin("shape", type, to_world(steps) + inside);
 }
 
 /// Under an even sky, which convex things reflect as they are; seen from the front.

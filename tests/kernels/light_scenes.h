@@ -8,22 +8,28 @@
 
 namespace penumbra {
 
+/// The only light of a scene, all but its place and shape.
+inline Light only_light(int kind) {
+  Light light{};
+  light.kind = kind;
+  light.pmf = light.alias_threshold = 1;
+  light.polygon = -1;
+  light.radiance = make_vec3(1, 2, 3);
+  return light;
+}
+
 inline SceneTables triangle_light(const vec3& a, const vec3& b, const vec3& c, bool by_solid_angle) {
   SceneTables tables;
   tables.header.features = by_solid_angle ? FEATURE_SOLID_ANGLE : 0;
   tables.header.environment = -1;
   tables.add_triangle(a, b, c);
   tables.triangles[0].light = 0;
-  Light light{};
-  light.kind = LIGHT_TRIANGLE;
+  Light light = only_light(LIGHT_TRIANGLE);
   light.p0 = a;
   light.p1 = b;
   light.p2 = c;
   light.area = float(0.5L * length(cross(exact(b) - exact(a), exact(c) - exact(a))));
-  light.pmf = light.alias_threshold = 1;
   light.sampling = by_solid_angle ? EMITTER_SOLID_ANGLE : EMITTER_AREA;
-  light.polygon = -1;
-  light.radiance = make_vec3(1, 2, 3);
   tables.lights.push_back(light);
   return tables;
 }
@@ -33,81 +39,60 @@ inline SceneTables quadric_light(const Quadric& quadric, bool by_solid_angle) {
   tables.header.environment = -1;
   tables.quadrics.push_back(quadric);
   tables.quadrics[0].light = 0;
-  Light light{};
   const bool sphere = quadric.kind == QUADRIC_SPHERE, cylinder = quadric.kind == QUADRIC_CYLINDER;
-  light.kind = sphere ? LIGHT_SPHERE : cylinder ? LIGHT_CYLINDER : LIGHT_DISK;
+  Light light = only_light(sphere ? LIGHT_SPHERE : cylinder ? LIGHT_CYLINDER : LIGHT_DISK);
   light.p0 = quadric.center;
   light.p1 = quadric.normal;
   light.p2 = make_vec3(quadric.radius, quadric.orientation, cylinder ? quadric.length : 0);
   light.area =
       cylinder ? 2 * PI_F * quadric.radius * quadric.length : (sphere ? 4 : 1) * PI_F * sqr(quadric.radius);
-  light.pmf = light.alias_threshold = 1;
   light.sampling = by_solid_angle ? EMITTER_SOLID_ANGLE : EMITTER_AREA;
-  light.polygon = -1;
-  light.radiance = make_vec3(1, 2, 3);
   tables.lights.push_back(light);
   return tables;
 }
 
-inline SceneTables sphere_light(const vec3& center, float radius, float orientation, bool by_solid_angle) {
+/// Its frame is about `pole`: the normal of a disk, the axis of a cylinder.
+inline Quadric quadric_about(int kind, const vec3& center, const vec3& pole, float radius,
+                             float orientation) {
   Quadric q{};
-  q.kind = QUADRIC_SPHERE;
+  q.kind = kind;
   q.center = center;
+  q.normal = pole;
   q.radius = radius;
   q.orientation = orientation;
-  q.normal = make_vec3(0, 0, 1);
-  q.x_axis = make_vec3(1, 0, 0);
-  q.y_axis = make_vec3(0, 1, 0);
-  return quadric_light(q, by_solid_angle);
+  q.x_axis = from_frame(pole, 1, 0, 0);
+  q.y_axis = from_frame(pole, 0, 1, 0);
+  return q;
+}
+
+inline SceneTables sphere_light(const vec3& center, float radius, float orientation, bool by_solid_angle) {
+  return quadric_light(quadric_about(QUADRIC_SPHERE, center, make_vec3(0, 0, 1), radius, orientation),
+                       by_solid_angle);
 }
 
 inline SceneTables disk_light(const vec3& center, const vec3& normal, float radius) {
-  Quadric q{};
-  q.kind = QUADRIC_DISK;
-  q.center = center;
-  q.normal = normal;
-  q.radius = radius;
-  q.orientation = 1;
-  q.x_axis = from_frame(normal, 1, 0, 0);
-  q.y_axis = from_frame(normal, 0, 1, 0);
-  return quadric_light(q, false);
+  return quadric_light(quadric_about(QUADRIC_DISK, center, normal, radius, 1), false);
 }
 
 inline SceneTables cylinder_light(const vec3& end, const vec3& axis, float radius, float length,
                                   float orientation) {
-  Quadric q{};
-  q.kind = QUADRIC_CYLINDER;
-  q.center = end;
-  q.normal = axis;
-  q.radius = radius;
+  Quadric q = quadric_about(QUADRIC_CYLINDER, end, axis, radius, orientation);
   q.length = length;
-  q.orientation = orientation;
-  q.x_axis = from_frame(axis, 1, 0, 0);
-  q.y_axis = from_frame(axis, 0, 1, 0);
   return quadric_light(q, false);
 }
 
 inline SceneTables environment_light() {
   SceneTables tables;
   tables.header.environment = 0;
-  Light light{};
-  light.kind = LIGHT_ENVIRONMENT;
-  light.pmf = light.alias_threshold = 1;
-  light.polygon = -1;
-  light.radiance = make_vec3(1, 2, 3);
-  tables.lights.push_back(light);
+  tables.lights.push_back(only_light(LIGHT_ENVIRONMENT));
   return tables;
 }
 
 inline SceneTables point_light(const vec3& position) {
   SceneTables tables;
   tables.header.environment = -1;
-  Light light{};
-  light.kind = LIGHT_POINT;
+  Light light = only_light(LIGHT_POINT);
   light.p0 = position;
-  light.pmf = light.alias_threshold = 1;
-  light.polygon = -1;
-  light.radiance = make_vec3(1, 2, 3);
   tables.lights.push_back(light);
   return tables;
 }

@@ -100,19 +100,10 @@ class GltfText : public SceneText {
     return read_scene(folder_ / "scene.gltf", options);
   }
   SceneDescription good_gltf(std::string_view text, const ReadOptions& options = {}) {
-    auto result = read_gltf(text, options);
-    EXPECT_TRUE(result) << result.error().message;
-    return result ? std::move(*result) : SceneDescription{};
+    return good_of(read_gltf(text, options));
   }
   std::string gltf_error(std::string_view text, const ReadOptions& options = {}) {
-    const auto result = read_gltf(text, options);
-    EXPECT_FALSE(result) << "this scene should be an error:\n" << text;
-    return result ? "" : without_folder(result.error().message);
-  }
-  std::string warnings(const SceneDescription& scene) {
-    std::string all;
-    for (const std::string& warning : scene.warnings) all += warning + "\n";
-    return without_folder(all);
+    return error_of(read_gltf(text, options), text);
   }
 
   /// A triangle (0,0,0) (1,0,0) (0,1,0) with texture coordinates (x, 1 - y).

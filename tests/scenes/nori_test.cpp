@@ -26,9 +26,7 @@ class NoriText : public SceneText {
   SceneDescription good_nori(std::string_view content,
                              std::string_view camera = "<camera type=\"perspective\"/>",
                              const ReadOptions& options = {}) {
-    auto result = read(nori(content, camera), options);
-    EXPECT_TRUE(result) << result.error().message;
-    return result ? lit(std::move(*result)) : SceneDescription{};
+    return lit(good_of(read(nori(content, camera), options)));
   }
   static constexpr const char* kMesh =
       "<mesh type=\"obj\"><string name=\"filename\" value=\"m.obj\"/></mesh>";

@@ -29,19 +29,10 @@ class PbrtText : public SceneText {
   }
   SceneDescription good_pbrt(std::string_view world, std::string_view view = "Camera \"perspective\"",
                              const ReadOptions& options = {}) {
-    auto result = read_pbrt(pbrt(world, view), options);
-    EXPECT_TRUE(result) << result.error().message;
-    return result ? lit(std::move(*result)) : SceneDescription{};
+    return lit(good_of(read_pbrt(pbrt(world, view), options)));
   }
   std::string wrong(std::string_view world, std::string_view view = "Camera \"perspective\"") {
-    const auto result = read_pbrt(pbrt(world, view));
-    EXPECT_FALSE(result) << "this scene should be an error:\n" << world;
-    return result ? "" : without_folder(result.error().message);
-  }
-  std::string warnings(const SceneDescription& scene) {
-    std::string all;
-    for (const std::string& warning : scene.warnings) all += warning + "\n";
-    return without_folder(all);
+    return error_of(read_pbrt(pbrt(world, view)), world);
   }
   static constexpr const char* kTriangle =
       "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2]\n";

@@ -41,9 +41,11 @@ class SceneText : public ::testing::Test {
 
   /// Of a scene that must be good. That it has no light is no warning: most scenes here need none.
   SceneDescription good(std::string_view content, const ReadOptions& options = {}) {
-    auto result = read(scene(content), options);
+    return lit(good_of(read(scene(content), options)));
+  }
+  static SceneDescription good_of(Expected<SceneDescription> result) {
     EXPECT_TRUE(result) << result.error().message;
-    return result ? lit(std::move(*result)) : SceneDescription{};
+    return result ? std::move(*result) : SceneDescription{};
   }
 
   static SceneDescription lit(SceneDescription scene) {
@@ -55,9 +57,18 @@ class SceneText : public ::testing::Test {
 
   /// The error of a scene that must be bad, the folder's name left out.
   std::string error(std::string_view text, const ReadOptions& options = {}) {
-    const auto result = read(text, options);
+    return error_of(read(text, options), text);
+  }
+  std::string error_of(const Expected<SceneDescription>& result, std::string_view text) const {
     EXPECT_FALSE(result) << "this scene should be an error:\n" << text;
     return result ? "" : without_folder(result.error().message);
+  }
+
+  /// One a line, the folder's name left out.
+  std::string warnings(const SceneDescription& scene) const {
+    std::string all;
+    for (const std::string& warning : scene.warnings) all += warning + "\n";
+    return without_folder(all);
   }
 
   std::string without_folder(std::string message) const {

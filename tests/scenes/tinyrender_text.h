@@ -36,23 +36,12 @@ class TinyRenderText : public SceneText {
 
   /// Of a scene that must be good.
   SceneDescription good_toml(std::string_view text, const ReadOptions& options = {}) {
-    auto result = read_toml(text, options);
-    EXPECT_TRUE(result) << result.error().message;
-    return result ? lit(std::move(*result)) : SceneDescription{};
+    return lit(good_of(read_toml(text, options)));
   }
 
   /// The error of a scene that must be bad, the folder's name left out.
   std::string toml_error(std::string_view text, const ReadOptions& options = {}) {
-    const auto result = read_toml(text, options);
-    EXPECT_FALSE(result) << "this scene should be an error:\n" << text;
-    return result ? "" : without_folder(result.error().message);
-  }
-
-  /// The warnings of a scene that must be good, one a line, the folder's name left out.
-  std::string warnings(const SceneDescription& scene) {
-    std::string all;
-    for (const std::string& warning : scene.warnings) all += warning + "\n";
-    return without_folder(all);
+    return error_of(read_toml(text, options), text);
   }
 
   /// `model` and `materials` in the place of the usual ones.

@@ -2,13 +2,13 @@
 // [LISTEN_ADDRESS].
 #include <atomic>
 
-#include "scheduler/farm/render_job.h"
 #include "tests/support/fake_device.h"
+#include "tests/support/local_render.h"
 
 int main(int argc, char** argv) {
   using namespace penumbra;
   if (argc != 2 && argc != 3) return 2;
-  RenderJob job;
+  LocalRender job;
   job.scene = fake_scene(256, 256, false);
   job.width = job.height = 256;
   job.tile = 16;

@@ -1,13 +1,9 @@
-// From description to device scene: recentring, sides, cameras, and just the features and tables that are
-// needed.
-#include "scenes/device/device_scene_builder.h"
-
+// From description to device scene: recentring, sides, cameras, tables, errors.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -16,6 +12,7 @@
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
+#include "tests/worker/built_scenes.h"
 #include "tests/worker/device_scenes.h"
 
 namespace penumbra {
@@ -36,29 +33,6 @@ SceneDescription moved(SceneDescription scene, const dvec3& shift) {
   scene.camera.to_world[3] += glm::dvec4(shift, 0);
   for (ShapeInstance& instance : scene.instances) instance.to_world[3] += glm::dvec4(shift, 0);
   return scene;
-}
-
-std::vector<Triangle> triangles_of(const DeviceScene& scene) {
-  const auto all = table<Triangle>(scene, scene.header.tables.triangles);
-  return {all.begin(), all.end()};
-}
-std::vector<Light> lights_of(const DeviceScene& scene) {
-  const auto all = table<Light>(scene, scene.header.tables.lights);
-  return {all.begin(), all.end()};
-}
-std::vector<Quadric> quadrics_of(const DeviceScene& scene) {
-  const auto all = table<Quadric>(scene, scene.header.tables.quadrics);
-  return {all.begin(), all.end()};
-}
-
-DeviceScene build(const SceneDescription& scene, bool layers = true,
-                  IntersectorChoice intersector = IntersectorChoice::kPortable) {
-  DeviceSceneOptions options;
-  options.feature_layers = layers;
-  options.intersector = intersector;
-  auto built = build_device_scene(scene, options);
-  if (!built) throw std::runtime_error(built.error().message);
-  return std::move(*built);
 }
 
 TEST(Recentring, AShiftThatRoundsNothingChangesNothing) {
@@ -233,62 +207,6 @@ TEST(Camera, AScaleHasNoEffectOnDirections) {
   EXPECT_NEAR(length3(scaled.camera.z), 1, 1e-6);
 }
 
-/// With points on lights by area: what is best for a scene is emitter_sampling_test's.
-SceneDescription by_area(SceneDescription scene) {
-  param::emitter_sampling(scene.integrator) = EmitterSampling::kArea;
-  return scene;
-}
-
-TEST(LightKinds, AreThoseOfTheLights) {
-  const auto with = [](auto change) {
-    SceneDescription scene = by_area(diffuse_box());
-    change(scene);
-    return build(scene).header.light_kinds;
-  };
-  constexpr std::uint32_t kTriangles = 1u << LIGHT_TRIANGLE, kPoints = 1u << LIGHT_POINT;
-  EXPECT_EQ(with([](auto&) {}), kTriangles);
-  EXPECT_EQ(build(environment_alone()).header.light_kinds, 1u << LIGHT_ENVIRONMENT);
-  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{}); }), kTriangles | kPoints);
-  // What is black is none.
-  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{dvec3(0), glm::vec3(0)}); }), kTriangles);
-  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(ConstantEnvironment{glm::vec3(0)}); }), kTriangles);
-}
-
-TEST(Features, AreJustTheNeeded) {
-  // The ceiling of the box is of two triangles, which are as one.
-  const std::uint32_t box = FEATURE_PATH | FEATURE_LAYERS;
-  EXPECT_EQ(build(by_area(diffuse_box())).header.features, box);
-  EXPECT_EQ(build(by_area(diffuse_box()), false).header.features, FEATURE_PATH);
-  EXPECT_EQ(build(by_area(many_triangles())).header.features, box | FEATURE_BVH);
-  EXPECT_EQ(build(by_area(many_triangles()), true, IntersectorChoice::kEmbree).header.features, box);
-  EXPECT_EQ(build(environment_alone()).header.features, box);
-  EXPECT_EQ(build(everything()).header.features,
-            std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_SHADING_NORMALS | FEATURE_QUADRICS |
-                          FEATURE_SOLID_ANGLE | FEATURE_MIXED_FAMILIES | FEATURE_LIGHT_TREE));
-
-  const auto with = [](auto change) {
-    SceneDescription scene = by_area(diffuse_box());
-    change(scene);
-    return build(scene).header.features;
-  };
-  EXPECT_EQ(with([](auto& s) { use(s.integrator, IntegratorKind::kDirect); }),
-            std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS));
-  EXPECT_EQ(with([](auto& s) { s.sampler.kind = SamplerKind::kIndependent; }), box | FEATURE_SAMPLERS);
-  EXPECT_EQ(with([](auto& s) { param::emitter_sampling(s.integrator) = EmitterSampling::kSolidAngle; }),
-            box | FEATURE_SOLID_ANGLE);
-  EXPECT_EQ(with([](auto& s) { param::emitter_sampling(s.integrator) = EmitterSampling::kProjected; }),
-            box | FEATURE_PROJECTED);
-  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{}); }), box | FEATURE_LIGHT_TREE);
-  EXPECT_EQ(with([](auto& s) {
-              s.bsdfs[0].model = PhongBsdf{glm::vec3(0.5f), glm::vec3(0.1f), 30};
-            }),
-            box | FEATURE_MIXED_FAMILIES);
-  // What is black or unused needs nothing.
-  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{dvec3(0), glm::vec3(0)}); }), box);
-  EXPECT_EQ(with([](auto& s) { s.bsdfs[0].model = PhongBsdf{glm::vec3(0.5f), glm::vec3(0), 30}; }), box);
-  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(ConstantEnvironment{glm::vec3(0)}); }), box);
-}
-
 DeviceScene build_with_uv(const SceneDescription& scene) {
   DeviceSceneOptions options;
   options.intersector = IntersectorChoice::kPortable;
@@ -364,53 +282,6 @@ TEST(TextureCoordinates, OfLightsAreThoseOfTheirTriangles) {
   expect(1, LIGHT_RECTANGLE, 4, 6);
   expect(2, LIGHT_TRIANGLE, 7, 7);
   expect(3, LIGHT_POINT, -1, -1);
-}
-
-TEST(Families, AreThoseOfTheMaterials) {
-  const auto families = [](const BsdfModel& model) {
-    SceneDescription scene = diffuse_box();
-    for (Bsdf& bsdf : scene.bsdfs) bsdf.model = model;
-    return build(scene).header.families;
-  };
-  EXPECT_EQ(families(DiffuseBsdf{}), 1u << FAMILY_DIFFUSE);
-  EXPECT_EQ(families(PhongBsdf{glm::vec3(0.5f), glm::vec3(0), 30}), 1u << FAMILY_DIFFUSE);
-  EXPECT_EQ(families(PhongBsdf{glm::vec3(0.5f), glm::vec3(0.1f), 30}), 1u << FAMILY_PHONG);
-  EXPECT_EQ(build(everything()).header.families, 1u << FAMILY_DIFFUSE | 1u << FAMILY_PHONG);
-}
-
-TEST(Features, AllAreThoseOfTheList) {
-  std::uint32_t listed = 0;
-#define CHECK_FEATURE(name, bit, description) \
-  EXPECT_EQ(bit, FEATURE_##name);             \
-  EXPECT_EQ(listed&(bit), 0u) << #name;       \
-  listed |= (bit);
-  PENUMBRA_FEATURES(CHECK_FEATURE)
-#undef CHECK_FEATURE
-  EXPECT_EQ(listed, std::uint32_t(FEATURE_ALL));
-}
-
-TEST(Families, HaveTheNumbersOfTheList) {
-#define CHECK_FAMILY(name, NAME, number, properties, description) EXPECT_EQ(number, FAMILY_##NAME);
-  BSDF_FAMILIES(CHECK_FAMILY)
-#undef CHECK_FAMILY
-}
-
-TEST(Features, SizesChooseTheSearch) {
-  const auto automatic = [](const SceneDescription& scene) {
-    return build(scene, true, IntersectorChoice::kAuto).header;
-  };
-  EXPECT_EQ(automatic(diffuse_box()).intersector, INTERSECTOR_PORTABLE);
-  EXPECT_EQ(automatic(many_triangles()).intersector, INTERSECTOR_PORTABLE);
-  EXPECT_EQ(intersector_for(4'000'000), INTERSECTOR_PORTABLE);
-  EXPECT_EQ(intersector_for(4'000'001), INTERSECTOR_EMBREE);
-  const SceneHeader small = build(diffuse_box()).header, large = build(many_triangles()).header;
-  EXPECT_GT(small.tables.corners.count, 0);
-  EXPECT_EQ(small.tables.nodes.count, 0);
-  EXPECT_EQ(large.tables.corners.count, 0);
-  EXPECT_EQ(large.tables.vertices.count, 0);
-  EXPECT_GT(large.tables.nodes.count, 0);
-  const SceneHeader embree = build(many_triangles(), true, IntersectorChoice::kEmbree).header;
-  EXPECT_EQ(embree.tables.nodes.count + embree.tables.corners.count, 0);
 }
 
 TEST(Dummies, ASceneOfOnlyAnEnvironmentShowsIt) {
@@ -489,19 +360,6 @@ TEST(Builder, IsAPureFunction) {
     const DeviceScene a = build(named.make()), b = build(named.make());
     EXPECT_EQ(a.serialize(), b.serialize()) << named.name;
   }
-}
-
-TEST(Summary, SaysWhatIsNeededAndWhatIsLeftOut) {
-  const SceneSummary summary = summarize(build(diffuse_box()));
-  const auto has = [](const auto& list, const std::string& text) {
-    return std::ranges::any_of(
-        list, [&](const auto& entry) { return entry.second.find(text) != std::string::npos; });
-  };
-  EXPECT_TRUE(has(summary.needs, "path integrator"));
-  EXPECT_TRUE(has(summary.needs, "diffuse BSDF"));
-  EXPECT_FALSE(has(summary.needs, "Phong BSDF"));
-  EXPECT_TRUE(has(summary.left_out, "Phong BSDF"));
-  EXPECT_FALSE(has(summary.left_out, "path integrator"));
 }
 
 }  // namespace

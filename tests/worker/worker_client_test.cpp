@@ -55,9 +55,9 @@ class ScriptedScheduler final : public wire::Farm::Service {
   std::unique_ptr<grpc::Server> server_;
 };
 
-wire::SchedulerMessage job_message(const std::string& hash) {
+wire::SchedulerMessage job_message(const std::string& hash, JobId job = 5) {
   wire::SchedulerMessage message;
-  message.mutable_job()->set_id(5);
+  message.mutable_job()->set_id(job);
   message.mutable_job()->set_scene(hash);
   encode(DeviceOptions{.backend = Backend::kNative,
                        .threads = 3,
@@ -68,10 +68,10 @@ wire::SchedulerMessage job_message(const std::string& hash) {
   return message;
 }
 
-wire::SchedulerMessage unit_message(std::uint32_t tile, int width = 4) {
+wire::SchedulerMessage unit_message(std::uint32_t tile, int width = 4, JobId job = 5,
+                                    std::uint32_t view = 0) {
   wire::SchedulerMessage message;
-  message.mutable_unit()->set_job(5);
-  encode(UnitId{0, 0, tile}, *message.mutable_unit()->mutable_id());
+  encode(UnitId{job, 0, 0, tile}, view, *message.mutable_unit()->mutable_id());
   encode(
       RenderUnit{
           .x = int(tile) * 4, .y = 1, .width = width, .height = 2, .first_sample = 0, .sample_count = 3},
@@ -162,7 +162,7 @@ TEST_F(WorkerClientTest, RendersUnitsInTheirOrder) {
     const std::uint32_t tile = std::array{7, 3, 5}[std::size_t(i)];
     ASSERT_TRUE(results[std::size_t(i)].has_result());
     const wire::UnitResult& result = results[std::size_t(i)].result();
-    EXPECT_EQ(decode(result.id()), (UnitId{0, 0, tile}));
+    EXPECT_EQ(decode(result.id()), (UnitId{5, 0, 0, tile}));
     const RenderUnit unit = decode(unit_message(tile).unit()).value();
     const Expected<SampleBuffer> buffer = decode(result, unit, kRadiancePlanes);
     ASSERT_TRUE(buffer) << buffer.error().message;
@@ -274,6 +274,64 @@ TEST_F(WorkerClientTest, AFailedUnitDoesNotEndTheWorker) {
   EXPECT_TRUE(answers[1].has_result());
 }
 
+TEST_F(WorkerClientTest, KeepsSeveralJobsUntilItIsToldToForgetThem) {
+  std::vector<wire::WorkerMessage> answers;
+  const Expected<void> worked = run_ready([&](Stream& stream) {
+    stream.Write(job_message(scene_hash_, 6));
+    EXPECT_EQ(read(stream).ready().job(), 6u);
+    for (const JobId job : {5u, 6u, 5u}) stream.Write(unit_message(1, 4, job));
+    wire::SchedulerMessage forget;
+    forget.mutable_forget()->set_job(5);
+    stream.Write(forget);
+    for (const JobId job : {5u, 6u}) stream.Write(unit_message(2, 4, job));
+    for (int i = 0; i < 5; ++i) answers.push_back(read(stream));
+    stream.Write(dismissal());
+  });
+  EXPECT_TRUE(worked) << error_of(worked);
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(answers[std::size_t(i)].has_result()) << i;
+    EXPECT_EQ(answers[std::size_t(i)].result().id().job(), i == 1 ? 6u : 5u);
+  }
+  EXPECT_EQ(answers[3].unit_failed().message(), "a unit came before its job");
+  EXPECT_EQ(answers[4].result().id().job(), 6u);
+}
+
+TEST_F(WorkerClientTest, AJobThatCannotBeDoneDoesNotEndTheWorker) {
+  const Expected<void> worked = run([&](Stream& stream) {
+    read(stream);
+    stream.Write(job_message("nowhere", 4));
+    EXPECT_EQ(read(stream).job_failed().job(), 4u);
+    stream.Write(job_message(scene_hash_));
+    EXPECT_TRUE(read(stream).has_ready());
+    stream.Write(dismissal());
+  });
+  EXPECT_TRUE(worked) << error_of(worked);
+}
+
+TEST_F(WorkerClientTest, OfOlderViewsOfTheSameJobNothingIsRendered) {
+  behaviour_.delay_ms = 300;  // so that the view comes before the units' turn
+  std::vector<wire::WorkerMessage> answers;
+  const Expected<void> worked = run_ready([&](Stream& stream) {
+    stream.Write(job_message(scene_hash_, 6));
+    read(stream);
+    stream.Write(unit_message(1, 4, 6));
+    stream.Write(unit_message(2, 4, 5));
+    stream.Write(unit_message(3, 4, 6));
+    wire::SchedulerMessage view;
+    view.mutable_view()->set_job(5);
+    view.mutable_view()->set_number(1);
+    encode(View{}, *view.mutable_view()->mutable_view());
+    stream.Write(view);
+    stream.Write(unit_message(4, 4, 5, 1));
+    for (int i = 0; i < 3; ++i) answers.push_back(read(stream));
+    stream.Write(dismissal());
+  });
+  EXPECT_TRUE(worked) << error_of(worked);
+  std::vector<std::uint32_t> tiles;
+  for (const wire::WorkerMessage& answer : answers) tiles.push_back(answer.result().id().tile());
+  EXPECT_THAT(tiles, testing::ElementsAre(1u, 3u, 4u));
+}
+
 TEST_F(WorkerClientTest, AnExceptionIsAFailedUnit) {
   class Thrower final : public Device {
     [[nodiscard]] std::string description() const override { return "thrower"; }
@@ -348,13 +406,18 @@ TEST_F(WorkerClientTest, ANonsensicalUnitIsAFailedUnit) {
       said.push_back(read(stream).unit_failed().message());
     }
     wire::SchedulerMessage no_samples = unit_message(1);
-    no_samples.mutable_unit()->set_sample_count(0);
+    no_samples.mutable_unit()->mutable_pixels()->set_sample_count(0);
     stream.Write(no_samples);
+    said.push_back(read(stream).unit_failed().message());
+    wire::SchedulerMessage no_pixels = unit_message(1);
+    no_pixels.mutable_unit()->clear_pixels();
+    stream.Write(no_pixels);
     said.push_back(read(stream).unit_failed().message());
     stream.Write(dismissal());
   });
   EXPECT_THAT(said, testing::ElementsAre(HasSubstr("0 x 2 pixels"), HasSubstr("-1 x 2 pixels"),
-                                         HasSubstr("2049 x 2 pixels"), HasSubstr("0 samples")));
+                                         HasSubstr("2049 x 2 pixels"), HasSubstr("0 samples"),
+                                         HasSubstr("of a kind that this program does not know")));
 }
 
 TEST_F(WorkerClientTest, ABrokenConnectionIsNoticedInTheMiddleOfAUnit) {

@@ -182,6 +182,17 @@ vec3 random_direction(RandomNumbers& random) {
   return sample_uniform_sphere(random.unit_float(), random.unit_float());
 }
 
+/// A ray from somewhere in the room, and what it hits.
+struct Shot {
+  vec3 o, d;
+  Hit hit;
+};
+Shot shot(const Scene& scene, RandomNumbers& random) {
+  const vec3 o = scale(random_direction(random), float(10 * random.uniform()));
+  const vec3 d = random_direction(random);
+  return {o, d, intersect_levels(&scene, o, d, 1e30f, -1, -1, true)};
+}
+
 class Instances : public testing::TestWithParam<Places> {};
 
 TEST_P(Instances, AreHitWhereTheirGeometryIs) {
@@ -191,10 +202,8 @@ TEST_P(Instances, AreHitWhereTheirGeometryIs) {
     const Scene scene = room.tables.scene();
     RandomNumbers random(12);
     for (int i = 0; i < 4000; ++i) {
-      const vec3 o = scale(random_direction(random), float(10 * random.uniform()));
-      const vec3 d = random_direction(random);
+      const auto [o, d, hit] = shot(scene, random);
       const auto truth = nearest(room, o, d);
-      const Hit hit = intersect_levels(&scene, o, d, 1e30f, -1, -1, true);
       const Hit any = occlude_levels(&scene, o, d, 1e30f, -1, -1, true);
       if (!truth) {
         ++in_doubt;
@@ -224,9 +233,7 @@ TEST_P(Instances, SurfacesAreThoseOfTheirGeometryInTheScene) {
   RandomNumbers random(22);
   int triangles = 0, quadrics = 0;
   for (int i = 0; i < 6000; ++i) {
-    const vec3 o = scale(random_direction(random), float(10 * random.uniform()));
-    const vec3 d = random_direction(random);
-    const Hit hit = intersect_levels(&scene, o, d, 1e30f, -1, -1, true);
+    const auto [o, d, hit] = shot(scene, random);
     if (hit.primitive < 0 || hit.instance < 0) continue;
     const Surface s = surface_at_instance(&scene, hit.primitive, hit.instance, o, d);
     const dmat4& m = room.transforms[std::size_t(hit.instance)];
@@ -286,9 +293,7 @@ TEST_P(Instances, RaysSkipOnlyWhereTheyStart) {
   RandomNumbers random(32);
   int started = 0, others = 0;
   for (int i = 0; i < 20000; ++i) {
-    const vec3 o = scale(random_direction(random), float(10 * random.uniform()));
-    const vec3 d = random_direction(random);
-    const Hit hit = intersect_levels(&scene, o, d, 1e30f, -1, -1, true);
+    const auto [o, d, hit] = shot(scene, random);
     if (hit.primitive < 0 || !room.is_triangle(hit.primitive)) continue;
     ++started;
     const Hit next = intersect_levels(&scene, o, d, 1e30f, hit.primitive, hit.instance, true);

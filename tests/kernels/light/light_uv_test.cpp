@@ -111,7 +111,7 @@ TEST(LightUv, OfASphereAndADiskIsThatOfTheirSurface) {
     const LightReceiver r = receiver_at(here, make_vec3(0, 0, 1));
     const float u = random.unit_float(), v = random.unit_float();
     const SampledPoint point =
-        disk ? sample_disk_point(&scene, 0, u, v, kWays) : sample_sphere_point(&scene, 0, r, u, v, kWays);
+        disk ? sample_disk_point(&scene, 0, r, u, v, kWays) : sample_sphere_point(&scene, 0, r, u, v, kWays);
     // Angles widen towards the axis.
     const vec3 w = sub(point.at.p, rounded(center));
     const vec3 from_axis = to_quadric_frame(&tables.quadrics[0], w);
@@ -124,7 +124,8 @@ TEST(LightUv, OfASphereAndADiskIsThatOfTheirSurface) {
 TEST(LightUv, IsNotComputedForScenesWithoutIt) {
   SceneTables tables = disk_light(make_vec3(0, 0, 2), make_vec3(0, 0, -1), 1);
   const Scene scene = tables.scene();
-  const SampledPoint point = sample_disk_point(&scene, 0, 0.5f, 0.3f, 0u);
+  const LightReceiver r = receiver_at(make_vec3(0, 0, 0), make_vec3(0, 0, 1));
+  const SampledPoint point = sample_disk_point(&scene, 0, r, 0.5f, 0.3f, 0u);
   EXPECT_EQ(point.at.u, 0);
   EXPECT_EQ(point.at.v, 0);
 }

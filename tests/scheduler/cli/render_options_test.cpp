@@ -29,7 +29,7 @@ std::string parse(const std::vector<std::string>& words) {
 TEST(RenderOptions, Defaults) {
   RenderOptions options;
   ASSERT_EQ(parse({"a.xml"}, options), "");
-  EXPECT_EQ(options.scene.scene, "a.xml");
+  EXPECT_THAT(options.scenes, ElementsAre("a.xml"));
   EXPECT_EQ(options.workers, 1);
   EXPECT_EQ(options.threads, 0);
   EXPECT_EQ(options.tile, 64);
@@ -43,7 +43,7 @@ TEST(RenderOptions, Defaults) {
 TEST(RenderOptions, AssignmentsTakeOneWordEach) {
   RenderOptions options;
   ASSERT_EQ(parse({"-D", "a=1", "-Db=2", "a.xml", "--set", "film.width=3", "--set", "x=a=b"}, options), "");
-  EXPECT_EQ(options.scene.scene, "a.xml");
+  EXPECT_THAT(options.scenes, ElementsAre("a.xml"));
   EXPECT_THAT(options.scene.defines, ElementsAre("a=1", "b=2"));
   EXPECT_THAT(options.scene.settings, ElementsAre("film.width=3", "x=a=b"));
 }
@@ -82,7 +82,6 @@ TEST(RenderOptions, SeedCoversItsWholeRange) {
 TEST(RenderOptions, RejectsValuesOutOfRange) {
   const std::vector<std::vector<std::string>> bad = {
       {},
-      {"a.xml", "b.xml"},
       {"a.xml", "--spp", "0"},
       {"a.xml", "--spp", "many"},
       {"a.xml", "--spp", "1.5"},

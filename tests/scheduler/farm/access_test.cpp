@@ -29,9 +29,11 @@ class AccessTest : public testing::Test {
     WatchedJob job;
     job.film_width = job.film_height = job.width = job.height = 4;
     job.interactive = true;
-    board_.describe(job);
-    board_.show_view({0, view_at(0)});
-    board_.close();  // a stream ends when all is told
+    const auto board = std::make_shared<WatchBoard>(1);
+    board->describe(job);
+    board->show_view({0, view_at(0)});
+    board->close();  // a stream ends when all is told
+    server_->show_job(1, board, job.interactive);
   }
 
   /// The status of each call over this address with this token.
@@ -90,10 +92,8 @@ class AccessTest : public testing::Test {
   }
 
   PrivateSocket socket_ = PrivateSocket::create().value();
-  WatchBoard board_{1};
   std::unique_ptr<Server> server_ =
-      Server::listen({.address = socket_.address(), .more = "127.0.0.1:0", .interactive = true}, board_)
-          .value();
+      Server::listen({.address = socket_.address(), .more = "127.0.0.1:0"}).value();
 };
 
 TEST_F(AccessTest, OverTcpEveryCallNeedsAToken) {
@@ -199,9 +199,8 @@ TEST_F(AccessTest, AnotherProtocolVersionIsRefusedWithTheReason) {
 
 TEST_F(AccessTest, PortZeroPicksOneThatIsNamed) {
   ASSERT_THAT(server_->more_address(), MatchesRegex("127\\.0\\.0\\.1:[1-9][0-9]*"));
-  WatchBoard board(1);
   const PrivateSocket socket = PrivateSocket::create().value();
-  const auto other = Server::listen({.address = socket.address(), .more = "localhost:0"}, board);
+  const auto other = Server::listen({.address = socket.address(), .more = "localhost:0"});
   ASSERT_TRUE(other) << other.error().message;
   EXPECT_THAT((*other)->more_address(), MatchesRegex("localhost:[1-9][0-9]*"));
   EXPECT_NE((*other)->tokens().watch, server_->tokens().watch);
@@ -209,33 +208,30 @@ TEST_F(AccessTest, PortZeroPicksOneThatIsNamed) {
 }
 
 TEST_F(AccessTest, ASocketThatIsListenedAtStaysWithItsOwner) {
-  WatchBoard board(1);
   const PrivateSocket first = PrivateSocket::create().value(), second = PrivateSocket::create().value();
   const std::string shared = "unix:" + first.directory() + "/shared";
-  auto owner = Server::listen({.address = first.address(), .more = shared}, board);
+  auto owner = Server::listen({.address = first.address(), .more = shared});
   ASSERT_TRUE(owner) << owner.error().message;
-  const auto other = Server::listen({.address = second.address(), .more = shared}, board);
+  const auto other = Server::listen({.address = second.address(), .more = shared});
   ASSERT_FALSE(other);
   EXPECT_THAT(other.error().message,
               AllOf(HasSubstr(shared), HasSubstr("another process is already listening there")));
   // A socket's file that a process left behind when it died is replaced.
   owner->reset();
-  EXPECT_TRUE(Server::listen({.address = second.address(), .more = shared}, board));
+  EXPECT_TRUE(Server::listen({.address = second.address(), .more = shared}));
 }
 
 TEST_F(AccessTest, ATakenPortIsAnError) {
-  WatchBoard board(1);
   const PrivateSocket socket = PrivateSocket::create().value();
-  const auto other = Server::listen({.address = socket.address(), .more = server_->more_address()}, board);
+  const auto other = Server::listen({.address = socket.address(), .more = server_->more_address()});
   ASSERT_FALSE(other);
   EXPECT_THAT(other.error().message,
               AllOf(HasSubstr("cannot listen on"), HasSubstr(server_->more_address())));
 }
 
 TEST(Access, AnotherUnixSocketNeedsNoToken) {
-  WatchBoard board(1);
   const PrivateSocket socket = PrivateSocket::create().value(), more = PrivateSocket::create().value();
-  const auto server = Server::listen({.address = socket.address(), .more = more.address()}, board);
+  const auto server = Server::listen({.address = socket.address(), .more = more.address()});
   ASSERT_TRUE(server);
   EXPECT_EQ((*server)->more_address(), more.address());
   EXPECT_EQ((*server)->tokens().watch, "");
@@ -258,9 +254,8 @@ TEST(Access, OnlyThisHostIsListenedOn) {
                                "127.0.0.1:70 ", "127.0.0.1:7x"})
     EXPECT_THAT(why(nonsense), AllOf(HasSubstr(nonsense), HasSubstr("give host and port"))) << nonsense;
   EXPECT_THAT(why("unix:"), HasSubstr("give a path"));
-  WatchBoard board(1);
   const PrivateSocket socket = PrivateSocket::create().value();
-  const auto server = Server::listen({.address = socket.address(), .more = "0.0.0.0:0"}, board);
+  const auto server = Server::listen({.address = socket.address(), .more = "0.0.0.0:0"});
   ASSERT_FALSE(server) << "the address is refused even where the caller did not check it";
   EXPECT_THAT(server.error().message, HasSubstr("without encryption"));
 }

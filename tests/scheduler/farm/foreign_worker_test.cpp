@@ -31,9 +31,9 @@ bool is_own(const WorkerShare& share) { return share.name.ends_with(fmt::format(
 class ForeignWorkerTest : public WatchedRunTest {
  protected:
   /// A render that lasts some seconds.
-  RenderJob slow_job(const std::string& listen) {
+  LocalRender slow_job(const std::string& listen) {
     FakeBehaviour{.delay_ms = 40}.to_environment();
-    RenderJob job = batch_job();
+    LocalRender job = batch_job();
     job.listen = listen;
     job.tells_how_to_watch = true;
     return job;

@@ -1,5 +1,5 @@
 // The whole path from job to film with real worker processes over the real wire; only the device is a fake.
-#include "scheduler/farm/render_job.h"
+#include "scheduler/farm/render_farm.h"
 
 #include <gmock/gmock.h>
 #include <signal.h>
@@ -20,6 +20,7 @@
 #include "tests/support/fake_device.h"
 #include "tests/support/fake_processes.h"
 #include "tests/support/fake_samples.h"
+#include "tests/support/local_render.h"
 
 namespace penumbra {
 namespace {
@@ -61,8 +62,8 @@ class RenderJobTest : public testing::Test {
     return left;
   }
 
-  static RenderJob job(int workers = 2, int tile = 16) {
-    RenderJob job;
+  static LocalRender job(int workers = 2, int tile = 16) {
+    LocalRender job;
     job.scene = fake_scene(200, 150, true);
     job.x = kX;
     job.y = kY;
@@ -77,7 +78,7 @@ class RenderJobTest : public testing::Test {
     return job;
   }
 
-  static Expected<RenderOutcome> render(const RenderJob& job) {
+  static Expected<RenderOutcome> render(const LocalRender& job) {
     const std::atomic<bool> stop = false;
     return run_render(job, stop, {});
   }
@@ -166,7 +167,7 @@ TEST_F(RenderJobTest, TheFilmIsTheSameForAnyTileSize) {
 }
 
 TEST_F(RenderJobTest, ASceneOfManyChunksArrivesWhole) {
-  RenderJob big = job(2);
+  LocalRender big = job(2);
   big.scene.words.resize(3'000'000);  // 12 MB
   std::iota(big.scene.words.begin() + 1024, big.scene.words.end(), 0u);
   expect_the_right_film(render(big));
@@ -230,7 +231,7 @@ TEST_F(RenderJobTest, ALiarIsFoundOutAndItsWorkRedone) {
   // The liar is late with its first unit, so that the other worker renders that too and the results are
   // compared.
   FakeBehaviour{.delay_ms = 15, .lie_claim = claim_file(), .liar_delay_ms = 1500}.to_environment();
-  RenderJob lied_to = job(2);
+  LocalRender lied_to = job(2);
   lied_to.leases = {.initial = 1, .minimum = 1, .factor = 1, .growth = 1};
   const Expected<RenderOutcome> outcome = render(lied_to);
   expect_the_right_film(outcome);
@@ -261,7 +262,7 @@ TEST_F(RenderJobTest, AHungWorkerDoesNotHoldUpTheRender) {
 
 TEST_F(RenderJobTest, ALonelyHungWorkerIsReplaced) {
   FakeBehaviour{.hang_claim = claim_file()}.to_environment();
-  RenderJob alone = job(1);
+  LocalRender alone = job(1);
   alone.leases = {.initial = 0.3, .minimum = 0.3, .factor = 20, .growth = 2};
   const Expected<RenderOutcome> outcome = render(alone);
   expect_the_right_film(outcome);
@@ -273,7 +274,7 @@ TEST_F(RenderJobTest, AWorkerThatIsStoppedInItsFirstUnitIsToldAndReplaced) {
   // The first unit takes longer than the lease, and is none the worse for it: only the first process is
   // stopped.
   FakeBehaviour{.delay_ms = 1500}.to_environment();
-  RenderJob alone = job(1, 1000);
+  LocalRender alone = job(1, 1000);
   alone.leases = {.initial = 600, .minimum = 600, .silence = 3, .patience = 2};
   std::vector<pid_t> victims;
   std::string notices;
@@ -296,7 +297,7 @@ TEST_F(RenderJobTest, AWorkerThatIsStoppedInItsFirstUnitIsToldAndReplaced) {
 
 TEST_F(RenderJobTest, AUnitThatTakesLongerThanItsLeaseButGetsOnIsWaitedFor) {
   FakeBehaviour{.delay_ms = 4000}.to_environment();
-  RenderJob slow = job(1, 1000);
+  LocalRender slow = job(1, 1000);
   slow.spp = kSamplesPerPass;
   slow.leases = {.initial = 2.5, .minimum = 2.5, .factor = 1};
   const Expected<RenderOutcome> outcome = render(slow);
@@ -336,7 +337,7 @@ TEST_F(RenderJobTest, AStopBeforeTheStartIsNoError) {
 
 TEST_F(RenderJobTest, ATimeBudgetEndsAfterAWholePass) {
   FakeBehaviour{.delay_ms = 2}.to_environment();
-  RenderJob hurried = job(2);
+  LocalRender hurried = job(2);
   hurried.time_budget = 0.0;
   const Expected<RenderOutcome> outcome = render(hurried);
   ASSERT_TRUE(outcome) << outcome.error().message;
@@ -366,7 +367,7 @@ TEST_F(RenderJobTest, ProgressGrowsToTheEnd) {
 // --- Jobs that cannot work end with an error instead of going on for ever
 
 TEST_F(RenderJobTest, AMissingWorkerProgramIsAnError) {
-  RenderJob missing = job();
+  LocalRender missing = job();
   missing.worker_executable = directory_ + "/no-such-program";
   const Expected<RenderOutcome> outcome = render(missing);
   ASSERT_FALSE(outcome);
@@ -391,7 +392,7 @@ TEST_F(RenderJobTest, AJobThatNoWorkerCanDoIsAnError) {
 
 TEST_F(RenderJobTest, AnEmbreeJobRefusesWorkersWithoutItsInstructionSet) {
   FakeBehaviour{.isas = 2}.to_environment();  // sse2 and avx2
-  RenderJob wide = job();
+  LocalRender wide = job();
   ASSERT_EQ(wide.scene.header.intersector, INTERSECTOR_EMBREE);
   wide.device.isa = Isa::kAvx512;
   const Expected<RenderOutcome> outcome = render(wide);
@@ -405,7 +406,7 @@ TEST_F(RenderJobTest, AnEmbreeJobRefusesWorkersWithoutItsInstructionSet) {
 
 TEST_F(RenderJobTest, APortableJobTakesWorkersOfEveryInstructionSet) {
   FakeBehaviour{.isas = 1}.to_environment();
-  RenderJob portable = job();
+  LocalRender portable = job();
   portable.scene.header.intersector = INTERSECTOR_PORTABLE;
   portable.device.isa = Isa::kAvx512;
   const Expected<RenderOutcome> outcome = render(portable);
@@ -443,20 +444,20 @@ TEST_F(RenderJobTest, WorkersThatFailAtEverythingEndTheRender) {
 
 TEST_F(RenderJobTest, NonsenseIsRefusedInWords) {
   const auto refused = [](auto change) {
-    RenderJob nonsense = job();
+    LocalRender nonsense = job();
     change(nonsense);
     const Expected<RenderOutcome> outcome = render(nonsense);
     return outcome ? std::string("accepted") : outcome.error().message;
   };
-  EXPECT_THAT(refused([](RenderJob& j) { j.width = 0; }), HasSubstr("0 x 100 pixels"));
-  EXPECT_THAT(refused([](RenderJob& j) { j.x = 100; }), HasSubstr("not inside the film of 200 x 150"));
-  EXPECT_THAT(refused([](RenderJob& j) { j.x = -1; }), HasSubstr("not inside the film"));
-  EXPECT_THAT(refused([](RenderJob& j) { j.tile = 0; }), HasSubstr("tiles of 0 pixels; 1 to 2048"));
-  EXPECT_THAT(refused([](RenderJob& j) { j.tile = 5000; }), HasSubstr("tiles of 5000 pixels; 1 to 2048"));
-  EXPECT_THAT(refused([](RenderJob& j) { j.spp = 0; }), HasSubstr("0 samples per pixel"));
-  EXPECT_THAT(refused([](RenderJob& j) { j.samples_per_pass = 4097; }), HasSubstr("1 to 4096"));
-  EXPECT_THAT(refused([](RenderJob& j) { j.workers = 0; }), HasSubstr("0 workers"));
-  EXPECT_THAT(refused([](RenderJob& j) {
+  EXPECT_THAT(refused([](LocalRender& j) { j.width = 0; }), HasSubstr("0 x 100 pixels"));
+  EXPECT_THAT(refused([](LocalRender& j) { j.x = 100; }), HasSubstr("not inside the film of 200 x 150"));
+  EXPECT_THAT(refused([](LocalRender& j) { j.x = -1; }), HasSubstr("not inside the film"));
+  EXPECT_THAT(refused([](LocalRender& j) { j.tile = 0; }), HasSubstr("tiles of 0 pixels; 1 to 2048"));
+  EXPECT_THAT(refused([](LocalRender& j) { j.tile = 5000; }), HasSubstr("tiles of 5000 pixels; 1 to 2048"));
+  EXPECT_THAT(refused([](LocalRender& j) { j.spp = 0; }), HasSubstr("0 samples per pixel"));
+  EXPECT_THAT(refused([](LocalRender& j) { j.samples_per_pass = 4097; }), HasSubstr("1 to 4096"));
+  EXPECT_THAT(refused([](LocalRender& j) { j.workers = 0; }), HasSubstr("0 workers"));
+  EXPECT_THAT(refused([](LocalRender& j) {
                 j.scene.header.film.width = j.scene.header.film.height = 1 << 20;
                 j.x = j.y = 0;
                 j.width = j.height = 1 << 20;
@@ -466,7 +467,7 @@ TEST_F(RenderJobTest, NonsenseIsRefusedInWords) {
 }
 
 TEST_F(RenderJobTest, MemoryIsCountedWithLayersAndFiles) {
-  RenderJob large = job();
+  LocalRender large = job();
   const double memory = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
   const auto fits = [&](double bytes_per_pixel) {
     const int side = int(std::sqrt(memory / bytes_per_pixel));

@@ -19,12 +19,13 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 using Stream = grpc::ClientReaderWriter<wire::WorkerMessage, wire::SchedulerMessage>;
 
-constexpr UnitId kUnit{.image = 0, .pass = 2, .tile = 3};
+constexpr JobId kJob = 5;
+constexpr UnitId kUnit{.job = kJob, .phase = 0, .pass = 2, .tile = 3};
 constexpr RenderUnit kArea{.x = 16, .y = 32, .width = 5, .height = 4, .first_sample = 8, .sample_count = 3};
 
 class ServerTest : public testing::Test {
  protected:
-  ServerTest() : server_(Server::listen({.address = socket_.address()}, board_).value()) {
+  ServerTest() : server_(Server::listen({.address = socket_.address()}).value()) {
     stub_ = wire::Farm::NewStub(grpc::CreateChannel(socket_.address(), grpc::InsecureChannelCredentials()));
     stream_ = stub_->Work(&context_);
   }
@@ -54,12 +55,26 @@ class ServerTest : public testing::Test {
     EXPECT_TRUE(stream_->Read(&message));
     EXPECT_TRUE(message.has_unit());
     EXPECT_EQ(decode(message.unit().id()), kUnit);
-    job_ = message.unit().job();
     return worker;
+  }
+
+  /// Hello, and the job from the server.
+  WorkerId connect_and_take_the_job() {
+    say_hello();
+    const WorkerId worker = next<arrivals::Connected>().worker;
+    take_the_job(worker);
+    return worker;
+  }
+  void take_the_job(WorkerId worker) {
+    server_->send_job(worker, kJob, "hash", {});
+    wire::SchedulerMessage message;
+    EXPECT_TRUE(stream_->Read(&message));
+    EXPECT_EQ(message.job().id(), kJob);
   }
 
   static wire::WorkerMessage ready() {
     wire::WorkerMessage message;
+    message.mutable_ready()->set_job(kJob);
     message.mutable_ready()->set_device("native");
     return message;
   }
@@ -73,8 +88,7 @@ class ServerTest : public testing::Test {
 
   wire::WorkerMessage good_result() const {
     wire::WorkerMessage message;
-    message.mutable_result()->set_job(job_);
-    encode(kUnit, *message.mutable_result()->mutable_id());
+    encode(kUnit, 0, *message.mutable_result()->mutable_id());
     encode(fake_samples(kArea, kRadiancePlanes), *message.mutable_result());
     return message;
   }
@@ -85,12 +99,10 @@ class ServerTest : public testing::Test {
   }
 
   PrivateSocket socket_ = PrivateSocket::create().value();
-  WatchBoard board_{1};
   std::unique_ptr<Server> server_;
   std::unique_ptr<wire::Farm::Stub> stub_;
   grpc::ClientContext context_;
   std::unique_ptr<Stream> stream_;
-  std::uint32_t job_ = 0;
 };
 
 TEST_F(ServerTest, AnotherProtocolVersionIsRefusedWithTheReason) {
@@ -139,9 +151,10 @@ TEST_F(ServerTest, AGoodResultArrivesAsItIs) {
 }
 
 TEST_F(ServerTest, WhatIsSaidOfKernelsArrivesAsItIs) {
-  say_hello();
-  const WorkerId worker = next<arrivals::Connected>().worker;
+  const WorkerId worker = connect_and_take_the_job();
   wire::WorkerMessage compiling, ready;
+  compiling.mutable_compiling()->set_job(kJob);
+  ready.mutable_ready()->set_job(kJob);
   compiling.mutable_compiling()->set_device("an abacus");
   stream_->Write(compiling);
   const auto heard = next<arrivals::Compiling>();
@@ -160,20 +173,58 @@ TEST_F(ServerTest, WhatIsSaidOfKernelsArrivesAsItIs) {
 }
 
 TEST_F(ServerTest, KernelsThatWereCompiledWithTheWorkerAreNotSpokenOf) {
-  say_hello();
-  next<arrivals::Connected>();
+  connect_and_take_the_job();
   stream_->Write(ready());
   EXPECT_FALSE(next<arrivals::Ready>().preparation.kernels);
 }
 
-TEST_F(ServerTest, AWorkerIsReadyOnce) {
-  say_hello();
-  next<arrivals::Connected>();
+TEST_F(ServerTest, AWorkerIsReadyOnceForEachTimeThatItIsGivenAJob) {
+  const WorkerId worker = connect_and_take_the_job();
   stream_->Write(ready());
-  next<arrivals::Ready>();
+  EXPECT_EQ(next<arrivals::Ready>().job, kJob);
+  server_->forget_job(worker, kJob);
+  wire::SchedulerMessage message;
+  ASSERT_TRUE(stream_->Read(&message));
+  EXPECT_EQ(message.forget().job(), kJob);
+  take_the_job(worker);
+  stream_->Write(ready());
+  EXPECT_EQ(next<arrivals::Ready>().job, kJob);
   stream_->Write(ready());
   next<arrivals::Gone>();
   EXPECT_EQ(end_of_stream().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(ServerTest, AWorkerIsNotReadyForAJobThatItWasNotGiven) {
+  say_hello();
+  next<arrivals::Connected>();
+  stream_->Write(ready());
+  next<arrivals::Gone>();
+  EXPECT_EQ(end_of_stream().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(ServerTest, OfAForgottenJobNothingIsHeard) {
+  const WorkerId worker = connect_and_take_the_job();
+  server_->send_unit(worker, kUnit, kArea, kRadiancePlanes);
+  server_->forget_job(worker, kJob);
+  stream_->Write(ready());
+  stream_->Write(good_result());
+  wire::WorkerMessage beat;
+  beat.mutable_beat()->set_parts(3);
+  stream_->Write(beat);
+  EXPECT_EQ(next<arrivals::Beat>().parts, 3u) << "the next that is heard";
+}
+
+TEST_F(ServerTest, ResultsOfOlderViewsAreNotHeardThoseOfOtherJobsAre) {
+  const WorkerId worker = connect_and_take_a_unit();
+  UnitId other = kUnit;
+  other.job = 6;
+  server_->send_unit(worker, other, kArea, kRadiancePlanes);
+  server_->send_view(worker, kJob, {1, {}});
+  stream_->Write(good_result());
+  wire::WorkerMessage of_other = good_result();
+  encode(other, 0, *of_other.mutable_result()->mutable_id());
+  stream_->Write(of_other);
+  EXPECT_EQ(next<arrivals::Result>().unit, other);
 }
 
 TEST_F(ServerTest, ASecondHelloEndsTheConnection) {
@@ -185,7 +236,7 @@ TEST_F(ServerTest, ASecondHelloEndsTheConnection) {
 }
 
 TEST_F(ServerTest, WhoIsDismissedIsNotHeardAnyMoreAndCutOff) {
-  const WorkerId worker = connect_and_take_a_unit();
+  const WorkerId worker = connect_and_take_the_job();
   stream_->Write(ready());
   next<arrivals::Ready>();
   server_->dismiss(worker, "it lies");
@@ -202,15 +253,18 @@ TEST_F(ServerTest, WhoIsDismissedIsNotHeardAnyMoreAndCutOff) {
   EXPECT_FALSE(stream_->Read(&message)) << "no unit after the final message";
 }
 
-TEST_F(ServerTest, AfterItsJobHasFailedAWorkerIsNotHeardAnyMore) {
-  say_hello();
-  next<arrivals::Connected>();
+TEST_F(ServerTest, AWorkerThatCannotDoAJobMayDoAnother) {
+  const WorkerId worker = connect_and_take_the_job();
   wire::WorkerMessage failed;
+  failed.mutable_job_failed()->set_job(kJob);
   failed.mutable_job_failed()->set_message("no such device");
   stream_->Write(failed);
-  EXPECT_EQ(next<arrivals::JobFailed>().message, "no such device");
+  const auto heard = next<arrivals::JobFailed>();
+  EXPECT_EQ(heard.job, kJob);
+  EXPECT_EQ(heard.message, "no such device");
+  take_the_job(worker);
   stream_->Write(ready());
-  stream_->Write(failed);
+  next<arrivals::Ready>();
   stream_->WritesDone();
   next<arrivals::Gone>();
 }
@@ -219,9 +273,9 @@ TEST_F(ServerTest, AWorkerThatDoesNotReadDelaysNothing) {
   say_hello();
   const WorkerId worker = next<arrivals::Connected>().worker;
   // Enough to fill any buffer of the connection; the stream is not read.
-  for (std::uint32_t number = 1; number <= 50'000; ++number) server_->send_view(worker, {number, {}});
+  for (std::uint32_t number = 1; number <= 50'000; ++number) server_->send_view(worker, kJob, {number, {}});
   const std::string much(std::size_t(64) << 10, 'x');
-  for (int i = 0; i < 2000; ++i) server_->send_job(worker, much, {});
+  for (int i = 0; i < 2000; ++i) server_->send_job(worker, kJob, much, {});
   server_->dismiss(worker, "");
 }
 
@@ -232,9 +286,11 @@ TEST_F(ServerTest, NamesAndTextsAreCutAndTimesAreNumbers) {
   while (long_name.size() < 10'000) long_name += "\xe2\x82\xac";
   hello.mutable_hello()->set_host(long_name);
   stream_->Write(hello);
-  const std::string host = next<arrivals::Connected>().host;
+  const auto connected = next<arrivals::Connected>();
+  const std::string& host = connected.host;
   EXPECT_LE(host.size(), kLongestName);
   EXPECT_TRUE(host.ends_with("\xac...")) << "no half of a character";
+  take_the_job(connected.worker);
   wire::WorkerMessage message = ready();
   message.mutable_ready()->mutable_kernels()->set_seconds(std::numeric_limits<double>::quiet_NaN());
   stream_->Write(message);
@@ -255,7 +311,7 @@ TEST_F(ServerTest, AResultThatTookNoTimeAtAllOrForEverIsRejected) {
 TEST_F(ServerTest, AMessageThatNoUnitCanHoldIsNotTaken) {
   connect_and_take_a_unit();
   wire::WorkerMessage message = good_result();
-  message.mutable_result()->set_values(std::string(std::size_t(16) << 20, 0));
+  message.mutable_result()->mutable_pixels()->set_values(std::string(std::size_t(16) << 20, 0));
   stream_->Write(message);
   next<arrivals::Gone>();
 }
@@ -274,35 +330,35 @@ TEST_F(ServerTest, ABeatArrivesAsItIs) {
 TEST_F(ServerTest, AFlippedBitIsNoticed) {
   connect_and_take_a_unit();
   wire::WorkerMessage message = good_result();
-  (*message.mutable_result()->mutable_values())[7] ^= 1;
+  (*message.mutable_result()->mutable_pixels()->mutable_values())[7] ^= 1;
   EXPECT_THAT(why_rejected(message), HasSubstr("checksum"));
 }
 
 TEST_F(ServerTest, MissingBytesAreNoticed) {
   connect_and_take_a_unit();
   wire::WorkerMessage message = good_result();
-  message.mutable_result()->mutable_values()->pop_back();
+  message.mutable_result()->mutable_pixels()->mutable_values()->pop_back();
   EXPECT_THAT(why_rejected(message), HasSubstr("479 bytes of samples instead of 480"));
 }
 
 TEST_F(ServerTest, OtherSizesAreNoticed) {
   connect_and_take_a_unit();
   wire::WorkerMessage message = good_result();
-  message.mutable_result()->set_width(-5);
+  message.mutable_result()->mutable_pixels()->set_width(-5);
   EXPECT_THAT(why_rejected(message), HasSubstr("-5 x 4 pixels"));
 }
 
 TEST_F(ServerTest, OtherSampleCountsAreNoticed) {
   connect_and_take_a_unit();
   wire::WorkerMessage message = good_result();
-  message.mutable_result()->set_sample_count(0);
+  message.mutable_result()->mutable_pixels()->set_sample_count(0);
   EXPECT_THAT(why_rejected(message), HasSubstr("0 samples"));
 }
 
 TEST_F(ServerTest, ImpossibleCountsAreNoticed) {
   connect_and_take_a_unit();
   wire::WorkerMessage message = good_result();
-  message.mutable_result()->mutable_nan()->set_count(61);
+  message.mutable_result()->mutable_pixels()->mutable_nan()->set_count(61);
   EXPECT_THAT(why_rejected(message), HasSubstr("61 non-finite samples"));
 }
 
@@ -363,10 +419,11 @@ TEST_F(ServerTest, ResultsThatDifferHaveDifferentHashes) {
   const wire::WorkerMessage good = good_result();
   wire::WorkerMessage other = good_result();
   EXPECT_EQ(result_hash(good.result()), result_hash(other.result()));
-  other.mutable_result()->mutable_nan()->set_count(good.result().nan().count() + 1);
+  other.mutable_result()->mutable_pixels()->mutable_nan()->set_count(good.result().pixels().nan().count() +
+                                                                     1);
   EXPECT_NE(result_hash(good.result()), result_hash(other.result()));
   other = good;
-  (*other.mutable_result()->mutable_values())[0] ^= 1;
+  (*other.mutable_result()->mutable_pixels()->mutable_values())[0] ^= 1;
   EXPECT_NE(result_hash(good.result()), result_hash(other.result()));
 }
 
@@ -413,8 +470,7 @@ TEST_F(ServerTest, AnUnknownAssetIsNotFound) {
 }
 
 TEST(Server, AnAddressThatCannotBeListenedOnIsAnError) {
-  WatchBoard board(1);
-  const auto server = Server::listen({.address = "unix:/no/such/directory/socket"}, board);
+  const auto server = Server::listen({.address = "unix:/no/such/directory/socket"});
   ASSERT_FALSE(server);
   EXPECT_THAT(server.error().message, HasSubstr("/no/such/directory/socket"));
 }

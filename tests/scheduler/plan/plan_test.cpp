@@ -1,103 +1,13 @@
-// Each rule of the plan, with made-up workers and a made-up clock.
-#include "scheduler/plan/plan.h"
-
-#include <gmock/gmock.h>
-
-#include <limits>
-#include <map>
-#include <set>
-#include <vector>
+// Each rule of the plan about one job's units.
+#include "tests/scheduler/plan/plan_fixture.h"
 
 namespace penumbra {
-
-// For readable failures.
-void PrintTo(const UnitId& id, std::ostream* out) {
-  *out << "unit(image " << id.image << ", pass " << id.pass << ", tile " << id.tile << ")";
-}
-
 namespace {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::Pair;
 using testing::SizeIs;
-
-constexpr UnitId unit(std::uint32_t pass, std::uint32_t tile, std::uint32_t image = 0) {
-  return {.image = image, .pass = pass, .tile = tile};
-}
-
-constexpr Seconds kNever = std::numeric_limits<Seconds>::infinity();
-
-class PlanTest : public testing::Test {
- protected:
-  void start(std::uint32_t tiles, std::uint32_t passes, LeaseRule leases = {.silence = kNever}) {
-    plan_.emplace(std::vector{ImageUnits{tiles, passes}}, leases);
-  }
-
-  void tell(const PlanEvent& event) {
-    last_ = plan_->handle(event, now_);
-    for (const auto& [worker, id] : all<Assign, std::pair<WorkerId, UnitId>>(
-             [](const Assign& a) { return std::pair(a.worker, a.unit); })) {
-      held_[worker].push_back(id);
-    }
-  }
-  void join(WorkerId worker) { tell(WorkerJoined{worker}); }
-  void lose(WorkerId worker) {
-    held_.erase(worker);
-    tell(WorkerLost{worker});
-  }
-  void done(WorkerId worker, UnitId id, std::uint64_t hash = 7) {
-    std::erase(held_[worker], id);
-    tell(UnitDone{worker, id, hash});
-  }
-  void fails(WorkerId worker, UnitId id) {
-    std::erase(held_[worker], id);
-    tell(UnitFailed{worker, id});
-  }
-  void wait(Seconds seconds) {
-    now_ += seconds;
-    tell(Tick{});
-  }
-  /// The worker finishes what is in its hand, a second after the last event.
-  void work(WorkerId worker) {
-    now_ += 1;
-    done(worker, held_[worker].front());
-  }
-
-  template <typename Order, typename Value>
-  std::vector<Value> all(Value (*value)(const Order&)) const {
-    std::vector<Value> found;
-    for (const PlanOrder& order : last_) {
-      if (const Order* o = std::get_if<Order>(&order)) found.push_back(value(*o));
-    }
-    return found;
-  }
-  std::vector<std::pair<WorkerId, UnitId>> assigned() const {
-    return all<Assign, std::pair<WorkerId, UnitId>>(
-        [](const Assign& a) { return std::pair(a.worker, a.unit); });
-  }
-  std::vector<UnitId> merged() const {
-    return all<MergeResult, UnitId>([](const MergeResult& m) { return m.unit; });
-  }
-  std::vector<UnitId> discarded() const {
-    return all<DiscardResult, UnitId>([](const DiscardResult& d) { return d.unit; });
-  }
-  std::vector<UnitId> set_aside() const {
-    return all<SetAside, UnitId>([](const SetAside& s) { return s.unit; });
-  }
-  std::vector<std::pair<WorkerId, Fault>> dismissed() const {
-    return all<DismissWorker, std::pair<WorkerId, Fault>>(
-        [](const DismissWorker& d) { return std::pair(d.worker, d.fault); });
-  }
-  std::vector<std::uint32_t> tiles_to_redo() const {
-    return all<RedoTile, std::uint32_t>([](const RedoTile& r) { return r.tile; });
-  }
-
-  std::optional<Plan> plan_;
-  Seconds now_ = 100;
-  std::vector<PlanOrder> last_;
-  std::map<WorkerId, std::vector<UnitId>> held_;
-};
 
 TEST_F(PlanTest, AWorkerGetsOneUnitInHandAndOneOnTheWay) {
   start(4, 1);
@@ -119,27 +29,17 @@ TEST_F(PlanTest, UnitsAreIssuedPassByPass) {
     work(1);
   }
   EXPECT_THAT(order, ElementsAre(unit(0, 0), unit(0, 1), unit(0, 2), unit(1, 0), unit(1, 1), unit(1, 2)));
-  EXPECT_EQ(plan_->units_done(), 6u);
-  EXPECT_EQ(plan_->units_requeued(), 0u);
-  EXPECT_EQ(plan_->units_duplicated(), 0u);
-}
-
-TEST_F(PlanTest, ImagesFollowEachOther) {
-  plan_.emplace(std::vector{ImageUnits{1, 2}, ImageUnits{2, 1}});
-  join(1);
-  std::vector<UnitId> order;
-  while (!plan_->finished()) {
-    order.push_back(held_[1].front());
-    work(1);
-  }
-  EXPECT_THAT(order, ElementsAre(unit(0, 0, 0), unit(1, 0, 0), unit(0, 0, 1), unit(0, 1, 1)));
+  EXPECT_EQ(plan_->counts(kJob).done, 6u);
+  EXPECT_EQ(plan_->counts(kJob).requeued, 0u);
+  EXPECT_EQ(plan_->counts(kJob).duplicated, 0u);
 }
 
 TEST_F(PlanTest, NothingToDoIsFinished) {
-  plan_.emplace(std::vector{ImageUnits{0, 5}, ImageUnits{3, 0}});
+  start(0, 5);
+  add(2, {{3, 0}});
   EXPECT_TRUE(plan_->finished());
   join(1);
-  EXPECT_THAT(last_, IsEmpty());
+  EXPECT_THAT(assigned(), IsEmpty());
 }
 
 TEST_F(PlanTest, ALostWorkersUnitsAreIssuedBeforeNewOnes) {
@@ -148,7 +48,7 @@ TEST_F(PlanTest, ALostWorkersUnitsAreIssuedBeforeNewOnes) {
   join(2);
   EXPECT_THAT(assigned(), ElementsAre(Pair(2, unit(0, 2)), Pair(2, unit(0, 3))));
   lose(1);
-  EXPECT_EQ(plan_->units_requeued(), 2u);
+  EXPECT_EQ(plan_->counts(kJob).requeued, 2u);
   join(3);
   EXPECT_THAT(held_[3], ElementsAre(unit(0, 0))) << "the unit in hand is blamed and travels alone";
   done(2, unit(0, 2));
@@ -192,8 +92,8 @@ TEST_F(PlanTest, AUnitThatKillsThreeWorkersIsSetAsideAndTheRestCompletes) {
   work(4);
   work(4);
   EXPECT_TRUE(plan_->finished());
-  EXPECT_EQ(plan_->units_done(), 2u);
-  EXPECT_THAT(plan_->set_aside(), ElementsAre(unit(0, 0)));
+  EXPECT_EQ(plan_->counts(kJob).done, 2u);
+  EXPECT_THAT(plan_->set_aside(kJob), ElementsAre(unit(0, 0)));
 }
 
 // A worker that dies at its second unit may take the first one's result with it, again and again. The blame
@@ -218,7 +118,7 @@ TEST_F(PlanTest, TheBlameFindsTheGuiltyUnitThoughTheWrongOneIsInHand) {
     }
   }
   EXPECT_TRUE(plan_->finished());
-  EXPECT_THAT(plan_->set_aside(), ElementsAre(deadly));
+  EXPECT_THAT(plan_->set_aside(kJob), ElementsAre(deadly));
   EXPECT_LE(deaths, 5);
 }
 
@@ -242,7 +142,7 @@ TEST_F(PlanTest, ALonelyWorkerTriesAFailedUnitAgain) {
   EXPECT_THAT(assigned(), ElementsAre(Pair(1, unit(0, 0))));
   done(1, unit(0, 0));
   EXPECT_TRUE(plan_->finished());
-  EXPECT_THAT(plan_->set_aside(), IsEmpty());
+  EXPECT_THAT(plan_->set_aside(kJob), IsEmpty());
 }
 
 TEST_F(PlanTest, AWorkerThatFailsThreeUnitsInARowIsDismissed) {
@@ -256,7 +156,7 @@ TEST_F(PlanTest, AWorkerThatFailsThreeUnitsInARowIsDismissed) {
   EXPECT_THAT(dismissed(), ElementsAre(Pair(1, Fault::kFailed)));
   held_.erase(1);
   while (!plan_->finished()) work(2);
-  EXPECT_THAT(plan_->set_aside(), IsEmpty()) << "the units were not to blame";
+  EXPECT_THAT(plan_->set_aside(kJob), IsEmpty()) << "the units were not to blame";
 }
 
 TEST_F(PlanTest, ASuccessForgivesEarlierFailures) {
@@ -278,7 +178,7 @@ TEST_F(PlanTest, ACorruptResultIsRedoneElsewhereAndItsWorkerDismissed) {
   lose(1);  // what follows when its stream ends
   join(2);
   while (!plan_->finished()) work(2);
-  EXPECT_EQ(plan_->units_done(), 4u);
+  EXPECT_EQ(plan_->counts(kJob).done, 4u);
 }
 
 TEST_F(PlanTest, AnUnsolicitedResultIsNotTaken) {
@@ -307,9 +207,9 @@ TEST_F(PlanTest, ANewWorkerHasTheInitialLease) {
   start(9, 1, kLeases);
   join(1);
   wait(59.9);
-  EXPECT_EQ(plan_->units_requeued(), 0u);
+  EXPECT_EQ(plan_->counts(kJob).requeued, 0u);
   wait(0.1);
-  EXPECT_EQ(plan_->units_requeued(), 2u);
+  EXPECT_EQ(plan_->counts(kJob).requeued, 2u);
 }
 
 TEST_F(PlanTest, TheLeaseFollowsTheSlowestUnit) {
@@ -319,9 +219,9 @@ TEST_F(PlanTest, TheLeaseFollowsTheSlowestUnit) {
   done(1, held_[1].front());
   work(1);
   wait(59.9);  // 20 x 3 s
-  EXPECT_EQ(plan_->units_requeued(), 0u);
+  EXPECT_EQ(plan_->counts(kJob).requeued, 0u);
   wait(0.2);
-  EXPECT_EQ(plan_->units_requeued(), 2u);
+  EXPECT_EQ(plan_->counts(kJob).requeued, 2u);
 }
 
 TEST_F(PlanTest, TheLeaseHasAMinimum) {
@@ -330,9 +230,9 @@ TEST_F(PlanTest, TheLeaseHasAMinimum) {
   now_ += 0.01;
   done(1, held_[1].front());
   wait(9.9);
-  EXPECT_EQ(plan_->units_requeued(), 0u);
+  EXPECT_EQ(plan_->counts(kJob).requeued, 0u);
   wait(0.2);
-  EXPECT_EQ(plan_->units_requeued(), 2u);
+  EXPECT_EQ(plan_->counts(kJob).requeued, 2u);
 }
 
 TEST_F(PlanTest, ALeaseBeginsWhenTheUnitIsInHand) {
@@ -342,7 +242,7 @@ TEST_F(PlanTest, ALeaseBeginsWhenTheUnitIsInHand) {
   done(1, unit(0, 0));
   now_ += 50;  // (0, 1) was sent 100 s ago, but begun 50 s ago
   tell(Tick{});
-  EXPECT_EQ(plan_->units_requeued(), 0u);
+  EXPECT_EQ(plan_->counts(kJob).requeued, 0u);
 }
 
 TEST_F(PlanTest, AHungWorkersUnitsGoToOthersAndItGetsNoMore) {
@@ -351,7 +251,7 @@ TEST_F(PlanTest, AHungWorkersUnitsGoToOthersAndItGetsNoMore) {
   join(2);
   work(2);
   wait(61);
-  EXPECT_EQ(plan_->units_requeued(), 2u + 2u) << "worker 2 hangs as well";
+  EXPECT_EQ(plan_->counts(kJob).requeued, 2u + 2u) << "worker 2 hangs as well";
   join(3);
   EXPECT_THAT(assigned(), SizeIs(1));
   EXPECT_EQ(assigned()[0].first, 3u);
@@ -383,9 +283,9 @@ TEST_F(PlanTest, APauseOfAWorkerDoesNotStretchTheLeases) {
   join(1);
   wait(61);
   done(1, unit(0, 0));
-  ASSERT_EQ(plan_->units_requeued(), 2u);
+  ASSERT_EQ(plan_->counts(kJob).requeued, 2u);
   wait(10.1);  // and not 20 x 61 s
-  EXPECT_EQ(plan_->units_requeued(), 3u) << "(0, 2) comes to (0, 1), which no worker has taken over";
+  EXPECT_EQ(plan_->counts(kJob).requeued, 3u) << "(0, 2) comes to (0, 1), which no worker has taken over";
 }
 
 TEST_F(PlanTest, ALateResultOfAUnitThatIsDoneIsCompared) {
@@ -415,9 +315,9 @@ TEST_F(PlanTest, AWorkerThatIsNotHeardOfIsGivenUpSoon) {
   start(9, 1, kWithBeats);
   join(1);
   wait(7.9);
-  EXPECT_EQ(plan_->units_requeued(), 0u);
+  EXPECT_EQ(plan_->counts(kJob).requeued, 0u);
   wait(0.1);
-  EXPECT_EQ(plan_->units_requeued(), 2u) << "long before its first lease ends";
+  EXPECT_EQ(plan_->counts(kJob).requeued, 2u) << "long before its first lease ends";
   wait(7.9);
   EXPECT_THAT(dismissed(), IsEmpty());
   wait(0.1);
@@ -431,9 +331,9 @@ TEST_F(PlanTest, AWorkerThatOnlySaysThatItIsAliveHasItsLeaseAndNoMore) {
     wait(1);
     tell(Alive{1});
   }
-  EXPECT_EQ(plan_->units_requeued(), 0u);
+  EXPECT_EQ(plan_->counts(kJob).requeued, 0u);
   wait(1);
-  EXPECT_EQ(plan_->units_requeued(), 2u);
+  EXPECT_EQ(plan_->counts(kJob).requeued, 2u);
   for (int i = 0; i < 59; ++i) {
     wait(1);
     tell(Alive{1});
@@ -449,7 +349,7 @@ TEST_F(PlanTest, AUnitThatGetsOnMayTakeAnyTime) {
   for (int i = 0; i < 1000; ++i) {
     wait(7);
     tell(Progressed{1});
-    ASSERT_EQ(plan_->units_requeued(), 0u);
+    ASSERT_EQ(plan_->counts(kJob).requeued, 0u);
   }
   work(1);
   EXPECT_THAT(merged(), ElementsAre(unit(0, 0)));
@@ -467,16 +367,16 @@ TEST_F(PlanTest, TheLeaseFollowsTheLongestPartOfAUnit) {
     wait(1);
     tell(Alive{1});
   }
-  EXPECT_EQ(plan_->units_requeued(), 0u);
+  EXPECT_EQ(plan_->counts(kJob).requeued, 0u);
   wait(1);
-  EXPECT_EQ(plan_->units_requeued(), 2u);
+  EXPECT_EQ(plan_->counts(kJob).requeued, 2u);
 }
 
 TEST_F(PlanTest, AStoppedWorkerThatGoesOnIsTakenBack) {
   start(9, 1, kWithBeats);
   join(1);
   wait(8);
-  ASSERT_EQ(plan_->units_requeued(), 2u);
+  ASSERT_EQ(plan_->counts(kJob).requeued, 2u);
   tell(Alive{1});
   wait(7.9);
   tell(Alive{1});
@@ -491,10 +391,10 @@ TEST_F(PlanTest, AnIdleWorkerNeedNotBeHeardOf) {
   join(1);
   work(1);
   wait(100);
-  tell(MorePasses{0, 2});
+  tell(MorePasses{kJob, 2});
   ASSERT_THAT(held_[1], ElementsAre(unit(1, 0)));
   wait(7.9);
-  EXPECT_EQ(plan_->units_requeued(), 0u);
+  EXPECT_EQ(plan_->counts(kJob).requeued, 0u);
 }
 
 TEST_F(PlanTest, WhatIsWaitedForIsToldOnce) {
@@ -530,10 +430,10 @@ TEST_F(PlanTest, AUnitThatHangsThreeWorkersIsSetAsideAfterEverLongerLeases) {
     ASSERT_THAT(held_[worker], ElementsAre(unit(0, 0)));
     const Seconds lease = 60 * (1 << (worker - 1));
     wait(lease - 0.1);
-    EXPECT_EQ(plan_->units_requeued(), worker - 1);
+    EXPECT_EQ(plan_->counts(kJob).requeued, worker - 1);
     wait(0.1);
     if (worker < 3) {
-      EXPECT_EQ(plan_->units_requeued(), worker);
+      EXPECT_EQ(plan_->counts(kJob).requeued, worker);
       wait(lease);
       EXPECT_THAT(dismissed(), ElementsAre(Pair(worker, Fault::kHung)));
     }
@@ -550,7 +450,7 @@ TEST_F(PlanTest, AHungWorkerThatDiesIsNotBlamedTwice) {
   join(2);
   wait(121);
   lose(2);
-  EXPECT_THAT(plan_->set_aside(), IsEmpty());
+  EXPECT_THAT(plan_->set_aside(kJob), IsEmpty());
   join(3);
   work(3);
   EXPECT_TRUE(plan_->finished());
@@ -564,7 +464,7 @@ TEST_F(PlanTest, AUnitThatWaitsAtABusyWorkerIsCopiedToAnIdleOneAtOnce) {
   EXPECT_THAT(held_[1], SizeIs(2));
   join(2);
   EXPECT_THAT(assigned(), ElementsAre(Pair(2, unit(0, 1))));
-  EXPECT_EQ(plan_->units_duplicated(), 1u);
+  EXPECT_EQ(plan_->counts(kJob).duplicated, 1u);
 }
 
 TEST_F(PlanTest, AUnitInHandIsCopiedOnceItTakesLongerThanTheMean) {
@@ -586,14 +486,14 @@ TEST_F(PlanTest, NothingIsCopiedWhileThereIsOtherWork) {
   join(1);
   join(2);
   for (int i = 0; i < 40; ++i) work(2);
-  EXPECT_EQ(plan_->units_duplicated(), 0u);
+  EXPECT_EQ(plan_->counts(kJob).duplicated, 0u);
 }
 
 TEST_F(PlanTest, AUnitHasTwoCopiesAtMost) {
   start(1, 1);
   for (const WorkerId worker : {1, 2, 3, 4}) join(worker);
   for (int i = 0; i < 5; ++i) wait(1);
-  EXPECT_EQ(plan_->units_duplicated(), 1u);
+  EXPECT_EQ(plan_->counts(kJob).duplicated, 1u);
 }
 
 TEST_F(PlanTest, ABlamedUnitIsNotCopied) {
@@ -618,7 +518,7 @@ TEST_F(PlanTest, TheFirstResultWinsAndAnEqualSecondIsDiscarded) {
   EXPECT_THAT(merged(), IsEmpty());
   EXPECT_THAT(discarded(), ElementsAre(unit(0, 1)));
   EXPECT_THAT(dismissed(), IsEmpty());
-  EXPECT_EQ(plan_->units_done(), 2u);
+  EXPECT_EQ(plan_->counts(kJob).done, 2u);
 }
 
 TEST_F(PlanTest, AnUnequalSecondResultDismissesBothAndAllTheirWorkIsRedone) {
@@ -646,7 +546,7 @@ TEST_F(PlanTest, AnUnequalSecondResultDismissesBothAndAllTheirWorkIsRedone) {
   held_.clear();
   join(4);
   while (!plan_->finished()) work(4);
-  EXPECT_EQ(plan_->units_done(), 4u);
+  EXPECT_EQ(plan_->counts(kJob).done, 4u);
 }
 
 TEST_F(PlanTest, WorkOfALostWorkerIsRedoneTooWhenItTurnsOutWrong) {
@@ -694,20 +594,20 @@ TEST_F(PlanTest, NoFurtherPassesFinishesThePassThatIsBegun) {
   join(1);
   work(1);
   work(1);  // (0, 2) and (1, 0) are out
-  tell(NoFurtherPasses{});
-  EXPECT_EQ(plan_->passes(0), 2u);
+  tell(NoFurtherPasses{kJob});
+  EXPECT_EQ(plan_->passes(kJob), 2u);
   while (!plan_->finished()) work(1);
-  EXPECT_EQ(plan_->units_done(), 6u);
+  EXPECT_EQ(plan_->counts(kJob).done, 6u);
 }
 
 TEST_F(PlanTest, NoFurtherPassesBeforeTheFirstRendersOnePass) {
   start(3, 5);
-  tell(NoFurtherPasses{});
-  EXPECT_EQ(plan_->passes(0), 1u);
+  tell(NoFurtherPasses{kJob});
+  EXPECT_EQ(plan_->passes(kJob), 1u);
   EXPECT_EQ(plan_->units_left(), 3u);
   join(1);
   while (!plan_->finished()) work(1);
-  EXPECT_EQ(plan_->units_done(), 3u);
+  EXPECT_EQ(plan_->counts(kJob).done, 3u);
 }
 
 // --- A render whose samples are wanted bit by bit
@@ -717,14 +617,14 @@ TEST_F(PlanTest, MorePassesOfNoneStartTheImage) {
   join(1);
   EXPECT_TRUE(plan_->finished());
   EXPECT_THAT(assigned(), IsEmpty());
-  tell(MorePasses{0, 1});
+  tell(MorePasses{kJob, 1});
   EXPECT_FALSE(plan_->finished());
-  EXPECT_EQ(plan_->passes(0), 1u);
+  EXPECT_EQ(plan_->passes(kJob), 1u);
   EXPECT_THAT(assigned(), ElementsAre(Pair(1, unit(0, 0)), Pair(1, unit(0, 1))));
   work(1);
   work(1);
   EXPECT_TRUE(plan_->finished());
-  EXPECT_EQ(plan_->units_done(), 2u);
+  EXPECT_EQ(plan_->counts(kJob).done, 2u);
 }
 
 TEST_F(PlanTest, MorePassesGoOnWhereTheImageWasFinished) {
@@ -735,7 +635,7 @@ TEST_F(PlanTest, MorePassesGoOnWhereTheImageWasFinished) {
   ASSERT_TRUE(plan_->finished());
   wait(1000);  // no samples are requested; no lease runs
   EXPECT_THAT(dismissed(), IsEmpty());
-  tell(MorePasses{0, 3});
+  tell(MorePasses{kJob, 3});
   EXPECT_EQ(plan_->units_left(), 4u);
   std::vector<UnitId> order;
   while (!plan_->finished()) {
@@ -744,15 +644,15 @@ TEST_F(PlanTest, MorePassesGoOnWhereTheImageWasFinished) {
     ASSERT_EQ(merged().size(), 1u);
   }
   EXPECT_THAT(order, ElementsAre(unit(1, 0), unit(1, 1), unit(2, 0), unit(2, 1)));
-  EXPECT_EQ(plan_->units_done(), 6u);
-  EXPECT_EQ(plan_->units_requeued(), 0u);
+  EXPECT_EQ(plan_->counts(kJob).done, 6u);
+  EXPECT_EQ(plan_->counts(kJob).requeued, 0u);
 }
 
 TEST_F(PlanTest, MorePassesAddToWhatIsUnderWay) {
   start(3, 1);
   join(1);
   work(1);
-  tell(MorePasses{0, 2});
+  tell(MorePasses{kJob, 2});
   EXPECT_EQ(plan_->units_left(), 5u);
   std::set<UnitId> order;
   while (!plan_->finished()) {
@@ -760,14 +660,14 @@ TEST_F(PlanTest, MorePassesAddToWhatIsUnderWay) {
     work(1);
   }
   EXPECT_THAT(order, ElementsAre(unit(0, 1), unit(0, 2), unit(1, 0), unit(1, 1), unit(1, 2)));
-  EXPECT_EQ(plan_->units_done(), 6u);
+  EXPECT_EQ(plan_->counts(kJob).done, 6u);
 }
 
 TEST_F(PlanTest, FewerPassesThanBeforeChangeNothing) {
   start(2, 3);
   for (const std::uint32_t passes : {0u, 1u, 3u}) {
-    tell(MorePasses{0, passes});
-    EXPECT_EQ(plan_->passes(0), 3u);
+    tell(MorePasses{kJob, passes});
+    EXPECT_EQ(plan_->passes(kJob), 3u);
     EXPECT_EQ(plan_->units_left(), 6u);
     EXPECT_THAT(last_, IsEmpty());
   }
@@ -781,7 +681,7 @@ TEST_F(PlanTest, IdleWorkersTakePartInMorePasses) {
   join(2);
   join(3);
   EXPECT_THAT(assigned(), IsEmpty());
-  tell(MorePasses{0, 2});
+  tell(MorePasses{kJob, 2});
   EXPECT_THAT(assigned(), ElementsAre(Pair(1, unit(1, 0)), Pair(2, unit(1, 1))));
   lose(2);
   EXPECT_THAT(assigned(), ElementsAre(Pair(3, unit(1, 1)))) << "what a lost worker had is done by another";

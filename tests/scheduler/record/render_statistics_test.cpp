@@ -20,7 +20,6 @@ TEST(Report, SaysWhatWasDoneAndByWhom) {
   RenderJob job;
   job.scene.words.resize(10);
   job.tile = 32;
-  job.workers = 2;
   job.device.threads = 3;
   RenderOutcome outcome;
   outcome.film = FilmAccumulator(0, 0, 2, 1, kRadiancePlanes);
@@ -43,6 +42,7 @@ TEST(Report, SaysWhatWasDoneAndByWhom) {
   RenderStatistics statistics;
   statistics.record.scene = "a.xml";
   statistics.record.sampler.spp = 4;
+  statistics.workers = 2;
   statistics.command_line = {"penumbra", "render", "a.xml", "--workers", "2"};
   statistics.job = &job;
   statistics.outcome = &outcome;

@@ -76,7 +76,7 @@ TEST_F(SteeredRenderTest, SamplesOneByOneGiveTheFilmOfABatch) {
   const RenderOutcome outcome = run.stop();
   expect_film(outcome, kSamples, 0);
   EXPECT_EQ(outcome.units_done, kSamples * kTiles) << "and no unit more";
-  RenderJob batch = batch_job();
+  LocalRender batch = batch_job();
   batch.spp = kSamples;
   batch.samples_per_pass = 1;
   EXPECT_EQ(BackgroundRun(batch).wait().film.hash(), outcome.film.hash());
@@ -116,7 +116,7 @@ TEST_F(SteeredRenderTest, AClientKnowsItsOwnViewFromOthers) {
 
 TEST_F(SteeredRenderTest, LateResultsOfSlowWorkersForOldViewsAreIgnored) {
   FakeBehaviour{.delay_ms = 150}.to_environment();
-  RenderJob job = interactive_job();
+  LocalRender job = interactive_job();
   job.tile = 64;
   Onlooker onlooker(address());
   BackgroundRun run(job);
@@ -136,7 +136,7 @@ TEST_F(SteeredRenderTest, ManyViewsInARowEndInTheLast) {
   for (const int delay : {0, 20}) {
     SCOPED_TRACE(delay);
     FakeBehaviour{.delay_ms = delay}.to_environment();
-    RenderJob job = interactive_job();
+    LocalRender job = interactive_job();
     job.tile = 64;
     Onlooker onlooker(address());
     BackgroundRun run(job);

@@ -74,7 +74,7 @@ TEST_F(TevStreamTest, TevEndsWithExactlyTheFilmsPixels) {
   FakeTev tev;
   ASSERT_NE(tev.listener().port, 0);
   FakeBehaviour{.delay_ms = 2}.to_environment();
-  RenderJob job = batch_job();
+  LocalRender job = batch_job();
   job.tev = tev.listener().host();
   const RenderOutcome outcome = BackgroundRun(job).wait();
   EXPECT_TRUE(outcome.complete);
@@ -92,7 +92,7 @@ TEST_F(TevStreamTest, TevEndsWithExactlyTheFilmsPixels) {
 
 TEST_F(TevStreamTest, ARenderWithoutATitleHasANameAllTheSame) {
   FakeTev tev;
-  RenderJob job = batch_job();
+  LocalRender job = batch_job();
   job.title = "";
   job.tev = tev.listener().host();
   EXPECT_THAT(BackgroundRun(job).wait().problems, IsEmpty());
@@ -101,7 +101,7 @@ TEST_F(TevStreamTest, ARenderWithoutATitleHasANameAllTheSame) {
 
 TEST_F(TevStreamTest, AnotherViewStartsTheImageOver) {
   FakeTev tev;
-  RenderJob job = interactive_job();
+  LocalRender job = interactive_job();
   job.tev = tev.listener().host();
   RenderOutcome outcome;
   {
@@ -167,7 +167,7 @@ TEST(TevStream, AHybridJobsTilesHaveTheirOtherLayers) {
 }
 
 /// The times of the same render without and with a tev that takes nothing.
-void expect_no_delay(RenderJob job, const std::string& tev, const std::string& problem) {
+void expect_no_delay(LocalRender job, const std::string& tev, const std::string& problem) {
   const RenderOutcome alone = BackgroundRun(job).wait();
   job.tev = tev;
   const RenderOutcome shown = BackgroundRun(job).wait();
@@ -184,7 +184,7 @@ TEST_F(TevStreamTest, ATevThatNeverReadsDelaysNothingAndIsToldOnce) {
   ASSERT_NE(listener.port, 0);
   const int small = 4096;
   ASSERT_EQ(::setsockopt(listener.socket, SOL_SOCKET, SO_RCVBUF, &small, sizeof small), 0);
-  RenderJob job = batch_job();
+  LocalRender job = batch_job();
   job.scene = fake_scene(1600, 1200, true);
   job.x = job.y = 0;
   job.width = 1600;
@@ -210,7 +210,7 @@ TEST_F(TevStreamTest, ATevThatGoesAwayIsToldOnceAlsoToThoseWhoWatch) {
     char some[5000];  // the first tile
     (void)!::recv(connection, some, sizeof some, MSG_WAITALL);
   });
-  RenderJob job = batch_job();
+  LocalRender job = batch_job();
   job.tev = listener.host();
   Onlooker onlooker(address());
   const RenderOutcome outcome = BackgroundRun(job).wait();

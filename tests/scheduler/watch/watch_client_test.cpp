@@ -86,8 +86,10 @@ class WatchClientTest : public WatchedRunTest {
     server.Shutdown(std::chrono::system_clock::now());
     server.Wait();
   }
-  std::unique_ptr<Server> scheduler(WatchBoard& board, bool interactive = false) const {
-    return Server::listen({.address = address(), .interactive = interactive}, board).value();
+  std::unique_ptr<Server> scheduler(const std::shared_ptr<WatchBoard>& board) const {
+    auto server = Server::listen({.address = address()}).value();
+    server->show_job(1, board, false);
+    return server;
   }
   static std::chrono::steady_clock::duration time_to_destroy(std::unique_ptr<WatchClient> client) {
     const auto begin = steady_clock::now();
@@ -155,23 +157,23 @@ TEST_F(WatchClientTest, EndsWhileItsRequestIsNotAnswered) {
 }
 
 TEST_F(WatchClientTest, EndsWithNewsThatIsNotTaken) {
-  WatchBoard board(1);
-  board.describe(plain_job());
+  const auto board = std::make_shared<WatchBoard>(1);
+  board->describe(plain_job());
   const auto server = scheduler(board);
   auto watching = client();
   const auto deadline = steady_clock::now() + kLong;
-  while (!board.is_watched() && steady_clock::now() < deadline) std::this_thread::sleep_for(1ms);
+  while (!board->is_watched() && steady_clock::now() < deadline) std::this_thread::sleep_for(1ms);
   // More than it keeps, and than fits between: its reader waits.
   for (int i = 0; i < 2000; ++i) {
-    board.say(std::string(1000, 'x'));
+    board->say(std::string(1000, 'x'));
     std::this_thread::sleep_for(100us);
   }
   EXPECT_LT(time_to_destroy(std::move(watching)), kSoon);
 }
 
 TEST_F(WatchClientTest, EndsAfterALossARefusalAndAnEnd) {
-  WatchBoard board(1);
-  board.describe(plain_job());
+  const auto board = std::make_shared<WatchBoard>(1);
+  board->describe(plain_job());
   auto server = scheduler(board);
   {
     auto lost = std::make_unique<Onlooker>(address());
@@ -258,22 +260,22 @@ TEST_F(WatchClientTest, ASchedulerThatIsLostBeforeItsSceneHasComeIsTriedAgain) {
 TEST_F(WatchClientTest, NumbersOfALostSchedulersViewsMeanNothingToTheNext) {
   auto watching = client();
   {
-    WatchBoard board(1);
-    board.describe(plain_job());
-    board.show_view({7, view_at(70)});
+    const auto board = std::make_shared<WatchBoard>(1);
+    board->describe(plain_job());
+    board->show_view({7, view_at(70)});
     const auto server = scheduler(board);
     const auto deadline = steady_clock::now() + kLong;
-    while (!board.is_watched() && steady_clock::now() < deadline) std::this_thread::sleep_for(1ms);
-    board.wait_for_watchers(kLong);  // and what has come is not taken
+    while (!board->is_watched() && steady_clock::now() < deadline) std::this_thread::sleep_for(1ms);
+    board->wait_for_watchers(kLong);  // and what has come is not taken
   }
-  WatchBoard board(1);
-  board.describe(plain_job());
-  board.show_view({0, view_at(0)});
+  const auto board = std::make_shared<WatchBoard>(1);
+  board->describe(plain_job());
+  board->show_view({0, view_at(0)});
   const auto server = scheduler(board);
   const auto deadline = steady_clock::now() + kLong;
-  while (!board.is_watched() && steady_clock::now() < deadline) std::this_thread::sleep_for(1ms);
-  board.show_tile(0, plain_tile(0));
-  board.wait_for_watchers(kLong);
+  while (!board->is_watched() && steady_clock::now() < deadline) std::this_thread::sleep_for(1ms);
+  board->show_tile(0, plain_tile(0));
+  board->wait_for_watchers(kLong);
   std::vector<std::uint32_t> views, tiles;
   int connections = 0;
   while (tiles.empty() && steady_clock::now() < deadline) {
@@ -295,22 +297,22 @@ TEST_F(WatchClientTest, NumbersOfALostSchedulersViewsMeanNothingToTheNext) {
 TEST_F(WatchClientTest, WhatWasToldLastArrivesThoughTheServerEndsAtOnce) {
   // The last thing that a render does: close the board, wait, destroy the server. Often, for it is a race.
   for (int round = 0; round < 40; ++round) {
-    WatchBoard board(64);
-    board.describe(plain_job());
+    const auto board = std::make_shared<WatchBoard>(64);
+    board->describe(plain_job());
     auto server = scheduler(board);
     Onlooker onlooker(address());
     ASSERT_TRUE(onlooker.sees_connection());
-    board.show_view({1, view_at(1)});
+    board->show_view({1, view_at(1)});
     WatchProgress last{.view = 1, .ended = true, .workers = {}};
-    board.show_progress(last);
+    board->show_progress(last);
     for (std::uint32_t i = 0; i < 64; ++i) {
       TileSnapshot tile = plain_tile(1);
       tile.x = 8 * int(i % 8);
       tile.y = 8 * int(i / 8);
-      board.show_tile(i, std::move(tile));
+      board->show_tile(i, std::move(tile));
     }
-    board.close();
-    board.wait_for_watchers(kLong);
+    board->close();
+    board->wait_for_watchers(kLong);
     server.reset();
     ASSERT_TRUE(onlooker.sees_end());
     ASSERT_EQ(onlooker.tiles.size(), 64u) << "in round " << round;
@@ -319,8 +321,8 @@ TEST_F(WatchClientTest, WhatWasToldLastArrivesThoughTheServerEndsAtOnce) {
 }
 
 TEST_F(WatchClientTest, AServerThatEndsWithoutAnEndIsALoss) {
-  WatchBoard board(1);
-  board.describe(plain_job());
+  const auto board = std::make_shared<WatchBoard>(1);
+  board->describe(plain_job());
   auto server = scheduler(board);
   Onlooker onlooker(address());
   ASSERT_TRUE(onlooker.sees_connection());

@@ -75,7 +75,7 @@ TEST_F(WatchedRenderTest, WhoComesLateEndsWithTheFilmToo) {
 
 TEST_F(WatchedRenderTest, AWatcherThatNeverReadsDelaysAndChangesNothing) {
   FakeBehaviour{.delay_ms = 4}.to_environment();
-  RenderJob job = batch_job();
+  LocalRender job = batch_job();
   job.tile = 64;  // more than a stream's window in every pass
   job.spp = 200;
   const RenderOutcome unwatched = BackgroundRun(job).wait();

@@ -16,11 +16,11 @@
 #include <vector>
 
 #include "kernels/host/view.h"
-#include "scheduler/farm/render_job.h"
 #include "scheduler/watch/render_feed.h"
 #include "scheduler/watch/watch_client.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/fake_samples.h"
+#include "tests/support/local_render.h"
 
 namespace penumbra {
 
@@ -70,8 +70,8 @@ class WatchedRunTest : public testing::Test {
 
   std::string address() const { return "unix:" + directory_ + "/socket"; }
 
-  RenderJob batch_job() const {
-    RenderJob job;
+  LocalRender batch_job() const {
+    LocalRender job;
     job.scene = fake_scene(200, 150, true);
     job.x = kX;
     job.y = kY;
@@ -87,8 +87,8 @@ class WatchedRunTest : public testing::Test {
     job.listen = address();
     return job;
   }
-  RenderJob interactive_job() const {
-    RenderJob job = batch_job();
+  LocalRender interactive_job() const {
+    LocalRender job = batch_job();
     job.interactive = true;
     job.samples_per_pass = 1;
     return job;
@@ -100,7 +100,7 @@ class WatchedRunTest : public testing::Test {
 /// run_render on a thread of its own, until it is done or stopped.
 class BackgroundRun {
  public:
-  explicit BackgroundRun(const RenderJob& job, std::function<void(const RenderProgress&)> on_progress = {})
+  explicit BackgroundRun(const LocalRender& job, std::function<void(const RenderProgress&)> on_progress = {})
       : job_(job), on_progress_(std::move(on_progress)) {
     outcome_ = std::async(std::launch::async, [this] { return run_render(job_, stop_, on_progress_); });
   }
@@ -118,7 +118,7 @@ class BackgroundRun {
   }
 
  private:
-  RenderJob job_;
+  LocalRender job_;
   std::function<void(const RenderProgress&)> on_progress_;
   std::atomic<bool> stop_ = false;
   std::future<Expected<RenderOutcome>> outcome_;  // the last: its end waits for the render's

@@ -1,0 +1,42 @@
+// Functions of kinds of lights that are the same for several of them; `name` as in LIGHT_KINDS.
+#ifndef PENUMBRA_KIND_FUNCTIONS_H
+#define PENUMBRA_KIND_FUNCTIONS_H
+#include "kernels/light/light_found.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+// <name>_light_radiance of a light that shines alike from all its points into all directions, but for its
+// texture: radiance; radiant intensity of a point, irradiance across the direction of a directional light.
+#define LIGHT_SHINES_ALIKE(name)                                                                      \
+  FN vec3 name##_light_radiance(const PRIVATE Scene* scene, GLOBAL const Light* light, LightPoint at, \
+                                vec3 wi) {                                                            \
+    return load3(&light->radiance);                                                                   \
+  }
+
+// sample_<name>_light of a light that has a surface, by sample_<name>_point.
+#define SAMPLE_LIGHT_BY_POINT(name)                                                                     \
+  FN LightSample sample_##name##_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, \
+                                       float v, LightSampling sampling, uint ways) {                    \
+    GLOBAL const Light* light = scene->lights + index;                                                  \
+    const SampledPoint point = sample_##name##_point(scene, index, r, u, v, ways);                      \
+    LightSample s = toward_light(light, r, point);                                                      \
+    s.radiance = name##_light_radiance(scene, light, point.at, s.wi);                                   \
+    return s;                                                                                           \
+  }
+
+// <name>_light_pdf of a light whose points are uniform by area.
+#define FIND_LIGHT_BY_AREA(name)                                                                     \
+  FN float name##_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found, \
+                            uint ways) {                                                             \
+    return area_to_solid_angle(sqr(found.distance), found.cosine, light->area);                      \
+  }
+
+// <name>_light_pdf of a light that no ray finds.
+#define NO_RAY_FINDS_LIGHT(name)                                                                     \
+  FN float name##_light_pdf(const PRIVATE Scene* scene, GLOBAL const Light* light, FoundLight found, \
+                            uint ways) {                                                             \
+    return 0.0f;                                                                                     \
+  }
+
+PENUMBRA_NAMESPACE_END
+#endif

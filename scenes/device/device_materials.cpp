@@ -1,0 +1,43 @@
+#include "scenes/device/device_materials.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
+#include <variant>
+
+#include "kernels/host/material_closure.h"
+
+namespace penumbra {
+
+void set_passes(Material& m, const std::vector<Material>& before) {
+  if (m.branches == 0) return;
+  const auto of = [&](int child) { return child < 0 ? PASSES_ALL : before.at(std::size_t(child)).passes; };
+  const bool plain = m.weight_texture == kNoTexture;
+  const int first = plain && m.weight >= 1.0f ? of(m.second) : of(m.first);
+  const int second = plain && m.weight <= 0.0f ? of(m.first) : of(m.second);
+  m.passes = first == second ? first : PASSES_SOME;
+}
+
+float bend_step(const SceneDescription& scene, int texture) {
+  const SceneTexture& heights = scene.textures.at(std::size_t(texture));
+  const auto* image = std::get_if<BitmapTexture>(&heights.model);
+  if (image == nullptr || image->bitmap < 0) return kBendStep;
+  const Bitmap& bitmap = *scene.bitmaps.at(std::size_t(image->bitmap));
+  const double along_u = glm::length(glm::dvec2(heights.to_uv[0])),
+               along_v = glm::length(glm::dvec2(heights.to_uv[1]));
+  constexpr double kLeast = 1.0 / (1 << 16);  // 250 times what rounds coordinates
+  return float(std::max(
+      kLeast, 1 / (32.0 * std::max({1.0, along_u, along_v}) * std::max(bitmap.width, bitmap.height))));
+}
+
+bool has_narrow_lobes(const std::vector<Material>& materials) {
+  constexpr float kBroad = 0.3f;
+  return std::ranges::any_of(materials, [](const Material& m) {
+    const bool disneys = m.family == FAMILY_PRINCIPLED || m.family == FAMILY_DISNEY;
+    const float rough = m.alpha_v > 0 ? std::sqrt(m.alpha_u * m.alpha_v) : m.alpha_u;
+    const float alpha = disneys ? std::max(m.roughness * m.roughness, LEAST_ALPHA) : rough;
+    return (ltc_families() >> m.family & 1u) != 0u && alpha > 0 && alpha < kBroad;
+  });
+}
+
+}  // namespace penumbra

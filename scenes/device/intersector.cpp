@@ -1,0 +1,79 @@
+#include "scenes/device/intersector.h"
+
+#include <array>
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "kernels/intersect/bvh_limits.h"
+#include "scenes/device/bvh_builder.h"
+
+namespace penumbra {
+namespace {
+
+// Up to this many triangles testing all of them in lanes beats any hierarchy.
+constexpr std::size_t kMaxWholeTriangles = 64;
+// Where Embree becomes as fast as our own hierarchy, measured by tests/benchmarks/traversal_benchmark.cpp.
+constexpr std::size_t kMaxPortableTriangles = 4'000'000;
+constexpr std::size_t kMaxWholeQuadrics = 16;
+
+/// Distinct vertices and the triangles over them; false if the scene is too large to be tested whole.
+bool collect_corners(SceneRecords& records) {
+  if (!records.instances.empty() || records.triangles.size() > kMaxWholeTriangles ||
+      records.quadrics.size() > kMaxWholeQuadrics)
+    return false;
+  std::map<std::array<float, 3>, int> index;
+  const auto find = [&](const vec3& p) {
+    const auto [at, added] = index.try_emplace({p.x, p.y, p.z}, int(records.vertices.size()));
+    if (added) records.vertices.push_back(p);
+    return at->second;
+  };
+  for (const Triangle& t : records.triangles) records.corners.push_back({find(t.p0), find(t.p1), find(t.p2)});
+  return records.vertices.size() <= MAX_WHOLE_VERTICES;
+}
+
+}  // namespace
+
+int intersector_for(std::size_t triangles) {
+  return triangles > kMaxPortableTriangles ? INTERSECTOR_EMBREE : INTERSECTOR_PORTABLE;
+}
+
+Expected<void> add_intersector(IntersectorChoice choice, SceneHeader& header, SceneRecords& records) {
+  const bool small = collect_corners(records);
+  header.intersector = choice == IntersectorChoice::kAuto     ? intersector_for(records.triangles.size())
+                       : choice == IntersectorChoice::kEmbree ? INTERSECTOR_EMBREE
+                                                              : INTERSECTOR_PORTABLE;
+  if (header.intersector == INTERSECTOR_PORTABLE && !small) {
+    if (Expected<void> done = add_hierarchy(records); !done) return done;
+    header.features |= FEATURE_BVH;
+  }
+  if (header.intersector != INTERSECTOR_PORTABLE || !small) {
+    records.corners.clear();
+    records.vertices.clear();
+  }
+  return {};
+}
+
+Expected<void> add_hierarchy(SceneRecords& records) {
+  const PrimitiveGroup all{0, 0, int(records.triangles.size()), 0, int(records.quadrics.size())};
+  const std::span<const PrimitiveGroup> groups =
+      records.groups.empty() ? std::span(&all, 1) : std::span<const PrimitiveGroup>(records.groups);
+  Expected<Hierarchy> hierarchy =
+      build_hierarchy(records.triangles, records.quadrics, groups, records.instances);
+  if (!hierarchy) return std::unexpected(hierarchy.error());
+  for (std::size_t g = 0; g < records.groups.size(); ++g) records.groups[g].root = hierarchy->roots[g];
+  records.nodes = std::move(hierarchy->nodes);
+  records.triangle_leaves = std::move(hierarchy->triangle_leaves);
+  records.quadric_leaves = std::move(hierarchy->quadric_leaves);
+  return {};
+}
+
+void drop_hierarchy(SceneRecords& records) {
+  for (PrimitiveGroup& group : records.groups) group.root = 0;
+  records.nodes.clear();
+  records.triangle_leaves.clear();
+  records.quadric_leaves.clear();
+}
+
+}  // namespace penumbra

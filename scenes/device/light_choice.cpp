@@ -1,0 +1,157 @@
+#include "scenes/device/light_choice.h"
+
+#include <algorithm>
+#include <glm/glm.hpp>
+#include <optional>
+#include <vector>
+
+#include "kernels/host/device_scene.h"
+#include "scenes/device/integrator_builder.h"
+#include "scenes/device/intersector.h"
+#include "scenes/device/light_groups.h"
+#include "scenes/device/light_survey.h"
+#include "scenes/device/light_table.h"
+#include "scenes/device/light_tree_builder.h"
+
+namespace penumbra {
+namespace {
+
+class Chooser {
+ public:
+  Chooser(std::span<const LightBounds> lights, bool open, double radius, SceneHeader& header,
+          SceneRecords& records)
+      : lights_(lights), open_(open), radius_(radius), h_(header), records_(records) {}
+
+  /// What infinite lights count for beside others takes a look at the scene.
+  Expected<void> add() {
+    std::vector<LightBounds> all(lights_.begin(), lights_.end()), finite = all;
+    std::vector<int> infinite;
+    double intensity = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (all[i].infinite && all[i].intensity > 0) infinite.push_back(int(i));
+      if (all[i].infinite) finite[i].intensity = 0;
+      intensity += finite[i].intensity;
+    }
+    const double size2 = std::clamp(radius_ * radius_, 1e-30, 1e30);
+    const double unit = intensity > 0 ? size2 / intensity : 1.0;
+    if (infinite.empty() || !(intensity > 0)) {
+      const bool alike = infinite.empty() && in_one_place(all) && open_;
+      if (alike) {
+        set_light_tree({});
+        return {};
+      }
+      const Expected<std::vector<LightGroup>> groups = groups_of(finite, unit);
+      if (!groups) return std::unexpected(groups.error());
+      set_light_tree(build_light_tree(all, unit, *groups));
+      return {};
+    }
+    const Expected<std::vector<LightGroup>> groups = groups_of(finite, unit);
+    if (!groups) return std::unexpected(groups.error());
+    set_light_tree(build_light_tree(finite, unit, *groups));
+    InfiniteLights found{.intensities = std::vector<double>(infinite.size(), 1.0)};
+    Expected<void> done =
+        survey([&](const DeviceScene& scene) { found = survey_infinite_lights(scene, infinite); });
+    if (!done) return done;
+    if (infinite.size() == 1 && in_one_place(finite) && open_) {
+      choose_alike(infinite[0], found.share);
+      return {};
+    }
+    for (std::size_t i = 0; i < infinite.size(); ++i)
+      all[std::size_t(infinite[i])].intensity = found.intensities[i] / unit;
+    set_light_tree(build_light_tree(all, unit, *groups));
+    return {};
+  }
+
+ private:
+  /// Of no light where none has power.
+  void set_light_tree(const LightTree& tree) {
+    if (tree.nodes.empty()) {
+      h_.light_cut = h_.light_tree_depth = 0;
+      h_.integrator.light_choice = CHOICE_POWER;
+      h_.features &= ~std::uint32_t(FEATURE_LIGHT_TREE);
+      return;
+    }
+    records_.light_nodes = tree.nodes;
+    records_.light_trails = tree.trails;
+    records_.light_members = tree.members;
+    records_.light_numbers = tree.numbers;
+    h_.light_cut = tree.cut;
+    h_.light_tree_depth = tree.depth;
+    h_.light_leaf_turns = tree.leaf_turns;
+  }
+
+  /// Whether these are as one, say the triangles of a lamp.
+  static bool in_one_place(const std::vector<LightBounds>& lights) {
+    constexpr int kMost = 4;
+    const auto size = [](const LightBounds& b) { return glm::length(b.high - b.low); };
+    std::optional<LightBounds> all;
+    double largest = 0;
+    int count = 0;
+    for (const LightBounds& light : lights) {
+      if (!(light.intensity > 0)) continue;
+      all = all ? joined(*all, light) : light;
+      largest = std::max(largest, size(light));
+      if (++count > kMost) return false;
+    }
+    return all && size(*all) <= 1.01 * largest;
+  }
+
+  /// An infinite light beside one that is as one: how often each is chosen matters, where does not, and the
+  /// table takes no time.
+  void choose_alike(int infinite, double share) {
+    std::vector<double> shares;
+    double intensity = 0;
+    for (const LightBounds& light : lights_) intensity += light.infinite ? 0.0 : light.intensity;
+    for (const LightBounds& light : lights_)
+      shares.push_back(light.infinite ? 0.0 : (1 - share) * light.intensity / intensity);
+    shares[std::size_t(infinite)] = share;
+    set_light_probabilities(records_.lights, shares);
+    set_light_tree({});
+    records_.light_nodes.clear();
+    records_.light_trails.clear();
+    records_.light_members.clear();
+    records_.light_numbers.clear();
+  }
+
+  /// See light_groups; of at least two lights that have a place.
+  Expected<std::vector<LightGroup>> groups_of(const std::vector<LightBounds>& finite, double unit) {
+    if (std::ranges::count_if(finite, [](const LightBounds& b) { return b.intensity > 0; }) < 2)
+      return std::vector<LightGroup>{};
+    std::vector<SurveyedPlace> places;
+    if (Expected<void> done = survey([&](const DeviceScene& scene) { places = survey_places(scene); }); !done)
+      return std::unexpected(done.error());
+    return light_groups(finite, unit, places);
+  }
+
+  /// Looks at a copy of the scene that has the portable hierarchy in any case; not at an empty scene.
+  template <typename Look>
+  Expected<void> survey(const Look& look) {
+    if (records_.triangles.empty() && records_.quadrics.empty()) return {};
+    const bool has_hierarchy = !records_.nodes.empty();
+    if (!has_hierarchy)
+      if (Expected<void> done = add_hierarchy(records_); !done) return done;
+    {
+      DeviceScene surveyed;
+      surveyed.header = h_;
+      store(records_, surveyed);
+      look(surveyed);
+    }
+    if (!has_hierarchy) drop_hierarchy(records_);
+    return {};
+  }
+
+  std::span<const LightBounds> lights_;
+  bool open_;  ///< whether how lights are chosen is left to what is best
+  double radius_;
+  SceneHeader& h_;
+  SceneRecords& records_;
+};
+
+}  // namespace
+
+Expected<void> add_light_tree(std::span<const LightBounds> bounds, const IntegratorSettings& integrator,
+                              double scene_radius, SceneHeader& header, SceneRecords& records) {
+  return Chooser(bounds, chooses_as_it_likes(integrator), scene_radius, header, records).add();
+}
+
+}  // namespace penumbra

@@ -1,0 +1,43 @@
+#include "scenes/device/scene_bounds.h"
+
+#include <variant>
+#include <vector>
+
+#include "scenes/transform.h"
+
+namespace penumbra {
+
+SceneBounds bounds_of(std::span<const Shape> shapes) {
+  SceneBounds bounds;
+  for (const Shape& shape : shapes) {
+    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry))
+      for (const glm::dvec3& p : mesh->positions) bounds.include(p);
+    if (const auto* sphere = std::get_if<Sphere>(&shape.geometry))
+      bounds.include(sphere->center, sphere->radius);
+    if (const auto* disk = std::get_if<Disk>(&shape.geometry)) bounds.include(disk->center, disk->radius);
+    if (const auto* cylinder = std::get_if<Cylinder>(&shape.geometry)) {
+      bounds.include(cylinder->center, cylinder->radius);
+      bounds.include(cylinder->center + cylinder->length * cylinder->axis, cylinder->radius);
+    }
+  }
+  return bounds;
+}
+
+SceneBounds bounds_of(const SceneDescription& scene, std::span<const PlacedGroup> placed) {
+  SceneBounds bounds = bounds_of(scene.shapes);
+  std::vector<SceneBounds> groups;
+  for (const ShapeGroup& group : scene.groups) groups.push_back(bounds_of(group.shapes));
+  for (const PlacedGroup& place : placed) {
+    const SceneBounds& group = groups[std::size_t(place.group)];
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::dvec3 p((corner & 1) != 0 ? group.high.x : group.low.x,
+                         (corner & 2) != 0 ? group.high.y : group.low.y,
+                         (corner & 4) != 0 ? group.high.z : group.low.z);
+      bounds.include(transform_point(place.to_world, p));
+    }
+  }
+  if (bounds.low.x > bounds.high.x) bounds.include(glm::dvec3(scene.camera.to_world[3]));
+  return bounds;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,28 @@
+// The box about a scene's shapes, before they have a place in the device's coordinates.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <limits>
+#include <span>
+
+#include "scenes/instances.h"
+#include "scenes/scene_description.h"
+
+namespace penumbra {
+
+struct SceneBounds {
+  glm::dvec3 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
+  void include(const glm::dvec3& p, double reach = 0) {
+    low = glm::min(low, p - reach);
+    high = glm::max(high, p + reach);
+  }
+  [[nodiscard]] glm::dvec3 center() const { return 0.5 * (low + high); }
+};
+
+/// Nothing where there are no shapes.
+SceneBounds bounds_of(std::span<const Shape> shapes);
+
+/// Instances count as the boxes about their groups; a scene without shapes is the camera's place.
+SceneBounds bounds_of(const SceneDescription& scene, std::span<const PlacedGroup> placed);
+
+}  // namespace penumbra

@@ -1,0 +1,27 @@
+#include "scenes/reading.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "scenes/settings.h"
+
+namespace penumbra {
+
+void Reading::refuse_variables(std::string_view format) {
+  for (const auto& [name, value] : options.defines)
+    diagnostics.error({}, fmt::format("-D {}={}: a {} scene has no variables", name, value, format));
+}
+
+Expected<SceneDescription> Reading::finish(SceneDescription scene, SourceLocation root) {
+  if (!failed() && root.file != nullptr && options.settings.empty())
+    if (const auto checked = check_settings(scene); !checked)
+      diagnostics.error(root, checked.error().message);
+  if (failed()) return error();
+  scene.contents_hash = files.contents_hash();
+  scene.warnings = diagnostics.take_warnings();
+  scene.files = files.files_read();
+  return scene;
+}
+
+}  // namespace penumbra

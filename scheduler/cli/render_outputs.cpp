@@ -1,0 +1,129 @@
+#include "scheduler/cli/render_outputs.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "kernels/host/console.h"
+#include "kernels/host/stopwatch.h"
+#include "kernels/host/words.h"
+#include "scheduler/cli/scene_costs.h"
+#include "scheduler/files/output_batch.h"
+#include "scheduler/image/image_files.h"
+#include "scheduler/record/film_image.h"
+#include "scheduler/record/non_finite_text.h"
+#include "scheduler/record/render_statistics.h"
+
+namespace penumbra {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Image files, written aside.
+Expected<void> add_images(const Image& image, const OutputFiles& files, OutputBatch& batch) {
+  using Encoder = Expected<std::vector<std::uint8_t>> (*)(const Image&);
+  const std::pair<std::optional<std::filesystem::path>, Encoder> outputs[] = {{files.exr, encode_exr},
+                                                                              {files.png, encode_png}};
+  for (const auto& [path, encode] : outputs) {
+    if (!path) continue;
+    auto bytes = encode(image);
+    if (!bytes) return std::unexpected(bytes.error());
+    batch.add(*path, std::move(*bytes));
+  }
+  return {};
+}
+
+void add_statistics(const RenderStatistics& statistics, const std::filesystem::path& path,
+                    OutputBatch& batch) {
+  // Names and paths are bytes, not always UTF-8.
+  const std::string text =
+      statistics_json(statistics).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  batch.add(path, {text.begin(), text.end()});
+}
+
+std::string samples_text(std::uint64_t least, std::uint64_t most) {
+  return least == most ? counted(least, "sample") : fmt::format("{} to {} samples", least, most);
+}
+
+}  // namespace
+
+void print_summary(const RenderOutcome& outcome, const OutputFiles& files) {
+  std::vector<std::string> names;
+  for (const auto& file : files.all()) names.push_back(file.string());
+  const std::string where = names.empty() ? "" : fmt::format("wrote {}: ", fmt::join(names, ", "));
+  const auto [least, most, total] = sample_range(outcome.film);
+  const std::string spp = samples_text(least, most);
+  print_remark(fmt::format("{}{} x {} pixels, {} per pixel in {:.2f} s, {:.2f} Msamples/s\n", where,
+                           outcome.film.width(), outcome.film.height(), spp, outcome.seconds,
+                           samples_per_second(outcome) * 1e-6));
+}
+
+bool print_non_finite(const FilmAccumulator& film, const std::string& reproduce_command, bool strict) {
+  const std::pair<NonFiniteSamples, const char*> kinds[] = {{film.nan(), "NaN"},
+                                                            {film.infinite(), "infinite"}};
+  std::vector<std::string> texts;
+  for (const auto& [samples, kind] : kinds)
+    if (samples.count > 0) texts.push_back(non_finite_text(samples, kind, reproduce_command));
+  if (const std::uint64_t pixels = pixels_of_infinite_variance(film); pixels > 0)
+    texts.push_back(fmt::format(
+        "the variance of {} is more than a file's single precision holds, and infinite there; the "
+        "radiance is as it should be. Scale the lights down",
+        counted(pixels, "pixel")));
+  for (const std::string& text : texts) {
+    if (strict) {
+      print_error({text});
+    } else {
+      print_warning(text);
+    }
+  }
+  return !texts.empty();
+}
+
+void print_problems(const RenderOutcome& outcome, bool stopped) {
+  for (const std::string& problem : outcome.problems) print_warning(problem);
+  const FilmAccumulator& film = outcome.film;
+  if (outcome.complete) return;
+  const char* why = stopped ? "stopped by a signal" : "not all work could be done";
+  const auto [least, most, total] = sample_range(film);
+  if (total == 0) {
+    print_error({fmt::format("{}; there is nothing to write", why)});
+  } else {
+    print_error(
+        {fmt::format("{}; the image is incomplete, its pixels have {}", why, samples_text(least, most))});
+  }
+}
+
+Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outcome,
+                             const std::vector<std::string>& command_line) {
+  const auto begin = Clock::now();
+  const OutputFiles& files = prepared.files;
+  OutputBatch batch;
+  RenderStatistics statistics;
+  const RenderedSamples rendered = rendered_samples(outcome);
+  statistics.record = record_of_rendered(std::move(prepared.record), rendered);
+  if (files.exr || files.png) {
+    Image image = image_of_film(outcome.film, statistics.record.film.width, statistics.record.film.height);
+    image.metadata = record_metadata(statistics.record, outcome.film.hash(), rendered);
+    if (auto encoded = add_images(image, files, batch); !encoded) return encoded;
+  }
+  statistics.command_line = command_line;
+  statistics.job = &prepared.job;
+  statistics.workers = prepared.farm.workers;
+  statistics.outcome = &outcome;
+  statistics.warnings = prepared.scene.description.warnings;
+  statistics.needs = prepared.scene.summary.needs;
+  statistics.left_out = prepared.scene.summary.left_out;
+  if (files.statistics)
+    statistics.inventory =
+        scene_costs(prepared.scene.description, prepared.job.scene, prepared.job.device.isa, false);
+  statistics.build_seconds = prepared.scene.seconds;
+  statistics.write_seconds = seconds_since(begin);
+  if (files.exr) statistics.files.push_back(*files.exr);
+  if (files.png) statistics.files.push_back(*files.png);
+  if (files.statistics) add_statistics(statistics, *files.statistics, batch);
+  return batch.finish();
+}
+
+}  // namespace penumbra

@@ -1,0 +1,282 @@
+#include "scheduler/cli/render_set.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "kernels/host/console.h"
+#include "kernels/host/words.h"
+#include "scheduler/cli/program_path.h"
+#include "scheduler/cli/progress.h"
+#include "scheduler/cli/render_outputs.h"
+#include "scheduler/cli/render_preparation.h"
+#include "scheduler/cli/set_plan.h"
+#include "scheduler/cli/set_summary.h"
+#include "scheduler/cli/stop_signal.h"
+#include "scheduler/files/atomic_file.h"
+#include "scheduler/protocol/mailbox.h"
+#include "scheduler/protocol/wire.h"
+#include "scheduler/record/film_image.h"
+#include "scheduler/record/version.h"
+
+namespace penumbra {
+namespace {
+
+constexpr std::size_t kPreparedAhead = 1;  // scenes that wait beside those that the farm has taken
+constexpr std::size_t kMostUnwritten = 2;  // images that wait for the disk
+
+std::vector<std::string> absolute_names(const OutputFiles& files) {
+  std::vector<std::string> names;
+  for (const auto& file : files.all())
+    names.push_back(std::filesystem::absolute(file).lexically_normal().string());
+  return names;
+}
+
+/// Everything that the images depend on.
+std::string key_of(const PreparedRender& prepared) {
+  std::string text(kVersion);
+  for (const auto& [name, value] : record_entries(prepared.record))
+    text += std::visit([&](const auto& v) { return fmt::format("\n{}={}", name, v); }, value);
+  const std::vector<std::uint8_t> scene = prepared.job.scene.serialize();
+  return content_hash(scene) + content_hash(bytes_of(text)).substr(0, 16);
+}
+
+struct ReadyRender {
+  std::size_t index = 0;
+  std::shared_ptr<PreparedRender> prepared;
+};
+struct FinishedRender {
+  std::size_t index = 0;
+  std::shared_ptr<PreparedRender> prepared;
+  RenderOutcome outcome;
+};
+
+/// Three threads: one reads scenes, one drives the farm, one writes images.
+class SceneSet final : public JobSource {
+ public:
+  SceneSet(SetPlan plan, const RenderOptions& options, const std::vector<std::string>& command_line,
+           const std::atomic<bool>& stop)
+      : plan_(std::move(plan)),
+        options_(options),
+        command_line_(command_line),
+        stop_(stop),
+        finished_(options.force ? FinishedRenders() : FinishedRenders::read(plan_.summary)),
+        printer_(options.quiet ? ProgressStyle::kNone : progress_style(), terminal_columns()) {
+    for (const SetMember& member : plan_.members) {
+      entries_.emplace_back().scene = member.options.scene.scene;
+      entries_.back().files = absolute_names(member.files);
+    }
+  }
+
+  ExitCode run();
+
+  // --- Of the farm's thread
+  std::shared_ptr<const RenderJob> next() override;
+  bool is_exhausted() override;
+  void took(JobId id) override { open_[id] = std::move(taken_); }
+  void progress(JobId id, const RenderProgress& progress) override;
+  void notice(const std::string& text) override { notices_.push_back(text); }
+  void done(JobId id, Expected<RenderOutcome> outcome) override;
+
+ private:
+  void read_scenes();
+  void write_images();
+  void write(FinishedRender finished);
+  void end(std::size_t index, SetState state, const std::string& error = {});
+  [[nodiscard]] std::size_t ended();
+  ExitCode print_end();
+
+  SetPlan plan_;
+  const RenderOptions& options_;
+  const std::vector<std::string>& command_line_;
+  const std::atomic<bool>& stop_;
+  const FinishedRenders finished_;
+  ProgressPrinter printer_;
+
+  std::mutex mutex_;  // of entries_
+  std::vector<SetEntry> entries_;
+  Mailbox<ReadyRender> ready_{kPreparedAhead};
+  Mailbox<FinishedRender> unwritten_;
+  std::atomic<std::size_t> unwritten_count_ = 0;
+  std::atomic<bool> all_read_ = false;
+  std::optional<ReadyRender> next_, taken_;
+  std::map<JobId, std::optional<ReadyRender>> open_;
+  std::vector<std::string> notices_;
+};
+
+// --- The thread that reads scenes
+
+void SceneSet::read_scenes() {
+  for (std::size_t i = 0; i < plan_.members.size() && !stop_; ++i) {
+    auto prepared = prepare_render(plan_.members[i].options);
+    if (prepared)
+      if (const auto device = check_device(prepared->job.device); !device)
+        prepared = std::unexpected(device.error());
+    if (!prepared) {
+      print_error(prepared.error());
+      end(i, SetState::kFailed, prepared.error().message);
+      continue;
+    }
+    for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
+    const std::string key = key_of(*prepared);
+    {
+      const std::lock_guard lock(mutex_);
+      entries_[i].key = key;
+      if (const SetEntry* finished = finished_.find(key, entries_[i].files)) {
+        entries_[i].samples = finished->samples;
+        entries_[i].seconds = finished->seconds;
+        entries_[i].relative_error = finished->relative_error;
+        entries_[i].state = SetState::kUnchanged;
+        continue;
+      }
+    }
+    ready_.put({i, std::make_shared<PreparedRender>(std::move(*prepared))});
+  }
+  all_read_ = true;
+}
+
+// --- The thread that drives the farm
+
+std::shared_ptr<const RenderJob> SceneSet::next() {
+  if (unwritten_count_ >= kMostUnwritten || is_exhausted() || !next_) return nullptr;
+  taken_ = std::exchange(next_, {});
+  return {taken_->prepared, &taken_->prepared->job};
+}
+
+bool SceneSet::is_exhausted() {
+  const bool is_last = all_read_;  // before: what is put before that is found
+  if (!next_) next_ = ready_.take(std::chrono::milliseconds(0));
+  return is_last && !next_;
+}
+
+void SceneSet::progress(JobId id, const RenderProgress& progress) {
+  if (open_.begin()->first != id) return;  // the one that is furthest
+  RenderProgress shown = progress;
+  shown.notices.insert(shown.notices.begin(), notices_.begin(), notices_.end());
+  notices_.clear();
+  const std::size_t index = open_.begin()->second->index;
+  printer_.update(shown,
+                  fmt::format("{} of {}, {}: ", ended() + 1, plan_.members.size(), entries_[index].scene));
+}
+
+void SceneSet::done(JobId id, Expected<RenderOutcome> outcome) {
+  ReadyRender ready = *std::move(open_.extract(id).mapped());
+  if (!outcome) {
+    print_error({fmt::format("{}: {}", entries_[ready.index].scene, outcome.error().message)});
+    end(ready.index, SetState::kFailed, outcome.error().message);
+    return;
+  }
+  ++unwritten_count_;
+  unwritten_.put({ready.index, std::move(ready.prepared), std::move(*outcome)});
+}
+
+// --- The thread that writes images
+
+void SceneSet::write_images() {
+  while (std::optional<FinishedRender> finished = unwritten_.take()) {
+    write(std::move(*finished));
+    --unwritten_count_;
+  }
+}
+
+void SceneSet::write(FinishedRender finished) {
+  RenderOutcome& outcome = finished.outcome;
+  const std::string scene = entries_[finished.index].scene;
+  const auto [least, most, total] = sample_range(outcome.film);
+  const double error = outcome.film.relative_error();
+  {
+    const std::lock_guard lock(mutex_);
+    SetEntry& entry = entries_[finished.index];
+    entry.samples = least;
+    entry.seconds = outcome.seconds;
+    entry.relative_error = error;
+  }
+  Expected<void> written = total == 0 ? fail("nothing was rendered") : make_folders(finished.prepared->files);
+  const std::string reproduce_command = finished.prepared->job.reproduce_command;
+  if (written) written = write_outputs(*finished.prepared, outcome, command_line_);
+  if (!written) print_error({fmt::format("{}: {}", scene, written.error().message)});
+  print_problems(outcome, stop_);
+  const bool strict = options_.strict_numerics;
+  const bool non_finite = print_non_finite(outcome.film, reproduce_command, strict);
+  if (!written)
+    end(finished.index, SetState::kFailed, written.error().message);
+  else if (!outcome.complete)
+    end(finished.index, SetState::kIncomplete,
+        outcome.problems.empty() ? "it was stopped" : outcome.problems.front());
+  else if (non_finite && strict)
+    end(finished.index, SetState::kIncomplete, "it has NaN or infinite samples");
+  else
+    end(finished.index, SetState::kDone);
+}
+
+void SceneSet::end(std::size_t index, SetState state, const std::string& error) {
+  const std::lock_guard lock(mutex_);
+  entries_[index].state = state;
+  entries_[index].error = error;
+  // As it stands, so that what is done counts as done after any end of this process.
+  if (const auto written = write_set_summary(plan_.summary, entries_); !written) print_error(written.error());
+}
+
+std::size_t SceneSet::ended() {
+  const std::lock_guard lock(mutex_);
+  return std::size_t(std::ranges::count_if(
+      entries_, [](const SetEntry& entry) { return entry.state != SetState::kWaiting; }));
+}
+
+// --- All of it
+
+ExitCode SceneSet::run() {
+  const auto worker = find_program("penumbra-worker");
+  if (!worker) return print_error(worker.error()), kIncomplete;
+  FarmOptions farm{.workers = options_.workers,
+                   .worker_executable = worker->string(),
+                   .listen = options_.listen,
+                   .largest_tile = options_.tile,
+                   .tells_how_to_watch = true};
+  std::thread reader([this] { read_scenes(); });
+  std::thread writer([this] { write_images(); });
+  const Expected<void> ran = run_farm(farm, *this, stop_);
+  printer_.finish();
+  ready_.close();
+  reader.join();
+  unwritten_.close();
+  writer.join();
+  if (!ran) print_error(ran.error());
+  for (std::size_t i = 0; i < entries_.size(); ++i)
+    if (entries_[i].state == SetState::kWaiting)
+      end(i, SetState::kFailed, stop_ ? "stopped by a signal before it began" : "no worker was left");
+  if (const auto written = write_set_summary(plan_.summary, entries_); !written)
+    return print_error(written.error()), kIncomplete;
+  return print_end();
+}
+
+ExitCode SceneSet::print_end() {
+  if (!options_.quiet) print_remark(set_table(entries_) + fmt::format("wrote {}\n", plan_.summary.string()));
+  const auto failed = std::ranges::count_if(entries_, [](const SetEntry& entry) {
+    return entry.state == SetState::kFailed || entry.state == SetState::kIncomplete;
+  });
+  if (failed > 0)
+    print_error(
+        {fmt::format("{} of {} failed or are incomplete", failed, counted(entries_.size(), "render"))});
+  return failed > 0 ? kIncomplete : kAllDone;
+}
+
+}  // namespace
+
+ExitCode render_set(const RenderOptions& options, const std::vector<std::string>& command_line) {
+  const std::atomic<bool>& stop = install_stop_signal();
+  auto plan = plan_set(options);
+  if (!plan) return print_error(plan.error()), kBadInput;
+  if (auto writable = check_writable(plan->summary); !writable)
+    return print_error(writable.error()), kBadInput;
+  return SceneSet(std::move(*plan), options, command_line, stop).run();
+}
+
+}  // namespace penumbra

@@ -1,0 +1,100 @@
+#include "scheduler/cli/set_summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "scheduler/files/atomic_file.h"
+#include "scheduler/files/json_number.h"
+
+namespace penumbra {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<std::string_view, 5> kStateNames{"waiting", "done", "unchanged", "incomplete", "failed"};
+
+Json json_of(const SetEntry& entry) {
+  Json json = {{"scene", entry.scene}, {"state", set_state_name(entry.state)}, {"files", entry.files}};
+  if (!entry.key.empty()) json["key"] = entry.key;
+  if (!entry.error.empty()) json["error"] = entry.error;
+  if (entry.samples > 0) {
+    json["samples_per_pixel"] = entry.samples;
+    json["seconds"] = entry.seconds;
+    json["relative_error"] = std::isfinite(entry.relative_error) ? Json(entry.relative_error) : Json(nullptr);
+  }
+  return json;
+}
+
+/// Throws what the library throws if it is none.
+SetEntry entry_of(const nlohmann::json& json) {
+  SetEntry entry;
+  entry.scene = json.at("scene").get<std::string>();
+  const auto state = json.at("state").get<std::string>();
+  entry.state = SetState(std::ranges::find(kStateNames, state) - kStateNames.begin());
+  entry.files = json.at("files").get<std::vector<std::string>>();
+  entry.key = json.value("key", "");
+  entry.samples = json.value("samples_per_pixel", std::uint64_t(0));
+  entry.seconds = json.value("seconds", 0.0);
+  if (const auto error = json.find("relative_error"); error != json.end())
+    entry.relative_error = error->is_number() ? error->get<double>() : std::nan("");
+  return entry;
+}
+
+}  // namespace
+
+std::string_view set_state_name(SetState state) { return kStateNames[std::size_t(state)]; }
+
+Expected<void> write_set_summary(const std::filesystem::path& path, const std::vector<SetEntry>& entries) {
+  Json json = {{"format", "penumbra jobs 1"}, {"jobs", Json::array()}};
+  for (const SetEntry& entry : entries) json["jobs"].push_back(json_of(entry));
+  const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return write_output(path, bytes_of(text));
+}
+
+FinishedRenders FinishedRenders::read(const std::filesystem::path& path) {
+  FinishedRenders finished;
+  std::ifstream file(path);
+  const auto json = nlohmann::json::parse(file, nullptr, false);
+  if (!json.is_object() || json.value("format", nlohmann::json()) != "penumbra jobs 1") return finished;
+  try {
+    for (const nlohmann::json& job : json.at("jobs")) finished.entries_.push_back(entry_of(job));
+  } catch (const nlohmann::json::exception&) {
+    finished.entries_.clear();  // not written by this program: everything is rendered
+  }
+  std::erase_if(finished.entries_, [](const SetEntry& entry) {
+    const bool done = entry.state == SetState::kDone || entry.state == SetState::kUnchanged;
+    std::error_code ignored;
+    return !done || entry.key.empty() || !std::ranges::all_of(entry.files, [&](const std::string& name) {
+      return std::filesystem::exists(name, ignored);
+    });
+  });
+  return finished;
+}
+
+const SetEntry* FinishedRenders::find(const std::string& key, const std::vector<std::string>& files) const {
+  const auto found = std::ranges::find_if(
+      entries_, [&](const SetEntry& entry) { return entry.key == key && entry.files == files; });
+  return found == entries_.end() ? nullptr : &*found;
+}
+
+std::string set_table(const std::vector<SetEntry>& entries) {
+  std::size_t widest = 5;
+  for (const SetEntry& entry : entries) widest = std::max(widest, entry.scene.size());
+  std::string table;
+  for (const SetEntry& entry : entries) {
+    table += fmt::format("{:{}}  {:10}", entry.scene, widest, set_state_name(entry.state));
+    if (entry.samples > 0) table += fmt::format("  {:>6} spp  {:8.2f} s", entry.samples, entry.seconds);
+    if (entry.samples > 0 && std::isfinite(entry.relative_error))
+      table += fmt::format("  error {:.2g}%", 100 * entry.relative_error);
+    if (!entry.error.empty()) table += "  " + entry.error.substr(0, entry.error.find('\n'));
+    table += "\n";
+  }
+  return table;
+}
+
+}  // namespace penumbra

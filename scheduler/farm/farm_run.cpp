@@ -1,0 +1,270 @@
+#include "scheduler/farm/farm_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "scheduler/files/quoting.h"
+#include "scheduler/protocol/token.h"
+
+namespace penumbra {
+namespace {
+
+constexpr std::chrono::milliseconds kTickInterval{20};
+constexpr Seconds kLongestBatch = 0.2;  // of arrivals between two ticks
+// A pause of this very process (Ctrl-Z, a suspended machine) must not look like one of the workers.
+constexpr Seconds kLongestTick = 1;
+constexpr Seconds kTimeToDie = 2;  // from the end of a local worker's stream to the end of its process
+
+}  // namespace
+
+FarmRun::FarmRun(const FarmOptions& options, JobSource& source, const std::atomic<bool>& stop)
+    : options_(options), source_(source), stop_(stop), plan_(options.leases) {}
+
+Expected<void> FarmRun::start() {
+  Expected<PrivateSocket> socket = PrivateSocket::create();
+  if (!socket) return std::unexpected(socket.error());
+  socket_.emplace(std::move(*socket));
+  Expected<std::unique_ptr<Server>> server = Server::listen(
+      {.address = socket_->address(),
+       .more = options_.listen,
+       .largest_result = std::size_t(options_.largest_tile) * std::size_t(options_.largest_tile) *
+                         std::size_t(plane_count(FEATURE_ALL)) * sizeof(float)});
+  if (!server) return std::unexpected(server.error());
+  server_ = std::move(*server);
+  workers_here_.emplace(options_.worker_executable, socket_->address(), options_.workers);
+  // They start up while the first scene is being packed.
+  workers_here_->start_missing(0);
+  tell_start_problems();
+  if (options_.tells_how_to_watch) tell_how_to_watch();
+  take_jobs();
+  return {};
+}
+
+void FarmRun::tell_how_to_watch() {
+  source_.notice(fmt::format("to watch: penumbra-view --connect {}", shell_quoted(socket_->address())));
+  if (server_->more_address().empty()) return;
+  const Tokens& tokens = server_->tokens();
+  const auto line = [&](const char* what_for, const std::string& token, const char* program) {
+    return fmt::format("{}: {}{} --connect {}", what_for,
+                       token.empty() ? "" : fmt::format("{}={} ", kTokenVariable, shell_quoted(token)),
+                       program, shell_quoted(server_->more_address()));
+  };
+  source_.notice(line("to watch", tokens.watch, "penumbra-view"));
+  if (!tokens.work.empty()) source_.notice(line("to help render", tokens.work, "penumbra-worker"));
+}
+
+Expected<void> FarmRun::run() {
+  if (const Expected<void> started = start(); !started) return std::unexpected(started.error());
+
+  while (!is_done() && !stop_ && can_go_on()) {
+    std::chrono::milliseconds patience = kTickInterval;
+    while (std::optional<Arrival> arrival = server_->next(patience)) {
+      advance_clock();
+      std::visit([this](auto& a) { on(a); }, *arrival);
+      finish_jobs();
+      if (is_done() || stop_ || plan_.gave_up() || now_ - last_tick_ > kLongestBatch) break;
+      patience = {};
+    }
+    advance_clock();
+    tick();
+    look_after_workers();
+    fail_hopeless_jobs();
+    finish_jobs();
+    take_jobs();
+    for (const auto& [id, job] : jobs_) job->publish();
+    report_progress();
+  }
+  const bool could_go_on = can_go_on();
+  report_progress();
+  workers_here_->stop_all();
+  std::string reasons;
+  for (const std::string& text : problems_) reasons += "\n  " + text;
+  const bool never_began = !anyone_was_ready_ && !stop_ && !is_done();
+  if (never_began) {
+    while (!jobs_.empty()) {
+      const JobId id = jobs_.begin()->first;
+      take_out(id);
+      source_.done(id, fail("no worker could be started:" + reasons));
+    }
+  }
+  end_all_jobs();
+  for (const auto& board : closed_boards_) board->wait_for_watchers(kPatienceWithWatchers);
+  server_.reset();
+  if (never_began) return fail("no worker could be started:" + reasons);
+  if (!stop_ && !could_go_on && !source_.is_exhausted()) return fail("no worker is left:" + reasons);
+  return {};
+}
+
+// --- Jobs
+
+JobRun* FarmRun::job(JobId id) {
+  const auto found = jobs_.find(id);
+  return found == jobs_.end() ? nullptr : found->second.get();
+}
+
+RenderUnit FarmRun::unit(const UnitId& id) {
+  const JobRun* of = job(id.job);
+  return of == nullptr ? RenderUnit{} : of->unit(id);
+}
+
+std::string FarmRun::detail(const UnitId& id) {
+  JobRun* of = job(id.job);
+  return of == nullptr ? "" : of->detail(id);
+}
+
+void FarmRun::take_jobs() {
+  while (int(jobs_.size()) < options_.open_jobs) {
+    std::shared_ptr<const RenderJob> next = source_.next();
+    if (!next) return;
+    const JobId id = next_job_++;
+    source_.took(id);
+    JobRun& taken =
+        *jobs_.emplace(id, std::make_unique<JobRun>(id, std::move(next), since_start())).first->second;
+    for (std::string& text : std::exchange(unsaid_problems_, {})) taken.problem(std::move(text));
+    taken.open(*server_);
+    tell_plan(JobAdded{id, taken.job().priority, taken.phases()});
+  }
+}
+
+/// Those whose every unit is merged or set aside. An interactive one waits for its watchers' next request.
+void FarmRun::finish_jobs() {
+  std::vector<JobId> finished;
+  for (const auto& [id, job] : jobs_)
+    if (!job->job().interactive && plan_.finished(id)) finished.push_back(id);
+  for (const JobId id : finished) end_job(id);
+}
+
+/// Viewers see its end.
+std::unique_ptr<JobRun> FarmRun::take_out(JobId id) {
+  const std::vector<WatchedWorker> workers = watched_workers();
+  std::unique_ptr<JobRun> ended = std::move(jobs_.extract(id).mapped());
+  source_.progress(id, ended->progress(plan_, ready_workers(), since_start()));
+  ended->close(*server_, plan_, workers);
+  closed_boards_.push_back(ended->board());
+  return ended;
+}
+
+void FarmRun::end_job(JobId id) {
+  const std::unique_ptr<JobRun> ended = take_out(id);
+  RenderOutcome outcome = std::move(*ended).outcome(plan_, since_start());
+  hopeless_.erase(id);
+  tell_plan(JobRemoved{id});
+  source_.done(id, std::move(outcome));
+}
+
+void FarmRun::end_all_jobs() {
+  while (!jobs_.empty()) end_job(jobs_.begin()->first);
+}
+
+/// Workers that are still starting may be able to do what the others are not.
+void FarmRun::fail_hopeless_jobs() {
+  const auto connected = std::ranges::count_if(
+      workers_, [](const auto& w) { return w.second.pid != 0 && !w.second.gone && !w.second.ended; });
+  if (hopeless_.empty() || connected < std::ptrdiff_t(workers_here_->running())) return;
+  for (const JobId id : std::exchange(hopeless_, {})) {
+    take_out(id);
+    tell_plan(JobRemoved{id});
+    std::string reasons;
+    for (const std::string& text : job_failures_[id]) reasons += "\n  " + text;
+    source_.done(id, fail("no worker can do this job:" + reasons));
+  }
+}
+
+// --- Processes and time
+
+void FarmRun::look_after_workers() {
+  const Seconds now = since_start();
+  for (const auto& [id, worker] : workers_) {
+    if (worker.gone && !worker.ended && now - worker.gone_since > kTimeToDie) workers_here_->kill(worker.pid);
+  }
+  // By the plan's time: neither may a pause of this process look like one of a worker that starts.
+  for (const WorkerEnd& end : workers_here_->look_after(plan_time_)) worker_ended(end);
+  workers_here_->start_missing(plan_time_);
+  tell_start_problems();
+}
+
+void FarmRun::tell_start_problems() {
+  for (const std::string& text : workers_here_->take_problems()) problem(text);
+  for (const std::string& text : workers_here_->take_notices()) notice(text);
+}
+
+void FarmRun::worker_ended(const WorkerEnd& end) {
+  const auto found = std::ranges::find_if(
+      workers_, [&](const auto& w) { return w.second.pid == end.exit.pid && !w.second.ended; });
+  if (found == workers_.end()) {
+    problem(fmt::format("a worker ended before it was connected: {}", end.exit.how));
+    return;
+  }
+  Worker& worker = found->second;
+  worker.ended = true;
+  if (worker.dismissed) return;  // said already
+  for (const auto& [id, job] : jobs_)
+    if (job->has_share(found->first)) job->share(found->first).ended = end.exit.how;
+  // The end of its process may be known before that of its stream.
+  const std::optional<UnitId> last_unit = worker.gone ? worker.last_unit : plan_.in_hand(found->first);
+  const std::string where = last_unit ? " at " + unit_text(unit(*last_unit)) : "";
+  problem(fmt::format("worker {} was lost{}: {}", worker.name, where, end.exit.how));
+}
+
+void FarmRun::advance_clock() {
+  const Seconds now = since_start();
+  plan_time_ += std::min(now - now_, kLongestTick);
+  for (const auto& [id, job] : jobs_) job->advance(now - now_, !plan_.finished(id));
+  now_ = now;
+}
+
+void FarmRun::tick() {
+  last_tick_ = now_;
+  for (const auto& [id, job] : jobs_)
+    if (job->budget_is_spent(now_)) tell_plan(NoFurtherPasses{id});
+  tell_plan(Tick{});
+}
+
+void FarmRun::report_progress() {
+  std::optional<std::vector<WatchedWorker>> workers;  // if anybody wants to know
+  for (const auto& [id, job] : jobs_) {
+    if (job->is_progress_due(since_start()))
+      source_.progress(id, job->progress(plan_, ready_workers(), since_start()));
+    if (!job->board()->is_watched()) continue;
+    if (!workers) workers = watched_workers();
+    job->show_progress(plan_, *workers, since_start());
+  }
+}
+
+int FarmRun::ready_workers() const {
+  return int(std::ranges::count_if(workers_, [](const auto& w) { return w.second.ready && !w.second.gone; }));
+}
+
+std::vector<WatchedWorker> FarmRun::watched_workers() {
+  std::vector<WatchedWorker> watched;
+  for (const auto& [id, worker] : workers_) {
+    if (!worker.ready || worker.gone) continue;
+    const std::optional<UnitId> in_hand = plan_.in_hand(id);
+    const RenderUnit area = in_hand ? unit(*in_hand) : RenderUnit{};
+    watched.push_back({.number = id,
+                       .name = worker.name,
+                       .device = {},
+                       .units = 0,
+                       .job = in_hand ? in_hand->job : 0,
+                       .x = area.x,
+                       .y = area.y,
+                       .width = area.width,
+                       .height = area.height});
+  }
+  return watched;
+}
+
+void FarmRun::problem(const std::string& text) {
+  problems_.push_back(text);
+  if (jobs_.empty()) unsaid_problems_.push_back(text);
+  for (const auto& [id, job] : jobs_) job->problem(text);
+}
+
+void FarmRun::notice(const std::string& text) {
+  for (const auto& [id, job] : jobs_) job->board()->say(text);
+  source_.notice(text);
+}
+
+}  // namespace penumbra

@@ -1,0 +1,125 @@
+// One call of run_farm: passes arrivals to the plan, and the plan's orders to jobs and workers.
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "kernels/host/stopwatch.h"
+#include "scheduler/farm/job_run.h"
+#include "scheduler/farm/private_socket.h"
+#include "scheduler/farm/problem_text.h"
+#include "scheduler/farm/render_farm.h"
+#include "scheduler/farm/server.h"
+#include "scheduler/farm/worker_processes.h"
+
+namespace penumbra {
+
+class FarmRun {
+ public:
+  FarmRun(const FarmOptions& options, JobSource& source, const std::atomic<bool>& stop);
+
+  Expected<void> run();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  struct Worker {
+    std::string name;  // host:pid
+    int pid = 0;       // of the process here; 0: this farm has not started it
+    std::vector<Isa> isas;
+    bool ready = false, dismissed = false, gone = false, ended = false;
+    std::optional<UnitId> last_unit;  // in hand when it was lost
+    Seconds gone_since = 0;
+    std::uint64_t parts = 0;  // of units, as it reports
+  };
+
+  void on(const arrivals::Connected& arrival);
+  void on(const arrivals::Compiling& arrival);
+  void on(const arrivals::Ready& arrival);
+  void on(const arrivals::Beat& arrival);
+  void on(const arrivals::JobFailed& arrival);
+  void on(arrivals::Result& arrival);
+  void on(const arrivals::BadResult& arrival);
+  void on(const arrivals::UnitFailed& arrival);
+  void on(const arrivals::Gone& arrival);
+  void on(const arrivals::ViewChanged& arrival);
+  void on(const arrivals::SamplesWanted& arrival);
+
+  void tell_plan(const PlanEvent& event, arrivals::Result* result = nullptr);
+  void obey(const Prepare& order, arrivals::Result*);
+  void obey(const Forget& order, arrivals::Result*);
+  void obey(const Assign& order, arrivals::Result*);
+  void obey(const MergeResult& order, arrivals::Result* result);
+  void obey(const DiscardResult&, arrivals::Result*) {}
+  void obey(const SetAside& order, arrivals::Result*);
+  void obey(const DismissWorker& order, arrivals::Result*);
+  void obey(const RedoTile& order, arrivals::Result*);
+  void obey(const PhaseDone& order, arrivals::Result*);
+  void obey(const StartAgain& order, arrivals::Result*);
+  void obey(const NobodyCan& order, arrivals::Result*);
+  void obey(const Overdue& order, arrivals::Result*);
+  void obey(const GiveUp&, arrivals::Result*);
+
+  Expected<void> start();
+  void take_jobs();
+  void finish_jobs();
+  std::unique_ptr<JobRun> take_out(JobId id);
+  void end_job(JobId id);
+  void end_all_jobs();
+  void fail_hopeless_jobs();
+  void refuse(WorkerId id, const std::string& why);
+  void look_after_workers();
+  void tell_start_problems();
+  void worker_ended(const WorkerEnd& end);
+  void advance_clock();
+  void tick();
+  void report_progress();
+  void tell_how_to_watch();
+
+  [[nodiscard]] Seconds since_start() const { return seconds_since(started_); }
+  [[nodiscard]] bool can_go_on() const { return workers_here_->any_left() && !plan_.gave_up(); }
+  [[nodiscard]] bool is_done() const { return jobs_.empty() && source_.is_exhausted(); }
+  /// Nothing if it is over.
+  [[nodiscard]] JobRun* job(JobId id);
+  [[nodiscard]] RenderUnit unit(const UnitId& id);
+  [[nodiscard]] std::string detail(const UnitId& id);
+  [[nodiscard]] int ready_workers() const;
+  [[nodiscard]] std::vector<WatchedWorker> watched_workers();
+  [[nodiscard]] WorkerName names() const {
+    return [this](WorkerId worker) { return workers_.at(worker).name; };
+  }
+  /// Of the farm: told to all jobs that are open, or to the next one.
+  void problem(const std::string& text);
+  void notice(const std::string& text);
+  /// A notice that all workers send alike is shown once.
+  [[nodiscard]] bool is_new(const std::string& text) { return said_.insert(text).second; }
+
+  const FarmOptions& options_;
+  JobSource& source_;
+  const std::atomic<bool>& stop_;
+  const Clock::time_point started_ = Clock::now();
+
+  Plan plan_;
+  std::map<JobId, std::unique_ptr<JobRun>> jobs_;
+  JobId next_job_ = 1;
+  std::set<JobId> hopeless_;                                // no worker that is here can do them
+  std::map<JobId, std::vector<std::string>> job_failures_;  // what workers said
+  std::vector<std::shared_ptr<WatchBoard>> closed_boards_;  // of jobs that are over
+  std::map<WorkerId, Worker> workers_;
+  std::vector<WorkerId> refused_;  // of whom the plan is to be told
+  std::set<std::string> said_;
+  std::vector<std::string> problems_, unsaid_problems_;  // unsaid: no job was open
+  bool anyone_was_ready_ = false;
+  Seconds now_ = 0, plan_time_ = 0, last_tick_ = 0;
+  // The workers talk to the server through the socket, so they go first and the socket last.
+  std::optional<PrivateSocket> socket_;
+  std::unique_ptr<Server> server_;
+  std::optional<WorkerProcesses> workers_here_;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,219 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "scheduler/farm/farm_run.h"
+#include "scheduler/farm/worker_isa.h"
+
+namespace penumbra {
+namespace {
+
+std::string kernel_text(const KernelOrigin& kernels) {
+  return fmt::format("OpenCL kernels {} {:.2f} s{}{}", kernels.cached ? "from the cache in" : "compiled in",
+                     kernels.seconds, kernels.note.empty() ? "" : "; ", kernels.note);
+}
+
+/// gRPC's name of the peer.
+std::string peer_text(const std::string& peer) {
+  if (peer.starts_with("unix:")) return "over the Unix socket";
+  return "from " + peer.substr(peer.find(':') + 1);
+}
+
+}  // namespace
+
+// --- What comes from workers
+
+void FarmRun::on(const arrivals::Connected& arrival) {
+  Worker& worker = workers_[arrival.worker];
+  worker.name = fmt::format("{}:{}", arrival.host, arrival.pid);
+  worker.isas = arrival.isas;
+  worker.pid = workers_here_->claim(arrival.key);
+  if (worker.pid == 0)
+    notice(fmt::format("a worker that this render did not start has joined it: {}, {}", worker.name,
+                       peer_text(arrival.peer)));
+  else
+    workers_here_->is_heard_of(worker.pid, plan_time_);
+  if (jobs_.empty()) workers_here_->is_ready(worker.pid);  // for whatever comes
+  tell_plan(WorkerJoined{arrival.worker});
+}
+
+void FarmRun::on(const arrivals::Compiling& arrival) {
+  std::string text = fmt::format("compiling OpenCL kernels for {}", arrival.device);
+  if (is_new(text)) notice(text);
+}
+
+void FarmRun::on(const arrivals::Ready& arrival) {
+  Worker& worker = workers_.at(arrival.worker);
+  worker.ready = anyone_was_ready_ = true;
+  workers_here_->is_ready(worker.pid);
+  if (JobRun* of = job(arrival.job)) {
+    of->worker_is_ready(arrival, since_start());
+    hopeless_.erase(arrival.job);
+    const auto& kernels = arrival.preparation.kernels;
+    if (kernels && is_new(fmt::format("{} {}", arrival.job, arrival.device)))
+      of->notice(kernel_text(*kernels));
+    for (const std::string& warning : arrival.preparation.warnings)
+      if (is_new(warning)) of->problem(warning);
+  }
+  tell_plan(WorkerPrepared{arrival.worker, arrival.job});
+}
+
+void FarmRun::on(const arrivals::Beat& arrival) {
+  Worker& worker = workers_.at(arrival.worker);
+  workers_here_->is_heard_of(worker.pid, plan_time_);
+  tell_plan(Alive{arrival.worker});
+  if (arrival.parts != std::exchange(worker.parts, arrival.parts)) tell_plan(Progressed{arrival.worker});
+}
+
+void FarmRun::on(const arrivals::JobFailed& arrival) {
+  // Every worker says the same but for names of temporary files in a compiler's log; once is enough.
+  const std::string what = arrival.message.substr(0, arrival.message.find('\n'));
+  JobRun* of = job(arrival.job);
+  if (of != nullptr && is_new(fmt::format("{} {}", arrival.job, what))) {
+    job_failures_[arrival.job].push_back(arrival.message);
+    of->share(arrival.worker).ended = arrival.message;
+    of->problem(
+        fmt::format("worker {} cannot do this job: {}", workers_.at(arrival.worker).name, arrival.message));
+  }
+  workers_here_->is_ready(workers_.at(arrival.worker).pid);  // for another job
+  tell_plan(WorkerUnfit{arrival.worker, arrival.job});
+}
+
+void FarmRun::on(arrivals::Result& arrival) {
+  JobRun* of = job(arrival.unit.job);
+  if (of == nullptr) return;
+  WorkerShare& share = of->share(arrival.worker);
+  share.busy_seconds += arrival.busy_seconds;
+  share.peak_memory_bytes = std::max(share.peak_memory_bytes, arrival.peak_memory_bytes);
+  if (arrival.view == of->view().number)
+    tell_plan(UnitDone{arrival.worker, arrival.unit, arrival.hash}, &arrival);
+}
+
+void FarmRun::on(const arrivals::BadResult& arrival) {
+  JobRun* of = job(arrival.unit.job);
+  if (of != nullptr && arrival.view != of->view().number) return;
+  if (of != nullptr) of->detail(arrival.unit) = arrival.why;
+  tell_plan(ResultCorrupt{arrival.worker, arrival.unit});
+}
+
+void FarmRun::on(const arrivals::UnitFailed& arrival) {
+  JobRun* of = job(arrival.unit.job);
+  if (of == nullptr || arrival.view != of->view().number) return;
+  of->detail(arrival.unit) = arrival.message;
+  tell_plan(UnitFailed{arrival.worker, arrival.unit});
+}
+
+void FarmRun::on(const arrivals::Gone& arrival) {
+  Worker& worker = workers_.at(arrival.worker);
+  worker.gone = true;
+  worker.gone_since = since_start();
+  worker.last_unit = plan_.in_hand(arrival.worker);
+  tell_plan(WorkerLost{arrival.worker});
+}
+
+void FarmRun::on(const arrivals::ViewChanged& arrival) {
+  JobRun* of = job(arrival.job);
+  if (of == nullptr) return;
+  of->begin_view(arrival.view);
+  for (const auto& [id, worker] : workers_)
+    if (!worker.dismissed && !worker.gone) server_->send_view(id, arrival.job, arrival.view);
+  tell_plan(JobRestarted{arrival.job});
+}
+
+void FarmRun::on(const arrivals::SamplesWanted& arrival) {
+  const JobRun* of = job(arrival.job);
+  if (of != nullptr && arrival.view == of->view().number)
+    tell_plan(MorePasses{arrival.job, of->passes_of(arrival.spp)});
+}
+
+// --- What the plan orders
+
+void FarmRun::tell_plan(const PlanEvent& event, arrivals::Result* result) {
+  for (const PlanOrder& order : plan_.handle(event, plan_time_)) {
+    std::visit([&](const auto& o) { obey(o, result); }, order);
+  }
+  for (const WorkerId id : std::exchange(refused_, {})) tell_plan(WorkerLost{id});
+}
+
+void FarmRun::obey(const Prepare& order, arrivals::Result*) {
+  Worker& worker = workers_.at(order.worker);
+  JobRun& of = *jobs_.at(order.job);
+  of.share(order.worker).name = worker.name;
+  const bool embree = of.job().scene.header.intersector == INTERSECTOR_EMBREE;
+  const auto options = options_for_worker(of.job().device, embree, worker.isas, worker.name);
+  if (!options) {
+    refuse(order.worker, options.error().message);
+    return;
+  }
+  server_->send_job(order.worker, order.job, of.scene_hash(), *options);
+  if (of.view().number > 0) server_->send_view(order.worker, order.job, of.view());
+}
+
+void FarmRun::obey(const Forget& order, arrivals::Result*) { server_->forget_job(order.worker, order.job); }
+
+void FarmRun::obey(const Assign& order, arrivals::Result*) {
+  JobRun& of = *jobs_.at(order.unit.job);
+  of.unit_was_given(now_);
+  server_->send_unit(order.worker, order.unit, of.unit(order.unit), of.planes());
+}
+
+void FarmRun::obey(const MergeResult& order, arrivals::Result* result) {
+  workers_here_->has_worked();
+  jobs_.at(order.unit.job)->merge(order, *result, since_start());
+}
+
+void FarmRun::obey(const SetAside& order, arrivals::Result*) {
+  JobRun& of = *jobs_.at(order.unit.job);
+  of.skip(order.unit);
+  of.problem(
+      set_aside_text(order, of.unit(order.unit), of.detail(order.unit), of.job().reproduce_command, names()));
+}
+
+void FarmRun::obey(const DismissWorker& order, arrivals::Result*) {
+  Worker& worker = workers_.at(order.worker);
+  const std::string why = dismissal_text(order, unit(order.unit), detail(order.unit), names());
+  worker.dismissed = true;
+  for (const auto& [id, of] : jobs_)
+    if (of->has_share(order.worker)) of->share(order.worker).ended = why;
+  problem(why);
+  server_->dismiss(order.worker, why);
+  workers_here_->kill(worker.pid);
+}
+
+/// A worker that this farm's jobs cannot use at all.
+void FarmRun::refuse(WorkerId id, const std::string& why) {
+  workers_.at(id).dismissed = true;
+  for (const auto& [job, of] : jobs_)
+    if (of->has_share(id)) of->share(id).ended = why;
+  problem(why);
+  server_->refuse(id, why);
+  refused_.push_back(id);
+}
+
+void FarmRun::obey(const RedoTile& order, arrivals::Result*) { jobs_.at(order.job)->redo(order.tile); }
+
+/// Images have one phase; what others make comes with the first job that has any.
+void FarmRun::obey(const PhaseDone&, arrivals::Result*) {}
+
+void FarmRun::obey(const StartAgain& order, arrivals::Result*) {
+  JobRun& of = *jobs_.at(order.job);
+  of.begin_view({server_->next_view_number(order.job), of.view().view});
+  for (const auto& [id, worker] : workers_)
+    if (!worker.dismissed && !worker.gone) server_->send_view(id, order.job, of.view());
+}
+
+void FarmRun::obey(const NobodyCan& order, arrivals::Result*) { hopeless_.insert(order.job); }
+
+void FarmRun::obey(const Overdue& order, arrivals::Result*) {
+  notice(overdue_text(order, unit(order.unit), names()));
+}
+
+void FarmRun::obey(const GiveUp&, arrivals::Result*) {
+  problem(fmt::format(
+      "workers returned different results for the same unit {} times; none can be trusted, so the "
+      "render was given up",
+      kDisputesToGiveUp));
+}
+
+}  // namespace penumbra

@@ -1,0 +1,211 @@
+#include "scheduler/farm/job_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "kernels/host/stopwatch.h"
+
+namespace penumbra {
+namespace {
+
+constexpr Seconds kProgressInterval = 0.2, kShowInterval = 0.1;
+constexpr double kProgressShare = 0.02;
+
+}  // namespace
+
+JobRun::JobRun(JobId id, std::shared_ptr<const RenderJob> job, Seconds now)
+    : id_(id),
+      job_(std::move(job)),
+      planes_(plane_count(job_->scene.header.features)),
+      grid_(job_->x, job_->y, job_->width, job_->height, job_->tile, job_->spp, job_->samples_per_pass),
+      started_(now),
+      view_{0, view_of(job_->scene.header)},
+      merge_(make_merge()),
+      board_(std::make_shared<WatchBoard>(grid_.tiles())),
+      feed_(*board_, grid_, is_hybrid(job_->scene)) {}
+
+Merge JobRun::make_merge() const {
+  return Merge(
+      FilmAccumulator::of_features(job_->x, job_->y, job_->width, job_->height, job_->scene.header.features),
+      grid_);
+}
+
+void JobRun::open(Server& server) {
+  scene_hash_ = server.add_asset(job_->scene.serialize());
+  WatchedJob watched{.id = id_,
+                     .title = job_->title,
+                     .integrator = job_->integrator,
+                     .film_width = job_->scene.header.film.width,
+                     .film_height = job_->scene.header.film.height,
+                     .x = job_->x,
+                     .y = job_->y,
+                     .width = job_->width,
+                     .height = job_->height,
+                     .spp = job_->spp,
+                     .scene_hash = scene_hash_,
+                     .interactive = job_->interactive,
+                     .hybrid = is_hybrid(job_->scene)};
+  std::ranges::copy(job_->center, watched.center);
+  board_->show_view(view_);
+  feed_.begin_view(view_);
+  board_->describe(std::move(watched));
+  server.show_job(id_, board_, job_->interactive);
+  if (!job_->tev.empty()) tev_.emplace(*board_, job_->tev);
+}
+
+void JobRun::close(Server& server, const Plan& plan, const std::vector<WatchedWorker>& workers) {
+  feed_.publish(merge_.film(), true);
+  // An interactive render is never known to be complete: its viewers wait for another scheduler.
+  show(plan, workers, !job_->interactive);
+  server.hide_job(id_);
+  server.remove_asset(scene_hash_);
+  board_->close();
+  if (!tev_) return;
+  board_->wait_for_watchers(kPatienceWithWatchers);
+  tev_->stop();
+  tell_tev_problem();
+}
+
+std::vector<PhaseUnits> JobRun::phases() const {
+  return {{.tiles = grid_.tiles(), .passes = job_->interactive ? 0 : grid_.passes()}};
+}
+
+RenderUnit JobRun::unit(const UnitId& id) const {
+  const bool exists = id.job == id_ && id.phase == 0 && id.tile < grid_.tiles() && id.pass < grid_.passes();
+  return exists ? grid_.unit(id.tile, id.pass) : RenderUnit{};
+}
+
+std::uint32_t JobRun::passes_of(std::uint32_t spp) const {
+  const std::uint64_t possible = std::min(spp, job_->spp);
+  return std::uint32_t((possible + job_->samples_per_pass - 1) / job_->samples_per_pass);
+}
+
+std::uint32_t JobRun::spp_of(std::uint32_t passes) const {
+  return std::uint32_t(std::min(std::uint64_t(passes) * job_->samples_per_pass, std::uint64_t(job_->spp)));
+}
+
+bool JobRun::budget_is_spent(Seconds now) {
+  const bool is_over = job_->time_budget && first_given_ && now - *first_given_ > *job_->time_budget;
+  return is_over && !std::exchange(budget_spent_, true);
+}
+
+// --- What happens to it
+
+void JobRun::worker_is_ready(const arrivals::Ready& arrival, Seconds now) {
+  WorkerShare& share = shares_[arrival.worker];
+  share.device = arrival.device;
+  share.kernels = arrival.preparation.kernels;
+  if (ready_ == 0) ready_ = now - started_;
+}
+
+void JobRun::unit_was_given(Seconds now) {
+  if (!first_given_) first_given_ = now;
+}
+
+void JobRun::merge(const MergeResult& order, arrivals::Result& result, Seconds now) {
+  last_tile_ = now - started_;
+  if (first_tile_ == 0) first_tile_ = last_tile_;
+  const std::uint64_t samples = result.buffer.pixels() * result.buffer.sample_count;
+  WorkerShare& worker = shares_.at(order.worker);
+  ++worker.units;
+  worker.samples += samples;
+  samples_done_ += samples;
+  merge_.add(order.unit.tile, order.unit.pass, std::move(result.buffer));
+  feed_.tile_changed(order.unit.tile, order.worker);
+}
+
+void JobRun::begin_view(const WatchView& view) {
+  view_ = view;
+  active_ = 0;
+  merge_.start_again();
+  details_.clear();
+  samples_done_ = 0;
+  relative_error_ = std::numeric_limits<double>::quiet_NaN();
+  board_->show_view(view_);
+  feed_.begin_view(view_);
+}
+
+// --- What is said of it
+
+void JobRun::problem(std::string text) {
+  board_->say("warning: " + text);
+  problems_.push_back(std::move(text));
+}
+
+void JobRun::notice(std::string text) {
+  board_->say(text);
+  notices_.push_back(std::move(text));
+}
+
+void JobRun::tell_tev_problem() {
+  if (std::optional<std::string> text = tev_->take_problem()) problem(std::move(*text));
+}
+
+void JobRun::publish() {
+  if (tev_) tell_tev_problem();
+  feed_.publish(merge_.film(), job_->interactive);
+}
+
+RenderProgress JobRun::progress(const Plan& plan, int workers, Seconds now) {
+  const auto begin = std::chrono::steady_clock::now();
+  relative_error_ = merge_.film().relative_error();
+  next_progress_ = now + std::max(kProgressInterval, seconds_since(begin) / kProgressShare);
+  return {.samples_done = samples_done_,
+          .samples_total = grid_.samples(plan.passes(id_)),
+          .elapsed_seconds = now - started_,
+          .relative_error = relative_error_,
+          .workers = workers,
+          .notices = std::exchange(notices_, {})};
+}
+
+void JobRun::show_progress(const Plan& plan, const std::vector<WatchedWorker>& workers, Seconds now) {
+  if (!board_->is_watched() || now < next_shown_) return;
+  next_shown_ = now + kShowInterval;
+  show(plan, workers, false);
+}
+
+void JobRun::show(const Plan& plan, const std::vector<WatchedWorker>& workers, bool ended) {
+  WatchProgress progress{.view = view_.number,
+                         .samples_done = samples_done_,
+                         .samples_wanted = grid_.samples(plan.passes(id_)),
+                         .spp_done = spp_of(merge_.finished_passes()),
+                         .spp_wanted = spp_of(plan.passes(id_)),
+                         .elapsed_seconds = active_,
+                         .relative_error = relative_error_,
+                         .finished = plan.finished(id_),
+                         .ended = ended,
+                         .workers = workers};
+  for (WatchedWorker& worker : progress.workers) {
+    if (worker.job != id_) worker.x = worker.y = worker.width = worker.height = 0;
+    if (const auto found = shares_.find(worker.number); found != shares_.end()) {
+      worker.device = found->second.device;
+      worker.units = found->second.units;
+    }
+  }
+  board_->show_progress(std::move(progress));
+}
+
+RenderOutcome JobRun::outcome(const Plan& plan, Seconds now) && {
+  RenderOutcome outcome;
+  outcome.complete = plan.finished(id_) && plan.set_aside(id_).empty();
+  outcome.problems = std::move(problems_);
+  for (const auto& [worker, share] : shares_) outcome.workers.push_back(share);
+  const Plan::Counts counts = plan.counts(id_);
+  outcome.units_done = counts.done;
+  outcome.units_duplicated = counts.duplicated;
+  outcome.units_requeued = counts.requeued;
+  outcome.units_set_aside = plan.set_aside(id_).size();
+  outcome.passes_finished = merge_.finished_passes();
+  outcome.passes_total = grid_.passes();
+  outcome.film = std::move(merge_).take_film();
+  outcome.seconds_to_ready = ready_;
+  outcome.seconds_to_first_tile = first_tile_;
+  outcome.seconds_to_last_tile = last_tile_;
+  outcome.seconds = now - started_;
+  return outcome;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,109 @@
+// One job of a farm: what is merged of it, what its viewers see, and what its outcome will say.
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scheduler/farm/arrivals.h"
+#include "scheduler/farm/problem_text.h"
+#include "scheduler/farm/render_job.h"
+#include "scheduler/farm/server.h"
+#include "scheduler/plan/merge.h"
+#include "scheduler/plan/plan.h"
+#include "scheduler/plan/tile_grid.h"
+#include "scheduler/watch/render_feed.h"
+#include "scheduler/watch/tev_stream.h"
+
+namespace penumbra {
+
+/// Viewers still receive what is queued for them at the end, as long as they keep reading.
+constexpr std::chrono::milliseconds kPatienceWithWatchers{300};
+
+/// All times are seconds since the farm was started.
+class JobRun {
+ public:
+  JobRun(JobId id, std::shared_ptr<const RenderJob> job, Seconds now);
+
+  /// Offers the scene to workers and viewers.
+  void open(Server& server);
+  /// Nothing more will come: viewers see the end. Waits a moment for a tev.
+  void close(Server& server, const Plan& plan, const std::vector<WatchedWorker>& workers);
+
+  [[nodiscard]] const RenderJob& job() const { return *job_; }
+  [[nodiscard]] const std::shared_ptr<WatchBoard>& board() const { return board_; }
+  [[nodiscard]] const std::string& scene_hash() const { return scene_hash_; }
+  [[nodiscard]] const WatchView& view() const { return view_; }
+  [[nodiscard]] int planes() const { return planes_; }
+  [[nodiscard]] std::vector<PhaseUnits> phases() const;
+  /// Empty for a unit that the job does not have: a faulty worker may name any.
+  [[nodiscard]] RenderUnit unit(const UnitId& id) const;
+  /// How many passes come to so many samples of a pixel, at most those of the job.
+  [[nodiscard]] std::uint32_t passes_of(std::uint32_t spp) const;
+  /// Whether the time for its rendering is over; true once.
+  bool budget_is_spent(Seconds now);
+
+  // --- What happens to it
+
+  void worker_is_ready(const arrivals::Ready& arrival, Seconds now);
+  /// Time has passed; `is_busy`: there was something to render.
+  void advance(Seconds seconds, bool is_busy) { active_ += is_busy ? seconds : 0; }
+  void unit_was_given(Seconds now);
+  void merge(const MergeResult& order, arrivals::Result& result, Seconds now);
+  void skip(const UnitId& unit) { merge_.skip(unit.tile, unit.pass); }
+  void redo(std::uint32_t tile) { samples_done_ -= merge_.redo(tile); }
+  /// Everything begins anew, with this view.
+  void begin_view(const WatchView& view);
+
+  // --- What is said of it
+
+  /// What this worker did for the job.
+  WorkerShare& share(WorkerId worker) { return shares_[worker]; }
+  [[nodiscard]] bool has_share(WorkerId worker) const { return shares_.contains(worker); }
+  void problem(std::string text);
+  void notice(std::string text);
+  /// What was said last about a unit that failed; empty if nothing was.
+  std::string& detail(const UnitId& id) { return details_[id]; }
+
+  /// Shows viewers what has changed, and notes what became of showing it.
+  void publish();
+  /// A few times a second; less often where the error estimate, which goes over the whole film, takes long.
+  [[nodiscard]] bool is_progress_due(Seconds now) const { return now >= next_progress_; }
+  [[nodiscard]] RenderProgress progress(const Plan& plan, int workers, Seconds now);
+  void show_progress(const Plan& plan, const std::vector<WatchedWorker>& workers, Seconds now);
+  [[nodiscard]] RenderOutcome outcome(const Plan& plan, Seconds now) &&;
+
+ private:
+  [[nodiscard]] Merge make_merge() const;
+  [[nodiscard]] std::uint32_t spp_of(std::uint32_t passes) const;
+  void tell_tev_problem();
+  void show(const Plan& plan, const std::vector<WatchedWorker>& workers, bool ended);
+
+  const JobId id_;
+  const std::shared_ptr<const RenderJob> job_;
+  const int planes_;
+  const TileGrid grid_;
+  const Seconds started_;
+
+  WatchView view_;
+  Merge merge_;
+  std::shared_ptr<WatchBoard> board_;
+  RenderFeed feed_;
+  std::optional<TevStream> tev_;
+  std::string scene_hash_;
+  std::map<WorkerId, WorkerShare> shares_;
+  std::map<UnitId, std::string> details_;
+  std::vector<std::string> problems_, notices_;
+  std::optional<Seconds> first_given_;
+  bool budget_spent_ = false;
+  std::uint64_t samples_done_ = 0;
+  Seconds ready_ = 0, first_tile_ = 0, last_tile_ = 0;  // since it was taken
+  Seconds active_ = 0;  // since the view began, while there was something to render
+  Seconds next_progress_ = 0, next_shown_ = 0;
+  double relative_error_ = 0;  // as last reported
+};
+
+}  // namespace penumbra

@@ -1,0 +1,196 @@
+// Who gets what, and who takes too long.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "scheduler/plan/plan.h"
+
+namespace penumbra {
+
+// --- Who gets what
+
+void Plan::issue() {
+  // Breadth first: no worker gets a second unit while another one has none.
+  for (std::size_t wanted = 1; wanted <= kUnitsPerWorker; ++wanted) {
+    for (auto& [id, worker] : workers_) {
+      if (worker.hung || worker.units.size() >= wanted) continue;
+      prepare_one(id, false);
+      const std::optional<UnitId> unit = next_for(id);
+      if (!unit) {
+        if (worker.units.empty()) prepare_one(id, true);
+        continue;
+      }
+      if (worker.units.empty()) take_in_hand(worker);
+      worker.units.push_back(*unit);
+      units_[*unit].holders.insert(id);
+      dequeue(*unit);
+      orders_.push_back(Assign{id, *unit});
+    }
+  }
+}
+
+std::optional<UnitId> Plan::next_for(WorkerId id) {
+  const Worker& worker = workers_.at(id);
+  const bool is_idle = worker.units.empty();
+  // A blamed unit travels alone: nothing follows it, and a worker empties its hands to take one.
+  if (worker.preparing || (!is_idle && !units_.at(worker.units.front()).faults.empty())) return {};
+  for (const JobId job : order_) {
+    if (!worker.prepared.contains(job)) continue;
+    if (const auto suspect = suspect_for(id, job)) return is_idle ? suspect : std::nullopt;
+    if (const auto unit = requeued_for(id, job)) return unit;
+    if (const auto unit = fresh(job)) return unit;
+  }
+  return is_idle ? straggler_for(id) : std::nullopt;
+}
+
+/// Whether anything of the job waits to be issued.
+bool Plan::has_work(const Job& job, JobId id) const {
+  const Phase& phase = present(job);
+  const auto any_of_job = [id](const std::set<UnitId>& units) {
+    const auto first = units.lower_bound(UnitId{.job = id});
+    return first != units.end() && first->job == id;
+  };
+  const bool has_fresh = !job.waits && phase.all.tiles > 0 && phase.next_pass < phase.passes;
+  return has_fresh || any_of_job(requeued_) || any_of_job(suspects_);
+}
+
+/// Tells a worker to prepare the first job that it does not know and that comes before all those that it has
+/// work of; in advance, any job that may still need it.
+void Plan::prepare_one(WorkerId id, bool in_advance) {
+  Worker& worker = workers_.at(id);
+  if (worker.preparing) return;
+  for (const JobId candidate : order_) {
+    const Job& job = jobs_.at(candidate);
+    if (worker.prepared.contains(candidate)) {
+      if (!in_advance && has_work(job, candidate)) return;
+      continue;
+    }
+    if (worker.unfit.contains(candidate) || (!in_advance && !has_work(job, candidate))) continue;
+    if (int(worker.prepared.size()) >= kJobsPerWorker && (in_advance || !make_room(id))) return;
+    worker.preparing = candidate;
+    orders_.push_back(Prepare{id, candidate});
+    return;
+  }
+}
+
+/// Makes the worker forget the last job of which it holds no unit; whether there is one.
+bool Plan::make_room(WorkerId id) {
+  Worker& worker = workers_.at(id);
+  const auto is_held = [&](JobId job) {
+    return std::ranges::any_of(worker.units, [job](const UnitId& unit) { return unit.job == job; });
+  };
+  const auto last = std::find_if(order_.rbegin(), order_.rend(),
+                                 [&](JobId job) { return worker.prepared.contains(job) && !is_held(job); });
+  if (last == order_.rend()) return false;
+  worker.prepared.erase(*last);
+  orders_.push_back(Forget{id, *last});
+  return true;
+}
+
+std::optional<UnitId> Plan::suspect_for(WorkerId id, JobId job) const {
+  for (auto at = suspects_.lower_bound(UnitId{.job = job}); at != suspects_.end() && at->job == job; ++at) {
+    const Unit& unit = units_.at(*at);
+    if (!unit.holders.contains(id) && !better_elsewhere(unit, id, job)) return *at;
+  }
+  return {};
+}
+
+std::optional<UnitId> Plan::requeued_for(WorkerId id, JobId job) const {
+  for (auto at = requeued_.lower_bound(UnitId{.job = job}); at != requeued_.end() && at->job == job; ++at)
+    if (!units_.at(*at).holders.contains(id)) return *at;
+  return {};
+}
+
+std::optional<UnitId> Plan::fresh(JobId id) {
+  Job& job = jobs_.at(id);
+  Phase& phase = job.phases[job.phase];
+  if (job.waits || phase.next_pass >= phase.passes || phase.all.tiles == 0) return {};
+  const UnitId unit{id, job.phase, phase.next_pass, phase.next_tile};
+  if (++phase.next_tile == phase.all.tiles) {
+    phase.next_tile = 0;
+    ++phase.next_pass;
+  }
+  return unit;
+}
+
+std::optional<UnitId> Plan::straggler_for(WorkerId id) {
+  const std::set<JobId>& prepared = workers_.at(id).prepared;
+  std::optional<UnitId> chosen;
+  Seconds chosen_age = -1;
+  for (const auto& [candidate, unit] : units_) {
+    if (unit.closed || unit.holders.size() != 1 || unit.holders.contains(id) || !unit.faults.empty() ||
+        !prepared.contains(candidate.job))
+      continue;
+    const Job& job = jobs_.at(candidate.job);
+    const Seconds straggler_age = job.timed == 0 ? kFirstStragglerAge : job.total / double(job.timed);
+    const Worker& holder = workers_.at(*unit.holders.begin());
+    const bool in_hand = holder.units.front() == candidate;
+    // One that has not been begun is the best to take over.
+    const Seconds age = in_hand ? now_ - holder.in_hand_since : std::numeric_limits<Seconds>::infinity();
+    if (age < straggler_age || age <= chosen_age) continue;
+    chosen = candidate;
+    chosen_age = age;
+  }
+  if (chosen) ++jobs_.at(chosen->job).counts.duplicated;
+  return chosen;
+}
+
+/// Whether the unit has failed on this worker while there is another one that it has not failed on.
+bool Plan::better_elsewhere(const Unit& unit, WorkerId id, JobId job) const {
+  const auto failed_on = [&unit](WorkerId worker) {
+    return std::ranges::any_of(unit.faults, [&](const auto& fault) { return fault.first == worker; });
+  };
+  if (!failed_on(id)) return false;
+  return std::ranges::any_of(workers_, [&](const auto& other) {
+    return !other.second.hung && !other.second.unfit.contains(job) && !failed_on(other.first);
+  });
+}
+
+bool Plan::rendered_by_someone(const Unit& unit) const {
+  return std::ranges::any_of(unit.holders, [this](WorkerId holder) { return !workers_.at(holder).hung; });
+}
+
+// --- Who takes too long
+
+/// A pause of the worker says nothing about how long parts of units take.
+void Plan::show_progress(Worker& worker) {
+  if (!worker.hung) {
+    Seconds& longest = jobs_.at(worker.units.front().job).longest_wait;
+    longest = std::max(longest, now_ - worker.progress_at);
+  }
+  worker.hung = worker.overdue = false;
+  worker.heard_at = worker.progress_at = now_;
+}
+
+/// Its lease begins now. A worker without a unit is not expected to report anything.
+void Plan::take_in_hand(Worker& worker) {
+  worker.in_hand_since = worker.progress_at = now_;
+  if (worker.units.empty()) worker.heard_at = now_;
+  worker.overdue = false;
+}
+
+void Plan::tell_if_overdue(WorkerId id, Worker& worker) {
+  const Seconds since_heard = now_ - worker.heard_at, since_progress = now_ - worker.progress_at;
+  const bool is_silent = since_heard >= leases_.patience;
+  const Seconds longest_wait = jobs_.at(worker.units.front().job).longest_wait;
+  const bool is_slow = since_progress >= std::max(leases_.patience, 2 * longest_wait);
+  if (worker.overdue || (!is_silent && !is_slow)) return;
+  worker.overdue = true;
+  orders_.push_back(Overdue{id, worker.units.front(), is_silent, is_silent ? since_heard : since_progress,
+                            hung_at(worker) - now_});
+}
+
+Plan::Lease Plan::lease(const Worker& worker) const {
+  const JobId job = worker.units.front().job;
+  Seconds base = std::max(leases_.minimum, leases_.factor * jobs_.at(job).longest_wait);
+  if (!worker.proven.contains(job)) base = std::max(base, leases_.initial);
+  const double growth = std::pow(leases_.growth, units_.at(worker.units.front()).expired_leases);
+  return {base * growth, leases_.silence * growth};
+}
+
+Seconds Plan::hung_at(const Worker& worker) const {
+  const Lease given = lease(worker);
+  return std::min(worker.progress_at + given.progress, worker.heard_at + given.silence);
+}
+
+}  // namespace penumbra

@@ -1,0 +1,153 @@
+// `penumbra render` with several scenes.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "scheduler/image/image.h"
+#include "tests/scheduler/cli/small_scene.h"
+#include "tests/support/program.h"
+#include "tests/support/temporary_folder.h"
+
+namespace penumbra {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class RenderSet : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* name : {"a.xml", "b.xml", "c.xml"}) write_small_scene(folder_ / name);
+  }
+
+  ProgramResult run(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "render");
+    return run_penumbra(folder_.path(), arguments);
+  }
+  std::vector<std::string> states(const std::string& summary = "out/jobs.json") {
+    const auto json = nlohmann::json::parse(file_contents(folder_ / summary));
+    std::vector<std::string> states;
+    for (const auto& job : json["jobs"]) states.push_back(job["state"]);
+    return states;
+  }
+  std::string film_hash(const std::string& name) {
+    auto read = read_image(folder_ / name);
+    EXPECT_TRUE(read) << read.error().message;
+    return read ? std::get<std::string>(read->attribute("penumbra:film_hash").value_or("none")) : "none";
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(RenderSet, EachSceneHasTheImageThatItHasAlone) {
+  const ProgramResult set =
+      run({"a.xml", "b.xml", "c.xml", "-o", "out/", "--workers", "2", "--seed", "3", "-D", "albedo=0.25"});
+  EXPECT_EQ(set.exit_code, 0) << set.err;
+  EXPECT_THAT(set.out,
+              AllOf(HasSubstr("a.xml  done"), HasSubstr("c.xml  done"), HasSubstr("wrote out/jobs.json")));
+  EXPECT_THAT(states(), ElementsAre("done", "done", "done"));
+  EXPECT_EQ(run({"b.xml", "-o", "alone.exr", "--seed", "3", "-D", "albedo=0.25"}).exit_code, 0);
+  EXPECT_NE(film_hash("alone.exr"), "none");
+  EXPECT_EQ(film_hash("out/b.exr"), film_hash("alone.exr"));
+  for (const char* name : {"out/a.exr", "out/a.png", "out/a.json", "out/c.exr"})
+    EXPECT_TRUE(std::filesystem::exists(folder_ / name)) << name;
+}
+
+TEST_F(RenderSet, ABadSceneDoesNotStopTheOthersAndTheExitCodeSaysSo) {
+  write_text(folder_ / "b.xml", "<scene version='3.0.0'><shape type='sphere'>");
+  const ProgramResult set = run({"a.xml", "b.xml", "missing.xml", "c.xml", "-o", "out/"});
+  EXPECT_EQ(set.exit_code, 1);
+  EXPECT_THAT(states(), ElementsAre("done", "failed", "failed", "done"));
+  EXPECT_THAT(set.err, AllOf(HasSubstr("b.xml"), HasSubstr("there is no file 'missing.xml'"),
+                             HasSubstr("2 of 4 renders failed or are incomplete")));
+  EXPECT_THAT(set.out, HasSubstr("failed"));
+}
+
+TEST_F(RenderSet, WhatIsThereUnchangedIsLeftAsItIs) {
+  ASSERT_EQ(run({"a.xml", "b.xml", "-o", "out/"}).exit_code, 0);
+  const std::string before = file_contents(folder_ / "out/a.json");
+  ASSERT_EQ(run({"a.xml", "b.xml", "-o", "out/"}).exit_code, 0);
+  EXPECT_THAT(states(), ElementsAre("unchanged", "unchanged"));
+  EXPECT_EQ(file_contents(folder_ / "out/a.json"), before) << "its times would differ";
+  ASSERT_EQ(run({"a.xml", "b.xml", "-o", "out/"}).exit_code, 0);
+  EXPECT_THAT(states(), ElementsAre("unchanged", "unchanged")) << "it stays known";
+
+  // Another seed, a file that is gone, another content of a scene.
+  ASSERT_EQ(run({"a.xml", "b.xml", "-o", "out/", "--seed", "9"}).exit_code, 0);
+  EXPECT_THAT(states(), ElementsAre("done", "done"));
+  std::filesystem::remove(folder_ / "out/a.png");
+  ASSERT_EQ(run({"a.xml", "b.xml", "-o", "out/", "--seed", "9"}).exit_code, 0);
+  EXPECT_THAT(states(), ElementsAre("done", "unchanged"));
+  std::string scene = file_contents(folder_ / "b.xml");
+  scene.replace(scene.find("4, 3, 2"), 7, "5, 3, 2");
+  write_text(folder_ / "b.xml", scene);
+  ASSERT_EQ(run({"a.xml", "b.xml", "-o", "out/", "--seed", "9"}).exit_code, 0);
+  EXPECT_THAT(states(), ElementsAre("unchanged", "done"));
+
+  ASSERT_EQ(run({"a.xml", "b.xml", "-o", "out/", "--seed", "9", "--force"}).exit_code, 0);
+  EXPECT_THAT(states(), ElementsAre("done", "done"));
+}
+
+TEST_F(RenderSet, ASummaryThatIsNoneIsReplaced) {
+  std::filesystem::create_directory(folder_ / "out");
+  for (const char* nonsense : {"", "[1]", R"({"format": "penumbra jobs 1", "jobs": [{"scene": 3}]})"}) {
+    write_text(folder_ / "out/jobs.json", nonsense);
+    ASSERT_EQ(run({"a.xml", "b.xml", "-o", "out/", "--spp", "1"}).exit_code, 0) << nonsense;
+    EXPECT_THAT(states(), ElementsAre("done", "done"));
+  }
+}
+
+TEST_F(RenderSet, NamesHaveFieldsAndCollisionsAreSaidBeforeAnythingStarts) {
+  for (const char* name : {"x", "y"}) {
+    std::filesystem::create_directory(folder_ / name);
+    write_small_scene(folder_ / name / "scene.xml");
+  }
+  const ProgramResult same = run({"x/scene.xml", "y/scene.xml", "-o", "out/"});
+  EXPECT_EQ(same.exit_code, 2);
+  EXPECT_THAT(same.err, AllOf(HasSubstr("x/scene.xml and y/scene.xml"), HasSubstr("out/scene.exr"),
+                              HasSubstr("{folder}")));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
+  EXPECT_EQ(run({"a.xml", "./a.xml", "-o", "out/"}).exit_code, 2) << "one scene twice";
+
+  const ProgramResult told_apart =
+      run({"x/scene.xml", "y/scene.xml", "-o", "out/{folder}-{scene}.exr", "--summary", "all.json"});
+  EXPECT_EQ(told_apart.exit_code, 0) << told_apart.err;
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out/y-scene.exr"));
+  EXPECT_THAT(states("all.json"), ElementsAre("done", "done"));
+}
+
+TEST_F(RenderSet, OptionsThatMeanOneImageAreRefused) {
+  const std::pair<std::vector<std::string>, const char*> cases[] = {
+      {{"-o", "one.exr"}, "a folder, or a name with {scene}"},
+      {{"-o", "{camera}.exr"}, "'{camera}' is no field of a name"},
+      {{"-o", "{scene"}, "a '{' without its '}'"},
+      {{"--pixel", "1,1"}, "--pixel is of one scene"},
+      {{"--statistics", "s.json"}, "--statistics FILE is of one scene"},
+      {{"-o", "out/", "--summary", "out/a.json"}, "a file of the scene a.xml and the summary"}};
+  for (const auto& [options, text] : cases) {
+    std::vector<std::string> arguments = {"a.xml", "b.xml"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const ProgramResult result = run(arguments);
+    EXPECT_EQ(result.exit_code, 2) << text;
+    EXPECT_THAT(result.err, HasSubstr(text));
+  }
+}
+
+TEST_F(RenderSet, CtrlCKeepsWhatIsDoneAndSaysWhatIsNot) {
+  Program set(folder_.path(), {"render", "a.xml", "b.xml", "c.xml", "-o", "out/", "-D", "spp=4000000"});
+  std::this_thread::sleep_for(2s);
+  set.send(SIGINT);
+  const ProgramResult result = set.wait();
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(states(), ElementsAre("incomplete", "failed", "failed"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out/a.exr"));
+}
+
+}  // namespace
+}  // namespace penumbra

@@ -1,0 +1,200 @@
+// Several jobs on one farm of real worker processes over the real wire; only the device is a fake.
+#include "scheduler/farm/render_farm.h"
+
+#include <gmock/gmock.h>
+#include <stdlib.h>
+
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "tests/support/fake_device.h"
+#include "tests/support/fake_samples.h"
+
+namespace penumbra {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr int kSize = 40;
+constexpr std::uint32_t kSpp = 6, kSamplesPerPass = 2;
+
+/// Its fake samples lie in [shift, shift + 1).
+std::shared_ptr<RenderJob> job(float shift) {
+  auto made = std::make_shared<RenderJob>();
+  made->scene = fake_scene(kSize, kSize, false);
+  made->scene.header.camera.origin.x = shift;
+  made->width = made->height = kSize;
+  made->spp = kSpp;
+  made->samples_per_pass = kSamplesPerPass;
+  made->tile = 16;
+  return made;
+}
+
+std::uint64_t expected_hash(float shift) {
+  FilmAccumulator film(0, 0, kSize, kSize, kRadiancePlanes);
+  for (std::uint32_t first = 0; first < kSpp; first += kSamplesPerPass)
+    film.add(0, 0, fake_samples({0, 0, kSize, kSize, first, kSamplesPerPass}, kRadiancePlanes, shift));
+  return film.hash();
+}
+
+/// Jobs in a list, of which one comes whenever `gap` has passed.
+class ListedJobs final : public JobSource {
+ public:
+  std::vector<std::shared_ptr<const RenderJob>> jobs;
+  std::chrono::milliseconds gap{0};
+  std::vector<JobId> finished;  // in their order
+  std::map<JobId, Expected<RenderOutcome>> outcomes;
+  std::size_t most_open = 0;
+
+  std::shared_ptr<const RenderJob> next() override {
+    const auto now = std::chrono::steady_clock::now();
+    if (taken_ == jobs.size() || now < next_at_) return nullptr;
+    next_at_ = now + gap;
+    return jobs[taken_++];
+  }
+  bool is_exhausted() override { return taken_ == jobs.size(); }
+  void took(JobId id) override {
+    open_.insert(id);
+    most_open = std::max(most_open, open_.size());
+  }
+  void done(JobId id, Expected<RenderOutcome> outcome) override {
+    EXPECT_EQ(open_.erase(id), 1u);
+    finished.push_back(id);
+    outcomes.emplace(id, std::move(outcome));
+  }
+
+ private:
+  std::size_t taken_ = 0;
+  std::set<JobId> open_;
+  std::chrono::steady_clock::time_point next_at_{};
+};
+
+class RenderFarmTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    char directory[] = "/tmp/penumbra-test-XXXXXX";
+    ASSERT_NE(mkdtemp(directory), nullptr);
+    directory_ = directory;
+    setenv("XDG_RUNTIME_DIR", directory, 1);
+    FakeBehaviour{.delay_ms = 2}.to_environment();
+  }
+  void TearDown() override {
+    FakeBehaviour{}.to_environment();
+    std::filesystem::remove_all(directory_);
+  }
+
+  Expected<void> run() { return run_farm(options_, source_, stop_); }
+  /// Whether the job has come to the film of this shift; and what was said of it.
+  void expect_film(JobId id, float shift) {
+    const Expected<RenderOutcome>& outcome = source_.outcomes.at(id);
+    ASSERT_TRUE(outcome) << outcome.error().message;
+    EXPECT_TRUE(outcome->complete);
+    EXPECT_EQ(outcome->film.hash(), expected_hash(shift)) << "job " << id;
+  }
+
+  FarmOptions options_{.workers = 2, .worker_executable = PENUMBRA_BINARY_DIR "/fake_worker"};
+  ListedJobs source_;
+  std::atomic<bool> stop_ = false;
+  std::string directory_;
+};
+
+TEST_F(RenderFarmTest, JobsFollowEachOtherOnTheSameWorkers) {
+  constexpr int kJobs = 7;
+  for (int i = 0; i < kJobs; ++i) source_.jobs.push_back(job(float(i)));
+  ASSERT_TRUE(run());
+  std::set<std::string> workers;
+  for (JobId id = 1; id <= kJobs; ++id) {
+    expect_film(id, float(id - 1));
+    EXPECT_THAT(source_.outcomes.at(id)->problems, IsEmpty());
+    for (const WorkerShare& share : source_.outcomes.at(id)->workers) workers.insert(share.name);
+  }
+  EXPECT_LE(workers.size(), 2u) << "none was started anew";
+  EXPECT_EQ(source_.most_open, 2u);
+}
+
+TEST_F(RenderFarmTest, WorkersWaitForJobsThatTakeTheirTime) {
+  source_.gap = 300ms;
+  for (int i = 0; i < 3; ++i) source_.jobs.push_back(job(float(i)));
+  ASSERT_TRUE(run());
+  for (JobId id = 1; id <= 3; ++id) expect_film(id, float(id - 1));
+}
+
+TEST_F(RenderFarmTest, AHigherPriorityGoesFirst) {
+  FakeBehaviour{.delay_ms = 20}.to_environment();
+  source_.jobs = {job(1), job(2)};
+  const auto urgent = job(3);
+  urgent->priority = 1;
+  source_.jobs.insert(source_.jobs.begin() + 1, urgent);
+  ASSERT_TRUE(run());
+  EXPECT_THAT(source_.finished, ElementsAre(2, 1, 3));
+  expect_film(1, 1);
+  expect_film(2, 3);
+  expect_film(3, 2);
+}
+
+TEST_F(RenderFarmTest, EqualScenesAreOneAssetUntilTheLastIsDone) {
+  source_.jobs = {job(4), job(4), job(4)};
+  ASSERT_TRUE(run());
+  for (JobId id = 1; id <= 3; ++id) expect_film(id, 4);
+}
+
+TEST_F(RenderFarmTest, AJobThatNoWorkerCanDoDoesNotStopTheOthers) {
+  // Its scene's tables are not there, which workers find when they check it.
+  const auto damaged = job(2);
+  damaged->scene.words.clear();
+  source_.jobs = {job(1), damaged, job(3)};
+  ASSERT_TRUE(run());
+  expect_film(1, 1);
+  expect_film(3, 3);
+  ASSERT_FALSE(source_.outcomes.at(2));
+  EXPECT_THAT(source_.outcomes.at(2).error().message, HasSubstr("no worker can do this job"));
+}
+
+TEST_F(RenderFarmTest, AUnitThatKillsItsWorkersConcernsItsJobAlone) {
+  // Only the larger image has this unit.
+  FakeBehaviour{.crash_at = "48,0,0"}.to_environment();
+  const auto large = job(2);
+  large->scene = fake_scene(64, kSize, false);
+  large->width = 64;
+  source_.jobs = {job(1), large, job(3)};
+  ASSERT_TRUE(run());
+  expect_film(1, 1);
+  expect_film(3, 3);
+  const Expected<RenderOutcome>& outcome = source_.outcomes.at(2);
+  ASSERT_TRUE(outcome);
+  EXPECT_FALSE(outcome->complete);
+  EXPECT_EQ(outcome->units_set_aside, 1u);
+}
+
+TEST_F(RenderFarmTest, StopEndsWhatIsOpenAndKeepsWhatIsMerged) {
+  FakeBehaviour{.delay_ms = 50}.to_environment();
+  for (int i = 0; i < 4; ++i) source_.jobs.push_back(job(float(i)));
+  std::thread later([&] {
+    std::this_thread::sleep_for(600ms);
+    stop_ = true;
+  });
+  EXPECT_TRUE(run());
+  later.join();
+  EXPECT_LT(source_.outcomes.size(), 4u);
+  for (const auto& [id, outcome] : source_.outcomes) ASSERT_TRUE(outcome);
+}
+
+TEST_F(RenderFarmTest, WithoutWorkersEveryOpenJobFailsAndTheReasonIsSaid) {
+  options_.worker_executable = directory_ + "/no-such-program";
+  source_.jobs = {job(1), job(2), job(3)};
+  const Expected<void> ran = run();
+  ASSERT_FALSE(ran);
+  EXPECT_THAT(ran.error().message, HasSubstr("no-such-program"));
+  EXPECT_EQ(source_.outcomes.size(), 2u) << "those that were open";
+  for (const auto& [id, outcome] : source_.outcomes)
+    EXPECT_THAT(outcome.error().message, HasSubstr("no worker could be started"));
+}
+
+}  // namespace
+}  // namespace penumbra

@@ -1,0 +1,134 @@
+// The features, families and kinds of lights of a device scene are just those that are needed.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "tests/acceptance/scene_pieces.h"
+#include "tests/support/integrator_parameters.h"
+#include "tests/worker/built_scenes.h"
+#include "tests/worker/device_scenes.h"
+
+namespace penumbra {
+namespace {
+
+using glm::dvec3;
+
+/// With points on lights by area: what is best for a scene is emitter_sampling_test's.
+SceneDescription by_area(SceneDescription scene) {
+  param::emitter_sampling(scene.integrator) = EmitterSampling::kArea;
+  return scene;
+}
+
+TEST(LightKinds, AreThoseOfTheLights) {
+  const auto with = [](auto change) {
+    SceneDescription scene = by_area(diffuse_box());
+    change(scene);
+    return build(scene).header.light_kinds;
+  };
+  constexpr std::uint32_t kTriangles = 1u << LIGHT_TRIANGLE, kPoints = 1u << LIGHT_POINT;
+  EXPECT_EQ(with([](auto&) {}), kTriangles);
+  EXPECT_EQ(build(environment_alone()).header.light_kinds, 1u << LIGHT_ENVIRONMENT);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{}); }), kTriangles | kPoints);
+  // What is black is none.
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{dvec3(0), glm::vec3(0)}); }), kTriangles);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(ConstantEnvironment{glm::vec3(0)}); }), kTriangles);
+}
+
+TEST(Features, AreJustTheNeeded) {
+  // The ceiling of the box is of two triangles, which are as one.
+  const std::uint32_t box = FEATURE_PATH | FEATURE_LAYERS;
+  EXPECT_EQ(build(by_area(diffuse_box())).header.features, box);
+  EXPECT_EQ(build(by_area(diffuse_box()), false).header.features, FEATURE_PATH);
+  EXPECT_EQ(build(by_area(many_triangles())).header.features, box | FEATURE_BVH);
+  EXPECT_EQ(build(by_area(many_triangles()), true, IntersectorChoice::kEmbree).header.features, box);
+  EXPECT_EQ(build(environment_alone()).header.features, box);
+  EXPECT_EQ(build(everything()).header.features,
+            std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_SHADING_NORMALS | FEATURE_QUADRICS |
+                          FEATURE_SOLID_ANGLE | FEATURE_MIXED_FAMILIES | FEATURE_LIGHT_TREE));
+
+  const auto with = [](auto change) {
+    SceneDescription scene = by_area(diffuse_box());
+    change(scene);
+    return build(scene).header.features;
+  };
+  EXPECT_EQ(with([](auto& s) { use(s.integrator, IntegratorKind::kDirect); }),
+            std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS));
+  EXPECT_EQ(with([](auto& s) { s.sampler.kind = SamplerKind::kIndependent; }), box | FEATURE_SAMPLERS);
+  EXPECT_EQ(with([](auto& s) { param::emitter_sampling(s.integrator) = EmitterSampling::kSolidAngle; }),
+            box | FEATURE_SOLID_ANGLE);
+  EXPECT_EQ(with([](auto& s) { param::emitter_sampling(s.integrator) = EmitterSampling::kProjected; }),
+            box | FEATURE_PROJECTED);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{}); }), box | FEATURE_LIGHT_TREE);
+  EXPECT_EQ(with([](auto& s) {
+              s.bsdfs[0].model = PhongBsdf{glm::vec3(0.5f), glm::vec3(0.1f), 30};
+            }),
+            box | FEATURE_MIXED_FAMILIES);
+  // What is black or unused needs nothing.
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{dvec3(0), glm::vec3(0)}); }), box);
+  EXPECT_EQ(with([](auto& s) { s.bsdfs[0].model = PhongBsdf{glm::vec3(0.5f), glm::vec3(0), 30}; }), box);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(ConstantEnvironment{glm::vec3(0)}); }), box);
+}
+
+TEST(Families, AreThoseOfTheMaterials) {
+  const auto families = [](const BsdfModel& model) {
+    SceneDescription scene = diffuse_box();
+    for (Bsdf& bsdf : scene.bsdfs) bsdf.model = model;
+    return build(scene).header.families;
+  };
+  EXPECT_EQ(families(DiffuseBsdf{}), 1u << FAMILY_DIFFUSE);
+  EXPECT_EQ(families(PhongBsdf{glm::vec3(0.5f), glm::vec3(0), 30}), 1u << FAMILY_DIFFUSE);
+  EXPECT_EQ(families(PhongBsdf{glm::vec3(0.5f), glm::vec3(0.1f), 30}), 1u << FAMILY_PHONG);
+  EXPECT_EQ(build(everything()).header.families, 1u << FAMILY_DIFFUSE | 1u << FAMILY_PHONG);
+}
+
+TEST(Features, AllAreThoseOfTheList) {
+  std::uint32_t listed = 0;
+#define CHECK_FEATURE(name, bit, description) \
+  EXPECT_EQ(bit, FEATURE_##name);             \
+  EXPECT_EQ(listed&(bit), 0u) << #name;       \
+  listed |= (bit);
+  PENUMBRA_FEATURES(CHECK_FEATURE)
+#undef CHECK_FEATURE
+  EXPECT_EQ(listed, std::uint32_t(FEATURE_ALL));
+}
+
+TEST(Families, HaveTheNumbersOfTheList) {
+#define CHECK_FAMILY(name, NAME, number, properties, description) EXPECT_EQ(number, FAMILY_##NAME);
+  BSDF_FAMILIES(CHECK_FAMILY)
+#undef CHECK_FAMILY
+}
+
+TEST(Features, SizesChooseTheSearch) {
+  const auto automatic = [](const SceneDescription& scene) {
+    return build(scene, true, IntersectorChoice::kAuto).header;
+  };
+  EXPECT_EQ(automatic(diffuse_box()).intersector, INTERSECTOR_PORTABLE);
+  EXPECT_EQ(automatic(many_triangles()).intersector, INTERSECTOR_PORTABLE);
+  EXPECT_EQ(intersector_for(4'000'000), INTERSECTOR_PORTABLE);
+  EXPECT_EQ(intersector_for(4'000'001), INTERSECTOR_EMBREE);
+  const SceneHeader small = build(diffuse_box()).header, large = build(many_triangles()).header;
+  EXPECT_GT(small.tables.corners.count, 0);
+  EXPECT_EQ(small.tables.nodes.count, 0);
+  EXPECT_EQ(large.tables.corners.count, 0);
+  EXPECT_EQ(large.tables.vertices.count, 0);
+  EXPECT_GT(large.tables.nodes.count, 0);
+  const SceneHeader embree = build(many_triangles(), true, IntersectorChoice::kEmbree).header;
+  EXPECT_EQ(embree.tables.nodes.count + embree.tables.corners.count, 0);
+}
+
+TEST(Summary, SaysWhatIsNeededAndWhatIsLeftOut) {
+  const SceneSummary summary = summarize(build(diffuse_box()));
+  const auto has = [](const auto& list, const std::string& text) {
+    return std::ranges::any_of(
+        list, [&](const auto& entry) { return entry.second.find(text) != std::string::npos; });
+  };
+  EXPECT_TRUE(has(summary.needs, "path integrator"));
+  EXPECT_TRUE(has(summary.needs, "diffuse BSDF"));
+  EXPECT_FALSE(has(summary.needs, "Phong BSDF"));
+  EXPECT_TRUE(has(summary.left_out, "Phong BSDF"));
+  EXPECT_FALSE(has(summary.left_out, "path integrator"));
+}
+
+}  // namespace
+}  // namespace penumbra
