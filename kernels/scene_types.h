@@ -78,8 +78,10 @@ PENUMBRA_NAMESPACE_BEGIN
 
 #define BVH_WIDTH 8               // children of a node, primitives of a leaf
 #define MAX_DIRECT_SAMPLES 65536  // emitter or BSDF samples of one camera ray
-#define LIGHT_CUT 16              // nodes at most from which a walk through the hierarchy of lights begins
-#define MAX_BRANCH_DEPTH 8        // surfaces at which a path may branch, one after the other
+#define LIGHT_NUMBERS \
+  16777216.0f               // 2^24: probabilities within the hierarchy of lights are multiples of its inverse
+#define LIGHT_CUT 16        // nodes at most from which a walk through the hierarchy of lights begins
+#define MAX_BRANCH_DEPTH 8  // surfaces at which a path may branch, one after the other
 #define FILTER_CELLS 256
 #define LTC_SIZE 32  // rows and columns of a table of linearly transformed cosines
 #define FILTER_TABLE_SIZE (2 * FILTER_CELLS + 1)  // knots and weights, see filter.h
@@ -196,20 +198,26 @@ PENUMBRA_NAMESPACE_BEGIN
 // A node of the hierarchy of lights, see light_tree.h: bounds of its lights, which shine within an angle of
 // cosine cos_e about axes within cos_o of its own, weaker by the cosine of the angle between. An infinite
 // one has no place; its axes are where its light travels, its intensity irradiance.
-#define LIGHT_NODE_FIELDS(F)                                                            \
-  F(vec3, center)                                                                       \
-  F(vec3, half_size) /* of the box about the centre */                                  \
-  F(vec3, axis)      /* unit */                                                         \
-  F(float, radius)   /* of the ball about the box */                                    \
-  F(float, inverse_radius)                                                              \
-  F(float, cos_o)                                                                       \
-  F(float, sin_o)                                                                       \
-  F(float, cos_e)                                                                       \
-  F(float, intensity)      /* along an axis, all together; in units of the hierarchy */ \
-  F(int, flags)            /* LIGHTS_* */                                               \
-  F(int, child)            /* index of the first of two neighbours, or ~light */
+#define LIGHT_NODE_FIELDS(F)                                                                               \
+  F(vec3, center)                                                                                          \
+  F(vec3, half_size) /* of the box about the centre */                                                     \
+  F(vec3, axis)      /* unit */                                                                            \
+  F(float, radius)   /* of the ball about the box */                                                       \
+  F(float, inverse_radius)                                                                                 \
+  F(float, cos_o)                                                                                          \
+  F(float, sin_o)                                                                                          \
+  F(float, cos_e)                                                                                          \
+  F(float, intensity)      /* along an axis, all together; in units of the hierarchy */                    \
+  F(int, flags)            /* LIGHTS_* */                                                                  \
+  F(int, child)            /* index of the first of two neighbours, or ~light, or ~first of its members */ \
+  F(int, lights)           /* of a leaf, which has members if there are several; 0: it has children */
 #define LIGHTS_TWO_SIDED 1 /* along the other direction of an axis as well */
 #define LIGHTS_INFINITE 2  /* all of them */
+
+// One of the lights of a leaf that has several.
+#define LIGHT_MEMBER_FIELDS(F) \
+  F(int, light)                \
+  F(int, start) /* how many of the LIGHT_NUMBERS take those before it in the leaf */
 
 // An image of radiance from all directions, see envmap_light.h.
 #define ENVIRONMENT_MAP_FIELDS(F) \
@@ -372,6 +380,8 @@ PENUMBRA_NAMESPACE_BEGIN
   /* FEATURE_LIGHT_TREE: those of the cut first; see light_tree_builder.h. */          \
   T(A, light_nodes, LightNode, 2, "nodes of the hierarchy of lights")                  \
   T(A, light_trails, uint, 1, "ways to lights in their hierarchy")                     \
+  T(A, light_members, LightMember, 1, "lights of leaves that have several")            \
+  T(A, light_numbers, int, 1, "shares of lights in leaves")                            \
   /* Textures of mesh attributes: of each triangle the first of its colours, or -1. */ \
   T(A, triangle_colours, int, 1, "triangles that may have colours")                    \
   T(A, vertex_colours, VertexColours, 1, "colours of vertices")                        \
@@ -443,6 +453,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(uint, light_kinds)      /* bits 1 << LIGHT_* of the lights there are */                          \
   F(int, light_cut)         /* nodes that have no parent */                                          \
   F(int, light_tree_depth)  /* turns from there to the lowest leaf of the hierarchy of lights */     \
+  F(int, light_leaf_turns)  /* turns to any of a leaf's lights, 0 if leaves have one light each */   \
   F(int, dropped_triangles) /* without area in single precision: left out, and said */               \
   F(int, duplicate_lights)  /* light triangles that repeat another one: they do not shine twice */   \
   F(TableSpans, tables)
@@ -461,6 +472,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(Light, LIGHT_FIELDS)                                \
   X(LightTriangles, LIGHT_TRIANGLES_FIELDS)             \
   X(LightNode, LIGHT_NODE_FIELDS)                       \
+  X(LightMember, LIGHT_MEMBER_FIELDS)                   \
   X(EnvironmentMap, ENVIRONMENT_MAP_FIELDS)             \
   X(Beam, BEAM_FIELDS)                                  \
   X(Polygon, POLYGON_FIELDS)                            \

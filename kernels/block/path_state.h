@@ -52,6 +52,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(float, left_specular, LTC_PROJECTED, LTC_PROJECTED)                                                        \
   X(vec3, left_place, FEATURE_LIGHT_TREE, FEATURE_LIGHT_TREE)   /* what chose its lights: see LitPlace */      \
   X(vec3, left_facing, FEATURE_LIGHT_TREE, FEATURE_LIGHT_TREE)                                                 \
+  X(float, left_finite_scale, FEATURE_LIGHT_TREE, FEATURE_LIGHT_TREE) /* see LightScales */                    \
+  X(float, left_infinite_scale, FEATURE_LIGHT_TREE, FEATURE_LIGHT_TREE)                                        \
   X(bool, left_controlled, FEATURE_POLYGONS, FEATURE_POLYGONS)  /* its light of polygons has closed forms */   \
   /* what rays pass through: see block_see_through.h */                                                        \
   X(int, material, FEATURE_NESTED, FEATURE_NESTED)      /* chosen where the ray ends, or -1: its side's */      \

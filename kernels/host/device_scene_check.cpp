@@ -314,6 +314,10 @@ class Checker {
             "a hierarchy of lights without a root");
     require(h_.tables.light_trails.count == h_.tables.lights.count, "ways to lights do not match the lights");
     require(in(h_.light_tree_depth, 0, 28), "the hierarchy of lights is too deep");
+    require(h_.light_leaf_turns == 0 || (in(h_.light_leaf_turns, 1, 20) && h_.tables.light_members.count > 0),
+            "lights of leaves that no search finds");
+    require(h_.light_leaf_turns == 0 || h_.tables.light_numbers.count == h_.tables.lights.count,
+            "shares of lights do not match the lights");
     const auto nodes = table<LightNode>(scene_, h_.tables.light_nodes);
     std::vector<int> depth(nodes.size(), -1);
     for (std::size_t k = 0; k < nodes.size() && int(k) < h_.light_cut; ++k) depth[k] = 0;
@@ -325,7 +329,10 @@ class Checker {
       const float largest = std::numeric_limits<float>::max();
       require(node.intensity >= 0.0f && node.intensity <= largest, "a node of lights without an intensity");
       if (node.child < 0) {
-        require(~node.child < h_.tables.lights.count, "a node names a light that is not there");
+        if (node.lights > 1)
+          check_light_leaf(~node.child, node.lights);
+        else
+          require(~node.child < h_.tables.lights.count, "a node names a light that is not there");
         continue;
       }
       require(node.child > int(i) && node.child < h_.tables.light_nodes.count - 1,
@@ -335,6 +342,26 @@ class Checker {
         require(depth[std::size_t(child)] < 0, "a node of lights has two parents");
         depth[std::size_t(child)] = depth[i] + 1;
       }
+    }
+  }
+
+  /// Numbers of a leaf of several lights take each of them, whatever they are.
+  void check_light_leaf(int first, int count) {
+    const auto members = table<LightMember>(scene_, h_.tables.light_members);
+    const auto numbers = table<int>(scene_, h_.tables.light_numbers);
+    require(h_.light_leaf_turns > 0, "lights of leaves that no search finds");
+    require(first <= int(members.size()) - count, "a leaf of lights names lights that are not there");
+    if (!problem_.empty()) return;
+    require(count <= 1 << h_.light_leaf_turns, "a leaf of lights has more than a search finds");
+    for (int k = 0; k < count && problem_.empty(); ++k) {
+      const LightMember& member = members[std::size_t(first + k)];
+      const int next = k + 1 < count ? members[std::size_t(first + k) + 1].start : int(LIGHT_NUMBERS);
+      require(in(member.light, 0, h_.tables.lights.count - 1), "a node names a light that is not there");
+      require(member.start >= 0 && (k > 0 || member.start == 0) && next <= int(LIGHT_NUMBERS),
+              "shares of lights in a leaf are not those of all numbers");
+      if (!problem_.empty()) return;
+      require(next > member.start && numbers[std::size_t(member.light)] == next - member.start,
+              "shares of lights in a leaf are not those of all numbers");
     }
   }
 

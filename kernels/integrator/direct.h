@@ -79,9 +79,13 @@ FN void add_passed_directly(const PRIVATE Scene* scene, const PRIVATE PathState*
       project_from_surfaces(scene, families_among(&closures), &left, &closures, &found);
       #endif
       #if HAS(LIGHT_TREE)
-    LitPlaces places;
-    find_lit_places(&left, &closures, &places);
-    if (NEEDS_LIGHT_TREE(scene)) find_tree_pmfs(scene, &places, &found);
+    if (NEEDS_LIGHT_TREE(scene)) {
+      LitPlaces places;
+      LightScales scales;
+      find_lit_places(&left, &closures, &places);
+      find_light_scales(scene, &places, &scales);
+      find_tree_pmfs(scene, &places, &scales, &found);
+    }
       #endif
   }
     #endif

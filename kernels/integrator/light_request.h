@@ -275,23 +275,32 @@ STAGE void find_lit_places(const PRIVATE Surfaces* RESTRICT surfaces,
 }
 
 /// Those that the last rays left.
-STAGE void load_left_places(const PRIVATE PathState* paths, int i, PRIVATE LitPlaces* RESTRICT places) {
+STAGE void load_left_places(const PRIVATE PathState* paths, int i, PRIVATE LitPlaces* RESTRICT places,
+                            PRIVATE LightScales* RESTRICT scales) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       LitPlace place;
       place.p = get_left_place(paths, i + j);
       place.facing = get_left_facing(paths, i + j);
       store_lit_place(places, j, place);
+      LightScale scale;
+      scale.finite = get_left_finite_scale(paths, i + j);
+      scale.infinite = get_left_infinite_scale(paths, i + j);
+      store_light_scales(scales, j, scale);
     }
 }
 
 /// The next rays leave these.
-STAGE void note_left_places(const PRIVATE PathState* paths, int i, const PRIVATE LitPlaces* RESTRICT places) {
+STAGE void note_left_places(const PRIVATE PathState* paths, int i, const PRIVATE LitPlaces* RESTRICT places,
+                            const PRIVATE LightScales* RESTRICT scales) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const LitPlace place = load_lit_place(places, j);
       set_left_place(paths, i + j, place.p);
       set_left_facing(paths, i + j, place.facing);
+      const LightScale scale = load_light_scales(scales, j);
+      set_left_finite_scale(paths, i + j, scale.finite);
+      set_left_infinite_scale(paths, i + j, scale.infinite);
     }
 }
 
@@ -299,21 +308,27 @@ STAGE void note_left_places(const PRIVATE PathState* paths, int i, const PRIVATE
 FN void find_left_pmfs(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                        PRIVATE FoundLights* found) {
   LitPlaces places;
-  load_left_places(paths, i, &places);
-  find_tree_pmfs(scene, &places, found);
+  LightScales scales;
+  load_left_places(paths, i, &places, &scales);
+  find_tree_pmfs(scene, &places, &scales, found);
 }
 
 /// Chooses lights at the surfaces, and finds the probabilities of the lights that rays have found.
 FN void request_by_tree(const PRIVATE Scene* scene, LightRequest request, bool finds, PRIVATE StepLanes* step,
                         const PRIVATE PathState* paths, int i) {
   LitPlaces places;
-  find_lit_places(&step->surfaces, &step->closures, &places);
+  LightScales scales;
+  const bool finds_here = request.tree_found & finds & !request.path;
   if (request.tree_found & finds & request.path) find_left_pmfs(scene, paths, i, &step->found);
-  if (request.tree_found & finds & !request.path) find_tree_pmfs(scene, &places, &step->found);
-  if (request.tree_found & request.path) note_left_places(paths, i, &places);
+  if (!(request.tree | finds_here)) return;  // nor does a path go on
+  find_lit_places(&step->surfaces, &step->closures, &places);
   if (request.tree)
     choose_by_tree(scene, &places, step->u + DIM_LIGHT_U * LANES, step->u + DIM_LIGHT_FINE * LANES,
-                   &step->samplings);
+                   &step->samplings, &scales);
+  else
+    find_light_scales(scene, &places, &scales);
+  if (finds_here) find_tree_pmfs(scene, &places, &scales, &step->found);
+  if (request.tree_found & request.path) note_left_places(paths, i, &places, &scales);
 }
 #endif
 

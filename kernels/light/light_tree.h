@@ -3,14 +3,16 @@
 // Sampling of Many Lights with Adaptive Tree Splitting", 2018). Nodes are taken in proportion to a bound of
 // the irradiance that arrives from them; one that cannot reach the side of the surface has none, and is never
 // taken. The upper part of the hierarchy is flat: one of its LIGHT_CUT nodes or fewer is taken at once, and
-// so with few lights one of those; from there on one of two children. Infinite lights (skies, directional
-// ones) are nodes whose intensities are irradiances: see scenes/device/light_survey.h.
+// so with few lights one of those; from there on one of two children. A leaf may have several lights that are
+// as one from wherever they are seen: they keep their shares (scenes/device/light_groups.h). Infinite lights
+// (skies, directional ones) are nodes whose intensities are irradiances: see scenes/device/light_survey.h.
 //
 // Walks take LANES points a level at a time. What a walk does is a function of the point, so that densities
 // for multiple importance sampling repeat the same arithmetic along the way to the light.
 #ifndef PENUMBRA_LIGHT_TREE_H
 #define PENUMBRA_LIGHT_TREE_H
 #include "kernels/light/light_found.h"
+#include "kernels/light/light_importance.h"
 #include "kernels/light/light_sampling.h"
 #include "kernels/math/math.h"
 
@@ -19,98 +21,6 @@ PENUMBRA_NAMESPACE_BEGIN
 // Where infinite lights and others meet, neither gets less than this if it may contribute: the estimate that
 // compares them is one of the whole scene.
 #define LEAST_LIGHT_SHARE 0.05f
-// How far bounds of cosines may be off in single precision, where the sine of an angle near 180 degrees
-// counts.
-#define LIGHT_COSINE_SLACK 5e-4f
-#define LEAST_IMPORTANCE 1e-30f
-#define LIGHT_NUMBERS 16777216.0f  // 2^24: probabilities of children are multiples of its inverse
-
-// What is lit, as far as the choice depends on it.
-#define LIT_PLACE_FIELDS(F, a) \
-  F(a, vec3, p)                \
-  F(a, vec3, facing) /* unit shading normal; 0 where light from all directions counts */
-LANE_RECORD(LitPlace, LitPlaces, lit_place, LIT_PLACE_FIELDS)
-
-#define READ_float(place) (place)
-#define READ_int(place) (place)
-#define READ_vec3(place) load3(&(place))
-#define READ_FIELD(type, name) record.name = READ_##type(node->name);
-/// A copy: once for all lanes where all want the same.
-FN LightNode read_light_node(GLOBAL const LightNode* node) {
-  LightNode record;
-  LIGHT_NODE_FIELDS(READ_FIELD)
-  return record;
-}
-#undef READ_FIELD
-
-// What is known of a node for all lanes.
-enum { NODE_ANY, NODE_INFINITE, NODE_ALL_AROUND /* it has a place, and shines in all directions alike */ };
-
-// cos(max(a - b, 0)) and its sine, of two angles in [0, pi] by their cosines and sines.
-FN float cos_of_excess(float cos_a, float sin_a, float cos_b, float sin_b) {
-  return cos_a >= cos_b ? 1.0f : cos_a * cos_b + sin_a * sin_b;
-}
-FN float sin_of_excess(float cos_a, float sin_a, float cos_b, float sin_b) {
-  return cos_a >= cos_b ? 0.0f : max_f(sin_a * cos_b - cos_a * sin_b, 0.0f);
-}
-
-/// A bound, in units that all nodes share, of the irradiance at a place from a node's lights together, as if
-/// they were at least as far off as the box about them is large: of intensity, cosines and distance. 0 only
-/// where no light arrives on the side that the place faces.
-///
-/// `ways`, a constant: NODE_ANY, or what is known of the node.
-FN float light_importance_by(LightNode node, LitPlace place, int ways) {
-  const vec3 axis = node.axis, half_size = node.half_size;
-  const int flags = node.flags;
-  const bool infinite = ways == NODE_INFINITE || (ways == NODE_ANY && (flags & LIGHTS_INFINITE) != 0);
-  const bool two_sided = (flags & LIGHTS_TWO_SIDED) != 0;
-  const float cos_o = node.cos_o, sin_o = node.sin_o, cos_e = node.cos_e, radius = node.radius;
-  const bool all_around = dot3(place.facing, place.facing) == 0.0f;
-  const vec3 way = sub(place.p, node.center);
-  float inverse = 1.0f, ball_cos = 1.0f, ball_sin = 0.0f;
-  if (ways != NODE_INFINITE) {
-    inverse = 1.0f / SQRT(max_f(dot3(way, way), 1e-30f));
-    // Half the angle under which the ball about the box is seen; everything from inside of it.
-    const float sine = radius * inverse;
-    const bool outside = sine < 1.0f;
-    ball_sin = outside ? sine : 0.0f;
-    ball_cos = outside ? SQRT(1.0f - sqr(ball_sin)) : -1.0f;
-  }
-
-  // At the lights: the least angle between a way to the place and an axis, beyond the cone of axes.
-  bool shines = true;
-  float emitted = 1.0f;
-  if (ways == NODE_ANY) {
-    const float along = dot3(way, axis), cos_along = clamp_f(along * inverse, -1.0f, 1.0f);
-    const float cos_w = two_sided ? FABS(cos_along) : cos_along, sin_w = SQRT(1.0f - sqr(cos_w));
-    const float cos_x = cos_of_excess(cos_w, sin_w, cos_o, sin_o);
-    const float sin_x = sin_of_excess(cos_w, sin_w, cos_o, sin_o);
-    const float cos_emitted = cos_of_excess(cos_x, sin_x, ball_cos, ball_sin);
-    // Lights that all face one way send nothing behind the last of them.
-    const bool flat = (cos_o == 1.0f) & !two_sided & (cos_e >= 0.0f);
-    const bool behind = flat & !(along + dot3(abs3(axis), half_size) > 0.0f);
-    shines = infinite | ((cos_emitted > cos_e - LIGHT_COSINE_SLACK) & !behind);
-    emitted = max_f(cos_emitted, LIGHT_COSINE_SLACK);
-  }
-
-  // At the place: the least angle between its normal and a way to the lights.
-  const float height = -dot3(way, place.facing);
-  const float cos_i = clamp_f(infinite ? -dot3(axis, place.facing) : height * inverse, -1.0f, 1.0f);
-  const float around_cos = infinite ? cos_o : ball_cos, around_sin = infinite ? sin_o : ball_sin;
-  const float cos_received = cos_of_excess(cos_i, SQRT(1.0f - sqr(cos_i)), around_cos, around_sin);
-  const float slack = around_sin > 0.0f ? LIGHT_COSINE_SLACK : 0.0f;
-  const bool above = infinite | (height + dot3(abs3(place.facing), half_size) > 0.0f);
-  const bool reaches = all_around | (above & (cos_received > -slack));
-
-  const float received = all_around ? 1.0f : max_f(cos_received, slack);
-  const float falls = emitted * sqr(min_f(inverse, node.inverse_radius));
-  const float bound = node.intensity * received * (infinite ? 1.0f : falls);
-  // Whatever may arrive keeps a probability, however little it is.
-  return (shines & reaches) ? clamp_f(bound, LEAST_IMPORTANCE, 1.0f / LEAST_IMPORTANCE) : 0.0f;
-}
-FN float light_importance(GLOBAL const LightNode* node, LitPlace place) {
-  return light_importance_by(read_light_node(node), place, NODE_ANY);
-}
 
 /// Of the LIGHT_NUMBERS numbers that choose, how many take the first of a pair of nodes; `any` becomes
 /// whether there is anything to choose.
@@ -165,11 +75,11 @@ FN LongNumber stretched(LongNumber x, int width) {
     F(a, float, pmf) /* of the way so far */
 LANE_RECORD(LightWalk, LightWalks, light_walk, LIGHT_WALK_FIELDS)
 
-/// What the nodes of the cut may contribute, and by what that is multiplied to be a count of numbers.
-typedef struct {
-  float importance[LIGHT_CUT * LANES];  ///< of lane j at node * LANES + j
-  float finite[LANES], infinite[LANES];
-} LightCut;
+  /// By what importances of nodes of the cut are multiplied to be counts of numbers.
+  #define LIGHT_SCALES_FIELDS(F, a) \
+    F(a, float, finite)             \
+    F(a, float, infinite)
+LANE_RECORD(LightScale, LightScales, light_scales, LIGHT_SCALES_FIELDS)
 
   #define WEIGH_CUT_NODE(name, ways)                                                          \
     STAGE void name(GLOBAL const LightNode* shared, const PRIVATE LitPlaces* RESTRICT places, \
@@ -187,106 +97,91 @@ WEIGH_CUT_NODE(weigh_infinite_node, NODE_INFINITE)
 WEIGH_CUT_NODE(weigh_all_around_node, NODE_ALL_AROUND)
   #undef WEIGH_CUT_NODE
 
-/// Rounding leaves some numbers over; the last node that has any gets them.
-STAGE void scale_cut(PRIVATE LightCut* RESTRICT cut) {
+/// Makes sums scales. Rounding leaves some numbers over, 5e-6 of all, which take no light.
+STAGE void scale_cut(PRIVATE LightScales* RESTRICT scales) {
   const float numbers = LIGHT_NUMBERS - 4.0f * (float)LIGHT_CUT;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const float finite = cut->finite[j], infinite = cut->infinite[j];
+      const float finite = scales->finite[j], infinite = scales->infinite[j];
       const bool mixed = (finite > 0.0f) & (infinite > 0.0f);
       const float sum = finite + infinite, share = infinite / (sum > 0.0f ? sum : 1.0f);
       const float of_infinite = mixed ? clamp_f(share, LEAST_LIGHT_SHARE, 1.0f - LEAST_LIGHT_SHARE)
                                       : (infinite > 0.0f ? 1.0f : 0.0f);
-      cut->finite[j] = (1.0f - of_infinite) * numbers / (finite > 0.0f ? finite : 1.0f);
-      cut->infinite[j] = of_infinite * numbers / (infinite > 0.0f ? infinite : 1.0f);
+      scales->finite[j] = (1.0f - of_infinite) * numbers / (finite > 0.0f ? finite : 1.0f);
+      scales->infinite[j] = of_infinite * numbers / (infinite > 0.0f ? infinite : 1.0f);
     }
 }
 
-FN void weigh_cut(const PRIVATE Scene* scene, const PRIVATE LitPlaces* places, PRIVATE LightCut* cut) {
-  for (int j = 0; j < LANES; j++) cut->finite[j] = cut->infinite[j] = 0.0f;
+/// What the nodes of the cut may contribute: of lane j at node * LANES + j.
+FN void weigh_cut(const PRIVATE Scene* scene, const PRIVATE LitPlaces* places, PRIVATE float* importances,
+                  PRIVATE LightScales* scales) {
+  for (int j = 0; j < LANES; j++) scales->finite[j] = scales->infinite[j] = 0.0f;
   for (int k = 0; k < scene->header.light_cut; k++) {
     GLOBAL const LightNode* node = scene->light_nodes + k;
     const bool infinite = (node->flags & LIGHTS_INFINITE) != 0;
-    PRIVATE float* importance = cut->importance + k * LANES;
+    PRIVATE float* importance = importances + k * LANES;
     if (infinite)
-      weigh_infinite_node(node, places, importance, cut->infinite);
+      weigh_infinite_node(node, places, importance, scales->infinite);
     else if (node->cos_o == -1.0f)
-      weigh_all_around_node(node, places, importance, cut->finite);
+      weigh_all_around_node(node, places, importance, scales->finite);
     else
-      weigh_any_node(node, places, importance, cut->finite);
+      weigh_any_node(node, places, importance, scales->finite);
   }
-  scale_cut(cut);
+  scale_cut(scales);
+}
+
+/// The scales of places where no light is chosen.
+FN void find_light_scales(const PRIVATE Scene* scene, const PRIVATE LitPlaces* places,
+                          PRIVATE LightScales* scales) {
+  float importances[LIGHT_CUT * LANES];
+  weigh_cut(scene, places, importances, scales);
+}
+
+/// How many numbers take a node of the cut: some, if anything may arrive.
+FN int numbers_of_node(float importance, float scale) {
+  const int some = (int)clamp_f(importance * scale, 0.0f, LIGHT_NUMBERS);
+  return importance > 0.0f ? (some < 1 ? 1 : some) : 0;
 }
 
 /// Which of the numbers take which node, as they are dealt out node by node.
 typedef struct {
   int below[LANES];  ///< that are dealt out
   int node[LANES], start[LANES], width[LANES];
-  int last[LANES], last_start[LANES];  ///< the last node that has any
 } CutNumbers;
 
-/// Deals out those of the k-th node. A walk takes the node that its number is of, or that its trail says.
-STAGE void deal_numbers(int k, bool by_trail, const PRIVATE float* RESTRICT importance,
-                        const PRIVATE float* RESTRICT scales, const PRIVATE LightWalks* RESTRICT walks,
-                        PRIVATE CutNumbers* RESTRICT dealt) {
+/// Deals out those of the k-th node. A walk takes the node that its number is of.
+STAGE void deal_numbers(int k, const PRIVATE float* RESTRICT importance, const PRIVATE float* RESTRICT scales,
+                        const PRIVATE LightWalks* RESTRICT walks, PRIVATE CutNumbers* RESTRICT dealt) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const float own = importance[j];
-      const int some = (int)(own * scales[j]), at_least_one = some < 1 ? 1 : some;
-      const int numbers = own > 0.0f ? at_least_one : 0;
-      const int start = dealt->below[j], number = walks->high[j], wanted = walks->node[j];
+      const int numbers = numbers_of_node(importance[j], scales[j]);
+      const int start = dealt->below[j], number = walks->high[j];
       const int node = dealt->node[j], node_start = dealt->start[j], width = dealt->width[j];
-      const int last = dealt->last[j], last_start = dealt->last_start[j];
-      const bool taken = by_trail ? wanted == k : (number >= start) & (number < start + numbers);
+      const bool taken = (number >= start) & (number < start + numbers);
       dealt->node[j] = taken ? k : node;
       dealt->start[j] = taken ? start : node_start;
       dealt->width[j] = taken ? numbers : width;
-      dealt->last[j] = numbers > 0 ? k : last;
-      dealt->last_start[j] = numbers > 0 ? start : last_start;
       dealt->below[j] = start + numbers;
     }
 }
 
-/// Walks begin at a node of the cut.
-STAGE void enter_cut(bool by_trail, const PRIVATE CutNumbers* RESTRICT dealt,
-                     PRIVATE LightWalks* RESTRICT walks) {
+/// Walks begin at a node of the cut; those of numbers that take none have probability 0.
+STAGE void enter_cut(const PRIVATE CutNumbers* RESTRICT dealt, PRIVATE LightWalks* RESTRICT walks) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const LightWalk before = load_light_walk(walks, j);
-      const int last = dealt->last[j], last_start = dealt->last_start[j];
-      const int taken = dealt->node[j], taken_start = dealt->start[j], taken_width = dealt->width[j];
-      const bool to_last = (taken == last) | (!by_trail & (taken < 0));
-      const int node = to_last ? last : taken, start = to_last ? last_start : taken_start;
-      const int width = to_last ? (int)LIGHT_NUMBERS - last_start : taken_width;
-      const bool any = (last >= 0) & (width > 0);
+      const int node = dealt->node[j], width = dealt->width[j];
       LongNumber x;
-      x.high = before.high - start;
+      x.high = before.high - dealt->start[j];
       x.low = before.low;
       const LongNumber left = stretched(x, width > 0 ? width : 1);
       LightWalk walk;
       walk.node = node >= 0 ? node : 0;
-      walk.high = by_trail ? before.high : left.high;
+      walk.high = left.high;
       walk.low = left.low;
-      walk.pmf = any ? before.pmf * ((float)width * (1.0f / LIGHT_NUMBERS)) : 0.0f;
+      walk.pmf = node >= 0 ? (float)width * (1.0f / LIGHT_NUMBERS) : 0.0f;
       store_light_walk(walks, j, walk);
     }
-}
-
-FN void start_walks(const PRIVATE Scene* scene, bool by_trail, const PRIVATE LitPlaces* places,
-                    PRIVATE LightWalks* walks) {
-  LightCut cut;
-  CutNumbers dealt;
-  weigh_cut(scene, places, &cut);
-  for (int j = 0; j < LANES; j++) {
-    dealt.below[j] = dealt.start[j] = dealt.width[j] = dealt.last_start[j] = 0;
-    dealt.node[j] = dealt.last[j] = -1;
-  }
-  for (int k = 0; k < scene->header.light_cut; k++) {
-    const bool infinite = (scene->light_nodes[k].flags & LIGHTS_INFINITE) != 0;
-    deal_numbers(k, by_trail, cut.importance + k * LANES, infinite ? cut.infinite : cut.finite, walks,
-                 &dealt);
-  }
-  enter_cut(by_trail, &dealt, walks);
 }
 
 /// Walks take a turn each unless they are at a leaf. Returns whether any goes on. `by_trail`, a constant.
@@ -334,6 +229,14 @@ STAGE bool turn_by_trails(const PRIVATE Scene* scene, const PRIVATE LitPlaces* R
   return turn_walks(scene, true, places, walks);
 }
 
+/// Whether a walk has turns to take.
+FN bool any_turns_left(const PRIVATE Scene* scene, const PRIVATE LightWalks* walks) {
+  int any = 0;
+  for (int j = 0; j < LANES; j++)
+    any |= ((scene->light_nodes[walks->node[j]].child > 0) & (walks->pmf[j] > 0.0f)) ? 1 : 0;
+  return any != 0;
+}
+
 STAGE void start_by_numbers(const PRIVATE float* RESTRICT u, const PRIVATE float* RESTRICT fine,
                             PRIVATE LightWalks* RESTRICT walks) {
   LANE_LOOP
@@ -345,6 +248,64 @@ STAGE void start_by_numbers(const PRIVATE float* RESTRICT u, const PRIVATE float
       walk.low = x.low;
       walk.pmf = 1.0f;
       store_light_walk(walks, j, walk);
+    }
+}
+
+/// Of the leaves where walks ended the lights, whose shares are the same for all places: the search for the
+/// one that a number takes.
+typedef struct {
+  int first[LANES], count[LANES];  ///< of the leaf's members; one of them if it has none
+  int at[LANES];                   ///< that of the number is among those from here on
+} LeafSearch;
+
+STAGE void start_search(const PRIVATE Scene* scene, const PRIVATE LightWalks* RESTRICT walks,
+                        PRIVATE LeafSearch* RESTRICT search) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      GLOBAL const LightNode* node = scene->light_nodes + walks->node[j];
+      const int child = node->child, count = node->lights;
+      const bool several = (child < 0) & (count > 1);
+      search->first[j] = several ? ~child : 0;
+      search->count[j] = several ? count : 1;
+      search->at[j] = 0;
+    }
+}
+
+/// Moves on by `step` lights, if the number is not of one before that.
+STAGE void turn_search(const PRIVATE Scene* scene, int step, const PRIVATE LightWalks* RESTRICT walks,
+                       PRIVATE LeafSearch* RESTRICT search) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int at = search->at[j], next = at + step, number = walks->high[j];
+      const bool there = next < search->count[j];
+      const int start = scene->light_members[search->first[j] + (there ? next : 0)].start;
+      search->at[j] = (there & (start <= number)) ? next : at;
+    }
+}
+
+/// Notes the lights that walks took in leaves of several.
+STAGE void take_members(const PRIVATE Scene* scene, const PRIVATE LeafSearch* RESTRICT search,
+                        const PRIVATE LightWalks* RESTRICT walks, PRIVATE float* RESTRICT u,
+                        PRIVATE LightSamplings* RESTRICT samplings) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const LightWalk walk = load_light_walk(walks, j);
+      const bool several = search->count[j] > 1;
+      GLOBAL const LightMember* member = scene->light_members + (search->first[j] + search->at[j]);
+      const int light = member->light, start = member->start;
+      const int numbers = scene->light_numbers[light];
+      LongNumber x;
+      x.high = walk.high - start;
+      x.low = walk.low;
+      const LongNumber left = stretched(x, numbers > 0 ? numbers : 1);
+      const float own =
+          clamp_f(((float)left.high + left.low) * (1.0f / LIGHT_NUMBERS), 0.0f, ONE_MINUS_EPSILON);
+      const float pmf = walk.pmf * ((float)numbers * (1.0f / LIGHT_NUMBERS));
+      const int only_light = samplings->light[j];
+      const float only_u = u[j], only_pmf = samplings->pmf[j];
+      u[j] = several ? own : only_u;
+      samplings->light[j] = (several & (walk.pmf > 0.0f)) ? light : only_light;
+      samplings->pmf[j] = several ? pmf : only_pmf;
     }
 }
 
@@ -363,28 +324,58 @@ STAGE void end_by_numbers(const PRIVATE Scene* scene, const PRIVATE LightWalks* 
 }
 
 /// Chooses a light for each place by u and the digits below it, `fine` in [0, 1). What is left of them
-/// replaces u: uniform in [0, 1) again, and as well spread.
+/// replaces u: uniform in [0, 1) again, and as well spread. `scales` become those of the places.
 FN void choose_by_tree(const PRIVATE Scene* scene, const PRIVATE LitPlaces* places, PRIVATE float* u,
-                       const PRIVATE float* fine, PRIVATE LightSamplings* samplings) {
+                       const PRIVATE float* fine, PRIVATE LightSamplings* samplings,
+                       PRIVATE LightScales* scales) {
   LightWalks walks;
+  float importances[LIGHT_CUT * LANES];
+  CutNumbers dealt;
   start_by_numbers(u, fine, &walks);
-  start_walks(scene, false, places, &walks);
-  for (int level = 0; level < scene->header.light_tree_depth; level++)
-    if (!turn_by_numbers(scene, places, &walks)) break;
+  weigh_cut(scene, places, importances, scales);
+  for (int j = 0; j < LANES; j++) {
+    dealt.below[j] = dealt.start[j] = dealt.width[j] = 0;
+    dealt.node[j] = -1;
+  }
+  for (int k = 0; k < scene->header.light_cut; k++) {
+    const bool infinite = (scene->light_nodes[k].flags & LIGHTS_INFINITE) != 0;
+    deal_numbers(k, importances + k * LANES, infinite ? scales->infinite : scales->finite, &walks, &dealt);
+  }
+  enter_cut(&dealt, &walks);
+  if (any_turns_left(scene, &walks))
+    for (int level = 0; level < scene->header.light_tree_depth; level++)
+      if (!turn_by_numbers(scene, places, &walks)) break;
   end_by_numbers(scene, &walks, u, samplings);
+  const int turns = scene->header.light_leaf_turns;
+  if (turns == 0) return;
+  LeafSearch search;
+  start_search(scene, &walks, &search);
+  int any = 0;
+  for (int j = 0; j < LANES; j++) any |= search.count[j] > 1 ? 1 : 0;
+  if (any == 0) return;
+  for (int turn = turns - 1; turn >= 0; turn--) turn_search(scene, 1 << turn, &walks, &search);
+  take_members(scene, &search, &walks, u, samplings);
 }
 
-STAGE void start_by_trails(const PRIVATE Scene* scene, const PRIVATE FoundLights* RESTRICT found,
-                           PRIVATE LightWalks* RESTRICT walks) {
+/// Walks towards the lights found begin at their nodes of the cut.
+STAGE void start_by_trails(const PRIVATE Scene* scene, const PRIVATE LitPlaces* RESTRICT places,
+                           const PRIVATE LightScales* RESTRICT scales,
+                           const PRIVATE FoundLights* RESTRICT found, PRIVATE LightWalks* RESTRICT walks) {
+  const int last = scene->header.light_cut - 1;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const int light = found->light[j];
-      LightWalk walk;
       const uint trail = scene->light_trails[light >= 0 ? light : 0];
-      walk.node = (int)(trail & (LIGHT_CUT - 1u));
+      const int node = min_i((int)(trail & (LIGHT_CUT - 1u)), last);
+      const int flags = scene->light_nodes[node].flags;
+      const float importance = light_importance(scene->light_nodes + node, load_lit_place(places, j));
+      const float finite = scales->finite[j], infinite = scales->infinite[j];
+      const int numbers = numbers_of_node(importance, (flags & LIGHTS_INFINITE) != 0 ? infinite : finite);
+      LightWalk walk;
+      walk.node = node;
       walk.high = (int)(trail / LIGHT_CUT);
       walk.low = 0.0f;
-      walk.pmf = light >= 0 ? 1.0f : 0.0f;
+      walk.pmf = light >= 0 ? (float)numbers * (1.0f / LIGHT_NUMBERS) : 0.0f;
       store_light_walk(walks, j, walk);
     }
 }
@@ -399,15 +390,33 @@ STAGE void end_by_trails(const PRIVATE Scene* scene, const PRIVATE LightWalks* R
     }
 }
 
-/// Makes the probabilities of the lights found those with which choose_by_tree chooses them for the places.
+/// The same where leaves have several lights.
+STAGE void end_at_members(const PRIVATE Scene* scene, const PRIVATE LightWalks* RESTRICT walks,
+                          PRIVATE FoundLights* RESTRICT found) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const LightWalk walk = load_light_walk(walks, j);
+      const int light = found->light[j];
+      GLOBAL const LightNode* node = scene->light_nodes + walk.node;
+      const int child = node->child, count = node->lights;
+      const int numbers = scene->light_numbers[light >= 0 ? light : 0];
+      const float pmf = walk.pmf * ((float)numbers * (1.0f / LIGHT_NUMBERS));
+      const float only_pmf = found->pmf[j];
+      found->pmf[j] = ((child < 0) & (count > 1) & (light >= 0)) ? pmf : only_pmf;
+    }
+}
+
+/// Makes the probabilities of the lights found those with which choose_by_tree chooses them for the places,
+/// whose scales these are.
 FN void find_tree_pmfs(const PRIVATE Scene* scene, const PRIVATE LitPlaces* places,
-                       PRIVATE FoundLights* found) {
+                       const PRIVATE LightScales* scales, PRIVATE FoundLights* found) {
   LightWalks walks;
-  start_by_trails(scene, found, &walks);
-  start_walks(scene, true, places, &walks);
-  for (int level = 0; level < scene->header.light_tree_depth; level++)
-    if (!turn_by_trails(scene, places, &walks)) break;
+  start_by_trails(scene, places, scales, found, &walks);
+  if (any_turns_left(scene, &walks))
+    for (int level = 0; level < scene->header.light_tree_depth; level++)
+      if (!turn_by_trails(scene, places, &walks)) break;
   end_by_trails(scene, &walks, found);
+  if (scene->header.light_leaf_turns > 0) end_at_members(scene, &walks, found);
 }
 #endif
 

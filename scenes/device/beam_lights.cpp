@@ -87,7 +87,10 @@ EmitterLight ProjectorLight::light(const EmitterPlace& place) const {
   const double area = 4 * x * y;
   EmitterLight made =
       beam_light(LIGHT_PROJECTOR, irradiance, glm::vec3(scale), kPi * area, beam, to_world, place);
-  made.bounds = beam_bounds(made, to_world, std::atan(std::hypot(x, y)), made.power / area);
+  // In its corners the intensity is highest: see projector_light_radiance.
+  const double corner = std::hypot(x, y), inverse_cosine = std::sqrt(1 + corner * corner);
+  made.bounds =
+      beam_bounds(made, to_world, std::atan(corner), made.power / area * std::pow(inverse_cosine, 3));
   return made;
 }
 

@@ -8,6 +8,7 @@
 #include "kernels/host/device_scene.h"
 #include "scenes/device/integrator_builder.h"
 #include "scenes/device/intersector.h"
+#include "scenes/device/light_groups.h"
 #include "scenes/device/light_survey.h"
 #include "scenes/device/light_table.h"
 #include "scenes/device/light_tree_builder.h"
@@ -35,19 +36,29 @@ class Chooser {
     const double unit = intensity > 0 ? size2 / intensity : 1.0;
     if (infinite.empty() || !(intensity > 0)) {
       const bool alike = infinite.empty() && in_one_place(all) && open_;
-      set_light_tree(alike ? LightTree{} : build_light_tree(all, unit));
+      if (alike) {
+        set_light_tree({});
+        return {};
+      }
+      const Expected<std::vector<LightGroup>> groups = groups_of(finite, unit);
+      if (!groups) return std::unexpected(groups.error());
+      set_light_tree(build_light_tree(all, unit, *groups));
       return {};
     }
-    set_light_tree(build_light_tree(finite, unit));
-    Expected<InfiniteLights> found = survey(infinite);
-    if (!found) return std::unexpected(found.error());
+    const Expected<std::vector<LightGroup>> groups = groups_of(finite, unit);
+    if (!groups) return std::unexpected(groups.error());
+    set_light_tree(build_light_tree(finite, unit, *groups));
+    InfiniteLights found{.intensities = std::vector<double>(infinite.size(), 1.0)};
+    Expected<void> done =
+        survey([&](const DeviceScene& scene) { found = survey_infinite_lights(scene, infinite); });
+    if (!done) return done;
     if (infinite.size() == 1 && in_one_place(finite) && open_) {
-      choose_alike(infinite[0], found->share);
+      choose_alike(infinite[0], found.share);
       return {};
     }
     for (std::size_t i = 0; i < infinite.size(); ++i)
-      all[std::size_t(infinite[i])].intensity = found->intensities[i] / unit;
-    set_light_tree(build_light_tree(all, unit));
+      all[std::size_t(infinite[i])].intensity = found.intensities[i] / unit;
+    set_light_tree(build_light_tree(all, unit, *groups));
     return {};
   }
 
@@ -62,8 +73,11 @@ class Chooser {
     }
     records_.light_nodes = tree.nodes;
     records_.light_trails = tree.trails;
+    records_.light_members = tree.members;
+    records_.light_numbers = tree.numbers;
     h_.light_cut = tree.cut;
     h_.light_tree_depth = tree.depth;
+    h_.light_leaf_turns = tree.leaf_turns;
   }
 
   /// Whether these are as one, say the triangles of a lamp.
@@ -95,23 +109,35 @@ class Chooser {
     set_light_tree({});
     records_.light_nodes.clear();
     records_.light_trails.clear();
+    records_.light_members.clear();
+    records_.light_numbers.clear();
   }
 
-  /// See survey_infinite_lights; in a copy of the scene that has the portable hierarchy in any case.
-  Expected<InfiniteLights> survey(std::span<const int> infinite) {
-    if (records_.triangles.empty() && records_.quadrics.empty())
-      return InfiniteLights{.intensities = std::vector<double>(infinite.size(), 1.0)};
-    const auto store_and_survey = [&] {
+  /// See light_groups; of at least two lights that have a place.
+  Expected<std::vector<LightGroup>> groups_of(const std::vector<LightBounds>& finite, double unit) {
+    if (std::ranges::count_if(finite, [](const LightBounds& b) { return b.intensity > 0; }) < 2)
+      return std::vector<LightGroup>{};
+    std::vector<SurveyedPlace> places;
+    if (Expected<void> done = survey([&](const DeviceScene& scene) { places = survey_places(scene); }); !done)
+      return std::unexpected(done.error());
+    return light_groups(finite, unit, places);
+  }
+
+  /// Looks at a copy of the scene that has the portable hierarchy in any case; not at an empty scene.
+  template <typename Look>
+  Expected<void> survey(const Look& look) {
+    if (records_.triangles.empty() && records_.quadrics.empty()) return {};
+    const bool has_hierarchy = !records_.nodes.empty();
+    if (!has_hierarchy)
+      if (Expected<void> done = add_hierarchy(records_); !done) return done;
+    {
       DeviceScene surveyed;
       surveyed.header = h_;
       store(records_, surveyed);
-      return survey_infinite_lights(surveyed, infinite);
-    };
-    if (!records_.nodes.empty()) return store_and_survey();
-    if (Expected<void> done = add_hierarchy(records_); !done) return std::unexpected(done.error());
-    InfiniteLights found = store_and_survey();
-    drop_hierarchy(records_);
-    return found;
+      look(surveyed);
+    }
+    if (!has_hierarchy) drop_hierarchy(records_);
+    return {};
   }
 
   std::span<const LightBounds> lights_;

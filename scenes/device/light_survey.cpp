@@ -35,8 +35,18 @@ class Survey {
       : scene_(make_scene(scene.header, scene.words.data())), infinite_(infinite) {}
 
   InfiniteLights run() {
-    for (int k = 0; k < kCameraRays; ++k) follow(k);
+    for (int k = 0; k < kCameraRays; ++k)
+      follow(k, [&](const Surface& s, bool all_around, double weight) { visit(s, all_around, weight); });
     return found();
+  }
+
+  std::vector<SurveyedPlace> places() {
+    std::vector<SurveyedPlace> all;
+    for (int k = 0; k < kCameraRays; ++k)
+      follow(k, [&](const Surface& s, bool all_around, double weight) {
+        all.push_back({s.p, all_around ? make_vec3(0, 0, 0) : s.shading, weight});
+      });
+    return all;
   }
 
  private:
@@ -129,7 +139,8 @@ class Survey {
       u[j] = number();
       fine[j] = number();
     }
-    choose_by_tree(&scene_, &places, u, fine, &chosen);
+    LightScales scales;
+    choose_by_tree(&scene_, &places, u, fine, &chosen, &scales);
     Place place{weight, 0, 0, {}, {}};
     for (int k = 0; k < scene_.header.light_cut; ++k)
       place.importance += double(light_importance(scene_.light_nodes + k, lit));
@@ -150,7 +161,8 @@ class Survey {
   }
 
   /// The k-th camera ray and where light goes on from there.
-  void follow(int k) {
+  template <typename Visit>
+  void follow(int k, const Visit& visited) {
     const SceneHeader& h = scene_.header;
     // An additive sequence (Roberts 2018), and numbers of its own for each ray.
     const double x = std::fmod(0.5 + k * 0.7548776662466927, 1.0) * h.film.width;
@@ -181,7 +193,7 @@ class Survey {
         toward = sub(scale(s.shading, 2 * dot3(s.shading, s.wo)), s.wo);
       } else {
         const bool all_around = lets_light_through(closure);
-        visit(s, all_around, weight);
+        visited(s, all_around, weight);
         weight *= kLaterWeight;
         ++bounce;
         const float u = number(), v = number();
@@ -298,6 +310,8 @@ class Survey {
 };
 
 }  // namespace
+
+std::vector<SurveyedPlace> survey_places(const DeviceScene& scene) { return Survey(scene, {}).places(); }
 
 InfiniteLights survey_infinite_lights(const DeviceScene& scene, std::span<const int> infinite) {
   return Survey(scene, infinite).run();

@@ -8,6 +8,17 @@
 
 namespace penumbra {
 
+/// A place that the camera sees, or that light reaches from one.
+struct SurveyedPlace {
+  vec3 p;
+  vec3 facing;  ///< unit shading normal; 0 where light from all directions counts
+  double weight;
+};
+
+/// Always the same for the same scene, which has the hierarchy of the portable intersector; its lights do not
+/// matter.
+std::vector<SurveyedPlace> survey_places(const DeviceScene& scene);
+
 struct InfiniteLights {
   std::vector<double>
       intensities;     ///< of each in the hierarchy of lights, by which it is chosen beside others

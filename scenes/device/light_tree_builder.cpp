@@ -53,16 +53,36 @@ LightNode node_of(const LightBounds& b, double unit) {
   return node;
 }
 
+/// Over items: groups of lights, or lights by themselves.
 class Builder {
  public:
-  Builder(std::span<const LightBounds> lights, double unit) : lights_(lights), unit_(unit) {
+  Builder(std::span<const LightBounds> lights, double unit, std::span<const LightGroup> groups,
+          int most_of_cut)
+      : lights_(lights), unit_(unit), most_of_cut_(std::size_t(most_of_cut)) {
     tree_.trails.resize(lights.size(), 0);
+    std::vector<int> group_of(lights.size(), -1);
+    for (std::size_t g = 0; g < groups.size(); ++g)
+      for (const int light : groups[g]) group_of[std::size_t(light)] = int(g);
+    std::vector<bool> added(groups.size(), false);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+      if (!(lights[i].intensity > 0)) continue;
+      const int g = group_of[i];
+      if (g >= 0 && added[std::size_t(g)]) continue;
+      if (g >= 0) added[std::size_t(g)] = true;
+      items_.push_back(g < 0 ? LightGroup{int(i)} : groups[std::size_t(g)]);
+      LightBounds all = lights[std::size_t(items_.back()[0])];
+      for (const int light : std::span(items_.back()).subspan(1))
+        all = joined(all, lights[std::size_t(light)]);
+      bounds_.push_back(all);
+    }
+    const bool several = std::ranges::any_of(items_, [](const LightGroup& g) { return g.size() > 1; });
+    if (several) tree_.numbers.resize(lights.size(), 0);
   }
 
   LightTree build() {
     std::vector<int> finite, infinite;
-    for (std::size_t i = 0; i < lights_.size(); ++i)
-      if (lights_[i].intensity > 0) (lights_[i].infinite ? infinite : finite).push_back(int(i));
+    for (std::size_t i = 0; i < bounds_.size(); ++i)
+      (bounds_[i].infinite ? infinite : finite).push_back(int(i));
     const std::vector<std::span<int>> cut = cut_of(finite, infinite);
     tree_.cut = int(cut.size());
     tree_.nodes.resize(cut.size());
@@ -71,20 +91,20 @@ class Builder {
   }
 
  private:
-  [[nodiscard]] const LightBounds& of(int light) const { return lights_[std::size_t(light)]; }
-  [[nodiscard]] glm::dvec3 middle(int light) const { return 0.5 * (of(light).low + of(light).high); }
-  [[nodiscard]] LightBounds bounds_of(std::span<const int> lights) const {
-    LightBounds all = of(lights[0]);
-    for (const int light : lights.subspan(1)) all = joined(all, of(light));
+  [[nodiscard]] const LightBounds& of(int item) const { return bounds_[std::size_t(item)]; }
+  [[nodiscard]] glm::dvec3 middle(int item) const { return 0.5 * (of(item).low + of(item).high); }
+  [[nodiscard]] LightBounds bounds_of(std::span<const int> items) const {
+    LightBounds all = of(items[0]);
+    for (const int item : items.subspan(1)) all = joined(all, of(item));
     return all;
   }
 
   /// Splits what costs most again and again.
   std::vector<std::span<int>> cut_of(std::span<int> finite, std::span<int> infinite) {
     std::vector<std::span<int>> cut;
-    for (const std::span<int> lights : {finite, infinite})
-      if (!lights.empty()) cut.push_back(lights);
-    while (!cut.empty() && cut.size() < LIGHT_CUT) {
+    for (const std::span<int> items : {finite, infinite})
+      if (!items.empty()) cut.push_back(items);
+    while (!cut.empty() && cut.size() < most_of_cut_) {
       std::size_t most = 0;
       double highest = -1;
       for (std::size_t k = 0; k < cut.size(); ++k)
@@ -93,12 +113,36 @@ class Builder {
           highest = cost;
         }
       if (highest < 0) break;
-      const std::span<int> lights = cut[most];
-      const std::size_t first = split(lights, kMaxLightTreeDepth);
-      cut[most] = lights.first(first);
-      cut.insert(cut.begin() + std::ptrdiff_t(most) + 1, lights.subspan(first));
+      const std::span<int> items = cut[most];
+      const std::size_t first = split(items, kMaxLightTreeDepth);
+      cut[most] = items.first(first);
+      cut.insert(cut.begin() + std::ptrdiff_t(most) + 1, items.subspan(first));
     }
     return cut;
+  }
+
+  /// Makes the node a leaf of these lights.
+  void add_leaf(LightNode& node, const LightGroup& lights, std::uint32_t trail) {
+    for (const int light : lights) tree_.trails[std::size_t(light)] = trail;
+    node.lights = int(lights.size());
+    node.child = ~lights[0];
+    if (!tree_.numbers.empty()) tree_.numbers[std::size_t(lights[0])] = int(LIGHT_NUMBERS);
+    if (lights.size() == 1) return;
+    node.child = ~int(tree_.members.size());
+    tree_.leaf_turns = std::max(tree_.leaf_turns, int(std::bit_width(lights.size() - 1)));
+    double all = 0, before = 0;
+    for (const int light : lights) all += lights_[std::size_t(light)].intensity;
+    // Each has at least one number.
+    const int spare = int(LIGHT_NUMBERS) - int(lights.size());
+    const auto end_of = [&](std::size_t k) { return int(std::min(before / all, 1.0) * spare) + int(k); };
+    int start = 0;
+    for (std::size_t k = 0; k < lights.size(); ++k) {
+      before += lights_[std::size_t(lights[k])].intensity;
+      const int end = k + 1 == lights.size() ? int(LIGHT_NUMBERS) : end_of(k + 1);
+      tree_.members.push_back({lights[k], start});
+      tree_.numbers[std::size_t(lights[k])] = end - start;
+      start = end;
+    }
   }
 
   int add_pair(int parent) {
@@ -109,54 +153,52 @@ class Builder {
   }
 
   /// Makes node `index`, `depth` turns below the cut along `trail`.
-  void add(int index, std::span<int> lights, int depth, std::uint32_t trail) {
+  void add(int index, std::span<int> items, int depth, std::uint32_t trail) {
     tree_.depth = std::max(tree_.depth, depth);
-    tree_.nodes[std::size_t(index)] = node_of(bounds_of(lights), unit_);
-    if (lights.size() == 1) {
-      tree_.nodes[std::size_t(index)].child = ~lights[0];
-      tree_.trails[std::size_t(lights[0])] = trail;
+    tree_.nodes[std::size_t(index)] = node_of(bounds_of(items), unit_);
+    if (items.size() == 1) {
+      add_leaf(tree_.nodes[std::size_t(index)], items_[std::size_t(items[0])], trail);
       return;
     }
-    const std::size_t first = split(lights, kMaxLightTreeDepth - depth);
+    const std::size_t first = split(items, kMaxLightTreeDepth - depth);
     const int pair = add_pair(index);
-    add(pair, lights.first(first), depth + 1, trail);
-    add(pair + 1, lights.subspan(first), depth + 1, trail | std::uint32_t(LIGHT_CUT) << depth);
+    add(pair, items.first(first), depth + 1, trail);
+    add(pair + 1, items.subspan(first), depth + 1, trail | std::uint32_t(LIGHT_CUT) << depth);
   }
 
-  /// Orders the lights and returns how many of them the first child gets; `levels` may follow.
-  std::size_t split(std::span<int> lights, int levels) {
-    const bool may_lean = int(std::bit_width(lights.size() - 1)) < levels;
-    glm::dvec3 low = middle(lights[0]), high = low;
-    for (const int light : lights) {
-      low = glm::min(low, middle(light));
-      high = glm::max(high, middle(light));
+  /// Orders the items and returns how many of them the first child gets; `levels` may follow.
+  std::size_t split(std::span<int> items, int levels) {
+    const bool may_lean = int(std::bit_width(items.size() - 1)) < levels;
+    glm::dvec3 low = middle(items[0]), high = low;
+    for (const int item : items) {
+      low = glm::min(low, middle(item));
+      high = glm::max(high, middle(item));
     }
     if (may_lean)
-      if (const std::optional<std::size_t> found = best_split(lights, low, high)) return *found;
+      if (const std::optional<std::size_t> found = best_split(items, low, high)) return *found;
     const glm::dvec3 d = high - low;
     const int axis = d.x >= d.y && d.x >= d.z ? 0 : d.y >= d.z ? 1 : 2;
-    std::ranges::sort(lights, [&](int a, int b) {
+    std::ranges::sort(items, [&](int a, int b) {
       const double at_a = middle(a)[axis], at_b = middle(b)[axis];
       return at_a != at_b ? at_a < at_b : a < b;
     });
-    return lights.size() / 2;
+    return items.size() / 2;
   }
 
-  std::optional<std::size_t> best_split(std::span<int> lights, const glm::dvec3& low,
-                                        const glm::dvec3& high) {
+  std::optional<std::size_t> best_split(std::span<int> items, const glm::dvec3& low, const glm::dvec3& high) {
     const glm::dvec3 extent = high - low;
     const double longest = std::max({extent.x, extent.y, extent.z});
     double best = std::numeric_limits<double>::infinity();
     int best_axis = -1, best_bucket = 0;
-    const auto bucket_of = [&](int light, int axis) {
-      return std::min(kBuckets - 1, int((middle(light)[axis] - low[axis]) / extent[axis] * kBuckets));
+    const auto bucket_of = [&](int item, int axis) {
+      return std::min(kBuckets - 1, int((middle(item)[axis] - low[axis]) / extent[axis] * kBuckets));
     };
     for (int axis = 0; axis < 3; ++axis) {
       if (!(extent[axis] > 1e-9 * longest)) continue;
       std::array<std::optional<LightBounds>, kBuckets> buckets;
-      for (const int light : lights) {
-        auto& bucket = buckets[std::size_t(bucket_of(light, axis))];
-        bucket = bucket ? joined(*bucket, of(light)) : of(light);
+      for (const int item : items) {
+        auto& bucket = buckets[std::size_t(bucket_of(item, axis))];
+        bucket = bucket ? joined(*bucket, of(item)) : of(item);
       }
       std::array<double, kBuckets> costs{};
       std::optional<LightBounds> sum;
@@ -181,13 +223,13 @@ class Builder {
     if (best_axis < 0) return std::nullopt;
     std::vector<int> second;
     std::size_t first = 0;
-    for (const int light : lights) {
-      if (bucket_of(light, best_axis) <= best_bucket)
-        lights[first++] = light;
+    for (const int item : items) {
+      if (bucket_of(item, best_axis) <= best_bucket)
+        items[first++] = item;
       else
-        second.push_back(light);
+        second.push_back(item);
     }
-    std::ranges::copy(second, lights.begin() + std::ptrdiff_t(first));
+    std::ranges::copy(second, items.begin() + std::ptrdiff_t(first));
     return first;
   }
 
@@ -197,13 +239,17 @@ class Builder {
 
   std::span<const LightBounds> lights_;
   double unit_;
+  std::size_t most_of_cut_;
+  std::vector<LightGroup> items_;
+  std::vector<LightBounds> bounds_;  ///< of items
   LightTree tree_;
 };
 
 }  // namespace
 
-LightTree build_light_tree(std::span<const LightBounds> lights, double unit) {
-  return Builder(lights, unit).build();
+LightTree build_light_tree(std::span<const LightBounds> lights, double unit,
+                           std::span<const LightGroup> groups, int most_of_cut) {
+  return Builder(lights, unit, groups, most_of_cut).build();
 }
 
 }  // namespace penumbra

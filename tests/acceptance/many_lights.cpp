@@ -70,22 +70,49 @@ SceneDescription emissive_triangles(int count) {
   return scene;
 }
 
-SceneDescription point_lights(int count) {
+/// Blocks on a plain, seen from above.
+SceneDescription town(RandomNumbers& random) {
   SceneDescription scene = scene_of_paths();
   const int grey = add_diffuse(scene, 0.5f);
   scene.shapes.push_back(parallelogram({-40, 0, -70}, {0, 0, 80}, {80, 0, 0}, grey));
-  RandomNumbers random(2);
   for (int k = 0; k < 60; ++k) {
     const double x = random.between(-38, 36), z = random.between(-68, 0), h = random.between(1, 6);
     add_block(scene, {x, 0, z}, {x + 2, h, z + 2}, grey);
   }
+  scene.camera = look_at({0, 4, 8}, {0, 0, -15}, {0, 1, 0}, 60);
+  return scene;
+}
+
+SceneDescription point_lights(int count) {
+  RandomNumbers random(2);
+  SceneDescription scene = town(random);
   for (int k = 0; k < count; ++k) {
     PointLight light;
     light.position = {random.between(-39, 39), random.between(0.5, 4), random.between(-69, 9)};
     light.intensity = glm::vec3(float(std::pow(10.0, random.between(-1, 1))));
     scene.emitters.emplace_back(light);
   }
-  scene.camera = look_at({0, 4, 8}, {0, 0, -15}, {0, 1, 0}, 60);
+  return scene;
+}
+
+/// Cones of 15 to 35 degrees about directions up to 45 degrees off the plumb line.
+SceneDescription spot_lights(int count) {
+  RandomNumbers random(3);
+  SceneDescription scene = town(random);
+  for (int k = 0; k < count; ++k) {
+    SpotLight light;
+    light.cutoff_angle = random.between(15, 35);
+    light.beam_width = 0.75 * light.cutoff_angle;
+    light.intensity = glm::vec3(float(std::pow(10.0, random.between(0, 2))));
+    const glm::dvec3 at(random.between(-39, 39), random.between(2, 8), random.between(-69, 9));
+    const double tilt = random.between(0, std::numbers::pi / 4),
+                 turn = random.between(0, 2 * std::numbers::pi);
+    const glm::dvec3 z(std::sin(tilt) * std::cos(turn), -std::cos(tilt), std::sin(tilt) * std::sin(turn));
+    const glm::dvec3 x = glm::normalize(glm::cross(z, glm::dvec3(0.6, 0, 0.8)));
+    light.to_world =
+        glm::dmat4(glm::dvec4(x, 0), glm::dvec4(glm::cross(z, x), 0), glm::dvec4(z, 0), glm::dvec4(at, 1));
+    scene.emitters.emplace_back(light);
+  }
   return scene;
 }
 
@@ -172,7 +199,8 @@ std::vector<ManyLights> many_lights() {
           {"torch in a field at night", field(100, 0.01f)},
           {"torch in a wide field by day", field(10'000, 1)},
           {"rooms in a row", rooms(6)},
-          {"plastic under lamps", plate()}};
+          {"plastic under lamps", plate()},
+          {"1000 spots", spot_lights(1000)}};
 }
 
 }  // namespace penumbra

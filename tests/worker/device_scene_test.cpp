@@ -341,6 +341,51 @@ TEST(DeviceSceneCheck, FollowsTheHierarchyOfLights) {
   expect_refused(with_node(1, [](LightNode& n) { n.flags = 4; }), "a node of lights of unknown kind");
 }
 
+// A lamp of many lights, which are as one, and another one.
+TEST(DeviceSceneCheck, FollowsLeavesOfLights) {
+  SceneDescription lamps = lights_in_a_hierarchy();
+  lamps.emitters.clear();
+  for (int k = 0; k < 20; ++k)
+    lamps.emitters.emplace_back(PointLight{glm::dvec3(1e-6 * k, 0.2, 0), glm::vec3(0.01f * float(k + 1))});
+  lamps.emitters.emplace_back(PointLight{glm::dvec3(0.3, -0.4, 0.2), glm::vec3(0.1f)});
+  const DeviceScene scene = build_or_throw(lamps);
+  const SceneHeader& h = scene.header;
+  EXPECT_TRUE(check_device_scene(scene));
+  ASSERT_GE(h.light_leaf_turns, 1);
+  const auto nodes = table<LightNode>(scene, h.tables.light_nodes);
+  const auto leaf = std::size_t(std::ranges::find_if(nodes, [](const LightNode& n) { return n.lights > 1; }) -
+                                nodes.begin());
+  const auto first = std::size_t(~nodes[leaf].child);
+  const auto with_header = [&](auto change) {
+    DeviceScene changed = scene;
+    change(changed.header);
+    return changed;
+  };
+  const auto with_leaf = [&](auto change) {
+    return with_record<LightNode>(scene, h.tables.light_nodes, leaf, change);
+  };
+  const auto with_member = [&](std::size_t k, auto change) {
+    return with_record<LightMember>(scene, h.tables.light_members, first + k, change);
+  };
+  for (const int turns : {-1, 0, 21})
+    expect_refused(with_header([&](SceneHeader& c) { c.light_leaf_turns = turns; }), "no search finds");
+  expect_refused(with_header([](SceneHeader& c) { --c.light_leaf_turns; }), "search finds");
+  expect_refused(with_header([](SceneHeader& c) { --c.tables.light_numbers.count; }),
+                 "shares of lights do not match the lights");
+  expect_refused(with_header([](SceneHeader& c) { --c.tables.light_members.count; }),
+                 "a leaf of lights names lights that are not there");
+  expect_refused(with_leaf([](LightNode& n) { n.lights = INT_MAX; }),
+                 "a leaf of lights names lights that are not there");
+  for (const int light : {-1, h.tables.lights.count, INT_MAX})
+    expect_refused(with_member(1, [&](LightMember& m) { m.light = light; }),
+                   "a node names a light that is not there");
+  for (const int start : {-1, 0, INT_MAX})
+    expect_refused(with_member(1, [&](LightMember& m) { m.start = start; }),
+                   "shares of lights in a leaf are not those of all numbers");
+  expect_refused(with_member(0, [&](LightMember& m) { m.start = 1; }),
+                 "shares of lights in a leaf are not those of all numbers");
+}
+
 TEST(DeviceSceneCheck, NamesWhatIsWrongWithLights) {
   const DeviceScene scene = build_or_throw(emitters());
   const SceneHeader& h = scene.header;

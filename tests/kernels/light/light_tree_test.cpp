@@ -86,13 +86,14 @@ EmittingPoint point_of(const Light& light, RandomNumbers& random) {
   }
 }
 
-/// Scenes of `count` lights, with `infinite` infinite ones after them.
+/// Scenes of `count` lights, with `infinite` infinite ones after them. Leaves are of `together` lights that
+/// need not be alike.
 struct Lights {
   SceneTables tables;
   std::vector<LightBounds> bounds;
   Scene scene{};
 
-  Lights(std::vector<Light> lights, int infinite, RandomNumbers& random) {
+  Lights(std::vector<Light> lights, int infinite, RandomNumbers& random, int together = 1) {
     tables.lights = std::move(lights);
     double intensity = 0;
     for (const Light& light : tables.lights) {
@@ -113,21 +114,30 @@ struct Lights {
       b.intensity = intensity / 9 * random.uniform();
       bounds.push_back(b);
     }
-    const LightTree tree = build_light_tree(bounds, intensity > 0 ? 9 / intensity : 1.0);
+    std::vector<LightGroup> groups;
+    const auto finite = int(tables.lights.size()) - infinite;
+    for (int k = 0; together > 1 && k < finite; ++k) {
+      if (k % together == 0) groups.emplace_back();
+      groups.back().push_back(k);
+    }
+    const LightTree tree = build_light_tree(bounds, intensity > 0 ? 9 / intensity : 1.0, groups);
     tables.light_nodes = tree.nodes;
     tables.light_trails = tree.trails;
+    tables.light_members = tree.members;
+    tables.light_numbers = tree.numbers;
     tables.header.light_cut = tree.cut;
     tables.header.light_tree_depth = tree.depth;
+    tables.header.light_leaf_turns = tree.leaf_turns;
     tables.header.features |= FEATURE_LIGHT_TREE;
     scene = tables.scene();
   }
 };
 
-Lights random_lights(int count, int infinite, std::uint64_t seed) {
+Lights random_lights(int count, int infinite, std::uint64_t seed, int together = 1) {
   RandomNumbers random(seed);
   std::vector<Light> lights;
   for (int k = 0; k < count; ++k) lights.push_back(random_light(random));
-  return Lights(std::move(lights), infinite, random);
+  return Lights(std::move(lights), infinite, random, together);
 }
 
 LitPlace random_place(RandomNumbers& random) {
@@ -153,7 +163,8 @@ std::vector<Choice> choose(const Scene& scene, const LitPlace& place, const std:
     number[j] = u[std::size_t(j) % u.size()];
     digits[j] = fine[std::size_t(j) % fine.size()];
   }
-  choose_by_tree(&scene, &places, number, digits, &samplings);
+  LightScales scales;
+  choose_by_tree(&scene, &places, number, digits, &samplings, &scales);
   std::vector<Choice> choices;
   for (int j = 0; j < LANES; ++j) choices.push_back({samplings.light[j], samplings.pmf[j], number[j]});
   return choices;
@@ -164,10 +175,12 @@ std::vector<float> pmfs(const Scene& scene, const LitPlace& place) {
   std::vector<float> all;
   LitPlaces places;
   for (int j = 0; j < LANES; ++j) store_lit_place(&places, j, place);
+  LightScales scales;
+  find_light_scales(&scene, &places, &scales);
   for (int first = 0; first < count; first += LANES) {
     FoundLights found{};
     for (int j = 0; j < LANES; ++j) found.light[j] = first + j < count ? first + j : -1;
-    find_tree_pmfs(&scene, &places, &found);
+    find_tree_pmfs(&scene, &places, &scales, &found);
     for (int j = 0; j < LANES && first + j < count; ++j) all.push_back(found.pmf[j]);
   }
   return all;
@@ -175,19 +188,21 @@ std::vector<float> pmfs(const Scene& scene, const LitPlace& place) {
 
 struct TreeCase {
   int lights, infinite;
+  int together = 1;
 };
+constexpr TreeCase kTreeCases[] = {{1, 0},    {1, 1},     {2, 0},        {0, 4},
+                                   {5, 1},    {30, 3},    {1000, 1},     {2, 0, 2},
+                                   {5, 1, 5}, {30, 3, 4}, {1000, 1, 30}, {1000, 1, 1000}};
 class LightTrees : public testing::TestWithParam<TreeCase> {
  protected:
-  Lights lights_ = random_lights(GetParam().lights, GetParam().infinite, 7);
+  Lights lights_ = random_lights(GetParam().lights, GetParam().infinite, 7, GetParam().together);
   RandomNumbers random_{8};
 };
-INSTANTIATE_TEST_SUITE_P(Sizes, LightTrees,
-                         testing::Values(TreeCase{1, 0}, TreeCase{1, 1}, TreeCase{2, 0}, TreeCase{0, 4},
-                                         TreeCase{5, 1}, TreeCase{30, 3}, TreeCase{1000, 1}),
-                         [](const auto& tested) {
-                           return std::to_string(tested.param.lights) + "And" +
-                                  std::to_string(tested.param.infinite);
-                         });
+INSTANTIATE_TEST_SUITE_P(Sizes, LightTrees, testing::ValuesIn(kTreeCases), [](const auto& tested) {
+  const TreeCase& c = tested.param;
+  return std::to_string(c.lights) + "And" + std::to_string(c.infinite) +
+         (c.together > 1 ? "By" + std::to_string(c.together) : "");
+});
 
 TEST_P(LightTrees, ProbabilitiesSumToOneOrNothingArrives) {
   for (int k = 0; k < 300; ++k) {
@@ -252,7 +267,8 @@ TEST_P(LightTrees, DrawLightsByTheirProbabilities) {
     }
     if (std::ranges::count_if(expected, [](double e) { return e >= 5; }) < 2) continue;
     const auto result = statistics::chi_square_test(observed, expected);
-    EXPECT_GT(result.p, statistics::sidak_significance(0.01, kPlaces * 7)) << "place " << k;
+    EXPECT_GT(result.p, statistics::sidak_significance(0.01, kPlaces * int(std::size(kTreeCases))))
+        << "place " << k;
   }
 }
 
@@ -426,6 +442,35 @@ TEST(LightTree, IsNeverTooDeep) {
       ASSERT_EQ(tree.nodes[std::size_t(node)].child, ~int(i));
     }
   }
+}
+
+// Lights of a leaf are taken there as their intensities are, to one number; none is left out.
+TEST(LightTree, LeavesKeepSharesOfIntensity) {
+  std::vector<LightBounds> lights(50);
+  double all = 0;
+  for (std::size_t k = 0; k < lights.size(); ++k) {
+    lights[k].infinite = false;
+    lights[k].intensity = k == 7 ? 1e-12 : double(k + 1);
+    all += lights[k].intensity;
+  }
+  LightGroup group;
+  for (int k = 49; k >= 0; --k) group.push_back(k);
+  const LightTree tree = build_light_tree(lights, 1, std::span(&group, 1));
+  ASSERT_EQ(tree.nodes.size(), 1u);
+  EXPECT_EQ(tree.nodes[0].lights, 50);
+  EXPECT_EQ(tree.leaf_turns, 6);
+  EXPECT_EQ(tree.depth, 0);
+  int start = 0;
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    const auto light = std::size_t(group[k]);
+    EXPECT_EQ(tree.members[k].light, group[k]);
+    EXPECT_EQ(tree.members[k].start, start);
+    EXPECT_GE(tree.numbers[light], 1);
+    // Of 2^24 numbers one for each of 50 lights is not dealt out by intensity.
+    EXPECT_NEAR(tree.numbers[light], lights[light].intensity / all * 0x1p24, 51);
+    start += tree.numbers[light];
+  }
+  EXPECT_EQ(start, 1 << 24);
 }
 
 TEST(LightTree, LeavesOutLightsWithoutPower) {
