@@ -105,7 +105,7 @@ class SceneSet final : public JobSource {
   Mailbox<ReadyRender> ready_{kPreparedAhead};
   Mailbox<FinishedRender> unwritten_;
   std::atomic<std::size_t> unwritten_count_ = 0;
-  std::atomic<bool> all_read_ = false;
+  std::atomic<bool> all_read_ = false, farm_is_over_ = false;
   std::optional<ReadyRender> next_, taken_;
   std::map<JobId, std::optional<ReadyRender>> open_;
   std::vector<std::string> notices_;
@@ -114,7 +114,7 @@ class SceneSet final : public JobSource {
 // --- The thread that reads scenes
 
 void SceneSet::read_scenes() {
-  for (std::size_t i = 0; i < plan_.members.size() && !stop_; ++i) {
+  for (std::size_t i = 0; i < plan_.members.size() && !stop_ && !farm_is_over_; ++i) {
     auto prepared = prepare_render(plan_.members[i].options);
     if (prepared)
       if (const auto device = check_device(prepared->job.device); !device)
@@ -244,6 +244,7 @@ ExitCode SceneSet::run() {
   std::thread writer([this] { write_images(); });
   const Expected<void> ran = run_farm(farm, *this, stop_);
   printer_.finish();
+  farm_is_over_ = true;
   ready_.close();
   reader.join();
   unwritten_.close();
