@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 #include <unistd.h>
+#include <xxhash.h>
 
 #include <cstdlib>
 #include <sstream>
+
+#include "kernels/host/plain_file.h"
+#include "scheduler/record/render_record.h"
 
 namespace penumbra {
 namespace {
@@ -31,6 +35,12 @@ Expected<fs::path> find_program(const std::string& name) {
   }
   return fail(fmt::format("cannot find the program {}: it is neither in {} nor in PATH", name,
                           self.parent_path().string()));
+}
+
+std::string program_hash(const fs::path& program) {
+  constexpr std::uint64_t kMaxProgramBytes = std::uint64_t{4} << 30;
+  const std::string bytes = read_plain_file(program, kMaxProgramBytes).value_or("");
+  return hash_text(XXH3_64bits(bytes.data(), bytes.size()));
 }
 
 }  // namespace penumbra

@@ -40,8 +40,8 @@ std::vector<std::string> absolute_names(const OutputFiles& files) {
 }
 
 /// Everything that the images depend on.
-std::string key_of(const PreparedRender& prepared) {
-  std::string text(kVersion);
+std::string key_of(const PreparedRender& prepared, const std::string& worker_hash) {
+  std::string text = fmt::format("{} {}", kVersion, worker_hash);
   for (const auto& [name, value] : record_entries(prepared.record))
     text += std::visit([&](const auto& v) { return fmt::format("\n{}={}", name, v); }, value);
   const std::vector<std::uint8_t> scene = prepared.job.scene.serialize();
@@ -99,6 +99,7 @@ class SceneSet final : public JobSource {
   const std::atomic<bool>& stop_;
   const FinishedRenders finished_;
   ProgressPrinter printer_;
+  std::string worker_hash_;
 
   std::mutex mutex_;  // of entries_
   std::vector<SetEntry> entries_;
@@ -125,7 +126,7 @@ void SceneSet::read_scenes() {
       continue;
     }
     for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
-    const std::string key = key_of(*prepared);
+    const std::string key = key_of(*prepared, worker_hash_);
     {
       const std::lock_guard lock(mutex_);
       entries_[i].key = key;
@@ -235,6 +236,7 @@ std::size_t SceneSet::ended() {
 ExitCode SceneSet::run() {
   const auto worker = find_program("penumbra-worker");
   if (!worker) return print_error(worker.error()), kIncomplete;
+  worker_hash_ = program_hash(*worker);
   FarmOptions farm{.workers = options_.workers,
                    .worker_executable = worker->string(),
                    .listen = options_.listen,

@@ -1,6 +1,5 @@
 // `penumbra report SCENE... -o DIR`: error against run time.
 #include <fmt/format.h>
-#include <xxhash.h>
 
 #include <array>
 #include <cstdlib>
@@ -8,7 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "kernels/host/plain_file.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/report_assembly.h"
@@ -34,13 +32,6 @@ std::array<double, 3> load_averages() {
   std::array<double, 3> load{};
   if (getloadavg(load.data(), 3) != 3) load.fill(0);
   return load;
-}
-
-/// Of the program that renders: cells that another build of it made are not this report's.
-std::string file_hash(const fs::path& path) {
-  constexpr std::uint64_t kMaxProgramBytes = std::uint64_t{4} << 30;
-  const std::string bytes = read_plain_file(path, kMaxProgramBytes).value_or("");
-  return hash_text(XXH3_64bits(bytes.data(), bytes.size()));
 }
 
 /// The files of a report that is there already may be written anew; what another program wrote may not.
@@ -162,7 +153,7 @@ ExitCode report_command(ReportOptions options, const std::vector<std::string>& c
   if (const auto own = check_own_files(options.out); !own) return print_error(own.error()), kBadInput;
   const auto store = CellStore::open(fs::path(options.out) / "cells");
   if (!store) return print_error(store.error()), kBadInput;
-  const auto plans = plan_report(options, *store, file_hash(*worker));
+  const auto plans = plan_report(options, *store, program_hash(*worker));
   if (!plans) return print_error(plans.error()), kBadInput;
 
   ReportData report = begin_report(options, *plans, command_line);
