@@ -269,7 +269,12 @@ Expected<void> Session::take_job(const wire::Job& job) {
   Expected<DeviceScene> scene = fetch_scene(*stub_, context, job.scene());
   if (!scene) return std::unexpected(scene.error());
   KnownJob known{.scene = std::make_unique<DeviceScene>(std::move(*scene)), .device = {}};
-  Expected<std::unique_ptr<Device>> device = options_.make_device(*known.scene, *device_options);
+  Expected<std::unique_ptr<Device>> device = fail("");
+  try {
+    device = options_.make_device(*known.scene, *device_options);
+  } catch (const std::exception& exception) {
+    device = fail(exception.what());  // no memory, say
+  }
   if (!device) return std::unexpected(device.error());
   known.device = std::move(*device);
 

@@ -40,10 +40,10 @@ std::vector<std::string> absolute_names(const OutputFiles& files) {
 }
 
 /// Everything that the images depend on.
-std::string key_of(const PreparedRender& prepared, const std::string& worker_hash) {
-  std::string text = fmt::format("{} {}", kVersion, worker_hash);
+std::string key_of(const PreparedRender& prepared, std::string text) {
   for (const auto& [name, value] : record_entries(prepared.record))
     text += std::visit([&](const auto& v) { return fmt::format("\n{}={}", name, v); }, value);
+  if (prepared.job.time_budget) text += fmt::format("\ntime_budget={}", *prepared.job.time_budget);
   const std::vector<std::uint8_t> scene = prepared.job.scene.serialize();
   return content_hash(scene) + content_hash(bytes_of(text)).substr(0, 16);
 }
@@ -67,12 +67,19 @@ class SceneSet final : public JobSource {
         options_(options),
         command_line_(command_line),
         stop_(stop),
-        finished_(options.force ? FinishedRenders() : FinishedRenders::read(plan_.summary)),
         printer_(options.quiet ? ProgressStyle::kNone : progress_style(), terminal_columns()) {
+    const FinishedRenders finished = FinishedRenders::read(plan_.summary);
     for (const SetMember& member : plan_.members) {
-      entries_.emplace_back().scene = member.options.scene.scene;
-      entries_.back().files = absolute_names(member.files);
+      const std::vector<std::string> files = absolute_names(member.files);
+      if (const SetEntry* earlier = finished.find(files))
+        entries_.push_back(*earlier);
+      else
+        entries_.emplace_back().files = files;
+      entries_.back().scene = member.options.scene.scene;
+      entries_.back().state = SetState::kWaiting;
+      entries_.back().error.clear();
     }
+    keys_.resize(entries_.size());
   }
 
   ExitCode run();
@@ -82,7 +89,10 @@ class SceneSet final : public JobSource {
   bool is_exhausted() override;
   void took(JobId id) override { open_[id] = std::move(taken_); }
   void progress(JobId id, const RenderProgress& progress) override;
-  void notice(const std::string& text) override { notices_.push_back(text); }
+  void notice(const std::string& text) override {
+    // An address and its token were asked for.
+    if (!options_.quiet || !options_.listen.empty()) print_message(text);
+  }
   void done(JobId id, Expected<RenderOutcome> outcome) override;
 
  private:
@@ -97,19 +107,18 @@ class SceneSet final : public JobSource {
   const RenderOptions& options_;
   const std::vector<std::string>& command_line_;
   const std::atomic<bool>& stop_;
-  const FinishedRenders finished_;
   ProgressPrinter printer_;
-  std::string worker_hash_;
+  std::string key_begin_;  ///< what holds for all
 
   std::mutex mutex_;  // of entries_
   std::vector<SetEntry> entries_;
+  std::vector<std::string> keys_;  // of what is asked for; each is written before its render is passed on
   Mailbox<ReadyRender> ready_{kPreparedAhead};
   Mailbox<FinishedRender> unwritten_;
   std::atomic<std::size_t> unwritten_count_ = 0;
   std::atomic<bool> all_read_ = false, farm_is_over_ = false;
   std::optional<ReadyRender> next_, taken_;
   std::map<JobId, std::optional<ReadyRender>> open_;
-  std::vector<std::string> notices_;
 };
 
 // --- The thread that reads scenes
@@ -126,17 +135,10 @@ void SceneSet::read_scenes() {
       continue;
     }
     for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
-    const std::string key = key_of(*prepared, worker_hash_);
-    {
-      const std::lock_guard lock(mutex_);
-      entries_[i].key = key;
-      if (const SetEntry* finished = finished_.find(key, entries_[i].files)) {
-        entries_[i].samples = finished->samples;
-        entries_[i].seconds = finished->seconds;
-        entries_[i].relative_error = finished->relative_error;
-        entries_[i].state = SetState::kUnchanged;
-        continue;
-      }
+    keys_[i] = key_of(*prepared, key_begin_);
+    if (!options_.force && entries_[i].key == keys_[i]) {
+      end(i, SetState::kUnchanged);
+      continue;
     }
     ready_.put({i, std::make_shared<PreparedRender>(std::move(*prepared))});
   }
@@ -159,11 +161,8 @@ bool SceneSet::is_exhausted() {
 
 void SceneSet::progress(JobId id, const RenderProgress& progress) {
   if (open_.begin()->first != id) return;  // the one that is furthest
-  RenderProgress shown = progress;
-  shown.notices.insert(shown.notices.begin(), notices_.begin(), notices_.end());
-  notices_.clear();
   const std::size_t index = open_.begin()->second->index;
-  printer_.update(shown,
+  printer_.update(progress,
                   fmt::format("{} of {}, {}: ", ended() + 1, plan_.members.size(), entries_[index].scene));
 }
 
@@ -195,6 +194,7 @@ void SceneSet::write(FinishedRender finished) {
   {
     const std::lock_guard lock(mutex_);
     SetEntry& entry = entries_[finished.index];
+    entry.key.clear();  // its files are about to change
     entry.samples = least;
     entry.seconds = outcome.seconds;
     entry.relative_error = error;
@@ -221,6 +221,7 @@ void SceneSet::end(std::size_t index, SetState state, const std::string& error) 
   const std::lock_guard lock(mutex_);
   entries_[index].state = state;
   entries_[index].error = error;
+  if (state == SetState::kDone) entries_[index].key = keys_[index];
   // As it stands, so that what is done counts as done after any end of this process.
   if (const auto written = write_set_summary(plan_.summary, entries_); !written) print_error(written.error());
 }
@@ -236,7 +237,7 @@ std::size_t SceneSet::ended() {
 ExitCode SceneSet::run() {
   const auto worker = find_program("penumbra-worker");
   if (!worker) return print_error(worker.error()), kIncomplete;
-  worker_hash_ = program_hash(*worker);
+  key_begin_ = fmt::format("{} {} {}", kVersion, program_hash(*worker), options_.strict_numerics);
   FarmOptions farm{.workers = options_.workers,
                    .worker_executable = worker->string(),
                    .listen = options_.listen,

@@ -67,18 +67,16 @@ FinishedRenders FinishedRenders::read(const std::filesystem::path& path) {
     finished.entries_.clear();  // not written by this program: everything is rendered
   }
   std::erase_if(finished.entries_, [](const SetEntry& entry) {
-    const bool done = entry.state == SetState::kDone || entry.state == SetState::kUnchanged;
     std::error_code ignored;
-    return !done || entry.key.empty() || !std::ranges::all_of(entry.files, [&](const std::string& name) {
-      return std::filesystem::exists(name, ignored);
-    });
+    return entry.key.empty() || !std::ranges::all_of(entry.files, [&](const std::string& name) {
+             return std::filesystem::exists(name, ignored);
+           });
   });
   return finished;
 }
 
-const SetEntry* FinishedRenders::find(const std::string& key, const std::vector<std::string>& files) const {
-  const auto found = std::ranges::find_if(
-      entries_, [&](const SetEntry& entry) { return entry.key == key && entry.files == files; });
+const SetEntry* FinishedRenders::find(const std::vector<std::string>& files) const {
+  const auto found = std::ranges::find(entries_, files, &SetEntry::files);
   return found == entries_.end() ? nullptr : &*found;
 }
 

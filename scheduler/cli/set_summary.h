@@ -16,7 +16,7 @@ struct SetEntry {
   std::string scene;
   SetState state = SetState::kWaiting;
   std::vector<std::string> files;  ///< written or there, absolute
-  std::string key;                 ///< hash of all that its images depend on; empty: not known
+  std::string key;                 ///< hash of all that the images in the files depend on; empty: not known
   std::string error;               ///< why it failed or is incomplete
   double seconds = 0;              ///< of rendering
   std::uint64_t samples = 0;       ///< of a pixel
@@ -29,14 +29,14 @@ std::string_view set_state_name(SetState state);
 /// Writes all entries, whole or not at all.
 Expected<void> write_set_summary(const std::filesystem::path& path, const std::vector<SetEntry>& entries);
 
-/// Keys of the renders that an earlier summary calls done, and whose files are all there, by their scene and
-/// files; nothing if there is none, or none that can be read.
+/// Renders that an earlier summary knows the keys of, and whose files are all there; none if there is no
+/// summary, or none that can be read.
 class FinishedRenders {
  public:
   static FinishedRenders read(const std::filesystem::path& path);
 
-  /// Whether a render of this key has been finished into these files.
-  [[nodiscard]] const SetEntry* find(const std::string& key, const std::vector<std::string>& files) const;
+  /// What is in these files; null if that is not known.
+  [[nodiscard]] const SetEntry* find(const std::vector<std::string>& files) const;
 
  private:
   std::vector<SetEntry> entries_;

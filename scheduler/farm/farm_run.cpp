@@ -121,7 +121,8 @@ void FarmRun::take_jobs() {
     const JobId id = next_job_++;
     source_.took(id);
     JobRun& taken =
-        *jobs_.emplace(id, std::make_unique<JobRun>(id, std::move(next), since_start())).first->second;
+        *jobs_.emplace(id, std::make_unique<JobRun>(id, std::move(next), since_start(), jobs_.empty()))
+             .first->second;
     for (std::string& text : std::exchange(unsaid_problems_, {})) taken.problem(std::move(text));
     taken.open(*server_);
     tell_plan(JobAdded{id, taken.job().priority, taken.phases()});
@@ -142,7 +143,7 @@ std::unique_ptr<JobRun> FarmRun::take_out(JobId id) {
   std::unique_ptr<JobRun> ended = std::move(jobs_.extract(id).mapped());
   source_.progress(id, ended->progress(plan_, ready_workers(), since_start()));
   ended->close(*server_, plan_, workers);
-  closed_boards_.push_back(ended->board());
+  if (ended->board()->is_watched()) closed_boards_.push_back(ended->board());
   return ended;
 }
 
@@ -150,6 +151,7 @@ void FarmRun::end_job(JobId id) {
   const std::unique_ptr<JobRun> ended = take_out(id);
   RenderOutcome outcome = std::move(*ended).outcome(plan_, since_start());
   hopeless_.erase(id);
+  deadly_.erase(id);
   tell_plan(JobRemoved{id});
   source_.done(id, std::move(outcome));
 }
@@ -162,8 +164,11 @@ void FarmRun::end_all_jobs() {
 void FarmRun::fail_hopeless_jobs() {
   const auto connected = std::ranges::count_if(
       workers_, [](const auto& w) { return w.second.pid != 0 && !w.second.gone && !w.second.ended; });
-  if (hopeless_.empty() || connected < std::ptrdiff_t(workers_here_->running())) return;
-  for (const JobId id : std::exchange(hopeless_, {})) {
+  std::set<JobId> failed = std::exchange(deadly_, {});
+  if (!failed.empty()) workers_here_->has_worked();  // those that follow begin with a fresh account
+  if (connected >= std::ptrdiff_t(workers_here_->running())) failed.merge(hopeless_);
+  for (const JobId id : failed) {
+    hopeless_.erase(id);
     take_out(id);
     tell_plan(JobRemoved{id});
     std::string reasons;

@@ -108,10 +108,12 @@ class FarmRun {
   std::map<JobId, std::unique_ptr<JobRun>> jobs_;
   JobId next_job_ = 1;
   std::set<JobId> hopeless_;                                // no worker that is here can do them
+  std::set<JobId> deadly_;                                  // workers die of preparing them
   std::map<JobId, std::vector<std::string>> job_failures_;  // what workers said
   std::vector<std::shared_ptr<WatchBoard>> closed_boards_;  // of jobs that are over
   std::map<WorkerId, Worker> workers_;
-  std::vector<WorkerId> refused_;  // of whom the plan is to be told
+  std::vector<WorkerId> refused_;   // of whom the plan is to be told
+  std::vector<WorkerUnfit> unfit_;  // likewise
   std::set<std::string> said_;
   std::vector<std::string> problems_, unsaid_problems_;  // unsaid: no job was open
   bool anyone_was_ready_ = false;

@@ -35,6 +35,7 @@ void FarmRun::on(const arrivals::Connected& arrival) {
   else
     workers_here_->is_heard_of(worker.pid, plan_time_);
   if (jobs_.empty()) workers_here_->is_ready(worker.pid);  // for whatever comes
+  hopeless_.clear();                                       // it may be able; else the plan says so again
   tell_plan(WorkerJoined{arrival.worker});
 }
 
@@ -92,8 +93,8 @@ void FarmRun::on(arrivals::Result& arrival) {
 
 void FarmRun::on(const arrivals::BadResult& arrival) {
   JobRun* of = job(arrival.unit.job);
-  if (of != nullptr && arrival.view != of->view().number) return;
-  if (of != nullptr) of->detail(arrival.unit) = arrival.why;
+  if (of == nullptr || arrival.view != of->view().number) return;
+  of->detail(arrival.unit) = arrival.why;
   tell_plan(ResultCorrupt{arrival.worker, arrival.unit});
 }
 
@@ -133,6 +134,7 @@ void FarmRun::tell_plan(const PlanEvent& event, arrivals::Result* result) {
   for (const PlanOrder& order : plan_.handle(event, plan_time_)) {
     std::visit([&](const auto& o) { obey(o, result); }, order);
   }
+  for (const WorkerUnfit& unfit : std::exchange(unfit_, {})) tell_plan(unfit);
   for (const WorkerId id : std::exchange(refused_, {})) tell_plan(WorkerLost{id});
 }
 
@@ -143,7 +145,13 @@ void FarmRun::obey(const Prepare& order, arrivals::Result*) {
   const bool embree = of.job().scene.header.intersector == INTERSECTOR_EMBREE;
   const auto options = options_for_worker(of.job().device, embree, worker.isas, worker.name);
   if (!options) {
-    refuse(order.worker, options.error().message);
+    const std::string& why = options.error().message;
+    job_failures_[order.job].push_back(why);
+    unfit_.push_back({order.worker, order.job});
+    if (jobs_.size() == 1 && source_.is_exhausted())
+      refuse(order.worker, why);  // there is nothing else for it
+    else
+      of.problem(why);
     return;
   }
   server_->send_job(order.worker, order.job, of.scene_hash(), *options);
@@ -203,7 +211,14 @@ void FarmRun::obey(const StartAgain& order, arrivals::Result*) {
     if (!worker.dismissed && !worker.gone) server_->send_view(id, order.job, of.view());
 }
 
-void FarmRun::obey(const NobodyCan& order, arrivals::Result*) { hopeless_.insert(order.job); }
+void FarmRun::obey(const NobodyCan& order, arrivals::Result*) {
+  if (order.deaths == 0) {
+    hopeless_.insert(order.job);
+    return;
+  }
+  deadly_.insert(order.job);
+  job_failures_[order.job].push_back(fmt::format("{} workers died while they prepared it", order.deaths));
+}
 
 void FarmRun::obey(const Overdue& order, arrivals::Result*) {
   notice(overdue_text(order, unit(order.unit), names()));

@@ -16,16 +16,17 @@ constexpr double kProgressShare = 0.02;
 
 }  // namespace
 
-JobRun::JobRun(JobId id, std::shared_ptr<const RenderJob> job, Seconds now)
+JobRun::JobRun(JobId id, std::shared_ptr<const RenderJob> job, Seconds now, bool is_only)
     : id_(id),
       job_(std::move(job)),
       planes_(plane_count(job_->scene.header.features)),
       grid_(job_->x, job_->y, job_->width, job_->height, job_->tile, job_->spp, job_->samples_per_pass),
-      started_(now),
       view_{0, view_of(job_->scene.header)},
       merge_(make_merge()),
       board_(std::make_shared<WatchBoard>(grid_.tiles())),
-      feed_(*board_, grid_, is_hybrid(job_->scene)) {}
+      feed_(*board_, grid_, is_hybrid(job_->scene)) {
+  if (is_only) begun_ = now;
+}
 
 Merge JobRun::make_merge() const {
   return Merge(
@@ -98,15 +99,16 @@ void JobRun::worker_is_ready(const arrivals::Ready& arrival, Seconds now) {
   WorkerShare& share = shares_[arrival.worker];
   share.device = arrival.device;
   share.kernels = arrival.preparation.kernels;
-  if (ready_ == 0) ready_ = now - started_;
+  if (ready_ == 0) ready_ = since_begun(now);
 }
 
 void JobRun::unit_was_given(Seconds now) {
   if (!first_given_) first_given_ = now;
+  if (!begun_) begun_ = now;
 }
 
 void JobRun::merge(const MergeResult& order, arrivals::Result& result, Seconds now) {
-  last_tile_ = now - started_;
+  last_tile_ = since_begun(now);
   if (first_tile_ == 0) first_tile_ = last_tile_;
   const std::uint64_t samples = result.buffer.pixels() * result.buffer.sample_count;
   WorkerShare& worker = shares_.at(order.worker);
@@ -155,7 +157,7 @@ RenderProgress JobRun::progress(const Plan& plan, int workers, Seconds now) {
   next_progress_ = now + std::max(kProgressInterval, seconds_since(begin) / kProgressShare);
   return {.samples_done = samples_done_,
           .samples_total = grid_.samples(plan.passes(id_)),
-          .elapsed_seconds = now - started_,
+          .elapsed_seconds = since_begun(now),
           .relative_error = relative_error_,
           .workers = workers,
           .notices = std::exchange(notices_, {})};
@@ -204,7 +206,7 @@ RenderOutcome JobRun::outcome(const Plan& plan, Seconds now) && {
   outcome.seconds_to_ready = ready_;
   outcome.seconds_to_first_tile = first_tile_;
   outcome.seconds_to_last_tile = last_tile_;
-  outcome.seconds = now - started_;
+  outcome.seconds = since_begun(now);
   return outcome;
 }
 

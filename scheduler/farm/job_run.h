@@ -26,7 +26,8 @@ constexpr std::chrono::milliseconds kPatienceWithWatchers{300};
 /// All times are seconds since the farm was started.
 class JobRun {
  public:
-  JobRun(JobId id, std::shared_ptr<const RenderJob> job, Seconds now);
+  /// Its time begins now if it is the only job, else with its first unit.
+  JobRun(JobId id, std::shared_ptr<const RenderJob> job, Seconds now, bool is_only);
 
   /// Offers the scene to workers and viewers.
   void open(Server& server);
@@ -50,7 +51,7 @@ class JobRun {
 
   void worker_is_ready(const arrivals::Ready& arrival, Seconds now);
   /// Time has passed; `is_busy`: there was something to render.
-  void advance(Seconds seconds, bool is_busy) { active_ += is_busy ? seconds : 0; }
+  void advance(Seconds seconds, bool is_busy) { active_ += is_busy && begun_ ? seconds : 0; }
   void unit_was_given(Seconds now);
   void merge(const MergeResult& order, arrivals::Result& result, Seconds now);
   void skip(const UnitId& unit) { merge_.skip(unit.tile, unit.pass); }
@@ -77,6 +78,7 @@ class JobRun {
   [[nodiscard]] RenderOutcome outcome(const Plan& plan, Seconds now) &&;
 
  private:
+  [[nodiscard]] Seconds since_begun(Seconds now) const { return now - begun_.value_or(now); }
   [[nodiscard]] Merge make_merge() const;
   [[nodiscard]] std::uint32_t spp_of(std::uint32_t passes) const;
   void tell_tev_problem();
@@ -86,7 +88,6 @@ class JobRun {
   const std::shared_ptr<const RenderJob> job_;
   const int planes_;
   const TileGrid grid_;
-  const Seconds started_;
 
   WatchView view_;
   Merge merge_;
@@ -97,10 +98,10 @@ class JobRun {
   std::map<WorkerId, WorkerShare> shares_;
   std::map<UnitId, std::string> details_;
   std::vector<std::string> problems_, notices_;
-  std::optional<Seconds> first_given_;
+  std::optional<Seconds> begun_, first_given_;
   bool budget_spent_ = false;
   std::uint64_t samples_done_ = 0;
-  Seconds ready_ = 0, first_tile_ = 0, last_tile_ = 0;  // since it was taken
+  Seconds ready_ = 0, first_tile_ = 0, last_tile_ = 0;  // since it was begun
   Seconds active_ = 0;  // since the view began, while there was something to render
   Seconds next_progress_ = 0, next_shown_ = 0;
   double relative_error_ = 0;  // as last reported

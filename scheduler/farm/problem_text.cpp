@@ -17,6 +17,8 @@ std::string_view fault_text(Fault fault) {
       return "sent a damaged result";
     case Fault::kDisputed:
       return "sent another result";
+    case Fault::kUnprepared:
+      return "was not ready";
   }
   return "failed";
 }
@@ -51,6 +53,8 @@ std::string dismissal_text(const DismissWorker& order, const RenderUnit& unit, c
           "worker {} was ended: it and worker {} returned different results for {}; as either may "
           "compute wrongly, every tile that they worked on is rendered again",
           who, name(order.accuser.value_or(order.worker)), where);
+    case Fault::kUnprepared:
+      return fmt::format("worker {} was ended: it did not come to an end with preparing a scene", who);
     case Fault::kDied:
       break;
   }

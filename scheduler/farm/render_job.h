@@ -64,7 +64,8 @@ struct RenderOutcome {
   std::uint64_t units_done = 0, units_duplicated = 0, units_requeued = 0;
   std::uint64_t units_set_aside = 0;  ///< missing in the film, maybe before others that are not
   std::uint32_t passes_finished = 0, passes_total = 0;  ///< merged in every tile; asked for
-  // From when the farm took the job, of a single render from the call.
+  // From when the farm took the job, of a single render so from the call; of one that waited for others from
+  // its first unit.
   double seconds_to_ready = 0;  ///< until the first worker has the scene and its kernels
   double seconds_to_first_tile = 0;
   double seconds_to_last_tile = 0;  ///< until the last result is merged

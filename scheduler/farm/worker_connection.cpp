@@ -48,6 +48,8 @@ void WorkerConnection::forget_job(JobId job) {
     const std::lock_guard lock(mutex_);
     forgotten_.insert(job);
     std::erase_if(expected_, [&](const auto& expected) { return expected.first.job == job; });
+    std::erase_if(
+        outbox_, [&](const auto& waiting) { return waiting.has_unit() && waiting.unit().id().job() == job; });
   }
   send(std::move(message));
 }
@@ -159,7 +161,7 @@ bool WorkerConnection::is_awaited(JobId job) const {
   return awaited_.contains(job);
 }
 
-/// What the worker says of a job that it was given; whether that is still of interest.
+/// What the worker says of a job that it was given; whether it was not given it again meanwhile.
 Expected<bool> WorkerConnection::end_preparing(JobId job) {
   const std::lock_guard lock(mutex_);
   const auto found = awaited_.find(job);
@@ -167,7 +169,7 @@ Expected<bool> WorkerConnection::end_preparing(JobId job) {
     return fail("a worker is ready for a job once for each time that it is given it");
   const bool is_last = --found->second == 0;
   if (is_last) awaited_.erase(found);
-  return is_last && !forgotten_.contains(job);
+  return is_last;
 }
 
 std::optional<WorkerConnection::Expectation> WorkerConnection::fulfil(const UnitId& id) {

@@ -59,7 +59,8 @@ void Plan::on(const JobRemoved& event) {
   for (auto& [id, worker] : workers_) {
     if (worker.prepared.erase(event.job) > 0 || worker.preparing == event.job)
       orders_.push_back(Forget{id, event.job});
-    if (worker.preparing == event.job) worker.preparing.reset();
+    if (worker.preparing == event.job) worker.preparing.reset(), worker.preparing_since.reset();
+    worker.alone.erase(event.job);
     worker.unfit.erase(event.job);
     worker.proven.erase(event.job);
   }
@@ -118,18 +119,25 @@ void Plan::on(const WorkerPrepared& event) {
   const auto found = workers_.find(event.worker);
   // What it was told to forget meanwhile it is not asked for.
   if (found == workers_.end() || found->second.preparing != event.job) return;
-  found->second.preparing.reset();
-  found->second.prepared.insert(event.job);
-  found->second.heard_at = now_;
+  Worker& worker = found->second;
+  worker.preparing.reset();
+  worker.preparing_since.reset();
+  worker.prepared.insert(event.job);
+  worker.heard_at = now_;
+  if (const auto job = jobs_.find(event.job); job != jobs_.end()) job->second.deaths = 0;
 }
 
 void Plan::on(const WorkerUnfit& event) {
   const auto found = workers_.find(event.worker);
   if (found == workers_.end() || found->second.preparing != event.job) return;
-  found->second.preparing.reset();
-  found->second.unfit.insert(event.job);
-  if (std::ranges::all_of(workers_, [&](const auto& w) { return w.second.unfit.contains(event.job); }))
-    orders_.push_back(NobodyCan{event.job});
+  Worker& worker = found->second;
+  worker.preparing.reset();
+  worker.preparing_since.reset();
+  worker.heard_at = now_;
+  // Perhaps its memory does not hold two.
+  const bool was_alone = worker.prepared.empty() || worker.alone.contains(event.job);
+  (was_alone ? worker.unfit : worker.alone).insert(event.job);
+  if (was_alone) tell_if_nobody_can(event.job);
 }
 
 void Plan::on(const Alive& event) {
@@ -152,6 +160,11 @@ void Plan::on(const WorkerLost& event) {
   // A hung worker's unit in hand has been blamed already.
   if (!worker->second.hung && !worker->second.units.empty()) {
     blame(worker->second.units.front(), event.worker, Fault::kDied);
+  }
+  if (worker->second.units.empty() && worker->second.preparing) {
+    const JobId id = *worker->second.preparing;
+    Job& job = jobs_.at(id);
+    if (++job.deaths == kDeathsToGiveUpJob) orders_.push_back(NobodyCan{id, job.deaths});
   }
   release(event.worker);
 }
@@ -207,8 +220,12 @@ void Plan::on(const ResultCorrupt& event) {
 
 void Plan::on(const Tick&) {
   std::vector<std::pair<WorkerId, UnitId>> silent;
+  std::vector<std::pair<WorkerId, JobId>> stuck;
   for (auto& [id, worker] : workers_) {
-    if (worker.units.empty()) continue;
+    if (worker.units.empty()) {
+      if (is_stuck_preparing(worker)) stuck.emplace_back(id, *worker.preparing);
+      continue;
+    }
     const UnitId in_hand = worker.units.front();
     if (worker.hung) {
       if (now_ >= worker.hung_until) silent.emplace_back(id, in_hand);
@@ -228,6 +245,7 @@ void Plan::on(const Tick&) {
     for (const UnitId& unit : std::vector(worker.units.begin(), worker.units.end())) settle(unit);
   }
   for (const auto& [id, unit] : silent) dismiss(id, Fault::kHung, unit);
+  for (const auto& [id, job] : stuck) dismiss(id, Fault::kUnprepared, UnitId{.job = job});
 }
 
 // --- Bookkeeping of jobs
@@ -277,6 +295,14 @@ void Plan::tell_if_phase_is_done(JobId id) {
   if (job.waits || present(job).left > 0 || job.phase + 1 == job.phases.size()) return;
   orders_.push_back(PhaseDone{id, job.phase++});
   job.waits = true;
+}
+
+/// Every worker has said so. A worker that comes later may.
+void Plan::tell_if_nobody_can(JobId id) {
+  const bool nobody = !workers_.empty() && std::ranges::all_of(workers_, [id](const auto& worker) {
+    return worker.second.unfit.contains(id);
+  });
+  if (nobody) orders_.push_back(NobodyCan{id});
 }
 
 // --- Bookkeeping of units and workers
@@ -341,6 +367,7 @@ void Plan::release(WorkerId id) {
     units_.at(unit).holders.erase(id);
     settle(unit);
   }
+  for (const JobId job : order_) tell_if_nobody_can(job);
 }
 
 void Plan::dismiss(WorkerId worker, Fault fault, UnitId unit, std::optional<WorkerId> accuser) {

@@ -21,6 +21,8 @@ namespace penumbra {
 ///   that does not know a job with work for it is told to prepare it, behind what it holds, and gets nothing
 ///   more until it has; it keeps up to kJobsPerWorker jobs, and prepares one in advance when it has nothing
 ///   else to do.
+/// - A worker that cannot do a job beside others that it keeps is given it again without them. A job that no
+///   worker can do, or that workers die of while they prepare it, is told; the others go on.
 /// - Phases of a job follow each other: the next one waits for its PhaseOpened.
 /// - Units are issued pass by pass. A worker has at most `kUnitsPerWorker`; only the first is in its hand.
 /// - A unit that comes back unfinished (worker lost, dismissed or hung) is issued again before anything new
@@ -79,6 +81,7 @@ class Plan {
     Seconds longest_wait = 0;  // for a sign of progress
     Seconds total = 0;         // of finished units
     std::uint64_t timed = 0;
+    int deaths = 0;  // of workers that were preparing it, one after the other
 
     void begin();
   };
@@ -88,8 +91,10 @@ class Plan {
     Seconds heard_at = 0, progress_at = 0;  // last signs of life, and of progress at what is in hand
     std::set<JobId> prepared, unfit;
     std::optional<JobId> preparing;
-    std::set<JobId> proven;  // of which it has finished a unit
-    bool overdue = false;    // which has been told
+    std::optional<Seconds> preparing_since;  // with nothing in hand any more
+    std::set<JobId> alone;                   // failed beside other jobs: to be tried without any
+    std::set<JobId> proven;                  // of which it has finished a unit
+    bool overdue = false;                    // which has been told
     int failures_in_a_row = 0;
     bool hung = false;       // its lease expired and nothing came since
     bool silent = false;     // ... for silence
@@ -131,6 +136,8 @@ class Plan {
   void restart(JobId job);
   void count_left(UnitId id, std::int64_t more);
   void tell_if_phase_is_done(JobId id);
+  void tell_if_nobody_can(JobId id);
+  void forget_others(WorkerId id);
 
   bool take_back(WorkerId worker, UnitId id);
   void settle(UnitId id);
@@ -161,6 +168,7 @@ class Plan {
   void show_progress(Worker& worker);
   void take_in_hand(Worker& worker);
   void tell_if_overdue(WorkerId id, Worker& worker);
+  [[nodiscard]] bool is_stuck_preparing(Worker& worker) const;
   /// How long its unit in hand may go without progress, and the worker without a word.
   struct Lease {
     Seconds progress, silence;

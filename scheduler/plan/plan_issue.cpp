@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "scheduler/plan/plan.h"
 
@@ -66,11 +67,20 @@ void Plan::prepare_one(WorkerId id, bool in_advance) {
       continue;
     }
     if (worker.unfit.contains(candidate) || (!in_advance && !has_work(job, candidate))) continue;
+    if (worker.alone.contains(candidate)) {
+      if (in_advance || !worker.units.empty()) continue;
+      forget_others(id);
+    }
     if (int(worker.prepared.size()) >= kJobsPerWorker && (in_advance || !make_room(id))) return;
     worker.preparing = candidate;
     orders_.push_back(Prepare{id, candidate});
     return;
   }
+}
+
+/// Makes the worker, which holds no units, forget all jobs.
+void Plan::forget_others(WorkerId id) {
+  for (const JobId job : std::exchange(workers_.at(id).prepared, {})) orders_.push_back(Forget{id, job});
 }
 
 /// Makes the worker forget the last job of which it holds no unit; whether there is one.
@@ -167,6 +177,16 @@ void Plan::take_in_hand(Worker& worker) {
   worker.in_hand_since = worker.progress_at = now_;
   if (worker.units.empty()) worker.heard_at = now_;
   worker.overdue = false;
+}
+
+/// Whether it has prepared a job for too long, or too long without a word. What it held before came first.
+bool Plan::is_stuck_preparing(Worker& worker) const {
+  if (!worker.preparing) return false;
+  if (!worker.preparing_since) {
+    worker.preparing_since = now_;
+    worker.heard_at = std::max(worker.heard_at, now_);
+  }
+  return now_ - worker.heard_at >= leases_.unheard || now_ - *worker.preparing_since >= leases_.unprepared;
 }
 
 void Plan::tell_if_overdue(WorkerId id, Worker& worker) {

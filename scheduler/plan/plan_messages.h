@@ -29,11 +29,14 @@ struct LeaseRule {
   double growth = 3;
   Seconds silence = 10;
   Seconds patience = 5;
+  // Of one that prepares a job: without a word, and in all. A little longer than what a starting process has.
+  Seconds unheard = 40, unprepared = 310;
 };
 
 constexpr int kUnitsPerWorker = 2;     ///< one in hand, one on the way
 constexpr int kFaultsToSetAside = 3;   ///< a unit that failed so often is left out
 constexpr int kFailuresToDismiss = 3;  ///< so many failed units one after the other, and the worker goes
+constexpr int kDeathsToGiveUpJob = 3;  ///< of workers that were preparing it, and none was ready in between
 constexpr int kDisputesToGiveUp = 3;   ///< so many pairs of workers that disagreed, and none can be trusted
 constexpr Seconds kFirstStragglerAge = 1;  ///< see Plan; only while no unit of the job is finished
 
@@ -47,11 +50,12 @@ struct PhaseUnits {
 
 /// What a worker did to a unit.
 enum class Fault {
-  kDied,      ///< it was lost with the unit in hand
-  kFailed,    ///< it reported that the unit cannot be rendered
-  kHung,      ///< the unit's lease expired
-  kCorrupt,   ///< its result was damaged
-  kDisputed,  ///< its result has other bytes than another worker's
+  kDied,        ///< it was lost with the unit in hand
+  kFailed,      ///< it reported that the unit cannot be rendered
+  kHung,        ///< the unit's lease expired
+  kCorrupt,     ///< its result was damaged
+  kDisputed,    ///< its result has other bytes than another worker's
+  kUnprepared,  ///< it did not come to an end with preparing a job
 };
 
 // --- Events: what happened.
@@ -171,8 +175,11 @@ struct PhaseDone {  ///< all its units are done or set aside, and another phase 
 struct StartAgain {
   JobId job;
 };
-struct NobodyCan {  ///< every worker that is there has said that it cannot do the job
+/// Every worker that is there has said that it cannot do the job; or so many have died of it that no other
+/// one should try.
+struct NobodyCan {
   JobId job;
+  int deaths = 0;
 };
 struct Overdue {  ///< people should know what is waited for; once for each time that it happens
   WorkerId worker;

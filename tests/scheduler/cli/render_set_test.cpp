@@ -94,6 +94,26 @@ TEST_F(RenderSet, WhatIsThereUnchangedIsLeftAsItIs) {
   EXPECT_THAT(states(), ElementsAre("done", "done"));
 }
 
+TEST_F(RenderSet, AnInterruptedRunForgetsNothingOfAnEarlierOne) {
+  ASSERT_EQ(run({"a.xml", "b.xml", "c.xml", "-o", "out/"}).exit_code, 0);
+  std::string scene = file_contents(folder_ / "a.xml");
+  scene.replace(scene.find("\"8\""), 3, "\"4000000\"");
+  write_text(folder_ / "a.xml", scene);
+  Program set(folder_.path(), {"render", "a.xml", "b.xml", "c.xml", "-o", "out/"});
+  std::this_thread::sleep_for(1500ms);
+  set.send(SIGINT);
+  EXPECT_EQ(set.wait().exit_code, 1);
+  write_small_scene(folder_ / "a.xml");
+  ASSERT_EQ(run({"a.xml", "b.xml", "c.xml", "-o", "out/"}).exit_code, 0);
+  EXPECT_THAT(states(), ElementsAre("done", "unchanged", "unchanged"));
+}
+
+TEST_F(RenderSet, AShorterTimeBudgetIsAnotherImage) {
+  ASSERT_EQ(run({"a.xml", "b.xml", "-o", "out/", "--time-budget", "1000"}).exit_code, 0);
+  ASSERT_EQ(run({"a.xml", "b.xml", "-o", "out/"}).exit_code, 0);
+  EXPECT_THAT(states(), ElementsAre("done", "done"));
+}
+
 TEST_F(RenderSet, ASummaryThatIsNoneIsReplaced) {
   std::filesystem::create_directory(folder_ / "out");
   for (const char* nonsense : {"", "[1]", R"({"format": "penumbra jobs 1", "jobs": [{"scene": 3}]})"}) {

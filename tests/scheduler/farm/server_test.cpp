@@ -202,7 +202,7 @@ TEST_F(ServerTest, AWorkerIsNotReadyForAJobThatItWasNotGiven) {
   EXPECT_EQ(end_of_stream().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
 }
 
-TEST_F(ServerTest, OfAForgottenJobNothingIsHeard) {
+TEST_F(ServerTest, OfAForgottenJobsUnitsNothingIsHeard) {
   const WorkerId worker = connect_and_take_the_job();
   server_->send_unit(worker, kUnit, kArea, kRadiancePlanes);
   server_->forget_job(worker, kJob);
@@ -211,6 +211,7 @@ TEST_F(ServerTest, OfAForgottenJobNothingIsHeard) {
   wire::WorkerMessage beat;
   beat.mutable_beat()->set_parts(3);
   stream_->Write(beat);
+  EXPECT_EQ(next<arrivals::Ready>().job, kJob) << "the worker has started";
   EXPECT_EQ(next<arrivals::Beat>().parts, 3u) << "the next that is heard";
 }
 

@@ -46,8 +46,11 @@ TEST_F(PlanJobsTest, AWorkerGetsNothingBeforeItIsPrepared) {
   join(1);
   EXPECT_THAT(to_prepare(), ElementsAre(Pair(1, kJob)));
   EXPECT_THAT(assigned(), IsEmpty());
-  wait(500);
-  EXPECT_THAT(dismissed(), IsEmpty()) << "preparing has no lease";
+  for (int i = 0; i < 300; ++i) {
+    tell(Alive{1});
+    wait(1);
+  }
+  EXPECT_THAT(dismissed(), IsEmpty()) << "it compiles";
   prepared(1, 2);
   EXPECT_THAT(assigned(), IsEmpty()) << "it was not asked for that";
   prepared(1, kJob);
@@ -191,6 +194,78 @@ TEST_F(PlanJobsTest, AJobStartsAgainIfAnEarlierPhaseCannotBeTrusted) {
   EXPECT_EQ(plan_->units_left(), 2u);
   join(3);
   EXPECT_THAT(assigned(), ElementsAre(Pair(3, unit(0, 0))));
+}
+
+TEST_F(PlanJobsTest, AWorkerThatNeverEndsPreparingIsDismissed) {
+  prepares_at_once_ = false;
+  start(4, 1);
+  join(1);
+  for (int i = 0; i < 312; ++i) {
+    EXPECT_THAT(dismissed(), IsEmpty()) << i;
+    tell(Alive{1});
+    wait(1);
+    if (!dismissed().empty()) break;
+  }
+  EXPECT_THAT(dismissed(), ElementsAre(Pair(1, Fault::kUnprepared)));
+}
+
+TEST_F(PlanJobsTest, AWorkerThatIsSilentWhilePreparingIsDismissed) {
+  prepares_at_once_ = false;
+  start(2, 1);
+  add(2, {{2, 1}});
+  join(1);
+  prepared(1, kJob);
+  done(1, unit(0, 0));  // the next job is prepared behind the unit in hand
+  ASSERT_THAT(to_prepare(), ElementsAre(Pair(1, 2)));
+  wait(100);
+  EXPECT_THAT(dismissed(), IsEmpty()) << "the unit in hand has its own lease";
+  done(1, unit(0, 1));
+  wait(1);
+  wait(39);
+  EXPECT_THAT(dismissed(), IsEmpty());
+  wait(1);
+  EXPECT_THAT(dismissed(), ElementsAre(Pair(1, Fault::kUnprepared)));
+}
+
+TEST_F(PlanJobsTest, AJobThatDoesNotFitBesideAnotherIsTriedAlone) {
+  prepares_at_once_ = false;
+  start(2, 1);
+  add(2, {{1, 1}});
+  join(1);
+  prepared(1, kJob);
+  done(1, unit(0, 0));
+  ASSERT_THAT(to_prepare(), ElementsAre(Pair(1, 2)));
+  tell(WorkerUnfit{1, 2});
+  EXPECT_THAT(nobody_can(), IsEmpty());
+  EXPECT_THAT(to_prepare(), IsEmpty()) << "a unit of the other is in hand";
+  done(1, unit(0, 1));
+  EXPECT_THAT(to_forget(), ElementsAre(Pair(1, kJob)));
+  EXPECT_THAT(to_prepare(), ElementsAre(Pair(1, 2)));
+  tell(WorkerUnfit{1, 2});
+  EXPECT_THAT(nobody_can(), ElementsAre(2)) << "not even so";
+}
+
+TEST_F(PlanJobsTest, AJobWhoseLastCapableWorkerLeavesIsSaid) {
+  prepares_at_once_ = false;
+  start(4, 1);
+  join(1);
+  tell(WorkerUnfit{1, kJob});
+  EXPECT_THAT(nobody_can(), ElementsAre(kJob));
+  join(2);
+  prepared(2, kJob);
+  lose(2);
+  EXPECT_THAT(nobody_can(), ElementsAre(kJob));
+}
+
+TEST_F(PlanJobsTest, AJobThatWorkersDieOfPreparingIsSaid) {
+  prepares_at_once_ = false;
+  start(4, 1);
+  for (WorkerId worker = 1; worker <= 3; ++worker) {
+    join(worker);
+    EXPECT_THAT(nobody_can(), IsEmpty());
+    lose(worker);
+  }
+  EXPECT_THAT(nobody_can(), ElementsAre(kJob));
 }
 
 TEST_F(PlanJobsTest, AJobThatNobodyCanDoIsSaidAndTheOthersGoOn) {

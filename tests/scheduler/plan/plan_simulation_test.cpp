@@ -99,12 +99,15 @@ class SimulatedFarm {
       const WorkerId id = preparing->first;
       worker.prepared_at = kNever;
       const JobId job = *std::exchange(worker.preparing, {});
-      if (chance(habits_.dies)) {
+      // One more, and the job would count as deadly.
+      if (chance(habits_.dies) && deaths_of_preparing_[job] + 1 < kDeathsToGiveUpJob) {
+        ++deaths_of_preparing_[job];
         workers_.erase(preparing);
         tell(WorkerLost{id});
         return;
       }
       worker.prepared.insert(job);
+      deaths_of_preparing_[job] = 0;
       tell(WorkerPrepared{id, job});
       return;
     }
@@ -348,7 +351,8 @@ class SimulatedFarm {
   std::map<JobId, std::vector<Merge>> merges_;
   std::vector<PhaseDone> phases_done_;
   std::set<std::pair<JobId, std::uint32_t>> opened_;
-  std::map<UnitId, int> poison_;  // what it does: kills, fails, hangs
+  std::map<JobId, int> deaths_of_preparing_;  // since the last that was ready
+  std::map<UnitId, int> poison_;              // what it does: kills, fails, hangs
   std::optional<Plan> plan_;
   std::map<WorkerId, FakeWorker> workers_;
   WorkerId next_worker_ = 1;
