@@ -53,7 +53,7 @@ TEST(FilmImage, PutsEveryStatisticInItsLayer) {
     EXPECT_FLOAT_EQ(image.at(x, y, *image.channel("variance.G")), deviation * deviation / 4);
     const float seen = float(kSeen) + float(i) / 8, whole = float(kWhole) + float(i) / 8;
     EXPECT_FLOAT_EQ(image.at(x, y, *image.channel("visibility.Y")), seen / whole);
-    EXPECT_EQ(image.at(x, y, *image.channel("samples.count")), 5);
+    EXPECT_EQ(image.at(x, y, *image.channel("samples.Y")), 5);
   }
 }
 
@@ -80,7 +80,7 @@ TEST(FilmImage, HasNoFeatureLayersWithoutFeatures) {
   FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes);
   film.add(0, 0, buffer_of(1, 1, kRadiancePlanes, 2));
   EXPECT_THAT(image_of_film(film, 1, 1).channels,
-              ElementsAre("R", "G", "B", "variance.R", "variance.G", "variance.B", "samples.count"));
+              ElementsAre("R", "G", "B", "variance.R", "variance.G", "variance.B", "samples.Y"));
 }
 
 TEST(FilmImage, WhatIsNotRenderedIsZeroWithCountZero) {
@@ -88,7 +88,7 @@ TEST(FilmImage, WhatIsNotRenderedIsZeroWithCountZero) {
   film.add(1, 0, buffer_of(1, 1, kRadiancePlanes, 1));
   const Image image = image_of_film(film, 2, 1);
   for (std::size_t c = 0; c < image.channels.size(); ++c) EXPECT_EQ(image.at(0, 0, c), 0);
-  EXPECT_EQ(image.at(1, 0, *image.channel("samples.count")), 1);
+  EXPECT_EQ(image.at(1, 0, *image.channel("samples.Y")), 1);
   EXPECT_EQ(image.at(1, 0, *image.channel("G")), 1);
   EXPECT_EQ(image.at(1, 0, *image.channel("variance.R")), 0) << "one sample has no variance";
 }
