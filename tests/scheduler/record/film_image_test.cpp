@@ -58,10 +58,32 @@ TEST(FilmImage, PutsEveryStatisticInItsLayer) {
 }
 
 TEST(FilmImage, HasAsManyChannelsAsItsMemoryIsCountedFor) {
-  for (const int planes : {int(kRadiancePlanes), int(kFeaturePlanes), int(kSampleBufferPlanes)}) {
+  for (const int planes : {int(kRadiancePlanes), kRadiancePlanes + 1, int(kFeaturePlanes), kFeaturePlanes + 1,
+                           int(kSampleBufferPlanes), kSampleBufferPlanes + 1}) {
     const Image image = image_of_film(FilmAccumulator(0, 0, 2, 1, planes), 2, 1);
     EXPECT_EQ(image.channels.size(), std::size_t(image_channels(planes)));
     EXPECT_LE(image.values.size() * sizeof(float), 2 * pixel_memory(planes).output);
+  }
+}
+
+TEST(FilmImage, AlphaFollowsTheColours) {
+  for (const int layers : {int(kRadiancePlanes), int(kFeaturePlanes), int(kSampleBufferPlanes)}) {
+    FilmAccumulator film(0, 0, 2, 1, layers + 1), without(0, 0, 2, 1, layers);
+    SampleBuffer buffer = buffer_of(2, 1, layers + 1, 3);
+    film.add(0, 0, buffer);
+    buffer.planes = layers;
+    buffer.values.resize(buffer.values.size() - 2);
+    without.add(0, 0, buffer);
+    const Image image = image_of_film(film, 2, 1), rgb = image_of_film(without, 2, 1);
+    std::vector<std::string> channels = rgb.channels;
+    channels.insert(channels.begin() + 3, "A");
+    EXPECT_EQ(image.channels, channels);
+    for (int x = 0; x < 2; ++x) {
+      EXPECT_EQ(image.at(x, 0, 3), float(layers) + float(x) / 8);
+      for (const std::string& name : rgb.channels)
+        EXPECT_EQ(image.at(x, 0, *image.channel(name)), rgb.at(x, 0, *rgb.channel(name))) << name;
+    }
+    EXPECT_EQ(image.chromaticities, kRec709);
   }
 }
 
