@@ -127,6 +127,15 @@ RenderedSamples rendered_samples(const RenderOutcome& outcome) {
   return {outcome.complete, outcome.units_set_aside > 0, range.least, range.most};
 }
 
+std::string_view backends_of(const RenderOutcome& outcome) {
+  bool native = false, opencl = false;
+  for (const WorkerShare& worker : outcome.workers) {
+    if (worker.units == 0) continue;
+    (worker.kernels ? opencl : native) = true;
+  }
+  return native && opencl ? "native, opencl" : opencl ? "opencl" : native ? "native" : "";
+}
+
 Json statistics_json(const RenderStatistics& statistics) {
   const RenderJob& job = *statistics.job;
   const RenderOutcome& outcome = *statistics.outcome;
