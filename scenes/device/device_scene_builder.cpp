@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "kernels/host/material_closure.h"
 #include "scenes/device/camera_builder.h"
@@ -54,6 +55,7 @@ class Builder {
   Expected<DeviceScene> build() {
     add_materials();
     lights_.set_default_sampling(default_sampling(scene_.integrator, has_narrow_lobes(records_.materials)));
+    reserve_triangles();
     for (const Shape& shape : scene_.shapes) add_shape(shape);
     add_instances();
     add_other_lights();
@@ -83,7 +85,7 @@ class Builder {
       if (Expected<void> done = add_light_tree(lights_.bounds(), scene_.integrator, radius_, h_, records_);
           !done)
         return std::unexpected(done.error());
-    store(records_, out_);
+    store(std::move(records_), out_);
     if (out_.words.size() > std::size_t(INT_MAX))
       return fail(scene_.source + ": the scene exceeds 8 GiB of tables");
     return std::move(out_);
@@ -137,6 +139,24 @@ class Builder {
     attributes_ = std::move(tables.attributes);
     light_textures_ = LightTextures(scene_, records_, std::move(tables.places));
     need(FEATURE_TEXTURES | FEATURE_UV);
+  }
+
+  /// Those of each shape once, so that tables of the largest scenes are never moved.
+  void reserve_triangles() {
+    std::size_t triangles = 0, smooth = 0;
+    const auto count = [&](const std::vector<Shape>& shapes) {
+      for (const Shape& shape : shapes)
+        if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
+          triangles += mesh->triangles.size();
+          smooth += mesh->normals.empty() ? 0 : mesh->triangles.size();
+        }
+    };
+    count(scene_.shapes);
+    for (const ShapeGroup& group : scene_.groups) count(group.shapes);
+    records_.triangles.reserve(triangles);
+    records_.normals.reserve(smooth);
+    if (wants_uv()) records_.vertex_uvs.reserve(triangles);
+    if (!attributes_.empty()) records_.triangle_colours.reserve(triangles);
   }
 
   void add_shape(const Shape& shape) {

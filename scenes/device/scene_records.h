@@ -17,4 +17,7 @@ struct SceneRecords {
 /// there are, zeros follow them.
 void store(const SceneRecords& records, DeviceScene& scene);
 
+/// The same; each table of the records is gone once the scene has it.
+void store(SceneRecords&& records, DeviceScene& scene);
+
 }  // namespace penumbra

@@ -128,13 +128,16 @@ void warn_of_no_triangles(const ShapeInput& input, const std::string& name) {
 template <typename Parameters>
 std::optional<Geometry> read_mesh(const ShapeInput& input) {
   const auto given = read_parameters<Parameters>(input);
-  const auto file = mesh_file(input, given);
+  auto file = mesh_file(input, given);
   if (!file) return std::nullopt;
   auto read = read_file(given, *file, mesh_attribute_names(input.context, input.plugin.object()));
   if (!read) {
     report_mesh_error(input, read.error());
     return std::nullopt;
   }
+  // The text may take more memory than the mesh; places in it are gone, too.
+  read->faces.warped.first = read->faces.tangled.first = {};
+  file.reset();
   auto mesh = placed_mesh(input, given, std::move(*read));
   if (mesh && mesh->triangles.empty()) {
     warn_of_no_triangles(input, given.filename);
