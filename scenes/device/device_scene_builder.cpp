@@ -27,8 +27,6 @@
 namespace penumbra {
 namespace {
 
-constexpr std::size_t kMaxPlacedEmitters = 1'000'000;  // each a light
-
 static_assert(int(SamplerKind::kSobol) == SAMPLER_SOBOL);
 
 bool emits(const Shape& shape) { return shape.radiance && *shape.radiance != glm::vec3(0.0f); }
@@ -247,21 +245,11 @@ class Builder {
   }
 
   void add_instances_of_emitters() {
-    std::size_t triangles = 0;
-    for (const PlacedGroup& place : placed_) {
-      for (const Shape& shape : scene_.groups[std::size_t(place.group)].shapes) {
-        if (!emits(shape)) continue;
-        const auto* mesh = std::get_if<Mesh>(&shape.geometry);
-        triangles += mesh != nullptr ? mesh->triangles.size() : 1;
-        if (triangles > kMaxPlacedEmitters && problem_.empty())
-          problem_ = "instances of emitting shapes make more than " + std::to_string(kMaxPlacedEmitters) +
-                     " triangles that emit";
-        if (!problem_.empty()) return;
-        auto placed = placed_shape(shape, place.to_world);
-        if (placed) add_shape(*placed);
-        if (!placed) problem_ = placed.error().message;
-      }
-    }
+    if (!problem_.empty()) return;
+    const auto emitters = placed_emitters(scene_, placed_, emits);
+    if (!emitters) problem_ = emitters.error().message;
+    if (emitters)
+      for (const Shape& shape : *emitters) add_shape(shape);
   }
 
   /// The index of its record, or 0 where it has no shape but such as emit.

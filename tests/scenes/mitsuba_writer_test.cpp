@@ -11,6 +11,7 @@
 
 #include "kernels/host/device_scene_tables.h"
 #include "scenes/device/device_scene_builder.h"
+#include "scenes/instances.h"
 #include "tests/scenes/scene_text.h"
 #include "tests/support/integrator_parameters.h"
 
@@ -153,6 +154,33 @@ TEST_F(MitsubaWriter, InstancesWithinGroupsAreWrittenAsTheScenesOwn) {
   const SceneDescription written = again(scene);
   EXPECT_EQ(written.instances.size(), 3u);
   for (const ShapeGroup& group : written.groups) EXPECT_TRUE(group.instances.empty());
+}
+
+TEST_F(MitsubaWriter, EmittingShapesOfGroupsAreWrittenInEachOfTheirPlaces) {
+  const auto instance = [](const std::string& id, const std::string& steps) {
+    return "<shape type='instance'><ref id='" + id + "'/><transform name='to_world'>" + steps +
+           "</transform></shape>";
+  };
+  const std::string light = "<emitter type='area'><rgb name='radiance' value='1, 2, 3'/></emitter>";
+  const std::string small = "<transform name='to_world'><scale value='0.25'/></transform>";
+  // Within the others of its group, which so stay where they are.
+  const SceneDescription scene =
+      good("<shape type='shapegroup' id='lamp'><shape type='cube'>" + diffuse("0.7, 0.2, 0.1") +
+           "</shape><shape type='rectangle'>" + small + light + diffuse("0.2, 0.2, 0.2") +
+           "</shape><shape type='disk'>" + small + light +
+           "</shape></shape><shape type='shapegroup' id='bulb'><shape type='sphere'>" + small + light +
+           "</shape></shape><shape type='shapegroup' id='street'>" + instance("lamp", "<translate x='2'/>") +
+           instance("bulb", "<translate z='-2'/>") + "</shape>" + instance("street", "<translate y='4'/>") +
+           instance("lamp", "<scale x='-2' y='2' z='2'/>"));
+  expect_same(scene);
+  const SceneDescription written = again(scene);
+  EXPECT_EQ(written.shapes.size(), 5u);
+  EXPECT_EQ(written.groups.size(), 1u);
+  EXPECT_EQ(written.instances.size(), 2u);
+  for (const Shape& shape : written.shapes) EXPECT_TRUE(shape.radiance);
+  each_shape(written, [&](const Shape& shape) {
+    if (&shape == &written.groups[0].shapes[0]) EXPECT_FALSE(shape.radiance);
+  });
 }
 
 TEST_F(MitsubaWriter, WhatMitsubasIntegratorsHaveNoNameForIsLeftOut) {
