@@ -3,19 +3,13 @@
 // PLY file of the temporary folder, binary, and a smaller one in ASCII.
 #include <fmt/format.h>
 
-#include <chrono>
-#include <cmath>
 #include <cstdlib>
-#include <ctime>
 #include <fstream>
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
 #include <thread>
 
-#include "kernels/host/peak_memory.h"
-#include "kernels/host/stopwatch.h"
 #include "scenes/device/bvh_builder.h"
 #include "scenes/device/device_scene_builder.h"
 #include "scenes/file_access.h"
@@ -23,44 +17,12 @@
 #include "scenes/mesh_tools.h"
 #include "scenes/scene_reader.h"
 #include "tests/benchmarks/bumpy_room.h"
+#include "tests/benchmarks/load_stages.h"
 #include "tests/support/temporary_folder.h"
 #include "worker/embree_tracer.h"
-#include "worker/native_device.h"
 
 namespace penumbra {
 namespace {
-
-/// Forgets the most that was resident, so that the next answer is that of what comes now.
-void forget_peak_memory() { std::ofstream("/proc/self/clear_refs") << "5"; }
-
-double resident_bytes() {
-  std::ifstream statm("/proc/self/statm");
-  double total = 0, resident = 0;
-  statm >> total >> resident;
-  return resident * 4096;
-}
-
-/// Runs the stage and prints a line: megabytes of memory are those above what there was at the start.
-double show(const std::string& name, double triangles, const std::function<void()>& stage) {
-  forget_peak_memory();
-  const double before = resident_bytes();
-  const auto begin = std::chrono::steady_clock::now();
-  const std::clock_t start = std::clock();
-  stage();
-  const double seconds = seconds_since(begin), cpu = double(std::clock() - start) / CLOCKS_PER_SEC;
-  fmt::print("| {} | {:.3f} | {:.3f} | {:.2f} | {:.1f} | {:.1f} | {:.1f} |\n", name, seconds, cpu,
-             triangles / seconds / 1e6, before / triangles, resident_bytes() / triangles,
-             double(peak_memory_bytes()) / triangles);
-  std::fflush(stdout);
-  return cpu;
-}
-
-template <typename T>
-T value_or_exit(Expected<T> result) {
-  if (result) return std::move(*result);
-  fmt::print(stderr, "{}\n", result.error().message);
-  std::exit(1);
-}
 
 /// Of about so many triangles, as a file of single precision; returns how many it has.
 std::size_t write_ball(const std::filesystem::path& path, int triangles, bool ascii) {
@@ -93,38 +55,40 @@ std::size_t write_ball(const std::filesystem::path& path, int triangles, bool as
 void read_mesh(const std::filesystem::path& path, double triangles, const std::string& name) {
   std::unique_ptr<SourceFile> file;
   MeshFile mesh;
-  show(name + ": file", triangles,
-       [&] { file = value_or_exit(FileAccess(std::nullopt).read(path, kMaxMeshFileBytes)); });
-  const double seconds = show(name + ": mesh", triangles, [&] { mesh = value_or_exit(read_ply(*file)); });
+  show_stage(name + ": file", triangles,
+             [&] { file = value_or_exit(FileAccess(std::nullopt).read(path, kMaxMeshFileBytes)); });
+  const double seconds =
+      show_stage(name + ": mesh", triangles, [&] { mesh = value_or_exit(read_ply(*file)); });
   const double megabytes = double(file->text.size()) / 1e6;
   fmt::print("  {:.0f} MB, {:.0f} MB/s a core\n", megabytes, megabytes / seconds);
   file.reset();
-  show(name + ": normals", triangles, [&] { value_or_exit(place_mesh(mesh.mesh, glm::dmat4(1.0), false)); });
+  show_stage(name + ": normals", triangles,
+             [&] { value_or_exit(place_mesh(mesh.mesh, glm::dmat4(1.0), false)); });
 }
 
 void load_scene(const std::filesystem::path& file, double triangles, IntersectorChoice intersector) {
   SceneDescription description;
   DeviceScene built, shipped;
   std::vector<std::uint8_t> bytes;
-  show("scene", triangles, [&] { description = value_or_exit(read_scene(file, {})); });
-  show("device scene", triangles,
-       [&] { built = value_or_exit(build_device_scene(description, {.intersector = intersector})); });
+  show_stage("scene", triangles, [&] { description = value_or_exit(read_scene(file, {})); });
+  show_stage("device scene", triangles,
+             [&] { built = value_or_exit(build_device_scene(description, {.intersector = intersector})); });
   description = {};
   fmt::print("  {:.1f} bytes a triangle in tables\n", double(built.words.size()) * 4 / triangles);
-  show("serialised", triangles, [&] { bytes = built.serialize(); });
+  show_stage("serialised", triangles, [&] { bytes = built.serialize(); });
   built = {};
-  show("deserialised and checked", triangles,
-       [&] { shipped = value_or_exit(DeviceScene::deserialize(bytes)); });
+  show_stage("deserialised and checked", triangles,
+             [&] { shipped = value_or_exit(DeviceScene::deserialize(bytes)); });
   std::vector<std::uint8_t>().swap(bytes);
   if (intersector == IntersectorChoice::kPortable) {
     const auto* of =
         reinterpret_cast<const Triangle*>(shipped.words.data() + shipped.header.tables.triangles.offset);
     const std::span<const Triangle> all(of, std::size_t(shipped.header.tables.triangles.count));
-    show("hierarchy alone", triangles, [&] { value_or_exit(build_hierarchy(all, {})); });
+    show_stage("hierarchy alone", triangles, [&] { value_or_exit(build_hierarchy(all, {})); });
     return;
   }
   std::unique_ptr<EmbreeTracer> tracer;
-  show("Embree's hierarchy", triangles, [&] {
+  show_stage("Embree's hierarchy", triangles, [&] {
     tracer =
         value_or_exit(EmbreeTracer::make(shipped, {.threads = int(std::thread::hardware_concurrency())}));
   });
@@ -147,9 +111,7 @@ int main(int argc, char** argv) {
       <lookat origin="0, 0.5, -2" target="0, 0, 0" up="0, 1, 0"/></transform></sensor>
     <emitter type="constant"/>
     <shape type="ply"><string name="filename" value="ball.ply"/></shape></scene>)");
-  fmt::print(
-      "bytes a triangle:\n| stage | s | s of cores | Mtriangles/s | before | after | most "
-      "|\n|---|---|---|---|---|---|---|\n");
+  print_stage_heading("triangle");
   read_mesh(folder / "ball.ply", count, "binary");
   read_mesh(folder / "ascii.ply", ascii_count, "ASCII");
   for (const IntersectorChoice intersector : {IntersectorChoice::kEmbree, IntersectorChoice::kPortable})
