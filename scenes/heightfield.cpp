@@ -15,12 +15,12 @@ class Grid {
   Grid(const Bitmap& bitmap, float gamma, double scale)
       : width(std::size_t(bitmap.width)), height(std::size_t(bitmap.height)) {
     const auto channels = std::size_t(bitmap.channels);
+    const BitmapValues values(bitmap, gamma);
     heights_.reserve(width * height);
     for (std::size_t i = 0; i < width * height; ++i) {
-      const auto value = [&](std::size_t channel) {
-        return float(bitmap_value(bitmap, i * channels + channel, gamma));
-      };
-      const float grey = channels == 1 ? value(0) : luminance(make_vec3(value(0), value(1), value(2)));
+      const std::size_t k = i * channels;
+      const float grey =
+          channels == 1 ? values[k] : luminance(make_vec3(values[k], values[k + 1], values[k + 2]));
       heights_.push_back(scale * double(grey));
     }
   }
