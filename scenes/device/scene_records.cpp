@@ -34,14 +34,6 @@ TableSpan append(const std::vector<Record>& records, int least, AlignedVector<st
 
 }  // namespace
 
-void store(const SceneRecords& records, DeviceScene& scene) {
-  reserve(records, scene.words);
-#define STORE_TABLE(_, name, record, least, what) \
-  scene.header.tables.name = append(records.name, least, scene.words);
-  SCENE_TABLES(STORE_TABLE, _)
-#undef STORE_TABLE
-}
-
 void store(SceneRecords&& records, DeviceScene& scene) {
   reserve(records, scene.words);
 #define MOVE_TABLE(_, name, record, least, what)                       \
