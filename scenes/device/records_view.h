@@ -2,7 +2,7 @@
 // kernels; after those.
 #pragma once
 
-#include <algorithm>
+#include <vector>
 
 #include "kernels/scene.h"
 #include "scenes/device/scene_records.h"
@@ -14,14 +14,9 @@ class RecordsView {
  public:
   explicit RecordsView(const SceneRecords& records, const SceneHeader& header = {}) {
     scene_.header = header;
-#define POINT_TO_RECORDS(_, name, record, least, what)                               \
-  scene_.name = records.name.data();                                                 \
-  scene_.header.tables.name.count = int(records.name.size());                        \
-  if (records.name.size() < std::size_t(least)) { /* zeros follow those there are */ \
-    padded_.name = records.name;                                                     \
-    padded_.name.resize(std::size_t(least));                                         \
-    scene_.name = padded_.name.data();                                               \
-  }
+#define POINT_TO_RECORDS(_, name, record, least, what)         \
+  scene_.name = pointer_to(records.name, least, padded_.name); \
+  scene_.header.tables.name.count = int(records.name.size());
     SCENE_TABLES(POINT_TO_RECORDS, _)
 #undef POINT_TO_RECORDS
   }
@@ -31,6 +26,16 @@ class RecordsView {
   [[nodiscard]] const Scene& scene() const { return scene_; }
 
  private:
+  /// Where kernels read more records than there are, zeros follow them.
+  template <typename Record>
+  static const Record* pointer_to(const std::vector<Record>& records, std::size_t least,
+                                  std::vector<Record>& padded) {
+    if (records.size() >= least) return records.data();
+    padded = records;
+    padded.resize(least);
+    return padded.data();
+  }
+
   SceneRecords padded_;
   Scene scene_{};
 };

@@ -11,7 +11,6 @@
 
 #include "kernels/host/device_scene_tables.h"
 #include "scenes/device/device_scene_builder.h"
-#include "scenes/instances.h"
 #include "tests/scenes/scene_text.h"
 #include "tests/support/integrator_parameters.h"
 
@@ -178,9 +177,8 @@ TEST_F(MitsubaWriter, EmittingShapesOfGroupsAreWrittenInEachOfTheirPlaces) {
   EXPECT_EQ(written.groups.size(), 1u);
   EXPECT_EQ(written.instances.size(), 2u);
   for (const Shape& shape : written.shapes) EXPECT_TRUE(shape.radiance);
-  each_shape(written, [&](const Shape& shape) {
-    if (&shape == &written.groups[0].shapes[0]) EXPECT_FALSE(shape.radiance);
-  });
+  for (const ShapeGroup& group : written.groups)
+    for (const Shape& shape : group.shapes) EXPECT_FALSE(shape.radiance);
 }
 
 TEST_F(MitsubaWriter, WhatMitsubasIntegratorsHaveNoNameForIsLeftOut) {
