@@ -165,6 +165,26 @@ Expected<Shape> placed_shape(const Shape& shape, const glm::dmat4& to_world) {
   return placed;
 }
 
+Expected<std::vector<Shape>> placed_emitters(const SceneDescription& scene,
+                                             std::span<const PlacedGroup> placed,
+                                             bool (*wanted)(const Shape&)) {
+  std::vector<Shape> shapes;
+  std::size_t triangles = 0;
+  for (const PlacedGroup& place : placed)
+    for (const Shape& shape : scene.groups[std::size_t(place.group)].shapes) {
+      if (!wanted(shape)) continue;
+      const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+      triangles += mesh != nullptr ? mesh->triangles.size() : 1;
+      if (triangles > kMaxPlacedEmitters)
+        return fail(fmt::format("instances of emitting shapes make more than {} triangles that emit",
+                                kMaxPlacedEmitters));
+      auto there = placed_shape(shape, place.to_world);
+      if (!there) return std::unexpected(there.error());
+      shapes.push_back(std::move(*there));
+    }
+  return shapes;
+}
+
 Expected<SceneDescription> without_instances(const SceneDescription& scene) {
   const auto placed = place_groups(scene);
   if (!placed) return std::unexpected(placed.error());

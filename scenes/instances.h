@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "kernels/host/error.h"
@@ -33,6 +34,15 @@ std::optional<Cylinder> placed_cylinder(const Cylinder& cylinder, const glm::dma
 /// The shape in the place where the transform takes it. The front of a mesh follows its transformed normal,
 /// also where the transform mirrors. Errors: a sphere or disk that would not be one, a position too far away.
 Expected<Shape> placed_shape(const Shape& shape, const glm::dmat4& to_world);
+
+/// The most triangles that emitting shapes of groups may be, each counted wherever it is: all are lights.
+constexpr std::size_t kMaxPlacedEmitters = 1'000'000;
+
+/// Those emitting shapes of groups that are wanted, in each of the places; they have a radiance. Errors: as
+/// of placed_shape, more than kMaxPlacedEmitters.
+Expected<std::vector<Shape>> placed_emitters(const SceneDescription& scene,
+                                             std::span<const PlacedGroup> placed,
+                                             bool (*wanted)(const Shape&));
 
 /// The same scene with all shapes where instances place them, and without groups. Errors: as of both.
 Expected<SceneDescription> without_instances(const SceneDescription& scene);

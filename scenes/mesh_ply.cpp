@@ -115,6 +115,7 @@ class PlyReader {
       if (is_vertex || element.name == "face")
         find_fields(element.properties, is_vertex, is_vertex ? attributes_.vertex : attributes_.face);
     }
+    reserve();
     for (const Element& element : elements_) {
       if (auto done = body(element); !done) return std::unexpected(done.error());
     }
@@ -267,6 +268,32 @@ class PlyReader {
                            least, text_.size() - at_));
     }
     return {};
+  }
+
+  /// What the rest of the file is long enough for, so that large meshes are not moved as they grow.
+  void reserve() {
+    const Element &vertex = *element_named("vertex"), &face = *element_named("face");
+    const std::uint64_t rest = text_.size() - at_;
+    const bool ascii = format_ == Format::kAscii;
+    const auto most = [&](const Element& of) {
+      std::uint64_t bytes = 0;
+      for (const Property& p : of.properties) {
+        bytes += ascii ? 2 : size_of(p.count_type.value_or(p.type));
+        if (is_indices(p)) bytes += 3 * (ascii ? 2 : size_of(p.type));
+      }
+      return std::size_t(std::min(of.count, rest / std::max<std::uint64_t>(bytes, 1)));
+    };
+    mesh_.positions.reserve(most(vertex));
+    mesh_.triangles.reserve(most(face));
+    const auto has = [&](const Element& of, int first, int last) {
+      int found = 0;
+      for (const Property& p : of.properties) found += p.field >= first && p.field <= last ? 1 : 0;
+      return found == last - first + 1;
+    };
+    if (has(vertex, kNormalX, kNormalZ)) mesh_.normals.reserve(most(vertex));
+    if (has(vertex, kU, kV)) mesh_.texcoords.reserve(most(vertex));
+    if (has(vertex, kRed, kBlue)) mesh_.colours.reserve(most(vertex));
+    if (has(face, kRed, kBlue)) mesh_.face_colours.reserve(most(face));
   }
 
   static bool is_indices(const Property& p) {

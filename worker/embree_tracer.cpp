@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <limits>
 #include <span>
 #include <string>
@@ -70,6 +71,13 @@ void quadric_occluded(const RTCOccludedFunctionNArguments* arguments) {
   }
 }
 
+// Embree reads vertices, 16 bytes each, where the scene's records have them.
+constexpr std::size_t kTriangleWords = sizeof(Triangle) / sizeof(float);
+constexpr std::size_t kVertexWords = 3;
+static_assert(offsetof(Triangle, p1) == kVertexWords * sizeof(float));
+static_assert(offsetof(Triangle, p2) == 2 * kVertexWords * sizeof(float));
+static_assert(kTriangleWords > 3 * kVertexWords);
+
 // Attached under these numbers, to a scene of each group; instances to that of group 0, the last ones.
 constexpr unsigned kTriangleGeometry = 0;
 constexpr unsigned kQuadricGeometry = 1;
@@ -118,8 +126,10 @@ struct EmbreeTracer::Impl {
   std::unique_ptr<RTCDeviceTy, DeviceRelease> device;
   std::unique_ptr<RTCSceneTy, SceneRelease> scene;
   std::vector<std::unique_ptr<RTCSceneTy, SceneRelease>> group_scenes;  ///< from group 1 on
-  std::vector<float> vertices;
+  /// Of the scene's records, which Embree reads vertices from, in words: those of a group's first triangle
+  /// are 0, 3 and 6.
   std::vector<unsigned> indices;
+  std::span<const Triangle> triangles;
   int triangle_count = 0;
   PrimitiveGroup whole{};  ///< of a scene without instances
   std::span<const PrimitiveGroup> groups;
@@ -150,9 +160,8 @@ struct EmbreeTracer::Impl {
   /// that make it up, each at most that of the three coordinates' largest distances.
   [[nodiscard]] bool may_meet_again(unsigned triangle, int instance, const vec3& origin) const {
     const vec3 from = instance < 0 ? origin : to_group_point(&instances[std::size_t(instance)], origin);
-    const float* p = vertices.data() + std::size_t(triangle) * 9;
-    const vec3 v0 = sub(make_vec3(p[0], p[1], p[2]), from), v1 = sub(make_vec3(p[3], p[4], p[5]), from);
-    const vec3 v2 = sub(make_vec3(p[6], p[7], p[8]), from);
+    const Triangle& t = triangles[triangle];
+    const vec3 v0 = sub(t.p0, from), v1 = sub(t.p1, from), v2 = sub(t.p2, from);
     const float height = dot3(cross3(sub(v1, v0), sub(v2, v0)), v0);
     const auto reach = [](float a, float b, float c) { return max_f(FABS(a), max_f(FABS(b), FABS(c))); };
     const float products = reach(v0.x, v1.x, v2.x) * reach(v0.y, v1.y, v2.y) * reach(v0.z, v1.z, v2.z);
@@ -265,12 +274,13 @@ struct EmbreeTracer::Impl {
       rtcReleaseGeometry(geometry);
     };
     if (group.triangle_count > 0) {
-      const auto first = std::size_t(group.first_triangle), triangles = std::size_t(group.triangle_count);
+      const auto count = std::size_t(group.triangle_count);
       RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-      rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.data(),
-                                 first * 36, 12, triangles * 3);
+      rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                 triangles.data() + group.first_triangle, 0, sizeof(float),
+                                 count * kTriangleWords);
       rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices.data(), 0, 12,
-                                 triangles);
+                                 count);
       add(geometry, kTriangleGeometry);
     }
     if (group.quadric_count > 0) {
@@ -317,19 +327,16 @@ Expected<std::unique_ptr<EmbreeTracer>> EmbreeTracer::make(const DeviceScene& sc
   impl.device.reset(rtcNewDevice(configuration.c_str()));
   if (!impl.device) return fail("Embree does not start with " + configuration);
   impl.scene = impl.new_scene();
-  const auto triangles = table<Triangle>(scene, scene.header.tables.triangles);
+  const auto triangles = impl.triangles = table<Triangle>(scene, scene.header.tables.triangles);
   const auto quadrics = table<Quadric>(scene, scene.header.tables.quadrics);
   impl.triangle_count = int(triangles.size());
   impl.whole = {0, 0, impl.triangle_count, 0, int(quadrics.size())};
   impl.instances = table<Instance>(scene, scene.header.tables.instances);
   impl.groups = table<PrimitiveGroup>(scene, scene.header.tables.groups);
   if (impl.groups.empty()) impl.groups = std::span(&impl.whole, 1);
-  impl.vertices.reserve(triangles.size() * 9 + 4);
-  for (const Triangle& t : triangles)
-    for (const vec3& p : {t.p0, t.p1, t.p2}) impl.vertices.insert(impl.vertices.end(), {p.x, p.y, p.z});
-  impl.vertices.resize(impl.vertices.size() + 4);  // Embree reads 16 bytes for each vertex
   impl.indices.resize(triangles.size() * 3);
-  for (std::size_t i = 0; i < impl.indices.size(); ++i) impl.indices[i] = unsigned(i);
+  for (std::size_t i = 0; i < impl.indices.size(); ++i)
+    impl.indices[i] = unsigned(i / 3 * kTriangleWords + i % 3 * kVertexWords);
   for (std::size_t g = 1; g < impl.groups.size(); ++g) {
     impl.group_scenes.push_back(impl.new_scene());
     impl.attach(impl.groups[g], quadrics, impl.group_scenes.back().get());

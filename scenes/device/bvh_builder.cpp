@@ -103,15 +103,13 @@ int leaf_code(LeafKind kind, std::size_t index) { return ~(int(kind) << kCodeBit
 constexpr double kRoomForParts = 1.5;
 constexpr std::size_t kMostSplit = 1'000'000;
 
-Expected<BuildNode*> build_tree(RTCBVH bvh, const std::vector<Box>& boxes, LeafKind kind, Build build) {
+/// The primitives are left in some other order.
+Expected<BuildNode*> build_tree(RTCBVH bvh, std::vector<RTCBuildPrimitive>& primitives, LeafKind kind,
+                                Build build) {
   const unsigned in_leaf = kind == kInstanceLeaf ? 1 : BVH_WIDTH;
   const bool splits = !build.triangles.empty() && build.triangles.size() <= kMostSplit;
-  std::vector<RTCBuildPrimitive> primitives(splits ? std::size_t(double(boxes.size()) * kRoomForParts)
-                                                   : boxes.size());
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    const Box& b = boxes[i];
-    primitives[i] = {b.low[0], b.low[1], b.low[2], 0, b.high[0], b.high[1], b.high[2], unsigned(i)};
-  }
+  const std::size_t count = primitives.size();
+  if (splits) primitives.resize(std::size_t(double(count) * kRoomForParts));
   RTCBuildArguments arguments = rtcDefaultBuildArguments();
   arguments.byteSize = sizeof arguments;
   arguments.buildQuality = splits ? RTC_BUILD_QUALITY_HIGH : RTC_BUILD_QUALITY_MEDIUM;
@@ -124,7 +122,7 @@ Expected<BuildNode*> build_tree(RTCBVH bvh, const std::vector<Box>& boxes, LeafK
   arguments.intersectionCost = 1;
   arguments.bvh = bvh;
   arguments.primitives = primitives.data();
-  arguments.primitiveCount = boxes.size();
+  arguments.primitiveCount = count;
   arguments.primitiveArrayCapacity = primitives.size();
   arguments.createNode = create_node;
   arguments.setNodeChildren = set_children;
@@ -133,8 +131,7 @@ Expected<BuildNode*> build_tree(RTCBVH bvh, const std::vector<Box>& boxes, LeafK
   arguments.splitPrimitive = splits ? split : nullptr;
   arguments.userPtr = &build;
   auto* root = static_cast<BuildNode*>(rtcBuildBVH(&arguments));
-  if (!root)
-    return fail("Embree could not build a hierarchy over " + std::to_string(boxes.size()) + " primitives");
+  if (!root) return fail("Embree could not build a hierarchy over " + std::to_string(count) + " primitives");
   return root;
 }
 
@@ -147,6 +144,26 @@ struct Part {
   int first = 0;                        ///< number of the first primitive
 };
 
+struct NodeCount {
+  std::size_t inner = 0, leaves = 0;
+};
+void add_count(const BuildNode* node, NodeCount& count) {
+  if (node->child_count == 0) {
+    ++count.leaves;
+    return;
+  }
+  ++count.inner;
+  const auto* inner = static_cast<const InnerNode*>(node);
+  for (int k = 0; k < inner->child_count; ++k) add_count(inner->children[k], count);
+}
+
+/// So that large tables are not moved as they grow, nor many small ones each by a little.
+template <typename Record>
+void reserve_more(std::vector<Record>& records, std::size_t more) {
+  const std::size_t wanted = records.size() + more;
+  if (wanted > records.capacity()) records.reserve(std::max(wanted, 2 * records.capacity()));
+}
+
 class Flattener {
  public:
   explicit Flattener(Hierarchy& out) : out_(out) {}
@@ -155,11 +172,15 @@ class Flattener {
   int flatten(std::span<const Part> parts) {
     const Part* only = nullptr;
     int count = 0;
+    NodeCount nodes;
     for (const Part& part : parts) {
       if (part.root == nullptr) continue;
       only = &part;
       ++count;
+      add_count(part.root, nodes);
+      if (part.kind == kTriangleLeaf) reserve_more(out_.triangle_leaves, nodes.leaves);
     }
+    reserve_more(out_.nodes, nodes.inner + 1);
     if (count == 1 && only->root->child_count > 0) return emit(only->root, *only);
     const std::size_t at = out_.nodes.size();
     out_.nodes.push_back(empty_node());
@@ -251,15 +272,19 @@ class Flattener {
   Hierarchy& out_;
 };
 
-template <typename Primitive>
-std::vector<Box> all_bounds(std::span<const Primitive> primitives, Box& total) {
-  std::vector<Box> boxes;
-  boxes.reserve(primitives.size());
-  for (const Primitive& p : primitives) {
-    boxes.push_back(bounds_of(p));
-    total.include(boxes.back());
+const Box& bounds_of(const Box& box) { return box; }
+
+/// What the builder takes, each by its number, and the box about all.
+template <typename Primitives>
+std::vector<RTCBuildPrimitive> build_primitives(const Primitives& primitives, Box& total) {
+  std::vector<RTCBuildPrimitive> all;
+  all.reserve(primitives.size());
+  for (const auto& p : primitives) {
+    const Box b = bounds_of(p);
+    all.push_back({b.low[0], b.low[1], b.low[2], 0, b.high[0], b.high[1], b.high[2], unsigned(all.size())});
+    total.include(b);
   }
-  return boxes;
+  return all;
 }
 
 Box bounds_of(std::span<const Triangle> triangles, std::span<const Quadric> quadrics,
@@ -348,16 +373,17 @@ Expected<Hierarchy> build_hierarchy(std::span<const Triangle> triangles, std::sp
     parts[kQuadricLeaf].first = int(triangles.size()) + group.first_quadric;
     const auto its_quadrics =
         quadrics.subspan(std::size_t(group.first_quadric), std::size_t(group.quadric_count));
-    const std::vector<Box> boxes[kLeafKinds] = {all_bounds(parts[0].triangles, parts[0].box),
-                                                all_bounds(its_quadrics, parts[1].box),
-                                                g == 0 ? std::move(placed) : std::vector<Box>()};
-    for (const Box& box : boxes[kInstanceLeaf]) parts[kInstanceLeaf].box.include(box);
+    std::vector<RTCBuildPrimitive> primitives[kLeafKinds] = {
+        build_primitives(parts[kTriangleLeaf].triangles, parts[kTriangleLeaf].box),
+        build_primitives(its_quadrics, parts[kQuadricLeaf].box),
+        build_primitives(g == 0 ? std::move(placed) : std::vector<Box>(), parts[kInstanceLeaf].box)};
     for (Part& part : parts) {
-      if (boxes[part.kind].empty()) continue;
+      if (primitives[part.kind].empty()) continue;
       trees[part.kind].reset(rtcNewBVH(device.get()));
       Expected<BuildNode*> root =
-          build_tree(trees[part.kind].get(), boxes[part.kind], part.kind, {part.triangles});
+          build_tree(trees[part.kind].get(), primitives[part.kind], part.kind, {part.triangles});
       if (!root) return std::unexpected(root.error());
+      std::vector<RTCBuildPrimitive>().swap(primitives[part.kind]);
       part.root = *root;
     }
     hierarchy.roots[g] = flattener.flatten(parts);

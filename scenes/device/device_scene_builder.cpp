@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "kernels/host/material_closure.h"
 #include "scenes/device/camera_builder.h"
@@ -25,8 +26,6 @@
 
 namespace penumbra {
 namespace {
-
-constexpr std::size_t kMaxPlacedEmitters = 1'000'000;  // each a light
 
 static_assert(int(SamplerKind::kSobol) == SAMPLER_SOBOL);
 
@@ -61,6 +60,7 @@ class Builder {
   Expected<DeviceScene> build() {
     add_materials();
     lights_.set_default_sampling(default_sampling(scene_.integrator, has_narrow_lobes(records_.materials)));
+    reserve_triangles();
     for (const Shape& shape : scene_.shapes) add_shape(shape);
     add_instances();
     add_other_lights();
@@ -92,7 +92,7 @@ class Builder {
       if (Expected<void> done = add_light_tree(lights_.bounds(), scene_.integrator, radius_, h_, records_);
           !done)
         return std::unexpected(done.error());
-    store(records_, out_);
+    store(std::move(records_), out_);
     if (out_.words.size() > std::size_t(INT_MAX))
       return fail(scene_.source + ": the scene exceeds 8 GiB of tables");
     return std::move(out_);
@@ -146,6 +146,24 @@ class Builder {
     attributes_ = std::move(tables.attributes);
     light_textures_ = LightTextures(scene_, records_, std::move(tables.places));
     need(FEATURE_TEXTURES | FEATURE_UV);
+  }
+
+  /// Those of each shape once, so that tables of the largest scenes are never moved.
+  void reserve_triangles() {
+    std::size_t triangles = 0, smooth = 0;
+    const auto count = [&](const std::vector<Shape>& shapes) {
+      for (const Shape& shape : shapes)
+        if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
+          triangles += mesh->triangles.size();
+          smooth += mesh->normals.empty() ? 0 : mesh->triangles.size();
+        }
+    };
+    count(scene_.shapes);
+    for (const ShapeGroup& group : scene_.groups) count(group.shapes);
+    records_.triangles.reserve(triangles);
+    records_.normals.reserve(smooth);
+    if (wants_uv()) records_.vertex_uvs.reserve(triangles);
+    if (!attributes_.empty()) records_.triangle_colours.reserve(triangles);
   }
 
   void add_shape(const Shape& shape) {
@@ -236,21 +254,11 @@ class Builder {
   }
 
   void add_instances_of_emitters() {
-    std::size_t triangles = 0;
-    for (const PlacedGroup& place : placed_) {
-      for (const Shape& shape : scene_.groups[std::size_t(place.group)].shapes) {
-        if (!emits(shape)) continue;
-        const auto* mesh = std::get_if<Mesh>(&shape.geometry);
-        triangles += mesh != nullptr ? mesh->triangles.size() : 1;
-        if (triangles > kMaxPlacedEmitters && problem_.empty())
-          problem_ = "instances of emitting shapes make more than " + std::to_string(kMaxPlacedEmitters) +
-                     " triangles that emit";
-        if (!problem_.empty()) return;
-        auto placed = placed_shape(shape, place.to_world);
-        if (placed) add_shape(*placed);
-        if (!placed) problem_ = placed.error().message;
-      }
-    }
+    if (!problem_.empty()) return;
+    const auto emitters = placed_emitters(scene_, placed_, emits);
+    if (!emitters) problem_ = emitters.error().message;
+    if (emitters)
+      for (const Shape& shape : *emitters) add_shape(shape);
   }
 
   /// The index of its record, or 0 where it has no shape but such as emit.

@@ -2,7 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <span>
+#include <vector>
 
 #include "kernels/light/envmap_grid.h"
 #include "scenes/emitters.h"
@@ -12,25 +13,27 @@
 namespace penumbra {
 namespace {
 
-/// The sum of the weights of a row's cells, from its first column up to each, of columns 0 to W.
-std::vector<double> sums_of_row(const std::vector<vec3>& texels, int width, int height, int y) {
-  const float sine = envmap_row_sine(y, height);
-  const auto weight = [&](int x) {
-    return double(envmap_weight(texels[std::size_t(y) * std::size_t(width) + std::size_t(x % width)], sine));
-  };
-  std::vector<double> sums(std::size_t(width) + 1, 0.0);
-  for (int x = 0; x < width; ++x)
-    sums[std::size_t(x) + 1] = sums[std::size_t(x)] + 0.5 * (weight(x) + weight(x + 1));
-  return sums;
+/// Appends the sums of the weights of a row's cells, from its first column up to each, of columns 0 to W.
+/// Returns the last.
+double append_sums(std::span<const vec3> row, float sine, std::vector<float>& columns) {
+  const auto weight = [&](const vec3& texel) { return double(envmap_weight(texel, sine)); };
+  const double first = weight(row.front());
+  double sum = 0, here = first;
+  columns.push_back(0.0f);
+  for (std::size_t x = 0; x < row.size(); ++x) {
+    const double next = x + 1 < row.size() ? weight(row[x + 1]) : first;
+    sum += 0.5 * (here + next);
+    columns.push_back(float(sum));
+    here = next;
+  }
+  return sum;
 }
 
 /// What is below 0, as resampled images have it beside bright texels, shines not.
-vec3 radiance_of_texel(const Bitmap& image, std::size_t index, float scale) {
-  const std::size_t n = std::size_t(image.channels);
+vec3 radiance_of_texel(const BitmapValues& values, std::size_t channels, std::size_t index, float scale) {
   const auto channel = [&](std::size_t c) {
-    const double most = double(std::numeric_limits<float>::max());
-    return float(
-        std::clamp(bitmap_value(image, n * index + std::min(c, n - 1), kSrgb) * double(scale), 0.0, most));
+    const float value = values[channels * index + std::min(c, channels - 1)] * scale;
+    return std::clamp(value, 0.0f, std::numeric_limits<float>::max());
   };
   return make_vec3(channel(0), channel(1), channel(2));
 }
@@ -42,23 +45,23 @@ EmitterLight EnvironmentMapLight::light(const EmitterPlace& place) const {
   SceneRecords& records = place.records;
   records.envmaps.push_back({width, height});
   records.envmap_texels.reserve(std::size_t(width) * std::size_t(height));
+  const BitmapValues values(*image, kSrgb);
   for (std::size_t i = 0; i < std::size_t(width) * std::size_t(height); ++i)
-    records.envmap_texels.push_back(radiance_of_texel(*image, i, scale));
+    records.envmap_texels.push_back(radiance_of_texel(values, std::size_t(image->channels), i, scale));
+  records.envmap_columns.reserve((std::size_t(width) + 1) * std::size_t(height));
   std::vector<double> rows(std::size_t(height), 0.0);
   double last = 0;
   glm::dvec3 mean(0.0);
   double area = 0;
   for (int y = 0; y < height; ++y) {
-    const std::vector<double> sums = sums_of_row(records.envmap_texels, width, height, y);
-    for (const double sum : sums) records.envmap_columns.push_back(float(sum));
-    if (y > 0) rows[std::size_t(y)] = rows[std::size_t(y) - 1] + 0.5 * (last + sums.back());
-    last = sums.back();
-    const double sine = envmap_row_sine(y, height);
-    area += sine * width;
-    for (int x = 0; x < width; ++x) {
-      const vec3& texel = records.envmap_texels[std::size_t(y) * std::size_t(width) + std::size_t(x)];
-      mean += sine * glm::dvec3(texel.x, texel.y, texel.z);
-    }
+    const std::span row = std::span<const vec3>(records.envmap_texels)
+                              .subspan(std::size_t(y) * std::size_t(width), std::size_t(width));
+    const float sine = envmap_row_sine(y, height);
+    const double sum = append_sums(row, sine, records.envmap_columns);
+    if (y > 0) rows[std::size_t(y)] = rows[std::size_t(y) - 1] + 0.5 * (last + sum);
+    last = sum;
+    area += double(sine) * width;
+    for (const vec3& texel : row) mean += double(sine) * glm::dvec3(texel.x, texel.y, texel.z);
   }
   const double whole = rows.back();
   for (const double row : rows) records.envmap_rows.push_back(whole > 0 ? float(row / whole) : 0.0f);

@@ -71,9 +71,9 @@ Expected<void> add_hierarchy(SceneRecords& records) {
 
 void drop_hierarchy(SceneRecords& records) {
   for (PrimitiveGroup& group : records.groups) group.root = 0;
-  records.nodes.clear();
-  records.triangle_leaves.clear();
-  records.quadric_leaves.clear();
+  std::vector<BvhNode>().swap(records.nodes);
+  std::vector<TriangleLeaf>().swap(records.triangle_leaves);
+  std::vector<QuadricLeaf>().swap(records.quadric_leaves);
 }
 
 }  // namespace penumbra

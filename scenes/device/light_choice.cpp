@@ -22,8 +22,15 @@ class Chooser {
           SceneRecords& records)
       : lights_(lights), open_(open), radius_(radius), h_(header), records_(records) {}
 
-  /// What infinite lights count for beside others takes a look at the scene.
   Expected<void> add() {
+    Expected<void> done = choose();
+    if (borrowed_) drop_hierarchy(records_);
+    return done;
+  }
+
+ private:
+  /// What infinite lights count for beside others takes a look at the scene.
+  Expected<void> choose() {
     std::vector<LightBounds> all(lights_.begin(), lights_.end()), finite = all;
     std::vector<int> infinite;
     double intensity = 0;
@@ -49,8 +56,7 @@ class Chooser {
     if (!groups) return std::unexpected(groups.error());
     set_light_tree(build_light_tree(finite, unit, *groups));
     InfiniteLights found{.intensities = std::vector<double>(infinite.size(), 1.0)};
-    Expected<void> done =
-        survey([&](const DeviceScene& scene) { found = survey_infinite_lights(scene, infinite); });
+    Expected<void> done = survey([&] { found = survey_infinite_lights(h_, records_, infinite); });
     if (!done) return done;
     if (infinite.size() == 1 && in_one_place(finite) && open_) {
       choose_alike(infinite[0], found.share);
@@ -62,7 +68,6 @@ class Chooser {
     return {};
   }
 
- private:
   /// Of no light where none has power.
   void set_light_tree(const LightTree& tree) {
     if (tree.nodes.empty()) {
@@ -118,25 +123,20 @@ class Chooser {
     if (std::ranges::count_if(finite, [](const LightBounds& b) { return b.intensity > 0; }) < 2)
       return std::vector<LightGroup>{};
     std::vector<SurveyedPlace> places;
-    if (Expected<void> done = survey([&](const DeviceScene& scene) { places = survey_places(scene); }); !done)
+    if (Expected<void> done = survey([&] { places = survey_places(h_, records_); }); !done)
       return std::unexpected(done.error());
     return light_groups(finite, unit, places);
   }
 
-  /// Looks at a copy of the scene that has the portable hierarchy in any case; not at an empty scene.
+  /// Looks at the scene, which has the portable hierarchy meanwhile; not at an empty one.
   template <typename Look>
   Expected<void> survey(const Look& look) {
     if (records_.triangles.empty() && records_.quadrics.empty()) return {};
-    const bool has_hierarchy = !records_.nodes.empty();
-    if (!has_hierarchy)
+    if (records_.nodes.empty()) {
       if (Expected<void> done = add_hierarchy(records_); !done) return done;
-    {
-      DeviceScene surveyed;
-      surveyed.header = h_;
-      store(records_, surveyed);
-      look(surveyed);
+      borrowed_ = true;
     }
-    if (!has_hierarchy) drop_hierarchy(records_);
+    look();
     return {};
   }
 
@@ -145,6 +145,7 @@ class Chooser {
   double radius_;
   SceneHeader& h_;
   SceneRecords& records_;
+  bool borrowed_ = false;  ///< the scene's portable hierarchy, which rays of it do not take
 };
 
 }  // namespace

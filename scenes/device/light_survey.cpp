@@ -12,6 +12,7 @@
 #include "kernels/light/light_tree.h"
 #include "kernels/math/frame.h"
 #include "kernels/sampler/sampler.h"
+#include "scenes/device/records_view.h"
 
 namespace penumbra {
 namespace {
@@ -31,8 +32,7 @@ struct Arrival {
 
 class Survey {
  public:
-  Survey(const DeviceScene& scene, std::span<const int> infinite)
-      : scene_(make_scene(scene.header, scene.words.data())), infinite_(infinite) {}
+  Survey(const Scene& scene, std::span<const int> infinite) : scene_(scene), infinite_(infinite) {}
 
   InfiniteLights run() {
     for (int k = 0; k < kCameraRays; ++k)
@@ -311,10 +311,15 @@ class Survey {
 
 }  // namespace
 
-std::vector<SurveyedPlace> survey_places(const DeviceScene& scene) { return Survey(scene, {}).places(); }
+std::vector<SurveyedPlace> survey_places(const SceneHeader& header, const SceneRecords& records) {
+  const RecordsView view(records, header);
+  return Survey(view.scene(), {}).places();
+}
 
-InfiniteLights survey_infinite_lights(const DeviceScene& scene, std::span<const int> infinite) {
-  return Survey(scene, infinite).run();
+InfiniteLights survey_infinite_lights(const SceneHeader& header, const SceneRecords& records,
+                                      std::span<const int> infinite) {
+  const RecordsView view(records, header);
+  return Survey(view.scene(), infinite).run();
 }
 
 }  // namespace penumbra

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "kernels/host/device_scene.h"
+#include "scenes/device/scene_records.h"
 
 namespace penumbra {
 
@@ -17,7 +17,7 @@ struct SurveyedPlace {
 
 /// Always the same for the same scene, which has the hierarchy of the portable intersector; its lights do not
 /// matter.
-std::vector<SurveyedPlace> survey_places(const DeviceScene& scene);
+std::vector<SurveyedPlace> survey_places(const SceneHeader& header, const SceneRecords& records);
 
 struct InfiniteLights {
   std::vector<double>
@@ -29,8 +29,10 @@ struct InfiniteLights {
 /// diffuse directions, is least, relative to the light there, over places that the camera sees and others
 /// that light reaches from there. Always the same for the same scene.
 ///
-/// `scene` has the hierarchy of the portable intersector, and a hierarchy of all lights but these. Rays find
-/// what is in the way; glass and mirrors are, as for shadow rays. Materials count as what their records say.
-InfiniteLights survey_infinite_lights(const DeviceScene& scene, std::span<const int> infinite);
+/// The scene has the hierarchy of the portable intersector, and a hierarchy of all lights but these. Rays
+/// find what is in the way; glass and mirrors are, as for shadow rays. Materials count as what their records
+/// say.
+InfiniteLights survey_infinite_lights(const SceneHeader& header, const SceneRecords& records,
+                                      std::span<const int> infinite);
 
 }  // namespace penumbra

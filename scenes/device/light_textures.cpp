@@ -10,6 +10,7 @@
 #include "kernels/intersect/surface_uv.h"
 #include "kernels/light/light_grid.h"
 #include "kernels/texture/texture.h"
+#include "scenes/device/records_view.h"
 
 namespace penumbra {
 namespace {
@@ -19,16 +20,6 @@ namespace {
 constexpr double kUniformShare = 0.1;
 constexpr double kLeastMean = 1e-6;  // of a texture that is black wherever it was looked at
 constexpr int kMostLooks = 1024;     // at a light, one way
-
-Scene scene_of(const SceneRecords& records) {
-  Scene scene{};
-#define POINT_TO_RECORDS(_, name, record, least, what) \
-  scene.name = records.name.data();                    \
-  scene.header.tables.name.count = int(records.name.size());
-  SCENE_TABLES(POINT_TO_RECORDS, _)
-#undef POINT_TO_RECORDS
-  return scene;
-}
 
 template <typename Model>
 void add_textures_of(const Model& model, std::vector<int>& textures) {
@@ -50,7 +41,8 @@ std::vector<int> textures_of_lights(const SceneDescription& scene) {
 }
 
 std::vector<vec3> LightTextures::values(int texture, const std::vector<Place>& places) const {
-  const Scene scene = scene_of(*records_);
+  const RecordsView view(*records_);
+  const Scene& scene = view.scene();
   std::vector<vec3> result;
   result.reserve(places.size());
   for (std::size_t first = 0; first < places.size(); first += LANES) {

@@ -1,7 +1,11 @@
 #include "scenes/device/scene_inventory.h"
 
+#include <xxhash.h>
+
 #include <array>
-#include <set>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "kernels/block/path_state.h"
 #include "kernels/features.h"
@@ -28,15 +32,41 @@ constexpr Named kLightKinds[] = {LIGHT_KINDS(LIST_LIGHT_KIND)};
 
 constexpr int kUnknown = -1;
 
+/// How many vertices differ: by a table of triangles' corners, open, by their coordinates.
+std::size_t distinct_vertices(std::span<const Triangle> triangles) {
+  const std::size_t corners = triangles.size() * 3;
+  const auto vertex = [&](std::size_t corner) {
+    const Triangle& t = triangles[corner / 3];
+    const vec3& p = corner % 3 == 0 ? t.p0 : corner % 3 == 1 ? t.p1 : t.p2;
+    return std::array<float, 3>{p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};  // of one zero
+  };
+  constexpr std::uint32_t kFree = ~std::uint32_t{0};
+  std::size_t count = 0;
+  std::vector<std::uint32_t> slots(64, kFree);
+  // Where that corner is, or would be.
+  const auto slot_of = [&](const std::array<float, 3>& p) -> std::uint32_t& {
+    std::size_t at = XXH3_64bits(p.data(), sizeof p) & (slots.size() - 1);
+    while (slots[at] != kFree && vertex(slots[at]) != p) at = (at + 1) & (slots.size() - 1);
+    return slots[at];
+  };
+  for (std::size_t corner = 0; corner < corners; ++corner) {
+    std::uint32_t& slot = slot_of(vertex(corner));
+    if (slot != kFree) continue;
+    slot = std::uint32_t(corner);
+    if (++count * 2 <= slots.size()) continue;
+    const std::vector<std::uint32_t> full = std::exchange(slots, std::vector(slots.size() * 2, kFree));
+    for (const std::uint32_t each : full)
+      if (each != kFree) slot_of(vertex(each)) = each;
+  }
+  return count;
+}
+
 /// Counts of both search structures over the scene's primitives; what cannot be built is unknown.
 void count_search(const DeviceScene& scene, TableSpans& all) {
   const auto triangles = table<Triangle>(scene, scene.header.tables.triangles);
   const auto quadrics = table<Quadric>(scene, scene.header.tables.quadrics);
   if (triangles.empty() && quadrics.empty()) return;
-  std::set<std::array<float, 3>> vertices;
-  for (const Triangle& t : triangles)
-    for (const vec3& p : {t.p0, t.p1, t.p2}) vertices.insert({p.x, p.y, p.z});
-  all.vertices.count = int(vertices.size());
+  all.vertices.count = int(distinct_vertices(triangles));
   all.corners.count = int(triangles.size());
   const auto groups = table<PrimitiveGroup>(scene, scene.header.tables.groups);
   const PrimitiveGroup whole{0, 0, int(triangles.size()), 0, int(quadrics.size())};
@@ -49,9 +79,10 @@ void count_search(const DeviceScene& scene, TableSpans& all) {
 }
 
 /// Counts of the outlines of all mesh lights.
-void count_polygons(SceneDescription description, TableSpans& all) {
-  description.integrator = {.method = PolygonAnalyticIntegrator{}};
-  const auto built = build_device_scene(description, {.intersector = IntersectorChoice::kEmbree});
+void count_polygons(const SceneDescription& description, TableSpans& all) {
+  SceneDescription lights = polygon_lights_of(description);
+  lights.integrator = {.method = PolygonAnalyticIntegrator{}};
+  const auto built = build_device_scene(lights, {.intersector = IntersectorChoice::kEmbree});
   all.polygons.count = built ? built->header.tables.polygons.count : kUnknown;
   all.polygon_corners.count = built ? built->header.tables.polygon_corners.count : kUnknown;
 }
@@ -78,6 +109,30 @@ std::uint64_t path_bytes(std::uint32_t features) {
 }
 
 }  // namespace
+
+SceneDescription polygon_lights_of(const SceneDescription& description) {
+  SceneDescription lights;
+  static_cast<RenderSettings&>(lights) = description;
+  lights.source = description.source;
+  lights.files = description.files;
+  lights.contents_hash = description.contents_hash;
+  lights.warnings = description.warnings;
+  lights.instances = description.instances;
+  const auto copy = [](const std::vector<Shape>& from, std::vector<Shape>& to) {
+    for (const Shape& shape : from) {
+      if (!shape.radiance || shape.radiance_texture != kNoTexture) continue;
+      if (!std::holds_alternative<Mesh>(shape.geometry)) continue;
+      to.push_back(shape);
+      to.back().front_bsdf = to.back().back_bsdf = kBlackBsdf;
+    }
+  };
+  copy(description.shapes, lights.shapes);
+  for (const ShapeGroup& group : description.groups) {
+    lights.groups.push_back({group.name, {}, group.instances});
+    copy(group.shapes, lights.groups.back().shapes);
+  }
+  return lights;
+}
 
 SceneInventory take_inventory(const SceneDescription& description, const DeviceScene& scene, bool thorough) {
   const SceneHeader& h = scene.header;

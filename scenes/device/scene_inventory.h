@@ -54,6 +54,10 @@ struct SceneInventory {
   std::optional<CompileTimes> opencl;
 };
 
+/// The settings of a scene, what is known of its files, and of its shapes the meshes that are lights of one
+/// colour: all that take_inventory wants of it.
+SceneDescription polygon_lights_of(const SceneDescription& description);
+
 /// With everything means: shading normals for each triangle, outlines of all mesh lights, both search
 /// structures, all planes. What that takes is found by building it, which for more than 65536 primitives is
 /// done only if `thorough`.

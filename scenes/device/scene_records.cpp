@@ -8,21 +8,39 @@ namespace {
 
 constexpr std::size_t kLineWords = kCacheLine / 4;
 
+std::size_t next_line(std::size_t words) { return (words + kLineWords - 1) / kLineWords * kLineWords; }
+
+template <typename Record>
+std::size_t words_of(const std::vector<Record>& records, int least) {
+  return std::max(records.size(), std::size_t(least)) * (sizeof(Record) / 4);
+}
+
+/// So that words are never moved: the largest scenes fill most of the memory.
+void reserve(const SceneRecords& records, AlignedVector<std::uint32_t>& words) {
+  std::size_t total = words.size();
+#define COUNT_TABLE(_, name, record, least, what) total = next_line(total) + words_of(records.name, least);
+  SCENE_TABLES(COUNT_TABLE, _)
+#undef COUNT_TABLE
+  words.reserve(total);
+}
+
 template <typename Record>
 TableSpan append(const std::vector<Record>& records, int least, AlignedVector<std::uint32_t>& words) {
-  const std::size_t offset = (words.size() + kLineWords - 1) / kLineWords * kLineWords;
-  words.resize(offset + std::max(records.size(), std::size_t(least)) * (sizeof(Record) / 4));
+  const std::size_t offset = next_line(words.size());
+  words.resize(offset + words_of(records, least));
   if (!records.empty()) std::memcpy(words.data() + offset, records.data(), records.size() * sizeof(Record));
   return {int(records.size()), std::uint32_t(offset)};
 }
 
 }  // namespace
 
-void store(const SceneRecords& records, DeviceScene& scene) {
-#define STORE_TABLE(_, name, record, least, what) \
-  scene.header.tables.name = append(records.name, least, scene.words);
-  SCENE_TABLES(STORE_TABLE, _)
-#undef STORE_TABLE
+void store(SceneRecords&& records, DeviceScene& scene) {
+  reserve(records, scene.words);
+#define MOVE_TABLE(_, name, record, least, what)                       \
+  scene.header.tables.name = append(records.name, least, scene.words); \
+  std::vector<record>().swap(records.name);
+  SCENE_TABLES(MOVE_TABLE, _)
+#undef MOVE_TABLE
 }
 
 }  // namespace penumbra

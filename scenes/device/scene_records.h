@@ -14,7 +14,7 @@ struct SceneRecords {
 };
 
 /// Appends all tables to the scene's words. Each begins at a cache line; where kernels read more records than
-/// there are, zeros follow them.
-void store(const SceneRecords& records, DeviceScene& scene);
+/// there are, zeros follow them. A table of the records is gone once the scene has it.
+void store(SceneRecords&& records, DeviceScene& scene);
 
 }  // namespace penumbra

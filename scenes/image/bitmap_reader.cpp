@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "kernels/host/module.h"
@@ -44,16 +45,22 @@ std::vector<std::size_t> chosen(const Names& names, BitmapChannels channels) {
   return {};
 }
 
+// Of the bits of numbers, which are many: whether they are finite, and whether they are within [0, 1].
+bool is_finite(std::uint16_t half) { return (half & 0x7c00u) != 0x7c00u; }
+bool is_in_unit(std::uint16_t half) { return half <= 0x3c00u || half == 0x8000u; }
+bool is_finite(float value) { return std::isfinite(value); }
+bool is_in_unit(float value) { return value >= 0.0f && value <= 1.0f; }
+
 /// Sets what is no number to 0.
-template <typename Value, typename ToFloat>
-void check_values(std::vector<std::byte>& bytes, int width, int channels, ToFloat to_float,
+template <typename Value>
+void check_values(std::span<std::uint32_t> words, std::size_t count, int width, int channels,
                   BitmapFindings& findings) {
-  for (std::size_t i = 0; i < bytes.size() / sizeof(Value); ++i) {
+  auto* bytes = reinterpret_cast<std::byte*>(words.data());
+  for (std::size_t i = 0; i < count; ++i) {
     Value value;
-    std::memcpy(&value, bytes.data() + i * sizeof(Value), sizeof(Value));
-    const float number = to_float(value);
-    if (std::isfinite(number)) {
-      findings.outside_unit += number < 0.0f || number > 1.0f ? 1 : 0;
+    std::memcpy(&value, bytes + i * sizeof(Value), sizeof(Value));
+    if (is_finite(value)) {
+      findings.outside_unit += is_in_unit(value) ? 0 : 1;
       continue;
     }
     const std::size_t texel = i / std::size_t(channels);
@@ -61,16 +68,20 @@ void check_values(std::vector<std::byte>& bytes, int width, int channels, ToFloa
       findings.first_x = int(texel % std::size_t(width));
       findings.first_y = int(texel / std::size_t(width));
     }
-    std::memset(bytes.data() + i * sizeof(Value), 0, sizeof(Value));
+    std::memset(bytes + i * sizeof(Value), 0, sizeof(Value));
   }
 }
 
-/// Good enough to tell what is finite and within [0, 1].
-float half_range(std::uint16_t bits) {
-  const int exponent = bits >> 10 & 31;
-  if (exponent == 31) return NAN;
-  const float size = std::ldexp(float((bits & 1023) | (exponent > 0 ? 1024 : 0)), std::max(exponent, 1) - 25);
-  return (bits & 0x8000) != 0 ? -size : size;
+/// Those channels of all texels, of `Size` bytes each.
+template <std::size_t Size>
+void copy_channels(const ImageContents& image, std::span<const std::size_t> from, std::byte* to) {
+  const std::size_t texels = std::size_t(image.width) * std::size_t(image.height);
+  const std::byte* texel = image.bytes.data();
+  for (std::size_t i = 0; i < texels; ++i, texel += image.channels.size() * Size)
+    for (const std::size_t channel : from) {
+      std::memcpy(to, texel + channel * Size, Size);
+      to += Size;
+    }
 }
 
 }  // namespace
@@ -114,19 +125,16 @@ Expected<Bitmap> read_bitmap(const std::string& name, std::string_view contents,
   bitmap.channels = int(from.size());
   bitmap.type = image->type;
   const std::size_t size = size_of(image->type),
-                    texels = std::size_t(image->width) * std::size_t(image->height);
-  std::vector<std::byte> bytes(texels * from.size() * size);
-  for (std::size_t i = 0; i < texels; ++i)
-    for (std::size_t c = 0; c < from.size(); ++c)
-      std::memcpy(bytes.data() + (i * from.size() + c) * size,
-                  image->bytes.data() + (i * image->channels.size() + from[c]) * size, size);
+                    values = std::size_t(image->width) * std::size_t(image->height) * from.size();
+  bitmap.words.resize((values * size + 3) / 4);
+  auto* to = reinterpret_cast<std::byte*>(bitmap.words.data());
+  if (size == 1) copy_channels<1>(*image, from, to);
+  if (size == 2) copy_channels<2>(*image, from, to);
+  if (size == 4) copy_channels<4>(*image, from, to);
   if (bitmap.type == TexelType::kHalf)
-    check_values<std::uint16_t>(bytes, bitmap.width, bitmap.channels, half_range, findings);
+    check_values<std::uint16_t>(bitmap.words, values, bitmap.width, bitmap.channels, findings);
   if (bitmap.type == TexelType::kFloat)
-    check_values<float>(
-        bytes, bitmap.width, bitmap.channels, [](float x) { return x; }, findings);
-  bitmap.words.resize((bytes.size() + 3) / 4);
-  std::memcpy(bitmap.words.data(), bytes.data(), bytes.size());
+    check_values<float>(bitmap.words, values, bitmap.width, bitmap.channels, findings);
   return bitmap;
 }
 

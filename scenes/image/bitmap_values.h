@@ -38,6 +38,32 @@ inline double bitmap_value(const Bitmap& bitmap, std::size_t k, float gamma) {
   return double(std::bit_cast<float>(bitmap.words[k]));
 }
 
+/// All values of a bitmap, each as bitmap_value says, by a table where they are of 8 or 16 bits: for images
+/// whose every value is asked for.
+class BitmapValues {
+ public:
+  BitmapValues(const Bitmap& bitmap, float gamma) : words_(bitmap.words.data()), type_(bitmap.type) {
+    if (type_ == TexelType::kFloat) return;
+    const std::size_t numbers = type_ == TexelType::kByte ? 256 : 65536;
+    Bitmap all{"", int(numbers), 1, 1, type_, std::vector<std::uint32_t>(numbers)};
+    for (std::size_t n = 0; n < numbers; ++n) {
+      all.words[0] = std::uint32_t(n);
+      table_.push_back(float(bitmap_value(all, 0, gamma)));
+    }
+  }
+
+  float operator[](std::size_t k) const {
+    if (type_ == TexelType::kByte) return table_[words_[k / 4] >> (k % 4 * 8) & 0xffu];
+    if (type_ != TexelType::kFloat) return table_[words_[k / 2] >> (k % 2 * 16) & 0xffffu];
+    return std::bit_cast<float>(words_[k]);
+  }
+
+ private:
+  const std::uint32_t* words_;
+  TexelType type_;
+  std::vector<float> table_;
+};
+
 /// A bitmap of floats with these values, rows from the top.
 template <typename Values>
 Bitmap float_bitmap(std::string name, int width, int height, int channels, const Values& values) {

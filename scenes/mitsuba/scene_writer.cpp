@@ -31,6 +31,8 @@ Expected<void> write_file(const fs::path& path, std::string_view contents) {
   return {};
 }
 
+bool has_emitter(const Shape& shape) { return shape.radiance.has_value(); }
+
 class SceneWriter {
  public:
   SceneWriter(const SceneDescription& scene, fs::path file) : scene_(scene), file_(std::move(file)) {}
@@ -39,17 +41,27 @@ class SceneWriter {
     put_integrator();
     put_sensor();
     put_surfaces();
-    // Mitsuba has no instances within groups: all are the scene's own.
+    // Mitsuba has no instances within groups, and no emitters in them: all are the scene's own.
     const auto placed = place_groups(scene_);
     if (!placed) return std::unexpected(placed.error());
+    const auto emitters = placed_emitters(scene_, *placed, has_emitter);
+    if (!emitters) return std::unexpected(emitters.error());
     for (std::size_t i = 0; i < scene_.groups.size(); ++i) {
-      if (scene_.groups[i].shapes.empty()) continue;
+      const std::vector<Shape>& shapes = scene_.groups[i].shapes;
+      if (std::ranges::all_of(shapes, has_emitter)) continue;
       xml_.open("shape", ShapeGroupShape::kPlugin, fmt::format(" id=\"group-{}\"", i));
-      if (auto done = put_shapes(scene_.groups[i].shapes); !done) return done;
+      for (const Shape& shape : shapes) {
+        if (has_emitter(shape)) continue;
+        if (auto done = put_shape(shape); !done) return done;
+      }
       xml_.close();
     }
-    if (auto done = put_shapes(scene_.shapes); !done) return done;
-    for (const PlacedGroup& each : *placed) put_instance(each);
+    for (const std::vector<Shape>* shapes : {&scene_.shapes, &*emitters})
+      for (const Shape& shape : *shapes)
+        if (auto done = put_shape(shape); !done) return done;
+    for (const PlacedGroup& each : *placed)
+      if (!std::ranges::all_of(scene_.groups[std::size_t(each.group)].shapes, has_emitter))
+        put_instance(each);
     for (const Emitter& emitter : scene_.emitters)
       if (auto done = std::visit([&](const auto& e) { return put_emitter(e); }, emitter); !done) return done;
     return write_file(file_, "<scene version=\"3.0.0\">\n" + xml_.text() + "</scene>\n");
@@ -321,12 +333,6 @@ class SceneWriter {
         },
         bsdf->model);
     if (bends) xml_.close();
-  }
-
-  Expected<void> put_shapes(const std::vector<Shape>& shapes) {
-    for (const Shape& shape : shapes)
-      if (auto done = put_shape(shape); !done) return done;
-    return {};
   }
 
   void put_instance(const PlacedGroup& placed) {

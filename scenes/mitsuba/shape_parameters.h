@@ -1,6 +1,7 @@
 // The parameters of shapes, a row for every one (see bsdfs.h).
 #pragma once
 
+#include <cmath>
 #include <limits>
 #include <string>
 #include <variant>
@@ -106,6 +107,29 @@ struct CylinderShape : PlacedShape {
   }
 };
 
+/// Of Mitsuba 0.6.
+struct HeightfieldShape : PlacedShape {
+  static constexpr const char* kPlugin = "heightfield";
+  static constexpr const char* kText =
+      "the square from (-1, -1) to (1, 1), as high as a bitmap is bright: that of `filename`, or a nested "
+      "texture";
+  std::string filename;
+  double scale = 1.0;
+  bool shading_normals = true;
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    placement<HeightfieldShape>(row);
+    row("filename", &HeightfieldShape::filename, FileName{}, "the image");
+    row("scale", &HeightfieldShape::scale, AnyNumber{"finite number"}, "the height of white");
+    row("shading_normals", &HeightfieldShape::shading_normals, TrueOrFalse{},
+        "whether it is smooth; else it is faceted");
+  }
+  void complete(Findings& findings) const {
+    if (!std::isfinite(scale)) findings.push_back({"scale", "scale must be a finite number"});
+  }
+};
+
 /// One that has no parameters of its own.
 template <typename Shape>
 struct PlainShape : PlacedShape {
@@ -156,6 +180,6 @@ struct InstanceShape {
 
 using ShapeParameters =
     std::variant<ObjShape, PlyShape, SerializedShape, SphereShape, CylinderShape, DiskShape, RectangleShape,
-                 CubeShape, ShapeGroupShape, InstanceShape, MergeShape>;
+                 CubeShape, HeightfieldShape, ShapeGroupShape, InstanceShape, MergeShape>;
 
 }  // namespace penumbra::mitsuba

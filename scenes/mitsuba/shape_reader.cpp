@@ -6,12 +6,14 @@
 #include <cmath>
 #include <limits>
 
+#include "scenes/heightfield.h"
 #include "scenes/instances.h"
 #include "scenes/mesh_reader.h"
 #include "scenes/mesh_tools.h"
 #include "scenes/mitsuba/emitter_reader.h"
 #include "scenes/mitsuba/mesh_attribute_names.h"
 #include "scenes/mitsuba/shape_parameters.h"
+#include "scenes/mitsuba/texture_reader.h"
 #include "scenes/names.h"
 #include "scenes/texture_needs.h"
 #include "scenes/transform.h"
@@ -128,13 +130,16 @@ void warn_of_no_triangles(const ShapeInput& input, const std::string& name) {
 template <typename Parameters>
 std::optional<Geometry> read_mesh(const ShapeInput& input) {
   const auto given = read_parameters<Parameters>(input);
-  const auto file = mesh_file(input, given);
+  auto file = mesh_file(input, given);
   if (!file) return std::nullopt;
   auto read = read_file(given, *file, mesh_attribute_names(input.context, input.plugin.object()));
   if (!read) {
     report_mesh_error(input, read.error());
     return std::nullopt;
   }
+  // The text may take more memory than the mesh; places in it are gone, too.
+  read->faces.warped.first = read->faces.tangled.first = {};
+  file.reset();
   auto mesh = placed_mesh(input, given, std::move(*read));
   if (mesh && mesh->triangles.empty()) {
     warn_of_no_triangles(input, given.filename);
@@ -279,6 +284,41 @@ std::optional<Geometry> read_cube(const ShapeInput& input) {
   return checked(input.plugin, make_cube(read_parameters<CubeShape>(input).to_world));
 }
 
+/// The image of a height field: of its file, or of the texture that it holds.
+TextureImage heights_of(const ShapeInput& input, const HeightfieldShape& given) {
+  const Object* texture = input.plugin.only_nested("texture");
+  input.plugin.nested("rfilter");
+  const bool named = input.plugin.has("filename");
+  if (named == (texture != nullptr)) {
+    input.plugin.wrong(named ? "a height field has a filename or a texture, not both"
+                             : "heightfield needs a <string name=\"filename\" …> or a bitmap <texture>");
+    return {};
+  }
+  TextureReader& textures = *input.context.textures;
+  return named ? TextureImage{textures.read_image(input.plugin, given.filename)}
+               : textures.read_texture_image(*texture);
+}
+
+std::optional<Geometry> read_heightfield(const ShapeInput& input) {
+  const auto given = read_parameters<HeightfieldShape>(input);
+  // Of textures that are not bitmaps.
+  input.plugin.accept({"width", "height"});
+  const TextureImage image = heights_of(input, given);
+  if (image.bitmap == nullptr) return std::nullopt;
+  Expected<Mesh> mesh =
+      make_heightfield(*image.bitmap, image.gamma, given.scale * double(image.scale), given.shading_normals);
+  const std::string parameter = given.filename.empty() ? "" : "filename", &name = image.bitmap->name;
+  const auto wrong = [&](const Error& error) {
+    input.plugin.wrong(parameter, fmt::format("{}: {}", name, error.message));
+    return std::nullopt;
+  };
+  if (!mesh) return wrong(mesh.error());
+  const auto cleaning = place_mesh(*mesh, given.to_world, !given.shading_normals);
+  if (!cleaning) return wrong(cleaning.error());
+  warn_about(input.context, input.plugin.object(), *cleaning, {}, name);
+  return std::move(*mesh);
+}
+
 struct ShapePlugin {
   std::string_view type;
   std::optional<Geometry> (*read)(const ShapeInput&);
@@ -288,6 +328,7 @@ constexpr ShapePlugin kShapes[] = {{ObjShape::kPlugin, read_mesh<ObjShape>},
                                    {SerializedShape::kPlugin, read_mesh<SerializedShape>},
                                    {RectangleShape::kPlugin, read_rectangle},
                                    {CubeShape::kPlugin, read_cube},
+                                   {HeightfieldShape::kPlugin, read_heightfield},
                                    {SphereShape::kPlugin, read_sphere},
                                    {CylinderShape::kPlugin, read_cylinder},
                                    {DiskShape::kPlugin, read_disk}};

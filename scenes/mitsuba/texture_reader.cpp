@@ -37,17 +37,21 @@ glm::dmat3 read_to_uv(PluginReader& plugin) {
 
 std::optional<int> TextureReader::read(const Object& object, TextureUse use) {
   if (const auto known = known_.find({&object, use}); known != known_.end()) return known->second;
-  if (!reading_.insert(&object).second) {
-    context_.diagnostics.error(
-        object.location, fmt::format("texture '{}' holds itself, through its references", name_of(object)));
-    return std::nullopt;
-  }
+  if (!begin(object)) return std::nullopt;
   std::optional<SceneTexture> texture = read_new(object, use);
   reading_.erase(&object);
   if (texture) textures_.push_back(std::move(*texture));
   return known_
       .emplace(std::pair(&object, use), texture ? std::optional(int(textures_.size()) - 1) : std::nullopt)
       .first->second;
+}
+
+/// Whether it may be read: it is not being read already.
+bool TextureReader::begin(const Object& object) {
+  if (reading_.insert(&object).second) return true;
+  context_.diagnostics.error(
+      object.location, fmt::format("texture '{}' holds itself, through its references", name_of(object)));
+  return false;
 }
 
 std::optional<SceneTexture> TextureReader::read_new(const Object& object, TextureUse use) {
@@ -145,6 +149,34 @@ std::shared_ptr<const Bitmap> TextureReader::read_image(PluginReader& plugin, co
   const Bitmap& bitmap = bitmaps_.bitmap(entry->bitmap);
   for (const std::string& finding : describe(entry->findings, bitmap.name, false)) plugin.warn(finding);
   return bitmaps_.shared(entry->bitmap);
+}
+
+TextureImage TextureReader::read_texture_image(const Object& object) {
+  PluginReader plugin(context_, object);
+  read_to_uv(plugin);
+  TextureImage image;
+  if (object.type == BitmapTexture::kPlugin) {
+    const std::optional<TextureModel> model = read_model(plugin, BitmapTexture{});
+    if (const auto* bitmap = model ? std::get_if<BitmapTexture>(&*model) : nullptr)
+      image = {bitmaps_.shared(bitmap->bitmap), bitmap->gamma};
+  } else if (object.type == ScaleTexture::kPlugin) {
+    ScaleTexture model;
+    plugin.read_parameters(model);
+    const Object* inside = plugin.only_nested("texture");
+    const glm::vec3 scale = model.scale.value;
+    if (scale != glm::vec3(scale.x)) plugin.wrong("scale", "heights are scaled by a number, not by a colour");
+    if (inside == nullptr) plugin.wrong("a scale texture holds the texture that it scales");
+    if (inside != nullptr && begin(object)) {
+      image = read_texture_image(*inside);
+      image.scale *= scale.x;
+      reading_.erase(&object);
+    }
+  } else {
+    plugin.wrong(fmt::format("'{}' has no texels of its own; a bitmap has, or one in a scale", object.type));
+    plugin.skip();
+  }
+  plugin.finish();
+  return image;
 }
 
 void TextureReader::install(SceneDescription& scene) {

@@ -8,10 +8,18 @@
 #include <vector>
 
 #include "scenes/image/bitmap_files.h"
+#include "scenes/image/bitmap_values.h"
 #include "scenes/mitsuba/plugin.h"
 #include "scenes/textures.h"
 
 namespace penumbra::mitsuba {
+
+/// An image, and what its values count.
+struct TextureImage {
+  std::shared_ptr<const Bitmap> bitmap;  ///< null: none
+  float gamma = kSrgb;                   ///< of whole numbers, see decoded_value
+  float scale = 1.0f;                    ///< by which values are multiplied
+};
 
 /// What a texture stands for.
 enum class TextureUse { kColour, kNumber };
@@ -29,11 +37,16 @@ class TextureReader {
   /// warning, if it cannot be read.
   std::shared_ptr<const Bitmap> read_image(PluginReader& plugin, const std::string& filename);
 
+  /// That of a texture whose texels alone are wanted: a bitmap, or one within scale textures. Without one, as
+  /// of read_image, and for other textures.
+  TextureImage read_texture_image(const Object& object);
+
   /// Moves what was read to the scene.
   void install(SceneDescription& scene);
 
  private:
   friend struct TexturePlugins;
+  bool begin(const Object& object);
   std::optional<SceneTexture> read_new(const Object& object, TextureUse use);
 
   std::optional<TextureModel> read_model(PluginReader& plugin, BitmapTexture model);

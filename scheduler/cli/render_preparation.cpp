@@ -8,6 +8,7 @@
 
 #include "kernels/host/console.h"
 #include "scenes/device/device_scene_builder.h"
+#include "scenes/device/scene_inventory.h"
 #include "scheduler/cli/preview_scene.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/farm/access.h"
@@ -161,6 +162,8 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options) {
   prepared.farm = make_farm(options);
   const glm::dvec3 center = scene_center(scene->description);
   for (int axis = 0; axis < 3; ++axis) prepared.job.center[axis] = center[axis];
+  // Meshes and images are in the device scene: two copies of the largest would take all of the memory.
+  scene->description = polygon_lights_of(scene->description);
   prepared.scene = std::move(*scene);
   if (auto checked = check_render_job(prepared.job); !checked) return std::unexpected(checked.error());
   return prepared;

@@ -12,7 +12,7 @@ namespace penumbra {
 
 struct PreparedRender {
   OutputFiles files;
-  LoadedScene scene;  ///< its device form is in the job
+  LoadedScene scene;  ///< its device form is in the job; of its shapes there are only polygon_lights_of it
   RenderRecord record;
   RenderJob job;
   FarmOptions farm;  ///< all but the worker's executable

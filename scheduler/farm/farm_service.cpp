@@ -39,10 +39,10 @@ grpc::Status read_all(WorkerConnection::Stream& stream, WorkerConnection& connec
 
 // --- State shared by all addresses
 
-void Farm::add_asset(std::string hash, std::vector<std::uint8_t> bytes) {
+void Farm::add_asset(std::string hash, OfferedAsset asset) {
   const std::lock_guard lock(mutex_);
-  CountedAsset& asset = assets_[std::move(hash)];
-  if (asset.users++ == 0) asset.bytes = std::make_shared<const std::vector<std::uint8_t>>(std::move(bytes));
+  CountedAsset& counted = assets_[std::move(hash)];
+  if (counted.users++ == 0) counted.asset = std::make_shared<const OfferedAsset>(std::move(asset));
 }
 
 void Farm::remove_asset(const std::string& hash) {
@@ -51,10 +51,10 @@ void Farm::remove_asset(const std::string& hash) {
   if (found != assets_.end() && --found->second.users == 0) assets_.erase(found);
 }
 
-std::shared_ptr<const std::vector<std::uint8_t>> Farm::asset(const std::string& hash) {
+std::shared_ptr<const OfferedAsset> Farm::asset(const std::string& hash) {
   const std::lock_guard lock(mutex_);
   const auto found = assets_.find(hash);
-  return found == assets_.end() ? nullptr : found->second.bytes;
+  return found == assets_.end() ? nullptr : found->second.asset;
 }
 
 std::pair<WorkerId, std::shared_ptr<WorkerConnection>> Farm::open() {
@@ -174,15 +174,16 @@ grpc::Status FarmService::Work(grpc::ServerContext* context, WorkerConnection::S
 grpc::Status FarmService::Asset(grpc::ServerContext* context, const wire::AssetRequest* request,
                                 grpc::ServerWriter<wire::AssetChunk>* writer) {
   called(*context);
-  const std::shared_ptr<const std::vector<std::uint8_t>> bytes = farm_.asset(request->hash());
-  if (bytes == nullptr)
+  const std::shared_ptr<const OfferedAsset> asset = farm_.asset(request->hash());
+  if (asset == nullptr)
     return {grpc::StatusCode::NOT_FOUND,
             fmt::format("there is no asset '{}'", wire_text(request->hash(), kLongestName))};
   wire::AssetChunk chunk;
-  for (std::size_t at = 0; at < bytes->size(); at += kAssetChunkBytes) {
-    chunk.set_data(bytes->data() + at, std::min(kAssetChunkBytes, bytes->size() - at));
-    if (!writer->Write(chunk)) return grpc::Status::CANCELLED;
-  }
+  for (const std::span<const std::uint8_t> part : {std::span(asset->head), asset->body})
+    for (std::size_t at = 0; at < part.size(); at += kAssetChunkBytes) {
+      chunk.set_data(part.data() + at, std::min(kAssetChunkBytes, part.size() - at));
+      if (!writer->Write(chunk)) return grpc::Status::CANCELLED;
+    }
   return grpc::Status::OK;
 }
 

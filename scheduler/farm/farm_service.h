@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "scheduler/farm/arrivals.h"
+#include "scheduler/farm/offered_asset.h"
 #include "scheduler/farm/worker_connection.h"
 #include "scheduler/protocol/mailbox.h"
 #include "scheduler/protocol/wire.h"
@@ -37,10 +38,10 @@ class Farm {
   [[nodiscard]] bool is_closed();
 
   /// Equal assets are kept once, until each has been removed.
-  void add_asset(std::string hash, std::vector<std::uint8_t> bytes);
+  void add_asset(std::string hash, OfferedAsset asset);
   void remove_asset(const std::string& hash);
   /// Nothing if there is none of this hash.
-  std::shared_ptr<const std::vector<std::uint8_t>> asset(const std::string& hash);
+  std::shared_ptr<const OfferedAsset> asset(const std::string& hash);
 
   std::pair<WorkerId, std::shared_ptr<WorkerConnection>> open();
   void close(WorkerId worker);
@@ -73,7 +74,7 @@ class Farm {
   WorkerId next_worker_ = 1;
   std::map<WorkerId, std::shared_ptr<WorkerConnection>> connections_;
   struct CountedAsset {
-    std::shared_ptr<const std::vector<std::uint8_t>> bytes;
+    std::shared_ptr<const OfferedAsset> asset;
     int users = 0;
   };
   std::map<std::string, CountedAsset> assets_;

@@ -35,7 +35,7 @@ Merge JobRun::make_merge() const {
 }
 
 void JobRun::open(Server& server) {
-  scene_hash_ = server.add_asset(job_->scene.serialize());
+  scene_hash_ = server.add_asset({job_->scene.head(), job_->scene.body(), job_});
   WatchedJob watched{.id = id_,
                      .title = job_->title,
                      .integrator = job_->integrator,

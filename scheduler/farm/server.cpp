@@ -122,9 +122,12 @@ Server::~Server() {
   }
 }
 
-std::string Server::add_asset(std::vector<std::uint8_t> bytes) {
-  std::string hash = content_hash(bytes);
-  state_->farm.add_asset(hash, std::move(bytes));
+std::string Server::add_asset(OfferedAsset asset) {
+  ContentHash bytes;
+  bytes.add(asset.head);
+  bytes.add(asset.body);
+  std::string hash = bytes.text();
+  state_->farm.add_asset(hash, std::move(asset));
   return hash;
 }
 

@@ -13,6 +13,7 @@
 #include "scheduler/farm/acceptor.h"
 #include "scheduler/farm/access.h"
 #include "scheduler/farm/arrivals.h"
+#include "scheduler/farm/offered_asset.h"
 #include "scheduler/plan/work_unit.h"
 #include "scheduler/watch/watch_board.h"
 #include "worker/device.h"
@@ -47,7 +48,7 @@ class Server {
   [[nodiscard]] const Tokens& tokens() const;
 
   /// Offers data to workers; the result is its content hash.
-  std::string add_asset(std::vector<std::uint8_t> bytes);
+  std::string add_asset(OfferedAsset asset);
   /// What nobody needs any more.
   void remove_asset(const std::string& hash);
   /// A job that can be watched from now on; `interactive` ones take Control.

@@ -4,7 +4,8 @@
 #include <grpcpp/create_channel.h>
 
 #include <chrono>
-#include <vector>
+#include <cstdint>
+#include <span>
 
 #include "scheduler/protocol/token.h"
 #include "scheduler/protocol/wire.h"
@@ -40,17 +41,23 @@ Expected<DeviceScene> fetch_scene(wire::Farm::Stub& stub, grpc::ClientContext& c
   wire::AssetRequest request;
   request.set_hash(hash);
   const auto reader = stub.Asset(&context, request);
-  std::vector<std::uint8_t> bytes;
+  ContentHash received;
+  DeviceSceneReader scene_reader;
+  Expected<void> added;
   wire::AssetChunk chunk;
-  while (reader->Read(&chunk)) bytes.insert(bytes.end(), chunk.data().begin(), chunk.data().end());
+  while (reader->Read(&chunk)) {
+    const std::span bytes(reinterpret_cast<const std::uint8_t*>(chunk.data().data()), chunk.data().size());
+    received.add(bytes);
+    if (added) added = scene_reader.add(bytes);
+  }
   if (const grpc::Status status = reader->Finish(); !status.ok()) {
     return fail(fmt::format("cannot fetch the scene {}: {}", hash, status.error_message()));
   }
-  if (content_hash(bytes) != hash) {
-    return fail(fmt::format("the scene that came is damaged: its hash is {} instead of {}",
-                            content_hash(bytes), hash));
+  if (received.text() != hash) {
+    return fail(
+        fmt::format("the scene that came is damaged: its hash is {} instead of {}", received.text(), hash));
   }
-  Expected<DeviceScene> scene = DeviceScene::deserialize(bytes);
+  Expected<DeviceScene> scene = added ? scene_reader.finish() : std::unexpected(added.error());
   if (!scene) return fail("the scene that came cannot be used: " + scene.error().message);
   return scene;
 }

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <new>
 
 #include "scheduler/protocol/text.h"
 
@@ -18,6 +19,10 @@ static_assert(std::endian::native == std::endian::little, "sample values travel 
 bool is_time(double seconds) { return std::isfinite(seconds) && seconds >= 0; }
 
 std::uint64_t checksum_of(const std::string& values) { return XXH3_64bits(values.data(), values.size()); }
+
+std::string hash_text(const XXH128_hash_t& hash) {
+  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
 
 template <typename Part>
 Expected<void> take_floats(const google::protobuf::RepeatedField<float>& field, const char* name,
@@ -34,9 +39,20 @@ Expected<void> take_floats(const google::protobuf::RepeatedField<float>& field, 
 }  // namespace
 
 std::string content_hash(std::span<const std::uint8_t> bytes) {
-  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
-  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+  return hash_text(XXH3_128bits(bytes.data(), bytes.size()));
 }
+
+ContentHash::ContentHash() : state_(XXH3_createState()) {
+  if (state_ == nullptr) throw std::bad_alloc();
+  XXH3_128bits_reset(static_cast<XXH3_state_t*>(state_.get()));
+}
+void ContentHash::add(std::span<const std::uint8_t> bytes) {
+  XXH3_128bits_update(static_cast<XXH3_state_t*>(state_.get()), bytes.data(), bytes.size());
+}
+std::string ContentHash::text() const {
+  return hash_text(XXH3_128bits_digest(static_cast<const XXH3_state_t*>(state_.get())));
+}
+void ContentHash::Free::operator()(void* state) const { XXH3_freeState(static_cast<XXH3_state_t*>(state)); }
 
 std::string version_mismatch(std::uint32_t theirs, std::string_view peer) {
   if (theirs == kProtocolVersion) return {};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 
@@ -25,6 +26,20 @@ constexpr int kMaxMessageBytes = kMaxTile * kMaxTile * plane_count(FEATURE_ALL) 
 
 /// XXH3-128 of the bytes as 32 hexadecimal digits: the name of an asset.
 std::string content_hash(std::span<const std::uint8_t> bytes);
+
+/// The same of bytes that come in pieces.
+class ContentHash {
+ public:
+  ContentHash();
+  void add(std::span<const std::uint8_t> bytes);
+  [[nodiscard]] std::string text() const;
+
+ private:
+  struct Free {
+    void operator()(void* state) const;
+  };
+  std::unique_ptr<void, Free> state_;
+};
 
 /// Says how the peers' protocol versions differ; empty if they agree. `peer` is "worker" or "scheduler".
 std::string version_mismatch(std::uint32_t theirs, std::string_view peer);

@@ -155,6 +155,32 @@ TEST_F(MitsubaWriter, InstancesWithinGroupsAreWrittenAsTheScenesOwn) {
   for (const ShapeGroup& group : written.groups) EXPECT_TRUE(group.instances.empty());
 }
 
+TEST_F(MitsubaWriter, EmittingShapesOfGroupsAreWrittenInEachOfTheirPlaces) {
+  const auto instance = [](const std::string& id, const std::string& steps) {
+    return "<shape type='instance'><ref id='" + id + "'/><transform name='to_world'>" + steps +
+           "</transform></shape>";
+  };
+  const std::string light = "<emitter type='area'><rgb name='radiance' value='1, 2, 3'/></emitter>";
+  const std::string small = "<transform name='to_world'><scale value='0.25'/></transform>";
+  // Within the others of its group, which so stay where they are.
+  const SceneDescription scene =
+      good("<shape type='shapegroup' id='lamp'><shape type='cube'>" + diffuse("0.7, 0.2, 0.1") +
+           "</shape><shape type='rectangle'>" + small + light + diffuse("0.2, 0.2, 0.2") +
+           "</shape><shape type='disk'>" + small + light +
+           "</shape></shape><shape type='shapegroup' id='bulb'><shape type='sphere'>" + small + light +
+           "</shape></shape><shape type='shapegroup' id='street'>" + instance("lamp", "<translate x='2'/>") +
+           instance("bulb", "<translate z='-2'/>") + "</shape>" + instance("street", "<translate y='4'/>") +
+           instance("lamp", "<scale x='-2' y='2' z='2'/>"));
+  expect_same(scene);
+  const SceneDescription written = again(scene);
+  EXPECT_EQ(written.shapes.size(), 5u);
+  EXPECT_EQ(written.groups.size(), 1u);
+  EXPECT_EQ(written.instances.size(), 2u);
+  for (const Shape& shape : written.shapes) EXPECT_TRUE(shape.radiance);
+  for (const ShapeGroup& group : written.groups)
+    for (const Shape& shape : group.shapes) EXPECT_FALSE(shape.radiance);
+}
+
 TEST_F(MitsubaWriter, WhatMitsubasIntegratorsHaveNoNameForIsLeftOut) {
   const SceneDescription written = again(good(
       "<integrator type='path'><string name='emitter_sampling' value='area'/><string name='light_choice' "
