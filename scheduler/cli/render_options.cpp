@@ -170,17 +170,15 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       },
       "Render only these film pixels, x1 and y1 outside; they are those of the whole image");
   crop->type_name("X0,Y0,X1,Y1");
-  command
-      .add_option_function<std::string>(
-          "--pixel",
-          [&options](const std::string& text) {
-            options.pixel = parse_pixel(text);
-            if (options.pixel) return;
-            throw CLI::ValidationError("--pixel", "'" + text + "' is not x,y with x and y from 0 up");
-          },
-          "Render one pixel, a path at a time, and print all its digits; writes files only with -o")
-      ->type_name("X,Y")
-      ->excludes(crop);
+  auto* pixel = command.add_option_function<std::string>(
+      "--pixel",
+      [&options](const std::string& text) {
+        options.pixel = parse_pixel(text);
+        if (options.pixel) return;
+        throw CLI::ValidationError("--pixel", "'" + text + "' is not x,y with x and y from 0 up");
+      },
+      "Render one pixel, a path at a time, and print all its digits; writes files only with -o");
+  pixel->type_name("X,Y")->excludes(crop);
   command
       .add_option(
           "--stop-after", options.stop_after,
@@ -209,6 +207,18 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       .add_option("--summary", options.summary,
                   "Of several scenes, JSON of what became of each (default: jobs.json beside the images)")
       ->type_name("FILE");
+  command
+      .add_flag("--resume", options.resume,
+                "Go on with what an interrupted run of this very render has left beside its image "
+                "(IMAGE.checkpoint)")
+      ->excludes(pixel);
+  command
+      .add_option("--checkpoint-interval", options.checkpoint_interval,
+                  "Keep what is rendered so often, or less often where that would take more than 1% of the "
+                  "time; 0: never")
+      ->type_name("SECONDS")
+      ->check(number_from_zero())
+      ->capture_default_str();
   command.add_flag("-q,--quiet", options.quiet, "No progress and no summary; warnings and errors only");
 }
 

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "scheduler/farm/checkpoint_sink.h"
+
 namespace penumbra {
 
 /// What says which scene to read and how; `render` and `info` share it.
@@ -54,6 +56,8 @@ struct RenderOptions {
   std::optional<PixelPosition> pixel;
   bool strict_numerics = false;  ///< a non-finite sample is an error
   bool quiet = false;
+  bool resume = false;                               ///< goes on with the checkpoint of an earlier process
+  double checkpoint_interval = kCheckpointInterval;  ///< seconds; 0: none
   // Of several scenes.
   bool force = false;   ///< also what is there unchanged
   std::string summary;  ///< file that says what became of each; empty: beside the images

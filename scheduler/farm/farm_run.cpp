@@ -73,7 +73,10 @@ Expected<void> FarmRun::run() {
     fail_hopeless_jobs();
     finish_jobs();
     take_jobs();
-    for (const auto& [id, job] : jobs_) job->publish();
+    for (const auto& [id, job] : jobs_) {
+      job->publish();
+      job->keep_checkpoint(since_start());
+    }
     report_progress();
   }
   const bool could_go_on = can_go_on();
@@ -149,6 +152,7 @@ std::unique_ptr<JobRun> FarmRun::take_out(JobId id) {
 
 void FarmRun::end_job(JobId id) {
   const std::unique_ptr<JobRun> ended = take_out(id);
+  if (!plan_.finished(id) || !plan_.set_aside(id).empty()) ended->keep_last_checkpoint(since_start());
   RenderOutcome outcome = std::move(*ended).outcome(plan_, since_start());
   hopeless_.erase(id);
   deadly_.erase(id);

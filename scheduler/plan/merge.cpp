@@ -1,6 +1,7 @@
 #include "scheduler/plan/merge.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 namespace penumbra {
@@ -53,6 +54,67 @@ void Merge::merge_what_is_next(std::uint32_t tile) {
     state.waiting.erase(state.waiting.begin());
     ++state.next_pass;
   }
+}
+
+void Merge::write(ByteWriter& bytes) const {
+  bytes.u64(tiles_.size());
+  for (const Tile& tile : tiles_) {
+    bytes.u64(tile.next_pass);
+    const auto is_over = [&](std::uint32_t pass) { return pass < tile.next_pass; };
+    bytes.u64(std::uint64_t(std::ranges::count_if(tile.skipped, is_over)));
+    for (const std::uint32_t pass : tile.skipped)
+      if (is_over(pass)) bytes.u64(pass);
+  }
+  film_.write(bytes);
+}
+
+Expected<void> Merge::read(ByteReader& bytes) {
+  if (bytes.u64() != tiles_.size()) return fail("another number of tiles");
+  std::vector<std::set<std::uint64_t>> skipped(tiles_.size());
+  for (std::size_t tile = 0; tile < tiles_.size(); ++tile) {
+    const std::uint64_t passes = bytes.u64(), gaps = bytes.u64();
+    if (passes > grid_.passes() || gaps > passes) return fail("a tile with more passes than there are");
+    tiles_[tile].next_pass = std::uint32_t(passes);
+    for (std::uint64_t gap = 0; gap < gaps && !bytes.failed(); ++gap) skipped[tile].insert(bytes.u64());
+    if (skipped[tile].size() != gaps || (gaps > 0 && *skipped[tile].rbegin() >= passes))
+      return fail("a tile whose gaps are none");
+  }
+  if (auto read = film_.read(bytes); !read) return read;
+  for (std::uint32_t number = 0; number < tiles_.size(); ++number) {
+    Tile& tile = tiles_[number];
+    const RenderUnit area = grid_.unit(number, 0);
+    std::uint64_t of_each_pixel =
+        grid_.samples(tile.next_pass) / (std::uint64_t(film_.width()) * std::uint64_t(film_.height()));
+    for (const std::uint64_t pass : skipped[number])
+      of_each_pixel -= grid_.unit(number, std::uint32_t(pass)).sample_count;
+    if (!has_samples(area, of_each_pixel)) return fail("a pixel whose samples are not those of its passes");
+    if (skipped[number].empty()) {
+      tile.samples = std::uint64_t(area.width) * std::uint64_t(area.height) * of_each_pixel;
+    } else {
+      film_.clear(area.x, area.y, area.width, area.height);
+      tile = {};
+    }
+  }
+  return {};
+}
+
+bool Merge::has_samples(const RenderUnit& area, std::uint64_t of_each_pixel) const {
+  for (int y = area.y; y < area.y + area.height; ++y)
+    for (int x = area.x; x < area.x + area.width; ++x)
+      if (film_.at(x, y).count != of_each_pixel) return false;
+  return true;
+}
+
+std::vector<std::uint32_t> Merge::merged_passes() const {
+  std::vector<std::uint32_t> passes;
+  for (const Tile& tile : tiles_) passes.push_back(tile.next_pass);
+  return passes;
+}
+
+std::uint64_t Merge::samples() const {
+  std::uint64_t all = 0;
+  for (const Tile& tile : tiles_) all += tile.samples;
+  return all;
 }
 
 std::uint32_t Merge::finished_passes() const {

@@ -29,6 +29,17 @@ class Merge {
   /// Forgets everything, as if it were new: in time that what was merged takes to clear, and in its memory.
   void start_again();
 
+  /// What is merged, to go on with it in another process; not what waits.
+  void write(ByteWriter& bytes) const;
+  /// Takes what one of the same film and grid has written; this one is new. A tile in which a pass was
+  /// skipped begins anew: its film has no room for that pass any more. Error: that is not what the bytes are.
+  /// It is to be thrown away then.
+  Expected<void> read(ByteReader& bytes);
+
+  /// Of each tile, how many passes are merged (or skipped).
+  [[nodiscard]] std::vector<std::uint32_t> merged_passes() const;
+  /// Samples that are merged or wait, over all pixels.
+  [[nodiscard]] std::uint64_t samples() const;
   /// How many passes, from the first, are merged (or skipped) in every tile.
   [[nodiscard]] std::uint32_t finished_passes() const;
   /// Results that wait for an earlier pass of their tile.
@@ -46,6 +57,7 @@ class Merge {
   };
 
   void merge_what_is_next(std::uint32_t tile);
+  [[nodiscard]] bool has_samples(const RenderUnit& area, std::uint64_t of_each_pixel) const;
 
   FilmAccumulator film_;
   TileGrid grid_;
