@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <memory>
 
-#include "scheduler/cli/output_files.h"
 #include "scheduler/farm/job_run.h"
 #include "scheduler/protocol/wire.h"
 #include "scheduler/record/version.h"
@@ -49,7 +48,6 @@ Expected<std::string> attach_checkpoint(PreparedRender& prepared, const RenderOp
                                         const std::string& worker) {
   // One pixel, or a window's requests: there is nothing to keep.
   if (options.pixel || options.interactive || prepared.files.all().empty()) return "";
-  if (auto made = make_folders(prepared.files); !made) return std::unexpected(made.error());
   std::filesystem::path path = prepared.files.all().front();
   path += ".checkpoint";
   prepared.checkpoint = std::make_shared<CheckpointFile>(path, identity_of_checkpoint(prepared, worker),

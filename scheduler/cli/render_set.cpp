@@ -139,7 +139,11 @@ void SceneSet::read_scenes() {
       end(i, SetState::kUnchanged);
       continue;
     }
-    const auto resumed = attach_checkpoint(*prepared, plan_.members[i].options, worker_);
+    Expected<std::string> resumed = "";
+    if (const auto made = make_folders(prepared->files); !made)
+      resumed = std::unexpected(made.error());
+    else
+      resumed = attach_checkpoint(*prepared, plan_.members[i].options, worker_);
     if (!resumed) {
       print_error({fmt::format("{}: {}", plan_.members[i].options.scene.scene, resumed.error().message)});
       end(i, SetState::kFailed, resumed.error().message);

@@ -42,12 +42,13 @@ class CheckpointFileTest : public testing::Test {
 
 TEST_F(CheckpointFileTest, KeepsTheNewestState) {
   CheckpointFile file(path_, small_identity(), kOften);
+  const Merge nothing_merged = empty_merge();
   const auto nothing = file.read(empty_merge());
   ASSERT_TRUE(nothing);
   EXPECT_FALSE(*nothing);
   for (int i = 1; i <= 3; ++i) {
     ASSERT_TRUE(wait_until([&] { return file.is_due(merge_); }));
-    file.keep(i < 3 ? empty_merge() : merge_, i);
+    file.keep(i < 3 ? nothing_merged : merge_, i);
   }
   ASSERT_TRUE(wait_until([&] { return file.is_due(merge_); })) << "the last one is written";
   const auto read = file.read(empty_merge());
