@@ -93,8 +93,9 @@ void add_overrides(CLI::App& command, SceneOptions& options) {
 /// Options for workers and viewers.
 void add_worker_options(CLI::App& command, RenderOptions& options) {
   command
-      .add_option("--tile", options.tile,
-                  "Pixels along a side of a work unit; the image does not depend on it")
+      .add_option(
+          "--tile", options.tile,
+          "Pixels along a side of a work unit; the image does not depend on it, but for --target-error")
       ->type_name("N")
       ->check(whole_number(1, kMaxTile))
       ->capture_default_str();
@@ -190,6 +191,14 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       .add_option("--time-budget", options.time_budget,
                   "Begin no further pass after this many seconds of rendering")
       ->type_name("SECONDS")
+      ->check(positive_number());
+  command
+      .add_option(
+          "--target-error", options.target_error,
+          "Render each tile until its relative error, estimated without bias from stopping, is at most "
+          "this (0.02 is 2%), and at most --spp samples; with --sampler independent. The image then "
+          "depends on --tile")
+      ->type_name("E")
       ->check(positive_number());
   command
       .add_option("--pass", options.samples_per_pass,

@@ -52,6 +52,7 @@ struct RenderOptions {
   std::uint32_t samples_per_pass = 16;
   std::optional<std::uint32_t> stop_after;  ///< samples per pixel, of those that spp plans
   std::optional<double> time_budget;
+  std::optional<double> target_error;
   std::optional<CropRectangle> crop;
   std::optional<PixelPosition> pixel;
   bool strict_numerics = false;  ///< a non-finite sample is an error

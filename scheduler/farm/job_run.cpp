@@ -33,7 +33,8 @@ JobRun::JobRun(JobId id, std::shared_ptr<const RenderJob> job, Seconds now, bool
 
 Merge merge_of_job(const RenderJob& job) {
   return Merge(FilmAccumulator::of_features(job.x, job.y, job.width, job.height, job.scene.header.features),
-               TileGrid(job.x, job.y, job.width, job.height, job.tile, job.spp, job.samples_per_pass));
+               TileGrid(job.x, job.y, job.width, job.height, job.tile, job.spp, job.samples_per_pass),
+               job.target_error);
 }
 
 void JobRun::open(Server& server) {
@@ -77,6 +78,7 @@ void JobRun::close(Server& server, const Plan& plan, const std::vector<WatchedWo
 std::vector<PhaseUnits> JobRun::phases() const {
   return {{.tiles = grid_.tiles(),
            .passes = job_->interactive ? 0 : grid_.passes(),
+           .passes_at_first = is_adaptive() ? AdaptiveTile::next_decision(0, grid_.passes()) : kAllPasses,
            .merged = merge_.merged_passes()}};
 }
 
@@ -180,7 +182,7 @@ RenderProgress JobRun::progress(const Plan& plan, int workers, Seconds now) {
   relative_error_ = merge_.film().relative_error();
   next_progress_ = now + std::max(kProgressInterval, seconds_since(begin) / kProgressShare);
   return {.samples_done = samples_done_,
-          .samples_total = grid_.samples(plan.passes(id_)),
+          .samples_total = samples_wanted(plan),
           .samples_before = samples_before_,
           .elapsed_seconds = since_begun(now),
           .relative_error = relative_error_,
@@ -197,7 +199,7 @@ void JobRun::show_progress(const Plan& plan, const std::vector<WatchedWorker>& w
 void JobRun::show(const Plan& plan, const std::vector<WatchedWorker>& workers, bool ended) {
   WatchProgress progress{.view = view_.number,
                          .samples_done = samples_done_,
-                         .samples_wanted = grid_.samples(plan.passes(id_)),
+                         .samples_wanted = samples_wanted(plan),
                          .spp_done = spp_of(merge_.finished_passes()),
                          .spp_wanted = spp_of(plan.passes(id_)),
                          .elapsed_seconds = active_,
@@ -227,6 +229,7 @@ RenderOutcome JobRun::outcome(const Plan& plan, Seconds now) && {
   outcome.units_set_aside = plan.set_aside(id_).size();
   outcome.passes_finished = merge_.finished_passes();
   outcome.passes_total = grid_.passes();
+  outcome.ended_by_tile = is_adaptive() && merge_.is_done();
   outcome.film = std::move(merge_).take_film();
   outcome.seconds_to_ready = ready_;
   outcome.seconds_to_first_tile = first_tile_;

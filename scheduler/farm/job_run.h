@@ -48,6 +48,12 @@ class JobRun {
   [[nodiscard]] RenderUnit unit(const UnitId& id) const;
   /// How many passes come to so many samples of a pixel, at most those of the job.
   [[nodiscard]] std::uint32_t passes_of(std::uint32_t spp) const;
+  /// Whether tiles end by themselves; then of which passes the plan is to be told.
+  [[nodiscard]] bool is_adaptive() const { return job_->target_error.has_value(); }
+  [[nodiscard]] PassesOfTile passes_of_tile(std::uint32_t tile) const {
+    return {id_, tile, merge_.passes_wanted(tile)};
+  }
+  [[nodiscard]] std::uint32_t tiles() const { return grid_.tiles(); }
   /// Whether the time for its rendering is over; true once.
   bool budget_is_spent(Seconds now);
 
@@ -87,6 +93,10 @@ class JobRun {
 
  private:
   [[nodiscard]] Seconds since_begun(Seconds now) const { return now - begun_.value_or(now); }
+  /// Samples that there will be in the end.
+  [[nodiscard]] std::uint64_t samples_wanted(const Plan& plan) const {
+    return is_adaptive() ? merge_.samples_expected() : grid_.samples(plan.passes(id_));
+  }
   [[nodiscard]] std::uint32_t spp_of(std::uint32_t passes) const;
   /// Seconds of rendering, of all processes.
   [[nodiscard]] Seconds rendered(Seconds now) const {

@@ -30,6 +30,9 @@ struct RenderJob {
                                       ///< no further pass is begun; the first pass is always rendered, and an
                                       ///< image that ends so counts as complete
 
+  /// Each tile ends as soon as its relative error is at most that, see AdaptiveTile; `spp` is the most that
+  /// it gets, and the image depends on `tile`.
+  std::optional<double> target_error = {};
   std::shared_ptr<MergedBefore> before = {};         ///< what there is of it already; the render uses it up
   std::shared_ptr<CheckpointSink> checkpoints = {};  ///< null: none are kept
 
@@ -71,6 +74,7 @@ struct RenderOutcome {
   std::vector<WorkerShare> workers;
   std::uint64_t units_done = 0, units_duplicated = 0, units_requeued = 0;
   std::uint64_t units_set_aside = 0;  ///< missing in the film, maybe before others that are not
+  bool ended_by_tile = false;         ///< with a target error, and every tile has come to its end
   std::uint32_t passes_finished = 0, passes_total = 0;  ///< merged in every tile; asked for
   // From when the farm took the job, of a single render so from the call; of one that waited for others from
   // its first unit.

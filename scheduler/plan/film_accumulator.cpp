@@ -119,6 +119,36 @@ void FilmAccumulator::clear(int x, int y, int width, int height) {
   });
 }
 
+void FilmAccumulator::set_mean_of(const FilmAccumulator& a, const FilmAccumulator& b) {
+  clear(a.x_, a.y_, a.width_, a.height_);
+  const auto variance = [](const PixelStatistics& pixel, int c) {
+    return pixel.count < 2 ? 0 : pixel.m2[c] / (double(pixel.count) * double(pixel.count - 1));
+  };
+  for (int y = a.y_; y < a.y_ + a.height_; ++y) {
+    for (int x = a.x_; x < a.x_ + a.width_; ++x) {
+      const PixelStatistics &of_a = a.at(x, y), &of_b = b.at(x, y);
+      const double weight = of_b.count == 0 ? 1 : of_a.count == 0 ? 0 : 0.5;  // of a
+      PixelStatistics& mean = pixels_[index(x, y)];
+      mean.count = of_a.count + of_b.count;
+      const double n = double(mean.count);
+      for (int c = 0; c < 3; ++c) {
+        mean.mean[c] = weight * of_a.mean[c] + (1 - weight) * of_b.mean[c];
+        mean.m2[c] = (weight * weight * variance(of_a, c) + (1 - weight) * (1 - weight) * variance(of_b, c)) *
+                     n * std::max(n - 1, 0.0);
+      }
+      const double *layer_a = a.layers_.data() + a.index(x, y) * layers(),
+                   *layer_b = b.layers_.data() + b.index(x, y) * layers();
+      double* layer = layers_.data() + index(x, y) * layers();
+      for (std::size_t k = 0; k < layers(); ++k) layer[k] = weight * layer_a[k] + (1 - weight) * layer_b[k];
+    }
+  }
+  for (const FilmAccumulator* half : {&a, &b})
+    for (const auto& [corner, noted] : half->non_finite_) {
+      non_finite_[corner].nan.add(noted.nan);
+      non_finite_[corner].infinite.add(noted.infinite);
+    }
+}
+
 double FilmAccumulator::visibility(int film_x, int film_y) const {
   const double whole = layer(film_x, film_y, kWhole);
   return whole > 0 ? layer(film_x, film_y, kSeen) / whole : 0;

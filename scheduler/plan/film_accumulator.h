@@ -45,6 +45,11 @@ class FilmAccumulator {
   /// of it: for results that turned out to be unreliable and are rendered again.
   void clear(int x, int y, int width, int height);
 
+  /// Puts into its rectangle the mean of two independent estimates of it, equally weighed whatever their
+  /// samples; of one alone, where the other one has none. Of the same planes, none of them with ratios. The
+  /// statistics are then those of as many samples whose mean has that mean's variance.
+  void set_mean_of(const FilmAccumulator& a, const FilmAccumulator& b);
+
   [[nodiscard]] int x() const { return x_; }
   [[nodiscard]] int y() const { return y_; }
   [[nodiscard]] int width() const { return width_; }

@@ -125,7 +125,7 @@ double samples_per_second(const RenderOutcome& outcome) {
 
 RenderedSamples rendered_samples(const RenderOutcome& outcome) {
   const SampleRange range = sample_range(outcome.film);
-  return {outcome.complete, outcome.units_set_aside > 0, range.least, range.most};
+  return {outcome.complete, outcome.units_set_aside > 0, range.least, range.most, outcome.ended_by_tile};
 }
 
 Json statistics_json(const RenderStatistics& statistics) {
