@@ -88,7 +88,8 @@ TEST(Usage, HelpNamesTheOptionsThatThereAreAndNoOthers) {
                              "--listen",
                              "--tev",
                              "--resume",
-                             "--checkpoint-interval"}) {
+                             "--checkpoint-interval",
+                             "--target-error"}) {
     EXPECT_THAT(help, HasSubstr(option));
   }
   for (const char* option : {"--launch"}) {
