@@ -13,6 +13,7 @@
 #include "kernels/host/plain_file.h"
 #include "scenes/scene_reader.h"
 #include "scheduler/cli/command_line.h"
+#include "scheduler/cli/command_reference.h"
 #include "scheduler/cli/exit_code.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/stop_signal.h"
@@ -138,6 +139,7 @@ ExitCode run(int argc, char** argv) {
       "  penumbra-view scenes/star-light/star-light.xml --workers 2\n"
       "  penumbra-view --connect unix:/run/user/1000/penumbra-x/socket\n"
       "  xvfb-run -a penumbra-view scene.xml --script steps.txt --screenshot end.png");
+  if (const auto answered = answer_about(app, {argv + 1, argv + argc})) return *answered;
   try {
     app.parse(argc, argv);
     if (options.preview.scene.scene.empty() && options.connect.empty())

@@ -52,7 +52,7 @@ Expected<std::vector<std::uint8_t>> exr_of(const Picture& picture) {
   add(picture.difference, {"difference.R", "difference.G", "difference.B"});
   add(picture.analytic, {"analytic.R", "analytic.G", "analytic.B"});
   add(picture.standard_error, {"standard_error.Y"});
-  add(picture.samples, {"samples.count"});
+  add(picture.samples, {"samples.Y"});
   for (const Plane& plane : planes) {
     if (plane.values->size() != image.pixels() * plane.per_pixel)
       return fail("the picture to be saved has layers of different sizes");

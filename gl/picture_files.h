@@ -33,7 +33,7 @@ Expected<Picture> capture_picture(CompositePass& pass, const FilmTextures& film,
                                   const ViewStatus& status);
 
 /// By the extension of `path`, in either case:
-///   .exr  `linear` as R, G, B; difference.R/G/B, analytic.R/G/B, standard_error.Y, samples.count; metadata
+///   .exr  `linear` as R, G, B; difference.R/G/B, analytic.R/G/B, standard_error.Y, samples.Y; metadata
 ///   .png  `display`
 /// Errors: another extension, arrays of another length than the size says, a file that cannot be written.
 Expected<void> save_picture(const std::filesystem::path& path, const Picture& picture);

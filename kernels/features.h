@@ -31,7 +31,8 @@
   X(INSTANCES, 0x400000, "instances of groups of shapes")                     \
   X(CAMERA, 0x800000, "lenses, parallel projection and distorted images")     \
   X(LIGHT_TEXTURES, 0x1000000, "lights with textures")                        \
-  X(CYLINDERS, 0x2000000, "cylinders")
+  X(CYLINDERS, 0x2000000, "cylinders")                                        \
+  X(COVERAGE, 0x4000000, "alpha")
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FEATURE_PATH 0x001
@@ -60,7 +61,8 @@
 #define FEATURE_CAMERA 0x800000
 #define FEATURE_LIGHT_TEXTURES 0x1000000
 #define FEATURE_CYLINDERS 0x2000000
-#define FEATURE_ALL 0x3ffffff
+#define FEATURE_COVERAGE 0x4000000
+#define FEATURE_ALL 0x7ffffff
 
 /// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)

@@ -326,11 +326,12 @@ PENUMBRA_NAMESPACE_BEGIN
   F(vec3, image_scale) /* by how much the image of each channel is larger */                           \
   F(vec3, focus)       /* distance along z at which each is sharp */
 
-#define FILM_PARAMETERS_FIELDS(F)        \
-  F(int, width)                          \
-  F(int, height)                         \
-  F(int, filter)          /* FILTER_* */ \
-  F(float, filter_radius) /* half-width in pixels */
+#define FILM_PARAMETERS_FIELDS(F)                    \
+  F(int, width)                                      \
+  F(int, height)                                     \
+  F(int, filter)          /* FILTER_* */             \
+  F(float, filter_radius) /* half-width in pixels */ \
+  F(float, sky_coverage)  /* alpha of what meets nothing: 1 where a sky is seen there, else 0 */
 
 #define SAMPLER_PARAMETERS_FIELDS(F) \
   F(int, kind) /* SAMPLER_* */       \

@@ -48,6 +48,11 @@ enum {
 #define SEEN_PLANE 19
 #define WHOLE_PLANE 20
 #define LAYER_PLANES_END 21
+/// Where the coverage is, of results that have it (FEATURE_COVERAGE): behind all of those.
+FN int coverage_plane(uint features) {
+  const int with_layers = (features & FEATURE_POLYGONS) != 0u ? LAYER_PLANES_END : ANALYTIC_PLANE;
+  return (features & FEATURE_LAYERS) != 0u ? with_layers : FIRST_LAYER_PLANE;
+}
 // After all others, the statistics of RatioPlane, three channels each.
 enum {
   RATIO_MEAN_PLANE = 0,

@@ -34,21 +34,38 @@ std::string_view line_at(const SourceFile& file, std::size_t offset, std::size_t
   return line;
 }
 
+/// Where the file's lines begin.
+const std::vector<std::size_t>& line_starts(const SourceFile& file) {
+  std::vector<std::size_t>& starts = file.line_starts;
+  if (starts.empty()) {
+    starts.push_back(0);
+    for (std::size_t at = file.text.find('\n'); at != file.text.npos; at = file.text.find('\n', at + 1))
+      starts.push_back(at + 1);
+  }
+  return starts;
+}
+
 }  // namespace
 
 LineColumn line_and_column(SourceLocation location) {
   const std::string_view text = location.file->text;
-  std::vector<std::size_t>& starts = location.file->line_starts;
-  if (starts.empty()) {
-    starts.push_back(0);
-    for (std::size_t at = text.find('\n'); at != text.npos; at = text.find('\n', at + 1))
-      starts.push_back(at + 1);
-  }
+  const std::vector<std::size_t>& starts = line_starts(*location.file);
   const std::size_t offset = std::min(location.offset, text.size());
   const auto after = std::upper_bound(starts.begin(), starts.end(), offset);
   const std::size_t start = *std::prev(after);
   const std::string_view before = text.substr(start, offset - start);
   return {static_cast<std::size_t>(after - starts.begin()), 1 + count_characters(before)};
+}
+
+SourceLocation location_of(const SourceFile& file, LineColumn place) {
+  const std::vector<std::size_t>& starts = line_starts(file);
+  std::size_t at = starts[std::clamp<std::size_t>(place.line, 1, starts.size()) - 1];
+  for (std::size_t column = 1; column < place.column && at < file.text.size() && file.text[at] != '\n';
+       ++column) {
+    ++at;
+    while (at < file.text.size() && (static_cast<unsigned char>(file.text[at]) & 0xC0) == 0x80) ++at;
+  }
+  return {&file, at};
 }
 
 std::string describe(SourceLocation location) {

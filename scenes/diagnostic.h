@@ -38,6 +38,9 @@ struct LineColumn {
 /// Where `location` is in its file; past its end, the end.
 LineColumn line_and_column(SourceLocation location);
 
+/// The place of a line and column; the nearest that the file has.
+SourceLocation location_of(const SourceFile& file, LineColumn place);
+
 /// "file:line:column".
 std::string describe(SourceLocation location);
 

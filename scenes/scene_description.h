@@ -16,6 +16,7 @@
 #include "scenes/bsdfs.h"
 #include "scenes/cameras.h"
 #include "scenes/emitters.h"
+#include "scenes/film_format.h"
 #include "scenes/integrators.h"
 #include "scenes/textures.h"
 
@@ -82,6 +83,8 @@ struct ShapeGroup {
 
 enum class FilterKind { kBox, kTent, kGaussian, kMitchell, kLanczos };
 
+enum class PixelFormat { kRgb, kRgba };
+
 struct Film {
   int width = 768;
   int height = 576;
@@ -93,6 +96,9 @@ struct Film {
   float filter_stddev = 0.5f;    ///< Gaussian
   float filter_b = 1.0f / 3.0f;  ///< Mitchell-Netravali B
   float filter_c = 1.0f / 3.0f;  ///< Mitchell-Netravali C
+  bool alpha = false;            ///< the image has an alpha channel
+  bool half = false;             ///< colours in its EXR have 16 bits
+  ExrCompression compression = ExrCompression::kZip;
 };
 
 enum class SamplerKind { kIndependent, kStratified, kHalton, kSobol };

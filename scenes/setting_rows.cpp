@@ -45,6 +45,31 @@ Expected<glm::dmat4> frame_of(const glm::dmat4& matrix) {
   return rigid;
 }
 
+/// How the image goes into a file. Recorded where it is not as ever.
+void add_file_rows(std::vector<Setting>& table) {
+  using enum ExrCompression;
+  const auto add = [&](const char* key, const auto& values, auto member, const char* description) {
+    table.push_back(member_row(key, values, &S::film, member, description));
+    table.back().matters = [=](const S& s) { return s.film.*member != Film{}.*member; };
+  };
+  add("film.pixel_format", OneOf<bool>{{{"rgb", false}, {"rgba", true}}}, &Film::alpha,
+      "`rgba`: with alpha, the share of a pixel's samples that met something or a sky that is seen");
+  add("film.component_format", OneOf<bool>{{{"float32", false}, {"float16", true}}}, &Film::half,
+      "of an EXR's colours and normals; variance, depth and counts keep 32 bits");
+  add("film.compression",
+      OneOf<ExrCompression>{{{"none", kNone},
+                             {"rle", kRle},
+                             {"zips", kZips},
+                             {"zip", kZip},
+                             {"piz", kPiz},
+                             {"pxr24", kPxr24},
+                             {"b44", kB44},
+                             {"b44a", kB44a},
+                             {"dwaa", kDwaa},
+                             {"dwab", kDwab}}},
+      &Film::compression, "of an EXR; from `pxr24` on it loses something");
+}
+
 /// Some numbers that make the camera's frame.
 template <typename Make>
 Setting frame_row(std::string key, std::size_t count, Make make, std::string description) {
@@ -143,6 +168,7 @@ void add_film_rows(std::vector<Setting>& table) {
   table.push_back(member_row("film.rfilter_c", Number<float>{LowEnd::kClosed, -10.0f, 10.0f}, &S::film,
                              &Film::filter_c, "C of `mitchell`"));
   only(kMitchell);
+  add_file_rows(table);
   for (std::size_t i = first; i < table.size(); ++i) table[i].recorded = true;
 }
 

@@ -12,6 +12,7 @@
 #include "kernels/host/console.h"
 #include "kernels/host/words.h"
 #include "scheduler/cli/command_line.h"
+#include "scheduler/cli/command_reference.h"
 #include "scheduler/protocol/grpc_log.h"
 #include "scheduler/protocol/message_memory.h"
 #include "scheduler/protocol/token.h"
@@ -69,6 +70,7 @@ int run(int argc, char** argv) {
       "this");
   app.add_flag_callback("--list-devices", list_devices, "List what can compute here, and end")
       ->trigger_on_parse();
+  if (const auto answered = answer_about(app, {argv + 1, argv + argc})) return *answered;
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

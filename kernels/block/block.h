@@ -255,9 +255,13 @@ FN void finish_pixels(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int 
 #endif
   if (block->probe != 0) probe_sample(block, SOURCE_CONTROL);
   accumulate(unit, first_pixel, pixels, slots, layers, out, bad);
+#if HAS(COVERAGE)
+  if (NEEDS(scene, COVERAGE))
+    accumulate_coverage(unit, first_pixel, pixels, slots, scene->header.features, out);
+#endif
 #if HAS(POLYGONS) && HAS(RATIO)
   if (scene->header.integrator.estimator == ESTIMATOR_RATIO)
-    accumulate_ratio(unit, first_pixel, pixels, slots, layers, out);
+    accumulate_ratio(unit, first_pixel, pixels, slots, scene->header.features, out);
 #endif
   if (block->probe != 0)
     probe_source(block->probe, bad[BAD_NAN].count + bad[BAD_INFINITE].count == 0u, SOURCE_FILTER, 0);

@@ -188,5 +188,16 @@ STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, con
   }
 }
 
+#if HAS(COVERAGE)
+/// The share of the samples that met something, whatever their filter weights: by those what is covered whole
+/// would be 1 only in the mean.
+STAGE void accumulate_coverage(const PRIVATE Unit* unit, int first_pixel, int pixels,
+                               const PRIVATE SlotState* slots, uint features, GLOBAL float* RESTRICT out) {
+  const int n = unit->sample_count, area = unit->width * unit->height;
+  accumulate_field(slots->coverage, slot_pixels(slots->capacity, n, LANES), pixels, n,
+                   out + coverage_plane(features) * area + first_pixel, 0);
+}
+#endif
+
 PENUMBRA_NAMESPACE_END
 #endif

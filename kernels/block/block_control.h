@@ -24,20 +24,22 @@ FN void check_control(const PRIVATE SlotState* slots, int s) {
 }
 
 /// Where a unit's RatioPlanes start.
-FN int first_ratio_plane(bool layers) { return layers ? LAYER_PLANES_END : FIRST_LAYER_PLANE; }
+FN int first_ratio_plane(uint features) {
+  return coverage_plane(features) + ((features & FEATURE_COVERAGE) != 0u ? 1 : 0);
+}
 
   #if HAS(RATIO)
 /// For the ratio estimator: mean and deviation of what the ratio multiplies, and its correlation with the
 /// rest, after accumulate().
 STAGE void accumulate_ratio(const PRIVATE Unit* unit, int first_pixel, int pixels,
-                            const PRIVATE SlotState* slots, bool layers, GLOBAL float* RESTRICT out) {
+                            const PRIVATE SlotState* slots, uint features, GLOBAL float* RESTRICT out) {
   const int n = unit->sample_count, area = unit->width * unit->height;
   const int pitch = slot_pixels(slots->capacity, n, LANES);
   for (int c = 0; c < 3; c++) {
     const GLOBAL float* a = slots->sample + c * slots->capacity;
     const GLOBAL float* b = slots->unshadowed + c * slots->capacity;
     GLOBAL float* estimate = out + c * area + first_pixel;  // mean, and three planes on the deviation
-    GLOBAL float* planes = out + (first_ratio_plane(layers) + c) * area + first_pixel;
+    GLOBAL float* planes = out + (first_ratio_plane(features) + c) * area + first_pixel;
     accumulate_field(b, pitch, pixels, n, planes + RATIO_MEAN_PLANE * area,
                      planes + RATIO_DEVIATION_PLANE * area);
     for (int p = 0; p < pixels; p++) {
@@ -67,7 +69,7 @@ STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit,
   for (int p = 0; p < pixels; p++)
     for (int s = 0; s < n; s++) check_control(slots, s * pitch + p);
   const bool ratio = HAS(RATIO) && estimator == ESTIMATOR_RATIO;
-  GLOBAL float* ratio_out = out + first_ratio_plane(layers) * area + first_pixel;
+  GLOBAL float* ratio_out = out + first_ratio_plane(scene->header.features) * area + first_pixel;
   for (int c = 0; c < 3 && ratio; c++)
     accumulate_field(slots->unshadowed + c * slots->capacity, pitch, pixels, n,
                      ratio_out + (RATIO_UNSHADOWED_PLANE + c) * area, 0);

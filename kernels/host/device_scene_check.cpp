@@ -55,6 +55,7 @@ class Checker {
     check_camera();
     require(in(h_.integrator.kind, INTEGRATOR_DIRECT, INTEGRATOR_OCCLUSION), "unknown integrator");
     require(h_.film.width > 0 && h_.film.height > 0, "empty film");
+    require(h_.film.sky_coverage >= 0 && h_.film.sky_coverage <= 1, "a sky that covers no share");
     require(h_.sampler.spp > 0, "no samples per pixel");
     require(h_.integrator.rr_depth >= 0, "Russian roulette begins before the path");
     require(in(h_.integrator.emitter_samples, 0, MAX_DIRECT_SAMPLES) &&

@@ -14,7 +14,8 @@
 namespace penumbra {
 
 /// One float per pixel each. The first six are always there; the rest only when the job asks for feature
-/// layers, and the last eight of them only where polygon lights have a closed form (FEATURE_POLYGONS).
+/// layers, and the last eight of them only where polygon lights have a closed form (FEATURE_POLYGONS). Behind
+/// them, where it is asked for (FEATURE_COVERAGE), is one more: see coverage_plane_of.
 enum SampleBufferPlane : int {
   kMeanR,
   kMeanG,
@@ -59,9 +60,26 @@ static_assert(FIRST_LAYER_PLANE == kAlbedoR && ANALYTIC_PLANE == kAnalyticR &&
               DIFFERENCE_PLANE == kDifferenceR && SEEN_PLANE == kSeen && WHOLE_PLANE == kWhole);
 
 /// How many of SampleBufferPlane the results of a scene with these FEATURE_* bits have.
-constexpr int image_plane_count(std::uint32_t features) {
+constexpr int layer_planes_end(std::uint32_t features) {
   if ((features & FEATURE_LAYERS) == 0u) return kRadiancePlanes;
   return (features & FEATURE_POLYGONS) != 0u ? kSampleBufferPlanes : kFeaturePlanes;
+}
+
+/// The same with the coverage behind them.
+constexpr int image_plane_count(std::uint32_t features) {
+  return layer_planes_end(features) + ((features & FEATURE_COVERAGE) != 0u ? 1 : 0);
+}
+
+/// Of images of so many planes, the one that is the share of the samples which met something, or a sky that
+/// is seen: alpha. -1: there is none.
+constexpr int coverage_plane_of(int image_planes) {
+  for (const int end : {int(kRadiancePlanes), int(kFeaturePlanes), int(kSampleBufferPlanes)})
+    if (image_planes == end + 1) return end;
+  return -1;
+}
+/// How many of SampleBufferPlane they have.
+constexpr int layer_planes_of(int image_planes) {
+  return coverage_plane_of(image_planes) < 0 ? image_planes : image_planes - 1;
 }
 
 /// How many planes the results of a scene with these FEATURE_* bits have.

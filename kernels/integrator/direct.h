@@ -169,6 +169,9 @@ FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
   #if HAS(LAYERS)
     if (NEEDS(scene, LAYERS) && k == 0) record_layers(&step.surfaces, &step.closures, paths, i, slots);
   #endif
+  #if HAS(COVERAGE)
+    if (NEEDS(scene, COVERAGE) && k == 0) record_coverage(scene, &step.surfaces, paths, i, slots);
+  #endif
     direct_numbers(h, k, paths, i, step.u);
     request_lights(scene, request, finds, &step, paths, i);
     if (finds) {

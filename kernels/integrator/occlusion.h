@@ -89,6 +89,9 @@ FN void step_occlusion(const PRIVATE Scene* scene, const PRIVATE PathState* path
       record_layers(&surfaces, &closures, paths, i, slots);
     }
   #endif
+  #if HAS(COVERAGE)
+    if (NEEDS(scene, COVERAGE) && k == 0) record_coverage(scene, &surfaces, paths, i, slots);
+  #endif
     sample_pair(h->sampler.kind, sequence_length(h), nth_point(step_point(PAIR_BSDF), samples, k), paths, i,
                 u, v);
     begin_steps(paths, i, &surfaces, k + 1 >= samples);

@@ -168,5 +168,15 @@ STAGE void record_layers(const PRIVATE Surfaces* RESTRICT surfaces, const PRIVAT
 }
 #endif
 
+#if HAS(COVERAGE)
+/// Whether camera rays met something.
+STAGE void record_coverage(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+                           const PRIVATE PathState* paths, int i, const PRIVATE SlotState* slots) {
+  const float sky = scene->header.film.sky_coverage;
+  for (int j = 0; j < LANES; j++)  // no lane loop: slots are anywhere
+    set_slot_coverage(slots, get_slot(paths, i + j), surfaces->primitive[j] >= 0 ? 1.0f : sky);
+}
+#endif
+
 PENUMBRA_NAMESPACE_END
 #endif

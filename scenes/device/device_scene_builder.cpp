@@ -33,6 +33,13 @@ static_assert(int(SamplerKind::kSobol) == SAMPLER_SOBOL);
 bool emits(const Shape& shape) { return shape.radiance && *shape.radiance != glm::vec3(0.0f); }
 bool finite(const vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
+/// Whether camera rays that meet nothing see something all the same.
+bool sees_sky(const SceneHeader& h) {
+  const IntegratorParameters& p = h.integrator;
+  if (p.kind == INTEGRATOR_OCCLUSION) return p.background > 0;
+  return h.environment >= 0 && p.hide_emitters == HIDE_NOTHING;
+}
+
 class Builder {
  public:
   Builder(const SceneDescription& scene, const DeviceSceneOptions& options)
@@ -63,6 +70,7 @@ class Builder {
     need(lights_.features());
     h_.light_kinds = lights_.kinds();
     if (options_.feature_layers) need(FEATURE_LAYERS);
+    if (scene_.film.alpha) need(FEATURE_COVERAGE);
     if (wants_uv()) {
       need(FEATURE_UV);
       records_.light_triangles =
@@ -70,6 +78,7 @@ class Builder {
     }
     if (Expected<void> done = set_integrator(scene_.integrator, lights_, radius_, h_); !done)
       return fail(scene_.source + ": " + done.error().message);
+    h_.film.sky_coverage = scene_.film.alpha && sees_sky(h_) ? 1.0f : 0.0f;
     if ((h_.features & (FEATURE_POLYGONS | FEATURE_PROJECTED)) != 0u &&
         (h_.families & ltc_families()) != 0u) {
       need(FEATURE_LTC);

@@ -143,6 +143,8 @@ class SceneWriter {
       for (const char* key :
            {"film.crop_offset_x", "film.crop_offset_y", "film.crop_width", "film.crop_height"})
         put_always(key);
+    if (film.alpha) put_always("film.pixel_format");
+    if (film.half) put_always("film.component_format");
     xml_.open("rfilter", print_setting(scene_, "film.rfilter"));
     if (film.filter == FilterKind::kTent && film.filter_radius != 1.0f)
       xml_.value("float", "radius", print_setting(scene_, "film.rfilter_radius"));

@@ -157,6 +157,26 @@ void read_filter(const Context& context, const Object& object, SceneDescription&
   plugin.finish();
 }
 
+/// Of Mitsuba's formats, alpha counts; the image is in red, green and blue whatever they say.
+void read_format(PluginReader& plugin, Film& film) {
+  const OneOf<bool> formats{{{"rgb", false},
+                             {"rgba", true},
+                             {"luminance", false},
+                             {"luminance_alpha", true},
+                             {"luminanceAlpha", true},
+                             {"xyz", false},
+                             {"xyza", true},
+                             {"spectrum", false},
+                             {"spectrum_alpha", true},
+                             {"spectrumAlpha", true}}};
+  plugin.read("pixel_format", film.alpha, formats);
+  const std::string format = plugin.text("pixel_format", "rgb");
+  if (formats.parse(format) && !format.starts_with("rgb"))
+    plugin.warn(fmt::format("a pixel_format of {} is written as {}", format, film.alpha ? "rgba" : "rgb"));
+  plugin.read("component_format", film.half,
+              OneOf<bool>{{{"float32", false}, {"float16", true}, {"uint32", false}}});
+}
+
 struct FilmPlugin {
   std::string_view type;
 };
@@ -169,10 +189,11 @@ void read_film(const Context& context, const Object& object, SceneDescription& s
                   Names{"width", "height", "crop_offset_x", "crop_offset_y", "crop_width", "crop_height"});
   const Object* filter = plugin.only_nested("rfilter");
   if (find_plugin(kFilms, object.type) != nullptr) {
+    read_format(plugin, scene.film);
     // How Mitsuba writes its files; Penumbra's options are its command line's.
-    plugin.accept({"pixel_format", "component_format", "file_format", "gamma", "banner", "attach_log",
-                   "high_quality_edges", "exposure", "tonemap_method", "key", "burn", "sample_border",
-                   "compensate", "filename", "variable", "digits"});
+    plugin.accept({"file_format", "gamma", "banner", "attach_log", "high_quality_edges", "exposure",
+                   "tonemap_method", "key", "burn", "sample_border", "compensate", "filename", "variable",
+                   "digits"});
   } else {
     context.unknown_plugin(object, plugin_types(kFilms), "an hdrfilm stands in for it");
     plugin.skip();

@@ -33,7 +33,7 @@ Expected<SceneDescription> read_scene(const std::filesystem::path& file, const R
   Reading reading(options);
   const auto source = reading.files.read(file, kMaxSceneFileBytes);
   if (!source) return std::unexpected(source.error());
-  const Document document = parse_toml(**source, reading.diagnostics);
+  const Document document = read_document(**source, reading.diagnostics);
   if (reading.failed()) return reading.error();
   const Context context{**source, document, reading.diagnostics, options.lenient};
   SceneDescription scene;

@@ -2,33 +2,19 @@
 
 #include <fmt/format.h>
 
-#include <toml++/toml.h>
 #include <algorithm>
 
-#include "scenes/tinyrender/toml_keys.h"
+#include "scenes/toml/toml_file.h"
 
 namespace penumbra::tinyrender {
 namespace {
 
 class Converter {
  public:
-  explicit Converter(const SourceFile& file) : file_(file) {
-    const std::string_view text = file.text;
-    for (std::size_t at = text.find('\n'); at != text.npos; at = text.find('\n', at + 1))
-      line_starts_.push_back(at + 1);
-  }
+  explicit Converter(const SourceFile& file) : file_(file) {}
 
-  /// Lines and columns from 1, columns in code points; 0: nowhere, which is the file's start.
   [[nodiscard]] SourceLocation location(toml::source_position position) const {
-    if (position.line == 0 || position.column == 0) return {&file_, 0};
-    const std::string_view text = file_.text;
-    std::size_t at = line_starts_[std::min<std::size_t>(position.line, line_starts_.size()) - 1];
-    for (std::uint32_t column = 1; column < position.column && at < text.size() && text[at] != '\n';
-         ++column) {
-      ++at;
-      while (at < text.size() && (static_cast<unsigned char>(text[at]) & 0xC0) == 0x80) ++at;
-    }
-    return {&file_, at};
+    return toml_location(file_, position);
   }
 
   [[nodiscard]] Entry entry(const toml::key& key, const toml::node& node) const {
@@ -77,7 +63,6 @@ class Converter {
   }
 
   const SourceFile& file_;
-  std::vector<std::size_t> line_starts_ = {0};
 };
 
 }  // namespace
@@ -89,23 +74,12 @@ std::string describe_kind(const Value& value) {
   return other != nullptr ? other->what : kNames[value.index()];
 }
 
-Document parse_toml(const SourceFile& file, Diagnostics& diagnostics) {
+Document read_document(const SourceFile& file, Diagnostics& diagnostics) {
   const Converter converter(file);
-  // Arrays and inline tables have a limit in the parser; keys have none, and overflow the stack.
-  if (const auto deep = find_deep_key(file.text)) {
-    diagnostics.error({&file, *deep}, fmt::format("a key of more than {} parts", kMaxKeyParts));
-    return {};
-  }
-  toml::table root;
-  try {
-    root = toml::parse(std::string_view(file.text));
-  } catch (const toml::parse_error& error) {
-    diagnostics.error(converter.location(error.source().begin),
-                      fmt::format("not TOML: {}", error.description()));
-    return {};
-  }
+  const std::optional<toml::table> root = parse_toml(file, diagnostics);
+  if (!root) return {};
   Document document;
-  for (const auto& [key, node] : root) {
+  for (const auto& [key, node] : *root) {
     if (const auto* table = node.as_table()) {
       document.tables.push_back(converter.table(key, *table));
     } else {

@@ -40,6 +40,6 @@ struct Document {
 };
 
 /// Parses `file`. What is not TOML is reported, and ends the reading.
-Document parse_toml(const SourceFile& file, Diagnostics& diagnostics);
+Document read_document(const SourceFile& file, Diagnostics& diagnostics);
 
 }  // namespace penumbra::tinyrender

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,11 @@ void add_settings_command(CLI::App& app, Command& chosen);
 void add_plugins_command(CLI::App& app, Command& chosen);
 void add_convert_command(CLI::App& app, Command& chosen);
 void add_compare_command(CLI::App& app, Command& chosen);
+/// After all others, of which it knows the names.
+void add_reference_commands(CLI::App& app, Command& chosen);
+/// `penumbra complete WORD…` and `penumbra man …`, also of commands that are programs of their own; nothing:
+/// other arguments, or wrong ones.
+std::optional<ExitCode> answer_reference(const CLI::App& app, const std::vector<std::string>& arguments);
 /// Commands that are programs of their own, such as `penumbra worker`: listed for the help, they never get to
 /// the parser, see run_sibling.
 void add_sibling_commands(CLI::App& app);

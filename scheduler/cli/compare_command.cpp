@@ -233,8 +233,7 @@ ExitCode compare(const CompareCommandOptions& options) {
 void add_metric_options(CLI::App& command, CompareCommandOptions& options) {
   constexpr const char* kGroup = "What is measured";
   command
-      .add_option("--layer", options.compare.layer,
-                  "Layer or channel of an EXR: albedo, depth, samples.count…")
+      .add_option("--layer", options.compare.layer, "Layer or channel of an EXR: albedo, depth, samples.Y…")
       ->type_name("NAME")
       ->default_str("beauty")
       ->group(kGroup);

@@ -46,8 +46,7 @@ std::vector<std::pair<std::string, std::string>> settings_of(const SceneOptions&
                                             film.crop_x + film.crop_width, film.crop_y + film.crop_height));
   for (const auto& [name, value] : record_entries(record_of(options, scene))) {
     if (name == "scene" || name == "backend" || name == "samples_per_pass") continue;  // not the scene's
-    const int* integer = std::get_if<int>(&value);
-    settings.emplace_back(name, integer != nullptr ? fmt::to_string(*integer) : std::get<std::string>(value));
+    settings.emplace_back(name, std::visit([](const auto& v) { return fmt::format("{}", v); }, value));
   }
   return settings;
 }

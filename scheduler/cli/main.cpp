@@ -5,11 +5,11 @@
 #include <new>
 
 #include "scenes/diagnostic.h"
+#include "scheduler/cli/build_info.h"
 #include "scheduler/cli/command_line.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/protocol/grpc_log.h"
 #include "scheduler/protocol/message_memory.h"
-#include "scheduler/record/version.h"
 
 namespace penumbra {
 namespace {
@@ -32,7 +32,7 @@ ExitCode run(int argc, char** argv) {
     return run_sibling(program, {command_line.begin() + 2, command_line.end()});
   }
   CLI::App app("Penumbra: a distributed tile-parallel batch renderer", "penumbra");
-  app.set_version_flag("--version", fmt::format("penumbra {}", kVersion));
+  app.set_version_flag("--version", build_info);
   app.require_subcommand(1);
   app.footer(kExamples);
   Command chosen;
@@ -45,6 +45,9 @@ ExitCode run(int argc, char** argv) {
   add_compare_command(app, chosen);
   add_report_command(app, command_line, chosen);
   add_sibling_commands(app);
+  add_reference_commands(app, chosen);
+  if (const auto answered = answer_reference(app, {command_line.begin() + 1, command_line.end()}))
+    return *answered;
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

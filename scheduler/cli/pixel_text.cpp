@@ -32,12 +32,14 @@ std::string pixel_text(const FilmAccumulator& film, int x, int y) {
   const auto value = [&](const char* name, double number) {
     text += fmt::format("{:<16}{:>17.9g}\n", name, number);
   };
-  if (film.planes() >= kFeaturePlanes) {
+  const int coverage = coverage_plane_of(film.planes()), layers = layer_planes_of(film.planes());
+  if (coverage >= 0) value("alpha", film.layer(x, y, coverage));
+  if (layers >= kFeaturePlanes) {
     layer("albedo", kAlbedoR);
     layer("normal", kNormalX);
     value("depth", film.layer(x, y, kDepth));
   }
-  if (film.planes() >= kSampleBufferPlanes) {
+  if (layers >= kSampleBufferPlanes) {
     layer("analytic", kAnalyticR);
     layer("difference", kDifferenceR);
     value("visibility", film.visibility(x, y));

@@ -29,6 +29,7 @@ bool is_direct(const IntegratorSettings& integrator, bool was_chosen) {
 std::function<void(SceneDescription&)> preview_adjustment(const SceneOptions& options) {
   return [options](SceneDescription& scene) {
     if (!options.spp && scene.sampler.kind != SamplerKind::kStratified) scene.sampler.spp = kPreviewSpp;
+    scene.film.alpha = false;  // which no window shows
     IntegratorSettings& integrator = scene.integrator;
     if (options.no_features || !has_only_polygon_lights(scene) ||
         !is_direct(integrator, options.integrator.has_value()))

@@ -11,7 +11,8 @@
 #include "scheduler/cli/render_checkpoint.h"
 #include "scheduler/cli/render_outputs.h"
 #include "scheduler/cli/render_preparation.h"
-#include "scheduler/cli/render_set.h"
+#include "scheduler/cli/sets/job_file.h"
+#include "scheduler/cli/sets/render_set.h"
 #include "scheduler/cli/stop_signal.h"
 #include "scheduler/record/film_image.h"
 
@@ -99,7 +100,8 @@ void add_render_command(CLI::App& app, const std::vector<std::string>& command_l
       "code 1).\n"
       "Several scenes are rendered one after the other by the same workers, each into its file of the folder "
       "-o; a bad one does not stop the others, and jobs.json there says what became of each. What is there "
-      "already, unchanged, is left as it is (--force).\n"
+      "already, unchanged, is left as it is (--force). A job file, TOML with [[render]] tables, says which "
+      "renders there are to be: scenes, seeds, integrators, frames and what else is varied.\n"
       "By default one worker uses all cores; several cost a copy of the scene each and survive each other's "
       "crashes.\n\n"
       "Examples:\n"
@@ -110,13 +112,15 @@ void add_render_command(CLI::App& app, const std::vector<std::string>& command_l
       "out/jobs.json\n"
       "  penumbra render scene.xml -o out/a.exr --spp 4096 --resume  goes on where it was interrupted\n"
       "  penumbra render rooms/*/scene.xml -o 'out/{folder}.exr'\n"
+      "  penumbra render jobs.toml                              every render that the file describes\n"
       "  penumbra render scene.xml -o preview.png --spp 4 --crop 0,0,256,256\n"
       "  penumbra render scene.xml -D albedo=0.5 --set integrator.max_depth=3 --integrator path_ems\n"
       "  penumbra render scene.xml --pixel 200,100 --spp 64");
-  command->callback([options, &command_line, &chosen] {
+  command->callback([options, command, &command_line, &chosen] {
     options->scene.scene = options->scenes.front();
-    chosen = [options, &command_line] {
-      return options->scenes.size() > 1 ? render_set(*options, command_line) : render(*options, command_line);
+    chosen = [options, command, &command_line] {
+      const bool is_set = options->scenes.size() > 1 || is_job_file(options->scenes.front());
+      return is_set ? render_set(*options, *command, command_line) : render(*options, command_line);
     };
   });
 }

@@ -145,14 +145,17 @@ void add_worker_options(CLI::App& command, RenderOptions& options) {
 }  // namespace
 
 void add_render_options(CLI::App& command, RenderOptions& options) {
-  command.add_option("SCENE", options.scenes, "Scene files: " + list_names(scene_formats()))->required();
+  command
+      .add_option("SCENE", options.scenes,
+                  "Scene files: " + list_names(scene_formats()) + "; or job files, TOML with [[render]]")
+      ->required();
   add_overrides(command, options.scene);
   command
       .add_option(
           "-o,--out", options.out,
           "x.exr writes x.exr and x.png, x.png only that; a folder: the scene's name in it (default: the "
-          "scene's name with .exr in the current folder). Of several scenes a folder, or a name with {scene} "
-          "or {folder}, the scene's own")
+          "scene's name with .exr in the current folder). Of several scenes a folder, or a name with fields: "
+          "{scene}, {folder}, the scene's own, {seed:03} and what else a render is given")
       ->type_name("FILE");
   auto* statistics =
       command.add_option("--statistics,--report", options.statistics,

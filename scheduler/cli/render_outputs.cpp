@@ -12,6 +12,7 @@
 #include "scheduler/cli/scene_costs.h"
 #include "scheduler/files/output_batch.h"
 #include "scheduler/image/image_files.h"
+#include "scheduler/record/camera_attributes.h"
 #include "scheduler/record/film_image.h"
 #include "scheduler/record/non_finite_text.h"
 #include "scheduler/record/render_statistics.h"
@@ -21,17 +22,23 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Image files, written aside.
-Expected<void> add_images(const Image& image, const OutputFiles& files, OutputBatch& batch) {
-  using Encoder = Expected<std::vector<std::uint8_t>> (*)(const Image&);
-  const std::pair<std::optional<std::filesystem::path>, Encoder> outputs[] = {{files.exr, encode_exr},
-                                                                              {files.png, encode_png}};
-  for (const auto& [path, encode] : outputs) {
-    if (!path) continue;
-    auto bytes = encode(image);
+/// Image files, written aside, in the film's format.
+Expected<void> add_images(const Image& image, const Film& format, const OutputFiles& files,
+                          OutputBatch& batch) {
+  const auto add = [&](const std::filesystem::path& path,
+                       Expected<std::vector<std::uint8_t>> bytes) -> Expected<void> {
     if (!bytes) return std::unexpected(bytes.error());
-    batch.add(*path, std::move(*bytes));
+    batch.add(path, std::move(*bytes));
+    return {};
+  };
+  if (files.exr) {
+    if (const std::uint64_t beyond = format.half ? values_beyond_half(image) : 0; beyond > 0)
+      print_warning(fmt::format(
+          "{} more than 16 bits hold and 65504 in {}; component_format float32 has them",
+          beyond == 1 ? "1 value is" : fmt::format("{} values are", beyond), files.exr->string()));
+    if (auto done = add(*files.exr, encode_exr(image, {format.compression, format.half})); !done) return done;
   }
+  if (files.png) return add(*files.png, encode_png(image));
   return {};
 }
 
@@ -101,12 +108,14 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
   const OutputFiles& files = prepared.files;
   OutputBatch batch;
   RenderStatistics statistics;
-  const RenderedSamples rendered = rendered_samples(outcome);
+  RenderedSamples rendered = rendered_samples(outcome);
+  if (prepared.record.backend == Backend::kAuto) rendered.backends = backends_of(outcome);
   statistics.record = record_of_rendered(std::move(prepared.record), rendered);
   if (files.exr || files.png) {
     Image image = image_of_film(outcome.film, statistics.record.film.width, statistics.record.film.height);
     image.metadata = record_metadata(statistics.record, outcome.film.hash(), rendered);
-    if (auto encoded = add_images(image, files, batch); !encoded) return encoded;
+    image.camera = camera_attributes(statistics.record.camera, statistics.record.film);
+    if (auto encoded = add_images(image, statistics.record.film, files, batch); !encoded) return encoded;
   }
   statistics.command_line = command_line;
   statistics.job = &prepared.job;

@@ -171,7 +171,10 @@ void FarmRun::fail_hopeless_jobs() {
   const auto connected = std::ranges::count_if(
       workers_, [](const auto& w) { return w.second.pid != 0 && !w.second.gone && !w.second.ended; });
   std::set<JobId> failed = std::exchange(deadly_, {});
-  if (!failed.empty()) workers_here_->has_worked();  // those that follow begin with a fresh account
+  if (!failed.empty()) {
+    workers_here_->has_worked();  // it is not their fault
+    workers_here_->start_missing(plan_time_);
+  }
   if (connected >= std::ptrdiff_t(workers_here_->running())) failed.merge(hopeless_);
   for (const JobId id : failed) {
     hopeless_.erase(id);

@@ -21,7 +21,22 @@ struct PixelWindow {
   bool operator==(const PixelWindow&) const = default;
 };
 
-using MetadataValue = std::variant<int, float, std::string>;
+using MetadataValue = std::variant<int, float, double, std::string>;
+
+/// Of row vectors, p' = (x, y, z, 1) M: by rows.
+using RowMatrix = std::array<float, 16>;
+
+/// Where the pinhole stands, as OpenEXR's standard attributes have it.
+struct ImageCamera {
+  RowMatrix world_to_camera;  ///< x to the right of the image, y upwards, z along the view
+  RowMatrix world_to_ndc;     ///< (0, 0) and (1, 1): upper left and lower right corner of the display window
+  bool operator==(const ImageCamera&) const = default;
+};
+
+/// What red, green, blue and white are, each as CIE 1931 x and y.
+using Chromaticities = std::array<float, 8>;
+/// Rec. 709 (ITU-R BT.709-6, item 1.3), whose primaries and white are sRGB's.
+constexpr Chromaticities kRec709 = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
 
 /// Channel c of pixel (x, y), counted from the corner of `data`, is `values[(y * data.width + x) *
 /// channels.size() + c]`.
@@ -31,6 +46,8 @@ struct Image {
   std::vector<std::string> channels;
   std::vector<float> values;
   std::vector<std::pair<std::string, MetadataValue>> metadata;
+  std::optional<Chromaticities> chromaticities = {};  ///< of R, G, B, if it is said
+  std::optional<ImageCamera> camera = {};             ///< likewise
 
   [[nodiscard]] std::size_t pixels() const { return std::size_t(data.width) * std::size_t(data.height); }
   /// Index of the channel of that name.

@@ -1,17 +1,20 @@
 #include "scheduler/image/image_files.h"
 
 #include <ImfChannelList.h>
+#include <ImfDoubleAttribute.h>
 #include <ImfFloatAttribute.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfIntAttribute.h>
 #include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <fmt/format.h>
 #include <png.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <exception>
 #include <thread>
@@ -23,6 +26,8 @@
 
 namespace penumbra {
 namespace {
+
+constexpr float kMostHalf = 65504.0f;
 
 /// OpenEXR goes back to write its table of lines.
 class MemoryStream : public Imf::OStream {
@@ -45,24 +50,76 @@ Imath::Box2i box_of(const PixelWindow& window) {
   return {{window.x, window.y}, {window.x + window.width - 1, window.y + window.height - 1}};
 }
 
-Imf::Header header_of(const Image& image) {
+Imf::Compression compression_of(ExrCompression compression) {
+  constexpr Imf::Compression kOf[] = {Imf::NO_COMPRESSION,  Imf::RLE_COMPRESSION,  Imf::ZIPS_COMPRESSION,
+                                      Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION,  Imf::PXR24_COMPRESSION,
+                                      Imf::B44_COMPRESSION, Imf::B44A_COMPRESSION, Imf::DWAA_COMPRESSION,
+                                      Imf::DWAB_COMPRESSION};
+  return kOf[int(compression)];
+}
+
+Imath::M44f matrix_of(const RowMatrix& m) {
+  return {m[0], m[1], m[2],  m[3],  m[4],  m[5],  m[6],  m[7],
+          m[8], m[9], m[10], m[11], m[12], m[13], m[14], m[15]};
+}
+
+void add_standard_attributes(const Image& image, Imf::Header& header) {
+  if (image.chromaticities) {
+    const Chromaticities& c = *image.chromaticities;
+    Imf::addChromaticities(header, {{c[0], c[1]}, {c[2], c[3]}, {c[4], c[5]}, {c[6], c[7]}});
+  }
+  if (image.camera) {
+    Imf::addWorldToCamera(header, matrix_of(image.camera->world_to_camera));
+    Imf::addWorldToNDC(header, matrix_of(image.camera->world_to_ndc));
+  }
+}
+
+Imf::PixelType type_of(const std::string& channel, const ExrEncoding& encoding) {
+  return encoding.half && is_half_channel(channel) ? Imf::HALF : Imf::FLOAT;
+}
+
+Imf::Header header_of(const Image& image, const ExrEncoding& encoding) {
   Imf::Header header(box_of(image.display), box_of(image.data));
-  header.compression() = Imf::ZIP_COMPRESSION;
+  header.compression() = compression_of(encoding.compression);
   for (const std::string& channel : image.channels)
-    header.channels().insert(channel, Imf::Channel(Imf::FLOAT));
+    header.channels().insert(channel, Imf::Channel(type_of(channel, encoding)));
+  add_standard_attributes(image, header);
   for (const auto& [name, value] : image.metadata) {
     if (const int* number = std::get_if<int>(&value)) header.insert(name, Imf::IntAttribute(*number));
     if (const float* number = std::get_if<float>(&value)) header.insert(name, Imf::FloatAttribute(*number));
+    if (const auto* number = std::get_if<double>(&value)) header.insert(name, Imf::DoubleAttribute(*number));
     if (const auto* text = std::get_if<std::string>(&value)) header.insert(name, Imf::StringAttribute(*text));
   }
   return header;
 }
 
+/// The channels that a file has with 16 bits, one after the other; rounded to the nearest.
+std::vector<half> halves_of(const Image& image, const ExrEncoding& encoding) {
+  std::vector<half> halves;
+  for (std::size_t c = 0; c < image.channels.size(); ++c) {
+    if (type_of(image.channels[c], encoding) != Imf::HALF) continue;
+    for (std::size_t i = c; i < image.values.size(); i += image.channels.size()) {
+      const float value = image.values[i];
+      const bool finite = std::isfinite(value);
+      halves.emplace_back(finite ? std::clamp(value, -kMostHalf, kMostHalf) : value);
+    }
+  }
+  return halves;
+}
+
 /// Where OpenEXR finds the pixels; it only reads them.
-Imf::FrameBuffer frame_buffer_of(const Image& image) {
+Imf::FrameBuffer frame_buffer_of(const Image& image, const ExrEncoding& encoding,
+                                 const std::vector<half>& halves) {
   Imf::FrameBuffer buffer;
+  const half* next = halves.data();
   const std::size_t pixel_stride = image.channels.size() * sizeof(float);
   for (std::size_t c = 0; c < image.channels.size(); ++c) {
+    if (type_of(image.channels[c], encoding) == Imf::HALF) {
+      buffer.insert(image.channels[c], Imf::Slice::Make(Imf::HALF, next, box_of(image.data), sizeof(half),
+                                                        sizeof(half) * std::size_t(image.data.width)));
+      next += image.pixels();
+      continue;
+    }
     buffer.insert(image.channels[c],
                   Imf::Slice::Make(Imf::FLOAT, image.values.data() + c, box_of(image.data), pixel_stride,
                                    pixel_stride * std::size_t(image.data.width)));
@@ -70,16 +127,55 @@ Imf::FrameBuffer frame_buffer_of(const Image& image) {
   return buffer;
 }
 
+/// Pixels for the display, with alpha or without.
+Expected<std::vector<std::uint8_t>> encode_png_pixels(int width, int height,
+                                                      std::span<const std::uint8_t> pixels, bool alpha) {
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = png_uint_32(width);
+  png.height = png_uint_32(height);
+  png.format = alpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;  // 8 bits, sRGB
+  std::vector<std::uint8_t> bytes(PNG_IMAGE_PNG_SIZE_MAX(png));
+  png_alloc_size_t size = bytes.size();
+  if (png_image_write_to_memory(&png, bytes.data(), &size, 0, pixels.data(), 0, nullptr) == 0) {
+    return fail(fmt::format("cannot encode the image as PNG: {}", png.message));
+  }
+  bytes.resize(size);
+  return bytes;
+}
+
+/// Of alpha, which has no transfer function.
+std::uint8_t linear_byte(float value) {
+  return std::uint8_t(std::lround(255 * std::clamp(value, 0.0f, 1.0f)));
+}
+
 }  // namespace
 
-Expected<std::vector<std::uint8_t>> encode_exr(const Image& image) {
+bool is_half_channel(std::string_view name) {
+  const std::string_view layer = name.substr(0, name.find('.'));
+  return layer.size() == name.size() ? name != "Z"
+                                     : layer == "albedo" || layer == "normal" || layer == "analytic" ||
+                                           layer == "difference" || layer == "visibility";
+}
+
+std::uint64_t values_beyond_half(const Image& image) {
+  std::uint64_t beyond = 0;
+  for (std::size_t i = 0; i < image.values.size(); ++i)
+    if (std::isfinite(image.values[i]) && std::abs(image.values[i]) > kMostHalf &&
+        is_half_channel(image.channels[i % image.channels.size()]))
+      ++beyond;
+  return beyond;
+}
+
+Expected<std::vector<std::uint8_t>> encode_exr(const Image& image, const ExrEncoding& encoding) {
   std::vector<std::uint8_t> bytes;
   try {
     MemoryStream stream(bytes);
     const int threads = int(std::max(1u, std::thread::hardware_concurrency()));
     Imf::setGlobalThreadCount(threads);
-    Imf::OutputFile file(stream, header_of(image), threads);
-    file.setFrameBuffer(frame_buffer_of(image));
+    const std::vector<half> halves = halves_of(image, encoding);
+    Imf::OutputFile file(stream, header_of(image, encoding), threads);
+    file.setFrameBuffer(frame_buffer_of(image, encoding, halves));
     file.writePixels(image.data.height);
   } catch (const std::exception& error) {
     return fail(fmt::format("cannot encode the image as OpenEXR: {}", error.what()));
@@ -90,14 +186,17 @@ Expected<std::vector<std::uint8_t>> encode_exr(const Image& image) {
 Expected<std::vector<std::uint8_t>> encode_png(const Image& image) {
   const auto beauty = image.beauty_channels();
   if (!beauty) return fail("cannot encode the image as PNG: it has no channels R, G, B");
+  const auto alpha = image.channel("A");
   std::vector<std::uint8_t> pixels;
-  pixels.reserve(image.pixels() * 3);
+  pixels.reserve(image.pixels() * (alpha ? 4 : 3));
   for (std::size_t pixel = 0; pixel < image.pixels(); ++pixel) {
-    for (const std::size_t channel : *beauty) {
-      pixels.push_back(display_byte(image.values[pixel * image.channels.size() + channel]));
-    }
+    const float* values = &image.values[pixel * image.channels.size()];
+    // Light without a surface, as of a lamp that is seen through, is nothing to divide.
+    const float covered = alpha && values[*alpha] > 0 ? values[*alpha] : 1.0f;
+    for (const std::size_t channel : *beauty) pixels.push_back(display_byte(values[channel] / covered));
+    if (alpha) pixels.push_back(linear_byte(values[*alpha]));
   }
-  return encode_png_bytes(image.data.width, image.data.height, pixels);
+  return encode_png_pixels(image.data.width, image.data.height, pixels, alpha.has_value());
 }
 
 Expected<std::vector<std::uint8_t>> encode_png_bytes(int width, int height,
@@ -105,18 +204,7 @@ Expected<std::vector<std::uint8_t>> encode_png_bytes(int width, int height,
   if (width < 1 || height < 1 || pixels.size() != 3 * std::size_t(width) * std::size_t(height))
     return fail(
         fmt::format("cannot encode {} bytes as a PNG of {} × {} pixels", pixels.size(), width, height));
-  png_image png{};
-  png.version = PNG_IMAGE_VERSION;
-  png.width = png_uint_32(width);
-  png.height = png_uint_32(height);
-  png.format = PNG_FORMAT_RGB;  // 8 bits, sRGB
-  std::vector<std::uint8_t> bytes(PNG_IMAGE_PNG_SIZE_MAX(png));
-  png_alloc_size_t size = bytes.size();
-  if (png_image_write_to_memory(&png, bytes.data(), &size, 0, pixels.data(), 0, nullptr) == 0) {
-    return fail(fmt::format("cannot encode the image as PNG: {}", png.message));
-  }
-  bytes.resize(size);
-  return bytes;
+  return encode_png_pixels(width, height, pixels, false);
 }
 
 }  // namespace penumbra

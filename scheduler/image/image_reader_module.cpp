@@ -2,6 +2,7 @@
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
+#include <cstring>
 #include <new>
 
 #include "scheduler/image/image_reader.h"
@@ -11,7 +12,19 @@ namespace {
 
 constexpr double kMaxImageBytes = 16.0 * 1024 * 1024 * 1024;
 
-/// Scalars of the kinds that we write; others (chromaticities, thumbnails…) say nothing about a render.
+template <std::size_t n>
+std::optional<std::array<float, n>> floats_of(const OIIO::ImageSpec& spec, const char* name) {
+  const OIIO::ParamValue* value = spec.find_attribute(name);
+  if (value == nullptr || value->type().basetype != OIIO::TypeDesc::FLOAT ||
+      value->type().numelements() * value->type().aggregate != n)
+    return std::nullopt;
+  std::array<float, n> floats;
+  std::memcpy(floats.data(), value->data(), sizeof floats);
+  return floats;
+}
+
+/// Scalars of the kinds that we write, the camera and what the colours are; others (thumbnails…) say nothing
+/// about a render.
 void copy_metadata(const OIIO::ImageSpec& spec, Image& image) {
   for (const OIIO::ParamValue& parameter : spec.extra_attribs) {
     const std::string name = parameter.name().string();
@@ -19,10 +32,15 @@ void copy_metadata(const OIIO::ImageSpec& spec, Image& image) {
       image.metadata.emplace_back(name, parameter.get_int());
     } else if (parameter.type() == OIIO::TypeDesc::FLOAT) {
       image.metadata.emplace_back(name, parameter.get<float>());
+    } else if (parameter.type() == OIIO::TypeDesc::DOUBLE) {
+      image.metadata.emplace_back(name, *static_cast<const double*>(parameter.data()));
     } else if (parameter.type() == OIIO::TypeDesc::STRING) {
       image.metadata.emplace_back(name, parameter.get_string());
     }
   }
+  image.chromaticities = floats_of<8>(spec, "chromaticities");
+  const auto to_camera = floats_of<16>(spec, "worldtocamera"), to_ndc = floats_of<16>(spec, "worldToNDC");
+  if (to_camera && to_ndc) image.camera = {*to_camera, *to_ndc};
 }
 
 Expected<Image> read_file(const std::filesystem::path& path) {

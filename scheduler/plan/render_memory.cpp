@@ -9,8 +9,7 @@ namespace penumbra {
 
 int image_channels(int planes) {
   // Radiance, its variance and the number of samples; of the polygon lights' two last planes the quotient.
-  const int layers = planes - kRadiancePlanes;
-  return kRadiancePlanes + (planes > kSeen ? layers - 1 : layers) + 1;
+  return planes + 1 - (layer_planes_of(planes) > kSeen ? 1 : 0);
 }
 
 std::uint64_t PixelMemory::peak(bool writes_files) const {

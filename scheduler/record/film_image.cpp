@@ -17,14 +17,17 @@ static_assert(std::size(kLayerChannels) == kSeen + 1 - kRadiancePlanes);
 
 Image image_of_film(const FilmAccumulator& film, int film_width, int film_height) {
   Image image;
+  image.chromaticities = kRec709;
   image.data = {film.x(), film.y(), film.width(), film.height()};
   image.display = {0, 0, film_width, film_height};
   image.channels = {"R", "G", "B", "variance.R", "variance.G", "variance.B"};
-  const bool visibility = film.planes() > kSeen;
-  const int layers_end = visibility ? int(kSeen) : film.planes();
+  const int coverage = coverage_plane_of(film.planes());
+  const bool visibility = layer_planes_of(film.planes()) > kSeen;
+  const int layers_end = visibility ? int(kSeen) : layer_planes_of(film.planes());
+  if (coverage >= 0) image.channels.insert(image.channels.begin() + 3, "A");
   for (int plane = kRadiancePlanes; plane < layers_end + (visibility ? 1 : 0); ++plane)
     image.channels.emplace_back(kLayerChannels[plane - kRadiancePlanes]);
-  image.channels.emplace_back("samples.count");
+  image.channels.emplace_back("samples.Y");
   image.values.reserve(image.pixels() * image.channels.size());
   const auto append = [&](const double(&values)[3]) {
     for (const double value : values) image.values.push_back(float(value));
@@ -33,6 +36,7 @@ Image image_of_film(const FilmAccumulator& film, int film_width, int film_height
     for (int x = film.x(); x < film.x() + film.width(); ++x) {
       const PixelStatistics& pixel = film.at(x, y);
       append(pixel.mean);
+      if (coverage >= 0) image.values.push_back(float(film.layer(x, y, coverage)));
       for (const double m2 : pixel.m2) image.values.push_back(float(variance_of_mean(pixel.count, m2)));
       for (int plane = kRadiancePlanes; plane < layers_end; ++plane)
         image.values.push_back(float(film.layer(x, y, plane)));

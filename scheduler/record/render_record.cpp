@@ -19,11 +19,25 @@ bool has_crop(const Film& film) {
          film.crop_height != film.height;
 }
 
-/// Numbers stay numbers where they fit the format's int, as unsigned 32-bit values do not.
+/// As the format's int where it fits, as unsigned 32-bit values may not: a double has them exactly.
+MetadataValue integer_value(std::int64_t value) {
+  if (value >= INT_MIN && value <= INT_MAX) return int(value);
+  return double(value);
+}
+
+/// As the format's float where that is the same number, which it is of what is stored as one.
+MetadataValue number_value(const std::string& text) {
+  const double value = *parse_number(text);
+  if (fmt::to_string(float(value)) == text) return float(value);
+  return value;
+}
+
+/// Numbers stay numbers.
 MetadataValue recorded_value(const Setting& setting, const RenderRecord& record) {
   const std::string text = setting.print(record);
-  if (setting.kind != SettingKind::kInteger || !setting.option.empty()) return text;
-  return int(*parse_integer(text, INT_MIN, INT_MAX));
+  if (setting.kind == SettingKind::kInteger) return integer_value(*parse_integer(text));
+  if (setting.kind == SettingKind::kNumber) return number_value(text);
+  return text;
 }
 
 }  // namespace
@@ -73,11 +87,11 @@ std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRe
     entries.emplace_back(setting.option.empty() ? setting.key : setting.option,
                          recorded_value(setting, record));
   }
-  if (record.stop_after) text("stop_after", fmt::to_string(*record.stop_after));
-  text("samples_per_pass", fmt::to_string(record.samples_per_pass));
+  if (record.stop_after) entries.emplace_back("stop_after", integer_value(*record.stop_after));
+  entries.emplace_back("samples_per_pass", integer_value(record.samples_per_pass));
   if (record.target_error) {
     text("target_error", fmt::to_string(*record.target_error));
-    text("tile", fmt::to_string(record.tile));
+    entries.emplace_back("tile", integer_value(std::uint32_t(record.tile)));
   }
   text("intersector", record.embree ? "embree" : "portable");
   text("backend", std::string(backend_name(record.backend)));
@@ -105,6 +119,10 @@ std::vector<std::pair<std::string, MetadataValue>> record_metadata(const RenderR
   metadata.emplace_back(rendered.repeatable() ? "penumbra:command" : "penumbra:nearest_command",
                         repeat_command(portable, true));
   for (const auto& [name, value] : record_entries(portable)) metadata.emplace_back("penumbra:" + name, value);
+  metadata.emplace_back("penumbra:film.width", record.film.width);
+  metadata.emplace_back("penumbra:film.height", record.film.height);
+  if (!rendered.backends.empty())
+    metadata.emplace_back("penumbra:rendered_by", std::string(rendered.backends));
   metadata.emplace_back("penumbra:film_hash", hash_text(film_hash));
   if (!rendered.complete) metadata.emplace_back("penumbra:incomplete", 1);
   if (!rendered.repeatable()) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -38,7 +39,7 @@ struct RenderRecord : RenderSettings {
 std::string repeat_command(const RenderRecord& record, bool with_crop);
 
 /// Name and value of every setting, for people and for metadata; names are those of `--set` or of the command
-/// line's options, and values what these take.
+/// line's options, and values what these take, numbers as numbers.
 std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRecord& record);
 
 /// What of a render is in its image.
@@ -46,6 +47,7 @@ struct RenderedSamples {
   bool complete = true;               ///< all that was asked for
   bool has_gaps = false;              ///< pixels may lack samples that come before others that they have
   std::uint64_t least = 0, most = 0;  ///< of a pixel
+  std::string_view backends = {};     ///< what computed them: native, opencl, or both; empty: as was asked
   bool ended_by_tile = false;         ///< each tile has come to the target error, or to all samples
 
   /// Whether some command renders the same image: every pixel has the first samples, equally many, or as many
@@ -60,7 +62,8 @@ RenderRecord record_of_rendered(RenderRecord record, const RenderedSamples& rend
 /// Metadata of the EXR, all named penumbra:…; `film_hash` is FilmAccumulator::hash(). The scene is named
 /// without its folder, so that the same render is the same file wherever it is, and identified by its hash.
 /// An image that misses samples is marked penumbra:incomplete = 1; if no command renders it again, there is
-/// penumbra:nearest_command instead of penumbra:command.
+/// penumbra:nearest_command instead of penumbra:command. penumbra:rendered_by is what a backend came to that
+/// the command leaves open.
 std::vector<std::pair<std::string, MetadataValue>> record_metadata(const RenderRecord& record,
                                                                    std::uint64_t film_hash,
                                                                    const RenderedSamples& rendered);

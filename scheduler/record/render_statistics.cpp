@@ -125,7 +125,20 @@ double samples_per_second(const RenderOutcome& outcome) {
 
 RenderedSamples rendered_samples(const RenderOutcome& outcome) {
   const SampleRange range = sample_range(outcome.film);
-  return {outcome.complete, outcome.units_set_aside > 0, range.least, range.most, outcome.ended_by_tile};
+  return {.complete = outcome.complete,
+          .has_gaps = outcome.units_set_aside > 0,
+          .least = range.least,
+          .most = range.most,
+          .ended_by_tile = outcome.ended_by_tile};
+}
+
+std::string_view backends_of(const RenderOutcome& outcome) {
+  bool native = false, opencl = false;
+  for (const WorkerShare& worker : outcome.workers) {
+    if (worker.units == 0) continue;
+    (worker.kernels ? opencl : native) = true;
+  }
+  return native && opencl ? "native, opencl" : opencl ? "opencl" : native ? "native" : "";
 }
 
 Json statistics_json(const RenderStatistics& statistics) {

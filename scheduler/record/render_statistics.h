@@ -30,6 +30,8 @@ struct RenderStatistics {
 
 /// How many samples the image came to have.
 RenderedSamples rendered_samples(const RenderOutcome& outcome);
+/// Of the workers that did any of it: "native", "opencl", "native, opencl".
+std::string_view backends_of(const RenderOutcome& outcome);
 
 /// The fields and their units are explained in the README of this folder.
 nlohmann::ordered_json statistics_json(const RenderStatistics& statistics);

@@ -13,6 +13,7 @@
 #include "kernels/host/stopwatch.h"
 #include "scenes/diagnostic.h"
 #include "scheduler/cli/command_line.h"
+#include "scheduler/cli/command_reference.h"
 #include "scheduler/cli/exit_code.h"
 #include "scheduler/cli/option_checks.h"
 #include "scheduler/files/atomic_file.h"
@@ -121,6 +122,7 @@ int main(int argc, char** argv) {
                "penumbra stress");
   stress::Options options;
   stress::add_options(app, options);
+  if (const auto answered = answer_about(app, {argv + 1, argv + argc})) return end_program(*answered);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,8 +1,8 @@
 """Renders scenes with Mitsuba 3 for differential_test, one after the other, in one process.
 
 Standard input has a job on each line: scene file, image file, batches, samples per pixel of a batch, first seed, all
-separated by tabs. The image holds the batches one below the other. The first line of the answer is `ready VERSION`; then
-each job is answered by `done` or `failed MESSAGE`.
+separated by tabs. The image holds the batches one below the other; one that is called x.alpha.exr, their alpha. The first
+line of the answer is `ready VERSION`; then each job is answered by `done` or `failed MESSAGE`.
 """
 
 import math
@@ -128,6 +128,9 @@ def render(scene_file, image_file, batches, spp, seed):
     images = []
     for batch in range(int(batches)):
         image = scene.integrator().render(scene, scene.sensors()[0], seed=int(seed) + batch, spp=int(spp))
+        if image_file.endswith(".alpha.exr"):
+            alpha = image[:, :, 3]
+            image = mi.TensorXf(alpha.array, shape=(*alpha.shape, 1))
         dr.eval(image)
         images.append(image)
     values = dr.concat([image.array for image in images])

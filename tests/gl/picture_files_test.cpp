@@ -91,8 +91,7 @@ TEST_F(PictureFilesTest, AnExrHoldsTheFloatsThatCameBitForBit) {
     EXPECT_EQ(channel_bits(image, "difference." + channel), plane_bits(tile_.difference, c, 3));
   }
   EXPECT_EQ(channel_bits(image, "standard_error.Y"), plane_bits(tile_.standard_error, 0, 1));
-  EXPECT_EQ(channel_bits(image, "samples.count"),
-            plane_bits(std::vector<float>(kWidth * kHeight, 32.0f), 0, 1));
+  EXPECT_EQ(channel_bits(image, "samples.Y"), plane_bits(std::vector<float>(kWidth * kHeight, 32.0f), 0, 1));
   EXPECT_FALSE(image.channel("analytic.R").has_value());
   EXPECT_EQ(image.attribute("penumbra:scene"), MetadataValue("a.xml"));
   EXPECT_EQ(image.attribute("penumbra:view"), MetadataValue(3));

@@ -83,6 +83,31 @@ TEST_F(MitsubaRendering, HowFilesAreWrittenIsNoMatter) {
               AllOf(HasSubstr("scene.xml:2:"), HasSubstr("film type 'specfilm' is not one")));
 }
 
+TEST_F(MitsubaRendering, FormatsOfPixels) {
+  const auto read = [&](const char* pixel, const char* component) {
+    return good(film("hdrfilm", std::string("<string name='pixel_format' value='") + pixel +
+                                    "'/><string name='componentFormat' value='" + component + "'/>"));
+  };
+  for (const auto& [format, alpha] : {std::pair{"rgb", false},
+                                      {"rgba", true},
+                                      {"luminance_alpha", true},
+                                      {"xyz", false},
+                                      {"xyza", true},
+                                      {"spectrumAlpha", true}}) {
+    const SceneDescription s = read(format, "float32");
+    EXPECT_EQ(s.film.alpha, alpha) << format;
+    EXPECT_FALSE(s.film.half);
+    if (std::string_view(format).starts_with("rgb"))
+      EXPECT_THAT(s.warnings, IsEmpty()) << format;
+    else
+      EXPECT_THAT(s.warnings, ElementsAre(AllOf(HasSubstr(format), HasSubstr("is written as rgb"))))
+          << format;
+  }
+  EXPECT_TRUE(read("rgb", "float16").film.half);
+  EXPECT_THAT(error(scene(film("hdrfilm", "<string name='pixel_format' value='cmyk'/>"))),
+              AllOf(HasSubstr("scene.xml:2:"), HasSubstr("pixel_format"), HasSubstr("rgba")));
+}
+
 TEST_F(MitsubaRendering, Filters) {
   const auto filter = [&](const std::string& text) { return good(film("hdrfilm", text)).film; };
   const Film catmull = filter(plugin("rfilter", "catmullrom"));

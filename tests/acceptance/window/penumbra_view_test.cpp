@@ -158,7 +158,7 @@ fs::path listen_path(pid_t scheduler) {
 
 double largest_sample_count(const Image& image) {
   double most = 0;
-  const std::size_t channel = image.channel("samples.count").value();
+  const std::size_t channel = image.channel("samples.Y").value();
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) most = std::max(most, double(image.at(x, y, channel)));
   return most;

@@ -72,7 +72,7 @@ TEST(InfoCommand, SaysInNumbersWhatIsLeftOut) {
             bytes["device_scene"]["own"].get<std::int64_t>() + more);
   // 13 planes instead of 21 and 15: those of the closed form and of the ratio estimator are not there.
   EXPECT_EQ(bytes["result_per_pixel"]["own"], 4 * 13);
-  EXPECT_EQ(bytes["result_per_pixel"]["everything"], 4 * (21 + 15));
+  EXPECT_EQ(bytes["result_per_pixel"]["everything"], 4 * (22 + 15));
   EXPECT_LT(bytes["block_state"]["own"], bytes["block_state"]["everything"]);
   EXPECT_EQ(bytes["block_state"]["own"], kBlockPaths * bytes["path_state"]["own"].get<int>());
   EXPECT_TRUE(costs["opencl"].is_null()) << "nothing was measured";

@@ -99,12 +99,17 @@ TEST_F(OpenClCommand, AutoRendersNativelyWhereTheCompilerBreaks) {
   setenv("POCL_CACHE_DIR", (folder_ / "pocl").c_str(), 1);
   const ProgramResult asked = render("asked", {"--backend", "opencl", "--device", "portable"});
   const ProgramResult chosen = render("chosen", {"--backend", "auto", "--device", "portable"});
+  std::filesystem::copy_file(folder_ / "s.xml", folder_ / "other.xml");
+  const ProgramResult set = run_penumbra(folder_.path(), {"render", "s.xml", "other.xml", "-o", "set/",
+                                                          "--backend", "auto", "--device", "portable"});
   setenv("PATH", path.c_str(), 1);
   unsetenv("POCL_CACHE_DIR");
+  EXPECT_EQ(set.exit_code, 0) << set.err;
+  EXPECT_THAT(set.err, HasSubstr("other.xml: native code renders"));
   EXPECT_EQ(asked.exit_code, 1);
   EXPECT_THAT(asked.err, HasSubstr("Final linking of kernel"));
   EXPECT_EQ(chosen.exit_code, 0) << chosen.err;
-  EXPECT_THAT(chosen.err, HasSubstr("warning: native code renders: no worker could be started"));
+  EXPECT_THAT(chosen.err, HasSubstr("warning: native code renders: no worker can do this job"));
   EXPECT_THAT(report("chosen")["problems"][0].get<std::string>(), StartsWith("native code renders"));
   EXPECT_THAT(report("chosen")["workers"][0]["device"].get<std::string>(), StartsWith("native"));
 }

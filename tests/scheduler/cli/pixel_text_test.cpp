@@ -23,5 +23,19 @@ TEST(PixelText, ShowsEveryDigitAndTheExactBits) {
             "depth                           3\n");
 }
 
+TEST(PixelText, ShowsAlphaWhereThereIsOne) {
+  for (const int layers : {int(kRadiancePlanes), int(kFeaturePlanes), int(kSampleBufferPlanes)}) {
+    FilmAccumulator film(0, 0, 1, 1, layers + 1);
+    SampleBuffer buffer{.width = 1, .height = 1, .planes = layers + 1, .sample_count = 2, .values = {}};
+    buffer.values.resize(std::size_t(layers + 1));
+    buffer.values.back() = 0.75f;
+    film.add(0, 0, buffer);
+    const std::string text = pixel_text(film, 0, 0);
+    EXPECT_NE(text.find("alpha                        0.75\n"), std::string::npos) << text;
+    EXPECT_EQ(text.find("albedo") != std::string::npos, layers >= kFeaturePlanes);
+    EXPECT_EQ(text.find("visibility") != std::string::npos, layers >= kSampleBufferPlanes);
+  }
+}
+
 }  // namespace
 }  // namespace penumbra

@@ -23,9 +23,9 @@ Image layered_image() {
   Image image;
   image.data = {7, 2, 5, 3};
   image.display = {0, 0, 20, 10};
-  image.channels = {"R",          "G",        "B",        "variance.R",   "variance.G",
-                    "variance.B", "albedo.R", "albedo.G", "albedo.B",     "normal.X",
-                    "normal.Y",   "normal.Z", "depth.Z",  "samples.count"};
+  image.channels = {"R",          "G",        "B",        "variance.R", "variance.G",
+                    "variance.B", "albedo.R", "albedo.G", "albedo.B",   "normal.X",
+                    "normal.Y",   "normal.Z", "depth.Z",  "samples.Y"};
   for (std::size_t i = 0; i < image.pixels() * image.channels.size(); ++i) {
     image.values.push_back(float(i) * 0.1f - 3.0f);
   }
@@ -81,6 +81,78 @@ TEST(Exr, IsStoredAsFloat) {
   EXPECT_EQ(input->spec().format, OIIO::TypeDesc::FLOAT);
 }
 
+TEST(Exr, KeepsCameraColoursAndNumbers) {
+  Image written = layered_image();
+  EXPECT_FALSE(round_trip(encode_exr(written), "a.exr").camera);
+  EXPECT_FALSE(round_trip(encode_exr(written), "a.exr").chromaticities);
+  written.chromaticities = kRec709;
+  written.camera.emplace();
+  for (std::size_t i = 0; i < 16; ++i) {
+    written.camera->world_to_camera[i] = 0.1f * float(i);
+    written.camera->world_to_ndc[i] = -0.3f * float(i);
+  }
+  written.metadata.emplace_back("penumbra:seed", 4e9);
+  written.metadata.emplace_back("penumbra:number", 0.1f);
+  const Image read = round_trip(encode_exr(written), "a.exr");
+  EXPECT_EQ(read.camera, written.camera);
+  EXPECT_EQ(read.chromaticities, written.chromaticities);
+  EXPECT_EQ(read.attribute("penumbra:seed"), MetadataValue(4e9));
+  EXPECT_EQ(read.attribute("penumbra:number"), MetadataValue(0.1f));
+}
+
+TEST(Exr, HalfIsOfColoursAlone) {
+  Image written = layered_image();
+  written.channels[12] = "A";
+  written.channels[10] = "depth.Z";
+  written.values[0] = 1e6f;
+  written.values[1] = -1e6f;
+  written.values[3] = 1e6f;  // a variance
+  EXPECT_EQ(values_beyond_half(written), 2u);
+  const auto bytes = encode_exr(written, {.half = true});
+  ASSERT_TRUE(bytes);
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_file_atomically(folder / "a.exr", *bytes));
+  const auto input = OIIO::ImageInput::open((folder / "a.exr").string());
+  ASSERT_TRUE(input);
+  const OIIO::ImageSpec& spec = input->spec();
+  for (int c = 0; c < spec.nchannels; ++c) {
+    const std::string name = spec.channelnames[std::size_t(c)];
+    const bool whole = name.starts_with("variance") || name == "depth.Z" || name == "samples.Y";
+    EXPECT_EQ(spec.channelformat(c), whole ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::HALF) << name;
+  }
+  const Image read = round_trip(bytes, "a.exr");
+  EXPECT_EQ(read.at(0, 0, *read.channel("R")), 65504.0f);
+  EXPECT_EQ(read.at(0, 0, *read.channel("G")), -65504.0f);
+  for (const std::string& name : written.channels)
+    for (int x = 1; x < 5; ++x) {
+      const float value = written.at(x, 1, *written.channel(name));
+      // Halves have 11 bits.
+      const float rounding = is_half_channel(name) ? std::abs(value) * 0x1p-11f : 0.0f;
+      EXPECT_NEAR(read.at(x, 1, *read.channel(name)), value, rounding) << name;
+    }
+}
+
+TEST(Exr, EveryCompressionIsReadBack) {
+  using enum ExrCompression;
+  const Image written = layered_image();
+  const std::pair<ExrCompression, const char*> names[] = {
+      {kNone, "none"},   {kRle, "rle"}, {kZips, "zips"}, {kZip, "zip"},   {kPiz, "piz"},
+      {kPxr24, "pxr24"}, {kB44, "b44"}, {kB44a, "b44a"}, {kDwaa, "dwaa"}, {kDwab, "dwab"}};
+  for (const auto& [compression, name] : names) {
+    const auto bytes = encode_exr(written, {.compression = compression});
+    ASSERT_TRUE(bytes) << name;
+    EXPECT_EQ(*bytes, *encode_exr(written, {.compression = compression})) << name;
+    const Image read = round_trip(bytes, "a.exr");
+    const auto said = read.attribute("compression");
+    ASSERT_TRUE(said) << name;
+    EXPECT_TRUE(std::get<std::string>(*said).starts_with(name)) << std::get<std::string>(*said);
+    if (compression >= kPxr24) continue;
+    for (const std::string& channel : written.channels)
+      for (int x = 0; x < 5; ++x)
+        EXPECT_EQ(read.at(x, 2, *read.channel(channel)), written.at(x, 2, *written.channel(channel))) << name;
+  }
+}
+
 TEST(ImageFiles, AreTheSameBytesAtAnotherTime) {
   const auto exr = encode_exr(layered_image()), png = encode_png(layered_image());
   std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // time stamps count seconds
@@ -103,6 +175,23 @@ TEST(Png, HoldsTheToneMappedBeautyOfTheCrop) {
     }
   }
   EXPECT_THAT(png.values, ElementsAreArray(expected));
+}
+
+TEST(Png, WithAlphaHasTheColoursOfWhatCovers) {
+  Image image;
+  image.data = image.display = {0, 0, 4, 1};
+  image.channels = {"R", "G", "B", "A"};
+  image.values = {0.5f, 0.25f, 0, 1, 0.125f, 0.0625f, 0, 0.25f, 0, 0, 0, 0, 0.5f, 0, 0, 1.001f};
+  const Image png = round_trip(encode_png(image), "a.png");
+  ASSERT_THAT(png.channels, ElementsAre("R", "G", "B", "A"));
+  const auto byte = [&](int x, std::size_t c) { return std::lround(255 * png.at(x, 0, c)); };
+  EXPECT_EQ(byte(0, 3), 255);
+  EXPECT_EQ(byte(1, 3), 64);
+  EXPECT_EQ(byte(2, 3), 0);
+  EXPECT_EQ(byte(3, 3), 255);
+  EXPECT_EQ(byte(0, 0), display_byte(0.5f));
+  // OpenImageIO multiplies by alpha again, in the signal.
+  EXPECT_NEAR(byte(1, 0), display_byte(0.5f) * 0.25, 1);
 }
 
 TEST(Png, NeedsABeautyLayer) {

@@ -53,15 +53,37 @@ TEST(FilmImage, PutsEveryStatisticInItsLayer) {
     EXPECT_FLOAT_EQ(image.at(x, y, *image.channel("variance.G")), deviation * deviation / 4);
     const float seen = float(kSeen) + float(i) / 8, whole = float(kWhole) + float(i) / 8;
     EXPECT_FLOAT_EQ(image.at(x, y, *image.channel("visibility.Y")), seen / whole);
-    EXPECT_EQ(image.at(x, y, *image.channel("samples.count")), 5);
+    EXPECT_EQ(image.at(x, y, *image.channel("samples.Y")), 5);
   }
 }
 
 TEST(FilmImage, HasAsManyChannelsAsItsMemoryIsCountedFor) {
-  for (const int planes : {int(kRadiancePlanes), int(kFeaturePlanes), int(kSampleBufferPlanes)}) {
+  for (const int planes : {int(kRadiancePlanes), kRadiancePlanes + 1, int(kFeaturePlanes), kFeaturePlanes + 1,
+                           int(kSampleBufferPlanes), kSampleBufferPlanes + 1}) {
     const Image image = image_of_film(FilmAccumulator(0, 0, 2, 1, planes), 2, 1);
     EXPECT_EQ(image.channels.size(), std::size_t(image_channels(planes)));
     EXPECT_LE(image.values.size() * sizeof(float), 2 * pixel_memory(planes).output);
+  }
+}
+
+TEST(FilmImage, AlphaFollowsTheColours) {
+  for (const int layers : {int(kRadiancePlanes), int(kFeaturePlanes), int(kSampleBufferPlanes)}) {
+    FilmAccumulator film(0, 0, 2, 1, layers + 1), without(0, 0, 2, 1, layers);
+    SampleBuffer buffer = buffer_of(2, 1, layers + 1, 3);
+    film.add(0, 0, buffer);
+    buffer.planes = layers;
+    buffer.values.resize(buffer.values.size() - 2);
+    without.add(0, 0, buffer);
+    const Image image = image_of_film(film, 2, 1), rgb = image_of_film(without, 2, 1);
+    std::vector<std::string> channels = rgb.channels;
+    channels.insert(channels.begin() + 3, "A");
+    EXPECT_EQ(image.channels, channels);
+    for (int x = 0; x < 2; ++x) {
+      EXPECT_EQ(image.at(x, 0, 3), float(layers) + float(x) / 8);
+      for (const std::string& name : rgb.channels)
+        EXPECT_EQ(image.at(x, 0, *image.channel(name)), rgb.at(x, 0, *rgb.channel(name))) << name;
+    }
+    EXPECT_EQ(image.chromaticities, kRec709);
   }
 }
 
@@ -80,7 +102,7 @@ TEST(FilmImage, HasNoFeatureLayersWithoutFeatures) {
   FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes);
   film.add(0, 0, buffer_of(1, 1, kRadiancePlanes, 2));
   EXPECT_THAT(image_of_film(film, 1, 1).channels,
-              ElementsAre("R", "G", "B", "variance.R", "variance.G", "variance.B", "samples.count"));
+              ElementsAre("R", "G", "B", "variance.R", "variance.G", "variance.B", "samples.Y"));
 }
 
 TEST(FilmImage, WhatIsNotRenderedIsZeroWithCountZero) {
@@ -88,7 +110,7 @@ TEST(FilmImage, WhatIsNotRenderedIsZeroWithCountZero) {
   film.add(1, 0, buffer_of(1, 1, kRadiancePlanes, 1));
   const Image image = image_of_film(film, 2, 1);
   for (std::size_t c = 0; c < image.channels.size(); ++c) EXPECT_EQ(image.at(0, 0, c), 0);
-  EXPECT_EQ(image.at(1, 0, *image.channel("samples.count")), 1);
+  EXPECT_EQ(image.at(1, 0, *image.channel("samples.Y")), 1);
   EXPECT_EQ(image.at(1, 0, *image.channel("G")), 1);
   EXPECT_EQ(image.at(1, 0, *image.channel("variance.R")), 0) << "one sample has no variance";
 }

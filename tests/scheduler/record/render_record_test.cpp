@@ -101,8 +101,7 @@ RenderRecord set_again(const RenderRecord& record) {
   for (const auto& [name, value] : record_entries(record))
     for (const Setting& setting : all_settings()) {
       if (name != setting.key && name != setting.option) continue;
-      const int* number = std::get_if<int>(&value);
-      const std::string text = number != nullptr ? fmt::to_string(*number) : std::get<std::string>(value);
+      const std::string text = std::visit([](const auto& v) { return fmt::format("{}", v); }, value);
       const auto done = apply_setting(again, setting.key, text);
       EXPECT_TRUE(done) << done.error().message;
     }
@@ -128,16 +127,21 @@ TEST(RecordEntries, AreWhatSetTakes) {
   const auto metadata = metadata_of(cornell(), kAll);
   EXPECT_EQ(metadata.at("penumbra:integrator.hide_emitters"), MetadataValue("false"));
   EXPECT_FALSE(metadata.contains("penumbra:integrator.emitter_samples")) << "a path has none";
-  EXPECT_FALSE(metadata.contains("penumbra:film.width")) << "that is the image's";
 }
 
 TEST(RecordMetadata, HoldsSettingsAndHash) {
   const auto metadata = metadata_of(cornell(), kAll);
-  EXPECT_EQ(metadata.at("penumbra:seed"), MetadataValue("4000000000"));
+  EXPECT_EQ(metadata.at("penumbra:seed"), MetadataValue(4e9)) << "more than the format's int holds";
+  EXPECT_EQ(metadata.at("penumbra:spp"), MetadataValue(int(cornell().sampler.spp)));
+  EXPECT_EQ(metadata.at("penumbra:samples_per_pass"), MetadataValue(int(cornell().samples_per_pass)));
+  EXPECT_EQ(metadata.at("penumbra:film.width"), MetadataValue(cornell().film.width));
+  EXPECT_EQ(metadata.at("penumbra:film.height"), MetadataValue(cornell().film.height));
   EXPECT_EQ(metadata.at("penumbra:integrator"), MetadataValue("path_mis"));
   EXPECT_EQ(metadata.at("penumbra:integrator.max_depth"), MetadataValue(-1));
   EXPECT_EQ(metadata.at("penumbra:film.rfilter"), MetadataValue("gaussian"));
-  EXPECT_EQ(metadata.at("penumbra:film.rfilter_stddev"), MetadataValue("0.5"));
+  EXPECT_EQ(metadata.at("penumbra:film.rfilter_stddev"), MetadataValue(0.5f));
+  for (const char* name : {"film.pixel_format", "film.component_format", "film.compression"})
+    EXPECT_FALSE(metadata.contains(std::string("penumbra:") + name)) << "as ever: " << name;
   EXPECT_EQ(metadata.at("penumbra:film_hash"), MetadataValue("0000000000000abc"));
   RenderRecord here = cornell();
   here.scene = "scene.xml";

@@ -1,4 +1,4 @@
-// `penumbra render` with several scenes.
+// `penumbra render` with several scenes and with job files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -144,18 +144,129 @@ TEST_F(RenderSet, NamesHaveFieldsAndCollisionsAreSaidBeforeAnythingStarts) {
 
 TEST_F(RenderSet, OptionsThatMeanOneImageAreRefused) {
   const std::pair<std::vector<std::string>, const char*> cases[] = {
-      {{"-o", "one.exr"}, "a folder, or a name with {scene}"},
+      {{"-o", "one.exr"}, "of several images it is a folder"},
       {{"-o", "{camera}.exr"}, "'{camera}' is no field of a name"},
       {{"-o", "{scene"}, "a '{' without its '}'"},
       {{"--pixel", "1,1"}, "--pixel is of one scene"},
       {{"--statistics", "s.json"}, "--statistics FILE is of one scene"},
-      {{"-o", "out/", "--summary", "out/a.json"}, "a file of the scene a.xml and the summary"}};
+      {{"-o", "out/", "--summary", "out/a.json"}, "out/a.json is a file of a.xml and the summary"}};
   for (const auto& [options, text] : cases) {
     std::vector<std::string> arguments = {"a.xml", "b.xml"};
     arguments.insert(arguments.end(), options.begin(), options.end());
     const ProgramResult result = run(arguments);
     EXPECT_EQ(result.exit_code, 2) << text;
     EXPECT_THAT(result.err, HasSubstr(text));
+  }
+}
+
+TEST_F(RenderSet, AJobFileIsAllItsCombinations) {
+  std::filesystem::create_directory(folder_ / "jobs");
+  write_text(folder_ / "jobs/all.toml", R"([defaults]
+out = "../out/{scene}-{integrator}-{seed:03}.exr"
+spp = 4
+
+[[render]]
+scene = ["../a.xml", "../b.xml"]
+integrator = ["path_ems", "path_mis"]
+seed = "1..2"
+define.albedo = 0.25
+
+[[render]]
+scene = "../c.xml"
+define = { albedo = [0.5, 0.75] }
+priority = 1
+crop = "0,0,8,8"
+out = "../out/{albedo}.exr"
+)");
+  const ProgramResult set = run({"jobs/all.toml", "--workers", "2"});
+  ASSERT_EQ(set.exit_code, 0) << set.err;
+  // Those of higher priority first, then as they stand.
+  const auto json = nlohmann::json::parse(file_contents(folder_ / "out/jobs.json"));
+  std::vector<std::string> names;
+  for (const auto& job : json["jobs"]) names.push_back(job["name"]);
+  EXPECT_THAT(
+      names,
+      ElementsAre("jobs/../c.xml albedo=0.5", "jobs/../c.xml albedo=0.75",
+                  "jobs/../a.xml integrator=path_ems seed=1", "jobs/../a.xml integrator=path_ems seed=2",
+                  "jobs/../a.xml integrator=path_mis seed=1", "jobs/../a.xml integrator=path_mis seed=2",
+                  "jobs/../b.xml integrator=path_ems seed=1", "jobs/../b.xml integrator=path_ems seed=2",
+                  "jobs/../b.xml integrator=path_mis seed=1", "jobs/../b.xml integrator=path_mis seed=2"));
+  EXPECT_EQ(json["jobs"][9]["options"]["integrator"], "path_mis");
+  EXPECT_EQ(json["jobs"][9]["options"]["albedo"], "0.25");
+  // Each is the image of its own command.
+  ASSERT_EQ(run({"b.xml", "-o", "one.exr", "--spp", "4", "--integrator", "path_ems", "--seed", "2", "-D",
+                 "albedo=0.25"})
+                .exit_code,
+            0);
+  EXPECT_EQ(film_hash("out/b-path_ems-002.exr"), film_hash("one.exr"));
+  EXPECT_NE(film_hash("out/b-path_mis-002.exr"), film_hash("one.exr"));
+  EXPECT_EQ(read_image(folder_ / "out/0.75.exr")->data.width, 8);
+  // Nothing has changed.
+  ASSERT_EQ(run({"jobs/all.toml"}).exit_code, 0);
+  EXPECT_THAT(states(), ::testing::Each("unchanged"));
+}
+
+TEST_F(RenderSet, WhatTheCommandSaysCountsForAllOfAJobFile) {
+  write_text(folder_ / "jobs.toml", R"([[render]]
+scene = "a.xml"
+seed = [1, 2]
+spp = [2, 4]
+out = "out/{seed}-{spp}.exr"
+define.albedo = 0.5
+)");
+  ASSERT_EQ(run({"jobs.toml", "b.xml", "--spp", "1", "-D", "albedo=0.75", "-o",
+                 "here/{scene}-{spp}-{albedo}.exr", "--seed", "7", "--summary", "all.json"})
+                .exit_code,
+            0);
+  EXPECT_THAT(states("all.json"), ElementsAre("done", "done"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "here/a-1-0.75.exr"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "here/b-1-0.75.exr"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
+  // A folder: named after the scene and what is varied.
+  ASSERT_EQ(run({"jobs.toml", "-o", "there/"}).exit_code, 0);
+  EXPECT_THAT(states("there/jobs.json"), ElementsAre("done", "done", "done", "done"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "there/a-2-4.exr"));
+}
+
+TEST_F(RenderSet, FramesAreVariablesOfScenesOrPartsOfTheirNames) {
+  std::string moving = file_contents(folder_ / "a.xml");
+  moving.replace(moving.find("value=\"4, 3, 2\""), 15, "value=\"$frame\"");
+  write_text(folder_ / "moving.xml", moving);
+  write_small_scene(folder_ / "shot.0003.xml");
+  write_text(folder_ / "jobs.toml", R"([[render]]
+scene = "moving.xml"
+frame = "8..12x4"
+[[render]]
+scene = "shot.{frame:04}.xml"
+frame = 3
+out = "shot-{frame}.exr"
+)");
+  ASSERT_EQ(run({"jobs.toml", "--summary", "jobs.json"}).exit_code, 0);
+  EXPECT_THAT(states("jobs.json"), ElementsAre("done", "done", "done"));
+  ASSERT_EQ(run({"moving.xml", "-D", "frame=12", "-o", "alone.exr"}).exit_code, 0);
+  EXPECT_EQ(film_hash("moving-0012.exr"), film_hash("alone.exr"));
+  EXPECT_NE(film_hash("moving-0008.exr"), film_hash("alone.exr"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "shot-3.exr"));
+}
+
+TEST_F(RenderSet, WrongJobFilesAreBadInputAndNothingIsBegun) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"scene = 'a.xml'\nseed = [1, 2]\nout = 'out/{scene}.exr'", "tell them apart"},
+      {"scene = 'a.xml'\nseed = [1, 2]\nout = 'out/a.exr'", "of several images it is a folder"},
+      {"scene = 'a.xml'\nout = 'out/{seed}.exr'", "'{seed}' is no field"},
+      {"scene = 'a.xml'\nout = 'out/{scene:03}.exr'", "for a whole number"},
+      {"scene = 'a.xml'\nout = 'out/a.tif'", ".exr or .png"},
+      {"scene = '{frame}.xml'", "'{frame}' is no field"},
+      {"scene = 'a.xml'\nseed = '1..999'\nspp = [1, 2, 3]\nset.film.width = [1, 2, 3, 4]\ndefine.x = [1, 2, "
+       "3, 4]\n"
+       "tile = [1, 2, 3]",
+       "more than 100000 renders"}};
+  for (const auto& [text, what] : cases) {
+    write_text(folder_ / "jobs.toml", std::string("[[render]]\n") + text);
+    const ProgramResult result = run({"jobs.toml"});
+    EXPECT_EQ(result.exit_code, 2) << text;
+    EXPECT_THAT(result.err, AllOf(HasSubstr("jobs.toml:1:1"), HasSubstr(what)));
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
   }
 }
 

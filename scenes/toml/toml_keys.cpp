@@ -1,6 +1,6 @@
-#include "scenes/tinyrender/toml_keys.h"
+#include "scenes/toml/toml_keys.h"
 
-namespace penumbra::tinyrender {
+namespace penumbra {
 namespace {
 
 /// Past the string or the comment that begins at `at`; `at` where none does.
@@ -48,4 +48,4 @@ std::optional<std::size_t> find_deep_key(std::string_view text) {
   return std::nullopt;
 }
 
-}  // namespace penumbra::tinyrender
+}  // namespace penumbra

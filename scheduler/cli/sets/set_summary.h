@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "kernels/host/error.h"
@@ -13,7 +14,9 @@ namespace penumbra {
 enum class SetState { kWaiting, kDone, kUnchanged, kIncomplete, kFailed };
 
 struct SetEntry {
-  std::string scene;
+  std::string name;                                          ///< for people
+  std::string scene;                                         ///< its file
+  std::vector<std::pair<std::string, std::string>> choices;  ///< what else it was given
   SetState state = SetState::kWaiting;
   std::vector<std::string> files;  ///< written or there, absolute
   std::string key;                 ///< hash of all that the images in the files depend on; empty: not known

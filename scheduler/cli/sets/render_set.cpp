@@ -1,4 +1,4 @@
-#include "scheduler/cli/render_set.h"
+#include "scheduler/cli/sets/render_set.h"
 
 #include <fmt/format.h>
 
@@ -18,8 +18,8 @@
 #include "scheduler/cli/render_checkpoint.h"
 #include "scheduler/cli/render_outputs.h"
 #include "scheduler/cli/render_preparation.h"
-#include "scheduler/cli/set_plan.h"
-#include "scheduler/cli/set_summary.h"
+#include "scheduler/cli/sets/set_plan.h"
+#include "scheduler/cli/sets/set_summary.h"
 #include "scheduler/cli/stop_signal.h"
 #include "scheduler/files/atomic_file.h"
 #include "scheduler/protocol/mailbox.h"
@@ -37,6 +37,12 @@ std::vector<std::string> absolute_names(const OutputFiles& files) {
   for (const auto& file : files.all())
     names.push_back(std::filesystem::absolute(file).lexically_normal().string());
   return names;
+}
+
+int largest_tile(const SetPlan& plan) {
+  int largest = 0;
+  for (const SetMember& member : plan.members) largest = std::max(largest, member.options.tile);
+  return largest;
 }
 
 /// Everything that the images depend on.
@@ -74,7 +80,9 @@ class SceneSet final : public JobSource {
         entries_.push_back(*earlier);
       else
         entries_.emplace_back().files = files;
+      entries_.back().name = member.name;
       entries_.back().scene = member.options.scene.scene;
+      entries_.back().choices = member.choices;
       entries_.back().state = SetState::kWaiting;
       entries_.back().error.clear();
     }
@@ -117,6 +125,7 @@ class SceneSet final : public JobSource {
   std::atomic<std::size_t> unwritten_count_ = 0;
   std::atomic<bool> all_read_ = false, farm_is_over_ = false;
   std::optional<ReadyRender> next_, taken_;
+  std::vector<ReadyRender> again_;  // what the machine's own choice of a device could not render
   std::map<JobId, std::optional<ReadyRender>> open_;
 };
 
@@ -129,12 +138,13 @@ void SceneSet::read_scenes() {
       if (const auto device = check_device(prepared->job.device); !device)
         prepared = std::unexpected(device.error());
     if (!prepared) {
-      print_error(prepared.error());
+      print_error({fmt::format("{}: {}", plan_.members[i].name, prepared.error().message)});
       end(i, SetState::kFailed, prepared.error().message);
       continue;
     }
     for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
-    keys_[i] = key_of(*prepared, worker_, options_.strict_numerics);
+    keys_[i] = key_of(*prepared, worker_, plan_.members[i].options.strict_numerics);
+    prepared->job.priority = plan_.members[i].priority;
     if (!options_.force && entries_[i].key == keys_[i]) {
       end(i, SetState::kUnchanged);
       continue;
@@ -145,7 +155,7 @@ void SceneSet::read_scenes() {
     else
       resumed = attach_checkpoint(*prepared, plan_.members[i].options, worker_);
     if (!resumed) {
-      print_error({fmt::format("{}: {}", plan_.members[i].options.scene.scene, resumed.error().message)});
+      print_error({fmt::format("{}: {}", plan_.members[i].name, resumed.error().message)});
       end(i, SetState::kFailed, resumed.error().message);
       continue;
     }
@@ -165,6 +175,10 @@ std::shared_ptr<const RenderJob> SceneSet::next() {
 
 bool SceneSet::is_exhausted() {
   const bool is_last = all_read_;  // before: what is put before that is found
+  if (!next_ && !again_.empty()) {
+    next_ = std::move(again_.back());
+    again_.pop_back();
+  }
   if (!next_) next_ = ready_.take(std::chrono::milliseconds(0));
   return is_last && !next_;
 }
@@ -173,13 +187,20 @@ void SceneSet::progress(JobId id, const RenderProgress& progress) {
   if (open_.begin()->first != id) return;  // the one that is furthest
   const std::size_t index = open_.begin()->second->index;
   printer_.update(progress,
-                  fmt::format("{} of {}, {}: ", ended() + 1, plan_.members.size(), entries_[index].scene));
+                  fmt::format("{} of {}, {}: ", ended() + 1, plan_.members.size(), entries_[index].name));
 }
 
 void SceneSet::done(JobId id, Expected<RenderOutcome> outcome) {
   ReadyRender ready = *std::move(open_.extract(id).mapped());
   if (!outcome) {
-    print_error({fmt::format("{}: {}", entries_[ready.index].scene, outcome.error().message)});
+    if (ready.prepared->job.device.backend == Backend::kAuto && !stop_) {
+      print_warning(
+          fmt::format("{}: native code renders: {}", entries_[ready.index].name, outcome.error().message));
+      ready.prepared->job.device.backend = Backend::kNative;
+      again_.push_back(std::move(ready));
+      return;
+    }
+    print_error({fmt::format("{}: {}", entries_[ready.index].name, outcome.error().message)});
     end(ready.index, SetState::kFailed, outcome.error().message);
     return;
   }
@@ -198,7 +219,7 @@ void SceneSet::write_images() {
 
 void SceneSet::write(FinishedRender finished) {
   RenderOutcome& outcome = finished.outcome;
-  const std::string scene = entries_[finished.index].scene;
+  const std::string name = entries_[finished.index].name;
   const auto [least, most, total] = sample_range(outcome.film);
   const double error = outcome.film.relative_error();
   {
@@ -212,10 +233,10 @@ void SceneSet::write(FinishedRender finished) {
   Expected<void> written = total == 0 ? fail("nothing was rendered") : make_folders(finished.prepared->files);
   const std::string reproduce_command = finished.prepared->job.reproduce_command;
   if (written) written = write_outputs(*finished.prepared, outcome, command_line_);
-  if (!written) print_error({fmt::format("{}: {}", scene, written.error().message)});
+  if (!written) print_error({fmt::format("{}: {}", name, written.error().message)});
   if (written && outcome.complete) remove_checkpoint(*finished.prepared);
   print_problems(outcome, stop_);
-  const bool strict = options_.strict_numerics;
+  const bool strict = plan_.members[finished.index].options.strict_numerics;
   const bool non_finite = print_non_finite(outcome.film, reproduce_command, strict);
   if (!written)
     end(finished.index, SetState::kFailed, written.error().message);
@@ -252,7 +273,7 @@ ExitCode SceneSet::run() {
   FarmOptions farm{.workers = options_.workers,
                    .worker_executable = worker->string(),
                    .listen = options_.listen,
-                   .largest_tile = options_.tile,
+                   .largest_tile = largest_tile(plan_),
                    .tells_how_to_watch = true};
   std::thread reader([this] { read_scenes(); });
   std::thread writer([this] { write_images(); });
@@ -285,9 +306,10 @@ ExitCode SceneSet::print_end() {
 
 }  // namespace
 
-ExitCode render_set(const RenderOptions& options, const std::vector<std::string>& command_line) {
+ExitCode render_set(const RenderOptions& options, const CLI::App& command,
+                    const std::vector<std::string>& command_line) {
   const std::atomic<bool>& stop = install_stop_signal();
-  auto plan = plan_set(options);
+  auto plan = plan_set(options, command);
   if (!plan) return print_error(plan.error()), kBadInput;
   if (auto writable = check_writable(plan->summary); !writable)
     return print_error(writable.error()), kBadInput;

@@ -1,4 +1,4 @@
-#include "scheduler/cli/set_summary.h"
+#include "scheduler/cli/sets/set_summary.h"
 
 #include <fmt/format.h>
 
@@ -19,7 +19,12 @@ using Json = nlohmann::ordered_json;
 constexpr std::array<std::string_view, 5> kStateNames{"waiting", "done", "unchanged", "incomplete", "failed"};
 
 Json json_of(const SetEntry& entry) {
-  Json json = {{"scene", entry.scene}, {"state", set_state_name(entry.state)}, {"files", entry.files}};
+  Json json = {{"name", entry.name},
+               {"scene", entry.scene},
+               {"options", Json::object()},
+               {"state", set_state_name(entry.state)},
+               {"files", entry.files}};
+  for (const auto& [name, value] : entry.choices) json["options"][name] = value;
   if (!entry.key.empty()) json["key"] = entry.key;
   if (!entry.error.empty()) json["error"] = entry.error;
   if (entry.samples > 0) {
@@ -82,10 +87,10 @@ const SetEntry* FinishedRenders::find(const std::vector<std::string>& files) con
 
 std::string set_table(const std::vector<SetEntry>& entries) {
   std::size_t widest = 5;
-  for (const SetEntry& entry : entries) widest = std::max(widest, entry.scene.size());
+  for (const SetEntry& entry : entries) widest = std::max(widest, entry.name.size());
   std::string table;
   for (const SetEntry& entry : entries) {
-    table += fmt::format("{:{}}  {:10}", entry.scene, widest, set_state_name(entry.state));
+    table += fmt::format("{:{}}  {:10}", entry.name, widest, set_state_name(entry.state));
     if (entry.samples > 0) table += fmt::format("  {:>6} spp  {:8.2f} s", entry.samples, entry.seconds);
     if (entry.samples > 0 && std::isfinite(entry.relative_error))
       table += fmt::format("  error {:.2g}%", 100 * entry.relative_error);

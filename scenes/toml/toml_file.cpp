@@ -1,0 +1,30 @@
+#include "scenes/toml/toml_file.h"
+
+#include <fmt/format.h>
+
+#include "scenes/toml/toml_keys.h"
+
+namespace penumbra {
+
+/// The parser's lines and columns are from 1, columns in code points; 0: nowhere.
+SourceLocation toml_location(const SourceFile& file, toml::source_position position) {
+  if (position.line == 0 || position.column == 0) return {&file, 0};
+  return location_of(file, {position.line, position.column});
+}
+
+std::optional<toml::table> parse_toml(const SourceFile& file, Diagnostics& diagnostics) {
+  // Arrays and inline tables have a limit in the parser; keys have none, and overflow the stack.
+  if (const auto deep = find_deep_key(file.text)) {
+    diagnostics.error({&file, *deep}, fmt::format("a key of more than {} parts", kMaxKeyParts));
+    return std::nullopt;
+  }
+  try {
+    return toml::parse(std::string_view(file.text));
+  } catch (const toml::parse_error& error) {
+    diagnostics.error(toml_location(file, error.source().begin),
+                      fmt::format("not TOML: {}", error.description()));
+    return std::nullopt;
+  }
+}
+
+}  // namespace penumbra

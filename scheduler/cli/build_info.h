@@ -1,0 +1,11 @@
+// What this program was built from and with, for reports of problems.
+#pragma once
+
+#include <string>
+
+namespace penumbra {
+
+/// Lines for `penumbra --version`: version and commit, compiler, instruction sets, backends, libraries.
+std::string build_info();
+
+}  // namespace penumbra

@@ -1,0 +1,191 @@
+#include "scheduler/cli/completion.h"
+
+#include <algorithm>
+
+#include "kernels/host/words.h"
+
+namespace penumbra {
+namespace {
+
+/// Types whose values are names of files, among what options are declared with.
+bool is_file_type(const std::string& type) {
+  return type.starts_with("FILE") || type.starts_with("FOLDER") || type == "A" || type == "B" ||
+         type.starts_with("TEXT");
+}
+
+bool takes_value(const CLI::Option& option) { return option.get_expected_max() > 0; }
+
+std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+/// Of "NAME:{direct,path}".
+std::vector<Candidate> choices_of(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  const std::size_t open = type.find('{'), close = type.find('}');
+  if (open == std::string::npos || close == std::string::npos) return {};
+  std::vector<Candidate> choices;
+  for (std::size_t at = open + 1; at < close;) {
+    const std::size_t end = std::min(type.find(',', at), close);
+    choices.push_back({type.substr(at, end - at), ""});
+    at = end + 1;
+  }
+  return choices;
+}
+
+/// The option of that name, with its dashes.
+const CLI::Option* option_named(const CLI::App& app, const std::string& name) {
+  return name.starts_with("-") ? app.get_option_no_throw(name) : nullptr;
+}
+
+void add_values(const CLI::Option& option, const std::string& typed, const ValuesOf& values,
+                Completion& found) {
+  found.candidates = choices_of(option);
+  const std::string type = option.get_type_name();
+  if (found.candidates.empty() && values) found.candidates = values(type, typed);
+  found.files = found.candidates.empty() && is_file_type(type);
+}
+
+void add_options(const CLI::App& app, Completion& found) {
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_group().empty() || option->get_positional()) continue;
+    const std::string help = first_line(option->get_description());
+    for (const std::string& name : option->get_lnames()) found.candidates.push_back({"--" + name, help});
+    for (const std::string& name : option->get_snames()) found.candidates.push_back({"-" + name, help});
+  }
+}
+
+void add_commands(const CLI::App& app, Completion& found) {
+  for (const CLI::App* command :
+       app.get_subcommands([](const CLI::App* each) { return !each->get_group().empty(); }))
+    found.candidates.push_back({command->get_name(), first_line(command->get_description())});
+}
+
+/// The next of the values without a name.
+void add_positional(const CLI::App& app, std::size_t index, const std::string& typed, const ValuesOf& values,
+                    Completion& found) {
+  for (const CLI::Option* option : app.get_options()) {
+    if (!option->get_positional()) continue;
+    if (index == 0 || option->get_expected_max() > 1) return add_values(*option, typed, values, found);
+    --index;
+  }
+}
+
+const CLI::App* subcommand_named(const CLI::App& app, const std::string& name) {
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    if (command->get_name() == name) return command;
+  return nullptr;
+}
+
+}  // namespace
+
+Completion complete(const CLI::App& app, const std::vector<std::string>& words, const ValuesOf& values) {
+  Completion found;
+  const std::string typed = words.empty() ? "" : words.back();
+  const CLI::App* command = &app;
+  const CLI::Option* waits = nullptr;  // for its value
+  std::size_t positionals = 0;
+  bool options_ended = false;
+  for (std::size_t i = 0; i + 1 < words.size(); ++i) {
+    const std::string& word = words[i];
+    if (waits != nullptr) {
+      waits = nullptr;
+    } else if (word == "--") {
+      options_ended = true;
+    } else if (const CLI::Option* option = options_ended ? nullptr : option_named(*command, word)) {
+      if (takes_value(*option)) waits = option;
+    } else if (const CLI::App* sub = positionals == 0 ? subcommand_named(*command, word) : nullptr) {
+      command = sub;
+    } else if (!word.starts_with("-") || options_ended) {
+      ++positionals;
+    }
+  }
+  std::string before;  // of a value, which --name=value brings along
+  const std::size_t equals = typed.find('=');
+  if (waits == nullptr && !options_ended && typed.starts_with("--") && equals != std::string::npos) {
+    before = typed.substr(0, equals + 1);
+    waits = option_named(*command, typed.substr(0, equals));
+    if (waits == nullptr || !takes_value(*waits)) return {};
+  }
+  const std::string value = typed.substr(before.size());
+  if (waits != nullptr)
+    add_values(*waits, value, values, found);
+  else if (typed.starts_with("-") && !options_ended)
+    add_options(*command, found);
+  else if (!command->get_subcommands([](const CLI::App*) { return true; }).empty())
+    add_commands(*command, found);
+  else
+    add_positional(*command, positionals, value, values, found);
+  std::erase_if(found.candidates, [&](const Candidate& c) { return !c.word.starts_with(value); });
+  for (Candidate& candidate : found.candidates) candidate.word.insert(0, before);
+  return found;
+}
+
+std::string completion_text(const Completion& completion) {
+  std::string text;
+  for (const auto& [word, help] : completion.candidates)
+    text += help.empty() ? word + "\n" : word + "\t" + help + "\n";
+  return text + (completion.files ? ":files\n" : "");
+}
+
+std::string completion_script(const std::string& shell) {
+  // bash splits words at = and :, so the line is split anew; $2 is what will be replaced.
+  if (shell == "bash")
+    return R"(# Completion of Penumbra's programs for bash.
+_penumbra() {
+  local line=${COMP_LINE:0:COMP_POINT} word files='' before
+  local -a words names
+  read -ra words <<<"$line"
+  if [[ $line == *[[:space:]] ]]; then words+=(""); fi
+  before=${words[-1]%"$2"}
+  COMPREPLY=()
+  while IFS=$'\t' read -r word _; do
+    if [[ $word == :files ]]; then files=yes; else COMPREPLY+=("${word#"$before"}"); fi
+  done < <("${1/#\~/$HOME}" complete "${words[@]:1}" 2>/dev/null)
+  if [[ $files ]]; then
+    mapfile -t names < <(compgen -f -- "$2")
+    COMPREPLY+=("${names[@]}")
+    compopt -o filenames 2>/dev/null
+  fi
+  if [[ ${#COMPREPLY[@]} == 1 && ${COMPREPLY[0]} == *= ]]; then compopt -o nospace 2>/dev/null; fi
+}
+complete -F _penumbra penumbra penumbra-worker penumbra-view penumbra-stress
+)";
+  if (shell == "zsh")
+    return R"(#compdef penumbra penumbra-worker penumbra-view penumbra-stress
+# Completion of Penumbra's programs for zsh.
+_penumbra() {
+  local line word help files=''
+  local -a described going_on
+  while IFS= read -r line; do
+    if [[ $line == :files ]]; then files=yes; continue; fi
+    word=${line%%$'\t'*}
+    help=''
+    if [[ $line == *$'\t'* ]]; then help=":${line#*$'\t'}"; fi
+    if [[ $word == *= ]]; then going_on+=("$word"); continue; fi
+    described+=("${word//:/\\:}$help")
+  done < <(${(Q)words[1]} complete "${(@Q)words[2,CURRENT]}" 2>/dev/null)
+  (( $#described )) && _describe -V penumbra described
+  (( $#going_on )) && compadd -S '' -- "${going_on[@]}"
+  [[ -n $files ]] && _files
+}
+if [[ $funcstack[1] == _penumbra ]]; then _penumbra "$@"; else compdef _penumbra penumbra penumbra-worker penumbra-view penumbra-stress; fi
+)";
+  if (shell == "fish")
+    return R"(# Completion of Penumbra's programs for fish.
+function __penumbra_complete
+    set -l words (commandline -opc) (commandline -ct)
+    for line in ($words[1] complete $words[2..-1] 2>/dev/null)
+        if test "$line" = :files
+            __fish_complete_path (commandline -ct)
+        else
+            echo $line
+        end
+    end
+end
+for program in penumbra penumbra-worker penumbra-view penumbra-stress
+    complete -c $program -f -a '(__penumbra_complete)'
+end
+)";
+  return {};
+}
+
+}  // namespace penumbra

@@ -1,0 +1,151 @@
+#include "scheduler/cli/man_page.h"
+
+#include <algorithm>
+#include <cctype>
+#include <sstream>
+#include <vector>
+
+namespace penumbra {
+namespace {
+
+/// Text as it is to be read: nothing of it is a request or an escape.
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '\\')
+      result += "\\e";
+    else if (c == '-')
+      result += "\\-";
+    else
+      result += c;
+  }
+  if (result.starts_with('.') || result.starts_with('\'')) result.insert(0, "\\&");
+  return result;
+}
+
+std::string bold(const std::string& text) { return "\\fB" + escaped(text) + "\\fR"; }
+std::string italic(const std::string& text) { return "\\fI" + escaped(text) + "\\fR"; }
+
+std::string in_capitals(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return char(std::toupper(c)); });
+  return text;
+}
+
+std::string section(const std::string& title) { return ".SH " + escaped(in_capitals(title)) + "\n"; }
+
+/// What a value is called, and what it may be: "NAME:{a,b}" is NAME, and one of a, b.
+struct ValueType {
+  std::string name, values;
+};
+ValueType value_type(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  const std::size_t colon = type.find(':');
+  // Of an address the colon is a part.
+  if (colon == std::string::npos || (colon + 1 < type.size() && std::isupper((unsigned char)type[colon + 1])))
+    return {type, ""};
+  std::string values = type.substr(colon + 1);
+  if (values.starts_with("{") && values.ends_with("}")) {
+    values = "one of " + values.substr(1, values.size() - 2);
+    for (std::size_t at = values.find(','); at != std::string::npos; at = values.find(',', at + 2))
+      values.insert(at + 1, " ");
+  }
+  return {type.substr(0, colon), values};
+}
+
+std::string sentence_end(const std::string& text) {
+  return text.empty() || text.ends_with('.') || text.ends_with('"') ? "" : ".";
+}
+
+std::string option_text(const CLI::Option& option) {
+  std::string text = ".TP\n";
+  const ValueType type = value_type(option);
+  if (option.get_positional()) {
+    text += italic(option.get_name(true));
+  } else {
+    std::string names;
+    const auto add = [&](const std::string& name) { names += (names.empty() ? "" : ", ") + bold(name); };
+    for (const std::string& name : option.get_snames()) add("-" + name);
+    for (const std::string& name : option.get_lnames()) add("--" + name);
+    text += names;
+    if (option.get_expected_max() > 0 && !type.name.empty()) text += " " + italic(type.name);
+  }
+  text += "\n" + escaped(option.get_description()) + sentence_end(option.get_description()) + "\n";
+  if (!type.values.empty()) text += escaped("Values: " + type.values) + ".\n";
+  if (!option.get_default_str().empty()) text += escaped("Default: " + option.get_default_str()) + ".\n";
+  if (!option.get_envname().empty()) text += "Environment: " + bold(option.get_envname()) + ".\n";
+  return text;
+}
+
+std::string options_text(const CLI::App& app) {
+  std::vector<std::string> groups = {"Arguments"};
+  for (const CLI::Option* option : app.get_options()) {
+    const std::string& group = option->get_group();
+    if (!option->get_positional() && !group.empty() && std::ranges::find(groups, group) == groups.end())
+      groups.push_back(group);
+  }
+  std::string text;
+  for (const std::string& group : groups) {
+    std::string options;
+    for (const CLI::Option* option : app.get_options())
+      if ((option->get_positional() ? "Arguments" : option->get_group()) == group)
+        options += option_text(*option);
+    if (!options.empty()) text += section(group) + options;
+  }
+  return text;
+}
+
+std::string synopsis(const CLI::App& app, const std::string& called) {
+  std::string text = section("Synopsis") + bold(called) + " [" + italic("OPTIONS") + "]";
+  for (const CLI::Option* option : app.get_options()) {
+    if (!option->get_positional()) continue;
+    std::string name = italic(option->get_name(true));
+    if (option->get_expected_max() > 1) name += " ...";
+    text += option->get_required() ? " " + name : " [" + name + "]";
+  }
+  if (!app.get_subcommands([](const CLI::App*) { return true; }).empty())
+    text += " " + italic("COMMAND") + " ...";
+  return text + "\n";
+}
+
+std::string commands_text(const CLI::App& app, const std::string& name) {
+  std::string text;
+  for (const CLI::App* command :
+       app.get_subcommands([](const CLI::App* each) { return !each->get_group().empty(); }))
+    text += ".TP\n" + bold(name + "-" + command->get_name()) + "(1)\n" + escaped(command->get_description()) +
+            sentence_end(command->get_description()) + "\n";
+  return text.empty() ? "" : section("Commands") + text;
+}
+
+/// Paragraphs, and examples as they are to be typed.
+std::string footer_text(const std::string& footer) {
+  std::string text;
+  std::istringstream lines(footer);
+  bool examples = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line == "Examples:") {
+      text += section("Examples") + ".nf\n";
+      examples = true;
+    } else if (examples) {
+      text += escaped(line.starts_with("  ") ? line.substr(2) : line) + "\n";
+    } else {
+      if (text.empty()) text = section("Notes");
+      text += line.empty() ? ".PP\n" : escaped(line) + "\n";
+    }
+  }
+  // A paragraph that nothing follows is none.
+  for (std::size_t at = text.find(".PP\n.SH"); at != std::string::npos; at = text.find(".PP\n.SH"))
+    text.erase(at, 4);
+  return text + (examples ? ".fi\n" : "");
+}
+
+}  // namespace
+
+std::string man_page(const CLI::App& app, const std::string& name, const std::string& called,
+                     const std::string& version) {
+  const std::string description = app.get_description();
+  return ".TH " + escaped(in_capitals(name)) + " 1 \"\" \"Penumbra " + escaped(version) + "\" Penumbra\n" +
+         section("Name") + escaped(name) + " \\- " + escaped(description) + "\n" + synopsis(app, called) +
+         commands_text(app, name) + options_text(app) + footer_text(app.get_footer());
+}
+
+}  // namespace penumbra

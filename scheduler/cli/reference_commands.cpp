@@ -1,0 +1,75 @@
+// `penumbra completion SHELL` and `penumbra man [COMMAND]`: what packages are made with.
+#include <fmt/format.h>
+
+#include "scenes/settings.h"
+#include "scheduler/cli/command_reference.h"
+#include "scheduler/cli/commands.h"
+
+namespace penumbra {
+namespace {
+
+std::string help_of(const Setting& setting) { return setting.description + ": " + setting.values; }
+
+/// Of --set: keys, and then the names that a setting takes.
+std::vector<Candidate> values_of(const std::string& type, const std::string& typed) {
+  if (!type.starts_with("KEY=VALUE")) return {};
+  std::vector<Candidate> found;
+  const std::size_t equals = typed.find('=');
+  if (equals == std::string::npos) {
+    for (const Setting& setting : all_settings()) found.push_back({setting.key + "=", help_of(setting)});
+    return found;
+  }
+  const std::string key = typed.substr(0, equals);
+  const Setting* setting = find_setting(key);
+  if (setting == nullptr) return {};
+  for (const std::string& choice : setting->choices) found.push_back({key + "=" + choice, ""});
+  if (setting->kind == SettingKind::kBoolean)
+    for (const char* choice : {"true", "false"}) found.push_back({key + "=" + choice, ""});
+  return found;
+}
+
+}  // namespace
+
+void add_reference_commands(CLI::App& app, Command& chosen) {
+  CLI::App* completion =
+      app.add_subcommand("completion", "Print what a shell loads to complete this command");
+  auto shell = std::make_shared<std::string>();
+  completion->add_option("SHELL", *shell, "Which shell")
+      ->type_name("NAME")
+      ->required()
+      ->check(CLI::IsMember({"bash", "zsh", "fish"}));
+  completion->footer(
+      "Packages install it. By hand:\n  bash: penumbra completion bash > "
+      "~/.local/share/bash-completion/completions/penumbra\n  zsh:  penumbra completion zsh > a folder of "
+      "$fpath, as _penumbra\n  fish: penumbra completion fish > ~/.config/fish/completions/penumbra.fish");
+  completion->callback([&chosen, shell] {
+    chosen = [shell] {
+      print_answer(completion_script(*shell));
+      return kAllDone;
+    };
+  });
+  CLI::App* man = app.add_subcommand("man", "Print a page of the manual, of the program or of a command");
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(command->get_name());
+  man->add_option_function<std::string>(
+         "COMMAND", [](const std::string&) {}, "Which command")
+      ->type_name("NAME")
+      ->check(CLI::IsMember(names));
+  man->footer("Examples:\n  penumbra man render | man -l -");
+}
+
+std::optional<ExitCode> answer_reference(const CLI::App& app, const std::vector<std::string>& arguments) {
+  if (arguments.size() > 1 && (arguments[0] == "man" || arguments[0] == "complete")) {
+    // `complete worker` is the word itself, still being typed.
+    const std::string program = sibling_program(arguments[1]);
+    if (!program.empty() && (arguments[0] == "man" || arguments.size() > 2)) {
+      std::vector<std::string> rest(arguments.begin() + 2, arguments.end());
+      rest.insert(rest.begin(), arguments[0]);
+      return run_sibling(program, rest);
+    }
+  }
+  return answer_about(app, arguments, values_of);
+}
+
+}  // namespace penumbra

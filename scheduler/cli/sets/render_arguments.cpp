@@ -1,0 +1,157 @@
+#include "scheduler/cli/sets/render_arguments.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "scenes/names.h"
+#include "scenes/settings.h"
+
+namespace penumbra {
+namespace {
+
+/// Of the command, not of one of its renders.
+constexpr std::array<std::string_view, 10> kShared{"workers", "listen", "tev",        "quiet", "force",
+                                                   "summary", "pixel",  "statistics", "out",   "help"};
+constexpr const char *kDefine = "-D", *kSet = "--set";
+
+std::string name_of(const CLI::Option& option) {
+  return option.get_lnames().empty() ? "" : option.get_lnames().front();
+}
+
+/// The parser of a command line of `penumbra render`.
+struct Parser {
+  RenderOptions options;
+  CLI::App app{"render", "render"};
+
+  Parser() { add_render_options(app, options); }
+
+  Expected<void> parse(std::vector<std::string> arguments) {
+    std::ranges::reverse(arguments);  // the library's order
+    try {
+      app.parse(std::move(arguments));
+    } catch (const CLI::ParseError& error) {
+      return fail(error.what());
+    }
+    return {};
+  }
+};
+
+/// By each of their long names.
+const std::map<std::string, RenderOption, std::less<>>& render_options() {
+  static const auto all = [] {
+    std::map<std::string, RenderOption, std::less<>> options;
+    Parser parser;
+    for (const CLI::Option* option : parser.app.get_options()) {
+      const std::string first = name_of(*option);
+      if (first.empty() || first == "set" || is_shared_option(first)) continue;
+      const AxisKind kind = option->get_items_expected_max() == 0 ? AxisKind::kFlag : AxisKind::kOption;
+      for (const std::string& name : option->get_lnames()) options[name] = {first, kind};
+    }
+    return options;
+  }();
+  return all;
+}
+
+void add_argument(std::vector<std::string>& arguments, const RenderAxis& axis, const std::string& value,
+                  bool with_frame) {
+  switch (axis.kind) {
+    case AxisKind::kScene:
+      break;  // behind all options
+    case AxisKind::kFrame:
+      if (with_frame) arguments.insert(arguments.end(), {kDefine, "frame=" + value});
+      break;
+    case AxisKind::kDefine:
+      arguments.insert(arguments.end(), {kDefine, axis.name + "=" + value});
+      break;
+    case AxisKind::kSetting:
+      arguments.insert(arguments.end(), {kSet, axis.name + "=" + value});
+      break;
+    case AxisKind::kOption:
+      arguments.push_back("--" + axis.name + "=" + value);
+      break;
+    case AxisKind::kFlag:
+      if (value == "true") arguments.push_back("--" + axis.name);
+      break;
+  }
+}
+
+/// name=value each, the last of a name.
+void add_assignments(std::vector<RenderAxis>& axes, AxisKind kind,
+                     const std::vector<std::string>& assignments) {
+  for (const std::string& text : assignments) {
+    const std::size_t equals = text.find('=');
+    set_axis(axes, {kind, text.substr(0, equals), {text.substr(equals + 1)}});
+  }
+}
+
+}  // namespace
+
+const RenderOption* find_render_option(std::string_view long_name) {
+  const auto found = render_options().find(long_name);
+  return found == render_options().end() ? nullptr : &found->second;
+}
+
+const std::vector<std::string>& render_option_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const auto& [name, option] : render_options())
+      if (name == option.name) all.push_back(name);
+    return all;
+  }();
+  return names;
+}
+
+bool is_shared_option(std::string_view name) { return std::ranges::find(kShared, name) != kShared.end(); }
+
+Expected<void> check_value(AxisKind kind, const std::string& name, const std::string& value) {
+  if (kind == AxisKind::kFlag && value != "true" && value != "false")
+    return fail(fmt::format("{} is true or false, not '{}'", name, value));
+  if (kind == AxisKind::kSetting && find_setting(to_snake_case(name)) == nullptr) {
+    RenderSettings none;
+    return apply_setting(none, name, value);  // whose error has the known ones
+  }
+  std::vector<std::string> arguments;
+  add_argument(arguments, {kind, name, {}}, value, true);
+  arguments.insert(arguments.end(), {"--", "scene.xml"});
+  return Parser().parse(std::move(arguments));
+}
+
+std::vector<RenderAxis> axes_of_command(const CLI::App& command) {
+  std::vector<RenderAxis> axes;
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string name = name_of(*option);
+    if (option->count() == 0 || option->get_positional()) continue;
+    if (name.empty())
+      add_assignments(axes, AxisKind::kDefine, option->results());
+    else if (name == "set")
+      add_assignments(axes, AxisKind::kSetting, option->results());
+    else if (const RenderOption* known = find_render_option(name))
+      set_axis(axes,
+               {known->kind, name, {known->kind == AxisKind::kFlag ? "true" : option->results().back()}});
+  }
+  return axes;
+}
+
+Expected<RenderOptions> options_of(const std::vector<RenderAxis>& axes, const RenderChoice& choice,
+                                   const RenderOptions& shared, bool with_frame) {
+  std::vector<std::string> arguments;
+  std::string scene;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    if (axes[i].kind == AxisKind::kScene) scene = choice[i];
+    add_argument(arguments, axes[i], choice[i], with_frame);
+  }
+  arguments.insert(arguments.end(), {"--", scene});
+  Parser parser;
+  if (const auto parsed = parser.parse(std::move(arguments)); !parsed) return std::unexpected(parsed.error());
+  RenderOptions options = std::move(parser.options);
+  options.scene.scene = scene;
+  options.workers = shared.workers;
+  options.listen = shared.listen;
+  options.tev = shared.tev;
+  return options;
+}
+
+}  // namespace penumbra

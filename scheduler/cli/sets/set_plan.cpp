@@ -1,0 +1,161 @@
+#include "scheduler/cli/sets/set_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "scheduler/cli/sets/job_file.h"
+#include "scheduler/cli/sets/render_arguments.h"
+#include "scheduler/files/quoting.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostRenders = 100'000;
+
+/// The error with its place, if it has one.
+std::unexpected<Error> fail_at(SourceLocation location, const std::string& text) {
+  return fail(location.file != nullptr ? describe(location) + ": " + text : text);
+}
+
+/// What tells this pattern's images apart: what is varied, frames with leading zeros.
+std::string default_name(const RenderPattern& pattern) {
+  std::string name = "{scene}";
+  for (const RenderAxis& axis : pattern.axes)
+    if (axis.values.size() > 1 && axis.kind != AxisKind::kScene)
+      name += axis.kind == AxisKind::kFrame ? "-{frame:04}" : "-{" + axis.name + "}";
+  return name + ".exr";
+}
+
+/// Where the images go, as the name of each before its fields are filled in.
+Expected<std::string> name_of_images(const std::string& out, const RenderPattern& pattern) {
+  if (out.empty()) return default_name(pattern);
+  if (out.contains('{')) return out;
+  const fs::path path = out;
+  std::error_code ignored;
+  if (path.has_filename() && !fs::is_directory(path, ignored) && path.has_extension() &&
+      count_combinations(pattern.axes, kMostRenders) != 1)
+    return fail(fmt::format("{}: of several images it is a folder, or a name with fields, as in '{}/{}{}'",
+                            out, path.has_parent_path() ? path.parent_path().string() : ".",
+                            fs::path(default_name(pattern)).stem().string(), path.extension().string()));
+  if (path.has_filename() && path.has_extension() && !fs::is_directory(path, ignored)) return out;
+  return (path / default_name(pattern)).string();
+}
+
+class SetPlanner {
+ public:
+  SetPlanner(const RenderOptions& options, const CLI::App& command)
+      : options_(options), given_(axes_of_command(command)) {}
+
+  Expected<SetPlan> plan() {
+    RenderPattern scenes{.axes = {{AxisKind::kScene, "scene", {}}}};
+    std::vector<std::pair<std::size_t, RenderPattern>> patterns;
+    for (const std::string& scene : options_.scenes) {
+      if (!is_job_file(scene)) {
+        scenes.axes.front().values.push_back(scene);
+        continue;
+      }
+      auto file = read_job_file(scene);
+      if (!file) return std::unexpected(file.error());
+      for (const RenderPattern& pattern : file->patterns)
+        if (const auto added = add(pattern); !added) return std::unexpected(added.error());
+      files_.push_back(std::move(*file));
+    }
+    if (!scenes.axes.front().values.empty())
+      if (const auto added = add(scenes); !added) return std::unexpected(added.error());
+    plan_.summary = options_.summary.empty()
+                        ? plan_.members.front().files.all().front().parent_path() / "jobs.json"
+                        : fs::path(options_.summary);
+    if (const auto taken = taken_by_.find(fs::absolute(plan_.summary).lexically_normal());
+        taken != taken_by_.end())
+      return fail(fmt::format("{} is a file of {} and the summary", plan_.summary.string(), taken->second));
+    return std::move(plan_);
+  }
+
+ private:
+  Expected<void> add(RenderPattern pattern) {
+    for (const RenderAxis& axis : given_) set_axis(pattern.axes, axis);
+    const auto name = name_of_images(options_.out.empty() ? pattern.out.value_or("") : options_.out, pattern);
+    if (!name)
+      return fail_at(pattern.location, (options_.out.empty() ? "out " : "-o ") + name.error().message);
+    const std::size_t count = count_combinations(pattern.axes, kMostRenders - plan_.members.size());
+    if (count == 0)
+      return fail_at(pattern.location, fmt::format("more than {} renders in all", kMostRenders));
+    for (const RenderChoice& choice : all_choices(pattern.axes))
+      if (const auto added = add(pattern, choice, *name); !added)
+        return fail_at(pattern.location, added.error().message);
+    return {};
+  }
+
+  Expected<void> add(const RenderPattern& pattern, RenderChoice choice, const std::string& name) {
+    const std::vector<RenderAxis>& axes = pattern.axes;
+    NameFields fields;
+    bool with_frame = true;
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      if (axes[i].kind == AxisKind::kScene) with_frame = !has_field(choice[i], "frame");
+      if (axes[i].kind == AxisKind::kDefine && axes[i].name == "frame") with_frame = false;
+      if (axes[i].kind != AxisKind::kScene) fields[axes[i].name] = choice[i];
+    }
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      if (axes[i].kind != AxisKind::kScene && axes[i].kind != AxisKind::kDefine) continue;
+      auto filled = fill_in(choice[i], fields);
+      if (!filled) return std::unexpected(filled.error());
+      choice[i] = std::move(*filled);
+    }
+    const fs::path scene = choice.front();
+    for (auto& [field, value] : fields) value = file_name_of(value);
+    fields["scene"] = scene.stem().string();
+    fields["folder"] = fs::absolute(scene).lexically_normal().parent_path().filename().string();
+    auto out = fill_in(name, fields);
+    if (!out) return fail((options_.out.empty() ? "out " : "-o ") + out.error().message);
+    auto options = options_of(axes, choice, options_, with_frame);
+    if (!options) return std::unexpected(options.error());
+    SetMember member{.options = std::move(*options), .priority = pattern.priority, .name = scene.string()};
+    member.options.out = std::move(*out);
+    for (std::size_t i = 1; i < axes.size(); ++i) {
+      member.choices.emplace_back(axes[i].name, choice[i]);
+      if (axes[i].values.size() > 1) member.name += fmt::format(" {}={}", axes[i].name, choice[i]);
+    }
+    auto files = choose_output_files(member.options);
+    if (!files) return std::unexpected(files.error());
+    member.files = std::move(*files);
+    if (const auto taken = take_files(member); !taken) return taken;
+    const auto after =
+        std::ranges::upper_bound(plan_.members, member.priority, std::greater(), &SetMember::priority);
+    plan_.members.insert(after, std::move(member));
+    return {};
+  }
+
+  /// No two renders write one file.
+  Expected<void> take_files(const SetMember& member) {
+    for (const fs::path& file : member.files.all()) {
+      const auto [taken, is_new] = taken_by_.emplace(fs::absolute(file).lexically_normal(), member.name);
+      if (!is_new)
+        return fail(
+            fmt::format("{} and {} would both be written to {}; tell them apart with fields of the name, "
+                        "such as {{folder}}",
+                        taken->second, member.name, file.string()));
+    }
+    return {};
+  }
+
+  const RenderOptions& options_;
+  const std::vector<RenderAxis> given_;
+  std::vector<JobFile> files_;
+  SetPlan plan_;
+  std::map<fs::path, std::string> taken_by_;
+};
+
+}  // namespace
+
+Expected<SetPlan> plan_set(const RenderOptions& options, const CLI::App& command) {
+  if (options.pixel) return fail("--pixel is of one scene");
+  if (!options.statistics.empty())
+    return fail("--statistics FILE is of one scene; of several each has its own beside its image");
+  return SetPlanner(options, command).plan();
+}
+
+}  // namespace penumbra
