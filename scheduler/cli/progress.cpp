@@ -37,9 +37,9 @@ std::string progress_text(const RenderProgress& progress) {
   // Rounded down: 100% means that all of it is done.
   std::string text = fmt::format("{:3d}%", int(std::floor(done_share(progress) * 100)));
   if (progress.samples_done > 0 && progress.elapsed_seconds > 0) {
-    const double rate = double(progress.samples_done) / progress.elapsed_seconds;
+    const double rate = double(progress.samples_done - progress.samples_before) / progress.elapsed_seconds;
     text += fmt::format("  {:.2f} Msamples/s", rate * 1e-6);
-    if (progress.samples_done < progress.samples_total) {
+    if (rate > 0 && progress.samples_done < progress.samples_total) {
       text += fmt::format("  {} left",
                           duration_text(double(progress.samples_total - progress.samples_done) / rate));
     }

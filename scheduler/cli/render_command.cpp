@@ -6,7 +6,9 @@
 
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/pixel_text.h"
+#include "scheduler/cli/program_path.h"
 #include "scheduler/cli/progress.h"
+#include "scheduler/cli/render_checkpoint.h"
 #include "scheduler/cli/render_outputs.h"
 #include "scheduler/cli/render_preparation.h"
 #include "scheduler/cli/sets/job_file.h"
@@ -19,13 +21,17 @@ namespace {
 
 /// Renders. Where the machine was to choose what computes, and its choice brings down every worker (a driver
 /// that crashes is none that fails), native code renders after all.
-Expected<RenderOutcome> render_with_fallback(RenderJob& job, const FarmOptions& farm,
+Expected<RenderOutcome> render_with_fallback(PreparedRender& prepared, bool resumes,
                                              const std::atomic<bool>& stop,
                                              const std::function<void(const RenderProgress&)>& on_progress) {
+  RenderJob& job = prepared.job;
+  const FarmOptions& farm = prepared.farm;
   auto outcome = run_render(job, farm, stop, on_progress);
   if (outcome || job.device.backend != Backend::kAuto || stop) return outcome;
   std::string warning = "native code renders: " + outcome.error().message;
   job.device.backend = Backend::kNative;
+  if (const auto read = resumes ? read_checkpoint_again(prepared) : Expected<void>{}; !read)
+    return std::unexpected(read.error());
   outcome = run_render(job, farm, stop, on_progress);
   if (outcome) outcome->problems.insert(outcome->problems.begin(), std::move(warning));
   return outcome;
@@ -38,14 +44,16 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
   if (const auto made = make_folders(prepared->files); !made) return print_error(made.error()), kBadInput;
 
   const bool show = !options.quiet && !options.pixel;
+  const auto resumed = attach_checkpoint(*prepared, options, program_hash(prepared->farm.worker_executable));
+  if (!resumed) return print_error(resumed.error()), kBadInput;
+  if (show && !resumed->empty()) print_message(*resumed);
   ProgressPrinter progress(show ? progress_style() : ProgressStyle::kNone, terminal_columns());
-  const auto outcome =
-      render_with_fallback(prepared->job, prepared->farm, stop, [&](const RenderProgress& now) {
-        progress.update(now);
-        // The address and its token are printed even so, since the user asked for an address.
-        if (!show && !options.listen.empty())
-          for (const std::string& notice : now.notices) print_message(notice);
-      });
+  const auto outcome = render_with_fallback(*prepared, options.resume, stop, [&](const RenderProgress& now) {
+    progress.update(now);
+    // The address and its token are printed even so, since the user asked for an address.
+    if (!show && !options.listen.empty())
+      for (const std::string& notice : now.notices) print_message(notice);
+  });
   progress.finish();
   if (!outcome) return print_error(outcome.error()), kIncomplete;
   if (sample_range(outcome->film).total == 0) {
@@ -57,6 +65,7 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
     print_problems(*outcome, stop);
     return kIncomplete;
   }
+  if (outcome->complete) remove_checkpoint(*prepared);
   if (options.pixel) print_answer(pixel_text(outcome->film, options.pixel->x, options.pixel->y));
   if (show) print_summary(*outcome, prepared->files);
   print_problems(*outcome, stop);
@@ -80,7 +89,10 @@ void add_render_command(CLI::App& app, const std::vector<std::string>& command_l
       "workers, threads or tiles. Ctrl-C, or a terminal that is closed, keeps what is done, marked "
       "incomplete; a "
       "second\n"
-      "Ctrl-C ends at once. The files appear together at the end, and missing folders are made; of two "
+      "Ctrl-C ends at once. What an interrupted render has done, also one that was killed, is in a file "
+      "IMAGE.checkpoint\n"
+      "beside the image, and --resume goes on with it: to the same image. The files appear together at the "
+      "end, and missing folders are made; of two "
       "renders to "
       "the same\n"
       "files the one that ends last wins whole. Where the folder is full or gone by then, they go to TMPDIR "
@@ -98,6 +110,7 @@ void add_render_command(CLI::App& app, const std::vector<std::string>& command_l
       "  penumbra render scene.xml -o out/a.exr --spp 256 --workers 4\n"
       "  penumbra render a.xml b.xml -o out/ --spp 64           writes out/a.exr, out/b.exr, ..., "
       "out/jobs.json\n"
+      "  penumbra render scene.xml -o out/a.exr --spp 4096 --resume  goes on where it was interrupted\n"
       "  penumbra render rooms/*/scene.xml -o 'out/{folder}.exr'\n"
       "  penumbra render jobs.toml                              every render that the file describes\n"
       "  penumbra render scene.xml -o preview.png --spp 4 --crop 0,0,256,256\n"

@@ -93,8 +93,9 @@ void add_overrides(CLI::App& command, SceneOptions& options) {
 /// Options for workers and viewers.
 void add_worker_options(CLI::App& command, RenderOptions& options) {
   command
-      .add_option("--tile", options.tile,
-                  "Pixels along a side of a work unit; the image does not depend on it")
+      .add_option(
+          "--tile", options.tile,
+          "Pixels along a side of a work unit; the image does not depend on it, but for --target-error")
       ->type_name("N")
       ->check(whole_number(1, kMaxTile))
       ->capture_default_str();
@@ -173,17 +174,15 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       },
       "Render only these film pixels, x1 and y1 outside; they are those of the whole image");
   crop->type_name("X0,Y0,X1,Y1");
-  command
-      .add_option_function<std::string>(
-          "--pixel",
-          [&options](const std::string& text) {
-            options.pixel = parse_pixel(text);
-            if (options.pixel) return;
-            throw CLI::ValidationError("--pixel", "'" + text + "' is not x,y with x and y from 0 up");
-          },
-          "Render one pixel, a path at a time, and print all its digits; writes files only with -o")
-      ->type_name("X,Y")
-      ->excludes(crop);
+  auto* pixel = command.add_option_function<std::string>(
+      "--pixel",
+      [&options](const std::string& text) {
+        options.pixel = parse_pixel(text);
+        if (options.pixel) return;
+        throw CLI::ValidationError("--pixel", "'" + text + "' is not x,y with x and y from 0 up");
+      },
+      "Render one pixel, a path at a time, and print all its digits; writes files only with -o");
+  pixel->type_name("X,Y")->excludes(crop);
   command
       .add_option(
           "--stop-after", options.stop_after,
@@ -195,6 +194,14 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       .add_option("--time-budget", options.time_budget,
                   "Begin no further pass after this many seconds of rendering")
       ->type_name("SECONDS")
+      ->check(positive_number());
+  command
+      .add_option(
+          "--target-error", options.target_error,
+          "Render each tile until its relative error, estimated without bias from stopping, is at most "
+          "this (0.02 is 2%), and at most --spp samples; with --sampler independent. The image then "
+          "depends on --tile")
+      ->type_name("E")
       ->check(positive_number());
   command
       .add_option("--pass", options.samples_per_pass,
@@ -212,6 +219,18 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       .add_option("--summary", options.summary,
                   "Of several scenes, JSON of what became of each (default: jobs.json beside the images)")
       ->type_name("FILE");
+  command
+      .add_flag("--resume", options.resume,
+                "Go on with what an interrupted run of this very render has left beside its image "
+                "(IMAGE.checkpoint)")
+      ->excludes(pixel);
+  command
+      .add_option("--checkpoint-interval", options.checkpoint_interval,
+                  "Keep what is rendered so often, or less often where that would take more than 1% of the "
+                  "time; 0: never")
+      ->type_name("SECONDS")
+      ->check(number_from_zero())
+      ->capture_default_str();
   command.add_flag("-q,--quiet", options.quiet, "No progress and no summary; warnings and errors only");
 }
 

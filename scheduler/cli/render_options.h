@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "scheduler/farm/checkpoint_sink.h"
+
 namespace penumbra {
 
 /// What says which scene to read and how; `render` and `info` share it.
@@ -50,10 +52,13 @@ struct RenderOptions {
   std::uint32_t samples_per_pass = 16;
   std::optional<std::uint32_t> stop_after;  ///< samples per pixel, of those that spp plans
   std::optional<double> time_budget;
+  std::optional<double> target_error;
   std::optional<CropRectangle> crop;
   std::optional<PixelPosition> pixel;
   bool strict_numerics = false;  ///< a non-finite sample is an error
   bool quiet = false;
+  bool resume = false;                               ///< goes on with the checkpoint of an earlier process
+  double checkpoint_interval = kCheckpointInterval;  ///< seconds; 0: none
   // Of several scenes.
   bool force = false;   ///< also what is there unchanged
   std::string summary;  ///< file that says what became of each; empty: beside the images

@@ -85,6 +85,8 @@ RenderRecord make_record(const RenderOptions& options, const LoadedScene& scene,
   record.film = film;
   if (options.stop_after && *options.stop_after < record.sampler.spp) record.stop_after = options.stop_after;
   record.samples_per_pass = options.samples_per_pass;
+  record.target_error = options.target_error;
+  record.tile = options.tile;
   record.feature_layers = !options.scene.no_features;
   record.embree = scene.device.header.intersector == INTERSECTOR_EMBREE;
   record.backend = device.backend;
@@ -107,6 +109,7 @@ RenderJob make_job(const RenderOptions& options, const RenderRecord& record, con
   job.device = device;
   job.reproduce_command = repeat_command(record, false);
   job.time_budget = options.time_budget;
+  job.target_error = options.target_error;
   job.title = options.scene.scene;
   job.integrator = integrator_name(record.integrator);
   job.tev = options.tev;
@@ -155,6 +158,14 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options) {
     return fail(
         "--time-budget: the stratified sampler has to know the number of samples; take another sampler");
   }
+  if (options.target_error && scene->description.sampler.kind != SamplerKind::kIndependent)
+    return fail(
+        "--target-error: the samples of this sampler depend on each other, so that their spread is not the "
+        "error, and when to stop cannot be told without a bias; add --sampler independent");
+  if (options.target_error && (scene->device.header.features & FEATURE_RATIO) != 0u)
+    return fail(
+        "--target-error: the ratio estimator's image is no mean of samples; add --set "
+        "integrator.estimator=cv");
   PreparedRender prepared;
   prepared.files = std::move(*files);
   prepared.record = make_record(options, *scene, *film, *device);

@@ -1,6 +1,9 @@
 // Everything that a render needs, checked before any of it is rendered.
 #pragma once
 
+#include <memory>
+
+#include "scheduler/checkpoint/checkpoint_file.h"
 #include "scheduler/cli/exit_code.h"
 #include "scheduler/cli/loaded_scene.h"
 #include "scheduler/cli/output_files.h"
@@ -15,7 +18,8 @@ struct PreparedRender {
   LoadedScene scene;  ///< its device form is in the job; of its shapes there are only polygon_lights_of it
   RenderRecord record;
   RenderJob job;
-  FarmOptions farm;  ///< all but the worker's executable
+  FarmOptions farm;                            ///< all but the worker's executable
+  std::shared_ptr<CheckpointFile> checkpoint;  ///< the job's; null: none, see attach_checkpoint
 };
 
 /// Chooses the files, reads the scene, applies the options. Errors, all of them of the input: an output that

@@ -73,7 +73,10 @@ Expected<void> FarmRun::run() {
     fail_hopeless_jobs();
     finish_jobs();
     take_jobs();
-    for (const auto& [id, job] : jobs_) job->publish();
+    for (const auto& [id, job] : jobs_) {
+      job->publish();
+      job->keep_checkpoint(since_start());
+    }
     report_progress();
   }
   const bool could_go_on = can_go_on();
@@ -126,6 +129,8 @@ void FarmRun::take_jobs() {
     for (std::string& text : std::exchange(unsaid_problems_, {})) taken.problem(std::move(text));
     taken.open(*server_);
     tell_plan(JobAdded{id, taken.job().priority, taken.phases()});
+    for (std::uint32_t tile = 0; taken.is_adaptive() && tile < taken.tiles(); ++tile)
+      tell_plan(taken.passes_of_tile(tile));
   }
 }
 
@@ -149,6 +154,7 @@ std::unique_ptr<JobRun> FarmRun::take_out(JobId id) {
 
 void FarmRun::end_job(JobId id) {
   const std::unique_ptr<JobRun> ended = take_out(id);
+  if (!plan_.finished(id) || !plan_.set_aside(id).empty()) ended->keep_last_checkpoint(since_start());
   RenderOutcome outcome = std::move(*ended).outcome(plan_, since_start());
   hopeless_.erase(id);
   deadly_.erase(id);

@@ -114,6 +114,7 @@ class FarmRun {
   std::map<WorkerId, Worker> workers_;
   std::vector<WorkerId> refused_;   // of whom the plan is to be told
   std::vector<WorkerUnfit> unfit_;  // likewise
+  std::vector<PassesOfTile> more_;  // likewise
   std::set<std::string> said_;
   std::vector<std::string> problems_, unsaid_problems_;  // unsaid: no job was open
   bool anyone_was_ready_ = false;

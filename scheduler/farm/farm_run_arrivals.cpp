@@ -134,6 +134,7 @@ void FarmRun::tell_plan(const PlanEvent& event, arrivals::Result* result) {
   for (const PlanOrder& order : plan_.handle(event, plan_time_)) {
     std::visit([&](const auto& o) { obey(o, result); }, order);
   }
+  for (const PassesOfTile& more : std::exchange(more_, {})) tell_plan(more);
   for (const WorkerUnfit& unfit : std::exchange(unfit_, {})) tell_plan(unfit);
   for (const WorkerId id : std::exchange(refused_, {})) tell_plan(WorkerLost{id});
 }
@@ -168,12 +169,15 @@ void FarmRun::obey(const Assign& order, arrivals::Result*) {
 
 void FarmRun::obey(const MergeResult& order, arrivals::Result* result) {
   workers_here_->has_worked();
-  jobs_.at(order.unit.job)->merge(order, *result, since_start());
+  JobRun& of = *jobs_.at(order.unit.job);
+  of.merge(order, *result, since_start());
+  if (of.is_adaptive()) more_.push_back(of.passes_of_tile(order.unit.tile));
 }
 
 void FarmRun::obey(const SetAside& order, arrivals::Result*) {
   JobRun& of = *jobs_.at(order.unit.job);
   of.skip(order.unit);
+  if (of.is_adaptive()) more_.push_back(of.passes_of_tile(order.unit.tile));
   of.problem(
       set_aside_text(order, of.unit(order.unit), of.detail(order.unit), of.job().reproduce_command, names()));
 }

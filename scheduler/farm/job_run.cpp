@@ -22,16 +22,19 @@ JobRun::JobRun(JobId id, std::shared_ptr<const RenderJob> job, Seconds now, bool
       planes_(plane_count(job_->scene.header.features)),
       grid_(job_->x, job_->y, job_->width, job_->height, job_->tile, job_->spp, job_->samples_per_pass),
       view_{0, view_of(job_->scene.header)},
-      merge_(make_merge()),
+      merge_(job_->before ? std::move(job_->before->merge) : merge_of_job(*job_)),
       board_(std::make_shared<WatchBoard>(grid_.tiles())),
       feed_(*board_, grid_, is_hybrid(job_->scene)) {
   if (is_only) begun_ = now;
+  if (!job_->before) return;
+  samples_done_ = samples_kept_ = samples_before_ = merge_.samples();
+  rendered_before_ = job_->before->rendered;
 }
 
-Merge JobRun::make_merge() const {
-  return Merge(
-      FilmAccumulator::of_features(job_->x, job_->y, job_->width, job_->height, job_->scene.header.features),
-      grid_);
+Merge merge_of_job(const RenderJob& job) {
+  return Merge(FilmAccumulator::of_features(job.x, job.y, job.width, job.height, job.scene.header.features),
+               TileGrid(job.x, job.y, job.width, job.height, job.tile, job.spp, job.samples_per_pass),
+               job.target_error);
 }
 
 void JobRun::open(Server& server) {
@@ -52,6 +55,8 @@ void JobRun::open(Server& server) {
   std::ranges::copy(job_->center, watched.center);
   board_->show_view(view_);
   feed_.begin_view(view_);
+  for (std::uint32_t tile = 0; samples_before_ > 0 && tile < grid_.tiles(); ++tile)
+    feed_.tile_changed(tile, 0);
   board_->describe(std::move(watched));
   server.show_job(id_, board_, job_->interactive);
   if (!job_->tev.empty()) tev_.emplace(*board_, job_->tev);
@@ -71,7 +76,10 @@ void JobRun::close(Server& server, const Plan& plan, const std::vector<WatchedWo
 }
 
 std::vector<PhaseUnits> JobRun::phases() const {
-  return {{.tiles = grid_.tiles(), .passes = job_->interactive ? 0 : grid_.passes()}};
+  return {{.tiles = grid_.tiles(),
+           .passes = job_->interactive ? 0 : grid_.passes(),
+           .passes_at_first = is_adaptive() ? AdaptiveTile::next_decision(0, grid_.passes()) : kAllPasses,
+           .merged = merge_.merged_passes()}};
 }
 
 RenderUnit JobRun::unit(const UnitId& id) const {
@@ -89,7 +97,7 @@ std::uint32_t JobRun::spp_of(std::uint32_t passes) const {
 }
 
 bool JobRun::budget_is_spent(Seconds now) {
-  const bool is_over = job_->time_budget && first_given_ && now - *first_given_ > *job_->time_budget;
+  const bool is_over = job_->time_budget && first_given_ && rendered(now) > *job_->time_budget;
   return is_over && !std::exchange(budget_spent_, true);
 }
 
@@ -130,6 +138,24 @@ void JobRun::begin_view(const WatchView& view) {
   feed_.begin_view(view_);
 }
 
+void JobRun::keep_checkpoint(Seconds now) {
+  if (!job_->checkpoints) return;
+  tell_checkpoint_problem();
+  if (samples_done_ == samples_kept_ || !job_->checkpoints->is_due(merge_)) return;
+  samples_kept_ = samples_done_;
+  job_->checkpoints->keep(merge_, rendered(now));
+}
+
+void JobRun::keep_last_checkpoint(Seconds now) {
+  if (!job_->checkpoints || samples_done_ == 0) return;
+  job_->checkpoints->keep_last(merge_, rendered(now));
+  tell_checkpoint_problem();
+}
+
+void JobRun::tell_checkpoint_problem() {
+  if (std::optional<std::string> text = job_->checkpoints->take_problem()) problem(std::move(*text));
+}
+
 // --- What is said of it
 
 void JobRun::problem(std::string text) {
@@ -156,7 +182,8 @@ RenderProgress JobRun::progress(const Plan& plan, int workers, Seconds now) {
   relative_error_ = merge_.film().relative_error();
   next_progress_ = now + std::max(kProgressInterval, seconds_since(begin) / kProgressShare);
   return {.samples_done = samples_done_,
-          .samples_total = grid_.samples(plan.passes(id_)),
+          .samples_total = samples_wanted(plan),
+          .samples_before = samples_before_,
           .elapsed_seconds = since_begun(now),
           .relative_error = relative_error_,
           .workers = workers,
@@ -172,7 +199,7 @@ void JobRun::show_progress(const Plan& plan, const std::vector<WatchedWorker>& w
 void JobRun::show(const Plan& plan, const std::vector<WatchedWorker>& workers, bool ended) {
   WatchProgress progress{.view = view_.number,
                          .samples_done = samples_done_,
-                         .samples_wanted = grid_.samples(plan.passes(id_)),
+                         .samples_wanted = samples_wanted(plan),
                          .spp_done = spp_of(merge_.finished_passes()),
                          .spp_wanted = spp_of(plan.passes(id_)),
                          .elapsed_seconds = active_,
@@ -202,11 +229,14 @@ RenderOutcome JobRun::outcome(const Plan& plan, Seconds now) && {
   outcome.units_set_aside = plan.set_aside(id_).size();
   outcome.passes_finished = merge_.finished_passes();
   outcome.passes_total = grid_.passes();
+  outcome.ended_by_tile = is_adaptive() && merge_.is_done();
   outcome.film = std::move(merge_).take_film();
   outcome.seconds_to_ready = ready_;
   outcome.seconds_to_first_tile = first_tile_;
   outcome.seconds_to_last_tile = last_tile_;
   outcome.seconds = since_begun(now);
+  outcome.samples_before = samples_before_;
+  outcome.seconds_before = rendered_before_;
   return outcome;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "scheduler/farm/arrivals.h"
+#include "scheduler/farm/checkpoint_sink.h"
 #include "scheduler/farm/problem_text.h"
 #include "scheduler/farm/render_job.h"
 #include "scheduler/farm/server.h"
@@ -19,6 +20,9 @@
 #include "scheduler/watch/tev_stream.h"
 
 namespace penumbra {
+
+/// Of a job, with nothing merged.
+Merge merge_of_job(const RenderJob& job);
 
 /// Viewers still receive what is queued for them at the end, as long as they keep reading.
 constexpr std::chrono::milliseconds kPatienceWithWatchers{300};
@@ -44,6 +48,12 @@ class JobRun {
   [[nodiscard]] RenderUnit unit(const UnitId& id) const;
   /// How many passes come to so many samples of a pixel, at most those of the job.
   [[nodiscard]] std::uint32_t passes_of(std::uint32_t spp) const;
+  /// Whether tiles end by themselves; then of which passes the plan is to be told.
+  [[nodiscard]] bool is_adaptive() const { return job_->target_error.has_value(); }
+  [[nodiscard]] PassesOfTile passes_of_tile(std::uint32_t tile) const {
+    return {id_, tile, merge_.passes_wanted(tile)};
+  }
+  [[nodiscard]] std::uint32_t tiles() const { return grid_.tiles(); }
   /// Whether the time for its rendering is over; true once.
   bool budget_is_spent(Seconds now);
 
@@ -58,6 +68,10 @@ class JobRun {
   void redo(std::uint32_t tile) { samples_done_ -= merge_.redo(tile); }
   /// Everything begins anew, with this view.
   void begin_view(const WatchView& view);
+
+  /// Keeps what is merged, if it is time. And if the job ends unfinished.
+  void keep_checkpoint(Seconds now);
+  void keep_last_checkpoint(Seconds now);
 
   // --- What is said of it
 
@@ -79,8 +93,16 @@ class JobRun {
 
  private:
   [[nodiscard]] Seconds since_begun(Seconds now) const { return now - begun_.value_or(now); }
-  [[nodiscard]] Merge make_merge() const;
+  /// Samples that there will be in the end.
+  [[nodiscard]] std::uint64_t samples_wanted(const Plan& plan) const {
+    return is_adaptive() ? merge_.samples_expected() : grid_.samples(plan.passes(id_));
+  }
   [[nodiscard]] std::uint32_t spp_of(std::uint32_t passes) const;
+  /// Seconds of rendering, of all processes.
+  [[nodiscard]] Seconds rendered(Seconds now) const {
+    return rendered_before_ + (now - first_given_.value_or(now));
+  }
+  void tell_checkpoint_problem();
   void tell_tev_problem();
   void show(const Plan& plan, const std::vector<WatchedWorker>& workers, bool ended);
 
@@ -100,7 +122,8 @@ class JobRun {
   std::vector<std::string> problems_, notices_;
   std::optional<Seconds> begun_, first_given_;
   bool budget_spent_ = false;
-  std::uint64_t samples_done_ = 0;
+  std::uint64_t samples_done_ = 0, samples_kept_ = 0, samples_before_ = 0;  // kept: in the last checkpoint
+  Seconds rendered_before_ = 0;
   Seconds ready_ = 0, first_tile_ = 0, last_tile_ = 0;  // since it was begun
   Seconds active_ = 0;  // since the view began, while there was something to render
   Seconds next_progress_ = 0, next_shown_ = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,9 @@
 
 namespace penumbra {
 
+class CheckpointSink;
+struct MergedBefore;
+
 struct RenderJob {
   DeviceScene scene;
   int x = 0, y = 0, width = 0, height = 0;  ///< film rectangle to render
@@ -20,11 +24,17 @@ struct RenderJob {
   int tile = 64;                        ///< the image does not depend on it
   int priority = 0;                     ///< of jobs with work, that with the highest goes first
   DeviceOptions device;
-  std::string reproduce_command;  ///< the `penumbra render` command without a crop, quoted for a shell; a
-                                  ///< failed unit is named with it plus `--crop x0,y0,x1,y1`
-  std::optional<double>
-      time_budget;  ///< seconds of rendering after which no further pass is begun; the first
-                    ///< pass is always rendered, and an image that ends so counts as complete
+  std::string reproduce_command;      ///< the `penumbra render` command without a crop, quoted for a shell; a
+                                      ///< failed unit is named with it plus `--crop x0,y0,x1,y1`
+  std::optional<double> time_budget;  ///< seconds of rendering, with those of an earlier process, after which
+                                      ///< no further pass is begun; the first pass is always rendered, and an
+                                      ///< image that ends so counts as complete
+
+  /// Each tile ends as soon as its relative error is at most that, see AdaptiveTile; `spp` is the most that
+  /// it gets, and the image depends on `tile`.
+  std::optional<double> target_error = {};
+  std::shared_ptr<MergedBefore> before = {};         ///< what there is of it already; the render uses it up
+  std::shared_ptr<CheckpointSink> checkpoints = {};  ///< null: none are kept
 
   // For viewers.
   std::string title;             ///< the scene file
@@ -49,6 +59,7 @@ struct WorkerShare {
 
 struct RenderProgress {
   std::uint64_t samples_done = 0, samples_total = 0;
+  std::uint64_t samples_before = 0;  ///< of samples_done, those of an earlier process
   double elapsed_seconds = 0;
   double relative_error = 0;  ///< see FilmAccumulator; NaN before it is known
   int workers = 0;            ///< connected
@@ -63,6 +74,7 @@ struct RenderOutcome {
   std::vector<WorkerShare> workers;
   std::uint64_t units_done = 0, units_duplicated = 0, units_requeued = 0;
   std::uint64_t units_set_aside = 0;  ///< missing in the film, maybe before others that are not
+  bool ended_by_tile = false;         ///< with a target error, and every tile has come to its end
   std::uint32_t passes_finished = 0, passes_total = 0;  ///< merged in every tile; asked for
   // From when the farm took the job, of a single render so from the call; of one that waited for others from
   // its first unit.
@@ -70,6 +82,9 @@ struct RenderOutcome {
   double seconds_to_first_tile = 0;
   double seconds_to_last_tile = 0;  ///< until the last result is merged
   double seconds = 0;
+  // Of an earlier process, whose checkpoint this render went on with.
+  std::uint64_t samples_before = 0;  ///< over all pixels
+  double seconds_before = 0;         ///< of rendering
 };
 
 }  // namespace penumbra

@@ -8,7 +8,9 @@
 
 #include <atomic>
 #include <cerrno>
+#include <charconv>
 #include <chrono>
+#include <csignal>
 #include <string>
 #include <thread>
 #include <utility>
@@ -126,6 +128,25 @@ Expected<void> write_file_atomically(const fs::path& path, std::span<const std::
   auto staged = StagedFile::write(target->path, bytes);
   if (!staged) return std::unexpected(staged.error());
   return staged->rename_into_place();
+}
+
+void remove_abandoned_parts(const fs::path& path) {
+  constexpr std::chrono::minutes kOldEnough{1};  // a process of another machine may have the number
+  const std::string begin = fmt::format(".{}.", path.filename().string());
+  std::error_code error;
+  for (fs::directory_iterator entry(folder_of(path), error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (!name.starts_with(begin) || !name.ends_with(".part")) continue;
+    pid_t writer = 0;
+    const char* digits = name.data() + begin.size();
+    const auto [after, failed] = std::from_chars(digits, name.data() + name.size(), writer);
+    if (failed != std::errc() || *after != '-' || writer <= 0) continue;
+    std::error_code ignored;
+    const bool is_old =
+        fs::file_time_type::clock::now() - fs::last_write_time(entry->path(), ignored) > kOldEnough;
+    if (!ignored && is_old && kill(writer, 0) != 0 && errno == ESRCH) fs::remove(entry->path(), ignored);
+  }
 }
 
 Expected<void> check_writable(const fs::path& path) {

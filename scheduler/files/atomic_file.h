@@ -36,6 +36,9 @@ class StagedFile {
 /// they are. Errors: those of find_target, a missing folder, a full disk.
 Expected<void> write_file_atomically(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
 
+/// Removes what processes of this machine that were killed while they wrote the file have left beside it.
+void remove_abandoned_parts(const std::filesystem::path& path);
+
 /// Into a device, a pipe or an open descriptor.
 Expected<void> write_directly(const FileTarget& target, std::span<const std::uint8_t> bytes);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace penumbra {
 namespace {
@@ -118,6 +119,36 @@ void FilmAccumulator::clear(int x, int y, int width, int height) {
   });
 }
 
+void FilmAccumulator::set_mean_of(const FilmAccumulator& a, const FilmAccumulator& b) {
+  clear(a.x_, a.y_, a.width_, a.height_);
+  const auto variance = [](const PixelStatistics& pixel, int c) {
+    return pixel.count < 2 ? 0 : pixel.m2[c] / (double(pixel.count) * double(pixel.count - 1));
+  };
+  for (int y = a.y_; y < a.y_ + a.height_; ++y) {
+    for (int x = a.x_; x < a.x_ + a.width_; ++x) {
+      const PixelStatistics &of_a = a.at(x, y), &of_b = b.at(x, y);
+      const double weight = of_b.count == 0 ? 1 : of_a.count == 0 ? 0 : 0.5;  // of a
+      PixelStatistics& mean = pixels_[index(x, y)];
+      mean.count = of_a.count + of_b.count;
+      const double n = double(mean.count);
+      for (int c = 0; c < 3; ++c) {
+        mean.mean[c] = weight * of_a.mean[c] + (1 - weight) * of_b.mean[c];
+        mean.m2[c] = (weight * weight * variance(of_a, c) + (1 - weight) * (1 - weight) * variance(of_b, c)) *
+                     n * std::max(n - 1, 0.0);
+      }
+      const double *layer_a = a.layers_.data() + a.index(x, y) * layers(),
+                   *layer_b = b.layers_.data() + b.index(x, y) * layers();
+      double* layer = layers_.data() + index(x, y) * layers();
+      for (std::size_t k = 0; k < layers(); ++k) layer[k] = weight * layer_a[k] + (1 - weight) * layer_b[k];
+    }
+  }
+  for (const FilmAccumulator* half : {&a, &b})
+    for (const auto& [corner, noted] : half->non_finite_) {
+      non_finite_[corner].nan.add(noted.nan);
+      non_finite_[corner].infinite.add(noted.infinite);
+    }
+}
+
 double FilmAccumulator::visibility(int film_x, int film_y) const {
   const double whole = layer(film_x, film_y, kWhole);
   return whole > 0 ? layer(film_x, film_y, kSeen) / whole : 0;
@@ -155,6 +186,67 @@ double FilmAccumulator::relative_error() const {
     channels += 3;
   }
   return channels == 0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(sum / double(channels));
+}
+
+void FilmAccumulator::write(ByteWriter& bytes) const {
+  for (const int number : {x_, y_, width_, height_, planes_, ratios_.empty() ? 0 : 1}) bytes.i64(number);
+  bytes.row(pixels_);
+  bytes.row(layers_);
+  bytes.row(ratios_);
+  bytes.u64(non_finite_.size());
+  for (const auto& [corner, noted] : non_finite_) {
+    bytes.i64(corner.first);
+    bytes.i64(corner.second);
+    for (const NonFiniteSamples& samples : {noted.nan, noted.infinite}) {
+      bytes.u64(samples.count);
+      for (const int number : {samples.x, samples.y, samples.source.where, samples.source.step})
+        bytes.i64(number);
+      bytes.u64(samples.sample);
+    }
+  }
+}
+
+Expected<void> FilmAccumulator::read(ByteReader& bytes) {
+  for (const int number : {x_, y_, width_, height_, planes_, ratios_.empty() ? 0 : 1})
+    if (bytes.i64() != number) return fail("a film of another size or with other layers");
+  if (!bytes.row(pixels_) || !bytes.row(layers_) || !bytes.row(ratios_)) return fail("it ends in its film");
+  const std::uint64_t corners = bytes.u64();
+  if (corners > pixels_.size()) return fail("more tiles with samples that are not finite than pixels");
+  const auto number = [&](int low, int high) {
+    const std::int64_t value = bytes.i64();
+    return value >= low && value <= high ? std::optional(int(value)) : std::nullopt;
+  };
+  for (std::uint64_t i = 0; i < corners; ++i) {
+    const auto x = number(x_, x_ + width_ - 1), y = number(y_, y_ + height_ - 1);
+    if (!x || !y) return fail("samples that are not finite outside the film");
+    NonFinite& noted = non_finite_[{*x, *y}];
+    for (NonFiniteSamples* samples : {&noted.nan, &noted.infinite}) {
+      samples->count = bytes.u64();
+      const auto at_x = number(0, x_ + width_ - 1), at_y = number(0, y_ + height_ - 1);
+      const auto where = number(0, SOURCE_FILTER), step = number(0, std::numeric_limits<int>::max());
+      const std::uint64_t sample = bytes.u64();
+      if (!at_x || !at_y || !where || !step || sample > std::numeric_limits<std::uint32_t>::max())
+        return fail("a sample that is not finite and cannot be");
+      samples->x = *at_x, samples->y = *at_y;
+      samples->source = {*where, *step};
+      samples->sample = std::uint32_t(sample);
+    }
+  }
+  return bytes.failed() ? fail("it ends in its film") : check();
+}
+
+/// Whether its numbers can be statistics.
+Expected<void> FilmAccumulator::check() const {
+  const auto is_finite = [](double value) { return std::isfinite(value); };
+  for (const PixelStatistics& pixel : pixels_)
+    if (!std::ranges::all_of(pixel.mean, is_finite) ||
+        !std::ranges::all_of(pixel.m2, [](double m2) { return std::isfinite(m2) && m2 >= 0; }))
+      return fail("a pixel whose statistics are none");
+  if (!std::ranges::all_of(layers_, is_finite)) return fail("a layer with a value that is not finite");
+  for (std::size_t i = 0; i < ratios_.size(); ++i)
+    if (!std::ranges::all_of(ratios_[i], [&](const RatioSums& sums) { return sums.is_of(pixels_[i].count); }))
+      return fail("a pixel whose ratio is none");
+  return {};
 }
 
 std::uint64_t FilmAccumulator::hash() const {

@@ -7,7 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "kernels/host/error.h"
 #include "kernels/host/sample_buffer.h"
+#include "scheduler/plan/byte_stream.h"
 #include "scheduler/plan/ratio_estimate.h"
 
 namespace penumbra {
@@ -43,6 +45,11 @@ class FilmAccumulator {
   /// of it: for results that turned out to be unreliable and are rendered again.
   void clear(int x, int y, int width, int height);
 
+  /// Puts into its rectangle the mean of two independent estimates of it, equally weighed whatever their
+  /// samples; of one alone, where the other one has none. Of the same planes, none of them with ratios. The
+  /// statistics are then those of as many samples whose mean has that mean's variance.
+  void set_mean_of(const FilmAccumulator& a, const FilmAccumulator& b);
+
   [[nodiscard]] int x() const { return x_; }
   [[nodiscard]] int y() const { return y_; }
   [[nodiscard]] int width() const { return width_; }
@@ -65,7 +72,17 @@ class FilmAccumulator {
   /// XXH3-64 of all pixel statistics and layers, for tests of reproducibility and for statistics.
   [[nodiscard]] std::uint64_t hash() const;
 
+  /// All of its state, to go on with it in another process; so many bytes, about.
+  void write(ByteWriter& bytes) const;
+  [[nodiscard]] std::uint64_t written_size() const {
+    return bytes_per_pixel(planes_, !ratios_.empty()) * pixels_.size();
+  }
+  /// Takes the state of one of the same rectangle and planes. Error: that is not what the bytes are. It is
+  /// to be thrown away then.
+  Expected<void> read(ByteReader& bytes);
+
  private:
+  [[nodiscard]] Expected<void> check() const;
   /// The radiance and the difference layer of a pixel, from a result's value of it in the first plane on.
   void add_ratio(std::size_t pixel, const float* value, std::size_t plane, std::uint32_t count);
   [[nodiscard]] std::size_t index(int film_x, int film_y) const {

@@ -1,12 +1,31 @@
 #include "scheduler/plan/merge.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 namespace penumbra {
 
-Merge::Merge(FilmAccumulator film, TileGrid grid)
-    : film_(std::move(film)), grid_(grid), tiles_(grid.tiles()) {}
+Merge::Merge(FilmAccumulator film, TileGrid grid, std::optional<double> target_error)
+    : film_(std::move(film)), grid_(grid), target_error_(target_error), tiles_(grid.tiles()) {}
+
+/// Its halves, before its first pass.
+void Merge::begin(std::uint32_t tile) {
+  if (!target_error_ || tiles_[tile].is_done || tiles_[tile].adaptive) return;
+  const RenderUnit area = grid_.unit(tile, 0);
+  tiles_[tile].adaptive =
+      std::make_unique<AdaptiveTile>(FilmAccumulator(area.x, area.y, area.width, area.height, film_.planes()),
+                                     *target_error_, grid_.passes());
+}
+
+/// Shows what there is of it, and decides whether that is enough.
+void Merge::end_pass(std::uint32_t tile) {
+  Tile& state = tiles_[tile];
+  if (!state.adaptive) return;
+  state.is_done = state.adaptive->decide(state.next_pass);
+  state.adaptive->put_into(film_);
+  if (state.is_done) state.adaptive.reset();
+}
 
 void Merge::add(std::uint32_t tile, std::uint32_t pass, SampleBuffer result) {
   tiles_[tile].samples += result.pixels() * result.sample_count;
@@ -39,20 +58,136 @@ void Merge::start_again() {
       const RenderUnit area = grid_.unit(tile, 0);
       film_.clear(area.x, area.y, area.width, area.height);
     }
-    tiles_[tile] = {};
+    tiles_[tile] = Tile();
   }
 }
 
 void Merge::merge_what_is_next(std::uint32_t tile) {
   Tile& state = tiles_[tile];
   while (!state.waiting.empty() && state.waiting.begin()->first == state.next_pass) {
+    begin(tile);
     if (const auto& result = state.waiting.begin()->second) {
       const RenderUnit area = grid_.unit(tile, state.next_pass);
-      film_.add(area.x, area.y, *result);
+      if (state.adaptive)
+        state.adaptive->add(state.next_pass, *result);
+      else if (!state.is_done)
+        film_.add(area.x, area.y, *result);
     }
     state.waiting.erase(state.waiting.begin());
     ++state.next_pass;
+    end_pass(tile);
   }
+}
+
+void Merge::write(ByteWriter& bytes) const {
+  bytes.u64(tiles_.size());
+  for (const Tile& tile : tiles_) {
+    bytes.u64(tile.next_pass);
+    const auto is_over = [&](std::uint32_t pass) { return pass < tile.next_pass; };
+    bytes.u64(std::uint64_t(std::ranges::count_if(tile.skipped, is_over)));
+    for (const std::uint32_t pass : tile.skipped)
+      if (is_over(pass)) bytes.u64(pass);
+  }
+  film_.write(bytes);
+  if (target_error_) write_adaptive(bytes);
+}
+
+void Merge::write_adaptive(ByteWriter& bytes) const {
+  for (const Tile& tile : tiles_) {
+    bytes.u64(tile.is_done ? 1 : 0);
+    if (tile.adaptive) tile.adaptive->write(bytes);
+  }
+}
+
+Expected<void> Merge::read_adaptive(ByteReader& bytes) {
+  for (std::uint32_t number = 0; number < tiles_.size(); ++number) {
+    Tile& tile = tiles_[number];
+    tile.is_done = bytes.u64() != 0;
+    if (tile.is_done || tile.next_pass == 0) continue;
+    begin(number);
+    if (auto read = tile.adaptive->read(bytes); !read) return read;
+  }
+  return {};
+}
+
+Expected<void> Merge::read(ByteReader& bytes) {
+  if (bytes.u64() != tiles_.size()) return fail("another number of tiles");
+  std::vector<std::set<std::uint64_t>> skipped(tiles_.size());
+  for (std::size_t tile = 0; tile < tiles_.size(); ++tile) {
+    const std::uint64_t passes = bytes.u64(), gaps = bytes.u64();
+    if (passes > grid_.passes() || gaps > passes) return fail("a tile with more passes than there are");
+    tiles_[tile].next_pass = std::uint32_t(passes);
+    for (std::uint64_t gap = 0; gap < gaps && !bytes.failed(); ++gap) skipped[tile].insert(bytes.u64());
+    if (skipped[tile].size() != gaps || (gaps > 0 && *skipped[tile].rbegin() >= passes))
+      return fail("a tile whose gaps are none");
+  }
+  if (auto read = film_.read(bytes); !read) return read;
+  if (target_error_)
+    if (auto read = read_adaptive(bytes); !read) return read;
+  for (std::uint32_t number = 0; number < tiles_.size(); ++number) {
+    Tile& tile = tiles_[number];
+    const RenderUnit area = grid_.unit(number, 0);
+    std::uint64_t of_each_pixel =
+        grid_.samples(tile.next_pass) / (std::uint64_t(film_.width()) * std::uint64_t(film_.height()));
+    for (const std::uint64_t pass : skipped[number])
+      of_each_pixel -= grid_.unit(number, std::uint32_t(pass)).sample_count;
+    if (target_error_ ? !has_equal_samples(area, of_each_pixel) : !has_samples(area, of_each_pixel))
+      return fail("a pixel whose samples are not those of its passes");
+    if (skipped[number].empty()) {
+      tile.samples = std::uint64_t(area.width) * std::uint64_t(area.height) * of_each_pixel;
+    } else {
+      film_.clear(area.x, area.y, area.width, area.height);
+      tile = Tile();
+    }
+  }
+  return {};
+}
+
+bool Merge::has_samples(const RenderUnit& area, std::uint64_t of_each_pixel) const {
+  for (int y = area.y; y < area.y + area.height; ++y)
+    for (int x = area.x; x < area.x + area.width; ++x)
+      if (film_.at(x, y).count != of_each_pixel) return false;
+  return true;
+}
+
+/// Of a tile whose halves may have stopped before its last pass.
+bool Merge::has_equal_samples(const RenderUnit& area, std::uint64_t at_most) const {
+  const std::uint64_t count = film_.at(area.x, area.y).count;
+  return count <= at_most && has_samples(area, count);
+}
+
+std::uint32_t Merge::passes_wanted(std::uint32_t tile) const {
+  const Tile& state = tiles_[tile];
+  if (!target_error_) return grid_.passes();
+  return state.is_done ? state.next_pass : AdaptiveTile::next_decision(state.next_pass, grid_.passes());
+}
+
+bool Merge::is_done() const { return std::ranges::all_of(tiles_, &Tile::is_done); }
+
+std::uint64_t Merge::samples_expected() const {
+  std::uint64_t all = 0;
+  for (std::uint32_t number = 0; number < tiles_.size(); ++number) {
+    const Tile& tile = tiles_[number];
+    const RenderUnit area = grid_.unit(number, 0);
+    const std::uint32_t passes = tile.is_done    ? tile.next_pass
+                                 : tile.adaptive ? tile.adaptive->passes_expected()
+                                                 : grid_.passes();
+    all += std::uint64_t(area.width) * std::uint64_t(area.height) * grid_.samples(passes) /
+           (std::uint64_t(film_.width()) * std::uint64_t(film_.height()));
+  }
+  return all;
+}
+
+std::vector<std::uint32_t> Merge::merged_passes() const {
+  std::vector<std::uint32_t> passes;
+  for (const Tile& tile : tiles_) passes.push_back(tile.next_pass);
+  return passes;
+}
+
+std::uint64_t Merge::samples() const {
+  std::uint64_t all = 0;
+  for (const Tile& tile : tiles_) all += tile.samples;
+  return all;
 }
 
 std::uint32_t Merge::finished_passes() const {

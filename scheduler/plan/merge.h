@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "kernels/host/sample_buffer.h"
+#include "scheduler/plan/adaptive_tile.h"
 #include "scheduler/plan/film_accumulator.h"
 #include "scheduler/plan/tile_grid.h"
 
@@ -14,9 +16,12 @@ namespace penumbra {
 
 /// The film of one image and, for each tile, the results that are waiting for an earlier pass. The merged
 /// film is a function of the results alone: the same bytes for every tile size and order of arrival.
+///
+/// With a target error each tile stops by itself, see AdaptiveTile, and the film is a function of the tile
+/// size as well; passes of a tile after its last count for nothing.
 class Merge {
  public:
-  Merge(FilmAccumulator film, TileGrid grid);
+  Merge(FilmAccumulator film, TileGrid grid, std::optional<double> target_error = {});
 
   /// The result of a unit, once for each unit (unless `redo` came between), of the size that the grid says.
   void add(std::uint32_t tile, std::uint32_t pass, SampleBuffer result);
@@ -29,6 +34,23 @@ class Merge {
   /// Forgets everything, as if it were new: in time that what was merged takes to clear, and in its memory.
   void start_again();
 
+  /// What is merged, to go on with it in another process; not what waits.
+  void write(ByteWriter& bytes) const;
+  /// Takes what one of the same film and grid has written; this one is new. A tile in which a pass was
+  /// skipped begins anew: its film has no room for that pass any more. Error: that is not what the bytes are.
+  /// It is to be thrown away then.
+  Expected<void> read(ByteReader& bytes);
+
+  /// How many passes a tile needs, as far as is known yet: those that are there if it is done.
+  [[nodiscard]] std::uint32_t passes_wanted(std::uint32_t tile) const;
+  /// Whether every tile has come to the target error, or to its last pass.
+  [[nodiscard]] bool is_done() const;
+  /// Samples that all tiles will need together, by their errors so far.
+  [[nodiscard]] std::uint64_t samples_expected() const;
+  /// Of each tile, how many passes are merged (or skipped).
+  [[nodiscard]] std::vector<std::uint32_t> merged_passes() const;
+  /// Samples that are merged or wait, over all pixels.
+  [[nodiscard]] std::uint64_t samples() const;
   /// How many passes, from the first, are merged (or skipped) in every tile.
   [[nodiscard]] std::uint32_t finished_passes() const;
   /// Results that wait for an earlier pass of their tile.
@@ -43,12 +65,22 @@ class Merge {
     std::uint64_t samples = 0;                                     // over all pixels, merged or waiting
     std::map<std::uint32_t, std::optional<SampleBuffer>> waiting;  // by pass; no value: skipped
     std::vector<std::uint32_t> skipped;                            // passes, for redo()
+    std::unique_ptr<AdaptiveTile> adaptive;                        // while it is not done, with a target
+    bool is_done = false;                                          // likewise: it has come to its target
   };
 
   void merge_what_is_next(std::uint32_t tile);
+  [[nodiscard]] bool has_samples(const RenderUnit& area, std::uint64_t of_each_pixel) const;
+
+  void begin(std::uint32_t tile);
+  void end_pass(std::uint32_t tile);
+  void write_adaptive(ByteWriter& bytes) const;
+  [[nodiscard]] Expected<void> read_adaptive(ByteReader& bytes);
+  [[nodiscard]] bool has_equal_samples(const RenderUnit& area, std::uint64_t at_most) const;
 
   FilmAccumulator film_;
   TileGrid grid_;
+  std::optional<double> target_error_;
   std::vector<Tile> tiles_;
 };
 

@@ -1,14 +1,56 @@
 #include "scheduler/plan/plan.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <functional>
 #include <utility>
 
 namespace penumbra {
 
 Plan::Phase::Phase(const PhaseUnits& units)
-    : all(units), passes(units.passes), left(std::uint64_t(units.tiles) * units.passes) {}
+    : tiles(units.tiles),
+      passes(units.passes),
+      by_tile(units.passes_at_first != kAllPasses),
+      next(units.tiles),
+      limit(units.tiles, units.passes_at_first) {
+  const std::size_t known = std::min(units.merged.size(), next.size());
+  std::copy_n(units.merged.begin(), known, next.begin());
+  for (std::uint32_t tile = 0; tile < tiles; ++tile) {
+    next[tile] = std::min(next[tile], passes);
+    limit[tile] = std::max(limit[tile], next[tile]);
+    left += end(tile) - next[tile];
+  }
+  queue_tiles();
+}
+
+std::uint64_t Plan::Phase::units() const {
+  std::uint64_t all = 0;
+  for (std::uint32_t tile = 0; tile < tiles; ++tile) all += end(tile);
+  return all;
+}
+
+void Plan::Phase::queue_tiles() {
+  fresh.clear();
+  for (std::uint32_t tile = 0; tile < tiles; ++tile)
+    if (next[tile] < end(tile)) fresh.push_back(std::uint64_t(next[tile]) << 32 | tile);
+  std::ranges::make_heap(fresh, std::greater());
+}
+
+/// One that is not there.
+void Plan::Phase::queue(std::uint32_t tile) {
+  if (next[tile] >= end(tile)) return;
+  fresh.push_back(std::uint64_t(next[tile]) << 32 | tile);
+  std::ranges::push_heap(fresh, std::greater());
+}
+
+std::optional<std::pair<std::uint32_t, std::uint32_t>> Plan::Phase::take() {
+  if (fresh.empty()) return {};
+  std::ranges::pop_heap(fresh, std::greater());
+  const auto tile = std::uint32_t(fresh.back());
+  fresh.pop_back();
+  const std::uint32_t pass = next[tile]++;
+  queue(tile);
+  return std::pair(pass, tile);
+}
 
 void Plan::Job::begin() {
   phases.clear();
@@ -16,8 +58,11 @@ void Plan::Job::begin() {
   phase = 0;
   waits = false;
   units_left = 0;
-  for (const Phase& p : phases) units_left += p.left;
   counts = {};
+  for (const Phase& p : phases) {
+    units_left += p.left;
+    counts.done += p.units() - p.left;
+  }
   set_aside.clear();
 }
 
@@ -90,11 +135,22 @@ void Plan::on(const MorePasses& event) {
   Job& job = found->second;
   Phase& phase = job.phases[job.phase];
   if (event.passes <= phase.passes) return;
-  const std::uint64_t more = std::uint64_t(phase.all.tiles) * (event.passes - phase.passes);
+  const std::uint64_t before = phase.units();
   phase.passes = event.passes;
-  phase.left += more;
-  job.units_left += more;
-  units_left_ += more;
+  phase.queue_tiles();
+  count_left(job, phase, std::int64_t(phase.units() - before));
+}
+
+void Plan::on(const PassesOfTile& event) {
+  const auto found = jobs_.find(event.job);
+  if (found == jobs_.end()) return;
+  Job& job = found->second;
+  Phase& phase = job.phases[job.phase];
+  if (phase.closed || event.tile >= phase.tiles || event.passes <= phase.limit[event.tile]) return;
+  const std::uint32_t before = phase.end(event.tile);
+  phase.limit[event.tile] = event.passes;
+  if (phase.next[event.tile] == before) phase.queue(event.tile);
+  count_left(job, phase, phase.end(event.tile) - before);
 }
 
 void Plan::on(const NoFurtherPasses& event) {
@@ -102,13 +158,16 @@ void Plan::on(const NoFurtherPasses& event) {
   if (found == jobs_.end()) return;
   Job& job = found->second;
   Phase& phase = job.phases.back();
-  const std::uint32_t begun = phase.next_pass + (phase.next_tile > 0 ? 1 : 0);
-  const std::uint32_t passes = std::min(phase.passes, std::max(1u, begun));
-  const std::uint64_t dropped = std::uint64_t(phase.all.tiles) * (phase.passes - passes);
-  phase.passes = passes;
-  phase.left -= dropped;
-  job.units_left -= dropped;
-  units_left_ -= dropped;
+  const std::uint64_t before = phase.units();
+  std::uint32_t begun = 1;
+  for (std::uint32_t tile = 0; tile < phase.tiles; ++tile) {
+    begun = std::max(begun, phase.next[tile]);
+    if (phase.by_tile) phase.limit[tile] = std::max(1u, phase.next[tile]);
+  }
+  phase.closed = true;
+  phase.passes = std::min(phase.passes, begun);
+  phase.queue_tiles();
+  count_left(job, phase, std::int64_t(phase.units() - before));
 }
 
 // --- What happened to workers
@@ -276,6 +335,7 @@ void Plan::forget_units(JobId job) {
 void Plan::restart(JobId id) {
   Job& job = jobs_.at(id);
   forget_units(id);
+  for (PhaseUnits& units : job.as_added) units.merged.clear();
   units_left_ -= job.units_left;
   job.begin();
   units_left_ += job.units_left;
@@ -284,7 +344,11 @@ void Plan::restart(JobId id) {
 
 void Plan::count_left(UnitId id, std::int64_t more) {
   Job& job = jobs_.at(id.job);
-  job.phases[id.phase].left += std::uint64_t(more);
+  count_left(job, job.phases[id.phase], more);
+}
+
+void Plan::count_left(Job& job, Phase& phase, std::int64_t more) {
+  phase.left += std::uint64_t(more);
   job.units_left += std::uint64_t(more);
   units_left_ += std::uint64_t(more);
 }
@@ -419,11 +483,10 @@ void Plan::redo_work_of(WorkerId first, WorkerId second, JobId id) {
   const Phase& phase = present(job);
   const std::vector<bool> of_first = contributions(first, id, job.phase),
                           of_second = contributions(second, id, job.phase);
-  for (std::uint32_t tile = 0; tile < phase.all.tiles; ++tile) {
+  for (std::uint32_t tile = 0; tile < phase.tiles; ++tile) {
     if (!of_first[tile] && !of_second[tile]) continue;
     orders_.push_back(RedoTile{id, job.phase, tile});
-    const std::uint32_t issued = phase.next_pass + (tile < phase.next_tile ? 1 : 0);
-    for (std::uint32_t pass = 0; pass < issued; ++pass) reopen({id, job.phase, pass, tile});
+    for (std::uint32_t pass = 0; pass < phase.next[tile]; ++pass) reopen({id, job.phase, pass, tile});
   }
   contributions_.erase({first, id, job.phase});
   contributions_.erase({second, id, job.phase});
@@ -443,7 +506,7 @@ void Plan::reopen(UnitId id) {
 
 std::vector<bool>& Plan::contributions(WorkerId worker, JobId job, std::uint32_t phase) {
   std::vector<bool>& tiles = contributions_[{worker, job, phase}];
-  tiles.resize(jobs_.at(job).phases[phase].all.tiles);
+  tiles.resize(jobs_.at(job).phases[phase].tiles);
   return tiles;
 }
 

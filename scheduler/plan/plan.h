@@ -3,6 +3,7 @@
 // fake workers and a fake clock.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -48,7 +49,7 @@ class Plan {
   [[nodiscard]] bool gave_up() const { return disputes_ >= kDisputesToGiveUp; }
   [[nodiscard]] std::uint64_t units_left() const { return units_left_; }
 
-  /// Of one job, since it was added or began anew.
+  /// Of one job, since it was added or began anew. What was merged before counts as done.
   struct Counts {
     std::uint64_t done = 0, duplicated = 0, requeued = 0;  ///< duplicated: copies given out
   };
@@ -61,12 +62,20 @@ class Plan {
 
  private:
   struct Phase {
-    PhaseUnits all;
-    std::uint32_t passes;  // to be issued
-    std::uint32_t next_pass = 0, next_tile = 0;
-    std::uint64_t left = 0;  // units that are neither done nor set aside
+    std::uint32_t tiles;
+    std::uint32_t passes;                    // to be issued, at most
+    bool by_tile;                            // each tile has its limit
+    bool closed = false;                     // to further passes
+    std::vector<std::uint32_t> next, limit;  // of each tile: the pass to be issued next, and where it ends
+    std::vector<std::uint64_t> fresh;        // heap of (next, tile) of the tiles with anything to issue
+    std::uint64_t left = 0;                  // units that are neither done nor set aside
 
     explicit Phase(const PhaseUnits& units);
+    [[nodiscard]] std::uint32_t end(std::uint32_t tile) const { return std::min(limit[tile], passes); }
+    [[nodiscard]] std::uint64_t units() const;  // of all tiles up to their ends
+    void queue_tiles();
+    void queue(std::uint32_t tile);
+    [[nodiscard]] std::optional<std::pair<std::uint32_t, std::uint32_t>> take();  // a pass and its tile
   };
   struct Job {
     int priority = 0;
@@ -101,7 +110,7 @@ class Plan {
     Seconds hung_until = 0;  // then it is dismissed
   };
   // A unit that was issued and that a worker still holds, or that waits to be issued again. A unit before its
-  // phase's `next` that has no record is done or set aside.
+  // tile's `next` that has no record is done or set aside.
   struct Unit {
     std::set<WorkerId> holders;
     bool closed = false;  // done or set aside; kept for the holders' results
@@ -126,6 +135,7 @@ class Plan {
   void on(const UnitFailed& event);
   void on(const ResultCorrupt& event);
   void on(const MorePasses& event);
+  void on(const PassesOfTile& event);
   void on(const NoFurtherPasses& event);
   void on(const Tick& event);
 
@@ -135,6 +145,7 @@ class Plan {
   void forget_units(JobId job);
   void restart(JobId job);
   void count_left(UnitId id, std::int64_t more);
+  void count_left(Job& job, Phase& phase, std::int64_t more);
   void tell_if_phase_is_done(JobId id);
   void tell_if_nobody_can(JobId id);
   void forget_others(WorkerId id);

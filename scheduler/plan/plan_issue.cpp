@@ -51,7 +51,7 @@ bool Plan::has_work(const Job& job, JobId id) const {
     const auto first = units.lower_bound(UnitId{.job = id});
     return first != units.end() && first->job == id;
   };
-  const bool has_fresh = !job.waits && phase.all.tiles > 0 && phase.next_pass < phase.passes;
+  const bool has_fresh = !job.waits && !phase.fresh.empty();
   return has_fresh || any_of_job(requeued_) || any_of_job(suspects_);
 }
 
@@ -114,13 +114,10 @@ std::optional<UnitId> Plan::requeued_for(WorkerId id, JobId job) const {
 std::optional<UnitId> Plan::fresh(JobId id) {
   Job& job = jobs_.at(id);
   Phase& phase = job.phases[job.phase];
-  if (job.waits || phase.next_pass >= phase.passes || phase.all.tiles == 0) return {};
-  const UnitId unit{id, job.phase, phase.next_pass, phase.next_tile};
-  if (++phase.next_tile == phase.all.tiles) {
-    phase.next_tile = 0;
-    ++phase.next_pass;
-  }
-  return unit;
+  if (job.waits) return {};
+  const auto taken = phase.take();
+  if (!taken) return {};
+  return UnitId{id, job.phase, taken->first, taken->second};
 }
 
 std::optional<UnitId> Plan::straggler_for(WorkerId id) {

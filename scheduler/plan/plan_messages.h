@@ -42,10 +42,16 @@ constexpr Seconds kFirstStragglerAge = 1;  ///< see Plan; only while no unit of 
 
 constexpr int kJobsPerWorker = 2;  ///< that it keeps prepared: the one it works at, and the next
 
+constexpr std::uint32_t kAllPasses = ~std::uint32_t(0);
+
 /// The work units of one phase of a job: tiles x passes.
 struct PhaseUnits {
   std::uint32_t tiles = 0;
-  std::uint32_t passes = 0;
+  std::uint32_t passes = 0;  ///< of a tile, at most
+  /// Of each tile so many, from the first, before PassesOfTile says more.
+  std::uint32_t passes_at_first = kAllPasses;
+  /// Of each tile so many, from the first, are there already; empty: none.
+  std::vector<std::uint32_t> merged = {};
 };
 
 /// What a worker did to a unit.
@@ -73,8 +79,8 @@ struct PriorityChanged {
   JobId job;
   int priority;
 };
-/// What was issued of it is void: it begins anew, as it was added. What workers still do of it is dropped by
-/// those who pass on events.
+/// What was issued of it is void: it begins anew, as it was added, but with nothing merged. What workers
+/// still do of it is dropped by those who pass on events.
 struct JobRestarted {
   JobId job;
 };
@@ -120,14 +126,22 @@ struct MorePasses {  ///< of the job's present phase: so many in all; no fewer t
   JobId job;
   std::uint32_t passes;
 };
-struct NoFurtherPasses {  ///< of the job's last phase: finish those that are begun (the first at least)
+struct PassesOfTile {  ///< of a tile of the job's present phase: so many in all; fewer than before change
+                       ///< nothing
+  JobId job;
+  std::uint32_t tile;
+  std::uint32_t passes;
+};
+/// Of the job's last phase: finish those that are begun (the first at least); where tiles have as many as
+/// PassesOfTile says, each those that it has begun.
+struct NoFurtherPasses {
   JobId job;
 };
 struct Tick {};  ///< time has passed
 
 using PlanEvent = std::variant<JobAdded, JobRemoved, PriorityChanged, JobRestarted, PhaseOpened, WorkerJoined,
                                WorkerPrepared, WorkerUnfit, WorkerLost, Alive, Progressed, UnitDone,
-                               UnitFailed, ResultCorrupt, MorePasses, NoFurtherPasses, Tick>;
+                               UnitFailed, ResultCorrupt, MorePasses, PassesOfTile, NoFurtherPasses, Tick>;
 
 // --- Orders: what to do, in this order.
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 namespace penumbra {
@@ -51,6 +52,12 @@ class RatioSums {
     return std::max(m2_ + change() * (2 * products_ + change() * squares_b_), 0.0);
   }
   [[nodiscard]] double difference() const { return difference_ + change() * b_; }
+
+  /// Whether they are numbers, of so many samples.
+  [[nodiscard]] bool is_of(std::uint64_t count) const {
+    const double all[] = {ratio_, mean_, m2_, b_, squares_b_, products_, w_, excess_, difference_};
+    return count_ == count && std::ranges::all_of(all, [](double v) { return std::isfinite(v); });
+  }
 
  private:
   /// From the first result's ratio to that of all.

@@ -58,6 +58,10 @@ std::string repeat_command(const RenderRecord& record, bool with_crop) {
     if (setting.option == "spp" && record.stop_after) add("--stop-after", fmt::to_string(*record.stop_after));
   }
   add("--pass", fmt::to_string(record.samples_per_pass));
+  if (record.target_error) {
+    add("--target-error", fmt::to_string(*record.target_error));
+    add("--tile", fmt::to_string(record.tile));
+  }
   add("--intersector", record.embree ? "embree" : "portable");
   if (!record.isa.empty()) add("--isa", record.isa);
   if (record.backend != Backend::kNative) add("--backend", std::string(backend_name(record.backend)));
@@ -85,6 +89,10 @@ std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRe
   }
   if (record.stop_after) entries.emplace_back("stop_after", integer_value(*record.stop_after));
   entries.emplace_back("samples_per_pass", integer_value(record.samples_per_pass));
+  if (record.target_error) {
+    text("target_error", fmt::to_string(*record.target_error));
+    entries.emplace_back("tile", integer_value(std::uint32_t(record.tile)));
+  }
   text("intersector", record.embree ? "embree" : "portable");
   text("backend", std::string(backend_name(record.backend)));
   if (!record.isa.empty()) text("isa", record.isa);
@@ -95,7 +103,8 @@ std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRe
 
 RenderRecord record_of_rendered(RenderRecord record, const RenderedSamples& rendered) {
   // Where there are gaps, counts do not tell which samples there are.
-  if (!rendered.has_gaps && rendered.most > 0 && rendered.most < record.sampler.spp)
+  if (!rendered.has_gaps && !rendered.ended_by_tile && rendered.most > 0 &&
+      rendered.most < record.sampler.spp)
     record.stop_after = std::uint32_t(rendered.most);
   return record;
 }

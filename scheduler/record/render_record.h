@@ -26,6 +26,8 @@ struct RenderRecord : RenderSettings {
   /// Only so many of them are rendered; nothing: all.
   std::optional<std::uint32_t> stop_after;
   std::uint32_t samples_per_pass = 16;
+  std::optional<double> target_error;  ///< of each tile
+  int tile = 0;                        ///< pixels along a side; matters with a target error
   bool feature_layers = true;
   bool embree = false;  ///< else the portable intersector
   Backend backend = Backend::kNative;
@@ -46,9 +48,11 @@ struct RenderedSamples {
   bool has_gaps = false;              ///< pixels may lack samples that come before others that they have
   std::uint64_t least = 0, most = 0;  ///< of a pixel
   std::string_view backends = {};     ///< what computed them: native, opencl, or both; empty: as was asked
+  bool ended_by_tile = false;         ///< each tile has come to the target error, or to all samples
 
-  /// Whether some command renders the same image: every pixel has the first samples, equally many.
-  [[nodiscard]] bool repeatable() const { return !has_gaps && least == most; }
+  /// Whether some command renders the same image: every pixel has the first samples, equally many, or as many
+  /// as its tile's results ask for.
+  [[nodiscard]] bool repeatable() const { return !has_gaps && (least == most || ended_by_tile); }
 };
 
 /// The record of what was rendered, where that may be less than what was to be. Its command repeats the image

@@ -50,9 +50,10 @@ Json non_finite_json(const NonFiniteSamples& samples, const std::string& reprodu
             {"repeat", repeat_sample_command(samples, reproduce_command)}}}};
 }
 
-Json samples_json(const FilmAccumulator& film, const std::string& reproduce_command) {
+Json samples_json(const FilmAccumulator& film, std::uint64_t before, const std::string& reproduce_command) {
   const SampleRange range = sample_range(film);
   return {{"total", range.total},
+          {"before", before},
           {"least_per_pixel", range.least},
           {"most_per_pixel", range.most},
           {"nan", non_finite_json(film.nan(), reproduce_command)},
@@ -124,7 +125,11 @@ double samples_per_second(const RenderOutcome& outcome) {
 
 RenderedSamples rendered_samples(const RenderOutcome& outcome) {
   const SampleRange range = sample_range(outcome.film);
-  return {outcome.complete, outcome.units_set_aside > 0, range.least, range.most};
+  return {.complete = outcome.complete,
+          .has_gaps = outcome.units_set_aside > 0,
+          .least = range.least,
+          .most = range.most,
+          .ended_by_tile = outcome.ended_by_tile};
 }
 
 std::string_view backends_of(const RenderOutcome& outcome) {
@@ -168,7 +173,7 @@ Json statistics_json(const RenderStatistics& statistics) {
         {"height", film.height},
         {"crop", {film.crop_x, film.crop_y, film.crop_x + film.crop_width, film.crop_y + film.crop_height}}}},
       {"settings", settings_json(statistics)},
-      {"samples", samples_json(outcome.film, job.reproduce_command)},
+      {"samples", samples_json(outcome.film, outcome.samples_before, job.reproduce_command)},
       {"relative_error", json_number(outcome.film.relative_error())},
       {"polygon_lights", polygon_light_json(outcome.film)},
       {"film_hash", hash_text(outcome.film.hash())},
@@ -176,6 +181,7 @@ Json statistics_json(const RenderStatistics& statistics) {
        {{"build", statistics.build_seconds},
         {"to_first_tile", outcome.seconds_to_first_tile},
         {"render", outcome.seconds},
+        {"before", outcome.seconds_before},
         {"write", statistics.write_seconds}}},
       {"samples_per_second", samples_per_second(outcome)},
       {"passes", {{"finished", outcome.passes_finished}, {"asked_for", outcome.passes_total}}},

@@ -15,6 +15,7 @@
 #include "kernels/host/words.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/progress.h"
+#include "scheduler/cli/render_checkpoint.h"
 #include "scheduler/cli/render_outputs.h"
 #include "scheduler/cli/render_preparation.h"
 #include "scheduler/cli/sets/set_plan.h"
@@ -24,7 +25,6 @@
 #include "scheduler/protocol/mailbox.h"
 #include "scheduler/protocol/wire.h"
 #include "scheduler/record/film_image.h"
-#include "scheduler/record/version.h"
 
 namespace penumbra {
 namespace {
@@ -46,12 +46,11 @@ int largest_tile(const SetPlan& plan) {
 }
 
 /// Everything that the images depend on.
-std::string key_of(const PreparedRender& prepared, std::string text) {
-  for (const auto& [name, value] : record_entries(prepared.record))
-    text += std::visit([&](const auto& v) { return fmt::format("\n{}={}", name, v); }, value);
+std::string key_of(const PreparedRender& prepared, const std::string& worker, bool strict_numerics) {
+  const RenderIdentity identity = identity_of(prepared, worker);
+  std::string text = identity_text(identity) + fmt::format("strict={}", strict_numerics);
   if (prepared.job.time_budget) text += fmt::format("\ntime_budget={}", *prepared.job.time_budget);
-  const std::vector<std::uint8_t> scene = prepared.job.scene.serialize();
-  return content_hash(scene) + content_hash(bytes_of(text)).substr(0, 16);
+  return identity.scene + content_hash(bytes_of(text)).substr(0, 16);
 }
 
 struct ReadyRender {
@@ -116,7 +115,7 @@ class SceneSet final : public JobSource {
   const std::vector<std::string>& command_line_;
   const std::atomic<bool>& stop_;
   ProgressPrinter printer_;
-  std::string key_begin_;  ///< what holds for all
+  std::string worker_;  ///< hash of that program
 
   std::mutex mutex_;  // of entries_
   std::vector<SetEntry> entries_;
@@ -144,12 +143,23 @@ void SceneSet::read_scenes() {
       continue;
     }
     for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
-    keys_[i] = key_of(*prepared, fmt::format("{} {}", key_begin_, plan_.members[i].options.strict_numerics));
+    keys_[i] = key_of(*prepared, worker_, plan_.members[i].options.strict_numerics);
     prepared->job.priority = plan_.members[i].priority;
     if (!options_.force && entries_[i].key == keys_[i]) {
       end(i, SetState::kUnchanged);
       continue;
     }
+    Expected<std::string> resumed = "";
+    if (const auto made = make_folders(prepared->files); !made)
+      resumed = std::unexpected(made.error());
+    else
+      resumed = attach_checkpoint(*prepared, plan_.members[i].options, worker_);
+    if (!resumed) {
+      print_error({fmt::format("{}: {}", plan_.members[i].name, resumed.error().message)});
+      end(i, SetState::kFailed, resumed.error().message);
+      continue;
+    }
+    if (prepared->job.before && !options_.quiet) print_message(*resumed);
     ready_.put({i, std::make_shared<PreparedRender>(std::move(*prepared))});
   }
   all_read_ = true;
@@ -224,6 +234,7 @@ void SceneSet::write(FinishedRender finished) {
   const std::string reproduce_command = finished.prepared->job.reproduce_command;
   if (written) written = write_outputs(*finished.prepared, outcome, command_line_);
   if (!written) print_error({fmt::format("{}: {}", name, written.error().message)});
+  if (written && outcome.complete) remove_checkpoint(*finished.prepared);
   print_problems(outcome, stop_);
   const bool strict = plan_.members[finished.index].options.strict_numerics;
   const bool non_finite = print_non_finite(outcome.film, reproduce_command, strict);
@@ -258,7 +269,7 @@ std::size_t SceneSet::ended() {
 ExitCode SceneSet::run() {
   const auto worker = find_program("penumbra-worker");
   if (!worker) return print_error(worker.error()), kIncomplete;
-  key_begin_ = fmt::format("{} {}", kVersion, program_hash(*worker));
+  worker_ = program_hash(*worker);
   FarmOptions farm{.workers = options_.workers,
                    .worker_executable = worker->string(),
                    .listen = options_.listen,

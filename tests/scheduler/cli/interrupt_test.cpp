@@ -81,7 +81,7 @@ TEST_F(Interrupt, KeepsWhatIsMergedAndSaysThatItIsIncomplete) {
   EXPECT_EQ(result.exit_code, 1) << result.err;
   EXPECT_THAT(result.err, HasSubstr("incomplete"));
   expect_no_orphans();
-  EXPECT_THAT(folder_.names(), ElementsAre("s.exr", "s.json", "s.png", "s.xml"));
+  EXPECT_THAT(folder_.names(), ElementsAre("s.exr", "s.exr.checkpoint", "s.json", "s.png", "s.xml"));
   const auto exr = read_image(folder_ / "s.exr");
   ASSERT_TRUE(exr) << exr.error().message;
   EXPECT_EQ(exr->attribute("penumbra:incomplete"), MetadataValue(1));
@@ -128,7 +128,7 @@ TEST_F(Interrupt, AClosedTerminalKeepsWhatIsMerged) {
   const ProgramResult result = program_->wait();
   EXPECT_EQ(result.exit_code, 1) << result.err;
   expect_no_orphans();
-  EXPECT_THAT(folder_.names(), ElementsAre("s.exr", "s.json", "s.png", "s.xml"));
+  EXPECT_THAT(folder_.names(), ElementsAre("s.exr", "s.exr.checkpoint", "s.json", "s.png", "s.xml"));
 }
 
 TEST_F(Interrupt, NoOrphansAfterKill) {

@@ -102,7 +102,9 @@ TEST(RenderOptions, RejectsValuesOutOfRange) {
       {"a.xml", "-D", "=1"},
       {"a.xml", "--set", "key"},
       {"a.xml", "--report", "r.json", "--no-report"},
-      {"a.xml", "--resume"},
+      {"a.xml", "--undo"},
+      {"a.xml", "--resume", "--pixel", "1,1"},
+      {"a.xml", "--checkpoint-interval", "-1"},
   };
   for (const auto& words : bad) EXPECT_NE(parse(words), "") << (words.empty() ? "nothing" : words.back());
 }

@@ -63,16 +63,39 @@ TEST(Usage, EveryCommandHasHelpWithExamples) {
 
 TEST(Usage, HelpNamesTheOptionsThatThereAreAndNoOthers) {
   const std::string help = run({"render", "--help"}).out;
-  for (const char* option : {"--out",     "--integrator",    "--spp",        "--seed",
-                             "--backend", "--workers",       "--threads",    "--tile",
-                             "--pass",    "--time-budget",   "--stop-after", "--crop",
-                             "--pixel",   "--report",        "--no-report",  "-D",
-                             "--set",     "--lenient",       "--sampler",    "--intersector",
-                             "--isa",     "--opencl-device", "--device",     "--no-features",
-                             "--quiet",   "--listen",        "--tev"}) {
+  for (const char* option : {"--out",
+                             "--integrator",
+                             "--spp",
+                             "--seed",
+                             "--backend",
+                             "--workers",
+                             "--threads",
+                             "--tile",
+                             "--pass",
+                             "--time-budget",
+                             "--stop-after",
+                             "--crop",
+                             "--pixel",
+                             "--report",
+                             "--no-report",
+                             "-D",
+                             "--set",
+                             "--lenient",
+                             "--sampler",
+                             "--intersector",
+                             "--isa",
+                             "--opencl-device",
+                             "--device",
+                             "--no-features",
+                             "--quiet",
+                             "--listen",
+                             "--tev",
+                             "--resume",
+                             "--checkpoint-interval",
+                             "--target-error"}) {
     EXPECT_THAT(help, HasSubstr(option));
   }
-  for (const char* option : {"--resume", "--launch", "--target-error"}) {
+  for (const char* option : {"--launch"}) {
     EXPECT_THAT(help, Not(HasSubstr(option)));
   }
 }

@@ -1,4 +1,5 @@
-// The plan against thousands of random schedules: jobs of several phases and priorities, workers that die,
+// The plan against thousands of random schedules: jobs of several phases and priorities, some of them begun
+// before by another scheduler, workers that die,
 // hang, come back late, fail, send damaged results, and units that do this to every worker. Whatever happens,
 // each film must be the one that an undisturbed render gives.
 #include <gtest/gtest.h>
@@ -38,8 +39,10 @@ class SimulatedFarm {
             {.tiles = std::uint32_t(between(1, 12)), .passes = std::uint32_t(between(1, 5))});
       make_merges(job);
     }
+    for (auto& [job, phases] : jobs_)
+      if (chance(0.4)) begin_before(job, phases);
     for_each_unit([&](const UnitId& unit) {
-      if (chance(habits_.poisonous)) poison_.emplace(unit, between(0, 2));
+      if (chance(habits_.poisonous) && !merged_.contains(unit)) poison_.emplace(unit, between(0, 2));
     });
   }
 
@@ -56,7 +59,7 @@ class SimulatedFarm {
   }
 
   [[nodiscard]] bool gave_up() const { return plan_->gave_up(); }
-  int dismissals = 0, set_asides = 0, duplicates = 0, restarts = 0;
+  int dismissals = 0, set_asides = 0, duplicates = 0, restarts = 0, resumed = 0, redone_from_before = 0;
 
  private:
   enum class Fate { kDone, kDies, kFails, kCorrupt };
@@ -81,6 +84,24 @@ class SimulatedFarm {
         for (std::uint32_t pass = 0; pass < phases[phase].passes; ++pass)
           for (std::uint32_t tile = 0; tile < phases[phase].tiles; ++tile)
             act(UnitId{job, phase, pass, tile});
+  }
+
+  /// What an earlier scheduler has merged of the job: in its first phase, or also in its second one.
+  void begin_before(JobId job, std::vector<PhaseUnits>& phases) {
+    ++resumed;
+    const std::uint32_t last = std::uint32_t(between(0, int(phases.size()) - 1));
+    for (std::uint32_t phase = 0; phase <= last; ++phase) {
+      PhaseUnits& units = phases[phase];
+      for (std::uint32_t tile = 0; tile < units.tiles; ++tile) {
+        const auto merged = std::uint32_t(phase < last ? int(units.passes) : between(0, int(units.passes)));
+        units.merged.push_back(merged);
+        for (std::uint32_t pass = 0; pass < merged; ++pass) {
+          const UnitId unit{job, phase, pass, tile};
+          merged_.emplace(unit, 0);
+          merge_of(unit).add(tile, pass, result(unit, false));
+        }
+      }
+    }
   }
 
   void make_merges(JobId job) {
@@ -251,6 +272,8 @@ class SimulatedFarm {
     ASSERT_LT(unit.tile, jobs_.at(unit.job).at(unit.phase).tiles);
     ASSERT_LT(unit.pass, jobs_.at(unit.job).at(unit.phase).passes);
     ASSERT_EQ(std::ranges::count(worker.units, order.unit), 0) << "a worker has the unit already";
+    const auto before = merged_.find(unit);
+    ASSERT_TRUE(before == merged_.end() || before->second != 0) << "an earlier scheduler has merged it";
     worker.units.push_back(order.unit);
     ASSERT_LE(worker.units.size(), std::size_t(kUnitsPerWorker));
     if (worker.units.size() == 1) begin(worker);
@@ -289,6 +312,8 @@ class SimulatedFarm {
     const auto in_tile = [&](const UnitId& unit) {
       return unit.job == order.job && unit.phase == order.phase && unit.tile == order.tile;
     };
+    redone_from_before +=
+        int(std::erase_if(merged_, [&](const auto& m) { return in_tile(m.first) && m.second == 0; }));
     std::erase_if(merged_, [&](const auto& m) { return in_tile(m.first); });
     std::erase_if(lies_, in_tile);
   }
@@ -374,7 +399,7 @@ class PlanSimulation : public testing::TestWithParam<Scenario> {};
 
 TEST_P(PlanSimulation, NothingIsLostNothingIsMergedTwiceAndItEnds) {
   constexpr unsigned kSeeds = 1500;
-  int dismissals = 0, set_asides = 0, duplicates = 0, restarts = 0, given_up = 0;
+  int dismissals = 0, set_asides = 0, duplicates = 0, restarts = 0, given_up = 0, resumed = 0, redone = 0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     SCOPED_TRACE(testing::Message() << GetParam().name << ", seed " << seed);
     SimulatedFarm farm(seed, GetParam().habits);
@@ -385,10 +410,14 @@ TEST_P(PlanSimulation, NothingIsLostNothingIsMergedTwiceAndItEnds) {
     duplicates += farm.duplicates;
     restarts += farm.restarts;
     given_up += farm.gave_up() ? 1 : 0;
+    resumed += farm.resumed;
+    redone += farm.redone_from_before;
   }
   // The scenarios must contain what they are there for.
   const Habits& habits = GetParam().habits;
   EXPECT_GT(duplicates, 0);
+  EXPECT_GT(resumed, 500);
+  if (habits.lies > 0) EXPECT_GT(redone, 20) << "units of an earlier scheduler";
   if (habits.poisonous > 0) EXPECT_GT(set_asides, 100);
   if (habits.corrupts + habits.hangs + habits.lies > 0) EXPECT_GT(dismissals, 100);
   if (habits.lies == 0) EXPECT_EQ(given_up, 0);

@@ -610,6 +610,79 @@ TEST_F(PlanTest, NoFurtherPassesBeforeTheFirstRendersOnePass) {
   EXPECT_EQ(plan_->counts(kJob).done, 3u);
 }
 
+// --- Tiles that have passes already, and tiles with passes of their own
+
+TEST_F(PlanTest, WhatIsMergedAlreadyIsNotIssued) {
+  plan_.emplace(LeaseRule{.silence = kNever});
+  add(kJob, {{.tiles = 3, .passes = 3, .merged = {1, 3, 0}}});
+  EXPECT_EQ(plan_->units_left(), 5u);
+  join(1);
+  std::vector<UnitId> order;
+  while (!plan_->finished()) {
+    order.push_back(held_[1].front());
+    work(1);
+  }
+  EXPECT_THAT(order, ElementsAre(unit(0, 2), unit(1, 0), unit(1, 2), unit(2, 0), unit(2, 2)));
+  EXPECT_EQ(plan_->counts(kJob).done, 9u);
+}
+
+TEST_F(PlanTest, NothingIsLeftOfAJobThatIsMergedWhole) {
+  plan_.emplace(LeaseRule{.silence = kNever});
+  add(kJob, {{.tiles = 2, .passes = 3, .merged = {3, 5}}});  // more than there are
+  EXPECT_TRUE(plan_->finished(kJob));
+  tell(JobRestarted{kJob});
+  EXPECT_EQ(plan_->units_left(), 6u) << "a job that begins anew has nothing";
+}
+
+TEST_F(PlanTest, ADisputedTileIsRedoneFromNothingAlsoWhereItWasMergedBefore) {
+  plan_.emplace(LeaseRule{.silence = kNever});
+  add(kJob, {{.tiles = 2, .passes = 4, .merged = {2, 4}}});
+  join(1);  // (2, 0) and (3, 0)
+  join(2);
+  wait(10);
+  ASSERT_THAT(held_[2], ElementsAre(unit(3, 0))) << "a copy of what waits";
+  now_ += 1;
+  done(2, unit(3, 0), 8);
+  done(1, unit(2, 0));
+  done(1, unit(3, 0), 9);
+  EXPECT_THAT(tiles_to_redo(), ElementsAre(0));
+  EXPECT_EQ(plan_->units_left(), 4u);
+  EXPECT_EQ(plan_->counts(kJob).done, 4u);
+  join(3);
+  while (!plan_->finished()) work(3);
+  EXPECT_EQ(plan_->counts(kJob).done, 8u);
+}
+
+TEST_F(PlanTest, ATimeBudgetFinishesThePassThatAnEarlierSchedulerBegan) {
+  plan_.emplace(LeaseRule{.silence = kNever});
+  add(kJob, {{.tiles = 3, .passes = 9, .merged = {2, 1, 1}}});
+  tell(NoFurtherPasses{kJob});
+  EXPECT_EQ(plan_->passes(kJob), 2u);
+  EXPECT_EQ(plan_->units_left(), 2u);
+}
+
+TEST_F(PlanTest, TilesHavePassesOfTheirOwn) {
+  plan_.emplace(LeaseRule{.silence = kNever});
+  add(kJob, {{.tiles = 2, .passes = 5, .passes_at_first = 2}});
+  join(1);
+  for (int i = 0; i < 4; ++i) work(1);
+  EXPECT_TRUE(plan_->finished());
+  tell(PassesOfTile{kJob, 1, 4});
+  EXPECT_THAT(assigned(), ElementsAre(Pair(1, unit(2, 1)), Pair(1, unit(3, 1))));
+  tell(PassesOfTile{kJob, 1, 3});
+  EXPECT_EQ(plan_->units_left(), 2u) << "never fewer";
+  tell(PassesOfTile{kJob, 0, 99});
+  EXPECT_EQ(plan_->units_left(), 5u) << "never more than the phase has";
+  tell(PassesOfTile{kJob, 7, 3});  // there is none
+  tell(PassesOfTile{9, 0, 3});
+  work(1);
+  EXPECT_THAT(assigned(), ElementsAre(Pair(1, unit(2, 0)))) << "the one that is furthest behind";
+  tell(NoFurtherPasses{kJob});
+  tell(PassesOfTile{kJob, 1, 5});
+  EXPECT_EQ(plan_->units_left(), 2u) << "what is out is finished";
+  while (!plan_->finished()) work(1);
+}
+
 // --- A render whose samples are wanted bit by bit
 
 TEST_F(PlanTest, MorePassesOfNoneStartTheImage) {

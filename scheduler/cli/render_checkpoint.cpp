@@ -1,0 +1,82 @@
+#include "scheduler/cli/render_checkpoint.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "scheduler/farm/job_run.h"
+#include "scheduler/protocol/wire.h"
+#include "scheduler/record/version.h"
+
+namespace penumbra {
+namespace {
+
+/// With what the state of the film depends on besides: which tiles there are.
+RenderIdentity identity_of_checkpoint(const PreparedRender& prepared, const std::string& worker) {
+  RenderIdentity identity = identity_of(prepared, worker);
+  const RenderJob& job = prepared.job;
+  identity.settings.emplace_back("tile", fmt::to_string(job.tile));
+  identity.settings.emplace_back(
+      "crop", fmt::format("{},{},{},{}", job.x, job.y, job.x + job.width, job.y + job.height));
+  return identity;
+}
+
+std::string what_is_there(const std::filesystem::path& path, const MergedBefore& before,
+                          const RenderJob& job) {
+  const double all = double(job.spp) * job.width * job.height;
+  return fmt::format("going on with {}: {:.1f}% of the samples are there, of {:.1f} s", path.string(),
+                     100 * double(before.merge.samples()) / all, before.rendered);
+}
+
+}  // namespace
+
+RenderIdentity identity_of(const PreparedRender& prepared, const std::string& worker) {
+  RenderRecord record = prepared.record;
+  record.scene = std::filesystem::path(record.scene).filename().string();
+  RenderIdentity identity{.version = std::string(kVersion),
+                          .worker = worker,
+                          .scene = content_hash(prepared.job.scene.serialize()),
+                          .settings = {}};
+  for (const auto& [name, value] : record_entries(record))
+    identity.settings.emplace_back(name,
+                                   std::visit([](const auto& v) { return fmt::format("{}", v); }, value));
+  return identity;
+}
+
+Expected<std::string> attach_checkpoint(PreparedRender& prepared, const RenderOptions& options,
+                                        const std::string& worker) {
+  // One pixel, or a window's requests: there is nothing to keep.
+  if (options.pixel || options.interactive || prepared.files.all().empty()) return "";
+  std::filesystem::path path = prepared.files.all().front();
+  path += ".checkpoint";
+  prepared.checkpoint = std::make_shared<CheckpointFile>(path, identity_of_checkpoint(prepared, worker),
+                                                         options.checkpoint_interval);
+  prepared.job.checkpoints = prepared.checkpoint;
+  std::error_code ignored;
+  if (!options.resume)
+    return std::filesystem::exists(path, ignored)
+               ? fmt::format("{} is of an earlier run and will be replaced; --resume would go on with it",
+                             path.string())
+               : "";
+  if (auto read = read_checkpoint_again(prepared); !read)
+    return fail(read.error().message + "; without --resume the render begins anew");
+  return prepared.job.before
+             ? what_is_there(path, *prepared.job.before, prepared.job)
+             : fmt::format("there is no {}: the render starts at the beginning", path.string());
+}
+
+Expected<void> read_checkpoint_again(PreparedRender& prepared) {
+  prepared.job.before.reset();
+  if (!prepared.checkpoint) return {};
+  auto read = prepared.checkpoint->read(merge_of_job(prepared.job));
+  if (!read) return std::unexpected(read.error());
+  if (*read) prepared.job.before = std::make_shared<MergedBefore>(std::move(**read));
+  return {};
+}
+
+void remove_checkpoint(PreparedRender& prepared) {
+  if (prepared.checkpoint) prepared.checkpoint->remove();
+}
+
+}  // namespace penumbra

@@ -1,0 +1,41 @@
+// A film that some passes are merged into, for tests of what is kept of it.
+#pragma once
+
+#include "scheduler/checkpoint/checkpoint.h"
+#include "tests/support/fake_samples.h"
+
+namespace penumbra {
+
+constexpr int kX = 3, kY = 5, kWidth = 21, kHeight = 13;
+constexpr std::uint32_t kSpp = 22, kSamplesPerPass = 4;
+
+inline TileGrid small_grid() { return {kX, kY, kWidth, kHeight, 8, kSpp, kSamplesPerPass}; }
+
+inline Merge empty_merge(int planes = kFeaturePlanes, bool with_ratio = false) {
+  return {FilmAccumulator(kX, kY, kWidth, kHeight, planes, with_ratio), small_grid()};
+}
+
+/// What a worker would send.
+inline SampleBuffer result(std::uint32_t tile, std::uint32_t pass, int planes = kFeaturePlanes) {
+  return fake_samples(small_grid().unit(tile, pass), planes);
+}
+
+inline bool is_merged_first(std::uint32_t tile, std::uint32_t pass) {
+  return pass < (tile * 4 + 2) % (small_grid().passes() + 1);
+}
+
+/// Every tile has another number of passes, none and all among them.
+inline Merge half_merged(int planes = kFeaturePlanes, bool with_ratio = false) {
+  Merge merge = empty_merge(planes, with_ratio);
+  const int of_results = planes + (with_ratio ? int(kRatioPlanes) : 0);
+  for (std::uint32_t tile = 0; tile < small_grid().tiles(); ++tile)
+    for (std::uint32_t pass = 0; is_merged_first(tile, pass); ++pass)
+      merge.add(tile, pass, result(tile, pass, of_results));
+  return merge;
+}
+
+inline RenderIdentity small_identity() {
+  return {.version = "1.2", .worker = "abc", .scene = "def", .settings = {{"seed", "3"}, {"spp", "22"}}};
+}
+
+}  // namespace penumbra
