@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "scheduler/farm/job_run.h"
+#include "scheduler/farm/render_job_check.h"
 #include "scheduler/protocol/wire.h"
 #include "scheduler/record/version.h"
 
@@ -53,6 +54,8 @@ Expected<std::string> attach_checkpoint(PreparedRender& prepared, const RenderOp
   prepared.checkpoint = std::make_shared<CheckpointFile>(path, identity_of_checkpoint(prepared, worker),
                                                          options.checkpoint_interval);
   prepared.job.checkpoints = prepared.checkpoint;
+  // Its copy of the film needs memory as well.
+  if (const auto checked = check_render_job(prepared.job); !checked) return std::unexpected(checked.error());
   std::error_code ignored;
   if (!options.resume)
     return std::filesystem::exists(path, ignored)

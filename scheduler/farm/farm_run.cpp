@@ -170,9 +170,11 @@ void FarmRun::end_all_jobs() {
 void FarmRun::fail_hopeless_jobs() {
   const auto connected = std::ranges::count_if(
       workers_, [](const auto& w) { return w.second.pid != 0 && !w.second.gone && !w.second.ended; });
-  std::set<JobId> failed = std::exchange(deadly_, {});
-  if (!failed.empty()) {
-    workers_here_->has_worked();  // it is not their fault
+  std::set<JobId> failed;
+  // Only when all of those processes are counted does a fresh account begin for the ones that follow.
+  if (!deadly_.empty() && !is_an_end_half_known()) {
+    failed = std::exchange(deadly_, {});
+    workers_here_->has_worked();
     workers_here_->start_missing(plan_time_);
   }
   if (connected >= std::ptrdiff_t(workers_here_->running())) failed.merge(hopeless_);
@@ -187,6 +189,14 @@ void FarmRun::fail_hopeless_jobs() {
 }
 
 // --- Processes and time
+
+bool FarmRun::is_an_end_half_known() const {
+  return std::ranges::any_of(workers_, [&](const auto& entry) {
+    const Worker& worker = entry.second;
+    if (worker.pid == 0 || worker.gone == worker.ended) return false;
+    return now_ - (worker.gone ? worker.gone_since : worker.ended_since) < 2 * kTimeToDie;
+  });
+}
 
 void FarmRun::look_after_workers() {
   const Seconds now = since_start();
@@ -213,6 +223,7 @@ void FarmRun::worker_ended(const WorkerEnd& end) {
   }
   Worker& worker = found->second;
   worker.ended = true;
+  worker.ended_since = now_;
   if (worker.dismissed) return;  // said already
   for (const auto& [id, job] : jobs_)
     if (job->has_share(found->first)) job->share(found->first).ended = end.exit.how;

@@ -34,7 +34,7 @@ class FarmRun {
     std::vector<Isa> isas;
     bool ready = false, dismissed = false, gone = false, ended = false;
     std::optional<UnitId> last_unit;  // in hand when it was lost
-    Seconds gone_since = 0;
+    Seconds gone_since = 0, ended_since = 0;
     std::uint64_t parts = 0;  // of units, as it reports
   };
 
@@ -82,7 +82,11 @@ class FarmRun {
   void tell_how_to_watch();
 
   [[nodiscard]] Seconds since_start() const { return seconds_since(started_); }
-  [[nodiscard]] bool can_go_on() const { return workers_here_->any_left() && !plan_.gave_up(); }
+  [[nodiscard]] bool can_go_on() const {
+    return (workers_here_->any_left() || is_an_end_half_known()) && !plan_.gave_up();
+  }
+  /// Of a worker, only its stream or only its process has ended so far; what that means is decided by both.
+  [[nodiscard]] bool is_an_end_half_known() const;
   [[nodiscard]] bool is_done() const { return jobs_.empty() && source_.is_exhausted(); }
   /// Nothing if it is over.
   [[nodiscard]] JobRun* job(JobId id);

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 
+#include "scheduler/plan/adaptive_tile.h"
 #include "scheduler/plan/render_memory.h"
 #include "scheduler/protocol/wire.h"
 
@@ -35,8 +36,10 @@ Expected<void> check_render_job(const RenderJob& job) {
                     job.tile, job.width, job.height, kMostTiles));
   }
   const std::uint32_t features = job.scene.header.features;
+  const int films_beside = (job.checkpoints ? 1 : 0) + (job.target_error ? AdaptiveTile::kMostFilms : 0);
   const std::uint64_t bytes_per_pixel =
-      pixel_memory(image_plane_count(features), (features & FEATURE_RATIO) != 0u).peak(!job.interactive);
+      pixel_memory(image_plane_count(features), (features & FEATURE_RATIO) != 0u)
+          .peak(!job.interactive, films_beside);
   // No overflow: each side is an int.
   const double bytes = double(job.width) * double(job.height) * double(bytes_per_pixel);
   const std::uint64_t memory = std::uint64_t(sysconf(_SC_PHYS_PAGES)) * std::uint64_t(sysconf(_SC_PAGESIZE));

@@ -24,6 +24,8 @@ namespace penumbra {
 /// which those of the independent sampler are.
 class AdaptiveTile {
  public:
+  static constexpr int kMostFilms = 4;  ///< that it holds, of its own size
+
   /// `empty`: of the tile's rectangle. At most so many passes.
   AdaptiveTile(FilmAccumulator empty, double target_error, std::uint32_t passes);
 

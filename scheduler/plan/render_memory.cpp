@@ -12,8 +12,8 @@ int image_channels(int planes) {
   return planes + 1 - (layer_planes_of(planes) > kSeen ? 1 : 0);
 }
 
-std::uint64_t PixelMemory::peak(bool writes_files) const {
-  return film + std::max(watch, writes_files ? output : 0);
+std::uint64_t PixelMemory::peak(bool writes_files, int films_beside) const {
+  return film + std::max(watch + std::uint64_t(films_beside) * film, writes_files ? output : 0);
 }
 
 PixelMemory pixel_memory(int planes, bool with_ratio) {

@@ -16,8 +16,9 @@ struct PixelMemory {
   std::uint64_t watch = 0;   ///< beside it while it goes on, if there are viewers: the board's newest tiles
   std::uint64_t output = 0;  ///< beside it afterwards: the image, and its file while it grows in memory
 
-  /// At the worst time.
-  [[nodiscard]] std::uint64_t peak(bool writes_files) const;
+  /// At the worst time. `films_beside`: as large as the film, while it goes on: the copy of a checkpoint, the
+  /// halves of a render with a target error.
+  [[nodiscard]] std::uint64_t peak(bool writes_files, int films_beside = 0) const;
 };
 PixelMemory pixel_memory(int planes, bool with_ratio = false);
 

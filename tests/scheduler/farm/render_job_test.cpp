@@ -16,6 +16,7 @@
 #include "kernels/host/peak_memory.h"
 #include "scheduler/farm/render_job_check.h"
 #include "scheduler/farm/worker_isa.h"
+#include "scheduler/plan/adaptive_tile.h"
 #include "scheduler/plan/render_memory.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/fake_processes.h"
@@ -481,6 +482,10 @@ TEST_F(RenderJobTest, MemoryIsCountedWithLayersAndFiles) {
   ASSERT_FALSE(fits(0.99 * whole));
   EXPECT_THAT(fits(0.99 * whole).error().message, AllOf(HasSubstr("GB"), HasSubstr("--no-features")));
   EXPECT_FALSE(fits(2.0 * sizeof(PixelStatistics))) << "twice what radiance alone takes";
+  large.target_error = 0.1;
+  EXPECT_FALSE(fits(1.01 * whole));
+  EXPECT_TRUE(fits(1.01 * double(pixel_memory(kFeaturePlanes).peak(true, AdaptiveTile::kMostFilms))));
+  large.target_error.reset();
   large.interactive = true;  // writes no files
   EXPECT_TRUE(fits(0.99 * whole));
   large.interactive = false;

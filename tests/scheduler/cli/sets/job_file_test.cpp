@@ -99,6 +99,7 @@ TEST_F(JobFileTest, ErrorsHaveTheirPlace) {
       {"[[render]]\nscene = 'a'\nframe = -1", ":3:9", "a whole number from 0"},
       {"[[render]]\nscene = 'a'\nlenient = 1", ":3:11", "true or false"},
       {"[[render]]\nscene = 'a'\nworkers = 1", ":3:1", "on the command line, as --workers"},
+      {"[[render]]\nscene = 'a'\nresume = true", ":3:1", "on the command line, as --resume"},
       {"[[render]]\nscene = 'a'\nset = 1", ":3:7", "set is a table"},
       {"[[render]]\nscene = 'a'\nset.film.widht = 1", ":3:18", "did you mean 'film.width'"},
       {"[[render]]\nscene = 'a'\ncrop = '1,2,3'", ":3:8", "--crop"},
