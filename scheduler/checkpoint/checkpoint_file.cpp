@@ -4,18 +4,23 @@
 #include <time.h>
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "kernels/host/plain_file.h"
 #include "kernels/host/stopwatch.h"
 #include "scheduler/files/atomic_file.h"
+#include "scheduler/plan/adaptive_tile.h"
 
 namespace penumbra {
 namespace {
 
 /// Of copying, checksum and writing, before any was measured; more than most machines need.
 constexpr double kSecondsPerByte = 2e-9;
+
+/// Of a file that may be one: films of it and its tiles' halves, and all else.
+constexpr std::int64_t kMostFilms = 2 + AdaptiveTile::kMostFilms, kMostOtherBytes = std::int64_t(256) << 20;
+
+constexpr Seconds kLongestInterval = 1e8;
 
 /// What this thread has computed; waiting for a disk takes nothing from workers.
 Seconds thread_seconds() {
@@ -44,7 +49,8 @@ CheckpointFile::~CheckpointFile() {
 Expected<std::optional<MergedBefore>> CheckpointFile::read(Merge empty) const {
   std::error_code ignored;
   if (!std::filesystem::exists(path_, ignored)) return std::nullopt;
-  const auto bytes = read_plain_file(path_, std::numeric_limits<std::int64_t>::max());
+  const auto bytes =
+      read_plain_file(path_, kMostOtherBytes + kMostFilms * std::int64_t(empty.film().written_size()));
   if (!bytes) return std::unexpected(bytes.error());
   auto before = decode_checkpoint(bytes_of(*bytes), identity_, std::move(empty));
   if (!before) return fail(fmt::format("cannot go on with {}: {}", path_.string(), before.error().message));
@@ -54,8 +60,9 @@ Expected<std::optional<MergedBefore>> CheckpointFile::read(Merge empty) const {
 bool CheckpointFile::is_due(const Merge& merge) {
   if (interval_ <= 0) return false;
   const auto after = [&](Seconds cost) {
-    return Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                              std::chrono::duration<double>(std::max(interval_, cost / kCheckpointShare)));
+    return Clock::now() +
+           std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
+               std::clamp(cost / kCheckpointShare, std::min(interval_, kLongestInterval), kLongestInterval)));
   };
   const std::lock_guard lock(mutex_);
   if (to_be_written_) return false;

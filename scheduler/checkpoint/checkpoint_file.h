@@ -38,7 +38,7 @@ class CheckpointFile final : public CheckpointSink {
   void keep_last(const Merge& merge, Seconds rendered) override;
   std::optional<std::string> take_problem() override;
   /// The render is complete and its files are there.
-  void remove();
+  void remove() override;
 
  private:
   using Clock = std::chrono::steady_clock;

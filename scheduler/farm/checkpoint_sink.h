@@ -22,6 +22,8 @@ class CheckpointSink {
   virtual void keep(const Merge& merge, Seconds rendered) = 0;
   /// The job ends unfinished: likewise, whether it is time or not.
   virtual void keep_last(const Merge& merge, Seconds rendered) = 0;
+  /// What was kept is not to be trusted, or not needed any longer.
+  virtual void remove() = 0;
   /// Why it could not be kept, once.
   [[nodiscard]] virtual std::optional<std::string> take_problem() = 0;
 };

@@ -154,7 +154,10 @@ std::unique_ptr<JobRun> FarmRun::take_out(JobId id) {
 
 void FarmRun::end_job(JobId id) {
   const std::unique_ptr<JobRun> ended = take_out(id);
-  if (!plan_.finished(id) || !plan_.set_aside(id).empty()) ended->keep_last_checkpoint(since_start());
+  if (plan_.gave_up())
+    ended->discard_checkpoint();  // either of those that disagree may have merged what is wrong
+  else if (!plan_.finished(id) || !plan_.set_aside(id).empty())
+    ended->keep_last_checkpoint(since_start());
   RenderOutcome outcome = std::move(*ended).outcome(plan_, since_start());
   hopeless_.erase(id);
   deadly_.erase(id);
@@ -180,7 +183,7 @@ void FarmRun::fail_hopeless_jobs() {
   if (connected >= std::ptrdiff_t(workers_here_->running())) failed.merge(hopeless_);
   for (const JobId id : failed) {
     hopeless_.erase(id);
-    take_out(id);
+    take_out(id)->keep_last_checkpoint(since_start());
     tell_plan(JobRemoved{id});
     std::string reasons;
     for (const std::string& text : job_failures_[id]) reasons += "\n  " + text;

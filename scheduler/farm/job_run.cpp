@@ -152,6 +152,16 @@ void JobRun::keep_last_checkpoint(Seconds now) {
   tell_checkpoint_problem();
 }
 
+void JobRun::discard_checkpoint() {
+  if (job_->checkpoints) job_->checkpoints->remove();
+}
+
+void JobRun::redo(std::uint32_t tile) {
+  samples_done_ -= merge_.redo(tile);
+  samples_before_ = std::min(samples_before_, samples_done_);
+  discard_checkpoint();  // the tile's untrustworthy samples are in it
+}
+
 void JobRun::tell_checkpoint_problem() {
   if (std::optional<std::string> text = job_->checkpoints->take_problem()) problem(std::move(*text));
 }

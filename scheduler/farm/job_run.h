@@ -65,13 +65,14 @@ class JobRun {
   void unit_was_given(Seconds now);
   void merge(const MergeResult& order, arrivals::Result& result, Seconds now);
   void skip(const UnitId& unit) { merge_.skip(unit.tile, unit.pass); }
-  void redo(std::uint32_t tile) { samples_done_ -= merge_.redo(tile); }
+  void redo(std::uint32_t tile);
   /// Everything begins anew, with this view.
   void begin_view(const WatchView& view);
 
   /// Keeps what is merged, if it is time. And if the job ends unfinished.
   void keep_checkpoint(Seconds now);
   void keep_last_checkpoint(Seconds now);
+  void discard_checkpoint();
 
   // --- What is said of it
 

@@ -47,6 +47,26 @@ TEST_F(Installed, RendersTheSameBytesAsWhereItWasBuilt) {
   EXPECT_EQ(compared.exit_code, 0) << compared.out << compared.err;
 }
 
+TEST_F(Installed, ReadsTextures) {
+  ASSERT_EQ(run_shell(folder_.path(), "penumbra render '" PENUMBRA_SOURCE_DIR
+                                      "/scenes/furnace/furnace.xml' --spp 1 -q -o texture.png")
+                .exit_code,
+            0);
+  write_text(folder_ / "textured.xml", R"(<scene version="3.0.0">
+  <integrator type="path"/>
+  <sensor type="perspective">
+    <transform name="to_world"><lookat origin="0, 0, 3" target="0, 0, 0" up="0, 1, 0"/></transform>
+    <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="8"/></film>
+  </sensor>
+  <shape type="rectangle">
+    <emitter type="area"><texture name="radiance" type="bitmap"><string name="filename" value="texture.png"/></texture></emitter>
+  </shape>
+</scene>
+)");
+  const ProgramResult rendered = in_clean_environment("\"$P/bin/penumbra\" render textured.xml --spp 1 -q");
+  EXPECT_EQ(rendered.exit_code, 0) << rendered.out << rendered.err;
+}
+
 TEST_F(Installed, IsFoundThroughALinkAndThroughPath) {
   const ProgramResult listed = in_clean_environment(
       "mkdir bin && ln -s \"$P/bin/penumbra\" bin/ && PATH=$PWD/bin:$PATH penumbra worker --list-devices");
@@ -87,8 +107,8 @@ TEST(DebianPackage, NamesTheLibrariesThatItNeeds) {
   const ProgramResult files = shell("dpkg-deb -c p.deb");
   for (const char* file :
        {"./usr/bin/penumbra\n", "./usr/bin/penumbra-worker\n",
-        "./usr/lib/penumbra/libpenumbra_image_reader.so", "./usr/share/man/man1/penumbra-render.1",
-        "./usr/share/bash-completion/completions/penumbra\n"})
+        "./usr/lib/penumbra/libpenumbra_image_reader.so", "./usr/lib/penumbra/libpenumbra_texel_reader.so",
+        "./usr/share/man/man1/penumbra-render.1", "./usr/share/bash-completion/completions/penumbra\n"})
     EXPECT_THAT(files.out, HasSubstr(file));
   EXPECT_THAT(files.out, Not(HasSubstr("/usr/include"))) << "nothing is built against it";
   // What is unpacked runs as it lies.

@@ -130,6 +130,10 @@ class JobFileReader {
         error(*each, fmt::format("{}: a text, a number, true or false, or a list of those", name));
         continue;
       }
+      if (text->empty() && kind == AxisKind::kOption) {
+        error(*each, fmt::format("{}: an empty text", name));
+        continue;
+      }
       const bool counts = kind == AxisKind::kFrame || name == "seed";
       const auto range = counts ? range_of(*text) : std::nullopt;
       const std::vector<std::string> values = range.value_or(std::vector{*text});

@@ -120,8 +120,8 @@ std::optional<std::vector<std::string>> range_of(std::string_view text) {
   if (!first || !last || !step || *step < 1 || *first < 0 || *last < *first) return std::nullopt;
   if ((*last - *first) / *step >= kLongestRange) return std::nullopt;
   std::vector<std::string> numbers;
-  for (std::int64_t number = *first; number <= *last; number += *step)
-    numbers.push_back(fmt::to_string(number));
+  for (std::int64_t i = 0; i <= (*last - *first) / *step; ++i)
+    numbers.push_back(fmt::to_string(*first + i * *step));
   return numbers;
 }
 

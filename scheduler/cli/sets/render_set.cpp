@@ -104,6 +104,8 @@ class SceneSet final : public JobSource {
 
  private:
   void read_scenes();
+  Expected<void> read_scene(std::size_t index);
+  void fail_member(std::size_t index, const Error& error);
   void write_images();
   void write(FinishedRender finished);
   void end(std::size_t index, SetState state, const std::string& error = {});
@@ -133,36 +135,36 @@ class SceneSet final : public JobSource {
 
 void SceneSet::read_scenes() {
   for (std::size_t i = 0; i < plan_.members.size() && !stop_ && !farm_is_over_; ++i) {
-    auto prepared = prepare_render(plan_.members[i].options);
-    if (prepared)
-      if (const auto device = check_device(prepared->job.device); !device)
-        prepared = std::unexpected(device.error());
-    if (!prepared) {
-      print_error({fmt::format("{}: {}", plan_.members[i].name, prepared.error().message)});
-      end(i, SetState::kFailed, prepared.error().message);
-      continue;
+    try {
+      if (const auto read = read_scene(i); !read) fail_member(i, read.error());
+    } catch (const std::exception& error) {  // memory above all: others may need less
+      fail_member(i, {error.what()});
     }
-    for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
-    keys_[i] = key_of(*prepared, worker_, plan_.members[i].options.strict_numerics);
-    prepared->job.priority = plan_.members[i].priority;
-    if (!options_.force && entries_[i].key == keys_[i]) {
-      end(i, SetState::kUnchanged);
-      continue;
-    }
-    Expected<std::string> resumed = "";
-    if (const auto made = make_folders(prepared->files); !made)
-      resumed = std::unexpected(made.error());
-    else
-      resumed = attach_checkpoint(*prepared, plan_.members[i].options, worker_);
-    if (!resumed) {
-      print_error({fmt::format("{}: {}", plan_.members[i].name, resumed.error().message)});
-      end(i, SetState::kFailed, resumed.error().message);
-      continue;
-    }
-    if (prepared->job.before && !options_.quiet) print_message(*resumed);
-    ready_.put({i, std::make_shared<PreparedRender>(std::move(*prepared))});
   }
   all_read_ = true;
+}
+
+Expected<void> SceneSet::read_scene(std::size_t index) {
+  const RenderOptions& options = plan_.members[index].options;
+  auto prepared = prepare_render(options);
+  if (!prepared) return std::unexpected(prepared.error());
+  if (const auto device = check_device(prepared->job.device); !device) return device;
+  for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
+  keys_[index] = key_of(*prepared, worker_, options.strict_numerics);
+  prepared->job.priority = plan_.members[index].priority;
+  if (!options_.force && entries_[index].key == keys_[index])
+    return end(index, SetState::kUnchanged), Expected<void>();
+  if (const auto made = make_folders(prepared->files); !made) return made;
+  const auto resumed = attach_checkpoint(*prepared, options, worker_);
+  if (!resumed) return std::unexpected(resumed.error());
+  if (prepared->job.before && !options_.quiet) print_message(*resumed);
+  ready_.put({index, std::make_shared<PreparedRender>(std::move(*prepared))});
+  return {};
+}
+
+void SceneSet::fail_member(std::size_t index, const Error& error) {
+  print_error({fmt::format("{}: {}", entries_[index].name, error.message)});
+  end(index, SetState::kFailed, error.message);
 }
 
 // --- The thread that drives the farm
@@ -197,12 +199,13 @@ void SceneSet::done(JobId id, Expected<RenderOutcome> outcome) {
       print_warning(
           fmt::format("{}: native code renders: {}", entries_[ready.index].name, outcome.error().message));
       ready.prepared->job.device.backend = Backend::kNative;
-      again_.push_back(std::move(ready));
-      return;
+      // The render that failed has used up what it went on with.
+      const auto read =
+          ready.prepared->job.before ? read_checkpoint_again(*ready.prepared) : Expected<void>{};
+      if (read) return again_.push_back(std::move(ready));
+      outcome = std::unexpected(read.error());
     }
-    print_error({fmt::format("{}: {}", entries_[ready.index].name, outcome.error().message)});
-    end(ready.index, SetState::kFailed, outcome.error().message);
-    return;
+    return fail_member(ready.index, outcome.error());
   }
   ++unwritten_count_;
   unwritten_.put({ready.index, std::move(ready.prepared), std::move(*outcome)});

@@ -93,14 +93,16 @@ class SetPlanner {
   Expected<void> add(const RenderPattern& pattern, RenderChoice choice, const std::string& name) {
     const std::vector<RenderAxis>& axes = pattern.axes;
     NameFields fields;
+    const bool has_fields =
+        pattern.location.file != nullptr;  // a command's files have the names that they have
     bool with_frame = true;
     for (std::size_t i = 0; i < axes.size(); ++i) {
-      if (axes[i].kind == AxisKind::kScene) with_frame = !has_field(choice[i], "frame");
+      if (axes[i].kind == AxisKind::kScene) with_frame = !has_fields || !has_field(choice[i], "frame");
       if (axes[i].kind == AxisKind::kDefine && axes[i].name == "frame") with_frame = false;
       if (axes[i].kind != AxisKind::kScene) fields[axes[i].name] = choice[i];
     }
     for (std::size_t i = 0; i < axes.size(); ++i) {
-      if (axes[i].kind != AxisKind::kScene && axes[i].kind != AxisKind::kDefine) continue;
+      if (!has_fields || (axes[i].kind != AxisKind::kScene && axes[i].kind != AxisKind::kDefine)) continue;
       auto filled = fill_in(choice[i], fields);
       if (!filled) return std::unexpected(filled.error());
       choice[i] = std::move(*filled);

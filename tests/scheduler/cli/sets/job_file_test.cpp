@@ -94,6 +94,7 @@ TEST_F(JobFileTest, ErrorsHaveTheirPlace) {
       {"[[render]]\nscene = 'a'\nspp = [1, 1]", ":3:11", "'1' twice"},
       {"[[render]]\nscene = 'a'\nspp = [[1]]", ":3:8", "a text, a number"},
       {"[[render]]\nscene = 'a'\nspp = 1979-05-27", ":3:7", "a text, a number"},
+      {"[[render]]\nscene = 'a'\nbackend = ''", ":3:11", "an empty text"},
       {"[[render]]\nscene = 'a'\nsead = 3", ":3:1", "did you mean 'seed'"},
       {"[[render]]\nscene = 'a'\nseed = '5..2'", ":3:8", "--seed"},
       {"[[render]]\nscene = 'a'\nframe = -1", ":3:9", "a whole number from 0"},
