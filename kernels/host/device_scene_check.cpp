@@ -286,7 +286,7 @@ class Checker {
     if (l.grid == -1) return;
     require(has(FEATURE_LIGHT_TEXTURES), "a light's distribution without its feature bit");
     const bool sized = in(l.grid_side, 1, MOST_LIGHT_GRID_SIDE);
-    const std::int64_t numbers = std::int64_t{l.grid_side + 1} * (l.grid_side + 1);
+    const std::int64_t corners = std::int64_t{l.grid_side} + 1, numbers = corners * corners;
     require(sized && l.grid >= 0 && l.grid + numbers <= h_.tables.light_grids.count,
             "a light's distribution is not there");
     require(l.sampling == EMITTER_AREA &&

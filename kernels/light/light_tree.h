@@ -361,7 +361,7 @@ FN void choose_by_tree(const PRIVATE Scene* scene, const PRIVATE LitPlaces* plac
 STAGE void start_by_trails(const PRIVATE Scene* scene, const PRIVATE LitPlaces* RESTRICT places,
                            const PRIVATE LightScales* RESTRICT scales,
                            const PRIVATE FoundLights* RESTRICT found, PRIVATE LightWalks* RESTRICT walks) {
-  const int last = scene->header.light_cut - 1;
+  const int last = scene->header.light_cut > 0 ? scene->header.light_cut - 1 : 0;  // a scene may have no tree
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const int light = found->light[j];
