@@ -243,9 +243,6 @@ bool JobQueue::open(JobId job) {
     return false;
   }
   entry.stage = Stage::kOpen;
-  wire::JobStatus& status = *entry.job.mutable_status();
-  status.set_state(wire::JOB_RENDERING);
-  if (status.begun() == 0) status.set_begun(seconds_since_1970());
   return true;
 }
 
@@ -254,6 +251,11 @@ void JobQueue::progress(JobId job, const RenderProgress& progress) {
   const auto found = entries_.find(job);
   if (found == entries_.end()) return;
   wire::JobStatus& status = *found->second.job.mutable_status();
+  if (status.state() == wire::JOB_QUEUED &&
+      progress.elapsed_seconds > 0) {  // its first unit has been given out
+    status.set_state(wire::JOB_RENDERING);
+    if (status.begun() == 0) status.set_begun(seconds_since_1970() - progress.elapsed_seconds);
+  }
   status.set_samples_done(progress.samples_done);
   status.set_samples_total(progress.samples_total);
   status.set_samples_before(progress.samples_before);

@@ -37,11 +37,6 @@ std::vector<std::pair<std::string, std::string>> named_texts(const Field& field)
   return texts;
 }
 
-bool is_whole_finite(const google::protobuf::RepeatedField<double>& numbers, int count) {
-  return numbers.size() == count &&
-         std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); });
-}
-
 void encode(const RenderRecord& record, wire::Record& message) {
   message.set_scene(wire_text(record.scene, kLongestText));
   message.set_scene_hash(record.scene_hash);
@@ -63,8 +58,6 @@ void encode(const RenderRecord& record, wire::Record& message) {
     added->set_name(setting.key);
     added->set_text(value);
   }
-  for (int column = 0; column < 4; ++column)
-    for (int row = 0; row < 4; ++row) message.add_camera_to_world(record.camera.to_world[column][row]);
 }
 
 Expected<RenderRecord> decode(const wire::Record& message, const DeviceOptions& device) {
@@ -72,10 +65,6 @@ Expected<RenderRecord> decode(const wire::Record& message, const DeviceOptions& 
   for (const wire::NamedText& setting : message.render_settings())
     if (const auto applied = apply_setting(record, setting.name(), setting.text()); !applied)
       return std::unexpected(applied.error());
-  if (!is_whole_finite(message.camera_to_world(), 16)) return fail("the camera's matrix is none");
-  for (int column = 0; column < 4; ++column)
-    for (int row = 0; row < 4; ++row)
-      record.camera.to_world[column][row] = message.camera_to_world(4 * column + row);
   if (const auto checked = check_settings(record); !checked) return std::unexpected(checked.error());
   record.scene = message.scene();
   record.scene_hash = message.scene_hash();
@@ -136,7 +125,9 @@ Expected<Submission> decode(const wire::Submission& message) {
   if (message.has_time_budget()) submission.time_budget = message.time_budget();
   if (submission.time_budget && !(*submission.time_budget > 0 && std::isfinite(*submission.time_budget)))
     return fail("the time budget is no positive number");
-  if (!is_whole_finite(message.center(), 3)) return fail("the scene's centre is none");
+  if (message.center_size() != int(submission.center.size()) ||
+      !std::ranges::all_of(message.center(), [](double coordinate) { return std::isfinite(coordinate); }))
+    return fail("the scene's centre is none");
   std::ranges::copy(message.center(), submission.center.begin());
   submission.warnings = {message.warnings().begin(), message.warnings().end()};
   submission.needs = named_texts(message.needs());

@@ -39,7 +39,7 @@ struct Submission {
 bool is_result_name(std::string_view name);
 
 wire::Submission encode(const Submission& submission);
-/// Errors, in words for people: a setting that does not exist or takes no such value, a camera that is none,
+/// Errors, in words for people: a setting that does not exist or takes no such value,
 /// names of files that are none or occur twice, numbers that are not finite.
 Expected<Submission> decode(const wire::Submission& message);
 

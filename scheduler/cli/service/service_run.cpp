@@ -16,8 +16,10 @@
 #include "scheduler/cli/progress.h"
 #include "scheduler/cli/render_checkpoint.h"
 #include "scheduler/cli/render_outputs.h"
+#include "scheduler/cli/service/status_text.h"
 #include "scheduler/cli/service/submitted_render.h"
 #include "scheduler/protocol/mailbox.h"
+#include "scheduler/record/film_image.h"
 #include "scheduler/service/job_queue.h"
 #include "scheduler/service/jobs_service.h"
 
@@ -185,25 +187,26 @@ void ServiceRun::write(FinishedJob finished) {
   const OpenJob& job = finished.job;
   const bool was_cancelled = queue_.begin_writing(job.id);
   RenderEnd end{RenderEndKind::kFailed, finished.outcome ? "" : finished.outcome.error().message};
+  // One that was cancelled before its first sample leaves nothing, which is no failure.
+  const bool has_samples = finished.outcome && sample_range(finished.outcome->film).total > 0;
   try {
-    if (finished.outcome) {
+    if (has_samples || (finished.outcome && !was_cancelled)) {
       for (const std::string& problem : finished.outcome->problems) queue_.problem(job.id, problem);
       end = finish_render(*job.prepared, *finished.outcome, job.command_line, fmt::format("job {}", job.id),
                           job.strict_numerics, was_cancelled);
-      if (end.kind != RenderEndKind::kFailed) remove_checkpoint(*job.prepared);
     }
+    if (end.kind != RenderEndKind::kFailed || was_cancelled) remove_checkpoint(*job.prepared);
   } catch (const std::exception& error) {
     end = {RenderEndKind::kFailed, error.what()};
   }
-  const bool is_cancelled = was_cancelled && end.kind != RenderEndKind::kDone;
-  print_message(fmt::format("job {}, {}: {}{}{}", job.id, job.name,
-                            is_cancelled                             ? "cancelled"
-                            : end.kind == RenderEndKind::kDone       ? "done"
-                            : end.kind == RenderEndKind::kIncomplete ? "incomplete"
-                                                                     : "failed",
-                            end.error.empty() || is_cancelled ? "" : ": ", is_cancelled ? "" : end.error));
-  queue_.end(job.id, is_cancelled ? wire::JOB_CANCELLED : state_of(end.kind),
-             is_cancelled ? "cancelled" : end.error);
+  wire::JobState state = state_of(end.kind);
+  if (was_cancelled && state != wire::JOB_DONE) {
+    state = wire::JOB_CANCELLED;
+    end.error = has_samples ? "what was rendered before is kept" : "nothing was rendered before";
+  }
+  print_message(fmt::format("job {}, {}: {}{}{}", job.id, job.name, job_state_name(state),
+                            end.error.empty() ? "" : ": ", end.error));
+  queue_.end(job.id, state, end.error);
 }
 
 // --- All of it

@@ -49,7 +49,9 @@ std::string detail(const wire::JobStatus& job, double now) {
 
 /// At most so many characters of UTF-8; nothing that a terminal would obey.
 std::string fitted(std::string_view text, int columns) {
-  const std::string visible = visible_text(text);
+  std::string visible = visible_text(text);
+  std::ranges::replace_if(
+      visible, [](char c) { return c == '\n' || c == '\t'; }, ' ');
   std::size_t bytes = 0;
   int characters = 0;
   while (bytes < visible.size()) {
