@@ -47,7 +47,7 @@ ExitCode watch(JobsClient& service, const StatusOptions& options) {
       for (int i = last->messages_size() - shown; i < last->messages_size(); ++i)
         lines.push_back(visible_text(last->messages(i)).substr(0, std::size_t(columns)));
     }
-    lines.push_back((status ? "q: quit" : status.error().message + "; trying again. q: quit")
+    lines.push_back((status ? "q: quit" : "q: quit; trying again: " + status.error().message)
                         .substr(0, std::size_t(columns)));
     screen->show(lines);
     const int key = screen->key(kBetweenScreens);
