@@ -14,7 +14,8 @@
 namespace penumbra {
 namespace {
 
-constexpr std::chrono::seconds kPatience{20};          // with an answer
+constexpr std::chrono::seconds kPatience{20};  // with an answer
+constexpr std::chrono::milliseconds kTimeToConnect{200};
 constexpr std::chrono::minutes kTimeForTransfers{60};  // as for scenes between scheduler and workers
 
 void prepare(grpc::ClientContext& context, const std::string& token, std::chrono::seconds patience) {
@@ -27,7 +28,8 @@ void prepare(grpc::ClientContext& context, const std::string& token, std::chrono
 JobsClient::JobsClient(std::string address, std::string token)
     : address_(std::move(address)),
       token_(std::move(token)),
-      stub_(wire::Jobs::NewStub(open_channel(address_))) {}
+      channel_(open_channel(address_)),
+      stub_(wire::Jobs::NewStub(channel_)) {}
 
 JobsClient::~JobsClient() = default;
 
@@ -92,6 +94,9 @@ Expected<JobId> JobsClient::submit(const Submission& submission, const DeviceSce
 }
 
 Expected<wire::StatusReply> JobsClient::status(const std::vector<JobId>& jobs) {
+  // Who asks again and again learns soon that the service is back: a call alone does not make the channel try
+  // again.
+  if (is_away_) channel_->WaitForConnected(std::chrono::system_clock::now() + kTimeToConnect);
   grpc::ClientContext context;
   prepare(context, token_, kPatience);
   auto asked = request<wire::StatusRequest>();

@@ -43,7 +43,8 @@ class JobsClient {
   Request request() const;
 
   const std::string address_, token_;
-  std::unique_ptr<wire::Jobs::Stub> stub_;
+  const std::shared_ptr<grpc::Channel> channel_;
+  const std::unique_ptr<wire::Jobs::Stub> stub_;
   bool is_away_ = false;
 };
 
