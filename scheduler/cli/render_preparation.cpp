@@ -110,6 +110,7 @@ RenderJob make_job(const RenderOptions& options, const RenderRecord& record, con
   job.reproduce_command = repeat_command(record, false);
   job.time_budget = options.time_budget;
   job.target_error = options.target_error;
+  job.verify = options.verify;
   job.title = options.scene.scene;
   job.integrator = integrator_name(record.integrator);
   job.tev = options.tev;

@@ -116,9 +116,7 @@ class FarmRun {
   std::map<JobId, std::vector<std::string>> job_failures_;  // what workers said
   std::vector<std::shared_ptr<WatchBoard>> closed_boards_;  // of jobs that are over
   std::map<WorkerId, Worker> workers_;
-  std::vector<WorkerId> refused_;   // of whom the plan is to be told
-  std::vector<WorkerUnfit> unfit_;  // likewise
-  std::vector<PassesOfTile> more_;  // likewise
+  std::vector<PlanEvent> follow_ups_;  // what came of obeying orders: of that the plan is to be told next
   std::set<std::string> said_;
   std::vector<std::string> problems_, unsaid_problems_;  // unsaid: no job was open
   bool anyone_was_ready_ = false;
