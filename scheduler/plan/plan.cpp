@@ -516,10 +516,24 @@ void Plan::give_up_checks(JobId id) {
   }
 }
 
-/// Of jobs of which nothing else is left, and that nobody does.
+/// Whether somebody who is busy now may be the second for the job's units.
+bool Plan::may_be_verified_later(JobId job) const {
+  int able = 0;
+  bool is_any_busy = false;
+  for (const auto& [id, worker] : workers_) {
+    if (worker.unfit.contains(job)) continue;
+    ++able;
+    is_any_busy |= worker.wants != 0u;
+    if (able >= 2 && is_any_busy) return true;
+  }
+  return false;
+}
+
+/// Of jobs of which nothing else is left, and that nobody does who could.
 void Plan::give_up_idle_checks() {
   for (auto& [id, job] : jobs_) {
-    if (job.units_left > 0 || job.unverified == 0 || job.checks.size() < job.unverified)
+    if (job.units_left > 0 || job.unverified == 0 || job.checks.size() < job.unverified ||
+        may_be_verified_later(id))
       job.idle_since.reset();
     else if (!job.idle_since)
       job.idle_since = now_;

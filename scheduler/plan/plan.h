@@ -183,6 +183,7 @@ class Plan {
   [[nodiscard]] bool is_to_be_verified(UnitId id) const;
   void end_check(UnitId id, Unit& unit);
   void give_up_checks(JobId id);
+  [[nodiscard]] bool may_be_verified_later(JobId job) const;
   void give_up_idle_checks();
   void release(WorkerId worker);
   void dismiss(WorkerId worker, Fault fault, UnitId unit, std::optional<WorkerId> accuser = {});

@@ -87,6 +87,22 @@ TEST_F(PlanVerifyTest, WhoIsAloneCannotVerifyAndTheJobEndsAllTheSame) {
   EXPECT_EQ(plan_->counts(kJob).verified, 0u);
 }
 
+TEST_F(PlanVerifyTest, WhoIsBusyWithAnotherJobVerifiesLater) {
+  start(1, 1, 1);
+  join(1);
+  work(1);
+  tell(JobAdded{.job = 2, .priority = 1, .phases = {{8, 8}}, .verify = 0});
+  join(2);
+  for (int i = 0; i < 30; ++i) {
+    work(1);
+    work(2);
+    tell(Tick{});
+  }
+  EXPECT_EQ(plan_->counts(kJob).not_verified, 0u);
+  while (!plan_->finished()) work(held_[2].empty() ? 1 : 2);
+  EXPECT_EQ(plan_->counts(kJob).verified, 1u);
+}
+
 TEST_F(PlanVerifyTest, AUnitThatCannotBeDoneTwiceIsLeftSoAfterThreeFaults) {
   start(1, 1, 1);
   join(1);
