@@ -33,7 +33,7 @@ void FarmRun::on(const arrivals::Connected& arrival) {
     notice(fmt::format("a worker that this render did not start has joined it: {}, {}", worker.name,
                        peer_text(arrival.peer)));
   else
-    workers_here_->is_heard_of(worker.pid, plan_time_);
+    here_.push_back(arrival.worker), workers_here_->is_heard_of(worker.pid, plan_time_);
   if (jobs_.empty()) workers_here_->is_ready(worker.pid);  // for whatever comes
   hopeless_.clear();                                       // it may be able; else the plan says so again
   tell_plan(WorkerJoined{arrival.worker});

@@ -57,7 +57,7 @@ int main(int argc, char** argv) {
   LoadSettings settings;
   std::vector<int> workers{10, 100, 1000, 5000};
   double unit_milliseconds = 0;
-  app.add_option("--workers", workers, "One run for each number")->capture_default_str();
+  app.add_option("--workers", workers, "One run for each number")->delimiter(',')->capture_default_str();
   app.add_option("--units", settings.units, "Work units, at least")->capture_default_str();
   app.add_option("--unit-ms", unit_milliseconds, "What a unit takes a worker")->capture_default_str();
   app.add_option("--tile", settings.tile, "Pixels along a side of a unit")->capture_default_str();
