@@ -42,11 +42,13 @@ class LatencyHistogram {
 struct LoadBoard {
   // Set before the workers' process starts.
   int workers = 1;
-  double unit_seconds = 0;  ///< what a unit takes a worker
+  double unit_seconds = 0;  ///< what a unit takes a worker in the mean
+  std::uint64_t units = 0;  ///< of the job; what is ordered then are copies
   int planes = 6;           ///< of results
   int deaths = 0;           ///< so many workers break their connections with units in hand
 
-  std::atomic<int> connected = 0, prepared = 0;
+  std::atomic<int> connected = 0;
+  std::atomic<std::uint64_t> ordered = 0;
   LatencyHistogram orders;        ///< from sending a result to the order that comes for it
   LatencyHistogram redispatches;  ///< from a worker's death until another one is ordered to do its unit
 };

@@ -114,12 +114,16 @@ class LoadSource final : public JobSource {
   double idle_ = 0;
 };
 
-std::uint64_t expected_hash(const RenderJob& job, int planes) {
-  FilmAccumulator film(0, 0, job.width, job.height, planes);
+template <typename Do>
+void for_each_unit(const RenderJob& job, Do act) {
   for (std::uint32_t pass = 0; pass < job.spp; ++pass)
     for (int y = 0; y < job.height; y += job.tile)
-      for (int x = 0; x < job.width; x += job.tile)
-        film.add(x, y, load_samples({x, y, job.tile, job.tile, pass, 1}, planes));
+      for (int x = 0; x < job.width; x += job.tile) act(RenderUnit{x, y, job.tile, job.tile, pass, 1});
+}
+
+std::uint64_t expected_hash(const RenderJob& job, int planes) {
+  FilmAccumulator film(0, 0, job.width, job.height, planes);
+  for_each_unit(job, [&](const RenderUnit& unit) { film.add(unit.x, unit.y, load_samples(unit, planes)); });
   return film.hash();
 }
 
@@ -142,13 +146,14 @@ Expected<LoadFigures> run_load(const LoadSettings& settings, const std::string& 
   board.unit_seconds = settings.unit_seconds;
   board.planes = plane_count(job->scene.header.features);
   board.deaths = settings.deaths;
+  board.units = std::uint64_t(tiles) * job->spp;
   LoadSource source(job, board);
   const std::atomic<bool> stop = false;
   const FarmOptions farm{.workers = 1, .worker_executable = program, .largest_tile = settings.tile};
   if (auto ran = run_farm(farm, source, stop); !ran) return std::unexpected(ran.error());
   if (!source.outcome_) return std::unexpected(source.outcome_.error());
   const RenderOutcome& outcome = *source.outcome_;
-  const std::uint64_t units = std::uint64_t(tiles) * job->spp;
+  const std::uint64_t units = board.units;
   if (!outcome.complete || outcome.units_done != units)
     return fail(fmt::format("{} of {} units were done{}", outcome.units_done, units,
                             outcome.problems.empty() ? "" : ": " + outcome.problems.back()));
@@ -160,11 +165,14 @@ Expected<LoadFigures> run_load(const LoadSettings& settings, const std::string& 
   const double measured_units =
       double(source.last_.samples - first.samples) / double(settings.tile * settings.tile);
   const double seconds = std::chrono::duration<double>(source.last_.time - first.time).count();
-  const double ideal = double(units) * settings.unit_seconds / settings.workers;
+  const bool is_measured = measured_units > 0;
+  double ideal = 0;
+  for_each_unit(*job, [&](const RenderUnit& unit) { ideal += load_seconds(unit, settings.unit_seconds); });
+  ideal /= settings.workers;
   return LoadFigures{
       .units = units,
-      .units_per_second = measured_units / seconds,
-      .cpu_seconds_per_unit = (source.last_.cpu - first.cpu) / measured_units,
+      .units_per_second = is_measured ? measured_units / seconds : 0,
+      .cpu_seconds_per_unit = is_measured ? (source.last_.cpu - first.cpu) / measured_units : 0,
       .order_p50 = board.orders.quantile(0.5),
       .order_p99 = board.orders.quantile(0.99),
       .redispatch_p50 = board.redispatches.quantile(0.5),

@@ -19,7 +19,7 @@ struct LoadSettings {
 
 struct LoadFigures {
   std::uint64_t units = 0;
-  double units_per_second = 0;          ///< from the first result to the last
+  double units_per_second = 0;          ///< between the first progress and the last; 0: too short to say
   double cpu_seconds_per_unit = 0;      ///< of the scheduler's process
   double order_p50 = 0, order_p99 = 0;  ///< seconds from a result that is sent to the order that comes for it
   double redispatch_p50 = 0, redispatch_most = 0;  ///< seconds from a death to the order of the lost unit

@@ -1,8 +1,10 @@
 #include "tests/load/simulated_crew.h"
 
+#include <algorithm>
 #include <condition_variable>
 #include <map>
 #include <queue>
+#include <random>
 #include <vector>
 
 #include "kernels/host/stopwatch.h"
@@ -111,11 +113,17 @@ void run_simulated_crew(LoadBoard& board, const std::string& address, const std:
     agenda.add(begin + kBeatInterval + number * Clock::duration(kBeatInterval) / board.workers, worker, true);
   }
   int deaths = 0;
+  // Never the first, which stands for the process.
+  std::mt19937 random(1);
+  std::deque<std::size_t> victims;
+  for (std::size_t number = 1; number < workers.size(); ++number) victims.push_back(number);
+  std::ranges::shuffle(victims, random);
   while (left > 0) {
     agenda.run(Clock::now() + kBetweenDeaths);
-    // Never the first, which stands for the process.
-    if (deaths < board.deaths && deaths + 1 < board.workers && board.orders.count() > 0)
-      lost.add(workers[std::size_t(++deaths)].die());
+    if (deaths == board.deaths || victims.empty() || board.orders.count() == 0) continue;
+    ++deaths;
+    lost.add(workers[victims.front()].die());
+    victims.pop_front();
   }
 }
 

@@ -59,7 +59,6 @@ void SimulatedWorker::OnReadDone(bool ok) {
     ready.mutable_ready()->set_device("simulated");
     const std::lock_guard lock(mutex_);
     say(std::move(ready));
-    ++crew_.board.prepared;
   } else if (incoming_.has_dismiss() || incoming_.has_refused()) {
     context_.TryCancel();
   }
@@ -69,9 +68,10 @@ void SimulatedWorker::OnReadDone(bool ok) {
 void SimulatedWorker::take(const wire::Unit& unit) {
   const UnitId id = decode(unit.id());
   crew_.ordered(id);
+  const bool is_new = ++crew_.board.ordered <= crew_.board.units;
   const std::lock_guard lock(mutex_);
   if (!answered_.empty()) {
-    crew_.board.orders.add(seconds_since(answered_.front()));
+    if (is_new) crew_.board.orders.add(seconds_since(answered_.front()));
     answered_.pop_front();
   }
   held_.push_back({id, unit.id().view(), decode(unit).value()});
@@ -79,7 +79,7 @@ void SimulatedWorker::take(const wire::Unit& unit) {
 }
 
 void SimulatedWorker::begin_unit() {
-  const auto takes = std::chrono::duration<double>(crew_.board.unit_seconds);
+  const std::chrono::duration<double> takes(load_seconds(held_.front().unit, crew_.board.unit_seconds));
   crew_.finish_at(*this, Clock::now() + std::chrono::duration_cast<Clock::duration>(takes));
 }
 
