@@ -217,6 +217,14 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       ->check(whole_number(1, kMaxSamplesPerUnit))
       ->capture_default_str();
   add_worker_options(command, options);
+  command
+      .add_option("--verify", options.verify,
+                  "Let a second worker render this share of the work units, too, and compare the results "
+                  "(0.05 is 5%): both workers are sent away where they differ, and what they did is done "
+                  "again. It takes two workers")
+      ->type_name("SHARE")
+      ->check(CLI::Range(0.0, 1.0).description(""))
+      ->capture_default_str();
   command.add_flag(
       "--strict-numerics", options.strict_numerics,
       "NaN and infinite samples are an error (exit code 1) instead of a warning; files are written");

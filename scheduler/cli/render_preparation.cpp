@@ -99,6 +99,7 @@ RenderJob make_job(const RenderOptions& options, const RenderRecord& record, con
                    DeviceScene scene) {
   RenderJob job = job_of_record(record, device, std::move(scene));
   job.time_budget = options.time_budget;
+  job.verify = options.verify;
   job.tev = options.tev;
   job.interactive = options.interactive;
   if (options.pixel) simplify_for_a_pixel(job);

@@ -12,7 +12,6 @@ namespace penumbra {
 namespace {
 
 constexpr std::chrono::milliseconds kTickInterval{20};
-constexpr Seconds kLongestBatch = 0.2;  // of arrivals between two ticks
 // A pause of this very process (Ctrl-Z, a suspended machine) must not look like one of the workers.
 constexpr Seconds kLongestTick = 1;
 constexpr Seconds kWorkersInterval = 0.5;
@@ -64,14 +63,7 @@ Expected<void> FarmRun::run() {
   if (const Expected<void> started = start(); !started) return std::unexpected(started.error());
 
   while (!is_done() && !stop_ && can_go_on()) {
-    std::chrono::milliseconds patience = kTickInterval;
-    while (std::optional<Arrival> arrival = server_->next(patience)) {
-      advance_clock();
-      std::visit([this](auto& a) { on(a); }, *arrival);
-      finish_jobs();
-      if (is_done() || stop_ || plan_.gave_up() || now_ - last_tick_ > kLongestBatch) break;
-      patience = {};
-    }
+    take_arrivals();
     advance_clock();
     tick();
     look_after_workers();
@@ -79,10 +71,8 @@ Expected<void> FarmRun::run() {
     make_changes();
     finish_jobs();
     take_jobs();
-    for (const auto& [id, job] : jobs_) {
-      job->publish();
-      job->keep_checkpoint(since_start());
-    }
+    publish();
+    for (const auto& [id, job] : jobs_) job->keep_checkpoint(since_start());
     report_progress();
   }
   const bool could_go_on = can_go_on();
@@ -104,6 +94,28 @@ Expected<void> FarmRun::run() {
   if (never_began) return fail("no worker could be started:" + reasons);
   if (!stop_ && !could_go_on && !source_.is_exhausted()) return fail("no worker is left:" + reasons);
   return {};
+}
+
+/// Until it is time for the next tick, or a job is over: what has to be done then takes longer than an
+/// arrival.
+void FarmRun::take_arrivals() {
+  const Clock::time_point next_tick = Clock::now() + kTickInterval;
+  const std::size_t open_jobs = jobs_.size();
+  while (jobs_.size() == open_jobs && !stop_ && !plan_.gave_up()) {
+    std::optional<Arrival> arrival = server_->next(std::chrono::milliseconds(0));
+    if (!arrival) {
+      publish();  // at once, for those who steer what they watch
+      arrival =
+          server_->next(std::max(std::chrono::milliseconds(0),
+                                 std::chrono::ceil<std::chrono::milliseconds>(next_tick - Clock::now())));
+    }
+    if (arrival) {
+      advance_clock();
+      std::visit([this](auto& a) { on(a); }, *arrival);
+      finish_jobs();
+    }
+    if (Clock::now() >= next_tick) return;
+  }
 }
 
 // --- Jobs
@@ -135,7 +147,7 @@ void FarmRun::take_jobs() {
              .first->second;
     for (std::string& text : std::exchange(unsaid_problems_, {})) taken.problem(std::move(text));
     taken.open(*server_);
-    tell_plan(JobAdded{id, taken.job().priority, taken.phases()});
+    tell_plan(JobAdded{id, taken.job().priority, taken.phases(), taken.job().verify});
     for (std::uint32_t tile = 0; taken.is_adaptive() && tile < taken.tiles(); ++tile)
       tell_plan(taken.passes_of_tile(tile));
   }
@@ -189,8 +201,11 @@ void FarmRun::end_all_jobs() {
 
 /// Workers that are still starting may be able to do what the others are not.
 void FarmRun::fail_hopeless_jobs() {
-  const auto connected = std::ranges::count_if(
-      workers_, [](const auto& w) { return w.second.pid != 0 && !w.second.gone && !w.second.ended; });
+  if (deadly_.empty() && hopeless_.empty()) return;
+  const auto connected = std::ranges::count_if(here_, [&](WorkerId id) {
+    const Worker& worker = workers_.at(id);
+    return !worker.gone && !worker.ended;
+  });
   std::set<JobId> failed;
   // Only when all of those processes are counted does a fresh account begin for the ones that follow.
   if (!deadly_.empty() && !is_an_end_half_known()) {
@@ -213,16 +228,17 @@ void FarmRun::fail_hopeless_jobs() {
 // --- Processes and time
 
 bool FarmRun::is_an_end_half_known() const {
-  return std::ranges::any_of(workers_, [&](const auto& entry) {
-    const Worker& worker = entry.second;
-    if (worker.pid == 0 || worker.gone == worker.ended) return false;
+  return std::ranges::any_of(here_, [&](WorkerId id) {
+    const Worker& worker = workers_.at(id);
+    if (worker.gone == worker.ended) return false;
     return now_ - (worker.gone ? worker.gone_since : worker.ended_since) < 2 * kTimeToDie;
   });
 }
 
 void FarmRun::look_after_workers() {
   const Seconds now = since_start();
-  for (const auto& [id, worker] : workers_) {
+  for (const WorkerId id : here_) {
+    const Worker& worker = workers_.at(id);
     if (worker.gone && !worker.ended && now - worker.gone_since > kTimeToDie) workers_here_->kill(worker.pid);
   }
   // By the plan's time: neither may a pause of this process look like one of a worker that starts.
@@ -267,6 +283,10 @@ void FarmRun::tick() {
   for (const auto& [id, job] : jobs_)
     if (job->budget_is_spent(now_)) tell_plan(NoFurtherUnits{id});
   tell_plan(Tick{});
+}
+
+void FarmRun::publish() {
+  for (const auto& [id, job] : jobs_) job->publish();
 }
 
 void FarmRun::report_progress() {

@@ -70,6 +70,7 @@ class FarmRun {
   void obey(const GiveUp&, arrivals::Result*);
 
   Expected<void> start();
+  void take_arrivals();
   void take_jobs();
   void make_changes();
   void finish_jobs();
@@ -83,6 +84,7 @@ class FarmRun {
   void worker_ended(const WorkerEnd& end);
   void advance_clock();
   void tick();
+  void publish();
   void report_progress();
   void tell_how_to_watch();
 
@@ -122,9 +124,8 @@ class FarmRun {
   std::map<JobId, std::vector<std::string>> job_failures_;  // what workers said
   std::vector<std::shared_ptr<WatchBoard>> closed_boards_;  // of jobs that are over
   std::map<WorkerId, Worker> workers_;
-  std::vector<WorkerId> refused_;   // of whom the plan is to be told
-  std::vector<WorkerUnfit> unfit_;  // likewise
-  std::vector<PassesOfTile> more_;  // likewise
+  std::vector<WorkerId> here_;         // of them, those whose processes this farm has started
+  std::vector<PlanEvent> follow_ups_;  // what came of obeying orders: of that the plan is to be told next
   std::set<std::string> said_;
   std::vector<std::string> problems_, unsaid_problems_;  // unsaid: no job was open
   bool anyone_was_ready_ = false;

@@ -34,7 +34,7 @@ void FarmRun::on(const arrivals::Connected& arrival) {
     notice(fmt::format("a worker that this render did not start has joined it: {}, {}", worker.name,
                        peer_text(arrival.peer)));
   else
-    workers_here_->is_heard_of(worker.pid, plan_time_);
+    here_.push_back(arrival.worker), workers_here_->is_heard_of(worker.pid, plan_time_);
   if (jobs_.empty()) workers_here_->is_ready(worker.pid);  // for whatever comes
   hopeless_.clear();                                       // it may be able; else the plan says so again
   tell_plan(WorkerJoined{arrival.worker});
@@ -53,6 +53,7 @@ void FarmRun::on(const arrivals::Ready& arrival) {
   if (JobRun* of = job(arrival.job)) {
     of->worker_is_ready(arrival, since_start());
     hopeless_.erase(arrival.job);
+    deadly_.erase(arrival.job);
     const auto& kernels = arrival.preparation.kernels;
     if (kernels && is_new(fmt::format("{} {}", arrival.job, arrival.device)))
       of->notice(kernel_text(*kernels));
@@ -141,9 +142,7 @@ void FarmRun::tell_plan(const PlanEvent& event, arrivals::Result* result) {
   for (const PlanOrder& order : plan_.handle(event, plan_time_)) {
     std::visit([&](const auto& o) { obey(o, result); }, order);
   }
-  for (const PassesOfTile& more : std::exchange(more_, {})) tell_plan(more);
-  for (const WorkerUnfit& unfit : std::exchange(unfit_, {})) tell_plan(unfit);
-  for (const WorkerId id : std::exchange(refused_, {})) tell_plan(WorkerLost{id});
+  for (const PlanEvent& follow_up : std::exchange(follow_ups_, {})) tell_plan(follow_up);
 }
 
 void FarmRun::obey(const Prepare& order, arrivals::Result*) {
@@ -155,7 +154,7 @@ void FarmRun::obey(const Prepare& order, arrivals::Result*) {
   if (!options) {
     const std::string& why = options.error().message;
     job_failures_[order.job].push_back(why);
-    unfit_.push_back({order.worker, order.job});
+    follow_ups_.emplace_back(WorkerUnfit{order.worker, order.job});
     if (jobs_.size() == 1 && source_.is_exhausted())
       refuse(order.worker, why);  // there is nothing else for it
     else
@@ -178,13 +177,13 @@ void FarmRun::obey(const MergeResult& order, arrivals::Result* result) {
   workers_here_->has_worked();
   JobRun& of = *jobs_.at(order.unit.job);
   of.merge(order, *result, since_start());
-  if (of.is_adaptive()) more_.push_back(of.passes_of_tile(order.unit.tile));
+  if (of.is_adaptive()) follow_ups_.emplace_back(of.passes_of_tile(order.unit.tile));
 }
 
 void FarmRun::obey(const SetAside& order, arrivals::Result*) {
   JobRun& of = *jobs_.at(order.unit.job);
   of.skip(order.unit);
-  if (of.is_adaptive()) more_.push_back(of.passes_of_tile(order.unit.tile));
+  if (of.is_adaptive()) follow_ups_.emplace_back(of.passes_of_tile(order.unit.tile));
   of.problem(
       set_aside_text(order, of.unit(order.unit), of.detail(order.unit), of.job().reproduce_command, names()));
 }
@@ -207,7 +206,7 @@ void FarmRun::refuse(WorkerId id, const std::string& why) {
     if (of->has_share(id)) of->share(id).ended = why;
   problem(why);
   server_->refuse(id, why);
-  refused_.push_back(id);
+  follow_ups_.emplace_back(WorkerLost{id});
 }
 
 void FarmRun::obey(const RedoTile& order, arrivals::Result*) { jobs_.at(order.job)->redo(order.tile); }

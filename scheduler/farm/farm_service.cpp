@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <thread>
 
+#include "scheduler/farm/work_stream.h"
 #include "scheduler/protocol/text.h"
 #include "scheduler/watch/watch_wire.h"
 
@@ -13,27 +13,6 @@ namespace {
 
 // How often a watcher that has seen everything looks whether it is still there.
 constexpr std::chrono::milliseconds kWatchInterval{500};
-constexpr std::size_t kLongestKey = 64;
-
-/// Sets that this scheduler does not know are left out.
-std::vector<Isa> isas_of(const wire::Hello& hello) {
-  std::vector<Isa> isas;
-  for (const Isa isa : {Isa::kSse2, Isa::kAvx2, Isa::kAvx512})
-    if (std::ranges::find(hello.isas(), int(encode(isa))) != hello.isas().end()) isas.push_back(isa);
-  return isas;
-}
-
-/// Forwards a worker's messages until its stream ends or a message is invalid.
-grpc::Status read_all(WorkerConnection::Stream& stream, WorkerConnection& connection,
-                      Mailbox<Arrival>& mailbox) {
-  wire::WorkerMessage message;
-  while (stream.Read(&message)) {
-    auto understood = connection.understand(message);
-    if (!understood) return {grpc::StatusCode::INVALID_ARGUMENT, understood.error().message};
-    if (auto* arrival = std::get_if<Arrival>(&*understood)) mailbox.put(std::move(*arrival));
-  }
-  return grpc::Status::OK;
-}
 
 }  // namespace
 
@@ -139,36 +118,10 @@ std::uint32_t Farm::next_view_number(JobId job) {
 
 // --- The calls
 
-grpc::Status FarmService::Work(grpc::ServerContext* context, WorkerConnection::Stream* stream) {
-  called(*context);
-  wire::WorkerMessage message;
-  if (!stream->Read(&message)) return grpc::Status::OK;
-  if (!message.has_hello())
-    return {grpc::StatusCode::INVALID_ARGUMENT, "the first message of a worker must be Hello"};
-  const wire::Hello hello = message.hello();
-  if (const std::string mismatch = version_mismatch(hello.protocol_version(), "worker"); !mismatch.empty()) {
-    wire::SchedulerMessage refusal;
-    refusal.mutable_refused()->set_reason(mismatch);
-    stream->Write(refusal);
-    return {grpc::StatusCode::FAILED_PRECONDITION, mismatch};
-  }
-
-  const auto [worker, connection] = farm_.open();
-  farm_.mailbox.put(arrivals::Connected{.worker = worker,
-                                        .host = wire_text(hello.host(), kLongestName),
-                                        .pid = hello.pid(),
-                                        .key = wire_text(hello.key(), kLongestKey),
-                                        .peer = context->peer(),
-                                        .isas = isas_of(hello)});
-  std::thread writer([&, held = connection] { held->write_to(*stream, *context); });
-  const grpc::Status status = read_all(*stream, *connection, farm_.mailbox);
-  connection->close();
-  // It cannot be told why if it does not read what it was sent before.
-  if (!connection->wait_until_written()) context->TryCancel();
-  writer.join();
-  farm_.close(worker);
-  farm_.mailbox.put(arrivals::Gone{worker});
-  return status;
+grpc::ServerBidiReactor<wire::WorkerMessage, wire::SchedulerMessage>* FarmService::Work(
+    grpc::CallbackServerContext* context) {
+  if (on_call_) on_call_(context->peer());
+  return new WorkStream(farm_, *context);  // which deletes itself
 }
 
 grpc::Status FarmService::Asset(grpc::ServerContext* context, const wire::AssetRequest* request,

@@ -82,12 +82,14 @@ class Farm {
 
 /// The service at one address. `on_call` is called with the peer of each call, after the token has been
 /// checked where one is required.
-class FarmService final : public wire::Farm::Service {
+class FarmService final : public wire::Farm::WithCallbackMethod_Work<wire::Farm::Service> {
  public:
   explicit FarmService(Farm& farm, std::function<void(const std::string& peer)> on_call = {})
       : farm_(farm), on_call_(std::move(on_call)) {}
 
-  grpc::Status Work(grpc::ServerContext* context, WorkerConnection::Stream* stream) override;
+  /// Of workers there may be thousands, so no thread waits for one.
+  grpc::ServerBidiReactor<wire::WorkerMessage, wire::SchedulerMessage>* Work(
+      grpc::CallbackServerContext* context) override;
   grpc::Status Asset(grpc::ServerContext* context, const wire::AssetRequest* request,
                      grpc::ServerWriter<wire::AssetChunk>* writer) override;
   grpc::Status Watch(grpc::ServerContext* context, const wire::WatchRequest* request,

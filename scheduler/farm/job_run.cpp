@@ -240,12 +240,17 @@ void JobRun::show(const Plan& plan, const std::vector<WatchedWorker>& workers, b
 RenderOutcome JobRun::outcome(const Plan& plan, Seconds now) && {
   RenderOutcome outcome;
   outcome.complete = plan.finished(id_) && plan.set_aside(id_).empty();
+  if (const std::uint64_t missed = plan.counts(id_).not_verified; missed > 0)
+    problem(fmt::format("{} {} to be compared with another worker's result and could not be", missed,
+                        missed == 1 ? "unit was" : "units were"));
   outcome.problems = std::move(problems_);
   for (const auto& [worker, share] : shares_) outcome.workers.push_back(share);
   const Plan::Counts counts = plan.counts(id_);
   outcome.units_done = counts.done;
   outcome.units_duplicated = counts.duplicated;
   outcome.units_requeued = counts.requeued;
+  outcome.units_verified = counts.verified;
+  outcome.units_not_verified = counts.not_verified;
   outcome.units_set_aside = plan.set_aside(id_).size();
   outcome.passes_finished = merge_.finished_passes();
   outcome.passes_total = grid_.passes();

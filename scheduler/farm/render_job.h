@@ -38,6 +38,7 @@ struct RenderJob {
   /// Each tile ends as soon as its relative error is at most that, see AdaptiveTile; `spp` is the most that
   /// it gets, and the image depends on `tile`.
   std::optional<double> target_error = {};
+  double verify = 0;  ///< share of the units that two workers do, to compare what they return
   std::shared_ptr<MergedBefore> before = {};         ///< what there is of it already; the render uses it up
   std::shared_ptr<CheckpointSink> checkpoints = {};  ///< null: none are kept
 
@@ -78,6 +79,7 @@ struct RenderOutcome {
   std::vector<std::string> problems;  ///< every failed unit, lost worker, rejected result, in plain words
   std::vector<WorkerShare> workers;
   std::uint64_t units_done = 0, units_duplicated = 0, units_requeued = 0;
+  std::uint64_t units_verified = 0, units_not_verified = 0;  ///< of those that were to be
   std::uint64_t units_set_aside = 0;  ///< missing in the film, maybe before others that are not
   std::optional<std::uint64_t> units_in_order = {};  ///< see Merge
   bool ended_by_tile = false;  ///< with a target error, and every tile has come to its end

@@ -50,6 +50,8 @@ Expected<void> check_render_job(const RenderJob& job) {
                     "(--no-features)",
                     job.width, job.height, bytes * 1e-9, bytes_per_pixel, double(memory) * 1e-9));
   }
+  if (!(job.verify >= 0 && job.verify <= 1))
+    return fail(fmt::format("a share of {} of the units to be verified; 0 to 1 make sense", job.verify));
   if (job.spp < 1) return fail("0 samples per pixel; at least 1 is needed");
   if (job.samples_per_pass < 1 || job.samples_per_pass > kMaxSamplesPerUnit) {
     return fail(

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <utility>
 
 #include "scheduler/protocol/text.h"
@@ -11,20 +10,24 @@ namespace penumbra {
 namespace {
 
 constexpr int kMostCompiles = 64;
-constexpr std::chrono::seconds kTimeToLeave{5};
-constexpr std::chrono::milliseconds kTimeToTake{300};  // what was sent last
 
 }  // namespace
 
 // --- To the worker
 
 void WorkerConnection::send(wire::SchedulerMessage message) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (sent_away_) return;
-    outbox_.push_back(std::move(message));
-  }
-  changed_.notify_all();
+  const std::lock_guard lock(mutex_);
+  if (sent_away_) return;
+  outbox_.push_back(std::move(message));
+  write_next();
+}
+
+void WorkerConnection::write_next() {
+  if (stream_ == nullptr || writing_ || closed_ || outbox_.empty()) return;
+  outgoing_ = std::move(outbox_.front());
+  outbox_.pop_front();
+  writing_ = true;
+  stream_->write(outgoing_);
 }
 
 void WorkerConnection::send_job(JobId job, const std::string& scene_hash, const DeviceOptions& device) {
@@ -86,8 +89,10 @@ void WorkerConnection::send_view(JobId job, const WatchView& view) {
 void WorkerConnection::send_final(wire::SchedulerMessage message) {
   send(std::move(message));
   const std::lock_guard lock(mutex_);
+  if (sent_away_) return;
   sent_away_ = true;
   expected_.clear();
+  if (stream_ != nullptr) stream_->is_final();
 }
 
 void WorkerConnection::dismiss(const std::string& reason) {
@@ -102,41 +107,40 @@ void WorkerConnection::refuse(const std::string& reason) {
   send_final(std::move(message));
 }
 
-void WorkerConnection::write_to(Stream& stream, grpc::ServerContext& context) {
-  write_all(stream, context);
-  {
-    const std::lock_guard lock(mutex_);
-    written_ = true;
-  }
-  changed_.notify_all();
+// --- By the stream
+
+void WorkerConnection::attach(Stream& stream) {
+  const std::lock_guard lock(mutex_);
+  stream_ = &stream;
+  write_next();
+  if (sent_away_) stream_->is_final();
 }
 
-bool WorkerConnection::wait_until_written() {
-  std::unique_lock lock(mutex_);
-  return changed_.wait_for(lock, kTimeToTake, [this] { return written_; });
+void WorkerConnection::detach() {
+  const std::lock_guard lock(mutex_);
+  stream_ = nullptr;
 }
 
-void WorkerConnection::write_all(Stream& stream, grpc::ServerContext& context) {
-  std::unique_lock lock(mutex_);
-  for (;;) {
-    changed_.wait(lock, [this] { return closed_ || sent_away_ || !outbox_.empty(); });
-    if (closed_) return;
-    if (outbox_.empty()) break;
-    const wire::SchedulerMessage message = std::move(outbox_.front());
-    outbox_.pop_front();
-    lock.unlock();
-    if (!stream.Write(message)) return;  // the reader notices too
-    lock.lock();
-  }
-  if (!changed_.wait_for(lock, kTimeToLeave, [this] { return closed_; })) context.TryCancel();
+bool WorkerConnection::written(bool ok) {
+  const std::lock_guard lock(mutex_);
+  writing_ = false;
+  if (closed_) return true;
+  if (ok)
+    write_next();
+  else
+    stream_ = nullptr;  // broken; the reading end notices, too
+  return false;
 }
 
-void WorkerConnection::close() {
-  {
-    const std::lock_guard lock(mutex_);
-    closed_ = true;
-  }
-  changed_.notify_all();
+bool WorkerConnection::close() {
+  const std::lock_guard lock(mutex_);
+  closed_ = true;
+  return !writing_;
+}
+
+void WorkerConnection::cut_off() {
+  const std::lock_guard lock(mutex_);
+  if (stream_ != nullptr) stream_->cancel();
 }
 
 // --- From the worker

@@ -2,10 +2,6 @@
 // worker.
 #pragma once
 
-#include <grpcpp/server_context.h>
-#include <grpcpp/support/sync_stream.h>
-
-#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -20,11 +16,22 @@
 
 namespace penumbra {
 
-/// One thread reads the stream and decodes its messages here. Another one writes what any thread sends, so no
-/// sender waits for a worker that does not read.
+/// The stream's reading end has its messages decoded here. What any thread sends is written one message after
+/// the other, the next when the stream says that the last one is gone: no sender waits for a worker that does
+/// not read.
 class WorkerConnection {
  public:
-  using Stream = grpc::ServerReaderWriter<wire::SchedulerMessage, wire::WorkerMessage>;
+  /// The writing end of a stream. Called with the connection's lock held, so it must not call back at once.
+  class Stream {
+   public:
+    virtual ~Stream() = default;
+    /// The message stays until `written`.
+    virtual void write(const wire::SchedulerMessage& message) = 0;
+    /// Nothing but the final message is to be written any more.
+    virtual void is_final() = 0;
+    /// Breaks the stream.
+    virtual void cancel() = 0;
+  };
 
   explicit WorkerConnection(WorkerId worker) : worker_(worker) {}
 
@@ -39,13 +46,18 @@ class WorkerConnection {
   void dismiss(const std::string& reason);
   void refuse(const std::string& reason);
 
-  /// Writes until `close`, or until the stream is broken. A worker that stays after the final message is cut
-  /// off.
-  void write_to(Stream& stream, grpc::ServerContext& context);
-  /// Nothing is to be written any more.
-  void close();
-  /// Whether `write_to` has come back, within a moment.
-  bool wait_until_written();
+  // --- By the stream
+
+  /// It takes messages from now on, until `detach`.
+  void attach(Stream& stream);
+  void detach();
+  /// The last message given to it is gone, or will never be; true if the stream may be finished now, because
+  /// `close` was waiting for that.
+  bool written(bool ok);
+  /// Nothing more is to be written; true if nothing is being written either.
+  bool close();
+  /// Breaks the stream, if there is one still.
+  void cut_off();
 
   // --- From the worker
 
@@ -62,7 +74,7 @@ class WorkerConnection {
   };
 
   void send(wire::SchedulerMessage message);
-  void write_all(Stream& stream, grpc::ServerContext& context);
+  void write_next();  // the lock is held
   void send_final(wire::SchedulerMessage message);
   [[nodiscard]] std::uint32_t view_of(JobId job) const;  // the lock is held
   [[nodiscard]] bool is_awaited(JobId job) const;
@@ -74,13 +86,14 @@ class WorkerConnection {
 
   const WorkerId worker_;
   mutable std::mutex mutex_;
-  std::condition_variable changed_;
+  Stream* stream_ = nullptr;
   std::deque<wire::SchedulerMessage> outbox_;
+  wire::SchedulerMessage outgoing_;  // while it is being written
   std::map<UnitId, Expectation> expected_;
   std::map<JobId, std::uint32_t> views_;  // of jobs that have had another one than the first
   std::map<JobId, int> awaited_;          // how often it was given without a Ready or JobFailed so far
   std::set<JobId> forgotten_;
-  bool sent_away_ = false, closed_ = false, written_ = false;
+  bool sent_away_ = false, closed_ = false, writing_ = false;
   int compiles_ = 0;
 };
 

@@ -2,9 +2,29 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <utility>
 
 namespace penumbra {
+namespace {
+
+constexpr Seconds kNever = std::numeric_limits<Seconds>::infinity();
+constexpr Seconds kNotBegun = -kNever;
+
+/// Any function that mixes well (the finalizer of SplitMix64; Steele, Lea and Flood 2014).
+std::uint64_t mixed(std::uint64_t bits) {
+  bits += 0x9e3779b97f4a7c15u;
+  bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
+  bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
+  return bits ^ (bits >> 31);
+}
+
+}  // namespace
+
+Plan::Plan(LeaseRule leases)
+    : leases_(leases),
+      shortest_(std::min({leases.initial, leases.minimum, leases.silence, leases.patience, leases.unheard})) {
+}
 
 Plan::Phase::Phase(const PhaseUnits& units)
     : tiles(units.tiles),
@@ -68,11 +88,14 @@ void Plan::Job::begin() {
     counts.done += p.units() - p.left;
   }
   set_aside.clear();
+  idle_since.reset();
 }
 
 std::vector<PlanOrder> Plan::handle(const PlanEvent& event, Seconds now) {
   now_ = std::max(now_, now);
   orders_.clear();
+  changed_.clear();
+  all_changed_ = false;
   std::visit([this](const auto& e) { on(e); }, event);
   if (!gave_up()) issue();
   return std::exchange(orders_, {});
@@ -92,10 +115,12 @@ void Plan::on(const JobAdded& event) {
   Job& job = added->second;
   job.priority = event.priority;
   job.as_added = event.phases;
+  job.verify = event.verify;
   job.begin();
   units_left_ += job.units_left;
   order_jobs();
   tell_if_phase_is_done(event.job);
+  all_changed_ = true;
 }
 
 void Plan::on(const JobRemoved& event) {
@@ -108,11 +133,12 @@ void Plan::on(const JobRemoved& event) {
   for (auto& [id, worker] : workers_) {
     if (worker.prepared.erase(event.job) > 0 || worker.preparing == event.job)
       orders_.push_back(Forget{id, event.job});
-    if (worker.preparing == event.job) worker.preparing.reset(), worker.preparing_since.reset();
     worker.alone.erase(event.job);
     worker.unfit.erase(event.job);
     worker.proven.erase(event.job);
+    relist(id, worker);
   }
+  all_changed_ = true;
 }
 
 void Plan::on(const PriorityChanged& event) {
@@ -180,18 +206,24 @@ void Plan::on(const NoFurtherUnits& event) {
 
 // --- What happened to workers
 
-void Plan::on(const WorkerJoined& event) { workers_.try_emplace(event.worker).first->second.heard_at = now_; }
+void Plan::on(const WorkerJoined& event) {
+  Worker& worker = workers_.try_emplace(event.worker).first->second;
+  worker.heard_at = now_;
+  relist(event.worker, worker);
+}
 
 void Plan::on(const WorkerPrepared& event) {
   const auto found = workers_.find(event.worker);
-  // What it was told to forget meanwhile it is not asked for.
   if (found == workers_.end() || found->second.preparing != event.job) return;
   Worker& worker = found->second;
   worker.preparing.reset();
   worker.preparing_since.reset();
-  worker.prepared.insert(event.job);
   worker.heard_at = now_;
-  if (const auto job = jobs_.find(event.job); job != jobs_.end()) job->second.deaths = 0;
+  relist(event.worker, worker);
+  const auto job = jobs_.find(event.job);
+  if (job == jobs_.end()) return;  // it was told to forget it meanwhile
+  worker.prepared.insert(event.job);
+  job->second.deaths = 0;
 }
 
 void Plan::on(const WorkerUnfit& event) {
@@ -201,6 +233,8 @@ void Plan::on(const WorkerUnfit& event) {
   worker.preparing.reset();
   worker.preparing_since.reset();
   worker.heard_at = now_;
+  relist(event.worker, worker);
+  if (!jobs_.contains(event.job)) return;
   // Perhaps its memory does not hold two.
   const bool was_alone = worker.prepared.empty() || worker.alone.contains(event.job);
   (was_alone ? worker.unfit : worker.alone).insert(event.job);
@@ -212,13 +246,17 @@ void Plan::on(const Alive& event) {
   if (found == workers_.end()) return;
   Worker& worker = found->second;
   worker.heard_at = now_;
-  if (worker.hung && worker.silent) worker.hung = false;
+  if (!worker.hung || !worker.silent) return;
+  worker.hung = false;
+  look_by(now_);
+  relist(event.worker, worker);
 }
 
 void Plan::on(const Progressed& event) {
   const auto worker = workers_.find(event.worker);
   if (worker == workers_.end() || worker->second.units.empty()) return;
   show_progress(worker->second);
+  relist(event.worker, worker->second);
 }
 
 void Plan::on(const WorkerLost& event) {
@@ -229,9 +267,9 @@ void Plan::on(const WorkerLost& event) {
     blame(worker->second.units.front(), event.worker, Fault::kDied);
   }
   if (worker->second.units.empty() && worker->second.preparing) {
-    const JobId id = *worker->second.preparing;
-    Job& job = jobs_.at(id);
-    if (++job.deaths == kDeathsToGiveUpJob) orders_.push_back(NobodyCan{id, job.deaths});
+    const auto job = jobs_.find(*worker->second.preparing);
+    if (job != jobs_.end() && ++job->second.deaths == kDeathsToGiveUpJob)
+      orders_.push_back(NobodyCan{job->first, job->second.deaths});
   }
   release(event.worker);
 }
@@ -262,6 +300,10 @@ void Plan::on(const UnitDone& event) {
   } else if (unit.done_by && unit.hash != event.hash) {
     dispute(event, unit);
   } else {
+    if (unit.unverified && unit.done_by) {
+      end_check(event.unit, unit);
+      ++jobs_.at(event.unit.job).counts.verified;
+    }
     orders_.push_back(DiscardResult{event.worker, event.unit});
   }
   settle(event.unit);
@@ -286,33 +328,8 @@ void Plan::on(const ResultCorrupt& event) {
 }
 
 void Plan::on(const Tick&) {
-  std::vector<std::pair<WorkerId, UnitId>> silent;
-  std::vector<std::pair<WorkerId, JobId>> stuck;
-  for (auto& [id, worker] : workers_) {
-    if (worker.units.empty()) {
-      if (is_stuck_preparing(worker)) stuck.emplace_back(id, *worker.preparing);
-      continue;
-    }
-    const UnitId in_hand = worker.units.front();
-    if (worker.hung) {
-      if (now_ >= worker.hung_until) silent.emplace_back(id, in_hand);
-      continue;
-    }
-    const Seconds end = hung_at(worker);
-    if (now_ < end) {
-      tell_if_overdue(id, worker);
-      continue;
-    }
-    const Lease given = lease(worker);
-    worker.hung = true;
-    worker.silent = worker.heard_at + given.silence <= end;
-    worker.hung_until = now_ + (worker.silent ? given.silence : given.progress);
-    ++units_.at(in_hand).expired_leases;
-    blame(in_hand, id, Fault::kHung);
-    for (const UnitId& unit : std::vector(worker.units.begin(), worker.units.end())) settle(unit);
-  }
-  for (const auto& [id, unit] : silent) dismiss(id, Fault::kHung, unit);
-  for (const auto& [id, job] : stuck) dismiss(id, Fault::kUnprepared, UnitId{.job = job});
+  give_up_idle_checks();
+  if (now_ >= next_look_) look_after_workers();
 }
 
 // --- Bookkeeping of jobs
@@ -330,13 +347,21 @@ void Plan::forget_units(JobId job) {
   for (auto& [id, worker] : workers_) {
     const bool loses_hand = !worker.units.empty() && is_of_job(worker.units.front());
     std::erase_if(worker.units, is_of_job);
-    if (!loses_hand) continue;
-    worker.hung = false;
-    take_in_hand(worker);
+    if (loses_hand) {
+      worker.hung = false;
+      take_in_hand(worker);
+      if (!worker.units.empty()) relist(worker.units.front());
+      if (worker.units.empty() && worker.preparing) look_by(now_);
+    }
+    relist(id, worker);
   }
   std::erase_if(units_, [&](const auto& unit) { return is_of_job(unit.first); });
   std::erase_if(requeued_, is_of_job);
   std::erase_if(suspects_, is_of_job);
+  Job& forgotten = jobs_.at(job);
+  forgotten.copyable.clear();
+  forgotten.checks.clear();
+  forgotten.unverified = 0;
   std::erase_if(contributions_, [job](const auto& tiles) { return std::get<1>(tiles.first) == job; });
 }
 
@@ -348,6 +373,7 @@ void Plan::restart(JobId id) {
   job.begin();
   units_left_ += job.units_left;
   tell_if_phase_is_done(id);
+  all_changed_ = true;
 }
 
 void Plan::count_left(UnitId id, std::int64_t more) {
@@ -391,6 +417,10 @@ bool Plan::take_back(WorkerId id, UnitId unit) {
   worker.hung = false;
   worker.units.erase(place);
   units_.at(unit).holders.erase(id);
+  relist(unit);
+  if (!worker.units.empty()) relist(worker.units.front());
+  if (worker.units.empty() && worker.preparing) look_by(now_);
+  relist(id, worker);
   return true;
 }
 
@@ -411,7 +441,12 @@ void Plan::settle(UnitId id) {
       enqueue(id, unit);
     }
   }
-  if (unit.closed && unit.holders.empty()) units_.erase(found);
+  relist(id);
+  if (!unit.closed || !unit.holders.empty()) return;
+  if (unit.unverified)
+    jobs_.at(id.job).checks.insert(id);
+  else
+    units_.erase(found);
 }
 
 void Plan::enqueue(UnitId id, const Unit& unit) {
@@ -427,13 +462,99 @@ void Plan::dequeue(UnitId id) {
 
 void Plan::blame(UnitId id, WorkerId worker, Fault fault) {
   Unit& unit = units_.at(id);
-  if (!unit.closed) unit.faults.emplace_back(worker, fault);
+  if (!unit.closed) {
+    unit.faults.emplace_back(worker, fault);
+    relist(id);
+  } else if (unit.unverified && ++unit.failed_checks >= kFaultsToSetAside) {
+    end_check(id, unit);
+    ++jobs_.at(id.job).counts.not_verified;
+  }
+}
+
+/// Keeps up its job's list of what can be copied.
+void Plan::relist(UnitId id) {
+  const auto found = units_.find(id);
+  if (found == units_.end()) return;
+  Unit& unit = found->second;
+  std::optional<Seconds> begun;
+  if (!unit.closed && unit.holders.size() == 1 && unit.faults.empty()) {
+    const Worker& holder = workers_.at(*unit.holders.begin());
+    begun = holder.units.front() == id ? holder.in_hand_since : kNotBegun;
+  }
+  if (begun == unit.copyable) return;
+  std::set<std::pair<Seconds, UnitId>>& list = jobs_.at(id.job).copyable;
+  if (unit.copyable) list.erase({*unit.copyable, id});
+  if (begun) list.insert({*begun, id});
+  unit.copyable = begun;
+}
+
+/// Keeps up who can take something.
+void Plan::relist(WorkerId id, Worker& worker) {
+  std::optional<std::size_t> wants;
+  if (!worker.hung && !worker.preparing && worker.units.size() < kUnitsPerWorker) wants = worker.units.size();
+  changed_.push_back(id);
+  if (wants == worker.wants) return;
+  if (worker.wants) wanting_[*worker.wants].erase(id);
+  if (wants) wanting_[*wants].insert(id);
+  worker.wants = wants;
+}
+
+// --- Units that a second worker does too
+
+bool Plan::is_to_be_verified(UnitId id) const {
+  const double share = jobs_.at(id.job).verify;
+  const std::uint64_t name = mixed(mixed(mixed(id.phase) + id.pass) + id.tile);
+  return double(name >> 11) * 0x1p-53 < share;
+}
+
+/// Verified, or not: no longer to be.
+void Plan::end_check(UnitId id, Unit& unit) {
+  if (!std::exchange(unit.unverified, false)) return;
+  Job& job = jobs_.at(id.job);
+  job.checks.erase(id);
+  --job.unverified;
+}
+
+void Plan::give_up_checks(JobId id) {
+  Job& job = jobs_.at(id);
+  for (const UnitId& unit : std::exchange(job.checks, {})) {
+    units_.erase(unit);  // nobody holds it
+    --job.unverified;
+    ++job.counts.not_verified;
+  }
+}
+
+/// Whether somebody who is busy now may be the second for the job's units.
+bool Plan::may_be_verified_later(JobId job) const {
+  int able = 0;
+  bool is_any_busy = false;
+  for (const auto& [id, worker] : workers_) {
+    if (worker.unfit.contains(job)) continue;
+    ++able;
+    is_any_busy |= worker.wants != 0u;
+    if (able >= 2 && is_any_busy) return true;
+  }
+  return false;
+}
+
+/// Of jobs of which nothing else is left, and that nobody does who could.
+void Plan::give_up_idle_checks() {
+  for (auto& [id, job] : jobs_) {
+    if (job.units_left > 0 || job.unverified == 0 || job.checks.size() < job.unverified ||
+        may_be_verified_later(id))
+      job.idle_since.reset();
+    else if (!job.idle_since)
+      job.idle_since = now_;
+    else if (now_ - *job.idle_since >= kTimeToFindASecond)
+      give_up_checks(id);
+  }
 }
 
 /// The worker is gone: what it held goes back.
 void Plan::release(WorkerId id) {
   const auto worker = workers_.find(id);
   const std::deque<UnitId> held = std::move(worker->second.units);
+  if (worker->second.wants) wanting_[*worker->second.wants].erase(id);
   workers_.erase(worker);
   for (const UnitId& unit : held) {
     units_.at(unit).holders.erase(id);
@@ -452,6 +573,12 @@ void Plan::accept(const UnitDone& event, Unit& unit) {
   unit.closed = true;
   unit.hash = event.hash;
   unit.done_by = event.worker;
+  unit.failed_checks = 0;
+  relist(event.unit);
+  if (is_to_be_verified(event.unit)) {
+    unit.unverified = true;
+    ++jobs_.at(event.unit.job).unverified;
+  }
   dequeue(event.unit);
   count_left(event.unit, -1);
   ++jobs_.at(event.unit.job).counts.done;
@@ -505,6 +632,7 @@ void Plan::reopen(UnitId id) {
   const auto [found, is_new] = units_.try_emplace(id);
   Unit& unit = found->second;
   if (!is_new && !unit.closed) return;  // on its way already
+  end_check(id, unit);
   unit.closed = false;
   unit.done_by.reset();
   count_left(id, 1);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -37,21 +38,32 @@ namespace penumbra {
 ///   and every tile that either worked on is done again from its first pass; a job with an earlier phase that
 ///   they worked on starts again.
 /// - A late result of a unit that is still open counts like any other.
+/// - Of a job that asks for it, a share of the units goes to a second worker as soon as the first one is done
+///   with them, before anything new; the job is not finished before. Where nobody can be the second, they are
+///   counted as not verified in the end.
+/// No event but those of jobs takes a time that grows with the number of workers or units, except as their
+/// logarithm: whoever can take something, what can be copied and when the next lease ends is kept in order.
 class Plan {
  public:
-  explicit Plan(LeaseRule leases = {}) : leases_(leases) {}
+  explicit Plan(LeaseRule leases = {});
 
   std::vector<PlanOrder> handle(const PlanEvent& event, Seconds now);
 
-  /// Every unit of every job is done or set aside, of all phases.
-  [[nodiscard]] bool finished() const { return units_left_ == 0; }
-  [[nodiscard]] bool finished(JobId job) const { return jobs_.at(job).units_left == 0; }
+  /// Every unit of every job is done or set aside, of all phases, and verified where that was asked for.
+  [[nodiscard]] bool finished() const {
+    return units_left_ == 0 &&
+           std::ranges::all_of(jobs_, [](const auto& job) { return job.second.unverified == 0; });
+  }
+  [[nodiscard]] bool finished(JobId job) const {
+    return jobs_.at(job).units_left == 0 && jobs_.at(job).unverified == 0;
+  }
   [[nodiscard]] bool gave_up() const { return disputes_ >= kDisputesToGiveUp; }
   [[nodiscard]] std::uint64_t units_left() const { return units_left_; }
 
   /// Of one job, since it was added or began anew. What was merged before counts as done.
   struct Counts {
     std::uint64_t done = 0, duplicated = 0, requeued = 0;  ///< duplicated: copies given out
+    std::uint64_t verified = 0, not_verified = 0;          ///< of those that were to be
   };
   [[nodiscard]] Counts counts(JobId job) const { return jobs_.at(job).counts; }
   [[nodiscard]] const std::set<UnitId>& set_aside(JobId job) const { return jobs_.at(job).set_aside; }
@@ -95,6 +107,13 @@ class Plan {
     Seconds total = 0;         // of finished units
     std::uint64_t timed = 0;
     int deaths = 0;  // of workers that were preparing it, one after the other
+    // What can be copied: units with one holder and no blame, by when they were begun (kNotBegun: not yet).
+    std::set<std::pair<Seconds, UnitId>> copyable;
+    // Units to be verified.
+    double verify = 0;
+    std::uint64_t unverified = 0;       // done so far, but not by a second worker
+    std::set<UnitId> checks;            // of them, those that no second worker has
+    std::optional<Seconds> idle_since;  // there is nothing but checks, and nobody takes them
 
     void begin();
   };
@@ -103,18 +122,19 @@ class Plan {
     Seconds in_hand_since = 0;
     Seconds heard_at = 0, progress_at = 0;  // last signs of life, and of progress at what is in hand
     std::set<JobId> prepared, unfit;
-    std::optional<JobId> preparing;
+    std::optional<JobId> preparing;          // also one that was removed meanwhile: it is busy with it
     std::optional<Seconds> preparing_since;  // with nothing in hand any more
     std::set<JobId> alone;                   // failed beside other jobs: to be tried without any
     std::set<JobId> proven;                  // of which it has finished a unit
     bool overdue = false;                    // which has been told
     int failures_in_a_row = 0;
-    bool hung = false;       // its lease expired and nothing came since
-    bool silent = false;     // ... for silence
-    Seconds hung_until = 0;  // then it is dismissed
+    bool hung = false;                 // its lease expired and nothing came since
+    bool silent = false;               // ... for silence
+    Seconds hung_until = 0;            // then it is dismissed
+    std::optional<std::size_t> wants;  // in which of wanting_ it is
   };
-  // A unit that was issued and that a worker still holds, or that waits to be issued again. A unit before its
-  // tile's `next` that has no record is done or set aside.
+  // A unit that was issued and that a worker still holds, or that waits to be issued again or verified. A
+  // unit before its tile's `next` that has no record is done or set aside.
   struct Unit {
     std::set<WorkerId> holders;
     bool closed = false;  // done or set aside; kept for the holders' results
@@ -122,6 +142,9 @@ class Plan {
     std::optional<WorkerId> done_by;
     int expired_leases = 0;
     std::vector<std::pair<WorkerId, Fault>> faults;
+    std::optional<Seconds> copyable;  // as it stands in its job's list
+    bool unverified = false;          // closed, and another worker is to do it too
+    int failed_checks = 0;
   };
 
   void on(const JobAdded& event);
@@ -159,6 +182,13 @@ class Plan {
   void enqueue(UnitId id, const Unit& unit);
   void dequeue(UnitId id);
   void blame(UnitId id, WorkerId worker, Fault fault);
+  void relist(UnitId id);
+  void relist(WorkerId id, Worker& worker);
+  [[nodiscard]] bool is_to_be_verified(UnitId id) const;
+  void end_check(UnitId id, Unit& unit);
+  void give_up_checks(JobId id);
+  [[nodiscard]] bool may_be_verified_later(JobId job) const;
+  void give_up_idle_checks();
   void release(WorkerId worker);
   void dismiss(WorkerId worker, Fault fault, UnitId unit, std::optional<WorkerId> accuser = {});
   void accept(const UnitDone& event, Unit& unit);
@@ -170,19 +200,26 @@ class Plan {
 
   // In plan_issue.cpp.
   void issue();
+  void issue_to(WorkerId id);
+  [[nodiscard]] bool is_anything_waiting(bool also_copies) const;
   std::optional<UnitId> next_for(WorkerId worker);
   [[nodiscard]] bool has_work(const Job& job, JobId id) const;
   void prepare_one(WorkerId id, bool in_advance);
   [[nodiscard]] bool make_room(WorkerId id);
   [[nodiscard]] std::optional<UnitId> suspect_for(WorkerId worker, JobId job) const;
   [[nodiscard]] std::optional<UnitId> requeued_for(WorkerId worker, JobId job) const;
+  [[nodiscard]] std::optional<UnitId> check_for(WorkerId worker, JobId job) const;
   std::optional<UnitId> fresh(JobId job);
   std::optional<UnitId> straggler_for(WorkerId worker);
+  [[nodiscard]] std::optional<std::pair<Seconds, UnitId>> oldest_straggler(const Job& job) const;
   [[nodiscard]] bool better_elsewhere(const Unit& unit, WorkerId worker, JobId job) const;
   [[nodiscard]] bool rendered_by_someone(const Unit& unit) const;
   void show_progress(Worker& worker);
   void take_in_hand(Worker& worker);
   void tell_if_overdue(WorkerId id, Worker& worker);
+  [[nodiscard]] Seconds overdue_at(const Worker& worker) const;
+  void look_after_workers();
+  void look_by(Seconds time) { next_look_ = std::min(next_look_, time); }
   [[nodiscard]] bool is_stuck_preparing(Worker& worker) const;
   /// How long its unit in hand may go without progress, and the worker without a word.
   struct Lease {
@@ -201,7 +238,15 @@ class Plan {
   std::map<std::tuple<WorkerId, JobId, std::uint32_t>, std::vector<bool>>
       contributions_;  // tiles of a phase, also of lost workers
 
+  // By how many units they hold: workers that can take another one.
+  std::array<std::set<WorkerId>, kUnitsPerWorker> wanting_;
+  // Of this event: who may prepare a job in advance now.
+  std::vector<WorkerId> changed_;
+  bool all_changed_ = false;
+
   Seconds now_ = 0;
+  // No lease ends before, nor is anybody overdue; and the shortest time from a sign of life to either.
+  Seconds next_look_ = 0, shortest_;
   std::uint64_t units_left_ = 0;
   int disputes_ = 0;
   std::vector<PlanOrder> orders_;

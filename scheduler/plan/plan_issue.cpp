@@ -7,27 +7,51 @@
 #include "scheduler/plan/plan.h"
 
 namespace penumbra {
+namespace {
+
+constexpr int kChecksLookedAt = 16;
+
+}  // namespace
 
 // --- Who gets what
 
 void Plan::issue() {
-  // Breadth first: no worker gets a second unit while another one has none.
-  for (std::size_t wanted = 1; wanted <= kUnitsPerWorker; ++wanted) {
-    for (auto& [id, worker] : workers_) {
-      if (worker.hung || worker.units.size() >= wanted) continue;
-      prepare_one(id, false);
-      const std::optional<UnitId> unit = next_for(id);
-      if (!unit) {
-        if (worker.units.empty()) prepare_one(id, true);
-        continue;
-      }
-      if (worker.units.empty()) take_in_hand(worker);
-      worker.units.push_back(*unit);
-      units_[*unit].holders.insert(id);
-      dequeue(*unit);
-      orders_.push_back(Assign{id, *unit});
+  // Breadth first: no worker gets a second unit while another one has none. Who gets something leaves the
+  // set.
+  for (std::size_t held = 0; held < kUnitsPerWorker; ++held) {
+    const std::set<WorkerId>& wanting = wanting_[held];
+    for (auto next = wanting.begin(); next != wanting.end() && is_anything_waiting(held == 0);) {
+      const WorkerId id = *next;
+      issue_to(id);
+      next = wanting.upper_bound(id);
     }
   }
+  if (all_changed_) changed_.assign(wanting_[0].begin(), wanting_[0].end());
+  for (const WorkerId id : std::exchange(changed_, {}))
+    if (wanting_[0].contains(id)) prepare_one(id, true);
+}
+
+void Plan::issue_to(WorkerId id) {
+  prepare_one(id, false);
+  const std::optional<UnitId> unit = next_for(id);
+  if (!unit) return;
+  Worker& worker = workers_.at(id);
+  if (worker.units.empty()) take_in_hand(worker);
+  worker.units.push_back(*unit);
+  units_[*unit].holders.insert(id);
+  jobs_.at(unit->job).checks.erase(*unit);
+  dequeue(*unit);
+  relist(*unit);
+  relist(id, worker);
+  orders_.push_back(Assign{id, *unit});
+}
+
+/// Whether any worker could be given something that it can do; copies go to idle ones alone.
+bool Plan::is_anything_waiting(bool also_copies) const {
+  return std::ranges::any_of(jobs_, [&](const auto& entry) {
+    const auto& [id, job] = entry;
+    return has_work(job, id) || !job.checks.empty() || (also_copies && oldest_straggler(job));
+  });
 }
 
 std::optional<UnitId> Plan::next_for(WorkerId id) {
@@ -39,6 +63,7 @@ std::optional<UnitId> Plan::next_for(WorkerId id) {
     if (!worker.prepared.contains(job)) continue;
     if (const auto suspect = suspect_for(id, job)) return is_idle ? suspect : std::nullopt;
     if (const auto unit = requeued_for(id, job)) return unit;
+    if (const auto unit = check_for(id, job)) return unit;
     if (const auto unit = fresh(job)) return unit;
   }
   return is_idle ? straggler_for(id) : std::nullopt;
@@ -60,19 +85,23 @@ bool Plan::has_work(const Job& job, JobId id) const {
 void Plan::prepare_one(WorkerId id, bool in_advance) {
   Worker& worker = workers_.at(id);
   if (worker.preparing) return;
+  const auto has_some_for_it = [&](JobId job) {
+    return has_work(jobs_.at(job), job) || check_for(id, job).has_value();
+  };
   for (const JobId candidate : order_) {
-    const Job& job = jobs_.at(candidate);
     if (worker.prepared.contains(candidate)) {
-      if (!in_advance && has_work(job, candidate)) return;
+      if (!in_advance && has_some_for_it(candidate)) return;
       continue;
     }
-    if (worker.unfit.contains(candidate) || (!in_advance && !has_work(job, candidate))) continue;
+    if (worker.unfit.contains(candidate) || (!in_advance && !has_some_for_it(candidate))) continue;
     if (worker.alone.contains(candidate)) {
       if (in_advance || !worker.units.empty()) continue;
       forget_others(id);
     }
     if (int(worker.prepared.size()) >= kJobsPerWorker && (in_advance || !make_room(id))) return;
     worker.preparing = candidate;
+    look_by(now_);
+    relist(id, worker);
     orders_.push_back(Prepare{id, candidate});
     return;
   }
@@ -120,26 +149,35 @@ std::optional<UnitId> Plan::fresh(JobId id) {
   return UnitId{id, job.phase, taken->first, taken->second};
 }
 
-std::optional<UnitId> Plan::straggler_for(WorkerId id) {
-  const std::set<JobId>& prepared = workers_.at(id).prepared;
-  std::optional<UnitId> chosen;
-  Seconds chosen_age = -1;
-  for (const auto& [candidate, unit] : units_) {
-    if (unit.closed || unit.holders.size() != 1 || unit.holders.contains(id) || !unit.faults.empty() ||
-        !prepared.contains(candidate.job))
-      continue;
-    const Job& job = jobs_.at(candidate.job);
-    const Seconds straggler_age = job.timed == 0 ? kFirstStragglerAge : job.total / double(job.timed);
-    const Worker& holder = workers_.at(*unit.holders.begin());
-    const bool in_hand = holder.units.front() == candidate;
-    // One that has not been begun is the best to take over.
-    const Seconds age = in_hand ? now_ - holder.in_hand_since : std::numeric_limits<Seconds>::infinity();
-    if (age < straggler_age || age <= chosen_age) continue;
-    chosen = candidate;
-    chosen_age = age;
+/// One that was done by another worker. All of them may be this one's own; others will take those.
+std::optional<UnitId> Plan::check_for(WorkerId id, JobId job) const {
+  int looked_at = 0;
+  for (const UnitId& unit : jobs_.at(job).checks) {
+    if (units_.at(unit).done_by != id) return unit;
+    if (++looked_at == kChecksLookedAt) break;
   }
-  if (chosen) ++jobs_.at(chosen->job).counts.duplicated;
-  return chosen;
+  return {};
+}
+
+/// The first to be copied, and since when it is in hand.
+std::optional<std::pair<Seconds, UnitId>> Plan::oldest_straggler(const Job& job) const {
+  if (job.copyable.empty()) return {};
+  const Seconds straggler_age = job.timed == 0 ? kFirstStragglerAge : job.total / double(job.timed);
+  // One that has not been begun is the best to take over.
+  const std::pair<Seconds, UnitId>& oldest = *job.copyable.begin();
+  return now_ - oldest.first < straggler_age ? std::nullopt : std::optional(oldest);
+}
+
+/// For a worker that holds nothing.
+std::optional<UnitId> Plan::straggler_for(WorkerId id) {
+  std::optional<std::pair<Seconds, UnitId>> chosen;
+  for (const JobId candidate : workers_.at(id).prepared) {
+    const auto oldest = oldest_straggler(jobs_.at(candidate));
+    if (oldest && (!chosen || *oldest < *chosen)) chosen = oldest;
+  }
+  if (!chosen) return {};
+  ++jobs_.at(chosen->second.job).counts.duplicated;
+  return chosen->second;
 }
 
 /// Whether the unit has failed on this worker while there is another one that it has not failed on.
@@ -167,6 +205,7 @@ void Plan::show_progress(Worker& worker) {
   }
   worker.hung = worker.overdue = false;
   worker.heard_at = worker.progress_at = now_;
+  look_by(now_ + shortest_);
 }
 
 /// Its lease begins now. A worker without a unit is not expected to report anything.
@@ -174,6 +213,7 @@ void Plan::take_in_hand(Worker& worker) {
   worker.in_hand_since = worker.progress_at = now_;
   if (worker.units.empty()) worker.heard_at = now_;
   worker.overdue = false;
+  look_by(now_ + shortest_);
 }
 
 /// Whether it has prepared a job for too long, or too long without a word. What it held before came first.
@@ -186,15 +226,58 @@ bool Plan::is_stuck_preparing(Worker& worker) const {
   return now_ - worker.heard_at >= leases_.unheard || now_ - *worker.preparing_since >= leases_.unprepared;
 }
 
+/// When it is to be told that the worker is silent, or slow.
+Seconds Plan::overdue_at(const Worker& worker) const {
+  const Seconds longest_wait = jobs_.at(worker.units.front().job).longest_wait;
+  return std::min(worker.heard_at + leases_.patience,
+                  worker.progress_at + std::max(leases_.patience, 2 * longest_wait));
+}
+
 void Plan::tell_if_overdue(WorkerId id, Worker& worker) {
+  if (worker.overdue || now_ < overdue_at(worker)) return;
   const Seconds since_heard = now_ - worker.heard_at, since_progress = now_ - worker.progress_at;
   const bool is_silent = since_heard >= leases_.patience;
-  const Seconds longest_wait = jobs_.at(worker.units.front().job).longest_wait;
-  const bool is_slow = since_progress >= std::max(leases_.patience, 2 * longest_wait);
-  if (worker.overdue || (!is_silent && !is_slow)) return;
   worker.overdue = true;
   orders_.push_back(Overdue{id, worker.units.front(), is_silent, is_silent ? since_heard : since_progress,
                             hung_at(worker) - now_});
+}
+
+/// Leases that end, and when the next one may.
+void Plan::look_after_workers() {
+  std::vector<std::pair<WorkerId, UnitId>> silent;
+  std::vector<std::pair<WorkerId, JobId>> stuck;
+  next_look_ = std::numeric_limits<Seconds>::infinity();
+  for (auto& [id, worker] : workers_) {
+    if (worker.units.empty()) {
+      if (is_stuck_preparing(worker)) stuck.emplace_back(id, *worker.preparing);
+      if (worker.preparing)
+        look_by(std::min(worker.heard_at + leases_.unheard, *worker.preparing_since + leases_.unprepared));
+      continue;
+    }
+    const UnitId in_hand = worker.units.front();
+    if (worker.hung) {
+      if (now_ >= worker.hung_until) silent.emplace_back(id, in_hand);
+      look_by(worker.hung_until);
+      continue;
+    }
+    const Seconds end = hung_at(worker);
+    if (now_ < end) {
+      tell_if_overdue(id, worker);
+      look_by(worker.overdue ? end : std::min(end, overdue_at(worker)));
+      continue;
+    }
+    const Lease given = lease(worker);
+    worker.hung = true;
+    worker.silent = worker.heard_at + given.silence <= end;
+    worker.hung_until = now_ + (worker.silent ? given.silence : given.progress);
+    look_by(worker.hung_until);
+    relist(id, worker);
+    ++units_.at(in_hand).expired_leases;
+    blame(in_hand, id, Fault::kHung);
+    for (const UnitId& unit : std::vector(worker.units.begin(), worker.units.end())) settle(unit);
+  }
+  for (const auto& [id, unit] : silent) dismiss(id, Fault::kHung, unit);
+  for (const auto& [id, job] : stuck) dismiss(id, Fault::kUnprepared, UnitId{.job = job});
 }
 
 Plan::Lease Plan::lease(const Worker& worker) const {

@@ -40,6 +40,8 @@ constexpr int kDeathsToGiveUpJob = 3;  ///< of workers that were preparing it, a
 constexpr int kDisputesToGiveUp = 3;   ///< so many pairs of workers that disagreed, and none can be trusted
 constexpr Seconds kFirstStragglerAge = 1;  ///< see Plan; only while no unit of the job is finished
 
+constexpr Seconds kTimeToFindASecond = 10;  ///< for a unit that is to be verified, when all else is done
+
 constexpr int kJobsPerWorker = 2;  ///< that it keeps prepared: the one it works at, and the next
 
 constexpr std::uint32_t kAllPasses = ~std::uint32_t(0);
@@ -73,6 +75,9 @@ struct JobAdded {
   JobId job;
   int priority = 0;  ///< of two jobs with work for a worker, that with the higher one; then the older one
   std::vector<PhaseUnits> phases;
+  /// Of its units, the share that a second worker does too, to compare the results; which ones they are is a
+  /// function of their names alone.
+  double verify = 0;
 };
 /// It is over, finished or not; nothing of it is wanted any more.
 struct JobRemoved {

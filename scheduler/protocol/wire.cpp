@@ -300,7 +300,7 @@ Expected<View> decode(const wire::View& message) {
 std::uint64_t result_hash(const wire::UnitResult& message) {
   const wire::NonFiniteSamples &nan = message.pixels().nan(), &infinite = message.pixels().infinite();
   // Not the source, which workers may know or not.
-  const std::uint64_t parts[] = {checksum_of(message.pixels().values()),
+  const std::uint64_t parts[] = {message.pixels().checksum(),
                                  nan.count(),
                                  std::uint64_t(nan.x()),
                                  std::uint64_t(nan.y()),

@@ -76,7 +76,8 @@ void encode(const View& view, wire::View& message);
 /// Fails unless all its numbers are there and finite.
 Expected<View> decode(const wire::View& message);
 
-/// 64-bit hash over everything that must be equal in two results of one unit.
+/// 64-bit hash over everything that must be equal in two results of one unit, both of which `decode` has
+/// taken: their checksums are right.
 std::uint64_t result_hash(const wire::UnitResult& message);
 
 }  // namespace penumbra

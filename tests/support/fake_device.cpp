@@ -31,6 +31,8 @@ void for_each_field(Behaviour& behaviour, Visit visit) {
   visit("PENUMBRA_FAKE_DAMAGE_CLAIM", behaviour.damage_claim);
   visit("PENUMBRA_FAKE_NAN_CLAIM", behaviour.nan_claim);
   visit("PENUMBRA_FAKE_DIE_AT_START", behaviour.die_at_start);
+  visit("PENUMBRA_FAKE_VANISH_CLAIM", behaviour.vanish_claim);
+  visit("PENUMBRA_FAKE_PREPARE_MS", behaviour.prepare_ms);
   visit("PENUMBRA_FAKE_NO_DEVICE", behaviour.no_device);
   visit("PENUMBRA_FAKE_FAIL_ALWAYS", behaviour.fail_always);
   visit("PENUMBRA_FAKE_ISAS", behaviour.isas);
@@ -134,6 +136,12 @@ FakeBehaviour FakeBehaviour::from_environment() {
 
 Expected<std::unique_ptr<Device>> make_fake_device(const DeviceScene& scene, const DeviceOptions&,
                                                    const FakeBehaviour& behaviour) {
+  for (const char* number : {"1", "2", "3"}) {
+    if (behaviour.vanish_claim.empty() || !claim(behaviour.vanish_claim + number)) continue;
+    close_range(STDERR_FILENO + 1, ~0u, 0);
+    for (;;) pause();
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(behaviour.prepare_ms));
   if (behaviour.no_device != 0) return fail("there is no fake device today");
   return std::make_unique<FakeDevice>(scene, behaviour);
 }

@@ -16,7 +16,7 @@ DeviceScene fake_scene(int film_width, int film_height, bool features);
 /// What a fake worker does. The scheduler passes nothing but an address to its workers, so the behaviour
 /// travels in environment variables, one for each field: PENUMBRA_FAKE_ and the name in capitals. A "claim"
 /// is a file that the first process to create it owns: exactly one of all workers, including those started
-/// later, behaves so.
+/// later, behaves so. Of vanish_claim there are three, with a number each.
 struct FakeBehaviour {
   int delay_ms = 0;               ///< for each unit
   std::string crash_at = {};      ///< "x,y,first_sample": at this unit the process is killed by a signal
@@ -27,6 +27,8 @@ struct FakeBehaviour {
   std::string nan_claim = {};     ///< returns a NaN among the values and counts none
   int liar_delay_ms = 0;          ///< how late the liar is with its first unit
   int die_at_start = 0;           ///< 1: the process ends before it connects
+  std::string vanish_claim = {};  ///< closes its connection while it prepares its job, and stays
+  int prepare_ms = 0;             ///< for a job, of those that do not vanish
   int no_device = 0;              ///< 1: the device cannot be made
   int fail_always = 0;            ///< 1: every unit fails
   int isas = 3;                   ///< how many instruction sets the worker says it has, from sse2 on

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "scheduler/protocol/token.h"
 #include "tests/support/fake_device.h"
 #include "worker/worker_client.h"
 
@@ -13,6 +14,7 @@ int main(int argc, char** argv) {
   if (behaviour.die_at_start != 0) return 3;
   WorkerClientOptions options;
   options.address = argv[2];
+  if (const char* token = std::getenv(kTokenVariable)) options.token = token;
   for (int i = 0; i < behaviour.isas; ++i) options.isas.push_back(Isa(i));
   options.make_device = [&](const DeviceScene& scene, const DeviceOptions& device) {
     return make_fake_device(scene, device, behaviour);

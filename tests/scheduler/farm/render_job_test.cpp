@@ -240,6 +240,27 @@ TEST_F(RenderJobTest, ALiarIsFoundOutAndItsWorkRedone) {
   EXPECT_EQ(outcome->workers.size(), 4u) << "both are replaced";
 }
 
+TEST_F(RenderJobTest, AJobThatThreeWorkersDiedOfGoesOnIfAnotherOneIsReadyForIt) {
+  // Their processes are there for a while when their connections are not, and the fourth one is ready before
+  // it is known how they ended.
+  FakeBehaviour{.delay_ms = 200, .vanish_claim = claim_file(), .prepare_ms = 500}.to_environment();
+  LocalRender deadly = job(4, 25);
+  const Expected<RenderOutcome> outcome = render(deadly);
+  expect_the_right_film(outcome);
+  EXPECT_GE(outcome->seconds, 2) << "it was over before the processes were";
+}
+
+TEST_F(RenderJobTest, ALiarIsFoundOutByUnitsThatTwoWorkersDo) {
+  FakeBehaviour{.delay_ms = 5, .lie_claim = claim_file()}.to_environment();
+  LocalRender verified = job(3);
+  verified.verify = 0.3;
+  const Expected<RenderOutcome> outcome = render(verified);
+  expect_the_right_film(outcome);
+  EXPECT_THAT(outcome->problems, Contains(HasSubstr("different results")).Times(2));
+  EXPECT_GT(outcome->units_verified, 20u);
+  EXPECT_EQ(outcome->units_not_verified, 0u);
+}
+
 TEST_F(RenderJobTest, ADamagedResultIsRejectedAndRedone) {
   FakeBehaviour{.damage_claim = claim_file()}.to_environment();
   const Expected<RenderOutcome> outcome = render(job(2));

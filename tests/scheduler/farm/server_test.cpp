@@ -424,7 +424,9 @@ TEST_F(ServerTest, ResultsThatDifferHaveDifferentHashes) {
                                                                      1);
   EXPECT_NE(result_hash(good.result()), result_hash(other.result()));
   other = good;
-  (*other.mutable_result()->mutable_pixels()->mutable_values())[0] ^= 1;
+  SampleBuffer other_values = fake_samples(kArea, kRadiancePlanes);
+  other_values.values[0] += 1;
+  encode(other_values, *other.mutable_result());
   EXPECT_NE(result_hash(good.result()), result_hash(other.result()));
 }
 

@@ -268,6 +268,38 @@ TEST_F(PlanJobsTest, AJobThatWorkersDieOfPreparingIsSaid) {
   EXPECT_THAT(nobody_can(), ElementsAre(kJob));
 }
 
+TEST_F(PlanJobsTest, DeathsOfPreparingARemovedJobAreNotTheNextOnes) {
+  prepares_at_once_ = false;
+  start(4, 1);
+  for (WorkerId worker = 1; worker <= 6; ++worker) join(worker);
+  for (WorkerId worker = 1; worker <= 3; ++worker) lose(worker);
+  ASSERT_THAT(nobody_can(), ElementsAre(kJob));
+  add(2, {{1, 1}});
+  tell(JobRemoved{kJob});
+  EXPECT_THAT(to_prepare(), IsEmpty()) << "they are still busy with the other";
+  for (WorkerId worker = 4; worker <= 6; ++worker) {
+    lose(worker);
+    EXPECT_THAT(nobody_can(), IsEmpty());
+  }
+  join(7);
+  ASSERT_THAT(to_prepare(), ElementsAre(Pair(7, 2)));
+  prepared(7, 2);
+  EXPECT_THAT(assigned(), ElementsAre(Pair(7, unit(0, 0, 2))));
+}
+
+TEST_F(PlanJobsTest, AWorkerThatPreparesARemovedJobGetsWorkWhenItHasSaidThatItIsDone) {
+  prepares_at_once_ = false;
+  start(4, 1);
+  add(2, {{1, 1}});
+  join(1);
+  tell(JobRemoved{kJob});
+  EXPECT_THAT(to_forget(), ElementsAre(Pair(1, kJob)));
+  EXPECT_THAT(to_prepare(), IsEmpty());
+  prepared(1, kJob);
+  EXPECT_THAT(to_prepare(), ElementsAre(Pair(1, 2)));
+  EXPECT_THAT(assigned(), IsEmpty());
+}
+
 TEST_F(PlanJobsTest, AJobThatNobodyCanDoIsSaidAndTheOthersGoOn) {
   prepares_at_once_ = false;
   start(1, 1);

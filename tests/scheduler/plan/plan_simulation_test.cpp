@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <map>
 #include <optional>
@@ -16,6 +17,7 @@
 
 #include "scheduler/plan/merge.h"
 #include "scheduler/plan/plan.h"
+#include "tests/support/fault_schedules.h"
 
 namespace penumbra {
 namespace {
@@ -27,6 +29,8 @@ struct Habits {
   double dies = 0, hangs = 0, late = 0, fails = 0, corrupts = 0;  // probability for each unit
   double poisonous = 0;                                           // share of units that never succeed
   double lies = 0;                                                // probability that a worker is a liar
+  double verified = 0;                                            // share of units done by two workers
+  double cancelled = 0;  // probability in half a second that a job is removed
 };
 
 /// One run with one seed.
@@ -48,7 +52,8 @@ class SimulatedFarm {
 
   void run() {
     plan_.emplace(LeaseRule{.initial = 20, .minimum = 5, .factor = 3, .growth = 2, .silence = 8});
-    for (const auto& [job, phases] : jobs_) tell(JobAdded{job, between(0, 2), phases});
+    for (const auto& [job, phases] : jobs_)
+      tell(JobAdded{.job = job, .priority = between(0, 2), .phases = phases, .verify = habits_.verified});
     for (int crew = between(1, 6); crew > 0; --crew) join();
     for (int events = 0; !plan_->finished() && !plan_->gave_up(); ++events) {
       ASSERT_LT(events, kMostEvents) << "the plan does not come to an end";
@@ -60,13 +65,14 @@ class SimulatedFarm {
 
   [[nodiscard]] bool gave_up() const { return plan_->gave_up(); }
   int dismissals = 0, set_asides = 0, duplicates = 0, restarts = 0, resumed = 0, redone_from_before = 0;
+  int verified = 0, not_verified = 0, cancelled = 0, died_of_removed_jobs = 0;
 
  private:
   enum class Fate { kDone, kDies, kFails, kCorrupt };
   struct FakeWorker {
     std::vector<UnitId> units;
     std::set<JobId> prepared;
-    std::optional<JobId> preparing;  // begun when its units are done
+    std::deque<JobId> preparing;  // begun when its units are done; also those that it was told to forget
     Seconds prepared_at = kNever;
     Seconds ready_at = kNever;
     Fate fate = Fate::kDone;
@@ -119,16 +125,21 @@ class SimulatedFarm {
       FakeWorker& worker = preparing->second;
       const WorkerId id = preparing->first;
       worker.prepared_at = kNever;
-      const JobId job = *std::exchange(worker.preparing, {});
-      // One more, and the job would count as deadly.
-      if (chance(habits_.dies) && deaths_of_preparing_[job] + 1 < kDeathsToGiveUpJob) {
-        ++deaths_of_preparing_[job];
+      const JobId job = worker.preparing.front();
+      worker.preparing.pop_front();
+      // One more, and the job would count as deadly; not one that is gone already.
+      const bool is_removed = !jobs_.contains(job);
+      if (chance(habits_.dies) && (is_removed || deaths_of_preparing_[job] + 1 < kDeathsToGiveUpJob)) {
+        ++(is_removed ? died_of_removed_jobs : deaths_of_preparing_[job]);
         workers_.erase(preparing);
         tell(WorkerLost{id});
         return;
       }
-      worker.prepared.insert(job);
-      deaths_of_preparing_[job] = 0;
+      if (!is_removed) {
+        worker.prepared.insert(job);
+        deaths_of_preparing_[job] = 0;
+      }
+      begin(worker);
       tell(WorkerPrepared{id, job});
       return;
     }
@@ -139,6 +150,7 @@ class SimulatedFarm {
       next_tick_ += 0.5;
       beat();
       if (int(workers_.size()) < 2 || chance(0.02)) join();  // the dead are replaced, some others come too
+      if (chance(habits_.cancelled)) cancel();
       tell(Tick{});
       return;
     }
@@ -182,6 +194,29 @@ class SimulatedFarm {
     }
   }
 
+  /// Somebody does not want the oldest job any more, while another one is open.
+  void cancel() {
+    if (jobs_.size() < 2) return;
+    ++cancelled;
+    const JobId job = jobs_.begin()->first;
+    jobs_.erase(job);
+    merges_.erase(job);
+    forget(job);
+    tell(JobRemoved{job});
+  }
+
+  void forget(JobId job) {
+    const auto is_of_job = [job](const UnitId& unit) { return unit.job == job; };
+    std::erase_if(merged_, [&](const auto& m) { return is_of_job(m.first); });
+    std::erase_if(set_aside_, is_of_job);
+    std::erase_if(lies_, is_of_job);
+    std::erase_if(poison_, [&](const auto& p) { return is_of_job(p.first) && !jobs_.contains(job); });
+    std::erase_if(opened_, [&](const auto& phase) { return phase.first == job; });
+    std::erase_if(phases_done_, [&](const PhaseDone& done) { return done.job == job; });
+    for (auto& [id, worker] : workers_)
+      if (std::erase_if(worker.units, is_of_job) > 0) begin(worker);
+  }
+
   void join() {
     if (workers_.size() >= 8) return;
     const WorkerId id = next_worker_++;
@@ -200,7 +235,8 @@ class SimulatedFarm {
     worker.ready_at = kNever;
     worker.fate = Fate::kDone;
     if (worker.units.empty()) {
-      if (worker.preparing) worker.prepared_at = now_ + 0.1 * between(0, 30);
+      if (!worker.preparing.empty() && worker.prepared_at == kNever)
+        worker.prepared_at = now_ + 0.1 * between(0, 30);
       return;
     }
     worker.ready_at = now_ + worker.speed * 0.1 * between(8, 12);
@@ -230,14 +266,19 @@ class SimulatedFarm {
 
   void obey(const Prepare& order, bool) {
     FakeWorker& worker = workers_.at(order.worker);
-    ASSERT_FALSE(worker.preparing) << "two jobs at once";
+    for (const JobId job : worker.preparing) ASSERT_FALSE(jobs_.contains(job)) << "two jobs at once";
     ASSERT_FALSE(worker.prepared.contains(order.job)) << "the worker knows the job";
     ASSERT_LT(worker.prepared.size(), std::size_t(kJobsPerWorker));
-    worker.preparing = order.job;
+    worker.preparing.push_back(order.job);
     if (worker.units.empty()) begin(worker);
   }
 
-  void obey(const Forget& order, bool) { ASSERT_EQ(workers_.at(order.worker).prepared.erase(order.job), 1u); }
+  void obey(const Forget& order, bool) {
+    FakeWorker& worker = workers_.at(order.worker);
+    if (std::ranges::find(worker.preparing, order.job) == worker.preparing.end()) {
+      ASSERT_EQ(worker.prepared.erase(order.job), 1u);
+    }
+  }
 
   void obey(const PhaseDone& order, bool) {
     ASSERT_EQ(merges_.at(order.job).at(order.phase).finished_passes(), jobs_[order.job][order.phase].passes);
@@ -249,15 +290,8 @@ class SimulatedFarm {
   void obey(const StartAgain& order, bool) {
     ++restarts;
     ASSERT_GT(habits_.lies, 0);
-    const auto is_of_job = [&](const UnitId& unit) { return unit.job == order.job; };
     make_merges(order.job);
-    std::erase_if(merged_, [&](const auto& m) { return is_of_job(m.first); });
-    std::erase_if(set_aside_, is_of_job);
-    std::erase_if(lies_, is_of_job);
-    std::erase_if(opened_, [&](const auto& phase) { return phase.first == order.job; });
-    std::erase_if(phases_done_, [&](const PhaseDone& done) { return done.job == order.job; });
-    for (auto& [id, worker] : workers_)
-      if (std::erase_if(worker.units, is_of_job) > 0) begin(worker);
+    forget(order.job);
   }
 
   void obey(const NobodyCan&, bool) { FAIL() << "every worker can"; }
@@ -274,6 +308,7 @@ class SimulatedFarm {
     ASSERT_EQ(std::ranges::count(worker.units, order.unit), 0) << "a worker has the unit already";
     const auto before = merged_.find(unit);
     ASSERT_TRUE(before == merged_.end() || before->second != 0) << "an earlier scheduler has merged it";
+    ASSERT_TRUE(before == merged_.end() || before->second != order.worker) << "its own result for comparison";
     worker.units.push_back(order.unit);
     ASSERT_LE(worker.units.size(), std::size_t(kUnitsPerWorker));
     if (worker.units.size() == 1) begin(worker);
@@ -346,7 +381,15 @@ class SimulatedFarm {
         }
       }
       ASSERT_TRUE(plan_->finished(job));
-      done += plan_->counts(job).done;
+      const Plan::Counts counts = plan_->counts(job);
+      done += counts.done;
+      verified += int(counts.verified);
+      not_verified += int(counts.not_verified);
+      // Each has been compared with another worker's.
+      if (habits_.verified == 1 && counts.not_verified == 0) {
+        ASSERT_TRUE(
+            std::ranges::none_of(lies_, [&, of = job](const UnitId& unit) { return unit.job == of; }));
+      }
       for (const UnitId& unit : plan_->set_aside(job)) ASSERT_TRUE(set_aside_.contains(unit));
     }
     ASSERT_EQ(merged_.size() + set_aside_.size(), total) << "a unit is lost";
@@ -398,10 +441,11 @@ void PrintTo(const Scenario& scenario, std::ostream* out) { *out << scenario.nam
 class PlanSimulation : public testing::TestWithParam<Scenario> {};
 
 TEST_P(PlanSimulation, NothingIsLostNothingIsMergedTwiceAndItEnds) {
-  constexpr unsigned kSeeds = 1500;
+  const std::vector<unsigned> seeds = fault_seeds(1500);
+  int verified = 0, not_verified = 0, cancelled = 0, died_of_removed_jobs = 0;
   int dismissals = 0, set_asides = 0, duplicates = 0, restarts = 0, given_up = 0, resumed = 0, redone = 0;
-  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
-    SCOPED_TRACE(testing::Message() << GetParam().name << ", seed " << seed);
+  for (const unsigned seed : seeds) {
+    SCOPED_TRACE(testing::Message() << GetParam().name << ", PENUMBRA_FAULT_SEED=" << seed);
     SimulatedFarm farm(seed, GetParam().habits);
     farm.run();
     if (HasFatalFailure()) return;
@@ -412,7 +456,12 @@ TEST_P(PlanSimulation, NothingIsLostNothingIsMergedTwiceAndItEnds) {
     given_up += farm.gave_up() ? 1 : 0;
     resumed += farm.resumed;
     redone += farm.redone_from_before;
+    verified += farm.verified;
+    not_verified += farm.not_verified;
+    cancelled += farm.cancelled;
+    died_of_removed_jobs += farm.died_of_removed_jobs;
   }
+  if (seeds.size() < 1000) return;
   // The scenarios must contain what they are there for.
   const Habits& habits = GetParam().habits;
   EXPECT_GT(duplicates, 0);
@@ -420,6 +469,10 @@ TEST_P(PlanSimulation, NothingIsLostNothingIsMergedTwiceAndItEnds) {
   if (habits.lies > 0) EXPECT_GT(redone, 20) << "units of an earlier scheduler";
   if (habits.poisonous > 0) EXPECT_GT(set_asides, 100);
   if (habits.corrupts + habits.hangs + habits.lies > 0) EXPECT_GT(dismissals, 100);
+  if (habits.verified == 1 && habits.dies == 0) EXPECT_GT(verified, 100 * not_verified);
+  if (habits.verified > 0) EXPECT_GT(verified, 1000);
+  if (habits.cancelled > 0) EXPECT_GT(cancelled, 500);
+  if (habits.cancelled > 0 && habits.dies > 0) EXPECT_GT(died_of_removed_jobs, 5);
   if (habits.lies == 0) EXPECT_EQ(given_up, 0);
   if (habits.lies > 0) EXPECT_GT(restarts, 20);
 }
@@ -430,6 +483,9 @@ INSTANTIATE_TEST_SUITE_P(Habits, PlanSimulation,
                                          Scenario{"clumsy", {.fails = 0.1, .corrupts = 0.05}},
                                          Scenario{"poisoned", {.dies = 0.02, .poisonous = 0.1}},
                                          Scenario{"lying", {.dies = 0.05, .late = 0.05, .lies = 0.2}},
+                                         Scenario{"cancelled", {.dies = 0.3, .cancelled = 0.2}},
+                                         Scenario{"verified", {.hangs = 0.02, .verified = 1}},
+                                         Scenario{"lying_and_verified", {.lies = 0.1, .verified = 1}},
                                          Scenario{"everything",
                                                   {.dies = 0.05,
                                                    .hangs = 0.03,
@@ -437,7 +493,9 @@ INSTANTIATE_TEST_SUITE_P(Habits, PlanSimulation,
                                                    .fails = 0.05,
                                                    .corrupts = 0.03,
                                                    .poisonous = 0.05,
-                                                   .lies = 0.05}}),
+                                                   .lies = 0.05,
+                                                   .verified = 0.1,
+                                                   .cancelled = 0.01}}),
                          [](const auto& parameter) { return parameter.param.name; });
 
 }  // namespace

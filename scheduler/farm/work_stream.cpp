@@ -1,0 +1,97 @@
+#include "scheduler/farm/work_stream.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "scheduler/protocol/text.h"
+
+namespace penumbra {
+namespace {
+
+constexpr std::chrono::milliseconds kTimeToLeave{5000};  // after the final message
+constexpr std::chrono::milliseconds kTimeToTake{300};    // what was sent last
+constexpr std::size_t kLongestKey = 64;
+
+/// Sets that this scheduler does not know are left out.
+std::vector<Isa> isas_of(const wire::Hello& hello) {
+  std::vector<Isa> isas;
+  for (const Isa isa : {Isa::kSse2, Isa::kAvx2, Isa::kAvx512})
+    if (std::ranges::find(hello.isas(), int(encode(isa))) != hello.isas().end()) isas.push_back(isa);
+  return isas;
+}
+
+}  // namespace
+
+WorkStream::WorkStream(Farm& farm, grpc::CallbackServerContext& context) : farm_(farm), context_(context) {
+  StartRead(&incoming_);
+}
+
+void WorkStream::OnReadDone(bool ok) {
+  if (!ok) return end(grpc::Status::OK);
+  if (!connection_) return take_hello();
+  auto understood = connection_->understand(incoming_);
+  incoming_.Clear();
+  if (!understood) return end({grpc::StatusCode::INVALID_ARGUMENT, understood.error().message});
+  if (auto* arrival = std::get_if<Arrival>(&*understood)) farm_.mailbox.put(std::move(*arrival));
+  StartRead(&incoming_);
+}
+
+void WorkStream::take_hello() {
+  if (!incoming_.has_hello())
+    return end({grpc::StatusCode::INVALID_ARGUMENT, "the first message of a worker must be Hello"});
+  const wire::Hello hello = incoming_.hello();
+  if (const std::string mismatch = version_mismatch(hello.protocol_version(), "worker"); !mismatch.empty()) {
+    refusal_.mutable_refused()->set_reason(mismatch);
+    StartWriteAndFinish(&refusal_, grpc::WriteOptions(), {grpc::StatusCode::FAILED_PRECONDITION, mismatch});
+    return;
+  }
+  std::tie(worker_, connection_) = farm_.open();
+  farm_.mailbox.put(arrivals::Connected{.worker = worker_,
+                                        .host = wire_text(hello.host(), kLongestName),
+                                        .pid = hello.pid(),
+                                        .key = wire_text(hello.key(), kLongestKey),
+                                        .peer = context_.peer(),
+                                        .isas = isas_of(hello)});
+  connection_->attach(*this);
+  StartRead(&incoming_);
+}
+
+void WorkStream::OnWriteDone(bool ok) {
+  if (connection_->written(ok)) Finish(status_);
+}
+
+/// A worker that stays is cut off.
+void WorkStream::is_final() {
+  leaving_ = std::make_unique<grpc::Alarm>();
+  cut_off_in(kTimeToLeave, *leaving_);
+}
+
+void WorkStream::end(const grpc::Status& status) {
+  status_ = status;
+  if (!connection_ || connection_->close()) {
+    Finish(status_);
+    return;
+  }
+  // It cannot be told why if it does not read what it was sent before.
+  ending_ = std::make_unique<grpc::Alarm>();
+  cut_off_in(kTimeToTake, *ending_);
+}
+
+/// The alarm goes with this stream, but it may be ringing then.
+void WorkStream::cut_off_in(std::chrono::milliseconds time, grpc::Alarm& alarm) {
+  alarm.Set(std::chrono::system_clock::now() + time, [connection = connection_](bool is_time) {
+    if (is_time) connection->cut_off();
+  });
+}
+
+void WorkStream::OnDone() {
+  if (connection_) {
+    connection_->detach();
+    farm_.close(worker_);
+    farm_.mailbox.put(arrivals::Gone{worker_});
+  }
+  delete this;
+}
+
+}  // namespace penumbra
