@@ -90,8 +90,9 @@ void WorkerConnection::send_final(wire::SchedulerMessage message) {
   expected_.clear();
 }
 
-void WorkerConnection::dismiss(const std::string& reason) {
+void WorkerConnection::dismiss(const std::string& reason, bool comes_back) {
   wire::SchedulerMessage message;
+  message.mutable_dismiss()->set_comes_back(comes_back);
   message.mutable_dismiss()->set_reason(wire_text(reason, kLongestText));
   send_final(std::move(message));
 }

@@ -99,7 +99,7 @@ class WorkerClientTest : public testing::Test {
  protected:
   WorkerClientTest() {
     options_.address = socket_.address();
-    options_.connect_timeout = 5;
+    options_.retry_for = 5;
     options_.make_device = [this](const DeviceScene& scene, const DeviceOptions& device) {
       device_options_ = device;
       return make_fake_device(scene, device, behaviour_);
@@ -194,7 +194,7 @@ TEST_F(WorkerClientTest, ARefusalIsAnErrorWithTheReason) {
 }
 
 TEST_F(WorkerClientTest, NoSchedulerIsAnErrorAfterTheTimeout) {
-  options_.connect_timeout = 0.2;
+  options_.retry_for = 0.2;
   const auto start = std::chrono::steady_clock::now();
   EXPECT_THAT(error_of(run_worker(options_)), HasSubstr("no scheduler answers at " + socket_.address()));
   EXPECT_LT(std::chrono::steady_clock::now() - start, 8s) << "as long as by default";
