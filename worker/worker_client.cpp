@@ -18,9 +18,9 @@
 #include <utility>
 #include <variant>
 
+#include "kernels/host/host_name.h"
 #include "kernels/host/peak_memory.h"
 #include "kernels/host/stopwatch.h"
-#include "scheduler/keys/host_names.h"
 #include "scheduler/keys/tcp_address.h"
 #include "scheduler/keys/unreachable.h"
 #include "scheduler/protocol/client.h"
@@ -399,7 +399,8 @@ Expected<void> run_worker(const WorkerClientOptions& options) {
       why = fmt::format("no scheduler answers at {}{}{}", options.address, why_not.empty() ? "" : ": ", why_not);
     }
     const auto left = last_seen + patience - Clock::now();
-    if (left <= Clock::duration::zero()) return fail(fmt::format("{} (waited {} s)", why, options.retry_for));
+    if (left <= Clock::duration::zero())
+      return fail(options.retry_for > 0 ? fmt::format("{} (waited {} s)", why, options.retry_for) : why);
     if (options.on_waiting && !is_of_scheduler && why != told) options.on_waiting(told = why);
     std::this_thread::sleep_for(std::min<Clock::duration>(pauses.next(), left));
   }

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string_view>
 
-#include "scheduler/keys/host_names.h"
+#include "kernels/host/host_name.h"
 #include "scheduler/protocol/token.h"
 
 namespace penumbra {
@@ -121,8 +121,8 @@ std::shared_ptr<grpc::ServerCredentials> token_credentials(const Tokens& tokens,
     credentials = grpc::experimental::LocalServerCredentials(LOCAL_TCP);
   }
   credentials->SetAuthMetadataProcessor(std::make_shared<TokenCheck>(
-      tokens, keys != nullptr ? "they are in the folders that `penumbra keys` made for this scheduler"
-                              : "the scheduler printed them when it started"));
+      tokens, keys != nullptr ? "tokens are in the folders that `penumbra keys` made for this scheduler"
+                              : "the scheduler printed its tokens when it started"));
   return credentials;
 }
 

@@ -5,10 +5,10 @@
 #include <net/if.h>
 #include <netdb.h>
 #include <netinet/in.h>
-#include <unistd.h>
 
 #include <algorithm>
 
+#include "kernels/host/host_name.h"
 #include "scheduler/keys/certificate.h"
 
 namespace penumbra {
@@ -31,11 +31,6 @@ std::string address_text(const sockaddr* address) {
 }
 
 }  // namespace
-
-std::string host_name() {
-  char name[256] = {};
-  return gethostname(name, sizeof name - 1) == 0 && name[0] != 0 ? name : "localhost";
-}
 
 std::vector<std::string> loopback_names() { return {"localhost", "127.0.0.1", "::1"}; }
 

@@ -12,7 +12,4 @@ std::vector<std::string> host_names();
 /// "localhost", "127.0.0.1", "::1": for whoever comes through a tunnel.
 std::vector<std::string> loopback_names();
 
-/// The host's own name; "localhost" if it has none.
-std::string host_name();
-
 }  // namespace penumbra

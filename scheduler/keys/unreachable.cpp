@@ -71,6 +71,10 @@ class NoPipeSignal {
   sigset_t pipe_{}, before_{};
 };
 
+struct CertificateProblem {
+  std::string host, text;
+};
+
 /// The errno of connecting, 0 where it worked.
 int connect_in_time(int descriptor, const addrinfo& to, milliseconds patience) {
   if (connect(descriptor, to.ai_addr, to.ai_addrlen) == 0) return 0;
@@ -81,6 +85,18 @@ int connect_in_time(int descriptor, const addrinfo& to, milliseconds patience) {
   socklen_t size = sizeof error;
   getsockopt(descriptor, SOL_SOCKET, SO_ERROR, &error, &size);
   return error;
+}
+
+/// Writes what is wrong into the text of the connection: after a failed handshake the certificate is gone.
+int note_failure(int is_verified, X509_STORE_CTX* verification) {
+  if (is_verified == 1) return 1;
+  const auto* ssl = static_cast<SSL*>(
+      X509_STORE_CTX_get_ex_data(verification, SSL_get_ex_data_X509_STORE_CTX_idx()));
+  auto& problem = *static_cast<CertificateProblem*>(SSL_get_app_data(ssl));
+  // The certificate itself, and not that of an authority which nobody knows.
+  X509* certificate = X509_STORE_CTX_get0_cert(verification);
+  problem.text = verification_text(X509_STORE_CTX_get_error(verification), certificate, problem.host);
+  return 0;
 }
 
 Context make_context(const Keys* keys) {
@@ -98,7 +114,7 @@ Context make_context(const Keys* keys) {
   X509_free(authority);
   X509_free(certificate);
   EVP_PKEY_free(key);
-  SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, nullptr);
+  SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, note_failure);
   return context;
 }
 
@@ -144,6 +160,8 @@ std::string explain_tls(int descriptor, const std::string& host, const Keys* key
   const Context context = make_context(keys);
   const Connection ssl(SSL_new(context.get()));
   const std::string name = bare_host(host);
+  CertificateProblem problem{.host = name, .text = {}};
+  SSL_set_app_data(ssl.get(), &problem);
   SSL_set_fd(ssl.get(), descriptor);
   if (X509_VERIFY_PARAM_set1_ip_asc(SSL_get0_param(ssl.get()), name.c_str()) != 1) {
     SSL_set1_host(ssl.get(), name.c_str());
@@ -157,9 +175,7 @@ std::string explain_tls(int descriptor, const std::string& host, const Keys* key
       return "the scheduler there asks for TLS: give --keys";
     return "";
   }
-  if (const long code = SSL_get_verify_result(ssl.get()); code != X509_V_OK)
-    return "the scheduler's certificate " +
-           verification_text(int(code), SSL_get0_peer_certificate(ssl.get()), name);
+  if (!problem.text.empty()) return "the scheduler's certificate " + problem.text;
   if (!is_connected) return timed_out != 0 ? "nothing answers there in time" : refusal_text(*keys);
   // With TLS 1.3 the server looks at our certificate afterwards, and only then answers.
   char byte = 0;
