@@ -16,6 +16,7 @@
 #include "scheduler/keys/client_access.h"
 #include "scheduler/protocol/grpc_log.h"
 #include "scheduler/protocol/message_memory.h"
+#include "scheduler/protocol/token.h"
 #include "worker/device.h"
 #include "worker/measure_compile.h"
 #include "worker/opencl_devices.h"
@@ -116,7 +117,9 @@ int run(int argc, char** argv) {
   }
   options.token = access->token;
   options.keys = access->keys;
-  options.on_waiting = [](const std::string& why) { print_message("waiting: " + why); };
+  options.reconnects = std::getenv(kWorkerKeyVariable) == nullptr;
+  if (options.reconnects)
+    options.on_waiting = [](const std::string& why) { print_message("waiting: " + why); };
   options.make_device = make_device;
   options.on_connection_lost = [](const Error& error) {
     print_error(error);

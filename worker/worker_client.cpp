@@ -376,15 +376,14 @@ void Session::render(const wire::Unit& message) {
 
 Expected<void> run_worker(const WorkerClientOptions& options) {
   using Clock = std::chrono::steady_clock;
-  const bool is_of_scheduler = !own_key().empty();
   const auto patience = std::chrono::duration_cast<Clock::duration>(
       std::chrono::duration<double>(std::clamp(options.retry_for, 0.0, kLongestRetry)));
-  BackOff pauses(kFirstPause, is_tcp(options.address) && !is_of_scheduler ? kLongestPause : kLongestPauseHere,
+  BackOff pauses(kFirstPause, is_tcp(options.address) && options.reconnects ? kLongestPause : kLongestPauseHere,
                  std::random_device{}());
   Clock::time_point last_seen = Clock::now();
   std::string why, told;
   for (;;) {
-    Session session(options, !is_of_scheduler && patience > Clock::duration::zero());
+    Session session(options, options.reconnects && patience > Clock::duration::zero());
     std::string why_not;
     if (session.connect(why_not)) {
       SessionEnd end = session.run();
@@ -401,7 +400,7 @@ Expected<void> run_worker(const WorkerClientOptions& options) {
     const auto left = last_seen + patience - Clock::now();
     if (left <= Clock::duration::zero())
       return fail(options.retry_for > 0 ? fmt::format("{} (waited {} s)", why, options.retry_for) : why);
-    if (options.on_waiting && !is_of_scheduler && why != told) options.on_waiting(told = why);
+    if (options.on_waiting && why != told) options.on_waiting(told = why);
     std::this_thread::sleep_for(std::min<Clock::duration>(pauses.next(), left));
   }
 }

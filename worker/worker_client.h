@@ -24,6 +24,9 @@ struct WorkerClientOptions {
   /// Seconds for which a scheduler is looked for that is not there yet, or no more; from its last sign of
   /// life.
   double retry_for = 10;
+  /// Whether another connection is tried when one is lost; not by a worker that a scheduler has started, which
+  /// ends with it.
+  bool reconnects = false;
   std::vector<Isa> isas;  ///< what this machine has, for the scheduler's choice
   // Settings of this machine's owner, which replace those of the job.
   std::optional<Backend> backend;
@@ -41,10 +44,10 @@ struct WorkerClientOptions {
 };
 
 /// Works until the scheduler has no more work. Where the connection breaks, or the scheduler is stopped to be
-/// started again, another one is tried, with pauses that grow; but not by a worker that a scheduler has
-/// started, which ends with it. Fails if no scheduler is found for `retry_for` seconds; at once if it refuses
-/// this worker (version, token, certificate), or if no job could be done here (no such device, damaged
-/// scene). Results leave from a thread of their own, so that the next unit does not wait for the network.
+/// started again, it fails, or tries another one with pauses that grow. Fails if no scheduler is found for
+/// `retry_for` seconds; at once if it refuses this worker (version, token), or if no job could be done here
+/// (no such device, damaged scene). Results leave from a thread of their own, so that the next unit does not
+/// wait for the network.
 Expected<void> run_worker(const WorkerClientOptions& options);
 
 }  // namespace penumbra

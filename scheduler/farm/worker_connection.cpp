@@ -83,11 +83,16 @@ void WorkerConnection::send_view(JobId job, const WatchView& view) {
   send(std::move(message));
 }
 
+/// Both at once: a writer that met the message alone would wait for more, and never cut the worker off.
 void WorkerConnection::send_final(wire::SchedulerMessage message) {
-  send(std::move(message));
-  const std::lock_guard lock(mutex_);
-  sent_away_ = true;
-  expected_.clear();
+  {
+    const std::lock_guard lock(mutex_);
+    if (sent_away_) return;
+    outbox_.push_back(std::move(message));
+    sent_away_ = true;
+    expected_.clear();
+  }
+  changed_.notify_all();
 }
 
 void WorkerConnection::dismiss(const std::string& reason, bool comes_back) {
