@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "scheduler/keys/unreachable.h"
+#include "scheduler/protocol/text.h"
 #include "scheduler/protocol/wire.h"
 #include "scheduler/watch/watch_wire.h"
 
@@ -157,7 +158,7 @@ bool WatchClient::receive(wire::Farm::Stub& stub, const wire::WatchEvent& event,
       over_ = true;
     }
   } else if (event.content_case() == wire::WatchEvent::kMessage) {
-    put(watch_news::Said{event.message()});
+    put(watch_news::Said{wire_text(event.message(), kLongestText)});
   }
   return true;
 }
