@@ -30,6 +30,7 @@ constexpr int kBacklog = SOMAXCONN;
 // Where descriptors are few, connections get their share and the workers the rest.
 constexpr rlim_t kShareOfDescriptors = 8;
 constexpr int kFewestConnections = 4;
+constexpr int kMostUnsent = 512 << 10;  // bytes
 // A connection waits while there is no free descriptor for it.
 constexpr std::chrono::milliseconds kPauseWithoutDescriptors{100};
 
@@ -197,6 +198,11 @@ void Acceptor::admit(const std::string& peer) {
     if (connection.peer == name) connection.admitted = true;
 }
 
+void Acceptor::cut_off() {
+  const std::lock_guard lock(mutex_);
+  for (const Connection& connection : connections_) shutdown(connection.descriptor, SHUT_RDWR);
+}
+
 int Acceptor::milliseconds_to_wait() {
   if (!is_tcp_) return -1;
   const auto first = std::ranges::find(connections_, false, &Connection::admitted);
@@ -260,7 +266,11 @@ void Acceptor::accept_one() {
     connections_.push_back({second, peer_name(name), Clock::now(), false});
   }
   const int on = 1;
-  if (is_tcp_) setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+  if (is_tcp_) {
+    setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    // Else the system keeps some MiB for each peer that does not read.
+    setsockopt(descriptor, IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kMostUnsent, sizeof kMostUnsent);
+  }
   hand_over_(descriptor, listener_);
 }
 

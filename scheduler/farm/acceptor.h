@@ -45,6 +45,8 @@ class Acceptor {
   void admit(const std::string& peer);
   /// Accepts no more; what was handed over stays.
   void stop();
+  /// Ends all connections at once, also those whose peers do not read what was sent to them.
+  void cut_off();
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -5,6 +5,10 @@
 #include <grpcpp/server_builder.h>
 
 #include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <stop_token>
+#include <thread>
 #include <utility>
 
 #include "scheduler/farm/farm_service.h"
@@ -122,6 +126,14 @@ Server::~Server() {
   for (const auto& connection : state_->farm.all_connections())
     connection->dismiss(state_->comes_back ? "the scheduler is stopped" : "the render is over", state_->comes_back);
   if (state_->acceptor) state_->acceptor->stop();
+  // A write to a peer that does not read ends with its connection alone, and so does its call.
+  std::jthread cutter([this](const std::stop_token& stop) {
+    std::mutex mutex;
+    std::condition_variable_any never;
+    std::unique_lock lock(mutex);
+    const bool is_over = never.wait_for(lock, stop, 2 * kTimeToEnd, [&] { return stop.stop_requested(); });
+    if (!is_over && state_->acceptor) state_->acceptor->cut_off();
+  });
   // A watcher's call that is cancelled may lose what was written last.
   for (const auto& server : {state_->more_server.get(), state_->own_server.get()}) {
     if (server == nullptr) continue;
