@@ -90,6 +90,8 @@ ExitCode view(const ViewOptions& options, const CLI::App& app) {
     return print_error(checked.error()), kBadInput;
   const bool scripted = !options.script.empty() || !options.screenshot.empty();
 
+  const auto access = client_access(options.connect, options.preview.keys, KeyRole::kViewer);
+  if (!access) return print_error(access.error()), kBadInput;
   std::unique_ptr<LocalScheduler> local;
   std::string address = options.connect;
   if (options.connect.empty()) {
@@ -108,7 +110,7 @@ ExitCode view(const ViewOptions& options, const CLI::App& app) {
                                 .debug = options.gl_debug,
                                 .content_scale = {}});
   if (!window) return print_error(window.error()), kIncomplete;
-  auto viewer = Viewer::create(*window, address, options.token, local.get());
+  auto viewer = Viewer::create(*window, address, *access, local.get());
   if (!viewer) return print_error(viewer.error()), kIncomplete;
 
   if (options.script.empty() && !options.screenshot.empty()) (*viewer)->refine_from_the_start();

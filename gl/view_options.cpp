@@ -5,7 +5,8 @@
 #include <string_view>
 
 #include "scheduler/cli/option_checks.h"
-#include "scheduler/farm/access.h"
+#include "scheduler/keys/client_access.h"
+#include "scheduler/keys/tcp_address.h"
 
 namespace penumbra {
 namespace {
@@ -39,15 +40,15 @@ void add_view_options(CLI::App& app, ViewOptions& options) {
   // The scheduler of a window listens for it, and for further ones; over TCP `penumbra preview` does.
   app.remove_option(app.get_option("--listen"));
   app.add_option("--connect", options.connect,
-                 "Watch a render that is under way, at the address that it printed: unix:/path or host:port")
+                 "Watch a render that is under way, at the address that it printed: unix:/path or host:port, the latter "
+                 "with --keys or with the token that it printed in PENUMBRA_TOKEN")
       ->type_name("ADDRESS")
       ->check(CLI::Validator(check_address, ""))
       ->group(kOwn)
       ->excludes(scene);
-  app.add_option("--token", options.token, "What that render printed for host:port; better in PENUMBRA_TOKEN")
-      ->envname("PENUMBRA_TOKEN")
-      ->type_name("TOKEN")
-      ->group(kOwn);
+  app.get_option("--keys")->group(kOwn)->description(
+      "For a scheduler at host:port with TLS: the folder that `penumbra keys` made, or its part for windows");
+  add_token_refusal(app);
   app.add_option("--script", options.script, "Do what this file says, a command a line, and end with it")
       ->type_name("FILE")
       ->check(CLI::ExistingFile)

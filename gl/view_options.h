@@ -11,7 +11,7 @@ namespace penumbra {
 
 struct ViewOptions {
   RenderOptions preview;  ///< of the scheduler that is started; its scene is empty with `connect`
-  std::string connect, token;
+  std::string connect;
   std::string script, screenshot;
   int width = 1280, height = 800;
   bool hidden = false, gl_debug = false;

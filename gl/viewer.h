@@ -16,6 +16,7 @@
 #include "gl/overlay.h"
 #include "gl/view_model.h"
 #include "gl/window.h"
+#include "scheduler/keys/client_access.h"
 #include "scheduler/watch/watch_client.h"
 
 namespace penumbra {
@@ -28,7 +29,7 @@ class Viewer {
   /// Watches the scheduler at `address`; `local`, which may be null, is the process behind it, that is
   /// started again when it ends.
   static Expected<std::unique_ptr<Viewer>> create(Window& window, const std::string& address,
-                                                  const std::string& token, LocalScheduler* local);
+                                                  const ClientAccess& access, LocalScheduler* local);
 
   /// Takes what has come since the last call. Fails when there is nothing more to wait for and nothing to
   /// show.
@@ -64,7 +65,7 @@ class Viewer {
  private:
   using Clock = std::chrono::steady_clock;
 
-  Viewer(Window& window, const std::string& address, const std::string& token, LocalScheduler* local,
+  Viewer(Window& window, const std::string& address, const ClientAccess& access, LocalScheduler* local,
          CompositePass composite);
 
   Expected<void> on(watch_news::Connected& news);
@@ -92,7 +93,7 @@ class Viewer {
 
   Window& window_;
   LocalScheduler* local_;
-  std::string token_;
+  ClientAccess access_;
   std::unique_ptr<WatchClient> client_;
   CompositePass composite_;
   std::unique_ptr<AnalyticPass> analytic_;

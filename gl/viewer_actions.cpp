@@ -209,7 +209,7 @@ void Viewer::reload() {
   // Another client, which cannot have met the one that is ended.
   client_.reset();
   if (const Expected<void> started = local_->restart(); !started) say("error: " + started.error().message);
-  client_ = std::make_unique<WatchClient>(status_.address, token_);
+  client_ = std::make_unique<WatchClient>(status_.address, access_.token, access_.keys);
 }
 
 void Viewer::save_beside_scene() {

@@ -13,6 +13,7 @@
 #include "kernels/host/words.h"
 #include "scheduler/cli/command_line.h"
 #include "scheduler/cli/command_reference.h"
+#include "scheduler/keys/client_access.h"
 #include "scheduler/protocol/grpc_log.h"
 #include "scheduler/protocol/message_memory.h"
 #include "scheduler/protocol/token.h"
@@ -42,7 +43,7 @@ int run(int argc, char** argv) {
   using namespace penumbra;
   if (argc > 1 && std::string_view(argv[1]) == kMeasureCompile) return measure_compile(argc - 2, argv + 2);
   WorkerClientOptions options;
-  std::string backend, isa, opencl_device;
+  std::string backend, isa, opencl_device, keys;
   int threads = 0;
 
   CLI::App app{
@@ -50,11 +51,15 @@ int run(int argc, char** argv) {
       "hand only to join a scheduler that runs elsewhere.",
       "penumbra-worker"};
   app.set_version_flag("--version", "penumbra-worker " PENUMBRA_VERSION);
-  app.add_option("--connect", options.address, "The scheduler: unix:/path or host:port")->required();
-  app.add_option("--token", options.token,
-                 "What the scheduler printed for workers at host:port; better in PENUMBRA_TOKEN")
-      ->envname(kTokenVariable)
-      ->type_name("TOKEN");
+  app.add_option("--connect", options.address, "The scheduler: unix:/path or host:port, the latter with --keys or with the token that it "
+                 "printed in PENUMBRA_TOKEN")->required();
+  add_client_access_options(app, keys);
+  app.add_option("--retry-for", options.retry_for,
+                 "How many seconds to look for a scheduler that is not there yet or no more, with pauses that "
+                 "grow to 15 s; inf: for ever")
+      ->type_name("SECONDS")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   const auto* backend_option =
       app.add_option("--backend", backend,
                      "Compute with this instead of what the job says: native, opencl or auto")
@@ -105,6 +110,16 @@ int run(int argc, char** argv) {
     options.isa = *named;
     options.isas = {*named};  // what it will not use it does not have, or an Embree job would rely on it
   }
+  auto access = client_access(options.address, keys, KeyRole::kWorker);
+  if (!access) {
+    print_error(access.error());
+    return kBadUsage;
+  }
+  options.token = access->token;
+  options.keys = access->keys;
+  options.reconnects = std::getenv(kWorkerKeyVariable) == nullptr;
+  if (options.reconnects)
+    options.on_waiting = [](const std::string& why) { print_message("waiting: " + why); };
   options.make_device = make_device;
   options.on_connection_lost = [](const Error& error) {
     print_error(error);

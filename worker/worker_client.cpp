@@ -8,30 +8,47 @@
 #include <condition_variable>
 #include <cstdlib>
 #include <exception>
+#include <future>
 #include <map>
 #include <mutex>
 #include <optional>
+#include <random>
 #include <stop_token>
 #include <thread>
 #include <utility>
 #include <variant>
 
+#include "kernels/host/host_name.h"
 #include "kernels/host/peak_memory.h"
 #include "kernels/host/stopwatch.h"
+#include "scheduler/keys/tcp_address.h"
+#include "scheduler/keys/unreachable.h"
 #include "scheduler/protocol/client.h"
 #include "scheduler/protocol/mailbox.h"
 #include "scheduler/protocol/text.h"
 #include "scheduler/protocol/token.h"
 #include "scheduler/protocol/wire.h"
+#include "worker/back_off.h"
 
 namespace penumbra {
 namespace {
 
 constexpr std::chrono::seconds kBeatInterval{1};
 
-std::string host_name() {
-  char name[256] = {};
-  return gethostname(name, sizeof name - 1) == 0 ? name : "unknown";
+// Pauses between connections: short for a scheduler on this machine, long where thousands may come back.
+constexpr std::chrono::milliseconds kFirstPause{100}, kLongestPause{15'000}, kLongestPauseHere{500};
+// An attempt is over when it has failed, or after this.
+constexpr std::chrono::seconds kTimeToConnect{10};
+constexpr std::chrono::milliseconds kTimeToExplain{2000};
+// A unit whose result nobody waits for any more may take this long to end before another connection.
+constexpr std::chrono::seconds kTimeToFinish{120};
+constexpr double kLongestRetry = 1e9;  // seconds: for ever
+
+/// Whether trying again would end the same way.
+bool is_final(grpc::StatusCode code) {
+  return code == grpc::StatusCode::UNAUTHENTICATED || code == grpc::StatusCode::PERMISSION_DENIED ||
+         code == grpc::StatusCode::FAILED_PRECONDITION || code == grpc::StatusCode::INVALID_ARGUMENT ||
+         code == grpc::StatusCode::UNIMPLEMENTED;
 }
 
 /// The key that identifies this process to the scheduler that started it.
@@ -52,14 +69,24 @@ struct KnownJob {
   std::unique_ptr<Device> device;  // after the scene that it renders
 };
 
+/// How a connection ended that was not the worker's last one.
+struct Lost {
+  Error why;
+  bool was_answered = false;  // by the scheduler, at least once
+};
+using SessionEnd = std::variant<Lost, Expected<void>>;
+
 /// One connection to a scheduler, from Hello to the end of the stream.
 class Session {
  public:
-  explicit Session(const WorkerClientOptions& options) : options_(options) {}
+  Session(const WorkerClientOptions& options, bool may_return) : options_(options), may_return_(may_return) {}
 
-  Expected<void> run();
+  /// Whether the scheduler is there; and why not, as far as can be told.
+  bool connect(std::string& why_not);
+  SessionEnd run();
 
  private:
+  [[nodiscard]] Error lost_text() const;
   void read();
   void write();
   void beat(const std::stop_token& stop);
@@ -73,12 +100,17 @@ class Session {
   void say(wire::WorkerMessage message) { outbox_.put(std::move(message)); }
 
   const WorkerClientOptions& options_;
+  std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<wire::Farm::Stub> stub_;
   grpc::ClientContext context_;
   std::unique_ptr<grpc::ClientReaderWriter<wire::WorkerMessage, wire::SchedulerMessage>> stream_;
   Mailbox<wire::SchedulerMessage> inbox_;
   Mailbox<std::variant<wire::WorkerMessage, FinishedUnit>> outbox_;
   bool leaving_ = false;  // of the reading thread: the scheduler has said that it is over
+  bool is_answered_ = false, comes_back_ = false;  // likewise
+  std::promise<void> written_, worked_;  // no more is written; the working thread has left its last unit
+  grpc::Status status_;  // of the stream
+  const bool may_return_;  // another connection may follow
   std::mutex views_mutex_;
   std::map<JobId, std::uint32_t> newest_views_;  // that have come, if not yet their turn
 
@@ -91,15 +123,22 @@ class Session {
   std::optional<Error> failure_;  // of the last job that could not be done here
 };
 
-Expected<void> Session::run() {
-  const std::shared_ptr<grpc::Channel> channel = open_channel(options_.address);
-  const auto timeout = std::chrono::duration_cast<std::chrono::system_clock::duration>(
-      std::chrono::duration<double>(options_.connect_timeout));
-  if (!channel->WaitForConnected(std::chrono::system_clock::now() + timeout)) {
-    return fail(
-        fmt::format("no scheduler answers at {} (waited {} s)", options_.address, options_.connect_timeout));
-  }
-  stub_ = wire::Farm::NewStub(channel);
+/// One attempt of the channel, which says itself when it has failed.
+bool Session::connect(std::string& why_not) {
+  // The channel does not try again by itself.
+  channel_ = open_channel(options_.address, options_.keys.get(), {.first = kLongestPause, .most = kLongestPause});
+  const auto deadline = std::chrono::system_clock::now() + kTimeToConnect;
+  grpc_connectivity_state state = channel_->GetState(true);
+  while (state != GRPC_CHANNEL_READY && state != GRPC_CHANNEL_TRANSIENT_FAILURE &&
+         channel_->WaitForStateChange(state, deadline))
+    state = channel_->GetState(true);
+  if (state == GRPC_CHANNEL_READY) return true;
+  why_not = why_unreachable(options_.address, options_.keys.get(), kTimeToExplain);
+  return false;
+}
+
+SessionEnd Session::run() {
+  stub_ = wire::Farm::NewStub(channel_);
   show_token(context_, options_.token);
   stream_ = stub_->Work(&context_);
 
@@ -112,28 +151,40 @@ Expected<void> Session::run() {
   say(std::move(hello));
 
   std::thread reader([this] { read(); });
-  std::thread writer([this] { write(); });
+  std::thread writer([this] {
+    write();
+    stream_->WritesDone();
+    written_.set_value();
+  });
   std::jthread heart([this](const std::stop_token& stop) { beat(stop); });
-  Expected<void> worked = work();
+  const Expected<void> worked = work();
+  worked_.set_value();
   heart.request_stop();
   heart.join();
   outbox_.close();
   writer.join();
-  stream_->WritesDone();
   reader.join();
-  const grpc::Status status = stream_->Finish();
-  // A worker that is dismissed in the middle of a unit is not waited for.
-  if (worked && !status.ok() && !leaving_)
-    worked = fail("the scheduler broke the connection: " + status.error_message());
-  return worked;
+  if (!worked) return worked;
+  if (leaving_ && !comes_back_) return worked;  // one that is dismissed in the middle of a unit is not waited for
+  Lost lost{lost_text(), is_answered_};
+  if (may_return_ && !is_final(status_.error_code())) return lost;
+  return Expected<void>(std::unexpected(lost.why));
+}
+
+Error Session::lost_text() const {
+  if (comes_back_) return {fmt::format("the scheduler at {} was stopped", options_.address)};
+  if (is_final(status_.error_code()))
+    return {fmt::format("the scheduler at {} refuses this worker: {}", options_.address, status_.error_message())};
+  const std::string& why = status_.error_message();
+  return {fmt::format("the scheduler at {} broke the connection{}{}", options_.address, why.empty() ? "" : ": ", why)};
 }
 
 void Session::read() {
   wire::SchedulerMessage message;
-  bool is_answered = false;
   while (stream_->Read(&message)) {
-    is_answered = true;
+    is_answered_ = true;
     leaving_ |= message.has_dismiss() || message.has_refused();
+    comes_back_ |= message.has_dismiss() && message.dismiss().comes_back();
     if (message.has_view()) {
       const std::lock_guard lock(views_mutex_);
       newest_views_[message.view().job()] = message.view().number();
@@ -141,14 +192,15 @@ void Session::read() {
     inbox_.put(std::move(message));
   }
   inbox_.close();
-  if (!leaving_ && options_.on_connection_lost) {
-    options_.on_connection_lost(Error{
-        is_answered
-            ? "the connection to the scheduler broke"
-            : fmt::format("the scheduler at {} ended the connection at once; it takes workers with the token "
-                          "that it printed for them (--token or PENUMBRA_TOKEN)",
-                          options_.address)});
-  }
+  // Of one that is leaving the working thread may still write; a stream that broke takes no more.
+  if (!leaving_) outbox_.close();
+  written_.get_future().wait();
+  status_ = stream_->Finish();
+  if (leaving_ || !options_.on_connection_lost) return;
+  if (may_return_ && !is_final(status_.error_code()) &&
+      worked_.get_future().wait_for(kTimeToFinish) == std::future_status::ready)
+    return;
+  options_.on_connection_lost(lost_text());
 }
 
 void Session::write() {
@@ -322,6 +374,35 @@ void Session::render(const wire::Unit& message) {
 
 }  // namespace
 
-Expected<void> run_worker(const WorkerClientOptions& options) { return Session(options).run(); }
+Expected<void> run_worker(const WorkerClientOptions& options) {
+  using Clock = std::chrono::steady_clock;
+  const auto patience = std::chrono::duration_cast<Clock::duration>(
+      std::chrono::duration<double>(std::clamp(options.retry_for, 0.0, kLongestRetry)));
+  BackOff pauses(kFirstPause, is_tcp(options.address) && options.reconnects ? kLongestPause : kLongestPauseHere,
+                 std::random_device{}());
+  Clock::time_point last_seen = Clock::now();
+  std::string why, told;
+  for (;;) {
+    Session session(options, options.reconnects && patience > Clock::duration::zero());
+    std::string why_not;
+    if (session.connect(why_not)) {
+      SessionEnd end = session.run();
+      if (const auto* over = std::get_if<Expected<void>>(&end)) return *over;
+      const Lost& lost = std::get<Lost>(end);
+      why = lost.why.message;
+      if (lost.was_answered) {
+        last_seen = Clock::now();
+        pauses.reset();
+      }
+    } else {
+      why = fmt::format("no scheduler answers at {}{}{}", options.address, why_not.empty() ? "" : ": ", why_not);
+    }
+    const auto left = last_seen + patience - Clock::now();
+    if (left <= Clock::duration::zero())
+      return fail(options.retry_for > 0 ? fmt::format("{} (waited {} s)", why, options.retry_for) : why);
+    if (options.on_waiting && why != told) options.on_waiting(told = why);
+    std::this_thread::sleep_for(std::min<Clock::duration>(pauses.next(), left));
+  }
+}
 
 }  // namespace penumbra

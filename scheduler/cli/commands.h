@@ -19,6 +19,8 @@ using Command = std::function<ExitCode()>;
 void add_render_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen);
 void add_preview_command(CLI::App& app, Command& chosen);
 void add_report_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen);
+/// For schedulers that other hosts reach.
+void add_keys_command(CLI::App& app, Command& chosen);
 void add_info_command(CLI::App& app, Command& chosen);
 void add_settings_command(CLI::App& app, Command& chosen);
 void add_plugins_command(CLI::App& app, Command& chosen);

@@ -39,6 +39,7 @@ ExitCode run(int argc, char** argv) {
   add_render_command(app, command_line, chosen);
   add_preview_command(app, chosen);
   add_info_command(app, chosen);
+  add_keys_command(app, chosen);
   add_settings_command(app, chosen);
   add_plugins_command(app, chosen);
   add_convert_command(app, chosen);

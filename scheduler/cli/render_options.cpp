@@ -1,3 +1,4 @@
+#include "scheduler/keys/client_access.h"
 #include "scheduler/cli/render_options.h"
 
 #include <charconv>
@@ -132,9 +133,10 @@ void add_worker_options(CLI::App& command, RenderOptions& options) {
   command
       .add_option(
           "--listen", options.listen,
-          "Another address for penumbra-view: unix:/path, or 127.0.0.1:PORT (0: any free one), where a "
-          "token is asked for, which is printed")
+          "Another address for windows and workers: unix:/path, or 127.0.0.1:PORT (0: any free one), where a "
+          "token is asked for, which is printed; with --keys also of other hosts, 0.0.0.0:PORT for all")
       ->type_name("ADDRESS");
+  add_keys_option(command, options.keys, "TLS and tokens for --listen HOST:PORT");
   command
       .add_option("--tev", options.tev,
                   "Show the render in a running tev while it converges (tev's own address is "

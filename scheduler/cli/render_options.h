@@ -47,6 +47,7 @@ struct RenderOptions {
   int threads = 0;  ///< of each worker; 0: all cores shared out among the workers
   int tile = 64;
   std::string listen;        ///< another address for watchers; empty: only the private socket
+  std::string keys;          ///< folder of keys for `listen`; empty: none
   std::string tev;           ///< address of a tev that shows the render; empty: none
   bool interactive = false;  ///< watchers choose camera and samples
   std::uint32_t samples_per_pass = 16;

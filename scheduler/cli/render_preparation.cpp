@@ -144,9 +144,8 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options) {
   if (auto checked = check_outputs(files->all(), std::array{std::filesystem::path(options.scene.scene)});
       !checked)
     return std::unexpected(checked.error());
-  if (!options.listen.empty())
-    if (auto checked = check_listen_address(options.listen); !checked)
-      return fail("--listen: " + checked.error().message);
+  const auto keys = listening_keys(options.listen, options.keys);
+  if (!keys) return std::unexpected(keys.error());
   if (!options.tev.empty())
     if (auto address = parse_tev_address(options.tev); !address)
       return fail("--tev: " + address.error().message);
@@ -179,6 +178,7 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options) {
   prepared.record = make_record(options, *scene, *film, *device);
   prepared.job = make_job(options, prepared.record, *device, std::move(scene->device));
   prepared.farm = make_farm(options);
+  prepared.farm.keys = *keys;
   const glm::dvec3 center = scene_center(scene->description);
   for (int axis = 0; axis < 3; ++axis) prepared.job.center[axis] = center[axis];
   // Meshes and images are in the device scene: two copies of the largest would take all of the memory.

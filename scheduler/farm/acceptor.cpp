@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -29,12 +30,51 @@ constexpr int kBacklog = SOMAXCONN;
 // Where descriptors are few, connections get their share and the workers the rest.
 constexpr rlim_t kShareOfDescriptors = 8;
 constexpr int kFewestConnections = 4;
+constexpr int kMostUnsent = 512 << 10;  // bytes
 // A connection waits while there is no free descriptor for it.
 constexpr std::chrono::milliseconds kPauseWithoutDescriptors{100};
 
 rlim_t descriptor_limit() {
   rlimit limit{};
   return getrlimit(RLIMIT_NOFILE, &limit) == 0 ? limit.rlim_cur : 0;
+}
+
+/// The other end of a connection as "address port", be it of gRPC's "ipv4:127.0.0.1:7000" and
+/// "ipv6:%5B::1%5D:7000"; IPv4 within IPv6 is IPv4. Empty if it is nothing of the kind.
+std::string peer_name(const in6_addr& six, int port) {
+  char text[INET6_ADDRSTRLEN] = "";
+  if (IN6_IS_ADDR_V4MAPPED(&six))
+    inet_ntop(AF_INET, six.s6_addr + 12, text, sizeof text);
+  else
+    inet_ntop(AF_INET6, &six, text, sizeof text);
+  return fmt::format("{} {}", text, port);
+}
+
+std::string peer_name(const sockaddr_storage& name) {
+  if (name.ss_family == AF_INET6) {
+    const auto& six = reinterpret_cast<const sockaddr_in6&>(name);
+    return peer_name(six.sin6_addr, ntohs(six.sin6_port));
+  }
+  if (name.ss_family != AF_INET) return "";
+  const auto& four = reinterpret_cast<const sockaddr_in&>(name);
+  char text[INET_ADDRSTRLEN] = "";
+  inet_ntop(AF_INET, &four.sin_addr, text, sizeof text);
+  return fmt::format("{} {}", text, ntohs(four.sin_port));
+}
+
+std::string peer_name(const std::string& peer) {
+  const HostAndPort parts = split_address(peer);
+  std::string_view host = parts.host;
+  const bool is_six = host.starts_with("ipv6:");
+  host.remove_prefix(std::min(host.size(), std::string_view("ipv6:").size()));
+  for (const std::string_view bracket : {"%5B", "["})
+    if (host.starts_with(bracket)) host.remove_prefix(bracket.size());
+  host = host.substr(0, host.find_first_of("%]"));  // also before a zone
+  if (!is_six) return fmt::format("{} {}", host, parts.port);
+  in6_addr six{};
+  int port = 0;
+  std::from_chars(parts.port.data(), parts.port.data() + parts.port.size(), port);
+  return inet_pton(AF_INET6, std::string(host).c_str(), &six) == 1 ? peer_name(six, port) : "";
 }
 
 int port_of(const sockaddr_storage& name) {
@@ -64,30 +104,31 @@ std::expected<int, int> listen_at(const sockaddr* name, socklen_t size) {
   return std::unexpected(error);
 }
 
-std::expected<int, int> listen_unix(const std::string& path) {
+std::expected<int, std::string> listen_unix(const std::string& path) {
   const std::optional<sockaddr_un> name = unix_socket_name(path);
-  if (!name) return std::unexpected(ENAMETOOLONG);
+  if (!name) return std::unexpected(std::strerror(ENAMETOOLONG));
   // A socket's file without a listener is left over from a process that died.
   struct stat status {};
   if (lstat(path.c_str(), &status) == 0 && S_ISSOCK(status.st_mode)) unlink(path.c_str());
-  return listen_at(reinterpret_cast<const sockaddr*>(&*name), sizeof *name);
+  const std::expected<int, int> listener = listen_at(reinterpret_cast<const sockaddr*>(&*name), sizeof *name);
+  if (!listener) return std::unexpected(std::strerror(listener.error()));
+  return *listener;
 }
 
-std::expected<int, int> listen_tcp(const HostAndPort& address) {
-  std::uint16_t port = 0;
-  std::from_chars(address.port.data(), address.port.data() + address.port.size(), port);
-  if (address.host == "[::1]") {
-    sockaddr_in6 name{};
-    name.sin6_family = AF_INET6;
-    name.sin6_addr = in6addr_loopback;
-    name.sin6_port = htons(port);
-    return listen_at(reinterpret_cast<const sockaddr*>(&name), sizeof name);
-  }
-  sockaddr_in name{};
-  name.sin_family = AF_INET;
-  name.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  name.sin_port = htons(port);
-  return listen_at(reinterpret_cast<const sockaddr*>(&name), sizeof name);
+/// At the first address of the name that is this host's. "localhost" is IPv4's.
+std::expected<int, std::string> listen_tcp(const HostAndPort& address) {
+  const std::string host = address.host == "localhost" ? "127.0.0.1" : bare_host(address.host);
+  addrinfo hints{}, *found = nullptr;
+  hints.ai_socktype = SOCK_STREAM;
+  hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
+  if (const int error = getaddrinfo(host.c_str(), std::string(address.port).c_str(), &hints, &found); error != 0)
+    return std::unexpected(gai_strerror(error));
+  std::expected<int, int> listener = std::unexpected(EADDRNOTAVAIL);
+  for (const addrinfo* at = found; at != nullptr && !listener; at = at->ai_next)
+    listener = listen_at(at->ai_addr, at->ai_addrlen);
+  freeaddrinfo(found);
+  if (!listener) return std::unexpected(std::strerror(listener.error()));
+  return *listener;
 }
 
 }  // namespace
@@ -99,14 +140,15 @@ void raise_descriptor_limit() {
   setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-Expected<std::unique_ptr<Acceptor>> Acceptor::listen(const std::string& address, AcceptorLimits limits) {
-  if (const Expected<void> checked = check_listen_address(address); !checked)
+Expected<std::unique_ptr<Acceptor>> Acceptor::listen(const std::string& address, AcceptorLimits limits,
+                                                     bool has_keys) {
+  if (const Expected<void> checked = check_listen_address(address, has_keys); !checked)
     return std::unexpected(checked.error());
   if (!is_tcp(address) && probe_unix_socket(unix_path(address)) == 0)
     return std::unexpected(cannot_listen(address, "another process is already listening there"));
-  const std::expected<int, int> listener =
+  const std::expected<int, std::string> listener =
       is_tcp(address) ? listen_tcp(split_address(address)) : listen_unix(unix_path(address));
-  if (!listener) return std::unexpected(cannot_listen(address, std::strerror(listener.error())));
+  if (!listener) return std::unexpected(cannot_listen(address, listener.error()));
   std::string reachable = address;
   if (is_tcp(address)) {
     sockaddr_storage name{};
@@ -150,12 +192,15 @@ void Acceptor::stop() {
 
 void Acceptor::admit(const std::string& peer) {
   if (!is_tcp_) return;
-  int port = 0;
-  const std::string_view text = split_address(peer).port;
-  std::from_chars(text.data(), text.data() + text.size(), port);
+  const std::string name = peer_name(peer);
   const std::lock_guard lock(mutex_);
   for (Connection& connection : connections_)
-    if (connection.port == port) connection.admitted = true;
+    if (connection.peer == name) connection.admitted = true;
+}
+
+void Acceptor::cut_off() {
+  const std::lock_guard lock(mutex_);
+  for (const Connection& connection : connections_) shutdown(connection.descriptor, SHUT_RDWR);
 }
 
 int Acceptor::milliseconds_to_wait() {
@@ -218,10 +263,14 @@ void Acceptor::accept_one() {
       }
       drop(std::size_t(oldest_unadmitted - connections_.begin()), true);
     }
-    connections_.push_back({second, port_of(name), Clock::now(), false});
+    connections_.push_back({second, peer_name(name), Clock::now(), false});
   }
   const int on = 1;
-  if (is_tcp_) setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+  if (is_tcp_) {
+    setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    // Else the system keeps some MiB for each peer that does not read.
+    setsockopt(descriptor, IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kMostUnsent, sizeof kMostUnsent);
+  }
   hand_over_(descriptor, listener_);
 }
 

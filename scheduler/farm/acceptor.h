@@ -29,9 +29,10 @@ struct AcceptorLimits {
 /// the receiver. A second descriptor stays here: it shows when the connection has ended, and can end it.
 class Acceptor {
  public:
-  /// `address`: one that check_listen_address lets pass. A Unix socket is reachable by its owner alone,
-  /// whatever the umask. Errors: it is taken.
-  static Expected<std::unique_ptr<Acceptor>> listen(const std::string& address, AcceptorLimits limits = {});
+  /// `address`: one that check_listen_address lets pass, with keys or without. A Unix socket is reachable by
+  /// its owner alone, whatever the umask. Errors: it is taken, or not of this host.
+  static Expected<std::unique_ptr<Acceptor>> listen(const std::string& address, AcceptorLimits limits = {},
+                                                    bool has_keys = false);
   Acceptor(const Acceptor&) = delete;
   Acceptor& operator=(const Acceptor&) = delete;
   ~Acceptor();
@@ -44,12 +45,14 @@ class Acceptor {
   void admit(const std::string& peer);
   /// Accepts no more; what was handed over stays.
   void stop();
+  /// Ends all connections at once, also those whose peers do not read what was sent to them.
+  void cut_off();
 
  private:
   using Clock = std::chrono::steady_clock;
   struct Connection {
     int descriptor = -1;
-    int port = 0;  // of the other end
+    std::string peer;  // the other end, see peer_name
     Clock::time_point since;
     bool admitted = false;
   };

@@ -2,38 +2,25 @@
 
 #include <fmt/format.h>
 #include <grpcpp/security/auth_metadata_processor.h>
-#include <sys/random.h>
 
-#include <algorithm>
 #include <array>
 #include <atomic>
-#include <cerrno>
-#include <charconv>
+#include <optional>
 #include <string_view>
-#include <system_error>
 
+#include "kernels/host/host_name.h"
 #include "scheduler/protocol/token.h"
 
 namespace penumbra {
 namespace {
 
-constexpr int kLargestPort = 65535;
-
-/// In a time that does not depend on where they differ.
-bool are_equal(std::string_view a, std::string_view b) {
-  unsigned difference = a.size() == b.size() ? 0 : 1;
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
-    difference |= unsigned(static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i]));
-  return difference == 0;
-}
-
 /// Looks at the metadata of each call.
 class TokenCheck final : public grpc::AuthMetadataProcessor {
  public:
-  explicit TokenCheck(const Tokens& tokens)
-      : watch_(token_metadata(tokens.watch)),
-        work_(token_metadata(tokens.work)),
-        submit_(tokens.submit.empty() ? "" : token_metadata(tokens.submit)) {
+  TokenCheck(const Tokens& tokens, const char* where_tokens_are) : where_tokens_are_(where_tokens_are) {
+    for (std::size_t i = 0; i < kTokenKinds.size(); ++i)
+      if (const std::string& token = tokens.*kTokenKinds[i].token; !token.empty())
+        expected_[i] = token_metadata(token);
     complete_ = true;
   }
 
@@ -43,24 +30,19 @@ class TokenCheck final : public grpc::AuthMetadataProcessor {
                        OutputMetadata*) override {
     if (!complete_) return grpc::Status::CANCELLED;
     const std::string_view shown = find(metadata, kTokenKey), call = find(metadata, ":path");
-    const bool watches = are_equal(shown, watch_), works = are_equal(shown, work_),
-               submits = !submit_.empty() && are_equal(shown, submit_);
-    if (!watches && !works && !submits)
+    // All are compared, so that the time does not tell which one it was.
+    std::optional<std::size_t> found;
+    for (std::size_t i = 0; i < kTokenKinds.size(); ++i)
+      if (are_equal_secrets(shown, expected_[i]) && !expected_[i].empty()) found = i;
+    if (!found)
       return {grpc::StatusCode::UNAUTHENTICATED,
-              "the token is missing or wrong; the scheduler printed it when it started"};
-    const bool is_work = call.ends_with("/Work");
-    const bool is_for_submitting =
-        call.find(".Jobs/") != std::string_view::npos && !call.ends_with("/Status");
-    if (call.ends_with("/Asset")) return grpc::Status::OK;  // all of them need the scene
-    if (is_work ? works : submits || (watches && !is_for_submitting)) return grpc::Status::OK;
+              fmt::format("the token is missing or wrong; {}", where_tokens_are_)};
+    const std::string Tokens::*kind = kTokenKinds[*found].token;
+    const std::size_t needed = kind_that(call, kind);
+    if (kTokenKinds[needed].token == kind) return grpc::Status::OK;
     return {grpc::StatusCode::PERMISSION_DENIED,
-            fmt::format("this token is for {}; the scheduler printed another one for {}",
-                        works     ? "workers"
-                        : submits ? "submitting"
-                                  : "watching",
-                        is_work             ? "workers"
-                        : is_for_submitting ? "submitting"
-                                            : "watching")};
+            fmt::format("this token is for {}, and another one for {}; {}", kTokenKinds[*found].what_for,
+                        kTokenKinds[needed].what_for, where_tokens_are_)};
   }
 
  private:
@@ -70,30 +52,28 @@ class TokenCheck final : public grpc::AuthMetadataProcessor {
                                    : std::string_view(found->second.data(), found->second.size());
   }
 
-  const std::string watch_, work_, submit_;
+  /// Of the kinds that permit the call: that one if it is among them.
+  static std::size_t kind_that(std::string_view call, const std::string Tokens::*shown) {
+    constexpr std::size_t kWatch = 0, kWork = 1, kSubmit = 2;
+    const std::string_view name = call.substr(call.rfind('/') + 1);
+    const bool submits = shown == &Tokens::submit;
+    if (name == "Work") return kWork;
+    if (name == "Asset" || name == "Manifest") return submits ? kSubmit : shown == &Tokens::work ? kWork : kWatch;
+    if (name == "Watch" || name == "Control" || name == "Status") return submits ? kSubmit : kWatch;
+    return kSubmit;
+  }
+
+  const std::string where_tokens_are_;
+  std::array<std::string, kTokenKinds.size()> expected_;  // of the metadata; empty: there is no such token
   // gRPC hands this over to threads of its own; unlike its hand-over, the thread sanitizer sees this one.
   std::atomic<bool> complete_ = false;
 };
 
 }  // namespace
 
-HostAndPort split_address(std::string_view address) {
-  const std::size_t colon = address.rfind(':');
-  if (colon == std::string_view::npos) return {address, {}};
-  return {address.substr(0, colon), address.substr(colon + 1)};
-}
-
 std::string unix_path(const std::string& address) { return address.substr(std::string_view("unix:").size()); }
 
-bool is_port(std::string_view text) {
-  int port = -1;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-  return error == std::errc() && end == text.data() + text.size() && port >= 0 && port <= kLargestPort;
-}
-
-bool is_tcp(const std::string& address) { return !address.empty() && !address.starts_with("unix:"); }
-
-Expected<void> check_listen_address(const std::string& address) {
+Expected<void> check_listen_address(const std::string& address, bool has_keys) {
   if (!is_tcp(address)) {
     if (address.size() > std::string_view("unix:").size()) return {};
     return fail(fmt::format("cannot listen on '{}': give a path, as in unix:/tmp/render.socket", address));
@@ -104,32 +84,45 @@ Expected<void> check_listen_address(const std::string& address) {
         "cannot listen on '{}': give host and port, as in 127.0.0.1:7000, or 0 for any free port, "
         "or unix:/path",
         address));
-  if (host == "127.0.0.1" || host == "[::1]" || host == "localhost") return {};
+  if (is_loopback(host) || (has_keys && !host.empty())) return {};
   return fail(fmt::format(
-      "cannot listen on {}: other hosts would be let in without encryption. Listen on 127.0.0.1:{} "
-      "and reach it through ssh -L",
-      address, port));
+      "cannot listen on {}: other hosts would be let in without encryption. `penumbra keys FOLDER` makes "
+      "certificates and tokens; then say --keys FOLDER{}. Or listen on 127.0.0.1:{} and reach it through ssh -L",
+      address, host.empty() ? fmt::format(" --listen 0.0.0.0:{}", port) : "", port));
 }
 
-std::string with_port(const std::string& address, int port) {
-  return fmt::format("{}:{}", split_address(address).host, port);
+Expected<std::shared_ptr<const Keys>> listening_keys(const std::string& address, const std::string& folder) {
+  const bool uses_keys = is_tcp(address) && !folder.empty();
+  if (!address.empty())
+    if (const auto checked = check_listen_address(address, uses_keys); !checked)
+      return fail("--listen: " + checked.error().message);
+  if (!uses_keys) return nullptr;
+  auto keys = read_keys(folder, KeyRole::kScheduler);
+  if (!keys) return fail("--keys: " + keys.error().message);
+  return keys;
 }
 
-std::string make_token() {
-  std::array<unsigned char, 16> bytes{};
-  if (getrandom(bytes.data(), bytes.size(), 0) != ssize_t(bytes.size()))
-    throw std::system_error(errno, std::generic_category(), "no random numbers for a token");
-  std::string token;
-  for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
-  return token;
+std::string reachable_address(const std::string& address) {
+  const auto [host, port] = split_address(address);
+  if (!is_tcp(address) || (host != "0.0.0.0" && host != "[::]")) return address;
+  return fmt::format("{}:{}", host_name(), port);
 }
 
-std::shared_ptr<grpc::ServerCredentials> token_credentials(const Tokens& tokens) {
-  // The check belongs to credentials. These are of connections within one host: they change nothing on the
-  // wire.
-  std::shared_ptr<grpc::ServerCredentials> credentials =
-      grpc::experimental::LocalServerCredentials(LOCAL_TCP);
-  credentials->SetAuthMetadataProcessor(std::make_shared<TokenCheck>(tokens));
+std::shared_ptr<grpc::ServerCredentials> token_credentials(const Tokens& tokens, const Keys* keys) {
+  std::shared_ptr<grpc::ServerCredentials> credentials;
+  if (keys != nullptr) {
+    grpc::SslServerCredentialsOptions options(GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY);
+    options.pem_root_certs = keys->authority;
+    options.pem_key_cert_pairs.push_back({keys->key, keys->certificate});
+    credentials = grpc::SslServerCredentials(options);
+  } else {
+    // The check belongs to credentials. These are of connections within one host: they change nothing on the
+    // wire.
+    credentials = grpc::experimental::LocalServerCredentials(LOCAL_TCP);
+  }
+  credentials->SetAuthMetadataProcessor(std::make_shared<TokenCheck>(
+      tokens, keys != nullptr ? "tokens are in the folders that `penumbra keys` made for this scheduler"
+                              : "the scheduler printed its tokens when it started"));
   return credentials;
 }
 

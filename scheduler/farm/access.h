@@ -1,5 +1,5 @@
-// Access control of a scheduler. A Unix socket is protected by its file permissions. TCP connections from
-// this host need a token. Connections from other hosts would need encryption, and are refused.
+// Access control of a scheduler. A Unix socket is protected by its file permissions. TCP connections need a
+// token, and those from other hosts encryption and certificates too.
 #pragma once
 
 #include <grpcpp/security/server_credentials.h>
@@ -9,44 +9,30 @@
 #include <string_view>
 
 #include "kernels/host/error.h"
+#include "scheduler/keys/key_folder.h"
+#include "scheduler/keys/secrets.h"
+#include "scheduler/keys/tcp_address.h"
 
 namespace penumbra {
-
-/// Whether the address is "host:port" rather than "unix:path".
-bool is_tcp(const std::string& address);
-
-/// What is before and after the last colon.
-struct HostAndPort {
-  std::string_view host, port;
-};
-HostAndPort split_address(std::string_view address);
 
 /// The path of "unix:path".
 std::string unix_path(const std::string& address);
 
-/// Whether the text is a port's number, 0 to 65535.
-bool is_port(std::string_view text);
+/// Fails unless it is "unix:/path", or host and port: of this host itself ("127.0.0.1:0", "[::1]:7000",
+/// "localhost:7000"); with keys of any of its addresses and names, "0.0.0.0:7000" and "[::]:7000" for all.
+Expected<void> check_listen_address(const std::string& address, bool has_keys = false);
 
-/// Fails unless it is "unix:/path" or an address and port of this host itself ("127.0.0.1:0", "[::1]:7000",
-/// "localhost:7000").
-Expected<void> check_listen_address(const std::string& address);
+/// The keys of a scheduler that listens there, from the folder; null without one, or for a Unix socket.
+/// Fails as check_listen_address and read_keys do.
+Expected<std::shared_ptr<const Keys>> listening_keys(const std::string& address, const std::string& folder);
 
-/// "host:0" with the port that was chosen.
-std::string with_port(const std::string& address, int port);
+/// Where clients on other hosts reach it: for "0.0.0.0" and "[::]" this host's name.
+std::string reachable_address(const std::string& address);
 
-/// 128 random bits as 32 hexadecimal digits.
-std::string make_token();
-
-/// The tokens for calls over TCP, and the calls that each permits. A viewer's token does not permit sending
-/// samples.
-struct Tokens {
-  std::string watch;        ///< Watch, Control, Asset; of a service's jobs Status
-  std::string work;         ///< Work, Asset
-  std::string submit = {};  ///< all but Work; empty where there is nothing to submit to
-};
-
-/// For a port of this host. A call is checked once its metadata have arrived and before any message is read:
-/// UNAUTHENTICATED without one of the tokens, PERMISSION_DENIED where the token does not permit this call.
-std::shared_ptr<grpc::ServerCredentials> token_credentials(const Tokens& tokens);
+/// For a TCP port. With keys connections are encrypted, and clients show certificates of the same authority.
+/// A call is checked once its metadata have arrived and before any message is read: UNAUTHENTICATED without
+/// one of the tokens, PERMISSION_DENIED where the token does not permit this call. Without keys: for
+/// connections within this host.
+std::shared_ptr<grpc::ServerCredentials> token_credentials(const Tokens& tokens, const Keys* keys = nullptr);
 
 }  // namespace penumbra

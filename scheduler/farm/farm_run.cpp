@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "scheduler/files/quoting.h"
-#include "scheduler/protocol/token.h"
+#include "scheduler/keys/client_access.h"
 
 namespace penumbra {
 namespace {
@@ -30,6 +30,8 @@ Expected<void> FarmRun::start() {
   Expected<std::unique_ptr<Server>> server = Server::listen(
       {.address = socket_->address(),
        .more = options_.listen,
+       .keys = options_.keys,
+       .comes_back = options_.comes_back,
        .largest_result = std::size_t(options_.largest_tile) * std::size_t(options_.largest_tile) *
                          std::size_t(plane_count(FEATURE_ALL)) * sizeof(float),
        .service = options_.service});
@@ -47,6 +49,18 @@ Expected<void> FarmRun::start() {
 void FarmRun::tell_how_to_watch() {
   source_.notice(fmt::format("to watch: penumbra-view --connect {}", shell_quoted(socket_->address())));
   if (server_->more_address().empty()) return;
+  if (options_.keys) {
+    // Their tokens are nothing to print.
+    const std::string address = shell_quoted(reachable_address(server_->more_address()));
+    const auto line = [&](KeyRole role, const char* command) {
+      source_.notice(fmt::format("from other hosts: penumbra {} {} --keys FOLDER, a copy of the keys for {} ('{}')",
+                                 command, address, info(role).who, info(role).folder));
+    };
+    line(KeyRole::kViewer, "view --connect");
+    line(KeyRole::kWorker, "worker --connect");
+    if (options_.service) line(KeyRole::kUser, "submit SCENE --to");
+    return;
+  }
   const Tokens& tokens = server_->tokens();
   const auto line = [&](const char* what_for, const std::string& token, const char* command) {
     return fmt::format("{}: {}{} {}", what_for,

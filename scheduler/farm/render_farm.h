@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "kernels/host/error.h"
+#include "scheduler/keys/key_folder.h"
 #include "scheduler/farm/render_job.h"
 #include "scheduler/farm/service_maker.h"
 #include "scheduler/plan/plan.h"
@@ -19,6 +20,8 @@ struct FarmOptions {
   int workers = 1;                  ///< local worker processes; 0 where others join at `listen`
   std::string worker_executable;    ///< path of penumbra-worker
   std::string listen = {};          ///< another address to be reached at, see ListenOptions::more
+  std::shared_ptr<const Keys> keys = {};  ///< of `listen`, see listening_keys
+  bool comes_back = false;                ///< see ListenOptions::comes_back
   LeaseRule leases = {};            ///< when a worker counts as hung
   int largest_tile = 64;            ///< of any job: results are not taken if they are larger
   bool tells_how_to_watch = false;  ///< in the first notices of JobSource

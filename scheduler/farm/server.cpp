@@ -5,6 +5,10 @@
 #include <grpcpp/server_builder.h>
 
 #include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <stop_token>
+#include <thread>
 #include <utility>
 
 #include "scheduler/farm/farm_service.h"
@@ -21,6 +25,8 @@ constexpr std::size_t kRoomForTexts = std::size_t(1) << 20;
 constexpr int kMostCalls = 8;  // of a connection
 constexpr int kMostThreads = 256;
 constexpr int kHandshakeMilliseconds = 10'000, kIdleMilliseconds = 300'000;
+// Clients ask half as often whether the connection lives, see protocol/client.cpp.
+constexpr int kPingMilliseconds = 10'000;
 constexpr int kLookaheadBytes = 1 << 20;  // of a message that may be unsolicited
 
 void set_what_holds_for_all(grpc::ServerBuilder& builder, const ListenOptions& options) {
@@ -37,6 +43,7 @@ void set_what_holds_for_all(grpc::ServerBuilder& builder, const ListenOptions& o
 struct Server::State {
   Farm farm;
   Tokens tokens;
+  bool comes_back = false;
   std::string more_address;
   // The second address has its own server with its own threads, so that many connections there do not delay
   // the scheduler's own workers.
@@ -62,16 +69,16 @@ Expected<void> Server::listen_for_own(const ListenOptions& options) {
 }
 
 Expected<void> Server::listen_for_all(const ListenOptions& options) {
-  Expected<std::unique_ptr<Acceptor>> acceptor = Acceptor::listen(options.more, options.limits);
+  Expected<std::unique_ptr<Acceptor>> acceptor = Acceptor::listen(options.more, options.limits, options.keys != nullptr);
   if (!acceptor) return std::unexpected(acceptor.error());
   state_->acceptor = std::move(*acceptor);
   state_->more_address = state_->acceptor->address();
   std::shared_ptr<grpc::ServerCredentials> credentials = grpc::InsecureServerCredentials();
   if (is_tcp(options.more)) {
-    state_->tokens = {.watch = make_token(),
-                      .work = make_token(),
-                      .submit = options.service ? make_token() : std::string()};
-    credentials = token_credentials(state_->tokens);
+    keep_out_of_core_dumps();
+    for (const TokenKind& kind : kTokenKinds)
+      state_->tokens.*kind.token = options.keys ? options.keys->tokens.*kind.token : make_token();
+    credentials = token_credentials(state_->tokens, options.keys.get());
   }
   const auto on_call = [acceptor = state_->acceptor.get()](const std::string& peer) {
     acceptor->admit(peer);
@@ -84,6 +91,7 @@ Expected<void> Server::listen_for_all(const ListenOptions& options) {
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMostCalls);
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMilliseconds);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, kIdleMilliseconds);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, kPingMilliseconds);
   // Otherwise a fast sender's window grows before its data is read.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, kLookaheadBytes);
@@ -107,6 +115,7 @@ Expected<void> Server::listen_for_all(const ListenOptions& options) {
 Expected<std::unique_ptr<Server>> Server::listen(const ListenOptions& options) {
   raise_descriptor_limit();
   std::unique_ptr<Server> server(new Server(std::make_unique<State>()));
+  server->state_->comes_back = options.comes_back;
   Expected<void> listens = server->listen_for_own(options);
   if (listens && !options.more.empty()) listens = server->listen_for_all(options);
   if (!listens) return std::unexpected(listens.error());
@@ -119,8 +128,17 @@ const Tokens& Server::tokens() const { return state_->tokens; }
 Server::~Server() {
   state_->farm.mailbox.close();
   state_->farm.close_boards();
-  for (const auto& connection : state_->farm.all_connections()) connection->dismiss("the render is over");
+  for (const auto& connection : state_->farm.all_connections())
+    connection->dismiss(state_->comes_back ? "the scheduler is stopped" : "the render is over", state_->comes_back);
   if (state_->acceptor) state_->acceptor->stop();
+  // A write to a peer that does not read ends with its connection alone, and so does its call.
+  std::jthread cutter([this](const std::stop_token& stop) {
+    std::mutex mutex;
+    std::condition_variable_any never;
+    std::unique_lock lock(mutex);
+    const bool is_over = never.wait_for(lock, stop, 2 * kTimeToEnd, [&] { return stop.stop_requested(); });
+    if (!is_over && state_->acceptor) state_->acceptor->cut_off();
+  });
   // A watcher's call that is cancelled may lose what was written last.
   for (const auto& server : {state_->more_server.get(), state_->own_server.get()}) {
     if (server == nullptr) continue;

@@ -24,9 +24,11 @@ namespace penumbra {
 struct ListenOptions {
   std::string address;  ///< of this scheduler's own workers, e.g. "unix:/run/user/1000/penumbra-x/socket"
   /// A second address, for viewers and foreign workers: "unix:/path", or "127.0.0.1:port" (also
-  /// "[::1]:port"), where a token is required; port 0 is any free port. Connections there never keep the
-  /// scheduler's own workers out.
+  /// "[::1]:port"), where a token is required; with keys any host's. Port 0 is any free port. Connections
+  /// there never keep the scheduler's own workers out.
   std::string more = {};
+  std::shared_ptr<const Keys> keys = {};  ///< of `more`, where it is TCP: TLS, and their tokens
+  bool comes_back = false;  ///< workers that are sent away at the end are told to look for it again
   /// Bytes of the largest unit's samples: larger messages are not taken.
   std::size_t largest_result = std::size_t(1) << 20;
   AcceptorLimits limits = {};  ///< of `more`
@@ -46,7 +48,7 @@ class Server {
 
   /// Where `ListenOptions::more` can be reached, with the port that was chosen; empty if there was none.
   [[nodiscard]] const std::string& more_address() const;
-  /// The tokens for calls over TCP; empty if there are none.
+  /// The tokens for calls over TCP; empty if there are none. Those of keys are not to be printed.
   [[nodiscard]] const Tokens& tokens() const;
 
   /// Offers data to workers; the result is its content hash.

@@ -87,16 +87,18 @@ void WorkerConnection::send_view(JobId job, const WatchView& view) {
 }
 
 void WorkerConnection::send_final(wire::SchedulerMessage message) {
-  send(std::move(message));
   const std::lock_guard lock(mutex_);
   if (sent_away_) return;
+  outbox_.push_back(std::move(message));
+  write_next();
   sent_away_ = true;
   expected_.clear();
   if (stream_ != nullptr) stream_->is_final();
 }
 
-void WorkerConnection::dismiss(const std::string& reason) {
+void WorkerConnection::dismiss(const std::string& reason, bool comes_back) {
   wire::SchedulerMessage message;
+  message.mutable_dismiss()->set_comes_back(comes_back);
   message.mutable_dismiss()->set_reason(wire_text(reason, kLongestText));
   send_final(std::move(message));
 }

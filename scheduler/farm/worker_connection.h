@@ -43,7 +43,8 @@ class WorkerConnection {
   void send_unit(const UnitId& id, const RenderUnit& unit, int planes);
   /// Units of the job's older views that have not left yet need not.
   void send_view(JobId job, const WatchView& view);
-  void dismiss(const std::string& reason);
+  /// `comes_back`: the scheduler does, and the worker may wait for it.
+  void dismiss(const std::string& reason, bool comes_back = false);
   void refuse(const std::string& reason);
 
   // --- By the stream

@@ -81,8 +81,14 @@ std::vector<WorkerEnd> WorkerProcesses::look_after(Seconds now) {
 std::vector<std::string> WorkerProcesses::take_notices() { return std::exchange(notices_, {}); }
 
 int WorkerProcesses::claim(const std::string& key) {
-  const auto found = keys_.extract(key);
-  return found ? found.mapped() : 0;
+  // All are looked at, in constant time: workers that others started may try keys, too.
+  auto found = keys_.end();
+  for (auto at = keys_.begin(); at != keys_.end(); ++at)
+    if (are_equal_secrets(at->first, key)) found = at;
+  if (found == keys_.end()) return 0;
+  const int pid = found->second;
+  keys_.erase(found);
+  return pid;
 }
 
 std::vector<std::string> WorkerProcesses::take_problems() { return std::exchange(problems_, {}); }

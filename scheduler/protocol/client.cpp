@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 
+#include "scheduler/keys/tcp_address.h"
 #include "scheduler/protocol/token.h"
 #include "scheduler/protocol/wire.h"
 
@@ -16,19 +17,41 @@ namespace {
 // The largest scenes have some GB, and networks some MB a second.
 constexpr std::chrono::minutes kTimeToFetch{60};
 
+// Milliseconds. Schedulers take pings that come half as often, see server.cpp.
+constexpr int kAliveInterval = 20'000, kAlivePatience = 10'000;
+constexpr int kTimeToHandshake = 10'000;
+
+std::shared_ptr<grpc::ChannelCredentials> credentials(const Keys* keys) {
+  if (keys == nullptr) return grpc::InsecureChannelCredentials();
+  return grpc::SslCredentials({.pem_root_certs = keys->authority,
+                               .pem_private_key = keys->key,
+                               .pem_cert_chain = keys->certificate});
+}
+
 }  // namespace
 
-std::shared_ptr<grpc::Channel> open_channel(const std::string& address) {
+std::shared_ptr<grpc::Channel> open_channel(const std::string& address, const Keys* keys,
+                                            const ConnectPace& pace) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);
   // gRPC's usual second of pause between attempts is an age here.
-  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 20);
-  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 20);
-  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 500);
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, int(pace.first.count()));
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, int(pace.most.count()));
+  // A connection is begun no faster than this, and given up no sooner.
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, is_tcp(address) ? kTimeToHandshake : 20);
+  // Channels do not share connections, nor what other channels have learnt about reaching the address.
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  if (is_tcp(address)) {
+    // A host that is cut off sends no end of the connection.
+    arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kAliveInterval);
+    arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kAlivePatience);
+  }
   // No detours: no proxy from the environment, no look-up of a service configuration.
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   arguments.SetInt(GRPC_ARG_SERVICE_CONFIG_DISABLE_RESOLUTION, 1);
-  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+  // gRPC reads ":7000" and names with a scheme as other things than a host.
+  const std::string target = is_tcp(address) ? "dns:///" + address : address;
+  return grpc::CreateCustomChannel(target, credentials(keys), arguments);
 }
 
 void show_token(grpc::ClientContext& context, const std::string& token) {

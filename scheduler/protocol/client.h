@@ -4,18 +4,26 @@
 #include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
 
+#include <chrono>
 #include <memory>
 #include <string>
 
 #include "kernels/host/device_scene.h"
 #include "kernels/host/error.h"
 #include "penumbra.grpc.pb.h"
+#include "scheduler/keys/key_folder.h"
 
 namespace penumbra {
 
+/// How long a channel pauses between attempts to connect, at first and at most.
+struct ConnectPace {
+  std::chrono::milliseconds first{20}, most{500};
+};
+
 /// A channel that takes our largest messages and tries again soon, for the scheduler may start a moment
-/// later.
-std::shared_ptr<grpc::Channel> open_channel(const std::string& address);
+/// later. With keys it is encrypted, and both ends show certificates.
+std::shared_ptr<grpc::Channel> open_channel(const std::string& address, const Keys* keys = nullptr,
+                                            const ConnectPace& pace = {});
 
 /// Shows the token, if there is one, with the call.
 void show_token(grpc::ClientContext& context, const std::string& token);

@@ -6,8 +6,6 @@
 namespace penumbra {
 
 inline constexpr const char* kTokenKey = "authorization";  ///< of the call's metadata
-/// The environment variable from which client programs read it.
-inline constexpr const char* kTokenVariable = "PENUMBRA_TOKEN";
 /// The environment variable in which a scheduler passes each worker process its key, see Hello.key.
 inline constexpr const char* kWorkerKeyVariable = "PENUMBRA_WORKER_KEY";
 inline std::string token_metadata(const std::string& token) { return "Bearer " + token; }

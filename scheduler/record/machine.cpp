@@ -1,7 +1,5 @@
 #include "scheduler/record/machine.h"
 
-#include <unistd.h>
-
 #include <ctime>
 
 namespace penumbra {
@@ -13,11 +11,6 @@ std::string utc_now() {
   char text[32];
   std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
   return text;
-}
-
-std::string host_name() {
-  char name[256] = {};
-  return gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
 }  // namespace penumbra

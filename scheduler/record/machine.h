@@ -3,12 +3,11 @@
 
 #include <string>
 
+#include "kernels/host/host_name.h"
+
 namespace penumbra {
 
 /// Now, as "2024-06-11T17:03:00Z".
 std::string utc_now();
-
-/// Of this machine, or empty.
-std::string host_name();
 
 }  // namespace penumbra

@@ -8,7 +8,6 @@
 
 #include "scheduler/files/atomic_file.h"
 #include "scheduler/protocol/client.h"
-#include "scheduler/protocol/token.h"
 #include "scheduler/protocol/wire.h"
 
 namespace penumbra {
@@ -25,10 +24,10 @@ void prepare(grpc::ClientContext& context, const std::string& token, std::chrono
 
 }  // namespace
 
-JobsClient::JobsClient(std::string address, std::string token)
+JobsClient::JobsClient(std::string address, ClientAccess access)
     : address_(std::move(address)),
-      token_(std::move(token)),
-      channel_(open_channel(address_)),
+      access_(std::move(access)),
+      channel_(open_channel(address_, access_.keys.get())),
       stub_(wire::Jobs::NewStub(channel_)) {}
 
 JobsClient::~JobsClient() = default;
@@ -48,7 +47,7 @@ std::unexpected<Error> JobsClient::failed(const grpc::Status& status) {
     return fail(
         fmt::format("what answers at {} is no service: it takes no jobs (`penumbra serve` does)", address_));
   std::string text = fmt::format("{}: {}", address_, status.error_message());
-  if (status.error_code() == grpc::StatusCode::UNAUTHENTICATED && token_.empty())
+  if (status.error_code() == grpc::StatusCode::UNAUTHENTICATED && access_.token.empty())
     text += fmt::format("; give it in the environment variable {}", kTokenVariable);
   return fail(text);
 }
@@ -56,7 +55,7 @@ std::unexpected<Error> JobsClient::failed(const grpc::Status& status) {
 Expected<void> JobsClient::send_scene(const std::string& hash, const DeviceScene& scene) {
   {
     grpc::ClientContext context;
-    prepare(context, token_, kPatience);
+    prepare(context, access_.token, kPatience);
     auto asked = request<wire::HasSceneRequest>();
     asked.set_hash(hash);
     wire::HasSceneReply reply;
@@ -65,7 +64,7 @@ Expected<void> JobsClient::send_scene(const std::string& hash, const DeviceScene
     if (reply.known()) return {};
   }
   grpc::ClientContext context;
-  prepare(context, token_, kTimeForTransfers);
+  prepare(context, access_.token, kTimeForTransfers);
   wire::PutSceneReply reply;
   const auto writer = stub_->PutScene(&context, &reply);
   auto chunk = request<wire::SceneChunk>();
@@ -85,7 +84,7 @@ Expected<void> JobsClient::send_scene(const std::string& hash, const DeviceScene
 Expected<JobId> JobsClient::submit(const Submission& submission, const DeviceScene& scene) {
   if (const auto sent = send_scene(submission.scene, scene); !sent) return std::unexpected(sent.error());
   grpc::ClientContext context;
-  prepare(context, token_, kPatience);
+  prepare(context, access_.token, kPatience);
   auto asked = request<wire::SubmitRequest>();
   *asked.mutable_submission() = encode(submission);
   wire::SubmitReply reply;
@@ -98,7 +97,7 @@ Expected<wire::StatusReply> JobsClient::status(const std::vector<JobId>& jobs) {
   // again.
   if (is_away_) channel_->WaitForConnected(std::chrono::system_clock::now() + kTimeToConnect);
   grpc::ClientContext context;
-  prepare(context, token_, kPatience);
+  prepare(context, access_.token, kPatience);
   auto asked = request<wire::StatusRequest>();
   for (const JobId job : jobs) asked.add_jobs(job);
   wire::StatusReply reply;
@@ -109,7 +108,7 @@ Expected<wire::StatusReply> JobsClient::status(const std::vector<JobId>& jobs) {
 
 Expected<void> JobsClient::change(wire::ChangeRequest request, const std::vector<JobId>& jobs) {
   grpc::ClientContext context;
-  prepare(context, token_, kPatience);
+  prepare(context, access_.token, kPatience);
   for (const JobId job : jobs) request.add_jobs(job);
   wire::ChangeReply reply;
   if (const grpc::Status status = stub_->Change(&context, request, &reply); !status.ok())
@@ -137,7 +136,7 @@ Expected<void> JobsClient::remove(const std::vector<JobId>& jobs) {
 
 Expected<void> JobsClient::fetch(JobId job, const wire::StoredFile& file, const std::filesystem::path& path) {
   grpc::ClientContext context;
-  prepare(context, token_, kTimeForTransfers);
+  prepare(context, access_.token, kTimeForTransfers);
   auto asked = request<wire::FetchRequest>();
   asked.set_job(job);
   asked.set_name(file.name());

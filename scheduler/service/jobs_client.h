@@ -10,6 +10,7 @@
 #include "jobs.grpc.pb.h"
 #include "kernels/host/device_scene.h"
 #include "kernels/host/error.h"
+#include "scheduler/keys/client_access.h"
 #include "scheduler/plan/work_unit.h"
 #include "scheduler/service/submission.h"
 
@@ -20,7 +21,7 @@ namespace penumbra {
 class JobsClient {
  public:
   /// "unix:/path" or "host:port", where the token is needed.
-  JobsClient(std::string address, std::string token);
+  JobsClient(std::string address, ClientAccess access);
   ~JobsClient();
 
   /// The scene first, if the service has it not; its hash is the submission's.
@@ -42,7 +43,8 @@ class JobsClient {
   template <typename Request>
   Request request() const;
 
-  const std::string address_, token_;
+  const std::string address_;
+  const ClientAccess access_;
   const std::shared_ptr<grpc::Channel> channel_;
   const std::unique_ptr<wire::Jobs::Stub> stub_;
   bool is_away_ = false;

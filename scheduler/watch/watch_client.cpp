@@ -5,6 +5,8 @@
 #include <chrono>
 #include <utility>
 
+#include "scheduler/keys/unreachable.h"
+#include "scheduler/protocol/text.h"
 #include "scheduler/protocol/wire.h"
 #include "scheduler/watch/watch_wire.h"
 
@@ -17,6 +19,8 @@ using namespace std::chrono_literals;
 constexpr std::size_t kMostItems = 256;
 constexpr auto kTimeToAnswer = 5s;
 constexpr auto kRetryInterval = 200ms;
+constexpr int kAttemptsToExplain = 10;
+constexpr auto kTimeToExplain = 1000ms;
 
 /// Whether trying again would end the same way.
 bool is_final(grpc::StatusCode code) {
@@ -26,10 +30,11 @@ bool is_final(grpc::StatusCode code) {
 
 }  // namespace
 
-WatchClient::WatchClient(std::string address, std::string token)
+WatchClient::WatchClient(std::string address, std::string token, std::shared_ptr<const Keys> keys)
     : address_(std::move(address)),
       token_(std::move(token)),
-      channel_(open_channel(address_)),
+      keys_(std::move(keys)),
+      channel_(open_channel(address_, keys_.get())),
       reader_([this] { read(); }),
       sender_([this] { send(); }) {}
 
@@ -48,12 +53,24 @@ WatchClient::~WatchClient() {
 
 // --- Reading
 
+/// Says what is in the way, each reason once in a row. A local scheduler that starts up is none.
+void WatchClient::explain_absence() {
+  const std::string why = why_unreachable(address_, keys_.get(), kTimeToExplain);
+  if (why.empty() || why == said_absence_) return;
+  said_absence_ = why;
+  put(watch_news::Said{fmt::format("no scheduler at {}: {}", address_, why)});
+}
+
 void WatchClient::read() {
   const auto stub = wire::Farm::NewStub(channel_);
   for (;;) {
-    while (!channel_->WaitForConnected(std::chrono::system_clock::now() + kRetryInterval)) {
-      const std::lock_guard lock(mutex_);
-      if (stopping_) return;
+    for (int attempts = 1; !channel_->WaitForConnected(std::chrono::system_clock::now() + kRetryInterval);
+         ++attempts) {
+      {
+        const std::lock_guard lock(mutex_);
+        if (stopping_) return;
+      }
+      if (attempts % kAttemptsToExplain == 0) explain_absence();
     }
     grpc::ClientContext context;
     show_token(context, token_);
@@ -141,7 +158,7 @@ bool WatchClient::receive(wire::Farm::Stub& stub, const wire::WatchEvent& event,
       over_ = true;
     }
   } else if (event.content_case() == wire::WatchEvent::kMessage) {
-    put(watch_news::Said{event.message()});
+    put(watch_news::Said{wire_text(event.message(), kLongestText)});
   }
   return true;
 }

@@ -45,8 +45,8 @@ using WatchNews = std::variant<watch_news::Connected, watch_news::Said, watch_ne
 /// Members are called by one other thread.
 class WatchClient {
  public:
-  /// "unix:/path" or "host:port", where the token is needed.
-  WatchClient(std::string address, std::string token);
+  /// "unix:/path" or "host:port", where the token is needed, and with TLS the keys.
+  WatchClient(std::string address, std::string token, std::shared_ptr<const Keys> keys = {});
   WatchClient(const WatchClient&) = delete;
   WatchClient& operator=(const WatchClient&) = delete;
   ~WatchClient();
@@ -78,8 +78,10 @@ class WatchClient {
   void put(WatchNews news, std::optional<std::uint32_t> view = {});
   void send();
   void pause();
+  void explain_absence();
 
   const std::string address_, token_;
+  const std::shared_ptr<const Keys> keys_;
   const std::shared_ptr<grpc::Channel> channel_;
 
   mutable std::mutex mutex_;
@@ -97,6 +99,7 @@ class WatchClient {
   std::optional<std::uint32_t> own_view_;  // the last that was asked for from here
   std::uint32_t wanted_spp_ = 0, sent_spp_ = 0;
 
+  std::string said_absence_;  // of the reading thread
   std::thread reader_, sender_;
 };
 

@@ -1,5 +1,6 @@
 #include "scheduler/watch/watch_wire.h"
 
+#include <cmath>
 #include <fmt/format.h>
 
 #include <cstring>
@@ -97,8 +98,8 @@ wire::WatchEvent encode(const WatchedJob& job) {
 
 Expected<WatchedJob> decode(const wire::WatchedJob& message) {
   WatchedJob job{.id = message.id(),
-                 .title = message.title(),
-                 .integrator = message.integrator(),
+                 .title = wire_text(message.title(), kLongestText),
+                 .integrator = wire_text(message.integrator(), kLongestName),
                  .film_width = message.film_width(),
                  .film_height = message.film_height(),
                  .x = message.x(),
@@ -113,7 +114,10 @@ Expected<WatchedJob> decode(const wire::WatchedJob& message) {
     return fail(fmt::format("the scheduler describes {} x {} pixels at ({}, {}) of a film of {} x {}",
                             job.width, job.height, job.x, job.y, job.film_width, job.film_height));
   if (message.center_size() != 3) return fail("the scheduler describes a scene without a centre");
-  for (int axis = 0; axis < 3; ++axis) job.center[axis] = message.center(axis);
+  for (int axis = 0; axis < 3; ++axis) {
+    job.center[axis] = message.center(axis);
+    if (!std::isfinite(job.center[axis])) return fail("the scheduler describes a scene whose centre is not finite");
+  }
   return job;
 }
 
@@ -142,8 +146,8 @@ WatchProgress decode(const wire::Progress& message) {
                          .workers = {}};
   for (const wire::WorkerState& worker : message.workers())
     progress.workers.push_back({.number = worker.number(),
-                                .name = worker.name(),
-                                .device = worker.device(),
+                                .name = wire_text(worker.name(), kLongestName),
+                                .device = wire_text(worker.device(), kLongestName),
                                 .units = worker.units(),
                                 .x = worker.x(),
                                 .y = worker.y(),

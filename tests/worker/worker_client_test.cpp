@@ -12,6 +12,7 @@
 #include "scheduler/protocol/wire.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/fake_samples.h"
+#include "worker/back_off.h"
 
 namespace penumbra {
 namespace {
@@ -35,7 +36,7 @@ class ScriptedScheduler final : public wire::Farm::Service {
 
   grpc::Status Work(grpc::ServerContext*, Stream* stream) override {
     script_(*stream);
-    return grpc::Status::OK;
+    return status;
   }
   grpc::Status Asset(grpc::ServerContext*, const wire::AssetRequest* request,
                      grpc::ServerWriter<wire::AssetChunk>* writer) override {
@@ -48,6 +49,7 @@ class ScriptedScheduler final : public wire::Farm::Service {
     return grpc::Status::OK;
   }
 
+  grpc::Status status;  // at the end of the script
   std::vector<std::uint8_t> asset = fake_scene(100, 80, false).serialize();
 
  private:
@@ -99,7 +101,7 @@ class WorkerClientTest : public testing::Test {
  protected:
   WorkerClientTest() {
     options_.address = socket_.address();
-    options_.connect_timeout = 5;
+    options_.retry_for = 5;
     options_.make_device = [this](const DeviceScene& scene, const DeviceOptions& device) {
       device_options_ = device;
       return make_fake_device(scene, device, behaviour_);
@@ -194,7 +196,7 @@ TEST_F(WorkerClientTest, ARefusalIsAnErrorWithTheReason) {
 }
 
 TEST_F(WorkerClientTest, NoSchedulerIsAnErrorAfterTheTimeout) {
-  options_.connect_timeout = 0.2;
+  options_.retry_for = 0.2;
   const auto start = std::chrono::steady_clock::now();
   EXPECT_THAT(error_of(run_worker(options_)), HasSubstr("no scheduler answers at " + socket_.address()));
   EXPECT_LT(std::chrono::steady_clock::now() - start, 8s) << "as long as by default";
@@ -211,6 +213,117 @@ TEST_F(WorkerClientTest, ASchedulerThatComesLaterIsFound) {
   });
   EXPECT_TRUE(run_worker(options_));
   later.join();
+}
+
+TEST_F(WorkerClientTest, AfterALostConnectionItComesBack) {
+  options_.reconnects = true;
+  std::vector<std::string> waited_for;
+  options_.on_waiting = [&](const std::string& why) { waited_for.push_back(why); };
+  int connections = 0;
+  std::vector<bool> were_ready;
+  const Expected<void> worked = run([&](Stream& stream) {
+    read(stream);
+    stream.Write(job_message(scene_hash_));
+    were_ready.push_back(read(stream).has_ready());
+    if (++connections < 3) return;  // without a word
+    stream.Write(dismissal());
+  });
+  EXPECT_TRUE(worked) << error_of(worked);
+  EXPECT_THAT(were_ready, testing::ElementsAre(true, true, true)) << "a scheduler that is new knows of no job";
+  EXPECT_THAT(waited_for, testing::ElementsAre(HasSubstr("broke the connection"))) << "said once";
+}
+
+TEST_F(WorkerClientTest, ASchedulerThatIsStoppedToComeBackIsWaitedFor) {
+  options_.reconnects = true;
+  const auto start = [this](bool comes_back) {
+    return std::make_unique<ScriptedScheduler>(socket_.address(), [comes_back](Stream& stream) {
+      read(stream);
+      wire::SchedulerMessage message = dismissal();
+      message.mutable_dismiss()->set_comes_back(comes_back);
+      stream.Write(message);
+    });
+  };
+  std::unique_ptr<ScriptedScheduler> scheduler = start(true);
+  std::promise<void> waiting;
+  bool is_waiting = false;
+  options_.on_waiting = [&](const std::string& why) {
+    if (!std::exchange(is_waiting, true)) {
+      EXPECT_THAT(why, HasSubstr("was stopped"));
+      waiting.set_value();
+    }
+  };
+  std::thread restart([&] {
+    waiting.get_future().wait();
+    scheduler.reset();
+    std::this_thread::sleep_for(300ms);
+    scheduler = start(false);
+  });
+  const Expected<void> worked = run_worker(options_);
+  restart.join();
+  EXPECT_TRUE(worked) << error_of(worked);
+}
+
+TEST_F(WorkerClientTest, ASchedulerThatDoesNotComeBackIsGivenUp) {
+  options_.reconnects = true;
+  options_.retry_for = 0.5;
+  auto scheduler = std::make_unique<ScriptedScheduler>(socket_.address(), [](Stream& stream) {
+    read(stream);
+    wire::SchedulerMessage message = dismissal();
+    message.mutable_dismiss()->set_comes_back(true);
+    stream.Write(message);
+  });
+  std::future<void> ended;
+  options_.on_waiting = [&](const std::string&) {
+    if (!ended.valid()) ended = std::async(std::launch::async, [&] { scheduler.reset(); });
+  };
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_THAT(error_of(run_worker(options_)),
+              testing::AllOf(HasSubstr("no scheduler answers at " + socket_.address()), HasSubstr("waited 0.5 s")));
+  EXPECT_GT(std::chrono::steady_clock::now() - start, 400ms);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 20s);
+}
+
+TEST_F(WorkerClientTest, WhoIsRefusedDoesNotComeBack) {
+  options_.reconnects = true;
+  options_.retry_for = 1e9;
+  int connections = 0;
+  EXPECT_THAT(error_of(run([&](Stream& stream) {
+                read(stream);
+                ++connections;
+                wire::SchedulerMessage message;
+                message.mutable_refused()->set_reason("version 98 and version 99");
+                stream.Write(message);
+              })),
+              HasSubstr("version 98 and version 99"));
+  EXPECT_EQ(connections, 1);
+}
+
+TEST_F(WorkerClientTest, AStatusThatWillNotChangeIsARefusal) {
+  options_.reconnects = true;
+  options_.retry_for = 1e9;
+  for (const auto code : {grpc::StatusCode::UNAUTHENTICATED, grpc::StatusCode::PERMISSION_DENIED}) {
+    ScriptedScheduler scheduler(socket_.address(), [](Stream&) {});
+    scheduler.status = {code, "this token is for watching"};
+    EXPECT_THAT(error_of(run_worker(options_)),
+                testing::AllOf(HasSubstr("refuses this worker"), HasSubstr("this token is for watching")));
+  }
+}
+
+TEST(BackOff, GrowsToItsMostAndIsNeverTheSame) {
+  BackOff one(100ms, 15s, 1), other(100ms, 15s, 2);
+  std::chrono::milliseconds limit = 100ms;
+  bool differ = false;
+  for (int i = 0; i < 20; ++i) {
+    const auto pause = one.next();
+    EXPECT_GE(pause, limit / 2);
+    EXPECT_LE(pause, limit);
+    differ |= pause != other.next();
+    limit = std::min<std::chrono::milliseconds>(limit * 2, 15s);
+  }
+  EXPECT_EQ(limit, 15s);
+  EXPECT_TRUE(differ);
+  one.reset();
+  EXPECT_LE(one.next(), 100ms);
 }
 
 TEST_F(WorkerClientTest, ADamagedSceneIsReported) {

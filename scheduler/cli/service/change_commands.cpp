@@ -8,7 +8,7 @@ namespace penumbra {
 namespace {
 
 struct ChangeOptions {
-  std::string to;
+  ServiceAddress service;
   std::vector<JobId> jobs;
   int priority = 0;
 };
@@ -16,7 +16,9 @@ struct ChangeOptions {
 /// `change` for each job, so that one that is over does not stop the others.
 template <typename Change>
 ExitCode change_all(const ChangeOptions& options, const Change& change) {
-  JobsClient service = connect_to_service(options.to);
+  const auto connected = connect_to_service(options.service);
+  if (!connected) return print_error(connected.error()), kBadInput;
+  JobsClient& service = **connected;
   ExitCode code = kAllDone;
   for (const JobId job : options.jobs) {
     const Expected<void> changed = change(service, job);
@@ -34,7 +36,7 @@ void add_change_commands(CLI::App& app, Command& chosen) {
   CLI::App* cancel = app.add_subcommand("cancel", "End jobs of a service; what is rendered of them is kept");
   const auto cancelled = std::make_shared<ChangeOptions>();
   add_jobs(*cancel, cancelled->jobs)->required();
-  add_service_address(*cancel, cancelled->to);
+  add_service_address(*cancel, cancelled->service);
   cancel->callback([cancelled, &chosen] {
     chosen = [cancelled] {
       return change_all(*cancelled, [](JobsClient& service, JobId job) { return service.cancel({job}); });
@@ -47,7 +49,7 @@ void add_change_commands(CLI::App& app, Command& chosen) {
   prioritize->add_option("--priority", urgent->priority, "The highest is rendered first; jobs begin with 0")
       ->type_name("P")
       ->required();
-  add_service_address(*prioritize, urgent->to);
+  add_service_address(*prioritize, urgent->service);
   prioritize->callback([urgent, &chosen] {
     chosen = [urgent] {
       return change_all(*urgent, [&](JobsClient& service, JobId job) {

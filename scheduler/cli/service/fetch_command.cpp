@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 constexpr int kLooks = 10;  // at the stop signal, between two questions
 
 struct FetchOptions {
-  std::string to, out = ".";
+  ServiceAddress service;
+  std::string out = ".";
   std::vector<JobId> jobs;
   bool all = false, wait = false, remove = false, quiet = false;
 };
@@ -64,7 +65,9 @@ ExitCode fetch(const FetchOptions& options) {
   if (options.all == !options.jobs.empty())
     return print_error({"say which jobs to fetch: their numbers, or --all"}), kBadInput;
   const std::atomic<bool>& stop = install_stop_signal();
-  JobsClient service = connect_to_service(options.to);
+  const auto connected = connect_to_service(options.service);
+  if (!connected) return print_error(connected.error()), kBadInput;
+  JobsClient& service = **connected;
   const auto status = wait_for_jobs(service, options, stop);
   if (!status) return print_error(status.error()), kIncomplete;
   ExitCode code = kAllDone;
@@ -119,7 +122,7 @@ void add_fetch_command(CLI::App& app, Command& chosen) {
                     "First wait until the jobs are over, also while the service is away");
   command->add_flag("--remove", options->remove, "The service then forgets the jobs and their files");
   command->add_flag("-q,--quiet", options->quiet, "Do not list the files");
-  add_service_address(*command, options->to);
+  add_service_address(*command, options->service);
   command->footer(
       "The exit code is 0 only if every job was done. What is left of jobs that were cancelled or are "
       "incomplete is\n"

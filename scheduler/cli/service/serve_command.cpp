@@ -77,8 +77,6 @@ void add_serve_command(CLI::App& app, Command& chosen) {
   command->callback([options, spool, &chosen] {
     chosen = [options, spool] {
       options->spool = *spool;
-      if (const auto checked = check_listen_address(options->listen); !checked)
-        return print_error({"--listen: " + checked.error().message}), kBadInput;
       return run_service(*options, install_stop_signal());
     };
   });

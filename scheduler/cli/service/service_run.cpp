@@ -18,6 +18,7 @@
 #include "scheduler/cli/render_outputs.h"
 #include "scheduler/cli/service/status_text.h"
 #include "scheduler/cli/service/submitted_render.h"
+#include "scheduler/farm/access.h"
 #include "scheduler/protocol/mailbox.h"
 #include "scheduler/record/film_image.h"
 #include "scheduler/service/job_queue.h"
@@ -61,7 +62,7 @@ class ServiceRun final : public JobSource {
              const std::atomic<bool>& stop)
       : options_(options), spool_(spool), queue_(queue), worker_(std::move(worker)), stop_(stop) {}
 
-  ExitCode run(const std::string& worker_executable);
+  ExitCode run(const std::string& worker_executable, std::shared_ptr<const Keys> keys);
 
   // --- Of the farm's thread
   std::shared_ptr<const RenderJob> next() override;
@@ -211,10 +212,12 @@ void ServiceRun::write(FinishedJob finished) {
 
 // --- All of it
 
-ExitCode ServiceRun::run(const std::string& worker_executable) {
+ExitCode ServiceRun::run(const std::string& worker_executable, std::shared_ptr<const Keys> keys) {
   FarmOptions farm{.workers = options_.workers,
                    .worker_executable = worker_executable,
                    .listen = options_.listen,
+                   .keys = std::move(keys),
+                   .comes_back = true,
                    .largest_tile = kMaxTile,
                    .tells_how_to_watch = true,
                    .open_jobs = kMostOpenJobs,
@@ -240,6 +243,8 @@ ExitCode ServiceRun::run(const std::string& worker_executable) {
 ExitCode run_service(const ServiceOptions& options, const std::atomic<bool>& stop) {
   const auto worker = find_program("penumbra-worker");
   if (!worker) return print_error(worker.error()), kIncomplete;
+  const auto keys = listening_keys(options.listen, options.keys);
+  if (!keys) return print_error({"--listen: " + keys.error().message}), kBadInput;
   const auto spool = Spool::open(options.spool);
   if (!spool) return print_error(spool.error()), kBadInput;
   std::vector<std::string> problems;
@@ -249,7 +254,7 @@ ExitCode run_service(const ServiceOptions& options, const std::atomic<bool>& sto
   if (options.threads == 0)
     with_threads.threads =
         std::max(1, int(std::thread::hardware_concurrency()) / std::max(1, options.workers));
-  return ServiceRun(with_threads, **spool, queue, program_hash(*worker), stop).run(worker->string());
+  return ServiceRun(with_threads, **spool, queue, program_hash(*worker), stop).run(worker->string(), *keys);
 }
 
 }  // namespace penumbra

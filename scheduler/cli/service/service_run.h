@@ -11,6 +11,7 @@ namespace penumbra {
 
 struct ServiceOptions {
   std::string listen;           ///< where clients, viewers and foreign workers reach it
+  std::string keys;             ///< folder of keys for that, see listening_keys; empty: none
   std::filesystem::path spool;  ///< see Spool
   int workers = 1;              ///< processes here; 0: others join
   int threads = 0;              ///< of each worker; 0: all cores of this machine shared out among the workers

@@ -18,7 +18,7 @@ constexpr int kBetweenScreens = 500;  // milliseconds
 constexpr int kLongestLine = 1000;    // where nobody looks at it as it is
 
 struct StatusOptions {
-  std::string to;
+  ServiceAddress service;
   std::vector<JobId> jobs;
   bool watch = false, json = false;
 };
@@ -57,7 +57,9 @@ ExitCode watch(JobsClient& service, const StatusOptions& options) {
 }
 
 ExitCode status(const StatusOptions& options) {
-  JobsClient service = connect_to_service(options.to);
+  const auto connected = connect_to_service(options.service, KeyRole::kViewer);
+  if (!connected) return print_error(connected.error()), kBadInput;
+  JobsClient& service = **connected;
   if (options.watch) return watch(service, options);
   const auto reply = service.status(options.jobs);
   if (!reply) return print_error(reply.error()), kIncomplete;
@@ -79,7 +81,7 @@ void add_status_command(CLI::App& app, Command& chosen) {
   CLI::Option* watched =
       command->add_flag("--watch", options->watch, "A full screen that is kept up to date");
   command->add_flag("--json", options->json, "For programs")->excludes(watched);
-  add_service_address(*command, options->to);
+  add_service_address(*command, options->service);
   command->footer(
       "  penumbra status --to unix:/tmp/farm.socket\n"
       "  penumbra status 12 --json --to unix:/tmp/farm.socket\n"

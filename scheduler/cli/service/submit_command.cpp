@@ -21,7 +21,7 @@ constexpr int kMostUrgent = 1'000'000;
 
 struct SubmitOptions {
   RenderOptions render;
-  std::string to;
+  ServiceAddress service;
   std::optional<int> priority;
 };
 
@@ -30,7 +30,7 @@ Expected<void> check_options(const CLI::App& command) {
   for (const CLI::Option* option : command.get_options()) {
     if (option->count() == 0 || option->get_lnames().empty()) continue;
     const std::string& name = option->get_lnames().front();
-    if (name == "out" || name == "to" || name == "priority" || name == "quiet") continue;
+    if (name == "out" || name == "to" || name == "priority" || name == "quiet" || name == "keys") continue;
     if (name == "resume" || is_shared_option(name))
       return fail(fmt::format(
           "--{} is not of a job: `penumbra serve`, or `penumbra fetch`, has what there is of it", name));
@@ -44,7 +44,9 @@ ExitCode submit(const SubmitOptions& options, const CLI::App& command,
   if (const auto checked = check_options(command); !checked) return print_error(checked.error()), kBadInput;
   const auto plan = plan_set(options.render, command);
   if (!plan) return print_error(plan.error()), kBadInput;
-  JobsClient service = connect_to_service(options.to);
+  const auto connected = connect_to_service({options.service.to, options.render.keys});
+  if (!connected) return print_error(connected.error()), kBadInput;
+  JobsClient& service = **connected;
   std::size_t submitted = 0;
   for (SetMember member : plan->members) {
     if (stop) break;
@@ -80,7 +82,9 @@ void add_submit_command(CLI::App& app, const std::vector<std::string>& command_l
   CLI::App* command = app.add_subcommand("submit", "Give renders to a service (penumbra serve)");
   const auto options = std::make_shared<SubmitOptions>();
   add_render_options(*command, options->render);
-  add_service_address(*command, options->to);
+  add_service_address(*command, options->service, false);
+  command->get_option("--keys")->description("For a service at HOST:PORT with TLS: the folder that `penumbra keys` made, "
+                                             "or its part for users");
   command
       ->add_option("--priority", options->priority,
                    "The highest is rendered first (default: the job file's, or 0)")

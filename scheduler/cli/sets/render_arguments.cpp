@@ -13,7 +13,7 @@ namespace penumbra {
 namespace {
 
 /// Of the command, not of one of its renders.
-constexpr std::array<std::string_view, 12> kShared{"workers", "listen",  "tev",    "quiet",
+constexpr std::array<std::string_view, 13> kShared{"workers", "listen", "keys",  "tev",    "quiet",
                                                    "force",   "summary", "pixel",  "statistics",
                                                    "out",     "help",    "resume", "checkpoint-interval"};
 constexpr const char *kDefine = "-D", *kSet = "--set";
@@ -151,6 +151,7 @@ Expected<RenderOptions> options_of(const std::vector<RenderAxis>& axes, const Re
   options.scene.scene = scene;
   options.workers = shared.workers;
   options.listen = shared.listen;
+  options.keys = shared.keys;
   options.tev = shared.tev;
   options.resume = shared.resume;
   options.checkpoint_interval = shared.checkpoint_interval;

@@ -21,6 +21,7 @@
 #include "scheduler/cli/sets/set_plan.h"
 #include "scheduler/cli/sets/set_summary.h"
 #include "scheduler/cli/stop_signal.h"
+#include "scheduler/farm/access.h"
 #include "scheduler/files/atomic_file.h"
 #include "scheduler/protocol/mailbox.h"
 #include "scheduler/protocol/wire.h"
@@ -260,9 +261,12 @@ ExitCode SceneSet::run() {
   const auto worker = find_program("penumbra-worker");
   if (!worker) return print_error(worker.error()), kIncomplete;
   worker_ = program_hash(*worker);
+  const auto keys = listening_keys(options_.listen, options_.keys);
+  if (!keys) return print_error(keys.error()), kBadInput;
   FarmOptions farm{.workers = options_.workers,
                    .worker_executable = worker->string(),
                    .listen = options_.listen,
+                   .keys = *keys,
                    .largest_tile = largest_tile(plan_),
                    .tells_how_to_watch = true};
   std::thread reader([this] { read_scenes(); });

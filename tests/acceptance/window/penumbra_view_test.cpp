@@ -235,9 +235,9 @@ TEST_F(PenumbraViewTest, OverTcpATokenIsNeeded) {
   const ProgramResult without = run_penumbra(elsewhere.path(), arguments);
   EXPECT_EQ(without.exit_code, 1);
   EXPECT_THAT(without.err, HasSubstr("token"));
-  std::vector<std::string> with = arguments;
-  with.insert(with.end(), {"--token", token});
-  const ProgramResult let_in = run_penumbra(elsewhere.path(), with);
+  setenv("PENUMBRA_TOKEN", token.c_str(), 1);
+  const ProgramResult let_in = run_penumbra(elsewhere.path(), arguments);
+  unsetenv("PENUMBRA_TOKEN");
   EXPECT_EQ(let_in.exit_code, 0) << let_in.err;
 }
 

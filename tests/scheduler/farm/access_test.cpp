@@ -108,7 +108,7 @@ TEST_F(AccessTest, OverTcpEveryCallNeedsAToken) {
 
 TEST_F(AccessTest, WhoMayWatchIsNoWorkerAndTheOtherWayRound) {
   using grpc::StatusCode;
-  const auto [watch, work] = server_->tokens();
+  const auto [watch, work, submit] = server_->tokens();
   EXPECT_NE(watch, work);
   EXPECT_THAT(codes(server_->more_address(), watch),
               ElementsAre(Pair("Work", StatusCode::PERMISSION_DENIED), Pair("Asset", StatusCode::NOT_FOUND),
@@ -119,6 +119,30 @@ TEST_F(AccessTest, WhoMayWatchIsNoWorkerAndTheOtherWayRound) {
                           Pair("Watch", StatusCode::PERMISSION_DENIED),
                           Pair("Control", StatusCode::PERMISSION_DENIED)));
   EXPECT_TRUE(next_is<arrivals::Connected>());
+  EXPECT_THAT(codes(server_->more_address(), submit),
+              ElementsAre(Pair("Work", StatusCode::PERMISSION_DENIED), Pair("Asset", StatusCode::NOT_FOUND),
+                          Pair("Watch", StatusCode::OK), Pair("Control", StatusCode::OK)));
+}
+
+TEST_F(AccessTest, WhateverElseThereIsNeedsTheTokenForSubmitting) {
+  grpc::GenericStub stub(open_channel(server_->more_address()));
+  const auto code_of = [&](const std::string& token) {
+    grpc::CompletionQueue queue;
+    grpc::ClientContext context;
+    show_token(context, token);
+    grpc::Status status;
+    const auto stream = stub.PrepareCall(&context, "/penumbra.v1.Farm/Whatever", &queue);
+    stream->StartCall(&context);
+    void* tag = nullptr;
+    bool ok = false;
+    queue.Next(&tag, &ok);
+    stream->Finish(&status, &context);
+    queue.Next(&tag, &ok);
+    return status.error_code();
+  };
+  EXPECT_EQ(code_of(server_->tokens().watch), grpc::StatusCode::PERMISSION_DENIED);
+  EXPECT_EQ(code_of(server_->tokens().work), grpc::StatusCode::PERMISSION_DENIED);
+  EXPECT_EQ(code_of(server_->tokens().submit), grpc::StatusCode::UNIMPLEMENTED);
 }
 
 TEST_F(AccessTest, TheTokenIsLookedAtBeforeAnyMessageHasCome) {

@@ -31,7 +31,7 @@ class JobsCall : public ::testing::Test {
     builder.RegisterService(service_.get());
     server_ = builder.BuildAndStart();
     ASSERT_NE(server_, nullptr);
-    client_ = std::make_unique<JobsClient>(address_, "");
+    client_ = std::make_unique<JobsClient>(address_, ClientAccess{});
   }
   void TearDown() override {
     if (server_) server_->Shutdown();

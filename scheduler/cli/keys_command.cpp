@@ -1,0 +1,79 @@
+// `penumbra keys FOLDER`: certificates and tokens for a scheduler that other hosts reach.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "scheduler/cli/commands.h"
+#include "scheduler/cli/option_checks.h"
+#include "scheduler/files/quoting.h"
+#include "scheduler/keys/host_names.h"
+#include "scheduler/keys/key_folder.h"
+#include "scheduler/keys/make_keys.h"
+
+namespace penumbra {
+namespace {
+
+constexpr int kMostDays = 3650;
+
+/// One a line, or several with commas.
+std::string joined(const std::vector<std::string>& names) {
+  std::string all;
+  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+  return all;
+}
+
+ExitCode make(MakeKeysOptions options) {
+  if (options.names.empty()) options.names = host_names();
+  for (const std::string& name : loopback_names()) options.names.push_back(name);
+  if (const auto made = make_keys(options); !made) return print_error(made.error()), kBadInput;
+  const std::string folder = shell_quoted_file(options.folder.string());
+  std::string text = fmt::format("keys for a scheduler at {}, good for {} days, in {}:\n", joined(options.names),
+                                 options.days, options.folder.string());
+  for (const KeyRoleInfo& role : kKeyRoles) text += fmt::format("  {:<10} for {}\n", role.folder, role.who);
+  text += fmt::format(
+      "  {:<10} makes further ones: keep it where nothing is rendered, or remove it\n"
+      "there$ penumbra render SCENE --listen 0.0.0.0:7000 --keys {}\n"
+      "here$  penumbra worker --connect HOST:7000 --keys FOLDER      FOLDER: a copy of {}/worker\n",
+      key_files::kAuthorityFolder, folder, options.folder.string());
+  print_remark(text);
+  return kAllDone;
+}
+
+}  // namespace
+
+void add_keys_command(CLI::App& app, Command& chosen) {
+  CLI::App* command =
+      app.add_subcommand("keys", "Make certificates and tokens for schedulers that other hosts reach");
+  const auto options = std::make_shared<MakeKeysOptions>();
+  const auto folder = std::make_shared<std::string>();
+  command->add_option("FOLDER", *folder, "Where to, a folder of its own")->required();
+  command
+      ->add_option("--name", options->names,
+                   "A host's name or address at which clients reach the scheduler; *.farm.example for all of a "
+                   "domain (default: this host's names and addresses). localhost is always among them")
+      ->type_name("NAME")
+      ->delimiter(',')
+      ->expected(1);
+  command->add_option("--days", options->days, "How long the certificates are good")
+      ->type_name("N")
+      ->check(whole_number(1, kMostDays))
+      ->capture_default_str();
+  command->add_flag("--force", options->force, "Replace what is there; every machine then needs the new ones");
+  command->footer(
+      "Connections from other hosts are encrypted (TLS 1.2 or 1.3), and both ends show a certificate of one "
+      "authority, which is\n"
+      "made here for this farm alone. What a client may do its token says: watch, work or submit. The files are "
+      "their owner's\n"
+      "alone (mode 0600) and go to the other machines by ssh or a shared home. PENUMBRA_KEYS=FOLDER stands for "
+      "--keys FOLDER.\n\n"
+      "Examples:\n"
+      "  penumbra keys ~/farm                                    for this host\n"
+      "  penumbra keys ~/farm --name render1 --name 10.0.0.7\n"
+      "  scp -r ~/farm/worker node7:farm-worker");
+  command->callback([options, folder, &chosen] {
+    options->folder = *folder;
+    chosen = [options] { return make(*options); };
+  });
+}
+
+}  // namespace penumbra

@@ -1,0 +1,60 @@
+#include "scheduler/keys/client_access.h"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+
+#include "scheduler/keys/secrets.h"
+#include "scheduler/keys/tcp_address.h"
+
+namespace penumbra {
+
+CLI::Option* add_keys_option(CLI::App& app, std::string& folder, const std::string& what_for) {
+  return app.add_option("--keys", folder, what_for + ": the folder that `penumbra keys` made, or its part of it")
+      ->envname(kKeysVariable)
+      ->type_name("FOLDER");
+}
+
+void add_client_access_options(CLI::App& app, std::string& folder) {
+  add_keys_option(app, folder, "For a scheduler at host:port with TLS");
+  add_token_refusal(app);
+}
+
+void add_token_refusal(CLI::App& app) {
+  // Not in the help.
+  app.add_option_function<std::string>(
+         "--token",
+         [](const std::string&) {
+           throw CLI::ValidationError(
+               fmt::format("--token: all users of this machine can see the words of a command; put it into the "
+                           "environment variable {}",
+                           kTokenVariable));
+         })
+      ->group("");
+}
+
+Expected<ClientAccess> client_access(const std::string& address, const std::string& folder, KeyRole role) {
+  ClientAccess access;
+  if (const char* token = std::getenv(kTokenVariable)) access.token = token;
+  unsetenv(kTokenVariable);
+  if (!access.token.empty()) keep_out_of_core_dumps();
+  if (!is_tcp(address)) return access;
+  if (!folder.empty()) {
+    Expected<std::shared_ptr<const Keys>> keys = read_keys(folder, role);
+    if (!keys) return fail("--keys: " + keys.error().message);
+    access.keys = std::move(*keys);
+    const Tokens& tokens = access.keys->tokens;
+    access.token = role == KeyRole::kWorker ? tokens.work : role == KeyRole::kUser ? tokens.submit : tokens.watch;
+    return access;
+  }
+  const auto [host, port] = split_address(address);
+  if (!is_loopback(host))
+    return fail(
+        fmt::format("{} is another host: give --keys (or {}), a copy of the folder '{}' that `penumbra keys` made "
+                    "for that scheduler; without encryption everybody in between could read the token. Or reach it "
+                    "through ssh -L as 127.0.0.1:{}",
+                    address, kKeysVariable, info(role).folder, port));
+  return access;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,211 @@
+#include "scheduler/keys/unreachable.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <netdb.h>
+#include <openssl/err.h>
+#include <openssl/pem.h>
+#include <openssl/ssl.h>
+#include <openssl/x509v3.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <memory>
+
+#include "scheduler/keys/tcp_address.h"
+
+namespace penumbra {
+namespace {
+
+using std::chrono::milliseconds;
+
+template <auto kFree>
+struct Freed {
+  template <typename T>
+  void operator()(T* object) const {
+    kFree(object);
+  }
+};
+using Bio = std::unique_ptr<BIO, Freed<BIO_free>>;
+using Context = std::unique_ptr<SSL_CTX, Freed<SSL_CTX_free>>;
+using Connection = std::unique_ptr<SSL, Freed<SSL_free>>;
+
+constexpr unsigned char kHttp2[] = {2, 'h', '2'};  // as ALPN names it, RFC 7301
+
+class Socket {
+ public:
+  explicit Socket(int descriptor) : descriptor_(descriptor) {}
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+  ~Socket() {
+    if (descriptor_ >= 0) close(descriptor_);
+  }
+  [[nodiscard]] int get() const { return descriptor_; }
+
+ private:
+  int descriptor_;
+};
+
+/// OpenSSL writes to sockets without MSG_NOSIGNAL; the other end may have gone.
+class NoPipeSignal {
+ public:
+  NoPipeSignal() {
+    sigemptyset(&pipe_);
+    sigaddset(&pipe_, SIGPIPE);
+    pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
+  }
+  NoPipeSignal(const NoPipeSignal&) = delete;
+  NoPipeSignal& operator=(const NoPipeSignal&) = delete;
+  ~NoPipeSignal() {
+    const timespec at_once{};
+    while (sigtimedwait(&pipe_, nullptr, &at_once) > 0) {
+    }
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+
+ private:
+  sigset_t pipe_{}, before_{};
+};
+
+struct CertificateProblem {
+  std::string host, text;
+};
+
+/// The errno of connecting, 0 where it worked.
+int connect_in_time(int descriptor, const addrinfo& to, milliseconds patience) {
+  if (connect(descriptor, to.ai_addr, to.ai_addrlen) == 0) return 0;
+  if (errno != EINPROGRESS) return errno;
+  pollfd entry{.fd = descriptor, .events = POLLOUT, .revents = 0};
+  if (poll(&entry, 1, int(patience.count())) <= 0) return ETIMEDOUT;
+  int error = 0;
+  socklen_t size = sizeof error;
+  getsockopt(descriptor, SOL_SOCKET, SO_ERROR, &error, &size);
+  return error;
+}
+
+/// Writes what is wrong into the text of the connection: after a failed handshake the certificate is gone.
+int note_failure(int is_verified, X509_STORE_CTX* verification) {
+  if (is_verified == 1) return 1;
+  const auto* ssl = static_cast<SSL*>(
+      X509_STORE_CTX_get_ex_data(verification, SSL_get_ex_data_X509_STORE_CTX_idx()));
+  auto& problem = *static_cast<CertificateProblem*>(SSL_get_app_data(ssl));
+  // The certificate itself, and not that of an authority which nobody knows.
+  X509* certificate = X509_STORE_CTX_get0_cert(verification);
+  problem.text = verification_text(X509_STORE_CTX_get_error(verification), certificate, problem.host);
+  return 0;
+}
+
+Context make_context(const Keys* keys) {
+  Context context(SSL_CTX_new(TLS_client_method()));
+  SSL_CTX_set_min_proto_version(context.get(), TLS1_2_VERSION);
+  SSL_CTX_set_alpn_protos(context.get(), kHttp2, sizeof kHttp2);
+  if (keys == nullptr) return context;
+  const auto read = [](const std::string& pem) { return Bio(BIO_new_mem_buf(pem.data(), int(pem.size()))); };
+  X509* authority = PEM_read_bio_X509(read(keys->authority).get(), nullptr, nullptr, nullptr);
+  X509* certificate = PEM_read_bio_X509(read(keys->certificate).get(), nullptr, nullptr, nullptr);
+  EVP_PKEY* key = PEM_read_bio_PrivateKey(read(keys->key).get(), nullptr, nullptr, nullptr);
+  if (authority != nullptr) X509_STORE_add_cert(SSL_CTX_get_cert_store(context.get()), authority);
+  if (certificate != nullptr) SSL_CTX_use_certificate(context.get(), certificate);
+  if (key != nullptr) SSL_CTX_use_PrivateKey(context.get(), key);
+  X509_free(authority);
+  X509_free(certificate);
+  EVP_PKEY_free(key);
+  SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, note_failure);
+  return context;
+}
+
+/// Repeats a step of OpenSSL on a non-blocking socket until it is done, or nothing comes for so long.
+template <typename Step>
+bool finish(SSL* ssl, int descriptor, milliseconds patience, Step step) {
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  for (;;) {
+    ERR_clear_error();
+    const int done = step();
+    if (done > 0) return true;
+    const int reason = SSL_get_error(ssl, done);
+    if (reason != SSL_ERROR_WANT_READ && reason != SSL_ERROR_WANT_WRITE) return false;
+    const auto left =
+        std::chrono::duration_cast<milliseconds>(deadline - std::chrono::steady_clock::now()).count();
+    pollfd entry{.fd = descriptor, .events = short(reason == SSL_ERROR_WANT_READ ? POLLIN : POLLOUT), .revents = 0};
+    if (left <= 0 || poll(&entry, 1, int(left)) <= 0) {
+      errno = ETIMEDOUT;
+      return false;
+    }
+  }
+}
+
+/// Of a connection that failed after this side's certificate had gone out, or while it did.
+std::string refusal_text(const Keys& keys) {
+  switch (ERR_GET_REASON(ERR_peek_error())) {
+    case SSL_R_SSLV3_ALERT_CERTIFICATE_EXPIRED:
+      return fmt::format("the scheduler takes the certificate in {} for expired", keys.folder);
+    case SSL_R_TLSV1_ALERT_UNKNOWN_CA:
+      return fmt::format("the scheduler does not know the authority of the certificate in {}: its keys are others",
+                         keys.folder);
+    case SSL_R_WRONG_VERSION_NUMBER:
+    case SSL_R_HTTP_REQUEST:
+      return "the scheduler there does not speak TLS: it was started without --keys";
+    default:
+      return fmt::format("the scheduler ended the connection when it had seen the certificate in {}: most likely its "
+                         "keys are of another `penumbra keys`, or this side's have expired there",
+                         keys.folder);
+  }
+}
+
+std::string explain_tls(int descriptor, const std::string& host, const Keys* keys, milliseconds patience) {
+  const Context context = make_context(keys);
+  const Connection ssl(SSL_new(context.get()));
+  const std::string name = bare_host(host);
+  CertificateProblem problem{.host = name, .text = {}};
+  SSL_set_app_data(ssl.get(), &problem);
+  SSL_set_fd(ssl.get(), descriptor);
+  if (X509_VERIFY_PARAM_set1_ip_asc(SSL_get0_param(ssl.get()), name.c_str()) != 1) {
+    SSL_set1_host(ssl.get(), name.c_str());
+    SSL_set_tlsext_host_name(ssl.get(), name.c_str());
+  }
+  const bool is_connected = finish(ssl.get(), descriptor, patience, [&] { return SSL_connect(ssl.get()); });
+  const int timed_out = errno == ETIMEDOUT;
+  if (keys == nullptr) {
+    // Whoever got a certificate, whatever came then, has met TLS.
+    if (is_connected || SSL_get0_peer_certificate(ssl.get()) != nullptr)
+      return "the scheduler there asks for TLS: give --keys";
+    return "";
+  }
+  if (!problem.text.empty()) return "the scheduler's certificate " + problem.text;
+  if (!is_connected) return timed_out != 0 ? "nothing answers there in time" : refusal_text(*keys);
+  // With TLS 1.3 the server looks at our certificate afterwards, and only then answers.
+  char byte = 0;
+  if (finish(ssl.get(), descriptor, patience, [&] { return SSL_read(ssl.get(), &byte, 1); })) return "";
+  return errno == ETIMEDOUT && ERR_peek_error() == 0 ? "nothing answers there in time" : refusal_text(*keys);
+}
+
+}  // namespace
+
+std::string why_unreachable(const std::string& address, const Keys* keys, milliseconds patience) {
+  if (!is_tcp(address)) return "";
+  const NoPipeSignal none;
+  const auto [host, port] = split_address(address);
+  addrinfo hints{}, *found = nullptr;
+  hints.ai_socktype = SOCK_STREAM;
+  if (const int error = getaddrinfo(bare_host(host).c_str(), std::string(port).c_str(), &hints, &found); error != 0)
+    return fmt::format("no address of '{}': {}", host, gai_strerror(error));
+  const std::unique_ptr<addrinfo, Freed<freeaddrinfo>> all(found);
+  std::string why;
+  for (const addrinfo* to = found; to != nullptr; to = to->ai_next) {
+    const Socket socket(::socket(to->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+    const int error = socket.get() < 0 ? errno : connect_in_time(socket.get(), *to, patience);
+    if (error == 0) {
+      std::string reason = explain_tls(socket.get(), std::string(host), keys, patience);
+      ERR_clear_error();
+      return reason;
+    }
+    why = error == ECONNREFUSED ? "nobody listens there" : std::strerror(error);
+  }
+  return why;
+}
+
+}  // namespace penumbra
