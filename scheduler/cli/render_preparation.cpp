@@ -99,6 +99,7 @@ RenderJob make_job(const RenderOptions& options, const RenderRecord& record, con
   const Film& film = record.film;
   RenderJob job;
   job.scene = std::move(scene);
+  job.manifest = std::make_shared<const AssetManifest>(manifest_of(job.scene));
   job.x = film.crop_x;
   job.y = film.crop_y;
   job.width = film.crop_width;

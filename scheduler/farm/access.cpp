@@ -47,7 +47,8 @@ class TokenCheck final : public grpc::AuthMetadataProcessor {
               "the token is missing or wrong; the scheduler printed it when it started"};
     const bool is_work = call.ends_with("/Work");
     // Both need the scene.
-    if (call.ends_with("/Asset") || (is_work ? works : watches)) return grpc::Status::OK;
+    const bool is_asset = call.ends_with("/Asset") || call.ends_with("/Manifest");
+    if (is_asset || (is_work ? works : watches)) return grpc::Status::OK;
     return {grpc::StatusCode::PERMISSION_DENIED,
             fmt::format("this token is for {}; the scheduler printed another one for {}",
                         watches ? "watching" : "workers", watches ? "workers" : "watching")};

@@ -38,7 +38,7 @@ class Farm {
   [[nodiscard]] bool is_closed();
 
   /// Equal assets are kept once, until each has been removed.
-  void add_asset(std::string hash, OfferedAsset asset);
+  void add_asset(OfferedAsset asset);
   void remove_asset(const std::string& hash);
   /// Nothing if there is none of this hash.
   std::shared_ptr<const OfferedAsset> asset(const std::string& hash);
@@ -88,6 +88,8 @@ class FarmService final : public wire::Farm::Service {
       : farm_(farm), on_call_(std::move(on_call)) {}
 
   grpc::Status Work(grpc::ServerContext* context, WorkerConnection::Stream* stream) override;
+  grpc::Status Manifest(grpc::ServerContext* context, const wire::AssetRequest* request,
+                        wire::AssetManifest* reply) override;
   grpc::Status Asset(grpc::ServerContext* context, const wire::AssetRequest* request,
                      grpc::ServerWriter<wire::AssetChunk>* writer) override;
   grpc::Status Watch(grpc::ServerContext* context, const wire::WatchRequest* request,

@@ -7,7 +7,6 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <new>
 
 #include "scheduler/protocol/text.h"
 
@@ -42,17 +41,10 @@ std::string content_hash(std::span<const std::uint8_t> bytes) {
   return hash_text(XXH3_128bits(bytes.data(), bytes.size()));
 }
 
-ContentHash::ContentHash() : state_(XXH3_createState()) {
-  if (state_ == nullptr) throw std::bad_alloc();
-  XXH3_128bits_reset(static_cast<XXH3_state_t*>(state_.get()));
+bool is_content_hash(std::string_view text) {
+  const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
+  return text.size() == 2 * sizeof(XXH128_hash_t) && std::ranges::all_of(text, is_digit);
 }
-void ContentHash::add(std::span<const std::uint8_t> bytes) {
-  XXH3_128bits_update(static_cast<XXH3_state_t*>(state_.get()), bytes.data(), bytes.size());
-}
-std::string ContentHash::text() const {
-  return hash_text(XXH3_128bits_digest(static_cast<const XXH3_state_t*>(state_.get())));
-}
-void ContentHash::Free::operator()(void* state) const { XXH3_freeState(static_cast<XXH3_state_t*>(state)); }
 
 std::string version_mismatch(std::uint32_t theirs, std::string_view peer) {
   if (theirs == kProtocolVersion) return {};

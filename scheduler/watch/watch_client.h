@@ -86,7 +86,7 @@ class WatchClient {
   std::condition_variable changed_;
   bool stopping_ = false, over_ = false;
   grpc::ClientContext* reading_ = nullptr;
-  grpc::ClientContext* fetching_ = nullptr;
+  SceneFetch* fetching_ = nullptr;
   grpc::ClientContext* sending_ = nullptr;
   std::deque<Item> items_;
   std::optional<View> next_view_;  // to be sent
