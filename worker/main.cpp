@@ -68,6 +68,16 @@ int run(int argc, char** argv) {
       "--opencl-device,--device", opencl_device,
       "opencl: the device of this number in the list, or whose or whose platform's name contains "
       "this");
+  std::string cache;
+  app.add_option("--cache", cache,
+                 "Keep scenes in this folder, which workers may share, for the next start (default: "
+                 "~/.cache/penumbra/scenes with a scheduler at host:port; better a disk of this machine, "
+                 "where home is not); off: none. Also PENUMBRA_CACHE")
+      ->type_name("FOLDER");
+  app.add_option("--cache-size", options.cache_bytes, "At most so much, as in 20G")
+      ->type_name("SIZE")
+      ->transform(CLI::AsSizeValue(false))
+      ->default_str("4G");
   app.add_flag_callback("--list-devices", list_devices, "List what can compute here, and end")
       ->trigger_on_parse();
   if (const auto answered = answer_about(app, {argv + 1, argv + argc})) return *answered;
@@ -83,6 +93,8 @@ int run(int argc, char** argv) {
       return kBadUsage;
     }
   }
+  options.cache = cache.empty() ? default_piece_cache(options.address) : std::filesystem::path(cache);
+  if (cache == "off") options.cache.clear();
   const Isa best = best_isa();
   for (int i = 0; i <= int(best); ++i) options.isas.push_back(Isa(i));
   if (*backend_option) options.backend = backend_from_name(backend);

@@ -23,6 +23,7 @@
 #include "scheduler/protocol/text.h"
 #include "scheduler/protocol/token.h"
 #include "scheduler/protocol/wire.h"
+#include "worker/worker_pieces.h"
 
 namespace penumbra {
 namespace {
@@ -49,6 +50,7 @@ struct FinishedUnit {
 /// A job that the scheduler has given, and not yet told to forget.
 struct KnownJob {
   std::unique_ptr<DeviceScene> scene;
+  AssetManifest manifest;
   std::unique_ptr<Device> device;  // after the scene that it renders
 };
 
@@ -264,11 +266,14 @@ Expected<void> Session::take_job(const wire::Job& job) {
     say(std::move(compiling));
   };
 
-  grpc::ClientContext context;
-  show_token(context, options_.token);
-  Expected<DeviceScene> scene = fetch_scene(*stub_, context, job.scene());
-  if (!scene) return std::unexpected(scene.error());
-  KnownJob known{.scene = std::make_unique<DeviceScene>(std::move(*scene)), .device = {}};
+  PieceCache cache(options_.cache, options_.cache_bytes);
+  WorkerPieces pieces(cache);
+  for (const auto& [id, other] : jobs_) pieces.offer(*other.scene, other.manifest);
+  Expected<FetchedScene> fetched = SceneFetch(*stub_, options_.token, &pieces).fetch(job.scene());
+  if (!fetched) return std::unexpected(fetched.error());
+  KnownJob known{.scene = std::make_unique<DeviceScene>(std::move(fetched->scene)),
+                 .manifest = std::move(fetched->manifest),
+                 .device = {}};
   Expected<std::unique_ptr<Device>> device = fail("");
   try {
     device = options_.make_device(*known.scene, *device_options);
@@ -281,7 +286,11 @@ Expected<void> Session::take_job(const wire::Job& job) {
   wire::WorkerMessage ready;
   ready.mutable_ready()->set_job(job.id());
   ready.mutable_ready()->set_device(wire_text(known.device->description(), kLongestName));
-  encode(known.device->preparation(), *ready.mutable_ready());
+  DevicePreparation preparation = known.device->preparation();
+  for (std::string& note : cache.take_notes()) preparation.warnings.push_back(std::move(note));
+  encode(preparation, *ready.mutable_ready());
+  ready.mutable_ready()->mutable_scene()->set_fetched(fetched->bytes.fetched);
+  ready.mutable_ready()->mutable_scene()->set_found(fetched->bytes.found);
   {
     const std::lock_guard lock(jobs_mutex_);
     jobs_[job.id()] = std::move(known);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -10,6 +11,7 @@
 
 #include "kernels/host/error.h"
 #include "worker/device.h"
+#include "worker/piece_cache.h"
 
 namespace penumbra {
 
@@ -26,6 +28,9 @@ struct WorkerClientOptions {
   std::optional<Isa> isa;
   std::optional<int> threads;
   std::optional<std::string> opencl_device;
+
+  std::filesystem::path cache;                   ///< folder for pieces of scenes; empty: none is used
+  std::uint64_t cache_bytes = kPieceCacheBytes;  ///< at most
 
   DeviceFactory make_device;
   /// Called from another thread when the connection breaks, perhaps in the middle of a unit, which cannot be

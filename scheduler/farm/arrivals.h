@@ -9,6 +9,7 @@
 #include "kernels/host/sample_buffer.h"
 #include "kernels/host/view.h"
 #include "scheduler/plan/work_unit.h"
+#include "scheduler/protocol/asset_manifest.h"
 #include "scheduler/watch/watch_board.h"
 #include "worker/device.h"
 
@@ -34,6 +35,7 @@ struct Ready {
   JobId job;
   std::string device;  ///< for people
   DevicePreparation preparation;
+  SceneBytes scene;
 };
 struct Beat {  ///< the worker is alive
   WorkerId worker;

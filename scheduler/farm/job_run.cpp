@@ -109,6 +109,8 @@ void JobRun::worker_is_ready(const arrivals::Ready& arrival, Seconds now) {
   WorkerShare& share = shares_[arrival.worker];
   share.device = arrival.device;
   share.kernels = arrival.preparation.kernels;
+  share.scene.fetched += arrival.scene.fetched;
+  share.scene.found += arrival.scene.found;
   if (ready_ == 0) ready_ = since_begun(now);
 }
 

@@ -217,7 +217,8 @@ Expected<std::variant<WorkerConnection::Nothing, Arrival>> WorkerConnection::und
       Expected<DevicePreparation> preparation = decode(message.ready());
       if (!preparation) return std::unexpected(preparation.error());
       return arrivals::Ready{worker_, job, wire_text(message.ready().device(), kLongestName),
-                             std::move(*preparation)};
+                             std::move(*preparation),
+                             {message.ready().scene().fetched(), message.ready().scene().found()}};
     }
     case wire::WorkerMessage::kBeat:
       return arrivals::Beat{worker_, message.beat().parts()};

@@ -11,12 +11,6 @@
 namespace penumbra {
 namespace {
 
-std::string hash_of_pieces(const std::vector<AssetPiece>& pieces) {
-  std::string text;
-  for (const AssetPiece& piece : pieces) text += fmt::format("{} {}\n", piece.hash, piece.size);
-  return content_hash({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-}
-
 void add_pieces(std::span<const std::uint8_t> bytes, std::vector<AssetPiece>& pieces) {
   for (std::size_t at = 0; at < bytes.size(); at += kLargestPiece) {
     const auto piece = bytes.subspan(at, std::min(kLargestPiece, bytes.size() - at));
@@ -25,6 +19,12 @@ void add_pieces(std::span<const std::uint8_t> bytes, std::vector<AssetPiece>& pi
 }
 
 }  // namespace
+
+std::string hash_of_pieces(const std::vector<AssetPiece>& pieces) {
+  std::string text;
+  for (const AssetPiece& piece : pieces) text += fmt::format("{} {}\n", piece.hash, piece.size);
+  return content_hash({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
 
 std::size_t AssetManifest::bytes() const {
   return std::accumulate(pieces.begin(), pieces.end(), std::size_t(0),
@@ -52,30 +52,6 @@ AssetManifest manifest_of(const DeviceScene& scene) {
     starts.push_back(std::size_t((scene.header.tables.*table.span).offset) * sizeof(std::uint32_t));
   std::ranges::sort(starts);
   return make_manifest(scene.head(), scene.body(), starts);
-}
-
-void encode(const AssetManifest& manifest, wire::AssetManifest& message) {
-  for (const AssetPiece& piece : manifest.pieces) {
-    wire::AssetPiece& part = *message.add_pieces();
-    part.set_hash(piece.hash);
-    part.set_size(piece.size);
-  }
-}
-
-Expected<AssetManifest> decode(const wire::AssetManifest& message, const std::string& hash) {
-  AssetManifest manifest{.hash = hash, .pieces = {}};
-  for (const wire::AssetPiece& piece : message.pieces()) {
-    if (piece.size() < 1 || piece.size() > kLargestPiece)
-      return fail(fmt::format("the list of an asset's pieces has one of {} bytes; 1 to {} make sense",
-                              piece.size(), kLargestPiece));
-    if (!is_content_hash(piece.hash()))
-      return fail("the list of an asset's pieces has one whose name is no hash");
-    manifest.pieces.push_back({piece.hash(), std::size_t(piece.size())});
-  }
-  if (const std::string received = hash_of_pieces(manifest.pieces); received != hash)
-    return fail(fmt::format("the list of an asset's pieces is damaged: its hash is {} instead of {}",
-                            received, hash));
-  return manifest;
 }
 
 }  // namespace penumbra

@@ -9,8 +9,6 @@
 #include <vector>
 
 #include "kernels/host/device_scene.h"
-#include "kernels/host/error.h"
-#include "penumbra.grpc.pb.h"
 
 namespace penumbra {
 
@@ -38,9 +36,13 @@ AssetManifest make_manifest(std::span<const std::uint8_t> head, std::span<const 
 /// Of a scene: its header with camera and integrator, and each of its tables. Another camera is another
 /// first piece; another material, that and another table of materials.
 AssetManifest manifest_of(const DeviceScene& scene);
+/// The name of an asset of these pieces.
+std::string hash_of_pieces(const std::vector<AssetPiece>& pieces);
 
-void encode(const AssetManifest& manifest, penumbra::v1::AssetManifest& message);
-/// Fails unless it is the one of that hash, with pieces of 1 to kLargestPiece bytes whose names are hashes.
-Expected<AssetManifest> decode(const penumbra::v1::AssetManifest& message, const std::string& hash);
+/// How somebody came by a scene, in bytes.
+struct SceneBytes {
+  std::uint64_t fetched = 0;  ///< that travelled
+  std::uint64_t found = 0;    ///< that did not have to
+};
 
 }  // namespace penumbra

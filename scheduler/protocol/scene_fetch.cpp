@@ -129,14 +129,14 @@ Expected<std::vector<std::uint8_t>> SceneFetch::take_piece(const AssetManifest& 
   if (!streamed) {
     auto found = store_->read(piece);
     if (found && found->size() == piece.size && content_hash(*found) == piece.hash) {
-      fetched.bytes_found += piece.size;
+      fetched.bytes.found += piece.size;
       return std::move(*found);
     }
   }
   Expected<std::vector<std::uint8_t>> bytes =
       streamed ? stream.next(piece) : Stream(*this, manifest, {std::uint32_t(index)}).next(piece);
   if (!bytes) return bytes;
-  fetched.bytes_fetched += piece.size;
+  fetched.bytes.fetched += piece.size;
   if (const std::string received = content_hash(*bytes); received != piece.hash)
     return fail(fmt::format("the scene that came is damaged: the hash of a piece is {} instead of {}",
                             received, piece.hash));
@@ -149,10 +149,14 @@ Expected<FetchedScene> SceneFetch::fetch(const std::string& hash) {
   if (!manifest) return std::unexpected(manifest.error());
   std::vector<std::uint32_t> missing;
   std::vector<bool> is_missing;
+  std::uint64_t missing_bytes = 0;
   for (std::uint32_t i = 0; i < manifest->pieces.size(); ++i) {
     is_missing.push_back(store_ == nullptr || !store_->may_have(manifest->pieces[i]));
-    if (is_missing.back()) missing.push_back(i);
+    if (!is_missing.back()) continue;
+    missing.push_back(i);
+    missing_bytes += manifest->pieces[i].size;
   }
+  if (store_ != nullptr) store_->expect(missing_bytes, manifest->bytes());
   Stream stream(*this, *manifest, std::move(missing));
   FetchedScene fetched;
   DeviceSceneReader reader(manifest->bytes());

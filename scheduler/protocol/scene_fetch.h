@@ -23,6 +23,8 @@ class PieceStore {
   virtual ~PieceStore() = default;
   /// Whether it seems to be there; what `read` then finds may be nothing all the same.
   virtual bool may_have(const AssetPiece& piece) = 0;
+  /// After all of a scene's pieces were asked for: the bytes of those that it has not, and of all.
+  virtual void expect(std::uint64_t missing, std::uint64_t total) = 0;
   /// Its bytes, or nothing. They are verified again.
   virtual std::optional<std::vector<std::uint8_t>> read(const AssetPiece& piece) = 0;
   /// One that has come, and is verified.
@@ -32,8 +34,7 @@ class PieceStore {
 struct FetchedScene {
   DeviceScene scene;
   AssetManifest manifest;
-  std::uint64_t bytes_fetched = 0;  ///< that travelled
-  std::uint64_t bytes_found = 0;    ///< that did not have to
+  SceneBytes bytes;
 };
 
 /// One scene, fetched once. Only one piece is in memory beside the scene.

@@ -273,6 +273,30 @@ Expected<SampleBuffer> decode(const wire::UnitResult& result, const RenderUnit& 
   return buffer;
 }
 
+void encode(const AssetManifest& manifest, wire::AssetManifest& message) {
+  for (const AssetPiece& piece : manifest.pieces) {
+    wire::AssetPiece& part = *message.add_pieces();
+    part.set_hash(piece.hash);
+    part.set_size(piece.size);
+  }
+}
+
+Expected<AssetManifest> decode(const wire::AssetManifest& message, const std::string& hash) {
+  AssetManifest manifest{.hash = hash, .pieces = {}};
+  for (const wire::AssetPiece& piece : message.pieces()) {
+    if (piece.size() < 1 || piece.size() > kLargestPiece)
+      return fail(fmt::format("the list of an asset's pieces has one of {} bytes; 1 to {} make sense",
+                              piece.size(), kLargestPiece));
+    if (!is_content_hash(piece.hash()))
+      return fail("the list of an asset's pieces has one whose name is no hash");
+    manifest.pieces.push_back({piece.hash(), std::size_t(piece.size())});
+  }
+  if (const std::string received = hash_of_pieces(manifest.pieces); received != hash)
+    return fail(fmt::format("the list of an asset's pieces is damaged: its hash is {} instead of {}",
+                            received, hash));
+  return manifest;
+}
+
 void encode(const View& view, wire::View& message) {
   for (const float value : as_floats(view.camera)) message.add_camera(value);
   for (const float value : as_floats(view.adjustable)) message.add_adjustable(value);

@@ -12,6 +12,7 @@
 #include "kernels/host/view.h"
 #include "penumbra.grpc.pb.h"
 #include "scheduler/plan/work_unit.h"
+#include "scheduler/protocol/asset_manifest.h"
 #include "worker/device.h"
 
 namespace penumbra {
@@ -60,6 +61,10 @@ void encode(const SampleBuffer& buffer, wire::UnitResult& message);
 /// `planes` planes, its values are no statistics (see check_statistics), or it took a time that is not
 /// finite.
 Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit& unit, int planes);
+
+void encode(const AssetManifest& manifest, wire::AssetManifest& message);
+/// Fails unless it is the one of that hash, with pieces of 1 to kLargestPiece bytes whose names are hashes.
+Expected<AssetManifest> decode(const wire::AssetManifest& message, const std::string& hash);
 
 void encode(const View& view, wire::View& message);
 /// Fails unless all its numbers are there and finite.

@@ -15,6 +15,7 @@
 
 #include "kernels/host/device_scene.h"
 #include "scheduler/protocol/client.h"
+#include "scheduler/protocol/scene_fetch.h"
 #include "scheduler/watch/watch_board.h"
 
 namespace penumbra {
