@@ -40,8 +40,7 @@ Expected<std::vector<unsigned char>> read_binary(CacheFile& file, std::string_vi
   if (header.version != kVersion || header.reserved != 0)
     return fail(fmt::format("has the format {}", header.version));
   if (std::string_view(header.key, kKeyDigits) != key) return fail("holds other kernels than its name says");
-  if (header.size != *size - sizeof header)
-    return fail("has not the size that it states");
+  if (header.size != *size - sizeof header) return fail("has not the size that it states");
   std::vector<unsigned char> binary(header.size);
   if (file.read(binary.data(), binary.size()) != binary.size()) return fail("is cut short");
   if (XXH3_64bits(binary.data(), binary.size()) != header.checksum) return fail("is damaged");

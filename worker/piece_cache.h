@@ -21,10 +21,10 @@ constexpr std::uint64_t kPieceCacheBytes = std::uint64_t(4) << 30;
 /// socket, which is on this machine: its memory is nearer than a disk.
 std::filesystem::path default_piece_cache(const std::string& scheduler_address);
 
-/// A file for each piece, named after its hash. Several workers may use one folder: nothing is locked, and what
-/// is not whole, or not what its name says, is removed and never returned. At most `most_bytes` stay when
-/// nobody fetches; while some do, what they are just writing may be there beside. A folder that is full or
-/// cannot be written is none: rendering goes on without it.
+/// A file for each piece, named after its hash. Several workers may use one folder: nothing is locked, and
+/// what is not whole, or not what its name says, is removed and never returned. At most `most_bytes` stay
+/// when nobody fetches; while some do, what they are just writing may be there beside. A folder that is full
+/// or cannot be written is none: rendering goes on without it.
 class PieceCache final : public PieceStore {
  public:
   /// An empty folder: nothing is found and nothing kept.
@@ -47,7 +47,7 @@ class PieceCache final : public PieceStore {
  private:
   const std::uint64_t most_bytes_;
   CacheFolder files_;
-  bool keeps_ = true;        // of the scene that is being fetched
+  bool keeps_ = true;  // of the scene that is being fetched
   bool has_written_ = false;
   std::vector<std::string> notes_;
 };

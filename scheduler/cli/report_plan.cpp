@@ -17,7 +17,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-
 /// Whether the integrator has the parameter that "key=value" sets; keys that do not exist are left for the
 /// reader to report.
 bool has_setting(const std::string& integrator, const std::string& assignment) {

@@ -20,7 +20,7 @@ struct MergedBefore;
 struct RenderJob {
   DeviceScene scene;
   std::shared_ptr<const AssetManifest> manifest = {};  ///< of the scene; null: the farm makes it
-  int x = 0, y = 0, width = 0, height = 0;  ///< film rectangle to render
+  int x = 0, y = 0, width = 0, height = 0;             ///< film rectangle to render
   std::uint32_t spp = 16;
   std::uint32_t samples_per_pass = 16;  ///< the image depends on it, see FilmAccumulator
   int tile = 64;                        ///< the image does not depend on it
@@ -55,7 +55,7 @@ struct WorkerShare {
   std::uint64_t samples = 0;
   double busy_seconds = 0;  ///< inside Device::render
   std::uint64_t peak_memory_bytes = 0;
-  SceneBytes scene;  ///< how it came by the job's scene
+  SceneBytes scene;                     ///< how it came by the job's scene
   std::optional<KernelOrigin> kernels;  ///< nothing where they were compiled with the worker
   std::string ended;                    ///< empty, or why it was lost
 };

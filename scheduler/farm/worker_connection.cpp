@@ -216,7 +216,9 @@ Expected<std::variant<WorkerConnection::Nothing, Arrival>> WorkerConnection::und
       if (!*wanted) return Nothing{};
       Expected<DevicePreparation> preparation = decode(message.ready());
       if (!preparation) return std::unexpected(preparation.error());
-      return arrivals::Ready{worker_, job, wire_text(message.ready().device(), kLongestName),
+      return arrivals::Ready{worker_,
+                             job,
+                             wire_text(message.ready().device(), kLongestName),
                              std::move(*preparation),
                              {message.ready().scene().fetched(), message.ready().scene().found()}};
     }

@@ -20,6 +20,8 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 using Stream = grpc::ServerReaderWriter<wire::SchedulerMessage, wire::WorkerMessage>;
 
+AssetManifest in_one_piece(const std::vector<std::uint8_t>& bytes) { return make_manifest(bytes, {}, {}); }
+
 /// Serves one scene; what happens on the Work stream is the test's script.
 class ScriptedScheduler final : public wire::Farm::Service {
  public:
@@ -37,9 +39,15 @@ class ScriptedScheduler final : public wire::Farm::Service {
     script_(*stream);
     return grpc::Status::OK;
   }
+  grpc::Status Manifest(grpc::ServerContext*, const wire::AssetRequest* request,
+                        wire::AssetManifest* reply) override {
+    if (request->hash() == "nowhere") return {grpc::StatusCode::NOT_FOUND, "no such asset"};
+    encode(manifest, *reply);
+    return grpc::Status::OK;
+  }
   grpc::Status Asset(grpc::ServerContext*, const wire::AssetRequest* request,
                      grpc::ServerWriter<wire::AssetChunk>* writer) override {
-    if (request->hash() == "nowhere") return {grpc::StatusCode::NOT_FOUND, "no such asset"};
+    EXPECT_EQ(request->pieces_size(), 1);
     wire::AssetChunk chunk;
     for (std::size_t at = 0; at < asset.size(); at += 100) {
       chunk.set_data(asset.data() + at, std::min<std::size_t>(100, asset.size() - at));
@@ -49,6 +57,7 @@ class ScriptedScheduler final : public wire::Farm::Service {
   }
 
   std::vector<std::uint8_t> asset = fake_scene(100, 80, false).serialize();
+  AssetManifest manifest = in_one_piece(asset);
 
  private:
   Script script_;
@@ -109,6 +118,7 @@ class WorkerClientTest : public testing::Test {
   Expected<void> run(ScriptedScheduler::Script script) {
     ScriptedScheduler scheduler(socket_.address(), std::move(script));
     if (!asset_.empty()) scheduler.asset = asset_;
+    if (!is_damaged_) scheduler.manifest = in_one_piece(scheduler.asset);
     return run_worker(options_);
   }
 
@@ -125,8 +135,9 @@ class WorkerClientTest : public testing::Test {
   std::string error_of(const Expected<void>& worked) { return worked ? "none" : worked.error().message; }
 
   PrivateSocket socket_ = PrivateSocket::create().value();
-  const std::string scene_hash_ = content_hash(fake_scene(100, 80, false).serialize());
+  const std::string scene_hash_ = in_one_piece(fake_scene(100, 80, false).serialize()).hash;
   std::vector<std::uint8_t> asset_;
+  bool is_damaged_ = false;  // it is not what the manifest says
   WorkerClientOptions options_;
   DeviceOptions device_options_;
   FakeBehaviour behaviour_;
@@ -216,6 +227,7 @@ TEST_F(WorkerClientTest, ASchedulerThatComesLaterIsFound) {
 TEST_F(WorkerClientTest, ADamagedSceneIsReported) {
   asset_ = fake_scene(100, 80, false).serialize();
   asset_.back() ^= 1;
+  is_damaged_ = true;
   std::string said;
   const Expected<void> worked = run([&](Stream& stream) {
     read(stream);
@@ -231,7 +243,7 @@ TEST_F(WorkerClientTest, ASceneThatIsNoneIsReported) {
   std::string said;
   run([&](Stream& stream) {
     read(stream);
-    stream.Write(job_message(content_hash(asset_)));
+    stream.Write(job_message(in_one_piece(asset_).hash));
     said = read(stream).job_failed().message();
   });
   EXPECT_THAT(said, HasSubstr("the scene that came cannot be used"));
