@@ -8,6 +8,7 @@
 #include <condition_variable>
 #include <cstdlib>
 #include <exception>
+#include <future>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -29,6 +30,7 @@ namespace penumbra {
 namespace {
 
 constexpr std::chrono::seconds kBeatInterval{1};
+constexpr std::chrono::milliseconds kTimeToLeave{500};  // for each of: to say so, to be heard
 
 std::string host_name() {
   char name[256] = {};
@@ -64,7 +66,9 @@ class Session {
  private:
   void read();
   void write();
+  void write_all();
   void beat(const std::stop_token& stop);
+  void leave();
   Expected<void> work();
   [[nodiscard]] Expected<void> end_of_work() const;
   Expected<void> take_job(const wire::Job& job);
@@ -80,7 +84,9 @@ class Session {
   std::unique_ptr<grpc::ClientReaderWriter<wire::WorkerMessage, wire::SchedulerMessage>> stream_;
   Mailbox<wire::SchedulerMessage> inbox_;
   Mailbox<std::variant<wire::WorkerMessage, FinishedUnit>> outbox_;
-  bool leaving_ = false;  // of the reading thread: the scheduler has said that it is over
+  std::atomic<bool> leaving_ = false;  // either side has said that it is over
+  // Set by the writing and the reading thread at their ends.
+  std::promise<void> all_said_, all_heard_;
   std::mutex views_mutex_;
   std::map<JobId, std::uint32_t> newest_views_;  // that have come, if not yet their turn
 
@@ -116,12 +122,16 @@ Expected<void> Session::run() {
   std::thread reader([this] { read(); });
   std::thread writer([this] { write(); });
   std::jthread heart([this](const std::stop_token& stop) { beat(stop); });
-  Expected<void> worked = work();
+  // In a scope, for it waits for a leave() that is under way.
+  Expected<void> worked;
+  {
+    const std::stop_callback when_told(options_.leave, [this] { leave(); });
+    worked = work();
+  }
   heart.request_stop();
   heart.join();
   outbox_.close();
   writer.join();
-  stream_->WritesDone();
   reader.join();
   const grpc::Status status = stream_->Finish();
   // A worker that is dismissed in the middle of a unit is not waited for.
@@ -135,7 +145,7 @@ void Session::read() {
   bool is_answered = false;
   while (stream_->Read(&message)) {
     is_answered = true;
-    leaving_ |= message.has_dismiss() || message.has_refused();
+    if (message.has_dismiss() || message.has_refused()) leaving_ = true;
     if (message.has_view()) {
       const std::lock_guard lock(views_mutex_);
       newest_views_[message.view().job()] = message.view().number();
@@ -143,6 +153,7 @@ void Session::read() {
     inbox_.put(std::move(message));
   }
   inbox_.close();
+  all_heard_.set_value();
   if (!leaving_ && options_.on_connection_lost) {
     options_.on_connection_lost(Error{
         is_answered
@@ -154,6 +165,12 @@ void Session::read() {
 }
 
 void Session::write() {
+  write_all();
+  stream_->WritesDone();
+  all_said_.set_value();
+}
+
+void Session::write_all() {
   while (auto item = outbox_.take()) {
     wire::WorkerMessage message;
     if (auto* ready_made = std::get_if<wire::WorkerMessage>(&*item)) {
@@ -174,6 +191,19 @@ void Session::write() {
     }
     if (!stream_->Write(message)) return;  // broken; the reader says so
   }
+}
+
+/// Results that are finished go first. Then the stream ends, so that what the scheduler has sent since is not
+/// waited for.
+void Session::leave() {
+  leaving_ = true;
+  wire::WorkerMessage message;
+  message.mutable_leaving()->set_reason(wire_text(options_.leave_reason, kLongestText));
+  say(std::move(message));
+  outbox_.close();
+  if (all_said_.get_future().wait_for(kTimeToLeave) == std::future_status::ready)
+    all_heard_.get_future().wait_for(kTimeToLeave);
+  inbox_.close();
 }
 
 /// A thread of its own, since the working one is in its device for as long as that takes. One beat at a time

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,11 @@ struct WorkerClientOptions {
   std::uint64_t cache_bytes = kPieceCacheBytes;  ///< at most
 
   DeviceFactory make_device;
+  /// When a stop is requested, the worker says that it leaves, and why, and gives back what it has at once.
+  /// When the request returns, that is done; the unit in hand cannot be interrupted, so a process wants to
+  /// end then. Else `run_worker` returns after it.
+  std::stop_token leave = {};
+  std::string leave_reason = "it was told to end";
   /// Called from another thread when the connection breaks, perhaps in the middle of a unit, which cannot be
   /// interrupted: a process wants to end here. May be empty; then `run_worker` returns after the unit.
   std::function<void(const Error&)> on_connection_lost;

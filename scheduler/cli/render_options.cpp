@@ -100,12 +100,20 @@ void add_worker_options(CLI::App& command, RenderOptions& options) {
       ->check(whole_number(1, kMaxTile))
       ->capture_default_str();
 
+  CLI::Option* workers = command
+                             .add_option("--workers", options.workers,
+                                         "Worker processes on this machine, each with a copy of the scene")
+                             ->type_name("N")
+                             ->check(whole_number(1, kMaxWorkers))
+                             ->capture_default_str();
   command
-      .add_option("--workers", options.workers,
-                  "Worker processes on this machine, each with a copy of the scene")
-      ->type_name("N")
-      ->check(whole_number(1, kMaxWorkers))
-      ->capture_default_str();
+      .add_option(
+          "--launch", options.launch,
+          "Start the workers by this command, as in --launch 'srun -n 32', instead of here. They "
+          "connect to --listen (without it only workers on this machine can), and use as many threads "
+          "as they are given cores, or --threads")
+      ->type_name("COMMAND")
+      ->excludes(workers);
   command.add_option("--threads", options.threads, "Threads of each worker (default: cores / workers)")
       ->type_name("N")
       ->check(whole_number(1, kMaxThreads));

@@ -46,6 +46,7 @@ struct RenderOptions {
   int workers = 1;
   int threads = 0;  ///< of each worker; 0: all cores shared out among the workers
   int tile = 64;
+  std::string launch;        ///< a command that starts the workers; empty: they are started here
   std::string listen;        ///< another address for watchers; empty: only the private socket
   std::string tev;           ///< address of a tev that shows the render; empty: none
   bool interactive = false;  ///< watchers choose camera and samples

@@ -123,12 +123,18 @@ FarmOptions make_farm(const RenderOptions& options) {
   FarmOptions farm;
   farm.workers = options.pixel ? 1 : options.workers;
   farm.listen = options.listen;
+  set_launch(options, farm);
   // A unit is one sample of a tile, and every view begins with workers of which nothing is known.
   if (options.interactive) farm.leases.initial = kPreviewLease;
   return farm;
 }
 
 }  // namespace
+
+void set_launch(const RenderOptions& options, FarmOptions& farm) {
+  farm.launch = options.launch;
+  if (options.threads > 0) farm.launch_threads = fmt::to_string(options.threads);
+}
 
 Expected<PreparedRender> prepare_render(const RenderOptions& options) {
   auto files = choose_output_files(options);

@@ -31,6 +31,9 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options);
 /// requested device exists, and prints the scene's warnings. On failure the error is printed.
 std::expected<PreparedRender, ExitCode> prepare_watched_render(const RenderOptions& options);
 
+/// Who starts the workers.
+void set_launch(const RenderOptions& options, FarmOptions& farm);
+
 /// Whether the requested OpenCL device exists; the error lists the existing ones. Otherwise each worker would
 /// report it later, one after the other.
 Expected<void> check_device(const DeviceOptions& device);

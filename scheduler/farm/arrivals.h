@@ -37,6 +37,10 @@ struct Ready {
   DevicePreparation preparation;
   SceneBytes scene;
 };
+struct Leaving {  ///< the worker will end, for a reason of its own; units that it has will not come
+  WorkerId worker;
+  std::string reason;  ///< for people
+};
 struct Beat {  ///< the worker is alive
   WorkerId worker;
   std::uint64_t parts;  ///< of units that it has done so far
@@ -82,8 +86,9 @@ struct SamplesWanted {  ///< by a watcher: so many of each pixel of the view
 
 }  // namespace arrivals
 
-using Arrival = std::variant<arrivals::Connected, arrivals::Compiling, arrivals::Ready, arrivals::Beat,
-                             arrivals::JobFailed, arrivals::Result, arrivals::BadResult, arrivals::UnitFailed,
-                             arrivals::Gone, arrivals::ViewChanged, arrivals::SamplesWanted>;
+using Arrival =
+    std::variant<arrivals::Connected, arrivals::Compiling, arrivals::Ready, arrivals::Beat,
+                 arrivals::JobFailed, arrivals::Result, arrivals::BadResult, arrivals::UnitFailed,
+                 arrivals::Leaving, arrivals::Gone, arrivals::ViewChanged, arrivals::SamplesWanted>;
 
 }  // namespace penumbra

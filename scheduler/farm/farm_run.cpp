@@ -15,6 +15,7 @@ constexpr std::chrono::milliseconds kTickInterval{20};
 constexpr Seconds kLongestBatch = 0.2;  // of arrivals between two ticks
 // A pause of this very process (Ctrl-Z, a suspended machine) must not look like one of the workers.
 constexpr Seconds kLongestTick = 1;
+constexpr Seconds kTimeForAnotherToJoin = 30;  // that can do what those that are here cannot
 constexpr Seconds kTimeToDie = 2;  // from the end of a local worker's stream to the end of its process
 
 }  // namespace
@@ -33,7 +34,10 @@ Expected<void> FarmRun::start() {
                          std::size_t(plane_count(FEATURE_ALL)) * sizeof(float)});
   if (!server) return std::unexpected(server.error());
   server_ = std::move(*server);
-  workers_here_.emplace(options_.worker_executable, socket_->address(), options_.workers);
+  const bool far = !options_.launch.empty() && !options_.listen.empty();
+  workers_here_.emplace(worker_command(options_, far ? server_->more_address() : socket_->address(),
+                                       far ? server_->tokens().work : ""),
+                        options_.workers);
   // They start up while the first scene is being packed.
   workers_here_->start_missing(0);
   tell_start_problems();
@@ -81,6 +85,7 @@ Expected<void> FarmRun::run() {
   }
   const bool could_go_on = can_go_on();
   report_progress();
+  if (workers_here_->launches()) dismiss_all();
   workers_here_->stop_all();
   std::string reasons;
   for (const std::string& text : problems_) reasons += "\n  " + text;
@@ -180,7 +185,10 @@ void FarmRun::fail_hopeless_jobs() {
     workers_here_->has_worked();
     workers_here_->start_missing(plan_time_);
   }
-  if (connected >= std::ptrdiff_t(workers_here_->running())) failed.merge(hopeless_);
+  // Of those that a launcher brings nobody knows how many will come, and when.
+  const bool are_all_here = workers_here_->launches() ? now_ - last_joined_ > kTimeForAnotherToJoin
+                                                      : connected >= std::ptrdiff_t(workers_here_->running());
+  if (are_all_here) failed.merge(hopeless_);
   for (const JobId id : failed) {
     hopeless_.erase(id);
     take_out(id)->keep_last_checkpoint(since_start());
@@ -217,7 +225,14 @@ void FarmRun::tell_start_problems() {
   for (const std::string& text : workers_here_->take_notices()) notice(text);
 }
 
+void FarmRun::dismiss_all() {
+  for (const auto& [id, worker] : workers_)
+    if (!worker.dismissed && !worker.gone) server_->dismiss(id, "the render is over");
+}
+
 void FarmRun::worker_ended(const WorkerEnd& end) {
+  if (workers_here_->launches())
+    return problem(fmt::format("the launcher of workers ended: {}", end.exit.how));
   const auto found = std::ranges::find_if(
       workers_, [&](const auto& w) { return w.second.pid == end.exit.pid && !w.second.ended; });
   if (found == workers_.end()) {
@@ -227,7 +242,7 @@ void FarmRun::worker_ended(const WorkerEnd& end) {
   Worker& worker = found->second;
   worker.ended = true;
   worker.ended_since = now_;
-  if (worker.dismissed) return;  // said already
+  if (worker.dismissed || worker.has_left) return;  // said already
   for (const auto& [id, job] : jobs_)
     if (job->has_share(found->first)) job->share(found->first).ended = end.exit.how;
   // The end of its process may be known before that of its stream.

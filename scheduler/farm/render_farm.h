@@ -14,13 +14,17 @@
 namespace penumbra {
 
 struct FarmOptions {
-  int workers = 1;                  ///< local worker processes
-  std::string worker_executable;    ///< path of penumbra-worker
-  std::string listen = {};          ///< another address to be reached at, see ListenOptions::more
-  LeaseRule leases = {};            ///< when a worker counts as hung
-  int largest_tile = 64;            ///< of any job: results are not taken if they are larger
-  bool tells_how_to_watch = false;  ///< in the first notices of JobSource
-  int open_jobs = 2;                ///< so many are taken from the source at a time
+  int workers = 1;                ///< local worker processes
+  std::string worker_executable;  ///< path of penumbra-worker
+  /// A command of a shell, such as "srun -n 32", which starts all workers, put before their command line;
+  /// `workers` is then 1. They connect to `listen` if that is given.
+  std::string launch = {};
+  std::string launch_threads = "auto";  ///< of each of those: a number, or auto: as many as it has cores
+  std::string listen = {};              ///< another address to be reached at, see ListenOptions::more
+  LeaseRule leases = {};                ///< when a worker counts as hung
+  int largest_tile = 64;                ///< of any job: results are not taken if they are larger
+  bool tells_how_to_watch = false;      ///< in the first notices of JobSource
+  int open_jobs = 2;                    ///< so many are taken from the source at a time
 };
 
 /// Where a farm's jobs come from, and what becomes of them. Called from the farm's own thread, which must not

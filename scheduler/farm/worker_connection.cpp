@@ -222,6 +222,8 @@ Expected<std::variant<WorkerConnection::Nothing, Arrival>> WorkerConnection::und
                              std::move(*preparation),
                              {message.ready().scene().fetched(), message.ready().scene().found()}};
     }
+    case wire::WorkerMessage::kLeaving:
+      return arrivals::Leaving{worker_, wire_text(message.leaving().reason(), kLongestText)};
     case wire::WorkerMessage::kBeat:
       return arrivals::Beat{worker_, message.beat().parts()};
     case wire::WorkerMessage::kJobFailed: {

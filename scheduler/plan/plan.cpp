@@ -217,10 +217,10 @@ void Plan::on(const WorkerLost& event) {
   const auto worker = workers_.find(event.worker);
   if (worker == workers_.end()) return;  // dismissed before
   // A hung worker's unit in hand has been blamed already.
-  if (!worker->second.hung && !worker->second.units.empty()) {
+  if (!event.has_left && !worker->second.hung && !worker->second.units.empty()) {
     blame(worker->second.units.front(), event.worker, Fault::kDied);
   }
-  if (worker->second.units.empty() && worker->second.preparing) {
+  if (!event.has_left && worker->second.units.empty() && worker->second.preparing) {
     const JobId id = *worker->second.preparing;
     Job& job = jobs_.at(id);
     if (++job.deaths == kDeathsToGiveUpJob) orders_.push_back(NobodyCan{id, job.deaths});
