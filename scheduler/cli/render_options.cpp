@@ -239,6 +239,12 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       ->type_name("SECONDS")
       ->check(number_from_zero())
       ->capture_default_str();
+  CLI::Option* estimate = command.add_flag(
+      "--estimate", options.estimate,
+      "Render a few passes, for some ten seconds, and print what all of it would cost: core time, wall time, "
+      "memory, units, bytes, error; no image is written");
+  estimate->excludes(pixel);
+  command.add_flag("--json", options.json, "With --estimate: print JSON")->needs(estimate);
   command.add_flag("-q,--quiet", options.quiet, "No progress and no summary; warnings and errors only");
 }
 

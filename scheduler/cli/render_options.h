@@ -58,6 +58,8 @@ struct RenderOptions {
   std::optional<PixelPosition> pixel;
   bool strict_numerics = false;  ///< a non-finite sample is an error
   bool quiet = false;
+  bool estimate = false;                             ///< say what it would cost, and render no image
+  bool json = false;                                 ///< ... as JSON
   bool resume = false;                               ///< goes on with the checkpoint of an earlier process
   double checkpoint_interval = kCheckpointInterval;  ///< seconds; 0: none
   // Of several scenes.
