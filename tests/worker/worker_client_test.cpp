@@ -432,6 +432,34 @@ TEST_F(WorkerClientTest, ANonsensicalUnitIsAFailedUnit) {
                                          HasSubstr("of a kind that this program does not know")));
 }
 
+TEST_F(WorkerClientTest, ToldToLeaveItSaysSoInTheMiddleOfAUnit) {
+  behaviour_.delay_ms = 4000;
+  std::stop_source told;
+  options_.leave = told.get_token();
+  options_.leave_reason = "the queue wants its place back";
+  std::chrono::steady_clock::duration taken{};
+  wire::WorkerMessage said;
+  bool has_ended = false;
+  const Expected<void> worked = run_ready([&](Stream& stream) {
+    stream.Write(unit_message(1));
+    std::this_thread::sleep_for(50ms);
+    std::thread teller([&] {
+      const auto begin = std::chrono::steady_clock::now();
+      told.request_stop();
+      taken = std::chrono::steady_clock::now() - begin;
+    });
+    said = read(stream);
+    wire::WorkerMessage more;
+    while (stream.Read(&more)) EXPECT_TRUE(more.has_beat());
+    has_ended = true;
+    teller.join();
+  });
+  EXPECT_TRUE(worked) << error_of(worked);
+  EXPECT_EQ(said.leaving().reason(), "the queue wants its place back");
+  EXPECT_TRUE(has_ended);
+  EXPECT_LT(taken, 3s) << "it waited for the unit";
+}
+
 TEST_F(WorkerClientTest, ABrokenConnectionIsNoticedInTheMiddleOfAUnit) {
   behaviour_.delay_ms = 4000;
   std::promise<std::chrono::steady_clock::time_point> noticed;
