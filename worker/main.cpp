@@ -1,9 +1,17 @@
 // penumbra-worker: renders what a scheduler asks for.
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
+#include <filesystem>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -39,12 +47,47 @@ void list_devices() {
   throw CLI::Success();
 }
 
+/// As many as this process may use: what a queue has given the task, else the cores that it is bound to.
+int cores_of_this_process() {
+  int given = 0;
+  if (const char* text = std::getenv("SLURM_CPUS_PER_TASK"))
+    std::from_chars(text, text + std::strlen(text), given);
+  return std::clamp(given > 0 ? given : int(std::thread::hardware_concurrency()), 1, penumbra::kMaxThreads);
+}
+
+int end_pipe[2];
+
+void on_end_signal(int) {
+  std::signal(SIGTERM, SIG_DFL);
+  std::signal(SIGINT, SIG_DFL);
+  [[maybe_unused]] const auto written = write(end_pipe[1], "", 1);
+}
+
+/// A queue that wants its place back sends SIGTERM and waits a little, a terminal SIGINT: the worker says so
+/// to its scheduler, which need not wait for its unit, and ends.
+std::stop_token stop_by_signal() {
+  std::stop_source source;
+  if (pipe2(end_pipe, O_CLOEXEC) != 0) return {};
+  struct sigaction action {};
+  action.sa_handler = on_end_signal;
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGINT, &action, nullptr);
+  std::thread([source]() mutable {
+    char byte;
+    while (read(end_pipe[0], &byte, 1) != 1) {
+    }
+    source.request_stop();
+    std::_Exit(EXIT_SUCCESS);
+  }).detach();
+  return source.get_token();
+}
+
 int run(int argc, char** argv) {
   using namespace penumbra;
   if (argc > 1 && std::string_view(argv[1]) == kMeasureCompile) return measure_compile(argc - 2, argv + 2);
   WorkerClientOptions options;
-  std::string backend, isa, opencl_device, keys;
-  int threads = 0;
+  std::string backend, isa, opencl_device, keys, threads;
 
   CLI::App app{
       "Renders work units for a penumbra scheduler. `penumbra render` starts workers by itself; start one by "
@@ -65,14 +108,26 @@ int run(int argc, char** argv) {
                      "Compute with this instead of what the job says: native, opencl or auto")
           ->check(CLI::IsMember({"native", "opencl", "auto"}));
   const auto* threads_option =
-      app.add_option("--threads", threads, "Use so many threads, whatever the job says")
-          ->check(CLI::Range(1, kMaxThreads));
+      app.add_option("--threads", threads,
+                     "Use so many threads, whatever the job says; auto: as many as there are cores for it")
+          ->type_name("N")
+          ->check(CLI::Range(1, kMaxThreads) | CLI::IsMember({"auto"}));
   const auto* isa_option = app.add_option(
       "--isa", isa, "native: use this instruction set, whatever the job says: sse2, avx2 or avx512");
   const auto* opencl_option = app.add_option(
       "--opencl-device,--device", opencl_device,
       "opencl: the device of this number in the list, or whose or whose platform's name contains "
       "this");
+  std::string cache;
+  app.add_option("--cache", cache,
+                 "Keep scenes in this folder, which workers may share, for the next start (default: "
+                 "~/.cache/penumbra/scenes with a scheduler at host:port; better a disk of this machine, "
+                 "where home is not); off: none. Also PENUMBRA_CACHE")
+      ->type_name("FOLDER");
+  app.add_option("--cache-size", options.cache_bytes, "At most so much, as in 20G")
+      ->type_name("SIZE")
+      ->transform(CLI::AsSizeValue(false))
+      ->default_str("4G");
   app.add_flag_callback("--list-devices", list_devices, "List what can compute here, and end")
       ->trigger_on_parse();
   if (const auto answered = answer_about(app, {argv + 1, argv + argc})) return *answered;
@@ -88,10 +143,12 @@ int run(int argc, char** argv) {
       return kBadUsage;
     }
   }
+  options.cache = cache.empty() ? default_piece_cache(options.address) : std::filesystem::path(cache);
+  if (cache == "off") options.cache.clear();
   const Isa best = best_isa();
   for (int i = 0; i <= int(best); ++i) options.isas.push_back(Isa(i));
   if (*backend_option) options.backend = backend_from_name(backend);
-  if (*threads_option) options.threads = threads;
+  if (*threads_option) options.threads = threads == "auto" ? cores_of_this_process() : std::stoi(threads);
   if (*opencl_option) {
     const Expected<OpenClDeviceInfo> found = find_opencl_device(opencl_device);
     if (!found) {
@@ -121,6 +178,8 @@ int run(int argc, char** argv) {
   if (options.reconnects)
     options.on_waiting = [](const std::string& why) { print_message("waiting: " + why); };
   options.make_device = make_device;
+  options.leave = stop_by_signal();
+  options.leave_reason = "it was told to end by a signal";
   options.on_connection_lost = [](const Error& error) {
     print_error(error);
     std::_Exit(kFailed);  // the unit in hand cannot be interrupted, and its result is no longer needed

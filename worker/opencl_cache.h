@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "kernels/host/error.h"
+#include "worker/cache_folder.h"
 
 namespace penumbra {
 
@@ -42,16 +43,13 @@ class KernelCache {
   /// be made or written; that is no reason not to go on.
   Expected<void> keep(std::string_view key, std::span<const unsigned char> binary) const;
 
-  void remove(std::string_view key) const;
+  void remove(std::string_view key) const { files_.remove(key); }
 
-  [[nodiscard]] std::filesystem::path file_of(std::string_view key) const;
-  [[nodiscard]] bool enabled() const { return !folder_.empty(); }
+  [[nodiscard]] std::filesystem::path file_of(std::string_view key) const { return files_.file_of(key); }
+  [[nodiscard]] bool enabled() const { return files_.enabled(); }
 
  private:
-  void remove_oldest() const;
-
-  std::filesystem::path folder_;
-  int most_files_;
+  CacheFolder files_;
 };
 
 }  // namespace penumbra

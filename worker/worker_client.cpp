@@ -29,11 +29,13 @@
 #include "scheduler/protocol/token.h"
 #include "scheduler/protocol/wire.h"
 #include "worker/back_off.h"
+#include "worker/worker_pieces.h"
 
 namespace penumbra {
 namespace {
 
 constexpr std::chrono::seconds kBeatInterval{1};
+constexpr std::chrono::milliseconds kTimeToLeave{500};  // for each of: to say so, to be heard
 
 // Pauses between connections: short for a scheduler on this machine, long where thousands may come back.
 constexpr std::chrono::milliseconds kFirstPause{100}, kLongestPause{15'000}, kLongestPauseHere{500};
@@ -66,6 +68,7 @@ struct FinishedUnit {
 /// A job that the scheduler has given, and not yet told to forget.
 struct KnownJob {
   std::unique_ptr<DeviceScene> scene;
+  AssetManifest manifest;
   std::unique_ptr<Device> device;  // after the scene that it renders
 };
 
@@ -89,7 +92,9 @@ class Session {
   [[nodiscard]] Error lost_text() const;
   void read();
   void write();
+  void write_all();
   void beat(const std::stop_token& stop);
+  void leave();
   Expected<void> work();
   [[nodiscard]] Expected<void> end_of_work() const;
   Expected<void> take_job(const wire::Job& job);
@@ -106,10 +111,12 @@ class Session {
   std::unique_ptr<grpc::ClientReaderWriter<wire::WorkerMessage, wire::SchedulerMessage>> stream_;
   Mailbox<wire::SchedulerMessage> inbox_;
   Mailbox<std::variant<wire::WorkerMessage, FinishedUnit>> outbox_;
-  bool leaving_ = false;  // of the reading thread: the scheduler has said that it is over
-  bool is_answered_ = false, comes_back_ = false;  // likewise
-  std::promise<void> written_, worked_;  // no more is written; the working thread has left its last unit
-  grpc::Status status_;  // of the stream
+  std::atomic<bool> leaving_ = false;              // either side has said that it is over
+  bool is_answered_ = false, comes_back_ = false;  // of the reading thread
+  // Set by the writing, the reading and the working thread at their ends.
+  std::promise<void> all_said_, all_heard_, worked_;
+  const std::shared_future<void> said_ = all_said_.get_future().share();
+  grpc::Status status_;     // of the stream
   const bool may_return_;  // another connection may follow
   std::mutex views_mutex_;
   std::map<JobId, std::uint32_t> newest_views_;  // that have come, if not yet their turn
@@ -151,13 +158,14 @@ SessionEnd Session::run() {
   say(std::move(hello));
 
   std::thread reader([this] { read(); });
-  std::thread writer([this] {
-    write();
-    stream_->WritesDone();
-    written_.set_value();
-  });
+  std::thread writer([this] { write(); });
   std::jthread heart([this](const std::stop_token& stop) { beat(stop); });
-  const Expected<void> worked = work();
+  // In a scope, for it waits for a leave() that is under way.
+  Expected<void> worked;
+  {
+    const std::stop_callback when_told(options_.leave, [this] { leave(); });
+    worked = work();
+  }
   worked_.set_value();
   heart.request_stop();
   heart.join();
@@ -183,7 +191,7 @@ void Session::read() {
   wire::SchedulerMessage message;
   while (stream_->Read(&message)) {
     is_answered_ = true;
-    leaving_ |= message.has_dismiss() || message.has_refused();
+    if (message.has_dismiss() || message.has_refused()) leaving_ = true;
     comes_back_ |= message.has_dismiss() && message.dismiss().comes_back();
     if (message.has_view()) {
       const std::lock_guard lock(views_mutex_);
@@ -192,9 +200,10 @@ void Session::read() {
     inbox_.put(std::move(message));
   }
   inbox_.close();
+  all_heard_.set_value();
   // Of one that is leaving the working thread may still write; a stream that broke takes no more.
   if (!leaving_) outbox_.close();
-  written_.get_future().wait();
+  said_.wait();
   status_ = stream_->Finish();
   if (leaving_ || !options_.on_connection_lost) return;
   if (may_return_ && !is_final(status_.error_code()) &&
@@ -204,6 +213,12 @@ void Session::read() {
 }
 
 void Session::write() {
+  write_all();
+  stream_->WritesDone();
+  all_said_.set_value();
+}
+
+void Session::write_all() {
   while (auto item = outbox_.take()) {
     wire::WorkerMessage message;
     if (auto* ready_made = std::get_if<wire::WorkerMessage>(&*item)) {
@@ -224,6 +239,19 @@ void Session::write() {
     }
     if (!stream_->Write(message)) return;  // broken; the reader says so
   }
+}
+
+/// Results that are finished go first. Then the stream ends, so that what the scheduler has sent since is not
+/// waited for.
+void Session::leave() {
+  leaving_ = true;
+  wire::WorkerMessage message;
+  message.mutable_leaving()->set_reason(wire_text(options_.leave_reason, kLongestText));
+  say(std::move(message));
+  outbox_.close();
+  if (said_.wait_for(kTimeToLeave) == std::future_status::ready)
+    all_heard_.get_future().wait_for(kTimeToLeave);
+  inbox_.close();
 }
 
 /// A thread of its own, since the working one is in its device for as long as that takes. One beat at a time
@@ -316,11 +344,14 @@ Expected<void> Session::take_job(const wire::Job& job) {
     say(std::move(compiling));
   };
 
-  grpc::ClientContext context;
-  show_token(context, options_.token);
-  Expected<DeviceScene> scene = fetch_scene(*stub_, context, job.scene());
-  if (!scene) return std::unexpected(scene.error());
-  KnownJob known{.scene = std::make_unique<DeviceScene>(std::move(*scene)), .device = {}};
+  PieceCache cache(options_.cache, options_.cache_bytes);
+  WorkerPieces pieces(cache);
+  for (const auto& [id, other] : jobs_) pieces.offer(*other.scene, other.manifest);
+  Expected<FetchedScene> fetched = SceneFetch(*stub_, options_.token, &pieces).fetch(job.scene());
+  if (!fetched) return std::unexpected(fetched.error());
+  KnownJob known{.scene = std::make_unique<DeviceScene>(std::move(fetched->scene)),
+                 .manifest = std::move(fetched->manifest),
+                 .device = {}};
   Expected<std::unique_ptr<Device>> device = fail("");
   try {
     device = options_.make_device(*known.scene, *device_options);
@@ -333,7 +364,11 @@ Expected<void> Session::take_job(const wire::Job& job) {
   wire::WorkerMessage ready;
   ready.mutable_ready()->set_job(job.id());
   ready.mutable_ready()->set_device(wire_text(known.device->description(), kLongestName));
-  encode(known.device->preparation(), *ready.mutable_ready());
+  DevicePreparation preparation = known.device->preparation();
+  for (std::string& note : cache.take_notes()) preparation.warnings.push_back(std::move(note));
+  encode(preparation, *ready.mutable_ready());
+  ready.mutable_ready()->mutable_scene()->set_fetched(fetched->bytes.fetched);
+  ready.mutable_ready()->mutable_scene()->set_found(fetched->bytes.found);
   {
     const std::lock_guard lock(jobs_mutex_);
     jobs_[job.id()] = std::move(known);

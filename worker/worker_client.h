@@ -2,15 +2,18 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "kernels/host/error.h"
 #include "scheduler/keys/key_folder.h"
 #include "worker/device.h"
+#include "worker/piece_cache.h"
 
 namespace penumbra {
 
@@ -34,7 +37,15 @@ struct WorkerClientOptions {
   std::optional<int> threads;
   std::optional<std::string> opencl_device;
 
+  std::filesystem::path cache;                   ///< folder for pieces of scenes; empty: none is used
+  std::uint64_t cache_bytes = kPieceCacheBytes;  ///< at most
+
   DeviceFactory make_device;
+  /// When a stop is requested, the worker says that it leaves, and why, and gives back what it has at once.
+  /// When the request returns, that is done; the unit in hand cannot be interrupted, so a process wants to
+  /// end then. Else `run_worker` returns after it.
+  std::stop_token leave = {};
+  std::string leave_reason = "it was told to end";
   /// Called from another thread when the connection has broken for good, perhaps in the middle of a unit,
   /// which cannot be interrupted: a process wants to end here. May be empty; then `run_worker` returns after
   /// the unit.

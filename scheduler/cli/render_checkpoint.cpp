@@ -7,7 +7,6 @@
 
 #include "scheduler/farm/job_run.h"
 #include "scheduler/farm/render_job_check.h"
-#include "scheduler/protocol/wire.h"
 #include "scheduler/record/version.h"
 
 namespace penumbra {
@@ -46,7 +45,7 @@ RenderIdentity identity_of(const PreparedRender& prepared, const std::string& wo
   record.scene = std::filesystem::path(record.scene).filename().string();
   RenderIdentity identity{.version = std::string(kVersion),
                           .worker = worker,
-                          .scene = content_hash(prepared.job.scene.serialize()),
+                          .scene = prepared.job.manifest->hash,
                           .settings = {}};
   for (const auto& [name, value] : record_entries(record))
     identity.settings.emplace_back(name,

@@ -9,6 +9,7 @@
 #include "scheduler/cli/program_path.h"
 #include "scheduler/cli/progress.h"
 #include "scheduler/cli/render_checkpoint.h"
+#include "scheduler/cli/render_estimate.h"
 #include "scheduler/cli/render_outputs.h"
 #include "scheduler/cli/render_preparation.h"
 #include "scheduler/cli/sets/job_file.h"
@@ -32,6 +33,18 @@ Expected<RenderOutcome> render_with_fallback(PreparedRender& prepared, const std
   outcome = run_render(job, farm, stop, on_progress);
   if (outcome) outcome->problems.insert(outcome->problems.begin(), std::move(warning));
   return outcome;
+}
+
+constexpr double kEstimateSeconds = 10;
+
+ExitCode estimate(const RenderOptions& options) {
+  const std::atomic<bool>& stop = install_stop_signal();
+  auto prepared = prepare_watched_render(options);
+  if (!prepared) return prepared.error();
+  const auto estimate = measure_estimate(*prepared, kEstimateSeconds, stop);
+  if (!estimate) return print_error(estimate.error()), kIncomplete;
+  print_answer(options.json ? estimate_json(*estimate, prepared->record) : estimate_text(*estimate));
+  return stop ? kIncomplete : kAllDone;
 }
 
 ExitCode render(const RenderOptions& options, const std::vector<std::string>& command_line) {
@@ -117,6 +130,9 @@ void add_render_command(CLI::App& app, const std::vector<std::string>& command_l
     options->scene.scene = options->scenes.front();
     chosen = [options, command, &command_line] {
       const bool is_set = options->scenes.size() > 1 || is_job_file(options->scenes.front());
+      if (options->estimate && is_set)
+        return print_error({"--estimate is of one scene at a time"}), kBadInput;
+      if (options->estimate) return estimate(*options);
       return is_set ? render_set(*options, *command, command_line) : render(*options, command_line);
     };
   });

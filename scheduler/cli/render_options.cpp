@@ -101,12 +101,20 @@ void add_worker_options(CLI::App& command, RenderOptions& options) {
       ->check(whole_number(1, kMaxTile))
       ->capture_default_str();
 
+  CLI::Option* workers = command
+                             .add_option("--workers", options.workers,
+                                         "Worker processes on this machine, each with a copy of the scene")
+                             ->type_name("N")
+                             ->check(whole_number(1, kMaxWorkers))
+                             ->capture_default_str();
   command
-      .add_option("--workers", options.workers,
-                  "Worker processes on this machine, each with a copy of the scene")
-      ->type_name("N")
-      ->check(whole_number(1, kMaxWorkers))
-      ->capture_default_str();
+      .add_option(
+          "--launch", options.launch,
+          "Start the workers by this command, as in --launch 'srun -n 32', instead of here. They "
+          "connect to --listen (without it only workers on this machine can), and use as many threads "
+          "as they are given cores, or --threads")
+      ->type_name("COMMAND")
+      ->excludes(workers);
   command.add_option("--threads", options.threads, "Threads of each worker (default: cores / workers)")
       ->type_name("N")
       ->check(whole_number(1, kMaxThreads));
@@ -248,6 +256,12 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       ->type_name("SECONDS")
       ->check(number_from_zero())
       ->capture_default_str();
+  CLI::Option* estimate = command.add_flag(
+      "--estimate", options.estimate,
+      "Render a few passes, for some ten seconds, and print what all of it would cost: core time, wall time, "
+      "memory, units, bytes, error; no image is written");
+  estimate->excludes(pixel);
+  command.add_flag("--json", options.json, "With --estimate: print JSON")->needs(estimate);
   command.add_flag("-q,--quiet", options.quiet, "No progress and no summary; warnings and errors only");
 }
 

@@ -46,6 +46,7 @@ struct RenderOptions {
   int workers = 1;
   int threads = 0;  ///< of each worker; 0: all cores shared out among the workers
   int tile = 64;
+  std::string launch;        ///< a command that starts the workers; empty: they are started here
   std::string listen;        ///< another address for watchers; empty: only the private socket
   std::string keys;          ///< folder of keys for `listen`; empty: none
   std::string tev;           ///< address of a tev that shows the render; empty: none
@@ -60,6 +61,8 @@ struct RenderOptions {
   std::optional<PixelPosition> pixel;
   bool strict_numerics = false;  ///< a non-finite sample is an error
   bool quiet = false;
+  bool estimate = false;                             ///< say what it would cost, and render no image
+  bool json = false;                                 ///< ... as JSON
   bool resume = false;                               ///< goes on with the checkpoint of an earlier process
   double checkpoint_interval = kCheckpointInterval;  ///< seconds; 0: none
   // Of several scenes.

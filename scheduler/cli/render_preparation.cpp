@@ -110,6 +110,7 @@ FarmOptions make_farm(const RenderOptions& options) {
   FarmOptions farm;
   farm.workers = options.pixel ? 1 : options.workers;
   farm.listen = options.listen;
+  set_launch(options, farm);
   // A unit is one sample of a tile, and every view begins with workers of which nothing is known.
   if (options.interactive) farm.leases.initial = kPreviewLease;
   return farm;
@@ -121,6 +122,7 @@ RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device,
   const Film& film = record.film;
   RenderJob job;
   job.scene = std::move(scene);
+  job.manifest = std::make_shared<const AssetManifest>(manifest_of(job.scene));
   job.x = film.crop_x;
   job.y = film.crop_y;
   job.width = film.crop_width;
@@ -135,6 +137,11 @@ RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device,
   job.title = record.scene;
   job.integrator = integrator_name(record.integrator);
   return job;
+}
+
+void set_launch(const RenderOptions& options, FarmOptions& farm) {
+  farm.launch = options.launch;
+  if (options.threads > 0) farm.launch_threads = fmt::to_string(options.threads);
 }
 
 Expected<PreparedRender> prepare_render(const RenderOptions& options) {

@@ -34,6 +34,9 @@ RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device,
 /// requested device exists, and prints the scene's warnings. On failure the error is printed.
 std::expected<PreparedRender, ExitCode> prepare_watched_render(const RenderOptions& options);
 
+/// Who starts the workers.
+void set_launch(const RenderOptions& options, FarmOptions& farm);
+
 /// Whether the requested OpenCL device exists; the error lists the existing ones. Otherwise each worker would
 /// report it later, one after the other.
 Expected<void> check_device(const DeviceOptions& device);

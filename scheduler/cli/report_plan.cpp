@@ -17,8 +17,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string hash_of(const void* data, std::size_t size) { return hash_text(XXH3_64bits(data, size)); }
-
 /// Whether the integrator has the parameter that "key=value" sets; keys that do not exist are left for the
 /// reader to report.
 bool has_setting(const std::string& integrator, const std::string& assignment) {
@@ -76,8 +74,8 @@ Expected<MethodScene> prepare_method(const RenderOptions& options, const std::st
   if (!prepared)
     return fail(
         fmt::format("{}\n(scene {}, method '{}')", prepared.error().message, options.scene.scene, label));
-  const auto words = prepared->job.scene.serialize();
-  return MethodScene{std::move(*prepared), hash_of(words.data(), words.size())};
+  std::string hash = prepared->job.manifest->hash;
+  return MethodScene{std::move(*prepared), std::move(hash)};
 }
 
 Json cell_settings(const ReportOptions& report, const MethodScene& method, std::uint32_t spp,

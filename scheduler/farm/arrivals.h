@@ -9,6 +9,7 @@
 #include "kernels/host/sample_buffer.h"
 #include "kernels/host/view.h"
 #include "scheduler/plan/work_unit.h"
+#include "scheduler/protocol/asset_manifest.h"
 #include "scheduler/watch/watch_board.h"
 #include "worker/device.h"
 
@@ -34,6 +35,11 @@ struct Ready {
   JobId job;
   std::string device;  ///< for people
   DevicePreparation preparation;
+  SceneBytes scene;
+};
+struct Leaving {  ///< the worker will end, for a reason of its own; units that it has will not come
+  WorkerId worker;
+  std::string reason;  ///< for people
 };
 struct Beat {  ///< the worker is alive
   WorkerId worker;
@@ -80,8 +86,9 @@ struct SamplesWanted {  ///< by a watcher: so many of each pixel of the view
 
 }  // namespace arrivals
 
-using Arrival = std::variant<arrivals::Connected, arrivals::Compiling, arrivals::Ready, arrivals::Beat,
-                             arrivals::JobFailed, arrivals::Result, arrivals::BadResult, arrivals::UnitFailed,
-                             arrivals::Gone, arrivals::ViewChanged, arrivals::SamplesWanted>;
+using Arrival =
+    std::variant<arrivals::Connected, arrivals::Compiling, arrivals::Ready, arrivals::Beat,
+                 arrivals::JobFailed, arrivals::Result, arrivals::BadResult, arrivals::UnitFailed,
+                 arrivals::Leaving, arrivals::Gone, arrivals::ViewChanged, arrivals::SamplesWanted>;
 
 }  // namespace penumbra

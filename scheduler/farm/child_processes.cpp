@@ -21,7 +21,6 @@
 namespace penumbra {
 namespace {
 
-constexpr std::chrono::milliseconds kTimeToEnd{1000};
 constexpr std::chrono::milliseconds kPollInterval{1};
 constexpr std::chrono::milliseconds kTimeToDie{5000};
 constexpr std::chrono::milliseconds kTimeToExecute{100};  // it takes one or two
@@ -50,9 +49,10 @@ std::vector<char*> with_own_environment(std::vector<std::string>& more) {
 }
 
 /// Runs in the child between fork and exec, where only async-signal-safe functions are allowed.
-[[noreturn]] void become(char* const* arguments, char* const* environment, pid_t parent, int error_pipe) {
+[[noreturn]] void become(char* const* arguments, char* const* environment, pid_t parent, int orphan_signal,
+                         int error_pipe) {
   // Survives exec. If the parent died before this line, the signal will not come: hence the check.
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  prctl(PR_SET_PDEATHSIG, orphan_signal);
   if (getppid() != parent) _exit(1);
   setpgid(0, 0);
   restore_default_signals();
@@ -70,8 +70,8 @@ std::vector<char*> with_own_environment(std::vector<std::string>& more) {
 
 }  // namespace
 
-ChildProcesses::ChildProcesses(std::string executable, std::vector<std::string> arguments)
-    : executable_(std::move(executable)), arguments_(std::move(arguments)) {}
+ChildProcesses::ChildProcesses(std::string executable, std::vector<std::string> arguments, ChildEnd end)
+    : executable_(std::move(executable)), arguments_(std::move(arguments)), end_(end) {}
 
 Expected<pid_t> ChildProcesses::start(std::vector<std::string> environment) {
   std::vector<char*> arguments;
@@ -86,7 +86,7 @@ Expected<pid_t> ChildProcesses::start(std::vector<std::string> environment) {
   }
   const pid_t parent = getpid();
   const pid_t child = fork();
-  if (child == 0) become(arguments.data(), variables.data(), parent, error_pipe[1]);
+  if (child == 0) become(arguments.data(), variables.data(), parent, end_.signal_of_orphans, error_pipe[1]);
   const int fork_error = errno;
   close(error_pipe[1]);
   if (child < 0) {
@@ -141,17 +141,18 @@ void ChildProcesses::kill(pid_t pid) {
   if (std::ranges::find(running_, pid) != running_.end()) ::kill(pid, SIGKILL);
 }
 
+void ChildProcesses::wait_for_all(std::chrono::milliseconds limit) {
+  const auto deadline = std::chrono::steady_clock::now() + limit;
+  while (reap(), !running_.empty() && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(kPollInterval);
+}
+
 void ChildProcesses::stop_all() {
   for (const pid_t pid : running_) {
     ::kill(pid, SIGTERM);
     ::kill(pid, SIGCONT);  // a stopped process takes no other signal
   }
-  const auto wait_for_all = [this](std::chrono::milliseconds limit) {
-    const auto deadline = std::chrono::steady_clock::now() + limit;
-    while (reap(), !running_.empty() && std::chrono::steady_clock::now() < deadline)
-      std::this_thread::sleep_for(kPollInterval);
-  };
-  wait_for_all(kTimeToEnd);
+  wait_for_all(end_.patience);
   for (const pid_t pid : running_) ::kill(pid, SIGKILL);
   wait_for_all(kTimeToDie);
 }

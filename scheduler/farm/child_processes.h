@@ -4,6 +4,8 @@
 
 #include <sys/types.h>
 
+#include <chrono>
+#include <csignal>
 #include <map>
 #include <optional>
 #include <string>
@@ -19,13 +21,19 @@ struct ChildExit {
   std::optional<int> code = {};  ///< its exit code, unless a signal killed it
 };
 
+/// How children end that are asked to.
+struct ChildEnd {
+  std::chrono::milliseconds patience{1000};  ///< from SIGTERM to SIGKILL
+  int signal_of_orphans = SIGKILL;           ///< what they get when this process dies
+};
+
 /// Each child is its own process group, so that Ctrl-C at the terminal reaches this process alone; its
-/// standard error is ours, its standard output goes there too. The kernel kills a child when the *thread*
+/// standard error is ours, its standard output goes there too. The kernel ends a child when the *thread*
 /// that started it ends, so one thread must call all members and live as long as the object.
 class ChildProcesses {
  public:
   /// `arguments` without the program's name.
-  ChildProcesses(std::string executable, std::vector<std::string> arguments);
+  ChildProcesses(std::string executable, std::vector<std::string> arguments, ChildEnd end = {});
   ChildProcesses(const ChildProcesses&) = delete;
   ChildProcesses& operator=(const ChildProcesses&) = delete;
   ~ChildProcesses() { stop_all(); }
@@ -41,12 +49,15 @@ class ChildProcesses {
   /// Asks all to end, kills those that have not after a moment, and waits until none is left; but not for
   /// ever for those that the kernel keeps even so (a file system that does not answer).
   void stop_all();
+  /// Waits at most so long for all of them to end by themselves; those that did are reaped.
+  void wait_for_all(std::chrono::milliseconds limit);
 
   [[nodiscard]] const std::vector<pid_t>& running() const { return running_; }
 
  private:
   std::string executable_;
   std::vector<std::string> arguments_;
+  ChildEnd end_;
   /// Says why the program could not be executed, if that is known by now.
   [[nodiscard]] std::string why_not_executed(pid_t pid);
 

@@ -16,6 +16,7 @@ constexpr std::chrono::milliseconds kTickInterval{20};
 constexpr Seconds kLongestTick = 1;
 constexpr Seconds kWorkersInterval = 0.5;
 constexpr std::size_t kMostProblems = 100;  // that are kept of the farm, which may go on for months
+constexpr Seconds kTimeForAnotherToJoin = 30;  // that can do what those that are here cannot
 constexpr Seconds kTimeToDie = 2;  // from the end of a local worker's stream to the end of its process
 
 }  // namespace
@@ -37,7 +38,10 @@ Expected<void> FarmRun::start() {
        .service = options_.service});
   if (!server) return std::unexpected(server.error());
   server_ = std::move(*server);
-  workers_here_.emplace(options_.worker_executable, socket_->address(), options_.workers);
+  const bool far = !options_.launch.empty() && !options_.listen.empty();
+  workers_here_.emplace(worker_command(options_, far ? server_->more_address() : socket_->address(),
+                                       far ? server_->tokens().work : ""),
+                        options_.workers);
   // They start up while the first scene is being packed.
   workers_here_->start_missing(0);
   tell_start_problems();
@@ -91,6 +95,7 @@ Expected<void> FarmRun::run() {
   }
   const bool could_go_on = can_go_on();
   report_progress();
+  if (workers_here_->launches()) dismiss_all();
   workers_here_->stop_all();
   std::string reasons;
   for (const std::string& text : problems_) reasons += "\n  " + text;
@@ -227,7 +232,10 @@ void FarmRun::fail_hopeless_jobs() {
     workers_here_->has_worked();
     workers_here_->start_missing(plan_time_);
   }
-  if (connected >= std::ptrdiff_t(workers_here_->running())) failed.merge(hopeless_);
+  // Of those that a launcher brings nobody knows how many will come, and when.
+  const bool are_all_here = workers_here_->launches() ? now_ - last_joined_ > kTimeForAnotherToJoin
+                                                      : connected >= std::ptrdiff_t(workers_here_->running());
+  if (are_all_here) failed.merge(hopeless_);
   for (const JobId id : failed) {
     hopeless_.erase(id);
     take_out(id)->keep_last_checkpoint(since_start());
@@ -266,7 +274,14 @@ void FarmRun::tell_start_problems() {
   for (const std::string& text : workers_here_->take_notices()) notice(text);
 }
 
+void FarmRun::dismiss_all() {
+  for (const auto& [id, worker] : workers_)
+    if (!worker.dismissed && !worker.gone) server_->dismiss(id, "the render is over");
+}
+
 void FarmRun::worker_ended(const WorkerEnd& end) {
+  if (workers_here_->launches())
+    return problem(fmt::format("the launcher of workers ended: {}", end.exit.how));
   const auto found = std::ranges::find_if(
       workers_, [&](const auto& w) { return w.second.pid == end.exit.pid && !w.second.ended; });
   if (found == workers_.end()) {
@@ -276,7 +291,7 @@ void FarmRun::worker_ended(const WorkerEnd& end) {
   Worker& worker = found->second;
   worker.ended = true;
   worker.ended_since = now_;
-  if (worker.dismissed) return;  // said already
+  if (worker.dismissed || worker.has_left) return;  // said already
   for (const auto& [id, job] : jobs_)
     if (job->has_share(found->first)) job->share(found->first).ended = end.exit.how;
   // The end of its process may be known before that of its stream.

@@ -32,7 +32,7 @@ class FarmRun {
     std::string name;  // host:pid
     int pid = 0;       // of the process here; 0: this farm has not started it
     std::vector<Isa> isas;
-    bool ready = false, dismissed = false, gone = false, ended = false;
+    bool ready = false, dismissed = false, has_left = false, gone = false, ended = false;
     std::optional<UnitId> last_unit;  // in hand when it was lost
     Seconds gone_since = 0, ended_since = 0;
     std::uint64_t parts = 0;  // of units, as it reports
@@ -50,6 +50,7 @@ class FarmRun {
   void on(arrivals::Result& arrival);
   void on(const arrivals::BadResult& arrival);
   void on(const arrivals::UnitFailed& arrival);
+  void on(const arrivals::Leaving& arrival);
   void on(const arrivals::Gone& arrival);
   void on(const arrivals::ViewChanged& arrival);
   void on(const arrivals::SamplesWanted& arrival);
@@ -87,6 +88,7 @@ class FarmRun {
   void publish();
   void report_progress();
   void tell_how_to_watch();
+  void dismiss_all();
 
   [[nodiscard]] Seconds since_start() const { return seconds_since(started_); }
   [[nodiscard]] bool can_go_on() const {
@@ -129,7 +131,7 @@ class FarmRun {
   std::set<std::string> said_;
   std::vector<std::string> problems_, unsaid_problems_;  // unsaid: no job was open
   bool anyone_was_ready_ = false;
-  Seconds now_ = 0, plan_time_ = 0, last_tick_ = 0, next_workers_ = 0;
+  Seconds now_ = 0, plan_time_ = 0, last_tick_ = 0, next_workers_ = 0, last_joined_ = 0;
   // The workers talk to the server through the socket, so they go first and the socket last.
   std::optional<PrivateSocket> socket_;
   std::unique_ptr<Server> server_;

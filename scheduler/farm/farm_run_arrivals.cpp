@@ -30,7 +30,8 @@ void FarmRun::on(const arrivals::Connected& arrival) {
   worker.isas = arrival.isas;
   worker.since = since_start();
   worker.pid = workers_here_->claim(arrival.key);
-  if (worker.pid == 0)
+  last_joined_ = now_;
+  if (worker.pid == 0 && !workers_here_->has_launched(arrival.key))
     notice(fmt::format("a worker that this render did not start has joined it: {}, {}", worker.name,
                        peer_text(arrival.peer)));
   else
@@ -111,6 +112,18 @@ void FarmRun::on(const arrivals::UnitFailed& arrival) {
   if (of == nullptr || arrival.view != of->view().number) return;
   of->detail(arrival.unit) = arrival.message;
   tell_plan(UnitFailed{arrival.worker, arrival.unit});
+}
+
+/// Nothing is its fault, and what it had goes to others at once.
+void FarmRun::on(const arrivals::Leaving& arrival) {
+  Worker& worker = workers_.at(arrival.worker);
+  if (worker.dismissed) return;
+  worker.has_left = true;
+  const std::string text = fmt::format("worker {} has left: {}", worker.name, arrival.reason);
+  for (const auto& [id, of] : jobs_)
+    if (of->has_share(arrival.worker)) of->share(arrival.worker).ended = arrival.reason;
+  notice(text);
+  tell_plan(WorkerLost{arrival.worker, true});
 }
 
 void FarmRun::on(const arrivals::Gone& arrival) {

@@ -13,14 +13,29 @@ namespace {
 
 // How often a watcher that has seen everything looks whether it is still there.
 constexpr std::chrono::milliseconds kWatchInterval{500};
+grpc::Status no_asset(const wire::AssetRequest& request) {
+  return {grpc::StatusCode::NOT_FOUND,
+          fmt::format("there is no asset '{}'", wire_text(request.hash(), kLongestName))};
+}
+
+std::vector<std::span<const std::uint8_t>> pieces_of(const OfferedAsset& asset) {
+  std::vector<std::span<const std::uint8_t>> pieces;
+  std::span<const std::uint8_t> rest = asset.head;
+  for (const AssetPiece& piece : asset.manifest.pieces) {
+    if (rest.empty()) rest = asset.body;
+    pieces.push_back(rest.first(piece.size));
+    rest = rest.subspan(piece.size);
+  }
+  return pieces;
+}
 
 }  // namespace
 
 // --- State shared by all addresses
 
-void Farm::add_asset(std::string hash, OfferedAsset asset) {
+void Farm::add_asset(OfferedAsset asset) {
   const std::lock_guard lock(mutex_);
-  CountedAsset& counted = assets_[std::move(hash)];
+  CountedAsset& counted = assets_[asset.manifest.hash];
   if (counted.users++ == 0) counted.asset = std::make_shared<const OfferedAsset>(std::move(asset));
 }
 
@@ -124,19 +139,34 @@ grpc::ServerBidiReactor<wire::WorkerMessage, wire::SchedulerMessage>* FarmServic
   return new WorkStream(farm_, *context);  // which deletes itself
 }
 
+grpc::Status FarmService::Manifest(grpc::ServerContext* context, const wire::AssetRequest* request,
+                                   wire::AssetManifest* reply) {
+  called(*context);
+  const std::shared_ptr<const OfferedAsset> asset = farm_.asset(request->hash());
+  if (asset == nullptr) return no_asset(*request);
+  encode(asset->manifest, *reply);
+  return grpc::Status::OK;
+}
+
 grpc::Status FarmService::Asset(grpc::ServerContext* context, const wire::AssetRequest* request,
                                 grpc::ServerWriter<wire::AssetChunk>* writer) {
   called(*context);
   const std::shared_ptr<const OfferedAsset> asset = farm_.asset(request->hash());
-  if (asset == nullptr)
-    return {grpc::StatusCode::NOT_FOUND,
-            fmt::format("there is no asset '{}'", wire_text(request->hash(), kLongestName))};
-  wire::AssetChunk chunk;
-  for (const std::span<const std::uint8_t> part : {std::span(asset->head), asset->body})
-    for (std::size_t at = 0; at < part.size(); at += kAssetChunkBytes) {
-      chunk.set_data(part.data() + at, std::min(kAssetChunkBytes, part.size() - at));
+  if (asset == nullptr) return no_asset(*request);
+  const std::vector<std::span<const std::uint8_t>> pieces = pieces_of(*asset);
+  if (std::size_t(request->pieces_size()) > pieces.size())
+    return {grpc::StatusCode::INVALID_ARGUMENT, "more pieces than the asset has"};
+  for (const std::uint32_t index : request->pieces()) {
+    if (index >= pieces.size())
+      return {grpc::StatusCode::INVALID_ARGUMENT,
+              fmt::format("the asset has no piece {}, but {} of them", index, pieces.size())};
+    wire::AssetChunk chunk;
+    const std::span<const std::uint8_t> piece = pieces[index];
+    for (std::size_t at = 0; at < piece.size(); at += kAssetChunkBytes) {
+      chunk.set_data(piece.data() + at, std::min(kAssetChunkBytes, piece.size() - at));
       if (!writer->Write(chunk)) return grpc::Status::CANCELLED;
     }
+  }
   return grpc::Status::OK;
 }
 

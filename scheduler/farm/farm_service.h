@@ -38,7 +38,7 @@ class Farm {
   [[nodiscard]] bool is_closed();
 
   /// Equal assets are kept once, until each has been removed.
-  void add_asset(std::string hash, OfferedAsset asset);
+  void add_asset(OfferedAsset asset);
   void remove_asset(const std::string& hash);
   /// Nothing if there is none of this hash.
   std::shared_ptr<const OfferedAsset> asset(const std::string& hash);
@@ -90,6 +90,8 @@ class FarmService final : public wire::Farm::WithCallbackMethod_Work<wire::Farm:
   /// Of workers there may be thousands, so no thread waits for one.
   grpc::ServerBidiReactor<wire::WorkerMessage, wire::SchedulerMessage>* Work(
       grpc::CallbackServerContext* context) override;
+  grpc::Status Manifest(grpc::ServerContext* context, const wire::AssetRequest* request,
+                        wire::AssetManifest* reply) override;
   grpc::Status Asset(grpc::ServerContext* context, const wire::AssetRequest* request,
                      grpc::ServerWriter<wire::AssetChunk>* writer) override;
   grpc::Status Watch(grpc::ServerContext* context, const wire::WatchRequest* request,

@@ -38,7 +38,9 @@ Merge merge_of_job(const RenderJob& job) {
 }
 
 void JobRun::open(Server& server) {
-  scene_hash_ = server.add_asset({job_->scene.head(), job_->scene.body(), job_});
+  AssetManifest manifest = job_->manifest ? *job_->manifest : manifest_of(job_->scene);
+  scene_hash_ = manifest.hash;
+  server.add_asset({std::move(manifest), job_->scene.head(), job_->scene.body(), job_});
   WatchedJob watched{.id = id_,
                      .title = job_->title,
                      .integrator = job_->integrator,
@@ -117,6 +119,8 @@ void JobRun::worker_is_ready(const arrivals::Ready& arrival, Seconds now) {
   WorkerShare& share = shares_[arrival.worker];
   share.device = arrival.device;
   share.kernels = arrival.preparation.kernels;
+  share.scene.fetched += arrival.scene.fetched;
+  share.scene.found += arrival.scene.found;
   if (ready_ == 0) ready_ = since_begun(now);
 }
 

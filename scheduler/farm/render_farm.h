@@ -17,16 +17,20 @@
 namespace penumbra {
 
 struct FarmOptions {
-  int workers = 1;                  ///< local worker processes; 0 where others join at `listen`
-  std::string worker_executable;    ///< path of penumbra-worker
-  std::string listen = {};          ///< another address to be reached at, see ListenOptions::more
+  int workers = 1;                ///< local worker processes; 0 where others join at `listen`
+  std::string worker_executable;  ///< path of penumbra-worker
+  /// A command of a shell, such as "srun -n 32", which starts all workers, put before their command line;
+  /// `workers` is then 1. They connect to `listen` if that is given.
+  std::string launch = {};
+  std::string launch_threads = "auto";    ///< of each of those: a number, or auto: as many as it has cores
+  std::string listen = {};                ///< another address to be reached at, see ListenOptions::more
   std::shared_ptr<const Keys> keys = {};  ///< of `listen`, see listening_keys
   bool comes_back = false;                ///< see ListenOptions::comes_back
-  LeaseRule leases = {};            ///< when a worker counts as hung
-  int largest_tile = 64;            ///< of any job: results are not taken if they are larger
-  bool tells_how_to_watch = false;  ///< in the first notices of JobSource
-  int open_jobs = 2;                ///< so many are taken from the source at a time
-  ServiceMaker service = {};        ///< further calls at `listen`
+  LeaseRule leases = {};                  ///< when a worker counts as hung
+  int largest_tile = 64;                  ///< of any job: results are not taken if they are larger
+  bool tells_how_to_watch = false;        ///< in the first notices of JobSource
+  int open_jobs = 2;                      ///< so many are taken from the source at a time
+  ServiceMaker service = {};              ///< further calls at `listen`
 };
 
 /// A worker that is connected, and what it has done so far.

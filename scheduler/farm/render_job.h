@@ -11,6 +11,7 @@
 #include "scheduler/plan/film_accumulator.h"
 #include "scheduler/plan/plan_messages.h"
 #include "scheduler/plan/work_unit.h"
+#include "scheduler/protocol/asset_manifest.h"
 #include "worker/device.h"
 
 namespace penumbra {
@@ -21,7 +22,8 @@ struct MergedBefore;
 struct RenderJob {
   std::optional<JobId> number = {};  ///< on the wire, not used before; nothing: the farm's choice
   DeviceScene scene;
-  int x = 0, y = 0, width = 0, height = 0;  ///< film rectangle to render
+  std::shared_ptr<const AssetManifest> manifest = {};  ///< of the scene; null: the farm makes it
+  int x = 0, y = 0, width = 0, height = 0;             ///< film rectangle to render
   std::uint32_t spp = 16;
   std::uint32_t samples_per_pass = 16;  ///< the image depends on it, see FilmAccumulator
   int tile = 64;                        ///< the image does not depend on it
@@ -59,6 +61,7 @@ struct WorkerShare {
   std::uint64_t samples = 0;
   double busy_seconds = 0;  ///< inside Device::render
   std::uint64_t peak_memory_bytes = 0;
+  SceneBytes scene;                     ///< how it came by the job's scene
   std::optional<KernelOrigin> kernels;  ///< nothing where they were compiled with the worker
   std::string ended;                    ///< empty, or why it was lost
 };

@@ -14,7 +14,18 @@ namespace {
 
 constexpr std::uint64_t kMostTiles = std::uint64_t(1) << 22;
 
+std::uint64_t bytes_per_pixel(const RenderJob& job) {
+  const std::uint32_t features = job.scene.header.features;
+  const int films_beside = (job.checkpoints ? 1 : 0) + (job.target_error ? AdaptiveTile::kMostFilms : 0);
+  return pixel_memory(image_plane_count(features), (features & FEATURE_RATIO) != 0u)
+      .peak(!job.interactive, films_beside);
+}
+
 }  // namespace
+
+std::uint64_t memory_of_image(const RenderJob& job) {
+  return std::uint64_t(job.width) * std::uint64_t(job.height) * bytes_per_pixel(job);
+}
 
 Expected<void> check_render_job(const RenderJob& job) {
   const auto within = [](int from, int size, int limit) {
@@ -35,20 +46,15 @@ Expected<void> check_render_job(const RenderJob& job) {
         fmt::format("tiles of {} pixels cut {} x {} pixels into more than {} pieces; take larger tiles",
                     job.tile, job.width, job.height, kMostTiles));
   }
-  const std::uint32_t features = job.scene.header.features;
-  const int films_beside = (job.checkpoints ? 1 : 0) + (job.target_error ? AdaptiveTile::kMostFilms : 0);
-  const std::uint64_t bytes_per_pixel =
-      pixel_memory(image_plane_count(features), (features & FEATURE_RATIO) != 0u)
-          .peak(!job.interactive, films_beside);
   // No overflow: each side is an int.
-  const double bytes = double(job.width) * double(job.height) * double(bytes_per_pixel);
+  const double bytes = double(job.width) * double(job.height) * double(bytes_per_pixel(job));
   const std::uint64_t memory = std::uint64_t(sysconf(_SC_PHYS_PAGES)) * std::uint64_t(sysconf(_SC_PAGESIZE));
   if (bytes > double(memory)) {
     return fail(
         fmt::format("{} x {} pixels need {:.1f} GB, {} bytes each for their statistics, layers and files; "
                     "this machine has {:.1f} GB. Render the image in several crops, or without layers "
                     "(--no-features)",
-                    job.width, job.height, bytes * 1e-9, bytes_per_pixel, double(memory) * 1e-9));
+                    job.width, job.height, bytes * 1e-9, bytes_per_pixel(job), double(memory) * 1e-9));
   }
   if (!(job.verify >= 0 && job.verify <= 1))
     return fail(fmt::format("a share of {} of the units to be verified; 0 to 1 make sense", job.verify));

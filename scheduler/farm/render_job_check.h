@@ -10,4 +10,7 @@ namespace penumbra {
 /// possible.
 Expected<void> check_render_job(const RenderJob& job);
 
+/// Bytes that the scheduler needs for the image and its files, at the worst time.
+std::uint64_t memory_of_image(const RenderJob& job);
+
 }  // namespace penumbra

@@ -147,14 +147,7 @@ Server::~Server() {
   }
 }
 
-std::string Server::add_asset(OfferedAsset asset) {
-  ContentHash bytes;
-  bytes.add(asset.head);
-  bytes.add(asset.body);
-  std::string hash = bytes.text();
-  state_->farm.add_asset(hash, std::move(asset));
-  return hash;
-}
+void Server::add_asset(OfferedAsset asset) { state_->farm.add_asset(std::move(asset)); }
 
 void Server::remove_asset(const std::string& hash) { state_->farm.remove_asset(hash); }
 

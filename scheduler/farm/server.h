@@ -51,8 +51,8 @@ class Server {
   /// The tokens for calls over TCP; empty if there are none. Those of keys are not to be printed.
   [[nodiscard]] const Tokens& tokens() const;
 
-  /// Offers data to workers; the result is its content hash.
-  std::string add_asset(OfferedAsset asset);
+  /// Offers data to workers, under its manifest's hash.
+  void add_asset(OfferedAsset asset);
   /// What nobody needs any more.
   void remove_asset(const std::string& hash);
   /// A job that can be watched from now on; `interactive` ones take Control.

@@ -222,9 +222,14 @@ Expected<std::variant<WorkerConnection::Nothing, Arrival>> WorkerConnection::und
       if (!*wanted) return Nothing{};
       Expected<DevicePreparation> preparation = decode(message.ready());
       if (!preparation) return std::unexpected(preparation.error());
-      return arrivals::Ready{worker_, job, wire_text(message.ready().device(), kLongestName),
-                             std::move(*preparation)};
+      return arrivals::Ready{worker_,
+                             job,
+                             wire_text(message.ready().device(), kLongestName),
+                             std::move(*preparation),
+                             {message.ready().scene().fetched(), message.ready().scene().found()}};
     }
+    case wire::WorkerMessage::kLeaving:
+      return arrivals::Leaving{worker_, wire_text(message.leaving().reason(), kLongestText)};
     case wire::WorkerMessage::kBeat:
       return arrivals::Beat{worker_, message.beat().parts()};
     case wire::WorkerMessage::kJobFailed: {

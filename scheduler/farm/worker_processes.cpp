@@ -14,6 +14,10 @@ constexpr int kStartsInARow = 3;  // workers that end before they are ready; the
 // Deaths with no unit finished in between. A unit that kills its workers needs up to four of them to be found
 // out.
 constexpr int fruitless_deaths_allowed(int workers) { return 4 * workers + 4; }
+// A launcher ends with its workers, which were dismissed; one that is asked to end passes that on to them,
+// and dies of nothing harder than that with this process, so that no job stays behind in a queue.
+constexpr std::chrono::milliseconds kTimeToEndDismissed{2000};
+constexpr ChildEnd kLauncherEnd{.patience = std::chrono::milliseconds(10'000), .signal_of_orphans = SIGTERM};
 constexpr Seconds kTimeToBeReady = 300;  // from the start; it may have to compile kernels
 // Until it connects, and then without a beat, of which there should be one a second: for a machine that is
 // busy with other things. What takes longer than the other one is told.
@@ -21,15 +25,21 @@ constexpr Seconds kTimeToBeHeardOf = 30, kPatience = 5;
 
 }  // namespace
 
-WorkerProcesses::WorkerProcesses(const std::string& executable, const std::string& address, int wanted)
-    : children_(executable, {"--connect", address}), wanted_(wanted) {}
+WorkerProcesses::WorkerProcesses(WorkerCommand command, int wanted)
+    : command_(std::move(command)),
+      children_(command_.program, command_.arguments, command_.is_launcher ? kLauncherEnd : ChildEnd{}),
+      wanted_(command_.is_launcher ? 1 : wanted) {}
 
 void WorkerProcesses::start_missing(Seconds now) {
   while (int(children_.running().size()) < wanted_ && failed_starts_ < kStartsInARow &&
          fruitless_deaths_ < fruitless_deaths_allowed(wanted_)) {
     std::string key = make_token();
-    const Expected<pid_t> pid = children_.start({fmt::format("{}={}", kWorkerKeyVariable, key)});
-    if (pid) {
+    std::vector<std::string> environment = command_.environment;
+    environment.push_back(fmt::format("{}={}", kWorkerKeyVariable, key));
+    const Expected<pid_t> pid = children_.start(std::move(environment));
+    if (pid && launches()) {
+      launch_key_ = std::move(key);  // a queue may keep its workers waiting for as long as it likes
+    } else if (pid) {
       keys_[std::move(key)] = *pid;
       starting_[*pid] = {.since = now, .heard_at = now};
     } else {
@@ -71,11 +81,16 @@ std::vector<WorkerEnd> WorkerProcesses::look_after(Seconds now) {
   std::vector<WorkerEnd> ends;
   for (ChildExit& exit : children_.reap()) {
     std::erase_if(keys_, [&](const auto& key) { return key.second == exit.pid; });
-    const bool was_starting = starting_.erase(exit.pid) > 0;
+    const bool was_starting = starting_.erase(exit.pid) > 0 || launches();
     ++(was_starting ? failed_starts_ : fruitless_deaths_);
     ends.push_back({std::move(exit), was_starting});
   }
   return ends;
+}
+
+void WorkerProcesses::stop_all() {
+  if (launches()) children_.wait_for_all(kTimeToEndDismissed);
+  children_.stop_all();
 }
 
 std::vector<std::string> WorkerProcesses::take_notices() { return std::exchange(notices_, {}); }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "scheduler/farm/child_processes.h"
+#include "scheduler/farm/worker_command.h"
 #include "scheduler/plan/plan.h"
 
 namespace penumbra {
@@ -17,11 +18,13 @@ struct WorkerEnd {
   bool was_starting = false;  ///< it was never ready
 };
 
-/// All times are seconds of one monotonic clock. The rules of ChildProcesses about threads hold.
+/// All times are seconds of one monotonic clock. A launcher's workers, and when they come, are its own
+/// affair: its process is looked after, they are known by its key. The rules of ChildProcesses about threads
+/// hold.
 class WorkerProcesses {
  public:
-  /// `address`: of the scheduler that they connect to.
-  WorkerProcesses(const std::string& executable, const std::string& address, int wanted);
+  /// Of a launcher there is one: when it ends, it is started again, as long as its workers do anything.
+  WorkerProcesses(WorkerCommand command, int wanted);
 
   /// Starts what is missing, unless workers keep ending before they have done anything.
   void start_missing(Seconds now);
@@ -32,12 +35,17 @@ class WorkerProcesses {
   /// The process that was started with this key, which no other process knows; 0 if there is none, or if the
   /// key has been used before. A worker is identified by nothing else.
   int claim(const std::string& key);
+  /// Whether a worker with this key was started by the launcher, all of whose workers have the same one.
+  [[nodiscard]] bool has_launched(const std::string& key) const {
+    return command_.is_launcher && !key.empty() && key == launch_key_;
+  }
+  [[nodiscard]] bool launches() const { return command_.is_launcher; }
   /// The worker has said that it is ready.
   void is_ready(int pid) { starting_.erase(pid); }
   /// A unit has been finished: workers that end from here on have a fresh account.
   void has_worked() { failed_starts_ = fruitless_deaths_ = 0; }
   void kill(int pid) { children_.kill(pid); }
-  void stop_all() { children_.stop_all(); }
+  void stop_all();
   [[nodiscard]] std::size_t running() const { return children_.running().size(); }
   [[nodiscard]] bool any_left() const { return running() > 0; }
   /// What could not be done, for people; each once.
@@ -49,8 +57,10 @@ class WorkerProcesses {
   struct Start;
   void end_start(int pid, Start& start, Seconds now, const std::string& why);
 
+  WorkerCommand command_;
   ChildProcesses children_;
   int wanted_;
+  std::string launch_key_;
   struct Start {
     Seconds since = 0, heard_at = 0;
     bool is_connected = false, is_told = false;

@@ -263,10 +263,10 @@ void Plan::on(const WorkerLost& event) {
   const auto worker = workers_.find(event.worker);
   if (worker == workers_.end()) return;  // dismissed before
   // A hung worker's unit in hand has been blamed already.
-  if (!worker->second.hung && !worker->second.units.empty()) {
+  if (!event.has_left && !worker->second.hung && !worker->second.units.empty()) {
     blame(worker->second.units.front(), event.worker, Fault::kDied);
   }
-  if (worker->second.units.empty() && worker->second.preparing) {
+  if (!event.has_left && worker->second.units.empty() && worker->second.preparing) {
     const auto job = jobs_.find(*worker->second.preparing);
     if (job != jobs_.end() && ++job->second.deaths == kDeathsToGiveUpJob)
       orders_.push_back(NobodyCan{job->first, job->second.deaths});

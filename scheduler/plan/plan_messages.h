@@ -110,6 +110,7 @@ struct WorkerUnfit {  ///< it cannot do the job at all
 };
 struct WorkerLost {
   WorkerId worker;
+  bool has_left = false;  ///< by its own will: the unit in its hand is not to blame
 };
 struct Alive {  ///< the worker has sent a sign of life
   WorkerId worker;

@@ -1,4 +1,4 @@
-// What every client of a scheduler does: connect, and fetch a scene.
+// What every client of a scheduler does: connect, and show its token.
 #pragma once
 
 #include <grpcpp/channel.h>
@@ -8,9 +8,6 @@
 #include <memory>
 #include <string>
 
-#include "kernels/host/device_scene.h"
-#include "kernels/host/error.h"
-#include "penumbra.grpc.pb.h"
 #include "scheduler/keys/key_folder.h"
 
 namespace penumbra {
@@ -27,10 +24,5 @@ std::shared_ptr<grpc::Channel> open_channel(const std::string& address, const Ke
 
 /// Shows the token, if there is one, with the call.
 void show_token(grpc::ClientContext& context, const std::string& token);
-
-/// The device scene of that content hash; `context` is of this one call. Errors: the scheduler does not have
-/// it, or the received data is damaged.
-Expected<DeviceScene> fetch_scene(penumbra::v1::Farm::Stub& stub, grpc::ClientContext& context,
-                                  const std::string& hash);
 
 }  // namespace penumbra

@@ -7,7 +7,6 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <new>
 
 #include "scheduler/protocol/text.h"
 
@@ -42,17 +41,10 @@ std::string content_hash(std::span<const std::uint8_t> bytes) {
   return hash_text(XXH3_128bits(bytes.data(), bytes.size()));
 }
 
-ContentHash::ContentHash() : state_(XXH3_createState()) {
-  if (state_ == nullptr) throw std::bad_alloc();
-  XXH3_128bits_reset(static_cast<XXH3_state_t*>(state_.get()));
+bool is_content_hash(std::string_view text) {
+  const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
+  return text.size() == 2 * sizeof(XXH128_hash_t) && std::ranges::all_of(text, is_digit);
 }
-void ContentHash::add(std::span<const std::uint8_t> bytes) {
-  XXH3_128bits_update(static_cast<XXH3_state_t*>(state_.get()), bytes.data(), bytes.size());
-}
-std::string ContentHash::text() const {
-  return hash_text(XXH3_128bits_digest(static_cast<const XXH3_state_t*>(state_.get())));
-}
-void ContentHash::Free::operator()(void* state) const { XXH3_freeState(static_cast<XXH3_state_t*>(state)); }
 
 std::string version_mismatch(std::uint32_t theirs, std::string_view peer) {
   if (theirs == kProtocolVersion) return {};
@@ -279,6 +271,30 @@ Expected<SampleBuffer> decode(const wire::UnitResult& result, const RenderUnit& 
   if (const Expected<void> checked = check_statistics(buffer); !checked)
     return fail("the result has " + checked.error().message);
   return buffer;
+}
+
+void encode(const AssetManifest& manifest, wire::AssetManifest& message) {
+  for (const AssetPiece& piece : manifest.pieces) {
+    wire::AssetPiece& part = *message.add_pieces();
+    part.set_hash(piece.hash);
+    part.set_size(piece.size);
+  }
+}
+
+Expected<AssetManifest> decode(const wire::AssetManifest& message, const std::string& hash) {
+  AssetManifest manifest{.hash = hash, .pieces = {}};
+  for (const wire::AssetPiece& piece : message.pieces()) {
+    if (piece.size() < 1 || piece.size() > kLargestPiece)
+      return fail(fmt::format("the list of an asset's pieces has one of {} bytes; 1 to {} make sense",
+                              piece.size(), kLargestPiece));
+    if (!is_content_hash(piece.hash()))
+      return fail("the list of an asset's pieces has one whose name is no hash");
+    manifest.pieces.push_back({piece.hash(), std::size_t(piece.size())});
+  }
+  if (const std::string received = hash_of_pieces(manifest.pieces); received != hash)
+    return fail(fmt::format("the list of an asset's pieces is damaged: its hash is {} instead of {}",
+                            received, hash));
+  return manifest;
 }
 
 void encode(const View& view, wire::View& message) {

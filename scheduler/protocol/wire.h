@@ -3,43 +3,33 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "kernels/host/error.h"
 #include "kernels/host/sample_buffer.h"
 #include "kernels/host/view.h"
 #include "penumbra.grpc.pb.h"
 #include "scheduler/plan/work_unit.h"
+#include "scheduler/protocol/asset_manifest.h"
 #include "worker/device.h"
 
 namespace penumbra {
 
 namespace wire = penumbra::v1;
 
-constexpr std::uint32_t kProtocolVersion = 6;
+constexpr std::uint32_t kProtocolVersion = 7;
 constexpr std::size_t kAssetChunkBytes = std::size_t(1) << 20;
 
 /// Largest message that a peer accepts: a tile of 2048 x 2048 pixels with all planes, and some.
 constexpr int kMaxMessageBytes = kMaxTile * kMaxTile * plane_count(FEATURE_ALL) * 4 + (1 << 20);
 
-/// XXH3-128 of the bytes as 32 hexadecimal digits: the name of an asset.
+/// XXH3-128 of the bytes as 32 hexadecimal digits: the name of a piece of an asset.
 std::string content_hash(std::span<const std::uint8_t> bytes);
 
-/// The same of bytes that come in pieces.
-class ContentHash {
- public:
-  ContentHash();
-  void add(std::span<const std::uint8_t> bytes);
-  [[nodiscard]] std::string text() const;
-
- private:
-  struct Free {
-    void operator()(void* state) const;
-  };
-  std::unique_ptr<void, Free> state_;
-};
+/// Whether it looks like one: nothing else may become a part of a file's name.
+bool is_content_hash(std::string_view text);
 
 /// Says how the peers' protocol versions differ; empty if they agree. `peer` is "worker" or "scheduler".
 std::string version_mismatch(std::uint32_t theirs, std::string_view peer);
@@ -71,6 +61,10 @@ void encode(const SampleBuffer& buffer, wire::UnitResult& message);
 /// `planes` planes, its values are no statistics (see check_statistics), or it took a time that is not
 /// finite.
 Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit& unit, int planes);
+
+void encode(const AssetManifest& manifest, wire::AssetManifest& message);
+/// Fails unless it is the one of that hash, with pieces of 1 to kLargestPiece bytes whose names are hashes.
+Expected<AssetManifest> decode(const wire::AssetManifest& message, const std::string& hash);
 
 void encode(const View& view, wire::View& message);
 /// Fails unless all its numbers are there and finite.

@@ -99,6 +99,7 @@ Json worker_json(const WorkerShare& worker, std::uint64_t all_samples) {
           {"share", all_samples > 0 ? Json(double(worker.samples) / double(all_samples)) : Json(nullptr)},
           {"busy_seconds", worker.busy_seconds},
           {"peak_memory_bytes", worker.peak_memory_bytes},
+          {"scene_bytes", {{"fetched", worker.scene.fetched}, {"found", worker.scene.found}}},
           {"kernels", kernels_json(worker.kernels)},
           {"ended", worker.ended.empty() ? Json(nullptr) : Json(worker.ended)}};
 }

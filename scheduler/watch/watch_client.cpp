@@ -43,7 +43,7 @@ WatchClient::~WatchClient() {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
     if (reading_ != nullptr) reading_->TryCancel();
-    if (fetching_ != nullptr) fetching_->TryCancel();
+    if (fetching_ != nullptr) fetching_->cancel();
     if (sending_ != nullptr) sending_->TryCancel();
   }
   changed_.notify_all();
@@ -164,17 +164,17 @@ bool WatchClient::receive(wire::Farm::Stub& stub, const wire::WatchEvent& event,
 }
 
 Expected<DeviceScene> WatchClient::fetch(wire::Farm::Stub& stub, const std::string& hash) {
-  grpc::ClientContext context;
-  show_token(context, token_);
+  SceneFetch fetching(stub, token_);
   {
     const std::lock_guard lock(mutex_);
     if (stopping_) return fail("");
-    fetching_ = &context;
+    fetching_ = &fetching;
   }
-  Expected<DeviceScene> scene = fetch_scene(stub, context, hash);
+  Expected<FetchedScene> fetched = fetching.fetch(hash);
   const std::lock_guard lock(mutex_);
   fetching_ = nullptr;
-  return scene;
+  if (!fetched) return std::unexpected(fetched.error());
+  return std::move(fetched->scene);
 }
 
 void WatchClient::put(WatchNews news, std::optional<std::uint32_t> view) {

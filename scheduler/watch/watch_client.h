@@ -15,6 +15,7 @@
 
 #include "kernels/host/device_scene.h"
 #include "scheduler/protocol/client.h"
+#include "scheduler/protocol/scene_fetch.h"
 #include "scheduler/watch/watch_board.h"
 
 namespace penumbra {
@@ -88,7 +89,7 @@ class WatchClient {
   std::condition_variable changed_;
   bool stopping_ = false, over_ = false;
   grpc::ClientContext* reading_ = nullptr;
-  grpc::ClientContext* fetching_ = nullptr;
+  SceneFetch* fetching_ = nullptr;
   grpc::ClientContext* sending_ = nullptr;
   std::deque<Item> items_;
   std::optional<View> next_view_;  // to be sent

@@ -21,6 +21,8 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 using Stream = grpc::ServerReaderWriter<wire::SchedulerMessage, wire::WorkerMessage>;
 
+AssetManifest in_one_piece(const std::vector<std::uint8_t>& bytes) { return make_manifest(bytes, {}, {}); }
+
 /// Serves one scene; what happens on the Work stream is the test's script.
 class ScriptedScheduler final : public wire::Farm::Service {
  public:
@@ -38,9 +40,15 @@ class ScriptedScheduler final : public wire::Farm::Service {
     script_(*stream);
     return status;
   }
+  grpc::Status Manifest(grpc::ServerContext*, const wire::AssetRequest* request,
+                        wire::AssetManifest* reply) override {
+    if (request->hash() == "nowhere") return {grpc::StatusCode::NOT_FOUND, "no such asset"};
+    encode(manifest, *reply);
+    return grpc::Status::OK;
+  }
   grpc::Status Asset(grpc::ServerContext*, const wire::AssetRequest* request,
                      grpc::ServerWriter<wire::AssetChunk>* writer) override {
-    if (request->hash() == "nowhere") return {grpc::StatusCode::NOT_FOUND, "no such asset"};
+    EXPECT_EQ(request->pieces_size(), 1);
     wire::AssetChunk chunk;
     for (std::size_t at = 0; at < asset.size(); at += 100) {
       chunk.set_data(asset.data() + at, std::min<std::size_t>(100, asset.size() - at));
@@ -51,6 +59,7 @@ class ScriptedScheduler final : public wire::Farm::Service {
 
   grpc::Status status;  // at the end of the script
   std::vector<std::uint8_t> asset = fake_scene(100, 80, false).serialize();
+  AssetManifest manifest = in_one_piece(asset);
 
  private:
   Script script_;
@@ -111,6 +120,7 @@ class WorkerClientTest : public testing::Test {
   Expected<void> run(ScriptedScheduler::Script script) {
     ScriptedScheduler scheduler(socket_.address(), std::move(script));
     if (!asset_.empty()) scheduler.asset = asset_;
+    if (!is_damaged_) scheduler.manifest = in_one_piece(scheduler.asset);
     return run_worker(options_);
   }
 
@@ -127,8 +137,9 @@ class WorkerClientTest : public testing::Test {
   std::string error_of(const Expected<void>& worked) { return worked ? "none" : worked.error().message; }
 
   PrivateSocket socket_ = PrivateSocket::create().value();
-  const std::string scene_hash_ = content_hash(fake_scene(100, 80, false).serialize());
+  const std::string scene_hash_ = in_one_piece(fake_scene(100, 80, false).serialize()).hash;
   std::vector<std::uint8_t> asset_;
+  bool is_damaged_ = false;  // it is not what the manifest says
   WorkerClientOptions options_;
   DeviceOptions device_options_;
   FakeBehaviour behaviour_;
@@ -329,6 +340,7 @@ TEST(BackOff, GrowsToItsMostAndIsNeverTheSame) {
 TEST_F(WorkerClientTest, ADamagedSceneIsReported) {
   asset_ = fake_scene(100, 80, false).serialize();
   asset_.back() ^= 1;
+  is_damaged_ = true;
   std::string said;
   const Expected<void> worked = run([&](Stream& stream) {
     read(stream);
@@ -344,7 +356,7 @@ TEST_F(WorkerClientTest, ASceneThatIsNoneIsReported) {
   std::string said;
   run([&](Stream& stream) {
     read(stream);
-    stream.Write(job_message(content_hash(asset_)));
+    stream.Write(job_message(in_one_piece(asset_).hash));
     said = read(stream).job_failed().message();
   });
   EXPECT_THAT(said, HasSubstr("the scene that came cannot be used"));
@@ -531,6 +543,34 @@ TEST_F(WorkerClientTest, ANonsensicalUnitIsAFailedUnit) {
   EXPECT_THAT(said, testing::ElementsAre(HasSubstr("0 x 2 pixels"), HasSubstr("-1 x 2 pixels"),
                                          HasSubstr("2049 x 2 pixels"), HasSubstr("0 samples"),
                                          HasSubstr("of a kind that this program does not know")));
+}
+
+TEST_F(WorkerClientTest, ToldToLeaveItSaysSoInTheMiddleOfAUnit) {
+  behaviour_.delay_ms = 4000;
+  std::stop_source told;
+  options_.leave = told.get_token();
+  options_.leave_reason = "the queue wants its place back";
+  std::chrono::steady_clock::duration taken{};
+  wire::WorkerMessage said;
+  bool has_ended = false;
+  const Expected<void> worked = run_ready([&](Stream& stream) {
+    stream.Write(unit_message(1));
+    std::this_thread::sleep_for(50ms);
+    std::thread teller([&] {
+      const auto begin = std::chrono::steady_clock::now();
+      told.request_stop();
+      taken = std::chrono::steady_clock::now() - begin;
+    });
+    said = read(stream);
+    wire::WorkerMessage more;
+    while (stream.Read(&more)) EXPECT_TRUE(more.has_beat());
+    has_ended = true;
+    teller.join();
+  });
+  EXPECT_TRUE(worked) << error_of(worked);
+  EXPECT_EQ(said.leaving().reason(), "the queue wants its place back");
+  EXPECT_TRUE(has_ended);
+  EXPECT_LT(taken, 3s) << "it waited for the unit";
 }
 
 TEST_F(WorkerClientTest, ABrokenConnectionIsNoticedInTheMiddleOfAUnit) {

@@ -7,8 +7,8 @@
 #include "scheduler/cli/option_checks.h"
 #include "scheduler/cli/service/service_run.h"
 #include "scheduler/cli/stop_signal.h"
-#include "scheduler/farm/access.h"
 #include "scheduler/farm/checkpoint_sink.h"
+#include "scheduler/keys/client_access.h"
 #include "scheduler/plan/work_unit.h"
 #include "worker/device.h"
 
@@ -36,9 +36,11 @@ void add_serve_command(CLI::App& app, Command& chosen) {
       ->add_option(
           "--listen", options->listen,
           "Address for clients, windows and further workers: unix:/path, or 127.0.0.1:PORT (0: any free "
-          "one), where tokens are asked for, which are printed")
+          "one), where tokens are asked for, which are printed; with --keys also of other hosts, 0.0.0.0:PORT "
+          "for all")
       ->type_name("ADDRESS")
       ->required();
+  add_keys_option(*command, options->keys, "TLS and tokens for --listen HOST:PORT");
   command
       ->add_option("--spool", *spool,
                    "Folder of jobs, their scenes and results; one service at a time has it")

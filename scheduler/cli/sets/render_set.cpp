@@ -269,6 +269,7 @@ ExitCode SceneSet::run() {
                    .keys = *keys,
                    .largest_tile = largest_tile(plan_),
                    .tells_how_to_watch = true};
+  set_launch(options_, farm);
   std::thread reader([this] { read_scenes(); });
   std::thread writer([this] { write_images(); });
   const Expected<void> ran = run_farm(farm, *this, stop_);

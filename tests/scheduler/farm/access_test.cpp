@@ -57,6 +57,12 @@ class AccessTest : public testing::Test {
     {
       grpc::ClientContext context;
       show_token(context, token);
+      wire::AssetManifest manifest;
+      all.emplace_back("Manifest", stub->Manifest(&context, {}, &manifest).error_code());
+    }
+    {
+      grpc::ClientContext context;
+      show_token(context, token);
       const auto reader = stub->Asset(&context, {});
       wire::AssetChunk chunk;
       while (reader->Read(&chunk)) {
@@ -111,12 +117,13 @@ TEST_F(AccessTest, WhoMayWatchIsNoWorkerAndTheOtherWayRound) {
   const auto [watch, work, submit] = server_->tokens();
   EXPECT_NE(watch, work);
   EXPECT_THAT(codes(server_->more_address(), watch),
-              ElementsAre(Pair("Work", StatusCode::PERMISSION_DENIED), Pair("Asset", StatusCode::NOT_FOUND),
+              ElementsAre(Pair("Work", StatusCode::PERMISSION_DENIED),
+                          Pair("Manifest", StatusCode::NOT_FOUND), Pair("Asset", StatusCode::NOT_FOUND),
                           Pair("Watch", StatusCode::OK), Pair("Control", StatusCode::OK)));
   ASSERT_TRUE(next_is<arrivals::SamplesWanted>()) << "not of a worker";
   EXPECT_THAT(codes(server_->more_address(), work),
-              ElementsAre(Pair("Work", StatusCode::OK), Pair("Asset", StatusCode::NOT_FOUND),
-                          Pair("Watch", StatusCode::PERMISSION_DENIED),
+              ElementsAre(Pair("Work", StatusCode::OK), Pair("Manifest", StatusCode::NOT_FOUND),
+                          Pair("Asset", StatusCode::NOT_FOUND), Pair("Watch", StatusCode::PERMISSION_DENIED),
                           Pair("Control", StatusCode::PERMISSION_DENIED)));
   EXPECT_TRUE(next_is<arrivals::Connected>());
   EXPECT_THAT(codes(server_->more_address(), submit),
@@ -147,7 +154,7 @@ TEST_F(AccessTest, WhateverElseThereIsNeedsTheTokenForSubmitting) {
 
 TEST_F(AccessTest, TheTokenIsLookedAtBeforeAnyMessageHasCome) {
   grpc::GenericStub stub(open_channel(server_->more_address()));
-  for (const char* call : {"Work", "Asset", "Watch", "Control"}) {
+  for (const char* call : {"Work", "Manifest", "Asset", "Watch", "Control"}) {
     grpc::CompletionQueue queue;
     grpc::ClientContext context;
     grpc::Status status;
@@ -191,7 +198,9 @@ TEST_F(AccessTest, LargeMessagesAreRefused) {
 TEST_F(AccessTest, OverTheUnixSocketNoneIsNeeded) {
   for (const std::string token : {"", "whatever"})
     for (const auto& [call, code] : codes(socket_.address(), token))
-      EXPECT_EQ(code, call == "Asset" ? grpc::StatusCode::NOT_FOUND : grpc::StatusCode::OK) << call;
+      EXPECT_EQ(code,
+                call == "Asset" || call == "Manifest" ? grpc::StatusCode::NOT_FOUND : grpc::StatusCode::OK)
+          << call;
 }
 
 TEST_F(AccessTest, TheClientShowsItsTokenAndIsRefusedWithoutInWords) {

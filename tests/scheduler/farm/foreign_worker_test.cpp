@@ -144,7 +144,7 @@ TEST_F(ForeignWorkerTest, AProcessIsKnownByItsKeyWhichIsGoodOnce) {
   std::ofstream(script) << "#!/bin/sh\nprintf %s \"$PENUMBRA_WORKER_KEY\" > " << key_file << ".new\nmv "
                         << key_file << ".new " << key_file << "\nexec sleep 1000\n";
   ASSERT_EQ(chmod(script.c_str(), 0700), 0);
-  WorkerProcesses processes(script, "nowhere", 1);
+  WorkerProcesses processes({.program = script, .arguments = {}, .environment = {}}, 1);
   processes.start_missing(0);
   ASSERT_TRUE(eventually([&] { return std::filesystem::exists(key_file); }, kLong));
   std::ifstream file(key_file);

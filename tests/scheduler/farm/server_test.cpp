@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <grpcpp/create_channel.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -442,24 +443,64 @@ TEST_F(ServerTest, ABrokenStreamIsAWorkerGone) {
 TEST_F(ServerTest, AssetsComeInSmallPiecesByTheirHash) {
   std::vector<std::uint8_t> bytes(kAssetChunkBytes * 2 + 5);
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = std::uint8_t(i * 7 + i / 1000);
-  constexpr std::size_t kHead = 100;
-  const std::string hash = server_->add_asset(
-      {{bytes.begin(), bytes.begin() + kHead}, std::span<const std::uint8_t>(bytes).subspan(kHead), nullptr});
-  EXPECT_EQ(hash, content_hash(bytes));
-  EXPECT_EQ(hash.size(), 32u);
+  constexpr std::size_t kHead = 100, kCut = 1000;
+  const std::span<const std::uint8_t> head = std::span(bytes).first(kHead),
+                                      body = std::span(bytes).subspan(kHead);
+  const AssetManifest manifest = make_manifest(head, body, std::array{kCut});
+  server_->add_asset({manifest, {head.begin(), head.end()}, body, nullptr});
+  ASSERT_EQ(manifest.pieces.size(), 3u);
+  const std::vector<std::span<const std::uint8_t>> pieces = {head, body.first(kCut), body.subspan(kCut)};
+  for (std::size_t i = 0; i < pieces.size(); ++i)
+    EXPECT_EQ(manifest.pieces[i], (AssetPiece{content_hash(pieces[i]), pieces[i].size()}));
 
-  grpc::ClientContext context;
   wire::AssetRequest request;
-  request.set_hash(hash);
-  const auto reader = stub_->Asset(&context, request);
-  std::vector<std::uint8_t> received;
-  wire::AssetChunk chunk;
-  while (reader->Read(&chunk)) {
-    EXPECT_LE(chunk.data().size(), kAssetChunkBytes);
-    received.insert(received.end(), chunk.data().begin(), chunk.data().end());
+  request.set_hash(manifest.hash);
+  {
+    grpc::ClientContext context;
+    wire::AssetManifest reply;
+    ASSERT_TRUE(stub_->Manifest(&context, request, &reply).ok());
+    EXPECT_EQ(decode(reply, manifest.hash)->pieces, manifest.pieces);
+    EXPECT_FALSE(decode(reply, content_hash(bytes))) << "it is another one's";
+    reply.mutable_pieces(1)->set_size(kCut + 1);
+    EXPECT_FALSE(decode(reply, manifest.hash));
   }
-  EXPECT_TRUE(reader->Finish().ok());
-  EXPECT_EQ(received, bytes);
+  const auto fetch = [&](const std::vector<std::uint32_t>& wanted)
+      -> std::pair<std::vector<std::uint8_t>, grpc::StatusCode> {
+    grpc::ClientContext context;
+    request.clear_pieces();
+    for (const std::uint32_t piece : wanted) request.add_pieces(piece);
+    const auto reader = stub_->Asset(&context, request);
+    std::vector<std::uint8_t> received;
+    wire::AssetChunk chunk;
+    while (reader->Read(&chunk)) {
+      EXPECT_LE(chunk.data().size(), kAssetChunkBytes);
+      received.insert(received.end(), chunk.data().begin(), chunk.data().end());
+    }
+    return {received, reader->Finish().error_code()};
+  };
+  EXPECT_EQ(fetch({0, 1, 2}), std::pair(bytes, grpc::StatusCode::OK));
+  std::vector<std::uint8_t> two_of_them(pieces[2].begin(), pieces[2].end());
+  two_of_them.insert(two_of_them.end(), head.begin(), head.end());
+  EXPECT_EQ(fetch({2, 0}), std::pair(two_of_them, grpc::StatusCode::OK));
+  EXPECT_EQ(fetch({3}).second, grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(fetch({0, 0, 0, 0}).second, grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(ServerTest, EqualAssetsAreKeptUntilTheLastOfThemIsRemoved) {
+  const std::vector<std::uint8_t> bytes(10, 7);
+  const AssetManifest manifest = make_manifest(bytes, {}, {});
+  const auto is_there = [&] {
+    grpc::ClientContext context;
+    wire::AssetRequest request;
+    request.set_hash(manifest.hash);
+    wire::AssetManifest reply;
+    return stub_->Manifest(&context, request, &reply).ok();
+  };
+  for (int i = 0; i < 2; ++i) server_->add_asset({manifest, bytes, {}, nullptr});
+  server_->remove_asset(manifest.hash);
+  EXPECT_TRUE(is_there());
+  server_->remove_asset(manifest.hash);
+  EXPECT_FALSE(is_there());
 }
 
 TEST_F(ServerTest, AnUnknownAssetIsNotFound) {

@@ -76,6 +76,31 @@ TEST_F(PlanTest, AWorkerEmptiesItsHandsForABlamedUnit) {
   EXPECT_THAT(assigned(), ElementsAre(Pair(2, unit(0, 0))));
 }
 
+TEST_F(PlanTest, WorkersThatLeaveGiveBackTheirUnitAndBlameItForNothing) {
+  start(1, 1);
+  for (WorkerId worker = 1; worker <= 9; ++worker) {
+    join(worker);
+    ASSERT_THAT(held_[worker], ElementsAre(unit(0, 0))) << "at once, each time";
+    held_.erase(worker);
+    tell(WorkerLost{worker, true});
+    EXPECT_TRUE(plan_->set_aside(kJob).empty());
+  }
+  join(10);
+  work(10);
+  EXPECT_TRUE(plan_->finished(kJob));
+}
+
+TEST_F(PlanTest, WorkersThatLeaveWhileTheyPrepareSayNothingAboutTheJob) {
+  start(1, 1);
+  prepares_at_once_ = false;
+  for (WorkerId worker = 1; worker <= 9; ++worker) {
+    join(worker);
+    tell(WorkerLost{worker, true});
+    const auto hopeless = all<NobodyCan, JobId>([](const NobodyCan& order) { return order.job; });
+    EXPECT_TRUE(hopeless.empty());
+  }
+}
+
 TEST_F(PlanTest, AUnitThatKillsThreeWorkersIsSetAsideAndTheRestCompletes) {
   start(3, 1);
   for (WorkerId worker = 1; worker <= 3; ++worker) {

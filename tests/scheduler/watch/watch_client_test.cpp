@@ -53,8 +53,8 @@ class ScriptedService final : public wire::Farm::Service {
     wait_until_cancelled(*context);
     return grpc::Status::CANCELLED;
   }
-  grpc::Status Asset(grpc::ServerContext* context, const wire::AssetRequest*,
-                     grpc::ServerWriter<wire::AssetChunk>*) override {
+  grpc::Status Manifest(grpc::ServerContext* context, const wire::AssetRequest*,
+                        wire::AssetManifest*) override {
     if (!assets_hang) return {grpc::StatusCode::NOT_FOUND, "no such asset"};
     ++hanging;
     wait_until_cancelled(*context);

@@ -1,0 +1,28 @@
+#include "scheduler/farm/worker_command.h"
+
+#include <fmt/format.h>
+
+#include "scheduler/farm/render_farm.h"
+#include "scheduler/protocol/token.h"
+
+namespace penumbra {
+
+WorkerCommand worker_command(const FarmOptions& options, const std::string& address,
+                             const std::string& token) {
+  WorkerCommand command{.program = options.worker_executable,
+                        .arguments = {"--connect", address},
+                        .environment = {},
+                        .is_launcher = !options.launch.empty()};
+  if (!token.empty()) command.environment.push_back(fmt::format("{}={}", kTokenVariable, token));
+  if (!command.is_launcher) return command;
+  // On another machine the number of this one's cores says nothing.
+  command.arguments.insert(command.arguments.end(), {"--threads", options.launch_threads});
+  // The user's words are read by a shell, ours are not.
+  std::vector<std::string> words = {"-c", "exec " + options.launch + " \"$@\"", "sh", command.program};
+  words.insert(words.end(), command.arguments.begin(), command.arguments.end());
+  command.program = "/bin/sh";
+  command.arguments = std::move(words);
+  return command;
+}
+
+}  // namespace penumbra

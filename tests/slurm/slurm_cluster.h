@@ -1,0 +1,41 @@
+// A real Slurm on this machine: munged, slurmctld and three slurmd of one core each, all in a folder of their
+// own and on ports of their own.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/support/program.h"
+#include "tests/support/temporary_folder.h"
+
+namespace penumbra {
+
+class SlurmCluster {
+ public:
+  static constexpr int kNodes = 3;  ///< n1, n2, n3
+
+  /// Starts it and waits until its nodes are idle, some seconds at most; `why_not` says if they are not.
+  SlurmCluster();
+  SlurmCluster(const SlurmCluster&) = delete;
+  SlurmCluster& operator=(const SlurmCluster&) = delete;
+  /// Cancels what runs, and ends all processes.
+  ~SlurmCluster();
+
+  /// Why there is none here; empty if there is one.
+  [[nodiscard]] const std::string& why_not() const { return why_not_; }
+  /// What a Slurm command such as "squeue -h" prints; empty if it fails.
+  std::string ask(const std::string& command) const;
+  /// For the environment of programs that are to use it.
+  [[nodiscard]] std::string configuration() const { return (folder_ / "slurm.conf").string(); }
+
+ private:
+  void start();
+  std::string log_ends() const;
+
+  TemporaryFolder folder_;
+  std::string why_not_;
+  std::vector<std::unique_ptr<Program>> daemons_;
+};
+
+}  // namespace penumbra

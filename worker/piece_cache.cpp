@@ -1,0 +1,76 @@
+#include "worker/piece_cache.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <string_view>
+#include <utility>
+
+#include "scheduler/protocol/wire.h"
+
+namespace penumbra {
+
+namespace fs = std::filesystem;
+
+fs::path default_piece_cache(const std::string& scheduler_address) {
+  if (const char* wanted = std::getenv("PENUMBRA_CACHE"); wanted && *wanted)
+    return std::string_view(wanted) == "off" ? fs::path() : fs::path(wanted);
+  return scheduler_address.starts_with("unix:") ? fs::path() : user_cache("scenes");
+}
+
+PieceCache::PieceCache(fs::path folder, std::uint64_t most_bytes)
+    : most_bytes_(most_bytes), files_(std::move(folder), ".piece", {.most_bytes = most_bytes}) {}
+
+PieceCache::~PieceCache() {
+  if (has_written_) files_.remove_oldest();
+}
+
+std::vector<std::string> PieceCache::take_notes() { return std::exchange(notes_, {}); }
+
+/// What is there counts as used, so that it is not removed to make room for the scene's other pieces.
+bool PieceCache::may_have(const AssetPiece& piece) {
+  if (!files_.enabled()) return false;
+  CacheFile file(file_of(piece), O_RDONLY | O_NONBLOCK);
+  if (!file.is_open()) return false;
+  file.touch();
+  return true;
+}
+
+void PieceCache::expect(std::uint64_t missing, std::uint64_t total) {
+  if (!files_.enabled() || missing == 0) return;
+  keeps_ = total <= most_bytes_;  // of a larger one, each piece would drive out the next that is needed
+  if (keeps_)
+    files_.remove_oldest(missing);
+  else
+    notes_.push_back(fmt::format("a scene of {} bytes is not kept in {}, whose limit is {} bytes", total,
+                                 files_.path().string(), most_bytes_));
+}
+
+std::optional<std::vector<std::uint8_t>> PieceCache::read(const AssetPiece& piece) {
+  if (!files_.enabled()) return {};
+  CacheFile file(file_of(piece), O_RDONLY | O_NONBLOCK);
+  if (!file.is_open()) return {};
+  const auto size = file.size();
+  if (size && *size == piece.size) {
+    std::vector<std::uint8_t> bytes(piece.size);
+    if (file.read(bytes.data(), bytes.size()) == bytes.size() && content_hash(bytes) == piece.hash)
+      return bytes;
+  }
+  files_.remove(piece.hash);
+  notes_.push_back(fmt::format("{} was damaged and is removed", file_of(piece).string()));
+  return {};
+}
+
+void PieceCache::keep(const AssetPiece& piece, std::span<const std::uint8_t> bytes) {
+  if (!files_.enabled() || !keeps_) return;
+  const std::span<const std::uint8_t> parts[] = {bytes};
+  if (const auto written = files_.write(piece.hash, parts); !written) {
+    keeps_ = false;  // a full disk stays full for a while; the next scene tries again
+    notes_.push_back("scenes are not kept: " + written.error().message);
+    return;
+  }
+  has_written_ = true;
+}
+
+}  // namespace penumbra
