@@ -425,9 +425,9 @@ void ShapeReader::read_shape(const Object& object, Holder& holder) {
   auto geometry = known->read({context_, files_, plugin, shape.flip_normals});
   const Object* bsdf = plugin.only_nested("bsdf");
   const Object* emitter = plugin.only_nested("emitter");
-  for (const char* tag : {"medium", "subsurface"}) {
-    for (const Object* inside : plugin.nested(tag)) context_.unknown_plugin(*inside, {}, "it is left out");
-  }
+  for (const Object* inside : plugin.nested("medium")) context_.leave_out_medium(*inside);
+  for (const Object* inside : plugin.nested("subsurface"))
+    context_.unknown_plugin(*inside, {}, "it is left out");
   plugin.finish();
   if (bsdf != nullptr) materials_.read(*bsdf);
   if (geometry) shape.geometry = std::move(*geometry);
