@@ -28,7 +28,7 @@ SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   const Object* sensor = sensors.empty() ? nullptr : sensors.front();
   if (sensors.size() > 1)
     root.warn(fmt::format("the scene has {} sensors; the first is rendered", sensors.size()));
-  context.media_seen = integrator != nullptr && follows_media(context, *integrator);
+  context.media_seen = integrator == nullptr || follows_media(context, *integrator);
   freeze_animations(context, sensor);
   if (integrator != nullptr) read_integrator(context, *integrator, scene);
   if (sensor != nullptr) {

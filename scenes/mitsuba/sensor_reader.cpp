@@ -172,14 +172,14 @@ void read_format(PluginReader& plugin, Film& film) {
                              {"spectrum", false},
                              {"spectrum_alpha", true},
                              {"spectrumalpha", true}}};
-  const std::string format = to_lower_case(plugin.text("pixel_format", "rgb"));
+  const std::string given = plugin.text("pixel_format", "rgb"), format = to_lower_case(given);
   const Expected<bool> alpha = formats.parse(format);
   if (alpha)
     film.alpha = *alpha;
   else
     plugin.wrong("pixel_format", fmt::format("pixel_format: {}", alpha.error().message));
   if (alpha && !format.starts_with("rgb"))
-    plugin.warn(fmt::format("a pixel_format of {} is written as {}", format, film.alpha ? "rgba" : "rgb"));
+    plugin.warn(fmt::format("a pixel_format of {} is written as {}", given, film.alpha ? "rgba" : "rgb"));
   plugin.read("component_format", film.half,
               OneOf<bool>{{{"float32", false}, {"float16", true}, {"uint32", false}}});
 }

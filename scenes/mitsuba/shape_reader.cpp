@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "scenes/curve_mesh.h"
 #include "scenes/heightfield.h"
 #include "scenes/instances.h"
 #include "scenes/mesh_reader.h"
@@ -319,6 +320,50 @@ std::optional<Geometry> read_heightfield(const ShapeInput& input) {
   return std::move(*mesh);
 }
 
+/// Tubes of triangles: about these points, in the world, since radii stay what they are.
+template <typename Parameters>
+std::optional<Geometry> read_curves_of(const ShapeInput& input, std::size_t least,
+                                       Expected<CurveMesh> (*make)(std::span<const Curve>)) {
+  const auto given = read_parameters<Parameters>(input);
+  const auto file = mesh_file(input, given);
+  if (!file) return std::nullopt;
+  auto curves = read_curves(*file, least);
+  if (!curves) {
+    report_mesh_error(input, curves.error());
+    return std::nullopt;
+  }
+  for (Curve& curve : *curves)
+    for (CurvePoint& point : curve) {
+      point.position = transform_point(given.to_world, point.position);
+      if (is_finite(point.position, point.radius)) continue;
+      input.plugin.wrong("the curves are too far away, or too thick for a number");
+      return std::nullopt;
+    }
+  auto made = make(*curves);
+  const auto wrong = [&](const Error& error) {
+    input.plugin.wrong("filename", fmt::format("{}: {}", given.filename, error.message));
+    return std::nullopt;
+  };
+  if (!made) return wrong(made.error());
+  if (made->sides < 16)
+    input.plugin.warn(fmt::format("so many curves have {} sides, within {:.0f} % of their radius",
+                                  made->sides, 100 * made->error));
+  const auto cleaning = place_mesh(made->mesh, glm::dmat4(1.0), false);
+  if (!cleaning) return wrong(cleaning.error());
+  if (made->mesh.triangles.empty()) {
+    warn_of_no_triangles(input, given.filename);
+    return std::nullopt;
+  }
+  return std::move(made->mesh);
+}
+
+std::optional<Geometry> read_bspline_curves(const ShapeInput& input) {
+  return read_curves_of<BsplineCurveShape>(input, 4, bspline_curve_mesh);
+}
+std::optional<Geometry> read_linear_curves(const ShapeInput& input) {
+  return read_curves_of<LinearCurveShape>(input, 2, linear_curve_mesh);
+}
+
 struct ShapePlugin {
   std::string_view type;
   std::optional<Geometry> (*read)(const ShapeInput&);
@@ -329,6 +374,8 @@ constexpr ShapePlugin kShapes[] = {{ObjShape::kPlugin, read_mesh<ObjShape>},
                                    {RectangleShape::kPlugin, read_rectangle},
                                    {CubeShape::kPlugin, read_cube},
                                    {HeightfieldShape::kPlugin, read_heightfield},
+                                   {BsplineCurveShape::kPlugin, read_bspline_curves},
+                                   {LinearCurveShape::kPlugin, read_linear_curves},
                                    {SphereShape::kPlugin, read_sphere},
                                    {CylinderShape::kPlugin, read_cylinder},
                                    {DiskShape::kPlugin, read_disk}};
