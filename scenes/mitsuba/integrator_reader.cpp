@@ -171,8 +171,10 @@ bool follows_media(const Context& context, const Object& integrator) {
     }
     inner = next;
   }
-  const StandIn* stand_in = inner != nullptr ? find_plugin(stand_ins(), inner->type) : nullptr;
-  return stand_in != nullptr && stand_in->media;
+  if (inner == nullptr) return false;
+  if (const StandIn* stand_in = find_plugin(stand_ins(), inner->type)) return stand_in->media;
+  const Names& types = find_setting("integrator.type")->choices;
+  return std::ranges::find(types, inner->type) == types.end();  // one that is not known
 }
 
 void read_integrator(const Context& context, const Object& object, SceneDescription& scene) {

@@ -41,6 +41,27 @@ SceneText smooth_rim_one_sided() {
   return scene;
 }
 
+/// Tubes of triangles against Mitsuba's, which are exact.
+SceneText curves(std::string_view name, std::string_view type) {
+  SceneText scene = begin(name, path(3), {0, 0.5, 5}, 34);
+  Random random(31);
+  std::string points;
+  for (int curve = 0; curve < 6; ++curve) {
+    for (int i = 0; i < 7; ++i)
+      points += fmt::format("{} {} {} {}\n", -1.4 + 0.5 * curve + random.between(-0.25, 0.25), -1.6 + 0.5 * i,
+                            random.between(-0.4, 0.4), random.between(0.08, 0.16));
+    points += "\n";
+  }
+  scene.meshes.push_back({"curves.txt", points});
+  scene.both(plugin("shape", type,
+                    text("filename", "curves.txt") +
+                        to_world("<scale x=\"1.1\" y=\"0.9\"/><rotate z=\"1\" "
+                                 "angle=\"8\"/>\n") +
+                        kWhite));
+  scene.both(floor_at(-1.2) + ceiling_lamp() + kSky);
+  return scene;
+}
+
 SceneText projected_beside_sky() {
   SceneText scene;
   scene.name = "projected-beside-sky";
@@ -266,6 +287,8 @@ std::vector<SceneText> named_scenes() {
   const std::string hide = boolean("hide_emitters", true);
   std::vector<SceneText> scenes = {lamp_without_bsdf(),
                                    smooth_rim(),
+                                   curves("spline-curves", "bsplinecurve"),
+                                   curves("linear-curves", "linearcurve"),
                                    smooth_rim_one_sided(),
                                    projected_beside_sky(),
                                    inside_sphere_light(),

@@ -181,6 +181,16 @@ TEST_F(MitsubaWriter, EmittingShapesOfGroupsAreWrittenInEachOfTheirPlaces) {
     for (const Shape& shape : group.shapes) EXPECT_FALSE(shape.radiance);
 }
 
+TEST_F(MitsubaWriter, BlackEmittersOfGroupsAreSurfacesOfTheirGroup) {
+  // Under an instance that makes an ellipsoid of a ball, where no light could be.
+  const std::string black = "<emitter type='area'><rgb name='radiance' value='0'/></emitter>";
+  expect_same(good(
+      "<shape type='shapegroup' id='g'><shape type='sphere'>" + black + "</shape><shape type='sphere'>" +
+      diffuse("0.3") + black +
+      "</shape></shape><shape type='instance'><ref id='g'/><transform name='to_world'><scale x='2' y='3' "
+      "z='1'/></transform></shape><emitter type='point'/>"));
+}
+
 TEST_F(MitsubaWriter, WhatMitsubasIntegratorsHaveNoNameForIsLeftOut) {
   const SceneDescription written = again(good(
       "<integrator type='path'><string name='emitter_sampling' value='area'/><string name='light_choice' "

@@ -85,8 +85,11 @@ class Writer {
       const std::string item = this->item(fmt::format(" id='item{}'", count));
       xml += item;
       // What a BSDF is counts where a shape has it.
+      const bool shown_on_a_mesh = item.find("mesh_attribute") != item.npos;
       if (item.starts_with("<bsdf"))
-        xml += fmt::format("<shape type='rectangle'><ref id='item{}'/></shape>\n", count);
+        xml += fmt::format("<shape type='{}'>{}<ref id='item{}'/></shape>\n",
+                           shown_on_a_mesh ? "ply" : "rectangle",
+                           shown_on_a_mesh ? "<string name='filename' value='mesh.ply'/>" : "", count);
       // The group that an instance shows is the last before it.
       if (item.starts_with("<shape type='shapegroup'")) group_ = fmt::format("item{}", count);
       ++count;
