@@ -153,6 +153,22 @@ struct LinearCurveShape : CurvesShape<LinearCurveShape> {
       "cones between control points in a file, rounded at each, as triangles";
 };
 
+struct SdfGridShape : PlacedShape {
+  static constexpr const char* kPlugin = "sdfgrid";
+  static constexpr const char* kText =
+      "where signed distances at the points of a grid in the unit cube are 0, as triangles";
+  std::string filename;
+  bool analytic = false;
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    placement<SdfGridShape>(row);
+    row("filename", &SdfGridShape::filename, FileName{}, "the volume file");
+    row("normals", &SdfGridShape::analytic, OneOf<bool>{{{"smooth", false}, {"analytic", true}}},
+        "smooth whatever this says");
+  }
+};
+
 /// One that has no parameters of its own.
 template <typename Shape>
 struct PlainShape : PlacedShape {
@@ -203,7 +219,7 @@ struct InstanceShape {
 
 using ShapeParameters =
     std::variant<ObjShape, PlyShape, SerializedShape, SphereShape, CylinderShape, DiskShape, RectangleShape,
-                 CubeShape, HeightfieldShape, BsplineCurveShape, LinearCurveShape, ShapeGroupShape,
-                 InstanceShape, MergeShape>;
+                 CubeShape, HeightfieldShape, BsplineCurveShape, LinearCurveShape, SdfGridShape,
+                 ShapeGroupShape, InstanceShape, MergeShape>;
 
 }  // namespace penumbra::mitsuba

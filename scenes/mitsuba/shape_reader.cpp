@@ -16,6 +16,7 @@
 #include "scenes/mitsuba/shape_parameters.h"
 #include "scenes/mitsuba/texture_reader.h"
 #include "scenes/names.h"
+#include "scenes/sdf_grid.h"
 #include "scenes/texture_needs.h"
 #include "scenes/transform.h"
 
@@ -364,6 +365,27 @@ std::optional<Geometry> read_linear_curves(const ShapeInput& input) {
   return read_curves_of<LinearCurveShape>(input, 2, linear_curve_mesh);
 }
 
+std::optional<Geometry> read_sdf(const ShapeInput& input) {
+  const auto given = read_parameters<SdfGridShape>(input);
+  const auto file = mesh_file(input, given);
+  if (!file) return std::nullopt;
+  const auto grid = read_sdf_grid(*file);
+  if (!grid) {
+    input.plugin.wrong("filename", grid.error().message);
+    return std::nullopt;
+  }
+  Mesh mesh = sdf_mesh(*grid);
+  if (const auto cleaning = place_mesh(mesh, given.to_world, false); !cleaning) {
+    input.plugin.wrong("filename", fmt::format("{}: {}", given.filename, cleaning.error().message));
+    return std::nullopt;
+  }
+  if (mesh.triangles.empty()) {
+    warn_of_no_triangles(input, given.filename);
+    return std::nullopt;
+  }
+  return mesh;
+}
+
 struct ShapePlugin {
   std::string_view type;
   std::optional<Geometry> (*read)(const ShapeInput&);
@@ -376,6 +398,7 @@ constexpr ShapePlugin kShapes[] = {{ObjShape::kPlugin, read_mesh<ObjShape>},
                                    {HeightfieldShape::kPlugin, read_heightfield},
                                    {BsplineCurveShape::kPlugin, read_bspline_curves},
                                    {LinearCurveShape::kPlugin, read_linear_curves},
+                                   {SdfGridShape::kPlugin, read_sdf},
                                    {SphereShape::kPlugin, read_sphere},
                                    {CylinderShape::kPlugin, read_cylinder},
                                    {DiskShape::kPlugin, read_disk}};

@@ -7,6 +7,7 @@
 
 #include "scenes/spectrum.h"
 #include "tests/differential/scene_parts.h"
+#include "tests/scenes/sdf_writer.h"
 
 namespace penumbra::differential {
 namespace {
@@ -58,6 +59,23 @@ SceneText curves(std::string_view name, std::string_view type) {
                         to_world("<scale x=\"1.1\" y=\"0.9\"/><rotate z=\"1\" "
                                  "angle=\"8\"/>\n") +
                         kWhite));
+  scene.both(floor_at(-1.2) + ceiling_lamp() + kSky);
+  return scene;
+}
+
+/// Triangles against Mitsuba's grid of distances: two balls that run into each other.
+SceneText distances() {
+  SceneText scene = begin("distances", path(3), {0.5, 1, 5}, 30);
+  SdfGrid grid = ball_of_distances(24, 0.25, {0.4, 0.5, 0.5});
+  const SdfGrid other = ball_of_distances(24, 0.2, {0.65, 0.6, 0.5});
+  for (std::size_t i = 0; i < grid.values.size(); ++i)
+    grid.values[i] = std::min(grid.values[i], other.values[i]);
+  scene.meshes.push_back({"grid.vol", sdf_file(grid)});
+  const std::string shape =
+      plugin("shape", "sdfgrid", text("filename", "grid.vol") + text("normals", "smooth") + kWhite);
+  scene.both("<shape type=\"shapegroup\" id=\"grid\">" + shape + "</shape>\n" +
+             placed("instance", "<translate x=\"-0.5\" y=\"-0.5\" z=\"-0.5\"/><scale value=\"3\"/>\n",
+                    "<ref id=\"grid\"/>"));
   scene.both(floor_at(-1.2) + ceiling_lamp() + kSky);
   return scene;
 }
@@ -287,6 +305,7 @@ std::vector<SceneText> named_scenes() {
   const std::string hide = boolean("hide_emitters", true);
   std::vector<SceneText> scenes = {lamp_without_bsdf(),
                                    smooth_rim(),
+                                   distances(),
                                    curves("spline-curves", "bsplinecurve"),
                                    curves("linear-curves", "linearcurve"),
                                    smooth_rim_one_sided(),

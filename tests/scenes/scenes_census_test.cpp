@@ -7,6 +7,7 @@
 
 #include "tests/scenes/census/census.h"
 #include "tests/scenes/scene_text.h"
+#include "tests/scenes/sdf_writer.h"
 #include "tests/scenes/serialized_writer.h"
 
 namespace penumbra {
@@ -25,6 +26,7 @@ class ScenesCensus : public SceneText {
     serialized.add(serialized_square(0), {});
     write("mesh.serialized", serialized.file());
     write("curve.txt", "0 0 0 0.1\n1 0 0 0.1\n2 1 0 0.1\n3 1 0 0.1\n");
+    write("grid.vol", sdf_file(ball_of_distances(6, 0.3)));
     // A grey image of 4 x 2 texels.
     std::string image = "PF\n4 2\n-1.0\n";
     const float grey = 0.5f;

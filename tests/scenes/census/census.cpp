@@ -182,6 +182,7 @@ class Writer {
   static std::string_view file_of(const std::string& type) {
     if (type == "obj" || type == "ply" || type == "serialized")
       return type == "obj" ? "mesh.obj" : type == "ply" ? "mesh.ply" : "mesh.serialized";
+    if (type == "sdfgrid") return "grid.vol";
     return type.ends_with("curve") ? "curve.txt" : "image.pfm";
   }
 
