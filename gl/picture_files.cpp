@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <span>
 
+#include "scenes/names.h"
 #include "scheduler/files/atomic_file.h"
 #include "scheduler/image/image_files.h"
 
@@ -65,12 +65,6 @@ Expected<std::vector<std::uint8_t>> exr_of(const Picture& picture) {
     }
   }
   return encode_exr(image);
-}
-
-std::string extension_of(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  return extension;
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <initializer_list>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "scenes/diagnostic.h"
+#include "scenes/names.h"
 #include "scenes/number.h"
 
 namespace penumbra {
@@ -227,14 +227,6 @@ class ScriptParser {
   }
 
   bool quit() { return add(QuitCommand{line_}); }
-
-  /// In lower case; a name that is only an extension has none.
-  static std::string extension_of(std::string_view path) {
-    std::string extension = std::filesystem::path(path).extension().string();
-    std::ranges::transform(extension, extension.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension;
-  }
 
   const Word* take(std::string_view what) {
     if (next_ < words_.size()) return &words_[next_++];

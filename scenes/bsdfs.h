@@ -34,12 +34,12 @@ namespace penumbra {
 
 using BsdfModel = std::variant<DiffuseBsdf, PhongBsdf, ConductorBsdf, RoughConductorBsdf, DielectricBsdf,
                                ThinDielectricBsdf, RoughDielectricBsdf, PlasticBsdf, RoughPlasticBsdf,
-                               WardBsdf, BlinnPhongBsdf, MicrofacetDiffuseBsdf, PrincipledBsdf,
-                               PrincipledThinBsdf, DisneyBsdf, NullBsdf, MaskBsdf, BlendBsdf>;
+                               PolarizedPlasticBsdf, WardBsdf, BlinnPhongBsdf, MicrofacetDiffuseBsdf,
+                               PrincipledBsdf, PrincipledThinBsdf, DisneyBsdf, NullBsdf, MaskBsdf, BlendBsdf>;
 
 /// The parameters of those that hold others and are none of these themselves.
-using HolderParameters =
-    std::variant<TwoSidedParameters, MixtureParameters, NormalMapParameters, BumpMapParameters>;
+using HolderParameters = std::variant<TwoSidedParameters, MixtureParameters, NormalMapParameters,
+                                      BumpMapParameters, PolarizerParameters>;
 
 struct Bsdf {
   std::string name;  ///< the file's id, or a description of the place, for messages

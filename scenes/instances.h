@@ -38,6 +38,9 @@ Expected<Shape> placed_shape(const Shape& shape, const glm::dmat4& to_world);
 /// The most triangles that emitting shapes of groups may be, each counted wherever it is: all are lights.
 constexpr std::size_t kMaxPlacedEmitters = 1'000'000;
 
+/// Whether light comes from it: a black emitter is as good as none.
+inline bool emits(const Shape& shape) { return shape.radiance && *shape.radiance != glm::vec3(0.0f); }
+
 /// Those emitting shapes of groups that are wanted, in each of the places; they have a radiance. Errors: as
 /// of placed_shape, more than kMaxPlacedEmitters.
 Expected<std::vector<Shape>> placed_emitters(const SceneDescription& scene,

@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace penumbra {
 namespace {
 
 bool is_upper(char c) { return c >= 'A' && c <= 'Z'; }
+char to_lower(char c) { return is_upper(c) ? static_cast<char>(c - 'A' + 'a') : c; }
 
 }  // namespace
 
@@ -15,9 +18,19 @@ std::string to_snake_case(std::string_view name) {
     const bool starts_word =
         i > 0 && is_upper(name[i]) && !is_upper(name[i - 1]) && name[i - 1] != '_' && name[i - 1] != '.';
     if (starts_word) result += '_';
-    result += is_upper(name[i]) ? static_cast<char>(name[i] - 'A' + 'a') : name[i];
+    result += to_lower(name[i]);
   }
   return result;
+}
+
+std::string to_lower_case(std::string_view text) {
+  std::string result(text);
+  std::ranges::transform(result, result.begin(), to_lower);
+  return result;
+}
+
+std::string extension_of(const std::filesystem::path& path) {
+  return to_lower_case(path.extension().string());
 }
 
 Expected<void> check_name_length(std::string_view kind, std::string_view name) {

@@ -57,9 +57,7 @@ char first_character(const std::filesystem::path& file) {
 }
 
 const Format* format_of(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = extension_of(file);
   for (const Format& each : formats()) {
     if (each.extension == extension && each.may_be(file)) return &each;
   }

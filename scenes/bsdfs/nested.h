@@ -57,6 +57,21 @@ struct MaskBsdf {
   }
 };
 
+/// A filter of polarised light, as light without polarisation goes through it: half, or of a retarder all, of
+/// `transmittance`; the rest is absorbed (Mitsuba 3 in its unpolarised variants).
+struct PolarizerParameters {
+  static constexpr const char* kPlugin = "polarizer";
+  static constexpr const char* kText =
+      "lets half of the light pass, in the same direction (circular: likewise)";
+  TexturedNumber transmittance{1.0f};
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("transmittance", &PolarizerParameters::transmittance, NumberWithin{},
+        "of the light that its polarisation lets through");
+  }
+};
+
 /// One or the other, the sum of both so weighed.
 struct BlendBsdf {
   static constexpr const char* kPlugin = "blendbsdf";

@@ -152,12 +152,17 @@ std::array<double, CURVE_KNOTS> RoughBoundary::transmittance() const {
     return wi.z < 0 ? (1 - r.reflected) * masking(*this, wi, m) : 0;
   };
   std::array<double, CURVE_KNOTS> curve{};
+  if (smooth_base) {
+    for (int i = 0; i < CURVE_KNOTS; ++i) curve[std::size_t(i)] = 1 - refract(knot_cosine(i), ior).reflected;
+    return curve;
+  }
   for (int i = 0; i < CURVE_KNOTS; ++i)
     curve[std::size_t(i)] = mean_over_normals(*this, knot_cosine(i), through);
   return curve;
 }
 
 double RoughBoundary::internal_reflectance() const {
+  if (smooth_base) return 1 - 1 / (ior * ior);
   const RoughBoundary beneath{distribution, alpha, 1 / ior};
   const auto back = [&](const glm::dvec3& wo, const glm::dvec3& m) {
     const double cosine = glm::dot(wo, m);

@@ -13,6 +13,8 @@ struct RoughBoundary {
   int distribution = DISTRIBUTION_BECKMANN;  ///< DISTRIBUTION_*
   double alpha = 0.1;                        ///< roughness of its microfacets, above 0
   double ior = 1.5;                          ///< refractive index beneath it over that above it
+  /// What goes through it does so as through a smooth one, and beneath it nothing is reflected.
+  bool smooth_base = false;
 
   friend auto operator<=>(const RoughBoundary&, const RoughBoundary&) = default;
 
@@ -21,7 +23,8 @@ struct RoughBoundary {
   /// models.
   [[nodiscard]] std::array<double, CURVE_KNOTS> transmittance() const;
 
-  /// The share of diffuse light from beneath that it reflects.
+  /// The share of diffuse light from beneath that it reflects. Of a smooth base it is that whose sum over all
+  /// times cancels the 1 / ior^2 by which radiance falls on its way out.
   [[nodiscard]] double internal_reflectance() const;
 };
 

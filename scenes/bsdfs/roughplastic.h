@@ -48,7 +48,40 @@ struct RoughPlasticBsdf {
   }
 };
 
-inline Material material_of(const RoughPlasticBsdf& plastic, MaterialTables& tables) {
+/// Mitsuba 3's pplastic without polarisation: the lobe of rough plastic beside a base that light enters and
+/// leaves as through a smooth boundary, once (Baek et al. 2018, "Simultaneous acquisition of polarimetric
+/// SVBRDF and normals").
+struct PolarizedPlasticBsdf {
+  static constexpr const char* kPlugin = "pplastic";
+  TexturedColour diffuse{glm::vec3(0.5f)};
+  TexturedColour specular{glm::vec3(1.0f)};
+  float int_ior = 1.49f;
+  float ext_ior = 1.000277f;
+  int distribution = DISTRIBUTION_BECKMANN;
+  TexturedNumber alpha{0.1f};
+  bool sample_visible = true;  ///< always so
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    using P = PolarizedPlasticBsdf;
+    row("diffuse_reflectance", &P::diffuse, ColourWithin{}, "albedo of the base");
+    row("specular_reflectance", &P::specular, ColourWithin{}, "factor of what the boundary reflects");
+    row("int_ior", &P::int_ior, RefractiveIndex{}, "refractive index beneath the boundary");
+    row("ext_ior", &P::ext_ior, RefractiveIndex{}, "refractive index above it");
+    row("distribution", &P::distribution,
+        OneOf<int>{{{"beckmann", DISTRIBUTION_BECKMANN}, {"ggx", DISTRIBUTION_GGX}}},
+        "of the boundary's microfacets");
+    row("alpha", &P::alpha, NumberWithin{LowEnd::kClosed, 0.0f, MOST_ALPHA}, "their roughness");
+    row("sample_visible", &P::sample_visible, TrueOrFalse{},
+        "read and ignored: visible microfacets are sampled");
+  }
+  void complete(Findings& findings) const {
+    RoughPlasticBsdf{.int_ior = int_ior, .ext_ior = ext_ior}.complete(findings);
+  }
+};
+
+inline Material material_of(const RoughPlasticBsdf& plastic, MaterialTables& tables,
+                            bool smooth_base = false) {
   const bool ggx = plastic.distribution == DISTRIBUTION_GGX;
   Material m = material_of_family(ggx ? FAMILY_ROUGHPLASTIC_GGX : FAMILY_ROUGHPLASTIC_BECKMANN);
   PENUMBRA_SET_FIELD(m, diffuse, plastic.diffuse);
@@ -58,8 +91,18 @@ inline Material material_of(const RoughPlasticBsdf& plastic, MaterialTables& tab
   PENUMBRA_SET_FIELD(m, alpha_u, plastic.alpha);
   m.alpha_u = clamp_f(m.alpha_u, LEAST_ALPHA, MOST_ALPHA);
   m.curve_rows = plastic.alpha.texture == kNoTexture ? 1 : CURVE_ROWS;
-  m.curve = tables.boundary({plastic.distribution, double(m.alpha_u), double(m.ior)}, m.curve_rows);
+  m.curve =
+      tables.boundary({plastic.distribution, double(m.alpha_u), double(m.ior), smooth_base}, m.curve_rows);
   return m;
+}
+
+inline Material material_of(const PolarizedPlasticBsdf& plastic, MaterialTables& tables) {
+  RoughPlasticBsdf rough{
+      .int_ior = plastic.int_ior, .ext_ior = plastic.ext_ior, .distribution = plastic.distribution};
+  rough.diffuse = plastic.diffuse;
+  rough.specular = plastic.specular;
+  rough.alpha = plastic.alpha;
+  return material_of(rough, tables, true);
 }
 
 }  // namespace penumbra

@@ -29,7 +29,6 @@ namespace {
 
 static_assert(int(SamplerKind::kSobol) == SAMPLER_SOBOL);
 
-bool emits(const Shape& shape) { return shape.radiance && *shape.radiance != glm::vec3(0.0f); }
 bool finite(const vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 /// Whether camera rays that meet nothing see something all the same.

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "scenes/names.h"
+#include "scenes/number.h"
 #include "scenes/settings.h"
 
 namespace penumbra::mitsuba {
@@ -16,11 +18,29 @@ struct WrapperPlugin {
   std::string_view type;
   std::string_view without;  ///< what the image goes without; empty: nothing
 };
+constexpr std::string_view kAov = "aov";
 constexpr WrapperPlugin kWrappers[] = {{"moment", ""},
-                                       {"aov", ""},
+                                       {kAov, ""},
+                                       {"stokes", "polarisation"},
                                        {"adaptive", ""},  // every pixel has the same number of samples
                                        {"irrcache", "its cache, so that nothing is interpolated"},
                                        {"multichannel", ""}};
+
+/// Of `name:quantity, …` what no layer of the image has. Every image has depth, albedo and shading normals.
+void warn_of_missing_layers(PluginReader& plugin) {
+  static constexpr std::string_view kLayers[] = {"depth", "albedo", "sh_normal"};
+  const std::string text = plugin.text("aovs", "");
+  const Expected<std::vector<std::string_view>> entries = split_list(text);
+  if (!entries) return plugin.wrong("aovs", fmt::format("aovs: {}", entries.error().message));
+  Names missing;
+  for (const std::string_view entry : *entries) {
+    const std::string_view quantity = entry.substr(entry.find(':') + 1);  // npos + 1 = 0: the whole
+    if (std::ranges::find(kLayers, quantity) == std::end(kLayers)) missing.emplace_back(quantity);
+  }
+  if (!missing.empty())
+    plugin.warn(
+        fmt::format("the image has layers of depth, albedo and sh_normal, none of {}", list_names(missing)));
+}
 
 /// The integrator itself, out of those that only add to it.
 const Object* unwrap(const Context& context, const Object& object) {
@@ -36,6 +56,14 @@ const Object* unwrap(const Context& context, const Object& object) {
                    "quality_adjustment", "gradients", "clamp_neighbor", "clamp_screen", "overture",
                    "indirect_only", "debug"});
     plugin.finish();
+    if (inner->type == kAov) {
+      warn_of_missing_layers(plugin);
+      if (next == nullptr && depth <= 16) {
+        plugin.warn("aov has no integrator inside; direct light makes the image that its layers are beside");
+        static const Object direct{"integrator", "direct", {}, {}, {}, {}, {}};
+        return &direct;
+      }
+    }
     if (next == nullptr || depth > 16)
       plugin.wrong(fmt::format("{} needs an <integrator> to work on", plugin.title()));
     else if (!wrapper->without.empty())
@@ -50,16 +78,30 @@ const Object* unwrap(const Context& context, const Object& object) {
 /// Mitsuba's ways to compute what `path` does, with the parameters of their own.
 struct StandIn {
   std::string_view type;
-  bool same;  ///< it is `path` where there are no media, sample by sample
+  bool same;  ///< it is what stands in where there are no media, sample by sample
   std::vector<std::string_view> parameters;
+  std::string_view stands_in = "path";
+  bool media = true;  ///< whether it follows light through media
 };
 const std::vector<StandIn>& stand_ins() {
   static const std::vector<StandIn> all = {
       {"volpath", true, {}},
       {"volpath_simple", true, {}},
       {"volpathmis", true, {"use_spectral_mis"}},
-      {"prb", true, {}},
-      {"prb_basic", true, {}},
+      // Mitsuba 3's for gradients, which differ in those alone.
+      {"prb", true, {}, "path", false},
+      {"prb_basic", true, {}, "path", false},
+      {"prb_projective",
+       true,
+       {"sppc", "sppp", "sppi", "guiding", "guiding_proj", "guiding_rounds"},
+       "path",
+       false},
+      {"prb_threepoint", true, {}, "path", false},
+      {"direct_projective",
+       true,
+       {"sppc", "sppp", "sppi", "guiding", "guiding_proj", "guiding_rounds"},
+       "direct",
+       false},
       {"prbvolpath", true, {}},
       {"bdpt", false, {"light_image", "sample_direct"}},
       {"ptracer", false, {"granularity", "brute_force"}},
@@ -92,7 +134,13 @@ void accept_ways_of_working(PluginReader& plugin) {
 }
 
 void read_stand_in(PluginReader& plugin, const StandIn& stand_in, SceneDescription& scene) {
-  plugin.settings(scene, "integrator", Names{"max_depth", "rr_depth", "hide_emitters", "hidden_emitters"});
+  Names names{"hide_emitters", "hidden_emitters"};
+  if (stand_in.stands_in == "path") {
+    names.insert(names.end(), {"max_depth", "rr_depth"});
+  } else if (const auto done = apply_setting(scene, "integrator.type", stand_in.stands_in); !done) {
+    plugin.wrong(done.error().message);
+  }
+  plugin.settings(scene, "integrator", names);
   accept_ways_of_working(plugin);
   for (const std::string_view parameter : stand_in.parameters) plugin.accept({parameter});
   plugin.finish();
@@ -111,6 +159,23 @@ Names integrator_parameter_names(const SceneDescription& scene, std::string_view
 }
 
 }  // namespace
+
+bool follows_media(const Context& context, const Object& integrator) {
+  const Object* inner = &integrator;
+  for (int depth = 0; inner != nullptr && depth <= 16 && find_plugin(kWrappers, inner->type) != nullptr;
+       ++depth) {
+    const Object* next = nullptr;
+    for (const Child& child : inner->children) {
+      const Object* inside = context.resolve(child);
+      if (next == nullptr && inside != nullptr && inside->tag == "integrator") next = inside;
+    }
+    inner = next;
+  }
+  if (inner == nullptr) return false;
+  if (const StandIn* stand_in = find_plugin(stand_ins(), inner->type)) return stand_in->media;
+  const Names& types = find_setting("integrator.type")->choices;
+  return std::ranges::find(types, inner->type) == types.end();  // one that is not known
+}
 
 void read_integrator(const Context& context, const Object& object, SceneDescription& scene) {
   const Object* inner = unwrap(context, object);

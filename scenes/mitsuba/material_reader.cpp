@@ -45,6 +45,9 @@ const std::vector<MaterialReader::Holder>& MaterialReader::holders() {
                                           {MaskBsdf::kPlugin, &MaterialReader::read_mask},
                                           {BlendBsdf::kPlugin, &MaterialReader::read_blend},
                                           {"mixturebsdf", &MaterialReader::read_mixture},
+                                          {PolarizerParameters::kPlugin, &MaterialReader::read_polarizer},
+                                          {"circular", &MaterialReader::read_polarizer},
+                                          {"retarder", &MaterialReader::read_polarizer},
                                           {"normalmap", &MaterialReader::read_normal_map},
                                           {"bumpmap", &MaterialReader::read_bump_map},
                                           {"bump", &MaterialReader::read_bump_map}};  // Mitsuba 0.5's name
@@ -137,6 +140,19 @@ SurfaceMaterial MaterialReader::read_blend(PluginReader& plugin) {
   const auto inside = read_nested(plugin, 2);
   if (inside.empty()) return {};
   return blended(name_of(plugin.object()), model, *inside[0], *inside[1]);
+}
+
+SurfaceMaterial MaterialReader::read_polarizer(PluginReader& plugin) {
+  PolarizerParameters filter;
+  plugin.read_parameters(filter);
+  // Of the polarisation that it has an effect on.
+  plugin.accept({"theta", "delta", "polarizing", "left_handed"});
+  if (filter.transmittance.texture != kNoTexture) {
+    plugin.wrong("transmittance", "the transmittance of a polariser is a number, not a texture");
+    return {};
+  }
+  const float through = plugin.object().type == "retarder" ? 1.0f : 0.5f;
+  return masked(name_of(plugin.object()), MaskBsdf{1.0f - through * filter.transmittance.value}, {});
 }
 
 /// Of Mitsuba 0.5 and 0.6: any number, each with its weight; what is missing to 1 is black.

@@ -29,9 +29,19 @@ struct SpectrumValue {
   std::string filename;
 };
 
-/// <integer>, <float>, <boolean>, <string>, <point> or <vector>, <rgb> or <srgb>, <spectrum>, <transform>.
-using Value =
-    std::variant<std::int64_t, double, bool, std::string, glm::dvec3, RgbValue, SpectrumValue, glm::dmat4>;
+/// <animation>: transforms at times that ascend, at least one.
+struct AnimationValue {
+  struct Key {
+    double time;
+    glm::dmat4 transform;
+  };
+  std::vector<Key> keys;
+};
+
+/// <integer>, <float>, <boolean>, <string>, <point> or <vector>, <rgb> or <srgb>, <spectrum>, <transform>,
+/// <animation>.
+using Value = std::variant<std::int64_t, double, bool, std::string, glm::dvec3, RgbValue, SpectrumValue,
+                           glm::dmat4, AnimationValue>;
 
 struct Parameter {
   std::string name;  ///< snake_case

@@ -46,6 +46,12 @@ void Context::unknown_plugin(const Object& object, std::span<const std::string> 
   }
 }
 
+void Context::leave_out_medium(const Object& medium) const {
+  if (media_seen) return unknown_plugin(medium, {}, "it is left out");
+  diagnostics.warn(medium.type_location,
+                   "the scene's integrator passes through media as if they were not there");
+}
+
 std::vector<std::filesystem::path> Context::folders(const Object& object) const {
   std::vector<std::filesystem::path> result = {object.location.file->path.parent_path()};
   result.insert(result.end(), tree.folders.begin(), tree.folders.end());

@@ -30,6 +30,7 @@ struct Context {
   ObjectTree& tree;
   Diagnostics& diagnostics;
   bool lenient = false;
+  bool media_seen = true;             ///< by the scene's integrator
   TextureReader* textures = nullptr;  ///< while a scene is built
   const FileAccess* files = nullptr;  ///< likewise
 
@@ -43,6 +44,9 @@ struct Context {
   /// `instead`, "it is left out" for example.
   void unknown_plugin(const Object& object, std::span<const std::string> known,
                       std::string_view instead) const;
+
+  /// Media are not read: an error where the integrator follows light through them, else a warning.
+  void leave_out_medium(const Object& medium) const;
 };
 
 /// How a colour is made from a spectrum, and what values it may have.

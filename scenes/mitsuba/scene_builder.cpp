@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "scenes/mitsuba/animation.h"
 #include "scenes/mitsuba/emitter_reader.h"
 #include "scenes/mitsuba/integrator_reader.h"
 #include "scenes/mitsuba/material_reader.h"
@@ -27,6 +28,8 @@ SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   const Object* sensor = sensors.empty() ? nullptr : sensors.front();
   if (sensors.size() > 1)
     root.warn(fmt::format("the scene has {} sensors; the first is rendered", sensors.size()));
+  context.media_seen = integrator == nullptr || follows_media(context, *integrator);
+  freeze_animations(context, sensor);
   if (integrator != nullptr) read_integrator(context, *integrator, scene);
   if (sensor != nullptr) {
     read_sensor(context, *sensor, scene);
@@ -51,7 +54,8 @@ SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   for (const Object* texture : root.nested("texture")) textures.read(*texture);
   // They count where others refer to them.
   for (const char* tag : {"film", "sampler", "rfilter"}) root.nested(tag);
-  for (const char* tag : {"medium", "volume", "phase"}) {
+  for (const Object* medium : root.nested("medium")) context.leave_out_medium(*medium);
+  for (const char* tag : {"volume", "phase"}) {
     for (const Object* object : root.nested(tag)) context.unknown_plugin(*object, {}, "it is left out");
   }
   root.finish();

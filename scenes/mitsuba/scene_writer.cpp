@@ -31,8 +31,6 @@ Expected<void> write_file(const fs::path& path, std::string_view contents) {
   return {};
 }
 
-bool has_emitter(const Shape& shape) { return shape.radiance.has_value(); }
-
 class SceneWriter {
  public:
   SceneWriter(const SceneDescription& scene, fs::path file) : scene_(scene), file_(std::move(file)) {}
@@ -44,15 +42,15 @@ class SceneWriter {
     // Mitsuba has no instances within groups, and no emitters in them: all are the scene's own.
     const auto placed = place_groups(scene_);
     if (!placed) return std::unexpected(placed.error());
-    const auto emitters = placed_emitters(scene_, *placed, has_emitter);
+    const auto emitters = placed_emitters(scene_, *placed, emits);
     if (!emitters) return std::unexpected(emitters.error());
     for (std::size_t i = 0; i < scene_.groups.size(); ++i) {
       const std::vector<Shape>& shapes = scene_.groups[i].shapes;
-      if (std::ranges::all_of(shapes, has_emitter)) continue;
+      if (std::ranges::all_of(shapes, emits)) continue;
       xml_.open("shape", ShapeGroupShape::kPlugin, fmt::format(" id=\"group-{}\"", i));
       for (const Shape& shape : shapes) {
-        if (has_emitter(shape)) continue;
-        if (auto done = put_shape(shape); !done) return done;
+        if (emits(shape)) continue;
+        if (auto done = put_shape(shape, false); !done) return done;
       }
       xml_.close();
     }
@@ -60,8 +58,7 @@ class SceneWriter {
       for (const Shape& shape : *shapes)
         if (auto done = put_shape(shape); !done) return done;
     for (const PlacedGroup& each : *placed)
-      if (!std::ranges::all_of(scene_.groups[std::size_t(each.group)].shapes, has_emitter))
-        put_instance(each);
+      if (!std::ranges::all_of(scene_.groups[std::size_t(each.group)].shapes, emits)) put_instance(each);
     for (const Emitter& emitter : scene_.emitters)
       if (auto done = std::visit([&](const auto& e) { return put_emitter(e); }, emitter); !done) return done;
     return write_file(file_, "<scene version=\"3.0.0\">\n" + xml_.text() + "</scene>\n");
@@ -218,16 +215,19 @@ class SceneWriter {
   /// Those of all shapes, in the order of their textures: as they are read, textures are numbered.
   void put_surfaces() {
     std::multimap<int, XmlText> surfaces;  // by their first textures
-    each_shape(scene_, [&](const Shape& shape) {
+    const auto put = [&](const Shape& shape, bool has_emitter) {
       const std::pair sides{shape.front_bsdf, shape.back_bsdf};
-      if (shape.radiance && sides == std::pair{kBlackBsdf, kBlackBsdf}) return;
+      if (has_emitter && sides == std::pair{kBlackBsdf, kBlackBsdf}) return;
       const auto [at, added] = surfaces_.try_emplace(sides, fmt::format("bsdf-{}", surfaces_.size()));
       if (!added) return;
       const XmlText before = std::exchange(xml_, new_text());
       put_surface(sides.first, sides.second, fmt::format(" id=\"{}\"", at->second));
       const XmlText text = std::exchange(xml_, before);
       surfaces.emplace(text.least_texture(), text);
-    });
+    };
+    for (const Shape& shape : scene_.shapes) put(shape, shape.radiance.has_value());
+    for (const ShapeGroup& group : scene_.groups)
+      for (const Shape& shape : group.shapes) put(shape, emits(shape));
     for (const auto& [first, text] : surfaces) xml_.append(text);
   }
 
@@ -342,7 +342,8 @@ class SceneWriter {
     xml_.close();
   }
 
-  Expected<void> put_shape(const Shape& shape) {
+  /// Groups have no emitters; those that are black are left out there.
+  Expected<void> put_shape(const Shape& shape, bool with_emitter = true) {
     bool flipped = shape.flip_normals;
     if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
       const std::string name = fmt::format("{}-{}.ply", file_.stem().string(), meshes_++);
@@ -369,7 +370,7 @@ class SceneWriter {
     if (flipped) xml_.value("boolean", "flip_normals", "true");
     if (const auto known = surfaces_.find({shape.front_bsdf, shape.back_bsdf}); known != surfaces_.end())
       xml_.reference(known->second);
-    if (shape.radiance) {
+    if (shape.radiance && with_emitter) {
       xml_.open("emitter", AreaLightParameters::kPlugin);
       if (shape.radiance_texture != kNoTexture && *shape.radiance != glm::vec3(1.0f))
         return fail(

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "scenes/names.h"
 #include "scenes/settings.h"
 #include "scenes/transform.h"
 #include "scenes/view_angle.h"
@@ -63,7 +64,8 @@ void read_place(PluginReader& plugin, SceneDescription& scene) {
     scene.camera.far_clip = scene.camera.near_clip + length;
   }
   if (plugin.number("shutter_close", 0.0) > plugin.number("shutter_open", 0.0))
-    plugin.warn("nothing moves in Penumbra, so shutter_open and shutter_close have no effect");
+    plugin.warn("nothing moves in Penumbra, so shutter_close has no effect");
+  plugin.accept({"rolling_shutter_type", "rolling_shutter_duration"});
   if (!plugin.boolean("jitter", true)) plugin.warn("samples are spread over their pixels all the same");
   plugin.accept({"cone_scale"});  // of lookups in images by size, of which there are none
 }
@@ -157,22 +159,27 @@ void read_filter(const Context& context, const Object& object, SceneDescription&
   plugin.finish();
 }
 
-/// Of Mitsuba's formats, alpha counts; the image is in red, green and blue whatever they say.
+/// Of Mitsuba's formats, however they are capitalised, alpha counts; the image is in red, green and blue
+/// whatever they say.
 void read_format(PluginReader& plugin, Film& film) {
   const OneOf<bool> formats{{{"rgb", false},
                              {"rgba", true},
                              {"luminance", false},
                              {"luminance_alpha", true},
-                             {"luminanceAlpha", true},
+                             {"luminancealpha", true},
                              {"xyz", false},
                              {"xyza", true},
                              {"spectrum", false},
                              {"spectrum_alpha", true},
-                             {"spectrumAlpha", true}}};
-  plugin.read("pixel_format", film.alpha, formats);
-  const std::string format = plugin.text("pixel_format", "rgb");
-  if (formats.parse(format) && !format.starts_with("rgb"))
-    plugin.warn(fmt::format("a pixel_format of {} is written as {}", format, film.alpha ? "rgba" : "rgb"));
+                             {"spectrumalpha", true}}};
+  const std::string given = plugin.text("pixel_format", "rgb"), format = to_lower_case(given);
+  const Expected<bool> alpha = formats.parse(format);
+  if (alpha)
+    film.alpha = *alpha;
+  else
+    plugin.wrong("pixel_format", fmt::format("pixel_format: {}", alpha.error().message));
+  if (alpha && !format.starts_with("rgb"))
+    plugin.warn(fmt::format("a pixel_format of {} is written as {}", given, film.alpha ? "rgba" : "rgb"));
   plugin.read("component_format", film.half,
               OneOf<bool>{{{"float32", false}, {"float16", true}, {"uint32", false}}});
 }
@@ -207,9 +214,17 @@ struct SamplerPlugin {
   std::string_view type, nearest;
 };
 constexpr SamplerPlugin kSamplers[] = {
-    {"halton", "halton"},   {"hammersley", "halton"},      {"independent", "independent"},
-    {"ldsampler", "sobol"}, {"multijitter", "stratified"}, {"orthogonal", "sobol"},
-    {"sobol", "sobol"},     {"stratified", "stratified"}};
+    // Orthogonal arrays of versions before 3.
+    {"bose", "sobol"},
+    {"bush", "sobol"},
+    {"halton", "halton"},
+    {"hammersley", "halton"},
+    {"independent", "independent"},
+    {"ldsampler", "sobol"},
+    {"multijitter", "stratified"},
+    {"orthogonal", "sobol"},
+    {"sobol", "sobol"},
+    {"stratified", "stratified"}};
 
 void read_sampler(const Context& context, const Object& object, SceneDescription& scene) {
   PluginReader plugin(context, object);
@@ -242,7 +257,7 @@ void read_sensor(const Context& context, const Object& object, SceneDescription&
   (known != nullptr ? *known : kSensors[0]).read(plugin, scene);
   const Object* film = plugin.only_nested("film");
   const Object* sampler = plugin.only_nested("sampler");
-  for (const Object* medium : plugin.nested("medium")) context.unknown_plugin(*medium, {}, "it is left out");
+  for (const Object* medium : plugin.nested("medium")) context.leave_out_medium(*medium);
   if (known == nullptr) {
     context.unknown_plugin(object, plugin_types(kSensors), "a perspective one stands in for it");
     plugin.skip();

@@ -130,6 +130,45 @@ struct HeightfieldShape : PlacedShape {
   }
 };
 
+/// Curves of a text file, with a thickness that `to_world` has no effect on.
+template <typename Shape>
+struct CurvesShape : PlacedShape {
+  std::string filename;
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    placement<Shape>(row);
+    row("filename", &Shape::filename, FileName{},
+        "the file: a line \"x y z radius\" a point, an empty one a curve");
+  }
+};
+struct BsplineCurveShape : CurvesShape<BsplineCurveShape> {
+  static constexpr const char* kPlugin = "bsplinecurve";
+  static constexpr const char* kText =
+      "tubes along cubic B-splines of control points in a file, as triangles";
+};
+struct LinearCurveShape : CurvesShape<LinearCurveShape> {
+  static constexpr const char* kPlugin = "linearcurve";
+  static constexpr const char* kText =
+      "cones between control points in a file, rounded at each, as triangles";
+};
+
+struct SdfGridShape : PlacedShape {
+  static constexpr const char* kPlugin = "sdfgrid";
+  static constexpr const char* kText =
+      "where signed distances at the points of a grid in the unit cube are 0, as triangles";
+  std::string filename;
+  bool analytic = false;
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    placement<SdfGridShape>(row);
+    row("filename", &SdfGridShape::filename, FileName{}, "the volume file");
+    row("normals", &SdfGridShape::analytic, OneOf<bool>{{{"smooth", false}, {"analytic", true}}},
+        "smooth whatever this says");
+  }
+};
+
 /// One that has no parameters of its own.
 template <typename Shape>
 struct PlainShape : PlacedShape {
@@ -180,6 +219,7 @@ struct InstanceShape {
 
 using ShapeParameters =
     std::variant<ObjShape, PlyShape, SerializedShape, SphereShape, CylinderShape, DiskShape, RectangleShape,
-                 CubeShape, HeightfieldShape, ShapeGroupShape, InstanceShape, MergeShape>;
+                 CubeShape, HeightfieldShape, BsplineCurveShape, LinearCurveShape, SdfGridShape,
+                 ShapeGroupShape, InstanceShape, MergeShape>;
 
 }  // namespace penumbra::mitsuba

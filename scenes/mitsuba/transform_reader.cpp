@@ -129,4 +129,29 @@ std::optional<glm::dmat4> read_transform(const ElementReader& element) {
   return result;
 }
 
+std::optional<AnimationValue> read_animation(const ElementReader& element) {
+  constexpr std::size_t kMostKeys = 4096;
+  AnimationValue animation;
+  bool good = true;
+  for (const pugi::xml_node& node : element.element().children()) {
+    if (node.type() != pugi::node_element) continue;
+    const ElementReader child = element.child(node);
+    if (to_snake_case(node.name()) != "transform")
+      return child.wrong(fmt::format("<animation> holds <transform time=\"…\">, no <{}>", node.name()));
+    if (animation.keys.size() >= kMostKeys)
+      return child.wrong(fmt::format("<animation> has more than {} transforms", kMostKeys));
+    if (!child.check_attributes({"time"}) || !child.required("time")) return std::nullopt;
+    const auto time = read_number(child, "time", 0.0);
+    const auto transform = read_transform(child);
+    if (time && !animation.keys.empty() && !(*time > animation.keys.back().time))
+      return child.wrong_value("time", fmt::format("the times of an animation must ascend; {} follows {}",
+                                                   *time, animation.keys.back().time));
+    good = good && time && transform;
+    if (good) animation.keys.push_back({*time, *transform});
+  }
+  if (!good) return std::nullopt;
+  if (animation.keys.empty()) return element.wrong("<animation> holds at least one <transform time=\"…\">");
+  return animation;
+}
+
 }  // namespace penumbra::mitsuba

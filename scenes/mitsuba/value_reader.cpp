@@ -176,8 +176,9 @@ std::optional<Value> read_text_value(const ElementReader& element, std::string_v
 }  // namespace
 
 const std::vector<std::string>& value_tags() {
-  static const std::vector<std::string> tags = {"integer", "float", "boolean", "string",   "point",
-                                                "vector",  "rgb",   "srgb",    "spectrum", "transform"};
+  static const std::vector<std::string> tags = {"integer",  "float",     "boolean",  "string",
+                                                "point",    "vector",    "rgb",      "srgb",
+                                                "spectrum", "transform", "animation"};
   return tags;
 }
 
@@ -196,6 +197,9 @@ std::optional<Parameter> read_value(const ElementReader& element) {
   if (result.tag == "transform") {
     if (!element.check_attributes({"name"})) return std::nullopt;
     if (const auto matrix = read_transform(element)) value = *matrix;
+  } else if (result.tag == "animation") {
+    if (!element.check_attributes({"name"})) return std::nullopt;
+    if (auto animation = read_animation(element)) value = std::move(*animation);
   } else {
     const bool triple = result.tag == "point" || result.tag == "vector";
     const bool known =

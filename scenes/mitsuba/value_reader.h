@@ -56,6 +56,9 @@ const std::vector<std::string>& value_tags();
 /// Reads one; what is wrong is reported, and nothing returned.
 std::optional<Parameter> read_value(const ElementReader& element);
 
+/// Reads the <transform time="…"> of an <animation>.
+std::optional<AnimationValue> read_animation(const ElementReader& element);
+
 /// Reads the steps of a <transform>, each applied after those before it.
 std::optional<glm::dmat4> read_transform(const ElementReader& element);
 

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "scenes/toml/toml_file.h"
 
 namespace penumbra::tinyrender {
@@ -46,8 +44,7 @@ class Converter {
 
   [[nodiscard]] Table table(const toml::key& key, const toml::table& node) const {
     Table result{std::string(key.str()), location(key.source().begin), {}};
-    for (const auto& [name, value] : node) result.entries.push_back(entry(name, value));
-    std::ranges::sort(result.entries, {}, [](const Entry& e) { return e.key_location.offset; });
+    for (const auto& [name, value] : in_order(node)) result.entries.push_back(entry(*name, *value));
     return result;
   }
 
@@ -79,15 +76,13 @@ Document read_document(const SourceFile& file, Diagnostics& diagnostics) {
   const std::optional<toml::table> root = parse_toml(file, diagnostics);
   if (!root) return {};
   Document document;
-  for (const auto& [key, node] : *root) {
-    if (const auto* table = node.as_table()) {
-      document.tables.push_back(converter.table(key, *table));
+  for (const auto& [key, node] : in_order(*root)) {
+    if (const auto* table = node->as_table()) {
+      document.tables.push_back(converter.table(*key, *table));
     } else {
-      document.entries.push_back(converter.entry(key, node));
+      document.entries.push_back(converter.entry(*key, *node));
     }
   }
-  std::ranges::sort(document.tables, {}, [](const Table& t) { return t.location.offset; });
-  std::ranges::sort(document.entries, {}, [](const Entry& e) { return e.key_location.offset; });
   return document;
 }
 

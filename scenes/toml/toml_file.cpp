@@ -1,5 +1,7 @@
 #include "scenes/toml/toml_file.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "scenes/toml/toml_keys.h"
@@ -25,6 +27,16 @@ std::optional<toml::table> parse_toml(const SourceFile& file, Diagnostics& diagn
                       fmt::format("not TOML: {}", error.description()));
     return std::nullopt;
   }
+}
+
+std::vector<std::pair<const toml::key*, const toml::node*>> in_order(const toml::table& table) {
+  std::vector<std::pair<const toml::key*, const toml::node*>> entries;
+  for (auto&& [key, node] : table) entries.emplace_back(&key, &node);
+  std::ranges::sort(entries, [](const auto& a, const auto& b) {
+    const toml::source_position x = a.first->source().begin, y = b.first->source().begin;
+    return std::pair(x.line, x.column) < std::pair(y.line, y.column);
+  });
+  return entries;
 }
 
 }  // namespace penumbra

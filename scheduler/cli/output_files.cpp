@@ -3,19 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 
+#include "scenes/names.h"
 #include "scheduler/files/atomic_file.h"
 
 namespace penumbra {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string lower_case(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  return text;
-}
 
 }  // namespace
 
@@ -37,7 +32,7 @@ Expected<OutputFiles> choose_output_files(const RenderOptions& options) {
   fs::path out = options.out.empty() ? named_after_scene : fs::path(options.out);
   std::error_code ignored;
   if (!out.has_filename() || fs::is_directory(out, ignored)) out /= named_after_scene;
-  const std::string extension = lower_case(out.extension().string());
+  const std::string extension = extension_of(out);
   if (extension != ".exr" && extension != ".png") {
     return fail(
         fmt::format("-o {}: the name must end in .exr or .png, or be a folder that exists", options.out));

@@ -37,6 +37,28 @@ SceneText phong_sides() {
   return scene;
 }
 
+/// What is of polarised light in Mitsuba, without polarisation.
+SceneText polarizers() {
+  SceneText scene = begin("polarizers", path(5));
+  double x = -1.2;
+  for (const char* type : {"polarizer", "retarder", "circular"}) {
+    scene.both(placed("rectangle", "<scale value=\"0.5\"/>" + translate({x, 0, 0.6}),
+                      plugin("bsdf", type, rgb("transmittance", glm::dvec3(0.8)))));
+    x += 1.2;
+  }
+  const auto plastic = [](std::string_view distribution, double alpha, const glm::dvec3& colour) {
+    return plugin(
+        "bsdf", "pplastic",
+        rgb("diffuse_reflectance", colour) + text("distribution", distribution) + real("alpha", alpha));
+  };
+  scene.both(placed("sphere", "<scale value=\"0.5\"/>" + translate({-0.8, -0.3, -0.5}),
+                    plastic("ggx", 0.3, {0.8, 0.3, 0.1})));
+  scene.both(placed("sphere", "<scale value=\"0.5\"/>" + translate({0.8, -0.3, -0.5}),
+                    plastic("beckmann", 0.12, {0.1, 0.5, 0.9})));
+  scene.both(floor_at(-0.8) + ceiling_lamp() + kSky);
+  return scene;
+}
+
 /// Plastics, smooth and rough, one- and two-sided.
 SceneText plastics(std::string_view name, const std::string& integrator, bool nonlinear) {
   SceneText scene = begin(name, integrator);
@@ -185,6 +207,7 @@ std::vector<SceneText> material_scenes() {
                                    plastics("plastics", path(4), false),
                                    plastics("plastics-nonlinear", path(4), true),
                                    plastics("plastics-direct", direct, false),
+                                   polarizers(),
                                    masks(),
                                    null_lamps(),
                                    blends(),

@@ -7,6 +7,7 @@
 
 #include "scenes/spectrum.h"
 #include "tests/differential/scene_parts.h"
+#include "tests/scenes/sdf_writer.h"
 
 namespace penumbra::differential {
 namespace {
@@ -38,6 +39,44 @@ SceneText smooth_rim_one_sided() {
              placed("rectangle",
                     "<scale value=\"0.6\"/><rotate y=\"1\" angle=\"90\"/><translate x=\"-2\"/>\n",
                     kGrey + area(8)));
+  return scene;
+}
+
+/// Tubes of triangles against Mitsuba's, which are exact.
+SceneText curves(std::string_view name, std::string_view type) {
+  SceneText scene = begin(name, path(3), {0, 0.5, 5}, 34);
+  Random random(31);
+  std::string points;
+  for (int curve = 0; curve < 6; ++curve) {
+    for (int i = 0; i < 7; ++i)
+      points += fmt::format("{} {} {} {}\n", -1.4 + 0.5 * curve + random.between(-0.25, 0.25), -1.6 + 0.5 * i,
+                            random.between(-0.4, 0.4), random.between(0.08, 0.16));
+    points += "\n";
+  }
+  scene.meshes.push_back({"curves.txt", points});
+  scene.both(plugin("shape", type,
+                    text("filename", "curves.txt") +
+                        to_world("<scale x=\"1.1\" y=\"0.9\"/><rotate z=\"1\" "
+                                 "angle=\"8\"/>\n") +
+                        kWhite));
+  scene.both(floor_at(-1.2) + ceiling_lamp() + kSky);
+  return scene;
+}
+
+/// Triangles against Mitsuba's grid of distances: two balls that run into each other.
+SceneText distances() {
+  SceneText scene = begin("distances", path(3), {0.5, 1, 5}, 30);
+  SdfGrid grid = ball_of_distances(24, 0.25, {0.4, 0.5, 0.5});
+  const SdfGrid other = ball_of_distances(24, 0.2, {0.65, 0.6, 0.5});
+  for (std::size_t i = 0; i < grid.values.size(); ++i)
+    grid.values[i] = std::min(grid.values[i], other.values[i]);
+  scene.meshes.push_back({"grid.vol", sdf_file(grid)});
+  const std::string shape =
+      plugin("shape", "sdfgrid", text("filename", "grid.vol") + text("normals", "smooth") + kWhite);
+  scene.both("<shape type=\"shapegroup\" id=\"grid\">" + shape + "</shape>\n" +
+             placed("instance", "<translate x=\"-0.5\" y=\"-0.5\" z=\"-0.5\"/><scale value=\"3\"/>\n",
+                    "<ref id=\"grid\"/>"));
+  scene.both(floor_at(-1.2) + ceiling_lamp() + kSky);
   return scene;
 }
 
@@ -266,6 +305,9 @@ std::vector<SceneText> named_scenes() {
   const std::string hide = boolean("hide_emitters", true);
   std::vector<SceneText> scenes = {lamp_without_bsdf(),
                                    smooth_rim(),
+                                   distances(),
+                                   curves("spline-curves", "bsplinecurve"),
+                                   curves("linear-curves", "linearcurve"),
                                    smooth_rim_one_sided(),
                                    projected_beside_sky(),
                                    inside_sphere_light(),

@@ -93,7 +93,8 @@ TEST_F(MitsubaPlugins, IntegratorErrors) {
                       "<integer name='emitter_samples' value='0'/><integer name='bsdf_samples' value='0'/>"),
               HasSubstr("at least one of emitter_samples and bsdf_samples"));
   EXPECT_THAT(message("moment"), HasSubstr("needs an <integrator>"));
-  EXPECT_THAT(message("stokes"), HasSubstr("integrator type 'stokes' is not one that Penumbra reads"));
+  EXPECT_THAT(message("stokes"), HasSubstr("needs an <integrator>"));
+  EXPECT_THAT(message("vcm"), HasSubstr("integrator type 'vcm' is not one that Penumbra reads"));
   EXPECT_THAT(error(scene("<integrator type='moment' id='a'><ref id='a'/></integrator>")),
               HasSubstr("needs an <integrator>"));
   EXPECT_THAT(error(scene(in("integrator", "path") + in("integrator", "path"))),

@@ -7,7 +7,7 @@ namespace {
 
 TEST_F(MitsubaPlugins, LenientStandIns) {
   const std::string text =
-      in("integrator", "stokes", "<integer name='max_depth' value='4'/>") +
+      in("integrator", "vcm", "<integer name='max_depth' value='4'/>") +
       in("sensor", "spherical",
          "<float name='fov' value='30'/><float name='aperture_radius' value='1'/>" +
              in("film", "specfilm", "<integer name='width' value='99'/>" + in("rfilter", "welch")) +
@@ -42,7 +42,7 @@ TEST_F(MitsubaPlugins, LenientStandIns) {
   EXPECT_THAT(
       s.warnings,
       ::testing::UnorderedElementsAre(
-          HasSubstr("integrator type 'stokes' is not one that Penumbra reads; path stands in"),
+          HasSubstr("integrator type 'vcm' is not one that Penumbra reads; path stands in"),
           HasSubstr("sensor type 'spherical'"), HasSubstr("film type 'specfilm'"),
           HasSubstr("rfilter type 'welch'"), HasSubstr("sampler type 'magic'"), HasSubstr("bsdf type 'hair'"),
           HasSubstr("no file 'x'"), HasSubstr("texture type 'marble'"), HasSubstr("shape type 'hair'"),

@@ -181,6 +181,25 @@ TEST_F(MitsubaWriter, EmittingShapesOfGroupsAreWrittenInEachOfTheirPlaces) {
     for (const Shape& shape : group.shapes) EXPECT_FALSE(shape.radiance);
 }
 
+TEST_F(MitsubaWriter, BlackEmittersOfGroupsAreSurfacesOfTheirGroup) {
+  // Under an instance that makes an ellipsoid of a ball, where no light could be.
+  const auto scene = [&](const std::string& bsdf) {
+    return good("<shape type='shapegroup' id='g'><shape type='sphere'>" + bsdf +
+                "<emitter type='area'><rgb name='radiance' value='0'/></emitter></shape></shape><shape "
+                "type='instance'><ref id='g'/><transform name='to_world'><scale x='2' y='3' "
+                "z='1'/></transform></shape>"
+                "<emitter type='point'/>");
+  };
+  expect_same(scene(diffuse("0.3")));
+  // Without a BSDF it is black, which a shape that is no emitter says by one that reflects nothing.
+  const SceneDescription black = again(scene(""));
+  ASSERT_EQ(black.groups.size(), 1u);
+  const Shape& shape = black.groups[0].shapes.at(0);
+  EXPECT_FALSE(shape.radiance);
+  const auto& bsdf = std::get<DiffuseBsdf>(black.bsdfs.at(std::size_t(shape.front_bsdf)).model);
+  EXPECT_EQ(bsdf.reflectance.value, glm::vec3(0.0f));
+}
+
 TEST_F(MitsubaWriter, WhatMitsubasIntegratorsHaveNoNameForIsLeftOut) {
   const SceneDescription written = again(good(
       "<integrator type='path'><string name='emitter_sampling' value='area'/><string name='light_choice' "

@@ -4,10 +4,11 @@
 #include <glob.h>
 
 #include <algorithm>
-#include <cctype>
 #include <fstream>
 
 #include "scenes/file_access.h"
+#include "scenes/names.h"
+#include "scenes/number.h"
 #include "scenes/toml/toml_file.h"
 #include "scheduler/cli/sets/render_arguments.h"
 
@@ -17,17 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kHighestPriority = 1'000'000;
-
-/// The entries of a table in the file's order.
-std::vector<std::pair<const toml::key*, const toml::node*>> in_order(const toml::table& table) {
-  std::vector<std::pair<const toml::key*, const toml::node*>> entries;
-  for (auto&& [key, node] : table) entries.emplace_back(&key, &node);
-  std::ranges::sort(entries, [](const auto& a, const auto& b) {
-    const toml::source_position x = a.first->source().begin, y = b.first->source().begin;
-    return std::pair(x.line, x.column) < std::pair(y.line, y.column);
-  });
-  return entries;
-}
+constexpr std::int64_t kLastFrame = 999'999'999;
 
 /// A value as the command line would have it; nothing for tables, lists and dates.
 std::optional<std::string> text_of(const toml::node& node) {
@@ -137,7 +128,7 @@ class JobFileReader {
       const bool counts = kind == AxisKind::kFrame || name == "seed";
       const auto range = counts ? range_of(*text) : std::nullopt;
       const std::vector<std::string> values = range.value_or(std::vector{*text});
-      if (kind == AxisKind::kFrame && !is_frame(values.front()))
+      if (kind == AxisKind::kFrame && !parse_integer(values.front(), 0, kLastFrame))
         error(*each, fmt::format("frame: a whole number from 0, or as in \"1..24\" or \"1..24x4\", not '{}'",
                                  *text));
       // Of a range all are alike but for their size.
@@ -153,10 +144,6 @@ class JobFileReader {
       }
     }
     if (!axis.values.empty()) set_axis(pattern.axes, std::move(axis));
-  }
-
-  static bool is_frame(const std::string& text) {
-    return text.size() <= 9 && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
   }
 
   /// name = value each; tables within are names with a dot.
@@ -232,9 +219,7 @@ class JobFileReader {
 }  // namespace
 
 bool is_job_file(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  if (extension != ".toml") return false;
+  if (extension_of(file) != ".toml") return false;
   std::ifstream stream(file);
   for (std::string line; std::getline(stream, line);) {
     std::erase_if(line, [](char c) { return c == ' ' || c == '\t'; });

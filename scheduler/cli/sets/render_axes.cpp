@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
+
+#include "scenes/number.h"
 
 namespace penumbra {
 namespace {
@@ -25,14 +26,6 @@ std::optional<Field> field_at(std::string_view text, std::size_t at) {
   const std::size_t colon = inside.find(':');
   if (colon == inside.npos) return Field{inside, {}, end + 1};
   return Field{inside.substr(0, colon), inside.substr(colon + 1), end + 1};
-}
-
-/// All of the text, as a number.
-std::optional<std::int64_t> whole(std::string_view text) {
-  std::int64_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number;
 }
 
 std::string list_fields(const NameFields& fields) {
@@ -91,7 +84,7 @@ Expected<std::string> fill_in(std::string_view text, const NameFields& fields) {
       filled += found->second;
       continue;
     }
-    const auto width = whole(field->width), number = whole(found->second);
+    const auto width = parse_integer(field->width), number = parse_integer(found->second);
     if (!width || *width < 1 || *width > kWidestField)
       return fail(fmt::format("{}: the width of {{{}:{}}} is none; 3 or 03 would be", text, field->name,
                               field->width));
@@ -115,8 +108,8 @@ std::optional<std::vector<std::string>> range_of(std::string_view text) {
   if (dots == text.npos) return std::nullopt;
   const std::string_view rest = text.substr(dots + 2);
   const std::size_t cross = rest.find('x');
-  const auto first = whole(text.substr(0, dots)), last = whole(rest.substr(0, cross)),
-             step = cross == rest.npos ? 1 : whole(rest.substr(cross + 1));
+  const auto first = parse_integer(text.substr(0, dots)), last = parse_integer(rest.substr(0, cross)),
+             step = parse_integer(cross == rest.npos ? "1" : rest.substr(cross + 1));
   if (!first || !last || !step || *step < 1 || *first < 0 || *last < *first) return std::nullopt;
   if ((*last - *first) / *step >= kLongestRange) return std::nullopt;
   std::vector<std::string> numbers;

@@ -1,0 +1,243 @@
+#include "scenes/curve_mesh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace penumbra {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+/// Between a curve and its chords, in radii; a turn of kMostTurn moves the outside of a bend by as much.
+constexpr double kChordError = 0.01;
+const double kMostTurn = std::sqrt(8 * kChordError);
+constexpr int kMostPieces = 64;  ///< of a segment
+constexpr std::size_t kManyRings = 250'000, kMostTriangles = std::size_t{1} << 27;
+
+/// A point of a curve, by its parameter.
+struct Sample {
+  glm::dvec3 position, first, second;  ///< and derivatives
+  double radius, radius_slope;
+  double v;
+};
+
+/// Where angles are measured from, across a tangent (u = 0), and a quarter turn on.
+struct Across {
+  glm::dvec3 n, b;
+};
+Across across(const glm::dvec3& tangent) {
+  const glm::dvec2 flat(-tangent.y, tangent.x);
+  const double length = glm::length(flat);
+  const glm::dvec3 n =
+      length > 1e-9 ? glm::dvec3(flat / length, 0.0) : glm::dvec3(tangent.z < 0 ? -1 : 1, 0, 0);
+  return {n, glm::cross(tangent, n)};
+}
+
+class Builder {
+ public:
+  Builder(std::size_t rings) {
+    result_.sides = rings > kManyRings ? 8 : 16;
+    const double half = kPi / result_.sides;
+    // A polygon's mean width is its perimeter over pi (Cauchy).
+    widened_ = half / std::sin(half);
+    result_.error = 1.0 - widened_ * std::cos(half) + kChordError;
+  }
+
+  [[nodiscard]] int sides() const { return result_.sides; }
+
+  /// Adds a circle, each of whose points has the normal that `normal` makes of its direction from the centre.
+  template <typename Normal>
+  void ring(const glm::dvec3& center, const glm::dvec3& tangent, double radius, double v,
+            const Normal& normal) {
+    Mesh& mesh = result_.mesh;
+    const Across frame = across(tangent);
+    for (int k = 0; k <= sides(); ++k) {
+      const double angle = 2 * kPi * (k % sides()) / sides();
+      const glm::dvec3 out = std::cos(angle) * frame.n + std::sin(angle) * frame.b;
+      mesh.positions.push_back(center + radius * widened_ * out);
+      mesh.normals.emplace_back(glm::normalize(normal(out)));
+      mesh.texcoords.emplace_back(float(k) / float(sides()), float(v));
+    }
+    last_ = before_;
+    before_ = {tangent, radius};
+  }
+
+  /// Joins the last two rings, the second `along` the tangent of the first. Points that face each other are
+  /// those nearest when one tangent is turned into the other the short way.
+  void join() {
+    const int n = sides();
+    const std::uint32_t to = std::uint32_t(result_.mesh.positions.size()) - std::uint32_t(n + 1),
+                        from = to - std::uint32_t(n + 1);
+    const Across a = across(last_.tangent), b = across(before_.tangent);
+    const glm::dvec3 moved = turned(a.n, last_.tangent, before_.tangent);
+    const double twist = std::atan2(glm::dot(moved, b.b), glm::dot(moved, b.n));
+    const int shift = (int(std::lround(twist * n / (2 * kPi))) % n + n) % n;
+    for (int k = 0; k < n; ++k) {
+      const std::uint32_t p = from + std::uint32_t(k), q = p + 1;
+      const std::uint32_t r = to + std::uint32_t((k + shift) % n), s = r + 1;
+      if (last_.radius > 0) result_.mesh.triangles.emplace_back(p, q, r);
+      if (before_.radius > 0) result_.mesh.triangles.emplace_back(q, s, r);
+    }
+  }
+
+  CurveMesh take() { return std::move(result_); }
+
+ private:
+  struct Ring {
+    glm::dvec3 tangent{0, 0, 1};
+    double radius = 0;
+  };
+
+  /// The vector as the shortest turn from one unit vector to the other takes it along.
+  static glm::dvec3 turned(const glm::dvec3& vector, const glm::dvec3& from, const glm::dvec3& to) {
+    const glm::dvec3 axis = glm::cross(from, to);
+    const double cosine = glm::dot(from, to);
+    if (cosine < -0.999) return vector;
+    return vector * cosine + glm::cross(axis, vector) + axis * (glm::dot(axis, vector) / (1 + cosine));
+  }
+
+  CurveMesh result_;
+  double widened_ = 1.0;
+  Ring last_, before_;
+};
+
+/// A segment of a uniform cubic B-spline: four points, with t in [0, 1].
+Sample bspline_at(const CurvePoint* points, double t) {
+  const double s = 1 - t;
+  const std::array<double, 4> w = {s * s * s / 6, (3 * t * t * t - 6 * t * t + 4) / 6,
+                                   (-3 * t * t * t + 3 * t * t + 3 * t + 1) / 6, t * t * t / 6};
+  const std::array<double, 4> d = {-s * s / 2, (3 * t * t - 4 * t) / 2, (-3 * t * t + 2 * t + 1) / 2,
+                                   t * t / 2};
+  const std::array<double, 4> dd = {s, 3 * t - 2, 1 - 3 * t, t};
+  Sample sample{glm::dvec3(0), glm::dvec3(0), glm::dvec3(0), 0, 0, 0};
+  for (std::size_t i = 0; i < 4; ++i) {
+    sample.position += w[i] * points[i].position;
+    sample.first += d[i] * points[i].position;
+    sample.second += dd[i] * points[i].position;
+    sample.radius += w[i] * points[i].radius;
+    sample.radius_slope += d[i] * points[i].radius;
+  }
+  return sample;
+}
+
+double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
+  const double lengths = glm::length(a) * glm::length(b);
+  return lengths > 0 ? std::acos(std::clamp(glm::dot(a, b) / lengths, -1.0, 1.0)) : 0.0;
+}
+
+/// So many that chords are near enough and no piece turns too far.
+int pieces_of(const CurvePoint* points) {
+  const Sample begin = bspline_at(points, 0), middle = bspline_at(points, 0.5), end = bspline_at(points, 1);
+  // The second derivative is linear, so its largest is at an end; a chord over h is off by |C''| h^2 / 8.
+  const double bend = std::max(glm::length(begin.second), glm::length(end.second));
+  const double radius = std::max(middle.radius, 1e-30);
+  const double turn = angle_between(begin.first, middle.first) + angle_between(middle.first, end.first);
+  const double pieces = std::max(std::sqrt(bend / (8 * kChordError * radius)), turn / kMostTurn);
+  return int(std::clamp(std::ceil(pieces), 1.0, double(kMostPieces)));
+}
+
+glm::dvec3 direction(const glm::dvec3& vector, const glm::dvec3& otherwise) {
+  const double length = glm::length(vector);
+  return length > 0 ? vector / length : otherwise;
+}
+
+Expected<void> check_triangles(std::size_t rings, int sides) {
+  if (rings <= kMostTriangles / (2 * std::size_t(sides))) return {};
+  return fail(fmt::format("the curves would be {} triangles; at most {} are made",
+                          rings * 2 * std::size_t(sides), kMostTriangles));
+}
+
+/// A sphere as rings from pole to pole.
+void add_sphere(Builder& builder, const CurvePoint& point, const glm::dvec3& axis, double v) {
+  const int rings = builder.sides() / 2;
+  for (int i = 0; i <= rings; ++i) {
+    const double angle = kPi * i / rings, along = -std::cos(angle),
+                 out = i % rings == 0 ? 0.0 : std::sin(angle);
+    builder.ring(point.position + point.radius * along * axis, axis, point.radius * out, v,
+                 [&](const glm::dvec3& side) { return out * side + along * axis; });
+    if (i > 0) builder.join();
+  }
+}
+
+}  // namespace
+
+Expected<CurveMesh> bspline_curve_mesh(std::span<const Curve> curves) {
+  std::size_t segments = 0, rings = 0;
+  for (const Curve& curve : curves) {
+    segments += curve.size() - 3;
+    ++rings;
+    for (std::size_t i = 0; i + 3 < curve.size(); ++i) rings += std::size_t(pieces_of(&curve[i]));
+  }
+  Builder builder(rings);
+  if (const auto few = check_triangles(rings, builder.sides()); !few) return std::unexpected(few.error());
+  std::size_t before = 0;
+  for (const Curve& curve : curves) {
+    glm::dvec3 tangent(0, 0, 1);
+    const auto add = [&](std::size_t segment, double t) {
+      const Sample sample = bspline_at(&curve[segment], t);
+      tangent = direction(sample.first, tangent);
+      const double speed = glm::length(sample.first);
+      // The tangent's own derivative.
+      const glm::dvec3 bend =
+          speed > 0 ? (sample.second - tangent * glm::dot(sample.second, tangent)) / speed : glm::dvec3(0);
+      const double v = (double(before + segment) + t) / double(segments);
+      // Across both derivatives of the surface: that along the curve is (|C'| - r d.T') T + r' d.
+      builder.ring(sample.position, tangent, sample.radius, v, [&](const glm::dvec3& side) {
+        const double along = std::max(speed - sample.radius * glm::dot(side, bend), 1e-6 * speed);
+        const glm::dvec3 normal = along * side - sample.radius_slope * tangent;
+        return glm::length(normal) > 0 ? normal : side;
+      });
+    };
+    add(0, 0.0);
+    for (std::size_t i = 0; i + 3 < curve.size(); ++i) {
+      const int pieces = pieces_of(&curve[i]);
+      for (int k = 1; k <= pieces; ++k) {
+        add(i, double(k) / pieces);
+        builder.join();
+      }
+    }
+    before += curve.size() - 3;
+  }
+  return builder.take();
+}
+
+Expected<CurveMesh> linear_curve_mesh(std::span<const Curve> curves) {
+  std::size_t segments = 0, points = 0;
+  for (const Curve& curve : curves) {
+    segments += curve.size() - 1;
+    points += curve.size();
+  }
+  Builder builder(points * 10);
+  const std::size_t rings = segments * 2 + points * (std::size_t(builder.sides()) / 2 + 1);
+  if (const auto few = check_triangles(rings, builder.sides()); !few) return std::unexpected(few.error());
+  std::size_t before = 0;
+  for (const Curve& curve : curves) {
+    glm::dvec3 axis(0, 0, 1);
+    for (std::size_t i = 0; i < curve.size(); ++i) {
+      const double v = double(before + i) / double(segments);
+      const bool last = i + 1 == curve.size();
+      const glm::dvec3 step = last ? glm::dvec3(0) : curve[i + 1].position - curve[i].position;
+      axis = direction(step, axis);
+      if (curve[i].radius > 0) add_sphere(builder, curve[i], axis, v);
+      if (last) continue;
+      // The cone's circles lean towards the smaller sphere; there is none where one sphere holds the other.
+      const double sine = (curve[i].radius - curve[i + 1].radius) / glm::length(step);
+      if (!(std::abs(sine) < 1.0)) continue;
+      const double cosine = std::sqrt(1 - sine * sine);
+      const auto normal = [&](const glm::dvec3& side) { return cosine * side + sine * axis; };
+      for (const std::size_t end : {i, i + 1}) {
+        const CurvePoint& point = curve[end];
+        builder.ring(point.position + axis * (point.radius * sine), axis, point.radius * cosine,
+                     double(before + end) / double(segments), normal);
+      }
+      builder.join();
+    }
+    before += curve.size() - 1;
+  }
+  return builder.take();
+}
+
+}  // namespace penumbra

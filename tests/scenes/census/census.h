@@ -1,0 +1,24 @@
+// Facts about public scenes, and tiny scenes that are made of them: census/mitsuba_scenes.txt says how.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace penumbra::census {
+
+struct Row {
+  std::string name, version;
+  std::string fork;     ///< what a research fork has added; empty: none
+  std::string verdict;  ///< "loads", or what the error names
+  std::string items;    ///< fragments filled in
+};
+
+/// The rows of the file; an empty list, and a failure of the test, for one that is not of the form.
+std::vector<Row> read_rows(const std::filesystem::path& file);
+
+/// A scene with each of the row's plugins and parameters, whose files are `mesh.obj`, `mesh.ply`,
+/// `mesh.serialized`, `curve.txt`, `grid.vol` and `image.pfm` beside it.
+std::string scene_text(const Row& row);
+
+}  // namespace penumbra::census
