@@ -121,7 +121,8 @@ std::expected<int, std::string> listen_tcp(const HostAndPort& address) {
   addrinfo hints{}, *found = nullptr;
   hints.ai_socktype = SOCK_STREAM;
   hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
-  if (const int error = getaddrinfo(host.c_str(), std::string(address.port).c_str(), &hints, &found); error != 0)
+  if (const int error = getaddrinfo(host.c_str(), std::string(address.port).c_str(), &hints, &found);
+      error != 0)
     return std::unexpected(gai_strerror(error));
   std::expected<int, int> listener = std::unexpected(EADDRNOTAVAIL);
   for (const addrinfo* at = found; at != nullptr && !listener; at = at->ai_next)

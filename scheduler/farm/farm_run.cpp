@@ -15,7 +15,7 @@ constexpr std::chrono::milliseconds kTickInterval{20};
 // A pause of this very process (Ctrl-Z, a suspended machine) must not look like one of the workers.
 constexpr Seconds kLongestTick = 1;
 constexpr Seconds kWorkersInterval = 0.5;
-constexpr std::size_t kMostProblems = 100;  // that are kept of the farm, which may go on for months
+constexpr std::size_t kMostProblems = 100;     // that are kept of the farm, which may go on for months
 constexpr Seconds kTimeForAnotherToJoin = 30;  // that can do what those that are here cannot
 constexpr Seconds kTimeToDie = 2;  // from the end of a local worker's stream to the end of its process
 
@@ -57,8 +57,9 @@ void FarmRun::tell_how_to_watch() {
     // Their tokens are nothing to print.
     const std::string address = shell_quoted(reachable_address(server_->more_address()));
     const auto line = [&](KeyRole role, const char* command) {
-      source_.notice(fmt::format("from other hosts: penumbra {} {} --keys FOLDER, a copy of the keys for {} ('{}')",
-                                 command, address, info(role).who, info(role).folder));
+      source_.notice(
+          fmt::format("from other hosts: penumbra {} {} --keys FOLDER, a copy of the keys for {} ('{}')",
+                      command, address, info(role).who, info(role).folder));
     };
     line(KeyRole::kViewer, "view --connect");
     line(KeyRole::kWorker, "worker --connect");

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "kernels/host/error.h"
-#include "scheduler/keys/key_folder.h"
 #include "scheduler/farm/render_job.h"
 #include "scheduler/farm/service_maker.h"
+#include "scheduler/keys/key_folder.h"
 #include "scheduler/plan/plan.h"
 
 namespace penumbra {

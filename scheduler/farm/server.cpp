@@ -69,7 +69,8 @@ Expected<void> Server::listen_for_own(const ListenOptions& options) {
 }
 
 Expected<void> Server::listen_for_all(const ListenOptions& options) {
-  Expected<std::unique_ptr<Acceptor>> acceptor = Acceptor::listen(options.more, options.limits, options.keys != nullptr);
+  Expected<std::unique_ptr<Acceptor>> acceptor =
+      Acceptor::listen(options.more, options.limits, options.keys != nullptr);
   if (!acceptor) return std::unexpected(acceptor.error());
   state_->acceptor = std::move(*acceptor);
   state_->more_address = state_->acceptor->address();
@@ -129,7 +130,8 @@ Server::~Server() {
   state_->farm.mailbox.close();
   state_->farm.close_boards();
   for (const auto& connection : state_->farm.all_connections())
-    connection->dismiss(state_->comes_back ? "the scheduler is stopped" : "the render is over", state_->comes_back);
+    connection->dismiss(state_->comes_back ? "the scheduler is stopped" : "the render is over",
+                        state_->comes_back);
   if (state_->acceptor) state_->acceptor->stop();
   // A write to a peer that does not read ends with its connection alone, and so does its call.
   std::jthread cutter([this](const std::stop_token& stop) {

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "scheduler/farm/render_farm.h"
-#include "scheduler/protocol/token.h"
+#include "scheduler/keys/client_access.h"
+#include "scheduler/keys/tcp_address.h"
 
 namespace penumbra {
 
@@ -15,6 +18,12 @@ WorkerCommand worker_command(const FarmOptions& options, const std::string& addr
                         .is_launcher = !options.launch.empty()};
   if (!token.empty()) command.environment.push_back(fmt::format("{}={}", kTokenVariable, token));
   if (!command.is_launcher) return command;
+  if (options.keys && is_tcp(address)) {
+    // The worker's part is beside the scheduler's.
+    std::filesystem::path folder = std::filesystem::absolute(options.keys->folder).lexically_normal();
+    if (folder.filename() == info(KeyRole::kScheduler).folder) folder = folder.parent_path();
+    command.environment.push_back(fmt::format("{}={}", kKeysVariable, folder.string()));
+  }
   // On another machine the number of this one's cores says nothing.
   command.arguments.insert(command.arguments.end(), {"--threads", options.launch_threads});
   // The user's words are read by a shell, ours are not.

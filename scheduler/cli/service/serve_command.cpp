@@ -36,7 +36,8 @@ void add_serve_command(CLI::App& app, Command& chosen) {
       ->add_option(
           "--listen", options->listen,
           "Address for clients, windows and further workers: unix:/path, or 127.0.0.1:PORT (0: any free "
-          "one), where tokens are asked for, which are printed; with --keys also of other hosts, 0.0.0.0:PORT "
+          "one), where tokens are asked for, which are printed; with --keys also of other hosts, "
+          "0.0.0.0:PORT "
           "for all")
       ->type_name("ADDRESS")
       ->required();

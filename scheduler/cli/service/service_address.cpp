@@ -9,7 +9,8 @@ namespace penumbra {
 void add_service_address(CLI::App& command, ServiceAddress& address, bool with_keys) {
   command
       .add_option("--to", address.to,
-                  "Address of the service: unix:/path, or HOST:PORT, with --keys or with the token that it printed in "
+                  "Address of the service: unix:/path, or HOST:PORT, with --keys or with the token that it "
+                  "printed in "
                   "PENUMBRA_TOKEN (default: PENUMBRA_SERVICE)")
       ->type_name("ADDRESS")
       ->envname("PENUMBRA_SERVICE")
@@ -24,7 +25,8 @@ Expected<std::unique_ptr<JobsClient>> connect_to_service(const ServiceAddress& a
 }
 
 CLI::Option* add_jobs(CLI::App& command, std::vector<JobId>& jobs) {
-  return command.add_option("JOB", jobs, "Numbers of jobs, as `penumbra submit` and `penumbra status` say them")
+  return command
+      .add_option("JOB", jobs, "Numbers of jobs, as `penumbra submit` and `penumbra status` say them")
       ->type_name("JOB")
       ->check(whole_number(1, std::numeric_limits<JobId>::max()));
 }

@@ -83,8 +83,9 @@ void add_submit_command(CLI::App& app, const std::vector<std::string>& command_l
   const auto options = std::make_shared<SubmitOptions>();
   add_render_options(*command, options->render);
   add_service_address(*command, options->service, false);
-  command->get_option("--keys")->description("For a service at HOST:PORT with TLS: the folder that `penumbra keys` made, "
-                                             "or its part for users");
+  command->get_option("--keys")->description(
+      "For a service at HOST:PORT with TLS: the folder that `penumbra keys` made, "
+      "or its part for users");
   command
       ->add_option("--priority", options->priority,
                    "The highest is rendered first (default: the job file's, or 0)")
