@@ -39,9 +39,10 @@ Expected<void> FarmRun::start() {
   if (!server) return std::unexpected(server.error());
   server_ = std::move(*server);
   const bool far = !options_.launch.empty() && !options_.listen.empty();
-  workers_here_.emplace(worker_command(options_, far ? server_->more_address() : socket_->address(),
-                                       far ? server_->tokens().work : ""),
-                        options_.workers);
+  workers_here_.emplace(
+      worker_command(options_, far ? reachable_address(server_->more_address()) : socket_->address(),
+                     far && !options_.keys ? server_->tokens().work : ""),
+      options_.workers);
   // They start up while the first scene is being packed.
   workers_here_->start_missing(0);
   tell_start_problems();

@@ -14,6 +14,7 @@
 
 #include "scheduler/files/atomic_file.h"
 #include "scheduler/files/file_target.h"
+#include "scheduler/protocol/asset_manifest.h"
 
 namespace penumbra {
 namespace {
@@ -141,16 +142,16 @@ Expected<DeviceScene> Spool::read_scene(const std::string& hash) const {
   std::ifstream file(path, std::ios::binary);
   if (error || !file) return fail(fmt::format("cannot read the scene {}", path.string()));
   DeviceSceneReader reader{std::size_t(size)};
-  ContentHash hashed;
   std::vector<std::uint8_t> part(std::min<std::size_t>(kReadBytes, std::size_t(size)));
   while (file.read(reinterpret_cast<char*>(part.data()), std::streamsize(part.size())), file.gcount() > 0) {
     const std::span bytes(part.data(), std::size_t(file.gcount()));
-    hashed.add(bytes);
     if (const auto added = reader.add(bytes); !added)
       return fail(fmt::format("{}: {}", path.string(), added.error().message));
   }
-  if (hashed.text() != hash) return fail(fmt::format("the scene {} is damaged", path.string()));
-  return reader.finish();
+  auto scene = reader.finish();
+  if (!scene || manifest_of(*scene).hash != hash)
+    return fail(fmt::format("the scene {} is damaged", path.string()));
+  return scene;
 }
 
 void Spool::remove_other_scenes(const std::set<std::string>& used) {
@@ -169,7 +170,6 @@ struct Spool::IncomingScene::State {
   std::string hash;
   fs::path temporary, target;
   int descriptor = -1;
-  ContentHash hashed;
   DeviceSceneReader reader{};
 
   State() = default;
@@ -199,7 +199,6 @@ Expected<Spool::IncomingScene> Spool::receive_scene(const std::string& hash) {
 }
 
 Expected<void> Spool::IncomingScene::add(std::span<const std::uint8_t> bytes) {
-  state_->hashed.add(bytes);
   if (const auto added = state_->reader.add(bytes); !added) return added;
   while (!bytes.empty()) {
     const ssize_t written = write(state_->descriptor, bytes.data(), bytes.size());
@@ -211,10 +210,11 @@ Expected<void> Spool::IncomingScene::add(std::span<const std::uint8_t> bytes) {
 }
 
 Expected<void> Spool::IncomingScene::finish() {
-  if (state_->hashed.text() != state_->hash)
-    return fail(fmt::format("the scene that came is damaged: its hash is {} instead of {}",
-                            state_->hashed.text(), state_->hash));
-  if (const auto scene = state_->reader.finish(); !scene) return std::unexpected(scene.error());
+  const auto scene = state_->reader.finish();
+  if (!scene) return std::unexpected(scene.error());
+  if (const std::string hash = manifest_of(*scene).hash; hash != state_->hash)
+    return fail(
+        fmt::format("the scene that came is damaged: its hash is {} instead of {}", hash, state_->hash));
   if (fsync(state_->descriptor) != 0) return cannot_write(state_->temporary, errno);
   if (rename(state_->temporary.c_str(), state_->target.c_str()) != 0)
     return cannot_write(state_->target, errno);

@@ -21,7 +21,7 @@ namespace penumbra {
 /// A folder that one service at a time has to itself:
 ///   lock
 ///   next                the number of the next job: none is ever used again
-///   scenes/HASH         serialized device scenes
+///   scenes/HASH         serialized device scenes, see AssetManifest
 ///   jobs/NUMBER/job     wire::StoredJob
 ///   jobs/NUMBER/…       its images and statistics, and a checkpoint while it is rendered
 /// Members may be called by several threads at once, those that change one job or scene by one.

@@ -20,7 +20,7 @@ namespace penumbra {
 
 struct Submission {
   std::string name;   ///< for people
-  std::string scene;  ///< content hash of the serialized device scene
+  std::string scene;  ///< hash of the device scene, see AssetManifest
   int priority = 0;
   RenderRecord record;
   DeviceOptions device;  ///< threads: the service's own number counts

@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "scheduler/protocol/token.h"
+#include "scheduler/keys/client_access.h"
 #include "tests/support/fake_device.h"
 #include "worker/worker_client.h"
 

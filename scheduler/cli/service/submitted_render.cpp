@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "scheduler/farm/render_job_check.h"
-#include "scheduler/protocol/wire.h"
 
 namespace penumbra {
 namespace {
@@ -15,20 +14,13 @@ std::string stored_name(const std::filesystem::path& path, const char* extension
   return std::filesystem::path(path.filename()).replace_extension(extension).string();
 }
 
-std::string hash_of(const DeviceScene& scene) {
-  ContentHash bytes;
-  bytes.add(scene.head());
-  bytes.add(scene.body());
-  return bytes.text();
-}
-
 }  // namespace
 
 Submission submission_of(const PreparedRender& prepared, const SetMember& member,
                          const std::vector<std::string>& command_line) {
   const RenderJob& job = prepared.job;
   Submission submission{.name = member.name,
-                        .scene = hash_of(job.scene),
+                        .scene = job.manifest->hash,
                         .priority = member.priority,
                         .record = prepared.record,
                         .device = job.device,

@@ -3,14 +3,14 @@
 
 #include <string>
 
-#include "scheduler/protocol/wire.h"
+#include "scheduler/protocol/asset_manifest.h"
 #include "scheduler/service/spool.h"
 #include "scheduler/service/submission.h"
 #include "tests/support/fake_device.h"
 
 namespace penumbra {
 
-inline std::string hash_of(const DeviceScene& scene) { return content_hash(scene.serialize()); }
+inline std::string hash_of(const DeviceScene& scene) { return manifest_of(scene).hash; }
 
 inline Submission small_submission(const DeviceScene& scene, int priority = 0) {
   Submission submission{
