@@ -9,6 +9,7 @@
 
 #include "kernels/host/device_scene.h"
 #include "scheduler/plan/film_accumulator.h"
+#include "scheduler/plan/work_unit.h"
 #include "worker/device.h"
 
 namespace penumbra {
@@ -17,6 +18,7 @@ class CheckpointSink;
 struct MergedBefore;
 
 struct RenderJob {
+  std::optional<JobId> number = {};  ///< on the wire, not used before; nothing: the farm's choice
   DeviceScene scene;
   int x = 0, y = 0, width = 0, height = 0;  ///< film rectangle to render
   std::uint32_t spp = 16;

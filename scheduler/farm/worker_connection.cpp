@@ -87,11 +87,12 @@ void WorkerConnection::send_view(JobId job, const WatchView& view) {
 }
 
 void WorkerConnection::send_final(wire::SchedulerMessage message) {
-  send(std::move(message));
   const std::lock_guard lock(mutex_);
   if (sent_away_) return;
+  outbox_.push_back(std::move(message));
   sent_away_ = true;
   expected_.clear();
+  write_next();
   if (stream_ != nullptr) stream_->is_final();
 }
 
