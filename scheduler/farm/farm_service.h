@@ -84,8 +84,7 @@ class Farm {
 /// checked where one is required.
 class FarmService final : public wire::Farm::WithCallbackMethod_Work<wire::Farm::Service> {
  public:
-  explicit FarmService(Farm& farm, std::function<void(const std::string& peer)> on_call = {})
-      : farm_(farm), on_call_(std::move(on_call)) {}
+  explicit FarmService(Farm& farm, std::function<void(const std::string& peer)> on_call = {});
 
   /// Of workers there may be thousands, so no thread waits for one.
   grpc::ServerBidiReactor<wire::WorkerMessage, wire::SchedulerMessage>* Work(
