@@ -98,8 +98,9 @@ void WorkStream::cut_off_in(std::chrono::milliseconds time, grpc::Alarm& alarm) 
 void WorkStream::OnDone() {
   if (connection_) {
     connection_->detach();
-    farm_.close(worker_);
     farm_.mailbox.put(arrivals::Gone{worker_});
+    connection_.reset();
+    farm_.close(worker_);  // from here on the farm may go
   }
   delete this;
 }
