@@ -84,6 +84,7 @@ RenderRecord make_record(const RenderOptions& options, const LoadedScene& scene,
   record.lenient = options.scene.lenient;
   record.film = film;
   if (options.stop_after && *options.stop_after < record.sampler.spp) record.stop_after = options.stop_after;
+  record.stop_after_units = options.stop_after_units;
   record.samples_per_pass = options.samples_per_pass;
   record.target_error = options.target_error;
   record.tile = options.tile;
@@ -130,6 +131,7 @@ RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device,
   job.device = device;
   job.reproduce_command = repeat_command(record, false);
   job.target_error = record.target_error;
+  job.units_at_most = record.stop_after_units.value_or(kAllUnits);
   job.title = record.scene;
   job.integrator = integrator_name(record.integrator);
   return job;

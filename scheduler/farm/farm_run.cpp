@@ -281,7 +281,7 @@ void FarmRun::advance_clock() {
 void FarmRun::tick() {
   last_tick_ = now_;
   for (const auto& [id, job] : jobs_)
-    if (job->budget_is_spent(now_)) tell_plan(NoFurtherPasses{id});
+    if (job->budget_is_spent(now_)) tell_plan(NoFurtherUnits{id});
   tell_plan(Tick{});
 }
 

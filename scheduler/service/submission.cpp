@@ -44,6 +44,7 @@ void encode(const RenderRecord& record, wire::Record& message) {
   add_texts(record.settings, message.mutable_settings());
   message.set_lenient(record.lenient);
   if (record.stop_after) message.set_stop_after(*record.stop_after);
+  if (record.stop_after_units) message.set_stop_after_units(*record.stop_after_units);
   message.set_samples_per_pass(record.samples_per_pass);
   if (record.target_error) message.set_target_error(*record.target_error);
   message.set_tile(record.tile);
@@ -72,6 +73,7 @@ Expected<RenderRecord> decode(const wire::Record& message, const DeviceOptions& 
   record.settings = {message.settings().begin(), message.settings().end()};
   record.lenient = message.lenient();
   if (message.has_stop_after()) record.stop_after = message.stop_after();
+  if (message.has_stop_after_units()) record.stop_after_units = message.stop_after_units();
   record.samples_per_pass = message.samples_per_pass();
   if (message.has_target_error()) record.target_error = message.target_error();
   if (record.target_error && !(*record.target_error > 0 && std::isfinite(*record.target_error)))

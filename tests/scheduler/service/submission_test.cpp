@@ -42,6 +42,7 @@ Submission full_submission() {
   record.settings = {"film.width=40"};
   record.lenient = true;
   record.stop_after = 70;
+  record.stop_after_units = std::uint64_t(1) << 40;
   record.samples_per_pass = 5;
   record.target_error = 0.1;
   record.feature_layers = false;
