@@ -20,7 +20,7 @@ packages=(
   # Plots of penumbra report.
   gnuplot-nox
   # Tests.
-  libgtest-dev libgmock-dev libbenchmark-dev openimageio-tools procps
+  libgtest-dev libgmock-dev libbenchmark-dev openimageio-tools procps iproute2
   # The window's tests: a screen in memory, and OpenGL without a graphics card.
   xvfb xauth libgl1-mesa-dri
 )

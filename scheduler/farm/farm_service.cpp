@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "scheduler/farm/work_stream.h"
 #include "scheduler/protocol/text.h"
 #include "scheduler/watch/watch_wire.h"
 
@@ -132,12 +131,6 @@ std::uint32_t Farm::next_view_number(JobId job) {
 }
 
 // --- The calls
-
-grpc::ServerBidiReactor<wire::WorkerMessage, wire::SchedulerMessage>* FarmService::Work(
-    grpc::CallbackServerContext* context) {
-  if (on_call_) on_call_(context->peer());
-  return new WorkStream(farm_, *context);  // which deletes itself
-}
 
 grpc::Status FarmService::Manifest(grpc::ServerContext* context, const wire::AssetRequest* request,
                                    wire::AssetManifest* reply) {

@@ -23,6 +23,16 @@ std::vector<Isa> isas_of(const wire::Hello& hello) {
 
 }  // namespace
 
+// Here, so that gRPC's own code that calls a stream back is compiled with it.
+FarmService::FarmService(Farm& farm, std::function<void(const std::string& peer)> on_call)
+    : farm_(farm), on_call_(std::move(on_call)) {}
+
+grpc::ServerBidiReactor<wire::WorkerMessage, wire::SchedulerMessage>* FarmService::Work(
+    grpc::CallbackServerContext* context) {
+  if (on_call_) on_call_(context->peer());
+  return new WorkStream(farm_, *context);  // which deletes itself
+}
+
 WorkStream::WorkStream(Farm& farm, grpc::CallbackServerContext& context) : farm_(farm), context_(context) {
   StartRead(&incoming_);
 }
@@ -88,8 +98,9 @@ void WorkStream::cut_off_in(std::chrono::milliseconds time, grpc::Alarm& alarm) 
 void WorkStream::OnDone() {
   if (connection_) {
     connection_->detach();
-    farm_.close(worker_);
     farm_.mailbox.put(arrivals::Gone{worker_});
+    connection_.reset();
+    farm_.close(worker_);  // from here on the farm may go
   }
   delete this;
 }

@@ -90,9 +90,9 @@ void WorkerConnection::send_final(wire::SchedulerMessage message) {
   const std::lock_guard lock(mutex_);
   if (sent_away_) return;
   outbox_.push_back(std::move(message));
-  write_next();
   sent_away_ = true;
   expected_.clear();
+  write_next();
   if (stream_ != nullptr) stream_->is_final();
 }
 

@@ -34,6 +34,8 @@ class WorkerConnection {
   };
 
   explicit WorkerConnection(WorkerId worker) : worker_(worker) {}
+  /// Locks for the thread sanitizer's sake, which does not see that all streams are over.
+  ~WorkerConnection() { const std::lock_guard lock(mutex_); }
 
   // --- To the worker; nothing after the first final message (Refused or Dismiss)
 

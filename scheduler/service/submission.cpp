@@ -103,6 +103,7 @@ wire::Submission encode(const Submission& submission) {
   encode(submission.record, *message.mutable_record());
   encode(submission.device, *message.mutable_device());
   if (submission.time_budget) message.set_time_budget(*submission.time_budget);
+  message.set_verify(submission.verify);
   for (const double coordinate : submission.center) message.add_center(coordinate);
   add_texts(submission.warnings, message.mutable_warnings());
   add_named(submission.needs, message.mutable_needs());
@@ -127,6 +128,9 @@ Expected<Submission> decode(const wire::Submission& message) {
   if (message.has_time_budget()) submission.time_budget = message.time_budget();
   if (submission.time_budget && !(*submission.time_budget > 0 && std::isfinite(*submission.time_budget)))
     return fail("the time budget is no positive number");
+  submission.verify = message.verify();
+  if (!(submission.verify >= 0 && submission.verify <= 1))
+    return fail("the share of units to be verified is not between 0 and 1");
   if (message.center_size() != int(submission.center.size()) ||
       !std::ranges::all_of(message.center(), [](double coordinate) { return std::isfinite(coordinate); }))
     return fail("the scene's centre is none");

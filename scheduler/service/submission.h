@@ -25,6 +25,7 @@ struct Submission {
   RenderRecord record;
   DeviceOptions device;  ///< threads: the service's own number counts
   std::optional<double> time_budget = {};
+  double verify = 0;               ///< share of the units that two workers do
   std::array<double, 3> center{};  ///< of the scene in world space
   std::vector<std::string> warnings = {};
   std::vector<std::pair<std::string, std::string>> needs = {}, left_out = {};  ///< see SceneSummary

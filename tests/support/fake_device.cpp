@@ -32,6 +32,7 @@ void for_each_field(Behaviour& behaviour, Visit visit) {
   visit("PENUMBRA_FAKE_NAN_CLAIM", behaviour.nan_claim);
   visit("PENUMBRA_FAKE_DIE_AT_START", behaviour.die_at_start);
   visit("PENUMBRA_FAKE_VANISH_CLAIM", behaviour.vanish_claim);
+  visit("PENUMBRA_FAKE_DEADLY_SCENE", behaviour.deadly_scene);
   visit("PENUMBRA_FAKE_PREPARE_MS", behaviour.prepare_ms);
   visit("PENUMBRA_FAKE_NO_DEVICE", behaviour.no_device);
   visit("PENUMBRA_FAKE_FAIL_ALWAYS", behaviour.fail_always);
@@ -136,6 +137,8 @@ FakeBehaviour FakeBehaviour::from_environment() {
 
 Expected<std::unique_ptr<Device>> make_fake_device(const DeviceScene& scene, const DeviceOptions&,
                                                    const FakeBehaviour& behaviour) {
+  if (behaviour.deadly_scene != 0 && float(behaviour.deadly_scene) == scene.header.camera.origin.x)
+    kill(getpid(), SIGKILL);
   for (const char* number : {"1", "2", "3"}) {
     if (behaviour.vanish_claim.empty() || !claim(behaviour.vanish_claim + number)) continue;
     close_range(STDERR_FILENO + 1, ~0u, 0);

@@ -28,6 +28,7 @@ struct FakeBehaviour {
   int liar_delay_ms = 0;          ///< how late the liar is with its first unit
   int die_at_start = 0;           ///< 1: the process ends before it connects
   std::string vanish_claim = {};  ///< closes its connection while it prepares its job, and stays
+  int deadly_scene = 0;           ///< the process dies when it prepares one whose camera has this x
   int prepare_ms = 0;             ///< for a job, of those that do not vanish
   int no_device = 0;              ///< 1: the device cannot be made
   int fail_always = 0;            ///< 1: every unit fails

@@ -25,6 +25,7 @@ Submission submission_of(const PreparedRender& prepared, const SetMember& member
                         .record = prepared.record,
                         .device = job.device,
                         .time_budget = job.time_budget,
+                        .verify = job.verify,
                         .warnings = prepared.scene.description.warnings,
                         .needs = prepared.scene.summary.needs,
                         .left_out = prepared.scene.summary.left_out,
@@ -64,6 +65,7 @@ Expected<PreparedRender> prepared_of(const Submission& submission, DeviceScene s
   prepared.scene.seconds = submission.build_seconds;
   prepared.job = job_of_record(record, device, std::move(scene));
   prepared.job.time_budget = submission.time_budget;
+  prepared.job.verify = submission.verify;
   prepared.job.priority = submission.priority;
   std::ranges::copy(submission.center, prepared.job.center);
   prepared.farm.workers = workers;

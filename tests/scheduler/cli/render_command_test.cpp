@@ -181,6 +181,20 @@ TEST_F(RenderCommand, FilesDoNotDependOnWorkersThreadsOrTiles) {
   }
 }
 
+TEST_F(RenderCommand, VerifiesUnitsByASecondWorkerAndTheImageIsTheSame) {
+  render({"-o", "a.exr", "--tile", "8", "--pass", "2"});
+  render({"-o", "b.exr", "--tile", "8", "--pass", "2", "--workers", "2", "--verify", "0.5"});
+  EXPECT_EQ(file_contents(folder_ / "a.exr"), file_contents(folder_ / "b.exr"));
+  EXPECT_EQ(report("a.json")["units"]["verified"], 0);
+  const int units = report("b.json")["units"]["done"], verified = report("b.json")["units"]["verified"];
+  EXPECT_EQ(units, 36);
+  EXPECT_GT(verified, 8);
+  EXPECT_LT(verified, 28);
+  const ProgramResult alone = run_penumbra(folder_.path(), {"render", "s.xml", "--verify", "0.5"});
+  EXPECT_EQ(alone.exit_code, 2);
+  EXPECT_THAT(alone.err, HasSubstr("--verify: it takes two workers"));
+}
+
 TEST_F(RenderCommand, TheRecordedCommandGivesTheSameBytes) {
   render({"-o", "a.exr", "-D", "albedo=0.25", "--set", "integrator.max_depth=3", "--seed", "7", "--spp", "5",
           "--crop", "3,2,20,18", "--sampler", "sobol"});

@@ -156,6 +156,20 @@ TEST_F(RenderFarmTest, AJobThatNoWorkerCanDoDoesNotStopTheOthers) {
   EXPECT_THAT(source_.outcomes.at(2).error().message, HasSubstr("no worker can do this job"));
 }
 
+TEST_F(RenderFarmTest, ASceneThatKillsEveryWorkerConcernsItsJobAlone) {
+  for (const int workers : {1, 2, 6}) {
+    SCOPED_TRACE(workers);
+    source_ = ListedJobs();
+    FakeBehaviour{.delay_ms = 2, .deadly_scene = 2}.to_environment();
+    options_.workers = workers;
+    source_.jobs = {job(1), job(2), job(3), job(4)};
+    ASSERT_TRUE(run());
+    for (const JobId id : {1u, 3u, 4u}) expect_film(id, float(id));
+    ASSERT_FALSE(source_.outcomes.at(2));
+    EXPECT_THAT(source_.outcomes.at(2).error().message, HasSubstr("workers died while they prepared it"));
+  }
+}
+
 TEST_F(RenderFarmTest, AUnitThatKillsItsWorkersConcernsItsJobAlone) {
   // Only the larger image has this unit.
   FakeBehaviour{.crash_at = "48,0,0"}.to_environment();

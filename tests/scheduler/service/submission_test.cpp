@@ -49,6 +49,7 @@ Submission full_submission() {
   record.embree = true;
   record.isa = "avx2";
   submission.time_budget = 1.5;
+  submission.verify = 0.25;
   submission.center = {1, -2, 1e300};
   submission.warnings = {"s.xml:1:2: warning: ä"};
   submission.needs = {{"families", "diffuse"}};
@@ -78,6 +79,7 @@ TEST(Submission, ArrivesWhole) {
   EXPECT_EQ(there->scene, sent.scene);
   EXPECT_EQ(there->priority, 3);
   EXPECT_EQ(there->time_budget, 1.5);
+  EXPECT_EQ(there->verify, 0.25);
   EXPECT_EQ(there->center, sent.center);
   EXPECT_EQ(there->warnings, sent.warnings);
   EXPECT_EQ(there->needs, sent.needs);
@@ -116,6 +118,8 @@ TEST(Submission, WhatMakesNoSenseIsSaid) {
   EXPECT_THAT(error([](auto& m) { m.set_center(1, std::nan("")); }), HasSubstr("centre"));
   EXPECT_THAT(error([](auto& m) { m.clear_center(); }), HasSubstr("centre"));
   EXPECT_THAT(error([](auto& m) { m.set_time_budget(-1); }), HasSubstr("time budget"));
+  for (const double share : {-0.1, 1.1, std::nan("")})
+    EXPECT_THAT(error([&](auto& m) { m.set_verify(share); }), HasSubstr("share of units"));
   EXPECT_THAT(error([](auto& m) { m.mutable_record()->set_target_error(0); }), HasSubstr("target error"));
   EXPECT_THAT(error([](auto& m) { m.mutable_device()->set_threads(0); }), HasSubstr("thread"));
   const auto setting = [](const char* key, const char* value) {
