@@ -117,21 +117,48 @@ TEST(HostileClient, AThousandConnectionsAreBoundedAndLeaveNothing) {
   EXPECT_LT(after.back(), after.front() + kSlack) << "flat";
 }
 
+/// Watch calls of which nothing is read.
+class SilentWatchers {
+ public:
+  SilentWatchers(const std::string& address, int count, const std::shared_ptr<const Keys>& keys) {
+    for (int i = 0; i < count; ++i) {
+      stubs_.push_back(wire::Farm::NewStub(open_channel(address, keys.get())));
+      contexts_.push_back(std::make_unique<grpc::ClientContext>());
+      if (keys) show_token(*contexts_.back(), keys->tokens.watch);
+      wire::WatchRequest request;
+      request.set_protocol_version(kProtocolVersion);
+      readers_.push_back(stubs_.back()->Watch(contexts_.back().get(), request));
+    }
+  }
+  SilentWatchers(const SilentWatchers&) = delete;
+  SilentWatchers& operator=(const SilentWatchers&) = delete;
+  ~SilentWatchers() {
+    for (const auto& one : contexts_) one->TryCancel();
+    for (const auto& reader : readers_) reader->Finish();
+  }
+
+ private:
+  std::vector<std::unique_ptr<wire::Farm::Stub>> stubs_;
+  std::vector<std::unique_ptr<grpc::ClientContext>> contexts_;
+  std::vector<std::unique_ptr<grpc::ClientReader<wire::WatchEvent>>> readers_;
+};
+
+constexpr int kSilent = 20;
+
+TEST(HostileClient, AWindowOfThisUserThatIsStoppedDelaysNothing) {
+  SchedulerProcess render({"render", "s.xml", "--threads", "1", "--spp", "60000", "--pass", "50"});
+  const std::string text = file_contents(render.folder / ".stderr");
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(text, found, std::regex("--connect (unix:\\S+)"))) << text;
+  const SilentWatchers watchers(found[1], kSilent, nullptr);
+  const ProgramResult result = render.program->wait();
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
 TEST(HostileClient, WhoNeverReadsDelaysNothing) {
   SchedulerProcess render({"render", "s.xml", "--threads", "1", "--spp", "60000", "--pass", "50"});
   const auto viewer = render.keys(KeyRole::kViewer), worker = render.keys(KeyRole::kWorker);
-  constexpr int kWatchers = 20;
-  std::vector<std::unique_ptr<wire::Farm::Stub>> stubs;
-  std::vector<std::unique_ptr<grpc::ClientContext>> contexts;
-  std::vector<std::unique_ptr<grpc::ClientReader<wire::WatchEvent>>> readers;
-  for (int i = 0; i < kWatchers; ++i) {
-    stubs.push_back(wire::Farm::NewStub(open_channel(render.address, viewer.get())));
-    contexts.push_back(std::make_unique<grpc::ClientContext>());
-    show_token(*contexts.back(), viewer->tokens.watch);
-    wire::WatchRequest request;
-    request.set_protocol_version(kProtocolVersion);
-    readers.push_back(stubs.back()->Watch(contexts.back().get(), request));
-  }
+  const SilentWatchers watchers(render.address, kSilent, viewer);
   // A worker that takes a unit and is not heard of again.
   const auto stub = wire::Farm::NewStub(open_channel(render.address, worker.get()));
   grpc::ClientContext context;
@@ -148,9 +175,7 @@ TEST(HostileClient, WhoNeverReadsDelaysNothing) {
   const ProgramResult result = render.program->wait();
   EXPECT_EQ(result.exit_code, 0) << result.err;
   context.TryCancel();
-  for (const auto& one : contexts) one->TryCancel();
   stream->Finish();
-  for (const auto& reader : readers) reader->Finish();
 }
 
 /// Raw bytes as messages of a call.
