@@ -16,7 +16,8 @@ class BackOff {
  public:
   using Duration = std::chrono::milliseconds;
 
-  BackOff(Duration first, Duration most, std::uint32_t seed) : first_(first), most_(most), limit_(first), random_(seed) {}
+  BackOff(Duration first, Duration most, std::uint32_t seed)
+      : first_(first), most_(most), limit_(first), random_(seed) {}
 
   Duration next() {
     const Duration limit = std::exchange(limit_, std::min(limit_ * 2, most_));

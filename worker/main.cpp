@@ -51,12 +51,15 @@ int run(int argc, char** argv) {
       "hand only to join a scheduler that runs elsewhere.",
       "penumbra-worker"};
   app.set_version_flag("--version", "penumbra-worker " PENUMBRA_VERSION);
-  app.add_option("--connect", options.address, "The scheduler: unix:/path or host:port, the latter with --keys or with the token that it "
-                 "printed in PENUMBRA_TOKEN")->required();
+  app.add_option("--connect", options.address,
+                 "The scheduler: unix:/path or host:port, the latter with --keys or with the token that it "
+                 "printed in PENUMBRA_TOKEN")
+      ->required();
   add_client_access_options(app, keys);
-  app.add_option("--retry-for", options.retry_for,
-                 "How many seconds to look for a scheduler that is not there yet or no more, with pauses that "
-                 "grow to 15 s; inf: for ever")
+  app.add_option(
+         "--retry-for", options.retry_for,
+         "How many seconds to look for a scheduler that is not there yet or no more, with pauses that "
+         "grow to 15 s; inf: for ever")
       ->type_name("SECONDS")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

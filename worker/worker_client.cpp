@@ -109,8 +109,8 @@ class Session {
   bool leaving_ = false;  // of the reading thread: the scheduler has said that it is over
   bool is_answered_ = false, comes_back_ = false;  // likewise
   std::promise<void> written_, worked_;  // no more is written; the working thread has left its last unit
-  grpc::Status status_;  // of the stream
-  const bool may_return_;  // another connection may follow
+  grpc::Status status_;                  // of the stream
+  const bool may_return_;                // another connection may follow
   std::mutex views_mutex_;
   std::map<JobId, std::uint32_t> newest_views_;  // that have come, if not yet their turn
 
@@ -126,7 +126,8 @@ class Session {
 /// One attempt of the channel, which says itself when it has failed.
 bool Session::connect(std::string& why_not) {
   // The channel does not try again by itself.
-  channel_ = open_channel(options_.address, options_.keys.get(), {.first = kLongestPause, .most = kLongestPause});
+  channel_ =
+      open_channel(options_.address, options_.keys.get(), {.first = kLongestPause, .most = kLongestPause});
   const auto deadline = std::chrono::system_clock::now() + kTimeToConnect;
   grpc_connectivity_state state = channel_->GetState(true);
   while (state != GRPC_CHANNEL_READY && state != GRPC_CHANNEL_TRANSIENT_FAILURE &&
@@ -165,7 +166,8 @@ SessionEnd Session::run() {
   writer.join();
   reader.join();
   if (!worked) return worked;
-  if (leaving_ && !comes_back_) return worked;  // one that is dismissed in the middle of a unit is not waited for
+  if (leaving_ && !comes_back_)
+    return worked;  // one that is dismissed in the middle of a unit is not waited for
   Lost lost{lost_text(), is_answered_};
   if (may_return_ && !is_final(status_.error_code())) return lost;
   return Expected<void>(std::unexpected(lost.why));
@@ -174,9 +176,11 @@ SessionEnd Session::run() {
 Error Session::lost_text() const {
   if (comes_back_) return {fmt::format("the scheduler at {} was stopped", options_.address)};
   if (is_final(status_.error_code()))
-    return {fmt::format("the scheduler at {} refuses this worker: {}", options_.address, status_.error_message())};
+    return {fmt::format("the scheduler at {} refuses this worker: {}", options_.address,
+                        status_.error_message())};
   const std::string& why = status_.error_message();
-  return {fmt::format("the scheduler at {} broke the connection{}{}", options_.address, why.empty() ? "" : ": ", why)};
+  return {fmt::format("the scheduler at {} broke the connection{}{}", options_.address,
+                      why.empty() ? "" : ": ", why)};
 }
 
 void Session::read() {
@@ -378,7 +382,8 @@ Expected<void> run_worker(const WorkerClientOptions& options) {
   using Clock = std::chrono::steady_clock;
   const auto patience = std::chrono::duration_cast<Clock::duration>(
       std::chrono::duration<double>(std::clamp(options.retry_for, 0.0, kLongestRetry)));
-  BackOff pauses(kFirstPause, is_tcp(options.address) && options.reconnects ? kLongestPause : kLongestPauseHere,
+  BackOff pauses(kFirstPause,
+                 is_tcp(options.address) && options.reconnects ? kLongestPause : kLongestPauseHere,
                  std::random_device{}());
   Clock::time_point last_seen = Clock::now();
   std::string why, told;
@@ -395,7 +400,8 @@ Expected<void> run_worker(const WorkerClientOptions& options) {
         pauses.reset();
       }
     } else {
-      why = fmt::format("no scheduler answers at {}{}{}", options.address, why_not.empty() ? "" : ": ", why_not);
+      why = fmt::format("no scheduler answers at {}{}{}", options.address, why_not.empty() ? "" : ": ",
+                        why_not);
     }
     const auto left = last_seen + patience - Clock::now();
     if (left <= Clock::duration::zero())

@@ -24,8 +24,8 @@ struct WorkerClientOptions {
   /// Seconds for which a scheduler is looked for that is not there yet, or no more; from its last sign of
   /// life.
   double retry_for = 10;
-  /// Whether another connection is tried when one is lost; not by a worker that a scheduler has started, which
-  /// ends with it.
+  /// Whether another connection is tried when one is lost; not by a worker that a scheduler has started,
+  /// which ends with it.
   bool reconnects = false;
   std::vector<Isa> isas;  ///< what this machine has, for the scheduler's choice
   // Settings of this machine's owner, which replace those of the job.

@@ -27,8 +27,8 @@ ExitCode make(MakeKeysOptions options) {
   for (const std::string& name : loopback_names()) options.names.push_back(name);
   if (const auto made = make_keys(options); !made) return print_error(made.error()), kBadInput;
   const std::string folder = shell_quoted_file(options.folder.string());
-  std::string text = fmt::format("keys for a scheduler at {}, good for {} days, in {}:\n", joined(options.names),
-                                 options.days, options.folder.string());
+  std::string text = fmt::format("keys for a scheduler at {}, good for {} days, in {}:\n",
+                                 joined(options.names), options.days, options.folder.string());
   for (const KeyRoleInfo& role : kKeyRoles) text += fmt::format("  {:<10} for {}\n", role.folder, role.who);
   text += fmt::format(
       "  {:<10} makes further ones: keep it where nothing is rendered, or remove it\n"
@@ -48,9 +48,10 @@ void add_keys_command(CLI::App& app, Command& chosen) {
   const auto folder = std::make_shared<std::string>();
   command->add_option("FOLDER", *folder, "Where to, a folder of its own")->required();
   command
-      ->add_option("--name", options->names,
-                   "A host's name or address at which clients reach the scheduler; *.farm.example for all of a "
-                   "domain (default: this host's names and addresses). localhost is always among them")
+      ->add_option(
+          "--name", options->names,
+          "A host's name or address at which clients reach the scheduler; *.farm.example for all of a "
+          "domain (default: this host's names and addresses). localhost is always among them")
       ->type_name("NAME")
       ->delimiter(',')
       ->expected(1);
@@ -58,13 +59,16 @@ void add_keys_command(CLI::App& app, Command& chosen) {
       ->type_name("N")
       ->check(whole_number(1, kMostDays))
       ->capture_default_str();
-  command->add_flag("--force", options->force, "Replace what is there; every machine then needs the new ones");
+  command->add_flag("--force", options->force,
+                    "Replace what is there; every machine then needs the new ones");
   command->footer(
       "Connections from other hosts are encrypted (TLS 1.2 or 1.3), and both ends show a certificate of one "
       "authority, which is\n"
-      "made here for this farm alone. What a client may do its token says: watch, work or submit. The files are "
+      "made here for this farm alone. What a client may do its token says: watch, work or submit. The files "
+      "are "
       "their owner's\n"
-      "alone (mode 0600) and go to the other machines by ssh or a shared home. PENUMBRA_KEYS=FOLDER stands for "
+      "alone (mode 0600) and go to the other machines by ssh or a shared home. PENUMBRA_KEYS=FOLDER stands "
+      "for "
       "--keys FOLDER.\n\n"
       "Examples:\n"
       "  penumbra keys ~/farm                                    for this host\n"

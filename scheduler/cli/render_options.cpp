@@ -1,5 +1,5 @@
-#include "scheduler/keys/client_access.h"
 #include "scheduler/cli/render_options.h"
+#include "scheduler/keys/client_access.h"
 
 #include <charconv>
 #include <span>

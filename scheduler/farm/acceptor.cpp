@@ -29,7 +29,7 @@ namespace {
 constexpr int kBacklog = SOMAXCONN;
 constexpr int kFewestConnections = 4;
 constexpr rlim_t kMostDescriptors = 1 << 30;  // where there is no limit
-constexpr int kMostUnsent = 512 << 10;  // bytes
+constexpr int kMostUnsent = 512 << 10;        // bytes
 // A connection waits while there is no free descriptor for it.
 constexpr std::chrono::milliseconds kPauseWithoutDescriptors{100};
 
@@ -120,7 +120,8 @@ std::expected<int, std::string> listen_tcp(const HostAndPort& address) {
   addrinfo hints{}, *found = nullptr;
   hints.ai_socktype = SOCK_STREAM;
   hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
-  if (const int error = getaddrinfo(host.c_str(), std::string(address.port).c_str(), &hints, &found); error != 0)
+  if (const int error = getaddrinfo(host.c_str(), std::string(address.port).c_str(), &hints, &found);
+      error != 0)
     return std::unexpected(gai_strerror(error));
   std::expected<int, int> listener = std::unexpected(EADDRNOTAVAIL);
   for (const addrinfo* at = found; at != nullptr && !listener; at = at->ai_next)
@@ -163,10 +164,9 @@ Expected<std::unique_ptr<Acceptor>> Acceptor::listen(const std::string& address,
 Acceptor::Acceptor(std::string address, int listener, AcceptorLimits limits)
     : address_(std::move(address)),
       listener_(listener),
-      limits_{.connections = std::min(
-                  limits.connections,
-                  int(std::clamp(descriptor_limit() / rlim_t(limits.share_of_descriptors),
-                                 rlim_t(kFewestConnections), kMostDescriptors))),
+      limits_{.connections = std::min(limits.connections,
+                                      int(std::clamp(descriptor_limit() / rlim_t(limits.share_of_descriptors),
+                                                     rlim_t(kFewestConnections), kMostDescriptors))),
               .time_to_show_token = limits.time_to_show_token,
               .share_of_descriptors = limits.share_of_descriptors},
       is_tcp_(is_tcp(address_)),

@@ -58,7 +58,8 @@ class TokenCheck final : public grpc::AuthMetadataProcessor {
     const std::string_view name = call.substr(call.rfind('/') + 1);
     const bool submits = shown == &Tokens::submit;
     if (name == "Work") return kWork;
-    if (name == "Asset" || name == "Manifest") return submits ? kSubmit : shown == &Tokens::work ? kWork : kWatch;
+    if (name == "Asset" || name == "Manifest")
+      return submits ? kSubmit : shown == &Tokens::work ? kWork : kWatch;
     if (name == "Watch" || name == "Control") return submits ? kSubmit : kWatch;
     return kSubmit;
   }
@@ -87,7 +88,8 @@ Expected<void> check_listen_address(const std::string& address, bool has_keys) {
   if (is_loopback(host) || (has_keys && !host.empty())) return {};
   return fail(fmt::format(
       "cannot listen on {}: other hosts would be let in without encryption. `penumbra keys FOLDER` makes "
-      "certificates and tokens; then say --keys FOLDER{}. Or listen on 127.0.0.1:{} and reach it through ssh -L",
+      "certificates and tokens; then say --keys FOLDER{}. Or listen on 127.0.0.1:{} and reach it through ssh "
+      "-L",
       address, host.empty() ? fmt::format(" --listen 0.0.0.0:{}", port) : "", port));
 }
 

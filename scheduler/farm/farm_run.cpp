@@ -50,10 +50,12 @@ void FarmRun::tell_how_to_watch() {
   if (options_.keys) {
     // Their tokens are nothing to print.
     const std::string address = shell_quoted(reachable_address(server_->more_address()));
-    for (const auto& [what_for, program] : {std::pair{KeyRole::kViewer, "view"}, std::pair{KeyRole::kWorker, "worker"}})
-      source_.notice(fmt::format("from other hosts: penumbra {} --connect {} --keys FOLDER, a copy of the keys for {} "
-                                 "('{}')",
-                                 program, address, info(what_for).who, info(what_for).folder));
+    for (const auto& [what_for, program] :
+         {std::pair{KeyRole::kViewer, "view"}, std::pair{KeyRole::kWorker, "worker"}})
+      source_.notice(
+          fmt::format("from other hosts: penumbra {} --connect {} --keys FOLDER, a copy of the keys for {} "
+                      "('{}')",
+                      program, address, info(what_for).who, info(what_for).folder));
     return;
   }
   const Tokens& tokens = server_->tokens();

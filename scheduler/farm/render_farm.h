@@ -8,22 +8,22 @@
 #include <vector>
 
 #include "kernels/host/error.h"
-#include "scheduler/keys/key_folder.h"
 #include "scheduler/farm/render_job.h"
+#include "scheduler/keys/key_folder.h"
 #include "scheduler/plan/plan.h"
 
 namespace penumbra {
 
 struct FarmOptions {
-  int workers = 1;                  ///< local worker processes
-  std::string worker_executable;    ///< path of penumbra-worker
-  std::string listen = {};          ///< another address to be reached at, see ListenOptions::more
+  int workers = 1;                        ///< local worker processes
+  std::string worker_executable;          ///< path of penumbra-worker
+  std::string listen = {};                ///< another address to be reached at, see ListenOptions::more
   std::shared_ptr<const Keys> keys = {};  ///< of `listen`, see listening_keys
   bool comes_back = false;                ///< see ListenOptions::comes_back
-  LeaseRule leases = {};            ///< when a worker counts as hung
-  int largest_tile = 64;            ///< of any job: results are not taken if they are larger
-  bool tells_how_to_watch = false;  ///< in the first notices of JobSource
-  int open_jobs = 2;                ///< so many are taken from the source at a time
+  LeaseRule leases = {};                  ///< when a worker counts as hung
+  int largest_tile = 64;                  ///< of any job: results are not taken if they are larger
+  bool tells_how_to_watch = false;        ///< in the first notices of JobSource
+  int open_jobs = 2;                      ///< so many are taken from the source at a time
 };
 
 /// Where a farm's jobs come from, and what becomes of them. Called from the farm's own thread, which must not

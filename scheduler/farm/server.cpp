@@ -44,8 +44,8 @@ using Connections = std::unique_ptr<grpc::experimental::ExternalConnectionAccept
 
 /// A server of what the acceptor accepts; null if gRPC does not start.
 std::unique_ptr<grpc::Server> start(grpc::ServerBuilder& builder,
-                                    const std::shared_ptr<grpc::ServerCredentials>& credentials, Acceptor& acceptor,
-                                    Connections& connections) {
+                                    const std::shared_ptr<grpc::ServerCredentials>& credentials,
+                                    Acceptor& acceptor, Connections& connections) {
   connections = builder.experimental().AddExternalConnectionAcceptor(
       grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials);
   std::unique_ptr<grpc::Server> server = builder.BuildAndStart();
@@ -88,13 +88,15 @@ Expected<void> Server::listen_for_own(const ListenOptions& options) {
   grpc::ServerBuilder builder;
   set_what_holds_for_all(builder, options);
   builder.RegisterService(state_->own_service.get());
-  state_->own_server = start(builder, grpc::InsecureServerCredentials(), *state_->own_acceptor, state_->own_connections);
+  state_->own_server =
+      start(builder, grpc::InsecureServerCredentials(), *state_->own_acceptor, state_->own_connections);
   if (state_->own_server == nullptr) return fail(cannot_start(options.address));
   return {};
 }
 
 Expected<void> Server::listen_for_all(const ListenOptions& options) {
-  Expected<std::unique_ptr<Acceptor>> acceptor = Acceptor::listen(options.more, options.limits, options.keys != nullptr);
+  Expected<std::unique_ptr<Acceptor>> acceptor =
+      Acceptor::listen(options.more, options.limits, options.keys != nullptr);
   if (!acceptor) return std::unexpected(acceptor.error());
   state_->acceptor = std::move(*acceptor);
   state_->more_address = state_->acceptor->address();
@@ -141,7 +143,8 @@ Server::~Server() {
   state_->farm.mailbox.close();
   state_->farm.close_boards();
   for (const auto& connection : state_->farm.all_connections())
-    connection->dismiss(state_->comes_back ? "the scheduler is stopped" : "the render is over", state_->comes_back);
+    connection->dismiss(state_->comes_back ? "the scheduler is stopped" : "the render is over",
+                        state_->comes_back);
   for (Acceptor* acceptor : {state_->own_acceptor.get(), state_->acceptor.get()})
     if (acceptor != nullptr) acceptor->stop();
   // A write to a peer that does not read ends with its connection alone, and so does its call.

@@ -188,7 +188,8 @@ bool is_certificate_name(const std::string& name) {
     const std::size_t dot = rest.find('.');
     const std::string_view label = rest.substr(0, dot);
     const auto is_allowed = [](char c) {
-      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+             c == '_';
     };
     if (label.empty() || label.size() > kLongestLabel || label.starts_with('-') || label.ends_with('-') ||
         !std::ranges::all_of(label, is_allowed))
@@ -220,8 +221,9 @@ std::string verification_text(int code, void* certificate, const std::string& ho
     case X509_V_ERR_IP_ADDRESS_MISMATCH:
       return fmt::format("is for {}, and not for {} (penumbra keys --name)", names_in(x509), host);
     case X509_V_ERR_INVALID_PURPOSE:
-      return fmt::format("('{}') is not made for this use: schedulers' and clients' cannot stand for each other",
-                         common_name(X509_get_subject_name(x509)));
+      return fmt::format(
+          "('{}') is not made for this use: schedulers' and clients' cannot stand for each other",
+          common_name(X509_get_subject_name(x509)));
     default:
       return fmt::format("is not accepted: {}", X509_verify_cert_error_string(code));
   }

@@ -10,7 +10,8 @@
 namespace penumbra {
 
 CLI::Option* add_keys_option(CLI::App& app, std::string& folder, const std::string& what_for) {
-  return app.add_option("--keys", folder, what_for + ": the folder that `penumbra keys` made, or its part of it")
+  return app
+      .add_option("--keys", folder, what_for + ": the folder that `penumbra keys` made, or its part of it")
       ->envname(kKeysVariable)
       ->type_name("FOLDER");
 }
@@ -25,10 +26,10 @@ void add_token_refusal(CLI::App& app) {
   app.add_option_function<std::string>(
          "--token",
          [](const std::string&) {
-           throw CLI::ValidationError(
-               fmt::format("--token: all users of this machine can see the words of a command; put it into the "
-                           "environment variable {}",
-                           kTokenVariable));
+           throw CLI::ValidationError(fmt::format(
+               "--token: all users of this machine can see the words of a command; put it into the "
+               "environment variable {}",
+               kTokenVariable));
          })
       ->group("");
 }
@@ -44,16 +45,18 @@ Expected<ClientAccess> client_access(const std::string& address, const std::stri
     if (!keys) return fail("--keys: " + keys.error().message);
     access.keys = std::move(*keys);
     const Tokens& tokens = access.keys->tokens;
-    access.token = role == KeyRole::kWorker ? tokens.work : role == KeyRole::kUser ? tokens.submit : tokens.watch;
+    access.token = role == KeyRole::kWorker ? tokens.work
+                   : role == KeyRole::kUser ? tokens.submit
+                                            : tokens.watch;
     return access;
   }
   const auto [host, port] = split_address(address);
   if (!is_loopback(host))
-    return fail(
-        fmt::format("{} is another host: give --keys (or {}), a copy of the folder '{}' that `penumbra keys` made "
-                    "for that scheduler; without encryption everybody in between could read the token. Or reach it "
-                    "through ssh -L as 127.0.0.1:{}",
-                    address, kKeysVariable, info(role).folder, port));
+    return fail(fmt::format(
+        "{} is another host: give --keys (or {}), a copy of the folder '{}' that `penumbra keys` made "
+        "for that scheduler; without encryption everybody in between could read the token. Or reach it "
+        "through ssh -L as 127.0.0.1:{}",
+        address, kKeysVariable, info(role).folder, port));
   return access;
 }
 

@@ -45,9 +45,9 @@ struct Keys {
   std::string folder;            ///< where they were, for messages
 };
 
-/// From `folder`, or from its folder of that role where there is one. Errors: what is missing, is not a token,
-/// may be read by others than its owner, or is wrong about the certificate (see check_certificate). From here
-/// on the process leaves no core dumps.
+/// From `folder`, or from its folder of that role where there is one. Errors: what is missing, is not a
+/// token, may be read by others than its owner, or is wrong about the certificate (see check_certificate).
+/// From here on the process leaves no core dumps.
 Expected<std::shared_ptr<const Keys>> read_keys(const std::filesystem::path& folder, KeyRole role);
 
 }  // namespace penumbra

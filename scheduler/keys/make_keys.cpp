@@ -30,7 +30,8 @@ Error cannot_write(const std::filesystem::path& path) {
 Expected<void> write_private(const KeyFile& file, bool may_replace) {
   const std::string aside = file.path.string() + ".new";
   unlink(aside.c_str());  // of a process that was killed
-  const int descriptor = open(aside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kOwnerOnly);
+  const int descriptor =
+      open(aside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kOwnerOnly);
   if (descriptor < 0) return std::unexpected(cannot_write(aside));
   std::string_view rest = file.text;
   bool is_written = fchmod(descriptor, kOwnerOnly) == 0;
@@ -44,7 +45,8 @@ Expected<void> write_private(const KeyFile& file, bool may_replace) {
   is_written = close(descriptor) == 0 && is_written;
   // A link, unlike a rename, never replaces.
   if (is_written)
-    is_written = (may_replace ? rename(aside.c_str(), file.path.c_str()) : link(aside.c_str(), file.path.c_str())) == 0;
+    is_written = (may_replace ? rename(aside.c_str(), file.path.c_str())
+                              : link(aside.c_str(), file.path.c_str())) == 0;
   const Error error = cannot_write(file.path);
   unlink(aside.c_str());
   return is_written ? Expected<void>() : std::unexpected(error);
@@ -69,15 +71,17 @@ Expected<std::vector<KeyFile>> compose(const MakeKeysOptions& options) {
   const Tokens tokens{.watch = make_token(), .work = make_token(), .submit = make_token()};
   for (const KeyRoleInfo& role : kKeyRoles) {
     const bool is_server = role.use == CertificateUse::kServer;
-    const auto pair = make_certificate(*authority, std::string("penumbra ") + role.folder, role.use,
-                                       is_server ? options.names : std::vector<std::string>(), {.until = lifetime});
+    const auto pair =
+        make_certificate(*authority, std::string("penumbra ") + role.folder, role.use,
+                         is_server ? options.names : std::vector<std::string>(), {.until = lifetime});
     if (!pair) return std::unexpected(pair.error());
     const std::filesystem::path folder = options.folder / role.folder;
     files.push_back({folder / key_files::kAuthority, authority->certificate});
     files.push_back({folder / key_files::kCertificate, pair->certificate});
     files.push_back({folder / key_files::kKey, pair->key});
-    for (const auto& [has, kind] : {std::pair{role.watches, kTokenKinds[0]}, std::pair{role.works, kTokenKinds[1]},
-                                    std::pair{role.submits, kTokenKinds[2]}})
+    for (const auto& [has, kind] :
+         {std::pair{role.watches, kTokenKinds[0]}, std::pair{role.works, kTokenKinds[1]},
+          std::pair{role.submits, kTokenKinds[2]}})
       if (has) files.push_back({folder / key_files::token(kind.name), tokens.*kind.token + "\n"});
   }
   return files;
@@ -92,9 +96,10 @@ Expected<void> make_keys(const MakeKeysOptions& options) {
   for (const KeyFile& file : *files) {
     struct stat status {};
     if (!options.force && lstat(file.path.c_str(), &status) == 0)
-      return fail(fmt::format("{} is there already: give another folder, or --force for new keys, after which all "
-                              "machines need them",
-                              file.path.string()));
+      return fail(
+          fmt::format("{} is there already: give another folder, or --force for new keys, after which all "
+                      "machines need them",
+                      file.path.string()));
   }
   if (const auto made = make_private_folder(options.folder); !made) return made;
   for (const KeyFile& file : *files) {

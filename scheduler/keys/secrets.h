@@ -13,8 +13,9 @@ std::string make_token();
 bool are_equal_secrets(std::string_view a, std::string_view b);
 
 /// From here on a crash of this process leaves no core, and processes of other users, or debuggers of this
-/// one, do not read its memory (PR_SET_DUMPABLE). Marking pages (MADV_DONTDUMP) would not do: gRPC and OpenSSL
-/// copy keys and tokens into buffers of their own. Children that execute a program are as usual again.
+/// one, do not read its memory (PR_SET_DUMPABLE). Marking pages (MADV_DONTDUMP) would not do: gRPC and
+/// OpenSSL copy keys and tokens into buffers of their own. Children that execute a program are as usual
+/// again.
 void keep_out_of_core_dumps();
 
 }  // namespace penumbra

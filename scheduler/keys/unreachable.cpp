@@ -90,8 +90,8 @@ int connect_in_time(int descriptor, const addrinfo& to, milliseconds patience) {
 /// Writes what is wrong into the text of the connection: after a failed handshake the certificate is gone.
 int note_failure(int is_verified, X509_STORE_CTX* verification) {
   if (is_verified == 1) return 1;
-  const auto* ssl = static_cast<SSL*>(
-      X509_STORE_CTX_get_ex_data(verification, SSL_get_ex_data_X509_STORE_CTX_idx()));
+  const auto* ssl =
+      static_cast<SSL*>(X509_STORE_CTX_get_ex_data(verification, SSL_get_ex_data_X509_STORE_CTX_idx()));
   auto& problem = *static_cast<CertificateProblem*>(SSL_get_app_data(ssl));
   // The certificate itself, and not that of an authority which nobody knows.
   X509* certificate = X509_STORE_CTX_get0_cert(verification);
@@ -130,7 +130,8 @@ bool finish(SSL* ssl, int descriptor, milliseconds patience, Step step) {
     if (reason != SSL_ERROR_WANT_READ && reason != SSL_ERROR_WANT_WRITE) return false;
     const auto left =
         std::chrono::duration_cast<milliseconds>(deadline - std::chrono::steady_clock::now()).count();
-    pollfd entry{.fd = descriptor, .events = short(reason == SSL_ERROR_WANT_READ ? POLLIN : POLLOUT), .revents = 0};
+    pollfd entry{
+        .fd = descriptor, .events = short(reason == SSL_ERROR_WANT_READ ? POLLIN : POLLOUT), .revents = 0};
     if (left <= 0 || poll(&entry, 1, int(left)) <= 0) {
       errno = ETIMEDOUT;
       return false;
@@ -144,15 +145,17 @@ std::string refusal_text(const Keys& keys) {
     case SSL_R_SSLV3_ALERT_CERTIFICATE_EXPIRED:
       return fmt::format("the scheduler takes the certificate in {} for expired", keys.folder);
     case SSL_R_TLSV1_ALERT_UNKNOWN_CA:
-      return fmt::format("the scheduler does not know the authority of the certificate in {}: its keys are others",
-                         keys.folder);
+      return fmt::format(
+          "the scheduler does not know the authority of the certificate in {}: its keys are others",
+          keys.folder);
     case SSL_R_WRONG_VERSION_NUMBER:
     case SSL_R_HTTP_REQUEST:
       return "the scheduler there does not speak TLS: it was started without --keys";
     default:
-      return fmt::format("the scheduler ended the connection when it had seen the certificate in {}: most likely its "
-                         "keys are of another `penumbra keys`, or this side's have expired there",
-                         keys.folder);
+      return fmt::format(
+          "the scheduler ended the connection when it had seen the certificate in {}: most likely its "
+          "keys are of another `penumbra keys`, or this side's have expired there",
+          keys.folder);
   }
 }
 
@@ -191,7 +194,8 @@ std::string why_unreachable(const std::string& address, const Keys* keys, millis
   const auto [host, port] = split_address(address);
   addrinfo hints{}, *found = nullptr;
   hints.ai_socktype = SOCK_STREAM;
-  if (const int error = getaddrinfo(bare_host(host).c_str(), std::string(port).c_str(), &hints, &found); error != 0)
+  if (const int error = getaddrinfo(bare_host(host).c_str(), std::string(port).c_str(), &hints, &found);
+      error != 0)
     return fmt::format("no address of '{}': {}", host, gai_strerror(error));
   const std::unique_ptr<addrinfo, Freed<freeaddrinfo>> all(found);
   std::string why;

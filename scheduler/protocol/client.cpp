@@ -23,9 +23,8 @@ constexpr int kTimeToHandshake = 10'000;
 
 std::shared_ptr<grpc::ChannelCredentials> credentials(const Keys* keys) {
   if (keys == nullptr) return grpc::InsecureChannelCredentials();
-  return grpc::SslCredentials({.pem_root_certs = keys->authority,
-                               .pem_private_key = keys->key,
-                               .pem_cert_chain = keys->certificate});
+  return grpc::SslCredentials(
+      {.pem_root_certs = keys->authority, .pem_private_key = keys->key, .pem_cert_chain = keys->certificate});
 }
 
 }  // namespace

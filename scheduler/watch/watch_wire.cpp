@@ -1,7 +1,7 @@
 #include "scheduler/watch/watch_wire.h"
 
-#include <cmath>
 #include <fmt/format.h>
+#include <cmath>
 
 #include <cstring>
 
@@ -116,7 +116,8 @@ Expected<WatchedJob> decode(const wire::WatchedJob& message) {
   if (message.center_size() != 3) return fail("the scheduler describes a scene without a centre");
   for (int axis = 0; axis < 3; ++axis) {
     job.center[axis] = message.center(axis);
-    if (!std::isfinite(job.center[axis])) return fail("the scheduler describes a scene whose centre is not finite");
+    if (!std::isfinite(job.center[axis]))
+      return fail("the scheduler describes a scene whose centre is not finite");
   }
   return job;
 }

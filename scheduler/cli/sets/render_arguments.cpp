@@ -13,9 +13,19 @@ namespace penumbra {
 namespace {
 
 /// Of the command, not of one of its renders.
-constexpr std::array<std::string_view, 13> kShared{"workers", "listen", "keys",  "tev",    "quiet",
-                                                   "force",   "summary", "pixel",  "statistics",
-                                                   "out",     "help",    "resume", "checkpoint-interval"};
+constexpr std::array<std::string_view, 13> kShared{"workers",
+                                                   "listen",
+                                                   "keys",
+                                                   "tev",
+                                                   "quiet",
+                                                   "force",
+                                                   "summary",
+                                                   "pixel",
+                                                   "statistics",
+                                                   "out",
+                                                   "help",
+                                                   "resume",
+                                                   "checkpoint-interval"};
 constexpr const char *kDefine = "-D", *kSet = "--set";
 
 std::string name_of(const CLI::Option& option) {
