@@ -40,7 +40,8 @@ void add_view_options(CLI::App& app, ViewOptions& options) {
   // The scheduler of a window listens for it, and for further ones; over TCP `penumbra preview` does.
   app.remove_option(app.get_option("--listen"));
   app.add_option("--connect", options.connect,
-                 "Watch a render that is under way, at the address that it printed: unix:/path or host:port, the latter "
+                 "Watch a render that is under way, at the address that it printed: unix:/path or host:port, "
+                 "the latter "
                  "with --keys or with the token that it printed in PENUMBRA_TOKEN")
       ->type_name("ADDRESS")
       ->check(CLI::Validator(check_address, ""))

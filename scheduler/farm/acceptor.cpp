@@ -27,10 +27,9 @@ namespace penumbra {
 namespace {
 
 constexpr int kBacklog = SOMAXCONN;
-// Where descriptors are few, connections get their share and the workers the rest.
-constexpr rlim_t kShareOfDescriptors = 8;
 constexpr int kFewestConnections = 4;
-constexpr int kMostUnsent = 512 << 10;  // bytes
+constexpr rlim_t kMostDescriptors = 1 << 30;  // where there is no limit
+constexpr int kMostUnsent = 512 << 10;        // bytes
 // A connection waits while there is no free descriptor for it.
 constexpr std::chrono::milliseconds kPauseWithoutDescriptors{100};
 
@@ -165,10 +164,11 @@ Expected<std::unique_ptr<Acceptor>> Acceptor::listen(const std::string& address,
 Acceptor::Acceptor(std::string address, int listener, AcceptorLimits limits)
     : address_(std::move(address)),
       listener_(listener),
-      limits_{.connections = std::min(
-                  limits.connections,
-                  int(std::max(descriptor_limit() / kShareOfDescriptors, rlim_t(kFewestConnections)))),
-              .time_to_show_token = limits.time_to_show_token},
+      limits_{.connections = std::min(limits.connections,
+                                      int(std::clamp(descriptor_limit() / rlim_t(limits.share_of_descriptors),
+                                                     rlim_t(kFewestConnections), kMostDescriptors))),
+              .time_to_show_token = limits.time_to_show_token,
+              .share_of_descriptors = limits.share_of_descriptors},
       is_tcp_(is_tcp(address_)),
       wake_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
 

@@ -1,5 +1,4 @@
-// The scheduler's second listening address, for processes that it did not start. Its number of connections is
-// bounded.
+// A listening address of the scheduler. Its number of connections is bounded, and they can be ended.
 #pragma once
 
 #include <chrono>
@@ -23,6 +22,8 @@ struct AcceptorLimits {
   int connections = 64;
   /// TCP only: from here on a connection that has not been admitted is closed.
   std::chrono::milliseconds time_to_show_token{10000};
+  /// At most one of so many descriptors of this process: others need some, too.
+  int share_of_descriptors = 8;
 };
 
 /// Listens itself, since gRPC accepts any number of connections. A connection that is handed over belongs to

@@ -21,6 +21,8 @@ namespace {
 constexpr std::chrono::milliseconds kTimeToEnd{300};
 constexpr std::size_t kRoomForTexts = std::size_t(1) << 20;
 
+// The first one is this user's alone; but for descriptors there is no need of a limit.
+constexpr AcceptorLimits kLimitsOfOwn{.connections = 1 << 16, .share_of_descriptors = 2};
 // Limits of the second address. A window has three calls at a time, a worker two; each takes a thread.
 constexpr int kMostCalls = 8;  // of a connection
 constexpr int kMostThreads = 256;
@@ -38,6 +40,29 @@ void set_what_holds_for_all(grpc::ServerBuilder& builder, const ListenOptions& o
   builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
 }
 
+using Connections = std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor>;
+
+/// A server of what the acceptor accepts; null if gRPC does not start.
+std::unique_ptr<grpc::Server> start(grpc::ServerBuilder& builder,
+                                    const std::shared_ptr<grpc::ServerCredentials>& credentials,
+                                    Acceptor& acceptor, Connections& connections) {
+  connections = builder.experimental().AddExternalConnectionAcceptor(
+      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials);
+  std::unique_ptr<grpc::Server> server = builder.BuildAndStart();
+  if (server == nullptr) return server;
+  acceptor.start([receiver = connections.get()](int descriptor, int listener) {
+    grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
+    connection.fd = descriptor;
+    connection.listener_fd = listener;
+    receiver->HandleNewConnection(&connection);
+  });
+  return server;
+}
+
+std::string cannot_start(const std::string& address) {
+  return fmt::format("cannot listen on {}; GRPC_VERBOSITY=error says why", address);
+}
+
 }  // namespace
 
 struct Server::State {
@@ -47,24 +72,26 @@ struct Server::State {
   std::string more_address;
   // The second address has its own server with its own threads, so that many connections there do not delay
   // the scheduler's own workers.
-  std::unique_ptr<Acceptor> acceptor;
+  std::unique_ptr<Acceptor> own_acceptor, acceptor;
   std::unique_ptr<FarmService> own_service, more_service;
   std::unique_ptr<grpc::Service> further_service;
-  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> external_connections;
+  Connections own_connections, more_connections;
   std::unique_ptr<grpc::Server> own_server, more_server;
 };
 
 Server::Server(std::unique_ptr<State> state) : state_(std::move(state)) {}
 
 Expected<void> Server::listen_for_own(const ListenOptions& options) {
+  Expected<std::unique_ptr<Acceptor>> acceptor = Acceptor::listen(options.address, kLimitsOfOwn);
+  if (!acceptor) return std::unexpected(acceptor.error());
+  state_->own_acceptor = std::move(*acceptor);
   state_->own_service = std::make_unique<FarmService>(state_->farm);
   grpc::ServerBuilder builder;
   set_what_holds_for_all(builder, options);
-  builder.AddListeningPort(options.address, grpc::InsecureServerCredentials());
   builder.RegisterService(state_->own_service.get());
-  state_->own_server = builder.BuildAndStart();
-  if (state_->own_server == nullptr)
-    return fail(fmt::format("cannot listen on {}; GRPC_VERBOSITY=error says why", options.address));
+  state_->own_server =
+      start(builder, grpc::InsecureServerCredentials(), *state_->own_acceptor, state_->own_connections);
+  if (state_->own_server == nullptr) return fail(cannot_start(options.address));
   return {};
 }
 
@@ -97,19 +124,10 @@ Expected<void> Server::listen_for_all(const ListenOptions& options) {
   builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, kLookaheadBytes);
   builder.SetResourceQuota(grpc::ResourceQuota("more").SetMaxThreads(kMostThreads));
-  state_->external_connections = builder.experimental().AddExternalConnectionAcceptor(
-      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials);
   builder.RegisterService(state_->more_service.get());
   if (state_->further_service) builder.RegisterService(state_->further_service.get());
-  state_->more_server = builder.BuildAndStart();
-  if (state_->more_server == nullptr)
-    return fail(fmt::format("cannot listen on {}; GRPC_VERBOSITY=error says why", options.more));
-  state_->acceptor->start([receiver = state_->external_connections.get()](int descriptor, int listener) {
-    grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
-    connection.fd = descriptor;
-    connection.listener_fd = listener;
-    receiver->HandleNewConnection(&connection);
-  });
+  state_->more_server = start(builder, credentials, *state_->acceptor, state_->more_connections);
+  if (state_->more_server == nullptr) return fail(cannot_start(options.more));
   return {};
 }
 
@@ -132,14 +150,16 @@ Server::~Server() {
   for (const auto& connection : state_->farm.all_connections())
     connection->dismiss(state_->comes_back ? "the scheduler is stopped" : "the render is over",
                         state_->comes_back);
-  if (state_->acceptor) state_->acceptor->stop();
+  for (Acceptor* acceptor : {state_->own_acceptor.get(), state_->acceptor.get()})
+    if (acceptor != nullptr) acceptor->stop();
   // A write to a peer that does not read ends with its connection alone, and so does its call.
   std::jthread cutter([this](const std::stop_token& stop) {
     std::mutex mutex;
     std::condition_variable_any never;
     std::unique_lock lock(mutex);
     const bool is_over = never.wait_for(lock, stop, 2 * kTimeToEnd, [&] { return stop.stop_requested(); });
-    if (!is_over && state_->acceptor) state_->acceptor->cut_off();
+    for (Acceptor* acceptor : {state_->own_acceptor.get(), state_->acceptor.get()})
+      if (acceptor != nullptr && !is_over) acceptor->cut_off();
   });
   // A watcher's call that is cancelled may lose what was written last.
   for (const auto& server : {state_->more_server.get(), state_->own_server.get()}) {

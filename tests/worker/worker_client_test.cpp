@@ -240,7 +240,8 @@ TEST_F(WorkerClientTest, AfterALostConnectionItComesBack) {
     stream.Write(dismissal());
   });
   EXPECT_TRUE(worked) << error_of(worked);
-  EXPECT_THAT(were_ready, testing::ElementsAre(true, true, true)) << "a scheduler that is new knows of no job";
+  EXPECT_THAT(were_ready, testing::ElementsAre(true, true, true))
+      << "a scheduler that is new knows of no job";
   EXPECT_THAT(waited_for, testing::ElementsAre(HasSubstr("broke the connection"))) << "said once";
 }
 
@@ -288,8 +289,9 @@ TEST_F(WorkerClientTest, ASchedulerThatDoesNotComeBackIsGivenUp) {
     if (!ended.valid()) ended = std::async(std::launch::async, [&] { scheduler.reset(); });
   };
   const auto start = std::chrono::steady_clock::now();
-  EXPECT_THAT(error_of(run_worker(options_)),
-              testing::AllOf(HasSubstr("no scheduler answers at " + socket_.address()), HasSubstr("waited 0.5 s")));
+  EXPECT_THAT(
+      error_of(run_worker(options_)),
+      testing::AllOf(HasSubstr("no scheduler answers at " + socket_.address()), HasSubstr("waited 0.5 s")));
   EXPECT_GT(std::chrono::steady_clock::now() - start, 400ms);
   EXPECT_LT(std::chrono::steady_clock::now() - start, 20s);
 }

@@ -67,8 +67,8 @@ class Crowd {
 /// 0 where this user may not know: a scheduler with tokens keeps its memory and files to itself.
 std::ptrdiff_t open_descriptors(pid_t pid) {
   std::error_code not_permitted;
-  return std::distance(std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/fd", not_permitted),
-                       {});
+  return std::distance(
+      std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/fd", not_permitted), {});
 }
 
 TEST(CrowdTest, ADeadWorkerIsReplacedWhileMoreAreConnectedThanThereAreDescriptors) {

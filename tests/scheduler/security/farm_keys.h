@@ -19,7 +19,8 @@ constexpr Validity kFuture{.from = std::chrono::hours(24), .until = std::chrono:
 /// An authority and what it signs, in memory.
 class FarmKeys {
  public:
-  explicit FarmKeys(const std::string& name = "penumbra farm test") : authority_(make_authority(name, kGood).value()) {
+  explicit FarmKeys(const std::string& name = "penumbra farm test")
+      : authority_(make_authority(name, kGood).value()) {
     for (const TokenKind& kind : kTokenKinds) tokens.*kind.token = make_token();
   }
 

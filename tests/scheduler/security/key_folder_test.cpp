@@ -92,7 +92,8 @@ TEST_F(KeyFolderTest, ALinkIsNotFollowed) {
 TEST_F(KeyFolderTest, NamesAreHostsOrAddresses) {
   for (const char* good : {"render1", "render1.farm.example", "*.farm.example", "10.0.0.7", "fd00::2", "a_b"})
     EXPECT_TRUE(is_certificate_name(good)) << good;
-  for (const char* bad : {"", "a b", "a,DNS:b", "-a", "a-", "a..b", ".a", "*", "*.", "a/b", "email:x@y", "a\n"})
+  for (const char* bad :
+       {"", "a b", "a,DNS:b", "-a", "a-", "a..b", ".a", "*", "*.", "a/b", "email:x@y", "a\n"})
     EXPECT_FALSE(is_certificate_name(bad)) << bad;
   EXPECT_FALSE(is_certificate_name(std::string("a\0b", 3)));
   EXPECT_FALSE(is_certificate_name(std::string(64, 'a')));
@@ -104,7 +105,8 @@ TEST_F(KeyFolderTest, WhatOthersMayReadIsRefused) {
   ASSERT_TRUE(make());
   for (const char* file : {"key.pem", "work.token"}) {
     chmod((keys() / "worker" / file).c_str(), 0640);
-    EXPECT_THAT(error_of_reading(KeyRole::kWorker), AllOf(HasSubstr(file), HasSubstr("open to others (mode 0640)")));
+    EXPECT_THAT(error_of_reading(KeyRole::kWorker),
+                AllOf(HasSubstr(file), HasSubstr("open to others (mode 0640)")));
     chmod((keys() / "worker" / file).c_str(), 0600);
   }
   EXPECT_EQ(error_of_reading(KeyRole::kWorker), "none");
@@ -137,11 +139,12 @@ TEST_F(KeyFolderTest, DamageIsNamed) {
 
 TEST_F(KeyFolderTest, ExpiryIsNamedWithItsDate) {
   const FarmKeys farm;
-  for (const auto& [validity, what] :
-       {std::pair{kPast, "has expired on "}, std::pair{kFuture, "is valid from "}, std::pair{kGood, "none"}}) {
+  for (const auto& [validity, what] : {std::pair{kPast, "has expired on "},
+                                       std::pair{kFuture, "is valid from "}, std::pair{kGood, "none"}}) {
     const auto keys = farm.client(validity);
-    EXPECT_THAT(error_of(check_certificate(keys->authority, keys->certificate, keys->key, CertificateUse::kClient)),
-                HasSubstr(what));
+    EXPECT_THAT(
+        error_of(check_certificate(keys->authority, keys->certificate, keys->key, CertificateUse::kClient)),
+        HasSubstr(what));
   }
 }
 
@@ -163,7 +166,8 @@ TEST_F(KeyFolderTest, AnotherHostIsNotReachedWithoutKeys) {
 TEST(Secrets, AreComparedWhole) {
   EXPECT_TRUE(are_equal_secrets("", ""));
   EXPECT_TRUE(are_equal_secrets("abc", "abc"));
-  for (const char* other : {"", "ab", "abcd", "abd", "bbc"}) EXPECT_FALSE(are_equal_secrets("abc", other)) << other;
+  for (const char* other : {"", "ab", "abcd", "abd", "bbc"})
+    EXPECT_FALSE(are_equal_secrets("abc", other)) << other;
 }
 
 }  // namespace

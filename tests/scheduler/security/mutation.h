@@ -20,7 +20,9 @@ class Mutator {
   }
 
  private:
-  std::size_t below(std::size_t end) { return std::uniform_int_distribution<std::size_t>(0, end - 1)(random_); }
+  std::size_t below(std::size_t end) {
+    return std::uniform_int_distribution<std::size_t>(0, end - 1)(random_);
+  }
 
   void change(std::string& bytes) {
     if (bytes.empty()) {
@@ -29,7 +31,7 @@ class Mutator {
     }
     // Most of a message's structure is at its ends; samples are in between.
     const std::size_t near_end = std::min<std::size_t>(bytes.size(), 48);
-    const std::size_t at = below(3) == 0 ? below(bytes.size())
+    const std::size_t at = below(3) == 0   ? below(bytes.size())
                            : below(2) == 0 ? below(near_end)
                                            : bytes.size() - 1 - below(near_end);
     const std::size_t length = 1 + below(std::min<std::size_t>(bytes.size() - at, 16));
@@ -59,7 +61,8 @@ class Mutator {
         // As varints, and as bytes of floats: 2^64-1, 2^31, 2^63, infinity, NaN.
         static const std::vector<std::string> kExtremes = {
             std::string(9, '\xff') + '\x01', std::string("\x80\x80\x80\x80\x08"),
-            std::string(9, '\x80') + '\x01', std::string("\x00\x00\x80\x7f", 4), std::string("\x01\x00\xc0\x7f", 4)};
+            std::string(9, '\x80') + '\x01', std::string("\x00\x00\x80\x7f", 4),
+            std::string("\x01\x00\xc0\x7f", 4)};
         bytes.replace(at, length, kExtremes[below(kExtremes.size())]);
       }
     }

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "scheduler/farm/worker_connection.h"
+#include "scheduler/protocol/grpc_log.h"
 #include "scheduler/protocol/text.h"
 #include "scheduler/protocol/wire.h"
 #include "scheduler/watch/watch_wire.h"
@@ -16,12 +17,14 @@
 namespace penumbra {
 namespace {
 
+const bool kQuiet = (route_grpc_log(), true);  // protobuf complains of each text that is not UTF-8
+
 constexpr RenderUnit kUnit{.x = 8, .y = 4, .width = 4, .height = 3, .first_sample = 16, .sample_count = 8};
 constexpr UnitId kId{.job = 1, .phase = 0, .pass = 2, .tile = 3};
 
 int mutations() {
   const char* wanted = std::getenv("PENUMBRA_SECURITY_MUTATIONS");
-  return wanted == nullptr ? 20'000 : std::atoi(wanted);
+  return wanted == nullptr ? 100'000 : std::atoi(wanted);
 }
 
 /// Feeds mutants of the seeds to the reader, which says whether it took one. Some of both have to occur, or
@@ -204,7 +207,8 @@ TEST(Mutation, WhatWatchersAreTold) {
   wire::NumberedView view;
   view.set_number(3);
   encode(View{}, *view.mutable_view());
-  feed<wire::NumberedView>({view}, [](const wire::NumberedView& message) { return decode(message).has_value(); });
+  feed<wire::NumberedView>({view},
+                           [](const wire::NumberedView& message) { return decode(message).has_value(); });
   feed<wire::Progress>({[] {
                          wire::Progress progress;
                          progress.set_samples_done(100);

@@ -35,7 +35,9 @@ class SchedulerProcess {
     port = std::atoi(found[2].str().c_str());
   }
 
-  [[nodiscard]] std::shared_ptr<const Keys> keys(KeyRole role) const { return read_keys(folder / "keys", role).value(); }
+  [[nodiscard]] std::shared_ptr<const Keys> keys(KeyRole role) const {
+    return read_keys(folder / "keys", role).value();
+  }
 
   /// Resident memory, KiB.
   [[nodiscard]] long memory() const {

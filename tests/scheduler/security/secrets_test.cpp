@@ -32,14 +32,17 @@ std::vector<std::string> secrets_of(const std::filesystem::path& keys) {
 }
 
 TEST(Secrets, AreInNothingThatARenderLeavesOrShows) {
-  SchedulerProcess render({"render", "s.xml", "--threads", "1", "--workers", "2", "--spp", "30000", "--pass", "100"});
+  SchedulerProcess render(
+      {"render", "s.xml", "--threads", "1", "--workers", "2", "--spp", "30000", "--pass", "100"});
   const std::vector<std::string> secrets = secrets_of(render.folder / "keys");
   ASSERT_GT(secrets.size(), 10u);
   std::string shown;
   const TemporaryFolder elsewhere;
   std::filesystem::copy(render.folder / "keys/worker", elsewhere / "worker");
-  Program worker(elsewhere.path(), {"worker", "--connect", render.address, "--keys", "worker", "--threads", "1"});
-  ASSERT_TRUE(eventually([&] { return file_contents(render.folder / ".stderr").contains("has joined"); }, 60s))
+  Program worker(elsewhere.path(),
+                 {"worker", "--connect", render.address, "--keys", "worker", "--threads", "1"});
+  ASSERT_TRUE(
+      eventually([&] { return file_contents(render.folder / ".stderr").contains("has joined"); }, 60s))
       << file_contents(render.folder / ".stderr") << file_contents(elsewhere / ".stderr");
   std::vector<pid_t> processes = children_of(render.program->pid());
   processes.push_back(render.program->pid());
@@ -51,7 +54,8 @@ TEST(Secrets, AreInNothingThatARenderLeavesOrShows) {
   const ProgramResult result = render.program->wait(), helped = worker.wait();
   EXPECT_EQ(result.exit_code, 0) << result.err;
   shown += result.out + result.err + helped.out + helped.err;
-  const std::string image = file_contents(render.folder / "s.exr"), statistics = file_contents(render.folder / "s.json");
+  const std::string image = file_contents(render.folder / "s.exr"),
+                    statistics = file_contents(render.folder / "s.json");
   EXPECT_THAT(image, HasSubstr("penumbra:"));
   EXPECT_THAT(statistics, HasSubstr("command_line"));
   for (const std::string& secret : secrets)
@@ -93,7 +97,8 @@ TEST(Secrets, LeaveNoCore) {
   EXPECT_EQ(prctl(PR_GET_DUMPABLE), 0);
   prctl(PR_SET_DUMPABLE, 1);
   EXPECT_FALSE(WCOREDUMP(end_of_child(true, folder.path())));
-  if (!WCOREDUMP(end_of_child(false, folder.path()))) GTEST_SKIP() << "no process leaves a core on this machine";
+  if (!WCOREDUMP(end_of_child(false, folder.path())))
+    GTEST_SKIP() << "no process leaves a core on this machine";
 }
 
 }  // namespace

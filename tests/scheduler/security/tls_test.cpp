@@ -27,11 +27,13 @@ constexpr auto kLong = 30s;
 class TlsTest : public testing::Test {
  protected:
   void listen(std::shared_ptr<const Keys> keys, const std::string& at = "127.0.0.1:0") {
+    server_.reset();
     server_ = Server::listen({.address = socket_.address(), .more = at, .keys = std::move(keys)}).value();
     address_ = "127.0.0.1:" + std::string(split_address(server_->more_address()).port);
   }
   /// What a worker with these comes to; it is not heard of but where this is "none".
-  std::string worker_error(std::shared_ptr<const Keys> keys, const std::string& token, std::string address = "") {
+  std::string worker_error(std::shared_ptr<const Keys> keys, const std::string& token,
+                           std::string address = "") {
     WorkerClientOptions options;
     options.address = address.empty() ? address_ : std::move(address);
     options.keys = std::move(keys);
@@ -121,7 +123,8 @@ TEST_F(TlsTest, ExpiredCertificatesAreNotLetIn) {
 
 TEST_F(TlsTest, ASchedulersCertificateIsNoWorkers) {
   listen(farm_.server());
-  EXPECT_THAT(worker_error(farm_.server(), farm_.tokens.work), HasSubstr("the scheduler ended the connection"));
+  EXPECT_THAT(worker_error(farm_.server(), farm_.tokens.work),
+              HasSubstr("the scheduler ended the connection"));
 }
 
 TEST_F(TlsTest, AWorkersCertificateIsNoSchedulers) {
@@ -142,14 +145,16 @@ TEST_F(TlsTest, AnotherHostsCertificateIsNamed) {
   EXPECT_THAT(worker_error(farm_.client(), farm_.tokens.work),
               HasSubstr("the scheduler's certificate is for render1, 10.0.0.7, and not for 127.0.0.1"));
   const std::string port(split_address(address_).port);
-  EXPECT_THAT(worker_error(farm_.client(), farm_.tokens.work, "localhost:" + port), HasSubstr("and not for localhost"));
+  EXPECT_THAT(worker_error(farm_.client(), farm_.tokens.work, "localhost:" + port),
+              HasSubstr("and not for localhost"));
 }
 
 TEST_F(TlsTest, WhoIsNotThereIsNamed) {
   listen(farm_.server());
   server_.reset();
   EXPECT_EQ(why_unreachable(address_, farm_.client().get(), 5s), "nobody listens there");
-  EXPECT_THAT(why_unreachable("no-such-host.invalid:7000", farm_.client().get(), 5s), HasSubstr("no address of"));
+  EXPECT_THAT(why_unreachable("no-such-host.invalid:7000", farm_.client().get(), 5s),
+              HasSubstr("no address of"));
 }
 
 TEST_F(TlsTest, AWindowIsToldToo) {
