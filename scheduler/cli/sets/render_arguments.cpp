@@ -13,9 +13,10 @@ namespace penumbra {
 namespace {
 
 /// Of the command, not of one of its renders.
-constexpr std::array<std::string_view, 12> kShared{"workers", "listen",  "tev",    "quiet",
-                                                   "force",   "summary", "pixel",  "statistics",
-                                                   "out",     "help",    "resume", "checkpoint-interval"};
+constexpr std::array<std::string_view, 15> kShared{
+    "workers",    "launch", "estimate", "json",    "listen",
+    "tev",        "quiet",  "force",    "summary", "pixel",
+    "statistics", "out",    "help",     "resume",  "checkpoint-interval"};
 constexpr const char *kDefine = "-D", *kSet = "--set";
 
 std::string name_of(const CLI::Option& option) {
@@ -151,6 +152,7 @@ Expected<RenderOptions> options_of(const std::vector<RenderAxis>& axes, const Re
   options.scene.scene = scene;
   options.workers = shared.workers;
   options.listen = shared.listen;
+  options.launch = shared.launch;
   options.tev = shared.tev;
   options.resume = shared.resume;
   options.checkpoint_interval = shared.checkpoint_interval;
