@@ -24,6 +24,12 @@ void add_settings_command(CLI::App& app, Command& chosen);
 void add_plugins_command(CLI::App& app, Command& chosen);
 void add_convert_command(CLI::App& app, Command& chosen);
 void add_compare_command(CLI::App& app, Command& chosen);
+// Of services.
+void add_serve_command(CLI::App& app, Command& chosen);
+void add_submit_command(CLI::App& app, const std::vector<std::string>& command_line, Command& chosen);
+void add_status_command(CLI::App& app, Command& chosen);
+void add_change_commands(CLI::App& app, Command& chosen);
+void add_fetch_command(CLI::App& app, Command& chosen);
 /// After all others, of which it knows the names.
 void add_reference_commands(CLI::App& app, Command& chosen);
 /// `penumbra complete WORD…` and `penumbra man …`, also of commands that are programs of their own; nothing:

@@ -44,6 +44,11 @@ ExitCode run(int argc, char** argv) {
   add_convert_command(app, chosen);
   add_compare_command(app, chosen);
   add_report_command(app, command_line, chosen);
+  add_serve_command(app, chosen);
+  add_submit_command(app, command_line, chosen);
+  add_status_command(app, chosen);
+  add_change_commands(app, chosen);
+  add_fetch_command(app, chosen);
   add_sibling_commands(app);
   add_reference_commands(app, chosen);
   if (const auto answered = answer_reference(app, {command_line.begin() + 1, command_line.end()}))

@@ -29,6 +29,15 @@ std::string what_is_there(const std::filesystem::path& path, const MergedBefore&
                      100 * double(before.merge.samples()) / all, before.rendered);
 }
 
+Expected<void> read_checkpoint(PreparedRender& prepared) {
+  prepared.job.before.reset();
+  if (!prepared.checkpoint) return {};
+  auto read = prepared.checkpoint->read(merge_of_job(prepared.job));
+  if (!read) return std::unexpected(read.error());
+  if (*read) prepared.job.before = std::make_shared<MergedBefore>(std::move(**read));
+  return {};
+}
+
 }  // namespace
 
 RenderIdentity identity_of(const PreparedRender& prepared, const std::string& worker) {
@@ -61,20 +70,16 @@ Expected<std::string> attach_checkpoint(PreparedRender& prepared, const RenderOp
                ? fmt::format("{} is of an earlier run and will be replaced; --resume would go on with it",
                              path.string())
                : "";
-  if (auto read = read_checkpoint_again(prepared); !read)
+  if (auto read = read_checkpoint(prepared); !read)
     return fail(read.error().message + "; without --resume the render begins anew");
   return prepared.job.before
              ? what_is_there(path, *prepared.job.before, prepared.job)
              : fmt::format("there is no {}: the render starts at the beginning", path.string());
 }
 
-Expected<void> read_checkpoint_again(PreparedRender& prepared) {
-  prepared.job.before.reset();
-  if (!prepared.checkpoint) return {};
-  auto read = prepared.checkpoint->read(merge_of_job(prepared.job));
-  if (!read) return std::unexpected(read.error());
-  if (*read) prepared.job.before = std::make_shared<MergedBefore>(std::move(**read));
-  return {};
+Expected<void> fall_back_to_native(PreparedRender& prepared) {
+  prepared.job.device.backend = Backend::kNative;
+  return prepared.job.before ? read_checkpoint(prepared) : Expected<void>();
 }
 
 void remove_checkpoint(PreparedRender& prepared) {

@@ -19,8 +19,9 @@ RenderIdentity identity_of(const PreparedRender& prepared, const std::string& wo
 Expected<std::string> attach_checkpoint(PreparedRender& prepared, const RenderOptions& options,
                                         const std::string& worker);
 
-/// Reads it again, after a farm that has failed has used up what was read.
-Expected<void> read_checkpoint_again(PreparedRender& prepared);
+/// Native code is to render what the machine's own choice of a device could not; what the farm that has
+/// failed has used up of a checkpoint is read again.
+Expected<void> fall_back_to_native(PreparedRender& prepared);
 
 /// The render is complete and its files are there.
 void remove_checkpoint(PreparedRender& prepared);

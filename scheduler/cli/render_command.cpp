@@ -22,17 +22,14 @@ namespace {
 
 /// Renders. Where the machine was to choose what computes, and its choice brings down every worker (a driver
 /// that crashes is none that fails), native code renders after all.
-Expected<RenderOutcome> render_with_fallback(PreparedRender& prepared, bool resumes,
-                                             const std::atomic<bool>& stop,
+Expected<RenderOutcome> render_with_fallback(PreparedRender& prepared, const std::atomic<bool>& stop,
                                              const std::function<void(const RenderProgress&)>& on_progress) {
-  RenderJob& job = prepared.job;
+  const RenderJob& job = prepared.job;
   const FarmOptions& farm = prepared.farm;
   auto outcome = run_render(job, farm, stop, on_progress);
   if (outcome || job.device.backend != Backend::kAuto || stop) return outcome;
   std::string warning = "native code renders: " + outcome.error().message;
-  job.device.backend = Backend::kNative;
-  if (const auto read = resumes ? read_checkpoint_again(prepared) : Expected<void>{}; !read)
-    return std::unexpected(read.error());
+  if (const auto ready = fall_back_to_native(prepared); !ready) return std::unexpected(ready.error());
   outcome = run_render(job, farm, stop, on_progress);
   if (outcome) outcome->problems.insert(outcome->problems.begin(), std::move(warning));
   return outcome;
@@ -61,7 +58,7 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
   if (!resumed) return print_error(resumed.error()), kBadInput;
   if (show && !resumed->empty()) print_message(*resumed);
   ProgressPrinter progress(show ? progress_style() : ProgressStyle::kNone, terminal_columns());
-  const auto outcome = render_with_fallback(*prepared, options.resume, stop, [&](const RenderProgress& now) {
+  const auto outcome = render_with_fallback(*prepared, stop, [&](const RenderProgress& now) {
     progress.update(now);
     // The address and its token are printed even so, since the user asked for an address.
     if (!show && !options.listen.empty())

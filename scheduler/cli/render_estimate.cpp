@@ -113,6 +113,7 @@ Expected<RenderEstimate> measure_estimate(PreparedRender& prepared, double secon
   job.tev.clear();
   job.target_error.reset();
   job.time_budget.reset();
+  job.units_at_most = kAllUnits;
   Expected<MeasuredWork> measured = measure(prepared, 1, seconds * (1 - kShareOfSecond), stop);
   if (!measured) return std::unexpected(measured.error());
   const double rate = measured->spp / std::max(measured->seconds, 1e-3);

@@ -191,16 +191,22 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       },
       "Render one pixel, a path at a time, and print all its digits; writes files only with -o");
   pixel->type_name("X,Y")->excludes(crop);
+  CLI::Option* stop_after =
+      command.add_option("--stop-after", options.stop_after,
+                         "Render only the first N samples per pixel of a sequence made for --spp");
+  stop_after->type_name("N")->check(whole_number(1, kMaxSamplesPerPixel));
   command
       .add_option(
-          "--stop-after", options.stop_after,
-          "Render only the first N samples per pixel of a sequence made for --spp: what a time budget or "
-          "Ctrl-C ended, again")
+          "--stop-after-units", options.stop_after_units,
+          "Render only the first N pieces of work, pass by pass (--pass) and tile by tile (--tile): what a "
+          "time budget ended, again")
       ->type_name("N")
-      ->check(whole_number(1, kMaxSamplesPerPixel));
+      ->check(whole_number(1, std::int64_t(1) << 62))
+      ->excludes(stop_after);
   command
-      .add_option("--time-budget", options.time_budget,
-                  "Begin no further pass after this many seconds of rendering")
+      .add_option(
+          "--time-budget", options.time_budget,
+          "Begin no further tile after this many seconds of rendering; the first pass is always rendered")
       ->type_name("SECONDS")
       ->check(positive_number());
   command
@@ -210,7 +216,8 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
           "this (0.02 is 2%), and at most --spp samples; with --sampler independent. The image then "
           "depends on --tile")
       ->type_name("E")
-      ->check(positive_number());
+      ->check(positive_number())
+      ->excludes("--stop-after-units");
   command
       .add_option("--pass", options.samples_per_pass,
                   "Samples of a pixel in one work unit; the image's last bits depend on it")

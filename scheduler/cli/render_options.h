@@ -51,7 +51,8 @@ struct RenderOptions {
   std::string tev;           ///< address of a tev that shows the render; empty: none
   bool interactive = false;  ///< watchers choose camera and samples
   std::uint32_t samples_per_pass = 16;
-  std::optional<std::uint32_t> stop_after;  ///< samples per pixel, of those that spp plans
+  std::optional<std::uint32_t> stop_after;        ///< samples per pixel, of those that spp plans
+  std::optional<std::uint64_t> stop_after_units;  ///< of all tiles and passes, in their order
   std::optional<double> time_budget;
   std::optional<double> target_error;
   std::optional<CropRectangle> crop;

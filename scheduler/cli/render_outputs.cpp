@@ -9,6 +9,7 @@
 #include "kernels/host/console.h"
 #include "kernels/host/stopwatch.h"
 #include "kernels/host/words.h"
+#include "scheduler/cli/render_checkpoint.h"
 #include "scheduler/cli/scene_costs.h"
 #include "scheduler/files/output_batch.h"
 #include "scheduler/image/image_files.h"
@@ -124,7 +125,8 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
   statistics.warnings = prepared.scene.description.warnings;
   statistics.needs = prepared.scene.summary.needs;
   statistics.left_out = prepared.scene.summary.left_out;
-  if (files.statistics)
+  // Of a scene that others have read only its device form is known.
+  if (files.statistics && !prepared.scene.description.source.empty())
     statistics.inventory =
         scene_costs(prepared.scene.description, prepared.job.scene, prepared.job.device.isa, false);
   statistics.build_seconds = prepared.scene.seconds;
@@ -133,6 +135,25 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
   if (files.png) statistics.files.push_back(*files.png);
   if (files.statistics) add_statistics(statistics, *files.statistics, batch);
   return batch.finish();
+}
+
+RenderEnd finish_render(PreparedRender& prepared, const RenderOutcome& outcome,
+                        const std::vector<std::string>& command_line, const std::string& name, bool strict,
+                        bool stopped) {
+  const std::string reproduce_command = prepared.job.reproduce_command;
+  Expected<void> written =
+      sample_range(outcome.film).total == 0 ? fail("nothing was rendered") : make_folders(prepared.files);
+  if (written) written = write_outputs(prepared, outcome, command_line);
+  if (!written) print_error({fmt::format("{}: {}", name, written.error().message)});
+  if (written && outcome.complete) remove_checkpoint(prepared);
+  print_problems(outcome, stopped);
+  const bool non_finite = print_non_finite(outcome.film, reproduce_command, strict);
+  if (!written) return {RenderEndKind::kFailed, written.error().message};
+  if (!outcome.complete)
+    return {RenderEndKind::kIncomplete,
+            outcome.problems.empty() ? "it was stopped" : outcome.problems.front()};
+  if (non_finite && strict) return {RenderEndKind::kIncomplete, "it has NaN or infinite samples"};
+  return {};
 }
 
 }  // namespace penumbra

@@ -13,6 +13,18 @@ namespace penumbra {
 Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outcome,
                              const std::vector<std::string>& command_line);
 
+enum class RenderEndKind { kDone, kIncomplete, kFailed };
+struct RenderEnd {
+  RenderEndKind kind = RenderEndKind::kDone;
+  std::string error = {};  ///< why it is not done
+};
+/// Of one of several renders: writes what there is of it into folders that are made for it, removes the
+/// checkpoint of what is complete, and prints what is to be said, after `name`. `strict`: non-finite samples
+/// make it incomplete.
+RenderEnd finish_render(PreparedRender& prepared, const RenderOutcome& outcome,
+                        const std::vector<std::string>& command_line, const std::string& name, bool strict,
+                        bool stopped);
+
 void print_summary(const RenderOutcome& outcome, const OutputFiles& files);
 
 /// Non-finite samples, and variances that no file holds, as warnings or as errors; whether there are any.

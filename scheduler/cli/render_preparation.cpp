@@ -84,6 +84,7 @@ RenderRecord make_record(const RenderOptions& options, const LoadedScene& scene,
   record.lenient = options.scene.lenient;
   record.film = film;
   if (options.stop_after && *options.stop_after < record.sampler.spp) record.stop_after = options.stop_after;
+  record.stop_after_units = options.stop_after_units;
   record.samples_per_pass = options.samples_per_pass;
   record.target_error = options.target_error;
   record.tile = options.tile;
@@ -96,23 +97,8 @@ RenderRecord make_record(const RenderOptions& options, const LoadedScene& scene,
 
 RenderJob make_job(const RenderOptions& options, const RenderRecord& record, const DeviceOptions& device,
                    DeviceScene scene) {
-  const Film& film = record.film;
-  RenderJob job;
-  job.scene = std::move(scene);
-  job.manifest = std::make_shared<const AssetManifest>(manifest_of(job.scene));
-  job.x = film.crop_x;
-  job.y = film.crop_y;
-  job.width = film.crop_width;
-  job.height = film.crop_height;
-  job.spp = record.stop_after.value_or(record.sampler.spp);
-  job.samples_per_pass = options.samples_per_pass;
-  job.tile = options.tile;
-  job.device = device;
-  job.reproduce_command = repeat_command(record, false);
+  RenderJob job = job_of_record(record, device, std::move(scene));
   job.time_budget = options.time_budget;
-  job.target_error = options.target_error;
-  job.title = options.scene.scene;
-  job.integrator = integrator_name(record.integrator);
   job.tev = options.tev;
   job.interactive = options.interactive;
   if (options.pixel) simplify_for_a_pixel(job);
@@ -134,6 +120,27 @@ FarmOptions make_farm(const RenderOptions& options) {
 void set_launch(const RenderOptions& options, FarmOptions& farm) {
   farm.launch = options.launch;
   if (options.threads > 0) farm.launch_threads = fmt::to_string(options.threads);
+}
+
+RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device, DeviceScene scene) {
+  const Film& film = record.film;
+  RenderJob job;
+  job.scene = std::move(scene);
+  job.manifest = std::make_shared<const AssetManifest>(manifest_of(job.scene));
+  job.x = film.crop_x;
+  job.y = film.crop_y;
+  job.width = film.crop_width;
+  job.height = film.crop_height;
+  job.spp = record.stop_after.value_or(record.sampler.spp);
+  job.samples_per_pass = record.samples_per_pass;
+  job.tile = record.tile;
+  job.device = device;
+  job.reproduce_command = repeat_command(record, false);
+  job.target_error = record.target_error;
+  job.units_at_most = record.stop_after_units.value_or(kAllUnits);
+  job.title = record.scene;
+  job.integrator = integrator_name(record.integrator);
+  return job;
 }
 
 Expected<PreparedRender> prepare_render(const RenderOptions& options) {

@@ -27,6 +27,9 @@ struct PreparedRender {
 /// film, options that exclude each other or that this machine has not.
 Expected<PreparedRender> prepare_render(const RenderOptions& options);
 
+/// What a record says of its job.
+RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device, DeviceScene scene);
+
 /// The same for commands at a terminal, perhaps with viewers: finds the worker's executable, checks that the
 /// requested device exists, and prints the scene's warnings. On failure the error is printed.
 std::expected<PreparedRender, ExitCode> prepare_watched_render(const RenderOptions& options);

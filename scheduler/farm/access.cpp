@@ -31,7 +31,9 @@ bool are_equal(std::string_view a, std::string_view b) {
 class TokenCheck final : public grpc::AuthMetadataProcessor {
  public:
   explicit TokenCheck(const Tokens& tokens)
-      : watch_(token_metadata(tokens.watch)), work_(token_metadata(tokens.work)) {
+      : watch_(token_metadata(tokens.watch)),
+        work_(token_metadata(tokens.work)),
+        submit_(tokens.submit.empty() ? "" : token_metadata(tokens.submit)) {
     complete_ = true;
   }
 
@@ -41,17 +43,25 @@ class TokenCheck final : public grpc::AuthMetadataProcessor {
                        OutputMetadata*) override {
     if (!complete_) return grpc::Status::CANCELLED;
     const std::string_view shown = find(metadata, kTokenKey), call = find(metadata, ":path");
-    const bool watches = are_equal(shown, watch_), works = are_equal(shown, work_);
-    if (!watches && !works)
+    const bool watches = are_equal(shown, watch_), works = are_equal(shown, work_),
+               submits = !submit_.empty() && are_equal(shown, submit_);
+    if (!watches && !works && !submits)
       return {grpc::StatusCode::UNAUTHENTICATED,
               "the token is missing or wrong; the scheduler printed it when it started"};
     const bool is_work = call.ends_with("/Work");
-    // Both need the scene.
-    const bool is_asset = call.ends_with("/Asset") || call.ends_with("/Manifest");
-    if (is_asset || (is_work ? works : watches)) return grpc::Status::OK;
+    const bool is_for_submitting =
+        call.find(".Jobs/") != std::string_view::npos && !call.ends_with("/Status");
+    if (call.ends_with("/Asset") || call.ends_with("/Manifest"))
+      return grpc::Status::OK;  // all of them need the scene
+    if (is_work ? works : submits || (watches && !is_for_submitting)) return grpc::Status::OK;
     return {grpc::StatusCode::PERMISSION_DENIED,
             fmt::format("this token is for {}; the scheduler printed another one for {}",
-                        watches ? "watching" : "workers", watches ? "workers" : "watching")};
+                        works     ? "workers"
+                        : submits ? "submitting"
+                                  : "watching",
+                        is_work             ? "workers"
+                        : is_for_submitting ? "submitting"
+                                            : "watching")};
   }
 
  private:
@@ -61,7 +71,7 @@ class TokenCheck final : public grpc::AuthMetadataProcessor {
                                    : std::string_view(found->second.data(), found->second.size());
   }
 
-  const std::string watch_, work_;
+  const std::string watch_, work_, submit_;
   // gRPC hands this over to threads of its own; unlike its hand-over, the thread sanitizer sees this one.
   std::atomic<bool> complete_ = false;
 };

@@ -40,8 +40,9 @@ std::string make_token();
 /// The tokens for calls over TCP, and the calls that each permits. A viewer's token does not permit sending
 /// samples.
 struct Tokens {
-  std::string watch;  ///< Watch, Control, Asset
-  std::string work;   ///< Work, Asset
+  std::string watch;        ///< Watch, Control, Asset; of a service's jobs Status
+  std::string work;         ///< Work, Asset
+  std::string submit = {};  ///< all but Work; empty where there is nothing to submit to
 };
 
 /// For a port of this host. A call is checked once its metadata have arrived and before any message is read:

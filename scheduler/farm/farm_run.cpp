@@ -16,6 +16,8 @@ constexpr Seconds kLongestBatch = 0.2;  // of arrivals between two ticks
 // A pause of this very process (Ctrl-Z, a suspended machine) must not look like one of the workers.
 constexpr Seconds kLongestTick = 1;
 constexpr Seconds kTimeForAnotherToJoin = 30;  // that can do what those that are here cannot
+constexpr Seconds kWorkersInterval = 0.5;
+constexpr std::size_t kMostProblems = 100;  // that are kept of the farm, which may go on for months
 constexpr Seconds kTimeToDie = 2;  // from the end of a local worker's stream to the end of its process
 
 }  // namespace
@@ -31,7 +33,8 @@ Expected<void> FarmRun::start() {
       {.address = socket_->address(),
        .more = options_.listen,
        .largest_result = std::size_t(options_.largest_tile) * std::size_t(options_.largest_tile) *
-                         std::size_t(plane_count(FEATURE_ALL)) * sizeof(float)});
+                         std::size_t(plane_count(FEATURE_ALL)) * sizeof(float),
+       .service = options_.service});
   if (!server) return std::unexpected(server.error());
   server_ = std::move(*server);
   const bool far = !options_.launch.empty() && !options_.listen.empty();
@@ -50,13 +53,15 @@ void FarmRun::tell_how_to_watch() {
   source_.notice(fmt::format("to watch: penumbra-view --connect {}", shell_quoted(socket_->address())));
   if (server_->more_address().empty()) return;
   const Tokens& tokens = server_->tokens();
-  const auto line = [&](const char* what_for, const std::string& token, const char* program) {
-    return fmt::format("{}: {}{} --connect {}", what_for,
+  const auto line = [&](const char* what_for, const std::string& token, const char* command) {
+    return fmt::format("{}: {}{} {}", what_for,
                        token.empty() ? "" : fmt::format("{}={} ", kTokenVariable, shell_quoted(token)),
-                       program, shell_quoted(server_->more_address()));
+                       command, shell_quoted(server_->more_address()));
   };
-  source_.notice(line("to watch", tokens.watch, "penumbra-view"));
-  if (!tokens.work.empty()) source_.notice(line("to help render", tokens.work, "penumbra-worker"));
+  source_.notice(line("to watch", tokens.watch, "penumbra-view --connect"));
+  if (!tokens.work.empty() || options_.service)
+    source_.notice(line("to help render", tokens.work, "penumbra-worker --connect"));
+  if (options_.service) source_.notice(line("to submit", tokens.submit, "penumbra submit SCENE --to"));
 }
 
 Expected<void> FarmRun::run() {
@@ -75,6 +80,7 @@ Expected<void> FarmRun::run() {
     tick();
     look_after_workers();
     fail_hopeless_jobs();
+    make_changes();
     finish_jobs();
     take_jobs();
     for (const auto& [id, job] : jobs_) {
@@ -126,7 +132,8 @@ void FarmRun::take_jobs() {
   while (int(jobs_.size()) < options_.open_jobs) {
     std::shared_ptr<const RenderJob> next = source_.next();
     if (!next) return;
-    const JobId id = next_job_++;
+    const JobId id = next->number.value_or(next_job_);
+    next_job_ = std::max(next_job_, id + 1);
     source_.took(id);
     JobRun& taken =
         *jobs_.emplace(id, std::make_unique<JobRun>(id, std::move(next), since_start(), jobs_.empty()))
@@ -136,6 +143,15 @@ void FarmRun::take_jobs() {
     tell_plan(JobAdded{id, taken.job().priority, taken.phases()});
     for (std::uint32_t tile = 0; taken.is_adaptive() && tile < taken.tiles(); ++tile)
       tell_plan(taken.passes_of_tile(tile));
+  }
+}
+
+void FarmRun::make_changes() {
+  for (const JobChange& change : source_.changes()) {
+    if (const auto* cancelled = std::get_if<CancelJob>(&change); cancelled && job(cancelled->job))
+      end_job(cancelled->job);
+    if (const auto* priority = std::get_if<PriorityChanged>(&change); priority && job(priority->job))
+      tell_plan(*priority);
   }
 }
 
@@ -153,6 +169,7 @@ std::unique_ptr<JobRun> FarmRun::take_out(JobId id) {
   std::unique_ptr<JobRun> ended = std::move(jobs_.extract(id).mapped());
   source_.progress(id, ended->progress(plan_, ready_workers(), since_start()));
   ended->close(*server_, plan_, workers);
+  std::erase_if(closed_boards_, [](const auto& board) { return !board->is_watched(); });
   if (ended->board()->is_watched()) closed_boards_.push_back(ended->board());
   return ended;
 }
@@ -166,6 +183,7 @@ void FarmRun::end_job(JobId id) {
   RenderOutcome outcome = std::move(*ended).outcome(plan_, since_start());
   hopeless_.erase(id);
   deadly_.erase(id);
+  job_failures_.erase(id);
   tell_plan(JobRemoved{id});
   source_.done(id, std::move(outcome));
 }
@@ -195,6 +213,7 @@ void FarmRun::fail_hopeless_jobs() {
     tell_plan(JobRemoved{id});
     std::string reasons;
     for (const std::string& text : job_failures_[id]) reasons += "\n  " + text;
+    job_failures_.erase(id);
     source_.done(id, fail("no worker can do this job:" + reasons));
   }
 }
@@ -261,7 +280,7 @@ void FarmRun::advance_clock() {
 void FarmRun::tick() {
   last_tick_ = now_;
   for (const auto& [id, job] : jobs_)
-    if (job->budget_is_spent(now_)) tell_plan(NoFurtherPasses{id});
+    if (job->budget_is_spent(now_)) tell_plan(NoFurtherUnits{id});
   tell_plan(Tick{});
 }
 
@@ -274,6 +293,27 @@ void FarmRun::report_progress() {
     if (!workers) workers = watched_workers();
     job->show_progress(plan_, *workers, since_start());
   }
+  if (source_.wants_workers() && since_start() >= next_workers_) {
+    next_workers_ = since_start() + kWorkersInterval;
+    source_.workers(farm_workers());
+  }
+}
+
+std::vector<FarmWorker> FarmRun::farm_workers() {
+  std::vector<FarmWorker> present;
+  for (const auto& [id, worker] : workers_) {
+    if (worker.gone || worker.dismissed) continue;
+    const std::optional<UnitId> in_hand = plan_.in_hand(id);
+    present.push_back({.id = id,
+                       .name = worker.name,
+                       .device = worker.device,
+                       .units = worker.units,
+                       .samples = worker.samples,
+                       .busy_seconds = worker.busy_seconds,
+                       .since = since_start() - worker.since,
+                       .job = in_hand ? std::optional(in_hand->job) : std::nullopt});
+  }
+  return present;
 }
 
 int FarmRun::ready_workers() const {
@@ -301,6 +341,7 @@ std::vector<WatchedWorker> FarmRun::watched_workers() {
 
 void FarmRun::problem(const std::string& text) {
   problems_.push_back(text);
+  if (problems_.size() > kMostProblems) problems_.erase(problems_.begin());
   if (jobs_.empty()) unsaid_problems_.push_back(text);
   for (const auto& [id, job] : jobs_) job->problem(text);
 }

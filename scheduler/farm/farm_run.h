@@ -36,6 +36,10 @@ class FarmRun {
     std::optional<UnitId> last_unit;  // in hand when it was lost
     Seconds gone_since = 0, ended_since = 0;
     std::uint64_t parts = 0;  // of units, as it reports
+    Seconds since = 0;
+    std::string device;
+    std::uint64_t units = 0, samples = 0;
+    double busy_seconds = 0;
   };
 
   void on(const arrivals::Connected& arrival);
@@ -68,6 +72,7 @@ class FarmRun {
 
   Expected<void> start();
   void take_jobs();
+  void make_changes();
   void finish_jobs();
   std::unique_ptr<JobRun> take_out(JobId id);
   void end_job(JobId id);
@@ -85,7 +90,7 @@ class FarmRun {
 
   [[nodiscard]] Seconds since_start() const { return seconds_since(started_); }
   [[nodiscard]] bool can_go_on() const {
-    return (workers_here_->any_left() || is_an_end_half_known()) && !plan_.gave_up();
+    return (options_.workers == 0 || workers_here_->any_left() || is_an_end_half_known()) && !plan_.gave_up();
   }
   /// Of a worker, only its stream or only its process has ended so far; what that means is decided by both.
   [[nodiscard]] bool is_an_end_half_known() const;
@@ -96,6 +101,7 @@ class FarmRun {
   [[nodiscard]] std::string detail(const UnitId& id);
   [[nodiscard]] int ready_workers() const;
   [[nodiscard]] std::vector<WatchedWorker> watched_workers();
+  [[nodiscard]] std::vector<FarmWorker> farm_workers();
   [[nodiscard]] WorkerName names() const {
     return [this](WorkerId worker) { return workers_.at(worker).name; };
   }
@@ -124,7 +130,7 @@ class FarmRun {
   std::set<std::string> said_;
   std::vector<std::string> problems_, unsaid_problems_;  // unsaid: no job was open
   bool anyone_was_ready_ = false;
-  Seconds now_ = 0, plan_time_ = 0, last_tick_ = 0, last_joined_ = 0;
+  Seconds now_ = 0, plan_time_ = 0, last_tick_ = 0, next_workers_ = 0, last_joined_ = 0;
   // The workers talk to the server through the socket, so they go first and the socket last.
   std::optional<PrivateSocket> socket_;
   std::unique_ptr<Server> server_;

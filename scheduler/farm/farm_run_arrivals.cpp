@@ -28,6 +28,7 @@ void FarmRun::on(const arrivals::Connected& arrival) {
   Worker& worker = workers_[arrival.worker];
   worker.name = fmt::format("{}:{}", arrival.host, arrival.pid);
   worker.isas = arrival.isas;
+  worker.since = since_start();
   worker.pid = workers_here_->claim(arrival.key);
   last_joined_ = now_;
   if (worker.pid == 0 && !workers_here_->has_launched(arrival.key))
@@ -47,6 +48,7 @@ void FarmRun::on(const arrivals::Compiling& arrival) {
 void FarmRun::on(const arrivals::Ready& arrival) {
   Worker& worker = workers_.at(arrival.worker);
   worker.ready = anyone_was_ready_ = true;
+  worker.device = arrival.device;
   workers_here_->is_ready(worker.pid);
   if (JobRun* of = job(arrival.job)) {
     of->worker_is_ready(arrival, since_start());
@@ -84,6 +86,11 @@ void FarmRun::on(const arrivals::JobFailed& arrival) {
 void FarmRun::on(arrivals::Result& arrival) {
   JobRun* of = job(arrival.unit.job);
   if (of == nullptr) return;
+  Worker& worker = workers_.at(arrival.worker);
+  worker.busy_seconds += arrival.busy_seconds;
+  ++worker.units;
+  const RenderUnit done = of->unit(arrival.unit);
+  worker.samples += std::uint64_t(done.width) * std::uint64_t(done.height) * done.sample_count;
   WorkerShare& share = of->share(arrival.worker);
   share.busy_seconds += arrival.busy_seconds;
   share.peak_memory_bytes = std::max(share.peak_memory_bytes, arrival.peak_memory_bytes);

@@ -81,6 +81,7 @@ std::vector<PhaseUnits> JobRun::phases() const {
   return {{.tiles = grid_.tiles(),
            .passes = job_->interactive ? 0 : grid_.passes(),
            .passes_at_first = is_adaptive() ? AdaptiveTile::next_decision(0, grid_.passes()) : kAllPasses,
+           .units_at_most = job_->units_at_most,
            .merged = merge_.merged_passes()}};
 }
 
@@ -92,6 +93,15 @@ RenderUnit JobRun::unit(const UnitId& id) const {
 std::uint32_t JobRun::passes_of(std::uint32_t spp) const {
   const std::uint64_t possible = std::min(spp, job_->spp);
   return std::uint32_t((possible + job_->samples_per_pass - 1) / job_->samples_per_pass);
+}
+
+std::uint64_t JobRun::samples_wanted(const Plan& plan) const {
+  if (is_adaptive()) return merge_.samples_expected();
+  if (!budget_spent_ && job_->units_at_most == kAllUnits) return grid_.samples(plan.passes(id_));
+  std::uint64_t all = 0;
+  for (std::uint32_t tile = 0; tile < grid_.tiles(); ++tile)
+    all += grid_.samples_of_tile(tile, plan.passes(id_, tile));
+  return all;
 }
 
 std::uint32_t JobRun::spp_of(std::uint32_t passes) const {
@@ -243,6 +253,7 @@ RenderOutcome JobRun::outcome(const Plan& plan, Seconds now) && {
   outcome.units_set_aside = plan.set_aside(id_).size();
   outcome.passes_finished = merge_.finished_passes();
   outcome.passes_total = grid_.passes();
+  outcome.units_in_order = merge_.units_in_order();
   outcome.ended_by_tile = is_adaptive() && merge_.is_done();
   outcome.film = std::move(merge_).take_film();
   outcome.seconds_to_ready = ready_;

@@ -95,9 +95,7 @@ class JobRun {
  private:
   [[nodiscard]] Seconds since_begun(Seconds now) const { return now - begun_.value_or(now); }
   /// Samples that there will be in the end.
-  [[nodiscard]] std::uint64_t samples_wanted(const Plan& plan) const {
-    return is_adaptive() ? merge_.samples_expected() : grid_.samples(plan.passes(id_));
-  }
+  [[nodiscard]] std::uint64_t samples_wanted(const Plan& plan) const;
   [[nodiscard]] std::uint32_t spp_of(std::uint32_t passes) const;
   /// Seconds of rendering, of all processes.
   [[nodiscard]] Seconds rendered(Seconds now) const {

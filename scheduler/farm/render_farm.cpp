@@ -42,7 +42,8 @@ class SingleJob final : public JobSource {
 }  // namespace
 
 Expected<void> run_farm(const FarmOptions& options, JobSource& source, const std::atomic<bool>& stop) {
-  if (options.workers < 1) return fail(fmt::format("{} workers; at least 1 is needed", options.workers));
+  if (options.workers < (options.listen.empty() ? 1 : 0))
+    return fail(fmt::format("{} workers; at least 1 is needed", options.workers));
   // For good: gRPC's end may wait ten seconds for a poll that is under way.
   static const bool kept = (grpc_init(), true);
   (void)kept;

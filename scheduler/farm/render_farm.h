@@ -5,16 +5,18 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "kernels/host/error.h"
 #include "scheduler/farm/render_job.h"
+#include "scheduler/farm/service_maker.h"
 #include "scheduler/plan/plan.h"
 
 namespace penumbra {
 
 struct FarmOptions {
-  int workers = 1;                ///< local worker processes
+  int workers = 1;                ///< local worker processes; 0 where others join at `listen`
   std::string worker_executable;  ///< path of penumbra-worker
   /// A command of a shell, such as "srun -n 32", which starts all workers, put before their command line;
   /// `workers` is then 1. They connect to `listen` if that is given.
@@ -25,7 +27,24 @@ struct FarmOptions {
   int largest_tile = 64;                ///< of any job: results are not taken if they are larger
   bool tells_how_to_watch = false;      ///< in the first notices of JobSource
   int open_jobs = 2;                    ///< so many are taken from the source at a time
+  ServiceMaker service = {};            ///< further calls at `listen`
 };
+
+/// A worker that is connected, and what it has done so far.
+struct FarmWorker {
+  WorkerId id = 0;
+  std::string name, device;
+  std::uint64_t units = 0, samples = 0;
+  double busy_seconds = 0;
+  Seconds since = 0;              ///< it has been there so long
+  std::optional<JobId> job = {};  ///< of the unit in its hand
+};
+
+/// What is wanted of a job that is open.
+struct CancelJob {
+  JobId job;
+};
+using JobChange = std::variant<CancelJob, PriorityChanged>;
 
 /// Where a farm's jobs come from, and what becomes of them. Called from the farm's own thread, which must not
 /// wait here.
@@ -41,6 +60,12 @@ class JobSource {
   virtual void took(JobId) {}
   /// A few times a second, for each job that is open.
   virtual void progress(JobId, const RenderProgress&) {}
+  /// A few times a second: who is there. Only where `wants_workers()`.
+  virtual void workers(const std::vector<FarmWorker>&) {}
+  [[nodiscard]] virtual bool wants_workers() const { return false; }
+  /// A few times a second: what is to be done with jobs that are open; others are ignored. One that is
+  /// cancelled is over, with what is merged of it.
+  [[nodiscard]] virtual std::vector<JobChange> changes() { return {}; }
   /// What has happened on the farm, such as an address to be watched at, for people.
   virtual void notice(const std::string&) {}
   /// The job is over: complete, or as far as it came. The error: no worker could do it.

@@ -9,6 +9,8 @@
 
 #include "kernels/host/device_scene.h"
 #include "scheduler/plan/film_accumulator.h"
+#include "scheduler/plan/plan_messages.h"
+#include "scheduler/plan/work_unit.h"
 #include "scheduler/protocol/asset_manifest.h"
 #include "worker/device.h"
 
@@ -18,6 +20,7 @@ class CheckpointSink;
 struct MergedBefore;
 
 struct RenderJob {
+  std::optional<JobId> number = {};  ///< on the wire, not used before; nothing: the farm's choice
   DeviceScene scene;
   std::shared_ptr<const AssetManifest> manifest = {};  ///< of the scene; null: the farm makes it
   int x = 0, y = 0, width = 0, height = 0;             ///< film rectangle to render
@@ -29,8 +32,10 @@ struct RenderJob {
   std::string reproduce_command;      ///< the `penumbra render` command without a crop, quoted for a shell; a
                                       ///< failed unit is named with it plus `--crop x0,y0,x1,y1`
   std::optional<double> time_budget;  ///< seconds of rendering, with those of an earlier process, after which
-                                      ///< no further pass is begun; the first pass is always rendered, and an
+                                      ///< no further unit is begun; the first pass is always rendered, and an
                                       ///< image that ends so counts as complete
+  std::uint64_t units_at_most =
+      kAllUnits;  ///< the first ones, see PhaseUnits; the image depends on `tile` then
 
   /// Each tile ends as soon as its relative error is at most that, see AdaptiveTile; `spp` is the most that
   /// it gets, and the image depends on `tile`.
@@ -77,7 +82,8 @@ struct RenderOutcome {
   std::vector<WorkerShare> workers;
   std::uint64_t units_done = 0, units_duplicated = 0, units_requeued = 0;
   std::uint64_t units_set_aside = 0;  ///< missing in the film, maybe before others that are not
-  bool ended_by_tile = false;         ///< with a target error, and every tile has come to its end
+  std::optional<std::uint64_t> units_in_order = {};  ///< see Merge
+  bool ended_by_tile = false;  ///< with a target error, and every tile has come to its end
   std::uint32_t passes_finished = 0, passes_total = 0;  ///< merged in every tile; asked for
   // From when the farm took the job, of a single render so from the call; of one that waited for others from
   // its first unit.

@@ -42,6 +42,7 @@ struct Server::State {
   // the scheduler's own workers.
   std::unique_ptr<Acceptor> acceptor;
   std::unique_ptr<FarmService> own_service, more_service;
+  std::unique_ptr<grpc::Service> further_service;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> external_connections;
   std::unique_ptr<grpc::Server> own_server, more_server;
 };
@@ -67,11 +68,16 @@ Expected<void> Server::listen_for_all(const ListenOptions& options) {
   state_->more_address = state_->acceptor->address();
   std::shared_ptr<grpc::ServerCredentials> credentials = grpc::InsecureServerCredentials();
   if (is_tcp(options.more)) {
-    state_->tokens = {.watch = make_token(), .work = make_token()};
+    state_->tokens = {.watch = make_token(),
+                      .work = make_token(),
+                      .submit = options.service ? make_token() : std::string()};
     credentials = token_credentials(state_->tokens);
   }
-  state_->more_service = std::make_unique<FarmService>(
-      state_->farm, [acceptor = state_->acceptor.get()](const std::string& peer) { acceptor->admit(peer); });
+  const auto on_call = [acceptor = state_->acceptor.get()](const std::string& peer) {
+    acceptor->admit(peer);
+  };
+  state_->more_service = std::make_unique<FarmService>(state_->farm, on_call);
+  if (options.service) state_->further_service = options.service(on_call);
 
   grpc::ServerBuilder builder;
   set_what_holds_for_all(builder, options);
@@ -85,6 +91,7 @@ Expected<void> Server::listen_for_all(const ListenOptions& options) {
   state_->external_connections = builder.experimental().AddExternalConnectionAcceptor(
       grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials);
   builder.RegisterService(state_->more_service.get());
+  if (state_->further_service) builder.RegisterService(state_->further_service.get());
   state_->more_server = builder.BuildAndStart();
   if (state_->more_server == nullptr)
     return fail(fmt::format("cannot listen on {}; GRPC_VERBOSITY=error says why", options.more));

@@ -14,6 +14,7 @@
 #include "scheduler/farm/access.h"
 #include "scheduler/farm/arrivals.h"
 #include "scheduler/farm/offered_asset.h"
+#include "scheduler/farm/service_maker.h"
 #include "scheduler/plan/work_unit.h"
 #include "scheduler/watch/watch_board.h"
 #include "worker/device.h"
@@ -29,6 +30,7 @@ struct ListenOptions {
   /// Bytes of the largest unit's samples: larger messages are not taken.
   std::size_t largest_result = std::size_t(1) << 20;
   AcceptorLimits limits = {};  ///< of `more`
+  ServiceMaker service = {};   ///< further calls at `more`
 };
 
 /// Threads for each connected worker read, check, decode and write; `next` gives the arrivals to the one

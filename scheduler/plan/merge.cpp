@@ -195,6 +195,18 @@ std::uint32_t Merge::finished_passes() const {
   return least == tiles_.end() ? 0 : least->next_pass;
 }
 
+std::optional<std::uint64_t> Merge::units_in_order() const {
+  const std::uint32_t whole = finished_passes();
+  std::uint64_t more = 0;
+  for (const Tile& tile : tiles_) {
+    const std::uint32_t own = tile.next_pass - whole;
+    const bool follows = own == 0 || more == std::uint64_t(&tile - tiles_.data());
+    if (own > 1 || !follows || !tile.skipped.empty() || !tile.waiting.empty()) return {};
+    more += own;
+  }
+  return std::uint64_t(whole) * tiles_.size() + more;
+}
+
 std::size_t Merge::waiting() const {
   std::size_t count = 0;
   for (const Tile& tile : tiles_) count += tile.waiting.size();

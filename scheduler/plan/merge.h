@@ -53,6 +53,9 @@ class Merge {
   [[nodiscard]] std::uint64_t samples() const;
   /// How many passes, from the first, are merged (or skipped) in every tile.
   [[nodiscard]] std::uint32_t finished_passes() const;
+  /// If what is merged are the first units in their order, pass by pass and tile by tile, and none was
+  /// skipped or waits: how many.
+  [[nodiscard]] std::optional<std::uint64_t> units_in_order() const;
   /// Results that wait for an earlier pass of their tile.
   [[nodiscard]] std::size_t waiting() const;
   [[nodiscard]] const FilmAccumulator& film() const { return film_; }

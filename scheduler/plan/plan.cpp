@@ -16,6 +16,10 @@ Plan::Phase::Phase(const PhaseUnits& units)
   std::copy_n(units.merged.begin(), known, next.begin());
   for (std::uint32_t tile = 0; tile < tiles; ++tile) {
     next[tile] = std::min(next[tile], passes);
+    if (units.units_at_most != kAllUnits) {
+      const std::uint64_t own = units.units_at_most / tiles + (tile < units.units_at_most % tiles ? 1 : 0);
+      limit[tile] = std::uint32_t(std::min<std::uint64_t>(limit[tile], own));
+    }
     limit[tile] = std::max(limit[tile], next[tile]);
     left += end(tile) - next[tile];
   }
@@ -153,16 +157,20 @@ void Plan::on(const PassesOfTile& event) {
   count_left(job, phase, phase.end(event.tile) - before);
 }
 
-void Plan::on(const NoFurtherPasses& event) {
+void Plan::on(const NoFurtherUnits& event) {
   const auto found = jobs_.find(event.job);
   if (found == jobs_.end()) return;
   Job& job = found->second;
   Phase& phase = job.phases.back();
   const std::uint64_t before = phase.units();
-  std::uint32_t begun = 1;
+  const std::uint32_t begun = phase.next.empty() ? 1 : std::max(1u, std::ranges::max(phase.next));
+  // The last tile of the last pass that is begun: units up to there are in order.
+  std::uint32_t last = 0;
+  for (std::uint32_t tile = 0; tile < phase.tiles; ++tile)
+    if (phase.next[tile] == begun) last = tile;
   for (std::uint32_t tile = 0; tile < phase.tiles; ++tile) {
-    begun = std::max(begun, phase.next[tile]);
-    if (phase.by_tile) phase.limit[tile] = std::max(1u, phase.next[tile]);
+    const std::uint32_t own = phase.by_tile ? phase.next[tile] : tile <= last ? begun : begun - 1;
+    phase.limit[tile] = std::min(phase.limit[tile], std::max(1u, own));
   }
   phase.closed = true;
   phase.passes = std::min(phase.passes, begun);

@@ -55,8 +55,12 @@ class Plan {
   };
   [[nodiscard]] Counts counts(JobId job) const { return jobs_.at(job).counts; }
   [[nodiscard]] const std::set<UnitId>& set_aside(JobId job) const { return jobs_.at(job).set_aside; }
-  /// Passes of the present phase that will be rendered, as MorePasses and NoFurtherPasses left them.
+  /// Passes of the present phase that will be rendered of a tile at most, as MorePasses and NoFurtherUnits
+  /// left them; and of one tile.
   [[nodiscard]] std::uint32_t passes(JobId job) const { return present(jobs_.at(job)).passes; }
+  [[nodiscard]] std::uint32_t passes(JobId job, std::uint32_t tile) const {
+    return present(jobs_.at(job)).end(tile);
+  }
   /// What the worker renders at the moment, as far as is known here.
   [[nodiscard]] std::optional<UnitId> in_hand(WorkerId worker) const;
 
@@ -136,7 +140,7 @@ class Plan {
   void on(const ResultCorrupt& event);
   void on(const MorePasses& event);
   void on(const PassesOfTile& event);
-  void on(const NoFurtherPasses& event);
+  void on(const NoFurtherUnits& event);
   void on(const Tick& event);
 
   [[nodiscard]] static const Phase& present(const Job& job) { return job.phases[job.phase]; }

@@ -43,6 +43,7 @@ constexpr Seconds kFirstStragglerAge = 1;  ///< see Plan; only while no unit of 
 constexpr int kJobsPerWorker = 2;  ///< that it keeps prepared: the one it works at, and the next
 
 constexpr std::uint32_t kAllPasses = ~std::uint32_t(0);
+constexpr std::uint64_t kAllUnits = ~std::uint64_t(0);
 
 /// The work units of one phase of a job: tiles x passes.
 struct PhaseUnits {
@@ -50,6 +51,8 @@ struct PhaseUnits {
   std::uint32_t passes = 0;  ///< of a tile, at most
   /// Of each tile so many, from the first, before PassesOfTile says more.
   std::uint32_t passes_at_first = kAllPasses;
+  /// So many units, the first in the order in which they are issued: pass by pass, tile by tile.
+  std::uint64_t units_at_most = kAllUnits;
   /// Of each tile so many, from the first, are there already; empty: none.
   std::vector<std::uint32_t> merged = {};
 };
@@ -133,16 +136,16 @@ struct PassesOfTile {  ///< of a tile of the job's present phase: so many in all
   std::uint32_t tile;
   std::uint32_t passes;
 };
-/// Of the job's last phase: finish those that are begun (the first at least); where tiles have as many as
-/// PassesOfTile says, each those that it has begun.
-struct NoFurtherPasses {
+/// Of the job's last phase: issue no more units than make those that were issued, and at least those of the
+/// first pass, the first ones of their order. What an earlier scheduler merged counts as issued.
+struct NoFurtherUnits {
   JobId job;
 };
 struct Tick {};  ///< time has passed
 
 using PlanEvent = std::variant<JobAdded, JobRemoved, PriorityChanged, JobRestarted, PhaseOpened, WorkerJoined,
                                WorkerPrepared, WorkerUnfit, WorkerLost, Alive, Progressed, UnitDone,
-                               UnitFailed, ResultCorrupt, MorePasses, PassesOfTile, NoFurtherPasses, Tick>;
+                               UnitFailed, ResultCorrupt, MorePasses, PassesOfTile, NoFurtherUnits, Tick>;
 
 // --- Orders: what to do, in this order.
 

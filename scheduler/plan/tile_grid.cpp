@@ -17,9 +17,17 @@ TileGrid::TileGrid(int x, int y, int width, int height, int tile, std::uint32_t 
       down_(std::uint32_t((std::int64_t(height) + tile - 1) / tile)),
       passes_(std::uint32_t((std::uint64_t(spp) + samples_per_pass - 1) / samples_per_pass)) {}
 
+std::uint64_t TileGrid::samples_of_pixel(std::uint32_t passes) const {
+  return std::min(std::uint64_t(spp_), std::uint64_t(passes) * samples_per_pass_);
+}
+
 std::uint64_t TileGrid::samples(std::uint32_t passes) const {
-  const std::uint64_t per_pixel = std::min(std::uint64_t(spp_), std::uint64_t(passes) * samples_per_pass_);
-  return std::uint64_t(width_) * std::uint64_t(height_) * per_pixel;
+  return std::uint64_t(width_) * std::uint64_t(height_) * samples_of_pixel(passes);
+}
+
+std::uint64_t TileGrid::samples_of_tile(std::uint32_t tile, std::uint32_t passes) const {
+  const RenderUnit area = unit(tile, 0);
+  return std::uint64_t(area.width) * std::uint64_t(area.height) * samples_of_pixel(passes);
 }
 
 RenderUnit TileGrid::unit(std::uint32_t tile, std::uint32_t pass) const {

@@ -19,6 +19,8 @@ bool has_crop(const Film& film) {
          film.crop_height != film.height;
 }
 
+bool depends_on_tiles(const RenderRecord& record) { return record.target_error || record.stop_after_units; }
+
 /// As the format's int where it fits, as unsigned 32-bit values may not: a double has them exactly.
 MetadataValue integer_value(std::int64_t value) {
   if (value >= INT_MIN && value <= INT_MAX) return int(value);
@@ -58,10 +60,9 @@ std::string repeat_command(const RenderRecord& record, bool with_crop) {
     if (setting.option == "spp" && record.stop_after) add("--stop-after", fmt::to_string(*record.stop_after));
   }
   add("--pass", fmt::to_string(record.samples_per_pass));
-  if (record.target_error) {
-    add("--target-error", fmt::to_string(*record.target_error));
-    add("--tile", fmt::to_string(record.tile));
-  }
+  if (record.target_error) add("--target-error", fmt::to_string(*record.target_error));
+  if (record.stop_after_units) add("--stop-after-units", fmt::to_string(*record.stop_after_units));
+  if (depends_on_tiles(record)) add("--tile", fmt::to_string(record.tile));
   add("--intersector", record.embree ? "embree" : "portable");
   if (!record.isa.empty()) add("--isa", record.isa);
   if (record.backend != Backend::kNative) add("--backend", std::string(backend_name(record.backend)));
@@ -89,10 +90,9 @@ std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRe
   }
   if (record.stop_after) entries.emplace_back("stop_after", integer_value(*record.stop_after));
   entries.emplace_back("samples_per_pass", integer_value(record.samples_per_pass));
-  if (record.target_error) {
-    text("target_error", fmt::to_string(*record.target_error));
-    entries.emplace_back("tile", integer_value(std::uint32_t(record.tile)));
-  }
+  if (record.target_error) text("target_error", fmt::to_string(*record.target_error));
+  if (record.stop_after_units) text("stop_after_units", fmt::to_string(*record.stop_after_units));
+  if (depends_on_tiles(record)) entries.emplace_back("tile", integer_value(std::uint32_t(record.tile)));
   text("intersector", record.embree ? "embree" : "portable");
   text("backend", std::string(backend_name(record.backend)));
   if (!record.isa.empty()) text("isa", record.isa);
@@ -103,9 +103,13 @@ std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRe
 
 RenderRecord record_of_rendered(RenderRecord record, const RenderedSamples& rendered) {
   // Where there are gaps, counts do not tell which samples there are.
-  if (!rendered.has_gaps && !rendered.ended_by_tile && rendered.most > 0 &&
-      rendered.most < record.sampler.spp)
-    record.stop_after = std::uint32_t(rendered.most);
+  if (rendered.has_gaps || rendered.ended_by_tile || rendered.most == 0) return record;
+  if (rendered.least != rendered.most && rendered.units_in_order) {
+    record.stop_after_units = rendered.units_in_order;
+    return record;
+  }
+  record.stop_after_units.reset();  // equally many of each pixel are the same whatever the tiles
+  if (rendered.most < record.sampler.spp) record.stop_after = std::uint32_t(rendered.most);
   return record;
 }
 

@@ -25,9 +25,12 @@ struct RenderRecord : RenderSettings {
   bool lenient = false;
   /// Only so many of them are rendered; nothing: all.
   std::optional<std::uint32_t> stop_after;
+  /// Only the first so many units, of `tile` and `samples_per_pass`, pass by pass and tile by tile; nothing:
+  /// all.
+  std::optional<std::uint64_t> stop_after_units;
   std::uint32_t samples_per_pass = 16;
   std::optional<double> target_error;  ///< of each tile
-  int tile = 0;                        ///< pixels along a side; matters with a target error
+  int tile = 0;  ///< pixels along a side; matters with a target error, and with stop_after_units
   bool feature_layers = true;
   bool embree = false;  ///< else the portable intersector
   Backend backend = Backend::kNative;
@@ -49,10 +52,13 @@ struct RenderedSamples {
   std::uint64_t least = 0, most = 0;  ///< of a pixel
   std::string_view backends = {};     ///< what computed them: native, opencl, or both; empty: as was asked
   bool ended_by_tile = false;         ///< each tile has come to the target error, or to all samples
+  std::optional<std::uint64_t> units_in_order = {};  ///< see Merge
 
   /// Whether some command renders the same image: every pixel has the first samples, equally many, or as many
-  /// as its tile's results ask for.
-  [[nodiscard]] bool repeatable() const { return !has_gaps && (least == most || ended_by_tile); }
+  /// as its tile's results ask for, or as many as the first units of all have.
+  [[nodiscard]] bool repeatable() const {
+    return !has_gaps && (least == most || ended_by_tile || units_in_order);
+  }
 };
 
 /// The record of what was rendered, where that may be less than what was to be. Its command repeats the image

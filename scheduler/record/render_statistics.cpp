@@ -26,6 +26,8 @@ Json settings_json(const RenderStatistics& statistics) {
   }
   settings["spp"] = statistics.record.sampler.spp;
   settings["stop_after"] = statistics.record.stop_after ? Json(*statistics.record.stop_after) : Json(nullptr);
+  settings["stop_after_units"] =
+      statistics.record.stop_after_units ? Json(*statistics.record.stop_after_units) : Json(nullptr);
   settings["seed"] = statistics.record.sampler.seed;
   settings["samples_per_pass"] = statistics.record.samples_per_pass;
   settings["defines"] = statistics.record.defines;
@@ -130,7 +132,8 @@ RenderedSamples rendered_samples(const RenderOutcome& outcome) {
           .has_gaps = outcome.units_set_aside > 0,
           .least = range.least,
           .most = range.most,
-          .ended_by_tile = outcome.ended_by_tile};
+          .ended_by_tile = outcome.ended_by_tile,
+          .units_in_order = outcome.units_in_order};
 }
 
 std::string_view backends_of(const RenderOutcome& outcome) {

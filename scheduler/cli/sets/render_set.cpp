@@ -198,12 +198,9 @@ void SceneSet::done(JobId id, Expected<RenderOutcome> outcome) {
     if (ready.prepared->job.device.backend == Backend::kAuto && !stop_) {
       print_warning(
           fmt::format("{}: native code renders: {}", entries_[ready.index].name, outcome.error().message));
-      ready.prepared->job.device.backend = Backend::kNative;
-      // The render that failed has used up what it went on with.
-      const auto read =
-          ready.prepared->job.before ? read_checkpoint_again(*ready.prepared) : Expected<void>{};
-      if (read) return again_.push_back(std::move(ready));
-      outcome = std::unexpected(read.error());
+      const auto can_go_on = fall_back_to_native(*ready.prepared);
+      if (can_go_on) return again_.push_back(std::move(ready));
+      outcome = std::unexpected(can_go_on.error());
     }
     return fail_member(ready.index, outcome.error());
   }
@@ -221,7 +218,7 @@ void SceneSet::write_images() {
 }
 
 void SceneSet::write(FinishedRender finished) {
-  RenderOutcome& outcome = finished.outcome;
+  const RenderOutcome& outcome = finished.outcome;
   const std::string name = entries_[finished.index].name;
   const auto [least, most, total] = sample_range(outcome.film);
   const double error = outcome.film.relative_error();
@@ -233,23 +230,13 @@ void SceneSet::write(FinishedRender finished) {
     entry.seconds = outcome.seconds;
     entry.relative_error = error;
   }
-  Expected<void> written = total == 0 ? fail("nothing was rendered") : make_folders(finished.prepared->files);
-  const std::string reproduce_command = finished.prepared->job.reproduce_command;
-  if (written) written = write_outputs(*finished.prepared, outcome, command_line_);
-  if (!written) print_error({fmt::format("{}: {}", name, written.error().message)});
-  if (written && outcome.complete) remove_checkpoint(*finished.prepared);
-  print_problems(outcome, stop_);
   const bool strict = plan_.members[finished.index].options.strict_numerics;
-  const bool non_finite = print_non_finite(outcome.film, reproduce_command, strict);
-  if (!written)
-    end(finished.index, SetState::kFailed, written.error().message);
-  else if (!outcome.complete)
-    end(finished.index, SetState::kIncomplete,
-        outcome.problems.empty() ? "it was stopped" : outcome.problems.front());
-  else if (non_finite && strict)
-    end(finished.index, SetState::kIncomplete, "it has NaN or infinite samples");
-  else
-    end(finished.index, SetState::kDone);
+  const RenderEnd ended = finish_render(*finished.prepared, outcome, command_line_, name, strict, stop_);
+  end(finished.index,
+      ended.kind == RenderEndKind::kDone     ? SetState::kDone
+      : ended.kind == RenderEndKind::kFailed ? SetState::kFailed
+                                             : SetState::kIncomplete,
+      ended.error);
 }
 
 void SceneSet::end(std::size_t index, SetState state, const std::string& error) {

@@ -195,7 +195,7 @@ TEST_F(RenderCommand, TheRecordedCommandRepeatsWhatATimeBudgetEnded) {
       {}, {"--integrator", "polygon_cv", "--set", "integrator.alpha=auto"}};
   for (std::vector<std::string> arguments : integrators) {
     arguments.insert(arguments.end(), {"-o", "a.exr", "--spp", "2000000000", "--pass", "4", "--sampler",
-                                       "sobol", "--time-budget", "0.2"});
+                                       "sobol", "--time-budget", "0.2", "--tile", "7"});
     render(arguments);
     EXPECT_EQ(image("a.exr").attribute("penumbra:spp"), MetadataValue(2000000000));
     repeat("a.exr", "b.exr");
@@ -278,17 +278,42 @@ TEST_F(RenderCommand, FeatureLayersCanBeLeftOut) {
               ElementsAre("R", "G", "B", "samples.Y", "variance.R", "variance.G", "variance.B"));
 }
 
-TEST_F(RenderCommand, TimeBudgetEndsWithWholePasses) {
-  render({"--spp", "100000000", "--pass", "4", "--time-budget", "0.3"});
+TEST_F(RenderCommand, TimeBudgetEndsWithWholeUnitsInTheirOrder) {
+  render({"--spp", "100000000", "--pass", "4", "--tile", "8", "--time-budget", "0.3"});
   const Image exr = image("s.exr");
   const std::size_t count = *exr.channel("samples.Y");
   EXPECT_GE(exr.at(0, 0, count), 4.0f);
-  for (int y = 0; y < 20; ++y) {
-    for (int x = 0; x < 24; ++x) EXPECT_EQ(exr.at(x, y, count), exr.at(0, 0, count));
+  // Nine tiles, each of which has as many samples as the one before or a pass less than the first one.
+  float last = exr.at(0, 0, count);
+  for (int tile = 0; tile < 9; ++tile) {
+    const int left = tile % 3 * 8, top = tile / 3 * 8;
+    const float here = exr.at(left, top, count);
+    EXPECT_TRUE(here == last || (last == exr.at(0, 0, count) && here == last - 4)) << tile;
+    last = here;
+    for (int y = top; y < std::min(top + 8, 20); ++y)
+      for (int x = left; x < left + 8; ++x) EXPECT_EQ(exr.at(x, y, count), here);
   }
   EXPECT_EQ(exr.attribute("penumbra:spp"), MetadataValue(100000000));
-  EXPECT_EQ(exr.attribute("penumbra:stop_after"), MetadataValue(int(exr.at(0, 0, count))));
   EXPECT_EQ(report("s.json")["complete"], true);
+  EXPECT_TRUE(exr.attribute("penumbra:command").has_value());
+}
+
+TEST_F(RenderCommand, StopsAfterSomeOfItsUnits) {
+  render({"-o", "a.exr", "--spp", "64", "--pass", "4", "--tile", "8", "--stop-after-units", "31"});
+  const Image exr = image("a.exr");
+  const std::size_t count = *exr.channel("samples.Y");
+  for (int tile = 0; tile < 9; ++tile)
+    EXPECT_EQ(exr.at(tile % 3 * 8, tile / 3 * 8, count), tile < 31 % 9 ? 16.0f : 12.0f) << tile;
+  EXPECT_EQ(report("a.json")["complete"], true);
+  repeat("a.exr", "b.exr");
+  EXPECT_TRUE(file_contents(folder_ / "a.exr") == file_contents(folder_ / "b.exr"));
+  render({"-o", "c.exr", "--spp", "64", "--pass", "4", "--tile", "8", "--stop-after-units", "31", "--workers",
+          "3"});
+  EXPECT_TRUE(file_contents(folder_ / "a.exr") == file_contents(folder_ / "c.exr"));
+  // Whole passes are the same as samples of each pixel, whatever the tiles.
+  render({"-o", "d.exr", "--spp", "64", "--pass", "4", "--tile", "8", "--stop-after-units", "27"});
+  render({"-o", "e.exr", "--spp", "64", "--pass", "4", "--stop-after", "12"});
+  EXPECT_EQ(report("d.json")["film_hash"], report("e.json")["film_hash"]);
 }
 
 TEST_F(RenderCommand, EmbreeRecordsItsInstructionSet) {

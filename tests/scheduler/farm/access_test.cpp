@@ -114,7 +114,8 @@ TEST_F(AccessTest, OverTcpEveryCallNeedsAToken) {
 
 TEST_F(AccessTest, WhoMayWatchIsNoWorkerAndTheOtherWayRound) {
   using grpc::StatusCode;
-  const auto [watch, work] = server_->tokens();
+  const auto [watch, work, submit] = server_->tokens();
+  EXPECT_TRUE(submit.empty()) << "nobody submits here";
   EXPECT_NE(watch, work);
   EXPECT_THAT(codes(server_->more_address(), watch),
               ElementsAre(Pair("Work", StatusCode::PERMISSION_DENIED),

@@ -106,6 +106,31 @@ TEST(Merge, FinishedPassesAreThoseOfTheSlowestTile) {
   EXPECT_EQ(merge.film().at(kX + 30, kY + 26).count, 2 * kSamplesPerPass);
 }
 
+TEST(Merge, SaysHowManyUnitsThereAreIfTheyAreTheFirstOnes) {
+  const TileGrid tiles = grid(16);
+  Merge merge = empty_merge(tiles);
+  const std::uint32_t count = tiles.tiles();
+  EXPECT_EQ(merge.units_in_order(), 0u);
+  const auto add = [&](std::uint32_t tile, std::uint32_t pass) {
+    merge.add(tile, pass, fake_samples(tiles.unit(tile, pass), kFeaturePlanes));
+  };
+  for (std::uint32_t unit = 0; unit < 2 * count + 1; ++unit) {
+    add(unit % count, unit / count);
+    EXPECT_EQ(merge.units_in_order(), unit + 1);
+  }
+  add(2, 2);
+  EXPECT_EQ(merge.units_in_order(), std::nullopt) << "tile 1 is missing";
+  add(1, 2);
+  EXPECT_EQ(merge.units_in_order(), 2 * count + 3);
+  add(0, 3);
+  EXPECT_EQ(merge.units_in_order(), std::nullopt) << "a pass of tile 3 is missing";
+  merge.redo(0);
+  add(0, 1);
+  EXPECT_EQ(merge.units_in_order(), std::nullopt) << "it waits for the first";
+  merge.skip(0, 0);
+  EXPECT_EQ(merge.units_in_order(), std::nullopt) << "one is skipped";
+}
+
 TEST(Merge, ASkippedUnitDoesNotHoldUpItsTile) {
   const TileGrid tiles = grid(25);
   Merge merge = empty_merge(tiles);

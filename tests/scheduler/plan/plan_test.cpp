@@ -614,20 +614,48 @@ TEST_F(PlanTest, EndlessDisagreementIsGivenUp) {
 
 // --- Time budget
 
-TEST_F(PlanTest, NoFurtherPassesFinishesThePassThatIsBegun) {
+TEST_F(PlanTest, NoFurtherUnitsEndsWithWhatIsOut) {
   start(3, 5);
   join(1);
   work(1);
   work(1);  // (0, 2) and (1, 0) are out
-  tell(NoFurtherPasses{kJob});
+  tell(NoFurtherUnits{kJob});
   EXPECT_EQ(plan_->passes(kJob), 2u);
+  EXPECT_EQ(plan_->passes(kJob, 0), 2u);
+  EXPECT_EQ(plan_->passes(kJob, 1), 1u);
+  EXPECT_EQ(plan_->units_left(), 2u);
   while (!plan_->finished()) work(1);
-  EXPECT_EQ(plan_->counts(kJob).done, 6u);
+  EXPECT_EQ(plan_->counts(kJob).done, 4u);
 }
 
-TEST_F(PlanTest, NoFurtherPassesBeforeTheFirstRendersOnePass) {
+TEST_F(PlanTest, AWorkersDeathAfterTheLastUnitChangesNothing) {
   start(3, 5);
-  tell(NoFurtherPasses{kJob});
+  join(1);
+  join(2);
+  tell(NoFurtherUnits{kJob});
+  tell(WorkerLost{1});
+  while (!plan_->finished()) work(2);
+  EXPECT_EQ(plan_->counts(kJob).done, 4u);  // (0, 0..2) and (1, 0) were out
+}
+
+TEST_F(PlanTest, SomeUnitsAtMost) {
+  for (const std::uint64_t most : {1u, 3u, 4u, 14u, 15u, 16u, 1000u}) {
+    plan_.emplace(LeaseRule{.silence = kNever});
+    add(kJob, {{.tiles = 3, .passes = 5, .units_at_most = most}});
+    join(1);
+    std::vector<UnitId> order;
+    while (!plan_->finished()) {
+      order.push_back(held_[1].front());
+      work(1);
+    }
+    ASSERT_EQ(order.size(), std::min<std::uint64_t>(most, 15));
+    for (std::uint32_t i = 0; i < order.size(); ++i) EXPECT_EQ(order[i], unit(i / 3, i % 3));
+  }
+}
+
+TEST_F(PlanTest, NoFurtherUnitsBeforeTheFirstRendersOnePass) {
+  start(3, 5);
+  tell(NoFurtherUnits{kJob});
   EXPECT_EQ(plan_->passes(kJob), 1u);
   EXPECT_EQ(plan_->units_left(), 3u);
   join(1);
@@ -678,12 +706,12 @@ TEST_F(PlanTest, ADisputedTileIsRedoneFromNothingAlsoWhereItWasMergedBefore) {
   EXPECT_EQ(plan_->counts(kJob).done, 8u);
 }
 
-TEST_F(PlanTest, ATimeBudgetFinishesThePassThatAnEarlierSchedulerBegan) {
+TEST_F(PlanTest, ATimeBudgetFinishesWhatIsBeforeTheLastUnitOfAnEarlierScheduler) {
   plan_.emplace(LeaseRule{.silence = kNever});
-  add(kJob, {{.tiles = 3, .passes = 9, .merged = {2, 1, 1}}});
-  tell(NoFurtherPasses{kJob});
-  EXPECT_EQ(plan_->passes(kJob), 2u);
-  EXPECT_EQ(plan_->units_left(), 2u);
+  add(kJob, {{.tiles = 4, .passes = 9, .merged = {1, 1, 3, 1}}});
+  tell(NoFurtherUnits{kJob});
+  EXPECT_EQ(plan_->passes(kJob), 3u);
+  EXPECT_EQ(plan_->units_left(), 2u + 2u + 1u);  // up to (2, 2)
 }
 
 TEST_F(PlanTest, TilesHavePassesOfTheirOwn) {
@@ -702,7 +730,7 @@ TEST_F(PlanTest, TilesHavePassesOfTheirOwn) {
   tell(PassesOfTile{9, 0, 3});
   work(1);
   EXPECT_THAT(assigned(), ElementsAre(Pair(1, unit(2, 0)))) << "the one that is furthest behind";
-  tell(NoFurtherPasses{kJob});
+  tell(NoFurtherUnits{kJob});
   tell(PassesOfTile{kJob, 1, 5});
   EXPECT_EQ(plan_->units_left(), 2u) << "what is out is finished";
   while (!plan_->finished()) work(1);

@@ -12,7 +12,9 @@
 namespace penumbra {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 RenderRecord cornell() {
   RenderRecord record;
@@ -77,6 +79,9 @@ TEST(RecordOfRendered, KeepsWhatTheSequenceIsMadeFor) {
   };
   EXPECT_EQ(command(kAll), repeat_command(cornell(), true));
   EXPECT_THAT(command({.least = 48, .most = 48}), HasSubstr("--spp 64 --stop-after 48 "));
+  EXPECT_THAT(command({.least = 16, .most = 32, .units_in_order = 77}),
+              AllOf(HasSubstr("--stop-after-units 77 --tile "), Not(HasSubstr("--stop-after 32"))));
+  EXPECT_THAT(command({.least = 48, .most = 48, .units_in_order = 77}), Not(HasSubstr("--stop-after-units")));
   EXPECT_THAT(command({.complete = false, .least = 16, .most = 32}), HasSubstr("--spp 64 --stop-after 32 "));
   // One unit of 16 samples is missing; it is not known here which.
   EXPECT_EQ(command({.complete = false, .has_gaps = true, .least = 48, .most = 48}),

@@ -1,0 +1,60 @@
+// `penumbra cancel` and `penumbra prioritize`: what can be changed about the jobs of a service.
+#include <memory>
+
+#include "scheduler/cli/commands.h"
+#include "scheduler/cli/service/service_address.h"
+
+namespace penumbra {
+namespace {
+
+struct ChangeOptions {
+  std::string to;
+  std::vector<JobId> jobs;
+  int priority = 0;
+};
+
+/// `change` for each job, so that one that is over does not stop the others.
+template <typename Change>
+ExitCode change_all(const ChangeOptions& options, const Change& change) {
+  JobsClient service = connect_to_service(options.to);
+  ExitCode code = kAllDone;
+  for (const JobId job : options.jobs) {
+    const Expected<void> changed = change(service, job);
+    if (changed) continue;
+    print_error(changed.error());
+    code = kIncomplete;
+    if (service.is_away()) break;
+  }
+  return code;
+}
+
+}  // namespace
+
+void add_change_commands(CLI::App& app, Command& chosen) {
+  CLI::App* cancel = app.add_subcommand("cancel", "End jobs of a service; what is rendered of them is kept");
+  const auto cancelled = std::make_shared<ChangeOptions>();
+  add_jobs(*cancel, cancelled->jobs)->required();
+  add_service_address(*cancel, cancelled->to);
+  cancel->callback([cancelled, &chosen] {
+    chosen = [cancelled] {
+      return change_all(*cancelled, [](JobsClient& service, JobId job) { return service.cancel({job}); });
+    };
+  });
+
+  CLI::App* prioritize = app.add_subcommand("prioritize", "Change the priority of jobs of a service");
+  const auto urgent = std::make_shared<ChangeOptions>();
+  add_jobs(*prioritize, urgent->jobs)->required();
+  prioritize->add_option("--priority", urgent->priority, "The highest is rendered first; jobs begin with 0")
+      ->type_name("P")
+      ->required();
+  add_service_address(*prioritize, urgent->to);
+  prioritize->callback([urgent, &chosen] {
+    chosen = [urgent] {
+      return change_all(*urgent, [&](JobsClient& service, JobId job) {
+        return service.set_priority({job}, urgent->priority);
+      });
+    };
+  });
+}
+
+}  // namespace penumbra

@@ -1,0 +1,131 @@
+// `penumbra fetch JOB…`: results of a service.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <set>
+#include <thread>
+
+#include "scheduler/cli/commands.h"
+#include "scheduler/cli/service/service_address.h"
+#include "scheduler/cli/service/status_text.h"
+#include "scheduler/cli/stop_signal.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kLooks = 10;  // at the stop signal, between two questions
+
+struct FetchOptions {
+  std::string to, out = ".";
+  std::vector<JobId> jobs;
+  bool all = false, wait = false, remove = false, quiet = false;
+};
+
+/// The status of what was asked for once all of that is over, or at once. A service that is away is waited
+/// for as well.
+Expected<wire::StatusReply> wait_for_jobs(JobsClient& service, const FetchOptions& options,
+                                          const std::atomic<bool>& stop) {
+  bool was_reached = false, said = false;
+  for (;;) {
+    auto status = service.status(options.jobs);
+    if (!status && !(options.wait && was_reached && service.is_away() && !stop)) return status;
+    if (status) {
+      was_reached = true;
+      said = false;
+      const bool over = std::ranges::all_of(status->jobs(), is_over);
+      if (over || !options.wait || stop) return status;
+    } else if (!std::exchange(said, true)) {
+      print_message(status.error().message + "; trying again");
+    }
+    for (auto left = kLooks; left > 0 && !stop; --left)
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+}
+
+/// Where the file goes: two jobs of one fetch that call theirs alike are told apart by the job's number.
+fs::path place_of(const FetchOptions& options, JobId job, const std::string& name,
+                  std::set<fs::path>& taken) {
+  fs::path place = fs::path(options.out) / name;
+  if (!taken.insert(place).second) {
+    const fs::path path(name);
+    place =
+        fs::path(options.out) / fmt::format("{}-{}{}", path.stem().string(), job, path.extension().string());
+    taken.insert(place);
+  }
+  return place;
+}
+
+ExitCode fetch(const FetchOptions& options) {
+  if (options.all == !options.jobs.empty())
+    return print_error({"say which jobs to fetch: their numbers, or --all"}), kBadInput;
+  const std::atomic<bool>& stop = install_stop_signal();
+  JobsClient service = connect_to_service(options.to);
+  const auto status = wait_for_jobs(service, options, stop);
+  if (!status) return print_error(status.error()), kIncomplete;
+  ExitCode code = kAllDone;
+  std::set<fs::path> taken;
+  for (const wire::JobStatus& job : status->jobs()) {
+    const std::string what = fmt::format("job {}, {}", job.job(), job.name());
+    if (!is_over(job)) {
+      if (!options.all) {
+        print_error(
+            {fmt::format("{}: it is {}; --wait waits for its end", what, job_state_name(job.state()))});
+        code = kIncomplete;
+      }
+      continue;
+    }
+    if (job.state() != wire::JOB_DONE) {
+      print_error({fmt::format("{}: {}: {}", what, job_state_name(job.state()), job.error())});
+      code = kIncomplete;
+    }
+    bool fetched = true;
+    for (const wire::StoredFile& file : job.files()) {
+      if (!is_result_name(file.name())) continue;  // no honest service has such
+      const fs::path place = place_of(options, job.job(), file.name(), taken);
+      const auto written = service.fetch(job.job(), file, place);
+      if (!written) {
+        print_error({fmt::format("{}: {}", what, written.error().message)});
+        fetched = false;
+        code = kIncomplete;
+      } else if (!options.quiet) {
+        print_answer(fmt::format("{}\n", place.string()));
+      }
+    }
+    if (fetched && options.remove)
+      if (const auto removed = service.remove({job.job()}); !removed) {
+        print_error(removed.error());
+        code = kIncomplete;
+      }
+  }
+  return code;
+}
+
+}  // namespace
+
+void add_fetch_command(CLI::App& app, Command& chosen) {
+  CLI::App* command = app.add_subcommand("fetch", "Get the results of jobs of a service");
+  const auto options = std::make_shared<FetchOptions>();
+  CLI::Option* jobs = add_jobs(*command, options->jobs);
+  command->add_flag("--all", options->all, "Of every job that is over")->excludes(jobs);
+  command->add_option("-o,--out", options->out, "Folder for the files, made if it is missing")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  command->add_flag("--wait", options->wait,
+                    "First wait until the jobs are over, also while the service is away");
+  command->add_flag("--remove", options->remove, "The service then forgets the jobs and their files");
+  command->add_flag("-q,--quiet", options->quiet, "Do not list the files");
+  add_service_address(*command, options->to);
+  command->footer(
+      "The exit code is 0 only if every job was done. What is left of jobs that were cancelled or are "
+      "incomplete is\n"
+      "fetched as well.\n\n"
+      "  penumbra fetch 12 13 --wait -o out/ --to unix:/tmp/farm.socket");
+  command->callback([options, &chosen] { chosen = [options] { return fetch(*options); }; });
+}
+
+}  // namespace penumbra

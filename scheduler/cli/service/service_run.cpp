@@ -1,0 +1,255 @@
+#include "scheduler/cli/service/service_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "kernels/host/console.h"
+#include "kernels/host/words.h"
+#include "scheduler/cli/program_path.h"
+#include "scheduler/cli/progress.h"
+#include "scheduler/cli/render_checkpoint.h"
+#include "scheduler/cli/render_outputs.h"
+#include "scheduler/cli/service/status_text.h"
+#include "scheduler/cli/service/submitted_render.h"
+#include "scheduler/protocol/mailbox.h"
+#include "scheduler/record/film_image.h"
+#include "scheduler/service/job_queue.h"
+#include "scheduler/service/jobs_service.h"
+
+namespace penumbra {
+namespace {
+
+// Jobs whose scenes and films are in memory: the one that is rendered and the next, and for some that are
+// more urgent.
+constexpr int kOpenJobs = 2, kMostOpenJobs = 4;
+
+wire::JobState state_of(RenderEndKind kind) {
+  switch (kind) {
+    case RenderEndKind::kIncomplete:
+      return wire::JOB_INCOMPLETE;
+    case RenderEndKind::kFailed:
+      return wire::JOB_FAILED;
+    case RenderEndKind::kDone:
+      break;
+  }
+  return wire::JOB_DONE;
+}
+
+struct OpenJob {
+  JobId id = 0;
+  std::shared_ptr<PreparedRender> prepared;
+  std::string name;
+  std::vector<std::string> command_line;
+  bool strict_numerics = false;
+};
+struct FinishedJob {
+  OpenJob job;
+  Expected<RenderOutcome> outcome;
+};
+
+/// Three threads: one reads scenes, one drives the farm, one writes images.
+class ServiceRun final : public JobSource {
+ public:
+  ServiceRun(const ServiceOptions& options, Spool& spool, JobQueue& queue, std::string worker,
+             const std::atomic<bool>& stop)
+      : options_(options), spool_(spool), queue_(queue), worker_(std::move(worker)), stop_(stop) {}
+
+  ExitCode run(const std::string& worker_executable);
+
+  // --- Of the farm's thread
+  std::shared_ptr<const RenderJob> next() override;
+  bool is_exhausted() override { return false; }
+  void took(JobId id) override { open_[id] = *std::exchange(taken_, {}); }
+  void progress(JobId id, const RenderProgress& progress) override;
+  [[nodiscard]] bool wants_workers() const override { return true; }
+  void workers(const std::vector<FarmWorker>& workers) override { queue_.workers(workers); }
+  [[nodiscard]] std::vector<JobChange> changes() override { return queue_.take_changes(); }
+  void notice(const std::string& text) override {
+    print_message(text);
+    if (!tells_tokens_) queue_.say(text);
+  }
+  void done(JobId id, Expected<RenderOutcome> outcome) override;
+
+ private:
+  void read_scenes();
+  Expected<OpenJob> read_scene(const JobQueue::Taken& taken);
+  void write_images();
+  void write(FinishedJob finished);
+
+  const ServiceOptions& options_;
+  Spool& spool_;
+  JobQueue& queue_;
+  const std::string worker_;  // hash of that program
+  const std::atomic<bool>& stop_;
+  bool tells_tokens_ = true;  // the first notices: not for everybody who may ask for the state
+
+  Mailbox<OpenJob> ready_;
+  Mailbox<FinishedJob> finished_;
+  std::optional<OpenJob> taken_;
+  std::map<JobId, OpenJob> open_;
+  std::vector<OpenJob> again_;  // what the machine's own choice of a device could not render
+  // Of jobs that are not complete: whether it was they or the farm that ended is known when the farm goes on.
+  std::vector<FinishedJob> unfinished_;
+};
+
+// --- The thread that reads scenes
+
+void ServiceRun::read_scenes() {
+  while (const auto taken = queue_.take(kOpenJobs, kMostOpenJobs)) {
+    Expected<OpenJob> job = fail("");
+    try {
+      job = read_scene(*taken);
+    } catch (const std::exception& error) {  // memory above all: others may need less
+      job = fail(error.what());
+    }
+    if (job) {
+      ready_.put(std::move(*job));
+    } else {
+      print_error({fmt::format("job {}, {}: {}", taken->job, taken->submission.name, job.error().message)});
+      queue_.end(taken->job, wire::JOB_FAILED, job.error().message);
+    }
+  }
+}
+
+Expected<OpenJob> ServiceRun::read_scene(const JobQueue::Taken& taken) {
+  const Submission& submission = taken.submission;
+  auto scene = spool_.read_scene(submission.scene);
+  if (!scene) return std::unexpected(scene.error());
+  auto prepared = prepared_of(submission, std::move(*scene), spool_.folder_of(taken.job), options_.threads,
+                              options_.workers);
+  if (!prepared) return std::unexpected(prepared.error());
+  prepared->job.number = taken.job;
+  RenderOptions keeping;
+  keeping.resume = true;
+  keeping.checkpoint_interval = options_.checkpoint_interval;
+  if (const auto attached = attach_checkpoint(*prepared, keeping, worker_); !attached) {
+    queue_.problem(taken.job, attached.error().message);  // of another version of this program, or damaged
+    print_warning(fmt::format("job {}: {}", taken.job, attached.error().message));
+  } else if (prepared->job.before) {
+    print_message(fmt::format("job {}: {}", taken.job, *attached));
+  }
+  return OpenJob{taken.job, std::make_shared<PreparedRender>(std::move(*prepared)), submission.name,
+                 submission.command_line, submission.strict_numerics};
+}
+
+// --- The thread that drives the farm
+
+std::shared_ptr<const RenderJob> ServiceRun::next() {
+  tells_tokens_ = false;
+  for (FinishedJob& finished : std::exchange(unfinished_, {})) finished_.put(std::move(finished));
+  for (;;) {
+    if (!again_.empty()) {
+      taken_ = std::move(again_.back());
+      again_.pop_back();
+    } else {
+      taken_ = ready_.take(std::chrono::milliseconds(0));
+    }
+    if (!taken_) return nullptr;
+    if (queue_.open(taken_->id)) return {taken_->prepared, &taken_->prepared->job};
+  }
+}
+
+void ServiceRun::progress(JobId id, const RenderProgress& progress) {
+  queue_.progress(id, progress);
+  for (const std::string& notice : progress.notices) print_message(fmt::format("job {}: {}", id, notice));
+}
+
+void ServiceRun::done(JobId id, Expected<RenderOutcome> outcome) {
+  OpenJob job = std::move(open_.extract(id).mapped());
+  if (!outcome && job.prepared->job.device.backend == Backend::kAuto && !stop_) {
+    const std::string why = "native code renders: " + outcome.error().message;
+    print_warning(fmt::format("job {}: {}", id, why));
+    queue_.problem(id, why);
+    if (const auto can_go_on = fall_back_to_native(*job.prepared); can_go_on)
+      return again_.push_back(std::move(job));
+    else
+      outcome = std::unexpected(can_go_on.error());
+  }
+  const bool complete = outcome && outcome->complete;
+  (complete ? finished_.put({std::move(job), std::move(outcome)})
+            : void(unfinished_.push_back({std::move(job), std::move(outcome)})));
+}
+
+// --- The thread that writes images
+
+void ServiceRun::write_images() {
+  while (std::optional<FinishedJob> finished = finished_.take()) write(std::move(*finished));
+}
+
+void ServiceRun::write(FinishedJob finished) {
+  const OpenJob& job = finished.job;
+  const bool was_cancelled = queue_.begin_writing(job.id);
+  RenderEnd end{RenderEndKind::kFailed, finished.outcome ? "" : finished.outcome.error().message};
+  // One that was cancelled before its first sample leaves nothing, which is no failure.
+  const bool has_samples = finished.outcome && sample_range(finished.outcome->film).total > 0;
+  try {
+    if (has_samples || (finished.outcome && !was_cancelled)) {
+      for (const std::string& problem : finished.outcome->problems) queue_.problem(job.id, problem);
+      end = finish_render(*job.prepared, *finished.outcome, job.command_line, fmt::format("job {}", job.id),
+                          job.strict_numerics, was_cancelled);
+    }
+    if (end.kind != RenderEndKind::kFailed || was_cancelled) remove_checkpoint(*job.prepared);
+  } catch (const std::exception& error) {
+    end = {RenderEndKind::kFailed, error.what()};
+  }
+  wire::JobState state = state_of(end.kind);
+  if (was_cancelled && state != wire::JOB_DONE) {
+    state = wire::JOB_CANCELLED;
+    end.error = has_samples ? "what was rendered before is kept" : "nothing was rendered before";
+  }
+  print_message(fmt::format("job {}, {}: {}{}{}", job.id, job.name, job_state_name(state),
+                            end.error.empty() ? "" : ": ", end.error));
+  queue_.end(job.id, state, end.error);
+}
+
+// --- All of it
+
+ExitCode ServiceRun::run(const std::string& worker_executable) {
+  FarmOptions farm{.workers = options_.workers,
+                   .worker_executable = worker_executable,
+                   .listen = options_.listen,
+                   .largest_tile = kMaxTile,
+                   .tells_how_to_watch = true,
+                   .open_jobs = kMostOpenJobs,
+                   .service = [this](std::function<void(const std::string&)> on_call) {
+                     return std::make_unique<JobsService>(queue_, spool_, std::move(on_call));
+                   }};
+  std::thread reader([this] { read_scenes(); });
+  std::thread writer([this] { write_images(); });
+  const Expected<void> ran = run_farm(farm, *this, stop_);
+  queue_.close();
+  reader.join();
+  finished_.close();
+  writer.join();
+  for (const FinishedJob& left : unfinished_) queue_.put_back(left.job.id);
+  while (const auto never_opened = ready_.take(std::chrono::milliseconds(0)))
+    queue_.put_back(never_opened->id);
+  if (!ran) return print_error(ran.error()), kIncomplete;
+  return stop_ ? kAllDone : kIncomplete;
+}
+
+}  // namespace
+
+ExitCode run_service(const ServiceOptions& options, const std::atomic<bool>& stop) {
+  const auto worker = find_program("penumbra-worker");
+  if (!worker) return print_error(worker.error()), kIncomplete;
+  const auto spool = Spool::open(options.spool);
+  if (!spool) return print_error(spool.error()), kBadInput;
+  std::vector<std::string> problems;
+  JobQueue queue(**spool, problems);
+  for (const std::string& problem : problems) print_warning(problem);
+  ServiceOptions with_threads = options;
+  if (options.threads == 0)
+    with_threads.threads =
+        std::max(1, int(std::thread::hardware_concurrency()) / std::max(1, options.workers));
+  return ServiceRun(with_threads, **spool, queue, program_hash(*worker), stop).run(worker->string());
+}
+
+}  // namespace penumbra

@@ -1,0 +1,90 @@
+// `penumbra status`: what a service does.
+#include <fmt/format.h>
+
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "scheduler/cli/commands.h"
+#include "scheduler/cli/service/service_address.h"
+#include "scheduler/cli/service/status_text.h"
+#include "scheduler/cli/service/terminal_screen.h"
+#include "scheduler/cli/stop_signal.h"
+
+namespace penumbra {
+namespace {
+
+constexpr int kBetweenScreens = 500;  // milliseconds
+constexpr int kLongestLine = 1000;    // where nobody looks at it as it is
+
+struct StatusOptions {
+  std::string to;
+  std::vector<JobId> jobs;
+  bool watch = false, json = false;
+};
+
+/// Until q or Ctrl-C. A service that is away is waited for; what was known last stays on the screen.
+ExitCode watch(JobsClient& service, const StatusOptions& options) {
+  const std::atomic<bool>& stop = install_stop_signal();
+  auto screen = TerminalScreen::open();
+  if (!screen) return print_error(screen.error()), kBadInput;
+  std::vector<std::string> messages;
+  std::optional<wire::StatusReply> last;
+  while (!stop) {
+    auto status = service.status(options.jobs);
+    if (!status && !service.is_away()) {
+      const Error error = status.error();
+      { const TerminalScreen closed = std::move(*screen); }
+      return print_error(error), kIncomplete;
+    }
+    if (status) last = std::move(*status);
+    const auto [columns, rows] = screen->size();
+    std::vector<std::string> lines;
+    if (last) {
+      lines = status_lines(*last, columns, std::max(1, rows - 4));
+      const int room = std::max(0, rows - 1 - int(lines.size()));
+      const int shown = std::min(last->messages_size(), std::min(room, 5));
+      for (int i = last->messages_size() - shown; i < last->messages_size(); ++i)
+        lines.push_back(visible_text(last->messages(i)).substr(0, std::size_t(columns)));
+    }
+    lines.push_back((status ? "q: quit" : "q: quit; trying again: " + status.error().message)
+                        .substr(0, std::size_t(columns)));
+    screen->show(lines);
+    const int key = screen->key(kBetweenScreens);
+    if (key == 'q' || key == 'Q' || key < 0) break;
+  }
+  return kAllDone;
+}
+
+ExitCode status(const StatusOptions& options) {
+  JobsClient service = connect_to_service(options.to);
+  if (options.watch) return watch(service, options);
+  const auto reply = service.status(options.jobs);
+  if (!reply) return print_error(reply.error()), kIncomplete;
+  if (options.json) {
+    print_answer(status_json(*reply).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    return kAllDone;
+  }
+  for (const std::string& line : status_lines(*reply, kLongestLine, std::numeric_limits<int>::max() / 2))
+    print_answer(line + "\n");
+  return kAllDone;
+}
+
+}  // namespace
+
+void add_status_command(CLI::App& app, Command& chosen) {
+  CLI::App* command = app.add_subcommand("status", "What a service does: jobs, workers, rates, time left");
+  const auto options = std::make_shared<StatusOptions>();
+  add_jobs(*command, options->jobs);
+  CLI::Option* watched =
+      command->add_flag("--watch", options->watch, "A full screen that is kept up to date");
+  command->add_flag("--json", options->json, "For programs")->excludes(watched);
+  add_service_address(*command, options->to);
+  command->footer(
+      "  penumbra status --to unix:/tmp/farm.socket\n"
+      "  penumbra status 12 --json --to unix:/tmp/farm.socket\n"
+      "`penumbra view --connect ADDRESS` shows the image that is rendered at the moment.");
+  command->callback([options, &chosen] { chosen = [options] { return status(*options); }; });
+}
+
+}  // namespace penumbra

@@ -1,0 +1,82 @@
+#include "scheduler/cli/service/submitted_render.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "scheduler/farm/render_job_check.h"
+#include "scheduler/protocol/wire.h"
+
+namespace penumbra {
+namespace {
+
+/// In the service's folder each kind of file has one spelling of its extension.
+std::string stored_name(const std::filesystem::path& path, const char* extension) {
+  return std::filesystem::path(path.filename()).replace_extension(extension).string();
+}
+
+std::string hash_of(const DeviceScene& scene) {
+  ContentHash bytes;
+  bytes.add(scene.head());
+  bytes.add(scene.body());
+  return bytes.text();
+}
+
+}  // namespace
+
+Submission submission_of(const PreparedRender& prepared, const SetMember& member,
+                         const std::vector<std::string>& command_line) {
+  const RenderJob& job = prepared.job;
+  Submission submission{.name = member.name,
+                        .scene = hash_of(job.scene),
+                        .priority = member.priority,
+                        .record = prepared.record,
+                        .device = job.device,
+                        .time_budget = job.time_budget,
+                        .warnings = prepared.scene.description.warnings,
+                        .needs = prepared.scene.summary.needs,
+                        .left_out = prepared.scene.summary.left_out,
+                        .build_seconds = prepared.scene.seconds,
+                        .command_line = command_line,
+                        .strict_numerics = member.options.strict_numerics};
+  std::ranges::copy(job.center, submission.center.begin());
+  const OutputFiles& files = prepared.files;
+  if (files.exr) submission.files.push_back(stored_name(*files.exr, ".exr"));
+  if (files.png) submission.files.push_back(stored_name(*files.png, ".png"));
+  if (files.statistics) submission.files.push_back(stored_name(*files.statistics, ".json"));
+  return submission;
+}
+
+Expected<PreparedRender> prepared_of(const Submission& submission, DeviceScene scene,
+                                     const std::filesystem::path& folder, int threads, int workers) {
+  const RenderRecord& record = submission.record;
+  if (scene.header.film.width != record.film.width || scene.header.film.height != record.film.height)
+    return fail(fmt::format("the scene's film has {} x {} pixels, that of the settings {} x {}",
+                            scene.header.film.width, scene.header.film.height, record.film.width,
+                            record.film.height));
+  if (record.embree != (scene.header.intersector == INTERSECTOR_EMBREE))
+    return fail("the scene's intersector is not that of the settings");
+  PreparedRender prepared;
+  for (const std::string& name : submission.files) {
+    const std::filesystem::path path = folder / name;
+    (path.extension() == ".exr"   ? prepared.files.exr
+     : path.extension() == ".png" ? prepared.files.png
+                                  : prepared.files.statistics) = path;
+  }
+  DeviceOptions device = submission.device;
+  device.threads = threads;
+  prepared.record = record;
+  prepared.scene.description.warnings = submission.warnings;
+  prepared.scene.summary.needs = submission.needs;
+  prepared.scene.summary.left_out = submission.left_out;
+  prepared.scene.seconds = submission.build_seconds;
+  prepared.job = job_of_record(record, device, std::move(scene));
+  prepared.job.time_budget = submission.time_budget;
+  prepared.job.priority = submission.priority;
+  std::ranges::copy(submission.center, prepared.job.center);
+  prepared.farm.workers = workers;
+  if (const auto checked = check_render_job(prepared.job); !checked) return std::unexpected(checked.error());
+  return prepared;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,157 @@
+#include "scheduler/service/jobs_client.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <span>
+
+#include "scheduler/files/atomic_file.h"
+#include "scheduler/protocol/client.h"
+#include "scheduler/protocol/token.h"
+#include "scheduler/protocol/wire.h"
+
+namespace penumbra {
+namespace {
+
+constexpr std::chrono::seconds kPatience{20};  // with an answer
+constexpr std::chrono::milliseconds kTimeToConnect{200};
+constexpr std::chrono::minutes kTimeForTransfers{60};  // as for scenes between scheduler and workers
+
+void prepare(grpc::ClientContext& context, const std::string& token, std::chrono::seconds patience) {
+  show_token(context, token);
+  context.set_deadline(std::chrono::system_clock::now() + patience);
+}
+
+}  // namespace
+
+JobsClient::JobsClient(std::string address, std::string token)
+    : address_(std::move(address)),
+      token_(std::move(token)),
+      channel_(open_channel(address_)),
+      stub_(wire::Jobs::NewStub(channel_)) {}
+
+JobsClient::~JobsClient() = default;
+
+template <typename Request>
+Request JobsClient::request() const {
+  Request made;
+  made.set_protocol_version(kProtocolVersion);
+  return made;
+}
+
+std::unexpected<Error> JobsClient::failed(const grpc::Status& status) {
+  is_away_ = status.error_code() == grpc::StatusCode::UNAVAILABLE ||
+             status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED;
+  if (is_away_) return fail(fmt::format("no service answers at {}: {}", address_, status.error_message()));
+  if (status.error_code() == grpc::StatusCode::UNIMPLEMENTED)
+    return fail(
+        fmt::format("what answers at {} is no service: it takes no jobs (`penumbra serve` does)", address_));
+  std::string text = fmt::format("{}: {}", address_, status.error_message());
+  if (status.error_code() == grpc::StatusCode::UNAUTHENTICATED && token_.empty())
+    text += fmt::format("; give it in the environment variable {}", kTokenVariable);
+  return fail(text);
+}
+
+Expected<void> JobsClient::send_scene(const std::string& hash, const DeviceScene& scene) {
+  {
+    grpc::ClientContext context;
+    prepare(context, token_, kPatience);
+    auto asked = request<wire::HasSceneRequest>();
+    asked.set_hash(hash);
+    wire::HasSceneReply reply;
+    if (const grpc::Status status = stub_->HasScene(&context, asked, &reply); !status.ok())
+      return failed(status);
+    if (reply.known()) return {};
+  }
+  grpc::ClientContext context;
+  prepare(context, token_, kTimeForTransfers);
+  wire::PutSceneReply reply;
+  const auto writer = stub_->PutScene(&context, &reply);
+  auto chunk = request<wire::SceneChunk>();
+  chunk.set_hash(hash);
+  const std::vector<std::uint8_t> head = scene.head();
+  bool is_read = true;
+  for (const std::span<const std::uint8_t> part : {std::span(head), scene.body()})
+    for (std::size_t at = 0; is_read && at < part.size(); at += kAssetChunkBytes) {
+      chunk.set_data(part.data() + at, std::min(kAssetChunkBytes, part.size() - at));
+      is_read = writer->Write(chunk);
+    }
+  writer->WritesDone();
+  if (const grpc::Status status = writer->Finish(); !status.ok()) return failed(status);
+  return {};
+}
+
+Expected<JobId> JobsClient::submit(const Submission& submission, const DeviceScene& scene) {
+  if (const auto sent = send_scene(submission.scene, scene); !sent) return std::unexpected(sent.error());
+  grpc::ClientContext context;
+  prepare(context, token_, kPatience);
+  auto asked = request<wire::SubmitRequest>();
+  *asked.mutable_submission() = encode(submission);
+  wire::SubmitReply reply;
+  if (const grpc::Status status = stub_->Submit(&context, asked, &reply); !status.ok()) return failed(status);
+  return reply.job();
+}
+
+Expected<wire::StatusReply> JobsClient::status(const std::vector<JobId>& jobs) {
+  // Who asks again and again learns soon that the service is back: a call alone does not make the channel try
+  // again.
+  if (is_away_) channel_->WaitForConnected(std::chrono::system_clock::now() + kTimeToConnect);
+  grpc::ClientContext context;
+  prepare(context, token_, kPatience);
+  auto asked = request<wire::StatusRequest>();
+  for (const JobId job : jobs) asked.add_jobs(job);
+  wire::StatusReply reply;
+  if (const grpc::Status status = stub_->Status(&context, asked, &reply); !status.ok()) return failed(status);
+  is_away_ = false;
+  return reply;
+}
+
+Expected<void> JobsClient::change(wire::ChangeRequest request, const std::vector<JobId>& jobs) {
+  grpc::ClientContext context;
+  prepare(context, token_, kPatience);
+  for (const JobId job : jobs) request.add_jobs(job);
+  wire::ChangeReply reply;
+  if (const grpc::Status status = stub_->Change(&context, request, &reply); !status.ok())
+    return failed(status);
+  return {};
+}
+
+Expected<void> JobsClient::cancel(const std::vector<JobId>& jobs) {
+  auto asked = request<wire::ChangeRequest>();
+  asked.set_cancel(true);
+  return change(std::move(asked), jobs);
+}
+
+Expected<void> JobsClient::set_priority(const std::vector<JobId>& jobs, int priority) {
+  auto asked = request<wire::ChangeRequest>();
+  asked.set_priority(priority);
+  return change(std::move(asked), jobs);
+}
+
+Expected<void> JobsClient::remove(const std::vector<JobId>& jobs) {
+  auto asked = request<wire::ChangeRequest>();
+  asked.set_remove(true);
+  return change(std::move(asked), jobs);
+}
+
+Expected<void> JobsClient::fetch(JobId job, const wire::StoredFile& file, const std::filesystem::path& path) {
+  grpc::ClientContext context;
+  prepare(context, token_, kTimeForTransfers);
+  auto asked = request<wire::FetchRequest>();
+  asked.set_job(job);
+  asked.set_name(file.name());
+  const auto reader = stub_->Fetch(&context, asked);
+  std::vector<std::uint8_t> bytes;
+  wire::FetchChunk chunk;
+  while (bytes.size() <= file.bytes() && reader->Read(&chunk))
+    bytes.insert(bytes.end(), chunk.data().begin(), chunk.data().end());
+  if (bytes.size() > file.bytes()) context.TryCancel();
+  const grpc::Status status = reader->Finish();
+  if (bytes.size() == file.bytes() && status.ok()) return write_output(path, bytes);
+  if (!status.ok() && bytes.size() <= file.bytes()) return failed(status);
+  return fail(fmt::format("{} of job {} has {} bytes and not {}, as was said", file.name(), job, bytes.size(),
+                          file.bytes()));
+}
+
+}  // namespace penumbra

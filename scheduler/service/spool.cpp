@@ -1,0 +1,226 @@
+#include "scheduler/service/spool.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <fstream>
+#include <optional>
+
+#include "scheduler/files/atomic_file.h"
+#include "scheduler/files/file_target.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kHashDigits = 32;
+constexpr std::size_t kReadBytes = std::size_t(16) << 20;
+constexpr std::string_view kIncoming = ".incoming-";
+
+bool is_hash(std::string_view text) {
+  return text.size() == kHashDigits && text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
+
+std::optional<JobId> job_number(const fs::path& folder) {
+  const std::string name = folder.filename().string();
+  JobId number = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+  if (error != std::errc() || end != name.data() + name.size() || number == 0) return {};
+  return number;
+}
+
+Expected<std::string> read_whole(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  if (!file.is_open() || file.bad()) return fail(fmt::format("cannot read {}", path.string()));
+  return bytes;
+}
+
+/// Its name stays after a crash of the machine as well.
+void flush_folder(const fs::path& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  fsync(descriptor);
+  close(descriptor);
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<Spool>> Spool::open(const fs::path& folder) {
+  std::error_code error;
+  for (const fs::path& path : {folder, folder / "scenes", folder / "jobs"}) {
+    const bool made = fs::create_directories(path, error);
+    if (error) return fail(fmt::format("cannot make the folder {}: {}", path.string(), error.message()));
+    if (made) fs::permissions(path, fs::perms::owner_all, error);
+  }
+  const fs::path lock_path = folder / "lock";
+  const int lock = ::open(lock_path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  if (lock < 0) return cannot_write(lock_path, errno);
+  if (flock(lock, LOCK_EX | LOCK_NB) != 0) {
+    close(lock);
+    return fail(fmt::format("{} belongs to another service that is running", folder.string()));
+  }
+  for (const auto& entry : fs::directory_iterator(folder / "scenes", error))
+    if (entry.path().filename().string().starts_with(kIncoming)) fs::remove(entry.path(), error);
+  return std::unique_ptr<Spool>(new Spool(folder, lock));
+}
+
+Spool::~Spool() { close(lock_); }
+
+fs::path Spool::folder_of(JobId job) const { return folder_ / "jobs" / fmt::to_string(job); }
+
+std::vector<wire::StoredJob> Spool::read_jobs(std::vector<std::string>& problems) const {
+  std::vector<wire::StoredJob> jobs;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder_ / "jobs", ignored)) {
+    const std::optional<JobId> number = job_number(entry.path());
+    const fs::path file = entry.path() / "job";
+    if (!number) {
+      problems.push_back(fmt::format("{} is no job's folder and left as it is", entry.path().string()));
+      continue;
+    }
+    const auto bytes = read_whole(file);
+    wire::StoredJob job;
+    if (!bytes || !job.ParseFromString(*bytes) || job.status().job() != *number)
+      problems.push_back(
+          fmt::format("{} cannot be read; the job {} is left as it is", file.string(), *number));
+    else
+      jobs.push_back(std::move(job));
+  }
+  std::ranges::sort(jobs, {}, [](const wire::StoredJob& job) { return job.status().job(); });
+  return jobs;
+}
+
+Expected<void> Spool::keep(const wire::StoredJob& job) {
+  const fs::path path = folder_of(job.status().job()) / "job";
+  const std::string bytes = job.SerializeAsString();
+  const auto written = write_output(path, bytes_of(bytes));
+  if (written) {
+    flush_folder(path.parent_path());
+    flush_folder(path.parent_path().parent_path());
+  }
+  return written;
+}
+
+void Spool::remove(JobId job) {
+  std::error_code ignored;
+  fs::remove_all(folder_of(job), ignored);
+}
+
+JobId Spool::next_number() const {
+  JobId next = 1;
+  if (const auto text = read_whole(folder_ / "next"))
+    std::from_chars(text->data(), text->data() + text->size(), next);
+  std::error_code ignored;  // also where that file is lost
+  for (const auto& entry : fs::directory_iterator(folder_ / "jobs", ignored))
+    if (const auto number = job_number(entry.path())) next = std::max(next, *number + 1);
+  return next;
+}
+
+Expected<void> Spool::use_number(JobId job) {
+  const std::string text = fmt::format("{}\n", job + 1);
+  return write_output(folder_ / "next", bytes_of(text));
+}
+
+bool Spool::has_scene(const std::string& hash) const {
+  std::error_code ignored;
+  return is_hash(hash) && fs::is_regular_file(scene_path(hash), ignored);
+}
+
+Expected<DeviceScene> Spool::read_scene(const std::string& hash) const {
+  const fs::path path = scene_path(hash);
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(path, error);
+  std::ifstream file(path, std::ios::binary);
+  if (error || !file) return fail(fmt::format("cannot read the scene {}", path.string()));
+  DeviceSceneReader reader{std::size_t(size)};
+  ContentHash hashed;
+  std::vector<std::uint8_t> part(std::min<std::size_t>(kReadBytes, std::size_t(size)));
+  while (file.read(reinterpret_cast<char*>(part.data()), std::streamsize(part.size())), file.gcount() > 0) {
+    const std::span bytes(part.data(), std::size_t(file.gcount()));
+    hashed.add(bytes);
+    if (const auto added = reader.add(bytes); !added)
+      return fail(fmt::format("{}: {}", path.string(), added.error().message));
+  }
+  if (hashed.text() != hash) return fail(fmt::format("the scene {} is damaged", path.string()));
+  return reader.finish();
+}
+
+void Spool::remove_other_scenes(const std::set<std::string>& used) {
+  std::error_code ignored;
+  std::vector<fs::path> unused;
+  for (const auto& entry : fs::directory_iterator(folder_ / "scenes", ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (is_hash(name) && !used.contains(name)) unused.push_back(entry.path());
+  }
+  for (const fs::path& path : unused) fs::remove(path, ignored);
+}
+
+// --- A scene that arrives
+
+struct Spool::IncomingScene::State {
+  std::string hash;
+  fs::path temporary, target;
+  int descriptor = -1;
+  ContentHash hashed;
+  DeviceSceneReader reader{};
+
+  State() = default;
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State() {
+    if (descriptor < 0) return;
+    close(descriptor);
+    unlink(temporary.c_str());
+  }
+};
+
+Spool::IncomingScene::IncomingScene(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Spool::IncomingScene::IncomingScene(IncomingScene&&) noexcept = default;
+Spool::IncomingScene::~IncomingScene() = default;
+
+Expected<Spool::IncomingScene> Spool::receive_scene(const std::string& hash) {
+  if (!is_hash(hash)) return fail(fmt::format("'{}' is no content hash", hash.substr(0, 2 * kHashDigits)));
+  static std::atomic<unsigned> counter = 0;
+  auto state = std::make_unique<IncomingScene::State>();
+  state->hash = hash;
+  state->target = scene_path(hash);
+  state->temporary = folder_ / "scenes" / fmt::format("{}{}-{}", kIncoming, hash, ++counter);
+  state->descriptor = ::open(state->temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (state->descriptor < 0) return cannot_write(state->temporary, errno);
+  return IncomingScene(std::move(state));
+}
+
+Expected<void> Spool::IncomingScene::add(std::span<const std::uint8_t> bytes) {
+  state_->hashed.add(bytes);
+  if (const auto added = state_->reader.add(bytes); !added) return added;
+  while (!bytes.empty()) {
+    const ssize_t written = write(state_->descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return cannot_write(state_->temporary, errno);
+    bytes = bytes.subspan(std::size_t(written));
+  }
+  return {};
+}
+
+Expected<void> Spool::IncomingScene::finish() {
+  if (state_->hashed.text() != state_->hash)
+    return fail(fmt::format("the scene that came is damaged: its hash is {} instead of {}",
+                            state_->hashed.text(), state_->hash));
+  if (const auto scene = state_->reader.finish(); !scene) return std::unexpected(scene.error());
+  if (fsync(state_->descriptor) != 0) return cannot_write(state_->temporary, errno);
+  if (rename(state_->temporary.c_str(), state_->target.c_str()) != 0)
+    return cannot_write(state_->target, errno);
+  close(std::exchange(state_->descriptor, -1));
+  flush_folder(state_->target.parent_path());
+  return {};
+}
+
+}  // namespace penumbra

@@ -1,0 +1,153 @@
+#include "scheduler/service/submission.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include "scenes/settings.h"
+#include "scheduler/protocol/text.h"
+
+namespace penumbra {
+namespace {
+
+constexpr std::size_t kLongestFileName =
+    200;  // file systems have 255 bytes, of which a checkpoint needs some
+
+template <typename Field>
+void add_texts(const std::vector<std::string>& texts, Field* field) {
+  for (const std::string& text : texts) *field->Add() = wire_text(text, kLongestText);
+}
+
+template <typename Field>
+void add_named(const std::vector<std::pair<std::string, std::string>>& texts, Field* field) {
+  for (const auto& [name, text] : texts) {
+    wire::NamedText* added = field->Add();
+    added->set_name(wire_text(name, kLongestName));
+    added->set_text(wire_text(text, kLongestText));
+  }
+}
+
+template <typename Field>
+std::vector<std::pair<std::string, std::string>> named_texts(const Field& field) {
+  std::vector<std::pair<std::string, std::string>> texts;
+  for (const wire::NamedText& text : field) texts.emplace_back(text.name(), text.text());
+  return texts;
+}
+
+void encode(const RenderRecord& record, wire::Record& message) {
+  message.set_scene(wire_text(record.scene, kLongestText));
+  message.set_scene_hash(record.scene_hash);
+  add_texts(record.defines, message.mutable_defines());
+  add_texts(record.settings, message.mutable_settings());
+  message.set_lenient(record.lenient);
+  if (record.stop_after) message.set_stop_after(*record.stop_after);
+  if (record.stop_after_units) message.set_stop_after_units(*record.stop_after_units);
+  message.set_samples_per_pass(record.samples_per_pass);
+  if (record.target_error) message.set_target_error(*record.target_error);
+  message.set_tile(record.tile);
+  message.set_feature_layers(record.feature_layers);
+  message.set_embree(record.embree);
+  message.set_isa(record.isa);
+  for (const Setting& setting : all_settings()) {
+    if (!setting.print || !setting.belongs_to(record)) continue;
+    const std::string value = setting.print(record);
+    if (value.empty()) continue;
+    wire::NamedText* added = message.add_render_settings();
+    added->set_name(setting.key);
+    added->set_text(value);
+  }
+}
+
+Expected<RenderRecord> decode(const wire::Record& message, const DeviceOptions& device) {
+  RenderRecord record;
+  for (const wire::NamedText& setting : message.render_settings())
+    if (const auto applied = apply_setting(record, setting.name(), setting.text()); !applied)
+      return std::unexpected(applied.error());
+  if (const auto checked = check_settings(record); !checked) return std::unexpected(checked.error());
+  record.scene = message.scene();
+  record.scene_hash = message.scene_hash();
+  record.defines = {message.defines().begin(), message.defines().end()};
+  record.settings = {message.settings().begin(), message.settings().end()};
+  record.lenient = message.lenient();
+  if (message.has_stop_after()) record.stop_after = message.stop_after();
+  if (message.has_stop_after_units()) record.stop_after_units = message.stop_after_units();
+  record.samples_per_pass = message.samples_per_pass();
+  if (message.has_target_error()) record.target_error = message.target_error();
+  if (record.target_error && !(*record.target_error > 0 && std::isfinite(*record.target_error)))
+    return fail("the target error is no positive number");
+  record.tile = message.tile();
+  record.feature_layers = message.feature_layers();
+  record.embree = message.embree();
+  record.backend = device.backend;
+  record.isa = wire_text(message.isa(), kLongestName);
+  return record;
+}
+
+}  // namespace
+
+bool is_result_name(std::string_view name) {
+  if (name.empty() || name.size() > kLongestFileName || name.front() == '.') return false;
+  if (name.find('/') != std::string_view::npos || name.find('\0') != std::string_view::npos) return false;
+  const std::string extension = std::filesystem::path(name).extension().string();
+  return extension == ".exr" || extension == ".png" || extension == ".json";
+}
+
+wire::Submission encode(const Submission& submission) {
+  wire::Submission message;
+  message.set_name(wire_text(submission.name, kLongestText));
+  message.set_scene(submission.scene);
+  message.set_priority(submission.priority);
+  encode(submission.record, *message.mutable_record());
+  encode(submission.device, *message.mutable_device());
+  if (submission.time_budget) message.set_time_budget(*submission.time_budget);
+  for (const double coordinate : submission.center) message.add_center(coordinate);
+  add_texts(submission.warnings, message.mutable_warnings());
+  add_named(submission.needs, message.mutable_needs());
+  add_named(submission.left_out, message.mutable_left_out());
+  message.set_build_seconds(submission.build_seconds);
+  add_texts(submission.command_line, message.mutable_command_line());
+  message.set_strict_numerics(submission.strict_numerics);
+  add_texts(submission.files, message.mutable_files());
+  return message;
+}
+
+Expected<Submission> decode(const wire::Submission& message) {
+  const auto device = decode(message.device());
+  if (!device) return std::unexpected(device.error());
+  auto record = decode(message.record(), *device);
+  if (!record) return std::unexpected(record.error());
+  Submission submission{.name = message.name(),
+                        .scene = message.scene(),
+                        .priority = message.priority(),
+                        .record = std::move(*record),
+                        .device = *device};
+  if (message.has_time_budget()) submission.time_budget = message.time_budget();
+  if (submission.time_budget && !(*submission.time_budget > 0 && std::isfinite(*submission.time_budget)))
+    return fail("the time budget is no positive number");
+  if (message.center_size() != int(submission.center.size()) ||
+      !std::ranges::all_of(message.center(), [](double coordinate) { return std::isfinite(coordinate); }))
+    return fail("the scene's centre is none");
+  std::ranges::copy(message.center(), submission.center.begin());
+  submission.warnings = {message.warnings().begin(), message.warnings().end()};
+  submission.needs = named_texts(message.needs());
+  submission.left_out = named_texts(message.left_out());
+  submission.build_seconds = message.build_seconds();
+  submission.command_line = {message.command_line().begin(), message.command_line().end()};
+  submission.strict_numerics = message.strict_numerics();
+  submission.files = {message.files().begin(), message.files().end()};
+  std::set<std::string_view> extensions;
+  for (const std::string& name : submission.files) {
+    if (!is_result_name(name))
+      return fail(
+          fmt::format("'{}' is no name of a result: NAME.exr, NAME.png or NAME.json without folders", name));
+    if (!extensions.insert(std::string_view(name).substr(name.rfind('.'))).second)
+      return fail("two results of one kind");
+  }
+  if (submission.files.empty()) return fail("there is no file to be written");
+  return submission;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,134 @@
+// The calls of jobs.proto over a socket.
+#include <gmock/gmock.h>
+#include <grpcpp/server_builder.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "scheduler/protocol/client.h"
+#include "scheduler/service/jobs_client.h"
+#include "scheduler/service/jobs_service.h"
+#include "tests/scheduler/service/small_submission.h"
+#include "tests/support/temporary_folder.h"
+
+namespace penumbra {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class JobsCall : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    auto spool = Spool::open(folder_ / "spool");
+    ASSERT_TRUE(spool) << spool.error().message;
+    spool_ = std::move(*spool);
+    std::vector<std::string> problems;
+    queue_ = std::make_unique<JobQueue>(*spool_, problems);
+    service_ = std::make_unique<JobsService>(*queue_, *spool_, [this](const std::string&) { ++calls_; });
+    grpc::ServerBuilder builder;
+    builder.AddListeningPort(address_, grpc::InsecureServerCredentials());
+    builder.RegisterService(service_.get());
+    server_ = builder.BuildAndStart();
+    ASSERT_NE(server_, nullptr);
+    client_ = std::make_unique<JobsClient>(address_, "");
+  }
+  void TearDown() override {
+    if (server_) server_->Shutdown();
+  }
+
+  const TemporaryFolder folder_;
+  const std::string address_ = "unix:" + (folder_ / "s").string();
+  const DeviceScene scene_ = fake_scene(40, 30, true);
+  std::unique_ptr<Spool> spool_;
+  std::unique_ptr<JobQueue> queue_;
+  std::unique_ptr<JobsService> service_;
+  std::unique_ptr<grpc::Server> server_;
+  std::unique_ptr<JobsClient> client_;
+  std::atomic<int> calls_ = 0;
+};
+
+TEST_F(JobsCall, FromSubmittingToTheResult) {
+  const auto job = client_->submit(small_submission(scene_), scene_);
+  ASSERT_TRUE(job) << job.error().message;
+  EXPECT_EQ(calls_, 3);  // whether the scene is there, the scene, the job
+  const auto second = client_->submit(small_submission(scene_), scene_);
+  ASSERT_TRUE(second) << second.error().message;
+  EXPECT_EQ(calls_, 5);  // the scene is there
+  ASSERT_TRUE(client_->set_priority({*second}, 3));
+  const auto taken = queue_->take(1, 1);
+  ASSERT_TRUE(taken);
+  EXPECT_EQ(taken->job, *second);
+  EXPECT_EQ(taken->submission.record.film.width, 40);
+  const std::string image(3'000'000, 'x');  // more than a message
+  write_text(spool_->folder_of(*second) / "s.exr", image);
+  queue_->end(*second, wire::JOB_DONE, "");
+  ASSERT_TRUE(client_->cancel({*job}));
+  const auto status = client_->status({});
+  ASSERT_TRUE(status) << status.error().message;
+  ASSERT_EQ(status->jobs_size(), 2);
+  EXPECT_EQ(status->jobs(0).state(), wire::JOB_CANCELLED);
+  ASSERT_EQ(status->jobs(1).files_size(), 1);
+  const auto fetched = client_->fetch(*second, status->jobs(1).files(0), folder_ / "there.exr");
+  ASSERT_TRUE(fetched) << fetched.error().message;
+  EXPECT_EQ(file_contents(folder_ / "there.exr"), image);
+  ASSERT_TRUE(client_->remove({*job, *second}));
+  EXPECT_EQ(client_->status({})->jobs_size(), 0);
+}
+
+TEST_F(JobsCall, ErrorsAreTextsThatNameTheAddress) {
+  const auto status = client_->status({5});
+  ASSERT_FALSE(status);
+  EXPECT_THAT(status.error().message, AllOf(HasSubstr(address_), HasSubstr("there is no job 5")));
+  EXPECT_FALSE(client_->is_away());
+  Submission wrong = small_submission(scene_);
+  wrong.files = {"a/b.exr"};
+  EXPECT_THAT(client_->submit(wrong, scene_).error().message, HasSubstr("no name of a result"));
+  wrong = small_submission(scene_);
+  wrong.scene = hash_of(fake_scene(1, 1, true));  // another one's hash
+  EXPECT_THAT(client_->submit(wrong, scene_).error().message, HasSubstr("damaged"));
+  EXPECT_FALSE(spool_->has_scene(wrong.scene));
+  wire::StoredFile file;
+  file.set_name("../../s");
+  file.set_bytes(10);
+  EXPECT_FALSE(client_->fetch(1, file, folder_ / "x.exr"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "x.exr"));
+  server_->Shutdown();
+  server_.reset();
+  EXPECT_THAT(client_->status({}).error().message, HasSubstr("no service answers at"));
+  EXPECT_TRUE(client_->is_away());
+}
+
+TEST_F(JobsCall, OtherVersionsAreRefusedByName) {
+  const auto stub = wire::Jobs::NewStub(open_channel(address_));
+  wire::StatusRequest request;
+  request.set_protocol_version(kProtocolVersion + 1);
+  grpc::ClientContext context;
+  wire::StatusReply reply;
+  const grpc::Status status = stub->Status(&context, request, &reply);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_THAT(status.error_message(), AllOf(HasSubstr(std::to_string(kProtocolVersion)),
+                                            HasSubstr(std::to_string(kProtocolVersion + 1))));
+}
+
+TEST_F(JobsCall, ASceneThatBreaksOffLeavesNothing) {
+  const auto stub = wire::Jobs::NewStub(open_channel(address_));
+  for (const bool cancelled : {false, true}) {
+    grpc::ClientContext context;
+    wire::PutSceneReply reply;
+    const auto writer = stub->PutScene(&context, &reply);
+    wire::SceneChunk chunk;
+    chunk.set_protocol_version(kProtocolVersion);
+    chunk.set_hash(hash_of(scene_));
+    chunk.set_data(scene_.head().data(), 10);
+    writer->Write(chunk);
+    if (cancelled) context.TryCancel();
+    writer->WritesDone();
+    EXPECT_FALSE(writer->Finish().ok());
+  }
+  server_->Shutdown();
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "spool" / "scenes"));
+}
+
+}  // namespace
+}  // namespace penumbra

@@ -1,0 +1,286 @@
+// `penumbra serve`, `submit`, `status`, `fetch` and the others, as users run them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <thread>
+
+#include "tests/scheduler/cli/small_scene.h"
+#include "tests/support/program.h"
+#include "tests/support/temporary_folder.h"
+
+namespace penumbra {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+using Arguments = std::vector<std::string>;
+
+class Service : public ::testing::Test {
+ protected:
+  void SetUp() override { write_small_scene(folder_ / "s.xml"); }
+
+  void serve(const Arguments& more = {"--workers", "1", "--threads", "1"}) {
+    Arguments arguments{"serve", "--listen", address_, "--spool", "spool", "--checkpoint-interval", "0.02"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    service_ = std::make_unique<Program>(folder_.path(), arguments);
+    for (int i = 0; i < 1000 && run({"status"}).exit_code != 0; ++i) std::this_thread::sleep_for(10ms);
+  }
+  void kill_service() {
+    service_->send(SIGKILL);
+    service_->wait();
+  }
+  ProgramResult run(Arguments arguments) const {
+    arguments.insert(arguments.end(), {"--to", address_});
+    return run_penumbra(folder_.path(), arguments);
+  }
+  /// The number that it got.
+  std::string submit(const Arguments& more) const {
+    Arguments arguments{"submit", "s.xml", "-q"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProgramResult submitted = run(arguments);
+    EXPECT_EQ(submitted.exit_code, 0) << submitted.err;
+    return submitted.out.substr(0, submitted.out.find('\n'));
+  }
+  [[nodiscard]] nlohmann::json status() const {
+    const ProgramResult result = run({"status", "--json"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::json::parse(result.out, nullptr, false);
+  }
+  [[nodiscard]] nlohmann::json job(const std::string& number) const {
+    for (const auto& job : status()["jobs"])
+      if (std::to_string(job["job"].get<int>()) == number) return job;
+    return nullptr;
+  }
+  /// Until the job has this state, or this many samples.
+  bool comes(const std::string& number, const std::string& state, std::uint64_t samples = 0) const {
+    for (int i = 0; i < 2000; ++i) {
+      const nlohmann::json now = job(number);
+      if (now["state"] == state && now["samples_done"] >= samples) return true;
+      std::this_thread::sleep_for(10ms);
+    }
+    return false;
+  }
+  void render(const Arguments& more, const std::string& out) const {
+    Arguments arguments{"render", "s.xml", "-q", "-o", out, "--threads", "1"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProgramResult rendered = run_penumbra(folder_.path(), arguments);
+    ASSERT_EQ(rendered.exit_code, 0) << rendered.err;
+  }
+  [[nodiscard]] std::string contents(const std::string& name) const { return file_contents(folder_ / name); }
+
+  const TemporaryFolder folder_;
+  const std::string address_ = "unix:" + (folder_ / "socket").string();
+  std::unique_ptr<Program> service_;
+};
+
+const Arguments kLong = {"--spp", "20000", "--pass", "32", "--tile", "8"};
+
+TEST_F(Service, TheSameBytesAsRender) {
+  serve();
+  const std::string job = submit({"--spp", "20", "--seed", "7", "-D", "albedo=0.3", "-o", "a.exr"});
+  const ProgramResult fetched = run({"fetch", job, "--wait", "-o", "out"});
+  EXPECT_EQ(fetched.exit_code, 0) << fetched.err;
+  EXPECT_THAT(fetched.out, HasSubstr("out/a.exr"));
+  render({"--spp", "20", "--seed", "7", "-D", "albedo=0.3"}, "ref.exr");
+  EXPECT_EQ(contents("out/a.exr"), contents("ref.exr"));
+  EXPECT_EQ(contents("out/a.png"), contents("ref.png"));
+  const auto statistics = nlohmann::json::parse(contents("out/a.json"));
+  EXPECT_EQ(statistics["complete"], true);
+  EXPECT_EQ(statistics["settings"]["seed"], 7);
+  EXPECT_EQ(statistics["command_line"][1], "submit");
+}
+
+TEST_F(Service, AJobFileIsAsManyJobs) {
+  write_text(folder_ / "jobs.toml",
+             "[[render]]\nscene = 's.xml'\nseed = [1, 2]\nspp = 4\n[[render]]\nscene = 's.xml'\nspp = 2\n"
+             "out = 'first.exr'\npriority = 3\n");
+  serve();
+  const ProgramResult submitted = run({"submit", "jobs.toml"});
+  EXPECT_EQ(submitted.exit_code, 0) << submitted.err;
+  EXPECT_THAT(submitted.out, AllOf(HasSubstr("job 1: "), HasSubstr("job 3: "), HasSubstr("seed=2")));
+  const ProgramResult fetched = run({"fetch", "1", "2", "3", "--wait", "-o", "out"});
+  EXPECT_EQ(fetched.exit_code, 0) << fetched.err;
+  render({"--spp", "4", "--seed", "2"}, "ref.exr");
+  EXPECT_EQ(contents("out/s-2.exr"), contents("ref.exr"));
+  EXPECT_EQ(job("1")["priority"], 3);
+}
+
+TEST_F(Service, NothingIsLostByItsDeath) {
+  serve();
+  Arguments first = kLong;
+  first.insert(first.end(), {"-o", "long.exr"});
+  const std::string rendering = submit(first), waiting = submit({"--spp", "3", "-o", "short.exr"});
+  // Some of it is done, and kept.
+  const std::filesystem::path checkpoint = folder_ / "spool/jobs" / rendering / "long.exr.checkpoint";
+  for (int i = 0; i < 2000 && !std::filesystem::exists(checkpoint); ++i) std::this_thread::sleep_for(5ms);
+  ASSERT_TRUE(std::filesystem::exists(checkpoint));
+  kill_service();
+  const ProgramResult away = run({"status"});
+  EXPECT_EQ(away.exit_code, 1);
+  EXPECT_THAT(away.err, HasSubstr("no service answers"));
+  serve({"--workers", "2", "--threads", "1"});
+  EXPECT_EQ(job(waiting)["state"], "queued");
+  ASSERT_TRUE(comes(rendering, "rendering"));
+  kill_service();
+  serve();
+  const ProgramResult fetched = run({"fetch", rendering, waiting, "--wait", "-o", "out"});
+  EXPECT_EQ(fetched.exit_code, 0) << fetched.err;
+  render(kLong, "ref.exr");
+  EXPECT_EQ(contents("out/long.exr"), contents("ref.exr"));
+  render({"--spp", "3"}, "ref2.exr");
+  EXPECT_EQ(contents("out/short.exr"), contents("ref2.exr"));
+  const auto statistics = nlohmann::json::parse(contents("out/long.json"));
+  EXPECT_GT(statistics["samples"]["before"], 0);
+  EXPECT_FALSE(std::filesystem::exists(checkpoint));
+}
+
+TEST_F(Service, ACleanEndKeepsWhatIsUnderWay) {
+  serve();
+  const std::string number = submit(kLong);
+  ASSERT_TRUE(comes(number, "rendering", 1000));
+  service_->send(SIGTERM);
+  const ProgramResult ended = service_->wait();
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  serve();
+  EXPECT_EQ(run({"fetch", number, "--wait", "-o", "out"}).exit_code, 0);
+  render(kLong, "ref.exr");
+  EXPECT_EQ(contents("out/s.exr"), contents("ref.exr"));
+  EXPECT_GT(nlohmann::json::parse(contents("out/s.json"))["samples"]["before"], 0);
+}
+
+TEST_F(Service, CancelKeepsWhatIsRendered) {
+  serve();
+  const std::string rendering = submit({"--spp", "2000000", "--pass", "32"}), waiting = submit(kLong);
+  ASSERT_TRUE(comes(rendering, "rendering", 24 * 20 * 32));
+  EXPECT_EQ(run({"cancel", rendering, waiting}).exit_code, 0);
+  ASSERT_TRUE(comes(rendering, "cancelled"));
+  ASSERT_TRUE(comes(waiting, "cancelled"));
+  const ProgramResult fetched = run({"fetch", rendering, "-o", "out"});
+  EXPECT_EQ(fetched.exit_code, 1);
+  EXPECT_THAT(fetched.err, HasSubstr("cancelled"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out/s.exr"));
+  const auto statistics = nlohmann::json::parse(contents("out/s.json"));
+  EXPECT_EQ(statistics["complete"], false);
+  const ProgramResult again = run({"cancel", rendering});
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_THAT(again.err, HasSubstr("is cancelled"));
+  EXPECT_EQ(run({"fetch", "--all", "--remove", "-q", "-o", "out"}).exit_code, 1);
+  EXPECT_TRUE(status()["jobs"].empty());
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "spool/jobs"));
+}
+
+TEST_F(Service, UrgentJobsGoFirst) {
+  serve();
+  const std::string slow = submit({"--spp", "2000000", "--pass", "32"});
+  ASSERT_TRUE(comes(slow, "rendering", 1));
+  const std::string next = submit({"--spp", "2000000", "--pass", "32", "-o", "n.exr"});
+  const std::string last = submit({"--spp", "4", "-o", "l.exr"});
+  EXPECT_EQ(run({"prioritize", last, "--priority", "3"}).exit_code, 0);
+  ASSERT_TRUE(comes(last, "done"));
+  EXPECT_EQ(job(slow)["state"], "rendering");
+  EXPECT_NE(job(next)["state"], "done");
+  // And of those that are under way.
+  const std::uint64_t before = job(next)["samples_done"];
+  EXPECT_EQ(run({"prioritize", next, "--priority", "1"}).exit_code, 0);
+  EXPECT_TRUE(comes(next, "rendering", before + 1));
+  EXPECT_EQ(run({"cancel", slow, next}).exit_code, 0);
+}
+
+TEST_F(Service, ABadSceneStopsNothing) {
+  write_text(folder_ / "bad.xml", "<scene version='3.0.0'><shape type='nonsense'/></scene>");
+  serve();
+  const ProgramResult submitted = run({"submit", "bad.xml", "s.xml", "--spp", "2", "-o", "out/"});
+  EXPECT_EQ(submitted.exit_code, 1);
+  EXPECT_THAT(submitted.err, AllOf(HasSubstr("bad.xml:1:"), HasSubstr("1 of 2 renders not submitted")));
+  EXPECT_EQ(run({"fetch", "1", "--wait", "-o", "out"}).exit_code, 0);
+}
+
+TEST_F(Service, OtherWorkersJoin) {
+  serve({"--workers", "0"});
+  const std::string number = submit({"--spp", "4"});
+  std::this_thread::sleep_for(100ms);
+  EXPECT_NE(job(number)["state"], "done");
+  const std::string worker = std::string(PENUMBRA_BINARY_DIR) + "/penumbra-worker";
+  Program joined(folder_.path(), worker, {"--connect", address_});
+  EXPECT_TRUE(comes(number, "done"));
+  for (int i = 0; i < 500 && status()["workers"].empty(); ++i) std::this_thread::sleep_for(10ms);
+  EXPECT_EQ(status()["workers"].size(), 1u);
+  service_->send(SIGTERM);
+  EXPECT_EQ(service_->wait().exit_code, 0);
+  EXPECT_EQ(joined.wait().exit_code, 0);
+}
+
+TEST_F(Service, OverTcpATokenIsWanted) {
+  service_ = std::make_unique<Program>(
+      folder_.path(), Arguments{"serve", "--listen", "127.0.0.1:0", "--spool", "spool", "--threads", "1"});
+  const std::regex wanted("to submit: PENUMBRA_TOKEN=(\\S+) penumbra submit SCENE --to (\\S+)");
+  const std::regex watching("to watch: PENUMBRA_TOKEN=(\\S+) ");
+  std::smatch found, watch;
+  std::string said;
+  for (int i = 0; i < 1000 && !std::regex_search(said, found, wanted); ++i) {
+    std::this_thread::sleep_for(10ms);
+    said.clear();
+    for (const std::string& name : folder_.names())
+      if (name.starts_with(".")) said += contents(name);
+  }
+  ASSERT_FALSE(found.empty()) << said;
+  ASSERT_TRUE(std::regex_search(said, watch, watching));
+  const std::string to = " --to " + found[2].str(), token = "PENUMBRA_TOKEN=" + found[1].str() + " ",
+                    watch_token = "PENUMBRA_TOKEN=" + watch[1].str() + " ";
+  const auto shell = [&](const std::string& line) { return run_shell(folder_.path(), line); };
+  EXPECT_THAT(shell("penumbra submit s.xml" + to).err,
+              AllOf(HasSubstr("token"), HasSubstr("PENUMBRA_TOKEN")));
+  EXPECT_THAT(shell("PENUMBRA_TOKEN=wrong penumbra status" + to).err, HasSubstr("token is missing or wrong"));
+  EXPECT_THAT(shell(watch_token + "penumbra submit s.xml" + to).err, HasSubstr("this token is for watching"));
+  EXPECT_EQ(shell(watch_token + "penumbra status" + to).exit_code, 0);
+  EXPECT_EQ(shell(token + "penumbra submit s.xml --spp 2" + to).exit_code, 0);
+  EXPECT_EQ(shell(token + "penumbra fetch 1 --wait -o out" + to).exit_code, 0);
+  // What the state says to those who may only watch has no tokens in it.
+  EXPECT_THAT(shell(watch_token + "penumbra status --json" + to).out, Not(HasSubstr(found[1].str())));
+}
+
+TEST_F(Service, WrongUse) {
+  const auto error = [&](const Arguments& arguments) {
+    const ProgramResult result = run_penumbra(folder_.path(), arguments);
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    return result.err;
+  };
+  EXPECT_THAT(error({"serve"}), HasSubstr("--listen"));
+  EXPECT_THAT(error({"serve", "--listen", "7000"}), HasSubstr("host and port"));
+  EXPECT_THAT(error({"submit", "s.xml"}), HasSubstr("--to"));
+  EXPECT_THAT(error({"submit", "s.xml", "--workers", "3", "--to", address_}),
+              HasSubstr("--workers is not of a job"));
+  EXPECT_THAT(error({"submit", "s.xml", "--resume", "--to", address_}),
+              HasSubstr("--resume is not of a job"));
+  EXPECT_THAT(error({"fetch", "--to", address_}), HasSubstr("--all"));
+  EXPECT_THAT(error({"fetch", "0", "--to", address_}), HasSubstr("0"));
+  EXPECT_THAT(error({"status", "--watch", "--to", address_}), HasSubstr("needs a terminal"));
+  serve();
+  EXPECT_THAT(error({"serve", "--listen", "unix:other", "--spool", "spool"}), HasSubstr("another service"));
+  const ProgramResult unknown = run({"fetch", "9"});
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_THAT(unknown.err, HasSubstr("there is no job 9"));
+}
+
+TEST_F(Service, ARenderIsNoService) {
+  Program render(folder_.path(),
+                 {"render", "s.xml", "--spp", "2000000", "--listen", address_, "--threads", "1"});
+  ProgramResult asked;
+  for (int i = 0; i < 500; ++i) {
+    asked = run({"status"});
+    if (asked.err.find("no service answers") == std::string::npos) break;
+    std::this_thread::sleep_for(10ms);
+  }
+  EXPECT_EQ(asked.exit_code, 1);
+  EXPECT_THAT(asked.err, HasSubstr("is no service"));
+}
+
+}  // namespace
+}  // namespace penumbra

@@ -1,0 +1,36 @@
+// A job as a client gives it to a service, for tests of what becomes of it.
+#pragma once
+
+#include <string>
+
+#include "scheduler/protocol/wire.h"
+#include "scheduler/service/spool.h"
+#include "scheduler/service/submission.h"
+#include "tests/support/fake_device.h"
+
+namespace penumbra {
+
+inline std::string hash_of(const DeviceScene& scene) { return content_hash(scene.serialize()); }
+
+inline Submission small_submission(const DeviceScene& scene, int priority = 0) {
+  Submission submission{
+      .name = "s.xml", .scene = hash_of(scene), .priority = priority, .record = {}, .device = {.threads = 2}};
+  submission.record.scene = "folder/s.xml";
+  submission.record.film.width = submission.record.film.crop_width = scene.header.film.width;
+  submission.record.film.height = submission.record.film.crop_height = scene.header.film.height;
+  submission.record.tile = 64;
+  submission.files = {"s.exr", "s.png", "s.json"};
+  return submission;
+}
+
+/// Puts it where a client's upload would.
+inline void put_scene(Spool& spool, const DeviceScene& scene) {
+  auto incoming = spool.receive_scene(hash_of(scene));
+  ASSERT_TRUE(incoming) << incoming.error().message;
+  const auto bytes = scene.serialize();
+  ASSERT_TRUE(incoming->add(bytes));
+  const auto finished = incoming->finish();
+  ASSERT_TRUE(finished) << finished.error().message;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,102 @@
+// The state of a service for people.
+#include "scheduler/cli/service/status_text.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+namespace penumbra {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::Each;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::SizeIs;
+
+void add_job(wire::StatusReply& reply, wire::JobState state, const std::string& name, int priority = 0) {
+  wire::JobStatus& job = *reply.add_jobs();
+  job.set_job(std::uint32_t(reply.jobs_size()));
+  job.set_name(name);
+  job.set_state(state);
+  job.set_priority(priority);
+  job.set_submitted(900);
+  job.set_begun(950);
+  job.set_ended(960 + reply.jobs_size());
+  job.set_samples_done(1'000'000);
+  job.set_samples_total(4'000'000);
+  job.set_elapsed_seconds(10);
+  job.set_relative_error(0.031);
+}
+
+wire::StatusReply example() {
+  wire::StatusReply reply;
+  reply.set_version("1.2");
+  reply.set_up_seconds(3723);
+  reply.set_now(1000);
+  add_job(reply, wire::JOB_DONE, "done.xml");
+  add_job(reply, wire::JOB_QUEUED, "later.xml", 1);
+  add_job(reply, wire::JOB_RENDERING, "now.xml", 2);
+  add_job(reply, wire::JOB_QUEUED, "next.xml", 5);
+  add_job(reply, wire::JOB_FAILED, "failed.xml");
+  reply.mutable_jobs(4)->set_error("no worker\nmore");
+  wire::FarmWorker& worker = *reply.add_workers();
+  worker.set_number(7);
+  worker.set_name("host:12");
+  worker.set_device("native avx2");
+  worker.set_units(4);
+  worker.set_samples(3'000'000);
+  worker.set_busy_seconds(2);
+  worker.set_job(3);
+  return reply;
+}
+
+TEST(StatusText, SaysWhatIsUnderWayFirst) {
+  const auto lines = status_lines(example(), 200, 50);
+  ASSERT_THAT(lines, SizeIs(9));
+  EXPECT_EQ(lines[0], "penumbra 1.2, up 1:02:03: 5 jobs, 1 rendering, 2 queued, 1 worker");
+  EXPECT_THAT(lines[2], AllOf(HasSubstr("now.xml"), HasSubstr(" 25%"), HasSubstr("0.10 Msamples/s"),
+                              HasSubstr("30 s left"), HasSubstr("error 3.1%")));
+  EXPECT_THAT(lines[3], HasSubstr("next.xml"));
+  EXPECT_THAT(lines[4], AllOf(HasSubstr("later.xml"), HasSubstr("since 1:40")));
+  EXPECT_THAT(lines[5], AllOf(HasSubstr("failed.xml"), HasSubstr("no worker"), Not(HasSubstr("more"))));
+  EXPECT_THAT(lines[6], AllOf(HasSubstr("done.xml"), HasSubstr("in 11 s"), HasSubstr("39 s ago")));
+  EXPECT_THAT(lines[8], AllOf(HasSubstr("host:12"), HasSubstr("job 3"), HasSubstr("1.50 Msamples/s")));
+}
+
+TEST(StatusText, FitsAnyTerminal) {
+  for (const int rows : {1, 2, 3, 5, 8, 24})
+    for (const int columns : {1, 20, 80}) {
+      const auto lines = status_lines(example(), columns, rows);
+      EXPECT_LE(int(lines.size()), rows);
+      for (const std::string& line : lines) EXPECT_LE(int(line.size()), columns);
+    }
+  EXPECT_THAT(status_lines(example(), 200, 7), Contains(HasSubstr("3 more")));
+}
+
+TEST(StatusText, ObeysNobodysControlCharacters) {
+  wire::StatusReply reply;
+  add_job(reply, wire::JOB_QUEUED, "a\x1b[2J\nb");
+  for (const std::string& line : status_lines(reply, 200, 50)) {
+    EXPECT_EQ(line.find('\x1b'), std::string::npos);
+    EXPECT_EQ(line.find('\n'), std::string::npos);
+  }
+}
+
+TEST(StatusText, JsonHasNullForWhatIsNotKnown) {
+  wire::StatusReply reply = example();
+  reply.mutable_jobs(1)->set_relative_error(std::numeric_limits<double>::quiet_NaN());
+  reply.mutable_jobs(1)->set_begun(0);
+  const auto json = status_json(reply);
+  EXPECT_EQ(json["jobs"][1]["relative_error"], nullptr);
+  EXPECT_EQ(json["jobs"][1]["begun"], nullptr);
+  EXPECT_EQ(json["jobs"][2]["state"], "rendering");
+  EXPECT_EQ(json["jobs"][4]["error"], "no worker\nmore");
+  EXPECT_EQ(json["workers"][0]["job"], 3);
+}
+
+}  // namespace
+}  // namespace penumbra
