@@ -21,6 +21,8 @@ packages=(
   gnuplot-nox
   # Tests.
   libgtest-dev libgmock-dev libbenchmark-dev openimageio-tools procps iproute2
+  # A queue of one's own, for the tests with the label slurm.
+  slurm-wlm munge
   # The window's tests: a screen in memory, and OpenGL without a graphics card.
   xvfb xauth libgl1-mesa-dri
 )

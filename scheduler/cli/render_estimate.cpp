@@ -113,6 +113,7 @@ Expected<RenderEstimate> measure_estimate(PreparedRender& prepared, double secon
   job.tev.clear();
   job.target_error.reset();
   job.time_budget.reset();
+  job.units_at_most = kAllUnits;
   Expected<MeasuredWork> measured = measure(prepared, 1, seconds * (1 - kShareOfSecond), stop);
   if (!measured) return std::unexpected(measured.error());
   const double rate = measured->spp / std::max(measured->seconds, 1e-3);
@@ -127,8 +128,10 @@ Expected<RenderEstimate> measure_estimate(PreparedRender& prepared, double secon
 }
 
 std::string estimate_text(const RenderEstimate& e) {
-  const auto gigabytes = [](double bytes) {
-    return bytes < 1e8 ? fmt::format("{:.1f} MB", bytes * 1e-6) : fmt::format("{:.2f} GB", bytes * 1e-9);
+  const auto bytes_text = [](double bytes) {
+    return bytes < 1e6   ? fmt::format("{:.1f} kB", bytes * 1e-3)
+           : bytes < 1e8 ? fmt::format("{:.1f} MB", bytes * 1e-6)
+                         : fmt::format("{:.2f} GB", bytes * 1e-9);
   };
   const auto line = [](const char* name, const std::string& text) {
     return fmt::format("  {:<18} {}\n", name, text);
@@ -136,15 +139,15 @@ std::string estimate_text(const RenderEstimate& e) {
   std::string text = "Plan\n";
   text += line("samples", fmt::format("{:.4g}", double(e.plan.samples)));
   text += line("units", fmt::format("{}: {} tiles, {} passes", e.plan.units, e.plan.tiles, e.plan.passes));
-  text += line("results", gigabytes(double(e.plan.result_bytes)) + " from workers to the scheduler");
-  text += line("scene", gigabytes(double(e.plan.scene_bytes)) + " to each worker that has it not");
-  text += line("scheduler", gigabytes(double(e.plan.scheduler_memory_bytes)) + " of memory");
+  text += line("results", bytes_text(double(e.plan.result_bytes)) + " from workers to the scheduler");
+  text += line("scene", bytes_text(double(e.plan.scene_bytes)) + " to each worker that has it not");
+  text += line("scheduler", bytes_text(double(e.plan.scheduler_memory_bytes)) + " of memory");
   text += "Measured here\n";
   text += line("samples", fmt::format("{:.4g} in {:.1f} s{}", double(e.measured.samples), e.measured.seconds,
                                       e.measured.covered < 1 ? fmt::format(", of {:.0f}% of the image only",
                                                                            e.measured.covered * 100)
                                                              : ""));
-  text += line("worker", gigabytes(double(e.measured.worker_memory_bytes)) +
+  text += line("worker", bytes_text(double(e.measured.worker_memory_bytes)) +
                              fmt::format(" of memory, ready after {:.2f} s", e.measured.start_seconds));
   text += "Estimate\n";
   if (e.samples < double(e.plan.samples))

@@ -118,6 +118,11 @@ FarmOptions make_farm(const RenderOptions& options) {
 
 }  // namespace
 
+void set_launch(const RenderOptions& options, FarmOptions& farm) {
+  farm.launch = options.launch;
+  if (options.threads > 0) farm.launch_threads = fmt::to_string(options.threads);
+}
+
 RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device, DeviceScene scene) {
   const Film& film = record.film;
   RenderJob job;
@@ -137,11 +142,6 @@ RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device,
   job.title = record.scene;
   job.integrator = integrator_name(record.integrator);
   return job;
-}
-
-void set_launch(const RenderOptions& options, FarmOptions& farm) {
-  farm.launch = options.launch;
-  if (options.threads > 0) farm.launch_threads = fmt::to_string(options.threads);
 }
 
 Expected<PreparedRender> prepare_render(const RenderOptions& options) {

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <new>
 
 #include "scheduler/protocol/text.h"
 
@@ -40,6 +41,18 @@ Expected<void> take_floats(const google::protobuf::RepeatedField<float>& field, 
 std::string content_hash(std::span<const std::uint8_t> bytes) {
   return hash_text(XXH3_128bits(bytes.data(), bytes.size()));
 }
+
+ContentHash::ContentHash() : state_(XXH3_createState()) {
+  if (state_ == nullptr) throw std::bad_alloc();
+  XXH3_128bits_reset(static_cast<XXH3_state_t*>(state_.get()));
+}
+void ContentHash::add(std::span<const std::uint8_t> bytes) {
+  XXH3_128bits_update(static_cast<XXH3_state_t*>(state_.get()), bytes.data(), bytes.size());
+}
+std::string ContentHash::text() const {
+  return hash_text(XXH3_128bits_digest(static_cast<const XXH3_state_t*>(state_.get())));
+}
+void ContentHash::Free::operator()(void* state) const { XXH3_freeState(static_cast<XXH3_state_t*>(state)); }
 
 bool is_content_hash(std::string_view text) {
   const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -28,7 +29,21 @@ constexpr int kMaxMessageBytes = kMaxTile * kMaxTile * plane_count(FEATURE_ALL) 
 /// XXH3-128 of the bytes as 32 hexadecimal digits: the name of a piece of an asset.
 std::string content_hash(std::span<const std::uint8_t> bytes);
 
-/// Whether it looks like one: nothing else may become a part of a file's name.
+/// The same of bytes that come in pieces.
+class ContentHash {
+ public:
+  ContentHash();
+  void add(std::span<const std::uint8_t> bytes);
+  [[nodiscard]] std::string text() const;
+
+ private:
+  struct Free {
+    void operator()(void* state) const;
+  };
+  std::unique_ptr<void, Free> state_;
+};
+
+/// Whether a text looks like one: nothing else may become a part of a file's name.
 bool is_content_hash(std::string_view text);
 
 /// Says how the peers' protocol versions differ; empty if they agree. `peer` is "worker" or "scheduler".

@@ -13,19 +13,9 @@ namespace penumbra {
 namespace {
 
 /// Of the command, not of one of its renders.
-constexpr std::array<std::string_view, 13> kShared{"workers",
-                                                   "listen",
-                                                   "keys",
-                                                   "tev",
-                                                   "quiet",
-                                                   "force",
-                                                   "summary",
-                                                   "pixel",
-                                                   "statistics",
-                                                   "out",
-                                                   "help",
-                                                   "resume",
-                                                   "checkpoint-interval"};
+constexpr std::array<std::string_view, 16> kShared{
+    "workers", "keys",    "launch", "estimate",   "json", "listen", "tev",    "quiet",
+    "force",   "summary", "pixel",  "statistics", "out",  "help",   "resume", "checkpoint-interval"};
 constexpr const char *kDefine = "-D", *kSet = "--set";
 
 std::string name_of(const CLI::Option& option) {
@@ -162,6 +152,7 @@ Expected<RenderOptions> options_of(const std::vector<RenderAxis>& axes, const Re
   options.workers = shared.workers;
   options.listen = shared.listen;
   options.keys = shared.keys;
+  options.launch = shared.launch;
   options.tev = shared.tev;
   options.resume = shared.resume;
   options.checkpoint_interval = shared.checkpoint_interval;

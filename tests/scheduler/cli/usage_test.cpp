@@ -92,10 +92,12 @@ TEST(Usage, HelpNamesTheOptionsThatThereAreAndNoOthers) {
                              "--tev",
                              "--resume",
                              "--checkpoint-interval",
-                             "--target-error"}) {
+                             "--target-error",
+                             "--launch",
+                             "--estimate"}) {
     EXPECT_THAT(help, HasSubstr(option));
   }
-  for (const char* option : {"--launch"}) {
+  for (const char* option : {"--connect", "--cache"}) {
     EXPECT_THAT(help, Not(HasSubstr(option)));
   }
 }
