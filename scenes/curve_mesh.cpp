@@ -12,10 +12,11 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 /// Between a curve and its chords, in radii; a turn of kMostTurn moves the outside of a bend by as much.
-constexpr double kChordError = 0.01;
+constexpr double kChordError = 0.004;
 const double kMostTurn = std::sqrt(8 * kChordError);
 constexpr int kMostPieces = 64;  ///< of a segment
-constexpr std::size_t kManyRings = 250'000, kMostTriangles = std::size_t{1} << 27;
+/// Polygons of 32 sides for so many circles, of 16, and beyond of 8.
+constexpr std::size_t kFewRings = 20'000, kManyRings = 250'000, kMostTriangles = std::size_t{1} << 27;
 
 /// A point of a curve, by its parameter.
 struct Sample {
@@ -39,7 +40,7 @@ Across across(const glm::dvec3& tangent) {
 class Builder {
  public:
   Builder(std::size_t rings) {
-    result_.sides = rings > kManyRings ? 8 : 16;
+    result_.sides = rings > kManyRings ? 8 : rings > kFewRings ? 16 : 32;
     const double half = kPi / result_.sides;
     // A polygon's mean width is its perimeter over pi (Cauchy).
     widened_ = half / std::sin(half);
