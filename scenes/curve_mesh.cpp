@@ -11,11 +11,23 @@ namespace penumbra {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-/// Between a curve and its chords, in radii; a turn of kMostTurn moves the outside of a bend by as much.
-constexpr double kChordError = 0.01;
-const double kMostTurn = std::sqrt(8 * kChordError);
+/// How finely curves become triangles: the fewer circles there are, the better they are made.
+struct Fineness {
+  int sides;           ///< of the polygon in the place of a circle
+  double chord_error;  ///< between a curve and its chords, in radii
+  std::size_t most_rings;
+};
+constexpr Fineness kFineness[] = {{32, 0.004, 20'000}, {16, 0.02, 250'000}, {8, 0.2, SIZE_MAX}};
 constexpr int kMostPieces = 64;  ///< of a segment
-constexpr std::size_t kManyRings = 250'000, kMostTriangles = std::size_t{1} << 27;
+constexpr std::size_t kMostTriangles = std::size_t{1} << 27;
+
+/// The best with so many rings as it has, `rings(fineness)`.
+template <typename Rings>
+const Fineness& fineness_for(const Rings& rings) {
+  for (const Fineness& each : kFineness)
+    if (rings(each) <= each.most_rings) return each;
+  return std::end(kFineness)[-1];
+}
 
 /// A point of a curve, by its parameter.
 struct Sample {
@@ -38,12 +50,12 @@ Across across(const glm::dvec3& tangent) {
 
 class Builder {
  public:
-  Builder(std::size_t rings) {
-    result_.sides = rings > kManyRings ? 8 : 16;
+  explicit Builder(const Fineness& fineness) {
+    result_.sides = fineness.sides;
     const double half = kPi / result_.sides;
     // A polygon's mean width is its perimeter over pi (Cauchy).
     widened_ = half / std::sin(half);
-    result_.error = 1.0 - widened_ * std::cos(half) + kChordError;
+    result_.error = 1.0 - widened_ * std::cos(half) + fineness.chord_error;
   }
 
   [[nodiscard]] int sides() const { return result_.sides; }
@@ -128,14 +140,15 @@ double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
   return lengths > 0 ? std::acos(std::clamp(glm::dot(a, b) / lengths, -1.0, 1.0)) : 0.0;
 }
 
-/// So many that chords are near enough and no piece turns too far.
-int pieces_of(const CurvePoint* points) {
+/// So many that chords are near enough, on the outside of bends too, where a turn by an angle moves them by
+/// the angle's square over 8.
+int pieces_of(const CurvePoint* points, const Fineness& fineness) {
   const Sample begin = bspline_at(points, 0), middle = bspline_at(points, 0.5), end = bspline_at(points, 1);
   // The second derivative is linear, so its largest is at an end; a chord over h is off by |C''| h^2 / 8.
   const double bend = std::max(glm::length(begin.second), glm::length(end.second));
-  const double radius = std::max(middle.radius, 1e-30);
+  const double radius = std::max(middle.radius, 1e-30), error = 8 * fineness.chord_error;
   const double turn = angle_between(begin.first, middle.first) + angle_between(middle.first, end.first);
-  const double pieces = std::max(std::sqrt(bend / (8 * kChordError * radius)), turn / kMostTurn);
+  const double pieces = std::max(std::sqrt(bend / (error * radius)), turn / std::sqrt(error));
   return int(std::clamp(std::ceil(pieces), 1.0, double(kMostPieces)));
 }
 
@@ -165,14 +178,18 @@ void add_sphere(Builder& builder, const CurvePoint& point, const glm::dvec3& axi
 }  // namespace
 
 Expected<CurveMesh> bspline_curve_mesh(std::span<const Curve> curves) {
-  std::size_t segments = 0, rings = 0;
-  for (const Curve& curve : curves) {
-    segments += curve.size() - 3;
-    ++rings;
-    for (std::size_t i = 0; i + 3 < curve.size(); ++i) rings += std::size_t(pieces_of(&curve[i]));
-  }
-  Builder builder(rings);
-  if (const auto few = check_triangles(rings, builder.sides()); !few) return std::unexpected(few.error());
+  std::size_t segments = 0;
+  for (const Curve& curve : curves) segments += curve.size() - 3;
+  const auto rings = [&](const Fineness& fineness) {
+    std::size_t count = curves.size();
+    for (const Curve& curve : curves)
+      for (std::size_t i = 0; i + 3 < curve.size(); ++i) count += std::size_t(pieces_of(&curve[i], fineness));
+    return count;
+  };
+  const Fineness& fineness = fineness_for(rings);
+  Builder builder(fineness);
+  if (const auto few = check_triangles(rings(fineness), builder.sides()); !few)
+    return std::unexpected(few.error());
   std::size_t before = 0;
   for (const Curve& curve : curves) {
     glm::dvec3 tangent(0, 0, 1);
@@ -193,7 +210,7 @@ Expected<CurveMesh> bspline_curve_mesh(std::span<const Curve> curves) {
     };
     add(0, 0.0);
     for (std::size_t i = 0; i + 3 < curve.size(); ++i) {
-      const int pieces = pieces_of(&curve[i]);
+      const int pieces = pieces_of(&curve[i], fineness);
       for (int k = 1; k <= pieces; ++k) {
         add(i, double(k) / pieces);
         builder.join();
@@ -210,9 +227,13 @@ Expected<CurveMesh> linear_curve_mesh(std::span<const Curve> curves) {
     segments += curve.size() - 1;
     points += curve.size();
   }
-  Builder builder(points * 10);
-  const std::size_t rings = segments * 2 + points * (std::size_t(builder.sides()) / 2 + 1);
-  if (const auto few = check_triangles(rings, builder.sides()); !few) return std::unexpected(few.error());
+  const auto rings = [&](const Fineness& fineness) {
+    return segments * 2 + points * (std::size_t(fineness.sides) / 2 + 1);
+  };
+  const Fineness& fineness = fineness_for(rings);
+  Builder builder(fineness);
+  if (const auto few = check_triangles(rings(fineness), builder.sides()); !few)
+    return std::unexpected(few.error());
   std::size_t before = 0;
   for (const Curve& curve : curves) {
     glm::dvec3 axis(0, 0, 1);

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "scenes/curve_mesh.h"
 #include "scenes/heightfield.h"
 #include "scenes/instances.h"
 #include "scenes/mesh_reader.h"
@@ -14,9 +13,9 @@
 #include "scenes/mitsuba/emitter_reader.h"
 #include "scenes/mitsuba/mesh_attribute_names.h"
 #include "scenes/mitsuba/shape_parameters.h"
+#include "scenes/mitsuba/tessellated_shapes.h"
 #include "scenes/mitsuba/texture_reader.h"
 #include "scenes/names.h"
-#include "scenes/sdf_grid.h"
 #include "scenes/texture_needs.h"
 #include "scenes/transform.h"
 
@@ -321,69 +320,27 @@ std::optional<Geometry> read_heightfield(const ShapeInput& input) {
   return std::move(*mesh);
 }
 
-/// Tubes of triangles: about these points, in the world, since radii stay what they are.
+/// Of shapes that are surfaces by formula, as triangles.
 template <typename Parameters>
-std::optional<Geometry> read_curves_of(const ShapeInput& input, std::size_t least,
-                                       Expected<CurveMesh> (*make)(std::span<const Curve>)) {
+std::optional<Geometry> read_tessellated(const ShapeInput& input) {
   const auto given = read_parameters<Parameters>(input);
   const auto file = mesh_file(input, given);
   if (!file) return std::nullopt;
-  auto curves = read_curves(*file, least);
-  if (!curves) {
-    report_mesh_error(input, curves.error());
+  auto made = tessellated(input.plugin, given, *file);
+  if (!made) {
+    report_mesh_error(input, made.error());
     return std::nullopt;
   }
-  for (Curve& curve : *curves)
-    for (CurvePoint& point : curve) {
-      point.position = transform_point(given.to_world, point.position);
-      if (is_finite(point.position, point.radius)) continue;
-      input.plugin.wrong("the curves are too far away, or too thick for a number");
-      return std::nullopt;
-    }
-  auto made = make(*curves);
-  const auto wrong = [&](const Error& error) {
-    input.plugin.wrong("filename", fmt::format("{}: {}", given.filename, error.message));
+  const auto cleaning = place_mesh(made->mesh, made->to_world, false);
+  if (!cleaning) {
+    input.plugin.wrong("filename", fmt::format("{}: {}", given.filename, cleaning.error().message));
     return std::nullopt;
-  };
-  if (!made) return wrong(made.error());
-  if (made->sides < 16)
-    input.plugin.warn(fmt::format("so many curves have {} sides, within {:.0f} % of their radius",
-                                  made->sides, 100 * made->error));
-  const auto cleaning = place_mesh(made->mesh, glm::dmat4(1.0), false);
-  if (!cleaning) return wrong(cleaning.error());
+  }
   if (made->mesh.triangles.empty()) {
     warn_of_no_triangles(input, given.filename);
     return std::nullopt;
   }
   return std::move(made->mesh);
-}
-
-std::optional<Geometry> read_bspline_curves(const ShapeInput& input) {
-  return read_curves_of<BsplineCurveShape>(input, 4, bspline_curve_mesh);
-}
-std::optional<Geometry> read_linear_curves(const ShapeInput& input) {
-  return read_curves_of<LinearCurveShape>(input, 2, linear_curve_mesh);
-}
-
-std::optional<Geometry> read_sdf(const ShapeInput& input) {
-  const auto given = read_parameters<SdfGridShape>(input);
-  const auto file = mesh_file(input, given);
-  if (!file) return std::nullopt;
-  const auto grid = read_sdf_grid(*file);
-  if (!grid) {
-    input.plugin.wrong("filename", grid.error().message);
-    return std::nullopt;
-  }
-  Mesh mesh = sdf_mesh(*grid);
-  if (const auto cleaning = place_mesh(mesh, given.to_world, false); !cleaning) {
-    input.plugin.wrong("filename", fmt::format("{}: {}", given.filename, cleaning.error().message));
-    return std::nullopt;
-  }
-  if (mesh.triangles.empty()) {
-    warn_of_no_triangles(input, given.filename);
-    return std::nullopt;
-  }
-  return mesh;
 }
 
 struct ShapePlugin {
@@ -396,9 +353,9 @@ constexpr ShapePlugin kShapes[] = {{ObjShape::kPlugin, read_mesh<ObjShape>},
                                    {RectangleShape::kPlugin, read_rectangle},
                                    {CubeShape::kPlugin, read_cube},
                                    {HeightfieldShape::kPlugin, read_heightfield},
-                                   {BsplineCurveShape::kPlugin, read_bspline_curves},
-                                   {LinearCurveShape::kPlugin, read_linear_curves},
-                                   {SdfGridShape::kPlugin, read_sdf},
+                                   {BsplineCurveShape::kPlugin, read_tessellated<BsplineCurveShape>},
+                                   {LinearCurveShape::kPlugin, read_tessellated<LinearCurveShape>},
+                                   {SdfGridShape::kPlugin, read_tessellated<SdfGridShape>},
                                    {SphereShape::kPlugin, read_sphere},
                                    {CylinderShape::kPlugin, read_cylinder},
                                    {DiskShape::kPlugin, read_disk}};

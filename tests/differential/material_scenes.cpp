@@ -39,7 +39,8 @@ SceneText phong_sides() {
 
 /// What is of polarised light in Mitsuba, without polarisation.
 SceneText polarizers() {
-  SceneText scene = begin("polarizers", path(5));
+  // Passing costs depth in Mitsuba alone.
+  SceneText scene = begin("polarizers", path(24));
   double x = -1.2;
   for (const char* type : {"polarizer", "retarder", "circular"}) {
     scene.both(placed("rectangle", "<scale value=\"0.5\"/>" + translate({x, 0, 0.6}),

@@ -42,15 +42,18 @@ SceneText smooth_rim_one_sided() {
   return scene;
 }
 
-/// Tubes of triangles against Mitsuba's, which are exact.
+/// Tubes of triangles against Mitsuba's, which are exact. Their ends are points: into open ones Mitsuba does
+/// not see.
 SceneText curves(std::string_view name, std::string_view type) {
   SceneText scene = begin(name, path(3), {0, 0.5, 5}, 34);
   Random random(31);
   std::string points;
   for (int curve = 0; curve < 6; ++curve) {
-    for (int i = 0; i < 7; ++i)
-      points += fmt::format("{} {} {} {}\n", -1.4 + 0.5 * curve + random.between(-0.25, 0.25), -1.6 + 0.5 * i,
-                            random.between(-0.4, 0.4), random.between(0.08, 0.16));
+    for (int i = 0; i < 11; ++i) {
+      const double x = -1.4 + 0.5 * curve + random.between(-0.2, 0.2), z = random.between(-0.3, 0.3);
+      const double radius = i < 3 || i > 7 ? 0 : random.between(0.08, 0.16);
+      points += fmt::format("{} {} {} {}\n", x, -1.6 + 0.3 * i, z, radius);
+    }
     points += "\n";
   }
   scene.meshes.push_back({"curves.txt", points});

@@ -11,6 +11,7 @@
 #include "scenes/scene_reader.h"
 #include "tests/scenes/gltf_text.h"
 #include "tests/scenes/ply_writer.h"
+#include "tests/scenes/sdf_writer.h"
 #include "tests/scenes/serialized_writer.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tga_file.h"
@@ -235,6 +236,35 @@ TEST(MutatedMeshes, Serialized) {
   }
   EXPECT_GT(good, 1);
   EXPECT_LT(good, mutations_per_file());
+}
+
+TEST(MutatedMeshes, CurvesAndDistances) {
+  const TemporaryFolder folder;
+  for (const char* type : {"bsplinecurve", "linearcurve"}) {
+    write_text(folder / "scene.xml", "<scene version='3.0.0'><sensor type='perspective'/><shape type='" +
+                                         std::string(type) +
+                                         "'><string name='filename' value='c.txt'/></shape></scene>");
+    write_text(folder / "c.txt",
+               "0 0 0 0.1\n1 0.5 0 0.2\n2 0 1e-3 0.1\n3 1 0 0\n4 0 0 0.3\n\n0 1 0 0.1\n1 1 1 0.1\n2 1 0 "
+               "0.1\n3 1 0 0.1\n");
+    expect_survival(folder.path(), "scene.xml", "c.txt", 103);
+  }
+  write_text(
+      folder / "scene.xml",
+      "<scene version='3.0.0'><sensor type='perspective'/><shape type='sdfgrid'><string name='filename' "
+      "value='g.vol'/></shape></scene>");
+  write_text(folder / "g.vol", sdf_file(ball_of_distances(4, 0.3)));
+  expect_survival(folder.path(), "scene.xml", "g.vol", 104);
+}
+
+TEST(MutatedMeshes, Animations) {
+  const TemporaryFolder folder;
+  write_text(
+      folder / "scene.xml",
+      "<scene version='3.0.0'><sensor type='perspective'><float name='shutter_open' value='0.3'/><animation "
+      "name='to_world'><transform time='0'><rotate y='1' angle='9'/></transform><transform time='1'><scale "
+      "value='2'/><translate x='1'/></transform></animation></sensor><emitter type='point'/></scene>");
+  expect_survival(folder.path(), "scene.xml", "scene.xml", 105);
 }
 
 TEST(MutatedMeshes, ObjWithEverything) {

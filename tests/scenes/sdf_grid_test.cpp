@@ -31,8 +31,8 @@ TEST_F(SdfGrids, ABallIsClosedAndWhereItIs) {
   const Mesh& m = std::get<Mesh>(s.shapes[0].geometry);
   const glm::dvec3 center(6, 1, 1);
   // Between points the distance is linear along each axis, so off by h^2 / 8 of its second derivatives, of
-  // which a ball's sum to 2 / r; corners are on that surface.
-  const double h = 2.0 / 23, bound = h * h / 8 * 2 / 0.6;
+  // which a ball's sum to 2 / r, where r may be a cell's diagonal less; corners are on that surface.
+  const double h = 2.0 / 23, bound = h * h / 8 * 2 / (0.6 - std::sqrt(3.0) * h);
   for (std::size_t i = 0; i < m.positions.size(); ++i) {
     EXPECT_NEAR(glm::distance(m.positions[i], center), 0.6, bound);
     EXPECT_GT(glm::dot(glm::dvec3(m.normals[i]), glm::normalize(m.positions[i] - center)), 0.9995);

@@ -55,6 +55,9 @@ const LobeCase kLobes[] = {
          .diffuse = kWhite, .nonlinear = true, .distribution = DISTRIBUTION_GGX, .alpha = 0.6f})},
     {"RoughPlasticBeckmann", of(RoughPlasticBsdf{.alpha = 0.1f})},
     {"RoughPlasticBeckmannBlack", of(RoughPlasticBsdf{.diffuse = kBlack, .alpha = 0.5f})},
+    {"PolarizedPlastic", of(PolarizedPlasticBsdf{.alpha = 0.15f})},
+    {"PolarizedPlasticGgxWhite",
+     of(PolarizedPlasticBsdf{.diffuse = kWhite, .distribution = DISTRIBUTION_GGX, .alpha = 0.4f})},
     {"RoughPlasticInside", of(RoughPlasticBsdf{.int_ior = 1.0f, .ext_ior = 1.3f, .alpha = 0.3f})},
     // Ward's lobes gain at grazing angles, but for the balanced one.
     ward("Ward", WARD_ORIGINAL, 0.15f, 0.4f, 0),
