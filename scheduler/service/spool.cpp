@@ -211,7 +211,7 @@ Expected<void> Spool::IncomingScene::add(std::span<const std::uint8_t> bytes) {
 
 Expected<void> Spool::IncomingScene::finish() {
   const auto scene = state_->reader.finish();
-  if (!scene) return std::unexpected(scene.error());
+  if (!scene) return fail("the scene that came is damaged: " + scene.error().message);
   if (const std::string hash = manifest_of(*scene).hash; hash != state_->hash)
     return fail(
         fmt::format("the scene that came is damaged: its hash is {} instead of {}", hash, state_->hash));

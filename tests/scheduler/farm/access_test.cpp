@@ -127,7 +127,8 @@ TEST_F(AccessTest, WhoMayWatchIsNoWorkerAndTheOtherWayRound) {
                           Pair("Control", StatusCode::PERMISSION_DENIED)));
   EXPECT_TRUE(next_is<arrivals::Connected>());
   EXPECT_THAT(codes(server_->more_address(), submit),
-              ElementsAre(Pair("Work", StatusCode::PERMISSION_DENIED), Pair("Asset", StatusCode::NOT_FOUND),
+              ElementsAre(Pair("Work", StatusCode::PERMISSION_DENIED),
+                          Pair("Manifest", StatusCode::NOT_FOUND), Pair("Asset", StatusCode::NOT_FOUND),
                           Pair("Watch", StatusCode::OK), Pair("Control", StatusCode::OK)));
 }
 

@@ -212,8 +212,11 @@ TEST_F(Service, OtherWorkersJoin) {
   EXPECT_TRUE(comes(number, "done"));
   for (int i = 0; i < 500 && status()["workers"].empty(); ++i) std::this_thread::sleep_for(10ms);
   EXPECT_EQ(status()["workers"].size(), 1u);
-  service_->send(SIGTERM);
-  EXPECT_EQ(service_->wait().exit_code, 0);
+  // It looks for the service that comes next, until it is told to end.
+  kill_service();
+  serve({"--workers", "0"});
+  EXPECT_TRUE(comes(submit({"--spp", "4"}), "done"));
+  joined.send(SIGTERM);
   EXPECT_EQ(joined.wait().exit_code, 0);
 }
 
