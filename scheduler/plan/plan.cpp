@@ -11,14 +11,6 @@ namespace {
 constexpr Seconds kNever = std::numeric_limits<Seconds>::infinity();
 constexpr Seconds kNotBegun = -kNever;
 
-/// Any function that mixes well (the finalizer of SplitMix64; Steele, Lea and Flood 2014).
-std::uint64_t mixed(std::uint64_t bits) {
-  bits += 0x9e3779b97f4a7c15u;
-  bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
-  bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
-  return bits ^ (bits >> 31);
-}
-
 }  // namespace
 
 Plan::Plan(LeaseRule leases)
@@ -497,57 +489,6 @@ void Plan::relist(WorkerId id, Worker& worker) {
   if (worker.wants) wanting_[*worker.wants].erase(id);
   if (wants) wanting_[*wants].insert(id);
   worker.wants = wants;
-}
-
-// --- Units that a second worker does too
-
-bool Plan::is_to_be_verified(UnitId id) const {
-  const double share = jobs_.at(id.job).verify;
-  const std::uint64_t name = mixed(mixed(mixed(id.phase) + id.pass) + id.tile);
-  return double(name >> 11) * 0x1p-53 < share;
-}
-
-/// Verified, or not: no longer to be.
-void Plan::end_check(UnitId id, Unit& unit) {
-  if (!std::exchange(unit.unverified, false)) return;
-  Job& job = jobs_.at(id.job);
-  job.checks.erase(id);
-  --job.unverified;
-}
-
-void Plan::give_up_checks(JobId id) {
-  Job& job = jobs_.at(id);
-  for (const UnitId& unit : std::exchange(job.checks, {})) {
-    units_.erase(unit);  // nobody holds it
-    --job.unverified;
-    ++job.counts.not_verified;
-  }
-}
-
-/// Whether somebody who is busy now may be the second for the job's units.
-bool Plan::may_be_verified_later(JobId job) const {
-  int able = 0;
-  bool is_any_busy = false;
-  for (const auto& [id, worker] : workers_) {
-    if (worker.unfit.contains(job)) continue;
-    ++able;
-    is_any_busy |= worker.wants != 0u;
-    if (able >= 2 && is_any_busy) return true;
-  }
-  return false;
-}
-
-/// Of jobs of which nothing else is left, and that nobody does who could.
-void Plan::give_up_idle_checks() {
-  for (auto& [id, job] : jobs_) {
-    if (job.units_left > 0 || job.unverified == 0 || job.checks.size() < job.unverified ||
-        may_be_verified_later(id))
-      job.idle_since.reset();
-    else if (!job.idle_since)
-      job.idle_since = now_;
-    else if (now_ - *job.idle_since >= kTimeToFindASecond)
-      give_up_checks(id);
-  }
 }
 
 /// The worker is gone: what it held goes back.

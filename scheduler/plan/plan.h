@@ -184,11 +184,6 @@ class Plan {
   void blame(UnitId id, WorkerId worker, Fault fault);
   void relist(UnitId id);
   void relist(WorkerId id, Worker& worker);
-  [[nodiscard]] bool is_to_be_verified(UnitId id) const;
-  void end_check(UnitId id, Unit& unit);
-  void give_up_checks(JobId id);
-  [[nodiscard]] bool may_be_verified_later(JobId job) const;
-  void give_up_idle_checks();
   void release(WorkerId worker);
   void dismiss(WorkerId worker, Fault fault, UnitId unit, std::optional<WorkerId> accuser = {});
   void accept(const UnitDone& event, Unit& unit);
@@ -197,6 +192,14 @@ class Plan {
   void redo_work_of(WorkerId first, WorkerId second, JobId id);
   void reopen(UnitId id);
   [[nodiscard]] std::vector<bool>& contributions(WorkerId worker, JobId job, std::uint32_t phase);
+
+  // In plan_verify.cpp.
+  [[nodiscard]] bool is_to_be_verified(UnitId id) const;
+  void end_check(UnitId id, Unit& unit);
+  void give_up_checks(JobId id);
+  [[nodiscard]] bool may_be_verified_later(JobId job) const;
+  void give_up_idle_checks();
+  [[nodiscard]] std::optional<UnitId> check_for(WorkerId worker, JobId job) const;
 
   // In plan_issue.cpp.
   void issue();
@@ -208,7 +211,6 @@ class Plan {
   [[nodiscard]] bool make_room(WorkerId id);
   [[nodiscard]] std::optional<UnitId> suspect_for(WorkerId worker, JobId job) const;
   [[nodiscard]] std::optional<UnitId> requeued_for(WorkerId worker, JobId job) const;
-  [[nodiscard]] std::optional<UnitId> check_for(WorkerId worker, JobId job) const;
   std::optional<UnitId> fresh(JobId job);
   std::optional<UnitId> straggler_for(WorkerId worker);
   [[nodiscard]] std::optional<std::pair<Seconds, UnitId>> oldest_straggler(const Job& job) const;

@@ -7,11 +7,6 @@
 #include "scheduler/plan/plan.h"
 
 namespace penumbra {
-namespace {
-
-constexpr int kChecksLookedAt = 16;
-
-}  // namespace
 
 // --- Who gets what
 
@@ -147,16 +142,6 @@ std::optional<UnitId> Plan::fresh(JobId id) {
   const auto taken = phase.take();
   if (!taken) return {};
   return UnitId{id, job.phase, taken->first, taken->second};
-}
-
-/// One that was done by another worker. All of them may be this one's own; others will take those.
-std::optional<UnitId> Plan::check_for(WorkerId id, JobId job) const {
-  int looked_at = 0;
-  for (const UnitId& unit : jobs_.at(job).checks) {
-    if (units_.at(unit).done_by != id) return unit;
-    if (++looked_at == kChecksLookedAt) break;
-  }
-  return {};
 }
 
 /// The first to be copied, and since when it is in hand.

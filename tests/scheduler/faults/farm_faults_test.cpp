@@ -154,7 +154,9 @@ void FarmFaults::run(const FaultSchedule& schedule) {
   const auto disputed = std::ranges::count_if(
       outcome->problems, [](const std::string& text) { return text.find("different results") != text.npos; });
   // What is done again is merged again, and only then.
-  if (disputed == 0) ASSERT_EQ(merged, outcome->units_done) << "a unit was merged twice";
+  if (disputed == 0) {
+    ASSERT_EQ(merged, outcome->units_done) << "a unit was merged twice";
+  }
   // Three faults of one unit: the deadly one, or more bad luck than there are faults in the schedule.
   const std::size_t faults = schedule.processes.size() + schedule.rogues.size();
   ASSERT_LE(missing.size(), (schedule.crash_tile ? 1u : 0u) + faults / kFaultsToSetAside)
@@ -202,7 +204,9 @@ TEST_P(OneRogue, ChangesNothing) {
   run(schedule);
   EXPECT_EQ(set_aside, 0);
   EXPECT_EQ(rogues_active, 1);
-  if (roguery == Roguery::kLies) EXPECT_GE(disputes, 1);
+  if (roguery == Roguery::kLies) {
+    EXPECT_GE(disputes, 1);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Rogueries, OneRogue, testing::Range(int(Roguery::kSlow), int(Roguery::kCount)),
