@@ -38,7 +38,8 @@ constexpr std::chrono::seconds kBeatInterval{1};
 constexpr std::chrono::milliseconds kTimeToLeave{500};  // for each of: to say so, to be heard
 
 // Pauses between connections: short for a scheduler on this machine, long where thousands may come back.
-constexpr std::chrono::milliseconds kFirstPause{100}, kLongestPause{15'000}, kLongestPauseHere{500};
+constexpr std::chrono::milliseconds kFirstPause{100}, kFirstPauseHere{20}, kLongestPause{15'000},
+    kLongestPauseHere{500};
 // An attempt is over when it has failed, or after this.
 constexpr std::chrono::seconds kTimeToConnect{10};
 constexpr std::chrono::milliseconds kTimeToExplain{2000};
@@ -417,8 +418,8 @@ Expected<void> run_worker(const WorkerClientOptions& options) {
   using Clock = std::chrono::steady_clock;
   const auto patience = std::chrono::duration_cast<Clock::duration>(
       std::chrono::duration<double>(std::clamp(options.retry_for, 0.0, kLongestRetry)));
-  BackOff pauses(kFirstPause,
-                 is_tcp(options.address) && options.reconnects ? kLongestPause : kLongestPauseHere,
+  const bool is_here = !is_tcp(options.address) || !options.reconnects;
+  BackOff pauses(is_here ? kFirstPauseHere : kFirstPause, is_here ? kLongestPauseHere : kLongestPause,
                  std::random_device{}());
   Clock::time_point last_seen = Clock::now();
   std::string why, told;
