@@ -165,7 +165,9 @@ TEST(PieceCache, OnAFullDiskItGivesUpForThisSceneAndLeavesNothingHalf) {
     EXPECT_TRUE(cache.may_have(piece_of(other))) << "but for the next one";
   }
   setrlimit(RLIMIT_FSIZE, &before);
-  if (is_mounted) EXPECT_EQ(umount(folder.path().c_str()), 0);
+  if (is_mounted) {
+    EXPECT_EQ(umount(folder.path().c_str()), 0);
+  }
   RecordProperty("disk", is_mounted ? "tmpfs" : "limited file size");
 }
 
