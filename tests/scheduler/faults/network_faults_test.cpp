@@ -9,7 +9,7 @@
 #include <regex>
 #include <thread>
 
-#include "scheduler/protocol/token.h"
+#include "scheduler/keys/client_access.h"
 #include "tests/scheduler/faults/tcp_relay.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/fake_processes.h"
