@@ -167,6 +167,7 @@ Acceptor::Acceptor(std::string address, int listener, AcceptorLimits limits)
       limits_{.connections = std::min(limits.connections,
                                       int(std::clamp(descriptor_limit() / rlim_t(limits.share_of_descriptors),
                                                      rlim_t(kFewestConnections), kMostDescriptors))),
+              .strangers = limits.strangers,
               .time_to_show_token = limits.time_to_show_token,
               .share_of_descriptors = limits.share_of_descriptors},
       is_tcp_(is_tcp(address_)),
@@ -254,7 +255,8 @@ void Acceptor::accept_one() {
   }
   {
     const std::lock_guard lock(mutex_);
-    if (int(connections_.size()) >= limits_.connections) {
+    const auto strangers = std::ranges::count(connections_, false, &Connection::admitted);
+    if (int(connections_.size()) >= limits_.connections || (is_tcp_ && strangers >= limits_.strangers)) {
       const auto oldest_unadmitted =
           is_tcp_ ? std::ranges::find(connections_, false, &Connection::admitted) : connections_.end();
       if (oldest_unadmitted == connections_.end()) {

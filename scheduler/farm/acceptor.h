@@ -18,8 +18,10 @@ void raise_descriptor_limit();
 
 struct AcceptorLimits {
   /// At once. A new connection replaces the oldest one that has not been admitted. If all have been admitted,
-  /// the new one is closed.
-  int connections = 64;
+  /// the new one is closed. Workers cost no thread, so there may be many.
+  int connections = 1 << 14;
+  /// TCP only: of them so many that have not been admitted; further ones replace the oldest of those.
+  int strangers = 64;
   /// TCP only: from here on a connection that has not been admitted is closed.
   std::chrono::milliseconds time_to_show_token{10000};
   /// At most one of so many descriptors of this process: others need some, too.
