@@ -110,7 +110,7 @@ ExitCode view(const ViewOptions& options, const CLI::App& app) {
                                 .debug = options.gl_debug,
                                 .content_scale = {}});
   if (!window) return print_error(window.error()), kIncomplete;
-  auto viewer = Viewer::create(*window, address, *access, local.get());
+  auto viewer = Viewer::create(*window, address, *access, options.job, local.get());
   if (!viewer) return print_error(viewer.error()), kIncomplete;
 
   if (options.script.empty() && !options.screenshot.empty()) (*viewer)->refine_from_the_start();

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <string_view>
 
 #include "scheduler/cli/option_checks.h"
@@ -47,6 +48,12 @@ void add_view_options(CLI::App& app, ViewOptions& options) {
       ->check(CLI::Validator(check_address, ""))
       ->group(kOwn)
       ->excludes(scene);
+  app.add_option("--job", options.job,
+                 "With --connect to a service, which of its jobs (default: the oldest that is under way)")
+      ->type_name("N")
+      ->check(whole_number(1, std::numeric_limits<JobId>::max()))
+      ->group(kOwn)
+      ->needs("--connect");
   app.get_option("--keys")->group(kOwn)->description(
       "For a scheduler at host:port with TLS: the folder that `penumbra keys` made, or its part for windows");
   add_token_refusal(app);

@@ -22,18 +22,19 @@ constexpr int kBadInput = 2;  // its exit code for a scene that cannot be render
 }  // namespace
 
 Expected<std::unique_ptr<Viewer>> Viewer::create(Window& window, const std::string& address,
-                                                 const ClientAccess& access, LocalScheduler* local) {
+                                                 const ClientAccess& access, JobId job,
+                                                 LocalScheduler* local) {
   Expected<CompositePass> composite = CompositePass::create();
   if (!composite) return std::unexpected(composite.error());
-  return std::unique_ptr<Viewer>(new Viewer(window, address, access, local, std::move(*composite)));
+  return std::unique_ptr<Viewer>(new Viewer(window, address, access, job, local, std::move(*composite)));
 }
 
-Viewer::Viewer(Window& window, const std::string& address, const ClientAccess& access, LocalScheduler* local,
-               CompositePass composite)
+Viewer::Viewer(Window& window, const std::string& address, const ClientAccess& access, JobId job,
+               LocalScheduler* local, CompositePass composite)
     : window_(window),
       local_(local),
       access_(access),
-      client_(std::make_unique<WatchClient>(address, access.token, access.keys)),
+      client_(std::make_unique<WatchClient>(address, access.token, access.keys, job)),
       composite_(std::move(composite)) {
   view_.adjustable.alpha = settings_.alpha;
   status_.address = address;

@@ -29,7 +29,8 @@ class Viewer {
   /// Watches the scheduler at `address`; `local`, which may be null, is the process behind it, that is
   /// started again when it ends.
   static Expected<std::unique_ptr<Viewer>> create(Window& window, const std::string& address,
-                                                  const ClientAccess& access, LocalScheduler* local);
+                                                  const ClientAccess& access, JobId job,
+                                                  LocalScheduler* local);
 
   /// Takes what has come since the last call. Fails when there is nothing more to wait for and nothing to
   /// show.
@@ -65,8 +66,8 @@ class Viewer {
  private:
   using Clock = std::chrono::steady_clock;
 
-  Viewer(Window& window, const std::string& address, const ClientAccess& access, LocalScheduler* local,
-         CompositePass composite);
+  Viewer(Window& window, const std::string& address, const ClientAccess& access, JobId job,
+         LocalScheduler* local, CompositePass composite);
 
   Expected<void> on(watch_news::Connected& news);
   Expected<void> on(const watch_news::Said& news);

@@ -113,6 +113,7 @@ class Session {
   Mailbox<wire::SchedulerMessage> inbox_;
   Mailbox<std::variant<wire::WorkerMessage, FinishedUnit>> outbox_;
   std::atomic<bool> leaving_ = false;              // either side has said that it is over
+  std::atomic<bool> is_over_ = false;              // nothing that came is to be begun any more
   bool is_answered_ = false, comes_back_ = false;  // of the reading thread
   // Set by the writing, the reading and the working thread at their ends.
   std::promise<void> all_said_, all_heard_, worked_;
@@ -204,6 +205,7 @@ void Session::read() {
     }
     inbox_.put(std::move(message));
   }
+  if (!leaving_) is_over_ = true;
   inbox_.close();
   all_heard_.set_value();
   // Of one that is leaving the working thread may still write; a stream that broke takes no more.
@@ -249,7 +251,7 @@ void Session::write_all() {
 /// Results that are finished go first. Then the stream ends, so that what the scheduler has sent since is not
 /// waited for.
 void Session::leave() {
-  leaving_ = true;
+  leaving_ = is_over_ = true;
   wire::WorkerMessage message;
   message.mutable_leaving()->set_reason(wire_text(options_.leave_reason, kLongestText));
   say(std::move(message));
@@ -280,7 +282,9 @@ void Session::beat(const std::stop_token& stop) {
 }
 
 Expected<void> Session::work() {
+  // What came before the end is nothing to begin with any more, but for the end itself.
   while (std::optional<wire::SchedulerMessage> message = inbox_.take()) {
+    if (is_over_ && !message->has_refused() && !message->has_dismiss()) continue;
     switch (message->content_case()) {
       case wire::SchedulerMessage::kRefused:
         return fail("the scheduler refuses this worker: " + message->refused().reason());
@@ -303,12 +307,12 @@ Expected<void> Session::work() {
         if (const Expected<void> taken = take_view(message->view()); !taken) return taken;
         break;
       case wire::SchedulerMessage::kDismiss:
-        return end_of_work();
+        return {};
       default:
         return fail("the scheduler sent a message of an unknown kind");
     }
   }
-  return end_of_work();
+  return {};
 }
 
 /// A worker that could do nothing has failed.
@@ -418,7 +422,7 @@ Expected<void> run_worker(const WorkerClientOptions& options) {
   using Clock = std::chrono::steady_clock;
   const auto patience = std::chrono::duration_cast<Clock::duration>(
       std::chrono::duration<double>(std::clamp(options.retry_for, 0.0, kLongestRetry)));
-  const bool is_here = !is_tcp(options.address) || !options.reconnects;
+  const bool is_here = !is_tcp(options.address) || is_loopback(split_address(options.address).host);
   BackOff pauses(is_here ? kFirstPauseHere : kFirstPause, is_here ? kLongestPauseHere : kLongestPause,
                  std::random_device{}());
   Clock::time_point last_seen = Clock::now();

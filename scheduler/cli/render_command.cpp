@@ -51,7 +51,8 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
   const std::atomic<bool>& stop = install_stop_signal();
   auto prepared = prepare_watched_render(options);
   if (!prepared) return prepared.error();
-  if (options.verify > 0 && prepared->farm.workers < 2 && prepared->farm.listen.empty())
+  if (options.verify > 0 && prepared->farm.workers < 2 && prepared->farm.listen.empty() &&
+      prepared->farm.launch.empty())
     return print_error(Error{"--verify: it takes two workers: --workers 2, or --listen for others"}),
            kBadInput;
   if (const auto made = make_folders(prepared->files); !made) return print_error(made.error()), kBadInput;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "scheduler/cli/progress.h"
 #include "scheduler/farm/render_job_check.h"
@@ -19,6 +20,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kWorkersOfTable[] = {1, 8, 32, 128};
+constexpr double kMostSeconds = 120;  // then even a first tile is not waited for
 // Of the time, for the second measurement: the first has shown how much of the job that is.
 constexpr double kShareOfSecond = 0.7;
 
@@ -30,9 +32,14 @@ Expected<MeasuredWork> measure(PreparedRender& prepared, std::uint32_t spp, doub
   RenderJob& job = prepared.job;
   job.spp = spp;
   job.samples_per_pass = std::min(job.samples_per_pass, spp);
+  job.verify = 0;
   std::atomic<bool> enough = false;
+  std::optional<double>
+      begun;  // when a worker was there: large scenes take a while to be fetched and indexed
   const auto outcome = run_render(job, prepared.farm, enough, [&](const RenderProgress& now) {
-    if (stop || now.elapsed_seconds > seconds) enough = true;
+    if (now.workers > 0 && !begun) begun = now.elapsed_seconds;
+    const bool is_measured = begun && now.samples_done > 0 && now.elapsed_seconds - *begun > seconds;
+    if (stop || is_measured || now.elapsed_seconds > kMostSeconds) enough = true;
   });
   if (!outcome) return std::unexpected(outcome.error());
   MeasuredWork measured;

@@ -9,7 +9,6 @@
 #include "kernels/host/console.h"
 #include "kernels/host/stopwatch.h"
 #include "kernels/host/words.h"
-#include "scheduler/cli/render_checkpoint.h"
 #include "scheduler/cli/scene_costs.h"
 #include "scheduler/files/output_batch.h"
 #include "scheduler/image/image_files.h"
@@ -145,7 +144,6 @@ RenderEnd finish_render(PreparedRender& prepared, const RenderOutcome& outcome,
       sample_range(outcome.film).total == 0 ? fail("nothing was rendered") : make_folders(prepared.files);
   if (written) written = write_outputs(prepared, outcome, command_line);
   if (!written) print_error({fmt::format("{}: {}", name, written.error().message)});
-  if (written && outcome.complete) remove_checkpoint(prepared);
   print_problems(outcome, stopped);
   const bool non_finite = print_non_finite(outcome.film, reproduce_command, strict);
   if (!written) return {RenderEndKind::kFailed, written.error().message};

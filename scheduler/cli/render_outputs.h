@@ -18,9 +18,9 @@ struct RenderEnd {
   RenderEndKind kind = RenderEndKind::kDone;
   std::string error = {};  ///< why it is not done
 };
-/// Of one of several renders: writes what there is of it into folders that are made for it, removes the
-/// checkpoint of what is complete, and prints what is to be said, after `name`. `strict`: non-finite samples
-/// make it incomplete.
+/// Of one of several renders: writes what there is of it into folders that are made for it, and prints what
+/// is to be said, after `name`. The checkpoint stays, until the caller has noted the end. `strict`:
+/// non-finite samples make it incomplete.
 RenderEnd finish_render(PreparedRender& prepared, const RenderOutcome& outcome,
                         const std::vector<std::string>& command_line, const std::string& name, bool strict,
                         bool stopped);

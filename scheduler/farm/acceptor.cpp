@@ -131,6 +131,13 @@ std::expected<int, std::string> listen_tcp(const HostAndPort& address) {
   return *listener;
 }
 
+bool is_loopback_name(const sockaddr_storage& name) {
+  if (name.ss_family == AF_INET)
+    return (ntohl(reinterpret_cast<const sockaddr_in&>(name).sin_addr.s_addr) >> 24) == IN_LOOPBACKNET;
+  return name.ss_family == AF_INET6 &&
+         IN6_IS_ADDR_LOOPBACK(&reinterpret_cast<const sockaddr_in6&>(name).sin6_addr) != 0;
+}
+
 }  // namespace
 
 void raise_descriptor_limit() {
@@ -155,6 +162,13 @@ Expected<std::unique_ptr<Acceptor>> Acceptor::listen(const std::string& address,
     socklen_t size = sizeof name;
     getsockname(*listener, reinterpret_cast<sockaddr*>(&name), &size);
     reachable = with_port(address, port_of(name));
+    if (is_loopback_name(name) && !is_loopback(split_address(address).host)) {
+      close(*listener);
+      return std::unexpected(cannot_listen(
+          address, fmt::format("that name means this machine alone here; 0.0.0.0:{} listens at all of "
+                               "its addresses",
+                               split_address(address).port)));
+    }
   }
   std::unique_ptr<Acceptor> acceptor(new Acceptor(std::move(reachable), *listener, limits));
   if (acceptor->wake_ < 0) return std::unexpected(cannot_listen(address, "there are no more descriptors"));

@@ -92,11 +92,12 @@ Expected<void> FarmRun::run() {
     finish_jobs();
     take_jobs();
     publish();
-    for (const auto& [id, job] : jobs_) job->keep_checkpoint(since_start());
+    for (const auto& [id, job] : jobs_) job->keep_checkpoint();
     report_progress();
   }
   const bool could_go_on = can_go_on();
   report_progress();
+  server_->stop_taking();
   if (workers_here_->launches()) dismiss_all();
   workers_here_->stop_all();
   std::string reasons;
@@ -163,9 +164,10 @@ void FarmRun::take_jobs() {
     const JobId id = next->number.value_or(next_job_);
     next_job_ = std::max(next_job_, id + 1);
     source_.took(id);
-    JobRun& taken =
-        *jobs_.emplace(id, std::make_unique<JobRun>(id, std::move(next), since_start(), jobs_.empty()))
-             .first->second;
+    JobRun& taken = *jobs_
+                         .emplace(id, std::make_unique<JobRun>(id, std::move(next), since_start(),
+                                                               jobs_.empty() && !options_.service))
+                         .first->second;
     for (std::string& text : std::exchange(unsaid_problems_, {})) taken.problem(std::move(text));
     taken.open(*server_);
     tell_plan(JobAdded{id, taken.job().priority, taken.phases(), taken.job().verify});
@@ -207,7 +209,7 @@ void FarmRun::end_job(JobId id) {
   if (plan_.gave_up())
     ended->discard_checkpoint();  // either of those that disagree may have merged what is wrong
   else if (!plan_.finished(id) || !plan_.set_aside(id).empty())
-    ended->keep_last_checkpoint(since_start());
+    ended->keep_last_checkpoint();
   RenderOutcome outcome = std::move(*ended).outcome(plan_, since_start());
   hopeless_.erase(id);
   deadly_.erase(id);
@@ -234,19 +236,31 @@ void FarmRun::fail_hopeless_jobs() {
     workers_here_->has_worked();
     workers_here_->start_missing(plan_time_);
   }
-  // Of those that a launcher brings nobody knows how many will come, and when.
-  const bool are_all_here = workers_here_->launches() ? now_ - last_joined_ > kTimeForAnotherToJoin
-                                                      : connected >= std::ptrdiff_t(workers_here_->running());
+  // Of those that a launcher brings, or that join a service, nobody knows how many will come, and when.
+  const bool others_may_join = workers_here_->launches() || options_.service;
+  const bool are_all_here = others_may_join
+                                ? now_ - std::max(last_joined_, hopeless_since_) > kTimeForAnotherToJoin
+                                : connected >= std::ptrdiff_t(workers_here_->running());
   if (are_all_here) failed.merge(hopeless_);
-  for (const JobId id : failed) {
-    hopeless_.erase(id);
-    take_out(id)->keep_last_checkpoint(since_start());
-    tell_plan(JobRemoved{id});
-    std::string reasons;
-    for (const std::string& text : job_failures_[id]) reasons += "\n  " + text;
-    job_failures_.erase(id);
-    source_.done(id, fail("no worker can do this job:" + reasons));
+  for (const JobId id : failed) fail_job(id);
+}
+
+/// No worker can do it, or go on with it. What was rendered of it is kept; where native code may render it
+/// instead, that goes on with the checkpoint.
+void FarmRun::fail_job(JobId id) {
+  std::string reasons = "no worker can do this job:";
+  for (const std::string& text : job_failures_[id]) reasons += "\n  " + text;
+  const JobRun& failed = *jobs_.at(id);
+  if (failed.samples_done() > 0 && failed.job().device.backend != Backend::kAuto) {
+    jobs_.at(id)->problem(reasons);
+    return end_job(id);
   }
+  hopeless_.erase(id);
+  deadly_.erase(id);
+  job_failures_.erase(id);
+  take_out(id)->keep_last_checkpoint();
+  tell_plan(JobRemoved{id});
+  source_.done(id, fail(reasons));
 }
 
 // --- Processes and time
@@ -310,9 +324,13 @@ void FarmRun::advance_clock() {
 }
 
 void FarmRun::tick() {
-  last_tick_ = now_;
-  for (const auto& [id, job] : jobs_)
-    if (job->budget_is_spent(now_)) tell_plan(NoFurtherUnits{id});
+  const Seconds since_last = now_ - std::exchange(last_tick_, now_);
+  for (const auto& [id, job] : jobs_) {
+    // Beside others, or while there is no worker, a job may wait for long.
+    const bool is_alone = jobs_.size() == 1 && !options_.service;
+    if (is_alone || plan_.is_in_hand(id)) job->was_rendered_for(since_last);
+    if (job->budget_is_spent()) tell_plan(NoFurtherUnits{id});
+  }
   tell_plan(Tick{});
 }
 

@@ -79,6 +79,7 @@ class FarmRun {
   void end_job(JobId id);
   void end_all_jobs();
   void fail_hopeless_jobs();
+  void fail_job(JobId id);
   void refuse(WorkerId id, const std::string& why);
   void look_after_workers();
   void tell_start_problems();
@@ -92,7 +93,9 @@ class FarmRun {
 
   [[nodiscard]] Seconds since_start() const { return seconds_since(started_); }
   [[nodiscard]] bool can_go_on() const {
-    return (options_.workers == 0 || workers_here_->any_left() || is_an_end_half_known()) && !plan_.gave_up();
+    return (options_.workers == 0 || foreign_workers_ > 0 || workers_here_->any_left() ||
+            is_an_end_half_known()) &&
+           !plan_.gave_up();
   }
   /// Of a worker, only its stream or only its process has ended so far; what that means is decided by both.
   [[nodiscard]] bool is_an_end_half_known() const;
@@ -131,7 +134,8 @@ class FarmRun {
   std::set<std::string> said_;
   std::vector<std::string> problems_, unsaid_problems_;  // unsaid: no job was open
   bool anyone_was_ready_ = false;
-  Seconds now_ = 0, plan_time_ = 0, last_tick_ = 0, next_workers_ = 0, last_joined_ = 0;
+  int foreign_workers_ = 0;  // that are connected
+  Seconds now_ = 0, plan_time_ = 0, last_tick_ = 0, next_workers_ = 0, last_joined_ = 0, hopeless_since_ = 0;
   // The workers talk to the server through the socket, so they go first and the socket last.
   std::optional<PrivateSocket> socket_;
   std::unique_ptr<Server> server_;

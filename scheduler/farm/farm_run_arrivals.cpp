@@ -31,11 +31,16 @@ void FarmRun::on(const arrivals::Connected& arrival) {
   worker.since = since_start();
   worker.pid = workers_here_->claim(arrival.key);
   last_joined_ = now_;
-  if (worker.pid == 0 && !workers_here_->has_launched(arrival.key))
-    notice(fmt::format("a worker that this render did not start has joined it: {}, {}", worker.name,
-                       peer_text(arrival.peer)));
-  else
-    here_.push_back(arrival.worker), workers_here_->is_heard_of(worker.pid, plan_time_);
+  if (worker.pid == 0) {
+    ++foreign_workers_;
+    if (!workers_here_->has_launched(arrival.key))
+      notice(fmt::format("a worker that {} did not start has joined it: {}, {}",
+                         options_.service ? "this service" : "this render", worker.name,
+                         peer_text(arrival.peer)));
+  } else {
+    here_.push_back(arrival.worker);
+    workers_here_->is_heard_of(worker.pid, plan_time_);
+  }
   if (jobs_.empty()) workers_here_->is_ready(worker.pid);  // for whatever comes
   hopeless_.clear();                                       // it may be able; else the plan says so again
   tell_plan(WorkerJoined{arrival.worker});
@@ -128,6 +133,7 @@ void FarmRun::on(const arrivals::Leaving& arrival) {
 
 void FarmRun::on(const arrivals::Gone& arrival) {
   Worker& worker = workers_.at(arrival.worker);
+  if (worker.pid == 0) --foreign_workers_;
   worker.gone = true;
   worker.gone_since = since_start();
   worker.last_unit = plan_.in_hand(arrival.worker);
@@ -187,7 +193,9 @@ void FarmRun::obey(const Assign& order, arrivals::Result*) {
 }
 
 void FarmRun::obey(const MergeResult& order, arrivals::Result* result) {
-  workers_here_->has_worked();
+  // What others do says nothing about those that are started here.
+  const Worker& worker = workers_.at(order.worker);
+  if (worker.pid != 0 || workers_here_->launches()) workers_here_->has_worked();
   JobRun& of = *jobs_.at(order.unit.job);
   of.merge(order, *result, since_start());
   if (of.is_adaptive()) follow_ups_.emplace_back(of.passes_of_tile(order.unit.tile));
@@ -237,10 +245,13 @@ void FarmRun::obey(const StartAgain& order, arrivals::Result*) {
 void FarmRun::obey(const NobodyCan& order, arrivals::Result*) {
   if (order.deaths == 0) {
     hopeless_.insert(order.job);
+    hopeless_since_ = now_;
     return;
   }
   deadly_.insert(order.job);
-  job_failures_[order.job].push_back(fmt::format("{} workers died while they prepared it", order.deaths));
+  job_failures_[order.job].push_back(
+      fmt::format("{} workers died while they {}", order.deaths,
+                  order.at_units ? "rendered it, one after the other" : "prepared it"));
 }
 
 void FarmRun::obey(const Overdue& order, arrivals::Result*) {

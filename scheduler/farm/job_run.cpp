@@ -108,8 +108,8 @@ std::uint32_t JobRun::spp_of(std::uint32_t passes) const {
   return std::uint32_t(std::min(std::uint64_t(passes) * job_->samples_per_pass, std::uint64_t(job_->spp)));
 }
 
-bool JobRun::budget_is_spent(Seconds now) {
-  const bool is_over = job_->time_budget && first_given_ && rendered(now) > *job_->time_budget;
+bool JobRun::budget_is_spent() {
+  const bool is_over = job_->time_budget && first_given_ && rendered() > *job_->time_budget;
   return is_over && !std::exchange(budget_spent_, true);
 }
 
@@ -152,17 +152,17 @@ void JobRun::begin_view(const WatchView& view) {
   feed_.begin_view(view_);
 }
 
-void JobRun::keep_checkpoint(Seconds now) {
+void JobRun::keep_checkpoint() {
   if (!job_->checkpoints) return;
   tell_checkpoint_problem();
   if (samples_done_ == samples_kept_ || !job_->checkpoints->is_due(merge_)) return;
   samples_kept_ = samples_done_;
-  job_->checkpoints->keep(merge_, rendered(now));
+  job_->checkpoints->keep(merge_, rendered());
 }
 
-void JobRun::keep_last_checkpoint(Seconds now) {
+void JobRun::keep_last_checkpoint() {
   if (!job_->checkpoints || samples_done_ == 0) return;
-  job_->checkpoints->keep_last(merge_, rendered(now));
+  job_->checkpoints->keep_last(merge_, rendered());
   tell_checkpoint_problem();
 }
 

@@ -42,6 +42,7 @@ class JobRun {
   [[nodiscard]] const std::shared_ptr<WatchBoard>& board() const { return board_; }
   [[nodiscard]] const std::string& scene_hash() const { return scene_hash_; }
   [[nodiscard]] const WatchView& view() const { return view_; }
+  [[nodiscard]] std::uint64_t samples_done() const { return samples_done_; }
   [[nodiscard]] int planes() const { return planes_; }
   [[nodiscard]] std::vector<PhaseUnits> phases() const;
   /// Empty for a unit that the job does not have: a faulty worker may name any.
@@ -55,13 +56,15 @@ class JobRun {
   }
   [[nodiscard]] std::uint32_t tiles() const { return grid_.tiles(); }
   /// Whether the time for its rendering is over; true once.
-  bool budget_is_spent(Seconds now);
+  bool budget_is_spent();
 
   // --- What happens to it
 
   void worker_is_ready(const arrivals::Ready& arrival, Seconds now);
   /// Time has passed; `is_busy`: there was something to render.
   void advance(Seconds seconds, bool is_busy) { active_ += is_busy && begun_ ? seconds : 0; }
+  /// Time in which workers had units of it in hand.
+  void was_rendered_for(Seconds seconds) { rendered_ += first_given_ ? seconds : 0; }
   void unit_was_given(Seconds now);
   void merge(const MergeResult& order, arrivals::Result& result, Seconds now);
   void skip(const UnitId& unit) { merge_.skip(unit.tile, unit.pass); }
@@ -70,8 +73,8 @@ class JobRun {
   void begin_view(const WatchView& view);
 
   /// Keeps what is merged, if it is time. And if the job ends unfinished.
-  void keep_checkpoint(Seconds now);
-  void keep_last_checkpoint(Seconds now);
+  void keep_checkpoint();
+  void keep_last_checkpoint();
   void discard_checkpoint();
 
   // --- What is said of it
@@ -98,9 +101,7 @@ class JobRun {
   [[nodiscard]] std::uint64_t samples_wanted(const Plan& plan) const;
   [[nodiscard]] std::uint32_t spp_of(std::uint32_t passes) const;
   /// Seconds of rendering, of all processes.
-  [[nodiscard]] Seconds rendered(Seconds now) const {
-    return rendered_before_ + (now - first_given_.value_or(now));
-  }
+  [[nodiscard]] Seconds rendered() const { return rendered_before_ + rendered_; }
   void tell_checkpoint_problem();
   void tell_tev_problem();
   void show(const Plan& plan, const std::vector<WatchedWorker>& workers, bool ended);
@@ -122,7 +123,7 @@ class JobRun {
   std::optional<Seconds> begun_, first_given_;
   bool budget_spent_ = false;
   std::uint64_t samples_done_ = 0, samples_kept_ = 0, samples_before_ = 0;  // kept: in the last checkpoint
-  Seconds rendered_before_ = 0;
+  Seconds rendered_before_ = 0, rendered_ = 0;
   Seconds ready_ = 0, first_tile_ = 0, last_tile_ = 0;  // since it was begun
   Seconds active_ = 0;  // since the view began, while there was something to render
   Seconds next_progress_ = 0, next_shown_ = 0;

@@ -25,7 +25,8 @@ constexpr std::size_t kRoomForTexts = std::size_t(1) << 20;
 constexpr AcceptorLimits kLimitsOfOwn{.connections = 1 << 16, .share_of_descriptors = 2};
 // Limits of the second address. A window has three calls at a time, a worker two; each takes a thread.
 constexpr int kMostCalls = 8;  // of a connection
-constexpr int kMostThreads = 256;
+constexpr int kMostThreads = 2048;
+constexpr int kMostStrangersWithKeys = 2048;
 constexpr int kHandshakeMilliseconds = 10'000, kIdleMilliseconds = 300'000;
 // Clients ask half as often whether the connection lives, see protocol/client.cpp.
 constexpr int kPingMilliseconds = 10'000;
@@ -72,8 +73,8 @@ struct Server::State {
   Tokens tokens;
   bool comes_back = false;
   std::string more_address;
-  // The second address has its own server with its own threads, so that many connections there do not delay
-  // the scheduler's own workers.
+  // The second address has a server of its own, whose calls that need a thread (watching, assets) take none
+  // of those of the scheduler's own workers.
   std::unique_ptr<Acceptor> own_acceptor, acceptor;
   std::unique_ptr<FarmService> own_service, more_service;
   std::unique_ptr<grpc::Service> further_service;
@@ -98,8 +99,11 @@ Expected<void> Server::listen_for_own(const ListenOptions& options) {
 }
 
 Expected<void> Server::listen_for_all(const ListenOptions& options) {
+  AcceptorLimits limits = options.limits;
+  // A cluster's workers come at once, and with keys each needs some time to be known.
+  if (options.keys) limits.strangers = std::max(limits.strangers, kMostStrangersWithKeys);
   Expected<std::unique_ptr<Acceptor>> acceptor =
-      Acceptor::listen(options.more, options.limits, options.keys != nullptr);
+      Acceptor::listen(options.more, limits, options.keys != nullptr);
   if (!acceptor) return std::unexpected(acceptor.error());
   state_->acceptor = std::move(*acceptor);
   state_->more_address = state_->acceptor->address();
@@ -207,6 +211,8 @@ void Server::dismiss(WorkerId worker, const std::string& reason) {
 void Server::refuse(WorkerId worker, const std::string& reason) {
   if (const auto connection = state_->farm.connection(worker)) connection->refuse(reason);
 }
+
+void Server::stop_taking() { state_->farm.mailbox.close(); }
 
 std::optional<Arrival> Server::next(std::chrono::milliseconds patience) {
   return state_->farm.mailbox.take(patience);

@@ -35,8 +35,9 @@ struct ListenOptions {
   ServiceMaker service = {};   ///< further calls at `more`
 };
 
-/// Threads for each connected worker read, check, decode and write; `next` gives the arrivals to the one
-/// thread that drives the plan. Sending to a worker that is gone does nothing: its Gone is on the way.
+/// gRPC's threads read, check, decode and write, of workers as their streams need it; `next` gives the
+/// arrivals to the one thread that drives the plan. Sending to a worker that is gone does nothing: its Gone
+/// is on the way.
 class Server {
  public:
   /// Errors: an address that is taken, makes no sense, or is of other hosts too,
@@ -74,6 +75,8 @@ class Server {
   /// Sends a worker away that cannot do the job; it says the reason to its user and fails.
   void refuse(WorkerId worker, const std::string& reason);
 
+  /// Nothing that arrives from here on is wanted: no stream waits for room any more.
+  void stop_taking();
   /// The next arrival, waiting for it at most so long.
   std::optional<Arrival> next(std::chrono::milliseconds patience);
 

@@ -21,6 +21,7 @@ WorkerCommand worker_command(const FarmOptions& options, const std::string& addr
   if (options.keys && is_tcp(address)) {
     // The worker's part is beside the scheduler's.
     std::filesystem::path folder = std::filesystem::absolute(options.keys->folder).lexically_normal();
+    if (!folder.has_filename()) folder = folder.parent_path();
     if (folder.filename() == info(KeyRole::kScheduler).folder) folder = folder.parent_path();
     command.environment.push_back(fmt::format("{}={}", kKeysVariable, folder.string()));
   }

@@ -2,6 +2,7 @@
 // worker.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -97,7 +98,7 @@ class WorkerConnection {
   std::map<JobId, int> awaited_;          // how often it was given without a Ready or JobFailed so far
   std::set<JobId> forgotten_;
   bool sent_away_ = false, closed_ = false, writing_ = false;
-  int compiles_ = 0;
+  std::atomic<int> compiles_ = 0;
 };
 
 }  // namespace penumbra

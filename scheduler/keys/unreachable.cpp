@@ -140,7 +140,7 @@ bool finish(SSL* ssl, int descriptor, milliseconds patience, Step step) {
 }
 
 /// Of a connection that failed after this side's certificate had gone out, or while it did.
-std::string refusal_text(const Keys& keys) {
+std::string refusal_text(const Keys& keys, bool met_tls) {
   switch (ERR_GET_REASON(ERR_peek_error())) {
     case SSL_R_SSLV3_ALERT_CERTIFICATE_EXPIRED:
       return fmt::format("the scheduler takes the certificate in {} for expired", keys.folder);
@@ -152,6 +152,10 @@ std::string refusal_text(const Keys& keys) {
     case SSL_R_HTTP_REQUEST:
       return "the scheduler there does not speak TLS: it was started without --keys";
     default:
+      if (!met_tls)
+        return "what listens there ended the connection at once: it is ending, no scheduler with keys, or "
+               "more "
+               "come at a time than it takes";
       return fmt::format(
           "the scheduler ended the connection when it had seen the certificate in {}: most likely its "
           "keys are of another `penumbra keys`, or this side's have expired there",
@@ -178,12 +182,14 @@ std::string explain_tls(int descriptor, const std::string& host, const Keys* key
       return "the scheduler there asks for TLS: give --keys";
     return "";
   }
+  const bool met_tls = SSL_get0_peer_certificate(ssl.get()) != nullptr;
   if (!problem.text.empty()) return "the scheduler's certificate " + problem.text;
-  if (!is_connected) return timed_out != 0 ? "nothing answers there in time" : refusal_text(*keys);
+  if (!is_connected) return timed_out != 0 ? "nothing answers there in time" : refusal_text(*keys, met_tls);
   // With TLS 1.3 the server looks at our certificate afterwards, and only then answers.
   char byte = 0;
   if (finish(ssl.get(), descriptor, patience, [&] { return SSL_read(ssl.get(), &byte, 1); })) return "";
-  return errno == ETIMEDOUT && ERR_peek_error() == 0 ? "nothing answers there in time" : refusal_text(*keys);
+  return errno == ETIMEDOUT && ERR_peek_error() == 0 ? "nothing answers there in time"
+                                                     : refusal_text(*keys, true);
 }
 
 }  // namespace

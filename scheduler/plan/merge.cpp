@@ -196,6 +196,7 @@ std::uint32_t Merge::finished_passes() const {
 }
 
 std::optional<std::uint64_t> Merge::units_in_order() const {
+  if (target_error_) return {};  // how many of a tile count is another matter
   const std::uint32_t whole = finished_passes();
   std::uint64_t more = 0;
   for (const Tile& tile : tiles_) {

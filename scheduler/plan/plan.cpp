@@ -34,6 +34,13 @@ std::optional<UnitId> Plan::in_hand(WorkerId worker) const {
   return found->second.units.front();
 }
 
+bool Plan::is_in_hand(JobId job) const {
+  return std::ranges::any_of(workers_, [job](const auto& entry) {
+    const std::deque<UnitId>& units = entry.second.units;
+    return !units.empty() && units.front().job == job;
+  });
+}
+
 // --- What happened to jobs
 
 void Plan::on(const JobAdded& event) {
@@ -46,6 +53,8 @@ void Plan::on(const JobAdded& event) {
   job.begin();
   units_left_ += job.units_left;
   order_jobs();
+  for (auto& [id, worker] : workers_)
+    if (worker.preparing == event.job) worker.prepares_in_vain = true;  // what it was before
   tell_if_phase_is_done(event.job);
   all_changed_ = true;
 }
@@ -56,6 +65,7 @@ void Plan::on(const JobRemoved& event) {
   forget_units(event.job);
   units_left_ -= found->second.units_left;
   jobs_.erase(found);
+  if (!gave_up()) disputes_ = 0;  // of a scheduler that goes on for months they are not to add up
   order_jobs();
   for (auto& [id, worker] : workers_) {
     if (worker.prepared.erase(event.job) > 0 || worker.preparing == event.job)
@@ -148,7 +158,8 @@ void Plan::on(const WorkerPrepared& event) {
   worker.heard_at = now_;
   relist(event.worker, worker);
   const auto job = jobs_.find(event.job);
-  if (job == jobs_.end()) return;  // it was told to forget it meanwhile
+  // It was told to forget it meanwhile.
+  if (std::exchange(worker.prepares_in_vain, false) || job == jobs_.end()) return;
   worker.prepared.insert(event.job);
   job->second.deaths = 0;
 }
@@ -161,7 +172,7 @@ void Plan::on(const WorkerUnfit& event) {
   worker.preparing_since.reset();
   worker.heard_at = now_;
   relist(event.worker, worker);
-  if (!jobs_.contains(event.job)) return;
+  if (std::exchange(worker.prepares_in_vain, false) || !jobs_.contains(event.job)) return;
   // Perhaps its memory does not hold two.
   const bool was_alone = worker.prepared.empty() || worker.alone.contains(event.job);
   (was_alone ? worker.unfit : worker.alone).insert(event.job);
@@ -191,11 +202,17 @@ void Plan::on(const WorkerLost& event) {
   if (worker == workers_.end()) return;  // dismissed before
   // A hung worker's unit in hand has been blamed already.
   if (!event.has_left && !worker->second.hung && !worker->second.units.empty()) {
-    blame(worker->second.units.front(), event.worker, Fault::kDied);
+    const UnitId unit = worker->second.units.front();
+    blame(unit, event.worker, Fault::kDied);
+    if (Job& job = jobs_.at(unit.job); ++job.deaths_at_units == kDeathsAtUnitsToGiveUpJob)
+      orders_.push_back(NobodyCan{unit.job, job.deaths_at_units, true});
   }
   if (!event.has_left && worker->second.units.empty() && worker->second.preparing) {
     const auto job = jobs_.find(*worker->second.preparing);
-    if (job != jobs_.end() && ++job->second.deaths == kDeathsToGiveUpJob)
+    // While others render it, it is not the job that is at fault.
+    const auto renders_it = [&](const auto& other) { return other.second.prepared.contains(job->first); };
+    if (job != jobs_.end() && ++job->second.deaths >= kDeathsToGiveUpJob &&
+        std::ranges::none_of(workers_, renders_it))
       orders_.push_back(NobodyCan{job->first, job->second.deaths});
   }
   release(event.worker);

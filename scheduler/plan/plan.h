@@ -75,6 +75,8 @@ class Plan {
   }
   /// What the worker renders at the moment, as far as is known here.
   [[nodiscard]] std::optional<UnitId> in_hand(WorkerId worker) const;
+  /// Whether any worker renders a unit of the job, likewise.
+  [[nodiscard]] bool is_in_hand(JobId job) const;
 
  private:
   struct Phase {
@@ -106,7 +108,8 @@ class Plan {
     Seconds longest_wait = 0;  // for a sign of progress
     Seconds total = 0;         // of finished units
     std::uint64_t timed = 0;
-    int deaths = 0;  // of workers that were preparing it, one after the other
+    int deaths = 0;           // of workers that were preparing it, one after the other
+    int deaths_at_units = 0;  // likewise at units, since one was finished
     // What can be copied: units with one holder and no blame, by when they were begun (kNotBegun: not yet).
     std::set<std::pair<Seconds, UnitId>> copyable;
     // Units to be verified.
@@ -123,6 +126,7 @@ class Plan {
     Seconds heard_at = 0, progress_at = 0;  // last signs of life, and of progress at what is in hand
     std::set<JobId> prepared, unfit;
     std::optional<JobId> preparing;          // also one that was removed meanwhile: it is busy with it
+    bool prepares_in_vain = false;           // that job has been added anew since
     std::optional<Seconds> preparing_since;  // with nothing in hand any more
     std::set<JobId> alone;                   // failed beside other jobs: to be tried without any
     std::set<JobId> proven;                  // of which it has finished a unit

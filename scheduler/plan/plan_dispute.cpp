@@ -18,7 +18,9 @@ void Plan::accept(const UnitDone& event, Unit& unit) {
   }
   dequeue(event.unit);
   count_left(event.unit, -1);
-  ++jobs_.at(event.unit.job).counts.done;
+  Job& job = jobs_.at(event.unit.job);
+  ++job.counts.done;
+  job.deaths = job.deaths_at_units = 0;
   contributions(event.worker, event.unit.job, event.unit.phase)[event.unit.tile] = true;
   orders_.push_back(MergeResult{event.worker, event.unit});
   tell_if_phase_is_done(event.unit.job);

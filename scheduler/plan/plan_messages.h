@@ -37,7 +37,10 @@ constexpr int kUnitsPerWorker = 2;     ///< one in hand, one on the way
 constexpr int kFaultsToSetAside = 3;   ///< a unit that failed so often is left out
 constexpr int kFailuresToDismiss = 3;  ///< so many failed units one after the other, and the worker goes
 constexpr int kDeathsToGiveUpJob = 3;  ///< of workers that were preparing it, and none was ready in between
-constexpr int kDisputesToGiveUp = 3;   ///< so many pairs of workers that disagreed, and none can be trusted
+/// Of workers, at units of a job of which none was finished in between. More than two units that kill whoever
+/// renders them need until they are found out, and fewer than a scheduler gives up starting workers after.
+constexpr int kDeathsAtUnitsToGiveUpJob = 7;
+constexpr int kDisputesToGiveUp = 3;  ///< so many pairs of workers that disagreed, and none can be trusted
 constexpr Seconds kFirstStragglerAge = 1;  ///< see Plan; only while no unit of the job is finished
 
 constexpr Seconds kTimeToFindASecond = 10;  ///< for a unit that is to be verified, when all else is done
@@ -203,6 +206,7 @@ struct StartAgain {
 struct NobodyCan {
   JobId job;
   int deaths = 0;
+  bool at_units = false;  ///< they died of its units
 };
 struct Overdue {  ///< people should know what is waited for; once for each time that it happens
   WorkerId worker;

@@ -15,6 +15,7 @@ namespace penumbra {
 namespace {
 
 constexpr std::size_t kMostJobs = 100'000;
+constexpr std::size_t kLargestSubmission = std::size_t(1) << 20;
 constexpr std::size_t kMostMessages = 20;
 constexpr int kMostProblems = 20;                 // of a job, the last ones
 constexpr std::chrono::hours kSceneIsAwaited{1};  // from its arrival to the job that needs it
@@ -52,13 +53,21 @@ JobQueue::JobQueue(Spool& spool, std::vector<std::string>& problems) : spool_(sp
     Entry& entry = entries_[number];
     entry.job = std::move(stored);
     wire::JobStatus& status = *entry.job.mutable_status();
-    if (is_over(status.state()))
+    if (is_over(status.state())) {
       entry.stage = Stage::kOver;
-    else
+      spool.remove_checkpoint(number, entry.job.submission());  // which a killed service may have left
+    } else {
       status.set_state(wire::JOB_QUEUED);
+    }
   }
   next_ = spool.next_number();
-  remove_scenes();
+  if (problems.empty()) remove_scenes();  // else somebody may need them after all
+}
+
+bool JobQueue::has_checkpoint(const Entry& entry) const {
+  std::error_code ignored;
+  return std::filesystem::exists(spool_.checkpoint_of(entry.job.status().job(), entry.job.submission()),
+                                 ignored);
 }
 
 // --- Of clients
@@ -83,6 +92,8 @@ void JobQueue::scene_came(const std::string& hash) {
 }
 
 JobExpected<JobId> JobQueue::submit(const wire::Submission& message) {
+  if (message.ByteSizeLong() > kLargestSubmission)
+    return job_error(JobErrorKind::kNonsense, fmt::format("a job of more than {} bytes", kLargestSubmission));
   if (const auto decoded = decode(message); !decoded)
     return job_error(JobErrorKind::kNonsense, decoded.error().message);
   const std::lock_guard lock(mutex_);
@@ -97,7 +108,7 @@ JobExpected<JobId> JobQueue::submit(const wire::Submission& message) {
   *entry.job.mutable_submission() = message;
   wire::JobStatus& status = *entry.job.mutable_status();
   status.set_job(number);
-  status.set_name(message.name());
+  status.set_name(wire_text(message.name(), kLongestName));
   status.set_priority(message.priority());
   status.set_submitted(seconds_since_1970());
   status.set_relative_error(std::numeric_limits<double>::quiet_NaN());
@@ -132,8 +143,11 @@ JobExpected<wire::StatusReply> JobQueue::status(const std::vector<JobId>& jobs) 
   }
   for (const std::string& message : messages_) reply.add_messages(message);
   if (jobs.empty())
-    for (const auto& [number, entry] : entries_) *reply.add_jobs() = entry.job.status();
-  for (const JobId job : jobs) {
+    for (const auto& [number, entry] : entries_) {
+      *reply.add_jobs() = entry.job.status();
+      reply.mutable_jobs()->rbegin()->clear_problems();  // of many jobs they may be more than a message holds
+    }
+  for (const JobId job : std::set<JobId>(jobs.begin(), jobs.end())) {
     const auto found = find(job);
     if (!found) return std::unexpected(found.error());
     *reply.add_jobs() = (*found)->job.status();
@@ -151,9 +165,13 @@ JobExpected<void> JobQueue::cancel(JobId job) {
                      fmt::format("job {} is {}", job,
                                  entry.stage == Stage::kWriting ? "over: its files are being written"
                                                                 : state_words(entry.job.status().state())));
-  entry.cancelled = true;
+  entry.job.set_cancelled(true);
   if (entry.stage == Stage::kOpen) changes_.emplace_back(CancelJob{job});
-  if (entry.stage == Stage::kWaiting) end(entry, wire::JOB_CANCELLED, "cancelled before it began");
+  // What an earlier service has rendered of it is written when its turn comes.
+  if (entry.stage == Stage::kWaiting && !has_checkpoint(entry))
+    end(entry, wire::JOB_CANCELLED, "cancelled before it began");
+  else
+    keep(entry);
   return {};
 }
 
@@ -238,11 +256,10 @@ std::optional<JobQueue::Taken> JobQueue::take(int at_once, int at_most) {
 bool JobQueue::open(JobId job) {
   const std::lock_guard lock(mutex_);
   Entry& entry = entries_.at(job);
-  if (entry.cancelled) {
-    end(entry, wire::JOB_CANCELLED, "cancelled before it began");
-    return false;
-  }
+  if (entry.job.cancelled()) return false;
   entry.stage = Stage::kOpen;
+  // Which may have been changed since the farm's copy was made.
+  changes_.emplace_back(PriorityChanged{job, entry.job.status().priority()});
   return true;
 }
 
@@ -293,7 +310,7 @@ bool JobQueue::begin_writing(JobId job) {
   Entry& entry = entries_.at(job);
   entry.stage = Stage::kWriting;
   changed_.notify_all();
-  return entry.cancelled;
+  return entry.job.cancelled();
 }
 
 void JobQueue::end(JobId job, wire::JobState state, const std::string& error) {

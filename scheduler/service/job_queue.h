@@ -58,7 +58,7 @@ class JobQueue {
   /// until there is one, and until no more than `at_once` are under way, or it is more urgent than those and
   /// no more than `at_most`. Nothing once the queue is closed.
   std::optional<Taken> take(int at_once, int at_most);
-  /// The farm has it. False if it was cancelled before: then it has ended.
+  /// The farm has it. False if it was cancelled before: it is to end now, with what there is of it.
   bool open(JobId job);
   void progress(JobId job, const RenderProgress& progress);
   void workers(const std::vector<FarmWorker>& workers);
@@ -81,12 +81,12 @@ class JobQueue {
   struct Entry {
     wire::StoredJob job;
     Stage stage = Stage::kWaiting;
-    bool cancelled = false;
   };
   using Entries = std::map<JobId, Entry>;
 
   [[nodiscard]] JobExpected<Entry*> find(JobId job);
   [[nodiscard]] Entries::iterator best();
+  [[nodiscard]] bool has_checkpoint(const Entry& entry) const;
   [[nodiscard]] bool may_begin(const Entry& entry, int at_once, int at_most) const;
   void keep(const Entry& entry);
   void end(Entry& entry, wire::JobState state, const std::string& error);

@@ -56,9 +56,9 @@ grpc::Status JobsService::PutScene(grpc::ServerContext* context, grpc::ServerRea
       return {grpc::StatusCode::RESOURCE_EXHAUSTED, added.error().message};
   } while (reader->Read(&chunk));
   if (context->IsCancelled()) return grpc::Status::CANCELLED;
+  queue_.scene_came(hash);  // before it is there, so that no job that ends takes it for a left one
   if (const auto finished = scene->finish(); !finished)
     return {grpc::StatusCode::INVALID_ARGUMENT, finished.error().message};
-  queue_.scene_came(hash);
   return grpc::Status::OK;
 }
 

@@ -79,8 +79,11 @@ fs::path Spool::folder_of(JobId job) const { return folder_ / "jobs" / fmt::to_s
 
 std::vector<wire::StoredJob> Spool::read_jobs(std::vector<std::string>& problems) const {
   std::vector<wire::StoredJob> jobs;
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(folder_ / "jobs", ignored)) {
+  std::error_code error;
+  fs::directory_iterator folders(folder_ / "jobs", error);
+  if (error)
+    problems.push_back(fmt::format("cannot list the jobs of {}: {}", folder_.string(), error.message()));
+  for (const auto& entry : folders) {
     const std::optional<JobId> number = job_number(entry.path());
     const fs::path file = entry.path() / "job";
     if (!number) {
@@ -113,6 +116,16 @@ Expected<void> Spool::keep(const wire::StoredJob& job) {
 void Spool::remove(JobId job) {
   std::error_code ignored;
   fs::remove_all(folder_of(job), ignored);
+}
+
+fs::path Spool::checkpoint_of(JobId job, const wire::Submission& submission) const {
+  fs::path path = folder_of(job) / (submission.files_size() > 0 ? submission.files(0) : "none");
+  return path += ".checkpoint";
+}
+
+void Spool::remove_checkpoint(JobId job, const wire::Submission& submission) {
+  std::error_code ignored;
+  if (submission.files_size() > 0) fs::remove(checkpoint_of(job, submission), ignored);
 }
 
 JobId Spool::next_number() const {

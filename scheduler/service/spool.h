@@ -42,6 +42,9 @@ class Spool {
   /// Makes the job's folder if it is new; whole or not at all.
   Expected<void> keep(const wire::StoredJob& job);
   void remove(JobId job);
+  /// What a render of the job keeps while it is under way, beside its first file.
+  [[nodiscard]] std::filesystem::path checkpoint_of(JobId job, const wire::Submission& submission) const;
+  void remove_checkpoint(JobId job, const wire::Submission& submission);
   /// Of the next job.
   [[nodiscard]] JobId next_number() const;
   Expected<void> use_number(JobId job);

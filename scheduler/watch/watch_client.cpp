@@ -30,10 +30,11 @@ bool is_final(grpc::StatusCode code) {
 
 }  // namespace
 
-WatchClient::WatchClient(std::string address, std::string token, std::shared_ptr<const Keys> keys)
+WatchClient::WatchClient(std::string address, std::string token, std::shared_ptr<const Keys> keys, JobId job)
     : address_(std::move(address)),
       token_(std::move(token)),
       keys_(std::move(keys)),
+      wanted_job_(job),
       channel_(open_channel(address_, keys_.get())),
       reader_([this] { read(); }),
       sender_([this] { send(); }) {}
@@ -89,6 +90,7 @@ void WatchClient::read() {
 void WatchClient::watch(wire::Farm::Stub& stub, grpc::ClientContext& context) {
   wire::WatchRequest request;
   request.set_protocol_version(kProtocolVersion);
+  request.set_job(wanted_job_);
   const auto reader = stub.Watch(&context, request);
   std::optional<WatchedJob> job;
   std::optional<Error> scene_error;
@@ -98,7 +100,9 @@ void WatchClient::watch(wire::Farm::Stub& stub, grpc::ClientContext& context) {
   if (!goes_on) context.TryCancel();
   const grpc::Status status = reader->Finish();
   if (!goes_on) return;
-  if (is_final(status.error_code())) {
+  // A job that is not under way does not come; one that nobody asked for by its number may.
+  const bool is_gone = wanted_job_ != 0 && status.error_code() == grpc::StatusCode::NOT_FOUND;
+  if (is_final(status.error_code()) || is_gone) {
     put(watch_news::Refused{status.error_message()});
   } else {
     put(watch_news::Lost{status.ok() ? "the scheduler ended" : status.error_message()});

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "kernels/host/device_scene.h"
+#include "scheduler/plan/work_unit.h"
 #include "scheduler/protocol/client.h"
 #include "scheduler/protocol/scene_fetch.h"
 #include "scheduler/watch/watch_board.h"
@@ -47,7 +48,8 @@ using WatchNews = std::variant<watch_news::Connected, watch_news::Said, watch_ne
 class WatchClient {
  public:
   /// "unix:/path" or "host:port", where the token is needed, and with TLS the keys.
-  WatchClient(std::string address, std::string token, std::shared_ptr<const Keys> keys = {});
+  /// `job`: the one to watch; 0: the oldest that is not over.
+  WatchClient(std::string address, std::string token, std::shared_ptr<const Keys> keys = {}, JobId job = 0);
   WatchClient(const WatchClient&) = delete;
   WatchClient& operator=(const WatchClient&) = delete;
   ~WatchClient();
@@ -83,6 +85,7 @@ class WatchClient {
 
   const std::string address_, token_;
   const std::shared_ptr<const Keys> keys_;
+  const JobId wanted_job_;
   const std::shared_ptr<grpc::Channel> channel_;
 
   mutable std::mutex mutex_;

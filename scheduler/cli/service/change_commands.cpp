@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "scheduler/cli/commands.h"
+#include "scheduler/cli/option_checks.h"
 #include "scheduler/cli/service/service_address.h"
 
 namespace penumbra {
@@ -48,6 +49,7 @@ void add_change_commands(CLI::App& app, Command& chosen) {
   add_jobs(*prioritize, urgent->jobs)->required();
   prioritize->add_option("--priority", urgent->priority, "The highest is rendered first; jobs begin with 0")
       ->type_name("P")
+      ->check(whole_number(-kMostUrgent, kMostUrgent))
       ->required();
   add_service_address(*prioritize, urgent->service);
   prioritize->callback([urgent, &chosen] {

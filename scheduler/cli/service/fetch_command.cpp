@@ -51,12 +51,11 @@ Expected<wire::StatusReply> wait_for_jobs(JobsClient& service, const FetchOption
 /// Where the file goes: two jobs of one fetch that call theirs alike are told apart by the job's number.
 fs::path place_of(const FetchOptions& options, JobId job, const std::string& name,
                   std::set<fs::path>& taken) {
-  fs::path place = fs::path(options.out) / name;
-  if (!taken.insert(place).second) {
-    const fs::path path(name);
-    place =
-        fs::path(options.out) / fmt::format("{}-{}{}", path.stem().string(), job, path.extension().string());
-    taken.insert(place);
+  const fs::path path(name);
+  fs::path place = fs::path(options.out) / path;
+  for (std::string stem = path.stem().string(); !taken.insert(place).second;) {
+    stem += fmt::format("-{}", job);
+    place = fs::path(options.out) / (stem + path.extension().string());
   }
   return place;
 }

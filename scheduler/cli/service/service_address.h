@@ -10,6 +10,8 @@
 
 namespace penumbra {
 
+constexpr int kMostUrgent = 1'000'000;  ///< of priorities
+
 struct ServiceAddress {
   std::string to, keys;
 };

@@ -19,6 +19,7 @@
 #include "scheduler/cli/service/status_text.h"
 #include "scheduler/cli/service/submitted_render.h"
 #include "scheduler/farm/access.h"
+#include "scheduler/farm/job_run.h"
 #include "scheduler/protocol/mailbox.h"
 #include "scheduler/record/film_image.h"
 #include "scheduler/service/job_queue.h"
@@ -41,6 +42,18 @@ wire::JobState state_of(RenderEndKind kind) {
       break;
   }
   return wire::JOB_DONE;
+}
+
+/// Of a job that was cancelled before it was begun here: what an earlier service has rendered.
+RenderOutcome outcome_of_checkpoint(const RenderJob& job) {
+  RenderOutcome outcome;
+  Merge merge = job.before ? std::move(job.before->merge) : merge_of_job(job);
+  outcome.passes_finished = merge.finished_passes();
+  outcome.units_in_order = merge.units_in_order();
+  outcome.samples_before = merge.samples();
+  outcome.seconds_before = job.before ? job.before->rendered : 0;
+  outcome.film = std::move(merge).take_film();
+  return outcome;
 }
 
 struct OpenJob {
@@ -154,6 +167,8 @@ std::shared_ptr<const RenderJob> ServiceRun::next() {
     }
     if (!taken_) return nullptr;
     if (queue_.open(taken_->id)) return {taken_->prepared, &taken_->prepared->job};
+    RenderOutcome outcome = outcome_of_checkpoint(taken_->prepared->job);
+    finished_.put({*std::exchange(taken_, {}), std::move(outcome)});
   }
 }
 
@@ -196,18 +211,20 @@ void ServiceRun::write(FinishedJob finished) {
       end = finish_render(*job.prepared, *finished.outcome, job.command_line, fmt::format("job {}", job.id),
                           job.strict_numerics, was_cancelled);
     }
-    if (end.kind != RenderEndKind::kFailed || was_cancelled) remove_checkpoint(*job.prepared);
   } catch (const std::exception& error) {
     end = {RenderEndKind::kFailed, error.what()};
   }
   wire::JobState state = state_of(end.kind);
-  if (was_cancelled && state != wire::JOB_DONE) {
+  const bool is_lost = has_samples && end.kind == RenderEndKind::kFailed;  // it could not be written
+  if (was_cancelled && state != wire::JOB_DONE && !is_lost) {
     state = wire::JOB_CANCELLED;
     end.error = has_samples ? "what was rendered before is kept" : "nothing was rendered before";
   }
   print_message(fmt::format("job {}, {}: {}{}{}", job.id, job.name, job_state_name(state),
                             end.error.empty() ? "" : ": ", end.error));
   queue_.end(job.id, state, end.error);
+  // After its end is on disk: until then it could be needed again.
+  if (finished.outcome && !is_lost) remove_checkpoint(*job.prepared);
 }
 
 // --- All of it
@@ -244,7 +261,7 @@ ExitCode run_service(const ServiceOptions& options, const std::atomic<bool>& sto
   const auto worker = find_program("penumbra-worker");
   if (!worker) return print_error(worker.error()), kIncomplete;
   const auto keys = listening_keys(options.listen, options.keys);
-  if (!keys) return print_error({"--listen: " + keys.error().message}), kBadInput;
+  if (!keys) return print_error(keys.error()), kBadInput;
   const auto spool = Spool::open(options.spool);
   if (!spool) return print_error(spool.error()), kBadInput;
   std::vector<std::string> problems;

@@ -45,10 +45,10 @@ ExitCode watch(JobsClient& service, const StatusOptions& options) {
       const int room = std::max(0, rows - 1 - int(lines.size()));
       const int shown = std::min(last->messages_size(), std::min(room, 5));
       for (int i = last->messages_size() - shown; i < last->messages_size(); ++i)
-        lines.push_back(visible_text(last->messages(i)).substr(0, std::size_t(columns)));
+        lines.push_back(fitted_line(last->messages(i), columns));
     }
-    lines.push_back((status ? "q: quit" : "q: quit; trying again: " + status.error().message)
-                        .substr(0, std::size_t(columns)));
+    lines.push_back(
+        fitted_line(status ? "q: quit" : "q: quit; trying again: " + status.error().message, columns));
     screen->show(lines);
     const int key = screen->key(kBetweenScreens);
     if (key == 'q' || key == 'Q' || key < 0) break;

@@ -39,27 +39,12 @@ std::string detail(const wire::JobStatus& job, double now) {
       const std::string error = std::isfinite(job.relative_error())
                                     ? fmt::format(", error {:.2g}%", 100 * job.relative_error())
                                     : "";
-      return fmt::format("in {}{}, {} ago", duration_text(job.ended() - job.begun()), error,
-                         duration_text(now - job.ended()));
+      return fmt::format("in {}{}, {} ago", duration_text(job.begun() > 0 ? job.ended() - job.begun() : 0),
+                         error, duration_text(now - job.ended()));
     }
     default:
       return job.error().substr(0, job.error().find('\n'));
   }
-}
-
-/// At most so many characters of UTF-8; nothing that a terminal would obey.
-std::string fitted(std::string_view text, int columns) {
-  std::string visible = visible_text(text);
-  std::ranges::replace_if(
-      visible, [](char c) { return c == '\n' || c == '\t'; }, ' ');
-  std::size_t bytes = 0;
-  int characters = 0;
-  while (bytes < visible.size()) {
-    const std::size_t begin = bytes++;
-    while (bytes < visible.size() && (static_cast<unsigned char>(visible[bytes]) & 0xC0u) == 0x80u) ++bytes;
-    if (++characters > columns) return visible.substr(0, begin);
-  }
-  return visible;
 }
 
 /// Those in work, those that wait in the order in which they will be rendered, those that ended last.
@@ -131,6 +116,20 @@ std::string_view job_state_name(wire::JobState state) {
   }
 }
 
+std::string fitted_line(std::string_view text, int columns) {
+  std::string visible = visible_text(text);
+  std::ranges::replace_if(
+      visible, [](char c) { return c == '\n' || c == '\t'; }, ' ');
+  std::size_t bytes = 0;
+  int characters = 0;
+  while (bytes < visible.size()) {
+    const std::size_t begin = bytes++;
+    while (bytes < visible.size() && (static_cast<unsigned char>(visible[bytes]) & 0xC0u) == 0x80u) ++bytes;
+    if (++characters > columns) return visible.substr(0, begin);
+  }
+  return visible;
+}
+
 bool is_over(const wire::JobStatus& job) {
   return job.state() != wire::JOB_QUEUED && job.state() != wire::JOB_RENDERING;
 }
@@ -149,7 +148,7 @@ std::vector<std::string> status_lines(const wire::StatusReply& status, int colum
   // Half of the room at most is the workers'.
   const int room = std::max(0, rows - 4), for_workers = std::min(int(workers.size()), std::max(1, room / 2));
   const std::vector<const wire::JobStatus*> jobs = by_interest(status);
-  const int for_jobs = std::min(int(jobs.size()), room - for_workers);
+  const int for_jobs = std::clamp(room - for_workers, 0, int(jobs.size()));
   if (!jobs.empty())
     lines.push_back(fmt::format("{:>6}  {:<{}} {:>4}  ", "job", "state", kWidthOfState, "prio"));
   for (int i = 0; i < for_jobs; ++i) lines.push_back(job_line(*jobs[std::size_t(i)], status.now()));
@@ -159,7 +158,7 @@ std::vector<std::string> status_lines(const wire::StatusReply& status, int colum
   for (int i = 0; i < for_workers; ++i) lines.push_back(workers[std::size_t(i)]);
   if (for_workers < int(workers.size()))
     lines.push_back(fmt::format("        {} more", int(workers.size()) - for_workers));
-  for (std::string& line : lines) line = fitted(line, columns);
+  for (std::string& line : lines) line = fitted_line(line, columns);
   if (int(lines.size()) > rows) lines.resize(std::size_t(std::max(0, rows)));
   return lines;
 }

@@ -14,6 +14,9 @@ namespace penumbra {
 /// "queued", "rendering", "done", "incomplete", "failed", "cancelled".
 std::string_view job_state_name(wire::JobState state);
 
+/// A line of at most so many characters of UTF-8; nothing that a terminal would obey.
+std::string fitted_line(std::string_view text, int columns);
+
 [[nodiscard]] bool is_over(const wire::JobStatus& job);
 
 /// Jobs and workers, lines of at most `columns` characters and at most `rows` of them, each without its

@@ -17,8 +17,6 @@
 namespace penumbra {
 namespace {
 
-constexpr int kMostUrgent = 1'000'000;
-
 struct SubmitOptions {
   RenderOptions render;
   ServiceAddress service;

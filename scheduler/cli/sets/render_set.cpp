@@ -238,6 +238,8 @@ void SceneSet::write(FinishedRender finished) {
       : ended.kind == RenderEndKind::kFailed ? SetState::kFailed
                                              : SetState::kIncomplete,
       ended.error);
+  // After its end is on disk: until then it could be needed again.
+  if (outcome.complete && ended.kind != RenderEndKind::kFailed) remove_checkpoint(*finished.prepared);
 }
 
 void SceneSet::end(std::size_t index, SetState state, const std::string& error) {

@@ -93,10 +93,10 @@ TEST_F(JobQueueTest, CancelledWherever) {
   ASSERT_TRUE(queue_->cancel(preparing));
   EXPECT_EQ(status(preparing).state(), wire::JOB_QUEUED);
   EXPECT_FALSE(queue_->open(preparing));
-  EXPECT_EQ(status(preparing).state(), wire::JOB_CANCELLED);
+  queue_->end(preparing, wire::JOB_CANCELLED, "");
   EXPECT_EQ(take(), open);
   EXPECT_TRUE(queue_->open(open));
-  EXPECT_THAT(queue_->take_changes(), IsEmpty());
+  EXPECT_THAT(queue_->take_changes(), SizeIs(1));  // the priority that it has by now
   ASSERT_TRUE(queue_->cancel(open));
   const auto changes = queue_->take_changes();
   ASSERT_THAT(changes, SizeIs(1));
@@ -113,6 +113,48 @@ TEST_F(JobQueueTest, CancelledWherever) {
   EXPECT_THAT(again.error().message, HasSubstr("is cancelled"));
 }
 
+TEST_F(JobQueueTest, ACancelledJobStaysCancelledWhateverEndsTheService) {
+  const JobId open_one = submit(), with_checkpoint = submit(), over = submit();
+  ASSERT_EQ(take(), open_one);
+  ASSERT_TRUE(queue_->open(open_one));
+  ASSERT_TRUE(queue_->cancel(open_one));
+  write_text(spool_->folder_of(with_checkpoint) / "s.exr.checkpoint", "what was rendered");
+  ASSERT_TRUE(queue_->cancel(with_checkpoint));
+  EXPECT_EQ(status(with_checkpoint).state(), wire::JOB_QUEUED);  // its turn comes, to write that
+  write_text(spool_->folder_of(over) / "s.exr.checkpoint", "left");
+  ASSERT_EQ(take(), with_checkpoint);
+  EXPECT_FALSE(queue_->open(with_checkpoint));
+  ASSERT_EQ(take(), over);
+  queue_->end(over, wire::JOB_DONE, "");
+  open();
+  for (const JobId job : {open_one, with_checkpoint}) {
+    EXPECT_EQ(take(), job);
+    EXPECT_FALSE(queue_->open(job));
+  }
+  EXPECT_FALSE(std::filesystem::exists(spool_->folder_of(over) / "s.exr.checkpoint"));
+}
+
+TEST_F(JobQueueTest, APriorityThatChangesWhileAJobIsPreparedReachesTheFarm) {
+  const JobId job = submit();
+  ASSERT_EQ(take(), job);
+  ASSERT_TRUE(queue_->set_priority(job, 6));
+  EXPECT_THAT(queue_->take_changes(), IsEmpty());
+  ASSERT_TRUE(queue_->open(job));
+  const auto changes = queue_->take_changes();
+  ASSERT_THAT(changes, SizeIs(1));
+  EXPECT_EQ(std::get<PriorityChanged>(changes[0]).priority, 6);
+}
+
+TEST_F(JobQueueTest, ScenesOfJobsThatCannotBeReadAreKept) {
+  submit();
+  write_text(spool_->folder_of(1) / "job", "\xff");
+  queue_.reset();
+  std::vector<std::string> problems;
+  queue_ = std::make_unique<JobQueue>(*spool_, problems);
+  EXPECT_THAT(problems, SizeIs(1));
+  EXPECT_TRUE(spool_->has_scene(hash_of(scene_)));
+}
+
 TEST_F(JobQueueTest, ChangesOfOpenJobsAreForTheFarm) {
   const JobId job = submit();
   ASSERT_EQ(take(), job);
@@ -120,6 +162,7 @@ TEST_F(JobQueueTest, ChangesOfOpenJobsAreForTheFarm) {
   EXPECT_EQ(status(job).state(), wire::JOB_QUEUED);  // others may be before it
   queue_->progress(job, {.elapsed_seconds = 1});
   EXPECT_EQ(status(job).state(), wire::JOB_RENDERING);
+  (void)queue_->take_changes();
   ASSERT_TRUE(queue_->set_priority(job, 4));
   const auto changes = queue_->take_changes();
   ASSERT_THAT(changes, SizeIs(1));

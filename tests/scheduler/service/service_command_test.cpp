@@ -176,6 +176,37 @@ TEST_F(Service, CancelKeepsWhatIsRendered) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "spool/jobs"));
 }
 
+TEST_F(Service, WhatAnEarlierServiceRenderedOfACancelledJobIsKept) {
+  serve();
+  const std::string slow = submit({"--spp", "2000000", "--pass", "32", "--tile", "8"});
+  const std::filesystem::path checkpoint = folder_ / "spool/jobs" / slow / "s.exr.checkpoint";
+  for (int i = 0; i < 2000 && !std::filesystem::exists(checkpoint); ++i) std::this_thread::sleep_for(5ms);
+  kill_service();
+  serve({"--workers", "0"});
+  EXPECT_EQ(run({"cancel", slow}).exit_code, 0);
+  ASSERT_TRUE(comes(slow, "cancelled"));
+  EXPECT_EQ(run({"fetch", slow, "-o", "out"}).exit_code, 1);
+  const auto statistics = nlohmann::json::parse(contents("out/s.json"));
+  EXPECT_GT(statistics["samples"]["total"], 0);
+  EXPECT_EQ(statistics["samples"]["total"], statistics["samples"]["before"]);
+  EXPECT_FALSE(std::filesystem::exists(checkpoint));
+}
+
+TEST_F(Service, ATimeBudgetIsOfTheJobsOwnTime) {
+  serve();
+  const std::string budgeted =
+      submit({"--spp", "100000000", "--pass", "32", "--time-budget", "0.5", "-o", "b.exr"});
+  const std::string urgent =
+      submit({"--spp", "100000000", "--pass", "32", "--priority", "2", "--time-budget", "1"});
+  const ProgramResult fetched = run({"fetch", budgeted, urgent, "--wait", "-o", "out"});
+  EXPECT_EQ(fetched.exit_code, 0) << fetched.err;
+  // As much as half of what the other one had in twice the time, or nearly: a third tells it from one pass.
+  const auto samples = [&](const char* name) {
+    return nlohmann::json::parse(contents(name))["samples"]["total"].get<double>();
+  };
+  EXPECT_GT(samples("out/b.json"), samples("out/s.json") / 6);
+}
+
 TEST_F(Service, UrgentJobsGoFirst) {
   serve();
   const std::string slow = submit({"--spp", "2000000", "--pass", "32"});
