@@ -180,6 +180,7 @@ SessionEnd Session::run() {
     return worked;  // one that is dismissed in the middle of a unit is not waited for
   Lost lost{lost_text(), is_answered_};
   if (may_return_ && !is_final(status_.error_code())) return lost;
+  if (const Expected<void> ended = end_of_work(); !ended) return ended;
   return Expected<void>(std::unexpected(lost.why));
 }
 

@@ -204,7 +204,8 @@ void Plan::on(const WorkerLost& event) {
   if (!event.has_left && !worker->second.hung && !worker->second.units.empty()) {
     const UnitId unit = worker->second.units.front();
     blame(unit, event.worker, Fault::kDied);
-    if (Job& job = jobs_.at(unit.job); ++job.deaths_at_units == kDeathsAtUnitsToGiveUpJob)
+    Job& job = jobs_.at(unit.job);
+    if (++job.deaths_at_units >= deaths_at_units_to_give_up_job(workers_.size()))
       orders_.push_back(NobodyCan{unit.job, job.deaths_at_units, true});
   }
   if (!event.has_left && worker->second.units.empty() && worker->second.preparing) {

@@ -37,9 +37,10 @@ constexpr int kUnitsPerWorker = 2;     ///< one in hand, one on the way
 constexpr int kFaultsToSetAside = 3;   ///< a unit that failed so often is left out
 constexpr int kFailuresToDismiss = 3;  ///< so many failed units one after the other, and the worker goes
 constexpr int kDeathsToGiveUpJob = 3;  ///< of workers that were preparing it, and none was ready in between
-/// Of workers, at units of a job of which none was finished in between. More than two units that kill whoever
-/// renders them need until they are found out, and fewer than a scheduler gives up starting workers after.
-constexpr int kDeathsAtUnitsToGiveUpJob = 7;
+/// Deaths of workers at units of a job, with none finished in between, after which it is given up. Each
+/// worker that is there may die of a unit until that is found out; and a scheduler does not give up starting
+/// workers before.
+constexpr int deaths_at_units_to_give_up_job(std::size_t workers) { return 4 * int(workers) + 3; }
 constexpr int kDisputesToGiveUp = 3;  ///< so many pairs of workers that disagreed, and none can be trusted
 constexpr Seconds kFirstStragglerAge = 1;  ///< see Plan; only while no unit of the job is finished
 

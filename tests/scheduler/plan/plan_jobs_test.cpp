@@ -316,5 +316,40 @@ TEST_F(PlanJobsTest, AJobThatNobodyCanDoIsSaidAndTheOthersGoOn) {
   EXPECT_THAT(assigned(), ElementsAre(Pair(1, unit(0, 0, 2))));
 }
 
+// --- Jobs that kill whoever renders them
+
+TEST_F(PlanJobsTest, AJobThatKillsEveryWorkerAtItsUnitsIsTold) {
+  start(9, 5);
+  for (WorkerId id = 1; id < 7; ++id) {
+    join(id);
+    lose(id);
+    EXPECT_THAT(nobody_can(), IsEmpty()) << id;
+  }
+  join(7);
+  lose(7);
+  EXPECT_THAT(nobody_can(), ElementsAre(kJob));
+}
+
+TEST_F(PlanJobsTest, DeathsBetweenFinishedUnitsAreNoReasonToGiveUp) {
+  start(9, 5);
+  for (WorkerId id = 1; id < 30; ++id) {
+    join(id);
+    if (id % 4 == 0) work(id);
+    lose(id);
+    EXPECT_THAT(nobody_can(), IsEmpty()) << id;
+  }
+}
+
+TEST_F(PlanJobsTest, WhileOthersRenderItAJobIsNotToBlameForThoseThatDieOfPreparingIt) {
+  start(9, 5);
+  join(1);
+  for (WorkerId id = 2; id < 9; ++id) {
+    prepares_at_once_ = false;
+    join(id);
+    lose(id);
+    EXPECT_THAT(nobody_can(), IsEmpty()) << id;
+  }
+}
+
 }  // namespace
 }  // namespace penumbra
