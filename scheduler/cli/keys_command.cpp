@@ -51,10 +51,11 @@ void add_keys_command(CLI::App& app, Command& chosen) {
       ->add_option(
           "--name", options->names,
           "A host's name or address at which clients reach the scheduler; *.farm.example for all of a "
-          "domain (default: this host's names and addresses). localhost is always among them")
+          "domain (default: this host's names and addresses). localhost is always among them; may be "
+          "repeated")
       ->type_name("NAME")
       ->delimiter(',')
-      ->expected(1);
+      ->allow_extra_args(false);
   command->add_option("--days", options->days, "How long the certificates are good")
       ->type_name("N")
       ->check(whole_number(1, kMostDays))

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "scheduler/files/atomic_file.h"
+#include "scheduler/keys/unreachable.h"
 #include "scheduler/protocol/client.h"
 #include "scheduler/protocol/wire.h"
 
@@ -14,7 +15,7 @@ namespace penumbra {
 namespace {
 
 constexpr std::chrono::seconds kPatience{20};  // with an answer
-constexpr std::chrono::milliseconds kTimeToConnect{200};
+constexpr std::chrono::milliseconds kTimeToConnect{200}, kTimeToExplain{2000};
 constexpr std::chrono::minutes kTimeForTransfers{60};  // as for scenes between scheduler and workers
 
 void prepare(grpc::ClientContext& context, const std::string& token, std::chrono::seconds patience) {
@@ -42,7 +43,11 @@ Request JobsClient::request() const {
 std::unexpected<Error> JobsClient::failed(const grpc::Status& status) {
   is_away_ = status.error_code() == grpc::StatusCode::UNAVAILABLE ||
              status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED;
-  if (is_away_) return fail(fmt::format("no service answers at {}: {}", address_, status.error_message()));
+  if (is_away_) {
+    const std::string why = why_unreachable(address_, access_.keys.get(), kTimeToExplain);
+    return fail(
+        fmt::format("no service answers at {}: {}", address_, why.empty() ? status.error_message() : why));
+  }
   if (status.error_code() == grpc::StatusCode::UNIMPLEMENTED)
     return fail(
         fmt::format("what answers at {} is no service: it takes no jobs (`penumbra serve` does)", address_));

@@ -280,6 +280,41 @@ TEST_F(Service, OverTcpATokenIsWanted) {
   EXPECT_THAT(shell(watch_token + "penumbra status --json" + to).out, Not(HasSubstr(found[1].str())));
 }
 
+TEST_F(Service, OverTlsWithKeys) {
+  const ProgramResult made =
+      run_penumbra(folder_.path(), {"keys", "farm", "--name", "localhost", "--name", "127.0.0.1"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  service_ = std::make_unique<Program>(
+      folder_.path(), Arguments{"serve", "--listen", "0.0.0.0:0", "--keys", "farm/scheduler/", "--spool",
+                                "spool", "--workers", "0"});
+  const std::regex wanted("penumbra submit SCENE --to \\S*:([0-9]+) ");
+  std::smatch found;
+  std::string said;
+  for (int i = 0; i < 1000 && !std::regex_search(said, found, wanted); ++i) {
+    std::this_thread::sleep_for(10ms);
+    said.clear();
+    for (const std::string& name : folder_.names())
+      if (name.starts_with(".")) said += contents(name);
+  }
+  ASSERT_FALSE(found.empty()) << said;
+  const std::string at = "127.0.0.1:" + found[1].str();
+  const auto ask = [&](Arguments arguments, const std::string& keys) {
+    arguments.insert(arguments.end(), {"--to", at});
+    if (!keys.empty()) arguments.insert(arguments.end(), {"--keys", keys});
+    return run_penumbra(folder_.path(), arguments);
+  };
+  EXPECT_THAT(ask({"status"}, "").err, HasSubstr("asks for TLS: give --keys"));
+  EXPECT_THAT(ask({"cancel", "1"}, "farm/viewer").err, HasSubstr("submit.token is missing"));
+  const Program worker(folder_.path(), std::string(PENUMBRA_BINARY_DIR) + "/penumbra-worker",
+                       {"--connect", at, "--keys", "farm/worker"});
+  EXPECT_EQ(ask({"submit", "s.xml", "--spp", "3"}, "farm/user").exit_code, 0);
+  EXPECT_EQ(ask({"status"}, "farm/viewer").exit_code, 0);
+  const ProgramResult fetched = ask({"fetch", "1", "--wait", "-o", "out"}, "farm");
+  EXPECT_EQ(fetched.exit_code, 0) << fetched.err;
+  render({"--spp", "3"}, "ref.exr");
+  EXPECT_EQ(contents("out/s.exr"), contents("ref.exr"));
+}
+
 TEST_F(Service, WrongUse) {
   const auto error = [&](const Arguments& arguments) {
     const ProgramResult result = run_penumbra(folder_.path(), arguments);
