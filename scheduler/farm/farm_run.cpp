@@ -15,7 +15,8 @@ constexpr std::chrono::milliseconds kTickInterval{20};
 // A pause of this very process (Ctrl-Z, a suspended machine) must not look like one of the workers.
 constexpr Seconds kLongestTick = 1;
 constexpr Seconds kWorkersInterval = 0.5;
-constexpr std::size_t kMostProblems = 100;     // that are kept of the farm, which may go on for months
+constexpr std::size_t kMostProblems = 100;  // that are kept of the farm, which may go on for months
+constexpr std::size_t kMostSaid = 10'000;
 constexpr Seconds kTimeForAnotherToJoin = 30;  // that can do what those that are here cannot
 constexpr Seconds kTimeToDie = 2;  // from the end of a local worker's stream to the end of its process
 
@@ -285,6 +286,18 @@ void FarmRun::look_after_workers() {
   tell_start_problems();
 }
 
+/// A farm that goes on for months meets any number of them. What open jobs say of theirs is kept.
+void FarmRun::forget_gone_workers() {
+  std::erase_if(workers_, [&](const auto& entry) {
+    const Worker& worker = entry.second;
+    const bool is_over = worker.gone && (worker.pid == 0 || worker.ended);
+    return is_over &&
+           std::ranges::none_of(jobs_, [&](const auto& job) { return job.second->has_share(entry.first); });
+  });
+  std::erase_if(here_, [&](WorkerId id) { return !workers_.contains(id); });
+  if (said_.size() > kMostSaid) said_.clear();  // then a notice may be shown twice
+}
+
 void FarmRun::tell_start_problems() {
   for (const std::string& text : workers_here_->take_problems()) problem(text);
   for (const std::string& text : workers_here_->take_notices()) notice(text);
@@ -350,6 +363,7 @@ void FarmRun::report_progress() {
   if (source_.wants_workers() && since_start() >= next_workers_) {
     next_workers_ = since_start() + kWorkersInterval;
     source_.workers(farm_workers());
+    forget_gone_workers();
   }
 }
 

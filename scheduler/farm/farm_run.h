@@ -82,6 +82,7 @@ class FarmRun {
   void fail_job(JobId id);
   void refuse(WorkerId id, const std::string& why);
   void look_after_workers();
+  void forget_gone_workers();
   void tell_start_problems();
   void worker_ended(const WorkerEnd& end);
   void advance_clock();
@@ -108,7 +109,10 @@ class FarmRun {
   [[nodiscard]] std::vector<WatchedWorker> watched_workers();
   [[nodiscard]] std::vector<FarmWorker> farm_workers();
   [[nodiscard]] WorkerName names() const {
-    return [this](WorkerId worker) { return workers_.at(worker).name; };
+    return [this](WorkerId worker) {
+      const auto found = workers_.find(worker);
+      return found == workers_.end() ? "of before" : found->second.name;
+    };
   }
   /// Of the farm: told to all jobs that are open, or to the next one.
   void problem(const std::string& text);
