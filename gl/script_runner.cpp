@@ -67,7 +67,9 @@ bool ScriptRunner::is_there(const WaitCommand& command) const {
     case WaitFor::kAnalytic:
       return viewer_->analytic_frames() >= int(command.samples);
     case WaitFor::kFinished:
-      return status.finished && viewer_->least_samples() >= status.spp_wanted;
+      // A time budget may leave some tiles with a pass more than others.
+      return status.finished && viewer_->least_samples() >= status.spp_wanted &&
+             viewer_->samples_there() >= status.samples_total;
     case WaitFor::kConnected:
       return status.connection == ConnectionState::kConnected || status.connection == ConnectionState::kEnded;
   }

@@ -218,6 +218,15 @@ std::uint32_t Viewer::least_samples() const {
   return std::uint32_t(least);
 }
 
+std::uint64_t Viewer::samples_there() const {
+  if (!film_ || !job_) return 0;
+  double all = 0;
+  for (int y = job_->y; y < job_->y + job_->height; ++y)
+    for (int x = job_->x; x < job_->x + job_->width; ++x)
+      all += film_->radiance()[4 * (std::size_t(y) * std::size_t(film_->width()) + std::size_t(x)) + 3];
+  return std::uint64_t(all);
+}
+
 // --- What is shown
 
 void Viewer::say(std::string text) {

@@ -60,6 +60,8 @@ class Viewer {
   }
   /// Samples that every pixel of the present view has.
   [[nodiscard]] std::uint32_t least_samples() const;
+  /// Samples of the present view that have come, over all pixels.
+  [[nodiscard]] std::uint64_t samples_there() const;
   /// Exit code of the local scheduler that ended before anything could be shown.
   [[nodiscard]] std::optional<int> scheduler_exit_code() const { return scheduler_exit_code_; }
 

@@ -97,11 +97,18 @@ std::uint32_t JobRun::passes_of(std::uint32_t spp) const {
 
 std::uint64_t JobRun::samples_wanted(const Plan& plan) const {
   if (is_adaptive()) return merge_.samples_expected();
-  if (!budget_spent_ && job_->units_at_most == kAllUnits) return grid_.samples(plan.passes(id_));
+  if (!ends_amid_a_pass()) return grid_.samples(plan.passes(id_));
   std::uint64_t all = 0;
   for (std::uint32_t tile = 0; tile < grid_.tiles(); ++tile)
     all += grid_.samples_of_tile(tile, plan.passes(id_, tile));
   return all;
+}
+
+std::uint32_t JobRun::least_passes(const Plan& plan) const {
+  std::uint32_t least = plan.passes(id_);
+  if (is_adaptive() || !ends_amid_a_pass()) return least;
+  for (std::uint32_t tile = 0; tile < grid_.tiles(); ++tile) least = std::min(least, plan.passes(id_, tile));
+  return least;
 }
 
 std::uint32_t JobRun::spp_of(std::uint32_t passes) const {
@@ -225,7 +232,7 @@ void JobRun::show(const Plan& plan, const std::vector<WatchedWorker>& workers, b
                          .samples_done = samples_done_,
                          .samples_wanted = samples_wanted(plan),
                          .spp_done = spp_of(merge_.finished_passes()),
-                         .spp_wanted = spp_of(plan.passes(id_)),
+                         .spp_wanted = spp_of(least_passes(plan)),
                          .elapsed_seconds = active_,
                          .relative_error = relative_error_,
                          .finished = plan.finished(id_),

@@ -99,6 +99,10 @@ class JobRun {
   [[nodiscard]] Seconds since_begun(Seconds now) const { return now - begun_.value_or(now); }
   /// Samples that there will be in the end.
   [[nodiscard]] std::uint64_t samples_wanted(const Plan& plan) const;
+  /// Passes that every tile will have.
+  [[nodiscard]] std::uint32_t least_passes(const Plan& plan) const;
+  /// Whether tiles may come to have numbers of passes of their own, though no target says so.
+  [[nodiscard]] bool ends_amid_a_pass() const { return budget_spent_ || job_->units_at_most != kAllUnits; }
   [[nodiscard]] std::uint32_t spp_of(std::uint32_t passes) const;
   /// Seconds of rendering, of all processes.
   [[nodiscard]] Seconds rendered() const { return rendered_before_ + rendered_; }
