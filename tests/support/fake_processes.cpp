@@ -14,15 +14,21 @@ namespace {
 struct Stat {
   char state = 0;
   pid_t parent = 0;
+  std::string name;  // of the program, as much of it as the system keeps
 };
+
+/// A sanitizer starts it for the stack of its first report, a suppressed one too, and lets it live.
+bool is_symbolizer(const std::string& name) {
+  return name.starts_with("llvm-symbolize") || name == "addr2line";
+}
 
 Stat read_stat(const std::string& pid) {
   std::ifstream file("/proc/" + pid + "/stat");
   const std::string text((std::istreambuf_iterator<char>(file)), {});
-  const std::size_t after_name = text.rfind(')');  // the name may hold anything
-  if (after_name == std::string::npos) return {};
+  const std::size_t name = text.find('('), after_name = text.rfind(')');  // the name may hold anything
+  if (name == std::string::npos || after_name == std::string::npos) return {};
   std::istringstream rest(text.substr(after_name + 1));
-  Stat stat;
+  Stat stat{.name = text.substr(name + 1, after_name - name - 1)};
   rest >> stat.state >> stat.parent;
   return stat;
 }
@@ -36,7 +42,7 @@ std::vector<pid_t> children_of(pid_t parent) {
     const std::string name = entry.path().filename();
     if (!std::isdigit(static_cast<unsigned char>(name[0]))) continue;
     const Stat stat = read_stat(name);
-    if (stat.parent == parent && stat.state != 0 && stat.state != 'Z')
+    if (stat.parent == parent && stat.state != 0 && stat.state != 'Z' && !is_symbolizer(stat.name))
       children.push_back(std::atoi(name.c_str()));
   }
   return children;

@@ -10,7 +10,7 @@
 
 namespace penumbra {
 
-/// Living (not zombie) children of a process.
+/// Living (not zombie) children of a process, but for the symbolizer of a sanitizer.
 std::vector<pid_t> children_of(pid_t parent);
 /// The state letter of /proc/PID/stat, e.g. 'R', 'S', 'T' (stopped), 'Z'; 0 if there is no such process.
 char process_state(pid_t pid);

@@ -7,12 +7,13 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 #include <sstream>
 #include <thread>
+#include <vector>
 
 #include "scheduler/image/image.h"
 #include "tests/scheduler/cli/small_scene.h"
+#include "tests/support/fake_processes.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
@@ -24,31 +25,9 @@ using ::testing::HasSubstr;
 
 constexpr auto kPatience = std::chrono::seconds(60);
 
-/// Processes whose parent is `parent`.
-std::set<pid_t> children_of(pid_t parent) {
-  std::set<pid_t> children;
-  for (const auto& task : std::filesystem::directory_iterator("/proc/" + std::to_string(parent) + "/task")) {
-    std::ifstream list(task.path() / "children");
-    for (pid_t child = 0; list >> child;) children.insert(child);
-  }
-  return children;
-}
-
 bool is_alive(pid_t pid) {
-  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
-  std::string text((std::istreambuf_iterator<char>(file)), {});
-  const std::size_t state = text.rfind(") ");
-  return state != std::string::npos && text[state + 2] != 'Z';
-}
-
-template <typename Condition>
-bool wait_until(Condition condition) {
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while (std::chrono::steady_clock::now() < deadline) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-  return false;
+  const char state = process_state(pid);
+  return state != 0 && state != 'Z';
 }
 
 /// A render that would take for ever, with two workers that are at work.
@@ -59,20 +38,18 @@ class Interrupt : public ::testing::Test {
     program_.emplace(folder_.path(),
                      std::vector<std::string>{"render", "s.xml", "--spp", "1000000000", "--pass", "64",
                                               "--workers", "2", "--threads", "1"});
-    ASSERT_TRUE(wait_until([&] {
-      workers_ = children_of(program_->pid());
-      return workers_.size() == 2;
-    }));
+    ASSERT_TRUE(eventually([&] { return (workers_ = children_of(program_->pid())).size() == 2; }, kPatience));
     std::this_thread::sleep_for(std::chrono::seconds(1));
   }
   void expect_no_orphans() {
     for (const pid_t worker : workers_) {
-      EXPECT_TRUE(wait_until([&] { return !is_alive(worker); })) << "worker " << worker << " lives on";
+      EXPECT_TRUE(eventually([&] { return !is_alive(worker); }, kPatience))
+          << "worker " << worker << " lives on";
     }
   }
   TemporaryFolder folder_;
   std::optional<Program> program_;
-  std::set<pid_t> workers_;
+  std::vector<pid_t> workers_;
 };
 
 TEST_F(Interrupt, KeepsWhatIsMergedAndSaysThatItIsIncomplete) {
@@ -96,7 +73,7 @@ TEST(InterruptedRender, IsRepeatedByItsRecordedCommand) {
   write_small_scene(folder / "s.xml");
   Program program(folder.path(),
                   {"render", "s.xml", "--sampler", "sobol", "--spp", "1000000000", "--pass", "64"});
-  ASSERT_TRUE(wait_until([&] { return !children_of(program.pid()).empty(); }));
+  ASSERT_TRUE(eventually([&] { return !children_of(program.pid()).empty(); }, kPatience));
   std::this_thread::sleep_for(std::chrono::seconds(1));
   program.send_to_group(SIGINT);
   ASSERT_EQ(program.wait().exit_code, 1);
