@@ -39,12 +39,15 @@ class SchedulerProcess {
     return read_keys(folder / "keys", role).value();
   }
 
-  /// Resident memory, KiB.
+  /// Memory of its own, KiB. Pages of the program and of libraries are not counted: the system drops and
+  /// reads them as it likes.
   [[nodiscard]] long memory() const {
     std::ifstream status("/proc/" + std::to_string(program->pid()) + "/status");
+    long sum = 0;
     for (std::string line; std::getline(status, line);)
-      if (line.starts_with("VmRSS:")) return std::atol(line.c_str() + 6);
-    return -1;
+      if (line.starts_with("RssAnon:") || line.starts_with("VmSwap:"))
+        sum += std::atol(line.c_str() + line.find(':') + 1);
+    return sum;
   }
 
   TemporaryFolder folder;
