@@ -15,6 +15,9 @@
 #include <tuple>
 #include <vector>
 
+#include "kernels/host/plain_file.h"
+#include "kernels/host/user_folder.h"
+
 namespace penumbra {
 namespace {
 
@@ -53,14 +56,7 @@ std::size_t CacheFile::read(void* to, std::size_t bytes) {
 }
 
 bool CacheFile::write(const void* from, std::size_t bytes) {
-  std::size_t put = 0;
-  while (put < bytes) {
-    const ssize_t n = ::write(descriptor_, static_cast<const char*>(from) + put, bytes - put);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return false;
-    put += std::size_t(n);
-  }
-  return true;
+  return write_whole(descriptor_, {static_cast<const std::uint8_t*>(from), bytes});
 }
 
 void CacheFile::touch() { futimens(descriptor_, nullptr); }
@@ -130,12 +126,8 @@ void CacheFolder::remove_oldest(std::uint64_t room) const {
 }
 
 fs::path user_cache(std::string_view name) {
-  // A relative XDG_CACHE_HOME is to be ignored (XDG Base Directory Specification).
-  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache == '/')
-    return fs::path(cache) / "penumbra" / name;
-  if (const char* home = std::getenv("HOME"); home && *home)
-    return fs::path(home) / ".cache" / "penumbra" / name;
-  return {};
+  const fs::path folder = user_folder("XDG_CACHE_HOME", ".cache");
+  return folder.empty() ? folder : folder / "penumbra" / name;
 }
 
 }  // namespace penumbra

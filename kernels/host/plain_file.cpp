@@ -51,4 +51,14 @@ Expected<std::string> read_plain_file(const std::filesystem::path& file, std::ui
   return text;
 }
 
+bool write_whole(int descriptor, std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = write(descriptor, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return false;
+    bytes = bytes.subspan(std::size_t(count));
+  }
+  return true;
+}
+
 }  // namespace penumbra

@@ -1,5 +1,6 @@
 // `penumbra keys FOLDER`: certificates and tokens for a scheduler that other hosts reach.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <memory>
 
@@ -15,20 +16,13 @@ namespace {
 
 constexpr int kMostDays = 3650;
 
-/// One a line, or several with commas.
-std::string joined(const std::vector<std::string>& names) {
-  std::string all;
-  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
-  return all;
-}
-
 ExitCode make(MakeKeysOptions options) {
   if (options.names.empty()) options.names = host_names();
   for (const std::string& name : loopback_names()) options.names.push_back(name);
   if (const auto made = make_keys(options); !made) return print_error(made.error()), kBadInput;
   const std::string folder = shell_quoted_file(options.folder.string());
   std::string text = fmt::format("keys for a scheduler at {}, good for {} days, in {}:\n",
-                                 joined(options.names), options.days, options.folder.string());
+                                 fmt::join(options.names, ", "), options.days, options.folder.string());
   for (const KeyRoleInfo& role : kKeyRoles) text += fmt::format("  {:<10} for {}\n", role.folder, role.who);
   text += fmt::format(
       "  {:<10} makes further ones: keep it where nothing is rendered, or remove it\n"

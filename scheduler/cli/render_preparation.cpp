@@ -97,7 +97,8 @@ RenderRecord make_record(const RenderOptions& options, const LoadedScene& scene,
 
 RenderJob make_job(const RenderOptions& options, const RenderRecord& record, const DeviceOptions& device,
                    DeviceScene scene) {
-  RenderJob job = job_of_record(record, device, std::move(scene));
+  AssetManifest manifest = manifest_of(scene);
+  RenderJob job = job_of_record(record, device, std::move(scene), std::move(manifest));
   job.time_budget = options.time_budget;
   job.verify = options.verify;
   job.tev = options.tev;
@@ -123,11 +124,12 @@ void set_launch(const RenderOptions& options, FarmOptions& farm) {
   if (options.threads > 0) farm.launch_threads = fmt::to_string(options.threads);
 }
 
-RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device, DeviceScene scene) {
+RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device, DeviceScene scene,
+                        AssetManifest manifest) {
   const Film& film = record.film;
   RenderJob job;
   job.scene = std::move(scene);
-  job.manifest = std::make_shared<const AssetManifest>(manifest_of(job.scene));
+  job.manifest = std::make_shared<const AssetManifest>(std::move(manifest));
   job.x = film.crop_x;
   job.y = film.crop_y;
   job.width = film.crop_width;

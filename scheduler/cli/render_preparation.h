@@ -27,8 +27,9 @@ struct PreparedRender {
 /// film, options that exclude each other or that this machine has not.
 Expected<PreparedRender> prepare_render(const RenderOptions& options);
 
-/// What a record says of its job.
-RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device, DeviceScene scene);
+/// What a record says of its job. `manifest`: of the scene.
+RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device, DeviceScene scene,
+                        AssetManifest manifest);
 
 /// The same for commands at a terminal, perhaps with viewers: finds the worker's executable, checks that the
 /// requested device exists, and prints the scene's warnings. On failure the error is printed.

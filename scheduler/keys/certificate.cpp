@@ -11,19 +11,13 @@
 #include <algorithm>
 #include <memory>
 
+#include "scheduler/keys/openssl_object.h"
+
 namespace penumbra {
 namespace {
 
-template <auto kFree>
-struct Freed {
-  template <typename T>
-  void operator()(T* object) const {
-    kFree(object);
-  }
-};
 using Key = std::unique_ptr<EVP_PKEY, Freed<EVP_PKEY_free>>;
 using Certificate = std::unique_ptr<X509, Freed<X509_free>>;
-using Bio = std::unique_ptr<BIO, Freed<BIO_free>>;
 using Extension = std::unique_ptr<X509_EXTENSION, Freed<X509_EXTENSION_free>>;
 using Names = std::unique_ptr<GENERAL_NAMES, Freed<GENERAL_NAMES_free>>;
 using Number = std::unique_ptr<BIGNUM, Freed<BN_free>>;
@@ -46,10 +40,8 @@ std::string text_in(BIO* bio) {
   return {bytes, std::size_t(std::max(size, 0L))};
 }
 
-Bio reader(const std::string& pem) { return Bio(BIO_new_mem_buf(pem.data(), int(pem.size()))); }
-
 Certificate read_certificate(const std::string& pem) {
-  Certificate read(PEM_read_bio_X509(reader(pem).get(), nullptr, nullptr, nullptr));
+  Certificate read(PEM_read_bio_X509(pem_reader(pem).get(), nullptr, nullptr, nullptr));
   ERR_clear_error();
   return read;
 }
@@ -57,7 +49,7 @@ Certificate read_certificate(const std::string& pem) {
 /// A key with a password is not asked for one.
 Key read_key(const std::string& pem) {
   char none[] = "";
-  Key read(PEM_read_bio_PrivateKey(reader(pem).get(), nullptr, nullptr, none));
+  Key read(PEM_read_bio_PrivateKey(pem_reader(pem).get(), nullptr, nullptr, none));
   ERR_clear_error();
   return read;
 }

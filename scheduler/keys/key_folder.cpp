@@ -45,13 +45,13 @@ Expected<std::string> read_token(const std::filesystem::path& file) {
   return text;
 }
 
+}  // namespace
+
 bool has_token(const KeyRoleInfo& role, const TokenKind& kind) {
   return kind.token == &Tokens::watch  ? role.watches
          : kind.token == &Tokens::work ? role.works
                                        : role.submits;
 }
-
-}  // namespace
 
 const KeyRoleInfo& info(KeyRole role) { return *std::ranges::find(kKeyRoles, role, &KeyRoleInfo::role); }
 

@@ -28,6 +28,8 @@ inline constexpr std::array<KeyRoleInfo, 4> kKeyRoles{
      {KeyRole::kViewer, "viewer", "a window", CertificateUse::kClient, true, false, false},
      {KeyRole::kUser, "user", "a user who submits", CertificateUse::kClient, true, false, true}}};
 const KeyRoleInfo& info(KeyRole role);
+/// Whether the role has the token of that kind.
+bool has_token(const KeyRoleInfo& role, const TokenKind& kind);
 
 namespace key_files {
 inline constexpr const char* kAuthorityFolder = "authority";  ///< its key makes further certificates

@@ -7,7 +7,9 @@
 
 #include <cerrno>
 #include <cstring>
+#include <span>
 
+#include "kernels/host/plain_file.h"
 #include "scheduler/keys/key_folder.h"
 #include "scheduler/keys/secrets.h"
 
@@ -33,14 +35,8 @@ Expected<void> write_private(const KeyFile& file, bool may_replace) {
   const int descriptor =
       open(aside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kOwnerOnly);
   if (descriptor < 0) return std::unexpected(cannot_write(aside));
-  std::string_view rest = file.text;
-  bool is_written = fchmod(descriptor, kOwnerOnly) == 0;
-  while (is_written && !rest.empty()) {
-    const ssize_t done = write(descriptor, rest.data(), rest.size());
-    if (done < 0 && errno == EINTR) continue;
-    is_written = done > 0;
-    if (is_written) rest.remove_prefix(std::size_t(done));
-  }
+  const std::span bytes(reinterpret_cast<const std::uint8_t*>(file.text.data()), file.text.size());
+  bool is_written = fchmod(descriptor, kOwnerOnly) == 0 && write_whole(descriptor, bytes);
   is_written = is_written && fsync(descriptor) == 0;
   is_written = close(descriptor) == 0 && is_written;
   // A link, unlike a rename, never replaces.
@@ -79,10 +75,9 @@ Expected<std::vector<KeyFile>> compose(const MakeKeysOptions& options) {
     files.push_back({folder / key_files::kAuthority, authority->certificate});
     files.push_back({folder / key_files::kCertificate, pair->certificate});
     files.push_back({folder / key_files::kKey, pair->key});
-    for (const auto& [has, kind] :
-         {std::pair{role.watches, kTokenKinds[0]}, std::pair{role.works, kTokenKinds[1]},
-          std::pair{role.submits, kTokenKinds[2]}})
-      if (has) files.push_back({folder / key_files::token(kind.name), tokens.*kind.token + "\n"});
+    for (const TokenKind& kind : kTokenKinds)
+      if (has_token(role, kind))
+        files.push_back({folder / key_files::token(kind.name), tokens.*kind.token + "\n"});
   }
   return files;
 }

@@ -16,6 +16,8 @@
 #include <cstring>
 #include <memory>
 
+#include "kernels/host/owned_descriptor.h"
+#include "scheduler/keys/openssl_object.h"
 #include "scheduler/keys/tcp_address.h"
 
 namespace penumbra {
@@ -23,32 +25,10 @@ namespace {
 
 using std::chrono::milliseconds;
 
-template <auto kFree>
-struct Freed {
-  template <typename T>
-  void operator()(T* object) const {
-    kFree(object);
-  }
-};
-using Bio = std::unique_ptr<BIO, Freed<BIO_free>>;
 using Context = std::unique_ptr<SSL_CTX, Freed<SSL_CTX_free>>;
 using Connection = std::unique_ptr<SSL, Freed<SSL_free>>;
 
 constexpr unsigned char kHttp2[] = {2, 'h', '2'};  // as ALPN names it, RFC 7301
-
-class Socket {
- public:
-  explicit Socket(int descriptor) : descriptor_(descriptor) {}
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
-  ~Socket() {
-    if (descriptor_ >= 0) close(descriptor_);
-  }
-  [[nodiscard]] int get() const { return descriptor_; }
-
- private:
-  int descriptor_;
-};
 
 /// OpenSSL writes to sockets without MSG_NOSIGNAL; the other end may have gone.
 class NoPipeSignal {
@@ -104,10 +84,9 @@ Context make_context(const Keys* keys) {
   SSL_CTX_set_min_proto_version(context.get(), TLS1_2_VERSION);
   SSL_CTX_set_alpn_protos(context.get(), kHttp2, sizeof kHttp2);
   if (keys == nullptr) return context;
-  const auto read = [](const std::string& pem) { return Bio(BIO_new_mem_buf(pem.data(), int(pem.size()))); };
-  X509* authority = PEM_read_bio_X509(read(keys->authority).get(), nullptr, nullptr, nullptr);
-  X509* certificate = PEM_read_bio_X509(read(keys->certificate).get(), nullptr, nullptr, nullptr);
-  EVP_PKEY* key = PEM_read_bio_PrivateKey(read(keys->key).get(), nullptr, nullptr, nullptr);
+  X509* authority = PEM_read_bio_X509(pem_reader(keys->authority).get(), nullptr, nullptr, nullptr);
+  X509* certificate = PEM_read_bio_X509(pem_reader(keys->certificate).get(), nullptr, nullptr, nullptr);
+  EVP_PKEY* key = PEM_read_bio_PrivateKey(pem_reader(keys->key).get(), nullptr, nullptr, nullptr);
   if (authority != nullptr) X509_STORE_add_cert(SSL_CTX_get_cert_store(context.get()), authority);
   if (certificate != nullptr) SSL_CTX_use_certificate(context.get(), certificate);
   if (key != nullptr) SSL_CTX_use_PrivateKey(context.get(), key);
@@ -206,7 +185,7 @@ std::string why_unreachable(const std::string& address, const Keys* keys, millis
   const std::unique_ptr<addrinfo, Freed<freeaddrinfo>> all(found);
   std::string why;
   for (const addrinfo* to = found; to != nullptr; to = to->ai_next) {
-    const Socket socket(::socket(to->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+    const OwnedDescriptor socket(::socket(to->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
     const int error = socket.get() < 0 ? errno : connect_in_time(socket.get(), *to, patience);
     if (error == 0) {
       std::string reason = explain_tls(socket.get(), std::string(host), keys, patience);

@@ -28,8 +28,6 @@ std::unexpected<JobError> job_error(JobErrorKind kind, std::string message) {
   return std::unexpected(JobError{kind, std::move(message)});
 }
 
-bool is_over(wire::JobState state) { return state != wire::JOB_QUEUED && state != wire::JOB_RENDERING; }
-
 std::string_view state_words(wire::JobState state) {
   switch (state) {
     case wire::JOB_DONE:
@@ -47,13 +45,17 @@ std::string_view state_words(wire::JobState state) {
 
 }  // namespace
 
+bool is_over(const wire::JobStatus& job) {
+  return job.state() != wire::JOB_QUEUED && job.state() != wire::JOB_RENDERING;
+}
+
 JobQueue::JobQueue(Spool& spool, std::vector<std::string>& problems) : spool_(spool) {
   for (wire::StoredJob& stored : spool.read_jobs(problems)) {
     const JobId number = stored.status().job();
     Entry& entry = entries_[number];
     entry.job = std::move(stored);
     wire::JobStatus& status = *entry.job.mutable_status();
-    if (is_over(status.state())) {
+    if (is_over(status)) {
       entry.stage = Stage::kOver;
       spool.remove_checkpoint(number, entry.job.submission());  // which a killed service may have left
     } else {

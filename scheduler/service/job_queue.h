@@ -26,6 +26,9 @@ struct JobError {
 template <typename T>
 using JobExpected = std::expected<T, JobError>;
 
+/// Whether nothing more will become of it.
+[[nodiscard]] bool is_over(const wire::JobStatus& job);
+
 /// Thread-safe. A job that has been accepted is on disk; one that is being rendered when the process ends is
 /// queued again by the next one, which goes on with its checkpoint.
 class JobQueue {

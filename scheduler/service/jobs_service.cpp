@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "scheduler/files/atomic_file.h"
 #include "scheduler/protocol/wire.h"
 
 namespace penumbra {
@@ -21,10 +22,6 @@ grpc::Status status_of(const JobError& error) {
       break;
   }
   return {grpc::StatusCode::INVALID_ARGUMENT, error.message};
-}
-
-std::span<const std::uint8_t> bytes_of_chunk(const wire::SceneChunk& chunk) {
-  return {reinterpret_cast<const std::uint8_t*>(chunk.data().data()), chunk.data().size()};
 }
 
 }  // namespace
@@ -52,7 +49,7 @@ grpc::Status JobsService::PutScene(grpc::ServerContext* context, grpc::ServerRea
   auto scene = spool_.receive_scene(hash);
   if (!scene) return {grpc::StatusCode::INVALID_ARGUMENT, scene.error().message};
   do {
-    if (const auto added = scene->add(bytes_of_chunk(chunk)); !added)
+    if (const auto added = scene->add(bytes_of(chunk.data())); !added)
       return {grpc::StatusCode::RESOURCE_EXHAUSTED, added.error().message};
   } while (reader->Read(&chunk));
   if (context->IsCancelled()) return grpc::Status::CANCELLED;

@@ -12,9 +12,9 @@
 #include <fstream>
 #include <optional>
 
+#include "kernels/host/plain_file.h"
 #include "scheduler/files/atomic_file.h"
 #include "scheduler/files/file_target.h"
-#include "scheduler/protocol/asset_manifest.h"
 
 namespace penumbra {
 namespace {
@@ -148,7 +148,7 @@ bool Spool::has_scene(const std::string& hash) const {
   return is_hash(hash) && fs::is_regular_file(scene_path(hash), ignored);
 }
 
-Expected<DeviceScene> Spool::read_scene(const std::string& hash) const {
+Expected<StoredScene> Spool::read_scene(const std::string& hash) const {
   const fs::path path = scene_path(hash);
   std::error_code error;
   const std::uintmax_t size = fs::file_size(path, error);
@@ -162,9 +162,9 @@ Expected<DeviceScene> Spool::read_scene(const std::string& hash) const {
       return fail(fmt::format("{}: {}", path.string(), added.error().message));
   }
   auto scene = reader.finish();
-  if (!scene || manifest_of(*scene).hash != hash)
-    return fail(fmt::format("the scene {} is damaged", path.string()));
-  return scene;
+  AssetManifest manifest = scene ? manifest_of(*scene) : AssetManifest();
+  if (manifest.hash != hash) return fail(fmt::format("the scene {} is damaged", path.string()));
+  return StoredScene{std::move(*scene), std::move(manifest)};
 }
 
 void Spool::remove_other_scenes(const std::set<std::string>& used) {
@@ -213,12 +213,7 @@ Expected<Spool::IncomingScene> Spool::receive_scene(const std::string& hash) {
 
 Expected<void> Spool::IncomingScene::add(std::span<const std::uint8_t> bytes) {
   if (const auto added = state_->reader.add(bytes); !added) return added;
-  while (!bytes.empty()) {
-    const ssize_t written = write(state_->descriptor, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return cannot_write(state_->temporary, errno);
-    bytes = bytes.subspan(std::size_t(written));
-  }
+  if (!write_whole(state_->descriptor, bytes)) return cannot_write(state_->temporary, errno);
   return {};
 }
 

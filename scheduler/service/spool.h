@@ -14,9 +14,16 @@
 #include "kernels/host/device_scene.h"
 #include "kernels/host/error.h"
 #include "scheduler/plan/work_unit.h"
+#include "scheduler/protocol/asset_manifest.h"
 #include "scheduler/protocol/wire.h"
 
 namespace penumbra {
+
+/// A scene as it was kept, and how it travels on.
+struct StoredScene {
+  DeviceScene scene;
+  AssetManifest manifest;
+};
 
 /// A folder that one service at a time has to itself:
 ///   lock
@@ -51,7 +58,7 @@ class Spool {
 
   [[nodiscard]] bool has_scene(const std::string& hash) const;
   /// Errors: it is not there, or damaged.
-  [[nodiscard]] Expected<DeviceScene> read_scene(const std::string& hash) const;
+  [[nodiscard]] Expected<StoredScene> read_scene(const std::string& hash) const;
   /// Scenes of which none is in `used`.
   void remove_other_scenes(const std::set<std::string>& used);
 

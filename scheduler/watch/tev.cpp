@@ -21,6 +21,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "kernels/host/owned_descriptor.h"
+
 namespace penumbra {
 namespace {
 
@@ -83,21 +85,6 @@ std::optional<Error> problem_with(std::string_view name, std::int32_t width, std
   return std::nullopt;
 }
 
-class Socket {
- public:
-  explicit Socket(int descriptor) : descriptor_(descriptor) {}
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
-  ~Socket() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-  [[nodiscard]] int get() const { return descriptor_; }
-  int release() { return std::exchange(descriptor_, -1); }
-
- private:
-  int descriptor_;
-};
-
 // How often a thread that waits for tev checks for a stop.
 constexpr Milliseconds kStopInterval{20};
 
@@ -119,7 +106,7 @@ int wait_until_writable(int descriptor, Milliseconds timeout, const std::stop_to
 /// A connected socket that does not block, or an errno.
 std::expected<int, int> connect_to(const addrinfo& address, Milliseconds timeout,
                                    const std::stop_token& stop) {
-  Socket socket(
+  OwnedDescriptor socket(
       ::socket(address.ai_family, address.ai_socktype | SOCK_CLOEXEC | SOCK_NONBLOCK, address.ai_protocol));
   if (socket.get() < 0) return std::unexpected(errno);
   if (::connect(socket.get(), address.ai_addr, address.ai_addrlen) != 0) {

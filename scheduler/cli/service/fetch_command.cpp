@@ -12,6 +12,7 @@
 #include "scheduler/cli/service/service_address.h"
 #include "scheduler/cli/service/status_text.h"
 #include "scheduler/cli/stop_signal.h"
+#include "scheduler/service/job_queue.h"
 
 namespace penumbra {
 namespace {

@@ -1,8 +1,8 @@
 // `penumbra serve`: a scheduler that others give jobs to.
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 
+#include "kernels/host/user_folder.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/option_checks.h"
 #include "scheduler/cli/service/service_run.h"
@@ -15,15 +15,9 @@
 namespace penumbra {
 namespace {
 
-/// By the rules for folders of state of a user's programs.
 std::string default_spool() {
-  const auto variable = [](const char* name) {
-    const char* value = std::getenv(name);
-    return std::filesystem::path(value != nullptr ? value : "");
-  };
-  const std::filesystem::path state = variable("XDG_STATE_HOME");
-  return ((state.is_absolute() ? state : variable("HOME") / ".local" / "state") / "penumbra" / "spool")
-      .string();
+  const std::filesystem::path state = user_folder("XDG_STATE_HOME", ".local/state");
+  return ((state.empty() ? ".local/state" : state) / "penumbra" / "spool").string();
 }
 
 }  // namespace

@@ -130,10 +130,6 @@ std::string fitted_line(std::string_view text, int columns) {
   return visible;
 }
 
-bool is_over(const wire::JobStatus& job) {
-  return job.state() != wire::JOB_QUEUED && job.state() != wire::JOB_RENDERING;
-}
-
 std::vector<std::string> status_lines(const wire::StatusReply& status, int columns, int rows) {
   const auto count = [&](wire::JobState state) {
     return std::ranges::count_if(status.jobs(), [&](const auto& job) { return job.state() == state; });

@@ -17,8 +17,6 @@ std::string_view job_state_name(wire::JobState state);
 /// A line of at most so many characters of UTF-8; nothing that a terminal would obey.
 std::string fitted_line(std::string_view text, int columns);
 
-[[nodiscard]] bool is_over(const wire::JobStatus& job);
-
 /// Jobs and workers, lines of at most `columns` characters and at most `rows` of them, each without its
 /// newline. Where there is no room for all jobs, those that are rendered, those that wait and those that
 /// ended last come first.

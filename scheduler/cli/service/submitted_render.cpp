@@ -40,14 +40,14 @@ Submission submission_of(const PreparedRender& prepared, const SetMember& member
   return submission;
 }
 
-Expected<PreparedRender> prepared_of(const Submission& submission, DeviceScene scene,
+Expected<PreparedRender> prepared_of(const Submission& submission, StoredScene stored,
                                      const std::filesystem::path& folder, int threads, int workers) {
   const RenderRecord& record = submission.record;
-  if (scene.header.film.width != record.film.width || scene.header.film.height != record.film.height)
+  const SceneHeader& header = stored.scene.header;
+  if (header.film.width != record.film.width || header.film.height != record.film.height)
     return fail(fmt::format("the scene's film has {} x {} pixels, that of the settings {} x {}",
-                            scene.header.film.width, scene.header.film.height, record.film.width,
-                            record.film.height));
-  if (record.embree != (scene.header.intersector == INTERSECTOR_EMBREE))
+                            header.film.width, header.film.height, record.film.width, record.film.height));
+  if (record.embree != (header.intersector == INTERSECTOR_EMBREE))
     return fail("the scene's intersector is not that of the settings");
   PreparedRender prepared;
   for (const std::string& name : submission.files) {
@@ -63,7 +63,7 @@ Expected<PreparedRender> prepared_of(const Submission& submission, DeviceScene s
   prepared.scene.summary.needs = submission.needs;
   prepared.scene.summary.left_out = submission.left_out;
   prepared.scene.seconds = submission.build_seconds;
-  prepared.job = job_of_record(record, device, std::move(scene));
+  prepared.job = job_of_record(record, device, std::move(stored.scene), std::move(stored.manifest));
   prepared.job.time_budget = submission.time_budget;
   prepared.job.verify = submission.verify;
   prepared.job.priority = submission.priority;

@@ -8,6 +8,7 @@
 
 #include "scheduler/cli/render_preparation.h"
 #include "scheduler/cli/sets/set_plan.h"
+#include "scheduler/service/spool.h"
 #include "scheduler/service/submission.h"
 
 namespace penumbra {
@@ -18,7 +19,7 @@ Submission submission_of(const PreparedRender& prepared, const SetMember& member
 
 /// Its files are in `folder`; `threads` and `workers` are the service's. Errors: a scene and a record that do
 /// not belong together, more pixels than memory.
-Expected<PreparedRender> prepared_of(const Submission& submission, DeviceScene scene,
+Expected<PreparedRender> prepared_of(const Submission& submission, StoredScene stored,
                                      const std::filesystem::path& folder, int threads, int workers);
 
 }  // namespace penumbra

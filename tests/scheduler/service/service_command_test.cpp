@@ -75,6 +75,18 @@ class Service : public ::testing::Test {
   }
   [[nodiscard]] std::string contents(const std::string& name) const { return file_contents(folder_ / name); }
 
+  /// What programs here have said once it has these words, or after a while.
+  [[nodiscard]] std::string wait_for_words(const std::regex& words) const {
+    std::string said;
+    for (int i = 0; i < 1000 && !std::regex_search(said, words); ++i) {
+      std::this_thread::sleep_for(10ms);
+      said.clear();
+      for (const std::string& name : folder_.names())
+        if (name.starts_with(".")) said += contents(name);
+    }
+    return said;
+  }
+
   const TemporaryFolder folder_;
   const std::string address_ = "unix:" + (folder_ / "socket").string();
   std::unique_ptr<Program> service_;
@@ -257,14 +269,8 @@ TEST_F(Service, OverTcpATokenIsWanted) {
   const std::regex wanted("to submit: PENUMBRA_TOKEN=(\\S+) penumbra submit SCENE --to (\\S+)");
   const std::regex watching("to watch: PENUMBRA_TOKEN=(\\S+) ");
   std::smatch found, watch;
-  std::string said;
-  for (int i = 0; i < 1000 && !std::regex_search(said, found, wanted); ++i) {
-    std::this_thread::sleep_for(10ms);
-    said.clear();
-    for (const std::string& name : folder_.names())
-      if (name.starts_with(".")) said += contents(name);
-  }
-  ASSERT_FALSE(found.empty()) << said;
+  const std::string said = wait_for_words(wanted);
+  ASSERT_TRUE(std::regex_search(said, found, wanted)) << said;
   ASSERT_TRUE(std::regex_search(said, watch, watching));
   const std::string to = " --to " + found[2].str(), token = "PENUMBRA_TOKEN=" + found[1].str() + " ",
                     watch_token = "PENUMBRA_TOKEN=" + watch[1].str() + " ";
@@ -289,14 +295,8 @@ TEST_F(Service, OverTlsWithKeys) {
                                 "spool", "--workers", "0"});
   const std::regex wanted("penumbra submit SCENE --to \\S*:([0-9]+) ");
   std::smatch found;
-  std::string said;
-  for (int i = 0; i < 1000 && !std::regex_search(said, found, wanted); ++i) {
-    std::this_thread::sleep_for(10ms);
-    said.clear();
-    for (const std::string& name : folder_.names())
-      if (name.starts_with(".")) said += contents(name);
-  }
-  ASSERT_FALSE(found.empty()) << said;
+  const std::string said = wait_for_words(wanted);
+  ASSERT_TRUE(std::regex_search(said, found, wanted)) << said;
   const std::string at = "127.0.0.1:" + found[1].str();
   const auto ask = [&](Arguments arguments, const std::string& keys) {
     arguments.insert(arguments.end(), {"--to", at});

@@ -119,7 +119,8 @@ TEST(Spool, ScenesAreWholeOrNotThere) {
   EXPECT_TRUE(spool->has_scene(hash));
   const auto read = spool->read_scene(hash);
   ASSERT_TRUE(read) << read.error().message;
-  EXPECT_EQ(read->serialize(), bytes);
+  EXPECT_EQ(read->scene.serialize(), bytes);
+  EXPECT_EQ(read->manifest.hash, hash);
   spool->remove_other_scenes({hash});
   EXPECT_TRUE(spool->has_scene(hash));
   std::string damaged = file_contents(folder / "scenes" / hash);
