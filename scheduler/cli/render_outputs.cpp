@@ -22,31 +22,24 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Image files, written aside, in the film's format.
-Expected<void> add_images(const Image& image, const Film& format, const OutputFiles& files,
-                          OutputBatch& batch) {
-  const auto add = [&](const std::filesystem::path& path,
-                       Expected<std::vector<std::uint8_t>> bytes) -> Expected<void> {
-    if (!bytes) return std::unexpected(bytes.error());
-    batch.add(path, std::move(*bytes));
-    return {};
-  };
-  if (files.exr) {
-    if (const std::uint64_t beyond = format.half ? values_beyond_half(image) : 0; beyond > 0)
-      print_warning(fmt::format(
-          "{} more than 16 bits hold and 65504 in {}; component_format float32 has them",
-          beyond == 1 ? "1 value is" : fmt::format("{} values are", beyond), files.exr->string()));
-    if (auto done = add(*files.exr, encode_exr(image, {format.compression, format.half})); !done) return done;
-  }
-  if (files.png) return add(*files.png, encode_png(image));
-  return {};
+/// Image files in the film's format, each written aside on a thread of its own; the image stays until they
+/// are.
+void add_images(const Image& image, const Film& format, const OutputFiles& files, OutputBatch& batch) {
+  if (files.exr)
+    batch.add_aside(*files.exr, [&image, encoding = ExrEncoding{format.compression, format.half}] {
+      return encode_exr(image, encoding);
+    });
+  if (files.png) batch.add_aside(*files.png, [&image] { return encode_png(image); });
+  if (const std::uint64_t beyond = files.exr && format.half ? values_beyond_half(image) : 0; beyond > 0)
+    print_warning(fmt::format("{} more than 16 bits hold and 65504 in {}; component_format float32 has them",
+                              beyond == 1 ? "1 value is" : fmt::format("{} values are", beyond),
+                              files.exr->string()));
 }
 
-void add_statistics(const RenderStatistics& statistics, const std::filesystem::path& path,
+void add_statistics(const nlohmann::ordered_json& statistics, const std::filesystem::path& path,
                     OutputBatch& batch) {
   // Names and paths are bytes, not always UTF-8.
-  const std::string text =
-      statistics_json(statistics).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  const std::string text = statistics.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   batch.add(path, {text.begin(), text.end()});
 }
 
@@ -106,16 +99,17 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
                              const std::vector<std::string>& command_line) {
   const auto begin = Clock::now();
   const OutputFiles& files = prepared.files;
-  OutputBatch batch;
+  Image image;
+  OutputBatch batch;  // which goes before the image that it writes
   RenderStatistics statistics;
   RenderedSamples rendered = rendered_samples(outcome);
   if (prepared.record.backend == Backend::kAuto) rendered.backends = backends_of(outcome);
   statistics.record = record_of_rendered(std::move(prepared.record), rendered);
   if (files.exr || files.png) {
-    Image image = image_of_film(outcome.film, statistics.record.film.width, statistics.record.film.height);
+    image = image_of_film(outcome.film, statistics.record.film.width, statistics.record.film.height);
     image.metadata = record_metadata(statistics.record, outcome.film.hash(), rendered);
     image.camera = camera_attributes(statistics.record.camera, statistics.record.film);
-    if (auto encoded = add_images(image, statistics.record.film, files, batch); !encoded) return encoded;
+    add_images(image, statistics.record.film, files, batch);
   }
   statistics.command_line = command_line;
   statistics.job = &prepared.job;
@@ -129,10 +123,15 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
     statistics.inventory =
         scene_costs(prepared.scene.description, prepared.job.scene, prepared.job.device.isa, false);
   statistics.build_seconds = prepared.scene.seconds;
-  statistics.write_seconds = seconds_since(begin);
   if (files.exr) statistics.files.push_back(*files.exr);
   if (files.png) statistics.files.push_back(*files.png);
-  if (files.statistics) add_statistics(statistics, *files.statistics, batch);
+  // While the images are encoded.
+  nlohmann::ordered_json json = files.statistics ? statistics_json(statistics) : nlohmann::ordered_json();
+  batch.wait();
+  if (files.statistics) {
+    add_end(json, seconds_since(begin));
+    add_statistics(json, *files.statistics, batch);
+  }
   return batch.finish();
 }
 

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
+#include <exception>
 #include <map>
 #include <thread>
 #include <utility>
@@ -67,19 +68,56 @@ std::vector<fs::path> rescue_folders() {
 
 }  // namespace
 
-void OutputBatch::complain(const Error& error) { errors_ += (errors_.empty() ? "" : "\n") + error.message; }
+void OutputBatch::complain(const std::string& text) { errors_ += (errors_.empty() ? "" : "\n") + text; }
 
-void OutputBatch::add(fs::path path, std::vector<std::uint8_t> bytes) {
+void OutputBatch::Entry::write_aside() {
+  const auto found = find_target(path);
+  if (!found) {
+    error = found.error().message;
+    return;
+  }
+  target = *found;
+  if (target.kind != FileTarget::Kind::kFile) return;
+  auto file = StagedFile::write(target.path, bytes);
+  if (file)
+    staged.emplace(std::move(*file));
+  else
+    error = file.error().message;
+}
+
+void OutputBatch::Entry::make_and_write_aside(const std::function<Expected<Bytes>()>& make) {
+  Expected<Bytes> result = fail("");
+  try {
+    result = make();
+  } catch (const std::exception& exception) {  // memory above all
+    result = fail(fmt::format("cannot write {}: {}", path.string(), exception.what()));
+  }
+  if (result) {
+    bytes = std::move(*result);
+    return write_aside();
+  }
+  made = false;
+  error = result.error().message;
+}
+
+void OutputBatch::add(fs::path path, Bytes bytes) {
   Entry& entry = entries_.emplace_back();
   entry.path = std::move(path);
   entry.bytes = std::move(bytes);
-  const auto target = find_target(entry.path);
-  if (!target) return complain(target.error());
-  entry.target = *target;
-  if (target->kind != FileTarget::Kind::kFile) return;
-  auto staged = StagedFile::write(target->path, entry.bytes);
-  if (!staged) return complain(staged.error());
-  entry.staged.emplace(std::move(*staged));
+  entry.write_aside();
+}
+
+void OutputBatch::add_aside(fs::path path, std::function<Expected<Bytes>()> make) {
+  Entry& entry = entries_.emplace_back();
+  entry.path = std::move(path);
+  // Where there is no thread to be had, it is done by wait().
+  entry.making = std::async(std::launch::async | std::launch::deferred,
+                            [&entry, make = std::move(make)] { entry.make_and_write_aside(make); });
+}
+
+void OutputBatch::wait() {
+  for (Entry& entry : entries_)
+    if (entry.making.valid()) entry.making.get();
 }
 
 /// None, if one could not be written aside: an old image beside a new report would belong to no run.
@@ -96,27 +134,27 @@ void OutputBatch::put_in_place() {
     if (!entry.staged) continue;
     const auto renamed = entry.staged->rename_into_place();
     entry.written = renamed.has_value();
-    if (!renamed) complain(renamed.error());
+    if (!renamed) complain(renamed.error().message);
   }
 }
 
 void OutputBatch::write_directly() {
   for (Entry& entry : entries_) {
-    if (entry.target.kind == FileTarget::Kind::kFile) continue;
+    if (!entry.made || entry.target.kind == FileTarget::Kind::kFile) continue;
     const auto done = penumbra::write_directly(entry.target, entry.bytes);
     entry.written = done.has_value();
-    if (!done) complain(done.error());
+    if (!done) complain(done.error().message);
   }
 }
 
 std::string OutputBatch::rescue() {
   std::string places;
   for (const fs::path& parent : rescue_folders()) {
-    if (std::ranges::all_of(entries_, &Entry::written)) break;
+    if (std::ranges::all_of(entries_, [](const Entry& e) { return e.written || !e.made; })) break;
     std::string folder = (parent / "penumbra-image-XXXXXX").string();
     if (mkdtemp(folder.data()) == nullptr) continue;
     for (Entry& entry : entries_) {
-      if (entry.written) continue;
+      if (entry.written || !entry.made) continue;
       const fs::path place = fs::path(folder) / entry.path.filename();
       auto staged = StagedFile::write(place, entry.bytes);
       if (!staged || fs::exists(place) || !staged->rename_into_place()) continue;
@@ -128,12 +166,15 @@ std::string OutputBatch::rescue() {
   std::string text = places.empty() ? "" : "; written instead: " + places;
   std::string lost;
   for (const Entry& entry : entries_)
-    if (!entry.written) lost += (lost.empty() ? "" : ", ") + entry.path.string();
+    if (!entry.written && entry.made) lost += (lost.empty() ? "" : ", ") + entry.path.string();
   if (!lost.empty()) text += "; lost, as there is no room in TMPDIR, /tmp or /var/tmp either: " + lost;
   return text;
 }
 
 Expected<void> OutputBatch::finish() {
+  wait();
+  for (const Entry& entry : entries_)
+    if (!entry.error.empty()) complain(entry.error);
   put_in_place();
   write_directly();
   if (errors_.empty()) return {};

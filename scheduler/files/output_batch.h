@@ -2,7 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <filesystem>
+#include <functional>
+#include <future>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,8 +21,15 @@ namespace penumbra {
 /// Devices and pipes come after them.
 class OutputBatch {
  public:
-  /// Writes a plain file aside. What goes wrong is told at the end.
-  void add(std::filesystem::path path, std::vector<std::uint8_t> bytes);
+  using Bytes = std::vector<std::uint8_t>;
+
+  /// Writes a plain file aside. What goes wrong is told at the end, in the order of the files.
+  void add(std::filesystem::path path, Bytes bytes);
+  /// The same on a thread of its own, where `make` is called for the bytes: what that reads stays until
+  /// wait(), finish() or the end of the batch. A file that cannot be made is an error like the others.
+  void add_aside(std::filesystem::path path, std::function<Expected<Bytes>()> make);
+  /// Waits until all of them are written aside.
+  void wait();
 
   /// Puts everything in its place. What could not be written is written to a new folder in TMPDIR, or /tmp,
   /// instead; the error says why, and where it is.
@@ -28,18 +38,23 @@ class OutputBatch {
  private:
   struct Entry {
     std::filesystem::path path;
-    std::vector<std::uint8_t> bytes;
+    Bytes bytes;
     FileTarget target;
     std::optional<StagedFile> staged;
-    bool written = false;
+    bool made = true, written = false;
+    std::string error;         // of the bytes, or of writing them aside
+    std::future<void> making;  // the last member: it is waited for before the others go
+
+    void write_aside();
+    void make_and_write_aside(const std::function<Expected<Bytes>()>& make);
   };
-  void complain(const Error& error);
+  void complain(const std::string& text);
   void put_in_place();
   void write_directly();
   [[nodiscard]] std::string rescue();
 
-  std::vector<Entry> entries_;
-  std::string errors_;  ///< a line each
+  std::deque<Entry> entries_;  // which stay where they are
+  std::string errors_;         ///< a line each
 };
 
 }  // namespace penumbra

@@ -127,6 +127,16 @@ Imf::FrameBuffer frame_buffer_of(const Image& image, const ExrEncoding& encoding
   return buffer;
 }
 
+/// OpenEXR's own, which are started once for the whole process.
+int compression_threads() {
+  static const int threads = [] {
+    const int count = int(std::max(1u, std::thread::hardware_concurrency()));
+    Imf::setGlobalThreadCount(count);
+    return count;
+  }();
+  return threads;
+}
+
 /// Pixels for the display, with alpha or without.
 Expected<std::vector<std::uint8_t>> encode_png_pixels(int width, int height,
                                                       std::span<const std::uint8_t> pixels, bool alpha) {
@@ -171,8 +181,7 @@ Expected<std::vector<std::uint8_t>> encode_exr(const Image& image, const ExrEnco
   std::vector<std::uint8_t> bytes;
   try {
     MemoryStream stream(bytes);
-    const int threads = int(std::max(1u, std::thread::hardware_concurrency()));
-    Imf::setGlobalThreadCount(threads);
+    const int threads = compression_threads();
     const std::vector<half> halves = halves_of(image, encoding);
     Imf::OutputFile file(stream, header_of(image, encoding), threads);
     file.setFrameBuffer(frame_buffer_of(image, encoding, halves));

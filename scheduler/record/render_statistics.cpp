@@ -171,7 +171,7 @@ Json statistics_json(const RenderStatistics& statistics) {
       {"nearest_command", repeatable ? Json(nullptr) : command},
       {"command_line", statistics.command_line},
       {"host", host_name()},
-      {"finished", utc_now()},
+      {"finished", nullptr},
       {"film",
        {{"width", film.width},
         {"height", film.height},
@@ -186,7 +186,7 @@ Json statistics_json(const RenderStatistics& statistics) {
         {"to_first_tile", outcome.seconds_to_first_tile},
         {"render", outcome.seconds},
         {"before", outcome.seconds_before},
-        {"write", statistics.write_seconds}}},
+        {"write", nullptr}}},
       {"samples_per_second", samples_per_second(outcome)},
       {"passes", {{"finished", outcome.passes_finished}, {"asked_for", outcome.passes_total}}},
       {"units",
@@ -197,13 +197,19 @@ Json statistics_json(const RenderStatistics& statistics) {
       {"workers", workers},
       {"memory",
        {{"device_scene_bytes", sizeof(SceneHeader) + job.scene.words.size() * sizeof(std::uint32_t)},
-        {"scheduler_peak_bytes", peak_memory_bytes()},
+        {"scheduler_peak_bytes", nullptr},
         {"largest_worker_peak_bytes", worker_memory}}},
       {"needs", grouped_json(statistics.needs)},
       {"left_out", grouped_json(statistics.left_out)},
       {"costs", statistics.inventory ? inventory_json(*statistics.inventory) : Json(nullptr)},
       {"warnings", statistics.warnings},
       {"problems", outcome.problems}};
+}
+
+void add_end(Json& statistics, double write_seconds) {
+  statistics["finished"] = utc_now();
+  statistics["seconds"]["write"] = write_seconds;
+  statistics["memory"]["scheduler_peak_bytes"] = peak_memory_bytes();
 }
 
 }  // namespace penumbra

@@ -24,7 +24,6 @@ struct RenderStatistics {
   std::vector<std::pair<std::string, std::string>> needs, left_out;  ///< of the scene, see SceneSummary
   std::optional<SceneInventory> inventory;                           ///< what that saves
   double build_seconds = 0;                  ///< reading the scene and building its device form
-  double write_seconds = 0;                  ///< of the image files
   std::vector<std::filesystem::path> files;  ///< images written
 };
 
@@ -33,8 +32,11 @@ RenderedSamples rendered_samples(const RenderOutcome& outcome);
 /// Of the workers that did any of it: "native", "opencl", "native, opencl".
 std::string_view backends_of(const RenderOutcome& outcome);
 
-/// The fields and their units are explained in the README of this folder.
+/// The fields and their units are explained in the README of this folder. What only the end tells is for
+/// add_end.
 nlohmann::ordered_json statistics_json(const RenderStatistics& statistics);
+/// Puts in when the images were written, in what time, and the memory that all of it took.
+void add_end(nlohmann::ordered_json& statistics, double write_seconds);
 
 /// An object with each name once; the values of a name that occurs more than once become an array.
 nlohmann::ordered_json grouped_json(const std::vector<std::pair<std::string, std::string>>& entries);
