@@ -1,13 +1,12 @@
 // `penumbra render SCENE`: scene file in, image files and statistics out.
 #include <fmt/format.h>
 
-#include <functional>
 #include <memory>
 
 #include "scheduler/cli/commands.h"
+#include "scheduler/cli/one_render.h"
 #include "scheduler/cli/pixel_text.h"
 #include "scheduler/cli/program_path.h"
-#include "scheduler/cli/progress.h"
 #include "scheduler/cli/render_checkpoint.h"
 #include "scheduler/cli/render_estimate.h"
 #include "scheduler/cli/render_outputs.h"
@@ -19,21 +18,6 @@
 
 namespace penumbra {
 namespace {
-
-/// Renders. Where the machine was to choose what computes, and its choice brings down every worker (a driver
-/// that crashes is none that fails), native code renders after all.
-Expected<RenderOutcome> render_with_fallback(PreparedRender& prepared, const std::atomic<bool>& stop,
-                                             const std::function<void(const RenderProgress&)>& on_progress) {
-  const RenderJob& job = prepared.job;
-  const FarmOptions& farm = prepared.farm;
-  auto outcome = run_render(job, farm, stop, on_progress);
-  if (outcome || job.device.backend != Backend::kAuto || stop) return outcome;
-  std::string warning = "native code renders: " + outcome.error().message;
-  if (const auto ready = fall_back_to_native(prepared); !ready) return std::unexpected(ready.error());
-  outcome = run_render(job, farm, stop, on_progress);
-  if (outcome) outcome->problems.insert(outcome->problems.begin(), std::move(warning));
-  return outcome;
-}
 
 constexpr double kEstimateSeconds = 10;
 
@@ -47,44 +31,45 @@ ExitCode estimate(const RenderOptions& options) {
   return stop ? kIncomplete : kAllDone;
 }
 
-ExitCode render(const RenderOptions& options, const std::vector<std::string>& command_line) {
-  const std::atomic<bool>& stop = install_stop_signal();
+/// With what is to be checked before anything is rendered, and what an earlier process has left.
+OneRender::Prepared prepare(const RenderOptions& options, bool show) {
   auto prepared = prepare_watched_render(options);
-  if (!prepared) return prepared.error();
+  if (!prepared) return prepared;
+  const auto complain = [](const Error& error) {
+    print_error(error);
+    return std::unexpected(kBadInput);
+  };
   if (options.verify > 0 && prepared->farm.workers < 2 && prepared->farm.listen.empty() &&
       prepared->farm.launch.empty())
-    return print_error(Error{"--verify: it takes two workers: --workers 2, or --listen for others"}),
-           kBadInput;
-  if (const auto made = make_folders(prepared->files); !made) return print_error(made.error()), kBadInput;
-
-  const bool show = !options.quiet && !options.pixel;
+    return complain({"--verify: it takes two workers: --workers 2, or --listen for others"});
+  if (const auto made = make_folders(prepared->files); !made) return complain(made.error());
   const auto resumed = attach_checkpoint(*prepared, options, program_hash(prepared->farm.worker_executable));
-  if (!resumed) return print_error(resumed.error()), kBadInput;
+  if (!resumed) return complain(resumed.error());
   if (show && !resumed->empty()) print_message(*resumed);
-  ProgressPrinter progress(show ? progress_style() : ProgressStyle::kNone, terminal_columns());
-  const auto outcome = render_with_fallback(*prepared, stop, [&](const RenderProgress& now) {
-    progress.update(now);
-    // The address and its token are printed even so, since the user asked for an address.
-    if (!show && !options.listen.empty())
-      for (const std::string& notice : now.notices) print_message(notice);
-  });
-  progress.finish();
+  return prepared;
+}
+
+ExitCode render(const RenderOptions& options, const std::vector<std::string>& command_line) {
+  const std::atomic<bool>& stop = install_stop_signal();
+  const bool show = !options.quiet && !options.pixel;
+  OneRender one(options, command_line, stop, show);
+  if (const auto ran = one.run([&] { return prepare(options, show); }); !ran) return ran.error();
+  PreparedRender& prepared = one.prepared();
+  if (!one.outcome()) return print_error(nothing_to_write(true)), kIncomplete;
+  const Expected<RenderOutcome>& outcome = *one.outcome();
   if (!outcome) return print_error(outcome.error()), kIncomplete;
-  if (sample_range(outcome->film).total == 0) {
-    print_problems(*outcome, stop);  // an image that exists is worth more than a black one
-    return kIncomplete;
-  }
-  if (const auto written = write_outputs(*prepared, *outcome, command_line); !written) {
-    print_error(written.error());
+  if (sample_range(outcome->film).total == 0) return print_problems(*outcome, stop), kIncomplete;
+  if (!one.written()) {
+    print_error(one.written().error());
     print_problems(*outcome, stop);
     return kIncomplete;
   }
-  if (outcome->complete) remove_checkpoint(*prepared);
+  if (outcome->complete) remove_checkpoint(prepared);
   if (options.pixel) print_answer(pixel_text(outcome->film, options.pixel->x, options.pixel->y));
-  if (show) print_summary(*outcome, prepared->files);
+  if (show) print_summary(*outcome, prepared.files);
   print_problems(*outcome, stop);
   const bool non_finite =
-      print_non_finite(outcome->film, prepared->job.reproduce_command, options.strict_numerics);
+      print_non_finite(outcome->film, prepared.job.reproduce_command, options.strict_numerics);
   return outcome->complete && !(non_finite && options.strict_numerics) ? kAllDone : kIncomplete;
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <chrono>
+#include <future>
 #include <nlohmann/json.hpp>
 
 #include "kernels/host/console.h"
@@ -41,6 +42,10 @@ void add_statistics(const nlohmann::ordered_json& statistics, const std::filesys
   // Names and paths are bytes, not always UTF-8.
   const std::string text = statistics.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   batch.add(path, {text.begin(), text.end()});
+}
+
+const char* why_incomplete(bool stopped) {
+  return stopped ? "stopped by a signal" : "not all work could be done";
 }
 
 std::string samples_text(std::uint64_t least, std::uint64_t most) {
@@ -81,17 +86,20 @@ bool print_non_finite(const FilmAccumulator& film, const std::string& reproduce_
   return !texts.empty();
 }
 
+Error nothing_to_write(bool stopped) {
+  return {fmt::format("{}; there is nothing to write", why_incomplete(stopped))};
+}
+
 void print_problems(const RenderOutcome& outcome, bool stopped) {
   for (const std::string& problem : outcome.problems) print_warning(problem);
   const FilmAccumulator& film = outcome.film;
   if (outcome.complete) return;
-  const char* why = stopped ? "stopped by a signal" : "not all work could be done";
   const auto [least, most, total] = sample_range(film);
   if (total == 0) {
-    print_error({fmt::format("{}; there is nothing to write", why)});
+    print_error(nothing_to_write(stopped));
   } else {
-    print_error(
-        {fmt::format("{}; the image is incomplete, its pixels have {}", why, samples_text(least, most))});
+    print_error({fmt::format("{}; the image is incomplete, its pixels have {}", why_incomplete(stopped),
+                             samples_text(least, most))});
   }
 }
 
@@ -106,8 +114,9 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
   if (prepared.record.backend == Backend::kAuto) rendered.backends = backends_of(outcome);
   statistics.record = record_of_rendered(std::move(prepared.record), rendered);
   if (files.exr || files.png) {
+    auto hash = std::async([&] { return outcome.film.hash(); });
     image = image_of_film(outcome.film, statistics.record.film.width, statistics.record.film.height);
-    image.metadata = record_metadata(statistics.record, outcome.film.hash(), rendered);
+    image.metadata = record_metadata(statistics.record, hash.get(), rendered);
     image.camera = camera_attributes(statistics.record.camera, statistics.record.film);
     add_images(image, statistics.record.film, files, batch);
   }

@@ -30,6 +30,9 @@ void print_summary(const RenderOutcome& outcome, const OutputFiles& files);
 /// Non-finite samples, and variances that no file holds, as warnings or as errors; whether there are any.
 bool print_non_finite(const FilmAccumulator& film, const std::string& reproduce_command, bool strict);
 
+/// That a render came to no sample; why.
+Error nothing_to_write(bool stopped);
+
 /// What went wrong, and how incomplete the image is.
 void print_problems(const RenderOutcome& outcome, bool stopped);
 

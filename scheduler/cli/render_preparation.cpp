@@ -107,17 +107,18 @@ RenderJob make_job(const RenderOptions& options, const RenderRecord& record, con
   return job;
 }
 
-FarmOptions make_farm(const RenderOptions& options) {
+}  // namespace
+
+FarmOptions farm_of(const RenderOptions& options) {
   FarmOptions farm;
   farm.workers = options.pixel ? 1 : options.workers;
   farm.listen = options.listen;
+  farm.largest_tile = options.tile;
   set_launch(options, farm);
   // A unit is one sample of a tile, and every view begins with workers of which nothing is known.
   if (options.interactive) farm.leases.initial = kPreviewLease;
   return farm;
 }
-
-}  // namespace
 
 void set_launch(const RenderOptions& options, FarmOptions& farm) {
   farm.launch = options.launch;
@@ -186,7 +187,7 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options) {
   prepared.files = std::move(*files);
   prepared.record = make_record(options, *scene, *film, *device);
   prepared.job = make_job(options, prepared.record, *device, std::move(scene->device));
-  prepared.farm = make_farm(options);
+  prepared.farm = farm_of(options);
   prepared.farm.keys = *keys;
   const glm::dvec3 center = scene_center(scene->description);
   for (int axis = 0; axis < 3; ++axis) prepared.job.center[axis] = center[axis];

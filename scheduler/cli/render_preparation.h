@@ -35,6 +35,9 @@ RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device,
 /// requested device exists, and prints the scene's warnings. On failure the error is printed.
 std::expected<PreparedRender, ExitCode> prepare_watched_render(const RenderOptions& options);
 
+/// A farm for it, but for keys and the worker's executable.
+FarmOptions farm_of(const RenderOptions& options);
+
 /// Who starts the workers.
 void set_launch(const RenderOptions& options, FarmOptions& farm);
 

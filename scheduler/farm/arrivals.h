@@ -74,6 +74,7 @@ struct UnitFailed {
 struct Gone {
   WorkerId worker;
 };
+struct Rung {};       ///< the source of jobs has something new
 struct ViewChanged {  ///< by a watcher; numbers only grow
   JobId job;
   WatchView view;
@@ -86,9 +87,9 @@ struct SamplesWanted {  ///< by a watcher: so many of each pixel of the view
 
 }  // namespace arrivals
 
-using Arrival =
-    std::variant<arrivals::Connected, arrivals::Compiling, arrivals::Ready, arrivals::Beat,
-                 arrivals::JobFailed, arrivals::Result, arrivals::BadResult, arrivals::UnitFailed,
-                 arrivals::Leaving, arrivals::Gone, arrivals::ViewChanged, arrivals::SamplesWanted>;
+using Arrival = std::variant<arrivals::Connected, arrivals::Compiling, arrivals::Ready, arrivals::Beat,
+                             arrivals::JobFailed, arrivals::Result, arrivals::BadResult, arrivals::UnitFailed,
+                             arrivals::Leaving, arrivals::Gone, arrivals::Rung, arrivals::ViewChanged,
+                             arrivals::SamplesWanted>;
 
 }  // namespace penumbra

@@ -48,6 +48,9 @@ Expected<void> FarmRun::start() {
   workers_here_->start_missing(0);
   tell_start_problems();
   if (options_.tells_how_to_watch) tell_how_to_watch();
+  source_.bell().connect([this] {
+    if (!rung_.exchange(true)) server_->wake();
+  });
   take_jobs();
   return {};
 }
@@ -99,6 +102,7 @@ Expected<void> FarmRun::run() {
   const bool could_go_on = can_go_on();
   report_progress();
   server_->stop_taking();
+  source_.bell().connect({});
   if (workers_here_->launches()) dismiss_all();
   workers_here_->stop_all();
   std::string reasons;
@@ -119,8 +123,8 @@ Expected<void> FarmRun::run() {
   return {};
 }
 
-/// Until it is time for the next tick, or a job is over: what has to be done then takes longer than an
-/// arrival.
+/// Until it is time for the next tick, a job is over, or the source has rung: what has to be done then takes
+/// longer than an arrival.
 void FarmRun::take_arrivals() {
   const Clock::time_point next_tick = Clock::now() + kTickInterval;
   const std::size_t open_jobs = jobs_.size();
@@ -135,6 +139,7 @@ void FarmRun::take_arrivals() {
     if (arrival) {
       advance_clock();
       std::visit([this](auto& a) { on(a); }, *arrival);
+      if (std::holds_alternative<arrivals::Rung>(*arrival)) return;
       finish_jobs();
     }
     if (Clock::now() >= next_tick) return;

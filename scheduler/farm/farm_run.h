@@ -1,6 +1,7 @@
 // One call of run_farm: passes arrivals to the plan, and the plan's orders to jobs and workers.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <map>
 #include <memory>
@@ -52,6 +53,7 @@ class FarmRun {
   void on(const arrivals::UnitFailed& arrival);
   void on(const arrivals::Leaving& arrival);
   void on(const arrivals::Gone& arrival);
+  void on(const arrivals::Rung&) { rung_ = false; }
   void on(const arrivals::ViewChanged& arrival);
   void on(const arrivals::SamplesWanted& arrival);
 
@@ -137,6 +139,7 @@ class FarmRun {
   std::vector<PlanEvent> follow_ups_;  // what came of obeying orders: of that the plan is to be told next
   std::set<std::string> said_;
   std::vector<std::string> problems_, unsaid_problems_;  // unsaid: no job was open
+  std::atomic<bool> rung_ = false;                       // a Rung is on its way
   bool anyone_was_ready_ = false;
   int foreign_workers_ = 0;  // that are connected
   Seconds now_ = 0, plan_time_ = 0, last_tick_ = 0, next_workers_ = 0, last_joined_ = 0, hopeless_since_ = 0;

@@ -158,9 +158,18 @@ void FarmRun::on(const arrivals::SamplesWanted& arrival) {
 // --- What the plan orders
 
 void FarmRun::tell_plan(const PlanEvent& event, arrivals::Result* result) {
-  for (const PlanOrder& order : plan_.handle(event, plan_time_)) {
-    std::visit([&](const auto& o) { obey(o, result); }, order);
-  }
+  const std::vector<PlanOrder> orders = plan_.handle(event, plan_time_);
+  const auto is_unit = [](const PlanOrder& order) { return std::holds_alternative<Assign>(order); };
+  const auto is_result = [](const PlanOrder& order) { return std::holds_alternative<MergeResult>(order); };
+  // The next unit is on its way while a result is merged, where nothing else is to be done in between.
+  const bool units_first =
+      std::ranges::all_of(orders, [&](const PlanOrder& order) { return is_unit(order) || is_result(order); });
+  const auto obey_those = [&](auto&& chosen) {
+    for (const PlanOrder& order : orders)
+      if (chosen(order)) std::visit([&](const auto& o) { obey(o, result); }, order);
+  };
+  if (units_first) obey_those(is_unit);
+  obey_those([&](const PlanOrder& order) { return !units_first || !is_unit(order); });
   for (const PlanEvent& follow_up : std::exchange(follow_ups_, {})) tell_plan(follow_up);
 }
 

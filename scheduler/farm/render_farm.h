@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "kernels/host/error.h"
+#include "scheduler/farm/farm_bell.h"
 #include "scheduler/farm/render_job.h"
 #include "scheduler/farm/service_maker.h"
 #include "scheduler/keys/key_folder.h"
@@ -50,10 +51,12 @@ struct CancelJob {
 using JobChange = std::variant<CancelJob, PriorityChanged>;
 
 /// Where a farm's jobs come from, and what becomes of them. Called from the farm's own thread, which must not
-/// wait here.
+/// wait here. It asks for jobs some fifty times a second, and when the bell rings.
 class JobSource {
  public:
   virtual ~JobSource() = default;
+
+  [[nodiscard]] FarmBell& bell() { return bell_; }
 
   /// The next job, checked by check_render_job; null if none is at hand.
   virtual std::shared_ptr<const RenderJob> next() = 0;
@@ -73,6 +76,9 @@ class JobSource {
   virtual void notice(const std::string&) {}
   /// The job is over: complete, or as far as it came. The error: no worker could do it.
   virtual void done(JobId, Expected<RenderOutcome>) = 0;
+
+ private:
+  FarmBell bell_;
 };
 
 /// Renders what the source has with `options.workers` child processes over a Unix socket in a private

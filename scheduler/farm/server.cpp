@@ -212,6 +212,8 @@ void Server::refuse(WorkerId worker, const std::string& reason) {
   if (const auto connection = state_->farm.connection(worker)) connection->refuse(reason);
 }
 
+void Server::wake() { state_->farm.mailbox.put(arrivals::Rung{}); }
+
 void Server::stop_taking() { state_->farm.mailbox.close(); }
 
 std::optional<Arrival> Server::next(std::chrono::milliseconds patience) {

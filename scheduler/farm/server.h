@@ -75,6 +75,8 @@ class Server {
   /// Sends a worker away that cannot do the job; it says the reason to its user and fails.
   void refuse(WorkerId worker, const std::string& reason);
 
+  /// Lets the one who waits for the next arrival have one, Rung. From any thread.
+  void wake();
   /// Nothing that arrives from here on is wanted: no stream waits for room any more.
   void stop_taking();
   /// The next arrival, waiting for it at most so long.

@@ -12,9 +12,11 @@
 #include <ImfStringAttribute.h>
 #include <fmt/format.h>
 #include <png.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
+#include <csetjmp>
 #include <cstring>
 #include <exception>
 #include <thread>
@@ -137,21 +139,57 @@ int compression_threads() {
   return threads;
 }
 
+/// libpng's calls from the header to the end; whether they went well. Nothing in here has a destructor, which
+/// libpng's way out of an error would not call.
+bool write_png(png_structp png, png_infop info, int width, int height, const std::uint8_t* pixels,
+               bool alpha) {
+  if (setjmp(png_jmpbuf(png)) != 0) return false;
+  png_set_IHDR(png, info, png_uint_32(width), png_uint_32(height), 8,
+               alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+  // What the filters leave of a render hardly repeats but in runs: looking for more than those takes 2 to 7
+  // times as long and saves 0 to 1 % of the bytes.
+  png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_ALL_FILTERS);
+  png_set_compression_strategy(png, Z_RLE);
+  png_write_info(png, info);
+  const std::size_t row = std::size_t(width) * (alpha ? 4 : 3);
+  for (int y = 0; y < height; ++y) png_write_row(png, pixels + std::size_t(y) * row);
+  png_write_end(png, info);
+  return true;
+}
+
+struct PngTarget {
+  std::vector<std::uint8_t> bytes;
+  std::string error;
+};
+
 /// Pixels for the display, with alpha or without.
 Expected<std::vector<std::uint8_t>> encode_png_pixels(int width, int height,
                                                       std::span<const std::uint8_t> pixels, bool alpha) {
-  png_image png{};
-  png.version = PNG_IMAGE_VERSION;
-  png.width = png_uint_32(width);
-  png.height = png_uint_32(height);
-  png.format = alpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;  // 8 bits, sRGB
-  std::vector<std::uint8_t> bytes(PNG_IMAGE_PNG_SIZE_MAX(png));
-  png_alloc_size_t size = bytes.size();
-  if (png_image_write_to_memory(&png, bytes.data(), &size, 0, pixels.data(), 0, nullptr) == 0) {
-    return fail(fmt::format("cannot encode the image as PNG: {}", png.message));
-  }
-  bytes.resize(size);
-  return bytes;
+  PngTarget target;
+  const auto on_error = [](png_structp png, png_const_charp message) {
+    static_cast<PngTarget*>(png_get_error_ptr(png))->error = message;
+    png_longjmp(png, 1);
+  };
+  const auto on_warning = [](png_structp, png_const_charp) {};
+  const auto append = [](png_structp png, png_bytep bytes, png_size_t count) {
+    std::vector<std::uint8_t>& all = static_cast<PngTarget*>(png_get_io_ptr(png))->bytes;
+    try {
+      all.insert(all.end(), bytes, bytes + count);
+      return;
+    } catch (const std::exception&) {
+    }
+    png_error(png, "no memory is left");  // which an exception would have to pass as well
+  };
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &target, on_error, on_warning);
+  png_infop info = png == nullptr ? nullptr : png_create_info_struct(png);
+  if (info != nullptr) png_set_write_fn(png, &target, append, [](png_structp) {});
+  const bool written = info != nullptr && write_png(png, info, width, height, pixels.data(), alpha);
+  png_destroy_write_struct(&png, &info);
+  if (written) return std::move(target.bytes);
+  return fail(fmt::format("cannot encode the image as PNG: {}",
+                          target.error.empty() ? "no memory is left" : target.error));
 }
 
 /// Of alpha, which has no transfer function.

@@ -141,6 +141,8 @@ void SceneSet::read_scenes() {
     } catch (const std::exception& error) {  // memory above all: others may need less
       fail_member(i, {error.what()});
     }
+    if (i + 1 == plan_.members.size()) all_read_ = true;
+    bell().ring();
   }
   all_read_ = true;
 }
@@ -213,8 +215,14 @@ void SceneSet::done(JobId id, Expected<RenderOutcome> outcome) {
 
 void SceneSet::write_images() {
   while (std::optional<FinishedRender> finished = unwritten_.take()) {
-    write(std::move(*finished));
+    const std::size_t index = finished->index;
+    try {
+      write(std::move(*finished));
+    } catch (const std::exception& error) {  // memory above all: it is this image's loss alone
+      fail_member(index, {error.what()});
+    }
     --unwritten_count_;
+    bell().ring();
   }
 }
 

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
 
 #include <chrono>
 #include <fstream>
@@ -22,6 +23,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr auto kPatience = std::chrono::seconds(60);
 
@@ -91,6 +93,25 @@ TEST(InterruptedRender, IsRepeatedByItsRecordedCommand) {
   const auto again = nlohmann::json::parse(file_contents(folder / "again.json"));
   EXPECT_EQ(again["film_hash"], first["film_hash"]);
   EXPECT_EQ(again["complete"], true);
+}
+
+/// A render whose report goes to a pipe that nobody reads yet: the images are there, and it is still writing.
+TEST(InterruptedWriting, CtrlCLeavesWholeFilesAndTheRenderIsDone) {
+  TemporaryFolder folder;
+  write_small_scene(folder / "s.xml");
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  Program program(folder.path(), {"render", "s.xml", "--report", "pipe"});
+  ASSERT_TRUE(eventually([&] { return std::filesystem::exists(folder / "s.exr"); }, kPatience));
+  program.send(SIGINT);
+  std::ifstream pipe(folder / "pipe");
+  const auto report = nlohmann::json::parse(pipe, nullptr, false);
+  const ProgramResult result = program.wait();
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  ASSERT_TRUE(report.is_object());
+  EXPECT_TRUE(report["complete"]);
+  EXPECT_TRUE(read_image(folder / "s.exr"));
+  EXPECT_TRUE(read_image(folder / "s.png"));
+  for (const std::string& name : folder.names()) EXPECT_THAT(name, Not(HasSubstr(".part")));
 }
 
 TEST_F(Interrupt, TermIsLikeCtrlC) {

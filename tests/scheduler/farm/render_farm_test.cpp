@@ -7,7 +7,9 @@
 #include <chrono>
 #include <filesystem>
 #include <map>
+#include <mutex>
 #include <set>
+#include <thread>
 #include <vector>
 
 #include "tests/support/fake_device.h"
@@ -123,6 +125,63 @@ TEST_F(RenderFarmTest, WorkersWaitForJobsThatTakeTheirTime) {
   for (int i = 0; i < 3; ++i) source_.jobs.push_back(job(float(i)));
   ASSERT_TRUE(run());
   for (JobId id = 1; id <= 3; ++id) expect_film(id, float(id - 1));
+}
+
+/// Jobs that other threads put, which ring after each.
+class RungJobs final : public JobSource {
+ public:
+  static constexpr int kThreads = 3, kJobs = 4;  // of each
+
+  RungJobs() {
+    for (int thread = 0; thread < kThreads; ++thread)
+      threads_.emplace_back([this, thread] {
+        for (int i = 0; i < kJobs; ++i) {
+          {
+            const std::lock_guard lock(mutex_);
+            waiting_.push_back(job(float(thread * kJobs + i)));
+          }
+          bell().ring();
+        }
+        ++ended_;
+        bell().ring();
+        // Whether or not a farm listens, or still does.
+        for (int i = 0; i < 1000; ++i) bell().ring();
+      });
+  }
+  ~RungJobs() override {
+    for (std::thread& thread : threads_) thread.join();
+  }
+  std::shared_ptr<const RenderJob> next() override {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.empty()) return nullptr;
+    const auto first = waiting_.back();
+    waiting_.pop_back();
+    return first;
+  }
+  bool is_exhausted() override {
+    const bool all = ended_ == kThreads;
+    const std::lock_guard lock(mutex_);
+    return all && waiting_.empty();
+  }
+  void done(JobId, Expected<RenderOutcome> outcome) override {
+    ASSERT_TRUE(outcome) << outcome.error().message;
+    hashes.insert(outcome->film.hash());
+  }
+  std::set<std::uint64_t> hashes;
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::shared_ptr<const RenderJob>> waiting_;
+  std::atomic<int> ended_ = 0;
+  std::vector<std::thread> threads_;
+};
+
+TEST_F(RenderFarmTest, JobsMayComeFromAnyThreadThatRings) {
+  RungJobs jobs;
+  ASSERT_TRUE(run_farm(options_, jobs, stop_));
+  std::set<std::uint64_t> expected;
+  for (int i = 0; i < RungJobs::kThreads * RungJobs::kJobs; ++i) expected.insert(expected_hash(float(i)));
+  EXPECT_EQ(jobs.hashes, expected);
 }
 
 TEST_F(RenderFarmTest, AHigherPriorityGoesFirst) {

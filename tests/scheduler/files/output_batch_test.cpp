@@ -5,8 +5,11 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstdlib>
+#include <future>
 #include <map>
+#include <new>
 #include <set>
 #include <thread>
 
@@ -16,9 +19,11 @@ namespace penumbra {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 std::vector<std::uint8_t> bytes(std::string_view text) { return {text.begin(), text.end()}; }
 
@@ -46,6 +51,58 @@ TEST_F(OutputBatchTest, NothingIsThereBeforeTheEnd) {
   EXPECT_THAT(folder_.names(), ElementsAre("a.exr", "a.json"));
   EXPECT_EQ(file_contents(folder_ / "a.exr"), "image");
   EXPECT_THAT(temporary_.names(), IsEmpty());
+}
+
+TEST_F(OutputBatchTest, WhatIsMadeAsideIsThereAtTheEndWithTheRest) {
+  std::promise<void> go;
+  OutputBatch batch;
+  batch.add_aside(folder_ / "a.exr", [wait = go.get_future().share()]() -> Expected<OutputBatch::Bytes> {
+    wait.wait();
+    return bytes("image");
+  });
+  batch.add_aside(folder_ / "a.png", []() -> Expected<OutputBatch::Bytes> { return bytes("picture"); });
+  batch.add(folder_ / "a.json", bytes("report"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "a.json")) << "all or none";
+  go.set_value();
+  ASSERT_TRUE(batch.finish());
+  EXPECT_THAT(folder_.names(), ElementsAre("a.exr", "a.json", "a.png"));
+  EXPECT_EQ(file_contents(folder_ / "a.exr"), "image");
+  EXPECT_EQ(file_contents(folder_ / "a.png"), "picture");
+}
+
+TEST_F(OutputBatchTest, ErrorsComeInTheOrderOfTheFilesAndWhatIsMadeIsKept) {
+  write_text(folder_ / "a.png", "old");
+  std::promise<void> go;
+  OutputBatch batch;
+  batch.add_aside(folder_ / "a.exr", [wait = go.get_future().share()]() -> Expected<OutputBatch::Bytes> {
+    wait.wait();
+    return fail("no image");
+  });
+  batch.add_aside(folder_ / "b.exr", []() -> Expected<OutputBatch::Bytes> { throw std::bad_alloc(); });
+  batch.add_aside(folder_ / "gone/c.exr", []() -> Expected<OutputBatch::Bytes> { return bytes("third"); });
+  batch.add_aside(folder_ / "a.png", []() -> Expected<OutputBatch::Bytes> { return bytes("picture"); });
+  std::thread last([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    go.set_value();
+  });
+  const auto done = batch.finish();
+  last.join();
+  ASSERT_FALSE(done);
+  EXPECT_THAT(done.error().message,
+              ContainsRegex("^no image\ncannot write .*b\\.exr: .*bad_alloc\ncannot write .*c\\.exr: "));
+  EXPECT_THAT(done.error().message, Not(HasSubstr("lost")));
+  EXPECT_EQ(rescued(temporary_.path()),
+            (std::map<std::string, std::string>{{"a.png", "picture"}, {"c.exr", "third"}}));
+  EXPECT_EQ(file_contents(folder_ / "a.png"), "old");
+  EXPECT_THAT(folder_.names(), ElementsAre("a.png"));
+}
+
+TEST_F(OutputBatchTest, OneThatIsGivenUpLeavesNothing) {
+  for (int i = 0; i < 20; ++i) {
+    OutputBatch batch;
+    batch.add_aside(folder_ / "a.exr", []() -> Expected<OutputBatch::Bytes> { return bytes("image"); });
+  }
+  EXPECT_THAT(folder_.names(), IsEmpty());
 }
 
 TEST_F(OutputBatchTest, WhatHasNoPlaceIsKeptElsewhereTogether) {

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace penumbra {
@@ -26,6 +28,21 @@ TEST(ToneMap, KnownValues) {
   EXPECT_NEAR(srgb_from_linear(1.0), 1.0, 1e-15);
   EXPECT_EQ(display_byte(0.5f), 188);
   EXPECT_EQ(display_byte(0.18f), 118);
+}
+
+TEST(ToneMap, IsTheStandardsRoundedForEveryNumber) {
+  const auto check = [](std::uint32_t bits) {
+    const float linear = std::bit_cast<float>(bits);
+    ASSERT_EQ(display_byte(linear), std::lround(255.0 * srgb_from_linear(linear))) << linear;
+  };
+  const std::uint32_t one = std::bit_cast<std::uint32_t>(1.0f);
+  constexpr std::uint32_t kStride = 2003, kNear = 100;
+  for (std::uint32_t bits = 0; bits < one; bits += kStride) check(bits);
+  // Around the numbers where a byte ends and the next begins.
+  for (int byte = 0; byte < 255; ++byte) {
+    const auto middle = std::bit_cast<std::uint32_t>(float(linear_from_srgb((byte + 0.5) / 255.0)));
+    for (std::uint32_t bits = middle - kNear; bits <= middle + kNear; ++bits) check(bits);
+  }
 }
 
 TEST(ToneMap, ClampsWhatADisplayCannotShow) {

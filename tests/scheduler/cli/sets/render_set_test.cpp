@@ -270,6 +270,65 @@ TEST_F(RenderSet, WrongJobFilesAreBadInputAndNothingIsBegun) {
   }
 }
 
+TEST_F(RenderSet, AnImageThatCannotBeWrittenIsTheLossOfItsRenderAlone) {
+  std::filesystem::create_directories(folder_ / "out");
+  std::filesystem::create_directory(folder_ / "tmp");
+  std::filesystem::create_symlink("/dev/full", folder_ / "out/a.png");
+  std::filesystem::create_symlink("/dev/full", folder_ / "out/c.exr");
+  for (const char* name : {"d.xml", "e.xml"}) write_small_scene(folder_ / name);
+  const ProgramResult set =
+      run_shell(folder_.path(),
+                "TMPDIR=$PWD/tmp penumbra render a.xml b.xml c.xml d.xml e.xml -o out/ --workers 2 2>err; "
+                "code=$?; cat err >&2; exit $code");
+  EXPECT_EQ(set.exit_code, 1);
+  EXPECT_THAT(states(), ElementsAre("failed", "done", "failed", "done", "done"));
+  EXPECT_THAT(set.err, AllOf(HasSubstr("a.xml: cannot write "), HasSubstr("c.xml: cannot write "),
+                             Not(HasSubstr("b.xml: cannot")), HasSubstr("2 of 5 renders failed")));
+  const auto jobs = nlohmann::json::parse(file_contents(folder_ / "out/jobs.json"))["jobs"];
+  EXPECT_THAT(
+      jobs[0]["error"].get<std::string>(),
+      AllOf(HasSubstr("out/a.png"), HasSubstr("No space left on device"), HasSubstr("written instead")));
+  EXPECT_THAT(jobs[2]["error"].get<std::string>(), HasSubstr("out/c.exr"));
+  // The table has the renders in the order in which they were asked for.
+  for (const char* pair : {"a.xml b.xml", "b.xml c.xml", "c.xml d.xml", "d.xml e.xml"}) {
+    const std::string first(pair, 5), second(pair + 6, 5);
+    EXPECT_LT(set.out.find(first), set.out.find(second)) << set.out;
+  }
+  // Nothing half: what is there is an image, what is not is kept elsewhere.
+  for (const char* name : {"b.exr", "d.exr", "e.exr", "a.exr"}) {
+    const auto image = read_image(folder_ / "out" / name);
+    EXPECT_TRUE(image) << image.error().message;
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "out"))
+    EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+}
+
+TEST_F(RenderSet, AFolderThatIsGoneWhileOthersRenderIsTheLossOfItsRendersAlone) {
+  std::filesystem::create_directory(folder_ / "tmp");
+  for (const char* name : {"x/a.xml", "y/b.xml", "z/c.xml"}) {
+    std::filesystem::create_directories((folder_ / name).parent_path());
+    write_small_scene(folder_ / name);
+  }
+  // The middle one's folder becomes a file when the set has begun: the first render takes long enough.
+  Program set(folder_.path(), "/bin/bash",
+              {"-c", "export TMPDIR=$PWD/tmp; exec " PENUMBRA_BINARY_DIR
+                     "/penumbra render x/a.xml y/b.xml z/c.xml -o 'out/{folder}/i.exr' --summary s.json "
+                     "-D spp=4000000 --time-budget 1"});
+  const auto patience = std::chrono::steady_clock::now() + 60s;
+  while (!std::filesystem::exists(folder_ / "out/y") && std::chrono::steady_clock::now() < patience)
+    std::this_thread::sleep_for(5ms);
+  std::filesystem::remove_all(folder_ / "out/y");
+  write_text(folder_ / "out/y", "in the way");
+  const ProgramResult result = set.wait();
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  const auto jobs = nlohmann::json::parse(file_contents(folder_ / "s.json"))["jobs"];
+  EXPECT_EQ(jobs[0]["state"], "done") << result.err;
+  EXPECT_EQ(jobs[1]["state"], "failed");
+  EXPECT_EQ(jobs[2]["state"], "done");
+  EXPECT_THAT(jobs[1]["error"].get<std::string>(), HasSubstr("out/y"));
+  EXPECT_TRUE(read_image(folder_ / "out/x/i.exr") && read_image(folder_ / "out/z/i.exr"));
+}
+
 TEST_F(RenderSet, CtrlCKeepsWhatIsDoneAndSaysWhatIsNot) {
   Program set(folder_.path(), {"render", "a.xml", "b.xml", "c.xml", "-o", "out/", "-D", "spp=4000000"});
   std::this_thread::sleep_for(2s);

@@ -1,0 +1,103 @@
+#include "scheduler/cli/one_render.h"
+
+#include <utility>
+
+#include "kernels/host/console.h"
+#include "scheduler/cli/program_path.h"
+#include "scheduler/cli/render_checkpoint.h"
+#include "scheduler/cli/render_outputs.h"
+#include "scheduler/record/film_image.h"
+
+namespace penumbra {
+
+OneRender::OneRender(const RenderOptions& options, const std::vector<std::string>& command_line,
+                     const std::atomic<bool>& stop, bool show)
+    : options_(options),
+      command_line_(command_line),
+      stop_(stop),
+      show_(show),
+      printer_(show ? progress_style() : ProgressStyle::kNone, terminal_columns()) {}
+
+std::expected<void, ExitCode> OneRender::run(const std::function<Prepared()>& prepare) {
+  // An address that others are told, or a queue's hosts, are for a scene that can be rendered.
+  const auto worker = find_program("penumbra-worker");
+  if (worker && options_.listen.empty() && options_.launch.empty()) {
+    FarmOptions farm = farm_of(options_);
+    farm.worker_executable = worker->string();
+    farm.tells_how_to_watch = true;
+    auto preparing = std::async(std::launch::async, [&] { prepare_by(prepare); });
+    render(farm);
+    preparing.get();
+    if (!*prepared_) return std::unexpected(prepared_->error());
+  } else {
+    prepare_by(prepare);
+    if (!*prepared_) return std::unexpected(prepared_->error());
+    render((*prepared_)->farm);
+  }
+
+  PreparedRender& prepared = **prepared_;
+  if (outcome_ && !*outcome_ && prepared.job.device.backend == Backend::kAuto && !stop_) {
+    said_.push_back("native code renders: " + outcome_->error().message);
+    outcome_.reset();
+    is_taken_ = false;
+    if (const auto ready = fall_back_to_native(prepared); ready)
+      render(prepared.farm);
+    else
+      outcome_ = std::unexpected(ready.error());
+  }
+  if (writing_.valid()) written_ = writing_.get();
+  return {};
+}
+
+void OneRender::prepare_by(const std::function<Prepared()>& prepare) {
+  const auto let_the_farm_know = [this] {
+    is_prepared_ = true;
+    bell().ring();
+  };
+  try {
+    prepared_ = prepare();
+  } catch (...) {
+    let_the_farm_know();
+    throw;
+  }
+  let_the_farm_know();
+}
+
+void OneRender::render(const FarmOptions& farm) {
+  const Expected<void> ran = run_farm(farm, *this, stop_);
+  printer_.finish();
+  if (!ran && !outcome_) outcome_ = std::unexpected(ran.error());
+}
+
+std::shared_ptr<const RenderJob> OneRender::next() {
+  if (is_exhausted() || !is_prepared_) return nullptr;
+  is_taken_ = true;
+  return {std::shared_ptr<const RenderJob>(), &(*prepared_)->job};  // whose owner waits for run()
+}
+
+bool OneRender::is_exhausted() {
+  return is_prepared_ && (is_taken_ || !prepared_ || !prepared_->has_value());
+}
+
+void OneRender::progress(JobId, const RenderProgress& progress) {
+  RenderProgress with_notices = progress;
+  with_notices.notices.insert(with_notices.notices.begin(), notices_.begin(), notices_.end());
+  notices_.clear();
+  printer_.update(with_notices);
+  // The address and its token are printed even so, since the user asked for an address.
+  if (!show_ && !options_.listen.empty())
+    for (const std::string& text : with_notices.notices) print_message(text);
+}
+
+void OneRender::done(JobId, Expected<RenderOutcome> outcome) {
+  printer_.finish();
+  outcome_ = std::move(outcome);
+  if (!*outcome_) return;
+  RenderOutcome& rendered = **outcome_;
+  rendered.problems.insert(rendered.problems.begin(), said_.begin(), said_.end());
+  if (sample_range(rendered.film).total == 0) return;  // an image that exists is worth more than a black one
+  writing_ = std::async(std::launch::async | std::launch::deferred,
+                        [this, &rendered] { return write_outputs(**prepared_, rendered, command_line_); });
+}
+
+}  // namespace penumbra
