@@ -70,6 +70,12 @@ class ListedJobs final : public JobSource {
     finished.push_back(id);
     outcomes.emplace(id, std::move(outcome));
   }
+  void begin_anew() {
+    jobs.clear();
+    finished.clear();
+    outcomes.clear();
+    taken_ = most_open = 0;
+  }
 
  private:
   std::size_t taken_ = 0;
@@ -218,7 +224,7 @@ TEST_F(RenderFarmTest, AJobThatNoWorkerCanDoDoesNotStopTheOthers) {
 TEST_F(RenderFarmTest, ASceneThatKillsEveryWorkerConcernsItsJobAlone) {
   for (const int workers : {1, 2, 6}) {
     SCOPED_TRACE(workers);
-    source_ = ListedJobs();
+    source_.begin_anew();
     FakeBehaviour{.delay_ms = 2, .deadly_scene = 2}.to_environment();
     options_.workers = workers;
     source_.jobs = {job(1), job(2), job(3), job(4)};
