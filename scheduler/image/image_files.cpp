@@ -218,6 +218,8 @@ std::uint64_t values_beyond_half(const Image& image) {
 Expected<std::vector<std::uint8_t>> encode_exr(const Image& image, const ExrEncoding& encoding) {
   std::vector<std::uint8_t> bytes;
   try {
+    // Room that is not used takes no memory, and growing would copy what is there again and again.
+    bytes.reserve(image.values.size() * sizeof(float));
     MemoryStream stream(bytes);
     const int threads = compression_threads();
     const std::vector<half> halves = halves_of(image, encoding);
