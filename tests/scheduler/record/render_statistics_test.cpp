@@ -58,7 +58,9 @@ TEST(Report, SaysWhatWasDoneAndByWhom) {
   statistics.inventory->result = {24, 84};
   statistics.inventory->native = NativeCode{"avx2", "core", FEATURE_PATH, {10'000, 90'000}};
   statistics.build_seconds = 0.25;
-  const auto json = statistics_json(statistics);
+  auto json = statistics_json(statistics);
+  EXPECT_TRUE(json["seconds"]["write"].is_null() && json["finished"].is_null()) << "it is not over yet";
+  add_end(json, 1.5);
 
   EXPECT_EQ(json["complete"], false);
   EXPECT_EQ(json["scene"], "a.xml");
@@ -97,6 +99,8 @@ TEST(Report, SaysWhatWasDoneAndByWhom) {
   EXPECT_EQ(json["problems"][0], "worker a:1 was lost");
   EXPECT_EQ(json["film_hash"].get<std::string>().size(), 16u);
   EXPECT_EQ(json["seconds"]["build"], 0.25);
+  EXPECT_EQ(json["seconds"]["write"], 1.5);
+  EXPECT_EQ(json["finished"].get<std::string>().size(), std::string("2026-01-02T03:04:05Z").size());
   EXPECT_EQ(json["command_line"].size(), 5u);
 }
 

@@ -17,6 +17,7 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -285,10 +286,9 @@ TEST_F(RenderSet, AnImageThatCannotBeWrittenIsTheLossOfItsRenderAlone) {
   EXPECT_THAT(set.err, AllOf(HasSubstr("a.xml: cannot write "), HasSubstr("c.xml: cannot write "),
                              Not(HasSubstr("b.xml: cannot")), HasSubstr("2 of 5 renders failed")));
   const auto jobs = nlohmann::json::parse(file_contents(folder_ / "out/jobs.json"))["jobs"];
-  EXPECT_THAT(
-      jobs[0]["error"].get<std::string>(),
-      AllOf(HasSubstr("out/a.png"), HasSubstr("No space left on device"), HasSubstr("written instead")));
-  EXPECT_THAT(jobs[2]["error"].get<std::string>(), HasSubstr("out/c.exr"));
+  EXPECT_THAT(jobs[0]["error"].get<std::string>(),
+              AllOf(EndsWith("/a.png"), HasSubstr("No space left on device"), HasSubstr("written instead")));
+  EXPECT_THAT(jobs[2]["error"].get<std::string>(), EndsWith("/c.exr"));
   // The table has the renders in the order in which they were asked for.
   for (const char* pair : {"a.xml b.xml", "b.xml c.xml", "c.xml d.xml", "d.xml e.xml"}) {
     const std::string first(pair, 5), second(pair + 6, 5);
