@@ -84,9 +84,12 @@ void show_power(const char* what, const std::vector<Cell>& cells) {
   fmt::print("all of them: s ~ {}^{:.3f} ({:.3f} to {:.3f})\n", what, power.slope, power.low, power.high);
 }
 
-/// Also constant + slope log2(triangles), by least squares.
-void show_logarithm(const std::vector<Cell>& cells) {
+/// Also constant + slope log2(triangles), by least squares, of those in a hierarchy.
+void show_logarithm(std::vector<Cell> cells) {
+  constexpr double kFewest = 1000;
   show_power("triangles", cells);
+  std::erase_if(cells, [](const Cell& cell) { return cell.x < kFewest; });
+  if (cells.size() < 2) return;
   double x = 0, y = 0, xx = 0, xy = 0;
   for (const Cell& cell : cells) {
     x += log_x(cell) / double(cells.size());
@@ -100,7 +103,8 @@ void show_logarithm(const std::vector<Cell>& cells) {
   double worst = 0;
   for (const Cell& cell : cells)
     worst = std::max(worst, std::abs(nanoseconds(cell) / (constant + slope * log_x(cell)) - 1));
-  fmt::print("{:.1f} + {:.1f} log2(triangles) ns a sample, within {:.0f} %\n", constant, slope, 100 * worst);
+  fmt::print("{:.1f} + {:.1f} log2(triangles) ns a sample from {} triangles on, within {:.0f} %\n", constant,
+             slope, kFewest, 100 * worst);
 }
 
 int run(int argc, char** argv) {
