@@ -37,6 +37,7 @@ FN Hit closer_hit(Hit best, float t, int primitive) {
 typedef struct {
   vec3 o, d;
   float ix, iy, iz;            ///< 1 / d
+  float fx, fy, fz;            ///< ... by which the distance of where the ray leaves a box is never too small
   int near_x, near_y, near_z;  ///< rows of a node's bounds that the ray meets first
   Shear shear;
   int kx, ky, kz;    ///< where the axes of the sheared space are
@@ -51,6 +52,9 @@ FN BvhRay make_bvh_ray(vec3 o, vec3 d, int skip) {
   r.ix = 1.0f / d.x;
   r.iy = 1.0f / d.y;
   r.iz = 1.0f / d.z;
+  r.fx = r.ix * SLAB_MARGIN;
+  r.fy = r.iy * SLAB_MARGIN;
+  r.fz = r.iz * SLAB_MARGIN;
   r.near_x = r.ix < 0.0f ? 3 : 0;
   r.near_y = r.iy < 0.0f ? 4 : 1;
   r.near_z = r.iz < 0.0f ? 5 : 2;
@@ -65,9 +69,19 @@ FN BvhRay make_bvh_ray(vec3 o, vec3 d, int skip) {
   return r;
 }
 
-/// Bit j says whether the ray enters child j before `limit`; entries[j] is where.
-FN uint enter_children(GLOBAL const BvhNode* node, const PRIVATE BvhRay* r, float limit,
-                       PRIVATE float* entries) {
+// What orders children along a ray: the bits of where it enters them, which as integers are in the order of
+// the distances, but for the lowest, which are the child's number; and of a child that it does not enter.
+#define KEY_CHILD (BVH_WIDTH - 1)
+#define NO_KEY 0x7fffffff
+
+/// Of where a ray has been found to end, the key up to which children are visited. A triangle's distance and
+/// that of the box about it are rounded in other ways: the margin lets every triangle that is as near as the
+/// nearest be tested, in whatever order leaves are visited, so that the hit is that of a test of all.
+#define END_MARGIN 1.0000153f  // 1 + 2^-16
+FN int key_of_end(float t) { return (int)FLOAT_BITS(t * END_MARGIN); }
+
+/// Bit j says whether the ray enters child j before `end`, a bound of key_of_end; keys[j] is its key.
+FN uint enter_children(GLOBAL const BvhNode* node, const PRIVATE BvhRay* r, int end, PRIVATE int* keys) {
   GLOBAL const float* nx = node->bounds[r->near_x];
   GLOBAL const float* ny = node->bounds[r->near_y];
   GLOBAL const float* nz = node->bounds[r->near_z];
@@ -75,25 +89,29 @@ FN uint enter_children(GLOBAL const BvhNode* node, const PRIVATE BvhRay* r, floa
   GLOBAL const float* fy = node->bounds[5 - r->near_y];
   GLOBAL const float* fz = node->bounds[7 - r->near_z];
   const vec3 o = r->o;
-  const float ix = r->ix, iy = r->iy, iz = r->iz;
+  const vec3 in = make_vec3(r->ix, r->iy, r->iz), out = make_vec3(r->fx, r->fy, r->fz);
+  const float limit = BITS_FLOAT(end);
   int entered[BVH_WIDTH];
   // Comparisons with the NaN of 0 * infinity keep the other operand or none: such a box is visited, never
   // missed.
   REGISTER_LOOP(BVH_WIDTH)
   for (int j = 0; j < BVH_WIDTH; j++) {
-    const float t0 = max_f(max_f(max_f((nx[j] - o.x) * ix, (ny[j] - o.y) * iy), (nz[j] - o.z) * iz), 0.0f);
+    const float t0 =
+        max_f(max_f((nx[j] - o.x) * in.x, (ny[j] - o.y) * in.y), max_f((nz[j] - o.z) * in.z, 0.0f));
     const float t1 =
-        min_f(min_f(min_f((fx[j] - o.x) * ix, (fy[j] - o.y) * iy), (fz[j] - o.z) * iz) * SLAB_MARGIN, limit);
-    entries[j] = t0;
-    entered[j] = t0 <= t1 ? 1 : 0;
+        min_f(min_f((fx[j] - o.x) * out.x, (fy[j] - o.y) * out.y), min_f((fz[j] - o.z) * out.z, limit));
+    const bool enters = t0 <= t1;
+    keys[j] = enters ? (((int)FLOAT_BITS(t0) & ~KEY_CHILD) | j) : NO_KEY;
+    entered[j] = enters ? 1 : 0;
   }
   return mask_of_8(entered);
 }
 
-FN Hit intersect_triangle_leaf(GLOBAL const TriangleLeaf* leaf, const PRIVATE BvhRay* r, Hit best) {
+/// Bit j says whether the ray hits triangle j in (0, limit], be it the one to skip; ts[j] is where.
+FN uint triangle_leaf_hits(GLOBAL const TriangleLeaf* leaf, const PRIVATE BvhRay* r, float limit,
+                           PRIVATE float* ts) {
   const Shear s = r->shear;
-  const float ox = r->ox, oy = r->oy, oz = r->oz, limit = best.t;
-  const int skip = r->skip;
+  const float ox = r->ox, oy = r->oy, oz = r->oz;
   GLOBAL const float* ax = leaf->p[0][r->kx];
   GLOBAL const float* ay = leaf->p[0][r->ky];
   GLOBAL const float* az = leaf->p[0][r->kz];
@@ -103,22 +121,30 @@ FN Hit intersect_triangle_leaf(GLOBAL const TriangleLeaf* leaf, const PRIVATE Bv
   GLOBAL const float* cx = leaf->p[2][r->kx];
   GLOBAL const float* cy = leaf->p[2][r->ky];
   GLOBAL const float* cz = leaf->p[2][r->kz];
-  float ts[BVH_WIDTH];
   int inside[BVH_WIDTH];
   REGISTER_LOOP(BVH_WIDTH)
   for (int j = 0; j < BVH_WIDTH; j++) {
     const TriangleHit h = intersect_sheared(shear_permuted(s, ax[j] - ox, ay[j] - oy, az[j] - oz),
                                             shear_permuted(s, bx[j] - ox, by[j] - oy, bz[j] - oz),
                                             shear_permuted(s, cx[j] - ox, cy[j] - oy, cz[j] - oz));
-    const int primitive = leaf->primitive[j];
     ts[j] = h.t;
-    inside[j] = (h.inside & (h.t > 0.0f) & (h.t <= limit) & (primitive != skip)) ? 1 : 0;
+    inside[j] = (h.inside & (h.t > 0.0f) & (h.t <= limit)) ? 1 : 0;
   }
-  for (uint hits = mask_of_8(inside); hits != 0u; hits &= hits - 1u) {
-    const int j = LOWEST_BIT(hits);
-    best = closer_hit(best, ts[j], leaf->primitive[j]);
+  return mask_of_8(inside);
+}
+
+/// The closest of `best` and those of `hits` that are not of the primitive to skip.
+FN Hit closest_of(GLOBAL const TriangleLeaf* leaf, const PRIVATE float* ts, uint hits, int skip, Hit best) {
+  for (; hits != 0u; hits &= hits - 1u) {
+    const int j = LOWEST_BIT(hits), primitive = leaf->primitive[j];
+    if (primitive != skip) best = closer_hit(best, ts[j], primitive);
   }
   return best;
+}
+
+FN Hit intersect_triangle_leaf(GLOBAL const TriangleLeaf* leaf, const PRIVATE BvhRay* r, Hit best) {
+  float ts[BVH_WIDTH];
+  return closest_of(leaf, ts, triangle_leaf_hits(leaf, r, best.t, ts), r->skip, best);
 }
 
 #if HAS(QUADRICS)
@@ -220,27 +246,26 @@ FN void leave_instance(PRIVATE Traversal* t, int skip_instance, int top) {
 /// `instances`: whether the scene has some; a constant, for code without where it has none.
 FN Hit intersect_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip, int skip_instance,
                         bool instances) {
-  int stack[BVH_STACK];
-  float distances[BVH_STACK], entries[BVH_WIDTH];
+  int stack[BVH_STACK], distances[BVH_STACK], entries[BVH_WIDTH];
   Hit best = no_hit(tmax);
   if (tmax < 0.0f) return best;
   Traversal at = start_traversal(o, d, skip, skip_instance, instances);
-  int top = 0, entry = 0;
+  int top = 0, entry = 0, end = key_of_end(tmax);
   for (;;) {
     if (entry >= 0) {
       GLOBAL const BvhNode* node = scene->nodes + entry;
-      uint hits = enter_children(node, &at.ray, best.t, entries);
+      uint hits = enter_children(node, &at.ray, end, entries);
       if (hits != 0u) {
         // The nearest child next, the others on the stack by falling distance.
         const int base = top;
         int first = LOWEST_BIT(hits);
-        float nearest = entries[first];
+        int nearest = entries[first];
         entry = node->child[first];
         for (hits &= hits - 1u; hits != 0u; hits &= hits - 1u) {
           const int j = LOWEST_BIT(hits);
           const bool nearer = entries[j] < nearest;
           const int other = nearer ? entry : node->child[j];
-          const float distance = nearer ? nearest : entries[j];
+          const int distance = nearer ? nearest : entries[j];
           entry = nearer ? node->child[j] : entry;
           nearest = nearer ? entries[j] : nearest;
           int place = top++;
@@ -270,6 +295,7 @@ FN Hit intersect_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, 
 #else
       best = found;
 #endif
+      end = key_of_end(best.t);
     }
     do {
 #if HAS(INSTANCES)
@@ -277,7 +303,7 @@ FN Hit intersect_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, 
 #endif
       if (top == 0) return best;
       entry = stack[--top];
-    } while (distances[top] > best.t);
+    } while (distances[top] > end);
   }
 }
 
@@ -286,8 +312,8 @@ FN Hit intersect_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, 
 /// ray's origin first).
 FN Hit occlude_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip, int skip_instance,
                       bool instances) {
-  int stack[BVH_STACK];
-  float entries[BVH_WIDTH];
+  int stack[BVH_STACK], entries[BVH_WIDTH];
+  const int end = key_of_end(tmax);
   if (tmax < 0.0f) return no_hit(tmax);
   Traversal at = start_traversal(o, d, skip, skip_instance, instances);
   int top = 0;
@@ -300,7 +326,7 @@ FN Hit occlude_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, in
 #endif
     if (entry >= 0) {
       GLOBAL const BvhNode* node = scene->nodes + entry;
-      for (uint hits = enter_children(node, &at.ray, tmax, entries); hits != 0u; hits &= hits - 1u)
+      for (uint hits = enter_children(node, &at.ray, end, entries); hits != 0u; hits &= hits - 1u)
         stack[top++] = node->child[LOWEST_BIT(hits)];
     } else {
       const Hit some = intersect_leaf(scene, ~entry, &at.ray, no_hit(tmax), instances);

@@ -1,0 +1,113 @@
+// What a ray does between two others that are under way with it, in scenes without instances: one step into a
+// node or a leaf (block/block_flight.h calls them in turn). Steps have no branch that processors guess wrongly
+// but those that are rarely taken. The hits are those of bvh.h.
+#ifndef PENUMBRA_BVH_FLIGHT_H
+#define PENUMBRA_BVH_FLIGHT_H
+#include "kernels/intersect/bvh.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+#if HAS(BVH) && defined(RAYS_IN_FLIGHT)
+// pack_8 writes a whole register at the top of a stack, whose lowest entry is LANDED.
+  #define FLIGHT_STACK (BVH_MAX_DEPTH * (BVH_WIDTH - 1) + 2 * BVH_WIDTH + 2)
+  #define LANDED 0x7fffffff  // comes after the last node or leaf
+
+typedef struct {
+  BvhRay ray;
+  float t;        ///< where it ends, so far
+  int primitive;  ///< there, or -1
+  int end;        ///< key_of_end
+  int path;       ///< that it is the ray of
+  int entry;      ///< that it visits next
+  int top;        ///< number of entries that are still to be visited after it
+  int stack[FLIGHT_STACK];
+  int keys[FLIGHT_STACK];  ///< of the entries, unless any hit is wanted
+} RayInFlight;
+
+FN void start_flight(PRIVATE RayInFlight* f, vec3 o, vec3 d, float tmax, int skip, int path) {
+  f->ray = make_bvh_ray(o, d, skip);
+  f->t = tmax;
+  f->primitive = -1;
+  f->end = key_of_end(tmax);
+  f->path = path;
+  f->entry = 0;
+  f->stack[0] = LANDED;
+  f->keys[0] = 0;
+  f->top = 1;
+}
+
+/// The next entry is the uppermost that is not behind the end.
+FN void pop_entry(PRIVATE RayInFlight* f, int top, bool any) {
+  top--;
+  while (!any && f->keys[top] > f->end) top--;
+  f->top = top;
+  f->entry = f->stack[top];
+}
+
+/// The nearest child comes next, the others in the order of their numbers; for any hit, the last child.
+FN void step_into_node(const PRIVATE Scene* scene, PRIVATE RayInFlight* f, bool any) {
+  GLOBAL const BvhNode* node = scene->nodes + f->entry;
+  int keys[BVH_WIDTH];
+  const uint entered = enter_children(node, &f->ray, f->end, keys);
+  int top = f->top;
+  if (any) {
+    pack_8(f->stack + top, node->child, entered);
+    top += BIT_COUNT(entered);
+  } else {
+    const int least = least_of_8(keys), nearest = least & KEY_CHILD;
+    const uint others = entered & ~(1u << nearest);
+    pack_8(f->stack + top, node->child, others);
+    pack_8(f->keys + top, keys, others);
+    top += BIT_COUNT(others);
+    f->stack[top] = node->child[nearest];
+    f->keys[top] = least;
+    top += entered != 0u ? 1 : 0;
+  }
+  pop_entry(f, top, any);
+}
+
+/// As closest_of, for hits that are not of the primitive to skip nor equally near, which is nearly all.
+FN Hit closest_in_flight(GLOBAL const TriangleLeaf* leaf, const PRIVATE float* ts, uint hits, int skip,
+                         Hit best) {
+  int distances[BVH_WIDTH], same[BVH_WIDTH];
+  REGISTER_LOOP(BVH_WIDTH)
+  for (int j = 0; j < BVH_WIDTH; j++)
+    distances[j] = (hits & (1u << j)) != 0u ? (int)FLOAT_BITS(ts[j]) : NO_KEY;
+  const int least = least_of_8(distances);
+  REGISTER_LOOP(BVH_WIDTH)
+  for (int j = 0; j < BVH_WIDTH; j++) same[j] = distances[j] == least ? 1 : 0;
+  const uint nearest = mask_of_8(same) & hits;
+  const int j = LOWEST_BIT(nearest | (1u << KEY_CHILD)), primitive = leaf->primitive[j];
+  if (((nearest & (nearest - 1u)) != 0u) | ((nearest != 0u) & (primitive == skip)))
+    return closest_of(leaf, ts, hits, skip, best);
+  const float t = BITS_FLOAT((uint)least);
+  const bool closer = (nearest != 0u) & ((t < best.t) | (primitive < best.primitive));
+  best.t = closer ? t : best.t;
+  best.primitive = closer ? primitive : best.primitive;
+  return best;
+}
+
+FN void step_into_leaf(const PRIVATE Scene* scene, PRIVATE RayInFlight* f, bool any) {
+  const int number = ~f->entry;
+  Hit best = no_hit(f->t);
+  best.primitive = f->primitive;
+  #if HAS(QUADRICS)
+  if (number >= scene->header.tables.triangle_leaves.count) {
+    best = intersect_leaf(scene, number, &f->ray, best, false);
+  } else
+  #endif
+  {
+    GLOBAL const TriangleLeaf* leaf = scene->triangle_leaves + number;
+    float ts[BVH_WIDTH];
+    const uint hits = triangle_leaf_hits(leaf, &f->ray, best.t, ts);
+    best = closest_in_flight(leaf, ts, hits, f->ray.skip, best);
+  }
+  f->t = best.t;
+  f->primitive = best.primitive;
+  f->end = key_of_end(best.t);
+  pop_entry(f, (any & (best.primitive >= 0)) ? 1 : f->top, any);
+}
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif
