@@ -1,8 +1,8 @@
 // Many rays through the hierarchy at a time, each in turn a step, while what the others visit next is on its
 // way from memory. Rays wait in one list for their node and in another for their leaf, so that no processor
-// has to guess which it is (after Wald, Benthin and Boulos 2008, Getting Rid of Packets, who filter streams of
-// rays by what they do next). Rays that stay together all the way, a camera's, are faster one by one: their
-// branches are guessed rightly, and what they visit is there already.
+// has to guess which it is (after Wald, Benthin and Boulos 2008, Getting Rid of Packets, who filter streams
+// of rays by what they do next). Rays that stay together all the way, a camera's, are faster one by one:
+// their branches are guessed rightly, and what they visit is there already.
 #ifndef PENUMBRA_BLOCK_FLIGHT_H
 #define PENUMBRA_BLOCK_FLIGHT_H
 #include "kernels/block/path_state.h"
@@ -39,11 +39,14 @@ FN void set_transmittance_of_hit(const PRIVATE Scene* scene, const PRIVATE PathS
 /// every ray is written behind every list.
 typedef struct {
   int nodes[RAYS_IN_FLIGHT + 1], leaves[RAYS_IN_FLIGHT + 1], ended[RAYS_IN_FLIGHT + 1];
-  int node_count, leaf_count, ended_count;
 } FlightLists;
+typedef struct {
+  int nodes, leaves, ended;
+} FlightCounts;
 
 /// Lists the ray by what it visits next, and asks for that.
-FN void list_flight(const PRIVATE Scene* scene, PRIVATE FlightLists* next, int k, int entry) {
+FN FlightCounts list_flight(const PRIVATE Scene* scene, PRIVATE FlightLists* next, FlightCounts counts, int k,
+                            int entry) {
   const bool leaf = entry < 0, ended = entry == LANDED;
   GLOBAL const char* node = (GLOBAL const char*)(scene->nodes + ((leaf | ended) ? 0 : entry));
   GLOBAL const char* leaf_bytes = (GLOBAL const char*)(scene->triangle_leaves + (leaf ? ~entry : 0));
@@ -52,12 +55,13 @@ FN void list_flight(const PRIVATE Scene* scene, PRIVATE FlightLists* next, int k
   PREFETCH(bytes + CACHE_LINE);
   PREFETCH(bytes + 2 * CACHE_LINE);
   PREFETCH(bytes + 3 * CACHE_LINE);
-  next->nodes[next->node_count] = k;
-  next->leaves[next->leaf_count] = k;
-  next->ended[next->ended_count] = k;
-  next->node_count += (leaf | ended) ? 0 : 1;
-  next->leaf_count += leaf ? 1 : 0;
-  next->ended_count += ended ? 1 : 0;
+  next->nodes[counts.nodes] = k;
+  next->leaves[counts.leaves] = k;
+  next->ended[counts.ended] = k;
+  counts.nodes += (leaf | ended) ? 0 : 1;
+  counts.leaves += leaf ? 1 : 0;
+  counts.ended += ended ? 1 : 0;
+  return counts;
 }
 
 /// The ray of a path, or its shadow ray, of which any hit will do.
@@ -80,24 +84,24 @@ FN void trace_in_flight(const PRIVATE Scene* scene, const PRIVATE PathState* pat
     start_ray_of(&flight[k], paths, listed[k], shadow);
     lists[0].nodes[k] = k;
   }
-  lists[0].node_count = started;
-  lists[0].leaf_count = 0;
-  while (lists[turn].node_count + lists[turn].leaf_count > 0) {
+  FlightCounts counts = {started, 0, 0};
+  while (counts.nodes + counts.leaves > 0) {
     const PRIVATE FlightLists* now = &lists[turn];
+    const FlightCounts due = counts;
     turn = 1 - turn;
     PRIVATE FlightLists* next = &lists[turn];
-    next->node_count = next->leaf_count = next->ended_count = 0;
-    for (int i = 0; i < now->node_count; i++) {
+    counts.nodes = counts.leaves = counts.ended = 0;
+    for (int i = 0; i < due.nodes; i++) {
       const int k = now->nodes[i];
       step_into_node(scene, &flight[k], shadow);
-      list_flight(scene, next, k, flight[k].entry);
+      counts = list_flight(scene, next, counts, k, flight[k].entry);
     }
-    for (int i = 0; i < now->leaf_count; i++) {
+    for (int i = 0; i < due.leaves; i++) {
       const int k = now->leaves[i];
       step_into_leaf(scene, &flight[k], shadow);
-      list_flight(scene, next, k, flight[k].entry);
+      counts = list_flight(scene, next, counts, k, flight[k].entry);
     }
-    for (int i = 0; i < next->ended_count; i++) {
+    for (int i = 0; i < counts.ended; i++) {
       const int k = next->ended[i];
       if (shadow)
         set_transmittance_of_hit(scene, paths, flight[k].path, flight[k].primitive);
@@ -105,7 +109,7 @@ FN void trace_in_flight(const PRIVATE Scene* scene, const PRIVATE PathState* pat
         set_hit(paths, flight[k].path, flight[k].primitive);
       if (started == count) continue;
       start_ray_of(&flight[k], paths, listed[started++], shadow);
-      next->nodes[next->node_count++] = k;
+      next->nodes[counts.nodes++] = k;
     }
   }
 }

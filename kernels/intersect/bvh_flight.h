@@ -1,6 +1,6 @@
 // What a ray does between two others that are under way with it, in scenes without instances: one step into a
-// node or a leaf (block/block_flight.h calls them in turn). Steps have no branch that processors guess wrongly
-// but those that are rarely taken. The hits are those of bvh.h.
+// node or a leaf (block/block_flight.h calls them in turn). Steps have no branch that processors guess
+// wrongly but those that are rarely taken. The hits are those of bvh.h.
 #ifndef PENUMBRA_BVH_FLIGHT_H
 #define PENUMBRA_BVH_FLIGHT_H
 #include "kernels/intersect/bvh.h"
@@ -8,7 +8,7 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 #if HAS(BVH) && defined(RAYS_IN_FLIGHT)
-// pack_8 writes a whole register at the top of a stack, whose lowest entry is LANDED.
+  // pack_8 writes a whole register at the top of a stack, whose lowest entry is LANDED.
   #define FLIGHT_STACK (BVH_MAX_DEPTH * (BVH_WIDTH - 1) + 2 * BVH_WIDTH + 2)
   #define LANDED 0x7fffffff  // comes after the last node or leaf
 
@@ -66,7 +66,7 @@ FN void step_into_node(const PRIVATE Scene* scene, PRIVATE RayInFlight* f, bool 
   pop_entry(f, top, any);
 }
 
-/// As closest_of, for hits that are not of the primitive to skip nor equally near, which is nearly all.
+/// As closest_of, without a loop but where the nearest is the primitive to skip or one of several.
 FN Hit closest_in_flight(GLOBAL const TriangleLeaf* leaf, const PRIVATE float* ts, uint hits, int skip,
                          Hit best) {
   int distances[BVH_WIDTH], same[BVH_WIDTH];
@@ -77,13 +77,26 @@ FN Hit closest_in_flight(GLOBAL const TriangleLeaf* leaf, const PRIVATE float* t
   REGISTER_LOOP(BVH_WIDTH)
   for (int j = 0; j < BVH_WIDTH; j++) same[j] = distances[j] == least ? 1 : 0;
   const uint nearest = mask_of_8(same) & hits;
-  const int j = LOWEST_BIT(nearest | (1u << KEY_CHILD)), primitive = leaf->primitive[j];
+  const int primitive = leaf->primitive[LOWEST_BIT(nearest | (1u << KEY_CHILD))];
   if (((nearest & (nearest - 1u)) != 0u) | ((nearest != 0u) & (primitive == skip)))
     return closest_of(leaf, ts, hits, skip, best);
   const float t = BITS_FLOAT((uint)least);
   const bool closer = (nearest != 0u) & ((t < best.t) | (primitive < best.primitive));
   best.t = closer ? t : best.t;
   best.primitive = closer ? primitive : best.primitive;
+  return best;
+}
+
+/// Some hit, likewise. Not at the very end of the ray, which is where none is.
+FN Hit some_in_flight(GLOBAL const TriangleLeaf* leaf, const PRIVATE float* ts, uint hits, int skip,
+                      Hit best) {
+  int before[BVH_WIDTH];
+  REGISTER_LOOP(BVH_WIDTH)
+  for (int j = 0; j < BVH_WIDTH; j++) before[j] = ts[j] < best.t ? 1 : 0;
+  const uint found = mask_of_8(before) & hits;
+  const int primitive = leaf->primitive[LOWEST_BIT(found | (1u << KEY_CHILD))];
+  if ((found != 0u) & (primitive == skip)) return closest_of(leaf, ts, hits, skip, best);
+  best.primitive = found != 0u ? primitive : -1;
   return best;
 }
 
@@ -100,11 +113,14 @@ FN void step_into_leaf(const PRIVATE Scene* scene, PRIVATE RayInFlight* f, bool 
     GLOBAL const TriangleLeaf* leaf = scene->triangle_leaves + number;
     float ts[BVH_WIDTH];
     const uint hits = triangle_leaf_hits(leaf, &f->ray, best.t, ts);
-    best = closest_in_flight(leaf, ts, hits, f->ray.skip, best);
+    best = any ? some_in_flight(leaf, ts, hits, f->ray.skip, best)
+               : closest_in_flight(leaf, ts, hits, f->ray.skip, best);
   }
-  f->t = best.t;
   f->primitive = best.primitive;
-  f->end = key_of_end(best.t);
+  if (!any) {
+    f->t = best.t;
+    f->end = key_of_end(best.t);
+  }
   pop_entry(f, (any & (best.primitive >= 0)) ? 1 : f->top, any);
 }
 #endif
