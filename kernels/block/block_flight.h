@@ -45,23 +45,24 @@ typedef struct {
 } FlightCounts;
 
 /// Lists the ray by what it visits next, and asks for that.
-FN FlightCounts list_flight(const PRIVATE Scene* scene, PRIVATE FlightLists* next, FlightCounts counts, int k,
-                            int entry) {
-  const bool leaf = entry < 0, ended = entry == LANDED;
-  GLOBAL const char* node = (GLOBAL const char*)(scene->nodes + ((leaf | ended) ? 0 : entry));
-  GLOBAL const char* leaf_bytes = (GLOBAL const char*)(scene->triangle_leaves + (leaf ? ~entry : 0));
-  GLOBAL const char* bytes = leaf ? leaf_bytes : node;
-  PREFETCH(bytes);
-  PREFETCH(bytes + CACHE_LINE);
-  PREFETCH(bytes + 2 * CACHE_LINE);
-  PREFETCH(bytes + 3 * CACHE_LINE);
-  next->nodes[counts.nodes] = k;
-  next->leaves[counts.leaves] = k;
-  next->ended[counts.ended] = k;
-  counts.nodes += (leaf | ended) ? 0 : 1;
-  counts.leaves += leaf ? 1 : 0;
-  counts.ended += ended ? 1 : 0;
-  return counts;
+FN void list_flight(const PRIVATE Scene* scene, PRIVATE FlightLists* next, PRIVATE FlightCounts* counts,
+                    int k, const PRIVATE RayInFlight* f) {
+  const int entry = f->entry;
+  const bool leaf = entry < 0, ended = f->top == 0;
+  GLOBAL const char* table =
+      leaf ? (GLOBAL const char*)scene->triangle_leaves : (GLOBAL const char*)scene->nodes;
+  GLOBAL const char* record =
+      table + (ulong)(uint)(leaf ? ~entry : entry) * (leaf ? sizeof(TriangleLeaf) : sizeof(BvhNode));
+  PREFETCH(record);
+  PREFETCH(record + CACHE_LINE);
+  PREFETCH(record + 2 * CACHE_LINE);
+  PREFETCH(record + 3 * CACHE_LINE);
+  next->nodes[counts->nodes] = k;
+  next->leaves[counts->leaves] = k;
+  next->ended[counts->ended] = k;
+  counts->nodes += (leaf | ended) ? 0 : 1;
+  counts->leaves += leaf ? 1 : 0;
+  counts->ended += ended ? 1 : 0;
 }
 
 /// The ray of a path, or its shadow ray, of which any hit will do.
@@ -94,12 +95,12 @@ FN void trace_in_flight(const PRIVATE Scene* scene, const PRIVATE PathState* pat
     for (int i = 0; i < due.nodes; i++) {
       const int k = now->nodes[i];
       step_into_node(scene, &flight[k], shadow);
-      counts = list_flight(scene, next, counts, k, flight[k].entry);
+      list_flight(scene, next, &counts, k, &flight[k]);
     }
     for (int i = 0; i < due.leaves; i++) {
       const int k = now->leaves[i];
       step_into_leaf(scene, &flight[k], shadow);
-      counts = list_flight(scene, next, counts, k, flight[k].entry);
+      list_flight(scene, next, &counts, k, &flight[k]);
     }
     for (int i = 0; i < counts.ended; i++) {
       const int k = next->ended[i];

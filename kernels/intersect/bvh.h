@@ -36,11 +36,11 @@ FN Hit closer_hit(Hit best, float t, int primitive) {
 /// What the traversal needs to know of a ray.
 typedef struct {
   vec3 o, d;
-  float ix, iy, iz;            ///< 1 / d
-  float fx, fy, fz;            ///< ... by which the distance of where the ray leaves a box is never too small
-  int near_x, near_y, near_z;  ///< rows of a node's bounds that the ray meets first
+  float ix, iy, iz;  ///< 1 / d
+  float fx, fy, fz;  ///< ... by which the distance of where the ray leaves a box is never too small
+  uint near_x, near_y, near_z;  ///< where the rows of a node's bounds begin that the ray meets first
   Shear shear;
-  int kx, ky, kz;    ///< where the axes of the sheared space are
+  uint kx, ky, kz;   ///< where the rows of a leaf's vertices begin that are the axes of the sheared space
   float ox, oy, oz;  ///< the origin, in that order
   int skip;          ///< primitive that the ray does not hit, or -1
 } BvhRay;
@@ -55,16 +55,17 @@ FN BvhRay make_bvh_ray(vec3 o, vec3 d, int skip) {
   r.fx = r.ix * SLAB_MARGIN;
   r.fy = r.iy * SLAB_MARGIN;
   r.fz = r.iz * SLAB_MARGIN;
-  r.near_x = r.ix < 0.0f ? 3 : 0;
-  r.near_y = r.iy < 0.0f ? 4 : 1;
-  r.near_z = r.iz < 0.0f ? 5 : 2;
+  r.near_x = (r.ix < 0.0f ? 3u : 0u) * BVH_WIDTH;
+  r.near_y = (r.iy < 0.0f ? 4u : 1u) * BVH_WIDTH;
+  r.near_z = (r.iz < 0.0f ? 5u : 2u) * BVH_WIDTH;
   r.shear = make_shear(d);
-  r.kz = r.shear.axis;
-  r.kx = r.kz == 2 ? 0 : r.kz + 1;
-  r.ky = r.kx == 2 ? 0 : r.kx + 1;
-  r.ox = r.kx == 0 ? o.x : (r.kx == 1 ? o.y : o.z);
-  r.oy = r.ky == 0 ? o.x : (r.ky == 1 ? o.y : o.z);
-  r.oz = r.kz == 0 ? o.x : (r.kz == 1 ? o.y : o.z);
+  const int kz = r.shear.axis, kx = kz == 2 ? 0 : kz + 1, ky = kx == 2 ? 0 : kx + 1;
+  r.kx = (uint)kx * BVH_WIDTH;
+  r.ky = (uint)ky * BVH_WIDTH;
+  r.kz = (uint)kz * BVH_WIDTH;
+  r.ox = kx == 0 ? o.x : (kx == 1 ? o.y : o.z);
+  r.oy = ky == 0 ? o.x : (ky == 1 ? o.y : o.z);
+  r.oz = kz == 0 ? o.x : (kz == 1 ? o.y : o.z);
   r.skip = skip;
   return r;
 }
@@ -82,16 +83,17 @@ FN int key_of_end(float t) { return (int)FLOAT_BITS(t * END_MARGIN); }
 
 /// Bit j says whether the ray enters child j before `end`, a bound of key_of_end; keys[j] is its key.
 FN uint enter_children(GLOBAL const BvhNode* node, const PRIVATE BvhRay* r, int end, PRIVATE int* keys) {
-  GLOBAL const float* nx = node->bounds[r->near_x];
-  GLOBAL const float* ny = node->bounds[r->near_y];
-  GLOBAL const float* nz = node->bounds[r->near_z];
-  GLOBAL const float* fx = node->bounds[3 - r->near_x];
-  GLOBAL const float* fy = node->bounds[5 - r->near_y];
-  GLOBAL const float* fz = node->bounds[7 - r->near_z];
+  GLOBAL const float* rows = node->bounds[0];
+  GLOBAL const float* nx = rows + r->near_x;
+  GLOBAL const float* ny = rows + r->near_y;
+  GLOBAL const float* nz = rows + r->near_z;
+  GLOBAL const float* fx = rows + ((0u + 3u) * BVH_WIDTH - r->near_x);
+  GLOBAL const float* fy = rows + ((1u + 4u) * BVH_WIDTH - r->near_y);
+  GLOBAL const float* fz = rows + ((2u + 5u) * BVH_WIDTH - r->near_z);
   const vec3 o = r->o;
   const vec3 in = make_vec3(r->ix, r->iy, r->iz), out = make_vec3(r->fx, r->fy, r->fz);
   const float limit = BITS_FLOAT(end);
-  int entered[BVH_WIDTH];
+  REGISTER_ARRAY int entered[BVH_WIDTH];
   // Comparisons with the NaN of 0 * infinity keep the other operand or none: such a box is visited, never
   // missed.
   REGISTER_LOOP(BVH_WIDTH)
@@ -107,44 +109,47 @@ FN uint enter_children(GLOBAL const BvhNode* node, const PRIVATE BvhRay* r, int 
   return mask_of_8(entered);
 }
 
-/// Bit j says whether the ray hits triangle j in (0, limit], be it the one to skip; ts[j] is where.
+/// Bit j says whether the ray hits triangle j in (0, limit], be it the one to skip; distances[j] is where, as
+/// bits, or NO_KEY.
 FN uint triangle_leaf_hits(GLOBAL const TriangleLeaf* leaf, const PRIVATE BvhRay* r, float limit,
-                           PRIVATE float* ts) {
+                           PRIVATE int* distances) {
   const Shear s = r->shear;
   const float ox = r->ox, oy = r->oy, oz = r->oz;
-  GLOBAL const float* ax = leaf->p[0][r->kx];
-  GLOBAL const float* ay = leaf->p[0][r->ky];
-  GLOBAL const float* az = leaf->p[0][r->kz];
-  GLOBAL const float* bx = leaf->p[1][r->kx];
-  GLOBAL const float* by = leaf->p[1][r->ky];
-  GLOBAL const float* bz = leaf->p[1][r->kz];
-  GLOBAL const float* cx = leaf->p[2][r->kx];
-  GLOBAL const float* cy = leaf->p[2][r->ky];
-  GLOBAL const float* cz = leaf->p[2][r->kz];
-  int inside[BVH_WIDTH];
+  GLOBAL const float* ax = leaf->p[0][0] + r->kx;
+  GLOBAL const float* ay = leaf->p[0][0] + r->ky;
+  GLOBAL const float* az = leaf->p[0][0] + r->kz;
+  GLOBAL const float* bx = leaf->p[1][0] + r->kx;
+  GLOBAL const float* by = leaf->p[1][0] + r->ky;
+  GLOBAL const float* bz = leaf->p[1][0] + r->kz;
+  GLOBAL const float* cx = leaf->p[2][0] + r->kx;
+  GLOBAL const float* cy = leaf->p[2][0] + r->ky;
+  GLOBAL const float* cz = leaf->p[2][0] + r->kz;
+  REGISTER_ARRAY int inside[BVH_WIDTH];
   REGISTER_LOOP(BVH_WIDTH)
   for (int j = 0; j < BVH_WIDTH; j++) {
     const TriangleHit h = intersect_sheared(shear_permuted(s, ax[j] - ox, ay[j] - oy, az[j] - oz),
                                             shear_permuted(s, bx[j] - ox, by[j] - oy, bz[j] - oz),
                                             shear_permuted(s, cx[j] - ox, cy[j] - oy, cz[j] - oz));
-    ts[j] = h.t;
-    inside[j] = (h.inside & (h.t > 0.0f) & (h.t <= limit)) ? 1 : 0;
+    const bool hit = h.inside & (h.t > 0.0f) & (h.t <= limit);
+    distances[j] = hit ? (int)FLOAT_BITS(h.t) : NO_KEY;
+    inside[j] = hit ? 1 : 0;
   }
   return mask_of_8(inside);
 }
 
 /// The closest of `best` and those of `hits` that are not of the primitive to skip.
-FN Hit closest_of(GLOBAL const TriangleLeaf* leaf, const PRIVATE float* ts, uint hits, int skip, Hit best) {
+FN Hit closest_of(GLOBAL const TriangleLeaf* leaf, const PRIVATE int* distances, uint hits, int skip,
+                  Hit best) {
   for (; hits != 0u; hits &= hits - 1u) {
     const int j = LOWEST_BIT(hits), primitive = leaf->primitive[j];
-    if (primitive != skip) best = closer_hit(best, ts[j], primitive);
+    if (primitive != skip) best = closer_hit(best, BITS_FLOAT((uint)distances[j]), primitive);
   }
   return best;
 }
 
 FN Hit intersect_triangle_leaf(GLOBAL const TriangleLeaf* leaf, const PRIVATE BvhRay* r, Hit best) {
-  float ts[BVH_WIDTH];
-  return closest_of(leaf, ts, triangle_leaf_hits(leaf, r, best.t, ts), r->skip, best);
+  REGISTER_ARRAY int distances[BVH_WIDTH];
+  return closest_of(leaf, distances, triangle_leaf_hits(leaf, r, best.t, distances), r->skip, best);
 }
 
 #if HAS(QUADRICS)
@@ -246,7 +251,8 @@ FN void leave_instance(PRIVATE Traversal* t, int skip_instance, int top) {
 /// `instances`: whether the scene has some; a constant, for code without where it has none.
 FN Hit intersect_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip, int skip_instance,
                         bool instances) {
-  int stack[BVH_STACK], distances[BVH_STACK], entries[BVH_WIDTH];
+  int stack[BVH_STACK], distances[BVH_STACK];
+  REGISTER_ARRAY int entries[BVH_WIDTH];
   Hit best = no_hit(tmax);
   if (tmax < 0.0f) return best;
   Traversal at = start_traversal(o, d, skip, skip_instance, instances);
@@ -312,7 +318,8 @@ FN Hit intersect_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, 
 /// ray's origin first).
 FN Hit occlude_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip, int skip_instance,
                       bool instances) {
-  int stack[BVH_STACK], entries[BVH_WIDTH];
+  int stack[BVH_STACK];
+  REGISTER_ARRAY int entries[BVH_WIDTH];
   const int end = key_of_end(tmax);
   if (tmax < 0.0f) return no_hit(tmax);
   Traversal at = start_traversal(o, d, skip, skip_instance, instances);

@@ -8,9 +8,8 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 #if HAS(BVH) && defined(RAYS_IN_FLIGHT)
-  // pack_8 writes a whole register at the top of a stack, whose lowest entry is LANDED.
+  // pack_8 writes a whole register at the top of a stack, whose lowest entry stands for the end.
   #define FLIGHT_STACK (BVH_MAX_DEPTH * (BVH_WIDTH - 1) + 2 * BVH_WIDTH + 2)
-  #define LANDED 0x7fffffff  // comes after the last node or leaf
 
 typedef struct {
   BvhRay ray;
@@ -19,7 +18,7 @@ typedef struct {
   int end;        ///< key_of_end
   int path;       ///< that it is the ray of
   int entry;      ///< that it visits next
-  int top;        ///< number of entries that are still to be visited after it
+  int top;        ///< where that was on the stack; 0: the ray has ended
   int stack[FLIGHT_STACK];
   int keys[FLIGHT_STACK];  ///< of the entries, unless any hit is wanted
 } RayInFlight;
@@ -31,7 +30,7 @@ FN void start_flight(PRIVATE RayInFlight* f, vec3 o, vec3 d, float tmax, int ski
   f->end = key_of_end(tmax);
   f->path = path;
   f->entry = 0;
-  f->stack[0] = LANDED;
+  f->stack[0] = 0;
   f->keys[0] = 0;
   f->top = 1;
 }
@@ -47,7 +46,7 @@ FN void pop_entry(PRIVATE RayInFlight* f, int top, bool any) {
 /// The nearest child comes next, the others in the order of their numbers; for any hit, the last child.
 FN void step_into_node(const PRIVATE Scene* scene, PRIVATE RayInFlight* f, bool any) {
   GLOBAL const BvhNode* node = scene->nodes + f->entry;
-  int keys[BVH_WIDTH];
+  REGISTER_ARRAY int keys[BVH_WIDTH];
   const uint entered = enter_children(node, &f->ray, f->end, keys);
   int top = f->top;
   if (any) {
@@ -67,61 +66,62 @@ FN void step_into_node(const PRIVATE Scene* scene, PRIVATE RayInFlight* f, bool 
 }
 
 /// As closest_of, without a loop but where the nearest is the primitive to skip or one of several.
-FN Hit closest_in_flight(GLOBAL const TriangleLeaf* leaf, const PRIVATE float* ts, uint hits, int skip,
-                         Hit best) {
-  int distances[BVH_WIDTH], same[BVH_WIDTH];
-  REGISTER_LOOP(BVH_WIDTH)
-  for (int j = 0; j < BVH_WIDTH; j++)
-    distances[j] = (hits & (1u << j)) != 0u ? (int)FLOAT_BITS(ts[j]) : NO_KEY;
-  const int least = least_of_8(distances);
+FN void find_closest(GLOBAL const TriangleLeaf* leaf, PRIVATE RayInFlight* f) {
+  REGISTER_ARRAY int distances[BVH_WIDTH];
+  REGISTER_ARRAY int same[BVH_WIDTH];
+  const float t = f->t;
+  const uint hits = triangle_leaf_hits(leaf, &f->ray, t, distances);
+  const int least = least_of_8(distances), best = f->primitive;
   REGISTER_LOOP(BVH_WIDTH)
   for (int j = 0; j < BVH_WIDTH; j++) same[j] = distances[j] == least ? 1 : 0;
   const uint nearest = mask_of_8(same) & hits;
   const int primitive = leaf->primitive[LOWEST_BIT(nearest | (1u << KEY_CHILD))];
-  if (((nearest & (nearest - 1u)) != 0u) | ((nearest != 0u) & (primitive == skip)))
-    return closest_of(leaf, ts, hits, skip, best);
-  const float t = BITS_FLOAT((uint)least);
-  const bool closer = (nearest != 0u) & ((t < best.t) | (primitive < best.primitive));
-  best.t = closer ? t : best.t;
-  best.primitive = closer ? primitive : best.primitive;
-  return best;
+  if (((nearest & (nearest - 1u)) != 0u) | ((nearest != 0u) & (primitive == f->ray.skip))) {
+    Hit closest = no_hit(t);
+    closest.primitive = best;
+    closest = closest_of(leaf, distances, hits, f->ray.skip, closest);
+    f->t = closest.t;
+    f->primitive = closest.primitive;
+    return;
+  }
+  const float found = BITS_FLOAT((uint)least);
+  const bool closer = (nearest != 0u) & ((found < t) | (primitive < best));
+  f->t = closer ? found : t;
+  f->primitive = closer ? primitive : best;
 }
 
 /// Some hit, likewise. Not at the very end of the ray, which is where none is.
-FN Hit some_in_flight(GLOBAL const TriangleLeaf* leaf, const PRIVATE float* ts, uint hits, int skip,
-                      Hit best) {
-  int before[BVH_WIDTH];
+FN void find_some(GLOBAL const TriangleLeaf* leaf, PRIVATE RayInFlight* f) {
+  REGISTER_ARRAY int distances[BVH_WIDTH];
+  REGISTER_ARRAY int before[BVH_WIDTH];
+  const uint hits = triangle_leaf_hits(leaf, &f->ray, f->t, distances);
+  const int end = (int)FLOAT_BITS(f->t);
   REGISTER_LOOP(BVH_WIDTH)
-  for (int j = 0; j < BVH_WIDTH; j++) before[j] = ts[j] < best.t ? 1 : 0;
-  const uint found = mask_of_8(before) & hits;
+  for (int j = 0; j < BVH_WIDTH; j++) before[j] = distances[j] < end ? 1 : 0;
+  const uint found = mask_of_8(before);
   const int primitive = leaf->primitive[LOWEST_BIT(found | (1u << KEY_CHILD))];
-  if ((found != 0u) & (primitive == skip)) return closest_of(leaf, ts, hits, skip, best);
-  best.primitive = found != 0u ? primitive : -1;
-  return best;
+  f->primitive = found != 0u ? primitive : -1;
+  if ((found != 0u) & (primitive == f->ray.skip))
+    f->primitive = closest_of(leaf, distances, hits, f->ray.skip, no_hit(f->t)).primitive;
 }
 
 FN void step_into_leaf(const PRIVATE Scene* scene, PRIVATE RayInFlight* f, bool any) {
   const int number = ~f->entry;
-  Hit best = no_hit(f->t);
-  best.primitive = f->primitive;
   #if HAS(QUADRICS)
   if (number >= scene->header.tables.triangle_leaves.count) {
+    Hit best = no_hit(f->t);
+    best.primitive = f->primitive;
     best = intersect_leaf(scene, number, &f->ray, best, false);
+    f->t = best.t;
+    f->primitive = best.primitive;
   } else
   #endif
-  {
-    GLOBAL const TriangleLeaf* leaf = scene->triangle_leaves + number;
-    float ts[BVH_WIDTH];
-    const uint hits = triangle_leaf_hits(leaf, &f->ray, best.t, ts);
-    best = any ? some_in_flight(leaf, ts, hits, f->ray.skip, best)
-               : closest_in_flight(leaf, ts, hits, f->ray.skip, best);
-  }
-  f->primitive = best.primitive;
-  if (!any) {
-    f->t = best.t;
-    f->end = key_of_end(best.t);
-  }
-  pop_entry(f, (any & (best.primitive >= 0)) ? 1 : f->top, any);
+      if (any)
+    find_some(scene->triangle_leaves + number, f);
+  else
+    find_closest(scene->triangle_leaves + number, f);
+  if (!any) f->end = key_of_end(f->t);
+  pop_entry(f, (any & (f->primitive >= 0)) ? 1 : f->top, any);
 }
 #endif
 
