@@ -58,14 +58,19 @@ FN BvhRay make_bvh_ray(vec3 o, vec3 d, int skip) {
   r.near_x = (r.ix < 0.0f ? 3u : 0u) * BVH_WIDTH;
   r.near_y = (r.iy < 0.0f ? 4u : 1u) * BVH_WIDTH;
   r.near_z = (r.iz < 0.0f ? 5u : 2u) * BVH_WIDTH;
-  r.shear = make_shear(d);
-  const int kz = r.shear.axis, kx = kz == 2 ? 0 : kz + 1, ky = kx == 2 ? 0 : kx + 1;
+  // As make_shear does, without selects: which axis it is cannot be guessed.
+  const float from[3] = {o.x, o.y, o.z}, to[3] = {d.x, d.y, d.z};
+  const int kz = largest_axis(d), kx = kz == 2 ? 0 : kz + 1, ky = kx == 2 ? 0 : kx + 1;
+  r.shear.axis = kz;
+  r.shear.z = 1.0f / to[kz];
+  r.shear.x = to[kx] * r.shear.z;
+  r.shear.y = to[ky] * r.shear.z;
   r.kx = (uint)kx * BVH_WIDTH;
   r.ky = (uint)ky * BVH_WIDTH;
   r.kz = (uint)kz * BVH_WIDTH;
-  r.ox = kx == 0 ? o.x : (kx == 1 ? o.y : o.z);
-  r.oy = ky == 0 ? o.x : (ky == 1 ? o.y : o.z);
-  r.oz = kz == 0 ? o.x : (kz == 1 ? o.y : o.z);
+  r.ox = from[kx];
+  r.oy = from[ky];
+  r.oz = from[kz];
   r.skip = skip;
   return r;
 }

@@ -84,9 +84,9 @@ FN void find_closest(GLOBAL const TriangleLeaf* leaf, PRIVATE RayInFlight* f) {
     f->primitive = closest.primitive;
     return;
   }
-  const float found = BITS_FLOAT((uint)least);
-  const bool closer = (nearest != 0u) & ((found < t) | (primitive < best));
-  f->t = closer ? found : t;
+  const int end = (int)FLOAT_BITS(t);
+  const bool closer = (nearest != 0u) & ((least < end) | (primitive < best));
+  f->t = BITS_FLOAT((uint)(closer ? least : end));
   f->primitive = closer ? primitive : best;
 }
 
