@@ -52,8 +52,8 @@ void add_portable(const std::string& name, std::shared_ptr<TraversalScene> scene
   benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
     time_rays(state, *scene, kind, [&](RecordedStage& recorded) {
       const PathState paths = recorded.paths();
-      stage(scene->portable.header, scene->portable.words.data(), kind == RayKind::kShadow, &paths,
-            recorded.count);
+      stage(scene->portable.header, scene->portable.words.data(), kind == RayKind::kShadow,
+            kind == RayKind::kCamera, &paths, recorded.count);
     });
   });
 }
