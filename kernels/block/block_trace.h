@@ -5,6 +5,7 @@
 #include "kernels/block/block_instances.h"
 #include "kernels/block/path_state.h"
 #include "kernels/intersect/bvh.h"
+#include "kernels/intersect/bvh_packet.h"
 #include "kernels/intersect/intersect_whole.h"
 #include "kernels/intersect/surface.h"
 
@@ -107,6 +108,44 @@ FN void clear_hits(const PRIVATE PathState* paths, int i) {
   for (int j = i; j < i + LANES; j++) set_hit(paths, j, -1);
 }
 
+#if HAS(BVH)
+FN int ray_hit(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
+  return intersect_bvh(scene, get_ray_origin(paths, i), get_ray_direction(paths, i), get_ray_tmax(paths, i),
+                       get_ray_skip(paths, i))
+      .primitive;
+}
+#endif
+
+#if HAS(BVH) && LANES > 1
+STAGE void load_packet(const PRIVATE PathState* paths, int i, PRIVATE RayPacket* RESTRICT packet,
+                       PRIVATE float* RESTRICT dx, PRIVATE float* RESTRICT dy, PRIVATE float* RESTRICT dz) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const vec3 o = get_ray_origin(paths, i + j), d = get_ray_direction(paths, i + j);
+      packet->ox[j] = o.x;
+      packet->oy[j] = o.y;
+      packet->oz[j] = o.z;
+      dx[j] = d.x;
+      dy[j] = d.y;
+      dz[j] = d.z;
+      packet->t[j] = get_ray_tmax(paths, i + j);
+      packet->skip[j] = get_ray_skip(paths, i + j);
+    }
+}
+
+/// LANES rays from lane i on that are a camera's, in packets where their directions allow it.
+FN void intersect_together(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
+  RayPacket packet;
+  float dx[LANES], dy[LANES], dz[LANES];
+  load_packet(paths, i, &packet, dx, dy, dz);
+  const BvhRay lead = make_bvh_ray(get_ray_origin(paths, i), get_ray_direction(paths, i), -1);
+  const bool packed = prepare_packet(&packet, &lead, dx, dy, dz);
+  if (packed) intersect_packet(scene, &packet, &lead, dx, dy, dz);
+  for (int j = 0; j < LANES; j++)
+    set_hit(paths, i + j, packed ? packet.hit[j] : ray_hit(scene, paths, i + j));
+}
+#endif
+
 /// Finds the primitive that each lane's ray hits. `together`: neighbours' rays go nearly the same way.
 STAGE void intersect_block(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
                            bool together) {
@@ -136,11 +175,11 @@ STAGE void intersect_block(const PRIVATE Scene* scene, const PRIVATE PathState* 
   }
 #endif
 #if HAS(BVH)
-  for (int i = 0; i < count; i++)
-    set_hit(paths, i,
-            intersect_bvh(scene, get_ray_origin(paths, i), get_ray_direction(paths, i),
-                          get_ray_tmax(paths, i), get_ray_skip(paths, i))
-                .primitive);
+  int i = 0;
+  #if LANES > 1
+  for (; together && i + LANES <= count; i += LANES) intersect_together(scene, paths, i);
+  #endif
+  for (; i < count; i++) set_hit(paths, i, ray_hit(scene, paths, i));
 #else
   #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) clear_hit_instances(paths, count);
