@@ -40,6 +40,8 @@
 #else
   #define REGISTER_LOOP(n)
 #endif
+// Of an array that a REGISTER_LOOP of 8 turns writes: within one cache line, or reading from it waits.
+#define REGISTER_ARRAY __attribute__((aligned(32)))
 #define LANE_LOOP_(n) LANE_LOOP_WIDTH(n)
 #define LANE_LOOP LANE_LOOP_(VECTOR_WIDTH)
 

@@ -39,6 +39,16 @@
   #define BIT_REVERSE(x) __builtin_bitreverse32(x)
 #endif
 
+#if !defined(RAYS_IN_FLIGHT) && defined(__clang__) && defined(__AVX2__) && defined(__BMI2__)
+  // Rays that are traced in turn (block/block_flight.h); not defined: one after the other, which is faster
+  // where pack_8 is a loop.
+  #define RAYS_IN_FLIGHT 32
+#endif
+// Number of bits that are set.
+#define BIT_COUNT(x) __builtin_popcount(x)
+// Asks for the cache line at an address that will be read soon; any address will do.
+#define PREFETCH(address) __builtin_prefetch(address)
+
 PENUMBRA_NAMESPACE_BEGIN
 using uint = unsigned int;
 using ulong = unsigned long;
@@ -53,6 +63,38 @@ FN uint mask_of_8(const int* wanted) {
   uint mask = 0;
   for (int j = 0; j < 8; j++) mask |= wanted[j] != 0 ? 1u << j : 0u;
   return mask;
+#endif
+}
+
+/// The least of 8.
+FN int least_of_8(const int* values) {
+#ifdef __clang__
+  typedef int Ints __attribute__((ext_vector_type(8), aligned(4)));
+  return __builtin_reduce_min(*(const Ints*)values);
+#else
+  int least = values[0];
+  for (int j = 1; j < 8; j++) least = values[j] < least ? values[j] : least;
+  return least;
+#endif
+}
+
+/// Writes those of 8 numbers whose bit is set one after the other, and anything behind them, 8 in all.
+FN void pack_8(int* to, const int* from, uint wanted) {
+#if defined(__clang__) && defined(__AVX512VL__)
+  typedef int Ints __attribute__((ext_vector_type(8), aligned(4)));
+  typedef int Register __attribute__((vector_size(32)));
+  *(Ints*)to = __builtin_ia32_compresssi256_mask(*(const Ints*)from, Register{}, (unsigned char)wanted);
+#elif defined(__clang__) && defined(__AVX2__) && defined(__BMI2__)
+  // The bytes of places that are wanted, one after the other, become the register's indices.
+  typedef int Ints __attribute__((ext_vector_type(8), aligned(4)));
+  typedef int Register __attribute__((vector_size(32)));
+  typedef unsigned char Bytes __attribute__((vector_size(8)));
+  const ulong bytes = __builtin_ia32_pdep_di(wanted, 0x0101010101010101ul) * 0xfful;
+  const ulong places = __builtin_ia32_pext_di(0x0706050403020100ul, bytes);
+  *(Ints*)to = __builtin_ia32_permvarsi256(
+      *(const Ints*)from, __builtin_convertvector(__builtin_bit_cast(Bytes, places), Register));
+#else
+  for (uint left = wanted; left != 0u; left &= left - 1u) *to++ = from[LOWEST_BIT(left)];
 #endif
 }
 PENUMBRA_NAMESPACE_END

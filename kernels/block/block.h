@@ -200,7 +200,7 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
     generate(scene, unit, first_pixel, first_path + done, count, channel, paths, slots);
     if (block->probe != 0) probe_camera(block);
     for (int step = 0; count > 0; step++) {
-      intersect_block(scene, paths, count);
+      intersect_block(scene, paths, count, step == 0);
       pad_hits(scene, paths, count);
 #if HAS(NESTED) || HAS(LOOK_THROUGH)
       see_through(scene, paths, count, step);

@@ -249,7 +249,7 @@ FN void see_through(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
     any = false;
     for (int i = 0; i < count; i += LANES)
       if (any_ray(paths, i)) any = pass_surfaces(scene, paths, i, step, k, hides) | any;
-    if (any) intersect_block(scene, paths, count);
+    if (any) intersect_block(scene, paths, count, false);
     if (any) pad_hits(scene, paths, count);
   }
   #if HAS(INSTANCES)
@@ -348,7 +348,7 @@ FN void see_lights_through(const PRIVATE Scene* scene, const PRIVATE PathState* 
   #endif
   bool any = follow_shadow_rays(paths, count);
   for (int k = 0; any && k < MOST_PASSED; k++) {
-    intersect_block(scene, paths, count);
+    intersect_block(scene, paths, count, false);
     pad_hits(scene, paths, count);
     any = false;
     for (int i = 0; i < count; i += LANES)

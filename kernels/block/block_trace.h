@@ -1,9 +1,11 @@
 // The stages of a block that trace: intersect, occlude, and adding the light of shadow rays that got through.
 #ifndef PENUMBRA_BLOCK_TRACE_H
 #define PENUMBRA_BLOCK_TRACE_H
+#include "kernels/block/block_flight.h"
 #include "kernels/block/block_instances.h"
 #include "kernels/block/path_state.h"
 #include "kernels/intersect/bvh.h"
+#include "kernels/intersect/bvh_packet.h"
 #include "kernels/intersect/intersect_whole.h"
 #include "kernels/intersect/surface.h"
 
@@ -17,18 +19,35 @@ FN bool any_ray(const PRIVATE PathState* paths, int i) {
 }
 
 #if HAS(NESTED)
-/// The share of light that passes the primitive, if that is known without a look at the place: 1 where there
-/// is none, 0 if none passes; else negative.
-FN float share_behind(const PRIVATE Scene* scene, int primitive) {
-  const SideMaterials sides = side_materials(scene, primitive);
-  const int front = scene->materials[sides.front].passes, back = scene->materials[sides.back].passes;
-  return primitive < 0 ? 1.0f : ((front | back) != PASSES_NONE ? -1.0f : 0.0f);
-}
-
 /// What stopped rays of intersectors that do not say what did may let light through.
 STAGE void doubt_occluded(const PRIVATE PathState* paths, int count) {
   for (int i = 0; i < count; i++)
     if (!(get_shadow_transmittance(paths, i) > 0.0f)) set_shadow_transmittance(paths, i, -1.0f);
+}
+#endif
+
+/// Lists the lanes that have a shadow ray, whole LANES of them: the last one again and again.
+STAGE int list_shadow_rays(const PRIVATE PathState* paths, int count, GLOBAL int* RESTRICT wanted) {
+  int n = 0;
+  for (int i = 0; i < count; i++) {  // without a branch: which paths have one is not predictable
+    wanted[n] = i;
+    n += get_shadow_tmax(paths, i) > 0.0f ? 1 : 0;
+  }
+  const int last = n > 0 ? wanted[n - 1] : 0;
+  for (int i = n; i % LANES != 0; i++) wanted[i] = last;
+  return n;
+}
+
+#if HAS(BVH) && defined(RAYS_IN_FLIGHT)
+/// Lists the lanes that have a ray; the others hit nothing.
+STAGE int list_rays(const PRIVATE PathState* paths, int count, GLOBAL int* RESTRICT wanted) {
+  int n = 0;
+  for (int i = 0; i < count; i++) {
+    wanted[n] = i;
+    n += get_ray_tmax(paths, i) > 0.0f ? 1 : 0;
+    set_hit(paths, i, -1);
+  }
+  return n;
 }
 #endif
 
@@ -49,18 +68,6 @@ STAGE void load_rays(PRIVATE RayLanes* RESTRICT rays, const PRIVATE PathState* p
     for (int j = 0; j < LANES; j++)
       load_lane_ray(rays, j, get_ray_origin(paths, i + j), get_ray_direction(paths, i + j),
                     get_ray_tmax(paths, i + j), get_ray_skip(paths, i + j));
-}
-
-/// Lists the lanes that have a shadow ray, whole LANES of them: the last one again and again.
-STAGE int list_shadow_rays(const PRIVATE PathState* paths, int count, GLOBAL int* RESTRICT wanted) {
-  int n = 0;
-  for (int i = 0; i < count; i++) {  // without a branch: which paths have one is not predictable
-    wanted[n] = i;
-    n += get_shadow_tmax(paths, i) > 0.0f ? 1 : 0;
-  }
-  const int last = n > 0 ? wanted[n - 1] : 0;
-  for (int i = n; i % LANES != 0; i++) wanted[i] = last;
-  return n;
 }
 
 STAGE void gather_shadow_rays(PRIVATE RayLanes* RESTRICT rays, const PRIVATE PathState* paths,
@@ -101,8 +108,47 @@ FN void clear_hits(const PRIVATE PathState* paths, int i) {
   for (int j = i; j < i + LANES; j++) set_hit(paths, j, -1);
 }
 
-/// Finds the primitive that each lane's ray hits.
-STAGE void intersect_block(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
+#if HAS(BVH)
+FN int ray_hit(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
+  return intersect_bvh(scene, get_ray_origin(paths, i), get_ray_direction(paths, i), get_ray_tmax(paths, i),
+                       get_ray_skip(paths, i))
+      .primitive;
+}
+#endif
+
+#if HAS(BVH) && LANES > 1
+STAGE void load_packet(const PRIVATE PathState* paths, int i, PRIVATE RayPacket* RESTRICT packet,
+                       PRIVATE float* RESTRICT dx, PRIVATE float* RESTRICT dy, PRIVATE float* RESTRICT dz) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const vec3 o = get_ray_origin(paths, i + j), d = get_ray_direction(paths, i + j);
+      packet->ox[j] = o.x;
+      packet->oy[j] = o.y;
+      packet->oz[j] = o.z;
+      dx[j] = d.x;
+      dy[j] = d.y;
+      dz[j] = d.z;
+      packet->t[j] = get_ray_tmax(paths, i + j);
+      packet->skip[j] = get_ray_skip(paths, i + j);
+    }
+}
+
+/// LANES rays from lane i on that are a camera's, in packets where their directions allow it.
+FN void intersect_together(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
+  RayPacket packet;
+  float dx[LANES], dy[LANES], dz[LANES];
+  load_packet(paths, i, &packet, dx, dy, dz);
+  const BvhRay lead = make_bvh_ray(get_ray_origin(paths, i), get_ray_direction(paths, i), -1);
+  const bool packed = prepare_packet(&packet, &lead, dx, dy, dz);
+  if (packed) intersect_packet(scene, &packet, &lead, dx, dy, dz);
+  for (int j = 0; j < LANES; j++)
+    set_hit(paths, i + j, packed ? packet.hit[j] : ray_hit(scene, paths, i + j));
+}
+#endif
+
+/// Finds the primitive that each lane's ray hits. `together`: neighbours' rays go nearly the same way.
+STAGE void intersect_block(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
+                           bool together) {
 #ifdef EXTERNAL_TRACER
   if (scene->tracer.intersect) {
     scene->tracer.intersect(scene->tracer.context, paths, count);
@@ -121,12 +167,19 @@ STAGE void intersect_block(const PRIVATE Scene* scene, const PRIVATE PathState* 
     return;
   }
 #endif
+#if HAS(BVH) && defined(RAYS_IN_FLIGHT)
+  if (!together) {
+    const int rays = list_rays(paths, count, paths->going);
+    intersect_in_flight(scene, paths, paths->going, rays);
+    return;
+  }
+#endif
 #if HAS(BVH)
-  for (int i = 0; i < count; i++)
-    set_hit(paths, i,
-            intersect_bvh(scene, get_ray_origin(paths, i), get_ray_direction(paths, i),
-                          get_ray_tmax(paths, i), get_ray_skip(paths, i))
-                .primitive);
+  int i = 0;
+  #if LANES > 1
+  for (; together && i + LANES <= count; i += LANES) intersect_together(scene, paths, i);
+  #endif
+  for (; i < count; i++) set_hit(paths, i, ray_hit(scene, paths, i));
 #else
   #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) clear_hit_instances(paths, count);
@@ -186,15 +239,21 @@ STAGE void occlude_block(const PRIVATE Scene* scene, const PRIVATE PathState* pa
     return;
   }
 #endif
-#if HAS(BVH)
-  for (int i = 0; i < count; i++) {
-    const Hit hit = shadow_ray_hit(scene, paths, i);
-    float share = hit.primitive < 0 ? 1.0f : 0.0f;
-  #if HAS(NESTED)
-    if (NEEDS(scene, NESTED)) share = share_behind(scene, hit.primitive);
+#if HAS(BVH) && defined(RAYS_IN_FLIGHT)
+  #if HAS(INSTANCES)
+  const bool instances = NEEDS(scene, INSTANCES);
+  #else
+  const bool instances = false;
   #endif
-    set_shadow_transmittance(paths, i, share);
+  if (!instances) {
+    const int rays = list_shadow_rays(paths, count, paths->going);
+    occlude_in_flight(scene, paths, paths->going, rays);
+    return;
   }
+#endif
+#if HAS(BVH)
+  for (int i = 0; i < count; i++)
+    set_transmittance_of_hit(scene, paths, i, shadow_ray_hit(scene, paths, i).primitive);
 #else
   GLOBAL int* RESTRICT wanted = paths->going;
   const int rays = list_shadow_rays(paths, count, wanted);

@@ -368,10 +368,9 @@ class Checker {
 
   void check_search() {
     if (h_.intersector == INTERSECTOR_EMBREE) return;
-    if (has(FEATURE_BVH)) {
-      check_hierarchy();
-      return;
-    }
+    if (has(FEATURE_BVH)) check_hierarchy();
+    if (has(FEATURE_BVH) && h_.tables.corners.count == 0) return;
+    require(h_.tables.instances.count == 0, "a scene with instances that is tested whole");
     require(h_.tables.vertices.count <= MAX_WHOLE_VERTICES, "too many vertices to be tested whole");
     require(h_.tables.corners.count == h_.tables.triangles.count, "corners do not match the triangles");
   }

@@ -36,10 +36,11 @@ FN Hit closer_hit(Hit best, float t, int primitive) {
 /// What the traversal needs to know of a ray.
 typedef struct {
   vec3 o, d;
-  float ix, iy, iz;            ///< 1 / d
-  int near_x, near_y, near_z;  ///< rows of a node's bounds that the ray meets first
+  float ix, iy, iz;  ///< 1 / d
+  float fx, fy, fz;  ///< ... by which the distance of where the ray leaves a box is never too small
+  uint near_x, near_y, near_z;  ///< where the rows of a node's bounds begin that the ray meets first
   Shear shear;
-  int kx, ky, kz;    ///< where the axes of the sheared space are
+  uint kx, ky, kz;   ///< where the rows of a leaf's vertices begin that are the axes of the sheared space
   float ox, oy, oz;  ///< the origin, in that order
   int skip;          ///< primitive that the ray does not hit, or -1
 } BvhRay;
@@ -51,74 +52,109 @@ FN BvhRay make_bvh_ray(vec3 o, vec3 d, int skip) {
   r.ix = 1.0f / d.x;
   r.iy = 1.0f / d.y;
   r.iz = 1.0f / d.z;
-  r.near_x = r.ix < 0.0f ? 3 : 0;
-  r.near_y = r.iy < 0.0f ? 4 : 1;
-  r.near_z = r.iz < 0.0f ? 5 : 2;
-  r.shear = make_shear(d);
-  r.kz = r.shear.axis;
-  r.kx = r.kz == 2 ? 0 : r.kz + 1;
-  r.ky = r.kx == 2 ? 0 : r.kx + 1;
-  r.ox = r.kx == 0 ? o.x : (r.kx == 1 ? o.y : o.z);
-  r.oy = r.ky == 0 ? o.x : (r.ky == 1 ? o.y : o.z);
-  r.oz = r.kz == 0 ? o.x : (r.kz == 1 ? o.y : o.z);
+  r.fx = r.ix * SLAB_MARGIN;
+  r.fy = r.iy * SLAB_MARGIN;
+  r.fz = r.iz * SLAB_MARGIN;
+  r.near_x = (r.ix < 0.0f ? 3u : 0u) * BVH_WIDTH;
+  r.near_y = (r.iy < 0.0f ? 4u : 1u) * BVH_WIDTH;
+  r.near_z = (r.iz < 0.0f ? 5u : 2u) * BVH_WIDTH;
+  // As make_shear does, without selects: which axis it is cannot be guessed.
+  const float from[3] = {o.x, o.y, o.z}, to[3] = {d.x, d.y, d.z};
+  const int kz = largest_axis(d), kx = kz == 2 ? 0 : kz + 1, ky = kx == 2 ? 0 : kx + 1;
+  r.shear.axis = kz;
+  r.shear.z = 1.0f / to[kz];
+  r.shear.x = to[kx] * r.shear.z;
+  r.shear.y = to[ky] * r.shear.z;
+  r.kx = (uint)kx * BVH_WIDTH;
+  r.ky = (uint)ky * BVH_WIDTH;
+  r.kz = (uint)kz * BVH_WIDTH;
+  r.ox = from[kx];
+  r.oy = from[ky];
+  r.oz = from[kz];
   r.skip = skip;
   return r;
 }
 
-/// Bit j says whether the ray enters child j before `limit`; entries[j] is where.
-FN uint enter_children(GLOBAL const BvhNode* node, const PRIVATE BvhRay* r, float limit,
-                       PRIVATE float* entries) {
-  GLOBAL const float* nx = node->bounds[r->near_x];
-  GLOBAL const float* ny = node->bounds[r->near_y];
-  GLOBAL const float* nz = node->bounds[r->near_z];
-  GLOBAL const float* fx = node->bounds[3 - r->near_x];
-  GLOBAL const float* fy = node->bounds[5 - r->near_y];
-  GLOBAL const float* fz = node->bounds[7 - r->near_z];
+// What orders children along a ray: the bits of where it enters them, which as integers are in the order of
+// the distances, but for the lowest, which are the child's number; and of a child that it does not enter.
+#define KEY_CHILD (BVH_WIDTH - 1)
+#define NO_KEY 0x7fffffff
+
+/// Of where a ray has been found to end, the key up to which children are visited. A triangle's distance and
+/// that of the box about it are rounded in other ways: the margin lets every triangle that is as near as the
+/// nearest be tested, in whatever order leaves are visited, so that the hit is that of a test of all.
+#define END_MARGIN 1.0000153f  // 1 + 2^-16
+FN int key_of_end(float t) { return (int)FLOAT_BITS(t * END_MARGIN); }
+
+/// Bit j says whether the ray enters child j before `end`, a bound of key_of_end; keys[j] is its key.
+FN uint enter_children(GLOBAL const BvhNode* node, const PRIVATE BvhRay* r, int end, PRIVATE int* keys) {
+  GLOBAL const float* rows = node->bounds[0];
+  GLOBAL const float* nx = rows + r->near_x;
+  GLOBAL const float* ny = rows + r->near_y;
+  GLOBAL const float* nz = rows + r->near_z;
+  GLOBAL const float* fx = rows + ((0u + 3u) * BVH_WIDTH - r->near_x);
+  GLOBAL const float* fy = rows + ((1u + 4u) * BVH_WIDTH - r->near_y);
+  GLOBAL const float* fz = rows + ((2u + 5u) * BVH_WIDTH - r->near_z);
   const vec3 o = r->o;
-  const float ix = r->ix, iy = r->iy, iz = r->iz;
-  int entered[BVH_WIDTH];
+  const vec3 in = make_vec3(r->ix, r->iy, r->iz), out = make_vec3(r->fx, r->fy, r->fz);
+  const float limit = BITS_FLOAT(end);
+  REGISTER_ARRAY int entered[BVH_WIDTH];
   // Comparisons with the NaN of 0 * infinity keep the other operand or none: such a box is visited, never
   // missed.
   REGISTER_LOOP(BVH_WIDTH)
   for (int j = 0; j < BVH_WIDTH; j++) {
-    const float t0 = max_f(max_f(max_f((nx[j] - o.x) * ix, (ny[j] - o.y) * iy), (nz[j] - o.z) * iz), 0.0f);
+    const float t0 =
+        max_f(max_f((nx[j] - o.x) * in.x, (ny[j] - o.y) * in.y), max_f((nz[j] - o.z) * in.z, 0.0f));
     const float t1 =
-        min_f(min_f(min_f((fx[j] - o.x) * ix, (fy[j] - o.y) * iy), (fz[j] - o.z) * iz) * SLAB_MARGIN, limit);
-    entries[j] = t0;
-    entered[j] = t0 <= t1 ? 1 : 0;
+        min_f(min_f((fx[j] - o.x) * out.x, (fy[j] - o.y) * out.y), min_f((fz[j] - o.z) * out.z, limit));
+    const bool enters = t0 <= t1;
+    keys[j] = enters ? (((int)FLOAT_BITS(t0) & ~KEY_CHILD) | j) : NO_KEY;
+    entered[j] = enters ? 1 : 0;
   }
   return mask_of_8(entered);
 }
 
-FN Hit intersect_triangle_leaf(GLOBAL const TriangleLeaf* leaf, const PRIVATE BvhRay* r, Hit best) {
+/// Bit j says whether the ray hits triangle j in (0, limit], be it the one to skip; distances[j] is where, as
+/// bits, or NO_KEY.
+FN uint triangle_leaf_hits(GLOBAL const TriangleLeaf* leaf, const PRIVATE BvhRay* r, float limit,
+                           PRIVATE int* distances) {
   const Shear s = r->shear;
-  const float ox = r->ox, oy = r->oy, oz = r->oz, limit = best.t;
-  const int skip = r->skip;
-  GLOBAL const float* ax = leaf->p[0][r->kx];
-  GLOBAL const float* ay = leaf->p[0][r->ky];
-  GLOBAL const float* az = leaf->p[0][r->kz];
-  GLOBAL const float* bx = leaf->p[1][r->kx];
-  GLOBAL const float* by = leaf->p[1][r->ky];
-  GLOBAL const float* bz = leaf->p[1][r->kz];
-  GLOBAL const float* cx = leaf->p[2][r->kx];
-  GLOBAL const float* cy = leaf->p[2][r->ky];
-  GLOBAL const float* cz = leaf->p[2][r->kz];
-  float ts[BVH_WIDTH];
-  int inside[BVH_WIDTH];
+  const float ox = r->ox, oy = r->oy, oz = r->oz;
+  GLOBAL const float* ax = leaf->p[0][0] + r->kx;
+  GLOBAL const float* ay = leaf->p[0][0] + r->ky;
+  GLOBAL const float* az = leaf->p[0][0] + r->kz;
+  GLOBAL const float* bx = leaf->p[1][0] + r->kx;
+  GLOBAL const float* by = leaf->p[1][0] + r->ky;
+  GLOBAL const float* bz = leaf->p[1][0] + r->kz;
+  GLOBAL const float* cx = leaf->p[2][0] + r->kx;
+  GLOBAL const float* cy = leaf->p[2][0] + r->ky;
+  GLOBAL const float* cz = leaf->p[2][0] + r->kz;
+  REGISTER_ARRAY int inside[BVH_WIDTH];
   REGISTER_LOOP(BVH_WIDTH)
   for (int j = 0; j < BVH_WIDTH; j++) {
     const TriangleHit h = intersect_sheared(shear_permuted(s, ax[j] - ox, ay[j] - oy, az[j] - oz),
                                             shear_permuted(s, bx[j] - ox, by[j] - oy, bz[j] - oz),
                                             shear_permuted(s, cx[j] - ox, cy[j] - oy, cz[j] - oz));
-    const int primitive = leaf->primitive[j];
-    ts[j] = h.t;
-    inside[j] = (h.inside & (h.t > 0.0f) & (h.t <= limit) & (primitive != skip)) ? 1 : 0;
+    const bool hit = h.inside & (h.t > 0.0f) & (h.t <= limit);
+    distances[j] = hit ? (int)FLOAT_BITS(h.t) : NO_KEY;
+    inside[j] = hit ? 1 : 0;
   }
-  for (uint hits = mask_of_8(inside); hits != 0u; hits &= hits - 1u) {
-    const int j = LOWEST_BIT(hits);
-    best = closer_hit(best, ts[j], leaf->primitive[j]);
+  return mask_of_8(inside);
+}
+
+/// The closest of `best` and those of `hits` that are not of the primitive to skip.
+FN Hit closest_of(GLOBAL const TriangleLeaf* leaf, const PRIVATE int* distances, uint hits, int skip,
+                  Hit best) {
+  for (; hits != 0u; hits &= hits - 1u) {
+    const int j = LOWEST_BIT(hits), primitive = leaf->primitive[j];
+    if (primitive != skip) best = closer_hit(best, BITS_FLOAT((uint)distances[j]), primitive);
   }
   return best;
+}
+
+FN Hit intersect_triangle_leaf(GLOBAL const TriangleLeaf* leaf, const PRIVATE BvhRay* r, Hit best) {
+  REGISTER_ARRAY int distances[BVH_WIDTH];
+  return closest_of(leaf, distances, triangle_leaf_hits(leaf, r, best.t, distances), r->skip, best);
 }
 
 #if HAS(QUADRICS)
@@ -220,27 +256,27 @@ FN void leave_instance(PRIVATE Traversal* t, int skip_instance, int top) {
 /// `instances`: whether the scene has some; a constant, for code without where it has none.
 FN Hit intersect_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip, int skip_instance,
                         bool instances) {
-  int stack[BVH_STACK];
-  float distances[BVH_STACK], entries[BVH_WIDTH];
+  int stack[BVH_STACK], distances[BVH_STACK];
+  REGISTER_ARRAY int entries[BVH_WIDTH];
   Hit best = no_hit(tmax);
   if (tmax < 0.0f) return best;
   Traversal at = start_traversal(o, d, skip, skip_instance, instances);
-  int top = 0, entry = 0;
+  int top = 0, entry = 0, end = key_of_end(tmax);
   for (;;) {
     if (entry >= 0) {
       GLOBAL const BvhNode* node = scene->nodes + entry;
-      uint hits = enter_children(node, &at.ray, best.t, entries);
+      uint hits = enter_children(node, &at.ray, end, entries);
       if (hits != 0u) {
         // The nearest child next, the others on the stack by falling distance.
         const int base = top;
         int first = LOWEST_BIT(hits);
-        float nearest = entries[first];
+        int nearest = entries[first];
         entry = node->child[first];
         for (hits &= hits - 1u; hits != 0u; hits &= hits - 1u) {
           const int j = LOWEST_BIT(hits);
           const bool nearer = entries[j] < nearest;
           const int other = nearer ? entry : node->child[j];
-          const float distance = nearer ? nearest : entries[j];
+          const int distance = nearer ? nearest : entries[j];
           entry = nearer ? node->child[j] : entry;
           nearest = nearer ? entries[j] : nearest;
           int place = top++;
@@ -270,6 +306,7 @@ FN Hit intersect_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, 
 #else
       best = found;
 #endif
+      end = key_of_end(best.t);
     }
     do {
 #if HAS(INSTANCES)
@@ -277,7 +314,7 @@ FN Hit intersect_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, 
 #endif
       if (top == 0) return best;
       entry = stack[--top];
-    } while (distances[top] > best.t);
+    } while (distances[top] > end);
   }
 }
 
@@ -287,7 +324,8 @@ FN Hit intersect_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, 
 FN Hit occlude_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, int skip, int skip_instance,
                       bool instances) {
   int stack[BVH_STACK];
-  float entries[BVH_WIDTH];
+  REGISTER_ARRAY int entries[BVH_WIDTH];
+  const int end = key_of_end(tmax);
   if (tmax < 0.0f) return no_hit(tmax);
   Traversal at = start_traversal(o, d, skip, skip_instance, instances);
   int top = 0;
@@ -300,7 +338,7 @@ FN Hit occlude_levels(const PRIVATE Scene* scene, vec3 o, vec3 d, float tmax, in
 #endif
     if (entry >= 0) {
       GLOBAL const BvhNode* node = scene->nodes + entry;
-      for (uint hits = enter_children(node, &at.ray, tmax, entries); hits != 0u; hits &= hits - 1u)
+      for (uint hits = enter_children(node, &at.ray, end, entries); hits != 0u; hits &= hits - 1u)
         stack[top++] = node->child[LOWEST_BIT(hits)];
     } else {
       const Hit some = intersect_leaf(scene, ~entry, &at.ray, no_hit(tmax), instances);

@@ -18,15 +18,21 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, float, z)
 LANE_RECORD(Shear, Shears, shear, SHEAR_FIELDS)
 
+/// 0, 1 or 2; of equal ones the last.
+FN int largest_axis(vec3 d) {
+  const float ax = FABS(d.x), ay = FABS(d.y), az = FABS(d.z);
+  const int first = (ax > ay) & (ax > az), second = (ay > az) & !first;
+  return 2 - 2 * first - second;
+}
+
 FN Shear make_shear(vec3 d) {
-  float ax = FABS(d.x), ay = FABS(d.y), az = FABS(d.z);
-  bool first = (ax > ay) & (ax > az);
-  bool second = (ay > az) & !first;
+  const int axis = largest_axis(d);
+  const bool first = axis == 0, second = axis == 1;
   float dx = first ? d.y : (second ? d.z : d.x);
   float dy = first ? d.z : (second ? d.x : d.y);
   float dz = first ? d.x : (second ? d.y : d.z);
   Shear s;
-  s.axis = first ? 0 : (second ? 1 : 2);
+  s.axis = axis;
   s.z = 1.0f / dz;
   s.x = dx * s.z;
   s.y = dy * s.z;

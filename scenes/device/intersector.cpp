@@ -14,13 +14,15 @@ namespace {
 
 // Up to this many triangles testing all of them in lanes beats any hierarchy.
 constexpr std::size_t kMaxWholeTriangles = 64;
+// Up to this many it does on some devices, which choose: such scenes have both.
+constexpr std::size_t kMaxEitherTriangles = 128;
 // Where Embree becomes as fast as our own hierarchy, measured by tests/benchmarks/traversal_benchmark.cpp.
 constexpr std::size_t kMaxPortableTriangles = 4'000'000;
 constexpr std::size_t kMaxWholeQuadrics = 16;
 
 /// Distinct vertices and the triangles over them; false if the scene is too large to be tested whole.
 bool collect_corners(SceneRecords& records) {
-  if (!records.instances.empty() || records.triangles.size() > kMaxWholeTriangles ||
+  if (!records.instances.empty() || records.triangles.size() > kMaxEitherTriangles ||
       records.quadrics.size() > kMaxWholeQuadrics)
     return false;
   std::map<std::array<float, 3>, int> index;
@@ -40,15 +42,16 @@ int intersector_for(std::size_t triangles) {
 }
 
 Expected<void> add_intersector(IntersectorChoice choice, SceneHeader& header, SceneRecords& records) {
-  const bool small = collect_corners(records);
+  const bool either = collect_corners(records);
   header.intersector = choice == IntersectorChoice::kAuto     ? intersector_for(records.triangles.size())
                        : choice == IntersectorChoice::kEmbree ? INTERSECTOR_EMBREE
                                                               : INTERSECTOR_PORTABLE;
-  if (header.intersector == INTERSECTOR_PORTABLE && !small) {
+  const bool portable = header.intersector == INTERSECTOR_PORTABLE;
+  if (portable && !(either && records.triangles.size() <= kMaxWholeTriangles)) {
     if (Expected<void> done = add_hierarchy(records); !done) return done;
     header.features |= FEATURE_BVH;
   }
-  if (header.intersector != INTERSECTOR_PORTABLE || !small) {
+  if (!portable || !either) {
     records.corners.clear();
     records.vertices.clear();
   }

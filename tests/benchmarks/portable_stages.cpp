@@ -5,10 +5,13 @@
 
 namespace penumbra {
 
-void STAGE_FUNCTION(const SceneHeader& header, const uint* words, bool occlude, const PathState* paths,
-                    int count) {
+void STAGE_FUNCTION(const SceneHeader& header, const uint* words, bool occlude, bool together,
+                    const PathState* paths, int count) {
   const Scene scene = make_scene(header, words);
-  (occlude ? occlude_block : intersect_block)(&scene, paths, count);
+  if (occlude)
+    occlude_block(&scene, paths, count);
+  else
+    intersect_block(&scene, paths, count, together);
 }
 
 }  // namespace penumbra

@@ -6,9 +6,9 @@
 
 namespace penumbra {
 
-/// Traces the rays of `count` lanes or, with `occlude`, their shadow rays.
-using PortableStage = void(const SceneHeader& header, const uint* words, bool occlude, const PathState* paths,
-                           int count);
+/// Traces the rays of `count` lanes or, with `occlude`, their shadow rays. `together`: they are a camera's.
+using PortableStage = void(const SceneHeader& header, const uint* words, bool occlude, bool together,
+                           const PathState* paths, int count);
 
 PortableStage portable_stage_avx2_whole, portable_stage_avx2_bvh, portable_stage_avx512_whole,
     portable_stage_avx512_bvh;

@@ -52,8 +52,8 @@ void add_portable(const std::string& name, std::shared_ptr<TraversalScene> scene
   benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
     time_rays(state, *scene, kind, [&](RecordedStage& recorded) {
       const PathState paths = recorded.paths();
-      stage(scene->portable.header, scene->portable.words.data(), kind == RayKind::kShadow, &paths,
-            recorded.count);
+      stage(scene->portable.header, scene->portable.words.data(), kind == RayKind::kShadow,
+            kind == RayKind::kCamera, &paths, recorded.count);
     });
   });
 }
@@ -85,17 +85,19 @@ bool add_scene(const std::string& name, SceneDescription description) {
     return false;
   }
   scene->tracer = std::move(*tracer);
-  const bool hierarchy = (scene->portable.header.features & FEATURE_BVH) != 0;
+  const SceneHeader& header = scene->portable.header;
+  const bool hierarchy = (header.features & FEATURE_BVH) != 0, whole = header.tables.corners.count > 0;
   for (const auto& [kind, rays] :
        {std::pair{RayKind::kCamera, "camera"}, {RayKind::kBounce, "bounce"}, {RayKind::kShadow, "shadow"}}) {
-    const std::string title =
-        fmt::format("{}/{} triangles/{}/", name, scene->portable.header.tables.triangles.count, rays);
-    if (best_isa() >= Isa::kAvx512)
-      add_portable(title + "portable avx512", scene, kind,
-                   hierarchy ? portable_stage_avx512_bvh : portable_stage_avx512_whole);
-    if (best_isa() >= Isa::kAvx2)
-      add_portable(title + "portable avx2", scene, kind,
-                   hierarchy ? portable_stage_avx2_bvh : portable_stage_avx2_whole);
+    const std::string title = fmt::format("{}/{} triangles/{}/", name, header.tables.triangles.count, rays);
+    if (best_isa() >= Isa::kAvx512 && hierarchy)
+      add_portable(title + "hierarchy avx512", scene, kind, portable_stage_avx512_bvh);
+    if (best_isa() >= Isa::kAvx512 && whole)
+      add_portable(title + "whole avx512", scene, kind, portable_stage_avx512_whole);
+    if (best_isa() >= Isa::kAvx2 && hierarchy)
+      add_portable(title + "hierarchy avx2", scene, kind, portable_stage_avx2_bvh);
+    if (best_isa() >= Isa::kAvx2 && whole)
+      add_portable(title + "whole avx2", scene, kind, portable_stage_avx2_whole);
     add_embree(title + "Embree single", scene, kind, embree_single(*scene->tracer));
     add_embree(title + "Embree packets", scene, kind, scene->tracer->tracer());
     add_embree(title + "Embree stream", scene, kind, embree_stream(*scene->tracer));

@@ -46,6 +46,9 @@ std::vector<TestHit> trace_whole(SceneTables& tables, std::span<const TestRay> r
 /// Through the hierarchy; with `any` some hit.
 std::vector<TestHit> trace_hierarchy(SceneTables& tables, std::span<const TestRay> rays, bool any = false);
 
+/// The same of many rays in turn: the primitives alone, or -1; with `any` 0 for some.
+std::vector<int> trace_in_flight(SceneTables& tables, std::span<const TestRay> rays, bool any = false);
+
 /// Every ray against every primitive one by one; of equal distances the smallest primitive.
 std::vector<TestHit> trace_one_by_one(SceneTables& tables, std::span<const TestRay> rays);
 

@@ -113,6 +113,10 @@ TEST(Features, SizesChooseTheSearch) {
   EXPECT_EQ(large.tables.corners.count, 0);
   EXPECT_EQ(large.tables.vertices.count, 0);
   EXPECT_GT(large.tables.nodes.count, 0);
+  const SceneHeader either = build(some_triangles()).header;
+  EXPECT_EQ(either.tables.corners.count, either.tables.triangles.count);
+  EXPECT_GT(either.tables.nodes.count, 0);
+  EXPECT_NE(either.features & FEATURE_BVH, 0u);
   const SceneHeader embree = build(many_triangles(), true, IntersectorChoice::kEmbree).header;
   EXPECT_EQ(embree.tables.nodes.count + embree.tables.corners.count, 0);
 }

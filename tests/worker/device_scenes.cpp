@@ -102,6 +102,12 @@ SceneDescription many_triangles() {
   return scene;
 }
 
+SceneDescription some_triangles() {
+  SceneDescription scene = diffuse_box();
+  scene.shapes.push_back(bumpy_sheet(6, 0, false));
+  return scene;
+}
+
 SceneDescription everything() {
   SceneDescription scene = film_and_camera();
   add_everything(scene, 4);

@@ -18,6 +18,8 @@ SceneDescription diffuse_box();
 
 /// The box with a bumpy floor of many triangles, so that it needs a hierarchy.
 SceneDescription many_triangles();
+/// So many that devices choose whether to test all or to build on a hierarchy.
+SceneDescription some_triangles();
 
 /// Spheres, disks, Phong, vertex normals, point light, environment and a Mitchell filter, direct light by
 /// solid angle.

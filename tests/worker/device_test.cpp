@@ -309,6 +309,26 @@ TEST_P(NativeVariants, AllGiveTheSameBytes) {
   EXPECT_GE(compared, 2);
 }
 
+TEST(NativeSearches, GiveTheSameBytes) {
+  for (const auto& integrator : {path_integrator(DirectSampling::kMis), direct_integrator(2, 1)}) {
+    SceneDescription description = some_triangles();
+    description.integrator = integrator;
+    const DeviceScene scene = build_or_throw(description);
+    ASSERT_GT(scene.header.tables.corners.count, 64);
+    ASSERT_GT(scene.header.tables.nodes.count, 0);
+    const SampleBuffer reference = render_by(native_kernels().front(), scene, 512);
+    EXPECT_GT(*std::ranges::max_element(reference.plane(kMeanG)), 0);
+    int searches[2] = {0, 0};
+    for (const NativeKernel& kernel : native_kernels()) {
+      if (!machine_has(kernel.target)) continue;
+      ++searches[(kernel.features & FEATURE_BVH) != 0 ? 1 : 0];
+      EXPECT_TRUE(same_bytes(reference, render_by(kernel, scene, 512)))
+          << "target " << int(kernel.target) << ", features " << kernel.features_name;
+    }
+    EXPECT_GE(std::min(searches[0], searches[1]), 2);
+  }
+}
+
 TEST_P(NativeVariants, TheSmallestThatCoversIsChosen) {
   const DeviceScene scene = build_or_throw(GetParam().make());
   const NativeKernel* chosen = find_native_kernel(KernelTarget::kSse2, scene.header.features);

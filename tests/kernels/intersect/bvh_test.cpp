@@ -221,6 +221,16 @@ void expect_same_hits(const std::vector<TestHit>& hits, const std::vector<TestHi
   }
 }
 
+/// Rays that are traced in turn find the same.
+void expect_same_in_flight(SceneTables& tables, const std::vector<TestRay>& rays,
+                           const std::vector<TestHit>& truth) {
+  const auto closest = trace_in_flight(tables, rays), some = trace_in_flight(tables, rays, true);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    ASSERT_EQ(closest[i], truth[i].primitive) << "ray " << i;
+    ASSERT_EQ(some[i] >= 0, truth[i].primitive >= 0) << "ray " << i;
+  }
+}
+
 /// Rays of every kind through the ball of radius 1.5: random, axis-parallel, short, with a primitive to skip.
 std::vector<TestRay> assorted_rays(std::size_t count, std::size_t primitives, std::uint64_t seed) {
   RandomNumbers random(seed);
@@ -276,6 +286,7 @@ TEST_P(Intersectors, FindWhatATestOfEveryPrimitiveFinds) {
   EXPECT_LT(count_misses(truth), rays.size());
   const auto closest = trace_hierarchy(tables, rays);
   expect_same_hits(closest, truth);
+  expect_same_in_flight(tables, rays, truth);
   const auto any = trace_hierarchy(tables, rays, true);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     ASSERT_EQ(any[i].primitive >= 0, truth[i].primitive >= 0) << "ray " << i;
@@ -305,6 +316,7 @@ TEST(IntersectorCases, AgreeOnSliversAndDegenerateTriangles) {
   }
   const auto truth = trace_one_by_one(tables, rays);
   expect_same_hits(trace_hierarchy(tables, rays), truth);
+  expect_same_in_flight(tables, rays, truth);
   expect_same_hits(trace_whole(tables, rays), truth);
 }
 
@@ -327,7 +339,36 @@ TEST(IntersectorCases, DisksThatLeanALittleFillTheirBoxes) {
     }
   }
   tables.build_hierarchy();
-  expect_same_hits(trace_hierarchy(tables, rays), trace_one_by_one(tables, rays));
+  const auto truth = trace_one_by_one(tables, rays);
+  expect_same_hits(trace_hierarchy(tables, rays), truth);
+  expect_same_in_flight(tables, rays, truth);
+}
+
+/// A flat floor of squares in place of one another's boxes: where a ray ends on the edge of two, which of
+/// them is nearer is a matter of roundings, which are not those of the boxes' sides.
+TEST(IntersectorCases, EdgesInFlatBoxesGiveTheNearest) {
+  RandomNumbers random(16);
+  SceneTables tables;
+  const int side = 24;
+  const auto at = [](int u, int v) { return make_vec3(0.37f * float(u), 0.1f, 0.37f * float(v)); };
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j) {
+      tables.add_triangle(at(i, j), at(i + 1, j), at(i + 1, j + 1));
+      tables.add_triangle(at(i, j), at(i + 1, j + 1), at(i, j + 1));
+    }
+  tables.build_hierarchy();
+  std::vector<TestRay> rays;
+  for (int i = 0; i < 20'000; ++i) {
+    const int u = 1 + int(random.below(side - 1)), v = 1 + int(random.below(side - 1));
+    const Exact3 from = exact(at(u, v)), to = exact(at(u + int(random.below(2)), v + int(random.below(2))));
+    const vec3 origin = rounded(
+        Exact3{random.between(0, 8), random.between(0.11, i % 2 == 0 ? 0.2 : 4), random.between(0, 8)});
+    const Exact3 target = from + (long double)random.uniform() * (to - from);
+    rays.push_back({origin, rounded(normalize(target - exact(origin)))});
+  }
+  const auto truth = trace_one_by_one(tables, rays);
+  expect_same_hits(trace_hierarchy(tables, rays), truth);
+  expect_same_in_flight(tables, rays, truth);
 }
 
 TEST(IntersectorCases, CoincidentTrianglesGiveTheFirst) {
@@ -342,6 +383,7 @@ TEST(IntersectorCases, CoincidentTrianglesGiveTheFirst) {
     rays.push_back(
         {rounded(Exact3{random.between(-0.5, 0.5), random.between(-0.5, 0.5), 1}), make_vec3(0, 0, -1)});
   for (const TestHit& hit : trace_hierarchy(tables, rays)) ASSERT_EQ(hit.primitive, 0);
+  for (const int hit : trace_in_flight(tables, rays)) ASSERT_EQ(hit, 0);
   for (const TestHit& hit : trace_whole(tables, rays)) ASSERT_EQ(hit.primitive, 0);
 }
 
@@ -364,6 +406,7 @@ TEST(IntersectorCases, RaysThatAreNotNumbersEnd) {
   rays.push_back({make_vec3(0, 0, 0), make_vec3(0, 0, 0)});
   rays.push_back({make_vec3(0, 0, 0), make_vec3(1, 0, 0), nan});
   EXPECT_EQ(trace_hierarchy(tables, rays).size(), rays.size());
+  for (const bool any : {false, true}) EXPECT_EQ(trace_in_flight(tables, rays, any).size(), rays.size());
 }
 
 TEST(Hierarchy, HoldsEveryPrimitive) {
