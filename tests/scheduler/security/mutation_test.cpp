@@ -126,7 +126,7 @@ TEST(Mutation, WhatWorkersSay) {
 
 TEST(Mutation, AResultIsTheUnitsOwnOrRefused) {
   feed<wire::UnitResult>({result().result()}, [](const wire::UnitResult& message) {
-    const auto decoded = decode(message, kUnit, kRadiancePlanes);
+    const auto decoded = decode(message, kUnit, ResultShape{kRadiancePlanes});
     if (!decoded) return false;
     // The checksum is of the samples: those that were sent, or none.
     EXPECT_EQ(decoded->values, fake_samples(kUnit, kRadiancePlanes).values);
