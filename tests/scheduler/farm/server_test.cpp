@@ -51,7 +51,7 @@ class ServerTest : public testing::Test {
   WorkerId connect_and_take_a_unit() {
     say_hello();
     const WorkerId worker = next<arrivals::Connected>().worker;
-    server_->send_unit(worker, kUnit, kArea, kRadiancePlanes);
+    server_->send_unit(worker, kUnit, kArea, ResultShape{kRadiancePlanes});
     wire::SchedulerMessage message;
     EXPECT_TRUE(stream_->Read(&message));
     EXPECT_TRUE(message.has_unit());
@@ -205,7 +205,7 @@ TEST_F(ServerTest, AWorkerIsNotReadyForAJobThatItWasNotGiven) {
 
 TEST_F(ServerTest, OfAForgottenJobsUnitsNothingIsHeard) {
   const WorkerId worker = connect_and_take_the_job();
-  server_->send_unit(worker, kUnit, kArea, kRadiancePlanes);
+  server_->send_unit(worker, kUnit, kArea, ResultShape{kRadiancePlanes});
   server_->forget_job(worker, kJob);
   stream_->Write(ready());
   stream_->Write(good_result());
@@ -220,7 +220,7 @@ TEST_F(ServerTest, ResultsOfOlderViewsAreNotHeardThoseOfOtherJobsAre) {
   const WorkerId worker = connect_and_take_a_unit();
   UnitId other = kUnit;
   other.job = 6;
-  server_->send_unit(worker, other, kArea, kRadiancePlanes);
+  server_->send_unit(worker, other, kArea, ResultShape{kRadiancePlanes});
   server_->send_view(worker, kJob, {1, {}});
   stream_->Write(good_result());
   wire::WorkerMessage of_other = good_result();
@@ -242,7 +242,7 @@ TEST_F(ServerTest, WhoIsDismissedIsNotHeardAnyMoreAndCutOff) {
   stream_->Write(ready());
   next<arrivals::Ready>();
   server_->dismiss(worker, "it lies");
-  server_->send_unit(worker, kUnit, kArea, kRadiancePlanes);
+  server_->send_unit(worker, kUnit, kArea, ResultShape{kRadiancePlanes});
   wire::SchedulerMessage message;
   ASSERT_TRUE(stream_->Read(&message));
   EXPECT_EQ(message.dismiss().reason(), "it lies");
@@ -449,7 +449,7 @@ TEST_F(ServerTest, ValuesThatAreNoStatisticsAreNoticed) {
     if (planes != kRadiancePlanes) continue;
     wire::WorkerMessage whole = good_result();
     encode(buffer, *whole.mutable_result());
-    server_->send_unit(1, kUnit, kArea, kRadiancePlanes);
+    server_->send_unit(1, kUnit, kArea, ResultShape{kRadiancePlanes});
     EXPECT_THAT(why_rejected(whole), HasSubstr(bad.text));
   }
 }
@@ -495,7 +495,7 @@ TEST_F(ServerTest, ABrokenStreamIsAWorkerGone) {
   const WorkerId worker = next<arrivals::Connected>().worker;
   context_.TryCancel();
   EXPECT_EQ(next<arrivals::Gone>().worker, worker);
-  server_->send_unit(worker, kUnit, kArea, kRadiancePlanes);  // nothing happens
+  server_->send_unit(worker, kUnit, kArea, ResultShape{kRadiancePlanes});  // nothing happens
   server_->dismiss(worker, "");
 }
 

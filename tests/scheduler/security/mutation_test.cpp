@@ -114,7 +114,7 @@ TEST(Mutation, WhatWorkersSay) {
     feed<wire::WorkerMessage>(wanted, [](const wire::WorkerMessage& message) {
       WorkerConnection connection(7);
       connection.send_job(1, "scene", {});
-      connection.send_unit(kId, kUnit, kRadiancePlanes);
+      connection.send_unit(kId, kUnit, ResultShape{kRadiancePlanes});
       const auto understood = connection.understand(message);
       if (!understood) return false;
       const auto* arrival = std::get_if<Arrival>(&*understood);
