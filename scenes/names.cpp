@@ -33,6 +33,18 @@ std::string extension_of(const std::filesystem::path& path) {
   return to_lower_case(path.extension().string());
 }
 
+bool is_place_name(std::string_view name) {
+  if (name.ends_with(')')) name = name.substr(0, name.rfind(" ("));
+  for (int number = 0; number < 2; ++number) {
+    const std::size_t colon = name.rfind(':');
+    if (colon == std::string_view::npos || colon + 1 == name.size() ||
+        name.find_first_not_of("0123456789", colon + 1) != std::string_view::npos)
+      return false;
+    name = name.substr(0, colon);
+  }
+  return name.find(" at ") != std::string_view::npos;
+}
+
 Expected<void> check_name_length(std::string_view kind, std::string_view name) {
   if (name.size() <= kMaxNameBytes) return {};
   return fail(

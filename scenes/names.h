@@ -24,4 +24,8 @@ constexpr std::size_t kMaxNameBytes = 1024;
 /// An error for a longer one; `kind` is "id", "name of a material".
 Expected<void> check_name_length(std::string_view kind, std::string_view name);
 
+/// Whether it is what readers call something that has no name in its file, for messages: "TYPE at
+/// FILE:LINE:COLUMN", perhaps with a part's name in brackets.
+bool is_place_name(std::string_view name);
+
 }  // namespace penumbra

@@ -65,6 +65,7 @@ struct Shape {
   bool two_sided_emission = false;                    ///< emits from the back as well (meshes and disks)
   EmitterSampling sampling = EmitterSampling::kAuto;  ///< of an emitter; kAuto: as the integrator says
   bool flip_normals = false;                          ///< swaps front and back
+  std::string material{};  ///< the name that its file gives to what it is made of; empty: those of its BSDFs
 };
 
 /// A group of shapes in a place.

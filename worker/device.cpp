@@ -47,7 +47,7 @@ Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint32_t 
   result.height = unit.height;
   result.sample_count = unit.sample_count;
   result.planes = plane_count(features);
-  result.values.resize(std::size_t(result.planes) * result.pixels());
+  result.values.resize(std::size_t(device_plane_count(features, unit.sample_count)) * result.pixels());
   return result;
 }
 

@@ -101,8 +101,8 @@ class Device {
 /// the device. With kAuto a device whose kernels do not compile is a warning, and native code renders.
 Expected<std::unique_ptr<Device>> make_device(const DeviceScene& scene, const DeviceOptions& options);
 
-/// An empty result for the unit, with the planes that the scene's features ask for. The error names a unit
-/// that no device can render.
+/// An empty result for the unit, with room for the planes that a device writes for the scene's features, see
+/// device_plane_count. The error names a unit that no device can render.
 Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint32_t features);
 
 /// The widest instruction set that this machine has and the kernels are built for.

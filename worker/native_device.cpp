@@ -127,6 +127,7 @@ class NativeDevice final : public Device {
       result.nan.add(non_finite_samples(portable, bad[BAD_NAN]));
       result.infinite.add(non_finite_samples(portable, bad[BAD_INFINITE]));
     });
+    if ((scene_.header.features & FEATURE_OWNERS) != 0u) take_owners(result);
     return made;
   }
 

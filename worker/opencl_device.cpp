@@ -49,7 +49,7 @@ class OpenClDevice final : public Device {
     Expected<SampleBuffer> made = make_sample_buffer(unit, features_);
     if (!made) return made;
     SampleBuffer& result = *made;
-    if (Expected<void> ready = reserve(unit, result.planes); !ready) return std::unexpected(ready.error());
+    if (Expected<void> ready = reserve(unit); !ready) return std::unexpected(ready.error());
     for (int y = 0; y < unit.height; y += plan_.part_height)
       for (int x = 0; x < unit.width; x += plan_.part_width) {
         const Unit part{.x = unit.x + x,
@@ -61,6 +61,7 @@ class OpenClDevice final : public Device {
         if (shape_.blocks ? !launch_blocks(part) : !launch_paths(part)) return std::unexpected(error());
         if (!take_counters(part, result) || !take_pixels(part, x, y, result)) return std::unexpected(error());
       }
+    if ((features_ & FEATURE_OWNERS) != 0u) take_owners(result);
     return made;
   }
 
@@ -97,7 +98,7 @@ class OpenClDevice final : public Device {
     scene_bytes_ = sizeof scene_.header + scene_.words.size() * 4;
     // Whether anything fits at all, before compiling: one pixel of one sample.
     const RenderUnit least{.x = 0, .y = 0, .width = 1, .height = 1, .first_sample = 0, .sample_count = 1};
-    if (auto fits = plan(least, plane_count(features_)); !fits) return std::unexpected(fits.error());
+    if (auto fits = plan(least); !fits) return std::unexpected(fits.error());
     // What a CPU device can use where it lies is not copied: the scene outlives the device.
     if (!upload_header() ||
         !session_.upload(words_, scene_.words.data(), scene_.words.size() * 4, info().is_cpu) ||
@@ -160,7 +161,7 @@ class OpenClDevice final : public Device {
   /// A launch of each kernel that renders nothing: drivers compile what is left to be compiled at the first.
   bool first_launch() {
     const RenderUnit pixel{.x = 0, .y = 0, .width = 1, .height = 1, .first_sample = 0, .sample_count = 1};
-    if (!reserve(pixel, plane_count(features_))) return false;
+    if (!reserve(pixel)) return false;
     const Unit unit{.x = 0, .y = 0, .width = 1, .height = 1, .first_sample = 0, .sample_count = 1};
     if (shape_.blocks) return launch_range(unit, 0, 0, 1) && session_.wait();
     return launch_trace(unit, 0, 0, 0) && launch_finish(unit, 0, 0, 0) && session_.wait();
@@ -168,11 +169,11 @@ class OpenClDevice final : public Device {
 
   // --- Memory
 
-  Expected<OpenClMemoryPlan> plan(const RenderUnit& unit, int planes) {
+  Expected<OpenClMemoryPlan> plan(const RenderUnit& unit) {
     demand_ = {.scene_bytes = scene_bytes_,
                .path_words = std::uint64_t(path_words(features_)),
                .slot_words = std::uint64_t(slot_words(features_)),
-               .planes = std::uint64_t(planes),
+               .planes = std::uint64_t(device_plane_count(features_, unit.sample_count)),
                .bad_bytes = sizeof(BadSamples) * BAD_KINDS,
                .width = unit.width,
                .height = unit.height,
@@ -182,8 +183,8 @@ class OpenClDevice final : public Device {
   }
 
   /// Block memory and results for the unit; what there is stays where it is large enough.
-  Expected<void> reserve(const RenderUnit& unit, int planes) {
-    const Expected<OpenClMemoryPlan> wanted = plan(unit, planes);
+  Expected<void> reserve(const RenderUnit& unit) {
+    const Expected<OpenClMemoryPlan> wanted = plan(unit);
     if (!wanted) return std::unexpected(wanted.error());
     plan_ = *wanted;
     const std::pair<ClReserve*, std::uint64_t> buffers[] = {{&paths_, plan_.path_bytes(demand_)},
@@ -293,12 +294,13 @@ class OpenClDevice final : public Device {
   /// The part's planes into those of the unit, whose pixel (x, y) is the part's first.
   bool take_pixels(const Unit& part, int x, int y, SampleBuffer& result) {
     const std::size_t area = std::size_t(part.width) * std::size_t(part.height);
-    const std::size_t values = area * std::size_t(result.planes);
+    const auto planes = std::size_t(demand_.planes);
+    const std::size_t values = area * planes;
     if (area == result.pixels()) return session_.read(out_, result.values.data(), values * sizeof(float));
     if (values > part_values_.size()) part_values_.resize(values);
     if (!session_.read(out_, part_values_.data(), values * sizeof(float))) return false;
     const std::size_t width = std::size_t(part.width);
-    for (std::size_t row = 0; row < std::size_t(result.planes) * std::size_t(part.height); ++row) {
+    for (std::size_t row = 0; row < planes * std::size_t(part.height); ++row) {
       const std::size_t plane = row / std::size_t(part.height), line = row % std::size_t(part.height);
       float* to = result.values.data() + plane * result.pixels() +
                   (std::size_t(y) + line) * std::size_t(result.width) + std::size_t(x);

@@ -259,6 +259,9 @@ FN void finish_pixels(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int 
   if (NEEDS(scene, COVERAGE))
     accumulate_coverage(unit, first_pixel, pixels, slots, scene->header.features, out);
 #endif
+#if HAS(OWNERS)
+  if (NEEDS(scene, OWNERS)) accumulate_owners(unit, first_pixel, pixels, slots, scene->header.features, out);
+#endif
 #if HAS(POLYGONS) && HAS(RATIO)
   if (scene->header.integrator.estimator == ESTIMATOR_RATIO)
     accumulate_ratio(unit, first_pixel, pixels, slots, scene->header.features, out);

@@ -23,11 +23,6 @@ FN void check_control(const PRIVATE SlotState* slots, int s) {
   set_slot_analytic(slots, s, select3(finite, analytic, zero));
 }
 
-/// Where a unit's RatioPlanes start.
-FN int first_ratio_plane(uint features) {
-  return coverage_plane(features) + ((features & FEATURE_COVERAGE) != 0u ? 1 : 0);
-}
-
   #if HAS(RATIO)
 /// For the ratio estimator: mean and deviation of what the ratio multiplies, and its correlation with the
 /// rest, after accumulate().

@@ -118,6 +118,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(vec3, normal, FEATURE_LAYERS, NEVER)                            \
   X(float, distance, FEATURE_LAYERS, NEVER)                         \
   X(float, coverage, FEATURE_COVERAGE, NEVER) /* 1 or 0 */          \
+  X(int, owner, FEATURE_OWNERS, NEVER)        /* see record_owners */ \
   X(vec3, shadowed, FEATURE_POLYGONS, NEVER)                        \
   X(vec3, unshadowed, FEATURE_POLYGONS, NEVER)                      \
   X(vec3, analytic, FEATURE_POLYGONS, NEVER)

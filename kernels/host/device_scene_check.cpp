@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "kernels/host/device_scene_tables.h"
@@ -135,6 +136,7 @@ class Checker {
 #undef CHECK_INDEX
     check_uvs();
     check_instances();
+    check_owners();
     check_textures();
     for (const Quadric& q : table<Quadric>(scene_, h_.tables.quadrics))
       require(in(q.kind, QUADRIC_SPHERE, has(FEATURE_CYLINDERS) ? QUADRIC_CYLINDER : QUADRIC_DISK),
@@ -256,6 +258,44 @@ class Checker {
       require(in(g.first_quadric, 0, h_.tables.quadrics.count) &&
                   in(g.quadric_count, 0, h_.tables.quadrics.count - g.first_quadric),
               "a group names quadrics that are not there");
+    }
+  }
+
+  /// Whatever a ray meets has one of the owners that there are.
+  void check_owners() {
+    const TableSpans& t = h_.tables;
+    if (!has(FEATURE_OWNERS)) {
+      require(t.owners.count == 0 && t.instance_owners.count == 0 && h_.owner_count == 0,
+              "owners without their feature bit");
+      return;
+    }
+    require(in(h_.owner_count, 0, MAX_OWNERS), "an implausible number of owners");
+    require(t.owners.count == std::int64_t{t.triangles.count} + t.quadrics.count,
+            "owners do not match the primitives");
+    require(t.instance_owners.count == t.instances.count, "owners do not match the instances");
+    if (!problem_.empty()) return;
+    const auto owners = table<int>(scene_, t.owners), firsts = table<int>(scene_, t.instance_owners);
+    const auto groups = table<PrimitiveGroup>(scene_, t.groups);
+    // What an instance adds: at least so much, at most so much.
+    std::vector<std::pair<int, int>> added(std::max<std::size_t>(groups.size(), 1),
+                                           {std::numeric_limits<int>::max(), 0});
+    added[0] = {0, 0};  // what is there once
+    const auto instances = table<Instance>(scene_, t.instances);
+    for (std::size_t i = 0; i < instances.size(); ++i) {
+      auto& [least, most] = added[std::size_t(instances[i].group)];
+      least = std::min(least, firsts[i]);
+      most = std::max(most, firsts[i]);
+    }
+    const auto check = [&](int first, int count, std::pair<int, int> range) {
+      for (const int owner : owners.subspan(std::size_t(first), std::size_t(count)))
+        require(owner >= 0 && std::int64_t{owner} + range.first >= 1 &&
+                    std::int64_t{owner} + range.second <= h_.owner_count,
+                "a primitive names an owner that is not there");
+    };
+    if (groups.empty()) check(0, t.owners.count, added[0]);
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      check(groups[g].first_triangle, groups[g].triangle_count, added[g]);
+      check(t.triangles.count + groups[g].first_quadric, groups[g].quadric_count, added[g]);
     }
   }
 

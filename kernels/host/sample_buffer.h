@@ -53,7 +53,7 @@ enum RatioPlane : int {
   kRatioCorrelationR = RATIO_CORRELATION_PLANE,  ///< of a + r b and b, -1 to 1
   kRatioR = RATIO_PLANE,                         ///< r, mean H / mean W
   kRatioUnshadowedR = RATIO_UNSHADOWED_PLANE,    ///< mean of W
-  kRatioPlanes = 15
+  kRatioPlanes = RATIO_PLANES
 };
 static_assert(LAYER_PLANES_END == kSampleBufferPlanes);
 static_assert(FIRST_LAYER_PLANE == kAlbedoR && ANALYTIC_PLANE == kAnalyticR &&
@@ -87,6 +87,12 @@ constexpr int plane_count(std::uint32_t features) {
   return image_plane_count(features) + ((features & FEATURE_RATIO) != 0u ? kRatioPlanes : 0);
 }
 
+/// How many planes a device writes for so many samples of a pixel: those, and pairs of owners
+/// (FEATURE_OWNERS), which take_owners takes out of them.
+inline int device_plane_count(std::uint32_t features, std::uint32_t sample_count) {
+  return plane_count(features) + ((features & FEATURE_OWNERS) != 0u ? 2 * owner_pairs(int(sample_count)) : 0);
+}
+
 /// Statistics of `sample_count` samples for each pixel of a rectangle. Plane p of pixel (x, y), counted from
 /// the rectangle's corner, is `values[(p * height + y) * width + x]`. A pure function of scene, seed, pixel
 /// and the range of sample indices: the same bytes from any worker. All values are finite: samples that are
@@ -99,6 +105,9 @@ struct SampleBuffer {
   NonFiniteSamples nan = {};       ///< samples with a NaN channel
   NonFiniteSamples infinite = {};  ///< samples with an infinite channel (and no NaN)
   std::vector<float> values;
+  /// With FEATURE_OWNERS, of one pixel after the other: how many pairs, then those, an owner and how many of
+  /// the samples met it, at least one. Owners ascend, from NOBODY on; the counts are those of all samples.
+  std::vector<std::uint32_t> owners = {};
 
   [[nodiscard]] std::size_t pixels() const { return std::size_t(width) * std::size_t(height); }
   [[nodiscard]] std::span<const float> plane(int p) const {
@@ -112,5 +121,17 @@ struct SampleBuffer {
 /// Whether the values are statistics at all: every one finite, no deviation below 0. What goes into a film
 /// from outside has been through this.
 Expected<void> check_statistics(const SampleBuffer& buffer);
+
+/// What results of a scene look like.
+struct ResultShape {
+  int planes = kRadiancePlanes;
+  int owner_count = 0;
+};
+
+/// Makes `owners` of the planes that a device has written for them, behind the others, which remain.
+void take_owners(SampleBuffer& buffer);
+
+/// Whether `owners` is what it should be, of a scene with so many of them; with 0, nothing.
+Expected<void> check_owners(const SampleBuffer& buffer, int owner_count);
 
 }  // namespace penumbra

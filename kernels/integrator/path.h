@@ -212,6 +212,9 @@ FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
   #if HAS(COVERAGE)
     if (NEEDS(scene, COVERAGE) && steps == 0) record_coverage(scene, &step.surfaces, paths, i, slots);
   #endif
+  #if HAS(OWNERS)
+    if (NEEDS(scene, OWNERS) && steps == 0) record_owners(scene, &step.surfaces, paths, i, slots);
+  #endif
     const bool finds = any_finds_light(scene, &step.surfaces);
     if (finds) find_lights(scene, &step.surfaces, &step.found);
     request_lights(scene, light_request(scene, true, scatters, scatters, balances), finds, &step, paths, i);

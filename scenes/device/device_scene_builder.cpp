@@ -1,5 +1,7 @@
 #include "scenes/device/device_scene_builder.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <climits>
@@ -17,6 +19,7 @@
 #include "scenes/device/light_choice.h"
 #include "scenes/device/light_textures.h"
 #include "scenes/device/ltc/ltc_table.h"
+#include "scenes/device/owner_book.h"
 #include "scenes/device/scene_bounds.h"
 #include "scenes/device/scene_records.h"
 #include "scenes/device/texture_coordinates.h"
@@ -52,6 +55,7 @@ class Builder {
     const SceneBounds bounds = bounds_of(scene, placed_);
     center_ = bounds.center();
     radius_ = 0.5 * glm::length(bounds.high - bounds.low);
+    if (options.owners != nullptr) owners_.emplace(scene);
     lights_.set_textures(light_textures_);
     lights_.set_receivers(light_receivers(scene, center_), scene.integrator);
   }
@@ -60,7 +64,10 @@ class Builder {
     add_materials();
     lights_.set_default_sampling(default_sampling(scene_.integrator, has_narrow_lobes(records_.materials)));
     reserve_triangles();
-    for (const Shape& shape : scene_.shapes) add_shape(shape);
+    for (std::size_t i = 0; i < scene_.shapes.size(); ++i) {
+      if (owners_) owner_ = owners_->of_shape(i);
+      add_shape(scene_.shapes[i]);
+    }
     add_instances();
     add_other_lights();
     set_camera();
@@ -86,6 +93,8 @@ class Builder {
     if (scene_.sampler.kind != SamplerKind::kSobol) need(FEATURE_SAMPLERS);
     if (Expected<void> done = add_intersector(options_.intersector, h_, records_); !done)
       return std::unexpected(done.error());
+    if (owners_)
+      if (Expected<void> done = store_owners(); !done) return std::unexpected(done.error());
     records_.filter_table = filter_table(scene_.film);
     if ((h_.features & FEATURE_LIGHT_TREE) != 0u)
       if (Expected<void> done = add_light_tree(lights_.bounds(), scene_.integrator, radius_, h_, records_);
@@ -204,6 +213,7 @@ class Builder {
         need(FEATURE_SHADING_NORMALS);
       }
       records_.triangles.push_back(t);
+      if (owners_) records_.owners.push_back(owner_);
       add_colours(mesh, corner, index);
       if (wants_uv()) records_.vertex_uvs.push_back(vertex_uvs(mesh, corner, shape.flip_normals));
     }
@@ -246,7 +256,9 @@ class Builder {
         centers[g] = bounds_of(scene_.groups[g].shapes).center();
         index[g] = add_group(scene_.groups[g], centers[g]);
       }
-      if (index[g] > 0) records_.instances.push_back(instance(place, index[g], centers[g]));
+      if (index[g] == 0) continue;
+      records_.instances.push_back(instance(place, index[g], centers[g]));
+      if (owners_) records_.instance_owners.push_back(owners_->first_of(place));
     }
     if (!records_.instances.empty()) need(FEATURE_INSTANCES);
     if (records_.instances.empty()) records_.groups.clear();
@@ -256,8 +268,15 @@ class Builder {
     if (!problem_.empty()) return;
     const auto emitters = placed_emitters(scene_, placed_, emits);
     if (!emitters) problem_ = emitters.error().message;
-    if (emitters)
-      for (const Shape& shape : *emitters) add_shape(shape);
+    if (!emitters) return;
+    // In the order of their places.
+    std::size_t next = 0;
+    for (const PlacedGroup& place : placed_)
+      for (const Shape& shape : scene_.groups[std::size_t(place.group)].shapes) {
+        if (!emits(shape)) continue;
+        if (owners_) owner_ = owners_->of_placed(place, shape);
+        add_shape((*emitters)[next++]);
+      }
   }
 
   /// The index of its record, or 0 where it has no shape but such as emit.
@@ -266,8 +285,12 @@ class Builder {
     record.first_triangle = int(records_.triangles.size());
     record.first_quadric = int(records_.quadrics.size());
     in_group_ = center;
-    for (const Shape& shape : group.shapes)
-      if (!emits(shape)) add_shape(shape);
+    owner_ = 0;  // see OwnerBook::first_of
+    for (const Shape& shape : group.shapes) {
+      if (emits(shape)) continue;
+      add_shape(shape);
+      ++owner_;
+    }
     in_group_.reset();
     record.triangle_count = int(records_.triangles.size()) - record.first_triangle;
     record.quadric_count = int(records_.quadrics.size()) - record.first_quadric;
@@ -347,6 +370,21 @@ class Builder {
       q.light = lights_.add_quadric(light, shape, area, q);
     }
     records_.quadrics.push_back(q);
+    if (owners_) quadric_owners_.push_back(owner_);
+  }
+
+  /// Those of triangles are in their table already.
+  Expected<void> store_owners() {
+    records_.owners.insert(records_.owners.end(), quadric_owners_.begin(), quadric_owners_.end());
+    *options_.owners = std::move(*owners_).names();
+    if (options_.owners->owners.size() > std::size_t(MAX_OWNERS))
+      return fail(
+          fmt::format("{}: more than {} objects with their materials; Cryptomatte has no numbers "
+                      "for them",
+                      scene_.source, MAX_OWNERS));
+    h_.owner_count = int(options_.owners->owners.size());
+    need(FEATURE_OWNERS);
+    return {};
   }
 
   void add_other_lights() {
@@ -397,6 +435,9 @@ class Builder {
   SceneRecords records_;
   LightTextures light_textures_;
   std::vector<MeshAttribute> attributes_;  ///< that textures show, in the order of a triangle's colours
+  std::optional<OwnerBook> owners_;
+  int owner_ = 0;  ///< of the shape that is added
+  std::vector<int> quadric_owners_;
   std::string problem_;
 };
 

@@ -229,6 +229,19 @@ SurfaceMaterial MaterialReader::read_bump_map(PluginReader& plugin) {
   return read_bent(plugin, BumpMapParameters{}, {BendKind::kBumpMap});
 }
 
+std::string MaterialReader::id_of(const Object* bsdf) const {
+  for (std::set<const Object*> met; bsdf != nullptr && met.insert(bsdf).second;) {
+    if (!bsdf->id.empty()) return bsdf->id;
+    const Object* inside = nullptr;
+    for (const Child& child : bsdf->children) {
+      const Object* held = context_.resolve(child);
+      if (inside == nullptr && held != nullptr && held->tag == "bsdf") inside = held;
+    }
+    bsdf = inside;
+  }
+  return {};
+}
+
 std::pair<int, int> MaterialReader::install(const Object* bsdf, bool emits, SceneDescription& scene) {
   if (bsdf == nullptr && emits) return {kBlackBsdf, kBlackBsdf};
   static const SurfaceMaterial kDefault{leaf("default", DiffuseBsdf{}), nullptr};

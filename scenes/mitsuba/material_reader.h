@@ -24,6 +24,10 @@ class MaterialReader {
   /// (null) a surface is diffuse 0.5, and one that emits black, as in Mitsuba 0.5 to 3.
   std::pair<int, int> install(const Object* bsdf, bool emits, SceneDescription& scene);
 
+  /// The id of the BSDF, or of the first with one of those that it holds, each the first of its holder; empty
+  /// if there is none.
+  [[nodiscard]] std::string id_of(const Object* bsdf) const;
+
  private:
   SurfaceMaterial read_new(const Object& bsdf);
   SurfaceMaterial read_two_sided(PluginReader& plugin);

@@ -461,6 +461,7 @@ void ShapeReader::read_shape(const Object& object, Holder& holder) {
   if (emitter != nullptr) read_area_light(context_, *emitter, shape);
   if (!geometry) return;
   std::tie(shape.front_bsdf, shape.back_bsdf) = materials_.install(bsdf, shape.radiance.has_value(), scene_);
+  shape.material = materials_.id_of(bsdf);
   holder.shapes.push_back(std::move(shape));
   holder.objects.push_back(&object);
 }
@@ -508,6 +509,7 @@ void ShapeReader::read_parts(const Object& object, Holder& holder) {
     shape.geometry = std::move(part.mesh);
     std::tie(shape.front_bsdf, shape.back_bsdf) =
         materials_.install(bsdf, shape.radiance.has_value(), scene_);
+    shape.material = materials_.id_of(bsdf);
     holder.shapes.push_back(std::move(shape));
     holder.objects.push_back(&object);
   }

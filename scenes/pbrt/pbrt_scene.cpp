@@ -240,6 +240,7 @@ class SceneParser {
     const std::string type = quoted("a type");
     Parameters given = parameters_with("material");
     state_.material = materials_.read(type, given, token.location);
+    state_.material_name = fmt::format("material-{}", ++unnamed_materials_);
   }
   void make_named_material(const Token& token) {
     const std::string name = quoted("a name");
@@ -250,7 +251,8 @@ class SceneParser {
     materials_.name(name, materials_.read(type, given, token.location));
   }
   void named_material(const Token& token) {
-    state_.material = materials_.named(quoted("a name"), token.location);
+    state_.material_name = quoted("a name");
+    state_.material = materials_.named(state_.material_name, token.location);
   }
   void light_source(const Token& token) {
     const std::string type = quoted("a type");
@@ -323,6 +325,7 @@ class SceneParser {
   TokenReader& tokens_;
   TextureReader textures_;
   MaterialReader materials_;
+  int unnamed_materials_ = 0;
   ShapeReader shapes_;
   GraphicsState state_;
   std::vector<Block> stack_;

@@ -204,6 +204,7 @@ std::optional<ReadShape> ShapeReader::read(const std::string& type, Parameters& 
   shape.ctm = state.ctm;
   shape.reverse_orientation = state.reverse_orientation;
   shape.material = state.material;
+  shape.material_name = state.material_name;
   shape.area_light = state.area_light;
   shape.location = location;
   return shape;
@@ -245,6 +246,7 @@ void ShapeReader::place(const ReadShape& read, const glm::dmat4& instance) {
                         fmt::format("more than {} shapes or {} triangles", kMostShapes, kMostTriangles));
   Shape shape;
   shape.name = read.name;
+  shape.material = read.material_name;
   // The front is where the normal of the shape's own space points to, whatever the transform mirrors.
   shape.flip_normals = read.reverse_orientation;
   const auto [x_axis, y_axis] = frame_axes(to_world);

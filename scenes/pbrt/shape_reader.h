@@ -18,6 +18,7 @@ struct ReadShape {
   glm::dmat4 ctm{1.0};
   bool reverse_orientation = false;
   std::shared_ptr<const SurfaceMaterial> material;
+  std::string material_name;
   std::shared_ptr<const AreaLight> area_light;
   TexturedNumber alpha{1.0f};
   SourceLocation location;

@@ -30,6 +30,7 @@ struct GraphicsState {
   glm::dmat4 ctm{1.0};
   bool reverse_orientation = false;
   std::shared_ptr<const SurfaceMaterial> material;
+  std::string material_name = "default";
   std::shared_ptr<const AreaLight> area_light;
   std::map<std::string, Parameters> defaults;  ///< of "Attribute", by what they are for
 };

@@ -50,7 +50,7 @@ Expected<std::optional<MergedBefore>> CheckpointFile::read(Merge empty) const {
   std::error_code ignored;
   if (!std::filesystem::exists(path_, ignored)) return std::nullopt;
   const auto bytes =
-      read_plain_file(path_, kMostOtherBytes + kMostFilms * std::int64_t(empty.film().written_size()));
+      read_plain_file(path_, kMostOtherBytes + kMostFilms * std::int64_t(empty.film().most_written()));
   if (!bytes) return std::unexpected(bytes.error());
   auto before = decode_checkpoint(bytes_of(*bytes), identity_, std::move(empty));
   if (!before) return fail(fmt::format("cannot go on with {}: {}", path_.string(), before.error().message));

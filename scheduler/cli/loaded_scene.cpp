@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "kernels/host/stopwatch.h"
+#include "scenes/device/scene_inventory.h"
 #include "scenes/scene_reader.h"
 #include "scenes/settings.h"
 
@@ -68,12 +69,19 @@ Expected<LoadedScene> load_scene(const SceneOptions& options,
   DeviceSceneOptions device_options;
   device_options.intersector = intersector_of(options.intersector);
   device_options.feature_layers = !options.no_features;
+  OwnerNames owners;
+  if (options.cryptomatte) device_options.owners = &owners;
   auto device = build_device_scene(*description, device_options);
   if (!device) return std::unexpected(device.error());
-  LoadedScene scene{std::move(*description), std::move(*device), {}, 0};
+  LoadedScene scene{std::move(*description), std::move(*device), {}, std::move(owners), 0, {}};
   scene.summary = summarize(scene.device);
   scene.seconds = seconds_since(begin);
   return scene;
+}
+
+void reduce(LoadedScene& scene) {
+  scene.center = scene_center(scene.description);
+  scene.description = polygon_lights_of(scene.description);
 }
 
 }  // namespace penumbra

@@ -6,6 +6,7 @@
 #include "kernels/host/device_scene.h"
 #include "kernels/host/error.h"
 #include "scenes/device/device_scene_builder.h"
+#include "scenes/owner_names.h"
 #include "scenes/scene_description.h"
 #include "scheduler/cli/render_options.h"
 
@@ -15,8 +16,14 @@ struct LoadedScene {
   SceneDescription description;
   DeviceScene device;
   SceneSummary summary;
-  double seconds = 0;  ///< that it took
+  OwnerNames owners;       ///< with --cryptomatte
+  double seconds = 0;      ///< that it took
+  glm::dvec3 center{0.0};  ///< see scene_center; once it is reduced
 };
+
+/// Of the description's shapes polygon_lights_of it remain: meshes and images are in the device scene, and
+/// two copies of the largest would take all of the memory.
+void reduce(LoadedScene& scene);
 
 /// Reads the scene file and applies the overrides; `-D` and `--set` are the reader's, the others are applied
 /// here.

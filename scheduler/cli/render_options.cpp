@@ -174,6 +174,10 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   statistics->type_name("FILE");
   command.add_flag("--no-statistics,--no-report", options.no_statistics, "Write none")->excludes(statistics);
 
+  command.add_flag(
+      "--cryptomatte", options.scene.cryptomatte,
+      "Layers of objects and materials in the EXR, from which compositing programs make mattes by "
+      "their names");
   auto* crop = command.add_option_function<std::string>(
       "--crop",
       [&options](const std::string& text) {

@@ -23,6 +23,7 @@ struct SceneOptions {
   std::optional<std::uint32_t> seed;
   std::string intersector = "auto";
   bool no_features = false;
+  bool cryptomatte = false;
 };
 
 /// A rectangle of film pixels, the end outside.

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <chrono>
 #include <future>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "kernels/host/console.h"
@@ -14,6 +16,7 @@
 #include "scheduler/files/output_batch.h"
 #include "scheduler/image/image_files.h"
 #include "scheduler/record/camera_attributes.h"
+#include "scheduler/record/cryptomatte.h"
 #include "scheduler/record/film_image.h"
 #include "scheduler/record/non_finite_text.h"
 #include "scheduler/record/render_statistics.h"
@@ -115,8 +118,11 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
   statistics.record = record_of_rendered(std::move(prepared.record), rendered);
   if (files.exr || files.png) {
     auto hash = std::async([&] { return outcome.film.hash(); });
-    image = image_of_film(outcome.film, statistics.record.film.width, statistics.record.film.height);
+    const OwnerNames* owners = statistics.record.cryptomatte ? &prepared.scene.owners : nullptr;
+    image = image_of_film(outcome.film, statistics.record.film.width, statistics.record.film.height, owners);
     image.metadata = record_metadata(statistics.record, hash.get(), rendered);
+    if (owners != nullptr)
+      std::ranges::move(cryptomatte_metadata(*owners), std::back_inserter(image.metadata));
     image.camera = camera_attributes(statistics.record.camera, statistics.record.film);
     add_images(image, statistics.record.film, files, batch);
   }

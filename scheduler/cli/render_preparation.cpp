@@ -89,6 +89,7 @@ RenderRecord make_record(const RenderOptions& options, const LoadedScene& scene,
   record.target_error = options.target_error;
   record.tile = options.tile;
   record.feature_layers = !options.scene.no_features;
+  record.cryptomatte = options.scene.cryptomatte;
   record.embree = scene.device.header.intersector == INTERSECTOR_EMBREE;
   record.backend = device.backend;
   if (record.embree) record.isa = isa_name(device.isa);
@@ -147,7 +148,17 @@ RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device,
   return job;
 }
 
-Expected<PreparedRender> prepare_render(const RenderOptions& options) {
+namespace {
+
+Expected<LoadedScene> load_reduced(const RenderOptions& options) {
+  auto scene = load_scene(options.scene, options.interactive ? preview_adjustment(options.scene) : nullptr);
+  if (scene) reduce(*scene);
+  return scene;
+}
+
+}  // namespace
+
+Expected<PreparedRender> prepare_render(const RenderOptions& options, SharedScenes* shared) {
   auto files = choose_output_files(options);
   if (!files) return std::unexpected(files.error());
   // What can be told before the scene, which may be large, is read.
@@ -159,7 +170,7 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options) {
   if (!options.tev.empty())
     if (auto address = parse_tev_address(options.tev); !address)
       return fail("--tev: " + address.error().message);
-  auto scene = load_scene(options.scene, options.interactive ? preview_adjustment(options.scene) : nullptr);
+  auto scene = shared != nullptr ? shared->load(options.scene) : load_reduced(options);
   if (!scene) return std::unexpected(scene.error());
   if (auto checked = check_outputs(files->all(), scene->description.files); !checked)
     return std::unexpected(checked.error());
@@ -189,10 +200,7 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options) {
   prepared.job = make_job(options, prepared.record, *device, std::move(scene->device));
   prepared.farm = farm_of(options);
   prepared.farm.keys = *keys;
-  const glm::dvec3 center = scene_center(scene->description);
-  for (int axis = 0; axis < 3; ++axis) prepared.job.center[axis] = center[axis];
-  // Meshes and images are in the device scene: two copies of the largest would take all of the memory.
-  scene->description = polygon_lights_of(scene->description);
+  for (int axis = 0; axis < 3; ++axis) prepared.job.center[axis] = scene->center[axis];
   prepared.scene = std::move(*scene);
   if (auto checked = check_render_job(prepared.job); !checked) return std::unexpected(checked.error());
   return prepared;

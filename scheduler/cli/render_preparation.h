@@ -8,6 +8,7 @@
 #include "scheduler/cli/loaded_scene.h"
 #include "scheduler/cli/output_files.h"
 #include "scheduler/cli/render_options.h"
+#include "scheduler/cli/sets/shared_scenes.h"
 #include "scheduler/farm/render_farm.h"
 #include "scheduler/record/render_record.h"
 
@@ -25,7 +26,8 @@ struct PreparedRender {
 /// Chooses the files, reads the scene, applies the options. Errors, all of them of the input: an output that
 /// cannot be written or would overwrite an input, a bad scene, more pixels than memory, a crop outside the
 /// film, options that exclude each other or that this machine has not.
-Expected<PreparedRender> prepare_render(const RenderOptions& options);
+/// `shared`, where the render is one of a set: reads the scene, or has it.
+Expected<PreparedRender> prepare_render(const RenderOptions& options, SharedScenes* shared = nullptr);
 
 /// What a record says of its job. `manifest`: of the scene.
 RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device, DeviceScene scene,

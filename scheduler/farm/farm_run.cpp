@@ -7,6 +7,7 @@
 
 #include "scheduler/files/quoting.h"
 #include "scheduler/keys/client_access.h"
+#include "scheduler/protocol/wire.h"
 
 namespace penumbra {
 namespace {
@@ -29,14 +30,14 @@ Expected<void> FarmRun::start() {
   Expected<PrivateSocket> socket = PrivateSocket::create();
   if (!socket) return std::unexpected(socket.error());
   socket_.emplace(std::move(*socket));
-  Expected<std::unique_ptr<Server>> server = Server::listen(
-      {.address = socket_->address(),
-       .more = options_.listen,
-       .keys = options_.keys,
-       .comes_back = options_.comes_back,
-       .largest_result = std::size_t(options_.largest_tile) * std::size_t(options_.largest_tile) *
-                         std::size_t(plane_count(FEATURE_ALL)) * sizeof(float),
-       .service = options_.service});
+  Expected<std::unique_ptr<Server>> server =
+      Server::listen({.address = socket_->address(),
+                      .more = options_.listen,
+                      .keys = options_.keys,
+                      .comes_back = options_.comes_back,
+                      .largest_result = std::size_t(options_.largest_tile) *
+                                        std::size_t(options_.largest_tile) * std::size_t(kMostPixelBytes),
+                      .service = options_.service});
   if (!server) return std::unexpected(server.error());
   server_ = std::move(*server);
   const bool far = !options_.launch.empty() && !options_.listen.empty();

@@ -48,6 +48,8 @@ struct Image {
   std::vector<std::pair<std::string, MetadataValue>> metadata;
   std::optional<Chromaticities> chromaticities = {};  ///< of R, G, B, if it is said
   std::optional<ImageCamera> camera = {};             ///< likewise
+  /// The last so many channels are numbers of which no file may lose a bit.
+  std::size_t exact_channels = 0;
 
   [[nodiscard]] std::size_t pixels() const { return std::size_t(data.width) * std::size_t(data.height); }
   /// Index of the channel of that name.

@@ -7,7 +7,10 @@
 #include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfIntAttribute.h>
+#include <ImfMultiPartOutputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfOutputPart.h>
+#include <ImfPartType.h>
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <fmt/format.h>
@@ -80,18 +83,43 @@ Imf::PixelType type_of(const std::string& channel, const ExrEncoding& encoding) 
   return encoding.half && is_half_channel(channel) ? Imf::HALF : Imf::FLOAT;
 }
 
-Imf::Header header_of(const Image& image, const ExrEncoding& encoding) {
+/// What of an image one part of a file has.
+struct Part {
+  const char* name;
+  std::size_t first_channel, end_channel;
+  Imf::Compression compression;
+};
+
+/// Metadata that belong to the exact channels.
+bool is_of_exact(std::string_view name) { return name.starts_with("cryptomatte/"); }
+
+/// One, but for exact channels in a file whose compression would change floats: those get one of their own.
+std::vector<Part> parts_of(const Image& image, const ExrEncoding& encoding) {
+  const std::size_t all = image.channels.size(), others = all - image.exact_channels;
+  const Imf::Compression compression = compression_of(encoding.compression);
+  const bool changes_floats = compression == Imf::PXR24_COMPRESSION || compression == Imf::DWAA_COMPRESSION ||
+                              compression == Imf::DWAB_COMPRESSION;
+  if (image.exact_channels == 0 || !changes_floats) return {{"image", 0, all, compression}};
+  return {{"image", 0, others, compression}, {"cryptomatte", others, all, Imf::ZIP_COMPRESSION}};
+}
+
+Imf::Header header_of(const Image& image, const ExrEncoding& encoding, const Part& part) {
   Imf::Header header(box_of(image.display), box_of(image.data));
-  header.compression() = compression_of(encoding.compression);
-  for (const std::string& channel : image.channels)
-    header.channels().insert(channel, Imf::Channel(type_of(channel, encoding)));
+  header.compression() = part.compression;
+  for (std::size_t c = part.first_channel; c < part.end_channel; ++c)
+    header.channels().insert(image.channels[c], Imf::Channel(type_of(image.channels[c], encoding)));
   add_standard_attributes(image, header);
+  const bool is_all = part.end_channel - part.first_channel == image.channels.size();
   for (const auto& [name, value] : image.metadata) {
+    if (!is_all && is_of_exact(name) != (part.first_channel > 0)) continue;
     if (const int* number = std::get_if<int>(&value)) header.insert(name, Imf::IntAttribute(*number));
     if (const float* number = std::get_if<float>(&value)) header.insert(name, Imf::FloatAttribute(*number));
     if (const auto* number = std::get_if<double>(&value)) header.insert(name, Imf::DoubleAttribute(*number));
     if (const auto* text = std::get_if<std::string>(&value)) header.insert(name, Imf::StringAttribute(*text));
   }
+  if (is_all) return header;
+  header.setName(part.name);
+  header.setType(Imf::SCANLINEIMAGE);
   return header;
 }
 
@@ -109,13 +137,13 @@ std::vector<half> halves_of(const Image& image, const ExrEncoding& encoding) {
   return halves;
 }
 
-/// Where OpenEXR finds the pixels; it only reads them.
-Imf::FrameBuffer frame_buffer_of(const Image& image, const ExrEncoding& encoding,
+/// Where OpenEXR finds the pixels; it only reads them. Halves are of the first part alone.
+Imf::FrameBuffer frame_buffer_of(const Image& image, const ExrEncoding& encoding, const Part& part,
                                  const std::vector<half>& halves) {
   Imf::FrameBuffer buffer;
   const half* next = halves.data();
   const std::size_t pixel_stride = image.channels.size() * sizeof(float);
-  for (std::size_t c = 0; c < image.channels.size(); ++c) {
+  for (std::size_t c = part.first_channel; c < part.end_channel; ++c) {
     if (type_of(image.channels[c], encoding) == Imf::HALF) {
       buffer.insert(image.channels[c], Imf::Slice::Make(Imf::HALF, next, box_of(image.data), sizeof(half),
                                                         sizeof(half) * std::size_t(image.data.width)));
@@ -223,9 +251,19 @@ Expected<std::vector<std::uint8_t>> encode_exr(const Image& image, const ExrEnco
     MemoryStream stream(bytes);
     const int threads = compression_threads();
     const std::vector<half> halves = halves_of(image, encoding);
-    Imf::OutputFile file(stream, header_of(image, encoding), threads);
-    file.setFrameBuffer(frame_buffer_of(image, encoding, halves));
-    file.writePixels(image.data.height);
+    const std::vector<Part> parts = parts_of(image, encoding);
+    std::vector<Imf::Header> headers;
+    for (const Part& part : parts) headers.push_back(header_of(image, encoding, part));
+    const auto write = [&](auto&& file, const Part& part) {
+      file.setFrameBuffer(frame_buffer_of(image, encoding, part, halves));
+      file.writePixels(image.data.height);
+    };
+    if (parts.size() == 1) {
+      write(Imf::OutputFile(stream, headers[0], threads), parts[0]);
+    } else {
+      Imf::MultiPartOutputFile file(stream, headers.data(), int(headers.size()), false, threads);
+      for (std::size_t k = 0; k < parts.size(); ++k) write(Imf::OutputPart(file, int(k)), parts[k]);
+    }
   } catch (const std::exception& error) {
     return fail(fmt::format("cannot encode the image as OpenEXR: {}", error.what()));
   }

@@ -26,7 +26,8 @@ bool is_half_channel(std::string_view name);
 std::uint64_t values_beyond_half(const Image& image);
 
 /// OpenEXR: all channels, by default as 32-bit floats with ZIP compression; data and display window, every
-/// metadata entry, camera and chromaticities as its standard attributes.
+/// metadata entry, camera and chromaticities as its standard attributes. Exact channels have a part of their
+/// own, with the metadata cryptomatte/…, where the compression would change floats.
 Expected<std::vector<std::uint8_t>> encode_exr(const Image& image, const ExrEncoding& encoding = {});
 
 /// PNG: the beauty layer of the data window through `display_byte`, 8 bits a channel. With a channel A it has

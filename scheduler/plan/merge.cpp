@@ -13,9 +13,9 @@ Merge::Merge(FilmAccumulator film, TileGrid grid, std::optional<double> target_e
 void Merge::begin(std::uint32_t tile) {
   if (!target_error_ || tiles_[tile].is_done || tiles_[tile].adaptive) return;
   const RenderUnit area = grid_.unit(tile, 0);
-  tiles_[tile].adaptive =
-      std::make_unique<AdaptiveTile>(FilmAccumulator(area.x, area.y, area.width, area.height, film_.planes()),
-                                     *target_error_, grid_.passes());
+  tiles_[tile].adaptive = std::make_unique<AdaptiveTile>(
+      FilmAccumulator(area.x, area.y, area.width, area.height, film_.planes(), false, film_.owner_count()),
+      *target_error_, grid_.passes());
 }
 
 /// Shows what there is of it, and decides whether that is enough.

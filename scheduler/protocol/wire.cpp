@@ -18,7 +18,12 @@ static_assert(std::endian::native == std::endian::little, "sample values travel 
 
 bool is_time(double seconds) { return std::isfinite(seconds) && seconds >= 0; }
 
-std::uint64_t checksum_of(const std::string& values) { return XXH3_64bits(values.data(), values.size()); }
+std::uint64_t checksum_of(const wire::PixelResult& result) {
+  const std::uint64_t of_values = XXH3_64bits(result.values().data(), result.values().size());
+  const auto& owners = result.owners();
+  if (owners.empty()) return of_values;
+  return XXH3_64bits_withSeed(owners.data(), std::size_t(owners.size()) * sizeof(std::uint32_t), of_values);
+}
 
 std::string hash_text(const XXH128_hash_t& hash) {
   return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
@@ -245,10 +250,13 @@ void encode(const SampleBuffer& buffer, wire::UnitResult& result) {
   encode(buffer.nan, *message.mutable_nan());
   encode(buffer.infinite, *message.mutable_infinite());
   message.set_values(buffer.values.data(), buffer.values.size() * sizeof(float));
-  message.set_checksum(checksum_of(message.values()));
+  message.mutable_owners()->Add(buffer.owners.begin(), buffer.owners.end());
+  message.set_checksum(checksum_of(message));
 }
 
-Expected<SampleBuffer> decode(const wire::UnitResult& result, const RenderUnit& unit, int planes) {
+Expected<SampleBuffer> decode(const wire::UnitResult& result, const RenderUnit& unit,
+                              const ResultShape& shape) {
+  const int planes = shape.planes;
   if (!result.has_pixels()) return fail("the result is of another kind than its unit");
   const wire::PixelResult& message = result.pixels();
   if (message.width() != unit.width || message.height() != unit.height || message.planes() != planes ||
@@ -264,7 +272,8 @@ Expected<SampleBuffer> decode(const wire::UnitResult& result, const RenderUnit& 
                       .sample_count = unit.sample_count,
                       .nan = {},
                       .infinite = {},
-                      .values = {}};
+                      .values = {},
+                      .owners = {}};
   const std::size_t count = buffer.pixels() * std::size_t(planes);
   if (message.values().size() != count * sizeof(float)) {
     return fail(fmt::format("the result has {} bytes of samples instead of {}", message.values().size(),
@@ -276,12 +285,15 @@ Expected<SampleBuffer> decode(const wire::UnitResult& result, const RenderUnit& 
   if (!infinite) return std::unexpected(infinite.error());
   buffer.nan = *nan;
   buffer.infinite = *infinite;
-  if (message.checksum() != checksum_of(message.values())) {
+  if (message.checksum() != checksum_of(message)) {
     return fail("the result's checksum does not match its bytes");
   }
   buffer.values.resize(count);
   std::memcpy(buffer.values.data(), message.values().data(), message.values().size());
   if (const Expected<void> checked = check_statistics(buffer); !checked)
+    return fail("the result has " + checked.error().message);
+  buffer.owners.assign(message.owners().begin(), message.owners().end());
+  if (const Expected<void> checked = check_owners(buffer, shape.owner_count); !checked)
     return fail("the result has " + checked.error().message);
   return buffer;
 }

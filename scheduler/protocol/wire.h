@@ -20,11 +20,16 @@ namespace penumbra {
 
 namespace wire = penumbra::v1;
 
-constexpr std::uint32_t kProtocolVersion = 7;
+constexpr std::uint32_t kProtocolVersion = 8;
 constexpr std::size_t kAssetChunkBytes = std::size_t(1) << 20;
 
-/// Largest message that a peer accepts: a tile of 2048 x 2048 pixels with all planes, and some.
-constexpr int kMaxMessageBytes = kMaxTile * kMaxTile * plane_count(FEATURE_ALL) * 4 + (1 << 20);
+/// Bytes that a result's message takes for a pixel at most: all planes; how many pairs of owners, and those,
+/// as variable numbers of 7 bits a byte.
+constexpr int kMostPixelBytes = plane_count(FEATURE_ALL) * 4 + 1 + MAX_OWNER_PAIRS * (4 + 2);
+static_assert(MAX_OWNERS < 1 << 28 && kMaxSamplesPerUnit < 1 << 14 && MAX_OWNER_PAIRS < 1 << 7);
+
+/// Largest message that a peer accepts: a tile of 2048 x 2048 pixels with all of that, and some.
+constexpr int kMaxMessageBytes = kMaxTile * kMaxTile * kMostPixelBytes + (1 << 20);
 
 /// XXH3-128 of the bytes as 32 hexadecimal digits: the name of a piece of an asset.
 std::string content_hash(std::span<const std::uint8_t> bytes);
@@ -72,10 +77,11 @@ Expected<RenderUnit> decode(const wire::Unit& message);
 
 /// The buffer, its counts and the checksum.
 void encode(const SampleBuffer& buffer, wire::UnitResult& message);
-/// Fails, in words for people, if the checksum does not match, the buffer is not one of `unit` with
-/// `planes` planes, its values are no statistics (see check_statistics), or it took a time that is not
-/// finite.
-Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit& unit, int planes);
+/// Fails, in words for people, if the checksum does not match, the buffer is not one of `unit` in that shape,
+/// its values are no statistics (see check_statistics), its owners none (see check_owners), or it took a time
+/// that is not finite.
+Expected<SampleBuffer> decode(const wire::UnitResult& message, const RenderUnit& unit,
+                              const ResultShape& shape);
 
 void encode(const AssetManifest& manifest, wire::AssetManifest& message);
 /// Fails unless it is the one of that hash, with pieces of 1 to kLargestPiece bytes whose names are hashes.

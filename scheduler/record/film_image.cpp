@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
+
+#include "scheduler/record/cryptomatte.h"
 
 namespace penumbra {
 namespace {
@@ -15,7 +18,7 @@ static_assert(std::size(kLayerChannels) == kSeen + 1 - kRadiancePlanes);
 
 }  // namespace
 
-Image image_of_film(const FilmAccumulator& film, int film_width, int film_height) {
+Image image_of_film(const FilmAccumulator& film, int film_width, int film_height, const OwnerNames* owners) {
   Image image;
   image.chromaticities = kRec709;
   image.data = {film.x(), film.y(), film.width(), film.height()};
@@ -28,6 +31,13 @@ Image image_of_film(const FilmAccumulator& film, int film_width, int film_height
   for (int plane = kRadiancePlanes; plane < layers_end + (visibility ? 1 : 0); ++plane)
     image.channels.emplace_back(kLayerChannels[plane - kRadiancePlanes]);
   image.channels.emplace_back("samples.Y");
+  std::optional<CryptomattePixels> cryptomatte;
+  if (owners != nullptr) {
+    const std::vector<std::string> channels = cryptomatte_channels();
+    image.channels.insert(image.channels.end(), channels.begin(), channels.end());
+    image.exact_channels = channels.size();
+    cryptomatte.emplace(*owners);
+  }
   image.values.reserve(image.pixels() * image.channels.size());
   const auto append = [&](const double(&values)[3]) {
     for (const double value : values) image.values.push_back(float(value));
@@ -42,6 +52,7 @@ Image image_of_film(const FilmAccumulator& film, int film_width, int film_height
         image.values.push_back(float(film.layer(x, y, plane)));
       if (visibility) image.values.push_back(float(film.visibility(x, y)));
       image.values.push_back(float(pixel.count));
+      if (cryptomatte) cryptomatte->append(film, x, y, image.values);
     }
   }
   return image;

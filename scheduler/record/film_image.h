@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "scenes/owner_names.h"
 #include "scheduler/image/image.h"
 #include "scheduler/plan/film_accumulator.h"
 
@@ -30,6 +31,9 @@ std::uint64_t pixels_of_infinite_variance(const FilmAccumulator& film);
 ///   albedo.R/G/B, normal.X/Y/Z, depth.Z, analytic.R/G/B, difference.R/G/B, visibility.Y
 ///                     as in SampleBufferPlane, as many of them as the film has
 ///   samples.Y         n; 0 where no pass has been merged, and everything else is 0 there
-Image image_of_film(const FilmAccumulator& film, int film_width, int film_height);
+///   CryptoObject00.R … CryptoMaterial02.A
+///                     with `owners`, of which the film has to be: see cryptomatte.h
+Image image_of_film(const FilmAccumulator& film, int film_width, int film_height,
+                    const OwnerNames* owners = nullptr);
 
 }  // namespace penumbra

@@ -32,6 +32,7 @@ struct RenderRecord : RenderSettings {
   std::optional<double> target_error;  ///< of each tile
   int tile = 0;  ///< pixels along a side; matters with a target error, and with stop_after_units
   bool feature_layers = true;
+  bool cryptomatte = false;
   bool embree = false;  ///< else the portable intersector
   Backend backend = Backend::kNative;
   std::string isa;  ///< Embree's choices depend on the instruction set; empty where it makes no difference

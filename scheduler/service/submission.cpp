@@ -49,6 +49,7 @@ void encode(const RenderRecord& record, wire::Record& message) {
   if (record.target_error) message.set_target_error(*record.target_error);
   message.set_tile(record.tile);
   message.set_feature_layers(record.feature_layers);
+  message.set_cryptomatte(record.cryptomatte);
   message.set_embree(record.embree);
   message.set_isa(record.isa);
   for (const Setting& setting : all_settings()) {
@@ -80,10 +81,35 @@ Expected<RenderRecord> decode(const wire::Record& message, const DeviceOptions& 
     return fail("the target error is no positive number");
   record.tile = message.tile();
   record.feature_layers = message.feature_layers();
+  record.cryptomatte = message.cryptomatte();
   record.embree = message.embree();
   record.backend = device.backend;
   record.isa = wire_text(message.isa(), kLongestName);
   return record;
+}
+
+void encode(const OwnerNames& names, wire::OwnerNames& message) {
+  add_texts(names.objects, message.mutable_objects());
+  add_texts(names.materials, message.mutable_materials());
+  for (const OwnerNames::Owner& owner : names.owners) {
+    message.add_owner_objects(owner.object);
+    message.add_owner_materials(owner.material);
+  }
+}
+
+Expected<OwnerNames> decode(const wire::OwnerNames& message) {
+  OwnerNames names{.objects = {message.objects().begin(), message.objects().end()},
+                   .materials = {message.materials().begin(), message.materials().end()},
+                   .owners = {}};
+  if (message.owner_objects_size() != message.owner_materials_size())
+    return fail("owners of which some have no object or no material");
+  for (int i = 0; i < message.owner_objects_size(); ++i) {
+    const OwnerNames::Owner owner{message.owner_objects(i), message.owner_materials(i)};
+    if (owner.object >= names.objects.size() || owner.material >= names.materials.size())
+      return fail("an owner whose object or material has no name");
+    names.owners.push_back(owner);
+  }
+  return names;
 }
 
 }  // namespace
@@ -112,6 +138,7 @@ wire::Submission encode(const Submission& submission) {
   add_texts(submission.command_line, message.mutable_command_line());
   message.set_strict_numerics(submission.strict_numerics);
   add_texts(submission.files, message.mutable_files());
+  if (submission.record.cryptomatte) encode(submission.owners, *message.mutable_owners());
   return message;
 }
 
@@ -151,6 +178,9 @@ Expected<Submission> decode(const wire::Submission& message) {
       return fail("two results of one kind");
   }
   if (submission.files.empty()) return fail("there is no file to be written");
+  auto owners = decode(message.owners());
+  if (!owners) return std::unexpected(owners.error());
+  submission.owners = std::move(*owners);
   return submission;
 }
 

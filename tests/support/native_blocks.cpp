@@ -13,7 +13,8 @@ std::vector<float> render_native_blocks(const NativeKernel& kernel, const Device
   BlockMemory memory(scene.header.features, paths, paths);
   const Block block = memory.block();
   const int pixels = unit.width * unit.height, row = slot_pixels(paths, portable.sample_count, kernel.lanes);
-  std::vector<float> planes(std::size_t(plane_count(scene.header.features)) * std::size_t(pixels));
+  std::vector<float> planes(std::size_t(device_plane_count(scene.header.features, unit.sample_count)) *
+                            std::size_t(pixels));
   BadSamples bad[BAD_KINDS] = {};
   for (int first = 0; first < pixels; first += row) {
     if (before) before({first, row});

@@ -45,6 +45,7 @@ ExitCode submit(const SubmitOptions& options, const CLI::App& command,
   const auto connected = connect_to_service({options.service.to, options.render.keys});
   if (!connected) return print_error(connected.error()), kBadInput;
   JobsClient& service = **connected;
+  SharedScenes scenes(scenes_of(*plan));
   std::size_t submitted = 0;
   for (SetMember member : plan->members) {
     if (stop) break;
@@ -52,7 +53,7 @@ ExitCode submit(const SubmitOptions& options, const CLI::App& command,
     const auto complain = [&](const Error& error) {
       print_error({fmt::format("{}: {}", member.name, error.message)});
     };
-    const auto prepared = prepare_render(member.options);
+    const auto prepared = prepare_render(member.options, &scenes);
     if (!prepared) {
       complain(prepared.error());
       continue;

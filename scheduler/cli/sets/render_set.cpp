@@ -73,7 +73,8 @@ class SceneSet final : public JobSource {
         options_(options),
         command_line_(command_line),
         stop_(stop),
-        printer_(options.quiet ? ProgressStyle::kNone : progress_style(), terminal_columns()) {
+        printer_(options.quiet ? ProgressStyle::kNone : progress_style(), terminal_columns()),
+        scenes_(scenes_of(plan_)) {
     const FinishedRenders finished = FinishedRenders::read(plan_.summary);
     for (const SetMember& member : plan_.members) {
       const std::vector<std::string> files = absolute_names(member.files);
@@ -118,7 +119,8 @@ class SceneSet final : public JobSource {
   const std::vector<std::string>& command_line_;
   const std::atomic<bool>& stop_;
   ProgressPrinter printer_;
-  std::string worker_;  ///< hash of that program
+  std::string worker_;   ///< hash of that program
+  SharedScenes scenes_;  // of the thread that reads scenes
 
   std::mutex mutex_;  // of entries_
   std::vector<SetEntry> entries_;
@@ -149,7 +151,7 @@ void SceneSet::read_scenes() {
 
 Expected<void> SceneSet::read_scene(std::size_t index) {
   const RenderOptions& options = plan_.members[index].options;
-  auto prepared = prepare_render(options);
+  auto prepared = prepare_render(options, &scenes_);
   if (!prepared) return std::unexpected(prepared.error());
   if (const auto device = check_device(prepared->job.device); !device) return device;
   for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);

@@ -160,4 +160,10 @@ Expected<SetPlan> plan_set(const RenderOptions& options, const CLI::App& command
   return SetPlanner(options, command).plan();
 }
 
+std::vector<const SceneOptions*> scenes_of(const SetPlan& plan) {
+  std::vector<const SceneOptions*> scenes;
+  for (const SetMember& member : plan.members) scenes.push_back(&member.options.scene);
+  return scenes;
+}
+
 }  // namespace penumbra

@@ -27,6 +27,9 @@ struct SetPlan {
   std::filesystem::path summary;
 };
 
+/// Of each render.
+std::vector<const SceneOptions*> scenes_of(const SetPlan& plan);
+
 /// All renders of the command's scenes and job files; what the command says counts for each, also where a job
 /// file says otherwise. `-o`, or a file's `out`, is a folder, made if it is missing, or a name with fields:
 /// {scene} (the scene's name without its extension), {folder} (that of the folder it is in), and whatever the

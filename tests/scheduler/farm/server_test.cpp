@@ -51,7 +51,7 @@ class ServerTest : public testing::Test {
   WorkerId connect_and_take_a_unit() {
     say_hello();
     const WorkerId worker = next<arrivals::Connected>().worker;
-    server_->send_unit(worker, kUnit, kArea, kRadiancePlanes);
+    server_->send_unit(worker, kUnit, kArea, ResultShape{kRadiancePlanes});
     wire::SchedulerMessage message;
     EXPECT_TRUE(stream_->Read(&message));
     EXPECT_TRUE(message.has_unit());
@@ -205,7 +205,7 @@ TEST_F(ServerTest, AWorkerIsNotReadyForAJobThatItWasNotGiven) {
 
 TEST_F(ServerTest, OfAForgottenJobsUnitsNothingIsHeard) {
   const WorkerId worker = connect_and_take_the_job();
-  server_->send_unit(worker, kUnit, kArea, kRadiancePlanes);
+  server_->send_unit(worker, kUnit, kArea, ResultShape{kRadiancePlanes});
   server_->forget_job(worker, kJob);
   stream_->Write(ready());
   stream_->Write(good_result());
@@ -220,7 +220,7 @@ TEST_F(ServerTest, ResultsOfOlderViewsAreNotHeardThoseOfOtherJobsAre) {
   const WorkerId worker = connect_and_take_a_unit();
   UnitId other = kUnit;
   other.job = 6;
-  server_->send_unit(worker, other, kArea, kRadiancePlanes);
+  server_->send_unit(worker, other, kArea, ResultShape{kRadiancePlanes});
   server_->send_view(worker, kJob, {1, {}});
   stream_->Write(good_result());
   wire::WorkerMessage of_other = good_result();
@@ -242,7 +242,7 @@ TEST_F(ServerTest, WhoIsDismissedIsNotHeardAnyMoreAndCutOff) {
   stream_->Write(ready());
   next<arrivals::Ready>();
   server_->dismiss(worker, "it lies");
-  server_->send_unit(worker, kUnit, kArea, kRadiancePlanes);
+  server_->send_unit(worker, kUnit, kArea, ResultShape{kRadiancePlanes});
   wire::SchedulerMessage message;
   ASSERT_TRUE(stream_->Read(&message));
   EXPECT_EQ(message.dismiss().reason(), "it lies");
@@ -305,9 +305,68 @@ TEST_F(ServerTest, AResultThatTookNoTimeAtAllOrForEverIsRejected) {
        {std::numeric_limits<double>::quiet_NaN(), -1.0, std::numeric_limits<double>::infinity()}) {
     wire::WorkerMessage message = good_result();
     message.mutable_result()->set_busy_seconds(seconds);
-    EXPECT_FALSE(decode(message.result(), kArea, kRadiancePlanes)) << seconds;
+    EXPECT_FALSE(decode(message.result(), kArea, ResultShape{kRadiancePlanes})) << seconds;
   }
-  EXPECT_TRUE(decode(good_result().result(), kArea, kRadiancePlanes));
+  EXPECT_TRUE(decode(good_result().result(), kArea, ResultShape{kRadiancePlanes}));
+}
+
+/// What a result with these owners is to a scheduler whose scene has 9.
+std::string error_of_owners(const std::vector<std::uint32_t>& owners) {
+  SampleBuffer buffer = fake_samples(kArea, kRadiancePlanes);
+  buffer.owners = owners;
+  wire::UnitResult message;
+  encode(buffer, message);
+  const auto decoded = decode(message, kArea, {.planes = kRadiancePlanes, .owner_count = 9});
+  if (!decoded) return decoded.error().message;
+  EXPECT_EQ(decoded->owners, owners);
+  return "";
+}
+
+TEST(ResultOwners, AreThoseOfTheSamplesOfEachPixel) {
+  const auto pixels = std::size_t(kArea.width) * std::size_t(kArea.height);
+  const std::uint32_t n = kArea.sample_count;
+  ASSERT_GE(n, 2u);
+  // Nobody and the last owner, of each pixel.
+  std::vector<std::uint32_t> owners;
+  for (std::size_t pixel = 0; pixel < pixels; ++pixel)
+    owners.insert(owners.end(), {2u, std::uint32_t(NOBODY), 1u, 9u, n - 1});
+  EXPECT_EQ(error_of_owners(owners), "");
+  const auto changed = [&](std::size_t at, std::uint32_t value) {
+    std::vector<std::uint32_t> wrong = owners;
+    wrong[at] = value;
+    return error_of_owners(wrong);
+  };
+  EXPECT_THAT(changed(3, 10), HasSubstr("unknown"));
+  EXPECT_THAT(changed(3, NOBODY), HasSubstr("out of its order")) << "twice";
+  EXPECT_THAT(changed(4, n), HasSubstr("samples in a pixel"));
+  EXPECT_THAT(changed(4, 0), HasSubstr("no sample met"));
+  EXPECT_THAT(changed(4, ~0u), HasSubstr("samples in a pixel")) << "no sum may run over";
+  EXPECT_THAT(changed(0, ~0u), HasSubstr("no list"));
+  EXPECT_THAT(changed(0, 3), testing::Not(testing::IsEmpty()));
+  EXPECT_THAT(error_of_owners({}), HasSubstr("no list"));
+  std::vector<std::uint32_t> shorter = owners, longer = owners;
+  shorter.pop_back();
+  longer.push_back(0);
+  EXPECT_THAT(error_of_owners(shorter), HasSubstr("no list"));
+  EXPECT_THAT(error_of_owners(longer), HasSubstr("more pixels"));
+}
+
+TEST(ResultOwners, OfASceneWithoutThemAreRefusedAndEveryBitIsSecured) {
+  SampleBuffer buffer = fake_samples(kArea, kRadiancePlanes);
+  for (std::size_t pixel = 0; pixel < buffer.pixels(); ++pixel)
+    buffer.owners.insert(buffer.owners.end(), {1u, 5u, buffer.sample_count});
+  wire::UnitResult message;
+  encode(buffer, message);
+  EXPECT_FALSE(decode(message, kArea, {.planes = kRadiancePlanes, .owner_count = 0}));
+  EXPECT_TRUE(decode(message, kArea, {.planes = kRadiancePlanes, .owner_count = 9}));
+  const std::uint64_t hash = result_hash(message);
+  message.mutable_pixels()->set_owners(1, 4);
+  const auto decoded = decode(message, kArea, {.planes = kRadiancePlanes, .owner_count = 9});
+  ASSERT_FALSE(decoded);
+  EXPECT_THAT(decoded.error().message, HasSubstr("checksum"));
+  buffer.owners[1] = 4;
+  encode(buffer, message);
+  EXPECT_NE(result_hash(message), hash) << "two workers that differ are told apart";
 }
 
 TEST_F(ServerTest, AMessageThatNoUnitCanHoldIsNotTaken) {
@@ -384,13 +443,13 @@ TEST_F(ServerTest, ValuesThatAreNoStatisticsAreNoticed) {
     buffer.nan = {.count = 1, .x = kArea.x, .y = kArea.y, .sample = kArea.first_sample};  // explains nothing
     wire::UnitResult message;
     encode(buffer, message);
-    const Expected<SampleBuffer> decoded = decode(message, kArea, planes);
+    const Expected<SampleBuffer> decoded = decode(message, kArea, ResultShape{planes});
     ASSERT_FALSE(decoded);
     EXPECT_THAT(decoded.error().message, HasSubstr(bad.text));
     if (planes != kRadiancePlanes) continue;
     wire::WorkerMessage whole = good_result();
     encode(buffer, *whole.mutable_result());
-    server_->send_unit(1, kUnit, kArea, kRadiancePlanes);
+    server_->send_unit(1, kUnit, kArea, ResultShape{kRadiancePlanes});
     EXPECT_THAT(why_rejected(whole), HasSubstr(bad.text));
   }
 }
@@ -399,7 +458,7 @@ TEST_F(ServerTest, AnImpossibleTimeIsNoticed) {
   for (const double seconds : {-1.0, std::nan(""), double(std::numeric_limits<float>::infinity())}) {
     wire::WorkerMessage message = good_result();
     message.mutable_result()->set_busy_seconds(seconds);
-    EXPECT_FALSE(decode(message.result(), kArea, kRadiancePlanes)) << seconds;
+    EXPECT_FALSE(decode(message.result(), kArea, ResultShape{kRadiancePlanes})) << seconds;
   }
 }
 
@@ -436,7 +495,7 @@ TEST_F(ServerTest, ABrokenStreamIsAWorkerGone) {
   const WorkerId worker = next<arrivals::Connected>().worker;
   context_.TryCancel();
   EXPECT_EQ(next<arrivals::Gone>().worker, worker);
-  server_->send_unit(worker, kUnit, kArea, kRadiancePlanes);  // nothing happens
+  server_->send_unit(worker, kUnit, kArea, ResultShape{kRadiancePlanes});  // nothing happens
   server_->dismiss(worker, "");
 }
 

@@ -114,7 +114,7 @@ TEST(Mutation, WhatWorkersSay) {
     feed<wire::WorkerMessage>(wanted, [](const wire::WorkerMessage& message) {
       WorkerConnection connection(7);
       connection.send_job(1, "scene", {});
-      connection.send_unit(kId, kUnit, kRadiancePlanes);
+      connection.send_unit(kId, kUnit, ResultShape{kRadiancePlanes});
       const auto understood = connection.understand(message);
       if (!understood) return false;
       const auto* arrival = std::get_if<Arrival>(&*understood);
@@ -126,7 +126,7 @@ TEST(Mutation, WhatWorkersSay) {
 
 TEST(Mutation, AResultIsTheUnitsOwnOrRefused) {
   feed<wire::UnitResult>({result().result()}, [](const wire::UnitResult& message) {
-    const auto decoded = decode(message, kUnit, kRadiancePlanes);
+    const auto decoded = decode(message, kUnit, ResultShape{kRadiancePlanes});
     if (!decoded) return false;
     // The checksum is of the samples: those that were sent, or none.
     EXPECT_EQ(decoded->values, fake_samples(kUnit, kRadiancePlanes).values);

@@ -109,6 +109,15 @@ TEST_F(Service, TheSameBytesAsRender) {
   EXPECT_EQ(statistics["command_line"][1], "submit");
 }
 
+TEST_F(Service, NamesOfObjectsTravelWithTheirJob) {
+  serve();
+  const std::string job = submit({"--cryptomatte", "-o", "a.exr"});
+  EXPECT_EQ(run({"fetch", job, "--wait", "-o", "out"}).exit_code, 0);
+  render({"--cryptomatte"}, "ref.exr");
+  EXPECT_THAT(contents("ref.exr"), HasSubstr("CryptoObject00.R"));
+  EXPECT_TRUE(contents("out/a.exr") == contents("ref.exr"));
+}
+
 TEST_F(Service, AJobFileIsAsManyJobs) {
   write_text(folder_ / "jobs.toml",
              "[[render]]\nscene = 's.xml'\nseed = [1, 2]\nspp = 4\n[[render]]\nscene = 's.xml'\nspp = 2\n"

@@ -46,6 +46,7 @@ Submission full_submission() {
   record.samples_per_pass = 5;
   record.target_error = 0.1;
   record.feature_layers = false;
+  record.cryptomatte = true;
   record.embree = true;
   record.isa = "avx2";
   submission.time_budget = 1.5;
@@ -57,6 +58,7 @@ Submission full_submission() {
   submission.build_seconds = 0.25;
   submission.command_line = {"penumbra", "submit", "s.xml"};
   submission.strict_numerics = true;
+  submission.owners = {.objects = {"floor", "ä"}, .materials = {"wood"}, .owners = {{0, 0}, {1, 0}, {0, 0}}};
   return submission;
 }
 
@@ -87,6 +89,7 @@ TEST(Submission, ArrivesWhole) {
   EXPECT_EQ(there->build_seconds, 0.25);
   EXPECT_EQ(there->command_line, sent.command_line);
   EXPECT_TRUE(there->strict_numerics);
+  EXPECT_EQ(there->owners, sent.owners);
   EXPECT_THAT(there->files, ElementsAre("s.exr", "s.png", "s.json"));
   // What was decoded encodes to the same: nothing is lost on the way through a service's folder.
   EXPECT_EQ(encode(*there).SerializeAsString(), message.SerializeAsString());
@@ -122,6 +125,10 @@ TEST(Submission, WhatMakesNoSenseIsSaid) {
     EXPECT_THAT(error([&](auto& m) { m.set_verify(share); }), HasSubstr("share of units"));
   EXPECT_THAT(error([](auto& m) { m.mutable_record()->set_target_error(0); }), HasSubstr("target error"));
   EXPECT_THAT(error([](auto& m) { m.mutable_device()->set_threads(0); }), HasSubstr("thread"));
+  EXPECT_THAT(error([](auto& m) { m.mutable_owners()->add_owner_objects(0); }), HasSubstr("no material"));
+  EXPECT_THAT(error([](auto& m) { m.mutable_owners()->set_owner_objects(1, 2); }), HasSubstr("has no name"));
+  EXPECT_THAT(error([](auto& m) { m.mutable_owners()->set_owner_materials(1, ~0u); }),
+              HasSubstr("has no name"));
   const auto setting = [](const char* key, const char* value) {
     return [=](wire::Submission& m) {
       wire::NamedText* added = m.mutable_record()->add_render_settings();

@@ -1,0 +1,86 @@
+#include "scheduler/cli/sets/shared_scenes.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <utility>
+
+#include "kernels/host/stopwatch.h"
+#include "scenes/settings.h"
+
+namespace penumbra {
+namespace {
+
+/// Everything that the scene depends on but the values of --spp and --seed.
+std::string key_of(const SceneOptions& options) {
+  std::string key;
+  const auto add = [&](const std::string& text) { key += fmt::format("{} {}\n", text.size(), text); };
+  add(std::filesystem::absolute(options.scene).lexically_normal().string());
+  for (const auto* texts : {&options.defines, &options.settings}) {
+    add(fmt::format("{}", texts->size()));
+    for (const std::string& text : *texts) add(text);
+  }
+  add(options.integrator.value_or(""));
+  add(options.sampler.value_or(""));
+  add(options.intersector);
+  add(fmt::format("{:d}{:d}{:d}{:d}{:d}", options.lenient, options.no_features, options.cryptomatte,
+                  options.spp.has_value(), options.seed.has_value()));
+  // As the scene's errors and warnings name it.
+  add(options.scene);
+  return key;
+}
+
+/// Of what is large in it.
+std::uint64_t bytes_of_scene(const LoadedScene& scene) {
+  std::uint64_t bytes = scene.device.words.size() * sizeof(std::uint32_t);
+  for (const auto* names : {&scene.owners.objects, &scene.owners.materials})
+    for (const std::string& name : *names) bytes += sizeof name + name.size();
+  return bytes + scene.owners.owners.size() * sizeof(OwnerNames::Owner);
+}
+
+/// The scene with another number of samples and another seed, where the options say so.
+Expected<void> take_samples(LoadedScene& scene, const SceneOptions& options) {
+  SamplerSettings& sampler = scene.description.sampler;
+  if (options.spp) sampler.spp = *options.spp;
+  if (options.seed) sampler.seed = *options.seed;
+  if (auto checked = check_settings(scene.description); !checked) return checked;
+  scene.device.header.sampler.spp = sampler.spp;
+  scene.device.header.sampler.seed = sampler.seed;
+  return {};
+}
+
+}  // namespace
+
+SharedScenes::SharedScenes(const std::vector<const SceneOptions*>& renders, std::uint64_t most_bytes)
+    : most_bytes_(most_bytes) {
+  for (const SceneOptions* each : renders) ++scenes_[key_of(*each)].renders_to_come;
+}
+
+Expected<LoadedScene> SharedScenes::load(const SceneOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  Scene& scene = scenes_[key_of(options)];
+  const bool is_last = --scene.renders_to_come <= 0;
+  if (!scene.loaded) {
+    ++reads_;
+    auto loaded = load_scene(options);
+    if (!loaded) return loaded;
+    reduce(*loaded);
+    const std::uint64_t bytes = bytes_of_scene(*loaded);
+    if (!is_last && bytes <= most_bytes_ - kept_bytes_) {
+      scene.loaded = *loaded;
+      kept_bytes_ += scene.bytes = bytes;
+    }
+    return loaded;
+  }
+  LoadedScene loaded = is_last ? std::move(*scene.loaded) : *scene.loaded;
+  if (is_last) {
+    scene.loaded.reset();
+    kept_bytes_ -= scene.bytes;
+  }
+  if (auto taken = take_samples(loaded, options); !taken) return std::unexpected(taken.error());
+  loaded.seconds = seconds_since(begin);
+  return loaded;
+}
+
+}  // namespace penumbra
