@@ -24,30 +24,46 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
+/// Which of a pixel's sequences its samples of odd index, or the others, are points of: one for both, or, for
+/// an alpha for the samples of each from those of the other, two that are independent.
+FN int sequence_of_pixel(const PRIVATE SceneHeader* h, bool odd, int x, int y) {
+  const uint seed = in_halves(h) && odd ? hash_uint(h->sampler.seed ^ 0x6c078965u) : h->sampler.seed;
+  return (int)pixel_sequence(h->sampler.kind, seed, (uint)x, (uint)y);
+}
+
 /// Paths `first_path` ... of the block's pixels: sample `first_sample + path % sample_count` of pixel `path /
 /// sample_count`.
 STAGE void number_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int first_path,
                         int count, const PRIVATE PathState* paths, const PRIVATE SlotState* slots) {
   const PRIVATE SceneHeader* h = &scene->header;
-  const bool halves = in_halves(h);
+  const uint halves = in_halves(h) ? 1u : 0u;
   int pixel = first_pixel + first_path / unit->sample_count, sample = first_path % unit->sample_count;
   const int pitch = slot_pixels(slots->capacity, unit->sample_count, LANES);
-  const int padded = (count + LANES - 1) / LANES * LANES;
-  for (int i = 0; i < padded;
-       i++) {  // lanes past the count repeat the last path, so that every lane holds valid work
+  const PathState fields = *paths;  // see step.h
+  for (int i = 0; i < count; pixel++, sample = 0) {
     const int x = unit->x + pixel % unit->width, y = unit->y + pixel / unit->width;
-    set_slot(paths, i, sample * pitch + (pixel - first_pixel));
-    const uint index = unit->first_sample + (uint)sample;
-    // Two independent sequences, for an alpha for the samples of each from those of the other.
-    const bool second = halves & ((index & 1u) != 0u);
-    const uint seed = second ? hash_uint(h->sampler.seed ^ 0x6c078965u) : h->sampler.seed;
-    set_pixel_hash(paths, i, (int)pixel_sequence(h->sampler.kind, seed, (uint)x, (uint)y));
-    set_sample_index(paths, i, (int)(halves ? index >> 1 : index));
-    set_film_x(paths, i, x);
-    set_film_y(paths, i, y);
-    const bool last = i + 1 >= count, next_pixel = sample + 1 == unit->sample_count;
-    pixel += (next_pixel & !last) ? 1 : 0;
-    sample = last ? sample : (next_pixel ? 0 : sample + 1);
+    const int even = sequence_of_pixel(h, false, x, y), odd = sequence_of_pixel(h, true, x, y);
+    const int samples = min_i(unit->sample_count - sample, count - i);
+    const int slot = sample * pitch + (pixel - first_pixel);
+    const uint first_index = unit->first_sample + (uint)sample;
+    LANE_LOOP
+      for (int k = 0; k < samples; k++) {
+        const uint index = first_index + (uint)k;
+        set_slot(&fields, i + k, slot + k * pitch);
+        set_pixel_hash(&fields, i + k, (index & 1u) != 0u ? odd : even);
+        set_sample_index(&fields, i + k, (int)(index >> halves));
+        set_film_x(&fields, i + k, x);
+        set_film_y(&fields, i + k, y);
+      }
+    i += samples;
+  }
+  // Lanes past the count repeat the last path, so that every lane holds valid work.
+  for (int i = count; i % LANES != 0; i++) {
+    set_slot(paths, i, get_slot(paths, count - 1));
+    set_pixel_hash(paths, i, get_pixel_hash(paths, count - 1));
+    set_sample_index(paths, i, get_sample_index(paths, count - 1));
+    set_film_x(paths, i, get_film_x(paths, count - 1));
+    set_film_y(paths, i, get_film_y(paths, count - 1));
   }
 }
 
