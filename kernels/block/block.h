@@ -79,24 +79,39 @@ FN void start_path(const PRIVATE PathState* fields, int i, Ray ray) {
   set_depth(fields, i, 0);
 }
 
-/// Camera rays of LANES paths, through the points that the film's filter chooses by (u, v).
-STAGE void start_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                       const PRIVATE float* RESTRICT u, const PRIVATE float* RESTRICT v,
-                       const PRIVATE SlotState* slots) {
-  const Camera camera = scene->header.camera;
-  const FilmParameters film = scene->header.film;
-  const PathState fields = *paths;  // see step.h
-  float weights[LANES];
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const FilterSample fx = sample_filter(film.filter, scene->filter_table, u[j]);
-      const FilterSample fy = sample_filter(film.filter, scene->filter_table, v[j]);
-      const Ray ray = camera_ray(camera, film, get_film_x(&fields, i + j), get_film_y(&fields, i + j),
-                                 film.filter_radius * fx.x, film.filter_radius * fy.x);
-      start_path(&fields, i + j, ray);
-      weights[j] = fx.weight * fy.weight;
-    }
-  for (int j = 0; j < LANES; j++) set_slot_filter_weight(slots, get_slot(paths, i + j), weights[j]);
+// Camera rays of LANES paths, through the points that the film's filter chooses by (u, v): FILTER_SAMPLE(u).
+#define START_PATHS(stage, FILTER_SAMPLE)                                                                \
+  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,                    \
+                   const PRIVATE float* RESTRICT u, const PRIVATE float* RESTRICT v,                     \
+                   const PRIVATE SlotState* slots) {                                                     \
+    const Camera camera = scene->header.camera;                                                          \
+    const FilmParameters film = scene->header.film;                                                      \
+    const PathState fields = *paths; /* see step.h */                                                    \
+    float weights[LANES];                                                                                \
+    LANE_LOOP                                                                                            \
+      for (int j = 0; j < LANES; j++) {                                                                  \
+        const FilterSample fx = FILTER_SAMPLE(u[j]), fy = FILTER_SAMPLE(v[j]);                           \
+        const Ray ray = camera_ray(camera, film, get_film_x(&fields, i + j), get_film_y(&fields, i + j), \
+                                   film.filter_radius * fx.x, film.filter_radius * fy.x);                \
+        start_path(&fields, i + j, ray);                                                                 \
+        weights[j] = fx.weight * fy.weight;                                                              \
+      }                                                                                                  \
+    for (int j = 0; j < LANES; j++) set_slot_filter_weight(slots, get_slot(paths, i + j), weights[j]);   \
+  }
+#define PLAIN_SAMPLE(u) sample_plain_filter(film.filter, u)
+#define TABULATED_SAMPLE(u) sample_filter(film.filter, scene->filter_table, u)
+START_PATHS(start_paths, PLAIN_SAMPLE)
+START_PATHS(start_tabulated_paths, TABULATED_SAMPLE)
+#undef TABULATED_SAMPLE
+#undef PLAIN_SAMPLE
+#undef START_PATHS
+
+FN void start_pinhole_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                            const PRIVATE float* u, const PRIVATE float* v, const PRIVATE SlotState* slots) {
+  if (scene->header.film.filter == FILTER_TABULATED)
+    start_tabulated_paths(scene, paths, i, u, v, slots);
+  else
+    start_paths(scene, paths, i, u, v, slots);
 }
 
 #if HAS(CAMERA)
@@ -171,9 +186,9 @@ FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first
     sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_FILM), paths, i, u, v);
 #if HAS(CAMERA)
     if (NEEDS(scene, CAMERA)) start_lens_paths(scene, paths, i, channel, u, v, slots);
-    if (!NEEDS(scene, CAMERA)) start_paths(scene, paths, i, u, v, slots);
+    if (!NEEDS(scene, CAMERA)) start_pinhole_paths(scene, paths, i, u, v, slots);
 #else
-    start_paths(scene, paths, i, u, v, slots);
+    start_pinhole_paths(scene, paths, i, u, v, slots);
 #endif
 #if HAS(POLYGONS)
     if (NEEDS(scene, POLYGONS)) clear_control(paths, i);
