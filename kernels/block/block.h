@@ -24,30 +24,46 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
+/// Which of a pixel's sequences its samples of odd index, or the others, are points of: one for both, or, for
+/// an alpha for the samples of each from those of the other, two that are independent.
+FN int sequence_of_pixel(const PRIVATE SceneHeader* h, bool odd, int x, int y) {
+  const uint seed = in_halves(h) && odd ? hash_uint(h->sampler.seed ^ 0x6c078965u) : h->sampler.seed;
+  return (int)pixel_sequence(h->sampler.kind, seed, (uint)x, (uint)y);
+}
+
 /// Paths `first_path` ... of the block's pixels: sample `first_sample + path % sample_count` of pixel `path /
 /// sample_count`.
 STAGE void number_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int first_path,
                         int count, const PRIVATE PathState* paths, const PRIVATE SlotState* slots) {
   const PRIVATE SceneHeader* h = &scene->header;
-  const bool halves = in_halves(h);
+  const uint halves = in_halves(h) ? 1u : 0u;
   int pixel = first_pixel + first_path / unit->sample_count, sample = first_path % unit->sample_count;
   const int pitch = slot_pixels(slots->capacity, unit->sample_count, LANES);
-  const int padded = (count + LANES - 1) / LANES * LANES;
-  for (int i = 0; i < padded;
-       i++) {  // lanes past the count repeat the last path, so that every lane holds valid work
+  const PathState fields = *paths;  // see step.h
+  for (int i = 0; i < count; pixel++, sample = 0) {
     const int x = unit->x + pixel % unit->width, y = unit->y + pixel / unit->width;
-    set_slot(paths, i, sample * pitch + (pixel - first_pixel));
-    const uint index = unit->first_sample + (uint)sample;
-    // Two independent sequences, for an alpha for the samples of each from those of the other.
-    const bool second = halves & ((index & 1u) != 0u);
-    const uint seed = second ? hash_uint(h->sampler.seed ^ 0x6c078965u) : h->sampler.seed;
-    set_pixel_hash(paths, i, (int)pixel_sequence(h->sampler.kind, seed, (uint)x, (uint)y));
-    set_sample_index(paths, i, (int)(halves ? index >> 1 : index));
-    set_film_x(paths, i, x);
-    set_film_y(paths, i, y);
-    const bool last = i + 1 >= count, next_pixel = sample + 1 == unit->sample_count;
-    pixel += (next_pixel & !last) ? 1 : 0;
-    sample = last ? sample : (next_pixel ? 0 : sample + 1);
+    const int even = sequence_of_pixel(h, false, x, y), odd = sequence_of_pixel(h, true, x, y);
+    const int samples = min_i(unit->sample_count - sample, count - i);
+    const int slot = sample * pitch + (pixel - first_pixel);
+    const uint first_index = unit->first_sample + (uint)sample;
+    LANE_LOOP
+      for (int k = 0; k < samples; k++) {
+        const uint index = first_index + (uint)k;
+        set_slot(&fields, i + k, slot + k * pitch);
+        set_pixel_hash(&fields, i + k, (index & 1u) != 0u ? odd : even);
+        set_sample_index(&fields, i + k, (int)(index >> halves));
+        set_film_x(&fields, i + k, x);
+        set_film_y(&fields, i + k, y);
+      }
+    i += samples;
+  }
+  // Lanes past the count repeat the last path, so that every lane holds valid work.
+  for (int i = count; i % LANES != 0; i++) {
+    set_slot(paths, i, get_slot(paths, count - 1));
+    set_pixel_hash(paths, i, get_pixel_hash(paths, count - 1));
+    set_sample_index(paths, i, get_sample_index(paths, count - 1));
+    set_film_x(paths, i, get_film_x(paths, count - 1));
+    set_film_y(paths, i, get_film_y(paths, count - 1));
   }
 }
 
@@ -63,24 +79,39 @@ FN void start_path(const PRIVATE PathState* fields, int i, Ray ray) {
   set_depth(fields, i, 0);
 }
 
-/// Camera rays of LANES paths, through the points that the film's filter chooses by (u, v).
-STAGE void start_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                       const PRIVATE float* RESTRICT u, const PRIVATE float* RESTRICT v,
-                       const PRIVATE SlotState* slots) {
-  const Camera camera = scene->header.camera;
-  const FilmParameters film = scene->header.film;
-  const PathState fields = *paths;  // see step.h
-  float weights[LANES];
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const FilterSample fx = sample_filter(film.filter, scene->filter_table, u[j]);
-      const FilterSample fy = sample_filter(film.filter, scene->filter_table, v[j]);
-      const Ray ray = camera_ray(camera, film, get_film_x(&fields, i + j), get_film_y(&fields, i + j),
-                                 film.filter_radius * fx.x, film.filter_radius * fy.x);
-      start_path(&fields, i + j, ray);
-      weights[j] = fx.weight * fy.weight;
-    }
-  for (int j = 0; j < LANES; j++) set_slot_filter_weight(slots, get_slot(paths, i + j), weights[j]);
+// Camera rays of LANES paths, through the points that the film's filter chooses by (u, v): FILTER_SAMPLE(u).
+#define START_PATHS(stage, FILTER_SAMPLE)                                                                \
+  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,                    \
+                   const PRIVATE float* RESTRICT u, const PRIVATE float* RESTRICT v,                     \
+                   const PRIVATE SlotState* slots) {                                                     \
+    const Camera camera = scene->header.camera;                                                          \
+    const FilmParameters film = scene->header.film;                                                      \
+    const PathState fields = *paths; /* see step.h */                                                    \
+    float weights[LANES];                                                                                \
+    LANE_LOOP                                                                                            \
+      for (int j = 0; j < LANES; j++) {                                                                  \
+        const FilterSample fx = FILTER_SAMPLE(u[j]), fy = FILTER_SAMPLE(v[j]);                           \
+        const Ray ray = camera_ray(camera, film, get_film_x(&fields, i + j), get_film_y(&fields, i + j), \
+                                   film.filter_radius * fx.x, film.filter_radius * fy.x);                \
+        start_path(&fields, i + j, ray);                                                                 \
+        weights[j] = fx.weight * fy.weight;                                                              \
+      }                                                                                                  \
+    for (int j = 0; j < LANES; j++) set_slot_filter_weight(slots, get_slot(paths, i + j), weights[j]);   \
+  }
+#define PLAIN_SAMPLE(u) sample_plain_filter(film.filter, u)
+#define TABULATED_SAMPLE(u) sample_filter(film.filter, scene->filter_table, u)
+START_PATHS(start_paths, PLAIN_SAMPLE)
+START_PATHS(start_tabulated_paths, TABULATED_SAMPLE)
+#undef TABULATED_SAMPLE
+#undef PLAIN_SAMPLE
+#undef START_PATHS
+
+FN void start_pinhole_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                            const PRIVATE float* u, const PRIVATE float* v, const PRIVATE SlotState* slots) {
+  if (scene->header.film.filter == FILTER_TABULATED)
+    start_tabulated_paths(scene, paths, i, u, v, slots);
+  else
+    start_paths(scene, paths, i, u, v, slots);
 }
 
 #if HAS(CAMERA)
@@ -155,9 +186,9 @@ FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first
     sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_FILM), paths, i, u, v);
 #if HAS(CAMERA)
     if (NEEDS(scene, CAMERA)) start_lens_paths(scene, paths, i, channel, u, v, slots);
-    if (!NEEDS(scene, CAMERA)) start_paths(scene, paths, i, u, v, slots);
+    if (!NEEDS(scene, CAMERA)) start_pinhole_paths(scene, paths, i, u, v, slots);
 #else
-    start_paths(scene, paths, i, u, v, slots);
+    start_pinhole_paths(scene, paths, i, u, v, slots);
 #endif
 #if HAS(POLYGONS)
     if (NEEDS(scene, POLYGONS)) clear_control(paths, i);

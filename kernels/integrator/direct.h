@@ -156,10 +156,10 @@ FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
       finds = any_finds_light(scene, &step.surfaces);
       if (finds) find_lights(scene, &step.surfaces, &step.found);
     }
-    if (k == 0) keep_surfaces(paths, i, &step.surfaces);
+    if (k == 0 && !is_last) keep_surfaces(paths, i, &step.surfaces);
     if (k > 0) load_kept_surfaces(paths, i, &step.surfaces);
   #if HAS(UV)
-    if (NEEDS(scene, UV) && k == 0) keep_uvs(paths, i, &step.surfaces);
+    if (NEEDS(scene, UV) && k == 0 && !is_last) keep_uvs(paths, i, &step.surfaces);
     if (NEEDS(scene, UV) && k > 0) load_kept_uvs(paths, i, &step.surfaces);
   #endif
   #if HAS(INSTANCES)

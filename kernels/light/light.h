@@ -31,27 +31,34 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, float, pmf)
 LANE_RECORD(LaneLight, ChosenLights, chosen_light, CHOSEN_LIGHT_FIELDS)
 
-/// By `number` and `fine`, see choose_light, or as the samplings say. `kind` is that of all lights, or of
-/// some of them: then see detail_choices.
-STAGE void choose_lights(const PRIVATE Scene* scene, int kind, const PRIVATE Surfaces* RESTRICT receivers,
-                         const PRIVATE float* RESTRICT number, const PRIVATE float* RESTRICT fine,
-                         const PRIVATE LightSamplings* RESTRICT samplings,
-                         PRIVATE ChosenLights* RESTRICT chosen) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const LightSampling sampling = load_light_sampling(samplings, j);
-      const ChosenLight by_power = choose_light(scene, number[j], fine[j]);
-      const bool is_chosen = sampling.light >= 0;
-      LaneLight choice;
-      choice.light = is_chosen ? sampling.light : by_power.light;
-      choice.kind = kind;
-      choice.own = choice.light == receivers->light[j];
-      choice.of_polygon = false;
-      choice.u = is_chosen ? number[j] : by_power.u;
-      choice.pmf = is_chosen ? sampling.pmf : by_power.pmf;
-      store_chosen_light(chosen, j, choice);
-    }
-}
+/// Whether the scene's only light is the table's first: then lanes read it once, instead of each its own.
+FN bool has_one_light(const PRIVATE Scene* scene) { return scene->header.tables.lights.count == 1; }
+
+// By `number` and `fine`, see choose_light, or as the samplings say. `kind` is that of all lights, or of
+// some of them: then see detail_choices.
+#define CHOOSE_LANES(stage, by_power_of_lane)                                                        \
+  STAGE void stage(const PRIVATE Scene* scene, int kind, const PRIVATE Surfaces* RESTRICT receivers, \
+                   const PRIVATE float* RESTRICT number, const PRIVATE float* RESTRICT fine,         \
+                   const PRIVATE LightSamplings* RESTRICT samplings,                                 \
+                   PRIVATE ChosenLights* RESTRICT chosen) {                                          \
+    LANE_LOOP                                                                                        \
+      for (int j = 0; j < LANES; j++) {                                                              \
+        const LightSampling sampling = load_light_sampling(samplings, j);                            \
+        const ChosenLight by_power = by_power_of_lane;                                               \
+        const bool is_chosen = sampling.light >= 0;                                                  \
+        LaneLight choice;                                                                            \
+        choice.light = is_chosen ? sampling.light : by_power.light;                                  \
+        choice.kind = kind;                                                                          \
+        choice.own = choice.light == receivers->light[j];                                            \
+        choice.of_polygon = false;                                                                   \
+        choice.u = is_chosen ? number[j] : by_power.u;                                               \
+        choice.pmf = is_chosen ? sampling.pmf : by_power.pmf;                                        \
+        store_chosen_light(chosen, j, choice);                                                       \
+      }                                                                                              \
+  }
+CHOOSE_LANES(choose_lights, choose_light(scene, number[j], fine[j]))
+CHOOSE_LANES(choose_only_light, take_light(scene, 0, 0, number[j], fine[j]))
+#undef CHOOSE_LANES
 
 /// What scenes of several kinds of lights, of spheres or of polygons need besides.
 STAGE void detail_choices(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,
@@ -86,20 +93,22 @@ STAGE void sample_no_lights(PRIVATE LightSamples* RESTRICT samples) {
     for (int j = 0; j < LANES; j++) store_light_sample(samples, j, no_light_sample());
 }
 
-// For each kind loops over lanes, one for the plain ways and one for those of the kind's features.
-#define SAMPLE_LANES(stage, name, NAME, ways)                                                      \
-  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,         \
-                   const PRIVATE ChosenLights* RESTRICT chosen, const PRIVATE float* RESTRICT v,   \
-                   const PRIVATE LightSamplings* RESTRICT samplings, bool first,                   \
-                   PRIVATE LightSamples* RESTRICT samples) {                                       \
-    LANE_LOOP                                                                                      \
-      for (int j = 0; j < LANES; j++) {                                                            \
-        const LaneLight choice = load_chosen_light(chosen, j);                                     \
-        const LightReceiver receiver = receiver_of(load_surface(receivers, j));                    \
-        const LightSample s = sample_##name##_light(scene, choice.light, receiver, choice.u, v[j], \
-                                                    load_light_sampling(samplings, j), ways);      \
-        keep_light_sample(choice, LIGHT_##NAME, s, first, ways, samples, j);                       \
-      }                                                                                            \
+// For each kind loops over lanes: for the plain ways, by the numbers alone, where the scene has no other
+// light as well; by solid angle, for scenes that want nothing else; and for all of the kind's features.
+// `light`: the lane's.
+#define SAMPLE_LANES(stage, name, NAME, light, ways)                                             \
+  STAGE void stage(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,       \
+                   const PRIVATE ChosenLights* RESTRICT chosen, const PRIVATE float* RESTRICT v, \
+                   const PRIVATE LightSamplings* RESTRICT samplings, bool first,                 \
+                   PRIVATE LightSamples* RESTRICT samples) {                                     \
+    LANE_LOOP                                                                                    \
+      for (int j = 0; j < LANES; j++) {                                                          \
+        const LaneLight choice = load_chosen_light(chosen, j);                                   \
+        const LightReceiver receiver = receiver_of(load_surface(receivers, j));                  \
+        const LightSample s = sample_##name##_light(scene, light, receiver, choice.u, v[j],      \
+                                                    load_light_sampling(samplings, j), ways);    \
+        keep_light_sample(choice, LIGHT_##NAME, s, first, ways, samples, j);                     \
+      }                                                                                          \
   }
 #define FOUND_LANES(stage, name, NAME, compared, ways)                                    \
   STAGE void stage(const PRIVATE Scene* scene, const PRIVATE FoundLights* RESTRICT found, \
@@ -116,11 +125,14 @@ STAGE void sample_no_lights(PRIVATE LightSamples* RESTRICT samples) {
         keep_emission(one, LIGHT_##NAME, radiance, pdf, emissions, j);                    \
       }                                                                                   \
   }
-#define KIND_LANES(name, NAME, number, ways, description)                               \
-  SAMPLE_LANES(sample_##name##_lights, name, NAME, 0u)                                  \
-  SAMPLE_LANES(sample_##name##_lights_by_ways, name, NAME, (uint)((FEATURES) & (ways))) \
-  FOUND_LANES(see_##name##_lights, name, NAME, 0, 0u)                                   \
-  FOUND_LANES(find_##name##_lights, name, NAME, 1, 0u)                                  \
+#define KIND_LANES(name, NAME, number, ways, description)                                             \
+  SAMPLE_LANES(sample_##name##_lights, name, NAME, choice.light, 0u)                                  \
+  SAMPLE_LANES(sample_##name##_lights_by_ways, name, NAME, choice.light, (uint)((FEATURES) & (ways))) \
+  SAMPLE_LANES(sample_only_##name##_light, name, NAME, 0, 0u)                                         \
+  SAMPLE_LANES(sample_##name##_lights_by_solid_angle, name, NAME, choice.light,                       \
+               (uint)((FEATURES) & (ways)&FEATURE_SOLID_ANGLE))                                       \
+  FOUND_LANES(see_##name##_lights, name, NAME, 0, 0u)                                                 \
+  FOUND_LANES(find_##name##_lights, name, NAME, 1, 0u)                                                \
   FOUND_LANES(find_##name##_lights_by_ways, name, NAME, 1, (uint)((FEATURES) & (ways)))
 LIGHT_KINDS(KIND_LANES)
 #undef KIND_LANES
@@ -130,6 +142,9 @@ LIGHT_KINDS(KIND_LANES)
 /// Whether the scene is one whose lights of a kind are sampled by these ways.
 #define NEEDS_WAYS(scene, ways) \
   (((FEATURES) & (ways)) != 0 && ((scene)->header.features & (uint)(ways)) != 0u)
+/// Whether it is, and of its ways only those of `few` are wanted.
+#define NEEDS_FEW_WAYS(scene, ways, few) \
+  (((FEATURES) & (ways) & (few)) != 0 && ((scene)->header.features & (uint)(ways)) == (uint)(few))
 
 /// The kinds, of those of the scene, among LANES; negative ones are none.
 FN uint kinds_among(const PRIVATE Scene* scene, const PRIVATE int* kinds) {
@@ -145,7 +160,12 @@ FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* receiv
                       const PRIVATE LightSamplings* samplings, PRIVATE LightSamples* samples) {
   ChosenLights chosen;
   const uint kinds = scene->header.light_kinds;
-  choose_lights(scene, kinds != 0u ? LOWEST_BIT(kinds) : 0, receivers, number, fine, samplings, &chosen);
+  const int kind = kinds != 0u ? LOWEST_BIT(kinds) : 0;
+  const bool one = has_one_light(scene);
+  if (one)
+    choose_only_light(scene, kind, receivers, number, fine, samplings, &chosen);
+  else
+    choose_lights(scene, kind, receivers, number, fine, samplings, &chosen);
   const bool one_kind = (kinds & (kinds - 1u)) == 0u;
   if (!one_kind || NEEDS_LIGHT(scene, SPHERE) || NEEDS_LIGHT(scene, CYLINDER) || NEEDS(scene, POLYGONS))
     detail_choices(scene, receivers, &chosen);
@@ -159,13 +179,17 @@ FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* receiv
   }
 #endif
   bool first = true;
-#define SAMPLE_KIND(name, NAME, number, ways, description)                                     \
-  if ((among >> (number)&1u) != 0u) {                                                          \
-    if (NEEDS_WAYS(scene, ways))                                                               \
-      sample_##name##_lights_by_ways(scene, receivers, &chosen, v, samplings, first, samples); \
-    else                                                                                       \
-      sample_##name##_lights(scene, receivers, &chosen, v, samplings, first, samples);         \
-    first = false;                                                                             \
+#define SAMPLE_KIND(name, NAME, number, ways, description)                                            \
+  if ((among >> (number)&1u) != 0u) {                                                                 \
+    if (NEEDS_FEW_WAYS(scene, ways, FEATURE_SOLID_ANGLE))                                             \
+      sample_##name##_lights_by_solid_angle(scene, receivers, &chosen, v, samplings, first, samples); \
+    else if (NEEDS_WAYS(scene, ways))                                                                 \
+      sample_##name##_lights_by_ways(scene, receivers, &chosen, v, samplings, first, samples);        \
+    else if (one)                                                                                     \
+      sample_only_##name##_light(scene, receivers, &chosen, v, samplings, first, samples);            \
+    else                                                                                              \
+      sample_##name##_lights(scene, receivers, &chosen, v, samplings, first, samples);                \
+    first = false;                                                                                    \
   }
   LIGHT_KINDS(SAMPLE_KIND)
 #undef SAMPLE_KIND

@@ -13,6 +13,16 @@ typedef struct {
   float weight;  ///< what the sample counts for; negative in negative lobes
 } FilterSample;
 
+/// One axis of a box or a tent.
+FN FilterSample sample_plain_filter(int filter, float u) {
+  const float v = 2.0f * u - 1.0f;
+  const float tent = 1.0f - SQRT(1.0f - FABS(v));
+  FilterSample s;
+  s.x = sign_of(v) * (filter == FILTER_BOX ? FABS(v) : tent);
+  s.weight = 1.0f;
+  return s;
+}
+
 /// One axis, symmetric filters. A tabulated filter f is FILTER_CELLS cells of distances from the centre: knot
 /// i is where the mass of |f| nearer than it reaches 1 - (1 - i / FILTER_CELLS)^2 of the whole, which keeps
 /// the cells narrow in the tails; between knots distances are interpolated. The weight is the cell's mass of

@@ -68,6 +68,15 @@ void print_summary(const RenderOutcome& outcome, const OutputFiles& files) {
                            samples_per_second(outcome) * 1e-6));
 }
 
+// Squared errors relative to those of independent samples, which fall as 1 / samples: what is left is the
+// share of the samples, and of the time, that the same error takes. See "Samples" in kernels/README.md.
+void print_sampler_advice() {
+  print_remark(
+      "The scene asks for independent samples. With --sampler sobol the same error took 0.57 to 0.8 of them "
+      "in "
+      "six of eight scenes at 16 per pixel, and that of means of 4 x 4 pixels 0.27 to 0.75 in seven\n");
+}
+
 bool print_non_finite(const FilmAccumulator& film, const std::string& reproduce_command, bool strict) {
   const std::pair<NonFiniteSamples, const char*> kinds[] = {{film.nan(), "NaN"},
                                                             {film.infinite(), "infinite"}};

@@ -27,6 +27,9 @@ RenderEnd finish_render(PreparedRender& prepared, const RenderOutcome& outcome,
 
 void print_summary(const RenderOutcome& outcome, const OutputFiles& files);
 
+/// What --sampler sobol would save, to somebody whose scene file asks for independent samples.
+void print_sampler_advice();
+
 /// Non-finite samples, and variances that no file holds, as warnings or as errors; whether there are any.
 bool print_non_finite(const FilmAccumulator& film, const std::string& reproduce_command, bool strict);
 

@@ -22,6 +22,7 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 class RenderCommand : public ::testing::Test {
  protected:
@@ -58,6 +59,14 @@ class RenderCommand : public ::testing::Test {
 
   TemporaryFolder folder_;
 };
+
+TEST_F(RenderCommand, SaysWhatSobolSavesWhereTheSceneAsksForIndependentSamples) {
+  const auto advice = HasSubstr("The scene asks for independent samples. With --sampler sobol");
+  EXPECT_THAT(render({}).out, advice);
+  EXPECT_THAT(render({"--sampler", "independent", "--force"}).out, Not(advice));
+  EXPECT_THAT(render({"--sampler", "sobol", "--force"}).out, Not(advice));
+  EXPECT_THAT(render({"--quiet", "--force"}).out, Not(advice));
+}
 
 TEST_F(RenderCommand, WritesImageAndReportBesideEachOther) {
   const ProgramResult result = render({});
