@@ -32,7 +32,8 @@
   X(CAMERA, 0x800000, "lenses, parallel projection and distorted images")     \
   X(LIGHT_TEXTURES, 0x1000000, "lights with textures")                        \
   X(CYLINDERS, 0x2000000, "cylinders")                                        \
-  X(COVERAGE, 0x4000000, "alpha")
+  X(COVERAGE, 0x4000000, "alpha")                                             \
+  X(PARTS, 0x8000000, "parts of the light of paths alone")
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FEATURE_PATH 0x001
@@ -62,7 +63,8 @@
 #define FEATURE_LIGHT_TEXTURES 0x1000000
 #define FEATURE_CYLINDERS 0x2000000
 #define FEATURE_COVERAGE 0x4000000
-#define FEATURE_ALL 0x7ffffff
+#define FEATURE_PARTS 0x8000000
+#define FEATURE_ALL 0xfffffff
 
 /// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)
