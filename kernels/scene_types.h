@@ -32,6 +32,11 @@ PENUMBRA_NAMESPACE_BEGIN
 #define SAMPLING_EMITTER_ONLY 1
 #define SAMPLING_MIS 2
 
+// What of the light of paths is kept: what samples of directions found, or samples of emitters.
+#define TECHNIQUE_ALL 0
+#define TECHNIQUE_BSDF 1
+#define TECHNIQUE_EMITTER 2
+
 #define CHOICE_POWER 0
 #define CHOICE_ANALYTIC 1
 #define CHOICE_TREE 2
@@ -346,6 +351,8 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, max_depth) /* path: edges; INT_MAX for no limit */                                        \
   F(int, rr_depth)                                                                                 \
   F(int, direct_sampling) /* SAMPLING_* */                                                         \
+  F(int, only_bounces)    /* path: of light that is kept; -1 for all */                            \
+  F(int, only_technique)  /* path: TECHNIQUE_* */                                                  \
   F(int, emitter_samples)                                                                          \
   F(int, bsdf_samples)                                                                             \
   F(int, bsdf_sampling) /* DIRECTION_* */                                                          \

@@ -18,7 +18,9 @@ namespace penumbra {
 enum class EmitterSampling { kAuto, kArea, kSolidAngle, kProjected };
 
 enum class DirectSampling { kBsdfOnly, kEmitterOnly, kMis };  ///< path: "mats", "ems", "mis"
-enum class MisHeuristic { kBalance, kPower };                 ///< power: beta = 2
+/// path: what of its light is kept, to see where its noise comes from.
+enum class PathTechnique { kAll, kBsdf, kEmitter };
+enum class MisHeuristic { kBalance, kPower };          ///< power: beta = 2
 enum class BsdfSampling { kBsdf, kCosine, kUniform };  ///< how direct's `bsdf_samples` choose directions
 /// How samples and the closed form of polygon lights are put together: alpha G + <H - alpha G>, or G <H> /
 /// <G>.
@@ -64,7 +66,14 @@ struct PathIntegrator {
   NextEvent next_event = NextEvent::kSample;
   std::optional<float> alpha = std::nullopt;  ///< none: fitted
   CvEstimator estimator = CvEstimator::kCv;
+  int only_bounces = -1;  ///< surfaces that scattered the light that is kept; -1: any number
+  PathTechnique only_technique = PathTechnique::kAll;
 };
+
+/// Whether not all of its light is kept.
+constexpr bool keeps_parts(const PathIntegrator& path) {
+  return path.only_bounces >= 0 || path.only_technique != PathTechnique::kAll;
+}
 
 /// Both branches of mirrors and glass, and directions of the hemisphere at other surfaces: the light of
 /// `path`.
@@ -194,6 +203,15 @@ void integrator_parameters(const Row& row) {
                              {"ems", DirectSampling::kEmitterOnly},
                              {"mis", DirectSampling::kMis}}},
       "samples of BSDFs, of emitters, or of both", &P::direct_sampling);
+  row("only_bounces", PENUMBRA_PARAMETER(only_bounces), WholeNumber{-1, kMaxInt - 1},
+      "of the light, only what so many surfaces scattered (0: emitters seen directly, -1: all)",
+      &P::only_bounces);
+  row("only_technique", PENUMBRA_PARAMETER(only_technique),
+      OneOf<PathTechnique>{{{"all", PathTechnique::kAll},
+                            {"bsdf", PathTechnique::kBsdf},
+                            {"emitter", PathTechnique::kEmitter}}},
+      "of the light, only what sampled directions met, or samples of emitters, as weighed by MIS",
+      &P::only_technique);
   row("emitter_samples", PENUMBRA_PARAMETER(emitter_samples), WholeNumber{0, MAX_DIRECT_SAMPLES},
       "shadow rays per camera ray", &P::emitter_samples);
   row("bsdf_samples", PENUMBRA_PARAMETER(bsdf_samples), WholeNumber{0, MAX_DIRECT_SAMPLES},

@@ -86,6 +86,35 @@ STAGE void note_controlled(const PRIVATE Scene* scene, const PRIVATE PathState* 
 }
   #endif
 
+  #if HAS(PARTS)
+/// Whether light is kept that `bounces` surfaces scattered and a sample of that technique found.
+FN bool is_kept_part(const PRIVATE SceneHeader* h, int bounces, int technique) {
+  const int only = h->integrator.only_technique;
+  return ((h->integrator.only_bounces < 0) | (h->integrator.only_bounces == bounces)) &
+         ((only == TECHNIQUE_ALL) | (only == technique));
+}
+
+/// Of what the last rays found.
+STAGE void drop_found_parts(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                            PRIVATE FoundLights* RESTRICT found) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const bool kept = is_kept_part(&scene->header, get_depth(paths, i + j), TECHNIQUE_BSDF);
+      found->light[j] = kept ? found->light[j] : -1;
+    }
+}
+
+/// Of samples of emitters: rays are not asked for.
+STAGE void drop_sampled_parts(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                              PRIVATE LightSamples* RESTRICT lights) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const bool kept = is_kept_part(&scene->header, get_depth(paths, i + j) + 1, TECHNIQUE_EMITTER);
+      lights->tmax[j] = kept ? lights->tmax[j] : -1.0f;
+    }
+}
+  #endif
+
 /// Adds what the last rays found.
 STAGE void add_emissions(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                          const PRIVATE FoundLights* RESTRICT lights,
@@ -126,6 +155,9 @@ FN void add_passed_by_path(const PRIVATE Scene* scene, const PRIVATE PathState* 
   find_emissions(scene, &found, balances & (step > 0), &emissions);
     #if HAS(POLYGONS)
   if (NEEDS(scene, POLYGONS)) drop_controlled(paths, i, &emissions, &found);
+    #endif
+    #if HAS(PARTS)
+  if (NEEDS(scene, PARTS)) drop_found_parts(scene, paths, i, &found);
     #endif
   add_emissions(scene, paths, i, &found, &emissions);
 }
@@ -225,12 +257,18 @@ FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
       note_controlled(scene, paths, i, &step.closures);
     }
   #endif
+  #if HAS(PARTS)
+    if (NEEDS(scene, PARTS) && finds) drop_found_parts(scene, paths, i, &step.found);
+  #endif
     if (finds) add_emissions(scene, paths, i, &step.found, &step.emissions);
     if (!scatters) {
       end_paths(paths, i);
       continue;
     }
     sample_step_lights(scene, &step);
+  #if HAS(PARTS)
+    if (NEEDS(scene, PARTS)) drop_sampled_parts(scene, paths, i, &step.lights);
+  #endif
     eval_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.lights.wi, &step.values);
   #if HAS(LTC)
     if (has_other_control(scene)) admit_controls(scene, &step);

@@ -14,6 +14,7 @@ constexpr int kLatestRoulette = 1024;
 constexpr std::size_t kMaxContributionPolygons = 256;
 
 static_assert(int(DirectSampling::kMis) == SAMPLING_MIS && int(MisHeuristic::kPower) == HEURISTIC_POWER &&
+              int(PathTechnique::kEmitter) == TECHNIQUE_EMITTER &&
               int(BsdfSampling::kUniform) == DIRECTION_UNIFORM &&
               int(IndirectSampling::kUniform) == DIRECTION_UNIFORM &&
               int(OcclusionWeighting::kUniform) == WEIGHTING_UNIFORM);
@@ -85,6 +86,10 @@ void set_parameters(const IntegratorSettings& integrator, double scene_radius, I
     copy_parameters({.method = method}, p);
   copy_parameters(integrator, p);
   p.kind = kind_of(integrator);
+  if (p.only_bounces >= 0) {
+    const int edges = p.only_bounces + 1;  // longer paths bring nothing
+    p.max_depth = p.max_depth < 0 ? edges : std::min(p.max_depth, edges);
+  }
   if (p.max_depth < 0) {
     p.max_depth = INT_MAX;
     // A path that nothing else ends meets roulette at last, or albedo 1 in a closed room would never end.
@@ -178,6 +183,8 @@ Expected<void> set_integrator(const IntegratorSettings& integrator, const LightB
   set_parameters(integrator, scene_radius, h.integrator);
   h.features |= feature_of(h.integrator.kind);
   h.integrator.leads_back = (h.features & FEATURE_NESTED) == 0u ? 1 : 0;
+  if (const auto* path = integrator.get<PathIntegrator>(); path && keeps_parts(*path))
+    h.features |= FEATURE_PARTS;
   if (h.integrator.hide_emitters == HIDE_LOOK_THROUGH) h.features |= FEATURE_LOOK_THROUGH;
 
   const LightChoice wanted = light_choice(integrator);
