@@ -2,7 +2,6 @@
 #ifndef PENUMBRA_BLOCK_TRACE_H
 #define PENUMBRA_BLOCK_TRACE_H
 #include "kernels/block/block_instances.h"
-#include "kernels/block/block_occluders.h"
 #include "kernels/block/path_state.h"
 #include "kernels/intersect/bvh.h"
 #include "kernels/intersect/intersect_whole.h"
@@ -184,12 +183,6 @@ STAGE void occlude_block(const PRIVATE Scene* scene, const PRIVATE PathState* pa
   #if HAS(NESTED)
     if (NEEDS(scene, NESTED)) doubt_occluded(paths, count);
   #endif
-    return;
-  }
-#endif
-#if HAS(BVH) && HAS(DIRECT) && LANES > 1
-  if (shares_occluders(scene)) {
-    occlude_by_neighbours(scene, paths, count);
     return;
   }
 #endif
