@@ -3,7 +3,6 @@
 #define PENUMBRA_BLOCK_TRACE_H
 #include "kernels/block/block_flight.h"
 #include "kernels/block/block_instances.h"
-#include "kernels/block/block_occluders.h"
 #include "kernels/block/path_state.h"
 #include "kernels/intersect/bvh.h"
 #include "kernels/intersect/bvh_packet.h"
@@ -237,12 +236,6 @@ STAGE void occlude_block(const PRIVATE Scene* scene, const PRIVATE PathState* pa
   #if HAS(NESTED)
     if (NEEDS(scene, NESTED)) doubt_occluded(paths, count);
   #endif
-    return;
-  }
-#endif
-#if HAS(BVH) && HAS(DIRECT) && LANES > 1
-  if (shares_occluders(scene)) {
-    occlude_by_neighbours(scene, paths, count);
     return;
   }
 #endif
