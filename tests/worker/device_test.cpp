@@ -17,6 +17,7 @@
 #include "kernels/host/block_memory.h"
 #include "kernels/host/native_kernels.h"
 #include "kernels/host/view.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 #include "tests/worker/device_scenes.h"
 #include "worker/device.h"
@@ -310,9 +311,9 @@ TEST_P(NativeVariants, AllGiveTheSameBytes) {
 }
 
 TEST(NativeSearches, GiveTheSameBytes) {
-  for (const auto& integrator : {path_integrator(DirectSampling::kMis), direct_integrator(2, 1)}) {
+  for (const auto kind : {IntegratorKind::kPath, IntegratorKind::kDirect}) {
     SceneDescription description = some_triangles();
-    description.integrator = integrator;
+    use(description.integrator, kind);
     const DeviceScene scene = build_or_throw(description);
     ASSERT_GT(scene.header.tables.corners.count, 64);
     ASSERT_GT(scene.header.tables.nodes.count, 0);
