@@ -68,7 +68,7 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
   if (options.pixel) print_answer(pixel_text(outcome->film, options.pixel->x, options.pixel->y));
   if (show) print_summary(*outcome, prepared.files);
   // A target error takes independent samples, and who has named a sampler has chosen.
-  if (show && !options.sampler && !options.target_error &&
+  if (show && !options.scene.sampler && !options.target_error &&
       prepared.scene.description.sampler.kind == SamplerKind::kIndependent)
     print_sampler_advice();
   print_problems(*outcome, stop);
