@@ -25,7 +25,8 @@ std::vector<SuiteScene> path_scenes() {
     if (scene.is_oracle) continue;
     const SceneDescription description = small_scene(scene);
     const auto* path = description.integrator.get<PathIntegrator>();
-    if (path != nullptr && path->next_event == NextEvent::kSample) scenes.push_back(scene);
+    if (path != nullptr && path->next_event == NextEvent::kSample && !keeps_parts(*path))
+      scenes.push_back(scene);
   }
   return scenes;
 }

@@ -52,6 +52,14 @@ void path_with_control_variate(SceneDescription& scene) {
   param::max_depth(scene.integrator) = 5;
 }
 
+/// One of them, in a scene that mixes techniques.
+void part_of_paths(SceneDescription& scene) {
+  PathIntegrator part;
+  part.only_bounces = 2;
+  part.only_technique = PathTechnique::kEmitter;
+  scene.integrator.method = part;
+}
+
 void whitted(SceneDescription& scene) {
   use(scene.integrator, IntegratorKind::kWhitted);
   param::max_depth(scene.integrator) = 5;
@@ -320,6 +328,7 @@ const std::vector<SuiteScene>& suite_scenes() {
       {"CornellControlVariate", "cornell/cornell.xml", false, control_variate},
       {"CornellRatio", "cornell/cornell.xml", false, ratio},
       {"CornellPathControlVariate", "cornell/cornell.xml", false, path_with_control_variate},
+      {"VeachMisPart", "veach-mis/veach-mis.xml", false, part_of_paths},
       {"CornellGlossyAnalytic", "cornell/cornell.xml", false, glossy_closed_form},
       {"CornellGlossyPathControlVariate", "cornell/cornell.xml", false, glossy_path_with_control_variate},
       {"CornellGlossyChoice", "cornell/cornell.xml", false, glossy_choice},
