@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "kernels/scene_types.h"
 #include "kernels/host/utf8.h"
+#include "kernels/scene_types.h"
 #include "scenes/names.h"
 
 namespace penumbra {
