@@ -27,8 +27,14 @@ bool is_occlusion(const IntegratorSettings& integrator) {
   return integrator.is<AmbientOcclusionIntegrator>() || integrator.is<ReflectionOcclusionIntegrator>();
 }
 
+bool is_part(const IntegratorSettings& integrator) {
+  const auto* path = integrator.get<PathIntegrator>();
+  return path != nullptr && keeps_parts(*path);
+}
+
 Quantity quantity_of(const IntegratorSettings& integrator) {
-  if (is_occlusion(integrator) || parameter_or(integrator, PENUMBRA_PARAMETER(indirect_samples), 1) == 0)
+  if (is_occlusion(integrator) || is_part(integrator) ||
+      parameter_or(integrator, PENUMBRA_PARAMETER(indirect_samples), 1) == 0)
     return Quantity::kOwn;
   if (const auto depth = max_depth(integrator)) return *depth == 2 ? Quantity::kDirect : Quantity::kPaths;
   const bool shadows = parameter_or(integrator, PENUMBRA_PARAMETER(trace_shadows), true);
@@ -38,11 +44,13 @@ Quantity quantity_of(const IntegratorSettings& integrator) {
 /// Of the integrator, as `--set` takes them: those that change what it estimates, or all.
 std::vector<std::string> parameters_of(const IntegratorSettings& integrator, bool all) {
   std::vector<std::string> parameters;
+  const bool part = is_part(integrator);  // what a technique finds depends on how it is weighed
   integrator_parameters(
       [&](const char* name, const auto& parameter, const auto& values, const char*, auto...) {
         const std::string_view n = name;
         const bool counts = all || n == "ray_length" || n == "occlusion_weighting" || n == "background" ||
-                            n == "exponent" || n == "max_depth";
+                            n == "exponent" || n == "max_depth" || n == "only_bounces" ||
+                            n == "only_technique" || (part && (n == "mis" || n == "direct_sampling"));
         with_parameter(integrator, parameter, [&](const auto& value) {
           if (counts) parameters.push_back(fmt::format("integrator.{}={}", name, values.print(value)));
         });
@@ -53,6 +61,7 @@ std::vector<std::string> parameters_of(const IntegratorSettings& integrator, boo
 std::string own_quantity(const IntegratorSettings& integrator) {
   const std::string name = integrator.is<AmbientOcclusionIntegrator>()      ? "ambient occlusion"
                            : integrator.is<ReflectionOcclusionIntegrator>() ? "reflection occlusion"
+                           : is_part(integrator)                            ? "a part of the light"
                                                                             : "direct light and mirrors";
   return fmt::format("{}, {}", name, fmt::join(parameters_of(integrator, false), ", "));
 }

@@ -88,6 +88,17 @@ TEST(ReferenceChoice, WhittedIsPathAndWhatNoOtherEstimatesIsItsOwn) {
   param::indirect_samples(whitted) = 0;
   EXPECT_NE(estimated_quantity(path), estimated_quantity(whitted));
   EXPECT_EQ(choose_reference(whitted)[0].integrator, "whitted");
+  IntegratorSettings part = path;
+  std::get<PathIntegrator>(part.method).only_bounces = 2;
+  EXPECT_NE(estimated_quantity(path), estimated_quantity(part));
+  const auto parts = choose_reference(part);
+  EXPECT_NE(std::ranges::find(parts[0].settings, "integrator.only_bounces=2"), parts[0].settings.end());
+  EXPECT_NE(parts[0].sampler, parts[1].sampler);
+  IntegratorSettings sooner = part, power = part;
+  param::rr_depth(sooner) = 2;
+  EXPECT_EQ(estimated_quantity(part), estimated_quantity(sooner));
+  param::heuristic(power) = MisHeuristic::kPower;
+  EXPECT_NE(estimated_quantity(part), estimated_quantity(power));
   for (const IntegratorKind kind :
        {IntegratorKind::kAmbientOcclusion, IntegratorKind::kReflectionOcclusion}) {
     IntegratorSettings occlusion, longer;
