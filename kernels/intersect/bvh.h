@@ -120,15 +120,18 @@ FN uint triangle_leaf_hits(GLOBAL const TriangleLeaf* leaf, const PRIVATE BvhRay
                            PRIVATE int* distances) {
   const Shear s = r->shear;
   const float ox = r->ox, oy = r->oy, oz = r->oz;
-  GLOBAL const float* ax = leaf->p[0][0] + r->kx;
-  GLOBAL const float* ay = leaf->p[0][0] + r->ky;
-  GLOBAL const float* az = leaf->p[0][0] + r->kz;
-  GLOBAL const float* bx = leaf->p[1][0] + r->kx;
-  GLOBAL const float* by = leaf->p[1][0] + r->ky;
-  GLOBAL const float* bz = leaf->p[1][0] + r->kz;
-  GLOBAL const float* cx = leaf->p[2][0] + r->kx;
-  GLOBAL const float* cy = leaf->p[2][0] + r->ky;
-  GLOBAL const float* cz = leaf->p[2][0] + r->kz;
+  GLOBAL const float* a = leaf->p[0][0];  // the rows of a vertex, one after the other
+  GLOBAL const float* b = leaf->p[1][0];
+  GLOBAL const float* c = leaf->p[2][0];
+  GLOBAL const float* ax = a + r->kx;
+  GLOBAL const float* ay = a + r->ky;
+  GLOBAL const float* az = a + r->kz;
+  GLOBAL const float* bx = b + r->kx;
+  GLOBAL const float* by = b + r->ky;
+  GLOBAL const float* bz = b + r->kz;
+  GLOBAL const float* cx = c + r->kx;
+  GLOBAL const float* cy = c + r->ky;
+  GLOBAL const float* cz = c + r->kz;
   REGISTER_ARRAY int inside[BVH_WIDTH];
   REGISTER_LOOP(BVH_WIDTH)
   for (int j = 0; j < BVH_WIDTH; j++) {
