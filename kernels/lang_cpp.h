@@ -46,8 +46,9 @@
 #endif
 // Number of bits that are set.
 #define BIT_COUNT(x) __builtin_popcount(x)
-// Asks for the cache line at an address that will be read soon; any address will do.
-#define PREFETCH(address) __builtin_prefetch(address)
+// Asks for the cache line so many bytes behind an address, which will be read soon; any place will do, and no
+// table need be there.
+#define PREFETCH(address, bytes) __builtin_prefetch((const void*)((unsigned long)(address) + (bytes)))
 
 PENUMBRA_NAMESPACE_BEGIN
 using uint = unsigned int;

@@ -51,12 +51,11 @@ FN void list_flight(const PRIVATE Scene* scene, PRIVATE FlightLists* next, PRIVA
   const bool leaf = entry < 0, ended = f->top == 0;
   GLOBAL const char* table =
       leaf ? (GLOBAL const char*)scene->triangle_leaves : (GLOBAL const char*)scene->nodes;
-  GLOBAL const char* record =
-      table + (ulong)(uint)(leaf ? ~entry : entry) * (leaf ? sizeof(TriangleLeaf) : sizeof(BvhNode));
-  PREFETCH(record);
-  PREFETCH(record + CACHE_LINE);
-  PREFETCH(record + 2 * CACHE_LINE);
-  PREFETCH(record + 3 * CACHE_LINE);
+  const ulong record = (ulong)(uint)(leaf ? ~entry : entry) * (leaf ? sizeof(TriangleLeaf) : sizeof(BvhNode));
+  PREFETCH(table, record);
+  PREFETCH(table, record + CACHE_LINE);
+  PREFETCH(table, record + 2 * CACHE_LINE);
+  PREFETCH(table, record + 3 * CACHE_LINE);
   next->nodes[counts->nodes] = k;
   next->leaves[counts->leaves] = k;
   next->ended[counts->ended] = k;
