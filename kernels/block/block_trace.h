@@ -240,12 +240,7 @@ STAGE void occlude_block(const PRIVATE Scene* scene, const PRIVATE PathState* pa
   }
 #endif
 #if HAS(BVH) && defined(RAYS_IN_FLIGHT)
-  #if HAS(INSTANCES)
-  const bool instances = NEEDS(scene, INSTANCES);
-  #else
-  const bool instances = false;
-  #endif
-  if (!instances) {
+  if (!NEEDS(scene, INSTANCES)) {
     const int rays = list_shadow_rays(paths, count, paths->going);
     occlude_in_flight(scene, paths, paths->going, rays);
     return;

@@ -24,6 +24,8 @@ struct SceneOptions {
   std::string intersector = "auto";
   bool no_features = false;
   bool cryptomatte = false;
+
+  friend auto operator<=>(const SceneOptions&, const SceneOptions&) = default;
 };
 
 /// A rectangle of film pixels, the end outside.

@@ -143,10 +143,10 @@ void SceneSet::read_scenes() {
     } catch (const std::exception& error) {  // memory above all: others may need less
       fail_member(i, {error.what()});
     }
-    if (i + 1 == plan_.members.size()) all_read_ = true;
     bell().ring();
   }
   all_read_ = true;
+  bell().ring();
 }
 
 Expected<void> SceneSet::read_scene(std::size_t index) {

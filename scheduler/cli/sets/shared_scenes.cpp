@@ -1,9 +1,6 @@
 #include "scheduler/cli/sets/shared_scenes.h"
 
-#include <fmt/format.h>
-
 #include <chrono>
-#include <filesystem>
 #include <utility>
 
 #include "kernels/host/stopwatch.h"
@@ -12,23 +9,11 @@
 namespace penumbra {
 namespace {
 
-/// Everything that the scene depends on but the values of --spp and --seed.
-std::string key_of(const SceneOptions& options) {
-  std::string key;
-  const auto add = [&](const std::string& text) { key += fmt::format("{} {}\n", text.size(), text); };
-  add(std::filesystem::absolute(options.scene).lexically_normal().string());
-  for (const auto* texts : {&options.defines, &options.settings}) {
-    add(fmt::format("{}", texts->size()));
-    for (const std::string& text : *texts) add(text);
-  }
-  add(options.integrator.value_or(""));
-  add(options.sampler.value_or(""));
-  add(options.intersector);
-  add(fmt::format("{:d}{:d}{:d}{:d}{:d}", options.lenient, options.no_features, options.cryptomatte,
-                  options.spp.has_value(), options.seed.has_value()));
-  // As the scene's errors and warnings name it.
-  add(options.scene);
-  return key;
+/// What the scene depends on: everything but the values of --spp and --seed.
+SceneOptions key_of(SceneOptions options) {
+  for (std::optional<std::uint32_t>* number : {&options.spp, &options.seed})
+    if (*number) *number = 0;
+  return options;
 }
 
 /// Of what is large in it.

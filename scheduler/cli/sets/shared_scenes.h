@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "scheduler/cli/loaded_scene.h"
@@ -36,7 +35,7 @@ class SharedScenes {
     std::uint64_t bytes = 0;
   };
 
-  std::map<std::string, Scene> scenes_;  // by all that they depend on
+  std::map<SceneOptions, Scene> scenes_;  // by all that they depend on
   std::uint64_t most_bytes_, kept_bytes_ = 0;
   int reads_ = 0;
 };

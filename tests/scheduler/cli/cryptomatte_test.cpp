@@ -1,17 +1,16 @@
 // `penumbra render --cryptomatte`: the same layers from any farm, as other programs read them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
 
 #include <bit>
 #include <chrono>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <thread>
 
 #include "scheduler/image/image.h"
 #include "scheduler/record/cryptomatte.h"
+#include "tests/scheduler/cli/killed_render.h"
 #include "tests/scheduler/cli/small_scene.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
@@ -159,29 +158,14 @@ TEST_F(CryptomatteCommand, OfACropIsThatPartOfTheWhole) {
 TEST_F(CryptomatteCommand, SurvivesAnyEndOfTheRender) {
   for (const Arguments& kind :
        {Arguments{}, Arguments{"--sampler", "independent", "--target-error", "0.003"}}) {
-    Arguments more{"--spp",
-                   "40000",
-                   "--pass",
-                   "32",
-                   "--tile",
-                   "8",
-                   "--workers",
-                   "2",
-                   "--threads",
-                   "1",
-                   "--checkpoint-interval",
-                   "0.02"};
+    Arguments more{"--spp", "40000"};
+    more.insert(more.end(), kManyUnits.begin(), kManyUnits.end());
     more.insert(more.end(), kind.begin(), kind.end());
     render_well("a.exr", more);
     std::filesystem::remove(folder_ / "b.exr");
     Arguments all{"render", "s.xml", "-o", "b.exr", "--cryptomatte", "--resume"};
     all.insert(all.end(), more.begin(), more.end());
-    Program program(folder_.path(), all);
-    for (int i = 0; i < 2000 && !std::filesystem::exists(folder_ / "b.exr.checkpoint"); ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    program.send(SIGKILL);
-    program.wait();
+    kill_after(folder_.path(), all, "b.exr.checkpoint", std::chrono::milliseconds(100));
     const ProgramResult resumed = run_penumbra(folder_.path(), all);
     ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
     EXPECT_THAT(resumed.err, HasSubstr("going on with b.exr.checkpoint"));

@@ -11,6 +11,7 @@
 #include <random>
 #include <thread>
 
+#include "tests/scheduler/cli/killed_render.h"
 #include "tests/scheduler/cli/small_scene.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
@@ -47,39 +48,19 @@ class Resume : public ::testing::Test {
   [[nodiscard]] nlohmann::json statistics(const std::string& name) const {
     return nlohmann::json::parse(file_contents(folder_ / name));
   }
-  /// Whether there is a checkpoint, in time.
   [[nodiscard]] bool comes(const std::string& checkpoint) const {
-    for (int i = 0; i < 3000 && !exists(checkpoint); ++i) std::this_thread::sleep_for(5ms);
-    return exists(checkpoint);
+    return penumbra::comes(folder_ / checkpoint);
   }
-  /// Kills it some time after it has kept something.
   void kill_after(const Arguments& arguments, const std::string& checkpoint,
                   std::chrono::milliseconds after) const {
-    Program program(folder_.path(), arguments);
-    ASSERT_TRUE(comes(checkpoint));
-    std::this_thread::sleep_for(after);
-    program.send(SIGKILL);
-    program.wait();
+    penumbra::kill_after(folder_.path(), arguments, checkpoint, after);
   }
 
   TemporaryFolder folder_;
 };
 
 /// Nine tiles and many passes, for a second or two.
-const Arguments kRender = {"render",
-                           "s.xml",
-                           "--spp",
-                           "60000",
-                           "--pass",
-                           "32",
-                           "--tile",
-                           "8",
-                           "--workers",
-                           "2",
-                           "--threads",
-                           "1",
-                           "--checkpoint-interval",
-                           "0.02"};
+const Arguments kRender = Arguments{"render", "s.xml", "--spp", "60000"} + kManyUnits;
 
 struct Kind {
   const char* name;

@@ -56,15 +56,19 @@ void expect_same(const LoadedScene& a, LoadedScene b) {
   EXPECT_EQ(a.center, b.center);
 }
 
+void load_as_its_own(SharedScenes& scenes, const SceneOptions& render) {
+  const auto loaded = scenes.load(render), own = load_scene(render);
+  ASSERT_TRUE(loaded && own);
+  expect_same(*loaded, *own);
+}
+
 TEST_F(SharedScenesTest, AMatrixOfSamplesAndSeedsReadsItsSceneOnce) {
   SceneOptions options = scene();
   options.cryptomatte = true;
   const std::vector<SceneOptions> renders = matrix(options);
   SharedScenes scenes = shared(renders);
   for (const SceneOptions& render : renders) {
-    const auto loaded = scenes.load(render), own = load_scene(render);
-    ASSERT_TRUE(loaded && own);
-    expect_same(*loaded, *own);
+    load_as_its_own(scenes, render);
     EXPECT_EQ(scenes.reads(), 1);
     EXPECT_EQ(scenes.kept_bytes() > 0, &render != &renders.back()) << "nobody else needs it";
   }
@@ -85,9 +89,7 @@ TEST_F(SharedScenesTest, WhateverElseDiffersIsReadForItself) {
   for (int i = 0; i < 10; ++i) renders.push_back(renders[std::size_t((7 * i + 3) % 10)]);
   SharedScenes scenes = shared(renders);
   for (const SceneOptions& render : renders) {
-    const auto loaded = scenes.load(render), own = load_scene(render);
-    ASSERT_TRUE(loaded && own);
-    expect_same(*loaded, *own);
+    load_as_its_own(scenes, render);
   }
   EXPECT_EQ(scenes.reads(), 10);
   EXPECT_EQ(scenes.kept_bytes(), 0u);
