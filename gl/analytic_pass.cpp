@@ -20,7 +20,7 @@ namespace {
 /// own clipping plane is nearer or there is none.
 constexpr float kNearest = 1e-9f;
 /// Farther than anything is, in the same unit; their quotient is a normal number, as depths are.
-constexpr float kFarthest = 1e20f;
+constexpr float kFarthestClip = 1e20f;
 
 /// Pixels by which the viewport of the primitives is larger than the film, on each side.
 int margin(int pixels) { return pixels / 8 + 1; }
@@ -163,7 +163,7 @@ void AnalyticPass::set_camera(const Program& program, float dx, float dy) const 
   set_vector("camera_y", view_.camera.y);
   set_vector("camera_z", view_.camera.z);
   set_uniform(program, "near_clip", std::max(view_.camera.near_clip * scale, kNearest));
-  set_uniform(program, "far_clip", std::min(view_.camera.far_clip * scale, kFarthest));
+  set_uniform(program, "far_clip", std::min(view_.camera.far_clip * scale, kFarthestClip));
   glUniform2i(glGetUniformLocation(program.name(), "size"), width_, height_);
   set_uniform(program, "offset", dx, dy);
   set_uniform(program, "look_through", view_.integrator.hide_emitters == HIDE_LOOK_THROUGH ? 1 : 0);

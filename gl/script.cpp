@@ -21,7 +21,7 @@ constexpr std::int64_t kLargestWindow = 16384;  // what OpenGL implementations t
 constexpr double kLongestTimeout = 1e6;         // seconds
 constexpr double kLargestAlpha = 1e6;           // as in scene files
 constexpr double kLargestExposure = 100;        // stops: 2^100 leaves room in single precision
-constexpr double kFarthest = 1e15;              // its square is a single-precision number
+constexpr double kLargestCoordinate = 1e15;     // its square is a single-precision number
 
 struct Word {
   std::string_view text;
@@ -126,8 +126,8 @@ class ScriptParser {
         return error(word.offset, fmt::format("a second '{}'", word.text));
       glm::dvec3 value;
       for (int axis = 0; axis < 3; ++axis) {
-        if (!take_number(fmt::format("the {} coordinate of '{}'", "xyz"[axis], word.text), -kFarthest,
-                         kFarthest, value[axis]))
+        if (!take_number(fmt::format("the {} coordinate of '{}'", "xyz"[axis], word.text),
+                         -kLargestCoordinate, kLargestCoordinate, value[axis]))
           return false;
       }
       if (is_eye) camera.eye = value, has_eye = true;

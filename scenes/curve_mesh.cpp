@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
+
+#include "scenes/angles.h"
 
 namespace penumbra {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// How finely curves become triangles: the fewer circles there are, the better they are made.
 struct Fineness {
   int sides;           ///< of the polygon in the place of a circle

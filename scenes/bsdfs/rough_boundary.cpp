@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
-#include <numbers>
 #include <vector>
+
+#include "scenes/angles.h"
 
 namespace penumbra {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// The rule of Gauss and Legendre on [0, 1].
 struct Rule {

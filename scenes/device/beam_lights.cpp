@@ -1,8 +1,8 @@
 // Spot lights and projectors as records, see kernels/light/beam.h.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "scenes/angles.h"
 #include "scenes/device/light_textures.h"
 #include "scenes/emitters.h"
 #include "scenes/transform.h"
@@ -10,8 +10,6 @@
 
 namespace penumbra {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// The frame of a light: unit axes at right angles, the z axis as the transform has it, mirrored if it is.
 Beam frame_of(const glm::dmat4& to_world) {

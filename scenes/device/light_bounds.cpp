@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
-#include <numbers>
+
+#include "scenes/angles.h"
 
 namespace penumbra {
 namespace {
@@ -20,13 +21,12 @@ void bound_flat(LightBounds& bounds, const Light& light, const glm::dvec3& axis,
   }
   bounds.axis = axis;
   bounds.spread = 0;
-  bounds.intensity = power / std::numbers::pi;
+  bounds.intensity = power / kPi;
   bounds.two_sided = light.two_sided != 0;
 }
 
 /// The cone about both cones of axes.
 void join_cones(LightBounds& all, const LightBounds& a, LightBounds b) {
-  constexpr double kPi = std::numbers::pi;
   if (a.two_sided && b.two_sided && glm::dot(a.axis, b.axis) < 0) b.axis = -b.axis;
   all.axis = a.axis;
   all.spread = std::max(a.spread, b.spread);
@@ -72,19 +72,19 @@ LightBounds bounds_of_light(const Light& light, double power) {
     case LIGHT_SPHERE:
       bounds.low = p0 - p2.x;
       bounds.high = p0 + p2.x;
-      bounds.intensity = power / (4 * std::numbers::pi);
+      bounds.intensity = power / (4 * kPi);
       break;
     case LIGHT_CYLINDER: {
       const glm::dvec3 end = p0 + p2.z * p1;
       const glm::dvec3 extent = p2.x * glm::sqrt(glm::max(glm::dvec3(1.0) - p1 * p1, glm::dvec3(0.0)));
       bounds.low = glm::min(p0, end) - extent;
       bounds.high = glm::max(p0, end) + extent;
-      bounds.intensity = power / (std::numbers::pi * std::numbers::pi);  // across its axis
+      bounds.intensity = power / (kPi * kPi);  // across its axis
       break;
     }
     case LIGHT_POINT:
       bounds.low = bounds.high = p0;
-      bounds.intensity = power / (4 * std::numbers::pi);
+      bounds.intensity = power / (4 * kPi);
       break;
     default: {
       LightBounds anywhere;

@@ -13,22 +13,15 @@
 #include "kernels/host/sample_buffer.h"
 #include "scenes/device/bvh_builder.h"
 #include "scenes/device/device_scene_builder.h"
+#include "scenes/device/named_bits.h"
 
 namespace penumbra {
 namespace {
 
 constexpr int kQuicklyBuilt = 1 << 16;
 
-struct Named {
-  std::uint32_t bit;
-  const char *name, *description;
-};
-#define LIST_FEATURE(name, bit, description) {bit, #name, description},
-constexpr Named kFeatures[] = {PENUMBRA_FEATURES(LIST_FEATURE)};
-#define LIST_FAMILY(name, NAME, number, properties, description) {1u << (number), "BSDF_" #NAME, description},
-constexpr Named kFamilies[] = {BSDF_FAMILIES(LIST_FAMILY)};
 #define LIST_LIGHT_KIND(name, NAME, number, ways, description) {1u << (number), "LIGHT_" #NAME, description},
-constexpr Named kLightKinds[] = {LIGHT_KINDS(LIST_LIGHT_KIND)};
+constexpr NamedBit kLightKinds[] = {LIGHT_KINDS(LIST_LIGHT_KIND)};
 
 constexpr int kUnknown = -1;
 
@@ -138,11 +131,11 @@ SceneInventory take_inventory(const SceneDescription& description, const DeviceS
   const SceneHeader& h = scene.header;
   SceneInventory inventory;
   inventory.features = h.features;
-  for (const Named& feature : kFeatures)
+  for (const NamedBit& feature : kFeatures)
     inventory.feature_uses.push_back({feature.name, feature.description, (h.features & feature.bit) != 0u});
-  for (const Named& family : kFamilies)
+  for (const NamedBit& family : kFamilies)
     inventory.feature_uses.push_back({family.name, family.description, (h.families & family.bit) != 0u});
-  for (const Named& kind : kLightKinds)
+  for (const NamedBit& kind : kLightKinds)
     inventory.feature_uses.push_back({kind.name, kind.description, (h.light_kinds & kind.bit) != 0u});
 
   const TableSpans all = count_everything(description, scene, thorough);

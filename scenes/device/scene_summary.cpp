@@ -5,18 +5,10 @@
 
 #include "kernels/host/device_scene_tables.h"
 #include "scenes/device/device_scene_builder.h"
+#include "scenes/device/named_bits.h"
 
 namespace penumbra {
 namespace {
-
-struct Feature {
-  std::uint32_t bit;
-  const char* description;
-};
-#define LIST_FEATURE(name, bit, description) {bit, description},
-constexpr Feature kFeatures[] = {PENUMBRA_FEATURES(LIST_FEATURE)};
-#define LIST_FAMILY(name, NAME, number, properties, description) {1u << (number), description},
-constexpr Feature kFamilies[] = {BSDF_FAMILIES(LIST_FAMILY)};
 
 std::string bytes_text(std::size_t bytes) {
   if (bytes < 10'000) return fmt::format("{} B", bytes);
@@ -85,8 +77,8 @@ SceneSummary summarize(const DeviceScene& scene) {
                                   std::to_string(h.duplicate_lights));
   if (const int others = lights_without_form(scene); analytic_alone(h) && others > 0)
     summary.left_out.emplace_back("lights that are not polygons", std::to_string(others));
-  const auto list_uses = [&](std::span<const Feature> list, std::uint32_t used) {
-    for (const Feature& feature : list) {
+  const auto list_uses = [&](std::span<const NamedBit> list, std::uint32_t used) {
+    for (const NamedBit& feature : list) {
       auto& part = (used & feature.bit) != 0u ? summary.needs : summary.left_out;
       part.emplace_back("feature", feature.description);
     }

@@ -4,16 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "scenes/angles.h"
 #include "scenes/image/bitmap_values.h"
 #include "scenes/punctual_lights.h"
 #include "scenes/transform.h"
 
 namespace penumbra::pbrt {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// A colour times `scale`.
 glm::vec3 emitted(Context& context, Parameters& parameters, std::string_view name, SourceLocation location) {

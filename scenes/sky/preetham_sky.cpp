@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
+#include "scenes/angles.h"
 #include "scenes/spectrum.h"
 
 namespace penumbra {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kLeastCosine = 0.001;  // at the horizon the distribution ends
 /// Candela per square metre of a light of radiance 1 W/m²/sr/nm at all wavelengths: 683 lm/W times the
 /// integral of the luminous efficiency function, nm.

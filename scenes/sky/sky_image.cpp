@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
+#include "scenes/angles.h"
 #include "scenes/sky/preetham_sky.h"
 #include "scenes/sky/sky_level.h"
 
 namespace penumbra {
 namespace {
-
-constexpr double kPi = std::numbers::pi, kDegree = kPi / 180;
 
 /// Texels as they are drawn.
 class Canvas {

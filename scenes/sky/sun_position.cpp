@@ -1,12 +1,12 @@
 #include "scenes/sky/sun_position.h"
 
 #include <cmath>
-#include <numbers>
+
+#include "scenes/angles.h"
 
 namespace penumbra {
 
 glm::dvec3 sun_direction(const PlaceAndTime& at) {
-  constexpr double kPi = std::numbers::pi, kDegree = kPi / 180;
   const double hours = at.hour - at.timezone + (at.minute + at.second / 60) / 60;  // at Greenwich
   // Days from noon of 1 January 2000, by the Gregorian calendar's day number (Fliegel and Van Flandern 1968,
   // whose divisions are of whole numbers).

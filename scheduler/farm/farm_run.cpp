@@ -19,7 +19,7 @@ constexpr Seconds kWorkersInterval = 0.5;
 constexpr std::size_t kMostProblems = 100;  // that are kept of the farm, which may go on for months
 constexpr std::size_t kMostSaid = 10'000;
 constexpr Seconds kTimeForAnotherToJoin = 30;  // that can do what those that are here cannot
-constexpr Seconds kTimeToDie = 2;  // from the end of a local worker's stream to the end of its process
+constexpr Seconds kTimeToEnd = 2;  // from the end of a local worker's stream to the end of its process
 
 }  // namespace
 
@@ -276,7 +276,7 @@ bool FarmRun::is_an_end_half_known() const {
   return std::ranges::any_of(here_, [&](WorkerId id) {
     const Worker& worker = workers_.at(id);
     if (worker.gone == worker.ended) return false;
-    return now_ - (worker.gone ? worker.gone_since : worker.ended_since) < 2 * kTimeToDie;
+    return now_ - (worker.gone ? worker.gone_since : worker.ended_since) < 2 * kTimeToEnd;
   });
 }
 
@@ -284,7 +284,7 @@ void FarmRun::look_after_workers() {
   const Seconds now = since_start();
   for (const WorkerId id : here_) {
     const Worker& worker = workers_.at(id);
-    if (worker.gone && !worker.ended && now - worker.gone_since > kTimeToDie) workers_here_->kill(worker.pid);
+    if (worker.gone && !worker.ended && now - worker.gone_since > kTimeToEnd) workers_here_->kill(worker.pid);
   }
   // By the plan's time: neither may a pause of this process look like one of a worker that starts.
   for (const WorkerEnd& end : workers_here_->look_after(plan_time_)) worker_ended(end);

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
+
+#include "scenes/angles.h"
 
 namespace penumbra::ltc {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 // The first row is fitted here; below, shapes are taken to scale with alpha.
 constexpr double kLeastAlpha = 1e-3;
 constexpr double kLeastCosine = 1e-3;

@@ -1,0 +1,21 @@
+#pragma once
+#include <cstdint>
+
+#include "kernels/bsdf/families.h"
+#include "kernels/features.h"
+
+namespace penumbra {
+
+/// A bit of a scene's features, families or kinds of light, for people.
+struct NamedBit {
+  std::uint32_t bit;
+  const char *name, *description;
+};
+#define LIST_FEATURE(name, bit, description) {bit, #name, description},
+inline constexpr NamedBit kFeatures[] = {PENUMBRA_FEATURES(LIST_FEATURE)};
+#undef LIST_FEATURE
+#define LIST_FAMILY(name, NAME, number, properties, description) {1u << (number), "BSDF_" #NAME, description},
+inline constexpr NamedBit kFamilies[] = {BSDF_FAMILIES(LIST_FAMILY)};
+#undef LIST_FAMILY
+
+}  // namespace penumbra
