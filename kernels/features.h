@@ -34,7 +34,8 @@
   X(CYLINDERS, 0x2000000, "cylinders")                                        \
   X(COVERAGE, 0x4000000, "alpha")                                             \
   X(OWNERS, 0x8000000, "objects and materials of pixels")                     \
-  X(PARTS, 0x10000000, "parts of the light of paths alone")
+  X(PARTS, 0x10000000, "parts of the light of paths alone")                   \
+  X(MEDIA, 0x20000000, "participating media")
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FEATURE_PATH 0x001
@@ -66,7 +67,8 @@
 #define FEATURE_COVERAGE 0x4000000
 #define FEATURE_OWNERS 0x8000000
 #define FEATURE_PARTS 0x10000000
-#define FEATURE_ALL 0x1fffffff
+#define FEATURE_MEDIA 0x20000000
+#define FEATURE_ALL 0x3fffffff
 
 /// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)

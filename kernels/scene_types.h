@@ -77,6 +77,12 @@ PENUMBRA_NAMESPACE_BEGIN
 #define PASSES_ALL 1
 #define PASSES_SOME 2
 
+#define MAX_MEDIA 255  // with nothing, which is one
+
+#define PHASE_HG 0  // isotropic where g is 0
+#define PHASE_RAYLEIGH 1
+#define PHASE_LOBES 4  // of every mixture of phase functions; those that it lacks have weight 0
+
 #define BEND_NOT 0
 #define BEND_NORMAL_MAP 1
 #define BEND_BUMP_MAP 2
@@ -180,6 +186,24 @@ PENUMBRA_NAMESPACE_BEGIN
   CLOSURE_FIELDS(MATERIAL_FIELD, F)      \
   MATERIAL_TEXTURES(MATERIAL_TEXTURE, F) \
   MATERIAL_TREE_FIELDS(F)
+
+// What fills space. Record 0 is nothing: its extinction is 0. See medium/flight.h.
+#define MEDIUM_FIELDS(F)                              \
+  F(vec3, extinction) /* in 1 / scene unit */         \
+  F(vec3, albedo)     /* the scattered share of it */ \
+  F(int, material)    /* of FAMILY_PHASE: how it scatters */
+
+// One of the PHASE_LOBES that a medium's phase function is a mixture of.
+#define PHASE_LOBE_FIELDS(F)                                                \
+  F(int, kind)     /* PHASE_* */                                            \
+  F(float, g)      /* mean cosine of Henyey and Greenstein's, of (-1, 1) */ \
+  F(float, weight) /* of the mixture, whose weights add up to 1 */
+
+// Of a shape's surface, which parts two media.
+#define BOUNDARY_FIELDS(F)                                          \
+  F(int, interior) /* a medium: behind the front side */            \
+  F(int, exterior) /* likewise before it; -1: whatever is around */ \
+  F(int, shape)    /* the index of the shape in the scene, for messages */
 
 #define LIGHT_FIELDS(F)                                                                                   \
   F(vec3,                                                                                                 \
@@ -412,6 +436,11 @@ PENUMBRA_NAMESPACE_BEGIN
   /* on; of a group's, to be added to the first number of the instance, from 0 on. */  \
   T(A, owners, int, 1, "owners of primitives")                                         \
   T(A, instance_owners, int, 1, "first owners of instances")                           \
+  /* FEATURE_MEDIA: of each triangle and then each quadric its boundary, or -1. */     \
+  T(A, media, Medium, 1, "media")                                                      \
+  T(A, phase_lobes, PhaseLobe, PHASE_LOBES, "phase functions")                         \
+  T(A, boundaries, Boundary, 1, "boundaries of media")                                 \
+  T(A, primitive_boundaries, int, 1, "primitives that bound media")                    \
   /* See filter.h. */                                                                  \
   T(A, filter_table, float, FILTER_TABLE_SIZE, "cells of the pixel filter")            \
   LIGHT_TABLES(T, A)
@@ -431,6 +460,9 @@ PENUMBRA_NAMESPACE_BEGIN
   MATERIAL_TEXTURES(MATERIAL_TEXTURE_INDEX, I)                                                            \
   I(materials, Material, first, materials, -1, "a material names another one that is not there")          \
   I(materials, Material, second, materials, -1, "a material names another one that is not there")         \
+  I(media, Medium, material, materials, 0, "a medium names a material that is not there")                 \
+  I(boundaries, Boundary, interior, media, 0, "a boundary names a medium that is not there")              \
+  I(boundaries, Boundary, exterior, media, -1, "a boundary names a medium that is not there")             \
   I(textures, TextureNode, texture0, textures, -1, "a texture names another one that is not there")       \
   I(textures, TextureNode, texture1, textures, -1, "a texture names another one that is not there")       \
   I(lights, Light, alias, lights, 0, "a light's alias is not there")                                      \
@@ -470,6 +502,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, light_tree_depth)  /* turns from there to the lowest leaf of the hierarchy of lights */     \
   F(int, light_leaf_turns)  /* turns to any of a leaf's lights, 0 if leaves have one light each */   \
   F(int, owner_count)       /* FEATURE_OWNERS: numbers of owners are at most that */                 \
+  F(int, camera_medium)     /* the medium in which the camera is */                                  \
   F(int, dropped_triangles) /* without area in single precision: left out, and said */               \
   F(int, duplicate_lights)  /* light triangles that repeat another one: they do not shine twice */   \
   F(TableSpans, tables)
@@ -485,6 +518,9 @@ PENUMBRA_NAMESPACE_BEGIN
   X(PrimitiveGroup, PRIMITIVE_GROUP_FIELDS)             \
   X(Material, MATERIAL_FIELDS)                          \
   X(TextureNode, TEXTURE_FIELDS)                        \
+  X(Medium, MEDIUM_FIELDS)                              \
+  X(PhaseLobe, PHASE_LOBE_FIELDS)                       \
+  X(Boundary, BOUNDARY_FIELDS)                          \
   X(Light, LIGHT_FIELDS)                                \
   X(LightTriangles, LIGHT_TRIANGLES_FIELDS)             \
   X(LightNode, LIGHT_NODE_FIELDS)                       \

@@ -199,6 +199,12 @@ FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first
 #if HAS(INSTANCES)
     if (NEEDS(scene, INSTANCES)) start_outside(paths, i);
 #endif
+#if HAS(MEDIA)
+    if (NEEDS(scene, MEDIA)) {
+      sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_CHANNEL), paths, i, u, v);
+      start_in_media(scene, paths, i, u);
+    }
+#endif
   }
 }
 
@@ -260,10 +266,7 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
       if (NEEDS(scene, BENT) && h->integrator.kind != INTEGRATOR_OCCLUSION) shade_shadow_rays(paths, count);
 #endif
 #if HAS(POLYGONS)
-  #if HAS(LTC)
-      if (has_other_control(scene)) add_controlled_light_by_form(paths, count);
-  #endif
-      if (control && !has_other_control(scene)) add_controlled_light(paths, count);
+      if (control) add_light_with_control(scene, has_other_control(scene), paths, count);
 #endif
       if (!control) add_light(paths, count);
       if (block->probe != 0) probe_light(block, step);

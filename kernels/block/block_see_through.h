@@ -9,6 +9,7 @@
 #ifndef PENUMBRA_BLOCK_SEE_THROUGH_H
 #define PENUMBRA_BLOCK_SEE_THROUGH_H
 #include "kernels/block/block_instances.h"
+#include "kernels/block/block_media.h"
 #include "kernels/block/block_surface.h"
 #include "kernels/block/block_trace.h"
 #include "kernels/bsdf/material_tree.h"
@@ -166,6 +167,16 @@ FN void pass_by_chance(const PRIVATE Scene* scene, const PRIVATE PathState* path
 }
   #endif
 
+  #if HAS(MEDIA)
+/// Starts LANES flights.
+FN void start_flying(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
+  const PRIVATE SceneHeader* h = &scene->header;
+  float roulette[LANES], flights[LANES];
+  sample_pair(h->sampler.kind, sequence_length(h), step_point(PAIR_END), paths, i, roulette, flights);
+  start_flights(paths, i, flights);
+}
+  #endif
+
 /// Those of LANES rays from lane i on that pass the k-th surface they meet start behind it. Returns whether
 /// any does.
 FN bool pass_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step, int k,
@@ -176,7 +187,12 @@ FN bool pass_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
   #if HAS(NESTED)
   chooses = NEEDS(scene, NESTED) && any_choice(scene, paths, i);
   #endif
-  if (!hides && !chooses) {
+  bool flies = false;
+  #if HAS(MEDIA)
+  float lengths[LANES];
+  flies = NEEDS(scene, MEDIA) && any_in_media(scene, paths, i);
+  #endif
+  if (!hides && !chooses && !flies) {
   #if HAS(INSTANCES)
     if (NEEDS(scene, INSTANCES)) arrive_at_instances(paths, i);
   #endif
@@ -184,9 +200,16 @@ FN bool pass_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
     return false;
   }
   find_hit_surfaces(scene, paths, i, &surfaces);
+  #if HAS(MEDIA)
+  if (flies) flight_lengths(paths, i, &surfaces, lengths);
+  if (flies) fly(scene, paths, i, &surfaces, lengths);
+  #endif
   pass_hidden(paths, i, hides, &surfaces, passes);
   #if HAS(NESTED)
   if (chooses) pass_by_chance(scene, paths, i, step, k, &surfaces, passes);
+  #endif
+  #if HAS(MEDIA)
+  if (flies) cross_boundaries(scene, paths, i, lengths, passes, false, &surfaces);
   #endif
   #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) restart_behind_instances(paths, i, &surfaces, passes);
@@ -244,8 +267,13 @@ FN void see_through(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
   #if HAS(NESTED)
   if (nested) clear_leaves(paths, count);
   #endif
+  int most = MOST_PASSED;
+  #if HAS(MEDIA)
+  if (NEEDS(scene, MEDIA)) most = MOST_CROSSED;
+  for (int i = 0; NEEDS(scene, MEDIA) && i < count; i += LANES) start_flying(scene, paths, i);
+  #endif
   bool any = true;
-  for (int k = 0; any && k < MOST_PASSED; k++) {
+  for (int k = 0; any && k < most; k++) {
     any = false;
     for (int i = 0; i < count; i += LANES)
       if (any_ray(paths, i)) any = pass_surfaces(scene, paths, i, step, k, hides) | any;
@@ -334,7 +362,14 @@ FN bool pass_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
   if (any_branch(scene, surfaces.material))
     sample_pair(h->sampler.kind, sequence_length(h), point, paths, i, numbers, others);
   passing_shares(scene, &surfaces, numbers, shares);
+  #if HAS(MEDIA)
+  float lengths[LANES];
+  if (NEEDS(scene, MEDIA)) dim_flights(scene, paths, i, &surfaces, lengths);
+  #endif
   dim_shadow_rays(paths, i, &surfaces, shares, passes);
+  #if HAS(MEDIA)
+  if (NEEDS(scene, MEDIA)) cross_boundaries(scene, paths, i, lengths, passes, true, &surfaces);
+  #endif
   #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) restart_behind_instances(paths, i, &surfaces, passes);
   #endif
@@ -346,8 +381,16 @@ FN void see_lights_through(const PRIVATE Scene* scene, const PRIVATE PathState* 
   #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) follow_from_instances(paths, count);
   #endif
+  int most = MOST_PASSED;
+  #if HAS(MEDIA)
+  if (NEEDS(scene, MEDIA)) {
+    most = MOST_CROSSED;
+    start_shadow_flights(paths, count);
+    dim_unobstructed(scene, paths, count);
+  }
+  #endif
   bool any = follow_shadow_rays(paths, count);
-  for (int k = 0; any && k < MOST_PASSED; k++) {
+  for (int k = 0; any && k < most; k++) {
     intersect_block(scene, paths, count, false);
     pad_hits(scene, paths, count);
     any = false;
@@ -358,6 +401,10 @@ FN void see_lights_through(const PRIVATE Scene* scene, const PRIVATE PathState* 
   if (NEEDS(scene, INSTANCES)) leave_for_instances(paths, count);
   #endif
   leave_shadow_rays(paths, count);
+  #if HAS(MEDIA)
+  if (NEEDS(scene, MEDIA)) weigh_shadow_rays(scene, paths, count);
+  if (NEEDS(scene, MEDIA) && !has_control(scene)) dim_shadow_light(paths, count);
+  #endif
 }
 #endif
 

@@ -199,6 +199,22 @@ STAGE void see_leaves(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* R
 }
 #endif
 
+#if HAS(MEDIA)
+/// Where paths scatter in media.
+STAGE void see_media(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface other = load_surface(surfaces, j);
+      Surface s = surface_in_medium(get_ray_origin(paths, i + j));
+      s.from = other.from;
+      s.wo = negate(get_ray_direction(paths, i + j));
+      s.distance = dot3(sub(s.p, s.from), get_ray_direction(paths, i + j));
+      s.material = other.material;
+      store_surface(surfaces, j, select_surface(get_hit(paths, i + j) == IN_MEDIUM, s, other));
+    }
+}
+#endif
+
 /// Where the last rays of LANES paths from lane i on ended.
 FN void find_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                       PRIVATE Surfaces* surfaces) {
@@ -206,6 +222,9 @@ FN void find_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
 #if HAS(NESTED)
   if (NEEDS(scene, NESTED)) see_from_starts(paths, i, surfaces);
   if (NEEDS(scene, NESTED)) see_leaves(paths, i, surfaces);
+#endif
+#if HAS(MEDIA)
+  if (NEEDS(scene, MEDIA)) see_media(paths, i, surfaces);
 #endif
 #if HAS(BENT) && HAS(TEXTURES) && HAS(UV)
   if (NEEDS(scene, BENT)) bend_normals(scene, surfaces);

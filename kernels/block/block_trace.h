@@ -294,13 +294,14 @@ STAGE void add_light(const PRIVATE PathState* paths, int count) {
 
 #if HAS(POLYGONS)
 /// The same of a path where polygon lights have control variates: their light goes, with and without shadows,
-/// into sums of its own. `other_form`: what the variate gets is not what the path does.
-FN void add_controlled(const PRIVATE PathState* paths, int i, bool other_form) {
+/// into sums of its own. `other_form`: what the variate gets is not what the path does. `media`: they take
+/// from the light too.
+FN void add_controlled(const PRIVATE PathState* paths, int i, bool other_form, bool media) {
   const int kind = get_shadow_controlled(paths, i);
   const bool controlled = kind != CONTROLLED_NOT;
   const float transmittance = get_shadow_transmittance(paths, i);
   const float seen = kind == CONTROLLED_BENEATH ? 0.0f : transmittance;
-  const vec3 other = shadow_ray_light(paths, i, !controlled, transmittance);
+  vec3 other = shadow_ray_light(paths, i, !controlled, transmittance);
   vec3 unshadowed = shadow_ray_light(paths, i, controlled, 1.0f);
   #if HAS(LTC)
   if (other_form) {
@@ -308,27 +309,55 @@ FN void add_controlled(const PRIVATE PathState* paths, int i, bool other_form) {
     unshadowed = select3(lit, get_shadow_control(paths, i), make_vec3(0.0f, 0.0f, 0.0f));
   }
   #endif
-  const vec3 shadowed = shadow_ray_light(paths, i, controlled, seen);
+  vec3 shadowed = shadow_ray_light(paths, i, controlled, seen);
+  #if HAS(MEDIA)
+  if (media) {
+    other = mul(other, get_shadow_passes(paths, i));
+    shadowed = mul(shadowed, get_shadow_passes(paths, i));
+  }
+  #endif
   set_radiance(paths, i, add(get_radiance(paths, i), other));
   set_unshadowed(paths, i, add(get_unshadowed(paths, i), unshadowed));
   set_shadowed(paths, i, add(get_shadowed(paths, i), shadowed));
 }
 
-STAGE void add_controlled_light(const PRIVATE PathState* paths, int count) {
-  for (int i = 0; i < count; i += LANES) {
-    LANE_LOOP
-      for (int j = i; j < i + LANES; j++) add_controlled(paths, j, false);
-  }
-}
-
+  // Of all lanes.
+  #define ADD_CONTROLLED_LIGHT(stage, other_form, media)                                   \
+    STAGE void stage(const PRIVATE PathState* paths, int count) {                          \
+      for (int i = 0; i < count; i += LANES) {                                             \
+        LANE_LOOP                                                                          \
+          for (int j = i; j < i + LANES; j++) add_controlled(paths, j, other_form, media); \
+      }                                                                                    \
+    }
+ADD_CONTROLLED_LIGHT(add_controlled_light, false, false)
   #if HAS(LTC)
-STAGE void add_controlled_light_by_form(const PRIVATE PathState* paths, int count) {
-  for (int i = 0; i < count; i += LANES) {
-    LANE_LOOP
-      for (int j = i; j < i + LANES; j++) add_controlled(paths, j, true);
-  }
-}
+ADD_CONTROLLED_LIGHT(add_controlled_light_by_form, true, false)
   #endif
+  #if HAS(MEDIA)
+ADD_CONTROLLED_LIGHT(add_controlled_light_in_media, false, true)
+    #if HAS(LTC)
+ADD_CONTROLLED_LIGHT(add_controlled_light_by_form_in_media, true, true)
+    #endif
+  #endif
+  #undef ADD_CONTROLLED_LIGHT
+
+/// Whichever the scene needs.
+FN void add_light_with_control(const PRIVATE Scene* scene, bool other_form, const PRIVATE PathState* paths,
+                               int count) {
+  #if HAS(MEDIA)
+  if (NEEDS(scene, MEDIA)) {
+    #if HAS(LTC)
+    if (other_form) add_controlled_light_by_form_in_media(paths, count);
+    #endif
+    if (!other_form) add_controlled_light_in_media(paths, count);
+    return;
+  }
+  #endif
+  #if HAS(LTC)
+  if (other_form) add_controlled_light_by_form(paths, count);
+  #endif
+  if (!other_form) add_controlled_light(paths, count);
+}
 #endif
 
 PENUMBRA_NAMESPACE_END

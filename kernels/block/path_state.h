@@ -64,6 +64,22 @@ PENUMBRA_NAMESPACE_BEGIN
   X(int, kept_hit, THROUGH, NEVER)                                                                             \
   X(int, kept_skip_instance, ALL_OF(FEATURE_NESTED | FEATURE_INSTANCES), NEVER)                                \
   X(int, kept_hit_instance, FEATURE_INSTANCES, NEVER)                                                          \
+  /* media: see medium_stack.h and flight.h */                                                                 \
+  X(int, media_low, FEATURE_MEDIA, FEATURE_MEDIA)       /* where the path is, on the ray's side of its surface */ \
+  X(int, media_high, FEATURE_MEDIA, FEATURE_MEDIA)                                                             \
+  X(int, beyond_low, FEATURE_MEDIA, FEATURE_MEDIA)      /* on the other side; on the way those before a boundary */ \
+  X(int, beyond_high, FEATURE_MEDIA, FEATURE_MEDIA)                                                            \
+  X(int, hero, FEATURE_MEDIA, FEATURE_MEDIA)            /* channel that chooses distances */                   \
+  X(vec3, channels, FEATURE_MEDIA, FEATURE_MEDIA)       /* ratios of the channels' densities, of mean 1 */     \
+  X(float, depth_left, FEATURE_MEDIA, NEVER)            /* optical depth until it scatters */                  \
+  X(float, way, FEATURE_MEDIA, NEVER)                   /* from the ray's start to the last boundary */        \
+  X(float, clearance, FEATURE_MEDIA, NEVER)             /* along the ray, that is surely behind that */        \
+  X(int, panes, FEATURE_MEDIA, FEATURE_MEDIA)           /* whose straight ways no limit of depth counts */     \
+  X(int, crossed, FEATURE_MEDIA, NEVER)                 /* the boundary: see crossing_code; 0: none */         \
+  X(int, shadow_low, FEATURE_MEDIA, NEVER)              /* media in which the shadow ray is */                 \
+  X(int, shadow_high, FEATURE_MEDIA, NEVER)                                                                    \
+  X(vec3, shadow_passes, FEATURE_MEDIA, NEVER)          /* what media let through of each channel */           \
+  X(float, shadow_balance, FEATURE_MEDIA, NEVER)        /* density of its direction over that of the light */  \
   /* whitted: what is left to do when the path ends, see BRANCH_FIELDS */                                      \
   X(int, branch_place, FEATURE_WHITTED, FEATURE_WHITTED)   /* the lane where its branches are */               \
   X(int, branch_count, FEATURE_WHITTED, FEATURE_WHITTED)                                                       \

@@ -9,6 +9,7 @@
 #include "kernels/bsdf/diffuse.h"
 #include "kernels/bsdf/disney.h"
 #include "kernels/bsdf/microfacet_diffuse.h"
+#include "kernels/bsdf/phase.h"
 #include "kernels/bsdf/phong.h"
 #include "kernels/bsdf/plastic.h"
 #include "kernels/bsdf/principled.h"
@@ -115,10 +116,12 @@ FN vec3 family_axis(int properties, Closure c, Surface s) {
   return (properties & ANISOTROPIC) != 0 ? tangent_axis(s.shading, tangent) : none;
 }
 FN vec3 to_family_frame(int properties, vec3 n, vec3 axis, vec3 v) {
+  if ((properties & FREE) != 0) return v;
   if ((properties & ANISOTROPIC) == 0) return to_frame(n, v);
   return make_vec3(dot3(axis, v), dot3(cross3(n, axis), v), dot3(n, v));
 }
 FN vec3 from_family_frame(int properties, vec3 n, vec3 axis, vec3 v) {
+  if ((properties & FREE) != 0) return v;
   if ((properties & ANISOTROPIC) == 0) return from_frame(n, v.x, v.y, v.z);
   return add_scaled(add_scaled(scale(axis, v.x), v.y, cross3(n, axis)), v.z, n);
 }

@@ -13,6 +13,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define ANISOTROPIC 8    // the x axis of its frame is where u grows, see tangent_axis
 #define DELTA 16         // all its directions are DELTA_PDF: eval finds nothing
 #define SOME_DELTA 32    // some of its directions are, others are not
+#define FREE 64          // it needs no surface: its frame is the scene's, and its values have no cosine
 
 // X(name, NAME, its number, properties, what it is for people): `name`_eval and `name`_sample in
 // kernels/bsdf/`name`.h, and FAMILY_`NAME` below. Family 0 absorbs everything.
@@ -44,6 +45,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(disney, DISNEY, 18, SEVERAL_LOBES | ANISOTROPIC, "Disney BRDF")                                      \
   X(principled_transmitting, PRINCIPLED_TRANSMITTING, 19, SEVERAL_LOBES | TRANSMITS | ANISOTROPIC,       \
     "principled BSDF that transmits")                                                                    \
+  X(phase, PHASE, 20, SEVERAL_LOBES | TRANSMITS | FREE, "phase functions of media")                      \
   EXTRA_BSDF_FAMILIES(X)
 
 // X(name, NAME): the families with two mirror lobes. `name`_lobe_probability(closure, wo) is that of the
@@ -71,6 +73,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define FAMILY_PRINCIPLEDTHIN 17
 #define FAMILY_DISNEY 18
 #define FAMILY_PRINCIPLED_TRANSMITTING 19
+#define FAMILY_PHASE 20
 
 // What a material has at a point. The record of a material holds the same; of the TEXTURED_FIELDS also a
 // texture each, or -1. What a family makes of fields whose meaning is not the same for all stands in its
@@ -102,6 +105,7 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, int, variant)         /* of the family's formula */                             \
   F(a, int, curve)           /* where its values begin in the table of curves */       \
   F(a, int, curve_rows)      /* 1, or CURVE_ROWS: how many curves, over roughness */   \
+  F(a, int, first_lobe)      /* phase functions: in the table of their lobes */        \
   F(a, float, internal)      /* diffuse reflectance of the boundary from inside */     \
   F(a, float, specular_rate) /* principled: how often lobes are sampled, relatively */ \
   F(a, float, diffuse_rate)                                                            \
@@ -152,6 +156,7 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define USERS_variant USERS(PLASTICS | ONLY(WARD) | ONLY(PRINCIPLED_TRANSMITTING))
 #define USERS_curve USERS(ROUGH_PLASTICS)
 #define USERS_curve_rows USERS(ROUGH_PLASTICS)
+#define USERS_first_lobe USERS(ONLY(PHASE))
 #define USERS_internal USERS(ONLY(PLASTIC))
 #define USERS_specular_rate USERS(PRINCIPLEDS)
 #define USERS_diffuse_rate USERS(PRINCIPLEDS)

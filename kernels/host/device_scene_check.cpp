@@ -137,6 +137,7 @@ class Checker {
     check_uvs();
     check_instances();
     check_owners();
+    check_media();
     check_textures();
     for (const Quadric& q : table<Quadric>(scene_, h_.tables.quadrics))
       require(in(q.kind, QUADRIC_SPHERE, has(FEATURE_CYLINDERS) ? QUADRIC_CYLINDER : QUADRIC_DISK),
@@ -166,7 +167,7 @@ class Checker {
             "linearly transformed cosines without their tables");
     require(has(FEATURE_RATIO) == (h_.integrator.estimator == ESTIMATOR_RATIO),
             "the ratio estimator and its feature bit go together");
-    require((h_.families & families_with(TRANSMITS)) == 0 || has(FEATURE_TRANSMISSION),
+    require((h_.families & families_with(TRANSMITS) & ~families_with(FREE)) == 0 || has(FEATURE_TRANSMISSION),
             "BSDFs that transmit without their feature bit");
     require(h_.tables.quadrics.count == 0 || has(FEATURE_QUADRICS), "quadrics without their feature bit");
     constexpr unsigned kIntegrators[] = {FEATURE_DIRECT, FEATURE_PATH, FEATURE_WHITTED, FEATURE_OCCLUSION};
@@ -190,6 +191,46 @@ class Checker {
       require(m.bend == BEND_NOT || (has(FEATURE_BENT) && has(FEATURE_TEXTURES) && has(FEATURE_UV)),
               "bent normals without their feature bits");
     }
+  }
+
+  /// Media and their boundaries are there, and scatter by phase functions that are.
+  void check_media() {
+    const TableSpans& t = h_.tables;
+    const auto materials = table<Material>(scene_, t.materials);
+    for (const Material& m : materials)
+      require(m.family != FAMILY_PHASE || in(m.first_lobe, 0, t.phase_lobes.count - PHASE_LOBES),
+              "a phase function names lobes that are not there");
+    if (!has(FEATURE_MEDIA)) {
+      require(t.media.count == 0 && t.phase_lobes.count == 0 && t.boundaries.count == 0 &&
+                  t.primitive_boundaries.count == 0 && h_.camera_medium == 0 &&
+                  (h_.families & families_with(FREE)) == 0,
+              "media without their feature bit");
+      return;
+    }
+    require(has(FEATURE_PATH) && has(FEATURE_NESTED), "media without the feature bits of their paths");
+    require(in(t.media.count, 1, MAX_MEDIA), "an implausible number of media");
+    require(in(h_.camera_medium, 0, t.media.count - 1), "the camera is in a medium that is not there");
+    require(t.primitive_boundaries.count == std::int64_t{t.triangles.count} + t.quadrics.count,
+            "boundaries do not match the primitives");
+    if (!problem_.empty()) return;
+    for (const int boundary : table<int>(scene_, t.primitive_boundaries))
+      require(in(boundary, -1, t.boundaries.count - 1), "a primitive names a boundary that is not there");
+    const auto within = [](const vec3& v, float high) {
+      return v.x >= 0 && v.x <= high && v.y >= 0 && v.y <= high && v.z >= 0 && v.z <= high;
+    };
+    const auto media = table<Medium>(scene_, t.media);
+    for (std::size_t i = 0; i < media.size(); ++i) {
+      require(within(media[i].extinction, i == 0 ? 0.0f : std::numeric_limits<float>::max()),
+              "a medium of implausible extinction");
+      require(within(media[i].albedo, 1), "a medium whose albedo is not in [0, 1]");
+      require(i == 0 || (in(media[i].material, 0, t.materials.count - 1) &&
+                         materials[std::size_t(media[i].material)].family == FAMILY_PHASE),
+              "a medium without a phase function");
+    }
+    for (const PhaseLobe& lobe : table<PhaseLobe>(scene_, t.phase_lobes))
+      require(in(lobe.kind, PHASE_HG, PHASE_RAYLEIGH) && std::abs(lobe.g) < 1 && lobe.weight >= 0 &&
+                  lobe.weight <= 1 + 1e-5f,
+              "a phase function of implausible lobes");
   }
 
   void check_textures() {

@@ -174,7 +174,7 @@ STAGE void record_coverage(const PRIVATE Scene* scene, const PRIVATE Surfaces* R
                            const PRIVATE PathState* paths, int i, const PRIVATE SlotState* slots) {
   const float sky = scene->header.film.sky_coverage;
   for (int j = 0; j < LANES; j++)  // no lane loop: slots are anywhere
-    set_slot_coverage(slots, get_slot(paths, i + j), surfaces->primitive[j] >= 0 ? 1.0f : sky);
+    set_slot_coverage(slots, get_slot(paths, i + j), surfaces->primitive[j] != NOTHING_HIT ? 1.0f : sky);
 }
 #endif
 

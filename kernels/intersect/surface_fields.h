@@ -8,7 +8,7 @@ PENUMBRA_NAMESPACE_BEGIN
 // clang-format off
 // What every scene needs to know.
 #define SURFACE_HIT_FIELDS(F, a)                                                                        \
-  F(a, int, primitive)   /* -1: nothing was hit; `material` is 0, which absorbs everything, the rest means nothing */ \
+  F(a, int, primitive)   /* NOTHING_HIT: `material` is 0, which absorbs everything, the rest means nothing; IN_MEDIUM */ \
   F(a, bool, front)      /* seen from the front side */                                                 \
   F(a, vec3, from)       /* the ray's origin */                                                         \
   F(a, vec3, p)          /* relative to the scene's centre */                                           \
@@ -50,7 +50,12 @@ LANE_RECORD_PART(Surface, Surfaces, surface_uv, SURFACE_UV_FIELDS)
   F(a, int, light)
 LANE_RECORD(PrimitivePoint, PrimitivePoints, primitive_point, PRIMITIVE_POINT_FIELDS)
 
-FN bool is_hit(Surface s) { return s.primitive >= 0; }
+// In the place of a primitive.
+#define NOTHING_HIT -1
+#define IN_MEDIUM -2
+
+/// Whether the ray ended somewhere: at a surface, or in a medium.
+FN bool is_hit(Surface s) { return s.primitive != NOTHING_HIT; }
 
 /// Outside of instances too.
 FN Surface without_uv(Surface s) {
@@ -65,7 +70,8 @@ FN Surface without_uv(Surface s) {
 FN Surface surface_in_medium(vec3 p) {
   const vec3 zero = make_vec3(0.0f, 0.0f, 0.0f);
   Surface s;
-  s.primitive = s.light = -1;
+  s.primitive = IN_MEDIUM;
+  s.light = -1;
   s.front = false;
   s.from = s.p = p;
   s.error = s.distance = 0.0f;

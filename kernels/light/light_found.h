@@ -38,7 +38,7 @@ FN bool any_finds_light(const PRIVATE Scene* scene, const PRIVATE Surfaces* surf
   const int environment = scene->header.environment;
   int any = 0;
   for (int j = 0; j < LANES; j++)
-    any |= (surfaces->primitive[j] >= 0 ? surfaces->light[j] : environment) >= 0;
+    any |= (surfaces->primitive[j] != NOTHING_HIT ? surfaces->light[j] : environment) >= 0;
   return any != 0;
 }
 

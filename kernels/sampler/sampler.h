@@ -12,7 +12,7 @@ PENUMBRA_NAMESPACE_BEGIN
 // Pairs of the camera ray.
 #define PAIR_FILM 0u              // position on the film
 #define PAIR_LENS 0xffffffffu     // position on the lens
-#define PAIR_CHANNEL 0xfffffffeu  // colour channel, time
+#define PAIR_CHANNEL 0xfffffffeu  // colour channel of media, time
 
 // Pairs of each depth: of the surface, or the place in a medium, that scatters a path. See step_point.
 enum {
@@ -287,6 +287,7 @@ FN PairPoint one_point(uint pair) {
 // Pairs for what a ray meets and may pass through, one for each surface on its way, apart from all others:
 // they shift no numbers of scenes without such surfaces. MOST_PASSED is the most that one ray passes.
 #define MOST_PASSED 4096
+#define MOST_CROSSED 65536  // with boundaries of media, which take no numbers
 #define PAIR_RAY_SURFACES 0x80000000u
 #define PAIR_SHADOW_SURFACES 0xc0000000u
 

@@ -1,0 +1,256 @@
+// Media on the way of rays: where paths scatter before they meet a surface, what media take from them and
+// from shadow rays, and which media are behind the boundaries that rays cross. Called by the stage that
+// follows rays through surfaces (block_see_through.h), from surface to surface.
+#ifndef PENUMBRA_BLOCK_MEDIA_H
+#define PENUMBRA_BLOCK_MEDIA_H
+#include "kernels/intersect/surface.h"
+#include "kernels/light/light_sample.h"
+#include "kernels/light/mis.h"
+#include "kernels/medium/medium_state.h"
+#include "kernels/sampler/sampler.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+#if HAS(MEDIA)
+/// Camera rays start in the camera's medium, of a channel that a number of their own chooses.
+STAGE void start_in_media(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                          const PRIVATE float* RESTRICT choice) {
+  const MediumStack camera = {(uint)scene->header.camera_medium, 0u};
+  const PathState fields = *paths;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      set_media(&fields, i + j, camera);
+      set_panes(&fields, i + j, 0);
+      set_hero(&fields, i + j, min_i((int)(choice[j] * 3.0f), 2));
+      set_channels(&fields, i + j, make_vec3(1.0f, 1.0f, 1.0f));
+    }
+}
+
+/// Before anything is known of where the rays lead. `u`: of the flights.
+STAGE void start_flights(const PRIVATE PathState* paths, int i, const PRIVATE float* RESTRICT u) {
+  const PathState fields = *paths;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const uint digits = hash_uint((uint)get_pixel_hash(&fields, i + j) ^
+                                    hash_uint((uint)get_sample_index(&fields, i + j) +
+                                              hash_uint((uint)get_depth(&fields, i + j) + 0x51ed270bu)));
+      set_depth_left(&fields, i + j, flight_depth(u[j], unit_float(digits)));
+      set_beyond(&fields, i + j, get_media(&fields, i + j));
+      set_way(&fields, i + j, 0.0f);
+      set_clearance(&fields, i + j, 0.0f);
+      set_crossed(&fields, i + j, 0);
+      // Through media rays go on that meet no surface.
+      const bool flies = innermost(get_media(&fields, i + j)) != 0;
+      const float tmax = get_ray_tmax(&fields, i + j), kept = get_kept_tmax(&fields, i + j);
+      set_ray_tmax(&fields, i + j, flies ? kept : tmax);
+    }
+}
+
+/// Whether any of the rays under way is in a medium or met a boundary of one.
+FN bool any_in_media(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
+  int any = 0;
+  for (int j = i; j < i + LANES; j++) {
+    const bool in_medium = innermost(get_media(paths, j)) != 0;
+    const bool meets = boundary_of(scene, get_hit(paths, j)) >= 0;
+    any |= ((get_ray_tmax(paths, j) > 0.0f) & (in_medium | meets)) ? 1 : 0;
+  }
+  return any != 0;
+}
+
+/// How far it is from the last boundary, or the ray's start, to these surfaces, or to the ray's end.
+STAGE void flight_lengths(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
+                          PRIVATE float* RESTRICT lengths) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const vec3 d = get_ray_direction(paths, i + j), start = get_kept_origin(paths, i + j);
+      const float to = dot3(sub(LOAD_LANE_vec3(surfaces->p, j), start), d),
+                  tmax = get_kept_tmax(paths, i + j);
+      const float way = get_way(paths, i + j);
+      const float whole = surfaces->primitive[j] >= 0 ? to - way : (tmax < NO_LIMIT ? tmax - way : NO_LIMIT);
+      lengths[j] = max_f(whole, 0.0f);
+    }
+}
+
+/// How far along the ray, before a surface, a point is surely before it.
+FN float clear_of(Surface s) {
+  const float cosine = FABS(dot3(s.geometric, s.wo));
+  return 4.0f * s.error / max_f(cosine, 1e-4f);
+}
+
+/// Flights of rays under way through media as far as the surfaces: those that end before scatter there, and
+/// have arrived.
+STAGE void fly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+               const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE float* RESTRICT lengths) {
+  const PathState fields = *paths;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const float tmax = get_ray_tmax(&fields, i + j), left = get_depth_left(&fields, i + j);
+      const float length = lengths[j], way = get_way(&fields, i + j);
+      const int index = innermost(get_media(&fields, i + j));
+      GLOBAL const Medium* medium = scene->media + index;
+      const vec3 extinction = load3(&medium->extinction), albedo = load3(&medium->albedo);
+      const int leaf = get_material(&fields, i + j), phase = medium->material;
+      const float sigma = channel_of(extinction, get_hero(&fields, i + j));
+      const float reach = left / max_f(sigma, 1e-30f);
+      const bool flies = (tmax > 0.0f) & (max_component(extinction) > 0.0f);
+      const bool scatters = flies & (sigma > 0.0f) & (reach < length);
+      const FlightWeight before = flight_weight(&fields, i + j);
+      const FlightWeight after =
+          weigh_homogeneous(before, extinction, albedo, scatters ? reach : length, scatters);
+      set_flight_weight(&fields, i + j, select_flight_weight(flies, after, before));
+      set_depth_left(&fields, i + j, flies ? left - sigma * length : left);
+      // Clear of the surfaces about, so that the next ray meets them.
+      const Surface s = load_surface(surfaces, j);
+      const float before_next = s.primitive >= 0 ? clear_of(s) : 0.0f,
+                  behind_last = get_clearance(&fields, i + j);
+      const bool thin = length < before_next + behind_last;
+      const float at = thin ? 0.5f * length : clamp_f(reach, behind_last, length - before_next);
+      const vec3 origin = get_ray_origin(&fields, i + j);
+      const vec3 p = add_scaled(get_kept_origin(&fields, i + j), way + at, get_ray_direction(&fields, i + j));
+      set_ray_origin(&fields, i + j, select3(scatters, p, origin));
+      set_material(&fields, i + j, scatters ? phase : leaf);
+      const int kept = get_kept_hit(&fields, i + j);
+      set_kept_hit(&fields, i + j, scatters ? IN_MEDIUM : kept);
+      const bool arrives = scatters | (s.primitive < 0);
+      set_ray_tmax(&fields, i + j, arrives ? -1.0f : tmax);
+    }
+}
+
+/// Of a boundary, or -1, that is crossed in that direction: never 0.
+FN int crossing_code(int boundary, bool inwards) { return 2 * boundary + (inwards ? 3 : 2); }
+
+/// Which media are behind what rays cross, of paths or of their shadow rays, and on either side of the
+/// surfaces where paths arrive.
+///
+/// Of two boundaries in one place both are crossed: a ray goes on a little before a triangle that it crossed
+/// (the error's sign says so to restart_behind), and one that then meets the same boundary again, at an edge
+/// of it, has crossed it already. Where a boundary is in the place of the surface on which a path arrives,
+/// the side of the path is that before the boundary.
+STAGE void cross_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                            const PRIVATE float* RESTRICT lengths, const PRIVATE int* RESTRICT passes,
+                            bool shadow, PRIVATE Surfaces* RESTRICT surfaces) {
+  const PathState fields = *paths;
+  const int triangles = scene->header.tables.triangles.count;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(surfaces, j);
+      const bool meets = (get_ray_tmax(&fields, i + j) > 0.0f) & (s.primitive >= 0);
+      const bool passing = meets & (passes[j] != 0);
+      const int boundary = boundary_of(scene, s.primitive);
+      const int code = crossing_code(boundary, s.front), crossed = get_crossed(&fields, i + j);
+      const MediumStack path_media = get_media(&fields, i + j),
+                        shadow_media = get_shadow_media(&fields, i + j);
+      const MediumStack media = select_media(shadow, shadow_media, path_media);
+      const MediumStack beyond = get_beyond(&fields, i + j);
+      const float cosine = dot3(s.geometric, s.wo), way = get_way(&fields, i + j);
+      const bool same_place = (crossed != 0) & (lengths[j] * cosine <= 8.0f * s.error);
+      const bool again = same_place & (crossed == code);
+      const MediumStack behind =
+          select_media(boundary >= 0, cross_boundary(scene, boundary, s.front, media).media, media);
+      const bool crosses = passing & (boundary >= 0) & !again;
+      const bool arrives = meets & !passing & !shadow;
+      // Before: those of the ray's side, where it arrives those behind the surface.
+      const MediumStack side = select_media(same_place, beyond, media);
+      const MediumStack next = select_media(crosses, behind, select_media(arrives, side, media));
+      set_media(&fields, i + j, select_media(shadow, path_media, next));
+      set_shadow_media(&fields, i + j, select_media(shadow, next, shadow_media));
+      const MediumStack other =
+          select_media(arrives, behind, select_media(crosses & !same_place, media, beyond));
+      set_beyond(&fields, i + j, select_media(shadow, beyond, other));
+      set_crossed(&fields, i + j, crosses ? code : crossed);
+      set_way(&fields, i + j, crosses ? way + lengths[j] : way);
+      const float clearance = get_clearance(&fields, i + j);
+      set_clearance(&fields, i + j, crosses ? clear_of(s) : clearance);
+      // The second of two in one place is left behind, or the first would be met again.
+      const bool looks_back = crosses & !same_place & (s.primitive < triangles);
+      surfaces->error[j] = looks_back ? -s.error : s.error;
+    }
+}
+
+/// Shadow rays start where they were asked for; what stops none of them lets all through.
+STAGE void start_shadow_flights(const PRIVATE PathState* paths, int count) {
+  const PathState fields = *paths;
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++) {
+        set_shadow_passes(&fields, j, make_vec3(1.0f, 1.0f, 1.0f));
+        set_way(&fields, j, 0.0f);
+        set_clearance(&fields, j, 0.0f);
+        set_crossed(&fields, j, 0);
+      }
+  }
+}
+
+/// To the light itself: shadow rays end a little before.
+FN float shadow_length(const PRIVATE PathState* paths, int i) {
+  const float tmax = get_shadow_tmax(paths, i);
+  return tmax < NO_LIMIT ? tmax * (1.0f / SHADOW_RAY_END) : NO_LIMIT;
+}
+
+FN vec3 passes_homogeneous(const PRIVATE Scene* scene, MediumStack media, float length) {
+  return exp3(scale(load3(&scene->media[innermost(media)].extinction), -length));
+}
+
+/// What the media of shadow rays that nothing stopped let through.
+STAGE void dim_unobstructed(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
+  const PathState fields = *paths;
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++) {
+        const bool seen =
+            (get_shadow_tmax(&fields, j) > 0.0f) & (get_shadow_transmittance(&fields, j) >= 1.0f);
+        const vec3 passes =
+            passes_homogeneous(scene, get_shadow_media(&fields, j), seen ? shadow_length(&fields, j) : 0.0f);
+        set_shadow_passes(&fields, j, select3(seen, passes, get_shadow_passes(&fields, j)));
+      }
+  }
+}
+
+/// What media let through between boundaries; of rays that met no further surface as far as the light.
+STAGE void dim_flights(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                       const PRIVATE Surfaces* RESTRICT surfaces, PRIVATE float* RESTRICT lengths) {
+  const PathState fields = *paths;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const bool under_way = get_ray_tmax(&fields, i + j) > 0.0f;
+      const float whole = shadow_length(&fields, i + j), way = get_way(&fields, i + j);
+      const float to = dot3(sub(LOAD_LANE_vec3(surfaces->p, j), get_shadow_origin(&fields, i + j)),
+                            get_shadow_direction(&fields, i + j));
+      const float end = surfaces->primitive[j] >= 0 ? to : whole;
+      const float length = max_f(end < NO_LIMIT ? end - way : NO_LIMIT, 0.0f);
+      lengths[j] = length;
+      const vec3 passes =
+          passes_homogeneous(scene, get_shadow_media(&fields, i + j), under_way ? length : 0.0f);
+      set_shadow_passes(&fields, i + j, mul(get_shadow_passes(&fields, i + j), passes));
+    }
+}
+
+/// Shadow rays' light after what media take from it, and shared with what directions find: a path that took
+/// the light's direction would have got there with the mean density of what media let through of its
+/// channels.
+STAGE void weigh_shadow_rays(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
+  const int heuristic = scene->header.integrator.heuristic;
+  const PathState fields = *paths;
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++) {
+        const vec3 passes = get_shadow_passes(&fields, j);
+        const float found = get_shadow_balance(&fields, j) * mean3(mul(get_channels(&fields, j), passes));
+        set_shadow_passes(&fields, j, scale(passes, mis_weight(heuristic, 1.0f, found)));
+      }
+  }
+}
+
+/// The same of all but controlled ones, whose light without shadows stays what it is.
+STAGE void dim_shadow_light(const PRIVATE PathState* paths, int count) {
+  const PathState fields = *paths;
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++)
+        set_shadow_radiance(&fields, j, mul(get_shadow_radiance(&fields, j), get_shadow_passes(&fields, j)));
+  }
+}
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif

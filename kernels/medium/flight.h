@@ -1,0 +1,72 @@
+// How far a ray flies through a homogeneous medium before it scatters, and what it weighs then.
+//
+// A path keeps one colour channel, its hero, whose extinction chooses distances, and the ratios of the
+// densities with which the three channels would have made it: its weight is what it carries over the mean of
+// those densities, the balance heuristic over channels (Veach and Guibas 1995; Miller, Georgiev and Jarosz
+// 2019). No weight of a channel exceeds three times its albedo, and where channels are alike nothing is left
+// of it. Weights are ratios throughout, so nothing underflows before the light that it belongs to.
+#ifndef PENUMBRA_FLIGHT_H
+#define PENUMBRA_FLIGHT_H
+#include "kernels/math/math.h"
+#include "kernels/math/vec3.h"
+#include "kernels/scene.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+#if HAS(MEDIA)
+FN float mean3(vec3 v) { return ((v.x + v.y) + v.z) * (1.0f / 3.0f); }
+
+FN float channel_of(vec3 v, int channel) { return channel == 0 ? v.x : (channel == 1 ? v.y : v.z); }
+
+FN vec3 exp3(vec3 v) { return make_vec3(exp_f(v.x), exp_f(v.y), exp_f(v.z)); }
+
+/// The optical depth after which a flight ends, exponentially distributed: -log(1 - u), u with 24 more
+/// binary digits that `fine` has, both in [0, 1 - 2^-24]. Up to 33, and exact near 0.
+FN float flight_depth(float u, float fine) {
+  const float digits = fine * (1.0f / 16777216.0f);
+  const bool low = u < 0.5f;
+  const float below = log1p_f(-(low ? u + digits : 0.0f)), above = log_f((1.0f - u) - (low ? 0.0f : digits));
+  return low ? -below : -above;
+}
+
+/// A path's weight and the ratios of its densities, of mean 1.
+typedef struct {
+  vec3 throughput, channels;
+  float density;  ///< by what the mean density was multiplied
+} FlightWeight;
+
+/// After what multiplies the weight by `value` and the channels' densities by `densities`.
+FN FlightWeight weigh_flight(FlightWeight before, vec3 value, vec3 densities) {
+  const vec3 channels = mul(before.channels, densities);
+  const float mean = mean3(channels), inverse = 1.0f / (mean > 0.0f ? mean : 1.0f);
+  FlightWeight after;
+  after.throughput = scale(mul(before.throughput, value), inverse);
+  after.channels = scale(channels, inverse);
+  after.density = before.density * mean;
+  return after;
+}
+
+FN FlightWeight select_flight_weight(bool condition, FlightWeight yes, FlightWeight no) {
+  FlightWeight w;
+  w.throughput = select3(condition, yes.throughput, no.throughput);
+  w.channels = select3(condition, yes.channels, no.channels);
+  w.density = condition ? yes.density : no.density;
+  return w;
+}
+
+/// A flight of `length` through a homogeneous medium, at whose end the path scatters or not.
+FN FlightWeight weigh_homogeneous(FlightWeight before, vec3 extinction, vec3 albedo, float length,
+                                  bool scatters) {
+  const float least = min_f(min_f(extinction.x, extinction.y), extinction.z);
+  const vec3 more = sub(extinction, make_vec3(least, least, least));
+  const vec3 passes = exp3(scale(more, -length));
+  const vec3 collides = mul(extinction, passes);
+  FlightWeight after = weigh_flight(before, select3(scatters, mul(albedo, collides), passes),
+                                    select3(scatters, collides, passes));
+  after.density *= exp_f(-least * length);
+  return after;
+}
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif
