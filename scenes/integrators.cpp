@@ -1,5 +1,6 @@
 #include "scenes/integrators.h"
 
+#include <string_view>
 #include <utility>
 
 namespace penumbra {
@@ -10,6 +11,7 @@ void add_names(std::vector<std::pair<const char*, IntegratorMethod>>& names) {
   names.emplace_back(Method::kName, Method{});
   if constexpr (requires { Method::kPresets; }) {
     for (const auto& [name, direct_sampling] : Method::kPresets) {
+      if (name == std::string_view(Method::kName)) continue;
       Method preset;
       preset.direct_sampling = direct_sampling;
       names.emplace_back(name, preset);
@@ -58,9 +60,16 @@ void use_integrator(IntegratorSettings& integrator, IntegratorMethod method) {
       with_parameter(std::as_const(integrator), parameter, [&](const auto& from) { to = from; });
     });
   });
-  if (auto* path = std::get_if<PathIntegrator>(&next.method))
-    path->direct_sampling = std::get<PathIntegrator>(method).direct_sampling;
+  if (const auto preset = direct_sampling({.method = method}))
+    with_parameter(next, PENUMBRA_PARAMETER(direct_sampling), [&](DirectSampling& own) { own = *preset; });
   integrator = next;
+}
+
+std::optional<DirectSampling> direct_sampling(const IntegratorSettings& integrator) {
+  std::optional<DirectSampling> sampling;
+  with_parameter(integrator, PENUMBRA_PARAMETER(direct_sampling),
+                 [&](DirectSampling own) { sampling = own; });
+  return sampling;
 }
 
 std::optional<ControlVariate> control_variate(const IntegratorSettings& integrator) {

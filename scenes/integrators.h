@@ -70,6 +70,24 @@ struct PathIntegrator {
   PathTechnique only_technique = PathTechnique::kAll;
 };
 
+/// The light of `path`, along its way through participating media as well.
+struct VolpathIntegrator {
+  static constexpr const char* kName = "volpath";
+  static constexpr std::pair<const char*, DirectSampling> kPresets[] = {
+      {"volpath_mats", DirectSampling::kBsdfOnly},
+      {"volpath", DirectSampling::kMis},
+      {"volpathmis", DirectSampling::kMis}};
+  int max_depth = -1;  ///< in edges; -1: no limit
+  int rr_depth = 5;
+  DirectSampling direct_sampling = DirectSampling::kMis;
+  EmitterSampling emitter_sampling = EmitterSampling::kAuto;
+  MisHeuristic heuristic = MisHeuristic::kBalance;
+  LightChoice light_choice = LightChoice::kAuto;
+  NextEvent next_event = NextEvent::kSample;
+  std::optional<float> alpha = std::nullopt;  ///< none: fitted
+  CvEstimator estimator = CvEstimator::kCv;
+};
+
 /// Whether not all of its light is kept.
 constexpr bool keeps_parts(const PathIntegrator& path) {
   return path.only_bounces >= 0 || path.only_technique != PathTechnique::kAll;
@@ -135,9 +153,10 @@ struct PolygonCvIntegrator {
   LightChoice light_choice = LightChoice::kAuto;
 };
 
-using IntegratorMethod = std::variant<DirectIntegrator, PathIntegrator, PolygonAnalyticIntegrator,
-                                      PolygonAreaIntegrator, PolygonCvIntegrator, WhittedIntegrator,
-                                      AmbientOcclusionIntegrator, ReflectionOcclusionIntegrator>;
+using IntegratorMethod =
+    std::variant<DirectIntegrator, PathIntegrator, PolygonAnalyticIntegrator, PolygonAreaIntegrator,
+                 PolygonCvIntegrator, WhittedIntegrator, AmbientOcclusionIntegrator,
+                 ReflectionOcclusionIntegrator, VolpathIntegrator>;
 
 struct IntegratorSettings {
   IntegratorMethod method = PathIntegrator{};
@@ -289,6 +308,9 @@ const char* method_name(const IntegratorMethod& method);
 
 /// The most precise of its names: "path_ems".
 const char* integrator_name(const IntegratorSettings& integrator);
+
+/// Of `path` and `volpath`; else nothing.
+std::optional<DirectSampling> direct_sampling(const IntegratorSettings& integrator);
 
 /// Changes to another integrator. Parameters that both have keep their values, but for direct_sampling, which
 /// belongs to the name.

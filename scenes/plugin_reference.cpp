@@ -58,6 +58,7 @@ std::string plugin_reference() {
   describe_all(out, "Emitters", static_cast<const Emitter*>(nullptr));
   describe<AreaLightParameters>(out);
   describe_all(out, "Skies", static_cast<const SkyModels*>(nullptr));
+  describe_all(out, "Media and their phase functions", static_cast<const MediumPlugins*>(nullptr));
   describe_all(out, "Shapes", static_cast<const mitsuba::ShapeParameters*>(nullptr));
   return out;
 }

@@ -28,6 +28,9 @@ struct IndexColour {
   static constexpr float kMostIndex = 1e4f;
 };
 
+/// The same of a medium: a volume may stand for it. Beyond 1 it is a coefficient in 1 / scene unit.
+struct VolumeColour : ColourWithin {};
+
 /// A number with low < value <= high, or low <= value <= high.
 struct NumberWithin {
   LowEnd end = LowEnd::kClosed;

@@ -18,6 +18,7 @@
 #include "scenes/emitters.h"
 #include "scenes/film_format.h"
 #include "scenes/integrators.h"
+#include "scenes/media.h"
 #include "scenes/textures.h"
 
 namespace penumbra {
@@ -65,6 +66,8 @@ struct Shape {
   bool two_sided_emission = false;                    ///< emits from the back as well (meshes and disks)
   EmitterSampling sampling = EmitterSampling::kAuto;  ///< of an emitter; kAuto: as the integrator says
   bool flip_normals = false;                          ///< swaps front and back
+  int interior = kNoMedium;  ///< behind the front side: an index into SceneDescription::media, or kNoMedium
+  int exterior = kNoMedium;  ///< likewise before it
   std::string material{};  ///< the name that its file gives to what it is made of; empty: those of its BSDFs
 };
 
@@ -126,6 +129,8 @@ struct SceneDescription : RenderSettings {
   std::vector<SceneTexture> textures;                  ///< one holds only such as come before it
   std::vector<std::shared_ptr<const Bitmap>> bitmaps;  ///< of textures, each once
   std::vector<Bsdf> bsdfs;                             ///< one holds only such as come before it
+  std::vector<ParticipatingMedium> media;
+  int camera_medium = kNoMedium;  ///< in which the camera is: an index into `media`, or kNoMedium
   std::vector<Shape> shapes;
   std::vector<ShapeGroup> groups;
   std::vector<ShapeInstance> instances;

@@ -32,10 +32,14 @@ Expected<void> check_integrator(const IntegratorSettings& integrator) {
       return fail("integrator 'direct' needs at least one of emitter_samples and bsdf_samples");
   if (const auto* area = integrator.get<PolygonAreaIntegrator>())
     if (area->emitter_samples == 0) return fail("integrator 'polygon_area' needs emitter_samples");
-  if (const auto* path = integrator.get<PathIntegrator>(); path && path->next_event == NextEvent::kCv) {
-    if (path->direct_sampling == DirectSampling::kBsdfOnly)
-      return fail("integrator 'path' with nee = cv samples emitters, which direct_sampling = mats forbids");
-    if (keeps_parts(*path))
+  const auto sampling = direct_sampling(integrator);
+  if (sampling &&
+      parameter_or(integrator, PENUMBRA_PARAMETER(next_event), NextEvent::kSample) == NextEvent::kCv) {
+    if (*sampling == DirectSampling::kBsdfOnly)
+      return fail(
+          fmt::format("integrator '{}' with nee = cv samples emitters, which direct_sampling = mats forbids",
+                      method_name(integrator.method)));
+    if (const auto* path = integrator.get<PathIntegrator>(); path && keeps_parts(*path))
       return fail(
           "integrator 'path' with nee = cv adds closed forms, of which only_bounces and only_technique know "
           "no part; set nee to sample");

@@ -19,6 +19,7 @@
 #include "scenes/device/light_choice.h"
 #include "scenes/device/light_textures.h"
 #include "scenes/device/ltc/ltc_table.h"
+#include "scenes/device/media_book.h"
 #include "scenes/device/owner_book.h"
 #include "scenes/device/scene_bounds.h"
 #include "scenes/device/scene_records.h"
@@ -56,16 +57,19 @@ class Builder {
     center_ = bounds.center();
     radius_ = 0.5 * glm::length(bounds.high - bounds.low);
     if (options.owners != nullptr) owners_.emplace(scene);
+    media_.emplace(scene, placed_);
     lights_.set_textures(light_textures_);
     lights_.set_receivers(light_receivers(scene, center_), scene.integrator);
   }
 
   Expected<DeviceScene> build() {
-    add_materials();
+    if (Expected<void> done = add_materials(); !done)
+      return fail(scene_.source + ": " + done.error().message);
     lights_.set_default_sampling(default_sampling(scene_.integrator, has_narrow_lobes(records_.materials)));
     reserve_triangles();
     for (std::size_t i = 0; i < scene_.shapes.size(); ++i) {
       if (owners_) owner_ = owners_->of_shape(i);
+      boundary_ = media_->of_shape(i);
       add_shape(scene_.shapes[i]);
     }
     add_instances();
@@ -93,6 +97,8 @@ class Builder {
     if (scene_.sampler.kind != SamplerKind::kSobol) need(FEATURE_SAMPLERS);
     if (Expected<void> done = add_intersector(options_.intersector, h_, records_); !done)
       return std::unexpected(done.error());
+    records_.primitive_boundaries.insert(records_.primitive_boundaries.end(), quadric_boundaries_.begin(),
+                                         quadric_boundaries_.end());
     if (owners_)
       if (Expected<void> done = store_owners(); !done) return std::unexpected(done.error());
     records_.filter_table = filter_table(scene_.film);
@@ -121,7 +127,7 @@ class Builder {
     return local(p, "shape '" + shape.name + "'", reach);
   }
 
-  void add_materials() {
+  Expected<void> add_materials() {
     records_.materials.push_back(material_of_family(FAMILY_BLACK));  // 0
     const std::vector<int> of_lights = textures_of_lights(scene_);
     bool textures = std::ranges::any_of(of_lights, [](int t) { return t != kNoTexture; });
@@ -143,7 +149,14 @@ class Builder {
     }
     if (textures || h_.textured != 0u) add_textures(of_lights);
     if ((h_.families & families_with(TRANSMITS)) != 0u) need(FEATURE_TRANSMISSION);
+    if (!media_->empty()) {
+      if (Expected<void> done = media_->fill(records_); !done) return done;
+      h_.families |= 1u << FAMILY_PHASE;
+      h_.camera_medium = scene_.camera_medium + 1;
+      need(FEATURE_MEDIA | FEATURE_NESTED);
+    }
     if (std::popcount(h_.families) > 1) need(FEATURE_MIXED_FAMILIES);
+    return {};
   }
 
   void add_textures(const std::vector<int>& of_lights) {
@@ -214,6 +227,7 @@ class Builder {
       }
       records_.triangles.push_back(t);
       if (owners_) records_.owners.push_back(owner_);
+      if (!media_->empty()) records_.primitive_boundaries.push_back(boundary_);
       add_colours(mesh, corner, index);
       if (wants_uv()) records_.vertex_uvs.push_back(vertex_uvs(mesh, corner, shape.flip_normals));
     }
@@ -254,7 +268,7 @@ class Builder {
       const auto g = std::size_t(place.group);
       if (index[g] == -1) {
         centers[g] = bounds_of(scene_.groups[g].shapes).center();
-        index[g] = add_group(scene_.groups[g], centers[g]);
+        index[g] = add_group(place.group, centers[g]);
       }
       if (index[g] == 0) continue;
       records_.instances.push_back(instance(place, index[g], centers[g]));
@@ -271,24 +285,29 @@ class Builder {
     if (!emitters) return;
     // In the order of their places.
     std::size_t next = 0;
-    for (const PlacedGroup& place : placed_)
-      for (const Shape& shape : scene_.groups[std::size_t(place.group)].shapes) {
-        if (!emits(shape)) continue;
-        if (owners_) owner_ = owners_->of_placed(place, shape);
+    for (const PlacedGroup& place : placed_) {
+      const std::vector<Shape>& shapes = scene_.groups[std::size_t(place.group)].shapes;
+      for (std::size_t i = 0; i < shapes.size(); ++i) {
+        if (!emits(shapes[i])) continue;
+        if (owners_) owner_ = owners_->of_placed(place, shapes[i]);
+        boundary_ = media_->of_group(place.group, i);
         add_shape((*emitters)[next++]);
       }
+    }
   }
 
   /// The index of its record, or 0 where it has no shape but such as emit.
-  int add_group(const ShapeGroup& group, const glm::dvec3& center) {
+  int add_group(int number, const glm::dvec3& center) {
+    const std::vector<Shape>& shapes = scene_.groups[std::size_t(number)].shapes;
     PrimitiveGroup record{};
     record.first_triangle = int(records_.triangles.size());
     record.first_quadric = int(records_.quadrics.size());
     in_group_ = center;
     owner_ = 0;  // see OwnerBook::first_of
-    for (const Shape& shape : group.shapes) {
-      if (emits(shape)) continue;
-      add_shape(shape);
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      if (emits(shapes[i])) continue;
+      boundary_ = media_->of_group(number, i);
+      add_shape(shapes[i]);
       ++owner_;
     }
     in_group_.reset();
@@ -371,6 +390,7 @@ class Builder {
     }
     records_.quadrics.push_back(q);
     if (owners_) quadric_owners_.push_back(owner_);
+    if (!media_->empty()) quadric_boundaries_.push_back(boundary_);
   }
 
   /// Those of triangles are in their table already.
@@ -438,6 +458,9 @@ class Builder {
   std::optional<OwnerBook> owners_;
   int owner_ = 0;  ///< of the shape that is added
   std::vector<int> quadric_owners_;
+  std::optional<MediaBook> media_;
+  int boundary_ = -1;  ///< likewise
+  std::vector<int> quadric_boundaries_;
   std::string problem_;
 };
 

@@ -165,13 +165,13 @@ SamplingVariance sampling_variance(std::span<const LightTriangle> triangles, con
 }
 
 bool solid_angle_pays(const SamplingVariance& variance, const IntegratorSettings& integrator) {
-  const auto* path = integrator.get<PathIntegrator>();
+  const auto path = direct_sampling(integrator);
   const auto* direct = integrator.get<DirectIntegrator>();
   const bool recursive = integrator.is<WhittedIntegrator>();
-  const bool samples = path != nullptr ? path->direct_sampling != DirectSampling::kBsdfOnly
-                                       : recursive || (direct != nullptr && direct->emitter_samples > 0);
+  const bool samples = path ? *path != DirectSampling::kBsdfOnly
+                            : recursive || (direct != nullptr && direct->emitter_samples > 0);
   if (!samples) return false;
-  const double cost = path != nullptr || recursive ? kPathCost : kDirectCost;
+  const double cost = path || recursive ? kPathCost : kDirectCost;
   return (kOtherVariance + variance.solid_angle) * (1 + cost) < kOtherVariance + variance.area;
 }
 

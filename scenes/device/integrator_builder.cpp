@@ -23,10 +23,10 @@ static_assert(int(DirectSampling::kMis) == SAMPLING_MIS && int(MisHeuristic::kPo
 /// contribution does not provide for directions of other samples.
 bool balances(const IntegratorSettings& integrator, const LightBuilder& lights) {
   if (const auto* direct = integrator.get<DirectIntegrator>()) return direct->bsdf_samples > 0;
-  const auto* path = integrator.get<PathIntegrator>();
+  const auto path = direct_sampling(integrator);
   const auto* whitted = integrator.get<WhittedIntegrator>();
-  const bool finds = path != nullptr ? path->direct_sampling != DirectSampling::kEmitterOnly
-                                     : whitted != nullptr && whitted->indirect_samples > 0;
+  const bool finds =
+      path ? *path != DirectSampling::kEmitterOnly : whitted != nullptr && whitted->indirect_samples > 0;
   return finds && !(control_variate(integrator) && lights.only_polygons());
 }
 
@@ -35,7 +35,7 @@ bool is_occlusion(const IntegratorSettings& integrator) {
 }
 
 int kind_of(const IntegratorSettings& integrator) {
-  if (integrator.is<PathIntegrator>()) return INTEGRATOR_PATH;
+  if (direct_sampling(integrator)) return INTEGRATOR_PATH;
   if (integrator.is<WhittedIntegrator>()) return INTEGRATOR_WHITTED;
   return is_occlusion(integrator) ? INTEGRATOR_OCCLUSION : INTEGRATOR_DIRECT;
 }
@@ -96,7 +96,7 @@ void set_parameters(const IntegratorSettings& integrator, double scene_radius, I
     p.rr_depth = std::min(p.rr_depth, kLatestRoulette);
   }
   if (integrator.is<PolygonAnalyticIntegrator>()) p.emitter_samples = 0;
-  if (!integrator.is<PathIntegrator>() && !integrator.is<DirectIntegrator>() &&
+  if (!direct_sampling(integrator) && !integrator.is<DirectIntegrator>() &&
       !integrator.is<WhittedIntegrator>())
     p.bsdf_samples = 0;
   set_occlusion(integrator, scene_radius, p);
@@ -151,9 +151,8 @@ bool chooses_lights(const IntegratorSettings& integrator, const LightBuilder& li
   // Samples of lights that rays find count for nothing.
   constexpr std::uint32_t kFound = 1u << LIGHT_TRIANGLE | 1u << LIGHT_RECTANGLE | 1u << LIGHT_SPHERE |
                                    1u << LIGHT_DISK | 1u << LIGHT_ENVIRONMENT | 1u << LIGHT_ENVMAP;
-  const auto* path = integrator.get<PathIntegrator>();
-  const bool finds_all = path != nullptr && path->direct_sampling == DirectSampling::kBsdfOnly &&
-                         (lights.kinds() & ~kFound) == 0u;
+  const bool finds_all =
+      direct_sampling(integrator) == DirectSampling::kBsdfOnly && (lights.kinds() & ~kFound) == 0u;
   return lights.lights().size() > 1 && !finds_all;
 }
 
@@ -197,7 +196,8 @@ Expected<void> set_integrator(const IntegratorSettings& integrator, const LightB
     return fail(
         "light_choice = analytic needs an integrator that samples lights alone: direct with bsdf_samples = "
         "0, "
-        "path with direct_sampling = ems, whitted with indirect_samples = 0, polygon_area or polygon_cv");
+        "path or volpath with direct_sampling = ems, whitted with indirect_samples = 0, polygon_area or "
+        "polygon_cv");
   // Where closed forms choose, or are subtracted, by default nothing else does.
   const bool by_tree =
       wanted == LightChoice::kTree || (wanted == LightChoice::kAuto && !wants_polygons(integrator));

@@ -117,6 +117,7 @@ SceneDescription polygon_lights_of(const SceneDescription& description) {
       if (!std::holds_alternative<Mesh>(shape.geometry)) continue;
       to.push_back(shape);
       to.back().front_bsdf = to.back().back_bsdf = kBlackBsdf;
+      to.back().interior = to.back().exterior = kNoMedium;
     }
   };
   copy(description.shapes, lights.shapes);

@@ -86,6 +86,9 @@ constexpr auto both(const std::array<EmitterPlugin, N>& first, const std::array<
 }
 constexpr auto kEmitters = both(emitter_plugins(static_cast<const Emitter*>(nullptr)),
                                 sky_plugins(static_cast<const SkyModels*>(nullptr)));
+/// Around the light: paths that come from a camera know it from there.
+void accept_medium(PluginReader& plugin) { plugin.nested("medium"); }
+
 // One that belongs to shapes.
 constexpr std::string_view kArea = "area";
 
@@ -115,6 +118,7 @@ void read_area_light(const Context& context, const Object& emitter, Shape& shape
   if (shape.two_sided_emission && round != nullptr)
     plugin.wrong("two_sided", fmt::format("a {} emits to one side; flip_normals chooses the inside", round));
   plugin.accept({"sampling_weight"});
+  accept_medium(plugin);
   plugin.finish();
 }
 
@@ -124,6 +128,7 @@ bool read_emitter(const Context& context, const Object& object, SceneDescription
   if (known != nullptr) {
     Lights lights{scene, sky};
     known->read(plugin, lights);
+    accept_medium(plugin);
   } else if (object.type == kArea) {
     // It shines only from the shapes that refer to it.
     Shape nowhere;

@@ -75,34 +75,27 @@ const Object* unwrap(const Context& context, const Object& object) {
   return inner;
 }
 
-/// Mitsuba's ways to compute what `path` does, with the parameters of their own.
+/// Mitsuba's ways to compute what `path` and `volpath` do, with the parameters of their own.
+constexpr std::string_view kThroughMedia = "";  // volpath where the scene has media, else path
 struct StandIn {
   std::string_view type;
   bool same;  ///< it is what stands in where there are no media, sample by sample
   std::vector<std::string_view> parameters;
-  std::string_view stands_in = "path";
-  bool media = true;  ///< whether it follows light through media
+  std::string_view stands_in = kThroughMedia;
 };
 const std::vector<StandIn>& stand_ins() {
   static const std::vector<StandIn> all = {
-      {"volpath", true, {}},
-      {"volpath_simple", true, {}},
-      {"volpathmis", true, {"use_spectral_mis"}},
+      {"volpath_simple", true, {}, "volpath"},
       // Mitsuba 3's for gradients, which differ in those alone.
-      {"prb", true, {}, "path", false},
-      {"prb_basic", true, {}, "path", false},
-      {"prb_projective",
-       true,
-       {"sppc", "sppp", "sppi", "guiding", "guiding_proj", "guiding_rounds"},
-       "path",
-       false},
-      {"prb_threepoint", true, {}, "path", false},
+      {"prb", true, {}, "path"},
+      {"prb_basic", true, {}, "path"},
+      {"prb_projective", true, {"sppc", "sppp", "sppi", "guiding", "guiding_proj", "guiding_rounds"}, "path"},
+      {"prb_threepoint", true, {}, "path"},
       {"direct_projective",
        true,
        {"sppc", "sppp", "sppi", "guiding", "guiding_proj", "guiding_rounds"},
-       "direct",
-       false},
-      {"prbvolpath", true, {}},
+       "direct"},
+      {"prbvolpath", true, {}, "volpath"},
       {"bdpt", false, {"light_image", "sample_direct"}},
       {"ptracer", false, {"granularity", "brute_force"}},
       {"photonmapper",
@@ -133,18 +126,22 @@ void accept_ways_of_working(PluginReader& plugin) {
   plugin.accept({"strict_normals", "samples_per_pass", "block_size", "timeout"});
 }
 
-void read_stand_in(PluginReader& plugin, const StandIn& stand_in, SceneDescription& scene) {
-  Names names{"hide_emitters", "hidden_emitters"};
-  if (stand_in.stands_in == "path") {
-    names.insert(names.end(), {"max_depth", "rr_depth"});
-  } else if (const auto done = apply_setting(scene, "integrator.type", stand_in.stands_in); !done) {
+void read_stand_in(const Context& context, PluginReader& plugin, const StandIn& stand_in,
+                   SceneDescription& scene) {
+  const bool media =
+      std::ranges::any_of(context.tree.objects, [](const Object& each) { return each.tag == "medium"; });
+  const std::string_view ours = stand_in.stands_in != kThroughMedia ? stand_in.stands_in
+                                : media                             ? "volpath"
+                                                                    : "path";
+  if (const auto done = apply_setting(scene, "integrator.type", ours); !done)
     plugin.wrong(done.error().message);
-  }
+  Names names{"hide_emitters", "hidden_emitters"};
+  if (ours != "direct") names.insert(names.end(), {"max_depth", "rr_depth"});
   plugin.settings(scene, "integrator", names);
   accept_ways_of_working(plugin);
   for (const std::string_view parameter : stand_in.parameters) plugin.accept({parameter});
   plugin.finish();
-  if (!stand_in.same) plugin.warn(fmt::format("path stands in for the integrator '{}'", stand_in.type));
+  if (!stand_in.same) plugin.warn(fmt::format("{} stands in for the integrator '{}'", ours, stand_in.type));
 }
 
 /// The parameters of the scene's integrator. Those that its name has chosen have no others.
@@ -160,29 +157,12 @@ Names integrator_parameter_names(const SceneDescription& scene, std::string_view
 
 }  // namespace
 
-bool follows_media(const Context& context, const Object& integrator) {
-  const Object* inner = &integrator;
-  for (int depth = 0; inner != nullptr && depth <= 16 && find_plugin(kWrappers, inner->type) != nullptr;
-       ++depth) {
-    const Object* next = nullptr;
-    for (const Child& child : inner->children) {
-      const Object* inside = context.resolve(child);
-      if (next == nullptr && inside != nullptr && inside->tag == "integrator") next = inside;
-    }
-    inner = next;
-  }
-  if (inner == nullptr) return false;
-  if (const StandIn* stand_in = find_plugin(stand_ins(), inner->type)) return stand_in->media;
-  const Names& types = find_setting("integrator.type")->choices;
-  return std::ranges::find(types, inner->type) == types.end();  // one that is not known
-}
-
 void read_integrator(const Context& context, const Object& object, SceneDescription& scene) {
   const Object* inner = unwrap(context, object);
   if (inner == nullptr) return;
   PluginReader plugin(context, *inner);
   if (const StandIn* stand_in = find_plugin(stand_ins(), inner->type))
-    return read_stand_in(plugin, *stand_in, scene);
+    return read_stand_in(context, plugin, *stand_in, scene);
   const Names& types = find_setting("integrator.type")->choices;
   if (std::ranges::find(types, inner->type) == types.end()) {
     Names names = plugin_types(kWrappers);
@@ -197,6 +177,7 @@ void read_integrator(const Context& context, const Object& object, SceneDescript
     plugin.wrong(done.error().message);
   plugin.settings(scene, "integrator", integrator_parameter_names(scene, inner->type));
   accept_ways_of_working(plugin);
+  if (inner->type == "volpathmis") plugin.accept({"use_spectral_mis"});
   plugin.finish();
 }
 

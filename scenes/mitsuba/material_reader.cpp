@@ -242,11 +242,14 @@ std::string MaterialReader::id_of(const Object* bsdf) const {
   return {};
 }
 
-std::pair<int, int> MaterialReader::install(const Object* bsdf, bool emits, SceneDescription& scene) {
-  if (bsdf == nullptr && emits) return {kBlackBsdf, kBlackBsdf};
+std::pair<int, int> MaterialReader::install(const Object* bsdf, const Shape& shape, SceneDescription& scene) {
+  if (bsdf != nullptr) return installer_.add(read(*bsdf), scene);
+  if (shape.radiance) return {kBlackBsdf, kBlackBsdf};
   static const SurfaceMaterial kDefault{leaf("default", DiffuseBsdf{}), nullptr};
-  const SurfaceMaterial& material = bsdf != nullptr ? read(*bsdf) : kDefault;
-  return installer_.add(material, scene);
+  static const MaterialTree kNothing = leaf("default", NullBsdf{});
+  const bool parts_media = shape.interior != kNoMedium || shape.exterior != kNoMedium;
+  if (parts_media && context_.tree.major_version < 2) return installer_.add({kNothing, kNothing}, scene);
+  return installer_.add(kDefault, scene);
 }
 
 }  // namespace penumbra::mitsuba

@@ -20,9 +20,10 @@ class MaterialReader {
   /// Reads `bsdf`, once; what is wrong with it is reported, once.
   const SurfaceMaterial& read(const Object& bsdf);
 
-  /// The indices into `scene.bsdfs` for a surface of this material, added where they are new. Without one
-  /// (null) a surface is diffuse 0.5, and one that emits black, as in Mitsuba 0.5 to 3.
-  std::pair<int, int> install(const Object* bsdf, bool emits, SceneDescription& scene);
+  /// The indices into `scene.bsdfs` for a shape of this material, added where they are new. Without one
+  /// (null) a surface is diffuse 0.5, and one that emits black, as in Mitsuba 0.5 to 3; in 0.x one that only
+  /// parts media is none.
+  std::pair<int, int> install(const Object* bsdf, const Shape& shape, SceneDescription& scene);
 
   /// The id of the BSDF, or of the first with one of those that it holds, each the first of its holder; empty
   /// if there is none.

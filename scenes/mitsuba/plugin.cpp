@@ -46,12 +46,6 @@ void Context::unknown_plugin(const Object& object, std::span<const std::string> 
   }
 }
 
-void Context::leave_out_medium(const Object& medium) const {
-  if (media_seen) return unknown_plugin(medium, {}, "it is left out");
-  diagnostics.warn(medium.type_location,
-                   "the scene's integrator passes through media as if they were not there");
-}
-
 std::vector<std::filesystem::path> Context::folders(const Object& object) const {
   std::vector<std::filesystem::path> result = {object.location.file->path.parent_path()};
   result.insert(result.end(), tree.folders.begin(), tree.folders.end());
@@ -273,6 +267,25 @@ void PluginReader::read(std::string_view name, glm::vec3& colour, const ColourWi
   read_plain(name, colour, role_of(values), values);
 }
 
+void PluginReader::read(std::string_view name, glm::vec3& colour, const VolumeColour& values) {
+  const ColourRole role = values.high <= 1.0f ? ColourRole::kReflectance : ColourRole::kIndex;
+  static const std::vector<std::string> kVolumes = {"constvolume"};
+  for (Nested& each : nested_) {
+    if (each.name != name || each.object->tag != "volume") continue;
+    each.taken = true;
+    skip_parameter(name);
+    if (has(name)) wrong(name, fmt::format("'{}' is there twice, once as <volume>", name));
+    if (each.object->type != kVolumes[0])
+      return context_.unknown_plugin(*each.object, kVolumes, "a default stands in for it");
+    PluginReader volume(context_, *each.object);
+    colour = glm::vec3(1.0f);
+    volume.read_plain("value", colour, role, values);
+    volume.accept({"to_world"});
+    return volume.finish();
+  }
+  read_plain(name, colour, role, values);
+}
+
 void PluginReader::read(std::string_view name, glm::dvec3& value, AnyPoint) {
   value = point(name).value_or(value);
 }
@@ -401,6 +414,16 @@ std::vector<const Object*> PluginReader::nested(std::string_view tag) {
     if (each.object->tag != tag) continue;
     each.taken = true;
     found.push_back(each.object);
+  }
+  return found;
+}
+
+std::vector<std::pair<std::string, const Object*>> PluginReader::named(std::string_view tag) {
+  std::vector<std::pair<std::string, const Object*>> found;
+  for (Nested& each : nested_) {
+    if (each.object->tag != tag) continue;
+    each.taken = true;
+    found.emplace_back(each.name, each.object);
   }
   return found;
 }

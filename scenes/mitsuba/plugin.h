@@ -22,6 +22,7 @@
 
 namespace penumbra::mitsuba {
 
+class MediumReader;
 class TextureReader;
 enum class TextureUse;
 
@@ -30,8 +31,9 @@ struct Context {
   ObjectTree& tree;
   Diagnostics& diagnostics;
   bool lenient = false;
-  bool media_seen = true;             ///< by the scene's integrator
+  bool media_seen = false;            ///< by the scene's integrator
   TextureReader* textures = nullptr;  ///< while a scene is built
+  MediumReader* media = nullptr;      ///< likewise
   const FileAccess* files = nullptr;  ///< likewise
 
   /// The object, or the one that is referred to; null, and an error, where there is none of that id.
@@ -44,9 +46,6 @@ struct Context {
   /// `instead`, "it is left out" for example.
   void unknown_plugin(const Object& object, std::span<const std::string> known,
                       std::string_view instead) const;
-
-  /// Media are not read: an error where the integrator follows light through them, else a warning.
-  void leave_out_medium(const Object& medium) const;
 };
 
 /// How a colour is made from a spectrum, and what values it may have.
@@ -80,6 +79,7 @@ class PluginReader {
   void read(std::string_view name, float& number, const NumberWithin& values);
   void read(std::string_view name, bool& value, const TrueOrFalse& values);
   void read(std::string_view name, glm::vec3& colour, const ColourWithin& values);
+  void read(std::string_view name, glm::vec3& colour, const VolumeColour& values);
   void read(std::string_view name, glm::dvec3& value, AnyPoint values);
   void read(std::string_view name, double& value, AnyNumber values);
   void read(std::string_view name, glm::dmat4& value, AnyTransform values);
@@ -125,6 +125,9 @@ class PluginReader {
 
   /// The nested objects of that kind, in order, references followed.
   std::vector<const Object*> nested(std::string_view tag);
+
+  /// The same with their names.
+  std::vector<std::pair<std::string, const Object*>> named(std::string_view tag);
 
   /// The only nested object of that kind, if there is one; more are an error.
   const Object* only_nested(std::string_view tag);

@@ -8,6 +8,7 @@
 #include "scenes/mitsuba/emitter_reader.h"
 #include "scenes/mitsuba/integrator_reader.h"
 #include "scenes/mitsuba/material_reader.h"
+#include "scenes/mitsuba/medium_reader.h"
 #include "scenes/mitsuba/sensor_reader.h"
 #include "scenes/mitsuba/shape_reader.h"
 #include "scenes/mitsuba/texture_reader.h"
@@ -28,9 +29,11 @@ SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   const Object* sensor = sensors.empty() ? nullptr : sensors.front();
   if (sensors.size() > 1)
     root.warn(fmt::format("the scene has {} sensors; the first is rendered", sensors.size()));
-  context.media_seen = integrator == nullptr || follows_media(context, *integrator);
   freeze_animations(context, sensor);
   if (integrator != nullptr) read_integrator(context, *integrator, scene);
+  context.media_seen = scene.integrator.is<VolpathIntegrator>();
+  MediumReader media(context);
+  context.media = &media;
   if (sensor != nullptr) {
     read_sensor(context, *sensor, scene);
   } else {
@@ -53,11 +56,8 @@ SceneDescription build_scene(const Context& plain, const FileAccess& files) {
     scene.emitters.emplace_back(ConstantEnvironment{kStandInColour});
   for (const Object* texture : root.nested("texture")) textures.read(*texture);
   // They count where others refer to them.
-  for (const char* tag : {"film", "sampler", "rfilter"}) root.nested(tag);
-  for (const Object* medium : root.nested("medium")) context.leave_out_medium(*medium);
-  for (const char* tag : {"volume", "phase"}) {
-    for (const Object* object : root.nested(tag)) context.unknown_plugin(*object, {}, "it is left out");
-  }
+  for (const char* tag : {"film", "sampler", "rfilter", "volume", "phase"}) root.nested(tag);
+  for (const Object* medium : root.nested("medium")) media.read(*medium);
   root.finish();
   textures.install(scene);
   if (!context.diagnostics.failed()) shapes.check_textures();

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <type_traits>
 #include <utility>
 
@@ -37,6 +38,7 @@ class SceneWriter {
 
   Expected<void> write() {
     put_integrator();
+    put_media();
     put_sensor();
     put_surfaces();
     // Mitsuba has no instances within groups, and no emitters in them: all are the scene's own.
@@ -107,9 +109,52 @@ class SceneWriter {
     static constexpr std::string_view kWays[] = {
         "direct_sampling", "emitter_sampling", "bsdf_sampling", "light_choice", "mis", "nee",
         "alpha",           "estimator"};
-    const bool shared = scene_.integrator.get<PathIntegrator>() != nullptr ||
-                        scene_.integrator.get<DirectIntegrator>() != nullptr;
+    const bool shared =
+        direct_sampling(scene_.integrator).has_value() || scene_.integrator.is<DirectIntegrator>();
     return shared && std::ranges::find(kWays, name) != std::end(kWays);
+  }
+
+  /// An extinction beyond 1 is divided by a power of two, which `scale` says: Mitsuba 3 takes no colours
+  /// beyond 1 for it.
+  void put_media() {
+    for (std::size_t i = 0; i < scene_.media.size(); ++i) {
+      const ParticipatingMedium& medium = scene_.media[i];
+      const glm::vec3 e = medium.extinction;
+      HomogeneousMedium given;
+      int exponent = 0;
+      std::frexp(std::max({e.x, e.y, e.z}), &exponent);
+      given.scale = std::ldexp(1.0f, std::max(exponent, 0));
+      xml_.open("medium", HomogeneousMedium::kPlugin, fmt::format(" id=\"medium-{}\"", i));
+      xml_.value("rgb", "sigma_t", colour_text(e / given.scale));
+      xml_.value("rgb", "albedo", colour_text(medium.albedo));
+      if (given.scale != 1.0f) xml_.value("float", "scale", fmt::format("{}", given.scale));
+      put_phase(medium.phase);
+      xml_.close();
+    }
+  }
+
+  /// Of several lobes the last against all before it.
+  void put_phase(std::span<const PhaseLobe> lobes) {
+    const PhaseLobe& last = lobes.back();
+    if (lobes.size() > 1) {
+      double before = 0;
+      for (const PhaseLobe& lobe : lobes.first(lobes.size() - 1)) before += lobe.weight;
+      xml_.open("phase", BlendPhase::kPlugin);
+      xml_.value("float", "weight", fmt::format("{}", last.weight / (before + last.weight)));
+      put_phase(lobes.first(lobes.size() - 1));
+      put_phase(lobes.last(1));
+      return xml_.close();
+    }
+    const bool rayleigh = last.kind == PHASE_RAYLEIGH;
+    xml_.open("phase", rayleigh         ? RayleighPhase::kPlugin
+                       : last.g == 0.0f ? IsotropicPhase::kPlugin
+                                        : HenyeyGreensteinPhase::kPlugin);
+    if (!rayleigh && last.g != 0.0f) xml_.value("float", "g", fmt::format("{}", last.g));
+    xml_.close();
+  }
+
+  void put_medium(int index, std::string_view name) {
+    if (index != kNoMedium) xml_.reference(fmt::format("medium-{}", index), name);
   }
 
   void put_sensor() {
@@ -139,6 +184,7 @@ class SceneWriter {
     put_setting(*find_setting("sampler.seed"), plain, "seed");
     xml_.close();
     put_film(plain);
+    put_medium(scene_.camera_medium, "medium");
     xml_.close();
   }
 
@@ -370,6 +416,8 @@ class SceneWriter {
     if (flipped) xml_.value("boolean", "flip_normals", "true");
     if (const auto known = surfaces_.find({shape.front_bsdf, shape.back_bsdf}); known != surfaces_.end())
       xml_.reference(known->second);
+    put_medium(shape.interior, "interior");
+    put_medium(shape.exterior, "exterior");
     if (shape.radiance && with_emitter) {
       xml_.open("emitter", AreaLightParameters::kPlugin);
       if (shape.radiance_texture != kNoTexture && *shape.radiance != glm::vec3(1.0f))

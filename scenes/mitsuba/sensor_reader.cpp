@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "scenes/mitsuba/medium_reader.h"
 #include "scenes/names.h"
 #include "scenes/settings.h"
 #include "scenes/transform.h"
@@ -257,7 +258,8 @@ void read_sensor(const Context& context, const Object& object, SceneDescription&
   (known != nullptr ? *known : kSensors[0]).read(plugin, scene);
   const Object* film = plugin.only_nested("film");
   const Object* sampler = plugin.only_nested("sampler");
-  for (const Object* medium : plugin.nested("medium")) context.leave_out_medium(*medium);
+  if (const Object* medium = plugin.only_nested("medium"))
+    scene.camera_medium = context.media->install(*medium, scene);
   if (known == nullptr) {
     context.unknown_plugin(object, plugin_types(kSensors), "a perspective one stands in for it");
     plugin.skip();

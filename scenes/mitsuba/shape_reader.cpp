@@ -11,6 +11,7 @@
 #include "scenes/mesh_reader.h"
 #include "scenes/mesh_tools.h"
 #include "scenes/mitsuba/emitter_reader.h"
+#include "scenes/mitsuba/medium_reader.h"
 #include "scenes/mitsuba/mesh_attribute_names.h"
 #include "scenes/mitsuba/shape_parameters.h"
 #include "scenes/mitsuba/tessellated_shapes.h"
@@ -452,7 +453,7 @@ void ShapeReader::read_shape(const Object& object, Holder& holder) {
   auto geometry = known->read({context_, files_, plugin, shape.flip_normals});
   const Object* bsdf = plugin.only_nested("bsdf");
   const Object* emitter = plugin.only_nested("emitter");
-  for (const Object* inside : plugin.nested("medium")) context_.leave_out_medium(*inside);
+  context_.media->install(plugin, shape, scene_);
   for (const Object* inside : plugin.nested("subsurface"))
     context_.unknown_plugin(*inside, {}, "it is left out");
   plugin.finish();
@@ -460,7 +461,7 @@ void ShapeReader::read_shape(const Object& object, Holder& holder) {
   if (geometry) shape.geometry = std::move(*geometry);
   if (emitter != nullptr) read_area_light(context_, *emitter, shape);
   if (!geometry) return;
-  std::tie(shape.front_bsdf, shape.back_bsdf) = materials_.install(bsdf, shape.radiance.has_value(), scene_);
+  std::tie(shape.front_bsdf, shape.back_bsdf) = materials_.install(bsdf, shape, scene_);
   shape.material = materials_.id_of(bsdf);
   holder.shapes.push_back(std::move(shape));
   holder.objects.push_back(&object);
@@ -486,6 +487,7 @@ void ShapeReader::read_parts(const Object& object, Holder& holder) {
   std::vector<MeshPart> parts = read_obj_parts({context_, files_, plugin, whole.flip_normals});
   plugin.nested("bsdf");
   const Object* emitter = plugin.only_nested("emitter");
+  context_.media->install(plugin, whole, scene_);
   plugin.finish();
   if (emitter != nullptr) read_area_light(context_, *emitter, whole);
   const Object* others = nullptr;  // for materials that have no BSDF of their name
@@ -507,8 +509,7 @@ void ShapeReader::read_parts(const Object& object, Holder& holder) {
     Shape shape = whole;
     if (!part.material.empty()) shape.name += fmt::format(" ({})", part.material);
     shape.geometry = std::move(part.mesh);
-    std::tie(shape.front_bsdf, shape.back_bsdf) =
-        materials_.install(bsdf, shape.radiance.has_value(), scene_);
+    std::tie(shape.front_bsdf, shape.back_bsdf) = materials_.install(bsdf, shape, scene_);
     shape.material = materials_.id_of(bsdf);
     holder.shapes.push_back(std::move(shape));
     holder.objects.push_back(&object);

@@ -196,6 +196,11 @@ class TreeReader {
     if (object.tag == "emitter") translate_emitter(object);
     if (object.tag == "sensor") translate_camera(object);
     if (object.tag == "integrator") translate_integrator(object);
+    if (object.tag == "medium")
+      report_.unsupported(
+          object.type_location,
+          fmt::format("medium type '{}' is not one of Nori's that Penumbra reads", object.type),
+          "it is left out");
     if (object.tag == "sampler") set_default(object, "sample_count", std::int64_t(1));
     if (object.tag == "rfilter" && object.type == "gaussian") {
       const auto radius = take(object, "radius");

@@ -33,7 +33,7 @@ bool is_part(const IntegratorSettings& integrator) {
 }
 
 Quantity quantity_of(const IntegratorSettings& integrator) {
-  if (is_occlusion(integrator) || is_part(integrator) ||
+  if (is_occlusion(integrator) || is_part(integrator) || integrator.is<VolpathIntegrator>() ||
       parameter_or(integrator, PENUMBRA_PARAMETER(indirect_samples), 1) == 0)
     return Quantity::kOwn;
   if (const auto depth = max_depth(integrator)) return *depth == 2 ? Quantity::kDirect : Quantity::kPaths;
@@ -62,6 +62,7 @@ std::string own_quantity(const IntegratorSettings& integrator) {
   const std::string name = integrator.is<AmbientOcclusionIntegrator>()      ? "ambient occlusion"
                            : integrator.is<ReflectionOcclusionIntegrator>() ? "reflection occlusion"
                            : is_part(integrator)                            ? "a part of the light"
+                           : integrator.is<VolpathIntegrator>()             ? "light through media"
                                                                             : "direct light and mirrors";
   return fmt::format("{}, {}", name, fmt::join(parameters_of(integrator, false), ", "));
 }

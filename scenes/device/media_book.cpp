@@ -1,0 +1,83 @@
+#include "scenes/device/media_book.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "scenes/device/to_vec3.h"
+
+namespace penumbra {
+namespace {
+
+constexpr std::size_t kMostMedia = MAX_MEDIA - 1;
+
+/// The material of the phase function, whose lobes are added where they are new.
+int material_of_phase(const std::vector<PhaseLobe>& phase, SceneRecords& records, int first_material) {
+  std::vector<PhaseLobe> lobes = phase;
+  lobes.resize(PHASE_LOBES, PhaseLobe{PHASE_HG, 0.0f, 0.0f});
+  const auto known = int(records.phase_lobes.size()) / PHASE_LOBES;
+  for (int k = 0; k < known; ++k)
+    if (std::equal(lobes.begin(), lobes.end(), records.phase_lobes.begin() + k * PHASE_LOBES))
+      return first_material + k;
+  Material material = material_of_family(FAMILY_PHASE);
+  material.first_lobe = int(records.phase_lobes.size());
+  records.phase_lobes.insert(records.phase_lobes.end(), lobes.begin(), lobes.end());
+  records.materials.push_back(material);
+  return first_material + known;
+}
+
+}  // namespace
+
+MediaBook::MediaBook(const SceneDescription& scene, const std::vector<PlacedGroup>& placed) : scene_(scene) {
+  if (!scene.integrator.is<VolpathIntegrator>()) return;
+  std::size_t number = 0;
+  for (const Shape& shape : scene.shapes) add(shape, number++);
+  std::vector<bool> is_placed(scene.groups.size(), false);
+  for (const PlacedGroup& place : placed) is_placed[std::size_t(place.group)] = true;
+  for (std::size_t g = 0; g < scene.groups.size(); ++g) {
+    firsts_.push_back(number);
+    for (const Shape& shape : scene.groups[g].shapes) {
+      if (is_placed[g]) add(shape, number);
+      ++number;
+    }
+  }
+  empty_ = boundaries_.empty() && scene.camera_medium == kNoMedium;
+}
+
+void MediaBook::add(const Shape& shape, std::size_t number) {
+  if (shape.interior == kNoMedium && shape.exterior == kNoMedium) return;
+  Boundary boundary{};
+  boundary.interior = shape.interior + 1;
+  boundary.exterior = shape.exterior == kNoMedium ? -1 : shape.exterior + 1;
+  boundary.shape = int(number);
+  numbers_.emplace(number, int(boundaries_.size()));
+  boundaries_.push_back(boundary);
+}
+
+int MediaBook::of_shape(std::size_t index) const {
+  const auto found = numbers_.find(index);
+  return found != numbers_.end() ? found->second : -1;
+}
+
+int MediaBook::of_group(int group, std::size_t index) const {
+  return empty_ ? -1 : of_shape(firsts_[std::size_t(group)] + index);
+}
+
+Expected<void> MediaBook::fill(SceneRecords& records) {
+  if (empty_) return {};
+  if (scene_.media.size() > kMostMedia)
+    return fail(fmt::format("the scene has {} media; there may be {}", scene_.media.size(), kMostMedia));
+  records.media.push_back(Medium{});
+  const int first_material = int(records.materials.size());
+  for (const ParticipatingMedium& medium : scene_.media) {
+    Medium record{};
+    record.extinction = to_vec3(medium.extinction);
+    record.albedo = to_vec3(medium.albedo);
+    record.material = material_of_phase(medium.phase, records, first_material);
+    records.media.push_back(record);
+  }
+  records.boundaries = std::move(boundaries_);
+  return {};
+}
+
+}  // namespace penumbra

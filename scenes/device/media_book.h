@@ -1,0 +1,40 @@
+// The tables of participating media: what fills space, and which surfaces part what.
+#pragma once
+
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "scenes/device/scene_records.h"
+#include "scenes/instances.h"
+#include "scenes/scene_description.h"
+
+namespace penumbra {
+
+class MediaBook {
+ public:
+  /// Empty, unless the scene's integrator sees media and the camera is in one, or a shape of the scene or of
+  /// a group in a place bounds one.
+  MediaBook(const SceneDescription& scene, const std::vector<PlacedGroup>& placed);
+
+  [[nodiscard]] bool empty() const { return empty_; }
+
+  /// The boundary that the scene's shape of that index is, or -1; likewise of a group's.
+  [[nodiscard]] int of_shape(std::size_t index) const;
+  [[nodiscard]] int of_group(int group, std::size_t index) const;
+
+  /// Sets the tables of media, of their phase functions and of boundaries, and appends a material for each
+  /// phase function. Nothing if it is empty.
+  Expected<void> fill(SceneRecords& records);
+
+ private:
+  void add(const Shape& shape, std::size_t number);
+
+  const SceneDescription& scene_;
+  bool empty_ = true;
+  std::vector<std::size_t> firsts_;  ///< of each group: the number of its first shape, after the scene's
+  std::vector<Boundary> boundaries_;
+  std::map<std::size_t, int> numbers_;  ///< of boundaries, by those of shapes
+};
+
+}  // namespace penumbra

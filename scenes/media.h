@@ -1,0 +1,121 @@
+// What fills space and scatters light: media as scene files describe them, and the parameters of the plugins
+// that they come from, a row for every one (see bsdfs.h).
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <glm/glm.hpp>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "kernels/scene_types.h"
+#include "scenes/plugin_values.h"
+
+namespace penumbra {
+
+constexpr int kNoMedium = -1;
+
+/// A medium that is the same everywhere. Its lobes are records of the kernels.
+struct ParticipatingMedium {
+  std::string name;                ///< the file's id, or a description of the place, for messages
+  glm::vec3 extinction{1.0f};      ///< in 1 / scene unit, at least 0
+  glm::vec3 albedo{0.75f};         ///< the scattered share of it, in [0, 1]
+  std::vector<PhaseLobe> phase{};  ///< 1 to PHASE_LOBES, all different; weights above 0 that add up to 1
+};
+
+inline bool operator==(const PhaseLobe& a, const PhaseLobe& b) {
+  return a.kind == b.kind && a.g == b.g && a.weight == b.weight;
+}
+
+struct HomogeneousMedium {
+  static constexpr const char* kPlugin = "homogeneous";
+  static constexpr const char* kText =
+      "the same everywhere: sigma_t and albedo, or sigma_s and sigma_a; holds a phase function";
+  glm::vec3 sigma_t{1.0f}, albedo{0.75f};
+  glm::vec3 sigma_s{0.0f}, sigma_a{0.0f};
+  float scale = 1.0f;
+  bool by_material = false;  ///< what a file means that says none of these
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("sigma_t", &HomogeneousMedium::sigma_t, VolumeColour{0.0f, kAnyNumber},
+        "extinction in 1 / scene unit");
+    row("albedo", &HomogeneousMedium::albedo, VolumeColour{}, "the share of it that is scattered");
+    row("sigma_s", &HomogeneousMedium::sigma_s, VolumeColour{0.0f, kAnyNumber},
+        "what is scattered, instead of both");
+    row("sigma_a", &HomogeneousMedium::sigma_a, VolumeColour{0.0f, kAnyNumber}, "... and what is absorbed");
+    row("scale", &HomogeneousMedium::scale, NumberWithin{LowEnd::kClosed, 0.0f, kAnyNumber},
+        "by which the coefficients are multiplied");
+  }
+  /// In Mitsuba 0.x a medium without coefficients is skin.
+  void written_for(std::int64_t version) { by_material = version < 2; }
+  template <typename Given>
+  void complete(Findings& findings, const Given& given) {
+    const bool parts = given("sigma_s") || given("sigma_a"), whole = given("sigma_t") || given("albedo");
+    if (parts && whole)
+      findings.push_back({"", "either sigma_t and albedo, or sigma_s and sigma_a"});
+    else if (parts && !(given("sigma_s") && given("sigma_a")))
+      findings.push_back({"", "sigma_s and sigma_a go together"});
+    else if (!parts && !whole && by_material)
+      findings.push_back({"", "a medium needs sigma_t and albedo, or sigma_s and sigma_a"});
+    if (parts) sigma_t = sigma_s + sigma_a;
+    for (int i = 0; parts && i < 3; ++i) albedo[i] = sigma_t[i] > 0 ? sigma_s[i] / sigma_t[i] : 0.0f;
+    for (int i = 0; i < 3; ++i)
+      if (!std::isfinite(sigma_t[i] * scale)) {
+        findings.push_back({"scale", "the extinction is too large for a number"});
+        return;
+      }
+  }
+};
+
+struct IsotropicPhase {
+  static constexpr const char* kPlugin = "isotropic";
+  static constexpr const char* kText = "the same in all directions; of media that hold none";
+  template <typename Row>
+  static void parameters(const Row&) {}
+  [[nodiscard]] PhaseLobe lobe() const { return {PHASE_HG, 0.0f, 1.0f}; }
+};
+
+struct HenyeyGreensteinPhase {
+  static constexpr const char* kPlugin = "hg";
+  double g = 0.8;
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("g", &HenyeyGreensteinPhase::g, AnyNumber{"number in (-1, 1)"}, "the mean cosine");
+  }
+  void complete(Findings& findings) const {
+    if (!(std::abs(float(g)) < 1.0f))
+      findings.push_back({"g", fmt::format("g must be a number in (-1, 1), not {}", g)});
+  }
+  [[nodiscard]] PhaseLobe lobe() const { return {PHASE_HG, float(g), 1.0f}; }
+};
+
+struct RayleighPhase {
+  static constexpr const char* kPlugin = "rayleigh";
+  template <typename Row>
+  static void parameters(const Row&) {}
+  [[nodiscard]] PhaseLobe lobe() const { return {PHASE_RAYLEIGH, 0.0f, 1.0f}; }
+};
+
+struct BlendPhase {
+  static constexpr const char* kPlugin = "blendphase";
+  static constexpr const char* kText = "two phase functions, which may be blends again";
+  glm::vec3 weight{0.5f};
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("weight", &BlendPhase::weight, VolumeColour{}, "share of the second, the same for all colours");
+  }
+  template <typename Given>
+  void complete(Findings& findings, const Given& given) const {
+    if (!given("weight")) findings.push_back({"", "blendphase needs a weight"});
+    if (weight != glm::vec3(weight.x)) findings.push_back({"weight", "weight must be a number, no colour"});
+  }
+};
+
+using PhasePlugins = std::variant<IsotropicPhase, HenyeyGreensteinPhase, RayleighPhase>;
+using MediumPlugins =
+    std::variant<HomogeneousMedium, IsotropicPhase, HenyeyGreensteinPhase, RayleighPhase, BlendPhase>;
+
+}  // namespace penumbra

@@ -1,0 +1,161 @@
+#include "scenes/mitsuba/medium_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace penumbra::mitsuba {
+namespace {
+
+struct PhasePlugin {
+  std::string_view type;
+  PhaseLobe (*read)(PluginReader&);
+};
+template <typename Model>
+PhaseLobe read_lobe(PluginReader& plugin) {
+  Model model;
+  plugin.read_parameters(model);
+  return model.lobe();
+}
+template <typename... Models>
+constexpr auto phase_plugins(const std::variant<Models...>*) {
+  return std::array{PhasePlugin{Models::kPlugin, read_lobe<Models>}...};
+}
+constexpr auto kPhases = phase_plugins(static_cast<const PhasePlugins*>(nullptr));
+
+constexpr std::size_t kMostLevels = 8;  // each of which reads two
+
+/// Adds lobes with their share of a mixture, those that are there already to these.
+void mix(std::vector<PhaseLobe>& mixture, const std::vector<PhaseLobe>& lobes, float share) {
+  for (PhaseLobe lobe : lobes) {
+    lobe.weight *= share;
+    if (!(lobe.weight > 0.0f)) continue;
+    const auto same = std::ranges::find_if(
+        mixture, [&](const PhaseLobe& other) { return other.kind == lobe.kind && other.g == lobe.g; });
+    if (same != mixture.end())
+      same->weight += lobe.weight;
+    else
+      mixture.push_back(lobe);
+  }
+}
+
+}  // namespace
+
+void MediumReader::read(const Object& medium) {
+  if (media_.contains(&medium)) return;
+  if (context_.media_seen) {
+    media_[&medium].medium = read_new(context_, medium);
+    return;
+  }
+  Diagnostics unseen;
+  Context context{context_.tree, unseen};
+  context.textures = context_.textures;
+  context.files = context_.files;
+  std::optional<ParticipatingMedium> read = read_new(context, medium);
+  if (!unseen.failed()) media_[&medium].medium = std::move(read);
+  media_[&medium];
+  context_.diagnostics.warn(medium.type_location,
+                            "the scene's integrator passes through media as if they were not there; volpath "
+                            "follows light through them");
+}
+
+int MediumReader::install(const Object& medium, SceneDescription& scene) {
+  read(medium);
+  Entry& entry = media_[&medium];
+  if (entry.medium && entry.index == kNoMedium) {
+    entry.index = int(scene.media.size());
+    scene.media.push_back(*entry.medium);
+  }
+  return entry.index;
+}
+
+void MediumReader::install(PluginReader& plugin, Shape& shape, SceneDescription& scene) {
+  std::set<std::string> names;
+  for (const auto& [name, medium] : plugin.named("medium")) {
+    const int index = install(*medium, scene);
+    if (name == "interior")
+      shape.interior = index;
+    else if (name == "exterior")
+      shape.exterior = index;
+    else
+      plugin.warn("a medium has no effect unless it is named 'interior' or 'exterior'");
+    if (!names.insert(name).second) plugin.wrong(fmt::format("two media are named '{}'", name));
+  }
+}
+
+std::optional<ParticipatingMedium> MediumReader::read_new(const Context& context, const Object& medium) {
+  PluginReader plugin(context, medium);
+  if (medium.type != HomogeneousMedium::kPlugin) {
+    const std::vector<std::string> known = {HomogeneousMedium::kPlugin};
+    context.unknown_plugin(medium, known, "it is left out");
+    plugin.skip();
+    return std::nullopt;
+  }
+  HomogeneousMedium given;
+  if (plugin.has("material"))
+    plugin.wrong("material",
+                 "media are not known by the names of materials; give sigma_s and sigma_a, or sigma_t and "
+                 "albedo");
+  plugin.read_parameters(given);
+  // How others sample them.
+  plugin.accept({"material", "sample_emitters", "has_spectral_extinction", "strategy", "sampling_weight",
+                 "medium_sampling_mode"});
+  const Object* phase = plugin.only_nested("phase");
+  plugin.finish();
+  std::optional<Lobes> lobes =
+      phase != nullptr ? read_phase(context, *phase) : std::optional(Lobes{IsotropicPhase{}.lobe()});
+  if (!lobes) return std::nullopt;
+  return ParticipatingMedium{name_of(medium), given.scale * given.sigma_t, given.albedo, std::move(*lobes)};
+}
+
+std::optional<MediumReader::Lobes> MediumReader::read_phase(const Context& context, const Object& phase) {
+  PluginReader plugin(context, phase);
+  std::optional<Lobes> lobes;
+  if (phase.type == BlendPhase::kPlugin) {
+    lobes = read_blend(context, plugin);
+  } else if (const PhasePlugin* known = find_plugin(kPhases, phase.type)) {
+    lobes = Lobes{known->read(plugin)};
+  } else {
+    std::vector<std::string> types = plugin_types(kPhases);
+    types.emplace_back(BlendPhase::kPlugin);
+    context.unknown_plugin(phase, types, "isotropic stands in for it");
+    if (context.lenient) lobes = Lobes{IsotropicPhase{}.lobe()};
+    plugin.skip();
+  }
+  plugin.finish();
+  return lobes;
+}
+
+std::optional<MediumReader::Lobes> MediumReader::read_blend(const Context& context, PluginReader& plugin) {
+  BlendPhase blend;
+  plugin.read_parameters(blend);
+  const std::vector<const Object*> inside = plugin.nested("phase");
+  if (inside.size() != 2) {
+    plugin.wrong(fmt::format("blendphase holds 2 phase functions, not {}", inside.size()));
+    return std::nullopt;
+  }
+  if (!reading_.insert(&plugin.object()).second) {
+    plugin.wrong("the phase function holds itself");
+    return std::nullopt;
+  }
+  if (reading_.size() > kMostLevels) {
+    plugin.wrong(fmt::format("phase functions within phase functions of more than {} levels", kMostLevels));
+    reading_.erase(&plugin.object());
+    return std::nullopt;
+  }
+  const std::optional<Lobes> first = read_phase(context, *inside[0]),
+                             second = read_phase(context, *inside[1]);
+  reading_.erase(&plugin.object());
+  if (!first || !second) return std::nullopt;
+  Lobes mixture;
+  mix(mixture, *first, 1.0f - blend.weight.x);
+  mix(mixture, *second, blend.weight.x);
+  if (mixture.size() <= PHASE_LOBES) return mixture;
+  plugin.wrong(fmt::format("a mixture of {} phase functions that differ; there may be {}", mixture.size(),
+                           PHASE_LOBES));
+  return std::nullopt;
+}
+
+}  // namespace penumbra::mitsuba
