@@ -20,5 +20,6 @@
 #include "kernels/light/spherical_triangle.h"
 #include "kernels/math/frame.h"
 #include "kernels/math/math.h"
+#include "kernels/medium/medium_state.h"
 #include "kernels/sampler/filter.h"
 #include "kernels/sampler/sampler.h"

@@ -17,7 +17,7 @@ TEST_F(MitsubaPlugins, LenientStandIns) {
          in("bsdf", "diffuse",
             "<texture type='bitmap' name='reflectance'><string name='filename' value='x'/></texture>") +
              in("emitter", "area", "<texture type='marble' name='radiance'/>")) +
-      in("shape", "hair") + in("emitter", "laser") + in("medium", "homogeneous");
+      in("shape", "hair") + in("emitter", "laser") + in("medium", "heterogeneous");
   EXPECT_FALSE(read(scene(text)));
   const SceneDescription s = good(text, {.lenient = true});
   EXPECT_EQ(kind_of(s.integrator), IntegratorKind::kPath);
@@ -46,7 +46,7 @@ TEST_F(MitsubaPlugins, LenientStandIns) {
           HasSubstr("sensor type 'spherical'"), HasSubstr("film type 'specfilm'"),
           HasSubstr("rfilter type 'welch'"), HasSubstr("sampler type 'magic'"), HasSubstr("bsdf type 'hair'"),
           HasSubstr("no file 'x'"), HasSubstr("texture type 'marble'"), HasSubstr("shape type 'hair'"),
-          HasSubstr("emitter type 'laser'"), HasSubstr("medium type 'homogeneous'")));
+          HasSubstr("emitter type 'laser'"), HasSubstr("passes through media as if they were not there")));
 }
 
 TEST_F(MitsubaPlugins, LeniencyIsForPluginsOnly) {

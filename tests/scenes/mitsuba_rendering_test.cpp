@@ -25,13 +25,14 @@ class MitsubaRendering : public SceneText {
   }
 };
 
-TEST_F(MitsubaRendering, WhereThereAreNoMediaTheirIntegratorsArePath) {
+TEST_F(MitsubaRendering, IntegratorsOfMediaAndOfGradients) {
   for (const char* type : {"volpath", "volpath_simple", "volpathmis", "prb", "prb_basic", "prbvolpath"}) {
     const SceneDescription s = good(plugin("integrator", type,
                                            "<integer name='maxDepth' value='7'/><integer name='rrDepth' "
                                            "value='3'/><boolean name='strictNormals' value='true'/>"
                                            "<boolean name='hideEmitters' value='true'/>"));
-    EXPECT_EQ(kind_of(s.integrator), IntegratorKind::kPath) << type;
+    const bool media = std::string_view(type).find("vol") != std::string_view::npos;
+    EXPECT_EQ(kind_of(s.integrator), media ? IntegratorKind::kVolpath : IntegratorKind::kPath) << type;
     EXPECT_EQ(param::max_depth(s.integrator), 7) << type;
     EXPECT_EQ(param::rr_depth(s.integrator), 3) << type;
     EXPECT_TRUE(s.integrator.hide_emitters) << type;

@@ -56,15 +56,12 @@ TEST_F(OracleScenes, CornellBoxOfIncludes) {
   EXPECT_EQ(std::get<Mesh>(scene->shapes[0].geometry).positions[0].y, 548.8 - 0.5);
 }
 
-TEST_F(OracleScenes, MediaAreReadLeniently) {
+TEST_F(OracleScenes, MediaAreRead) {
   const fs::path file = folder_ / "mitsuba/tests/scenes/participating_media/test_homo_area_light_volpath.xml";
-  const auto strict = read_scene(file, {});
-  ASSERT_FALSE(strict);
-  EXPECT_THAT(strict.error().message, AllOf(HasSubstr("is not one that Penumbra reads"), HasSubstr("^")));
-  EXPECT_THAT(strict.error().message, Not(HasSubstr("has no parameter")));
-  const auto lenient = read_scene(file, {.lenient = true});
-  ASSERT_TRUE(lenient) << lenient.error().message;
-  EXPECT_THAT(lenient->warnings, Contains(HasSubstr("medium type 'homogeneous'")));
+  const auto scene = read_scene(file, {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_TRUE(scene->integrator.is<VolpathIntegrator>());
+  EXPECT_EQ(scene->media.size(), 1u);
 }
 
 TEST_F(OracleScenes, PathStandsInForTheParticleTracer) {

@@ -229,7 +229,7 @@ TEST(Settings, ParametersOfOtherIntegratorsAreErrors) {
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().message,
             "setting integrator.alpha: integrator 'direct' has no parameter 'alpha'; these have: path, "
-            "polygon_cv, whitted");
+            "polygon_cv, whitted, volpath");
   EXPECT_THAT(error("integrator.shading_samples", "1"), HasSubstr("these have: direct, ao"));
   // What is wrong with the value comes first.
   EXPECT_THAT(error("integrator.trace_shadows", "0"), HasSubstr("neither true nor false"));

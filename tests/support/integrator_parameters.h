@@ -17,7 +17,8 @@ enum class IntegratorKind {
   kPolygonCv,
   kWhitted,
   kAmbientOcclusion,
-  kReflectionOcclusion
+  kReflectionOcclusion,
+  kVolpath
 };
 
 inline IntegratorKind kind_of(const IntegratorSettings& settings) {

@@ -1,0 +1,337 @@
+// Participating media against closed forms, quadrature, furnaces and each other's techniques.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "tests/acceptance/scene_pieces.h"
+#include "tests/support/integrator_parameters.h"
+#include "tests/support/render_scene.h"
+
+namespace penumbra {
+namespace {
+
+constexpr double kSignificance = 0.01;
+constexpr double kRounding = 64.0 / (1 << 24);  // of a product of some factors, exponentials among them
+
+ParticipatingMedium medium(const glm::vec3& extinction, const glm::vec3& albedo, float g = 0) {
+  return {.name = "medium", .extinction = extinction, .albedo = albedo, .phase = {{PHASE_HG, g, 1}}};
+}
+ParticipatingMedium medium(float extinction, float albedo, float g = 0) {
+  return medium(glm::vec3(extinction), glm::vec3(albedo), g);
+}
+
+IntegratorSettings volpath(DirectSampling sampling = DirectSampling::kMis, int max_depth = -1) {
+  return {.method = VolpathIntegrator{.max_depth = max_depth, .direct_sampling = sampling}};
+}
+
+/// A pixel that looks along z from the origin through almost no angle, and what `volpath` makes of it.
+SceneDescription narrow_view(std::uint32_t spp, const IntegratorSettings& integrator = volpath()) {
+  SceneDescription scene = empty_scene(1, 1, spp, 1);
+  scene.camera = look_at(glm::dvec3(0), glm::dvec3(0, 0, 1), glm::dvec3(0, 1, 0), 1e-3);
+  scene.integrator = integrator;
+  return scene;
+}
+
+int add_null(SceneDescription& scene) {
+  scene.bsdfs.push_back({"nothing", NullBsdf{}});
+  return int(scene.bsdfs.size()) - 1;
+}
+
+int add_medium(SceneDescription& scene, const ParticipatingMedium& one) {
+  scene.media.push_back(one);
+  return int(scene.media.size()) - 1;
+}
+
+/// A box whose sides face outwards.
+Shape box(const glm::dvec3& low, const glm::dvec3& high, int bsdf) {
+  const auto corner = [&](int i) {
+    return glm::dvec3((i & 1) != 0 ? high.x : low.x, (i & 2) != 0 ? high.y : low.y,
+                      (i & 4) != 0 ? high.z : low.z);
+  };
+  std::vector<glm::dvec3> positions;
+  for (const std::array<int, 4>& side :
+       {std::array{0, 2, 3, 1}, std::array{4, 5, 7, 6}, std::array{0, 1, 5, 4}, std::array{2, 6, 7, 3},
+        std::array{0, 4, 6, 2}, std::array{1, 3, 7, 5}})
+    for (const int k : {0, 1, 2, 0, 2, 3}) positions.push_back(corner(side[std::size_t(k)]));
+  Shape shape = triangles(positions, bsdf);
+  shape.back_bsdf = bsdf;
+  return shape;
+}
+
+void bound(SceneDescription& scene, Shape shape, int interior) {
+  shape.interior = interior;
+  scene.shapes.push_back(std::move(shape));
+}
+
+Shape sphere(const glm::dvec3& center, double radius, int bsdf) {
+  Shape shape;
+  shape.name = "sphere";
+  shape.geometry = Sphere{.center = center, .radius = radius};
+  shape.front_bsdf = shape.back_bsdf = bsdf;
+  return shape;
+}
+
+TestDevice big_passes() {
+  TestDevice device = native_device();
+  device.samples_per_pass = kMaxSamplesPerUnit;
+  return device;
+}
+
+void expect_colour(const SceneDescription& scene, const glm::dvec3& expected, double tolerance = kRounding) {
+  const FilmAccumulator film = render_or_throw(scene, big_passes());
+  EXPECT_EQ(film.nan().count + film.infinite().count, 0u);
+  for (int channel = 0; channel < 3; ++channel) {
+    const statistics::Sample sample = pixel_sample(film, 0, 0, channel);
+    const double truth = expected[channel];
+    EXPECT_GT(statistics::t_test(sample, truth, truth * tolerance + 1e-30).p, kSignificance / 3)
+        << "channel " << channel << ": " << sample.mean() << " +- " << sample.standard_error()
+        << ", expected " << truth;
+  }
+}
+
+// --- Transmittance.
+
+TEST(Media, ASlabLetsThroughWhatBeerSays) {
+  for (const double thickness : {1e-3, 0.5, 3.0}) {
+    SceneDescription scene = narrow_view(200'000);
+    const glm::vec3 extinction(0.3f, 1.0f, 2.5f);
+    const int slab = add_medium(scene, medium(extinction, glm::vec3(0)));
+    bound(scene, box({-1, -1, 1}, {1, 1, 1 + thickness}, add_null(scene)), slab);
+    scene.emitters.emplace_back(ConstantEnvironment{});
+    glm::dvec3 truth;
+    for (int k = 0; k < 3; ++k) truth[k] = std::exp(-double(extinction[k]) * thickness);
+    SCOPED_TRACE(thickness);
+    expect_colour(scene, truth, 1e-5);
+  }
+}
+
+/// What a point light gives to a wall that one sample sees, before anything is between.
+double lit_wall(const std::vector<std::pair<Shape, ParticipatingMedium>>& between, int channel) {
+  SceneDescription scene = narrow_view(1);
+  const int grey = add_diffuse(scene, 0.5f), nothing = add_null(scene);
+  scene.shapes.push_back(parallelogram({2, -2, 4}, {-4, 0, 0}, {0, 4, 0}, grey));
+  PointLight light;
+  light.position = {1.5, 0, 0.5};
+  scene.emitters.emplace_back(light);
+  for (const auto& [shape, what] : between) {
+    Shape placed = shape;
+    placed.front_bsdf = placed.back_bsdf = nothing;
+    bound(scene, placed, add_medium(scene, what));
+  }
+  param::max_depth(scene.integrator) = 2;
+  return mean_image(render_or_throw(scene)).at(0, 0, channel);
+}
+
+// The light's way is oblique, off the camera's: deterministic. Where it crosses a boundary is off by up to
+// 7 * 2^-24 of the coordinates, some 3, on either side of a slab, and its lengths round likewise.
+double dimming_tolerance(double extinction) { return 1e-6 + extinction * 4e-6; }
+
+TEST(Media, ShadowRaysAreDimmedByTheLengthWithinEachMedium) {
+  const glm::dvec3 light(1.5, 0, 0.5), wall(0, 0, 4);
+  const double slope = glm::length(wall - light) / (wall.z - light.z);
+  const auto slab = [](double from, double to) {
+    // Beside the camera's way, across that of the light.
+    return box({0.05, -1, from}, {1.4, 1, to}, 0);
+  };
+  const glm::vec3 a(0.2f, 0.9f, 3), b(1.1f, 0.1f, 0.4f);
+  for (int k = 0; k < 3; ++k) {
+    const double plain = lit_wall({}, k);
+    ASSERT_GT(plain, 0);
+    const double one = lit_wall({{slab(1, 2.25), medium(a, glm::vec3(0.5f))}}, k);
+    EXPECT_NEAR(one / plain / std::exp(-double(a[k]) * 1.25 * slope), 1, dimming_tolerance(double(a[k])))
+        << k;
+    // Two that touch.
+    const double two =
+        lit_wall({{slab(1, 2.25), medium(a, glm::vec3(0.5f))}, {slab(2.25, 3), medium(b, glm::vec3(0))}}, k);
+    EXPECT_NEAR(two / plain / std::exp(-(double(a[k]) * 1.25 + double(b[k]) * 0.75) * slope), 1,
+                dimming_tolerance(double(a[k]) + double(b[k])))
+        << k;
+    // One within another.
+    const double nested = lit_wall({{slab(1, 3), medium(a, glm::vec3(0.5f))},
+                                    {box({0.1, -0.5, 1.5}, {1.3, 0.5, 2.5}, 0), medium(b, glm::vec3(0))}},
+                                   k);
+    EXPECT_NEAR(nested / plain / std::exp(-(double(a[k]) + double(b[k])) * slope), 1,
+                dimming_tolerance(double(a[k]) + double(b[k])))
+        << k;
+  }
+}
+
+TEST(Media, ACameraInsideSeesThroughWhatIsLeftOfItsMedium) {
+  SceneDescription scene = narrow_view(200'000);
+  const int around = add_medium(scene, medium(0.7f, 0));
+  scene.camera_medium = around;
+  bound(scene, box({-1, -1, -1}, {1, 1, 1.5}, add_null(scene)), around);
+  scene.emitters.emplace_back(ConstantEnvironment{});
+  expect_colour(scene, glm::dvec3(std::exp(-0.7 * (1.5 - scene.camera.near_clip))), 1e-5);
+}
+
+// --- Single scattering.
+
+/// Radiance along z from the origin of light that a medium within [near, far] scatters once, from a point
+/// light of intensity 1: Simpson's rule.
+double scattered_once(const glm::dvec3& light, double near, double far, double extinction, double albedo,
+                      double g) {
+  constexpr int kSteps = 20'000;
+  double sum = 0;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double z = near + (far - near) * i / kSteps;
+    const glm::dvec3 to = light - glm::dvec3(0, 0, z);
+    const double d = glm::length(to), mu = to.z / d;
+    // The light is within the slab too: all of its way is in the medium.
+    const double phase = (1 - g * g) / (4 * std::numbers::pi * std::pow(1 + g * g - 2 * g * mu, 1.5));
+    const double value = albedo * extinction * std::exp(-extinction * (z - near + d)) * phase / (d * d);
+    sum += value * (i == 0 || i == kSteps ? 1 : (i % 2 == 1 ? 4 : 2));
+  }
+  return sum * (far - near) / kSteps / 3;
+}
+
+TEST(Media, ScatterOnceAsQuadratureSays) {
+  const glm::dvec3 light(0.6, 0.3, 2.2);
+  for (const double g : {-0.7, 0.0, 0.7}) {
+    SceneDescription scene = narrow_view(400'000, volpath(DirectSampling::kMis, 2));
+    const glm::vec3 extinction(0.2f, 0.8f, 3), albedo(0.9f, 0.5f, 1);
+    bound(scene, box({-20, -20, 1}, {20, 20, 4}, add_null(scene)),
+          add_medium(scene, medium(extinction, albedo, float(g))));
+    PointLight point;
+    point.position = light;
+    scene.emitters.emplace_back(point);
+    glm::dvec3 truth;
+    for (int k = 0; k < 3; ++k)
+      truth[k] = scattered_once(light, 1, 4, double(extinction[k]), double(albedo[k]), g);
+    SCOPED_TRACE(g);
+    expect_colour(scene, truth);
+  }
+}
+
+// --- Furnaces.
+
+TEST(Media, WithoutAbsorptionChangeNoFurnace) {
+  for (const DirectSampling sampling : {DirectSampling::kBsdfOnly, DirectSampling::kMis})
+    for (const float g : {0.0f, 0.8f}) {
+      SceneDescription scene = narrow_view(100'000, volpath(sampling));
+      bound(scene, sphere({0, 0, 3}, 1, add_null(scene)),
+            add_medium(scene, medium(glm::vec3(0.5f, 2, 6), glm::vec3(1), g)));
+      scene.emitters.emplace_back(ConstantEnvironment{});
+      SCOPED_TRACE(g);
+      expect_colour(scene, glm::dvec3(1));
+    }
+}
+
+TEST(Media, ARoomFilledToItsWallsIsTheFurnaceItWas) {
+  SceneDescription scene = narrow_view(100'000);
+  const int grey = add_diffuse(scene, 0.5f);
+  // The medium's boundary and the walls are in the same places; which comes first is not the same for all.
+  for (const bool walls_first : {true, false}) {
+    SceneDescription room = scene;
+    const int nothing = add_null(room), filling = add_medium(room, medium(1, 1));
+    Shape walls = box({-1, -1, -1}, {1, 1, 2}, grey);
+    walls.flip_normals = true;
+    walls.radiance = glm::vec3(1);
+    if (walls_first) room.shapes.push_back(walls);
+    bound(room, box({-1, -1, -1}, {1, 1, 2}, nothing), filling);
+    if (!walls_first) room.shapes.push_back(walls);
+    room.camera_medium = filling;
+    SCOPED_TRACE(walls_first);
+    expect_colour(room, glm::dvec3(2));
+  }
+}
+
+TEST(Media, WithinGlassAreTheFurnaceTheyWere) {
+  SceneDescription scene = narrow_view(100'000);
+  const DielectricBsdf glass;
+  scene.bsdfs.push_back({"glass", glass});
+  scene.bsdfs.push_back({"glass from inside", glass.other_side()});
+  Shape ball = sphere({0, 0, 3}, 1, 0);
+  ball.back_bsdf = 1;
+  bound(scene, ball, add_medium(scene, medium(2, 1, 0.3f)));
+  scene.emitters.emplace_back(ConstantEnvironment{});
+  expect_colour(scene, glm::dvec3(1));
+}
+
+// --- Techniques, scales, and scenes without media.
+
+SceneDescription foggy_room(double scale, const IntegratorSettings& integrator) {
+  SceneDescription scene = empty_scene(8, 8, 4000, 3);
+  scene.camera = look_at(glm::dvec3(0, 0, -3) * scale, glm::dvec3(0), glm::dvec3(0, 1, 0), 40);
+  scene.camera.near_clip = 1e-4 * scale;
+  scene.camera.far_clip = 1e4 * scale;
+  scene.integrator = integrator;
+  const int grey = add_diffuse(scene, 0.6f), nothing = add_null(scene);
+  const auto s = float(scale);
+  const auto at = [&](double x, double y, double z) { return glm::dvec3(x, y, z) * scale; };
+  scene.camera_medium = add_medium(scene, medium(glm::vec3(0.1f, 0.15f, 0.2f) / s, glm::vec3(0.9f), 0.6f));
+  const int dense = add_medium(scene, medium(glm::vec3(4, 2, 1) / s, glm::vec3(0.8f, 0.9f, 0.99f), -0.3f));
+  scene.shapes.push_back(parallelogram(at(-2, -1, -2), at(0, 0, 4), at(4, 0, 0), grey));
+  scene.shapes.push_back(parallelogram(at(0.5, 1.5, 0.5), at(0, 0, -1), at(-1, 0, 0), grey, 10.0f));
+  bound(scene, sphere(at(-0.6, -0.4, 0), 0.5 * scale, nothing), dense);
+  bound(scene, box(at(0.2, -0.9, -0.4), at(1, 0.2, 0.4), nothing), dense);
+  return scene;
+}
+
+TEST(Media, EveryTechniqueFindsTheSame) {
+  const auto image = [](DirectSampling sampling) {
+    return block_estimate(foggy_room(1, volpath(sampling)), 8, 10, 4, big_passes());
+  };
+  const statistics::Estimate mis = image(DirectSampling::kMis), mats = image(DirectSampling::kBsdfOnly);
+  const double limit = statistics::sidak_limit(kSignificance, mis.mean.values.size());
+  for (std::size_t i = 0; i < mis.mean.values.size(); ++i) {
+    const double error = std::hypot(mis.standard_error.values[i], mats.standard_error.values[i]);
+    EXPECT_LT(std::abs(mis.mean.values[i] - mats.mean.values[i]), limit * error) << i;
+    EXPECT_GT(mis.mean.values[i], 0);
+  }
+}
+
+// A power of two scales every number exactly.
+TEST(Media, LargerScenesOfThinnerMediaAreTheSame) {
+  const statistics::Image small = mean_image(render_or_throw(foggy_room(1, volpath())));
+  const statistics::Image large = mean_image(render_or_throw(foggy_room(1024, volpath())));
+  EXPECT_EQ(small.values, large.values);
+}
+
+TEST(Media, AreLeftOutWhereThereAreNone) {
+  SceneDescription scene = foggy_room(1, volpath());
+  scene.camera_medium = kNoMedium;
+  for (Shape& shape : scene.shapes) shape.interior = kNoMedium;
+  SceneDescription paths = scene;
+  paths.integrator = {.method = PathIntegrator{}};
+  const DeviceScene a = build_or_throw(scene), b = build_or_throw(paths);
+  EXPECT_EQ(a.header.features & FEATURE_MEDIA, 0u);
+  EXPECT_EQ(a.header.features, b.header.features);
+  EXPECT_EQ(a.words, b.words);
+  EXPECT_EQ(mean_image(render_or_throw(a)).values, mean_image(render_or_throw(b)).values);
+}
+
+// --- Ends of the range.
+
+TEST(Media, OfAnyDensityGiveFiniteImagesOfTheirTransmittance) {
+  for (const float depth : {1e-8f, 1e-3f, 20.0f, 1e3f, 1e8f})
+    for (const float albedo : {0.0f, 1.0f}) {
+      SceneDescription scene = narrow_view(2000);
+      bound(scene, box({-1, -1, 1}, {1, 1, 2}, add_null(scene)), add_medium(scene, medium(depth, albedo)));
+      scene.emitters.emplace_back(ConstantEnvironment{});
+      const FilmAccumulator film = render_or_throw(scene, big_passes());
+      EXPECT_EQ(film.nan().count + film.infinite().count, 0u) << depth;
+      const double mean = pixel_sample(film, 0, 0, 0).mean();
+      EXPECT_LE(mean, 1.3) << depth;
+      if (albedo == 0) EXPECT_NEAR(mean, std::exp(-double(depth)), 1e-3 + (depth < 1 ? depth : 0)) << depth;
+    }
+}
+
+TEST(Media, ThousandsOfBoundariesAreCrossed) {
+  SceneDescription scene = narrow_view(64);
+  const int nothing = add_null(scene), thin = add_medium(scene, medium(1e-3f, 0));
+  for (int i = 0; i < 5000; ++i) {
+    const double z = 1 + i * 1e-3;
+    bound(scene, box({-0.5, -0.5, z}, {0.5, 0.5, z + 0.5e-3}, nothing), thin);
+  }
+  scene.emitters.emplace_back(ConstantEnvironment{});
+  const FilmAccumulator film = render_or_throw(scene, big_passes());
+  EXPECT_NEAR(pixel_sample(film, 0, 0, 0).mean(), std::exp(-2.5e-3), 0.06);
+}
+
+}  // namespace
+}  // namespace penumbra
