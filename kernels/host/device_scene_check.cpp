@@ -12,6 +12,7 @@
 #include "kernels/host/device_scene_tables.h"
 #include "kernels/host/kernel_needs.h"
 #include "kernels/intersect/bvh_limits.h"
+#include "kernels/light/envmap_grid.h"
 
 namespace penumbra {
 namespace {
@@ -349,8 +350,9 @@ class Checker {
     constexpr int kMostTexels = 1 << 15;  // of a side
     const bool sized = in(map.width, 2, kMostTexels) && in(map.height, 2, kMostTexels);
     const std::int64_t texels = std::int64_t{map.width} * map.height;
-    require(sized && t.envmap_texels.count == texels && t.envmap_rows.count == map.height + 1 &&
-                t.envmap_columns.count == texels + map.height,
+    require(sized && t.envmap_texels.count == texels &&
+                t.envmap_rows.count == envmap_shares(map.height) + search_size(map.height) &&
+                t.envmap_columns.count == std::int64_t{search_size(map.width + 1)} * map.height,
             "an environment map's tables do not match its size");
   }
 

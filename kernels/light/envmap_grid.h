@@ -6,7 +6,7 @@
 // close (Mitsuba 3's envmap).
 #ifndef PENUMBRA_ENVMAP_GRID_H
 #define PENUMBRA_ENVMAP_GRID_H
-#include "kernels/math/math.h"
+#include "kernels/light/sum_search.h"
 #include "kernels/math/vec3.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -19,6 +19,9 @@ FN float envmap_row_sine(int y, int height) {
   sincos_2pi(0.5f * (pole ? 0.25f : (float)y) / (float)(height - 1), &sine, &cosine);
   return FABS(sine);
 }
+
+/// Where the shares of the rows begin in the table of the rows: behind the whole and a sum for each row.
+FN int envmap_shares(int height) { return search_padded(1 + height); }
 
 /// Directions are chosen with a density, over the grid, that is bilinear between these.
 FN float envmap_weight(vec3 texel, float row_sine) { return ((texel.x + texel.y) + texel.z) * row_sine; }

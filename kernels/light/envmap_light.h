@@ -2,16 +2,16 @@
 // that grid is bilinear as well, exactly.
 //
 // Tables: the texels row by row; for each row y of the grid and each column x the sum of the row's weights,
-// of columns as between texels, up to x (envmap_columns, W + 1 a row from 0 on); and of the rows likewise, in
-// shares of the whole (envmap_rows, H from 0 to 1), followed by the whole.
+// of columns as between texels, up to x (envmap_columns, W + 1 a row from 0 on, with the levels of
+// sum_search.h); and in envmap_rows the whole, the sums of all rows, and, from envmap_shares on, those of the
+// rows likewise, in shares of the whole (H from 0 to 1, with levels).
 #ifndef PENUMBRA_ENVMAP_LIGHT_H
 #define PENUMBRA_ENVMAP_LIGHT_H
 #include "kernels/light/envmap_grid.h"
 #include "kernels/light/light_found.h"
+#include "kernels/light/sum_search.h"
 
 PENUMBRA_NAMESPACE_BEGIN
-
-#define ENVMAP_SEARCH_STEPS 15  // 2^15 columns and more than the rows
 
 /// The cell that holds a point of the grid, and where in it.
 typedef struct {
@@ -73,7 +73,7 @@ FN float envmap_column_weight(const PRIVATE Scene* scene, EnvironmentMap map, En
 
 /// Per solid angle, at a point of that weight.
 FN float envmap_density(const PRIVATE Scene* scene, EnvironmentMap map, float weight, float sine) {
-  const float whole = scene->envmap_rows[map.height];
+  const float whole = scene->envmap_rows[0];
   const float cells = (float)map.width * (float)(map.height - 1);
   const float area = (2.0f * PI_F * PI_F) * max_f(sine, 1e-12f);
   return whole > 0.0f ? weight / whole * (cells / area) : 0.0f;
@@ -92,36 +92,69 @@ FN float sample_linear(float u, float a, float b) {
   return min_f(sum > 0.0f ? u * (a + b) / sum : u, ONE_MINUS_EPSILON);
 }
 
+/// Sums of two neighbouring rows, altogether.
+typedef struct {
+  float first, second;
+} EnvmapRowSums;
+
+FN EnvmapRowSums envmap_row_sums(const PRIVATE Scene* scene, int y) {
+  GLOBAL const float* sums = scene->envmap_rows + 1;
+  EnvmapRowSums two;
+  two.first = sums[y];
+  two.second = sums[y + 1];
+  return two;
+}
+
+/// Where between row y and the next one v is, and what u is of the sums there.
+STAGE void choose_between_envmap_rows(const PRIVATE Scene* scene, const PRIVATE float* RESTRICT u,
+                                      const PRIVATE float* RESTRICT v,
+                                      PRIVATE LightSamplings* RESTRICT samplings,
+                                      PRIVATE float* RESTRICT targets, PRIVATE int* RESTRICT rows) {
+  const EnvironmentMap map = scene->envmaps[0];
+  const int stride = search_size(map.width + 1);
+  GLOBAL const float* shares = scene->envmap_rows + envmap_shares(map.height);
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int y = samplings->row[j];
+      const float below = shares[y], share = shares[y + 1] - below;
+      const float left = share > 0.0f ? (v[j] - below) / share : 0.5f;
+      const EnvmapRowSums sums = envmap_row_sums(scene, y);
+      const float t = sample_linear(clamp_f(left, 0.0f, ONE_MINUS_EPSILON), sums.first, sums.second);
+      samplings->between[j] = t;
+      targets[j] = u[j] * mix_f(sums.first, sums.second, t);
+      rows[j] = y * stride;
+    }
+}
+
+/// The cells of the grid that u and v choose, in the lanes whose light is the map.
+FN void choose_envmap_cells(const PRIVATE Scene* scene, const PRIVATE int* kinds, const PRIVATE float* u,
+                            const PRIVATE float* v, PRIVATE LightSamplings* samplings) {
+  const EnvironmentMap map = scene->envmaps[0];
+  int wanted[LANES], rows[LANES];
+  float between[LANES], targets[LANES];
+  for (int j = 0; j < LANES; j++) {
+    wanted[j] = kinds[j] == LIGHT_ENVMAP ? 1 : 0;
+    rows[j] = envmap_shares(map.height);
+    between[j] = 0.0f;
+  }
+  search_sums(scene->envmap_rows, search_levels(map.height), 0, map.height - 2, wanted, rows, between, v,
+              samplings->row);
+  choose_between_envmap_rows(scene, u, v, samplings, targets, rows);
+  const SearchLevels levels = search_levels(map.width + 1);
+  search_sums(scene->envmap_columns, levels, levels.size, map.width - 1, wanted, rows, samplings->between,
+              targets, samplings->column);
+}
+
 FN LightSample sample_envmap_light(const PRIVATE Scene* scene, int index, LightReceiver r, float u, float v,
                                    LightSampling sampling, uint ways) {
   GLOBAL const Light* light = scene->lights + index;
   const EnvironmentMap map = scene->envmaps[0];
-  // The row: rows[y] <= v < rows[y + 1].
-  GLOBAL const float* rows = scene->envmap_rows;
-  int y = 0, size = map.height - 1;
-  UNROLL
-  for (int k = 0; k < ENVMAP_SEARCH_STEPS; k++) {
-    const int half_size = size >> 1, middle = y + half_size;
-    const bool above = (half_size > 0) & (rows[middle] <= v);
-    y = above ? middle : y;
-    size = above ? size - half_size : (half_size > 0 ? half_size : size);
-  }
-  const int stride = map.width + 1;
+  const int x = sampling.column, y = sampling.row;
+  const float t = sampling.between;
+  const int stride = search_size(map.width + 1);
   GLOBAL const float* columns = scene->envmap_columns + y * stride;
-  const float first = columns[map.width], second = columns[stride + map.width];
-  const float share = rows[y + 1] - rows[y], left = share > 0.0f ? (v - rows[y]) / share : 0.5f;
-  const float t = sample_linear(clamp_f(left, 0.0f, ONE_MINUS_EPSILON), first, second);
-  // The column, in a row between the two.
-  const float target = u * mix_f(first, second, t);
-  int x = 0;
-  size = map.width;
-  UNROLL
-  for (int k = 0; k < ENVMAP_SEARCH_STEPS; k++) {
-    const int half_size = size >> 1, middle = x + half_size;
-    const bool above = (half_size > 0) & (mix_f(columns[middle], columns[stride + middle], t) <= target);
-    x = above ? middle : x;
-    size = above ? size - half_size : (half_size > 0 ? half_size : size);
-  }
+  const EnvmapRowSums sums = envmap_row_sums(scene, y);
+  const float target = u * mix_f(sums.first, sums.second, t);
   EnvmapPoint p = envmap_point(map, (float)x, (float)y);
   p.t = t;
   const float a = envmap_column_weight(scene, map, p, p.x), b = envmap_column_weight(scene, map, p, p.next_x);

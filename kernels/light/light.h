@@ -157,7 +157,7 @@ FN uint kinds_among(const PRIVATE Scene* scene, const PRIVATE int* kinds) {
 /// left of `number` and by `v`; or as the samplings say.
 FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* receivers,
                       const PRIVATE float* number, const PRIVATE float* v, const PRIVATE float* fine,
-                      const PRIVATE LightSamplings* samplings, PRIVATE LightSamples* samples) {
+                      PRIVATE LightSamplings* samplings, PRIVATE LightSamples* samples) {
   ChosenLights chosen;
   const uint kinds = scene->header.light_kinds;
   const int kind = kinds != 0u ? LOWEST_BIT(kinds) : 0;
@@ -178,6 +178,7 @@ FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* receiv
     v = of_grid;
   }
 #endif
+  if ((among >> LIGHT_ENVMAP & 1u) != 0u) choose_envmap_cells(scene, chosen.kind, chosen.u, v, samplings);
   bool first = true;
 #define SAMPLE_KIND(name, NAME, number, ways, description)                                            \
   if ((among >> (number)&1u) != 0u) {                                                                 \

@@ -8,11 +8,15 @@ PENUMBRA_NAMESPACE_BEGIN
 
 // A light sample as far as the stage decides it. Densities by projected solid angle do not include the
 // probability of choosing the light.
-#define LIGHT_SAMPLING_FIELDS(F, a)                                                                      \
-  F(a, int, light)   /* index of the light that the step samples; negative: the step chooses by power */ \
-  F(a, float, pmf)   /* probability of choosing it */                                                    \
-  F(a, vec3, wi)     /* direction towards it */                                                          \
-  F(a, float, scale) /* the density of wi is its cosine times this; negative: the step samples a point */
+#define LIGHT_SAMPLING_FIELDS(F, a)                                                                       \
+  F(a, int, light)   /* index of the light that the step samples; negative: the step chooses by power */  \
+  F(a, float, pmf)   /* probability of choosing it */                                                     \
+  F(a, vec3, wi)     /* direction towards it */                                                           \
+  F(a, float, scale) /* the density of wi is its cosine times this; negative: the step samples a point */ \
+  /* Of an environment map, once its cell is chosen: */                                                   \
+  F(a, int, column)                                                                                       \
+  F(a, int, row)                                                                                          \
+  F(a, float, between) /* how far from that row to the next */
 LANE_RECORD(LightSampling, LightSamplings, light_sampling, LIGHT_SAMPLING_FIELDS)
 
 FN LightSampling no_light_sampling(void) {
@@ -21,6 +25,8 @@ FN LightSampling no_light_sampling(void) {
   sampling.light = -1;
   sampling.pmf = 0.0f;
   sampling.wi = make_vec3(0.0f, 0.0f, 1.0f);
+  sampling.column = sampling.row = 0;
+  sampling.between = 0.0f;
   return sampling;
 }
 

@@ -13,12 +13,28 @@
 namespace penumbra {
 namespace {
 
+/// Appends the coarser levels of the sums from `first` on, see sum_search.h.
+void append_levels(std::size_t first, std::vector<float>& sums) {
+  const SearchLevels levels = search_levels(int(sums.size() - first));
+  const auto fill = [&](int k) {
+    sums.resize(first + std::size_t(levels.start[k] + search_padded(levels.count[k])),
+                std::numeric_limits<float>::infinity());
+  };
+  fill(0);
+  for (int k = 1; k < levels.levels; ++k) {
+    for (int i = 0; i < levels.count[k]; ++i)
+      sums.push_back(sums[first + std::size_t(levels.start[k - 1] + SEARCH_WAYS * i)]);
+    fill(k);
+  }
+}
+
 /// Appends the sums of the weights of a row's cells, from its first column up to each, of columns 0 to W.
 /// Returns the last.
 double append_sums(std::span<const vec3> row, float sine, std::vector<float>& columns) {
   const auto weight = [&](const vec3& texel) { return double(envmap_weight(texel, sine)); };
   const double first = weight(row.front());
   double sum = 0, here = first;
+  const std::size_t start = columns.size();
   columns.push_back(0.0f);
   for (std::size_t x = 0; x < row.size(); ++x) {
     const double next = x + 1 < row.size() ? weight(row[x + 1]) : first;
@@ -26,6 +42,7 @@ double append_sums(std::span<const vec3> row, float sine, std::vector<float>& co
     columns.push_back(float(sum));
     here = next;
   }
+  append_levels(start, columns);
   return sum;
 }
 
@@ -48,7 +65,8 @@ EmitterLight EnvironmentMapLight::light(const EmitterPlace& place) const {
   const BitmapValues values(*image, kSrgb);
   for (std::size_t i = 0; i < std::size_t(width) * std::size_t(height); ++i)
     records.envmap_texels.push_back(radiance_of_texel(values, std::size_t(image->channels), i, scale));
-  records.envmap_columns.reserve((std::size_t(width) + 1) * std::size_t(height));
+  records.envmap_columns.reserve(std::size_t(search_size(width + 1)) * std::size_t(height));
+  records.envmap_rows.push_back(0.0f);
   std::vector<double> rows(std::size_t(height), 0.0);
   double last = 0;
   glm::dvec3 mean(0.0);
@@ -60,12 +78,15 @@ EmitterLight EnvironmentMapLight::light(const EmitterPlace& place) const {
     const double sum = append_sums(row, sine, records.envmap_columns);
     if (y > 0) rows[std::size_t(y)] = rows[std::size_t(y) - 1] + 0.5 * (last + sum);
     last = sum;
+    records.envmap_rows.push_back(float(sum));
     area += double(sine) * width;
     for (const vec3& texel : row) mean += double(sine) * glm::dvec3(texel.x, texel.y, texel.z);
   }
   const double whole = rows.back();
+  records.envmap_rows[0] = float(whole);
+  records.envmap_rows.resize(std::size_t(envmap_shares(height)), 0.0f);
   for (const double row : rows) records.envmap_rows.push_back(whole > 0 ? float(row / whole) : 0.0f);
-  records.envmap_rows.push_back(float(whole));
+  append_levels(std::size_t(envmap_shares(height)), records.envmap_rows);
   EmitterLight made = emitter_light(LIGHT_ENVMAP, glm::vec3(mean / area), sky_power(place));
   // From directions of the world to those of the image.
   made.light.p0 = to_vec3(glm::normalize(glm::dvec3(to_world[0])));
