@@ -6,27 +6,13 @@
 #include <vector>
 
 #include "kernels/light/envmap_grid.h"
+#include "scenes/device/sum_levels.h"
 #include "scenes/emitters.h"
 #include "scenes/image/bitmap_values.h"
 #include "scenes/textures/bitmap.h"
 
 namespace penumbra {
 namespace {
-
-/// Appends the coarser levels of the sums from `first` on, see sum_search.h.
-void append_levels(std::size_t first, std::vector<float>& sums) {
-  const SearchLevels levels = search_levels(int(sums.size() - first));
-  const auto fill = [&](int k) {
-    sums.resize(first + std::size_t(levels.start[k] + search_padded(levels.count[k])),
-                std::numeric_limits<float>::infinity());
-  };
-  fill(0);
-  for (int k = 1; k < levels.levels; ++k) {
-    for (int i = 0; i < levels.count[k]; ++i)
-      sums.push_back(sums[first + std::size_t(levels.start[k - 1] + SEARCH_WAYS * i)]);
-    fill(k);
-  }
-}
 
 /// Appends the sums of the weights of a row's cells, from its first column up to each, of columns 0 to W.
 /// Returns the last.
@@ -42,7 +28,7 @@ double append_sums(std::span<const vec3> row, float sine, std::vector<float>& co
     columns.push_back(float(sum));
     here = next;
   }
-  append_levels(start, columns);
+  append_sum_levels(start, columns);
   return sum;
 }
 
@@ -86,7 +72,7 @@ EmitterLight EnvironmentMapLight::light(const EmitterPlace& place) const {
   records.envmap_rows[0] = float(whole);
   records.envmap_rows.resize(std::size_t(envmap_shares(height)), 0.0f);
   for (const double row : rows) records.envmap_rows.push_back(whole > 0 ? float(row / whole) : 0.0f);
-  append_levels(std::size_t(envmap_shares(height)), records.envmap_rows);
+  append_sum_levels(std::size_t(envmap_shares(height)), records.envmap_rows);
   EmitterLight made = emitter_light(LIGHT_ENVMAP, glm::vec3(mean / area), sky_power(place));
   // From directions of the world to those of the image.
   made.light.p0 = to_vec3(glm::normalize(glm::dvec3(to_world[0])));
