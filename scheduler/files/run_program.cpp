@@ -49,13 +49,13 @@ bool read_all(int descriptor, Clock::time_point deadline, std::string& text) {
 
 /// Its status; nothing if the deadline comes first. It may close its output before it ends.
 std::optional<int> wait_for(pid_t child, Clock::time_point deadline) {
-  constexpr std::chrono::milliseconds kPollInterval{2};
+  constexpr std::chrono::milliseconds kWaitInterval{2};
   for (;;) {
     int status = 0;
     const pid_t ended = waitpid(child, &status, WNOHANG);
     if (ended == child) return status;
     if ((ended < 0 && errno != EINTR) || Clock::now() > deadline) return std::nullopt;
-    std::this_thread::sleep_for(kPollInterval);
+    std::this_thread::sleep_for(kWaitInterval);
   }
 }
 

@@ -32,7 +32,7 @@ std::string hash_text(const XXH128_hash_t& hash) {
 template <typename Part>
 Expected<void> take_floats(const google::protobuf::RepeatedField<float>& field, const char* name,
                            Part& part) {
-  auto floats = as_floats(part);
+  decltype(as_floats(part)) floats{};
   if (std::size_t(field.size()) != floats.size())
     return fail(
         fmt::format("a view whose {} has {} numbers instead of {}", name, field.size(), floats.size()));
