@@ -6,22 +6,26 @@
 
 #include <cmath>
 #include <glm/glm.hpp>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "kernels/scene_types.h"
+#include "scenes/grid_volume.h"
 #include "scenes/plugin_values.h"
 
 namespace penumbra {
 
 constexpr int kNoMedium = -1;
 
-/// A medium that is the same everywhere. Its lobes are records of the kernels.
+/// A medium. Its lobes are records of the kernels.
 struct ParticipatingMedium {
-  std::string name;                ///< the file's id, or a description of the place, for messages
-  glm::vec3 extinction{1.0f};      ///< in 1 / scene unit, at least 0
-  glm::vec3 albedo{0.75f};         ///< the scattered share of it, in [0, 1]
+  std::string name;                         ///< the file's id, or a description of the place, for messages
+  glm::vec3 extinction{1.0f};               ///< in 1 / scene unit, at least 0
+  glm::vec3 albedo{0.75f};                  ///< the scattered share of it, in [0, 1]
+  std::optional<GridVolume> density{};      ///< by which the extinction is multiplied; none outside its box
+  std::optional<GridVolume> albedo_grid{};  ///< by which the albedo is multiplied, values in [0, 1]
   std::vector<PhaseLobe> phase{};  ///< 1 to PHASE_LOBES, all different; weights above 0 that add up to 1
 };
 

@@ -107,7 +107,12 @@ std::optional<ParticipatingMedium> MediumReader::read_new(const Context& context
   std::optional<Lobes> lobes =
       phase != nullptr ? read_phase(context, *phase) : std::optional(Lobes{IsotropicPhase{}.lobe()});
   if (!lobes) return std::nullopt;
-  return ParticipatingMedium{name_of(medium), given.scale * given.sigma_t, given.albedo, std::move(*lobes)};
+  ParticipatingMedium result;
+  result.name = name_of(medium);
+  result.extinction = given.scale * given.sigma_t;
+  result.albedo = given.albedo;
+  result.phase = std::move(*lobes);
+  return result;
 }
 
 std::optional<MediumReader::Lobes> MediumReader::read_phase(const Context& context, const Object& phase) {
