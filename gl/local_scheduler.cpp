@@ -5,7 +5,7 @@
 namespace penumbra {
 namespace {
 
-std::vector<std::string> preview_arguments(const PrivateSocket& socket, std::vector<std::string> arguments) {
+std::vector<std::string> with_socket(const PrivateSocket& socket, std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "preview");
   arguments.insert(arguments.end(), {"--listen", socket.address()});
   return arguments;
@@ -15,8 +15,7 @@ std::vector<std::string> preview_arguments(const PrivateSocket& socket, std::vec
 
 LocalScheduler::LocalScheduler(PrivateSocket socket, const std::filesystem::path& penumbra,
                                std::vector<std::string> arguments)
-    : socket_(std::move(socket)),
-      process_(penumbra.string(), preview_arguments(socket_, std::move(arguments))) {}
+    : socket_(std::move(socket)), process_(penumbra.string(), with_socket(socket_, std::move(arguments))) {}
 
 Expected<std::unique_ptr<LocalScheduler>> LocalScheduler::start(const std::filesystem::path& penumbra,
                                                                 std::vector<std::string> arguments) {

@@ -10,6 +10,7 @@
 #include "gl/picture_files.h"
 #include "kernels/host/console.h"
 #include "kernels/host/stopwatch.h"
+#include "scheduler/cli/exit_code.h"
 
 namespace penumbra {
 namespace {
@@ -17,7 +18,6 @@ namespace {
 constexpr std::size_t kMessagesKept = 100;
 constexpr int kStartsInARow = 3;  // of a scheduler that ends before it has a worker
 constexpr std::chrono::seconds kPatienceWithTiles{1};
-constexpr int kBadInput = 2;  // its exit code for a scene that cannot be rendered
 
 }  // namespace
 

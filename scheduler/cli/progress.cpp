@@ -25,7 +25,7 @@ double done_share(const RenderProgress& progress) {
 
 }  // namespace
 
-std::string duration_text(double seconds) {
+std::string clock_text(double seconds) {
   const auto whole = (long long)(std::ceil(std::clamp(seconds, 0.0, 1e12)));
   const long long hours = whole / 3600, minutes = whole / 60 % 60, rest = whole % 60;
   if (hours > 0) return fmt::format("{}:{:02}:{:02}", hours, minutes, rest);
@@ -40,8 +40,8 @@ std::string progress_text(const RenderProgress& progress) {
     const double rate = double(progress.samples_done - progress.samples_before) / progress.elapsed_seconds;
     text += fmt::format("  {:.2f} Msamples/s", rate * 1e-6);
     if (rate > 0 && progress.samples_done < progress.samples_total) {
-      text += fmt::format("  {} left",
-                          duration_text(double(progress.samples_total - progress.samples_done) / rate));
+      text +=
+          fmt::format("  {} left", clock_text(double(progress.samples_total - progress.samples_done) / rate));
     }
   }
   if (std::isfinite(progress.relative_error))

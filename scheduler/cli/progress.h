@@ -16,7 +16,7 @@ enum class ProgressStyle {
 constexpr double kSecondsBetweenLines = 10.0;
 
 /// e.g. "1:02:03", "4:05", "12 s"; whole seconds, rounded up, so that it is not 0 before the end.
-std::string duration_text(double seconds);
+std::string clock_text(double seconds);
 
 /// Percent done, rate, time left, error and workers, without a bar. What is not known yet is left out.
 std::string progress_text(const RenderProgress& progress);

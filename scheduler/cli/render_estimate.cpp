@@ -162,8 +162,8 @@ std::string estimate_text(const RenderEstimate& e) {
   text += line("core time",
                fmt::format("{:.0f} core-seconds, {:.2f} core-hours", e.core_seconds, e.core_seconds / 3600));
   for (const WallTime& wall : e.wall)
-    text += line("wall time", fmt::format("{} with {} x {} threads", duration_text(wall.seconds),
-                                          wall.workers, e.measured.threads));
+    text += line("wall time", fmt::format("{} with {} x {} threads", clock_text(wall.seconds), wall.workers,
+                                          e.measured.threads));
   text +=
       line("error", std::isfinite(e.relative_error) ? fmt::format("{:.2g}%, or less", e.relative_error * 100)
                                                     : "not known");

@@ -18,7 +18,7 @@
 namespace penumbra {
 namespace {
 
-constexpr int kFamilies = 7;
+constexpr int kFamilies = 6;
 constexpr RenderUnit kUnit{.width = 96, .height = 96, .sample_count = 16};
 
 /// Quads with a family each, at random.

@@ -32,15 +32,15 @@ RenderProgress progress_of(const wire::JobStatus& job) {
 std::string detail(const wire::JobStatus& job, double now) {
   switch (job.state()) {
     case wire::JOB_QUEUED:
-      return fmt::format("since {}", duration_text(now - job.submitted()));
+      return fmt::format("since {}", clock_text(now - job.submitted()));
     case wire::JOB_RENDERING:
       return progress_text(progress_of(job));
     case wire::JOB_DONE: {
       const std::string error = std::isfinite(job.relative_error())
                                     ? fmt::format(", error {:.2g}%", 100 * job.relative_error())
                                     : "";
-      return fmt::format("in {}{}, {} ago", duration_text(job.begun() > 0 ? job.ended() - job.begun() : 0),
-                         error, duration_text(now - job.ended()));
+      return fmt::format("in {}{}, {} ago", clock_text(job.begun() > 0 ? job.ended() - job.begun() : 0),
+                         error, clock_text(now - job.ended()));
     }
     default:
       return job.error().substr(0, job.error().find('\n'));
@@ -69,7 +69,7 @@ std::string worker_line(const wire::FarmWorker& worker) {
   const std::string job = worker.job() > 0 ? fmt::format("job {}", worker.job()) : "idle";
   return fmt::format("{:>6}  {:<{}} {}  {}, {:.2f} Msamples/s while busy, here for {}  {}", worker.number(),
                      job, kWidthOfState, worker.name(), counted(worker.units(), "unit"), rate * 1e-6,
-                     duration_text(worker.since_seconds()), worker.device());
+                     clock_text(worker.since_seconds()), worker.device());
 }
 
 Json number_or_null(double value) { return value > 0 ? json_number(value) : Json(nullptr); }
@@ -136,7 +136,7 @@ std::vector<std::string> status_lines(const wire::StatusReply& status, int colum
   };
   std::vector<std::string> lines;
   lines.push_back(fmt::format("penumbra {}, up {}: {}, {} rendering, {} queued, {}", status.version(),
-                              duration_text(status.up_seconds()), counted(status.jobs_size(), "job"),
+                              clock_text(status.up_seconds()), counted(status.jobs_size(), "job"),
                               count(wire::JOB_RENDERING), count(wire::JOB_QUEUED),
                               counted(status.workers_size(), "worker")));
   std::vector<std::string> workers;

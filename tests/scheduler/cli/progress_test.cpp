@@ -41,12 +41,12 @@ TEST(ProgressPrinter, NoticesAreLinesThatStay) {
 }
 
 TEST(DurationText, RoundsUpToWholeSeconds) {
-  EXPECT_EQ(duration_text(0), "0 s");
-  EXPECT_EQ(duration_text(0.1), "1 s");
-  EXPECT_EQ(duration_text(59.5), "1:00");
-  EXPECT_EQ(duration_text(125), "2:05");
-  EXPECT_EQ(duration_text(3723), "1:02:03");
-  EXPECT_EQ(duration_text(-1), "0 s");
+  EXPECT_EQ(clock_text(0), "0 s");
+  EXPECT_EQ(clock_text(0.1), "1 s");
+  EXPECT_EQ(clock_text(59.5), "1:00");
+  EXPECT_EQ(clock_text(125), "2:05");
+  EXPECT_EQ(clock_text(3723), "1:02:03");
+  EXPECT_EQ(clock_text(-1), "0 s");
 }
 
 TEST(ProgressText, RateAndTimeLeftFollowFromTheClock) {

@@ -48,7 +48,7 @@ FN BsdfSample refracting_sample(const PRIVATE Scene* scene, Closure c, vec3 wo, 
   }
 PHONG_AGAIN(glossy, , , , )
 PHONG_AGAIN(crude, , , , )
-SEVEN_PHONGS(PHONG_AGAIN)
+SIX_PHONGS(PHONG_AGAIN)
 #undef PHONG_AGAIN
 
 #if HAS(LTC)
