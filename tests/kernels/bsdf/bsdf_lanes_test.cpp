@@ -29,6 +29,9 @@ SceneTables all_materials() {
   tables.materials.push_back(material_of(WardBsdf{.alpha_u = 0.3f}));
   tables.materials.push_back(material_of(BlinnPhongBsdf{}));
   tables.materials.push_back(material_of(MicrofacetDiffuseBsdf{}));
+  tables.materials.push_back(material_of_family(FAMILY_PHASE));
+  tables.phase_lobes = {
+      {PHASE_HG, 0.6f, 0.5f}, {PHASE_HG, -0.2f, 0.2f}, {PHASE_RAYLEIGH, 0, 0.3f}, {PHASE_HG, 0, 0}};
   return tables;
 }
 
