@@ -145,7 +145,7 @@ TEST(SettingsPrint, TheTableHasALineForEachOfThem) {
     EXPECT_THAT(table, HasSubstr("| `" + setting.key + "` | " + setting.values + " | "));
     EXPECT_FALSE(setting.values.empty() || setting.description.empty()) << setting.key;
   }
-  EXPECT_THAT(table, HasSubstr("| `integrator.rr_depth` | 1 or more | 5 | `path`, `whitted`: "));
+  EXPECT_THAT(table, HasSubstr("| `integrator.rr_depth` | 1 or more | 5 | `path`, `whitted`, `volpath`: "));
   EXPECT_THAT(table,
               HasSubstr("| `integrator.trace_shadows` | true, false | true | `direct`, `polygon_area`: "));
   EXPECT_THAT(table, HasSubstr("| `film.rfilter_stddev` | at least 0.0001 and below 1024 | 0.5 | "));
