@@ -348,8 +348,10 @@ TEST_F(Service, WrongUse) {
 }
 
 TEST_F(Service, ARenderIsNoService) {
-  Program render(folder_.path(),
-                 {"render", "s.xml", "--spp", "2000000", "--listen", address_, "--threads", "1"});
+  // Elsewhere, since what two programs of one folder say is in one file.
+  const TemporaryFolder elsewhere;
+  Program render(elsewhere.path(), {"render", folder_.path() / "s.xml", "--spp", "2000000", "--listen",
+                                    address_, "--threads", "1"});
   ProgramResult asked;
   for (int i = 0; i < 500; ++i) {
     asked = run({"status"});
