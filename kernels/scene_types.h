@@ -77,7 +77,9 @@ PENUMBRA_NAMESPACE_BEGIN
 #define PASSES_ALL 1
 #define PASSES_SOME 2
 
-#define MAX_MEDIA 255  // with nothing, which is one
+#define MAX_MEDIA 255             // with nothing, which is one
+#define MAJORANT_CELLS 8          // of a volume, along each axis, that share a majorant
+#define MAX_VOLUME_CELLS 1048576  // along an axis: floats hold places among them
 
 #define PHASE_HG 0  // isotropic where g is 0
 #define PHASE_RAYLEIGH 1
@@ -188,10 +190,27 @@ PENUMBRA_NAMESPACE_BEGIN
   MATERIAL_TREE_FIELDS(F)
 
 // What fills space. Record 0 is nothing: its extinction is 0. See medium/flight.h.
-#define MEDIUM_FIELDS(F)                              \
-  F(vec3, extinction) /* in 1 / scene unit */         \
-  F(vec3, albedo)     /* the scattered share of it */ \
-  F(int, material)    /* of FAMILY_PHASE: how it scatters */
+#define MEDIUM_FIELDS(F)                                                                                     \
+  F(vec3, extinction) /* in 1 / scene unit */                                                                \
+  F(vec3, albedo)     /* the scattered share of it */                                                        \
+  F(int, material)    /* of FAMILY_PHASE: how it scatters */                                                 \
+  F(int, density) /* a volume by which the extinction is multiplied, outside of whose box there is none; -1: \
+                     none */                                                                                 \
+  F(int, albedo_grid) /* a volume by which the albedo is multiplied, or -1 */
+
+// Numbers on a grid in space: see medium/volume.h.
+#define VOLUME_FIELDS(F)                                                                \
+  F(vec3, corner) /* where cell 0, 0, 0 begins */                                       \
+  F(vec3, row_x)  /* from the way from there to the place in cells */                   \
+  F(vec3, row_y)                                                                        \
+  F(vec3, row_z)                                                                        \
+  F(int, nx)                                                                            \
+  F(int, ny)                                                                            \
+  F(int, nz)                                                                            \
+  F(int, channels)       /* 1 or 3 */                                                   \
+  F(int, nearest)        /* 1: a cell has one value; 0: interpolated between centres */ \
+  F(int, first_value)    /* in volume_values, x fastest, of each cell all channels */   \
+  F(int, first_majorant) /* in majorants, x fastest: the largest value in MAJORANT_CELLS^3 cells */
 
 // One of the PHASE_LOBES that a medium's phase function is a mixture of.
 #define PHASE_LOBE_FIELDS(F)                                                \
@@ -441,6 +460,9 @@ PENUMBRA_NAMESPACE_BEGIN
   T(A, phase_lobes, PhaseLobe, PHASE_LOBES, "phase functions")                         \
   T(A, boundaries, Boundary, 1, "boundaries of media")                                 \
   T(A, primitive_boundaries, int, 1, "primitives that bound media")                    \
+  T(A, volumes, Volume, 1, "volumes")                                                  \
+  T(A, volume_values, float, 3, "numbers of volumes")                                  \
+  T(A, majorants, float, 1, "majorants of volumes")                                    \
   /* See filter.h. */                                                                  \
   T(A, filter_table, float, FILTER_TABLE_SIZE, "cells of the pixel filter")            \
   LIGHT_TABLES(T, A)
@@ -461,6 +483,8 @@ PENUMBRA_NAMESPACE_BEGIN
   I(materials, Material, first, materials, -1, "a material names another one that is not there")          \
   I(materials, Material, second, materials, -1, "a material names another one that is not there")         \
   I(media, Medium, material, materials, 0, "a medium names a material that is not there")                 \
+  I(media, Medium, density, volumes, -1, "a medium names a volume that is not there")                     \
+  I(media, Medium, albedo_grid, volumes, -1, "a medium names a volume that is not there")                 \
   I(boundaries, Boundary, interior, media, 0, "a boundary names a medium that is not there")              \
   I(boundaries, Boundary, exterior, media, -1, "a boundary names a medium that is not there")             \
   I(textures, TextureNode, texture0, textures, -1, "a texture names another one that is not there")       \
@@ -519,6 +543,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(Material, MATERIAL_FIELDS)                          \
   X(TextureNode, TEXTURE_FIELDS)                        \
   X(Medium, MEDIUM_FIELDS)                              \
+  X(Volume, VOLUME_FIELDS)                              \
   X(PhaseLobe, PHASE_LOBE_FIELDS)                       \
   X(Boundary, BOUNDARY_FIELDS)                          \
   X(Light, LIGHT_FIELDS)                                \

@@ -7,6 +7,7 @@
 #include "kernels/light/light_sample.h"
 #include "kernels/light/mis.h"
 #include "kernels/medium/medium_state.h"
+#include "kernels/medium/tracking.h"
 #include "kernels/sampler/sampler.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -71,6 +72,36 @@ STAGE void flight_lengths(const PRIVATE PathState* paths, int i, const PRIVATE S
     }
 }
 
+/// Whether any medium varies from place to place.
+FN bool has_grids(const PRIVATE Scene* scene) { return scene->header.tables.volumes.count > 0; }
+
+/// A state of random numbers of a ray's own, from `way` on.
+FN uint ray_state(const PRIVATE PathState* paths, int i, float way, uint salt) {
+  const uint place =
+      hash_uint((uint)get_sample_index(paths, i) + hash_uint((uint)get_depth(paths, i) + salt));
+  return hash_uint((uint)get_pixel_hash(paths, i) ^ hash_uint(place ^ FLOAT_BITS(way)));
+}
+
+/// Flights of rays under way through media with grids, as far as the surfaces: `reaches` is where they
+/// scatter, negative where they do not.
+FN void fly_through_grids(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                          const PRIVATE float* lengths, PRIVATE float* reaches) {
+  for (int j = 0; j < LANES; j++) {  // no lane loop: rays go as far as they go
+    reaches[j] = -1.0f;
+    GLOBAL const Medium* medium = scene->media + innermost(get_media(paths, i + j));
+    if (!(get_ray_tmax(paths, i + j) > 0.0f) || !is_grid(medium)) continue;
+    const float way = get_way(paths, i + j);
+    const vec3 direction = get_ray_direction(paths, i + j),
+               start = add_scaled(get_kept_origin(paths, i + j), way, direction);
+    const TrackedFlight flight = track_flight(
+        scene, medium, start, direction, lengths[j], get_hero(paths, i + j), flight_weight(paths, i + j),
+        get_depth_left(paths, i + j), ray_state(paths, i + j, way, 0x3c6ef372u));
+    set_flight_weight(paths, i + j, flight.weight);
+    set_depth_left(paths, i + j, flight.left);
+    reaches[j] = flight.reach;
+  }
+}
+
 /// How far along the ray, before a surface, a point is surely before it.
 FN float clear_of(Surface s) {
   const float cosine = FABS(dot3(s.geometric, s.wo));
@@ -79,8 +110,11 @@ FN float clear_of(Surface s) {
 
 /// Flights of rays under way through media as far as the surfaces: those that end before scatter there, and
 /// have arrived.
+///
+/// `tracked`: where those through grids do.
 STAGE void fly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-               const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE float* RESTRICT lengths) {
+               const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE float* RESTRICT lengths,
+               const PRIVATE float* RESTRICT tracked) {
   const PathState fields = *paths;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -91,9 +125,10 @@ STAGE void fly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i
       const vec3 extinction = load3(&medium->extinction), albedo = load3(&medium->albedo);
       const int leaf = get_material(&fields, i + j), phase = medium->material;
       const float sigma = channel_of(extinction, get_hero(&fields, i + j));
-      const float reach = left / max_f(sigma, 1e-30f);
-      const bool flies = (tmax > 0.0f) & (max_component(extinction) > 0.0f);
-      const bool scatters = flies & (sigma > 0.0f) & (reach < length);
+      const bool grid = is_grid(medium);
+      const float reach = grid ? tracked[j] : left / max_f(sigma, 1e-30f);
+      const bool flies = (tmax > 0.0f) & (max_component(extinction) > 0.0f) & !grid;
+      const bool scatters = grid ? reach >= 0.0f : flies & (sigma > 0.0f) & (reach < length);
       const FlightWeight before = flight_weight(&fields, i + j);
       const FlightWeight after =
           weigh_homogeneous(before, extinction, albedo, scatters ? reach : length, scatters);
@@ -187,8 +222,25 @@ FN float shadow_length(const PRIVATE PathState* paths, int i) {
   return tmax < NO_LIMIT ? tmax * (1.0f / SHADOW_RAY_END) : NO_LIMIT;
 }
 
+/// Media with grids are dimmed apart.
 FN vec3 passes_homogeneous(const PRIVATE Scene* scene, MediumStack media, float length) {
-  return exp3(scale(load3(&scene->media[innermost(media)].extinction), -length));
+  GLOBAL const Medium* medium = scene->media + innermost(media);
+  return exp3(scale(load3(&medium->extinction), is_grid(medium) ? 0.0f : -length));
+}
+
+/// What media with grids let through over `lengths` of LANES shadow rays from `ways` on, where that is above
+/// 0.
+FN void dim_in_grids(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                     const PRIVATE float* ways, const PRIVATE float* lengths) {
+  for (int j = 0; j < LANES; j++) {  // no lane loop, as in fly_through_grids
+    GLOBAL const Medium* medium = scene->media + innermost(get_shadow_media(paths, i + j));
+    if (!(lengths[j] > 0.0f) || !is_grid(medium)) continue;
+    const vec3 direction = get_shadow_direction(paths, i + j);
+    const vec3 start = add_scaled(get_shadow_origin(paths, i + j), ways[j], direction);
+    const vec3 passes = track_passing(scene, medium, start, direction, lengths[j],
+                                      ray_state(paths, i + j, ways[j], 0xa54ff53au));
+    set_shadow_passes(paths, i + j, mul(get_shadow_passes(paths, i + j), passes));
+  }
 }
 
 /// What the media of shadow rays that nothing stopped let through.
@@ -203,6 +255,15 @@ STAGE void dim_unobstructed(const PRIVATE Scene* scene, const PRIVATE PathState*
             passes_homogeneous(scene, get_shadow_media(&fields, j), seen ? shadow_length(&fields, j) : 0.0f);
         set_shadow_passes(&fields, j, select3(seen, passes, get_shadow_passes(&fields, j)));
       }
+    if (!has_grids(scene)) continue;
+    float ways[LANES], lengths[LANES];
+    for (int j = 0; j < LANES; j++) {
+      const bool seen =
+          (get_shadow_tmax(paths, i + j) > 0.0f) & (get_shadow_transmittance(paths, i + j) >= 1.0f);
+      ways[j] = 0.0f;
+      lengths[j] = seen ? shadow_length(paths, i + j) : 0.0f;
+    }
+    dim_in_grids(scene, paths, i, ways, lengths);
   }
 }
 
@@ -223,6 +284,13 @@ STAGE void dim_flights(const PRIVATE Scene* scene, const PRIVATE PathState* path
           passes_homogeneous(scene, get_shadow_media(&fields, i + j), under_way ? length : 0.0f);
       set_shadow_passes(&fields, i + j, mul(get_shadow_passes(&fields, i + j), passes));
     }
+  if (!has_grids(scene)) return;
+  float ways[LANES], under_way[LANES];
+  for (int j = 0; j < LANES; j++) {
+    ways[j] = get_way(paths, i + j);
+    under_way[j] = get_ray_tmax(paths, i + j) > 0.0f ? lengths[j] : 0.0f;
+  }
+  dim_in_grids(scene, paths, i, ways, under_way);
 }
 
 /// Shadow rays' light after what media take from it, and shared with what directions find: a path that took

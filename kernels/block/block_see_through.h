@@ -202,7 +202,12 @@ FN bool pass_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
   find_hit_surfaces(scene, paths, i, &surfaces);
   #if HAS(MEDIA)
   if (flies) flight_lengths(paths, i, &surfaces, lengths);
-  if (flies) fly(scene, paths, i, &surfaces, lengths);
+  if (flies) {
+    float tracked[LANES];
+    for (int j = 0; j < LANES; j++) tracked[j] = -1.0f;
+    if (has_grids(scene)) fly_through_grids(scene, paths, i, lengths, tracked);
+    fly(scene, paths, i, &surfaces, lengths, tracked);
+  }
   #endif
   pass_hidden(paths, i, hides, &surfaces, passes);
   #if HAS(NESTED)

@@ -203,7 +203,7 @@ class Checker {
               "a phase function names lobes that are not there");
     if (!has(FEATURE_MEDIA)) {
       require(t.media.count == 0 && t.phase_lobes.count == 0 && t.boundaries.count == 0 &&
-                  t.primitive_boundaries.count == 0 && h_.camera_medium == 0 &&
+                  t.primitive_boundaries.count == 0 && t.volumes.count == 0 && h_.camera_medium == 0 &&
                   (h_.families & families_with(FREE)) == 0,
               "media without their feature bit");
       return;
@@ -228,10 +228,38 @@ class Checker {
                          materials[std::size_t(media[i].material)].family == FAMILY_PHASE),
               "a medium without a phase function");
     }
+    check_volumes();
     for (const PhaseLobe& lobe : table<PhaseLobe>(scene_, t.phase_lobes))
       require(in(lobe.kind, PHASE_HG, PHASE_RAYLEIGH) && std::abs(lobe.g) < 1 && lobe.weight >= 0 &&
                   lobe.weight <= 1 + 1e-5f,
               "a phase function of implausible lobes");
+  }
+
+  /// Volumes have numbers and majorants, of which none is implausible.
+  void check_volumes() {
+    const TableSpans& t = h_.tables;
+    const auto usable = [](float value) { return value >= 0 && value <= std::numeric_limits<float>::max(); };
+    for (const Volume& v : table<Volume>(scene_, t.volumes)) {
+      if (!in(v.nx, 1, MAX_VOLUME_CELLS) || !in(v.ny, 1, MAX_VOLUME_CELLS) ||
+          !in(v.nz, 1, MAX_VOLUME_CELLS) || (v.channels != 1 && v.channels != 3))
+        return require(false, "a volume of implausible size");
+      const auto coarse = [](int cells) {
+        return (std::int64_t{cells} + MAJORANT_CELLS - 1) / MAJORANT_CELLS;
+      };
+      const std::int64_t plane = std::int64_t{v.nx} * v.ny, coarse_plane = coarse(v.nx) * coarse(v.ny);
+      require(v.first_value >= 0 && plane <= t.volume_values.count &&
+                  plane * v.nz * v.channels <= std::int64_t{t.volume_values.count} - v.first_value,
+              "a volume names numbers that are not there");
+      require(v.first_majorant >= 0 && coarse_plane <= t.majorants.count &&
+                  coarse_plane * coarse(v.nz) <= std::int64_t{t.majorants.count} - v.first_majorant,
+              "a volume names majorants that are not there");
+      for (const vec3& row : {v.corner, v.row_x, v.row_y, v.row_z})
+        require(std::isfinite(row.x) && std::isfinite(row.y) && std::isfinite(row.z),
+                "a volume that is nowhere");
+    }
+    const auto values = table<float>(scene_, t.volume_values), majorants = table<float>(scene_, t.majorants);
+    require(std::ranges::all_of(values, usable) && std::ranges::all_of(majorants, usable),
+            "a volume of implausible numbers");
   }
 
   void check_textures() {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "scenes/device/to_vec3.h"
+#include "scenes/device/volume_tables.h"
 
 namespace penumbra {
 namespace {
@@ -67,13 +68,24 @@ Expected<void> MediaBook::fill(SceneRecords& records) {
   if (empty_) return {};
   if (scene_.media.size() > kMostMedia)
     return fail(fmt::format("the scene has {} media; there may be {}", scene_.media.size(), kMostMedia));
-  records.media.push_back(Medium{});
+  Medium nothing{};
+  nothing.density = nothing.albedo_grid = -1;
+  records.media.push_back(nothing);
+  VolumeTables volumes;
   const int first_material = int(records.materials.size());
   for (const ParticipatingMedium& medium : scene_.media) {
     Medium record{};
     record.extinction = to_vec3(medium.extinction);
     record.albedo = to_vec3(medium.albedo);
     record.material = material_of_phase(medium.phase, records, first_material);
+    record.density = record.albedo_grid = -1;
+    for (const auto& [grid, index] :
+         {std::pair(&medium.density, &record.density), std::pair(&medium.albedo_grid, &record.albedo_grid)}) {
+      if (!*grid) continue;
+      const Expected<int> added = volumes.add(**grid, records);
+      if (!added) return fail(fmt::format("{}: {}", medium.name, added.error()));
+      *index = *added;
+    }
     records.media.push_back(record);
   }
   records.boundaries = std::move(boundaries_);

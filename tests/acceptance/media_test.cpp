@@ -7,91 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "tests/acceptance/scene_pieces.h"
-#include "tests/support/integrator_parameters.h"
-#include "tests/support/render_scene.h"
+#include "tests/acceptance/media_pieces.h"
 
-namespace penumbra {
+namespace penumbra::media {
 namespace {
-
-constexpr double kSignificance = 0.01;
-constexpr double kRounding = 64.0 / (1 << 24);  // of a product of some factors, exponentials among them
-
-ParticipatingMedium medium(const glm::vec3& extinction, const glm::vec3& albedo, float g = 0) {
-  return {.name = "medium", .extinction = extinction, .albedo = albedo, .phase = {{PHASE_HG, g, 1}}};
-}
-ParticipatingMedium medium(float extinction, float albedo, float g = 0) {
-  return medium(glm::vec3(extinction), glm::vec3(albedo), g);
-}
-
-IntegratorSettings volpath(DirectSampling sampling = DirectSampling::kMis, int max_depth = -1) {
-  return {.method = VolpathIntegrator{.max_depth = max_depth, .direct_sampling = sampling}};
-}
-
-/// A pixel that looks along z from the origin through almost no angle, and what `volpath` makes of it.
-SceneDescription narrow_view(std::uint32_t spp, const IntegratorSettings& integrator = volpath()) {
-  SceneDescription scene = empty_scene(1, 1, spp, 1);
-  scene.camera = look_at(glm::dvec3(0), glm::dvec3(0, 0, 1), glm::dvec3(0, 1, 0), 1e-3);
-  scene.integrator = integrator;
-  return scene;
-}
-
-int add_null(SceneDescription& scene) {
-  scene.bsdfs.push_back({"nothing", NullBsdf{}});
-  return int(scene.bsdfs.size()) - 1;
-}
-
-int add_medium(SceneDescription& scene, const ParticipatingMedium& one) {
-  scene.media.push_back(one);
-  return int(scene.media.size()) - 1;
-}
-
-/// A box whose sides face outwards.
-Shape box(const glm::dvec3& low, const glm::dvec3& high, int bsdf) {
-  const auto corner = [&](int i) {
-    return glm::dvec3((i & 1) != 0 ? high.x : low.x, (i & 2) != 0 ? high.y : low.y,
-                      (i & 4) != 0 ? high.z : low.z);
-  };
-  std::vector<glm::dvec3> positions;
-  for (const std::array<int, 4>& side :
-       {std::array{0, 2, 3, 1}, std::array{4, 5, 7, 6}, std::array{0, 1, 5, 4}, std::array{2, 6, 7, 3},
-        std::array{0, 4, 6, 2}, std::array{1, 3, 7, 5}})
-    for (const int k : {0, 1, 2, 0, 2, 3}) positions.push_back(corner(side[std::size_t(k)]));
-  Shape shape = triangles(positions, bsdf);
-  shape.back_bsdf = bsdf;
-  return shape;
-}
-
-void bound(SceneDescription& scene, Shape shape, int interior) {
-  shape.interior = interior;
-  scene.shapes.push_back(std::move(shape));
-}
-
-Shape sphere(const glm::dvec3& center, double radius, int bsdf) {
-  Shape shape;
-  shape.name = "sphere";
-  shape.geometry = Sphere{.center = center, .radius = radius};
-  shape.front_bsdf = shape.back_bsdf = bsdf;
-  return shape;
-}
-
-TestDevice big_passes() {
-  TestDevice device = native_device();
-  device.samples_per_pass = kMaxSamplesPerUnit;
-  return device;
-}
-
-void expect_colour(const SceneDescription& scene, const glm::dvec3& expected, double tolerance = kRounding) {
-  const FilmAccumulator film = render_or_throw(scene, big_passes());
-  EXPECT_EQ(film.nan().count + film.infinite().count, 0u);
-  for (int channel = 0; channel < 3; ++channel) {
-    const statistics::Sample sample = pixel_sample(film, 0, 0, channel);
-    const double truth = expected[channel];
-    EXPECT_GT(statistics::t_test(sample, truth, truth * tolerance + 1e-30).p, kSignificance / 3)
-        << "channel " << channel << ": " << sample.mean() << " +- " << sample.standard_error()
-        << ", expected " << truth;
-  }
-}
 
 // --- Transmittance.
 
@@ -334,4 +253,4 @@ TEST(Media, ThousandsOfBoundariesAreCrossed) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::media

@@ -1,0 +1,144 @@
+// Numbers on grids in space, and how a ray goes through one: from cell to cell of a coarser grid, of whose
+// cells each knows the largest number within, to where it might collide with what the grid says is there
+// (Woodcock et al. 1965; with local majorants Szirmay-Kalos, Toth and Magdics 2011).
+#ifndef PENUMBRA_VOLUME_H
+#define PENUMBRA_VOLUME_H
+#include "kernels/math/math.h"
+#include "kernels/math/vec3.h"
+#include "kernels/sampler/sampler.h"
+#include "kernels/scene.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+#if HAS(MEDIA)
+FN int majorant_cells(int cells) { return (cells + (MAJORANT_CELLS - 1)) / MAJORANT_CELLS; }
+
+/// The place in the volume's cells, from 0 to their number within its box.
+FN vec3 volume_place(GLOBAL const Volume* v, vec3 p) {
+  const vec3 to = sub(p, load3(&v->corner));
+  return make_vec3(dot3(load3(&v->row_x), to), dot3(load3(&v->row_y), to), dot3(load3(&v->row_z), to));
+}
+
+FN vec3 cell_value(const PRIVATE Scene* scene, GLOBAL const Volume* v, int x, int y, int z) {
+  const int cell = v->first_value + ((z * v->ny + y) * v->nx + x) * v->channels;
+  const int further = v->channels == 3 ? 1 : 0;
+  return make_vec3(scene->volume_values[cell], scene->volume_values[cell + further],
+                   scene->volume_values[cell + 2 * further]);
+}
+
+FN vec3 between3(vec3 a, vec3 b, float share) { return add_scaled(a, share, sub(b, a)); }
+
+/// The numbers at a place in the cells: of the cell, or between the eight nearest centres; beyond the
+/// outermost of those theirs.
+FN vec3 volume_value(const PRIVATE Scene* scene, GLOBAL const Volume* v, vec3 place) {
+  const float shift = v->nearest != 0 ? 0.0f : 0.5f;
+  const float x = clamp_f(place.x - shift, 0.0f, (float)(v->nx - 1)),
+              y = clamp_f(place.y - shift, 0.0f, (float)(v->ny - 1)),
+              z = clamp_f(place.z - shift, 0.0f, (float)(v->nz - 1));
+  const int x0 = (int)x, y0 = (int)y, z0 = (int)z;
+  if (v->nearest != 0) return cell_value(scene, v, x0, y0, z0);
+  const int x1 = min_i(x0 + 1, v->nx - 1), y1 = min_i(y0 + 1, v->ny - 1), z1 = min_i(z0 + 1, v->nz - 1);
+  const float fx = x - (float)x0, fy = y - (float)y0, fz = z - (float)z0;
+  const vec3 near_low = between3(cell_value(scene, v, x0, y0, z0), cell_value(scene, v, x1, y0, z0), fx);
+  const vec3 near_high = between3(cell_value(scene, v, x0, y1, z0), cell_value(scene, v, x1, y1, z0), fx);
+  const vec3 far_low = between3(cell_value(scene, v, x0, y0, z1), cell_value(scene, v, x1, y0, z1), fx);
+  const vec3 far_high = between3(cell_value(scene, v, x0, y1, z1), cell_value(scene, v, x1, y1, z1), fx);
+  return between3(between3(near_low, near_high, fy), between3(far_low, far_high, fy), fz);
+}
+
+/// A ray's way through a volume.
+typedef struct {
+  vec3 place, step;  ///< in the volume's cells: where it starts, and how it goes on per scene unit
+  float t, end;      ///< how far it has come, and where it leaves, in scene units from its start
+  float left;        ///< optical depth by the majorants before the next collision
+  float majorant;    ///< of the extinction, in 1 / scene unit, where it is
+  int x, y, z;       ///< the coarse cell where it is
+  uint random;       ///< the state of its random numbers
+} VolumeWalk;
+
+FN float next_number(PRIVATE VolumeWalk* walk) {
+  walk->random = hash_uint(walk->random + 0x9e3779b9u);
+  return unit_float(walk->random);
+}
+
+FN vec3 walk_place(const PRIVATE VolumeWalk* walk) { return add_scaled(walk->place, walk->t, walk->step); }
+
+/// Clips [*from, *to] to where a coordinate that starts at `place` is within [0, size].
+FN void clip_to_slab(float place, float step, float size, PRIVATE float* from, PRIVATE float* to) {
+  if (step == 0.0f) {
+    *to = (place >= 0.0f) & (place <= size) ? *to : -1.0f;
+    return;
+  }
+  const float a = -place / step, b = (size - place) / step;
+  *from = max_f(*from, min_f(a, b));
+  *to = min_f(*to, max_f(a, b));
+}
+
+FN int coarse_cell(float place, int cells) {
+  return (int)clamp_f(place * (1.0f / (float)MAJORANT_CELLS), 0.0f, (float)(majorant_cells(cells) - 1));
+}
+
+FN VolumeWalk start_walk(GLOBAL const Volume* v, vec3 origin, vec3 direction, float length, float left,
+                         uint random) {
+  VolumeWalk walk;
+  const vec3 to = sub(origin, load3(&v->corner));
+  const vec3 rx = load3(&v->row_x), ry = load3(&v->row_y), rz = load3(&v->row_z);
+  walk.place = make_vec3(dot3(rx, to), dot3(ry, to), dot3(rz, to));
+  walk.step = make_vec3(dot3(rx, direction), dot3(ry, direction), dot3(rz, direction));
+  walk.t = 0.0f;
+  walk.end = length;
+  clip_to_slab(walk.place.x, walk.step.x, (float)v->nx, &walk.t, &walk.end);
+  clip_to_slab(walk.place.y, walk.step.y, (float)v->ny, &walk.t, &walk.end);
+  clip_to_slab(walk.place.z, walk.step.z, (float)v->nz, &walk.t, &walk.end);
+  const vec3 enters = walk_place(&walk);
+  walk.x = coarse_cell(enters.x, v->nx);
+  walk.y = coarse_cell(enters.y, v->ny);
+  walk.z = coarse_cell(enters.z, v->nz);
+  walk.left = left;
+  walk.majorant = 0.0f;
+  walk.random = random;
+  return walk;
+}
+
+/// Where a coordinate leaves the coarse cell, from the ray's start.
+FN float leaves_cell(float place, float step, int cell) {
+  const float side = (float)(MAJORANT_CELLS * (step > 0.0f ? cell + 1 : cell));
+  return step == 0.0f ? NO_LIMIT : (side - place) / step;
+}
+
+/// Goes on to the next place where the ray might collide with an extinction of `strongest` times the
+/// volume's numbers. Returns false where it leaves before.
+FN bool next_collision(const PRIVATE Scene* scene, GLOBAL const Volume* v, float strongest,
+                       PRIVATE VolumeWalk* walk) {
+  const int mx = majorant_cells(v->nx), my = majorant_cells(v->ny), mz = majorant_cells(v->nz);
+  while (walk->t < walk->end) {
+    const float at_x = leaves_cell(walk->place.x, walk->step.x, walk->x),
+                at_y = leaves_cell(walk->place.y, walk->step.y, walk->y),
+                at_z = leaves_cell(walk->place.z, walk->step.z, walk->z);
+    const float nearest = min_f(at_x, min_f(at_y, at_z)), exit = max_f(min_f(nearest, walk->end), walk->t);
+    walk->majorant =
+        strongest * scene->majorants[v->first_majorant + (walk->z * my + walk->y) * mx + walk->x];
+    const float depth = walk->majorant * (exit - walk->t);
+    if (walk->left < depth) {
+      walk->t = min_f(walk->t + walk->left / walk->majorant, exit);
+      return true;
+    }
+    walk->left -= depth;
+    walk->t = exit;
+    // One step a time, so that it ends whatever rounding does.
+    if (at_x <= nearest)
+      walk->x += walk->step.x > 0.0f ? 1 : -1;
+    else if (at_y <= nearest)
+      walk->y += walk->step.y > 0.0f ? 1 : -1;
+    else
+      walk->z += walk->step.z > 0.0f ? 1 : -1;
+    const bool inside =
+        (walk->x >= 0) & (walk->x < mx) & (walk->y >= 0) & (walk->y < my) & (walk->z >= 0) & (walk->z < mz);
+    if (!inside) return false;
+  }
+  return false;
+}
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif
