@@ -66,7 +66,8 @@ FN vec3 walk_place(const PRIVATE VolumeWalk* walk) { return add_scaled(walk->pla
 /// Clips [*from, *to] to where a coordinate that starts at `place` is within [0, size].
 FN void clip_to_slab(float place, float step, float size, PRIVATE float* from, PRIVATE float* to) {
   if (step == 0.0f) {
-    *to = (place >= 0.0f) & (place <= size) ? *to : -1.0f;
+    const bool inside = (place >= 0.0f) & (place <= size);
+    *to = inside ? *to : -1.0f;
     return;
   }
   const float a = -place / step, b = (size - place) / step;
