@@ -17,6 +17,7 @@ namespace penumbra {
 constexpr std::uint64_t kMaxSceneFileBytes = std::uint64_t{64} << 20;
 constexpr std::uint64_t kMaxMeshFileBytes = std::uint64_t{4} << 30;
 constexpr std::uint64_t kMaxImageFileBytes = std::uint64_t{4} << 30;
+constexpr std::uint64_t kMaxVolumeFileBytes = std::uint64_t{4} << 30;
 
 class FileAccess {
  public:

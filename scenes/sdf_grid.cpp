@@ -4,21 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <unordered_map>
+
+#include "scenes/volume_file.h"
 
 namespace penumbra {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 48;
 constexpr int kMostPoints = 2048;  ///< along an edge
-
-template <typename T>
-T number_at(std::string_view bytes, std::size_t at) {
-  T value;
-  std::memcpy(&value, bytes.data() + at, sizeof value);
-  return value;
-}
 
 /// The numbers between the grid's points, by places in cells.
 class Field {
@@ -165,33 +158,17 @@ class Mesher {
 }  // namespace
 
 Expected<SdfGrid> read_sdf_grid(const SourceFile& file) {
-  const std::string_view bytes = file.text;
   const auto wrong = [&](const std::string& message) {
     return fail(fmt::format("{}: {}", file.path.string(), message));
   };
-  if (bytes.size() < kHeaderBytes || !bytes.starts_with("VOL\3"))
-    return wrong("it is no volume file of Mitsuba's, which begins with VOL and the version 3");
-  const auto encoding = number_at<std::int32_t>(bytes, 4), channels = number_at<std::int32_t>(bytes, 20);
-  if (encoding != 1)
-    return wrong(fmt::format("its numbers have the encoding {}; 1, single precision, is read", encoding));
-  if (channels != 1) return wrong(fmt::format("a distance is one channel, not {}", channels));
-  SdfGrid grid;
-  std::size_t count = 1;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto size = number_at<std::int32_t>(bytes, 8 + 4 * axis);
+  Expected<VolumeFile> read = read_volume_file(file.path.string(), file.text);
+  if (!read) return std::unexpected(read.error());
+  VolumeGrid& grid = read->grid;
+  if (grid.channels != 1) return wrong(fmt::format("a distance is one channel, not {}", grid.channels));
+  for (const int size : {grid.nx, grid.ny, grid.nz})
     if (size < 2 || size > kMostPoints)
       return wrong(fmt::format("the grid has {} points along an axis; 2 to {} are read", size, kMostPoints));
-    grid.size[axis] = size;
-    count *= std::size_t(size);
-  }
-  if (bytes.size() != kHeaderBytes + count * sizeof(float))
-    return wrong(fmt::format("{} numbers take {} bytes after {} of others; there are {}", count,
-                             count * sizeof(float), kHeaderBytes, bytes.size() - kHeaderBytes));
-  grid.values.resize(count);
-  std::memcpy(grid.values.data(), bytes.data() + kHeaderBytes, count * sizeof(float));
-  if (!std::ranges::all_of(grid.values, [](float value) { return std::isfinite(value); }))
-    return wrong("a number is not finite");
-  return grid;
+  return SdfGrid{{grid.nx, grid.ny, grid.nz}, std::move(grid.values)};
 }
 
 Mesh sdf_mesh(const SdfGrid& grid) {

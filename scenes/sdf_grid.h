@@ -15,8 +15,8 @@ struct SdfGrid {
   std::vector<float> values;  ///< below 0 inside
 };
 
-/// Mitsuba's volume file: "VOL", 3, then in little endian the encoding 1 (single precision), the size, one
-/// channel, a box that has no effect, and the numbers. Errors: anything else, numbers that are not finite.
+/// A volume file of one channel, whose box has no effect. Errors: of read_volume_file, other channels, fewer
+/// than two points along an axis, or too many.
 Expected<SdfGrid> read_sdf_grid(const SourceFile& file);
 
 /// Where the numbers, trilinear between points, are 0: triangles whose corners are on it, four a cell along

@@ -82,11 +82,15 @@ TEST_F(SdfGrids, FilesThatAreWrongSaySo) {
     return wrong(bytes);
   };
   EXPECT_THAT(with(4, 2), HasSubstr("encoding 2"));
-  EXPECT_THAT(with(8, 1), HasSubstr("1 points along an axis"));
   EXPECT_THAT(with(12, -5), HasSubstr("-5 points"));
-  EXPECT_THAT(with(16, 1 << 30), HasSubstr("points along an axis"));
-  EXPECT_THAT(with(20, 3), HasSubstr("one channel, not 3"));
+  EXPECT_THAT(with(16, 1 << 30), HasSubstr("there are 256"));
   EXPECT_THAT(with(48, 0x7fc00000), HasSubstr("not finite"));
+  const auto grid = [](int nx, int channels) {
+    return vol_of({nx, 2, 2, channels, std::vector<float>(std::size_t(nx * 4 * channels), -1.0f)});
+  };
+  EXPECT_THAT(wrong(grid(1, 1)), HasSubstr("1 points along an axis; 2 to 2048 are read"));
+  EXPECT_THAT(wrong(grid(2049, 1)), HasSubstr("2049 points"));
+  EXPECT_THAT(wrong(grid(2, 3)), HasSubstr("one channel, not 3"));
 }
 
 }  // namespace

@@ -1,11 +1,10 @@
 // Grids of distances, and Mitsuba's files of them, for tests.
 #pragma once
 
-#include <cstdint>
-#include <cstring>
 #include <string>
 
 #include "scenes/sdf_grid.h"
+#include "scenes/volume_file.h"
 
 namespace penumbra {
 
@@ -21,16 +20,7 @@ inline SdfGrid ball_of_distances(int points, double radius, const glm::dvec3& ce
 }
 
 inline std::string sdf_file(const SdfGrid& grid) {
-  std::string file = "VOL\3";
-  const auto put = [&](const auto& value) {
-    file.append(reinterpret_cast<const char*>(&value), sizeof value);
-  };
-  put(std::int32_t(1));
-  for (const int size : grid.size) put(std::int32_t(size));
-  put(std::int32_t(1));
-  for (const float corner : {0.0f, 0.0f, 0.0f, 1.0f, 1.0f, 1.0f}) put(corner);
-  for (const float value : grid.values) put(value);
-  return file;
+  return vol_of({grid.size[0], grid.size[1], grid.size[2], 1, grid.values});
 }
 
 }  // namespace penumbra

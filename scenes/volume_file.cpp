@@ -1,0 +1,115 @@
+#include "scenes/volume_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+namespace penumbra {
+namespace {
+
+constexpr std::size_t kVolumeHeaderBytes = 48;
+
+/// Numbers of 4 bytes in the file's order, which is that of most machines.
+template <typename T>
+T little_endian(T value) {
+  static_assert(sizeof(T) == 4);
+  if constexpr (std::endian::native == std::endian::big)
+    return std::bit_cast<T>(std::byteswap(std::bit_cast<std::uint32_t>(value)));
+  return value;
+}
+
+template <typename T>
+T volume_number_at(std::string_view bytes, std::size_t at) {
+  T value;
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  return little_endian(value);
+}
+
+/// The encodings of Mitsuba 0.x beside single precision.
+const char* encoding_name(std::int32_t encoding) {
+  switch (encoding) {
+    case 2:
+      return " (half precision)";
+    case 3:
+      return " (bytes)";
+    case 4:
+      return " (directions)";
+    default:
+      return "";
+  }
+}
+
+}  // namespace
+
+Expected<VolumeFile> read_volume_file(const std::string& name, std::string_view bytes) {
+  const auto wrong = [&](const std::string& message) { return fail(fmt::format("{}: {}", name, message)); };
+  if (bytes.size() < kVolumeHeaderBytes || !bytes.starts_with("VOL\3"))
+    return wrong("it is no volume file of Mitsuba's, which begins with VOL and the version 3");
+  const auto encoding = volume_number_at<std::int32_t>(bytes, 4);
+  if (encoding != 1)
+    return wrong(fmt::format("its numbers have the encoding {}{}; 1, single precision, is read", encoding,
+                             encoding_name(encoding)));
+  VolumeFile file;
+  VolumeGrid& grid = file.grid;
+  std::size_t at = 8;
+  for (int* size : {&grid.nx, &grid.ny, &grid.nz}) {
+    *size = volume_number_at<std::int32_t>(bytes, at);
+    at += 4;
+    if (*size < 1) return wrong(fmt::format("the grid has {} points along an axis; it needs 1", *size));
+  }
+  grid.channels = volume_number_at<std::int32_t>(bytes, at);
+  if (grid.channels != 1 && grid.channels != 3)
+    return wrong(fmt::format("it has {} channels; 1 and 3 are read", grid.channels));
+  // As many as no file has, and as a count can be without overflow.
+  constexpr std::size_t kMost = std::size_t{1} << 60;
+  std::size_t count = std::size_t(grid.channels);
+  for (const int size : {grid.nx, grid.ny, grid.nz}) {
+    if (count > kMost / std::size_t(size))
+      return wrong(fmt::format("a grid of {} x {} x {} is too large", grid.nx, grid.ny, grid.nz));
+    count *= std::size_t(size);
+  }
+  if (bytes.size() != kVolumeHeaderBytes + count * sizeof(float))
+    return wrong(fmt::format("{} numbers take {} bytes after {} of others; there are {}", count,
+                             count * sizeof(float), kVolumeHeaderBytes, bytes.size() - kVolumeHeaderBytes));
+  for (int axis = 0; axis < 3; ++axis) {
+    file.low[axis] = double(volume_number_at<float>(bytes, 24 + 4 * std::size_t(axis)));
+    file.high[axis] = double(volume_number_at<float>(bytes, 36 + 4 * std::size_t(axis)));
+  }
+  grid.values.resize(count);
+  std::memcpy(grid.values.data(), bytes.data() + kVolumeHeaderBytes, count * sizeof(float));
+  if constexpr (std::endian::native == std::endian::big)
+    for (float& value : grid.values) value = little_endian(value);
+  const auto odd = std::ranges::find_if(grid.values, [](float value) { return !std::isfinite(value); });
+  if (odd != grid.values.end())
+    return wrong(fmt::format("the number at {} is {}, not finite",
+                             place_in_grid(grid, std::size_t(odd - grid.values.begin())), *odd));
+  return file;
+}
+
+std::string vol_of(const VolumeGrid& grid, const glm::dvec3& low, const glm::dvec3& high) {
+  std::string out = "VOL\3";
+  const auto put = [&](auto value) {
+    value = little_endian(value);
+    out.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  for (const int number : {1, grid.nx, grid.ny, grid.nz, grid.channels}) put(std::int32_t(number));
+  for (const glm::dvec3& corner : {low, high})
+    for (int axis = 0; axis < 3; ++axis) put(float(corner[axis]));
+  out.reserve(out.size() + grid.values.size() * sizeof(float));
+  for (const float value : grid.values) put(value);
+  return out;
+}
+
+std::string place_in_grid(const VolumeGrid& grid, std::size_t index) {
+  const auto channels = std::size_t(grid.channels), nx = std::size_t(grid.nx), ny = std::size_t(grid.ny);
+  const std::size_t cell = index / channels;
+  std::string place = fmt::format("x {}, y {}, z {}", cell % nx, cell / nx % ny, cell / nx / ny);
+  if (channels > 1) place += fmt::format(", channel {}", index % channels);
+  return place;
+}
+
+}  // namespace penumbra
