@@ -14,6 +14,7 @@
 #include "kernels/scene_types.h"
 #include "scenes/grid_volume.h"
 #include "scenes/plugin_values.h"
+#include "scenes/volumes.h"
 
 namespace penumbra {
 
@@ -33,25 +34,52 @@ inline bool operator==(const PhaseLobe& a, const PhaseLobe& b) {
   return a.kind == b.kind && a.g == b.g && a.weight == b.weight;
 }
 
-struct HomogeneousMedium {
+/// What media of both kinds have: an extinction, a colour or a grid's, and the scattered share of it.
+template <typename Extinction>
+struct MediumCoefficients {
+  Extinction sigma_t{glm::vec3(1.0f)};
+  GriddedColour albedo{glm::vec3(0.75f)};
+  float scale = 1.0f;
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("sigma_t", &MediumCoefficients::sigma_t, VolumeColour{0.0f, kAnyNumber},
+        "extinction in 1 / scene unit");
+    row("albedo", &MediumCoefficients::albedo, VolumeColour{}, "the share of it that is scattered");
+    row("scale", &MediumCoefficients::scale, NumberWithin{LowEnd::kClosed, 0.0f, kAnyNumber},
+        "by which the coefficients are multiplied");
+  }
+  void check_extinction(Findings& findings) const {
+    const glm::vec3 most = scale * GriddedColour(sigma_t).most();
+    if (!std::isfinite(most.x) || !std::isfinite(most.y) || !std::isfinite(most.z))
+      findings.push_back({"scale", "the extinction is too large for a number"});
+  }
+  /// Without a name and a phase function.
+  [[nodiscard]] ParticipatingMedium medium() const {
+    const GriddedColour extinction(sigma_t);
+    ParticipatingMedium result;
+    result.extinction = scale * extinction.value;
+    result.albedo = albedo.value;
+    result.density = extinction.grid;
+    result.albedo_grid = albedo.grid;
+    return result;
+  }
+};
+
+struct HomogeneousMedium : MediumCoefficients<glm::vec3> {
   static constexpr const char* kPlugin = "homogeneous";
   static constexpr const char* kText =
-      "the same everywhere: sigma_t and albedo, or sigma_s and sigma_a; holds a phase function";
-  glm::vec3 sigma_t{1.0f}, albedo{0.75f};
+      "the same everywhere, but for an albedo that is a gridvolume: sigma_t and albedo, or sigma_s and "
+      "sigma_a; holds a phase function";
   glm::vec3 sigma_s{0.0f}, sigma_a{0.0f};
-  float scale = 1.0f;
   bool by_material = false;  ///< what a file means that says none of these
 
   template <typename Row>
   static void parameters(const Row& row) {
-    row("sigma_t", &HomogeneousMedium::sigma_t, VolumeColour{0.0f, kAnyNumber},
-        "extinction in 1 / scene unit");
-    row("albedo", &HomogeneousMedium::albedo, VolumeColour{}, "the share of it that is scattered");
+    MediumCoefficients::parameters(row);
     row("sigma_s", &HomogeneousMedium::sigma_s, VolumeColour{0.0f, kAnyNumber},
         "what is scattered, instead of both");
     row("sigma_a", &HomogeneousMedium::sigma_a, VolumeColour{0.0f, kAnyNumber}, "... and what is absorbed");
-    row("scale", &HomogeneousMedium::scale, NumberWithin{LowEnd::kClosed, 0.0f, kAnyNumber},
-        "by which the coefficients are multiplied");
   }
   /// In Mitsuba 0.x a medium without coefficients is skin.
   void written_for(std::int64_t version) { by_material = version < 2; }
@@ -65,12 +93,24 @@ struct HomogeneousMedium {
     else if (!parts && !whole && by_material)
       findings.push_back({"", "a medium needs sigma_t and albedo, or sigma_s and sigma_a"});
     if (parts) sigma_t = sigma_s + sigma_a;
-    for (int i = 0; parts && i < 3; ++i) albedo[i] = sigma_t[i] > 0 ? sigma_s[i] / sigma_t[i] : 0.0f;
-    for (int i = 0; i < 3; ++i)
-      if (!std::isfinite(sigma_t[i] * scale)) {
-        findings.push_back({"scale", "the extinction is too large for a number"});
-        return;
-      }
+    for (int i = 0; parts && i < 3; ++i) albedo.value[i] = sigma_t[i] > 0 ? sigma_s[i] / sigma_t[i] : 0.0f;
+    check_extinction(findings);
+  }
+};
+
+struct HeterogeneousMedium : MediumCoefficients<GriddedColour> {
+  static constexpr const char* kPlugin = "heterogeneous";
+  static constexpr const char* kText =
+      "what varies in space: sigma_t is a gridvolume, outside of whose box there is nothing, and albedo "
+      "may be one; holds a phase function";
+
+  void complete(Findings& findings) const {
+    if (!sigma_t.grid)
+      findings.push_back({"",
+                          "sigma_t is no grid, so the medium is the same everywhere, as 'homogeneous' is; "
+                          "Mitsuba's ends at the unit cube of sigma_t's to_world",
+                          true});
+    check_extinction(findings);
   }
 };
 
@@ -119,7 +159,8 @@ struct BlendPhase {
 };
 
 using PhasePlugins = std::variant<IsotropicPhase, HenyeyGreensteinPhase, RayleighPhase>;
-using MediumPlugins =
-    std::variant<HomogeneousMedium, IsotropicPhase, HenyeyGreensteinPhase, RayleighPhase, BlendPhase>;
+using MediumKinds = std::variant<HomogeneousMedium, HeterogeneousMedium>;
+using MediumPlugins = std::variant<HomogeneousMedium, HeterogeneousMedium, GridVolumeParameters,
+                                   IsotropicPhase, HenyeyGreensteinPhase, RayleighPhase, BlendPhase>;
 
 }  // namespace penumbra

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <type_traits>
 #include <variant>
 
 #include "scenes/mitsuba/shape_parameters.h"
@@ -34,7 +35,10 @@ void describe(std::string& out) {
   Model::parameters([&](const char* name, auto member, const auto& values, const char* text) {
     using T = std::remove_cvref_t<decltype(model.*member)>;
     rows += fmt::format("| `{}` | {}{} | {} | {} |\n", name, values.values(),
-                        kMayBeTexture<T> ? ", or a texture" : "", default_of(values, model.*member), text);
+                        kMayBeTexture<T>                   ? ", or a texture"
+                        : std::is_same_v<T, GriddedColour> ? ", or a gridvolume"
+                                                           : "",
+                        default_of(values, model.*member), text);
   });
   if (!rows.empty())
     out += "| parameter | values | default | what it is |\n|---|---|---|---|\n" + rows + "\n";

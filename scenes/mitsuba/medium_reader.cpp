@@ -25,6 +25,22 @@ constexpr auto phase_plugins(const std::variant<Models...>*) {
 }
 constexpr auto kPhases = phase_plugins(static_cast<const PhasePlugins*>(nullptr));
 
+struct MediumKind {
+  std::string_view type;
+  ParticipatingMedium (*read)(PluginReader&);
+};
+template <typename Model>
+ParticipatingMedium read_coefficients(PluginReader& plugin) {
+  Model model;
+  plugin.read_parameters(model);
+  return model.medium();
+}
+template <typename... Models>
+constexpr auto medium_kinds(const std::variant<Models...>*) {
+  return std::array{MediumKind{Models::kPlugin, read_coefficients<Models>}...};
+}
+constexpr auto kMedia = medium_kinds(static_cast<const MediumKinds*>(nullptr));
+
 constexpr std::size_t kMostLevels = 8;  // each of which reads two
 
 /// Adds lobes with their share of a mixture, those that are there already to these.
@@ -53,6 +69,7 @@ void MediumReader::read(const Object& medium) {
   Context context{context_.tree, unseen};
   context.textures = context_.textures;
   context.files = context_.files;
+  context.volumes = context_.volumes;
   std::optional<ParticipatingMedium> read = read_new(context, medium);
   if (!unseen.failed()) media_[&medium].medium = std::move(read);
   media_[&medium];
@@ -87,30 +104,37 @@ void MediumReader::install(PluginReader& plugin, Shape& shape, SceneDescription&
 
 std::optional<ParticipatingMedium> MediumReader::read_new(const Context& context, const Object& medium) {
   PluginReader plugin(context, medium);
-  if (medium.type != HomogeneousMedium::kPlugin) {
-    const std::vector<std::string> known = {HomogeneousMedium::kPlugin};
-    context.unknown_plugin(medium, known, "it is left out");
+  const MediumKind* kind = find_plugin(kMedia, medium.type);
+  const bool homogeneous = medium.type == HomogeneousMedium::kPlugin;
+  if (kind == nullptr) {
+    context.unknown_plugin(medium, plugin_types(kMedia), "it is left out");
     plugin.skip();
     return std::nullopt;
   }
-  HomogeneousMedium given;
-  if (plugin.has("material"))
+  if (!homogeneous && context.tree.major_version < 2) {
+    context.unsupported(medium.type_location,
+                        fmt::format("{} of Mitsuba 0.x is not read, whose grids have their numbers at the "
+                                    "corners of cells; that of versions 2 and 3 is",
+                                    plugin.title()),
+                        "it is left out");
+    plugin.skip();
+    return std::nullopt;
+  }
+  if (homogeneous && plugin.has("material"))
     plugin.wrong("material",
                  "media are not known by the names of materials; give sigma_s and sigma_a, or sigma_t and "
                  "albedo");
-  plugin.read_parameters(given);
+  ParticipatingMedium result = kind->read(plugin);
+  if (homogeneous) plugin.accept({"material"});
   // How others sample them.
-  plugin.accept({"material", "sample_emitters", "has_spectral_extinction", "strategy", "sampling_weight",
-                 "medium_sampling_mode"});
+  plugin.accept({"sample_emitters", "has_spectral_extinction", "strategy", "sampling_weight",
+                 "medium_sampling_mode", "majorant_resolution_factor", "majorant_factor"});
   const Object* phase = plugin.only_nested("phase");
   plugin.finish();
   std::optional<Lobes> lobes =
       phase != nullptr ? read_phase(context, *phase) : std::optional(Lobes{IsotropicPhase{}.lobe()});
   if (!lobes) return std::nullopt;
-  ParticipatingMedium result;
   result.name = name_of(medium);
-  result.extinction = given.scale * given.sigma_t;
-  result.albedo = given.albedo;
   result.phase = std::move(*lobes);
   return result;
 }

@@ -7,6 +7,7 @@
 #include "scenes/mitsuba/spectrum_file.h"
 #include "scenes/mitsuba/spectrum_reader.h"
 #include "scenes/mitsuba/texture_reader.h"
+#include "scenes/mitsuba/volume_reader.h"
 #include "scenes/settings.h"
 #include "scenes/transform.h"
 
@@ -44,6 +45,13 @@ void Context::unknown_plugin(const Object& object, std::span<const std::string> 
   } else {
     diagnostics.error(object.type_location, what + reads);
   }
+}
+
+void Context::unsupported(SourceLocation location, std::string_view what, std::string_view instead) const {
+  if (lenient)
+    diagnostics.warn(location, fmt::format("{}; {}", what, instead));
+  else
+    diagnostics.error(location, what);
 }
 
 std::vector<std::filesystem::path> Context::folders(const Object& object) const {
@@ -268,13 +276,31 @@ void PluginReader::read(std::string_view name, glm::vec3& colour, const ColourWi
 }
 
 void PluginReader::read(std::string_view name, glm::vec3& colour, const VolumeColour& values) {
+  read_volume(name, colour, nullptr, values);
+}
+
+void PluginReader::read(std::string_view name, GriddedColour& colour, const VolumeColour& values) {
+  read_volume(name, colour.value, &colour.grid, values);
+}
+
+void PluginReader::read_volume(std::string_view name, glm::vec3& colour, std::optional<GridVolume>* grid,
+                               const VolumeColour& values) {
   const ColourRole role = values.high <= 1.0f ? ColourRole::kReflectance : ColourRole::kIndex;
-  static const std::vector<std::string> kVolumes = {"constvolume"};
+  static const std::vector<std::string> kVolumes = {"constvolume", GridVolumeParameters::kPlugin};
   for (Nested& each : nested_) {
     if (each.name != name || each.object->tag != "volume") continue;
     each.taken = true;
     skip_parameter(name);
     if (has(name)) wrong(name, fmt::format("'{}' is there twice, once as <volume>", name));
+    if (each.object->type == kVolumes[1]) {
+      if (grid == nullptr)
+        return context_.unsupported(
+            each.location, fmt::format("'{}' of {} takes no grid, only a constvolume", name, title()),
+            "a default stands in for it");
+      colour = glm::vec3(1.0f);
+      *grid = context_.volumes->read(context_, *each.object, name, values);
+      return;
+    }
     if (each.object->type != kVolumes[0])
       return context_.unknown_plugin(*each.object, kVolumes, "a default stands in for it");
     PluginReader volume(context_, *each.object);

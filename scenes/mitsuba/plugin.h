@@ -19,11 +19,13 @@
 #include "scenes/plugin_values.h"
 #include "scenes/refractive_indices.h"
 #include "scenes/scene_description.h"
+#include "scenes/volumes.h"
 
 namespace penumbra::mitsuba {
 
 class MediumReader;
 class TextureReader;
+class VolumeReader;
 enum class TextureUse;
 
 /// What the readers of plugins share.
@@ -34,6 +36,7 @@ struct Context {
   bool media_seen = false;            ///< by the scene's integrator
   TextureReader* textures = nullptr;  ///< while a scene is built
   MediumReader* media = nullptr;      ///< likewise
+  VolumeReader* volumes = nullptr;    ///< likewise
   const FileAccess* files = nullptr;  ///< likewise
 
   /// The object, or the one that is referred to; null, and an error, where there is none of that id.
@@ -46,6 +49,9 @@ struct Context {
   /// `instead`, "it is left out" for example.
   void unknown_plugin(const Object& object, std::span<const std::string> known,
                       std::string_view instead) const;
+
+  /// What there is no counterpart for: an error, or with `lenient` a warning that ends in `instead`.
+  void unsupported(SourceLocation location, std::string_view what, std::string_view instead) const;
 };
 
 /// How a colour is made from a spectrum, and what values it may have.
@@ -80,6 +86,7 @@ class PluginReader {
   void read(std::string_view name, bool& value, const TrueOrFalse& values);
   void read(std::string_view name, glm::vec3& colour, const ColourWithin& values);
   void read(std::string_view name, glm::vec3& colour, const VolumeColour& values);
+  void read(std::string_view name, GriddedColour& colour, const VolumeColour& values);
   void read(std::string_view name, glm::dvec3& value, AnyPoint values);
   void read(std::string_view name, double& value, AnyNumber values);
   void read(std::string_view name, glm::dmat4& value, AnyTransform values);
@@ -158,6 +165,9 @@ class PluginReader {
   };
   TakenTexture take_texture(std::string_view name, TextureUse use);
   void read_textured(std::string_view name, TexturedColour& colour, ColourRole role, const auto& values);
+  /// Without `grid` a grid is an error.
+  void read_volume(std::string_view name, glm::vec3& colour, std::optional<GridVolume>* grid,
+                   const VolumeColour& values);
   void read_plain(std::string_view name, glm::vec3& colour, ColourRole role, const auto& values);
   template <typename T>
   const T* take_as(std::string_view name, std::string_view wanted);

@@ -12,6 +12,7 @@
 #include "scenes/mitsuba/sensor_reader.h"
 #include "scenes/mitsuba/shape_reader.h"
 #include "scenes/mitsuba/texture_reader.h"
+#include "scenes/mitsuba/volume_reader.h"
 
 namespace penumbra::mitsuba {
 SceneDescription build_scene(const Context& plain, const FileAccess& files) {
@@ -20,6 +21,8 @@ SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   TextureReader textures(context, files);
   context.textures = &textures;
   context.files = &files;
+  VolumeReader volumes;
+  context.volumes = &volumes;
   scene.source = context.tree.scene.location.file->path.string();
   // Files of Mitsuba 3 say 3.0.0, whatever its version: the present one's rule, which is that from 3.7 on.
   if (context.tree.major_version >= 3) scene.integrator.hidden_emitters = HiddenEmitters::kLookedThrough;

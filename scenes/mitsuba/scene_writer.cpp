@@ -18,6 +18,7 @@
 #include "scenes/mitsuba/shape_parameters.h"
 #include "scenes/settings.h"
 #include "scenes/transform.h"
+#include "scenes/volume_file.h"
 
 namespace penumbra::mitsuba {
 namespace {
@@ -38,7 +39,7 @@ class SceneWriter {
 
   Expected<void> write() {
     put_integrator();
-    put_media();
+    if (auto done = put_media(); !done) return done;
     put_sensor();
     put_surfaces();
     // Mitsuba has no instances within groups, and no emitters in them: all are the scene's own.
@@ -114,23 +115,53 @@ class SceneWriter {
     return shared && std::ranges::find(kWays, name) != std::end(kWays);
   }
 
-  /// An extinction beyond 1 is divided by a power of two, which `scale` says: Mitsuba 3 takes no colours
-  /// beyond 1 for it.
-  void put_media() {
+  Expected<void> put_media() {
     for (std::size_t i = 0; i < scene_.media.size(); ++i) {
       const ParticipatingMedium& medium = scene_.media[i];
       const glm::vec3 e = medium.extinction;
-      HomogeneousMedium given;
-      int exponent = 0;
-      std::frexp(std::max({e.x, e.y, e.z}), &exponent);
-      given.scale = std::ldexp(1.0f, std::max(exponent, 0));
-      xml_.open("medium", HomogeneousMedium::kPlugin, fmt::format(" id=\"medium-{}\"", i));
-      xml_.value("rgb", "sigma_t", colour_text(e / given.scale));
-      xml_.value("rgb", "albedo", colour_text(medium.albedo));
-      if (given.scale != 1.0f) xml_.value("float", "scale", fmt::format("{}", given.scale));
+      if ((medium.density && e != glm::vec3(e.x)) || (medium.albedo_grid && medium.albedo != glm::vec3(1.0f)))
+        return fail(
+            fmt::format("{} has a colour that multiplies a grid, which Mitsuba has not", medium.name));
+      xml_.open("medium", medium.density ? HeterogeneousMedium::kPlugin : HomogeneousMedium::kPlugin,
+                fmt::format(" id=\"medium-{}\"", i));
+      float scale = e.x;
+      if (medium.density) {
+        if (auto done = put_grid("sigma_t", *medium.density); !done) return done;
+      } else {
+        scale = scale_of(e);
+        xml_.value("rgb", "sigma_t", colour_text(e / scale));
+      }
+      if (medium.albedo_grid) {
+        if (auto done = put_grid("albedo", *medium.albedo_grid); !done) return done;
+      } else {
+        xml_.value("rgb", "albedo", colour_text(medium.albedo));
+      }
+      if (scale != 1.0f) xml_.value("float", "scale", fmt::format("{}", scale));
       put_phase(medium.phase);
       xml_.close();
     }
+    return {};
+  }
+
+  /// An extinction beyond 1 is divided by a power of two, which `scale` says: Mitsuba 3 takes no colours
+  /// beyond 1 for it.
+  static float scale_of(const glm::vec3& extinction) {
+    int exponent = 0;
+    std::frexp(std::max({extinction.x, extinction.y, extinction.z}), &exponent);
+    return std::ldexp(1.0f, std::max(exponent, 0));
+  }
+
+  /// The file of a grid is written where it is first used.
+  Expected<void> put_grid(std::string_view name, const GridVolume& volume) {
+    const auto [at, added] =
+        grids_.try_emplace(volume.grid.get(), fmt::format("{}-{}.vol", file_.stem().string(), grids_.size()));
+    if (added)
+      if (auto done = write_file(file_.parent_path() / at->second, vol_of(*volume.grid)); !done) return done;
+    xml_.open("volume", GridVolumeParameters::kPlugin, fmt::format(" name=\"{}\"", name));
+    put_parameters(xml_, GridVolumeParameters{
+                             .filename = at->second, .to_world = volume.to_world, .nearest = volume.nearest});
+    xml_.close();
+    return {};
   }
 
   /// Of several lobes the last against all before it.
@@ -458,6 +489,7 @@ class SceneWriter {
   const fs::path file_;
   XmlText xml_ = new_text();
   int meshes_ = 0;                                       ///< files written so far
+  std::map<const VolumeGrid*, std::string> grids_;       ///< likewise, by what is in them
   std::set<int> textures_;                               ///< written so far
   std::map<std::pair<int, int>, std::string> surfaces_;  ///< fronts and backs, and their ids
 };

@@ -107,10 +107,11 @@ TEST_F(MitsubaMedia, ErrorsSayWhatIsWrong) {
           ".5", blend(".5", blend(".5", hg(".1") + hg(".2")) + blend(".5", hg(".3") + hg(".4"))) + hg(".5"))),
       HasSubstr("a mixture of 5 phase functions that differ; there may be 4"));
   EXPECT_THAT(wrong("<volume type='gridvolume' name='sigma_t'/>"),
-              AllOf(HasSubstr("volume type 'gridvolume'"), HasSubstr("constvolume")));
-  EXPECT_THAT(
-      error(scene(kVolpath + in("shape", "sphere", "<medium type='heterogeneous' name='interior'/>"))),
-      AllOf(HasSubstr("medium type 'heterogeneous'"), HasSubstr("homogeneous")));
+              HasSubstr("'sigma_t' of medium 'homogeneous' takes no grid, only a constvolume"));
+  EXPECT_THAT(wrong("<volume type='vdb' name='sigma_t'/>"),
+              AllOf(HasSubstr("volume type 'vdb'"), HasSubstr("constvolume, gridvolume")));
+  EXPECT_THAT(error(scene(kVolpath + in("shape", "sphere", "<medium type='fluorescent' name='interior'/>"))),
+              AllOf(HasSubstr("medium type 'fluorescent'"), HasSubstr("homogeneous, heterogeneous")));
   EXPECT_THAT(error(scene(kVolpath + "<phase type='blendphase' id='p'>" + number("weight", ".5") +
                           "<ref id='p'/><ref id='p'/></phase>" + medium("<ref id='p'/>"))),
               HasSubstr("holds itself"));
@@ -160,7 +161,7 @@ TEST_F(MitsubaMedia, OtherIntegratorsPassThroughThem) {
   EXPECT_EQ(device(s).header.tables.media.count, 0);
   // What would be an error is none where nothing sees it.
   EXPECT_THAT(good("<integrator type='path'/>" +
-                   in("shape", "sphere", "<medium type='heterogeneous' name='interior'/>"))
+                   in("shape", "sphere", "<medium type='fluorescent' name='interior'/>"))
                   .media,
               IsEmpty());
   for (const char* type : {"volpath", "volpath_simple", "volpathmis", "volpath_mats", "prbvolpath"})

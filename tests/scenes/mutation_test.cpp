@@ -9,6 +9,8 @@
 #include <tuple>
 
 #include "scenes/scene_reader.h"
+#include "scenes/transform.h"
+#include "scenes/volume_file.h"
 #include "tests/scenes/gltf_text.h"
 #include "tests/scenes/ply_writer.h"
 #include "tests/scenes/sdf_writer.h"
@@ -124,6 +126,14 @@ void expect_fit(const SceneDescription& scene) {
         ASSERT_LT(std::max(t.x, std::max(t.y, t.z)), mesh->positions.size());
       }
     }
+  }
+  for (const ParticipatingMedium& medium : scene.media) {
+    if (!medium.density) continue;
+    const VolumeGrid& grid = *medium.density->grid;
+    ASSERT_EQ(grid.values.size(), std::size_t(grid.nx) * std::size_t(grid.ny) * std::size_t(grid.nz) *
+                                      std::size_t(grid.channels));
+    for (const float value : grid.values) ASSERT_TRUE(std::isfinite(value) && value >= 0.0f);
+    ASSERT_FALSE(is_singular(medium.density->to_world));
   }
   ASSERT_TRUE(scene.camera.fov > 0.0 && scene.camera.fov < 180.0);
   ASSERT_NEAR(std::abs(glm::determinant(glm::dmat3(scene.camera.to_world))), 1.0, 1e-3);
@@ -255,6 +265,19 @@ TEST(MutatedMeshes, CurvesAndDistances) {
       "value='g.vol'/></shape></scene>");
   write_text(folder / "g.vol", sdf_file(ball_of_distances(4, 0.3)));
   expect_survival(folder.path(), "scene.xml", "g.vol", 104);
+}
+
+TEST(MutatedMeshes, Grids) {
+  const TemporaryFolder folder;
+  write_text(folder / "scene.xml",
+             "<scene version='3.0.0'><integrator type='volpath'/><sensor type='perspective'/><shape "
+             "type='cube'><medium type='heterogeneous' name='interior'><volume type='gridvolume' "
+             "name='sigma_t'><string name='filename' value='s.vol'/><boolean name='use_grid_bbox' "
+             "value='true'/></volume></medium></shape></scene>");
+  VolumeGrid grid{4, 3, 2, 3, std::vector<float>(72, 0.5f)};
+  grid.values[7] = 2.0f;
+  write_text(folder / "s.vol", vol_of(grid));
+  expect_survival(folder.path(), "scene.xml", "s.vol", 105);
 }
 
 TEST(MutatedMeshes, Animations) {

@@ -183,6 +183,7 @@ class Writer {
     if (type == "obj" || type == "ply" || type == "serialized")
       return type == "obj" ? "mesh.obj" : type == "ply" ? "mesh.ply" : "mesh.serialized";
     if (type == "sdfgrid") return "grid.vol";
+    if (type == "gridvolume") return "smoke.vol";
     return type.ends_with("curve") ? "curve.txt" : "image.pfm";
   }
 

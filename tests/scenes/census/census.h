@@ -18,7 +18,7 @@ struct Row {
 std::vector<Row> read_rows(const std::filesystem::path& file);
 
 /// A scene with each of the row's plugins and parameters, whose files are `mesh.obj`, `mesh.ply`,
-/// `mesh.serialized`, `curve.txt`, `grid.vol` and `image.pfm` beside it.
+/// `mesh.serialized`, `curve.txt`, `grid.vol`, `smoke.vol` and `image.pfm` beside it.
 std::string scene_text(const Row& row);
 
 }  // namespace penumbra::census

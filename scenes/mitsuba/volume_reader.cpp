@@ -1,0 +1,89 @@
+#include "scenes/mitsuba/volume_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/transform.h"
+#include "scenes/volumes.h"
+
+namespace penumbra::mitsuba {
+namespace {
+
+/// From the unit cube to the box that the file says. Errors: it is none.
+Expected<glm::dmat4> box_of(const VolumeFile& file) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(file.low[axis] < file.high[axis] && std::isfinite(file.high[axis] - file.low[axis])))
+      return fail(fmt::format("the box that the file says is none: it goes from {} to {} along {}",
+                              file.low[axis], file.high[axis], "xyz"[axis]));
+  return translation(file.low) * scaling(file.high - file.low);
+}
+
+}  // namespace
+
+std::optional<GridVolume> VolumeReader::read(const Context& context, const Object& object,
+                                             std::string_view name, const VolumeColour& values) {
+  PluginReader plugin(context, object);
+  GridVolumeParameters given;
+  plugin.read_parameters(given);
+  // Of Mitsuba's spectral variants, of its devices, and of its sampling.
+  plugin.accept({"raw", "accel", "max_value"});
+  plugin.finish();
+  const File file = open(context, plugin, given.filename);
+  if (file == nullptr) return std::nullopt;
+  const VolumeGrid& grid = file->grid;
+  const auto odd = std::ranges::find_if(grid.values, [&](float value) { return !values.contains(value); });
+  if (odd != grid.values.end()) {
+    plugin.wrong("filename", fmt::format("{}: the number at {} is {}; {} must be a {}", given.filename,
+                                         place_in_grid(grid, std::size_t(odd - grid.values.begin())), *odd,
+                                         name, values.values()));
+    return std::nullopt;
+  }
+  GridVolume volume{{file, &grid}, given.to_world, given.nearest};
+  if (given.use_grid_bbox) {
+    const auto box = box_of(*file);
+    if (!box) {
+      plugin.wrong("filename", fmt::format("{}: {}", given.filename, box.error().message));
+      return std::nullopt;
+    }
+    volume.to_world = given.to_world * *box;
+    if (is_singular(volume.to_world)) {
+      plugin.wrong("to_world", "the transform of the box that the file says overflows");
+      return std::nullopt;
+    }
+  }
+  return volume;
+}
+
+VolumeReader::File VolumeReader::open(const Context& context, PluginReader& plugin,
+                                      const std::string& filename) {
+  if (!plugin.has("filename")) {
+    plugin.wrong(fmt::format("{} needs a <string name=\"filename\" …>", plugin.title()));
+    return nullptr;
+  }
+  const auto path = context.files->find(filename, context.folders(plugin.object()));
+  if (!path) {
+    plugin.wrong("filename", path.error().message);
+    return nullptr;
+  }
+  std::error_code ignored;
+  const std::string key = std::filesystem::weakly_canonical(*path, ignored).string();
+  auto known = files_.find(key);
+  if (known == files_.end()) known = files_.emplace(key, read_new(*context.files, *path)).first;
+  if (known->second) return *known->second;
+  context.diagnostics.error_text(fmt::format("{}\n  (which is named at {})", known->second.error().message,
+                                             describe(plugin.object().location)));
+  return nullptr;
+}
+
+Expected<VolumeReader::File> VolumeReader::read_new(const FileAccess& files,
+                                                    const std::filesystem::path& path) {
+  const Expected<std::string> bytes = files.read_bytes(path, kMaxVolumeFileBytes);
+  if (!bytes) return std::unexpected(bytes.error());
+  Expected<VolumeFile> file = read_volume_file(path.string(), *bytes);
+  if (!file) return std::unexpected(file.error());
+  return std::make_shared<const VolumeFile>(std::move(*file));
+}
+
+}  // namespace penumbra::mitsuba

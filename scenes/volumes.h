@@ -1,0 +1,62 @@
+// Volumes as scene files describe them: colours that may vary in space, and the parameters of the plugins
+// that they come from, a row for every one (see bsdfs.h).
+#pragma once
+
+#include <algorithm>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+
+#include "scenes/grid_volume.h"
+#include "scenes/plugin_values.h"
+
+namespace penumbra {
+
+/// A colour, linear Rec. 709: the same everywhere, or `grid`'s, and then `value` is 1.
+struct GriddedColour {
+  glm::vec3 value{0.0f};
+  std::optional<GridVolume> grid{};
+  GriddedColour() = default;
+  GriddedColour(const glm::vec3& plain) : value(plain) {}
+  /// At least all that it is anywhere.
+  [[nodiscard]] glm::vec3 most() const {
+    return grid ? glm::vec3(std::ranges::max(grid->grid->values)) : value;
+  }
+};
+
+inline std::string print_default(const GriddedColour& colour) { return print_default(colour.value); }
+
+struct GridVolumeParameters {
+  static constexpr const char* kPlugin = "gridvolume";
+  static constexpr const char* kText =
+      "numbers at the centres of a grid's cells, which fill the unit cube of to_world; beyond the outermost "
+      "ones constant";
+  std::string filename;
+  glm::dmat4 to_world{1.0};
+  bool nearest = false;
+  bool repeats = false;
+  bool use_grid_bbox = false;
+
+  template <typename Row>
+  static void parameters(const Row& row) {
+    row("filename", &GridVolumeParameters::filename, FileName{}, "the volume file");
+    row("to_world", &GridVolumeParameters::to_world, AnyTransform{}, "where the unit cube is");
+    row("filter_type", &GridVolumeParameters::nearest, OneOf<bool>{{{"trilinear", false}, {"nearest", true}}},
+        "what is between the centres of cells");
+    row("wrap_mode", &GridVolumeParameters::repeats,
+        OneOf<bool>{{{"clamp", false}, {"mirror", false}, {"repeat", true}}},
+        "what is beyond the outermost centres; repeat is clamp here");
+    row("use_grid_bbox", &GridVolumeParameters::use_grid_bbox, TrueOrFalse{},
+        "the grid fills the box that its file says instead of the unit cube");
+  }
+  void complete(Findings& findings) const {
+    if (repeats)
+      findings.push_back(
+          {"",
+           "beyond the outermost centres of its cells a grid is constant, so wrap_mode 'repeat' "
+           "is 'clamp'; it differs within half a cell of the faces of its box",
+           true});
+  }
+};
+
+}  // namespace penumbra
