@@ -111,10 +111,11 @@ FN float clear_of(Surface s) {
 /// Flights of rays under way through media as far as the surfaces: those that end before scatter there, and
 /// have arrived.
 ///
-/// `tracked`: where those through grids do.
+/// `reaches`: how far from their last boundaries those through grids do, then all; negative where they do
+/// not.
 STAGE void fly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE float* RESTRICT lengths,
-               const PRIVATE float* RESTRICT tracked) {
+               PRIVATE float* RESTRICT reaches) {
   const PathState fields = *paths;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -126,7 +127,7 @@ STAGE void fly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i
       const int leaf = get_material(&fields, i + j), phase = medium->material;
       const float sigma = channel_of(extinction, get_hero(&fields, i + j));
       const bool grid = is_grid(medium);
-      const float reach = grid ? tracked[j] : left / max_f(sigma, 1e-30f);
+      const float reach = grid ? reaches[j] : left / max_f(sigma, 1e-30f);
       const bool flies = (tmax > 0.0f) & (max_component(extinction) > 0.0f) & !grid;
       const bool scatters = grid ? reach >= 0.0f : flies & (sigma > 0.0f) & (reach < length);
       const FlightWeight before = flight_weight(&fields, i + j);
@@ -143,12 +144,25 @@ STAGE void fly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i
       const vec3 origin = get_ray_origin(&fields, i + j);
       const vec3 p = add_scaled(get_kept_origin(&fields, i + j), way + at, get_ray_direction(&fields, i + j));
       set_ray_origin(&fields, i + j, select3(scatters, p, origin));
+      reaches[j] = scatters ? reach : -1.0f;
       set_material(&fields, i + j, scatters ? phase : leaf);
       const int kept = get_kept_hit(&fields, i + j);
       set_kept_hit(&fields, i + j, scatters ? IN_MEDIUM : kept);
       const bool arrives = scatters | (s.primitive < 0);
       set_ray_tmax(&fields, i + j, arrives ? -1.0f : tmax);
     }
+}
+
+/// What scattered in media whose albedo varies.
+FN void colour_by_grids(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                        const PRIVATE float* reaches) {
+  for (int j = 0; j < LANES; j++) {  // no lane loop, as above
+    const int index = scene->media[innermost(get_media(paths, i + j))].albedo_grid;
+    if (!(reaches[j] >= 0.0f) || index < 0) continue;
+    GLOBAL const Volume* v = scene->volumes + index;
+    const vec3 albedo = volume_value(scene, v, volume_place(v, get_ray_origin(paths, i + j)));
+    set_throughput(paths, i + j, mul(get_throughput(paths, i + j), albedo));
+  }
 }
 
 /// Of a boundary, or -1, that is crossed in that direction: never 0.

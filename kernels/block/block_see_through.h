@@ -203,10 +203,11 @@ FN bool pass_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
   #if HAS(MEDIA)
   if (flies) flight_lengths(paths, i, &surfaces, lengths);
   if (flies) {
-    float tracked[LANES];
-    for (int j = 0; j < LANES; j++) tracked[j] = -1.0f;
-    if (has_grids(scene)) fly_through_grids(scene, paths, i, lengths, tracked);
-    fly(scene, paths, i, &surfaces, lengths, tracked);
+    float reaches[LANES];
+    for (int j = 0; j < LANES; j++) reaches[j] = -1.0f;
+    if (has_grids(scene)) fly_through_grids(scene, paths, i, lengths, reaches);
+    fly(scene, paths, i, &surfaces, lengths, reaches);
+    if (has_grids(scene)) colour_by_grids(scene, paths, i, reaches);
   }
   #endif
   pass_hidden(paths, i, hides, &surfaces, passes);

@@ -48,13 +48,7 @@ FN TrackedFlight track_flight(const PRIVATE Scene* scene, GLOBAL const Medium* m
     const vec3 share = real_share(scene, v, extinction, &walk), other = one_minus3(share);
     const bool real = next_number(&walk) < channel_of(share, hero);
     if (real) {
-      vec3 albedo = load3(&medium->albedo);
-      if (medium->albedo_grid >= 0) {
-        GLOBAL const Volume* of_albedo = scene->volumes + medium->albedo_grid;
-        const vec3 p = add_scaled(origin, walk.t, direction);
-        albedo = mul(albedo, volume_value(scene, of_albedo, volume_place(of_albedo, p)));
-      }
-      flight.weight = weigh_flight(flight.weight, mul(albedo, share), share);
+      flight.weight = weigh_flight(flight.weight, mul(load3(&medium->albedo), share), share);
       flight.reach = walk.t;
       break;
     }

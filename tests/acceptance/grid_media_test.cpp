@@ -162,6 +162,16 @@ TEST(GridMedia, OfOneNumberAreHomogeneousOnes) {
   expect_alike(cloud(DirectSampling::kMis, true, true), cloud(DirectSampling::kMis, true, false));
 }
 
+// Of one number, by a grid or not; over all of space, not only in its box.
+TEST(GridMedia, OfOneAlbedoAreHomogeneousOnes) {
+  SceneDescription gridded = cloud(DirectSampling::kMis, true, false);
+  gridded.media[0].albedo = glm::vec3(1.6f, 1.8f, 1.98f) * 0.5f;
+  SceneDescription plain = gridded;
+  gridded.media[0].albedo_grid = grid({2, 1, 1}, 1, [](int, int, int, int) { return 0.5f; });
+  plain.media[0].albedo *= 0.5f;
+  expect_alike(gridded, plain);
+}
+
 TEST(GridMedia, AreTheSameByEveryTechnique) {
   expect_alike(cloud(DirectSampling::kMis, false, true), cloud(DirectSampling::kBsdfOnly, false, true));
 }
