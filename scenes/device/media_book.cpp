@@ -83,7 +83,7 @@ Expected<void> MediaBook::fill(SceneRecords& records) {
          {std::pair(&medium.density, &record.density), std::pair(&medium.albedo_grid, &record.albedo_grid)}) {
       if (!*grid) continue;
       const Expected<int> added = volumes.add(**grid, records);
-      if (!added) return fail(fmt::format("{}: {}", medium.name, added.error()));
+      if (!added) return fail(fmt::format("{}: {}", medium.name, added.error().message));
       *index = *added;
     }
     records.media.push_back(record);
