@@ -41,6 +41,8 @@ FN Scene make_scene(SceneHeader header, GLOBAL const uint* words) {
 // Whether its lights are chosen by their hierarchy: then that is there.
 #define NEEDS_LIGHT_TREE(scene) \
   (NEEDS(scene, LIGHT_TREE) && (scene)->header.integrator.light_choice == CHOICE_TREE)
+// Whether it has media: then their tables are there.
+#define NEEDS_MEDIA(scene) (NEEDS(scene, MEDIA) && (scene)->header.tables.media.count > 0)
 
 PENUMBRA_NAMESPACE_END
 #endif

@@ -200,7 +200,7 @@ FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first
     if (NEEDS(scene, INSTANCES)) start_outside(paths, i);
 #endif
 #if HAS(MEDIA)
-    if (NEEDS(scene, MEDIA)) {
+    if (NEEDS_MEDIA(scene)) {
       sample_pair(h->sampler.kind, sequence_length(h), one_point(PAIR_CHANNEL), paths, i, u, v);
       start_in_media(scene, paths, i, u);
     }

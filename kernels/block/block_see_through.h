@@ -190,7 +190,7 @@ FN bool pass_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
   bool flies = false;
   #if HAS(MEDIA)
   float lengths[LANES];
-  flies = NEEDS(scene, MEDIA) && any_in_media(scene, paths, i);
+  flies = NEEDS_MEDIA(scene) && any_in_media(scene, paths, i);
   #endif
   if (!hides && !chooses && !flies) {
   #if HAS(INSTANCES)
@@ -275,8 +275,8 @@ FN void see_through(const PRIVATE Scene* scene, const PRIVATE PathState* paths, 
   #endif
   int most = MOST_PASSED;
   #if HAS(MEDIA)
-  if (NEEDS(scene, MEDIA)) most = MOST_CROSSED;
-  for (int i = 0; NEEDS(scene, MEDIA) && i < count; i += LANES) start_flying(scene, paths, i);
+  if (NEEDS_MEDIA(scene)) most = MOST_CROSSED;
+  for (int i = 0; NEEDS_MEDIA(scene) && i < count; i += LANES) start_flying(scene, paths, i);
   #endif
   bool any = true;
   for (int k = 0; any && k < most; k++) {
@@ -370,11 +370,11 @@ FN bool pass_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
   passing_shares(scene, &surfaces, numbers, shares);
   #if HAS(MEDIA)
   float lengths[LANES];
-  if (NEEDS(scene, MEDIA)) dim_flights(scene, paths, i, &surfaces, lengths);
+  if (NEEDS_MEDIA(scene)) dim_flights(scene, paths, i, &surfaces, lengths);
   #endif
   dim_shadow_rays(paths, i, &surfaces, shares, passes);
   #if HAS(MEDIA)
-  if (NEEDS(scene, MEDIA)) cross_boundaries(scene, paths, i, lengths, passes, true, &surfaces);
+  if (NEEDS_MEDIA(scene)) cross_boundaries(scene, paths, i, lengths, passes, true, &surfaces);
   #endif
   #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) restart_behind_instances(paths, i, &surfaces, passes);
@@ -389,7 +389,7 @@ FN void see_lights_through(const PRIVATE Scene* scene, const PRIVATE PathState* 
   #endif
   int most = MOST_PASSED;
   #if HAS(MEDIA)
-  if (NEEDS(scene, MEDIA)) {
+  if (NEEDS_MEDIA(scene)) {
     most = MOST_CROSSED;
     start_shadow_flights(paths, count);
     dim_unobstructed(scene, paths, count);
@@ -408,8 +408,8 @@ FN void see_lights_through(const PRIVATE Scene* scene, const PRIVATE PathState* 
   #endif
   leave_shadow_rays(paths, count);
   #if HAS(MEDIA)
-  if (NEEDS(scene, MEDIA)) weigh_shadow_rays(scene, paths, count);
-  if (NEEDS(scene, MEDIA) && !has_control(scene)) dim_shadow_light(paths, count);
+  if (NEEDS_MEDIA(scene)) weigh_shadow_rays(scene, paths, count);
+  if (NEEDS_MEDIA(scene) && !has_control(scene)) dim_shadow_light(paths, count);
   #endif
 }
 #endif

@@ -224,7 +224,7 @@ FN void find_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
   if (NEEDS(scene, NESTED)) see_leaves(paths, i, surfaces);
 #endif
 #if HAS(MEDIA)
-  if (NEEDS(scene, MEDIA)) see_media(paths, i, surfaces);
+  if (NEEDS_MEDIA(scene)) see_media(paths, i, surfaces);
 #endif
 #if HAS(BENT) && HAS(TEXTURES) && HAS(UV)
   if (NEEDS(scene, BENT)) bend_normals(scene, surfaces);

@@ -345,7 +345,7 @@ ADD_CONTROLLED_LIGHT(add_controlled_light_by_form_in_media, true, true)
 FN void add_light_with_control(const PRIVATE Scene* scene, bool other_form, const PRIVATE PathState* paths,
                                int count) {
   #if HAS(MEDIA)
-  if (NEEDS(scene, MEDIA)) {
+  if (NEEDS_MEDIA(scene)) {
     #if HAS(LTC)
     if (other_form) add_controlled_light_by_form_in_media(paths, count);
     #endif

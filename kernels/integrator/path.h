@@ -50,7 +50,7 @@ FN void path_numbers(const PRIVATE SceneHeader* h, bool roulette, const PRIVATE 
 /// thin pane is like one through a null boundary, as in Mitsuba's volumetric integrators.
 FN int counted_depth(const PRIVATE SceneHeader* h, const PRIVATE PathState* paths, int i) {
   #if HAS(MEDIA)
-  if ((h->features & FEATURE_MEDIA) != 0u) return get_depth(paths, i) - get_panes(paths, i);
+  if (h->tables.media.count > 0) return get_depth(paths, i) - get_panes(paths, i);
   #endif
   return get_depth(paths, i);
 }
@@ -58,7 +58,7 @@ FN int counted_depth(const PRIVATE SceneHeader* h, const PRIVATE PathState* path
 /// Whether any of LANES paths from lane i on may scatter where its last ray ended.
 FN bool any_scatters(const PRIVATE SceneHeader* h, const PRIVATE PathState* paths, int i) {
   const int max_depth = h->integrator.max_depth;
-  const bool panes = ((h->features & FEATURE_MEDIA) != 0u) & ((h->families & ONLY(THINDIELECTRIC)) != 0u);
+  const bool panes = (h->tables.media.count > 0) & ((h->families & ONLY(THINDIELECTRIC)) != 0u);
   int any = 0;
   for (int j = i; j < i + LANES; j++) {
     const int edges = counted_depth(h, paths, j) + (panes ? 0 : 1);
@@ -181,7 +181,7 @@ STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* pa
   const int sampling = scene->header.integrator.direct_sampling,
             heuristic = scene->header.integrator.heuristic;
   // In media what directions might have found is weighed when it is known what gets through.
-  const bool balances = sampling == SAMPLING_MIS && !NEEDS(scene, MEDIA);
+  const bool balances = sampling == SAMPLING_MIS && !NEEDS_MEDIA(scene);
   const int max_depth = scene->header.integrator.max_depth;
   const PathState fields = *paths;  // see step.h
   LANE_LOOP
@@ -337,7 +337,7 @@ FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
     if (has_other_control(scene)) request_controls(scene, paths, i, 1.0f, true, &step);
   #endif
   #if HAS(MEDIA)
-    if (NEEDS(scene, MEDIA)) request_through_media(scene, paths, i, &step);
+    if (NEEDS_MEDIA(scene)) request_through_media(scene, paths, i, &step);
   #endif
     sample_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
                  step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
@@ -346,11 +346,11 @@ FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
     if (NEEDS(scene, TRANSMISSION)) enter_media(paths, i, &step.samples, step.eta);
   #endif
   #if HAS(MEDIA)
-    if (NEEDS(scene, MEDIA)) count_panes(paths, i, &step);
+    if (NEEDS_MEDIA(scene)) count_panes(paths, i, &step);
   #endif
     continue_paths(scene, paths, i, &step);
   #if HAS(MEDIA)
-    if (NEEDS(scene, MEDIA)) go_on_in_media(paths, i, &step.surfaces);
+    if (NEEDS_MEDIA(scene)) go_on_in_media(paths, i, &step.surfaces);
   #endif
   #if HAS(INSTANCES)
     if (NEEDS(scene, INSTANCES)) leave_instances(paths, i, &step.surfaces);

@@ -150,7 +150,7 @@ class Builder {
     if (textures || h_.textured != 0u) add_textures(of_lights);
     if ((h_.families & families_with(TRANSMITS)) != 0u) need(FEATURE_TRANSMISSION);
     if (!media_->empty()) {
-      if (Expected<void> done = media_->fill(records_); !done) return done;
+      if (Expected<void> done = media_->fill(center_, records_); !done) return done;
       h_.families |= 1u << FAMILY_PHASE;
       h_.camera_medium = scene_.camera_medium + 1;
       need(FEATURE_MEDIA | FEATURE_NESTED);

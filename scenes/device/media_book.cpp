@@ -64,14 +64,14 @@ int MediaBook::of_group(int group, std::size_t index) const {
   return empty_ ? -1 : of_shape(firsts_[std::size_t(group)] + index);
 }
 
-Expected<void> MediaBook::fill(SceneRecords& records) {
+Expected<void> MediaBook::fill(const glm::dvec3& center, SceneRecords& records) {
   if (empty_) return {};
   if (scene_.media.size() > kMostMedia)
     return fail(fmt::format("the scene has {} media; there may be {}", scene_.media.size(), kMostMedia));
   Medium nothing{};
   nothing.density = nothing.albedo_grid = -1;
   records.media.push_back(nothing);
-  VolumeTables volumes;
+  VolumeTables volumes(center);
   const int first_material = int(records.materials.size());
   for (const ParticipatingMedium& medium : scene_.media) {
     Medium record{};

@@ -24,8 +24,8 @@ class MediaBook {
   [[nodiscard]] int of_group(int group, std::size_t index) const;
 
   /// Sets the tables of media, of their phase functions and of boundaries, and appends a material for each
-  /// phase function. Nothing if it is empty.
-  Expected<void> fill(SceneRecords& records);
+  /// phase function. Nothing if it is empty. `center`: of the scene, where the kernels' coordinates begin.
+  Expected<void> fill(const glm::dvec3& center, SceneRecords& records);
 
  private:
   void add(const Shape& shape, std::size_t number);

@@ -73,10 +73,10 @@ Expected<int> VolumeTables::add(const GridVolume& volume, SceneRecords& records)
     for (int k = 0; k < 3; ++k)
       if (!std::isfinite(float(rows[axis][k]))) return fail("a volume whose to_world has no inverse");
   Volume record{};
-  record.corner = to_vec3(glm::vec3(volume.to_world[3]));
-  record.row_x = to_vec3(glm::vec3(rows[0]));
-  record.row_y = to_vec3(glm::vec3(rows[1]));
-  record.row_z = to_vec3(glm::vec3(rows[2]));
+  record.corner = to_vec3(glm::dvec3(volume.to_world[3]) - center_);
+  record.row_x = to_vec3(rows[0]);
+  record.row_y = to_vec3(rows[1]);
+  record.row_z = to_vec3(rows[2]);
   record.nx = grid.nx;
   record.ny = grid.ny;
   record.nz = grid.nz;
