@@ -10,7 +10,7 @@
 namespace penumbra {
 
 NativeRenderBlock render_stand_ins_scalar_whole, render_stand_ins_scalar_bvh, render_stand_ins_avx2_whole,
-    render_stand_ins_avx2_bvh, render_stand_ins_avx512_whole, render_stand_ins_avx512_bvh;
+    render_stand_ins_avx2_bvh;
 
 namespace {
 
@@ -18,8 +18,7 @@ namespace {
   {KernelTarget::target, "whole", NATIVE_FEATURES_whole, lanes, render_stand_ins_##name##_whole}, { \
     KernelTarget::target, "bvh", NATIVE_FEATURES_bvh, lanes, render_stand_ins_##name##_bvh          \
   }
-constexpr NativeKernel kKernels[] = {BOTH_SETS(kScalar, scalar, 1), BOTH_SETS(kAvx2, avx2, 16),
-                                     BOTH_SETS(kAvx512, avx512, 16)};
+constexpr NativeKernel kKernels[] = {BOTH_SETS(kScalar, scalar, 1), BOTH_SETS(kAvx2, avx2, 16)};
 
 }  // namespace
 
