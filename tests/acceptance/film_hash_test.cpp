@@ -56,6 +56,8 @@ const std::vector<std::string> kFilters{"box", "tent", "gaussian", "mitchell"};
 const std::vector<std::string> kThorough{"cornell-small/cornell-small.xml", "veach-mis/veach-mis.xml",
                                          "star-light/star-light.xml"};
 
+constexpr const char* kWithMedia = "smoke/smoke.xml";
+
 /// One image: a scene and what is set in it.
 struct FilmCase {
   std::string name;
@@ -71,6 +73,11 @@ std::vector<FilmCase> cases_of(const std::string& scene) {
           all.push_back({std::string("integrator.type=") + integrator, "sampler.type=" + sampler,
                          "film.rfilter=" + filter});
   }
+  if (scene == kWithMedia)
+    for (const Settings& settings : {Settings{"integrator.type=volpath"},
+                                     {"integrator.type=volpath_mats"},
+                                     {"integrator.type=volpath", "integrator.nee=cv"}})
+      all.push_back(settings);
   std::vector<FilmCase> cases;
   for (const Settings& settings : all) {
     FilmCase c{scene, settings};

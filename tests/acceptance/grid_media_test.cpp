@@ -128,6 +128,7 @@ SceneDescription cloud(DirectSampling sampling, bool even, bool by_grid, std::ui
   const int grey = add_diffuse(scene, 0.6f);
   scene.shapes.push_back(parallelogram({-2, -1, -2}, {0, 0, 4}, {4, 0, 0}, grey));
   scene.shapes.push_back(parallelogram({0.5, 1.5, 0.5}, {0, 0, -1}, {-1, 0, 0}, grey, 10.0f));
+  scene.emitters.emplace_back(ConstantEnvironment{glm::vec3(0.3f)});
   ParticipatingMedium m = medium({3, 2, 1}, {0.8f, 0.9f, 0.99f}, 0.4f);
   const glm::dmat4 place = unit_cube_to({-0.8, -0.9, -0.7}, {0.7, 0.6, 0.8});
   if (by_grid) {

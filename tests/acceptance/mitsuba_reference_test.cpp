@@ -126,8 +126,6 @@ const ReferenceCase kReferences[] = {
      native_device},
     {"TexturedPrincipledOpenCl", "bsdf_spheres", "test_texturedprincipled1_path", "test_texturedprincipled1",
      opencl_device},
-    {"MediumAreaLightNative", "participating_media", "test_homo_area_light_volpath", "test_homo_area_light",
-     native_device},
     {"MediumEnvmapNative", "participating_media", "test_homo_null_envmap_volpath", "test_homo_null_envmap",
      native_device},
     {"MediumEnvmapOpenCl", "participating_media", "test_homo_null_envmap_volpath", "test_homo_null_envmap",

@@ -314,6 +314,7 @@ const std::vector<SuiteScene>& suite_scenes() {
       {"CornellSmall", "cornell-small/cornell-small.xml"},
       {"VeachMis", "veach-mis/veach-mis.xml"},
       {"Furnace", "furnace/furnace.xml"},
+      {"Smoke", "smoke/smoke.xml"},
       {"Textures", "veach-mis/veach-mis.xml", false, textured},
       {"TexturesDirect", "cornell-small/cornell-small.xml", false, textured_directly},
       {"Emitters", "cornell/cornell.xml", false, every_emitter},
