@@ -9,6 +9,7 @@
 #include "tests/differential/converted_scenes.h"
 #include "tests/differential/emitter_scenes.h"
 #include "tests/differential/material_scenes.h"
+#include "tests/differential/media_scenes.h"
 #include "tests/differential/named_scenes.h"
 #include "tests/differential/random_scene.h"
 #include "tests/differential/textured_scenes.h"
@@ -30,8 +31,8 @@ void compare(std::vector<SceneText> scenes) {
     GTEST_SKIP() << mitsuba.ready().error().message;
   }
   const std::size_t all = named_scenes().size() + material_scenes().size() + camera_scenes().size() +
-                          textured_scenes().size() + emitter_scenes().size() + converted_scenes().size() +
-                          std::size_t(kParts * kScenesOfPart);
+                          textured_scenes().size() + media_scenes().size() + emitter_scenes().size() +
+                          converted_scenes().size() + std::size_t(kParts * kScenesOfPart);
   expect_agreement(mitsuba, scenes, all, only != nullptr);
 }
 
@@ -51,6 +52,8 @@ TEST(DifferentialTest, NamedScenesAreAsMitsubaRendersThem) { compare(named_scene
 TEST(DifferentialTest, MaterialsAreAsMitsubaRendersThem) { compare(material_scenes()); }
 
 TEST(DifferentialTest, ScenesOfEmittersAreAsMitsubaRendersThem) { compare(emitter_scenes()); }
+
+TEST(DifferentialTest, MediaAreAsMitsubaRendersThem) { compare(media_scenes()); }
 
 TEST(DifferentialTest, ConvertedScenesAreAsTheyWere) { compare(converted_scenes()); }
 

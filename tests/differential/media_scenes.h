@@ -1,0 +1,12 @@
+// Participating media: within and around things, of all phase functions, on grids.
+#pragma once
+
+#include <vector>
+
+#include "tests/differential/scene_text.h"
+
+namespace penumbra::differential {
+
+std::vector<SceneText> media_scenes();
+
+}  // namespace penumbra::differential
