@@ -56,6 +56,12 @@ const std::vector<std::string> kFilters{"box", "tent", "gaussian", "mitchell"};
 const std::vector<std::string> kThorough{"cornell-small/cornell-small.xml", "veach-mis/veach-mis.xml",
                                          "star-light/star-light.xml"};
 
+// Those kernels are the same whichever compiler made the tests: one of them asks.
+#ifdef __clang__
+constexpr bool kAsksOpenCl = true;
+#else
+constexpr bool kAsksOpenCl = false;
+#endif
 constexpr const char* kWithMedia = "smoke/smoke.xml";
 
 /// One image: a scene and what is set in it.
@@ -190,7 +196,7 @@ TEST_P(FilmHash, IsThatOfTheRecordFromEveryBackend) {
     }
     device.options.block_of_one = true;
     by_backend["one path at a time"] = record_film(render_or_throw(*scene, device));
-    by_backend["OpenCL"] = record_film(render_with_opencl(*scene));
+    if (kAsksOpenCl) by_backend["OpenCL"] = record_film(render_with_opencl(*scene));
     const RecordedFilm& film = found[c.name] = by_backend["sse2"];
     for (const auto& [backend, other] : by_backend)
       EXPECT_EQ(other.hash, film.hash)
