@@ -78,7 +78,6 @@ PENUMBRA_NAMESPACE_BEGIN
 #define PASSES_SOME 2
 
 #define MAX_MEDIA 255             // with nothing, which is one
-#define MAJORANT_CELLS 8          // of a volume, along each axis, that share a majorant
 #define MAX_VOLUME_CELLS 1048576  // along an axis: floats hold places among them
 
 #define PHASE_HG 0  // isotropic where g is 0

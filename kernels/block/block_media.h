@@ -27,14 +27,18 @@ STAGE void start_in_media(const PRIVATE Scene* scene, const PRIVATE PathState* p
     }
 }
 
+/// Of a path's step, for random numbers of one purpose.
+FN uint step_hash(const PRIVATE PathState* paths, int i, uint salt) {
+  return hash_uint((uint)get_sample_index(paths, i) + hash_uint((uint)get_depth(paths, i) + salt));
+}
+
 /// Before anything is known of where the rays lead. `u`: of the flights.
 STAGE void start_flights(const PRIVATE PathState* paths, int i, const PRIVATE float* RESTRICT u) {
   const PathState fields = *paths;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const uint digits = hash_uint((uint)get_pixel_hash(&fields, i + j) ^
-                                    hash_uint((uint)get_sample_index(&fields, i + j) +
-                                              hash_uint((uint)get_depth(&fields, i + j) + 0x51ed270bu)));
+      const uint digits =
+          hash_uint((uint)get_pixel_hash(&fields, i + j) ^ step_hash(&fields, i + j, 0x51ed270bu));
       set_depth_left(&fields, i + j, flight_depth(u[j], unit_float(digits)));
       set_beyond(&fields, i + j, get_media(&fields, i + j));
       set_way(&fields, i + j, 0.0f);
@@ -77,17 +81,14 @@ FN bool has_grids(const PRIVATE Scene* scene) { return scene->header.tables.volu
 
 /// A state of random numbers of a ray's own, from `way` on.
 FN uint ray_state(const PRIVATE PathState* paths, int i, float way, uint salt) {
-  const uint place =
-      hash_uint((uint)get_sample_index(paths, i) + hash_uint((uint)get_depth(paths, i) + salt));
-  return hash_uint((uint)get_pixel_hash(paths, i) ^ hash_uint(place ^ FLOAT_BITS(way)));
+  return hash_uint((uint)get_pixel_hash(paths, i) ^ hash_uint(step_hash(paths, i, salt) ^ FLOAT_BITS(way)));
 }
 
-/// Flights of rays under way through media with grids, as far as the surfaces: `reaches` is where they
-/// scatter, negative where they do not.
+/// Flights of rays under way through media with grids, as far as the surfaces: sets their `reaches` to where
+/// they scatter, negative where they do not.
 FN void fly_through_grids(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           const PRIVATE float* lengths, PRIVATE float* reaches) {
   for (int j = 0; j < LANES; j++) {  // no lane loop: rays go as far as they go
-    reaches[j] = -1.0f;
     GLOBAL const Medium* medium = scene->media + innermost(get_media(paths, i + j));
     if (!(get_ray_tmax(paths, i + j) > 0.0f) || !is_grid(medium)) continue;
     const float way = get_way(paths, i + j);
@@ -260,24 +261,18 @@ FN void dim_in_grids(const PRIVATE Scene* scene, const PRIVATE PathState* paths,
 /// What the media of shadow rays that nothing stopped let through.
 STAGE void dim_unobstructed(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
   const PathState fields = *paths;
+  float ways[LANES], lengths[LANES];
   for (int i = 0; i < count; i += LANES) {
     LANE_LOOP
-      for (int j = i; j < i + LANES; j++) {
+      for (int j = 0; j < LANES; j++) {
         const bool seen =
-            (get_shadow_tmax(&fields, j) > 0.0f) & (get_shadow_transmittance(&fields, j) >= 1.0f);
-        const vec3 passes =
-            passes_homogeneous(scene, get_shadow_media(&fields, j), seen ? shadow_length(&fields, j) : 0.0f);
-        set_shadow_passes(&fields, j, select3(seen, passes, get_shadow_passes(&fields, j)));
+            (get_shadow_tmax(&fields, i + j) > 0.0f) & (get_shadow_transmittance(&fields, i + j) >= 1.0f);
+        ways[j] = 0.0f;
+        lengths[j] = seen ? shadow_length(&fields, i + j) : 0.0f;
+        const vec3 passes = passes_homogeneous(scene, get_shadow_media(&fields, i + j), lengths[j]);
+        set_shadow_passes(&fields, i + j, select3(seen, passes, get_shadow_passes(&fields, i + j)));
       }
-    if (!has_grids(scene)) continue;
-    float ways[LANES], lengths[LANES];
-    for (int j = 0; j < LANES; j++) {
-      const bool seen =
-          (get_shadow_tmax(paths, i + j) > 0.0f) & (get_shadow_transmittance(paths, i + j) >= 1.0f);
-      ways[j] = 0.0f;
-      lengths[j] = seen ? shadow_length(paths, i + j) : 0.0f;
-    }
-    dim_in_grids(scene, paths, i, ways, lengths);
+    if (has_grids(scene)) dim_in_grids(scene, paths, i, ways, lengths);
   }
 }
 

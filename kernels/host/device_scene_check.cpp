@@ -13,6 +13,7 @@
 #include "kernels/host/kernel_needs.h"
 #include "kernels/intersect/bvh_limits.h"
 #include "kernels/light/envmap_grid.h"
+#include "kernels/medium/majorant_grid.h"
 
 namespace penumbra {
 namespace {
@@ -243,15 +244,13 @@ class Checker {
       if (!in(v.nx, 1, MAX_VOLUME_CELLS) || !in(v.ny, 1, MAX_VOLUME_CELLS) ||
           !in(v.nz, 1, MAX_VOLUME_CELLS) || (v.channels != 1 && v.channels != 3))
         return require(false, "a volume of implausible size");
-      const auto coarse = [](int cells) {
-        return (std::int64_t{cells} + MAJORANT_CELLS - 1) / MAJORANT_CELLS;
-      };
-      const std::int64_t plane = std::int64_t{v.nx} * v.ny, coarse_plane = coarse(v.nx) * coarse(v.ny);
+      const std::int64_t plane = std::int64_t{v.nx} * v.ny,
+                         coarse_plane = std::int64_t{majorant_cells(v.nx)} * majorant_cells(v.ny);
       require(v.first_value >= 0 && plane <= t.volume_values.count &&
                   plane * v.nz * v.channels <= std::int64_t{t.volume_values.count} - v.first_value,
               "a volume names numbers that are not there");
       require(v.first_majorant >= 0 && coarse_plane <= t.majorants.count &&
-                  coarse_plane * coarse(v.nz) <= std::int64_t{t.majorants.count} - v.first_majorant,
+                  coarse_plane * majorant_cells(v.nz) <= std::int64_t{t.majorants.count} - v.first_majorant,
               "a volume names majorants that are not there");
       for (const vec3& row : {v.corner, v.row_x, v.row_y, v.row_z})
         require(std::isfinite(row.x) && std::isfinite(row.y) && std::isfinite(row.z),

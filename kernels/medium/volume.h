@@ -5,19 +5,20 @@
 #define PENUMBRA_VOLUME_H
 #include "kernels/math/math.h"
 #include "kernels/math/vec3.h"
+#include "kernels/medium/majorant_grid.h"
 #include "kernels/sampler/sampler.h"
 #include "kernels/scene.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
 #if HAS(MEDIA)
-FN int majorant_cells(int cells) { return (cells + (MAJORANT_CELLS - 1)) / MAJORANT_CELLS; }
+/// A direction, or a way, in the volume's cells.
+FN vec3 in_cells(GLOBAL const Volume* v, vec3 way) {
+  return make_vec3(dot3(load3(&v->row_x), way), dot3(load3(&v->row_y), way), dot3(load3(&v->row_z), way));
+}
 
 /// The place in the volume's cells, from 0 to their number within its box.
-FN vec3 volume_place(GLOBAL const Volume* v, vec3 p) {
-  const vec3 to = sub(p, load3(&v->corner));
-  return make_vec3(dot3(load3(&v->row_x), to), dot3(load3(&v->row_y), to), dot3(load3(&v->row_z), to));
-}
+FN vec3 volume_place(GLOBAL const Volume* v, vec3 p) { return in_cells(v, sub(p, load3(&v->corner))); }
 
 FN vec3 cell_value(const PRIVATE Scene* scene, GLOBAL const Volume* v, int x, int y, int z) {
   const int cell = v->first_value + ((z * v->ny + y) * v->nx + x) * v->channels;
@@ -82,10 +83,8 @@ FN int coarse_cell(float place, int cells) {
 FN VolumeWalk start_walk(GLOBAL const Volume* v, vec3 origin, vec3 direction, float length, float left,
                          uint random) {
   VolumeWalk walk;
-  const vec3 to = sub(origin, load3(&v->corner));
-  const vec3 rx = load3(&v->row_x), ry = load3(&v->row_y), rz = load3(&v->row_z);
-  walk.place = make_vec3(dot3(rx, to), dot3(ry, to), dot3(rz, to));
-  walk.step = make_vec3(dot3(rx, direction), dot3(ry, direction), dot3(rz, direction));
+  walk.place = volume_place(v, origin);
+  walk.step = in_cells(v, direction);
   walk.t = 0.0f;
   walk.end = length;
   clip_to_slab(walk.place.x, walk.step.x, (float)v->nx, &walk.t, &walk.end);

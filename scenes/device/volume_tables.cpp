@@ -7,6 +7,7 @@
 #include <limits>
 #include <span>
 
+#include "kernels/medium/majorant_grid.h"
 #include "scenes/device/to_vec3.h"
 
 namespace penumbra {
@@ -36,10 +37,9 @@ float largest(const VolumeGrid& grid, Range x, Range y, Range z) {
 }
 
 void append_majorants(const VolumeGrid& grid, bool nearest, std::vector<float>& majorants) {
-  const auto coarse = [](int cells) { return (cells + MAJORANT_CELLS - 1) / MAJORANT_CELLS; };
-  for (int z = 0; z < coarse(grid.nz); ++z)
-    for (int y = 0; y < coarse(grid.ny); ++y)
-      for (int x = 0; x < coarse(grid.nx); ++x)
+  for (int z = 0; z < majorant_cells(grid.nz); ++z)
+    for (int y = 0; y < majorant_cells(grid.ny); ++y)
+      for (int x = 0; x < majorant_cells(grid.nx); ++x)
         majorants.push_back(largest(grid, cells_of(x, grid.nx, nearest), cells_of(y, grid.ny, nearest),
                                     cells_of(z, grid.nz, nearest)));
 }

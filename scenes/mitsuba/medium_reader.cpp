@@ -4,42 +4,32 @@
 
 #include <algorithm>
 #include <array>
+#include <type_traits>
 #include <utility>
 
 namespace penumbra::mitsuba {
 namespace {
 
-struct PhasePlugin {
+template <typename Result>
+struct Kind {
   std::string_view type;
-  PhaseLobe (*read)(PluginReader&);
+  Result (*read)(PluginReader&);
 };
-template <typename Model>
-PhaseLobe read_lobe(PluginReader& plugin) {
+template <typename Result, typename Model>
+Result read_as(PluginReader& plugin) {
   Model model;
   plugin.read_parameters(model);
-  return model.lobe();
+  if constexpr (std::is_same_v<Result, PhaseLobe>)
+    return model.lobe();
+  else
+    return model.medium();
 }
-template <typename... Models>
-constexpr auto phase_plugins(const std::variant<Models...>*) {
-  return std::array{PhasePlugin{Models::kPlugin, read_lobe<Models>}...};
+template <typename Result, typename... Models>
+constexpr auto kinds(const std::variant<Models...>*) {
+  return std::array{Kind<Result>{Models::kPlugin, read_as<Result, Models>}...};
 }
-constexpr auto kPhases = phase_plugins(static_cast<const PhasePlugins*>(nullptr));
-
-struct MediumKind {
-  std::string_view type;
-  ParticipatingMedium (*read)(PluginReader&);
-};
-template <typename Model>
-ParticipatingMedium read_coefficients(PluginReader& plugin) {
-  Model model;
-  plugin.read_parameters(model);
-  return model.medium();
-}
-template <typename... Models>
-constexpr auto medium_kinds(const std::variant<Models...>*) {
-  return std::array{MediumKind{Models::kPlugin, read_coefficients<Models>}...};
-}
-constexpr auto kMedia = medium_kinds(static_cast<const MediumKinds*>(nullptr));
+constexpr auto kPhases = kinds<PhaseLobe>(static_cast<const PhasePlugins*>(nullptr));
+constexpr auto kMedia = kinds<ParticipatingMedium>(static_cast<const MediumKinds*>(nullptr));
 
 constexpr std::size_t kMostLevels = 8;  // each of which reads two
 
@@ -104,7 +94,7 @@ void MediumReader::install(PluginReader& plugin, Shape& shape, SceneDescription&
 
 std::optional<ParticipatingMedium> MediumReader::read_new(const Context& context, const Object& medium) {
   PluginReader plugin(context, medium);
-  const MediumKind* kind = find_plugin(kMedia, medium.type);
+  const Kind<ParticipatingMedium>* kind = find_plugin(kMedia, medium.type);
   const bool homogeneous = medium.type == HomogeneousMedium::kPlugin;
   if (kind == nullptr) {
     context.unknown_plugin(medium, plugin_types(kMedia), "it is left out");
@@ -144,7 +134,7 @@ std::optional<MediumReader::Lobes> MediumReader::read_phase(const Context& conte
   std::optional<Lobes> lobes;
   if (phase.type == BlendPhase::kPlugin) {
     lobes = read_blend(context, plugin);
-  } else if (const PhasePlugin* known = find_plugin(kPhases, phase.type)) {
+  } else if (const Kind<PhaseLobe>* known = find_plugin(kPhases, phase.type)) {
     lobes = Lobes{known->read(plugin)};
   } else {
     std::vector<std::string> types = plugin_types(kPhases);

@@ -4,10 +4,10 @@
 
 #include <cmath>
 #include <functional>
-#include <glm/gtc/matrix_transform.hpp>
 #include <memory>
 
 #include "kernels/host/native_kernels.h"
+#include "scenes/transform.h"
 #include "tests/acceptance/media_pieces.h"
 #include "worker/native_device.h"
 
@@ -28,9 +28,7 @@ GridVolume grid(glm::ivec3 size, int channels, const std::function<float(int, in
   return {.grid = numbers};
 }
 
-glm::dmat4 unit_cube_to(glm::dvec3 low, glm::dvec3 high) {
-  return glm::scale(glm::translate(glm::dmat4(1.0), low), high - low);
-}
+glm::dmat4 unit_cube_to(glm::dvec3 low, glm::dvec3 high) { return translation(low) * scaling(high - low); }
 
 /// Layers along z of which some are empty, the rest some up to 1; more than one coarse cell of them.
 float layer(int z, int channel) {
@@ -92,7 +90,7 @@ TEST(GridMedia, DimShadowRaysWithinTheirBoxWhereverItIs) {
     // Turned so that its layers are across the light's way.
     const glm::dvec3 way = glm::normalize(wall - light), side = glm::normalize(glm::cross(way, {0, 1, 0}));
     const glm::dmat3 axes(side, glm::cross(way, side), way);
-    glm::dmat4 place = glm::translate(glm::dmat4(1.0), light + way * 1.0) * glm::dmat4(axes);
+    glm::dmat4 place = translation(light + way) * glm::dmat4(axes);
     m.density->to_world = place * unit_cube_to({-0.5, -0.5, 0}, {0.5, 0.5, 1.5});
     bound(scene, box({0.05, -1, 0.6}, {1.45, 1, 3.9}, add_null(scene)), add_medium(scene, m));
     if (!between) scene.shapes.pop_back();
@@ -146,17 +144,6 @@ SceneDescription cloud(DirectSampling sampling, bool even, bool by_grid, std::ui
   }
   bound(scene, box({-0.8, -0.9, -0.7}, {0.7, 0.6, 0.8}, add_null(scene)), add_medium(scene, m));
   return scene;
-}
-
-void expect_alike(const SceneDescription& one, const SceneDescription& other) {
-  const statistics::Estimate a = block_estimate(one, 8, 10, 4, big_passes()),
-                             b = block_estimate(other, 8, 100, 4, big_passes());
-  const double limit = statistics::sidak_limit(kSignificance, a.mean.values.size());
-  for (std::size_t i = 0; i < a.mean.values.size(); ++i) {
-    const double error = std::hypot(a.standard_error.values[i], b.standard_error.values[i]);
-    EXPECT_LT(std::abs(a.mean.values[i] - b.mean.values[i]), limit * error) << i;
-    EXPECT_GT(a.mean.values[i], 0);
-  }
 }
 
 TEST(GridMedia, OfOneNumberAreHomogeneousOnes) {

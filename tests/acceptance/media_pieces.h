@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -93,6 +94,15 @@ inline void expect_colour(const SceneDescription& scene, const glm::dvec3& expec
         << "channel " << channel << ": " << sample.mean() << " +- " << sample.standard_error()
         << ", expected " << truth;
   }
+}
+
+/// The same image, by the means of blocks of pixels, none of which is black.
+inline void expect_alike(const SceneDescription& one, const SceneDescription& other) {
+  const statistics::Estimate a = block_estimate(one, 8, 10, 4, big_passes()),
+                             b = block_estimate(other, 8, 100, 4, big_passes());
+  const statistics::ImageTestResult test = statistics::z_test(a, b, {.significance = kSignificance});
+  EXPECT_LE(std::abs(test.worst), test.limit) << test.summary();
+  for (const double value : a.mean.values) EXPECT_GT(value, 0);
 }
 
 }  // namespace penumbra::media
