@@ -7,7 +7,7 @@ packages=(
   # Compilers: clang for every build, g++ for its C++ library and its warnings, the sanitizers' runtime and symbolizer.
   clang-19 libclang-rt-19-dev llvm-19 g++ cmake ninja-build ccache pkg-config git clang-format
   # Images, geometry, mathematics.
-  libembree-dev libopenimageio-dev libopenexr-dev libpng-dev libglm-dev libboost-dev
+  libembree-dev libopenimageio-dev libopenexr-dev libopenvdb-dev libpng-dev libglm-dev libboost-dev
   # OpenCL with a device for any CPU.
   ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers pocl-opencl-icd
   # Scheduler and workers.

@@ -8,6 +8,9 @@
 #include <cstdint>
 #include <cstring>
 
+#include "kernels/host/module.h"
+#include "scenes/vdb_module.h"
+
 namespace penumbra {
 namespace {
 
@@ -43,12 +46,12 @@ const char* encoding_name(std::int32_t encoding) {
   }
 }
 
-}  // namespace
-
-Expected<VolumeFile> read_volume_file(const std::string& name, std::string_view bytes) {
+Expected<VolumeFile> read_vol(const std::string& name, std::string_view bytes) {
   const auto wrong = [&](const std::string& message) { return fail(fmt::format("{}: {}", name, message)); };
   if (bytes.size() < kVolumeHeaderBytes || !bytes.starts_with("VOL\3"))
-    return wrong("it is no volume file of Mitsuba's, which begins with VOL and the version 3");
+    return wrong(
+        "it is no volume file: neither of Mitsuba's, which begins with VOL and the version 3, nor of "
+        "OpenVDB's");
   const auto encoding = volume_number_at<std::int32_t>(bytes, 4);
   if (encoding != 1)
     return wrong(fmt::format("its numbers have the encoding {}{}; 1, single precision, is read", encoding,
@@ -88,6 +91,26 @@ Expected<VolumeFile> read_volume_file(const std::string& name, std::string_view 
     return wrong(fmt::format("the number at {} is {}, not finite",
                              place_in_grid(grid, std::size_t(odd - grid.values.begin())), *odd));
   return file;
+}
+
+/// As a .vdb file begins.
+constexpr std::string_view kVdbMagic{" BDV\0\0\0\0", 8};
+
+Expected<VolumeFile> read_vdb(const std::string& name, std::string_view bytes) {
+  static const Expected<const void*> module = load_module("libpenumbra_vdb_reader.so", "penumbra_vdb_reader");
+  if (!module)
+    return fail(
+        fmt::format("{}: files of OpenVDB's need a part of the program that is built where OpenVDB is: {}",
+                    name, module.error().message));
+  Expected<VolumeFile> file = static_cast<const VdbReader*>(*module)->read(std::string(bytes));
+  if (!file) return fail(fmt::format("{}: {}", name, file.error().message));
+  return file;
+}
+
+}  // namespace
+
+Expected<VolumeFile> read_volume_file(const std::string& name, std::string_view bytes) {
+  return bytes.starts_with(kVdbMagic) ? read_vdb(name, bytes) : read_vol(name, bytes);
 }
 
 std::string vol_of(const VolumeGrid& grid, const glm::dvec3& low, const glm::dvec3& high) {

@@ -1,4 +1,4 @@
-// Mitsuba's volume files (.vol): numbers on a grid.
+// Volume files, Mitsuba's (.vol) and OpenVDB's (.vdb): numbers on a grid.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -15,10 +15,10 @@ struct VolumeFile {
   glm::dvec3 low{0.0}, high{1.0};  ///< the box that the file says, whatever it is
 };
 
-/// "VOL", 3, then in little endian the encoding 1 (single precision), the numbers of cells along x, y, z, the
-/// number of channels, a box, and the numbers, x fastest, of each cell all channels. Errors, which begin with
-/// `name`: anything else, as many numbers as the file does not have, channels other than 1 or 3, a number
-/// that is not finite.
+/// Of OpenVDB's files see VdbReader. Of Mitsuba's: "VOL", 3, then in little endian the encoding 1 (single
+/// precision), the numbers of cells along x, y, z, the number of channels, a box, and the numbers, x fastest,
+/// of each cell all channels. Errors, which begin with `name`: anything else, as many numbers as the file
+/// does not have, channels other than 1 or 3, a number that is not finite.
 Expected<VolumeFile> read_volume_file(const std::string& name, std::string_view bytes);
 
 /// The bytes of such a file: read_volume_file makes the same grid of them.
