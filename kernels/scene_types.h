@@ -181,7 +181,8 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, bend)         /* BEND_*: what bends the normal of a leaf */                            \
   F(float, bend_scale) /* how much, see bend_normal.h; negative: the bumps of the other side */ \
   F(float, bend_step)  /* between texture coordinates whose heights are compared */             \
-  F(int, bend_shadows) /* 1: its bumps shade each other, see bump_shadow */
+  F(int, bend_shadows) /* 1: its bumps shade each other, see bump_shadow */                     \
+  F(float, pane)       /* of a leaf: the relative index of a thin pane, which rays pass by chance, or 0 */
 
 #define MATERIAL_FIELDS(F)               \
   CLOSURE_FIELDS(MATERIAL_FIELD, F)      \
@@ -216,6 +217,12 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, kind)     /* PHASE_* */                                            \
   F(float, g)      /* mean cosine of Henyey and Greenstein's, of (-1, 1) */ \
   F(float, weight) /* of the mixture, whose weights add up to 1 */
+
+// From where lights shine on media: see medium/equiangular.h.
+#define FLIGHT_CENTRE_FIELDS(F)                                     \
+  F(vec3, place)                                                    \
+  F(float, size)  /* of the lights there, as far as they are one */ \
+  F(float, below) /* it is chosen by numbers below that, and of those before it above theirs */
 
 // Of a shape's surface, which parts two media.
 #define BOUNDARY_FIELDS(F)                                          \
@@ -459,6 +466,7 @@ PENUMBRA_NAMESPACE_BEGIN
   T(A, phase_lobes, PhaseLobe, PHASE_LOBES, "phase functions")                         \
   T(A, boundaries, Boundary, 1, "boundaries of media")                                 \
   T(A, primitive_boundaries, int, 1, "primitives that bound media")                    \
+  T(A, flight_centres, FlightCentre, 1, "places from where lights shine on media")     \
   T(A, volumes, Volume, 1, "volumes")                                                  \
   T(A, volume_values, float, 3, "numbers of volumes")                                  \
   T(A, majorants, float, 1, "majorants of volumes")                                    \
@@ -544,6 +552,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(Medium, MEDIUM_FIELDS)                              \
   X(Volume, VOLUME_FIELDS)                              \
   X(PhaseLobe, PHASE_LOBE_FIELDS)                       \
+  X(FlightCentre, FLIGHT_CENTRE_FIELDS)                 \
   X(Boundary, BOUNDARY_FIELDS)                          \
   X(Light, LIGHT_FIELDS)                                \
   X(LightTriangles, LIGHT_TRIANGLES_FIELDS)             \

@@ -19,14 +19,21 @@ FN int slot_pixels(int slot_capacity, int sample_count, int lanes) {
   return (slot_capacity - (lanes - 1)) / sample_count;
 }
 
-/// What a block notes of the non-finite samples: how many, and the first of them.
+/// What a block notes of the samples of a kind that are not as they should be: how many, and the first of
+/// them.
 typedef struct {
   uint count;
   uint pixel;   ///< of the unit, row by row
   uint sample;  ///< of the unit's samples
+  uint shape;   ///< of BAD_BOUNDARY: whose boundary it met, else 0
 } BadSamples;
 
-enum { BAD_NAN, BAD_INFINITE, BAD_KINDS };
+enum {
+  BAD_NAN,
+  BAD_INFINITE,
+  BAD_BOUNDARY,  ///< finite, but the boundaries of media that its path crossed contradict each other
+  BAD_KINDS
+};
 
 /// Where a path first held a non-finite value, see block_probe.h.
 enum {

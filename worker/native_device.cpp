@@ -124,8 +124,8 @@ class NativeDevice final : public Device {
         kernel_.render_block(scene_.header, scene_.words.data(), tracer, portable, first,
                              std::min(block_pixels, pixels - first), block, result.values.data(), bad);
       const std::lock_guard lock(noting);
-      result.nan.add(non_finite_samples(portable, bad[BAD_NAN]));
-      result.infinite.add(non_finite_samples(portable, bad[BAD_INFINITE]));
+      for (int kind = 0; kind < BAD_KINDS; ++kind)
+        result.flagged[std::size_t(kind)].add(flagged_samples(portable, bad[kind]));
     });
     if ((scene_.header.features & FEATURE_OWNERS) != 0u) take_owners(result);
     return made;

@@ -23,8 +23,9 @@ class DeviceWithStages final : public Device {
   Expected<SampleBuffer> render(const RenderUnit& unit) override {
     Expected<SampleBuffer> result = device_->render(unit);
     if (!result) return result;
-    for (NonFiniteSamples* bad : {&result->nan, &result->infinite})
-      if (bad->count > 0) bad->source = source_of(*bad);
+    for (const int kind : {BAD_NAN, BAD_INFINITE})
+      if (FlaggedSamples& bad = result->flagged[std::size_t(kind)]; bad.count > 0)
+        bad.source = source_of(bad);
     return result;
   }
 
@@ -38,7 +39,7 @@ class DeviceWithStages final : public Device {
 
  private:
   /// Unknown if the path cannot be repeated, or is another one natively: no reason to lose the unit.
-  NonFiniteSource source_of(const NonFiniteSamples& bad) {
+  NonFiniteSource source_of(const FlaggedSamples& bad) {
     if (!prober_) {
       Expected<std::unique_ptr<Device>> made = make_native_device(scene_, options_);
       if (!made) return {};

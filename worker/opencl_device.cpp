@@ -283,10 +283,9 @@ class OpenClDevice final : public Device {
     const std::size_t count = std::size_t(plan_.finishing_items) * BAD_KINDS;
     if (!session_.read(bad_, counters_.data(), count * sizeof(BadSamples))) return false;
     bool any = false;
-    for (std::size_t i = 0; i < count; i += BAD_KINDS) {
-      result.nan.add(non_finite_samples(part, counters_[i + BAD_NAN]));
-      result.infinite.add(non_finite_samples(part, counters_[i + BAD_INFINITE]));
-      any = any || counters_[i + BAD_NAN].count != 0 || counters_[i + BAD_INFINITE].count != 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      result.flagged[i % BAD_KINDS].add(flagged_samples(part, counters_[i]));
+      any = any || counters_[i].count != 0;
     }
     return !any || session_.clear(bad_.buffer, bad_.bytes);
   }

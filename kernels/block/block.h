@@ -289,6 +289,9 @@ FN void finish_pixels(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int 
 #endif
   if (block->probe != 0) probe_sample(block, SOURCE_CONTROL);
   accumulate(unit, first_pixel, pixels, slots, layers, out, bad);
+#if HAS(MEDIA)
+  if (NEEDS_MEDIA(scene)) note_contradictions(unit, first_pixel, pixels, slots, bad);
+#endif
 #if HAS(COVERAGE)
   if (NEEDS(scene, COVERAGE))
     accumulate_coverage(unit, first_pixel, pixels, slots, scene->header.features, out);
@@ -305,7 +308,8 @@ FN void finish_pixels(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int 
 }
 
 /// Renders `pixels` pixels of the unit, row by row from its `first_pixel`-th, and writes their statistics
-/// into the planes of `out` (SampleBufferPlane). `bad`, of BAD_KINDS, notes non-finite samples.
+/// into the planes of `out` (SampleBufferPlane). `bad`, of BAD_KINDS, notes samples that are not as they
+/// should be.
 FN void render_block(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int pixels,
                      const PRIVATE Block* block, GLOBAL float* out, GLOBAL BadSamples* bad) {
   render_paths(scene, unit, first_pixel, 0, pixels * unit->sample_count, block->paths.capacity, block);

@@ -5,12 +5,13 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Counts `count` more non-finite samples of a pixel, the first of which has index `sample`.
-FN void note_bad(GLOBAL BadSamples* bad, uint count, int pixel, int sample) {
+/// Counts `count` more samples of a pixel, the first of which has index `sample` and met that shape.
+FN void note_bad(GLOBAL BadSamples* bad, uint count, int pixel, int sample, uint shape) {
   if (count == 0u) return;
   const bool is_first = (bad->count == 0u) | ((uint)pixel < bad->pixel);
   bad->pixel = is_first ? (uint)pixel : bad->pixel;
   bad->sample = is_first ? (uint)sample : bad->sample;
+  bad->shape = is_first ? shape : bad->shape;
   bad->count += count;
 }
 
@@ -134,8 +135,8 @@ STAGE void remove_bad(const PRIVATE SlotState* slots, int values, int pitch, int
         nan = nan | is_nan_bits(bits);
         infinite = infinite | is_infinite_bits(bits);
       }
-      note_bad(bad + BAD_NAN, nan ? 1u : 0u, first_pixel + p, i);
-      note_bad(bad + BAD_INFINITE, (infinite & !nan) ? 1u : 0u, first_pixel + p, i);
+      note_bad(bad + BAD_NAN, nan ? 1u : 0u, first_pixel + p, i, 0u);
+      note_bad(bad + BAD_INFINITE, (infinite & !nan) ? 1u : 0u, first_pixel + p, i, 0u);
       for (int k = 0; k < values; k++) {
         GLOBAL float* value = slot_values(slots, k) + slot;
         const uint bits = FLOAT_BITS(*value);
@@ -187,6 +188,19 @@ STAGE void accumulate(const PRIVATE Unit* unit, int first_pixel, int pixels, con
     accumulate_field(slot_values(slots, k), pitch, pixels, n, out + plane * area + first_pixel, deviations);
   }
 }
+
+#if HAS(MEDIA)
+/// The samples whose paths crossed boundaries that contradict each other.
+STAGE void note_contradictions(const PRIVATE Unit* unit, int first_pixel, int pixels,
+                               const PRIVATE SlotState* slots, GLOBAL BadSamples* RESTRICT bad) {
+  const int n = unit->sample_count, pitch = slot_pixels(slots->capacity, n, LANES);
+  for (int p = 0; p < pixels; p++)
+    for (int i = 0; i < n; i++) {
+      const int shape = slots->contradiction[i * pitch + p] - 1;  // below 0: none, or unknown
+      if (shape >= 0) note_bad(bad + BAD_BOUNDARY, 1u, first_pixel + p, i, (uint)shape);
+    }
+}
+#endif
 
 #if HAS(COVERAGE)
 /// The share of the samples that met something, whatever their filter weights: by those what is covered whole

@@ -64,6 +64,15 @@ FN void finish_channel(const PRIVATE PathState* paths, int i, int channel, bool 
 }
 #endif
 
+#if HAS(MEDIA)
+/// What paths crossed of boundaries is of the sample, whatever channel they are of.
+FN void finish_crossings(const PRIVATE PathState* paths, int i, int channel, const PRIVATE SlotState* slots) {
+  const int slot = get_slot(paths, i), found = get_contradiction(paths, i);
+  const int known = channel > 0 ? get_slot_contradiction(slots, slot) : 0;
+  set_slot_contradiction(slots, slot, known != 0 ? known : found);
+}
+#endif
+
 /// Finished paths leave what they found in their slots, of one channel or of EVERY_CHANNEL; the others move
 /// up, in order. Returns how many are left.
 STAGE int compact(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int channel,
@@ -92,6 +101,9 @@ STAGE int compact(const PRIVATE Scene* scene, const PRIVATE PathState* paths, in
       set_slot_analytic(slots, slot, get_analytic(paths, i));
     }
   }
+#if HAS(MEDIA)
+  for (int m = 0; m < gone && NEEDS_MEDIA(scene); m++) finish_crossings(paths, finished[m], channel, slots);
+#endif
   if (gone > 0) close_gaps(scene->header.features, paths, left);
   return left;
 }

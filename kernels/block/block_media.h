@@ -1,11 +1,13 @@
-// Media on the way of rays: where paths scatter before they meet a surface, what media take from them and
-// from shadow rays, and which media are behind the boundaries that rays cross. Called by the stage that
-// follows rays through surfaces (block_see_through.h), from surface to surface.
+// Media on the way of rays: where paths scatter before they meet a surface, and what media take from them and
+// from shadow rays. Called by the stage that follows rays through surfaces (block_see_through.h), from
+// surface to surface.
 #ifndef PENUMBRA_BLOCK_MEDIA_H
 #define PENUMBRA_BLOCK_MEDIA_H
+#include "kernels/block/block_boundaries.h"
 #include "kernels/intersect/surface.h"
 #include "kernels/light/light_sample.h"
 #include "kernels/light/mis.h"
+#include "kernels/medium/equiangular.h"
 #include "kernels/medium/medium_state.h"
 #include "kernels/medium/tracking.h"
 #include "kernels/sampler/sampler.h"
@@ -21,7 +23,7 @@ STAGE void start_in_media(const PRIVATE Scene* scene, const PRIVATE PathState* p
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       set_media(&fields, i + j, camera);
-      set_panes(&fields, i + j, 0);
+      set_contradiction(&fields, i + j, 0);
       set_hero(&fields, i + j, min_i((int)(choice[j] * 3.0f), 2));
       set_channels(&fields, i + j, make_vec3(1.0f, 1.0f, 1.0f));
     }
@@ -51,13 +53,15 @@ STAGE void start_flights(const PRIVATE PathState* paths, int i, const PRIVATE fl
     }
 }
 
-/// Whether any of the rays under way is in a medium or met a boundary of one.
+/// Whether any of the rays under way is in a medium, met a boundary of one, or crossed one: where it arrives
+/// may be in the place of that.
 FN bool any_in_media(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
   int any = 0;
   for (int j = i; j < i + LANES; j++) {
     const bool in_medium = innermost(get_media(paths, j)) != 0;
     const bool meets = boundary_of(scene, get_hit(paths, j)) >= 0;
-    any |= ((get_ray_tmax(paths, j) > 0.0f) & (in_medium | meets)) ? 1 : 0;
+    const bool crossed = get_crossed(paths, j) != 0;
+    any |= ((get_ray_tmax(paths, j) > 0.0f) & (in_medium | meets | crossed)) ? 1 : 0;
   }
   return any != 0;
 }
@@ -79,15 +83,99 @@ STAGE void flight_lengths(const PRIVATE PathState* paths, int i, const PRIVATE S
 /// Whether any medium varies from place to place.
 FN bool has_grids(const PRIVATE Scene* scene) { return scene->header.tables.volumes.count > 0; }
 
-/// A state of random numbers of a ray's own, from `way` on.
+/// A state of random numbers of a ray's own, from `way` on, the same at any scale of powers of two.
 FN uint ray_state(const PRIVATE PathState* paths, int i, float way, uint salt) {
-  return hash_uint((uint)get_pixel_hash(paths, i) ^ hash_uint(step_hash(paths, i, salt) ^ FLOAT_BITS(way)));
+  const uint digits = FLOAT_BITS(way) & 0x007fffffu;
+  return hash_uint((uint)get_pixel_hash(paths, i) ^ hash_uint(step_hash(paths, i, salt) ^ digits));
+}
+
+/// Of LANES rays the place of lights that each goes by, if it does.
+STAGE void choose_centres(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                          PRIVATE int* RESTRICT chosen) {
+  const int centres = scene->header.tables.flight_centres.count;
+  float numbers[LANES];
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      numbers[j] = unit_float(ray_state(paths, i + j, get_way(paths, i + j), 0x1f83d9abu));
+      chosen[j] = 0;
+    }
+  for (int k = 0; k + 1 < centres; k++) {
+    const float below = scene->flight_centres[k].below;
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++) chosen[j] += numbers[j] >= below ? 1 : 0;
+  }
+}
+
+/// The rays as seen from there. Returns whether any flies through a homogeneous medium that the place matters
+/// to.
+STAGE bool see_centres(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                       const PRIVATE float* RESTRICT lengths, const PRIVATE int* RESTRICT chosen,
+                       PRIVATE Sights* RESTRICT sights) {
+  int any = 0;
+  const PathState fields = *paths;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      GLOBAL const Medium* medium = scene->media + innermost(get_media(&fields, i + j));
+      GLOBAL const FlightCentre* centre = scene->flight_centres + chosen[j];
+      const vec3 direction = get_ray_direction(&fields, i + j);
+      const vec3 origin = add_scaled(get_kept_origin(&fields, i + j), get_way(&fields, i + j), direction);
+      const float length = lengths[j];
+      const Sight sight = sight_of(origin, direction, length, load3(&centre->place), centre->size);
+      const vec3 shares = sight_shares(sight, length, load3(&medium->extinction));
+      const bool under_way = get_ray_tmax(&fields, i + j) > 0.0f;
+      any |= (under_way & !is_grid(medium) & (max_component(shares) > 0.0f)) ? 1 : 0;
+      store_sight(sights, j, sight);
+    }
+  return any != 0;
+}
+
+/// Flights through homogeneous media that scatter before the surfaces, by the medium or by where one of the
+/// lights is: sets their `reaches` and weighs them, as `decided` says.
+STAGE void aim_flights(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                       const PRIVATE float* RESTRICT lengths, const PRIVATE Sights* RESTRICT sights,
+                       PRIVATE float* RESTRICT reaches, PRIVATE int* RESTRICT decided) {
+  const PathState fields = *paths;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      GLOBAL const Medium* medium = scene->media + innermost(get_media(&fields, i + j));
+      const vec3 extinction = load3(&medium->extinction), albedo = load3(&medium->albedo);
+      const float left = get_depth_left(&fields, i + j), length = lengths[j], way = get_way(&fields, i + j);
+      const int hero = get_hero(&fields, i + j);
+      const float sigma = channel_of(extinction, hero);
+      const bool scatters =
+          (get_ray_tmax(&fields, i + j) > 0.0f) & !is_grid(medium) & (sigma > 0.0f) & (left < sigma * length);
+      const Sight sight = load_sight(sights, j);
+      const vec3 shares = sight_shares(sight, length, extinction);
+      const float number = unit_float(ray_state(&fields, i + j, way, 0x5be0cd19u));
+      const bool by_sight = number < channel_of(shares, hero);
+      // The number that chose the optical depth is uniform among those that scatter.
+      const float u = expm1_f(-left) / min_f(expm1_f(-sigma * length), -1e-37f);
+      const float reach =
+          by_sight ? min_f(sight_distance(sight, min_f(u, 1.0f)), length) : left / max_f(sigma, 1e-30f);
+      const FlightWeight before = flight_weight(&fields, i + j);
+      const FlightWeight after = weigh_by_sight(before, extinction, albedo, sight, shares, length, reach);
+      const bool decides = scatters & (max_component(shares) > 0.0f) & (sight.angle > 0.0f);
+      set_flight_weight(&fields, i + j, select_flight_weight(decides, after, before));
+      reaches[j] = decides ? reach : reaches[j];
+      decided[j] = decides ? 1 : decided[j];
+    }
+}
+
+/// The same where the scene has such lights.
+FN void aim_at_lights(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                      const PRIVATE float* lengths, PRIVATE float* reaches, PRIVATE int* decided) {
+  if (scene->header.tables.flight_centres.count == 0) return;
+  int chosen[LANES];
+  Sights sights;
+  choose_centres(scene, paths, i, chosen);
+  if (see_centres(scene, paths, i, lengths, chosen, &sights))
+    aim_flights(scene, paths, i, lengths, &sights, reaches, decided);
 }
 
 /// Flights of rays under way through media with grids, as far as the surfaces: sets their `reaches` to where
-/// they scatter, negative where they do not.
+/// they scatter, and weighs them, as `decided` says.
 FN void fly_through_grids(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                          const PRIVATE float* lengths, PRIVATE float* reaches) {
+                          const PRIVATE float* lengths, PRIVATE float* reaches, PRIVATE int* decided) {
   for (int j = 0; j < LANES; j++) {  // no lane loop: rays go as far as they go
     GLOBAL const Medium* medium = scene->media + innermost(get_media(paths, i + j));
     if (!(get_ray_tmax(paths, i + j) > 0.0f) || !is_grid(medium)) continue;
@@ -100,23 +188,18 @@ FN void fly_through_grids(const PRIVATE Scene* scene, const PRIVATE PathState* p
     set_flight_weight(paths, i + j, flight.weight);
     set_depth_left(paths, i + j, flight.left);
     reaches[j] = flight.reach;
+    decided[j] = 1;
   }
-}
-
-/// How far along the ray, before a surface, a point is surely before it.
-FN float clear_of(Surface s) {
-  const float cosine = FABS(dot3(s.geometric, s.wo));
-  return 4.0f * s.error / max_f(cosine, 1e-4f);
 }
 
 /// Flights of rays under way through media as far as the surfaces: those that end before scatter there, and
 /// have arrived.
 ///
-/// `reaches`: how far from their last boundaries those through grids do, then all; negative where they do
-/// not.
+/// `reaches`: how far from their last boundaries those do that are decided already, then all; negative where
+/// they do not.
 STAGE void fly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE float* RESTRICT lengths,
-               PRIVATE float* RESTRICT reaches) {
+               const PRIVATE int* RESTRICT decided, PRIVATE float* RESTRICT reaches) {
   const PathState fields = *paths;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -127,10 +210,10 @@ STAGE void fly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i
       const vec3 extinction = load3(&medium->extinction), albedo = load3(&medium->albedo);
       const int leaf = get_material(&fields, i + j), phase = medium->material;
       const float sigma = channel_of(extinction, get_hero(&fields, i + j));
-      const bool grid = is_grid(medium);
-      const float reach = grid ? reaches[j] : left / max_f(sigma, 1e-30f);
-      const bool flies = (tmax > 0.0f) & (max_component(extinction) > 0.0f) & !grid;
-      const bool scatters = grid ? reach >= 0.0f : flies & (sigma > 0.0f) & (reach < length);
+      const bool is_decided = decided[j] != 0;
+      const float reach = is_decided ? reaches[j] : left / max_f(sigma, 1e-30f);
+      const bool flies = (tmax > 0.0f) & (max_component(extinction) > 0.0f) & !is_decided;
+      const bool scatters = is_decided ? reach >= 0.0f : flies & (sigma > 0.0f) & (reach < length);
       const FlightWeight before = flight_weight(&fields, i + j);
       const FlightWeight after =
           weigh_homogeneous(before, extinction, albedo, scatters ? reach : length, scatters);
@@ -166,57 +249,6 @@ FN void colour_by_grids(const PRIVATE Scene* scene, const PRIVATE PathState* pat
   }
 }
 
-/// Of a boundary, or -1, that is crossed in that direction: never 0.
-FN int crossing_code(int boundary, bool inwards) { return 2 * boundary + (inwards ? 3 : 2); }
-
-/// Which media are behind what rays cross, of paths or of their shadow rays, and on either side of the
-/// surfaces where paths arrive.
-///
-/// Of two boundaries in one place both are crossed: a ray goes on a little before a triangle that it crossed
-/// (the error's sign says so to restart_behind), and one that then meets the same boundary again, at an edge
-/// of it, has crossed it already. Where a boundary is in the place of the surface on which a path arrives,
-/// the side of the path is that before the boundary.
-STAGE void cross_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                            const PRIVATE float* RESTRICT lengths, const PRIVATE int* RESTRICT passes,
-                            bool shadow, PRIVATE Surfaces* RESTRICT surfaces) {
-  const PathState fields = *paths;
-  const int triangles = scene->header.tables.triangles.count;
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const Surface s = load_surface(surfaces, j);
-      const bool meets = (get_ray_tmax(&fields, i + j) > 0.0f) & (s.primitive >= 0);
-      const bool passing = meets & (passes[j] != 0);
-      const int boundary = boundary_of(scene, s.primitive);
-      const int code = crossing_code(boundary, s.front), crossed = get_crossed(&fields, i + j);
-      const MediumStack path_media = get_media(&fields, i + j),
-                        shadow_media = get_shadow_media(&fields, i + j);
-      const MediumStack media = select_media(shadow, shadow_media, path_media);
-      const MediumStack beyond = get_beyond(&fields, i + j);
-      const float cosine = dot3(s.geometric, s.wo), way = get_way(&fields, i + j);
-      const bool same_place = (crossed != 0) & (lengths[j] * cosine <= 8.0f * s.error);
-      const bool again = same_place & (crossed == code);
-      const MediumStack behind =
-          select_media(boundary >= 0, cross_boundary(scene, boundary, s.front, media).media, media);
-      const bool crosses = passing & (boundary >= 0) & !again;
-      const bool arrives = meets & !passing & !shadow;
-      // Before: those of the ray's side, where it arrives those behind the surface.
-      const MediumStack side = select_media(same_place, beyond, media);
-      const MediumStack next = select_media(crosses, behind, select_media(arrives, side, media));
-      set_media(&fields, i + j, select_media(shadow, path_media, next));
-      set_shadow_media(&fields, i + j, select_media(shadow, next, shadow_media));
-      const MediumStack other =
-          select_media(arrives, behind, select_media(crosses & !same_place, media, beyond));
-      set_beyond(&fields, i + j, select_media(shadow, beyond, other));
-      set_crossed(&fields, i + j, crosses ? code : crossed);
-      set_way(&fields, i + j, crosses ? way + lengths[j] : way);
-      const float clearance = get_clearance(&fields, i + j);
-      set_clearance(&fields, i + j, crosses ? clear_of(s) : clearance);
-      // The second of two in one place is left behind, or the first would be met again.
-      const bool looks_back = crosses & !same_place & (s.primitive < triangles);
-      surfaces->error[j] = looks_back ? -s.error : s.error;
-    }
-}
-
 /// Shadow rays start where they were asked for; what stops none of them lets all through.
 STAGE void start_shadow_flights(const PRIVATE PathState* paths, int count) {
   const PathState fields = *paths;
@@ -224,6 +256,7 @@ STAGE void start_shadow_flights(const PRIVATE PathState* paths, int count) {
     LANE_LOOP
       for (int j = i; j < i + LANES; j++) {
         set_shadow_passes(&fields, j, make_vec3(1.0f, 1.0f, 1.0f));
+        set_shadow_tint(&fields, j, make_vec3(1.0f, 1.0f, 1.0f));
         set_way(&fields, j, 0.0f);
         set_clearance(&fields, j, 0.0f);
         set_crossed(&fields, j, 0);
@@ -304,7 +337,7 @@ STAGE void dim_flights(const PRIVATE Scene* scene, const PRIVATE PathState* path
 
 /// Shadow rays' light after what media take from it, and shared with what directions find: a path that took
 /// the light's direction would have got there with the mean density of what media let through of its
-/// channels.
+/// channels. Panes count in neither density.
 STAGE void weigh_shadow_rays(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
   const int heuristic = scene->header.integrator.heuristic;
   const PathState fields = *paths;
@@ -313,7 +346,8 @@ STAGE void weigh_shadow_rays(const PRIVATE Scene* scene, const PRIVATE PathState
       for (int j = i; j < i + LANES; j++) {
         const vec3 passes = get_shadow_passes(&fields, j);
         const float found = get_shadow_balance(&fields, j) * mean3(mul(get_channels(&fields, j), passes));
-        set_shadow_passes(&fields, j, scale(passes, mis_weight(heuristic, 1.0f, found)));
+        const vec3 tint = get_shadow_tint(&fields, j);
+        set_shadow_passes(&fields, j, scale(mul(passes, tint), mis_weight(heuristic, 1.0f, found)));
       }
   }
 }

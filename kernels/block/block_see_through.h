@@ -144,26 +144,50 @@ FN PairPoint ray_surface_point(const PRIVATE Scene* scene, int step, int k) {
   return nth_point(point, scene->header.integrator.bsdf_samples, step - 1);
 }
 
+    #if HAS(MEDIA)
+/// What panes colour of the paths that pass them, of leaves of which -1 are those that are passed.
+STAGE void tint_paths(const PRIVATE PathState* paths, int i, const PRIVATE int* RESTRICT leaves,
+                      const PRIVATE PaneTints* RESTRICT tints) {
+  const PathState fields = *paths;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const vec3 before = get_throughput(&fields, i + j);
+      const bool passes = (get_ray_tmax(&fields, i + j) > 0.0f) & (leaves[j] < 0);
+      set_throughput(&fields, i + j, select3(passes, mul(before, load_pane_tint(tints, j).colour), before));
+    }
+}
+    #endif
+
 /// Chooses leaves at the surfaces, the k-th that the rays meet, and adds the light of those that they pass.
 FN void pass_by_chance(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step, int k,
                        const PRIVATE Surfaces* surfaces, PRIVATE int* passes) {
   const PRIVATE SceneHeader* h = &scene->header;
-  float numbers[LANES], others[LANES];
+  float numbers[LANES], others[LANES], shares[LANES];
   int leaves[LANES];
   for (int j = 0; j < LANES; j++) {
     leaves[j] = surfaces->material[j];
     numbers[j] = 0.0f;
   }
-  if (any_branch(scene, leaves))
+  if (any_chance(scene, leaves))
     sample_pair(h->sampler.kind, sequence_length(h), ray_surface_point(scene, step, k), paths, i, numbers,
                 others);
-  choose_leaves(scene, surfaces, numbers, leaves);
+  walk_to_leaves(scene, surfaces, numbers, leaves);
+  leaf_shares(scene, surfaces, leaves, shares);
+    #if HAS(MEDIA)
+  PaneTints tints;
+  const bool panes = NEEDS_MEDIA(scene) && any_pane(scene, leaves);
+  if (panes) find_tints(scene, surfaces, leaves, &tints);
+    #endif
+  pass_leaves(numbers, shares, leaves);
   note_leaves(paths, i, surfaces, leaves, passes);
   if (any_passed_light(surfaces, passes)) {
     Surfaces seen = *surfaces;
     see_from_starts(paths, i, &seen);
     add_passed_light(scene, paths, i, step, &seen, passes);
   }
+    #if HAS(MEDIA)
+  if (panes) tint_paths(paths, i, leaves, &tints);
+    #endif
 }
   #endif
 
@@ -204,9 +228,14 @@ FN bool pass_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
   if (flies) flight_lengths(paths, i, &surfaces, lengths);
   if (flies) {
     float reaches[LANES];
-    for (int j = 0; j < LANES; j++) reaches[j] = -1.0f;
-    if (has_grids(scene)) fly_through_grids(scene, paths, i, lengths, reaches);
-    fly(scene, paths, i, &surfaces, lengths, reaches);
+    int decided[LANES];
+    for (int j = 0; j < LANES; j++) {
+      reaches[j] = -1.0f;
+      decided[j] = 0;
+    }
+    if (has_grids(scene)) fly_through_grids(scene, paths, i, lengths, reaches, decided);
+    aim_at_lights(scene, paths, i, lengths, reaches, decided);
+    fly(scene, paths, i, &surfaces, lengths, decided, reaches);
     if (has_grids(scene)) colour_by_grids(scene, paths, i, reaches);
   }
   #endif
@@ -215,7 +244,7 @@ FN bool pass_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
   if (chooses) pass_by_chance(scene, paths, i, step, k, &surfaces, passes);
   #endif
   #if HAS(MEDIA)
-  if (flies) cross_boundaries(scene, paths, i, lengths, passes, false, &surfaces);
+  if (flies) follow_boundaries(scene, paths, i, lengths, passes, false, &surfaces);
   #endif
   #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) restart_behind_instances(paths, i, &surfaces, passes);
@@ -354,6 +383,25 @@ STAGE void dim_shadow_rays(const PRIVATE PathState* paths, int i, const PRIVATE 
     }
 }
 
+  #if HAS(MEDIA)
+/// What panes colour of what gets through, in all, by `shares`.
+STAGE void tint_shadow_rays(const PRIVATE PathState* paths, int i,
+                            const PRIVATE PassingShares* RESTRICT walks, const PRIVATE float* RESTRICT shares,
+                            const PRIVATE PaneTints* RESTRICT tints) {
+  const PathState fields = *paths;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const vec3 before = get_shadow_tint(&fields, i + j);
+      const float white = load_passing_share(walks, j).sum, whole = shares[j];
+      const bool through = (get_ray_tmax(&fields, i + j) > 0.0f) & (whole > 0.0f);
+      const float share = through ? white / whole : 1.0f;
+      const vec3 tint =
+          add_scaled(make_vec3(share, share, share), 1.0f - share, load_pane_tint(tints, j).colour);
+      set_shadow_tint(&fields, i + j, mul(before, tint));
+    }
+}
+  #endif
+
 FN bool pass_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step, int k) {
   const PRIVATE SceneHeader* h = &scene->header;
   PairPoint point = met_point(PAIR_SHADOW_SURFACES, k);
@@ -367,14 +415,20 @@ FN bool pass_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
   find_hit_surfaces(scene, paths, i, &surfaces);
   if (any_branch(scene, surfaces.material))
     sample_pair(h->sampler.kind, sequence_length(h), point, paths, i, numbers, others);
-  passing_shares(scene, &surfaces, numbers, shares);
+  PassingShares walks;
+  passing_shares(scene, &surfaces, numbers, &walks, shares);
   #if HAS(MEDIA)
+  if (NEEDS_MEDIA(scene) && any_pane(scene, walks.material)) {
+    PaneTints tints;
+    find_tints(scene, &surfaces, walks.material, &tints);
+    tint_shadow_rays(paths, i, &walks, shares, &tints);
+  }
   float lengths[LANES];
   if (NEEDS_MEDIA(scene)) dim_flights(scene, paths, i, &surfaces, lengths);
   #endif
   dim_shadow_rays(paths, i, &surfaces, shares, passes);
   #if HAS(MEDIA)
-  if (NEEDS_MEDIA(scene)) cross_boundaries(scene, paths, i, lengths, passes, true, &surfaces);
+  if (NEEDS_MEDIA(scene)) follow_boundaries(scene, paths, i, lengths, passes, true, &surfaces);
   #endif
   #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) restart_behind_instances(paths, i, &surfaces, passes);

@@ -74,11 +74,12 @@ PENUMBRA_NAMESPACE_BEGIN
   X(float, depth_left, FEATURE_MEDIA, NEVER)            /* optical depth until it scatters */                  \
   X(float, way, FEATURE_MEDIA, NEVER)                   /* from the ray's start to the last boundary */        \
   X(float, clearance, FEATURE_MEDIA, NEVER)             /* along the ray, that is surely behind that */        \
-  X(int, panes, FEATURE_MEDIA, FEATURE_MEDIA)           /* whose straight ways no limit of depth counts */     \
   X(int, crossed, FEATURE_MEDIA, NEVER)                 /* the boundary: see crossing_code; 0: none */         \
+  X(int, contradiction, FEATURE_MEDIA, FEATURE_MEDIA)   /* 1 + the first shape whose boundary was one, 0, -1 */ \
   X(int, shadow_low, FEATURE_MEDIA, NEVER)              /* media in which the shadow ray is */                 \
   X(int, shadow_high, FEATURE_MEDIA, NEVER)                                                                    \
   X(vec3, shadow_passes, FEATURE_MEDIA, NEVER)          /* what media let through of each channel */           \
+  X(vec3, shadow_tint, FEATURE_MEDIA, NEVER)            /* what panes colour it by */                          \
   X(float, shadow_balance, FEATURE_MEDIA, NEVER)        /* density of its direction over that of the light */  \
   /* whitted: what is left to do when the path ends, see BRANCH_FIELDS */                                      \
   X(int, branch_place, FEATURE_WHITTED, FEATURE_WHITTED)   /* the lane where its branches are */               \
@@ -134,6 +135,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(vec3, normal, FEATURE_LAYERS, NEVER)                            \
   X(float, distance, FEATURE_LAYERS, NEVER)                         \
   X(float, coverage, FEATURE_COVERAGE, NEVER) /* 1 or 0 */          \
+  X(int, contradiction, FEATURE_MEDIA, NEVER) /* as of paths */     \
   X(int, owner, FEATURE_OWNERS, NEVER)        /* see record_owners */ \
   X(vec3, shadowed, FEATURE_POLYGONS, NEVER)                        \
   X(vec3, unshadowed, FEATURE_POLYGONS, NEVER)                      \

@@ -1,7 +1,10 @@
 // Materials that are one of two others at each point of a surface, by chance: trees, whose leaves scatter, or
-// are nothing, so that rays pass through. A walk down a tree ends, since children have lower indices.
+// are nothing, so that rays pass through. A walk down a tree ends, since children have lower indices. In
+// scenes with media thin panes are leaves that rays pass by chance, and mirrors for the others: what gets
+// through is a matter of the way alone, for shadow rays too.
 #ifndef PENUMBRA_MATERIAL_TREE_H
 #define PENUMBRA_MATERIAL_TREE_H
+#include "kernels/bsdf/thindielectric.h"
 #include "kernels/intersect/surface_fields.h"
 #include "kernels/scene.h"
 #include "kernels/texture/texture.h"
@@ -25,6 +28,28 @@ FN bool any_branch(const PRIVATE Scene* scene, const PRIVATE int* materials) {
   int any = 0;
   for (int j = 0; j < LANES; j++) any |= is_branch(scene, materials[j]) ? 1 : 0;
   return any != 0;
+}
+
+  #if HAS(MEDIA)
+/// The relative index of the thin pane that the material of that index, or -1, is, or 0.
+FN float pane_of(const PRIVATE Scene* scene, int material) {
+  const float pane = scene->materials[material >= 0 ? material : 0].pane;
+  return material >= 0 ? pane : 0.0f;
+}
+
+FN bool any_pane(const PRIVATE Scene* scene, const PRIVATE int* materials) {
+  int any = 0;
+  for (int j = 0; j < LANES; j++) any |= pane_of(scene, materials[j]) > 0.0f ? 1 : 0;
+  return any != 0;
+}
+  #endif
+
+/// Whether any of the materials takes a number to choose.
+FN bool any_chance(const PRIVATE Scene* scene, const PRIVATE int* materials) {
+  #if HAS(MEDIA)
+  if (NEEDS_MEDIA(scene) && any_pane(scene, materials)) return true;
+  #endif
+  return any_branch(scene, materials);
 }
 
 STAGE void plain_weights(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT materials,
@@ -98,24 +123,58 @@ STAGE void descend(const PRIVATE Scene* scene, const PRIVATE float* RESTRICT wei
     }
 }
 
-STAGE void leaves_of_nothing(const PRIVATE Scene* scene, PRIVATE int* RESTRICT materials) {
+STAGE void plain_leaf_shares(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT leaves,
+                             PRIVATE float* RESTRICT shares) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const int material = materials[j];
-      materials[j] = passes_of(scene, material) == PASSES_ALL ? -1 : material;
+      const int leaf = leaves[j];
+      shares[j] = passes_of(scene, leaf) == PASSES_ALL ? 1.0f : 0.0f;
     }
 }
 
-/// From the surfaces' materials to leaves of theirs, or -1 where a ray passes through. The numbers, uniform
-/// in [0, 1), choose.
-FN void choose_leaves(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces, PRIVATE float* numbers,
-                      PRIVATE int* materials) {
+  #if HAS(MEDIA)
+STAGE void pane_shares(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+                       const PRIVATE int* RESTRICT leaves, PRIVATE float* RESTRICT shares) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(surfaces, j);
+      const int leaf = leaves[j];
+      const float pane = pane_of(scene, leaf), plain = shares[j];
+      const bool is_pane = pane > 0.0f;
+      const float cosine = FABS(dot3(s.shading, s.wo));
+      const float reflected = pane_reflectance(cosine, is_pane ? pane : 1.0f);
+      shares[j] = is_pane ? 1.0f - reflected : plain;
+    }
+}
+  #endif
+
+/// With which probabilities rays pass the leaves.
+FN void leaf_shares(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces, const PRIVATE int* leaves,
+                    PRIVATE float* shares) {
+  plain_leaf_shares(scene, leaves, shares);
+  #if HAS(MEDIA)
+  if (NEEDS_MEDIA(scene) && any_pane(scene, leaves)) pane_shares(scene, surfaces, leaves, shares);
+  #endif
+}
+
+/// From the surfaces' materials to leaves of theirs, which the numbers, uniform in [0, 1), choose.
+FN void walk_to_leaves(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces, PRIVATE float* numbers,
+                       PRIVATE int* materials) {
   float weights[LANES];
   while (any_branch(scene, materials)) {
     branch_weights(scene, surfaces, materials, weights);
     descend(scene, weights, numbers, materials);
   }
-  leaves_of_nothing(scene, materials);
+}
+
+/// Those that rays pass become -1: of each its share of what is left of the numbers.
+STAGE void pass_leaves(const PRIVATE float* RESTRICT numbers, const PRIVATE float* RESTRICT shares,
+                       PRIVATE int* RESTRICT leaves) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int leaf = leaves[j];
+      leaves[j] = numbers[j] < shares[j] ? -1 : leaf;
+    }
 }
 
   // A walk for the share of light that gets through a material: sum + factor * the share of `material`.
@@ -163,29 +222,82 @@ STAGE void descend_shares(const PRIVATE Scene* scene, const PRIVATE float* RESTR
     }
 }
 
-STAGE void finish_shares(const PRIVATE Scene* scene, const PRIVATE PassingShares* RESTRICT shares,
-                         PRIVATE float* RESTRICT passing) {
+STAGE void finish_shares(const PRIVATE PassingShares* RESTRICT shares, PRIVATE float* RESTRICT passing) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const PassingShare share = load_passing_share(shares, j);
-      const float leaf = passes_of(scene, share.material) == PASSES_ALL ? 1.0f : 0.0f;
+      const float leaf = passing[j];
       passing[j] = share.sum + share.factor * leaf;
     }
 }
 
 /// The shares of light that get through the surfaces, in [0, 1]; where the numbers have to choose, their
-/// means are.
+/// means are. `shares`: the walks, which end at leaves.
 FN void passing_shares(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces, PRIVATE float* numbers,
-                       PRIVATE float* passing) {
-  PassingShares shares;
+                       PRIVATE PassingShares* shares, PRIVATE float* passing) {
   float weights[LANES];
-  start_shares(surfaces->material, &shares);
-  while (any_branch(scene, shares.material)) {
-    branch_weights(scene, surfaces, shares.material, weights);
-    descend_shares(scene, weights, numbers, &shares);
+  start_shares(surfaces->material, shares);
+  while (any_branch(scene, shares->material)) {
+    branch_weights(scene, surfaces, shares->material, weights);
+    descend_shares(scene, weights, numbers, shares);
   }
-  finish_shares(scene, &shares, passing);
+  leaf_shares(scene, surfaces, shares->material, passing);
+  finish_shares(shares, passing);
 }
+
+  #if HAS(MEDIA)
+    #define PANE_TINT_FIELDS(F, a) F(a, vec3, colour)
+LANE_RECORD(PaneTint, PaneTints, pane_tint, PANE_TINT_FIELDS)
+
+STAGE void plain_tints(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT leaves,
+                       PRIVATE PaneTints* RESTRICT tints) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const int leaf = leaves[j];
+      const vec3 transmitted = load3(&scene->materials[leaf >= 0 ? leaf : 0].transmitted);
+      PaneTint tint;
+      tint.colour = select3(pane_of(scene, leaf) > 0.0f, transmitted, make_vec3(1.0f, 1.0f, 1.0f));
+      store_pane_tint(tints, j, tint);
+    }
+}
+
+    #if HAS(TEXTURES)
+STAGE bool note_tint_textures(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT leaves,
+                              PRIVATE int* RESTRICT textures) {
+  int any = 0;
+  for (int j = 0; j < LANES; j++) {
+    const int leaf = leaves[j], texture = scene->materials[leaf >= 0 ? leaf : 0].transmitted_texture;
+    textures[j] = pane_of(scene, leaf) > 0.0f ? texture : -1;
+    any |= textures[j] >= 0 ? 1 : 0;
+  }
+  return any != 0;
+}
+
+STAGE void textured_tints(const PRIVATE int* RESTRICT textures, const PRIVATE TextureLanes* RESTRICT found,
+                          PRIVATE PaneTints* RESTRICT tints) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      PaneTint tint = load_pane_tint(tints, j);
+      tint.colour = select3(textures[j] >= 0, LOAD_LANE_vec3(found->value, j), tint.colour);
+      store_pane_tint(tints, j, tint);
+    }
+}
+    #endif
+
+/// By what the leaves colour what passes them: 1 where they are no panes.
+FN void find_tints(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces, const PRIVATE int* leaves,
+                   PRIVATE PaneTints* tints) {
+  plain_tints(scene, leaves, tints);
+    #if HAS(TEXTURES)
+  int textures[LANES];
+  if (NEEDS(scene, TEXTURES) && note_tint_textures(scene, leaves, textures)) {
+    TextureLanes found;
+    eval_textures(scene, surfaces, textures, &found);
+    textured_tints(textures, &found, tints);
+  }
+    #endif
+}
+  #endif
 #endif
 
 PENUMBRA_NAMESPACE_END

@@ -8,12 +8,15 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Probability of the reflection, which is sampled for a choice below it: with Fresnel's r and t = 1 - r,
+/// What a pane of that relative index reflects at a cosine above 0: with Fresnel's r and t = 1 - r,
 /// r + t^2 r + t^2 r^3 + ... = 2 r / (1 + r).
-FN float thindielectric_lobe_probability(Closure c, vec3 wo) {
-  const float r = dielectric_fresnel(wo.z, c.ior).reflectance;
+FN float pane_reflectance(float cosine, float ior) {
+  const float r = dielectric_fresnel(cosine, ior).reflectance;
   return 2.0f * r / (1.0f + r);
 }
+
+/// Probability of the reflection, which is sampled for a choice below it.
+FN float thindielectric_lobe_probability(Closure c, vec3 wo) { return pane_reflectance(wo.z, c.ior); }
 
 FN BsdfValue thindielectric_eval(const PRIVATE Scene* scene, Closure c, vec3 wo, vec3 wi) {
   return no_bsdf_value();

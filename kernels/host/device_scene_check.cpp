@@ -188,6 +188,9 @@ class Checker {
       require(in(m.branches, 0, 1) && in(m.passes, PASSES_NONE, PASSES_SOME), "a material of unknown kind");
       require(m.weight >= 0.0f && m.weight <= 1.0f, "a material's weight is not in [0, 1]");
       require(in(m.bend, BEND_NOT, BEND_BUMP_MAP), "a normal is bent in an unknown way");
+      require(m.pane == 0.0f || (m.pane > 0.0f && std::isfinite(m.pane) && has(FEATURE_MEDIA) &&
+                                 m.branches == 0 && m.passes == PASSES_SOME),
+              "a thin pane that is none");
       require(has(FEATURE_NESTED) || (m.branches == 0 && m.passes == PASSES_NONE),
               "materials that hold others without their feature bit");
       require(m.bend == BEND_NOT || (has(FEATURE_BENT) && has(FEATURE_TEXTURES) && has(FEATURE_UV)),
@@ -204,8 +207,8 @@ class Checker {
               "a phase function names lobes that are not there");
     if (!has(FEATURE_MEDIA)) {
       require(t.media.count == 0 && t.phase_lobes.count == 0 && t.boundaries.count == 0 &&
-                  t.primitive_boundaries.count == 0 && t.volumes.count == 0 && h_.camera_medium == 0 &&
-                  (h_.families & families_with(FREE)) == 0,
+                  t.primitive_boundaries.count == 0 && t.volumes.count == 0 && t.flight_centres.count == 0 &&
+                  h_.camera_medium == 0 && (h_.families & families_with(FREE)) == 0,
               "media without their feature bit");
       return;
     }

@@ -8,7 +8,7 @@
 
 #include "kernels/features.h"
 #include "kernels/host/error.h"
-#include "kernels/host/non_finite.h"
+#include "kernels/host/flagged_samples.h"
 #include "kernels/unit.h"
 
 namespace penumbra {
@@ -102,8 +102,7 @@ struct SampleBuffer {
   int height = 0;
   int planes = kRadiancePlanes;
   std::uint32_t sample_count = 0;
-  NonFiniteSamples nan = {};       ///< samples with a NaN channel
-  NonFiniteSamples infinite = {};  ///< samples with an infinite channel (and no NaN)
+  FlaggedKinds flagged = {};  ///< samples with a NaN channel, with an infinite one (and no NaN), and others
   std::vector<float> values;
   /// With FEATURE_OWNERS, of one pixel after the other: how many pairs, then those, an owner and how many of
   /// the samples met it, at least one. Owners ascend, from NOBODY on; the counts are those of all samples.

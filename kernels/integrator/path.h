@@ -46,24 +46,12 @@ FN void path_numbers(const PRIVATE SceneHeader* h, bool roulette, const PRIVATE 
                 u + DIM_FREE_FLIGHT * LANES);
 }
 
-/// Edges of a path before its last ray, as limits of depth count them: through media a straight way through a
-/// thin pane is like one through a null boundary, as in Mitsuba's volumetric integrators.
-FN int counted_depth(const PRIVATE SceneHeader* h, const PRIVATE PathState* paths, int i) {
-  #if HAS(MEDIA)
-  if (h->tables.media.count > 0) return get_depth(paths, i) - get_panes(paths, i);
-  #endif
-  return get_depth(paths, i);
-}
-
 /// Whether any of LANES paths from lane i on may scatter where its last ray ended.
 FN bool any_scatters(const PRIVATE SceneHeader* h, const PRIVATE PathState* paths, int i) {
   const int max_depth = h->integrator.max_depth;
-  const bool panes = (h->tables.media.count > 0) & ((h->families & ONLY(THINDIELECTRIC)) != 0u);
   int any = 0;
-  for (int j = i; j < i + LANES; j++) {
-    const int edges = counted_depth(h, paths, j) + (panes ? 0 : 1);
-    any |= ((get_hit(paths, j) != NOTHING_HIT) & (edges < max_depth)) ? 1 : 0;
-  }
+  for (int j = i; j < i + LANES; j++)
+    any |= ((get_hit(paths, j) != NOTHING_HIT) & (get_depth(paths, j) + 1 < max_depth)) ? 1 : 0;
   return any != 0;
 }
 
@@ -193,7 +181,7 @@ STAGE void request_light(const PRIVATE Scene* scene, const PRIVATE PathState* pa
       const bool controlled = is_controlled(scene, load_closure(&step->closures, j), light.of_polygon);
       const bool alone = light.delta | controlled;
       const float weight = (alone ? 1.0f : shared) / (light.pdf > 0.0f ? light.pdf : 1.0f);
-      const bool scatters = is_hit(s) & (counted_depth(&scene->header, &fields, i + j) + 1 < max_depth);
+      const bool scatters = is_hit(s) & (get_depth(&fields, i + j) + 1 < max_depth);
       const bool lit = scatters & (light.tmax > 0.0f) & (value.pdf > 0.0f) &
                        ((sampling != SAMPLING_BSDF_ONLY) | light.delta);
       const vec3 arriving =
@@ -233,19 +221,6 @@ STAGE void request_through_media(const PRIVATE Scene* scene, const PRIVATE PathS
     }
 }
 
-/// Straight ways through panes are counted before the paths go on.
-STAGE void count_panes(const PRIVATE PathState* paths, int i, const PRIVATE StepLanes* RESTRICT step) {
-  const PathState fields = *paths;
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const Surface s = load_surface(&step->surfaces, j);
-      const bool crosses =
-          dot3(s.shading, s.wo) * dot3(s.shading, LOAD_LANE_vec3(step->samples.wi, j)) < 0.0f;
-      const bool pane = is_among(load_closure(&step->closures, j), ONLY(THINDIELECTRIC));
-      set_panes(&fields, i + j, get_panes(&fields, i + j) + ((pane & crosses) ? 1 : 0));
-    }
-}
-
 /// The media into which the next rays lead.
 STAGE void go_on_in_media(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces) {
   const PathState fields = *paths;
@@ -271,8 +246,7 @@ STAGE void continue_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
       const vec3 throughput = mul(get_throughput(&fields, i + j), next.weight);
       const float strongest = max_component(throughput);
       const float survival = path_survival(rr_depth, depth, strongest, step->eta[j]);
-      const int counted = counted_depth(&scene->header, &fields, i + j) + 1;
-      const bool alive = is_hit(s) & (counted < max_depth) & (next.pdf > 0.0f) & (strongest > 0.0f) &
+      const bool alive = is_hit(s) & (depth < max_depth) & (next.pdf > 0.0f) & (strongest > 0.0f) &
                          !is_beneath(s, next.wi) & (lane_number(step, DIM_ROULETTE, j) < survival);
       set_ray_origin(&fields, i + j, leave_surface(s.p, s.geometric, s.error, next.wi));
       set_ray_direction(&fields, i + j, next.wi);
@@ -344,9 +318,6 @@ FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
     shade_bumps(scene, &step.surfaces, &step.samples);
   #if HAS(TRANSMISSION)
     if (NEEDS(scene, TRANSMISSION)) enter_media(paths, i, &step.samples, step.eta);
-  #endif
-  #if HAS(MEDIA)
-    if (NEEDS_MEDIA(scene)) count_panes(paths, i, &step);
   #endif
     continue_paths(scene, paths, i, &step);
   #if HAS(MEDIA)

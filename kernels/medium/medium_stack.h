@@ -51,6 +51,8 @@ FN int boundary_of(const PRIVATE Scene* scene, int primitive) {
 typedef struct {
   MediumStack media;  ///< behind it
   bool consistent;    ///< those before it are what the boundary says
+  bool overlaps;      ///< the outer one of two is left
+  bool unentered;     ///< a medium is left that was not entered
 } Crossing;
 
 /// Crosses the boundary of that index from `media`, to its inside or out of it. Where the boundary says
@@ -72,6 +74,8 @@ FN Crossing cross_boundary(const PRIVATE Scene* scene, int boundary, bool inward
       inwards, within(media, interior),
       select_media(knows_around & !leaves_outer, with_innermost(left, knows_around ? exterior : 0), left));
   crossing.consistent = inwards ? was_outside : was_inside & agrees;
+  crossing.overlaps = !inwards & leaves_outer;
+  crossing.unentered = !(inwards | was_inside | leaves_outer);
   return crossing;
 }
 #endif

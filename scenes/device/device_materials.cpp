@@ -18,6 +18,15 @@ void set_passes(Material& m, const std::vector<Material>& before) {
   m.passes = first == second ? first : PASSES_SOME;
 }
 
+void open_pane(Material& m) {
+  if (m.family != FAMILY_THINDIELECTRIC) return;
+  m.family = FAMILY_CONDUCTOR;
+  m.eta = {0, 0, 0};
+  m.k = {1, 1, 1};
+  m.pane = m.ior;
+  m.passes = PASSES_SOME;
+}
+
 float bend_step(const SceneDescription& scene, int texture) {
   const SceneTexture& heights = scene.textures.at(std::size_t(texture));
   const auto* image = std::get_if<BitmapTexture>(&heights.model);

@@ -11,6 +11,9 @@ namespace penumbra {
 /// How many rays pass through a material, by its children, which come before it.
 void set_passes(Material& m, const std::vector<Material>& before);
 
+/// In scenes with media rays pass thin panes by chance, straight on, and the others meet a mirror.
+void open_pane(Material& m);
+
 /// Between texture coordinates whose heights are compared: a small part of a texel, across whose edges slopes
 /// change.
 float bend_step(const SceneDescription& scene, int texture);

@@ -14,6 +14,7 @@
 #include "scenes/device/camera_builder.h"
 #include "scenes/device/device_materials.h"
 #include "scenes/device/filter_table.h"
+#include "scenes/device/flight_centres.h"
 #include "scenes/device/integrator_builder.h"
 #include "scenes/device/light_builder.h"
 #include "scenes/device/light_choice.h"
@@ -101,6 +102,7 @@ class Builder {
                                          quadric_boundaries_.end());
     if (owners_)
       if (Expected<void> done = store_owners(); !done) return std::unexpected(done.error());
+    if (media_->has_homogeneous()) records_.flight_centres = flight_centres(lights_.bounds());
     records_.filter_table = filter_table(scene_.film);
     if ((h_.features & FEATURE_LIGHT_TREE) != 0u)
       if (Expected<void> done = add_light_tree(lights_.bounds(), scene_.integrator, radius_, h_, records_);
@@ -135,9 +137,9 @@ class Builder {
     for (const Bsdf& bsdf : scene_.bsdfs) {
       Material m = material_of(bsdf, tables);
       set_passes(m, records_.materials);
-      const bool leaf = m.branches == 0 && m.passes == PASSES_NONE;
-      if (leaf) h_.families |= 1u << m.family;
-      if (!leaf) need(FEATURE_NESTED);
+      if (!media_->empty()) open_pane(m);
+      if (m.branches == 0 && m.passes != PASSES_ALL) h_.families |= 1u << m.family;
+      if (m.branches != 0 || m.passes != PASSES_NONE) need(FEATURE_NESTED);
       if (m.bend != BEND_NOT) {
         need(FEATURE_BENT);
         m.bend_step = bend_step(scene_, m.bend_texture);

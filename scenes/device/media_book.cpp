@@ -27,7 +27,23 @@ int material_of_phase(const std::vector<PhaseLobe>& phase, SceneRecords& records
   return first_material + known;
 }
 
+bool is_boundary(const Shape& shape) { return shape.interior != kNoMedium || shape.exterior != kNoMedium; }
+
 }  // namespace
+
+std::map<int, std::string> boundary_names(const SceneDescription& scene) {
+  std::map<int, std::string> names;
+  int number = 0;
+  const auto add = [&](const std::vector<Shape>& shapes) {
+    for (const Shape& shape : shapes) {
+      if (is_boundary(shape)) names.emplace(number, shape.name);
+      ++number;
+    }
+  };
+  add(scene.shapes);
+  for (const ShapeGroup& group : scene.groups) add(group.shapes);
+  return names;
+}
 
 MediaBook::MediaBook(const SceneDescription& scene, const std::vector<PlacedGroup>& placed) : scene_(scene) {
   if (!scene.integrator.is<VolpathIntegrator>()) return;
@@ -46,13 +62,19 @@ MediaBook::MediaBook(const SceneDescription& scene, const std::vector<PlacedGrou
 }
 
 void MediaBook::add(const Shape& shape, std::size_t number) {
-  if (shape.interior == kNoMedium && shape.exterior == kNoMedium) return;
+  if (!is_boundary(shape)) return;
   Boundary boundary{};
   boundary.interior = shape.interior + 1;
   boundary.exterior = shape.exterior == kNoMedium ? -1 : shape.exterior + 1;
   boundary.shape = int(number);
   numbers_.emplace(number, int(boundaries_.size()));
   boundaries_.push_back(boundary);
+}
+
+bool MediaBook::has_homogeneous() const {
+  return !empty_ && std::ranges::any_of(scene_.media, [](const ParticipatingMedium& medium) {
+    return !medium.density && medium.albedo != decltype(medium.albedo)(0.0f);
+  });
 }
 
 int MediaBook::of_shape(std::size_t index) const {

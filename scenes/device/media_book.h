@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -11,6 +12,10 @@
 
 namespace penumbra {
 
+/// The names of the shapes that bound media, by the numbers that boundaries have for them: of the scene's own
+/// shapes, then of each group's.
+std::map<int, std::string> boundary_names(const SceneDescription& scene);
+
 class MediaBook {
  public:
   /// Empty, unless the scene's integrator sees media and the camera is in one, or a shape of the scene or of
@@ -18,6 +23,9 @@ class MediaBook {
   MediaBook(const SceneDescription& scene, const std::vector<PlacedGroup>& placed);
 
   [[nodiscard]] bool empty() const { return empty_; }
+
+  /// Whether a medium is the same everywhere and scatters.
+  [[nodiscard]] bool has_homogeneous() const;
 
   /// The boundary that the scene's shape of that index is, or -1; likewise of a group's.
   [[nodiscard]] int of_shape(std::size_t index) const;

@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "kernels/host/stopwatch.h"
+#include "scenes/device/media_book.h"
 #include "scenes/device/scene_inventory.h"
 #include "scenes/scene_reader.h"
 #include "scenes/settings.h"
@@ -73,7 +74,8 @@ Expected<LoadedScene> load_scene(const SceneOptions& options,
   if (options.cryptomatte) device_options.owners = &owners;
   auto device = build_device_scene(*description, device_options);
   if (!device) return std::unexpected(device.error());
-  LoadedScene scene{std::move(*description), std::move(*device), {}, std::move(owners), 0, {}};
+  LoadedScene scene{std::move(*description), std::move(*device), {}, std::move(owners), {}, 0, {}};
+  scene.boundary_names = boundary_names(scene.description);
   scene.summary = summarize(scene.device);
   scene.seconds = seconds_since(begin);
   return scene;

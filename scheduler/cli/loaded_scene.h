@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <string>
 
 #include "kernels/host/device_scene.h"
 #include "kernels/host/error.h"
@@ -16,9 +18,10 @@ struct LoadedScene {
   SceneDescription description;
   DeviceScene device;
   SceneSummary summary;
-  OwnerNames owners;       ///< with --cryptomatte
-  double seconds = 0;      ///< that it took
-  glm::dvec3 center{0.0};  ///< see scene_center; once it is reduced
+  OwnerNames owners;                          ///< with --cryptomatte
+  std::map<int, std::string> boundary_names;  ///< see there
+  double seconds = 0;                         ///< that it took
+  glm::dvec3 center{0.0};                     ///< see scene_center; once it is reduced
 };
 
 /// Of the description's shapes polygon_lights_of it remain: meshes and images are in the device scene, and

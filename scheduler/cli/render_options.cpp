@@ -241,7 +241,8 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       ->capture_default_str();
   command.add_flag(
       "--strict-numerics", options.strict_numerics,
-      "NaN and infinite samples are an error (exit code 1) instead of a warning; files are written");
+      "NaN and infinite samples, and such through media whose boundaries contradict each other, are an "
+      "error (exit code 1) instead of a warning; files are written");
   command.add_flag("--force", options.force,
                    "Of several scenes, render also those whose images are there and would be the same");
   command

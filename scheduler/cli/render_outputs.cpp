@@ -18,7 +18,7 @@
 #include "scheduler/record/camera_attributes.h"
 #include "scheduler/record/cryptomatte.h"
 #include "scheduler/record/film_image.h"
-#include "scheduler/record/non_finite_text.h"
+#include "scheduler/record/flagged_text.h"
 #include "scheduler/record/render_statistics.h"
 
 namespace penumbra {
@@ -55,6 +55,12 @@ std::string samples_text(std::uint64_t least, std::uint64_t most) {
   return least == most ? counted(least, "sample") : fmt::format("{} to {} samples", least, most);
 }
 
+/// Of BAD_BOUNDARY, the name of the shape that the first of them met.
+std::string shape_of_first(const PreparedRender& prepared, const FlaggedSamples& samples) {
+  const auto name = prepared.scene.boundary_names.find(samples.shape);
+  return name != prepared.scene.boundary_names.end() ? name->second : "";
+}
+
 }  // namespace
 
 void print_summary(const RenderOutcome& outcome, const OutputFiles& files) {
@@ -77,12 +83,19 @@ void print_sampler_advice() {
       "six of eight scenes at 16 per pixel, and that of means of 4 x 4 pixels 0.27 to 0.75 in seven\n");
 }
 
-bool print_non_finite(const FilmAccumulator& film, const std::string& reproduce_command, bool strict) {
-  const std::pair<NonFiniteSamples, const char*> kinds[] = {{film.nan(), "NaN"},
-                                                            {film.infinite(), "infinite"}};
+// At edges, and where a boundary meets another surface, rounding decides which is crossed first: of a closed
+// scene's samples 1 in 100 000 seem to contradict each other.
+constexpr double kContradictionsByRounding = 1e-4;
+
+bool print_flagged(const PreparedRender& prepared, const FilmAccumulator& film, bool strict) {
+  const FlaggedKinds flagged = film.flagged();
+  const double rounded = kContradictionsByRounding * double(sample_range(film).total);
   std::vector<std::string> texts;
-  for (const auto& [samples, kind] : kinds)
-    if (samples.count > 0) texts.push_back(non_finite_text(samples, kind, reproduce_command));
+  for (int kind = 0; kind < BAD_KINDS; ++kind)
+    if (const FlaggedSamples& samples = flagged[std::size_t(kind)];
+        double(samples.count) > (kind == BAD_BOUNDARY ? rounded : 0.0))
+      texts.push_back(
+          flagged_text(kind, samples, shape_of_first(prepared, samples), prepared.job.reproduce_command));
   if (const std::uint64_t pixels = pixels_of_infinite_variance(film); pixels > 0)
     texts.push_back(fmt::format(
         "the variance of {} is more than a file's single precision holds, and infinite there; the "
@@ -146,6 +159,7 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
   if (files.statistics && !prepared.scene.description.source.empty())
     statistics.inventory =
         scene_costs(prepared.scene.description, prepared.job.scene, prepared.job.device.isa, false);
+  statistics.contradictory_shape = shape_of_first(prepared, outcome.film.flagged()[BAD_BOUNDARY]);
   statistics.build_seconds = prepared.scene.seconds;
   if (files.exr) statistics.files.push_back(*files.exr);
   if (files.png) statistics.files.push_back(*files.png);
@@ -162,18 +176,17 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
 RenderEnd finish_render(PreparedRender& prepared, const RenderOutcome& outcome,
                         const std::vector<std::string>& command_line, const std::string& name, bool strict,
                         bool stopped) {
-  const std::string reproduce_command = prepared.job.reproduce_command;
   Expected<void> written =
       sample_range(outcome.film).total == 0 ? fail("nothing was rendered") : make_folders(prepared.files);
   if (written) written = write_outputs(prepared, outcome, command_line);
   if (!written) print_error({fmt::format("{}: {}", name, written.error().message)});
   print_problems(outcome, stopped);
-  const bool non_finite = print_non_finite(outcome.film, reproduce_command, strict);
+  const bool flagged = print_flagged(prepared, outcome.film, strict);
   if (!written) return {RenderEndKind::kFailed, written.error().message};
   if (!outcome.complete)
     return {RenderEndKind::kIncomplete,
             outcome.problems.empty() ? "it was stopped" : outcome.problems.front()};
-  if (non_finite && strict) return {RenderEndKind::kIncomplete, "it has NaN or infinite samples"};
+  if (flagged && strict) return {RenderEndKind::kIncomplete, "it has samples that are not as they should be"};
   return {};
 }
 

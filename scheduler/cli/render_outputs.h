@@ -20,7 +20,7 @@ struct RenderEnd {
 };
 /// Of one of several renders: writes what there is of it into folders that are made for it, and prints what
 /// is to be said, after `name`. The checkpoint stays, until the caller has noted the end. `strict`:
-/// non-finite samples make it incomplete.
+/// such samples make it incomplete.
 RenderEnd finish_render(PreparedRender& prepared, const RenderOutcome& outcome,
                         const std::vector<std::string>& command_line, const std::string& name, bool strict,
                         bool stopped);
@@ -30,8 +30,9 @@ void print_summary(const RenderOutcome& outcome, const OutputFiles& files);
 /// What --sampler sobol would save, to somebody whose scene file asks for independent samples.
 void print_sampler_advice();
 
-/// Non-finite samples, and variances that no file holds, as warnings or as errors; whether there are any.
-bool print_non_finite(const FilmAccumulator& film, const std::string& reproduce_command, bool strict);
+/// Samples that are not as they should be, and variances that no file holds, as warnings or as errors;
+/// whether there are any.
+bool print_flagged(const PreparedRender& prepared, const FilmAccumulator& film, bool strict);
 
 /// That a render came to no sample; why.
 Error nothing_to_write(bool stopped);

@@ -61,7 +61,7 @@ Expected<bool> run_cell(const CellPlan& cell, const CellStore& store, int repeat
     const std::string hash = hash_text(outcome->film.hash());
     if (i > 0 && hash != result.film_hash) return fail("two renders of it differ");
     result.film_hash = hash;
-    result.bad_samples = outcome->film.nan().count + outcome->film.infinite().count;
+    result.bad_samples = non_finite_count(outcome->film.flagged());
     seconds.push_back(phases_of(*prepared, *outcome));
     result.render_seconds.push_back(seconds.back().render);
     if (i > 0) continue;

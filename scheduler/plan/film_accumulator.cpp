@@ -81,11 +81,8 @@ void FilmAccumulator::add(int x, int y, const SampleBuffer& result) {
       pixel->count += result.sample_count;
     }
   }
-  if (result.nan.count + result.infinite.count > 0) {
-    NonFinite& noted = non_finite_[{x, y}];
-    noted.nan.add(result.nan);
-    noted.infinite.add(result.infinite);
-  }
+  if (std::ranges::any_of(result.flagged, [](const FlaggedSamples& kind) { return kind.count > 0; }))
+    penumbra::add(flagged_[{x, y}], result.flagged);
 }
 
 void FilmAccumulator::add_ratio(std::size_t pixel, const float* value, std::size_t plane,
@@ -120,7 +117,7 @@ void FilmAccumulator::clear(int x, int y, int width, int height) {
     std::fill_n(layers_.begin() + std::ptrdiff_t(first * layers()), std::size_t(width) * layers(), 0.0);
     owners_.clear(first, std::size_t(width));
   }
-  std::erase_if(non_finite_, [&](const auto& noted) {
+  std::erase_if(flagged_, [&](const auto& noted) {
     const auto [corner_x, corner_y] = noted.first;
     return corner_x >= x && corner_x < x + width && corner_y >= y && corner_y < y + height;
   });
@@ -156,10 +153,7 @@ void FilmAccumulator::set_mean_of(const FilmAccumulator& a, const FilmAccumulato
     }
   }
   for (const FilmAccumulator* half : {&a, &b})
-    for (const auto& [corner, noted] : half->non_finite_) {
-      non_finite_[corner].nan.add(noted.nan);
-      non_finite_[corner].infinite.add(noted.infinite);
-    }
+    for (const auto& [corner, noted] : half->flagged_) penumbra::add(flagged_[corner], noted);
 }
 
 double FilmAccumulator::visibility(int film_x, int film_y) const {
@@ -167,15 +161,9 @@ double FilmAccumulator::visibility(int film_x, int film_y) const {
   return whole > 0 ? layer(film_x, film_y, kSeen) / whole : 0;
 }
 
-NonFiniteSamples FilmAccumulator::nan() const {
-  NonFiniteSamples all;
-  for (const auto& [corner, noted] : non_finite_) all.add(noted.nan);
-  return all;
-}
-
-NonFiniteSamples FilmAccumulator::infinite() const {
-  NonFiniteSamples all;
-  for (const auto& [corner, noted] : non_finite_) all.add(noted.infinite);
+FlaggedKinds FilmAccumulator::flagged() const {
+  FlaggedKinds all;
+  for (const auto& [corner, noted] : flagged_) penumbra::add(all, noted);
   return all;
 }
 
@@ -207,13 +195,14 @@ void FilmAccumulator::write(ByteWriter& bytes) const {
   bytes.row(layers_);
   bytes.row(ratios_);
   owners_.write(bytes);
-  bytes.u64(non_finite_.size());
-  for (const auto& [corner, noted] : non_finite_) {
+  bytes.u64(flagged_.size());
+  for (const auto& [corner, noted] : flagged_) {
     bytes.i64(corner.first);
     bytes.i64(corner.second);
-    for (const NonFiniteSamples& samples : {noted.nan, noted.infinite}) {
+    for (const FlaggedSamples& samples : noted) {
       bytes.u64(samples.count);
-      for (const int number : {samples.x, samples.y, samples.source.where, samples.source.step})
+      for (const int number :
+           {samples.x, samples.y, samples.source.where, samples.source.step, samples.shape})
         bytes.i64(number);
       bytes.u64(samples.sample);
     }
@@ -226,25 +215,26 @@ Expected<void> FilmAccumulator::read(ByteReader& bytes) {
   if (!bytes.row(pixels_) || !bytes.row(layers_) || !bytes.row(ratios_)) return fail("it ends in its film");
   if (auto read = owners_.read(bytes); !read) return read;
   const std::uint64_t corners = bytes.u64();
-  if (corners > pixels_.size()) return fail("more tiles with samples that are not finite than pixels");
+  if (corners > pixels_.size()) return fail("more tiles with flagged samples than pixels");
   const auto number = [&](int low, int high) {
     const std::int64_t value = bytes.i64();
     return value >= low && value <= high ? std::optional(int(value)) : std::nullopt;
   };
   for (std::uint64_t i = 0; i < corners; ++i) {
     const auto x = number(x_, x_ + width_ - 1), y = number(y_, y_ + height_ - 1);
-    if (!x || !y) return fail("samples that are not finite outside the film");
-    NonFinite& noted = non_finite_[{*x, *y}];
-    for (NonFiniteSamples* samples : {&noted.nan, &noted.infinite}) {
-      samples->count = bytes.u64();
+    if (!x || !y) return fail("flagged samples outside the film");
+    for (FlaggedSamples& samples : flagged_[{*x, *y}]) {
+      samples.count = bytes.u64();
       const auto at_x = number(0, x_ + width_ - 1), at_y = number(0, y_ + height_ - 1);
-      const auto where = number(0, SOURCE_FILTER), step = number(0, std::numeric_limits<int>::max());
+      const auto where = number(0, SOURCE_FILTER), step = number(0, std::numeric_limits<int>::max()),
+                 shape = number(0, std::numeric_limits<int>::max());
       const std::uint64_t sample = bytes.u64();
-      if (!at_x || !at_y || !where || !step || sample > std::numeric_limits<std::uint32_t>::max())
-        return fail("a sample that is not finite and cannot be");
-      samples->x = *at_x, samples->y = *at_y;
-      samples->source = {*where, *step};
-      samples->sample = std::uint32_t(sample);
+      if (!at_x || !at_y || !where || !step || !shape || sample > std::numeric_limits<std::uint32_t>::max())
+        return fail("a flagged sample that cannot be");
+      samples.x = *at_x, samples.y = *at_y;
+      samples.source = {*where, *step};
+      samples.shape = *shape;
+      samples.sample = std::uint32_t(sample);
     }
   }
   return bytes.failed() ? fail("it ends in its film") : check();

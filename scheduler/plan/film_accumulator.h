@@ -71,9 +71,8 @@ class FilmAccumulator {
   /// The visible share of the polygon lights, by their samples, at film coordinates; 0 where there is no
   /// light.
   [[nodiscard]] double visibility(int film_x, int film_y) const;
-  /// Non-finite samples and count as 0.
-  [[nodiscard]] NonFiniteSamples nan() const;
-  [[nodiscard]] NonFiniteSamples infinite() const;
+  /// Samples that are not as they should be.
+  [[nodiscard]] FlaggedKinds flagged() const;
   /// Relative standard error of the image: sqrt(mean over pixels and channels of SE^2 / (mean^2 + .01)), with
   /// SE^2 = m2 / (n (n - 1)) the variance of a pixel's mean, over the pixels with two samples or more; NaN
   /// while there are none.
@@ -108,10 +107,7 @@ class FilmAccumulator {
   std::vector<double> layers_;  // the planes from kRadiancePlanes on, of one pixel after the other
   std::vector<std::array<RatioSums, 3>> ratios_;  // by pixel and channel, or none
   FilmOwners owners_;
-  struct NonFinite {
-    NonFiniteSamples nan, infinite;
-  };
-  std::map<std::pair<int, int>, NonFinite> non_finite_;  // by the corner of the results that hold some
+  std::map<std::pair<int, int>, FlaggedKinds> flagged_;  // by the corner of the results that hold some
 };
 
 }  // namespace penumbra

@@ -210,32 +210,34 @@ Expected<RenderUnit> decode(const wire::Unit& message) {
 
 namespace {
 
-void encode(const NonFiniteSamples& samples, wire::NonFiniteSamples& message) {
+void encode(const FlaggedSamples& samples, wire::FlaggedSamples& message) {
   message.set_count(samples.count);
   message.set_x(samples.x);
   message.set_y(samples.y);
   message.set_sample(samples.sample);
   message.set_source(samples.source.where);
   message.set_step(samples.source.step);
+  message.set_shape(samples.shape);
 }
 
 /// The error says what no unit's result can hold.
-Expected<NonFiniteSamples> decode(const wire::NonFiniteSamples& message, const RenderUnit& unit) {
-  const NonFiniteSamples samples{.count = message.count(),
-                                 .x = message.x(),
-                                 .y = message.y(),
-                                 .sample = message.sample(),
-                                 .source = {message.source(), message.step()}};
+Expected<FlaggedSamples> decode(const wire::FlaggedSamples& message, const RenderUnit& unit) {
+  const FlaggedSamples samples{.count = message.count(),
+                               .x = message.x(),
+                               .y = message.y(),
+                               .sample = message.sample(),
+                               .source = {message.source(), message.step()},
+                               .shape = message.shape()};
   const std::uint64_t all = std::uint64_t(unit.width) * std::uint64_t(unit.height) * unit.sample_count;
   if (samples.count > all)
-    return fail(fmt::format("the result counts {} non-finite samples among {}", samples.count, all));
+    return fail(fmt::format("the result counts {} samples of a kind among {}", samples.count, all));
   const bool inside = samples.x >= unit.x && samples.x - unit.x < unit.width && samples.y >= unit.y &&
                       samples.y - unit.y < unit.height &&
                       samples.sample - unit.first_sample < unit.sample_count;
   if (samples.count > 0 && !inside)
     return fail(fmt::format(
-        "the result has its first non-finite sample at ({}, {}), sample {}, which is not of its unit",
-        samples.x, samples.y, samples.sample));
+        "the result has its first flagged sample at ({}, {}), sample {}, which is not of its unit", samples.x,
+        samples.y, samples.sample));
   return samples;
 }
 
@@ -247,8 +249,7 @@ void encode(const SampleBuffer& buffer, wire::UnitResult& result) {
   message.set_height(buffer.height);
   message.set_planes(buffer.planes);
   message.set_sample_count(buffer.sample_count);
-  encode(buffer.nan, *message.mutable_nan());
-  encode(buffer.infinite, *message.mutable_infinite());
+  for (const FlaggedSamples& samples : buffer.flagged) encode(samples, *message.add_flagged());
   message.set_values(buffer.values.data(), buffer.values.size() * sizeof(float));
   message.mutable_owners()->Add(buffer.owners.begin(), buffer.owners.end());
   message.set_checksum(checksum_of(message));
@@ -270,8 +271,7 @@ Expected<SampleBuffer> decode(const wire::UnitResult& result, const RenderUnit& 
                       .height = unit.height,
                       .planes = planes,
                       .sample_count = unit.sample_count,
-                      .nan = {},
-                      .infinite = {},
+                      .flagged = {},
                       .values = {},
                       .owners = {}};
   const std::size_t count = buffer.pixels() * std::size_t(planes);
@@ -280,11 +280,14 @@ Expected<SampleBuffer> decode(const wire::UnitResult& result, const RenderUnit& 
                             count * sizeof(float)));
   }
   if (!is_time(result.busy_seconds())) return fail("the time for the result is negative or not finite");
-  const auto nan = decode(message.nan(), unit), infinite = decode(message.infinite(), unit);
-  if (!nan) return std::unexpected(nan.error());
-  if (!infinite) return std::unexpected(infinite.error());
-  buffer.nan = *nan;
-  buffer.infinite = *infinite;
+  if (message.flagged_size() != BAD_KINDS)
+    return fail(fmt::format("the result has {} kinds of flagged samples instead of {}",
+                            message.flagged_size(), int(BAD_KINDS)));
+  for (int kind = 0; kind < BAD_KINDS; ++kind) {
+    const Expected<FlaggedSamples> samples = decode(message.flagged(kind), unit);
+    if (!samples) return std::unexpected(samples.error());
+    buffer.flagged[std::size_t(kind)] = *samples;
+  }
   if (message.checksum() != checksum_of(message)) {
     return fail("the result's checksum does not match its bytes");
   }
@@ -339,18 +342,12 @@ Expected<View> decode(const wire::View& message) {
 }
 
 std::uint64_t result_hash(const wire::UnitResult& message) {
-  const wire::NonFiniteSamples &nan = message.pixels().nan(), &infinite = message.pixels().infinite();
+  std::vector<std::uint64_t> parts{message.pixels().checksum()};
   // Not the source, which workers may know or not.
-  const std::uint64_t parts[] = {message.pixels().checksum(),
-                                 nan.count(),
-                                 std::uint64_t(nan.x()),
-                                 std::uint64_t(nan.y()),
-                                 nan.sample(),
-                                 infinite.count(),
-                                 std::uint64_t(infinite.x()),
-                                 std::uint64_t(infinite.y()),
-                                 infinite.sample()};
-  return XXH3_64bits(parts, sizeof parts);
+  for (const wire::FlaggedSamples& kind : message.pixels().flagged())
+    parts.insert(parts.end(), {kind.count(), std::uint64_t(kind.x()), std::uint64_t(kind.y()), kind.sample(),
+                               std::uint64_t(kind.shape())});
+  return XXH3_64bits(parts.data(), parts.size() * sizeof(std::uint64_t));
 }
 
 }  // namespace penumbra

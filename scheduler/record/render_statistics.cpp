@@ -9,9 +9,9 @@
 #include "kernels/host/peak_memory.h"
 #include "scheduler/files/json_number.h"
 #include "scheduler/record/film_image.h"
+#include "scheduler/record/flagged_text.h"
 #include "scheduler/record/inventory.h"
 #include "scheduler/record/machine.h"
-#include "scheduler/record/non_finite_text.h"
 #include "scheduler/record/version.h"
 
 namespace penumbra {
@@ -39,28 +39,32 @@ Json settings_json(const RenderStatistics& statistics) {
   return settings;
 }
 
-/// How many samples were not finite, and the first of them.
-Json non_finite_json(const NonFiniteSamples& samples, const std::string& reproduce_command) {
+/// How many samples of a kind are not as they should be, and the first of them.
+Json flagged_json(int kind, const FlaggedSamples& samples, const RenderStatistics& statistics) {
   if (samples.count == 0) return {{"count", 0}, {"first", nullptr}};
-  return {{"count", samples.count},
-          {"first",
-           {{"x", samples.x},
-            {"y", samples.y},
-            {"sample", samples.sample},
-            {"source", source_name(samples.source.where)},
-            {"step", samples.source.step},
-            {"repeat", repeat_sample_command(samples, reproduce_command)}}}};
+  Json first{{"x", samples.x}, {"y", samples.y}, {"sample", samples.sample}};
+  if (kind == BAD_BOUNDARY) {
+    first["shape"] = statistics.contradictory_shape;
+  } else {
+    first["source"] = source_name(samples.source.where);
+    first["step"] = samples.source.step;
+  }
+  first["repeat"] = repeat_sample_command(samples, statistics.job->reproduce_command);
+  return {{"count", samples.count}, {"first", first}};
 }
 
-Json samples_json(const FilmAccumulator& film, std::uint64_t before, const std::string& reproduce_command) {
+Json samples_json(const RenderStatistics& statistics) {
+  const FilmAccumulator& film = statistics.outcome->film;
   const SampleRange range = sample_range(film);
-  return {{"total", range.total},
-          {"before", before},
-          {"least_per_pixel", range.least},
-          {"most_per_pixel", range.most},
-          {"nan", non_finite_json(film.nan(), reproduce_command)},
-          {"infinite", non_finite_json(film.infinite(), reproduce_command)},
-          {"pixels_of_infinite_variance", pixels_of_infinite_variance(film)}};
+  Json samples{{"total", range.total},
+               {"before", statistics.outcome->samples_before},
+               {"least_per_pixel", range.least},
+               {"most_per_pixel", range.most}};
+  const FlaggedKinds flagged = film.flagged();
+  for (int kind = 0; kind < BAD_KINDS; ++kind)
+    samples[std::string(flagged_name(kind))] = flagged_json(kind, flagged[std::size_t(kind)], statistics);
+  samples["pixels_of_infinite_variance"] = pixels_of_infinite_variance(film);
+  return samples;
 }
 
 /// Means over the image of the closed form of polygon lights, of what shadows take from it, and of the
@@ -177,7 +181,7 @@ Json statistics_json(const RenderStatistics& statistics) {
         {"height", film.height},
         {"crop", {film.crop_x, film.crop_y, film.crop_x + film.crop_width, film.crop_y + film.crop_height}}}},
       {"settings", settings_json(statistics)},
-      {"samples", samples_json(outcome.film, outcome.samples_before, job.reproduce_command)},
+      {"samples", samples_json(statistics)},
       {"relative_error", json_number(outcome.film.relative_error())},
       {"polygon_lights", polygon_light_json(outcome.film)},
       {"film_hash", hash_text(outcome.film.hash())},

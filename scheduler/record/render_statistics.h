@@ -23,6 +23,7 @@ struct RenderStatistics {
   std::vector<std::string> warnings;                                 ///< of the scene's reader
   std::vector<std::pair<std::string, std::string>> needs, left_out;  ///< of the scene, see SceneSummary
   std::optional<SceneInventory> inventory;                           ///< what that saves
+  std::string contradictory_shape;           ///< of the first sample whose boundaries contradict each other
   double build_seconds = 0;                  ///< reading the scene and building its device form
   std::vector<std::filesystem::path> files;  ///< images written
 };

@@ -66,7 +66,7 @@ Expected<FilmAccumulator> render(const DeviceScene& scene, const DeviceOptions& 
   return film;
 }
 
-std::uint64_t non_finite(const FilmAccumulator& film) { return film.nan().count + film.infinite().count; }
+std::uint64_t non_finite(const FilmAccumulator& film) { return non_finite_count(film.flagged()); }
 
 Outcome run_render(const RenderMeasurement& measurement, const Backend& backend) {
   Outcome outcome;

@@ -86,7 +86,7 @@ inline TestDevice big_passes() {
 inline void expect_colour(const SceneDescription& scene, const glm::dvec3& expected,
                           double tolerance = kRounding) {
   const FilmAccumulator film = render_or_throw(scene, big_passes());
-  EXPECT_EQ(film.nan().count + film.infinite().count, 0u);
+  EXPECT_EQ(non_finite_count(film.flagged()), 0u);
   for (int channel = 0; channel < 3; ++channel) {
     const statistics::Sample sample = pixel_sample(film, 0, 0, channel);
     const double truth = expected[channel];

@@ -130,6 +130,8 @@ const ReferenceCase kReferences[] = {
      native_device},
     {"MediumEnvmapOpenCl", "participating_media", "test_homo_null_envmap_volpath", "test_homo_null_envmap",
      opencl_device},
+    {"MediumBehindPanesNative", "participating_media", "test_homo_area_light_volpath", "test_homo_area_light",
+     native_device},
     {"MediumAndSurfacesNative", "participating_media", "test_surf_area_light_volpath", "test_surf_area_light",
      native_device},
     // Its reference is that of a path tracer too, as its file says.

@@ -133,7 +133,7 @@ statistics::Sample pass_means(SceneDescription scene, std::uint32_t samples, int
   TestDevice device = native_device();
   device.samples_per_pass = samples;
   const FilmAccumulator film = render_or_throw(scene, device);
-  EXPECT_EQ(film.nan().count + film.infinite().count, 0u);
+  EXPECT_EQ(non_finite_count(film.flagged()), 0u);
   statistics::Sample means;
   for (int y = 0; y < film.height(); ++y)
     for (int x = 0; x < film.width(); ++x) means.add(film.at(x, y).mean[channel]);

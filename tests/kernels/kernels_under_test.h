@@ -20,6 +20,7 @@
 #include "kernels/light/spherical_triangle.h"
 #include "kernels/math/frame.h"
 #include "kernels/math/math.h"
+#include "kernels/medium/equiangular.h"
 #include "kernels/medium/medium_state.h"
 #include "kernels/sampler/filter.h"
 #include "kernels/sampler/sampler.h"

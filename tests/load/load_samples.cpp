@@ -25,8 +25,7 @@ SampleBuffer load_samples(const RenderUnit& unit, int planes) {
       .height = unit.height,
       .planes = planes,
       .sample_count = unit.sample_count,
-      .nan = {},
-      .infinite = {},
+      .flagged = {},
       .values = std::vector<float>(std::size_t(unit.width) * std::size_t(unit.height) * std::size_t(planes))};
   const float value = value_of(unit);
   for (int plane = 0; plane < planes; ++plane)

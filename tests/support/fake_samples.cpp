@@ -36,7 +36,8 @@ void fill_pixel(const RenderUnit& unit, int x, int y, SampleBuffer& buffer) {
   for (std::uint32_t i = 0; i < unit.sample_count; ++i) {
     const std::uint32_t index = unit.first_sample + i;
     if (sample_value(unit.x + x, unit.y + y, index, 99) < 1e-3)
-      buffer.nan.add({.count = 1, .x = unit.x + x, .y = unit.y + y, .sample = index, .source = {}});
+      buffer.flagged[BAD_NAN].add(
+          {.count = 1, .x = unit.x + x, .y = unit.y + y, .sample = index, .source = {}});
   }
 }
 

@@ -58,8 +58,7 @@ RenderUnit whole_film(const DeviceScene& scene, std::uint32_t first_sample = 0, 
 
 bool same_bytes(const SampleBuffer& a, const SampleBuffer& b) {
   return a.width == b.width && a.height == b.height && a.planes == b.planes &&
-         a.sample_count == b.sample_count && a.nan == b.nan && a.infinite == b.infinite &&
-         a.values.size() == b.values.size() &&
+         a.sample_count == b.sample_count && a.flagged == b.flagged && a.values.size() == b.values.size() &&
          std::memcmp(a.values.data(), b.values.data(), a.values.size() * sizeof(float)) == 0;
 }
 
@@ -102,8 +101,8 @@ TEST_P(Devices, GiveTheSamePixelsWhateverTheUnits) {
   const DeviceScene s = scene();
   const auto device = device_or_throw(s, options());
   const SampleBuffer whole = render(*device, whole_film(s, 3, 5));
-  EXPECT_EQ(whole.nan.count, 0u);
-  EXPECT_EQ(whole.infinite.count, 0u);
+  EXPECT_EQ(whole.flagged[BAD_NAN].count, 0u);
+  EXPECT_EQ(whole.flagged[BAD_INFINITE].count, 0u);
   EXPECT_GT(*std::ranges::max_element(whole.plane(kMeanG)), 0);
   const int width = s.header.film.width, height = s.header.film.height;
   for (int tile : {7, 16})
@@ -189,11 +188,11 @@ TEST_P(Devices, CountSamplesThatAreNotNumbers) {
         std::uint64_t(s.header.film.width) * std::uint64_t(s.header.film.height) * 8;
     for (int repeat = 0; repeat < 2; ++repeat) {  // counters start at 0 again
       const SampleBuffer buffer = render(*device, whole_film(s));
-      EXPECT_EQ(buffer.nan.count, std::isnan(bad) ? samples : 0);
-      EXPECT_EQ(buffer.infinite.count, std::isnan(bad) ? 0 : samples);
-      const NonFiniteSamples first{
+      EXPECT_EQ(buffer.flagged[BAD_NAN].count, std::isnan(bad) ? samples : 0);
+      EXPECT_EQ(buffer.flagged[BAD_INFINITE].count, std::isnan(bad) ? 0 : samples);
+      const FlaggedSamples first{
           .count = samples, .x = 0, .y = 0, .sample = 0, .source = {SOURCE_EMISSION, 0}};
-      EXPECT_EQ(std::isnan(bad) ? buffer.nan : buffer.infinite, first);
+      EXPECT_EQ(std::isnan(bad) ? buffer.flagged[BAD_NAN] : buffer.flagged[BAD_INFINITE], first);
       // They count as no light at all, in every channel.
       EXPECT_EQ(*std::ranges::max_element(buffer.plane(kMeanR)), 0);
       EXPECT_TRUE(std::ranges::all_of(buffer.values, [](float v) { return std::isfinite(v); }));
@@ -209,17 +208,17 @@ TEST_P(Devices, FindTheFirstSampleThatIsNoNumber) {
   const auto device = device_or_throw(s, options(2));
   const RenderUnit film = whole_film(s, 3, 2);
   const SampleBuffer buffer = render(*device, film);
-  ASSERT_GT(buffer.infinite.count, 0u);
-  ASSERT_LT(buffer.infinite.count, buffer.pixels() * film.sample_count);
-  NonFiniteSamples expected;
+  ASSERT_GT(buffer.flagged[BAD_INFINITE].count, 0u);
+  ASSERT_LT(buffer.flagged[BAD_INFINITE].count, buffer.pixels() * film.sample_count);
+  FlaggedSamples expected;
   for (int y = 0; y < film.height; ++y)
     for (int x = 0; x < film.width; ++x)
       for (std::uint32_t sample = 3; sample < 5; ++sample) {
-        const NonFiniteSamples one = render(*device, {x, y, 1, 1, sample, 1}).infinite;
+        const FlaggedSamples one = render(*device, {x, y, 1, 1, sample, 1}).flagged[BAD_INFINITE];
         if (one.count > 0 && expected.count == 0) expected = one;
       }
-  expected.count = buffer.infinite.count;
-  EXPECT_EQ(buffer.infinite, expected);
+  expected.count = buffer.flagged[BAD_INFINITE].count;
+  EXPECT_EQ(buffer.flagged[BAD_INFINITE], expected);
   EXPECT_EQ(expected.source.where, SOURCE_LIGHT);
 }
 
@@ -285,8 +284,8 @@ SampleBuffer render_by(const NativeKernel& kernel, const DeviceScene& scene, int
   BadSamples bad[BAD_KINDS] = {};
   kernel.render_block(scene.header, scene.words.data(), Tracer{}, {0, 0, unit.width, unit.height, 0, 4}, 0,
                       pixels, block, buffer.values.data(), bad);
-  buffer.nan = non_finite_samples({0, 0, unit.width, unit.height, 0, 4}, bad[BAD_NAN]);
-  buffer.infinite = non_finite_samples({0, 0, unit.width, unit.height, 0, 4}, bad[BAD_INFINITE]);
+  buffer.flagged[BAD_NAN] = flagged_samples({0, 0, unit.width, unit.height, 0, 4}, bad[BAD_NAN]);
+  buffer.flagged[BAD_INFINITE] = flagged_samples({0, 0, unit.width, unit.height, 0, 4}, bad[BAD_INFINITE]);
   return buffer;
 }
 

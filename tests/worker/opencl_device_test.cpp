@@ -49,7 +49,7 @@ SampleBuffer render(const DeviceScene& scene, const DeviceOptions& options, cons
 }
 
 bool same_bytes(const SampleBuffer& a, const SampleBuffer& b) {
-  return a.nan == b.nan && a.infinite == b.infinite && a.values.size() == b.values.size() &&
+  return a.flagged == b.flagged && a.values.size() == b.values.size() &&
          std::memcmp(a.values.data(), b.values.data(), a.values.size() * sizeof(float)) == 0;
 }
 

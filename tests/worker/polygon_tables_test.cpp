@@ -86,7 +86,7 @@ TEST_F(PolygonTables, AreWhatTheSceneIsMeantToHave) {
   EXPECT_EQ(h_.integrator.light_choice, CHOICE_ANALYTIC);
   EXPECT_EQ(polygons()[1].two_sided, 1);
   const SampleBuffer buffer = render(scene_);
-  EXPECT_EQ(buffer.nan.count + buffer.infinite.count, 0u);
+  EXPECT_EQ(non_finite_count(buffer.flagged), 0u);
 }
 
 TEST_F(PolygonTables, HeaderFields) {
@@ -167,9 +167,7 @@ TEST_F(PolygonTables, OtherNumbersAreCountedOrRendered) {
       changed = with_record<Polygon>(changed, h_.tables.polygons, std::size_t(k), change);
     return changed;
   };
-  const auto uncounted = [](const SampleBuffer& buffer) {
-    return buffer.nan.count + buffer.infinite.count == 0;
-  };
+  const auto uncounted = [](const SampleBuffer& buffer) { return non_finite_count(buffer.flagged) == 0; };
   // Squares of deviations are to be finite too.
   for (const float number : {kNan, kInfinity, -1.0f, 0.0f, 1e15f}) {
     SCOPED_TRACE(number);

@@ -74,8 +74,12 @@ TEST(MaterialTree, NumbersChooseLeavesByTheirWeightsAndSharesAreThoseOfNothing) 
         numbers[j] = again[j] = (float(first + j) + 0.5f) / float(kNumbers);
         surfaces.material[j] = leaves[j] = root;
       }
-      choose_leaves(&scene, &surfaces, numbers, leaves);
-      passing_shares(&scene, &surfaces, again, passing);
+      float shares_of_leaves[LANES];
+      walk_to_leaves(&scene, &surfaces, numbers, leaves);
+      leaf_shares(&scene, &surfaces, leaves, shares_of_leaves);
+      pass_leaves(numbers, shares_of_leaves, leaves);
+      PassingShares walks;
+      passing_shares(&scene, &surfaces, again, &walks, passing);
       for (int j = 0; j < LANES; ++j) {
         found[leaves[j]] += 1.0 / kNumbers;
         ASSERT_TRUE(passing[j] >= 0 && passing[j] <= 1);
@@ -117,7 +121,8 @@ TEST(MaterialTree, SharesOfMasksAreExact) {
       numbers[j] = float(j) / LANES;
       surfaces.material[j] = k == 0 ? mask : k == 1 ? in_mask : blend;
     }
-    passing_shares(&scene, &surfaces, numbers, passing);
+    PassingShares walks;
+    passing_shares(&scene, &surfaces, numbers, &walks, passing);
     for (const float share : passing) EXPECT_EQ(share, float(expected[k]));
   }
 }

@@ -419,8 +419,8 @@ TEST_F(ServerTest, OtherSampleCountsAreNoticed) {
 TEST_F(ServerTest, ImpossibleCountsAreNoticed) {
   connect_and_take_a_unit();
   wire::WorkerMessage message = good_result();
-  message.mutable_result()->mutable_pixels()->mutable_nan()->set_count(61);
-  EXPECT_THAT(why_rejected(message), HasSubstr("61 non-finite samples"));
+  message.mutable_result()->mutable_pixels()->mutable_flagged(BAD_NAN)->set_count(61);
+  EXPECT_THAT(why_rejected(message), HasSubstr("61 samples of a kind"));
 }
 
 TEST_F(ServerTest, ValuesThatAreNoStatisticsAreNoticed) {
@@ -440,7 +440,8 @@ TEST_F(ServerTest, ValuesThatAreNoStatisticsAreNoticed) {
     const int planes = bad.plane < kRadiancePlanes ? kRadiancePlanes : kFeaturePlanes;
     SampleBuffer buffer = fake_samples(kArea, planes);
     buffer.plane(bad.plane)[11] = bad.value;
-    buffer.nan = {.count = 1, .x = kArea.x, .y = kArea.y, .sample = kArea.first_sample};  // explains nothing
+    buffer.flagged[BAD_NAN] = {
+        .count = 1, .x = kArea.x, .y = kArea.y, .sample = kArea.first_sample};  // explains nothing
     wire::UnitResult message;
     encode(buffer, message);
     const Expected<SampleBuffer> decoded = decode(message, kArea, ResultShape{planes});
@@ -480,8 +481,8 @@ TEST_F(ServerTest, ResultsThatDifferHaveDifferentHashes) {
   const wire::WorkerMessage good = good_result();
   wire::WorkerMessage other = good_result();
   EXPECT_EQ(result_hash(good.result()), result_hash(other.result()));
-  other.mutable_result()->mutable_pixels()->mutable_nan()->set_count(good.result().pixels().nan().count() +
-                                                                     1);
+  other.mutable_result()->mutable_pixels()->mutable_flagged(BAD_NAN)->set_count(
+      good.result().pixels().flagged(BAD_NAN).count() + 1);
   EXPECT_NE(result_hash(good.result()), result_hash(other.result()));
   other = good;
   SampleBuffer other_values = fake_samples(kArea, kRadiancePlanes);

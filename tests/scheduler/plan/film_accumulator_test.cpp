@@ -121,19 +121,21 @@ TEST(FilmAccumulator, ClearForgetsOneRectangle) {
                       .height = 2,
                       .planes = kRadiancePlanes,
                       .sample_count = 1,
-                      .nan = {.count = 3, .x = 5, .y = 4, .sample = 7, .source = {SOURCE_LIGHT, 2}},
-                      .infinite = {.count = 1, .x = 0, .y = 0, .sample = 0, .source = {}},
+                      .flagged = {{{.count = 3, .x = 5, .y = 4, .sample = 7, .source = {SOURCE_LIGHT, 2}},
+                                   {.count = 1, .x = 0, .y = 0, .sample = 0, .source = {}},
+                                   {.count = 2, .x = 5, .y = 5, .sample = 1, .source = {}, .shape = 9}}},
                       .values = std::vector<float>(4 * kRadiancePlanes, 1.0f)};
   FilmAccumulator film(4, 4, 4, 2, kRadiancePlanes);
   film.add(4, 4, result);
   const std::uint64_t before = film.hash();
   film.add(6, 4, result);
-  EXPECT_EQ(film.nan().count, 6u);
+  EXPECT_EQ(film.flagged()[BAD_NAN].count, 6u);
   EXPECT_NE(film.hash(), before);
   film.clear(6, 4, 2, 2);
   EXPECT_EQ(film.hash(), before);
-  EXPECT_EQ(film.nan(), result.nan);
-  EXPECT_EQ(film.infinite().count, 1u);
+  EXPECT_EQ(film.flagged()[BAD_NAN], result.flagged[BAD_NAN]);
+  EXPECT_EQ(film.flagged()[BAD_INFINITE].count, 1u);
+  EXPECT_EQ(film.flagged()[BAD_BOUNDARY], result.flagged[BAD_BOUNDARY]);
 }
 
 TEST(FilmAccumulator, TheFirstNonFiniteSampleDoesNotDependOnTheOrder) {
@@ -142,8 +144,7 @@ TEST(FilmAccumulator, TheFirstNonFiniteSampleDoesNotDependOnTheOrder) {
                         .height = 2,
                         .planes = kRadiancePlanes,
                         .sample_count = 1,
-                        .nan = {.count = 1, .x = x, .y = y, .sample = sample, .source = {source, 0}},
-                        .infinite = {},
+                        .flagged = {{{.count = 1, .x = x, .y = y, .sample = sample, .source = {source, 0}}}},
                         .values = std::vector<float>(4 * kRadiancePlanes, 1.0f)};
   };
   // By row, then column, then sample.
@@ -152,13 +153,14 @@ TEST(FilmAccumulator, TheFirstNonFiniteSampleDoesNotDependOnTheOrder) {
   std::vector<SampleBuffer> all{first, later, right, below};
   for (int order = 0; order < 4; ++order) {
     FilmAccumulator film(4, 4, 4, 4, kRadiancePlanes);
-    for (const SampleBuffer& one : all) film.add(one.nan.x / 2 * 2, one.nan.y / 2 * 2, one);
-    EXPECT_EQ(film.nan().count, 4u);
-    EXPECT_EQ(film.nan().x, 5);
-    EXPECT_EQ(film.nan().y, 5);
-    EXPECT_EQ(film.nan().sample, 3u);
-    EXPECT_EQ(film.nan().source, (NonFiniteSource{SOURCE_LIGHT, 0}));
-    EXPECT_EQ(film.infinite().count, 0u);
+    for (const SampleBuffer& one : all)
+      film.add(one.flagged[BAD_NAN].x / 2 * 2, one.flagged[BAD_NAN].y / 2 * 2, one);
+    EXPECT_EQ(film.flagged()[BAD_NAN].count, 4u);
+    EXPECT_EQ(film.flagged()[BAD_NAN].x, 5);
+    EXPECT_EQ(film.flagged()[BAD_NAN].y, 5);
+    EXPECT_EQ(film.flagged()[BAD_NAN].sample, 3u);
+    EXPECT_EQ(film.flagged()[BAD_NAN].source, (NonFiniteSource{SOURCE_LIGHT, 0}));
+    EXPECT_EQ(film.flagged()[BAD_INFINITE].count, 0u);
     std::ranges::rotate(all, all.begin() + 1);
   }
 }

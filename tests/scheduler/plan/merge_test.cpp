@@ -65,11 +65,11 @@ TEST(Merge, StartsAgainInTheSameMemory) {
         merge.add(tile, pass, fake_samples(tiles.unit(tile, pass), kFeaturePlanes, 7));
   }
   ASSERT_GT(merge.waiting(), 0u);
-  ASSERT_GT(merge.film().nan().count, 0u);
+  ASSERT_GT(merge.film().flagged()[BAD_NAN].count, 0u);
   merge.start_again();
   EXPECT_EQ(merge.waiting(), 0u);
   EXPECT_EQ(merge.finished_passes(), 0u);
-  EXPECT_EQ(merge.film().nan().count, 0u);
+  EXPECT_EQ(merge.film().flagged()[BAD_NAN].count, 0u);
   EXPECT_EQ(merge.film().hash(), empty_merge(tiles).film().hash());
   EXPECT_EQ(&merge.film().at(kX, kY), memory);
   for (const Piece& piece : pieces(tiles))
@@ -151,7 +151,7 @@ TEST(Merge, ARedoneTileLeavesNoTrace) {
   const auto wrong = [&](std::uint32_t tile, std::uint32_t pass) {
     SampleBuffer buffer = fake_samples(tiles.unit(tile, pass), kFeaturePlanes);
     buffer.values[0] += 1;
-    buffer.nan.count = 5;
+    buffer.flagged[BAD_NAN].count = 5;
     return buffer;
   };
   merge.add(2, 0, wrong(2, 0));
@@ -159,7 +159,7 @@ TEST(Merge, ARedoneTileLeavesNoTrace) {
   const RenderUnit area = tiles.unit(2, 0);
   EXPECT_EQ(merge.redo(2), std::uint64_t(area.width) * area.height * 2 * kSamplesPerPass);
   EXPECT_EQ(merge.waiting(), 0u);
-  EXPECT_EQ(merge.film().nan().count, 0u);
+  EXPECT_EQ(merge.film().flagged()[BAD_NAN].count, 0u);
   for (const Piece& piece : pieces(tiles)) {
     merge.add(piece.tile, piece.pass, fake_samples(tiles.unit(piece.tile, piece.pass), kFeaturePlanes));
   }

@@ -12,7 +12,7 @@ SampleBuffer grey_pixel(std::uint32_t samples) {
   buffer.width = buffer.height = 1;
   buffer.sample_count = samples;
   buffer.values = {1, 1, 1, 3, 3, 3};
-  buffer.nan.count = 1;
+  buffer.flagged[BAD_NAN].count = 1;
   return buffer;
 }
 

@@ -1,4 +1,4 @@
-#include "kernels/host/non_finite.h"
+#include "kernels/host/flagged_samples.h"
 
 #include <tuple>
 
@@ -25,20 +25,29 @@ std::string_view source_name(int source) {
   }
 }
 
-void NonFiniteSamples::add(const NonFiniteSamples& others) {
+void FlaggedSamples::add(const FlaggedSamples& others) {
   if (others.count == 0) return;
   const std::uint64_t all = count + others.count;
   if (count == 0 || std::tie(others.y, others.x, others.sample) < std::tie(y, x, sample)) *this = others;
   count = all;
 }
 
-NonFiniteSamples non_finite_samples(const Unit& unit, const BadSamples& bad) {
+FlaggedSamples flagged_samples(const Unit& unit, const BadSamples& bad) {
   if (bad.count == 0) return {};
   return {.count = bad.count,
           .x = unit.x + int(bad.pixel) % unit.width,
           .y = unit.y + int(bad.pixel) / unit.width,
           .sample = unit.first_sample + bad.sample,
-          .source = {}};
+          .source = {},
+          .shape = int(bad.shape)};
+}
+
+void add(FlaggedKinds& to, const FlaggedKinds& others) {
+  for (std::size_t kind = 0; kind < to.size(); ++kind) to[kind].add(others[kind]);
+}
+
+std::uint64_t non_finite_count(const FlaggedKinds& flagged) {
+  return flagged[BAD_NAN].count + flagged[BAD_INFINITE].count;
 }
 
 }  // namespace penumbra
