@@ -7,6 +7,7 @@
 #include "kernels/block/block_accumulate.h"
 #include "kernels/block/block_compact.h"
 #include "kernels/block/block_control.h"
+#include "kernels/block/block_see_lights.h"
 #include "kernels/block/block_see_through.h"
 #include "kernels/block/block_sort.h"
 #include "kernels/block/block_trace.h"

@@ -1,7 +1,6 @@
 #include "scenes/device/flight_centres.h"
 
 #include <algorithm>
-#include <tuple>
 #include <utility>
 
 #include "scenes/device/to_vec3.h"
@@ -18,27 +17,30 @@ glm::dvec3 middle(const LightBounds& b) { return 0.5 * (b.low + b.high); }
 struct Group {
   std::vector<LightBounds> lights;
   LightBounds all;
+  glm::dvec3 low, high;  ///< box of their middles
 
   explicit Group(std::vector<LightBounds> members) : lights(std::move(members)), all(lights.front()) {
-    for (std::size_t i = 1; i < lights.size(); ++i) all = joined(all, lights[i]);
+    low = high = middle(all);
+    for (std::size_t i = 1; i < lights.size(); ++i) {
+      all = joined(all, lights[i]);
+      low = glm::min(low, middle(lights[i]));
+      high = glm::max(high, middle(lights[i]));
+    }
   }
 
   /// How much there is to be gained by parting it.
-  [[nodiscard]] double spread() const {
-    return lights.size() > 1 ? all.intensity * glm::length(all.high - all.low) : 0.0;
-  }
+  [[nodiscard]] double spread() const { return all.intensity * glm::length(high - low); }
 };
 
-/// About the median along its longest side.
-std::pair<Group, Group> parted(Group group) {
-  const glm::dvec3 size = group.all.high - group.all.low;
+/// About the middle of their box's longest side, so that clusters stay together.
+std::pair<Group, Group> parted(const Group& group) {
+  const glm::dvec3 size = group.high - group.low;
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
-  std::ranges::sort(group.lights, {}, [&](const LightBounds& b) {
-    const glm::dvec3 at = middle(b);
-    return std::tuple(at[axis], at.x, at.y, at.z, b.intensity);
-  });
-  const auto half = group.lights.begin() + std::ptrdiff_t(group.lights.size() / 2);
-  return {Group({group.lights.begin(), half}), Group({half, group.lights.end()})};
+  const double border = group.low[axis] + 0.5 * size[axis];
+  std::vector<LightBounds> below, above;
+  for (const LightBounds& light : group.lights)
+    (middle(light)[axis] <= border ? below : above).push_back(light);
+  return {Group(std::move(below)), Group(std::move(above))};
 }
 
 }  // namespace
@@ -51,8 +53,10 @@ std::vector<FlightCentre> flight_centres(std::span<const LightBounds> lights) {
   std::vector<Group> groups{Group(std::move(somewhere))};
   while (groups.size() < kMostGroups) {
     const auto widest = std::ranges::max_element(groups, {}, &Group::spread);
-    if (!(widest->spread() > 0)) break;
-    auto [first, second] = parted(std::move(*widest));
+    // Not so little that its middle is one of its ends.
+    if (!(widest->spread() > 1e-6 * widest->all.intensity * glm::length(widest->all.high + widest->all.low)))
+      break;
+    auto [first, second] = parted(*widest);
     *widest = std::move(first);
     groups.push_back(std::move(second));
   }

@@ -245,6 +245,7 @@ Expected<FlaggedSamples> decode(const wire::FlaggedSamples& message, const Rende
 
 void encode(const SampleBuffer& buffer, wire::UnitResult& result) {
   wire::PixelResult& message = *result.mutable_pixels();
+  message.Clear();
   message.set_width(buffer.width);
   message.set_height(buffer.height);
   message.set_planes(buffer.planes);

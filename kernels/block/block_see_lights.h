@@ -1,0 +1,152 @@
+// What shadow rays pass through, as block_see_through.h for the others: they bring the share of light that
+// gets through.
+#ifndef PENUMBRA_BLOCK_SEE_LIGHTS_H
+#define PENUMBRA_BLOCK_SEE_LIGHTS_H
+#include "kernels/block/block_see_through.h"
+
+PENUMBRA_NAMESPACE_BEGIN
+
+#if HAS(NESTED)
+/// Exchanges rays and what was kept of them for shadow rays, of which only those that something stops which
+/// may let light through are to be followed.
+STAGE bool follow_shadow_rays(const PRIVATE PathState* paths, int count) {
+  int any = 0;
+  const PathState fields = *paths;
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++) {
+        const float share = get_shadow_transmittance(&fields, j), tmax = get_shadow_tmax(&fields, j);
+        const bool follows = (j < count) & (tmax > 0.0f) & (share < 0.0f);
+        set_kept_origin(&fields, j, get_ray_origin(&fields, j));
+        set_kept_direction(&fields, j, get_ray_direction(&fields, j));
+        set_kept_tmax(&fields, j, get_ray_tmax(&fields, j));
+        set_kept_skip(&fields, j, get_ray_skip(&fields, j));
+        set_kept_hit(&fields, j, get_hit(&fields, j));
+        set_ray_origin(&fields, j, get_shadow_origin(&fields, j));
+        set_ray_direction(&fields, j, get_shadow_direction(&fields, j));
+        set_ray_skip(&fields, j, get_shadow_skip(&fields, j));
+        set_ray_tmax(&fields, j, follows ? tmax : -1.0f);
+        set_shadow_transmittance(&fields, j, follows ? 1.0f : share);
+        any |= follows ? 1 : 0;
+      }
+  }
+  return any != 0;
+}
+
+/// Those that passed too many surfaces bring nothing.
+STAGE void leave_shadow_rays(const PRIVATE PathState* paths, int count) {
+  const PathState fields = *paths;
+  for (int i = 0; i < count; i += LANES) {
+    LANE_LOOP
+      for (int j = i; j < i + LANES; j++) {
+        const float share = get_shadow_transmittance(&fields, j);
+        set_shadow_transmittance(&fields, j, get_ray_tmax(&fields, j) > 0.0f ? 0.0f : share);
+        set_ray_origin(&fields, j, get_kept_origin(&fields, j));
+        set_ray_direction(&fields, j, get_kept_direction(&fields, j));
+        set_ray_tmax(&fields, j, get_kept_tmax(&fields, j));
+        set_ray_skip(&fields, j, get_kept_skip(&fields, j));
+        set_hit(&fields, j, get_kept_hit(&fields, j));
+      }
+  }
+}
+
+/// Multiplies what shadow rays bring by the shares that get through these surfaces.
+STAGE void dim_shadow_rays(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
+                           const PRIVATE float* RESTRICT shares, PRIVATE int* RESTRICT passes) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const float before = get_shadow_transmittance(paths, i + j);
+      const bool hit = (get_ray_tmax(paths, i + j) > 0.0f) & (surfaces->primitive[j] >= 0);
+      const float after = hit ? before * shares[j] : before;
+      set_shadow_transmittance(paths, i + j, after);
+      passes[j] = (hit & (after > 0.0f)) ? 1 : 0;
+    }
+}
+
+  #if HAS(MEDIA)
+/// What panes colour of what gets through, in all, by `shares`.
+STAGE void tint_shadow_rays(const PRIVATE PathState* paths, int i,
+                            const PRIVATE PassingShares* RESTRICT walks, const PRIVATE float* RESTRICT shares,
+                            const PRIVATE PaneTints* RESTRICT tints) {
+  const PathState fields = *paths;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const vec3 before = get_shadow_tint(&fields, i + j);
+      const float white = load_passing_share(walks, j).sum, whole = shares[j];
+      const bool through = (get_ray_tmax(&fields, i + j) > 0.0f) & (whole > 0.0f);
+      const float share = through ? white / whole : 1.0f;
+      const vec3 tint =
+          add_scaled(make_vec3(share, share, share), 1.0f - share, load_pane_tint(tints, j).colour);
+      set_shadow_tint(&fields, i + j, mul(before, tint));
+    }
+}
+  #endif
+
+FN bool pass_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int step, int k) {
+  const PRIVATE SceneHeader* h = &scene->header;
+  PairPoint point = met_point(PAIR_SHADOW_SURFACES, k);
+  const int kind = h->integrator.kind;
+  if (kind == INTEGRATOR_DIRECT || kind == INTEGRATOR_OCCLUSION)
+    point = nth_point(point, h->integrator.emitter_samples, step);
+  Surfaces surfaces;
+  float numbers[LANES], others[LANES], shares[LANES];
+  int passes[LANES];
+  for (int j = 0; j < LANES; j++) numbers[j] = 0.0f;
+  find_hit_surfaces(scene, paths, i, &surfaces);
+  if (any_branch(scene, surfaces.material))
+    sample_pair(h->sampler.kind, sequence_length(h), point, paths, i, numbers, others);
+  PassingShares walks;
+  passing_shares(scene, &surfaces, numbers, &walks, shares);
+  #if HAS(MEDIA)
+  if (NEEDS_MEDIA(scene) && any_pane(scene, walks.material)) {
+    PaneTints tints;
+    find_tints(scene, &surfaces, walks.material, &tints);
+    tint_shadow_rays(paths, i, &walks, shares, &tints);
+  }
+  float lengths[LANES];
+  if (NEEDS_MEDIA(scene)) dim_flights(scene, paths, i, &surfaces, lengths);
+  #endif
+  dim_shadow_rays(paths, i, &surfaces, shares, passes);
+  #if HAS(MEDIA)
+  if (NEEDS_MEDIA(scene)) follow_boundaries(scene, paths, i, lengths, passes, true, &surfaces);
+  #endif
+  #if HAS(INSTANCES)
+  if (NEEDS(scene, INSTANCES)) restart_behind_instances(paths, i, &surfaces, passes);
+  #endif
+  return restart_behind(paths, i, &surfaces, passes);
+}
+
+/// After occlude_block: what gets through the surfaces that stopped shadow rays.
+FN void see_lights_through(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int step) {
+  #if HAS(INSTANCES)
+  if (NEEDS(scene, INSTANCES)) follow_from_instances(paths, count);
+  #endif
+  int most = MOST_PASSED;
+  #if HAS(MEDIA)
+  if (NEEDS_MEDIA(scene)) {
+    most = MOST_CROSSED;
+    start_shadow_flights(paths, count);
+    dim_unobstructed(scene, paths, count);
+  }
+  #endif
+  bool any = follow_shadow_rays(paths, count);
+  for (int k = 0; any && k < most; k++) {
+    intersect_block(scene, paths, count, false);
+    pad_hits(scene, paths, count);
+    any = false;
+    for (int i = 0; i < count; i += LANES)
+      if (any_ray(paths, i)) any = pass_light(scene, paths, i, step, k) | any;
+  }
+  #if HAS(INSTANCES)
+  if (NEEDS(scene, INSTANCES)) leave_for_instances(paths, count);
+  #endif
+  leave_shadow_rays(paths, count);
+  #if HAS(MEDIA)
+  if (NEEDS_MEDIA(scene)) weigh_shadow_rays(scene, paths, count);
+  if (NEEDS_MEDIA(scene) && !has_control(scene)) dim_shadow_light(paths, count);
+  #endif
+}
+#endif
+
+PENUMBRA_NAMESPACE_END
+#endif
