@@ -93,7 +93,7 @@ STAGE void note_crossings(const PRIVATE Scene* scene, const PRIVATE PathState* p
       const int crossed = get_crossed(&fields, i + j), known = get_contradiction(&fields, i + j);
       const bool in_place = (m.ways & MEETS_IN_PLACE) != 0, crosses = (m.ways & MEETS_CROSSING) != 0;
       const bool right = (m.ways & MEETS_RIGHT) != 0, doubtful = crossed < 0;
-      const bool was_wrong = doubtful & (!in_place | (crosses & !right));
+      const bool was_wrong = doubtful & ((crosses & !right) | !in_place);
       const int unentered = (m.ways & MEETS_UNENTERED) != 0 ? m.boundary : -1;
       const int wrong = was_wrong ? boundary_of_code(crossed) : unentered;
       const int shape = scene->boundaries[wrong >= 0 ? wrong : 0].shape;
