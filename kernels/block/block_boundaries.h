@@ -20,16 +20,17 @@ FN int crossing_code(int boundary, bool inwards) { return 2 * boundary + (inward
 FN int boundary_of_code(int code) { return ((code < 0 ? -code : code) - 3) >> 1; }
 
   // How a ray meets a surface: in the place of the last boundary; passing a boundary, which it has not
-  // crossed already; arriving; as those before say; leaving a medium that it never entered.
+  // crossed already; arriving; as those before say; leaving a medium that it never entered; passing within a
+  // medium what bounds none.
   #define MEETS_IN_PLACE 1
   #define MEETS_CROSSING 2
   #define MEETS_ARRIVING 4
   #define MEETS_RIGHT 8
   #define MEETS_UNENTERED 16
+  #define MEETS_WITHIN 32
   #define MEETING_FIELDS(F, a)                                       \
     F(a, int, ways)       /* MEETS_* */                              \
     F(a, int, code)       /* see crossing_code */                    \
-    F(a, int, boundary)   /* index, or -1 */                         \
     F(a, int, behind_low) /* the media behind it, as the ray goes */ \
     F(a, int, behind_high)
 LANE_RECORD(Meeting, Meetings, meeting, MEETING_FIELDS)
@@ -67,11 +68,13 @@ STAGE void meet_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState* 
           select_media(undone, undoing, select_media(boundary >= 0, crossing.media, media));
       const bool right = crossing.consistent | undone | (near & crossing.overlaps);
       const bool unentered = arrives & (boundary >= 0) & crossing.unentered & !near;
+      // Flights are weighed as far as there.
+      const bool within_medium = passing & (boundary < 0) & (innermost(media) != 0);
       Meeting m;
       m.ways = ((meets & same_place) ? MEETS_IN_PLACE : 0) | (crosses ? MEETS_CROSSING : 0) |
-               (arrives ? MEETS_ARRIVING : 0) | (right ? MEETS_RIGHT : 0) | (unentered ? MEETS_UNENTERED : 0);
+               (arrives ? MEETS_ARRIVING : 0) | (right ? MEETS_RIGHT : 0) |
+               (unentered ? MEETS_UNENTERED : 0) | (within_medium ? MEETS_WITHIN : 0);
       m.code = code;
-      m.boundary = boundary;
       m.behind_low = (int)behind.low;
       m.behind_high = (int)behind.high;
       store_meeting(meetings, j, m);
@@ -94,14 +97,16 @@ STAGE void note_crossings(const PRIVATE Scene* scene, const PRIVATE PathState* p
       const bool in_place = (m.ways & MEETS_IN_PLACE) != 0, crosses = (m.ways & MEETS_CROSSING) != 0;
       const bool right = (m.ways & MEETS_RIGHT) != 0, doubtful = crossed < 0;
       const bool was_wrong = doubtful & ((crosses & !right) | !in_place);
-      const int unentered = (m.ways & MEETS_UNENTERED) != 0 ? m.boundary : -1;
+      const int unentered = (m.ways & MEETS_UNENTERED) != 0 ? boundary_of_code(m.code) : -1;
       const int wrong = was_wrong ? boundary_of_code(crossed) : unentered;
       const int shape = scene->boundaries[wrong >= 0 ? wrong : 0].shape;
       const bool arrives = (m.ways & MEETS_ARRIVING) != 0;
       const int found = wrong >= 0 ? 1 + shape : ((arrives & in_place) ? CONTRADICTION_UNKNOWN : 0);
       set_contradiction(&fields, i + j, known != 0 ? known : found);
       const bool settled = doubtful & (was_wrong | arrives);
-      const int kept = settled ? -crossed : crossed;
+      // Places are compared to that of the last surface.
+      const bool leaves_place = ((m.ways & MEETS_WITHIN) != 0) & !in_place;
+      const int kept = leaves_place ? 0 : (settled ? -crossed : crossed);
       set_crossed(&fields, i + j, crosses ? (right ? m.code : -m.code) : kept);
     }
 }
@@ -136,8 +141,9 @@ STAGE void cross_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState*
           select_media(arrives, behind, select_media(crosses & !same_place, media, beyond));
       set_beyond(&fields, i + j, select_media(shadow, beyond, other));
       const float way = get_way(&fields, i + j), clearance = get_clearance(&fields, i + j);
-      set_way(&fields, i + j, crosses ? way + lengths[j] : way);
-      set_clearance(&fields, i + j, crosses ? clear_of(s) : clearance);
+      const bool passes = crosses | ((m.ways & MEETS_WITHIN) != 0);
+      set_way(&fields, i + j, passes ? way + lengths[j] : way);
+      set_clearance(&fields, i + j, passes ? clear_of(s) : clearance);
       // The second of two in one place is left behind, or the first would be met again.
       const bool looks_back = crosses & !same_place & (s.primitive < triangles);
       surfaces->error[j] = looks_back ? -s.error : s.error;

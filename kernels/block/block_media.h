@@ -83,10 +83,14 @@ STAGE void flight_lengths(const PRIVATE PathState* paths, int i, const PRIVATE S
 /// Whether any medium varies from place to place.
 FN bool has_grids(const PRIVATE Scene* scene) { return scene->header.tables.volumes.count > 0; }
 
-/// A state of random numbers of a ray's own, from `way` on, the same at any scale of powers of two.
+/// A state of random numbers of a ray's own, from `way` on.
 FN uint ray_state(const PRIVATE PathState* paths, int i, float way, uint salt) {
-  const uint digits = FLOAT_BITS(way) & 0x007fffffu;
-  return hash_uint((uint)get_pixel_hash(paths, i) ^ hash_uint(step_hash(paths, i, salt) ^ digits));
+  return hash_uint((uint)get_pixel_hash(paths, i) ^ hash_uint(step_hash(paths, i, salt) ^ FLOAT_BITS(way)));
+}
+
+/// A random number in [0, 1) of a ray's own, for what only the medium does in which it scatters.
+FN float ray_number(const PRIVATE PathState* paths, int i, uint salt) {
+  return unit_float(ray_state(paths, i, 0.0f, salt));
 }
 
 /// Of LANES rays the place of lights that each goes by, if it does.
@@ -96,7 +100,7 @@ STAGE void choose_centres(const PRIVATE Scene* scene, const PRIVATE PathState* p
   float numbers[LANES];
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      numbers[j] = unit_float(ray_state(paths, i + j, get_way(paths, i + j), 0x1f83d9abu));
+      numbers[j] = ray_number(paths, i + j, 0x1f83d9abu);
       chosen[j] = 0;
     }
   for (int k = 0; k + 1 < centres; k++) {
@@ -139,14 +143,14 @@ STAGE void aim_flights(const PRIVATE Scene* scene, const PRIVATE PathState* path
     for (int j = 0; j < LANES; j++) {
       GLOBAL const Medium* medium = scene->media + innermost(get_media(&fields, i + j));
       const vec3 extinction = load3(&medium->extinction), albedo = load3(&medium->albedo);
-      const float left = get_depth_left(&fields, i + j), length = lengths[j], way = get_way(&fields, i + j);
+      const float left = get_depth_left(&fields, i + j), length = lengths[j];
       const int hero = get_hero(&fields, i + j);
       const float sigma = channel_of(extinction, hero);
       const bool scatters =
           (get_ray_tmax(&fields, i + j) > 0.0f) & !is_grid(medium) & (sigma > 0.0f) & (left < sigma * length);
       const Sight sight = load_sight(sights, j);
       const vec3 shares = sight_shares(sight, length, extinction);
-      const float number = unit_float(ray_state(&fields, i + j, way, 0x5be0cd19u));
+      const float number = ray_number(&fields, i + j, 0x5be0cd19u);
       const bool by_sight = number < channel_of(shares, hero);
       // The number that chose the optical depth is uniform among those that scatter.
       const float u = expm1_f(-left) / min_f(expm1_f(-sigma * length), -1e-37f);

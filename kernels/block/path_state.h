@@ -72,7 +72,7 @@ PENUMBRA_NAMESPACE_BEGIN
   X(int, hero, FEATURE_MEDIA, FEATURE_MEDIA)            /* channel that chooses distances */                   \
   X(vec3, channels, FEATURE_MEDIA, FEATURE_MEDIA)       /* ratios of the channels' densities, of mean 1 */     \
   X(float, depth_left, FEATURE_MEDIA, NEVER)            /* optical depth until it scatters */                  \
-  X(float, way, FEATURE_MEDIA, NEVER)                   /* from the ray's start to the last boundary */        \
+  X(float, way, FEATURE_MEDIA, NEVER)                   /* from its start to the last surface passed */        \
   X(float, clearance, FEATURE_MEDIA, NEVER)             /* along the ray, that is surely behind that */        \
   X(int, crossed, FEATURE_MEDIA, NEVER)                 /* the boundary: see crossing_code; 0: none */         \
   X(int, contradiction, FEATURE_MEDIA, FEATURE_MEDIA)   /* 1 + the first shape whose boundary was one, 0, -1 */ \

@@ -92,6 +92,44 @@ TEST(Panes, AboutAMediumWithoutAbsorptionChangeNoFurnace) {
   expect_colour(scene, glm::dvec3(1));
 }
 
+// --- Surfaces within a medium that bound none.
+
+TEST(Media, PassedSurfacesWithinThemChangeNothing) {
+  const auto view = [](int surfaces) {
+    SceneDescription scene = narrow_view(200'000);
+    scene.camera_medium = add_medium(scene, medium(0.5f, 0));
+    const int nothing = add_null(scene);
+    bound(scene, box({-1, -1, -1}, {1, 1, 4}, nothing), scene.camera_medium);
+    for (int i = 0; i < surfaces; ++i)
+      scene.shapes.push_back(both_sides(parallelogram({-1, -1, 1.0 + i}, {2, 0, 0}, {0, 2, 0}, nothing)));
+    scene.emitters.emplace_back(ConstantEnvironment{});
+    return scene;
+  };
+  for (const int surfaces : {0, 1, 2})
+    expect_colour(view(surfaces), glm::dvec3(std::exp(-0.5 * (4 - view(0).camera.near_clip))), 1e-5);
+}
+
+TEST(Media, ShadowRaysPassSurfacesWithinThemOnce) {
+  const auto wall = [](int surfaces) {
+    SceneDescription scene = narrow_view(1);
+    scene.camera_medium = add_medium(scene, medium(0.5f, 0));
+    scene.shapes.push_back(parallelogram({2, -2, 4}, {-4, 0, 0}, {0, 4, 0}, add_diffuse(scene, 0.5f)));
+    PointLight light;
+    light.position = {1.5, 0, 0.5};
+    scene.emitters.emplace_back(light);
+    const int nothing = add_null(scene);
+    for (int i = 0; i < surfaces; ++i)  // beside the camera's way, across that of the light
+      scene.shapes.push_back(
+          both_sides(parallelogram({1.4, -1, 2 + 0.5 * i}, {-1.35, 0, 0}, {0, 2, 0}, nothing)));
+    param::max_depth(scene.integrator) = 2;
+    return mean_image(render_or_throw(scene)).at(0, 0, 0);
+  };
+  const double plain = wall(0);
+  ASSERT_GT(plain, 0);
+  // Lengths of some 4 round by 2^-22 of them each, times the extinction.
+  for (const int surfaces : {1, 2, 3}) EXPECT_NEAR(wall(surfaces) / plain, 1, surfaces * 4e-6) << surfaces;
+}
+
 // --- Contradictions.
 
 FlaggedSamples contradictions(const SceneDescription& scene) {
