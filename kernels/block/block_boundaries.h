@@ -2,18 +2,11 @@
 // each other.
 #ifndef PENUMBRA_BLOCK_BOUNDARIES_H
 #define PENUMBRA_BLOCK_BOUNDARIES_H
-#include "kernels/intersect/surface.h"
-#include "kernels/medium/medium_state.h"
+#include "kernels/block/block_walls.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
 #if HAS(MEDIA)
-/// How far along the ray, before a surface, a point is surely before it.
-FN float clear_of(Surface s) {
-  const float cosine = FABS(dot3(s.geometric, s.wo));
-  return 4.0f * s.error / max_f(cosine, 1e-4f);
-}
-
 /// Of a boundary, or -1, that is crossed in that direction: above 0 or, as long as it contradicts those
 /// before, its negative.
 FN int crossing_code(int boundary, bool inwards) { return 2 * boundary + (inwards ? 4 : 3); }
@@ -114,8 +107,7 @@ STAGE void note_crossings(const PRIVATE Scene* scene, const PRIVATE PathState* p
 /// Which media are behind what rays cross, of paths or of their shadow rays, and on either side of the
 /// surfaces where paths arrive. Where a boundary is in the place of such a surface, the side of the path is
 /// that before the boundary.
-STAGE void cross_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                            const PRIVATE float* RESTRICT lengths, bool shadow,
+STAGE void cross_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, bool shadow,
                             const PRIVATE Meetings* RESTRICT meetings, PRIVATE Surfaces* RESTRICT surfaces) {
   const PathState fields = *paths;
   const int triangles = scene->header.tables.triangles.count;
@@ -142,8 +134,15 @@ STAGE void cross_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState*
       set_beyond(&fields, i + j, select_media(shadow, beyond, other));
       const float way = get_way(&fields, i + j), clearance = get_clearance(&fields, i + j);
       const bool passes = crosses | ((m.ways & MEETS_WITHIN) != 0);
-      set_way(&fields, i + j, passes ? way + lengths[j] : way);
+      const vec3 start = select3(shadow, get_shadow_origin(&fields, i + j), get_kept_origin(&fields, i + j));
+      set_way(&fields, i + j, passes ? max_f(way_to(s, start), 1e-30f) : way);
       set_clearance(&fields, i + j, passes ? clear_of(s) : clearance);
+      const vec3 wall = get_wall(&fields, i + j);
+      const float depth = get_wall_depth(&fields, i + j), lift = get_wall_lift(&fields, i + j);
+      const bool along = passes & !shadow, at = arrives & !shadow;
+      set_wall(&fields, i + j, select3(along, negate(s.geometric), select3(at, s.geometric, wall)));
+      set_wall_depth(&fields, i + j, (along | at) ? 0.0f : depth);
+      set_wall_lift(&fields, i + j, at ? s.error : lift);
       // The second of two in one place is left behind, or the first would be met again.
       const bool looks_back = crosses & !same_place & (s.primitive < triangles);
       surfaces->error[j] = looks_back ? -s.error : s.error;
@@ -157,7 +156,7 @@ FN void follow_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState* p
   Meetings meetings;
   meet_boundaries(scene, paths, i, lengths, passes, shadow, surfaces, &meetings);
   note_crossings(scene, paths, i, &meetings);
-  cross_boundaries(scene, paths, i, lengths, shadow, &meetings, surfaces);
+  cross_boundaries(scene, paths, i, shadow, &meetings, surfaces);
 }
 #endif
 

@@ -24,6 +24,9 @@ STAGE void start_in_media(const PRIVATE Scene* scene, const PRIVATE PathState* p
     for (int j = 0; j < LANES; j++) {
       set_media(&fields, i + j, camera);
       set_contradiction(&fields, i + j, 0);
+      set_wall(&fields, i + j, make_vec3(0.0f, 0.0f, 0.0f));
+      set_wall_depth(&fields, i + j, 0.0f);
+      set_wall_lift(&fields, i + j, 0.0f);
       set_hero(&fields, i + j, min_i((int)(choice[j] * 3.0f), 2));
       set_channels(&fields, i + j, make_vec3(1.0f, 1.0f, 1.0f));
     }
@@ -69,14 +72,14 @@ FN bool any_in_media(const PRIVATE Scene* scene, const PRIVATE PathState* paths,
 /// How far it is from the last boundary, or the ray's start, to these surfaces, or to the ray's end.
 STAGE void flight_lengths(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
                           PRIVATE float* RESTRICT lengths) {
+  const PathState fields = *paths;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const vec3 d = get_ray_direction(paths, i + j), start = get_kept_origin(paths, i + j);
-      const float to = dot3(sub(LOAD_LANE_vec3(surfaces->p, j), start), d),
-                  tmax = get_kept_tmax(paths, i + j);
-      const float way = get_way(paths, i + j);
-      const float whole = surfaces->primitive[j] >= 0 ? to - way : (tmax < NO_LIMIT ? tmax - way : NO_LIMIT);
-      lengths[j] = max_f(whole, 0.0f);
+      const Surface s = load_surface(surfaces, j);
+      const float tmax = get_kept_tmax(&fields, i + j), way = get_way(&fields, i + j);
+      const float to =
+          flight_to(&fields, i + j, get_media(&fields, i + j), s, get_kept_origin(&fields, i + j));
+      lengths[j] = s.primitive >= 0 ? to : max_f(tmax < NO_LIMIT ? tmax - way : NO_LIMIT, 0.0f);
     }
 }
 
@@ -196,19 +199,19 @@ FN void fly_through_grids(const PRIVATE Scene* scene, const PRIVATE PathState* p
   }
 }
 
-/// Flights of rays under way through media as far as the surfaces: those that end before scatter there, and
-/// have arrived.
+/// Flights of rays under way through media as far as the surfaces: those that end before scatter, and have
+/// arrived.
 ///
 /// `reaches`: how far from their last boundaries those do that are decided already, then all; negative where
 /// they do not.
 STAGE void fly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-               const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE float* RESTRICT lengths,
+               const PRIVATE int* RESTRICT primitives, const PRIVATE float* RESTRICT lengths,
                const PRIVATE int* RESTRICT decided, PRIVATE float* RESTRICT reaches) {
   const PathState fields = *paths;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const float tmax = get_ray_tmax(&fields, i + j), left = get_depth_left(&fields, i + j);
-      const float length = lengths[j], way = get_way(&fields, i + j);
+      const float length = lengths[j];
       const int index = innermost(get_media(&fields, i + j));
       GLOBAL const Medium* medium = scene->media + index;
       const vec3 extinction = load3(&medium->extinction), albedo = load3(&medium->albedo);
@@ -223,20 +226,11 @@ STAGE void fly(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i
           weigh_homogeneous(before, extinction, albedo, scatters ? reach : length, scatters);
       set_flight_weight(&fields, i + j, select_flight_weight(flies, after, before));
       set_depth_left(&fields, i + j, flies ? left - sigma * length : left);
-      // Clear of the surfaces about, so that the next ray meets them.
-      const Surface s = load_surface(surfaces, j);
-      const float before_next = s.primitive >= 0 ? clear_of(s) : 0.0f,
-                  behind_last = get_clearance(&fields, i + j);
-      const bool thin = length < before_next + behind_last;
-      const float at = thin ? 0.5f * length : clamp_f(reach, behind_last, length - before_next);
-      const vec3 origin = get_ray_origin(&fields, i + j);
-      const vec3 p = add_scaled(get_kept_origin(&fields, i + j), way + at, get_ray_direction(&fields, i + j));
-      set_ray_origin(&fields, i + j, select3(scatters, p, origin));
       reaches[j] = scatters ? reach : -1.0f;
       set_material(&fields, i + j, scatters ? phase : leaf);
       const int kept = get_kept_hit(&fields, i + j);
       set_kept_hit(&fields, i + j, scatters ? IN_MEDIUM : kept);
-      const bool arrives = scatters | (s.primitive < 0);
+      const bool arrives = scatters | (primitives[j] < 0);
       set_ray_tmax(&fields, i + j, arrives ? -1.0f : tmax);
     }
 }
@@ -321,13 +315,12 @@ STAGE void dim_flights(const PRIVATE Scene* scene, const PRIVATE PathState* path
     for (int j = 0; j < LANES; j++) {
       const bool under_way = get_ray_tmax(&fields, i + j) > 0.0f;
       const float whole = shadow_length(&fields, i + j), way = get_way(&fields, i + j);
-      const float to = dot3(sub(LOAD_LANE_vec3(surfaces->p, j), get_shadow_origin(&fields, i + j)),
-                            get_shadow_direction(&fields, i + j));
-      const float end = surfaces->primitive[j] >= 0 ? to : whole;
-      const float length = max_f(end < NO_LIMIT ? end - way : NO_LIMIT, 0.0f);
+      const MediumStack media = get_shadow_media(&fields, i + j);
+      const Surface s = load_surface(surfaces, j);
+      const float to = flight_to(&fields, i + j, media, s, get_shadow_origin(&fields, i + j));
+      const float length = s.primitive >= 0 ? to : max_f(whole < NO_LIMIT ? whole - way : NO_LIMIT, 0.0f);
       lengths[j] = length;
-      const vec3 passes =
-          passes_homogeneous(scene, get_shadow_media(&fields, i + j), under_way ? length : 0.0f);
+      const vec3 passes = passes_homogeneous(scene, media, under_way ? length : 0.0f);
       set_shadow_passes(&fields, i + j, mul(get_shadow_passes(&fields, i + j), passes));
     }
   if (!has_grids(scene)) return;

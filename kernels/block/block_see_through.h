@@ -235,7 +235,8 @@ FN bool pass_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths
     }
     if (has_grids(scene)) fly_through_grids(scene, paths, i, lengths, reaches, decided);
     aim_at_lights(scene, paths, i, lengths, reaches, decided);
-    fly(scene, paths, i, &surfaces, lengths, decided, reaches);
+    fly(scene, paths, i, surfaces.primitive, lengths, decided, reaches);
+    scatter_in_media(paths, i, &surfaces, lengths, reaches);
     if (has_grids(scene)) colour_by_grids(scene, paths, i, reaches);
   }
   #endif

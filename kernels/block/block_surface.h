@@ -86,6 +86,13 @@ STAGE void note_instances(const PRIVATE PathState* paths, int i, PRIVATE Surface
 }
 #endif
 
+#if HAS(MEDIA)
+STAGE void note_spans(const PRIVATE PrimitivePoints* RESTRICT points, PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) surfaces->span[j] = max_component(load_primitive_point(points, j).extent);
+}
+#endif
+
 STAGE void see_surfaces(const PRIVATE PathState* paths, int i, const PRIVATE PrimitivePoints* RESTRICT points,
                         PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
@@ -167,6 +174,9 @@ FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* p
   if (instances) find_instance_points(scene, paths, i, &points);
 #endif
   see_surfaces(paths, i, &points, surfaces);
+#if HAS(MEDIA)
+  if (NEEDS_MEDIA(scene)) note_spans(&points, surfaces);
+#endif
 #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) note_instances(paths, i, surfaces);
 #endif

@@ -28,7 +28,10 @@ PENUMBRA_NAMESPACE_BEGIN
   F(a, float, bumps)     /* squared roughness of the bumps that bent it: see bump_shadow */
 // Scenes with FEATURE_INSTANCES alone.
 #define SURFACE_INSTANCE_FIELDS(F, a) F(a, int, instance)  /* that the primitive is a part of, or -1 */
-#define SURFACE_FIELDS(F, a) SURFACE_HIT_FIELDS(F, a) SURFACE_UV_FIELDS(F, a) SURFACE_INSTANCE_FIELDS(F, a)
+// Scenes with FEATURE_MEDIA alone.
+#define SURFACE_MEDIA_FIELDS(F, a) F(a, float, span)  /* the largest number that p was computed from */
+#define SURFACE_FIELDS(F, a) \
+  SURFACE_HIT_FIELDS(F, a) SURFACE_UV_FIELDS(F, a) SURFACE_INSTANCE_FIELDS(F, a) SURFACE_MEDIA_FIELDS(F, a)
 // clang-format on
 LANE_RECORD(Surface, Surfaces, surface, SURFACE_FIELDS)
 LANE_RECORD_PART(Surface, Surfaces, surface_hit, SURFACE_HIT_FIELDS)
@@ -57,9 +60,9 @@ LANE_RECORD(PrimitivePoint, PrimitivePoints, primitive_point, PRIMITIVE_POINT_FI
 /// Whether the ray ended somewhere: at a surface, or in a medium.
 FN bool is_hit(Surface s) { return s.primitive != NOTHING_HIT; }
 
-/// Outside of instances too.
+/// Outside of instances and media too.
 FN Surface without_uv(Surface s) {
-  s.u = s.v = 0.0f;
+  s.u = s.v = s.span = 0.0f;
   s.tangent = s.smooth = make_vec3(0.0f, 0.0f, 0.0f);
   s.bumps = 0.0f;
   s.instance = -1;

@@ -39,11 +39,6 @@ struct HostMeasurement {
   std::function<Numbers()> value;
 };
 
-/// The missing feature that the case needs.
-struct Pending {
-  std::string feature;
-};
-
 /// The value and where it is known from: a closed form, 113-bit arithmetic, quadrature.
 struct Truth {
   std::function<Quads()> value;
@@ -62,12 +57,11 @@ struct Case {
   std::string name;      ///< "group/what", unique
   std::string stiff;     ///< what makes it hard
   std::string quantity;  ///< what is computed, and in what unit
-  std::variant<KernelMeasurement, RenderMeasurement, HostMeasurement, Pending> measurement;
+  std::variant<KernelMeasurement, RenderMeasurement, HostMeasurement> measurement;
   Truth truth;
   Allowed allowed;
 };
 
-inline bool is_pending(const Case& c) { return std::holds_alternative<Pending>(c.measurement); }
 inline std::string group_of(const Case& c) { return c.name.substr(0, c.name.find('/')); }
 
 inline Allowed absolute(double error, std::string why) { return {error, 0, std::move(why), {}}; }

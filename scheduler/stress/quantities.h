@@ -9,6 +9,7 @@
 #include "scheduler/stress/bsdf_quantities.h"
 #include "scheduler/stress/geometry_quantities.h"
 #include "scheduler/stress/light_quantities.h"
+#include "scheduler/stress/medium_quantities.h"
 #include "scheduler/stress/quantity_numbers.h"
 
 PENUMBRA_NAMESPACE_BEGIN
@@ -136,6 +137,10 @@ STAGE void quantity(int id, GLOBAL const double* in, GLOBAL double* out, GLOBAL 
   if (id == QUANTITY_MIXTURE_SAMPLES) mixture_samples_quantity(in, out);
   if (id == QUANTITY_FRESNEL) fresnel_quantity(in, out);
   if (id == QUANTITY_UNDISTORT) undistort_quantity(in, out);
+  if (id == QUANTITY_PHASE) phase_quantity(in, out);
+  if (id == QUANTITY_FLIGHT_DEPTH) flight_depth_quantity(in, out);
+  if (id == QUANTITY_FLIGHT_WEIGHT) flight_weight_quantity(in, out);
+  if (id == QUANTITY_SIGHT) sight_quantity(in, out);
 }
 
 PENUMBRA_NAMESPACE_END

@@ -12,7 +12,7 @@
 namespace penumbra::stress {
 
 struct Counts {
-  int passed = 0, failed = 0, skipped = 0, pending = 0;
+  int passed = 0, failed = 0, skipped = 0;
 };
 Counts count(std::span<const CaseResult> results);
 /// Nothing failed, and not everything that could have been tested was skipped.

@@ -18,7 +18,7 @@ th, td { text-align: left; vertical-align: top; padding: .3em .8em .3em 0; borde
 th { font-weight: 600; }
 td.n { font-family: ui-monospace, monospace; font-size: .92em; white-space: nowrap; }
 small { color: #888; display: block; }
-.pass { color: #2a8a3e; } .FAIL { color: #fff; background: #c0262d; padding: 0 .4em; } .pending, .skipped { color: #888; }
+.pass { color: #2a8a3e; } .FAIL { color: #fff; background: #c0262d; padding: 0 .4em; } .skipped { color: #888; }
 )";
 
 void add_outcomes(const CaseResult& r, std::string& html) {
@@ -58,13 +58,12 @@ void add_case(const CaseResult& r, std::string& html) {
 std::string table_html(std::span<const CaseResult> results, const TableContext& context) {
   const Counts counts = count(results);
   std::string html = fmt::format(
-      "<h1>Stiff and extreme cases</h1>\n<p>{} passed, <b>{} failed</b>, {} skipped, {} pending, in "
+      "<h1>Stiff and extreme cases</h1>\n<p>{} passed, <b>{} failed</b>, {} skipped, in "
       "{:.1f} s. A result is shown once where all backends have the same bits.</p>\n",
-      counts.passed, counts.failed, counts.skipped, counts.pending, context.seconds);
+      counts.passed, counts.failed, counts.skipped, context.seconds);
   for (const std::string& backend : context.backends) html += "<div>" + html_escaped(backend) + "</div>\n";
   std::string group;
   for (const CaseResult& r : results) {
-    if (r.verdict == Verdict::kPending) continue;
     if (group_of(*r.tested) != group) {
       if (!group.empty()) html += "</table>\n";
       group = group_of(*r.tested);
@@ -75,14 +74,6 @@ std::string table_html(std::span<const CaseResult> results, const TableContext& 
     add_case(r, html);
   }
   if (!group.empty()) html += "</table>\n";
-  if (counts.pending > 0) html += "<h2>pending</h2>\n<table><tr><th>case<th>what is stiff<th>needs</tr>\n";
-  for (const CaseResult& r : results) {
-    if (r.verdict == Verdict::kPending)
-      html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n", html_escaped(r.tested->name),
-                          html_escaped(r.tested->stiff),
-                          html_escaped(std::get<Pending>(r.tested->measurement).feature));
-  }
-  if (counts.pending > 0) html += "</table>\n";
   return html_page("Penumbra: stiff and extreme cases", kStyle, "", html);
 }
 

@@ -41,10 +41,6 @@ ordered_json case_json(const CaseResult& r) {
   json["stiff"] = c.stiff;
   json["quantity"] = c.quantity;
   json["verdict"] = verdict_name(r.verdict);
-  if (const auto* pending = std::get_if<Pending>(&c.measurement)) {
-    json["needs"] = pending->feature;
-    return json;
-  }
   if (const auto* kernel = std::get_if<KernelMeasurement>(&c.measurement))
     json["inputs"] = numbers(kernel->inputs);
   json["truth"] = numbers(r.truth);
@@ -67,7 +63,6 @@ ordered_json table_json(std::span<const CaseResult> results, const TableContext&
   json["passed"] = counts.passed;
   json["failed"] = counts.failed;
   json["skipped"] = counts.skipped;
-  json["pending"] = counts.pending;
   json["cases"] = ordered_json::array();
   for (const CaseResult& r : results) json["cases"].push_back(case_json(r));
   return json;

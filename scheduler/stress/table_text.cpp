@@ -55,7 +55,6 @@ Counts count(std::span<const CaseResult> results) {
     counts.passed += r.verdict == Verdict::kPass;
     counts.failed += r.verdict == Verdict::kFail;
     counts.skipped += r.verdict == Verdict::kSkipped;
-    counts.pending += r.verdict == Verdict::kPending;
   }
   return counts;
 }
@@ -75,7 +74,6 @@ std::string table_text(std::span<const CaseResult> results, const TableContext& 
   std::string group;
   for (const CaseResult& r : results) {
     const Case& c = *r.tested;
-    if (r.verdict == Verdict::kPending) continue;
     if (group_of(c) != group) fmt::format_to(out, "\n{}\n", header);
     group = group_of(c);
     const std::vector<Row> rows = rows_of(r);
@@ -91,14 +89,6 @@ std::string table_text(std::span<const CaseResult> results, const TableContext& 
     if (r.verdict == Verdict::kFail)
       fmt::format_to(out, "{:<{}}    {}: {}; truth by {}\n", "", width, c.quantity, c.stiff, c.truth.how);
   }
-  bool pending = false;
-  for (const CaseResult& r : results) {
-    if (r.verdict != Verdict::kPending) continue;
-    if (!pending) text += "\npending, until Penumbra has what they need:\n";
-    pending = true;
-    fmt::format_to(out, "  {:<{}}  {}  (needs {})\n", r.tested->name, width, r.tested->stiff,
-                   std::get<Pending>(r.tested->measurement).feature);
-  }
   const Counts counts = count(results);
   std::vector<std::string> failed;
   for (const CaseResult& r : results) {
@@ -110,10 +100,9 @@ std::string table_text(std::span<const CaseResult> results, const TableContext& 
   const auto several = std::count_if(results.begin(), results.end(),
                                      [](const CaseResult& r) { return r.outcomes.size() > 1; });
   fmt::format_to(out,
-                 "\n{} passed, {} failed, {} skipped, {} pending; {} of {} with the same bits on all "
+                 "\n{} passed, {} failed, {} skipped; {} of {} with the same bits on all "
                  "backends; {:.1f} s\n",
-                 counts.passed, counts.failed, counts.skipped, counts.pending, same, several,
-                 context.seconds);
+                 counts.passed, counts.failed, counts.skipped, same, several, context.seconds);
   return text;
 }
 
@@ -121,8 +110,7 @@ std::string list_text(std::span<const Case> cases) {
   std::size_t width = 20;
   for (const Case& c : cases) width = std::max(width, c.name.size());
   std::string text;
-  for (const Case& c : cases)
-    text += fmt::format("{:<{}}  {}{}\n", c.name, width, c.stiff, is_pending(c) ? " (pending)" : "");
+  for (const Case& c : cases) text += fmt::format("{:<{}}  {}\n", c.name, width, c.stiff);
   return text;
 }
 

@@ -15,8 +15,6 @@ const char* verdict_name(Verdict verdict) {
       return "FAIL";
     case Verdict::kSkipped:
       return "skipped";
-    case Verdict::kPending:
-      return "pending";
   }
   return "?";
 }

@@ -8,7 +8,7 @@
 
 namespace penumbra::stress {
 
-enum class Verdict { kPass, kFail, kSkipped, kPending };
+enum class Verdict { kPass, kFail, kSkipped };
 const char* verdict_name(Verdict verdict);
 
 /// What one backend made of a case.
@@ -26,7 +26,7 @@ struct CaseResult {
   Numbers truth;
   double allowed = 0;
   std::vector<Outcome> outcomes;
-  Verdict verdict = Verdict::kPending;
+  Verdict verdict = Verdict::kFail;
   bool same_bits = true;  ///< all outcomes have one value
 };
 

@@ -232,6 +232,23 @@ TEST(Media, OfAnyDensityGiveFiniteImagesOfTheirTransmittance) {
     }
 }
 
+// What half a space of isotropic scattering gives back of light from everywhere, straight up: 1 - H(1) sqrt(1
+// - a), H(1) = exp(-1/pi int_0^(pi/2) log(1 - a t / tan t) dt) (Chandrasekhar 1960, sections 25 and 39). Of
+// media of 1e8 mean free paths a float's spacing holds ten.
+TEST(Media, OfAnyDensityGiveBackWhatTheirAlbedoSays) {
+  constexpr double kOfAlbedo9 = 0.41494747913;
+  for (const double width : {1.0, 100.0})
+    for (const float extinction : {100.0f, 1e5f, 1e8f}) {
+      SceneDescription scene = narrow_view(50'000, volpath(DirectSampling::kBsdfOnly));
+      bound(scene, box({-width, -width, 1}, {width, width, 2}, add_null(scene)),
+            add_medium(scene, medium(extinction, 0.9f)));
+      scene.emitters.emplace_back(ConstantEnvironment{});
+      SCOPED_TRACE(extinction);
+      expect_colour(scene, glm::dvec3(kOfAlbedo9));
+      EXPECT_EQ(render_or_throw(scene, big_passes()).flagged()[BAD_BOUNDARY].count, 0u);
+    }
+}
+
 TEST(Media, ThousandsOfBoundariesAreCrossed) {
   SceneDescription scene = narrow_view(64);
   const int nothing = add_null(scene), thin = add_medium(scene, medium(1e-3f, 0));

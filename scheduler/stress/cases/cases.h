@@ -18,6 +18,7 @@ void add_render_light_cases(std::vector<Case>& cases);
 void add_sky_and_beam_cases(std::vector<Case>& cases);
 void add_render_cases(std::vector<Case>& cases);
 void add_merge_cases(std::vector<Case>& cases);
-void add_pending_cases(std::vector<Case>& cases);
+void add_medium_cases(std::vector<Case>& cases);
+void add_render_medium_cases(std::vector<Case>& cases);
 
 }  // namespace penumbra::stress

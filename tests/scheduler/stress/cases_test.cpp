@@ -12,7 +12,6 @@
 namespace penumbra::stress {
 namespace {
 
-using ::testing::Contains;
 using ::testing::HasSubstr;
 
 TEST(Cases, AreNamedAndExplained) {
@@ -22,10 +21,6 @@ TEST(Cases, AreNamedAndExplained) {
     EXPECT_THAT(c.name, HasSubstr("/"));
     EXPECT_EQ(c.name.find(' '), std::string::npos) << c.name;
     EXPECT_FALSE(c.stiff.empty()) << c.name;
-    if (is_pending(c)) {
-      EXPECT_FALSE(std::get<Pending>(c.measurement).feature.empty()) << c.name;
-      continue;
-    }
     EXPECT_FALSE(c.quantity.empty()) << c.name;
     EXPECT_FALSE(c.truth.how.empty()) << c.name;
     EXPECT_FALSE(c.allowed.why.empty()) << c.name;
@@ -38,7 +33,6 @@ TEST(Cases, GroupsAreTogether) {
   std::set<std::string> seen;
   std::string group;
   for (const Case& c : all_cases()) {
-    if (is_pending(c)) continue;
     if (group_of(c) != group) {
       EXPECT_TRUE(seen.insert(group_of(c)).second) << group_of(c) << " is split";
     }
@@ -53,14 +47,6 @@ TEST(Cases, InputsFitAndAreNumbers) {
     EXPECT_LE(m->inputs.size(), std::size_t(QUANTITY_INPUTS)) << c.name;
     for (const double x : m->inputs) EXPECT_TRUE(std::isfinite(x)) << c.name;
   }
-}
-
-TEST(Cases, OnesThatWaitForAFeatureArePending) {
-  std::vector<std::string> features;
-  for (const Case& c : all_cases()) {
-    if (const auto* pending = std::get_if<Pending>(&c.measurement)) features.push_back(pending->feature);
-  }
-  EXPECT_THAT(features, Contains(HasSubstr("media")));
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ TEST(Selection, PartsAndPatterns) {
 
 std::vector<Case> named(std::initializer_list<const char*> names) {
   std::vector<Case> cases;
-  for (const char* name : names) cases.push_back({name, "", "", Pending{}, {}, {}});
+  for (const char* name : names) cases.push_back({name, "", "", HostMeasurement{}, {}, {}});
   return cases;
 }
 std::vector<std::string> names(const std::vector<Case>& cases) {

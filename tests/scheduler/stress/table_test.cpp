@@ -34,11 +34,10 @@ Table small_table() {
                      absolute(.5, "rounding")});
   t.cases.push_back(
       {"one/wrong", "hard", "another", HostMeasurement{}, {{}, "closed form"}, absolute(.5, "rounding")});
-  t.cases.push_back({"two/later", "far", "", Pending{"media"}, {}, {}});
   t.cases.push_back(
       {"two/skipped", "far", "a third", KernelMeasurement{}, {{}, "sum"}, absolute(.5, "rounding")});
-  t.results.resize(4);
-  for (std::size_t i = 0; i < 4; ++i) t.results[i].tested = &t.cases[i];
+  t.results.resize(3);
+  for (std::size_t i = 0; i < 3; ++i) t.results[i].tested = &t.cases[i];
   t.results[0].verdict = Verdict::kPass;
   t.results[0].truth = {1.25};
   t.results[0].allowed = .5;
@@ -50,8 +49,8 @@ Table small_table() {
   t.results[1].outcomes = {outcome("native", Verdict::kPass, 3, 0),
                            outcome("opencl", Verdict::kFail, std::numeric_limits<double>::quiet_NaN(),
                                    std::numeric_limits<double>::quiet_NaN(), "not a finite number")};
-  t.results[3].verdict = Verdict::kSkipped;
-  t.results[3].outcomes = {outcome("opencl", Verdict::kSkipped, 0, 0, "no OpenCL device")};
+  t.results[2].verdict = Verdict::kSkipped;
+  t.results[2].outcomes = {outcome("opencl", Verdict::kSkipped, 0, 0, "no OpenCL device")};
   t.context.backends = {"native", "opencl: a device"};
   return t;
 }
@@ -61,14 +60,13 @@ TEST(Table, CountsEachVerdict) {
   const Counts counts = count(t.results);
   EXPECT_EQ(counts.passed, 1);
   EXPECT_EQ(counts.failed, 1);
-  EXPECT_EQ(counts.pending, 1);
   EXPECT_EQ(counts.skipped, 1);
 }
 
 TEST(Table, IsDoneOnlyWhenSomethingPassedAndNothingFailed) {
   EXPECT_TRUE(all_pass({.passed = 3}));
-  EXPECT_TRUE(all_pass({.passed = 3, .skipped = 1, .pending = 2}));
-  EXPECT_TRUE(all_pass({.pending = 2})) << "nothing can fail yet";
+  EXPECT_TRUE(all_pass({.passed = 3, .skipped = 1}));
+  EXPECT_TRUE(all_pass({})) << "nothing was there to fail";
   EXPECT_FALSE(all_pass({.passed = 3, .failed = 1}));
   EXPECT_FALSE(all_pass({.skipped = 3})) << "nothing was tested";
 }
@@ -78,8 +76,7 @@ TEST(Table, JsonReadBack) {
   const auto json = nlohmann::json::parse(table_json(t.results, t.context).dump());
   EXPECT_EQ(json["passed"], 1);
   EXPECT_EQ(json["failed"], 1);
-  EXPECT_EQ(json["pending"], 1);
-  ASSERT_EQ(json["cases"].size(), 4u);
+  ASSERT_EQ(json["cases"].size(), 3u);
   const auto& right = json["cases"][0];
   EXPECT_EQ(right["name"], "one/right");
   EXPECT_EQ(right["group"], "one");
@@ -91,8 +88,7 @@ TEST(Table, JsonReadBack) {
   EXPECT_EQ(right["allowed_because"], "rounding");
   EXPECT_EQ(right["outcomes"][1]["result"], nlohmann::json({1.5}));
   EXPECT_EQ(json["cases"][1]["outcomes"][1]["result"], nlohmann::json({"nan"})) << "JSON has no NaN";
-  EXPECT_EQ(json["cases"][2]["verdict"], "pending");
-  EXPECT_EQ(json["cases"][2]["needs"], "media");
+  EXPECT_EQ(json["cases"][2]["verdict"], "skipped");
 }
 
 TEST(Table, TextHasALineForWhatIsEqualAndOneEachForWhatIsNot) {
@@ -101,10 +97,9 @@ TEST(Table, TextHasALineForWhatIsEqualAndOneEachForWhatIsNot) {
   EXPECT_THAT(text, HasSubstr("opencl: a device"));
   EXPECT_THAT(text, AllOf(HasSubstr("one/right"), HasSubstr("1.25"), HasSubstr("rounding")));
   EXPECT_THAT(text, AllOf(HasSubstr("FAIL"), HasSubstr("on opencl"), HasSubstr("not a finite number")));
-  EXPECT_THAT(text, HasSubstr("two/later"));
-  EXPECT_THAT(text, HasSubstr("(needs media)"));
+  EXPECT_THAT(text, HasSubstr("two/skipped"));
   EXPECT_THAT(text, HasSubstr("no OpenCL device"));
-  EXPECT_THAT(text, HasSubstr("1 passed, 1 failed, 1 skipped, 1 pending"));
+  EXPECT_THAT(text, HasSubstr("1 passed, 1 failed, 1 skipped"));
 }
 
 TEST(Table, HtmlIsOnePageAndEscapesText) {
