@@ -132,17 +132,18 @@ STAGE void cross_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState*
       const MediumStack other =
           select_media(arrives, behind, select_media(crosses & !same_place, media, beyond));
       set_beyond(&fields, i + j, select_media(shadow, beyond, other));
-      const float way = get_way(&fields, i + j), clearance = get_clearance(&fields, i + j);
+      const float way = get_way(&fields, i + j);
       const bool passes = crosses | ((m.ways & MEETS_WITHIN) != 0);
       const vec3 start = select3(shadow, get_shadow_origin(&fields, i + j), get_kept_origin(&fields, i + j));
       set_way(&fields, i + j, passes ? max_f(way_to(s, start), 1e-30f) : way);
-      set_clearance(&fields, i + j, passes ? clear_of(s) : clearance);
-      const vec3 wall = get_wall(&fields, i + j);
-      const float depth = get_wall_depth(&fields, i + j), lift = get_wall_lift(&fields, i + j);
-      const bool along = passes & !shadow, at = arrives & !shadow;
-      set_wall(&fields, i + j, select3(along, negate(s.geometric), select3(at, s.geometric, wall)));
-      set_wall_depth(&fields, i + j, (along | at) ? 0.0f : depth);
-      set_wall_lift(&fields, i + j, at ? s.error : lift);
+      const bool along = passes & !shadow, meets = along | arrives;
+      const vec3 wall = select3(along, negate(s.geometric), s.geometric);
+      const float depth = get_wall_depth(&fields, i + j), lift = get_wall_lift(&fields, i + j),
+                  clearance = get_wall_clearance(&fields, i + j);
+      set_wall(&fields, i + j, select3(meets, wall, get_wall(&fields, i + j)));
+      set_wall_depth(&fields, i + j, meets ? 0.0f : depth);
+      set_wall_lift(&fields, i + j, arrives ? s.error : (along ? 0.0f : lift));
+      set_wall_clearance(&fields, i + j, meets ? clear_of(s) : clearance);
       // The second of two in one place is left behind, or the first would be met again.
       const bool looks_back = crosses & !same_place & (s.primitive < triangles);
       surfaces->error[j] = looks_back ? -s.error : s.error;

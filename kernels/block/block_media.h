@@ -27,6 +27,7 @@ STAGE void start_in_media(const PRIVATE Scene* scene, const PRIVATE PathState* p
       set_wall(&fields, i + j, make_vec3(0.0f, 0.0f, 0.0f));
       set_wall_depth(&fields, i + j, 0.0f);
       set_wall_lift(&fields, i + j, 0.0f);
+      set_wall_clearance(&fields, i + j, 0.0f);
       set_hero(&fields, i + j, min_i((int)(choice[j] * 3.0f), 2));
       set_channels(&fields, i + j, make_vec3(1.0f, 1.0f, 1.0f));
     }
@@ -47,7 +48,6 @@ STAGE void start_flights(const PRIVATE PathState* paths, int i, const PRIVATE fl
       set_depth_left(&fields, i + j, flight_depth(u[j], unit_float(digits)));
       set_beyond(&fields, i + j, get_media(&fields, i + j));
       set_way(&fields, i + j, 0.0f);
-      set_clearance(&fields, i + j, 0.0f);
       set_crossed(&fields, i + j, 0);
       // Through media rays go on that meet no surface.
       const bool flies = innermost(get_media(&fields, i + j)) != 0;
@@ -256,7 +256,6 @@ STAGE void start_shadow_flights(const PRIVATE PathState* paths, int count) {
         set_shadow_passes(&fields, j, make_vec3(1.0f, 1.0f, 1.0f));
         set_shadow_tint(&fields, j, make_vec3(1.0f, 1.0f, 1.0f));
         set_way(&fields, j, 0.0f);
-        set_clearance(&fields, j, 0.0f);
         set_crossed(&fields, j, 0);
       }
   }

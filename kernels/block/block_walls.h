@@ -39,6 +39,9 @@ FN float flight_to(const PRIVATE PathState* paths, int i, MediumStack media, Sur
 }
 
 /// Where paths scatter, at `reaches` of their flights, if those are not negative.
+///
+/// Origins of rays are clear of the surfaces before and behind, so that the next ray meets them, or between
+/// two in the middle.
 STAGE void scatter_in_media(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
                             const PRIVATE float* RESTRICT lengths, const PRIVATE float* RESTRICT reaches) {
   const PathState fields = *paths;
@@ -49,34 +52,34 @@ STAGE void scatter_in_media(const PRIVATE PathState* paths, int i, const PRIVATE
       const vec3 start = get_kept_origin(&fields, i + j), d = get_ray_direction(&fields, i + j);
       const vec3 wall = get_wall(&fields, i + j);
       const float way = get_way(&fields, i + j), depth = get_wall_depth(&fields, i + j),
-                  lift = get_wall_lift(&fields, i + j), clearance = get_clearance(&fields, i + j);
+                  lift = get_wall_lift(&fields, i + j), clearance = get_wall_clearance(&fields, i + j);
       const float reach = reaches[j], cosine = max_f(dot3(s.geometric, s.wo), 0.0f);
-      const bool passed = clearance > 0.0f;
       const float slope = dot3(wall, d);
-      const bool turned = (depth == 0.0f) & (slope < 0.0f);
+      const bool turned = (depth == 0.0f) & (slope < 0.0f), near_wall = dot3(wall, wall) > 0.5f;
       const vec3 inwards = select3(turned, negate(wall), wall);
-      const float descent = reach * (turned ? -slope : slope);
-      // Clear of the surfaces about, so that the next ray meets them; between two, in the middle.
+      const float descent = reach * (turned ? -slope : slope), below = depth + descent;
+      const bool leaves = near_wall & (descent >= 0.0f);
+      // Of the ray.
       const float to = way_to(s, start) - way;
-      const float ahead = meets ? (to - reach) * cosine : NO_LIMIT, behind = passed ? descent : NO_LIMIT;
-      const float middle = 0.5f * ahead + 0.5f * behind, room = passed ? middle : to * cosine;
+      const float ahead = meets ? (to - reach) * cosine : NO_LIMIT, behind = leaves ? below + lift : NO_LIMIT;
+      const float middle = 0.5f * ahead + 0.5f * behind, room = leaves ? middle : to * cosine;
       const float rise = max_f(min_f(clear_of(s), room) - ahead, 0.0f),
                   sink = max_f(min_f(clearance, middle) - behind, 0.0f);
       const vec3 flown = scale(d, way + reach);
-      const vec3 lifted = add_scaled(scale(s.geometric, meets ? rise : 0.0f), passed ? sink : 0.0f, inwards);
+      const vec3 lifted = add_scaled(scale(s.geometric, meets ? rise : 0.0f), leaves ? sink : 0.0f, inwards);
       const vec3 p = add(start, add(flown, lifted));
-      // By the pushes, and by rounding.
-      const vec3 off = sub(sub(p, start), flown);
-      const float above = (lengths[j] - reach) * cosine, below = (passed ? 0.0f : depth) + descent;
-      const bool stays = (dot3(wall, wall) > 0.5f) & (below > 0.0f);
-      const bool changes = meets & !(stays & (above >= 2.0f * below));
+      const vec3 off = sub(sub(p, start), flown);  // lifted, and by rounding
+      // The nearer of both is kept, or the one that the ray has seen.
+      const float above = (lengths[j] - reach) * cosine;
+      const bool stays = near_wall & (below > 0.0f), changes = meets & !(stays & (above >= 2.0f * below));
       const vec3 none = make_vec3(0.0f, 0.0f, 0.0f);
       const vec3 next = select3(changes, s.geometric, select3(stays, inwards, none));
-      const float next_lift = (changes ? ahead - above : (passed ? 0.0f : lift)) + dot3(next, off);
+      const float next_lift = (changes ? ahead - above : lift) + dot3(next, off);
       set_ray_origin(&fields, i + j, select3(scatters, p, get_ray_origin(&fields, i + j)));
       set_wall(&fields, i + j, select3(scatters, next, wall));
       set_wall_depth(&fields, i + j, scatters ? max_f(changes ? above : below, 1e-30f) : depth);
       set_wall_lift(&fields, i + j, scatters ? next_lift : lift);
+      set_wall_clearance(&fields, i + j, (scatters & changes) ? clear_of(s) : clearance);
     }
 }
 #endif
