@@ -136,14 +136,13 @@ STAGE void cross_boundaries(const PRIVATE Scene* scene, const PRIVATE PathState*
       const bool passes = crosses | ((m.ways & MEETS_WITHIN) != 0);
       const vec3 start = select3(shadow, get_shadow_origin(&fields, i + j), get_kept_origin(&fields, i + j));
       set_way(&fields, i + j, passes ? max_f(way_to(s, start), 1e-30f) : way);
-      const bool along = passes & !shadow, meets = along | arrives;
-      const vec3 wall = select3(along, negate(s.geometric), s.geometric);
-      const float depth = get_wall_depth(&fields, i + j), lift = get_wall_lift(&fields, i + j),
-                  clearance = get_wall_clearance(&fields, i + j);
-      set_wall(&fields, i + j, select3(meets, wall, get_wall(&fields, i + j)));
-      set_wall_depth(&fields, i + j, meets ? 0.0f : depth);
-      set_wall_lift(&fields, i + j, arrives ? s.error : (along ? 0.0f : lift));
-      set_wall_clearance(&fields, i + j, meets ? clear_of(s) : clearance);
+      const bool along = passes & !shadow;
+      Wall met;
+      met.normal = select3(along, negate(s.geometric), s.geometric);
+      met.depth = 0.0f;
+      met.lift = arrives ? s.error : 0.0f;
+      met.clearance = clear_of(s);
+      set_wall(&fields, i + j, select_wall(along | arrives, met, get_wall(&fields, i + j)));
       // The second of two in one place is left behind, or the first would be met again.
       const bool looks_back = crosses & !same_place & (s.primitive < triangles);
       surfaces->error[j] = looks_back ? -s.error : s.error;

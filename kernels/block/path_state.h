@@ -73,10 +73,10 @@ PENUMBRA_NAMESPACE_BEGIN
   X(vec3, channels, FEATURE_MEDIA, FEATURE_MEDIA)       /* ratios of the channels' densities, of mean 1 */     \
   X(float, depth_left, FEATURE_MEDIA, NEVER)            /* optical depth until it scatters */                  \
   X(float, way, FEATURE_MEDIA, NEVER)                   /* from its start to the last surface passed */        \
-  X(vec3, wall, FEATURE_MEDIA, FEATURE_MEDIA)           /* unit normal of that, or of one near its start; 0 */ \
-  X(float, wall_depth, FEATURE_MEDIA, FEATURE_MEDIA)    /* how far the path is off it, 0: on it */             \
-  X(float, wall_lift, FEATURE_MEDIA, FEATURE_MEDIA)     /* how much farther the ray's origin is */             \
-  X(float, wall_clearance, FEATURE_MEDIA, FEATURE_MEDIA) /* how far off it origins of rays are to be */        \
+  X(vec3, wall_normal, FEATURE_MEDIA, FEATURE_MEDIA)    /* of that, or of one near its start: see Wall */      \
+  X(float, wall_depth, FEATURE_MEDIA, FEATURE_MEDIA)                                                           \
+  X(float, wall_lift, FEATURE_MEDIA, FEATURE_MEDIA)                                                            \
+  X(float, wall_clearance, FEATURE_MEDIA, FEATURE_MEDIA)                                                       \
   X(int, crossed, FEATURE_MEDIA, NEVER)                 /* the boundary: see crossing_code; 0: none */         \
   X(int, contradiction, FEATURE_MEDIA, FEATURE_MEDIA)   /* 1 + the first shape whose boundary was one, 0, -1 */ \
   X(int, shadow_low, FEATURE_MEDIA, NEVER)              /* media in which the shadow ray is */                 \

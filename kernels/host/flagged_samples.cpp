@@ -32,6 +32,11 @@ void FlaggedSamples::add(const FlaggedSamples& others) {
   count = all;
 }
 
+bool is_possible(const FlaggedSamples& samples) {
+  const int where = samples.source.where;
+  return where >= SOURCE_UNKNOWN && where <= SOURCE_FILTER && samples.source.step >= 0 && samples.shape >= 0;
+}
+
 FlaggedSamples flagged_samples(const Unit& unit, const BadSamples& bad) {
   if (bad.count == 0) return {};
   return {.count = bad.count,

@@ -36,6 +36,10 @@ struct FlaggedSamples {
   friend bool operator==(const FlaggedSamples&, const FlaggedSamples&) = default;
 };
 
+/// Whether a kernel can have found its source and shape; where they are is for those to check who know the
+/// pixels.
+bool is_possible(const FlaggedSamples& samples);
+
 /// Those of every kind, BAD_*.
 using FlaggedKinds = std::array<FlaggedSamples, BAD_KINDS>;
 

@@ -24,6 +24,43 @@ MEDIA_ACCESSORS(beyond, beyond)
 MEDIA_ACCESSORS(shadow_media, shadow)
   #undef MEDIA_ACCESSORS
 
+/// The surface near a path, in media.
+typedef struct {
+  vec3 normal;      // unit, towards the path's side of it; 0: none is known
+  float depth;      // how far the path is off it, 0: on it
+  float lift;       // how much farther the ray's origin is
+  float clearance;  // how far off it origins of rays are to be
+} Wall;
+
+FN Wall no_wall(void) {
+  Wall wall;
+  wall.normal = make_vec3(0.0f, 0.0f, 0.0f);
+  wall.depth = wall.lift = wall.clearance = 0.0f;
+  return wall;
+}
+FN Wall select_wall(bool condition, Wall a, Wall b) {
+  Wall wall;
+  wall.normal = select3(condition, a.normal, b.normal);
+  wall.depth = condition ? a.depth : b.depth;
+  wall.lift = condition ? a.lift : b.lift;
+  wall.clearance = condition ? a.clearance : b.clearance;
+  return wall;
+}
+FN Wall get_wall(const PRIVATE PathState* paths, int i) {
+  Wall wall;
+  wall.normal = get_wall_normal(paths, i);
+  wall.depth = get_wall_depth(paths, i);
+  wall.lift = get_wall_lift(paths, i);
+  wall.clearance = get_wall_clearance(paths, i);
+  return wall;
+}
+FN void set_wall(const PRIVATE PathState* paths, int i, Wall wall) {
+  set_wall_normal(paths, i, wall.normal);
+  set_wall_depth(paths, i, wall.depth);
+  set_wall_lift(paths, i, wall.lift);
+  set_wall_clearance(paths, i, wall.clearance);
+}
+
 FN FlightWeight flight_weight(const PRIVATE PathState* paths, int i) {
   FlightWeight w;
   w.throughput = get_throughput(paths, i);

@@ -220,14 +220,16 @@ Expected<void> FilmAccumulator::read(ByteReader& bytes) {
     const std::int64_t value = bytes.i64();
     return value >= low && value <= high ? std::optional(int(value)) : std::nullopt;
   };
+  const auto any_number = [&] {
+    return number(std::numeric_limits<int>::min(), std::numeric_limits<int>::max());
+  };
   for (std::uint64_t i = 0; i < corners; ++i) {
     const auto x = number(x_, x_ + width_ - 1), y = number(y_, y_ + height_ - 1);
     if (!x || !y) return fail("flagged samples outside the film");
     for (FlaggedSamples& samples : flagged_[{*x, *y}]) {
       samples.count = bytes.u64();
       const auto at_x = number(0, x_ + width_ - 1), at_y = number(0, y_ + height_ - 1);
-      const auto where = number(0, SOURCE_FILTER), step = number(0, std::numeric_limits<int>::max()),
-                 shape = number(0, std::numeric_limits<int>::max());
+      const auto where = any_number(), step = any_number(), shape = any_number();
       const std::uint64_t sample = bytes.u64();
       if (!at_x || !at_y || !where || !step || !shape || sample > std::numeric_limits<std::uint32_t>::max())
         return fail("a flagged sample that cannot be");
@@ -235,6 +237,7 @@ Expected<void> FilmAccumulator::read(ByteReader& bytes) {
       samples.source = {*where, *step};
       samples.shape = *shape;
       samples.sample = std::uint32_t(sample);
+      if (!is_possible(samples)) return fail("a flagged sample that cannot be");
     }
   }
   return bytes.failed() ? fail("it ends in its film") : check();

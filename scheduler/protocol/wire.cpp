@@ -238,8 +238,7 @@ Expected<FlaggedSamples> decode(const wire::FlaggedSamples& message, const Rende
     return fail(fmt::format(
         "the result has its first flagged sample at ({}, {}), sample {}, which is not of its unit", samples.x,
         samples.y, samples.sample));
-  const bool known_source = samples.source.where >= SOURCE_UNKNOWN && samples.source.where <= SOURCE_FILTER;
-  if (!known_source || samples.source.step < 0 || samples.shape < 0)
+  if (!is_possible(samples))
     return fail("the result has a flagged sample of a source or a shape that cannot be");
   return samples;
 }
