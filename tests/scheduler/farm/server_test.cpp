@@ -423,6 +423,13 @@ TEST_F(ServerTest, ImpossibleCountsAreNoticed) {
   EXPECT_THAT(why_rejected(message), HasSubstr("61 samples of a kind"));
 }
 
+TEST_F(ServerTest, FlaggedSamplesThatCannotBeAreNoticed) {
+  connect_and_take_a_unit();
+  wire::WorkerMessage message = good_result();
+  message.mutable_result()->mutable_pixels()->mutable_flagged(BAD_BOUNDARY)->set_shape(-1);
+  EXPECT_THAT(why_rejected(message), HasSubstr("a source or a shape that cannot be"));
+}
+
 TEST_F(ServerTest, ValuesThatAreNoStatisticsAreNoticed) {
   connect_and_take_a_unit();
   const float nan = std::nanf(""), infinity = std::numeric_limits<float>::infinity();

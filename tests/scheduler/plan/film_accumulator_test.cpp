@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
 #include <vector>
+
+#include "scheduler/plan/byte_stream.h"
 
 namespace penumbra {
 namespace {
@@ -163,6 +166,32 @@ TEST(FilmAccumulator, TheFirstNonFiniteSampleDoesNotDependOnTheOrder) {
     EXPECT_EQ(film.flagged()[BAD_INFINITE].count, 0u);
     std::ranges::rotate(all, all.begin() + 1);
   }
+}
+
+TEST(FilmAccumulator, FlaggedSamplesThatCannotBeAreNotRead) {
+  const auto read_again = [](const FlaggedSamples& samples) {
+    SampleBuffer buffer = pixel_result(1, 0, 2);
+    buffer.flagged[BAD_BOUNDARY] = samples;
+    FilmAccumulator film(0, 0, 1, 1, kRadiancePlanes), again(0, 0, 1, 1, kRadiancePlanes);
+    film.add(0, 0, buffer);
+    std::vector<std::uint8_t> bytes;
+    ByteWriter writer(bytes);
+    film.write(writer);
+    ByteReader reader(bytes);
+    const Expected<void> read = again.read(reader);
+    if (read) EXPECT_EQ(again.flagged()[BAD_BOUNDARY], samples);
+    return read ? std::string() : read.error().message;
+  };
+  const FlaggedSamples good{.count = 1, .sample = 1, .source = {SOURCE_FILTER, 3}, .shape = 7};
+  EXPECT_EQ(read_again(good), "");
+  std::vector<FlaggedSamples> wrong(5, good);
+  wrong[0].source.where = SOURCE_FILTER + 1;
+  wrong[1].source.where = -1;
+  wrong[2].source.step = -1;
+  wrong[3].shape = -1;
+  wrong[4].x = 1;
+  for (const FlaggedSamples& samples : wrong)
+    EXPECT_EQ(read_again(samples), "a flagged sample that cannot be");
 }
 
 }  // namespace
