@@ -39,7 +39,11 @@
   #define BIT_REVERSE(x) __builtin_bitreverse32(x)
 #endif
 
-#if !defined(RAYS_IN_FLIGHT) && defined(__clang__) && defined(__AVX2__) && defined(__BMI2__)
+#if defined(__clang__) && defined(__AVX2__) && defined(__BMI2__)
+  // pack_8 is no loop.
+  #define PACKS_REGISTERS
+#endif
+#if !defined(RAYS_IN_FLIGHT) && defined(PACKS_REGISTERS)
   // Rays that are traced in turn (block/block_flight.h); not defined: one after the other, which is faster
   // where pack_8 is a loop.
   #define RAYS_IN_FLIGHT 32

@@ -6,26 +6,54 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// Moves a field's values to lanes [0, count): lane m gets that of lane from[m] >= m.
-FN void move_up_float(GLOBAL float* RESTRICT field, const GLOBAL int* RESTRICT from, int count) {
-  LANE_LOOP
-    for (int m = 0; m < count; m++) field[m] = field[from[m]];
-}
-FN void move_up_int(GLOBAL int* RESTRICT field, const GLOBAL int* RESTRICT from, int count) {
-  LANE_LOOP
-    for (int m = 0; m < count; m++) field[m] = field[from[m]];
-}
-#define MOVE_UP_float(field, capacity, from, count) move_up_float(field, from, count)
-#define MOVE_UP_int(field, capacity, from, count) move_up_int(field, from, count)
-#define MOVE_UP_bool(field, capacity, from, count) move_up_int(field, from, count)
-#define MOVE_UP_vec3(field, capacity, from, count) \
-  for (int k = 0; k < 3; k++) move_up_float((field) + k * (capacity), from, count)
+#if defined(PACKS_REGISTERS) && LANES % 8 == 0
+  #define PACKS_FIELDS
+#endif
 
-/// A field at a time.
-STAGE void close_gaps(uint features, const PRIVATE PathState* paths, int left) {
-  const GLOBAL int* RESTRICT going = paths->going;
+// Moves a field's values to where they go: of paths that are left, in order, to the first lanes.
+#ifdef PACKS_FIELDS
+/// `going`: of each 8 of `count` lanes a bit for those that are left.
+FN void move_up_words(GLOBAL int* words, const GLOBAL int* RESTRICT going, int count) {
+  int left = 0;
+  for (int i = 0; i < count; i += 8) {
+    const uint wanted = (uint)going[i / 8];
+    pack_8(words + left, words + i, wanted);
+    left += BIT_COUNT(wanted);
+  }
+}
+  #define MOVE_UP_float(field, capacity, going, count) move_up_words((GLOBAL int*)(field), going, count)
+  #define MOVE_UP_int(field, capacity, going, count) move_up_words(field, going, count)
+#else
+/// To lanes [0, count): lane m gets that of lane going[m] >= m.
+FN void move_up_float(GLOBAL float* RESTRICT field, const GLOBAL int* RESTRICT going, int count) {
+  LANE_LOOP
+    for (int m = 0; m < count; m++) field[m] = field[going[m]];
+}
+FN void move_up_int(GLOBAL int* RESTRICT field, const GLOBAL int* RESTRICT going, int count) {
+  LANE_LOOP
+    for (int m = 0; m < count; m++) field[m] = field[going[m]];
+}
+  #define MOVE_UP_float(field, capacity, going, count) move_up_float(field, going, count)
+  #define MOVE_UP_int(field, capacity, going, count) move_up_int(field, going, count)
+#endif
+#define MOVE_UP_bool(field, capacity, going, count) MOVE_UP_int(field, capacity, going, count)
+#define MOVE_UP_vec3(field, capacity, going, count) \
+  for (int k = 0; k < 3; k++) MOVE_UP_float((field) + k * (capacity), capacity, going, count)
+
+/// A field at a time. Of `count` paths `left` go on, which are listed in `going`.
+STAGE void close_gaps(uint features, const PRIVATE PathState* paths, int count, int left) {
+  GLOBAL int* RESTRICT going = paths->going;
+#ifdef PACKS_FIELDS
+  for (int i = 0; i < count; i += 8) {
+    const uint alive = mask_of_8(paths->alive + i), there = count - i < 8 ? (1u << (count - i)) - 1u : 0xffu;
+    going[i / 8] = (int)(alive & there);
+  }
+  const int lanes = count;
+#else
+  const int lanes = left;
+#endif
 #define MOVE_FIELD(type, name, needs, travels) \
-  if (is_moved(features, needs, travels)) MOVE_UP_##type(paths->name, paths->capacity, going, left);
+  if (is_moved(features, needs, travels)) MOVE_UP_##type(paths->name, paths->capacity, going, lanes);
   PATH_FIELDS(MOVE_FIELD)
 #undef MOVE_FIELD
 }
@@ -104,7 +132,7 @@ STAGE int compact(const PRIVATE Scene* scene, const PRIVATE PathState* paths, in
 #if HAS(MEDIA)
   for (int m = 0; m < gone && NEEDS_MEDIA(scene); m++) finish_crossings(paths, finished[m], channel, slots);
 #endif
-  if (gone > 0) close_gaps(scene->header.features, paths, left);
+  if (gone > 0) close_gaps(scene->header.features, paths, count, left);
   return left;
 }
 

@@ -93,8 +93,8 @@ STAGE void sample_no_lights(PRIVATE LightSamples* RESTRICT samples) {
     for (int j = 0; j < LANES; j++) store_light_sample(samples, j, no_light_sample());
 }
 
-// For each kind loops over lanes: for the plain ways, by the numbers alone, where the scene has no other
-// light as well; by solid angle, for scenes that want nothing else; and for all of the kind's features.
+// For each kind loops over lanes: for the plain ways, by the numbers alone, and by solid angle, for scenes
+// that want nothing else, both also where the scene has no other light; and for all of the kind's features.
 // `light`: the lane's.
 #define SAMPLE_LANES(stage, name, NAME, light, ways)                                             \
   STAGE void stage(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT receivers,       \
@@ -130,6 +130,8 @@ STAGE void sample_no_lights(PRIVATE LightSamples* RESTRICT samples) {
   SAMPLE_LANES(sample_##name##_lights_by_ways, name, NAME, choice.light, (uint)((FEATURES) & (ways))) \
   SAMPLE_LANES(sample_only_##name##_light, name, NAME, 0, 0u)                                         \
   SAMPLE_LANES(sample_##name##_lights_by_solid_angle, name, NAME, choice.light,                       \
+               (uint)((FEATURES) & (ways)&FEATURE_SOLID_ANGLE))                                       \
+  SAMPLE_LANES(sample_only_##name##_light_by_solid_angle, name, NAME, 0,                              \
                (uint)((FEATURES) & (ways)&FEATURE_SOLID_ANGLE))                                       \
   FOUND_LANES(see_##name##_lights, name, NAME, 0, 0u)                                                 \
   FOUND_LANES(find_##name##_lights, name, NAME, 1, 0u)                                                \
@@ -180,17 +182,19 @@ FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* receiv
 #endif
   if ((among >> LIGHT_ENVMAP & 1u) != 0u) choose_envmap_cells(scene, chosen.kind, chosen.u, v, samplings);
   bool first = true;
-#define SAMPLE_KIND(name, NAME, number, ways, description)                                            \
-  if ((among >> (number)&1u) != 0u) {                                                                 \
-    if (NEEDS_FEW_WAYS(scene, ways, FEATURE_SOLID_ANGLE))                                             \
-      sample_##name##_lights_by_solid_angle(scene, receivers, &chosen, v, samplings, first, samples); \
-    else if (NEEDS_WAYS(scene, ways))                                                                 \
-      sample_##name##_lights_by_ways(scene, receivers, &chosen, v, samplings, first, samples);        \
-    else if (one)                                                                                     \
-      sample_only_##name##_light(scene, receivers, &chosen, v, samplings, first, samples);            \
-    else                                                                                              \
-      sample_##name##_lights(scene, receivers, &chosen, v, samplings, first, samples);                \
-    first = false;                                                                                    \
+#define SAMPLE_KIND(name, NAME, number, ways, description)                                                \
+  if ((among >> (number)&1u) != 0u) {                                                                     \
+    if (NEEDS_FEW_WAYS(scene, ways, FEATURE_SOLID_ANGLE) && one)                                          \
+      sample_only_##name##_light_by_solid_angle(scene, receivers, &chosen, v, samplings, first, samples); \
+    else if (NEEDS_FEW_WAYS(scene, ways, FEATURE_SOLID_ANGLE))                                            \
+      sample_##name##_lights_by_solid_angle(scene, receivers, &chosen, v, samplings, first, samples);     \
+    else if (NEEDS_WAYS(scene, ways))                                                                     \
+      sample_##name##_lights_by_ways(scene, receivers, &chosen, v, samplings, first, samples);            \
+    else if (one)                                                                                         \
+      sample_only_##name##_light(scene, receivers, &chosen, v, samplings, first, samples);                \
+    else                                                                                                  \
+      sample_##name##_lights(scene, receivers, &chosen, v, samplings, first, samples);                    \
+    first = false;                                                                                        \
   }
   LIGHT_KINDS(SAMPLE_KIND)
 #undef SAMPLE_KIND

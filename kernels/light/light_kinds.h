@@ -16,7 +16,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(disk, DISK, 2, FEATURE_UV | FEATURE_LIGHT_TEXTURES, "disks that emit")                                \
   X(point, POINT, 3, 0, "point lights")                                                                   \
   X(environment, ENVIRONMENT, 4, 0, "environment light")                                                  \
-  X(rectangle, RECTANGLE, 5, FEATURE_UV, "rectangles that emit, each of two triangles")                   \
+  X(rectangle, RECTANGLE, 5, FEATURE_SOLID_ANGLE | FEATURE_UV,                                            \
+    "rectangles that emit, each of two triangles")                                                        \
   X(envmap, ENVMAP, 6, 0, "environment map")                                                              \
   X(spot, SPOT, 7, FEATURE_LIGHT_TEXTURES, "spot lights")                                                 \
   X(directional, DIRECTIONAL, 8, 0, "directional lights")                                                 \

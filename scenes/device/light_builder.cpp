@@ -100,14 +100,15 @@ std::vector<int> LightBuilder::add_triangles(std::span<const LightTriangle> tria
                                              int first_triangle) {
   const int sampling = triangle_sampling(triangles, shape);
   const bool textured = is_textured(shape), polygons = polygons_wanted_ && !textured;
-  const bool merges = !textured && (polygons || sampling == EMITTER_SOLID_ANGLE);
+  // Points of rectangles cost less than those of two triangles, of which each lane chooses one.
+  const bool rectangles = !textured && sampling != EMITTER_PROJECTED, merges = polygons || rectangles;
   const double gain = least_gain(shape, sampling == EMITTER_AREA ? kGainOverArea : kGainOverSolidAngle);
   const Outlines merged = merges ? merge_coplanar(triangles) : separate(triangles);
   duplicates_ += int(merged.duplicates.size());
   std::vector<int> index(triangles.size(), -1);
   for (const Outline& outline : merged.outlines) {
     const int first = int(lights_.size());
-    const bool rectangle = outline.rectangle && sampling == EMITTER_SOLID_ANGLE;
+    const bool rectangle = outline.rectangle && rectangles;
     Light light{};
     light.texture = light.grid = -1;
     light.sampling = sampling;

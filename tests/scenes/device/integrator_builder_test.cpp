@@ -387,8 +387,7 @@ TEST(IntegratorBuilder, DuplicatesAreSaidHoweverLightsAreSampled) {
     const SceneHeader h = header(kind, repeated);
     EXPECT_EQ(h.duplicate_lights, 1);
     EXPECT_EQ(h.tables.triangles.count, 5);
-    EXPECT_EQ(h.tables.lights.count, kind == kPolygonAnalytic || kind == kPolygonArea ? 2 : 1)
-        << "one rectangle by solid angle";
+    EXPECT_EQ(h.tables.lights.count, 1) << "one rectangle";
   }
 }
 
