@@ -49,6 +49,20 @@ TEST_F(MitsubaPlastics, Defaults) {
   EXPECT_EQ(nori.alpha, 0.1f);
 }
 
+TEST_F(MitsubaPlastics, TangentsAreForSurfacesThatAreRougherOneWayAlone) {
+  const auto wants_uv = [&](const std::string& type, const std::string& parameters = "") {
+    const auto built = build_device_scene(good(sphere(type, parameters)), {});
+    return built && (built->header.features & FEATURE_UV) != 0u;
+  };
+  for (const char* type : {"diffuse", "plastic", "roughplastic", "roughconductor", "roughdielectric", "ward",
+                           "blinnphong", "principled"})
+    EXPECT_FALSE(wants_uv(type)) << type;
+  const std::string stretched = "<float name='alpha_u' value='.1'/><float name='alpha_v' value='.2'/>";
+  for (const char* type : {"roughconductor", "roughdielectric", "ward"})
+    EXPECT_TRUE(wants_uv(type, stretched)) << type;
+  EXPECT_TRUE(wants_uv("principled", "<float name='anisotropic' value='.5'/>"));
+}
+
 TEST_F(MitsubaPlastics, AreReadAsOldFilesSpellThem) {
   const auto plastic = bsdf<RoughPlasticBsdf>(
       "<float name='alpha' value='0.4'/><string name='distribution' value='ggx'/>"

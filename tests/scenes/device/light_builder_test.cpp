@@ -116,7 +116,7 @@ TEST(LightBuilder, TwoSidesAreForFlatLights) {
     EXPECT_EQ(builder.polygons()[0].two_sided, expected);
     std::vector<int> flags;
     for (const Light& light : builder.lights()) flags.push_back(light.two_sided);
-    EXPECT_THAT(flags, ElementsAre(expected, expected, expected, 0));
+    EXPECT_THAT(flags, ElementsAre(expected, expected, 0));
   }
 }
 
