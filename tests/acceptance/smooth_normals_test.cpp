@@ -102,8 +102,8 @@ void add_lights_beyond(SceneDescription& scene, bool sky) {
   scene.shapes.push_back(sphere);
 }
 
-/// But for a path in some 10^7, whatever the strategy, see "Intersection" of kernels/README.md; with this seed
-/// there is none.
+/// But for a path in some 10^7, whatever the strategy, see "Intersection" of kernels/README.md; with this
+/// seed there is none.
 TEST(SmoothNormals, NoLightGetsIntoAClosedRoom) {
   SceneDescription scene = empty_scene(kPixels, kPixels, 64, 1);
   scene.camera = look_at(dvec3(0.1, 0.2, -0.5), dvec3(0.1, -0.2, 1), dvec3(0, 1, 0), 90);
