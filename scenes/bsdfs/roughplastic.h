@@ -89,7 +89,7 @@ inline Material material_of(const RoughPlasticBsdf& plastic, MaterialTables& tab
   m.variant = plastic.nonlinear ? PLASTIC_NONLINEAR : PLASTIC_LINEAR;
   m.ior = plastic.int_ior / plastic.ext_ior;
   PENUMBRA_SET_FIELD(m, alpha_u, plastic.alpha);
-  m.alpha_u = clamp_f(m.alpha_u, LEAST_ALPHA, MOST_ALPHA);
+  m.alpha_u = m.alpha_v = clamp_f(m.alpha_u, LEAST_ALPHA, MOST_ALPHA);
   m.curve_rows = plastic.alpha.texture == kNoTexture ? 1 : CURVE_ROWS;
   m.curve =
       tables.boundary({plastic.distribution, double(m.alpha_u), double(m.ior), smooth_base}, m.curve_rows);

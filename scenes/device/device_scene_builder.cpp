@@ -144,8 +144,7 @@ class Builder {
         need(FEATURE_BENT);
         m.bend_step = bend_step(scene_, m.bend_texture);
       }
-      const Closure closure = closure_of(m);
-      if (is_among(closure, families_with(ANISOTROPIC)) && is_anisotropic(closure)) need(FEATURE_UV);
+      if (is_anisotropic(closure_of(m))) need(FEATURE_UV);
       h_.textured |= textured_fields(m);
       textures = textures || m.weight_texture != kNoTexture || m.bend_texture != kNoTexture;
       records_.materials.push_back(m);
