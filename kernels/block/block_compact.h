@@ -40,7 +40,7 @@ FN void move_up_int(GLOBAL int* RESTRICT field, const GLOBAL int* RESTRICT going
 #define MOVE_UP_vec3(field, capacity, going, count) \
   for (int k = 0; k < 3; k++) MOVE_UP_float((field) + k * (capacity), capacity, going, count)
 
-/// A field at a time. Of `count` paths `left` go on, which are listed in `going`.
+/// A field at a time. Of `count` paths `left` go on; where fields are not packed, `going` lists them.
 STAGE void close_gaps(uint features, const PRIVATE PathState* paths, int count, int left) {
   GLOBAL int* RESTRICT going = paths->going;
 #ifdef PACKS_FIELDS
@@ -105,12 +105,16 @@ FN void finish_crossings(const PRIVATE PathState* paths, int i, int channel, con
 /// up, in order. Returns how many are left.
 STAGE int compact(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int channel,
                   const PRIVATE SlotState* slots) {
+#ifndef PACKS_FIELDS
   GLOBAL int* RESTRICT going = paths->going;
+#endif
   GLOBAL int* RESTRICT finished = paths->finished;
   int left = 0, gone = 0;
   for (int i = 0; i < count; i++) {  // without a branch: which paths end is not predictable
     const int alive = get_alive(paths, i) ? 1 : 0;
+#ifndef PACKS_FIELDS
     going[left] = i;
+#endif
     finished[gone] = i;
     left += alive;
     gone += 1 - alive;
