@@ -26,13 +26,16 @@ TEST(LightKinds, AreThoseOfTheLights) {
     change(scene);
     return build(scene).header.light_kinds;
   };
-  constexpr std::uint32_t kTriangles = 1u << LIGHT_TRIANGLE, kPoints = 1u << LIGHT_POINT;
-  EXPECT_EQ(with([](auto&) {}), kTriangles);
+  // The box has a lamp of two triangles: one rectangle, but two triangles by projected solid angle.
+  constexpr std::uint32_t kLamp = 1u << LIGHT_RECTANGLE, kPoints = 1u << LIGHT_POINT;
+  EXPECT_EQ(with([](auto&) {}), kLamp);
+  EXPECT_EQ(with([](auto& s) { param::emitter_sampling(s.integrator) = EmitterSampling::kProjected; }),
+            1u << LIGHT_TRIANGLE);
   EXPECT_EQ(build(environment_alone()).header.light_kinds, 1u << LIGHT_ENVIRONMENT);
-  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{}); }), kTriangles | kPoints);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{}); }), kLamp | kPoints);
   // What is black is none.
-  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{dvec3(0), glm::vec3(0)}); }), kTriangles);
-  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(ConstantEnvironment{glm::vec3(0)}); }), kTriangles);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(PointLight{dvec3(0), glm::vec3(0)}); }), kLamp);
+  EXPECT_EQ(with([](auto& s) { s.emitters.emplace_back(ConstantEnvironment{glm::vec3(0)}); }), kLamp);
 }
 
 TEST(Features, AreJustTheNeeded) {
