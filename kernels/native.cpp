@@ -11,7 +11,7 @@ namespace penumbra {
 
 void NATIVE_FUNCTION(const SceneHeader& header, const uint* words, const Tracer& tracer, const Unit& unit,
                      int first_pixel, int pixels, const Block& block, float* out, BadSamples* bad) {
-  Scene scene = make_scene(header, words);
+  Scene scene = scene_of_unit(header, words, &unit);
   scene.tracer = tracer;
   render_block(&scene, &unit, first_pixel, pixels, &block, out, bad);
 }

@@ -1,7 +1,8 @@
 // The OpenCL entry points. FEATURES and LANES come from the build.
 #include "kernels/block/block.h"
 
-FN Unit make_unit(int x, int y, int width, int height, uint first_sample, int sample_count) {
+FN Unit make_unit(int x, int y, int width, int height, uint first_sample, int sample_count, uint sequence,
+                  uint spp) {
   Unit unit;
   unit.x = x;
   unit.y = y;
@@ -9,6 +10,8 @@ FN Unit make_unit(int x, int y, int width, int height, uint first_sample, int sa
   unit.height = height;
   unit.first_sample = first_sample;
   unit.sample_count = sample_count;
+  unit.sequence = sequence;
+  unit.spp = spp;
   return unit;
 }
 
@@ -16,13 +19,14 @@ FN Unit make_unit(int x, int y, int width, int height, uint first_sample, int sa
 /// whichever work item is free; `next_block` counts from 0. `states` and `slots` hold each work item's
 /// block one after the other; `bad` BAD_KINDS entries a work item.
 __kernel void render_blocks(__global const SceneHeader* header, __global const uint* words, int x, int y,
-                            int width, int height, uint first_sample, int sample_count, int first_pixel,
-                            int end_pixel, int block_pixels, int capacity, int slot_capacity,
-                            __global uint* states, __global uint* slots, __global float* out,
-                            __global BadSamples* bad, volatile __global int* next_block) {
+                            int width, int height, uint first_sample, int sample_count, uint sequence,
+                            uint spp, int first_pixel, int end_pixel, int block_pixels, int capacity,
+                            int slot_capacity, __global uint* states, __global uint* slots,
+                            __global float* out, __global BadSamples* bad,
+                            volatile __global int* next_block) {
   const int item = (int)get_global_id(0);
-  const Unit unit = make_unit(x, y, width, height, first_sample, sample_count);
-  const Scene scene = make_scene(*header, words);
+  const Unit unit = make_unit(x, y, width, height, first_sample, sample_count, sequence, spp);
+  const Scene scene = scene_of_unit(*header, words, &unit);
   const uint features = scene.header.features;
   const Block block = make_block(features, states + (size_t)item * path_words(features) * capacity, capacity,
                                  slots + (size_t)item * slot_words(features) * slot_capacity, slot_capacity);
@@ -40,26 +44,26 @@ __kernel void render_blocks(__global const SceneHeader* header, __global const u
 
 /// Paths [first_path, first_path + path_count) of the pixels; there are at most `capacity`.
 __kernel void trace_paths(__global const SceneHeader* header, __global const uint* words, int x, int y,
-                          int width, int height, uint first_sample, int sample_count, int first_pixel,
-                          int first_path, int path_count, int capacity, int slot_capacity,
+                          int width, int height, uint first_sample, int sample_count, uint sequence, uint spp,
+                          int first_pixel, int first_path, int path_count, int capacity, int slot_capacity,
                           __global uint* states, __global uint* slots) {
   const int item = (int)get_global_id(0);
   if (item >= path_count) return;
-  const Unit unit = make_unit(x, y, width, height, first_sample, sample_count);
-  const Scene scene = make_scene(*header, words);
+  const Unit unit = make_unit(x, y, width, height, first_sample, sample_count, sequence, spp);
+  const Scene scene = scene_of_unit(*header, words, &unit);
   const Block block = make_block(scene.header.features, states + item, capacity, slots, slot_capacity);
   render_paths(&scene, &unit, first_pixel, first_path + item, 1, 1, &block);
 }
 
 /// Pixels [first_pixel + from, first_pixel + from + count); `bad` holds BAD_KINDS entries a work item.
 __kernel void finish_samples(__global const SceneHeader* header, __global const uint* words, int x, int y,
-                             int width, int height, uint first_sample, int sample_count, int first_pixel,
-                             int from, int count, int slot_capacity, __global uint* slots,
-                             __global float* out, __global BadSamples* bad) {
+                             int width, int height, uint first_sample, int sample_count, uint sequence,
+                             uint spp, int first_pixel, int from, int count, int slot_capacity,
+                             __global uint* slots, __global float* out, __global BadSamples* bad) {
   const int item = (int)get_global_id(0);
   if (item >= count) return;
-  const Unit unit = make_unit(x, y, width, height, first_sample, sample_count);
-  const Scene scene = make_scene(*header, words);
+  const Unit unit = make_unit(x, y, width, height, first_sample, sample_count, sequence, spp);
+  const Scene scene = scene_of_unit(*header, words, &unit);
   const Block block = make_block(scene.header.features, 0, 1, slots + from + item, slot_capacity);
   finish_pixels(&scene, &unit, first_pixel + from + item, 1, &block, out, bad + BAD_KINDS * item);
 }

@@ -10,6 +10,8 @@ typedef struct {
   int width, height;
   uint first_sample;
   int sample_count;
+  uint sequence;  ///< of random numbers: 0 that of the scene's seed, others are independent of it
+  uint spp;       ///< samples of a pixel for which the sequence is made; 0: as many as the scene says
 } Unit;
 
 /// How many pixels' samples a block has slots for. Sample s of its pixel p lies in slot s * slot_pixels + p,

@@ -24,6 +24,9 @@ struct RenderUnit {
   int width = 0, height = 0;
   std::uint32_t first_sample = 0;
   std::uint32_t sample_count = 0;  ///< in [1, kMaxSamplesPerUnit]
+  /// Of random numbers: 0 that of the scene's seed, others are independent of it.
+  std::uint32_t sequence = 0;
+  std::uint32_t spp = 0;  ///< samples of a pixel for which the sequence is made; 0: as many as the scene says
 };
 
 /// kAuto: OpenCL on a device that is no CPU, where there is one that renders the same bits; else native code.

@@ -112,7 +112,8 @@ class NativeDevice final : public Device {
     while (blocks_.size() < std::size_t(team_.size()))
       blocks_.emplace_back(scene_.header.features, capacity, kSlots);
 
-    const Unit portable{unit.x, unit.y, unit.width, unit.height, unit.first_sample, samples};
+    const Unit portable{unit.x,  unit.y,        unit.width, unit.height, unit.first_sample,
+                        samples, unit.sequence, unit.spp};
     const Tracer tracer = tracer_ ? tracer_->tracer() : Tracer{};
     std::atomic<int> next{0};
     std::mutex noting;

@@ -57,7 +57,9 @@ class OpenClDevice final : public Device {
                         .width = std::min(plan_.part_width, unit.width - x),
                         .height = std::min(plan_.part_height, unit.height - y),
                         .first_sample = unit.first_sample,
-                        .sample_count = int(unit.sample_count)};
+                        .sample_count = int(unit.sample_count),
+                        .sequence = unit.sequence,
+                        .spp = unit.spp};
         if (shape_.blocks ? !launch_blocks(part) : !launch_paths(part)) return std::unexpected(error());
         if (!take_counters(part, result) || !take_pixels(part, x, y, result)) return std::unexpected(error());
       }
@@ -162,7 +164,14 @@ class OpenClDevice final : public Device {
   bool first_launch() {
     const RenderUnit pixel{.x = 0, .y = 0, .width = 1, .height = 1, .first_sample = 0, .sample_count = 1};
     if (!reserve(pixel)) return false;
-    const Unit unit{.x = 0, .y = 0, .width = 1, .height = 1, .first_sample = 0, .sample_count = 1};
+    const Unit unit{.x = 0,
+                    .y = 0,
+                    .width = 1,
+                    .height = 1,
+                    .first_sample = 0,
+                    .sample_count = 1,
+                    .sequence = 0,
+                    .spp = 0};
     if (shape_.blocks) return launch_range(unit, 0, 0, 1) && session_.wait();
     return launch_trace(unit, 0, 0, 0) && launch_finish(unit, 0, 0, 0) && session_.wait();
   }

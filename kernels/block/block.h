@@ -25,6 +25,15 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
+/// The scene as this unit samples it.
+FN Scene scene_of_unit(SceneHeader header, GLOBAL const uint* words, const PRIVATE Unit* unit) {
+  Scene scene = make_scene(header, words);
+  PRIVATE SamplerParameters* sampler = &scene.header.sampler;
+  if (unit->sequence != 0u) sampler->seed = hash_uint(sampler->seed ^ hash_uint(unit->sequence));
+  if (unit->spp != 0u) sampler->spp = unit->spp;
+  return scene;
+}
+
 /// Which of a pixel's sequences its samples of odd index, or the others, are points of: one for both, or, for
 /// an alpha for the samples of each from those of the other, two that are independent.
 FN int sequence_of_pixel(const PRIVATE SceneHeader* h, bool odd, int x, int y) {

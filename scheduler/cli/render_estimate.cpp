@@ -70,6 +70,10 @@ PlannedWork planned_work(const RenderJob& job) {
   plan.samples = grid.samples(grid.passes());
   plan.tiles = grid.tiles();
   plan.passes = grid.passes();
+  if (job.adaptive) {
+    plan.samples += SampleAllocation::kPilotSpp * pixels_of(job);
+    plan.passes += SampleAllocation::kPilotPasses;
+  }
   plan.units = std::uint64_t(plan.tiles) * plan.passes;
   plan.result_bytes =
       pixels_of(job) * plan.passes * std::uint64_t(plane_count(job.scene.header.features)) * sizeof(float);
@@ -119,6 +123,7 @@ Expected<RenderEstimate> measure_estimate(PreparedRender& prepared, double secon
   prepared.farm.tells_how_to_watch = false;
   job.tev.clear();
   job.target_error.reset();
+  job.adaptive = false;
   job.time_budget.reset();
   job.units_at_most = kAllUnits;
   Expected<MeasuredWork> measured = measure(prepared, 1, seconds * (1 - kShareOfSecond), stop);

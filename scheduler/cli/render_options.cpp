@@ -94,9 +94,9 @@ void add_overrides(CLI::App& command, SceneOptions& options) {
 /// Options for workers and viewers.
 void add_worker_options(CLI::App& command, RenderOptions& options) {
   command
-      .add_option(
-          "--tile", options.tile,
-          "Pixels along a side of a work unit; the image does not depend on it, but for --target-error")
+      .add_option("--tile", options.tile,
+                  "Pixels along a side of a work unit; the image does not depend on it, but for "
+                  "--target-error and --adaptive")
       ->type_name("N")
       ->check(whole_number(1, kMaxTile))
       ->capture_default_str();
@@ -224,6 +224,15 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       ->type_name("E")
       ->check(positive_number())
       ->excludes("--stop-after-units");
+  command
+      .add_flag(
+          "--adaptive", options.adaptive,
+          "Share out the samples among the tiles by the error that two more samples of each pixel show: "
+          "--spp is then their mean. Without bias; the image depends on --tile")
+      ->excludes("--target-error")
+      ->excludes(stop_after)
+      ->excludes("--stop-after-units")
+      ->excludes(pixel);
   command
       .add_option("--pass", options.samples_per_pass,
                   "Samples of a pixel in one work unit; the image's last bits depend on it")

@@ -59,7 +59,8 @@ struct RenderOptions {
   std::optional<std::uint64_t> stop_after_units;  ///< of all tiles and passes, in their order
   std::optional<double> time_budget;
   std::optional<double> target_error;
-  double verify = 0;  ///< share of the units that two workers do
+  bool adaptive = false;  ///< tiles get samples by their errors
+  double verify = 0;      ///< share of the units that two workers do
   std::optional<CropRectangle> crop;
   std::optional<PixelPosition> pixel;
   bool strict_numerics = false;  ///< a non-finite sample is an error

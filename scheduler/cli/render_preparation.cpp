@@ -87,6 +87,7 @@ RenderRecord make_record(const RenderOptions& options, const LoadedScene& scene,
   record.stop_after_units = options.stop_after_units;
   record.samples_per_pass = options.samples_per_pass;
   record.target_error = options.target_error;
+  record.adaptive = options.adaptive;
   record.tile = options.tile;
   record.feature_layers = !options.scene.no_features;
   record.cryptomatte = options.scene.cryptomatte;
@@ -142,6 +143,7 @@ RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device,
   job.device = device;
   job.reproduce_command = repeat_command(record, false);
   job.target_error = record.target_error;
+  job.adaptive = record.adaptive;
   job.units_at_most = record.stop_after_units.value_or(kAllUnits);
   job.title = record.scene;
   job.integrator = integrator_name(record.integrator);

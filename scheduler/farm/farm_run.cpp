@@ -178,8 +178,7 @@ void FarmRun::take_jobs() {
     for (std::string& text : std::exchange(unsaid_problems_, {})) taken.problem(std::move(text));
     taken.open(*server_);
     tell_plan(JobAdded{id, taken.job().priority, taken.phases(), taken.job().verify});
-    for (std::uint32_t tile = 0; taken.is_adaptive() && tile < taken.tiles(); ++tile)
-      tell_plan(taken.passes_of_tile(tile));
+    for (const PassesOfTile& passes : taken.passes_of_tiles()) tell_plan(passes);
   }
 }
 

@@ -207,13 +207,13 @@ void FarmRun::obey(const MergeResult& order, arrivals::Result* result) {
   if (worker.pid != 0 || workers_here_->launches()) workers_here_->has_worked();
   JobRun& of = *jobs_.at(order.unit.job);
   of.merge(order, *result, since_start());
-  if (of.is_adaptive()) follow_ups_.emplace_back(of.passes_of_tile(order.unit.tile));
+  std::ranges::copy(of.passes_after(order.unit.tile), std::back_inserter(follow_ups_));
 }
 
 void FarmRun::obey(const SetAside& order, arrivals::Result*) {
   JobRun& of = *jobs_.at(order.unit.job);
   of.skip(order.unit);
-  if (of.is_adaptive()) follow_ups_.emplace_back(of.passes_of_tile(order.unit.tile));
+  std::ranges::copy(of.passes_after(order.unit.tile), std::back_inserter(follow_ups_));
   of.problem(
       set_aside_text(order, of.unit(order.unit), of.detail(order.unit), of.job().reproduce_command, names()));
 }

@@ -35,7 +35,7 @@ Merge merge_of_job(const RenderJob& job) {
   const SceneHeader& h = job.scene.header;
   return Merge(FilmAccumulator::of_features(job.x, job.y, job.width, job.height, h.features, h.owner_count),
                TileGrid(job.x, job.y, job.width, job.height, job.tile, job.spp, job.samples_per_pass),
-               job.target_error);
+               job.target_error, job.adaptive);
 }
 
 void JobRun::open(Server& server) {
@@ -80,15 +80,27 @@ void JobRun::close(Server& server, const Plan& plan, const std::vector<WatchedWo
 
 std::vector<PhaseUnits> JobRun::phases() const {
   return {{.tiles = grid_.tiles(),
-           .passes = job_->interactive ? 0 : grid_.passes(),
-           .passes_at_first = is_adaptive() ? AdaptiveTile::next_decision(0, grid_.passes()) : kAllPasses,
+           .passes = job_->interactive ? 0 : merge_.most_passes(),
+           .passes_at_first = is_adaptive() ? merge_.passes_at_first() : kAllPasses,
            .units_at_most = job_->units_at_most,
            .merged = merge_.merged_passes()}};
 }
 
 RenderUnit JobRun::unit(const UnitId& id) const {
-  const bool exists = id.job == id_ && id.phase == 0 && id.tile < grid_.tiles() && id.pass < grid_.passes();
-  return exists ? grid_.unit(id.tile, id.pass) : RenderUnit{};
+  return id.job == id_ && id.phase == 0 ? merge_.unit(id.tile, id.pass) : RenderUnit{};
+}
+
+std::vector<PassesOfTile> JobRun::passes_of_tiles() const {
+  std::vector<PassesOfTile> all;
+  for (std::uint32_t tile = 0; is_adaptive() && tile < grid_.tiles(); ++tile)
+    all.push_back({id_, tile, merge_.passes_wanted(tile)});
+  return all;
+}
+
+std::vector<PassesOfTile> JobRun::passes_after(std::uint32_t tile) {
+  if (merge_.take_allocation()) return passes_of_tiles();
+  if (!job_->target_error) return {};
+  return {{id_, tile, merge_.passes_wanted(tile)}};
 }
 
 std::uint32_t JobRun::passes_of(std::uint32_t spp) const {
@@ -265,9 +277,10 @@ RenderOutcome JobRun::outcome(const Plan& plan, Seconds now) && {
   outcome.units_not_verified = counts.not_verified;
   outcome.units_set_aside = plan.set_aside(id_).size();
   outcome.passes_finished = merge_.finished_passes();
-  outcome.passes_total = grid_.passes();
+  outcome.passes_total = merge_.most_passes();
   outcome.units_in_order = merge_.units_in_order();
   outcome.ended_by_tile = is_adaptive() && merge_.is_done();
+  outcome.shares_missing = job_->adaptive && !merge_.is_done();
   outcome.film = std::move(merge_).take_film();
   outcome.seconds_to_ready = ready_;
   outcome.seconds_to_first_tile = first_tile_;

@@ -50,11 +50,11 @@ class JobRun {
   /// How many passes come to so many samples of a pixel, at most those of the job.
   [[nodiscard]] std::uint32_t passes_of(std::uint32_t spp) const;
   /// Whether tiles end by themselves; then of which passes the plan is to be told.
-  [[nodiscard]] bool is_adaptive() const { return job_->target_error.has_value(); }
-  [[nodiscard]] PassesOfTile passes_of_tile(std::uint32_t tile) const {
-    return {id_, tile, merge_.passes_wanted(tile)};
-  }
-  [[nodiscard]] std::uint32_t tiles() const { return grid_.tiles(); }
+  [[nodiscard]] bool is_adaptive() const { return job_->target_error || job_->adaptive; }
+  /// Of all tiles.
+  [[nodiscard]] std::vector<PassesOfTile> passes_of_tiles() const;
+  /// Of those that a result of this tile may have changed.
+  [[nodiscard]] std::vector<PassesOfTile> passes_after(std::uint32_t tile);
   /// Whether the time for its rendering is over; true once.
   bool budget_is_spent();
 

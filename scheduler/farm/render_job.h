@@ -40,6 +40,9 @@ struct RenderJob {
   /// Each tile ends as soon as its relative error is at most that, see AdaptiveTile; `spp` is the most that
   /// it gets, and the image depends on `tile`.
   std::optional<double> target_error = {};
+  /// Tiles get samples by the errors of a pilot, see SampleAllocation, so that `spp` is their mean; the image
+  /// depends on `tile`. Not with a target error, nor with fewer units.
+  bool adaptive = false;
   double verify = 0;  ///< share of the units that two workers do, to compare what they return
   std::shared_ptr<MergedBefore> before = {};         ///< what there is of it already; the render uses it up
   std::shared_ptr<CheckpointSink> checkpoints = {};  ///< null: none are kept
@@ -85,7 +88,8 @@ struct RenderOutcome {
   std::uint64_t units_verified = 0, units_not_verified = 0;  ///< of those that were to be
   std::uint64_t units_set_aside = 0;  ///< missing in the film, maybe before others that are not
   std::optional<std::uint64_t> units_in_order = {};  ///< see Merge
-  bool ended_by_tile = false;  ///< with a target error, and every tile has come to its end
+  bool ended_by_tile = false;   ///< tiles have numbers of samples of their own, and each its own
+  bool shares_missing = false;  ///< with adaptive sampling, and some tile lacks samples of its share
   std::uint32_t passes_finished = 0, passes_total = 0;  ///< merged in every tile; asked for
   // From when the farm took the job, of a single render so from the call; of one that waited for others from
   // its first unit.

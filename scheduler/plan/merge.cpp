@@ -6,8 +6,10 @@
 
 namespace penumbra {
 
-Merge::Merge(FilmAccumulator film, TileGrid grid, std::optional<double> target_error)
-    : film_(std::move(film)), grid_(grid), target_error_(target_error), tiles_(grid.tiles()) {}
+Merge::Merge(FilmAccumulator film, TileGrid grid, std::optional<double> target_error, bool adaptive)
+    : film_(std::move(film)), grid_(grid), target_error_(target_error), tiles_(grid.tiles()) {
+  if (adaptive) allocation_.emplace(grid_);
+}
 
 /// Its halves, before its first pass.
 void Merge::begin(std::uint32_t tile) {
@@ -48,6 +50,7 @@ std::uint64_t Merge::redo(std::uint32_t tile) {
   fresh.skipped = std::move(state.skipped);
   for (const std::uint32_t pass : fresh.skipped) fresh.waiting.emplace(pass, std::nullopt);
   state = std::move(fresh);
+  if (allocation_) allocation_->forget_pilot(tile);
   merge_what_is_next(tile);
   return samples;
 }
@@ -60,19 +63,34 @@ void Merge::start_again() {
     }
     tiles_[tile] = Tile();
   }
+  if (allocation_) allocation_.emplace(grid_);
+}
+
+void Merge::merge_pass(std::uint32_t tile, const std::optional<SampleBuffer>& result) {
+  Tile& state = tiles_[tile];
+  const RenderUnit area = grid_.unit(tile, 0);
+  if (allocation_ && state.next_pass < SampleAllocation::kPilotPasses) {
+    const bool was_made = allocation_->is_made();
+    if (result)
+      allocation_->add_pilot(tile, *result);
+    else
+      allocation_->skip_pilot(tile);
+    allocated_now_ = allocated_now_ || allocation_->is_made() != was_made;
+  }
+  if (allocation_ && state.next_pass == SampleAllocation::kPilotPasses)
+    film_.clear(area.x, area.y, area.width, area.height);
+  if (!result) return;
+  if (state.adaptive)
+    state.adaptive->add(state.next_pass, *result);
+  else if (!state.is_done)
+    film_.add(area.x, area.y, *result);
 }
 
 void Merge::merge_what_is_next(std::uint32_t tile) {
   Tile& state = tiles_[tile];
   while (!state.waiting.empty() && state.waiting.begin()->first == state.next_pass) {
     begin(tile);
-    if (const auto& result = state.waiting.begin()->second) {
-      const RenderUnit area = grid_.unit(tile, state.next_pass);
-      if (state.adaptive)
-        state.adaptive->add(state.next_pass, *result);
-      else if (!state.is_done)
-        film_.add(area.x, area.y, *result);
-    }
+    merge_pass(tile, state.waiting.begin()->second);
     state.waiting.erase(state.waiting.begin());
     ++state.next_pass;
     end_pass(tile);
@@ -90,6 +108,7 @@ void Merge::write(ByteWriter& bytes) const {
   }
   film_.write(bytes);
   if (target_error_) write_adaptive(bytes);
+  if (allocation_) allocation_->write(bytes);
 }
 
 void Merge::write_adaptive(ByteWriter& bytes) const {
@@ -115,7 +134,7 @@ Expected<void> Merge::read(ByteReader& bytes) {
   std::vector<std::set<std::uint64_t>> skipped(tiles_.size());
   for (std::size_t tile = 0; tile < tiles_.size(); ++tile) {
     const std::uint64_t passes = bytes.u64(), gaps = bytes.u64();
-    if (passes > grid_.passes() || gaps > passes) return fail("a tile with more passes than there are");
+    if (passes > most_passes() || gaps > passes) return fail("a tile with more passes than there are");
     tiles_[tile].next_pass = std::uint32_t(passes);
     for (std::uint64_t gap = 0; gap < gaps && !bytes.failed(); ++gap) skipped[tile].insert(bytes.u64());
     if (skipped[tile].size() != gaps || (gaps > 0 && *skipped[tile].rbegin() >= passes))
@@ -124,20 +143,26 @@ Expected<void> Merge::read(ByteReader& bytes) {
   if (auto read = film_.read(bytes); !read) return read;
   if (target_error_)
     if (auto read = read_adaptive(bytes); !read) return read;
+  if (allocation_)
+    if (auto read = allocation_->read(bytes); !read) return read;
   for (std::uint32_t number = 0; number < tiles_.size(); ++number) {
     Tile& tile = tiles_[number];
     const RenderUnit area = grid_.unit(number, 0);
-    std::uint64_t of_each_pixel =
-        grid_.samples(tile.next_pass) / (std::uint64_t(film_.width()) * std::uint64_t(film_.height()));
+    if (tile.next_pass > (allocation_ ? allocation_->passes(number) : grid_.passes()))
+      return fail("a tile with more passes than there are");
+    std::uint64_t of_each_pixel = counted(number, tile.next_pass);
+    const std::uint64_t first_counted =
+        allocation_ && tile.next_pass > SampleAllocation::kPilotPasses ? SampleAllocation::kPilotPasses : 0;
     for (const std::uint64_t pass : skipped[number])
-      of_each_pixel -= grid_.unit(number, std::uint32_t(pass)).sample_count;
+      if (pass >= first_counted) of_each_pixel -= unit(number, std::uint32_t(pass)).sample_count;
     if (target_error_ ? !has_equal_samples(area, of_each_pixel) : !has_samples(area, of_each_pixel))
       return fail("a pixel whose samples are not those of its passes");
     if (skipped[number].empty()) {
-      tile.samples = std::uint64_t(area.width) * std::uint64_t(area.height) * of_each_pixel;
+      tile.samples = grid_.pixels(number) * rendered(number, tile.next_pass);
     } else {
       film_.clear(area.x, area.y, area.width, area.height);
       tile = Tile();
+      if (allocation_) allocation_->forget_pilot(number);
     }
   }
   return {};
@@ -158,23 +183,51 @@ bool Merge::has_equal_samples(const RenderUnit& area, std::uint64_t at_most) con
 
 std::uint32_t Merge::passes_wanted(std::uint32_t tile) const {
   const Tile& state = tiles_[tile];
+  if (allocation_) return allocation_->passes(tile);
   if (!target_error_) return grid_.passes();
   return state.is_done ? state.next_pass : AdaptiveTile::next_decision(state.next_pass, grid_.passes());
 }
 
-bool Merge::is_done() const { return std::ranges::all_of(tiles_, &Tile::is_done); }
+std::uint32_t Merge::passes_at_first() const {
+  if (allocation_) return SampleAllocation::kPilotPasses;
+  return target_error_ ? AdaptiveTile::next_decision(0, grid_.passes()) : grid_.passes();
+}
+
+std::uint32_t Merge::most_passes() const { return allocation_ ? allocation_->most_passes() : grid_.passes(); }
+
+RenderUnit Merge::unit(std::uint32_t tile, std::uint32_t pass) const {
+  const bool exists =
+      tile < tiles_.size() && pass < (allocation_ ? allocation_->passes(tile) : grid_.passes());
+  if (!exists) return {};
+  return allocation_ ? allocation_->unit(tile, pass) : grid_.unit(tile, pass);
+}
+
+std::uint64_t Merge::counted(std::uint32_t tile, std::uint32_t passes) const {
+  return allocation_ ? allocation_->counted(tile, passes) : grid_.samples_of_pixel(passes);
+}
+
+std::uint64_t Merge::rendered(std::uint32_t tile, std::uint32_t passes) const {
+  return allocation_ ? allocation_->rendered(tile, passes) : grid_.samples_of_pixel(passes);
+}
+
+bool Merge::is_done() const {
+  if (!allocation_) return std::ranges::all_of(tiles_, &Tile::is_done);
+  for (std::uint32_t tile = 0; tile < tiles_.size(); ++tile)
+    if (tiles_[tile].next_pass < allocation_->passes(tile)) return false;
+  return allocation_->is_made();
+}
 
 std::uint64_t Merge::samples_expected() const {
   std::uint64_t all = 0;
   for (std::uint32_t number = 0; number < tiles_.size(); ++number) {
     const Tile& tile = tiles_[number];
-    const RenderUnit area = grid_.unit(number, 0);
-    const std::uint32_t passes = tile.is_done    ? tile.next_pass
+    const std::uint32_t passes = allocation_     ? allocation_->passes(number)
+                                 : tile.is_done  ? tile.next_pass
                                  : tile.adaptive ? tile.adaptive->passes_expected()
                                                  : grid_.passes();
-    all += std::uint64_t(area.width) * std::uint64_t(area.height) * grid_.samples(passes) /
-           (std::uint64_t(film_.width()) * std::uint64_t(film_.height()));
+    all += grid_.pixels(number) * rendered(number, passes);
   }
+  if (allocation_ && !allocation_->is_made()) all += grid_.samples(grid_.passes());
   return all;
 }
 
@@ -196,7 +249,7 @@ std::uint32_t Merge::finished_passes() const {
 }
 
 std::optional<std::uint64_t> Merge::units_in_order() const {
-  if (target_error_) return {};  // how many of a tile count is another matter
+  if (target_error_ || allocation_) return {};  // how many of a tile count is another matter
   const std::uint32_t whole = finished_passes();
   std::uint64_t more = 0;
   for (const Tile& tile : tiles_) {

@@ -5,11 +5,13 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "kernels/host/sample_buffer.h"
 #include "scheduler/plan/adaptive_tile.h"
 #include "scheduler/plan/film_accumulator.h"
+#include "scheduler/plan/sample_allocation.h"
 #include "scheduler/plan/tile_grid.h"
 
 namespace penumbra {
@@ -17,11 +19,12 @@ namespace penumbra {
 /// The film of one image and, for each tile, the results that are waiting for an earlier pass. The merged
 /// film is a function of the results alone: the same bytes for every tile size and order of arrival.
 ///
-/// With a target error each tile stops by itself, see AdaptiveTile, and the film is a function of the tile
-/// size as well; passes of a tile after its last count for nothing.
+/// With a target error each tile stops by itself, see AdaptiveTile; passes of a tile after its last count for
+/// nothing. With adaptive sampling tiles get samples by the errors of a pilot, see SampleAllocation: the film
+/// shows the pilot where nothing else is there. With either the film is a function of the tile size as well.
 class Merge {
  public:
-  Merge(FilmAccumulator film, TileGrid grid, std::optional<double> target_error = {});
+  Merge(FilmAccumulator film, TileGrid grid, std::optional<double> target_error = {}, bool adaptive = false);
 
   /// The result of a unit, once for each unit (unless `redo` came between), of the size that the grid says.
   void add(std::uint32_t tile, std::uint32_t pass, SampleBuffer result);
@@ -41,9 +44,17 @@ class Merge {
   /// It is to be thrown away then.
   Expected<void> read(ByteReader& bytes);
 
+  /// Of each tile so many passes are needed before its results may tell of more.
+  [[nodiscard]] std::uint32_t passes_at_first() const;
   /// How many passes a tile needs, as far as is known yet: those that are there if it is done.
   [[nodiscard]] std::uint32_t passes_wanted(std::uint32_t tile) const;
-  /// Whether every tile has come to the target error, or to its last pass.
+  /// That a tile may come to have.
+  [[nodiscard]] std::uint32_t most_passes() const;
+  /// What is to be rendered for a tile's pass; empty if it is not known, or never will be.
+  [[nodiscard]] RenderUnit unit(std::uint32_t tile, std::uint32_t pass) const;
+  /// Whether since the last call the results of one tile have told how many passes each needs.
+  [[nodiscard]] bool take_allocation() { return std::exchange(allocated_now_, false); }
+  /// Whether every tile has come to its last pass, as its results and the settings want it.
   [[nodiscard]] bool is_done() const;
   /// Samples that all tiles will need together, by their errors so far.
   [[nodiscard]] std::uint64_t samples_expected() const;
@@ -73,6 +84,10 @@ class Merge {
   };
 
   void merge_what_is_next(std::uint32_t tile);
+  void merge_pass(std::uint32_t tile, const std::optional<SampleBuffer>& result);
+  /// Of a pixel, without those of passes that were skipped: how many are in the film, and were rendered.
+  [[nodiscard]] std::uint64_t counted(std::uint32_t tile, std::uint32_t passes) const;
+  [[nodiscard]] std::uint64_t rendered(std::uint32_t tile, std::uint32_t passes) const;
   [[nodiscard]] bool has_samples(const RenderUnit& area, std::uint64_t of_each_pixel) const;
 
   void begin(std::uint32_t tile);
@@ -84,6 +99,8 @@ class Merge {
   FilmAccumulator film_;
   TileGrid grid_;
   std::optional<double> target_error_;
+  std::optional<SampleAllocation> allocation_;
+  bool allocated_now_ = false;
   std::vector<Tile> tiles_;
 };
 

@@ -25,9 +25,13 @@ std::uint64_t TileGrid::samples(std::uint32_t passes) const {
   return std::uint64_t(width_) * std::uint64_t(height_) * samples_of_pixel(passes);
 }
 
-std::uint64_t TileGrid::samples_of_tile(std::uint32_t tile, std::uint32_t passes) const {
+std::uint64_t TileGrid::pixels(std::uint32_t tile) const {
   const RenderUnit area = unit(tile, 0);
-  return std::uint64_t(area.width) * std::uint64_t(area.height) * samples_of_pixel(passes);
+  return std::uint64_t(area.width) * std::uint64_t(area.height);
+}
+
+std::uint64_t TileGrid::samples_of_tile(std::uint32_t tile, std::uint32_t passes) const {
+  return pixels(tile) * samples_of_pixel(passes);
 }
 
 RenderUnit TileGrid::unit(std::uint32_t tile, std::uint32_t pass) const {

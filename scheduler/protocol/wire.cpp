@@ -186,6 +186,8 @@ void encode(const RenderUnit& unit, wire::Unit& message) {
   pixels.set_height(unit.height);
   pixels.set_first_sample(unit.first_sample);
   pixels.set_sample_count(unit.sample_count);
+  pixels.set_sequence(unit.sequence);
+  pixels.set_spp(unit.spp);
 }
 
 Expected<RenderUnit> decode(const wire::Unit& message) {
@@ -205,7 +207,9 @@ Expected<RenderUnit> decode(const wire::Unit& message) {
                     .width = pixels.width(),
                     .height = pixels.height(),
                     .first_sample = pixels.first_sample(),
-                    .sample_count = pixels.sample_count()};
+                    .sample_count = pixels.sample_count(),
+                    .sequence = pixels.sequence(),
+                    .spp = pixels.spp()};
 }
 
 namespace {

@@ -20,7 +20,7 @@ namespace penumbra {
 
 namespace wire = penumbra::v1;
 
-constexpr std::uint32_t kProtocolVersion = 10;
+constexpr std::uint32_t kProtocolVersion = 11;
 constexpr std::size_t kAssetChunkBytes = std::size_t(1) << 20;
 
 /// Bytes that a result's message takes for a pixel at most: all planes; how many pairs of owners, and those,

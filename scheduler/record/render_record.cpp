@@ -19,7 +19,9 @@ bool has_crop(const Film& film) {
          film.crop_height != film.height;
 }
 
-bool depends_on_tiles(const RenderRecord& record) { return record.target_error || record.stop_after_units; }
+bool depends_on_tiles(const RenderRecord& record) {
+  return record.target_error || record.adaptive || record.stop_after_units;
+}
 
 /// As the format's int where it fits, as unsigned 32-bit values may not: a double has them exactly.
 MetadataValue integer_value(std::int64_t value) {
@@ -61,6 +63,7 @@ std::string repeat_command(const RenderRecord& record, bool with_crop) {
   }
   add("--pass", fmt::to_string(record.samples_per_pass));
   if (record.target_error) add("--target-error", fmt::to_string(*record.target_error));
+  if (record.adaptive) command += " --adaptive";
   if (record.stop_after_units) add("--stop-after-units", fmt::to_string(*record.stop_after_units));
   if (depends_on_tiles(record)) add("--tile", fmt::to_string(record.tile));
   add("--intersector", record.embree ? "embree" : "portable");
@@ -92,6 +95,7 @@ std::vector<std::pair<std::string, MetadataValue>> record_entries(const RenderRe
   if (record.stop_after) entries.emplace_back("stop_after", integer_value(*record.stop_after));
   entries.emplace_back("samples_per_pass", integer_value(record.samples_per_pass));
   if (record.target_error) text("target_error", fmt::to_string(*record.target_error));
+  if (record.adaptive) text("adaptive", "true");
   if (record.stop_after_units) text("stop_after_units", fmt::to_string(*record.stop_after_units));
   if (depends_on_tiles(record)) entries.emplace_back("tile", integer_value(std::uint32_t(record.tile)));
   text("intersector", record.embree ? "embree" : "portable");

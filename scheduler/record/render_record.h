@@ -30,7 +30,8 @@ struct RenderRecord : RenderSettings {
   std::optional<std::uint64_t> stop_after_units;
   std::uint32_t samples_per_pass = 16;
   std::optional<double> target_error;  ///< of each tile
-  int tile = 0;  ///< pixels along a side; matters with a target error, and with stop_after_units
+  bool adaptive = false;               ///< see SampleAllocation
+  int tile = 0;  ///< pixels along a side; matters with the last two, and with stop_after_units
   bool feature_layers = true;
   bool cryptomatte = false;
   bool embree = false;  ///< else the portable intersector

@@ -133,7 +133,7 @@ double samples_per_second(const RenderOutcome& outcome) {
 RenderedSamples rendered_samples(const RenderOutcome& outcome) {
   const SampleRange range = sample_range(outcome.film);
   return {.complete = outcome.complete,
-          .has_gaps = outcome.units_set_aside > 0,
+          .has_gaps = outcome.units_set_aside > 0 || outcome.shares_missing,
           .least = range.least,
           .most = range.most,
           .ended_by_tile = outcome.ended_by_tile,

@@ -47,6 +47,7 @@ void encode(const RenderRecord& record, wire::Record& message) {
   if (record.stop_after_units) message.set_stop_after_units(*record.stop_after_units);
   message.set_samples_per_pass(record.samples_per_pass);
   if (record.target_error) message.set_target_error(*record.target_error);
+  message.set_adaptive(record.adaptive);
   message.set_tile(record.tile);
   message.set_feature_layers(record.feature_layers);
   message.set_cryptomatte(record.cryptomatte);
@@ -79,6 +80,7 @@ Expected<RenderRecord> decode(const wire::Record& message, const DeviceOptions& 
   if (message.has_target_error()) record.target_error = message.target_error();
   if (record.target_error && !(*record.target_error > 0 && std::isfinite(*record.target_error)))
     return fail("the target error is no positive number");
+  record.adaptive = message.adaptive();
   record.tile = message.tile();
   record.feature_layers = message.feature_layers();
   record.cryptomatte = message.cryptomatte();

@@ -143,6 +143,52 @@ TEST_P(Devices, GiveTheSameSamplesWhateverTheRange) {
   }
 }
 
+TEST_P(Devices, TakeTheNumberOfSamplesFromTheUnit) {
+  DeviceScene s = scene();
+  RenderUnit unit = whole_film(s, 0, 2);
+  unit.spp = 2;
+  const SampleBuffer of_unit = render(*device_or_throw(s, options()), unit);
+  RenderUnit other = unit;
+  other.sequence = 3;
+  const SampleBuffer of_other = render(*device_or_throw(s, options()), other);
+  EXPECT_TRUE(same_bytes(of_other, render(*device_or_throw(s, native_options()), other)));
+  unit.spp = 0;
+  s.header.sampler.spp = 2;
+  EXPECT_TRUE(same_bytes(of_unit, render(*device_or_throw(s, options()), unit)));
+}
+
+/// Correlation of two images' deviations from their mean, over pixels and channels.
+double correlation(const SampleBuffer& a, const SampleBuffer& b, const SampleBuffer& mean) {
+  double aa = 0, bb = 0, ab = 0;
+  for (std::size_t i = 0; i < 3 * mean.pixels(); ++i) {
+    const double of_a = double(a.values[i]) - mean.values[i], of_b = double(b.values[i]) - mean.values[i];
+    aa += of_a * of_a, bb += of_b * of_b, ab += of_a * of_b;
+  }
+  return ab / std::sqrt(aa * bb);
+}
+
+TEST(Sequences, AreIndependentOfEachOther) {
+  const DeviceScene s = build_or_throw(diffuse_box());
+  const auto device = device_or_throw(s, native_options());
+  const auto image = [&](std::uint32_t sequence, std::uint32_t spp) {
+    RenderUnit unit = whole_film(s, 0, spp);
+    unit.sequence = sequence;
+    unit.spp = spp;
+    return render(*device, unit);
+  };
+  const SampleBuffer mean = image(1000, kMaxSamplesPerUnit);
+  EXPECT_NEAR(correlation(image(1, 1), image(1, 1), mean), 1, 1e-9);
+  constexpr int kPairs = 32;
+  double sum = 0, squares = 0;
+  for (std::uint32_t pair = 0; pair < kPairs; ++pair) {
+    const double r = correlation(image(2 * pair, 1), image(2 * pair + 1, 1), mean);
+    sum += r, squares += r * r;
+  }
+  // Student's t with 31 degrees of freedom: two-sided, p = 0.0004.
+  EXPECT_LT(std::abs(sum / std::sqrt((squares - sum * sum / kPairs) * kPairs / (kPairs - 1))), 4)
+      << sum / kPairs;
+}
+
 TEST_P(Devices, GiveTheSameBytesWithMoreThreads) {
   const DeviceScene s = scene();
   const SampleBuffer one = render(*device_or_throw(s, options(1)), whole_film(s));
@@ -282,10 +328,11 @@ SampleBuffer render_by(const NativeKernel& kernel, const DeviceScene& scene, int
   BlockMemory memory(scene.header.features, capacity, slots);
   const Block block = memory.block();
   BadSamples bad[BAD_KINDS] = {};
-  kernel.render_block(scene.header, scene.words.data(), Tracer{}, {0, 0, unit.width, unit.height, 0, 4}, 0,
-                      pixels, block, buffer.values.data(), bad);
-  buffer.flagged[BAD_NAN] = flagged_samples({0, 0, unit.width, unit.height, 0, 4}, bad[BAD_NAN]);
-  buffer.flagged[BAD_INFINITE] = flagged_samples({0, 0, unit.width, unit.height, 0, 4}, bad[BAD_INFINITE]);
+  const Unit whole{0, 0, unit.width, unit.height, 0, 4, 0, 0};
+  kernel.render_block(scene.header, scene.words.data(), Tracer{}, whole, 0, pixels, block,
+                      buffer.values.data(), bad);
+  buffer.flagged[BAD_NAN] = flagged_samples(whole, bad[BAD_NAN]);
+  buffer.flagged[BAD_INFINITE] = flagged_samples(whole, bad[BAD_INFINITE]);
   return buffer;
 }
 

@@ -110,6 +110,7 @@ INSTANTIATE_TEST_SUITE_P(
         Kind{"crop_and_first_samples", {"--crop", "2,3,21,18", "--spp", "100000", "--stop-after", "90000"}},
         Kind{"stratified", {"--sampler", "stratified", "--seed", "5"}},
         Kind{"target_error", {"--sampler", "independent", "--target-error", "0.0015", "--spp", "200000"}},
+        Kind{"adaptive", {"--adaptive", "--sampler", "sobol"}},
         Kind{"without_layers", {"--no-features", "--integrator", "path_ems"}},
         Kind{"embree", {"--intersector", "embree"}},
         Kind{"ratio",

@@ -93,6 +93,7 @@ TEST(Usage, HelpNamesTheOptionsThatThereAreAndNoOthers) {
                              "--resume",
                              "--checkpoint-interval",
                              "--target-error",
+                             "--adaptive",
                              "--launch",
                              "--estimate"}) {
     EXPECT_THAT(help, HasSubstr(option));

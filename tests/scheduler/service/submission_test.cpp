@@ -45,6 +45,7 @@ Submission full_submission() {
   record.stop_after_units = std::uint64_t(1) << 40;
   record.samples_per_pass = 5;
   record.target_error = 0.1;
+  record.adaptive = true;
   record.feature_layers = false;
   record.cryptomatte = true;
   record.embree = true;
