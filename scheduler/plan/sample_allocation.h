@@ -13,7 +13,9 @@ namespace penumbra {
 
 /// For a given number of samples the squared error of an image is least where each tile gets them in
 /// proportion to the root of the variance of one (J. Neyman, "On the two different aspects of the
-/// representative method", 1934). The variance is that of a pilot: a first pass of two samples of each pixel.
+/// representative method", 1934). That holds where every sample costs the same and the error falls as
+/// 1 / samples. But paths are longer where it is noisy, and the error of Sobol points falls faster, so it is
+/// variance^0.4 here. The variance is that of a pilot: a first pass of two samples of each pixel.
 ///
 /// The pilot has a sequence of random numbers of its own, and the samples that count have another one: how
 /// many they are does not depend on them, so their mean has no bias from being chosen. The pilot counts for

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <numeric>
 #include <random>
 
 #include "scheduler/plan/merge.h"
@@ -55,7 +55,7 @@ std::uint64_t samples(const SampleAllocation& made, const TileGrid& grid) {
   return all;
 }
 
-TEST(SampleAllocation, FollowsTheRootOfTheVariance) {
+TEST(SampleAllocation, FollowsTheVarianceToThePowerOfTwoFifths) {
   const TileGrid tiles = grid(16, 8, 64);
   std::vector<double> deviations(tiles.tiles());
   for (std::size_t i = 0; i < deviations.size(); ++i) deviations[i] = 0.02 * std::exp2(double(i % 16) / 4);
@@ -63,12 +63,15 @@ TEST(SampleAllocation, FollowsTheRootOfTheVariance) {
   const std::uint64_t budget = tiles.samples(tiles.passes());
   EXPECT_LE(samples(made, tiles), budget);
   EXPECT_GT(samples(made, tiles), budget - budget / 50) << "128 tiles leave little over";
-  const double mean = std::accumulate(deviations.begin(), deviations.end(), 0.0) / double(deviations.size());
+  double sum = 0;
+  for (const double deviation : deviations) sum += std::pow(deviation, 0.8);
+  const double mean = sum / double(deviations.size());
   for (std::uint32_t tile = 0; tile < tiles.tiles(); ++tile) {
     EXPECT_EQ(std::popcount(made.spp(tile)), 1) << "a net of Sobol points";
     // Half an octave each way are powers of two; half of one more, how full the budget is and the pilot's
     // error, 1 / sqrt(2 * 3 * 256) = 2.6 % of a deviation.
-    EXPECT_LE(std::abs(std::log2(made.spp(tile) / (64 * deviations[tile] / mean))), 1.1) << tile;
+    EXPECT_LE(std::abs(std::log2(made.spp(tile) / (64 * std::pow(deviations[tile], 0.8) / mean))), 1.1)
+        << tile;
   }
 }
 
@@ -88,7 +91,8 @@ TEST(SampleAllocation, TakesALessErrorThanEquallyManySamplesAndNearlyTheLeast) {
   }
   const double least = root * root / double(tiles.tiles()) / 64;
   EXPECT_LT(ours, 0.6 * equal);
-  EXPECT_LT(ours, 1.1 * least) << "powers of two and the bounds cost something";
+  // The power costs 1.04 if samples cost the same, and those of two as much.
+  EXPECT_LT(ours, 1.12 * least);
 }
 
 TEST(SampleAllocation, EqualTilesGetWhatAllGet) {
