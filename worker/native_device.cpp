@@ -14,6 +14,7 @@
 #include "kernels/host/block_memory.h"
 #include "kernels/host/words.h"
 #include "worker/embree_tracer.h"
+#include "worker/kernel_unit.h"
 
 namespace penumbra {
 namespace {
@@ -112,8 +113,7 @@ class NativeDevice final : public Device {
     while (blocks_.size() < std::size_t(team_.size()))
       blocks_.emplace_back(scene_.header.features, capacity, kSlots);
 
-    const Unit portable{unit.x,  unit.y,        unit.width, unit.height, unit.first_sample,
-                        samples, unit.sequence, unit.spp};
+    const Unit portable = kernel_unit(unit);
     const Tracer tracer = tracer_ ? tracer_->tracer() : Tracer{};
     std::atomic<int> next{0};
     std::mutex noting;

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "kernels/host/stopwatch.h"
-#include "kernels/unit.h"
+#include "worker/kernel_unit.h"
 #include "worker/opencl_launch.h"
 #include "worker/opencl_memory.h"
 #include "worker/opencl_session.h"
@@ -52,14 +52,11 @@ class OpenClDevice final : public Device {
     if (Expected<void> ready = reserve(unit); !ready) return std::unexpected(ready.error());
     for (int y = 0; y < unit.height; y += plan_.part_height)
       for (int x = 0; x < unit.width; x += plan_.part_width) {
-        const Unit part{.x = unit.x + x,
-                        .y = unit.y + y,
-                        .width = std::min(plan_.part_width, unit.width - x),
-                        .height = std::min(plan_.part_height, unit.height - y),
-                        .first_sample = unit.first_sample,
-                        .sample_count = int(unit.sample_count),
-                        .sequence = unit.sequence,
-                        .spp = unit.spp};
+        Unit part = kernel_unit(unit);
+        part.x += x;
+        part.y += y;
+        part.width = std::min(plan_.part_width, unit.width - x);
+        part.height = std::min(plan_.part_height, unit.height - y);
         if (shape_.blocks ? !launch_blocks(part) : !launch_paths(part)) return std::unexpected(error());
         if (!take_counters(part, result) || !take_pixels(part, x, y, result)) return std::unexpected(error());
       }
@@ -164,14 +161,7 @@ class OpenClDevice final : public Device {
   bool first_launch() {
     const RenderUnit pixel{.x = 0, .y = 0, .width = 1, .height = 1, .first_sample = 0, .sample_count = 1};
     if (!reserve(pixel)) return false;
-    const Unit unit{.x = 0,
-                    .y = 0,
-                    .width = 1,
-                    .height = 1,
-                    .first_sample = 0,
-                    .sample_count = 1,
-                    .sequence = 0,
-                    .spp = 0};
+    const Unit unit = kernel_unit(pixel);
     if (shape_.blocks) return launch_range(unit, 0, 0, 1) && session_.wait();
     return launch_trace(unit, 0, 0, 0) && launch_finish(unit, 0, 0, 0) && session_.wait();
   }

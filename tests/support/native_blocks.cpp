@@ -3,13 +3,14 @@
 #include <algorithm>
 
 #include "kernels/host/block_memory.h"
+#include "worker/kernel_unit.h"
 
 namespace penumbra {
 
 std::vector<float> render_native_blocks(const NativeKernel& kernel, const DeviceScene& scene,
                                         const RenderUnit& unit, int paths, const Tracer& tracer,
                                         const std::function<void(const NativeBlock&)>& before) {
-  const Unit portable{unit.x, unit.y, unit.width, unit.height, unit.first_sample, int(unit.sample_count)};
+  const Unit portable = kernel_unit(unit);
   BlockMemory memory(scene.header.features, paths, paths);
   const Block block = memory.block();
   const int pixels = unit.width * unit.height, row = slot_pixels(paths, portable.sample_count, kernel.lanes);

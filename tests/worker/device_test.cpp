@@ -21,6 +21,7 @@
 #include "tests/support/render_scene.h"
 #include "tests/worker/device_scenes.h"
 #include "worker/device.h"
+#include "worker/kernel_unit.h"
 #include "worker/opencl_program.h"
 
 namespace penumbra {
@@ -328,7 +329,7 @@ SampleBuffer render_by(const NativeKernel& kernel, const DeviceScene& scene, int
   BlockMemory memory(scene.header.features, capacity, slots);
   const Block block = memory.block();
   BadSamples bad[BAD_KINDS] = {};
-  const Unit whole{0, 0, unit.width, unit.height, 0, 4, 0, 0};
+  const Unit whole = kernel_unit(unit);
   kernel.render_block(scene.header, scene.words.data(), Tracer{}, whole, 0, pixels, block,
                       buffer.values.data(), bad);
   buffer.flagged[BAD_NAN] = flagged_samples(whole, bad[BAD_NAN]);
