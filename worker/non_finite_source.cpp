@@ -25,7 +25,7 @@ class DeviceWithStages final : public Device {
     if (!result) return result;
     for (const int kind : {BAD_NAN, BAD_INFINITE})
       if (FlaggedSamples& bad = result->flagged[std::size_t(kind)]; bad.count > 0)
-        bad.source = source_of(bad);
+        bad.source = source_of(unit, bad);
     return result;
   }
 
@@ -39,7 +39,7 @@ class DeviceWithStages final : public Device {
 
  private:
   /// Unknown if the path cannot be repeated, or is another one natively: no reason to lose the unit.
-  NonFiniteSource source_of(const FlaggedSamples& bad) {
+  NonFiniteSource source_of(const RenderUnit& unit, const FlaggedSamples& bad) {
     if (!prober_) {
       Expected<std::unique_ptr<Device>> made = make_native_device(scene_, options_);
       if (!made) return {};
@@ -47,7 +47,13 @@ class DeviceWithStages final : public Device {
     }
     probe_[0] = SOURCE_UNKNOWN;
     probe_[1] = 0;
-    if (!prober_->render({bad.x, bad.y, 1, 1, bad.sample, 1})) return {};
+    RenderUnit sample = unit;
+    sample.x = bad.x;
+    sample.y = bad.y;
+    sample.width = sample.height = 1;
+    sample.first_sample = bad.sample;
+    sample.sample_count = 1;
+    if (!prober_->render(sample)) return {};
     return {probe_[0], probe_[1]};
   }
 

@@ -24,7 +24,8 @@ RenderIdentity identity_of_checkpoint(const PreparedRender& prepared, const std:
 
 std::string what_is_there(const std::filesystem::path& path, const MergedBefore& before,
                           const RenderJob& job) {
-  const double all = double(job.spp) * job.width * job.height;
+  const double all =
+      job.adaptive ? double(before.merge.samples_expected()) : double(job.spp) * job.width * job.height;
   return fmt::format("going on with {}: {:.1f}% of the samples are there, of {:.1f} s", path.string(),
                      100 * double(before.merge.samples()) / all, before.rendered);
 }

@@ -141,7 +141,9 @@ RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device,
   job.samples_per_pass = record.samples_per_pass;
   job.tile = record.tile;
   job.device = device;
-  job.reproduce_command = repeat_command(record, false);
+  RenderRecord of_a_part = record;
+  of_a_part.adaptive = false;  // a tile or a pixel alone has nothing to share out
+  job.reproduce_command = repeat_command(of_a_part, false);
   job.target_error = record.target_error;
   job.adaptive = record.adaptive;
   job.units_at_most = record.stop_after_units.value_or(kAllUnits);

@@ -241,16 +241,17 @@ void JobRun::show_progress(const Plan& plan, const std::vector<WatchedWorker>& w
 }
 
 void JobRun::show(const Plan& plan, const std::vector<WatchedWorker>& workers, bool ended) {
-  WatchProgress progress{.view = view_.number,
-                         .samples_done = samples_done_,
-                         .samples_wanted = samples_wanted(plan),
-                         .spp_done = spp_of(merge_.finished_passes()),
-                         .spp_wanted = spp_of(least_passes(plan)),
-                         .elapsed_seconds = active_,
-                         .relative_error = relative_error_,
-                         .finished = plan.finished(id_),
-                         .ended = ended,
-                         .workers = workers};
+  WatchProgress progress{
+      .view = view_.number,
+      .samples_done = samples_done_,
+      .samples_wanted = samples_wanted(plan),
+      .spp_done = job_->adaptive ? std::uint32_t(merge_.spp_finished()) : spp_of(merge_.finished_passes()),
+      .spp_wanted = job_->adaptive ? std::uint32_t(merge_.spp_wanted()) : spp_of(least_passes(plan)),
+      .elapsed_seconds = active_,
+      .relative_error = relative_error_,
+      .finished = plan.finished(id_),
+      .ended = ended,
+      .workers = workers};
   for (WatchedWorker& worker : progress.workers) {
     if (worker.job != id_) worker.x = worker.y = worker.width = worker.height = 0;
     if (const auto found = shares_.find(worker.number); found != shares_.end()) {
@@ -277,10 +278,10 @@ RenderOutcome JobRun::outcome(const Plan& plan, Seconds now) && {
   outcome.units_not_verified = counts.not_verified;
   outcome.units_set_aside = plan.set_aside(id_).size();
   outcome.passes_finished = merge_.finished_passes();
-  outcome.passes_total = merge_.most_passes();
+  outcome.passes_total = job_->adaptive ? merge_.least_passes_wanted() : grid_.passes();
   outcome.units_in_order = merge_.units_in_order();
   outcome.ended_by_tile = is_adaptive() && merge_.is_done();
-  outcome.shares_missing = job_->adaptive && !merge_.is_done();
+  outcome.shares_missing = job_->adaptive && !(merge_.is_done() && merge_.is_undisturbed());
   outcome.film = std::move(merge_).take_film();
   outcome.seconds_to_ready = ready_;
   outcome.seconds_to_first_tile = first_tile_;

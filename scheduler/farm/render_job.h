@@ -89,7 +89,7 @@ struct RenderOutcome {
   std::uint64_t units_set_aside = 0;  ///< missing in the film, maybe before others that are not
   std::optional<std::uint64_t> units_in_order = {};  ///< see Merge
   bool ended_by_tile = false;   ///< tiles have numbers of samples of their own, and each its own
-  bool shares_missing = false;  ///< with adaptive sampling, and some tile lacks samples of its share
+  bool shares_missing = false;  ///< with adaptive sampling: tiles lack samples, or have other shares
   std::uint32_t passes_finished = 0, passes_total = 0;  ///< merged in every tile; asked for
   // From when the farm took the job, of a single render so from the call; of one that waited for others from
   // its first unit.

@@ -164,7 +164,11 @@ Expected<void> Merge::read(ByteReader& bytes) {
       tile = Tile();
       if (allocation_) allocation_->forget_pilot(number);
     }
+    if (allocation_ && !allocation_->is_made() && allocation_->has_pilot(number) != (tile.next_pass > 0))
+      return fail("a tile whose pilot is none");
   }
+  // With every pilot shares are others: then it is the image of an undisturbed render.
+  if (allocation_ && allocation_->is_disturbed()) start_again();
   return {};
 }
 
@@ -215,6 +219,29 @@ bool Merge::is_done() const {
   for (std::uint32_t tile = 0; tile < tiles_.size(); ++tile)
     if (tiles_[tile].next_pass < allocation_->passes(tile)) return false;
   return allocation_->is_made();
+}
+
+std::uint32_t Merge::least_passes_wanted() const {
+  std::uint32_t least = most_passes();
+  for (std::uint32_t tile = 0; tile < tiles_.size(); ++tile) least = std::min(least, passes_wanted(tile));
+  return least;
+}
+
+bool Merge::is_undisturbed() const { return !allocation_ || !allocation_->is_disturbed(); }
+
+std::uint64_t Merge::spp_finished() const {
+  std::uint64_t least = ~std::uint64_t(0);
+  for (std::uint32_t tile = 0; tile < tiles_.size(); ++tile)
+    least = std::min(least, counted(tile, tiles_[tile].next_pass));
+  return least;
+}
+
+std::uint64_t Merge::spp_wanted() const {
+  if (!allocation_ || !allocation_->is_made()) return grid_.spp();
+  std::uint64_t least = grid_.spp();
+  for (std::uint32_t tile = 0; tile < tiles_.size(); ++tile)
+    least = std::min<std::uint64_t>(least, allocation_->spp(tile));
+  return least;
 }
 
 std::uint64_t Merge::samples_expected() const {

@@ -48,6 +48,8 @@ class Merge {
   [[nodiscard]] std::uint32_t passes_at_first() const;
   /// How many passes a tile needs, as far as is known yet: those that are there if it is done.
   [[nodiscard]] std::uint32_t passes_wanted(std::uint32_t tile) const;
+  /// The least of those.
+  [[nodiscard]] std::uint32_t least_passes_wanted() const;
   /// That a tile may come to have.
   [[nodiscard]] std::uint32_t most_passes() const;
   /// What is to be rendered for a tile's pass; empty if it is not known, or never will be.
@@ -56,6 +58,12 @@ class Merge {
   [[nodiscard]] bool take_allocation() { return std::exchange(allocated_now_, false); }
   /// Whether every tile has come to its last pass, as its results and the settings want it.
   [[nodiscard]] bool is_done() const;
+  /// Whether shares of samples are those of an undisturbed render, see SampleAllocation.
+  [[nodiscard]] bool is_undisturbed() const;
+  /// Samples that count of every pixel, those of its passes: how many are there, and, without a target error,
+  /// will be.
+  [[nodiscard]] std::uint64_t spp_finished() const;
+  [[nodiscard]] std::uint64_t spp_wanted() const;
   /// Samples that all tiles will need together, by their errors so far.
   [[nodiscard]] std::uint64_t samples_expected() const;
   /// Of each tile, how many passes are merged (or skipped).

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <queue>
 #include <span>
+#include <tuple>
 
 namespace penumbra {
 namespace {
@@ -59,7 +60,10 @@ void SampleAllocation::forget_pilot(std::uint32_t tile) {
 
 void SampleAllocation::end_pilot(std::uint32_t tile, double variance) {
   Tile& of = tiles_[tile];
-  if (of.has_pilot) return;
+  if (of.has_pilot) {
+    contradicted_ = contradicted_ || variance != of.variance;
+    return;
+  }
   of.has_pilot = true;
   of.variance = variance;
   if (--pilots_missing_ == 0) allocate();
@@ -78,9 +82,10 @@ void SampleAllocation::allocate() {
   const double mean = known > 0 ? sum / double(known) : 1;
   struct Doubling {
     double gain;  // variance / n^2.5, so that n goes as variance^0.4
-    std::uint32_t tile;
+    std::uint32_t spp, tile;
     bool operator<(const Doubling& other) const {
-      return gain != other.gain ? gain < other.gain : tile > other.tile;
+      // Of equal ones, as without any noise in the pilot, that with the fewest samples.
+      return std::tuple(gain, other.spp, other.tile) < std::tuple(other.gain, spp, tile);
     }
   };
   std::priority_queue<Doubling> next;
@@ -88,7 +93,7 @@ void SampleAllocation::allocate() {
     const Tile& of = tiles_[tile];
     const double variance = of.variance != kUnknown ? of.variance : mean;
     const double n = of.spp;
-    if (of.spp <= most_spp_ / 2) next.push({variance / (n * n * std::sqrt(n)), tile});
+    if (of.spp <= most_spp_ / 2) next.push({variance / (n * n * std::sqrt(n)), of.spp, tile});
   };
   for (std::uint32_t tile = 0; tile < tiles_.size(); ++tile) queue(tile);
   for (; !next.empty(); next.pop()) {
@@ -130,7 +135,13 @@ RenderUnit SampleAllocation::unit(std::uint32_t tile, std::uint32_t pass) const 
   return unit;
 }
 
+bool SampleAllocation::has_gaps() const {
+  return std::ranges::any_of(tiles_,
+                             [](const Tile& tile) { return tile.has_pilot && tile.variance == kUnknown; });
+}
+
 void SampleAllocation::write(ByteWriter& bytes) const {
+  bytes.u64(contradicted_ ? 1 : 0);
   for (const Tile& tile : tiles_) {
     bytes.u64(tile.has_pilot ? 1 : 0);
     bytes.f64(tile.variance);
@@ -139,6 +150,7 @@ void SampleAllocation::write(ByteWriter& bytes) const {
 }
 
 Expected<void> SampleAllocation::read(ByteReader& bytes) {
+  contradicted_ = bytes.u64() != 0;
   pilots_missing_ = 0;
   for (Tile& tile : tiles_) {
     tile.has_pilot = bytes.u64() != 0;

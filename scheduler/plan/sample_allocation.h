@@ -31,7 +31,8 @@ class SampleAllocation {
   /// The grid's samples of a pixel are the mean of those that count.
   explicit SampleAllocation(const TileGrid& grid);
 
-  /// The result of a tile's pilot. Once the allocation is made nothing changes it.
+  /// The result of a tile's pilot. Once the allocation is made nothing changes it: a tile that is done again
+  /// keeps its share.
   void add_pilot(std::uint32_t tile, const SampleBuffer& result);
   /// It will never come: the tile counts as one of the mean variance.
   void skip_pilot(std::uint32_t tile) { end_pilot(tile, kUnknown); }
@@ -40,6 +41,10 @@ class SampleAllocation {
 
   /// Whether every tile's pilot has come; then how many samples of a pixel count, and all units, are known.
   [[nodiscard]] bool is_made() const { return pilots_missing_ == 0; }
+  [[nodiscard]] bool has_pilot(std::uint32_t tile) const { return tiles_[tile].has_pilot; }
+  /// Whether it is not what an undisturbed render has: a pilot was another one when it was done again, or
+  /// there is none.
+  [[nodiscard]] bool is_disturbed() const { return contradicted_ || has_gaps(); }
   [[nodiscard]] std::uint32_t spp(std::uint32_t tile) const { return tiles_[tile].spp; }
   /// Passes of a tile, as far as they are known: those of the pilot come first.
   [[nodiscard]] std::uint32_t passes(std::uint32_t tile) const;
@@ -63,11 +68,13 @@ class SampleAllocation {
   static constexpr double kUnknown = -1;
 
   void end_pilot(std::uint32_t tile, double variance);
+  [[nodiscard]] bool has_gaps() const;
   void allocate();
 
   TileGrid grid_;
   std::uint32_t least_spp_, most_spp_;
   std::uint32_t pilots_missing_;
+  bool contradicted_ = false;
   std::vector<Tile> tiles_;
 };
 

@@ -202,6 +202,10 @@ Expected<RenderUnit> decode(const wire::Unit& message) {
     return fail(
         fmt::format("a unit of {} samples; 1 to {} make sense", pixels.sample_count(), kMaxSamplesPerUnit));
   }
+  if (pixels.spp() != 0 && std::uint64_t(pixels.first_sample()) + pixels.sample_count() > pixels.spp()) {
+    return fail(fmt::format("a unit of samples {} to {} of a sequence of {}", pixels.first_sample(),
+                            std::uint64_t(pixels.first_sample()) + pixels.sample_count() - 1, pixels.spp()));
+  }
   return RenderUnit{.x = pixels.x(),
                     .y = pixels.y(),
                     .width = pixels.width(),

@@ -81,6 +81,8 @@ Expected<RenderRecord> decode(const wire::Record& message, const DeviceOptions& 
   if (record.target_error && !(*record.target_error > 0 && std::isfinite(*record.target_error)))
     return fail("the target error is no positive number");
   record.adaptive = message.adaptive();
+  if (record.adaptive && (record.target_error || record.stop_after || record.stop_after_units))
+    return fail("adaptive sampling with a target error, or of the first samples or units alone");
   record.tile = message.tile();
   record.feature_layers = message.feature_layers();
   record.cryptomatte = message.cryptomatte();

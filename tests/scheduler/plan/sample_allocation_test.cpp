@@ -107,6 +107,17 @@ TEST(SampleAllocation, EqualTilesGetWhatAllGet) {
   }
 }
 
+TEST(SampleAllocation, TilesWithoutNoiseShareAlike) {
+  const TileGrid tiles = grid(6, 4, 64);
+  std::vector<double> deviations(tiles.tiles());
+  for (std::uint32_t tile = 0; tile < tiles.tiles(); ++tile)
+    EXPECT_EQ(allocation(tiles, deviations).spp(tile), 64u);
+  deviations[20] = 1;
+  const SampleAllocation made = allocation(tiles, deviations);
+  EXPECT_EQ(made.spp(20), 16 * 64u);
+  for (std::uint32_t tile = 0; tile < 20; ++tile) EXPECT_LE(made.spp(tile), 2 * made.spp(23)) << tile;
+}
+
 TEST(SampleAllocation, StaysWithinTheBudgetForAnyNumberOfSamples) {
   const TileGrid any = grid(5, 5, 1);
   std::vector<double> deviations(any.tiles());
@@ -278,11 +289,27 @@ TEST(MergeOfAllocatedSamples, SkippedPassesStopNothing) {
   Merge resumed = empty_merge(tiles);
   ByteReader reader(bytes);
   ASSERT_TRUE(resumed.read(reader));
-  EXPECT_EQ(resumed.merged_passes()[1], 0u) << "begun anew";
-  for (const std::uint32_t tile : {1u, 2u})
-    for (std::uint32_t pass = 0; pass < resumed.passes_wanted(tile); ++pass)
-      resumed.add(tile, pass, result_of(resumed.unit(tile, pass)));
+  EXPECT_EQ(resumed.merged_passes(), std::vector<std::uint32_t>(tiles.tiles())) << "shares will be others";
+  EXPECT_FALSE(merge.is_undisturbed());
+  for (std::uint32_t pass = 0; pass < resumed.most_passes(); ++pass)
+    for (std::uint32_t tile = 0; tile < tiles.tiles(); ++tile)
+      if (pass < resumed.passes_wanted(tile)) resumed.add(tile, pass, result_of(resumed.unit(tile, pass)));
+  EXPECT_EQ(resumed.film().hash(), rendered(tiles).film().hash());
+  EXPECT_TRUE(resumed.is_undisturbed());
   EXPECT_TRUE(resumed.is_done());
+}
+
+TEST(MergeOfAllocatedSamples, APilotThatIsAnotherWhenDoneAgainIsNoted) {
+  const TileGrid tiles = grid(6, 3, kSpp);
+  Merge merge = rendered(tiles);
+  merge.redo(3);
+  merge.add(3, 0, result_of(merge.unit(3, 0)));
+  EXPECT_TRUE(merge.is_undisturbed());
+  merge.redo(3);
+  RenderUnit other = merge.unit(3, 0);
+  other.sequence = 77;
+  merge.add(3, 0, result_of(other));
+  EXPECT_FALSE(merge.is_undisturbed());
 }
 
 TEST(MergeOfAllocatedSamples, ACheckpointThatCannotBeIsRefused) {

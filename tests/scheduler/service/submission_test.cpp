@@ -45,7 +45,6 @@ Submission full_submission() {
   record.stop_after_units = std::uint64_t(1) << 40;
   record.samples_per_pass = 5;
   record.target_error = 0.1;
-  record.adaptive = true;
   record.feature_layers = false;
   record.cryptomatte = true;
   record.embree = true;
@@ -96,6 +95,17 @@ TEST(Submission, ArrivesWhole) {
   EXPECT_EQ(encode(*there).SerializeAsString(), message.SerializeAsString());
 }
 
+TEST(Submission, AdaptiveSamplingArrives) {
+  Submission sent = full_submission();
+  sent.record.target_error.reset();
+  sent.record.stop_after.reset();
+  sent.record.stop_after_units.reset();
+  sent.record.adaptive = true;
+  const auto there = decode(encode(sent));
+  ASSERT_TRUE(there) << there.error().message;
+  EXPECT_TRUE(there->record.adaptive);
+}
+
 TEST(Submission, ResultsAreNamesWithoutFolders) {
   for (const char* name : {"a.exr", "a b.png", "ä.json", "a.b.exr"})
     EXPECT_TRUE(is_result_name(name)) << name;
@@ -125,6 +135,7 @@ TEST(Submission, WhatMakesNoSenseIsSaid) {
   for (const double share : {-0.1, 1.1, std::nan("")})
     EXPECT_THAT(error([&](auto& m) { m.set_verify(share); }), HasSubstr("share of units"));
   EXPECT_THAT(error([](auto& m) { m.mutable_record()->set_target_error(0); }), HasSubstr("target error"));
+  EXPECT_THAT(error([](auto& m) { m.mutable_record()->set_adaptive(true); }), HasSubstr("adaptive"));
   EXPECT_THAT(error([](auto& m) { m.mutable_device()->set_threads(0); }), HasSubstr("thread"));
   EXPECT_THAT(error([](auto& m) { m.mutable_owners()->add_owner_objects(0); }), HasSubstr("no material"));
   EXPECT_THAT(error([](auto& m) { m.mutable_owners()->set_owner_objects(1, 2); }), HasSubstr("has no name"));
