@@ -228,7 +228,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
       .add_flag(
           "--adaptive", options.adaptive,
           "Share out the samples among the tiles by the error that two more samples of each pixel show: "
-          "--spp is then their mean. Without bias; the image depends on --tile")
+          "--spp is then what their mean comes to at most. Without bias; the image depends on --tile")
       ->excludes("--target-error")
       ->excludes(stop_after)
       ->excludes("--stop-after-units")

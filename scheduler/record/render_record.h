@@ -53,7 +53,7 @@ struct RenderedSamples {
   bool has_gaps = false;              ///< pixels may lack samples that come before others that they have
   std::uint64_t least = 0, most = 0;  ///< of a pixel
   std::string_view backends = {};     ///< what computed them: native, opencl, or both; empty: as was asked
-  bool ended_by_tile = false;         ///< each tile has come to the target error, or to all samples
+  bool ended_by_tile = false;         ///< each tile has come to the target error, its share, or all samples
   std::optional<std::uint64_t> units_in_order = {};  ///< see Merge
 
   /// Whether some command renders the same image: every pixel has the first samples, equally many, or as many
