@@ -29,7 +29,7 @@ TEST(InfoCommand, CountsWhatTheSceneHolds) {
   const auto json = nlohmann::json::parse(result.out);
   EXPECT_EQ(json["shapes"], 2);
   EXPECT_EQ(json["triangles"], 4);
-  EXPECT_EQ(json["lights"], 2) << "each triangle of the square";
+  EXPECT_EQ(json["lights"], 1) << "the square is one";
   EXPECT_EQ(json["film"]["width"], 24);
   EXPECT_EQ(json["settings"]["integrator"], "path_mis");
   EXPECT_EQ(json["settings"]["sampler"], "independent");
@@ -50,7 +50,7 @@ TEST(InfoCommand, SaysInNumbersWhatIsLeftOut) {
   std::set<std::string> used, left_out;
   for (const auto& feature : costs["used"]) used.insert(feature["name"]);
   for (const auto& feature : costs["left_out"]) left_out.insert(feature["name"]);
-  EXPECT_EQ(used, (std::set<std::string>{"PATH", "LAYERS", "SAMPLERS", "BSDF_DIFFUSE", "LIGHT_TRIANGLE"}));
+  EXPECT_EQ(used, (std::set<std::string>{"PATH", "LAYERS", "SAMPLERS", "BSDF_DIFFUSE", "LIGHT_RECTANGLE"}));
   EXPECT_TRUE(left_out.contains("BSDF_PHONG"));
   EXPECT_EQ(used.size() + left_out.size(), std::size_t(std::popcount(unsigned(FEATURE_ALL)) +
                                                        std::popcount(EVERY_FAMILY) + LIGHT_KIND_COUNT));
