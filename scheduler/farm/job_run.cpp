@@ -245,7 +245,7 @@ void JobRun::show(const Plan& plan, const std::vector<WatchedWorker>& workers, b
       .view = view_.number,
       .samples_done = samples_done_,
       .samples_wanted = samples_wanted(plan),
-      .spp_done = job_->adaptive ? std::uint32_t(merge_.spp_finished()) : spp_of(merge_.finished_passes()),
+      .spp_done = std::uint32_t(merge_.spp_finished()),
       .spp_wanted = job_->adaptive ? std::uint32_t(merge_.spp_wanted()) : spp_of(least_passes(plan)),
       .elapsed_seconds = active_,
       .relative_error = relative_error_,

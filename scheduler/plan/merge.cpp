@@ -148,8 +148,7 @@ Expected<void> Merge::read(ByteReader& bytes) {
   for (std::uint32_t number = 0; number < tiles_.size(); ++number) {
     Tile& tile = tiles_[number];
     const RenderUnit area = grid_.unit(number, 0);
-    if (tile.next_pass > (allocation_ ? allocation_->passes(number) : grid_.passes()))
-      return fail("a tile with more passes than there are");
+    if (tile.next_pass > known_passes(number)) return fail("a tile with more passes than there are");
     std::uint64_t of_each_pixel = counted(number, tile.next_pass);
     const std::uint64_t first_counted =
         allocation_ && tile.next_pass > SampleAllocation::kPilotPasses ? SampleAllocation::kPilotPasses : 0;
@@ -187,8 +186,7 @@ bool Merge::has_equal_samples(const RenderUnit& area, std::uint64_t at_most) con
 
 std::uint32_t Merge::passes_wanted(std::uint32_t tile) const {
   const Tile& state = tiles_[tile];
-  if (allocation_) return allocation_->passes(tile);
-  if (!target_error_) return grid_.passes();
+  if (!target_error_) return known_passes(tile);
   return state.is_done ? state.next_pass : AdaptiveTile::next_decision(state.next_pass, grid_.passes());
 }
 
@@ -199,10 +197,12 @@ std::uint32_t Merge::passes_at_first() const {
 
 std::uint32_t Merge::most_passes() const { return allocation_ ? allocation_->most_passes() : grid_.passes(); }
 
+std::uint32_t Merge::known_passes(std::uint32_t tile) const {
+  return allocation_ ? allocation_->passes(tile) : grid_.passes();
+}
+
 RenderUnit Merge::unit(std::uint32_t tile, std::uint32_t pass) const {
-  const bool exists =
-      tile < tiles_.size() && pass < (allocation_ ? allocation_->passes(tile) : grid_.passes());
-  if (!exists) return {};
+  if (tile >= tiles_.size() || pass >= known_passes(tile)) return {};
   return allocation_ ? allocation_->unit(tile, pass) : grid_.unit(tile, pass);
 }
 

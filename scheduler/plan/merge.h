@@ -93,7 +93,9 @@ class Merge {
 
   void merge_what_is_next(std::uint32_t tile);
   void merge_pass(std::uint32_t tile, const std::optional<SampleBuffer>& result);
-  /// Of a pixel, without those of passes that were skipped: how many are in the film, and were rendered.
+  /// That a tile may have without a target error, as far as is known yet.
+  [[nodiscard]] std::uint32_t known_passes(std::uint32_t tile) const;
+  /// Of a pixel, also those of passes that were skipped: how many are in the film, and were rendered.
   [[nodiscard]] std::uint64_t counted(std::uint32_t tile, std::uint32_t passes) const;
   [[nodiscard]] std::uint64_t rendered(std::uint32_t tile, std::uint32_t passes) const;
   [[nodiscard]] bool has_samples(const RenderUnit& area, std::uint64_t of_each_pixel) const;
