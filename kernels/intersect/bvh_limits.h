@@ -2,7 +2,9 @@
 #ifndef PENUMBRA_BVH_LIMITS_H
 #define PENUMBRA_BVH_LIMITS_H
 
-#define BVH_MAX_DEPTH 26        // each level leaves at most BVH_WIDTH - 1 entries on the stack
-#define MAX_WHOLE_VERTICES 128  // distinct vertices of a scene that is tested without a hierarchy
+#define BVH_MAX_DEPTH 26  // each level leaves at most BVH_WIDTH - 1 entries on the stack
+// A scene that is tested without a hierarchy: distinct vertices, and triangles.
+#define MAX_WHOLE_VERTICES 128
+#define MAX_WHOLE_TRIANGLES 128
 
 #endif

@@ -2,37 +2,39 @@
 // this vectorises best: each distinct vertex is sheared once for all triangles that share it.
 #ifndef PENUMBRA_INTERSECT_WHOLE_H
 #define PENUMBRA_INTERSECT_WHOLE_H
-#include "kernels/intersect/bvh_limits.h"
+#include "kernels/intersect/cull_whole.h"
 #include "kernels/intersect/quadric.h"
 #include "kernels/intersect/triangle.h"
 
 PENUMBRA_NAMESPACE_BEGIN
 
-/// LANES rays, in arrays that stay in the first-level cache. On return `tmax` is where each ray ends and
-/// `hit` the primitive there, or -1.
-typedef struct {
-  float ox[LANES], oy[LANES], oz[LANES], dx[LANES], dy[LANES], dz[LANES];
-  float tmax[LANES];
-  int skip[LANES];
-  int hit[LANES];
-} RayLanes;
-
 #if !HAS(BVH)
-FN void intersect_whole(const PRIVATE Scene* scene, PRIVATE RayLanes* rays) {
-  Shears shears;
+/// A triangle of the scene against the ray of lane j. It waits for those before it with no more than a
+/// minimum.
+FN void meet_triangle(PRIVATE RayLanes* rays, int j, int k, bool skipped, vec3 a, vec3 b, vec3 c) {
+  const TriangleHit h = intersect_sheared(a, b, c);
+  const float t = (h.inside & (h.t > 0.0f) & !skipped) ? h.t : INFINITE;
+  rays->hit[j] = t < rays->tmax[j] ? k : rays->hit[j];
+  rays->tmax[j] = min_f(t, rays->tmax[j]);
+}
+
+FN vec3 shear_vertex(const PRIVATE Shears* shears, const PRIVATE RayLanes* rays, int j, vec3 p) {
+  return shear_point(load_shear(shears, j),
+                     make_vec3(p.x - rays->ox[j], p.y - rays->oy[j], p.z - rays->oz[j]));
+}
+
+/// Every triangle, with each vertex sheared once.
+FN void meet_all(const PRIVATE Scene* scene, const PRIVATE Shears* shears, PRIVATE RayLanes* rays) {
   float vx[MAX_WHOLE_VERTICES * LANES], vy[MAX_WHOLE_VERTICES * LANES], vz[MAX_WHOLE_VERTICES * LANES];
+  int before_skip[LANES];  // triangles; counted down, since the loop's counter would be compared in 64 bits
   LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      store_shear(&shears, j, make_shear(make_vec3(rays->dx[j], rays->dy[j], rays->dz[j])));
-      rays->hit[j] = -1;
-    }
+    for (int j = 0; j < LANES; j++) before_skip[j] = rays->skip[j];
   const int vertex_count = scene->header.tables.vertices.count;
   for (int k = 0; k < vertex_count; k++) {
     const vec3 p = scene->vertices[k];
     LANE_LOOP
       for (int j = 0; j < LANES; j++) {
-        const Shear s = load_shear(&shears, j);
-        vec3 v = shear_point(s, make_vec3(p.x - rays->ox[j], p.y - rays->oy[j], p.z - rays->oz[j]));
+        const vec3 v = shear_vertex(shears, rays, j, p);
         vx[k * LANES + j] = v.x;
         vy[k * LANES + j] = v.y;
         vz[k * LANES + j] = v.z;
@@ -44,14 +46,44 @@ FN void intersect_whole(const PRIVATE Scene* scene, PRIVATE RayLanes* rays) {
     const int v0 = corner.v0 * LANES, v1 = corner.v1 * LANES, v2 = corner.v2 * LANES;
     LANE_LOOP
       for (int j = 0; j < LANES; j++) {
-        TriangleHit h = intersect_sheared(make_vec3(vx[v0 + j], vy[v0 + j], vz[v0 + j]),
-                                          make_vec3(vx[v1 + j], vy[v1 + j], vz[v1 + j]),
-                                          make_vec3(vx[v2 + j], vy[v2 + j], vz[v2 + j]));
-        bool closer = h.inside & (h.t > 0.0f) & (h.t < rays->tmax[j]) & (k != rays->skip[j]);
-        rays->tmax[j] = closer ? h.t : rays->tmax[j];
-        rays->hit[j] = closer ? k : rays->hit[j];
+        meet_triangle(rays, j, k, before_skip[j] == 0, make_vec3(vx[v0 + j], vy[v0 + j], vz[v0 + j]),
+                      make_vec3(vx[v1 + j], vy[v1 + j], vz[v1 + j]),
+                      make_vec3(vx[v2 + j], vy[v2 + j], vz[v2 + j]));
+        before_skip[j]--;
       }
   }
+}
+
+/// Some of the triangles.
+FN void meet_listed(const PRIVATE Scene* scene, const PRIVATE Shears* shears, PRIVATE RayLanes* rays,
+                    const PRIVATE int* listed, int count) {
+  for (int n = 0; n < count; n++) {
+    const int k = listed[n];
+    const Corner corner = scene->corners[k];
+    const vec3 p0 = scene->vertices[corner.v0], p1 = scene->vertices[corner.v1],
+               p2 = scene->vertices[corner.v2];
+    LANE_LOOP
+      for (int j = 0; j < LANES; j++)
+        meet_triangle(rays, j, k, k == rays->skip[j], shear_vertex(shears, rays, j, p0),
+                      shear_vertex(shears, rays, j, p1), shear_vertex(shears, rays, j, p2));
+  }
+}
+
+FN void intersect_whole(const PRIVATE Scene* scene, PRIVATE RayLanes* rays) {
+  Shears shears;
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      store_shear(&shears, j, make_shear(make_vec3(rays->dx[j], rays->dy[j], rays->dz[j])));
+      rays->hit[j] = -1;
+    }
+  const int triangle_count = scene->header.tables.triangles.count;
+  int count = -1;
+  #if LANES > 1
+  int listed[MAX_WHOLE_TRIANGLES];
+  count = cull_triangles(scene, rays, listed);
+  if (count >= 0) meet_listed(scene, &shears, rays, listed, count);
+  #endif
+  if (count < 0) meet_all(scene, &shears, rays);
   #if HAS(QUADRICS)
   const int quadric_count = scene->header.tables.quadrics.count;
   for (int k = 0; k < quadric_count; k++) {

@@ -12,6 +12,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define ONE_MINUS_EPSILON 0.99999994f  // the largest float below 1
 #define HALF_EPSILON 5.9604645e-8f     // 2^-24: relative rounding error of one operation
 #define NO_LIMIT 1e30f                 // tmax of a ray that nothing ends
+#define INFINITE BITS_FLOAT(0x7f800000u)
 
 FN float min_f(float a, float b) { return a < b ? a : b; }
 FN float max_f(float a, float b) { return a > b ? a : b; }

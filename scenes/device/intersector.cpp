@@ -14,15 +14,14 @@ namespace {
 
 // Up to this many triangles testing all of them in lanes beats any hierarchy.
 constexpr std::size_t kMaxWholeTriangles = 64;
-// Up to this many it does on some devices, which choose: such scenes have both.
-constexpr std::size_t kMaxEitherTriangles = 128;
+// Up to MAX_WHOLE_TRIANGLES it does on some devices, which choose: such scenes have both.
 // Where Embree becomes as fast as our own hierarchy, measured by tests/benchmarks/traversal_benchmark.cpp.
 constexpr std::size_t kMaxPortableTriangles = 4'000'000;
 constexpr std::size_t kMaxWholeQuadrics = 16;
 
 /// Distinct vertices and the triangles over them; false if the scene is too large to be tested whole.
 bool collect_corners(SceneRecords& records) {
-  if (!records.instances.empty() || records.triangles.size() > kMaxEitherTriangles ||
+  if (!records.instances.empty() || records.triangles.size() > MAX_WHOLE_TRIANGLES ||
       records.quadrics.size() > kMaxWholeQuadrics)
     return false;
   std::map<std::array<float, 3>, int> index;

@@ -42,6 +42,8 @@ struct TestHit {
 
 /// Every ray against every primitive, by the lanes of intersect_whole.
 std::vector<TestHit> trace_whole(SceneTables& tables, std::span<const TestRay> rays);
+/// How many triangles LANES rays are tested against; negative: all.
+int count_listed(SceneTables& tables, std::span<const TestRay> rays);
 
 /// Through the hierarchy; with `any` some hit.
 std::vector<TestHit> trace_hierarchy(SceneTables& tables, std::span<const TestRay> rays, bool any = false);

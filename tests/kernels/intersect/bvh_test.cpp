@@ -320,6 +320,51 @@ TEST(IntersectorCases, AgreeOnSliversAndDegenerateTriangles) {
   expect_same_hits(trace_whole(tables, rays), truth);
 }
 
+/// LANES rays from about one point to about another, `wide` apart at both ends; some are none, some skip a
+/// triangle, some end where they are going.
+void add_bundle(std::vector<TestRay>& rays, const Exact3& from, const Exact3& to, double wide_from,
+                double wide_to, int triangles, RandomNumbers& random) {
+  const int kind = int(random.below(3));
+  for (int j = 0; j < LANES; ++j) {
+    const vec3 origin = rounded(from + random.point(wide_from));
+    const Exact3 way = to + random.point(wide_to) - exact(origin);
+    TestRay ray{origin, rounded(normalize(way))};
+    if (kind == 1) ray.tmax = float(length(way));
+    if (random.below(16) == 0) ray.tmax = -1;
+    if (random.below(4) == 0) ray.skip = int(random.below(std::uint64_t(triangles)));
+    rays.push_back(ray);
+  }
+}
+
+TEST(Bundles, MeetWhatATestOfEveryTriangleMeets) {
+  std::size_t bundles = 0, listed = 0, all = 0;
+  for (const Place& place : kPlaces) {
+    const Exact3 center = place.offset * Exact3{0.6L, -0.64L, 0.48L};
+    const ClosedMesh mesh(1, place.radius, center, 21);
+    SceneTables tables = mesh.tables();
+    tables.index_corners();
+    const int triangles = int(tables.triangles.size());
+    RandomNumbers random(22);
+    std::vector<TestRay> rays;
+    for (int i = 0; i < 8000; ++i) {
+      const double wide = place.radius * std::pow(10, random.between(-7, 0));
+      const bool converge = random.below(2) != 0, at_rim = random.below(2) != 0;
+      const Exact3 from = center + random.point(random.below(2) != 0 ? 0.3 * place.radius : 4 * place.radius);
+      const Exact3 to = at_rim ? mesh.rim_point(random) : center + random.point(place.radius);
+      add_bundle(rays, from, to, converge ? wide : 0, wide, triangles, random);
+    }
+    expect_same_hits(trace_whole(tables, rays), trace_one_by_one(tables, rays));
+    for (std::size_t i = 0; place.offset == 0 && i < rays.size(); i += LANES) {
+      const int count = count_listed(tables, std::span(rays).subspan(i, LANES));
+      bundles += count >= 0 ? 1 : 0;
+      listed += count >= 0 ? std::size_t(count) : 0;
+      all += count >= 0 ? std::size_t(triangles) : 0;
+    }
+  }
+  EXPECT_GT(bundles, 10'000u) << "of 24 000";
+  EXPECT_LT(10 * listed, 3 * all);
+}
+
 TEST(IntersectorCases, DisksThatLeanALittleFillTheirBoxes) {
   RandomNumbers random(15);
   SceneTables tables;
@@ -407,6 +452,12 @@ TEST(IntersectorCases, RaysThatAreNotNumbersEnd) {
   rays.push_back({make_vec3(0, 0, 0), make_vec3(1, 0, 0), nan});
   EXPECT_EQ(trace_hierarchy(tables, rays).size(), rays.size());
   for (const bool any : {false, true}) EXPECT_EQ(trace_in_flight(tables, rays, any).size(), rays.size());
+  // Sixteen alike are a bundle, if anything is.
+  SceneTables small = random_scene(40, 0, 0, 0.2, 13);
+  small.index_corners();
+  std::vector<TestRay> bundles;
+  for (const TestRay& ray : rays) bundles.insert(bundles.end(), LANES, ray);
+  EXPECT_EQ(trace_whole(small, bundles).size(), bundles.size());
 }
 
 TEST(Hierarchy, HoldsEveryPrimitive) {
