@@ -15,6 +15,7 @@
 #include "kernels/host/words.h"
 #include "worker/embree_tracer.h"
 #include "worker/kernel_unit.h"
+#include "worker/search_choice.h"
 
 namespace penumbra {
 namespace {
@@ -157,25 +158,12 @@ KernelTarget kernel_target(Isa isa) {
 
 namespace {
 
-/// Up to how many triangles testing all of them is at least as fast as the hierarchy, bounced and shadow rays
-/// together, measured by tests/benchmarks/traversal_benchmark.cpp; below 65 scenes have no hierarchy.
-int most_whole_triangles(KernelTarget target) {
-  switch (target) {
-    case KernelTarget::kAvx512:
-      return 128;
-    case KernelTarget::kAvx2:
-      return 96;
-    default:
-      return 64;
-  }
-}
-
 /// What the scene needs of kernels: no image depends on which search it is, of scenes that have what either
 /// takes.
-std::uint32_t needed_features(KernelTarget target, const SceneHeader& header) {
-  const bool either = (header.features & FEATURE_BVH) != 0 && header.tables.corners.count > 0;
-  const bool whole = either && header.tables.triangles.count <= most_whole_triangles(target);
-  return whole ? header.features & ~std::uint32_t(FEATURE_BVH) : header.features;
+std::uint32_t needed_features(KernelTarget target, const DeviceScene& scene) {
+  const std::uint32_t features = scene.header.features;
+  const bool either = (features & FEATURE_BVH) != 0 && scene.header.tables.corners.count > 0;
+  return either && tests_whole(target, scene) ? features & ~std::uint32_t(FEATURE_BVH) : features;
 }
 
 }  // namespace
@@ -185,7 +173,7 @@ Expected<std::unique_ptr<Device>> make_native_device(const DeviceScene& scene, c
   if (!machine_has(target))
     return fail(fmt::format("this machine lacks {}; it has up to {} (--isa)", isa_name(options.isa),
                             isa_name(best_isa())));
-  const NativeKernel* kernel = find_native_kernel(target, needed_features(target, scene.header));
+  const NativeKernel* kernel = find_native_kernel(target, needed_features(target, scene));
   if (!kernel) return fail("no native kernels for this scene's features");
   std::unique_ptr<EmbreeTracer> tracer;
   if (scene.header.intersector == INTERSECTOR_EMBREE) {

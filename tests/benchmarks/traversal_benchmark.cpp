@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <tuple>
 
 #include "scenes/device/device_scene_builder.h"
 #include "scenes/scene_reader.h"
@@ -90,14 +91,16 @@ bool add_scene(const std::string& name, SceneDescription description) {
   for (const auto& [kind, rays] :
        {std::pair{RayKind::kCamera, "camera"}, {RayKind::kBounce, "bounce"}, {RayKind::kShadow, "shadow"}}) {
     const std::string title = fmt::format("{}/{} triangles/{}/", name, header.tables.triangles.count, rays);
-    if (best_isa() >= Isa::kAvx512 && hierarchy)
-      add_portable(title + "hierarchy avx512", scene, kind, portable_stage_avx512_bvh);
-    if (best_isa() >= Isa::kAvx512 && whole)
-      add_portable(title + "whole avx512", scene, kind, portable_stage_avx512_whole);
-    if (best_isa() >= Isa::kAvx2 && hierarchy)
-      add_portable(title + "hierarchy avx2", scene, kind, portable_stage_avx2_bvh);
-    if (best_isa() >= Isa::kAvx2 && whole)
-      add_portable(title + "whole avx2", scene, kind, portable_stage_avx2_whole);
+    using Set = std::tuple<Isa, PortableStage*, PortableStage*>;
+    for (const auto& [isa, through, tested] :
+         {Set{Isa::kAvx512, portable_stage_avx512_bvh, portable_stage_avx512_whole},
+          Set{Isa::kAvx2, portable_stage_avx2_bvh, portable_stage_avx2_whole},
+          Set{Isa::kSse2, portable_stage_sse2_bvh, portable_stage_sse2_whole}}) {
+      if (best_isa() < isa) continue;
+      const std::string set(isa_name(isa));
+      if (hierarchy) add_portable(title + "hierarchy " + set, scene, kind, through);
+      if (whole) add_portable(title + "whole " + set, scene, kind, tested);
+    }
     add_embree(title + "Embree single", scene, kind, embree_single(*scene->tracer));
     add_embree(title + "Embree packets", scene, kind, scene->tracer->tracer());
     add_embree(title + "Embree stream", scene, kind, embree_stream(*scene->tracer));

@@ -1,13 +1,16 @@
 // The features, families and kinds of lights of a device scene are just those that are needed.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <string>
+#include <vector>
 
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/support/integrator_parameters.h"
 #include "tests/worker/built_scenes.h"
 #include "tests/worker/device_scenes.h"
+#include "worker/search_choice.h"
 
 namespace penumbra {
 namespace {
@@ -122,6 +125,26 @@ TEST(Features, SizesChooseTheSearch) {
   EXPECT_NE(either.features & FEATURE_BVH, 0u);
   const SceneHeader embree = build(many_triangles(), true, IntersectorChoice::kEmbree).header;
   EXPECT_EQ(embree.tables.nodes.count + embree.tables.corners.count, 0);
+}
+
+TEST(Features, RoomsAreTestedWholeUpToMoreTrianglesThanPlains) {
+  constexpr KernelTarget kTargets[] = {KernelTarget::kScalar, KernelTarget::kSse2, KernelTarget::kAvx2,
+                                       KernelTarget::kAvx512};
+  const auto whole = [&](const SceneDescription& scene) {
+    const DeviceScene built = build(scene);
+    EXPECT_GT(built.header.tables.corners.count, 0);
+    EXPECT_GT(built.header.tables.nodes.count, 0);
+    std::vector<bool> by_target;
+    for (const KernelTarget target : kTargets) by_target.push_back(tests_whole(target, built));
+    return by_target;
+  };
+  // 72 triangles on the floor of a room; and on a plain, where few rays come near.
+  const SceneDescription room = some_triangles();
+  EXPECT_THAT(whole(room), testing::ElementsAre(false, false, true, true));
+  SceneDescription plain = room;
+  plain.shapes = {parallelogram(dvec3(-20, -1, 20), dvec3(40, 0, 0), dvec3(0, 0, -40), 0), room.shapes.at(5),
+                  room.shapes.at(6)};
+  EXPECT_THAT(whole(plain), testing::Each(false));
 }
 
 TEST(Summary, SaysWhatIsNeededAndWhatIsLeftOut) {
