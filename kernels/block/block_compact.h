@@ -136,7 +136,7 @@ STAGE int compact(const PRIVATE Scene* scene, const PRIVATE PathState* paths, in
 #if HAS(MEDIA)
   for (int m = 0; m < gone && NEEDS_MEDIA(scene); m++) finish_crossings(paths, finished[m], channel, slots);
 #endif
-  if (gone > 0) close_gaps(scene->header.features, paths, count, left);
+  if (gone > 0 && left > 0) close_gaps(scene->header.features, paths, count, left);
   return left;
 }
 

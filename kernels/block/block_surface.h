@@ -8,26 +8,54 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-STAGE void find_triangle_points(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                                PRIVATE PrimitivePoints* RESTRICT points) {
+/// The triangle that LANES rays hit, those that hit any, as many of a camera's do: its vertices are read
+/// once, not by every lane. -1: they hit several.
+FN int only_triangle(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
+  int last = -1, others = 0;
+  for (int j = i; j < i + LANES; j++) last = max_i(last, get_hit(paths, j));
+  for (int j = i; j < i + LANES; j++)
+    others |= ((get_hit(paths, j) >= 0) & (get_hit(paths, j) != last)) ? 1 : 0;
+  const bool only = (others == 0) & (last < scene->header.tables.triangles.count);
+  return only ? last : -1;
+}
+
+/// What a lane hits: `only`, or if that is negative its own triangle.
+FN int hit_triangle(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int only) {
+  return only >= 0 ? only : triangle_of(scene, get_hit(paths, i));
+}
+
+FN void find_points_on(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int only,
+                       PRIVATE PrimitivePoints* RESTRICT points) {
   LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const int triangle = triangle_of(scene, get_hit(paths, i + j));
-      store_primitive_point(
-          points, j,
-          triangle_point(scene, triangle, get_ray_origin(paths, i + j), get_ray_direction(paths, i + j)));
-    }
+    for (int j = 0; j < LANES; j++)
+      store_primitive_point(points, j,
+                            triangle_point(scene, hit_triangle(scene, paths, i + j, only),
+                                           get_ray_origin(paths, i + j), get_ray_direction(paths, i + j)));
+}
+STAGE void find_triangle_points(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int only,
+                                PRIVATE PrimitivePoints* RESTRICT points) {
+  if (only >= 0)
+    find_points_on(scene, paths, i, only, points);
+  else
+    find_points_on(scene, paths, i, -1, points);
 }
 
 #if HAS(SHADING_NORMALS)
-STAGE void interpolate_normals(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+FN void interpolate_normals_on(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int only,
                                PRIVATE PrimitivePoints* RESTRICT points) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const int triangle = triangle_of(scene, get_hit(paths, i + j));
+      const int triangle = hit_triangle(scene, paths, i + j, only);
       const vec3 normal = interpolated_normal(scene, triangle, load_primitive_point(points, j));
       STORE_LANE_vec3(points->shading, j, normal);
     }
+}
+STAGE void interpolate_normals(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int only,
+                               PRIVATE PrimitivePoints* RESTRICT points) {
+  if (only >= 0)
+    interpolate_normals_on(scene, paths, i, only, points);
+  else
+    interpolate_normals_on(scene, paths, i, -1, points);
 }
 #endif
 
@@ -103,16 +131,21 @@ STAGE void see_surfaces(const PRIVATE PathState* paths, int i, const PRIVATE Pri
 }
 
 #if HAS(UV)
-STAGE void find_triangle_uvs(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+FN void find_uvs_on(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int only,
+                    const PRIVATE PrimitivePoints* RESTRICT points, PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++)
+      store_surface_uv(surfaces, j,
+                       with_triangle_uv(scene, hit_triangle(scene, paths, i + j, only),
+                                        load_primitive_point(points, j), load_surface(surfaces, j)));
+}
+STAGE void find_triangle_uvs(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int only,
                              const PRIVATE PrimitivePoints* RESTRICT points,
                              PRIVATE Surfaces* RESTRICT surfaces) {
-  LANE_LOOP
-    for (int j = 0; j < LANES; j++) {
-      const int triangle = triangle_of(scene, get_hit(paths, i + j));
-      store_surface_uv(
-          surfaces, j,
-          with_triangle_uv(scene, triangle, load_primitive_point(points, j), load_surface(surfaces, j)));
-    }
+  if (only >= 0)
+    find_uvs_on(scene, paths, i, only, points, surfaces);
+  else
+    find_uvs_on(scene, paths, i, -1, points, surfaces);
 }
 
   #if HAS(QUADRICS)
@@ -146,9 +179,9 @@ STAGE void find_instance_uvs(const PRIVATE Scene* scene, const PRIVATE Primitive
   #endif
 
 /// Texture coordinates and tangents.
-FN void find_uvs(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+FN void find_uvs(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i, int only,
                  const PRIVATE PrimitivePoints* points, PRIVATE Surfaces* surfaces) {
-  find_triangle_uvs(scene, paths, i, points, surfaces);
+  find_triangle_uvs(scene, paths, i, only, points, surfaces);
   #if HAS(QUADRICS)
   if (NEEDS(scene, QUADRICS)) find_quadric_uvs(scene, paths, i, points, surfaces);
   #endif
@@ -159,9 +192,10 @@ FN void find_uvs(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int
 FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           PRIVATE Surfaces* surfaces) {
   PrimitivePoints points;
-  find_triangle_points(scene, paths, i, &points);
+  const int only = only_triangle(scene, paths, i);
+  find_triangle_points(scene, paths, i, only, &points);
 #if HAS(SHADING_NORMALS)
-  if (NEEDS(scene, SHADING_NORMALS)) interpolate_normals(scene, paths, i, &points);
+  if (NEEDS(scene, SHADING_NORMALS)) interpolate_normals(scene, paths, i, only, &points);
 #endif
 #if HAS(QUADRICS)
   if (NEEDS(scene, QUADRICS)) find_quadric_points(scene, paths, i, &points);
@@ -181,7 +215,7 @@ FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* p
   if (NEEDS(scene, INSTANCES)) note_instances(paths, i, surfaces);
 #endif
 #if HAS(UV)
-  if (NEEDS(scene, UV)) find_uvs(scene, paths, i, &points, surfaces);
+  if (NEEDS(scene, UV)) find_uvs(scene, paths, i, only, &points, surfaces);
   #if HAS(INSTANCES)
   if (NEEDS(scene, UV) && instances) find_instance_uvs(scene, &points, surfaces);
   #endif

@@ -20,6 +20,7 @@ FN float clamp_f(float x, float low, float high) { return min_f(max_f(x, low), h
 /// From a to b as t goes from 0 to 1, both exactly.
 FN float mix_f(float a, float b, float t) { return (1.0f - t) * a + t * b; }
 FN int min_i(int a, int b) { return a < b ? a : b; }
+FN int max_i(int a, int b) { return a > b ? a : b; }
 FN float sqr(float x) { return x * x; }
 /// sqrt(max(x, 0))
 FN float safe_sqrt(float x) { return SQRT(max_f(x, 0.0f)); }
