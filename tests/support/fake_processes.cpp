@@ -3,10 +3,10 @@
 #include <cctype>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <thread>
+
+#include "tests/support/temporary_folder.h"
 
 namespace penumbra {
 namespace {
@@ -23,8 +23,7 @@ bool is_symbolizer(const std::string& name) {
 }
 
 Stat read_stat(const std::string& pid) {
-  std::ifstream file("/proc/" + pid + "/stat");
-  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  const std::string text = file_contents("/proc/" + pid + "/stat");
   const std::size_t name = text.find('('), after_name = text.rfind(')');  // the name may hold anything
   if (name == std::string::npos || after_name == std::string::npos) return {};
   std::istringstream rest(text.substr(after_name + 1));

@@ -5,10 +5,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace penumbra {
@@ -44,9 +45,12 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
+/// As much of a file as can be read: what /proc says of a process that ends meanwhile breaks off.
 inline std::string file_contents(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
+  std::ostringstream contents;
+  contents << file.rdbuf();
+  return std::move(contents).str();
 }
 
 inline void write_text(const std::filesystem::path& path, std::string_view text) {

@@ -93,10 +93,7 @@ class PenumbraViewTest : public GlTest {
   [[nodiscard]] const fs::path& path() const { return folder_.path(); }
 
   /// What the running program has written so far.
-  std::string output(const std::string& name) const {
-    std::ifstream file(folder_.path() / name);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string output(const std::string& name) const { return file_contents(folder_.path() / name); }
   bool says(const std::string& text) const {
     return eventually([&] { return output(".stdout").find(text) != std::string::npos; }, 60s);
   }

@@ -14,6 +14,7 @@
 #include "scheduler/protocol/wire.h"
 #include "tests/scheduler/watch/watched_run.h"
 #include "tests/support/fake_processes.h"
+#include "tests/support/temporary_folder.h"
 #include "worker/worker_client.h"
 
 namespace penumbra {
@@ -150,8 +151,7 @@ TEST_F(ForeignWorkerTest, AProcessIsKnownByItsKeyWhichIsGoodOnce) {
   WorkerProcesses processes({.program = script, .arguments = {}, .environment = {}}, 1);
   processes.start_missing(0);
   ASSERT_TRUE(eventually([&] { return std::filesystem::exists(key_file); }, kLong));
-  std::ifstream file(key_file);
-  const std::string key((std::istreambuf_iterator<char>(file)), {});
+  const std::string key = file_contents(key_file);
   EXPECT_THAT(key, SizeIs(32));
   EXPECT_EQ(processes.claim(""), 0);
   EXPECT_EQ(processes.claim(key + "0"), 0);
