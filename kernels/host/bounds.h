@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -28,13 +29,33 @@ struct Box {
       high[k] = std::max(high[k], other.high[k]);
     }
   }
+  void widen(float margin) {
+    for (int k = 0; k < 3; ++k) {
+      low[k] -= margin;
+      high[k] += margin;
+    }
+  }
 };
 
+/// By how far outside the box about its vertices a ray may seem to hit the triangle. Vertices are rounded as
+/// the ray sees them: the differences to its origin, their shear, the products of edge functions, some 8
+/// roundings of a vertex's distance from the hit, and as many of where the hit is along the ray. What grows
+/// with the hit's distance from the origin is within SLAB_MARGIN and END_MARGIN (intersect/bvh.h).
+inline float hit_margin(const Triangle& t) {
+  float extent = 0;
+  for (const auto& [a, b, c] : {std::array{t.p0.x, t.p1.x, t.p2.x}, std::array{t.p0.y, t.p1.y, t.p2.y},
+                                std::array{t.p0.z, t.p1.z, t.p2.z}})
+    extent = std::max(extent, std::max({a, b, c}) - std::min({a, b, c}));
+  return 16 * 0x1p-24f * extent;
+}
+
+/// With the margin for hits.
 inline Box bounds_of(const Triangle& t) {
   Box box;
   box.include(t.p0);
   box.include(t.p1);
   box.include(t.p2);
+  box.widen(hit_margin(t));
   return box;
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "kernels/intersect/bvh_limits.h"
-#include "scenes/device/bvh_builder.h"
+#include "scenes/device/hierarchy/bvh_builder.h"
 
 namespace penumbra {
 namespace {

@@ -11,8 +11,8 @@
 #include "kernels/features.h"
 #include "kernels/host/device_scene_tables.h"
 #include "kernels/host/sample_buffer.h"
-#include "scenes/device/bvh_builder.h"
 #include "scenes/device/device_scene_builder.h"
+#include "scenes/device/hierarchy/bvh_builder.h"
 #include "scenes/device/named_bits.h"
 
 namespace penumbra {

@@ -10,8 +10,8 @@
 #include <string>
 #include <thread>
 
-#include "scenes/device/bvh_builder.h"
 #include "scenes/device/device_scene_builder.h"
+#include "scenes/device/hierarchy/bvh_builder.h"
 #include "scenes/file_access.h"
 #include "scenes/mesh_reader.h"
 #include "scenes/mesh_tools.h"

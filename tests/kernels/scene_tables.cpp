@@ -4,7 +4,7 @@
 #include <map>
 #include <stdexcept>
 
-#include "scenes/device/bvh_builder.h"
+#include "scenes/device/hierarchy/bvh_builder.h"
 #include "tests/kernels/kernels_under_test.h"
 
 namespace penumbra {

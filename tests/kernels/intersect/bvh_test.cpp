@@ -9,7 +9,7 @@
 #include <map>
 #include <utility>
 
-#include "scenes/device/bvh_builder.h"
+#include "scenes/device/hierarchy/bvh_builder.h"
 #include "tests/kernels/kernels_under_test.h"
 #include "tests/kernels/random_numbers.h"
 #include "tests/kernels/scene_tables.h"
@@ -416,6 +416,37 @@ TEST(IntersectorCases, EdgesInFlatBoxesGiveTheNearest) {
   expect_same_in_flight(tables, rays, truth);
 }
 
+/// A flat floor of tiles that are much longer than rays are, so that vertices are rounded by more than a box
+/// that ends with them is away from where rays end.
+TEST(IntersectorCases, EdgesOfLongTilesAreMet) {
+  RandomNumbers random(17);
+  constexpr int kTiles = 48;
+  for (const float length : {2.0f, 20.0f, 200.0f}) {
+    SceneTables tables;
+    const auto at = [&](int i, float z) { return make_vec3(0.37f * float(i), 0.1f, z); };
+    for (int i = 0; i < kTiles; ++i) {
+      tables.add_triangle(at(i, -length), at(i + 1, -length), at(i + 1, length));
+      tables.add_triangle(at(i, -length), at(i + 1, length), at(i, length));
+    }
+    tables.build_hierarchy();
+    std::vector<TestRay> rays;
+    for (int k = 0; k < 20'000; ++k) {
+      const float edge = at(1 + int(random.below(kTiles - 1)), 0).x;
+      const Exact3 target{edge + random.between(-1e-7, 1e-7) * length, 0.1f, random.between(-1, 1)};
+      const double away = random.between(0.1, 1);
+      const Exact3 way{random.between(-1, 1), -random.between(0.01, 1), random.between(-1, 1)};
+      const vec3 origin = rounded(target - (long double)away * way);
+      rays.push_back({origin, rounded(normalize(target - exact(origin)))});
+    }
+    // Which of two tiles is nearer is a matter of roundings, but one there is.
+    EXPECT_EQ(count_misses(trace_one_by_one(tables, rays)), 0u) << length;
+    for (const bool any : {false, true}) {
+      EXPECT_EQ(count_misses(trace_hierarchy(tables, rays, any)), 0u) << length;
+      EXPECT_EQ(std::ranges::count(trace_in_flight(tables, rays, any), -1), 0) << length;
+    }
+  }
+}
+
 TEST(IntersectorCases, CoincidentTrianglesGiveTheFirst) {
   SceneTables tables;
   for (int i = 0; i < 20; ++i)
@@ -477,6 +508,24 @@ TEST(Hierarchy, HoldsEveryPrimitive) {
     for (int primitive : leaf.primitive)
       if (primitive >= 0) ++seen[std::size_t(primitive)];
   EXPECT_EQ(std::ranges::count(seen, 0), 0);  // parts of a triangle are in several leaves
+}
+
+/// Each eight triangles half as large as those before and next to them, so that a binary tree is a chain, and
+/// what comes of it too deep for the stacks of rays.
+TEST(Hierarchy, IsNotDeeperThanStacksAre) {
+  SceneTables tables;
+  for (int k = -60; k < 60; ++k)
+    for (int i = 0; i < 8; ++i) {
+      const float size = std::ldexp(1.0f, k), turn = float(i) / 8;
+      tables.add_triangle(make_vec3(size, size * turn, 0), make_vec3(1.5f * size, 0, size * turn),
+                          make_vec3(size, size, size * (1 - turn)));
+    }
+  tables.build_hierarchy();
+  std::vector<int> depth(tables.nodes.size(), 1);
+  for (std::size_t i = 0; i < tables.nodes.size(); ++i)
+    for (const int child : tables.nodes[i].child)
+      if (child >= 0) depth[std::size_t(child)] = depth[i] + 1;
+  EXPECT_LE(*std::ranges::max_element(depth), BVH_MAX_DEPTH);
 }
 
 TEST(Hierarchy, IsTheSameEveryTime) {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/device/bvh_builder.h"
+#include "scenes/device/hierarchy/bvh_builder.h"
 #include "scenes/transform.h"
 #include "tests/kernels/kernels_under_test.h"
 #include "tests/kernels/random_numbers.h"

@@ -1,4 +1,4 @@
-#include "scenes/device/triangle_split.h"
+#include "scenes/device/hierarchy/triangle_split.h"
 
 namespace penumbra {
 namespace {
@@ -25,16 +25,20 @@ std::pair<Box, Box> split_bounds(const Triangle& triangle, const Box& bounds, in
     if (a[axis] >= position) above.include(from);
     if (!(std::min(a[axis], b[axis]) < position && position < std::max(a[axis], b[axis]))) continue;
     const double s = (position - a[axis]) / (b[axis] - a[axis]);
-    for (const double sign : {-1.0, 1.0}) {
-      float c[3];
-      for (int k = 0; k < 3; ++k)
-        c[k] = float(a[k] + s * (b[k] - a[k]) + sign * kMargin * std::max(std::abs(a[k]), std::abs(b[k])));
-      below.include(make_vec3(c[0], c[1], c[2]));
-      above.include(make_vec3(c[0], c[1], c[2]));
+    for (int k = 0; k < 3; ++k) {
+      const double at = a[k] + s * (b[k] - a[k]);
+      const double margin = kMargin * std::max(std::abs(a[k]), std::abs(b[k]));
+      const float low = float(at - margin), high = float(at + margin);
+      below.low[k] = std::min(below.low[k], low);
+      above.low[k] = std::min(above.low[k], low);
+      below.high[k] = std::max(below.high[k], high);
+      above.high[k] = std::max(above.high[k], high);
     }
   }
-  clip(below, bounds);
-  clip(above, bounds);
+  for (Box* part : {&below, &above}) {
+    part->widen(hit_margin(triangle));
+    clip(*part, bounds);
+  }
   return {below, above};
 }
 
