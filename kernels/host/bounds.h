@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -29,32 +28,50 @@ struct Box {
       high[k] = std::max(high[k], other.high[k]);
     }
   }
-  void widen(float margin) {
+  void widen(const vec3& margin) {
+    const float c[3] = {margin.x, margin.y, margin.z};
     for (int k = 0; k < 3; ++k) {
-      low[k] -= margin;
-      high[k] += margin;
+      low[k] -= c[k];
+      high[k] += c[k];
     }
   }
 };
 
-/// By how far outside the box about its vertices a ray may seem to hit the triangle. Vertices are rounded as
-/// the ray sees them: the differences to its origin, their shear, the products of edge functions, some 8
-/// roundings of a vertex's distance from the hit, and as many of where the hit is along the ray. What grows
-/// with the hit's distance from the origin is within SLAB_MARGIN and END_MARGIN (intersect/bvh.h).
-inline float hit_margin(const Triangle& t) {
-  float extent = 0;
-  for (const auto& [a, b, c] : {std::array{t.p0.x, t.p1.x, t.p2.x}, std::array{t.p0.y, t.p1.y, t.p2.y},
-                                std::array{t.p0.z, t.p1.z, t.p2.z}})
-    extent = std::max(extent, std::max({a, b, c}) - std::min({a, b, c}));
-  return 16 * 0x1p-24f * extent;
+/// By how far outside the box about its vertices a ray may seem to hit the triangle, along each axis. A ray
+/// sees a vertex with up to 5 roundings of how wide the triangle is (two of the difference to its origin
+/// along the shear's axis, times the shear, one of that along another, two of what is left), and edges
+/// through them with half a one more. That moves hits within the triangle's plane; out of it there is no
+/// margin, and no more than that, or rays would visit the walls that they leave. What grows with the hit's
+/// distance from the origin is left to SLAB_MARGIN (intersect/bvh.h).
+inline vec3 hit_margin(const Triangle& t) {
+  const double a[3] = {double(t.p1.x) - t.p0.x, double(t.p1.y) - t.p0.y, double(t.p1.z) - t.p0.z},
+               b[3] = {double(t.p2.x) - t.p0.x, double(t.p2.y) - t.p0.y, double(t.p2.z) - t.p0.z};
+  double extent = 0, normal[3], length2 = 0;
+  for (int k = 0; k < 3; ++k) {
+    extent = std::max(extent, std::max({a[k], b[k], 0.0}) - std::min({a[k], b[k], 0.0}));
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    normal[k] = a[i] * b[j] - a[j] * b[i];
+    length2 += normal[k] * normal[k];
+  }
+  const double roundings = 6 * 0x1p-24 * extent;
+  const auto along = [&](int k) {
+    return float(length2 > 0 ? roundings * std::sqrt(std::max(1 - normal[k] * normal[k] / length2, 0.0))
+                             : roundings);
+  };
+  return make_vec3(along(0), along(1), along(2));
 }
 
-/// With the margin for hits.
-inline Box bounds_of(const Triangle& t) {
+inline Box vertex_bounds(const Triangle& t) {
   Box box;
   box.include(t.p0);
   box.include(t.p1);
   box.include(t.p2);
+  return box;
+}
+
+/// With the margin for hits.
+inline Box bounds_of(const Triangle& t) {
+  Box box = vertex_bounds(t);
   box.widen(hit_margin(t));
   return box;
 }

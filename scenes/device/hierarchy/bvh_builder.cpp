@@ -38,7 +38,7 @@ Expected<WideTree> tree_over(std::span<const Triangle> triangles, std::span<cons
   constexpr double kShareOfParts = 0.01, kShareOfLeaves = 0.2;
   constexpr int kPasses = 3;
   if (triangles.size() <= kMostSplit) {
-    if (Expected<BinaryTree> tree = builder.binary_tree(triangles, boxes)) {
+    if (Expected<BinaryTree> tree = builder.binary_tree(triangles)) {
       std::vector<char> is_part;
       for (const BinaryTree::Node& node : tree->nodes) is_part.push_back(node.is_inner() ? 0 : 1);
       move_subtrees(*tree, is_part, kShareOfParts, kPasses);

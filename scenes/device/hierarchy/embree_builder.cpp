@@ -126,14 +126,18 @@ Expected<const TreeNode*> build(const RTCBuildArguments& arguments) {
               " primitives");
 }
 
-void add_tree(BinaryTree& to, const TreeNode* node, int parent) {
+/// The margin for hits comes last: with it, triangles that only touch a plane would be split there.
+void add_tree(BinaryTree& to, const TreeNode* node, std::span<const Triangle> triangles, int parent) {
   if (node->child_count == 0) {
     PartsLeaf leaf = *static_cast<const PartsLeaf*>(node);
-    to.add_parts(std::span(leaf.parts, leaf.part_count), parent);
+    const std::span parts(leaf.parts, leaf.part_count);
+    for (TreePart& part : parts) part.box.widen(hit_margin(triangles[std::size_t(part.primitive)]));
+    to.add_parts(parts, parent);
     return;
   }
   const int at = to.add_node(Box(), parent);
-  for (const TreeNode* child : static_cast<const PairNode*>(node)->children) add_tree(to, child, at);
+  for (const TreeNode* child : static_cast<const PairNode*>(node)->children)
+    add_tree(to, child, triangles, at);
   for (const int child : to[at].child) to[at].box.include(to[child].box);
 }
 
@@ -163,9 +167,11 @@ Expected<WideTree> EmbreeBuilder::wide_tree(std::span<const Box> boxes, int in_l
   return WideTree{*root, std::move(bvh)};
 }
 
-Expected<BinaryTree> EmbreeBuilder::binary_tree(std::span<const Triangle> triangles,
-                                                std::span<const Box> boxes) const {
+Expected<BinaryTree> EmbreeBuilder::binary_tree(std::span<const Triangle> triangles) const {
   const BvhHandle bvh(rtcNewBVH(device_.get()));
+  std::vector<Box> boxes;
+  boxes.reserve(triangles.size());
+  for (const Triangle& triangle : triangles) boxes.push_back(vertex_bounds(triangle));
   std::vector<RTCBuildPrimitive> primitives = build_primitives(boxes);
   primitives.resize(std::size_t(double(boxes.size()) * kRoomForParts));
   RTCBuildArguments arguments = build_arguments(bvh.get(), primitives, boxes.size(), BVH_WIDTH);
@@ -182,7 +188,7 @@ Expected<BinaryTree> EmbreeBuilder::binary_tree(std::span<const Triangle> triang
   const Expected<const TreeNode*> root = build(arguments);
   if (!root) return std::unexpected(root.error());
   BinaryTree tree;
-  add_tree(tree, *root, -1);
+  add_tree(tree, *root, triangles, -1);
   return tree;
 }
 

@@ -20,11 +20,10 @@ class EmbreeBuilder {
 
   /// Over the boxes of primitives, at least one, with so many in a leaf.
   [[nodiscard]] Expected<WideTree> wide_tree(std::span<const Box> boxes, int in_leaf) const;
-  /// Over triangles, at least one, and the boxes about them, which are split where that pays, into up to half
+  /// Over triangles, at least one, which are split where that pays, into up to half
   /// as many parts again: that takes three times as long, but bounced rays are 8 % (classroom) and 34 %
   /// (spaceship) faster.
-  [[nodiscard]] Expected<BinaryTree> binary_tree(std::span<const Triangle> triangles,
-                                                 std::span<const Box> boxes) const;
+  [[nodiscard]] Expected<BinaryTree> binary_tree(std::span<const Triangle> triangles) const;
 
  private:
   struct Release {

@@ -35,10 +35,8 @@ std::pair<Box, Box> split_bounds(const Triangle& triangle, const Box& bounds, in
       above.high[k] = std::max(above.high[k], high);
     }
   }
-  for (Box* part : {&below, &above}) {
-    part->widen(hit_margin(triangle));
-    clip(*part, bounds);
-  }
+  clip(below, bounds);
+  clip(above, bounds);
   return {below, above};
 }
 

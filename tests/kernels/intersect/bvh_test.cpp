@@ -417,34 +417,40 @@ TEST(IntersectorCases, EdgesInFlatBoxesGiveTheNearest) {
 }
 
 /// A flat floor of tiles that are much longer than rays are, so that vertices are rounded by more than a box
-/// that ends with them is away from where rays end.
+/// that ends with them is away from where rays end. Along axes, and leaning a little and much.
 TEST(IntersectorCases, EdgesOfLongTilesAreMet) {
   RandomNumbers random(17);
   constexpr int kTiles = 48;
-  for (const float length : {2.0f, 20.0f, 200.0f}) {
-    SceneTables tables;
-    const auto at = [&](int i, float z) { return make_vec3(0.37f * float(i), 0.1f, z); };
-    for (int i = 0; i < kTiles; ++i) {
-      tables.add_triangle(at(i, -length), at(i + 1, -length), at(i + 1, length));
-      tables.add_triangle(at(i, -length), at(i + 1, length), at(i, length));
+  for (const float length : {2.0f, 20.0f, 200.0f})
+    for (const double lean : {0.0, 1e-6, 1e-3, 0.5}) {
+      const Exact3 across = normalize(Exact3{1, lean, 0.3L * lean}),
+                   along = normalize(Exact3{-lean, 0.6L * lean, 1}), up = normalize(cross(along, across));
+      const auto at = [&](long double u, long double z) { return 0.37L * u * across + z * along; };
+      SceneTables tables;
+      for (int i = 0; i < kTiles; ++i) {
+        const vec3 a = rounded(at(i, -length)), b = rounded(at(i + 1, -length)),
+                   c = rounded(at(i + 1, length)), d = rounded(at(i, length));
+        tables.add_triangle(a, b, c);
+        tables.add_triangle(a, c, d);
+      }
+      tables.build_hierarchy();
+      std::vector<TestRay> rays;
+      for (int k = 0; k < 10'000; ++k) {
+        const Exact3 target = at(1 + int(random.below(kTiles - 1)), random.between(-1, 1)) +
+                              (long double)(random.between(-1e-7, 1e-7) * length) * across;
+        const Exact3 way = (long double)random.between(-1, 1) * across +
+                           (long double)random.between(-1, 1) * along +
+                           (long double)random.between(0.01, 1) * up;
+        const vec3 origin = rounded(target + (long double)random.between(0.1, 1) * way);
+        rays.push_back({origin, rounded(normalize(target - exact(origin)))});
+      }
+      // Which of two tiles is nearer is a matter of roundings, but one there is.
+      EXPECT_EQ(count_misses(trace_one_by_one(tables, rays)), 0u) << length << ", " << lean;
+      for (const bool any : {false, true}) {
+        EXPECT_EQ(count_misses(trace_hierarchy(tables, rays, any)), 0u) << length << ", " << lean;
+        EXPECT_EQ(std::ranges::count(trace_in_flight(tables, rays, any), -1), 0) << length << ", " << lean;
+      }
     }
-    tables.build_hierarchy();
-    std::vector<TestRay> rays;
-    for (int k = 0; k < 20'000; ++k) {
-      const float edge = at(1 + int(random.below(kTiles - 1)), 0).x;
-      const Exact3 target{edge + random.between(-1e-7, 1e-7) * length, 0.1f, random.between(-1, 1)};
-      const double away = random.between(0.1, 1);
-      const Exact3 way{random.between(-1, 1), -random.between(0.01, 1), random.between(-1, 1)};
-      const vec3 origin = rounded(target - (long double)away * way);
-      rays.push_back({origin, rounded(normalize(target - exact(origin)))});
-    }
-    // Which of two tiles is nearer is a matter of roundings, but one there is.
-    EXPECT_EQ(count_misses(trace_one_by_one(tables, rays)), 0u) << length;
-    for (const bool any : {false, true}) {
-      EXPECT_EQ(count_misses(trace_hierarchy(tables, rays, any)), 0u) << length;
-      EXPECT_EQ(std::ranges::count(trace_in_flight(tables, rays, any), -1), 0) << length;
-    }
-  }
 }
 
 TEST(IntersectorCases, CoincidentTrianglesGiveTheFirst) {
