@@ -37,6 +37,14 @@ struct Box {
   }
 };
 
+inline Box bounds_of(const Triangle& t) {
+  Box box;
+  box.include(t.p0);
+  box.include(t.p1);
+  box.include(t.p2);
+  return box;
+}
+
 /// By how far outside the box about its vertices a ray may seem to hit the triangle, along each axis. A ray
 /// sees a vertex with up to 5 roundings of how wide the triangle is (two of the difference to its origin
 /// along the shear's axis, times the shear, one of that along another, two of what is left), and edges
@@ -61,17 +69,9 @@ inline vec3 hit_margin(const Triangle& t) {
   return make_vec3(along(0), along(1), along(2));
 }
 
-inline Box vertex_bounds(const Triangle& t) {
-  Box box;
-  box.include(t.p0);
-  box.include(t.p1);
-  box.include(t.p2);
-  return box;
-}
-
-/// With the margin for hits.
-inline Box bounds_of(const Triangle& t) {
-  Box box = vertex_bounds(t);
+/// Where rays may seem to hit the triangle.
+inline Box hit_bounds(const Triangle& t) {
+  Box box = bounds_of(t);
   box.widen(hit_margin(t));
   return box;
 }

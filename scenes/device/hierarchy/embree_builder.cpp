@@ -171,7 +171,7 @@ Expected<BinaryTree> EmbreeBuilder::binary_tree(std::span<const Triangle> triang
   const BvhHandle bvh(rtcNewBVH(device_.get()));
   std::vector<Box> boxes;
   boxes.reserve(triangles.size());
-  for (const Triangle& triangle : triangles) boxes.push_back(vertex_bounds(triangle));
+  for (const Triangle& triangle : triangles) boxes.push_back(bounds_of(triangle));
   std::vector<RTCBuildPrimitive> primitives = build_primitives(boxes);
   primitives.resize(std::size_t(double(boxes.size()) * kRoomForParts));
   RTCBuildArguments arguments = build_arguments(bvh.get(), primitives, boxes.size(), BVH_WIDTH);

@@ -41,7 +41,7 @@ TEST_P(RandomSplits, EveryPointIsInThePartOfItsSide) {
     t.p1 = random_point();
     t.p2 = random_point();
     if (i % 4 == 0) t.p1.x = t.p0.x;  // an edge in a plane that cuts
-    Box bounds = vertex_bounds(t);
+    Box bounds = bounds_of(t);
     for (int depth = 0; depth < 4; ++depth) {
       const int axis = (i + depth) % 3;
       const float position =
@@ -76,7 +76,7 @@ TEST(TriangleSplit, CutsAway) {
   t.p0 = make_vec3(0, 0, 0);
   t.p1 = make_vec3(4, 0, 0);
   t.p2 = make_vec3(0, 4, 0);
-  const auto [below, above] = split_bounds(t, vertex_bounds(t), 0, 3.0f);
+  const auto [below, above] = split_bounds(t, bounds_of(t), 0, 3.0f);
   // x + y <= 4: above x = 3 no y over 1, within the stated margin of the edge's ends.
   EXPECT_NEAR(above.high[1], 1, 4 * 3e-7 + 1e-7);
   EXPECT_EQ(above.high[0], 4);
