@@ -1,10 +1,8 @@
 #include "worker/search_choice.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
 
+#include "kernels/host/bounds.h"
 #include "kernels/host/device_scene_tables.h"
 
 namespace penumbra {
@@ -37,32 +35,22 @@ struct Visits {
 /// What a ray that meets the scene visits if it goes anywhere: boxes in proportion to their surface
 /// (Goldsmith and Salmon 1987), of which a closed room has larger ones than a plain with a few things on it.
 Visits expected_visits(std::span<const BvhNode> nodes) {
-  const auto surface = [](const std::array<double, 6>& b) {
-    const double x = b[3] - b[0], y = b[4] - b[1], z = b[5] - b[2];
-    return x * y + y * z + z * x;
-  };
   const auto box_of = [](const BvhNode& node, int child) {
-    std::array<double, 6> box{};
-    for (std::size_t row = 0; row < 6; ++row) box[row] = double(node.bounds[row][child]);
+    Box box;
+    for (int axis = 0; axis < 3; ++axis) {
+      box.low[axis] = node.bounds[axis][child];
+      box.high[axis] = node.bounds[axis + 3][child];
+    }
     return box;
   };
-  const auto is_there = [](const std::array<double, 6>& b) { return b[0] <= b[3]; };
-  constexpr double kFar = std::numeric_limits<double>::infinity();
-  std::array<double, 6> scene = {kFar, kFar, kFar, -kFar, -kFar, -kFar};
-  for (int child = 0; child < BVH_WIDTH; ++child) {
-    const auto box = box_of(nodes.front(), child);
-    if (!is_there(box)) continue;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      scene[axis] = std::min(scene[axis], box[axis]);
-      scene[axis + 3] = std::max(scene[axis + 3], box[axis + 3]);
-    }
-  }
+  Box scene;
+  for (int child = 0; child < BVH_WIDTH; ++child) scene.include(box_of(nodes.front(), child));
   Visits visits;
   for (const BvhNode& node : nodes)
     for (int child = 0; child < BVH_WIDTH; ++child) {
-      const auto box = box_of(node, child);
-      if (is_there(box))
-        (node.child[child] < 0 ? visits.leaves : visits.nodes) += surface(box) / surface(scene);
+      const Box box = box_of(node, child);
+      if (box.low[0] <= box.high[0])  // it is there
+        (node.child[child] < 0 ? visits.leaves : visits.nodes) += half_area(box) / half_area(scene);
     }
   return visits;
 }

@@ -37,6 +37,13 @@ struct Box {
   }
 };
 
+/// Half the surface of a box, to which the number of lines that meet it is proportional.
+inline double half_area(const Box& box) {
+  const double x = double(box.high[0]) - box.low[0], y = double(box.high[1]) - box.low[1],
+               z = double(box.high[2]) - box.low[2];
+  return x * y + y * z + z * x;
+}
+
 inline Box bounds_of(const Triangle& t) {
   Box box;
   box.include(t.p0);

@@ -64,10 +64,10 @@ class SubtreeMover {
   int best_place(int moving) {
     if (tree_[moving].parent <= 0) return -1;  // then nothing is above its parent
     const Box box = tree_[moving].box;
-    const double own = half_area(box), least = kLeastGain * own;
+    const double own = half_area(box);
     const int beside = sibling(moving);
     int pivot = tree_[moving].parent, best = -1, visits = 0;
-    double saved = half_area(tree_[pivot].box), best_gain = least;
+    double saved = half_area(tree_[pivot].box), best_gain = kLeastGain * own;
     Box shrunk = tree_[beside].box;  // of the pivot, without what moves
     for (int from = beside;;) {
       places_.assign(1, {0.0, from});
@@ -156,10 +156,11 @@ void sort_along(std::span<TreePart> parts, int axis) {
 
 }  // namespace
 
-double half_area(const Box& box) {
-  const double x = double(box.high[0]) - box.low[0], y = double(box.high[1]) - box.low[1],
-               z = double(box.high[2]) - box.low[2];
-  return x * y + y * z + z * x;
+std::vector<char> BinaryTree::is_part() const {
+  std::vector<char> is_part;
+  is_part.reserve(nodes.size());
+  for (const Node& node : nodes) is_part.push_back(node.is_inner() ? 0 : 1);
+  return is_part;
 }
 
 int BinaryTree::add_node(const Box& box, int parent) {

@@ -8,9 +8,6 @@
 
 namespace penumbra {
 
-/// Half the surface of a box, to which the number of lines that meet it is proportional.
-double half_area(const Box& box);
-
 /// The part of a primitive that is in a box: triangles may be split.
 struct TreePart {
   Box box;
@@ -31,6 +28,8 @@ struct BinaryTree {
   [[nodiscard]] Node& operator[](int node) { return nodes[std::size_t(node)]; }
   [[nodiscard]] const Node& operator[](int node) const { return nodes[std::size_t(node)]; }
 
+  /// Of each node, whether it holds a part.
+  [[nodiscard]] std::vector<char> is_part() const;
   /// Appends a node, which becomes a child of the parent.
   int add_node(const Box& box, int parent);
   /// Appends a tree over a few parts, which are left in some other order.

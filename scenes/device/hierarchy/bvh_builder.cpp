@@ -39,9 +39,7 @@ Expected<WideTree> tree_over(std::span<const Triangle> triangles, std::span<cons
   constexpr int kPasses = 3;
   if (triangles.size() <= kMostSplit) {
     if (Expected<BinaryTree> tree = builder.binary_tree(triangles)) {
-      std::vector<char> is_part;
-      for (const BinaryTree::Node& node : tree->nodes) is_part.push_back(node.is_inner() ? 0 : 1);
-      move_subtrees(*tree, is_part, kShareOfParts, kPasses);
+      move_subtrees(*tree, tree->is_part(), kShareOfParts, kPasses);
       move_subtrees(*tree, TreeCollapse(*tree).is_leaf(), kShareOfLeaves, kPasses);
       WideTree wide = TreeCollapse(*tree).wide_tree();
       if (depth_of(wide.root) <= kMaxTreeDepth) return wide;

@@ -37,12 +37,6 @@ BinaryTree tree_over(std::vector<TreePart> parts) {
   return tree;
 }
 
-std::vector<char> parts_alone(const BinaryTree& tree) {
-  std::vector<char> is_leaf;
-  for (const BinaryTree::Node& node : tree.nodes) is_leaf.push_back(node.is_inner() ? 0 : 1);
-  return is_leaf;
-}
-
 double sum_of_surfaces(const BinaryTree& tree) {
   double sum = 0;
   for (const BinaryTree::Node& node : tree.nodes)
@@ -79,7 +73,7 @@ TEST_P(RandomTrees, HoldEveryPartOnceBeforeAndAfterMoves) {
     std::vector<int> seen(std::size_t(GetParam()), 0);
     expect_sound(tree, 0, seen);
     EXPECT_EQ(std::ranges::count(seen, 1), GetParam());
-    move_subtrees(tree, parts_alone(tree), share, 2);
+    move_subtrees(tree, tree.is_part(), share, 2);
     EXPECT_LE(sum_of_surfaces(tree), sum * (1 + 1e-12));
     sum = sum_of_surfaces(tree);
   }
@@ -115,7 +109,7 @@ TEST(SubtreeMoves, EndWhereNoMoveIsBetter) {
   for (unsigned seed = 0; seed < 6; ++seed) {
     BinaryTree tree = tree_over(random_parts(40, seed));
     const double before = sum_of_surfaces(tree);
-    move_subtrees(tree, parts_alone(tree), 1, 1000);
+    move_subtrees(tree, tree.is_part(), 1, 1000);
     const double sum = sum_of_surfaces(tree);
     EXPECT_LT(sum, before);
     int tried = 0;
@@ -251,7 +245,7 @@ TEST(TreeCollapse, ALeafHoldsAPrimitiveOnce) {
   for (int i = 0; i < 100; ++i) points[std::size_t(i)].primitive = i;
   for (TreePart& part : points) part.box.include(make_vec3(1, 2, 3));
   BinaryTree tree = tree_over(points);
-  move_subtrees(tree, parts_alone(tree), 1, 2);
+  move_subtrees(tree, tree.is_part(), 1, 2);
   std::vector<int> seen(100, 0);
   int count = 0;
   cost_of(TreeCollapse(tree).wide_tree().root, tree.nodes.front().box, seen, count);
