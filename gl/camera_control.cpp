@@ -28,8 +28,6 @@ constexpr double kNearest = 1e-15, kFarthest = 1e15;
 constexpr double kNearestToOrigin =
     1e-6;  // of the target's distance from the origin: keeps the view's direction
 
-dvec3 to_dvec3(const vec3& v) { return {v.x, v.y, v.z}; }
-
 /// Without changing lengths that are 0, and without overflow for any finite vector.
 dvec3 direction_of(const dvec3& v) {
   const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});

@@ -35,7 +35,8 @@
   X(COVERAGE, 0x4000000, "alpha")                                             \
   X(OWNERS, 0x8000000, "objects and materials of pixels")                     \
   X(PARTS, 0x10000000, "parts of the light of paths alone")                   \
-  X(MEDIA, 0x20000000, "participating media")
+  X(MEDIA, 0x20000000, "participating media")                                 \
+  X(LIGHT_EDGES, 0x40000000, "edges of lights that the camera sees")
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FEATURE_PATH 0x001
@@ -68,7 +69,8 @@
 #define FEATURE_OWNERS 0x8000000
 #define FEATURE_PARTS 0x10000000
 #define FEATURE_MEDIA 0x20000000
-#define FEATURE_ALL 0x3fffffff
+#define FEATURE_LIGHT_EDGES 0x40000000
+#define FEATURE_ALL 0x7fffffff
 
 /// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)

@@ -43,6 +43,8 @@ FN Scene make_scene(SceneHeader header, GLOBAL const uint* words) {
   (NEEDS(scene, LIGHT_TREE) && (scene)->header.integrator.light_choice == CHOICE_TREE)
 // Whether it has media: then their tables are there.
 #define NEEDS_MEDIA(scene) (NEEDS(scene, MEDIA) && (scene)->header.tables.media.count > 0)
+// Whether its camera sees edges of lights that are in its tables.
+#define NEEDS_LIGHT_EDGES(scene) (NEEDS(scene, LIGHT_EDGES) && (scene)->header.sees_edges != 0)
 
 PENUMBRA_NAMESPACE_END
 #endif

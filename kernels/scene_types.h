@@ -329,6 +329,24 @@ PENUMBRA_NAMESPACE_BEGIN
   F(vec3, p)                     \
   F(int, starts) /* 1: a loop starts here, so no edge leads from the corner before */
 
+// What a camera sees of the edges of a light of constant radiance: see camera/light_edges.h. One for each of
+// their pixels and radiances, in the order of x within a row.
+#define LIGHT_EDGE_PIXEL_FIELDS(F)                                                           \
+  F(vec3, radiance) /* by which the light is brighter than what is beside it, where seen */  \
+  F(float, share)   /* of the pixel, by its filter, that the light takes up; unobstructed */ \
+  F(int, x)                                                                                  \
+  F(int, first_edge)                                                                         \
+  F(int, edge_count)
+
+// A piece of an edge within the reach of a pixel's filter, about the pixel's centre and in filter radii: at y
+// of [y0, y1), or [y1, y0), it is at x0 + slope (y - y0). The light is at smaller x where y1 > y0, else at
+// larger x.
+#define LIGHT_EDGE_FIELDS(F) \
+  F(float, x0)               \
+  F(float, y0)               \
+  F(float, y1)               \
+  F(float, slope)
+
 // Inner node of the wide BVH: child k is a node if child[k] >= 0, else leaf ~child[k]. An empty slot is any
 // leaf in an inverted box. Leaves below `triangle_leaves.count` hold triangles, the next
 // `quadric_leaves.count` quadrics; those that follow are instances, which only what is below node 0 has.
@@ -472,6 +490,10 @@ PENUMBRA_NAMESPACE_BEGIN
   T(A, majorants, float, 1, "majorants of volumes")                                    \
   /* See filter.h. */                                                                  \
   T(A, filter_table, float, FILTER_TABLE_SIZE, "cells of the pixel filter")            \
+  /* FEATURE_LIGHT_EDGES: of each row of the film the first pixel, and their end. */   \
+  T(A, light_edge_rows, int, 2, "rows of edges of lights")                             \
+  T(A, light_edge_pixels, LightEdgePixel, 1, "pixels with edges of lights")            \
+  T(A, light_edges, LightEdge, 1, "edges of lights in pixels")                         \
   LIGHT_TABLES(T, A)
 
 // I(table, record, member, target table, least, what it is if the member is no index there or less than
@@ -535,6 +557,8 @@ PENUMBRA_NAMESPACE_BEGIN
   F(int, owner_count)       /* FEATURE_OWNERS: numbers of owners are at most that */                 \
   F(int, camera_medium)     /* the medium in which the camera is */                                  \
   F(int, dropped_triangles) /* without area in single precision: left out, and said */               \
+  F(uint, edges_camera)     /* FEATURE_LIGHT_EDGES: camera_key of the one that sees the tables' */   \
+  F(int, sees_edges)        /* ... 1 if that is the camera, else 0: the tables do not count */       \
   F(int, duplicate_lights)  /* light triangles that repeat another one: they do not shine twice */   \
   F(TableSpans, tables)
 
@@ -562,6 +586,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(Beam, BEAM_FIELDS)                                  \
   X(Polygon, POLYGON_FIELDS)                            \
   X(PolygonCorner, POLYGON_CORNER_FIELDS)               \
+  X(LightEdgePixel, LIGHT_EDGE_PIXEL_FIELDS)            \
+  X(LightEdge, LIGHT_EDGE_FIELDS)                       \
   X(BvhNode, BVH_NODE_FIELDS)                           \
   X(TriangleLeaf, TRIANGLE_LEAF_FIELDS)                 \
   X(QuadricLeaf, QUADRIC_LEAF_FIELDS)                   \

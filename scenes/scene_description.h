@@ -95,13 +95,14 @@ struct Film {
   int crop_x = 0, crop_y = 0;
   int crop_width = 768, crop_height = 576;
   FilterKind filter = FilterKind::kGaussian;
-  float filter_radius = 2.0f;    ///< half-width in pixels; box .5, tent 1, gaussian 4 stddev, Mitchell 2,
-                                 ///< Lanczos its lobes
-  float filter_stddev = 0.5f;    ///< Gaussian
-  float filter_b = 1.0f / 3.0f;  ///< Mitchell-Netravali B
-  float filter_c = 1.0f / 3.0f;  ///< Mitchell-Netravali C
-  bool alpha = false;            ///< the image has an alpha channel
-  bool half = false;             ///< colours in its EXR have 16 bits
+  float filter_radius = 2.0f;      ///< half-width in pixels; box .5, tent 1, gaussian 4 stddev, Mitchell 2,
+                                   ///< Lanczos its lobes
+  float filter_stddev = 0.5f;      ///< Gaussian
+  float filter_b = 1.0f / 3.0f;    ///< Mitchell-Netravali B
+  float filter_c = 1.0f / 3.0f;    ///< Mitchell-Netravali C
+  bool closed_light_edges = true;  ///< edges of lights that are seen are without noise, where they can be
+  bool alpha = false;              ///< the image has an alpha channel
+  bool half = false;               ///< colours in its EXR have 16 bits
   ExrCompression compression = ExrCompression::kZip;
 };
 

@@ -168,6 +168,12 @@ void add_film_rows(std::vector<Setting>& table) {
   table.push_back(member_row("film.rfilter_c", Number<float>{LowEnd::kClosed, -10.0f, 10.0f}, &S::film,
                              &Film::filter_c, "C of `mitchell`"));
   only(kMitchell);
+  table.push_back(member_row(
+      "film.light_edges", OneOf<bool>{{{"closed_form", true}, {"sampled", false}}}, &S::film,
+      &Film::closed_light_edges,
+      "edges of lights that the camera sees: `closed_form` is without noise where that is possible, no image "
+      "has another mean"));
+  table.back().matters = [](const S& s) { return !s.film.closed_light_edges; };
   add_file_rows(table);
   for (std::size_t i = first; i < table.size(); ++i) table[i].recorded = true;
 }

@@ -13,6 +13,7 @@
 #include "kernels/block/block_trace.h"
 #include "kernels/camera/camera.h"
 #include "kernels/camera/lens_camera.h"
+#include "kernels/camera/light_edges.h"
 #include "kernels/integrator/direct.h"
 #include "kernels/integrator/occlusion.h"
 #include "kernels/integrator/path.h"
@@ -199,6 +200,9 @@ FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first
     if (!NEEDS(scene, CAMERA)) start_pinhole_paths(scene, paths, i, u, v, slots);
 #else
     start_pinhole_paths(scene, paths, i, u, v, slots);
+#endif
+#if HAS(LIGHT_EDGES)
+    if (NEEDS_LIGHT_EDGES(scene)) add_light_edges(scene, paths, i, u, v);
 #endif
 #if HAS(POLYGONS)
     if (NEEDS(scene, POLYGONS)) clear_control(paths, i);

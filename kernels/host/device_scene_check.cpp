@@ -159,6 +159,7 @@ class Checker {
       check_light_texture(l);
     }
     if (has(FEATURE_POLYGONS)) check_polygons();
+    if (has(FEATURE_LIGHT_EDGES)) check_light_edges();
     if (has(FEATURE_LIGHT_TREE)) check_light_tree();
     require(has(FEATURE_LIGHT_TREE) == (h_.integrator.light_choice == CHOICE_TREE),
             "the choice of lights by their hierarchy and its feature bit go together");
@@ -420,6 +421,20 @@ class Checker {
           table<PolygonCorner>(scene_, h_.tables.polygon_corners)[std::size_t(p.first_corner)].starts == 1,
           "a polygon starts within a loop");
     }
+  }
+
+  void check_light_edges() {
+    const auto rows = table<int>(scene_, h_.tables.light_edge_rows);
+    require(h_.tables.light_edge_rows.count == std::int64_t{h_.film.height} + 1,
+            "rows of edges of lights do not match the film");
+    if (!problem_.empty()) return;
+    require(
+        rows.front() == 0 && rows.back() == h_.tables.light_edge_pixels.count && std::ranges::is_sorted(rows),
+        "rows of edges of lights are not in order");
+    for (const LightEdgePixel& pixel : table<LightEdgePixel>(scene_, h_.tables.light_edge_pixels))
+      require(
+          pixel.edge_count >= 0 && in(pixel.first_edge, 0, h_.tables.light_edges.count - pixel.edge_count),
+          "a pixel names edges of lights that are not there");
   }
 
   /// Walks end at a light, whatever the numbers of the nodes.

@@ -1,11 +1,12 @@
 // What may change of a scene while its device goes on: the camera, and what else a viewer may adjust. No
-// table and no kernel depends on it. A field more in either list is all that another parameter takes here and
-// on the wire.
+// kernel and no table depends on it, but those of light edges, which are left out once the camera moves. A
+// field more in either list is all that another parameter takes here and on the wire.
 #pragma once
 
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <type_traits>
 
@@ -32,9 +33,19 @@ std::array<float, sizeof(Part) / sizeof(float)> as_floats(const Part& part) {
 
 inline View view_of(const SceneHeader& h) { return {h.camera, h.adjustable}; }
 
+/// Cameras that differ have different ones, but for one of 2^32.
+inline std::uint32_t camera_key(const Camera& camera) {
+  std::uint32_t key = 2166136261u;  // FNV-1a over words
+  for (const float value : as_floats(camera)) key = (key ^ std::bit_cast<std::uint32_t>(value)) * 16777619u;
+  return key;
+}
+
+/// Edges of lights are in the tables as one camera sees them: from elsewhere they do not count.
 inline void apply_view(const View& view, SceneHeader& h) {
   h.camera = view.camera;
   h.adjustable = view.adjustable;
+  const bool known = (h.features & FEATURE_LIGHT_EDGES) != 0u;
+  h.sees_edges = known && camera_key(view.camera) == h.edges_camera ? 1 : 0;
 }
 
 /// To the bit.

@@ -18,6 +18,7 @@
 #include "scenes/device/integrator_builder.h"
 #include "scenes/device/light_builder.h"
 #include "scenes/device/light_choice.h"
+#include "scenes/device/light_edges.h"
 #include "scenes/device/light_textures.h"
 #include "scenes/device/ltc/ltc_table.h"
 #include "scenes/device/media_book.h"
@@ -104,10 +105,7 @@ class Builder {
       if (Expected<void> done = store_owners(); !done) return std::unexpected(done.error());
     if (media_->has_homogeneous()) records_.flight_centres = flight_centres(lights_.bounds());
     records_.filter_table = filter_table(scene_.film);
-    if ((h_.features & FEATURE_LIGHT_TREE) != 0u)
-      if (Expected<void> done = add_light_tree(lights_.bounds(), scene_.integrator, radius_, h_, records_);
-          !done)
-        return std::unexpected(done.error());
+    if (Expected<void> done = look_at_scene(); !done) return std::unexpected(done.error());
     store(std::move(records_), out_);
     if (out_.words.size() > std::size_t(INT_MAX))
       return fail(scene_.source + ": the scene exceeds 8 GiB of tables");
@@ -424,6 +422,17 @@ class Builder {
     records_.polygons = lights_.polygons();
     records_.polygon_corners = lights_.corners();
     h_.duplicate_lights = lights_.duplicates();
+  }
+
+  /// What is found by rays through the scene, which is whole otherwise.
+  Expected<void> look_at_scene() {
+    BorrowedHierarchy hierarchy(records_);
+    if ((h_.features & FEATURE_LIGHT_TREE) != 0u)
+      if (Expected<void> done =
+              add_light_tree(lights_.bounds(), scene_.integrator, radius_, h_, records_, hierarchy);
+          !done)
+        return done;
+    return scene_.film.closed_light_edges ? add_light_edges(h_, records_, hierarchy) : Expected<void>();
   }
 
   void set_camera() {

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <variant>
 
+#include "scenes/device/to_vec3.h"
+
 namespace penumbra {
 namespace {
 
@@ -13,8 +15,6 @@ constexpr std::size_t kMaxParts = 1024;
 constexpr int kNodes = 6;  // of the quadrature along each axis of a part
 constexpr double kOtherVariance = 0.2;
 constexpr double kDirectCost = 0.02, kPathCost = 0.17;
-
-glm::dvec3 to_dvec3(const vec3& v) { return {double(v.x), double(v.y), double(v.z)}; }
 
 /// k-th number of an additive sequence in [0, 1).
 double spread(int k, double step) { return std::fmod(0.5 + k * step, 1.0); }

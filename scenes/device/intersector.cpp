@@ -71,11 +71,18 @@ Expected<void> add_hierarchy(SceneRecords& records) {
   return {};
 }
 
-void drop_hierarchy(SceneRecords& records) {
-  for (PrimitiveGroup& group : records.groups) group.root = 0;
-  std::vector<BvhNode>().swap(records.nodes);
-  std::vector<TriangleLeaf>().swap(records.triangle_leaves);
-  std::vector<QuadricLeaf>().swap(records.quadric_leaves);
+Expected<void> BorrowedHierarchy::need() {
+  if (!records_.nodes.empty()) return {};
+  borrowed_ = true;
+  return add_hierarchy(records_);
+}
+
+BorrowedHierarchy::~BorrowedHierarchy() {
+  if (!borrowed_) return;
+  for (PrimitiveGroup& group : records_.groups) group.root = 0;
+  std::vector<BvhNode>().swap(records_.nodes);
+  std::vector<TriangleLeaf>().swap(records_.triangle_leaves);
+  std::vector<QuadricLeaf>().swap(records_.quadric_leaves);
 }
 
 }  // namespace penumbra

@@ -24,7 +24,21 @@ Expected<void> add_intersector(IntersectorChoice choice, SceneHeader& header, Sc
 /// and the roots of their groups. Errors: as of build_hierarchy.
 Expected<void> add_hierarchy(SceneRecords& records);
 
-/// Takes it away.
-void drop_hierarchy(SceneRecords& records);
+/// The portable intersector's hierarchy while a scene is built, for what takes a look at it: built for the
+/// first that needs it, and gone with this, unless the scene's own rays take it.
+class BorrowedHierarchy {
+ public:
+  explicit BorrowedHierarchy(SceneRecords& records) : records_(records) {}
+  BorrowedHierarchy(const BorrowedHierarchy&) = delete;
+  BorrowedHierarchy& operator=(const BorrowedHierarchy&) = delete;
+  ~BorrowedHierarchy();
+
+  /// Of a scene with some primitive. Errors: as of add_hierarchy.
+  Expected<void> need();
+
+ private:
+  SceneRecords& records_;
+  bool borrowed_ = false;
+};
 
 }  // namespace penumbra

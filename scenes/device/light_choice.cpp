@@ -19,18 +19,11 @@ namespace {
 class Chooser {
  public:
   Chooser(std::span<const LightBounds> lights, bool open, double radius, SceneHeader& header,
-          SceneRecords& records)
-      : lights_(lights), open_(open), radius_(radius), h_(header), records_(records) {}
+          SceneRecords& records, BorrowedHierarchy& hierarchy)
+      : lights_(lights), open_(open), radius_(radius), h_(header), records_(records), hierarchy_(hierarchy) {}
 
-  Expected<void> add() {
-    Expected<void> done = choose();
-    if (borrowed_) drop_hierarchy(records_);
-    return done;
-  }
-
- private:
   /// What infinite lights count for beside others takes a look at the scene.
-  Expected<void> choose() {
+  Expected<void> add() {
     std::vector<LightBounds> all(lights_.begin(), lights_.end()), finite = all;
     std::vector<int> infinite;
     double intensity = 0;
@@ -132,10 +125,7 @@ class Chooser {
   template <typename Look>
   Expected<void> survey(const Look& look) {
     if (records_.triangles.empty() && records_.quadrics.empty()) return {};
-    if (records_.nodes.empty()) {
-      if (Expected<void> done = add_hierarchy(records_); !done) return done;
-      borrowed_ = true;
-    }
+    if (Expected<void> done = hierarchy_.need(); !done) return done;
     look();
     return {};
   }
@@ -145,14 +135,15 @@ class Chooser {
   double radius_;
   SceneHeader& h_;
   SceneRecords& records_;
-  bool borrowed_ = false;  ///< the scene's portable hierarchy, which rays of it do not take
+  BorrowedHierarchy& hierarchy_;
 };
 
 }  // namespace
 
 Expected<void> add_light_tree(std::span<const LightBounds> bounds, const IntegratorSettings& integrator,
-                              double scene_radius, SceneHeader& header, SceneRecords& records) {
-  return Chooser(bounds, chooses_as_it_likes(integrator), scene_radius, header, records).add();
+                              double scene_radius, SceneHeader& header, SceneRecords& records,
+                              BorrowedHierarchy& hierarchy) {
+  return Chooser(bounds, chooses_as_it_likes(integrator), scene_radius, header, records, hierarchy).add();
 }
 
 }  // namespace penumbra

@@ -5,6 +5,7 @@
 
 #include "kernels/host/error.h"
 #include "kernels/scene_types.h"
+#include "scenes/device/intersector.h"
 #include "scenes/device/light_bounds.h"
 #include "scenes/device/scene_records.h"
 #include "scenes/integrators.h"
@@ -16,6 +17,7 @@ namespace penumbra {
 /// the header and the probabilities of the lights are then those of a choice by the table.
 /// `scene_radius`: of a sphere about all shapes. Errors: those of building a hierarchy of the shapes.
 Expected<void> add_light_tree(std::span<const LightBounds> bounds, const IntegratorSettings& integrator,
-                              double scene_radius, SceneHeader& header, SceneRecords& records);
+                              double scene_radius, SceneHeader& header, SceneRecords& records,
+                              BorrowedHierarchy& hierarchy);
 
 }  // namespace penumbra
