@@ -238,17 +238,14 @@ PENUMBRA_NAMESPACE_BEGIN
                  unit direction of a directional light */                                                 \
   F(vec3, p2) /* triangle vertex, previous corner; others: (radius, orientation, length) */               \
   F(float, area)                                                                                          \
-  F(int, sampling)          /* EMITTER_* */                                                               \
-  F(int, two_sided)         /* 1: emits from the back as well */                                          \
-  F(int, polygon)           /* index of the polygon light that it is a part of, or -1 */                  \
-  F(float, pmf)             /* probability of choosing this light */                                      \
-  F(float, alias_threshold) /* Walker's alias table: keep this light below, else take ... */              \
-  F(int, alias)             /* ... this one */                                                            \
-  F(int, rank)              /* to be added to a number's index for its rank among those of this light */  \
-  F(int, alias_rank)        /* ... of the alias */                                                        \
-  F(int, kind)              /* LIGHT_* */                                                                 \
-  F(int, texture)           /* by whose values its radiance is multiplied, an index, or -1 */             \
-  F(int, grid)              /* where its distribution begins in the light grids, or -1: it has none */    \
+  F(int, sampling)  /* EMITTER_* */                                                                       \
+  F(int, two_sided) /* 1: emits from the back as well */                                                  \
+  F(int, polygon)   /* index of the polygon light that it is a part of, or -1 */                          \
+  F(float, pmf)     /* probability of choosing this light */                                              \
+  F(int, start)     /* of the LIGHT_NUMBERS, which choose by power, the first that is its own */          \
+  F(int, kind)      /* LIGHT_* */                                                                         \
+  F(int, texture)   /* by whose values its radiance is multiplied, an index, or -1 */                     \
+  F(int, grid)      /* where its distribution begins in the light grids, or -1: it has none */            \
   F(int, grid_side)                                                                                       \
   F(int, beam) /* of a spot light or a projector, an index */
 
@@ -450,6 +447,7 @@ PENUMBRA_NAMESPACE_BEGIN
   T(A, textures, TextureNode, 1, "textures")                                           \
   T(A, texels, uint, LEAST_TEXELS, "words of texels")                                  \
   T(A, lights, Light, 1, "lights")                                                     \
+  T(A, light_cells, int, 1, "cells of the choice of lights")                           \
   T(A, polygons, Polygon, 1, "polygon lights")                                         \
   T(A, polygon_corners, PolygonCorner, 1, "corners of polygon lights")                 \
   /* FEATURE_UV: one for each triangle, one for each light. */                         \
@@ -518,7 +516,6 @@ PENUMBRA_NAMESPACE_BEGIN
   I(boundaries, Boundary, exterior, media, -1, "a boundary names a medium that is not there")             \
   I(textures, TextureNode, texture0, textures, -1, "a texture names another one that is not there")       \
   I(textures, TextureNode, texture1, textures, -1, "a texture names another one that is not there")       \
-  I(lights, Light, alias, lights, 0, "a light's alias is not there")                                      \
   I(lights, Light, texture, textures, -1, "a light names a texture that is not there")                    \
   I(light_triangles, LightTriangles, first, triangles, -1, "a light names a triangle that is not there")  \
   I(light_triangles, LightTriangles, second, triangles, -1, "a light names a triangle that is not there") \

@@ -136,6 +136,7 @@ class Checker {
   check_index(h_.tables.name, LEAST_##name, &record::member, h_.tables.target, LEAST_##target, least, what);
     SCENE_INDICES(CHECK_INDEX)
 #undef CHECK_INDEX
+    check_light_cells();
     check_uvs();
     check_instances();
     check_owners();
@@ -149,9 +150,7 @@ class Checker {
       require(h_.tables.lights.count == 0 || holds(h_.light_kinds, l.kind),
               "a light of a kind that the header does not name");
       require(in(l.sampling, EMITTER_AREA, EMITTER_PROJECTED), "a light of unknown sampling");
-      constexpr int kNumbers = 1 << 24;  // that a sampler can give
-      require(in(l.rank, -kNumbers, kNumbers) && in(l.alias_rank, -kNumbers, kNumbers),
-              "a light's numbers have ranks that there are not");
+      require(in(l.start, 0, int(LIGHT_NUMBERS)), "a light begins at no number that a sampler can give");
       require(!has(FEATURE_POLYGONS) || in(l.polygon, -1, h_.tables.polygons.count - 1),
               "a light names a polygon that is not there");
       if (l.kind == LIGHT_ENVMAP) check_envmap();
@@ -421,6 +420,17 @@ class Checker {
           table<PolygonCorner>(scene_, h_.tables.polygon_corners)[std::size_t(p.first_corner)].starts == 1,
           "a polygon starts within a loop");
     }
+  }
+
+  /// Every number that a sampler can give is of a cell.
+  void check_light_cells() {
+    const int count = h_.tables.light_cells.count;
+    require(count == 0 || (count <= int(LIGHT_NUMBERS) && (count & (count - 1)) == 0),
+            "cells of the choice of lights that are no power of two");
+    require(count > 0 || h_.tables.lights.count <= 1, "no cells to choose lights by");
+    for (const int light : table<int>(scene_, at_least_one(h_.tables.light_cells)))
+      require(in(light, 0, std::max(h_.tables.lights.count, int(LEAST_lights)) - 1),
+              "a cell of the choice of lights names one that is not there");
   }
 
   void check_light_edges() {

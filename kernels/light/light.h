@@ -57,7 +57,7 @@ FN bool has_one_light(const PRIVATE Scene* scene) { return scene->header.tables.
       }                                                                                              \
   }
 CHOOSE_LANES(choose_lights, choose_light(scene, number[j], fine[j]))
-CHOOSE_LANES(choose_only_light, take_light(scene, 0, 0, number[j], fine[j]))
+CHOOSE_LANES(choose_only_light, take_light(scene, 0, number[j], fine[j]))
 #undef CHOOSE_LANES
 
 /// What scenes of several kinds of lights, of spheres or of polygons need besides.

@@ -419,6 +419,7 @@ class Builder {
       }
     lights_.finish();
     records_.lights = lights_.lights();
+    records_.light_cells = lights_.cells();
     records_.polygons = lights_.polygons();
     records_.polygon_corners = lights_.corners();
     h_.duplicate_lights = lights_.duplicates();

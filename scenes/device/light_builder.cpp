@@ -216,7 +216,7 @@ void LightBuilder::finish() {
         0.5 * std::min(power[its], its == kSkies ? others : all) / all + 0.5 / double(present);
     power_[i] *= power[its] > 0 ? share / power[its] : 0.0;
   }
-  set_light_probabilities(lights_, power_);
+  cells_ = set_light_probabilities(lights_, power_, bounds_);
 }
 
 std::uint32_t LightBuilder::features() const {

@@ -49,6 +49,8 @@ class LightBuilder {
 
   [[nodiscard]] const std::vector<Light>& lights() const { return lights_; }
   [[nodiscard]] const std::vector<LightBounds>& bounds() const { return bounds_; }  ///< of each light
+  /// See set_light_probabilities; none before finish().
+  [[nodiscard]] const std::vector<int>& cells() const { return cells_; }
   [[nodiscard]] const std::vector<Polygon>& polygons() const { return polygons_; }
   [[nodiscard]] const std::vector<PolygonCorner>& corners() const { return corners_; }
   [[nodiscard]] int duplicates() const { return duplicates_; }
@@ -84,6 +86,7 @@ class LightBuilder {
   std::vector<Light> lights_;
   std::vector<double> power_;
   std::vector<LightBounds> bounds_;
+  std::vector<int> cells_;
   std::vector<Polygon> polygons_;
   std::vector<PolygonCorner> corners_;
   int duplicates_ = 0;

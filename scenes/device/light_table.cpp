@@ -1,92 +1,115 @@
 #include "scenes/device/light_table.h"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
-#include <vector>
 
 namespace penumbra {
 namespace {
 
-// Samplers give multiples of 2^-24 in [0, 1).
-constexpr std::uint32_t kNumbers = 1u << 24;
+constexpr std::size_t kLeastCells = 1024, kCellsPerLight = 16;
+constexpr int kCurveBits = 20;  // of a coordinate along the curve
 
-/// choose_light's place in the table for the k-th number.
-float position_of(std::uint32_t k, std::size_t count) { return float(k) * 0x1p-24f * float(count); }
-
-/// The first k in [low, high) whose position is at least `place`, or `high`.
-std::uint32_t first_at(float place, std::uint32_t low, std::uint32_t high, std::size_t count,
-                       float from = 0) {
-  while (low < high) {
-    const std::uint32_t middle = low + (high - low) / 2;
-    if (position_of(middle, count) - from < place)
-      low = middle + 1;
-    else
-      high = middle;
+/// Of lights with power: 1 for the largest.
+std::vector<double> relative(std::span<const double> power) {
+  const double largest = std::ranges::max(power);
+  std::vector<double> shares;
+  for (const double p : power) {
+    // Of infinite ones those alone count, as far as any can.
+    const double share = std::isfinite(largest) ? p / largest : (p == largest ? 1.0 : 0.0);
+    shares.push_back(p > 0 ? std::max(share, std::numeric_limits<double>::min()) : 0.0);
   }
-  return low;
+  return shares;
 }
 
-/// The probabilities with which choose_light really picks each light, so that weights by 1 / pmf are exact:
-/// with many lights only some numbers fall on each. A light with power is picked by one number at least, if
-/// any falls on its place.
-void count_choices(std::span<Light> lights, std::span<const double> power) {
-  const std::size_t n = lights.size();
-  std::vector<std::uint32_t> numbers(n);
-  struct Place {
-    std::uint32_t low, split, high;
-  };
-  std::vector<Place> places;
-  for (std::uint32_t i = 0, low = 0; i < n; ++i) {
-    Light& light = lights[i];
-    const std::uint32_t high = i + 1 < n ? first_at(float(i + 1), low, kNumbers, n) : kNumbers;
-    std::uint32_t split = first_at(light.alias_threshold, low, high, n, float(i));
-    if (split == low && low < high && power[i] > 0) {
-      light.alias_threshold = std::nextafter(position_of(low, n) - float(i), 2.0f);
-      split = first_at(light.alias_threshold, low, high, n, float(i));
+/// Of each light how many of the cells it gets, all together `cells`: one if that is more than its share, and
+/// the others theirs of the rest, by largest remainders.
+std::vector<std::size_t> deal_cells(const std::vector<double>& shares, std::size_t cells) {
+  std::vector<std::size_t> dealt(shares.size(), 0);
+  double sum = 0;
+  auto rest = double(cells);
+  std::vector<std::size_t> by_share;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    sum += shares[i];
+    if (shares[i] > 0) by_share.push_back(i);
+  }
+  std::ranges::sort(by_share, {}, [&](std::size_t i) { return std::pair(shares[i], i); });
+  // The smallest ones first: what they get too much, the others get less.
+  std::size_t small = 0;
+  for (; small + 1 < by_share.size() && shares[by_share[small]] * rest < sum; ++small) {
+    dealt[by_share[small]] = 1;
+    sum -= shares[by_share[small]];
+    rest -= 1;
+  }
+  if (by_share.empty()) return dealt;
+  std::size_t left = cells - small;
+  std::vector<std::pair<double, std::size_t>> remainders;
+  for (std::size_t k = small; k < by_share.size(); ++k) {
+    const std::size_t i = by_share[k];
+    const double exact = shares[i] / sum * rest;
+    dealt[i] = std::clamp(std::size_t(exact), std::size_t{1}, left - (by_share.size() - 1 - k));
+    left -= dealt[i];
+    remainders.emplace_back(double(dealt[i]) - exact, i);
+  }
+  std::ranges::sort(remainders);
+  for (std::size_t k = 0; left > 0; k = (k + 1) % remainders.size(), --left) ++dealt[remainders[k].second];
+  return dealt;
+}
+
+/// Every third bit.
+std::uint64_t spread_bits(std::uint32_t x) {
+  std::uint64_t bits = 0;
+  for (int k = 0; k < kCurveBits; ++k) bits |= std::uint64_t(x >> k & 1u) << (3 * k);
+  return bits;
+}
+
+/// Of each light its place along Morton's curve through the box of all; infinite ones last.
+std::vector<std::uint64_t> places_on_curve(std::span<const LightBounds> bounds) {
+  glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
+  for (const LightBounds& b : bounds) {
+    if (b.infinite) continue;
+    low = glm::min(low, 0.5 * (b.low + b.high));
+    high = glm::max(high, 0.5 * (b.low + b.high));
+  }
+  const double size = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
+  std::vector<std::uint64_t> places;
+  for (const LightBounds& b : bounds) {
+    std::uint64_t place = std::numeric_limits<std::uint64_t>::max();
+    if (!b.infinite) {
+      place = 0;
+      const glm::dvec3 p = size > 0 ? (0.5 * (b.low + b.high) - low) / size : glm::dvec3(0);
+      for (int axis = 0; axis < 3; ++axis)
+        place |= spread_bits(std::uint32_t(p[axis] * ((1 << kCurveBits) - 1))) << axis;
     }
-    numbers[i] += split - low;
-    numbers[std::size_t(light.alias)] += high - split;
-    places.push_back({low, split, high});
-    low = high;
+    places.push_back(place);
   }
-  std::vector<std::uint32_t> ranks(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto [low, split, high] = places[i];
-    std::uint32_t &own = ranks[i], &alias = ranks[std::size_t(lights[i].alias)];
-    lights[i].rank = int(own) - int(low);
-    own += split - low;
-    lights[i].alias_rank = int(alias) - int(split);
-    alias += high - split;
-  }
-  for (std::size_t i = 0; i < n; ++i) lights[i].pmf = float(numbers[i]) * 0x1p-24f;
+  return places;
 }
 
 }  // namespace
 
-void set_light_probabilities(std::span<Light> lights, std::span<const double> power) {
-  const std::size_t n = lights.size();
-  const double total = std::accumulate(power.begin(), power.end(), 0.0);
-  std::vector<double> share(n);
-  std::vector<std::size_t> small, large;
-  for (std::size_t i = 0; i < n; ++i) {
-    share[i] = power[i] / total * double(n);
-    lights[i].alias_threshold = 1.0f;
-    lights[i].alias = int(i);
-    (share[i] < 1 ? small : large).push_back(i);
+std::vector<int> set_light_probabilities(std::span<Light> lights, std::span<const double> power,
+                                         std::span<const LightBounds> bounds) {
+  const std::size_t count =
+      std::clamp(std::bit_ceil(kCellsPerLight * lights.size()), kLeastCells, std::size_t{1} << 24);
+  const std::vector<std::size_t> dealt = deal_cells(relative(power), count);
+  const std::vector<std::uint64_t> places = places_on_curve(bounds);
+  std::vector<int> order(lights.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::sort(order, {}, [&](int i) { return std::pair(places[std::size_t(i)], i); });
+  std::vector<int> cells;
+  for (const int i : order) {
+    Light& light = lights[std::size_t(i)];
+    const std::size_t own = dealt[std::size_t(i)];
+    light.pmf = float(double(own) / double(count));
+    light.start = int(cells.size() * ((std::size_t{1} << 24) / count));
+    cells.insert(cells.end(), own, i);
   }
-  while (!small.empty() && !large.empty()) {
-    const std::size_t s = small.back(), l = large.back();
-    small.pop_back();
-    lights[s].alias_threshold = float(share[s]);
-    lights[s].alias = int(l);
-    share[l] -= 1 - share[s];
-    if (share[l] < 1) {
-      large.pop_back();
-      small.push_back(l);
-    }
-  }
-  count_choices(lights, power);
+  if (cells.empty()) cells.assign(count, 0);  // no light has power, and none a probability
+  return cells;
 }
 
 }  // namespace penumbra

@@ -101,7 +101,7 @@ STAGE void sphere_light_quantity(GLOBAL const double* in, GLOBAL double* out, GL
   light->area = 4.0f * PI_F * radius * radius;
   light->sampling = EMITTER_SOLID_ANGLE;
   light->polygon = -1;
-  light->pmf = light->alias_threshold = 1.0f;
+  light->pmf = 1.0f;
   light->kind = LIGHT_SPHERE;
   Surface s = surface_in_medium(in_v(in, 4));
   s.geometric = s.shading = in_v(in, 7);

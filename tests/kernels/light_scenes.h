@@ -12,7 +12,7 @@ namespace penumbra {
 inline Light only_light(int kind) {
   Light light{};
   light.kind = kind;
-  light.pmf = light.alias_threshold = 1;
+  light.pmf = 1;
   light.polygon = -1;
   light.radiance = make_vec3(1, 2, 3);
   return light;

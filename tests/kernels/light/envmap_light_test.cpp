@@ -30,7 +30,7 @@ SceneTables envmap_scene(int width, int height, const auto& texel, const glm::dm
   SceneTables tables;
   const auto local = [](const glm::dvec3& p) { return to_vec3(p); };
   Light light = map.light({local, 1.0, tables}).light;
-  light.pmf = light.alias_threshold = 1;
+  light.pmf = 1;
   tables.lights.push_back(light);
   tables.header.environment = 0;
   return tables;
