@@ -62,8 +62,10 @@ FN void add_light_edges(const PRIVATE Scene* scene, const PRIVATE PathState* pat
   for (int j = 0; j < LANES; j++) {
     const int x = get_film_x(paths, i + j), y = get_film_y(paths, i + j);
     if ((x == last_x) & (y == last_y)) continue;
-    const int end = scene->light_edge_rows[y + 1];
-    int k = find_edge_pixel(scene, scene->light_edge_rows[y], end, x);
+    const bool on_film = (y >= 0) & (y < scene->header.film.height);  // a unit may come from anywhere
+    const int first = on_film ? scene->light_edge_rows[y] : 0,
+              end = on_film ? scene->light_edge_rows[y + 1] : 0;
+    int k = find_edge_pixel(scene, first, end, x);
     for (; k < end && scene->light_edge_pixels[k].x == x; k++)
       add_edges_in_pixel(scene, scene->light_edge_pixels[k], y, paths, i, u, v);
     last_x = x;

@@ -49,15 +49,4 @@ double FilterMass::up_to(double x) const {
   return 0.5 * (1 + std::copysign(nearer, x));
 }
 
-double FilterMass::at(double x) const {
-  const double distance = std::abs(x);
-  if (distance > 1) return 0;
-  if (filter_ == FILTER_BOX) return 0.5;
-  if (filter_ == FILTER_TENT) return 1 - distance;
-  const Place place = find(distance);
-  const double width = double(table_[std::size_t(place.cell) + 1]) - double(table_[std::size_t(place.cell)]);
-  const double slope = 2 * (1 - (place.cell + place.inside) / FILTER_CELLS) / FILTER_CELLS;
-  return width > 0 ? 0.5 * weight(place.cell) * slope / width : 0;
-}
-
 }  // namespace penumbra

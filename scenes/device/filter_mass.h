@@ -13,10 +13,9 @@ class FilterMass {
   /// `table`: of filter_table.h; it is there as long as this.
   FilterMass(int filter, const std::vector<float>& table);
 
-  /// The filter's integral from -1 to x, and its value there; x in filter radii, of [-1, 1]. The integral to
-  /// 1 is 1, but for the rounding of a table's weights.
+  /// The filter's integral from -1 to x, in filter radii, of [-1, 1]; that to 1 is 1, but for the rounding of
+  /// a table's weights.
   [[nodiscard]] double up_to(double x) const;
-  [[nodiscard]] double at(double x) const;
 
  private:
   /// Where a distance from the centre is in the table.

@@ -205,8 +205,8 @@ TEST(DeviceSceneCheck, NamesWhatIsWrong) {
                  "a quadric names a material");
   expect_refused(with_record<Quadric>(scene, h.tables.quadrics, 0, [](Quadric& q) { q.kind = 2; }),
                  "a quadric of unknown kind");
-  expect_refused(with_record<Light>(scene, h.tables.lights, 0, [](Light& l) { l.alias = 99; }),
-                 "a light's alias");
+  expect_refused(with_record<Light>(scene, h.tables.lights, 0, [](Light& l) { l.start = -1; }),
+                 "a light begins at no number");
   expect_refused(with_record<Light>(scene, h.tables.lights, 0, [](Light& l) { l.kind = LIGHT_KIND_COUNT; }),
                  "a light of unknown kind");
   for (const int family : {FAMILY_DIFFUSE, FAMILY_PHONG})

@@ -26,7 +26,7 @@ Made scene_of(const Model& model) {
   const auto at = [](const glm::dvec3& p) { return to_vec3(p); };
   const EmitterLight light = model.light({at, 2.0, made.tables});
   made.tables.lights.push_back(light.light);
-  made.tables.lights[0].pmf = made.tables.lights[0].alias_threshold = 1;
+  made.tables.lights[0].pmf = 1;
   made.tables.header.environment = -1;
   made.power = light.power;
   return made;

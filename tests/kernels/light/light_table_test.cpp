@@ -1,4 +1,4 @@
-// The alias table against a count of every number that a sampler can give.
+// The table of cells against a count of every number that a sampler can give.
 #include "scenes/device/light_table.h"
 
 #include <gtest/gtest.h>
@@ -18,17 +18,27 @@ namespace {
 
 constexpr std::uint32_t kNumbers = 1u << 24;
 
-std::vector<Light> lights_of(const std::vector<double>& power) {
-  std::vector<Light> lights(power.size());
-  set_light_probabilities(lights, power);
-  return lights;
+/// Somewhere of their own.
+std::vector<LightBounds> places_of(std::size_t count) {
+  RandomNumbers random(7);
+  std::vector<LightBounds> bounds(count);
+  for (LightBounds& b : bounds) {
+    b.low = b.high = {random.between(-1, 1), random.between(-1, 1), random.between(-1, 1)};
+    b.infinite = false;
+  }
+  return bounds;
 }
 
-std::vector<std::uint32_t> count_choices(const std::vector<Light>& lights) {
+SceneTables tables_of(const std::vector<double>& power) {
   SceneTables tables;
-  tables.lights = lights;
+  tables.lights.resize(power.size());
+  tables.light_cells = set_light_probabilities(tables.lights, power, places_of(power.size()));
+  return tables;
+}
+
+std::vector<std::uint32_t> count_choices(SceneTables& tables) {
   const Scene scene = tables.scene();
-  std::vector<std::uint32_t> count(lights.size());
+  std::vector<std::uint32_t> count(tables.lights.size());
   for (std::uint32_t k = 0; k < kNumbers; ++k)
     ++count.at(std::size_t(choose_light(&scene, float(k) * 0x1p-24f, 0.0f).light));
   return count;
@@ -53,33 +63,44 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 TEST_P(LightTable, ProbabilitiesAreThoseOfTheChoicesExactly) {
-  const std::vector<Light> lights = lights_of(GetParam());
-  const std::vector<std::uint32_t> count = count_choices(lights);
-  for (std::size_t i = 0; i < lights.size(); ++i)
-    ASSERT_EQ(lights[i].pmf, float(count[i]) * 0x1p-24f) << "light " << i;
+  SceneTables tables = tables_of(GetParam());
+  const std::vector<std::uint32_t> count = count_choices(tables);
+  for (std::size_t i = 0; i < count.size(); ++i)
+    ASSERT_EQ(tables.lights[i].pmf, float(count[i]) * 0x1p-24f) << "light " << i;
 }
 
 TEST_P(LightTable, ProbabilitiesFollowThePower) {
   const std::vector<double>& power = GetParam();
-  const std::vector<Light> lights = lights_of(power);
-  const double total = std::accumulate(power.begin(), power.end(), 0.0);
+  SceneTables tables = tables_of(power);
+  const double total = std::accumulate(power.begin(), power.end(), 0.0),
+               cell = 1.0 / double(tables.light_cells.size());
   double sum = 0;
-  // Each place of the table is some whole count of numbers, and so is each share of a place; a light's
-  // probability is made of its own share and of those of the places whose alias it is.
-  std::vector<double> shares(power.size(), 1);
-  for (std::size_t i = 0; i < power.size(); ++i)
-    if (lights[i].alias != int(i)) ++shares[std::size_t(lights[i].alias)];
+  // Lights whose share is less than a cell have a whole one, which the others lack: at most a cell for each
+  // light, in proportion to what they have.
   for (std::size_t i = 0; i < power.size(); ++i) {
-    sum += lights[i].pmf;
-    ASSERT_NEAR(lights[i].pmf, power[i] / total, 2.5 * shares[i] * 0x1p-24) << "light " << i;
+    const double share = power[i] / total, pmf = tables.lights[i].pmf;
+    sum += pmf;
+    ASSERT_LE(pmf, std::max(share, 0.0) + cell * 1.000001) << "light " << i;
+    ASSERT_GE(pmf, share * (1 - double(power.size()) * cell) - cell) << "light " << i;
   }
   EXPECT_NEAR(sum, 1, 1e-12);
 }
 
+TEST_P(LightTable, CellsOfALightAreNeighboursInTheOrderOfPlaces) {
+  SceneTables tables = tables_of(GetParam());
+  std::vector<bool> seen(tables.lights.size(), false);
+  for (std::size_t k = 0; k < tables.light_cells.size(); ++k) {
+    const auto light = std::size_t(tables.light_cells[k]);
+    if (k > 0 && tables.light_cells[k - 1] == int(light)) continue;
+    ASSERT_FALSE(seen[light]) << "light " << light << " at cell " << k;
+    ASSERT_EQ(std::uint32_t(tables.lights[light].start), k * (kNumbers / tables.light_cells.size()));
+    seen[light] = true;
+  }
+}
+
 TEST_P(LightTable, WhatIsLeftOfTheNumbersFillsTheIntervalEvenly) {
-  const std::vector<Light> lights = lights_of(GetParam());
-  SceneTables tables;
-  tables.lights = lights;
+  SceneTables tables = tables_of(GetParam());
+  const std::vector<Light>& lights = tables.lights;
   const Scene scene = tables.scene();
   std::vector<std::vector<bool>> taken(lights.size());
   for (std::size_t i = 0; i < lights.size(); ++i) taken[i].resize(std::size_t(lights[i].pmf * 0x1p24f));
@@ -99,33 +120,70 @@ TEST_P(LightTable, WhatIsLeftOfTheNumbersFillsTheIntervalEvenly) {
 }
 
 TEST_P(LightTable, NeighboursStayNeighbours) {
-  // Numbers of one place that choose one light differ by their distance over its probability.
-  const std::vector<Light> lights = lights_of(GetParam());
-  SceneTables tables;
-  tables.lights = lights;
+  // Numbers that choose one light differ by their distance over its probability.
+  SceneTables tables = tables_of(GetParam());
+  const std::vector<Light>& lights = tables.lights;
   const Scene scene = tables.scene();
   RandomNumbers random(5);
   for (int i = 0; i < 10'000; ++i) {
     const auto k = std::uint32_t(random.below(kNumbers - 1));
     const ChosenLight a = choose_light(&scene, float(k) * 0x1p-24f, 0.5f),
                       b = choose_light(&scene, float(k + 1) * 0x1p-24f, 0.5f);
-    const double place = double(lights.size()) * 0x1p-24;
-    if (a.light != b.light || int(k * place) != int((k + 1) * place)) continue;
+    if (a.light != b.light) continue;
     const double step = 0x1p-24 / lights[std::size_t(a.light)].pmf;
     ASSERT_NEAR(b.u - a.u, step, 0x1p-23) << "light " << a.light;
   }
 }
 
 TEST_P(LightTable, EveryLightWithPowerCanBeChosen) {
-  const std::vector<Light> lights = lights_of(GetParam());
+  const std::vector<Light> lights = tables_of(GetParam()).lights;
   for (std::size_t i = 0; i < lights.size(); ++i) {
     ASSERT_EQ(lights[i].pmf > 0, GetParam()[i] > 0) << "light " << i;
   }
 }
 
+TEST(LightTableOfPlaces, NeighboursInSpaceAreNearEachOther) {
+  // 16 x 16 lights of a plane, in any order: those of a quarter of the table are one quarter of the plane.
+  std::vector<Light> lights(256);
+  std::vector<LightBounds> bounds(256);
+  for (std::size_t i = 0; i < 256; ++i) {
+    const std::size_t place = i * 37 % 256;
+    bounds[i].low = bounds[i].high = {double(place % 16), double(place / 16), 3};
+    bounds[i].infinite = false;
+  }
+  const std::vector<int> cells = set_light_probabilities(lights, std::vector<double>(256, 1.0), bounds);
+  for (std::size_t quarter = 0; quarter < 4; ++quarter) {
+    glm::dvec3 low(99), high(-99);
+    for (std::size_t k = 0; k < cells.size() / 4; ++k) {
+      const glm::dvec3 p = bounds[std::size_t(cells[quarter * (cells.size() / 4) + k])].low;
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+    EXPECT_EQ(high - low, glm::dvec3(7, 7, 0)) << quarter;
+  }
+}
+
+TEST(LightTableOfPlaces, LightsWithoutAPlaceAreLast) {
+  std::vector<Light> lights(3);
+  std::vector<LightBounds> bounds(3);
+  bounds[1].low = bounds[1].high = {1, 2, 3};
+  bounds[1].infinite = false;
+  const std::vector<int> cells = set_light_probabilities(lights, std::vector<double>(3, 1.0), bounds);
+  EXPECT_EQ(cells.front(), 1);
+  EXPECT_EQ(cells.back(), 2);
+}
+
+TEST(LightTableWithoutPower, GivesNoLightAProbability) {
+  SceneTables tables = tables_of({0, 0});
+  EXPECT_EQ(tables.lights[0].pmf, 0);
+  EXPECT_EQ(tables.lights[1].pmf, 0);
+  const Scene scene = tables.scene();
+  EXPECT_EQ(choose_light(&scene, 0.7f, 0.5f).pmf, 0);
+}
+
 TEST(LightTableWithInfinitePower, ChoosesItAlways) {
   const double infinity = std::numeric_limits<double>::infinity();
-  const std::vector<Light> lights = lights_of({1, infinity});
+  const std::vector<Light> lights = tables_of({1, infinity}).lights;
   EXPECT_GT(lights[1].pmf, 0.9f);
   EXPECT_TRUE(std::isfinite(lights[0].pmf));
 }

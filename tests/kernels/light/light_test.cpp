@@ -369,10 +369,9 @@ TEST(LightChoice, EntersTheDensity) {
   tables.lights.push_back(environment_light().lights[0]);
   tables.header.environment = 1;
   tables.lights[0].pmf = 0.25f;
-  tables.lights[0].alias_threshold = 0.5f;  // half of the first place, and no other
-  tables.lights[0].alias = 1;
   tables.lights[1].pmf = 0.75f;
-  tables.lights[1].alias_threshold = 1;
+  tables.lights[1].start = 1 << 22;
+  tables.light_cells = {0, 1, 1, 1};
   const Scene scene = tables.scene();
   const Surface s = receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1));
   const double cone = 2 * kPi * (1 - std::sqrt(0.75));

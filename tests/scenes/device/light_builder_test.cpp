@@ -173,7 +173,9 @@ TEST(LightBuilder, TrianglesWithoutAreaAreNeverChosen) {
       for (const Light& light : builder.lights()) {
         EXPECT_TRUE(std::isfinite(light.pmf) && std::isfinite(light.area));
         EXPECT_EQ(light.pmf > 0, light.area > 0);
-        EXPECT_GT(builder.lights()[std::size_t(light.alias)].pmf, 0);
+      }
+      for (const int light : builder.cells()) {
+        EXPECT_GT(builder.lights()[std::size_t(light)].pmf, 0);
       }
       if (polygons) {
         EXPECT_EQ(builder.polygons()[0].area, 6);
