@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <glm/glm.hpp>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -13,9 +15,11 @@
 #include "kernels/camera/camera.h"
 #include "kernels/intersect/bvh.h"
 #include "kernels/intersect/surface.h"
+#include "kernels/math/frame.h"
 #include "scenes/device/film_outline.h"
 #include "scenes/device/filter_mass.h"
 #include "scenes/device/records_view.h"
+#include "scenes/device/to_vec3.h"
 
 namespace penumbra {
 namespace {
@@ -25,30 +29,37 @@ constexpr std::size_t kMostBorrowed = 1'000'000;  // triangles of a scene withou
 constexpr std::size_t kMostTriangles = 1 << 18;   // that emit
 constexpr std::size_t kMostPixels = 1 << 20;
 // By how many filter radii rays pass an edge on either side.
-constexpr double kBeside = 1e-3;
+constexpr double kBeside = 0.01;
+// Circles are polygons whose sides are off by at most 1/500 of a pixel: pi sqrt(500 r / 2) of a radius of r
+// pixels. Their shares and their insides are of the same polygon, so the mean is right whatever the circle.
+constexpr double kCircleCorners = 50;
+constexpr int kMostCorners = 4096;
 
 using Radiance = std::array<float, 3>;
+using Triangles = std::vector<std::array<vec3, 3>>;
 
-/// Finds what is seen beside edges.
-class EdgeRays {
+/// Looks at the lights of a scene from its camera.
+class SeenLights {
  public:
-  explicit EdgeRays(const Scene& scene) : scene_(scene) {}
+  explicit SeenLights(const Scene& scene) : scene_(scene), h_(scene.header) {}
 
-  /// The radiance that a triangle adds to the camera's rays by itself: of those with edges, which face the
-  /// camera.
-  [[nodiscard]] std::optional<Radiance> radiance_of(int triangle) const {
-    const Triangle& t = scene_.triangles[triangle];
-    if (t.light < 0) return {};
-    const Light& light = scene_.lights[t.light];
-    const bool passes =
-        scene_.materials[t.front].passes != PASSES_NONE || scene_.materials[t.back].passes != PASSES_NONE;
-    if (light.texture >= 0 || passes || !(faces(t) || light.two_sided != 0)) return {};
+  /// The radiance that a primitive by itself adds to the camera's rays, if it has edges.
+  [[nodiscard]] std::optional<Radiance> radiance_of(int primitive) const {
+    const int index = light_of(primitive);
+    if (index < 0) return {};
+    const Light& light = scene_.lights[index];
+    const SideMaterials sides = side_materials(&scene_, primitive);
+    const bool passes = scene_.materials[sides.front].passes != PASSES_NONE ||
+                        scene_.materials[sides.back].passes != PASSES_NONE;
+    if (light.texture >= 0 || passes || !shines(primitive)) return {};
     return Radiance{light.radiance.x, light.radiance.y, light.radiance.z};
   }
 
-  /// Whether the camera sees its vertices counter-clockwise.
-  [[nodiscard]] bool faces(const Triangle& t) const {
-    return dot3(cross3(sub(t.p1, t.p0), sub(t.p2, t.p0)), sub(scene_.header.camera.origin, t.p0)) > 0.0f;
+  /// What the camera sees of one that radiance_of has, by triangles that it sees counter-clockwise.
+  [[nodiscard]] Triangles seen_of(int primitive) const {
+    if (primitive >= triangle_count()) return seen_of_quadric(quadric(primitive));
+    const Triangle& t = scene_.triangles[primitive];
+    return {faces(t) ? std::array{t.p0, t.p1, t.p2} : std::array{t.p0, t.p2, t.p1}};
   }
 
   /// By how much lights of this radiance are brighter than what emits beside them, over the pixel's edges
@@ -63,8 +74,9 @@ class EdgeRays {
       length += size;
       const glm::dvec2 aside = kBeside / size * glm::dvec2(-way.y, way.x);
       if (pixel.winding(middle + aside) != 1 || pixel.winding(middle - aside) != 0) continue;
-      if (emission(pixel, middle + aside, true) != radiance) continue;
-      const std::optional<Radiance> other = emission(pixel, middle - aside, false);
+      const int hit = hit_at(pixel, middle + aside);
+      if (hit < 0 || radiance_of(hit) != radiance) continue;
+      const std::optional<Radiance> other = beside(hit_at(pixel, middle - aside));
       for (int c = 0; c < 3 && other; ++c)
         sum[c] += float(size) * (radiance[std::size_t(c)] - (*other)[std::size_t(c)]);
     }
@@ -72,44 +84,99 @@ class EdgeRays {
   }
 
  private:
-  /// What is emitted towards the camera where a ray ends; nothing if that is not the same everywhere.
-  /// `of_edges`: only of what has edges.
-  [[nodiscard]] std::optional<Radiance> emission(const OutlinePixel& pixel, glm::dvec2 p,
-                                                 bool of_edges) const {
-    const SceneHeader& h = scene_.header;
-    const Ray ray = camera_ray(h.camera, h.film, pixel.x, pixel.y, h.film.filter_radius * float(p.x),
-                               h.film.filter_radius * float(p.y));
-    const Hit hit =
-        intersect_levels(&scene_, ray.origin, ray.direction, ray.tmax, -1, -1, h.tables.instances.count > 0);
-    int light = hit.primitive < 0 ? h.environment : -1;
-    if (hit.primitive >= h.tables.triangles.count)
-      light = scene_.quadrics[hit.primitive - h.tables.triangles.count].light;
-    else if (hit.primitive >= 0)
-      light = scene_.triangles[hit.primitive].light;
-    const bool triangle = hit.primitive >= 0 && hit.primitive < h.tables.triangles.count;
-    if (of_edges) return triangle ? radiance_of(hit.primitive) : std::nullopt;
-    if (light < 0) return Radiance{};
+  [[nodiscard]] int triangle_count() const { return h_.tables.triangles.count; }
+  [[nodiscard]] const Quadric& quadric(int primitive) const {
+    return scene_.quadrics[primitive - triangle_count()];
+  }
+  [[nodiscard]] int light_of(int primitive) const {
+    return primitive < triangle_count() ? scene_.triangles[primitive].light : quadric(primitive).light;
+  }
+
+  /// Whether the camera sees its vertices counter-clockwise.
+  [[nodiscard]] bool faces(const Triangle& t) const {
+    return dot3(cross3(sub(t.p1, t.p0), sub(t.p2, t.p0)), sub(h_.camera.origin, t.p0)) > 0.0f;
+  }
+
+  /// Whether the camera sees a side of the primitive, which is a light, that shines: of a sphere the outside.
+  /// Cylinders have no outline here.
+  [[nodiscard]] bool shines(int primitive) const {
+    const bool two_sided = scene_.lights[light_of(primitive)].two_sided != 0;
+    if (primitive < triangle_count()) return two_sided || faces(scene_.triangles[primitive]);
+    const Quadric& q = quadric(primitive);
+    const vec3 from_center = sub(h_.camera.origin, q.center);
+    if (q.kind == QUADRIC_SPHERE) return two_sided || q.orientation > 0.0f;
+    return q.kind == QUADRIC_DISK && (two_sided || dot3(q.normal, from_center) > 0.0f);
+  }
+
+  /// A disk, or the one behind whose rim the rest of a sphere is; nothing of a sphere about the camera, or
+  /// one that a clipping plane may cut.
+  [[nodiscard]] Triangles seen_of_quadric(const Quadric& q) const {
+    const glm::dvec3 to_center = to_dvec3(q.center) - to_dvec3(h_.camera.origin);
+    glm::dvec3 center = to_dvec3(q.center), toward = to_dvec3(q.normal);
+    auto radius = double(q.radius);
+    const double distance = glm::length(to_center);
+    if (q.kind == QUADRIC_SPHERE) {
+      const double depth = glm::dot(to_center, to_dvec3(h_.camera.z)), sine = radius / distance;
+      if (!(sine < 1) || depth - radius < double(h_.camera.near_clip) ||
+          depth + radius > double(h_.camera.far_clip))
+        return {};
+      center -= sine * sine * to_center;
+      radius *= std::sqrt(1 - sine * sine);
+      toward = -to_center;
+    } else if (glm::dot(toward, to_center) > 0) {
+      toward = -toward;
+    }
+    const double pixels = radius / distance * h_.film.width / (2 * glm::length(to_dvec3(h_.camera.x)));
+    const int corners = int(std::clamp(kCircleCorners * std::sqrt(pixels), 16.0, double(kMostCorners)));
+    const vec3 axis = to_vec3(glm::normalize(toward));
+    const glm::dvec3 x = to_dvec3(from_frame(axis, 1.0f, 0.0f, 0.0f));
+    const glm::dvec3 y = glm::cross(to_dvec3(axis), x);
+    const auto corner = [&](int k) {
+      const double angle = 2 * std::numbers::pi * (k % corners) / corners;
+      return to_vec3(center + radius * (std::cos(angle) * x + std::sin(angle) * y));
+    };
+    Triangles fan;
+    for (int k = 1; k + 1 < corners; ++k) fan.push_back({corner(0), corner(k), corner(k + 1)});
+    return fan;
+  }
+
+  /// The primitive on which a camera ray ends; negative: none.
+  [[nodiscard]] int hit_at(const OutlinePixel& pixel, glm::dvec2 p) const {
+    const float radius = h_.film.filter_radius;
+    const Ray ray =
+        camera_ray(h_.camera, h_.film, pixel.x, pixel.y, radius * float(p.x), radius * float(p.y));
+    return intersect_levels(&scene_, ray.origin, ray.direction, ray.tmax, -1, -1,
+                            h_.tables.instances.count > 0)
+        .primitive;
+  }
+
+  /// What is emitted towards the camera beside an edge; nothing if that is not the same everywhere there.
+  [[nodiscard]] std::optional<Radiance> beside(int primitive) const {
+    const int light = primitive < 0 ? h_.environment : light_of(primitive);
+    if (light < 0 || (primitive >= 0 && !shines(primitive))) return Radiance{};
     const Light& l = scene_.lights[light];
     if (l.kind == LIGHT_ENVMAP || l.texture >= 0) return {};
-    if (triangle && !faces(scene_.triangles[hit.primitive]) && l.two_sided == 0) return Radiance{};
     return Radiance{l.radiance.x, l.radiance.y, l.radiance.z};
   }
 
   const Scene& scene_;
+  const SceneHeader& h_;
 };
 
 /// Edges of lights of equal radiance are those of all of them together.
 void find_edges(const SceneHeader& header, SceneRecords& records) {
   const RecordsView view(records, header);
-  const EdgeRays rays(view.scene());
-  std::map<Radiance, std::vector<std::array<vec3, 3>>> lights;
+  const SeenLights seen(view.scene());
+  std::map<Radiance, Triangles> lights;
   std::size_t count = 0;
-  for (std::size_t i = 0; i < records.triangles.size(); ++i) {
-    const Triangle& t = records.triangles[i];
-    const std::optional<Radiance> radiance = rays.radiance_of(int(i));
+  const int primitives = int(records.triangles.size() + records.quadrics.size());
+  for (int i = 0; i < primitives; ++i) {
+    const std::optional<Radiance> radiance = seen.radiance_of(i);
     if (!radiance) continue;
-    if (++count > kMostTriangles) return;
-    lights[*radiance].push_back(rays.faces(t) ? std::array{t.p0, t.p1, t.p2} : std::array{t.p0, t.p2, t.p1});
+    const Triangles triangles = seen.seen_of(i);
+    if ((count += triangles.size()) > kMostTriangles) return;
+    Triangles& all = lights[*radiance];
+    all.insert(all.end(), triangles.begin(), triangles.end());
   }
   struct Found {
     OutlinePixel pixel;
@@ -119,7 +186,7 @@ void find_edges(const SceneHeader& header, SceneRecords& records) {
   for (const auto& [radiance, triangles] : lights)
     for (const OutlinePixel& pixel :
          outline_pixels(outline_on_film(header.camera, header.film, triangles), header.film)) {
-      const glm::vec3 contrast = rays.contrast(pixel, radiance);
+      const glm::vec3 contrast = seen.contrast(pixel, radiance);
       if (contrast == glm::vec3(0)) continue;
       if (found.size() == kMostPixels) return;
       found.insert({{pixel.y, pixel.x}, {pixel, contrast}});
@@ -156,7 +223,9 @@ bool may_have_light_edges(const SceneHeader& h) {
 }
 
 Expected<void> add_light_edges(SceneHeader& header, SceneRecords& records, BorrowedHierarchy& hierarchy) {
-  const bool emits = std::ranges::any_of(records.triangles, [](const Triangle& t) { return t.light >= 0; });
+  const auto emitting = [](const auto& primitive) { return primitive.light >= 0; };
+  const bool emits =
+      std::ranges::any_of(records.triangles, emitting) || std::ranges::any_of(records.quadrics, emitting);
   if (!emits || !may_have_light_edges(header)) return {};
   if (records.nodes.empty() && records.triangles.size() > kMostBorrowed) return {};
   if (Expected<void> done = hierarchy.need(); !done) return done;

@@ -12,10 +12,10 @@ namespace penumbra {
 /// their light counts, and nothing but surfaces takes some of it.
 bool may_have_light_edges(const SceneHeader& header);
 
-/// Finds those of triangles that emit the same from all their points, and let no rays pass, where rays from
-/// the camera meet them. Fills their tables and the header's fields, with the feature bit if there are any.
-/// The scene is whole otherwise; one of more than a million triangles that has no hierarchy of the portable
-/// intersector gets none. Errors: as of add_hierarchy.
+/// Finds those of triangles, disks and spheres that emit the same from all their points, and let no rays
+/// pass, where rays from the camera meet them. Fills their tables and the header's fields, with the feature
+/// bit if there are any. The scene is whole otherwise; one of more than a million triangles that has no
+/// hierarchy of the portable intersector gets none. Errors: as of add_hierarchy.
 Expected<void> add_light_edges(SceneHeader& header, SceneRecords& records, BorrowedHierarchy& hierarchy);
 
 }  // namespace penumbra

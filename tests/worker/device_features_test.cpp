@@ -42,16 +42,17 @@ TEST(LightKinds, AreThoseOfTheLights) {
 }
 
 TEST(Features, AreJustTheNeeded) {
-  // The ceiling of the box is of two triangles, which are as one.
-  const std::uint32_t box = FEATURE_PATH | FEATURE_LAYERS;
+  // The ceiling of the box is of two triangles, which are as one; the camera sees its edges.
+  const std::uint32_t box = FEATURE_PATH | FEATURE_LAYERS | FEATURE_LIGHT_EDGES;
   EXPECT_EQ(build(by_area(diffuse_box())).header.features, box);
-  EXPECT_EQ(build(by_area(diffuse_box()), false).header.features, FEATURE_PATH);
+  EXPECT_EQ(build(by_area(diffuse_box()), false).header.features, box & ~std::uint32_t(FEATURE_LAYERS));
   EXPECT_EQ(build(by_area(many_triangles())).header.features, box | FEATURE_BVH);
   EXPECT_EQ(build(by_area(many_triangles()), true, IntersectorChoice::kEmbree).header.features, box);
-  EXPECT_EQ(build(environment_alone()).header.features, box);
-  EXPECT_EQ(build(everything()).header.features,
-            std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_SHADING_NORMALS | FEATURE_QUADRICS |
-                          FEATURE_SOLID_ANGLE | FEATURE_MIXED_FAMILIES | FEATURE_LIGHT_TREE));
+  EXPECT_EQ(build(environment_alone()).header.features, std::uint32_t(FEATURE_PATH | FEATURE_LAYERS));
+  EXPECT_EQ(
+      build(everything()).header.features,
+      std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_SHADING_NORMALS | FEATURE_QUADRICS |
+                    FEATURE_SOLID_ANGLE | FEATURE_MIXED_FAMILIES | FEATURE_LIGHT_TREE | FEATURE_LIGHT_EDGES));
 
   const auto with = [](auto change) {
     SceneDescription scene = by_area(diffuse_box());
@@ -59,7 +60,9 @@ TEST(Features, AreJustTheNeeded) {
     return build(scene).header.features;
   };
   EXPECT_EQ(with([](auto& s) { use(s.integrator, IntegratorKind::kDirect); }),
-            std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS));
+            std::uint32_t(FEATURE_DIRECT | FEATURE_LAYERS | FEATURE_LIGHT_EDGES));
+  EXPECT_EQ(with([](auto& s) { s.film.closed_light_edges = false; }),
+            std::uint32_t(FEATURE_PATH | FEATURE_LAYERS));
   EXPECT_EQ(with([](auto& s) { s.sampler.kind = SamplerKind::kIndependent; }), box | FEATURE_SAMPLERS);
   EXPECT_EQ(with([](auto& s) { param::emitter_sampling(s.integrator) = EmitterSampling::kSolidAngle; }),
             box | FEATURE_SOLID_ANGLE);

@@ -170,7 +170,8 @@ TEST(Areas, AreThoseOfTheShapes) {
   const double total = areas[0] + areas[1] + areas[2];
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_NEAR(lights[i].area, areas[i], 1e-6 * areas[i]);
-    EXPECT_NEAR(lights[i].pmf, areas[i] / total, 1e-6);  // equal radiance: power goes with area
+    // Equal radiance: power goes with area, in cells of 1/1024.
+    EXPECT_NEAR(lights[i].pmf, areas[i] / total, 1.0 / 1024);
   }
 }
 
