@@ -219,7 +219,7 @@ bool may_have_light_edges(const SceneHeader& h) {
   const bool sees_lights = p.kind == INTEGRATOR_DIRECT ||
                            ((p.kind == INTEGRATOR_PATH || p.kind == INTEGRATOR_WHITTED) && p.max_depth != 0);
   const bool whole = (h.features & FEATURE_PARTS) == 0u && p.hide_emitters == HIDE_NOTHING;
-  return sees_lights && whole && (h.features & (FEATURE_CAMERA | FEATURE_MEDIA)) == 0u;
+  return sees_lights && whole && (h.features & (FEATURE_CAMERA | FEATURE_MEDIA | FEATURE_COVERAGE)) == 0u;
 }
 
 Expected<void> add_light_edges(SceneHeader& header, SceneRecords& records, BorrowedHierarchy& hierarchy) {

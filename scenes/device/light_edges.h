@@ -9,7 +9,8 @@
 namespace penumbra {
 
 /// Whether edges of lights of that scene can be without noise: a pinhole sees its lights directly, all of
-/// their light counts, and nothing but surfaces takes some of it.
+/// their light counts, nothing but surfaces takes some of it, and the image has no alpha, which is sampled
+/// and goes with the colours.
 bool may_have_light_edges(const SceneHeader& header);
 
 /// Finds those of triangles, disks and spheres that emit the same from all their points, and let no rays

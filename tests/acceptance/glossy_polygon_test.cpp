@@ -124,11 +124,11 @@ TEST_P(GlossyPolygons, PathsHaveTheMeanOfPaths) {
   SceneDescription scene = room_of(GetParam().bsdf);
   use(scene.integrator, IntegratorKind::kPath);
   param::max_depth(scene.integrator) = 4;
-  const statistics::Estimate paths = block_estimate(scene, 8, 100, kBlock);
+  const statistics::Estimate paths = block_estimate(scene, 16, 100, kBlock);
   param::next_event(scene.integrator) = NextEvent::kCv;
   param::alpha(scene.integrator) = GetParam().alpha;
   param::emitter_sampling(scene.integrator) = GetParam().sampling;
-  const auto result = statistics::z_test(paths, block_estimate(scene, 8, 200, kBlock), kLimits);
+  const auto result = statistics::z_test(paths, block_estimate(scene, 16, 200, kBlock), kLimits);
   EXPECT_TRUE(result.passed) << result.summary();
 }
 

@@ -230,6 +230,7 @@ TEST(LightEdges, AreLeftToSamplesWhereOtherThingsCount) {
     return !has_light_edges(changed);
   };
   EXPECT_TRUE(without([](SceneDescription& s) { s.film.closed_light_edges = false; }));
+  EXPECT_TRUE(without([](SceneDescription& s) { s.film.alpha = true; }));
   EXPECT_TRUE(without([](SceneDescription& s) { s.integrator.hide_emitters = true; }));
   EXPECT_TRUE(without([](SceneDescription& s) { s.camera.aperture_radius = 0.1; }));
   EXPECT_TRUE(without([](SceneDescription& s) { s.camera.projection = Projection::kOrthographic; }));
