@@ -42,9 +42,7 @@ class Chooser {
       }
       const Expected<std::vector<LightGroup>> groups = groups_of(finite, unit);
       if (!groups) return std::unexpected(groups.error());
-      set_light_tree(infinite.empty() && open_ && is_one(finite, *groups)
-                         ? LightTree{}
-                         : build_light_tree(all, unit, *groups));
+      set_light_tree(build_light_tree(all, unit, *groups));
       return {};
     }
     const Expected<std::vector<LightGroup>> groups = groups_of(finite, unit);
@@ -53,7 +51,7 @@ class Chooser {
     InfiniteLights found{.intensities = std::vector<double>(infinite.size(), 1.0)};
     Expected<void> done = survey([&] { found = survey_infinite_lights(h_, records_, infinite); });
     if (!done) return done;
-    if (infinite.size() == 1 && open_ && (in_one_place(finite) || is_one(finite, *groups))) {
+    if (infinite.size() == 1 && in_one_place(finite) && open_) {
       choose_alike(infinite[0], found.share);
       return {};
     }
@@ -63,6 +61,7 @@ class Chooser {
     return {};
   }
 
+ private:
   /// Of no light where none has power.
   void set_light_tree(const LightTree& tree) {
     if (tree.nodes.empty()) {
@@ -94,12 +93,6 @@ class Chooser {
       if (++count > kMost) return false;
     }
     return all && size(*all) <= 1.01 * largest;
-  }
-
-  /// Whether one group is of all lights: a search in the table finds one of them sooner than one in a leaf.
-  static bool is_one(const std::vector<LightBounds>& lights, const std::vector<LightGroup>& groups) {
-    const auto shining = std::ranges::count_if(lights, [](const LightBounds& b) { return b.intensity > 0; });
-    return groups.size() == 1 && std::ssize(groups.front()) == shining;
   }
 
   /// An infinite light beside one that is as one: how often each is chosen matters, where does not, and the

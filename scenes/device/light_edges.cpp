@@ -27,7 +27,7 @@ namespace {
 // Beyond these the edges are so many, or take so long to find, that they are left as they are.
 constexpr std::size_t kMostBorrowed = 1'000'000;  // triangles of a scene without the portable hierarchy
 constexpr std::size_t kMostTriangles = 1 << 18;   // that emit
-constexpr std::size_t kMostPixels = 1 << 20;
+constexpr std::size_t kMostPixels = 1 << 18;      // with edges
 // By how many filter radii rays pass an edge on either side.
 constexpr double kBeside = 0.01;
 // Circles are polygons whose sides are off by at most 1/500 of a pixel: pi sqrt(500 r / 2) of a radius of r
@@ -212,9 +212,9 @@ void find_edges(const SceneHeader& header, SceneRecords& records) {
     records.light_edge_rows[y] += records.light_edge_rows[y - 1];
 }
 
-}  // namespace
-
-bool may_have_light_edges(const SceneHeader& h) {
+/// Whether edges can be without noise: a pinhole sees lights directly, all of their light counts, nothing but
+/// surfaces takes some of it, and the image has no alpha, which is sampled and goes with the colours.
+bool may_have_edges(const SceneHeader& h) {
   const IntegratorParameters& p = h.integrator;
   const bool sees_lights = p.kind == INTEGRATOR_DIRECT ||
                            ((p.kind == INTEGRATOR_PATH || p.kind == INTEGRATOR_WHITTED) && p.max_depth != 0);
@@ -222,11 +222,13 @@ bool may_have_light_edges(const SceneHeader& h) {
   return sees_lights && whole && (h.features & (FEATURE_CAMERA | FEATURE_MEDIA | FEATURE_COVERAGE)) == 0u;
 }
 
+}  // namespace
+
 Expected<void> add_light_edges(SceneHeader& header, SceneRecords& records, BorrowedHierarchy& hierarchy) {
   const auto emitting = [](const auto& primitive) { return primitive.light >= 0; };
   const bool emits =
       std::ranges::any_of(records.triangles, emitting) || std::ranges::any_of(records.quadrics, emitting);
-  if (!emits || !may_have_light_edges(header)) return {};
+  if (!emits || !may_have_edges(header)) return {};
   if (records.nodes.empty() && records.triangles.size() > kMostBorrowed) return {};
   if (Expected<void> done = hierarchy.need(); !done) return done;
   find_edges(header, records);

@@ -8,11 +8,6 @@
 
 namespace penumbra {
 
-/// Whether edges of lights of that scene can be without noise: a pinhole sees its lights directly, all of
-/// their light counts, nothing but surfaces takes some of it, and the image has no alpha, which is sampled
-/// and goes with the colours.
-bool may_have_light_edges(const SceneHeader& header);
-
 /// Finds those of triangles, disks and spheres that emit the same from all their points, and let no rays
 /// pass, where rays from the camera meet them. Fills their tables and the header's fields, with the feature
 /// bit if there are any. The scene is whole otherwise; one of more than a million triangles that has no

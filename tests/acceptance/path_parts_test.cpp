@@ -37,6 +37,7 @@ class PathParts : public testing::TestWithParam<SuiteScene> {
     scene_ = small_scene(GetParam());
     param::max_depth(scene_.integrator) = kBounces + 1;
     param::rr_depth(scene_.integrator) = 2;
+    scene_.film.closed_light_edges = false;  // parts have none
   }
   statistics::Image part(int bounces, PathTechnique technique = PathTechnique::kAll) {
     SceneDescription scene = scene_;

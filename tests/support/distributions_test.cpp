@@ -62,6 +62,8 @@ TEST(Student, ManyDegreesAreNormal) {
     const double normal = 2 * normal_cdf(-t);
     EXPECT_DOUBLE_EQ(student_two_sided_p(t, kInfinity), normal);
     EXPECT_NEAR(student_two_sided_p(t, 1e6) / normal, 1, 5e-4) << t;
+    for (const double dof : {1e8, 1e12, 1e16, 1e300})
+      EXPECT_NEAR(student_two_sided_p(t, dof) / normal, 1, 5e-6) << t << " " << dof;
   }
 }
 

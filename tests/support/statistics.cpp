@@ -116,6 +116,10 @@ double student_two_sided_p(double t, double dof) {
   if (std::isnan(t) || !(dof > 0)) return std::numeric_limits<double>::quiet_NaN();
   if (std::isinf(t)) return 0;
   if (std::isinf(dof)) return std::erfc(std::abs(t) / std::numbers::sqrt2);
+  // The fraction does not converge for billions of degrees of freedom, of which Welch makes such where one
+  // variance is next to nothing; Abramowitz and Stegun 26.7.8 is off by O(1 / dof^2).
+  if (dof > 1e7)
+    return std::erfc(std::abs(t) * (1 - 0.25 / dof) / std::sqrt(1 + t * t / (2 * dof)) / std::numbers::sqrt2);
   const double scale = dof + t * t;
   return regularized_beta(dof / 2, 0.5, dof / scale, t * t / scale);
 }
