@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -38,7 +39,8 @@ std::vector<dvec3> clip_depth(const std::vector<dvec3>& polygon, double z, doubl
   return kept;
 }
 
-/// The part of an edge where `coordinate` is between low and high; nothing if that is a point or less.
+/// The part of an edge where `coordinate` is between low and high, all of one along which it does not change;
+/// nothing if that is a point or less.
 std::optional<FilmEdge> clip(FilmEdge e, int coordinate, double low, double high) {
   const auto at = [&](double value) {
     dvec2 p =
@@ -72,16 +74,14 @@ OutlinePixel edges_in_pixel(int x, int y, std::span<const FilmEdge> row, double 
     if (e.from.y != e.to.y) pixel.edges.push_back({local(e.from), local(e.to)});
   };
   for (const FilmEdge& e : row) {
-    const bool upright = e.from.x == e.to.x;
-    const bool in_reach = std::max(e.from.x, e.to.x) > low && std::min(e.from.x, e.to.x) < high;
-    if (const auto kept = upright && in_reach ? e : clip(e, 0, low, high); kept) {
+    if (const auto kept = clip(e, 0, low, high)) {
       pixel.inside.push_back({local(kept->from), local(kept->to)});
       add(*kept);
     }
     // What is to the right.
     if (std::min(e.from.x, e.to.x) >= high) {
       add({{high, e.from.y}, {high, e.to.y}});
-    } else if (const auto right = clip(e, 0, high, std::numeric_limits<double>::infinity()); right) {
+    } else if (const auto right = clip(e, 0, high, std::numeric_limits<double>::infinity())) {
       add({{high, right->from.y}, {high, right->to.y}});
     }
   }
@@ -95,12 +95,7 @@ std::vector<FilmEdge> outline_on_film(const Camera& camera, const FilmParameters
   const glm::dmat3 axes(to_dvec3(camera.x), to_dvec3(camera.y), to_dvec3(camera.z));
   const glm::dmat3 to_camera = glm::inverse(axes);
   const bool mirrored = glm::determinant(axes) > 0;
-  std::map<std::pair<dvec2, dvec2>, int,
-           bool (*)(const std::pair<dvec2, dvec2>&, const std::pair<dvec2, dvec2>&)>
-      counts([](const auto& a, const auto& b) {
-        return std::tie(a.first.x, a.first.y, a.second.x, a.second.y) <
-               std::tie(b.first.x, b.first.y, b.second.x, b.second.y);
-      });
+  std::map<std::array<double, 4>, int> counts;  // of the way from the lesser end less that back
   const auto to_film = [&](const dvec3& p) {
     return 0.5 * dvec2(film.width, film.height) * (1.0 - dvec2(p) / p.z);
   };
@@ -112,15 +107,17 @@ std::vector<FilmEdge> outline_on_film(const Camera& camera, const FilmParameters
       dvec2 a = to_film(polygon[i]), b = to_film(polygon[(i + 1) % polygon.size()]);
       if (mirrored) std::swap(a, b);
       if (before(a, b))
-        ++counts[{a, b}];
+        ++counts[{a.x, a.y, b.x, b.y}];
       else if (before(b, a))
-        --counts[{b, a}];
+        --counts[{b.x, b.y, a.x, a.y}];
     }
   }
   std::vector<FilmEdge> edges;
   for (const auto& [ends, count] : counts)
-    for (int k = 0; k < std::abs(count); ++k)
-      edges.push_back(count > 0 ? FilmEdge{ends.first, ends.second} : FilmEdge{ends.second, ends.first});
+    for (int k = 0; k < std::abs(count); ++k) {
+      const dvec2 lesser(ends[0], ends[1]), greater(ends[2], ends[3]);
+      edges.push_back(count > 0 ? FilmEdge{lesser, greater} : FilmEdge{greater, lesser});
+    }
   return edges;
 }
 
@@ -174,8 +171,7 @@ std::vector<OutlinePixel> outline_pixels(std::span<const FilmEdge> edges, const 
         pixels_at(std::min(e.from.y, e.to.y), std::max(e.from.y, e.to.y), radius, film.height);
     for (int y = first; y <= last; ++y) {
       const double low = y + 0.5 - radius, high = y + 0.5 + radius;
-      const bool level = e.from.y == e.to.y && e.from.y > low && e.from.y < high;
-      if (const auto kept = level ? e : clip(e, 1, low, high); kept) rows[y].push_back(*kept);
+      if (const auto kept = clip(e, 1, low, high)) rows[y].push_back(*kept);
     }
   }
   std::vector<OutlinePixel> pixels;

@@ -132,7 +132,7 @@ class SeenLights {
     const glm::dvec3 x = to_dvec3(from_frame(axis, 1.0f, 0.0f, 0.0f));
     const glm::dvec3 y = glm::cross(to_dvec3(axis), x);
     const auto corner = [&](int k) {
-      const double angle = 2 * std::numbers::pi * (k % corners) / corners;
+      const double angle = 2 * std::numbers::pi * k / corners;
       return to_vec3(center + radius * (std::cos(angle) * x + std::sin(angle) * y));
     };
     Triangles fan;
@@ -163,8 +163,14 @@ class SeenLights {
   const SceneHeader& h_;
 };
 
-/// Edges of lights of equal radiance are those of all of them together.
-void find_edges(const SceneHeader& header, SceneRecords& records) {
+struct EdgePixel {
+  OutlinePixel pixel;
+  Radiance radiance;  ///< of the light
+};
+
+/// Pixels with edges, whatever is in front of them, of all lights of equal radiance together; none if they
+/// are too many.
+std::vector<EdgePixel> find_outlines(const SceneHeader& header, const SceneRecords& records) {
   const RecordsView view(records, header);
   const SeenLights seen(view.scene());
   std::map<Radiance, Triangles> lights;
@@ -174,29 +180,40 @@ void find_edges(const SceneHeader& header, SceneRecords& records) {
     const std::optional<Radiance> radiance = seen.radiance_of(i);
     if (!radiance) continue;
     const Triangles triangles = seen.seen_of(i);
-    if ((count += triangles.size()) > kMostTriangles) return;
+    if ((count += triangles.size()) > kMostTriangles) return {};
     Triangles& all = lights[*radiance];
     all.insert(all.end(), triangles.begin(), triangles.end());
   }
-  struct Found {
-    OutlinePixel pixel;
-    glm::vec3 radiance;
-  };
-  std::multimap<std::pair<int, int>, Found> found;  // by rows
+  std::vector<EdgePixel> pixels;
   for (const auto& [radiance, triangles] : lights)
-    for (const OutlinePixel& pixel :
-         outline_pixels(outline_on_film(header.camera, header.film, triangles), header.film)) {
-      const glm::vec3 contrast = seen.contrast(pixel, radiance);
-      if (contrast == glm::vec3(0)) continue;
-      if (found.size() == kMostPixels) return;
-      found.insert({{pixel.y, pixel.x}, {pixel, contrast}});
-    }
+    for (OutlinePixel& pixel :
+         outline_pixels(outline_on_film(header.camera, header.film, triangles), header.film))
+      pixels.push_back({std::move(pixel), radiance});
+  return pixels;
+}
+
+/// Of the outlines those that are seen, row by row, by how much they stand out; none if they are too many.
+using SeenEdges = std::multimap<std::pair<int, int>, std::pair<OutlinePixel, glm::vec3>>;
+SeenEdges find_seen(const SceneHeader& header, const SceneRecords& records, std::vector<EdgePixel> outlines) {
+  const RecordsView view(records, header);
+  const SeenLights seen(view.scene());
+  SeenEdges found;
+  for (auto& [pixel, radiance] : outlines) {
+    const glm::vec3 contrast = seen.contrast(pixel, radiance);
+    if (contrast == glm::vec3(0)) continue;
+    if (found.size() == kMostPixels) return {};
+    found.insert({{pixel.y, pixel.x}, {std::move(pixel), contrast}});
+  }
+  return found;
+}
+
+void store_edges(const SceneHeader& header, const SeenEdges& edges, SceneRecords& records) {
   const FilterMass filter(header.film.filter, records.filter_table);
   records.light_edge_rows.assign(std::size_t(header.film.height) + 1, 0);
-  for (const auto& [place, each] : found) {
-    const auto& [pixel, radiance] = each;
+  for (const auto& [place, each] : edges) {
+    const auto& [pixel, contrast] = each;
     LightEdgePixel record{};
-    record.radiance = make_vec3(radiance.x, radiance.y, radiance.z);
+    record.radiance = make_vec3(contrast.x, contrast.y, contrast.z);
     record.share = float(pixel.share(filter));
     record.x = pixel.x;
     record.first_edge = int(records.light_edges.size());
@@ -225,17 +242,14 @@ bool may_have_edges(const SceneHeader& h) {
 }  // namespace
 
 Expected<void> add_light_edges(SceneHeader& header, SceneRecords& records, BorrowedHierarchy& hierarchy) {
-  const auto emitting = [](const auto& primitive) { return primitive.light >= 0; };
-  const bool emits =
-      std::ranges::any_of(records.triangles, emitting) || std::ranges::any_of(records.quadrics, emitting);
-  if (!emits || !may_have_edges(header)) return {};
+  if (!may_have_edges(header)) return {};
   if (records.nodes.empty() && records.triangles.size() > kMostBorrowed) return {};
+  std::vector<EdgePixel> outlines = find_outlines(header, records);
+  if (outlines.empty()) return {};
   if (Expected<void> done = hierarchy.need(); !done) return done;
-  find_edges(header, records);
-  if (records.light_edge_pixels.empty()) {
-    records.light_edge_rows.clear();
-    return {};
-  }
+  const SeenEdges edges = find_seen(header, records, std::move(outlines));
+  if (edges.empty()) return {};
+  store_edges(header, edges, records);
   header.features |= FEATURE_LIGHT_EDGES;
   header.edges_camera = camera_key(header.camera);
   header.sees_edges = 1;

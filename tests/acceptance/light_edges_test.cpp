@@ -9,6 +9,7 @@
 
 #include "kernels/host/view.h"
 #include "tests/acceptance/scene_pieces.h"
+#include "tests/acceptance/shadowed_polygon.h"
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
@@ -41,33 +42,22 @@ Shape lamp(const std::array<dvec2, 4>& corners, double distance, float radiance 
 }
 constexpr std::array<dvec2, 4> kOblique{{{-0.62, -0.41}, {0.53, -0.7}, {0.71, 0.37}, {-0.29, 0.66}}};
 
-/// The area of a convex polygon within a box, by Sutherland and Hodgman.
-double area_within(std::vector<dvec2> polygon, dvec2 low, dvec2 high) {
-  for (int side = 0; side < 4; ++side) {
-    const int axis = side / 2;
-    const double sign = side % 2 == 0 ? 1 : -1, limit = side % 2 == 0 ? low[axis] : high[axis];
-    std::vector<dvec2> kept;
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-      const dvec2 a = polygon[i], b = polygon[(i + 1) % polygon.size()];
-      const double da = sign * (a[axis] - limit), db = sign * (b[axis] - limit);
-      if (da >= 0) kept.push_back(a);
-      if ((da >= 0) != (db >= 0)) kept.push_back(a + da / (da - db) * (b - a));
-    }
-    polygon = kept;
-  }
-  double area = 0;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const dvec2 a = polygon[i], b = polygon[(i + 1) % polygon.size()];
-    area += 0.5 * (a.x * b.y - a.y * b.x);
-  }
-  return std::abs(area);
-}
-
 /// The share of a pixel that a convex polygon of the plane at distance 1 takes up; x is to the left there.
 double share_of_pixel(const std::array<dvec2, 4>& corners, int x, int y) {
   constexpr double kPixel = 2.0 / kSide;
-  const dvec2 high(1 - x * kPixel, 1 - y * kPixel);
-  return area_within({corners.begin(), corners.end()}, high - kPixel, high) / (kPixel * kPixel);
+  const double high_x = 1 - x * kPixel, high_y = 1 - y * kPixel;
+  PolygonPoints polygon;
+  for (const dvec2& corner : corners) polygon.emplace_back(corner, 1);
+  // By planes through the origin and the pixel's sides.
+  for (const dvec3& side : {dvec3(-1, 0, high_x), dvec3(1, 0, kPixel - high_x), dvec3(0, -1, high_y),
+                            dvec3(0, 1, kPixel - high_y)})
+    polygon = clipped(polygon, side);
+  double area = 0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const dvec3 a = polygon[i], b = polygon[(i + 1) % polygon.size()];
+    area += 0.5 * (a.x * b.y - a.y * b.x);
+  }
+  return std::abs(area) / (kPixel * kPixel);
 }
 
 bool has_light_edges(const SceneDescription& scene) {
