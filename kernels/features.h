@@ -36,7 +36,8 @@
   X(OWNERS, 0x8000000, "objects and materials of pixels")                     \
   X(PARTS, 0x10000000, "parts of the light of paths alone")                   \
   X(MEDIA, 0x20000000, "participating media")                                 \
-  X(LIGHT_EDGES, 0x40000000, "edges of lights that the camera sees")
+  X(LIGHT_EDGES, 0x40000000, "edges of lights that the camera sees")          \
+  X(LIT_CELLS, 0x80000000u, "closed forms where surfaces see lights whole")
 
 // Plain macros as well, since the preprocessor has to test them.
 #define FEATURE_PATH 0x001
@@ -70,10 +71,12 @@
 #define FEATURE_PARTS 0x10000000
 #define FEATURE_MEDIA 0x20000000
 #define FEATURE_LIGHT_EDGES 0x40000000
-#define FEATURE_ALL 0x7fffffff
+#define FEATURE_LIT_CELLS 0x80000000u
+#define FEATURE_ALL 0xffffffffu
 
 /// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)
+#define HAS_CLOSED_FORMS (HAS(POLYGONS) || HAS(LIT_CELLS))
 /// Whether the scene needs it too: native kernels are compiled for more than their scene, and do not call
 /// what it does not need.
 #define NEEDS(scene, name) (HAS(name) && ((scene)->header.features & FEATURE_##name) != 0u)

@@ -5,7 +5,7 @@
 
 // Every scene is traced whole or through the BVH, which have nothing in common; whatever else a scene lacks
 // is left out by not calling its stages.
-#define NATIVE_FEATURES_whole (FEATURE_ALL & ~FEATURE_BVH)
+#define NATIVE_FEATURES_whole (FEATURE_ALL ^ FEATURE_BVH)
 #define NATIVE_FEATURES_bvh FEATURE_ALL
 
 /// X(set)

@@ -48,6 +48,7 @@ struct DirectIntegrator {
   MisHeuristic heuristic = MisHeuristic::kBalance;
   LightChoice light_choice = LightChoice::kAuto;
   bool trace_shadows = true;
+  bool closed_where_lit = true;  ///< surfaces that see lights whole are without noise, where they can be
 };
 
 struct PathIntegrator {
@@ -264,6 +265,10 @@ void integrator_parameters(const Row& row) {
       "each may contribute");
   row("trace_shadows", PENUMBRA_PARAMETER(trace_shadows), TrueOrFalse{},
       "whether anything blocks shadow rays", &P::trace_shadows);
+  row("lit_surfaces", PENUMBRA_PARAMETER(closed_where_lit),
+      OneOf<bool>{{{"closed_form", true}, {"sampled", false}}},
+      "surfaces that see all of every light: `closed_form` is without noise and shadow rays where that is "
+      "possible, no image has another mean");
   row("vis_samples", PENUMBRA_PARAMETER(vis_samples), WholeNumber{1, MAX_DIRECT_SAMPLES},
       "shadow rays per camera ray", &P::emitter_samples);
   row("occlusion_sampling", PENUMBRA_PARAMETER(sampling),

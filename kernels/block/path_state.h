@@ -13,7 +13,7 @@ PENUMBRA_NAMESPACE_BEGIN
 #define EVERY_SCENE 0x7fffffffu
 #define NEVER 0u
 #define THROUGH (FEATURE_NESTED | FEATURE_LOOK_THROUGH)
-// Instead of any of several features: all of them.
+// Instead of any of several features: all of them. (The bit is FEATURE_LIT_CELLS', which needs no field.)
 #define ALL_OF(features) (0x80000000u | (features))
 
 #define LTC_PROJECTED ALL_OF(FEATURE_LTC | FEATURE_PROJECTED)

@@ -151,13 +151,14 @@ class Checker {
               "a light of a kind that the header does not name");
       require(in(l.sampling, EMITTER_AREA, EMITTER_PROJECTED), "a light of unknown sampling");
       require(in(l.start, 0, int(LIGHT_NUMBERS)), "a light begins at no number that a sampler can give");
-      require(!has(FEATURE_POLYGONS) || in(l.polygon, -1, h_.tables.polygons.count - 1),
+      require(!has(FEATURE_POLYGONS | FEATURE_LIT_CELLS) || in(l.polygon, -1, h_.tables.polygons.count - 1),
               "a light names a polygon that is not there");
       if (l.kind == LIGHT_ENVMAP) check_envmap();
       check_beam(l);
       check_light_texture(l);
     }
-    if (has(FEATURE_POLYGONS)) check_polygons();
+    if (has(FEATURE_POLYGONS | FEATURE_LIT_CELLS)) check_polygons();
+    if (has(FEATURE_LIT_CELLS)) check_lit_cells();
     if (has(FEATURE_LIGHT_EDGES)) check_light_edges();
     if (has(FEATURE_LIGHT_TREE)) check_light_tree();
     require(has(FEATURE_LIGHT_TREE) == (h_.integrator.light_choice == CHOICE_TREE),
@@ -445,6 +446,17 @@ class Checker {
       require(
           pixel.edge_count >= 0 && in(pixel.first_edge, 0, h_.tables.light_edges.count - pixel.edge_count),
           "a pixel names edges of lights that are not there");
+  }
+
+  void check_lit_cells() {
+    require(h_.tables.lit_faces.count == h_.tables.triangles.count, "cells do not match the triangles");
+    for (const LitFace& face : table<LitFace>(scene_, at_least_one(h_.tables.lit_faces))) {
+      require(in(face.level, -1, LIT_CELL_LEVELS), "a triangle has too many cells");
+      if (!problem_.empty() || face.level < 0) continue;
+      const std::int64_t words = ((std::int64_t{1} << 2 * face.level) + 31) / 32;
+      require(face.first >= 0 && face.first + words <= h_.tables.lit_cells.count,
+              "a triangle names cells that are not there");
+    }
   }
 
   /// Walks end at a light, whatever the numbers of the nodes.

@@ -26,7 +26,7 @@ inline KernelNeeds needs_of(const SceneHeader& h) {
 /// each other.
 inline KernelNeeds every_need(const SceneHeader& h) {
   if (h.intersector == INTERSECTOR_EMBREE) return {};
-  return {.features = (FEATURE_ALL & ~FEATURE_BVH) | (h.features & FEATURE_BVH)};
+  return {.features = (FEATURE_ALL ^ FEATURE_BVH) | (h.features & FEATURE_BVH)};
 }
 
 }  // namespace penumbra

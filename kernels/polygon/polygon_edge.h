@@ -58,22 +58,30 @@ FN IrradianceSum no_irradiance(void) {
   return s;
 }
 
-/// Adds an edge with its angle for a receiver with normal n.
-FN IrradianceSum add_irradiance(IrradianceSum s, VisibleEdge e, double angle, vec3d n) {
+/// Adds where an edge crosses the horizon of a receiver with normal n: crossing and the place of VisibleEdge.
+FN IrradianceSum add_crossing(IrradianceSum s, double crossing, vec3d q, vec3d n) {
   // The horizon's frame is that of Duff et al. 2017.
   const double sign = n.z >= 0.0 ? 1.0 : -1.0;
   const double a = -1.0 / (sign + n.z), b = n.x * n.y * a;
-  const vec3d q = select3_d(e.crossing > 0.0, e.from, e.to);
   const double x = q.x * (1.0 + sign * n.x * n.x * a) + q.y * (sign * b) - q.z * (sign * n.x);
   const double y = q.x * b + q.y * (sign + n.y * n.y * a) - q.z * n.y;
   const double r2 = x * x + y * y;
-  const bool turns = BOTH(e.crossing != 0.0, r2 > 0.0);
+  const bool turns = BOTH(crossing != 0.0, r2 > 0.0);
   const double scale = 1.0 / SQRT_D(turns ? r2 : 1.0);
-  const double ux = turns ? x * scale : 1.0, uy = turns ? y * scale * e.crossing : 0.0;
+  const double ux = turns ? x * scale : 1.0, uy = turns ? y * scale * crossing : 0.0;
   IrradianceSum r;
-  r.sum = s.sum + angle * dot3_d(e.normal, n);
+  r.sum = s.sum;
   r.turn_x = s.turn_x * ux - s.turn_y * uy;
   r.turn_y = s.turn_x * uy + s.turn_y * ux;
+  return r;
+}
+
+FN vec3d crossing_place(VisibleEdge e) { return select3_d(e.crossing > 0.0, e.from, e.to); }
+
+/// Adds an edge with its angle for a receiver with normal n.
+FN IrradianceSum add_irradiance(IrradianceSum s, VisibleEdge e, double angle, vec3d n) {
+  IrradianceSum r = add_crossing(s, e.crossing, crossing_place(e), n);
+  r.sum = s.sum + angle * dot3_d(e.normal, n);
   return r;
 }
 

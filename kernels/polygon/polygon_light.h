@@ -38,16 +38,50 @@ FN void add_lane_irradiance(PRIVATE IrradianceSums* sums, int j, VisibleEdge e, 
   sums->turn_y[j] = s.turn_y;
 }
 
-/// Adds the edge from corner `from` to corner `to` to each lane's sum.
-STAGE void add_edge_irradiances(vec3d from, vec3d to, const PRIVATE Receivers* RESTRICT r,
-                                PRIVATE IrradianceSums* RESTRICT sums) {
+/// Where edges cross the lanes' horizons.
+typedef struct {
+  double x[LANES], y[LANES], z[LANES], crossing[LANES];  ///< see VisibleEdge
+} Crossings;
+
+/// Adds the arcs of the edge from corner `from` to corner `to` to each lane's sum; whether any crosses the
+/// horizon, which most do not.
+STAGE int add_edge_arcs(vec3d from, vec3d to, const PRIVATE Receivers* RESTRICT r,
+                        PRIVATE IrradianceSums* RESTRICT sums, PRIVATE Crossings* RESTRICT crossings) {
   const vec3d d = sub_d(to, from);
+  int any = 0;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const vec3d x = receiver_point(r, j), n = receiver_normal(r, j);
       const VisibleEdge e = visible_edge(sub_d(from, x), sub_d(to, x), d, n);
-      add_lane_irradiance(sums, j, e, atan2_d(e.sine, e.cosine), n);
+      const vec3d q = crossing_place(e);
+      sums->sum[j] += atan2_d(e.sine, e.cosine) * dot3_d(e.normal, n);
+      crossings->x[j] = q.x;
+      crossings->y[j] = q.y;
+      crossings->z[j] = q.z;
+      crossings->crossing[j] = e.crossing;
+      any |= e.crossing != 0.0 ? 1 : 0;
     }
+  return any;
+}
+
+STAGE void add_crossings(const PRIVATE Receivers* RESTRICT r, const PRIVATE Crossings* RESTRICT crossings,
+                         PRIVATE IrradianceSums* RESTRICT sums) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      IrradianceSum s;
+      s.sum = 0.0;
+      s.turn_x = sums->turn_x[j];
+      s.turn_y = sums->turn_y[j];
+      s = add_crossing(s, crossings->crossing[j],
+                       make_vec3d(crossings->x[j], crossings->y[j], crossings->z[j]), receiver_normal(r, j));
+      sums->turn_x[j] = s.turn_x;
+      sums->turn_y[j] = s.turn_y;
+    }
+}
+
+FN void add_edge_irradiances(vec3d from, vec3d to, const PRIVATE Receivers* r, PRIVATE IrradianceSums* sums) {
+  Crossings crossings;
+  if (add_edge_arcs(from, to, r, sums, &crossings) != 0) add_crossings(r, &crossings, sums);
 }
 
 #if HAS_FAMILY(PHONG)
@@ -76,7 +110,7 @@ STAGE void add_edges(vec3d from, vec3d to, const PRIVATE Receivers* RESTRICT r,
       add_lane_irradiance(sums, j, e, angle, n);
       const double visible = angle > 0.0 ? 1.0 : 0.0;
       store_lobe_arc(arcs, j, lobes, e.from, e.normal, e.sine, e.cosine, angle, n, w, visible);
-      const vec3d q = select3_d(e.crossing > 0.0, e.from, e.to);
+      const vec3d q = crossing_place(e);
       horizon->x[j] = q.x;
       horizon->y[j] = q.y;
       horizon->z[j] = q.z;

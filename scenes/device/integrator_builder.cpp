@@ -163,6 +163,10 @@ bool wants_polygons(const IntegratorSettings& integrator) {
          light_choice(integrator) == LightChoice::kAnalytic;
 }
 
+bool wants_lit_cells(const IntegratorSettings& integrator) {
+  return parameter_or(integrator, PENUMBRA_PARAMETER(closed_where_lit), false);
+}
+
 bool chooses_as_it_likes(const IntegratorSettings& integrator) {
   return light_choice(integrator) == LightChoice::kAuto;
 }

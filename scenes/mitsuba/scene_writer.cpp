@@ -109,7 +109,7 @@ class SceneWriter {
   [[nodiscard]] bool is_own_way(std::string_view name) const {
     static constexpr std::string_view kWays[] = {
         "direct_sampling", "emitter_sampling", "bsdf_sampling", "light_choice", "mis", "nee",
-        "alpha",           "estimator"};
+        "alpha",           "estimator",        "lit_surfaces"};
     const bool shared =
         direct_sampling(scene_.integrator).has_value() || scene_.integrator.is<DirectIntegrator>();
     return shared && std::ranges::find(kWays, name) != std::end(kWays);

@@ -1,13 +1,15 @@
-// Tables of lights as they come off the wire: what a worker refuses of the choice among them and of their
-// edges.
+// Tables of lights as they come off the wire: what a worker refuses of the choice among them, of their edges
+// and of cells that see them whole.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <span>
 #include <vector>
 
 #include "kernels/host/device_scene_check.h"
 #include "kernels/host/device_scene_tables.h"
+#include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
 namespace penumbra {
@@ -16,6 +18,7 @@ namespace {
 /// A lamp of several triangles that the camera sees.
 DeviceScene scene_of_a_lamp() {
   SceneDescription scene = read_or_throw(project_file("scenes/star-light/star-light.xml"));
+  use(scene.integrator, IntegratorKind::kDirect);
   return build_or_throw(scene);
 }
 
@@ -33,6 +36,7 @@ TEST(LightTablesCheck, TablesAsTheyAreBuiltAreAccepted) {
   const DeviceScene scene = scene_of_a_lamp();
   ASSERT_GT(scene.header.tables.lights.count, 1);
   ASSERT_GT(scene.header.tables.light_edge_pixels.count, 0);
+  ASSERT_GT(scene.header.tables.lit_cells.count, 1);
   const auto checked = check_device_scene(scene);
   EXPECT_TRUE(checked) << checked.error().message;
 }
@@ -42,6 +46,10 @@ TEST(LightTablesCheck, TablesThatLeadElsewhereAreRefused) {
   const auto rows = [](DeviceScene& s) { return records<int>(s, s.header.tables.light_edge_rows); };
   const auto pixels = [](DeviceScene& s) {
     return records<LightEdgePixel>(s, s.header.tables.light_edge_pixels);
+  };
+  const auto face = [](DeviceScene& s) -> LitFace& {
+    return *std::ranges::find_if(records<LitFace>(s, s.header.tables.lit_faces),
+                                 [](const LitFace& f) { return f.level >= 0; });
   };
   const std::vector<Broken> broken = {
       {"no power of two", [](DeviceScene& s) { --s.header.tables.light_cells.count; }},
@@ -57,7 +65,14 @@ TEST(LightTablesCheck, TablesThatLeadElsewhereAreRefused) {
       {"edges of lights that are not there", [&](DeviceScene& s) { pixels(s)[0].first_edge = -1; }},
       {"edges of lights that are not there", [&](DeviceScene& s) { pixels(s)[0].edge_count = 0x7fffffff; }},
       {"edges of lights that are not there",
-       [&](DeviceScene& s) { pixels(s).back().first_edge = s.header.tables.light_edges.count; }}};
+       [&](DeviceScene& s) { pixels(s).back().first_edge = s.header.tables.light_edges.count; }},
+      {"do not match the triangles", [](DeviceScene& s) { --s.header.tables.lit_faces.count; }},
+      {"too many cells", [&](DeviceScene& s) { face(s).level = LIT_CELL_LEVELS + 1; }},
+      {"too many cells", [&](DeviceScene& s) { face(s).level = -2; }},
+      {"cells that are not there", [&](DeviceScene& s) { face(s).first = -1; }},
+      {"cells that are not there", [&](DeviceScene& s) { face(s).first = s.header.tables.lit_cells.count; }},
+      {"a polygon that is not there",
+       [](DeviceScene& s) { records<Light>(s, s.header.tables.lights)[0].polygon = 1 << 20; }}};
   for (const Broken& one : broken) {
     DeviceScene scene = scene_of_a_lamp();
     one.change(scene);

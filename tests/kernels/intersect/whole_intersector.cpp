@@ -1,5 +1,5 @@
 // The intersector without a hierarchy is compiled where the BVH is masked out.
-#define FEATURES (FEATURE_ALL & ~FEATURE_BVH)
+#define FEATURES (FEATURE_ALL ^ FEATURE_BVH)
 #include "kernels/intersect/intersect_whole.h"
 
 #include <algorithm>
