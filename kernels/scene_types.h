@@ -97,7 +97,7 @@ PENUMBRA_NAMESPACE_BEGIN
   16777216.0f               // 2^24: probabilities within the hierarchy of lights are multiples of its inverse
 #define LIGHT_CUT 16        // nodes at most from which a walk through the hierarchy of lights begins
 #define MAX_BRANCH_DEPTH 8  // surfaces at which a path may branch, one after the other
-#define LIT_CELL_LEVELS 9  // of halves along either side of a triangle
+#define LIT_CELL_LEVELS 9   // of halves along either side of a triangle
 #define FILTER_CELLS 256
 #define LTC_SIZE 32  // rows and columns of a table of linearly transformed cosines
 #define FILTER_TABLE_SIZE (2 * FILTER_CELLS + 1)  // knots and weights, see filter.h
@@ -338,8 +338,8 @@ PENUMBRA_NAMESPACE_BEGIN
 
 // The cells of a triangle from which every light is seen whole: see light/lit_cells.h.
 #define LIT_FACE_FIELDS(F)                                                                     \
-  F(vec3, row_x) /* a point p of it is at row_x . p + at_x of the way from p0 to p1, ... */     \
-  F(vec3, row_y) /* ... and row_y . p + at_y of the way to p2 */                                \
+  F(vec3, row_x) /* a point p of it is at row_x . p + at_x of the way from p0 to p1, ... */    \
+  F(vec3, row_y) /* ... and row_y . p + at_y of the way to p2 */                               \
   F(float, at_x)                                                                               \
   F(float, at_y)                                                                               \
   F(int, first) /* its first word in the table of cells */                                     \
