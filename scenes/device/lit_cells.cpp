@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
-#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
@@ -145,20 +144,19 @@ class CellFinder {
 
   /// Those that may have cells, largest first as they are seen.
   [[nodiscard]] std::vector<int> triangles_in_order() const {
-    std::vector<double> size(records_.triangles.size(), 0);
-    for (std::size_t i = 0; i < size.size(); ++i) {
+    std::vector<std::pair<double, int>> found;  // by falling size
+    for (std::size_t i = 0; i < records_.triangles.size(); ++i) {
       const Obstacle& o = obstacles_[i];
       const std::span corners(o.points.data(), 3);
       if (o.plane.n == glm::dvec3(0) || !eye_.may_see(corners) || !has_closed_form_on(int(i))) continue;
       const glm::dvec3 middle = (corners[0] + corners[1] + corners[2]) / 3.0;
       const double area = glm::length(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
       const double pixels = eye_.pixels(std::sqrt(area), middle);
-      if (pixels > kCellPixels) size[i] = pixels;
+      if (pixels > kCellPixels) found.emplace_back(-pixels, int(i));
     }
-    std::vector<int> order(size.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::erase_if(order, [&](int i) { return size[std::size_t(i)] == 0; });
-    std::ranges::sort(order, {}, [&](int i) { return std::pair(-size[std::size_t(i)], i); });
+    std::ranges::sort(found);
+    std::vector<int> order;
+    for (const auto& [size, index] : found) order.push_back(index);
     return order;
   }
 
@@ -190,11 +188,13 @@ class CellFinder {
     face_.row_y = to_vec3(row_y);
     face_.at_x = float(-glm::dot(row_x, corner_));
     face_.at_y = float(-glm::dot(row_y, corner_));
+    const glm::dvec3 inwards = -glm::cross(along_y_ - along_x_, n);
+    third_side_ = {inwards, -glm::dot(inwards, corner_ + along_x_)};
     point_margin_ = kPointRoundings * extent_ * std::max(glm::length(row_x), glm::length(row_y));
     double nearest = 0;  // as large as it is seen anywhere
-    const double longest = std::max({glm::length(along_x_), glm::length(along_y_)});
-    for (int k = 0; k < 3; ++k) nearest = std::max(nearest, eye_.pixels(longest, corners[std::size_t(k)]));
-    nearest = std::max(nearest, eye_.pixels(longest, corner_ + (along_x_ + along_y_) / 3.0));
+    width_ = std::max(glm::length(along_x_), glm::length(along_y_));
+    for (int k = 0; k < 3; ++k) nearest = std::max(nearest, eye_.pixels(width_, corners[std::size_t(k)]));
+    nearest = std::max(nearest, eye_.pixels(width_, corner_ + (along_x_ + along_y_) / 3.0));
     face_.level = int(std::clamp(std::ceil(std::log2(nearest / kCellPixels)), 0.0, double(LIT_CELL_LEVELS)));
     const std::size_t words = ((std::size_t(1) << 2 * face_.level) + 31) / 32;
     cells_.assign(words, 0u);
@@ -227,8 +227,7 @@ class CellFinder {
     const std::vector<glm::dvec3> corners = corners_of_cell(x / side, y / side, 1 / side);
     if (corners.empty() || looks_left_ <= 0 || !eye_.may_see(corners)) return;
     const glm::dvec3 middle = (corners.front() + corners[corners.size() / 2]) / 2.0;
-    const double width = std::max(glm::length(along_x_), glm::length(along_y_)) / side;
-    const bool divides = level < face_.level && eye_.pixels(width, middle) >= kCellPixels;
+    const bool divides = level < face_.level && eye_.pixels(width_ / side, middle) >= kCellPixels;
     std::vector<Way> left;
     const Sight sight = look(corners, ways, divides, left);
     if (sight == Sight::kAll) light(level, x, y);
@@ -243,11 +242,7 @@ class CellFinder {
                  y1 = y + size + margin;
     const auto at = [&](double u, double v) { return corner_ + u * along_x_ + v * along_y_; };
     std::vector<glm::dvec3> corners{at(x0, y0), at(x1, y0), at(x1, y1), at(x0, y1)};
-    const glm::dvec3 diagonal = along_y_ - along_x_;
-    const glm::dvec3 normal = glm::cross(diagonal, glm::cross(along_x_, along_y_));
-    const glm::dvec3 inwards = glm::dot(normal, along_x_) < 0 ? normal : -normal;
-    const ShaftPlane edge{inwards, -glm::dot(inwards, corner_ + along_x_)};
-    corners = clip_above(corners, edge);
+    corners = clip_above(corners, third_side_);
     if (face_.front == 0) std::ranges::reverse(corners);
     return corners;
   }
@@ -305,6 +300,8 @@ class CellFinder {
   ShaftPlane plane_;  ///< above it is the side that is seen
   bool smooth_ = false, any_ = false;
   glm::dvec3 corner_{0}, along_x_{0}, along_y_{0};
+  double width_ = 0;       ///< of its longer side along x or y
+  ShaftPlane third_side_;  ///< the triangle is above it; n is no unit vector
   double point_margin_ = 0;
   std::vector<std::uint32_t> cells_;
 };
