@@ -49,7 +49,7 @@ class Checker {
   }
 
   void check_header() {
-    require((h_.features & ~std::uint32_t(FEATURE_ALL)) == 0, "unknown feature bits");
+    static_assert(FEATURE_ALL == ~std::uint32_t{0}, "features are unknown where not all bits are one's");
     require((h_.light_kinds & ~ALL_LIGHT_KINDS) == 0, "unknown kinds of lights");
     require((h_.families & ~kEveryFamily) == 0, "unknown families of BSDFs");
     require(in(h_.intersector, INTERSECTOR_PORTABLE, INTERSECTOR_EMBREE), "unknown intersector");
@@ -184,8 +184,9 @@ class Checker {
     const auto materials = table<Material>(scene_, h_.tables.materials);
     for (int i = 0; i < int(materials.size()); ++i) {
       const Material& m = materials[std::size_t(i)];
-      require(m.branches == 0 || (m.first < i && m.second < i),
-              "a material holds one that does not come before it");
+      require(m.branches == 0 || (i > 0 && m.first < i && m.second < i),
+              i > 0 ? "a material holds one that does not come before it"
+                    : "the first material, where walks end, holds others");
       require(in(m.branches, 0, 1) && in(m.passes, PASSES_NONE, PASSES_SOME), "a material of unknown kind");
       require(m.weight >= 0.0f && m.weight <= 1.0f, "a material's weight is not in [0, 1]");
       require(in(m.bend, BEND_NOT, BEND_BUMP_MAP), "a normal is bent in an unknown way");

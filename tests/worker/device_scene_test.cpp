@@ -172,7 +172,6 @@ TEST(DeviceSceneCheck, NamesWhatIsWrong) {
     change(changed.header);
     return changed;
   };
-  expect_refused(with_header([](SceneHeader& c) { c.features |= 0x80000000; }), "unknown feature bits");
   expect_refused(with_header([](SceneHeader& c) { c.families |= 0x80000000; }), "unknown families of BSDFs");
   expect_refused(with_header([](SceneHeader& c) { c.light_kinds |= 0x80000000; }), "unknown kinds of lights");
   expect_refused(with_header([](SceneHeader& c) { c.intersector = 7; }), "unknown intersector");
@@ -291,6 +290,31 @@ TEST(DeviceSceneCheck, NamesWhatIsWrongWithTextures) {
   DeviceScene fewer = scene;
   --fewer.header.tables.triangle_colours.count;
   expect_refused(fewer, "colours do not match the triangles");
+}
+
+TEST(DeviceSceneCheck, FollowsTreesOfMaterials) {
+  const DeviceScene scene = build_or_throw(instances());  // with an opacity mask
+  const TableSpan span = scene.header.tables.materials;
+  const auto materials = table<Material>(scene, span);
+  const auto branch = std::size_t(
+      std::ranges::find_if(materials, [](const Material& m) { return m.branches != 0; }) - materials.begin());
+  ASSERT_LT(branch, materials.size());
+  const auto with_material = [&](std::size_t index, auto change) {
+    return with_record<Material>(scene, span, index, change);
+  };
+  EXPECT_TRUE(check_device_scene(scene));
+  for (const int child : {int(branch), span.count, INT_MAX}) {
+    expect_refused(with_material(branch, [&](Material& m) { m.first = child; }), "does not come before it");
+    expect_refused(with_material(branch, [&](Material& m) { m.second = child; }), "does not come before it");
+  }
+  expect_refused(with_material(0, [](Material& m) { m.branches = 1; }),
+                 "the first material, where walks end, holds others");
+  for (const int branches : {-1, 2})
+    expect_refused(with_material(branch, [&](Material& m) { m.branches = branches; }),
+                   "a material of unknown kind");
+  for (const float weight : {-0.1f, 1.1f, std::nanf("")})
+    expect_refused(with_material(branch, [&](Material& m) { m.weight = weight; }),
+                   "a material's weight is not in [0, 1]");
 }
 
 TEST(DeviceSceneCheck, FollowsTheHierarchyOfLights) {
