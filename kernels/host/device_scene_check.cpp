@@ -155,6 +155,7 @@ class Checker {
               "a light names a polygon that is not there");
       if (l.kind == LIGHT_ENVMAP) check_envmap();
       check_beam(l);
+      check_strips(l);
       check_light_texture(l);
     }
     if (has(FEATURE_POLYGONS | FEATURE_LIT_CELLS)) check_polygons();
@@ -392,6 +393,13 @@ class Checker {
     const bool has_beam = l.kind == LIGHT_SPOT || l.kind == LIGHT_PROJECTOR;
     require(!has_beam || h_.tables.lights.count == 0 || in(l.beam, 0, h_.tables.beams.count - 1),
             "a light's beam is not there");
+  }
+
+  void check_strips(const Light& l) {
+    require(l.kind != LIGHT_OUTLINE || h_.tables.lights.count == 0 ||
+                (in(l.strip_count, 1, MOST_LIGHT_STRIPS) &&
+                 in(l.strip, 0, h_.tables.light_strips.count - l.strip_count)),
+            "a light's strips are not there");
   }
 
   /// What its texture needs, and its grid, see light_grid.h.

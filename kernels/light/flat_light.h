@@ -1,4 +1,4 @@
-// What triangle and rectangle lights share: points of a plane.
+// What triangle, rectangle and outline lights share: points of a plane.
 #ifndef PENUMBRA_FLAT_LIGHT_H
 #define PENUMBRA_FLAT_LIGHT_H
 #include "kernels/intersect/surface_uv.h"

@@ -12,6 +12,7 @@
 #include "kernels/light/light_sample.h"
 #include "kernels/light/light_sampling.h"
 #include "kernels/light/light_texture.h"
+#include "kernels/light/outline_light.h"
 #include "kernels/light/point_light.h"
 #include "kernels/light/projector_light.h"
 #include "kernels/light/rectangle_light.h"

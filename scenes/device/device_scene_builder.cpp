@@ -422,6 +422,7 @@ class Builder {
     lights_.finish();
     records_.lights = lights_.lights();
     records_.light_cells = lights_.cells();
+    records_.light_strips = lights_.strips();
     records_.polygons = lights_.polygons();
     records_.polygon_corners = lights_.corners();
     h_.duplicate_lights = lights_.duplicates();

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <set>
 
+#include "scenes/device/light_strips.h"
 #include "scenes/device/light_table.h"
 #include "scenes/device/to_vec3.h"
 
@@ -102,6 +103,7 @@ std::vector<int> LightBuilder::add_triangles(std::span<const LightTriangle> tria
   const bool textured = is_textured(shape), polygons = polygons_wanted_ && !textured;
   // Points of rectangles cost less than those of two triangles, of which each lane chooses one.
   const bool rectangles = !textured && sampling != EMITTER_PROJECTED, merges = polygons || rectangles;
+  const bool strips = !textured && sampling == EMITTER_AREA && !shape.two_sided_emission;
   const double gain = least_gain(shape, sampling == EMITTER_AREA ? kGainOverArea : kGainOverSolidAngle);
   const Outlines merged = merges ? merge_coplanar(triangles) : separate(triangles);
   duplicates_ += int(merged.duplicates.size());
@@ -109,22 +111,30 @@ std::vector<int> LightBuilder::add_triangles(std::span<const LightTriangle> tria
   for (const Outline& outline : merged.outlines) {
     const int first = int(lights_.size());
     const bool rectangle = outline.rectangle && rectangles;
+    const std::optional<LampStrips> lamp =
+        strips && !rectangle && outline.triangles.size() > 1 ? strips_of(outline) : std::nullopt;
     Light light{};
     light.texture = light.grid = -1;
     light.sampling = sampling;
     light.two_sided = shape.two_sided_emission ? 1 : 0;
     light.polygon = polygons ? int(polygons_.size()) : -1;
-    if (rectangle) {
-      light.kind = LIGHT_RECTANGLE;
-      light.p0 = (*outline.rectangle)[0];
-      light.p1 = (*outline.rectangle)[1];
-      light.p2 = (*outline.rectangle)[2];
+    if (rectangle || lamp) {
+      light.kind = rectangle ? LIGHT_RECTANGLE : LIGHT_OUTLINE;
+      const std::array<vec3, 3>& corners = rectangle ? *outline.rectangle : lamp->rectangle;
+      light.p0 = corners[0];
+      light.p1 = corners[1];
+      light.p2 = corners[2];
+      if (lamp) {
+        light.strip = int(strips_.size());
+        light.strip_count = int(lamp->strips.size());
+        strips_.insert(strips_.end(), lamp->strips.begin(), lamp->strips.end());
+      }
       add(light, *shape.radiance, outline.area, std::numbers::pi * outline.area);
     }
     for (const int t : outline.triangles) {
       const LightTriangle& triangle = triangles[std::size_t(t)];
       index[std::size_t(t)] = first;
-      if (rectangle) continue;
+      if (rectangle || lamp) continue;
       light.kind = LIGHT_TRIANGLE;
       light.p0 = triangle.p0;
       light.p1 = triangle.p1;

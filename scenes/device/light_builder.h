@@ -53,6 +53,7 @@ class LightBuilder {
   [[nodiscard]] const std::vector<int>& cells() const { return cells_; }
   [[nodiscard]] const std::vector<Polygon>& polygons() const { return polygons_; }
   [[nodiscard]] const std::vector<PolygonCorner>& corners() const { return corners_; }
+  [[nodiscard]] const std::vector<LightStrip>& strips() const { return strips_; }
   [[nodiscard]] int duplicates() const { return duplicates_; }
 
   /// FEATURE_* bits that the sampling of the lights needs.
@@ -89,6 +90,7 @@ class LightBuilder {
   std::vector<int> cells_;
   std::vector<Polygon> polygons_;
   std::vector<PolygonCorner> corners_;
+  std::vector<LightStrip> strips_;
   int duplicates_ = 0;
 };
 

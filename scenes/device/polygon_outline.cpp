@@ -230,6 +230,7 @@ std::optional<std::array<vec3, 3>> as_rectangle(const std::array<dvec3, 4>& p) {
 Outline outline_of(Patch patch, const Indexed& mesh, std::span<const LightTriangle> triangles) {
   Outline outline;
   outline.area = patch.area;
+  if (patch.area > 0) outline.normal = patch.normal();
   outline.size = std::nextafter(float(patch.box.diagonal()), std::numeric_limits<float>::infinity());
   outline.triangles = std::move(patch.triangles);
   if (outline.triangles.size() == 1) {

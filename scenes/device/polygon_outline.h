@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <glm/vec3.hpp>
 #include <optional>
 #include <span>
 #include <vector>
@@ -25,6 +26,7 @@ struct Outline {
   std::vector<int> triangles;  ///< indices of the triangles inside, ascending
   double area = 0;             ///< of the triangles together
   float size = 0;              ///< upper bound of the distance between two corners
+  glm::dvec3 normal{0};        ///< of its front, a unit vector; 0 without an area
   /// If two triangles make a rectangle: a corner, the next and the previous one; the edges to them are
   /// perpendicular, and the fourth corner completes the parallelogram, within 1e-5 of the shorter one.
   std::optional<std::array<vec3, 3>> rectangle;

@@ -59,6 +59,7 @@ struct LightKind {
 };
 
 const dvec3 kCorner(-0.9, 1.1, -1.2), kAlongU(0.1, 0.5, 0.7), kAlongV(-0.9, 1.3, -0.4);
+const dvec3 kOutlineAt(-1.2, 0.55, 0.9), kOutlineX(0.6, 0, 0.8), kOutlineY(0.2, 0.5, -0.15);
 const dvec3 kA(0.5, 1.3, 0.9), kB(-0.7, 1.5, 1.0), kC(0.1, 2.1, 0.2);
 const dvec3 kSphereCenter(1.9, 1.4, 0.3), kPoint(0.3, 0.7, -1.1);
 const dvec3 kDiskCenter(0.3, 1.9, -0.9), kDiskNormal = glm::normalize(dvec3(-0.2, -0.9, 0.5));
@@ -89,6 +90,21 @@ double reflected_of_disk(const BsdfModel& bsdf) {
   });
 }
 
+/// A dented quadrilateral: its triangles have a corner each where the other is not.
+const std::array<std::array<dvec3, 3>, 2> kOutline{
+    facing(kOutlineAt - 0.1 * kOutlineY, kOutlineAt + 0.4 * kOutlineX - 0.5 * kOutlineY,
+           kOutlineAt + 0.5 * kOutlineY),
+    facing(kOutlineAt - 0.1 * kOutlineY, kOutlineAt + 0.5 * kOutlineY,
+           kOutlineAt - 0.3 * kOutlineX - 0.4 * kOutlineY)};
+
+double reflected_of_triangle(const BsdfModel& bsdf, const std::array<dvec3, 3>& triangle) {
+  const auto& [a, b, c] = triangle;
+  const dvec3 at = a, ab = b - a, ac = c - a, n = glm::cross(ab, ac);
+  return integral([&](double x, double y) {
+    return by_area(bsdf, at + x * (1 - y) * ab + x * y * ac, glm::normalize(n), x * glm::length(n));
+  });
+}
+
 /// Of radiance 1 from everywhere above.
 double reflected_of_sky(const BsdfModel& bsdf) {
   return 2 * kPi * integral([&](double u, double v) {
@@ -108,8 +124,6 @@ Shape light_of(const decltype(Shape::geometry)& geometry) {
 std::vector<LightKind> kinds() {
   const auto [p, pu, pv] = facing(kCorner, kCorner + kAlongU, kCorner + kAlongV);
   const dvec3 corner = p, u = pu - p, v = pv - p, uv = glm::cross(u, v);
-  const auto [a, b, c] = facing(kA, kB, kC);
-  const dvec3 ta = a, ab = b - a, ac = c - a, tn = glm::cross(ab, ac);
   return {
       {"rectangle",
        [=](SceneDescription& scene) {
@@ -121,13 +135,17 @@ std::vector<LightKind> kinds() {
          });
        }},
       {"triangle",
-       [=](SceneDescription& scene) {
-         scene.shapes.push_back(triangles(std::array{ta, ta + ab, ta + ac}, kBlackBsdf, 1.0f));
+       [](SceneDescription& scene) {
+         scene.shapes.push_back(triangles(facing(kA, kB, kC), kBlackBsdf, 1.0f));
        },
-       [=](const BsdfModel& bsdf) {
-         return integral([&](double x, double y) {
-           return by_area(bsdf, ta + x * (1 - y) * ab + x * y * ac, glm::normalize(tn), x * glm::length(tn));
-         });
+       [](const BsdfModel& bsdf) { return reflected_of_triangle(bsdf, facing(kA, kB, kC)); }},
+      {"outline",
+       [](SceneDescription& scene) {
+         const auto& [s, t] = kOutline;
+         scene.shapes.push_back(triangles(std::array{s[0], s[1], s[2], t[0], t[1], t[2]}, kBlackBsdf, 1.0f));
+       },
+       [](const BsdfModel& bsdf) {
+         return reflected_of_triangle(bsdf, kOutline[0]) + reflected_of_triangle(bsdf, kOutline[1]);
        }},
       {"sphere",
        [](SceneDescription& scene) {
@@ -153,7 +171,7 @@ std::vector<LightKind> kinds() {
   };
 }
 
-constexpr int kPointKind = 4, kConstantKind = 5;
+constexpr int kPointKind = 5, kConstantKind = 6;
 
 struct Method {
   std::string name;
@@ -210,9 +228,9 @@ std::vector<Method> methods() {
 /// Each kind by itself, each pair and all.
 std::vector<unsigned> combinations() {
   std::vector<unsigned> sets;
-  for (unsigned i = 0; i < 6; ++i)
-    for (unsigned j = i; j < 6; ++j) sets.push_back(1u << i | 1u << j);
-  sets.push_back(0x3f);
+  for (unsigned i = 0; i <= kConstantKind; ++i)
+    for (unsigned j = i; j <= kConstantKind; ++j) sets.push_back(1u << i | 1u << j);
+  sets.push_back((2u << kConstantKind) - 1);
   return sets;
 }
 

@@ -235,10 +235,10 @@ TEST_F(PolygonTables, KindsAndSamplingsMayBeMixed) {
         "an environment map is not there");
     for (int kind = 0; kind < 32; ++kind) {
       if (kind == LIGHT_ENVMAP || (ALL_LIGHT_KINDS >> kind & 1u) == 0u) continue;
-      if (kind == LIGHT_SPOT || kind == LIGHT_PROJECTOR) {
+      if (kind == LIGHT_SPOT || kind == LIGHT_PROJECTOR || kind == LIGHT_OUTLINE) {
         expect_refused(
             with_record<Light>(scene, h_.tables.lights, k, [&](Light& light) { light.kind = kind; }),
-            "a light's beam is not there");
+            kind == LIGHT_OUTLINE ? "a light's strips are not there" : "a light's beam is not there");
         continue;
       }
       for (int sampling = EMITTER_AREA; sampling <= EMITTER_PROJECTED; ++sampling)

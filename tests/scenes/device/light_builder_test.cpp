@@ -102,6 +102,32 @@ TEST(LightBuilder, WhatIsNoRectangleStaysTriangles) {
   }
 }
 
+TEST(LightBuilder, FlatLampsOfSeveralTrianglesAreOneLightByArea) {
+  const Triangles trapezoid{{flat(0, 0), flat(3, 0), flat(2, 1)}, {flat(0, 0), flat(2, 1), flat(0, 1)}},
+      ell = cells({"x.", "xx"}, tilted), apart = together(trapezoid, turned(trapezoid));
+  for (const bool polygons : {false, true})
+    for (const bool two_sided : {false, true})
+      for (const EmitterSampling sampling : kSamplings) {
+        const Shape shape = emitter(glm::vec3(1), sampling, two_sided);
+        const bool one = (sampling == kAuto || sampling == kArea) && !two_sided;
+        LightBuilder builder(kAuto, polygons);
+        check(builder, ell, builder.add_triangles(ell, shape));
+        EXPECT_THAT(builder.lights(), SizeIs(one ? 1 : ell.size()));
+        EXPECT_EQ(builder.lights()[0].kind, one ? LIGHT_OUTLINE : LIGHT_TRIANGLE);
+        EXPECT_EQ(builder.strips().empty(), !one);
+        LightBuilder both(kAuto, polygons);
+        check(both, apart, both.add_triangles(apart, shape));
+        EXPECT_THAT(both.lights(), SizeIs(one ? 2 : apart.size()));
+        // One after the other in the table.
+        int next = 0;
+        for (const Light& light : both.lights()) {
+          EXPECT_EQ(light.strip, next);
+          next += light.strip_count;
+        }
+        EXPECT_THAT(both.strips(), SizeIs(next));
+      }
+}
+
 TEST(LightBuilder, TwoSidesAreForFlatLights) {
   for (const bool two_sided : {false, true}) {
     const Shape shape = emitter(glm::vec3(1), kAuto, two_sided);
