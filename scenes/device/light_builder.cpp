@@ -97,44 +97,51 @@ double LightBuilder::show(const LightTexture& texture, Light& light) {
   return texture.mean;
 }
 
+/// Makes a light that has its sampling the whole outline, where that can be one light; returns whether it is.
+bool LightBuilder::take_whole(const Outline& outline, Light& light) {
+  if (light.sampling == EMITTER_PROJECTED || outline.triangles.size() == 1) return false;
+  const auto take = [&](int kind, const std::array<vec3, 3>& corners) {
+    light.kind = kind;
+    light.p0 = corners[0];
+    light.p1 = corners[1];
+    light.p2 = corners[2];
+  };
+  if (outline.rectangle) {
+    take(LIGHT_RECTANGLE, *outline.rectangle);
+    return true;
+  }
+  if (light.sampling != EMITTER_AREA || light.two_sided != 0) return false;
+  const std::optional<LampStrips> lamp = strips_of(outline);
+  if (!lamp) return false;
+  take(LIGHT_OUTLINE, lamp->rectangle);
+  light.strip = int(strips_.size());
+  light.strip_count = int(lamp->strips.size());
+  strips_.insert(strips_.end(), lamp->strips.begin(), lamp->strips.end());
+  return true;
+}
+
 std::vector<int> LightBuilder::add_triangles(std::span<const LightTriangle> triangles, const Shape& shape,
                                              int first_triangle) {
   const int sampling = triangle_sampling(triangles, shape);
   const bool textured = is_textured(shape), polygons = polygons_wanted_ && !textured;
-  // Points of rectangles cost less than those of two triangles, of which each lane chooses one.
-  const bool rectangles = !textured && sampling != EMITTER_PROJECTED, merges = polygons || rectangles;
-  const bool strips = !textured && sampling == EMITTER_AREA && !shape.two_sided_emission;
+  const bool merges = polygons || (!textured && sampling != EMITTER_PROJECTED);
   const double gain = least_gain(shape, sampling == EMITTER_AREA ? kGainOverArea : kGainOverSolidAngle);
   const Outlines merged = merges ? merge_coplanar(triangles) : separate(triangles);
   duplicates_ += int(merged.duplicates.size());
   std::vector<int> index(triangles.size(), -1);
   for (const Outline& outline : merged.outlines) {
     const int first = int(lights_.size());
-    const bool rectangle = outline.rectangle && rectangles;
-    const std::optional<LampStrips> lamp =
-        strips && !rectangle && outline.triangles.size() > 1 ? strips_of(outline) : std::nullopt;
     Light light{};
     light.texture = light.grid = -1;
     light.sampling = sampling;
     light.two_sided = shape.two_sided_emission ? 1 : 0;
     light.polygon = polygons ? int(polygons_.size()) : -1;
-    if (rectangle || lamp) {
-      light.kind = rectangle ? LIGHT_RECTANGLE : LIGHT_OUTLINE;
-      const std::array<vec3, 3>& corners = rectangle ? *outline.rectangle : lamp->rectangle;
-      light.p0 = corners[0];
-      light.p1 = corners[1];
-      light.p2 = corners[2];
-      if (lamp) {
-        light.strip = int(strips_.size());
-        light.strip_count = int(lamp->strips.size());
-        strips_.insert(strips_.end(), lamp->strips.begin(), lamp->strips.end());
-      }
-      add(light, *shape.radiance, outline.area, std::numbers::pi * outline.area);
-    }
+    const bool whole = !textured && take_whole(outline, light);
+    if (whole) add(light, *shape.radiance, outline.area, std::numbers::pi * outline.area);
     for (const int t : outline.triangles) {
       const LightTriangle& triangle = triangles[std::size_t(t)];
       index[std::size_t(t)] = first;
-      if (rectangle || lamp) continue;
+      if (whole) continue;
       light.kind = LIGHT_TRIANGLE;
       light.p0 = triangle.p0;
       light.p1 = triangle.p1;

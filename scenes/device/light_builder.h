@@ -72,6 +72,7 @@ class LightBuilder {
 
   int add(Light light, const glm::vec3& radiance, double area, double power);
   int add(const EmitterLight& made);
+  bool take_whole(const Outline& outline, Light& light);
   void add_polygon(const Outline& outline, const Shape& shape, int first_light, int light_count);
 
   [[nodiscard]] bool is_textured(const Shape& shape) const;

@@ -19,10 +19,16 @@ namespace {
 
 constexpr int kWidth = 24, kHeight = 16, kBlock = 4;
 constexpr double kBlocks = double(kWidth / kBlock) * (kHeight / kBlock);
-// The channels of a block go together: the mean of z^2 has the deviation of as many values as there are
-// blocks.
-const statistics::ImageTestLimits kLimits{.accepted_fraction = 1,
-                                          .mean_square = 1 + 4 * std::sqrt(2 / kBlocks)};
+
+/// For estimates of so many batches each. The channels of a block go together: the mean of z^2 has the
+/// deviation of as many values as there are blocks, which are of Student's distribution, since the batches
+/// say how much they vary: its square has the mean n / (n - 2) and the variance 2 n^2 (n - 1) / ((n - 2)^2
+/// (n - 4)).
+statistics::ImageTestLimits limits(int batches, int other_batches) {
+  const double n = batches + other_batches - 2, mean = n / (n - 2);
+  const double variance = 2 * mean * mean * (n - 1) / (n - 4);
+  return {.accepted_fraction = 1, .mean_square = mean + 4 * std::sqrt(variance / kBlocks)};
+}
 
 SceneDescription room_of(const BsdfModel& floor) {
   SceneDescription scene = glossy_room(floor, kWidth, kHeight);
@@ -128,7 +134,7 @@ TEST_P(GlossyPolygons, PathsHaveTheMeanOfPaths) {
   param::next_event(scene.integrator) = NextEvent::kCv;
   param::alpha(scene.integrator) = GetParam().alpha;
   param::emitter_sampling(scene.integrator) = GetParam().sampling;
-  const auto result = statistics::z_test(paths, block_estimate(scene, 16, 200, kBlock), kLimits);
+  const auto result = statistics::z_test(paths, block_estimate(scene, 16, 200, kBlock), limits(16, 16));
   EXPECT_TRUE(result.passed) << result.summary();
 }
 
@@ -140,7 +146,7 @@ TEST_P(GlossyPolygons, DirectLightHasTheMeanOfDirectLight) {
   use(scene.integrator, IntegratorKind::kPolygonCv);
   param::alpha(scene.integrator) = GetParam().alpha;
   param::emitter_sampling(scene.integrator) = GetParam().sampling;
-  const auto result = statistics::z_test(direct, block_estimate(scene, 8, 400, kBlock), kLimits);
+  const auto result = statistics::z_test(direct, block_estimate(scene, 8, 400, kBlock), limits(8, 8));
   EXPECT_TRUE(result.passed) << result.summary();
 }
 
@@ -155,7 +161,7 @@ TEST_P(GlossyPolygonSamples, HaveTheMeanOfPaths) {
   param::max_depth(scene.integrator) = 4;
   const statistics::Estimate paths = block_estimate(scene, 8, 500, kBlock);
   param::emitter_sampling(scene.integrator) = EmitterSampling::kProjected;
-  const auto balanced = statistics::z_test(paths, block_estimate(scene, 8, 600, kBlock), kLimits);
+  const auto balanced = statistics::z_test(paths, block_estimate(scene, 8, 600, kBlock), limits(8, 8));
   EXPECT_TRUE(balanced.passed) << balanced.summary();
 }
 
@@ -168,7 +174,7 @@ TEST(GlossyPolygonRatio, TendsToTheMean) {
   use(scene.integrator, IntegratorKind::kPolygonCv);
   param::estimator(scene.integrator) = CvEstimator::kRatio;
   scene.sampler.spp = 1024;
-  const auto result = statistics::z_test(direct, block_estimate(scene, 4, 400, kBlock), kLimits);
+  const auto result = statistics::z_test(direct, block_estimate(scene, 4, 400, kBlock), limits(8, 4));
   EXPECT_TRUE(result.passed) << result.summary();
 }
 

@@ -31,7 +31,7 @@ SceneDescription empty_scene(int width, int height, std::uint32_t spp, std::uint
 /// Path tracing without a depth limit.
 IntegratorSettings path_integrator(DirectSampling sampling);
 
-/// Direct light with n_g emitter samples and n_f direction samples.
+/// Direct light with n_g emitter samples and n_f direction samples, also where lights are seen whole.
 IntegratorSettings direct_integrator(int emitter_samples, int bsdf_samples,
                                      MisHeuristic heuristic = MisHeuristic::kBalance);
 
