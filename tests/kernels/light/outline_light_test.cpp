@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "scenes/device/light_builder.h"
 #include "scenes/device/light_strips.h"
 #include "tests/kernels/light_scenes.h"
 #include "tests/kernels/random_numbers.h"
+#include "tests/scenes/device/light_builder_pieces.h"
 #include "tests/support/statistics.h"
 
 namespace penumbra {
@@ -20,7 +20,6 @@ namespace {
 
 constexpr double kSignificance = 0.01;
 
-using Triangles = std::vector<LightTriangle>;
 using Place = std::function<vec3(double, double)>;
 
 /// A figure of triangles in a plane: of the corners, counter-clockwise.
@@ -84,12 +83,9 @@ Place random_plane(RandomNumbers& random, const Exact3& center, double bend = 0)
 
 /// The scene that the light builder makes of it; nothing but the lamp.
 SceneTables lamp_scene(const Triangles& triangles) {
-  Shape shape;
-  shape.name = "lamp";
-  shape.radiance = glm::vec3(1, 2, 3);
-  shape.sampling = EmitterSampling::kArea;
   LightBuilder builder(EmitterSampling::kAuto, false);
-  const std::vector<int> index = builder.add_triangles(triangles, shape);
+  const std::vector<int> index =
+      builder.add_triangles(triangles, emitter(glm::vec3(1, 2, 3), EmitterSampling::kArea));
   builder.finish();
   SceneTables tables;
   tables.header.environment = -1;
@@ -103,10 +99,6 @@ SceneTables lamp_scene(const Triangles& triangles) {
   return tables;
 }
 
-double area_of(const LightTriangle& t) {
-  return 0.5 * double(length(cross(exact(t.p1) - exact(t.p0), exact(t.p2) - exact(t.p0))));
-}
-
 TEST_P(OutlineLights, AreOneLight) {
   RandomNumbers random(1);
   for (int k = 0; k < 20; ++k) {
@@ -114,9 +106,7 @@ TEST_P(OutlineLights, AreOneLight) {
     const SceneTables tables = lamp_scene(triangles);
     ASSERT_EQ(tables.lights.size(), 1u);
     EXPECT_EQ(tables.lights[0].kind, LIGHT_OUTLINE);
-    double area = 0;
-    for (const LightTriangle& t : triangles) area += area_of(t);
-    EXPECT_NEAR(tables.lights[0].area / area, 1, 1e-6);
+    EXPECT_NEAR(tables.lights[0].area / double(length(area_of(triangles))), 1, 1e-6);
     EXPECT_EQ(tables.light_strips.front().start, 0);
     for (const Triangle& t : tables.triangles) EXPECT_EQ(t.light, 0);
   }
@@ -141,10 +131,9 @@ TEST_P(OutlineLights, PointsAreUniformOverTheTriangles) {
   const LightReceiver from = receiver_of(receiver(make_vec3(0, 0, 0), make_vec3(0, 0, 1)));
   constexpr int kPoints = 200'000;
   std::vector<double> counts(4 * triangles.size()), expected(counts.size());
-  double all = 0;
-  for (const LightTriangle& t : triangles) all += area_of(t);
+  const auto area = [](const Triangles& of) { return double(length(area_of(of))); };
   for (std::size_t k = 0; k < expected.size(); ++k)
-    expected[k] = kPoints * area_of(triangles[k / 4]) / (4 * all);
+    expected[k] = kPoints * area({triangles[k / 4]}) / (4 * area(triangles));
   for (int i = 0; i < kPoints; ++i) {
     const float u = random.unit_float(), v = random.unit_float();
     const SampledPoint point = sample_outline_point(&scene, 0, from, u, v, 0u);
