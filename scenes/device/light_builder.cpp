@@ -98,6 +98,7 @@ double LightBuilder::show(const LightTexture& texture, Light& light) {
 }
 
 /// Makes a light that has its sampling the whole outline, where that can be one light; returns whether it is.
+/// Points of it cost less than those of its triangles, of which each lane chooses one, and are spread better.
 bool LightBuilder::take_whole(const Outline& outline, Light& light) {
   if (light.sampling == EMITTER_PROJECTED || outline.triangles.size() == 1) return false;
   const auto take = [&](int kind, const std::array<vec3, 3>& corners) {
