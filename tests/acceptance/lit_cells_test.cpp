@@ -26,11 +26,20 @@ struct Place {
 };
 void PrintTo(const Place& place, std::ostream* out) { *out << place.name; }
 
+/// The integrators that tests make sample every light.
+IntegratorSettings with_cells(IntegratorSettings direct) {
+  std::get<DirectIntegrator>(direct.method).closed_where_lit = true;
+  return direct;
+}
+void sample_all(SceneDescription& scene) {
+  std::get<DirectIntegrator>(scene.integrator.method).closed_where_lit = false;
+}
+
 /// A floor with a step, a slab above it and a lamp, seen from the side.
 SceneDescription under_a_lamp() {
   SceneDescription scene = empty_scene(kSide, kSide, 128, 1);
   scene.camera = look_at({5, -4, 3.5}, {0, 0, 0.3}, {0, 0, 1}, 50);
-  scene.integrator = direct_integrator(2, 0);
+  scene.integrator = with_cells(direct_integrator(2, 0));
   const int grey = add_diffuse(scene, 0.7f);
   scene.shapes = {parallelogram({-4, -4, 0}, {8, 0, 0}, {0, 8, 0}, grey),
                   parallelogram({-1, -1, 0.8}, {1.4, 0.1, 0.2}, {-0.1, 1.1, 0.1}, grey),
@@ -64,10 +73,10 @@ std::vector<Place> places() {
   phong.bsdfs[0].model = PhongBsdf{glm::vec3(0.4f), glm::vec3(0.3f), 20};
   phong.shapes.push_back(lamp());
   SceneDescription& mis = add("BesideDirections");
-  mis.integrator = direct_integrator(1, 1);
+  mis.integrator = with_cells(direct_integrator(1, 1));
   mis.shapes.push_back(lamp());
   SceneDescription& rectangle = add("BySolidAngle");
-  rectangle.integrator = emitter_only(EmitterSampling::kSolidAngle, 1);
+  rectangle.integrator = with_cells(emitter_only(EmitterSampling::kSolidAngle, 1));
   rectangle.shapes.push_back(parallelogram({-0.5, -0.5, 3}, {0, 1, 0}, {1, 0, 0}, kBlackBsdf, 4));
   SceneDescription& smooth = add("OnSmoothNormals");
   auto& wall = std::get<Mesh>(smooth.shapes[2].geometry);
@@ -90,9 +99,6 @@ std::vector<Place> places() {
 
 bool has_lit_cells(const SceneDescription& scene) {
   return (build_or_throw(scene).header.features & FEATURE_LIT_CELLS) != 0u;
-}
-void sample_all(SceneDescription& scene) {
-  std::get<DirectIntegrator>(scene.integrator.method).closed_where_lit = false;
 }
 
 class LitCellsPlace : public testing::TestWithParam<Place> {};
@@ -136,6 +142,7 @@ TEST(LitCells, ImagesAreTheSameOnEveryDevice) {
   for (Place& place : places()) {
     place.scene.sampler.spp = 4;
     const DeviceScene scene = build_or_throw(place.scene), embree = build_or_throw(place.scene, true);
+    ASSERT_NE(scene.header.features & FEATURE_LIT_CELLS, 0u) << place.name;
     const statistics::Image native = mean_image(render_or_throw(scene));
     // Kernels are compiled for each scene.
     if (place.name == "SeveralLamps" || place.name == "OnPhong")
@@ -161,7 +168,7 @@ TEST(LitCells, AreOfDirectLightByPolygonsAlone) {
   EXPECT_TRUE(
       without([](SceneDescription& s) { s.emitters.emplace_back(ConstantEnvironment{glm::vec3(1)}); }));
   EXPECT_TRUE(without([](SceneDescription& s) { s.integrator = path_integrator(DirectSampling::kMis); }));
-  EXPECT_TRUE(without([](SceneDescription& s) { s.integrator = direct_integrator(0, 1); }));
+  EXPECT_TRUE(without([](SceneDescription& s) { s.integrator = with_cells(direct_integrator(0, 1)); }));
 }
 
 }  // namespace
