@@ -20,6 +20,7 @@ constexpr double kCellPixels = 4;
 // What finding cells may cost: obstacles looked at, some 30 ns each; obstacles beyond which it never pays.
 constexpr std::int64_t kMostLooks = 1 << 21;
 constexpr std::int64_t kShaftLooks = 32;  // that a shaft takes the time of
+constexpr std::int64_t kWaysListed = 16;  // in the time of a look
 constexpr std::size_t kMostObstacles = 1 << 16;
 // Closed forms of more edges take longer than samples do.
 constexpr std::size_t kMostLampEdges = 128;
@@ -203,6 +204,7 @@ class CellFinder {
     for (int lamp = 0; lamp < int(lamps_.size()); ++lamp)
       for (int k = 0; k < int(obstacles_.size()); ++k)
         if (k != index && !is_part(k, lamp)) ways.push_back({lamp, k});
+    looks_left_ -= std::int64_t(ways.size()) / kWaysListed;
     divide(0, 0, 0, ways);
     if (!any_) return;
     face_.first = int(records_.lit_cells.size());

@@ -62,6 +62,11 @@ TEST(LightTablesCheck, TablesThatLeadElsewhereAreRefused) {
   const auto light = [](DeviceScene& s) -> Light& {
     return records<Light>(s, s.header.tables.lights).back();
   };
+  const auto as_triangle = [&](DeviceScene& s) -> Light& {
+    s.header.light_kinds |= 1u << LIGHT_TRIANGLE;
+    light(s).kind = LIGHT_TRIANGLE;
+    return light(s);
+  };
   const std::vector<Broken> broken = {
       {"no power of two", [](DeviceScene& s) { --s.header.tables.light_cells.count; }},
       {"no cells to choose lights by", [](DeviceScene& s) { s.header.tables.light_cells.count = 0; }},
@@ -84,6 +89,9 @@ TEST(LightTablesCheck, TablesThatLeadElsewhereAreRefused) {
       {"strips are not there", [&](DeviceScene& s) { light(s).strip_count = 0; }},
       {"strips are not there", [&](DeviceScene& s) { ++light(s).strip_count; }},
       {"strips are not there", [&](DeviceScene& s) { light(s).strip_count = 0x7fffffff; }},
+      // Lanes of lights of other kinds look at them, too.
+      {"strips are not there", [&](DeviceScene& s) { as_triangle(s).strip = 0x7fffffff; }},
+      {"strips are not there", [&](DeviceScene& s) { as_triangle(s).strip_count = 0x7fffffff; }},
       {"do not match the triangles", [](DeviceScene& s) { --s.header.tables.lit_faces.count; }},
       {"too many cells", [&](DeviceScene& s) { face(s).level = LIT_CELL_LEVELS + 1; }},
       {"too many cells", [&](DeviceScene& s) { face(s).level = -2; }},

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <glm/glm.hpp>
 #include <string>
 #include <vector>
@@ -237,7 +238,30 @@ TEST(LitCells, AreNoneWhereOtherThingsCount) {
   EXPECT_FALSE(has_cells([](SceneTables& t) { t.materials.front().branches = 1; }));
 }
 
+/// Tiles beside the floor, none of which is in another's way, `side` by `side` and each of two triangles:
+/// how many of them have cells.
+int lit_tiles(int side) {
+  Place place;
+  place.tables.header.film.width *= 20;
+  place.tables.header.film.height *= 20;
+  place.add_lamp(kLamp);
+  const double size = 4.0 / side;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x)
+      place.add(Place::kThing, {-8 + x * size, y * size, 0}, {size, 0, 0}, {0, size, 0});
+  add_lit_cells(place.tables.header, place.tables);
+  return int(std::ranges::count_if(place.tables.lit_faces, [](const LitFace& f) { return f.level >= 0; }));
+}
+
 TEST(LitCells, AreFoundWithinBoundsOfTheWork) {
+  EXPECT_GT(lit_tiles(10), 2 * 10 * 10 * 3 / 4);
+  // Each of 20 000 looks at all others, of which some 2 million are allowed.
+  const int lit = lit_tiles(100);
+  EXPECT_GT(lit, 0);
+  EXPECT_LT(lit, 200);
+}
+
+TEST(LitCells, BehindThingsWithoutEndAreRight) {
   // Things without end between the lamp and the floor: what is found of the floor may be nothing, but is
   // right.
   Place place;
