@@ -1,6 +1,6 @@
 // The feature mask: what a scene and its integrator need. OpenCL kernels are compiled with exactly these
-// bits; native code takes the smallest precompiled variant that covers them. What is masked out is neither
-// compiled, allocated, uploaded nor shipped.
+// bits; native code is compiled with all of them, and skips at run time what a scene does not need. What is
+// masked out is neither allocated, uploaded nor shipped.
 #ifndef PENUMBRA_FEATURES_H
 #define PENUMBRA_FEATURES_H
 
@@ -77,8 +77,13 @@
 /// A kernel source tests `HAS(POLYGONS)`; FEATURES comes from the build.
 #define HAS(name) ((FEATURES & FEATURE_##name) != 0)
 #define HAS_CLOSED_FORMS (HAS(POLYGONS) || HAS(LIT_CELLS))
+/// Small scenes are searched by testing every primitive, others through the hierarchy. Kernels for one scene
+/// have its search alone, kernels for every scene both.
+#define HAS_WHOLE (!HAS(BVH) || (FEATURES) == FEATURE_ALL)
 /// Whether the scene needs it too: native kernels are compiled for more than their scene, and do not call
 /// what it does not need.
 #define NEEDS(scene, name) (HAS(name) && ((scene)->header.features & FEATURE_##name) != 0u)
+/// Whether the scene is searched through the hierarchy.
+#define TRACES_BVH(scene) (HAS(BVH) && (!HAS_WHOLE || NEEDS(scene, BVH)))
 
 #endif

@@ -1,10 +1,7 @@
-// The kernels for one instruction set and one feature mask: compiled several times, see CMakeLists.txt.
+// The kernels for one instruction set: compiled several times, see CMakeLists.txt.
 // Includes nothing from any standard library, so that no inline function of theirs is emitted for an
 // instruction set the machine lacks.
 #define EXTERNAL_TRACER
-// FEATURES is the name of one of these sets: they come first.
-#include "kernels/native_variants.h"
-
 #include "kernels/block/block.h"
 
 namespace penumbra {

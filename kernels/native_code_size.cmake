@@ -1,5 +1,5 @@
 # Writes OUT, C++ that lists the sizes of object files: cmake -DSIZE=… -DOUT=… -DNAMES=a,b -DOBJECTS=a.o,b.o -P this.
-# NAMES are TARGET_SET as in native_kernels.cpp.
+# NAMES are those of instruction sets.
 string(REPLACE "," ";" NAMES "${NAMES}")
 string(REPLACE "," ";" OBJECTS "${OBJECTS}")
 set(rows "")
@@ -16,7 +16,7 @@ endforeach()
 file(WRITE ${OUT} "// Made by native_code_size.cmake.
 #include \"kernels/host/native_code_size.h\"
 
-#include <string>
+#include <string_view>
 
 namespace penumbra {
 namespace {
@@ -32,9 +32,8 @@ constexpr std::string_view kTargets[] = {\"scalar\", \"sse2\", \"avx2\", \"avx51
 }  // namespace
 
 std::uint64_t native_code_bytes(const NativeKernel& kernel) {
-  const std::string name = std::string(kTargets[int(kernel.target)]) + '_' + std::string(kernel.features_name);
   for (const Row& row : kRows)
-    if (row.name == name) return row.bytes;
+    if (row.name == kTargets[int(kernel.target)]) return row.bytes;
   return 0;
 }
 

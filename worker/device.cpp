@@ -32,9 +32,43 @@ Expected<void> check_backend_options(BackendsInUse backends, std::string_view op
   return {};
 }
 
-Isa best_isa() {
-  if (machine_has(KernelTarget::kAvx512)) return Isa::kAvx512;
-  return machine_has(KernelTarget::kAvx2) ? Isa::kAvx2 : Isa::kSse2;
+std::vector<Isa> built_isas() {
+  std::vector<Isa> isas;
+  for (const Isa isa : {Isa::kSse2, Isa::kAvx2, Isa::kAvx512})
+    if (find_native_kernel(kernel_target(isa)) != nullptr) isas.push_back(isa);
+  return isas;
+}
+
+std::vector<Isa> usable_isas() {
+  std::vector<Isa> isas = built_isas();
+  std::erase_if(isas, [](Isa isa) { return !machine_has(kernel_target(isa)); });
+  return isas;
+}
+
+Isa best_isa() { return usable_isas().back(); }
+
+std::string isa_list(std::span<const Isa> isas) {
+  std::string text;
+  for (const Isa isa : isas) text += fmt::format("{}{}", text.empty() ? "" : ", ", isa_name(isa));
+  return text;
+}
+
+Expected<void> check_isa(Isa isa) {
+  if (!machine_has(kernel_target(isa)))
+    return fail(fmt::format("--isa {}: this machine lacks it; it can use {}", isa_name(isa),
+                            isa_list(usable_isas())));
+  if (find_native_kernel(kernel_target(isa)) == nullptr)
+    return fail(fmt::format(
+        "--isa {}: this build has {} alone; configure it with -DPENUMBRA_ISA=all for every instruction set",
+        isa_name(isa), isa_list(built_isas())));
+  return {};
+}
+
+Expected<Isa> usable_isa(std::string_view name) {
+  const Expected<Isa> isa = isa_from_name(name);
+  if (!isa) return isa;
+  if (const Expected<void> usable = check_isa(*isa); !usable) return std::unexpected(usable.error());
+  return isa;
 }
 
 Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint32_t features) {

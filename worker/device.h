@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -108,11 +109,21 @@ Expected<std::unique_ptr<Device>> make_device(const DeviceScene& scene, const De
 /// device_plane_count. The error names a unit that no device can render.
 Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint32_t features);
 
-/// The widest instruction set that this machine has and the kernels are built for.
-Isa best_isa();
 constexpr std::array<std::string_view, 3> kIsaNames{"sse2", "avx2", "avx512"};
 constexpr std::string_view isa_name(Isa isa) { return kIsaNames[std::size_t(isa)]; }
 Expected<Isa> isa_from_name(std::string_view name);
+/// Their names, with commas.
+std::string isa_list(std::span<const Isa> isas);
+
+/// Instruction sets that the kernels are built for, from the narrowest, which is SSE2, on.
+std::vector<Isa> built_isas();
+/// Those of them that this machine has.
+std::vector<Isa> usable_isas();
+/// The widest of those.
+Isa best_isa();
+/// The error says whether the machine or the build lacks the set, and which are there.
+Expected<void> check_isa(Isa isa);
+Expected<Isa> usable_isa(std::string_view name);
 
 /// Which backends may come to compute.
 struct BackendsInUse {

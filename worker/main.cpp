@@ -27,6 +27,7 @@
 #include "scheduler/protocol/token.h"
 #include "worker/device.h"
 #include "worker/measure_compile.h"
+#include "worker/native_device.h"
 #include "worker/opencl_devices.h"
 #include "worker/worker_client.h"
 
@@ -35,13 +36,21 @@ namespace {
 constexpr int kFailed = 1;
 constexpr int kBadUsage = 2;
 
+/// Instruction sets that this machine has and the build does not.
+std::string isas_left_out() {
+  using namespace penumbra;
+  std::vector<Isa> left_out;
+  for (const Isa isa : {Isa::kSse2, Isa::kAvx2, Isa::kAvx512})
+    if (machine_has(kernel_target(isa)) && find_native_kernel(kernel_target(isa)) == nullptr)
+      left_out.push_back(isa);
+  return left_out.empty() ? "" : fmt::format(" (not built, see PENUMBRA_ISA: {})", isa_list(left_out));
+}
+
 /// Ends the parse, as --help does.
 void list_devices() {
   using namespace penumbra;
-  std::string isas;
-  for (int i = 0; i <= int(best_isa()); ++i) isas += fmt::format("{}{}", i > 0 ? ", " : "", isa_name(Isa(i)));
   const std::vector<OpenClDeviceInfo> devices = list_opencl_devices();
-  print_answer(fmt::format("native: {}; {}\nOpenCL:{}{}\n", isas,
+  print_answer(fmt::format("native: {}{}; {}\nOpenCL:{}{}\n", isa_list(usable_isas()), isas_left_out(),
                            counted(std::thread::hardware_concurrency(), "core"),
                            devices.empty() ? " no device" : "\n", opencl_device_table(devices)));
   throw CLI::Success();
@@ -148,8 +157,7 @@ int run(int argc, char** argv) {
   }
   options.cache = cache.empty() ? default_piece_cache(options.address) : std::filesystem::path(cache);
   if (cache == "off") options.cache.clear();
-  const Isa best = best_isa();
-  for (int i = 0; i <= int(best); ++i) options.isas.push_back(Isa(i));
+  options.isas = usable_isas();
   if (*backend_option) options.backend = backend_from_name(backend);
   if (*threads_option) options.threads = threads == "auto" ? cores_of_this_process() : std::stoi(threads);
   if (*opencl_option) {
@@ -161,10 +169,9 @@ int run(int argc, char** argv) {
     options.opencl_device = opencl_device;
   }
   if (*isa_option) {
-    const Expected<Isa> named = isa_from_name(isa);
-    if (!named || *named > best) {
-      print_error(named ? Error{fmt::format("--isa {}: this machine goes up to {}", isa, isa_name(best))}
-                        : named.error());
+    const Expected<Isa> named = usable_isa(isa);
+    if (!named) {
+      print_error(named.error());
       return kBadUsage;
     }
     options.isa = *named;

@@ -86,18 +86,20 @@ class ThreadTeam {
 
 class NativeDevice final : public Device {
  public:
-  NativeDevice(const DeviceScene& scene, const DeviceOptions& options, const NativeKernel& kernel,
+  /// `whole`: every primitive is tested although the scene has a hierarchy.
+  NativeDevice(const DeviceScene& scene, const DeviceOptions& options, const NativeKernel& kernel, bool whole,
                std::unique_ptr<EmbreeTracer> tracer)
       : scene_(scene),
         options_(options),
         kernel_(kernel),
+        whole_(whole),
         tracer_(std::move(tracer)),
         team_(std::max(1, options.threads)) {}
 
   std::string description() const override {
-    return fmt::format("native {}{}, {} kernels, {} intersector, {}", isa_name(options_.isa),
-                       options_.block_of_one ? " (block of one)" : "", kernel_.features_name,
-                       tracer_ ? "Embree" : "portable", counted(team_.size(), "thread"));
+    return fmt::format("native {}{}, {} intersector, {}", isa_name(options_.isa),
+                       options_.block_of_one ? " (block of one)" : "", tracer_ ? "Embree" : "portable",
+                       counted(team_.size(), "thread"));
   }
 
   Expected<SampleBuffer> render(const RenderUnit& unit) override {
@@ -114,6 +116,8 @@ class NativeDevice final : public Device {
     while (blocks_.size() < std::size_t(team_.size()))
       blocks_.emplace_back(scene_.header.features, capacity, kSlots);
 
+    SceneHeader header = scene_.header;
+    if (whole_) header.features &= ~std::uint32_t(FEATURE_BVH);
     const Unit portable = kernel_unit(unit);
     const Tracer tracer = tracer_ ? tracer_->tracer() : Tracer{};
     std::atomic<int> next{0};
@@ -123,7 +127,7 @@ class NativeDevice final : public Device {
       block.probe = options_.probe;
       BadSamples bad[BAD_KINDS] = {};
       for (int first; (first = next.fetch_add(block_pixels)) < pixels; part_is_done())
-        kernel_.render_block(scene_.header, scene_.words.data(), tracer, portable, first,
+        kernel_.render_block(header, scene_.words.data(), tracer, portable, first,
                              std::min(block_pixels, pixels - first), block, result.values.data(), bad);
       const std::lock_guard lock(noting);
       for (int kind = 0; kind < BAD_KINDS; ++kind)
@@ -137,6 +141,7 @@ class NativeDevice final : public Device {
   const DeviceScene& scene_;
   DeviceOptions options_;
   const NativeKernel& kernel_;
+  bool whole_;
   std::unique_ptr<EmbreeTracer> tracer_;
   ThreadTeam team_;
   std::vector<BlockMemory> blocks_;
@@ -158,30 +163,26 @@ KernelTarget kernel_target(Isa isa) {
 
 namespace {
 
-/// What the scene needs of kernels: no image depends on which search it is, of scenes that have what either
-/// takes.
-std::uint32_t needed_features(KernelTarget target, const DeviceScene& scene) {
-  const std::uint32_t features = scene.header.features;
-  const bool either = (features & FEATURE_BVH) != 0 && scene.header.tables.corners.count > 0;
-  return either && tests_whole(target, scene) ? features & ~std::uint32_t(FEATURE_BVH) : features;
+/// Whether testing every primitive is possible and faster than the scene's hierarchy: no image depends on it.
+bool prefers_whole(KernelTarget target, const DeviceScene& scene) {
+  const bool either = (scene.header.features & FEATURE_BVH) != 0 && scene.header.tables.corners.count > 0;
+  return either && tests_whole(target, scene);
 }
 
 }  // namespace
 
 Expected<std::unique_ptr<Device>> make_native_device(const DeviceScene& scene, const DeviceOptions& options) {
   const KernelTarget target = options.block_of_one ? KernelTarget::kScalar : kernel_target(options.isa);
-  if (!machine_has(target))
-    return fail(fmt::format("this machine lacks {}; it has up to {} (--isa)", isa_name(options.isa),
-                            isa_name(best_isa())));
-  const NativeKernel* kernel = find_native_kernel(target, needed_features(target, scene));
-  if (!kernel) return fail("no native kernels for this scene's features");
+  if (const Expected<void> usable = check_isa(options.isa); !usable) return std::unexpected(usable.error());
+  const NativeKernel* kernel = find_native_kernel(target);
   std::unique_ptr<EmbreeTracer> tracer;
   if (scene.header.intersector == INTERSECTOR_EMBREE) {
     Expected<std::unique_ptr<EmbreeTracer>> made = EmbreeTracer::make(scene, options);
     if (!made) return std::unexpected(made.error());
     tracer = std::move(*made);
   }
-  return std::make_unique<NativeDevice>(scene, options, *kernel, std::move(tracer));
+  return std::make_unique<NativeDevice>(scene, options, *kernel, prefers_whole(target, scene),
+                                        std::move(tracer));
 }
 
 }  // namespace penumbra

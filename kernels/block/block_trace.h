@@ -51,7 +51,7 @@ STAGE int list_rays(const PRIVATE PathState* paths, int count, GLOBAL int* RESTR
 }
 #endif
 
-#if !HAS(BVH)
+#if HAS_WHOLE
 FN void load_lane_ray(PRIVATE RayLanes* rays, int j, vec3 origin, vec3 direction, float tmax, int skip) {
   rays->ox[j] = origin.x;
   rays->oy[j] = origin.y;
@@ -101,12 +101,44 @@ STAGE void store_hits(const PRIVATE RayLanes* RESTRICT rays, const PRIVATE PathS
   LANE_LOOP
     for (int j = 0; j < LANES; j++) set_hit(paths, i + j, rays->hit[j]);
 }
-#endif
 
 /// Of lanes without rays.
 FN void clear_hits(const PRIVATE PathState* paths, int i) {
   for (int j = i; j < i + LANES; j++) set_hit(paths, j, -1);
 }
+
+/// Every ray against every primitive.
+FN void intersect_block_whole(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
+  #if HAS(INSTANCES)
+  if (NEEDS(scene, INSTANCES)) clear_hit_instances(paths, count);
+  #endif
+  for (int i = 0; i < count; i += LANES) {
+    if (!any_ray(paths, i)) {
+      clear_hits(paths, i);
+      continue;
+    }
+    RayLanes rays;
+    load_rays(&rays, paths, i);
+    intersect_whole(scene, &rays);
+    store_hits(&rays, paths, i);
+  }
+}
+
+/// The same of shadow rays.
+FN void occlude_block_whole(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
+  GLOBAL int* RESTRICT wanted = paths->going;
+  const int rays = list_shadow_rays(paths, count, wanted);
+  for (int i = 0; i < rays; i += LANES) {
+    RayLanes lanes;
+    gather_shadow_rays(&lanes, paths, wanted + i);
+    intersect_whole(scene, &lanes);
+    scatter_transmittances(&lanes, paths, wanted + i);
+  #if HAS(NESTED)
+    if (NEEDS(scene, NESTED)) doubt_transmittances(scene, &lanes, paths, wanted + i);
+  #endif
+  }
+}
+#endif
 
 #if HAS(BVH)
 FN int ray_hit(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
@@ -146,16 +178,11 @@ FN void intersect_together(const PRIVATE Scene* scene, const PRIVATE PathState* 
 }
 #endif
 
-/// Finds the primitive that each lane's ray hits. `together`: neighbours' rays go nearly the same way.
-STAGE void intersect_block(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
-                           bool together) {
-#ifdef EXTERNAL_TRACER
-  if (scene->tracer.intersect) {
-    scene->tracer.intersect(scene->tracer.context, paths, count);
-    return;
-  }
-#endif
-#if HAS(BVH) && HAS(INSTANCES)
+#if HAS(BVH)
+/// Rays through the hierarchy. `together`: neighbours' rays go nearly the same way.
+FN void intersect_block_bvh(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
+                            bool together) {
+  #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) {
     for (int i = 0; i < count; i++) {
       const Hit hit = intersect_levels(scene, get_ray_origin(paths, i), get_ray_direction(paths, i),
@@ -166,34 +193,61 @@ STAGE void intersect_block(const PRIVATE Scene* scene, const PRIVATE PathState* 
     }
     return;
   }
-#endif
-#if HAS(BVH) && defined(RAYS_IN_FLIGHT)
+  #endif
+  #if defined(RAYS_IN_FLIGHT)
   if (!together) {
     const int rays = list_rays(paths, count, paths->going);
     intersect_in_flight(scene, paths, paths->going, rays);
     return;
   }
-#endif
-#if HAS(BVH)
+  #endif
   int i = 0;
   #if LANES > 1
   for (; together && i + LANES <= count; i += LANES) intersect_together(scene, paths, i);
   #endif
   for (; i < count; i++) set_hit(paths, i, ray_hit(scene, paths, i));
-#else
+}
+
+/// Some hit of the lane's shadow ray.
+FN Hit shadow_ray_hit(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
+  const vec3 origin = get_shadow_origin(paths, i), direction = get_shadow_direction(paths, i);
+  const float tmax = get_shadow_tmax(paths, i);
+  const int skip = get_shadow_skip(paths, i);
   #if HAS(INSTANCES)
-  if (NEEDS(scene, INSTANCES)) clear_hit_instances(paths, count);
+  if (NEEDS(scene, INSTANCES))
+    return occlude_levels(scene, origin, direction, tmax, skip, get_shadow_skip_instance(paths, i), true);
   #endif
-  for (int i = 0; i < count; i += LANES) {
-    if (!any_ray(paths, i)) {
-      clear_hits(paths, i);
-      continue;
-    }
-    RayLanes rays;
-    load_rays(&rays, paths, i);
-    intersect_whole(scene, &rays);
-    store_hits(&rays, paths, i);
+  return occlude_bvh(scene, origin, direction, tmax, skip);
+}
+
+/// Shadow rays through the hierarchy.
+FN void occlude_block_bvh(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
+  #if defined(RAYS_IN_FLIGHT)
+  if (!NEEDS(scene, INSTANCES)) {
+    const int rays = list_shadow_rays(paths, count, paths->going);
+    occlude_in_flight(scene, paths, paths->going, rays);
+    return;
   }
+  #endif
+  for (int i = 0; i < count; i++)
+    set_transmittance_of_hit(scene, paths, i, shadow_ray_hit(scene, paths, i).primitive);
+}
+#endif
+
+/// Finds the primitive that each lane's ray hits. `together`: neighbours' rays go nearly the same way.
+STAGE void intersect_block(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
+                           bool together) {
+#ifdef EXTERNAL_TRACER
+  if (scene->tracer.intersect) {
+    scene->tracer.intersect(scene->tracer.context, paths, count);
+    return;
+  }
+#endif
+#if HAS(BVH)
+  if (TRACES_BVH(scene)) intersect_block_bvh(scene, paths, count, together);
+#endif
+#if HAS_WHOLE
+  if (!TRACES_BVH(scene)) intersect_block_whole(scene, paths, count);
 #endif
 }
 
@@ -206,20 +260,6 @@ FN void pad_hits(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int
   for (int i = count; i % LANES != 0; i++) set_hit_instance(paths, i, get_hit_instance(paths, count - 1));
 #endif
 }
-
-#if HAS(BVH)
-/// Some hit of the lane's shadow ray.
-FN Hit shadow_ray_hit(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i) {
-  const vec3 origin = get_shadow_origin(paths, i), direction = get_shadow_direction(paths, i);
-  const float tmax = get_shadow_tmax(paths, i);
-  const int skip = get_shadow_skip(paths, i);
-  #if HAS(INSTANCES)
-  if (NEEDS(scene, INSTANCES))
-    return occlude_levels(scene, origin, direction, tmax, skip, get_shadow_skip_instance(paths, i), true);
-  #endif
-  return occlude_bvh(scene, origin, direction, tmax, skip);
-}
-#endif
 
 /// Finds how much of the light of each lane's shadow ray gets through; negative where what stops it may let
 /// some through.
@@ -239,28 +279,11 @@ STAGE void occlude_block(const PRIVATE Scene* scene, const PRIVATE PathState* pa
     return;
   }
 #endif
-#if HAS(BVH) && defined(RAYS_IN_FLIGHT)
-  if (!NEEDS(scene, INSTANCES)) {
-    const int rays = list_shadow_rays(paths, count, paths->going);
-    occlude_in_flight(scene, paths, paths->going, rays);
-    return;
-  }
-#endif
 #if HAS(BVH)
-  for (int i = 0; i < count; i++)
-    set_transmittance_of_hit(scene, paths, i, shadow_ray_hit(scene, paths, i).primitive);
-#else
-  GLOBAL int* RESTRICT wanted = paths->going;
-  const int rays = list_shadow_rays(paths, count, wanted);
-  for (int i = 0; i < rays; i += LANES) {
-    RayLanes lanes;
-    gather_shadow_rays(&lanes, paths, wanted + i);
-    intersect_whole(scene, &lanes);
-    scatter_transmittances(&lanes, paths, wanted + i);
-  #if HAS(NESTED)
-    if (NEEDS(scene, NESTED)) doubt_transmittances(scene, &lanes, paths, wanted + i);
-  #endif
-  }
+  if (TRACES_BVH(scene)) occlude_block_bvh(scene, paths, count);
+#endif
+#if HAS_WHOLE
+  if (!TRACES_BVH(scene)) occlude_block_whole(scene, paths, count);
 #endif
 }
 

@@ -22,8 +22,7 @@ inline KernelNeeds needs_of(const SceneHeader& h) {
   return {h.features, h.families, h.light_kinds, h.texture_kinds};
 }
 
-/// Everything that kernels for such a scene could have: the hierarchy and testing every primitive exclude
-/// each other.
+/// Everything that such a scene could need: a hierarchy that it does not have cannot be traced.
 inline KernelNeeds every_need(const SceneHeader& h) {
   if (h.intersector == INTERSECTOR_EMBREE) return {};
   return {.features = (FEATURE_ALL ^ FEATURE_BVH) | (h.features & FEATURE_BVH)};

@@ -7,7 +7,7 @@
 
 namespace penumbra {
 
-/// Bytes of machine code and constants of the variant's object file.
+/// Bytes of machine code and constants of the kernel's object file.
 std::uint64_t native_code_bytes(const NativeKernel& kernel);
 
 }  // namespace penumbra

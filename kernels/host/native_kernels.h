@@ -1,9 +1,8 @@
-// The precompiled native variants of the block driver.
+// The block driver as native code, for each instruction set that this build has.
 #pragma once
 
 #include <cstdint>
 #include <span>
-#include <string_view>
 
 #ifndef EXTERNAL_TRACER
   #define EXTERNAL_TRACER
@@ -23,20 +22,17 @@ enum class KernelTarget { kScalar, kSse2, kAvx2, kAvx512 };
 
 struct NativeKernel {
   KernelTarget target;
-  std::string_view features_name;
-  std::uint32_t features;  ///< FEATURE_* bits compiled in
   int lanes;
   NativeRenderBlock* render_block;
 };
 
-/// All variants in this binary.
+/// All in this binary: the scalar and SSE2 ones, and the sets that the build was configured for.
 std::span<const NativeKernel> native_kernels();
 
 /// Whether this machine can run code built for the target.
 bool machine_has(KernelTarget target);
 
-/// The variant of the target that searches as the scene's features say; never null for a target of this
-/// binary.
-const NativeKernel* find_native_kernel(KernelTarget target, std::uint32_t features);
+/// Null if this binary has none for the target.
+const NativeKernel* find_native_kernel(KernelTarget target);
 
 }  // namespace penumbra

@@ -8,7 +8,7 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
-#if !HAS(BVH)
+#if HAS_WHOLE
 /// A triangle of the scene against the ray of lane j. It waits for those before it with no more than a
 /// minimum.
 FN void meet_triangle(PRIVATE RayLanes* rays, int j, int k, bool skipped, vec3 a, vec3 b, vec3 c) {

@@ -29,12 +29,10 @@ struct TableCost {
   Cost bytes;
 };
 
-/// The precompiled native kernels that the scene takes.
+/// The native kernels, which are the same for every scene.
 struct NativeCode {
-  std::string isa;      ///< instruction set
-  std::string kernels;  ///< name of the feature set
-  std::uint32_t features = 0;
-  Cost bytes;  ///< code and constants
+  std::string isa;          ///< instruction set
+  std::uint64_t bytes = 0;  ///< code and constants
 };
 
 /// Measured: the scene's own kernels against those with everything, without any cache.

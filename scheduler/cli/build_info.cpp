@@ -9,8 +9,6 @@
 namespace penumbra {
 
 std::string build_info() {
-  std::string sets;
-  for (const std::string_view name : kIsaNames) sets += fmt::format("{}{}", sets.empty() ? "" : ", ", name);
   return fmt::format(
       "penumbra {}\n"
       "commit:           {}\n"
@@ -19,8 +17,8 @@ std::string build_info() {
       "instruction sets: {}; this machine: {}\n"
       "backends:         native, opencl\n"
       "libraries:        {}",
-      kVersion, PENUMBRA_COMMIT, PENUMBRA_COMPILER, PENUMBRA_BUILD_TYPE, sets, isa_name(best_isa()),
-      PENUMBRA_LIBRARIES);
+      kVersion, PENUMBRA_COMMIT, PENUMBRA_COMPILER, PENUMBRA_BUILD_TYPE, isa_list(built_isas()),
+      isa_name(best_isa()), PENUMBRA_LIBRARIES);
 }
 
 }  // namespace penumbra

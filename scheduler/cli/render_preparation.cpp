@@ -40,13 +40,7 @@ Expected<Film> cropped_film(const RenderOptions& options, Film film) {
 }
 
 Expected<Isa> choose_isa(const std::optional<std::string>& name) {
-  if (!name) return best_isa();
-  const auto isa = isa_from_name(*name);
-  if (isa && *isa > best_isa()) {
-    return fail(
-        fmt::format("--isa {}: this machine's widest instruction set is {}", *name, isa_name(best_isa())));
-  }
-  return isa;
+  return name ? usable_isa(*name) : best_isa();
 }
 
 Expected<DeviceOptions> device_options(const RenderOptions& options, const DeviceScene& scene) {

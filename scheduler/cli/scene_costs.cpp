@@ -8,7 +8,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "kernels/host/kernel_needs.h"
 #include "kernels/host/native_code_size.h"
 #include "scheduler/cli/program_path.h"
 #include "scheduler/files/run_program.h"
@@ -18,15 +17,10 @@
 namespace penumbra {
 namespace {
 
-std::optional<NativeCode> native_code(const DeviceScene& scene, Isa isa) {
-  const KernelTarget target = kernel_target(isa);
-  const NativeKernel* own = find_native_kernel(target, scene.header.features);
-  const NativeKernel* everything = find_native_kernel(target, every_need(scene.header).features);
-  if (own == nullptr || everything == nullptr) return std::nullopt;
-  return NativeCode{std::string(isa_name(isa)),
-                    std::string(own->features_name),
-                    own->features,
-                    {native_code_bytes(*own), native_code_bytes(*everything)}};
+std::optional<NativeCode> native_code(Isa isa) {
+  const NativeKernel* kernel = find_native_kernel(kernel_target(isa));
+  if (kernel == nullptr) return std::nullopt;
+  return NativeCode{std::string(isa_name(isa)), native_code_bytes(*kernel)};
 }
 
 /// A file of this process alone, until the end.
@@ -56,7 +50,7 @@ class TemporaryFile {
 SceneInventory scene_costs(const SceneDescription& description, const DeviceScene& scene, Isa isa,
                            bool thorough) {
   SceneInventory inventory = take_inventory(description, scene, thorough);
-  inventory.native = native_code(scene, isa);
+  inventory.native = native_code(isa);
   return inventory;
 }
 

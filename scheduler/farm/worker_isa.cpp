@@ -7,11 +7,7 @@
 namespace penumbra {
 namespace {
 
-std::string list(std::span<const Isa> isas) {
-  std::string text;
-  for (const Isa isa : isas) text += fmt::format("{}{}", text.empty() ? "" : ", ", isa_name(isa));
-  return text.empty() ? "none that it names" : text;
-}
+std::string list(std::span<const Isa> isas) { return isas.empty() ? "none that it names" : isa_list(isas); }
 
 }  // namespace
 

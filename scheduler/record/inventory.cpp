@@ -21,12 +21,7 @@ Cost scaled(Cost cost, std::uint64_t factor) {
   return cost;
 }
 
-Json native_json(const NativeCode& native) {
-  return {{"isa", native.isa},
-          {"kernels", native.kernels},
-          {"features", native.features},
-          {"code_bytes", cost_json(native.bytes)}};
-}
+Json native_json(const NativeCode& native) { return {{"isa", native.isa}, {"code_bytes", native.bytes}}; }
 
 Json opencl_json(const CompileTimes& times) {
   return {{"device", times.device},
@@ -75,7 +70,7 @@ std::string inventory_text(const SceneInventory& inventory) {
               scaled(inventory.path_state, kBlockPaths));
   text += row("result, for each pixel of a unit", inventory.result);
   if (const auto& native = inventory.native)
-    text += row(fmt::format("native kernels '{}', {}", native->kernels, native->isa), native->bytes);
+    text += row(fmt::format("native kernels, {}", native->isa), {native->bytes, native->bytes});
   if (const auto& times = inventory.opencl) {
     text += fmt::format("\nSeconds, on {}\n", times->device);
     text += row("compiling OpenCL kernels, measured", fmt::format("{:.2f}", times->own_seconds),

@@ -39,10 +39,15 @@ struct NativeSet {
   const char* name;
   AnswerFunction* answer;
 };
-constexpr NativeSet kSets[] = {{KernelTarget::kAvx512, Isa::kAvx512, "native avx512", answer_avx512},
-                               {KernelTarget::kAvx2, Isa::kAvx2, "native avx2", answer_avx2},
-                               {KernelTarget::kSse2, Isa::kSse2, "native sse2", answer_sse2},
-                               {KernelTarget::kScalar, Isa::kSse2, "native one lane", answer_scalar}};
+constexpr NativeSet kSets[] = {
+#ifdef PENUMBRA_AVX512
+    {KernelTarget::kAvx512, Isa::kAvx512, "native avx512", answer_avx512},
+#endif
+#ifdef PENUMBRA_AVX2
+    {KernelTarget::kAvx2, Isa::kAvx2, "native avx2", answer_avx2},
+#endif
+    {KernelTarget::kSse2, Isa::kSse2, "native sse2", answer_sse2},
+    {KernelTarget::kScalar, Isa::kSse2, "native one lane", answer_scalar}};
 
 }  // namespace
 

@@ -112,17 +112,6 @@ std::vector<float> render_stand_ins(const NativeKernel& kernel, const DeviceScen
   return render_native_blocks(kernel, scene, unit, kBlockPaths);
 }
 
-namespace {
-
-std::vector<float> render_by_the_widest(const DeviceScene& scene) {
-  for (const KernelTarget target : {KernelTarget::kAvx512, KernelTarget::kAvx2, KernelTarget::kScalar})
-    if (const NativeKernel* kernel = find_stand_in_kernel(target, scene))
-      return render_stand_ins(*kernel, scene);
-  return {};
-}
-
-}  // namespace
-
 statistics::Estimate stand_in_estimate(const StandInScene& scene, int batches, std::uint32_t first_seed,
                                        int block) {
   DeviceScene built = scene.build();
@@ -130,7 +119,7 @@ statistics::Estimate stand_in_estimate(const StandInScene& scene, int batches, s
   std::vector<statistics::Image> images;
   for (int batch = 0; batch < batches; ++batch) {
     built.header.sampler.seed = first_seed + std::uint32_t(batch);
-    const std::vector<float> planes = render_by_the_widest(built);
+    const std::vector<float> planes = render_stand_ins(stand_in_kernel(), built);
     statistics::Image image(width, height, 3);
     for (int c = 0; c < 3; ++c)
       for (int y = 0; y < height; ++y)
@@ -143,7 +132,7 @@ statistics::Estimate stand_in_estimate(const StandInScene& scene, int batches, s
 
 statistics::Sample stand_in_sample(const StandInScene& scene, int channel) {
   const DeviceScene built = scene.build();
-  const std::vector<float> planes = render_by_the_widest(built);
+  const std::vector<float> planes = render_stand_ins(stand_in_kernel(), built);
   const int pixels = built.header.film.width * built.header.film.height;
   const std::uint32_t spp = built.header.sampler.spp;
   double sum = 0, squares = 0;

@@ -43,7 +43,7 @@ StandInScene glass_ball(float index);
 /// All planes of the whole film, in one unit.
 std::vector<float> render_stand_ins(const NativeKernel& kernel, const DeviceScene& scene);
 
-/// `batches` renders with seeds from `first_seed` on, by the widest kernel of this machine.
+/// `batches` renders with seeds from `first_seed` on.
 statistics::Estimate stand_in_estimate(const StandInScene& scene, int batches, std::uint32_t first_seed,
                                        int block);
 

@@ -1,6 +1,4 @@
 // The stages of BSDFs for one instruction set: see bsdf_stages.h.
-#include "kernels/native_variants.h"
-
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/intersect/surface.h"
 #include "kernels/sampler/sampler.h"

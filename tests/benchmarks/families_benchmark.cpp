@@ -153,13 +153,10 @@ bool register_room(const char* name, const SceneDescription& description) {
     return false;
   }
   const DeviceScene one = with_families(*built, 1), several = with_families(*built, kFamilies);
-  for (const KernelTarget target : {KernelTarget::kAvx2, KernelTarget::kAvx512})
-    if (const NativeKernel* kernel = find_stand_in_kernel(target, one))
-      benchmark::RegisterBenchmark(
-          fmt::format("{}/{}", name, target == KernelTarget::kAvx2 ? "avx2" : "avx512").c_str(),
-          [=](benchmark::State& state) { compare(state, *kernel, one, several); })
-          ->Unit(benchmark::kMillisecond)
-          ->MinTime(8);
+  benchmark::RegisterBenchmark(
+      name, [=](benchmark::State& state) { compare(state, stand_in_kernel(), one, several); })
+      ->Unit(benchmark::kMillisecond)
+      ->MinTime(8);
   return true;
 }
 

@@ -1,6 +1,4 @@
-// The portable intersector's stages for one instruction set and one kind of scene: see portable_stages.h.
-#include "kernels/native_variants.h"
-
+// The portable intersector's stages for one instruction set: see portable_stages.h.
 #include "kernels/block/block_trace.h"
 
 namespace penumbra {

@@ -10,7 +10,6 @@ namespace penumbra {
 using PortableStage = void(const SceneHeader& header, const uint* words, bool occlude, bool together,
                            const PathState* paths, int count);
 
-PortableStage portable_stage_sse2_whole, portable_stage_sse2_bvh, portable_stage_avx2_whole,
-    portable_stage_avx2_bvh, portable_stage_avx512_whole, portable_stage_avx512_bvh;
+PortableStage portable_stage_sse2, portable_stage_avx2, portable_stage_avx512;
 
 }  // namespace penumbra

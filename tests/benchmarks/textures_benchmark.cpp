@@ -169,7 +169,7 @@ int run(int argc, char** argv) {
           return 2;
         }
         for (const KernelTarget target : {KernelTarget::kAvx2, KernelTarget::kAvx512})
-          if (const NativeKernel* kernel = find_native_kernel(target, built->header.features))
+          if (const NativeKernel* kernel = find_native_kernel(target))
             benchmark::RegisterBenchmark(
                 fmt::format("{}/{} {}/{}", direct ? "direct" : "path", count, name,
                             target == KernelTarget::kAvx2 ? "avx2" : "avx512")

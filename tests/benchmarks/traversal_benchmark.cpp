@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <tuple>
+#include <utility>
 
 #include "scenes/device/device_scene_builder.h"
 #include "scenes/scene_reader.h"
@@ -14,6 +14,7 @@
 #include "tests/benchmarks/portable_stages.h"
 #include "tests/benchmarks/recorded_rays.h"
 #include "tests/support/integrator_parameters.h"
+#include "worker/native_device.h"
 
 namespace penumbra {
 namespace {
@@ -49,12 +50,14 @@ void add_embree(const std::string& name, std::shared_ptr<TraversalScene> scene, 
 }
 
 void add_portable(const std::string& name, std::shared_ptr<TraversalScene> scene, RayKind kind,
-                  PortableStage* stage) {
+                  PortableStage* stage, bool whole) {
   benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
+    SceneHeader header = scene->portable.header;
+    if (whole) header.features &= ~std::uint32_t(FEATURE_BVH);
     time_rays(state, *scene, kind, [&](RecordedStage& recorded) {
       const PathState paths = recorded.paths();
-      stage(scene->portable.header, scene->portable.words.data(), kind == RayKind::kShadow,
-            kind == RayKind::kCamera, &paths, recorded.count);
+      stage(header, scene->portable.words.data(), kind == RayKind::kShadow, kind == RayKind::kCamera, &paths,
+            recorded.count);
     });
   });
 }
@@ -91,15 +94,13 @@ bool add_scene(const std::string& name, SceneDescription description) {
   for (const auto& [kind, rays] :
        {std::pair{RayKind::kCamera, "camera"}, {RayKind::kBounce, "bounce"}, {RayKind::kShadow, "shadow"}}) {
     const std::string title = fmt::format("{}/{} triangles/{}/", name, header.tables.triangles.count, rays);
-    using Set = std::tuple<Isa, PortableStage*, PortableStage*>;
-    for (const auto& [isa, through, tested] :
-         {Set{Isa::kAvx512, portable_stage_avx512_bvh, portable_stage_avx512_whole},
-          Set{Isa::kAvx2, portable_stage_avx2_bvh, portable_stage_avx2_whole},
-          Set{Isa::kSse2, portable_stage_sse2_bvh, portable_stage_sse2_whole}}) {
-      if (best_isa() < isa) continue;
+    for (const auto& [isa, stage] : {std::pair{Isa::kAvx512, portable_stage_avx512},
+                                     {Isa::kAvx2, portable_stage_avx2},
+                                     {Isa::kSse2, portable_stage_sse2}}) {
+      if (!machine_has(kernel_target(isa))) continue;
       const std::string set(isa_name(isa));
-      if (hierarchy) add_portable(title + "hierarchy " + set, scene, kind, through);
-      if (whole) add_portable(title + "whole " + set, scene, kind, tested);
+      if (hierarchy) add_portable(title + "hierarchy " + set, scene, kind, stage, false);
+      if (whole) add_portable(title + "whole " + set, scene, kind, stage, true);
     }
     add_embree(title + "Embree single", scene, kind, embree_single(*scene->tracer));
     add_embree(title + "Embree packets", scene, kind, scene->tracer->tracer());

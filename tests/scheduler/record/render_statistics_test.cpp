@@ -56,7 +56,7 @@ TEST(Report, SaysWhatWasDoneAndByWhom) {
   statistics.inventory->device_scene = {500, std::nullopt};
   statistics.inventory->path_state = {100, 150};
   statistics.inventory->result = {24, 84};
-  statistics.inventory->native = NativeCode{"avx2", "core", FEATURE_PATH, {10'000, 90'000}};
+  statistics.inventory->native = NativeCode{"avx2", 90'000};
   statistics.build_seconds = 0.25;
   auto json = statistics_json(statistics);
   EXPECT_TRUE(json["seconds"]["write"].is_null() && json["finished"].is_null()) << "it is not over yet";
@@ -93,7 +93,7 @@ TEST(Report, SaysWhatWasDoneAndByWhom) {
   EXPECT_TRUE(costs["bytes"]["tables"]["nodes of the hierarchy"]["everything"].is_null());
   EXPECT_EQ(costs["bytes"]["block_state"]["everything"], 150 * kBlockPaths);
   EXPECT_EQ(costs["bytes"]["result_per_pixel"]["own"], 24);
-  EXPECT_EQ(costs["native"]["code_bytes"]["everything"], 90'000);
+  EXPECT_EQ(costs["native"]["code_bytes"], 90'000);
   EXPECT_TRUE(costs["opencl"].is_null());
   EXPECT_EQ(json["warnings"][0], "a.xml:3:4: warning");
   EXPECT_EQ(json["problems"][0], "worker a:1 was lost");

@@ -4,32 +4,16 @@
 #include <cstring>
 #include <vector>
 
-#include "kernels/native_variants.h"
 #include "scenes/device/ltc/ltc_table.h"
 
 namespace penumbra {
 
-NativeRenderBlock render_stand_ins_scalar_whole, render_stand_ins_scalar_bvh, render_stand_ins_avx2_whole,
-    render_stand_ins_avx2_bvh;
+NativeRenderBlock render_stand_ins_scalar, render_stand_ins_sse2;
 
-namespace {
-
-#define BOTH_SETS(target, name, lanes)                                                              \
-  {KernelTarget::target, "whole", NATIVE_FEATURES_whole, lanes, render_stand_ins_##name##_whole}, { \
-    KernelTarget::target, "bvh", NATIVE_FEATURES_bvh, lanes, render_stand_ins_##name##_bvh          \
-  }
-constexpr NativeKernel kKernels[] = {BOTH_SETS(kScalar, scalar, 1), BOTH_SETS(kAvx2, avx2, 16)};
-
-}  // namespace
-
-std::span<const NativeKernel> stand_in_kernels() { return kKernels; }
-
-const NativeKernel* find_stand_in_kernel(KernelTarget target, const DeviceScene& scene) {
-  if (!machine_has(target)) return nullptr;
-  for (const NativeKernel& kernel : kKernels)
-    if (kernel.target == target && ((kernel.features ^ scene.header.features) & FEATURE_BVH) == 0)
-      return &kernel;
-  return nullptr;
+const NativeKernel& stand_in_kernel(bool one_lane) {
+  static constexpr NativeKernel kOneLane{KernelTarget::kScalar, 1, render_stand_ins_scalar};
+  static constexpr NativeKernel kLanes{KernelTarget::kSse2, 16, render_stand_ins_sse2};
+  return one_lane ? kOneLane : kLanes;
 }
 
 void stand_in(DeviceScene& scene, std::span<const StandIn> stand_ins) {

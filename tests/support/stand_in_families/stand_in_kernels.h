@@ -10,11 +10,8 @@
 
 namespace penumbra {
 
-/// One lane, AVX2 and AVX-512, all features.
-std::span<const NativeKernel> stand_in_kernels();
-
-/// The one for the scene. Null: this machine lacks the instructions.
-const NativeKernel* find_stand_in_kernel(KernelTarget target, const DeviceScene& scene);
+/// With all features: one lane, or lanes of SSE2.
+const NativeKernel& stand_in_kernel(bool one_lane = false);
 
 /// What a material of the scene becomes; the rest of it stays.
 struct StandIn {
