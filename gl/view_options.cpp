@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "scheduler/cli/option_checks.h"
-#include "scheduler/keys/client_access.h"
+#include "scheduler/keys/access_options.h"
 #include "scheduler/keys/tcp_address.h"
 
 namespace penumbra {

@@ -185,13 +185,17 @@ bool with_parameter(Settings& settings, const Parameter& parameter, const Use& u
     use(parameter(settings));
     return true;
   } else {
-    return std::visit(
-        [&](auto& method) {
-          constexpr bool kHas = std::is_invocable_v<const Parameter&, decltype(method)>;
-          if constexpr (kHas) use(parameter(method));
-          return kHas;
-        },
-        settings.method);
+    // A table of functions, as std::visit makes, takes several times as long to compile.
+    const auto use_in = [&](auto* method) {
+      if constexpr (std::is_invocable_v<const Parameter&, decltype(*method)>) {
+        if (method != nullptr) use(parameter(*method));
+        return method != nullptr;
+      }
+      return false;
+    };
+    return [&]<typename... Methods>(const std::variant<Methods...>&) {
+      return (use_in(std::get_if<Methods>(&settings.method)) || ...);
+    }(settings.method);
   }
 }
 

@@ -47,12 +47,6 @@ std::vector<Isa> usable_isas() {
 
 Isa best_isa() { return usable_isas().back(); }
 
-std::string isa_list(std::span<const Isa> isas) {
-  std::string text;
-  for (const Isa isa : isas) text += fmt::format("{}{}", text.empty() ? "" : ", ", isa_name(isa));
-  return text;
-}
-
 Expected<void> check_isa(Isa isa) {
   if (!machine_has(kernel_target(isa)))
     return fail(fmt::format("--isa {}: this machine lacks it; it can use {}", isa_name(isa),

@@ -113,7 +113,11 @@ constexpr std::array<std::string_view, 3> kIsaNames{"sse2", "avx2", "avx512"};
 constexpr std::string_view isa_name(Isa isa) { return kIsaNames[std::size_t(isa)]; }
 Expected<Isa> isa_from_name(std::string_view name);
 /// Their names, with commas.
-std::string isa_list(std::span<const Isa> isas);
+inline std::string isa_list(std::span<const Isa> isas) {
+  std::string text;
+  for (const Isa isa : isas) text.append(text.empty() ? "" : ", ").append(isa_name(isa));
+  return text;
+}
 
 /// Instruction sets that the kernels are built for, from the narrowest, which is SSE2, on.
 std::vector<Isa> built_isas();

@@ -21,6 +21,7 @@
 #include "kernels/host/words.h"
 #include "scheduler/cli/command_line.h"
 #include "scheduler/cli/command_reference.h"
+#include "scheduler/keys/access_options.h"
 #include "scheduler/keys/client_access.h"
 #include "scheduler/protocol/grpc_log.h"
 #include "scheduler/protocol/message_memory.h"

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <cmath>
-#include <future>
 #include <map>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -21,24 +19,7 @@ class MaterialTables {
 
   /// Where the curves of the boundary begin in the table of curves; of `rows` roughnesses, if there is more
   /// than one, instead of its own. Equal boundaries are computed and stored once.
-  int boundary(RoughBoundary boundary, int rows) {
-    if (rows > 1) boundary.alpha = 0;
-    const auto [at, added] = boundaries_.try_emplace({boundary, rows}, int(curves_.size()));
-    if (!added) return at->second;
-    std::vector<std::future<std::vector<double>>> computed;
-    for (int row = 0; row < rows; ++row) {
-      if (rows > 1) boundary.alpha = row_alpha(row, rows);
-      computed.push_back(std::async([boundary] {
-        const auto through = boundary.transmittance();
-        std::vector<double> values(through.begin(), through.end());
-        values.push_back(boundary.internal_reflectance());
-        return values;
-      }));
-    }
-    for (auto& values : computed)
-      for (const double value : values.get()) curves_.push_back(float(value));
-    return at->second;
-  }
+  int boundary(RoughBoundary boundary, int rows);
 
   /// The roughness that curve_rows() finds in a row.
   static double row_alpha(int row, int rows) {

@@ -60,14 +60,14 @@ void each_piece(const Shape& shape, const Add& add) {
 }
 
 /// A parallelogram, or half of one.
-struct Part {
+struct LightPart {
   glm::dvec3 corner, s, t, normal;
   bool whole = false;
   double area = 0;
 };
 
-std::vector<Part> parts_of(std::span<const LightTriangle> triangles, const Outlines& outlines) {
-  std::vector<Part> parts;
+std::vector<LightPart> parts_of(std::span<const LightTriangle> triangles, const Outlines& outlines) {
+  std::vector<LightPart> parts;
   const auto add = [&](const vec3& p0, const vec3& p1, const vec3& p2, bool whole) {
     const glm::dvec3 corner = to_dvec3(p0), s = to_dvec3(p1) - corner, t = to_dvec3(p2) - corner;
     const glm::dvec3 cross = glm::cross(s, t);
@@ -94,7 +94,7 @@ struct Moments {
   double g = 0, gc = 0, gc2 = 0, g2c2 = 0;
 };
 
-Moments moments_of(const Part& part, const Receiver& receiver, bool two_sided) {
+Moments moments_of(const LightPart& part, const Receiver& receiver, bool two_sided) {
   Moments sum;
   for (int i = 0; i < kNodes; ++i)
     for (int j = 0; j < kNodes; ++j) {
@@ -139,14 +139,14 @@ std::vector<Receiver> light_receivers(const SceneDescription& scene, const glm::
 
 SamplingVariance sampling_variance(std::span<const LightTriangle> triangles, const Outlines& outlines,
                                    bool two_sided, std::span<const Receiver> receivers) {
-  const std::vector<Part> parts = parts_of(triangles, outlines);
+  const std::vector<LightPart> parts = parts_of(triangles, outlines);
   SamplingVariance mean;
   if (parts.size() > kMaxParts) return mean;
   double area = 0, weights = 0;
-  for (const Part& part : parts) area += part.area;
+  for (const LightPart& part : parts) area += part.area;
   for (const Receiver& receiver : receivers) {
     double irradiance = 0, by_area = 0, by_angle = 0;
-    for (const Part& part : parts) {
+    for (const LightPart& part : parts) {
       const Moments m = moments_of(part, receiver, two_sided);
       irradiance += m.gc;
       by_area += area * m.g2c2;

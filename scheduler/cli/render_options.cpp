@@ -1,5 +1,5 @@
 #include "scheduler/cli/render_options.h"
-#include "scheduler/keys/client_access.h"
+#include "scheduler/keys/access_options.h"
 
 #include <charconv>
 #include <span>

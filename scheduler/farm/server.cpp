@@ -18,7 +18,7 @@ namespace penumbra {
 namespace {
 
 // For calls that are about to end when the server does.
-constexpr std::chrono::milliseconds kTimeToEnd{300};
+constexpr std::chrono::milliseconds kTimeToEndCalls{300};
 constexpr std::size_t kRoomForTexts = std::size_t(1) << 20;
 
 // The first one is this user's alone; but for descriptors there is no need of a limit.
@@ -163,14 +163,15 @@ Server::~Server() {
     std::mutex mutex;
     std::condition_variable_any never;
     std::unique_lock lock(mutex);
-    const bool is_over = never.wait_for(lock, stop, 2 * kTimeToEnd, [&] { return stop.stop_requested(); });
+    const bool is_over =
+        never.wait_for(lock, stop, 2 * kTimeToEndCalls, [&] { return stop.stop_requested(); });
     for (Acceptor* acceptor : {state_->own_acceptor.get(), state_->acceptor.get()})
       if (acceptor != nullptr && !is_over) acceptor->cut_off();
   });
   // A watcher's call that is cancelled may lose what was written last.
   for (const auto& server : {state_->more_server.get(), state_->own_server.get()}) {
     if (server == nullptr) continue;
-    server->Shutdown(std::chrono::system_clock::now() + kTimeToEnd);
+    server->Shutdown(std::chrono::system_clock::now() + kTimeToEndCalls);
     server->Wait();
   }
 }

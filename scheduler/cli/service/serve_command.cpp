@@ -8,7 +8,7 @@
 #include "scheduler/cli/service/service_run.h"
 #include "scheduler/cli/stop_signal.h"
 #include "scheduler/farm/checkpoint_sink.h"
-#include "scheduler/keys/client_access.h"
+#include "scheduler/keys/access_options.h"
 #include "scheduler/plan/work_unit.h"
 #include "worker/device.h"
 

@@ -1,0 +1,34 @@
+#include "scheduler/keys/access_options.h"
+
+#include <fmt/format.h>
+
+#include "scheduler/keys/client_access.h"
+
+namespace penumbra {
+
+CLI::Option* add_keys_option(CLI::App& app, std::string& folder, const std::string& what_for) {
+  return app
+      .add_option("--keys", folder, what_for + ": the folder that `penumbra keys` made, or its part of it")
+      ->envname(kKeysVariable)
+      ->type_name("FOLDER");
+}
+
+void add_client_access_options(CLI::App& app, std::string& folder) {
+  add_keys_option(app, folder, "For a scheduler at host:port with TLS");
+  add_token_refusal(app);
+}
+
+void add_token_refusal(CLI::App& app) {
+  // Not in the help.
+  app.add_option_function<std::string>(
+         "--token",
+         [](const std::string&) {
+           throw CLI::ValidationError(fmt::format(
+               "--token: all users of this machine can see the words of a command; put it into the "
+               "environment variable {}",
+               kTokenVariable));
+         })
+      ->group("");
+}
+
+}  // namespace penumbra
