@@ -1,31 +1,48 @@
 #!/usr/bin/env bash
-# Installs what Penumbra needs from Debian 12: the one list of packages, for users, tests and CI alike.
-# Works as root and with sudo, prints what it installs, and does nothing where everything is there.
+# Installs packages of Debian 12, as root or with sudo; does nothing where all are there.
+#
+#   .ci/install_packages.sh [LIST...]        ("build" and "window" by default)
+#
+# Lists: build    what penumbra and penumbra-worker are built from
+#        window   penumbra-view, the preview window
+#        opencl   an OpenCL device for any CPU (PoCL), for --backend opencl
+#        plots    the plots of penumbra report
+#        tests    what the tests need beside those: a screen in memory, tools that read images
+#        slurm    a queue of one's own for the tests with the label slurm; none of its services is started or enabled
+#        checks   formatter, sanitizers' runtime and symbolizer
 set -euo pipefail
 
-packages=(
-  # Compilers: clang for every build, g++ for its C++ library and its warnings, the sanitizers' runtime and symbolizer.
-  clang-19 libclang-rt-19-dev llvm-19 g++ cmake ninja-build ccache pkg-config git clang-format
-  # Images, geometry, mathematics.
-  libembree-dev libopenimageio-dev libopenexr-dev libopenvdb-dev libpng-dev libglm-dev libboost-dev
-  # OpenCL with a device for any CPU.
-  ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers pocl-opencl-icd
-  # Scheduler and workers.
-  libssl-dev libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
-  # Files, command line, messages.
-  zlib1g-dev libpugixml-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libfmt-dev libxxhash-dev
-  libtinygltf-dev
-  # The preview window.
-  libglfw3-dev libepoxy-dev libimgui-dev
-  # Plots of penumbra report.
-  gnuplot-nox
-  # Tests.
-  libgtest-dev libgmock-dev libbenchmark-dev openimageio-tools procps iproute2
-  # A queue of one's own, for the tests with the label slurm.
-  slurm-wlm munge
-  # The window's tests: a screen in memory, and OpenGL without a graphics card.
-  xvfb xauth libgl1-mesa-dri
+case "${1:-}" in
+  -h | --help)
+    sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//p}' "${BASH_SOURCE[0]}"
+    exit 0
+    ;;
+esac
+
+declare -A lists=(
+  [build]="clang-19 g++ cmake ninja-build ccache pkg-config git
+    libembree-dev libopenimageio-dev libopenexr-dev libopenvdb-dev libpng-dev libglm-dev libboost-dev
+    ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers
+    libssl-dev libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
+    zlib1g-dev libpugixml-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libfmt-dev libxxhash-dev libtinygltf-dev"
+  [window]="libglfw3-dev libepoxy-dev libimgui-dev"
+  [opencl]="pocl-opencl-icd"
+  [plots]="gnuplot-nox"
+  [tests]="libgtest-dev libgmock-dev libbenchmark-dev openimageio-tools procps iproute2 xvfb xauth libgl1-mesa-dri"
+  [slurm]="slurm-wlm munge"
+  [checks]="clang-format libclang-rt-19-dev llvm-19"
 )
+
+if (($# == 0)); then set -- build window; fi
+packages=()
+for list in "$@"; do
+  if [[ -z ${lists[$list]:-} ]]; then
+    echo "install_packages: there is no list '$list'; the lists are: build window opencl plots tests slurm checks" >&2
+    exit 2
+  fi
+  read -ra names <<<"$(echo ${lists[$list]})"
+  packages+=("${names[@]}")
+done
 
 is_installed() { [[ $(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null) == installed ]]; }
 has_candidate() { [[ $(apt-cache policy "$1" 2>/dev/null) =~ Candidate:\ [^\(] ]]; }
@@ -41,7 +58,7 @@ for package in "${packages[@]}"; do
   is_installed "$package" || missing+=("$package")
 done
 if ((${#missing[@]} == 0)); then
-  echo "Packages: all ${#packages[@]} are installed."
+  echo "Packages ($*): all ${#packages[@]} are installed."
   exit 0
 fi
 
@@ -66,7 +83,28 @@ apt() {
 }
 install() { apt install --yes --no-install-recommends "${missing[@]}" >/dev/null; }
 
-echo "Packages to install (${#missing[@]} of ${#packages[@]}): ${missing[*]}"
+# Debian's packages of Slurm enable and start its services. The tests start their own, and a user's machine is left as it
+# was: a service that has no unit yet is masked until the packages are there.
+services=()
+if [[ " ${missing[*]} " =~ \ (slurm-wlm|munge)\  ]]; then
+  for service in slurmctld slurmd munge; do
+    [[ -e /lib/systemd/system/$service.service || -e /etc/systemd/system/$service.service ]] || services+=("$service")
+  done
+fi
+mask() {
+  for service in "${services[@]}"; do
+    "${as_root[@]}" mkdir -p /etc/systemd/system
+    "${as_root[@]}" ln -s /dev/null "/etc/systemd/system/$service.service"
+  done
+}
+unmask() {
+  for service in "${services[@]}"; do
+    "${as_root[@]}" rm -f "/etc/systemd/system/$service.service"
+    "${as_root[@]}" update-rc.d "$service" disable >/dev/null 2>&1 || true  # it is not installed
+  done
+}
+
+echo "Packages to install ($*: ${#missing[@]} of ${#packages[@]}): ${missing[*]}"
 lists_are_fresh=false
 for package in "${missing[@]}"; do
   if ! has_candidate "$package"; then
@@ -76,6 +114,8 @@ for package in "${missing[@]}"; do
     break
   fi
 done
+trap unmask EXIT
+mask
 if ! install; then
   # Lists that are some weeks old name versions which the mirror no longer has.
   if $lists_are_fresh; then exit 1; fi
