@@ -57,7 +57,7 @@ struct OpenClTuning {
 struct DeviceOptions {
   Backend backend = Backend::kNative;
   int threads = 1;
-  Isa isa = Isa::kAvx2;       ///< native: must be one that this machine has, see best_isa()
+  Isa isa = Isa::kSse2;       ///< native: must be usable here, see check_isa()
   bool block_of_one = false;  ///< native: one path, one lane at a time, for debugging a pixel
   int* probe = nullptr;       ///< native, a block of one: see Block::probe
   /// Its number or a part of its or its platform's name, see find_opencl_device; empty: the first CPU device,

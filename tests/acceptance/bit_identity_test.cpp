@@ -29,7 +29,7 @@ TEST_P(BitIdentity, EveryBackendGivesTheSameBytes) {
     const FilmAccumulator film = render_or_throw(scene, other);
     EXPECT_EQ(film.hash(), reference.hash()) << name << " differs " << first_difference(reference, film);
   };
-  for (const Isa isa : machine_isas()) {
+  for (const Isa isa : usable_isas()) {
     device.options.isa = isa;
     for (const int threads : {1, 2}) {
       device.options.threads = threads;

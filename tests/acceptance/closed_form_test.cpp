@@ -8,7 +8,7 @@
 #include "tests/acceptance/strategies.h"
 #include "tests/support/render_scene.h"
 
-namespace penumbra {
+namespace penumbra::closed_form_test {
 namespace {
 
 constexpr double kSignificance = 0.01;
@@ -157,4 +157,4 @@ TEST(PointLight, BetweenTwoDisks) {
 TEST(PointLight, HiddenBehindADisk) { EXPECT_EQ(between_disks({0.5, 2, 0}, 8), 0); }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::closed_form_test

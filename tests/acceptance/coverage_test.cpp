@@ -12,7 +12,7 @@
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
-namespace penumbra {
+namespace penumbra::coverage_test {
 namespace {
 
 using glm::dvec3;
@@ -188,4 +188,4 @@ TEST(Coverage, IsTheSameFromEveryBackend) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::coverage_test

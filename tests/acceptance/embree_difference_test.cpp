@@ -33,7 +33,7 @@ TEST_P(Embree, DiffersOnlyInPixelsWhoseRaysAreInDoubt) {
   const DeviceScene scene = build_or_throw(description, true);
   ASSERT_EQ(scene.header.intersector, INTERSECTOR_EMBREE);
   const double pixels = double(portable.width()) * portable.height();
-  for (const Isa isa : machine_isas()) {
+  for (const Isa isa : usable_isas()) {
     TestDevice device = native_device();
     device.options.isa = isa;
     const FilmAccumulator embree = render_or_throw(scene, device);
@@ -59,14 +59,14 @@ TEST_P(Embree, DiffersOnlyInPixelsWhoseRaysAreInDoubt) {
     EXPECT_LE(share, bound);
     EXPECT_EQ(differences.by_cause[std::size_t(DifferenceCause::kUnexplained)], 0u);
     for (const std::string& example : differences.examples) {
-      if (isa == machine_isas().front() || example.starts_with("unexplained")) fmt::print("  {}\n", example);
+      if (isa == usable_isas().front() || example.starts_with("unexplained")) fmt::print("  {}\n", example);
     }
   }
 }
 
 TEST_P(Embree, GivesTheSameBytesFromAnyThreadsOfOneInstructionSet) {
   const DeviceScene scene = build_or_throw(small_scene(GetParam()), true);
-  for (const Isa isa : machine_isas()) {
+  for (const Isa isa : usable_isas()) {
     TestDevice device = native_device();
     device.options.isa = isa;
     device.options.threads = 1;

@@ -15,7 +15,7 @@
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/unit_square.h"
 
-namespace penumbra {
+namespace penumbra::estimator_table_test {
 namespace {
 
 using glm::dvec3;
@@ -301,4 +301,4 @@ INSTANTIATE_TEST_SUITE_P(Samplings, EstimatorTable, testing::ValuesIn(tables()),
                          [](const auto& table) { return table.param.name; });
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::estimator_table_test

@@ -167,8 +167,7 @@ TEST(GridMedia, AreTheSameByEveryTechnique) {
 TEST(GridMedia, GiveTheSameBitsEverywhere) {
   const SceneDescription scene = cloud(DirectSampling::kMis, false, true, 32);
   const statistics::Image widest = mean_image(render_or_throw(scene));
-  for (const Isa isa : {Isa::kSse2, Isa::kAvx2}) {
-    if (!machine_has(kernel_target(isa))) continue;
+  for (const Isa isa : usable_isas()) {
     TestDevice device = native_device();
     device.options.isa = isa;
     EXPECT_EQ(mean_image(render_or_throw(scene, device)).values, widest.values) << int(isa);

@@ -9,7 +9,7 @@
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
-namespace penumbra {
+namespace penumbra::hidden_emitters_test {
 namespace {
 
 using glm::dvec3;
@@ -164,4 +164,4 @@ TEST(HiddenEmitters, ManyAtOnce) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::hidden_emitters_test

@@ -13,7 +13,7 @@
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
-namespace penumbra {
+namespace penumbra::light_edges_test {
 namespace {
 
 using glm::dvec2;
@@ -261,4 +261,4 @@ TEST(LightEdges, AreTheSameWithEitherIntersector) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::light_edges_test

@@ -11,7 +11,7 @@
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
-namespace penumbra {
+namespace penumbra::light_sides_test {
 namespace {
 
 using glm::dvec3;
@@ -170,4 +170,4 @@ INSTANTIATE_TEST_SUITE_P(Shapes, LightSides, testing::ValuesIn(light_shapes()),
                          [](const auto& shape) { return shape.param.name; });
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::light_sides_test

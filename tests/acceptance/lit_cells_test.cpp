@@ -9,7 +9,7 @@
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
-namespace penumbra {
+namespace penumbra::lit_cells_test {
 namespace {
 
 using glm::dvec3;
@@ -172,4 +172,4 @@ TEST(LitCells, AreOfDirectLightByPolygonsAlone) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::lit_cells_test

@@ -13,7 +13,7 @@
 #include "tests/acceptance/stand_in_scenes.h"
 #include "tests/support/integrator_parameters.h"
 
-namespace penumbra {
+namespace penumbra::nearly_closed_form_test {
 namespace {
 
 constexpr int kBlock = 4;
@@ -117,4 +117,4 @@ TEST(NearlyClosedFormImages, DoNotDependOnLanes) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::nearly_closed_form_test

@@ -10,7 +10,7 @@
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
-namespace penumbra {
+namespace penumbra::occlusion_test {
 namespace {
 
 const double kSignificance = statistics::sidak_significance(0.01, 60);  ///< of each of some 60
@@ -173,4 +173,4 @@ TEST(ReflectionOcclusion, BelowADisk) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::occlusion_test

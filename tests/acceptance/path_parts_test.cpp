@@ -11,7 +11,7 @@
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
-namespace penumbra {
+namespace penumbra::path_parts_test {
 namespace {
 
 constexpr int kBounces = 4;
@@ -94,4 +94,4 @@ TEST(PathPartsOfAScene, CostNothingWhereNotAskedFor) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::path_parts_test

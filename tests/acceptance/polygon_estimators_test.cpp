@@ -12,7 +12,7 @@
 #include "tests/acceptance/shadowed_polygon.h"
 #include "tests/support/integrator_parameters.h"
 
-namespace penumbra {
+namespace penumbra::polygon_estimators_test {
 namespace {
 
 using glm::dvec3;
@@ -308,4 +308,4 @@ TEST(Invariance, ClosedFormDoesNotDependOnScaleOrPlace) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::polygon_estimators_test

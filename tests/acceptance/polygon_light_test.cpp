@@ -9,7 +9,7 @@
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
-namespace penumbra {
+namespace penumbra::polygon_light_test {
 namespace {
 
 constexpr double kSignificance = 0.01;
@@ -64,4 +64,4 @@ INSTANTIATE_TEST_SUITE_P(Strategies, PolygonLights, testing::ValuesIn(all_strate
                          [](const auto& info) { return strategy_name(info); });
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::polygon_light_test

@@ -10,7 +10,7 @@
 #include "tests/acceptance/shadowed_polygon.h"
 #include "tests/support/integrator_parameters.h"
 
-namespace penumbra {
+namespace penumbra::polygon_own_surface_test {
 namespace {
 
 using glm::dvec3;
@@ -151,4 +151,4 @@ INSTANTIATE_TEST_SUITE_P(Cases, OwnSurfaces,
                          [](const auto& tested) { return tested.param.name; });
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::polygon_own_surface_test

@@ -13,7 +13,7 @@
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
-namespace penumbra {
+namespace penumbra::ratio_passes_test {
 namespace {
 
 using glm::dvec3;
@@ -132,4 +132,4 @@ TEST(RatioPasses, SpreadIsTheError) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::ratio_passes_test

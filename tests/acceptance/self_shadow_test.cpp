@@ -11,7 +11,7 @@
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
-namespace penumbra {
+namespace penumbra::self_shadow_test {
 namespace {
 
 using glm::dvec3;
@@ -108,4 +108,4 @@ INSTANTIATE_TEST_SUITE_P(Places, SelfShadow, testing::ValuesIn(places()),
                          [](const auto& placed) { return placed.param.name; });
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::self_shadow_test

@@ -14,7 +14,7 @@
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
-namespace penumbra {
+namespace penumbra::smooth_normals_test {
 namespace {
 
 using glm::dvec3;
@@ -247,4 +247,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& tested) { return tested.param.name; });
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::smooth_normals_test

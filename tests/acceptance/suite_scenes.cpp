@@ -382,10 +382,4 @@ std::string first_difference(const FilmAccumulator& a, const FilmAccumulator& b)
   return "only in layers or counts";
 }
 
-std::vector<Isa> machine_isas() {
-  std::vector<Isa> isas{Isa::kSse2, Isa::kAvx2, Isa::kAvx512};
-  std::erase_if(isas, [](Isa isa) { return isa > best_isa(); });
-  return isas;
-}
-
 }  // namespace penumbra

@@ -28,7 +28,5 @@ SceneDescription small_scene(const SuiteScene& scene);
 /// Where and how two films first differ, for messages.
 std::string first_difference(const FilmAccumulator& a, const FilmAccumulator& b);
 
-/// The instruction sets of this machine, SSE2 first.
-std::vector<Isa> machine_isas();
 
 }  // namespace penumbra

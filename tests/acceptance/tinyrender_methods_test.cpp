@@ -16,7 +16,7 @@
 #include "tests/support/oracles.h"
 #include "tests/support/render_scene.h"
 
-namespace penumbra {
+namespace penumbra::tinyrender_methods_test {
 namespace {
 
 constexpr int kWidth = 30, kHeight = 20, kBlock = 2, kBatches = 8;
@@ -147,4 +147,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, TinyRenderMethods,
                          [](const auto& instance) { return instance.param.name; });
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::tinyrender_methods_test

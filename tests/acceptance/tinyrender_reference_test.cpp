@@ -14,7 +14,7 @@
 #include "tests/support/oracles.h"
 #include "tests/support/render_scene.h"
 
-namespace penumbra {
+namespace penumbra::tinyrender_reference_test {
 namespace {
 
 constexpr double kSignificance = 1e-4;
@@ -267,4 +267,4 @@ INSTANTIATE_TEST_SUITE_P(Strategies, TinyRenderVeach, testing::Values("emitter",
                          [](const auto& instance) { return std::string(instance.param); });
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::tinyrender_reference_test

@@ -10,7 +10,7 @@
 #include "tests/gl/hidden_window.h"
 #include "tests/gl/random_film.h"
 
-namespace penumbra {
+namespace penumbra::film_textures_test {
 namespace {
 
 using testing::HasSubstr;
@@ -154,4 +154,4 @@ TEST_F(FilmTexturesTest, FilmsThatAreTooLargeNameTheLimit) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::film_textures_test

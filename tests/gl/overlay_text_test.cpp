@@ -6,7 +6,7 @@
 
 #include "gl/actions.h"
 
-namespace penumbra {
+namespace penumbra::overlay_text_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -76,4 +76,4 @@ TEST(OverlayText, KeysAreNamedAsTheyArePrinted) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::overlay_text_test

@@ -11,7 +11,7 @@
 #include "tests/gl/hidden_window.h"
 #include "tests/gl/random_film.h"
 
-namespace penumbra {
+namespace penumbra::picture_files_test {
 namespace {
 
 using testing::AllOf;
@@ -155,4 +155,4 @@ TEST_F(PictureFilesTest, DamagedPicturesAreErrors) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::picture_files_test

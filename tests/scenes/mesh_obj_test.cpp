@@ -5,7 +5,7 @@
 
 #include "scenes/mesh_reader.h"
 
-namespace penumbra {
+namespace penumbra::mesh_obj_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -182,4 +182,4 @@ TEST(ObjGroups, FacesThatCannotBeCut) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::mesh_obj_test

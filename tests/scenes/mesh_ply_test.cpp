@@ -6,7 +6,7 @@
 #include "scenes/mesh_reader.h"
 #include "tests/scenes/ply_writer.h"
 
-namespace penumbra {
+namespace penumbra::mesh_ply_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -203,4 +203,4 @@ TEST(Ply, ACountThatTheFileCannotHoldIsAnErrorAtOnce) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::mesh_ply_test

@@ -7,7 +7,7 @@
 #include "tests/scenes/scene_text.h"
 #include "tests/scenes/serialized_writer.h"
 
-namespace penumbra {
+namespace penumbra::mesh_serialized_test {
 namespace {
 
 using ::testing::AllOf;
@@ -167,4 +167,4 @@ TEST_F(SerializedShapes, AreMeshesOfTheScene) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::mesh_serialized_test

@@ -8,7 +8,7 @@
 #include "scenes/mitsuba/scene_writer.h"
 #include "tests/scenes/mitsuba_text.h"
 
-namespace penumbra {
+namespace penumbra::mitsuba_media_test {
 namespace {
 
 const std::string kVolpath = "<integrator type='volpath'/>";
@@ -310,4 +310,4 @@ TEST_F(MitsubaMedia, WrittenAndReadAgainTheyAreTheSame) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::mitsuba_media_test

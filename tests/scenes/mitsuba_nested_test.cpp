@@ -4,7 +4,7 @@
 
 #include "tests/scenes/scene_text.h"
 
-namespace penumbra {
+namespace penumbra::mitsuba_nested_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -135,4 +135,4 @@ TEST_F(MitsubaNested, WhatIsWrongIsSaid) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::mitsuba_nested_test

@@ -10,7 +10,7 @@
 #include "scenes/mesh_tools.h"
 #include "tests/scenes/scene_text.h"
 
-namespace penumbra {
+namespace penumbra::mitsuba_shapes_test {
 namespace {
 
 using ::testing::AllOf;
@@ -232,4 +232,4 @@ TEST_F(MitsubaSkies, WhatDoesNotBelongTogether) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::mitsuba_shapes_test

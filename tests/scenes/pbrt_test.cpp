@@ -12,7 +12,7 @@
 #include "tests/scenes/scene_text.h"
 #include "tests/support/tga_file.h"
 
-namespace penumbra {
+namespace penumbra::pbrt_test {
 namespace {
 
 using ::testing::AllOf;
@@ -370,4 +370,4 @@ TEST_F(PbrtText, LeniencyStandsIn) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::pbrt_test

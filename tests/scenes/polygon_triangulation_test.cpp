@@ -11,7 +11,7 @@
 
 #include "scenes/transform.h"
 
-namespace penumbra {
+namespace penumbra::polygon_triangulation_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -259,4 +259,4 @@ TEST(Triangulation, ExtremeNumbersDoNotFail) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::polygon_triangulation_test

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace penumbra {
+namespace penumbra::transform_test {
 namespace {
 
 constexpr double kRounding = 1e-14;
@@ -96,4 +96,4 @@ TEST(NormalMatrix, IsTheInverseTranspose) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::transform_test

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace penumbra::statistics {
+namespace penumbra::statistics::image_test_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -146,4 +146,4 @@ TEST(ImageZTest, ExactValues) {
 }
 
 }  // namespace
-}  // namespace penumbra::statistics
+}  // namespace penumbra::statistics::image_test_test

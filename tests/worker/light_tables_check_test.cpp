@@ -14,7 +14,7 @@
 #include "tests/support/integrator_parameters.h"
 #include "tests/support/render_scene.h"
 
-namespace penumbra {
+namespace penumbra::light_tables_check_test {
 namespace {
 
 /// A lamp of several triangles that the camera sees, and another one above it.
@@ -109,4 +109,4 @@ TEST(LightTablesCheck, TablesThatLeadElsewhereAreRefused) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::light_tables_check_test

@@ -13,7 +13,7 @@
 #include "worker/device.h"
 #include "worker/opencl_program.h"
 
-namespace penumbra {
+namespace penumbra::opencl_device_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -273,4 +273,4 @@ TEST_F(OpenClDevices, WithoutDoublePrecisionAreNamedWhereItIsNeeded) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::opencl_device_test

@@ -18,7 +18,7 @@
 #include "tests/support/render_scene.h"
 #include "tests/worker/device_scenes.h"
 
-namespace penumbra {
+namespace penumbra::polygon_tables_test {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -251,4 +251,4 @@ TEST_F(PolygonTables, KindsAndSamplingsMayBeMixed) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::polygon_tables_test

@@ -10,7 +10,7 @@
 #include "tests/kernels/random_numbers.h"
 #include "tests/kernels/scene_tables.h"
 
-namespace penumbra {
+namespace penumbra::block_sort_test {
 namespace {
 
 constexpr int kCapacity = 5 * LANES;
@@ -106,4 +106,4 @@ TEST(SortByFamily, EveryPathTakesAllThatTravelsAlong) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::block_sort_test

@@ -11,7 +11,7 @@
 #include "tests/kernels/block/path_values.h"
 #include "tests/kernels/random_numbers.h"
 
-namespace penumbra {
+namespace penumbra::path_state_test {
 namespace {
 
 constexpr int kCapacity = 3 * LANES, kSlots = 77;
@@ -240,4 +240,4 @@ TEST_P(KeptSurface, IsTheOneThatWasKept) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::path_state_test

@@ -12,7 +12,7 @@
 #include "tests/kernels/random_numbers.h"
 #include "tests/support/statistics.h"
 
-namespace penumbra {
+namespace penumbra::disney_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -173,4 +173,4 @@ TEST(Gtr1, SamplesFollowItHoweverNarrow) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::disney_test

@@ -17,7 +17,7 @@
 #include "tests/kernels/random_numbers.h"
 #include "tests/support/statistics.h"
 
-namespace penumbra {
+namespace penumbra::lobe_and_base_test {
 namespace {
 
 using lobes::direction;
@@ -247,4 +247,4 @@ TEST(WardLobe, IsWhatTheFormulasSay) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::lobe_and_base_test

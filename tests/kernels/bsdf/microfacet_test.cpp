@@ -11,7 +11,7 @@
 #include "tests/kernels/random_numbers.h"
 #include "tests/support/statistics.h"
 
-namespace penumbra {
+namespace penumbra::microfacet_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -284,4 +284,4 @@ TEST(Microfacets, RoughnessHasAFloorAndACeiling) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::microfacet_test

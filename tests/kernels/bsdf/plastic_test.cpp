@@ -10,7 +10,7 @@
 #include "scenes/bsdfs/roughplastic.h"
 #include "tests/kernels/bsdf/lobes.h"
 
-namespace penumbra {
+namespace penumbra::plastic_test {
 namespace {
 
 using lobes::direction;
@@ -289,4 +289,4 @@ TEST(MicrofacetDiffuse, ReflectsWhatNoriSays) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::plastic_test

@@ -13,7 +13,7 @@
 #include "tests/kernels/random_numbers.h"
 #include "tests/support/statistics.h"
 
-namespace penumbra {
+namespace penumbra::control_variate_statistics_test {
 namespace {
 
 constexpr double kRounding = 0x1p-24;   // of one operation in single precision
@@ -207,4 +207,4 @@ TEST(ControlVariateStatistics, RareHugeWeights) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::control_variate_statistics_test

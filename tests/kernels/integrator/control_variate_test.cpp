@@ -11,7 +11,7 @@
 #include "tests/kernels/integrator/control_variate_pixels.h"
 #include "tests/kernels/random_numbers.h"
 
-namespace penumbra {
+namespace penumbra::control_variate_test {
 namespace {
 
 constexpr double kRounding = 0x1p-24;  // of one operation in single precision
@@ -176,4 +176,4 @@ TEST(ControlVariate, MissedHighlightsCountAsDark) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::control_variate_test

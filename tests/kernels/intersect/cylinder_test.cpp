@@ -7,7 +7,7 @@
 #include "tests/kernels/random_numbers.h"
 #include "tests/kernels/scene_tables.h"
 
-namespace penumbra {
+namespace penumbra::cylinder_test {
 namespace {
 
 struct Tube {
@@ -164,4 +164,4 @@ TEST(Cylinders, AreFoundInHierarchies) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::cylinder_test

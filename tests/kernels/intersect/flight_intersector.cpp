@@ -11,6 +11,7 @@ namespace penumbra {
 std::vector<int> trace_in_flight(SceneTables& tables, std::span<const TestRay> rays, bool any) {
   Scene scene = tables.scene();
   scene.header.integrator.trace_shadows = 1;
+  scene.header.features |= FEATURE_BVH;
   const int count = int(rays.size());
   BlockMemory memory(FEATURE_ALL, (count + LANES) / LANES * LANES, 0);
   const PathState paths = memory.block().paths;

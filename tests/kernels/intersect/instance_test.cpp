@@ -13,7 +13,7 @@
 #include "tests/kernels/random_numbers.h"
 #include "tests/kernels/scene_tables.h"
 
-namespace penumbra {
+namespace penumbra::instance_test {
 namespace {
 
 using glm::dmat4;
@@ -358,4 +358,4 @@ TEST(InstanceLeaks, NoneThroughSharedEdges) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::instance_test

@@ -9,7 +9,7 @@
 #include "tests/kernels/random_numbers.h"
 #include "tests/kernels/scene_tables.h"
 
-namespace penumbra {
+namespace penumbra::surface_uv_test {
 namespace {
 
 constexpr long double kPi = std::numbers::pi_v<long double>;
@@ -251,4 +251,4 @@ TEST(Uv, IsNothingInScenesWithoutIt) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::surface_uv_test

@@ -1,9 +1,9 @@
-// The intersector without a hierarchy is compiled where the BVH is masked out.
-#define FEATURES (FEATURE_ALL ^ FEATURE_BVH)
+// The intersector without a hierarchy.
 #include "kernels/intersect/intersect_whole.h"
 
 #include <algorithm>
 
+#include "tests/kernels/kernels_under_test.h"
 #include "tests/kernels/scene_tables.h"
 
 namespace penumbra {

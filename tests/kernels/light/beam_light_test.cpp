@@ -10,7 +10,7 @@
 #include "tests/kernels/light_scenes.h"
 #include "tests/kernels/random_numbers.h"
 
-namespace penumbra {
+namespace penumbra::beam_light_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -183,4 +183,4 @@ TEST(BeamLights, AtTheirOwnPointGiveNothing) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::beam_light_test

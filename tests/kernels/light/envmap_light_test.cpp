@@ -12,7 +12,7 @@
 #include "tests/kernels/random_numbers.h"
 #include "tests/support/statistics.h"
 
-namespace penumbra {
+namespace penumbra::envmap_light_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -239,4 +239,4 @@ TEST(EnvmapLight, WeightsAreBounded) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::envmap_light_test

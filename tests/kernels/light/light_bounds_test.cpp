@@ -15,7 +15,7 @@
 #include "tests/kernels/light_scenes.h"
 #include "tests/kernels/random_numbers.h"
 
-namespace penumbra {
+namespace penumbra::light_bounds_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -276,4 +276,4 @@ TEST(LightBounds, HoldForCylinders) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::light_bounds_test

@@ -13,7 +13,7 @@
 #include "tests/kernels/random_numbers.h"
 #include "tests/support/statistics.h"
 
-namespace penumbra {
+namespace penumbra::light_grid_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -249,4 +249,4 @@ TEST(LightGrid, EvenTexturesHaveNone) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::light_grid_test

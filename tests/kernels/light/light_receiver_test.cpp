@@ -13,7 +13,7 @@
 #include "tests/kernels/random_numbers.h"
 #include "tests/support/statistics.h"
 
-namespace penumbra {
+namespace penumbra::light_receiver_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -264,4 +264,4 @@ TEST(LightLanes, AKindThatTheSceneDoesNotNameGivesNothing) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::light_receiver_test

@@ -13,7 +13,7 @@
 #include "tests/kernels/random_numbers.h"
 #include "tests/kernels/scene_tables.h"
 
-namespace penumbra {
+namespace penumbra::light_table_test {
 namespace {
 
 constexpr std::uint32_t kNumbers = 1u << 24;
@@ -189,4 +189,4 @@ TEST(LightTableWithInfinitePower, ChoosesItAlways) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::light_table_test

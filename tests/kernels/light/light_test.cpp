@@ -14,7 +14,7 @@
 #include "tests/kernels/random_numbers.h"
 #include "tests/support/statistics.h"
 
-namespace penumbra {
+namespace penumbra::light_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -440,4 +440,4 @@ TEST(LightSampling, StaysFiniteWhereTheReceiverTouchesTheLight) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::light_test

@@ -15,7 +15,7 @@
 #include "tests/kernels/scene_tables.h"
 #include "tests/support/statistics.h"
 
-namespace penumbra {
+namespace penumbra::light_tree_test {
 namespace {
 
 /// A triangle, sphere, disk, point or rectangle of a random place, size and power.
@@ -491,4 +491,4 @@ TEST(LightTree, LeavesOutLightsWithoutPower) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::light_tree_test

@@ -13,7 +13,7 @@
 #include "tests/kernels/random_numbers.h"
 #include "tests/kernels/scene_tables.h"
 
-namespace penumbra {
+namespace penumbra::lit_cells_test {
 namespace {
 
 using glm::dvec3;
@@ -275,4 +275,4 @@ TEST(LitCells, BehindThingsWithoutEndAreRight) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::lit_cells_test

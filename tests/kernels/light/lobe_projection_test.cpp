@@ -17,7 +17,7 @@
 #include "tests/kernels/random_numbers.h"
 #include "tests/support/statistics.h"
 
-namespace penumbra {
+namespace penumbra::lobe_projection_test {
 namespace {
 
 constexpr int kCells = 8, kFine = 48;  // along each axis of the triangle; of a cell
@@ -185,4 +185,4 @@ TEST_P(LobeProjectionOf, FoundDirectionsHaveTheSampledDensity) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::lobe_projection_test

@@ -15,7 +15,7 @@
 #include "tests/scenes/device/light_builder_pieces.h"
 #include "tests/support/statistics.h"
 
-namespace penumbra {
+namespace penumbra::outline_light_test {
 namespace {
 
 constexpr double kSignificance = 0.01;
@@ -245,4 +245,4 @@ TEST(LightStrips, AreNoneOfWhatIsNoFigure) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::outline_light_test

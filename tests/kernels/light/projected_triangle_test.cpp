@@ -17,7 +17,7 @@
 #include "tests/kernels/random_numbers.h"
 #include "tests/support/statistics.h"
 
-namespace penumbra {
+namespace penumbra::projected_triangle_test {
 namespace {
 
 using Polygon = std::vector<Exact3>;
@@ -323,4 +323,4 @@ TEST(Frame, ToFrameUndoesFromFrame) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::projected_triangle_test

@@ -16,7 +16,7 @@
 #include "tests/kernels/random_numbers.h"
 #include "tests/support/statistics.h"
 
-namespace penumbra {
+namespace penumbra::spherical_rectangle_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -382,4 +382,4 @@ TEST(SphericalRectangle, DirectionsAreUnitVectorsWhateverTheRectangle) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::spherical_rectangle_test

@@ -10,7 +10,7 @@
 #include "tests/kernels/random_numbers.h"
 #include "tests/support/statistics.h"
 
-namespace penumbra {
+namespace penumbra::spherical_triangle_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -158,4 +158,4 @@ TEST(SphericalTriangle, DirectionsAreUnitVectorsWhateverTheTriangle) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::spherical_triangle_test

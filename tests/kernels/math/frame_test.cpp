@@ -11,7 +11,7 @@
 #include "tests/kernels/random_numbers.h"
 #include "tests/support/statistics.h"
 
-namespace penumbra {
+namespace penumbra::frame_test {
 namespace {
 
 constexpr double kSignificance = 0.01;
@@ -170,4 +170,4 @@ TEST(DirectionSampling, ExtremeNumbersGiveUnitVectorsAboveTheHorizon) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::frame_test

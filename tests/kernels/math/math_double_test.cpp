@@ -11,7 +11,7 @@
 
 #include "tests/kernels/random_numbers.h"
 
-namespace penumbra {
+namespace penumbra::math_double_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -183,4 +183,4 @@ TEST(MathDouble, SmallFunctions) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::math_double_test

@@ -12,7 +12,7 @@
 
 #include "tests/kernels/random_numbers.h"
 
-namespace penumbra {
+namespace penumbra::math_test {
 namespace {
 
 constexpr float kSmallestNormal = std::numeric_limits<float>::min();
@@ -197,4 +197,4 @@ TEST(Math, SmallFunctions) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::math_test

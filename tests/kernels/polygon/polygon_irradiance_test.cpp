@@ -6,7 +6,7 @@
 
 #include "tests/kernels/polygon/polygon_lights.h"
 
-namespace penumbra {
+namespace penumbra::polygon_irradiance_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -336,4 +336,4 @@ TEST(PolygonIrradiance, TrianglesOneByOneAreTheSame) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::polygon_irradiance_test

@@ -6,7 +6,7 @@
 
 #include "tests/kernels/polygon/polygon_lights.h"
 
-namespace penumbra {
+namespace penumbra::polygon_lobe_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -379,4 +379,4 @@ TEST(PolygonLobe, DegenerateLightsAndReceiversOnThem) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::polygon_lobe_test

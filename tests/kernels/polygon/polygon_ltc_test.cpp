@@ -8,7 +8,7 @@
 #include "scenes/device/ltc/ltc_table.h"
 #include "tests/kernels/polygon/polygon_lights.h"
 
-namespace penumbra {
+namespace penumbra::polygon_ltc_test {
 namespace {
 
 /// The receiver's lobe in the tests' own terms.
@@ -145,4 +145,4 @@ TEST(PolygonLtc, LanesAreIndependent) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::polygon_ltc_test

@@ -10,7 +10,7 @@
 #include "tests/kernels/sampler_points.h"
 #include "tests/support/statistics.h"
 
-namespace penumbra {
+namespace penumbra::sampler_statistics_test {
 namespace {
 
 constexpr double kSignificance = 0.01;
@@ -155,4 +155,4 @@ TEST(SamplerConvergence, HaltonBeatsIndependentSamples) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::sampler_statistics_test

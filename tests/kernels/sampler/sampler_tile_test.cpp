@@ -10,7 +10,7 @@
 #include "tests/kernels/sampler_points.h"
 #include "tests/support/statistics.h"
 
-namespace penumbra {
+namespace penumbra::sampler_tile_test {
 namespace {
 
 constexpr double kSignificance = 0.01;
@@ -120,4 +120,4 @@ TEST(SobolTile, PixelsByThemselvesAreNoWorse) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::sampler_tile_test

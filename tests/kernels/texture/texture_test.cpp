@@ -13,7 +13,7 @@
 #include "tests/kernels/random_numbers.h"
 #include "tests/kernels/scene_tables.h"
 
-namespace penumbra {
+namespace penumbra::texture_test {
 namespace {
 
 constexpr int kKinds[] = {TEXTURE_BYTE_BITMAP, TEXTURE_SHORT_BITMAP, TEXTURE_HALF_BITMAP,
@@ -451,4 +451,4 @@ TEST(MeshColours, AreInterpolatedBetweenVertices) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::texture_test

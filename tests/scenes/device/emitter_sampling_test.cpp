@@ -10,7 +10,7 @@
 #include "scenes/device/device_scene_builder.h"
 #include "tests/support/integrator_parameters.h"
 
-namespace penumbra {
+namespace penumbra::emitter_sampling_test {
 namespace {
 
 /// A square of this half-width about (0, 0, height), its front down.
@@ -126,4 +126,4 @@ TEST(EmitterSampling, WithoutEmitterSamplesNothingIsChosen) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::emitter_sampling_test

@@ -10,7 +10,7 @@
 
 #include "scenes/device/filter_table.h"
 
-namespace penumbra {
+namespace penumbra::film_outline_test {
 namespace {
 
 using glm::dvec2;
@@ -191,4 +191,4 @@ TEST(FilmOutline, SharesAreThoseOfTheFilters) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::film_outline_test

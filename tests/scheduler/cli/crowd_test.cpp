@@ -21,7 +21,7 @@
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
-namespace penumbra {
+namespace penumbra::crowd_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -121,4 +121,4 @@ TEST(CrowdTest, ADeadWorkerIsReplacedWhileMoreAreConnectedThanThereAreDescriptor
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::crowd_test

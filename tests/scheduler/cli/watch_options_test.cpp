@@ -13,7 +13,7 @@
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
-namespace penumbra {
+namespace penumbra::watch_options_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -127,4 +127,4 @@ TEST_F(WatchOptions, APreviewsSampleIsTheRendersAndCtrlCEndsIt) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::watch_options_test

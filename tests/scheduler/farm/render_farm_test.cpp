@@ -15,7 +15,7 @@
 #include "tests/support/fake_device.h"
 #include "tests/support/fake_samples.h"
 
-namespace penumbra {
+namespace penumbra::render_farm_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -276,4 +276,4 @@ TEST_F(RenderFarmTest, WithoutWorkersEveryOpenJobFailsAndTheReasonIsSaid) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::render_farm_test

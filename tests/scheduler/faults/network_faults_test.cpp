@@ -19,7 +19,7 @@
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
-namespace penumbra {
+namespace penumbra::network_faults_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -196,4 +196,4 @@ TEST_F(InNamespace, AllPacketsLostForAWhileChangeNothing) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::network_faults_test

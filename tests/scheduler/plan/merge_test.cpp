@@ -8,7 +8,7 @@
 
 #include "tests/support/fake_samples.h"
 
-namespace penumbra {
+namespace penumbra::merge_test {
 namespace {
 
 constexpr int kX = 3, kY = 5, kWidth = 50, kHeight = 30;
@@ -180,4 +180,4 @@ TEST(Merge, ARedoRemembersWhatWasSkipped) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::merge_test

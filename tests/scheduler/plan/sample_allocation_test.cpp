@@ -12,7 +12,7 @@
 #include "scheduler/plan/merge.h"
 #include "tests/support/fake_samples.h"
 
-namespace penumbra {
+namespace penumbra::sample_allocation_test {
 namespace {
 
 constexpr int kSide = 16;  // of a tile
@@ -331,4 +331,4 @@ TEST(MergeOfAllocatedSamples, ACheckpointThatCannotBeIsRefused) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::sample_allocation_test

@@ -22,7 +22,7 @@
 #include "tests/scheduler/security/preview_process.h"
 #include "tests/support/fake_samples.h"
 
-namespace penumbra {
+namespace penumbra::hostile_client_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -314,4 +314,4 @@ TEST(HostileClient, NamesOfAssetsAreNoPaths) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::hostile_client_test

@@ -9,7 +9,7 @@
 #include <limits>
 #include <set>
 
-namespace penumbra {
+namespace penumbra::render_feed_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -234,4 +234,4 @@ TEST(RenderFeed, AnotherViewForgetsWhatHasChanged) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::render_feed_test

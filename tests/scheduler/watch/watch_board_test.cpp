@@ -11,7 +11,7 @@
 #include <set>
 #include <thread>
 
-namespace penumbra {
+namespace penumbra::watch_board_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -335,4 +335,4 @@ TEST(WaitForWatchers, GivesUpOnOneThatHangs) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::watch_board_test

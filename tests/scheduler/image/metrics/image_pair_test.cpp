@@ -7,7 +7,7 @@
 
 #include "tests/scheduler/image/metrics/small_images.h"
 
-namespace penumbra {
+namespace penumbra::image_pair_test {
 namespace {
 
 using ::testing::AllOf;
@@ -112,4 +112,4 @@ TEST(BlockMeans, OfOnePixelAreThePixels) {
 }
 
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::image_pair_test
