@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# From a fresh Debian 12 machine to a first picture: installs the packages, builds Penumbra and renders the Cornell
-# box with two worker processes.
+# From a fresh Debian 12 machine to a first picture: installs what the build needs, builds penumbra, its worker and its
+# window for this machine's processor, and renders the Cornell box with two worker processes.
 #
 #   scenes/quickstart.sh [OUTPUT_FOLDER]        (out/ in the project's folder by default)
 set -euo pipefail
@@ -19,11 +19,11 @@ out=$(cd "$out" && pwd)
 cd "$root"
 
 echo "1/3 Packages"
-bash .ci/install_packages.sh
+bash .ci/install_packages.sh build window
 
 echo "2/3 Build, in build/release (some minutes the first time)"
 cmake --preset release >/dev/null
-cmake --build --preset release --target programs
+cmake --build --preset release --target first_picture
 
 echo "3/3 Render scenes/cornell/cornell.xml with two workers"
 build/release/penumbra render scenes/cornell/cornell.xml --workers 2 --spp 64 -o "$out/cornell.exr"

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -14,14 +15,18 @@ namespace penumbra {
 namespace {
 
 struct Sibling {
-  const char *command, *program, *help;
+  const char *command, *program, *help, *hint;  ///< hint: where the program is missing
 };
 constexpr Sibling kSiblings[] = {
     {"view", "penumbra-view",
-     "Open a window on a scene or on a render; `penumbra view --help` shows its options"},
-    {"worker", "penumbra-worker", "Start penumbra-worker; `penumbra worker --help` shows its options"},
+     "Open a window on a scene or on a render; `penumbra view --help` shows its options",
+     "builds without GLFW, libepoxy and Dear ImGui leave it out: `.ci/install_packages.sh window` and a new "
+     "build bring it"},
+    {"worker", "penumbra-worker", "Start penumbra-worker; `penumbra worker --help` shows its options",
+     "`cmake --build --preset release --target penumbra-worker` builds it"},
     {"stress", "penumbra-stress",
-     "Stiff and extreme cases against truth of high precision; `penumbra stress --help` shows its options"},
+     "Stiff and extreme cases against truth of high precision; `penumbra stress --help` shows its options",
+     "`cmake --build --preset release --target penumbra-stress` builds it"},
 };
 
 }  // namespace
@@ -41,9 +46,8 @@ std::string sibling_program(const std::string& command) {
 ExitCode run_sibling(const std::string& name, const std::vector<std::string>& arguments) {
   const auto program = find_program(name);
   if (!program) {
-    const char* hint =
-        name == "penumbra-view" ? "; builds without GLFW, libepoxy and Dear ImGui leave it out" : "";
-    print_error({program.error().message + hint});
+    const auto* const sibling = std::ranges::find(kSiblings, name, &Sibling::program);
+    print_error({program.error().message + "; " + sibling->hint});
     return kIncomplete;
   }
   std::string path = program->string();

@@ -85,8 +85,7 @@ int run(int argc, char** argv) {
   scene->unit = {film.width / 2 - kTile / 2, film.height / 2 - kTile / 2, kTile, kTile, 0, kSamples};
   scene->rays = record_rays(scene->embree, scene->unit, best_isa());
 
-  for (const Isa isa : {Isa::kSse2, Isa::kAvx2, Isa::kAvx512}) {
-    if (isa > best_isa()) continue;
+  for (const Isa isa : usable_isas()) {
     DeviceOptions options;
     options.isa = isa;
     const auto name = [&](const char* what) { return fmt::format("{}/{}", what, isa_name(isa)); };

@@ -31,9 +31,9 @@ bool is_own(const WorkerShare& share) { return share.name.ends_with(fmt::format(
 
 class ForeignWorkerTest : public WatchedRunTest {
  protected:
-  /// A render that lasts some seconds.
-  LocalRender slow_job(const std::string& listen) {
-    FakeBehaviour{.delay_ms = 40}.to_environment();
+  /// A render that lasts some seconds where each unit takes its own workers so long.
+  LocalRender slow_job(const std::string& listen, int unit_ms = 40) {
+    FakeBehaviour{.delay_ms = unit_ms}.to_environment();
     LocalRender job = batch_job();
     job.listen = listen;
     job.tells_how_to_watch = true;
@@ -81,7 +81,8 @@ class ForeignWorkerTest : public WatchedRunTest {
 };
 
 TEST_F(ForeignWorkerTest, WithItsTokenItHelpsAndIsAnnounced) {
-  BackgroundRun run(slow_job("127.0.0.1:0"), listener());
+  // Alone, its own workers would take so long that the helper comes in time however busy the machine is.
+  BackgroundRun run(slow_job("127.0.0.1:0", 1000), listener());
   // A very busy worker may not read the final message in time; then the connection breaks.
   if (const Expected<void> helped = run_worker(helper(told_for("penumbra-worker"))); !helped) {
     EXPECT_THAT(helped.error().message, HasSubstr("the scheduler broke the connection"));

@@ -1,0 +1,63 @@
+# What .ci/run and .ci/nightly share. To be sourced, in the project's folder.
+
+# Compiled files are kept from one run to the next, whichever folder the clone is in.
+export CCACHE_DIR=${CCACHE_DIR:-/var/tmp/penumbra-ccache-$(id -u)} CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=true CCACHE_MAXSIZE=5G
+
+# Stacks with names; and what PoCL, LLVM and the OpenCL loader keep until the process ends is not ours to report.
+export ASAN_SYMBOLIZER_PATH=/usr/bin/llvm-symbolizer-19 TSAN_SYMBOLIZER_PATH=/usr/bin/llvm-symbolizer-19
+export LSAN_OPTIONS="suppressions=$PWD/.ci/lsan.supp:print_suppressions=0${LSAN_OPTIONS:+:$LSAN_OPTIONS}"
+
+timings=()
+
+# step NAME COMMAND...: runs it and notes its time. Where it fails, everything ends.
+step() {
+  local name=$1 from=$SECONDS
+  shift
+  printf '\n=== %s\n' "$name"
+  if ! "$@"; then
+    printf '=== %s: FAILED after %d s\n' "$name" $((SECONDS - from)) >&2
+    exit 1
+  fi
+  timings+=("$(printf '%6d s  %s' $((SECONDS - from)) "$name")")
+}
+
+all_passed() {
+  printf '\n=== all passed\n'
+  printf '%s\n' "${timings[@]}"
+}
+
+check_format() {
+  local formatter files
+  formatter=$(command -v clang-format-14 || command -v clang-format)
+  mapfile -t files < <(git -c safe.directory="$PWD" ls-files -- '*.h' '*.cpp' '*.cl')
+  if ((${#files[@]} == 0)); then
+    echo "no source files found: is this a git clone?" >&2
+    return 1
+  fi
+  "$formatter" --dry-run --Werror "${files[@]}" && echo "${#files[@]} files are formatted."
+}
+
+# configure PRESET [ARGUMENT...]: with warnings as errors, which later configurations of the preset keep.
+configure() {
+  local preset=$1
+  shift
+  cmake --preset "$preset" -DPENUMBRA_WARNINGS_AS_ERRORS=ON "$@" >/dev/null
+}
+
+# build PRESET TARGET...
+build() {
+  local preset=$1
+  shift
+  configure "$preset" && cmake --build --preset "$preset" --target "$@"
+}
+
+# build_and_test PRESET FOLDER [CTEST ARGUMENT...]: the tests of a folder of tests/.
+build_and_test() {
+  local preset=$1 folder=$2
+  shift 2
+  build "$preset" "$folder/all" || return 1
+  ctest --test-dir "build/$preset/$folder" --output-on-failure --no-tests=error --parallel "$(nproc)" "$@"
+}
+
+# build_and_run PRESET TEST FILTER: some tests of one executable.
+build_and_run() { build "$1" "$2" && "build/$1/$2" --gtest_brief=1 --gtest_filter="$3"; }
