@@ -82,8 +82,7 @@
 #define HAS_WHOLE (!HAS(BVH) || (FEATURES) == FEATURE_ALL)
 /// Whether the scene needs it too: native kernels are compiled for more than their scene, and do not call
 /// what it does not need.
-#define NEEDS(scene, name) (HAS(name) && ((scene)->header.features & FEATURE_##name) != 0u)
-/// Whether the scene is searched through the hierarchy.
-#define TRACES_BVH(scene) (HAS(BVH) && (!HAS_WHOLE || NEEDS(scene, BVH)))
+#define NEEDS(scene, name) (HAS(name) && (SCENE_FEATURES(&(scene)->header) & FEATURE_##name) != 0u)
+#define SCENE_FEATURES(h) NEEDED(FEATURES, (h)->features)
 
 #endif

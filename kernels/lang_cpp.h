@@ -8,6 +8,8 @@
 #define FN static inline __attribute__((always_inline, unused))
 // A function that holds lane loops: never inlined, so that RESTRICT holds and each is optimised by itself.
 #define STAGE static __attribute__((noinline, unused))
+// A function of its own where kernels are compiled when they are first wanted.
+#define CALLED_FN FN
 #define GLOBAL
 #define PRIVATE
 #define RESTRICT __restrict
@@ -24,6 +26,9 @@
 #define TO_INT(x) ((int)(x))
 #define TO_UINT(x) ((uint)(x))
 #define TO_FLOAT(x) ((float)(x))
+
+// What a scene needs, a bit mask, of what kernels are compiled for.
+#define NEEDED(compiled, own) ((compiled) & (own))
 
 #define SQRT(x) __builtin_sqrtf(x)
 #define FABS(x) __builtin_fabsf(x)

@@ -6,6 +6,8 @@
 
 // Not static: compilers change the parameters of static functions before they inline them, and with them goes
 // what LANE_LOOP says of the accesses inside, which then cost a comparison of each two arrays.
+// PoCL 3.1 defines `inline` away, which would make each of them a function to optimise and to keep.
+#undef inline
 #define FN inline __attribute__((always_inline))
 // Compilers shy away from registers of 512 bits unless told that a function needs them: PoCL 3.1 is 1.4 times
 // as fast with them.
@@ -16,6 +18,12 @@
 #endif
 #ifndef STAGE
   #define STAGE static __attribute__((noinline))
+#endif
+// What is long and called in several places, or not often: CPUs compile it once, not wherever it is called.
+#if LANES == 1
+  #define CALLED_FN FN
+#else
+  #define CALLED_FN STAGE
 #endif
 #define GLOBAL __global
 #define PRIVATE __private
@@ -31,6 +39,9 @@
 #define TO_INT(x) ((int)(x))
 #define TO_UINT(x) ((uint)(x))
 #define TO_FLOAT(x) ((float)(x))
+
+// Kernels are compiled for exactly what their scene needs, so that compilers drop the rest.
+#define NEEDED(compiled, own) ((uint)(compiled))
 
 #define SQRT(x) sqrt((float)(x))
 #define FABS(x) fabs((float)(x))

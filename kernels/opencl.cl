@@ -15,6 +15,23 @@ FN Unit make_unit(int x, int y, int width, int height, uint first_sample, int sa
   return unit;
 }
 
+/// What one work item does of render_blocks. Of a kernel itself PoCL makes three functions.
+STAGE void render_free_blocks(int item, GLOBAL const SceneHeader* header, GLOBAL const uint* words, Unit unit,
+                              int first_pixel, int end_pixel, int block_pixels, int capacity,
+                              int slot_capacity, GLOBAL uint* states, GLOBAL uint* slots, GLOBAL float* out,
+                              GLOBAL BadSamples* bad, volatile GLOBAL int* next_block) {
+  const Scene scene = scene_of_unit(*header, words, &unit);
+  const Block block =
+      make_block(FEATURES, states + (size_t)item * path_words(FEATURES) * capacity, capacity,
+                 slots + (size_t)item * slot_words(FEATURES) * slot_capacity, slot_capacity);
+  const int blocks = (end_pixel - first_pixel + block_pixels - 1) / block_pixels;
+  for (int b = atomic_inc(next_block); b < blocks; b = atomic_inc(next_block)) {
+    const int pixel = first_pixel + b * block_pixels;
+    const int pixels = min_i(block_pixels, end_pixel - pixel);
+    render_block(&scene, &unit, pixel, pixels, &block, out, bad + BAD_KINDS * item);
+  }
+}
+
 /// For CPUs: pixels [first_pixel, end_pixel) of the unit, a block of `block_pixels` after the other by
 /// whichever work item is free; `next_block` counts from 0. `states` and `slots` hold each work item's
 /// block one after the other; `bad` BAD_KINDS entries a work item.
@@ -24,18 +41,9 @@ __kernel void render_blocks(__global const SceneHeader* header, __global const u
                             int slot_capacity, __global uint* states, __global uint* slots,
                             __global float* out, __global BadSamples* bad,
                             volatile __global int* next_block) {
-  const int item = (int)get_global_id(0);
   const Unit unit = make_unit(x, y, width, height, first_sample, sample_count, sequence, spp);
-  const Scene scene = scene_of_unit(*header, words, &unit);
-  const uint features = scene.header.features;
-  const Block block = make_block(features, states + (size_t)item * path_words(features) * capacity, capacity,
-                                 slots + (size_t)item * slot_words(features) * slot_capacity, slot_capacity);
-  const int blocks = (end_pixel - first_pixel + block_pixels - 1) / block_pixels;
-  for (int b = atomic_inc(next_block); b < blocks; b = atomic_inc(next_block)) {
-    const int pixel = first_pixel + b * block_pixels;
-    const int pixels = min_i(block_pixels, end_pixel - pixel);
-    render_block(&scene, &unit, pixel, pixels, &block, out, bad + BAD_KINDS * item);
-  }
+  render_free_blocks((int)get_global_id(0), header, words, unit, first_pixel, end_pixel, block_pixels,
+                     capacity, slot_capacity, states, slots, out, bad, next_block);
 }
 
 #if LANES == 1
@@ -51,7 +59,7 @@ __kernel void trace_paths(__global const SceneHeader* header, __global const uin
   if (item >= path_count) return;
   const Unit unit = make_unit(x, y, width, height, first_sample, sample_count, sequence, spp);
   const Scene scene = scene_of_unit(*header, words, &unit);
-  const Block block = make_block(scene.header.features, states + item, capacity, slots, slot_capacity);
+  const Block block = make_block(FEATURES, states + item, capacity, slots, slot_capacity);
   render_paths(&scene, &unit, first_pixel, first_path + item, 1, 1, &block);
 }
 
@@ -64,23 +72,7 @@ __kernel void finish_samples(__global const SceneHeader* header, __global const 
   if (item >= count) return;
   const Unit unit = make_unit(x, y, width, height, first_sample, sample_count, sequence, spp);
   const Scene scene = scene_of_unit(*header, words, &unit);
-  const Block block = make_block(scene.header.features, 0, 1, slots + from + item, slot_capacity);
+  const Block block = make_block(FEATURES, 0, 1, slots + from + item, slot_capacity);
   finish_pixels(&scene, &unit, first_pixel + from + item, 1, &block, out, bad + BAD_KINDS * item);
 }
 #endif
-
-/// The size and then the field offsets of every shared struct as this device lays them out, in the order of
-/// SHARED_STRUCTS: for comparison with the host's.
-__kernel void report_layout(__global uint* out) {
-  int n = 0;
-#define REPORT_FIELD(type, name) out[n++] = (uint)(size_t) & (object->name);
-#define REPORT_STRUCT(name, fields)  \
-  {                                  \
-    __global const name* object = 0; \
-    out[n++] = (uint)sizeof(name);   \
-    fields(REPORT_FIELD)             \
-  }
-  SHARED_STRUCTS(REPORT_STRUCT)
-#undef REPORT_STRUCT
-#undef REPORT_FIELD
-}

@@ -188,8 +188,9 @@ STAGE void start_media(const PRIVATE PathState* paths, int i) {
 }
 #endif
 
-FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int first_path,
-                 int count, int channel, const PRIVATE PathState* paths, const PRIVATE SlotState* slots) {
+CALLED_FN void generate(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int first_path,
+                        int count, int channel, const PRIVATE PathState* paths,
+                        const PRIVATE SlotState* slots) {
   const PRIVATE SceneHeader* h = &scene->header;
   number_paths(scene, unit, first_pixel, first_path, count, paths, slots);
   for (int i = 0; i < count; i += LANES) {
@@ -285,15 +286,16 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
       if (!control) add_light(paths, count);
       if (block->probe != 0) probe_light(block, step);
       count = compact(scene, paths, count, channels == 1 ? EVERY_CHANNEL : channel, slots);
-      if (count > 0) pad_lanes(h->features, paths, count);
+      if (count > 0) pad_lanes(SCENE_FEATURES(h), paths, count);
     }
   }
 }
 
 /// From the samples in the block's slots to the statistics of its pixels, see render_block.
-FN void finish_pixels(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int pixels,
-                      const PRIVATE Block* block, GLOBAL float* out, GLOBAL BadSamples* bad) {
-  const bool layers = (scene->header.features & FEATURE_LAYERS) != 0u;
+CALLED_FN void finish_pixels(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel,
+                             int pixels, const PRIVATE Block* block, GLOBAL float* out,
+                             GLOBAL BadSamples* bad) {
+  const bool layers = (SCENE_FEATURES(&scene->header) & FEATURE_LAYERS) != 0u;
   const PRIVATE SlotState* slots = &block->slots;
 #if HAS(POLYGONS)
   const bool control = has_control(scene);
@@ -308,14 +310,15 @@ FN void finish_pixels(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int 
 #endif
 #if HAS(COVERAGE)
   if (NEEDS(scene, COVERAGE))
-    accumulate_coverage(unit, first_pixel, pixels, slots, scene->header.features, out);
+    accumulate_coverage(unit, first_pixel, pixels, slots, SCENE_FEATURES(&scene->header), out);
 #endif
 #if HAS(OWNERS)
-  if (NEEDS(scene, OWNERS)) accumulate_owners(unit, first_pixel, pixels, slots, scene->header.features, out);
+  if (NEEDS(scene, OWNERS))
+    accumulate_owners(unit, first_pixel, pixels, slots, SCENE_FEATURES(&scene->header), out);
 #endif
 #if HAS(POLYGONS) && HAS(RATIO)
   if (scene->header.integrator.estimator == ESTIMATOR_RATIO)
-    accumulate_ratio(unit, first_pixel, pixels, slots, scene->header.features, out);
+    accumulate_ratio(unit, first_pixel, pixels, slots, SCENE_FEATURES(&scene->header), out);
 #endif
   if (block->probe != 0)
     probe_source(block->probe, bad[BAD_NAN].count + bad[BAD_INFINITE].count == 0u, SOURCE_FILTER, 0);
@@ -324,8 +327,8 @@ FN void finish_pixels(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int 
 /// Renders `pixels` pixels of the unit, row by row from its `first_pixel`-th, and writes their statistics
 /// into the planes of `out` (SampleBufferPlane). `bad`, of BAD_KINDS, notes samples that are not as they
 /// should be.
-FN void render_block(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int pixels,
-                     const PRIVATE Block* block, GLOBAL float* out, GLOBAL BadSamples* bad) {
+CALLED_FN void render_block(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int first_pixel, int pixels,
+                            const PRIVATE Block* block, GLOBAL float* out, GLOBAL BadSamples* bad) {
   render_paths(scene, unit, first_pixel, 0, pixels * unit->sample_count, block->paths.capacity, block);
   finish_pixels(scene, unit, first_pixel, pixels, block, out, bad);
 }

@@ -25,11 +25,11 @@ FN void move_up_words(GLOBAL int* words, const GLOBAL int* RESTRICT going, int c
   #define MOVE_UP_int(field, capacity, going, count) move_up_words(field, going, count)
 #else
 /// To lanes [0, count): lane m gets that of lane going[m] >= m.
-FN void move_up_float(GLOBAL float* RESTRICT field, const GLOBAL int* RESTRICT going, int count) {
+CALLED_FN void move_up_float(GLOBAL float* RESTRICT field, const GLOBAL int* RESTRICT going, int count) {
   LANE_LOOP
     for (int m = 0; m < count; m++) field[m] = field[going[m]];
 }
-FN void move_up_int(GLOBAL int* RESTRICT field, const GLOBAL int* RESTRICT going, int count) {
+CALLED_FN void move_up_int(GLOBAL int* RESTRICT field, const GLOBAL int* RESTRICT going, int count) {
   LANE_LOOP
     for (int m = 0; m < count; m++) field[m] = field[going[m]];
 }
@@ -52,16 +52,18 @@ STAGE void close_gaps(uint features, const PRIVATE PathState* paths, int count, 
 #else
   const int lanes = left;
 #endif
-#define MOVE_FIELD(type, name, needs, travels) \
-  if (is_moved(features, needs, travels)) MOVE_UP_##type(paths->name, paths->capacity, going, lanes);
+#define MOVE_FIELD(type, name, needs, travels)                        \
+  if (MAY_MOVE(needs, travels) && is_moved(features, needs, travels)) \
+    MOVE_UP_##type(paths->name, paths->capacity, going, lanes);
   PATH_FIELDS(MOVE_FIELD)
 #undef MOVE_FIELD
 }
 
 /// Copies lane `from` to lane `to`.
 FN void copy_lane(uint features, const PRIVATE PathState* paths, int to, int from) {
-#define COPY_FIELD(type, name, needs, travels) \
-  if (is_moved(features, needs, travels)) set_##name(paths, to, get_##name(paths, from));
+#define COPY_FIELD(type, name, needs, travels)                        \
+  if (MAY_MOVE(needs, travels) && is_moved(features, needs, travels)) \
+    set_##name(paths, to, get_##name(paths, from));
   PATH_FIELDS(COPY_FIELD)
 #undef COPY_FIELD
 }
@@ -136,13 +138,13 @@ STAGE int compact(const PRIVATE Scene* scene, const PRIVATE PathState* paths, in
 #if HAS(MEDIA)
   for (int m = 0; m < gone && NEEDS_MEDIA(scene); m++) finish_crossings(paths, finished[m], channel, slots);
 #endif
-  if (gone > 0 && left > 0) close_gaps(scene->header.features, paths, count, left);
+  if (gone > 0 && left > 0) close_gaps(SCENE_FEATURES(&scene->header), paths, count, left);
   return left;
 }
 
 /// Lanes from `count` to the next multiple of LANES repeat the last path, so that every lane holds valid
 /// work.
-FN void pad_lanes(uint features, const PRIVATE PathState* paths, int count) {
+CALLED_FN void pad_lanes(uint features, const PRIVATE PathState* paths, int count) {
   for (int i = count; i % LANES != 0; i++) copy_lane(features, paths, i, count - 1);
 }
 

@@ -64,7 +64,7 @@ STAGE void control_samples(const PRIVATE Scene* scene, const PRIVATE Unit* unit,
   for (int p = 0; p < pixels; p++)
     for (int s = 0; s < n; s++) check_control(slots, s * pitch + p);
   const bool ratio = HAS(RATIO) && estimator == ESTIMATOR_RATIO;
-  GLOBAL float* ratio_out = out + first_ratio_plane(scene->header.features) * area + first_pixel;
+  GLOBAL float* ratio_out = out + first_ratio_plane(SCENE_FEATURES(&scene->header)) * area + first_pixel;
   for (int c = 0; c < 3 && ratio; c++)
     accumulate_field(slots->unshadowed + c * slots->capacity, pitch, pixels, n,
                      ratio_out + (RATIO_UNSHADOWED_PLANE + c) * area, 0);

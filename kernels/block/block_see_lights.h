@@ -117,7 +117,8 @@ FN bool pass_light(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
 }
 
 /// After occlude_block: what gets through the surfaces that stopped shadow rays.
-FN void see_lights_through(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int step) {
+CALLED_FN void see_lights_through(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count,
+                                  int step) {
   #if HAS(INSTANCES)
   if (NEEDS(scene, INSTANCES)) follow_from_instances(paths, count);
   #endif

@@ -292,7 +292,7 @@ STAGE void blacken_unfinished(const PRIVATE PathState* paths, int count) {
   #endif
 
 /// From what the rays of the `step`-th step hit to where they end.
-FN void see_through(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int step) {
+CALLED_FN void see_through(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int step) {
   const bool nested = NEEDS(scene, NESTED);
   const bool hides = step == 0 && scene->header.integrator.hide_emitters == HIDE_LOOK_THROUGH;
   if (!nested && !hides) return;

@@ -83,8 +83,8 @@ STAGE void reorder_int(GLOBAL int* field, const GLOBAL int* RESTRICT order, int 
     for (int k = 0; k < 3; k++) REORDER_float((field) + k * paths->capacity)
 
 /// Of the paths whose rays were just intersected.
-FN void sort_by_family(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
-  const uint features = scene->header.features;
+CALLED_FN void sort_by_family(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count) {
+  const uint features = SCENE_FEATURES(&scene->header);
   const GLOBAL int* order = paths->going;
   GLOBAL float* floats = paths->sort_buffer;
   GLOBAL int* ints = paths->finished;
@@ -98,7 +98,7 @@ FN void sort_by_family(const PRIVATE Scene* scene, const PRIVATE PathState* path
   if (NEEDS(scene, INSTANCES)) REORDER_int(paths->hit_instance);
   #endif
   #define REORDER_FIELD(type, name, needs, travels) \
-    if (is_moved(features, needs, travels)) REORDER_##type(paths->name);
+    if (MAY_MOVE(needs, travels) && is_moved(features, needs, travels)) REORDER_##type(paths->name);
   PATH_FIELDS(REORDER_FIELD)
   #undef REORDER_FIELD
 }

@@ -189,8 +189,8 @@ FN void find_uvs(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int
 #endif
 
 /// Those that the last rays of LANES paths from lane i on hit, as rays and geometry have them.
-FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                          PRIVATE Surfaces* surfaces) {
+CALLED_FN void find_hit_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                                 PRIVATE Surfaces* surfaces) {
   PrimitivePoints points;
   const int only = only_triangle(scene, paths, i);
   find_triangle_points(scene, paths, i, only, &points);
@@ -260,8 +260,8 @@ STAGE void see_media(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RE
 #endif
 
 /// Where the last rays of LANES paths from lane i on ended.
-FN void find_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
-                      PRIVATE Surfaces* surfaces) {
+CALLED_FN void find_surfaces(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                             PRIVATE Surfaces* surfaces) {
   find_hit_surfaces(scene, paths, i, surfaces);
 #if HAS(NESTED)
   if (NEEDS(scene, NESTED)) see_from_starts(paths, i, surfaces);

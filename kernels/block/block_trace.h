@@ -244,10 +244,10 @@ STAGE void intersect_block(const PRIVATE Scene* scene, const PRIVATE PathState* 
   }
 #endif
 #if HAS(BVH)
-  if (TRACES_BVH(scene)) intersect_block_bvh(scene, paths, count, together);
+  if (NEEDS(scene, BVH)) intersect_block_bvh(scene, paths, count, together);
 #endif
 #if HAS_WHOLE
-  if (!TRACES_BVH(scene)) intersect_block_whole(scene, paths, count);
+  if (!NEEDS(scene, BVH)) intersect_block_whole(scene, paths, count);
 #endif
 }
 
@@ -280,10 +280,10 @@ STAGE void occlude_block(const PRIVATE Scene* scene, const PRIVATE PathState* pa
   }
 #endif
 #if HAS(BVH)
-  if (TRACES_BVH(scene)) occlude_block_bvh(scene, paths, count);
+  if (NEEDS(scene, BVH)) occlude_block_bvh(scene, paths, count);
 #endif
 #if HAS_WHOLE
-  if (!TRACES_BVH(scene)) occlude_block_whole(scene, paths, count);
+  if (!NEEDS(scene, BVH)) occlude_block_whole(scene, paths, count);
 #endif
 }
 

@@ -153,6 +153,11 @@ FN bool is_stored(uint features, uint needs) {
 FN bool is_moved(uint features, uint needs, uint travels) {
   return is_stored(features, needs) && is_stored(features, travels);
 }
+// Whether kernels are compiled for any scene in which it is. The same of a mask with ALL_OF.
+#define MAY_STORE(needs)                                                            \
+  ((((needs)&ALL_OF(0u)) != 0u) ? (~(uint)(FEATURES) & (needs) & ~ALL_OF(0u)) == 0u \
+                                : ((FEATURES) & (needs)) != 0u)
+#define MAY_MOVE(needs, travels) (MAY_STORE(needs) && MAY_STORE(travels))
 
 // Whether a shadow ray's light goes into `shadowed` rather than `radiance`. A light beneath the surface is in
 // shadow whatever the shadow ray says; its closed form ignores that.

@@ -85,14 +85,16 @@ TEXTURED_FIELDS(TEXTURE_LANES, )
 /// The closures of the surfaces' materials there. Fields that no material of the scene uses stay as they are.
 FN void resolve_closures(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
                          PRIVATE Closures* closures) {
-  const uint families = scene->header.families & compiled_families();
-#define RESOLVE_IF_USED(a, type, name) \
-  if ((families & USERS_##name) != 0u) resolve_##name##_lanes(scene, surfaces->material, closures);
+  const uint families = NEEDED(FAMILIES, scene->header.families);
+#define RESOLVE_IF_USED(a, type, name)                                             \
+  if ((COMPILED_FAMILIES & USERS_##name) != 0u && (families & USERS_##name) != 0u) \
+    resolve_##name##_lanes(scene, surfaces->material, closures);
   CLOSURE_FIELDS(RESOLVE_IF_USED, )
 #undef RESOLVE_IF_USED
 #if HAS(TEXTURES)
-  #define TEXTURE_IF_USED(a, type, name)                                                           \
-    if ((families & USERS_##name) != 0u && (scene->header.textured >> TEXTURED_##name & 1u) != 0u) \
+  #define TEXTURE_IF_USED(a, type, name)                                               \
+    if ((COMPILED_FAMILIES & USERS_##name) != 0u && (families & USERS_##name) != 0u && \
+        (scene->header.textured >> TEXTURED_##name & 1u) != 0u)                        \
       texture_##name##_lanes(scene, surfaces, closures);
   if (NEEDS(scene, TEXTURES)) {
     TEXTURED_FIELDS(TEXTURE_IF_USED, )
@@ -175,13 +177,14 @@ STAGE void clear_bsdf_samples(PRIVATE BsdfSamples* RESTRICT samples) {
 }
 
 /// Values of the closures, of these `families`, towards the unit directions `wi`, a lane vec3.
-FN void eval_bsdfs(const PRIVATE Scene* scene, uint families, const PRIVATE Closures* closures,
-                   const PRIVATE Surfaces* surfaces, const PRIVATE float* wi, PRIVATE BsdfValues* values) {
+CALLED_FN void eval_bsdfs(const PRIVATE Scene* scene, uint families, const PRIVATE Closures* closures,
+                          const PRIVATE Surfaces* surfaces, const PRIVATE float* wi,
+                          PRIVATE BsdfValues* values) {
   bool first = true;
-#define EVAL_IF_THERE(name, NAME, number, properties, text)                                     \
-  if (((properties)&DELTA) == 0 && (families & compiled_families() & (1u << (number))) != 0u) { \
-    eval_##name##_lanes(scene, closures, surfaces, wi, first, values);                          \
-    first = false;                                                                              \
+#define EVAL_IF_THERE(name, NAME, number, properties, text)                                        \
+  if (HAS_FAMILY_OF(number) && ((properties)&DELTA) == 0 && (families & (1u << (number))) != 0u) { \
+    eval_##name##_lanes(scene, closures, surfaces, wi, first, values);                             \
+    first = false;                                                                                 \
   }
   BSDF_FAMILIES(EVAL_IF_THERE)
 #undef EVAL_IF_THERE
@@ -189,12 +192,12 @@ FN void eval_bsdfs(const PRIVATE Scene* scene, uint families, const PRIVATE Clos
 }
 
 /// Directions by the closures, in world space. `uv`: LANES numbers u, then LANES v.
-FN void sample_bsdfs(const PRIVATE Scene* scene, uint families, const PRIVATE Closures* closures,
-                     const PRIVATE Surfaces* surfaces, const PRIVATE float* uv, const PRIVATE float* choice,
-                     PRIVATE BsdfSamples* samples) {
+CALLED_FN void sample_bsdfs(const PRIVATE Scene* scene, uint families, const PRIVATE Closures* closures,
+                            const PRIVATE Surfaces* surfaces, const PRIVATE float* uv,
+                            const PRIVATE float* choice, PRIVATE BsdfSamples* samples) {
   bool first = true;
 #define SAMPLE_IF_THERE(name, NAME, number, properties, text)                     \
-  if ((families & compiled_families() & (1u << (number))) != 0u) {                \
+  if (HAS_FAMILY_OF(number) && (families & (1u << (number))) != 0u) {             \
     sample_##name##_lanes(scene, closures, surfaces, uv, choice, first, samples); \
     first = false;                                                                \
   }
@@ -222,8 +225,8 @@ BRANCHING_FAMILIES(LOBE_PROBABILITY)
 FN void lobe_probabilities(uint families, const PRIVATE Closures* closures, const PRIVATE Surfaces* surfaces,
                            PRIVATE float* probabilities) {
   for (int j = 0; j < LANES; j++) probabilities[j] = 1.0f;
-#define PROBABILITY_IF_THERE(name, NAME)                              \
-  if ((families & compiled_families() & (1u << FAMILY_##NAME)) != 0u) \
+#define PROBABILITY_IF_THERE(name, NAME)                                        \
+  if (HAS_FAMILY_OF(FAMILY_##NAME) && (families & (1u << FAMILY_##NAME)) != 0u) \
     name##_probability_lanes(closures, surfaces, probabilities);
   BRANCHING_FAMILIES(PROBABILITY_IF_THERE)
 #undef PROBABILITY_IF_THERE

@@ -203,6 +203,11 @@ FN Closure black_closure(void) {
 #endif
 #define HAS_FAMILY(name) (((FAMILIES) & (1u << FAMILY_##name)) != 0u)
 
+// The same within the expansion of BSDF_FAMILIES, where FAMILIES may not be expanded. A constant: compilers
+// do not look at what is behind `HAS_FAMILY_OF(number) &&` where it is false.
+enum { COMPILED_FAMILIES = FAMILIES };
+#define HAS_FAMILY_OF(number) ((COMPILED_FAMILIES & (1u << (number))) != 0u)
+
 FN uint compiled_families(void) { return FAMILIES; }
 
 #define FAMILY_WITH(name, NAME, number, properties, text) | (((properties)&wanted) != 0 ? 1u << (number) : 0u)

@@ -10,7 +10,7 @@ PENUMBRA_NAMESPACE_BEGIN
 
 /// Of a scene with one image for all channels, 1; of one with an image for each, 3: so many rays a sample.
 FN int camera_channels(const PRIVATE SceneHeader* h) {
-  const bool split = ((h->features & FEATURE_CAMERA) != 0u) & (h->camera.split != 0.0f);
+  const bool split = ((SCENE_FEATURES(h) & FEATURE_CAMERA) != 0u) & (h->camera.split != 0.0f);
   return split ? 3 : 1;
 }
 

@@ -184,8 +184,8 @@ STAGE void request_directions(const PRIVATE Scene* scene, const PRIVATE PathStat
 }
 
 /// The k-th step.
-FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int k,
-                    const PRIVATE SlotState* slots) {
+CALLED_FN void step_direct(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int k,
+                           const PRIVATE SlotState* slots) {
   const PRIVATE SceneHeader* h = &scene->header;
   const bool emits = k < h->integrator.emitter_samples, scatters = k < h->integrator.bsdf_samples;
   const bool balances = h->integrator.bsdf_samples > 0;

@@ -349,8 +349,8 @@ FN void find_passed_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* s
 
 /// What the light sampling stage decides for LANES paths from lane i on; the rest of their samplings stays as
 /// start_step left it. With `finds` their last rays found lights.
-FN void request_lights(const PRIVATE Scene* scene, LightRequest request, bool finds, PRIVATE StepLanes* step,
-                       const PRIVATE PathState* paths, int i) {
+CALLED_FN void request_lights(const PRIVATE Scene* scene, LightRequest request, bool finds,
+                              PRIVATE StepLanes* step, const PRIVATE PathState* paths, int i) {
 #if HAS(PROJECTED) || HAS(POLYGONS)
   double projected[LANES];
   for (int j = 0; j < LANES; j++) projected[j] = 0.0;

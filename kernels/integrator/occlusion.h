@@ -65,8 +65,8 @@ STAGE void request_occlusion_rays(const PRIVATE Scene* scene, const PRIVATE Path
 }
 
 /// The k-th step.
-FN void step_occlusion(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int k,
-                       const PRIVATE SlotState* slots) {
+CALLED_FN void step_occlusion(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int k,
+                              const PRIVATE SlotState* slots) {
   const PRIVATE SceneHeader* h = &scene->header;
   const int samples = h->integrator.emitter_samples;
   Surfaces surfaces;

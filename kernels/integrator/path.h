@@ -30,15 +30,15 @@ FN float path_survival(int rr_depth, int depth, float strongest, float eta) {
 #if HAS(PATH) || HAS(WHITTED)
 /// Random numbers for a step of LANES paths from lane i on; those that the step does not need are not
 /// written.
-FN void path_numbers(const PRIVATE SceneHeader* h, bool roulette, const PRIVATE PathState* paths, int i,
-                     PRIVATE float* u) {
+CALLED_FN void path_numbers(const PRIVATE SceneHeader* h, bool roulette, const PRIVATE PathState* paths,
+                            int i, PRIVATE float* u) {
   const uint spp = sequence_length(h);
   sample_pair(h->sampler.kind, spp, step_point(PAIR_LIGHT), paths, i, u + DIM_LIGHT_U * LANES,
               u + DIM_LIGHT_V * LANES);
   sample_pair(h->sampler.kind, spp, step_point(PAIR_BSDF), paths, i, u + DIM_BSDF_U * LANES,
               u + DIM_BSDF_V * LANES);
   const bool chooses = h->tables.lights.count > 1;  // a single light needs no finer digits
-  if (chooses | ((h->families & families_with(SEVERAL_LOBES)) != 0u))
+  if (chooses | ((NEEDED(FAMILIES, h->families) & families_with(SEVERAL_LOBES)) != 0u))
     sample_pair(h->sampler.kind, spp, step_point(PAIR_CHOICE), paths, i,
                 u + (chooses ? DIM_LIGHT_FINE : DIM_UNUSED) * LANES, u + DIM_LOBE_CHOICE * LANES);
   if (roulette)
@@ -260,8 +260,8 @@ STAGE void continue_paths(const PRIVATE Scene* scene, const PRIVATE PathState* p
 }
 
 /// The paths' surfaces are where their last rays ended: no more than `steps` steps were taken.
-FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int steps,
-                   const PRIVATE SlotState* slots) {
+CALLED_FN void step_paths(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int steps,
+                          const PRIVATE SlotState* slots) {
   const PRIVATE SceneHeader* h = &scene->header;
   const bool balances = h->integrator.direct_sampling == SAMPLING_MIS;
   StepLanes step;

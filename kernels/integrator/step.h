@@ -49,7 +49,7 @@ FN void start_step(PRIVATE StepLanes* step) {
 }
 
 /// What the paths scatter at.
-FN void resolve_step_closures(const PRIVATE Scene* scene, PRIVATE StepLanes* step) {
+CALLED_FN void resolve_step_closures(const PRIVATE Scene* scene, PRIVATE StepLanes* step) {
   resolve_closures(scene, &step->surfaces, &step->closures);
   step->families = families_among(&step->closures);
 }

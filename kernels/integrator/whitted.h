@@ -236,8 +236,8 @@ STAGE void end_revisits(const PRIVATE PathState* paths, int i) {
 }
 
 /// The paths' surfaces are where their last rays ended.
-FN void step_whitted(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int steps,
-                     const PRIVATE SlotState* slots) {
+CALLED_FN void step_whitted(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int count, int steps,
+                            const PRIVATE SlotState* slots) {
   const PRIVATE SceneHeader* h = &scene->header;
   const bool balances = h->integrator.bsdf_samples > 0, revisits = h->integrator.bsdf_samples > 1;
   StepLanes step;

@@ -144,25 +144,25 @@ LIGHT_KINDS(KIND_LANES)
 
 /// Whether the scene is one whose lights of a kind are sampled by these ways.
 #define NEEDS_WAYS(scene, ways) \
-  (((FEATURES) & (ways)) != 0 && ((scene)->header.features & (uint)(ways)) != 0u)
+  (((FEATURES) & (ways)) != 0 && (SCENE_FEATURES(&(scene)->header) & (uint)(ways)) != 0u)
 /// Whether it is, and of its ways only those of `few` are wanted.
 #define NEEDS_FEW_WAYS(scene, ways, few) \
-  (((FEATURES) & (ways) & (few)) != 0 && ((scene)->header.features & (uint)(ways)) == (uint)(few))
+  (((FEATURES) & (ways) & (few)) != 0 && (SCENE_FEATURES(&(scene)->header) & (uint)(ways)) == (uint)(few))
 
 /// The kinds, of those of the scene, among LANES; negative ones are none.
 FN uint kinds_among(const PRIVATE Scene* scene, const PRIVATE int* kinds) {
   uint among = 0u;
   for (int j = 0; j < LANES; j++) among |= kinds[j] >= 0 ? 1u << kinds[j] : 0u;
-  return among & scene->header.light_kinds & LIGHT_KINDS_MASK;
+  return among & SCENE_LIGHT_KINDS(&scene->header);
 }
 
 /// Chooses a light for each receiver by `number` and `fine`, see choose_light, and a point on it by what is
 /// left of `number` and by `v`; or as the samplings say.
-FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* receivers,
-                      const PRIVATE float* number, const PRIVATE float* v, const PRIVATE float* fine,
-                      PRIVATE LightSamplings* samplings, PRIVATE LightSamples* samples) {
+CALLED_FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* receivers,
+                             const PRIVATE float* number, const PRIVATE float* v, const PRIVATE float* fine,
+                             PRIVATE LightSamplings* samplings, PRIVATE LightSamples* samples) {
   ChosenLights chosen;
-  const uint kinds = scene->header.light_kinds;
+  const uint kinds = SCENE_LIGHT_KINDS(&scene->header);
   const int kind = kinds != 0u ? LOWEST_BIT(kinds) : 0;
   const bool one = has_one_light(scene);
   if (one)
@@ -181,10 +181,11 @@ FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* receiv
     v = of_grid;
   }
 #endif
-  if ((among >> LIGHT_ENVMAP & 1u) != 0u) choose_envmap_cells(scene, chosen.kind, chosen.u, v, samplings);
+  if (HAS_LIGHT(ENVMAP) && (among >> LIGHT_ENVMAP & 1u) != 0u)
+    choose_envmap_cells(scene, chosen.kind, chosen.u, v, samplings);
   bool first = true;
 #define SAMPLE_KIND(name, NAME, number, ways, description)                                                \
-  if ((among >> (number)&1u) != 0u) {                                                                     \
+  if (HAS_LIGHT_OF(number) && (among >> (number)&1u) != 0u) {                                             \
     if (NEEDS_FEW_WAYS(scene, ways, FEATURE_SOLID_ANGLE) && one)                                          \
       sample_only_##name##_light_by_solid_angle(scene, receivers, &chosen, v, samplings, first, samples); \
     else if (NEEDS_FEW_WAYS(scene, ways, FEATURE_SOLID_ANGLE))                                            \
@@ -206,18 +207,18 @@ FN void sample_lights(const PRIVATE Scene* scene, const PRIVATE Surfaces* receiv
 }
 
 /// What the lights that rays found add to them. Densities are 0 unless they are `compared`.
-FN void find_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLights* found, bool compared,
-                       PRIVATE Emissions* emissions) {
+CALLED_FN void find_emissions(const PRIVATE Scene* scene, const PRIVATE FoundLights* found, bool compared,
+                              PRIVATE Emissions* emissions) {
   const uint among = kinds_among(scene, found->kind);
   no_emissions(scene, found, emissions);
-#define FIND_KIND(name, NAME, number, ways, description)     \
-  if ((among >> (number)&1u) != 0u) {                        \
-    if (!compared)                                           \
-      see_##name##_lights(scene, found, emissions);          \
-    else if (NEEDS_WAYS(scene, ways))                        \
-      find_##name##_lights_by_ways(scene, found, emissions); \
-    else                                                     \
-      find_##name##_lights(scene, found, emissions);         \
+#define FIND_KIND(name, NAME, number, ways, description)      \
+  if (HAS_LIGHT_OF(number) && (among >> (number)&1u) != 0u) { \
+    if (!compared)                                            \
+      see_##name##_lights(scene, found, emissions);           \
+    else if (NEEDS_WAYS(scene, ways))                         \
+      find_##name##_lights_by_ways(scene, found, emissions);  \
+    else                                                      \
+      find_##name##_lights(scene, found, emissions);          \
   }
   LIGHT_KINDS(FIND_KIND)
 #undef FIND_KIND

@@ -56,12 +56,17 @@ enum { LIGHT_KINDS(ENUMERATE_KIND) LIGHT_KIND_COUNT = 0 LIGHT_KINDS(COUNT_KIND) 
 #ifndef LIGHT_KINDS_MASK
   #define LIGHT_KINDS_MASK ALL_LIGHT_KINDS
 #endif
+// Within the expansion of LIGHT_KINDS that mask may not be expanded.
+enum { COMPILED_LIGHT_KINDS = LIGHT_KINDS_MASK };
+#define HAS_LIGHT_OF(number) ((COMPILED_LIGHT_KINDS & (1u << (number))) != 0u)
 /// Whether light of that kind comes from one point.
 FN bool is_point_of_light(int kind) {
   return (kind == LIGHT_POINT) | (kind == LIGHT_SPOT) | (kind == LIGHT_PROJECTOR);
 }
 #define HAS_LIGHT(NAME) (((LIGHT_KINDS_MASK) >> LIGHT_##NAME & 1u) != 0u)
-#define NEEDS_LIGHT(scene, NAME) (HAS_LIGHT(NAME) && ((scene)->header.light_kinds >> LIGHT_##NAME & 1u) != 0u)
+#define SCENE_LIGHT_KINDS(h) NEEDED(LIGHT_KINDS_MASK, (h)->light_kinds)
+#define NEEDS_LIGHT(scene, NAME) \
+  (HAS_LIGHT(NAME) && (SCENE_LIGHT_KINDS(&(scene)->header) >> LIGHT_##NAME & 1u) != 0u)
 
 PENUMBRA_NAMESPACE_END
 #endif

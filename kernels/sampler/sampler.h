@@ -319,8 +319,8 @@ FN uint index_of_path(PairPoint point, const PRIVATE PathState* paths, int i) {
 }
 
 /// One pair of numbers for each of LANES paths, lanes `first`... of the block.
-FN void sample_pair(int sampler, uint spp, PairPoint point, const PRIVATE PathState* paths, int first,
-                    PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT v) {
+CALLED_FN void sample_pair(int sampler, uint spp, PairPoint point, const PRIVATE PathState* paths, int first,
+                           PRIVATE float* RESTRICT u, PRIVATE float* RESTRICT v) {
   const uint points = spp > 0xffffffffu / point.times ? 0xffffffffu : spp * point.times;
 #if HAS(SAMPLERS)
   if (sampler == SAMPLER_STRATIFIED) {

@@ -46,8 +46,8 @@ FN uint texture_kinds_among(const PRIVATE Scene* scene, const PRIVATE TextureLan
 
 /// The values of the textures, indices or -1, at the surfaces; 1 where there is none. A texture holds only
 /// such of lower indices, so this ends.
-FN void eval_textures(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
-                      const PRIVATE int* textures, PRIVATE TextureLanes* lanes) {
+CALLED_FN void eval_textures(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
+                             const PRIVATE int* textures, PRIVATE TextureLanes* lanes) {
   for (int j = 0; j < LANES; j++) {
     TextureLane lane;
     lane.value = make_vec3(1.0f, 1.0f, 1.0f);
