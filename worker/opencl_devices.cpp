@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cstdlib>
+#include <mutex>
 
 #include "kernels/features.h"
 #include "kernels/host/words.h"
@@ -71,6 +73,11 @@ bool runs_our_kernels(cl_device_id device) {
          value_of<cl_bool>(device, CL_DEVICE_COMPILER_AVAILABLE) != 0;
 }
 
+/// PoCL compiles a kernel for the size of its launch, and for any size when it is asked for a binary, which
+/// is kept: twice the work for kernels of one work item. Told this it does the second alone, unless the user
+/// says otherwise. Other drivers do not know the variable.
+void ask_for_one_compilation() { setenv("POCL_WORK_GROUP_SPECIALIZATION", "0", 0); }
+
 bool contains_ignoring_case(const std::string& text, const std::string& part) {
   return std::search(text.begin(), text.end(), part.begin(), part.end(),
                      [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); }) !=
@@ -80,6 +87,8 @@ bool contains_ignoring_case(const std::string& text, const std::string& part) {
 }  // namespace
 
 std::vector<OpenClDeviceInfo> list_opencl_devices() {
+  static std::once_flag asked;
+  std::call_once(asked, ask_for_one_compilation);
   std::vector<OpenClDeviceInfo> found;
   cl_uint platform_count = 0;
   if (clGetPlatformIDs(0, nullptr, &platform_count) != CL_SUCCESS) return found;

@@ -105,11 +105,6 @@ Expected<ClProgram> compile_opencl(cl_context context, const OpenClDeviceInfo& d
   return compile_opencl(context, device, opencl_source(device, file, files, needs, lanes));
 }
 
-Expected<ClProgram> compile_kernels(cl_context context, const OpenClDeviceInfo& device,
-                                    const KernelNeeds& needs, int lanes) {
-  return compile_opencl(context, device, "kernels/opencl.cl", {}, needs, lanes);
-}
-
 std::string kernel_cache_key(const OpenClDeviceInfo& device, const OpenClSource& source) {
   const std::string parts[] = {source.text, source.options, device.compiler_identity};
   return KernelCache::key_of(parts);

@@ -49,10 +49,6 @@ Expected<ClProgram> compile_opencl(cl_context context, const OpenClDeviceInfo& d
 Expected<ClProgram> compile_opencl(cl_context context, const OpenClDeviceInfo& device, std::string_view file,
                                    std::span<const EmbeddedFile> files, const KernelNeeds& needs, int lanes);
 
-/// The renderer's kernels.
-Expected<ClProgram> compile_kernels(cl_context context, const OpenClDeviceInfo& device,
-                                    const KernelNeeds& needs, int lanes);
-
 /// What compiled source is kept under: its text, its options, and the device, its driver and their versions.
 std::string kernel_cache_key(const OpenClDeviceInfo& device, const OpenClSource& source);
 

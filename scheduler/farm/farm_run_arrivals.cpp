@@ -47,7 +47,8 @@ void FarmRun::on(const arrivals::Connected& arrival) {
 }
 
 void FarmRun::on(const arrivals::Compiling& arrival) {
-  std::string text = fmt::format("compiling OpenCL kernels for {}", arrival.device);
+  std::string text = fmt::format(
+      "compiling OpenCL kernels for {}: some seconds, once for scenes that need the same", arrival.device);
   if (is_new(text)) notice(text);
 }
 

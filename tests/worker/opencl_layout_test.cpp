@@ -31,7 +31,7 @@ std::uint32_t offset_in(const void* object, const Field* field) {
 // here and on the device alike.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Warray-bounds"
-/// In the order of report_layout in kernels/opencl.cl.
+/// In the order of report_layout in kernels/opencl_layout.cl.
 #ifdef __clang__
 __attribute__((no_sanitize("undefined")))
 #endif
@@ -62,7 +62,8 @@ TEST(OpenClLayout, IsTheHosts) {
   ASSERT_EQ(status, CL_SUCCESS);
   const ClQueue queue(clCreateCommandQueue(context.get(), device.id, 0, &status));
   ASSERT_EQ(status, CL_SUCCESS);
-  const auto program = compile_kernels(context.get(), device, {FEATURE_PATH}, 1);
+  const auto program =
+      compile_opencl(context.get(), device, "kernels/opencl_layout.cl", {}, {FEATURE_PATH}, 1);
   ASSERT_TRUE(program) << program.error().message;
   const ClKernel kernel(clCreateKernel(program->get(), "report_layout", &status));
   ASSERT_EQ(status, CL_SUCCESS);
