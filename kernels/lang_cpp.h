@@ -27,8 +27,8 @@
 #define TO_UINT(x) ((uint)(x))
 #define TO_FLOAT(x) ((float)(x))
 
-// What a scene needs, a bit mask, of what kernels are compiled for.
-#define NEEDED(compiled, own) ((compiled) & (own))
+// What a scene needs, a bit mask: its own, of what kernels are compiled for.
+#define NEEDED(compiled, own) (own)
 
 #define SQRT(x) __builtin_sqrtf(x)
 #define FABS(x) __builtin_fabsf(x)

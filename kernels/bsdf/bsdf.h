@@ -85,7 +85,7 @@ TEXTURED_FIELDS(TEXTURE_LANES, )
 /// The closures of the surfaces' materials there. Fields that no material of the scene uses stay as they are.
 FN void resolve_closures(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
                          PRIVATE Closures* closures) {
-  const uint families = NEEDED(FAMILIES, scene->header.families);
+  const uint families = NEEDED(FAMILIES, scene->header.families) & compiled_families();
 #define RESOLVE_IF_USED(a, type, name)                                             \
   if ((COMPILED_FAMILIES & USERS_##name) != 0u && (families & USERS_##name) != 0u) \
     resolve_##name##_lanes(scene, surfaces->material, closures);

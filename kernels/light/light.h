@@ -153,7 +153,7 @@ LIGHT_KINDS(KIND_LANES)
 FN uint kinds_among(const PRIVATE Scene* scene, const PRIVATE int* kinds) {
   uint among = 0u;
   for (int j = 0; j < LANES; j++) among |= kinds[j] >= 0 ? 1u << kinds[j] : 0u;
-  return among & SCENE_LIGHT_KINDS(&scene->header);
+  return among & SCENE_LIGHT_KINDS(&scene->header) & LIGHT_KINDS_MASK;
 }
 
 /// Chooses a light for each receiver by `number` and `fine`, see choose_light, and a point on it by what is
