@@ -21,9 +21,8 @@ STAGE void render_free_blocks(int item, GLOBAL const SceneHeader* header, GLOBAL
                               int slot_capacity, GLOBAL uint* states, GLOBAL uint* slots, GLOBAL float* out,
                               GLOBAL BadSamples* bad, volatile GLOBAL int* next_block) {
   const Scene scene = scene_of_unit(*header, words, &unit);
-  const Block block =
-      make_block(FEATURES, states + (size_t)item * path_words(FEATURES) * capacity, capacity,
-                 slots + (size_t)item * slot_words(FEATURES) * slot_capacity, slot_capacity);
+  const Block block = make_block(FEATURES, states + (size_t)item * path_words(FEATURES) * capacity, capacity,
+                                 slots + (size_t)item * slot_words(FEATURES) * slot_capacity, slot_capacity);
   const int blocks = (end_pixel - first_pixel + block_pixels - 1) / block_pixels;
   for (int b = atomic_inc(next_block); b < blocks; b = atomic_inc(next_block)) {
     const int pixel = first_pixel + b * block_pixels;
