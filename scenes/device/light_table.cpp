@@ -66,7 +66,8 @@ std::uint64_t spread_bits(std::uint32_t x) {
   return bits;
 }
 
-/// Of each light its place along Morton's curve through the box of all; infinite ones last.
+/// Of each light its place along Morton's curve through the box of all; those that are nowhere first, infinite
+/// ones last.
 std::vector<std::uint64_t> places_on_curve(std::span<const LightBounds> bounds) {
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
   for (const LightBounds& b : bounds) {
@@ -80,7 +81,8 @@ std::vector<std::uint64_t> places_on_curve(std::span<const LightBounds> bounds) 
     std::uint64_t place = std::numeric_limits<std::uint64_t>::max();
     if (!b.infinite) {
       place = 0;
-      const glm::dvec3 p = size > 0 ? (0.5 * (b.low + b.high) - low) / size : glm::dvec3(0);
+      const bool somewhere = size > 0 && glm::all(glm::lessThanEqual(b.low, b.high));
+      const glm::dvec3 p = somewhere ? (0.5 * (b.low + b.high) - low) / size : glm::dvec3(0);
       for (int axis = 0; axis < 3; ++axis)
         place |= spread_bits(std::uint32_t(p[axis] * ((1 << kCurveBits) - 1))) << axis;
     }
