@@ -56,7 +56,7 @@ build_and_test() {
   local preset=$1 folder=$2
   shift 2
   build "$preset" "$folder/all" || return 1
-  ctest --test-dir "build/$preset/$folder" --output-on-failure --no-tests=error --parallel "$(nproc)" "$@"
+  ctest --test-dir "build/$preset/$folder" --output-on-failure --parallel "$(nproc)" "$@"
 }
 
 # build_and_run PRESET TEST FILTER: some tests of one executable.

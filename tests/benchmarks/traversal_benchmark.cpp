@@ -94,9 +94,10 @@ bool add_scene(const std::string& name, SceneDescription description) {
   for (const auto& [kind, rays] :
        {std::pair{RayKind::kCamera, "camera"}, {RayKind::kBounce, "bounce"}, {RayKind::kShadow, "shadow"}}) {
     const std::string title = fmt::format("{}/{} triangles/{}/", name, header.tables.triangles.count, rays);
-    for (const auto& [isa, stage] : {std::pair{Isa::kAvx512, portable_stage_avx512},
-                                     {Isa::kAvx2, portable_stage_avx2},
-                                     {Isa::kSse2, portable_stage_sse2}}) {
+    using Set = std::pair<Isa, PortableStage*>;
+    for (const auto& [isa, stage] :
+         {Set{Isa::kAvx512, portable_stage_avx512}, Set{Isa::kAvx2, portable_stage_avx2},
+          Set{Isa::kSse2, portable_stage_sse2}}) {
       if (!machine_has(kernel_target(isa))) continue;
       const std::string set(isa_name(isa));
       if (hierarchy) add_portable(title + "hierarchy " + set, scene, kind, stage, false);
