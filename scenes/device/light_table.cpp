@@ -66,8 +66,8 @@ std::uint64_t spread_bits(std::uint32_t x) {
   return bits;
 }
 
-/// Of each light its place along Morton's curve through the box of all; those that are nowhere first, infinite
-/// ones last.
+/// Of each light its place along Morton's curve through the box of all; those that are nowhere first,
+/// infinite ones last.
 std::vector<std::uint64_t> places_on_curve(std::span<const LightBounds> bounds) {
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
   for (const LightBounds& b : bounds) {

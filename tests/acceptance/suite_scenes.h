@@ -28,5 +28,4 @@ SceneDescription small_scene(const SuiteScene& scene);
 /// Where and how two films first differ, for messages.
 std::string first_difference(const FilmAccumulator& a, const FilmAccumulator& b);
 
-
 }  // namespace penumbra
