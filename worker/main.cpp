@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
@@ -115,6 +116,11 @@ int run(int argc, char** argv) {
          "grow to 15 s; inf: for ever")
       ->type_name("SECONDS")
       ->check(CLI::NonNegativeNumber)
+      ->check(
+          [](const std::string& text) {
+            return std::isnan(std::strtod(text.c_str(), nullptr)) ? "it is not a number" : "";
+          },
+          "")
       ->capture_default_str();
   const auto* backend_option =
       app.add_option("--backend", backend,

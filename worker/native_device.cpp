@@ -7,6 +7,8 @@
 #include <condition_variable>
 #include <functional>
 #include <mutex>
+#include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -25,11 +27,18 @@ constexpr int kBlockStride = kBlockPaths + 16;
 // For all samples of a pixel, and for lanes past them.
 constexpr int kSlots = int(kMaxSamplesPerUnit) + 16;
 
-/// Threads that wait for work: a unit is a few milliseconds, too short to start threads for it.
+/// Threads that wait for work: a unit is a few milliseconds, too short to start threads for it. Where the
+/// system does not give as many as are wanted, the team is smaller.
 class ThreadTeam {
  public:
   explicit ThreadTeam(int size) {
-    for (int i = 1; i < size; ++i) threads_.emplace_back([this, i] { serve(i); });
+    threads_.reserve(std::size_t(size));
+    try {
+      for (int i = 1; i < size; ++i) threads_.emplace_back([this, i] { serve(i); });
+    } catch (const std::system_error& error) {
+      shortage_ = fmt::format("the system gives {} of {} threads ({}): this worker goes on with those",
+                              this->size(), size, error.code().message());
+    }
   }
   ~ThreadTeam() {
     {
@@ -43,6 +52,8 @@ class ThreadTeam {
   ThreadTeam& operator=(const ThreadTeam&) = delete;
 
   [[nodiscard]] int size() const { return int(threads_.size()) + 1; }
+  /// Why the team is smaller than was asked for; else empty.
+  [[nodiscard]] const std::string& shortage() const { return shortage_; }
 
   /// Calls work(0) ... work(size - 1), the first on the calling thread, and waits for all.
   void run(const std::function<void(int)>& work) {
@@ -77,6 +88,7 @@ class ThreadTeam {
   }
 
   std::vector<std::thread> threads_;
+  std::string shortage_;
   std::mutex mutex_;
   std::condition_variable start_, done_;
   const std::function<void(int)>* work_ = nullptr;
@@ -100,6 +112,11 @@ class NativeDevice final : public Device {
     return fmt::format("native {}{}, {} intersector, {}", isa_name(options_.isa),
                        options_.block_of_one ? " (block of one)" : "", tracer_ ? "Embree" : "portable",
                        counted(team_.size(), "thread"));
+  }
+
+  DevicePreparation preparation() const override {
+    if (team_.shortage().empty()) return {};
+    return {.kernels = {}, .warnings = {team_.shortage()}};
   }
 
   Expected<SampleBuffer> render(const RenderUnit& unit) override {

@@ -80,7 +80,8 @@ Expected<LoadedImages> load(const CompareCommandOptions& options) {
       {options.variance, images.variance},
       {options.reference_variance, images.reference_variance}};
   for (const auto& [file, image] : files) {
-    if (file.empty()) continue;
+    const bool optional = &file != &options.image && &file != &options.reference;
+    if (file.empty() && optional) continue;
     auto read = read_image(file);
     if (!read) return std::unexpected(read.error());
     image = std::move(*read);

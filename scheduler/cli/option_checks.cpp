@@ -50,6 +50,11 @@ CLI::Validator number_from_zero() {
       "0 or above");
 }
 
+CLI::Validator some_text() {
+  return {[](const std::string& text) { return text.empty() ? std::string("it is empty") : std::string(); },
+          ""};
+}
+
 CLI::Validator assignment() {
   return {[](const std::string& text) {
             const std::size_t equals = text.find('=');

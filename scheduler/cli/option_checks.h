@@ -14,6 +14,8 @@ CLI::Validator number_between(double low, double high);
 CLI::Validator positive_number();
 CLI::Validator number_from_zero();
 
+/// Not empty.
+CLI::Validator some_text();
 /// NAME=VALUE, NAME not empty.
 CLI::Validator assignment();
 

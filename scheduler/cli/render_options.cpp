@@ -143,7 +143,8 @@ void add_worker_options(CLI::App& command, RenderOptions& options) {
           "--listen", options.listen,
           "Another address for windows and workers: unix:/path, or 127.0.0.1:PORT (0: any free one), where a "
           "token is asked for, which is printed; with --keys also of other hosts, 0.0.0.0:PORT for all")
-      ->type_name("ADDRESS");
+      ->type_name("ADDRESS")
+      ->check(some_text());
   add_keys_option(command, options.keys, "TLS and tokens for --listen HOST:PORT");
   command
       .add_option("--tev", options.tev,

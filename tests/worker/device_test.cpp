@@ -1,12 +1,15 @@
 // Devices: a pixel's samples do not depend on how the work is cut up, on threads, instruction sets or kernel
 // variants; what cannot be rendered is refused with a message; non-finite samples are counted.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <bit>
 #include <cctype>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -410,6 +413,45 @@ TEST(DeviceErrors, OpenClRefusesEmbree) {
   ASSERT_FALSE(device);
   EXPECT_NE(device.error().message.find("--intersector portable"), std::string::npos)
       << device.error().message;
+}
+
+/// This process gets no more than so many bytes of addresses beyond what it has, until the end.
+class AddressLimit {
+ public:
+  explicit AddressLimit(rlim_t more) {
+    getrlimit(RLIMIT_AS, &before_);
+    std::ifstream status("/proc/self/statm");
+    rlim_t pages = 0;
+    status >> pages;
+    const rlimit limit{pages * rlim_t(sysconf(_SC_PAGESIZE)) + more, before_.rlim_max};
+    setrlimit(RLIMIT_AS, &limit);
+  }
+  ~AddressLimit() { setrlimit(RLIMIT_AS, &before_); }
+  AddressLimit(const AddressLimit&) = delete;
+  AddressLimit& operator=(const AddressLimit&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST(Threads, AreAsManyAsTheSystemGivesAndThatIsSaid) {
+#if defined(__has_feature)
+  #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+  GTEST_SKIP() << "sanitizers end the process where a thread cannot be started";
+  #endif
+#endif
+  const DeviceScene scene = build_or_throw(diffuse_box());
+  const SampleBuffer reference = render(*device_or_throw(scene, native_options(1)), whole_film(scene));
+  std::unique_ptr<Device> device;
+  {
+    const AddressLimit limit(rlim_t{256} << 20);  // a stack takes 8 MB
+    device = device_or_throw(scene, native_options(kMaxThreads));
+  }
+  ASSERT_EQ(device->preparation().warnings.size(), 1u);
+  EXPECT_TRUE(device->preparation().warnings[0].contains("of 1024 threads"))
+      << device->preparation().warnings[0];
+  EXPECT_TRUE(same_bytes(render(*device, whole_film(scene)), reference));
+  EXPECT_TRUE(device_or_throw(scene, native_options(2))->preparation().warnings.empty());
 }
 
 TEST(DeviceErrors, AnInstructionSetThatIsNotThereIsNamed) {

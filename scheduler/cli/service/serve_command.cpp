@@ -34,6 +34,7 @@ void add_serve_command(CLI::App& app, Command& chosen) {
           "0.0.0.0:PORT "
           "for all")
       ->type_name("ADDRESS")
+      ->check(some_text())
       ->required();
   add_keys_option(*command, options->keys, "TLS and tokens for --listen HOST:PORT");
   command

@@ -96,6 +96,24 @@ TEST(BadInput, DeviceAndInstructionSetAreOfTheBackendInUse) {
   }
 }
 
+TEST(BadInput, EmptyNamesAndTimesThatAreNoNumbersAreBadUsage) {
+  const TemporaryFolder folder;
+  const std::vector<std::vector<std::string>> cases = {
+      {"compare", "", ""},
+      {"compare", "a.exr", ""},
+      {"serve", "--listen", ""},
+      {"render", "s.xml", "--listen", ""},
+      {"worker", "--connect", "unix:x", "--retry-for", "nan"},
+      {"worker", "--connect", "unix:x", "--retry-for", "-1"},
+  };
+  for (const auto& arguments : cases) {
+    const ProgramResult result = run_penumbra(folder.path(), arguments);
+    EXPECT_EQ(result.exit_code, 2) << arguments[0] << " " << arguments[1];
+    EXPECT_THAT(result.err, HasSubstr("error")) << arguments[0];
+  }
+  EXPECT_THAT(folder.names(), IsEmpty());
+}
+
 TEST(BadInput, AFilmLargerThanMemoryIsRefused) {
   if (double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE)) > 100e9)
     GTEST_SKIP() << "the largest film that scenes may have fits this machine";
