@@ -80,8 +80,7 @@ Expected<LoadedImages> load(const CompareCommandOptions& options) {
       {options.variance, images.variance},
       {options.reference_variance, images.reference_variance}};
   for (const auto& [file, image] : files) {
-    const bool optional = &file != &options.image && &file != &options.reference;
-    if (file.empty() && optional) continue;
+    if (file.empty()) continue;
     auto read = read_image(file);
     if (!read) return std::unexpected(read.error());
     image = std::move(*read);
@@ -358,8 +357,8 @@ void add_limit_options(CLI::App& command, CompareCommandOptions& options) {
 void add_compare_command(CLI::App& app, Command& chosen) {
   CLI::App* command = app.add_subcommand("compare", "Error of image A against the reference B");
   const auto options = std::make_shared<CompareCommandOptions>();
-  command->add_option("A", options->image, "Image")->required();
-  command->add_option("B", options->reference, "Reference, of the same size")->required();
+  command->add_option("A", options->image, "Image")->check(some_text())->required();
+  command->add_option("B", options->reference, "Reference, of the same size")->check(some_text())->required();
   add_metric_options(*command, *options);
   add_z_options(*command, *options);
   add_output_options(*command, *options);
