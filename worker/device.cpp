@@ -34,7 +34,7 @@ Expected<void> check_backend_options(BackendsInUse backends, std::string_view op
 
 std::vector<Isa> built_isas() {
   std::vector<Isa> isas;
-  for (const Isa isa : {Isa::kSse2, Isa::kAvx2, Isa::kAvx512})
+  for (const Isa isa : kIsas)
     if (find_native_kernel(kernel_target(isa)) != nullptr) isas.push_back(isa);
   return isas;
 }

@@ -109,6 +109,7 @@ Expected<std::unique_ptr<Device>> make_device(const DeviceScene& scene, const De
 /// device_plane_count. The error names a unit that no device can render.
 Expected<SampleBuffer> make_sample_buffer(const RenderUnit& unit, std::uint32_t features);
 
+constexpr std::array<Isa, 3> kIsas{Isa::kSse2, Isa::kAvx2, Isa::kAvx512};
 constexpr std::array<std::string_view, 3> kIsaNames{"sse2", "avx2", "avx512"};
 constexpr std::string_view isa_name(Isa isa) { return kIsaNames[std::size_t(isa)]; }
 Expected<Isa> isa_from_name(std::string_view name);

@@ -16,7 +16,7 @@ constexpr std::size_t kLongestKey = 64;
 /// Sets that this scheduler does not know are left out.
 std::vector<Isa> isas_of(const wire::Hello& hello) {
   std::vector<Isa> isas;
-  for (const Isa isa : {Isa::kSse2, Isa::kAvx2, Isa::kAvx512})
+  for (const Isa isa : kIsas)
     if (std::ranges::find(hello.isas(), int(encode(isa))) != hello.isas().end()) isas.push_back(isa);
   return isas;
 }

@@ -456,7 +456,7 @@ TEST(Threads, AreAsManyAsTheSystemGivesAndThatIsSaid) {
 
 TEST(DeviceErrors, AnInstructionSetThatIsNotThereIsNamed) {
   const DeviceScene scene = build_or_throw(diffuse_box());
-  for (const Isa isa : {Isa::kSse2, Isa::kAvx2, Isa::kAvx512}) {
+  for (const Isa isa : kIsas) {
     DeviceOptions options = native_options();
     options.isa = isa;
     const auto device = make_device(scene, options);
@@ -472,7 +472,7 @@ TEST(DeviceErrors, AnInstructionSetThatIsNotThereIsNamed) {
 }
 
 TEST(InstructionSets, HaveNames) {
-  for (Isa isa : {Isa::kSse2, Isa::kAvx2, Isa::kAvx512}) {
+  for (const Isa isa : kIsas) {
     ASSERT_TRUE(isa_from_name(isa_name(isa)));
     EXPECT_EQ(*isa_from_name(isa_name(isa)), isa);
   }
