@@ -4,6 +4,7 @@
 
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
+#include "worker/device.h"
 
 namespace penumbra {
 namespace {
@@ -25,8 +26,9 @@ TEST(Usage, VersionAndHelpSucceed) {
   const ProgramResult version = run({"--version"});
   EXPECT_EQ(version.exit_code, 0);
   EXPECT_THAT(version.out, MatchesRegex("penumbra [0-9]+\\.[0-9]+\\.[0-9]+\n(.|\n)*"));
-  for (const char* line : {"\ncommit: ", "\ncompiler: ", "\ninstruction sets: sse2, avx",
-                           "\nbackends: ", "\nlibraries:        Embree 3.", "OpenImageIO 2.", "gRPC 1."})
+  for (const std::string& line : std::vector<std::string>{
+           "\ncommit: ", "\ncompiler: ", "\ninstruction sets: " + isa_list(built_isas()) + "; this machine: ",
+           "\nbackends: ", "\nlibraries:        Embree 3.", "OpenImageIO 2.", "gRPC 1."})
     EXPECT_THAT(version.out, HasSubstr(line));
   const ProgramResult help = run({"--help"});
   EXPECT_EQ(help.exit_code, 0);
