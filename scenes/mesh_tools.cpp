@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/traceable.h"
 #include "scenes/transform.h"
 
 namespace penumbra {
@@ -31,10 +32,13 @@ bool is_flat(const Mesh& mesh, const glm::uvec3& t) {
   return !(glm::length(glm::cross((b - a) / longest, (c - a) / longest)) > kFlatTriangle);
 }
 
+/// Whose area is too small for single precision, but no shape of something.
+bool is_tiny(const Mesh& mesh, const glm::uvec3& t) { return !(triangle_cross(mesh, t) > kSmallestCross); }
+
 std::size_t drop_flat_triangles(Mesh& mesh) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    if (is_flat(mesh, mesh.triangles[i])) continue;
+    if (is_flat(mesh, mesh.triangles[i]) || is_tiny(mesh, mesh.triangles[i])) continue;
     if (!mesh.face_colours.empty()) mesh.face_colours[kept] = mesh.face_colours[i];
     mesh.triangles[kept++] = mesh.triangles[i];
   }
@@ -126,21 +130,20 @@ constexpr glm::vec2 kQuadTexcoords[4] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {1.0f, 1.0f
 
 Expected<MeshCleaning> place_mesh(Mesh& mesh, const glm::dmat4& to_world, bool face_normals) {
   MeshCleaning cleaning;
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    glm::dvec3& p = mesh.positions[i];
-    p = transform_point(to_world, p);
-    // The renderer's own coordinates are single precision; a little room keeps differences finite.
-    constexpr double kLargest = 1e37;
-    if (!(std::abs(p.x) < kLargest && std::abs(p.y) < kLargest && std::abs(p.z) < kLargest)) {
-      return fail(fmt::format("vertex {} is too far away: ({}, {}, {}) in the world", i + 1, p.x, p.y, p.z));
-    }
-  }
+  for (glm::dvec3& p : mesh.positions) p = transform_point(to_world, p);
+  if (auto near = check_vertices(mesh); !near) return std::unexpected(near.error());
   for (std::size_t i = 0; i < mesh.texcoords.size(); ++i) {
     if (!std::isfinite(mesh.texcoords[i].x) || !std::isfinite(mesh.texcoords[i].y)) {
       return fail(fmt::format("the texture coordinates of vertex {} are too large", i + 1));
     }
   }
+  const auto has_area = [&](const glm::uvec3& t) { return !is_flat(mesh, t); };
+  const bool is_something = std::ranges::any_of(mesh.triangles, has_area);
   cleaning.flat_triangles = drop_flat_triangles(mesh);
+  if (is_something && mesh.triangles.empty())
+    return fail("the mesh is too small for single precision: none of its triangles has twice an area above " +
+                fmt::to_string(kSmallestCross));
+  if (auto faces = check_faces(mesh); !faces) return std::unexpected(faces.error());
   if (face_normals) mesh.normals.clear();
   if (!mesh.normals.empty()) {
     cleaning.bad_normals = transform_normals(mesh, normal_matrix(to_world));

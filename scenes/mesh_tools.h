@@ -20,8 +20,8 @@ struct MeshCleaning {
 ///  - a triangle whose corners' normals point to its back is wound the other way, so that the geometric and
 ///  the
 ///    shading normal agree; one without normals keeps its winding, and so its front side turns with a mirror;
-///  - triangles without area are left out.
-/// `to_world` is not singular. Errors: a coordinate that overflows.
+///  - triangles without area, or with one too small for single precision, are left out.
+/// `to_world` is not singular. Errors: as of check_traceable; all triangles are too small.
 Expected<MeshCleaning> place_mesh(Mesh& mesh, const glm::dmat4& to_world, bool face_normals);
 
 /// Gives a faceted mesh normals that are smooth but for edges: about every point, faces that are at most

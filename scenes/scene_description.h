@@ -56,9 +56,11 @@ struct Cylinder {
   glm::dvec3 x_axis{1.0, 0.0, 0.0}, y_axis{0.0, 1.0, 0.0};  ///< of its own frame, unit, across the axis
 };
 
+using Geometry = std::variant<Mesh, Sphere, Disk, Cylinder>;
+
 struct Shape {
   std::string name;  ///< for messages
-  std::variant<Mesh, Sphere, Disk, Cylinder> geometry;
+  Geometry geometry;
   int front_bsdf = kBlackBsdf;  ///< index into SceneDescription::bsdfs; kBlackBsdf absorbs everything
   int back_bsdf = kBlackBsdf;
   std::optional<glm::vec3> radiance;                  ///< diffuse area emission from the front side

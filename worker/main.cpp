@@ -146,6 +146,9 @@ int run(int argc, char** argv) {
   app.add_option("--cache-size", options.cache_bytes, "At most so much, as in 20G")
       ->type_name("SIZE")
       ->transform(CLI::AsSizeValue(false))
+      // Before that: transformations are done in the opposite order.
+      ->transform(
+          CLI::Validator([](std::string& text) { return text.starts_with('-') ? "it is below 0" : ""; }, ""))
       ->default_str("4G");
   app.add_flag_callback("--list-devices", list_devices, "List what can compute here, and end")
       ->trigger_on_parse();

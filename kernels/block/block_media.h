@@ -190,6 +190,7 @@ FN void fly_through_grids(const PRIVATE Scene* scene, const PRIVATE PathState* p
         scene, medium, start, direction, lengths[j], get_hero(paths, i + j), flight_weight(paths, i + j),
         get_depth_left(paths, i + j), ray_state(paths, i + j, way, 0x3c6ef372u));
     set_flight_weight(paths, i + j, flight.weight);
+    if (!is_finite3(flight.weight.throughput)) set_radiance(paths, i + j, flight.weight.throughput);
     set_depth_left(paths, i + j, flight.left);
     reaches[j] = flight.reach;
     decided[j] = 1;

@@ -11,12 +11,6 @@ PENUMBRA_NAMESPACE_BEGIN
 FN bool is_nan_bits(uint bits) { return (bits & 0x7fffffffu) > 0x7f800000u; }
 FN bool is_infinite_bits(uint bits) { return (bits & 0x7fffffffu) == 0x7f800000u; }
 
-FN bool is_finite3(vec3 v) {
-  const uint x = FLOAT_BITS(v.x) & 0x7fffffffu, y = FLOAT_BITS(v.y) & 0x7fffffffu;
-  const uint z = FLOAT_BITS(v.z) & 0x7fffffffu;
-  return (x < 0x7f800000u) & (y < 0x7f800000u) & (z < 0x7f800000u);
-}
-
 /// Keeps the first source whose values are not finite.
 FN void probe_source(GLOBAL int* probe, bool finite, int source, int step) {
   if (finite | (probe[0] != SOURCE_UNKNOWN)) return;

@@ -10,11 +10,11 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 // clang-format off
-#define EVERY_SCENE 0x7fffffffu
+#define EVERY_SCENE 0xffffffffu
 #define NEVER 0u
 #define THROUGH (FEATURE_NESTED | FEATURE_LOOK_THROUGH)
-// Instead of any of several features: all of them. (The bit is FEATURE_LIT_CELLS', which needs no field.)
-#define ALL_OF(features) (0x80000000u | (features))
+// Instead of any of several features: all of them.
+#define ALL_OF(features) ((ulong)1 << 32 | (features))
 
 #define LTC_PROJECTED ALL_OF(FEATURE_LTC | FEATURE_PROJECTED)
 #define LTC_CONTROLLED ALL_OF(FEATURE_LTC | FEATURE_POLYGONS)
@@ -146,17 +146,16 @@ PENUMBRA_NAMESPACE_BEGIN
 // clang-format on
 
 /// Whether a scene with these features has a field that those need; whether it travels.
-FN bool is_stored(uint features, uint needs) {
-  const bool all = (needs & ALL_OF(0u)) != 0u;
-  return all ? (~features & needs & ~ALL_OF(0u)) == 0u : (features & needs) != 0u;
+FN bool is_stored(uint features, ulong needs) {
+  return needs >> 32 != 0 ? (~features & (uint)needs) == 0u : (features & (uint)needs) != 0u;
 }
-FN bool is_moved(uint features, uint needs, uint travels) {
+FN bool is_moved(uint features, ulong needs, ulong travels) {
   return is_stored(features, needs) && is_stored(features, travels);
 }
-// Whether kernels are compiled for any scene in which it is. The same of a mask with ALL_OF.
-#define MAY_STORE(needs)                                                            \
-  ((((needs)&ALL_OF(0u)) != 0u) ? (~(uint)(FEATURES) & (needs) & ~ALL_OF(0u)) == 0u \
-                                : ((FEATURES) & (needs)) != 0u)
+// Whether kernels are compiled for any scene in which it is.
+#define MAY_STORE(needs)                                                        \
+  ((ulong)(needs) >> 32 != 0 ? (~(uint)(FEATURES) & (uint)(ulong)(needs)) == 0u \
+                             : ((uint)(FEATURES) & (uint)(ulong)(needs)) != 0u)
 #define MAY_MOVE(needs, travels) (MAY_STORE(needs) && MAY_STORE(travels))
 
 // Whether a shadow ray's light goes into `shadowed` rather than `radiance`. A light beneath the surface is in

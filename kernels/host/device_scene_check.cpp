@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <climits>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -301,10 +302,8 @@ class Checker {
     require(values < std::uint64_t{1} << 32 && t.texels >= 0 &&
                 std::uint64_t(t.texels) + (values * std::uint64_t(size) + 3) / 4 < std::uint64_t(words),
             "a bitmap's texels are not there");
-    require(in(t.decoding, bytes ? 0 : -1,
-               bytes    ? words - 256
-               : shorts ? words - 65536
-                        : -1),
+    const int decoded = bytes ? 256 : shorts ? 65536 : INT_MAX;  // values of the table, which bytes have
+    require((t.decoding == -1 && !bytes) || in(t.decoding, 0, words - decoded),
             "a bitmap's table of values is not there");
   }
 

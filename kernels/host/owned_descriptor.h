@@ -9,9 +9,13 @@ namespace penumbra {
 
 class OwnedDescriptor {
  public:
+  OwnedDescriptor() = default;
   explicit OwnedDescriptor(int descriptor) : descriptor_(descriptor) {}
-  OwnedDescriptor(const OwnedDescriptor&) = delete;
-  OwnedDescriptor& operator=(const OwnedDescriptor&) = delete;
+  OwnedDescriptor(OwnedDescriptor&& other) noexcept : descriptor_(other.release()) {}
+  OwnedDescriptor& operator=(OwnedDescriptor&& other) noexcept {
+    std::swap(descriptor_, other.descriptor_);
+    return *this;
+  }
   ~OwnedDescriptor() {
     if (descriptor_ >= 0) ::close(descriptor_);
   }
@@ -19,7 +23,7 @@ class OwnedDescriptor {
   int release() { return std::exchange(descriptor_, -1); }
 
  private:
-  int descriptor_;
+  int descriptor_ = -1;
 };
 
 }  // namespace penumbra

@@ -46,6 +46,12 @@ FN vec3 cross3(vec3 a, vec3 b) {
 FN float length3(vec3 a) { return SQRT(dot3(a, a)); }
 FN vec3 normalize3(vec3 a) { return scale(a, 1.0f / SQRT(dot3(a, a))); }
 FN vec3 select3(bool c, vec3 a, vec3 b) { return make_vec3(c ? a.x : b.x, c ? a.y : b.y, c ? a.z : b.z); }
+FN bool is_finite3(vec3 v) {
+  const uint x = FLOAT_BITS(v.x) & 0x7fffffffu, y = FLOAT_BITS(v.y) & 0x7fffffffu;
+  const uint z = FLOAT_BITS(v.z) & 0x7fffffffu;
+  return x < 0x7f800000u && y < 0x7f800000u && z < 0x7f800000u;
+}
+
 FN float max_component(vec3 a) {
   float m = a.x > a.y ? a.x : a.y;
   return m > a.z ? m : a.z;

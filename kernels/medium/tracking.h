@@ -11,8 +11,10 @@
 PENUMBRA_NAMESPACE_BEGIN
 
 #if HAS(MEDIA)
-  // Beyond so many null collisions a ray ends: a volume of which a ray meets nearly nothing, 1e6 times.
-  #define MOST_NULL_COLLISIONS 1048576
+  // What gets through less is nothing: products of shares do not become 0, but stay the smallest number.
+  #define LEAST_PASSING 1e-37f
+  // Beyond so many null collisions a ray ends, and its sample is not finite, so that it is counted.
+  #define MOST_NULL_COLLISIONS 67108864
 
 FN bool is_grid(GLOBAL const Medium* medium) { return medium->density >= 0; }
 
@@ -22,6 +24,11 @@ FN vec3 real_share(const PRIVATE Scene* scene, GLOBAL const Volume* v, vec3 exti
   const vec3 sigma = mul(extinction, volume_value(scene, v, walk_place(walk)));
   const vec3 share = scale(sigma, 1.0f / walk->majorant);
   return make_vec3(min_f(share.x, 1.0f), min_f(share.y, 1.0f), min_f(share.z, 1.0f));
+}
+
+FN vec3 no_numbers(void) {
+  const float nan = BITS_FLOAT(0x7fc00000u);
+  return make_vec3(nan, nan, nan);
 }
 
 FN vec3 one_minus3(vec3 v) { return make_vec3(1.0f - v.x, 1.0f - v.y, 1.0f - v.z); }
@@ -56,7 +63,7 @@ FN TrackedFlight track_flight(const PRIVATE Scene* scene, GLOBAL const Medium* m
     const float u = next_number(&walk);
     walk.left = flight_depth(u, next_number(&walk));
     if (k >= MOST_NULL_COLLISIONS) {
-      flight.weight.throughput = make_vec3(0.0f, 0.0f, 0.0f);
+      flight.weight.throughput = no_numbers();
       walk.left = NO_LIMIT;
     }
   }
@@ -72,13 +79,13 @@ FN vec3 track_passing(const PRIVATE Scene* scene, GLOBAL const Medium* medium, v
   const float strongest = max_component(extinction);
   VolumeWalk walk = start_walk(v, origin, direction, length, 0.0f, random);
   vec3 passes = make_vec3(1.0f, 1.0f, 1.0f);
-  for (int k = 0; k < MOST_NULL_COLLISIONS && max_component(passes) > 0.0f; k++) {
+  for (int k = 0; k < MOST_NULL_COLLISIONS && max_component(passes) > LEAST_PASSING; k++) {
     const float u = next_number(&walk);
     walk.left = flight_depth(u, next_number(&walk));
     if (!next_collision(scene, v, strongest, &walk)) return passes;
     passes = mul(passes, one_minus3(real_share(scene, v, extinction, &walk)));
   }
-  return make_vec3(0.0f, 0.0f, 0.0f);
+  return max_component(passes) > LEAST_PASSING ? no_numbers() : make_vec3(0.0f, 0.0f, 0.0f);
 }
 #endif
 

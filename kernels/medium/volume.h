@@ -1,6 +1,7 @@
 // Numbers on grids in space, and how a ray goes through one: from cell to cell of a coarser grid, of whose
 // cells each knows the largest number within, to where it might collide with what the grid says is there
-// (Woodcock et al. 1965; with local majorants Szirmay-Kalos, Toth and Magdics 2011).
+// (Woodcock et al. 1965; with local majorants Szirmay-Kalos, Toth and Magdics 2011). Where that number is far
+// beyond what a ray meets, as beside one very dense cell, pieces of the ray have majorants of their own.
 #ifndef PENUMBRA_VOLUME_H
 #define PENUMBRA_VOLUME_H
 #include "kernels/math/math.h"
@@ -53,8 +54,9 @@ typedef struct {
   float t, end;      ///< how far it has come, and where it leaves, in scene units from its start
   float left;        ///< optical depth by the majorants before the next collision
   float majorant;    ///< of the extinction, in 1 / scene unit, where it is
-  int x, y, z;       ///< the coarse cell where it is
-  uint random;       ///< the state of its random numbers
+  float piece_end, piece_length;  ///< of the piece that has this majorant, where cells are taken in pieces
+  int x, y, z;                    ///< the coarse cell where it is
+  uint random;                    ///< the state of its random numbers
 } VolumeWalk;
 
 FN float next_number(PRIVATE VolumeWalk* walk) {
@@ -96,6 +98,8 @@ FN VolumeWalk start_walk(GLOBAL const Volume* v, vec3 origin, vec3 direction, fl
   walk.z = coarse_cell(enters.z, v->nz);
   walk.left = left;
   walk.majorant = 0.0f;
+  walk.piece_end = 0.0f;
+  walk.piece_length = NO_LIMIT;
   walk.random = random;
   return walk;
 }
@@ -104,6 +108,56 @@ FN VolumeWalk start_walk(GLOBAL const Volume* v, vec3 origin, vec3 direction, fl
 FN float leaves_cell(float place, float step, int cell) {
   const float side = (float)(MAJORANT_CELLS * (step > 0.0f ? cell + 1 : cell));
   return step == 0.0f ? NO_LIMIT : (side - place) / step;
+}
+
+  // Of a piece of a ray, by its majorant: more null collisions than that are hardly to be expected within
+  // one.
+  #define MOST_PIECE_DEPTH 64.0f
+
+/// The largest number between two places of the same cell: interpolated numbers are linear along each axis,
+/// so it is at a corner of the box between the places.
+FN float largest_between(const PRIVATE Scene* scene, GLOBAL const Volume* v, vec3 a, vec3 b) {
+  float most = 0.0f;
+  for (int corner = 0; corner < 8; corner++) {
+    const vec3 place = make_vec3((corner & 1) != 0 ? b.x : a.x, (corner & 2) != 0 ? b.y : a.y,
+                                 (corner & 4) != 0 ? b.z : a.z);
+    most = max_f(most, max_component(volume_value(scene, v, place)));
+  }
+  return most;
+}
+
+/// Where a coordinate of a ray at `t` next crosses a side of a cell, or the centre where numbers are
+/// interpolated.
+FN float leaves_fine_cell(float place, float step, float t, float shift) {
+  const float at = floor_f(place + t * step - shift);
+  const float next = (at + (step > 0.0f ? 1.0f : 0.0f) + shift - place) / step;
+  const float after = (at + (step > 0.0f ? 2.0f : -1.0f) + shift - place) / step;
+  return step == 0.0f ? NO_LIMIT : (next > t ? next : after);
+}
+
+/// One that is larger by little more than floats can tell.
+FN float next_distance(float t) { return t + t * 1.2e-7f; }
+
+/// Begins a piece of the ray where it is, which ends at most at `exit`: of at most MOST_PIECE_DEPTH by its
+/// own majorant, if floats can tell its ends apart.
+FN void begin_piece(const PRIVATE Scene* scene, GLOBAL const Volume* v, float strongest, float exit,
+                    PRIVATE VolumeWalk* walk) {
+  const float shift = v->nearest != 0 ? 0.0f : 0.5f;
+  const float least = next_distance(walk->t) - walk->t;
+  const float leaves = min_f(leaves_fine_cell(walk->place.x, walk->step.x, walk->t, shift),
+                             min_f(leaves_fine_cell(walk->place.y, walk->step.y, walk->t, shift),
+                                   leaves_fine_cell(walk->place.z, walk->step.z, walk->t, shift)));
+  const vec3 from = walk_place(walk);
+  // That of the last piece is a good guess.
+  float length = max_f(min_f(min_f(leaves, exit) - walk->t, 4.0f * walk->piece_length), least);
+  for (;;) {
+    const vec3 to = add_scaled(walk->place, walk->t + length, walk->step);
+    walk->majorant = strongest * largest_between(scene, v, from, to);
+    if (walk->majorant * length <= MOST_PIECE_DEPTH || length <= 2.0f * least || length < 1e-30f) break;
+    length *= 0.5f;
+  }
+  walk->piece_length = length;
+  walk->piece_end = min_f(walk->t + length, exit);
 }
 
 /// Goes on to the next place where the ray might collide with an extinction of `strongest` times the
@@ -116,15 +170,26 @@ FN bool next_collision(const PRIVATE Scene* scene, GLOBAL const Volume* v, float
                 at_y = leaves_cell(walk->place.y, walk->step.y, walk->y),
                 at_z = leaves_cell(walk->place.z, walk->step.z, walk->z);
     const float nearest = min_f(at_x, min_f(at_y, at_z)), exit = max_f(min_f(nearest, walk->end), walk->t);
-    walk->majorant =
+    const float majorant =
         strongest * scene->majorants[v->first_majorant + (walk->z * my + walk->y) * mx + walk->x];
-    const float depth = walk->majorant * (exit - walk->t);
+    const bool in_pieces = majorant * (exit - walk->t) > MOST_PIECE_DEPTH;
+    float to = exit;
+    if (in_pieces) {
+      if (!(walk->t < walk->piece_end)) begin_piece(scene, v, strongest, exit, walk);
+      to = walk->piece_end;
+    } else {
+      walk->majorant = majorant;
+    }
+    const float depth = walk->majorant * (to - walk->t);
     if (walk->left < depth) {
-      walk->t = min_f(walk->t + walk->left / walk->majorant, exit);
+      const float at = walk->t + walk->left / walk->majorant;
+      // Where floats cannot tell collisions apart, the ray goes on nevertheless.
+      walk->t = min_f(in_pieces && !(at > walk->t) ? next_distance(at) : at, to);
       return true;
     }
     walk->left -= depth;
-    walk->t = exit;
+    walk->t = to;
+    if (to < exit) continue;
     // One step a time, so that it ends whatever rounding does.
     if (at_x <= nearest)
       walk->x += walk->step.x > 0.0f ? 1 : -1;

@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "kernels/host/device_scene_check.h"
 #include "kernels/host/material_closure.h"
 #include "scenes/device/camera_builder.h"
 #include "scenes/device/device_materials.h"
@@ -29,6 +30,7 @@
 #include "scenes/device/texture_coordinates.h"
 #include "scenes/device/texture_tables.h"
 #include "scenes/device/to_vec3.h"
+#include "scenes/traceable.h"
 #include "scenes/transform.h"
 
 namespace penumbra {
@@ -265,15 +267,16 @@ class Builder {
     add_instances_of_emitters();
     records_.groups.push_back({0, 0, int(records_.triangles.size()), 0, int(records_.quadrics.size())});
     std::vector<int> index(scene_.groups.size(), -1);
-    std::vector<glm::dvec3> centers(scene_.groups.size());
+    std::vector<SceneBounds> bounds(scene_.groups.size());
     for (const PlacedGroup& place : placed_) {
       const auto g = std::size_t(place.group);
       if (index[g] == -1) {
-        centers[g] = bounds_of(scene_.groups[g].shapes).center();
-        index[g] = add_group(place.group, centers[g]);
+        bounds[g] = bounds_of(scene_.groups[g].shapes);
+        index[g] = add_group(place.group, bounds[g].center());
       }
       if (index[g] == 0) continue;
-      records_.instances.push_back(instance(place, index[g], centers[g]));
+      check_reach(place, bounds[g]);
+      records_.instances.push_back(instance(place, index[g], bounds[g].center()));
       if (owners_) records_.instance_owners.push_back(owners_->first_of(place));
     }
     if (!records_.instances.empty()) need(FEATURE_INSTANCES);
@@ -320,14 +323,25 @@ class Builder {
     return int(records_.groups.size()) - 1;
   }
 
+  std::string name_of(const PlacedGroup& place) const {
+    return "instance '" + scene_.instances[place.instance].name + "'";
+  }
+
+  void check_reach(const PlacedGroup& place, const SceneBounds& group) {
+    const SceneBounds there = bounds_of(group, place.to_world);
+    const glm::dvec3 far = glm::max(glm::abs(there.low), glm::abs(there.high));
+    if (!(std::max({far.x, far.y, far.z}) < kFarthest) && problem_.empty())
+      problem_ = fmt::format("{} reaches as far as ({}, {}, {}); single precision reaches {}", name_of(place),
+                             far.x, far.y, far.z, kFarthest);
+  }
+
   Instance instance(const PlacedGroup& place, int group, const glm::dvec3& center) {
     const glm::dmat3 there(place.to_world), back = glm::inverse(there);
     Instance i{};
     i.x = to_vec3(there[0]);
     i.y = to_vec3(there[1]);
     i.z = to_vec3(there[2]);
-    i.at = local(transform_point(place.to_world, center),
-                 "instance '" + scene_.instances[place.instance].name + "'");
+    i.at = local(transform_point(place.to_world, center), name_of(place));
     const glm::dmat3 rows = glm::transpose(back);
     i.row_x = to_vec3(rows[0]);
     i.row_y = to_vec3(rows[1]);
@@ -495,7 +509,14 @@ glm::dvec3 scene_center(const SceneDescription& scene) {
 }
 
 Expected<DeviceScene> build_device_scene(const SceneDescription& scene, const DeviceSceneOptions& options) {
-  return Builder(scene, options).build();
+  auto built = Builder(scene, options).build();
+  if (!built) return built;
+  // Here rather than by every worker that refuses it.
+  if (const auto checked = check_device_scene(*built); !checked)
+    return fail(
+        fmt::format("{}: the scene's tables contradict each other, which is a fault of this program: {}",
+                    scene.source, checked.error().message));
+  return built;
 }
 
 }  // namespace penumbra

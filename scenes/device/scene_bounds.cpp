@@ -23,18 +23,24 @@ SceneBounds bounds_of(std::span<const Shape> shapes) {
   return bounds;
 }
 
+SceneBounds bounds_of(const SceneBounds& box, const glm::dmat4& to_world) {
+  SceneBounds bounds;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 p((corner & 1) != 0 ? box.high.x : box.low.x, (corner & 2) != 0 ? box.high.y : box.low.y,
+                       (corner & 4) != 0 ? box.high.z : box.low.z);
+    bounds.include(transform_point(to_world, p));
+  }
+  return bounds;
+}
+
 SceneBounds bounds_of(const SceneDescription& scene, std::span<const PlacedGroup> placed) {
   SceneBounds bounds = bounds_of(scene.shapes);
   std::vector<SceneBounds> groups;
   for (const ShapeGroup& group : scene.groups) groups.push_back(bounds_of(group.shapes));
   for (const PlacedGroup& place : placed) {
-    const SceneBounds& group = groups[std::size_t(place.group)];
-    for (int corner = 0; corner < 8; ++corner) {
-      const glm::dvec3 p((corner & 1) != 0 ? group.high.x : group.low.x,
-                         (corner & 2) != 0 ? group.high.y : group.low.y,
-                         (corner & 4) != 0 ? group.high.z : group.low.z);
-      bounds.include(transform_point(place.to_world, p));
-    }
+    const SceneBounds there = bounds_of(groups[std::size_t(place.group)], place.to_world);
+    bounds.include(there.low);
+    bounds.include(there.high);
   }
   if (bounds.low.x > bounds.high.x) bounds.include(glm::dvec3(scene.camera.to_world[3]));
   return bounds;

@@ -22,6 +22,9 @@ struct SceneBounds {
 /// Nothing where there are no shapes.
 SceneBounds bounds_of(std::span<const Shape> shapes);
 
+/// About the transformed box.
+SceneBounds bounds_of(const SceneBounds& box, const glm::dmat4& to_world);
+
 /// Instances count as the boxes about their groups; a scene without shapes is the camera's place.
 SceneBounds bounds_of(const SceneDescription& scene, std::span<const PlacedGroup> placed);
 

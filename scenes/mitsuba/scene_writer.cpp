@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <optional>
 #include <set>
 #include <span>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "scenes/instances.h"
 #include "scenes/mesh_writer.h"
@@ -25,21 +25,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Expected<void> write_file(const fs::path& path, std::string_view contents) {
-  std::ofstream file(path, std::ios::binary);
-  file.write(contents.data(), std::streamsize(contents.size()));
-  file.close();
-  if (!file) return fail(fmt::format("cannot write '{}'", path.string()));
-  return {};
-}
-
 class SceneWriter {
  public:
   SceneWriter(const SceneDescription& scene, fs::path file) : scene_(scene), file_(std::move(file)) {}
 
-  Expected<void> write() {
+  Expected<std::vector<SceneFile>> write() {
     put_integrator();
-    if (auto done = put_media(); !done) return done;
+    if (auto done = put_media(); !done) return std::unexpected(done.error());
     put_sensor();
     put_surfaces();
     // Mitsuba has no instances within groups, and no emitters in them: all are the scene's own.
@@ -53,18 +45,20 @@ class SceneWriter {
       xml_.open("shape", ShapeGroupShape::kPlugin, fmt::format(" id=\"group-{}\"", i));
       for (const Shape& shape : shapes) {
         if (emits(shape)) continue;
-        if (auto done = put_shape(shape, false); !done) return done;
+        if (auto done = put_shape(shape, false); !done) return std::unexpected(done.error());
       }
       xml_.close();
     }
     for (const std::vector<Shape>* shapes : {&scene_.shapes, &*emitters})
       for (const Shape& shape : *shapes)
-        if (auto done = put_shape(shape); !done) return done;
+        if (auto done = put_shape(shape); !done) return std::unexpected(done.error());
     for (const PlacedGroup& each : *placed)
       if (!std::ranges::all_of(scene_.groups[std::size_t(each.group)].shapes, emits)) put_instance(each);
     for (const Emitter& emitter : scene_.emitters)
-      if (auto done = std::visit([&](const auto& e) { return put_emitter(e); }, emitter); !done) return done;
-    return write_file(file_, "<scene version=\"3.0.0\">\n" + xml_.text() + "</scene>\n");
+      if (auto done = std::visit([&](const auto& e) { return put_emitter(e); }, emitter); !done)
+        return std::unexpected(done.error());
+    files_.push_back({file_, "<scene version=\"3.0.0\">\n" + xml_.text() + "</scene>\n"});
+    return std::move(files_);
   }
 
  private:
@@ -155,8 +149,7 @@ class SceneWriter {
   Expected<void> put_grid(std::string_view name, const GridVolume& volume) {
     const auto [at, added] =
         grids_.try_emplace(volume.grid.get(), fmt::format("{}-{}.vol", file_.stem().string(), grids_.size()));
-    if (added)
-      if (auto done = write_file(file_.parent_path() / at->second, vol_of(*volume.grid)); !done) return done;
+    if (added) files_.push_back({file_.parent_path() / at->second, vol_of(*volume.grid)});
     xml_.open("volume", GridVolumeParameters::kPlugin, fmt::format(" name=\"{}\"", name));
     put_parameters(xml_, GridVolumeParameters{
                              .filename = at->second, .to_world = volume.to_world, .nearest = volume.nearest});
@@ -424,7 +417,7 @@ class SceneWriter {
     bool flipped = shape.flip_normals;
     if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
       const std::string name = fmt::format("{}-{}.ply", file_.stem().string(), meshes_++);
-      if (auto done = write_file(file_.parent_path() / name, ply_of(*mesh)); !done) return done;
+      files_.push_back({file_.parent_path() / name, ply_of(*mesh)});
       xml_.open("shape", PlyShape::kPlugin);
       xml_.value("string", "filename", name);
       if (mesh->normals.empty()) xml_.value("boolean", "face_normals", "true");
@@ -488,7 +481,8 @@ class SceneWriter {
   const SceneDescription& scene_;
   const fs::path file_;
   XmlText xml_ = new_text();
-  int meshes_ = 0;                                       ///< files written so far
+  std::vector<SceneFile> files_;
+  int meshes_ = 0;                                       ///< of those so far
   std::map<const VolumeGrid*, std::string> grids_;       ///< likewise, by what is in them
   std::set<int> textures_;                               ///< written so far
   std::map<std::pair<int, int>, std::string> surfaces_;  ///< fronts and backs, and their ids
@@ -496,7 +490,7 @@ class SceneWriter {
 
 }  // namespace
 
-Expected<void> write_scene(const SceneDescription& scene, const fs::path& file) {
+Expected<std::vector<SceneFile>> scene_files(const SceneDescription& scene, const fs::path& file) {
   return SceneWriter(scene, file).write();
 }
 

@@ -18,12 +18,11 @@
 #include "scenes/mitsuba/texture_reader.h"
 #include "scenes/names.h"
 #include "scenes/texture_needs.h"
+#include "scenes/traceable.h"
 #include "scenes/transform.h"
 
 namespace penumbra::mitsuba {
 namespace {
-
-using Geometry = std::variant<Mesh, Sphere, Disk, Cylinder>;
 
 /// A shape's plugin, and what its geometry is read with.
 struct ShapeInput {
@@ -174,10 +173,12 @@ std::vector<MeshPart> read_obj_parts(const ShapeInput& input) {
   return parts;
 }
 
-bool is_finite(glm::dvec3 v, double radius) {
-  constexpr double kLargest = 1e37;  // see place_mesh
-  return std::abs(v.x) < kLargest && std::abs(v.y) < kLargest && std::abs(v.z) < kLargest &&
-         radius < kLargest;
+std::optional<Geometry> checked(const PluginReader& plugin, Geometry geometry) {
+  if (const auto traceable = check_traceable(geometry); !traceable) {
+    plugin.wrong(traceable.error().message);
+    return std::nullopt;
+  }
+  return geometry;
 }
 
 /// Where the transform, a similarity or nearly, takes the first two axes: unit, at right angles.
@@ -207,11 +208,7 @@ std::optional<Geometry> read_sphere(const ShapeInput& input) {
   const double side = is_mirror(to_world) ? -1.0 : 1.0;
   const Sphere sphere{transform_point(to_world, center), radius * *scale, x_axis, y_axis,
                       side * glm::cross(x_axis, y_axis)};
-  if (!is_finite(sphere.center, sphere.radius) || !(sphere.radius > 0.0)) {
-    plugin.wrong("the sphere is too far away, or its radius too large or too small for a number");
-    return std::nullopt;
-  }
-  return sphere;
+  return checked(plugin, sphere);
 }
 
 std::optional<Geometry> read_disk(const ShapeInput& input) {
@@ -226,11 +223,7 @@ std::optional<Geometry> read_disk(const ShapeInput& input) {
   const Disk disk{transform_point(to_world, glm::dvec3(0.0)),
                   glm::normalize(normal_matrix(to_world) * glm::dvec3(0.0, 0.0, 1.0)), *radius, x_axis,
                   y_axis};
-  if (!is_finite(disk.center, disk.radius)) {
-    plugin.wrong("the disk is too far away or too large");
-    return std::nullopt;
-  }
-  return disk;
+  return checked(plugin, disk);
 }
 
 std::optional<Geometry> read_cylinder(const ShapeInput& input) {
@@ -261,21 +254,7 @@ std::optional<Geometry> read_cylinder(const ShapeInput& input) {
   }
   // As of a sphere.
   if (is_mirror(given.to_world)) input.flip_normals = !input.flip_normals;
-  if (!is_finite(placed->center, placed->radius + placed->length) || !(placed->radius > 0.0) ||
-      !(placed->length > 0.0)) {
-    plugin.wrong("the cylinder is too far away, or too large or too small for a number");
-    return std::nullopt;
-  }
-  return *placed;
-}
-
-std::optional<Geometry> checked(const PluginReader& plugin, Mesh mesh) {
-  for (const glm::dvec3& p : mesh.positions) {
-    if (is_finite(p, 0.0)) continue;
-    plugin.wrong("the shape is too far away or too large");
-    return std::nullopt;
-  }
-  return mesh;
+  return checked(plugin, *placed);
 }
 
 std::optional<Geometry> read_rectangle(const ShapeInput& input) {

@@ -6,6 +6,7 @@
 
 #include "scenes/curve_mesh.h"
 #include "scenes/sdf_grid.h"
+#include "scenes/traceable.h"
 #include "scenes/transform.h"
 
 namespace penumbra::mitsuba {
@@ -15,15 +16,14 @@ namespace {
 Expected<TessellatedShape> curves(const PluginReader& plugin, const glm::dmat4& to_world,
                                   const SourceFile& file, std::size_t least,
                                   Expected<CurveMesh> (*make)(std::span<const Curve>)) {
-  constexpr double kLargest = 1e37;  // see place_mesh
   auto curves = read_curves(file, least);
   if (!curves) return std::unexpected(curves.error());
   for (Curve& curve : *curves)
     for (CurvePoint& point : curve) {
       point.position = transform_point(to_world, point.position);
       const glm::dvec3 far = glm::abs(point.position);
-      if (!(far.x + far.y + far.z + point.radius < kLargest))
-        return fail(fmt::format("{}: a point is too far away, or its radius too large, for a number",
+      if (!(far.x + far.y + far.z + point.radius < kFarthest))
+        return fail(fmt::format("{}: a point is too far away, or its radius too large, for single precision",
                                 file.path.string()));
     }
   auto made = make(*curves);

@@ -10,6 +10,7 @@
 #include "scenes/mesh_reader.h"
 #include "scenes/pbrt/type_rows.h"
 #include "scenes/texture_needs.h"
+#include "scenes/traceable.h"
 #include "scenes/transform.h"
 
 namespace penumbra::pbrt {
@@ -265,8 +266,8 @@ void ShapeReader::place(const ReadShape& read, const glm::dmat4& instance) {
                                 "it is left out");
     Sphere placed{transform_point(to_world, glm::dvec3(0.0)), sphere->radius * *scale, x_axis, y_axis,
                   (is_mirror(to_world) ? -1.0 : 1.0) * glm::cross(x_axis, y_axis)};
-    if (!(placed.radius > 0.0 && placed.radius < 1e37 && glm::length(placed.center) < 1e37))
-      return report.error(read.location, "the sphere is too far away, or too large or small for a number");
+    if (const auto traceable = check_traceable(placed); !traceable)
+      return report.error(read.location, traceable.error().message);
     shape.geometry = placed;
   } else if (const auto* disk = std::get_if<Disk>(&read.geometry)) {
     const auto scale = uniform_scale(to_world, 2);
@@ -276,8 +277,8 @@ void ShapeReader::place(const ReadShape& read, const glm::dmat4& instance) {
     const Disk placed{transform_point(to_world, disk->center),
                       glm::normalize(normal_matrix(to_world) * glm::dvec3(0.0, 0.0, 1.0)),
                       disk->radius * *scale, x_axis, y_axis};
-    if (!(placed.radius > 0.0 && placed.radius < 1e37 && glm::length(placed.center) < 1e37))
-      return report.error(read.location, "the disk is too far away, or too large or small for a number");
+    if (const auto traceable = check_traceable(placed); !traceable)
+      return report.error(read.location, traceable.error().message);
     shape.geometry = placed;
   }
   std::tie(shape.front_bsdf, shape.back_bsdf) = materials_of(read);

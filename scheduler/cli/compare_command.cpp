@@ -53,7 +53,7 @@ std::vector<std::filesystem::path> input_files(const CompareCommandOptions& opti
 }
 
 /// Before the work: whether what is asked for can be written, and overwrites no input.
-Expected<void> check_outputs(const CompareCommandOptions& options) {
+Expected<void> check_files(const CompareCommandOptions& options) {
   std::vector<std::filesystem::path> outputs;
   if (!options.heatmap.empty()) {
     if (!is_png(options.heatmap) && std::filesystem::path(options.heatmap).extension() != ".exr") {
@@ -62,7 +62,7 @@ Expected<void> check_outputs(const CompareCommandOptions& options) {
     outputs.push_back(options.heatmap);
   }
   if (!options.json.empty() && options.json != "-") outputs.push_back(options.json);
-  return penumbra::check_outputs(outputs, input_files(options));
+  return check_outputs(outputs, input_files(options));
 }
 
 /// Into a folder that may have to be made.
@@ -197,7 +197,7 @@ nlohmann::ordered_json report_json(const CompareCommandOptions& options, const C
 ExitCode bad_input(const Error& error) { return print_error(error), kBadInput; }
 
 ExitCode compare(const CompareCommandOptions& options) {
-  if (const auto writable = check_outputs(options); !writable) return bad_input(writable.error());
+  if (const auto writable = check_files(options); !writable) return bad_input(writable.error());
   const auto comparison = run_comparison(options);
   if (!comparison) return bad_input(comparison.error());
   const auto limits = check_limits(options, *comparison);

@@ -1,11 +1,15 @@
 // `penumbra convert`: a scene of any format as a file of Mitsuba 3.
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "scenes/mitsuba/scene_writer.h"
 #include "scheduler/cli/commands.h"
 #include "scheduler/cli/loaded_scene.h"
+#include "scheduler/files/output_batch.h"
+#include "scheduler/files/output_check.h"
 
 namespace penumbra {
 namespace {
@@ -19,8 +23,21 @@ ExitCode convert(const ConvertOptions& options) {
   const auto scene = read_scene_with_options(options.scene);
   if (!scene) return print_error(scene.error()), kIncomplete;
   for (const std::string& warning : scene->warnings) print_warning(warning);
-  if (const auto done = mitsuba::write_scene(*scene, options.output); !done)
-    return print_error(done.error()), kIncomplete;
+  auto files = mitsuba::scene_files(*scene, options.output);
+  if (!files) return print_error(files.error()), kIncomplete;
+  std::vector<std::filesystem::path> outputs;
+  for (const mitsuba::SceneFile& file : *files) outputs.push_back(file.path);
+  if (const auto checked = check_outputs(outputs, scene->files); !checked)
+    return print_error(checked.error()), kBadInput;
+  if (const auto made = make_folders(options.output); !made) return print_error(made.error()), kIncomplete;
+  OutputBatch batch;
+  for (mitsuba::SceneFile& file : *files) {
+    const auto bytes = bytes_of(file.contents);
+    batch.add(file.path, {bytes.begin(), bytes.end()});
+    file.contents.clear();
+    file.contents.shrink_to_fit();
+  }
+  if (const auto done = batch.finish(); !done) return print_error(done.error()), kIncomplete;
   return kAllDone;
 }
 

@@ -7,6 +7,7 @@
 #include "kernels/host/stopwatch.h"
 #include "scenes/device/media_book.h"
 #include "scenes/device/scene_inventory.h"
+#include "scenes/names.h"
 #include "scenes/scene_reader.h"
 #include "scenes/settings.h"
 
@@ -30,6 +31,16 @@ std::vector<std::pair<std::string, std::string>> split_assignments(
   return pairs;
 }
 
+/// An option and a --set of the same setting with another value: one of them would have no effect.
+Expected<void> check_they_agree(std::string_view key, std::string_view value,
+                                const std::vector<std::pair<std::string, std::string>>& settings) {
+  for (const auto& [set, text] : settings)
+    if (to_snake_case(set) == key && text != value)
+      return fail(fmt::format("--{} {} and --set {}={} contradict each other; give one of them",
+                              find_setting(key)->option, value, set, text));
+  return {};
+}
+
 }  // namespace
 
 Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) {
@@ -46,19 +57,14 @@ Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) 
       {"sampler.sample_count", number(options.spp)},
       {"sampler.seed", number(options.seed)},
   };
-  // With the others, which may be parameters of the integrator that is chosen here; and after them, because
-  // an option says the last word.
-  for (const auto& [key, value] : overrides)
-    if (value) read.settings.emplace_back(key, *value);
-  auto description = read_scene(options.scene, read);
-  if (!description) return description;
   for (const auto& [key, value] : overrides) {
     if (!value) continue;
-    if (auto applied = apply_setting(*description, key, *value); !applied)
-      return std::unexpected(applied.error());
+    if (auto agree = check_they_agree(key, *value, read.settings); !agree)
+      return std::unexpected(agree.error());
   }
-  if (auto checked = check_settings(*description); !checked) return std::unexpected(checked.error());
-  return description;
+  for (const auto& [key, value] : overrides)
+    if (value) read.settings.emplace_back(key, *value);
+  return read_scene(options.scene, read);
 }
 
 Expected<LoadedScene> load_scene(const SceneOptions& options,

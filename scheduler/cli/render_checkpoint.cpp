@@ -65,17 +65,12 @@ Expected<std::string> attach_checkpoint(PreparedRender& prepared, const RenderOp
   prepared.job.checkpoints = prepared.checkpoint;
   // Its copy of the film needs memory as well.
   if (const auto checked = check_render_job(prepared.job); !checked) return std::unexpected(checked.error());
-  std::error_code ignored;
-  if (!options.resume)
-    return std::filesystem::exists(path, ignored)
-               ? fmt::format("{} is of an earlier run and will be replaced; --resume would go on with it",
-                             path.string())
-               : "";
+  if (options.restart) return "";
   if (auto read = read_checkpoint(prepared); !read)
-    return fail(read.error().message + "; without --resume the render begins anew");
-  return prepared.job.before
-             ? what_is_there(path, *prepared.job.before, prepared.job)
-             : fmt::format("there is no {}: the render starts at the beginning", path.string());
+    return fail(read.error().message + "; with --restart the render begins anew and replaces it");
+  if (prepared.job.before) return what_is_there(path, *prepared.job.before, prepared.job);
+  return options.resume ? fmt::format("there is no {}: the render starts at the beginning", path.string())
+                        : "";
 }
 
 Expected<void> fall_back_to_native(PreparedRender& prepared) {

@@ -13,9 +13,9 @@ namespace penumbra {
 /// the folder, as in the image's metadata.
 RenderIdentity identity_of(const PreparedRender& prepared, const std::string& worker);
 
-/// Gives the render its checkpoint, beside its first file, whose folder is there; and what is in it, where
-/// `options.resume` is set. Returns what is to be said of that, a line or nothing. Errors: the checkpoint is
-/// of another render (with what differs), damaged, unreadable.
+/// Gives the render its checkpoint, beside its first file, whose folder is there; and what an earlier process
+/// has left in it, but for `options.restart`. Returns what is to be said of that, a line or nothing. Errors:
+/// the checkpoint is of another render (with what differs), damaged, unreadable.
 Expected<std::string> attach_checkpoint(PreparedRender& prepared, const RenderOptions& options,
                                         const std::string& worker);
 

@@ -247,7 +247,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
                   "(0.05 is 5%): both workers are sent away where they differ, and what they did is done "
                   "again. It takes two workers")
       ->type_name("SHARE")
-      ->check(CLI::Range(0.0, 1.0).description(""))
+      ->check(number_between(0, 1))
       ->capture_default_str();
   command.add_flag(
       "--strict-numerics", options.strict_numerics,
@@ -257,13 +257,17 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
                    "Of several scenes, render also those whose images are there and would be the same");
   command
       .add_option("--summary", options.summary,
-                  "Of several scenes, JSON of what became of each (default: jobs.json beside the images)")
+                  "Of several scenes, JSON of what became of each (default: jobs.json beside the job file, "
+                  "or the images)")
       ->type_name("FILE");
-  command
-      .add_flag("--resume", options.resume,
-                "Go on with what an interrupted run of this very render has left beside its image "
-                "(IMAGE.checkpoint)")
-      ->excludes(pixel);
+  CLI::Option* resume =
+      command
+          .add_flag("--resume", options.resume,
+                    "Go on with what an interrupted run of this very render has left beside its image "
+                    "(IMAGE.checkpoint), as is done anyway; say so if there is nothing")
+          ->excludes(pixel);
+  command.add_flag("--restart", options.restart, "Begin anew, and replace what an interrupted run has left")
+      ->excludes(resume);
   command
       .add_option("--checkpoint-interval", options.checkpoint_interval,
                   "Keep what is rendered so often, or less often where that would take more than 1% of the "

@@ -65,9 +65,10 @@ struct RenderOptions {
   std::optional<PixelPosition> pixel;
   bool strict_numerics = false;  ///< a non-finite sample is an error
   bool quiet = false;
-  bool estimate = false;                             ///< say what it would cost, and render no image
-  bool json = false;                                 ///< ... as JSON
-  bool resume = false;                               ///< goes on with the checkpoint of an earlier process
+  bool estimate = false;  ///< say what it would cost, and render no image
+  bool json = false;      ///< ... as JSON
+  bool resume = false;    ///< says so where there is no checkpoint of an earlier process to go on with
+  bool restart = false;   ///< does not go on with it, but replaces it
   double checkpoint_interval = kCheckpointInterval;  ///< seconds; 0: none
   // Of several scenes.
   bool force = false;   ///< also what is there unchanged

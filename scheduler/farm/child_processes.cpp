@@ -131,7 +131,8 @@ std::vector<ChildExit> ChildProcesses::reap() {
     }
     if (got == pid)  // else other code in this process has reaped it
       ended.push_back({pid, why.empty() ? describe(status) : why,
-                       WIFEXITED(status) ? std::optional(WEXITSTATUS(status)) : std::nullopt});
+                       WIFEXITED(status) ? std::optional(WEXITSTATUS(status)) : std::nullopt,
+                       WIFSIGNALED(status) ? WTERMSIG(status) : 0});
     return true;
   });
   return ended;

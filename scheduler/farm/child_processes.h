@@ -19,6 +19,7 @@ struct ChildExit {
   pid_t pid = 0;
   std::string how;               ///< e.g. "exit code 1", "killed by signal 9 (Killed)"
   std::optional<int> code = {};  ///< its exit code, unless a signal killed it
+  int signal = 0;                ///< that killed it, or 0
 };
 
 /// How children end that are asked to.

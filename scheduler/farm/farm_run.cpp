@@ -286,7 +286,7 @@ void FarmRun::look_after_workers() {
     if (worker.gone && !worker.ended && now - worker.gone_since > kTimeToEnd) workers_here_->kill(worker.pid);
   }
   // By the plan's time: neither may a pause of this process look like one of a worker that starts.
-  for (const WorkerEnd& end : workers_here_->look_after(plan_time_)) worker_ended(end);
+  for (const ChildExit& exit : workers_here_->look_after(plan_time_)) worker_ended(exit);
   workers_here_->start_missing(plan_time_);
   tell_start_problems();
 }
@@ -313,13 +313,13 @@ void FarmRun::dismiss_all() {
     if (!worker.dismissed && !worker.gone) server_->dismiss(id, "the render is over");
 }
 
-void FarmRun::worker_ended(const WorkerEnd& end) {
+void FarmRun::worker_ended(const ChildExit& exit) {
   if (workers_here_->launches())
-    return problem(fmt::format("the launcher of workers ended: {}", end.exit.how));
+    return problem(fmt::format("the launcher of workers ended: {}", exit.how));
   const auto found = std::ranges::find_if(
-      workers_, [&](const auto& w) { return w.second.pid == end.exit.pid && !w.second.ended; });
+      workers_, [&](const auto& w) { return w.second.pid == exit.pid && !w.second.ended; });
   if (found == workers_.end()) {
-    problem(fmt::format("a worker ended before it was connected: {}", end.exit.how));
+    problem(fmt::format("a worker ended before it was connected: {}", exit.how));
     return;
   }
   Worker& worker = found->second;
@@ -327,11 +327,11 @@ void FarmRun::worker_ended(const WorkerEnd& end) {
   worker.ended_since = now_;
   if (worker.dismissed || worker.has_left) return;  // said already
   for (const auto& [id, job] : jobs_)
-    if (job->has_share(found->first)) job->share(found->first).ended = end.exit.how;
+    if (job->has_share(found->first)) job->share(found->first).ended = exit.how;
   // The end of its process may be known before that of its stream.
   const std::optional<UnitId> last_unit = worker.gone ? worker.last_unit : plan_.in_hand(found->first);
   const std::string where = last_unit ? " at " + unit_text(unit(*last_unit)) : "";
-  problem(fmt::format("worker {} was lost{}: {}", worker.name, where, end.exit.how));
+  problem(fmt::format("worker {} was lost{}: {}", worker.name, where, exit.how));
 }
 
 void FarmRun::advance_clock() {

@@ -86,7 +86,7 @@ class FarmRun {
   void look_after_workers();
   void forget_gone_workers();
   void tell_start_problems();
-  void worker_ended(const WorkerEnd& end);
+  void worker_ended(const ChildExit& exit);
   void advance_clock();
   void tick();
   void publish();

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <csignal>
 #include <utility>
 
 #include "scheduler/farm/access.h"
@@ -14,6 +17,8 @@ constexpr int kStartsInARow = 3;  // workers that end before they are ready; the
 // Deaths with no unit finished in between. A unit that kills its workers needs up to four of them to be found
 // out.
 constexpr int fruitless_deaths_allowed(int workers) { return 4 * workers + 4; }
+// Whoever kills workers before they are ready may go on for a moment.
+Seconds pause_after(int deaths) { return std::min(2.0, 0.1 * std::exp2(deaths)); }
 // A launcher ends with its workers, which were dismissed; one that is asked to end passes that on to them,
 // and dies of nothing harder than that with this process, so that no job stays behind in a queue.
 constexpr std::chrono::milliseconds kTimeToEndDismissed{2000};
@@ -23,6 +28,10 @@ constexpr Seconds kTimeToBeReady = 300;  // from the start; it may have to compi
 // busy with other things. What takes longer than the other one is told.
 constexpr Seconds kTimeToBeHeardOf = 30, kPatience = 5;
 
+bool is_from_outside(const ChildExit& exit) {
+  return exit.signal == SIGKILL || exit.signal == SIGTERM || exit.signal == SIGINT || exit.signal == SIGHUP;
+}
+
 }  // namespace
 
 WorkerProcesses::WorkerProcesses(WorkerCommand command, int wanted)
@@ -31,8 +40,7 @@ WorkerProcesses::WorkerProcesses(WorkerCommand command, int wanted)
       wanted_(command_.is_launcher ? 1 : wanted) {}
 
 void WorkerProcesses::start_missing(Seconds now) {
-  while (int(children_.running().size()) < wanted_ && failed_starts_ < kStartsInARow &&
-         fruitless_deaths_ < fruitless_deaths_allowed(wanted_)) {
+  while (now >= next_start_ && will_start()) {
     std::string key = make_token();
     std::vector<std::string> environment = command_.environment;
     environment.push_back(fmt::format("{}={}", kWorkerKeyVariable, key));
@@ -49,6 +57,11 @@ void WorkerProcesses::start_missing(Seconds now) {
   }
 }
 
+bool WorkerProcesses::will_start() const {
+  return int(running()) < wanted_ && failed_starts_ < kStartsInARow &&
+         fruitless_deaths_ < fruitless_deaths_allowed(wanted_);
+}
+
 void WorkerProcesses::is_heard_of(int pid, Seconds now) {
   const auto found = starting_.find(pid);
   if (found == starting_.end()) return;
@@ -61,10 +74,10 @@ void WorkerProcesses::is_heard_of(int pid, Seconds now) {
 void WorkerProcesses::end_start(int pid, Start& start, Seconds now, const std::string& why) {
   problems_.push_back(fmt::format("the worker process {} was ended: {}", pid, why));
   children_.kill(pid);
-  start = {.since = now, .heard_at = now, .is_told = true};
+  start = {.since = now, .heard_at = now, .is_told = true, .is_ended = true};
 }
 
-std::vector<WorkerEnd> WorkerProcesses::look_after(Seconds now) {
+std::vector<ChildExit> WorkerProcesses::look_after(Seconds now) {
   for (auto& [pid, start] : starting_) {
     const char* silence = start.is_connected ? "not heard of" : "not connected";
     if (now - start.since >= kTimeToBeReady) {
@@ -78,12 +91,15 @@ std::vector<WorkerEnd> WorkerProcesses::look_after(Seconds now) {
                       silence, kPatience));
     }
   }
-  std::vector<WorkerEnd> ends;
-  for (ChildExit& exit : children_.reap()) {
+  std::vector<ChildExit> ends = children_.reap();
+  for (const ChildExit& exit : ends) {
     std::erase_if(keys_, [&](const auto& key) { return key.second == exit.pid; });
-    const bool was_starting = starting_.erase(exit.pid) > 0 || launches();
-    ++(was_starting ? failed_starts_ : fruitless_deaths_);
-    ends.push_back({std::move(exit), was_starting});
+    const auto start = starting_.find(exit.pid);
+    const bool was_starting = start != starting_.end();
+    const bool was_killed = was_starting && !start->second.is_ended && is_from_outside(exit);
+    if (was_starting) starting_.erase(start);
+    if (was_killed) next_start_ = now + pause_after(fruitless_deaths_);
+    ++((was_starting && !was_killed) || launches() ? failed_starts_ : fruitless_deaths_);
   }
   return ends;
 }

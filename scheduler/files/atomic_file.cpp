@@ -3,14 +3,12 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
-#include <charconv>
 #include <chrono>
-#include <csignal>
 #include <string>
 #include <thread>
 #include <utility>
@@ -26,13 +24,58 @@ constexpr mode_t kAllPermissions = 07777;
 constexpr std::chrono::seconds kTimeToRead{10};  // a pipe's reader has
 constexpr std::chrono::milliseconds kPollInterval{20};
 
-/// A name beside `path` that no other process or thread uses.
-fs::path aside_name(const fs::path& path) {
-  static std::atomic<unsigned> counter{0};
-  return folder_of(path) / fmt::format(".{}.{}-{}.part", path.filename().string(), getpid(), counter++);
+/// Of one target at the same time, by several writers.
+constexpr int kMostParts = 64;
+/// A process has some 1000 descriptors: beyond so many, what is written aside has no lock any more.
+constexpr int kMostKeptDescriptors = 512;
+
+fs::path part_name(const fs::path& path, int number) {
+  const std::string name = path.filename().string();
+  return folder_of(path) /
+         (number == 0 ? fmt::format(".{}.part", name) : fmt::format(".{}.{}.part", name, number));
 }
 
-int create(const fs::path& name) { return open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); }
+/// Removes a part that nobody holds the lock of: its writer was killed. Returns whether it is gone.
+bool remove_if_abandoned(const fs::path& name) {
+  const OwnedDescriptor part(open(name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  if (part.get() < 0) return errno == ENOENT;
+  struct stat held {
+  }, there{};
+  if (fstat(part.get(), &held) != 0 || !S_ISREG(held.st_mode) || held.st_uid != geteuid()) return false;
+  if (flock(part.get(), LOCK_EX | LOCK_NB) != 0) return false;
+  if (lstat(name.c_str(), &there) != 0) return errno == ENOENT;
+  if (there.st_dev != held.st_dev || there.st_ino != held.st_ino) return false;  // another has come meanwhile
+  return unlink(name.c_str()) == 0;
+}
+
+struct Part {
+  fs::path name;
+  OwnedDescriptor descriptor;  ///< locked; negative: errno says why there is none
+};
+
+/// A new file beside `path` that is this writer's alone, and what killed ones have left is gone.
+Part new_part(const fs::path& path) {
+  for (int number = 0; number < kMostParts;) {
+    Part part{part_name(path, number),
+              OwnedDescriptor(open(part_name(path, number).c_str(),
+                                   O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666))};
+    if (part.descriptor.get() < 0) {
+      if (errno != EEXIST) return part;
+      if (!remove_if_abandoned(part.name)) ++number;
+      continue;
+    }
+    struct stat status {};
+    flock(part.descriptor.get(), LOCK_EX);
+    // Who looks for abandoned ones may have been between the two.
+    if (fstat(part.descriptor.get(), &status) == 0 && status.st_nlink == 0) continue;
+    std::error_code ignored;
+    for (int next = number + 1; next < kMostParts && fs::exists(part_name(path, next), ignored); ++next)
+      remove_if_abandoned(part_name(path, next));
+    return part;
+  }
+  errno = EEXIST;
+  return {};
+}
 
 /// Opens a device or a pipe, neither made nor cut off: it is there. A pipe's reader may come a little later;
 /// negative with errno = ENXIO if none does.
@@ -77,26 +120,27 @@ fs::path existing_folder(fs::path folder) {
 
 }  // namespace
 
-StagedFile::StagedFile(fs::path target, fs::path name) : target_(std::move(target)), name_(std::move(name)) {}
+StagedFile::StagedFile(fs::path target, fs::path name, OwnedDescriptor lock)
+    : target_(std::move(target)), name_(std::move(name)), lock_(std::move(lock)) {}
 
 StagedFile::StagedFile(StagedFile&& other) noexcept
-    : target_(std::move(other.target_)), name_(std::exchange(other.name_, {})) {}
+    : target_(std::move(other.target_)),
+      name_(std::exchange(other.name_, {})),
+      lock_(std::move(other.lock_)) {}
 
 StagedFile::~StagedFile() {
   if (!name_.empty()) unlink(name_.c_str());
 }
 
 Expected<StagedFile> StagedFile::write(const fs::path& target, std::span<const std::uint8_t> bytes) {
-  const fs::path name = aside_name(target);
-  const int descriptor = create(name);
+  Part part = new_part(target);
+  const int descriptor = part.descriptor.get();
   if (descriptor < 0) return cannot_write(target, errno);
-  StagedFile staged(target, name);
+  StagedFile staged(target, part.name, std::move(part.descriptor));
   struct stat old {};
   if (stat(target.c_str(), &old) == 0) fchmod(descriptor, old.st_mode & kAllPermissions);
-  const bool written = write_all(descriptor, bytes) && flush(descriptor);
-  const int error = errno;
-  const bool closed = close(descriptor) == 0;
-  if (!written || !closed) return cannot_write(target, written ? errno : error);
+  if (!write_all(descriptor, bytes) || !flush(descriptor)) return cannot_write(target, errno);
+  if (descriptor > kMostKeptDescriptors) staged.lock_ = OwnedDescriptor();
   return staged;
 }
 
@@ -131,21 +175,16 @@ Expected<void> write_file_atomically(const fs::path& path, std::span<const std::
 }
 
 void remove_abandoned_parts(const fs::path& path) {
-  constexpr std::chrono::minutes kOldEnough{1};  // a process of another machine may have the number
-  const std::string begin = fmt::format(".{}.", path.filename().string());
+  std::error_code ignored;
+  for (int number = 0; number < kMostParts && fs::exists(part_name(path, number), ignored); ++number)
+    remove_if_abandoned(part_name(path, number));
+}
+
+void remove_all_abandoned_parts(const fs::path& folder) {
   std::error_code error;
-  for (fs::directory_iterator entry(folder_of(path), error), end; !error && entry != end;
-       entry.increment(error)) {
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    if (!name.starts_with(begin) || !name.ends_with(".part")) continue;
-    pid_t writer = 0;
-    const char* digits = name.data() + begin.size();
-    const auto [after, failed] = std::from_chars(digits, name.data() + name.size(), writer);
-    if (failed != std::errc() || *after != '-' || writer <= 0) continue;
-    std::error_code ignored;
-    const bool is_old =
-        fs::file_time_type::clock::now() - fs::last_write_time(entry->path(), ignored) > kOldEnough;
-    if (!ignored && is_old && kill(writer, 0) != 0 && errno == ESRCH) fs::remove(entry->path(), ignored);
+    if (name.starts_with('.') && name.ends_with(".part")) remove_if_abandoned(entry->path());
   }
 }
 
@@ -162,11 +201,9 @@ Expected<void> check_writable(const fs::path& path) {
     return fail(fmt::format("cannot write {}: no folder can be made in {}: {}", path.string(),
                             existing.string(), std::generic_category().message(errno)));
   }
-  const fs::path probe = aside_name(target->path);
-  const int descriptor = create(probe);
-  if (descriptor < 0) return cannot_write(path, errno);
-  close(descriptor);
-  unlink(probe.c_str());
+  const Part probe = new_part(target->path);
+  if (probe.descriptor.get() < 0) return cannot_write(path, errno);
+  unlink(probe.name.c_str());
   return {};
 }
 

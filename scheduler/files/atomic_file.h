@@ -8,11 +8,13 @@
 #include <string_view>
 
 #include "kernels/host/error.h"
+#include "kernels/host/owned_descriptor.h"
 #include "scheduler/files/file_target.h"
 
 namespace penumbra {
 
-/// Bytes in a hidden file beside their target, which is removed again unless it is renamed.
+/// Bytes in a hidden file beside their target, which is removed again unless it is renamed. It is locked as
+/// long as its writer lives, so that the next one removes what a killed one has left.
 class StagedFile {
  public:
   /// Writes and flushes to the disk. `target` is a file or nothing yet, no link. Errors: the folder is
@@ -26,9 +28,10 @@ class StagedFile {
   Expected<void> rename_into_place();
 
  private:
-  StagedFile(std::filesystem::path target, std::filesystem::path name);
+  StagedFile(std::filesystem::path target, std::filesystem::path name, OwnedDescriptor lock);
 
   std::filesystem::path target_, name_;  ///< no name: moved from, or renamed
+  OwnedDescriptor lock_;
 };
 
 /// Writes `bytes` aside and renames, where the path is or leads to a plain file or nothing yet; on an error
@@ -36,8 +39,10 @@ class StagedFile {
 /// they are. Errors: those of find_target, a missing folder, a full disk.
 Expected<void> write_file_atomically(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
 
-/// Removes what processes of this machine that were killed while they wrote the file have left beside it.
+/// Removes what processes that were killed while they wrote the file have left beside it; or in the folder
+/// whatever they wrote.
 void remove_abandoned_parts(const std::filesystem::path& path);
+void remove_all_abandoned_parts(const std::filesystem::path& folder);
 
 /// Into a device, a pipe or an open descriptor.
 Expected<void> write_directly(const FileTarget& target, std::span<const std::uint8_t> bytes);

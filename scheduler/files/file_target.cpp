@@ -52,6 +52,16 @@ Expected<FileTarget> existing_target(const fs::path& path, const fs::path& at, c
   return FileTarget{S_ISREG(status.st_mode) ? FileTarget::Kind::kFile : FileTarget::Kind::kDirect, at};
 }
 
+/// Linux's rule of protected_symlinks, whether that is on or not: in a sticky folder to which all may write,
+/// links are followed that are one's own or the folder's owner's.
+bool may_follow(const fs::path& link, const struct stat& status) {
+  struct stat folder {};
+  if (stat(folder_of(link).c_str(), &folder) != 0) return true;  // which reading it will say
+  constexpr mode_t kShared = S_ISVTX | S_IWOTH;
+  return (folder.st_mode & kShared) != kShared || status.st_uid == geteuid() ||
+         status.st_uid == folder.st_uid;
+}
+
 }  // namespace
 
 fs::path folder_of(const fs::path& path) {
@@ -78,6 +88,10 @@ Expected<FileTarget> find_target(const fs::path& path) {
       return cannot_write(path, errno);
     }
     if (!S_ISLNK(status.st_mode)) return existing_target(path, at, status);
+    if (!may_follow(at, status))
+      return refuse(path,
+                    fmt::format("{} is a link that somebody else has laid in a folder which all may write to",
+                                at.string()));
     std::error_code error;
     const fs::path next = fs::read_symlink(at, error);
     if (error) return refuse(path, error.message());

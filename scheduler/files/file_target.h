@@ -18,9 +18,10 @@ struct FileTarget {
   int descriptor = -1;
 };
 
-/// Follows symbolic links, which stay. Errors: a folder, a disk, a socket, a file that may not be written to.
-/// A rename needs no permission of the file that it replaces, and root needs none at all: a file without any
-/// write permission is refused all the same, since it has been protected on purpose.
+/// Follows symbolic links, which stay, but for those of others in shared sticky folders. Errors: such a link,
+/// a folder, a disk, a socket, a file that may not be written to. A rename needs no permission of the file
+/// that it replaces, and root needs none at all: a file without any write permission is refused all the same,
+/// since it has been protected on purpose.
 Expected<FileTarget> find_target(const std::filesystem::path& path);
 
 /// The folder that holds it.

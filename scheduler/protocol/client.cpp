@@ -30,8 +30,8 @@ std::shared_ptr<grpc::Channel> open_channel(const std::string& address, const Ke
   // gRPC's usual second of pause between attempts is an age here.
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, int(pace.first.count()));
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, int(pace.most.count()));
-  // A connection is begun no faster than this, and given up no sooner.
-  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, is_tcp(address) ? kTimeToHandshake : 20);
+  // A connection that is on the way is given up no sooner.
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kTimeToHandshake);
   // Channels do not share connections, nor what other channels have learnt about reaching the address.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   if (is_tcp(address)) {

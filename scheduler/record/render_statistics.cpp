@@ -130,6 +130,17 @@ double samples_per_second(const RenderOutcome& outcome) {
   return outcome.seconds > 0 ? double(samples) / outcome.seconds : 0.0;
 }
 
+/// What ended the render.
+std::string_view ended_by(const RenderStatistics& statistics) {
+  const RenderOutcome& outcome = *statistics.outcome;
+  const RenderJob& job = *statistics.job;
+  if (!outcome.complete) return outcome.problems.empty() ? "interrupt" : "failure";
+  if (outcome.ended_by_tile && job.target_error) return "target_error";
+  if (outcome.ended_by_tile || sample_range(outcome.film).least >= statistics.record.sampler.spp)
+    return "samples";
+  return job.time_budget ? "time_budget" : "stop_after";
+}
+
 RenderedSamples rendered_samples(const RenderOutcome& outcome) {
   const SampleRange range = sample_range(outcome.film);
   return {.complete = outcome.complete,
@@ -164,10 +175,12 @@ Json statistics_json(const RenderStatistics& statistics) {
   for (const WorkerShare& worker : outcome.workers) workers.push_back(worker_json(worker, worker_samples));
   Json files = Json::array();
   for (const auto& file : statistics.files) files.push_back(file.string());
+  const std::string_view end = ended_by(statistics);
 
   return {
       {"penumbra", kVersion},
-      {"complete", outcome.complete},
+      {"complete", outcome.complete && end != "time_budget"},
+      {"ended_by", end},
       {"scene", statistics.record.scene},
       {"scene_hash", hash_text(statistics.record.scene_hash)},
       {"files", files},

@@ -15,7 +15,7 @@ namespace penumbra {
 namespace {
 
 constexpr std::chrono::seconds kPatience{20};  // with an answer
-constexpr std::chrono::milliseconds kTimeToConnect{200}, kTimeToExplain{2000};
+constexpr std::chrono::milliseconds kTimeToConnect{200}, kTimeToAnswer{1000}, kTimeToExplain{2000};
 constexpr std::chrono::minutes kTimeForTransfers{60};  // as for scenes between scheduler and workers
 
 void prepare(grpc::ClientContext& context, const std::string& token, std::chrono::seconds patience) {
@@ -32,6 +32,21 @@ JobsClient::JobsClient(std::string address, ClientAccess access)
       stub_(wire::Jobs::NewStub(channel_)) {}
 
 JobsClient::~JobsClient() = default;
+
+void JobsClient::connect(const std::function<void()>& is_slow) const {
+  const auto begin = std::chrono::system_clock::now(), slow = begin + kTimeToAnswer, end = begin + kPatience;
+  bool is_told = false;
+  for (;;) {
+    const grpc_connectivity_state state = channel_->GetState(true);
+    const auto now = std::chrono::system_clock::now();
+    if ((state != GRPC_CHANNEL_IDLE && state != GRPC_CHANNEL_CONNECTING) || now >= end) return;
+    if (!is_told && now >= slow) {
+      is_told = true;
+      is_slow();
+    }
+    channel_->WaitForStateChange(state, is_told ? end : slow);
+  }
+}
 
 template <typename Request>
 Request JobsClient::request() const {

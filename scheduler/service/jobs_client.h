@@ -24,6 +24,10 @@ class JobsClient {
   JobsClient(std::string address, ClientAccess access);
   ~JobsClient();
 
+  /// Waits for a connection that is on the way, for some seconds; calls `is_slow` if it takes more than one.
+  /// Whether there is one then, the next call says.
+  void connect(const std::function<void()>& is_slow) const;
+
   /// The scene first, if the service has it not; its hash is the submission's.
   Expected<JobId> submit(const Submission& submission, const DeviceScene& scene);
   /// Of these, or of all.

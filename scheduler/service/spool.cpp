@@ -70,6 +70,9 @@ Expected<std::unique_ptr<Spool>> Spool::open(const fs::path& folder) {
   }
   for (const auto& entry : fs::directory_iterator(folder / "scenes", error))
     if (entry.path().filename().string().starts_with(kIncoming)) fs::remove(entry.path(), error);
+  remove_all_abandoned_parts(folder);
+  for (const auto& entry : fs::directory_iterator(folder / "jobs", error))
+    remove_all_abandoned_parts(entry.path());
   return std::unique_ptr<Spool>(new Spool(folder, lock));
 }
 

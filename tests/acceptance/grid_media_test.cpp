@@ -108,6 +108,64 @@ TEST(GridMedia, DimShadowRaysWithinTheirBoxWhereverItIs) {
   }
 }
 
+/// Cells of density 1 of which one, at (5, 5, 5) of 8 along each axis, is `dense`.
+ParticipatingMedium with_one_dense_cell(float dense, bool nearest) {
+  ParticipatingMedium m = medium(glm::vec3(0.5f, 1.0f, 2.0f), glm::vec3(0));
+  m.density = grid({8, 8, 8}, 1,
+                   [dense](int x, int y, int z, int) { return x == 5 && y == 5 && z == 5 ? dense : 1.0f; });
+  m.density->to_world = unit_cube_to({-1, -1, 1}, {1, 1, 3});
+  m.density->nearest = nearest;
+  return m;
+}
+
+// A cell's majorant is that of the densest in it, and rays that pass beside that one see the rest as it is.
+TEST(GridMedia, AVeryDenseCellDarkensNothingBesideIt) {
+  constexpr double kCell = 0.25;
+  for (const bool nearest : {false, true})
+    for (const float dense : {1e3f, 1e8f, 1e20f}) {
+      SCOPED_TRACE(::testing::Message() << dense << (nearest ? ", nearest" : ", interpolated"));
+      const ParticipatingMedium m = with_one_dense_cell(dense, nearest);
+      // Along z at x = y: by what share of its numbers the ray sees those of the dense cell, in its layer.
+      const auto passes = [&](double xy, double share) {
+        SceneDescription scene = narrow_view(100'000);
+        scene.camera = look_at(glm::dvec3(xy, xy, 0), glm::dvec3(xy, xy, 1), glm::dvec3(0, 1, 0), 1e-3);
+        bound(scene, box({-1, -1, 1}, {1, 1, 3}, add_null(scene)), add_medium(scene, m));
+        scene.emitters.emplace_back(ConstantEnvironment{});
+        glm::dvec3 truth;
+        for (int k = 0; k < 3; ++k)
+          truth[k] = std::exp(-double(m.extinction[k]) * (2 + share * kCell * (double(dense) - 1)));
+        expect_colour(scene, truth, 1e-5);
+      };
+      // Its centre is at 0.375, and its sides from 0.25 to 0.5.
+      passes(-0.6, 0);
+      passes(nearest ? 0.24 : 0.12, 0);
+      passes(0.375, 1);
+      // Between centres, by the product of the shares along x and y, of a cell that is not too steep.
+      if (!nearest && dense == 1e3f) passes(0.375 - kCell * 0.93, 0.07 * 0.07);
+    }
+}
+
+TEST(GridMedia, AVeryDenseCellLeavesShadowRaysBesideItAsTheyAre) {
+  SceneDescription scene = narrow_view(100'000);
+  const int grey = add_diffuse(scene, 0.5f);
+  scene.shapes.push_back(parallelogram({2, -2, 4}, {-4, 0, 0}, {0, 4, 0}, grey));
+  PointLight point;
+  point.position = glm::dvec3(0, 0, 0.5);
+  scene.emitters.emplace_back(point);
+  param::max_depth(scene.integrator) = 2;
+  scene.camera = look_at(glm::dvec3(0.05, 0, 3.5), glm::dvec3(0, 0, 4), glm::dvec3(0, 1, 0), 1e-3);
+  const statistics::Image plain = mean_image(render_or_throw(scene, big_passes()));
+  const ParticipatingMedium m = with_one_dense_cell(1e8f, false);
+  bound(scene, box({-1, -1, 1}, {1, 1, 3}, add_null(scene)), add_medium(scene, m));
+  const FilmAccumulator film = render_or_throw(scene, big_passes());
+  for (int k = 0; k < 3; ++k) {
+    const double truth = double(plain.at(0, 0, k)) * std::exp(-2.0 * double(m.extinction[k]));
+    const statistics::Sample sample = pixel_sample(film, 0, 0, k);
+    EXPECT_GT(statistics::t_test(sample, truth, truth * 1e-4).p, kSignificance / 3)
+        << k << ": " << sample.mean() << ", expected " << truth;
+  }
+}
+
 TEST(GridMedia, WithoutAbsorptionChangeNoFurnace) {
   for (const DirectSampling sampling : {DirectSampling::kBsdfOnly, DirectSampling::kMis}) {
     SceneDescription scene = narrow_view(100'000, volpath(sampling));

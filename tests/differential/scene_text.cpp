@@ -2,9 +2,9 @@
 
 #include <stdexcept>
 
-#include "scenes/mitsuba/scene_writer.h"
 #include "scenes/scene_reader.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/written_scene.h"
 
 namespace penumbra::differential {
 
@@ -21,7 +21,7 @@ void SceneText::write_converted(const std::filesystem::path& folder) const {
   write_text(folder / converted, ours);
   const auto scene = read_scene(folder / converted, {.settings = settings});
   if (!scene) throw std::runtime_error(scene.error().message);
-  if (const auto done = mitsuba::write_scene(*scene, folder / "mitsuba.xml"); !done)
+  if (const auto done = write_scene(*scene, folder / "mitsuba.xml"); !done)
     throw std::runtime_error(done.error().message);
 }
 

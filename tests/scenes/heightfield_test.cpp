@@ -8,9 +8,9 @@
 #include "kernels/math/vec3.h"
 #include "scenes/heightfield.h"
 #include "scenes/image/bitmap_values.h"
-#include "scenes/mitsuba/scene_writer.h"
 #include "tests/scenes/mitsuba_text.h"
 #include "tests/support/tga_file.h"
+#include "tests/support/written_scene.h"
 
 namespace penumbra {
 namespace {
@@ -140,7 +140,7 @@ TEST_F(Heightfields, AreFacetedAndTurnedRoundWhereTheyAreAskedToBe) {
 TEST_F(Heightfields, AreWrittenAsMeshes) {
   write_exr("h.exr", 3, 3, {0, 1, 0, 1, 2, 1, 0, 1, 0});
   const SceneDescription scene = good(field(to_world("<scale x='2'/><rotate y='1' angle='30'/>")));
-  const auto written = mitsuba::write_scene(scene, folder_ / "written.xml");
+  const auto written = write_scene(scene, folder_ / "written.xml");
   ASSERT_TRUE(written) << written.error().message;
   const auto again = read_scene(folder_ / "written.xml", {});
   ASSERT_TRUE(again) << again.error().message;

@@ -10,6 +10,7 @@
 namespace penumbra {
 namespace {
 
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
@@ -129,12 +130,17 @@ TEST(PlaceMesh, FaceNormalsDropTheOthers) {
 }
 
 TEST(PlaceMesh, LeavesOutTrianglesWithoutAreaAndKeepsSlivers) {
-  for (const double scale : {1e-30, 1.0, 1e30}) {
+  for (const double scale : {1e-30, 1e-5, 1.0, 1e8, 1e30}) {
     Mesh mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0},       {0.5, 1e-7, 0}, {2, 0, 0},
                       {0, 0, 0}, {0.1, 0.2, 0.3}, {0.3, 0.6, 0.9}};
     mesh.triangles = {{0, 1, 2}, {0, 1, 3}, {0, 4, 2}, {1, 1, 2}, {0, 5, 6}, {0, 0, 0}};
     const auto cleaning = place_mesh(mesh, scaling(glm::dvec3(scale)), false);
+    if (scale < 1e-20 || scale > 1e20) {
+      ASSERT_FALSE(cleaning);
+      EXPECT_THAT(cleaning.error().message, HasSubstr("for single precision"));
+      continue;
+    }
     ASSERT_TRUE(cleaning);
     EXPECT_EQ(cleaning->flat_triangles, 5u) << scale;
     EXPECT_THAT(mesh.triangles, SizeIs(1));

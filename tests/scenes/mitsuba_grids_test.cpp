@@ -1,11 +1,11 @@
 // What Mitsuba's heterogeneous media and volumes mean.
 #include <cmath>
 
-#include "scenes/mitsuba/scene_writer.h"
 #include "scenes/transform.h"
 #include "scenes/volume_file.h"
 #include "tests/scenes/mitsuba_text.h"
 #include "tests/support/oracles.h"
+#include "tests/support/written_scene.h"
 
 namespace penumbra {
 namespace {
@@ -210,7 +210,7 @@ TEST_F(MitsubaGrids, WrittenAndReadAgainTheyAreTheSame) {
            filled(heterogeneous(grid("sigma_t", "smoke.vol") + "<rgb name='albedo' value='.1 .2 .3'/>")) +
            filled("<medium type='homogeneous' name='interior'>" + float_of("sigma_t", "5") +
                   grid("albedo", "colours.vol") + "</medium>"));
-  const auto written = mitsuba::write_scene(s, folder_ / "written.xml");
+  const auto written = write_scene(s, folder_ / "written.xml");
   ASSERT_TRUE(written) << written.error().message;
   const auto again = read_scene(folder_ / "written.xml", {});
   ASSERT_TRUE(again) << again.error().message;
@@ -230,7 +230,7 @@ TEST_F(MitsubaGrids, WrittenAndReadAgainTheyAreTheSame) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "written-2.vol"));
   SceneDescription tinted = s;
   tinted.media[0].extinction = {1, 2, 3};
-  const auto refused = mitsuba::write_scene(tinted, folder_ / "tinted.xml");
+  const auto refused = write_scene(tinted, folder_ / "tinted.xml");
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, HasSubstr("a colour that multiplies a grid"));
 }

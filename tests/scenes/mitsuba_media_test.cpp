@@ -5,8 +5,8 @@
 #include "kernels/host/device_scene_check.h"
 #include "kernels/host/device_scene_tables.h"
 #include "scenes/device/device_scene_builder.h"
-#include "scenes/mitsuba/scene_writer.h"
 #include "tests/scenes/mitsuba_text.h"
+#include "tests/support/written_scene.h"
 
 namespace penumbra::mitsuba_media_test {
 namespace {
@@ -297,7 +297,7 @@ TEST_F(MitsubaMedia, WrittenAndReadAgainTheyAreTheSame) {
            in("shape", "disk",
               kNull + medium(rgb("sigma_t", "3 1 .1") + rgb("albedo", ".1 .2 .3") +
                              blend(".25", blend(".5", hg(".5") + hg("-.25")) + in("phase", "isotropic")))));
-  const auto written = mitsuba::write_scene(s, folder_ / "written.xml");
+  const auto written = write_scene(s, folder_ / "written.xml");
   ASSERT_TRUE(written) << written.error().message;
   const auto again = read_scene(folder_ / "written.xml", {});
   ASSERT_TRUE(again) << again.error().message;

@@ -145,6 +145,26 @@ TEST_F(MitsubaTextures, WiderFormatsStayToo) {
   EXPECT_EQ(good(shape(bitmap("y.exr"))).bitmaps.at(0)->channels, 1);
 }
 
+// Their values are the numbers themselves, so there is no table of those, however few texels there are.
+TEST_F(MitsubaTextures, LinearBitmapsOfAnySizeCanBeRendered) {
+  const std::string raw = "<boolean name='raw' value='true'/>";
+  const auto can_be_rendered = [&](const std::string& file) {
+    const auto built = build_device_scene(good(shape(bitmap(file, raw))), {});
+    EXPECT_TRUE(built) << file << ": " << built.error().message;
+  };
+  for (const int side : {1, 8, 256, 361}) {
+    write_image("grey.png", side, side, kGrey, OIIO::TypeDesc::UINT16,
+                std::vector<std::uint16_t>(std::size_t(side) * std::size_t(side), 1000));
+    can_be_rendered("grey.png");
+    write_image("grey8.png", side, side, kGrey, OIIO::TypeDesc::UINT8,
+                std::vector<std::uint8_t>(std::size_t(side) * std::size_t(side), 100));
+    can_be_rendered("grey8.png");
+  }
+  write_image("rgb.png", 128, 128, kRgb, OIIO::TypeDesc::UINT16,
+              std::vector<std::uint16_t>(3 * 128 * 128, 1000));
+  can_be_rendered("rgb.png");
+}
+
 TEST_F(MitsubaTextures, OtherChannelsThanATexturesAreAnError) {
   write_image("five.exr", 1, 1, {"R", "G", "B", "A", "Z"}, OIIO::TypeDesc::FLOAT,
               std::vector<float>(5, 0.5f));

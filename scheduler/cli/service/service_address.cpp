@@ -1,7 +1,10 @@
 #include "scheduler/cli/service/service_address.h"
 
+#include <fmt/format.h>
+
 #include <limits>
 
+#include "kernels/host/console.h"
 #include "scheduler/cli/option_checks.h"
 
 namespace penumbra {
@@ -21,7 +24,9 @@ void add_service_address(CLI::App& command, ServiceAddress& address, bool with_k
 Expected<std::unique_ptr<JobsClient>> connect_to_service(const ServiceAddress& address, KeyRole role) {
   auto access = client_access(address.to, address.keys, role);
   if (!access) return std::unexpected(access.error());
-  return std::make_unique<JobsClient>(address.to, std::move(*access));
+  auto client = std::make_unique<JobsClient>(address.to, std::move(*access));
+  client->connect([&] { print_message(fmt::format("waiting for the service at {}", address.to)); });
+  return client;
 }
 
 CLI::Option* add_jobs(CLI::App& command, std::vector<JobId>& jobs) {

@@ -13,9 +13,23 @@ namespace penumbra {
 namespace {
 
 /// Of the command, not of one of its renders.
-constexpr std::array<std::string_view, 16> kShared{
-    "workers", "keys",    "launch", "estimate",   "json", "listen", "tev",    "quiet",
-    "force",   "summary", "pixel",  "statistics", "out",  "help",   "resume", "checkpoint-interval"};
+constexpr std::array<std::string_view, 17> kShared{"workers",
+                                                   "keys",
+                                                   "launch",
+                                                   "estimate",
+                                                   "json",
+                                                   "listen",
+                                                   "tev",
+                                                   "quiet",
+                                                   "force",
+                                                   "summary",
+                                                   "pixel",
+                                                   "statistics",
+                                                   "out",
+                                                   "help",
+                                                   "resume",
+                                                   "restart",
+                                                   "checkpoint-interval"};
 constexpr const char *kDefine = "-D", *kSet = "--set";
 
 std::string name_of(const CLI::Option& option) {
@@ -155,6 +169,7 @@ Expected<RenderOptions> options_of(const std::vector<RenderAxis>& axes, const Re
   options.launch = shared.launch;
   options.tev = shared.tev;
   options.resume = shared.resume;
+  options.restart = shared.restart;
   options.checkpoint_interval = shared.checkpoint_interval;
   return options;
 }

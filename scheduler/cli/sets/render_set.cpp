@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -30,8 +31,11 @@
 namespace penumbra {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 constexpr std::size_t kPreparedAhead = 1;  // scenes that wait beside those that the farm has taken
 constexpr std::size_t kMostUnwritten = 2;  // images that wait for the disk
+constexpr int kSummaryPause = 20;  // times as long as writing it took, which is nothing for few renders
 
 std::vector<std::string> absolute_names(const OutputFiles& files) {
   std::vector<std::string> names;
@@ -75,11 +79,11 @@ class SceneSet final : public JobSource {
         stop_(stop),
         printer_(options.quiet ? ProgressStyle::kNone : progress_style(), terminal_columns()),
         scenes_(scenes_of(plan_)) {
-    const FinishedRenders finished = FinishedRenders::read(plan_.summary);
+    FinishedRenders finished = FinishedRenders::read(plan_.summary);
     for (const SetMember& member : plan_.members) {
       const std::vector<std::string> files = absolute_names(member.files);
-      if (const SetEntry* earlier = finished.find(files))
-        entries_.push_back(*earlier);
+      if (std::optional<SetEntry> earlier = finished.take(files))
+        entries_.push_back(std::move(*earlier));
       else
         entries_.emplace_back().files = files;
       entries_.back().name = member.name;
@@ -88,6 +92,7 @@ class SceneSet final : public JobSource {
       entries_.back().state = SetState::kWaiting;
       entries_.back().error.clear();
     }
+    earlier_ = std::move(finished).rest();
     keys_.resize(entries_.size());
   }
 
@@ -111,6 +116,7 @@ class SceneSet final : public JobSource {
   void write_images();
   void write(FinishedRender finished);
   void end(std::size_t index, SetState state, const std::string& error = {});
+  [[nodiscard]] Expected<void> write_summary() const;
   [[nodiscard]] std::size_t ended();
   ExitCode print_end();
 
@@ -124,6 +130,8 @@ class SceneSet final : public JobSource {
 
   std::mutex mutex_;  // of entries_
   std::vector<SetEntry> entries_;
+  Clock::time_point next_summary_{};
+  std::vector<SetEntry> earlier_;  // of other sets that have the same summary
   std::vector<std::string> keys_;  // of what is asked for; each is written before its render is passed on
   Mailbox<ReadyRender> ready_{kPreparedAhead};
   Mailbox<FinishedRender> unwritten_;
@@ -257,8 +265,15 @@ void SceneSet::end(std::size_t index, SetState state, const std::string& error) 
   entries_[index].state = state;
   entries_[index].error = error;
   if (state == SetState::kDone) entries_[index].key = keys_[index];
-  // As it stands, so that what is done counts as done after any end of this process.
-  if (const auto written = write_set_summary(plan_.summary, entries_); !written) print_error(written.error());
+  // As it stands, so that what is done counts as done after any end of this process; but not all of the time.
+  const Clock::time_point begin = Clock::now();
+  if (begin < next_summary_) return;
+  if (const auto written = write_summary(); !written) print_error(written.error());
+  next_summary_ = Clock::now() + kSummaryPause * (Clock::now() - begin);
+}
+
+Expected<void> SceneSet::write_summary() const {
+  return write_set_summary(plan_.summary, entries_, earlier_);
 }
 
 std::size_t SceneSet::ended() {
@@ -295,8 +310,7 @@ ExitCode SceneSet::run() {
   for (std::size_t i = 0; i < entries_.size(); ++i)
     if (entries_[i].state == SetState::kWaiting)
       end(i, SetState::kFailed, stop_ ? "stopped by a signal before it began" : "no worker was left");
-  if (const auto written = write_set_summary(plan_.summary, entries_); !written)
-    return print_error(written.error()), kIncomplete;
+  if (const auto written = write_summary(); !written) return print_error(written.error()), kIncomplete;
   return print_end();
 }
 

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
+#include <iterator>
 #include <map>
 
 #include "scheduler/cli/sets/job_file.h"
 #include "scheduler/cli/sets/render_arguments.h"
+#include "scheduler/files/atomic_file.h"
 #include "scheduler/files/quoting.h"
 
 namespace penumbra {
@@ -45,6 +48,14 @@ Expected<std::string> name_of_images(const std::string& out, const RenderPattern
   return (path / default_name(pattern)).string();
 }
 
+/// The longest path that both begin with.
+fs::path common_folder(const fs::path& a, const fs::path& b) {
+  fs::path common;
+  const auto differ = std::mismatch(a.begin(), a.end(), b.begin(), b.end());
+  for (auto part = a.begin(); part != differ.first; ++part) common /= *part;
+  return common;
+}
+
 class SetPlanner {
  public:
   SetPlanner(const RenderOptions& options, const CLI::App& command)
@@ -66,9 +77,9 @@ class SetPlanner {
     }
     if (!scenes.axes.front().values.empty())
       if (const auto added = add(scenes); !added) return std::unexpected(added.error());
-    plan_.summary = options_.summary.empty()
-                        ? plan_.members.front().files.all().front().parent_path() / "jobs.json"
-                        : fs::path(options_.summary);
+    for (auto& [priority, members] : by_priority_)
+      std::ranges::move(members, std::back_inserter(plan_.members));
+    plan_.summary = options_.summary.empty() ? summary_folder() / "jobs.json" : fs::path(options_.summary);
     if (const auto taken = taken_by_.find(fs::absolute(plan_.summary).lexically_normal());
         taken != taken_by_.end())
       return fail(fmt::format("{} is a file of {} and the summary", plan_.summary.string(), taken->second));
@@ -81,7 +92,7 @@ class SetPlanner {
     const auto name = name_of_images(options_.out.empty() ? pattern.out.value_or("") : options_.out, pattern);
     if (!name)
       return fail_at(pattern.location, (options_.out.empty() ? "out " : "-o ") + name.error().message);
-    const std::size_t count = count_combinations(pattern.axes, kMostRenders - plan_.members.size());
+    const std::size_t count = count_combinations(pattern.axes, kMostRenders - count_);
     if (count == 0)
       return fail_at(pattern.location, fmt::format("more than {} renders in all", kMostRenders));
     for (const RenderChoice& choice : all_choices(pattern.axes))
@@ -125,10 +136,22 @@ class SetPlanner {
     if (!files) return std::unexpected(files.error());
     member.files = std::move(*files);
     if (const auto taken = take_files(member); !taken) return taken;
-    const auto after =
-        std::ranges::upper_bound(plan_.members, member.priority, std::greater(), &SetMember::priority);
-    plan_.members.insert(after, std::move(member));
+    by_priority_[member.priority].push_back(std::move(member));
+    ++count_;
     return {};
+  }
+
+  /// Beside the first job file, so that it does not matter which of its renders there are; but of a command
+  /// that says where the images go, and of one without job files, the folder that all images are in.
+  [[nodiscard]] fs::path summary_folder() const {
+    if (!files_.empty() && options_.out.empty()) {
+      fs::path folder = files_.front().source->path.parent_path();
+      if (check_writable(folder / "jobs.json")) return folder;
+    }
+    fs::path common = plan_.members.front().files.all().front().parent_path();
+    for (const SetMember& member : plan_.members)
+      for (const fs::path& file : member.files.all()) common = common_folder(common, file.parent_path());
+    return common;
   }
 
   /// No two renders write one file.
@@ -147,6 +170,8 @@ class SetPlanner {
   const RenderOptions& options_;
   const std::vector<RenderAxis> given_;
   std::vector<JobFile> files_;
+  std::map<int, std::vector<SetMember>, std::greater<>> by_priority_;
+  std::size_t count_ = 0;  // of members
   SetPlan plan_;
   std::map<fs::path, std::string> taken_by_;
 };

@@ -38,11 +38,14 @@ Json json_of(const SetEntry& entry) {
 /// Throws what the library throws if it is none.
 SetEntry entry_of(const nlohmann::json& json) {
   SetEntry entry;
+  entry.name = json.value("name", "");
   entry.scene = json.at("scene").get<std::string>();
   const auto state = json.at("state").get<std::string>();
   entry.state = SetState(std::ranges::find(kStateNames, state) - kStateNames.begin());
   entry.files = json.at("files").get<std::vector<std::string>>();
   entry.key = json.value("key", "");
+  for (const auto& [name, value] : json.value("options", nlohmann::json::object()).items())
+    entry.choices.emplace_back(name, value.get<std::string>());
   entry.samples = json.value("samples_per_pixel", std::uint64_t(0));
   entry.seconds = json.value("seconds", 0.0);
   if (const auto error = json.find("relative_error"); error != json.end())
@@ -54,9 +57,11 @@ SetEntry entry_of(const nlohmann::json& json) {
 
 std::string_view set_state_name(SetState state) { return kStateNames[std::size_t(state)]; }
 
-Expected<void> write_set_summary(const std::filesystem::path& path, const std::vector<SetEntry>& entries) {
+Expected<void> write_set_summary(const std::filesystem::path& path, const std::vector<SetEntry>& entries,
+                                 const std::vector<SetEntry>& earlier) {
   Json json = {{"format", "penumbra jobs 1"}, {"jobs", Json::array()}};
   for (const SetEntry& entry : entries) json["jobs"].push_back(json_of(entry));
+  for (const SetEntry& entry : earlier) json["earlier"].push_back(json_of(entry));
   const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   return write_output(path, bytes_of(text));
 }
@@ -66,23 +71,33 @@ FinishedRenders FinishedRenders::read(const std::filesystem::path& path) {
   std::ifstream file(path);
   const auto json = nlohmann::json::parse(file, nullptr, false);
   if (!json.is_object() || json.value("format", nlohmann::json()) != "penumbra jobs 1") return finished;
+  const auto is_there = [](const std::string& name) {
+    std::error_code ignored;
+    return std::filesystem::exists(name, ignored);
+  };
   try {
-    for (const nlohmann::json& job : json.at("jobs")) finished.entries_.push_back(entry_of(job));
+    for (const char* list : {"jobs", "earlier"})
+      for (const nlohmann::json& job : json.value(list, nlohmann::json::array())) {
+        SetEntry entry = entry_of(job);
+        if (!entry.key.empty() && std::ranges::all_of(entry.files, is_there))
+          finished.entries_.emplace(entry.files, std::move(entry));
+      }
   } catch (const nlohmann::json::exception&) {
     finished.entries_.clear();  // not written by this program: everything is rendered
   }
-  std::erase_if(finished.entries_, [](const SetEntry& entry) {
-    std::error_code ignored;
-    return entry.key.empty() || !std::ranges::all_of(entry.files, [&](const std::string& name) {
-             return std::filesystem::exists(name, ignored);
-           });
-  });
   return finished;
 }
 
-const SetEntry* FinishedRenders::find(const std::vector<std::string>& files) const {
-  const auto found = std::ranges::find(entries_, files, &SetEntry::files);
-  return found == entries_.end() ? nullptr : &*found;
+std::optional<SetEntry> FinishedRenders::take(const std::vector<std::string>& files) {
+  auto found = entries_.extract(files);
+  if (!found) return std::nullopt;
+  return std::move(found.mapped());
+}
+
+std::vector<SetEntry> FinishedRenders::rest() && {
+  std::vector<SetEntry> rest;
+  for (auto& [files, entry] : entries_) rest.push_back(std::move(entry));
+  return rest;
 }
 
 std::string set_table(const std::vector<SetEntry>& entries) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -29,8 +30,9 @@ struct SetEntry {
 /// "done", "unchanged", ...
 std::string_view set_state_name(SetState state);
 
-/// Writes all entries, whole or not at all.
-Expected<void> write_set_summary(const std::filesystem::path& path, const std::vector<SetEntry>& entries);
+/// Writes all entries, whole or not at all; and those of `earlier` sets that are no part of this one.
+Expected<void> write_set_summary(const std::filesystem::path& path, const std::vector<SetEntry>& entries,
+                                 const std::vector<SetEntry>& earlier = {});
 
 /// Renders that an earlier summary knows the keys of, and whose files are all there; none if there is no
 /// summary, or none that can be read.
@@ -38,11 +40,13 @@ class FinishedRenders {
  public:
   static FinishedRenders read(const std::filesystem::path& path);
 
-  /// What is in these files; null if that is not known.
-  [[nodiscard]] const SetEntry* find(const std::vector<std::string>& files) const;
+  /// What is in these files, which is taken out; nothing if that is not known.
+  std::optional<SetEntry> take(const std::vector<std::string>& files);
+  /// What has not been taken.
+  [[nodiscard]] std::vector<SetEntry> rest() &&;
 
  private:
-  std::vector<SetEntry> entries_;
+  std::map<std::vector<std::string>, SetEntry> entries_;  ///< by their files
 };
 
 /// One line for each.

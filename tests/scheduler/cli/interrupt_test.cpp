@@ -67,6 +67,7 @@ TEST_F(Interrupt, KeepsWhatIsMergedAndSaysThatItIsIncomplete) {
   EXPECT_GE(exr->at(12, 10, *exr->channel("samples.Y")), 64.0f)
       << "a second is enough for a pass of this scene";
   EXPECT_EQ(nlohmann::json::parse(file_contents(folder_ / "s.json"))["complete"], false);
+  EXPECT_EQ(nlohmann::json::parse(file_contents(folder_ / "s.json"))["ended_by"], "interrupt");
 }
 
 TEST(InterruptedRender, IsRepeatedByItsRecordedCommand) {

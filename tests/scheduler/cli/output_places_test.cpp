@@ -135,7 +135,9 @@ TEST_F(OutputPlaces, AFolderThatVanishesCostsNothing) {
   ASSERT_EQ(files.size(), 3u) << result.err;
   EXPECT_EQ(files[0].filename(), "a.exr");
   EXPECT_TRUE(read_image(files[0]));
-  EXPECT_TRUE(nlohmann::json::parse(file_contents(files[1]))["complete"]);
+  const auto statistics = nlohmann::json::parse(file_contents(files[1]));
+  EXPECT_EQ(statistics["complete"], false) << "there was no time for all samples";
+  EXPECT_EQ(statistics["ended_by"], "time_budget");
   EXPECT_FALSE(exists("out"));
 }
 

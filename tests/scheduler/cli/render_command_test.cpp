@@ -232,7 +232,9 @@ TEST_F(RenderCommand, StopsAfterSomeOfItsSamples) {
   const Image exr = image("a.exr");
   EXPECT_EQ(exr.at(0, 0, *exr.channel("samples.Y")), 10.0f);
   EXPECT_EQ(report("a.json")["complete"], true);
+  EXPECT_EQ(report("a.json")["ended_by"], "stop_after");
   render({"-o", "b.exr", "--sampler", "sobol", "--spp", "10", "--pass", "4"});
+  EXPECT_EQ(report("b.json")["ended_by"], "samples");
   EXPECT_NE(report("a.json")["film_hash"], report("b.json")["film_hash"]);
   render({"-o", "c.exr", "--sampler", "sobol", "--spp", "10", "--pass", "4", "--stop-after", "10"});
   EXPECT_TRUE(file_contents(folder_ / "b.exr") == file_contents(folder_ / "c.exr")) << "that is all of them";
@@ -317,7 +319,8 @@ TEST_F(RenderCommand, TimeBudgetEndsWithWholeUnitsInTheirOrder) {
       for (int x = left; x < left + 8; ++x) EXPECT_EQ(exr.at(x, y, count), here);
   }
   EXPECT_EQ(exr.attribute("penumbra:spp"), MetadataValue(100000000));
-  EXPECT_EQ(report("s.json")["complete"], true);
+  EXPECT_EQ(report("s.json")["complete"], false) << "of 100000000 samples";
+  EXPECT_EQ(report("s.json")["ended_by"], "time_budget");
   EXPECT_TRUE(exr.attribute("penumbra:command").has_value());
 }
 

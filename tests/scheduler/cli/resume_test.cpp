@@ -148,11 +148,14 @@ TEST_F(Resume, AnotherRenderIsRefusedWithWhatDiffers) {
   kill_after(kRender, "s.exr.checkpoint", 100ms);
   const std::string before = file_contents(folder_ / "s.exr.checkpoint");
   const auto refused = [&](const Arguments& options, const std::string& why) {
-    const ProgramResult result = run(kRender + options + Arguments{"--resume"});
-    EXPECT_EQ(result.exit_code, 2) << why;
-    EXPECT_THAT(result.err, AllOf(HasSubstr("cannot go on with s.exr.checkpoint"), HasSubstr(why)));
-    EXPECT_TRUE(file_contents(folder_ / "s.exr.checkpoint") == before) << why;
-    EXPECT_FALSE(exists("s.exr"));
+    for (const Arguments& more : {Arguments{"--resume"}, Arguments{}}) {
+      const ProgramResult result = run(kRender + options + more);
+      EXPECT_EQ(result.exit_code, 2) << why;
+      EXPECT_THAT(result.err, AllOf(HasSubstr("cannot go on with s.exr.checkpoint"), HasSubstr(why),
+                                    HasSubstr("with --restart the render begins anew")));
+      EXPECT_TRUE(file_contents(folder_ / "s.exr.checkpoint") == before) << why;
+      EXPECT_FALSE(exists("s.exr"));
+    }
   };
   refused({"--seed", "4"}, "seed: 0 there, 4 here");
   refused({"--spp", "16"}, "spp: 60000 there, 16 here");
@@ -168,9 +171,10 @@ TEST_F(Resume, AnotherRenderIsRefusedWithWhatDiffers) {
   write_text(folder_ / "s.xml", scene);
   refused({}, "content of the scene file");
   write_text(folder_ / "s.xml", as_it_was);
-  // Other workers are none of its business.
-  const ProgramResult resumed = run(kRender + Arguments{"--workers", "1", "--threads", "2", "--resume"});
+  // Other workers are none of its business; and it goes on by itself.
+  const ProgramResult resumed = run(kRender + Arguments{"--workers", "1", "--threads", "2"});
   EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+  EXPECT_THAT(resumed.err, HasSubstr("going on with s.exr.checkpoint"));
 }
 
 TEST_F(Resume, ADamagedCheckpointIsRefusedAndStays) {
@@ -189,9 +193,10 @@ TEST_F(Resume, ADamagedCheckpointIsRefusedAndStays) {
     EXPECT_THAT(result.err, HasSubstr("cannot go on with s.exr.checkpoint: it "));
     EXPECT_TRUE(file_contents(folder_ / "s.exr.checkpoint") == damaged);
   }
-  const ProgramResult anew = run(kRender + Arguments{"--spp", "64"});
+  EXPECT_EQ(run(kRender + Arguments{"--resume", "--restart"}).exit_code, 2);
+  const ProgramResult anew = run(kRender + Arguments{"--spp", "64", "--restart"});
   EXPECT_EQ(anew.exit_code, 0);
-  EXPECT_THAT(anew.err, HasSubstr("--resume would go on with it"));
+  EXPECT_THAT(anew.err, Not(HasSubstr("going on")));
   EXPECT_FALSE(exists("s.exr.checkpoint"));
 }
 
@@ -262,14 +267,14 @@ TEST_F(Resume, ASetGoesOnWithEachOfItsRenders) {
     EXPECT_TRUE(file_contents(folder_ / "whole" / name) == file_contents(folder_ / "out" / name)) << name;
     EXPECT_FALSE(exists("out/" + std::string(name) + ".checkpoint"));
   }
-  // A stale one fails its render alone; without --resume it is replaced.
+  // A stale one fails its render alone; with --restart it is replaced.
   write_text(folder_ / "out/b.exr.checkpoint", "stale");
   const Arguments other = set + Arguments{"-o", "out/", "--spp", "64"};
-  const ProgramResult stale = run(other + Arguments{"--resume"});
+  const ProgramResult stale = run(other);
   EXPECT_EQ(stale.exit_code, 1);
   EXPECT_THAT(stale.err,
               AllOf(HasSubstr("b.xml: cannot go on with out/b.exr.checkpoint"), HasSubstr("1 of 3")));
-  EXPECT_EQ(run(other).exit_code, 0);
+  EXPECT_EQ(run(other + Arguments{"--restart"}).exit_code, 0);
   EXPECT_FALSE(exists("out/b.exr.checkpoint"));
 }
 

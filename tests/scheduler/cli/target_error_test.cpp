@@ -127,6 +127,8 @@ TEST(TargetErrorOptions, ATimeBudgetEndsIt) {
                                    "--tile", "8", "--target-error", "1e-7", "--time-budget", "1"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   const auto json = nlohmann::json::parse(file_contents(folder / "s.json"));
+  EXPECT_EQ(json["complete"], false);
+  EXPECT_EQ(json["ended_by"], "time_budget");
   EXPECT_LT(json["seconds"]["render"], 2.0);
   EXPECT_GT(json["samples"]["least_per_pixel"], 0);
 }

@@ -14,6 +14,7 @@
 
 #include "tests/support/fake_device.h"
 #include "tests/support/fake_samples.h"
+#include "tests/support/temporary_folder.h"
 
 namespace penumbra::render_farm_test {
 namespace {
@@ -273,6 +274,32 @@ TEST_F(RenderFarmTest, WithoutWorkersEveryOpenJobFailsAndTheReasonIsSaid) {
   EXPECT_EQ(source_.outcomes.size(), 2u) << "those that were open";
   for (const auto& [id, outcome] : source_.outcomes)
     EXPECT_THAT(outcome.error().message, HasSubstr("no worker could be started"));
+}
+
+/// A worker program that is killed before it connects, the first times that it is started.
+std::string killed_at_first(const std::filesystem::path& folder, int times) {
+  const std::filesystem::path program = folder / "worker.sh", starts = folder / "starts";
+  write_text(program, "#!/bin/sh\necho >>" + starts.string() + "\n[ $(wc -l <" + starts.string() + ") -gt " +
+                          std::to_string(times) +
+                          " ] || kill -KILL $$\nexec " PENUMBRA_BINARY_DIR "/fake_worker \"$@\"\n");
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  return program.string();
+}
+
+TEST_F(RenderFarmTest, WorkersThatAreKilledBeforeTheyConnectAreStartedAgain) {
+  options_.worker_executable = killed_at_first(directory_, 5);
+  source_.jobs = {job(1)};
+  ASSERT_TRUE(run());
+  expect_film(1, 1);
+}
+
+TEST_F(RenderFarmTest, ButNotForEver) {
+  options_.workers = 1;
+  options_.worker_executable = killed_at_first(directory_, 1000);
+  source_.jobs = {job(1)};
+  const Expected<void> ran = run();
+  ASSERT_FALSE(ran);
+  EXPECT_THAT(ran.error().message, HasSubstr("killed by signal 9"));
 }
 
 }  // namespace

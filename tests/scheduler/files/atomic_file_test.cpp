@@ -76,6 +76,92 @@ TEST(AtomicFile, OldFileSurvivesAWriteThatFails) {
   EXPECT_THAT(folder.names(), ElementsAre("image.exr"));
 }
 
+/// Ends a process that has written a file aside and holds it, before that is put in place.
+void kill_a_writer_of(const std::filesystem::path& path) {
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    const auto staged = StagedFile::write(path, bytes_of("half"));
+    kill(getpid(), SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status));
+}
+
+TEST(AtomicFile, WhatKilledWritersLeaveIsInNobodysWay) {
+  const TemporaryFolder folder;
+  const auto path = folder / "image.exr";
+  kill_a_writer_of(path);
+  EXPECT_THAT(folder.names(), ElementsAre(".image.exr.part"));
+  EXPECT_TRUE(check_writable(path));
+  EXPECT_THAT(folder.names(), IsEmpty());
+  kill_a_writer_of(path);
+  ASSERT_TRUE(write_file_atomically(path, bytes_of("whole")));
+  EXPECT_EQ(file_contents(path), "whole");
+  EXPECT_THAT(folder.names(), ElementsAre("image.exr"));
+
+  kill_a_writer_of(path);
+  write_text(folder / ".image.exr.1.part", "of another killed one, while the first still wrote");
+  write_text(folder / ".other.part", "of another file");
+  ASSERT_TRUE(write_file_atomically(path, bytes_of("again")));
+  EXPECT_THAT(folder.names(), ElementsAre(".other.part", "image.exr"));
+  remove_all_abandoned_parts(folder.path());
+  EXPECT_THAT(folder.names(), ElementsAre("image.exr"));
+}
+
+TEST(AtomicFile, WritersOfOneFileAtATimeHaveTheirOwnParts) {
+  const TemporaryFolder folder;
+  const auto path = folder / "image.exr";
+  auto first = StagedFile::write(path, bytes_of("first")),
+       second = StagedFile::write(path, bytes_of("second"));
+  ASSERT_TRUE(first && second);
+  EXPECT_THAT(folder.names(), ElementsAre(".image.exr.1.part", ".image.exr.part"));
+  remove_all_abandoned_parts(folder.path());
+  EXPECT_TRUE(check_writable(path));
+  EXPECT_THAT(folder.names(), ElementsAre(".image.exr.1.part", ".image.exr.part")) << "they are written";
+  ASSERT_TRUE(second->rename_into_place());
+  ASSERT_TRUE(first->rename_into_place());
+  EXPECT_EQ(file_contents(path), "first");
+  EXPECT_THAT(folder.names(), ElementsAre("image.exr"));
+
+  constexpr int kWriters = 16;
+  std::vector<std::jthread> writers;
+  for (int i = 0; i < kWriters; ++i)
+    writers.emplace_back([&] {
+      for (int k = 0; k < 50; ++k) EXPECT_TRUE(write_file_atomically(path, bytes_of("whole")));
+    });
+  writers.clear();
+  EXPECT_EQ(file_contents(path), "whole");
+  EXPECT_THAT(folder.names(), ElementsAre("image.exr"));
+}
+
+// As Linux's protected_symlinks.
+TEST(AtomicFile, LinksOfOthersInSharedFoldersAreNotFollowed) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can lay a link of another user";
+  const TemporaryFolder folder;
+  constexpr uid_t kSomebody = 12345;
+  const auto shared = folder / "shared";
+  std::filesystem::create_directory(shared);
+  write_text(folder / "precious", "precious");
+  std::filesystem::create_symlink("../precious", shared / "a.exr");
+  ASSERT_EQ(lchown((shared / "a.exr").c_str(), kSomebody, kSomebody), 0);
+  const auto written = [&] { return bool(write_file_atomically(shared / "a.exr", bytes_of("x"))); };
+  chmod(shared.c_str(), 01777);
+  EXPECT_FALSE(written());
+  const auto checked = check_writable(shared / "a.exr");
+  ASSERT_FALSE(checked);
+  EXPECT_THAT(checked.error().message, HasSubstr("a.exr is a link that somebody else has laid"));
+  EXPECT_EQ(file_contents(folder / "precious"), "precious");
+  chmod(shared.c_str(), 0777);  // where anybody could replace the file itself
+  EXPECT_TRUE(written());
+  chmod(shared.c_str(), 01777);
+  ASSERT_EQ(chown(shared.c_str(), kSomebody, kSomebody), 0);  // the owner's own
+  EXPECT_TRUE(written());
+  ASSERT_EQ(lchown((shared / "a.exr").c_str(), 0, 0), 0);
+  EXPECT_TRUE(written());
+}
+
 TEST(AtomicFile, SaysWhatIsWrongWithTheTarget) {
   const TemporaryFolder folder;
   const auto message = [](const std::filesystem::path& path) {

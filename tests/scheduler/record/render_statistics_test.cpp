@@ -63,6 +63,7 @@ TEST(Report, SaysWhatWasDoneAndByWhom) {
   add_end(json, 1.5);
 
   EXPECT_EQ(json["complete"], false);
+  EXPECT_EQ(json["ended_by"], "failure");
   EXPECT_EQ(json["scene"], "a.xml");
   EXPECT_EQ(json["settings"]["spp"], 4);
   EXPECT_EQ(json["settings"]["tile"], 32);

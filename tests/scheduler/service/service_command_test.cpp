@@ -94,6 +94,19 @@ class Service : public ::testing::Test {
 
 const Arguments kLong = {"--spp", "20000", "--pass", "32", "--tile", "8"};
 
+// One that is stopped takes connections as long as the kernel keeps them, and answers nothing.
+TEST_F(Service, OneThatIsBusyIsWaitedFor) {
+  serve({"--workers", "0"});
+  service_->send(SIGSTOP);
+  std::jthread later([&] {
+    std::this_thread::sleep_for(2500ms);
+    service_->send(SIGCONT);
+  });
+  const ProgramResult result = run({"status"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("waiting for the service at " + address_));
+}
+
 TEST_F(Service, TheSameBytesAsRender) {
   serve();
   const std::string job = submit({"--spp", "20", "--seed", "7", "-D", "albedo=0.3", "-o", "a.exr"});

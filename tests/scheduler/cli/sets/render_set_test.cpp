@@ -105,7 +105,11 @@ TEST_F(RenderSet, AnInterruptedRunForgetsNothingOfAnEarlierOne) {
   set.send(SIGINT);
   EXPECT_EQ(set.wait().exit_code, 1);
   write_small_scene(folder_ / "a.xml");
-  ASSERT_EQ(run({"a.xml", "b.xml", "c.xml", "-o", "out/"}).exit_code, 0);
+  const ProgramResult other = run({"a.xml", "b.xml", "c.xml", "-o", "out/"});
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_THAT(other.err, HasSubstr("cannot go on with out/a.exr.checkpoint"));
+  EXPECT_THAT(states(), ElementsAre("failed", "unchanged", "unchanged"));
+  ASSERT_EQ(run({"a.xml", "b.xml", "c.xml", "-o", "out/", "--restart"}).exit_code, 0);
   EXPECT_THAT(states(), ElementsAre("done", "unchanged", "unchanged"));
 }
 
@@ -182,7 +186,7 @@ out = "../out/{albedo}.exr"
   const ProgramResult set = run({"jobs/all.toml", "--workers", "2"});
   ASSERT_EQ(set.exit_code, 0) << set.err;
   // Those of higher priority first, then as they stand.
-  const auto json = nlohmann::json::parse(file_contents(folder_ / "out/jobs.json"));
+  const auto json = nlohmann::json::parse(file_contents(folder_ / "jobs/jobs.json"));
   std::vector<std::string> names;
   for (const auto& job : json["jobs"]) names.push_back(job["name"]);
   EXPECT_THAT(
@@ -204,7 +208,33 @@ out = "../out/{albedo}.exr"
   EXPECT_EQ(read_image(folder_ / "out/0.75.exr")->data.width, 8);
   // Nothing has changed.
   ASSERT_EQ(run({"jobs/all.toml"}).exit_code, 0);
-  EXPECT_THAT(states(), ::testing::Each("unchanged"));
+  EXPECT_THAT(states("jobs/jobs.json"), ::testing::Each("unchanged"));
+}
+
+TEST_F(RenderSet, RendersThatComeGoOrMoveRenderNoOtherAnew) {
+  const auto render = [](const std::string& scene, const std::string& more) {
+    return "[[render]]\nscene = \"" + scene + ".xml\"\nout = \"" + scene + "/{scene}.exr\"\n" + more + "\n";
+  };
+  const auto states_of = [&](const std::string& jobs) {
+    write_text(folder_ / "jobs.toml", jobs);
+    const ProgramResult set = run({"jobs.toml"});
+    EXPECT_EQ(set.exit_code, 0) << set.err;
+    return states("jobs.json");
+  };
+  const std::string first = render("a", "priority = 1"), plain = render("a", ""), second = render("b", ""),
+                    third = render("c", "priority = 3");
+  EXPECT_THAT(states_of(first + second), ElementsAre("done", "done"));
+  EXPECT_THAT(states_of(plain + second), ElementsAre("unchanged", "unchanged"));
+  EXPECT_THAT(states_of(second + plain), ElementsAre("unchanged", "unchanged"));
+  EXPECT_THAT(states_of(third + first + second), ElementsAre("done", "unchanged", "unchanged"));
+  EXPECT_THAT(states_of(second), ElementsAre("unchanged"));
+  EXPECT_THAT(states_of(third + first + second), ElementsAre("unchanged", "unchanged", "unchanged"));
+  // Another job file of this folder has the same summary.
+  write_text(folder_ / "other.toml", render("d", ""));
+  write_small_scene(folder_ / "d.xml");
+  ASSERT_EQ(run({"other.toml"}).exit_code, 0);
+  EXPECT_THAT(states("jobs.json"), ElementsAre("done"));
+  EXPECT_THAT(states_of(first + second), ElementsAre("unchanged", "unchanged"));
 }
 
 TEST_F(RenderSet, WhatTheCommandSaysCountsForAllOfAJobFile) {

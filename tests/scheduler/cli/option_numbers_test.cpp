@@ -1,0 +1,120 @@
+// Every number of every command line: what is none, and what is beyond its limits, is bad usage.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <regex>
+#include <set>
+
+#include "tests/support/program.h"
+#include "tests/support/temporary_folder.h"
+
+namespace penumbra::option_numbers_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+using Arguments = std::vector<std::string>;
+
+/// What each command needs besides. None of it is there, so that nothing happens if a number is taken.
+const std::map<std::string, Arguments> kCommands = {
+    {"render", {"none.xml"}},
+    {"preview", {"none.xml"}},
+    {"info", {"none.xml"}},
+    {"keys", {"none/none"}},
+    {"settings", {}},
+    {"plugins", {}},
+    {"convert", {"none.xml", "none/none.xml"}},
+    {"compare", {"none.exr", "none.exr"}},
+    {"report", {"none.xml", "-o", "none"}},
+    {"serve", {"--listen", "unix:none/none", "--spool", "none/none"}},
+    {"submit", {"none.xml", "--to", "unix:none"}},
+    {"status", {"--to", "unix:none"}},
+    {"cancel", {"1", "--to", "unix:none"}},
+    {"prioritize", {"1", "1", "--to", "unix:none"}},
+    {"fetch", {"1", "--to", "unix:none"}},
+    {"worker", {"--connect", "unix:none", "--retry-for=0"}},
+    {"view", {"none.xml"}},
+    {"stress", {"--list"}},
+};
+/// What options take, as the help calls it.
+const std::set<std::string> kNumbers = {"N",   "S",     "SECONDS", "P",    "E", "SHARE",
+                                        "INT", "STOPS", "DAYS",    "SIZE", "EV"};
+const std::set<std::string> kTexts = {"NAME",    "KEY",   "FILE", "FOLDER", "ADDRESS", "HOST",
+                                      "COMMAND", "TEXT",  "X",    "METRIC", "MAP",     "LOW",
+                                      "KIND",    "PLACE", "DIR",  "A"};
+const std::set<std::string> kMayBeNegative = {"--exposure", "--priority", "PRIORITY"};
+
+const std::set<std::string> kMayBeInfinite = {"--retry-for"};
+
+struct Numbered {
+  std::string command, option, limits;
+};
+
+std::vector<Numbered> numbers_of(const std::string& command) {
+  const TemporaryFolder folder;
+  const ProgramResult help = run_penumbra(folder.path(), {command, "--help"});
+  EXPECT_EQ(help.exit_code, 0) << command;
+  // "  -o,--option TYPE:LOW to HIGH=DEFAULT ..."
+  static const std::regex option(
+      "^ +(?:-\\w,)?(--[a-z][a-z-]*)(?:,--[a-z-]+)* ([A-Z]+)(?![A-Za-z])([^ ]*(?: to [0-9]+)?)");
+  std::vector<Numbered> numbers;
+  std::istringstream lines(help.out);
+  for (std::string line; std::getline(lines, line);) {
+    std::smatch found;
+    if (!std::regex_search(line, found, option)) continue;
+    EXPECT_TRUE(kNumbers.contains(found[2]) || kTexts.contains(found[2]))
+        << line << ": what kind of value is that?";
+    if (kNumbers.contains(found[2])) numbers.push_back({command, found[1], found[3]});
+  }
+  return numbers;
+}
+
+class OptionNumbers : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(OptionNumbers, AreFiniteAndWithinTheirLimits) {
+  const TemporaryFolder folder;
+  for (const auto& [command, option, limits] : numbers_of(GetParam())) {
+    Arguments bad = {"nan", "inf", "-inf", "1e999", "", "5x", "word"};
+    if (!kMayBeNegative.contains(option) && !limits.contains("-")) bad.insert(bad.end(), {"-1", "-1e-300"});
+    if (kMayBeInfinite.contains(option))
+      std::erase_if(bad, [](const auto& v) { return v == "inf" || v == "1e999"; });
+    static const std::regex range(":(-?[0-9]+) to (-?[0-9]+)");
+    std::smatch found;
+    if (std::regex_search(limits, found, range)) {
+      bad.push_back(std::to_string(std::stoll(found[1]) - 1));
+      bad.push_back(found[2].str() + "0");
+    }
+    for (const std::string& value : bad) {
+      Arguments arguments = kCommands.at(command);
+      arguments.insert(arguments.begin(), command);
+      std::erase_if(arguments, [&](const std::string& word) { return word.starts_with(option + "="); });
+      arguments.push_back(option + "=" + value);
+      const ProgramResult result = run_penumbra(folder.path(), arguments);
+      EXPECT_EQ(result.exit_code, 2) << command << " " << option << "=" << value;
+      EXPECT_THAT(result.err, HasSubstr(option)) << command << " " << option << "=" << value;
+    }
+  }
+}
+
+std::vector<std::string> names() {
+  std::vector<std::string> names;
+  for (const auto& [name, arguments] : kCommands) names.push_back(name);
+  return names;
+}
+INSTANTIATE_TEST_SUITE_P(Commands, OptionNumbers, ::testing::ValuesIn(names()),
+                         [](const auto& command) { return command.param; });
+
+TEST(OptionNumbersOf, KnowEveryCommand) {
+  const TemporaryFolder folder;
+  std::istringstream lines(run_penumbra(folder.path(), {"complete", ""}).out);
+  for (std::string line; std::getline(lines, line);) {
+    const std::string command = line.substr(0, line.find_first_of(" \t"));
+    if (command.empty() || command.starts_with("-")) continue;
+    if (command == "man" || command == "complete" || command == "completion") continue;
+    EXPECT_TRUE(kCommands.contains(command)) << command;
+  }
+}
+
+}  // namespace
+}  // namespace penumbra::option_numbers_test

@@ -1,0 +1,16 @@
+// A scene as a file of Mitsuba 3 in a test's folder.
+#pragma once
+
+#include "scenes/mitsuba/scene_writer.h"
+#include "tests/support/temporary_folder.h"
+
+namespace penumbra {
+
+inline Expected<void> write_scene(const SceneDescription& scene, const std::filesystem::path& path) {
+  const auto files = mitsuba::scene_files(scene, path);
+  if (!files) return std::unexpected(files.error());
+  for (const mitsuba::SceneFile& file : *files) write_text(file.path, file.contents);
+  return {};
+}
+
+}  // namespace penumbra
