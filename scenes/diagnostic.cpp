@@ -34,32 +34,43 @@ std::string_view line_at(const SourceFile& file, std::size_t offset, std::size_t
   return line;
 }
 
-/// Where the file's lines begin.
-const std::vector<std::size_t>& line_starts(const SourceFile& file) {
-  std::vector<std::size_t>& starts = file.line_starts;
-  if (starts.empty()) {
-    starts.push_back(0);
-    for (std::size_t at = file.text.find('\n'); at != file.text.npos; at = file.text.find('\n', at + 1))
-      starts.push_back(at + 1);
+/// Sorted. Those within a line are at most about kMarkBytes apart, so that no place takes long to find.
+const std::vector<SourceFile::Mark>& marks_of(const SourceFile& file) {
+  constexpr std::size_t kMarkBytes = 4096;
+  std::vector<SourceFile::Mark>& marks = file.marks;
+  if (!marks.empty()) return marks;
+  const std::string_view text = file.text;
+  std::size_t start = 0;
+  for (std::size_t line = 1; start != text.npos; ++line) {
+    const std::size_t line_feed = text.find('\n', start), end = std::min(line_feed, text.size());
+    marks.push_back({start, {line, 1}});
+    std::size_t column = 1;
+    for (std::size_t at = start; end - at > kMarkBytes;) {
+      for (const std::size_t next = at + kMarkBytes; at < next; ++column)
+        at += std::max<std::size_t>(1, character_length(text, at));
+      if (at < end) marks.push_back({at, {line, column}});
+    }
+    start = line_feed == text.npos ? line_feed : line_feed + 1;
   }
-  return starts;
+  return marks;
 }
 
 }  // namespace
 
 LineColumn line_and_column(SourceLocation location) {
   const std::string_view text = location.file->text;
-  const std::vector<std::size_t>& starts = line_starts(*location.file);
   const std::size_t offset = std::min(location.offset, text.size());
-  const auto after = std::upper_bound(starts.begin(), starts.end(), offset);
-  const std::size_t start = *std::prev(after);
-  const std::string_view before = text.substr(start, offset - start);
-  return {static_cast<std::size_t>(after - starts.begin()), 1 + count_characters(before)};
+  const SourceFile::Mark& mark =
+      *std::prev(std::ranges::upper_bound(marks_of(*location.file), offset, {}, &SourceFile::Mark::offset));
+  return {mark.place.line,
+          mark.place.column + count_characters(text.substr(mark.offset, offset - mark.offset))};
 }
 
 SourceLocation location_of(const SourceFile& file, LineColumn place) {
-  const std::vector<std::size_t>& starts = line_starts(file);
-  std::size_t at = starts[std::clamp<std::size_t>(place.line, 1, starts.size()) - 1];
+  const std::vector<SourceFile::Mark>& marks = marks_of(file);
+  const std::size_t line = std::clamp<std::size_t>(place.line, 1, marks.back().place.line);
+  std::size_t at =
+      std::ranges::lower_bound(marks, line, {}, [](const auto& m) { return m.place.line; })->offset;
   for (std::size_t column = 1; column < place.column && at < file.text.size() && file.text[at] != '\n';
        ++column) {
     ++at;

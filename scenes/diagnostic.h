@@ -17,22 +17,27 @@
 
 namespace penumbra {
 
+struct LineColumn {
+  std::size_t line = 1;    ///< from 1
+  std::size_t column = 1;  ///< from 1, in characters
+};
+
 /// A text file in memory, kept as long as anything may be reported about it; its text must not change then.
 struct SourceFile {
   std::filesystem::path path;  ///< as the user would write it
   std::string text;
-  mutable std::vector<std::size_t> line_starts = {};  ///< filled in when the first place is looked up
+  struct Mark {
+    std::size_t offset;
+    LineColumn place;
+  };
+  /// The start of each line, and places within long ones; filled in when the first place is looked up.
+  mutable std::vector<Mark> marks = {};
 };
 
 /// A place in a source file; without a file, nowhere in particular.
 struct SourceLocation {
   const SourceFile* file = nullptr;
   std::size_t offset = 0;  ///< in bytes
-};
-
-struct LineColumn {
-  std::size_t line = 1;    ///< from 1
-  std::size_t column = 1;  ///< from 1, in characters
 };
 
 /// Where `location` is in its file; past its end, the end.

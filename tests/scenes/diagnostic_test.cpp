@@ -47,6 +47,24 @@ TEST(Diagnostic, CountsColumnsInCodePointsAndKeepsTabs) {
   EXPECT_EQ(format_diagnostic({&file, 4}, "warning", "w"), "x:1:4: warning: w\n  \tä=1\n  \t  ^");
 }
 
+// Long lines have marks of their own.
+TEST(Diagnostic, PlacesInLongLinesAreCountedInCharacters) {
+  std::string text = "first\n";
+  for (int i = 0; i < 9000; ++i) text += i % 3 == 0 ? "\u00e4" : "b";
+  const SourceFile file{"x", text + "\nlast"};
+  std::size_t offset = 6;
+  for (std::size_t column = 1; column <= 9000; ++column) {
+    const LineColumn place = line_and_column({&file, offset});
+    ASSERT_EQ(place.line, 2u);
+    ASSERT_EQ(place.column, column);
+    ASSERT_EQ(location_of(file, place).offset, offset);
+    offset += column % 3 == 1 ? 2 : 1;
+  }
+  EXPECT_EQ(line_and_column({&file, text.size() + 1}).line, 3u);
+  EXPECT_EQ(line_and_column({&file, text.size() + 3}).column, 3u);
+  EXPECT_EQ(line_and_column({&file, 5}).column, 6u);
+}
+
 TEST(Diagnostic, CutsLongLinesAroundTheCaretAndHidesControlCharacters) {
   const SourceFile file{"x", std::string(5000, 'a') + "\x1b[31mB" + std::string(5000, 'c')};
   const std::string text = format_diagnostic({&file, 5005}, "error", "e");
