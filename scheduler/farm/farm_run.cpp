@@ -314,8 +314,7 @@ void FarmRun::dismiss_all() {
 }
 
 void FarmRun::worker_ended(const ChildExit& exit) {
-  if (workers_here_->launches())
-    return problem(fmt::format("the launcher of workers ended: {}", exit.how));
+  if (workers_here_->launches()) return problem(fmt::format("the launcher of workers ended: {}", exit.how));
   const auto found = std::ranges::find_if(
       workers_, [&](const auto& w) { return w.second.pid == exit.pid && !w.second.ended; });
   if (found == workers_.end()) {
