@@ -32,7 +32,7 @@ bool is_flat(const Mesh& mesh, const glm::uvec3& t) {
   return !(glm::length(glm::cross((b - a) / longest, (c - a) / longest)) > kFlatTriangle);
 }
 
-/// Whose area is too small for single precision, but no shape of something.
+/// Whether its area, if it has any, is too small for single precision.
 bool is_tiny(const Mesh& mesh, const glm::uvec3& t) { return !(triangle_cross(mesh, t) > kSmallestCross); }
 
 std::size_t drop_flat_triangles(Mesh& mesh) {

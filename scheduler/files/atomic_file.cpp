@@ -48,6 +48,13 @@ bool remove_if_abandoned(const fs::path& name) {
   return unlink(name.c_str()) == 0;
 }
 
+/// What is abandoned of the parts of that number and those that follow it.
+void remove_abandoned_from(const fs::path& path, int number) {
+  std::error_code ignored;
+  for (; number < kMostParts && fs::exists(part_name(path, number), ignored); ++number)
+    remove_if_abandoned(part_name(path, number));
+}
+
 struct Part {
   fs::path name;
   OwnedDescriptor descriptor;  ///< locked; negative: errno says why there is none
@@ -68,9 +75,7 @@ Part new_part(const fs::path& path) {
     flock(part.descriptor.get(), LOCK_EX);
     // Who looks for abandoned ones may have been between the two.
     if (fstat(part.descriptor.get(), &status) == 0 && status.st_nlink == 0) continue;
-    std::error_code ignored;
-    for (int next = number + 1; next < kMostParts && fs::exists(part_name(path, next), ignored); ++next)
-      remove_if_abandoned(part_name(path, next));
+    remove_abandoned_from(path, number + 1);
     return part;
   }
   errno = EEXIST;
@@ -174,11 +179,7 @@ Expected<void> write_file_atomically(const fs::path& path, std::span<const std::
   return staged->rename_into_place();
 }
 
-void remove_abandoned_parts(const fs::path& path) {
-  std::error_code ignored;
-  for (int number = 0; number < kMostParts && fs::exists(part_name(path, number), ignored); ++number)
-    remove_if_abandoned(part_name(path, number));
-}
+void remove_abandoned_parts(const fs::path& path) { remove_abandoned_from(path, 0); }
 
 void remove_all_abandoned_parts(const fs::path& folder) {
   std::error_code error;
