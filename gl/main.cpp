@@ -1,6 +1,5 @@
 // penumbra-view: a window on a scene or on a render that is under way.
 #include <fmt/format.h>
-#include <grpc/grpc.h>
 
 #include <exception>
 #include <limits>
@@ -159,7 +158,7 @@ int main(int argc, char** argv) {
   penumbra::begin_program("penumbra-view");
   penumbra::keep_message_memory();
   penumbra::route_grpc_log();
-  grpc_init();  // for good: its end may wait ten seconds for a poll
+  penumbra::keep_grpc_running();
   try {
     return penumbra::end_program(penumbra::run(argc, argv));
   } catch (const std::exception& error) {

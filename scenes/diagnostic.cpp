@@ -138,7 +138,20 @@ void Diagnostics::warn(SourceLocation location, std::string_view message) {
   if (seen_.insert(text).second) warnings_.push_back(std::move(text));
 }
 
+void Diagnostics::warn_counted(SourceLocation location, std::string_view message) {
+  if (const auto known = counted_.find(message); known != counted_.end()) {
+    known->second.count += seen_.insert(format_message(location, "warning", message)).second ? 1 : 0;
+    return;
+  }
+  const std::size_t index = warnings_.size();
+  warn(location, message);
+  if (warnings_.size() > index) counted_.emplace(message, Counted{index, 1});
+}
+
 std::vector<std::string> Diagnostics::take_warnings() {
+  for (const auto& [message, counted] : counted_)
+    if (counted.count > 1) warnings_[counted.warning] += fmt::format(" ({} times)", counted.count);
+  counted_.clear();
   if (more_warnings_ > 0) warnings_.push_back(fmt::format("warning: and {} more", more_warnings_));
   return std::move(warnings_);
 }

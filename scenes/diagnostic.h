@@ -4,7 +4,9 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <initializer_list>
+#include <map>
 #include <optional>
 #include <set>
 #include <span>
@@ -71,6 +73,8 @@ class Diagnostics {
   /// An error that has its place in its text already.
   void error_text(std::string text);
   void warn(SourceLocation location, std::string_view message);
+  /// One that is the same wherever it is found: at the first place alone, with how often it was found.
+  void warn_counted(SourceLocation location, std::string_view message);
 
   [[nodiscard]] bool failed() const { return !errors_.empty(); }
   /// There are so many errors that more would not be shown: a reader may stop here, and should.
@@ -84,6 +88,11 @@ class Diagnostics {
   std::vector<std::string> errors_;
   std::vector<std::string> warnings_;
   std::size_t more_warnings_ = 0;
+  struct Counted {
+    std::size_t warning;  ///< index of the first
+    std::size_t count;
+  };
+  std::map<std::string, Counted, std::less<>> counted_;  ///< by message
   std::set<std::string> seen_;  ///< an object that several others refer to is read for each of them
 };
 

@@ -26,15 +26,27 @@ struct FaceFindings {
   OddFaces warped;  ///< not flat: a corner is further off the face's plane than kFlatFace of its extent
   double deviation = 0.0;  ///< the most that one is off, of its extent
   OddFaces tangled;        ///< they cross themselves (see Triangulation)
+  OddFaces too_short;      ///< of fewer than three corners, which are left out
+  OddFaces untextured;     ///< a corner lacks the texture coordinates that others of the mesh have
 };
 
 /// "2 faces are not flat (by up to 0.1 of its extent); cut into flat triangles".
 std::string describe_warped(const FaceFindings& findings);
 /// "1 face folds over or back on itself; cut into fans of triangles that overlap".
 std::string describe_tangled(const FaceFindings& findings);
+/// "2 faces have fewer than 3 corners; they are left out".
+std::string describe_too_short(const FaceFindings& findings);
+/// "1 face has corners without texture coordinates; (0, 0) stands in for them".
+std::string describe_untextured(const FaceFindings& findings);
+
+/// What all formats warn of, each with the first face that it is about: all but that faces are warped.
+std::vector<std::string> describe(const FaceFindings& findings);
+
+/// One more face of that kind: at `location`, or without a file called `name`.
+void note(OddFaces& faces, SourceLocation location, std::string_view name);
 
 /// Cuts the face whose corners lie at `outline` (see triangulate) and adds its triangles, over the vertices
-/// of the same numbers. It is at `location`, or without a file the one called `name`.
+/// of the same numbers; none where there are fewer than three. It is at `location`, or without a file the one called `name`.
 Expected<void> cut_face(std::span<const glm::dvec3> outline, std::span<const std::uint32_t> vertices,
                         SourceLocation location, std::string_view name, std::vector<glm::uvec3>& triangles,
                         FaceFindings& findings);

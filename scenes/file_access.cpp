@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 #include <xxhash.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <utility>
 #include <vector>
 
 #include "kernels/host/plain_file.h"
+#include "scenes/names.h"
 
 namespace penumbra {
 
@@ -28,6 +30,59 @@ Expected<void> take_byte_order_mark(std::string& text) {
   if (start.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
   return {};
 }
+
+/// The file of a path that differs only in the case of letters; of several, the first by name.
+std::optional<fs::path> find_in_any_case(const fs::path& path) {
+  std::error_code ignored;
+  fs::path found;
+  for (const fs::path& part : path) {
+    if (fs::path exact = found / part; fs::exists(exact, ignored)) {
+      found = std::move(exact);
+      continue;
+    }
+    std::optional<fs::path> best;
+    const std::string wanted = to_lower_case(part.string());
+    for (const fs::directory_entry& entry :
+         fs::directory_iterator(found.empty() ? "." : found, fs::directory_options::skip_permission_denied, ignored)) {
+      const fs::path name = entry.path().filename();
+      if (to_lower_case(name.string()) == wanted && (!best || name < *best)) best = name;
+    }
+    if (!best) return std::nullopt;
+    found /= *best;
+  }
+  return found;
+}
+
+/// What a gzip file unpacks to.
+Expected<std::string> unpacked(const std::string& packed, std::uint64_t max_bytes) {
+  z_stream stream{};
+  constexpr int kGzip = 15 + 16;  // the largest window, and its header
+  if (inflateInit2(&stream, kGzip) != Z_OK) return fail("cannot be unpacked: no memory");
+  std::string result;
+  std::vector<char> part(std::size_t{1} << 20);
+  std::size_t at = 0;
+  int state = Z_OK;
+  while (state == Z_OK && result.size() <= max_bytes) {
+    if (stream.avail_in == 0) {
+      const std::size_t next = std::min(packed.size() - at, std::size_t{1} << 30);  // zlib counts in 32 bits
+      stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data() + at));
+      stream.avail_in = uInt(next);
+      at += next;
+    }
+    stream.next_out = reinterpret_cast<Bytef*>(part.data());
+    stream.avail_out = uInt(part.size());
+    state = inflate(&stream, Z_NO_FLUSH);
+    result.append(part.data(), part.size() - stream.avail_out);
+    // A file may be several, one after the other.
+    if (state == Z_STREAM_END && (stream.avail_in > 0 || at < packed.size())) state = inflateReset(&stream);
+  }
+  inflateEnd(&stream);
+  if (result.size() > max_bytes) return fail(fmt::format("unpacks to more than {} bytes", max_bytes));
+  if (state != Z_STREAM_END) return fail("is damaged or ends early: it cannot be unpacked");
+  return result;
+}
+
+constexpr std::string_view kLfsPointer = "version https://git-lfs.github.com/spec/";
 
 }  // namespace
 
@@ -73,11 +128,28 @@ Expected<fs::path> FileAccess::find(std::string_view name, std::span<const fs::p
     const std::string place = candidate.parent_path().empty() ? "." : candidate.parent_path().string();
     if (std::find(places.begin(), places.end(), place) == places.end()) places.push_back(place);
   }
+  if (const auto found = find_nearly(name, candidates)) return *found;
   if (outside) {
     return fail(fmt::format("'{}' leads outside the folder that this scene is confined to, '{}'", name,
                             root_->string()));
   }
   return fail(fmt::format("there is no file '{}'; looked in: {}", name, list_names(places)));
+}
+
+std::optional<fs::path> FileAccess::find_nearly(std::string_view name,
+                                                const std::vector<fs::path>& candidates) const {
+  for (const fs::path& candidate : candidates) {
+    std::string path = candidate.string();
+    std::ranges::replace(path, '\\', '/');
+    const auto found = find_in_any_case(path);
+    if (!found || !allows(*found)) continue;
+    const std::string remark = fmt::format("'{}' is found as '{}': names of files are written with / and keep the "
+                                           "case of letters",
+                                           name, found->string());
+    if (std::ranges::find(remarks_, remark) == remarks_.end()) remarks_.push_back(remark);
+    return found;
+  }
+  return std::nullopt;
 }
 
 Expected<std::string> FileAccess::read_bytes(const fs::path& file, std::uint64_t max_bytes) const {
@@ -87,6 +159,13 @@ Expected<std::string> FileAccess::read_bytes(const fs::path& file, std::uint64_t
   }
   Expected<std::string> bytes = read_plain_file(file, max_bytes);
   if (!bytes) return bytes;
+  if (bytes->starts_with(kLfsPointer))
+    return fail(fmt::format("'{}' is a pointer of Git LFS, not the file itself: `git lfs pull` brings that",
+                            file.string()));
+  if (bytes->starts_with("\x1f\x8b")) {
+    bytes = unpacked(*bytes, max_bytes);
+    if (!bytes) return fail(fmt::format("'{}' {}", file.string(), bytes.error().message));
+  }
   files_read_.push_back(file);
   contents_hash_ = XXH3_64bits_withSeed(bytes->data(), bytes->size(), contents_hash_);
   return bytes;

@@ -25,19 +25,23 @@ class FileAccess {
   /// nor a symbolic link.
   explicit FileAccess(std::optional<std::filesystem::path> confine_to);
 
-  /// `name` itself if absolute, else the first of `folders` that has it. Errors: nowhere found (says where it
+  /// `name` itself if absolute, else the first of `folders` that has it. Where none has, back slashes count as
+  /// slashes, and capital letters as small ones: then remarks() say so. Errors: nowhere found (says where it
   /// looked), outside the confinement, longer than any name.
   [[nodiscard]] Expected<std::filesystem::path> find(std::string_view name,
                                                      std::span<const std::filesystem::path> folders) const;
 
-  /// All bytes of the file. Errors: as of read, but for those of text.
+  /// All bytes of the file; of one of gzip, unpacked. Errors: as of read, but for those of text.
   [[nodiscard]] Expected<std::string> read_bytes(const std::filesystem::path& file,
                                                  std::uint64_t max_bytes) const;
 
   /// The whole file, without the byte order mark of UTF-8. Errors: not there, not a plain file, larger than
-  /// `max_bytes`, unreadable, UTF-16 or UTF-32 by its byte order mark.
+  /// `max_bytes`, unreadable, a pointer of Git LFS, UTF-16 or UTF-32 by its byte order mark.
   [[nodiscard]] Expected<std::unique_ptr<SourceFile>> read(const std::filesystem::path& file,
                                                            std::uint64_t max_bytes) const;
+
+  /// What is odd about names that find() was given, in words for people; each once.
+  [[nodiscard]] const std::vector<std::string>& remarks() const { return remarks_; }
 
   /// Of the contents of all files read so far, in their order; not of where they are.
   [[nodiscard]] std::uint64_t contents_hash() const { return contents_hash_; }
@@ -49,9 +53,13 @@ class FileAccess {
   [[nodiscard]] const std::vector<std::filesystem::path>& files_read() const { return files_read_; }
 
  private:
+  [[nodiscard]] std::optional<std::filesystem::path> find_nearly(
+      std::string_view name, const std::vector<std::filesystem::path>& candidates) const;
+
   std::optional<std::filesystem::path> root_;
   mutable std::uint64_t contents_hash_ = 0;
   mutable std::vector<std::filesystem::path> files_read_;
+  mutable std::vector<std::string> remarks_;
 };
 
 }  // namespace penumbra

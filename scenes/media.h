@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <glm/glm.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -101,17 +102,22 @@ struct HomogeneousMedium : MediumCoefficients<glm::vec3> {
 struct HeterogeneousMedium : MediumCoefficients<GriddedColour> {
   static constexpr const char* kPlugin = "heterogeneous";
   static constexpr const char* kText =
-      "what varies in space: sigma_t is a gridvolume, outside of whose box there is nothing, and albedo "
+      "what varies in space: sigma_t is a gridvolume or a constvolume, outside of whose box there is nothing, and albedo "
       "may be one; holds a phase function";
 
-  void complete(Findings& findings) const {
-    if (!sigma_t.grid)
-      findings.push_back({"",
-                          "sigma_t is no grid, so the medium is the same everywhere, as 'homogeneous' is; "
-                          "Mitsuba's ends at the unit cube of sigma_t's to_world",
-                          true});
+  void complete(Findings& findings) {
     check_extinction(findings);
+    if (sigma_t.grid) return;
+    // As in Mitsuba 3, also one that is the same everywhere ends at the unit cube of its to_world.
+    static const auto kOne = std::make_shared<const VolumeGrid>(VolumeGrid{1, 1, 1, 1, {1.0f}});
+    density = GridVolume{kOne, sigma_t.to_world};
   }
+  [[nodiscard]] ParticipatingMedium medium() const {
+    ParticipatingMedium result = MediumCoefficients::medium();
+    if (density) result.density = density;
+    return result;
+  }
+  std::optional<GridVolume> density{};  ///< of a sigma_t that is no grid
 };
 
 struct IsotropicPhase {

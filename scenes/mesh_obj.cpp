@@ -152,15 +152,16 @@ class ObjReader {
     OpenGroup& group = open_group(location);
     polygon_.clear();
     outline_.clear();
+    bool is_textured = true;
     for (std::string_view token = scanner_.token(); !token.empty(); token = scanner_.token()) {
       const auto read = corner(token);
       if (!read) return std::unexpected(read.error());
       polygon_.push_back(vertex(group, *read));
       outline_.push_back(positions_[std::size_t(read->position)]);
+      is_textured = is_textured && read->texcoord >= 0;
     }
-    if (polygon_.size() < 3)
-      return scanner_.wrong(fmt::format("a face needs at least 3 corners, not {}", polygon_.size()));
     ObjGroup& result = group.result;
+    if (!is_textured) note(result.faces.untextured, location, "");
     const auto done = cut_face(outline_, polygon_, location, "", result.mesh.triangles, result.faces);
     if (!done) return fail(format_diagnostic(location, "error", done.error().message));
     return {};
@@ -201,10 +202,9 @@ class ObjReader {
   void fill_vertices(OpenGroup& group) const {
     const std::vector<Corner>& corners = group.corners;
     Mesh& mesh = group.result.mesh;
-    const bool all_normals =
-        std::all_of(corners.begin(), corners.end(), [](const Corner& c) { return c.normal >= 0; });
-    const bool all_texcoords =
-        std::all_of(corners.begin(), corners.end(), [](const Corner& c) { return c.texcoord >= 0; });
+    const bool has_normals = std::ranges::any_of(corners, [](const Corner& c) { return c.normal >= 0; });
+    const bool has_texcoords = std::ranges::any_of(corners, [](const Corner& c) { return c.texcoord >= 0; });
+    if (!has_texcoords) group.result.faces.untextured = {};
     mesh.positions.reserve(corners.size());
     for (const Corner& each : corners) {
       mesh.positions.push_back(positions_[std::size_t(each.position)]);
@@ -212,8 +212,11 @@ class ObjReader {
         mesh.colours.push_back(std::size_t(each.position) < colours_.size()
                                    ? colours_[std::size_t(each.position)]
                                    : glm::vec3(1.0f));
-      if (all_normals) mesh.normals.push_back(normals_[std::size_t(each.normal)]);
-      if (all_texcoords) mesh.texcoords.push_back(texcoords_[std::size_t(each.texcoord)]);
+      if (has_normals)
+        mesh.normals.push_back(each.normal >= 0 ? normals_[std::size_t(each.normal)] : glm::dvec3(0.0));
+      if (has_texcoords)
+        mesh.texcoords.push_back(each.texcoord >= 0 ? texcoords_[std::size_t(each.texcoord)]
+                                                    : glm::dvec2(0.0));
     }
   }
 

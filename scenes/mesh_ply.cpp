@@ -412,9 +412,6 @@ class PlyReader {
   }
 
   Expected<void> add_face(const Element& element, std::uint64_t number) {
-    if (polygon_.size() < 3) {
-      return wrong(element, number, fmt::format("a face needs at least 3 corners, not {}", polygon_.size()));
-    }
     const std::uint64_t vertices = element_named("vertex")->count;
     for (const double index : polygon_) {
       if (!(index >= 0.0) || index >= double(vertices) || index != std::floor(index)) {
@@ -433,7 +430,7 @@ class PlyReader {
                              const std::optional<glm::vec3>& colour) {
     outline_.clear();
     for (const std::uint32_t corner : corners) outline_.push_back(mesh_.positions[corner]);
-    const std::string name = corners.size() > 3 ? fmt::format("face {}", number) : "";
+    const std::string name = corners.size() != 3 ? fmt::format("face {}", number) : "";
     if (const auto done = cut_face(outline_, corners, {}, name, mesh_.triangles, faces_); !done)
       return fail(fmt::format("{}: error: {}: {}", file_.path.string(), name, done.error().message));
     if (colour) mesh_.face_colours.resize(mesh_.triangles.size(), *colour);

@@ -21,11 +21,13 @@ struct MeshFile {
   Mesh mesh;
   FaceFindings faces;
   bool face_normals = false;  ///< the file says that vertex normals are not wanted
+  std::vector<std::string> warnings = {};
 };
 
 /// Positions, faces (see triangulate), texture coordinates and normals as the file has them, in the file's
-/// own space. Corners with the same position, texture and normal index share a vertex; normals and texture
-/// coordinates are kept only if every corner has them. Groups, materials, lines and points are passed over.
+/// own space. Corners with the same position, texture and normal index share a vertex. Where some corners
+/// lack a normal or texture coordinates that others have, theirs are zero: place_mesh computes such normals.
+/// Faces of fewer than three corners are left out. Groups, materials, lines and points are passed over.
 /// Errors, with line and column: unknown statements, malformed or non-finite numbers, indices out of
 /// range, faces that cannot be cut into triangles.
 Expected<MeshFile> read_obj(const SourceFile& file);

@@ -153,7 +153,9 @@ class SerializedReader {
     const auto flags = stream.number<std::uint32_t>();
     if (!flags) return std::unexpected(flags.error());
     if ((*flags & ~kKnownFlags) != 0)
-      return fail(fmt::format("its flags {:#06x} have a meaning that is not known", *flags));
+      result_.warnings.push_back(
+          fmt::format("mesh {}: its flags {:#06x} have a meaning that is not known; they are ignored", index_,
+                      *flags & ~kKnownFlags));
     const int version = number_at<std::uint16_t>(bytes_, std::size_t(*offset()) + 2);
     if (version >= 4) {
       if (auto done = skip_name(stream); !done) return done;

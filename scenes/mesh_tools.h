@@ -10,7 +10,7 @@ namespace penumbra {
 
 struct MeshCleaning {
   std::size_t flat_triangles = 0;  ///< left out: they have no area
-  std::size_t bad_normals = 0;     ///< of no length or an infinite one: replaced by computed ones
+  std::size_t bad_normals = 0;     ///< missing, of no length or an infinite one: replaced by computed ones
 };
 
 /// Takes a mesh from its own space to the world's and makes it fit to render:

@@ -6,10 +6,6 @@
 
 namespace penumbra {
 
-void ReaderReport::warn_once(SourceLocation location, const std::string& message) {
-  if (said_.insert(message).second) warn(location, message);
-}
-
 void ReaderReport::unsupported(SourceLocation location, std::string_view message, std::string_view instead) {
   if (lenient_)
     warn(location, fmt::format("{}; {}", message, instead));
@@ -28,7 +24,7 @@ bool ReaderReport::place(Mesh& mesh, const glm::dmat4& to_world, bool face_norma
     warn(location,
          fmt::format("'{}': left out {} {} without area", name, flat, flat == 1 ? "triangle" : "triangles"));
   if (const std::size_t bad = cleaning->bad_normals; bad > 0)
-    warn(location, fmt::format("'{}': {} of no length; computed from the faces", name,
+    warn(location, fmt::format("'{}': {} missing or of no length; computed from the faces", name,
                                bad == 1 ? "1 normal is" : fmt::format("{} normals are", bad)));
   if (!mesh.triangles.empty()) return true;
   warn(location, fmt::format("'{}' has no triangles; it is left out", name));

@@ -1,7 +1,6 @@
 // What readers of other programs' formats say of what they cannot read as it is, beside plain errors.
 #pragma once
 
-#include <set>
 #include <string>
 #include <string_view>
 
@@ -17,8 +16,10 @@ class ReaderReport {
   void error(SourceLocation location, std::string_view message) { diagnostics_.error(location, message); }
   void warn(SourceLocation location, std::string_view message) { diagnostics_.warn(location, message); }
 
-  /// A warning that is the same wherever it is found: at the first place alone.
-  void warn_once(SourceLocation location, const std::string& message);
+  /// See Diagnostics::warn_counted.
+  void warn_counted(SourceLocation location, std::string_view message) {
+    diagnostics_.warn_counted(location, message);
+  }
 
   /// What there is no counterpart for: an error, or with leniency a warning that ends in `instead`, "it is
   /// left out" for example.
@@ -35,7 +36,6 @@ class ReaderReport {
  private:
   Diagnostics& diagnostics_;
   bool lenient_;
-  std::set<std::string> said_;
 };
 
 /// What stands in for a material or a texture that is not read: nothing in nature has this colour.

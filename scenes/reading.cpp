@@ -17,6 +17,7 @@ Expected<SceneDescription> Reading::finish(SceneDescription scene, SourceLocatio
   if (!failed() && root.file != nullptr && options.settings.empty())
     if (const auto checked = check_settings(scene); !checked)
       diagnostics.error(root, checked.error().message);
+  for (const std::string& remark : files.remarks()) diagnostics.warn(root, remark);
   if (failed()) return error();
   scene.contents_hash = files.contents_hash();
   scene.warnings = diagnostics.take_warnings();

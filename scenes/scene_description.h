@@ -60,6 +60,7 @@ using Geometry = std::variant<Mesh, Sphere, Disk, Cylinder>;
 
 struct Shape {
   std::string name;  ///< for messages
+  std::string id{};  ///< that its file gives it; may be empty
   Geometry geometry;
   int front_bsdf = kBlackBsdf;  ///< index into SceneDescription::bsdfs; kBlackBsdf absorbs everything
   int back_bsdf = kBlackBsdf;

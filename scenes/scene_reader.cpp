@@ -1,6 +1,7 @@
 #include "scenes/scene_reader.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <fstream>
@@ -57,7 +58,7 @@ char first_character(const std::filesystem::path& file) {
 }
 
 const Format* format_of(const std::filesystem::path& file) {
-  const std::string extension = extension_of(file);
+  const std::string extension = extension_of(extension_of(file) == ".gz" ? file.stem() : file);
   for (const Format& each : formats()) {
     if (each.extension == extension && each.may_be(file)) return &each;
   }
@@ -133,6 +134,8 @@ Expected<SceneDescription> read_scene(const std::filesystem::path& file, const R
     return fail(fmt::format("{}: {}", file.string(), done.error().message));
   }
   warn_of_emptiness(*scene);
+  if (options.strict && !scene->warnings.empty())
+    return fail(fmt::format("{}\n{}: warnings count as errors here", fmt::join(scene->warnings, "\n"), file.string()));
   return scene;
 }
 

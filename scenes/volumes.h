@@ -16,6 +16,7 @@ namespace penumbra {
 struct GriddedColour {
   glm::vec3 value{0.0f};
   std::optional<GridVolume> grid{};
+  glm::dmat4 to_world{1.0};  ///< of one that is the same everywhere: where the unit cube is
   GriddedColour() = default;
   GriddedColour(const glm::vec3& plain) : value(plain) {}
   /// At least all that it is anywhere.

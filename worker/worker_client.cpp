@@ -18,6 +18,7 @@
 #include <utility>
 #include <variant>
 
+#include "penumbra.grpc.pb.h"
 #include "kernels/host/host_name.h"
 #include "kernels/host/peak_memory.h"
 #include "kernels/host/stopwatch.h"

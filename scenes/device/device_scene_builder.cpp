@@ -156,7 +156,7 @@ class Builder {
     if (!media_->empty()) {
       if (Expected<void> done = media_->fill(center_, records_); !done) return done;
       h_.families |= 1u << FAMILY_PHASE;
-      h_.camera_medium = scene_.camera_medium + 1;
+      h_.camera_medium = media_->record_of(scene_.camera_medium);
       need(FEATURE_MEDIA | FEATURE_NESTED);
     }
     if (std::popcount(h_.families) > 1) need(FEATURE_MIXED_FAMILIES);

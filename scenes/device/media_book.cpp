@@ -27,6 +27,19 @@ int material_of_phase(const std::vector<PhaseLobe>& phase, SceneRecords& records
   return first_material + known;
 }
 
+bool equal(const std::optional<GridVolume>& a, const std::optional<GridVolume>& b) {
+  if (!a || !b) return !a && !b;
+  const VolumeGrid &g = *a->grid, &h = *b->grid;
+  return a->to_world == b->to_world && a->nearest == b->nearest &&
+         (&g == &h || (g.nx == h.nx && g.ny == h.ny && g.nz == h.nz && g.channels == h.channels &&
+                       g.values == h.values));
+}
+
+bool equal(const ParticipatingMedium& a, const ParticipatingMedium& b) {
+  return a.extinction == b.extinction && a.albedo == b.albedo && a.phase == b.phase &&
+         equal(a.density, b.density) && equal(a.albedo_grid, b.albedo_grid);
+}
+
 bool is_boundary(const Shape& shape) { return shape.interior != kNoMedium || shape.exterior != kNoMedium; }
 
 }  // namespace
@@ -47,6 +60,7 @@ std::map<int, std::string> boundary_names(const SceneDescription& scene) {
 
 MediaBook::MediaBook(const SceneDescription& scene, const std::vector<PlacedGroup>& placed) : scene_(scene) {
   if (!scene.integrator.is<VolpathIntegrator>()) return;
+  find_equal_media();
   std::size_t number = 0;
   for (const Shape& shape : scene.shapes) add(shape, number++);
   std::vector<bool> is_placed(scene.groups.size(), false);
@@ -61,11 +75,23 @@ MediaBook::MediaBook(const SceneDescription& scene, const std::vector<PlacedGrou
   empty_ = boundaries_.empty() && scene.camera_medium == kNoMedium;
 }
 
+/// Media are told apart by what they are: the same one may be written twice, on both sides of a boundary too.
+void MediaBook::find_equal_media() {
+  std::vector<const ParticipatingMedium*> different;
+  for (const ParticipatingMedium& medium : scene_.media) {
+    const auto same = std::ranges::find_if(different, [&](const auto* each) { return equal(*each, medium); });
+    records_.push_back(int(same - different.begin()) + 1);
+    // More than there may be are not told apart.
+    if (same == different.end() && different.size() <= kMostMedia) different.push_back(&medium);
+  }
+  count_ = int(different.size());
+}
+
 void MediaBook::add(const Shape& shape, std::size_t number) {
   if (!is_boundary(shape)) return;
   Boundary boundary{};
-  boundary.interior = shape.interior + 1;
-  boundary.exterior = shape.exterior == kNoMedium ? -1 : shape.exterior + 1;
+  boundary.interior = record_of(shape.interior);
+  boundary.exterior = shape.exterior == kNoMedium ? -1 : record_of(shape.exterior);
   boundary.shape = int(number);
   numbers_.emplace(number, int(boundaries_.size()));
   boundaries_.push_back(boundary);
@@ -88,14 +114,16 @@ int MediaBook::of_group(int group, std::size_t index) const {
 
 Expected<void> MediaBook::fill(const glm::dvec3& center, SceneRecords& records) {
   if (empty_) return {};
-  if (scene_.media.size() > kMostMedia)
-    return fail(fmt::format("the scene has {} media; there may be {}", scene_.media.size(), kMostMedia));
+  if (std::size_t(count_) > kMostMedia)
+    return fail(fmt::format("the scene has {} media, more than {} that differ", scene_.media.size(), kMostMedia));
   Medium nothing{};
   nothing.density = nothing.albedo_grid = -1;
   records.media.push_back(nothing);
   VolumeTables volumes(center);
   const int first_material = int(records.materials.size());
-  for (const ParticipatingMedium& medium : scene_.media) {
+  for (std::size_t i = 0; i < scene_.media.size(); ++i) {
+    if (records_[i] < int(records.media.size())) continue;  // one that it equals is there
+    const ParticipatingMedium& medium = scene_.media[i];
     Medium record{};
     record.extinction = to_vec3(medium.extinction);
     record.albedo = to_vec3(medium.albedo);

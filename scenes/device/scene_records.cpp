@@ -32,6 +32,17 @@ TableSpan append(const std::vector<Record>& records, int least, AlignedVector<st
   return {int(records.size()), std::uint32_t(offset)};
 }
 
+/// Kernels look at the first triangle for rays that meet none. Where there is none, one with an area is there: its
+/// normal is a number.
+void put_placeholder_triangle(DeviceScene& scene) {
+  const TableSpan span = scene.header.tables.triangles;
+  if (span.count > 0) return;
+  Triangle triangle{};
+  triangle.p1.x = triangle.p2.y = 1.0f;
+  triangle.light = triangle.normals = -1;
+  std::memcpy(scene.words.data() + span.offset, &triangle, sizeof triangle);
+}
+
 }  // namespace
 
 void store(SceneRecords&& records, DeviceScene& scene) {
@@ -41,6 +52,7 @@ void store(SceneRecords&& records, DeviceScene& scene) {
   std::vector<record>().swap(records.name);
   SCENE_TABLES(MOVE_TABLE, _)
 #undef MOVE_TABLE
+  put_placeholder_triangle(scene);
 }
 
 }  // namespace penumbra

@@ -179,7 +179,7 @@ class SceneBuilder {
         read_light(asset_, wanted, to_world, report_, scene_);
     }
     if (node.skin >= 0)
-      report_.warn_once(location, "skins are ignored: their meshes are in the pose in which they are stored");
+      report_.warn_counted(location, "skins are ignored: their meshes are in the pose in which they are stored");
     if (there(node.mesh, asset_.model.meshes.size(), "mesh")) read_mesh(node, index, to_world);
   }
 
@@ -199,7 +199,7 @@ class SceneBuilder {
         continue;
       }
       if (!primitive.targets.empty())
-        report_.warn_once(location, "morph targets are ignored: meshes have their first shape");
+        report_.warn_counted(location, "morph targets are ignored: meshes have their first shape");
       if (primitive.material >= 0 && std::size_t(primitive.material) >= asset_.model.materials.size()) {
         report_.error(location, fmt::format("there is no material {}", primitive.material));
         continue;
@@ -222,7 +222,7 @@ class SceneBuilder {
     if (surface.has_normal_map) check_tangents(primitive, location);
     if (!report_.place(*mesh, to_world, faceted, name, location)) return;
     Shape shape;
-    shape.name = name;
+    shape.name = shape.id = name;
     shape.geometry = std::move(*mesh);
     shape.front_bsdf = surface.front;
     shape.back_bsdf = surface.back;
@@ -240,7 +240,7 @@ class SceneBuilder {
   /// Ours follow from the texture coordinates, as MikkTSpace's do, but for mirrored ones.
   void check_tangents(const tinygltf::Primitive& primitive, SourceLocation location) {
     if (primitive.attributes.contains("TANGENT"))
-      report_.warn_once(
+      report_.warn_counted(
           location,
           "TANGENT is ignored: the tangents of normal maps follow from the texture coordinates, "
           "and where those are mirrored, green counts the other way");

@@ -72,7 +72,7 @@ TextureUse MaterialBuilder::use(const tinygltf::TextureInfo& info, std::size_t m
   TextureUse use = texture_use(info.index, info.texCoord, info.extensions, place(material, name));
   if (!use.there()) return use;
   if (texcoord_ >= 0 && use.texcoord != texcoord_)
-    report_.warn_once(
+    report_.warn_counted(
         use.location,
         fmt::format("textures of '{}' use texture coordinates {} and {}; those of the first stand "
                     "in for the others",
@@ -100,7 +100,7 @@ TexturedColour MaterialBuilder::base_colour(const tinygltf::Material& material, 
   TexturedColour colour(factor);
   if (texture.there()) {
     if (coloured)
-      report_.warn_once(texture.location,
+      report_.warn_counted(texture.location,
                         "colours of vertices are left out where there is a texture of the base colour");
     if (const auto index = textures_.colours(texture)) colour.texture = textures_.scaled(*index, factor);
   } else if (coloured) {
@@ -137,7 +137,7 @@ SurfaceMaterial MaterialBuilder::opaque_part(const tinygltf::Material& material,
   }
   const float eta = index_with(index_of_refraction, number_of(specular, "specularFactor", 1.0));
   if (specular != nullptr)
-    report_.warn_once(
+    report_.warn_counted(
         place(index, "extensions"),
         "KHR_materials_specular: its factor becomes a refractive index with as much reflection along "
         "the normal; its colour and textures are ignored");
@@ -157,7 +157,7 @@ SurfaceMaterial MaterialBuilder::opaque_part(const tinygltf::Material& material,
     thin.spec_trans = transmitted;
     thin.eta = TexturedNumber(eta);
     if (metallic.value > 0.0f)
-      report_.warn_once(place(index, "pbrMetallicRoughness"),
+      report_.warn_counted(place(index, "pbrMetallicRoughness"),
                         "metalness is ignored where KHR_materials_transmission makes a thin pane");
     return surface_of(name, thin);
   }
@@ -168,9 +168,9 @@ SurfaceMaterial MaterialBuilder::opaque_part(const tinygltf::Material& material,
   solid.spec_trans = transmitted;
   solid.eta = solid.transmits() ? std::max(eta, 1.001f) : eta;
   if (solid.transmits())
-    report_.warn_once(place(index, "extensions"), "KHR_materials_volume: what it absorbs is ignored");
+    report_.warn_counted(place(index, "extensions"), "KHR_materials_volume: what it absorbs is ignored");
   if (coat != nullptr) {
-    report_.warn_once(place(index, "extensions"),
+    report_.warn_counted(place(index, "extensions"),
                       "KHR_materials_clearcoat is approximated by Disney's, which is a quarter as strong");
     solid.clearcoat = TexturedNumber(unit(number_of(coat, "clearcoatFactor", 0.0)));
     const double alpha = std::pow(number_of(coat, "clearcoatRoughnessFactor", 0.0), 2.0);
@@ -218,7 +218,7 @@ SurfaceOfMaterial MaterialBuilder::build(const tinygltf::Material& material, std
     }
   }
   if (material.occlusionTexture.index >= 0)
-    report_.warn_once(place(index, "occlusionTexture"),
+    report_.warn_counted(place(index, "occlusionTexture"),
                       "textures of occlusion are ignored: what they darken is computed");
   surface = with_alpha(material, index, std::move(surface));
   std::tie(result.front, result.back) = installer_.add(surface, scene_);
@@ -230,7 +230,7 @@ SurfaceOfMaterial MaterialBuilder::build(const tinygltf::Material& material, std
   emitted *= float(std::clamp(number_of(strength, "emissiveStrength", 1.0), 0.0, 1e30));
   TextureUse glow = use(material.emissiveTexture, index, "emissiveTexture");
   if (extension_of(material, "KHR_materials_unlit") != nullptr) {
-    report_.warn_once(place(index, "extensions"),
+    report_.warn_counted(place(index, "extensions"),
                       "KHR_materials_unlit: such surfaces are lamps of their base colour, and light others");
     emitted = colour_of(material.pbrMetallicRoughness.baseColorFactor);
     glow = use(material.pbrMetallicRoughness.baseColorTexture, index, "pbrMetallicRoughness");

@@ -44,7 +44,8 @@ TextureUse texture_use(int index, int texcoord, const tinygltf::ExtensionMap& ex
 std::string TextureBuilder::name_of(const TextureUse& use) const {
   const tinygltf::Texture& texture = asset_.model.textures[std::size_t(use.index)];
   const tinygltf::Image& image = asset_.model.images[std::size_t(texture.source)];
-  if (!image.uri.empty() && !image.uri.starts_with("data:")) return image.uri;
+  if (!image.uri.empty() && !image.uri.starts_with("data:"))
+    return (asset_.json->path.parent_path() / image.uri).string();
   // The ending tells readers the format, where the contents do not.
   const std::string ending = image.mimeType == "image/jpeg" ? ".jpg" : ".png";
   return fmt::format("{}: image {}{}{}", asset_.json->path.filename().string(), texture.source,

@@ -119,7 +119,7 @@ void read_light(const Asset& asset, int light, const glm::dmat4& to_world, Reade
       !(punctual.inner_angle >= 0.0 && punctual.inner_angle < punctual.outer_angle &&
         punctual.outer_angle <= 90.0))
     return report.error(location, "a spot has 0 <= innerConeAngle < outerConeAngle <= pi/2");
-  if (gltf.range > 0.0) report.warn_once(location, "the range of lights is ignored: theirs has no end");
+  if (gltf.range > 0.0) report.warn_counted(location, "the range of lights is ignored: theirs has no end");
   add_punctual_light(punctual, scene);
 }
 

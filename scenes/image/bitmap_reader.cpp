@@ -38,10 +38,10 @@ std::vector<std::size_t> chosen(const Names& names, BitmapChannels channels) {
     return {at ? *at : *grey};
   }
   if (names.size() == 1) return {0};
-  const std::size_t others = index_of(names, "A") ? 1 : 0;
-  if (const auto y = index_of(names, "Y"); y && names.size() == 1 + others) return {*y};
+  // Other layers are left out.
   const auto r = index_of(names, "R"), g = index_of(names, "G"), b = index_of(names, "B");
-  if (r && g && b && names.size() == 3 + others) return {*r, *g, *b};
+  if (r && g && b) return {*r, *g, *b};
+  if (const auto y = index_of(names, "Y")) return {*y};
   return {};
 }
 
@@ -84,6 +84,15 @@ void copy_channels(const ImageContents& image, std::span<const std::size_t> from
     }
 }
 
+/// A bitmap of three floats a texel, from linear colours of other primaries to Rec. 709.
+void convert_primaries(const ColorMatrix& matrix, Bitmap& bitmap) {
+  for (std::size_t i = 0; i + 2 < bitmap.words.size(); i += 3) {
+    const auto at = [&](std::size_t k) { return double(std::bit_cast<float>(bitmap.words[i + k])); };
+    const Color converted = transformed(matrix, {at(0), at(1), at(2)});
+    for (std::size_t k = 0; k < 3; ++k) bitmap.words[i + k] = std::bit_cast<std::uint32_t>(float(converted[k]));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> describe(const BitmapFindings& findings, const std::string& name, bool reflects) {
@@ -118,6 +127,10 @@ Expected<Bitmap> read_bitmap(const std::string& name, std::string_view contents,
         channels == BitmapChannels::kAll ? "a texture has Y, or R, G and B, each with A or without"
                                          : "the one that is asked for is not there"));
   }
+  const std::optional<ColorMatrix> matrix =
+      image->chromaticities ? rec709_from_rgb(*image->chromaticities) : std::nullopt;
+  if (image->chromaticities && !matrix)
+    return fail(fmt::format("'{}' has chromaticities that define no colours", name));
   Bitmap bitmap;
   bitmap.name = name;
   bitmap.width = image->width;
@@ -135,6 +148,7 @@ Expected<Bitmap> read_bitmap(const std::string& name, std::string_view contents,
     check_values<std::uint16_t>(bitmap.words, values, bitmap.width, bitmap.channels, findings);
   if (bitmap.type == TexelType::kFloat)
     check_values<float>(bitmap.words, values, bitmap.width, bitmap.channels, findings);
+  if (matrix && bitmap.channels == 3) convert_primaries(*matrix, bitmap);
   return bitmap;
 }
 

@@ -5,6 +5,8 @@
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <new>
 
 namespace penumbra {
@@ -46,6 +48,19 @@ OIIO::TypeDesc format_of(TexelType type) {
   }
 }
 
+/// The chromaticities of an image of linear light, if they are others than Rec. 709's.
+std::optional<Chromaticities> other_primaries(const OIIO::ImageSpec& spec) {
+  constexpr float kSame = 1e-4f;  // files have four decimals
+  const TexelType type = type_of(spec);
+  Chromaticities said{};
+  if ((type != TexelType::kHalf && type != TexelType::kFloat) ||
+      !spec.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, int(said.size())), said.data()))
+    return std::nullopt;
+  const bool same =
+      std::ranges::equal(said, kRec709, [](float a, float b) { return std::abs(a - b) <= kSame; });
+  return same ? std::nullopt : std::optional(said);
+}
+
 Expected<ImageContents> read_pixels(OIIO::ImageInput& input, std::size_t most_bytes) {
   const OIIO::ImageSpec& spec = input.spec();
   if (spec.deep) return fail("is a deep image; flatten it");
@@ -56,6 +71,8 @@ Expected<ImageContents> read_pixels(OIIO::ImageInput& input, std::size_t most_by
   image.height = spec.height;
   image.channels = spec.channelnames;
   image.type = type_of(spec);
+  image.chromaticities = other_primaries(spec);
+  if (image.chromaticities) image.type = TexelType::kFloat;
   const double bytes = double(spec.width) * spec.height * spec.nchannels * double(size_of(image.type));
   if (bytes > double(most_bytes)) {
     return fail(

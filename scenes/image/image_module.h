@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "kernels/host/chromaticities.h"
 #include "kernels/host/error.h"
 #include "scenes/image/bitmap.h"
 
@@ -18,6 +20,8 @@ struct ImageContents {
   std::vector<std::string> channels;  ///< names, in the order in which a texel has them
   TexelType type = TexelType::kByte;
   std::vector<std::byte> bytes;
+  /// Of R, G and B, where the file says others than Rec. 709's; its texels are floats then.
+  std::optional<Chromaticities> chromaticities = {};
 };
 
 /// What the module offers, under the name penumbra_texel_reader.

@@ -126,13 +126,17 @@ void accept_ways_of_working(PluginReader& plugin) {
   plugin.accept({"strict_normals", "samples_per_pass", "block_size", "timeout"});
 }
 
-void read_stand_in(const Context& context, PluginReader& plugin, const StandIn& stand_in,
-                   SceneDescription& scene) {
+/// The integrator that follows all light that there is.
+std::string_view path_tracer_of(const Context& context) {
   const bool media =
       std::ranges::any_of(context.tree.objects, [](const Object& each) { return each.tag == "medium"; });
-  const std::string_view ours = stand_in.stands_in != kThroughMedia ? stand_in.stands_in
-                                : media                             ? "volpath"
-                                                                    : "path";
+  return media ? "volpath" : "path";
+}
+
+void read_stand_in(const Context& context, PluginReader& plugin, const StandIn& stand_in,
+                   SceneDescription& scene) {
+  const std::string_view ours =
+      stand_in.stands_in != kThroughMedia ? stand_in.stands_in : path_tracer_of(context);
   if (const auto done = apply_setting(scene, "integrator.type", ours); !done)
     plugin.wrong(done.error().message);
   Names names{"hide_emitters", "hidden_emitters"};
@@ -155,9 +159,8 @@ Names integrator_parameter_names(const SceneDescription& scene, std::string_view
   return names;
 }
 
-}  // namespace
-
-void read_integrator(const Context& context, const Object& object, SceneDescription& scene) {
+/// With all that there is to say of it.
+void read_shown(const Context& context, const Object& object, SceneDescription& scene) {
   const Object* inner = unwrap(context, object);
   if (inner == nullptr) return;
   PluginReader plugin(context, *inner);
@@ -169,7 +172,9 @@ void read_integrator(const Context& context, const Object& object, SceneDescript
     names.insert(names.end(), types.begin(), types.end());
     const Names others = plugin_types(stand_ins());
     names.insert(names.end(), others.begin(), others.end());
-    context.unknown_plugin(*inner, names, "path stands in for it");
+    const std::string_view ours = path_tracer_of(context);
+    context.unknown_plugin(*inner, names, fmt::format("{} stands in for it", ours));
+    static_cast<void>(apply_setting(scene, "integrator.type", ours));
     plugin.settings(scene, "integrator", Names{"max_depth", "rr_depth", "hide_emitters", "hidden_emitters"});
     return;
   }
@@ -179,6 +184,15 @@ void read_integrator(const Context& context, const Object& object, SceneDescript
   accept_ways_of_working(plugin);
   if (inner->type == "volpathmis") plugin.accept({"use_spectral_mis"});
   plugin.finish();
+}
+
+}  // namespace
+
+void read_integrator(const Context& context, const Object& object, SceneDescription& scene) {
+  if (!context.is_replaced("integrator.type")) return read_shown(context, object, scene);
+  // What it has in common with the one of the command line counts; what is wrong with the rest does not.
+  Diagnostics unseen;
+  read_shown({context.tree, unseen, true, context.settings}, object, scene);
 }
 
 }  // namespace penumbra::mitsuba

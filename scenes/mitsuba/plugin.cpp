@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "scenes/mitsuba/spectrum_file.h"
 #include "scenes/mitsuba/spectrum_reader.h"
 #include "scenes/mitsuba/texture_reader.h"
 #include "scenes/mitsuba/volume_reader.h"
+#include "scenes/names.h"
 #include "scenes/settings.h"
 #include "scenes/transform.h"
 
@@ -52,6 +54,18 @@ void Context::unsupported(SourceLocation location, std::string_view what, std::s
     diagnostics.warn(location, fmt::format("{}; {}", what, instead));
   else
     diagnostics.error(location, what);
+}
+
+void Context::tolerable(SourceLocation location, std::string_view what, std::string_view instead,
+                        std::string_view hint) const {
+  if (is_tolerant())
+    diagnostics.warn_counted(location, fmt::format("{}; {}", what, instead));
+  else
+    diagnostics.error(location, fmt::format("{}{}", what, hint));
+}
+
+bool Context::is_replaced(std::string_view key) const {
+  return std::ranges::any_of(settings, [&](const auto& each) { return to_snake_case(each.first) == key; });
 }
 
 std::vector<std::filesystem::path> Context::folders(const Object& object) const {
@@ -223,15 +237,32 @@ void PluginReader::read_colour(std::string_view name, glm::vec3& colour, ColourR
   if (const auto rgb = colour_of(*parameter, role)) set_colour(name, *rgb, colour, role);
 }
 
-void PluginReader::set_colour(std::string_view name, const glm::vec3& rgb, glm::vec3& colour,
+/// What Mitsuba 0.x makes of colours that cannot be: reflectances above 1 are scaled down, negative numbers are 0.
+glm::vec3 PluginReader::tolerated(std::string_view name, glm::vec3 rgb, ColourRole role) const {
+  if (!context_.is_tolerant() || !(std::isfinite(rgb.x) && std::isfinite(rgb.y) && std::isfinite(rgb.z)))
+    return rgb;
+  if (std::min({rgb.x, rgb.y, rgb.z}) < 0.0f) {
+    context_.tolerable(location_of(name), fmt::format("{} of {} is negative", name, title()), "0 stands in for it");
+    rgb = glm::max(rgb, 0.0f);
+  }
+  if (const float most = std::max({rgb.x, rgb.y, rgb.z}); role == ColourRole::kReflectance && most > 1.0f) {
+    context_.tolerable(location_of(name), fmt::format("{} of {} is above 1", name, title()),
+                       "it is scaled down to that");
+    rgb /= most;
+  }
+  return rgb;
+}
+
+void PluginReader::set_colour(std::string_view name, const glm::vec3& given, glm::vec3& colour,
                               ColourRole role) const {
+  const glm::vec3 rgb = tolerated(name, given, role);
   for (int i = 0; i < 3; ++i) {
     const float value = rgb[i];
     if (role == ColourRole::kReflectance && !(value >= 0.0f && value <= 1.0f)) {
-      return wrong(name, fmt::format("a reflectance must be between 0 and 1, not {}", value));
+      return wrong_value(name, fmt::format("a reflectance must be between 0 and 1, not {}", value));
     }
     if (role == ColourRole::kEmission && !(value >= 0.0f && std::isfinite(value))) {
-      return wrong(name, fmt::format("an emission must be 0 or more and finite, not {}", value));
+      return wrong_value(name, fmt::format("an emission must be 0 or more and finite, not {}", value));
     }
   }
   colour = rgb;
@@ -267,7 +298,7 @@ void PluginReader::read_plain(std::string_view name, glm::vec3& colour, ColourRo
   read_colour(name, rgb, role);
   for (int i = 0; i < 3; ++i)
     if (!values.contains(rgb[i]))
-      return wrong(name, fmt::format("{} must be a {}, not {}", name, values.values(), rgb[i]));
+      return wrong_value(name, fmt::format("{} must be a {}, not {}", name, values.values(), rgb[i]));
   colour = rgb;
 }
 
@@ -280,10 +311,10 @@ void PluginReader::read(std::string_view name, glm::vec3& colour, const VolumeCo
 }
 
 void PluginReader::read(std::string_view name, GriddedColour& colour, const VolumeColour& values) {
-  read_volume(name, colour.value, &colour.grid, values);
+  read_volume(name, colour.value, &colour, values);
 }
 
-void PluginReader::read_volume(std::string_view name, glm::vec3& colour, std::optional<GridVolume>* grid,
+void PluginReader::read_volume(std::string_view name, glm::vec3& colour, GriddedColour* grid,
                                const VolumeColour& values) {
   const ColourRole role = values.high <= 1.0f ? ColourRole::kReflectance : ColourRole::kIndex;
   static const std::vector<std::string> kVolumes = {"constvolume", GridVolumeParameters::kPlugin};
@@ -298,7 +329,7 @@ void PluginReader::read_volume(std::string_view name, glm::vec3& colour, std::op
             each.location, fmt::format("'{}' of {} takes no grid, only a constvolume", name, title()),
             "a default stands in for it");
       colour = glm::vec3(1.0f);
-      *grid = context_.volumes->read(context_, *each.object, name, values);
+      grid->grid = context_.volumes->read(context_, *each.object, name, values);
       return;
     }
     if (each.object->type != kVolumes[0])
@@ -306,6 +337,7 @@ void PluginReader::read_volume(std::string_view name, glm::vec3& colour, std::op
     PluginReader volume(context_, *each.object);
     colour = glm::vec3(1.0f);
     volume.read_plain("value", colour, role, values);
+    if (grid != nullptr) grid->to_world = volume.transform("to_world");
     volume.accept({"to_world"});
     return volume.finish();
   }
@@ -346,7 +378,7 @@ void PluginReader::read(std::string_view name, float& index, const RefractiveInd
   }
   const auto value = float(number(name, double(index)));
   if (!values.contains(value))
-    return wrong(name, fmt::format("{} must be a {}, not {}", name, values.values(), value));
+    return wrong_value(name, fmt::format("{} must be a {}, not {}", name, values.values(), value));
   index = value;
 }
 
@@ -360,14 +392,14 @@ void PluginReader::read(std::string_view name, TexturedNumber& number, const Num
   const auto grey = number_of_colour(name);
   if (!grey) return read(name, number.value, values);
   if (!values.contains(*grey))
-    return wrong(name, fmt::format("{} must be a {}, not {}", name, values.values(), *grey));
+    return wrong_value(name, fmt::format("{} must be a {}, not {}", name, values.values(), *grey));
   number = *grey;
 }
 
 void PluginReader::read(std::string_view name, float& number, const NumberWithin& values) {
   const auto value = float(this->number(name, double(number)));
   if (!values.contains(value))
-    return wrong(name, fmt::format("{} must be a {}, not {}", name, values.values(), value));
+    return wrong_value(name, fmt::format("{} must be a {}, not {}", name, values.values(), value));
   number = value;
 }
 
@@ -381,7 +413,7 @@ void PluginReader::read(std::string_view name, std::int64_t& value, const WholeN
   const auto* given = take_as<std::int64_t>(name, "<integer>");
   if (given == nullptr) return;
   if (*given < values.low || *given > values.high)
-    return wrong(name, fmt::format("{} must be a {}, not {}", name, values.values(), *given));
+    return wrong_value(name, fmt::format("{} must be a {}, not {}", name, values.values(), *given));
   value = *given;
 }
 
@@ -402,7 +434,7 @@ void PluginReader::settings(SceneDescription& scene, std::string_view group,
     for (const std::string& name : names) {
       if (setting.key != fmt::format("{}.{}{}", group, prefix, name)) continue;
       const Parameter* parameter = take(name);
-      if (parameter == nullptr) continue;
+      if (parameter == nullptr || context_.is_replaced(setting.key)) continue;
       const bool is_integer = std::holds_alternative<std::int64_t>(parameter->value);
       const bool is_number = is_integer || std::holds_alternative<double>(parameter->value);
       const bool is_text = std::holds_alternative<std::string>(parameter->value);
@@ -424,7 +456,7 @@ void PluginReader::settings(SceneDescription& scene, std::string_view group,
           break;
       }
       if (const auto done = setting.apply(scene, parameter->text); !done) {
-        wrong(name, fmt::format("{}: {}", name, done.error().message));
+        wrong_value(name, fmt::format("{}: {}", name, done.error().message));
       }
     }
   }
@@ -459,8 +491,9 @@ const Object* PluginReader::only_nested(std::string_view tag) {
   if (found.size() > 1) {
     const auto second =
         std::find_if(nested_.begin(), nested_.end(), [&](const Nested& n) { return n.object == found[1]; });
-    context_.diagnostics.error(second->location,
-                               fmt::format("{} has {} of <{}>; it takes one", title(), found.size(), tag));
+    context_.unsupported(second->location,
+                         fmt::format("{} has {} of <{}>; it takes one", title(), found.size(), tag),
+                         "the first counts");
   }
   return found.empty() ? nullptr : found.front();
 }
@@ -471,26 +504,32 @@ void PluginReader::finish() {
   for (std::size_t i = 0; i < object_.parameters.size(); ++i) {
     if (taken_[i]) continue;
     const Parameter& parameter = object_.parameters[i];
-    context_.diagnostics.error(parameter.location,
-                               fmt::format("{} has no parameter '{}'{}", title(), parameter.name,
-                                           known_names(parameter.name, known_, "It has")));
+    context_.tolerable(parameter.location, fmt::format("{} has no parameter '{}'", title(), parameter.name),
+                       "it is ignored", known_names(parameter.name, known_, "It has"));
   }
   for (const Nested& each : nested_) {
     if (each.taken) continue;
-    context_.diagnostics.error(
+    context_.tolerable(
         each.location,
         fmt::format("{} cannot hold {} <{}> of type '{}'{}", title(),
                     each.object->tag == "emitter" || each.object->tag == "integrator" ? "an" : "a",
                     each.object->tag, each.object->type,
-                    each.name.empty() ? "" : fmt::format(" named '{}'", each.name)));
+                    each.name.empty() ? "" : fmt::format(" named '{}'", each.name)),
+        "it is ignored");
   }
 }
 
+SourceLocation PluginReader::location_of(std::string_view parameter) const {
+  const auto found = std::ranges::find(object_.parameters, parameter, &Parameter::name);
+  return found != object_.parameters.end() ? found->value_location : object_.location;
+}
+
 void PluginReader::wrong(std::string_view parameter, std::string_view message) const {
-  for (const Parameter& each : object_.parameters) {
-    if (each.name == parameter) return context_.diagnostics.error(each.value_location, message);
-  }
-  wrong(message);
+  context_.diagnostics.error(location_of(parameter), message);
+}
+
+void PluginReader::wrong_value(std::string_view name, std::string_view message) const {
+  context_.unsupported(location_of(name), message, "its default stands in for it");
 }
 
 std::string name_of(const Object& object) {

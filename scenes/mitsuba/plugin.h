@@ -33,6 +33,7 @@ struct Context {
   ObjectTree& tree;
   Diagnostics& diagnostics;
   bool lenient = false;
+  std::span<const std::pair<std::string, std::string>> settings = {};  ///< see ReadOptions
   bool media_seen = false;            ///< by the scene's integrator
   TextureReader* textures = nullptr;  ///< while a scene is built
   MediumReader* media = nullptr;      ///< likewise
@@ -52,6 +53,16 @@ struct Context {
 
   /// What there is no counterpart for: an error, or with `lenient` a warning that ends in `instead`.
   void unsupported(SourceLocation location, std::string_view what, std::string_view instead) const;
+
+  /// Whether faults that some programs pass over are warnings: where the program that the file is for does, or with
+  /// `lenient`.
+  [[nodiscard]] bool is_tolerant() const { return lenient || tree.is_tolerant; }
+  /// Such a fault: a warning that ends in `instead`, once with its count, or an error that ends in `hint`.
+  void tolerable(SourceLocation location, std::string_view what, std::string_view instead,
+                 std::string_view hint = "") const;
+
+  /// Whether the command line sets this, whatever the file says.
+  [[nodiscard]] bool is_replaced(std::string_view key) const;
 };
 
 /// How a colour is made from a spectrum, and what values it may have.
@@ -98,7 +109,7 @@ class PluginReader {
     if (!has(name)) return skip_parameter(name);
     const Expected<T> parsed = values.parse(text(name, ""));
     if (parsed) value = *parsed;
-    if (!parsed) wrong(name, fmt::format("{}: {}", name, parsed.error().message));
+    if (!parsed) wrong_value(name, fmt::format("{}: {}", name, parsed.error().message));
   }
 
   /// All the parameters of a struct of rows.
@@ -144,7 +155,9 @@ class PluginReader {
   /// The same for a plugin that is not known: what it has goes unread.
   void skip() { finished_ = true; }
 
-  /// At the parameter's value, or at the plugin if the parameter is not given.
+  /// Of the parameter's value, or of the plugin if the parameter is not given.
+  [[nodiscard]] SourceLocation location_of(std::string_view parameter) const;
+  /// There.
   void wrong(std::string_view parameter, std::string_view message) const;
   void wrong(std::string_view message) const;
   void warn(std::string_view message) const;
@@ -166,8 +179,7 @@ class PluginReader {
   TakenTexture take_texture(std::string_view name, TextureUse use);
   void read_textured(std::string_view name, TexturedColour& colour, ColourRole role, const auto& values);
   /// Without `grid` a grid is an error.
-  void read_volume(std::string_view name, glm::vec3& colour, std::optional<GridVolume>* grid,
-                   const VolumeColour& values);
+  void read_volume(std::string_view name, glm::vec3& colour, GriddedColour* grid, const VolumeColour& values);
   void read_plain(std::string_view name, glm::vec3& colour, ColourRole role, const auto& values);
   template <typename T>
   const T* take_as(std::string_view name, std::string_view wanted);
@@ -180,6 +192,9 @@ class PluginReader {
   std::optional<float> number_of_colour(std::string_view name);
   [[nodiscard]] const Object* colour_plugin(std::string_view name);
   void set_colour(std::string_view name, const glm::vec3& rgb, glm::vec3& colour, ColourRole role) const;
+  [[nodiscard]] glm::vec3 tolerated(std::string_view name, glm::vec3 rgb, ColourRole role) const;
+  /// A value that the parameter cannot have: with leniency its default stands in for it.
+  void wrong_value(std::string_view name, std::string_view message) const;
 
   struct Nested {
     const Object* object;

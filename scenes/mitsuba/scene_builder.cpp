@@ -13,8 +13,29 @@
 #include "scenes/mitsuba/shape_reader.h"
 #include "scenes/mitsuba/texture_reader.h"
 #include "scenes/mitsuba/volume_reader.h"
+#include "scenes/names.h"
+#include "scenes/settings.h"
 
 namespace penumbra::mitsuba {
+namespace {
+
+/// Microfacets of Mitsuba 0.x that version 3 has not: Beckmann's of the same alpha come nearest, whose mean slope is
+/// that of the exponent 2 / alpha² - 2 (Walter et al. 2007).
+void replace_old_distributions(const Context& context) {
+  for (Object& object : context.tree.objects)
+    for (Parameter& parameter : object.parameters) {
+      if (object.tag != "bsdf" || parameter.name != "distribution") continue;
+      auto* const text = std::get_if<std::string>(&parameter.value);
+      if (text == nullptr || (*text != "phong" && *text != "as")) continue;
+      context.diagnostics.warn_counted(
+          parameter.value_location,
+          fmt::format("beckmann of the same alpha stands in for the distribution '{}'", *text));
+      *text = parameter.text = "beckmann";
+    }
+}
+
+}  // namespace
+
 SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   SceneDescription scene;
   Context context = plain;
@@ -26,6 +47,7 @@ SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   scene.source = context.tree.scene.location.file->path.string();
   // Files of Mitsuba 3 say 3.0.0, whatever its version: the present one's rule, which is that from 3.7 on.
   if (context.tree.major_version >= 3) scene.integrator.hidden_emitters = HiddenEmitters::kLookedThrough;
+  if (context.tree.major_version < 2) replace_old_distributions(context);
   PluginReader root(context, context.tree.scene);
   const Object* integrator = root.only_nested("integrator");
   const std::vector<const Object*> sensors = root.nested("sensor");
@@ -34,13 +56,16 @@ SceneDescription build_scene(const Context& plain, const FileAccess& files) {
     root.warn(fmt::format("the scene has {} sensors; the first is rendered", sensors.size()));
   freeze_animations(context, sensor);
   if (integrator != nullptr) read_integrator(context, *integrator, scene);
+  for (const auto& [key, value] : context.settings)
+    if (to_snake_case(key) == "integrator.type") static_cast<void>(apply_setting(scene, "integrator.type", value));
   context.media_seen = scene.integrator.is<VolpathIntegrator>();
   MediumReader media(context);
   context.media = &media;
   if (sensor != nullptr) {
     read_sensor(context, *sensor, scene);
   } else {
-    root.wrong("the scene has no <sensor>");
+    context.unsupported(context.tree.scene.location, "the scene has no <sensor>",
+                        "a perspective one at the origin stands in for it");
   }
   MaterialReader materials(context);
   for (const Object* bsdf : root.nested("bsdf")) materials.read(*bsdf);

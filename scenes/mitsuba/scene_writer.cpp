@@ -113,13 +113,20 @@ class SceneWriter {
     for (std::size_t i = 0; i < scene_.media.size(); ++i) {
       const ParticipatingMedium& medium = scene_.media[i];
       const glm::vec3 e = medium.extinction;
-      if ((medium.density && e != glm::vec3(e.x)) || (medium.albedo_grid && medium.albedo != glm::vec3(1.0f)))
+      const bool is_box = medium.density && medium.density->grid->values.size() == 1;
+      if ((medium.density && !is_box && e != glm::vec3(e.x)) || (medium.albedo_grid && medium.albedo != glm::vec3(1.0f)))
         return fail(
             fmt::format("{} has a colour that multiplies a grid, which Mitsuba has not", medium.name));
       xml_.open("medium", medium.density ? HeterogeneousMedium::kPlugin : HomogeneousMedium::kPlugin,
                 fmt::format(" id=\"medium-{}\"", i));
       float scale = e.x;
-      if (medium.density) {
+      if (is_box) {
+        scale = scale_of(e);
+        xml_.open("volume", "constvolume", " name=\"sigma_t\"");
+        xml_.value("rgb", "value", colour_text(e * medium.density->grid->values[0] / scale));
+        xml_.transform("to_world", medium.density->to_world);
+        xml_.close();
+      } else if (medium.density) {
         if (auto done = put_grid("sigma_t", *medium.density); !done) return done;
       } else {
         scale = scale_of(e);
@@ -253,7 +260,7 @@ class SceneWriter {
         [&](auto model) {
           using Model = decltype(model);
           if constexpr (std::is_same_v<Model, BitmapTexture>)
-            model.filename = fs::absolute(scene_.bitmaps[std::size_t(model.bitmap)]->name).string();
+            model.filename = image_file(*scene_.bitmaps[std::size_t(model.bitmap)]);
           // A reader exchanges the colours of one that is a number, as Mitsuba does.
           if constexpr (std::is_same_v<Model, CheckerboardTexture>)
             if (use == TextureUse::kNumber) std::swap(model.color0, model.color1);
@@ -273,6 +280,29 @@ class SceneWriter {
         texture.model);
   }
 
+  /// The image's file as it is found from the scene's; one that is no file becomes one beside it.
+  std::string image_file(const Bitmap& image) {
+    if (image.contents == nullptr) {
+      std::error_code ignored;
+      const auto canonical = [&](const fs::path& path) { return fs::weakly_canonical(fs::absolute(path), ignored); };
+      return canonical(image.name).lexically_proximate(canonical(file_).parent_path()).string();
+    }
+    const auto [at, added] = images_.try_emplace(
+        *image.contents, fmt::format("{}-{}{}", file_.stem().string(), images_.size(),
+                                     fs::path(image.name).extension().string()));
+    if (added) files_.push_back({file_.parent_path() / at->second, *image.contents});
+    return at->second;
+  }
+
+  /// That of the scene, unless something else has it already; Mitsuba has no dots in ids. Without one, `other`.
+  std::string new_id(std::string id, const std::string& other) {
+    std::ranges::replace(id, '.', '_');
+    const bool is_ours = id.starts_with("medium-") || id.starts_with("group-") || id.starts_with("texture-");
+    if (id.empty() || is_ours || ids_.contains(id)) id = other;
+    while (!ids_.insert(id).second) id += '_';
+    return id;
+  }
+
   [[nodiscard]] const Bsdf* bsdf_at(int index) const {
     return index >= 0 ? &scene_.bsdfs[std::size_t(index)] : nullptr;
   }
@@ -288,10 +318,11 @@ class SceneWriter {
     const auto put = [&](const Shape& shape, bool has_emitter) {
       const std::pair sides{shape.front_bsdf, shape.back_bsdf};
       if (has_emitter && sides == std::pair{kBlackBsdf, kBlackBsdf}) return;
-      const auto [at, added] = surfaces_.try_emplace(sides, fmt::format("bsdf-{}", surfaces_.size()));
+      const auto [at, added] = surfaces_.try_emplace(sides);
       if (!added) return;
+      at->second = new_id(shape.material, fmt::format("bsdf-{}", surfaces_.size() - 1));
       const XmlText before = std::exchange(xml_, new_text());
-      put_surface(sides.first, sides.second, fmt::format(" id=\"{}\"", at->second));
+      put_surface(sides.first, sides.second, fmt::format(" id=\"{}\"", escaped(at->second)));
       const XmlText text = std::exchange(xml_, before);
       surfaces.emplace(text.least_texture(), text);
     };
@@ -415,23 +446,25 @@ class SceneWriter {
   /// Groups have no emitters; those that are black are left out there.
   Expected<void> put_shape(const Shape& shape, bool with_emitter = true) {
     bool flipped = shape.flip_normals;
+    const std::string own = shape.id.empty() ? "" : new_id(shape.id, fmt::format("shape-{}", ids_.size())),
+                      id = own.empty() ? "" : fmt::format(" id=\"{}\"", escaped(own));
     if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
       const std::string name = fmt::format("{}-{}.ply", file_.stem().string(), meshes_++);
       files_.push_back({file_.parent_path() / name, ply_of(*mesh)});
-      xml_.open("shape", PlyShape::kPlugin);
+      xml_.open("shape", PlyShape::kPlugin, id);
       xml_.value("string", "filename", name);
       if (mesh->normals.empty()) xml_.value("boolean", "face_normals", "true");
     } else if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-      xml_.open("shape", SphereShape::kPlugin);
+      xml_.open("shape", SphereShape::kPlugin, id);
       put_frame(sphere->x_axis, sphere->y_axis, sphere->z_axis, 1.0, sphere->center);
       xml_.value("float", "radius", fmt::format("{}", sphere->radius));
       // As it is read, a mirror turns it inside out.
       if (glm::dot(glm::cross(sphere->x_axis, sphere->y_axis), sphere->z_axis) < 0) flipped = !flipped;
     } else if (const auto* disk = std::get_if<Disk>(&shape.geometry)) {
-      xml_.open("shape", DiskShape::kPlugin);
+      xml_.open("shape", DiskShape::kPlugin, id);
       put_frame(disk->x_axis, disk->y_axis, disk->normal, disk->radius, disk->center);
     } else if (const auto* cylinder = std::get_if<Cylinder>(&shape.geometry)) {
-      xml_.open("shape", CylinderShape::kPlugin);
+      xml_.open("shape", CylinderShape::kPlugin, id);
       put_frame(cylinder->x_axis, cylinder->y_axis, cylinder->axis, 1.0, cylinder->center);
       xml_.value("float", "radius", fmt::format("{}", cylinder->radius));
       xml_.value("point", "p1", fmt::format("0, 0, {}", cylinder->length));
@@ -439,7 +472,7 @@ class SceneWriter {
     }
     if (flipped) xml_.value("boolean", "flip_normals", "true");
     if (const auto known = surfaces_.find({shape.front_bsdf, shape.back_bsdf}); known != surfaces_.end())
-      xml_.reference(known->second);
+      xml_.reference(escaped(known->second));
     put_medium(shape.interior, "interior");
     put_medium(shape.exterior, "exterior");
     if (shape.radiance && with_emitter) {
@@ -468,10 +501,10 @@ class SceneWriter {
   Expected<void> put_emitter(Light light) {
     xml_.open("emitter", Light::kPlugin);
     if constexpr (requires { light.image; }) {
-      if (!fs::exists(light.image->name))
+      if (light.image->contents == nullptr && !fs::exists(light.image->name))
         return fail(fmt::format("the image of the environment, '{}', is no file that another could refer to",
                                 light.image->name));
-      light.filename = fs::absolute(light.image->name).string();
+      light.filename = image_file(*light.image);
     }
     put_parameters(xml_, light);
     xml_.close();
@@ -484,6 +517,8 @@ class SceneWriter {
   std::vector<SceneFile> files_;
   int meshes_ = 0;                                       ///< of those so far
   std::map<const VolumeGrid*, std::string> grids_;       ///< likewise, by what is in them
+  std::map<std::string, std::string> images_;            ///< likewise
+  std::set<std::string> ids_;                            ///< of shapes and BSDFs
   std::set<int> textures_;                               ///< written so far
   std::map<std::pair<int, int>, std::string> surfaces_;  ///< fronts and backs, and their ids
 };

@@ -227,7 +227,7 @@ constexpr SamplerPlugin kSamplers[] = {
     {"sobol", "sobol"},
     {"stratified", "stratified"}};
 
-void read_sampler(const Context& context, const Object& object, SceneDescription& scene) {
+void read_shown_sampler(const Context& context, const Object& object, SceneDescription& scene) {
   PluginReader plugin(context, object);
   plugin.settings(scene, "sampler", Names{"sample_count", "seed"});
   if (const auto* sampler = find_plugin(kSamplers, object.type)) {
@@ -238,6 +238,13 @@ void read_sampler(const Context& context, const Object& object, SceneDescription
     plugin.skip();
   }
   plugin.finish();
+}
+
+/// As of an integrator: of one that the command line replaces, what is wrong does not count.
+void read_sampler(const Context& context, const Object& object, SceneDescription& scene) {
+  if (!context.is_replaced("sampler.type")) return read_shown_sampler(context, object, scene);
+  Diagnostics unseen;
+  read_shown_sampler({context.tree, unseen, true, context.settings}, object, scene);
 }
 
 struct SensorPlugin {

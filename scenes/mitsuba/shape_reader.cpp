@@ -34,10 +34,8 @@ struct ShapeInput {
 
 void warn_about(const Context& context, const Object& object, const MeshCleaning& cleaning,
                 const FaceFindings& faces, std::string_view file) {
-  if (faces.tangled.count > 0) {
-    context.diagnostics.warn(object.location, fmt::format("{}: {}; the first is {}", file,
-                                                          describe_tangled(faces), faces.tangled.first_name));
-  }
+  for (const std::string& text : describe(faces))
+    context.diagnostics.warn(object.location, fmt::format("{}: {}", file, text));
   const std::size_t flat = cleaning.flat_triangles, bad = cleaning.bad_normals;
   if (flat > 0) {
     context.diagnostics.warn(object.location, fmt::format("{}: left out {} {} without area", file, flat,
@@ -45,7 +43,7 @@ void warn_about(const Context& context, const Object& object, const MeshCleaning
   }
   if (bad > 0) {
     context.diagnostics.warn(object.location,
-                             fmt::format("{}: {} of no length; computed from the faces", file,
+                             fmt::format("{}: {} missing or of no length; computed from the faces", file,
                                          bad == 1 ? "1 normal is" : fmt::format("{} normals are", bad)));
   }
 }
@@ -53,14 +51,15 @@ void warn_about(const Context& context, const Object& object, const MeshCleaning
 /// The file a parameter names, as text.
 std::unique_ptr<SourceFile> open(const Context& context, const FileAccess& files, PluginReader& plugin,
                                  const std::string& name) {
+  const SourceLocation place = plugin.location_of("filename");
   const auto path = files.find(name, context.folders(plugin.object()));
   if (!path) {
-    plugin.wrong("filename", path.error().message);
+    context.unsupported(place, path.error().message, "the shape is left out");
     return nullptr;
   }
   auto file = files.read(*path, kMaxMeshFileBytes);
   if (!file) {
-    plugin.wrong("filename", file.error().message);
+    context.unsupported(place, file.error().message, "the shape is left out");
     return nullptr;
   }
   return std::move(*file);
@@ -98,6 +97,9 @@ std::unique_ptr<SourceFile> mesh_file(const ShapeInput& input, const Parameters&
 }
 
 void report_mesh_error(const ShapeInput& input, const Error& error) {
+  if (input.context.lenient)
+    return input.context.diagnostics.warn(input.plugin.object().location,
+                                          fmt::format("{}; the shape is left out", error.message));
   input.context.diagnostics.error_text(
       fmt::format("{}\n  (which is named at {})", error.message, describe(input.plugin.object().location)));
 }
@@ -119,6 +121,7 @@ std::optional<Mesh> placed_mesh(const ShapeInput& input, const Parameters& given
     return std::nullopt;
   }
   if (has_edges) smooth_up_to(mesh, given.max_smooth_angle);
+  for (const std::string& warning : read.warnings) input.plugin.warn(fmt::format("{}: {}", name, warning));
   warn_about(input.context, input.plugin.object(), *cleaning, read.faces, name);
   return std::move(mesh);
 }
@@ -139,7 +142,8 @@ std::optional<Geometry> read_mesh(const ShapeInput& input) {
     return std::nullopt;
   }
   // The text may take more memory than the mesh; places in it are gone, too.
-  read->faces.warped.first = read->faces.tangled.first = {};
+  for (OddFaces* odd : {&read->faces.warped, &read->faces.tangled, &read->faces.too_short, &read->faces.untextured})
+    odd->first = {};
   file.reset();
   auto mesh = placed_mesh(input, given, std::move(*read));
   if (mesh && mesh->triangles.empty()) {
@@ -166,7 +170,7 @@ std::vector<MeshPart> read_obj_parts(const ShapeInput& input) {
   }
   std::vector<MeshPart> parts;
   for (ObjGroup& group : model->groups) {
-    auto mesh = placed_mesh(input, given, {std::move(group.mesh), std::move(group.faces)});
+    auto mesh = placed_mesh(input, given, {.mesh = std::move(group.mesh), .faces = std::move(group.faces)});
     if (mesh && !mesh->triangles.empty()) parts.push_back({group.material.name, std::move(*mesh)});
   }
   if (parts.empty() && !input.context.diagnostics.failed()) warn_of_no_triangles(input, given.filename);
@@ -429,6 +433,7 @@ void ShapeReader::read_shape(const Object& object, Holder& holder) {
   PluginReader plugin(context_, object);
   Shape shape;
   shape.name = name_of(object);
+  shape.id = object.id;
   auto geometry = known->read({context_, files_, plugin, shape.flip_normals});
   const Object* bsdf = plugin.only_nested("bsdf");
   const Object* emitter = plugin.only_nested("emitter");
@@ -463,6 +468,7 @@ void ShapeReader::read_parts(const Object& object, Holder& holder) {
   PluginReader plugin(context_, object);
   Shape whole;
   whole.name = name_of(object);
+  whole.id = object.id;
   std::vector<MeshPart> parts = read_obj_parts({context_, files_, plugin, whole.flip_normals});
   plugin.nested("bsdf");
   const Object* emitter = plugin.only_nested("emitter");

@@ -124,7 +124,10 @@ class XmlReader {
       if (dot == rest.npos) break;
       rest.remove_prefix(dot + 1);
     }
-    if (tree_.files.size() == 1) tree_.major_version = parts[0];
+    if (tree_.files.size() == 1) {
+      tree_.major_version = parts[0];
+      tree_.is_tolerant = parts[0] == 0;  // version 2 refuses what it does not know
+    }
     const std::int64_t major = parts[0], minor = parts.size() > 1 ? parts[1] : 0;
     if (major > 3 || (major == 0 && minor < 4)) {
       root.wrong_value("version", fmt::format("version {} is not read; 0.4 to 3.x are", *version));
@@ -192,7 +195,7 @@ class XmlReader {
     if (!element.check_attributes({"value"})) return;
     const auto name = element.required("value");
     if (!name) return;
-    const std::vector<fs::path> beside = {file.path.parent_path()};
+    const std::vector<fs::path> beside = {file.path.parent_path(), tree_.folders.front()};
     const auto found = access_.find(*name, beside);
     std::error_code ignored;
     if (!found) {
@@ -255,6 +258,12 @@ class XmlReader {
     const auto same = std::find_if(parent.parameters.begin(), parent.parameters.end(),
                                    [&](const Parameter& p) { return p.name == parameter->name; });
     if (same != parent.parameters.end()) {
+      if (tree_.is_tolerant || options_.lenient) {
+        diagnostics_.warn_counted(element.location(), fmt::format("the parameter '{}' is there twice; the last counts",
+                                                                  parameter->name));
+        *same = std::move(*parameter);
+        return;
+      }
       element.wrong(fmt::format("the parameter '{}' is there twice; first at {}", parameter->name,
                                 describe(same->location)));
       return;

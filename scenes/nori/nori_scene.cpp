@@ -30,7 +30,7 @@ Expected<SceneDescription> read_scene(const std::filesystem::path& file, const R
   reading.refuse_variables("Nori");
   mitsuba::ObjectTree tree = read_tree(file, reading.files, reading.diagnostics, reading.report);
   if (reading.failed()) return reading.error();
-  SceneDescription scene = mitsuba::build_scene({tree, reading.diagnostics, options.lenient}, reading.files);
+  SceneDescription scene = mitsuba::build_scene({tree, reading.diagnostics, options.lenient, options.settings}, reading.files);
   return reading.finish(std::move(scene), tree.scene.location);
 }
 

@@ -84,6 +84,7 @@ class TreeReader {
     tree_.scene.tag = "scene";
     tree_.folders.push_back(file.parent_path());
     tree_.faceted_without_normals = true;
+    tree_.is_tolerant = true;
     auto source = files_.read(file, kMaxSceneFileBytes);
     if (!source) {
       diagnostics_.error({}, source.error().message);
@@ -140,9 +141,12 @@ class TreeReader {
 
   void add(Object& parent, std::optional<Parameter> parameter) {
     if (!parameter) return;
-    if (find(parent, parameter->name) != nullptr)
-      return diagnostics_.error(parameter->location,
-                                fmt::format("the property '{}' is there twice", parameter->name));
+    if (Parameter* same = find(parent, parameter->name)) {
+      diagnostics_.warn_counted(parameter->location,
+                                fmt::format("the property '{}' is there twice; the last counts", parameter->name));
+      *same = std::move(*parameter);
+      return;
+    }
     parent.parameters.push_back(std::move(*parameter));
   }
 
@@ -242,7 +246,7 @@ class TreeReader {
       }
     }
     if (object.type == "envmap")
-      report_.warn_once(object.location,
+      report_.warn_counted(object.location,
                         "envmap is none of Nori's own; it is read with the longitudes of Mitsuba's");
   }
 

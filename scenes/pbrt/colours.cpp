@@ -44,7 +44,7 @@ std::optional<glm::vec3> of_samples(const Parameter& parameter, const std::vecto
                  "a spectrum is pairs of ascending wavelengths, nm, and values of at least 0");
     return std::nullopt;
   }
-  report.warn_once(parameter.location, "spectra are read as the colours that they have");
+  report.warn_counted(parameter.location, "spectra are read as the colours that they have");
   if (use == ColourOf::kReflectance) return reflectance_to_rgb(samples);
   if (use == ColourOf::kIndex) return index_to_rgb(samples);
   return with_luminance_1(emission_to_rgb(samples));
@@ -57,7 +57,7 @@ std::optional<glm::vec3> named(const Parameter& parameter, const std::string& na
     const std::size_t end = name.rfind('-');
     const auto conductor = conductor_names().parse(name.substr(6, end > 6 ? end - 6 : 0));
     if (conductor) {
-      report.warn_once(parameter.location, "spectra are read as the colours that they have");
+      report.warn_counted(parameter.location, "spectra are read as the colours that they have");
       const ComplexIndex index = conductor_index(*conductor);
       return name.ends_with("-k") ? index.k : index.eta;
     }

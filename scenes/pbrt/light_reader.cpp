@@ -155,7 +155,7 @@ void read_infinite(Context& context, TextureReader& textures, Parameters& parame
     return report.error(parameters.location("filename", location),
                         fmt::format("an image of {} x {}; one of all directions is square, up to 16384",
                                     image->width, image->height));
-  report.warn_once(location, "images of all directions are resampled, from octahedral to longitudes");
+  report.warn_counted(location, "images of all directions are resampled, from octahedral to longitudes");
   EnvironmentMapLight sky;
   sky.filename = file;
   sky.image = resampled(*image);

@@ -119,7 +119,7 @@ SurfaceMaterial MaterialReader::conductor_with(Parameters& parameters, const std
     const TexturedColour given =
         textures_.colour(parameters, "reflectance", ColourOf::kReflectance, glm::vec3(0.5f));
     if (given.texture != kNoTexture) {
-      context_.report.warn_once(
+      context_.report.warn_counted(
           parameters.location("reflectance", location),
           "a conductor whose reflectance is a texture reflects as much in all directions");
       model.eta = TexturedColour(glm::vec3(0.0f));
@@ -154,7 +154,7 @@ SurfaceMaterial MaterialReader::conductor(Parameters& parameters, SourceLocation
 }
 
 SurfaceMaterial MaterialReader::coated_conductor(Parameters& parameters, SourceLocation location) {
-  context_.report.warn_once(location, "coatedconductor is approximated by the conductor without its coating");
+  context_.report.warn_counted(location, "coatedconductor is approximated by the conductor without its coating");
   parameters.accept({"interface.eta", "interface.roughness", "interface.uroughness", "interface.vroughness",
                      "thickness", "g", "albedo", "maxdepth", "nsamples"});
   return conductor_with(parameters, "conductor.", location);
@@ -171,7 +171,7 @@ double MaterialReader::index(Parameters& parameters, SourceLocation location) {
                                   "its index is 1.5");
       return 1.5;
     }
-    context_.report.warn_once(eta->location, "glasses have one refractive index at all wavelengths");
+    context_.report.warn_counted(eta->location, "glasses have one refractive index at all wavelengths");
     value = *glass;
   } else if (eta->type != "float") {
     context_.report.unsupported(eta->location, "a refractive index is a float or a named glass", "it is 1.5");
@@ -185,7 +185,7 @@ double MaterialReader::index(Parameters& parameters, SourceLocation location) {
 
 SurfaceMaterial MaterialReader::coated_diffuse(Parameters& parameters, SourceLocation location) {
   ReaderReport& report = context_.report;
-  report.warn_once(location,
+  report.warn_counted(location,
                    "coateddiffuse is approximated by a plastic: diffuse under a boundary without thickness");
   parameters.accept({"thickness", "g", "albedo", "maxdepth", "nsamples", "twosided"});
   const TexturedColour colour =

@@ -114,7 +114,7 @@ class SceneParser {
   }
   void active_transform(const Token& token) {
     tokens_.next();
-    report_.warn_once(token.location, "ActiveTransform is ignored: everything is where it ends up");
+    report_.warn_counted(token.location, "ActiveTransform is ignored: everything is where it ends up");
   }
   void transform_times(const Token&) { static_cast<void>(read_numbers(2, tokens_, report_)); }
 
@@ -224,7 +224,7 @@ class SceneParser {
   }
   void option(const Token& token) {
     if (tokens_.peek().kind == TokenKind::kText) parameters();
-    report_.warn_once(token.location, "Option is ignored");
+    report_.warn_counted(token.location, "Option is ignored");
   }
   void color_space(const Token& token) {
     const std::string name = quoted("a name");

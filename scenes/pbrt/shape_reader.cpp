@@ -123,7 +123,7 @@ std::optional<ShapeReader::Geometry> ShapeReader::bilinear_mesh(Parameters& para
     warped = warped || volume > 1e-6 * glm::length(a) * glm::length(b) * glm::length(d);
   }
   if (warped)
-    context_.report.warn_once(location, "patches of bilinear meshes that are not flat are two triangles");
+    context_.report.warn_counted(location, "patches of bilinear meshes that are not flat are two triangles");
   return std::move(*mesh);
 }
 
@@ -138,10 +138,6 @@ std::optional<ShapeReader::Geometry> ShapeReader::ply_mesh(Parameters& parameter
   parameters.accept({"edgelength"});
   const std::array<std::filesystem::path, 1> folders = {context_.folder};
   const auto path = context_.files.find(name, folders);
-  if (path && path->extension() == ".gz") {
-    report.error(place, fmt::format("'{}' is compressed; gunzip it", name));
-    return std::nullopt;
-  }
   const auto file = path ? context_.files.read(*path, kMaxMeshFileBytes) : std::unexpected(path.error());
   if (!file) {
     report.error(place, file.error().message);
@@ -152,6 +148,7 @@ std::optional<ShapeReader::Geometry> ShapeReader::ply_mesh(Parameters& parameter
     report.error(place, read.error().message);
     return std::nullopt;
   }
+  for (const std::string& text : describe(read->faces)) report.warn(place, fmt::format("'{}': {}", name, text));
   return std::move(read->mesh);
 }
 
@@ -292,7 +289,7 @@ void ShapeReader::place(const ReadShape& read, const glm::dmat4& instance) {
     if (!(std::max({shape.radiance->x, shape.radiance->y, shape.radiance->z}) < 1e37f))
       return report.error(light.location, "the radiance of this light is not finite");
     if (shape.two_sided_emission && std::holds_alternative<Sphere>(shape.geometry)) {
-      report.warn_once(light.location, "spheres shine outwards alone");
+      report.warn_counted(light.location, "spheres shine outwards alone");
       shape.two_sided_emission = false;
     }
   }
@@ -302,7 +299,7 @@ void ShapeReader::place(const ReadShape& read, const glm::dmat4& instance) {
                             "its barycentric ones",
                             read.name));
   if (!std::holds_alternative<Mesh>(shape.geometry) && texture_needs(scene, shape).coordinates)
-    report.warn_once(read.location,
+    report.warn_counted(read.location,
                      "textures on spheres and disks are as Mitsuba turns them, not as pbrt does");
   scene.shapes.push_back(std::move(shape));
 }

@@ -23,8 +23,6 @@ void TokenReader::enter(const std::filesystem::path& file, SourceLocation named_
   bytes_ += (*source)->text.size();
   if (bytes_ > kMostBytes)
     return report_.error(named_at, fmt::format("the scene's files have more than {} bytes", kMostBytes));
-  if ((*source)->text.starts_with("\x1f\x8b"))
-    return report_.error(named_at, fmt::format("'{}' is compressed; gunzip it", file.string()));
   if (sources_.empty()) folder_ = file.parent_path();
   sources_.push_back(std::move(*source));
   open_.push_back({sources_.back().get()});

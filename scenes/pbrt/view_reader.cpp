@@ -59,7 +59,7 @@ void read_film(Context& context, const std::string& type, Parameters& parameters
                             "by which pbrt's is {} times as bright, are ignored",
                             sensor, ratio));
   if (parameters.has("maxcomponentvalue"))
-    report.warn_once(parameters.location("maxcomponentvalue", location), "bright samples are not clamped");
+    report.warn_counted(parameters.location("maxcomponentvalue", location), "bright samples are not clamped");
   if (type != "rgb") report.warn(location, fmt::format("a film 'rgb' stands in for '{}'", type));
   parameters.accept({"filename", "diagonal", "savefp16", "whitebalance", "maxcomponentvalue",
                      "coordinatesystem", "nbuckets", "lambdamin", "lambdamax"});

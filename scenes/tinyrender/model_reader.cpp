@@ -233,7 +233,7 @@ class ModelReader {
            fmt::format("'{}': left out {} without area", name, counted(flat, "triangle", "triangles")));
     }
     if (const std::size_t bad = cleaning->bad_normals; bad > 0) {
-      warn(group.location, fmt::format("'{}': {} of no length; computed from the faces", name,
+      warn(group.location, fmt::format("'{}': {} missing or of no length; computed from the faces", name,
                                        counted(bad, "normal is", "normals are")));
     }
     if (group.mesh.triangles.empty()) {
@@ -243,12 +243,12 @@ class ModelReader {
     }
     if (has_map(group.material.name) && group.mesh.texcoords.empty())
       warn(group.location,
-           fmt::format("'{}' has textures, but not every corner has texture coordinates; those "
-                       "of each triangle are its barycentric ones",
+           fmt::format("'{}' has textures, but no texture coordinates; those of each triangle are "
+                       "its barycentric ones",
                        name));
     drop_face_normals(group.mesh);
     Shape shape;
-    shape.name = name;
+    shape.name = shape.id = name;
     shape.geometry = std::move(group.mesh);
     shape.front_bsdf = shape.back_bsdf = material.bsdf;
     shape.radiance = material.radiance;
@@ -268,6 +268,10 @@ class ModelReader {
         warn(tangled.first, fmt::format("'{}': {}", name, describe_tangled(group.faces)));
       }
     }
+    if (const OddFaces& odd = group.faces.too_short; odd.count > 0)
+      warn(odd.first, fmt::format("'{}': {}", name, describe_too_short(group.faces)));
+    if (const OddFaces& odd = group.faces.untextured; odd.count > 0)
+      warn(odd.first, fmt::format("'{}': {}", name, describe_untextured(group.faces)));
   }
 
   [[nodiscard]] bool has_map(const std::string& material) const {

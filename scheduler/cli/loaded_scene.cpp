@@ -48,6 +48,7 @@ Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) 
   read.defines = split_assignments(options.defines);
   read.settings = split_assignments(options.settings);
   read.lenient = options.lenient;
+  read.strict = options.strict;
   const auto number = [](std::optional<std::uint32_t> value) {
     return value ? std::optional(fmt::to_string(*value)) : std::nullopt;
   };

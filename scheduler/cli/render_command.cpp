@@ -72,8 +72,8 @@ ExitCode render(const RenderOptions& options, const std::vector<std::string>& co
       prepared.scene.description.sampler.kind == SamplerKind::kIndependent)
     print_sampler_advice();
   print_problems(*outcome, stop);
-  const bool flagged = print_flagged(prepared, outcome->film, options.strict_numerics);
-  return outcome->complete && !(flagged && options.strict_numerics) ? kAllDone : kIncomplete;
+  const bool is_wrong = print_flagged(prepared, outcome->film, options.strict_numerics);
+  return outcome->complete && !is_wrong ? kAllDone : kIncomplete;
 }
 
 }  // namespace

@@ -66,7 +66,8 @@ void add_overrides(CLI::App& command, SceneOptions& options) {
       ->allow_extra_args(false)
       ->check(assignment());
   command.add_flag("--lenient", options.lenient,
-                   "Stand-ins and a warning, not an error, for unknown plugins");
+                   "Warn of what is not known, missing or out of range, and render the rest");
+  command.add_flag("--strict", options.strict, "Every warning about the scene is an error");
   command
       .add_option("--integrator", options.integrator, "Override the scene's integrator (path is path_mis)")
       ->type_name("NAME")

@@ -17,6 +17,7 @@ struct SceneOptions {
   std::vector<std::string> defines;   ///< name=value
   std::vector<std::string> settings;  ///< key=value
   bool lenient = false;
+  bool strict = false;
   std::optional<std::string> integrator;  ///< one of the names of integrator.type
   std::optional<std::string> sampler;
   std::optional<std::uint32_t> spp;

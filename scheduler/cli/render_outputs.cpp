@@ -86,10 +86,14 @@ void print_sampler_advice() {
 // At edges, and where a boundary meets another surface, rounding decides which is crossed first: of a closed
 // scene's samples 1 in 100 000 seem to contradict each other.
 constexpr double kContradictionsByRounding = 1e-4;
+// An image of which more is missing is not what was asked for.
+constexpr double kMostNonFinite = 0.01;
 
 bool print_flagged(const PreparedRender& prepared, const FilmAccumulator& film, bool strict) {
   const FlaggedKinds flagged = film.flagged();
-  const double rounded = kContradictionsByRounding * double(sample_range(film).total);
+  const auto samples_in_all = double(sample_range(film).total);
+  const double rounded = kContradictionsByRounding * samples_in_all;
+  const bool is_spoilt = double(non_finite_count(flagged)) > kMostNonFinite * samples_in_all;
   std::vector<std::string> texts;
   for (int kind = 0; kind < BAD_KINDS; ++kind)
     if (const FlaggedSamples& samples = flagged[std::size_t(kind)];
@@ -102,13 +106,13 @@ bool print_flagged(const PreparedRender& prepared, const FilmAccumulator& film, 
         "radiance is as it should be. Scale the lights down",
         counted(pixels, "pixel")));
   for (const std::string& text : texts) {
-    if (strict) {
+    if (strict || is_spoilt) {
       print_error({text});
     } else {
       print_warning(text);
     }
   }
-  return !texts.empty();
+  return is_spoilt || (strict && !texts.empty());
 }
 
 Error nothing_to_write(bool stopped) {
@@ -136,6 +140,7 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
   OutputBatch batch;  // which goes before the image that it writes
   RenderStatistics statistics;
   RenderedSamples rendered = rendered_samples(outcome);
+  rendered.scene_warnings = prepared.scene.description.warnings.size();
   if (prepared.record.backend == Backend::kAuto) rendered.backends = backends_of(outcome);
   statistics.record = record_of_rendered(std::move(prepared.record), rendered);
   if (files.exr || files.png) {
@@ -181,12 +186,12 @@ RenderEnd finish_render(PreparedRender& prepared, const RenderOutcome& outcome,
   if (written) written = write_outputs(prepared, outcome, command_line);
   if (!written) print_error({fmt::format("{}: {}", name, written.error().message)});
   print_problems(outcome, stopped);
-  const bool flagged = print_flagged(prepared, outcome.film, strict);
+  const bool is_wrong = print_flagged(prepared, outcome.film, strict);
   if (!written) return {RenderEndKind::kFailed, written.error().message};
   if (!outcome.complete)
     return {RenderEndKind::kIncomplete,
             outcome.problems.empty() ? "it was stopped" : outcome.problems.front()};
-  if (flagged && strict) return {RenderEndKind::kIncomplete, "it has samples that are not as they should be"};
+  if (is_wrong) return {RenderEndKind::kIncomplete, "it has samples that are not as they should be"};
   return {};
 }
 

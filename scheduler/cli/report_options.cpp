@@ -181,7 +181,7 @@ void add_cell_options(CLI::App& command, RenderOptions& render) {
       ->allow_extra_args(false)
       ->check(assignment())
       ->group(kGroup);
-  command.add_flag("--lenient", scene.lenient, "Stand-ins, not an error, for unknown plugins")->group(kGroup);
+  command.add_flag("--lenient", scene.lenient, "Warn of what is not known or missing, and render the rest")->group(kGroup);
   command.add_option("--seed", scene.seed, "From which all seeds are made (default: 0)")
       ->type_name("S")
       ->check(whole_number(0, kMaxSeed).description(""))

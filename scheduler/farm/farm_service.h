@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "penumbra.grpc.pb.h"
 #include "scheduler/farm/arrivals.h"
 #include "scheduler/farm/offered_asset.h"
 #include "scheduler/farm/worker_connection.h"

@@ -1,7 +1,6 @@
 #include "scheduler/farm/render_farm.h"
 
 #include <absl/synchronization/mutex.h>
-#include <grpc/grpc.h>
 
 #include <fmt/format.h>
 
@@ -9,6 +8,7 @@
 
 #include "scheduler/farm/farm_run.h"
 #include "scheduler/farm/render_job_check.h"
+#include "scheduler/protocol/grpc_log.h"
 
 namespace penumbra {
 namespace {
@@ -45,11 +45,9 @@ class SingleJob final : public JobSource {
 Expected<void> run_farm(const FarmOptions& options, JobSource& source, const std::atomic<bool>& stop) {
   if (options.workers < (options.listen.empty() ? 1 : 0))
     return fail(fmt::format("{} workers; at least 1 is needed", options.workers));
-  // For good: gRPC's end may wait ten seconds for a poll that is under way.
-  // And gRPC's mutexes look for deadlocks in Debian's build of absl, which takes a tenth of its time.
-  static const bool kept =
-      (grpc_init(), absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore), true);
-  (void)kept;
+  keep_grpc_running();
+  // gRPC's mutexes look for deadlocks in Debian's build of absl, which takes a tenth of its time.
+  absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   return FarmRun(options, source, stop).run();
 }
 

@@ -77,7 +77,7 @@ struct Server::State {
   // of those of the scheduler's own workers.
   std::unique_ptr<Acceptor> own_acceptor, acceptor;
   std::unique_ptr<FarmService> own_service, more_service;
-  std::unique_ptr<grpc::Service> further_service;
+  std::shared_ptr<grpc::Service> further_service;
   Connections own_connections, more_connections;
   std::unique_ptr<grpc::Server> own_server, more_server;
 };

@@ -14,6 +14,6 @@ namespace penumbra {
 /// Is given what each call has to begin with, once its token is checked: its peer is told to what bounds
 /// connections.
 using ServiceMaker =
-    std::function<std::unique_ptr<grpc::Service>(std::function<void(const std::string& peer)>)>;
+    std::function<std::shared_ptr<grpc::Service>(std::function<void(const std::string& peer)>)>;
 
 }  // namespace penumbra

@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "kernels/host/chromaticities.h"
 #include "kernels/host/error.h"
 
 namespace penumbra {
@@ -32,11 +33,6 @@ struct ImageCamera {
   RowMatrix world_to_ndc;     ///< (0, 0) and (1, 1): upper left and lower right corner of the display window
   bool operator==(const ImageCamera&) const = default;
 };
-
-/// What red, green, blue and white are, each as CIE 1931 x and y.
-using Chromaticities = std::array<float, 8>;
-/// Rec. 709 (ITU-R BT.709-6, item 1.3), whose primaries and white are sRGB's.
-constexpr Chromaticities kRec709 = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
 
 /// Channel c of pixel (x, y), counted from the corner of `data`, is `values[(y * data.width + x) *
 /// channels.size() + c]`.

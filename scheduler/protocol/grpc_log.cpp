@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <google/protobuf/stubs/logging.h>
+#include <grpc/grpc.h>
 #include <grpc/support/log.h>
 
 #include <cstdlib>
@@ -36,6 +37,11 @@ void route_grpc_log() {
   is_wanted();
   gpr_set_log_function(on_grpc_log);
   google::protobuf::SetLogHandler(on_protobuf_log);
+}
+
+void keep_grpc_running() {
+  static const bool runs = (grpc_init(), true);
+  (void)runs;
 }
 
 }  // namespace penumbra

@@ -1,4 +1,4 @@
-// Log messages of gRPC and protobuf.
+// Log messages of gRPC and protobuf, and how long gRPC lives.
 #pragma once
 
 namespace penumbra {
@@ -7,5 +7,9 @@ namespace penumbra {
 /// message. Lost connections are reported by our own messages. Call at the start of main, before gRPC is
 /// used.
 void route_grpc_log();
+
+/// Starts gRPC for the rest of the process: otherwise it ends with its last channel, which may wait ten
+/// seconds for a poll.
+void keep_grpc_running();
 
 }  // namespace penumbra

@@ -11,7 +11,7 @@
 #include "kernels/host/error.h"
 #include "kernels/host/sample_buffer.h"
 #include "kernels/host/view.h"
-#include "penumbra.grpc.pb.h"
+#include "penumbra.pb.h"
 #include "scheduler/plan/work_unit.h"
 #include "scheduler/protocol/asset_manifest.h"
 #include "worker/device.h"

@@ -133,6 +133,7 @@ std::vector<std::pair<std::string, MetadataValue>> record_metadata(const RenderR
   if (!rendered.backends.empty())
     metadata.emplace_back("penumbra:rendered_by", std::string(rendered.backends));
   metadata.emplace_back("penumbra:film_hash", hash_text(film_hash));
+  if (rendered.scene_warnings > 0) metadata.emplace_back("penumbra:scene_warnings", int(rendered.scene_warnings));
   if (!rendered.complete) metadata.emplace_back("penumbra:incomplete", 1);
   if (!rendered.repeatable()) {
     metadata.emplace_back("penumbra:samples_per_pixel",

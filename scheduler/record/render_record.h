@@ -55,6 +55,7 @@ struct RenderedSamples {
   std::string_view backends = {};     ///< what computed them: native, opencl, or both; empty: as was asked
   bool ended_by_tile = false;         ///< each tile has come to the target error, its share, or all samples
   std::optional<std::uint64_t> units_in_order = {};  ///< see Merge
+  std::size_t scene_warnings = 0;                    ///< of its reader: what is not as the file says
 
   /// Whether some command renders the same image: every pixel has the first samples, equally many, or as many
   /// as its tile's results ask for, or as many as the first units of all have.
@@ -69,7 +70,7 @@ RenderRecord record_of_rendered(RenderRecord record, const RenderedSamples& rend
 
 /// Metadata of the EXR, all named penumbra:…; `film_hash` is FilmAccumulator::hash(). The scene is named
 /// without its folder, so that the same render is the same file wherever it is, and identified by its hash.
-/// An image that misses samples is marked penumbra:incomplete = 1; if no command renders it again, there is
+/// penumbra:scene_warnings is how many there were, if any. An image that misses samples is marked penumbra:incomplete = 1; if no command renders it again, there is
 /// penumbra:nearest_command instead of penumbra:command. penumbra:rendered_by is what a backend came to that
 /// the command leaves open.
 std::vector<std::pair<std::string, MetadataValue>> record_metadata(const RenderRecord& record,

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <span>
 
+#include "jobs.grpc.pb.h"
 #include "scheduler/files/atomic_file.h"
 #include "scheduler/keys/unreachable.h"
 #include "scheduler/protocol/client.h"
@@ -25,11 +26,18 @@ void prepare(grpc::ClientContext& context, const std::string& token, std::chrono
 
 }  // namespace
 
+struct JobsClient::Connection {
+  explicit Connection(std::shared_ptr<grpc::Channel> opened)
+      : channel(std::move(opened)), stub(wire::Jobs::NewStub(channel)) {}
+
+  const std::shared_ptr<grpc::Channel> channel;
+  const std::unique_ptr<wire::Jobs::Stub> stub;
+};
+
 JobsClient::JobsClient(std::string address, ClientAccess access)
     : address_(std::move(address)),
       access_(std::move(access)),
-      channel_(open_channel(address_, access_.keys.get())),
-      stub_(wire::Jobs::NewStub(channel_)) {}
+      connection_(std::make_unique<const Connection>(open_channel(address_, access_.keys.get()))) {}
 
 JobsClient::~JobsClient() = default;
 
@@ -37,14 +45,14 @@ void JobsClient::connect(const std::function<void()>& is_slow) const {
   const auto begin = std::chrono::system_clock::now(), slow = begin + kTimeToAnswer, end = begin + kPatience;
   bool is_told = false;
   for (;;) {
-    const grpc_connectivity_state state = channel_->GetState(true);
+    const grpc_connectivity_state state = connection_->channel->GetState(true);
     const auto now = std::chrono::system_clock::now();
     if ((state != GRPC_CHANNEL_IDLE && state != GRPC_CHANNEL_CONNECTING) || now >= end) return;
     if (!is_told && now >= slow) {
       is_told = true;
       is_slow();
     }
-    channel_->WaitForStateChange(state, is_told ? end : slow);
+    connection_->channel->WaitForStateChange(state, is_told ? end : slow);
   }
 }
 
@@ -79,14 +87,14 @@ Expected<void> JobsClient::send_scene(const std::string& hash, const DeviceScene
     auto asked = request<wire::HasSceneRequest>();
     asked.set_hash(hash);
     wire::HasSceneReply reply;
-    if (const grpc::Status status = stub_->HasScene(&context, asked, &reply); !status.ok())
+    if (const grpc::Status status = connection_->stub->HasScene(&context, asked, &reply); !status.ok())
       return failed(status);
     if (reply.known()) return {};
   }
   grpc::ClientContext context;
   prepare(context, access_.token, kTimeForTransfers);
   wire::PutSceneReply reply;
-  const auto writer = stub_->PutScene(&context, &reply);
+  const auto writer = connection_->stub->PutScene(&context, &reply);
   auto chunk = request<wire::SceneChunk>();
   chunk.set_hash(hash);
   const std::vector<std::uint8_t> head = scene.head();
@@ -108,20 +116,20 @@ Expected<JobId> JobsClient::submit(const Submission& submission, const DeviceSce
   auto asked = request<wire::SubmitRequest>();
   *asked.mutable_submission() = encode(submission);
   wire::SubmitReply reply;
-  if (const grpc::Status status = stub_->Submit(&context, asked, &reply); !status.ok()) return failed(status);
+  if (const grpc::Status status = connection_->stub->Submit(&context, asked, &reply); !status.ok()) return failed(status);
   return reply.job();
 }
 
 Expected<wire::StatusReply> JobsClient::status(const std::vector<JobId>& jobs) {
   // Who asks again and again learns soon that the service is back: a call alone does not make the channel try
   // again.
-  if (is_away_) channel_->WaitForConnected(std::chrono::system_clock::now() + kTimeToConnect);
+  if (is_away_) connection_->channel->WaitForConnected(std::chrono::system_clock::now() + kTimeToConnect);
   grpc::ClientContext context;
   prepare(context, access_.token, kPatience);
   auto asked = request<wire::StatusRequest>();
   for (const JobId job : jobs) asked.add_jobs(job);
   wire::StatusReply reply;
-  if (const grpc::Status status = stub_->Status(&context, asked, &reply); !status.ok()) return failed(status);
+  if (const grpc::Status status = connection_->stub->Status(&context, asked, &reply); !status.ok()) return failed(status);
   is_away_ = false;
   return reply;
 }
@@ -131,7 +139,7 @@ Expected<void> JobsClient::change(wire::ChangeRequest request, const std::vector
   prepare(context, access_.token, kPatience);
   for (const JobId job : jobs) request.add_jobs(job);
   wire::ChangeReply reply;
-  if (const grpc::Status status = stub_->Change(&context, request, &reply); !status.ok())
+  if (const grpc::Status status = connection_->stub->Change(&context, request, &reply); !status.ok())
     return failed(status);
   return {};
 }
@@ -160,7 +168,7 @@ Expected<void> JobsClient::fetch(JobId job, const wire::StoredFile& file, const 
   auto asked = request<wire::FetchRequest>();
   asked.set_job(job);
   asked.set_name(file.name());
-  const auto reader = stub_->Fetch(&context, asked);
+  const auto reader = connection_->stub->Fetch(&context, asked);
   std::vector<std::uint8_t> bytes;
   wire::FetchChunk chunk;
   while (bytes.size() <= file.bytes() && reader->Read(&chunk))

@@ -7,12 +7,16 @@
 #include <string>
 #include <vector>
 
-#include "jobs.grpc.pb.h"
+#include "jobs.pb.h"
 #include "kernels/host/device_scene.h"
 #include "kernels/host/error.h"
 #include "scheduler/keys/client_access.h"
 #include "scheduler/plan/work_unit.h"
 #include "scheduler/service/submission.h"
+
+namespace grpc {
+class Status;
+}
 
 namespace penumbra {
 
@@ -49,8 +53,8 @@ class JobsClient {
 
   const std::string address_;
   const ClientAccess access_;
-  const std::shared_ptr<grpc::Channel> channel_;
-  const std::unique_ptr<wire::Jobs::Stub> stub_;
+  struct Connection;
+  const std::unique_ptr<const Connection> connection_;
   bool is_away_ = false;
 };
 

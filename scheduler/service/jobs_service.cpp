@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "jobs.grpc.pb.h"
 #include "scheduler/files/atomic_file.h"
 #include "scheduler/protocol/wire.h"
 
@@ -24,7 +25,33 @@ grpc::Status status_of(const JobError& error) {
   return {grpc::StatusCode::INVALID_ARGUMENT, error.message};
 }
 
-}  // namespace
+class JobsService final : public wire::Jobs::Service {
+ public:
+  JobsService(JobQueue& queue, Spool& spool, std::function<void(const std::string& peer)> on_call)
+      : queue_(queue), spool_(spool), on_call_(std::move(on_call)) {}
+
+  grpc::Status HasScene(grpc::ServerContext* context, const wire::HasSceneRequest* request,
+                        wire::HasSceneReply* reply) override;
+  grpc::Status PutScene(grpc::ServerContext* context, grpc::ServerReader<wire::SceneChunk>* reader,
+                        wire::PutSceneReply* reply) override;
+  grpc::Status Submit(grpc::ServerContext* context, const wire::SubmitRequest* request,
+                      wire::SubmitReply* reply) override;
+  grpc::Status Status(grpc::ServerContext* context, const wire::StatusRequest* request,
+                      wire::StatusReply* reply) override;
+  grpc::Status Change(grpc::ServerContext* context, const wire::ChangeRequest* request,
+                      wire::ChangeReply* reply) override;
+  grpc::Status Fetch(grpc::ServerContext* context, const wire::FetchRequest* request,
+                     grpc::ServerWriter<wire::FetchChunk>* writer) override;
+
+ private:
+  /// What every call begins with; an error where the peer is of another version.
+  template <typename Request>
+  grpc::Status begin(const grpc::ServerContext& context, const Request& request) const;
+
+  JobQueue& queue_;
+  Spool& spool_;
+  const std::function<void(const std::string&)> on_call_;
+};
 
 template <typename Request>
 grpc::Status JobsService::begin(const grpc::ServerContext& context, const Request& request) const {
@@ -115,6 +142,13 @@ grpc::Status JobsService::Fetch(grpc::ServerContext* context, const wire::FetchR
   if (!file.eof())
     return {grpc::StatusCode::INTERNAL, fmt::format("the file '{}' cannot be read", request->name())};
   return grpc::Status::OK;
+}
+
+}  // namespace
+
+std::shared_ptr<grpc::Service> make_jobs_service(JobQueue& queue, Spool& spool,
+                                                 std::function<void(const std::string& peer)> on_call) {
+  return std::make_shared<JobsService>(queue, spool, std::move(on_call));
 }
 
 }  // namespace penumbra

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "kernels/host/error.h"
-#include "penumbra.grpc.pb.h"
+#include "penumbra.pb.h"
 #include "scheduler/watch/watch_board.h"
 
 namespace penumbra {

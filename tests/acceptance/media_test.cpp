@@ -216,6 +216,25 @@ TEST(Media, AreLeftOutWhereThereAreNone) {
   EXPECT_EQ(mean_image(render_or_throw(a)).values, mean_image(render_or_throw(b)).values);
 }
 
+/// Fog that ends nowhere, in a scene without any triangle.
+TEST(Media, FogWithoutBoundariesNeedsNoTriangles) {
+  SceneDescription scene = empty_scene(16, 16, 256, 1);
+  scene.camera = look_at({0, -4, 2}, {0, 0, 0}, {0, 0, 1}, 40);
+  scene.integrator = volpath();
+  scene.camera_medium = add_medium(scene, medium({0.1f, 0.2f, 0.3f}, glm::vec3(0.5f)));
+  scene.shapes.push_back(sphere({0, 0, 0}, 0.5, add_diffuse(scene, 0.5f)));
+  PointLight light;
+  light.position = {0, -1, 2};
+  scene.emitters.emplace_back(light);
+  const FilmAccumulator film = render_or_throw(scene, big_passes());
+  EXPECT_EQ(non_finite_count(film.flagged()), 0u);
+  SceneDescription with_one = scene;
+  // Behind the camera, so far off that no light gets there.
+  const glm::dvec3 corners[] = {{0, -1000, 0}, {1, -1000, 0}, {0, -1000, 1}};
+  with_one.shapes.push_back(triangles(corners, add_diffuse(with_one, 0.5f)));
+  expect_alike(scene, with_one);
+}
+
 // --- Ends of the range.
 
 TEST(Media, OfAnyDensityGiveFiniteImagesOfTheirTransmittance) {

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <string>
 
+#include "penumbra.grpc.pb.h"
 #include "scheduler/protocol/wire.h"
 #include "tests/load/load_board.h"
 

@@ -55,10 +55,27 @@ TEST(Obj, CornersWithDifferentNormalsAreDifferentVertices) {
   EXPECT_EQ(mesh.normals[mesh.triangles[0].x], glm::vec3(0, 0, 1));
 }
 
-TEST(Obj, PartialNormalsAndTextureCoordinatesAreDropped) {
-  const Mesh mesh = read(std::string(kSquare) + "vt 0 0\nvn 0 0 1\nf 1/1/1 2//1 3//1\n").value();
-  EXPECT_THAT(mesh.normals, SizeIs(3));
-  EXPECT_THAT(mesh.texcoords, IsEmpty());
+TEST(Obj, NormalsAndTextureCoordinatesThatSomeCornersLackAreZeroThere) {
+  const MeshFile file =
+      read_obj({"m.obj", std::string(kSquare) + "vt .25 .5\nvn 0 0 1\nf 1/1/1 2//1 3/1\nf 1/1/1 3/1 4/1/1\n"})
+          .value();
+  EXPECT_THAT(file.mesh.texcoords, ElementsAre(glm::vec2(0.25f, 0.5f), glm::vec2(0), glm::vec2(0.25f, 0.5f),
+                                               glm::vec2(0.25f, 0.5f)));
+  EXPECT_THAT(file.mesh.normals,
+              ElementsAre(glm::vec3(0, 0, 1), glm::vec3(0, 0, 1), glm::vec3(0), glm::vec3(0, 0, 1)));
+  EXPECT_THAT(describe(file.faces),
+              ElementsAre("1 face has corners without texture coordinates; (0, 0) stands in for them; the first is "
+                          "m.obj:7:1"));
+  const MeshFile none = read_obj({"m.obj", std::string(kSquare) + "vn 0 0 1\nf 1//1 2//1 3//1\n"}).value();
+  EXPECT_THAT(none.mesh.texcoords, IsEmpty());
+  EXPECT_THAT(describe(none.faces), IsEmpty());
+}
+
+TEST(Obj, FacesOfFewerThanThreeCornersAreLeftOut) {
+  const MeshFile file = read_obj({"m.obj", std::string(kSquare) + "f 1 2\nf 1 2 3\nf 4\n"}).value();
+  EXPECT_THAT(file.mesh.triangles, ElementsAre(glm::uvec3(0, 1, 2)));
+  EXPECT_THAT(describe(file.faces),
+              ElementsAre("2 faces have fewer than 3 corners; they are left out; the first is m.obj:5:1"));
 }
 
 TEST(Obj, OddButLegalText) {
@@ -90,7 +107,6 @@ TEST(Obj, BadFaces) {
   EXPECT_THAT(error(square + "f 1 2 99999999999999999999\n"), HasSubstr("99999999999999999999"));
   EXPECT_THAT(error(square + "f 1/1 2/1 3/1\n"), HasSubstr("texture coordinate index 1"));
   EXPECT_THAT(error(square + "f 1//1 2//1 3//1\n"), HasSubstr("normal index 1"));
-  EXPECT_THAT(error(square + "f 1 2\n"), HasSubstr("at least 3 corners, not 2"));
   EXPECT_THAT(error(square + "f 1/1/1/1 2 3\n"), HasSubstr("not a face corner"));
   EXPECT_THAT(error(square + "f 1.5 2 3\n"), HasSubstr("'1.5' is not an integer"));
   EXPECT_THAT(error(square + "f / 2 3\n"), HasSubstr("'' is not an integer"));

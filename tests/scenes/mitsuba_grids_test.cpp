@@ -86,19 +86,20 @@ TEST_F(MitsubaGrids, GridsStandForExtinctionAndAlbedo) {
   EXPECT_EQ(read_medium(grid("sigma_t", "smoke.vol")).albedo, glm::vec3(0.75f));
 }
 
-/// What is the same everywhere ends nowhere, unlike Mitsuba's, which a warning says.
-TEST_F(MitsubaGrids, WithoutAGridTheMediumIsTheSameEverywhere) {
-  const std::vector<std::string> warning = {"sigma_t is no grid, so the medium is the same everywhere"};
-  for (const std::string& content :
-       {"<rgb name='sigma_t' value='1 2 4'/>" + float_of("scale", "2"),
-        std::string(
-            "<volume type='constvolume' name='sigma_t'><rgb name='value' value='2 4 8'/></volume>")}) {
-    const ParticipatingMedium m = read_medium(content, warning);
+/// As in Mitsuba 3.
+TEST_F(MitsubaGrids, WithoutAGridTheMediumEndsAtTheUnitCube) {
+  const std::string at = to_world("<scale value='2'/><translate x='10'/>");
+  const glm::dmat4 place = translation({10, 0, 0}) * scaling({2, 2, 2});
+  for (const auto& [content, cube] :
+       {std::pair("<rgb name='sigma_t' value='1 2 4'/>" + float_of("scale", "2"), glm::dmat4(1)),
+        std::pair("<volume type='constvolume' name='sigma_t'><rgb name='value' value='2 4 8'/>" + at + "</volume>",
+                  place)}) {
+    const ParticipatingMedium m = read_medium(content);
     EXPECT_EQ(m.extinction, glm::vec3(2, 4, 8));
     EXPECT_EQ(m.albedo, glm::vec3(0.75f));
-    EXPECT_FALSE(m.density);
+    expect_same(m.density, GridVolume{std::make_shared<const VolumeGrid>(VolumeGrid{1, 1, 1, 1, {1.0f}}), cube});
   }
-  EXPECT_EQ(read_medium("", warning).extinction, glm::vec3(1));
+  EXPECT_EQ(read_medium("").extinction, glm::vec3(1));
 }
 
 TEST_F(MitsubaGrids, AHomogeneousMediumMayHaveAGridOfAlbedos) {

@@ -20,7 +20,7 @@ TEST_F(MitsubaPlugins, LenientStandIns) {
       in("shape", "hair") + in("emitter", "laser") + in("medium", "heterogeneous");
   EXPECT_FALSE(read(scene(text)));
   const SceneDescription s = good(text, {.lenient = true});
-  EXPECT_EQ(kind_of(s.integrator), IntegratorKind::kPath);
+  EXPECT_EQ(kind_of(s.integrator), IntegratorKind::kVolpath);
   EXPECT_EQ(param::max_depth(s.integrator), 4);
   EXPECT_EQ(s.camera.fov, 30.0);
   EXPECT_EQ(s.film.width, 99);
@@ -42,17 +42,97 @@ TEST_F(MitsubaPlugins, LenientStandIns) {
   EXPECT_THAT(
       s.warnings,
       ::testing::UnorderedElementsAre(
-          HasSubstr("integrator type 'vcm' is not one that Penumbra reads; path stands in"),
+          HasSubstr("integrator type 'vcm' is not one that Penumbra reads; volpath stands in"),
           HasSubstr("sensor type 'spherical'"), HasSubstr("film type 'specfilm'"),
           HasSubstr("rfilter type 'welch'"), HasSubstr("sampler type 'magic'"), HasSubstr("bsdf type 'hair'"),
           HasSubstr("no file 'x'"), HasSubstr("texture type 'marble'"), HasSubstr("shape type 'hair'"),
-          HasSubstr("emitter type 'laser'"), HasSubstr("passes through media as if they were not there")));
+          HasSubstr("emitter type 'laser'")));
 }
 
-TEST_F(MitsubaPlugins, LeniencyIsForPluginsOnly) {
+TEST_F(MitsubaPlugins, LenientToWhatCanBeParsed) {
+  const std::string text =
+      in("bsdf", "diffuse", "<rgb name='color' value='1'/><rgb name='reflectance' value='.5 2 -1'/>") +
+      in("shape", "obj", "<string name='filename' value='x.obj'/>") +
+      in("shape", "sphere",
+         "<float name='radius' value='2'/><float name='radius' value='3'/>" +
+             in("bsdf", "roughconductor", "<float name='alpha' value='-1'/>"));
+  EXPECT_FALSE(read(scene(text)));
+  const SceneDescription s = good(text, {.lenient = true});
+  ASSERT_THAT(s.shapes, SizeIs(1));
+  EXPECT_EQ(std::get<Sphere>(s.shapes[0].geometry).radius, 3.0);
+  EXPECT_THAT(s.warnings,
+              ::testing::UnorderedElementsAre(
+                  HasSubstr("bsdf 'diffuse' has no parameter 'color'; it is ignored"),
+                  HasSubstr("reflectance of bsdf 'diffuse' is negative; 0 stands in for it"),
+                  HasSubstr("reflectance of bsdf 'diffuse' is above 1; it is scaled down to that"),
+                  HasSubstr("no file 'x.obj'"), HasSubstr("the parameter 'radius' is there twice; the last counts"),
+                  AllOf(HasSubstr("alpha must be"), HasSubstr("its default stands in for it"))));
+}
+
+TEST_F(MitsubaPlugins, LenientWithMediaMeansVolpath) {
+  const SceneDescription s =
+      good(in("integrator", "vcm") + in("shape", "sphere", "<medium type='homogeneous' name='interior'/>"),
+           {.lenient = true});
+  EXPECT_EQ(kind_of(s.integrator), IntegratorKind::kVolpath);
+}
+
+/// Mitsuba 0.x warns of what Mitsuba 3 refuses.
+TEST_F(MitsubaPlugins, AsStrictAsTheProgramThatTheFileIsFor) {
+  const std::string content =
+      in("integrator", "path", "<boolean name='fancy' value='true'/>") + "<sensor type='perspective'/>" +
+      in("bsdf", "conductor", "<float name='alpha' value='.1'/><string name='distribution' value='ggx'/>") +
+      in("bsdf", "ward", "<float name='alpha' value='.1'/>") + in("bsdf", "ward", "<float name='alpha' value='.2'/>") +
+      in("bsdf", "roughplastic", "<string name='distribution' value='phong'/><float name='alpha' value='.3'/>") +
+      in("shape", "sphere",
+         in("bsdf", "diffuse",
+            "<rgb name='reflectance' value='.1 .2 .3'/><rgb name='reflectance' value='4 2 1'/>"));
+  const auto of_version = [&](const std::string& version) {
+    return "<scene version='" + version + "'>" + content + "</scene>";
+  };
+  const auto old = read(of_version("0.6.0"));
+  ASSERT_TRUE(old) << old.error().message;
+  const auto& diffuse = std::get<DiffuseBsdf>(old->bsdfs.at(std::size_t(old->shapes.at(0).front_bsdf)).model);
+  EXPECT_EQ(diffuse.reflectance.value, glm::vec3(1.0f, 0.5f, 0.25f));
+  EXPECT_THAT(lit(*old).warnings,
+              ::testing::UnorderedElementsAre(
+                  HasSubstr("integrator 'path' has no parameter 'fancy'; it is ignored"),
+                  HasSubstr("bsdf 'conductor' has no parameter 'alpha'; it is ignored"),
+                  HasSubstr("bsdf 'conductor' has no parameter 'distribution'; it is ignored"),
+                  HasSubstr("bsdf 'ward' has no parameter 'alpha'; it is ignored (2 times)"),
+                  HasSubstr("beckmann of the same alpha stands in for the distribution 'phong'"),
+                  HasSubstr("the parameter 'reflectance' is there twice; the last counts"),
+                  HasSubstr("reflectance of bsdf 'diffuse' is above 1; it is scaled down to that")));
+  for (const char* version : {"2.0.0", "3.0.0"})
+    EXPECT_THAT(error(of_version(version)), HasSubstr("'reflectance' is there twice"));
+  EXPECT_THAT(error(scene(in("bsdf", "conductor", "<float name='alpha' value='.1'/>"))),
+              HasSubstr("no parameter 'alpha'"));
+}
+
+TEST_F(MitsubaPlugins, StrictnessMakesErrorsOfWarnings) {
+  const std::string text = scene(in("shape", "hair") + in("emitter", "constant"));
+  EXPECT_TRUE(read(text, {.lenient = true}));
+  EXPECT_THAT(error(text, {.lenient = true, .strict = true}), HasSubstr("shape type 'hair' is not one"));
+  EXPECT_TRUE(read(scene(in("shape", "sphere") + in("emitter", "constant")), {.strict = true}));
+}
+
+/// What is wrong with an integrator, a sampler and a film does not matter where the command line replaces them.
+TEST_F(MitsubaPlugins, WhatTheCommandLineReplacesIsNotLookedAt) {
+  const std::string text = in("integrator", "vcm", "<float name='fancy' value='1'/><integer name='max_depth' value='7'/>") +
+                           in("sensor", "perspective",
+                              in("sampler", "magic", "<integer name='sample_count' value='9'/>") +
+                                  in("film", "hdrfilm", "<integer name='width' value='-5'/>"));
+  EXPECT_FALSE(read(scene(text)));
+  const SceneDescription s = good(
+      text, {.settings = {{"integrator.type", "volpath"}, {"sampler.type", "sobol"}, {"film.width", "50"}}});
+  EXPECT_EQ(kind_of(s.integrator), IntegratorKind::kVolpath);
+  EXPECT_EQ(param::max_depth(s.integrator), 7);
+  EXPECT_EQ(s.sampler.spp, 9u);
+  EXPECT_EQ(s.film.width, 50);
+  EXPECT_THAT(s.warnings, IsEmpty());
+}
+
+TEST_F(MitsubaPlugins, LeniencyHasItsLimits) {
   const ReadOptions lenient{.lenient = true};
-  EXPECT_THAT(error(scene(in("bsdf", "diffuse", "<rgb name='color' value='1'/>")), lenient),
-              HasSubstr("no parameter 'color'"));
   EXPECT_THAT(error(scene("<shaep type='sphere'/>"), lenient), HasSubstr("did you mean 'shape'?"));
   EXPECT_THAT(error(scene(in("shape", "sphere", "<ref id='x'/>")), lenient),
               HasSubstr("no object with the id 'x'"));

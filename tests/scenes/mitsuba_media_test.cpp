@@ -248,14 +248,36 @@ TEST_F(MitsubaMedia, GroupsBoundMediaWhereTheyArePlaced) {
   EXPECT_EQ(primitives[13], 0);
 }
 
+TEST_F(MitsubaMedia, EqualOnesAreOne) {
+  const std::string thick = number("sigma_t", "2"), thin = number("sigma_t", "1");
+  const DeviceScene d = device(
+      good(kVolpath + in("shape", "cube", kNull + medium(thick)) +
+           in("shape", "sphere", in("bsdf", "dielectric") + medium(thick, "name='exterior'") +
+                                     medium(thin, "name='interior'"))));
+  EXPECT_EQ(d.header.tables.media.count, 3) << "nothing, and two";
+  const auto boundaries = table<Boundary>(d, d.header.tables.boundaries);
+  ASSERT_EQ(boundaries.size(), 2u);
+  EXPECT_EQ(boundaries[0].interior, boundaries[1].exterior);
+  EXPECT_NE(boundaries[0].interior, boundaries[1].interior);
+}
+
 TEST_F(MitsubaMedia, NoMoreThanTheirNumbersCanSay) {
   SceneDescription s = good(kVolpath + in("shape", "sphere", kNull + medium("")));
-  s.media.resize(254, s.media[0]);
+  const auto add_until = [&](std::size_t count) {
+    while (s.media.size() < count) {
+      s.media.push_back(s.media[0]);
+      s.media.back().extinction.x += float(s.media.size());
+    }
+  };
+  add_until(254);
   EXPECT_EQ(device(s).header.tables.media.count, 255);
-  s.media.push_back(s.media[0]);
+  s.media.push_back(s.media[7]);  // one that is there already
+  EXPECT_EQ(device(s).header.tables.media.count, 255);
+  s.media.pop_back();
+  add_until(255);
   const auto built = build_device_scene(s, {});
   ASSERT_FALSE(built);
-  EXPECT_THAT(built.error().message, HasSubstr("255 media; there may be 254"));
+  EXPECT_THAT(built.error().message, HasSubstr("255 media, more than 254 that differ"));
 }
 
 TEST_F(MitsubaMedia, TablesThatAreWrongAreRefused) {

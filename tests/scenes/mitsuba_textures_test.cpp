@@ -165,13 +165,55 @@ TEST_F(MitsubaTextures, LinearBitmapsOfAnySizeCanBeRendered) {
   can_be_rendered("rgb.png");
 }
 
+TEST_F(MitsubaTextures, OtherLayersThanTheColoursAreLeftOut) {
+  write_image("layers.exr", 1, 1, {"R", "G", "B", "albedo.R", "depth.Z"}, OIIO::TypeDesc::FLOAT,
+              std::vector<float>{0.25f, 0.5f, 0.75f, 7.0f, 9.0f});
+  const SceneDescription s = good(shape(bitmap("layers.exr")));
+  ASSERT_EQ(s.bitmaps.at(0)->channels, 3);
+  for (std::size_t c = 0; c < 3; ++c)
+    EXPECT_EQ(std::bit_cast<float>(s.bitmaps[0]->words.at(c)), 0.25f * float(c + 1));
+}
+
+/// What the chromaticities of a file say is told by the closed form: with those of XYZ its numbers are X, Y, Z.
+TEST_F(MitsubaTextures, ColoursOfOtherPrimariesBecomeRec709) {
+  const glm::dvec3 rgb(0.5, 0.25, 0.1);
+  const auto xyz_of = [](const glm::dvec3& c) {  // IEC 61966-2-1, to four decimals
+    return glm::vec3(0.4124 * c.x + 0.3576 * c.y + 0.1805 * c.z, 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z,
+                     0.0193 * c.x + 0.1192 * c.y + 0.9505 * c.z);
+  };
+  const auto read_with = [&](const std::array<float, 8>& chromaticities, const glm::vec3& values) {
+    OIIO::ImageSpec spec(1, 1, 3, OIIO::TypeDesc::FLOAT);
+    spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), chromaticities.data());
+    const auto out = OIIO::ImageOutput::create((folder_ / "c.exr").string());
+    EXPECT_TRUE(out->open((folder_ / "c.exr").string(), spec) && out->write_image(OIIO::TypeDesc::FLOAT, &values));
+    EXPECT_TRUE(out->close());
+    const SceneDescription s = good(shape(bitmap("c.exr")));
+    glm::dvec3 result(0.0);
+    for (int c = 0; c < 3; ++c) result[c] = std::bit_cast<float>(s.bitmaps.at(0)->words.at(std::size_t(c)));
+    return result;
+  };
+  constexpr float kThird = 1.0f / 3.0f, kDecimals = 1e-4f;
+  const glm::dvec3 of_xyz = read_with({1, 0, 0, 1, 0, 0, kThird, kThird}, xyz_of(rgb));
+  const glm::dvec3 same = read_with({0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f}, rgb);
+  // White of any primaries that have the white of Rec. 709 is white.
+  const glm::dvec3 white =
+      read_with({0.708f, 0.292f, 0.17f, 0.797f, 0.131f, 0.046f, 0.3127f, 0.329f}, glm::vec3(0.5f));
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(of_xyz[c], rgb[c], 10 * kDecimals);  // rows of the inverse add up to less than 10
+    EXPECT_EQ(same[c], double(float(rgb[c])));
+    EXPECT_NEAR(white[c], 0.5, 1e-6);
+  }
+  write_image("none.exr", 1, 1, kRgb, OIIO::TypeDesc::FLOAT, std::vector<float>(3, 0.5f));
+  EXPECT_EQ(std::bit_cast<float>(good(shape(bitmap("none.exr"))).bitmaps.at(0)->words.at(0)), 0.5f);
+}
+
 TEST_F(MitsubaTextures, OtherChannelsThanATexturesAreAnError) {
-  write_image("five.exr", 1, 1, {"R", "G", "B", "A", "Z"}, OIIO::TypeDesc::FLOAT,
+  write_image("five.exr", 1, 1, {"R", "G", "X", "Z", "A"}, OIIO::TypeDesc::FLOAT,
               std::vector<float>(5, 0.5f));
   EXPECT_THAT(
       error(scene(shape(bitmap("five.exr")))),
       AllOf(HasSubstr("scene.xml:2:"),
-            HasSubstr("'five.exr' has 5 channels (R, G, B, A, Z); a texture has Y, or R, G and B, each "
+            HasSubstr("'five.exr' has 5 channels (R, G, X, Z, A); a texture has Y, or R, G and B, each "
                       "with A or without")));
   write_image("layers.exr", 1, 1, {"a.R", "a.G", "a.B"}, OIIO::TypeDesc::FLOAT, std::vector<float>(3, 0.5f));
   EXPECT_THAT(error(scene(shape(bitmap("layers.exr")))), HasSubstr("has 3 channels (a.R, a.G, a.B)"));

@@ -154,6 +154,49 @@ TEST_F(MitsubaXml, SearchPaths) {
   EXPECT_THAT(error(scene("<path value='common/meshes/t.obj'/>")), HasSubstr("is not a folder"));
 }
 
+TEST_F(MitsubaXml, PathsOfIncludedFilesAreThoseOfTheMainOneToo) {
+  const std::string mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  for (const char* name : {"common", "scenes", "scenes/include", "scenes/include/own"})
+    std::filesystem::create_directory(folder_ / name);
+  write("common/t.obj", mesh);
+  write("scenes/include/own/u.obj", mesh);
+  write("scenes/include/part.xml",
+        "<scene version='3.0.0'><path value='../common'/><path value='own'/>"
+        "<shape type='obj'><string name='filename' value='t.obj'/></shape>"
+        "<shape type='obj'><string name='filename' value='u.obj'/></shape></scene>");
+  write("scenes/main.xml", scene("<include filename='include/part.xml'/>"));
+  const auto read = read_scene(folder_ / "scenes/main.xml", {});
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_THAT(read->shapes, SizeIs(2));
+}
+
+/// As on the systems that many scenes come from.
+TEST_F(MitsubaXml, BackSlashesAndTheCaseOfLettersInPaths) {
+  for (const char* name : {"Meshes", "Meshes/Old"}) std::filesystem::create_directory(folder_ / name);
+  write("Meshes/Old/T.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const auto with = [&](const std::string& name) {
+    return "<shape type='obj'><string name='filename' value='" + name + "'/></shape>";
+  };
+  EXPECT_THAT(good(with("Meshes/Old/T.obj")).warnings, ::testing::IsEmpty());
+  for (const char* name : {"Meshes\\Old\\T.obj", "meshes/OLD/t.OBJ", ".\\meshes\\old\\t.obj"}) {
+    const SceneDescription s = good(with(name) + with(name));
+    EXPECT_THAT(s.shapes, SizeIs(2)) << name;
+    EXPECT_THAT(s.warnings, ElementsAre(AllOf(HasSubstr("'" + std::string(name) + "' is found as '"),
+                                              HasSubstr("Meshes/Old/T.obj'"))));
+  }
+  EXPECT_THAT(error(scene(with("meshes\\new\\t.obj"))), HasSubstr("there is no file"));
+  std::filesystem::create_directory(folder_ / "job");
+  write("job/scene.xml", scene(with("..\\meshes\\old\\t.obj")));
+  EXPECT_TRUE(read_scene(folder_ / "job/scene.xml", {}));
+  EXPECT_FALSE(read_scene(folder_ / "job/scene.xml", {.confine_to = folder_ / "job"}));
+}
+
+TEST_F(MitsubaXml, PointersOfGitLfsAreNamed) {
+  write("t.obj", "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n");
+  EXPECT_THAT(error(scene("<shape type='obj'><string name='filename' value='t.obj'/></shape>")),
+              HasSubstr("t.obj' is a pointer of Git LFS, not the file itself: `git lfs pull` brings that"));
+}
+
 TEST_F(MitsubaXml, Confinement) {
   std::filesystem::create_directory(folder_ / "job");
   write("secret.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "penumbra.grpc.pb.h"
 #include "scheduler/farm/private_socket.h"
 #include "scheduler/protocol/wire.h"
 #include "tests/support/fake_device.h"

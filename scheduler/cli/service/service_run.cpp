@@ -242,7 +242,7 @@ ExitCode ServiceRun::run(const std::string& worker_executable, std::shared_ptr<c
                    .tells_how_to_watch = true,
                    .open_jobs = kMostOpenJobs,
                    .service = [this](std::function<void(const std::string&)> on_call) {
-                     return std::make_unique<JobsService>(queue_, spool_, std::move(on_call));
+                     return make_jobs_service(queue_, spool_, std::move(on_call));
                    }};
   std::thread reader([this] { read_scenes(); });
   std::thread writer([this] { write_images(); });

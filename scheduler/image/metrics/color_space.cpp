@@ -5,45 +5,16 @@
 namespace penumbra {
 namespace {
 
-using Matrix = std::array<Color, 3>;  // of rows
-
-constexpr Color transformed(const Matrix& m, const Color& v) {
-  return {m[0][0] * v[0] + m[0][1] * v[1] + m[0][2] * v[2], m[1][0] * v[0] + m[1][1] * v[1] + m[1][2] * v[2],
-          m[2][0] * v[0] + m[2][1] * v[1] + m[2][2] * v[2]};
+/// Divided by white.
+constexpr ColorMatrix relative_xyz_of_rgb() {
+  ColorMatrix matrix = xyz_from_rgb(kRec709);
+  for (std::size_t i = 0; i < 3; ++i)
+    for (double& each : matrix[i]) each /= white_of(kRec709)[i];
+  return matrix;
 }
 
-constexpr Matrix inverse(const Matrix& m) {
-  const auto cofactor = [&](int i, int j) {
-    const auto &a = m[(i + 1) % 3], &b = m[(i + 2) % 3];
-    return a[(j + 1) % 3] * b[(j + 2) % 3] - a[(j + 2) % 3] * b[(j + 1) % 3];
-  };
-  const double determinant = m[0][0] * cofactor(0, 0) + m[0][1] * cofactor(0, 1) + m[0][2] * cofactor(0, 2);
-  Matrix result{};
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) result[i][j] = cofactor(j, i) / determinant;
-  }
-  return result;
-}
-
-/// XYZ of Y = 1 and chromaticity (x, y).
-constexpr Color xyz_of(double x, double y) { return {x / y, 1, (1 - x - y) / y}; }
-
-constexpr Color kWhite = xyz_of(0.3127, 0.3290);
-
-/// Columns: the primaries, scaled to add up to white; rows: divided by white.
-constexpr Matrix relative_xyz_of_rgb() {
-  const Color red = xyz_of(0.64, 0.33), green = xyz_of(0.30, 0.60), blue = xyz_of(0.15, 0.06);
-  Matrix primaries{};
-  for (int i = 0; i < 3; ++i) primaries[i] = {red[i], green[i], blue[i]};
-  const Color scale = transformed(inverse(primaries), kWhite);
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) primaries[i][j] *= scale[j] / kWhite[i];
-  }
-  return primaries;
-}
-
-constexpr Matrix kFromRgb = relative_xyz_of_rgb();
-constexpr Matrix kToRgb = inverse(kFromRgb);
+constexpr ColorMatrix kFromRgb = relative_xyz_of_rgb();
+constexpr ColorMatrix kToRgb = inverse(kFromRgb);
 
 constexpr double kDelta = 6.0 / 29.0;
 

@@ -2,13 +2,11 @@
 // D65), CIE XYZ relative to white, CIELAB.
 #pragma once
 
-#include <array>
+#include "kernels/host/chromaticities.h"
 
 namespace penumbra {
 
-using Color = std::array<double, 3>;
-
-/// Linear RGB to XYZ / XYZ of white: (1, 1, 1) to (1, 1, 1). From the chromaticities of IEC 61966-2-1.
+/// Linear RGB to XYZ / XYZ of white: (1, 1, 1) to (1, 1, 1). From the chromaticities of Rec. 709.
 Color relative_xyz_from_rgb(const Color& rgb);
 Color rgb_from_relative_xyz(const Color& xyz);
 

@@ -9,6 +9,7 @@
 namespace penumbra::convert_command_test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -72,6 +73,58 @@ TEST_F(ConvertCommand, WhatIsProtectedOrCannotBeWrittenStaysAsItIs) {
   EXPECT_EQ(file_contents(folder_ / "u.xml"), "old");
   EXPECT_THAT(folder_.names(), ElementsAre("a.obj", "s-1.ply", "s.xml", "t.xml", "u-1.ply", "u.xml"));
   EXPECT_EQ(convert("a.obj/t.xml").exit_code, 2) << "no folder can be made there";
+}
+
+/// A rectangle with an image.
+std::string gltf_with(const std::string& uri) {
+  return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+"nodes": [{"mesh": 0, "name": "a.picture"}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1},
+"indices": 2, "material": 0}]}], "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0},
+"metallicFactor": 0}}], "textures": [{"source": 0}], "images": [{"uri": ")" + uri + R"("}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0]},
+{"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"},
+{"bufferView": 2, "componentType": 5123, "count": 6, "type": "SCALAR"}],
+"bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 32},
+{"buffer": 0, "byteOffset": 80, "byteLength": 12}], "buffers": [{"byteLength": 92, "uri": "data:application/octet-stream;base64,)"
+         "AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAACAPwAAgD8AAAAAAACAvwAAgD8AAAAAAAAAAAAAgD8AAIA/AACAPwAAgD8AAAAAAAAAAAAAAAAAAAEA"
+         "AgAAAAIAAwA=\"}]}";
+}
+
+/// What is converted may be moved with the images that it names, and read from anywhere.
+TEST_F(ConvertCommand, ImagesAreFoundFromTheOutputsFolder) {
+  const std::string encoded =
+      "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGP4z8AAAAMBAQDJ/pLvAAAAAElFTkSuQmCC";
+  std::filesystem::create_directory(folder_ / "sub");
+  write_text(folder_ / "sub/embedded.gltf", gltf_with("data:image/png;base64," + encoded));
+  const auto converted = [&](const std::string& from, const std::string& to) {
+    const ProgramResult done = run_penumbra(folder_.path(), {"convert", from, to});
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+    const std::filesystem::path other = folder_ / "elsewhere";
+    std::filesystem::create_directory(other);
+    const ProgramResult info = run_penumbra(other, {"info", "../" + to});
+    EXPECT_EQ(info.exit_code, 0) << info.err;
+    return file_contents(folder_ / to);
+  };
+  EXPECT_THAT(converted("sub/embedded.gltf", "out/a.xml"),
+              AllOf(HasSubstr("value=\"a-0.png\""), HasSubstr("id=\"a_picture\"")));
+  std::filesystem::rename(folder_ / "out/a-0.png", folder_ / "sub/red.png");
+  write_text(folder_ / "sub/named.gltf", gltf_with("red.png"));
+  EXPECT_THAT(converted("sub/named.gltf", "b.xml"), HasSubstr("value=\"sub/red.png\""));
+  EXPECT_THAT(converted("sub/named.gltf", "out/c.xml"), HasSubstr("value=\"../sub/red.png\""));
+  std::filesystem::rename(folder_.path() / "out", folder_.path() / "moved");
+  EXPECT_EQ(run_penumbra(folder_ / "moved", {"info", "c.xml"}).exit_code, 0);
+}
+
+TEST_F(ConvertCommand, IdsStay) {
+  write_text(folder_ / "ids.xml",
+             "<scene version='3.0.0'><bsdf type='diffuse' id='paint'/><shape type='sphere' id='ball'><ref id='paint'/></shape>"
+             "<shape type='disk' id='plate'><bsdf type='plastic' id='medium-0'/></shape><shape type='sphere'/>"
+             "<emitter type='constant'/><sensor type='perspective'/></scene>");
+  ASSERT_EQ(run_penumbra(folder_.path(), {"convert", "ids.xml", "t.xml"}).exit_code, 0);
+  const std::string text = file_contents(folder_ / "t.xml");
+  for (const char* id : {"\"paint\"", "\"ball\"", "\"plate\""}) EXPECT_THAT(text, HasSubstr(id));
+  ASSERT_EQ(run_penumbra(folder_.path(), {"convert", "t.xml", "u.xml"}).exit_code, 0);
+  EXPECT_EQ(file_contents(folder_ / "u.xml"), text);
 }
 
 }  // namespace

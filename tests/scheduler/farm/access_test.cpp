@@ -7,6 +7,7 @@
 
 #include <set>
 
+#include "penumbra.grpc.pb.h"
 #include "scheduler/farm/private_socket.h"
 #include "scheduler/farm/server.h"
 #include "scheduler/protocol/client.h"

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <regex>
 
+#include "penumbra.grpc.pb.h"
 #include "scheduler/farm/worker_processes.h"
 #include "scheduler/protocol/client.h"
 #include "scheduler/protocol/wire.h"

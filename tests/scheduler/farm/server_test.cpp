@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "penumbra.grpc.pb.h"
 #include "scheduler/farm/private_socket.h"
 #include "scheduler/protocol/text.h"
 #include "scheduler/protocol/wire.h"

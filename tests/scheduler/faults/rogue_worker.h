@@ -10,6 +10,7 @@
 #include <string>
 #include <thread>
 
+#include "penumbra.grpc.pb.h"
 #include "scheduler/protocol/wire.h"
 
 namespace penumbra {

@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <thread>
 
+#include "penumbra.grpc.pb.h"
 #include "scheduler/farm/private_socket.h"
 #include "scheduler/farm/server.h"
 #include "scheduler/protocol/client.h"

@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "jobs.grpc.pb.h"
 #include "scheduler/protocol/client.h"
 #include "scheduler/service/jobs_client.h"
 #include "scheduler/service/jobs_service.h"
@@ -25,7 +26,7 @@ class JobsCall : public ::testing::Test {
     spool_ = std::move(*spool);
     std::vector<std::string> problems;
     queue_ = std::make_unique<JobQueue>(*spool_, problems);
-    service_ = std::make_unique<JobsService>(*queue_, *spool_, [this](const std::string&) { ++calls_; });
+    service_ = make_jobs_service(*queue_, *spool_, [this](const std::string&) { ++calls_; });
     grpc::ServerBuilder builder;
     builder.AddListeningPort(address_, grpc::InsecureServerCredentials());
     builder.RegisterService(service_.get());
@@ -42,7 +43,7 @@ class JobsCall : public ::testing::Test {
   const DeviceScene scene_ = fake_scene(40, 30, true);
   std::unique_ptr<Spool> spool_;
   std::unique_ptr<JobQueue> queue_;
-  std::unique_ptr<JobsService> service_;
+  std::shared_ptr<grpc::Service> service_;
   std::unique_ptr<grpc::Server> server_;
   std::unique_ptr<JobsClient> client_;
   std::atomic<int> calls_ = 0;

@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include "penumbra.grpc.pb.h"
 #include "scheduler/protocol/client.h"
 #include "scheduler/protocol/wire.h"
 #include "tests/scheduler/watch/watched_run.h"

@@ -7,6 +7,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "penumbra.grpc.pb.h"
 #include "scheduler/farm/server.h"
 #include "scheduler/protocol/wire.h"
 #include "scheduler/watch/watch_wire.h"

@@ -7,6 +7,7 @@
 
 #include <list>
 
+#include "penumbra.grpc.pb.h"
 #include "scheduler/protocol/client.h"
 #include "scheduler/protocol/wire.h"
 #include "tests/scheduler/watch/watched_run.h"
