@@ -7,7 +7,7 @@
 #        window   penumbra-view, the preview window
 #        opencl   an OpenCL device for any CPU (PoCL), for --backend opencl
 #        plots    the plots of penumbra report
-#        tests    what the tests need beside those: a screen in memory, tools that read images
+#        tests    what the tests need beside those: a screen in memory
 #        slurm    a queue of one's own for the tests with the label slurm; none of its services is started or enabled
 #        checks   formatter, sanitizers' runtime and symbolizer
 set -euo pipefail
@@ -21,14 +21,14 @@ esac
 
 declare -A lists=(
   [build]="clang-19 g++ cmake ninja-build ccache pkg-config git
-    libembree-dev libopenimageio-dev libopenexr-dev libopenvdb-dev libpng-dev libglm-dev libboost-dev
+    libembree-dev libopenimageio-dev openimageio-tools libopenexr-dev libopenvdb-dev libpng-dev libglm-dev libboost-dev
     ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers
     libssl-dev libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
     zlib1g-dev libpugixml-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libfmt-dev libxxhash-dev libtinygltf-dev"
   [window]="libglfw3-dev libepoxy-dev libimgui-dev"
   [opencl]="pocl-opencl-icd"
   [plots]="gnuplot-nox"
-  [tests]="libgtest-dev libgmock-dev libbenchmark-dev openimageio-tools procps iproute2 xvfb xauth libgl1-mesa-dri"
+  [tests]="libgtest-dev libgmock-dev libbenchmark-dev procps iproute2 xvfb xauth libgl1-mesa-dri"
   [slurm]="slurm-wlm munge"
   [checks]="clang-format libclang-rt-19-dev llvm-19"
 )

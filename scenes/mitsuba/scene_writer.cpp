@@ -468,7 +468,6 @@ class SceneWriter {
       put_frame(cylinder->x_axis, cylinder->y_axis, cylinder->axis, 1.0, cylinder->center);
       xml_.value("float", "radius", fmt::format("{}", cylinder->radius));
       xml_.value("point", "p1", fmt::format("0, 0, {}", cylinder->length));
-      if (glm::dot(glm::cross(cylinder->x_axis, cylinder->y_axis), cylinder->axis) < 0) flipped = !flipped;
     }
     if (flipped) xml_.value("boolean", "flip_normals", "true");
     if (const auto known = surfaces_.find({shape.front_bsdf, shape.back_bsdf}); known != surfaces_.end())

@@ -256,8 +256,6 @@ std::optional<Geometry> read_cylinder(const ShapeInput& input) {
     plugin.wrong("to_world", "a cylinder's transform must scale all directions across its axis alike");
     return std::nullopt;
   }
-  // As of a sphere.
-  if (is_mirror(given.to_world)) input.flip_normals = !input.flip_normals;
   return checked(plugin, *placed);
 }
 
