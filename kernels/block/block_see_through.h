@@ -103,16 +103,22 @@ FN bool any_choice(const PRIVATE Scene* scene, const PRIVATE PathState* paths, i
 }
 
 /// Notes the leaves where rays arrive; the others that are under way pass.
-STAGE void note_leaves(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces,
-                       const PRIVATE int* RESTRICT leaves, PRIVATE int* RESTRICT passes) {
+STAGE void note_leaves(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
+                       const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE int* RESTRICT leaves,
+                       PRIVATE int* RESTRICT passes) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const int before = get_material(paths, i + j), leaf = leaves[j], hidden = passes[j];
       const bool hit = (get_ray_tmax(paths, i + j) > 0.0f) & (surfaces->primitive[j] >= 0);
       const bool through = hit & ((leaf < 0) | (hidden != 0));
       passes[j] = through ? 1 : 0;
-      // Its side's own is not noted, so that what is does not depend on the other lanes.
-      set_material(paths, i + j, (hit & !through & (leaf != surfaces->material[j])) ? leaf : before);
+      // Its side's own is not noted, so that what is does not depend on the other lanes; but a pane is, which a ray may
+      // meet behind another side of the same primitive.
+      bool is_chosen = leaf != surfaces->material[j];
+    #if HAS(MEDIA)
+      is_chosen = is_chosen | (pane_of(scene, leaf) > 0.0f);
+    #endif
+      set_material(paths, i + j, (hit & !through & is_chosen) ? leaf : before);
     }
 }
 
@@ -179,7 +185,7 @@ FN void pass_by_chance(const PRIVATE Scene* scene, const PRIVATE PathState* path
   if (panes) find_tints(scene, surfaces, leaves, &tints);
     #endif
   pass_leaves(numbers, shares, leaves);
-  note_leaves(paths, i, surfaces, leaves, passes);
+  note_leaves(scene, paths, i, surfaces, leaves, passes);
   if (any_passed_light(surfaces, passes)) {
     Surfaces seen = *surfaces;
     see_from_starts(paths, i, &seen);

@@ -72,7 +72,10 @@ MediaBook::MediaBook(const SceneDescription& scene, const std::vector<PlacedGrou
       ++number;
     }
   }
-  empty_ = boundaries_.empty() && scene.camera_medium == kNoMedium;
+  // As in Mitsuba 3, volpath's paths and shadow rays pass thin panes as they pass boundaries.
+  const bool has_pane = std::ranges::any_of(
+      scene.bsdfs, [](const Bsdf& bsdf) { return std::holds_alternative<ThinDielectricBsdf>(bsdf.model); });
+  empty_ = boundaries_.empty() && scene.camera_medium == kNoMedium && !has_pane;
 }
 
 /// Media are told apart by what they are: the same one may be written twice, on both sides of a boundary too.

@@ -18,8 +18,8 @@ std::map<int, std::string> boundary_names(const SceneDescription& scene);
 
 class MediaBook {
  public:
-  /// Empty, unless the scene's integrator sees media and the camera is in one, or a shape of the scene or of
-  /// a group in a place bounds one.
+  /// Empty, unless the scene's integrator sees media and the camera is in one, a shape of the scene or of a
+  /// group in a place bounds one, or a thin pane is among its BSDFs.
   MediaBook(const SceneDescription& scene, const std::vector<PlacedGroup>& placed);
 
   [[nodiscard]] bool empty() const { return empty_; }
