@@ -117,15 +117,14 @@ PENUMBRA_NAMESPACE_BEGIN
   F(vec3, n1)                    \
   F(vec3, n2)
 
-// Texture coordinates of a triangle's vertices; barycentric ones, and no tangent, where a mesh has none.
+// Texture coordinates of a triangle's vertices; barycentric ones where a mesh has none.
 #define VERTEX_UVS_FIELDS(F) \
   F(float, u0)               \
   F(float, v0)               \
   F(float, u1)               \
   F(float, v1)               \
   F(float, u2)               \
-  F(float, v2)               \
-  F(int, given) /* 1: the mesh has some */
+  F(float, v2)
 
 #define QUADRIC_FIELDS(F)                                                                                    \
   F(vec3, center) /* cylinder: of its first end */                                                           \

@@ -33,8 +33,7 @@ FN Derivatives triangle_derivatives(const PRIVATE Scene* scene, int index, vec3 
   const vec3 e1 = sub(load3(&triangle->p1), p0), e2 = sub(load3(&triangle->p2), p0);
   const float u1 = at->u1 - at->u0, v1 = at->v1 - at->v0, u2 = at->u2 - at->u0, v2 = at->v2 - at->v0;
   const float determinant = u1 * v2 - v1 * u2;
-  const int given = at->given;
-  const bool some = (given != 0) & (determinant != 0.0f);
+  const bool some = determinant != 0.0f;
   const float inverse = 1.0f / (some ? determinant : 1.0f);
   const vec3 axis = tangent_axis(normal, make_vec3(0.0f, 0.0f, 0.0f));
   Derivatives d;
@@ -72,8 +71,6 @@ FN Derivatives instance_derivatives(const PRIVATE Scene* scene, Surface s, Deriv
   GLOBAL const Instance* at = scene->instances + (s.instance >= 0 ? s.instance : 0);
   const int triangles = scene->header.tables.triangles.count;
   const bool is_quadric = s.primitive >= triangles;
-  const bool is_triangle = (s.primitive >= 0) & !is_quadric;
-  const int given = uvs_of(scene, is_triangle ? s.primitive : 0)->given;
   Derivatives own = d;
     #if HAS(QUADRICS)
   const Derivatives q =
@@ -81,7 +78,7 @@ FN Derivatives instance_derivatives(const PRIVATE Scene* scene, Surface s, Deriv
   own.du = select3(is_quadric, q.du, own.du);
   own.dv = select3(is_quadric, q.dv, own.dv);
     #endif
-  const bool moves = (s.instance >= 0) & (is_quadric | (given != 0));
+  const bool moves = s.instance >= 0;
   Derivatives there;
   there.du = select3(moves, from_group_vector(at, own.du), d.du);
   there.dv = select3(moves, from_group_vector(at, own.dv), d.dv);

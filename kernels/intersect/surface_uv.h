@@ -52,8 +52,7 @@ FN vec3 triangle_du(GLOBAL const VertexUvs* at, GLOBAL const Triangle* triangle)
   const float u1 = at->u1 - at->u0, v1 = at->v1 - at->v0, u2 = at->u2 - at->u0, v2 = at->v2 - at->v0;
   const float determinant = u1 * v2 - v1 * u2;
   const vec3 along = scale(sub(scale(e1, v2), scale(e2, v1)), sign_of(determinant));
-  const bool some = (at->given != 0) & (determinant != 0.0f);
-  return select3(some, along, make_vec3(0.0f, 0.0f, 0.0f));
+  return select3(determinant != 0.0f, along, make_vec3(0.0f, 0.0f, 0.0f));
 }
 
 /// dp/du of a triangle about its unit normal.

@@ -23,9 +23,9 @@ bool repeats(const Triangle& a, const Triangle& b) {
 
 VertexUvs vertex_uvs(const Mesh& mesh, const glm::uvec3& corner, bool flipped) {
   if (mesh.texcoords.empty())
-    return flipped ? VertexUvs{0, 0, 0, 1, 1, 0, 0} : VertexUvs{0, 0, 1, 0, 0, 1, 0};
+    return flipped ? VertexUvs{0, 0, 0, 1, 1, 0} : VertexUvs{0, 0, 1, 0, 0, 1};
   const glm::vec2 &a = mesh.texcoords[corner.x], &b = mesh.texcoords[corner.y], &c = mesh.texcoords[corner.z];
-  return {a.x, a.y, b.x, b.y, c.x, c.y, 1};
+  return {a.x, a.y, b.x, b.y, c.x, c.y};
 }
 
 VertexColours triangle_colours(const Mesh& mesh, MeshAttribute attribute, const glm::uvec3& corner,

@@ -248,13 +248,12 @@ TEST(TextureCoordinates, AreTheMeshesOrBarycentricAndFollowItsVertices) {
   ASSERT_EQ(uvs.size(), 4u);
   const auto expect = [](const VertexUvs& at, const VertexUvs& expected) {
     EXPECT_TRUE(at.u0 == expected.u0 && at.v0 == expected.v0 && at.u1 == expected.u1 &&
-                at.v1 == expected.v1 && at.u2 == expected.u2 && at.v2 == expected.v2 &&
-                at.given == expected.given);
+                at.v1 == expected.v1 && at.u2 == expected.u2 && at.v2 == expected.v2);
   };
-  expect(uvs[0], {0, 0, 1, 0, 0, 1, 0});
-  expect(uvs[1], {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 1});
-  expect(uvs[2], {0, 0, 0, 1, 1, 0, 0});
-  expect(uvs[3], {0.1f, 0.2f, 0.5f, 0.6f, 0.3f, 0.4f, 1});
+  expect(uvs[0], {0, 0, 1, 0, 0, 1});
+  expect(uvs[1], {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f});
+  expect(uvs[2], {0, 0, 0, 1, 1, 0});
+  expect(uvs[3], {0.1f, 0.2f, 0.5f, 0.6f, 0.3f, 0.4f});
 }
 
 TEST(TextureCoordinates, OfLightsAreThoseOfTheirTriangles) {

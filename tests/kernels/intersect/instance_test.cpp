@@ -86,7 +86,7 @@ Room make_room(std::uint64_t seed, Places places, int instances, int own = 30) {
       t.triangles.back().normals = int(t.normals.size());
       const auto bent = [&] { return normalize3(add(n, scale(corner(1), 0.1f))); };
       t.normals.push_back({bent(), bent(), bent()});
-      t.vertex_uvs.push_back({0, 0, 1, float(random.uniform()), 0.2f, 1, 1});
+      t.vertex_uvs.push_back({0, 0, 1, float(random.uniform()), 0.2f, 1});
     }
   };
   add_triangles(own, 4, 1);

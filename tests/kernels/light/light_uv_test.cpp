@@ -45,7 +45,7 @@ TEST(LightUv, OfATriangleIsThatOfItsSurface) {
       if (length(cross(exact(b) - exact(a), exact(c) - exact(a))) < 0.3L) continue;
       SceneTables tables = triangle_light(a, b, c, by_solid_angle);
       const auto number = [&] { return float(random.between(0, 0.4)); };
-      tables.vertex_uvs.push_back({number(), number(), number(), number(), number(), number(), 1});
+      tables.vertex_uvs.push_back({number(), number(), number(), number(), number(), number()});
       tables.light_triangles.push_back({0, 0, -1});
       const Scene scene = tables.scene();
       const vec3 here = make_vec3(0, 0, 0);
@@ -72,7 +72,7 @@ TEST(LightUv, OfARectangleIsThatOfTheTriangleUnderIt) {
     for (Triangle& t : tables.triangles) {
       t.light = 0;
       const auto number = [&] { return float(random.between(0, 0.4)); };
-      tables.vertex_uvs.push_back({number(), number(), number(), number(), number(), number(), 1});
+      tables.vertex_uvs.push_back({number(), number(), number(), number(), number(), number()});
     }
     tables.light_triangles.push_back({0, 1, -1});
     const Scene scene = tables.scene();
