@@ -1,6 +1,6 @@
 // Materials that are one of two others at each point of a surface, by chance: trees, whose leaves scatter, or
 // are nothing, so that rays pass through. A walk down a tree ends, since children have lower indices. In
-// scenes with media thin panes are leaves that rays pass by chance, and mirrors for the others: what gets
+// scenes of volpath thin panes are leaves that rays pass by chance, and mirrors for the others: what gets
 // through is a matter of the way alone, for shadow rays too.
 #ifndef PENUMBRA_MATERIAL_TREE_H
 #define PENUMBRA_MATERIAL_TREE_H

@@ -74,7 +74,7 @@ SceneDescription room_with_panes(DirectSampling sampling) {
   scene.integrator = volpath(sampling);
   const int grey = add_diffuse(scene, 0.6f), pane = add_pane(scene, {0.9f, 0.7f, 0.5f});
   scene.shapes.push_back(parallelogram({-2, -1, -2}, {0, 0, 4}, {4, 0, 0}, grey));
-  scene.shapes.push_back(parallelogram({0.7, 1.5, 0.7}, {0, 0, -1.4}, {-1.4, 0, 0}, grey, 10.0f));
+  scene.shapes.push_back(parallelogram({0.7, 1.5, 0.7}, {-1.4, 0, 0}, {0, 0, -1.4}, grey, 10.0f));
   scene.shapes.push_back(both_sides(parallelogram({-1.5, 1, -1.5}, {0, 0, 3}, {3, 0, 0}, pane)));
   bound(scene, sphere({-0.5, -0.3, 0}, 0.6, pane), add_medium(scene, medium({4, 2, 1}, {0.8f, 0.9f, 0.99f})));
   return scene;

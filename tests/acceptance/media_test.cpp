@@ -216,6 +216,45 @@ TEST(Media, AreLeftOutWhereThereAreNone) {
   EXPECT_EQ(mean_image(render_or_throw(a)).values, mean_image(render_or_throw(b)).values);
 }
 
+// --- Thin panes, which volpath's rays pass as they pass boundaries, where there are no media too.
+
+int add_clear_pane(SceneDescription& scene, float ior) {
+  ThinDielectricBsdf pane;
+  pane.int_ior = ior;
+  pane.ext_ior = 1;
+  scene.bsdfs.push_back({"pane", pane});
+  return int(scene.bsdfs.size()) - 1;
+}
+
+/// Light that is seen through panes takes no depth. Each lets through (1 - r) / (1 + r), with r of one boundary.
+TEST(Media, PanesDoNotCountAsDepth) {
+  constexpr double kIor = 2.17;
+  for (const int depth : {1, 4}) {
+    SceneDescription scene = narrow_view(200'000, volpath(DirectSampling::kMis, depth));
+    scene.shapes.push_back(box({-1, -1, 1}, {1, 1, 2}, add_clear_pane(scene, float(kIor))));
+    scene.emitters.emplace_back(ConstantEnvironment{});
+    const double one = std::pow((kIor - 1) / (kIor + 1), 2), reflected = 2 * one / (1 + one),
+                 passed = 1 - reflected;
+    // Of depth 4, all that but what passed the first and was reflected four times within.
+    const double truth = depth == 1 ? passed * passed : 1 - passed * std::pow(reflected, 4);
+    SCOPED_TRACE(depth);
+    expect_colour(scene, glm::dvec3(truth), 1e-5);
+  }
+}
+
+/// The inside of a ball is another surface than the outside that the ray passed before.
+TEST(Media, PanesOfBallsReflectWithin) {
+  SceneDescription scene = empty_scene(16, 16, 256, 1);
+  scene.camera = look_at({0, 0, 8}, {0, 0, 0}, {0, 1, 0}, 14);
+  scene.integrator = volpath();
+  scene.shapes.push_back(sphere({0, 0, 0}, 1, add_clear_pane(scene, 2.17f)));
+  scene.shapes.push_back(parallelogram({-4, -1.2, 4}, {8, 0, 0}, {0, 0, -8}, add_diffuse(scene, 0.2f)));
+  scene.emitters.emplace_back(ConstantEnvironment{});
+  SceneDescription paths = scene;
+  paths.integrator = {.method = PathIntegrator{.max_depth = -1}};
+  expect_alike(scene, paths);
+}
+
 /// Fog that ends nowhere, in a scene without any triangle.
 TEST(Media, FogWithoutBoundariesNeedsNoTriangles) {
   SceneDescription scene = empty_scene(16, 16, 256, 1);

@@ -178,12 +178,13 @@ SceneText bent(std::string_view type) {
       "texture", "bitmap", text("filename", "map.ppm") + boolean("raw", true) + text("wrap_mode", "clamp"));
   const std::string name = "<texture type=\"bitmap\" name=\"normalmap\">";
   const std::string named = name + texture.substr(texture.find('>') + 1);
-  const auto add = [&](const std::string& place, const std::string& shape, bool outside, double bump) {
+  const auto add = [&](const std::string& place, const std::string& shape, bool outside, double bump,
+                       const std::string& file = "") {
     const std::string white = diffuse(glm::dvec3(0.7));
     const std::string map =
         (normals ? named : texture + real("scale", bump)) + (outside ? two_sided(white) : white);
     const std::string bsdf = plugin("bsdf", type, map);
-    scene.both(placed(shape, place, outside ? bsdf : two_sided(bsdf)));
+    scene.both(placed(shape, place, file + (outside ? bsdf : two_sided(bsdf))));
   };
   add("<scale value=\"0.7\"/><translate x=\"-0.8\"/>\n", "rectangle", false, 0.4);
   add("<scale value=\"0.6\"/><rotate y=\"1\" angle=\"200\"/><translate x=\"0.8\" y=\"0.6\"/>\n", "rectangle",
@@ -191,6 +192,10 @@ SceneText bent(std::string_view type) {
   add("<scale value=\"0.6\"/><rotate y=\"1\" angle=\"160\"/><translate x=\"0.8\" y=\"-0.7\"/>\n", "rectangle",
       false, 0.4);
   add("<scale value=\"0.5\"/><translate y=\"0.9\" z=\"-1\"/>\n", "sphere", false, 0.3);
+  // Without texture coordinates.
+  scene.meshes.push_back({"fold.obj", "v -1 -1 0\nv 1 -1 0.5\nv 1 1 0\nv -1 1 0.3\nf 1 2 3\nf 1 3 4\n"});
+  add("<scale value=\"0.35\"/><translate x=\"0.1\" y=\"-0.5\" z=\"0.6\"/>\n", "obj", true, 0.2,
+      text("filename", "fold.obj") + boolean("face_normals", true));
   scene.both(floor_at(-1.4));
   scene.both(
       placed("rectangle",

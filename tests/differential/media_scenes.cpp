@@ -85,6 +85,33 @@ SceneText from_within() {
   return scene;
 }
 
+/// Thin panes, which volpath's rays pass, and which balls have on both sides; without a medium, or with one.
+SceneText panes(bool medium_too) {
+  SceneText scene = room(medium_too ? "panes-and-medium" : "panes", volpath("volpath", 3),
+                         medium_too ? medium("m", {0.9, 0.5, 0.3}, 1, {0.5, 0.8, 0.9}, hg(0)) : "");
+  const std::string pane =
+      plugin("bsdf", "thindielectric", real("int_ior", 2.1) + rgb("specular_reflectance", {0.9, 0.7, 0.8}));
+  scene.both(ball({-0.6, 0, 0}, 0.7, pane) + placed("cube", "<scale value=\"0.4\"/><translate x=\"0.9\"/>\n", pane));
+  if (medium_too) scene.both(ball({0.9, -0.7, 1}, 0.3, kNull + reference("m", "interior")));
+  scene.both(kSky);
+  return scene;
+}
+
+/// Fog that ends nowhere, in a scene without triangles.
+SceneText fog() {
+  SceneText scene;
+  scene.name = "fog";
+  scene.both(medium("m", {0.1, 0.2, 0.3}, 1, glm::dvec3(0.5), hg(0)) + volpath("volpath", 16) +
+             plugin("sensor", "perspective",
+                    real("fov", 40) + look_at({0, 1, 4}, {0, 0, 0}) + reference("m", "medium") +
+                        plugin("film", "hdrfilm",
+                               integer("width", 24) + integer("height", 24) + plugin("rfilter", "box", ""))));
+  scene.both(ball({0, 0, 0}, 0.5, kGrey));
+  scene.both("<emitter type=\"point\">\n<point name=\"position\" x=\"0\" y=\"2\" z=\"1\"/>\n" +
+             rgb("intensity", glm::dvec3(5)) + "</emitter>\n");
+  return scene;
+}
+
 /// A cloud of which extinction, and albedo if it is `coloured`, are grids.
 SceneText cloud(bool coloured, bool nearest) {
   SceneText scene;
@@ -140,6 +167,9 @@ std::vector<SceneText> media_scenes() {
           lamp_within(),
           from_within(),
           cloud(false, false),
+          panes(false),
+          panes(true),
+          fog(),
           cloud(true, false),
           cloud(false, true)};
 }
