@@ -72,6 +72,8 @@ constexpr Extension kExtensions[] = {
     {"KHR_materials_subsurface", Handling::kLeftOut, "no light is scattered below surfaces"},
     {"KHR_materials_volume_scatter", Handling::kLeftOut, "no light is scattered in volumes"},
     {"KHR_materials_common", Handling::kRefused, "use materials of metal and roughness"},
+    {"KHR_technique_webgl", Handling::kRefused,
+     "it is shaders in GLSL; use materials of metal and roughness"},
     {"KHR_techniques_webgl", Handling::kRefused,
      "it is shaders in GLSL; use materials of metal and roughness"},
 };

@@ -198,6 +198,11 @@ class SceneBuilder {
                      fmt::format("'{}': points and lines have no surface; they are left out", name));
         continue;
       }
+      if (!primitive.attributes.contains("POSITION")) {
+        report_.warn(location,
+                     fmt::format("'{}': a primitive without POSITION has no place; it is left out", name));
+        continue;
+      }
       if (primitive.material >= 0 && std::size_t(primitive.material) >= asset_.model.materials.size()) {
         report_.error(location, fmt::format("there is no material {}", primitive.material));
         continue;

@@ -55,6 +55,7 @@ class Preparation {
       return wrong({}, R"(the file has no "asset": {"version": "2.0"}, so it is no glTF 2.0)");
     std::string version = text_of(*asset, "minVersion");
     if (version.empty()) version = text_of(*asset, "version");
+    if (version.empty() && asset->contains("version")) version = (*asset)["version"].dump();
     if (version.starts_with("2.") || version == "2") return {};
     return wrong({"asset"}, fmt::format("glTF version '{}' is not read; 2.0 is", version));
   }
