@@ -12,7 +12,6 @@
 #include "scenes/gltf/node_transforms.h"
 #include "scenes/gltf/primitive.h"
 #include "scenes/gltf/view_reader.h"
-#include "scenes/instances.h"
 #include "scenes/reading.h"
 #include "scenes/texture_needs.h"
 #include "scenes/transform.h"
@@ -39,7 +38,7 @@ class SceneBuilder {
     textures_.install();
     if (asset_.has_animations)
       report_.warn(asset_.place({"animations"}), "animations are ignored: nodes are where they rest");
-    if (scene_.emitters.empty() && !has_lamp()) {
+    if (!is_lit()) {
       report_.warn({asset_.json.get(), 0},
                    "the file has no light; a white sky of radiance 1 stands in for it");
       scene_.emitters.emplace_back(ConstantEnvironment{});
@@ -47,10 +46,9 @@ class SceneBuilder {
   }
 
  private:
-  [[nodiscard]] bool has_lamp() const {
-    bool found = false;
-    each_shape(scene_, [&](const Shape& shape) { found = found || shape.radiance.has_value(); });
-    return found;
+  /// Lamps that are there for what else there is; where all is unlit, nothing needs one.
+  [[nodiscard]] bool is_lit() const {
+    return !scene_.emitters.empty() || has_lamp_ || (has_unlit_ && !has_lit_);
   }
 
   /// Of the scene that is to be shown; of a file without scenes all nodes that are nobody's children.
@@ -258,6 +256,9 @@ class SceneBuilder {
     shape.radiance = surface.radiance;
     shape.radiance_texture = surface.radiance_texture;
     shape.two_sided_emission = surface.two_sided_emission;
+    has_unlit_ = has_unlit_ || surface.unlit;
+    has_lit_ = has_lit_ || !surface.unlit;
+    has_lamp_ = has_lamp_ || (surface.radiance && !surface.unlit);
     if (missing_for_textures(scene_, shape).coordinates)
       report_.warn(location,
                    fmt::format("'{}' has textures, but no texture coordinates {}; those of each triangle "
@@ -291,6 +292,7 @@ class SceneBuilder {
   std::vector<glm::dmat4> node_to_world_;
   std::vector<bool> visited_;
   int cameras_ = 0;
+  bool has_lamp_ = false, has_unlit_ = false, has_lit_ = false;
 };
 
 }  // namespace

@@ -278,7 +278,7 @@ SurfaceOfMaterial MaterialBuilder::build(const tinygltf::Material& material, std
     const Base base = base_of(material, index);
     result.radiance = base.colour;
     result.radiance_texture = base_colour({glm::vec3(1.0f), base.alpha, base.texture}, coloured).texture;
-    result.two_sided_emission = true;
+    result.two_sided_emission = result.unlit = true;
   } else if (emitted != glm::vec3(0.0f)) {
     const TextureUse glow = use(material.emissiveTexture, index, "emissiveTexture");
     if (glow.there()) result.radiance_texture = textures_.colours(glow).value_or(kNoTexture);

@@ -243,6 +243,19 @@ TEST_F(GltfExtensions, UnlitSurfacesShineFromBothSidesInTheirColours) {
   EXPECT_EQ(mesh(scene).colours[1], glm::vec3(0, 0.2f, 0));
 }
 
+TEST_F(GltfExtensions, UnlitSurfacesAreNoLightForTheOthers) {
+  const auto said = [&](std::string_view second) {
+    return warnings(good_gltf(triangle().text(one_mesh(
+        fmt::format(
+            R"({{"attributes": {{"POSITION": 0}}, "material": 0}}, {{"attributes": {{"POSITION": 0}}, "material": {}}})",
+            second),
+        R"(, "materials": [{"extensions": {"KHR_materials_unlit": {}}}, {}, {"emissiveFactor": [1, 1, 1]}])"))));
+  };
+  EXPECT_THAT(said("0"), Not(HasSubstr("no light")));
+  EXPECT_THAT(said("1"), HasSubstr("no light; a white sky"));
+  EXPECT_THAT(said("2"), Not(HasSubstr("no light")));
+}
+
 TEST_F(GltfExtensions, InstancesOfAMeshAreWhereTheirAttributesSay) {
   GltfFile file = triangle();
   file.accessor<float>("VEC3", {0, 0, 0, 0, 0, 5, 1, 1, 1}, 3);
