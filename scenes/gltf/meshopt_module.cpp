@@ -6,6 +6,8 @@
 
 #include <new>
 
+#include "scenes/gltf/meshopt_attributes.h"
+
 namespace penumbra::gltf {
 namespace {
 
@@ -17,6 +19,8 @@ Expected<void> unfilter(const MeshoptPacking& packing, char* elements) {
   if (mode != "ATTRIBUTES") return fail(fmt::format("meshopt: the mode {} has no filters", mode));
   if (filter == "OCTAHEDRAL" && (stride == 4 || stride == 8)) {
     meshopt_decodeFilterOct(elements, count, stride);
+  } else if (filter == "COLOR" && (stride == 4 || stride == 8)) {
+    unfilter_colours({elements, count * stride}, stride);
   } else if (filter == "QUATERNION" && stride == 8) {
     meshopt_decodeFilterQuat(elements, count, stride);
   } else if (filter == "EXPONENTIAL" && stride % 4 == 0) {
@@ -32,6 +36,12 @@ Expected<std::string> read(std::string_view bytes, const MeshoptPacking& packing
   if (stride == 0 || stride > 256 || count > kMostBytes / stride)
     return fail(fmt::format("meshopt: {} elements of {} bytes", count, stride));
   try {
+    if (mode == "ATTRIBUTES" && stride % 4 == 0 && is_attributes_1(bytes)) {
+      auto elements = read_attributes_1(bytes, count, stride);
+      if (!elements) return elements;
+      if (const auto done = unfilter(packing, elements->data()); !done) return std::unexpected(done.error());
+      return elements;
+    }
     std::string elements(count * stride, '\0');
     const auto* from = reinterpret_cast<const unsigned char*>(bytes.data());
     int problem = 0;

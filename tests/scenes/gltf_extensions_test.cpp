@@ -144,6 +144,46 @@ TEST_F(GltfExtensions, MeshoptDecompresses) {
               HasSubstr("damaged"));
 }
 
+TEST_F(GltfExtensions, MeshoptOfVersion1Decompresses) {
+  // 48 positions (i / 4, i² mod 7, i mod 3) of single precision, and colours (i / 47, 1 - i / 47, 1/2, 1) by
+  // the filter for colours, of 8 bits: what the Python package meshopt made of them.
+  constexpr std::string_view kPositions =
+      "oWhq6gECAQ8fKg//"
+      "+Pj0xPTEoGAQMBj4HPJi4mLyYuJiPB7xMXEx8TFxMX4PFT0f9H9//v5/f/7+f3/R/0f9/v5/f/7+f3/+H/R/0f5/f/7+f3/+AH//"
+      "gH//gH//gH//"
+      "gH//gH//gH//gH//gH//gH//gH//gH//gH//gH//gH//gH//AAAAAAAAAAAAAAAAAAAAAAAAAAAAYhIS";
+  constexpr std::string_view kColours =
+      "oZUqARMRMRMTETETETETETETETExExExExExKgZkZmRmRmZGZGZkZkZGZGZkZkZmRmRmZCoHd3eVeVl3d3d3lXlXd3d3lXlZd3d3d5"
+      "UAAAAAAAAA"
+      "AAAAAAAAAAAAAAAAn8Bf/wA=";
+  const auto file = [&](std::string_view positions) {
+    return fmt::format(R"({{"asset": {{"version": "2.0"}}, "extensionsRequired": ["KHR_meshopt_compression"],
+"scenes": [{{"nodes": [0]}}], "nodes": [{{"mesh": 0}}],
+"meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0, "COLOR_0": 1}}}}]}}],
+"accessors": [{{"bufferView": 0, "componentType": 5126, "count": 48, "type": "VEC3"}},
+{{"bufferView": 1, "componentType": 5121, "count": 48, "type": "VEC4", "normalized": true}}],
+"bufferViews": [{{"buffer": 2, "byteLength": 576, "byteStride": 12, "extensions": {{"KHR_meshopt_compression":
+{{"buffer": 0, "byteLength": 156, "byteStride": 12, "count": 48, "mode": "ATTRIBUTES"}}}}}},
+{{"buffer": 2, "byteOffset": 576, "byteLength": 192, "byteStride": 4, "extensions": {{"KHR_meshopt_compression":
+{{"buffer": 1, "byteLength": 101, "byteStride": 4, "count": 48, "mode": "ATTRIBUTES", "filter": "COLOR"}}}}}}],
+"buffers": [{{"byteLength": 156, "uri": "data:;base64,{}"}}, {{"byteLength": 101, "uri": "data:;base64,{}"}},
+{{"byteLength": 768}}]}})",
+                       positions, kColours);
+  };
+  const SceneDescription scene = good_gltf(file(kPositions));
+  ASSERT_EQ(mesh(scene).positions.size(), 48u);
+  for (std::size_t i = 0; i < 48; ++i) {
+    EXPECT_EQ(mesh(scene).positions[i], glm::dvec3(0.25 * double(i), double(i * i % 7), double(i % 3)));
+    const glm::vec3 colour = mesh(scene).colours[i];
+    EXPECT_NEAR(colour.x, double(i) / 47, 0.006);
+    EXPECT_NEAR(colour.y, 1 - double(i) / 47, 0.006);
+    EXPECT_NEAR(colour.z, 0.5, 0.006);
+  }
+  std::string damaged(kPositions);
+  damaged[3] = 'A';
+  EXPECT_THAT(gltf_error(file(damaged)), HasSubstr("the compressed data are damaged"));
+}
+
 TEST_F(GltfExtensions, QuantisedMeshesAreInTheirNodesScale) {
   GltfFile file;
   file.accessor<std::uint16_t>("VEC3", {0, 0, 0, 0, 65535, 0, 0, 0, 0, 65535, 0, 0}, 3,
