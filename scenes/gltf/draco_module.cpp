@@ -33,7 +33,7 @@ Expected<DracoMesh> read(std::string_view bytes, std::span<const int> attributes
     result.vertices = mesh.num_points();
     result.corners.reserve(3 * std::size_t(mesh.num_faces()));
     for (draco::FaceIndex i(0); i < mesh.num_faces(); ++i)
-      for (const draco::PointIndex corner : mesh.face(i)) result.corners.push_back(corner.value());
+      for (const draco::PointIndex& corner : mesh.face(i)) result.corners.push_back(corner.value());
     for (const int id : attributes) {
       const draco::PointAttribute* from = id < 0 ? nullptr : mesh.GetAttributeByUniqueId(std::uint32_t(id));
       if (from == nullptr) return fail(fmt::format("Draco: there is no attribute {}", id));

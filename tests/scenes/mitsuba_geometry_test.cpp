@@ -87,7 +87,9 @@ TEST_F(MitsubaPlugins, AnEllipticDiskIsAPolygonOfItsArea) {
       const glm::vec2 uv = ellipse.texcoords[i];
       EXPECT_EQ(p.z, 4.0);
       EXPECT_NEAR(std::hypot(p.x / 3, p.y / 2), double(uv.x), 4e-5);
-      if (uv.x > 0) EXPECT_NEAR(p.x / 3, std::cos(2 * std::numbers::pi * double(uv.y)), 4e-5);
+      if (uv.x > 0) {
+        EXPECT_NEAR(p.x / 3, std::cos(2 * std::numbers::pi * double(uv.y)), 4e-5);
+      }
     }
   }
 }
