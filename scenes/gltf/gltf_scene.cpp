@@ -214,6 +214,7 @@ class SceneBuilder {
         continue;
       }
       if (surface.has_normal_map) check_tangents(primitive, location);
+      check_opacity(primitive, location);
       add_mesh(std::move(*posed), surface, node.skin >= 0 ? glm::dmat4(1.0) : to_world, location, name,
                shapes);
     }
@@ -274,6 +275,20 @@ class SceneBuilder {
           location,
           "TANGENT is ignored: the tangents of normal maps follow from the texture coordinates, "
           "and where those are mirrored, green counts the other way");
+  }
+
+  /// Colours of vertices have none here.
+  void check_opacity(const tinygltf::Primitive& primitive, SourceLocation location) {
+    const auto colours = primitive.attributes.find("COLOR_0");
+    if (colours == primitive.attributes.end() || primitive.material < 0 ||
+        asset_.model.materials[std::size_t(primitive.material)].alphaMode == "OPAQUE")
+      return;
+    const auto attributes = PrimitiveAttributes::open(asset_, primitive);
+    const auto values = attributes ? attributes->read("COLOR_0", 4, 4) : std::unexpected(attributes.error());
+    if (!values || !*values) return;
+    for (std::size_t i = 0; i < (*values)->count; ++i)
+      if ((*values)->at(i, 3) < 1.0)
+        return report_.warn_counted(location, "the opacity of vertices (the alpha of COLOR_0) is ignored");
   }
 
   void finish_camera() {

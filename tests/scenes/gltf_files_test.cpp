@@ -12,6 +12,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class GltfFiles : public GltfText {};
 
@@ -159,6 +160,18 @@ TEST_F(GltfFiles, OtherVersionsAreNamed) {
   EXPECT_THAT(gltf_error(R"({"asset": {"version": 1}})"), HasSubstr("glTF version '1' is not read"));
   EXPECT_THAT(gltf_error(R"({"nodes": []})"), HasSubstr("no glTF 2.0"));
   EXPECT_TRUE(read_gltf(R"({"asset": {"version": "2.1", "minVersion": "2.0"}})"));
+}
+
+TEST_F(GltfFiles, OpacityOfVerticesIsIgnoredWithAWarning) {
+  GltfFile file = triangle();
+  file.accessor<float>("VEC4", {1, 1, 1, 1, 1, 1, 1, 0.5f, 1, 1, 1, 1}, 3);
+  const auto said = [&](std::string_view mode) {
+    return warnings(
+        good_gltf(file.text(one_mesh(R"({"attributes": {"POSITION": 0, "COLOR_0": 2}, "material": 0})",
+                                     fmt::format(R"(, "materials": [{{"alphaMode": "{}"}}])", mode)))));
+  };
+  EXPECT_THAT(said("BLEND"), HasSubstr("the alpha of COLOR_0"));
+  EXPECT_THAT(said("OPAQUE"), Not(HasSubstr("the alpha of COLOR_0")));
 }
 
 TEST_F(GltfFiles, PlanesThatAreFlattenedAcrossStay) {
