@@ -24,7 +24,8 @@ declare -A lists=(
     libembree-dev libopenimageio-dev openimageio-tools libopenexr-dev libopenvdb-dev libpng-dev libglm-dev libboost-dev
     ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers
     libssl-dev libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
-    zlib1g-dev libpugixml-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libfmt-dev libxxhash-dev libtinygltf-dev"
+    zlib1g-dev libpugixml-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev libfmt-dev libxxhash-dev libtinygltf-dev
+    libdraco-dev libmeshoptimizer-dev"
   [window]="libglfw3-dev libepoxy-dev libimgui-dev"
   [opencl]="pocl-opencl-icd"
   [plots]="gnuplot-nox"

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "scenes/traceable.h"
 #include "scenes/transform.h"
@@ -171,6 +172,28 @@ Mesh make_rectangle(const glm::dmat4& to_world) {
   mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
   mesh.texcoords.assign(std::begin(kQuadTexcoords), std::end(kQuadTexcoords));
   add_quads(mesh, to_world);
+  return mesh;
+}
+
+Mesh make_elliptic_disk(const glm::dmat4& to_world) {
+  constexpr int kSides = 512;  // the edge is within 4e-5 of a radius
+  constexpr double kTurn = 2.0 * std::numbers::pi / kSides;
+  // What a circle's area is over that of the polygon within it.
+  const double radius = std::sqrt(kTurn / std::sin(kTurn));
+  const bool mirror = is_mirror(to_world);
+  Mesh mesh;
+  const auto corner = [&](double distance, double side) {
+    const double angle = kTurn * side;
+    mesh.positions.push_back(
+        transform_point(to_world, distance * radius * glm::dvec3(std::cos(angle), std::sin(angle), 0.0)));
+    mesh.texcoords.emplace_back(distance, side / kSides);
+    return std::uint32_t(mesh.positions.size() - 1);
+  };
+  for (int i = 0; i < kSides; ++i) {
+    // The centre lies in the middle of each sector.
+    const std::uint32_t centre = corner(0.0, i + 0.5), first = corner(1.0, i), second = corner(1.0, i + 1);
+    mesh.triangles.push_back(mirror ? glm::uvec3(centre, second, first) : glm::uvec3(centre, first, second));
+  }
   return mesh;
 }
 

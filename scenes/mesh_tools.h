@@ -39,6 +39,11 @@ void drop_face_normals(Mesh& mesh);
 /// transformed normal.
 Mesh make_rectangle(const glm::dmat4& to_world);
 
+/// The unit disk at z = 0 with its front towards +z, under a transform, as a polygon of the same area; the
+/// front follows the transformed normal. Texture coordinates are Mitsuba's: the distance from the centre, and
+/// the share of a turn.
+Mesh make_elliptic_disk(const glm::dmat4& to_world);
+
 /// The cube [-1, 1]³ with its front outside, faceted, under a transform.
 Mesh make_cube(const glm::dmat4& to_world);
 

@@ -20,16 +20,33 @@ double number_at(std::string_view bytes, std::size_t at, double most) {
   return most > 0 ? std::max(double(value) / most, -1.0) : double(value);
 }
 
-double component(std::string_view bytes, std::size_t at, int type, bool normalised) {
+/// By which numbers of the type are divided where they are normalised; 0 for those that never are.
+double largest_of(int type) {
   switch (type) {
     case TINYGLTF_COMPONENT_TYPE_BYTE:
-      return number_at<std::int8_t>(bytes, at, normalised ? 127 : 0);
+      return 127;
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-      return number_at<std::uint8_t>(bytes, at, normalised ? 255 : 0);
+      return 255;
     case TINYGLTF_COMPONENT_TYPE_SHORT:
-      return number_at<std::int16_t>(bytes, at, normalised ? 32767 : 0);
+      return 32767;
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-      return number_at<std::uint16_t>(bytes, at, normalised ? 65535 : 0);
+      return 65535;
+    default:
+      return 0;
+  }
+}
+
+double component(std::string_view bytes, std::size_t at, int type, bool normalised) {
+  const double most = normalised ? largest_of(type) : 0.0;
+  switch (type) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      return number_at<std::int8_t>(bytes, at, most);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return number_at<std::uint8_t>(bytes, at, most);
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return number_at<std::int16_t>(bytes, at, most);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return number_at<std::uint16_t>(bytes, at, most);
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
       return number_at<std::uint32_t>(bytes, at, 0);
     default:
@@ -100,19 +117,36 @@ Expected<void> apply_sparse(const Asset& asset, const tinygltf::Accessor& access
   return {};
 }
 
-}  // namespace
-
-Expected<AccessorValues> read_accessor(const Asset& asset, int index, std::size_t least, std::size_t most) {
+Expected<const tinygltf::Accessor*> accessor_of(const Asset& asset, int index, std::size_t least,
+                                                std::size_t most) {
+  constexpr std::size_t kMatrix = 16;
   const auto& accessors = asset.model.accessors;
   if (index < 0 || std::size_t(index) >= accessors.size())
     return fail(fmt::format("there is no accessor {}", index));
   const tinygltf::Accessor& accessor = accessors[std::size_t(index)];
   const int components = tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type));
   const bool is_matrix = accessor.type >= TINYGLTF_TYPE_MAT2 && accessor.type <= TINYGLTF_TYPE_MAT4;
-  if (components < int(least) || components > int(most) || is_matrix)
+  if (components < int(least) || components > int(most) || is_matrix != (least == kMatrix))
     return fail(fmt::format("accessor {} is not of {}", index,
-                            least == most ? (least == 1 ? "numbers" : fmt::format("vectors of {}", least))
-                                          : fmt::format("vectors of {} to {}", least, most)));
+                            least == kMatrix ? "matrices of 4 x 4"
+                            : least == most  ? (least == 1 ? "numbers" : fmt::format("vectors of {}", least))
+                                             : fmt::format("vectors of {} to {}", least, most)));
+  return &accessor;
+}
+
+Expected<AccessorValues> finite(AccessorValues values, int index) {
+  if (!std::ranges::all_of(values.numbers, [](double x) { return std::isfinite(x); }))
+    return fail(fmt::format("accessor {} has numbers that are not finite", index));
+  return values;
+}
+
+}  // namespace
+
+Expected<AccessorValues> read_accessor(const Asset& asset, int index, std::size_t least, std::size_t most) {
+  const auto found = accessor_of(asset, index, least, most);
+  if (!found) return std::unexpected(found.error());
+  const tinygltf::Accessor& accessor = **found;
+  const int components = tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type));
   AccessorValues values;
   values.count = accessor.count;
   values.components = std::size_t(components);
@@ -134,9 +168,24 @@ Expected<AccessorValues> read_accessor(const Asset& asset, int index, std::size_
     if (const auto done = apply_sparse(asset, accessor, values); !done)
       return fail(fmt::format("accessor {}: {}", index, done.error().message));
   }
-  if (!std::ranges::all_of(values.numbers, [](double x) { return std::isfinite(x); }))
-    return fail(fmt::format("accessor {} has numbers that are not finite", index));
-  return values;
+  return finite(std::move(values), index);
+}
+
+Expected<AccessorValues> decompressed_accessor(const Asset& asset, int index, std::size_t components,
+                                               std::vector<double> numbers, std::size_t least,
+                                               std::size_t most) {
+  const auto found = accessor_of(asset, index, least, most);
+  if (!found) return std::unexpected(found.error());
+  const tinygltf::Accessor& accessor = **found;
+  if (const int wanted = tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type));
+      std::size_t(wanted) != components)
+    return fail(fmt::format("accessor {} has {} components, where the compressed data have {}", index, wanted,
+                            components));
+  const double most_stored = accessor.normalized ? largest_of(accessor.componentType) : 0.0;
+  if (most_stored > 0.0)
+    for (double& number : numbers) number = std::max(number / most_stored, -1.0);
+  const std::size_t count = numbers.size() / components;
+  return finite({count, components, std::move(numbers)}, index);
 }
 
 }  // namespace penumbra::gltf

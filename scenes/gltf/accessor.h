@@ -18,8 +18,14 @@ struct AccessorValues {
   }
 };
 
-/// Reads a whole accessor, which has to have `least` to `most` components. Errors: no such accessor, another
-/// shape, beyond its buffer, numbers that are not finite, more elements than can be meant.
+/// Reads a whole accessor, which has to have `least` to `most` components; with 16 it is of matrices, column
+/// by column. Errors: no such accessor, another shape, beyond its buffer, numbers that are not finite, more
+/// elements than can be meant.
 Expected<AccessorValues> read_accessor(const Asset& asset, int index, std::size_t least, std::size_t most);
+
+/// The same of an accessor whose numbers, as they are stored, were in data that are decompressed.
+Expected<AccessorValues> decompressed_accessor(const Asset& asset, int index, std::size_t components,
+                                               std::vector<double> numbers, std::size_t least,
+                                               std::size_t most);
 
 }  // namespace penumbra::gltf

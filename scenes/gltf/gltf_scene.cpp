@@ -6,7 +6,10 @@
 #include <cmath>
 
 #include "scenes/gltf/asset.h"
+#include "scenes/gltf/extensions.h"
 #include "scenes/gltf/material_builder.h"
+#include "scenes/gltf/mesh_pose.h"
+#include "scenes/gltf/node_transforms.h"
 #include "scenes/gltf/primitive.h"
 #include "scenes/gltf/view_reader.h"
 #include "scenes/reading.h"
@@ -18,8 +21,6 @@ namespace {
 
 constexpr std::size_t kMostShapes = 1000000;
 
-glm::dquat no_turn() { return {1.0, 0.0, 0.0, 0.0}; }
-
 class SceneBuilder {
  public:
   SceneBuilder(const Asset& asset, const FileAccess& files, ReaderReport& report, SceneDescription& scene)
@@ -30,14 +31,14 @@ class SceneBuilder {
         materials_(asset, report, textures_, scene) {}
 
   void build() {
-    check_extensions();
+    check_extensions(asset_, report_);
+    node_to_world_ = world_transforms(asset_);
     for (const int root : roots()) visit(root);
     finish_camera();
     textures_.install();
-    if (!asset_.model.animations.empty())
+    if (asset_.has_animations)
       report_.warn(asset_.place({"animations"}), "animations are ignored: nodes are where they rest");
-    if (scene_.emitters.empty() &&
-        std::ranges::none_of(scene_.shapes, [](const Shape& shape) { return shape.radiance.has_value(); })) {
+    if (!is_lit()) {
       report_.warn({asset_.json.get(), 0},
                    "the file has no light; a white sky of radiance 1 stands in for it");
       scene_.emitters.emplace_back(ConstantEnvironment{});
@@ -45,25 +46,9 @@ class SceneBuilder {
   }
 
  private:
-  void check_extensions() {
-    std::vector<std::string> known = {"KHR_lights_punctual", "KHR_mesh_quantization"};
-    known.insert(known.end(), kMaterialExtensions, kMaterialExtensions + kMaterialExtensionCount);
-    const auto is_known = [&](const std::string& name) {
-      return std::ranges::find(known, name) != known.end();
-    };
-    const auto& required = asset_.model.extensionsRequired;
-    for (std::size_t i = 0; i < required.size(); ++i)
-      if (!is_known(required[i]))
-        report_.unsupported(
-            asset_.place({"extensionsRequired", i}),
-            fmt::format("the file requires the extension '{}', which is not read; those that are: {}",
-                        required[i], list_names(known)),
-            "what it does is left out");
-    const auto& used = asset_.model.extensionsUsed;
-    for (std::size_t i = 0; i < used.size(); ++i)
-      if (!is_known(used[i]) && std::ranges::find(required, used[i]) == required.end())
-        report_.warn(asset_.place({"extensionsUsed", i}),
-                     fmt::format("the extension '{}' is ignored", used[i]));
+  /// Lamps that are there for what else there is; where all is unlit, nothing needs one.
+  [[nodiscard]] bool is_lit() const {
+    return !scene_.emitters.empty() || has_lamp_ || (has_unlit_ && !has_lit_);
   }
 
   /// Of the scene that is to be shown; of a file without scenes all nodes that are nobody's children.
@@ -93,13 +78,14 @@ class SceneBuilder {
   struct Pending {
     int node;
     glm::dmat4 parent;
+    bool visible;
   };
 
   /// Depth first, without recursion: no nesting can exhaust the stack. Nodes have one parent at most; one
   /// that is met twice is an error, and so are cycles.
   void visit(int root) {
     if (visited_.empty()) visited_.assign(asset_.model.nodes.size(), false);
-    std::vector<Pending> stack = {{root, glm::dmat4(1.0)}};
+    std::vector<Pending> stack = {{root, glm::dmat4(1.0), true}};
     while (!stack.empty() && !report_.full()) {
       const Pending next = stack.back();
       stack.pop_back();
@@ -115,75 +101,87 @@ class SceneBuilder {
       }
       visited_[index] = true;
       const tinygltf::Node& node = asset_.model.nodes[index];
-      const auto local = transform_of(node, index);
+      const auto local = local_transform(asset_, index, report_);
       if (!local) continue;
       const glm::dmat4 to_world = next.parent * *local;
-      if (is_singular(to_world)) {
-        report_.warn(
-            asset_.place({"nodes", index}),
-            fmt::format("node {} is flattened by its transform, and left out with all below it", index));
-        continue;
-      }
-      read_node(node, index, to_world);
+      const bool visible = next.visible && is_visible(node);
+      read_node(node, index, to_world, visible);
       for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
-        stack.push_back({*child, to_world});
+        stack.push_back({*child, to_world, visible});
     }
   }
 
-  std::optional<glm::dmat4> transform_of(const tinygltf::Node& node, std::size_t index) {
-    const auto wrong = [&](std::string_view message) {
-      report_.error(asset_.place({"nodes", index}), fmt::format("node {}: {}", index, message));
-      return std::nullopt;
-    };
-    const auto sized = [](const std::vector<double>& numbers, std::size_t size) {
-      return numbers.empty() || numbers.size() == size;
-    };
-    if (!sized(node.matrix, 16) || !sized(node.translation, 3) || !sized(node.scale, 3) ||
-        !sized(node.rotation, 4))
-      return wrong("a matrix has 16 numbers, a translation and a scale 3, a rotation 4");
-    if (!node.matrix.empty()) {
-      glm::dmat4 result;
-      for (int i = 0; i < 16; ++i) result[i / 4][i % 4] = node.matrix[std::size_t(i)];
-      if (result[0].w != 0 || result[1].w != 0 || result[2].w != 0 || result[3].w != 1)
-        return wrong("the last row of its matrix must be 0 0 0 1");
-      return result;
-    }
-    glm::dmat4 result(1.0);
-    if (!node.translation.empty())
-      result = translation({node.translation[0], node.translation[1], node.translation[2]});
-    if (!node.rotation.empty()) {
-      glm::dquat q(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]);
-      const double length = glm::length(q);
-      q = length > 0.0 && std::isfinite(length) ? q / length : no_turn();
-      result = result * glm::mat4_cast(q);
-    }
-    if (!node.scale.empty()) result = result * scaling({node.scale[0], node.scale[1], node.scale[2]});
-    return result;
+  /// KHR_node_visibility, which hides all below a node too.
+  static bool is_visible(const tinygltf::Node& node) {
+    const auto found = node.extensions.find("KHR_node_visibility");
+    if (found == node.extensions.end() || !found->second.Has("visible")) return true;
+    const tinygltf::Value& visible = found->second.Get("visible");
+    return !visible.IsBool() || visible.Get<bool>();
   }
 
-  void read_node(const tinygltf::Node& node, std::size_t index, const glm::dmat4& to_world) {
-    const SourceLocation location = asset_.place({"nodes", index});
+  void read_node(const tinygltf::Node& node, std::size_t index, const glm::dmat4& to_world, bool visible) {
     const auto there = [&](int wanted, std::size_t count, const char* what) {
       if (wanted < 0) return false;
       if (std::size_t(wanted) < count) return true;
-      report_.error(location, fmt::format("node {}: there is no {} {}", index, what, wanted));
+      report_.error(asset_.place({"nodes", index}),
+                    fmt::format("node {}: there is no {} {}", index, what, wanted));
       return false;
     };
-    if (there(node.camera, asset_.model.cameras.size(), "camera")) {
-      if (cameras_++ == 0) read_camera(asset_, node.camera, to_world, report_, scene_);
-    }
-    const auto light = node.extensions.find("KHR_lights_punctual");
-    if (light != node.extensions.end() && light->second.Has("light")) {
-      const int wanted = light->second.Get("light").GetNumberAsInt();
-      if (there(wanted, asset_.model.lights.size(), "light"))
-        read_light(asset_, wanted, to_world, report_, scene_);
-    }
-    if (node.skin >= 0)
-      report_.warn_counted(location, "skins are ignored: their meshes are in the pose in which they are stored");
-    if (there(node.mesh, asset_.model.meshes.size(), "mesh")) read_mesh(node, index, to_world);
+    const bool has_camera = there(node.camera, asset_.model.cameras.size(), "camera");
+    const auto punctual = node.extensions.find("KHR_lights_punctual");
+    const int light = punctual != node.extensions.end() && punctual->second.Has("light")
+                          ? punctual->second.Get("light").GetNumberAsInt()
+                          : -1;
+    const bool has_light = there(light, asset_.model.lights.size(), "light") && visible;
+    const bool has_mesh = there(node.mesh, asset_.model.meshes.size(), "mesh") && visible;
+    // A skin's joints place its mesh, and not the node.
+    const bool is_flat = is_singular(to_world) && (has_camera || has_light || (has_mesh && node.skin < 0));
+    if (is_flat && (has_camera || has_light || !keeps_areas(to_world)))
+      return report_.warn(
+          asset_.place({"nodes", index}),
+          fmt::format("node {} is flattened by its transform, and what it holds is left out", index));
+    if (has_camera && cameras_++ == 0) read_camera(asset_, node.camera, to_world, report_, scene_);
+    if (has_light) read_light(asset_, light, to_world, report_, scene_);
+    if (has_mesh) place_mesh_of(node, index, to_world);
   }
 
-  void read_mesh(const tinygltf::Node& node, std::size_t index, const glm::dmat4& to_world) {
+  /// Whether any triangle keeps an area: at most one axis is flattened.
+  static bool keeps_areas(const glm::dmat4& to_world) {
+    const glm::dmat3 m(to_world);
+    const auto area = [&](int i, int j) {
+      const double sides = glm::length(m[i]) * glm::length(m[j]);
+      return sides > 0.0 && glm::length(glm::cross(m[i], m[j])) > 1e-6 * sides;
+    };
+    return area(0, 1) || area(1, 2) || area(2, 0);
+  }
+
+  void place_mesh_of(const tinygltf::Node& node, std::size_t index, const glm::dmat4& to_world) {
+    const auto instances = node_instances(asset_, node);
+    if (!instances)
+      return report_.error(asset_.place({"nodes", index}),
+                           fmt::format("node {}: {}", index, instances.error().message));
+    if (!*instances) return read_mesh(node, index, to_world, scene_.shapes);
+    const int group = int(scene_.groups.size());
+    ShapeGroup shapes{node.name.empty() ? fmt::format("node {}", index) : node.name, {}, {}};
+    read_mesh(node, index, glm::dmat4(1.0), shapes.shapes);
+    if (shapes.shapes.empty()) return;
+    std::size_t flat = 0;
+    for (const glm::dmat4& instance : **instances) {
+      const glm::dmat4 placed = to_world * instance;
+      if (is_singular(placed))
+        ++flat;
+      else
+        scene_.instances.push_back({shapes.name, group, placed});
+    }
+    if (flat > 0)
+      report_.warn(asset_.place({"nodes", index}),
+                   fmt::format("node {}: {} of {} instances are flattened by their transforms, and left out",
+                               index, flat, (*instances)->size()));
+    scene_.groups.push_back(std::move(shapes));
+  }
+
+  void read_mesh(const tinygltf::Node& node, std::size_t index, const glm::dmat4& to_world,
+                 std::vector<Shape>& shapes) {
     const auto mesh_index = std::size_t(node.mesh);
     const tinygltf::Mesh& mesh = asset_.model.meshes[mesh_index];
     for (std::size_t i = 0; i < mesh.primitives.size() && !report_.full(); ++i) {
@@ -198,43 +196,76 @@ class SceneBuilder {
                      fmt::format("'{}': points and lines have no surface; they are left out", name));
         continue;
       }
-      if (!primitive.targets.empty())
-        report_.warn_counted(location, "morph targets are ignored: meshes have their first shape");
+      if (!primitive.attributes.contains("POSITION")) {
+        report_.warn(location,
+                     fmt::format("'{}': a primitive without POSITION has no place; it is left out", name));
+        continue;
+      }
       if (primitive.material >= 0 && std::size_t(primitive.material) >= asset_.model.materials.size()) {
         report_.error(location, fmt::format("there is no material {}", primitive.material));
         continue;
       }
-      if (scene_.shapes.size() >= kMostShapes) return report_.error(location, "more than a million shapes");
-      add_primitive(primitive, location, name, to_world);
+      if (shapes.size() >= kMostShapes) return report_.error(location, "more than a million shapes");
+      const SurfaceOfMaterial& surface =
+          materials_.surface(primitive.material, primitive.attributes.contains("COLOR_0"));
+      auto posed = read_posed(node, mesh, primitive, surface.texcoord);
+      if (!posed) {
+        report_.error(location, fmt::format("'{}': {}", name, posed.error().message));
+        continue;
+      }
+      if (surface.has_normal_map) check_tangents(primitive, location);
+      check_opacity(primitive, location);
+      add_mesh(std::move(*posed), surface, node.skin >= 0 ? glm::dmat4(1.0) : to_world, location, name,
+               shapes);
     }
   }
 
-  void add_primitive(const tinygltf::Primitive& primitive, SourceLocation location, const std::string& name,
-                     const glm::dmat4& to_world) {
-    const SurfaceOfMaterial& surface =
-        materials_.surface(primitive.material, primitive.attributes.contains("COLOR_0"));
-    auto mesh = read_primitive(asset_, primitive, surface.texcoord);
-    if (!mesh) return report_.error(location, fmt::format("'{}': {}", name, mesh.error().message));
+  /// The mesh of a primitive as it rests: in its own space, or with a skin in the world's.
+  Expected<Mesh> read_posed(const tinygltf::Node& node, const tinygltf::Mesh& mesh,
+                            const tinygltf::Primitive& primitive, int texcoord) {
+    const auto attributes = PrimitiveAttributes::open(asset_, primitive);
+    if (!attributes) return std::unexpected(attributes.error());
+    auto posed = read_primitive(*attributes, primitive.mode, texcoord);
+    if (!posed) return posed;
+    const auto& weights = node.weights.empty() ? mesh.weights : node.weights;
+    if (const auto done = morph(asset_, primitive, weights, *posed); !done)
+      return std::unexpected(done.error());
+    if (node.skin < 0) return posed;
+    if (const auto done = apply_skin(asset_, *attributes, node.skin, node_to_world_, *posed); !done)
+      return std::unexpected(done.error());
+    return posed;
+  }
+
+  void add_mesh(Mesh mesh, const SurfaceOfMaterial& surface, glm::dmat4 to_world, SourceLocation location,
+                const std::string& name, std::vector<Shape>& shapes) {
+    if (is_singular(to_world)) {
+      // Normals of what is flattened are those of the plane.
+      for (glm::dvec3& position : mesh.positions) position = transform_point(to_world, position);
+      mesh.normals.clear();
+      to_world = glm::dmat4(1.0);
+    }
     // A mirror turns glTF's winding round. Normals turn it here, where there are some.
-    const bool faceted = mesh->normals.empty();
+    const bool faceted = mesh.normals.empty();
     if (faceted && is_mirror(to_world))
-      for (glm::uvec3& t : mesh->triangles) std::swap(t.y, t.z);
-    if (surface.has_normal_map) check_tangents(primitive, location);
-    if (!report_.place(*mesh, to_world, faceted, name, location)) return;
+      for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
+    if (!report_.place(mesh, to_world, faceted, name, location)) return;
     Shape shape;
     shape.name = shape.id = name;
-    shape.geometry = std::move(*mesh);
+    shape.geometry = std::move(mesh);
     shape.front_bsdf = surface.front;
     shape.back_bsdf = surface.back;
     shape.radiance = surface.radiance;
     shape.radiance_texture = surface.radiance_texture;
     shape.two_sided_emission = surface.two_sided_emission;
+    has_unlit_ = has_unlit_ || surface.unlit;
+    has_lit_ = has_lit_ || !surface.unlit;
+    has_lamp_ = has_lamp_ || (surface.radiance && !surface.unlit);
     if (missing_for_textures(scene_, shape).coordinates)
       report_.warn(location,
                    fmt::format("'{}' has textures, but no texture coordinates {}; those of each triangle "
                                "are its barycentric ones",
                                name, surface.texcoord));
-    scene_.shapes.push_back(std::move(shape));
+    shapes.push_back(std::move(shape));
   }
 
   /// Ours follow from the texture coordinates, as MikkTSpace's do, but for mirrored ones.
@@ -244,6 +275,20 @@ class SceneBuilder {
           location,
           "TANGENT is ignored: the tangents of normal maps follow from the texture coordinates, "
           "and where those are mirrored, green counts the other way");
+  }
+
+  /// Colours of vertices have none here.
+  void check_opacity(const tinygltf::Primitive& primitive, SourceLocation location) {
+    const auto colours = primitive.attributes.find("COLOR_0");
+    if (colours == primitive.attributes.end() || primitive.material < 0 ||
+        asset_.model.materials[std::size_t(primitive.material)].alphaMode == "OPAQUE")
+      return;
+    const auto attributes = PrimitiveAttributes::open(asset_, primitive);
+    const auto values = attributes ? attributes->read("COLOR_0", 4, 4) : std::unexpected(attributes.error());
+    if (!values || !*values) return;
+    for (std::size_t i = 0; i < (*values)->count; ++i)
+      if ((*values)->at(i, 3) < 1.0)
+        return report_.warn_counted(location, "the opacity of vertices (the alpha of COLOR_0) is ignored");
   }
 
   void finish_camera() {
@@ -259,8 +304,10 @@ class SceneBuilder {
   SceneDescription& scene_;
   TextureBuilder textures_;
   MaterialBuilder materials_;
+  std::vector<glm::dmat4> node_to_world_;
   std::vector<bool> visited_;
   int cameras_ = 0;
+  bool has_lamp_ = false, has_unlit_ = false, has_lit_ = false;
 };
 
 }  // namespace

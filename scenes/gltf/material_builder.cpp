@@ -5,17 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-namespace penumbra::gltf {
+#include "scenes/gltf/specular_glossiness.h"
 
-const char* const kMaterialExtensions[] = {"KHR_materials_emissive_strength",
-                                           "KHR_materials_transmission",
-                                           "KHR_materials_ior",
-                                           "KHR_materials_specular",
-                                           "KHR_materials_unlit",
-                                           "KHR_materials_clearcoat",
-                                           "KHR_materials_volume",
-                                           "KHR_texture_transform"};
-const std::size_t kMaterialExtensionCount = std::size(kMaterialExtensions);
+namespace penumbra::gltf {
 
 namespace {
 
@@ -39,10 +31,21 @@ glm::vec3 colour_of(const std::vector<double>& numbers) {
   return colour;
 }
 
-double alpha_factor(const tinygltf::Material& material) {
-  const auto& factor = material.pbrMetallicRoughness.baseColorFactor;
+double alpha_of(const std::vector<double>& factor) {
   return factor.size() > 3 && std::isfinite(factor[3]) ? std::clamp(factor[3], 0.0, 1.0) : 1.0;
 }
+
+std::vector<double> numbers_of(const tinygltf::Value& extension, const char* name,
+                               std::vector<double> fallback) {
+  if (!extension.Has(name) || !extension.Get(name).IsArray()) return fallback;
+  const tinygltf::Value& array = extension.Get(name);
+  std::vector<double> numbers;
+  for (std::size_t i = 0; i < array.ArrayLen(); ++i)
+    numbers.push_back(array.Get(int(i)).IsNumber() ? array.Get(int(i)).GetNumberAsDouble() : 0.0);
+  return numbers;
+}
+
+constexpr const char* kSpecularGlossiness = "KHR_materials_pbrSpecularGlossiness";
 
 /// The refractive index whose reflection along the normal is `factor` of that of `ior`.
 float index_with(double ior, double factor) {
@@ -94,20 +97,60 @@ TextureUse MaterialBuilder::extension_use(const tinygltf::Value& extension, cons
   return use(info, material, "extensions");
 }
 
-TexturedColour MaterialBuilder::base_colour(const tinygltf::Material& material, const TextureUse& texture,
-                                            bool coloured) {
-  const glm::vec3 factor = colour_of(material.pbrMetallicRoughness.baseColorFactor);
-  TexturedColour colour(factor);
-  if (texture.there()) {
+MaterialBuilder::Base MaterialBuilder::base_of(const tinygltf::Material& material, std::size_t index) {
+  if (const tinygltf::Value* other = extension_of(material, kSpecularGlossiness)) {
+    const auto factor = numbers_of(*other, "diffuseFactor", {1.0, 1.0, 1.0, 1.0});
+    return {colour_of(factor), alpha_of(factor), extension_use(*other, "diffuseTexture", index)};
+  }
+  const auto& pbr = material.pbrMetallicRoughness;
+  return {colour_of(pbr.baseColorFactor), alpha_of(pbr.baseColorFactor),
+          use(pbr.baseColorTexture, index, "pbrMetallicRoughness")};
+}
+
+TexturedColour MaterialBuilder::base_colour(const Base& base, bool coloured) {
+  TexturedColour colour(base.colour);
+  if (base.texture.there()) {
     if (coloured)
-      report_.warn_counted(texture.location,
-                        "colours of vertices are left out where there is a texture of the base colour");
-    if (const auto index = textures_.colours(texture)) colour.texture = textures_.scaled(*index, factor);
+      report_.warn_counted(base.texture.location,
+                           "colours of vertices are left out where there is a texture of the base colour");
+    if (const auto index = textures_.colours(base.texture))
+      colour.texture = textures_.scaled(*index, base.colour);
   } else if (coloured) {
     scene_.textures.push_back({"COLOR_0", MeshAttributeTexture{}});
-    colour.texture = textures_.scaled(int(scene_.textures.size()) - 1, factor);
+    colour.texture = textures_.scaled(int(scene_.textures.size()) - 1, base.colour);
   }
   return colour;
+}
+
+SurfaceMaterial MaterialBuilder::specular_glossiness(const tinygltf::Material& material, std::size_t index,
+                                                     const Base& base, bool coloured) {
+  const tinygltf::Value& extension = *extension_of(material, kSpecularGlossiness);
+  const glm::dvec3 diffuse(base.colour),
+      specular(colour_of(numbers_of(extension, "specularFactor", {1.0, 1.0, 1.0})));
+  const double glossiness = double(unit(number_of(&extension, "glossinessFactor", 1.0)));
+  const TextureUse gloss = extension_use(extension, "specularGlossinessTexture", index);
+  const MetalRoughness plain = metal_roughness_of(diffuse, specular, glossiness);
+  PrincipledBsdf solid;
+  solid.eta = 1.5f;
+  solid.roughness = TexturedNumber(float(plain.roughness));
+  solid.metallic = TexturedNumber(float(plain.metallic));
+  if (base.texture.there() || gloss.there()) {
+    if (coloured)
+      report_.warn_counted(place(index, "extensions"),
+                           "colours of vertices are left out where there is a texture of the base colour");
+    if (const auto maps = textures_.specular_glossiness(base.texture, gloss, diffuse, specular, glossiness)) {
+      solid.base_color.texture = maps->base_colour;
+      solid.metallic = TexturedNumber(1.0f);
+      solid.metallic.texture = maps->metallic;
+      solid.roughness = TexturedNumber(1.0f);
+      solid.roughness.texture = maps->roughness;
+    }
+  } else {
+    solid.base_color = base_colour({glm::vec3(plain.base_colour), base.alpha}, coloured);
+  }
+  SurfaceMaterial surface = surface_of(name_of(material, index), solid);
+  if (surface.back == nullptr) surface.back = surface.front;
+  return surface;
 }
 
 TexturedNumber MaterialBuilder::number(double factor, const TextureUse& texture, BitmapChannels channel) {
@@ -122,9 +165,11 @@ SurfaceMaterial MaterialBuilder::opaque_part(const tinygltf::Material& material,
                                              bool coloured) {
   const auto& pbr = material.pbrMetallicRoughness;
   const std::string name = name_of(material, index);
-  const TextureUse base = use(pbr.baseColorTexture, index, "pbrMetallicRoughness");
-  const TextureUse rough = use(pbr.metallicRoughnessTexture, index, "pbrMetallicRoughness");
+  const Base base = base_of(material, index);
   if (extension_of(material, "KHR_materials_unlit") != nullptr) return {};  // it shines, see build
+  if (extension_of(material, kSpecularGlossiness) != nullptr)
+    return specular_glossiness(material, index, base, coloured);
+  const TextureUse rough = use(pbr.metallicRoughnessTexture, index, "pbrMetallicRoughness");
   const tinygltf::Value* ior = extension_of(material, "KHR_materials_ior");
   const tinygltf::Value* specular = extension_of(material, "KHR_materials_specular");
   const tinygltf::Value* coat = extension_of(material, "KHR_materials_clearcoat");
@@ -141,7 +186,7 @@ SurfaceMaterial MaterialBuilder::opaque_part(const tinygltf::Material& material,
         place(index, "extensions"),
         "KHR_materials_specular: its factor becomes a refractive index with as much reflection along "
         "the normal; its colour and textures are ignored");
-  const TexturedColour colour = base_colour(material, base, coloured);
+  const TexturedColour colour = base_colour(base, coloured);
   const TexturedNumber roughness = number(pbr.roughnessFactor, rough, BitmapChannels::kGreen);
   const TexturedNumber metallic = number(pbr.metallicFactor, rough, BitmapChannels::kBlue);
   TexturedNumber transmitted;
@@ -158,7 +203,7 @@ SurfaceMaterial MaterialBuilder::opaque_part(const tinygltf::Material& material,
     thin.eta = TexturedNumber(eta);
     if (metallic.value > 0.0f)
       report_.warn_counted(place(index, "pbrMetallicRoughness"),
-                        "metalness is ignored where KHR_materials_transmission makes a thin pane");
+                           "metalness is ignored where KHR_materials_transmission makes a thin pane");
     return surface_of(name, thin);
   }
   PrincipledBsdf solid;
@@ -171,7 +216,7 @@ SurfaceMaterial MaterialBuilder::opaque_part(const tinygltf::Material& material,
     report_.warn_counted(place(index, "extensions"), "KHR_materials_volume: what it absorbs is ignored");
   if (coat != nullptr) {
     report_.warn_counted(place(index, "extensions"),
-                      "KHR_materials_clearcoat is approximated by Disney's, which is a quarter as strong");
+                         "KHR_materials_clearcoat is approximated by Disney's, which is a quarter as strong");
     solid.clearcoat = TexturedNumber(unit(number_of(coat, "clearcoatFactor", 0.0)));
     const double alpha = std::pow(number_of(coat, "clearcoatRoughnessFactor", 0.0), 2.0);
     solid.clearcoat_gloss = TexturedNumber(unit((0.1 - alpha) / 0.099));
@@ -187,9 +232,7 @@ SurfaceMaterial MaterialBuilder::with_alpha(const tinygltf::Material& material, 
   const bool cut = material.alphaMode == "MASK";
   if (!cut && material.alphaMode != "BLEND") return inside;
   const std::string name = name_of(material, index);
-  const double factor = alpha_factor(material);
-  const auto& info = material.pbrMetallicRoughness.baseColorTexture;
-  const TextureUse base = use(info, index, "pbrMetallicRoughness");
+  const auto& [colour, factor, base] = base_of(material, index);
   MaskBsdf mask;
   mask.opacity = TexturedNumber(float(cut ? (factor >= material.alphaCutoff ? 1.0 : 0.0) : factor));
   if (base.there()) {
@@ -219,7 +262,7 @@ SurfaceOfMaterial MaterialBuilder::build(const tinygltf::Material& material, std
   }
   if (material.occlusionTexture.index >= 0)
     report_.warn_counted(place(index, "occlusionTexture"),
-                      "textures of occlusion are ignored: what they darken is computed");
+                         "textures of occlusion are ignored: what they darken is computed");
   surface = with_alpha(material, index, std::move(surface));
   std::tie(result.front, result.back) = installer_.add(surface, scene_);
 
@@ -228,14 +271,16 @@ SurfaceOfMaterial MaterialBuilder::build(const tinygltf::Material& material, std
   for (std::size_t c = 0; c < 3 && c < material.emissiveFactor.size(); ++c)
     emitted[int(c)] = unit(material.emissiveFactor[c]);
   emitted *= float(std::clamp(number_of(strength, "emissiveStrength", 1.0), 0.0, 1e30));
-  TextureUse glow = use(material.emissiveTexture, index, "emissiveTexture");
   if (extension_of(material, "KHR_materials_unlit") != nullptr) {
-    report_.warn_counted(place(index, "extensions"),
-                      "KHR_materials_unlit: such surfaces are lamps of their base colour, and light others");
-    emitted = colour_of(material.pbrMetallicRoughness.baseColorFactor);
-    glow = use(material.pbrMetallicRoughness.baseColorTexture, index, "pbrMetallicRoughness");
-  }
-  if (emitted != glm::vec3(0.0f)) {
+    report_.warn_counted(
+        place(index, "extensions"),
+        "KHR_materials_unlit: such surfaces are lamps of their base colour, and light others");
+    const Base base = base_of(material, index);
+    result.radiance = base.colour;
+    result.radiance_texture = base_colour({glm::vec3(1.0f), base.alpha, base.texture}, coloured).texture;
+    result.two_sided_emission = result.unlit = true;
+  } else if (emitted != glm::vec3(0.0f)) {
+    const TextureUse glow = use(material.emissiveTexture, index, "emissiveTexture");
     if (glow.there()) result.radiance_texture = textures_.colours(glow).value_or(kNoTexture);
     result.radiance = emitted;
     result.two_sided_emission = material.doubleSided;

@@ -17,6 +17,7 @@ struct SurfaceOfMaterial {
   std::optional<glm::vec3> radiance = std::nullopt;
   int radiance_texture = kNoTexture;  ///< by which it is multiplied
   bool two_sided_emission = false;
+  bool unlit = false;  ///< it shines only because its colour is to be seen as it is
   int texcoord = -1;  ///< the set of texture coordinates; none: -1
   bool has_normal_map = false;
 };
@@ -31,9 +32,18 @@ class MaterialBuilder {
 
  private:
   SurfaceOfMaterial build(const tinygltf::Material& material, std::size_t index, bool coloured);
+  /// The colour of the surface, whichever model says it, with its opacity.
+  struct Base {
+    glm::vec3 colour{1.0f};
+    double alpha = 1.0;
+    TextureUse texture{};
+  };
+  Base base_of(const tinygltf::Material& material, std::size_t index);
+  SurfaceMaterial specular_glossiness(const tinygltf::Material& material, std::size_t index, const Base& base,
+                                      bool coloured);
   SurfaceMaterial opaque_part(const tinygltf::Material& material, std::size_t index, bool coloured);
   SurfaceMaterial with_alpha(const tinygltf::Material& material, std::size_t index, SurfaceMaterial inside);
-  TexturedColour base_colour(const tinygltf::Material& material, const TextureUse& texture, bool coloured);
+  TexturedColour base_colour(const Base& base, bool coloured);
   TexturedNumber number(double factor, const TextureUse& texture, BitmapChannels channel);
   TextureUse use(const tinygltf::TextureInfo& info, std::size_t material, const char* name);
   TextureUse extension_use(const tinygltf::Value& extension, const char* texture, std::size_t material);
@@ -49,9 +59,5 @@ class MaterialBuilder {
   std::map<std::pair<int, bool>, SurfaceOfMaterial> surfaces_;
   int texcoord_ = -1;  ///< of the one that is being built
 };
-
-/// Extensions of materials that are read.
-extern const char* const kMaterialExtensions[];
-extern const std::size_t kMaterialExtensionCount;
 
 }  // namespace penumbra::gltf

@@ -2,7 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "scenes/gltf/data_address.h"
+#include "scenes/gltf/specular_glossiness.h"
+#include "scenes/image/bitmap_values.h"
 
 namespace penumbra::gltf {
 namespace {
@@ -19,6 +27,54 @@ glm::dvec2 pair_of(const tinygltf::Value& value, const char* name, glm::dvec2 fa
   if (!pair.IsArray() || pair.ArrayLen() != 2) return fallback;
   return {pair.Get(0).GetNumberAsDouble(), pair.Get(1).GetNumberAsDouble()};
 }
+
+/// Of a file of that media type.
+const char* ending_of(std::string_view media_type) {
+  constexpr std::pair<std::string_view, const char*> kEndings[] = {{"image/jpeg", ".jpg"},
+                                                                   {"image/jpg", ".jpg"},
+                                                                   {"image/webp", ".webp"},
+                                                                   {"image/avif", ".avif"},
+                                                                   {"image/vnd-ms.dds", ".dds"}};
+  for (const auto& [type, ending] : kEndings)
+    if (type == media_type) return ending;
+  return ".png";
+}
+
+/// A bitmap of bytes, whose values count 0 to 1.
+Bitmap byte_bitmap(const std::string& name, int width, int height, int channels,
+                   const std::vector<std::uint8_t>& values) {
+  Bitmap bitmap{
+      name, width, height, channels, TexelType::kByte, std::vector<std::uint32_t>((values.size() + 3) / 4)};
+  for (std::size_t i = 0; i < values.size(); ++i)
+    bitmap.words[i / 4] |= std::uint32_t(values[i]) << (i % 4 * 8);
+  return bitmap;
+}
+
+std::uint8_t to_byte(double value) { return std::uint8_t(std::lround(255.0 * std::clamp(value, 0.0, 1.0))); }
+
+/// By sRGB (IEC 61966-2-1).
+std::uint8_t to_srgb_byte(double value) {
+  return to_byte(value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1.0 / 2.4) - 0.055);
+}
+
+/// A bitmap that is looked up in the raster of another size; without one, 1 everywhere.
+class Resampled {
+ public:
+  Resampled(const Bitmap* bitmap, float gamma) : bitmap_(bitmap) {
+    if (bitmap != nullptr) values_.emplace(*bitmap, gamma);
+  }
+  [[nodiscard]] double at(std::size_t x, std::size_t y, std::size_t width, std::size_t height,
+                          std::size_t channel) const {
+    if (bitmap_ == nullptr) return 1.0;
+    const auto w = std::size_t(bitmap_->width), h = std::size_t(bitmap_->height),
+               n = std::size_t(bitmap_->channels);
+    return double((*values_)[(y * h / height * w + x * w / width) * n + std::min(channel, n - 1)]);
+  }
+
+ private:
+  const Bitmap* bitmap_;
+  std::optional<BitmapValues> values_{};
+};
 
 }  // namespace
 
@@ -41,15 +97,27 @@ TextureUse texture_use(int index, int texcoord, const tinygltf::ExtensionMap& ex
   return use;
 }
 
-std::string TextureBuilder::name_of(const TextureUse& use) const {
+int TextureBuilder::source_of(const TextureUse& use) const {
   const tinygltf::Texture& texture = asset_.model.textures[std::size_t(use.index)];
-  const tinygltf::Image& image = asset_.model.images[std::size_t(texture.source)];
-  if (!image.uri.empty() && !image.uri.starts_with("data:"))
-    return (asset_.json->path.parent_path() / image.uri).string();
+  if (texture.source >= 0) return texture.source;
+  for (const char* name : {"EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds"}) {
+    const auto extension = texture.extensions.find(name);
+    if (extension != texture.extensions.end() && extension->second.Has("source"))
+      return extension->second.Get("source").GetNumberAsInt();
+  }
+  return -1;
+}
+
+std::string TextureBuilder::name_of(const TextureUse& use) const {
+  const int source = source_of(use);
+  const tinygltf::Image& image = asset_.model.images[std::size_t(source)];
+  if (!image.uri.empty() && !is_data_address(image.uri)) {
+    const auto file = find_file(asset_, image.uri);
+    return (file ? *file : asset_.json->path.parent_path() / image.uri).string();
+  }
   // The ending tells readers the format, where the contents do not.
-  const std::string ending = image.mimeType == "image/jpeg" ? ".jpg" : ".png";
-  return fmt::format("{}: image {}{}{}", asset_.json->path.filename().string(), texture.source,
-                     image.name.empty() ? "" : " " + image.name, ending);
+  return fmt::format("{}: image {}{}{}", asset_.json->path.filename().string(), source,
+                     image.name.empty() ? "" : " " + image.name, ending_of(image.mimeType));
 }
 
 std::optional<int> TextureBuilder::bitmap(const TextureUse& use, BitmapChannels channels) {
@@ -60,9 +128,15 @@ std::optional<int> TextureBuilder::bitmap(const TextureUse& use, BitmapChannels 
   };
   if (std::size_t(use.index) >= textures.size())
     return without(fmt::format("there is no texture {}", use.index));
-  const int source = textures[std::size_t(use.index)].source;
+  const int source = source_of(use);
+  if (source < 0 && textures[std::size_t(use.index)].extensions.contains("KHR_texture_basisu"))
+    return without(
+        fmt::format("texture {} has an image of KTX2 alone (KHR_texture_basisu), which is not read: convert "
+                    "it to PNG, JPEG or WebP, with gltf-transform's ktxdecompress for example",
+                    use.index));
   if (source < 0 || std::size_t(source) >= asset_.model.images.size())
-    return without(fmt::format("texture {} has no image that is read (PNG and JPEG are)", use.index));
+    return without(
+        fmt::format("texture {} has no image that is read (PNG, JPEG, WebP and DDS are)", use.index));
   const auto contents = asset_.image(source);
   if (!contents) return without(contents.error().message);
   const auto entry = bitmaps_.read_contents(name_of(use), *contents, channels);
@@ -152,6 +226,46 @@ std::optional<int> TextureBuilder::normals(const TextureUse& use, double scale) 
     index = known->second;
   }
   return add(use, *index, 1.0f, BitmapChannels::kAll);
+}
+
+std::optional<TextureBuilder::Converted> TextureBuilder::specular_glossiness(
+    const TextureUse& diffuse, const TextureUse& specular, const glm::dvec3& diffuse_factor,
+    const glm::dvec3& specular_factor, double glossiness) {
+  const auto read = [&](const TextureUse& use, BitmapChannels channels) {
+    return use.there() ? bitmap(use, channels) : std::nullopt;
+  };
+  const auto of_diffuse = read(diffuse, BitmapChannels::kAll),
+             of_specular = read(specular, BitmapChannels::kAll);
+  if (!of_diffuse && !of_specular) return std::nullopt;
+  const auto of_gloss = of_specular ? read(specular, BitmapChannels::kAlpha) : std::nullopt;
+  const auto of = [&](const std::optional<int>& index) { return index ? &bitmaps_.bitmap(*index) : nullptr; };
+  int width = 1, height = 1;
+  for (const Bitmap* map : {of(of_diffuse), of(of_specular)})
+    if (map != nullptr) width = std::max(width, map->width), height = std::max(height, map->height);
+  const Resampled diffuse_map(of(of_diffuse), kSrgb), specular_map(of(of_specular), kSrgb),
+      gloss_map(of(of_gloss), 1.0f);
+  std::vector<std::uint8_t> colours, metallic, roughness;
+  const auto w = std::size_t(width), h = std::size_t(height);
+  for (std::size_t y = 0; y < h; ++y)
+    for (std::size_t x = 0; x < w; ++x) {
+      glm::dvec3 d, s;
+      for (int c = 0; c < 3; ++c) {
+        d[c] = diffuse_factor[c] * diffuse_map.at(x, y, w, h, std::size_t(c));
+        s[c] = specular_factor[c] * specular_map.at(x, y, w, h, std::size_t(c));
+      }
+      const MetalRoughness texel = metal_roughness_of(d, s, glossiness * gloss_map.at(x, y, w, h, 0));
+      for (int c = 0; c < 3; ++c) colours.push_back(to_srgb_byte(texel.base_colour[c]));
+      metallic.push_back(to_byte(texel.metallic));
+      roughness.push_back(to_byte(texel.roughness));
+    }
+  const TextureUse& use = of_diffuse ? diffuse : specular;
+  const std::string name = of(of_diffuse ? of_diffuse : of_specular)->name;
+  const int colour_map = bitmaps_.add(byte_bitmap(name, width, height, 3, colours));
+  const int metal_map = bitmaps_.add(byte_bitmap(name, width, height, 1, metallic));
+  const int rough_map = bitmaps_.add(byte_bitmap(name, width, height, 1, roughness));
+  return Converted{add(use, colour_map, kSrgb, BitmapChannels::kAll),
+                   add(use, metal_map, 1.0f, BitmapChannels::kBlue),
+                   add(use, rough_map, 1.0f, BitmapChannels::kGreen)};
 }
 
 int TextureBuilder::scaled(int texture, const glm::vec3& factor) {

@@ -47,6 +47,15 @@ class TextureBuilder {
   /// Its normals, x and y times `scale`.
   std::optional<int> normals(const TextureUse& use, double scale);
 
+  /// The textures of KHR_materials_pbrSpecularGlossiness, of which one at least is there, times its factors,
+  /// as ones of metal and roughness with the coordinates of the first of them; nothing where none is.
+  struct Converted {
+    int base_colour = kNoTexture, metallic = kNoTexture, roughness = kNoTexture;
+  };
+  std::optional<Converted> specular_glossiness(const TextureUse& diffuse, const TextureUse& specular,
+                                               const glm::dvec3& diffuse_factor,
+                                               const glm::dvec3& specular_factor, double glossiness);
+
   /// A texture times a colour.
   int scaled(int texture, const glm::vec3& factor);
 
@@ -56,6 +65,8 @@ class TextureBuilder {
  private:
   std::optional<int> bitmap(const TextureUse& use, BitmapChannels channels);
   int add(const TextureUse& use, int bitmap, float gamma, BitmapChannels channels);
+  /// The image of a texture, of whichever extension; -1: none that is read.
+  [[nodiscard]] int source_of(const TextureUse& use) const;
   std::string name_of(const TextureUse& use) const;
 
   const Asset& asset_;

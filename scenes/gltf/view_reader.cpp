@@ -31,22 +31,32 @@ void read_camera(const Asset& asset, int camera, const glm::dmat4& to_world, Rea
   const SourceLocation location = asset.place({"cameras", std::size_t(camera)});
   const tinygltf::Camera& gltf = asset.model.cameras[std::size_t(camera)];
   // +x is to the left of the image and +z the view here.
-  const auto frame = without_scale(to_world * scaling(glm::dvec3(-1.0, 1.0, -1.0)));
-  if (!frame) return report.error(location, frame.error().message);
+  const glm::dmat4 facing = to_world * scaling(glm::dvec3(-1.0, 1.0, -1.0));
+  auto frame = without_scale(facing);
+  if (!frame) {
+    report.warn(location,
+                fmt::format("camera {}: nodes above it shear it; its view and its upper half plane are kept",
+                            camera));
+    const glm::dvec3 eye(facing[3]);
+    frame = look_at(eye, eye + glm::normalize(glm::dvec3(facing[2])), glm::dvec3(facing[1]));
+  }
+  if (!frame) return report.error(location, fmt::format("camera {}: {}", camera, frame.error().message));
   scene.camera.to_world = *frame;
   if (gltf.type == "orthographic") {
     const tinygltf::OrthographicCamera& view = gltf.orthographic;
-    if (!(view.xmag > 0.0 && view.ymag > 0.0 && view.xmag < 1e30 && view.ymag < 1e30))
+    // Negative ones are discouraged, and mean the same view.
+    const double xmag = std::abs(view.xmag), ymag = std::abs(view.ymag);
+    if (!(xmag > 0.0 && ymag > 0.0 && xmag < 1e30 && ymag < 1e30))
       return report.error(location,
-                          fmt::format("xmag and ymag must be above 0, not {} and {}", view.xmag, view.ymag));
+                          fmt::format("xmag and ymag must not be 0: {} and {}", view.xmag, view.ymag));
     if (!(view.znear >= 0.0 && view.zfar > view.znear && view.zfar < 1e37))
       return report.error(location,
                           fmt::format("zfar must be beyond znear, {}, not {}", view.znear, view.zfar));
     scene.camera.projection = Projection::kOrthographic;
-    if (!set_width(view.xmag / view.ymag, scene))
-      return report.error(location, fmt::format("an image {} times as wide as high", view.xmag / view.ymag));
-    scene.camera.scale_x = view.xmag;
-    scene.camera.scale_y = view.ymag * scene.film.width / scene.film.height;
+    if (!set_width(xmag / ymag, scene))
+      return report.error(location, fmt::format("an image {} times as wide as high", xmag / ymag));
+    scene.camera.scale_x = xmag;
+    scene.camera.scale_y = ymag * scene.film.width / scene.film.height;
     scene.camera.near_clip = std::max(view.znear, 1e-6 * view.zfar);
     scene.camera.far_clip = view.zfar;
     return;
@@ -73,9 +83,18 @@ void read_camera(const Asset& asset, int camera, const glm::dmat4& to_world, Rea
 
 void look_at_everything(SceneDescription& scene) {
   glm::dvec3 low(std::numeric_limits<double>::max()), high(-std::numeric_limits<double>::max());
-  for (const Shape& shape : scene.shapes)
-    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry))
-      for (const glm::dvec3& p : mesh->positions) low = glm::min(low, p), high = glm::max(high, p);
+  const auto enclose = [&](const std::vector<Shape>& shapes, const glm::dmat4& to_world) {
+    for (const Shape& shape : shapes)
+      if (const auto* mesh = std::get_if<Mesh>(&shape.geometry))
+        for (const glm::dvec3& p : mesh->positions) {
+          const glm::dvec3 placed = transform_point(to_world, p);
+          low = glm::min(low, placed);
+          high = glm::max(high, placed);
+        }
+  };
+  enclose(scene.shapes, glm::dmat4(1.0));
+  for (const ShapeInstance& instance : scene.instances)
+    enclose(scene.groups[std::size_t(instance.group)].shapes, instance.to_world);
   if (!(low.x <= high.x)) return;
   const double radius = std::max(0.5 * glm::length(high - low), 1e-6);
   constexpr double kFov = 40.0;
@@ -115,6 +134,13 @@ void read_light(const Asset& asset, int light, const glm::dmat4& to_world, Reade
   punctual.strength = glm::vec3(strength);
   punctual.inner_angle = gltf.spot.innerConeAngle * kDegrees;
   punctual.outer_angle = gltf.spot.outerConeAngle * kDegrees;
+  // Programs write pi/2 in single precision, and the same angle twice for a sharp edge.
+  constexpr double kAngleRounding = 1e-5;
+  if (punctual.outer_angle > 90.0 && punctual.outer_angle < 90.0 * (1 + kAngleRounding))
+    punctual.outer_angle = 90.0;
+  if (punctual.inner_angle >= punctual.outer_angle &&
+      punctual.inner_angle < punctual.outer_angle * (1 + kAngleRounding))
+    punctual.inner_angle = punctual.outer_angle * (1 - kAngleRounding);
   if (punctual.kind == PunctualKind::kSpot &&
       !(punctual.inner_angle >= 0.0 && punctual.inner_angle < punctual.outer_angle &&
         punctual.outer_angle <= 90.0))

@@ -31,6 +31,21 @@ constexpr auto bsdf_plugins(const std::variant<Models...>*) {
 constexpr auto kBsdfs = bsdf_plugins(static_cast<const BsdfModel*>(nullptr));
 constexpr std::string_view kTwoSided = "twosided";
 
+/// Of Mitsuba's, what is not read, and what to use instead.
+struct UnreadBsdf {
+  std::string_view type, words;
+};
+constexpr UnreadBsdf kUnreadBsdfs[] = {
+    {"hair",
+     "nothing here scatters light as a fibre does; a 'principled' of the hair's colour on its curves is "
+     "nearest"},
+    {"measured",
+     "there are no tables of measurements; a 'roughconductor' or a 'principled' with the colour and the "
+     "roughness of the material is nearest"},
+    {"measured_polarized",
+     "there are no tables of measurements, and light has no polarisation; a 'roughconductor' or a "
+     "'principled' with the colour and the roughness of the material is nearest"}};
+
 }  // namespace
 
 /// A BSDF that holds others, or is none.
@@ -75,6 +90,13 @@ SurfaceMaterial MaterialReader::read_new(const Object& bsdf) {
     result = (this->*holder->read)(plugin);
   } else if (const auto* known = find_plugin(kBsdfs, bsdf.type)) {
     result = surface_of(name_of(bsdf), known->read(plugin));
+  } else if (const auto* unread = find_plugin(kUnreadBsdfs, bsdf.type)) {
+    context_.unsupported(
+        bsdf.type_location,
+        fmt::format("bsdf type '{}' is not one that Penumbra reads: {}", bsdf.type, unread->words),
+        "a magenta diffuse stands in for it");
+    result.front = leaf(name_of(bsdf), DiffuseBsdf{kStandInColour});
+    plugin.skip();
   } else {
     std::vector<std::string> types = plugin_types(kBsdfs);
     for (const Holder& each : holders())

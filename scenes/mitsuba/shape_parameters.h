@@ -179,7 +179,8 @@ struct PlainShape : PlacedShape {
 };
 struct DiskShape : PlainShape<DiskShape> {
   static constexpr const char* kPlugin = "disk";
-  static constexpr const char* kText = "the unit disk, which faces z";
+  static constexpr const char* kText =
+      "the unit disk, which faces z; one that its transform makes elliptic is a polygon of 512 sides";
 };
 struct RectangleShape : PlainShape<RectangleShape> {
   static constexpr const char* kPlugin = "rectangle";

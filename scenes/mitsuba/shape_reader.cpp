@@ -142,7 +142,8 @@ std::optional<Geometry> read_mesh(const ShapeInput& input) {
     return std::nullopt;
   }
   // The text may take more memory than the mesh; places in it are gone, too.
-  for (OddFaces* odd : {&read->faces.warped, &read->faces.tangled, &read->faces.too_short, &read->faces.untextured})
+  for (OddFaces* odd :
+       {&read->faces.warped, &read->faces.tangled, &read->faces.too_short, &read->faces.untextured})
     odd->first = {};
   file.reset();
   auto mesh = placed_mesh(input, given, std::move(*read));
@@ -219,10 +220,7 @@ std::optional<Geometry> read_disk(const ShapeInput& input) {
   PluginReader& plugin = input.plugin;
   const glm::dmat4 to_world = read_parameters<DiskShape>(input).to_world;
   const auto radius = uniform_scale(to_world, 2);
-  if (!radius) {
-    plugin.wrong("to_world", "a disk's transform must scale all directions of its plane alike");
-    return std::nullopt;
-  }
+  if (!radius) return checked(plugin, make_elliptic_disk(to_world));
   const auto [x_axis, y_axis] = frame_axes(to_world);
   const Disk disk{transform_point(to_world, glm::dvec3(0.0)),
                   glm::normalize(normal_matrix(to_world) * glm::dvec3(0.0, 0.0, 1.0)), *radius, x_axis,

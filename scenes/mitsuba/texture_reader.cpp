@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 namespace penumbra::mitsuba {
@@ -20,7 +22,33 @@ struct TexturePlugins {
 
 namespace {
 
+/// Mitsuba 3's texture of one value that is not converted: a number, or a vector of three channels.
+constexpr std::string_view kRawConstant = "rawconstant";
+
 constexpr auto kTextures = TexturePlugins::rows(static_cast<const TextureModel*>(nullptr));
+
+/// As a checkerboard whose squares are alike.
+std::optional<TextureModel> read_raw_constant(PluginReader& plugin) {
+  const auto& parameters = plugin.object().parameters;
+  const auto given = std::ranges::find(parameters, "value", &Parameter::name);
+  glm::vec3 value(0.0f);
+  if (given == parameters.end()) {
+    plugin.wrong("a rawconstant needs a <float name=\"value\" …>, or a <vector>");
+    return std::nullopt;
+  }
+  if (std::holds_alternative<glm::dvec3>(given->value))
+    value = glm::vec3(plugin.point("value").value_or(glm::dvec3(0.0)));
+  else
+    value = glm::vec3(float(plugin.number("value", 0.0)));
+  for (int c = 0; c < 3; ++c)
+    if (!(value[c] >= 0.0f && std::isfinite(value[c]))) {
+      plugin.wrong("value", fmt::format("value: a texture is 0 or more and finite, not {}", value[c]));
+      return std::nullopt;
+    }
+  CheckerboardTexture model;
+  model.color0 = model.color1 = value;
+  return model;
+}
 
 /// Where Mitsuba 0.6 has its own parameters for what `to_uv` is.
 glm::dmat3 read_to_uv(PluginReader& plugin) {
@@ -59,8 +87,15 @@ std::optional<SceneTexture> TextureReader::read_new(const Object& object, Textur
   // Mitsuba 0.6 has its own name for the colours of vertices.
   const bool vertex_colours = object.type == "vertexcolors";
   const auto* known = find_plugin(kTextures, vertex_colours ? MeshAttributeTexture::kPlugin : object.type);
+  if (object.type == kRawConstant) {
+    std::optional<TextureModel> model = read_raw_constant(plugin);
+    plugin.finish();
+    return model ? std::optional(SceneTexture{name_of(object), std::move(*model)}) : std::nullopt;
+  }
   if (known == nullptr) {
-    context_.unknown_plugin(object, plugin_types(kTextures), "a magenta checkerboard stands in for it");
+    std::vector<std::string> types = plugin_types(kTextures);
+    types.emplace_back(kRawConstant);
+    context_.unknown_plugin(object, types, "a magenta checkerboard stands in for it");
     plugin.skip();
     if (!context_.lenient) return std::nullopt;
     CheckerboardTexture stand_in;

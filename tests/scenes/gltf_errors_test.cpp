@@ -42,7 +42,6 @@ INSTANTIATE_TEST_SUITE_P(
         BadGltf{"NoSuchCamera", meshed(R"({"camera": 4})"), "there is no camera 4"},
         BadGltf{"NoSuchMaterial", primitive(R"({"attributes": {"POSITION": 0}, "material": 3})"),
                 "there is no material 3"},
-        BadGltf{"NoPositions", primitive(R"({"attributes": {"NORMAL": 0}})"), "without POSITION"},
         BadGltf{"WrongShape", primitive(R"({"attributes": {"POSITION": 1}})"),
                 "POSITION: accessor 1 is not of vectors of 3"},
         BadGltf{"IndicesOfVectors", primitive(R"({"attributes": {"POSITION": 0}, "indices": 0})"),
@@ -146,6 +145,13 @@ TEST_F(GltfText, PointsAreLeftOut) {
       one_mesh(R"({"attributes": {"POSITION": 0}, "mode": 0}, {"attributes": {"POSITION": 0}})")));
   EXPECT_EQ(scene.shapes.size(), 1u);
   EXPECT_THAT(warnings(scene), HasSubstr("points and lines have no surface"));
+}
+
+TEST_F(GltfText, PrimitivesWithoutPositionsAreLeftOut) {
+  const SceneDescription scene = good_gltf(
+      triangle().text(one_mesh(R"({"attributes": {"NORMAL": 0}}, {"attributes": {"POSITION": 0}})")));
+  EXPECT_EQ(scene.shapes.size(), 1u);
+  EXPECT_THAT(warnings(scene), HasSubstr("without POSITION"));
 }
 
 }  // namespace

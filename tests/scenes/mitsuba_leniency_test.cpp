@@ -39,14 +39,42 @@ TEST_F(MitsubaPlugins, LenientStandIns) {
   EXPECT_EQ(std::get<CheckerboardTexture>(s.textures.at(std::size_t(shown)).model).color0,
             glm::vec3(0.8f, 0.2f, 0.8f));
   EXPECT_EQ(only<ConstantEnvironment>(s).radiance, glm::vec3(0.8f, 0.2f, 0.8f));
-  EXPECT_THAT(
-      s.warnings,
-      ::testing::UnorderedElementsAre(
-          HasSubstr("integrator type 'vcm' is not one that Penumbra reads; volpath stands in"),
-          HasSubstr("sensor type 'spherical'"), HasSubstr("film type 'specfilm'"),
-          HasSubstr("rfilter type 'welch'"), HasSubstr("sampler type 'magic'"), HasSubstr("bsdf type 'hair'"),
-          HasSubstr("no file 'x'"), HasSubstr("texture type 'marble'"), HasSubstr("shape type 'hair'"),
-          HasSubstr("emitter type 'laser'")));
+  EXPECT_THAT(s.warnings,
+              ::testing::UnorderedElementsAre(
+                  HasSubstr("integrator type 'vcm' is not one that Penumbra reads; volpath stands in"),
+                  HasSubstr("sensor type 'spherical'"), HasSubstr("film type 'specfilm'"),
+                  HasSubstr("rfilter type 'welch'"), HasSubstr("sampler type 'magic'"),
+                  HasSubstr("bsdf type 'hair'"), HasSubstr("no file 'x'"), HasSubstr("texture type 'marble'"),
+                  HasSubstr("shape type 'hair'"), HasSubstr("emitter type 'laser'")));
+}
+
+TEST_F(MitsubaPlugins, BsdfsThatAreNotReadSayWhatIsNearest) {
+  const auto message = [&](const char* type) {
+    return error(scene(in("shape", "sphere", in("bsdf", type, "<string name='filename' value='a.bsdf'/>"))));
+  };
+  EXPECT_THAT(message("measured"), AllOf(HasSubstr("bsdf type 'measured' is not one that Penumbra reads"),
+                                         HasSubstr("'roughconductor' or a 'principled'")));
+  EXPECT_THAT(message("hair"), AllOf(HasSubstr("bsdf type 'hair' is not one that Penumbra reads"),
+                                     HasSubstr("'principled' of the hair's colour")));
+}
+
+TEST_F(MitsubaPlugins, RawConstantsAreOneValue) {
+  const SceneDescription s = good(in(
+      "shape", "sphere",
+      in("bsdf", "principled",
+         "<texture type='rawconstant' name='roughness'><float name='value' value='.25'/></texture>"
+         "<texture type='rawconstant' name='base_color'><vector name='value' value='.5 .25 1'/></texture>")));
+  const auto& bsdf = std::get<PrincipledBsdf>(s.bsdfs.at(0).model);
+  const auto value = [&](int texture) {
+    const auto& board = std::get<CheckerboardTexture>(s.textures.at(std::size_t(texture)).model);
+    EXPECT_EQ(board.color0.value, board.color1.value);
+    return board.color0.value;
+  };
+  EXPECT_EQ(value(bsdf.roughness.texture), glm::vec3(0.25f));
+  EXPECT_EQ(value(bsdf.base_color.texture), glm::vec3(0.5f, 0.25f, 1));
+  EXPECT_THAT(error(scene(in("shape", "sphere",
+                             in("bsdf", "diffuse", "<texture type='rawconstant' name='reflectance'/>")))),
+              HasSubstr("a rawconstant needs a <float name=\"value\""));
 }
 
 TEST_F(MitsubaPlugins, LenientToWhatCanBeParsed) {
@@ -60,13 +88,14 @@ TEST_F(MitsubaPlugins, LenientToWhatCanBeParsed) {
   const SceneDescription s = good(text, {.lenient = true});
   ASSERT_THAT(s.shapes, SizeIs(1));
   EXPECT_EQ(std::get<Sphere>(s.shapes[0].geometry).radius, 3.0);
-  EXPECT_THAT(s.warnings,
-              ::testing::UnorderedElementsAre(
-                  HasSubstr("bsdf 'diffuse' has no parameter 'color'; it is ignored"),
-                  HasSubstr("reflectance of bsdf 'diffuse' is negative; 0 stands in for it"),
-                  HasSubstr("reflectance of bsdf 'diffuse' is above 1; it is scaled down to that"),
-                  HasSubstr("no file 'x.obj'"), HasSubstr("the parameter 'radius' is there twice; the last counts"),
-                  AllOf(HasSubstr("alpha must be"), HasSubstr("its default stands in for it"))));
+  EXPECT_THAT(
+      s.warnings,
+      ::testing::UnorderedElementsAre(
+          HasSubstr("bsdf 'diffuse' has no parameter 'color'; it is ignored"),
+          HasSubstr("reflectance of bsdf 'diffuse' is negative; 0 stands in for it"),
+          HasSubstr("reflectance of bsdf 'diffuse' is above 1; it is scaled down to that"),
+          HasSubstr("no file 'x.obj'"), HasSubstr("the parameter 'radius' is there twice; the last counts"),
+          AllOf(HasSubstr("alpha must be"), HasSubstr("its default stands in for it"))));
 }
 
 TEST_F(MitsubaPlugins, LenientWithMediaMeansVolpath) {
@@ -81,8 +110,10 @@ TEST_F(MitsubaPlugins, AsStrictAsTheProgramThatTheFileIsFor) {
   const std::string content =
       in("integrator", "path", "<boolean name='fancy' value='true'/>") + "<sensor type='perspective'/>" +
       in("bsdf", "conductor", "<float name='alpha' value='.1'/><string name='distribution' value='ggx'/>") +
-      in("bsdf", "ward", "<float name='alpha' value='.1'/>") + in("bsdf", "ward", "<float name='alpha' value='.2'/>") +
-      in("bsdf", "roughplastic", "<string name='distribution' value='phong'/><float name='alpha' value='.3'/>") +
+      in("bsdf", "ward", "<float name='alpha' value='.1'/>") +
+      in("bsdf", "ward", "<float name='alpha' value='.2'/>") +
+      in("bsdf", "roughplastic",
+         "<string name='distribution' value='phong'/><float name='alpha' value='.3'/>") +
       in("shape", "sphere",
          in("bsdf", "diffuse",
             "<rgb name='reflectance' value='.1 .2 .3'/><rgb name='reflectance' value='4 2 1'/>"));
@@ -115,12 +146,14 @@ TEST_F(MitsubaPlugins, StrictnessMakesErrorsOfWarnings) {
   EXPECT_TRUE(read(scene(in("shape", "sphere") + in("emitter", "constant")), {.strict = true}));
 }
 
-/// What is wrong with an integrator, a sampler and a film does not matter where the command line replaces them.
+/// What is wrong with an integrator, a sampler and a film does not matter where the command line replaces
+/// them.
 TEST_F(MitsubaPlugins, WhatTheCommandLineReplacesIsNotLookedAt) {
-  const std::string text = in("integrator", "vcm", "<float name='fancy' value='1'/><integer name='max_depth' value='7'/>") +
-                           in("sensor", "perspective",
-                              in("sampler", "magic", "<integer name='sample_count' value='9'/>") +
-                                  in("film", "hdrfilm", "<integer name='width' value='-5'/>"));
+  const std::string text =
+      in("integrator", "vcm", "<float name='fancy' value='1'/><integer name='max_depth' value='7'/>") +
+      in("sensor", "perspective",
+         in("sampler", "magic", "<integer name='sample_count' value='9'/>") +
+             in("film", "hdrfilm", "<integer name='width' value='-5'/>"));
   EXPECT_FALSE(read(scene(text)));
   const SceneDescription s = good(
       text, {.settings = {{"integrator.type", "volpath"}, {"sampler.type", "sobol"}, {"film.width", "50"}}});

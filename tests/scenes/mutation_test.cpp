@@ -374,6 +374,51 @@ constexpr const char* kEverythingOfGltf =
 "KHR_materials_transmission": {"transmissionFactor": 0.5}}}],
 "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 100, "color": [1, 1, 0.5]}]}})";
 
+/// A skin, morph targets, instances, indices that are sparse alone, another model of materials.
+GltfFile resting_gltf() {
+  GltfFile file;
+  file.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0}, 3);
+  file.accessor<std::uint8_t>("VEC4", {0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0}, 3);
+  file.accessor<std::uint8_t>("VEC4", {255, 0, 0, 0, 255, 0, 0, 0, 51, 204, 0, 0}, 3,
+                              R"(, "normalized": true)");
+  file.accessor<float>(
+      "MAT4",
+      {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 1, 1}, 2);
+  file.accessor<float>("VEC3", {0, 0, 4, 0, 0, 4, 0, 0, 4}, 3);
+  file.accessor<std::int16_t>("VEC4", {0, 0, 0, 32767, 0, 0, 32767, 0}, 2, R"(, "normalized": true)");
+  file.accessor<float>("VEC3", {1, 1, 1, 2, 2, 2}, 2);
+  const int where = file.view(std::vector<std::uint8_t>{1, 2});
+  const int what = file.view(std::vector<std::uint16_t>{1, 2});
+  file.raw_accessor(fmt::format(
+      R"({{"componentType": 5123, "count": 3, "type": "SCALAR", "sparse": {{"count": 2,
+ "indices": {{"bufferView": {}, "componentType": 5121}}, "values": {{"bufferView": {}}}}}}})",
+      where, what));
+  return file;
+}
+constexpr const char* kRestingGltf =
+    R"("scenes": [{"nodes": [0, 1, 3]}], "extensionsRequired": ["EXT_mesh_gpu_instancing"], "animations": [{"channels": []}],
+"nodes": [{"mesh": 0, "skin": 0}, {"children": [2], "translation": [0, 0, 7]}, {"translation": [0, 0, 3], "scale": [2, 2, 2]},
+{"mesh": 1, "weights": [1], "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"ROTATION": 5, "SCALE": 6}},
+"KHR_node_visibility": {"visible": true}}}],
+"skins": [{"joints": [1, 2], "inverseBindMatrices": 3}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0, "JOINTS_0": 1, "WEIGHTS_0": 2}, "indices": 7, "material": 0}]},
+{"weights": [0.5], "primitives": [{"attributes": {"POSITION": 0, "NORMAL": 4}, "targets": [{"POSITION": 4}], "material": 1}]}],
+"images": [{"uri": "t.tga"}], "textures": [{"extensions": {"EXT_texture_webp": {"source": 0}}}],
+"materials": [{"extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [0.5, 0.25, 0, 0.5],
+"specularGlossinessTexture": {"index": 0}}}}, {"extensions": {"KHR_materials_unlit": {}}}])";
+
+TEST(MutatedGltf, AtRest) {
+  const TemporaryFolder folder;
+  const std::vector<std::uint8_t> texels = {51, 102, 153, 0, 204, 255, 0, 128};
+  write_text(folder / "t.tga", tga_file(2, 1, 4, texels));
+  write_text(folder / "scene.gltf", resting_gltf().text(kRestingGltf));
+  const auto whole = read_scene(folder / "scene.gltf", {.confine_to = folder.path()});
+  ASSERT_TRUE(whole) << whole.error().message;
+  EXPECT_EQ(whole->shapes.size(), 1u);
+  EXPECT_EQ(whole->instances.size(), 2u);
+  expect_survival(folder.path(), "scene.gltf", "scene.gltf", 3002);
+}
+
 TEST(MutatedGltf, TextAndBinary) {
   const TemporaryFolder folder;
   const std::vector<std::uint8_t> texels = {51, 102, 153, 0, 204, 255, 0, 128};
