@@ -20,13 +20,28 @@ glm::vec3 emitted(Context& context, Parameters& parameters, std::string_view nam
     colour =
         colour_of(*given, ColourOf::kLight, context.files, context.folder, context.report).value_or(colour);
   const double scale = parameters.number("scale", 1.0, context.report);
-  const glm::dvec3 result = scale * glm::dvec3(colour);
+  const glm::dvec3 result = scale * context.exposure * glm::dvec3(colour);
   if (!(scale >= 0.0 && std::max({result.x, result.y, result.z}) < 1e37)) {
     context.report.error(parameters.location("scale", location),
                          "a light's scale must be at least 0, and finite");
     return glm::vec3(0.0f);
   }
   return glm::vec3(result);
+}
+
+/// Of the image's values, red, green and blue of Rec. 709.
+double mean_luminance(const Bitmap& image) {
+  const BitmapValues values(image, kSrgb);
+  const auto channels = std::size_t(image.channels);
+  const std::size_t texels = std::size_t(image.width) * std::size_t(image.height);
+  double sum = 0;
+  for (std::size_t i = 0; i < texels; ++i) {
+    const auto value = [&](std::size_t c) {
+      return double(values[i * channels + std::min(c, channels - 1)]);
+    };
+    sum += 0.212671 * value(0) + 0.71516 * value(1) + 0.072169 * value(2);
+  }
+  return texels > 0 ? sum / double(texels) : 0.0;
 }
 
 /// Given as `power` or `illuminance`, which replaces nothing but a factor: that of a light of unit strength.
@@ -89,6 +104,25 @@ void read_distant(Context& context, Parameters& parameters, const GraphicsState&
   add_punctual_light(light, context.scene);
 }
 
+/// Of a plane below the octahedral image, half of what it is in truth: so pbrt counts it, and it is by this
+/// that files give a sky's brightness.
+double illuminance_of(const Bitmap& square) {
+  const BitmapValues values(square, kSrgb);
+  const auto channels = std::size_t(square.channels);
+  double sum = 0;
+  for (int y = 0; y < square.height; ++y)
+    for (int x = 0; x < square.width; ++x) {
+      // The diamond in the middle is the upper half; there areas are the sphere's, and z = 1 - r².
+      const double r =
+          std::abs(2 * (x + 0.5) / square.width - 1) + std::abs(2 * (y + 0.5) / square.height - 1);
+      if (r >= 1) continue;
+      const std::size_t at = (std::size_t(y) * std::size_t(square.width) + std::size_t(x)) * channels;
+      const auto value = [&](std::size_t c) { return double(values[at + std::min(c, channels - 1)]); };
+      sum += (1 - r * r) * (0.212671 * value(0) + 0.71516 * value(1) + 0.072169 * value(2));
+    }
+  return sum * 2 * kPi / (double(square.width) * square.height);
+}
+
 /// The octahedral image as one of longitudes and polar angles, y up, texels of half as many rows.
 std::shared_ptr<const Bitmap> resampled(const Bitmap& square) {
   const int side = square.width, height = std::clamp(side, 2, 8192), width = 2 * height;
@@ -126,9 +160,7 @@ std::shared_ptr<const Bitmap> resampled(const Bitmap& square) {
 void read_infinite(Context& context, TextureReader& textures, Parameters& parameters,
                    const GraphicsState& state, SourceLocation location) {
   ReaderReport& report = context.report;
-  if (std::ranges::any_of(context.scene.emitters, is_sky))
-    return report.unsupported(location, "a second infinite light is not read; a scene has one",
-                              "it is left out");
+  const auto other = std::ranges::find_if(context.scene.emitters, is_sky);
   const std::string file = parameters.text("filename", "", report);
   glm::vec3 radiance = emitted(context, parameters, "L", location);
   if (parameters.has("portal")) {
@@ -136,15 +168,22 @@ void read_infinite(Context& context, TextureReader& textures, Parameters& parame
     report.warn(parameters.location("portal", location),
                 "portals are ignored: the light comes from everywhere");
   }
+  auto* constant =
+      other != context.scene.emitters.end() ? std::get_if<ConstantEnvironment>(&*other) : nullptr;
+  if (other != context.scene.emitters.end() && (constant == nullptr || !file.empty())) {
+    parameters.accept({"illuminance", "filename"});
+    return report.unsupported(location,
+                              "a second infinite light is not read, unless both are the same everywhere",
+                              "it is left out");
+  }
+  if (constant != nullptr) {
+    constant->radiance += radiance * float(factor_of(context, parameters, "illuminance", kPi));
+    return;
+  }
   if (file.empty()) {
     radiance *= float(factor_of(context, parameters, "illuminance", kPi));
     context.scene.emitters.emplace_back(ConstantEnvironment{radiance});
     return;
-  }
-  if (parameters.has("illuminance")) {
-    parameters.take("illuminance");
-    report.unsupported(parameters.location("illuminance", location),
-                       "the illuminance of an image is not read", "the image is as it is");
   }
   const auto image = textures.image(file, parameters.location("filename", location));
   if (image == nullptr) {
@@ -159,7 +198,7 @@ void read_infinite(Context& context, TextureReader& textures, Parameters& parame
   EnvironmentMapLight sky;
   sky.filename = file;
   sky.image = resampled(*image);
-  sky.scale = radiance.x;
+  sky.scale = radiance.x * float(factor_of(context, parameters, "illuminance", illuminance_of(*image)));
   sky.to_world = glm::dmat4(glm::dmat3(state.ctm));
   context.scene.emitters.emplace_back(std::move(sky));
 }
@@ -199,27 +238,37 @@ void read_light(Context& context, TextureReader& textures, const std::string& ty
   parameters.finish(fmt::format("the light '{}'", type), context.report);
 }
 
-std::shared_ptr<const AreaLight> read_area_light(Context& context, const std::string& type,
-                                                 Parameters& parameters, SourceLocation location) {
+std::shared_ptr<const AreaLight> read_area_light(Context& context, TextureReader& textures,
+                                                 const std::string& type, Parameters& parameters,
+                                                 SourceLocation location) {
+  ReaderReport& report = context.report;
   if (type != "diffuse") {
-    context.report.unsupported(location, fmt::format("area light '{}' is not read; 'diffuse' is", type),
-                               "it is left out");
+    report.unsupported(location, fmt::format("area light '{}' is not read; 'diffuse' is", type),
+                       "it is left out");
     return nullptr;
   }
   AreaLight light;
   light.location = location;
   light.radiance = emitted(context, parameters, "L", location);
-  light.two_sided = parameters.boolean("twosided", false, context.report);
+  light.two_sided = parameters.boolean("twosided", false, report);
   if (parameters.has("power")) {
-    const double power = parameters.number("power", -1.0, context.report);
+    const double power = parameters.number("power", -1.0, report);
     if (power > 0.0) light.power = power;
   }
-  if (parameters.has("filename")) {
-    parameters.take("filename");
-    context.report.unsupported(parameters.location("filename", location),
-                               "images of area lights are not read", "the light is the same everywhere");
+  if (parameters.has("spread")) {
+    parameters.take("spread");
+    report.warn(parameters.location("spread", location),
+                "the spread of area lights is ignored: they shine in all directions");
   }
-  parameters.finish("the area light", context.report);
+  if (const std::string file = parameters.text("filename", "", report); !file.empty()) {
+    const auto image = textures.light_image(file, parameters.location("filename", location));
+    if (image) {
+      light.image = *image;
+      light.image_mean = mean_luminance(textures.bitmap_of(*image));
+    }
+    if (light.power && !(light.image_mean > 0.0)) light.image_mean = 1.0;
+  }
+  parameters.finish("the area light", report);
   return std::make_shared<AreaLight>(light);
 }
 

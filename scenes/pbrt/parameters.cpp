@@ -45,7 +45,7 @@ void read_values(TokenReader& tokens, Parameter& parameter, ReaderReport& report
 
 }  // namespace
 
-Parameters Parameters::read(TokenReader& tokens, ReaderReport& report) {
+Parameters Parameters::read(TokenReader& tokens, ReaderReport& report, const std::string& colour_space) {
   Parameters result;
   while (tokens.peek().kind == TokenKind::kText && !report.full()) {
     const Token token = tokens.next();
@@ -53,6 +53,7 @@ Parameters Parameters::read(TokenReader& tokens, ReaderReport& report) {
     const std::size_t space = text.find_first_of(" \t");
     Parameter parameter;
     parameter.location = token.location;
+    parameter.colour_space = colour_space;
     parameter.type = text.substr(0, space);
     parameter.name = space == text.npos ? "" : trim(text.substr(space));
     const bool known = std::ranges::find(kTypes, std::string_view(parameter.type)) != std::end(kTypes);
@@ -68,6 +69,12 @@ Parameters Parameters::read(TokenReader& tokens, ReaderReport& report) {
       report.error(token.location, fmt::format("the parameter '{}' is there twice", parameter.name));
     result.parameters_.push_back(std::move(parameter));
   }
+  return result;
+}
+
+Parameters Parameters::of(const Parameter& parameter) {
+  Parameters result;
+  result.parameters_.push_back(parameter);
   return result;
 }
 

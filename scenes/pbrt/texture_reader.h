@@ -1,9 +1,13 @@
 // Textures of pbrt.
 #pragma once
 
+#include <functional>
+#include <initializer_list>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 
 #include "scenes/image/bitmap_files.h"
 #include "scenes/pbrt/colours.h"
@@ -25,6 +29,15 @@ class TextureReader {
   TexturedNumber number(Parameters& parameters, std::string_view name, double fallback, double low,
                         double high);
 
+  /// The square root of a texture, and a texture times a colour; the first is there of images and
+  /// checkerboards, scaled or not.
+  std::optional<int> square_root(int texture);
+  int scaled(int texture, const glm::vec3& factor);
+
+  /// An image as radiance.
+  std::optional<int> light_image(const std::string& file, SourceLocation location);
+  [[nodiscard]] const Bitmap& bitmap_of(int texture) const;
+
   /// A normal map's image.
   std::optional<int> normal_map(const std::string& file, SourceLocation location);
   std::shared_ptr<const Bitmap> image(const std::string& file, SourceLocation location);
@@ -35,9 +48,20 @@ class TextureReader {
   TextureValue imagemap(Parameters& parameters, SourceLocation location);
   TextureValue scale(Parameters& parameters, SourceLocation location);
   TextureValue mix(Parameters& parameters, SourceLocation location);
+  TextureValue direction_mix(Parameters& parameters, SourceLocation location);
   TextureValue checkerboard(Parameters& parameters, SourceLocation location);
-  /// Of a texture's own parameter, a number or a colour.
-  TextureValue value(Parameters& parameters, std::string_view name, double fallback);
+  TextureValue dots(Parameters& parameters, SourceLocation location);
+  TextureValue bilerp(Parameters& parameters, SourceLocation location);
+  TextureValue fbm(Parameters& parameters, SourceLocation location);
+  /// Of a parameter that is a number, a colour, or a texture of numbers or of colours.
+  enum class Of { kNumbers, kColours };
+  TextureValue value(Parameters& parameters, std::string_view name, double fallback, Of of);
+  TextureValue value(Parameters& parameters, std::string_view name, double fallback) {
+    return value(parameters, name, fallback, of_);
+  }
+  /// The image of a function of textures that are images alike but for their texels; none of others.
+  std::optional<TextureValue> combined(std::initializer_list<TextureValue> values,
+                                       const std::function<glm::dvec3(std::span<const glm::dvec3>)>& of);
   glm::dmat3 mapping(Parameters& parameters, SourceLocation location);
   int add(std::string name, TextureModel model, const glm::dmat3& to_uv = glm::dmat3(1.0));
   TextureValue stand_in(SourceLocation location, const std::string& message);
@@ -45,8 +69,10 @@ class TextureReader {
 
   Context& context_;
   BitmapFiles bitmaps_;
-  std::map<std::string, TextureValue> textures_;
+  std::map<std::pair<std::string, Of>, TextureValue> textures_;
+  std::map<int, std::optional<int>> square_roots_;
   std::string name_;  ///< of the one that is being read
+  Of of_ = Of::kColours;
 };
 
 }  // namespace penumbra::pbrt
