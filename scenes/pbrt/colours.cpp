@@ -47,10 +47,8 @@ glm::dvec3 to_rec709(const glm::dvec3& colour, std::string_view space) {
   return colour;
 }
 
-double luminance(const glm::vec3& c) { return 0.212671 * c.x + 0.71516 * c.y + 0.072169 * c.z; }
-
 glm::vec3 with_luminance_1(const glm::vec3& colour) {
-  const double y = luminance(colour);
+  const double y = luminance(glm::dvec3(colour));
   return y > 0.0 ? glm::vec3(glm::dvec3(colour) / y) : glm::vec3(0.0f);
 }
 
@@ -168,6 +166,8 @@ std::optional<glm::vec3> colour_of(const Parameter& parameter, ColourOf use, con
   }
   return wrong(fmt::format("a colour is of the type rgb, spectrum or blackbody, not {}", parameter.type));
 }
+
+double luminance(const glm::dvec3& c) { return 0.212671 * c.x + 0.71516 * c.y + 0.072169 * c.z; }
 
 bool is_colour_space(std::string_view name) {
   return std::ranges::any_of(kColourSpaces, [&](const ColourSpace& each) { return each.name == name; });

@@ -111,7 +111,7 @@ Expected<Mesh> loop_subdivided(const Mesh& mesh, int levels) {
     glm::dvec3& p = fine.positions[i];
     if (n.count == 0) continue;
     if (n.boundary) {
-      p = 0.6 * p + 0.2 * n.boundary_sum;
+      p = (4.0 * p + n.boundary_sum) / 6.0;
       continue;
     }
     const double gamma = 1.0 / (n.count + 3.0 / (8.0 * beta_of(n.count)));

@@ -213,18 +213,19 @@ double MaterialReader::index(Parameters& parameters, SourceLocation location, do
   Parameter* eta = parameters.take("eta");
   if (eta == nullptr) return fallback;
   double value = eta->numbers.size() == 1 ? eta->numbers[0] : 0.0;
-  if (eta->type == "spectrum" && eta->texts.size() == 1) {
-    const auto glass = glass_index(eta->texts[0]);
-    if (!glass) {
-      context_.report.unsupported(eta->location, fmt::format("'{}' is no glass that is known", eta->texts[0]),
-                                  "its index is 1.5");
-      return 1.5;
-    }
+  if (eta->type == "spectrum") {
     context_.report.warn_counted(eta->location, "glasses have one refractive index at all wavelengths");
-    value = *glass;
+    const auto glass = eta->texts.size() == 1 ? glass_index(eta->texts[0]) : std::nullopt;
+    // Of a table, in the middle of what is seen.
+    const auto colour =
+        glass ? std::nullopt
+              : colour_of(*eta, ColourOf::kIndex, context_.files, context_.folder, context_.report);
+    if (!glass && !colour) return fallback;
+    value = glass ? *glass : double(colour->y);
   } else if (eta->type != "float") {
-    context_.report.unsupported(eta->location, "a refractive index is a float or a named glass", "it is 1.5");
-    return 1.5;
+    context_.report.unsupported(eta->location, "a refractive index is a float or a spectrum",
+                                fmt::format("it is {}", fallback));
+    return fallback;
   }
   if (value >= 1e-3 && value <= 1e3) return value;
   context_.report.error(parameters.location("eta", location),

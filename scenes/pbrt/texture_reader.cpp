@@ -236,12 +236,9 @@ TextureValue TextureReader::bilerp(Parameters& parameters, SourceLocation locati
   for (const TextureValue& corner : corners)
     if (corner.texture != kNoTexture)
       context_.report.error(location, "the corners of a bilerp are no textures");
-  BitmapTexture model;
-  model.filename = name_;
-  model.gamma = 1.0f;
-  model.wrap = model.wrap_u = model.wrap_v = WRAP_CLAMP;
-  model.bitmap = bitmaps_.add(float_bitmap(name_, kSide, kSide, 3, values));
-  return {glm::vec3(1.0f), add(name_, model, kFlip * mapping(parameters, location))};
+  const int image = made_image(name_, float_bitmap(name_, kSide, kSide, 3, values));
+  context_.scene.textures[std::size_t(image)].to_uv = kFlip * mapping(parameters, location);
+  return {glm::vec3(1.0f), image};
 }
 
 /// pbrt's noise is a function of places, ours of texture coordinates.
@@ -311,6 +308,15 @@ std::optional<int> TextureReader::light_image(const std::string& file, SourceLoc
   model.bitmap = *index;
   model.wrap = model.wrap_u = model.wrap_v = WRAP_CLAMP;
   return add(file, model, kFlip);
+}
+
+int TextureReader::made_image(const std::string& name, Bitmap bitmap) {
+  BitmapTexture model;
+  model.filename = name;
+  model.gamma = 1.0f;
+  model.wrap = model.wrap_u = model.wrap_v = WRAP_CLAMP;
+  model.bitmap = bitmaps_.add(std::move(bitmap));
+  return add(name, model);
 }
 
 const Bitmap& TextureReader::bitmap_of(int texture) const {

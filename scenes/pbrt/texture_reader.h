@@ -36,6 +36,8 @@ class TextureReader {
 
   /// An image as radiance.
   std::optional<int> light_image(const std::string& file, SourceLocation location);
+  /// One that was made, of linear values.
+  int made_image(const std::string& name, Bitmap bitmap);
   [[nodiscard]] const Bitmap& bitmap_of(int texture) const;
 
   /// A normal map's image.
