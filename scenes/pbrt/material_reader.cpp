@@ -250,14 +250,19 @@ SurfaceMaterial MaterialReader::coated_diffuse(Parameters& parameters, SourceLoc
 SurfaceMaterial MaterialReader::plastic_with(Parameters& parameters, const TexturedColour& colour,
                                              double fallback, const char* name, SourceLocation location) {
   ReaderReport& report = context_.report;
-  const float eta = float(index(parameters, location, fallback));
-  if (eta > kMostIndexRatio || eta < 1 / kMostIndexRatio || eta == 1.0f) {
-    report.error(
-        parameters.location("eta", location),
-        fmt::format("the boundary of a {} has an index other than 1 up to {}", name, kMostIndexRatio));
-    return {};
-  }
+  const double given = index(parameters, location, fallback);
   const Roughness rough = roughness(parameters, "", location);
+  // Without a boundary there is nothing but what lies under it.
+  if (given == 1.0) {
+    DiffuseBsdf model;
+    model.reflectance = colour;
+    return both_sides(name, model);
+  }
+  const auto eta = float(std::clamp(given, 1.0 / kMostIndexRatio, double(kMostIndexRatio)));
+  if (eta != float(given))
+    report.warn(
+        parameters.location("eta", location),
+        fmt::format("the boundary of a {} has an index up to {}, not {}", name, kMostIndexRatio, given));
   if (rough.smooth()) {
     PlasticBsdf model;
     model.diffuse = colour;

@@ -130,8 +130,9 @@ void MediumReader::refuse_emission(Parameters& parameters, SourceLocation locati
     location = heat->location;
     glows = true;
   }
-  if (const Parameter* strength = parameters.take("Lescale"))
-    if (std::ranges::all_of(strength->numbers, [](double x) { return x == 0.0; })) glows = false;
+  for (const char* name : {"Lescale", "LeScale"})
+    if (const Parameter* strength = parameters.take(name))
+      if (std::ranges::all_of(strength->numbers, [](double x) { return x == 0.0; })) glows = false;
   if (glows) report.unsupported(location, "media that emit light are not read", "it does not shine");
 }
 

@@ -65,8 +65,11 @@ Parameters Parameters::read(TokenReader& tokens, ReaderReport& report, const std
                       text, list_names(types)));
     }
     read_values(tokens, parameter, report);
-    if (result.has(parameter.name))
-      report.error(token.location, fmt::format("the parameter '{}' is there twice", parameter.name));
+    // As in pbrt, what comes later counts.
+    if (std::erase_if(result.parameters_,
+                      [&](const Parameter& other) { return other.name == parameter.name; }) > 0)
+      report.warn(token.location,
+                  fmt::format("the parameter '{}' is there twice; this one counts", parameter.name));
     result.parameters_.push_back(std::move(parameter));
   }
   return result;

@@ -97,6 +97,20 @@ std::optional<int> TextureReader::bitmap(const std::string& file, SourceLocation
   return entry->bitmap;
 }
 
+std::optional<int> TextureReader::alpha_of(const std::string& file) {
+  const std::array<std::filesystem::path, 1> folders = {context_.folder};
+  const auto path = context_.files.find(file, folders);
+  if (!path) return std::nullopt;
+  const auto entry = bitmaps_.read(*path, BitmapChannels::kAlpha);
+  if (!entry) return std::nullopt;
+  const Bitmap& alpha = bitmaps_.bitmap(entry->bitmap);
+  const BitmapValues values(alpha, 1.0f);
+  const std::size_t count = std::size_t(alpha.width) * std::size_t(alpha.height);
+  for (std::size_t i = 0; i < count; ++i)
+    if (values[i] != 1.0f) return entry->bitmap;
+  return std::nullopt;
+}
+
 std::shared_ptr<const Bitmap> TextureReader::image(const std::string& file, SourceLocation location) {
   const auto index = bitmap(file, location);
   return index ? bitmaps_.shared(*index) : nullptr;
@@ -131,12 +145,13 @@ TextureValue TextureReader::imagemap(Parameters& parameters, SourceLocation loca
   parameters.accept({"maxanisotropy"});
   const bool inverted = parameters.boolean("invert", false, report);
   const double scale = parameters.number("scale", 1.0, report);
-  if (!(scale >= 0.0 && scale < 1e30)) report.error(location, "a scale must be at least 0");
+  if (!(std::abs(scale) < 1e30)) report.error(location, "a scale must be finite");
   if (model.filename.empty()) {
     report.error(location, "an imagemap needs a \"string filename\"");
     return {};
   }
-  const auto index = bitmap(model.filename, parameters.location("filename", location));
+  auto index = of_ == Of::kNumbers ? alpha_of(model.filename) : std::nullopt;
+  if (!index) index = bitmap(model.filename, parameters.location("filename", location));
   if (!index) return {glm::vec3(0.5f)};
   model.bitmap = *index;
   const TextureValue image{glm::vec3(1.0f), add(name_, model, to_uv)};
