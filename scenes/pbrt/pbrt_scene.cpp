@@ -236,7 +236,7 @@ class SceneParser {
   }
   void texture(const Token& token) {
     const std::string name = quoted("a name"), kind = quoted("float or spectrum"), type = quoted("a type");
-    textures_.read(name, kind, type, parameters_with("texture"), token.location);
+    textures_.read(name, kind, type, parameters_with("texture"), state_.ctm, token.location);
   }
   void material(const Token& token) {
     const std::string type = quoted("a type");

@@ -444,6 +444,7 @@ void ShapeReader::finish(Shape& shape, Use& use) {
     shape.interior = media_.install(use.media.inside, use.media.location);
     shape.exterior = media_.install(use.media.outside, use.media.location);
   }
+  map_textures(shape, use);
   if (missing_for_textures(scene, shape).coordinates)
     report.warn(use.location,
                 fmt::format("'{}' has textures, but no texture coordinates; those of each triangle are "
@@ -452,6 +453,30 @@ void ShapeReader::finish(Shape& shape, Use& use) {
   if (!std::holds_alternative<Mesh>(shape.geometry) && texture_needs(scene, shape).coordinates)
     report.warn_counted(
         use.location, "textures on spheres, cylinders and disks are as Mitsuba turns them, not as pbrt does");
+}
+
+/// Texture coordinates by the places of vertices, where its textures are mapped so.
+void ShapeReader::map_textures(Shape& shape, const Use& use) {
+  ReaderReport& report = context_.report;
+  const std::vector<int> textures = texture_needs(context_.scene, shape).mapped;
+  const TextureMapping* mapping = nullptr;
+  for (const int each : textures)
+    if (const TextureMapping* own = textures_.mapping_of(each); own != nullptr && mapping == nullptr)
+      mapping = own;
+  if (mapping == nullptr) return;
+  auto* mesh = std::get_if<Mesh>(&shape.geometry);
+  if (mesh == nullptr)
+    return report.unsupported(
+        use.location, "textures of spheres, disks and cylinders that are not mapped by uv are not read",
+        "they are mapped by uv");
+  for (const int each : textures) {
+    const TextureMapping* own = textures_.mapping_of(each);
+    if (own == nullptr || *own != *mapping)
+      report.unsupported(use.location,
+                         fmt::format("the textures of '{}' are mapped in different ways", shape.name),
+                         "they are mapped as the first that is not by uv");
+  }
+  map_mesh(*mesh, *mapping);
 }
 
 /// Into the world, or the space of its object; a mesh without normals becomes `smooth`, or is faceted.

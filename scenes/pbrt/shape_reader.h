@@ -65,6 +65,7 @@ class ShapeReader {
   bool place(Shape& shape, const glm::dmat4& to_world, bool smooth, SourceLocation location);
   void make_emit(Shape& shape, const AreaLight& light);
   void finish(Shape& shape, Use& use);
+  void map_textures(Shape& shape, const Use& use);
   std::pair<int, int> materials_of(const Use& use);
   std::vector<Shape>& shapes();
   std::vector<Use>& uses() { return object_ >= 0 ? group_uses_[std::size_t(object_)] : uses_; }

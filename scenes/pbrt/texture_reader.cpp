@@ -9,6 +9,7 @@
 
 #include "scenes/image/bitmap_values.h"
 #include "scenes/number.h"
+#include "scenes/transform.h"
 
 namespace penumbra::pbrt {
 namespace {
@@ -23,6 +24,17 @@ int TextureReader::add(std::string name, TextureModel model, const glm::dmat3& t
   return int(context_.scene.textures.size()) - 1;
 }
 
+int TextureReader::add_mapped(TextureModel model, const glm::dmat3& to_uv) {
+  const int texture = add(name_, std::move(model), to_uv);
+  if (mapping_) mappings_[texture] = *mapping_;
+  return texture;
+}
+
+const TextureMapping* TextureReader::mapping_of(int texture) const {
+  const auto found = mappings_.find(texture);
+  return found == mappings_.end() ? nullptr : &found->second;
+}
+
 TextureValue TextureReader::stand_in(SourceLocation location, const std::string& message) {
   context_.report.unsupported(location, message, "a magenta checkerboard stands in for it");
   CheckerboardTexture board;
@@ -31,8 +43,10 @@ TextureValue TextureReader::stand_in(SourceLocation location, const std::string&
 }
 
 void TextureReader::read(const std::string& name, const std::string& kind, const std::string& type,
-                         Parameters parameters, SourceLocation location) {
+                         Parameters parameters, const glm::dmat4& ctm, SourceLocation location) {
   name_ = name;
+  ctm_ = ctm;
+  mapping_.reset();
   of_ = kind == "float" ? Of::kNumbers : Of::kColours;
   if (textures_.contains({name, of_}))
     context_.report.error(location, fmt::format("the {} texture '{}' is there twice", kind, name));
@@ -73,9 +87,25 @@ void TextureReader::read(const std::string& name, const std::string& kind, const
 
 glm::dmat3 TextureReader::mapping(Parameters& parameters, SourceLocation location) {
   ReaderReport& report = context_.report;
-  if (const std::string kind = parameters.text("mapping", "uv", report); kind != "uv")
+  const std::string kind = parameters.text("mapping", "uv", report);
+  if (kind == "spherical" || kind == "cylindrical" || kind == "planar") {
+    if (is_singular(ctm_)) {
+      report.error(location, "the transform of this texture flattens it");
+      return glm::dmat3(1.0);
+    }
+    mapping_ = {.kind = kind == "planar"        ? MappingKind::kPlanar
+                        : kind == "cylindrical" ? MappingKind::kCylindrical
+                                                : MappingKind::kSpherical,
+                .to_texture = glm::inverse(ctm_)};
+    if (kind != "planar") return glm::dmat3(1.0);
+    mapping_->u_axis = parameters.point("v1", mapping_->u_axis, report);
+    mapping_->v_axis = parameters.point("v2", mapping_->v_axis, report);
+    mapping_->offset = {parameters.number("udelta", 0.0, report), parameters.number("vdelta", 0.0, report)};
+    return glm::dmat3(1.0);
+  }
+  if (kind != "uv")
     report.unsupported(parameters.location("mapping", location),
-                       fmt::format("textures mapped by '{}' are not read; 'uv' are", kind),
+                       fmt::format("the mapping '{}' is none of uv, spherical, cylindrical, planar", kind),
                        "it is mapped by uv");
   const double su = parameters.number("uscale", 1.0, report), sv = parameters.number("vscale", 1.0, report);
   const double du = parameters.number("udelta", 0.0, report), dv = parameters.number("vdelta", 0.0, report);
@@ -154,7 +184,7 @@ TextureValue TextureReader::imagemap(Parameters& parameters, SourceLocation loca
   if (!index) index = bitmap(model.filename, parameters.location("filename", location));
   if (!index) return {glm::vec3(0.5f)};
   model.bitmap = *index;
-  const TextureValue image{glm::vec3(1.0f), add(name_, model, to_uv)};
+  const TextureValue image{glm::vec3(1.0f), add_mapped(model, to_uv)};
   if (inverted)
     return combined({image}, [&](std::span<const glm::dvec3> v) { return glm::max(1.0 - scale * v[0], 0.0); })
         .value();
@@ -253,6 +283,7 @@ TextureValue TextureReader::bilerp(Parameters& parameters, SourceLocation locati
       context_.report.error(location, "the corners of a bilerp are no textures");
   const int image = made_image(name_, float_bitmap(name_, kSide, kSide, 3, values));
   context_.scene.textures[std::size_t(image)].to_uv = kFlip * mapping(parameters, location);
+  if (mapping_) mappings_[image] = *mapping_;
   return {glm::vec3(1.0f), image};
 }
 
@@ -274,7 +305,7 @@ TextureValue TextureReader::checkerboard(Parameters& parameters, SourceLocation 
   board.color1.texture = b.texture;
   // pbrt's squares are of unit size, ours half of it.
   const glm::dmat3 half(glm::dvec3(0.5, 0, 0), glm::dvec3(0, 0.5, 0), glm::dvec3(0, 0, 1));
-  return {glm::vec3(1.0f), add(name_, board, half * mapping(parameters, location))};
+  return {glm::vec3(1.0f), add_mapped(board, half * mapping(parameters, location))};
 }
 
 TexturedColour TextureReader::colour(Parameters& parameters, std::string_view name, ColourOf use,
@@ -348,6 +379,7 @@ std::optional<TextureValue> TextureReader::combined(
   };
   std::vector<Source> sources;
   const BitmapTexture* first = nullptr;
+  const TextureMapping* mapping = nullptr;
   glm::dmat3 to_uv(1.0);
   int width = 1, height = 1;
   for (const TextureValue& value : values) {
@@ -362,8 +394,12 @@ std::optional<TextureValue> TextureReader::combined(
       }
       const auto* image = std::get_if<BitmapTexture>(&each.model);
       if (image == nullptr) return std::nullopt;
-      if (first != nullptr && (each.to_uv != to_uv || image->wrap != first->wrap)) return std::nullopt;
+      const TextureMapping* own = mapping_of(texture);
+      const bool alike = mapping == own || (mapping != nullptr && own != nullptr && *mapping == *own);
+      if (first != nullptr && (each.to_uv != to_uv || image->wrap != first->wrap || !alike))
+        return std::nullopt;
       first = image;
+      mapping = own;
       to_uv = each.to_uv;
       const Bitmap& bitmap = bitmaps_.bitmap(image->bitmap);
       source.texels.emplace(bitmap, image->gamma);
@@ -412,7 +448,9 @@ std::optional<TextureValue> TextureReader::combined(
   BitmapTexture model = *first;
   model.gamma = 1.0f;
   model.bitmap = bitmaps_.add(std::move(bitmap));
-  return TextureValue{glm::vec3(1.0f), add(name_, model, to_uv)};
+  const TextureValue result{glm::vec3(1.0f), add(name_, model, to_uv)};
+  if (mapping != nullptr) mappings_[result.texture] = TextureMapping(*mapping);
+  return result;
 }
 
 std::optional<int> TextureReader::square_root(int texture) {
@@ -431,7 +469,10 @@ std::optional<int> TextureReader::square_root(int texture) {
   CheckerboardTexture root = *board;
   root.color0.value = glm::sqrt(board->color0.value);
   root.color1.value = glm::sqrt(board->color1.value);
-  return known->second = add(name_, root, glm::dmat3(given.to_uv));
+  const TextureMapping* mapping = mapping_of(texture);
+  known->second = add(name_, root, glm::dmat3(given.to_uv));
+  if (mapping != nullptr) mappings_[*known->second] = TextureMapping(*mapping);
+  return known->second;
 }
 
 }  // namespace penumbra::pbrt

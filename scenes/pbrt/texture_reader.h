@@ -12,6 +12,7 @@
 #include "scenes/image/bitmap_files.h"
 #include "scenes/pbrt/colours.h"
 #include "scenes/pbrt/state.h"
+#include "scenes/pbrt/texture_mapping.h"
 
 namespace penumbra::pbrt {
 
@@ -21,7 +22,7 @@ class TextureReader {
 
   /// The directive Texture "name" "float|spectrum" "class".
   void read(const std::string& name, const std::string& kind, const std::string& type, Parameters parameters,
-            SourceLocation location);
+            const glm::dmat4& ctm, SourceLocation location);
 
   /// A parameter that may be a texture; `fallback` where it is not given.
   TexturedColour colour(Parameters& parameters, std::string_view name, ColourOf use,
@@ -44,6 +45,9 @@ class TextureReader {
   std::optional<int> normal_map(const std::string& file, SourceLocation location);
   std::shared_ptr<const Bitmap> image(const std::string& file, SourceLocation location);
 
+  /// How a texture is mapped; null: by texture coordinates.
+  [[nodiscard]] const TextureMapping* mapping_of(int texture) const;
+
   void install() { context_.scene.bitmaps = bitmaps_.take(); }
 
  private:
@@ -64,8 +68,10 @@ class TextureReader {
   /// The image of a function of textures that are images alike but for their texels; none of others.
   std::optional<TextureValue> combined(std::initializer_list<TextureValue> values,
                                        const std::function<glm::dvec3(std::span<const glm::dvec3>)>& of);
+  /// From coordinates, or what the texture that is read is mapped by, to those of pbrt's images.
   glm::dmat3 mapping(Parameters& parameters, SourceLocation location);
   int add(std::string name, TextureModel model, const glm::dmat3& to_uv = glm::dmat3(1.0));
+  int add_mapped(TextureModel model, const glm::dmat3& to_uv);
   TextureValue stand_in(SourceLocation location, const std::string& message);
   std::optional<int> bitmap(const std::string& file, SourceLocation location);
   /// The alpha channel, which is what an image is as a texture of numbers; none where it is 1 throughout.
@@ -75,7 +81,10 @@ class TextureReader {
   BitmapFiles bitmaps_;
   std::map<std::pair<std::string, Of>, TextureValue> textures_;
   std::map<int, std::optional<int>> square_roots_;
-  std::string name_;  ///< of the one that is being read
+  std::map<int, TextureMapping> mappings_;
+  std::optional<TextureMapping> mapping_;  ///< of the one that is being read
+  glm::dmat4 ctm_{1.0};                    ///< likewise
+  std::string name_;                       ///< of the one that is being read
   Of of_ = Of::kColours;
 };
 

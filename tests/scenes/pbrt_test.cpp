@@ -359,6 +359,34 @@ TEST_F(PbrtText, AnImageOfNumbersIsItsAlpha) {
   EXPECT_NEAR(bitmap_value(bitmap(bumps.texture), 0, 1.0f), 0.2, 1e-6);
 }
 
+TEST_F(PbrtText, TexturesMappedByPlaces) {
+  write("t.tga", tga_file(1, 2, 1, std::vector<std::uint8_t>{255, 0}));
+  const auto texcoords = [&](const std::string& mapping, const std::string& points) {
+    const SceneDescription scene = good_pbrt(
+        "AttributeBegin\nTranslate 1 0 0\nTexture \"t\" \"spectrum\" \"imagemap\" \"string filename\" "
+        "\"t.tga\" "
+        "\"string mapping\" " +
+        mapping + "\nAttributeEnd\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\n" +
+        "Shape \"trianglemesh\" \"point3 P\" " + points + " \"integer indices\" [0 1 2]\n");
+    std::vector<glm::dvec2> corners;
+    for (int i = 0; i < 3; ++i)
+      corners.emplace_back(mesh(scene).texcoords.at(mesh(scene).triangles.at(0)[i]));
+    return corners;
+  };
+  const auto near = [](const glm::dvec2& a, const glm::dvec2& b) { return glm::length(a - b) < 1e-6; };
+  const auto plane = texcoords(
+      "\"planar\" \"vector3 v1\" [2 0 0] \"vector3 v2\" [0 0 3] \"float udelta\" 0.5 \"float vdelta\" -1",
+      "[1 0 0 2 0 0 1 0 1]");
+  EXPECT_TRUE(near(plane[0], {0.5, -1}) && near(plane[1], {2.5, -1}) && near(plane[2], {0.5, 2}));
+  // The seam is at -x.
+  const auto tube = texcoords("\"cylindrical\"", "[2 0 0 1 -1 4 2 1 5]");
+  EXPECT_TRUE(near(tube[0], {0.5, 0}) && near(tube[1], {0.25, 4}));
+  const auto seam = texcoords("\"cylindrical\"", "[0 1 0 0 -1 4 1 1 5]");
+  EXPECT_TRUE(near(seam[0], {0.875, 0}) && near(seam[1], {1.125, 4}) && near(seam[2], {0.75, 5}));
+  const auto ball = texcoords("\"spherical\"", "[1 0 2 2 0 0 1 3 0]");
+  EXPECT_TRUE(near(ball[0], {0, 0}) && near(ball[1], {0.5, 0}) && near(ball[2], {0.5, 0.25}));
+}
+
 TEST_F(PbrtText, PackedFilesAreUnpacked) {
   write("m.ply.gz", gzip_of(odd_square_ply(PlyEncoding::kAscii)));
   write("i.pbrt.gz", gzip_of(kTriangle));
