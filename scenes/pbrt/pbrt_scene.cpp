@@ -221,7 +221,12 @@ class SceneParser {
     parameters();
   }
   void option(const Token& token) {
-    if (tokens_.peek().kind == TokenKind::kText) parameters();
+    // A name, with a type or without, and one value.
+    quoted("a name");
+    const bool bracketed = tokens_.peek().kind == TokenKind::kOpen;
+    Token value = tokens_.next();
+    while (bracketed && value.kind != TokenKind::kClose && value.kind != TokenKind::kEnd)
+      value = tokens_.next();
     report_.warn_counted(token.location, "Option is ignored");
   }
   void color_space(const Token& token) {

@@ -531,6 +531,15 @@ TEST_F(PbrtText, OfTwoParametersOfANameTheLaterCounts) {
   EXPECT_THAT(warnings(scene), HasSubstr("'radius' is there twice"));
 }
 
+TEST_F(PbrtText, OptionsHaveOneValue) {
+  const SceneDescription scene =
+      good_pbrt(kTriangle,
+                "Option \"disablepixeljitter\" true\nOption \"bool pixelstats\" [ false ]\n"
+                "Option \"seed\" 5\nOption \"string rendercoordsys\" \"world\"\nCamera \"perspective\"");
+  EXPECT_EQ(scene.shapes.size(), 1u);
+  EXPECT_THAT(warnings(scene), HasSubstr("Option is ignored"));
+}
+
 TEST_F(PbrtText, CoatingsOfAnyIndex) {
   const SceneDescription scene =
       good_pbrt(std::string("Material \"coateddiffuse\" \"float eta\" 1 \"rgb reflectance\" [.1 .2 .3]\n") +
