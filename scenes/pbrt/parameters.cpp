@@ -157,8 +157,11 @@ void Parameters::accept(std::initializer_list<std::string_view> names) {
 }
 
 void Parameters::add_defaults(const Parameters& defaults) {
-  for (const Parameter& each : defaults.parameters_)
-    if (!has(each.name)) parameters_.push_back(each);
+  for (const Parameter& each : defaults.parameters_) {
+    if (has(each.name)) continue;
+    parameters_.push_back(each);
+    parameters_.back().taken = true;  // not all that they are for need have it
+  }
 }
 
 void Parameters::append(Parameters&& more) {

@@ -3,6 +3,7 @@
 
 #include "scenes/reader_report.h"
 #include "scenes/settings.h"
+#include "scenes/volume_file.h"
 #include "tests/scenes/pbrt_text.h"
 
 namespace penumbra::pbrt_test {
@@ -143,6 +144,23 @@ TEST_F(PbrtMedia, WhatIsWrongIsSaidWithItsPlace) {
       wrong("MakeNamedMedium \"m\" \"string type\" \"homogeneous\"\nMakeNamedMedium \"m\" \"string type\" "
             "\"homogeneous\""),
       HasSubstr("scene.pbrt:4:1: error: the medium 'm' is there twice"));
+}
+
+TEST_F(PbrtMedia, GridsOfFilesAreWhereTheFileSays) {
+  VolumeGrid grid{2, 1, 1, 1, {1, 3}};
+  write("smoke.vdb", vol_of(grid, {1, 2, 3}, {2, 4, 6}));  // of which kind a file is, its contents say
+  const SceneDescription scene = good_pbrt(
+      "AttributeBegin\nTranslate 10 0 0\nMakeNamedMedium \"m\" \"string type\" \"nanovdb\" \"string "
+      "filename\" "
+      "\"smoke.vdb\" \"float scale\" 0.5 \"float Lescale\" 0\nAttributeEnd\n" +
+      std::string(kBall));
+  const ParticipatingMedium& medium = scene.media.at(0);
+  expect_close(medium.extinction, glm::vec3(1.0f));
+  expect_close(medium.albedo, glm::vec3(0.5f));
+  ASSERT_TRUE(medium.density);
+  EXPECT_THAT(medium.density->grid->values, ElementsAre(1, 3));
+  expect_near(medium.density->to_world * glm::dvec4(0, 0, 0, 1), {11, 2, 3});
+  expect_near(medium.density->to_world * glm::dvec4(1, 1, 1, 1), {12, 4, 6});
 }
 
 TEST_F(PbrtMedia, NanoVdbFilesSayWhatReadsThem) {

@@ -512,9 +512,11 @@ TEST_F(PbrtText, LightsOfImages) {
 
 TEST_F(PbrtText, IncludesImportsAndAttributes) {
   write("geometry.pbrt", std::string("Material \"diffuse\" \"rgb reflectance\" [0 1 0]\n") + kTriangle);
-  const SceneDescription scene = good_pbrt(
-      std::string("Import \"geometry.pbrt\"\n") + kTriangle + "Include \"geometry.pbrt\"\n" + kTriangle +
-      "Attribute \"material\" \"rgb reflectance\" [1 0 0]\nMaterial \"diffuse\"\n" + kTriangle);
+  const SceneDescription scene = good_pbrt(std::string("Import \"geometry.pbrt\"\n") + kTriangle +
+                                           "Include \"geometry.pbrt\"\n" + kTriangle +
+                                           "Attribute \"material\" \"rgb reflectance\" [1 0 0]\nAttribute "
+                                           "\"shape\" \"float radius\" 2\nMaterial \"diffuse\"\n" +
+                                           kTriangle);
   ASSERT_EQ(scene.shapes.size(), 5u);
   const auto colour = [&](std::size_t i) { return std::get<DiffuseBsdf>(front(scene, i)).reflectance.value; };
   EXPECT_EQ(colour(0), glm::vec3(0, 1, 0));
