@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "scenes/pbrt/cloud_density.h"
 #include "scenes/pbrt/scattering.h"
 #include "scenes/pbrt/type_rows.h"
 #include "scenes/transform.h"
@@ -37,7 +38,8 @@ void MediumReader::make(const std::string& name, Parameters& parameters, const G
   static constexpr Row kRows[] = {{"homogeneous", &MediumReader::homogeneous},
                                   {"uniformgrid", &MediumReader::uniform_grid},
                                   {"rgbgrid", &MediumReader::rgb_grid},
-                                  {"nanovdb", &MediumReader::sparse_grid}};
+                                  {"nanovdb", &MediumReader::sparse_grid},
+                                  {"cloud", &MediumReader::cloud}};
   const std::string type = parameters.text("type", "", report);
   const auto [entry, is_new] = media_.try_emplace(name);
   if (!is_new) return report.error(location, fmt::format("the medium '{}' is there twice", name));
@@ -247,6 +249,32 @@ MediumReader::Medium MediumReader::rgb_grid(Parameters& parameters, const Graphi
   medium.albedo = glm::vec3(1.0f);
   medium.density = GridVolume{std::make_shared<const VolumeGrid>(std::move(extinction)), *place};
   medium.albedo_grid = GridVolume{std::make_shared<const VolumeGrid>(std::move(albedo)), *place};
+  return medium;
+}
+
+MediumReader::Medium MediumReader::cloud(Parameters& parameters, const GraphicsState& state,
+                                         SourceLocation location) {
+  ReaderReport& report = context_.report;
+  ParticipatingMedium medium;
+  read_coefficients(parameters, glm::vec3(1.0f), glm::vec3(1.0f), medium, location);
+  const Cloud cloud{parameters.number("density", 1.0, report), parameters.number("wispiness", 1.0, report),
+                    parameters.number("frequency", 5.0, report)};
+  const glm::dvec3 a = parameters.point("p0", glm::dvec3(0.0), report),
+                   b = parameters.point("p1", glm::dvec3(1.0), report);
+  const auto place = grid_place(parameters, state, location);
+  for (const double x : {cloud.density, cloud.wispiness, cloud.frequency})
+    if (!(x >= 0.0 && x < 1e6)) {
+      report.error(location, "density, wispiness and frequency of a cloud are at least 0");
+      return std::nullopt;
+    }
+  const glm::dvec3 low = glm::min(a, b), high = glm::max(a, b);
+  if (!place || !(std::max({std::abs(low.x), std::abs(low.y), std::abs(low.z), std::abs(high.x),
+                            std::abs(high.y), std::abs(high.z)}) < 1e3)) {
+    if (place) report.error(location, "the box of a cloud, p0 to p1, is within 1000 of the origin");
+    return std::nullopt;
+  }
+  report.warn_counted(location, "clouds are of a noise of pbrt's kind, but other numbers, on a grid");
+  medium.density = GridVolume{std::make_shared<const VolumeGrid>(cloud_grid(cloud, low, high)), *place};
   return medium;
 }
 

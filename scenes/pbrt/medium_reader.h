@@ -30,6 +30,7 @@ class MediumReader {
   Medium uniform_grid(Parameters& parameters, const GraphicsState& state, SourceLocation location);
   Medium rgb_grid(Parameters& parameters, const GraphicsState& state, SourceLocation location);
   Medium sparse_grid(Parameters& parameters, const GraphicsState& state, SourceLocation location);
+  Medium cloud(Parameters& parameters, const GraphicsState& state, SourceLocation location);
   void read_coefficients(Parameters& parameters, const glm::vec3& scattered, const glm::vec3& absorbed,
                          ParticipatingMedium& medium, SourceLocation location);
   glm::vec3 coefficient(Parameters& parameters, const char* name, const glm::vec3& fallback);

@@ -146,6 +146,27 @@ TEST_F(PbrtMedia, WhatIsWrongIsSaidWithItsPlace) {
       HasSubstr("scene.pbrt:4:1: error: the medium 'm' is there twice"));
 }
 
+TEST_F(PbrtMedia, CloudsAreDenseBelowAndThinAbove) {
+  const SceneDescription scene = good_pbrt(
+      "MakeNamedMedium \"m\" \"string type\" \"cloud\" \"float density\" 2 \"point3 p1\" [0.5 1 0.25]\n" +
+      std::string(kBall));
+  const ParticipatingMedium& medium = scene.media.at(0);
+  expect_close(medium.extinction, glm::vec3(2.0f));
+  const VolumeGrid& grid = *medium.density->grid;
+  EXPECT_EQ(grid.nx, 64);
+  EXPECT_EQ(grid.ny, 128);
+  EXPECT_EQ(grid.nz, 32);
+  std::vector<double> means(4, 0.0);
+  for (std::size_t i = 0; i < grid.values.size(); ++i) {
+    ASSERT_TRUE(grid.values[i] >= 0.0f && grid.values[i] <= 1.0f);
+    means[i / 64 % 128 / 32] += double(grid.values[i]) / (64 * 32 * 32);
+  }
+  EXPECT_GE(means[0], 0.75) << "twice 0.5 - y, and the noise";
+  for (int i = 0; i < 3; ++i) EXPECT_GT(means[std::size_t(i)], means[std::size_t(i + 1)]);
+  EXPECT_GT(means[2], 0.1);
+  EXPECT_THAT(warnings(scene), HasSubstr("noise of pbrt's kind"));
+}
+
 TEST_F(PbrtMedia, GridsOfFilesAreWhereTheFileSays) {
   VolumeGrid grid{2, 1, 1, 1, {1, 3}};
   write("smoke.vdb", vol_of(grid, {1, 2, 3}, {2, 4, 6}));  // of which kind a file is, its contents say

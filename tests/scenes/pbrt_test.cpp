@@ -594,7 +594,7 @@ TEST_F(PbrtText, WhatIsWrongIsSaidWithItsPlace) {
 TEST_F(PbrtText, LeniencyStandsIn) {
   const SceneDescription scene =
       good_pbrt(std::string("Material \"measured\"\n") + kTriangle +
-                    "Shape \"heightfield\"\nMakeNamedMedium \"m\" \"string type\" \"cloud\"\n",
+                    "Shape \"heightfield\"\nMakeNamedMedium \"m\" \"string type\" \"fire\"\n",
                 "Camera \"perspective\"", {.lenient = true});
   ASSERT_EQ(scene.shapes.size(), 1u);
   EXPECT_THAT(warnings(scene), AllOf(HasSubstr("magenta diffuse"), HasSubstr("it is left out")));
