@@ -13,7 +13,9 @@ void add_needs(const SceneDescription& scene, int texture, TextureNeeds& needs) 
   add_needs(scene, node.texture1, needs);
   const auto* colours = std::get_if<MeshAttributeTexture>(&each.model);
   if (colours == nullptr) {
-    needs.coordinates = needs.coordinates || !std::holds_alternative<ScaleTexture>(each.model);
+    if (std::holds_alternative<ScaleTexture>(each.model)) return;
+    needs.coordinates = true;
+    if (std::ranges::find(needs.mapped, texture) == needs.mapped.end()) needs.mapped.push_back(texture);
   } else if (std::ranges::find(needs.attributes, colours->attribute) == needs.attributes.end()) {
     needs.attributes.push_back(colours->attribute);
   }

@@ -9,6 +9,7 @@ namespace penumbra {
 
 struct TextureNeeds {
   bool coordinates = false;  ///< texture coordinates
+  std::vector<int> mapped;   ///< the textures that take them, by index
   std::vector<MeshAttribute> attributes;
 };
 TextureNeeds texture_needs(const SceneDescription& scene, const Shape& shape);

@@ -13,10 +13,42 @@
 namespace penumbra::pbrt {
 namespace {
 
-double luminance(const glm::vec3& c) { return 0.212671 * c.x + 0.71516 * c.y + 0.072169 * c.z; }
+/// Chromaticities of primaries and white.
+struct ColourSpace {
+  std::string_view name;
+  glm::dvec2 red, green, blue, white;
+};
+constexpr glm::dvec2 kD65{0.3127, 0.3290};
+const ColourSpace kColourSpaces[] = {
+    {"srgb", {0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}, kD65},
+    {"rec2020", {0.708, 0.292}, {0.170, 0.797}, {0.131, 0.046}, kD65},
+    {"dci-p3", {0.680, 0.320}, {0.265, 0.690}, {0.150, 0.060}, kD65},
+    {"aces2065-1", {0.7347, 0.2653}, {0.0, 1.0}, {0.0001, -0.077}, {0.32168, 0.33767}}};
+
+glm::dvec3 xyz_of(const glm::dvec2& at) { return {at.x / at.y, 1.0, (1.0 - at.x - at.y) / at.y}; }
+
+glm::dmat3 to_xyz(const ColourSpace& space) {
+  const glm::dmat3 primaries(xyz_of(space.red), space.green.y > 0 ? xyz_of(space.green) : glm::dvec3(0.0),
+                             xyz_of(space.blue));
+  const glm::dvec3 strengths = glm::inverse(primaries) * xyz_of(space.white);
+  return {primaries[0] * strengths.x, primaries[1] * strengths.y, primaries[2] * strengths.z};
+}
+
+/// To linear Rec. 709, white to white: a light's or a surface's colour of (1, 1, 1) is what it is in pbrt,
+/// the space's own white or the same at all wavelengths.
+glm::dvec3 to_rec709(const glm::dvec3& colour, std::string_view space) {
+  if (space == "srgb") return colour;
+  for (const ColourSpace& each : kColourSpaces) {
+    if (each.name != space) continue;
+    const glm::dmat3 to_own = glm::inverse(to_xyz(kColourSpaces[0])) * to_xyz(each);
+    const glm::dvec3 white = to_own * glm::dvec3(1.0);
+    return glm::max(to_own * colour / white, 0.0);
+  }
+  return colour;
+}
 
 glm::vec3 with_luminance_1(const glm::vec3& colour) {
-  const double y = luminance(colour);
+  const double y = luminance(glm::dvec3(colour));
   return y > 0.0 ? glm::vec3(glm::dvec3(colour) / y) : glm::vec3(0.0f);
 }
 
@@ -29,6 +61,20 @@ glm::vec3 black_body(double kelvin) {
     samples.push_back({nm, std::pow(560.0 / nm, 5.0) * std::expm1(reference) / std::expm1(x)});
   }
   return with_luminance_1(emission_to_rgb(samples));
+}
+
+/// Of CIE 15:2004, by their chromaticities.
+std::optional<glm::vec3> standard_illuminant(std::string_view name) {
+  static constexpr std::pair<std::string_view, glm::dvec2> kIlluminants[] = {
+      {"A", {0.44757, 0.40745}},   {"D50", {0.34567, 0.35850}}, {"D65", kD65},
+      {"F1", {0.31310, 0.33727}},  {"F2", {0.37208, 0.37529}},  {"F3", {0.40910, 0.39430}},
+      {"F4", {0.44018, 0.40329}},  {"F5", {0.31379, 0.34531}},  {"F6", {0.37790, 0.38835}},
+      {"F7", {0.31292, 0.32933}},  {"F8", {0.34588, 0.35875}},  {"F9", {0.37417, 0.37281}},
+      {"F10", {0.34609, 0.35986}}, {"F11", {0.38052, 0.37713}}, {"F12", {0.43695, 0.40441}}};
+  for (const auto& [each, at] : kIlluminants)
+    if (each == name)
+      return with_luminance_1(glm::vec3(glm::max(glm::inverse(to_xyz(kColourSpaces[0])) * xyz_of(at), 0.0)));
+  return std::nullopt;
 }
 
 std::optional<glm::vec3> of_samples(const Parameter& parameter, const std::vector<double>& numbers,
@@ -62,7 +108,11 @@ std::optional<glm::vec3> named(const Parameter& parameter, const std::string& na
       return name.ends_with("-k") ? index.k : index.eta;
     }
   }
-  if (use == ColourOf::kLight && name.starts_with("stdillum-D65")) return glm::vec3(1.0f);
+  if (use == ColourOf::kLight && name.starts_with("stdillum-"))
+    if (const auto colour = standard_illuminant(name.substr(9))) {
+      report.warn_counted(parameter.location, "spectra are read as the colours that they have");
+      return colour;
+    }
   const std::array<std::filesystem::path, 1> folders = {folder};
   const auto path = files.find(name, folders);
   const auto file = path ? files.read(*path, kMaxSceneFileBytes) : std::unexpected(path.error());
@@ -100,7 +150,8 @@ std::optional<glm::vec3> colour_of(const Parameter& parameter, ColourOf use, con
       if (!(x >= 0.0 && x <= most))
         return wrong(fmt::format("numbers must be in [0, {}], not {}",
                                  use == ColourOf::kReflectance ? "1" : "1e30", x));
-    return glm::vec3(n[0], n[1], n[2]);
+    const glm::dvec3 colour = to_rec709({n[0], n[1], n[2]}, parameter.colour_space);
+    return glm::vec3(use == ColourOf::kReflectance ? glm::min(colour, 1.0) : colour);
   }
   if (parameter.type == "blackbody") {
     if (n.size() != 1 || !(n[0] >= 100.0 && n[0] <= 1e6))
@@ -114,6 +165,12 @@ std::optional<glm::vec3> colour_of(const Parameter& parameter, ColourOf use, con
     return of_samples(parameter, n, use, report);
   }
   return wrong(fmt::format("a colour is of the type rgb, spectrum or blackbody, not {}", parameter.type));
+}
+
+double luminance(const glm::dvec3& c) { return 0.212671 * c.x + 0.71516 * c.y + 0.072169 * c.z; }
+
+bool is_colour_space(std::string_view name) {
+  return std::ranges::any_of(kColourSpaces, [&](const ColourSpace& each) { return each.name == name; });
 }
 
 std::optional<double> glass_index(std::string_view name) {

@@ -16,6 +16,12 @@ enum class ColourOf { kReflectance, kIndex, kLight };
 std::optional<glm::vec3> colour_of(const Parameter& parameter, ColourOf use, const FileAccess& files,
                                    const std::filesystem::path& folder, ReaderReport& report);
 
+/// Of linear Rec. 709.
+double luminance(const glm::dvec3& colour);
+
+/// Whether pbrt knows it by this name.
+bool is_colour_space(std::string_view name);
+
 /// The refractive index of a named glass, "glass-BK7", at 589 nm.
 std::optional<double> glass_index(std::string_view name);
 

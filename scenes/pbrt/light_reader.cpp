@@ -6,36 +6,13 @@
 #include <cmath>
 
 #include "scenes/angles.h"
-#include "scenes/image/bitmap_values.h"
+#include "scenes/pbrt/image_lights.h"
+#include "scenes/pbrt/light_strength.h"
 #include "scenes/punctual_lights.h"
 #include "scenes/transform.h"
 
 namespace penumbra::pbrt {
 namespace {
-
-/// A colour times `scale`.
-glm::vec3 emitted(Context& context, Parameters& parameters, std::string_view name, SourceLocation location) {
-  glm::vec3 colour(1.0f);
-  if (const Parameter* given = parameters.take(name))
-    colour =
-        colour_of(*given, ColourOf::kLight, context.files, context.folder, context.report).value_or(colour);
-  const double scale = parameters.number("scale", 1.0, context.report);
-  const glm::dvec3 result = scale * glm::dvec3(colour);
-  if (!(scale >= 0.0 && std::max({result.x, result.y, result.z}) < 1e37)) {
-    context.report.error(parameters.location("scale", location),
-                         "a light's scale must be at least 0, and finite");
-    return glm::vec3(0.0f);
-  }
-  return glm::vec3(result);
-}
-
-/// Given as `power` or `illuminance`, which replaces nothing but a factor: that of a light of unit strength.
-double factor_of(Context& context, Parameters& parameters, std::string_view name, double of_unit) {
-  if (!parameters.has(name)) return 1.0;
-  const double value = parameters.number(name, -1.0, context.report);
-  if (!(value > 0.0)) return 1.0;  // as in pbrt: not given
-  return value / of_unit;
-}
 
 void read_point(Context& context, Parameters& parameters, const GraphicsState& state,
                 SourceLocation location) {
@@ -89,95 +66,7 @@ void read_distant(Context& context, Parameters& parameters, const GraphicsState&
   add_punctual_light(light, context.scene);
 }
 
-/// The octahedral image as one of longitudes and polar angles, y up, texels of half as many rows.
-std::shared_ptr<const Bitmap> resampled(const Bitmap& square) {
-  const int side = square.width, height = std::clamp(side, 2, 8192), width = 2 * height;
-  const auto channels = std::size_t(square.channels);
-  const auto texel = [&](int x, int y, int c) {
-    // Beyond an edge, the other half of it, turned round.
-    if (x < 0) x = -1 - x, y = side - 1 - y;
-    if (x >= side) x = 2 * side - 1 - x, y = side - 1 - y;
-    if (y < 0) y = -1 - y, x = side - 1 - x;
-    if (y >= side) y = 2 * side - 1 - y, x = side - 1 - x;
-    const std::size_t at = (std::size_t(y) * std::size_t(side) + std::size_t(x)) * channels;
-    return bitmap_value(square, at + std::min(std::size_t(c), channels - 1), kSrgb);
-  };
-  std::vector<float> values;
-  values.reserve(3 * std::size_t(width) * std::size_t(height));
-  for (int row = 0; row < height; ++row) {
-    const double theta = kPi * row / (height - 1);
-    for (int column = 0; column < width; ++column) {
-      // Texel (x, y) of ours is at longitude 2 pi (x + 1/2) / W, see kernels/light/envmap_grid.h: z towards
-      // -y.
-      const double phi = 2 * kPi * (column + 0.5) / width;
-      const glm::dvec3 direction(std::sin(phi) * std::sin(theta), std::cos(theta),
-                                 -std::cos(phi) * std::sin(theta));
-      const glm::dvec2 at = octahedral_square(direction) * double(side) - 0.5;
-      const int x = int(std::floor(at.x)), y = int(std::floor(at.y));
-      const double u = at.x - x, v = at.y - y;
-      for (int c = 0; c < 3; ++c)
-        values.push_back(float((1 - v) * ((1 - u) * texel(x, y, c) + u * texel(x + 1, y, c)) +
-                               v * ((1 - u) * texel(x, y + 1, c) + u * texel(x + 1, y + 1, c))));
-    }
-  }
-  return std::make_shared<const Bitmap>(float_bitmap(square.name, width, height, 3, values));
-}
-
-void read_infinite(Context& context, TextureReader& textures, Parameters& parameters,
-                   const GraphicsState& state, SourceLocation location) {
-  ReaderReport& report = context.report;
-  if (std::ranges::any_of(context.scene.emitters, is_sky))
-    return report.unsupported(location, "a second infinite light is not read; a scene has one",
-                              "it is left out");
-  const std::string file = parameters.text("filename", "", report);
-  glm::vec3 radiance = emitted(context, parameters, "L", location);
-  if (parameters.has("portal")) {
-    parameters.take("portal");
-    report.warn(parameters.location("portal", location),
-                "portals are ignored: the light comes from everywhere");
-  }
-  if (file.empty()) {
-    radiance *= float(factor_of(context, parameters, "illuminance", kPi));
-    context.scene.emitters.emplace_back(ConstantEnvironment{radiance});
-    return;
-  }
-  if (parameters.has("illuminance")) {
-    parameters.take("illuminance");
-    report.unsupported(parameters.location("illuminance", location),
-                       "the illuminance of an image is not read", "the image is as it is");
-  }
-  const auto image = textures.image(file, parameters.location("filename", location));
-  if (image == nullptr) {
-    context.scene.emitters.emplace_back(ConstantEnvironment{kUnreadColour});
-    return;
-  }
-  if (image->width != image->height || image->width > 16384)
-    return report.error(parameters.location("filename", location),
-                        fmt::format("an image of {} x {}; one of all directions is square, up to 16384",
-                                    image->width, image->height));
-  report.warn_counted(location, "images of all directions are resampled, from octahedral to longitudes");
-  EnvironmentMapLight sky;
-  sky.filename = file;
-  sky.image = resampled(*image);
-  sky.scale = radiance.x;
-  sky.to_world = glm::dmat4(glm::dmat3(state.ctm));
-  context.scene.emitters.emplace_back(std::move(sky));
-}
-
 }  // namespace
-
-glm::dvec2 octahedral_square(glm::dvec3 direction) {
-  const glm::dvec3 d = glm::abs(direction) / glm::length(direction);
-  const double r = std::sqrt(std::max(1.0 - d.z, 0.0));
-  const double phi = d.x == 0.0 && d.y == 0.0 ? 0.0 : std::atan2(d.y, d.x) * 2 / kPi;
-  double v = phi * r, u = r - v;
-  if (direction.z < 0.0) {
-    std::swap(u, v);
-    u = 1.0 - u;
-    v = 1.0 - v;
-  }
-  return {0.5 * (std::copysign(u, direction.x) + 1.0), 0.5 * (std::copysign(v, direction.y) + 1.0)};
-}
 
 void read_light(Context& context, TextureReader& textures, const std::string& type, Parameters& parameters,
                 const GraphicsState& state, SourceLocation location) {
@@ -189,8 +78,13 @@ void read_light(Context& context, TextureReader& textures, const std::string& ty
     read_distant(context, parameters, state, location);
   } else if (type == "infinite") {
     read_infinite(context, textures, parameters, state, location);
+  } else if (type == "projection") {
+    read_projection(context, textures, parameters, state, location);
+  } else if (type == "goniometric") {
+    read_goniometric(context, textures, parameters, state, location);
   } else {
-    const std::vector<std::string> known = {"point", "spot", "distant", "infinite"};
+    const std::vector<std::string> known = {"point",    "spot",       "distant",
+                                            "infinite", "projection", "goniometric"};
     return context.report.unsupported(location,
                                       fmt::format("light '{}' is not one that Penumbra reads{}", type,
                                                   known_names(type, known, "It reads")),
@@ -199,27 +93,37 @@ void read_light(Context& context, TextureReader& textures, const std::string& ty
   parameters.finish(fmt::format("the light '{}'", type), context.report);
 }
 
-std::shared_ptr<const AreaLight> read_area_light(Context& context, const std::string& type,
-                                                 Parameters& parameters, SourceLocation location) {
+std::shared_ptr<const AreaLight> read_area_light(Context& context, TextureReader& textures,
+                                                 const std::string& type, Parameters& parameters,
+                                                 SourceLocation location) {
+  ReaderReport& report = context.report;
   if (type != "diffuse") {
-    context.report.unsupported(location, fmt::format("area light '{}' is not read; 'diffuse' is", type),
-                               "it is left out");
+    report.unsupported(location, fmt::format("area light '{}' is not read; 'diffuse' is", type),
+                       "it is left out");
     return nullptr;
   }
   AreaLight light;
   light.location = location;
   light.radiance = emitted(context, parameters, "L", location);
-  light.two_sided = parameters.boolean("twosided", false, context.report);
+  light.two_sided = parameters.boolean("twosided", false, report);
   if (parameters.has("power")) {
-    const double power = parameters.number("power", -1.0, context.report);
+    const double power = parameters.number("power", -1.0, report);
     if (power > 0.0) light.power = power;
   }
-  if (parameters.has("filename")) {
-    parameters.take("filename");
-    context.report.unsupported(parameters.location("filename", location),
-                               "images of area lights are not read", "the light is the same everywhere");
+  if (parameters.has("spread")) {
+    parameters.take("spread");
+    report.warn(parameters.location("spread", location),
+                "the spread of area lights is ignored: they shine in all directions");
   }
-  parameters.finish("the area light", context.report);
+  if (const std::string file = parameters.text("filename", "", report); !file.empty()) {
+    const auto image = textures.light_image(file, parameters.location("filename", location));
+    if (image) {
+      light.image = *image;
+      light.image_mean = mean_luminance(textures.bitmap_of(*image));
+    }
+    if (light.power && !(light.image_mean > 0.0)) light.image_mean = 1.0;
+  }
+  parameters.finish("the area light", report);
   return std::make_shared<AreaLight>(light);
 }
 

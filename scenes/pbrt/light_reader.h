@@ -10,11 +10,8 @@ void read_light(Context& context, TextureReader& textures, const std::string& ty
                 const GraphicsState& state, SourceLocation location);
 
 /// Of a directive AreaLightSource; none, and an error, of another type.
-std::shared_ptr<const AreaLight> read_area_light(Context& context, const std::string& type,
-                                                 Parameters& parameters, SourceLocation location);
-
-/// Where on an equal-area octahedral image, in [0, 1]², a direction is: z > 0 in the diamond in the middle
-/// (Clarberg, Fast Equal-Area Mapping of the (Hemi)Sphere using SIMD, 2008).
-glm::dvec2 octahedral_square(glm::dvec3 direction);
+std::shared_ptr<const AreaLight> read_area_light(Context& context, TextureReader& textures,
+                                                 const std::string& type, Parameters& parameters,
+                                                 SourceLocation location);
 
 }  // namespace penumbra::pbrt

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/pbrt/scattering.h"
 #include "scenes/pbrt/type_rows.h"
 #include "scenes/refractive_indices.h"
 
@@ -33,14 +34,53 @@ bool MaterialReader::Roughness::smooth() const {
   return u.texture == kNoTexture && v.texture == kNoTexture && std::max(u.value, v.value) < kSmooth;
 }
 
+int MaterialReader::declare(std::string type, Parameters parameters, SourceLocation location) {
+  entries_.push_back(std::make_unique<Entry>(
+      Entry{std::move(type), std::move(parameters), location, false, false, nullptr}));
+  return int(entries_.size()) - 1;
+}
+
+void MaterialReader::declare_named(const std::string& name, std::string type, Parameters parameters,
+                                   SourceLocation location) {
+  if (!named_.try_emplace(name, int(entries_.size())).second)
+    context_.report.error(location, fmt::format("the material '{}' is there twice", name));
+  declare(std::move(type), std::move(parameters), location);
+}
+
+int MaterialReader::refer(const std::string& name, SourceLocation location) {
+  const int number = declare(name, {}, location);
+  entries_.back()->is_reference = true;
+  return number;
+}
+
+void MaterialReader::finish() {
+  for (int i = 0; i < int(entries_.size()) && !context_.report.full(); ++i) material(i);
+}
+
+std::shared_ptr<const SurfaceMaterial> MaterialReader::material(int number) {
+  static const auto kDefault = std::make_shared<const SurfaceMaterial>(both_sides("default", DiffuseBsdf{}));
+  if (number == kDefaultMaterial) return kDefault;
+  Entry& entry = *entries_[std::size_t(number)];
+  if (entry.material != nullptr) return entry.material;
+  if (entry.is_begun) {
+    context_.report.error(entry.location, "this material mixes itself");
+    return kDefault;
+  }
+  entry.is_begun = true;
+  entry.material = entry.is_reference ? named(entry.type, entry.location)
+                                      : read(entry.type, entry.parameters, entry.location);
+  entry.parameters = {};
+  return entry.material;
+}
+
 std::shared_ptr<const SurfaceMaterial> MaterialReader::named(const std::string& name,
                                                              SourceLocation location) {
   const auto found = named_.find(name);
-  if (found != named_.end()) return found->second;
+  if (found != named_.end()) return material(found->second);
   std::vector<std::string> known;
   for (const auto& [each, ignored] : named_) known.push_back(each);
-  context_.report.error(location, fmt::format("there is no material '{}' before this{}", name,
-                                              known_names(name, known, "There are")));
+  context_.report.error(
+      location, fmt::format("there is no material '{}'{}", name, known_names(name, known, "There are")));
   return std::make_shared<SurfaceMaterial>(both_sides("missing", DiffuseBsdf{}));
 }
 
@@ -57,6 +97,9 @@ std::shared_ptr<const SurfaceMaterial> MaterialReader::read(const std::string& t
                                         {"coatedconductor", &MaterialReader::coated_conductor},
                                         {"dielectric", &MaterialReader::dielectric},
                                         {"thindielectric", &MaterialReader::thin_dielectric},
+                                        {"diffusetransmission", &MaterialReader::diffuse_transmission},
+                                        {"subsurface", &MaterialReader::subsurface},
+                                        {"hair", &MaterialReader::hair},
                                         {"mix", &MaterialReader::mix}};
   if (type == "interface" || type.empty() || type == "none")
     return std::make_shared<SurfaceMaterial>(both_sides("interface", NullBsdf{}));
@@ -102,9 +145,14 @@ MaterialReader::Roughness MaterialReader::roughness(Parameters& parameters, cons
     if (each->texture == kNoTexture) {
       if (remap) each->value = std::sqrt(each->value);
     } else if (remap) {
-      report.unsupported(location, "a texture of a roughness of which alpha is the square root is not read",
-                         "alpha is 0.5");
-      *each = TexturedNumber(0.5f);
+      const auto alpha = textures_.square_root(each->texture);
+      if (!alpha)
+        report.unsupported(location,
+                           "a texture of a roughness, of which alpha is the square root, is read where it is "
+                           "an image or a checkerboard, scaled or not",
+                           "alpha is 0.5");
+      *each = TexturedNumber(alpha ? 1.0f : 0.5f);
+      each->texture = alpha.value_or(kNoTexture);
     }
   }
   return result;
@@ -154,28 +202,30 @@ SurfaceMaterial MaterialReader::conductor(Parameters& parameters, SourceLocation
 }
 
 SurfaceMaterial MaterialReader::coated_conductor(Parameters& parameters, SourceLocation location) {
-  context_.report.warn_counted(location, "coatedconductor is approximated by the conductor without its coating");
+  context_.report.warn_counted(location,
+                               "coatedconductor is approximated by the conductor without its coating");
   parameters.accept({"interface.eta", "interface.roughness", "interface.uroughness", "interface.vroughness",
                      "thickness", "g", "albedo", "maxdepth", "nsamples"});
   return conductor_with(parameters, "conductor.", location);
 }
 
-double MaterialReader::index(Parameters& parameters, SourceLocation location) {
+double MaterialReader::index(Parameters& parameters, SourceLocation location, double fallback) {
   Parameter* eta = parameters.take("eta");
-  if (eta == nullptr) return 1.5;
+  if (eta == nullptr) return fallback;
   double value = eta->numbers.size() == 1 ? eta->numbers[0] : 0.0;
-  if (eta->type == "spectrum" && eta->texts.size() == 1) {
-    const auto glass = glass_index(eta->texts[0]);
-    if (!glass) {
-      context_.report.unsupported(eta->location, fmt::format("'{}' is no glass that is known", eta->texts[0]),
-                                  "its index is 1.5");
-      return 1.5;
-    }
+  if (eta->type == "spectrum") {
     context_.report.warn_counted(eta->location, "glasses have one refractive index at all wavelengths");
-    value = *glass;
+    const auto glass = eta->texts.size() == 1 ? glass_index(eta->texts[0]) : std::nullopt;
+    // Of a table, in the middle of what is seen.
+    const auto colour =
+        glass ? std::nullopt
+              : colour_of(*eta, ColourOf::kIndex, context_.files, context_.folder, context_.report);
+    if (!glass && !colour) return fallback;
+    value = glass ? *glass : double(colour->y);
   } else if (eta->type != "float") {
-    context_.report.unsupported(eta->location, "a refractive index is a float or a named glass", "it is 1.5");
-    return 1.5;
+    context_.report.unsupported(eta->location, "a refractive index is a float or a spectrum",
+                                fmt::format("it is {}", fallback));
+    return fallback;
   }
   if (value >= 1e-3 && value <= 1e3) return value;
   context_.report.error(parameters.location("eta", location),
@@ -185,26 +235,41 @@ double MaterialReader::index(Parameters& parameters, SourceLocation location) {
 
 SurfaceMaterial MaterialReader::coated_diffuse(Parameters& parameters, SourceLocation location) {
   ReaderReport& report = context_.report;
-  report.warn_counted(location,
-                   "coateddiffuse is approximated by a plastic: diffuse under a boundary without thickness");
-  parameters.accept({"thickness", "g", "albedo", "maxdepth", "nsamples", "twosided"});
+  const TexturedColour given =
+      textures_.colour(parameters, "albedo", ColourOf::kReflectance, glm::vec3(0.0f));
+  report.warn_counted(
+      location, given.is_lit() ? "coateddiffuse is approximated by a plastic, whose coating scatters nothing"
+                               : "coateddiffuse is approximated by a plastic: diffuse under a boundary "
+                                 "without thickness");
+  parameters.accept({"thickness", "g", "maxdepth", "nsamples", "twosided"});
   const TexturedColour colour =
       textures_.colour(parameters, "reflectance", ColourOf::kReflectance, glm::vec3(0.5f));
-  const float eta = float(index(parameters, location));
-  if (eta > kMostIndexRatio || eta < 1 / kMostIndexRatio || eta == 1.0f) {
-    report.error(
-        parameters.location("eta", location),
-        fmt::format("the boundary of a coateddiffuse has an index other than 1 up to {}", kMostIndexRatio));
-    return {};
-  }
+  return plastic_with(parameters, colour, 1.5, "coateddiffuse", location);
+}
+
+SurfaceMaterial MaterialReader::plastic_with(Parameters& parameters, const TexturedColour& colour,
+                                             double fallback, const char* name, SourceLocation location) {
+  ReaderReport& report = context_.report;
+  const double given = index(parameters, location, fallback);
   const Roughness rough = roughness(parameters, "", location);
+  // Without a boundary there is nothing but what lies under it.
+  if (given == 1.0) {
+    DiffuseBsdf model;
+    model.reflectance = colour;
+    return both_sides(name, model);
+  }
+  const auto eta = float(std::clamp(given, 1.0 / kMostIndexRatio, double(kMostIndexRatio)));
+  if (eta != float(given))
+    report.warn(
+        parameters.location("eta", location),
+        fmt::format("the boundary of a {} has an index up to {}, not {}", name, kMostIndexRatio, given));
   if (rough.smooth()) {
     PlasticBsdf model;
     model.diffuse = colour;
     model.int_ior = eta;
     model.ext_ior = 1.0f;
     model.nonlinear = true;
-    return both_sides("coateddiffuse", model);
+    return both_sides(name, model);
   }
   RoughPlasticBsdf model;
   model.diffuse = colour;
@@ -213,11 +278,11 @@ SurfaceMaterial MaterialReader::coated_diffuse(Parameters& parameters, SourceLoc
   model.nonlinear = true;
   model.distribution = DISTRIBUTION_GGX;
   if (rough.u != rough.v)
-    report.warn(location, "the boundary of a coateddiffuse is as rough in all directions");
+    report.warn(location, fmt::format("the boundary of a {} is as rough in all directions", name));
   model.alpha = rough.u;
   if (rough.u.texture == kNoTexture && rough.v.texture == kNoTexture)
     model.alpha = TexturedNumber(std::sqrt(rough.u.value * rough.v.value));
-  return both_sides("coateddiffuse", model);
+  return both_sides(name, model);
 }
 
 SurfaceMaterial MaterialReader::dielectric(Parameters& parameters, SourceLocation location) {
@@ -243,6 +308,119 @@ SurfaceMaterial MaterialReader::thin_dielectric(Parameters& parameters, SourceLo
   model.int_ior = float(index(parameters, location));
   model.ext_ior = 1.0f;
   return surface_of("thindielectric", model);
+}
+
+/// A share of each side: a diffuse reflector, or a sheet that scatters all of its light to the other side.
+SurfaceMaterial MaterialReader::diffuse_transmission(Parameters& parameters, SourceLocation location) {
+  ReaderReport& report = context_.report;
+  TexturedColour reflected =
+      textures_.colour(parameters, "reflectance", ColourOf::kReflectance, glm::vec3(0.25f));
+  TexturedColour passing =
+      textures_.colour(parameters, "transmittance", ColourOf::kReflectance, glm::vec3(0.25f));
+  const double scale = parameters.number("scale", 1.0, report);
+  if (!(scale >= 0.0 && scale < 1e30)) report.error(location, "a scale must be at least 0");
+  const bool plain = reflected.texture == kNoTexture && passing.texture == kNoTexture;
+  const float most_reflected = std::max({reflected.value.x, reflected.value.y, reflected.value.z}),
+              most_passing = std::max({passing.value.x, passing.value.y, passing.value.z});
+  BlendBsdf blend;
+  if (plain && most_reflected + most_passing > 0.0f)
+    blend.weight = most_passing / (most_reflected + most_passing);
+  // What shares are of must have no more than 1.
+  const auto share = [&](TexturedColour& colour, float of) {
+    if (of <= 0.0f) return;
+    const float factor = float(scale) / of;
+    if (colour.texture == kNoTexture)
+      colour.value = glm::min(colour.value * factor, glm::vec3(1.0f));
+    else if (factor != 1.0f)
+      colour.texture = textures_.scaled(colour.texture, glm::vec3(factor));
+  };
+  share(reflected, 1.0f - blend.weight.value);
+  share(passing, blend.weight.value);
+  DiffuseBsdf reflector;
+  reflector.reflectance = reflected;
+  PrincipledThinBsdf sheet;
+  sheet.base_color = passing;
+  sheet.diff_trans = 2.0f;
+  report.warn_counted(location,
+                      "diffusetransmission is approximated: what it lets through is scattered as by Disney's "
+                      "thin sheet, of a roughness of 0.5");
+  return blended("diffusetransmission", blend, both_sides("diffusetransmission", reflector),
+                 both_sides("diffusetransmission", sheet));
+}
+
+/// Of what scatters beneath the surface only that which comes out where it went in.
+SurfaceMaterial MaterialReader::subsurface(Parameters& parameters, SourceLocation location) {
+  ReaderReport& report = context_.report;
+  report.warn_counted(location, "subsurface is approximated by a plastic: light comes out where it went in");
+  TexturedColour colour;
+  const double g = parameters.number("g", 0.0, report);
+  const double scale = parameters.number("scale", 1.0, report);
+  if (!(std::abs(g) < 1.0) || !(scale > 0.0))
+    report.error(location, "a subsurface has g in (-1, 1) and a scale above 0");
+  if (parameters.has("reflectance")) {
+    colour = textures_.colour(parameters, "reflectance", ColourOf::kReflectance, glm::vec3(0.5f));
+  } else {
+    Scattering scattering = scattering_of("Wholemilk").value();
+    if (const std::string name = parameters.text("name", "", report); !name.empty()) {
+      if (const auto found = scattering_of(name))
+        scattering = *found;
+      else
+        report.unsupported(parameters.location("name", location),
+                           fmt::format("'{}' is no material whose scattering is known{}", name,
+                                       known_names(name, scattering_names(), "Known are")),
+                           "it is milk");
+    }
+    for (const auto& [name, field] :
+         {std::pair("sigma_a", &scattering.absorbed), std::pair("sigma_s", &scattering.scattered)}) {
+      if (!parameters.has(name)) continue;
+      const TexturedColour given = textures_.colour(parameters, name, ColourOf::kIndex, *field);
+      if (given.texture != kNoTexture)
+        report.unsupported(parameters.location(name, location),
+                           "textures of the coefficients of a subsurface are not read", "they are milk's");
+      else
+        *field = given.value;
+    }
+    // Of a half space that scatters alike in all directions, by similarity; lit from all sides (van de
+    // Hulst).
+    for (int c = 0; c < 3; ++c) {
+      const double scattered = double(scattering.scattered[c]) * (1.0 - g),
+                   sum = scattered + double(scattering.absorbed[c]);
+      const double s = sum > 0.0 ? std::sqrt(1.0 - scattered / sum) : 1.0;
+      colour.value[c] = float((1.0 - s) * (1.0 - 0.139 * s) / (1.0 + 1.17 * s));
+    }
+  }
+  parameters.accept({"mfp"});
+  return plastic_with(parameters, colour, 1.33, "subsurface", location);
+}
+
+/// Its mean colour, from all directions the same.
+SurfaceMaterial MaterialReader::hair(Parameters& parameters, SourceLocation location) {
+  ReaderReport& report = context_.report;
+  report.warn_counted(location, "hair is approximated by a diffuse material of its colour");
+  const double rough = parameters.number("beta_n", 0.3, report);
+  // Chiang et al. 2016, A Practical and Controllable Hair and Fur Model: absorption of the pigments, and the
+  // colour that an absorption gives.
+  const double k = 5.969 - 0.215 * rough + 2.532 * std::pow(rough, 2) - 10.73 * std::pow(rough, 3) +
+                   5.574 * std::pow(rough, 4) + 0.245 * std::pow(rough, 5);
+  TexturedColour colour(glm::vec3(0.5f));
+  const bool coloured = parameters.has("reflectance") || parameters.has("color");
+  if (coloured) {
+    colour = textures_.colour(parameters, parameters.has("reflectance") ? "reflectance" : "color",
+                              ColourOf::kReflectance, glm::vec3(0.5f));
+  } else {
+    const bool pigments = parameters.has("eumelanin") || parameters.has("pheomelanin");
+    const double dark = parameters.number("eumelanin", pigments ? 0.0 : 1.3, report),
+                 red = parameters.number("pheomelanin", 0.0, report);
+    glm::vec3 absorbed(float(0.419 * dark + 0.187 * red), float(0.697 * dark + 0.4 * red),
+                       float(1.37 * dark + 1.05 * red));
+    if (parameters.has("sigma_a"))
+      absorbed = textures_.colour(parameters, "sigma_a", ColourOf::kIndex, absorbed).value;
+    for (int c = 0; c < 3; ++c) colour.value[c] = float(std::exp(-std::sqrt(double(absorbed[c])) * k));
+  }
+  parameters.accept({"eta", "beta_m", "alpha", "eumelanin", "pheomelanin", "sigma_a"});
+  DiffuseBsdf model;
+  model.reflectance = colour;
+  return both_sides("hair", model);
 }
 
 /// `amount` is the share of the second.

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "scenes/pbrt/texture_reader.h"
 
@@ -13,25 +14,45 @@ class MaterialReader {
  public:
   MaterialReader(Context& context, TextureReader& textures) : context_(context), textures_(textures) {}
 
-  /// Of a directive Material; what is wrong with it is reported.
-  std::shared_ptr<const SurfaceMaterial> read(const std::string& type, Parameters& parameters,
-                                              SourceLocation location);
-  void name(const std::string& name, std::shared_ptr<const SurfaceMaterial> material) {
-    named_[name] = std::move(material);
-  }
-  /// The one of that name; one that is diffuse, and an error, where there is none.
-  std::shared_ptr<const SurfaceMaterial> named(const std::string& name, SourceLocation location);
+  /// Of a directive Material: a number for it. It is read when its textures and the materials that it mixes
+  /// are known.
+  int declare(std::string type, Parameters parameters, SourceLocation location);
+  void declare_named(const std::string& name, std::string type, Parameters parameters,
+                     SourceLocation location);
+  /// A number for the one of that name, which may be made later.
+  int refer(const std::string& name, SourceLocation location);
+
+  /// Reads all of them; what is wrong is reported. Only now are they known.
+  void finish();
+  /// By its number; one that is diffuse, and an error, where there is none of the name.
+  std::shared_ptr<const SurfaceMaterial> material(int number);
 
  private:
+  struct Entry {
+    std::string type;
+    Parameters parameters;
+    SourceLocation location;
+    bool is_reference = false;  ///< `type` is a name
+    bool is_begun = false;
+    std::shared_ptr<const SurfaceMaterial> material;
+  };
+  std::shared_ptr<const SurfaceMaterial> named(const std::string& name, SourceLocation location);
+  std::shared_ptr<const SurfaceMaterial> read(const std::string& type, Parameters& parameters,
+                                              SourceLocation location);
   SurfaceMaterial diffuse(Parameters& parameters, SourceLocation location);
   SurfaceMaterial conductor(Parameters& parameters, SourceLocation location);
   SurfaceMaterial coated_diffuse(Parameters& parameters, SourceLocation location);
   SurfaceMaterial coated_conductor(Parameters& parameters, SourceLocation location);
   SurfaceMaterial dielectric(Parameters& parameters, SourceLocation location);
   SurfaceMaterial thin_dielectric(Parameters& parameters, SourceLocation location);
+  SurfaceMaterial diffuse_transmission(Parameters& parameters, SourceLocation location);
+  SurfaceMaterial subsurface(Parameters& parameters, SourceLocation location);
+  SurfaceMaterial hair(Parameters& parameters, SourceLocation location);
   SurfaceMaterial mix(Parameters& parameters, SourceLocation location);
   SurfaceMaterial conductor_with(Parameters& parameters, const std::string& prefix, SourceLocation location);
-  double index(Parameters& parameters, SourceLocation location);
+  SurfaceMaterial plastic_with(Parameters& parameters, const TexturedColour& colour, double fallback,
+                               const char* name, SourceLocation location);
+  double index(Parameters& parameters, SourceLocation location, double fallback = 1.5);
   struct Roughness {
     TexturedNumber u, v;
     [[nodiscard]] bool smooth() const;
@@ -40,7 +61,8 @@ class MaterialReader {
 
   Context& context_;
   TextureReader& textures_;
-  std::map<std::string, std::shared_ptr<const SurfaceMaterial>> named_;
+  std::vector<std::unique_ptr<Entry>> entries_;
+  std::map<std::string, int> named_;
 };
 
 }  // namespace penumbra::pbrt

@@ -45,7 +45,7 @@ void read_values(TokenReader& tokens, Parameter& parameter, ReaderReport& report
 
 }  // namespace
 
-Parameters Parameters::read(TokenReader& tokens, ReaderReport& report) {
+Parameters Parameters::read(TokenReader& tokens, ReaderReport& report, const std::string& colour_space) {
   Parameters result;
   while (tokens.peek().kind == TokenKind::kText && !report.full()) {
     const Token token = tokens.next();
@@ -53,6 +53,7 @@ Parameters Parameters::read(TokenReader& tokens, ReaderReport& report) {
     const std::size_t space = text.find_first_of(" \t");
     Parameter parameter;
     parameter.location = token.location;
+    parameter.colour_space = colour_space;
     parameter.type = text.substr(0, space);
     parameter.name = space == text.npos ? "" : trim(text.substr(space));
     const bool known = std::ranges::find(kTypes, std::string_view(parameter.type)) != std::end(kTypes);
@@ -64,10 +65,19 @@ Parameters Parameters::read(TokenReader& tokens, ReaderReport& report) {
                       text, list_names(types)));
     }
     read_values(tokens, parameter, report);
-    if (result.has(parameter.name))
-      report.error(token.location, fmt::format("the parameter '{}' is there twice", parameter.name));
+    // As in pbrt, what comes later counts.
+    if (std::erase_if(result.parameters_,
+                      [&](const Parameter& other) { return other.name == parameter.name; }) > 0)
+      report.warn(token.location,
+                  fmt::format("the parameter '{}' is there twice; this one counts", parameter.name));
     result.parameters_.push_back(std::move(parameter));
   }
+  return result;
+}
+
+Parameters Parameters::of(const Parameter& parameter) {
+  Parameters result;
+  result.parameters_.push_back(parameter);
   return result;
 }
 
@@ -147,8 +157,11 @@ void Parameters::accept(std::initializer_list<std::string_view> names) {
 }
 
 void Parameters::add_defaults(const Parameters& defaults) {
-  for (const Parameter& each : defaults.parameters_)
-    if (!has(each.name)) parameters_.push_back(each);
+  for (const Parameter& each : defaults.parameters_) {
+    if (has(each.name)) continue;
+    parameters_.push_back(each);
+    parameters_.back().taken = true;  // not all that they are for need have it
+  }
 }
 
 void Parameters::append(Parameters&& more) {

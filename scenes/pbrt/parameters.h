@@ -17,13 +17,16 @@ struct Parameter {
   SourceLocation location;
   std::vector<double> numbers;
   std::vector<std::string> texts;
+  std::string colour_space = "srgb";  ///< of an rgb
   bool taken = false;
 };
 
 class Parameters {
  public:
-  /// Reads what follows a directive's names.
-  static Parameters read(TokenReader& tokens, ReaderReport& report);
+  /// Reads what follows a directive's names; its rgb are of the colour space.
+  static Parameters read(TokenReader& tokens, ReaderReport& report, const std::string& colour_space);
+  /// With that one alone.
+  static Parameters of(const Parameter& parameter);
 
   /// The value of a parameter, or `fallback` where it is not given; an error where it is of another type.
   double number(std::string_view name, double fallback, ReaderReport& report);

@@ -3,9 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <utility>
 
+#include "scenes/pbrt/colours.h"
 #include "scenes/pbrt/light_reader.h"
 #include "scenes/pbrt/material_reader.h"
+#include "scenes/pbrt/medium_reader.h"
 #include "scenes/pbrt/shape_reader.h"
 #include "scenes/pbrt/transform_reader.h"
 #include "scenes/pbrt/view_reader.h"
@@ -25,13 +29,8 @@ class SceneParser {
         tokens_(tokens),
         textures_(context),
         materials_(context, textures_),
-        shapes_(context, textures_) {
-    static const auto kDefault = std::make_shared<const SurfaceMaterial>([] {
-      const MaterialTree tree = leaf("default", DiffuseBsdf{});
-      return SurfaceMaterial{tree, tree};
-    }());
-    state_.material = kDefault;
-  }
+        media_(context),
+        shapes_(context, textures_, materials_, media_) {}
 
   void parse() {
     defaults();
@@ -81,7 +80,7 @@ class SceneParser {
     return "";
   }
 
-  Parameters parameters() { return Parameters::read(tokens_, report_); }
+  Parameters parameters() { return Parameters::read(tokens_, report_, state_.colour_space); }
   Parameters parameters_with(const char* target) {
     Parameters result = parameters();
     if (const auto found = state_.defaults.find(target); found != state_.defaults.end())
@@ -142,28 +141,20 @@ class SceneParser {
   }
   void object_begin(const Token& token) {
     const std::string name = quoted("a name");
-    if (object_ != nullptr) return report_.error(token.location, "objects cannot hold others");
+    if (shapes_.in_object()) return report_.error(token.location, "objects cannot hold others");
     if (!in_world(token)) return;
     push(token, "ObjectEnd");
-    if (objects_.contains(name))
-      report_.error(token.location, fmt::format("the object '{}' is there twice", name));
-    object_ = &objects_[name];
+    shapes_.begin_object(name, token.location);
   }
   void object_end(const Token& token) {
     pop(token, "ObjectBegin", "ObjectEnd");
-    object_ = nullptr;
+    shapes_.end_object();
   }
   void object_instance(const Token& token) {
     const std::string name = quoted("a name");
     if (!in_world(token)) return;
-    if (object_ != nullptr) return report_.error(token.location, "objects cannot hold others");
-    const auto found = objects_.find(name);
-    if (found == objects_.end())
-      return report_.error(token.location, fmt::format("there is no object '{}' before this", name));
-    for (const ReadShape& shape : found->second) {
-      if (report_.full()) return;
-      shapes_.place(shape, state_.ctm);
-    }
+    if (shapes_.in_object()) return report_.error(token.location, "objects cannot hold others");
+    shapes_.place_object(name, state_.ctm, token.location);
   }
   void attribute(const Token&) {
     const std::string target = quoted("shape, light, material, medium or texture");
@@ -205,6 +196,7 @@ class SceneParser {
     camera_.type = quoted("a type");
     camera_.parameters = parameters();
     camera_.camera_from_world = state_.ctm;
+    camera_.media = state_.media;
     camera_.location = token.location;
     has_camera_ = true;
     systems_["camera"] = is_singular(state_.ctm) ? glm::dmat4(1.0) : glm::inverse(state_.ctm);
@@ -212,7 +204,13 @@ class SceneParser {
   void film(const Token& token) { view(token, read_film); }
   void sampler(const Token& token) { view(token, read_sampler); }
   void filter(const Token& token) { view(token, read_filter); }
-  void integrator(const Token& token) { view(token, read_integrator); }
+  void integrator(const Token& token) {
+    const std::string type = quoted("a type");
+    Parameters given = parameters();
+    read_integrator(context_, type, given, token.location);
+    integrator_follows_media_ = type != "path" && type != "simplepath" && type != "randomwalk";
+    integrator_location_ = token.location;
+  }
   void view(const Token& token, void (*read)(Context&, const std::string&, Parameters&, SourceLocation)) {
     const std::string type = quoted("a type");
     Parameters given = parameters();
@@ -223,23 +221,32 @@ class SceneParser {
     parameters();
   }
   void option(const Token& token) {
-    if (tokens_.peek().kind == TokenKind::kText) parameters();
+    // A name, with a type or without, and one value.
+    quoted("a name");
+    const bool bracketed = tokens_.peek().kind == TokenKind::kOpen;
+    Token value = tokens_.next();
+    while (bracketed && value.kind != TokenKind::kClose && value.kind != TokenKind::kEnd)
+      value = tokens_.next();
     report_.warn_counted(token.location, "Option is ignored");
   }
   void color_space(const Token& token) {
     const std::string name = quoted("a name");
-    if (name != "srgb")
-      report_.unsupported(token.location, fmt::format("the colour space '{}' is not read; srgb is", name),
-                          "colours are sRGB's");
+    if (is_colour_space(name))
+      state_.colour_space = name;
+    else
+      report_.unsupported(
+          token.location,
+          fmt::format("the colour space '{}' is none of srgb, rec2020, dci-p3, aces2065-1", name),
+          "colours are sRGB's");
   }
   void texture(const Token& token) {
     const std::string name = quoted("a name"), kind = quoted("float or spectrum"), type = quoted("a type");
-    textures_.read(name, kind, type, parameters_with("texture"), token.location);
+    textures_.read(name, kind, type, parameters_with("texture"), state_.ctm, token.location);
   }
   void material(const Token& token) {
     const std::string type = quoted("a type");
     Parameters given = parameters_with("material");
-    state_.material = materials_.read(type, given, token.location);
+    state_.material = materials_.declare(type, std::move(given), token.location);
     state_.material_name = fmt::format("material-{}", ++unnamed_materials_);
   }
   void make_named_material(const Token& token) {
@@ -248,11 +255,11 @@ class SceneParser {
     const std::string type = given.text("type", "", report_);
     if (type.empty())
       return report_.error(token.location, fmt::format("the material '{}' needs a \"string type\"", name));
-    materials_.name(name, materials_.read(type, given, token.location));
+    materials_.declare_named(name, type, std::move(given), token.location);
   }
   void named_material(const Token& token) {
     state_.material_name = quoted("a name");
-    state_.material = materials_.named(state_.material_name, token.location);
+    state_.material = materials_.refer(state_.material_name, token.location);
   }
   void light_source(const Token& token) {
     const std::string type = quoted("a type");
@@ -262,29 +269,24 @@ class SceneParser {
   void area_light_source(const Token& token) {
     const std::string type = quoted("a type");
     Parameters given = parameters_with("light");
-    state_.area_light = read_area_light(context_, type, given, token.location);
+    state_.area_light = read_area_light(context_, textures_, type, given, token.location);
   }
   void shape(const Token& token) {
     const std::string type = quoted("a type");
     Parameters given = parameters_with("shape");
     if (!in_world(token)) return;
-    auto read = shapes_.read(type, given, state_, token.location);
-    if (!read) return;
-    if (object_ != nullptr)
-      object_->push_back(std::move(*read));
-    else
-      shapes_.place(*read, glm::dmat4(1.0));
+    shapes_.read(type, given, state_, token.location);
   }
-  void medium(const Token& token) {
-    if (token.text == "MediumInterface") {
-      const std::string inside = quoted("a name");
-      const std::string outside = tokens_.peek().kind == TokenKind::kText ? quoted("a name") : "";
-      if (inside.empty() && outside.empty()) return;
-    } else {
-      quoted("a name");
-      parameters();
-    }
-    report_.unsupported(token.location, "media are not read", "they are left out");
+  void make_named_medium(const Token& token) {
+    const std::string name = quoted("a name");
+    Parameters given = parameters_with("medium");
+    media_.make(name, given, state_, token.location);
+  }
+  /// One name alone is both, as in pbrt.
+  void medium_interface(const Token& token) {
+    state_.media.inside = state_.media.outside = quoted("a name");
+    if (tokens_.peek().kind == TokenKind::kText) state_.media.outside = quoted("a name");
+    state_.media.location = token.location;
   }
 
   // --- the ends
@@ -306,8 +308,21 @@ class SceneParser {
       if (!world_) report_.error(end, "the file has no WorldBegin");
       if (!has_camera_) report_.error(end, "the file has no Camera");
       if (has_camera_) read_camera(context_, camera_);
+      materials_.finish();
+      shapes_.finish();
+      context_.scene.camera_medium = media_.install(camera_.media.outside, camera_.media.location);
+      if (media_.any_installed()) follow_media();
     }
     textures_.install();
+  }
+
+  /// Of a scene without media, both integrators make the same image.
+  void follow_media() {
+    if (!integrator_follows_media_)
+      return report_.warn(integrator_location_,
+                          "the integrator 'path' passes through media as if they were not there, as pbrt's; "
+                          "volpath follows light through them");
+    use_volumetric_integrator(context_, integrator_location_);
   }
 
   struct Block {
@@ -326,15 +341,16 @@ class SceneParser {
   TextureReader textures_;
   MaterialReader materials_;
   int unnamed_materials_ = 0;
+  MediumReader media_;
   ShapeReader shapes_;
   GraphicsState state_;
   std::vector<Block> stack_;
   std::vector<Import> imports_;
   std::map<std::string, glm::dmat4> systems_;
-  std::map<std::string, std::vector<ReadShape>> objects_;
-  std::vector<ReadShape>* object_ = nullptr;  ///< that is being read
   CameraDirective camera_;
   bool has_camera_ = false, world_ = false;
+  bool integrator_follows_media_ = true;  ///< pbrt's default is volpath
+  SourceLocation integrator_location_;
 };
 
 std::span<const SceneParser::Directive> SceneParser::directives() {
@@ -358,9 +374,9 @@ std::span<const SceneParser::Directive> SceneParser::directives() {
                                        {"LightSource", &P::light_source},
                                        {"LookAt", &P::concat_transform},
                                        {"MakeNamedMaterial", &P::make_named_material},
-                                       {"MakeNamedMedium", &P::medium},
+                                       {"MakeNamedMedium", &P::make_named_medium},
                                        {"Material", &P::material},
-                                       {"MediumInterface", &P::medium},
+                                       {"MediumInterface", &P::medium_interface},
                                        {"NamedMaterial", &P::named_material},
                                        {"ObjectBegin", &P::object_begin},
                                        {"ObjectEnd", &P::object_end},

@@ -7,7 +7,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "scenes/curve_mesh.h"
+#include "scenes/instances.h"
 #include "scenes/mesh_reader.h"
+#include "scenes/pbrt/loop_subdivision.h"
+#include "scenes/pbrt/quadric_mesh.h"
 #include "scenes/pbrt/type_rows.h"
 #include "scenes/texture_needs.h"
 #include "scenes/traceable.h"
@@ -23,12 +27,31 @@ double area_of(const Shape& shape) {
     return 4 * std::numbers::pi * sphere->radius * sphere->radius;
   if (const auto* disk = std::get_if<Disk>(&shape.geometry))
     return std::numbers::pi * disk->radius * disk->radius;
+  if (const auto* cylinder = std::get_if<Cylinder>(&shape.geometry))
+    return 2 * std::numbers::pi * cylinder->radius * cylinder->length;
   const Mesh& mesh = std::get<Mesh>(shape.geometry);
   double area = 0;
   for (const glm::uvec3& t : mesh.triangles)
     area += 0.5 * glm::length(glm::cross(mesh.positions[t.y] - mesh.positions[t.x],
                                          mesh.positions[t.z] - mesh.positions[t.x]));
   return area;
+}
+
+/// Whether the transform makes it something else.
+bool is_stretched(const Geometry& geometry, const glm::dmat4& to_world) {
+  if (std::holds_alternative<Sphere>(geometry)) return !uniform_scale(to_world);
+  if (std::holds_alternative<Disk>(geometry)) return !uniform_scale(to_world, 2);
+  const auto* cylinder = std::get_if<Cylinder>(&geometry);
+  return cylinder != nullptr && !placed_cylinder(*cylinder, to_world);
+}
+
+/// Of one that is in its own space, and no mesh.
+Mesh mesh_of(const Geometry& geometry) {
+  if (const auto* sphere = std::get_if<Sphere>(&geometry))
+    return sphere_mesh(sphere->radius, -sphere->radius, sphere->radius);
+  if (const auto* disk = std::get_if<Disk>(&geometry)) return disk_mesh(disk->radius, 0.0, disk->center.z);
+  const auto& cylinder = std::get<Cylinder>(geometry);
+  return cylinder_mesh(cylinder.radius, cylinder.center.z, cylinder.center.z + cylinder.length);
 }
 
 /// Where the transform takes the first two axes, unit and at right angles.
@@ -148,18 +171,34 @@ std::optional<ShapeReader::Geometry> ShapeReader::ply_mesh(Parameters& parameter
     report.error(place, read.error().message);
     return std::nullopt;
   }
-  for (const std::string& text : describe(read->faces)) report.warn(place, fmt::format("'{}': {}", name, text));
+  for (const std::string& text : describe(read->faces))
+    report.warn(place, fmt::format("'{}': {}", name, text));
   return std::move(read->mesh);
+}
+
+/// About the z axis, degrees; nothing, and an error, where it is no angle.
+std::optional<double> ShapeReader::turn(Parameters& parameters, SourceLocation location) {
+  const double degrees = parameters.number("phimax", kWholeTurn, context_.report);
+  if (degrees > 0.0) return std::min(degrees, kWholeTurn);
+  context_.report.error(parameters.location("phimax", location),
+                        fmt::format("phimax must be above 0, not {}", degrees));
+  return std::nullopt;
 }
 
 std::optional<ShapeReader::Geometry> ShapeReader::sphere(Parameters& parameters, SourceLocation location) {
   ReaderReport& report = context_.report;
   const auto radius = read_radius(parameters, location, report);
-  if (!radius) return std::nullopt;
-  if (parameters.number("zmin", -*radius, report) > -*radius ||
-      parameters.number("zmax", *radius, report) < *radius ||
-      parameters.number("phimax", 360.0, report) < 360.0)
-    report.unsupported(location, "parts of spheres are not read", "it is a whole one");
+  const auto degrees = turn(parameters, location);
+  if (!radius || !degrees) return std::nullopt;
+  const double a = parameters.number("zmin", -*radius, report),
+               b = parameters.number("zmax", *radius, report);
+  const double low = std::clamp(std::min(a, b), -*radius, *radius),
+               high = std::clamp(std::max(a, b), -*radius, *radius);
+  if (low > -*radius || high < *radius || *degrees < kWholeTurn) {
+    if (low < high) return sphere_mesh(*radius, low, high, *degrees);
+    report.error(location, "zmin and zmax leave nothing of this sphere");
+    return std::nullopt;
+  }
   Sphere sphere;
   sphere.radius = *radius;
   return sphere;
@@ -168,18 +207,96 @@ std::optional<ShapeReader::Geometry> ShapeReader::sphere(Parameters& parameters,
 std::optional<ShapeReader::Geometry> ShapeReader::disk(Parameters& parameters, SourceLocation location) {
   ReaderReport& report = context_.report;
   const auto radius = read_radius(parameters, location, report);
-  if (!radius) return std::nullopt;
-  if (parameters.number("innerradius", 0.0, report) > 0.0 ||
-      parameters.number("phimax", 360.0, report) < 360.0)
-    report.unsupported(location, "rings and parts of disks are not read", "it is a whole disk");
+  const auto degrees = turn(parameters, location);
+  if (!radius || !degrees) return std::nullopt;
+  const double inner = parameters.number("innerradius", 0.0, report),
+               height = parameters.number("height", 0.0, report);
+  if (!(inner >= 0.0 && inner < *radius)) {
+    report.error(parameters.location("innerradius", location),
+                 fmt::format("an innerradius must be at least 0 and below the radius, not {}", inner));
+    return std::nullopt;
+  }
+  if (inner > 0.0 || *degrees < kWholeTurn) return disk_mesh(*radius, inner, height, *degrees);
   Disk disk;
   disk.radius = *radius;
-  disk.center = {0.0, 0.0, parameters.number("height", 0.0, report)};
+  disk.center = {0.0, 0.0, height};
   return disk;
 }
 
-std::optional<ReadShape> ShapeReader::read(const std::string& type, Parameters& parameters,
-                                           const GraphicsState& state, SourceLocation location) {
+std::optional<ShapeReader::Geometry> ShapeReader::cylinder(Parameters& parameters, SourceLocation location) {
+  ReaderReport& report = context_.report;
+  const auto radius = read_radius(parameters, location, report);
+  const auto degrees = turn(parameters, location);
+  if (!radius || !degrees) return std::nullopt;
+  const double a = parameters.number("zmin", -1.0, report), b = parameters.number("zmax", 1.0, report);
+  const double low = std::min(a, b), high = std::max(a, b);
+  if (!(low < high)) {
+    report.error(location, fmt::format("the ends of a cylinder, zmin and zmax, are both at {}", a));
+    return std::nullopt;
+  }
+  if (*degrees < kWholeTurn) return cylinder_mesh(*radius, low, high, *degrees);
+  Cylinder cylinder;
+  cylinder.center = {0.0, 0.0, low};
+  cylinder.radius = *radius;
+  cylinder.length = high - low;
+  return cylinder;
+}
+
+std::optional<ShapeReader::Geometry> ShapeReader::subdivision(Parameters& parameters,
+                                                              SourceLocation location) {
+  auto mesh = vertices(parameters, location);
+  if (!mesh) return std::nullopt;
+  parameters.accept({"scheme"});
+  const auto corners = indices(parameters, *mesh, 3, location);
+  for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
+    mesh->triangles.emplace_back(corners[i], corners[i + 1], corners[i + 2]);
+  const std::int64_t levels = parameters.integer("levels", 3, context_.report);
+  if (levels < 0 || levels > 12) {
+    context_.report.error(parameters.location("levels", location), "levels must be 0 to 12");
+    return std::nullopt;
+  }
+  auto fine = loop_subdivided(*mesh, int(levels));
+  if (fine) return std::move(*fine);
+  context_.report.error(location, fine.error().message);
+  return std::nullopt;
+}
+
+std::optional<std::vector<Curve>> ShapeReader::curves(Parameters& parameters, SourceLocation location) {
+  ReaderReport& report = context_.report;
+  const std::vector<double> p = parameters.numbers("P", {"point3", "point"}, 3, report);
+  const std::string basis = parameters.text("basis", "bezier", report),
+                    type = parameters.text("type", "flat", report);
+  const std::int64_t degree = parameters.integer("degree", 3, report);
+  const double width = parameters.number("width", 1.0, report),
+               first = parameters.number("width0", width, report),
+               last = parameters.number("width1", width, report);
+  parameters.accept({"N", "splitdepth"});
+  const auto wrong = [&](const char* name, std::string_view message) {
+    report.error(parameters.location(name, location), message);
+    return std::nullopt;
+  };
+  if (degree != 2 && degree != 3) return wrong("degree", "a curve has degree 2 or 3");
+  if (basis != "bezier" && basis != "bspline") return wrong("basis", "a basis is bezier or bspline");
+  if (type != "flat" && type != "cylinder" && type != "ribbon")
+    return wrong("type", "a curve is flat, cylinder or ribbon");
+  if (!(first >= 0.0 && last >= 0.0 && std::max(first, last) < 1e30 && std::max(first, last) > 0.0))
+    return wrong("width", "the widths of a curve are at least 0, one is above 0");
+  std::vector<glm::dvec3> points;
+  for (std::size_t i = 0; i + 2 < p.size(); i += 3) points.emplace_back(p[i], p[i + 1], p[i + 2]);
+  const auto n = std::size_t(degree);
+  const bool bezier = basis == "bezier";
+  if (points.size() <= n || (bezier && (points.size() - 1) % n != 0))
+    return wrong(
+        "P", fmt::format(
+                 "a curve of {} points; a {} of degree {} has {}", points.size(), basis, degree,
+                 bezier ? fmt::format("1 more than a multiple of {}", n) : fmt::format("{} or more", n + 1)));
+  if (type != "cylinder")
+    report.warn_counted(location, fmt::format("{} curves are round ones, as wide as they are", type));
+  return bspline_curves(points, {bezier, int(degree), 0.5 * first, 0.5 * last});
+}
+
+void ShapeReader::read(const std::string& type, Parameters& parameters, const GraphicsState& state,
+                       SourceLocation location) {
   ReaderReport& report = context_.report;
   struct Reader {
     const char* type;
@@ -188,35 +305,119 @@ std::optional<ReadShape> ShapeReader::read(const std::string& type, Parameters& 
   static constexpr Reader kReaders[] = {{"trianglemesh", &ShapeReader::triangle_mesh},
                                         {"bilinearmesh", &ShapeReader::bilinear_mesh},
                                         {"plymesh", &ShapeReader::ply_mesh},
+                                        {"loopsubdiv", &ShapeReader::subdivision},
                                         {"sphere", &ShapeReader::sphere},
+                                        {"cylinder", &ShapeReader::cylinder},
                                         {"disk", &ShapeReader::disk}};
-  const auto* found = find_row(kReaders, type, "shape", "it is left out", location, report);
-  if (found == nullptr) return std::nullopt;
-  ReadShape shape;
-  shape.alpha = textures_.number(parameters, "alpha", 1.0, 0.0, 1e30);
+  const bool is_curve = type == "curve";
+  const auto* found =
+      is_curve ? nullptr : find_row(kReaders, type, "shape", "it is left out", location, report, {"curve"});
+  if (found == nullptr && !is_curve) return;
+  Use use;
+  use.material = state.material;
+  use.media = state.media;
+  use.location = location;
+  if (const Parameter* alpha = parameters.take("alpha")) use.alpha = Parameters::of(*alpha);
+  if (is_curve) {
+    auto given = curves(parameters, location);
+    parameters.finish("the shape 'curve'", report);
+    if (!given) return;
+    // Those in a row that are alike are one mesh: there may be millions.
+    const bool alike = !pending_.curves.empty() && !use.alpha && !pending_.use.alpha &&
+                       pending_.state.has_same_surface(state);
+    if (!alike) finish_curves();
+    if (!alike) pending_ = {{}, std::move(use), state};
+    std::ranges::move(*given, std::back_inserter(pending_.curves));
+    return;
+  }
+  finish_curves();
   auto geometry = (this->*found->read)(parameters, location);
   parameters.finish(fmt::format("the shape '{}'", type), report);
-  if (!geometry) return std::nullopt;
-  shape.geometry = std::move(*geometry);
-  shape.name = fmt::format("{} at {}", type, describe(location));
-  shape.ctm = state.ctm;
-  shape.reverse_orientation = state.reverse_orientation;
-  shape.material = state.material;
-  shape.material_name = state.material_name;
-  shape.area_light = state.area_light;
-  shape.location = location;
-  return shape;
+  if (!geometry) return;
+  add(type, std::move(*geometry), std::move(use), state);
 }
 
-std::pair<int, int> ShapeReader::materials_of(const ReadShape& shape) {
-  SurfaceMaterial material = *shape.material;
-  if (shape.alpha.texture != kNoTexture || shape.alpha.value < 1.0f) {
+void ShapeReader::finish_curves() {
+  if (pending_.curves.empty()) return;
+  Curves curves = std::exchange(pending_, {});
+  auto mesh = bspline_curve_mesh(curves.curves);
+  if (!mesh) return context_.report.error(curves.use.location, mesh.error().message);
+  add("curve", std::move(mesh->mesh), std::move(curves.use), curves.state);
+}
+
+void ShapeReader::add(const std::string& type, Geometry geometry, Use use, const GraphicsState& state) {
+  const SourceLocation location = use.location;
+  Shape shape;
+  shape.name = fmt::format("{} at {}", type, describe(location));
+  shape.material = state.material_name;
+  // The front is where the normal of the shape's own space points to, whatever the transform mirrors.
+  shape.flip_normals = state.reverse_orientation;
+  shape.geometry = std::move(geometry);
+  if (!place(shape, state.ctm, type == "loopsubdiv", location)) return;
+  if (state.area_light != nullptr) make_emit(shape, *state.area_light);
+  shapes().push_back(std::move(shape));
+  uses().push_back(std::move(use));
+}
+
+std::vector<Shape>& ShapeReader::shapes() {
+  return object_ >= 0 ? context_.scene.groups[std::size_t(object_)].shapes : context_.scene.shapes;
+}
+
+void ShapeReader::begin_object(const std::string& name, SourceLocation location) {
+  finish_curves();
+  const int group = int(context_.scene.groups.size());
+  if (!objects_.try_emplace(name, group).second)
+    context_.report.error(location, fmt::format("the object '{}' is there twice", name));
+  context_.scene.groups.push_back({name, {}, {}});
+  group_uses_.emplace_back();
+  object_ = group;
+}
+
+void ShapeReader::end_object() {
+  finish_curves();
+  object_ = -1;
+}
+
+void ShapeReader::place_object(const std::string& name, const glm::dmat4& to_world, SourceLocation location) {
+  ReaderReport& report = context_.report;
+  const auto found = objects_.find(name);
+  if (found == objects_.end()) {
+    std::vector<std::string> known;
+    for (const auto& [each, ignored] : objects_) known.push_back(each);
+    return report.error(location, fmt::format("there is no object '{}' before this{}", name,
+                                              known_names(name, known, "There are")));
+  }
+  std::vector<ShapeInstance>& instances = context_.scene.instances;
+  if (instances.size() >= kMaxInstances)
+    return report.error(location, fmt::format("more than {} instances", kMaxInstances));
+  if (is_singular(to_world))
+    return report.error(location, fmt::format("the transform of this instance of '{}' flattens it", name));
+  instances.push_back({fmt::format("{} at {}", name, describe(location)), found->second, to_world});
+}
+
+void ShapeReader::finish() {
+  finish_curves();
+  SceneDescription& scene = context_.scene;
+  for (std::size_t i = 0; i < uses_.size(); ++i) finish(scene.shapes[i], uses_[i]);
+  for (std::size_t g = 0; g < group_uses_.size(); ++g)
+    for (std::size_t i = 0; i < group_uses_[g].size(); ++i)
+      finish(scene.groups[g].shapes[i], group_uses_[g][i]);
+}
+
+std::pair<int, int> ShapeReader::materials_of(const Use& use) {
+  const std::shared_ptr<const SurfaceMaterial> own = materials_.material(use.material);
+  TexturedNumber alpha(1.0f);
+  if (use.alpha) {
+    Parameters parameters = *use.alpha;
+    alpha = textures_.number(parameters, "alpha", 1.0, 0.0, 1e30);
+  }
+  SurfaceMaterial material = *own;
+  if (alpha.texture != kNoTexture || alpha.value < 1.0f) {
     // Once for all shapes that share both.
-    const auto [known, is_new] =
-        masked_.try_emplace({shape.material, shape.alpha.value, shape.alpha.texture});
+    const auto [known, is_new] = masked_.try_emplace({own, alpha.value, alpha.texture});
     if (is_new) {
       MaskBsdf mask;
-      mask.opacity = shape.alpha;
+      mask.opacity = alpha;
       known->second = masked("alpha", mask, material);
     }
     material = known->second;
@@ -234,74 +435,107 @@ std::pair<int, int> ShapeReader::materials_of(const ReadShape& shape) {
   return installer_.add(material, context_.scene);
 }
 
-void ShapeReader::place(const ReadShape& read, const glm::dmat4& instance) {
+void ShapeReader::finish(Shape& shape, Use& use) {
   ReaderReport& report = context_.report;
   SceneDescription& scene = context_.scene;
-  const glm::dmat4 to_world = instance * read.ctm;
-  if (is_singular(to_world)) return report.error(read.location, "the transform of this shape flattens it");
-  if (scene.shapes.size() >= kMostShapes || triangles_ > kMostTriangles)
-    return report.error(read.location,
-                        fmt::format("more than {} shapes or {} triangles", kMostShapes, kMostTriangles));
-  Shape shape;
-  shape.name = read.name;
-  shape.material = read.material_name;
-  // The front is where the normal of the shape's own space points to, whatever the transform mirrors.
-  shape.flip_normals = read.reverse_orientation;
-  const auto [x_axis, y_axis] = frame_axes(to_world);
-  if (const auto* mesh = std::get_if<Mesh>(&read.geometry)) {
-    Mesh copy = *mesh;
-    const bool faceted = copy.normals.empty();
-    if (faceted && is_mirror(to_world))
-      for (glm::uvec3& t : copy.triangles) std::swap(t.y, t.z);
-    if (!report.place(copy, to_world, faceted, read.name, read.location)) return;
-    triangles_ += copy.triangles.size();
-    shape.geometry = std::move(copy);
-  } else if (const auto* sphere = std::get_if<Sphere>(&read.geometry)) {
-    const auto scale = uniform_scale(to_world);
-    if (!scale)
-      return report.unsupported(read.location, "spheres that are scaled by different factors are not read",
-                                "it is left out");
-    Sphere placed{transform_point(to_world, glm::dvec3(0.0)), sphere->radius * *scale, x_axis, y_axis,
-                  (is_mirror(to_world) ? -1.0 : 1.0) * glm::cross(x_axis, y_axis)};
-    if (const auto traceable = check_traceable(placed); !traceable)
-      return report.error(read.location, traceable.error().message);
-    shape.geometry = placed;
-  } else if (const auto* disk = std::get_if<Disk>(&read.geometry)) {
-    const auto scale = uniform_scale(to_world, 2);
-    if (!scale)
-      return report.unsupported(read.location, "disks that are scaled by different factors are not read",
-                                "it is left out");
-    const Disk placed{transform_point(to_world, disk->center),
-                      glm::normalize(normal_matrix(to_world) * glm::dvec3(0.0, 0.0, 1.0)),
-                      disk->radius * *scale, x_axis, y_axis};
-    if (const auto traceable = check_traceable(placed); !traceable)
-      return report.error(read.location, traceable.error().message);
-    shape.geometry = placed;
+  if (report.full()) return;
+  std::tie(shape.front_bsdf, shape.back_bsdf) = materials_of(use);
+  if (use.media.are_two()) {
+    shape.interior = media_.install(use.media.inside, use.media.location);
+    shape.exterior = media_.install(use.media.outside, use.media.location);
   }
-  std::tie(shape.front_bsdf, shape.back_bsdf) = materials_of(read);
-  if (read.area_light != nullptr) {
-    const AreaLight& light = *read.area_light;
-    shape.two_sided_emission = light.two_sided;
-    double scale = 1.0;
-    if (light.power)
-      scale = *light.power / (std::numbers::pi * area_of(shape) * (light.two_sided ? 2.0 : 1.0));
-    shape.radiance = glm::vec3(glm::dvec3(light.radiance) * scale);
-    if (!(std::max({shape.radiance->x, shape.radiance->y, shape.radiance->z}) < 1e37f))
-      return report.error(light.location, "the radiance of this light is not finite");
-    if (shape.two_sided_emission && std::holds_alternative<Sphere>(shape.geometry)) {
-      report.warn_counted(light.location, "spheres shine outwards alone");
-      shape.two_sided_emission = false;
-    }
-  }
+  map_textures(shape, use);
   if (missing_for_textures(scene, shape).coordinates)
-    report.warn(read.location,
+    report.warn(use.location,
                 fmt::format("'{}' has textures, but no texture coordinates; those of each triangle are "
                             "its barycentric ones",
-                            read.name));
+                            shape.name));
   if (!std::holds_alternative<Mesh>(shape.geometry) && texture_needs(scene, shape).coordinates)
-    report.warn_counted(read.location,
-                     "textures on spheres and disks are as Mitsuba turns them, not as pbrt does");
-  scene.shapes.push_back(std::move(shape));
+    report.warn_counted(
+        use.location, "textures on spheres, cylinders and disks are as Mitsuba turns them, not as pbrt does");
+}
+
+/// Texture coordinates by the places of vertices, where its textures are mapped so.
+void ShapeReader::map_textures(Shape& shape, const Use& use) {
+  ReaderReport& report = context_.report;
+  const std::vector<int> textures = texture_needs(context_.scene, shape).mapped;
+  const TextureMapping* mapping = nullptr;
+  for (const int each : textures)
+    if (const TextureMapping* own = textures_.mapping_of(each); own != nullptr && mapping == nullptr)
+      mapping = own;
+  if (mapping == nullptr) return;
+  auto* mesh = std::get_if<Mesh>(&shape.geometry);
+  if (mesh == nullptr)
+    return report.unsupported(
+        use.location, "textures of spheres, disks and cylinders that are not mapped by uv are not read",
+        "they are mapped by uv");
+  for (const int each : textures) {
+    const TextureMapping* own = textures_.mapping_of(each);
+    if (own == nullptr || *own != *mapping)
+      report.unsupported(use.location,
+                         fmt::format("the textures of '{}' are mapped in different ways", shape.name),
+                         "they are mapped as the first that is not by uv");
+  }
+  map_mesh(*mesh, *mapping);
+}
+
+/// Into the world, or the space of its object; a mesh without normals becomes `smooth`, or is faceted.
+/// Whether it can be there.
+bool ShapeReader::place(Shape& shape, const glm::dmat4& to_world, bool smooth, SourceLocation location) {
+  ReaderReport& report = context_.report;
+  const auto wrong = [&](std::string_view message) {
+    report.error(location, message);
+    return false;
+  };
+  if (is_singular(to_world)) return wrong("the transform of this shape flattens it");
+  if (++shape_count_ > kMostShapes || triangles_ > kMostTriangles)
+    return wrong(fmt::format("more than {} shapes or {} triangles", kMostShapes, kMostTriangles));
+  if (is_stretched(shape.geometry, to_world)) shape.geometry = mesh_of(shape.geometry);
+  const auto [x_axis, y_axis] = frame_axes(to_world);
+  if (auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
+    const bool faceted = mesh->normals.empty() && !smooth;
+    if (mesh->normals.empty() && is_mirror(to_world))
+      for (glm::uvec3& t : mesh->triangles) std::swap(t.y, t.z);
+    if (!report.place(*mesh, to_world, faceted, shape.name, location)) return false;
+    triangles_ += mesh->triangles.size();
+    return true;
+  }
+  if (auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
+    const double scale = uniform_scale(to_world).value();
+    *sphere = {transform_point(to_world, glm::dvec3(0.0)), sphere->radius * scale, x_axis, y_axis,
+               (is_mirror(to_world) ? -1.0 : 1.0) * glm::cross(x_axis, y_axis)};
+  } else if (auto* disk = std::get_if<Disk>(&shape.geometry)) {
+    const double scale = uniform_scale(to_world, 2).value();
+    *disk = {transform_point(to_world, disk->center),
+             glm::normalize(normal_matrix(to_world) * glm::dvec3(0.0, 0.0, 1.0)), disk->radius * scale,
+             x_axis, y_axis};
+  } else if (auto* cylinder = std::get_if<Cylinder>(&shape.geometry)) {
+    *cylinder = placed_cylinder(*cylinder, to_world).value();
+  }
+  if (const auto traceable = check_traceable(shape.geometry); !traceable)
+    return wrong(traceable.error().message);
+  return true;
+}
+
+void ShapeReader::make_emit(Shape& shape, const AreaLight& light) {
+  ReaderReport& report = context_.report;
+  if (in_object())
+    report.warn_counted(light.location,
+                        "area lights of objects are lights wherever their instances are; pbrt refuses them");
+  shape.two_sided_emission = light.two_sided;
+  double scale = 1.0;
+  if (light.power)
+    scale =
+        *light.power / (std::numbers::pi * area_of(shape) * (light.two_sided ? 2.0 : 1.0) * light.image_mean);
+  shape.radiance = glm::vec3(glm::dvec3(light.radiance) * scale);
+  shape.radiance_texture = light.image;
+  if (!(std::max({shape.radiance->x, shape.radiance->y, shape.radiance->z}) < 1e37f))
+    return report.error(light.location, "the radiance of this light is not finite");
+  if (shape.two_sided_emission &&
+      (std::holds_alternative<Sphere>(shape.geometry) || std::holds_alternative<Cylinder>(shape.geometry))) {
+    report.warn_counted(light.location, "spheres and cylinders shine outwards alone");
+    shape.two_sided_emission = false;
+  }
 }
 
 }  // namespace penumbra::pbrt

@@ -1,39 +1,36 @@
 // Shapes of pbrt.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
-#include "scenes/pbrt/texture_reader.h"
+#include "scenes/pbrt/bspline_curves.h"
+#include "scenes/pbrt/material_reader.h"
+#include "scenes/pbrt/medium_reader.h"
 
 namespace penumbra::pbrt {
 
-/// A shape as it was met, in its own space: an object holds such, which each of its instances puts in place.
-struct ReadShape {
-  std::string name;
-  decltype(Shape::geometry) geometry;
-  glm::dmat4 ctm{1.0};
-  bool reverse_orientation = false;
-  std::shared_ptr<const SurfaceMaterial> material;
-  std::string material_name;
-  std::shared_ptr<const AreaLight> area_light;
-  TexturedNumber alpha{1.0f};
-  SourceLocation location;
-};
-
 class ShapeReader {
  public:
-  ShapeReader(Context& context, TextureReader& textures) : context_(context), textures_(textures) {}
+  ShapeReader(Context& context, TextureReader& textures, MaterialReader& materials, MediumReader& media)
+      : context_(context), textures_(textures), materials_(materials), media_(media) {}
 
-  /// Of a directive Shape; none, and an error, where it cannot be read.
-  std::optional<ReadShape> read(const std::string& type, Parameters& parameters, const GraphicsState& state,
-                                SourceLocation location);
+  /// Of a directive Shape: puts it where it is, in the scene or in the object that is open.
+  void read(const std::string& type, Parameters& parameters, const GraphicsState& state,
+            SourceLocation location);
 
-  /// Puts it in place, after its own transform.
-  void place(const ReadShape& shape, const glm::dmat4& instance);
+  /// What is read between the two is in the scene wherever instances of the object are.
+  void begin_object(const std::string& name, SourceLocation location);
+  void end_object();
+  [[nodiscard]] bool in_object() const { return object_ >= 0; }
+  void place_object(const std::string& name, const glm::dmat4& to_world, SourceLocation location);
+
+  /// Gives all shapes what they are made of, when materials and media are known.
+  void finish();
 
  private:
   using Geometry = decltype(Shape::geometry);
@@ -42,16 +39,49 @@ class ShapeReader {
   std::optional<Geometry> ply_mesh(Parameters& parameters, SourceLocation location);
   std::optional<Geometry> sphere(Parameters& parameters, SourceLocation location);
   std::optional<Geometry> disk(Parameters& parameters, SourceLocation location);
+  std::optional<Geometry> cylinder(Parameters& parameters, SourceLocation location);
+  std::optional<Geometry> subdivision(Parameters& parameters, SourceLocation location);
+  std::optional<std::vector<Curve>> curves(Parameters& parameters, SourceLocation location);
+  std::optional<double> turn(Parameters& parameters, SourceLocation location);
   std::optional<Mesh> vertices(Parameters& parameters, SourceLocation location);
   std::vector<std::uint32_t> indices(Parameters& parameters, const Mesh& mesh, std::size_t corners,
                                      SourceLocation location);
-  std::pair<int, int> materials_of(const ReadShape& shape);
+
+  /// What a shape has of what is known at the end of the file alone.
+  struct Use {
+    int material = kDefaultMaterial;
+    std::optional<Parameters> alpha = std::nullopt;  ///< with that parameter
+    MediumNames media;
+    SourceLocation location;
+  };
+  /// Curves of the same state, which become a mesh when another shape follows.
+  struct Curves {
+    std::vector<Curve> curves;
+    Use use;
+    GraphicsState state;
+  };
+  void add(const std::string& type, Geometry geometry, Use use, const GraphicsState& state);
+  void finish_curves();
+  bool place(Shape& shape, const glm::dmat4& to_world, bool smooth, SourceLocation location);
+  void make_emit(Shape& shape, const AreaLight& light);
+  void finish(Shape& shape, Use& use);
+  void map_textures(Shape& shape, const Use& use);
+  std::pair<int, int> materials_of(const Use& use);
+  std::vector<Shape>& shapes();
+  std::vector<Use>& uses() { return object_ >= 0 ? group_uses_[std::size_t(object_)] : uses_; }
 
   Context& context_;
   TextureReader& textures_;
+  MaterialReader& materials_;
+  MediumReader& media_;
   MaterialInstaller installer_;
   std::map<std::tuple<std::shared_ptr<const SurfaceMaterial>, float, int>, SurfaceMaterial> masked_;
-  std::size_t triangles_ = 0;
+  std::vector<Use> uses_;                     ///< of the scene's shapes
+  std::vector<std::vector<Use>> group_uses_;  ///< of those of its groups
+  Curves pending_;
+  std::map<std::string, int> objects_;  ///< to groups
+  int object_ = -1;                     ///< the group that is being read
+  std::size_t triangles_ = 0, shape_count_ = 0;
 };
 
 }  // namespace penumbra::pbrt

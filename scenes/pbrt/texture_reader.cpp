@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/gtc/packing.hpp>
 
+#include "scenes/image/bitmap_values.h"
 #include "scenes/number.h"
+#include "scenes/transform.h"
 
 namespace penumbra::pbrt {
 namespace {
@@ -20,6 +24,17 @@ int TextureReader::add(std::string name, TextureModel model, const glm::dmat3& t
   return int(context_.scene.textures.size()) - 1;
 }
 
+int TextureReader::add_mapped(TextureModel model, const glm::dmat3& to_uv) {
+  const int texture = add(name_, std::move(model), to_uv);
+  if (mapping_) mappings_[texture] = *mapping_;
+  return texture;
+}
+
+const TextureMapping* TextureReader::mapping_of(int texture) const {
+  const auto found = mappings_.find(texture);
+  return found == mappings_.end() ? nullptr : &found->second;
+}
+
 TextureValue TextureReader::stand_in(SourceLocation location, const std::string& message) {
   context_.report.unsupported(location, message, "a magenta checkerboard stands in for it");
   CheckerboardTexture board;
@@ -28,8 +43,13 @@ TextureValue TextureReader::stand_in(SourceLocation location, const std::string&
 }
 
 void TextureReader::read(const std::string& name, const std::string& kind, const std::string& type,
-                         Parameters parameters, SourceLocation location) {
+                         Parameters parameters, const glm::dmat4& ctm, SourceLocation location) {
   name_ = name;
+  ctm_ = ctm;
+  mapping_.reset();
+  of_ = kind == "float" ? Of::kNumbers : Of::kColours;
+  if (textures_.contains({name, of_}))
+    context_.report.error(location, fmt::format("the {} texture '{}' is there twice", kind, name));
   if (kind != "float" && kind != "spectrum" && kind != "color")
     context_.report.error(location,
                           fmt::format("a texture is of \"float\" or \"spectrum\", not \"{}\"", kind));
@@ -40,29 +60,52 @@ void TextureReader::read(const std::string& name, const std::string& kind, const
   static constexpr Reader kReaders[] = {{"imagemap", &TextureReader::imagemap},
                                         {"scale", &TextureReader::scale},
                                         {"mix", &TextureReader::mix},
-                                        {"checkerboard", &TextureReader::checkerboard}};
+                                        {"directionmix", &TextureReader::direction_mix},
+                                        {"checkerboard", &TextureReader::checkerboard},
+                                        {"dots", &TextureReader::dots},
+                                        {"bilerp", &TextureReader::bilerp},
+                                        {"fbm", &TextureReader::fbm},
+                                        {"wrinkled", &TextureReader::fbm},
+                                        {"windy", &TextureReader::fbm}};
   for (const Reader& each : kReaders) {
     if (type != each.type) continue;
-    textures_[name] = (this->*each.read)(parameters, location);
+    textures_[{name, of_}] = (this->*each.read)(parameters, location);
     parameters.finish(fmt::format("the texture '{}'", name), context_.report);
     return;
   }
   if (type == "constant") {
-    textures_[name] = value(parameters, "value", 1.0);
+    textures_[{name, of_}] = value(parameters, "value", 1.0);
     parameters.finish(fmt::format("the texture '{}'", name), context_.report);
     return;
   }
-  const std::vector<std::string> known = {"constant", "imagemap", "scale", "mix", "checkerboard"};
-  textures_[name] =
+  std::vector<std::string> known = {"constant"};
+  for (const Reader& each : kReaders) known.emplace_back(each.type);
+  textures_[{name, of_}] =
       stand_in(location, fmt::format("the texture '{}' of type '{}' is not read; those that are: {}", name,
                                      type, list_names(known)));
 }
 
 glm::dmat3 TextureReader::mapping(Parameters& parameters, SourceLocation location) {
   ReaderReport& report = context_.report;
-  if (const std::string kind = parameters.text("mapping", "uv", report); kind != "uv")
+  const std::string kind = parameters.text("mapping", "uv", report);
+  if (kind == "spherical" || kind == "cylindrical" || kind == "planar") {
+    if (is_singular(ctm_)) {
+      report.error(location, "the transform of this texture flattens it");
+      return glm::dmat3(1.0);
+    }
+    mapping_ = {.kind = kind == "planar"        ? MappingKind::kPlanar
+                        : kind == "cylindrical" ? MappingKind::kCylindrical
+                                                : MappingKind::kSpherical,
+                .to_texture = glm::inverse(ctm_)};
+    if (kind != "planar") return glm::dmat3(1.0);
+    mapping_->u_axis = parameters.point("v1", mapping_->u_axis, report);
+    mapping_->v_axis = parameters.point("v2", mapping_->v_axis, report);
+    mapping_->offset = {parameters.number("udelta", 0.0, report), parameters.number("vdelta", 0.0, report)};
+    return glm::dmat3(1.0);
+  }
+  if (kind != "uv")
     report.unsupported(parameters.location("mapping", location),
-                       fmt::format("textures mapped by '{}' are not read; 'uv' are", kind),
+                       fmt::format("the mapping '{}' is none of uv, spherical, cylindrical, planar", kind),
                        "it is mapped by uv");
   const double su = parameters.number("uscale", 1.0, report), sv = parameters.number("vscale", 1.0, report);
   const double du = parameters.number("udelta", 0.0, report), dv = parameters.number("vdelta", 0.0, report);
@@ -82,6 +125,20 @@ std::optional<int> TextureReader::bitmap(const std::string& file, SourceLocation
   for (const std::string& finding : describe(entry->findings, file, false))
     context_.report.warn(location, finding);
   return entry->bitmap;
+}
+
+std::optional<int> TextureReader::alpha_of(const std::string& file) {
+  const std::array<std::filesystem::path, 1> folders = {context_.folder};
+  const auto path = context_.files.find(file, folders);
+  if (!path) return std::nullopt;
+  const auto entry = bitmaps_.read(*path, BitmapChannels::kAlpha);
+  if (!entry) return std::nullopt;
+  const Bitmap& alpha = bitmaps_.bitmap(entry->bitmap);
+  const BitmapValues values(alpha, 1.0f);
+  const std::size_t count = std::size_t(alpha.width) * std::size_t(alpha.height);
+  for (std::size_t i = 0; i < count; ++i)
+    if (values[i] != 1.0f) return entry->bitmap;
+  return std::nullopt;
 }
 
 std::shared_ptr<const Bitmap> TextureReader::image(const std::string& file, SourceLocation location) {
@@ -116,35 +173,36 @@ TextureValue TextureReader::imagemap(Parameters& parameters, SourceLocation loca
   }
   if (parameters.text("filter", "bilinear", report) == "point") model.filter = BitmapFilter::kNearest;
   parameters.accept({"maxanisotropy"});
-  if (parameters.boolean("invert", false, report))
-    report.unsupported(parameters.location("invert", location), "inverted textures are not read",
-                       "it is not inverted");
+  const bool inverted = parameters.boolean("invert", false, report);
   const double scale = parameters.number("scale", 1.0, report);
-  if (!(scale >= 0.0 && scale < 1e30)) report.error(location, "a scale must be at least 0");
+  if (!(std::abs(scale) < 1e30)) report.error(location, "a scale must be finite");
   if (model.filename.empty()) {
     report.error(location, "an imagemap needs a \"string filename\"");
     return {};
   }
-  const auto index = bitmap(model.filename, parameters.location("filename", location));
+  auto index = of_ == Of::kNumbers ? alpha_of(model.filename) : std::nullopt;
+  if (!index) index = bitmap(model.filename, parameters.location("filename", location));
   if (!index) return {glm::vec3(0.5f)};
   model.bitmap = *index;
-  int texture = add(name_, model, to_uv);
-  if (scale != 1.0) texture = add(name_, ScaleTexture{glm::vec3(float(scale)), texture});
-  return {glm::vec3(1.0f), texture};
+  const TextureValue image{glm::vec3(1.0f), add_mapped(model, to_uv)};
+  if (inverted)
+    return combined({image}, [&](std::span<const glm::dvec3> v) { return glm::max(1.0 - scale * v[0], 0.0); })
+        .value();
+  return scale == 1.0 ? image : TextureValue{glm::vec3(1.0f), scaled(image.texture, glm::vec3(float(scale)))};
 }
 
-TextureValue TextureReader::value(Parameters& parameters, std::string_view name, double fallback) {
+TextureValue TextureReader::value(Parameters& parameters, std::string_view name, double fallback, Of of) {
   Parameter* parameter = parameters.take(name);
   if (parameter == nullptr) return {glm::vec3(float(fallback))};
   ReaderReport& report = context_.report;
   if (parameter->type == "texture") {
-    const auto found = parameter->texts.size() == 1 ? textures_.find(parameter->texts[0]) : textures_.end();
-    if (found != textures_.end()) return found->second;
-    std::vector<std::string> known;
-    for (const auto& [each, ignored] : textures_) known.push_back(each);
     const std::string wanted = parameter->texts.empty() ? "" : parameter->texts[0];
-    report.error(parameter->location, fmt::format("there is no texture '{}' before this{}", wanted,
-                                                  known_names(wanted, known, "There are")));
+    for (const Of kind : {of, of == Of::kNumbers ? Of::kColours : Of::kNumbers})
+      if (const auto found = textures_.find({wanted, kind}); found != textures_.end()) return found->second;
+    std::vector<std::string> known;
+    for (const auto& [each, ignored] : textures_) known.push_back(each.first);
+    report.error(parameter->location,
+                 fmt::format("there is no texture '{}'{}", wanted, known_names(wanted, known, "There are")));
     return {};
   }
   if (parameter->type == "float") {
@@ -157,26 +215,83 @@ TextureValue TextureReader::value(Parameters& parameters, std::string_view name,
   return {colour.value_or(glm::vec3(1.0f))};
 }
 
+int TextureReader::scaled(int texture, const glm::vec3& factor) {
+  return add(context_.scene.textures[std::size_t(texture)].name, ScaleTexture{factor, texture});
+}
+
 TextureValue TextureReader::scale(Parameters& parameters, SourceLocation location) {
   const TextureValue a = value(parameters, "tex", 1.0), b = value(parameters, "scale", 1.0);
+  if (a.texture == kNoTexture && b.texture == kNoTexture) return {a.value * b.value};
   if (a.texture != kNoTexture && b.texture != kNoTexture) {
-    context_.report.unsupported(location, "the product of two images is not read", "the first stands for it");
+    if (const auto product = combined({a, b}, [](std::span<const glm::dvec3> v) { return v[0] * v[1]; }))
+      return *product;
+    context_.report.unsupported(
+        location, "the product of two textures that are no images, or mapped otherwise, is not read",
+        "the first stands for it");
     return a;
   }
   const glm::vec3 factor = a.texture == kNoTexture ? a.value : b.value;
-  const TextureValue& other = a.texture == kNoTexture ? b : a;
-  if (other.texture == kNoTexture) return {a.value * b.value};
-  return {glm::vec3(1.0f), add(name_, ScaleTexture{factor, other.texture})};
+  return {glm::vec3(1.0f), scaled(a.texture == kNoTexture ? b.texture : a.texture, factor)};
 }
 
 TextureValue TextureReader::mix(Parameters& parameters, SourceLocation location) {
   const TextureValue a = value(parameters, "tex1", 0.0), b = value(parameters, "tex2", 1.0);
-  const TextureValue amount = value(parameters, "amount", 0.5);
-  if (a.texture == kNoTexture && b.texture == kNoTexture && amount.texture == kNoTexture)
-    return {glm::mix(a.value, b.value, amount.value)};
-  context_.report.unsupported(location, "mixtures of images are not read; those of colours are",
+  const TextureValue amount = value(parameters, "amount", 0.5, Of::kNumbers);
+  if (amount.texture == kNoTexture && amount.value.x == 0.0f) return a;
+  if (amount.texture == kNoTexture && amount.value.x == 1.0f) return b;
+  if (const auto mixture = combined({a, b, amount}, [](std::span<const glm::dvec3> v) {
+        const double share = (v[2].x + v[2].y + v[2].z) / 3;
+        return glm::mix(v[0], v[1], share);
+      }))
+    return *mixture;
+  context_.report.unsupported(location,
+                              "a mixture of textures that are no images, or mapped otherwise, is not read",
                               "the first stands for it");
   return a;
+}
+
+TextureValue TextureReader::direction_mix(Parameters& parameters, SourceLocation location) {
+  const TextureValue a = value(parameters, "tex1", 0.0), b = value(parameters, "tex2", 1.0);
+  parameters.accept({"dir"});
+  context_.report.unsupported(location, "textures that are mixed by directions are not read",
+                              "the second stands for it");
+  return a.texture == kNoTexture && a.value == b.value ? a : b;
+}
+
+TextureValue TextureReader::dots(Parameters& parameters, SourceLocation location) {
+  const TextureValue inside = value(parameters, "inside", 1.0), outside = value(parameters, "outside", 0.0);
+  static_cast<void>(mapping(parameters, location));
+  context_.report.unsupported(location, "textures of dots are not read", "what is outside of them is shown");
+  return inside.texture == kNoTexture && inside.value == outside.value ? inside : outside;
+}
+
+/// A square of many texels, linear between its four corners.
+TextureValue TextureReader::bilerp(Parameters& parameters, SourceLocation location) {
+  const TextureValue corners[] = {value(parameters, "v00", 0.0), value(parameters, "v01", 1.0),
+                                  value(parameters, "v10", 0.0), value(parameters, "v11", 1.0)};
+  constexpr int kSide = 64;
+  std::vector<float> values;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const float u = float(x) / (kSide - 1), v = 1.0f - float(y) / (kSide - 1);
+      const glm::vec3 at = glm::mix(glm::mix(corners[0].value, corners[2].value, u),
+                                    glm::mix(corners[1].value, corners[3].value, u), v);
+      for (int c = 0; c < 3; ++c) values.push_back(at[c]);
+    }
+  for (const TextureValue& corner : corners)
+    if (corner.texture != kNoTexture)
+      context_.report.error(location, "the corners of a bilerp are no textures");
+  const int image = made_image(name_, float_bitmap(name_, kSide, kSide, 3, values));
+  context_.scene.textures[std::size_t(image)].to_uv = kFlip * mapping(parameters, location);
+  if (mapping_) mappings_[image] = *mapping_;
+  return {glm::vec3(1.0f), image};
+}
+
+/// pbrt's noise is a function of places, ours of texture coordinates.
+TextureValue TextureReader::fbm(Parameters& parameters, SourceLocation location) {
+  context_.report.unsupported(location, "noise in space is not read", "its mean stands for it");
+  parameters.accept({"octaves", "roughness"});
+  return {glm::vec3(0.5f)};
 }
 
 TextureValue TextureReader::checkerboard(Parameters& parameters, SourceLocation location) {
@@ -190,7 +305,7 @@ TextureValue TextureReader::checkerboard(Parameters& parameters, SourceLocation 
   board.color1.texture = b.texture;
   // pbrt's squares are of unit size, ours half of it.
   const glm::dmat3 half(glm::dvec3(0.5, 0, 0), glm::dvec3(0, 0.5, 0), glm::dvec3(0, 0, 1));
-  return {glm::vec3(1.0f), add(name_, board, half * mapping(parameters, location))};
+  return {glm::vec3(1.0f), add_mapped(board, half * mapping(parameters, location))};
 }
 
 TexturedColour TextureReader::colour(Parameters& parameters, std::string_view name, ColourOf use,
@@ -202,7 +317,7 @@ TexturedColour TextureReader::colour(Parameters& parameters, std::string_view na
     return TexturedColour(
         colour_of(*given, use, context_.files, context_.folder, context_.report).value_or(fallback));
   }
-  const TextureValue found = value(parameters, name, 1.0);
+  const TextureValue found = value(parameters, name, 1.0, Of::kColours);
   TexturedColour colour(use == ColourOf::kReflectance ? glm::clamp(found.value, 0.0f, 1.0f) : found.value);
   colour.texture = found.texture;
   return colour;
@@ -210,7 +325,7 @@ TexturedColour TextureReader::colour(Parameters& parameters, std::string_view na
 
 TexturedNumber TextureReader::number(Parameters& parameters, std::string_view name, double fallback,
                                      double low, double high) {
-  const TextureValue found = value(parameters, name, fallback);
+  const TextureValue found = value(parameters, name, fallback, Of::kNumbers);
   const double x = double(found.value.x);
   if (!(x >= low && x <= high))
     context_.report.error(parameters.location(name, {}),
@@ -229,6 +344,135 @@ std::optional<int> TextureReader::normal_map(const std::string& file, SourceLoca
   if (!index) return std::nullopt;
   model.bitmap = *index;
   return add(file, model, kFlip);
+}
+
+std::optional<int> TextureReader::light_image(const std::string& file, SourceLocation location) {
+  BitmapTexture model;
+  model.filename = file;
+  const auto index = bitmap(file, location);
+  if (!index) return std::nullopt;
+  model.bitmap = *index;
+  model.wrap = model.wrap_u = model.wrap_v = WRAP_CLAMP;
+  return add(file, model, kFlip);
+}
+
+int TextureReader::made_image(const std::string& name, Bitmap bitmap) {
+  BitmapTexture model;
+  model.filename = name;
+  model.gamma = 1.0f;
+  model.wrap = model.wrap_u = model.wrap_v = WRAP_CLAMP;
+  model.bitmap = bitmaps_.add(std::move(bitmap));
+  return add(name, model);
+}
+
+const Bitmap& TextureReader::bitmap_of(int texture) const {
+  return bitmaps_.bitmap(std::get<BitmapTexture>(context_.scene.textures[std::size_t(texture)].model).bitmap);
+}
+
+std::optional<TextureValue> TextureReader::combined(
+    std::initializer_list<TextureValue> values,
+    const std::function<glm::dvec3(std::span<const glm::dvec3>)>& of) {
+  struct Source {
+    glm::dvec3 factor;
+    std::optional<BitmapValues> texels = std::nullopt;
+    int width = 1, height = 1, channels = 0;
+  };
+  std::vector<Source> sources;
+  const BitmapTexture* first = nullptr;
+  const TextureMapping* mapping = nullptr;
+  glm::dmat3 to_uv(1.0);
+  int width = 1, height = 1;
+  for (const TextureValue& value : values) {
+    Source source{glm::dvec3(value.value)};
+    int texture = value.texture;
+    while (texture != kNoTexture) {
+      const SceneTexture& each = context_.scene.textures[std::size_t(texture)];
+      if (const auto* scale = std::get_if<ScaleTexture>(&each.model)) {
+        source.factor *= glm::dvec3(scale->scale.value);
+        texture = scale->texture;
+        continue;
+      }
+      const auto* image = std::get_if<BitmapTexture>(&each.model);
+      if (image == nullptr) return std::nullopt;
+      const TextureMapping* own = mapping_of(texture);
+      const bool alike = mapping == own || (mapping != nullptr && own != nullptr && *mapping == *own);
+      if (first != nullptr && (each.to_uv != to_uv || image->wrap != first->wrap || !alike))
+        return std::nullopt;
+      first = image;
+      mapping = own;
+      to_uv = each.to_uv;
+      const Bitmap& bitmap = bitmaps_.bitmap(image->bitmap);
+      source.texels.emplace(bitmap, image->gamma);
+      source.width = bitmap.width;
+      source.height = bitmap.height;
+      source.channels = bitmap.channels;
+      width = std::max(width, bitmap.width);
+      height = std::max(height, bitmap.height);
+      break;
+    }
+    sources.push_back(std::move(source));
+  }
+  std::vector<glm::dvec3> at(sources.size());
+  const auto read = [&](int x, int y) {
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+      const Source& source = sources[i];
+      at[i] = source.factor;
+      if (!source.texels) continue;
+      // The texel that is nearest to the centre of this one.
+      const auto column = std::size_t((2 * std::int64_t(x) + 1) * source.width / (2 * width)),
+                 row = std::size_t((2 * std::int64_t(y) + 1) * source.height / (2 * height));
+      const std::size_t texel = (row * std::size_t(source.width) + column) * std::size_t(source.channels);
+      for (int c = 0; c < 3; ++c)
+        at[i][c] *= double((*source.texels)[texel + std::size_t(std::min(c, source.channels - 1))]);
+    }
+    return of(at);
+  };
+  if (first == nullptr) return TextureValue{glm::vec3(read(0, 0))};
+  const int channels = of_ == Of::kNumbers ? 1 : 3;
+  Bitmap bitmap{name_, width, height, channels, TexelType::kHalf, {}};
+  const std::size_t count = std::size_t(width) * std::size_t(height) * std::size_t(channels);
+  bitmap.words.resize((count + 1) / 2);
+  std::size_t k = 0;
+  const auto put = [&](double value) {
+    bitmap.words[k / 2] |= std::uint32_t(glm::packHalf1x16(float(std::min(value, 65504.0)))) << (k % 2 * 16);
+    ++k;
+  };
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const glm::dvec3 value = read(x, y);
+      if (channels == 1)
+        put((value.x + value.y + value.z) / 3);
+      else
+        for (int c = 0; c < 3; ++c) put(value[c]);
+    }
+  BitmapTexture model = *first;
+  model.gamma = 1.0f;
+  model.bitmap = bitmaps_.add(std::move(bitmap));
+  const TextureValue result{glm::vec3(1.0f), add(name_, model, to_uv)};
+  if (mapping != nullptr) mappings_[result.texture] = TextureMapping(*mapping);
+  return result;
+}
+
+std::optional<int> TextureReader::square_root(int texture) {
+  const auto [known, is_new] = square_roots_.try_emplace(texture);
+  if (!is_new) return known->second;
+  name_ = context_.scene.textures[std::size_t(texture)].name;
+  of_ = Of::kNumbers;
+  if (const auto root = combined({TextureValue{glm::vec3(1.0f), texture}}, [](std::span<const glm::dvec3> v) {
+        return glm::dvec3(std::sqrt(std::max(0.0, (v[0].x + v[0].y + v[0].z) / 3)));
+      }))
+    return known->second = root->texture;
+  const SceneTexture& given = context_.scene.textures[std::size_t(texture)];
+  const auto* board = std::get_if<CheckerboardTexture>(&given.model);
+  if (board == nullptr || board->color0.texture != kNoTexture || board->color1.texture != kNoTexture)
+    return std::nullopt;
+  CheckerboardTexture root = *board;
+  root.color0.value = glm::sqrt(board->color0.value);
+  root.color1.value = glm::sqrt(board->color1.value);
+  const TextureMapping* mapping = mapping_of(texture);
+  known->second = add(name_, root, glm::dmat3(given.to_uv));
+  if (mapping != nullptr) mappings_[*known->second] = TextureMapping(*mapping);
+  return known->second;
 }
 
 }  // namespace penumbra::pbrt

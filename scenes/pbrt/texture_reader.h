@@ -1,13 +1,18 @@
 // Textures of pbrt.
 #pragma once
 
+#include <functional>
+#include <initializer_list>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 
 #include "scenes/image/bitmap_files.h"
 #include "scenes/pbrt/colours.h"
 #include "scenes/pbrt/state.h"
+#include "scenes/pbrt/texture_mapping.h"
 
 namespace penumbra::pbrt {
 
@@ -17,7 +22,7 @@ class TextureReader {
 
   /// The directive Texture "name" "float|spectrum" "class".
   void read(const std::string& name, const std::string& kind, const std::string& type, Parameters parameters,
-            SourceLocation location);
+            const glm::dmat4& ctm, SourceLocation location);
 
   /// A parameter that may be a texture; `fallback` where it is not given.
   TexturedColour colour(Parameters& parameters, std::string_view name, ColourOf use,
@@ -25,9 +30,23 @@ class TextureReader {
   TexturedNumber number(Parameters& parameters, std::string_view name, double fallback, double low,
                         double high);
 
+  /// The square root of a texture, and a texture times a colour; the first is there of images and
+  /// checkerboards, scaled or not.
+  std::optional<int> square_root(int texture);
+  int scaled(int texture, const glm::vec3& factor);
+
+  /// An image as radiance.
+  std::optional<int> light_image(const std::string& file, SourceLocation location);
+  /// One that was made, of linear values.
+  int made_image(const std::string& name, Bitmap bitmap);
+  [[nodiscard]] const Bitmap& bitmap_of(int texture) const;
+
   /// A normal map's image.
   std::optional<int> normal_map(const std::string& file, SourceLocation location);
   std::shared_ptr<const Bitmap> image(const std::string& file, SourceLocation location);
+
+  /// How a texture is mapped; null: by texture coordinates.
+  [[nodiscard]] const TextureMapping* mapping_of(int texture) const;
 
   void install() { context_.scene.bitmaps = bitmaps_.take(); }
 
@@ -35,18 +54,38 @@ class TextureReader {
   TextureValue imagemap(Parameters& parameters, SourceLocation location);
   TextureValue scale(Parameters& parameters, SourceLocation location);
   TextureValue mix(Parameters& parameters, SourceLocation location);
+  TextureValue direction_mix(Parameters& parameters, SourceLocation location);
   TextureValue checkerboard(Parameters& parameters, SourceLocation location);
-  /// Of a texture's own parameter, a number or a colour.
-  TextureValue value(Parameters& parameters, std::string_view name, double fallback);
+  TextureValue dots(Parameters& parameters, SourceLocation location);
+  TextureValue bilerp(Parameters& parameters, SourceLocation location);
+  TextureValue fbm(Parameters& parameters, SourceLocation location);
+  /// Of a parameter that is a number, a colour, or a texture of numbers or of colours.
+  enum class Of { kNumbers, kColours };
+  TextureValue value(Parameters& parameters, std::string_view name, double fallback, Of of);
+  TextureValue value(Parameters& parameters, std::string_view name, double fallback) {
+    return value(parameters, name, fallback, of_);
+  }
+  /// The image of a function of textures that are images alike but for their texels; none of others.
+  std::optional<TextureValue> combined(std::initializer_list<TextureValue> values,
+                                       const std::function<glm::dvec3(std::span<const glm::dvec3>)>& of);
+  /// From coordinates, or what the texture that is read is mapped by, to those of pbrt's images.
   glm::dmat3 mapping(Parameters& parameters, SourceLocation location);
   int add(std::string name, TextureModel model, const glm::dmat3& to_uv = glm::dmat3(1.0));
+  int add_mapped(TextureModel model, const glm::dmat3& to_uv);
   TextureValue stand_in(SourceLocation location, const std::string& message);
   std::optional<int> bitmap(const std::string& file, SourceLocation location);
+  /// The alpha channel, which is what an image is as a texture of numbers; none where it is 1 throughout.
+  std::optional<int> alpha_of(const std::string& file);
 
   Context& context_;
   BitmapFiles bitmaps_;
-  std::map<std::string, TextureValue> textures_;
-  std::string name_;  ///< of the one that is being read
+  std::map<std::pair<std::string, Of>, TextureValue> textures_;
+  std::map<int, std::optional<int>> square_roots_;
+  std::map<int, TextureMapping> mappings_;
+  std::optional<TextureMapping> mapping_;  ///< of the one that is being read
+  glm::dmat4 ctm_{1.0};                    ///< likewise
+  std::string name_;                       ///< of the one that is being read
+  Of of_ = Of::kColours;
 };
 
 }  // namespace penumbra::pbrt

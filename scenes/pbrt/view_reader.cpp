@@ -22,6 +22,12 @@ void set(Context& context, std::string_view key, const T& value, SourceLocation 
 
 }  // namespace
 
+void use_volumetric_integrator(Context& context, SourceLocation location) {
+  const std::string depth = print_setting(context.scene, "integrator.max_depth");
+  set(context, "integrator.type", "volpath", location);
+  set(context, "integrator.max_depth", depth, location);
+}
+
 void read_film(Context& context, const std::string& type, Parameters& parameters, SourceLocation location) {
   ReaderReport& report = context.report;
   SceneDescription& scene = context.scene;
@@ -49,20 +55,29 @@ void read_film(Context& context, const std::string& type, Parameters& parameters
     film.crop_width = int(bounds[1] - bounds[0]);
     film.crop_height = int(bounds[3] - bounds[2]);
   }
-  // pbrt multiplies the image by exposuretime * iso / 100; ours holds radiance.
-  const double ratio =
-      parameters.number("exposuretime", 1.0, report) * parameters.number("iso", 100.0, report) / 100.0;
-  const std::string sensor = parameters.text("sensor", "cie1931", report);
-  if (ratio != 1.0 || sensor != "cie1931" || parameters.has("whitebalance"))
+  // Of what the film does to radiance, lights can have what multiplies all of it alike.
+  const double time = parameters.number("exposuretime", 1.0, report),
+               iso = parameters.number("iso", 100.0, report);
+  context.exposure = time * iso / 100.0;
+  if (!(context.exposure > 0.0 && context.exposure < 1e30)) {
+    report.error(location, "exposuretime and iso must be above 0");
+    context.exposure = 1.0;
+  }
+  if (context.exposure != 1.0)
     report.warn(location,
-                fmt::format("the image holds radiance: the sensor '{}', its white balance, and the exposure, "
-                            "by which pbrt's is {} times as bright, are ignored",
-                            sensor, ratio));
+                fmt::format("all lights are {} times as bright, for the film's exposuretime and iso",
+                            context.exposure));
+  const std::string sensor = parameters.text("sensor", "cie1931", report);
+  if (sensor != "cie1931")
+    report.warn(parameters.location("sensor", location),
+                fmt::format("the sensor '{}' is taken for cie1931: its colours differ", sensor));
+  if (parameters.number("whitebalance", 0.0, report) != 0.0)
+    report.warn(parameters.location("whitebalance", location), "the film's white balance is ignored");
   if (parameters.has("maxcomponentvalue"))
     report.warn_counted(parameters.location("maxcomponentvalue", location), "bright samples are not clamped");
   if (type != "rgb") report.warn(location, fmt::format("a film 'rgb' stands in for '{}'", type));
-  parameters.accept({"filename", "diagonal", "savefp16", "whitebalance", "maxcomponentvalue",
-                     "coordinatesystem", "nbuckets", "lambdamin", "lambdamax"});
+  parameters.accept({"filename", "diagonal", "savefp16", "maxcomponentvalue", "coordinatesystem", "nbuckets",
+                     "lambdamin", "lambdamax"});
   parameters.finish("the film", report);
 }
 
@@ -158,7 +173,8 @@ void read_filter(Context& context, const std::string& type, Parameters& paramete
   static constexpr Row kRows[] = {{"box", "box", 0.5},
                                   {"triangle", "tent", 2.0},
                                   {"gaussian", "gaussian", 1.5},
-                                  {"mitchell", "mitchell", 2.0}};
+                                  {"mitchell", "mitchell", 2.0},
+                                  {"sinc", "lanczos", 4.0}};
   ReaderReport& report = context.report;
   const auto* row = find_row(kRows, type, "filter", "a gaussian stands in for it", location, report);
   set(context, "film.rfilter", row != nullptr ? row->ours : "gaussian", location);
@@ -178,6 +194,8 @@ void read_filter(Context& context, const std::string& type, Parameters& paramete
     set(context, "film.rfilter_b", parameters.number("B", 1.0 / 3.0, report), location);
     set(context, "film.rfilter_c", parameters.number("C", 1.0 / 3.0, report), location);
   }
+  if (type == "sinc" && parameters.number("tau", 3.0, report) != x)
+    report.warn(location, "the window of a sinc filter has as many lobes as the filter is wide");
   parameters.finish("the filter", report);
 }
 

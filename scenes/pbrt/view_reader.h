@@ -10,6 +10,7 @@ struct CameraDirective {
   std::string type = "perspective";
   Parameters parameters;
   glm::dmat4 camera_from_world{1.0};
+  MediumNames media;
   SourceLocation location;
 };
 void read_camera(Context& context, CameraDirective& camera);
@@ -19,5 +20,7 @@ void read_sampler(Context& context, const std::string& type, Parameters& paramet
 void read_filter(Context& context, const std::string& type, Parameters& parameters, SourceLocation location);
 void read_integrator(Context& context, const std::string& type, Parameters& parameters,
                      SourceLocation location);
+/// In the place of the one that read_integrator has set.
+void use_volumetric_integrator(Context& context, SourceLocation location);
 
 }  // namespace penumbra::pbrt

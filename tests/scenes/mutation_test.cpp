@@ -489,10 +489,18 @@ AttributeBegin
 AttributeEnd
 Material "dielectric" "float eta" 1.5
 Include "m.pbrt"
+ColorSpace "rec2020"
+MakeNamedMedium "fog" "string type" "uniformgrid" "integer nx" 2 "float density" [1 2] "rgb sigma_s" [1 2 3]
+MediumInterface "fog" ""
+Material "subsurface" "string name" "Skin1" "texture roughness" "t"
+Shape "cylinder" "float zmax" 2 "float phimax" 180
+Shape "curve" "point3 P" [0 0 0 1 0 0 0 1 0] "float width1" 0.5 "integer degree" 2
+Shape "loopsubdiv" "point3 P" [0 0 0 1 0 0 0 1 0 0 0 1] "integer indices" [0 1 2 0 3 1] "integer levels" 1
 )");
   const auto whole = read_scene(folder / "scene.pbrt", {.confine_to = folder.path()});
   ASSERT_TRUE(whole) << whole.error().message;
-  EXPECT_EQ(whole->shapes.size(), 4u);
+  EXPECT_EQ(whole->shapes.size(), 5u);
+  EXPECT_EQ(whole->groups.size(), 1u);
   expect_survival(folder.path(), "scene.pbrt", "scene.pbrt", 5001);
 }
 

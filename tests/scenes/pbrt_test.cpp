@@ -6,10 +6,12 @@
 #include <random>
 
 #include "scenes/image/bitmap_values.h"
-#include "scenes/pbrt/light_reader.h"
+#include "scenes/instances.h"
+#include "scenes/pbrt/image_lights.h"
 #include "scenes/settings.h"
+#include "tests/scenes/gzip_writer.h"
+#include "tests/scenes/pbrt_text.h"
 #include "tests/scenes/ply_writer.h"
-#include "tests/scenes/scene_text.h"
 #include "tests/support/tga_file.h"
 
 namespace penumbra::pbrt_test {
@@ -17,49 +19,6 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-
-class PbrtText : public SceneText {
- protected:
-  static std::string pbrt(std::string_view world, std::string_view view = "Camera \"perspective\"") {
-    return std::string(view) + "\nWorldBegin\n" + std::string(world) + "\n";
-  }
-  Expected<SceneDescription> read_pbrt(std::string_view text, const ReadOptions& options = {}) {
-    write("scene.pbrt", text);
-    return read_scene(folder_ / "scene.pbrt", options);
-  }
-  SceneDescription good_pbrt(std::string_view world, std::string_view view = "Camera \"perspective\"",
-                             const ReadOptions& options = {}) {
-    return lit(good_of(read_pbrt(pbrt(world, view), options)));
-  }
-  std::string wrong(std::string_view world, std::string_view view = "Camera \"perspective\"") {
-    return error_of(read_pbrt(pbrt(world, view)), world);
-  }
-  static constexpr const char* kTriangle =
-      "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2]\n";
-  static const Mesh& mesh(const SceneDescription& scene, std::size_t index = 0) {
-    return std::get<Mesh>(scene.shapes.at(index).geometry);
-  }
-  /// The material of a shape's front.
-  static const BsdfModel& front(const SceneDescription& scene, std::size_t index = 0) {
-    return scene.bsdfs.at(std::size_t(scene.shapes.at(index).front_bsdf)).model;
-  }
-};
-
-void expect_near(glm::dvec3 a, glm::dvec3 b, double tolerance = 1e-12) {
-  EXPECT_NEAR(a.x, b.x, tolerance);
-  EXPECT_NEAR(a.y, b.y, tolerance);
-  EXPECT_NEAR(a.z, b.z, tolerance);
-}
-
-/// The front of a triangle: the side to which its winding, or being turned round, points.
-glm::dvec3 front_normal(const SceneDescription& scene, std::size_t index = 0) {
-  const Shape& shape = scene.shapes.at(index);
-  const Mesh& mesh = std::get<Mesh>(shape.geometry);
-  const glm::uvec3 t = mesh.triangles.at(0);
-  const glm::dvec3 n = glm::normalize(
-      glm::cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]));
-  return shape.flip_normals ? -n : n;
-}
 
 TEST_F(PbrtText, ItsDefaultsArePbrts) {
   const SceneDescription scene = good_pbrt(kTriangle);
@@ -138,9 +97,20 @@ TEST_F(PbrtText, ObjectsAreWhereTheirInstancesAre) {
       good_pbrt(std::string("ObjectBegin \"o\"\nTranslate 0 0 1\n") + kTriangle + "ObjectEnd\n" +
                 "AttributeBegin\nScale 2 2 2\nObjectInstance \"o\"\nAttributeEnd\nTranslate 5 0 "
                 "0\nObjectInstance \"o\"\n");
-  ASSERT_EQ(scene.shapes.size(), 2u);
-  expect_near(mesh(scene, 0).positions[1], {2, 0, 2});
-  expect_near(mesh(scene, 1).positions[1], {6, 0, 1});
+  EXPECT_TRUE(scene.shapes.empty());
+  ASSERT_EQ(scene.groups.size(), 1u) << "the mesh is there once";
+  EXPECT_EQ(scene.instances.size(), 2u);
+  const SceneDescription flat = without_instances(scene).value();
+  ASSERT_EQ(flat.shapes.size(), 2u);
+  expect_near(mesh(flat, 0).positions[1], {2, 0, 2});
+  expect_near(mesh(flat, 1).positions[1], {6, 0, 1});
+}
+
+TEST_F(PbrtText, TheFrontOfAMirroredInstanceIsWhereItsNormalPoints) {
+  const SceneDescription scene = good_pbrt(std::string("ObjectBegin \"o\"\nReverseOrientation\n") +
+                                           kTriangle + "ObjectEnd\nScale 1 1 -1\nObjectInstance \"o\"\n");
+  const SceneDescription flat = without_instances(scene).value();
+  expect_near(front_normal(flat), {0, 0, 1});
 }
 
 TEST_F(PbrtText, ShapesOfAllKinds) {
@@ -240,6 +210,193 @@ TEST_F(PbrtText, Materials) {
                                      HasSubstr("glasses have one refractive index")));
 }
 
+TEST_F(PbrtText, MaterialsMayBeNamedBeforeTheyAreMade) {
+  const SceneDescription scene = good_pbrt(
+      std::string("NamedMaterial \"later\"\n") + kTriangle +
+      "MakeNamedMaterial \"mixed\" \"string type\" \"mix\" \"string materials\" [\"later\" \"last\"]\n"
+      "NamedMaterial \"mixed\"\n" +
+      kTriangle +
+      "MakeNamedMaterial \"later\" \"string type\" \"diffuse\" \"texture reflectance\" \"t\"\n"
+      "MakeNamedMaterial \"last\" \"string type\" \"conductor\"\n"
+      "Texture \"t\" \"spectrum\" \"constant\" \"rgb value\" [.1 .2 .3]\n");
+  EXPECT_EQ(std::get<DiffuseBsdf>(front(scene, 0)).reflectance.value, glm::vec3(0.1f, 0.2f, 0.3f));
+  EXPECT_EQ(std::get<BlendBsdf>(front(scene, 1)).first, scene.shapes[0].front_bsdf);
+}
+
+TEST_F(PbrtText, MaterialsThatAreApproximated) {
+  const SceneDescription scene = good_pbrt(
+      std::string("Material \"diffusetransmission\" \"rgb reflectance\" [.1 .2 .3] \"rgb transmittance\" "
+                  "[.1 .1 .1] \"float scale\" 2\n") +
+      kTriangle + "Material \"subsurface\" \"rgb reflectance\" [.5 .4 .3] \"float roughness\" 0\n" +
+      kTriangle + "Material \"subsurface\" \"rgb sigma_s\" [1 1 1] \"rgb sigma_a\" [0 1 3]\n" + kTriangle +
+      "Material \"hair\" \"rgb reflectance\" [.5 .4 .3]\n" + kTriangle +
+      "Material \"dielectric\" \"spectrum eta\" [300 1.6 900 1.6]\n" + kTriangle);
+  const auto& shares = std::get<BlendBsdf>(front(scene, 0));
+  EXPECT_FLOAT_EQ(shares.weight.value, 0.25f) << "0.1 of 0.3 and 0.1";
+  const auto model = [&](int bsdf) { return scene.bsdfs.at(std::size_t(bsdf)).model; };
+  const auto reflector = std::get<DiffuseBsdf>(model(shares.first));
+  const auto sheet = std::get<PrincipledThinBsdf>(model(shares.second));
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(0.75f * reflector.reflectance.value[c], 2 * 0.1f * float(c + 1), 1e-6f);
+    EXPECT_NEAR(0.25f * sheet.base_color.value[c], 2 * 0.1f, 1e-6f);
+  }
+  EXPECT_EQ(sheet.diff_trans.value, 2.0f);
+  EXPECT_EQ(std::get<PlasticBsdf>(front(scene, 1)).diffuse.value, glm::vec3(0.5f, 0.4f, 0.3f));
+  EXPECT_EQ(std::get<PlasticBsdf>(front(scene, 1)).int_ior, 1.33f);
+  const glm::vec3 skin = std::get<PlasticBsdf>(front(scene, 2)).diffuse.value;
+  EXPECT_FLOAT_EQ(skin.x, 1.0f) << "what absorbs nothing";
+  EXPECT_NEAR(
+      skin.z,
+      0.5 * (1 - 0.139 * std::sqrt(0.75)) / (1 + 1.17 * std::sqrt(0.75)) / 0.5 * (1 - std::sqrt(0.75)), 1e-6);
+  EXPECT_EQ(std::get<DiffuseBsdf>(front(scene, 3)).reflectance.value, glm::vec3(0.5f, 0.4f, 0.3f));
+  EXPECT_NEAR(std::get<DielectricBsdf>(front(scene, 4)).int_ior, 1.6f, 1e-4f);
+  EXPECT_THAT(warnings(scene),
+              AllOf(HasSubstr("diffusetransmission is approximated"), HasSubstr("subsurface is approximated"),
+                    HasSubstr("hair is approximated")));
+}
+
+TEST_F(PbrtText, TheFilmsExposureIsTheLights) {
+  const SceneDescription scene = good_pbrt(
+      std::string("LightSource \"point\" \"rgb I\" [1 2 3]\nAreaLightSource \"diffuse\" \"rgb L\" [2 2 2] "
+                  "\"float spread\" 30\n") +
+          kTriangle,
+      "Camera \"perspective\"\nFilm \"rgb\" \"float exposuretime\" 0.5 \"float iso\" 400 \"string sensor\" "
+      "\"canon_eos_5d\" \"float whitebalance\" 5000");
+  EXPECT_EQ(only<PointLight>(scene).intensity, glm::vec3(2, 4, 6));
+  EXPECT_EQ(scene.shapes[0].radiance, glm::vec3(4.0f));
+  EXPECT_THAT(warnings(scene),
+              AllOf(HasSubstr("2 times as bright"), HasSubstr("'canon_eos_5d' is taken for"),
+                    HasSubstr("white balance is ignored"), HasSubstr("the spread of area lights")));
+}
+
+TEST_F(PbrtText, LightsWithTwoSidesAndPower) {
+  const SceneDescription scene = good_pbrt(
+      std::string("AreaLightSource \"diffuse\" \"rgb L\" [1 2 1] \"float power\" 10 \"bool twosided\" true\n"
+                  "AttributeBegin\nScale 2 2 2\n") +
+      kTriangle + "AttributeEnd\nShape \"cylinder\" \"float radius\" 2 \"float zmin\" 1 \"float zmax\" 4\n");
+  const double one = 10 / (std::numbers::pi * 2 * 2.0);  // of both sides of an area of 2
+  expect_near(glm::dvec3(scene.shapes[0].radiance.value()), {one, 2 * one, one}, 1e-6);
+  EXPECT_TRUE(scene.shapes[0].two_sided_emission);
+  EXPECT_NEAR(scene.shapes[1].radiance->x, 10 / (std::numbers::pi * 2 * 12 * std::numbers::pi), 1e-7);
+  EXPECT_FALSE(scene.shapes[1].two_sided_emission);
+}
+
+TEST_F(PbrtText, ImagesOfLights) {
+  const std::vector<std::uint8_t> texels = {255, 0};
+  write("t.tga", tga_file(1, 2, 1, texels));
+  const SceneDescription scene = good_pbrt(
+      "AreaLightSource \"diffuse\" \"string filename\" \"t.tga\" \"float power\" 10\n"
+      "Shape \"trianglemesh\" \"point3 P\" [0 0 0 2 0 0 0 2 0] \"point2 uv\" [0 0 1 0 0 1]\n");
+  ASSERT_NE(scene.shapes[0].radiance_texture, kNoTexture);
+  // Half of the image is black.
+  EXPECT_NEAR(scene.shapes[0].radiance->x, 10 / (std::numbers::pi * 2 * 0.5), 1e-5);
+}
+
+TEST_F(PbrtText, ColourSpaces) {
+  const SceneDescription scene = good_pbrt(
+      std::string("AttributeBegin\nColorSpace \"rec2020\"\nMaterial \"diffuse\" \"rgb reflectance\" [0.5 0.5 "
+                  "0.5]\n") +
+      kTriangle + "LightSource \"point\" \"rgb I\" [0.6274 0.0691 0.0164]\nAttributeEnd\n" +
+      "Material \"diffuse\" \"rgb reflectance\" [0.5 0.25 0.5]\n" + kTriangle);
+  expect_near(glm::dvec3(std::get<DiffuseBsdf>(front(scene, 0)).reflectance.value), glm::dvec3(0.5), 1e-6);
+  // What ITU-R BT.2087 makes of red of Rec. 709.
+  expect_near(glm::dvec3(only<PointLight>(scene).intensity), {1, 0, 0}, 2e-3);
+  EXPECT_EQ(std::get<DiffuseBsdf>(front(scene, 1)).reflectance.value, glm::vec3(0.5f, 0.25f, 0.5f));
+}
+
+TEST_F(PbrtText, TexturesMadeOfImages) {
+  const std::vector<std::uint8_t> a = {255, 51}, b = {51, 255};
+  write("a.tga", tga_file(1, 2, 1, a));
+  write("b.tga", tga_file(1, 2, 1, b));
+  const SceneDescription scene = good_pbrt(
+      "Texture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"a.tga\" \"string encoding\" \"linear\"\n"
+      "Texture \"b\" \"spectrum\" \"imagemap\" \"string filename\" \"b.tga\" \"string encoding\" \"linear\"\n"
+      "Texture \"product\" \"spectrum\" \"scale\" \"texture tex\" \"a\" \"texture scale\" \"b\"\n"
+      "Texture \"mixture\" \"spectrum\" \"mix\" \"texture tex1\" \"a\" \"rgb tex2\" [0 0 0] \"float amount\" "
+      "0.25\n"
+      "Texture \"rough\" \"float\" \"imagemap\" \"string filename\" \"b.tga\" \"string encoding\" \"linear\" "
+      "\"bool invert\" true\n"
+      "Material \"diffuse\" \"texture reflectance\" \"product\"\n" +
+      std::string(kTriangle) + "Material \"diffuse\" \"texture reflectance\" \"mixture\"\n" + kTriangle +
+      "Material \"conductor\" \"texture roughness\" \"rough\"\n" + kTriangle);
+  const auto texels = [&](int texture) {
+    const auto& model = std::get<BitmapTexture>(scene.textures.at(std::size_t(texture)).model);
+    const Bitmap& bitmap = *scene.bitmaps.at(std::size_t(model.bitmap));
+    return glm::dvec2(bitmap_value(bitmap, 0, model.gamma),
+                      bitmap_value(bitmap, std::size_t(bitmap.channels), model.gamma));
+  };
+  const auto near = [](const glm::dvec2& x, const glm::dvec2& y) { return glm::length(x - y) < 1e-3; };
+  EXPECT_TRUE(near(texels(std::get<DiffuseBsdf>(front(scene, 0)).reflectance.texture), {0.2, 0.2}));
+  EXPECT_TRUE(near(texels(std::get<DiffuseBsdf>(front(scene, 1)).reflectance.texture), {0.75, 0.15}));
+  const auto& metal = std::get<RoughConductorBsdf>(front(scene, 2));
+  EXPECT_EQ(metal.alpha_u.texture, metal.alpha_v.texture);
+  EXPECT_TRUE(near(texels(metal.alpha_u.texture), {std::sqrt(0.8), 0})) << "alpha is the square root";
+}
+
+TEST_F(PbrtText, AnImageOfNumbersIsItsAlpha) {
+  write("leaf.tga", tga_file(1, 2, 4, std::vector<std::uint8_t>{0, 0, 0, 255, 0, 0, 0, 51}));
+  write("opaque.tga", tga_file(1, 2, 4, std::vector<std::uint8_t>{51, 51, 51, 255, 51, 51, 51, 255}));
+  const SceneDescription scene = good_pbrt(
+      "Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"leaf.tga\" \"string encoding\" \"linear\"\n"
+      "Texture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"leaf.tga\"\n"
+      "Texture \"b\" \"float\" \"imagemap\" \"string filename\" \"opaque.tga\" \"string encoding\" "
+      "\"linear\" "
+      "\"float scale\" -2\n"
+      "Material \"diffuse\" \"texture reflectance\" \"a\" \"texture displacement\" \"b\"\n"
+      "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"point2 uv\" [0 0 1 0 0 1] \"texture alpha\" "
+      "\"a\"\n");
+  const auto bitmap = [&](int texture) {
+    const auto& model = std::get<BitmapTexture>(scene.textures.at(std::size_t(texture)).model);
+    return *scene.bitmaps.at(std::size_t(model.bitmap));
+  };
+  const auto& mask = std::get<MaskBsdf>(front(scene));
+  EXPECT_NEAR(bitmap_value(bitmap(mask.opacity.texture), 1, 1.0f), 0.2, 1e-6);
+  const Bsdf& leaf = scene.bsdfs.at(std::size_t(mask.inside));
+  EXPECT_EQ(bitmap(std::get<DiffuseBsdf>(leaf.model).reflectance.texture).channels, 3)
+      << "the colours' texture";
+  const auto& bumps = std::get<ScaleTexture>(scene.textures.at(std::size_t(leaf.bend.texture)).model);
+  EXPECT_EQ(bumps.scale.value, glm::vec3(-2.0f));
+  EXPECT_NEAR(bitmap_value(bitmap(bumps.texture), 0, 1.0f), 0.2, 1e-6);
+}
+
+TEST_F(PbrtText, TexturesMappedByPlaces) {
+  write("t.tga", tga_file(1, 2, 1, std::vector<std::uint8_t>{255, 0}));
+  const auto texcoords = [&](const std::string& mapping, const std::string& points) {
+    const SceneDescription scene = good_pbrt(
+        "AttributeBegin\nTranslate 1 0 0\nTexture \"t\" \"spectrum\" \"imagemap\" \"string filename\" "
+        "\"t.tga\" "
+        "\"string mapping\" " +
+        mapping + "\nAttributeEnd\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\n" +
+        "Shape \"trianglemesh\" \"point3 P\" " + points + " \"integer indices\" [0 1 2]\n");
+    std::vector<glm::dvec2> corners;
+    for (int i = 0; i < 3; ++i)
+      corners.emplace_back(mesh(scene).texcoords.at(mesh(scene).triangles.at(0)[i]));
+    return corners;
+  };
+  const auto near = [](const glm::dvec2& a, const glm::dvec2& b) { return glm::length(a - b) < 1e-6; };
+  const auto plane = texcoords(
+      "\"planar\" \"vector3 v1\" [2 0 0] \"vector3 v2\" [0 0 3] \"float udelta\" 0.5 \"float vdelta\" -1",
+      "[1 0 0 2 0 0 1 0 1]");
+  EXPECT_TRUE(near(plane[0], {0.5, -1}) && near(plane[1], {2.5, -1}) && near(plane[2], {0.5, 2}));
+  // The seam is at -x.
+  const auto tube = texcoords("\"cylindrical\"", "[2 0 0 1 -1 4 2 1 5]");
+  EXPECT_TRUE(near(tube[0], {0.5, 0}) && near(tube[1], {0.25, 4}));
+  const auto seam = texcoords("\"cylindrical\"", "[0 1 0 0 -1 4 1 1 5]");
+  EXPECT_TRUE(near(seam[0], {0.875, 0}) && near(seam[1], {1.125, 4}) && near(seam[2], {0.75, 5}));
+  const auto ball = texcoords("\"spherical\"", "[1 0 2 2 0 0 1 3 0]");
+  EXPECT_TRUE(near(ball[0], {0, 0}) && near(ball[1], {0.5, 0}) && near(ball[2], {0.5, 0.25}));
+}
+
+TEST_F(PbrtText, PackedFilesAreUnpacked) {
+  write("m.ply.gz", gzip_of(odd_square_ply(PlyEncoding::kAscii)));
+  write("i.pbrt.gz", gzip_of(kTriangle));
+  write("scene.pbrt.gz", gzip_of(pbrt("Shape \"plymesh\" \"string filename\" \"m.ply.gz\"\nInclude "
+                                      "\"i.pbrt.gz\"\nImport \"i.pbrt.gz\"\n")));
+  const auto scene = read_scene(folder_ / "scene.pbrt.gz", {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(scene->shapes.size(), 3u);
+}
+
 TEST_F(PbrtText, TexturesCountVFromTheBottom) {
   const std::vector<std::uint8_t> texels = {255, 0};
   write("t.tga", tga_file(1, 2, 1, texels));
@@ -308,11 +465,58 @@ TEST_F(PbrtText, ImagesOfTheSkyAreResampled) {
     EXPECT_EQ(bitmap_value(*sky.image, 3 * (std::size_t(8) * 32 + std::size_t(column)), 1.0f), expected);
 }
 
+TEST_F(PbrtText, TheIlluminanceOfAnImageIsAsPbrtCountsIt) {
+  write("sky.tga", tga_file(16, 16, 1, std::vector<std::uint8_t>(256, 255)));
+  const auto sky = only<EnvironmentMapLight>(
+      good_pbrt(std::string(kTriangle) +
+                "LightSource \"infinite\" \"string filename\" \"sky.tga\" \"float illuminance\" 3\n"));
+  EXPECT_NEAR(sky.scale, 3 / (std::numbers::pi / 2), 0.04) << "half of pi";
+}
+
+TEST_F(PbrtText, SkiesThatAreTheSameEverywhereAddUp) {
+  const SceneDescription scene =
+      good_pbrt(std::string(kTriangle) +
+                "LightSource \"infinite\" \"rgb L\" [1 2 3]\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n");
+  EXPECT_EQ(only<ConstantEnvironment>(scene).radiance, glm::vec3(2, 3, 4));
+}
+
+TEST_F(PbrtText, LightsOfImages) {
+  // The upper row is white.
+  write("beam.tga", tga_file(2, 2, 1, std::vector<std::uint8_t>{255, 255, 0, 0}));
+  const auto beam = only<ProjectorLight>(
+      good_pbrt(std::string(kTriangle) + "Translate 1 2 3\nLightSource \"projection\" \"string filename\" "
+                                         "\"beam.tga\" \"float fov\" 60 \"float scale\" 2\n"));
+  EXPECT_NEAR(beam.fov, 60, 1e-9);
+  expect_near(glm::dvec3(beam.to_world[0]), {-1, 0, 0});
+  expect_near(glm::dvec3(beam.to_world[3]), {1, 2, 3});
+  write("all.tga", tga_file(16, 16, 1, std::vector<std::uint8_t>(256, 255)));
+  const SceneDescription scene =
+      good_pbrt(std::string(kTriangle) +
+                "LightSource \"goniometric\" \"string filename\" \"all.tga\" \"float power\" 8\n");
+  EXPECT_EQ(scene.emitters.size(), 6u);
+  double power = 0;
+  for (const Emitter& each : scene.emitters) {
+    const auto& face = std::get<ProjectorLight>(each);
+    EXPECT_NEAR(face.fov, 90, 1e-9);
+    const auto& scale = std::get<ScaleTexture>(scene.textures.at(std::size_t(face.irradiance.texture)).model);
+    const auto& image = std::get<BitmapTexture>(scene.textures.at(std::size_t(scale.texture)).model);
+    const Bitmap& bitmap = *scene.bitmaps.at(std::size_t(image.bitmap));
+    const int texels = bitmap.width * bitmap.height;
+    // Irradiance of a square of area 4, pi times the image.
+    for (int i = 0; i < texels; ++i)
+      power += std::numbers::pi * double(scale.scale.value.x) *
+               bitmap_value(bitmap, 3 * std::size_t(i), 1.0f) * 4 / texels;
+  }
+  EXPECT_NEAR(power, 8, 0.02);
+}
+
 TEST_F(PbrtText, IncludesImportsAndAttributes) {
   write("geometry.pbrt", std::string("Material \"diffuse\" \"rgb reflectance\" [0 1 0]\n") + kTriangle);
-  const SceneDescription scene = good_pbrt(
-      std::string("Import \"geometry.pbrt\"\n") + kTriangle + "Include \"geometry.pbrt\"\n" + kTriangle +
-      "Attribute \"material\" \"rgb reflectance\" [1 0 0]\nMaterial \"diffuse\"\n" + kTriangle);
+  const SceneDescription scene = good_pbrt(std::string("Import \"geometry.pbrt\"\n") + kTriangle +
+                                           "Include \"geometry.pbrt\"\n" + kTriangle +
+                                           "Attribute \"material\" \"rgb reflectance\" [1 0 0]\nAttribute "
+                                           "\"shape\" \"float radius\" 2\nMaterial \"diffuse\"\n" +
+                                           kTriangle);
   ASSERT_EQ(scene.shapes.size(), 5u);
   const auto colour = [&](std::size_t i) { return std::get<DiffuseBsdf>(front(scene, i)).reflectance.value; };
   EXPECT_EQ(colour(0), glm::vec3(0, 1, 0));
@@ -321,6 +525,29 @@ TEST_F(PbrtText, IncludesImportsAndAttributes) {
   EXPECT_EQ(colour(3), glm::vec3(0, 1, 0));
   EXPECT_EQ(colour(4), glm::vec3(1, 0, 0));
   EXPECT_EQ(scene.files.size(), 3u);
+}
+
+TEST_F(PbrtText, OfTwoParametersOfANameTheLaterCounts) {
+  const SceneDescription scene = good_pbrt("Shape \"sphere\" \"float radius\" 1 \"float radius\" 2\n");
+  EXPECT_EQ(std::get<Sphere>(scene.shapes[0].geometry).radius, 2.0);
+  EXPECT_THAT(warnings(scene), HasSubstr("'radius' is there twice"));
+}
+
+TEST_F(PbrtText, OptionsHaveOneValue) {
+  const SceneDescription scene =
+      good_pbrt(kTriangle,
+                "Option \"disablepixeljitter\" true\nOption \"bool pixelstats\" [ false ]\n"
+                "Option \"seed\" 5\nOption \"string rendercoordsys\" \"world\"\nCamera \"perspective\"");
+  EXPECT_EQ(scene.shapes.size(), 1u);
+  EXPECT_THAT(warnings(scene), HasSubstr("Option is ignored"));
+}
+
+TEST_F(PbrtText, CoatingsOfAnyIndex) {
+  const SceneDescription scene =
+      good_pbrt(std::string("Material \"coateddiffuse\" \"float eta\" 1 \"rgb reflectance\" [.1 .2 .3]\n") +
+                kTriangle + "Material \"coateddiffuse\" \"float eta\" 400\n" + kTriangle);
+  EXPECT_EQ(std::get<DiffuseBsdf>(front(scene, 0)).reflectance.value, glm::vec3(0.1f, 0.2f, 0.3f));
+  EXPECT_EQ(std::get<PlasticBsdf>(front(scene, 1)).int_ior, kMostIndexRatio);
 }
 
 TEST_F(PbrtText, WhatIsWrongIsSaidWithItsPlace) {
@@ -333,7 +560,6 @@ TEST_F(PbrtText, WhatIsWrongIsSaidWithItsPlace) {
   EXPECT_THAT(wrong("Shape \"sphere\" \"float radius\" -1"), HasSubstr("must be above 0"));
   EXPECT_THAT(wrong("Shape \"sphere\" \"flat radius\" 1"), HasSubstr("types are"));
   EXPECT_THAT(wrong("Shape \"sphere\" \"float radios\" 1"), HasSubstr("the parameter 'radios' of the shape"));
-  EXPECT_THAT(wrong("Shape \"sphere\" \"float radius\" 1 \"float radius\" 2"), HasSubstr("there twice"));
   EXPECT_THAT(wrong("Translate 1 2"), HasSubstr("3 numbers are wanted here"));
   EXPECT_THAT(wrong("Translate 1 2 x"), HasSubstr("scene.pbrt:3:15"));
   EXPECT_THAT(wrong("AttributeEnd"), HasSubstr("AttributeEnd without AttributeBegin"));
@@ -350,9 +576,13 @@ TEST_F(PbrtText, WhatIsWrongIsSaidWithItsPlace) {
               HasSubstr("an index 3, where there are 3 points"));
   EXPECT_THAT(wrong("Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1]"), HasSubstr("3 for each"));
   EXPECT_THAT(wrong("Scale 0 1 1\nShape \"sphere\""), HasSubstr("flattens it"));
-  EXPECT_THAT(wrong("MakeNamedMedium \"m\" \"string type\" \"homogeneous\""),
-              HasSubstr("media are not read"));
-  EXPECT_THAT(wrong("Material \"diffusetransmission\""), HasSubstr("not one that Penumbra reads"));
+  EXPECT_THAT(wrong("Material \"measured\""), HasSubstr("not one that Penumbra reads"));
+  EXPECT_THAT(wrong("MakeNamedMaterial \"m\" \"string type\" \"diffuse\"\n"
+                    "MakeNamedMaterial \"m\" \"string type\" \"diffuse\""),
+              HasSubstr("the material 'm' is there twice"));
+  EXPECT_THAT(wrong("MakeNamedMaterial \"m\" \"string type\" \"mix\" \"string materials\" [\"m\" \"m\"]"),
+              HasSubstr("mixes itself"));
+  EXPECT_THAT(wrong("ColorSpace \"xyz\""), HasSubstr("none of srgb, rec2020"));
   EXPECT_THAT(wrong("Translate 1 1 \"open"), HasSubstr("no closing quote"));
   EXPECT_THAT(wrong("LightSource \"infinite\" \"blackbody L\" 3"), HasSubstr("100 to 1e6 K"));
   EXPECT_THAT(wrong(kTriangle, "Camera \"perspective\" \"float fov\" 180"), HasSubstr("fov must be between"));
@@ -363,7 +593,8 @@ TEST_F(PbrtText, WhatIsWrongIsSaidWithItsPlace) {
 
 TEST_F(PbrtText, LeniencyStandsIn) {
   const SceneDescription scene =
-      good_pbrt(std::string("Material \"hair\"\n") + kTriangle + "Shape \"curve\"\nMakeNamedMedium \"m\"\n",
+      good_pbrt(std::string("Material \"measured\"\n") + kTriangle +
+                    "Shape \"heightfield\"\nMakeNamedMedium \"m\" \"string type\" \"fire\"\n",
                 "Camera \"perspective\"", {.lenient = true});
   ASSERT_EQ(scene.shapes.size(), 1u);
   EXPECT_THAT(warnings(scene), AllOf(HasSubstr("magenta diffuse"), HasSubstr("it is left out")));

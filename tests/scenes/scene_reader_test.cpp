@@ -1,8 +1,8 @@
 #include "scenes/scene_reader.h"
 
 #include <gmock/gmock.h>
-#include <zlib.h>
 
+#include "tests/scenes/gzip_writer.h"
 #include "tests/scenes/tinyrender_text.h"
 
 namespace penumbra {
@@ -26,20 +26,7 @@ TEST_F(SceneReader, TellsFormatsByNameAndContent) {
 }
 
 TEST_F(SceneReader, GzipFilesAreUnpacked) {
-  const auto pack = [](const std::string& text) {
-    z_stream stream{};
-    EXPECT_EQ(deflateInit2(&stream, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
-    std::string out(deflateBound(&stream, text.size()) + 64, '\0');
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-    stream.avail_in = uInt(text.size());
-    stream.next_out = reinterpret_cast<Bytef*>(out.data());
-    stream.avail_out = uInt(out.size());
-    EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
-    out.resize(stream.total_out);
-    deflateEnd(&stream);
-    return out;
-  };
-  const std::string packed = pack(scene("<shape type='sphere'/>"));
+  const std::string packed = gzip_of(scene("<shape type='sphere'/>"));
   write("a.xml.gz", packed);
   const auto read = read_scene(folder_ / "a.xml.gz", {});
   ASSERT_TRUE(read) << read.error().message;
@@ -47,7 +34,7 @@ TEST_F(SceneReader, GzipFilesAreUnpacked) {
   write("a.xml.gz", packed.substr(0, packed.size() / 2));
   EXPECT_THAT(read_scene(folder_ / "a.xml.gz", {}).error().message, HasSubstr("ends early"));
   // Much more than it may unpack to.
-  write("a.xml.gz", pack(std::string(std::size_t{80} << 20, ' ')));
+  write("a.xml.gz", gzip_of(std::string(std::size_t{80} << 20, ' ')));
   EXPECT_THAT(read_scene(folder_ / "a.xml.gz", {}).error().message, HasSubstr("unpacks to more than"));
 }
 

@@ -1,0 +1,53 @@
+// Media of pbrt.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "scenes/pbrt/texture_reader.h"
+
+namespace penumbra::pbrt {
+
+class MediumReader {
+ public:
+  explicit MediumReader(Context& context) : context_(context) {}
+
+  /// Of a directive MakeNamedMedium; what is wrong with it is reported.
+  void make(const std::string& name, Parameters& parameters, const GraphicsState& state,
+            SourceLocation location);
+
+  /// The index among the scene's media, where it gets one; kNoMedium of no name, of a medium that is left
+  /// out, and, with an error, where there is none of that name. Media are known once the file is read.
+  int install(const std::string& name, SourceLocation location);
+
+  [[nodiscard]] bool any_installed() const { return !context_.scene.media.empty(); }
+
+ private:
+  using Medium = std::optional<ParticipatingMedium>;
+  Medium homogeneous(Parameters& parameters, const GraphicsState& state, SourceLocation location);
+  Medium uniform_grid(Parameters& parameters, const GraphicsState& state, SourceLocation location);
+  Medium rgb_grid(Parameters& parameters, const GraphicsState& state, SourceLocation location);
+  Medium sparse_grid(Parameters& parameters, const GraphicsState& state, SourceLocation location);
+  Medium cloud(Parameters& parameters, const GraphicsState& state, SourceLocation location);
+  void read_coefficients(Parameters& parameters, const glm::vec3& scattered, const glm::vec3& absorbed,
+                         ParticipatingMedium& medium, SourceLocation location);
+  glm::vec3 coefficient(Parameters& parameters, const char* name, const glm::vec3& fallback);
+  double scale(Parameters& parameters, SourceLocation location);
+  void refuse_emission(Parameters& parameters, SourceLocation location);
+  std::optional<std::vector<float>> cells(Parameters& parameters, const char* name, const char* type,
+                                          std::size_t channels, const VolumeGrid& size);
+  std::optional<VolumeGrid> grid_size(Parameters& parameters, SourceLocation location);
+  std::optional<glm::dmat4> grid_place(Parameters& parameters, const GraphicsState& state,
+                                       SourceLocation location);
+
+  struct Entry {
+    Medium medium;
+    int index = kNoMedium;
+  };
+  Context& context_;
+  std::map<std::string, Entry> media_;
+};
+
+}  // namespace penumbra::pbrt
