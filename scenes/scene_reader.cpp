@@ -32,12 +32,13 @@ struct Format {
   std::function<Expected<SceneDescription>(const std::filesystem::path&, const ReadOptions&)> read;
   /// Of formats that share an extension: whether the file is of this one. Empty: what is of no other.
   std::function<bool(const std::filesystem::path&)> is_one = {};
+  bool has_dialects = false;
 
   [[nodiscard]] bool may_be(const std::filesystem::path& file) const { return !is_one || is_one(file); }
 };
 
 std::span<const Format> formats() {
-  static const std::vector<Format> table = {{"Nori XML", ".xml", '<', nori::read_scene, nori::is_scene},
+  static const std::vector<Format> table = {{"Nori XML", ".xml", '<', nori::read_scene, nori::is_scene, true},
                                             {"Mitsuba XML", ".xml", '<', mitsuba::read_scene},
                                             {"TinyRender TOML", ".toml", '[', tinyrender::read_scene},
                                             {"glTF 2.0", ".gltf", '{', gltf::read_scene},
@@ -128,6 +129,9 @@ Expected<SceneDescription> read_scene(const std::filesystem::path& file, const R
     return fail(fmt::format("{}: not a scene in a format that Penumbra reads; it reads: {}", file.string(),
                             list_names(scene_formats())));
   }
+  if (!options.dialect.empty() && !format->has_dialects)
+    return fail(fmt::format("{}: --dialect {} is of Nori's scenes; this one is {}", file.string(), options.dialect,
+                            format->name));
   auto scene = format->read(file, options);
   if (!scene) return scene;
   if (const auto done = apply_all(*scene, options); !done) {

@@ -23,6 +23,8 @@ struct ReadOptions {
   bool lenient = false;
   /// Every warning is an error.
   bool strict = false;
+  /// Of formats that have dialects: "nori" or "nori-eth". Empty: what the file tells.
+  std::string dialect = {};
   /// For scenes from elsewhere: every file must lie inside this folder, symbolic links followed.
   std::optional<std::filesystem::path> confine_to = std::nullopt;
 };

@@ -56,6 +56,7 @@ std::string repeat_command(const RenderRecord& record, bool with_crop) {
   for (const std::string& define : record.defines) add("-D", define);
   for (const std::string& setting : record.settings) add("--set", setting);
   if (record.lenient) command += " --lenient";
+  if (!record.dialect.empty()) add("--dialect", record.dialect);
   for (const Setting& setting : all_settings()) {
     if (setting.option.empty()) continue;
     add("--" + setting.option, setting.print(record));

@@ -23,6 +23,7 @@ struct RenderRecord : RenderSettings {
   std::vector<std::string> defines;   ///< -D name=value
   std::vector<std::string> settings;  ///< --set key=value
   bool lenient = false;
+  std::string dialect;  ///< --dialect; empty: what the scene file tells
   /// Only so many of them are rendered; nothing: all.
   std::optional<std::uint32_t> stop_after;
   /// Only the first so many units, of `tile` and `samples_per_pass`, pass by pass and tile by tile; nothing:
