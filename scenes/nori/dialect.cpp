@@ -25,7 +25,6 @@ constexpr Mark kMarks[] = {
     {"integrator", "path_simple", Dialect::kNori, 1},
     // Courses that have grown out of it (Zaragoza's).
     {"emitter", "pointlight", Dialect::kNori, 3},
-    {"emitter", "environment", Dialect::kNori, 2},
     {"texture", "textmap", Dialect::kNori, 3},
     {"texture", "checker", Dialect::kNori, 2},
     {"integrator", "direct_whitted", Dialect::kNori, 3},

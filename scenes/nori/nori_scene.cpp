@@ -57,8 +57,9 @@ bool is_scene(const std::filesystem::path& file) {
   if (!mitsuba::parse_xml(**source, document)) return false;
   const pugi::xml_node root = document.document_element();
   const std::string_view name = root.name();
-  return !root.attribute("version") &&
-         (name == "test" || (name == "scene" && (root.child("mesh") || root.child("camera"))));
+  if (name == "test") return !root.attribute("version");
+  // Some that were written after one of Mitsuba's still have its version.
+  return name == "scene" && (root.child("camera") || (root.child("mesh") && !root.attribute("version")));
 }
 
 Expected<SceneDescription> read_scene(const std::filesystem::path& file, const ReadOptions& options) {

@@ -70,7 +70,7 @@ class TreeReader {
     if (options_.dialect) choice_ = {*options_.dialect, "by --dialect"};
     t_.dialect = choice_.dialect;
     const ElementReader root(text, document.document_element(), substitute_, diagnostics_);
-    root.check_attributes({"type", "name", "id"});
+    root.check_attributes({"type", "name", "id", "version"});
     if (std::string_view(root.element().name()) == "test")
       read_test(root);
     else

@@ -9,6 +9,8 @@ namespace penumbra::nori {
 
 /// Checkerboards, images and constants, by whatever name.
 void translate_texture(const Translation& t, mitsuba::Object& texture);
+/// The parameter that names an image file, by its own name or by the file's; null where there is none.
+mitsuba::Parameter* image_name(mitsuba::Object& object);
 /// What the object holds as textures that are constant becomes parameters; strings that name image files
 /// become textures.
 void settle_textures(const Translation& t, mitsuba::Object& object);
@@ -28,7 +30,7 @@ void translate_sampler(const Translation& t, mitsuba::Object& sampler);
 void translate_filter(const Translation& t, mitsuba::Object& filter);
 
 void translate_integrator(const Translation& t, mitsuba::Object& integrator);
-/// What an integrator that has its own light and its own material makes of the scene (`simple`).
+/// What integrators make of the scene that have a light and materials of their own (`simple`, `material`).
 void apply_integrator(const Translation& t, mitsuba::Object& scene);
 
 void translate_medium(const Translation& t, mitsuba::Object& medium);

@@ -37,7 +37,7 @@ const std::vector<BsdfRow>& rows() {
       {{"microfacet"}, "microfacet", {{{"albedo", "texture", ""}, "kd"}}},
       {{"conductor"}, "conductor"},
       {{"roughconductor", "microfacetconductor"}, "roughconductor"},
-      {{"plastic"}, "plastic", {{{"albedo", "kd"}, "diffuse_reflectance"}}},
+      {{"plastic", "dielectriccoateddiffuse"}, "plastic", {{{"albedo", "kd"}, "diffuse_reflectance"}}},
       {{"roughplastic"}, "roughplastic", {{{"albedo", "kd"}, "diffuse_reflectance"}}},
       {{"phong"},
        "phong",

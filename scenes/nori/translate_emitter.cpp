@@ -106,7 +106,7 @@ void settle_image(const Translation& t, Object& light) {
     }
   }
   std::erase_if(light.children, [](const Child& child) { return child.object == nullptr; });
-  rename(light, {"file_name", "file", "path", "image", "texture", "environment_map", "env_map"}, "filename");
+  if (Parameter* image = image_name(light)) image->name = "filename";
   if (find(light, "filename") == nullptr) {
     light.type = "constant";
     rename(light, {"albedo", "color", "power", "intensity", "value", "background"}, "radiance");

@@ -20,6 +20,7 @@ using mitsuba::Value;
 namespace {
 
 constexpr const char* kSimple = "simple";
+constexpr const char* kMaterial = "material";
 
 /// Integrators, and the settings of ours that make the same image.
 struct Integrator {
@@ -41,6 +42,7 @@ const std::vector<Integrator>& integrators() {
       {"whitted", "whitted", {{"indirect_samples", I(0)}}},
       {kSimple, "direct", {{"emitter_samples", I(1)}, {"bsdf_samples", I(0)}}},
       {"normals", "normals"},
+      {kMaterial, "path_mats", {{"max_depth", I(1)}}},
       // What leaves the scene is black in the one and white in the other.
       {"ao", "ao", {{"ray_length", 0.0}, {"background", 0.0}}},
       {"av",
@@ -86,7 +88,8 @@ void translate_integrator(const Translation& t, Object& integrator) {
       std::ranges::find_if(known, [&](const Integrator& each) { return integrator.type == each.nori; });
   if (found != known.end()) {
     rename(integrator, {"length"}, "ray_length");
-    if (integrator.type == kSimple) integrator.id = kSimple;  // for apply_integrator
+    if (integrator.type == kSimple || integrator.type == kMaterial)
+      integrator.id = integrator.type;  // for apply_integrator
     integrator.type = found->ours;
     for (const auto& [name, value] : found->settings) set_default(integrator, name, value);
     return;
@@ -109,28 +112,77 @@ void translate_integrator(const Translation& t, Object& integrator) {
   integrator.type = ours;
 }
 
+namespace {
+
+void remove(Object& object, std::initializer_list<std::string_view> tags) {
+  std::erase_if(object.children,
+                [&](const Child& child) { return std::ranges::find(tags, child.object->tag) != tags.end(); });
+}
+
 /// `simple` is a point light of its own, before surfaces that are white whatever the scene says.
-void apply_integrator(const Translation& t, Object& scene) {
-  const Child* child = find_child(scene, "integrator");
-  if (child == nullptr || child->object->id != kSimple) return;
-  Object& integrator = *child->object;
-  integrator.id.clear();
+void apply_simple(const Translation& t, Object& integrator, Object& scene) {
   Object& light = t.new_object("emitter", "point", integrator.location);
   if (auto position = take(integrator, "position")) light.parameters.push_back(std::move(*position));
   const auto energy = take(integrator, "energy");
   const glm::vec3 power = energy ? colour_of(*energy).value_or(glm::vec3(0.0f)) : glm::vec3(0.0f);
   set(light, "intensity", RgbValue{power * float(0.25 / std::numbers::pi)});
-  std::erase_if(scene.children, [](const Child& each) { return each.object->tag == "emitter"; });
+  remove(scene, {"emitter"});
   for (const Child& each : scene.children) {
     if (each.object->tag != "shape") continue;
-    auto& inside = each.object->children;
-    std::erase_if(inside,
-                  [](const Child& c) { return c.object->tag == "bsdf" || c.object->tag == "emitter"; });
+    remove(*each.object, {"bsdf", "emitter"});
     Object& white = t.new_object("bsdf", "diffuse", each.object->location);
     set(white, "reflectance", RgbValue{glm::vec3(1.0f)});
     add_child(*each.object, white);
   }
   add_child(scene, light);
+}
+
+/// What `material` shows of a diffuse BSDF, as a lamp.
+Object& shown_material(const Translation& t, Object& diffuse) {
+  constexpr float kInversePi = float(std::numbers::inv_pi);
+  Object& lamp = t.new_object("emitter", "area", diffuse.location);
+  if (const Child* texture = find_child(diffuse, "texture", {"reflectance"})) {
+    Object& scaled = t.new_object("texture", "scale", texture->location);
+    set(scaled, "scale", double(kInversePi));
+    add_child(scaled, *texture->object);
+    add_child(lamp, scaled, "radiance");
+  } else {
+    const Parameter* given = find(diffuse, "reflectance");
+    const glm::vec3 albedo = given != nullptr ? colour_of(*given).value_or(glm::vec3(0.5f)) : glm::vec3(0.5f);
+    set(lamp, "radiance", RgbValue{albedo * kInversePi});
+  }
+  return lamp;
+}
+
+/// `material` shows the values of BSDFs for light along the normal: of diffuse ones as if they shone, of
+/// mirrors and glass nothing.
+void apply_material(const Translation& t, Object& scene) {
+  remove(scene, {"emitter"});
+  for (const Child& each : scene.children) {
+    if (each.object->tag != "shape") continue;
+    Object& shape = *each.object;
+    Object& bsdf = *find_child(shape, "bsdf")->object;
+    if (bsdf.type != "diffuse" && bsdf.type != "conductor" && bsdf.type != "dielectric")
+      t.report.unsupported(
+          bsdf.type_location,
+          fmt::format("the integrator 'material' shows diffuse surfaces, mirrors and dielectrics here, "
+                      "none of {}",
+                      bsdf.type),
+          "it is black");
+    remove(shape, {"bsdf", "emitter"});
+    if (bsdf.type == "diffuse") add_child(shape, shown_material(t, bsdf));
+  }
+}
+
+}  // namespace
+
+void apply_integrator(const Translation& t, Object& scene) {
+  const Child* child = find_child(scene, "integrator");
+  if (child == nullptr) return;
+  Object& integrator = *child->object;
+  const std::string name = std::exchange(integrator.id, "");
+  if (name == kSimple) apply_simple(t, integrator, scene);
+  if (name == kMaterial) apply_material(t, scene);
 }
 
 }  // namespace penumbra::nori

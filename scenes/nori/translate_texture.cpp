@@ -98,6 +98,17 @@ void translate_image(Object& texture, Parameter& filename) {
 
 }  // namespace
 
+Parameter* image_name(Object& object) {
+  static constexpr std::string_view kNames[] = {"filename", "file_name", "file", "path", "image"};
+  const auto named = std::ranges::find_if(object.parameters, [](const Parameter& parameter) {
+    return std::holds_alternative<std::string>(parameter.value) &&
+           std::ranges::find(kNames, parameter.name) != std::end(kNames);
+  });
+  if (named != object.parameters.end()) return &*named;
+  const auto image = std::ranges::find_if(object.parameters, names_image);
+  return image != object.parameters.end() ? &*image : nullptr;
+}
+
 void translate_texture(const Translation&, Object& texture) {
   const std::string plain = plain_name(texture.type);
   if (plain.starts_with("constant")) {
@@ -105,12 +116,7 @@ void translate_texture(const Translation&, Object& texture) {
     return;
   }
   if (plain.find("checker") != plain.npos) return translate_checkerboard(texture);
-  Parameter* filename = find_any(texture, {"filename", "file_name", "file", "path", "image", "texture"});
-  if (filename != nullptr && !std::holds_alternative<std::string>(filename->value)) filename = nullptr;
-  if (filename == nullptr) {
-    const auto found = std::ranges::find_if(texture.parameters, names_image);
-    if (found != texture.parameters.end()) filename = &*found;
-  }
+  Parameter* const filename = image_name(texture);
   if (filename != nullptr) translate_image(texture, *filename);
 }
 

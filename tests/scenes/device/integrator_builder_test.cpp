@@ -285,7 +285,8 @@ TEST(IntegratorBuilder, EachIntegratorHasItsKernelAndFeature) {
                                                     {INTEGRATOR_WHITTED, FEATURE_WHITTED},
                                                     {INTEGRATOR_OCCLUSION, FEATURE_OCCLUSION},
                                                     {INTEGRATOR_OCCLUSION, FEATURE_OCCLUSION},
-                                                    {INTEGRATOR_PATH, FEATURE_PATH}};
+                                                    {INTEGRATOR_PATH, FEATURE_PATH},
+                                                    {INTEGRATOR_OCCLUSION, FEATURE_OCCLUSION}};
   ASSERT_EQ(std::size(expected), integrator_methods().size());
   for (std::size_t i = 0; i < std::size(expected); ++i) {
     const SceneHeader h = header(IntegratorKind(i));
