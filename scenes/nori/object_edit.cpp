@@ -74,11 +74,13 @@ Child* find_child(Object& object, std::string_view tag, std::initializer_list<st
 }
 
 void rename(Object& object, std::initializer_list<std::string_view> from, const char* to) {
-  if (find(object, to) != nullptr || find_child(object, "texture", {to}) != nullptr) return;
-  if (Child* texture = find_child(object, "texture", from))
+  if (find_child(object, "texture", {to}) != nullptr) return;
+  if (Child* texture = find_child(object, "texture", from)) {
     texture->name = to;
-  else if (Parameter* parameter = find_any(object, from))
-    parameter->name = to;
+    take(object, to);
+  } else if (find(object, to) == nullptr) {
+    if (Parameter* parameter = find_any(object, from)) parameter->name = to;
+  }
 }
 
 void set(Object& object, const char* name, Value value) {

@@ -33,7 +33,8 @@ mitsuba::Child* find_child(mitsuba::Object& object, std::string_view tag);
 mitsuba::Child* find_child(mitsuba::Object& object, std::string_view tag,
                            std::initializer_list<std::string_view> names);
 
-/// Parameters and textures that have one of the names `from` are called `to`, unless something is already.
+/// Parameters and textures that have one of the names `from` are called `to`, unless something is already; a
+/// texture counts before a parameter.
 void rename(mitsuba::Object& object, std::initializer_list<std::string_view> from, const char* to);
 void set(mitsuba::Object& object, const char* name, mitsuba::Value value);
 /// Sets what is not given.

@@ -62,7 +62,6 @@ std::optional<TestScene> choose_test_scene(const ElementReader& test, std::optio
 void build_bsdf_scene(const Translation& t, Object& scene, Object& bsdf, double angle) {
   const SourceLocation place = bsdf.location;
   Object& plane = t.new_object("shape", "rectangle", place);
-  set(plane, "to_world", scaling({1e3, 1e3, 1.0}));
   add_child(plane, bsdf);
   Object& light = t.new_object("emitter", "constant", place);
   set(light, "radiance", RgbValue{glm::vec3(1.0f)});
@@ -77,9 +76,9 @@ void build_bsdf_scene(const Translation& t, Object& scene, Object& bsdf, double 
   add_child(film, t.new_object("rfilter", "box", place));
   add_child(camera, film);
   Object& sampler = t.new_object("sampler", "independent", place);
-  set(sampler, "sample_count", std::int64_t(4096));
+  set(sampler, "sample_count", std::int64_t(65536));
   add_child(camera, sampler);
-  Object& integrator = t.new_object("integrator", "path_mats", place);
+  Object& integrator = t.new_object("integrator", "path_mis", place);
   for (Object* each : {&plane, &light, &camera, &integrator}) add_child(scene, *each);
 }
 

@@ -43,6 +43,10 @@ Object* shape_of(const Translation& t, Object& medium) {
   if (of(low) && of(high))
     to_world = translation(0.5 * (*of(low) + *of(high))) * scaling(0.5 * (*of(high) - *of(low)));
   if (!to_world) return nullptr;
+  if (is_singular(*to_world)) {
+    t.report.error(medium.location, "the box of the medium must have three sides above 0");
+    return nullptr;
+  }
   Object& box = t.new_object("shape", "cube", medium.location);
   set(box, "to_world", *to_world);
   return &box;

@@ -259,6 +259,9 @@ TEST_F(NoriForks, MediaInShapesAboutTheCameraAndInBoxes) {
                 mesh(""));
   EXPECT_EQ(box.camera_medium, kNoMedium);
   EXPECT_EQ(box.shapes.size(), 2u);
+  EXPECT_THAT(
+      error(nori("<medium type='homogeneous'><vector name='size' value='1,0,1'/></medium>" + mesh(""))),
+      HasSubstr("the box of the medium must have three sides above 0"));
   EXPECT_THAT(error(nori("<medium type='heterogeneous'/>" + mesh(""))),
               HasSubstr("medium type 'heterogeneous' is not one of Nori's that Penumbra reads"));
 }
@@ -273,14 +276,15 @@ TEST_F(NoriForks, IntegratorsOfOtherWaysToTheSameImage) {
   };
   EXPECT_EQ(type("photonmapper", "path_mis stands in for the integrator 'photonmapper'"), "path_mis");
   EXPECT_EQ(type("volumetric_photon", "volpath stands in"), "volpath");
-  EXPECT_EQ(type("path_guided_mats", "path_mats stands in"), "path_mats");
+  EXPECT_EQ(type("path_tracer_mats", "path_mats stands in"), "path_mats");
   EXPECT_THAT(error(nori(mesh("") + "<integrator type='wireframe'/>")),
               HasSubstr("integrator type 'wireframe'"));
 }
 
 TEST_F(NoriForks, NormalsSimpleAndMaterial) {
-  EXPECT_EQ(print_setting(good_nori(mesh("") + "<integrator type='normals'/>"), "integrator.type"),
-            "normals");
+  const SceneDescription normals = good_of(read(nori(mesh("") + "<integrator type='normals'/>")));
+  EXPECT_EQ(print_setting(normals, "integrator.type"), "normals");
+  EXPECT_TRUE(normals.warnings.empty()) << "it needs no light";
   const SceneDescription simple =
       good_nori(mesh("<bsdf type='mirror'/><emitter type='area'/>") +
                 "<integrator type='simple'><point name='position' value='-20,40,20'/><color name='energy' "

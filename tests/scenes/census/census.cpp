@@ -173,7 +173,7 @@ class Writer {
     if (kind == "table") return element("spectrum", "400:0.3, 550:0.5, 700:0.7");
     if (kind == "p") return element("point", name == "p1" ? "0, 2, 0" : "0, 0, 1");
     if (kind == "c") return element("color", "0.5, 0.4, 0.3");
-    if (kind == "v") return element("vector", "0, 0, 1");
+    if (kind == "v") return element("vector", name == "size" ? "0.5, 0.5, 0.5" : "0, 0, 1");
     if (kind == "p2") return element("point", "0.5, 0.25");
     if (kind == "v2") return element("vector", "0.5, 0.25");
     if (kind == "anim") return fmt::format("<animation name='{}'>{}</animation>", name, kMotion);
