@@ -90,11 +90,15 @@ class TreeReader {
     const auto chosen = choose_test_scene(root, options_.test_scene, report_);
     if (!chosen) return;
     const ElementReader element = root.child(chosen->element);
-    if (!chosen->angle) return read_scene(element);
-    Object holder;
-    read_into(holder, element);
-    if (!holder.children.empty())
+    if (!chosen->angle) {
+      read_scene(element);
+    } else {
+      Object holder;
+      read_into(holder, element);
+      if (holder.children.empty()) return;
       build_bsdf_scene(t_, tree_.scene, *holder.children.front().object, *chosen->angle);
+    }
+    settle_test_camera(t_, tree_.scene, chosen->samples);
   }
 
   void read_children(Object& parent, const ElementReader& element) {

@@ -48,6 +48,10 @@ std::optional<TestScene> choose_test_scene(const ElementReader& test, std::optio
   TestScene& scene = scenes[std::size_t(chosen) - 1];
   scene.number = std::size_t(chosen);
   scene.count = scenes.size();
+  for (const pugi::xml_node& child : test.element().children("integer"))
+    if (std::string_view(child.attribute("name").value()) == "sampleCount")
+      if (const auto samples = parse_integer(child.attribute("value").value()); samples && *samples > 0)
+        scene.samples = *samples;
   if (references.size() == scenes.size()) scene.reference = references[scene.number - 1];
   if (references.size() == 1) scene.reference = references.front();
   std::string text = fmt::format("scene {} of the {} of a <test> is rendered", chosen, scenes.size());
@@ -57,6 +61,18 @@ std::optional<TestScene> choose_test_scene(const ElementReader& test, std::optio
   if (scenes.size() > 1) text += "; -D scene=N chooses another";
   report.warn(test.location(), text);
   return scene;
+}
+
+void settle_test_camera(const Translation& t, Object& scene, std::int64_t samples) {
+  mitsuba::Child* const camera = find_child(scene, "sensor");
+  if (camera == nullptr) return;
+  Object& view = *camera->object;
+  if (find_child(view, "sampler") == nullptr)
+    add_child(view, t.new_object("sampler", "independent", view.location));
+  set(*find_child(view, "sampler")->object, "sample_count", samples);
+  Object& film = *find_child(view, "film")->object;
+  std::erase_if(film.children, [](const mitsuba::Child& c) { return c.object->tag == "rfilter"; });
+  add_child(film, t.new_object("rfilter", "box", view.location));
 }
 
 void build_bsdf_scene(const Translation& t, Object& scene, Object& bsdf, double angle) {
@@ -73,11 +89,7 @@ void build_bsdf_scene(const Translation& t, Object& scene, Object& bsdf, double 
   Object& film = t.new_object("film", "hdrfilm", place);
   set(film, "width", std::int64_t(1));
   set(film, "height", std::int64_t(1));
-  add_child(film, t.new_object("rfilter", "box", place));
   add_child(camera, film);
-  Object& sampler = t.new_object("sampler", "independent", place);
-  set(sampler, "sample_count", std::int64_t(65536));
-  add_child(camera, sampler);
   Object& integrator = t.new_object("integrator", "path_mis", place);
   for (Object* each : {&plane, &light, &camera, &integrator}) add_child(scene, *each);
 }

@@ -154,7 +154,7 @@ void translate_emitter(const Translation& t, Object& emitter, const Object* shap
     const bool own = plain.find("area") != plain.npos ||
                      find_any(emitter, {"radiance", "albedo"}) != nullptr ||
                      find_child(emitter, "texture") != nullptr;
-    if (!own) return;
+    if (!own || plain.starts_with("vol")) return;  // what is inside the shape shines
     emitter.type = "area";
     rename(emitter, {"albedo", "texture", "emission", "color", "map", ""}, "radiance");
     return;

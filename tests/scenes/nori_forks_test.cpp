@@ -319,6 +319,8 @@ TEST_F(NoriTests, OneOfTheScenesIsRendered) {
   EXPECT_EQ(model_of<DiffuseBsdf>(first).reflectance.value, glm::vec3(0.1f));
   EXPECT_THAT(warnings(first),
               HasSubstr("scene 1 of the 2 of a <test> is rendered; its mean should be 0.1; -D scene=N"));
+  EXPECT_EQ(first.film.filter, FilterKind::kBox);
+  EXPECT_EQ(first.sampler.spp, 100'000u);
   const SceneDescription second = good_of(read(text, {.defines = {{"scene", "2"}}}));
   EXPECT_EQ(model_of<DiffuseBsdf>(second).reflectance.value, glm::vec3(0.2f));
   EXPECT_THAT(error(text, {.defines = {{"scene", "3"}}}),

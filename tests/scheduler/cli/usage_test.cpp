@@ -83,6 +83,7 @@ TEST(Usage, HelpNamesTheOptionsThatThereAreAndNoOthers) {
                              "-D",
                              "--set",
                              "--lenient",
+                             "--dialect",
                              "--sampler",
                              "--intersector",
                              "--isa",
