@@ -54,7 +54,9 @@ std::optional<TestScene> choose_test_scene(const ElementReader& test, std::optio
         scene.samples = *samples;
   if (references.size() == scenes.size()) scene.reference = references[scene.number - 1];
   if (references.size() == 1) scene.reference = references.front();
-  std::string text = fmt::format("scene {} of the {} of a <test> is rendered", chosen, scenes.size());
+  std::string text = scenes.size() > 1
+                         ? fmt::format("scene {} of the {} of a <test> is rendered", chosen, scenes.size())
+                         : std::string("the scene of a <test> is rendered");
   if (scene.angle)
     text += fmt::format(", a plane of its BSDF in light of radiance 1, at {} degrees", *scene.angle);
   if (scene.reference) text += fmt::format("; its mean should be {}", *scene.reference);
