@@ -1,6 +1,7 @@
 // How open the surroundings of what the camera sees are: ambient occlusion, the share of directions in which
 // nothing is near, and reflection occlusion, the same of a lobe about the mirror direction. Lights and
-// materials play no part, as they do not in the image of the normals (WEIGHTING_NORMALS). In steps: step k asks for the k-th ray from the surface that the camera ray hit.
+// materials play no part, as they do not in the image of the normals (WEIGHTING_NORMALS). In steps: step k
+// asks for the k-th ray from the surface that the camera ray hit.
 #ifndef PENUMBRA_INTEGRATOR_OCCLUSION_H
 #define PENUMBRA_INTEGRATOR_OCCLUSION_H
 #include "kernels/bsdf/phong.h"
@@ -58,8 +59,7 @@ STAGE void request_occlusion_rays(const PRIVATE Scene* scene, const PRIVATE Path
       const vec3 mirror = sub(scale(s.shading, 2.0f * dot3(s.shading, s.wo)), s.wo);
       const vec3 wi = occlusion_direction(kind, exponent, s.shading, mirror, u[j], v[j]);
       const float cosine = dot3(s.shading, wi);
-      const bool above =
-          is_hit(s) & (cosine > 0.0f) & !is_beneath(s, wi) & (weighting != WEIGHTING_NORMALS);
+      const bool above = is_hit(s) & (cosine > 0.0f) & !is_beneath(s, wi) & (weighting != WEIGHTING_NORMALS);
       const float weight = share * occlusion_weight(kind, weighting, exponent, above ? cosine : 1.0f);
       set_shadow_origin(&fields, i + j, leave_surface(s.p, s.geometric, s.error, wi));
       set_shadow_direction(&fields, i + j, wi);

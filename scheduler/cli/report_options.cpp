@@ -181,8 +181,11 @@ void add_cell_options(CLI::App& command, RenderOptions& render) {
       ->allow_extra_args(false)
       ->check(assignment())
       ->group(kGroup);
-  command.add_flag("--lenient", scene.lenient, "Warn of what is not known or missing, and render the rest")->group(kGroup);
-  command.add_option("--dialect", scene.dialect, "Of Nori's scenes: nori or nori-eth (default: what the file tells)")
+  command.add_flag("--lenient", scene.lenient, "Warn of what is not known or missing, and render the rest")
+      ->group(kGroup);
+  command
+      .add_option("--dialect", scene.dialect,
+                  "Of Nori's scenes: nori or nori-eth (default: what the file tells)")
       ->type_name("NAME")
       ->check(CLI::IsMember({"nori", "nori-eth"}).description(""))
       ->group(kGroup);
