@@ -63,6 +63,7 @@ PENUMBRA_NAMESPACE_BEGIN
 
 #define WEIGHTING_COSINE 0
 #define WEIGHTING_UNIFORM 1
+#define WEIGHTING_NORMALS 2 /* directions play no part: the normal itself is what is seen */
 
 #define EMITTER_AREA 0
 #define EMITTER_SOLID_ANGLE 1

@@ -42,7 +42,8 @@ std::string describe_untextured(const FaceFindings& findings) {
 std::vector<std::string> describe(const FaceFindings& findings) {
   std::vector<std::string> texts;
   const auto add = [&](const OddFaces& faces, std::string (*text)(const FaceFindings&)) {
-    if (faces.count > 0) texts.push_back(fmt::format("{}; the first is {}", text(findings), faces.first_name));
+    if (faces.count > 0)
+      texts.push_back(fmt::format("{}; the first is {}", text(findings), faces.first_name));
   };
   add(findings.tangled, describe_tangled);
   add(findings.too_short, describe_too_short);

@@ -46,7 +46,8 @@ std::vector<std::string> describe(const FaceFindings& findings);
 void note(OddFaces& faces, SourceLocation location, std::string_view name);
 
 /// Cuts the face whose corners lie at `outline` (see triangulate) and adds its triangles, over the vertices
-/// of the same numbers; none where there are fewer than three. It is at `location`, or without a file the one called `name`.
+/// of the same numbers; none where there are fewer than three. It is at `location`, or without a file the one
+/// called `name`.
 Expected<void> cut_face(std::span<const glm::dvec3> outline, std::span<const std::uint32_t> vertices,
                         SourceLocation location, std::string_view name, std::vector<glm::uvec3>& triangles,
                         FaceFindings& findings);

@@ -42,8 +42,8 @@ std::optional<fs::path> find_in_any_case(const fs::path& path) {
     }
     std::optional<fs::path> best;
     const std::string wanted = to_lower_case(part.string());
-    for (const fs::directory_entry& entry :
-         fs::directory_iterator(found.empty() ? "." : found, fs::directory_options::skip_permission_denied, ignored)) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(
+             found.empty() ? "." : found, fs::directory_options::skip_permission_denied, ignored)) {
       const fs::path name = entry.path().filename();
       if (to_lower_case(name.string()) == wanted && (!best || name < *best)) best = name;
     }
@@ -143,9 +143,10 @@ std::optional<fs::path> FileAccess::find_nearly(std::string_view name,
     std::ranges::replace(path, '\\', '/');
     const auto found = find_in_any_case(path);
     if (!found || !allows(*found)) continue;
-    const std::string remark = fmt::format("'{}' is found as '{}': names of files are written with / and keep the "
-                                           "case of letters",
-                                           name, found->string());
+    const std::string remark = fmt::format(
+        "'{}' is found as '{}': names of files are written with / and keep the "
+        "case of letters",
+        name, found->string());
     if (std::ranges::find(remarks_, remark) == remarks_.end()) remarks_.push_back(remark);
     return found;
   }

@@ -25,9 +25,9 @@ class FileAccess {
   /// nor a symbolic link.
   explicit FileAccess(std::optional<std::filesystem::path> confine_to);
 
-  /// `name` itself if absolute, else the first of `folders` that has it. Where none has, back slashes count as
-  /// slashes, and capital letters as small ones: then remarks() say so. Errors: nowhere found (says where it
-  /// looked), outside the confinement, longer than any name.
+  /// `name` itself if absolute, else the first of `folders` that has it. Where none has, back slashes count
+  /// as slashes, and capital letters as small ones: then remarks() say so. Errors: nowhere found (says where
+  /// it looked), outside the confinement, longer than any name.
   [[nodiscard]] Expected<std::filesystem::path> find(std::string_view name,
                                                      std::span<const std::filesystem::path> folders) const;
 

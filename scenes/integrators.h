@@ -130,6 +130,11 @@ struct ReflectionOcclusionIntegrator {
   float background = 0;
 };
 
+/// The absolute values of the shading normal's coordinates, black where there is no surface (Nori).
+struct NormalsIntegrator {
+  static constexpr const char* kName = "normals";
+};
+
 /// The unshadowed light of polygon lights in closed form.
 struct PolygonAnalyticIntegrator {
   static constexpr const char* kName = "polygon_analytic";
@@ -157,7 +162,7 @@ struct PolygonCvIntegrator {
 using IntegratorMethod =
     std::variant<DirectIntegrator, PathIntegrator, PolygonAnalyticIntegrator, PolygonAreaIntegrator,
                  PolygonCvIntegrator, WhittedIntegrator, AmbientOcclusionIntegrator,
-                 ReflectionOcclusionIntegrator, VolpathIntegrator>;
+                 ReflectionOcclusionIntegrator, VolpathIntegrator, NormalsIntegrator>;
 
 struct IntegratorSettings {
   IntegratorMethod method = PathIntegrator{};

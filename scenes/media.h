@@ -102,7 +102,8 @@ struct HomogeneousMedium : MediumCoefficients<glm::vec3> {
 struct HeterogeneousMedium : MediumCoefficients<GriddedColour> {
   static constexpr const char* kPlugin = "heterogeneous";
   static constexpr const char* kText =
-      "what varies in space: sigma_t is a gridvolume or a constvolume, outside of whose box there is nothing, and albedo "
+      "what varies in space: sigma_t is a gridvolume or a constvolume, outside of whose box there is "
+      "nothing, and albedo "
       "may be one; holds a phase function";
 
   void complete(Findings& findings) {

@@ -130,7 +130,8 @@ struct SceneDescription : RenderSettings {
   std::vector<std::filesystem::path> files;  ///< all that were read for it, that one first
   /// Of the contents of those files: the same scene elsewhere has the same.
   std::uint64_t contents_hash = 0;
-  std::vector<SceneTexture> textures;                  ///< one holds only such as come before it
+  std::string dialect;                 ///< of a format that has several: which, and what told it
+  std::vector<SceneTexture> textures;  ///< one holds only such as come before it
   std::vector<std::shared_ptr<const Bitmap>> bitmaps;  ///< of textures, each once
   std::vector<Bsdf> bsdfs;                             ///< one holds only such as come before it
   std::vector<ParticipatingMedium> media;

@@ -32,12 +32,13 @@ struct Format {
   std::function<Expected<SceneDescription>(const std::filesystem::path&, const ReadOptions&)> read;
   /// Of formats that share an extension: whether the file is of this one. Empty: what is of no other.
   std::function<bool(const std::filesystem::path&)> is_one = {};
+  bool has_dialects = false;
 
   [[nodiscard]] bool may_be(const std::filesystem::path& file) const { return !is_one || is_one(file); }
 };
 
 std::span<const Format> formats() {
-  static const std::vector<Format> table = {{"Nori XML", ".xml", '<', nori::read_scene, nori::is_scene},
+  static const std::vector<Format> table = {{"Nori XML", ".xml", '<', nori::read_scene, nori::is_scene, true},
                                             {"Mitsuba XML", ".xml", '<', mitsuba::read_scene},
                                             {"TinyRender TOML", ".toml", '[', tinyrender::read_scene},
                                             {"glTF 2.0", ".gltf", '{', gltf::read_scene},
@@ -90,6 +91,12 @@ bool has_light(const SceneDescription& scene) {
   return shines || std::ranges::any_of(scene.emitters, [](const Emitter& e) { return !is_black(e); });
 }
 
+/// Lights play no part in what these show.
+bool needs_no_light(const IntegratorSettings& integrator) {
+  return integrator.is<AmbientOcclusionIntegrator>() || integrator.is<ReflectionOcclusionIntegrator>() ||
+         integrator.is<NormalsIntegrator>();
+}
+
 /// Warns of scenes whose image is black, or nearly, which is hardly intended.
 void warn_of_emptiness(SceneDescription& scene) {
   const bool light = has_light(scene);
@@ -100,7 +107,7 @@ void warn_of_emptiness(SceneDescription& scene) {
     warn(light && std::ranges::any_of(scene.emitters, is_sky)
              ? "the scene has no shapes; only its sky is seen"
              : "the scene has no shapes; the image is black");
-  else if (!light)
+  else if (!light && !needs_no_light(scene.integrator))
     warn("nothing in the scene emits light; the image is black");
 }
 
@@ -128,6 +135,9 @@ Expected<SceneDescription> read_scene(const std::filesystem::path& file, const R
     return fail(fmt::format("{}: not a scene in a format that Penumbra reads; it reads: {}", file.string(),
                             list_names(scene_formats())));
   }
+  if (!options.dialect.empty() && !format->has_dialects)
+    return fail(fmt::format("{}: --dialect {} is of Nori's scenes; this one is {}", file.string(),
+                            options.dialect, format->name));
   auto scene = format->read(file, options);
   if (!scene) return scene;
   if (const auto done = apply_all(*scene, options); !done) {
@@ -135,7 +145,8 @@ Expected<SceneDescription> read_scene(const std::filesystem::path& file, const R
   }
   warn_of_emptiness(*scene);
   if (options.strict && !scene->warnings.empty())
-    return fail(fmt::format("{}\n{}: warnings count as errors here", fmt::join(scene->warnings, "\n"), file.string()));
+    return fail(fmt::format("{}\n{}: warnings count as errors here", fmt::join(scene->warnings, "\n"),
+                            file.string()));
   return scene;
 }
 

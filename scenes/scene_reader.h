@@ -18,11 +18,13 @@ struct ReadOptions {
   std::vector<std::pair<std::string, std::string>> defines = {};
   /// --set key=value (see settings.h), applied over what the file says.
   std::vector<std::pair<std::string, std::string>> settings = {};
-  /// What can be parsed is rendered: what is not known, not there or out of range becomes a warning, and something
-  /// that can be seen in the picture, or is left out.
+  /// What can be parsed is rendered: what is not known, not there or out of range becomes a warning, and
+  /// something that can be seen in the picture, or is left out.
   bool lenient = false;
   /// Every warning is an error.
   bool strict = false;
+  /// Of formats that have dialects: "nori" or "nori-eth". Empty: what the file tells.
+  std::string dialect = {};
   /// For scenes from elsewhere: every file must lie inside this folder, symbolic links followed.
   std::optional<std::filesystem::path> confine_to = std::nullopt;
 };

@@ -18,10 +18,10 @@
 #include <utility>
 #include <variant>
 
-#include "penumbra.grpc.pb.h"
 #include "kernels/host/host_name.h"
 #include "kernels/host/peak_memory.h"
 #include "kernels/host/stopwatch.h"
+#include "penumbra.grpc.pb.h"
 #include "scheduler/keys/tcp_address.h"
 #include "scheduler/keys/unreachable.h"
 #include "scheduler/protocol/client.h"

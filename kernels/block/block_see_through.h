@@ -112,8 +112,8 @@ STAGE void note_leaves(const PRIVATE Scene* scene, const PRIVATE PathState* path
       const bool hit = (get_ray_tmax(paths, i + j) > 0.0f) & (surfaces->primitive[j] >= 0);
       const bool through = hit & ((leaf < 0) | (hidden != 0));
       passes[j] = through ? 1 : 0;
-      // Its side's own is not noted, so that what is does not depend on the other lanes; but a pane is, which a ray may
-      // meet behind another side of the same primitive.
+      // Its side's own is not noted, so that what is does not depend on the other lanes; but a pane is, which
+      // a ray may meet behind another side of the same primitive.
       bool is_chosen = leaf != surfaces->material[j];
     #if HAS(MEDIA)
       is_chosen = is_chosen | (pane_of(scene, leaf) > 0.0f);

@@ -40,8 +40,8 @@ constexpr Color white_of(const Chromaticities& c) {
   return {x / y, 1, (1 - x - y) / y};
 }
 
-/// Linear RGB of such primaries to CIE XYZ, in which white has Y = 1: primaries of any luminance, scaled so that
-/// together they are white.
+/// Linear RGB of such primaries to CIE XYZ, in which white has Y = 1: primaries of any luminance, scaled so
+/// that together they are white.
 constexpr ColorMatrix xyz_from_rgb(const Chromaticities& c) {
   ColorMatrix primaries{};
   for (std::size_t i = 0; i < 3; ++i) {

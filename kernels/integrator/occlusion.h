@@ -1,6 +1,7 @@
 // How open the surroundings of what the camera sees are: ambient occlusion, the share of directions in which
 // nothing is near, and reflection occlusion, the same of a lobe about the mirror direction. Lights and
-// materials play no part. In steps: step k asks for the k-th ray from the surface that the camera ray hit.
+// materials play no part, as they do not in the image of the normals (WEIGHTING_NORMALS). In steps: step k
+// asks for the k-th ray from the surface that the camera ray hit.
 #ifndef PENUMBRA_INTEGRATOR_OCCLUSION_H
 #define PENUMBRA_INTEGRATOR_OCCLUSION_H
 #include "kernels/bsdf/phong.h"
@@ -29,14 +30,18 @@ FN float occlusion_weight(int kind, int weighting, float exponent, float cosine)
   return kind == DIRECTION_LOBE ? of_lobe : wanted / density;
 }
 
-/// What camera rays see that meet nothing.
+/// What camera rays see that meet nothing; with WEIGHTING_NORMALS what they see otherwise, too.
 STAGE void add_background(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                           const PRIVATE Surfaces* RESTRICT surfaces) {
   const float background = scene->header.integrator.background;
+  const int weighting = scene->header.integrator.weighting;
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const float seen = surfaces->primitive[j] >= 0 ? 0.0f : background;
-      set_radiance(paths, i + j, make_vec3(seen, seen, seen));
+      const vec3 black = make_vec3(0.0f, 0.0f, 0.0f);
+      const vec3 normal = abs3(LOAD_LANE_vec3(surfaces->shading, j));
+      const vec3 on_surface = select3(weighting == WEIGHTING_NORMALS, normal, black);
+      const vec3 nothing = make_vec3(background, background, background);
+      set_radiance(paths, i + j, select3(surfaces->primitive[j] >= 0, on_surface, nothing));
     }
 }
 
@@ -54,7 +59,7 @@ STAGE void request_occlusion_rays(const PRIVATE Scene* scene, const PRIVATE Path
       const vec3 mirror = sub(scale(s.shading, 2.0f * dot3(s.shading, s.wo)), s.wo);
       const vec3 wi = occlusion_direction(kind, exponent, s.shading, mirror, u[j], v[j]);
       const float cosine = dot3(s.shading, wi);
-      const bool above = is_hit(s) & (cosine > 0.0f) & !is_beneath(s, wi);
+      const bool above = is_hit(s) & (cosine > 0.0f) & !is_beneath(s, wi) & (weighting != WEIGHTING_NORMALS);
       const float weight = share * occlusion_weight(kind, weighting, exponent, above ? cosine : 1.0f);
       set_shadow_origin(&fields, i + j, leave_surface(s.p, s.geometric, s.error, wi));
       set_shadow_direction(&fields, i + j, wi);

@@ -30,8 +30,10 @@ bool balances(const IntegratorSettings& integrator, const LightBuilder& lights) 
   return finds && !(control_variate(integrator) && lights.only_polygons());
 }
 
+/// Of surfaces alone, without lights and materials.
 bool is_occlusion(const IntegratorSettings& integrator) {
-  return integrator.is<AmbientOcclusionIntegrator>() || integrator.is<ReflectionOcclusionIntegrator>();
+  return integrator.is<AmbientOcclusionIntegrator>() || integrator.is<ReflectionOcclusionIntegrator>() ||
+         integrator.is<NormalsIntegrator>();
 }
 
 int kind_of(const IntegratorSettings& integrator) {
@@ -68,6 +70,10 @@ void set_occlusion(const IntegratorSettings& integrator, double scene_radius, In
   if (const auto* ambient = integrator.get<AmbientOcclusionIntegrator>())
     p.bsdf_sampling = direction_kind(ambient->sampling);
   if (integrator.is<ReflectionOcclusionIntegrator>()) p.bsdf_sampling = DIRECTION_LOBE;
+  if (integrator.is<NormalsIntegrator>()) {
+    p.weighting = WEIGHTING_NORMALS;
+    p.background = 0.0f;
+  }
   const float length = parameter_or(integrator, PENUMBRA_PARAMETER(ray_length), 0.0f);
   p.ray_length = length > 0 ? length : length < 0 ? float(0.5 * scene_radius) : NO_LIMIT;
 }

@@ -31,8 +31,8 @@ bool equal(const std::optional<GridVolume>& a, const std::optional<GridVolume>& 
   if (!a || !b) return !a && !b;
   const VolumeGrid &g = *a->grid, &h = *b->grid;
   return a->to_world == b->to_world && a->nearest == b->nearest &&
-         (&g == &h || (g.nx == h.nx && g.ny == h.ny && g.nz == h.nz && g.channels == h.channels &&
-                       g.values == h.values));
+         (&g == &h ||
+          (g.nx == h.nx && g.ny == h.ny && g.nz == h.nz && g.channels == h.channels && g.values == h.values));
 }
 
 bool equal(const ParticipatingMedium& a, const ParticipatingMedium& b) {
@@ -118,7 +118,8 @@ int MediaBook::of_group(int group, std::size_t index) const {
 Expected<void> MediaBook::fill(const glm::dvec3& center, SceneRecords& records) {
   if (empty_) return {};
   if (std::size_t(count_) > kMostMedia)
-    return fail(fmt::format("the scene has {} media, more than {} that differ", scene_.media.size(), kMostMedia));
+    return fail(
+        fmt::format("the scene has {} media, more than {} that differ", scene_.media.size(), kMostMedia));
   Medium nothing{};
   nothing.density = nothing.albedo_grid = -1;
   records.media.push_back(nothing);

@@ -32,7 +32,9 @@ class MediaBook {
   [[nodiscard]] int of_group(int group, std::size_t index) const;
 
   /// The number of the record of the scene's medium of that index, or of nothing for kNoMedium.
-  [[nodiscard]] int record_of(int medium) const { return medium == kNoMedium ? 0 : records_[std::size_t(medium)]; }
+  [[nodiscard]] int record_of(int medium) const {
+    return medium == kNoMedium ? 0 : records_[std::size_t(medium)];
+  }
 
   /// Sets the tables of media, of their phase functions and of boundaries, and appends a material for each
   /// phase function. Nothing if it is empty. `center`: of the scene, where the kernels' coordinates begin.
@@ -44,8 +46,8 @@ class MediaBook {
 
   const SceneDescription& scene_;
   bool empty_ = true;
-  std::vector<int> records_;  ///< of each of the scene's media: from 1 on, the same for equal ones
-  int count_ = 0;             ///< of media that differ
+  std::vector<int> records_;         ///< of each of the scene's media: from 1 on, the same for equal ones
+  int count_ = 0;                    ///< of media that differ
   std::vector<std::size_t> firsts_;  ///< of each group: the number of its first shape, after the scene's
   std::vector<Boundary> boundaries_;
   std::map<std::size_t, int> numbers_;  ///< of boundaries, by those of shapes

@@ -32,8 +32,8 @@ TableSpan append(const std::vector<Record>& records, int least, AlignedVector<st
   return {int(records.size()), std::uint32_t(offset)};
 }
 
-/// Kernels look at the first triangle for rays that meet none. Where there is none, one with an area is there: its
-/// normal is a number.
+/// Kernels look at the first triangle for rays that meet none. Where there is none, one with an area is
+/// there: its normal is a number.
 void put_placeholder_triangle(DeviceScene& scene) {
   const TableSpan span = scene.header.tables.triangles;
   if (span.count > 0) return;

@@ -22,8 +22,7 @@ bool repeats(const Triangle& a, const Triangle& b) {
 }  // namespace
 
 VertexUvs vertex_uvs(const Mesh& mesh, const glm::uvec3& corner, bool flipped) {
-  if (mesh.texcoords.empty())
-    return flipped ? VertexUvs{0, 0, 0, 1, 1, 0} : VertexUvs{0, 0, 1, 0, 0, 1};
+  if (mesh.texcoords.empty()) return flipped ? VertexUvs{0, 0, 0, 1, 1, 0} : VertexUvs{0, 0, 1, 0, 0, 1};
   const glm::vec2 &a = mesh.texcoords[corner.x], &b = mesh.texcoords[corner.y], &c = mesh.texcoords[corner.z];
   return {a.x, a.y, b.x, b.y, c.x, c.y};
 }

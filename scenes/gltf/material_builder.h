@@ -18,7 +18,7 @@ struct SurfaceOfMaterial {
   int radiance_texture = kNoTexture;  ///< by which it is multiplied
   bool two_sided_emission = false;
   bool unlit = false;  ///< it shines only because its colour is to be seen as it is
-  int texcoord = -1;  ///< the set of texture coordinates; none: -1
+  int texcoord = -1;   ///< the set of texture coordinates; none: -1
   bool has_normal_map = false;
 };
 

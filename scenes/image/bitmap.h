@@ -24,7 +24,8 @@ struct Bitmap {
   TexelType type = TexelType::kByte;
   /// Rows from the top, channels of a texel side by side, in words whose lowest byte is first, as of texel.h.
   std::vector<std::uint32_t> words;
-  std::shared_ptr<const std::string> contents = {};  ///< of one that is no file of its own: what a file of it has
+  std::shared_ptr<const std::string> contents =
+      {};  ///< of one that is no file of its own: what a file of it has
 };
 
 }  // namespace penumbra

@@ -32,7 +32,8 @@ Expected<BitmapFiles::Entry> BitmapFiles::read_contents(const std::string& name,
   Expected<Bitmap> bitmap = read_bitmap(name, contents, channels, entry.findings);
   if (!bitmap) return std::unexpected(bitmap.error());
   std::error_code ignored;
-  if (!std::filesystem::exists(name, ignored)) bitmap->contents = std::make_shared<const std::string>(contents);
+  if (!std::filesystem::exists(name, ignored))
+    bitmap->contents = std::make_shared<const std::string>(contents);
   entry.bitmap = add(std::move(*bitmap));
   by_contents_.emplace(key, entry.bitmap);
   return entry;

@@ -27,8 +27,8 @@ class BitmapFiles {
   /// names. Errors: see FileAccess::read_bytes and read_bitmap, the same for the same file.
   Expected<Entry> read(const std::filesystem::path& file, BitmapChannels channels);
 
-  /// The same of contents that are in memory; `name` is the file that has them, or for messages, and its ending may
-  /// say the format.
+  /// The same of contents that are in memory; `name` is the file that has them, or for messages, and its
+  /// ending may say the format.
   Expected<Entry> read_contents(const std::string& name, std::string_view contents, BitmapChannels channels);
   /// One that was made.
   int add(Bitmap bitmap);

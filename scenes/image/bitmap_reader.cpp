@@ -89,7 +89,8 @@ void convert_primaries(const ColorMatrix& matrix, Bitmap& bitmap) {
   for (std::size_t i = 0; i + 2 < bitmap.words.size(); i += 3) {
     const auto at = [&](std::size_t k) { return double(std::bit_cast<float>(bitmap.words[i + k])); };
     const Color converted = transformed(matrix, {at(0), at(1), at(2)});
-    for (std::size_t k = 0; k < 3; ++k) bitmap.words[i + k] = std::bit_cast<std::uint32_t>(float(converted[k]));
+    for (std::size_t k = 0; k < 3; ++k)
+      bitmap.words[i + k] = std::bit_cast<std::uint32_t>(float(converted[k]));
   }
 }
 

@@ -54,7 +54,8 @@ std::optional<Chromaticities> other_primaries(const OIIO::ImageSpec& spec) {
   const TexelType type = type_of(spec);
   Chromaticities said{};
   if ((type != TexelType::kHalf && type != TexelType::kFloat) ||
-      !spec.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, int(said.size())), said.data()))
+      !spec.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, int(said.size())),
+                         said.data()))
     return std::nullopt;
   const bool same =
       std::ranges::equal(said, kRec709, [](float a, float b) { return std::abs(a - b) <= kSame; });

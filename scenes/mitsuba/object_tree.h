@@ -80,7 +80,7 @@ struct ObjectTree {
   std::int64_t major_version = 3;                  ///< of the scene file
   /// The program that the file is for passes over parameters that it does not know, and the like.
   bool is_tolerant = false;
-  bool faceted_without_normals = false;            ///< meshes whose files have no normals (Nori)
+  bool faceted_without_normals = false;  ///< meshes whose files have no normals (Nori)
   std::map<std::string, Object*> by_id;
   std::vector<std::filesystem::path>
       folders;  ///< of the scene file, then of each <path>: where files are looked for

@@ -237,12 +237,14 @@ void PluginReader::read_colour(std::string_view name, glm::vec3& colour, ColourR
   if (const auto rgb = colour_of(*parameter, role)) set_colour(name, *rgb, colour, role);
 }
 
-/// What Mitsuba 0.x makes of colours that cannot be: reflectances above 1 are scaled down, negative numbers are 0.
+/// What Mitsuba 0.x makes of colours that cannot be: reflectances above 1 are scaled down, negative numbers
+/// are 0.
 glm::vec3 PluginReader::tolerated(std::string_view name, glm::vec3 rgb, ColourRole role) const {
   if (!context_.is_tolerant() || !(std::isfinite(rgb.x) && std::isfinite(rgb.y) && std::isfinite(rgb.z)))
     return rgb;
   if (std::min({rgb.x, rgb.y, rgb.z}) < 0.0f) {
-    context_.tolerable(location_of(name), fmt::format("{} of {} is negative", name, title()), "0 stands in for it");
+    context_.tolerable(location_of(name), fmt::format("{} of {} is negative", name, title()),
+                       "0 stands in for it");
     rgb = glm::max(rgb, 0.0f);
   }
   if (const float most = std::max({rgb.x, rgb.y, rgb.z}); role == ColourRole::kReflectance && most > 1.0f) {

@@ -34,11 +34,11 @@ struct Context {
   Diagnostics& diagnostics;
   bool lenient = false;
   std::span<const std::pair<std::string, std::string>> settings = {};  ///< see ReadOptions
-  bool media_seen = false;            ///< by the scene's integrator
-  TextureReader* textures = nullptr;  ///< while a scene is built
-  MediumReader* media = nullptr;      ///< likewise
-  VolumeReader* volumes = nullptr;    ///< likewise
-  const FileAccess* files = nullptr;  ///< likewise
+  bool media_seen = false;                                             ///< by the scene's integrator
+  TextureReader* textures = nullptr;                                   ///< while a scene is built
+  MediumReader* media = nullptr;                                       ///< likewise
+  VolumeReader* volumes = nullptr;                                     ///< likewise
+  const FileAccess* files = nullptr;                                   ///< likewise
 
   /// The object, or the one that is referred to; null, and an error, where there is none of that id.
   Object* resolve(const Child& child) const;
@@ -54,8 +54,8 @@ struct Context {
   /// What there is no counterpart for: an error, or with `lenient` a warning that ends in `instead`.
   void unsupported(SourceLocation location, std::string_view what, std::string_view instead) const;
 
-  /// Whether faults that some programs pass over are warnings: where the program that the file is for does, or with
-  /// `lenient`.
+  /// Whether faults that some programs pass over are warnings: where the program that the file is for does,
+  /// or with `lenient`.
   [[nodiscard]] bool is_tolerant() const { return lenient || tree.is_tolerant; }
   /// Such a fault: a warning that ends in `instead`, once with its count, or an error that ends in `hint`.
   void tolerable(SourceLocation location, std::string_view what, std::string_view instead,

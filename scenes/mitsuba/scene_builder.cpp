@@ -19,8 +19,8 @@
 namespace penumbra::mitsuba {
 namespace {
 
-/// Microfacets of Mitsuba 0.x that version 3 has not: Beckmann's of the same alpha come nearest, whose mean slope is
-/// that of the exponent 2 / alpha² - 2 (Walter et al. 2007).
+/// Microfacets of Mitsuba 0.x that version 3 has not: Beckmann's of the same alpha come nearest, whose mean
+/// slope is that of the exponent 2 / alpha² - 2 (Walter et al. 2007).
 void replace_old_distributions(const Context& context) {
   for (Object& object : context.tree.objects)
     for (Parameter& parameter : object.parameters) {
@@ -57,7 +57,8 @@ SceneDescription build_scene(const Context& plain, const FileAccess& files) {
   freeze_animations(context, sensor);
   if (integrator != nullptr) read_integrator(context, *integrator, scene);
   for (const auto& [key, value] : context.settings)
-    if (to_snake_case(key) == "integrator.type") static_cast<void>(apply_setting(scene, "integrator.type", value));
+    if (to_snake_case(key) == "integrator.type")
+      static_cast<void>(apply_setting(scene, "integrator.type", value));
   context.media_seen = scene.integrator.is<VolpathIntegrator>();
   MediumReader media(context);
   context.media = &media;

@@ -114,7 +114,8 @@ class SceneWriter {
       const ParticipatingMedium& medium = scene_.media[i];
       const glm::vec3 e = medium.extinction;
       const bool is_box = medium.density && medium.density->grid->values.size() == 1;
-      if ((medium.density && !is_box && e != glm::vec3(e.x)) || (medium.albedo_grid && medium.albedo != glm::vec3(1.0f)))
+      if ((medium.density && !is_box && e != glm::vec3(e.x)) ||
+          (medium.albedo_grid && medium.albedo != glm::vec3(1.0f)))
         return fail(
             fmt::format("{} has a colour that multiplies a grid, which Mitsuba has not", medium.name));
       xml_.open("medium", medium.density ? HeterogeneousMedium::kPlugin : HomogeneousMedium::kPlugin,
@@ -284,17 +285,20 @@ class SceneWriter {
   std::string image_file(const Bitmap& image) {
     if (image.contents == nullptr) {
       std::error_code ignored;
-      const auto canonical = [&](const fs::path& path) { return fs::weakly_canonical(fs::absolute(path), ignored); };
+      const auto canonical = [&](const fs::path& path) {
+        return fs::weakly_canonical(fs::absolute(path), ignored);
+      };
       return canonical(image.name).lexically_proximate(canonical(file_).parent_path()).string();
     }
-    const auto [at, added] = images_.try_emplace(
-        *image.contents, fmt::format("{}-{}{}", file_.stem().string(), images_.size(),
-                                     fs::path(image.name).extension().string()));
+    const auto [at, added] =
+        images_.try_emplace(*image.contents, fmt::format("{}-{}{}", file_.stem().string(), images_.size(),
+                                                         fs::path(image.name).extension().string()));
     if (added) files_.push_back({file_.parent_path() / at->second, *image.contents});
     return at->second;
   }
 
-  /// That of the scene, unless something else has it already; Mitsuba has no dots in ids. Without one, `other`.
+  /// That of the scene, unless something else has it already; Mitsuba has no dots in ids. Without one,
+  /// `other`.
   std::string new_id(std::string id, const std::string& other) {
     std::ranges::replace(id, '.', '_');
     const bool is_ours = id.starts_with("medium-") || id.starts_with("group-") || id.starts_with("texture-");

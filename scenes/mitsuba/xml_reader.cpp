@@ -259,8 +259,9 @@ class XmlReader {
                                    [&](const Parameter& p) { return p.name == parameter->name; });
     if (same != parent.parameters.end()) {
       if (tree_.is_tolerant || options_.lenient) {
-        diagnostics_.warn_counted(element.location(), fmt::format("the parameter '{}' is there twice; the last counts",
-                                                                  parameter->name));
+        diagnostics_.warn_counted(
+            element.location(),
+            fmt::format("the parameter '{}' is there twice; the last counts", parameter->name));
         *same = std::move(*parameter);
         return;
       }

@@ -5,7 +5,7 @@
 
 namespace penumbra::nori {
 
-/// Whether a file is one: XML whose root is <scene> without a version, with elements that only Nori has.
+/// Whether a file is one: XML whose root is <scene>, with elements that only Nori has, or <test>.
 bool is_scene(const std::filesystem::path& file);
 
 /// Reads a Nori scene, all but `options.settings`: as the objects of Mitsuba that mean the same.

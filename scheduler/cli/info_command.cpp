@@ -54,6 +54,7 @@ std::vector<std::pair<std::string, std::string>> settings_of(const SceneOptions&
 std::string info_text(const SceneOptions& options, const LoadedScene& scene,
                       const SceneInventory& inventory) {
   std::string text = fmt::format("{}, read and built in {:.3f} s\n", options.scene, scene.seconds);
+  if (!scene.description.dialect.empty()) text += fmt::format("Dialect: {}\n", scene.description.dialect);
   const std::vector<Section> sections = {{"Needs", scene.summary.needs},
                                          {"Left out", scene.summary.left_out},
                                          {"Settings", settings_of(options, scene)}};
@@ -88,6 +89,7 @@ std::string info_json(const SceneOptions& options, const LoadedScene& scene,
       {"left_out", grouped_json(scene.summary.left_out)},
       {"costs", inventory_json(inventory)},
       {"warnings", scene.description.warnings}};
+  if (!scene.description.dialect.empty()) json["dialect"] = scene.description.dialect;
   // Names and paths are bytes, not always UTF-8.
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }

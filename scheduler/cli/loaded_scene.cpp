@@ -49,6 +49,7 @@ Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) 
   read.settings = split_assignments(options.settings);
   read.lenient = options.lenient;
   read.strict = options.strict;
+  read.dialect = options.dialect;
   const auto number = [](std::optional<std::uint32_t> value) {
     return value ? std::optional(fmt::to_string(*value)) : std::nullopt;
   };

@@ -67,6 +67,13 @@ void add_overrides(CLI::App& command, SceneOptions& options) {
       ->check(assignment());
   command.add_flag("--lenient", options.lenient,
                    "Warn of what is not known, missing or out of range, and render the rest");
+  command
+      .add_option(
+          "--dialect", options.dialect,
+          "Of Nori's scenes: nori, or nori-eth for those of ETH Zurich's course, whose camera is mirrored "
+          "(default: what the file tells; `penumbra info` says which)")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"nori", "nori-eth"}));
   command.add_flag("--strict", options.strict, "Every warning about the scene is an error");
   command
       .add_option("--integrator", options.integrator, "Override the scene's integrator (path is path_mis)")

@@ -18,6 +18,7 @@ struct SceneOptions {
   std::vector<std::string> settings;  ///< key=value
   bool lenient = false;
   bool strict = false;
+  std::string dialect;                    ///< empty: what the scene file tells
   std::optional<std::string> integrator;  ///< one of the names of integrator.type
   std::optional<std::string> sampler;
   std::optional<std::uint32_t> spp;

@@ -30,8 +30,8 @@ void print_summary(const RenderOutcome& outcome, const OutputFiles& files);
 /// What --sampler sobol would save, to somebody whose scene file asks for independent samples.
 void print_sampler_advice();
 
-/// Samples that are not as they should be, and variances that no file holds, as warnings, or as errors with `strict` and
-/// where more than 1 % of the samples are not finite; whether there are errors.
+/// Samples that are not as they should be, and variances that no file holds, as warnings, or as errors with
+/// `strict` and where more than 1 % of the samples are not finite; whether there are errors.
 bool print_flagged(const PreparedRender& prepared, const FilmAccumulator& film, bool strict);
 
 /// That a render came to no sample; why.

@@ -76,6 +76,7 @@ RenderRecord make_record(const RenderOptions& options, const LoadedScene& scene,
   record.defines = options.scene.defines;
   record.settings = options.scene.settings;
   record.lenient = options.scene.lenient;
+  record.dialect = options.scene.dialect;
   record.film = film;
   if (options.stop_after && *options.stop_after < record.sampler.spp) record.stop_after = options.stop_after;
   record.stop_after_units = options.stop_after_units;

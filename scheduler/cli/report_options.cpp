@@ -181,7 +181,14 @@ void add_cell_options(CLI::App& command, RenderOptions& render) {
       ->allow_extra_args(false)
       ->check(assignment())
       ->group(kGroup);
-  command.add_flag("--lenient", scene.lenient, "Warn of what is not known or missing, and render the rest")->group(kGroup);
+  command.add_flag("--lenient", scene.lenient, "Warn of what is not known or missing, and render the rest")
+      ->group(kGroup);
+  command
+      .add_option("--dialect", scene.dialect,
+                  "Of Nori's scenes: nori or nori-eth (default: what the file tells)")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"nori", "nori-eth"}).description(""))
+      ->group(kGroup);
   command.add_option("--seed", scene.seed, "From which all seeds are made (default: 0)")
       ->type_name("S")
       ->check(whole_number(0, kMaxSeed).description(""))

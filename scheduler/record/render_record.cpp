@@ -56,6 +56,7 @@ std::string repeat_command(const RenderRecord& record, bool with_crop) {
   for (const std::string& define : record.defines) add("-D", define);
   for (const std::string& setting : record.settings) add("--set", setting);
   if (record.lenient) command += " --lenient";
+  if (!record.dialect.empty()) add("--dialect", record.dialect);
   for (const Setting& setting : all_settings()) {
     if (setting.option.empty()) continue;
     add("--" + setting.option, setting.print(record));
@@ -133,7 +134,8 @@ std::vector<std::pair<std::string, MetadataValue>> record_metadata(const RenderR
   if (!rendered.backends.empty())
     metadata.emplace_back("penumbra:rendered_by", std::string(rendered.backends));
   metadata.emplace_back("penumbra:film_hash", hash_text(film_hash));
-  if (rendered.scene_warnings > 0) metadata.emplace_back("penumbra:scene_warnings", int(rendered.scene_warnings));
+  if (rendered.scene_warnings > 0)
+    metadata.emplace_back("penumbra:scene_warnings", int(rendered.scene_warnings));
   if (!rendered.complete) metadata.emplace_back("penumbra:incomplete", 1);
   if (!rendered.repeatable()) {
     metadata.emplace_back("penumbra:samples_per_pixel",

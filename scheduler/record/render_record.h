@@ -23,6 +23,7 @@ struct RenderRecord : RenderSettings {
   std::vector<std::string> defines;   ///< -D name=value
   std::vector<std::string> settings;  ///< --set key=value
   bool lenient = false;
+  std::string dialect;  ///< --dialect; empty: what the scene file tells
   /// Only so many of them are rendered; nothing: all.
   std::optional<std::uint32_t> stop_after;
   /// Only the first so many units, of `tile` and `samples_per_pass`, pass by pass and tile by tile; nothing:
@@ -70,9 +71,9 @@ RenderRecord record_of_rendered(RenderRecord record, const RenderedSamples& rend
 
 /// Metadata of the EXR, all named penumbra:…; `film_hash` is FilmAccumulator::hash(). The scene is named
 /// without its folder, so that the same render is the same file wherever it is, and identified by its hash.
-/// penumbra:scene_warnings is how many there were, if any. An image that misses samples is marked penumbra:incomplete = 1; if no command renders it again, there is
-/// penumbra:nearest_command instead of penumbra:command. penumbra:rendered_by is what a backend came to that
-/// the command leaves open.
+/// penumbra:scene_warnings is how many there were, if any. An image that misses samples is marked
+/// penumbra:incomplete = 1; if no command renders it again, there is penumbra:nearest_command instead of
+/// penumbra:command. penumbra:rendered_by is what a backend came to that the command leaves open.
 std::vector<std::pair<std::string, MetadataValue>> record_metadata(const RenderRecord& record,
                                                                    std::uint64_t film_hash,
                                                                    const RenderedSamples& rendered);

@@ -24,7 +24,8 @@ std::optional<int> max_depth(const IntegratorSettings& integrator) {
 }
 
 bool is_occlusion(const IntegratorSettings& integrator) {
-  return integrator.is<AmbientOcclusionIntegrator>() || integrator.is<ReflectionOcclusionIntegrator>();
+  return integrator.is<AmbientOcclusionIntegrator>() || integrator.is<ReflectionOcclusionIntegrator>() ||
+         integrator.is<NormalsIntegrator>();
 }
 
 bool is_part(const IntegratorSettings& integrator) {
@@ -61,6 +62,7 @@ std::vector<std::string> parameters_of(const IntegratorSettings& integrator, boo
 std::string own_quantity(const IntegratorSettings& integrator) {
   const std::string name = integrator.is<AmbientOcclusionIntegrator>()      ? "ambient occlusion"
                            : integrator.is<ReflectionOcclusionIntegrator>() ? "reflection occlusion"
+                           : integrator.is<NormalsIntegrator>()             ? "normals"
                            : is_part(integrator)                            ? "a part of the light"
                            : integrator.is<VolpathIntegrator>()             ? "light through media"
                                                                             : "direct light and mirrors";

@@ -116,7 +116,8 @@ Expected<JobId> JobsClient::submit(const Submission& submission, const DeviceSce
   auto asked = request<wire::SubmitRequest>();
   *asked.mutable_submission() = encode(submission);
   wire::SubmitReply reply;
-  if (const grpc::Status status = connection_->stub->Submit(&context, asked, &reply); !status.ok()) return failed(status);
+  if (const grpc::Status status = connection_->stub->Submit(&context, asked, &reply); !status.ok())
+    return failed(status);
   return reply.job();
 }
 
@@ -129,7 +130,8 @@ Expected<wire::StatusReply> JobsClient::status(const std::vector<JobId>& jobs) {
   auto asked = request<wire::StatusRequest>();
   for (const JobId job : jobs) asked.add_jobs(job);
   wire::StatusReply reply;
-  if (const grpc::Status status = connection_->stub->Status(&context, asked, &reply); !status.ok()) return failed(status);
+  if (const grpc::Status status = connection_->stub->Status(&context, asked, &reply); !status.ok())
+    return failed(status);
   is_away_ = false;
   return reply;
 }

@@ -14,8 +14,8 @@ class Service;
 
 namespace penumbra {
 
-/// Its answers; both must outlive it. `on_call` is called with the peer of each call, after the token has been
-/// checked where one is required.
+/// Its answers; both must outlive it. `on_call` is called with the peer of each call, after the token has
+/// been checked where one is required.
 std::shared_ptr<grpc::Service> make_jobs_service(JobQueue& queue, Spool& spool,
                                                  std::function<void(const std::string& peer)> on_call = {});
 

@@ -43,6 +43,7 @@ void encode(const RenderRecord& record, wire::Record& message) {
   add_texts(record.defines, message.mutable_defines());
   add_texts(record.settings, message.mutable_settings());
   message.set_lenient(record.lenient);
+  message.set_dialect(record.dialect);
   if (record.stop_after) message.set_stop_after(*record.stop_after);
   if (record.stop_after_units) message.set_stop_after_units(*record.stop_after_units);
   message.set_samples_per_pass(record.samples_per_pass);
@@ -74,6 +75,7 @@ Expected<RenderRecord> decode(const wire::Record& message, const DeviceOptions& 
   record.defines = {message.defines().begin(), message.defines().end()};
   record.settings = {message.settings().begin(), message.settings().end()};
   record.lenient = message.lenient();
+  record.dialect = wire_text(message.dialect(), kLongestName);
   if (message.has_stop_after()) record.stop_after = message.stop_after();
   if (message.has_stop_after_units()) record.stop_after_units = message.stop_after_units();
   record.samples_per_pass = message.samples_per_pass();

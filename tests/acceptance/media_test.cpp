@@ -226,7 +226,8 @@ int add_clear_pane(SceneDescription& scene, float ior) {
   return int(scene.bsdfs.size()) - 1;
 }
 
-/// Light that is seen through panes takes no depth. Each lets through (1 - r) / (1 + r), with r of one boundary.
+/// Light that is seen through panes takes no depth. Each lets through (1 - r) / (1 + r), with r of one
+/// boundary.
 TEST(Media, PanesDoNotCountAsDepth) {
   constexpr double kIor = 2.17;
   for (const int depth : {1, 4}) {

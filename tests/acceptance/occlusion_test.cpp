@@ -57,6 +57,20 @@ void expect_openness(const SceneDescription& scene, float length, double cosine,
   }
 }
 
+/// Of a floor that leans: the absolute values of its normal, and black beyond it.
+TEST(Normals, AreThoseOfTheSurface) {
+  SceneDescription scene = empty_scene(1, 1, 64, 5);
+  scene.camera = look_at({0, 3, 0}, {0, 0, 0}, {0, 0, 1}, 1e-3);
+  scene.shapes.push_back(parallelogram({-4, 3, -4}, {0, 0, 8}, {8, -6, 0}, add_diffuse(scene, 0.5f)));
+  scene.integrator.method = NormalsIntegrator{};
+  const FilmAccumulator film = render_or_throw(scene, native_device());
+  const glm::dvec3 normal = glm::normalize(glm::dvec3(6, 8, 0));
+  for (int channel = 0; channel < 3; ++channel)
+    EXPECT_NEAR(pixel_sample(film, 0, 0, channel).mean(), normal[channel], 1e-6) << channel;
+  scene.camera = look_at({0, 3, 0}, {0, 6, 0}, {0, 0, 1}, 1e-3);
+  EXPECT_EQ(pixel_sample(render_or_throw(scene, native_device()), 0, 0, 1).mean(), 0.0);
+}
+
 TEST(AmbientOcclusion, BelowADisk) {
   struct Case {
     double height, radius, uniform;

@@ -91,7 +91,8 @@ SceneText panes(bool medium_too) {
                          medium_too ? medium("m", {0.9, 0.5, 0.3}, 1, {0.5, 0.8, 0.9}, hg(0)) : "");
   const std::string pane =
       plugin("bsdf", "thindielectric", real("int_ior", 2.1) + rgb("specular_reflectance", {0.9, 0.7, 0.8}));
-  scene.both(ball({-0.6, 0, 0}, 0.7, pane) + placed("cube", "<scale value=\"0.4\"/><translate x=\"0.9\"/>\n", pane));
+  scene.both(ball({-0.6, 0, 0}, 0.7, pane) +
+             placed("cube", "<scale value=\"0.4\"/><translate x=\"0.9\"/>\n", pane));
   if (medium_too) scene.both(ball({0.9, -0.7, 1}, 0.3, kNull + reference("m", "interior")));
   scene.both(kSky);
   return scene;

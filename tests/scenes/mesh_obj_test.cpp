@@ -63,9 +63,10 @@ TEST(Obj, NormalsAndTextureCoordinatesThatSomeCornersLackAreZeroThere) {
                                                glm::vec2(0.25f, 0.5f)));
   EXPECT_THAT(file.mesh.normals,
               ElementsAre(glm::vec3(0, 0, 1), glm::vec3(0, 0, 1), glm::vec3(0), glm::vec3(0, 0, 1)));
-  EXPECT_THAT(describe(file.faces),
-              ElementsAre("1 face has corners without texture coordinates; (0, 0) stands in for them; the first is "
-                          "m.obj:7:1"));
+  EXPECT_THAT(
+      describe(file.faces),
+      ElementsAre("1 face has corners without texture coordinates; (0, 0) stands in for them; the first is "
+                  "m.obj:7:1"));
   const MeshFile none = read_obj({"m.obj", std::string(kSquare) + "vn 0 0 1\nf 1//1 2//1 3//1\n"}).value();
   EXPECT_THAT(none.mesh.texcoords, IsEmpty());
   EXPECT_THAT(describe(none.faces), IsEmpty());

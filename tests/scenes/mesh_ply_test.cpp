@@ -113,7 +113,8 @@ TEST(Ply, FacesOfFewerThanThreeCornersAreLeftOut) {
   const MeshFile file = read_ply({"m.ply", text}).value();
   EXPECT_THAT(file.mesh.triangles, SizeIs(1));
   ASSERT_THAT(describe(file.faces), SizeIs(1));
-  EXPECT_EQ(describe(file.faces)[0], "3 faces have fewer than 3 corners; they are left out; the first is face 0");
+  EXPECT_EQ(describe(file.faces)[0],
+            "3 faces have fewer than 3 corners; they are left out; the first is face 0");
 }
 
 TEST(Ply, BodyErrorsNameTheElement) {

@@ -92,12 +92,14 @@ TEST_F(MitsubaGrids, WithoutAGridTheMediumEndsAtTheUnitCube) {
   const glm::dmat4 place = translation({10, 0, 0}) * scaling({2, 2, 2});
   for (const auto& [content, cube] :
        {std::pair("<rgb name='sigma_t' value='1 2 4'/>" + float_of("scale", "2"), glm::dmat4(1)),
-        std::pair("<volume type='constvolume' name='sigma_t'><rgb name='value' value='2 4 8'/>" + at + "</volume>",
-                  place)}) {
+        std::pair(
+            "<volume type='constvolume' name='sigma_t'><rgb name='value' value='2 4 8'/>" + at + "</volume>",
+            place)}) {
     const ParticipatingMedium m = read_medium(content);
     EXPECT_EQ(m.extinction, glm::vec3(2, 4, 8));
     EXPECT_EQ(m.albedo, glm::vec3(0.75f));
-    expect_same(m.density, GridVolume{std::make_shared<const VolumeGrid>(VolumeGrid{1, 1, 1, 1, {1.0f}}), cube});
+    expect_same(m.density,
+                GridVolume{std::make_shared<const VolumeGrid>(VolumeGrid{1, 1, 1, 1, {1.0f}}), cube});
   }
   EXPECT_EQ(read_medium("").extinction, glm::vec3(1));
 }

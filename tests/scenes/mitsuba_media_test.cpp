@@ -250,10 +250,10 @@ TEST_F(MitsubaMedia, GroupsBoundMediaWhereTheyArePlaced) {
 
 TEST_F(MitsubaMedia, EqualOnesAreOne) {
   const std::string thick = number("sigma_t", "2"), thin = number("sigma_t", "1");
-  const DeviceScene d = device(
-      good(kVolpath + in("shape", "cube", kNull + medium(thick)) +
-           in("shape", "sphere", in("bsdf", "dielectric") + medium(thick, "name='exterior'") +
-                                     medium(thin, "name='interior'"))));
+  const DeviceScene d = device(good(
+      kVolpath + in("shape", "cube", kNull + medium(thick)) +
+      in("shape", "sphere",
+         in("bsdf", "dielectric") + medium(thick, "name='exterior'") + medium(thin, "name='interior'"))));
   EXPECT_EQ(d.header.tables.media.count, 3) << "nothing, and two";
   const auto boundaries = table<Boundary>(d, d.header.tables.boundaries);
   ASSERT_EQ(boundaries.size(), 2u);

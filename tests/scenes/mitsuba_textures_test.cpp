@@ -174,7 +174,8 @@ TEST_F(MitsubaTextures, OtherLayersThanTheColoursAreLeftOut) {
     EXPECT_EQ(std::bit_cast<float>(s.bitmaps[0]->words.at(c)), 0.25f * float(c + 1));
 }
 
-/// What the chromaticities of a file say is told by the closed form: with those of XYZ its numbers are X, Y, Z.
+/// What the chromaticities of a file say is told by the closed form: with those of XYZ its numbers are X, Y,
+/// Z.
 TEST_F(MitsubaTextures, ColoursOfOtherPrimariesBecomeRec709) {
   const glm::dvec3 rgb(0.5, 0.25, 0.1);
   const auto xyz_of = [](const glm::dvec3& c) {  // IEC 61966-2-1, to four decimals
@@ -185,7 +186,8 @@ TEST_F(MitsubaTextures, ColoursOfOtherPrimariesBecomeRec709) {
     OIIO::ImageSpec spec(1, 1, 3, OIIO::TypeDesc::FLOAT);
     spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), chromaticities.data());
     const auto out = OIIO::ImageOutput::create((folder_ / "c.exr").string());
-    EXPECT_TRUE(out->open((folder_ / "c.exr").string(), spec) && out->write_image(OIIO::TypeDesc::FLOAT, &values));
+    EXPECT_TRUE(out->open((folder_ / "c.exr").string(), spec) &&
+                out->write_image(OIIO::TypeDesc::FLOAT, &values));
     EXPECT_TRUE(out->close());
     const SceneDescription s = good(shape(bitmap("c.exr")));
     glm::dvec3 result(0.0);

@@ -159,9 +159,9 @@ TEST_F(NoriText, WhatIsWrongIsSaidWithItsPlace) {
       wrong("<mash/>"),
       AllOf(HasSubstr("scene.xml:3:2: error: <mash> is not an element of a Nori scene"), HasSubstr("mesh")));
   EXPECT_THAT(
-      wrong("<integrator type=\"normals\"/>"),
-      AllOf(HasSubstr("scene.xml:3:19"), HasSubstr("integrator type 'normals'"), HasSubstr("path_mats")));
-  EXPECT_THAT(wrong("<medium type=\"homogeneous\"/>"), HasSubstr("medium type 'homogeneous'"));
+      wrong("<integrator type=\"wireframe\"/>"),
+      AllOf(HasSubstr("scene.xml:3:19"), HasSubstr("integrator type 'wireframe'"), HasSubstr("path_mats")));
+  EXPECT_THAT(wrong("<medium type=\"heterogeneous\"/>"), HasSubstr("medium type 'heterogeneous'"));
   EXPECT_THAT(wrong("<mesh type=\"obj\"><string name=\"filename\" value=\"none.obj\"/></mesh>"),
               HasSubstr("there is no file 'none.obj'"));
   EXPECT_THAT(wrong("<mesh type=\"obj\"><string name=\"filename\" value=\"m.obj\"/>"
@@ -172,7 +172,7 @@ TEST_F(NoriText, WhatIsWrongIsSaidWithItsPlace) {
               HasSubstr("fov"));
   EXPECT_THAT(wrong("<sampler type=\"independent\"/><sampler type=\"independent\"/>"),
               HasSubstr("second <sampler>"));
-  const auto lenient = read(nori(std::string("<integrator type=\"normals\"/>") + kMesh), {.lenient = true});
+  const auto lenient = read(nori(std::string("<integrator type=\"wireframe\"/>") + kMesh), {.lenient = true});
   ASSERT_TRUE(lenient) << lenient.error().message;
 }
 

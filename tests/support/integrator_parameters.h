@@ -18,7 +18,8 @@ enum class IntegratorKind {
   kWhitted,
   kAmbientOcclusion,
   kReflectionOcclusion,
-  kVolpath
+  kVolpath,
+  kNormals
 };
 
 inline IntegratorKind kind_of(const IntegratorSettings& settings) {

@@ -21,8 +21,7 @@ SceneTables random_scene(RandomNumbers& random, bool with_normals, bool with_qua
     t.back = 100 + k;
     t.light = k % 3 - 1;
     const auto number = [&] { return float(random.between(-1, 2)); };
-    if (with_uv)
-      tables.vertex_uvs.push_back({number(), number(), number(), number(), number(), number()});
+    if (with_uv) tables.vertex_uvs.push_back({number(), number(), number(), number(), number(), number()});
     if (!with_normals || k % 2 == 0) continue;
     t.normals = int(tables.normals.size());
     tables.normals.push_back(

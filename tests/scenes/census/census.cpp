@@ -30,11 +30,11 @@ std::vector<std::string> fields(std::string_view line) {
 
 bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
-/// With each fragment, "@name" at the start of a word, in its place.
+/// With each fragment, "@name" at the start of a word or in brackets, in its place.
 std::string filled_in(std::string_view text, const std::map<std::string, std::string>& fragments) {
   std::string result;
   for (std::size_t at = 0; at < text.size();) {
-    if (text[at] != '@' || (at > 0 && text[at - 1] != ' ')) {
+    if (text[at] != '@' || (at > 0 && text[at - 1] != ' ' && text[at - 1] != '(')) {
       result += text[at++];
       continue;
     }
@@ -172,8 +172,12 @@ class Writer {
     if (kind == "spec") return element("spectrum", "0.5");
     if (kind == "table") return element("spectrum", "400:0.3, 550:0.5, 700:0.7");
     if (kind == "p") return element("point", name == "p1" ? "0, 2, 0" : "0, 0, 1");
+    if (kind == "c") return element("color", "0.5, 0.4, 0.3");
+    if (kind == "v") return element("vector", name == "size" ? "0.5, 0.5, 0.5" : "0, 0, 1");
+    if (kind == "p2") return element("point", "0.5, 0.25");
+    if (kind == "v2") return element("vector", "0.5, 0.25");
     if (kind == "anim") return fmt::format("<animation name='{}'>{}</animation>", name, kMotion);
-    if (name == "filename") return element("string", file_of(type));
+    if (to_lower_case(name) == "filename") return element("string", file_of(type));
     if (!given.empty()) return element("string", given);
     return fmt::format("<transform name='{}'>{}</transform>", name,
                        to_snake_case(name) == "to_uv" ? "<scale x='2' y='3'/>" : kPlace);
@@ -215,6 +219,10 @@ std::vector<Row> read_rows(const std::filesystem::path& file) {
         {parts[0], parts[1], parts[2] == "-" ? "" : parts[2], parts[3], filled_in(parts[4], fragments)});
   }
   return rows;
+}
+
+std::string nori_text(const Row& row) {
+  return fmt::format("<scene>\n{}</scene>\n", Writer(row.items).scene());
 }
 
 std::string scene_text(const Row& row) {

@@ -1,4 +1,5 @@
-// Facts about public scenes, and tiny scenes that are made of them: census/mitsuba_scenes.txt says how.
+// Facts about public scenes, and tiny scenes that are made of them: census/mitsuba_scenes.txt and
+// nori_scenes.txt say how.
 #pragma once
 
 #include <filesystem>
@@ -7,6 +8,7 @@
 
 namespace penumbra::census {
 
+/// Of nori_scenes.txt `version` is the dialect, and `fork` says where nothing tells it.
 struct Row {
   std::string name, version;
   std::string fork;     ///< what a research fork has added; empty: none
@@ -20,5 +22,7 @@ std::vector<Row> read_rows(const std::filesystem::path& file);
 /// A scene with each of the row's plugins and parameters, whose files are `mesh.obj`, `mesh.ply`,
 /// `mesh.serialized`, `curve.txt`, `grid.vol`, `smoke.vol` and `image.pfm` beside it.
 std::string scene_text(const Row& row);
+/// The same of a row of Nori's.
+std::string nori_text(const Row& row);
 
 }  // namespace penumbra::census

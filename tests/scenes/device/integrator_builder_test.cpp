@@ -277,15 +277,12 @@ TEST(IntegratorBuilder, DepthsAndFlags) {
 }
 
 TEST(IntegratorBuilder, EachIntegratorHasItsKernelAndFeature) {
-  const std::pair<int, std::uint32_t> expected[] = {{INTEGRATOR_DIRECT, FEATURE_DIRECT},
-                                                    {INTEGRATOR_PATH, FEATURE_PATH},
-                                                    {INTEGRATOR_DIRECT, FEATURE_DIRECT},
-                                                    {INTEGRATOR_DIRECT, FEATURE_DIRECT},
-                                                    {INTEGRATOR_DIRECT, FEATURE_DIRECT},
-                                                    {INTEGRATOR_WHITTED, FEATURE_WHITTED},
-                                                    {INTEGRATOR_OCCLUSION, FEATURE_OCCLUSION},
-                                                    {INTEGRATOR_OCCLUSION, FEATURE_OCCLUSION},
-                                                    {INTEGRATOR_PATH, FEATURE_PATH}};
+  const std::pair<int, std::uint32_t> expected[] = {
+      {INTEGRATOR_DIRECT, FEATURE_DIRECT},       {INTEGRATOR_PATH, FEATURE_PATH},
+      {INTEGRATOR_DIRECT, FEATURE_DIRECT},       {INTEGRATOR_DIRECT, FEATURE_DIRECT},
+      {INTEGRATOR_DIRECT, FEATURE_DIRECT},       {INTEGRATOR_WHITTED, FEATURE_WHITTED},
+      {INTEGRATOR_OCCLUSION, FEATURE_OCCLUSION}, {INTEGRATOR_OCCLUSION, FEATURE_OCCLUSION},
+      {INTEGRATOR_PATH, FEATURE_PATH},           {INTEGRATOR_OCCLUSION, FEATURE_OCCLUSION}};
   ASSERT_EQ(std::size(expected), integrator_methods().size());
   for (std::size_t i = 0; i < std::size(expected); ++i) {
     const SceneHeader h = header(IntegratorKind(i));

@@ -80,13 +80,16 @@ std::string gltf_with(const std::string& uri) {
   return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
 "nodes": [{"mesh": 0, "name": "a.picture"}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1},
 "indices": 2, "material": 0}]}], "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0},
-"metallicFactor": 0}}], "textures": [{"source": 0}], "images": [{"uri": ")" + uri + R"("}],
+"metallicFactor": 0}}], "textures": [{"source": 0}], "images": [{"uri": ")" +
+         uri +
+         R"("}],
 "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0]},
 {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"},
 {"bufferView": 2, "componentType": 5123, "count": 6, "type": "SCALAR"}],
 "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 32},
 {"buffer": 0, "byteOffset": 80, "byteLength": 12}], "buffers": [{"byteLength": 92, "uri": "data:application/octet-stream;base64,)"
-         "AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAACAPwAAgD8AAAAAAACAvwAAgD8AAAAAAAAAAAAAgD8AAIA/AACAPwAAgD8AAAAAAAAAAAAAAAAAAAEA"
+         "AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAACAPwAAgD8AAAAAAACAvwAAgD8AAAAAAAAAAAAAgD8AAIA/"
+         "AACAPwAAgD8AAAAAAAAAAAAAAAAAAAEA"
          "AgAAAAIAAwA=\"}]}";
 }
 
@@ -116,10 +119,12 @@ TEST_F(ConvertCommand, ImagesAreFoundFromTheOutputsFolder) {
 }
 
 TEST_F(ConvertCommand, IdsStay) {
-  write_text(folder_ / "ids.xml",
-             "<scene version='3.0.0'><bsdf type='diffuse' id='paint'/><shape type='sphere' id='ball'><ref id='paint'/></shape>"
-             "<shape type='disk' id='plate'><bsdf type='plastic' id='medium-0'/></shape><shape type='sphere'/>"
-             "<emitter type='constant'/><sensor type='perspective'/></scene>");
+  write_text(
+      folder_ / "ids.xml",
+      "<scene version='3.0.0'><bsdf type='diffuse' id='paint'/><shape type='sphere' id='ball'><ref "
+      "id='paint'/></shape>"
+      "<shape type='disk' id='plate'><bsdf type='plastic' id='medium-0'/></shape><shape type='sphere'/>"
+      "<emitter type='constant'/><sensor type='perspective'/></scene>");
   ASSERT_EQ(run_penumbra(folder_.path(), {"convert", "ids.xml", "t.xml"}).exit_code, 0);
   const std::string text = file_contents(folder_ / "t.xml");
   for (const char* id : {"\"paint\"", "\"ball\"", "\"plate\""}) EXPECT_THAT(text, HasSubstr(id));

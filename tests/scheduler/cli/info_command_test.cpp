@@ -40,6 +40,19 @@ TEST(InfoCommand, CountsWhatTheSceneHolds) {
   EXPECT_FALSE(json["left_out"].empty());
 }
 
+TEST(InfoCommand, SaysWhichDialectOfNoriItReads) {
+  const TemporaryFolder folder;
+  write_text(folder / "n.xml",
+             "<scene><camera type='perspective'/><mesh type='sphere'/><integrator type='normals'/></scene>");
+  const ProgramResult told = run_penumbra(folder.path(), {"info", "n.xml"});
+  EXPECT_THAT(told.out, HasSubstr("Dialect: nori-eth (it has a <mesh> of type 'sphere')"));
+  const ProgramResult chosen = run_penumbra(folder.path(), {"info", "n.xml", "--json", "--dialect", "nori"});
+  ASSERT_EQ(chosen.exit_code, 0) << chosen.err;
+  EXPECT_EQ(nlohmann::json::parse(chosen.out)["dialect"], "nori (by --dialect)");
+  write_small_scene(folder / "s.xml");
+  EXPECT_THAT(run_penumbra(folder.path(), {"info", "s.xml"}).out, Not(HasSubstr("Dialect")));
+}
+
 TEST(InfoCommand, SaysInNumbersWhatIsLeftOut) {
   const TemporaryFolder folder;
   write_small_scene(folder / "s.xml");

@@ -127,13 +127,16 @@ TEST_F(RenderCommand, SamplesThatAreNoNumbersAreReportedOrAnError) {
 }
 
 TEST_F(RenderCommand, ManySamplesThatAreNotFiniteAreAnError) {
-  write_text(folder_ / "inf.xml",
-             "<scene version='3.0.0'><integrator type='path'/><sensor type='perspective'><film type='hdrfilm'>"
-             "<integer name='width' value='8'/><integer name='height' value='8'/></film><transform name='to_world'>"
-             "<translate z='-4'/></transform></sensor><shape type='sphere'><bsdf type='diffuse'><rgb "
-             "name='reflectance' value='1'/></bsdf><emitter type='area'><rgb name='radiance' value='3e38'/></emitter>"
-             "</shape><emitter type='constant'><rgb name='radiance' value='3e38'/></emitter></scene>");
-  const ProgramResult done = run_penumbra(folder_.path(), {"render", "inf.xml", "-o", "inf.exr", "-q", "--spp", "4"});
+  write_text(
+      folder_ / "inf.xml",
+      "<scene version='3.0.0'><integrator type='path'/><sensor type='perspective'><film type='hdrfilm'>"
+      "<integer name='width' value='8'/><integer name='height' value='8'/></film><transform name='to_world'>"
+      "<translate z='-4'/></transform></sensor><shape type='sphere'><bsdf type='diffuse'><rgb "
+      "name='reflectance' value='1'/></bsdf><emitter type='area'><rgb name='radiance' "
+      "value='3e38'/></emitter>"
+      "</shape><emitter type='constant'><rgb name='radiance' value='3e38'/></emitter></scene>");
+  const ProgramResult done =
+      run_penumbra(folder_.path(), {"render", "inf.xml", "-o", "inf.exr", "-q", "--spp", "4"});
   EXPECT_EQ(done.exit_code, 1);
   EXPECT_THAT(done.err, HasSubstr("error: "));
   EXPECT_THAT(done.err, HasSubstr("infinite samples count as black"));

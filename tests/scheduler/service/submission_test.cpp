@@ -41,6 +41,7 @@ Submission full_submission() {
   record.defines = {"a=1", "b=x y"};
   record.settings = {"film.width=40"};
   record.lenient = true;
+  record.dialect = "nori-eth";
   record.stop_after = 70;
   record.stop_after_units = std::uint64_t(1) << 40;
   record.samples_per_pass = 5;

@@ -1,0 +1,188 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scenes/diagnostic.h"
+#include "scenes/nori/translate.h"
+
+namespace penumbra::nori {
+
+using mitsuba::Child;
+using mitsuba::Object;
+using mitsuba::Parameter;
+using mitsuba::RgbValue;
+using mitsuba::Value;
+
+namespace {
+
+constexpr const char* kSimple = "simple";
+constexpr const char* kMaterial = "material";
+
+/// Integrators, and the settings of ours that make the same image.
+struct Integrator {
+  const char *nori, *ours;
+  std::vector<std::pair<const char*, Value>> settings = {};
+};
+const std::vector<Integrator>& integrators() {
+  using I = std::int64_t;
+  static const std::vector<Integrator> all = {
+      {"path", "path_mis"},
+      {"path_mis", "path_mis"},
+      {"path_mats", "path_mats"},
+      {"path_ems", "path_ems"},
+      {"direct", "direct"},
+      {"direct_mis", "direct"},
+      {"direct_mats", "direct", {{"emitter_samples", I(0)}, {"bsdf_samples", I(1)}}},
+      {"direct_ems", "direct", {{"emitter_samples", I(1)}, {"bsdf_samples", I(0)}}},
+      {"direct_whitted", "whitted", {{"indirect_samples", I(0)}}},
+      {"whitted", "whitted", {{"indirect_samples", I(0)}}},
+      {kSimple, "direct", {{"emitter_samples", I(1)}, {"bsdf_samples", I(0)}}},
+      {"normals", "normals"},
+      {kMaterial, "path_mats", {{"max_depth", I(1)}}},
+      // What leaves the scene is black in the one and white in the other.
+      {"ao", "ao", {{"ray_length", 0.0}, {"background", 0.0}}},
+      {"av",
+       "ao",
+       {{"occlusion_sampling", std::string("hemisphere")},
+        {"occlusion_weighting", std::string("uniform")},
+        {"background", 1.0}}},
+      {"volpath", "volpath"},
+      {"volpath_mis", "volpath"},
+      {"volpath_mats", "volpath_mats"}};
+  return all;
+}
+
+/// What stands in for an integrator of a fork, told by its name: other ways to the image of a path tracer.
+/// Empty: none.
+std::string_view stand_in_for(std::string_view plain) {
+  const auto has = [&](std::string_view word) { return plain.find(word) != plain.npos; };
+  const bool by_bsdf = has("mats");
+  if (has("vol") || has("medi")) return by_bsdf ? "volpath_mats" : "volpath";
+  for (const std::string_view word : {"photon", "pmap", "ppm", "bdpt", "bidir", "mlt", "pssmlt", "vpl", "vcm",
+                                      "guid", "radiosity", "ptracer", "lighttrac", "particle", "restir"})
+    if (has(word)) return "path_mis";
+  if (has("direct")) return "direct";
+  if (has("path") || plain == "pt") return by_bsdf ? "path_mats" : has("ems") ? "path_ems" : "path_mis";
+  return "";
+}
+
+/// Parameters that ours have, by the forks' names; the rest is of their own ways to work.
+void settle_parameters(Object& integrator) {
+  rename(integrator, {"length"}, "ray_length");
+  rename(integrator, {"maxdepth", "max_bounces", "max_path_length"}, "max_depth");
+  std::erase_if(integrator.parameters, [](const Parameter& parameter) {
+    return parameter.name != "ray_length" && parameter.name != "max_depth" && parameter.name != "rr_depth" &&
+           parameter.name != "position" && parameter.name != "energy";
+  });
+}
+
+}  // namespace
+
+void translate_integrator(const Translation& t, Object& integrator) {
+  const auto& known = integrators();
+  const auto found =
+      std::ranges::find_if(known, [&](const Integrator& each) { return integrator.type == each.nori; });
+  if (found != known.end()) {
+    rename(integrator, {"length"}, "ray_length");
+    if (integrator.type == kSimple || integrator.type == kMaterial)
+      integrator.id = integrator.type;  // for apply_integrator
+    integrator.type = found->ours;
+    for (const auto& [name, value] : found->settings) set_default(integrator, name, value);
+    return;
+  }
+  std::string_view ours = stand_in_for(plain_name(integrator.type));
+  if (!ours.empty()) {
+    t.report.warn(integrator.type_location,
+                  fmt::format("{} stands in for the integrator '{}'", ours, integrator.type));
+    settle_parameters(integrator);
+  } else {
+    std::vector<std::string> names;
+    for (const Integrator& each : known) names.emplace_back(each.nori);
+    t.report.unsupported(integrator.type_location,
+                         fmt::format("integrator type '{}' is not one of Nori's that Penumbra reads{}",
+                                     integrator.type, known_names(integrator.type, names, "It reads")),
+                         "path_mis stands in for it");
+    ours = "path_mis";
+    integrator.parameters.clear();
+  }
+  integrator.type = ours;
+}
+
+namespace {
+
+void remove(Object& object, std::initializer_list<std::string_view> tags) {
+  std::erase_if(object.children,
+                [&](const Child& child) { return std::ranges::find(tags, child.object->tag) != tags.end(); });
+}
+
+/// `simple` is a point light of its own, before surfaces that are white whatever the scene says.
+void apply_simple(const Translation& t, Object& integrator, Object& scene) {
+  Object& light = t.new_object("emitter", "point", integrator.location);
+  if (auto position = take(integrator, "position")) light.parameters.push_back(std::move(*position));
+  const auto energy = take(integrator, "energy");
+  const glm::vec3 power = energy ? colour_of(*energy).value_or(glm::vec3(0.0f)) : glm::vec3(0.0f);
+  set(light, "intensity", RgbValue{power * float(0.25 / std::numbers::pi)});
+  remove(scene, {"emitter"});
+  for (const Child& each : scene.children) {
+    if (each.object->tag != "shape") continue;
+    remove(*each.object, {"bsdf", "emitter"});
+    Object& white = t.new_object("bsdf", "diffuse", each.object->location);
+    set(white, "reflectance", RgbValue{glm::vec3(1.0f)});
+    add_child(*each.object, white);
+  }
+  add_child(scene, light);
+}
+
+/// What `material` shows of a diffuse BSDF, as a lamp.
+Object& shown_material(const Translation& t, Object& diffuse) {
+  constexpr float kInversePi = float(std::numbers::inv_pi);
+  Object& lamp = t.new_object("emitter", "area", diffuse.location);
+  if (const Child* texture = find_child(diffuse, "texture", {"reflectance"})) {
+    Object& scaled = t.new_object("texture", "scale", texture->location);
+    set(scaled, "scale", double(kInversePi));
+    add_child(scaled, *texture->object);
+    add_child(lamp, scaled, "radiance");
+  } else {
+    const Parameter* given = find(diffuse, "reflectance");
+    const glm::vec3 albedo = given != nullptr ? colour_of(*given).value_or(glm::vec3(0.5f)) : glm::vec3(0.5f);
+    set(lamp, "radiance", RgbValue{albedo * kInversePi});
+  }
+  return lamp;
+}
+
+/// `material` shows the values of BSDFs for light along the normal: of diffuse ones as if they shone, of
+/// mirrors and glass nothing.
+void apply_material(const Translation& t, Object& scene) {
+  remove(scene, {"emitter"});
+  for (const Child& each : scene.children) {
+    if (each.object->tag != "shape") continue;
+    Object& shape = *each.object;
+    Object& bsdf = *find_child(shape, "bsdf")->object;
+    if (bsdf.type != "diffuse" && bsdf.type != "conductor" && bsdf.type != "dielectric")
+      t.report.unsupported(
+          bsdf.type_location,
+          fmt::format("the integrator 'material' shows diffuse surfaces, mirrors and dielectrics here, "
+                      "none of {}",
+                      bsdf.type),
+          "it is black");
+    remove(shape, {"bsdf", "emitter"});
+    if (bsdf.type == "diffuse") add_child(shape, shown_material(t, bsdf));
+  }
+}
+
+}  // namespace
+
+void apply_integrator(const Translation& t, Object& scene) {
+  const Child* child = find_child(scene, "integrator");
+  if (child == nullptr) return;
+  Object& integrator = *child->object;
+  const std::string name = std::exchange(integrator.id, "");
+  if (name == kSimple) apply_simple(t, integrator, scene);
+  if (name == kMaterial) apply_material(t, scene);
+}
+
+}  // namespace penumbra::nori

@@ -1,0 +1,105 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "scenes/nori/translate.h"
+#include "scenes/transform.h"
+
+namespace penumbra::nori {
+
+using mitsuba::Child;
+using mitsuba::Object;
+using mitsuba::Parameter;
+using mitsuba::RgbValue;
+
+namespace {
+
+bool is_homogeneous(std::string_view plain) {
+  return plain.starts_with("homog") || plain == "medium" || plain == "uniform" || plain == "constant";
+}
+
+/// A box or a ball that the medium says it fills, as a shape around it that light passes through.
+Object* shape_of(const Translation& t, Object& medium) {
+  const auto center = take_any(medium, {"center", "position"});
+  const auto size = take(medium, "size");
+  const auto radius = take_any(medium, {"radius", "max_radius"});
+  const auto low = take_any(medium, {"bounds_min", "min", "p_min", "bbox_min"});
+  const auto high = take_any(medium, {"bounds_max", "max", "p_max", "bbox_max"});
+  const auto of = [](const std::optional<Parameter>& parameter) {
+    return parameter ? vector_of(*parameter) : std::nullopt;
+  };
+  const glm::dvec3 at = of(center).value_or(glm::dvec3(0.0));
+  if (const auto r = radius ? number_of(*radius) : std::nullopt) {
+    Object& ball = t.new_object("shape", "sphere", medium.location);
+    set(ball, "center", at);
+    set(ball, "radius", *r);
+    return &ball;
+  }
+  std::optional<glm::dmat4> to_world;
+  // Of `size` forks mean half of the box's sides.
+  if (const auto half = of(size)) to_world = translation(at) * scaling(*half);
+  if (of(low) && of(high))
+    to_world = translation(0.5 * (*of(low) + *of(high))) * scaling(0.5 * (*of(high) - *of(low)));
+  if (!to_world) return nullptr;
+  if (is_singular(*to_world)) {
+    t.report.error(medium.location, "the box of the medium must have three sides above 0");
+    return nullptr;
+  }
+  Object& box = t.new_object("shape", "cube", medium.location);
+  set(box, "to_world", *to_world);
+  return &box;
+}
+
+}  // namespace
+
+void translate_medium(const Translation& t, Object& medium) {
+  const std::string plain = plain_name(medium.type);
+  if (is_homogeneous(plain)) {
+    medium.type = "homogeneous";
+    // One of both alone is all that the medium does.
+    if (find(medium, "sigma_s") != nullptr && find_any(medium, {"sigma_t", "albedo"}) == nullptr)
+      set_default(medium, "sigma_a", RgbValue{glm::vec3(0.0f)});
+    if (find(medium, "sigma_a") != nullptr && find_any(medium, {"sigma_t", "albedo"}) == nullptr)
+      set_default(medium, "sigma_s", RgbValue{glm::vec3(0.0f)});
+    return;
+  }
+  t.report.unsupported(
+      medium.type_location,
+      fmt::format("medium type '{}' is not one of Nori's that Penumbra reads; it reads homogeneous",
+                  medium.type),
+      "it is left out");
+  medium.type.clear();
+}
+
+void translate_phase(const Translation&, Object& phase) {
+  const std::string plain = plain_name(phase.type);
+  if (plain == "henyeygreenstein" || plain == "anisophase" || plain == "henyey") {
+    phase.type = "hg";
+    set_default(phase, "g", 0.0);
+  }
+  if (plain == "isophase" || plain == "uniform") phase.type = "isotropic";
+}
+
+void place_media(const Translation& t, Object& scene) {
+  std::vector<Child> media;
+  for (const Child& child : scene.children)
+    if (child.object->tag == "medium" && !child.object->type.empty()) media.push_back(child);
+  std::erase_if(scene.children, [](const Child& child) { return child.object->tag == "medium"; });
+  bool fills_everything = false;
+  for (const Child& child : media) {
+    Object& medium = *child.object;
+    if (Object* const shape = shape_of(t, medium)) {
+      add_child(*shape, t.new_object("bsdf", "null", medium.location));
+      add_child(*shape, medium, "interior");
+      add_child(scene, *shape);
+    } else if (std::exchange(fills_everything, true)) {
+      t.report.warn(medium.location, "the scene has a medium without bounds already; this one is ignored");
+    } else if (Child* const view = find_child(scene, "sensor")) {
+      add_child(*view->object, medium);
+    }
+  }
+}
+
+}  // namespace penumbra::nori
