@@ -27,9 +27,9 @@ std::string text_of(const Value& value) {
 
 /// The element that values of this kind come from.
 const char* tag_of(const Value& value) {
-  static constexpr const char* kTags[] = {"integer", "float",    "boolean",   "string",   "point",
+  static constexpr const char* kValueTags[] = {"integer", "float",    "boolean",   "string",   "point",
                                           "rgb",     "spectrum", "transform", "animation"};
-  return kTags[value.index()];
+  return kValueTags[value.index()];
 }
 
 bool is_one_of(std::string_view name, std::initializer_list<std::string_view> names) {
