@@ -100,7 +100,7 @@ TEST_F(RenderCommand, SamplesThatAreNoNumbersAreReportedOrAnError) {
   std::string scene = file_contents(folder_ / "s.xml");
   scene.replace(scene.find("</scene>"), 0, R"(  <emitter type="point">
     <point name="position" x="0" y="0.01" z="0"/>
-    <rgb name="intensity" value="1e38"/>
+    <rgb name="intensity" value="1e37"/>
   </emitter>
 )");
   write_text(folder_ / "bad.xml", scene);
