@@ -28,7 +28,7 @@ std::string text_of(const Value& value) {
 /// The element that values of this kind come from.
 const char* tag_of(const Value& value) {
   static constexpr const char* kValueTags[] = {"integer", "float",    "boolean",   "string",   "point",
-                                          "rgb",     "spectrum", "transform", "animation"};
+                                               "rgb",     "spectrum", "transform", "animation"};
   return kValueTags[value.index()];
 }
 
