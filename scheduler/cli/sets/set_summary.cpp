@@ -76,12 +76,14 @@ FinishedRenders FinishedRenders::read(const std::filesystem::path& path) {
     return std::filesystem::exists(name, ignored);
   };
   try {
-    for (const char* list : {"jobs", "earlier"})
-      for (const nlohmann::json& job : json.value(list, nlohmann::json::array())) {
+    for (const char* list : {"jobs", "earlier"}) {
+      if (!json.contains(list)) continue;
+      for (const nlohmann::json& job : json.at(list)) {
         SetEntry entry = entry_of(job);
         if (!entry.key.empty() && std::ranges::all_of(entry.files, is_there))
           finished.entries_.emplace(entry.files, std::move(entry));
       }
+    }
   } catch (const nlohmann::json::exception&) {
     finished.entries_.clear();  // not written by this program: everything is rendered
   }
