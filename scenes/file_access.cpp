@@ -31,28 +31,6 @@ Expected<void> take_byte_order_mark(std::string& text) {
   return {};
 }
 
-/// The file of a path that differs only in the case of letters; of several, the first by name.
-std::optional<fs::path> find_in_any_case(const fs::path& path) {
-  std::error_code ignored;
-  fs::path found;
-  for (const fs::path& part : path) {
-    if (fs::path exact = found / part; fs::exists(exact, ignored)) {
-      found = std::move(exact);
-      continue;
-    }
-    std::optional<fs::path> best;
-    const std::string wanted = to_lower_case(part.string());
-    for (const fs::directory_entry& entry : fs::directory_iterator(
-             found.empty() ? "." : found, fs::directory_options::skip_permission_denied, ignored)) {
-      const fs::path name = entry.path().filename();
-      if (to_lower_case(name.string()) == wanted && (!best || name < *best)) best = name;
-    }
-    if (!best) return std::nullopt;
-    found /= *best;
-  }
-  return found;
-}
-
 /// What a gzip file unpacks to.
 Expected<std::string> unpacked(const std::string& packed, std::uint64_t max_bytes) {
   z_stream stream{};
@@ -136,18 +114,49 @@ Expected<fs::path> FileAccess::find(std::string_view name, std::span<const fs::p
   return fail(fmt::format("there is no file '{}'; looked in: {}", name, list_names(places)));
 }
 
+const std::map<std::string, fs::path>& FileAccess::entries(const fs::path& folder) const {
+  const auto [at, is_new] = entries_.try_emplace(folder);
+  if (!is_new || !allows(folder)) return at->second;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(
+           folder.empty() ? "." : folder, fs::directory_options::skip_permission_denied, ignored)) {
+    const fs::path name = entry.path().filename();
+    const auto [known, first] = at->second.try_emplace(to_lower_case(name.string()), name);
+    if (!first && name < known->second) known->second = name;
+  }
+  return at->second;
+}
+
+std::optional<fs::path> FileAccess::find_in_any_case(const fs::path& path) const {
+  std::error_code ignored;
+  fs::path found;
+  for (const fs::path& part : path) {
+    if (fs::path exact = found / part; fs::exists(exact, ignored)) {
+      found = std::move(exact);
+      continue;
+    }
+    const auto& names = entries(found);
+    const auto alike = names.find(to_lower_case(part.string()));
+    if (alike == names.end()) return std::nullopt;
+    found /= alike->second;
+    if (!allows(found)) return std::nullopt;
+  }
+  return found;
+}
+
 std::optional<fs::path> FileAccess::find_nearly(std::string_view name,
                                                 const std::vector<fs::path>& candidates) const {
   for (const fs::path& candidate : candidates) {
     std::string path = candidate.string();
     std::ranges::replace(path, '\\', '/');
-    const auto found = find_in_any_case(path);
-    if (!found || !allows(*found)) continue;
-    const std::string remark = fmt::format(
-        "'{}' is found as '{}': names of files are written with / and keep the "
-        "case of letters",
-        name, found->string());
-    if (std::ranges::find(remarks_, remark) == remarks_.end()) remarks_.push_back(remark);
+    const fs::path plain = fs::path(path).lexically_normal();
+    if (!allows(plain)) continue;
+    const auto found = find_in_any_case(plain);
+    if (!found) continue;
+    std::string remark =
+        fmt::format("'{}' is found as '{}': names of files are written with / and keep the case of letters",
+                    name, found->string());
+    if (said_.insert(remark).second) remarks_.push_back(std::move(remark));
     return found;
   }
   return std::nullopt;

@@ -3,9 +3,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -53,6 +56,12 @@ class FileAccess {
   [[nodiscard]] const std::vector<std::filesystem::path>& files_read() const { return files_read_; }
 
  private:
+  /// The names in a folder by their small letters, of several alike the first; none of a folder outside the
+  /// confinement.
+  const std::map<std::string, std::filesystem::path>& entries(const std::filesystem::path& folder) const;
+  /// The file of a path that differs only in the case of letters.
+  [[nodiscard]] std::optional<std::filesystem::path> find_in_any_case(
+      const std::filesystem::path& path) const;
   [[nodiscard]] std::optional<std::filesystem::path> find_nearly(
       std::string_view name, const std::vector<std::filesystem::path>& candidates) const;
 
@@ -60,6 +69,8 @@ class FileAccess {
   mutable std::uint64_t contents_hash_ = 0;
   mutable std::vector<std::filesystem::path> files_read_;
   mutable std::vector<std::string> remarks_;
+  mutable std::set<std::string> said_;  ///< the remarks
+  mutable std::map<std::filesystem::path, std::map<std::string, std::filesystem::path>> entries_;
 };
 
 }  // namespace penumbra

@@ -189,6 +189,11 @@ TEST_F(MitsubaXml, BackSlashesAndTheCaseOfLettersInPaths) {
   write("job/scene.xml", scene(with("..\\meshes\\old\\t.obj")));
   EXPECT_TRUE(read_scene(folder_ / "job/scene.xml", {}));
   EXPECT_FALSE(read_scene(folder_ / "job/scene.xml", {.confine_to = folder_ / "job"}));
+  // Nor through a link of another case.
+  std::filesystem::create_directory_symlink(folder_ / "Meshes", folder_ / "job/Link");
+  write("job/scene.xml", scene(with("link/old/t.obj")));
+  EXPECT_TRUE(read_scene(folder_ / "job/scene.xml", {}));
+  EXPECT_FALSE(read_scene(folder_ / "job/scene.xml", {.confine_to = folder_ / "job"}));
 }
 
 TEST_F(MitsubaXml, PointersOfGitLfsAreNamed) {
